@@ -1,0 +1,44 @@
+/* render: passes over tiles by threads, until a budget of samples, time or error is used up. */
+#ifndef BIS_RENDER_H
+#define BIS_RENDER_H
+
+#include "bis/film.h"
+#include "bis/scene.h"
+
+#include <signal.h>
+#include <stdbool.h>
+
+typedef struct bis_budget {
+    uint32_t spp;     /* passes; 0: not limited by spp */
+    double seconds;   /* of the render phase; 0: not limited */
+    double error;     /* relative RMSE; 0: not limited; at least 4 passes */
+} bis_budget;
+
+typedef struct bis_progress {
+    uint32_t passes_done, passes_total; /* total 0: unknown */
+    double share;                       /* of the budget used, in [0,1] */
+    double seconds, seconds_left;       /* left: NAN while unknown */
+} bis_progress;
+
+typedef struct bis_render_options {
+    bis_budget budget;
+    int n_threads;                             /* 0: all */
+    const volatile sig_atomic_t *interrupted;  /* set by a signal handler: stop soon; NULL: never */
+    void (*progress)(const bis_progress *p, void *user); /* called from one thread, a few times a second; may be NULL */
+    void *user;
+} bis_render_options;
+
+typedef struct bis_render_result {
+    bis_counters counters;
+    double seconds;
+    double relative_rmse; /* NAN: unknown */
+    bool interrupted;     /* the picture then has the passes that were complete; pixels of an unfinished first pass are black */
+    uint32_t passes;
+    int n_threads;
+} bis_render_result;
+
+/* Render into film (initialised by the caller). The bits of the film depend on desc and the number of passes, never on threads or time. Errors: BIS_NOMEM. */
+bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
+                      const bis_render_options *options, bis_diag *diag);
+
+#endif

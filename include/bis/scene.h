@@ -1,0 +1,76 @@
+/* scene: what was described (bis_scene_desc, filled by the parser and overridden by the command line), and the same built and ready to be
+ * asked (bis_scene). Building looks at what the integrator requires and makes that and no more; bis_scene_plan says what and why. */
+#ifndef BIS_SCENE_H
+#define BIS_SCENE_H
+
+#include "bis/accel.h"
+#include "bis/camera.h"
+#include "bis/geometry.h"
+#include "bis/integrator.h"
+#include "bis/light.h"
+#include "bis/sampler.h"
+#include "bis/status.h"
+
+#include <stdio.h>
+
+typedef enum bis_shape_kind { BIS_SHAPE_PLY, BIS_SHAPE_OBJ, BIS_SHAPE_TRIANGLES, BIS_SHAPE_SPHERE, BIS_SHAPE_DISK } bis_shape_kind;
+
+typedef struct bis_shape_desc {
+    bis_shape_kind kind;
+    char *filename;  /* PLY, OBJ: resolved path */
+    bool smooth;     /* invent vertex normals where the file has none */
+    bis_mesh mesh;   /* TRIANGLES */
+    double radius, height;
+    bis_xform to_world;
+    uint32_t material; /* index into materials */
+    bis_loc loc;
+} bis_shape_desc;
+
+typedef struct bis_film_desc {
+    int width, height;
+    char *filename; /* as written; relative to the working directory, like pbrt */
+    double crop[4]; /* x0, x1, y0, y1 */
+} bis_film_desc;
+
+typedef struct bis_scene_desc {
+    char *path;
+    bis_camera camera;
+    bis_film_desc film;
+    bis_sampler sampler;
+    bool pixel_jitter;
+    bis_settings settings;
+    bis_loc integrator_loc;
+    bis_accel_options accel;
+    bool has_light;
+    bis_light_desc light;
+    bis_material *materials;
+    size_t n_materials, capacity_materials;
+    bis_shape_desc *shapes;
+    size_t n_shapes, capacity_shapes;
+    char **files; /* names that bis_locs point into; owned */
+    size_t n_files, capacity_files;
+} bis_scene_desc;
+
+/* Read a scene file. Errors go to diag, several in one go; the status is that of the first. A desc is only handed out without errors. seconds: none of this builds anything. */
+bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *diag);
+void bis_scene_desc_free(bis_scene_desc *d);
+
+typedef struct bis_scene_seconds {
+    double parse, load, envmap, accel, render, write, total;
+} bis_scene_seconds;
+
+typedef struct bis_scene {
+    bis_geometry geometry;
+    bis_accel *accel; /* NULL: no geometry */
+    bis_light *light; /* a black constant where the scene has none */
+    bis_scene_seconds seconds;
+} bis_scene;
+
+/* Load meshes and map, build what desc->settings need. desc is borrowed for the life of the scene. Errors: those of the loaders. */
+bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag *diag);
+void bis_scene_free(bis_scene *s);
+
+/* Print what the scene requires, what will be built for it, what is left out, and why. Loads nothing: sizes come from the files' headers where cheap. */
+void bis_scene_plan(const bis_scene_desc *desc, FILE *out);
+
+#endif
