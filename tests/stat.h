@@ -1,0 +1,47 @@
+/* stat: how our tests judge samplers and estimators. Shared by all test files; p-values from bis/stats.h.
+ *
+ * A test file states its family-wise significance once and runs each of its m statistical tests at
+ * bis_stats_sidak(alpha, m). For every claim there is a twin: a plausible wrong implementation that the same check must reject
+ * (stat_assert_no_fit, stat_assert_not_mean).
+ * A failure prints statistic, degrees of freedom, p, alpha and seed; both histograms go to build/histograms/NAME.csv. */
+#ifndef TESTS_STAT_H
+#define TESTS_STAT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct stat_result {
+    double statistic, dof, p, alpha;
+    bool rejected;
+    const char *why; /* in words */
+} stat_result;
+
+/* Pearson's chi-square test of observed counts against expected counts (not probabilities), n cells each. Cells that
+ * expect fewer than 5 are pooled; what is left at the end joins the last pool. Rejects also: a hit in a cell that expects
+ * 0; totals that differ by more than 0.1 sqrt(total), which could move the statistic by 0.01; a NaN anywhere. */
+stat_result stat_chi_square(const double *observed, const double *expected, size_t n, double alpha);
+
+/* Running mean and variance, Welford 1962. Zero-initialise. */
+typedef struct stat_moments {
+    double n, mean, m2;
+} stat_moments;
+
+void stat_add(stat_moments *m, double x);
+
+/* Variance of one value, unbiased; needs n >= 2. */
+double stat_variance(const stat_moments *m);
+
+/* z-test of the mean against `expected`, standard error from the data. Where all values are equal, a difference beyond 1e-12 of
+ * `expected` (rounding of the sum) rejects. */
+stat_result stat_mean(const stat_moments *m, double expected, double alpha);
+
+/* cmocka assertions. `name` names the claim and the csv file (letters, digits, _ and -). */
+void stat_assert_fit(const char *name, uint64_t seed, const double *observed, const double *expected, size_t n,
+                     double alpha);
+void stat_assert_no_fit(const char *name, uint64_t seed, const double *observed, const double *expected, size_t n,
+                        double alpha);
+void stat_assert_mean(const char *name, uint64_t seed, const stat_moments *m, double expected, double alpha);
+void stat_assert_not_mean(const char *name, uint64_t seed, const stat_moments *m, double expected, double alpha);
+
+#endif
