@@ -5,12 +5,13 @@
  *
  *     uint64_t spp = 0;
  *     const bis_option options[] = {
- *         {"spp", "N", "camera samples in a pixel", BIS_OPTION_COUNT, &spp, .lo = 1, .hi = UINT32_MAX},
+ *         {.name = "spp", .argument = "N", .help = "camera samples in a pixel", .kind = BIS_OPTION_COUNT, .value = &spp, .lo = 1, .hi = 1e9},
  *     };
- *     const bis_command command = {"render", "[render] [options] SCENE", "render a scene", options, 1, 1, 1, NULL};
+ *     const bis_command command = {.name = "render", .usage = "[render] [options] SCENE", .summary = "render a scene",
+ *                                  .options = options, .n_options = 1, .min_operands = 1, .max_operands = 1};
  *     const char *operand[1];
- *     int status, n;
- *     if (!bis_cli_parse(&command, argc, argv, operand, &n, &status)) return status; */
+ *     int n, exit_status;
+ *     if (!bis_cli_parse(&command, argc, argv, operand, &n, &exit_status)) return exit_status; */
 #ifndef BIS_CLI_H
 #define BIS_CLI_H
 
@@ -40,7 +41,7 @@ typedef struct bis_texts {
 } bis_texts;
 
 typedef struct bis_option {
-    const char *name;     /* without "--" */
+    const char *name;     /* without "--"; NULL: a heading in the help, its text in `help` */
     const char *argument; /* "N", shown in the help; NULL for a flag */
     const char *help;     /* a phrase; wrapped to 80 columns */
     bis_option_kind kind;

@@ -8,10 +8,11 @@
 #include <signal.h>
 #include <stdbool.h>
 
+/* Whichever comes first ends the render; one pass is always completed. All three 0: desc->sampler.spp passes. */
 typedef struct bis_budget {
     uint32_t spp;     /* passes; 0: not limited by spp */
     double seconds;   /* of the render phase; 0: not limited */
-    double error;     /* relative RMSE; 0: not limited; at least 4 passes */
+    double error;     /* upper 95% bound of the relative RMSE; 0: not limited; at least 4 passes */
 } bis_budget;
 
 typedef struct bis_progress {
@@ -33,8 +34,9 @@ typedef struct bis_render_result {
     double seconds;
     double relative_rmse; /* NAN: unknown */
     bool interrupted;     /* the picture then has the passes that were complete; pixels of an unfinished first pass are black */
-    uint32_t passes;
+    uint32_t passes;      /* complete ones; 0 only where the first was interrupted (the film then has passes = 1) */
     int n_threads;
+    size_t bytes;         /* of workspace beside the film: the pass under way, the threads' scratch */
 } bis_render_result;
 
 /* Render into film (initialised by the caller). The bits of the film depend on desc and the number of passes, never on threads or time. Errors: BIS_NOMEM. */

@@ -1,0 +1,131 @@
+/* film: sums, sums of squares, and what they say about the error.
+ *
+ * A picture is the mean over passes; a pass adds one camera sample to every pixel, so one count serves all pixels. Sums are double: a
+ * million passes of float radiance add up without loss that matters (2^-53 a step), and squares of FLT_MAX do not overflow.
+ * 56 bytes a pixel. Source of the error estimate: docs/errata.md E32 (errors come from whole, independent replicates: the
+ * passes), the measure itself is relMSE of SPEC 5. */
+#include "bis/film.h"
+
+#include "bis/mem.h"
+
+#include <assert.h>
+#include <math.h>
+
+/* One side of the crop, pbrt's rounding: neighbouring crops (0,0.3) and (0.3,1) meet without overlap or gap. */
+static void crop_side(int full, double lo, double hi, int *first, int *n)
+{
+    int a = (int)ceil(full * lo), b = (int)ceil(full * hi);
+    *first = a;
+    *n = b - a;
+}
+
+bis_status bis_film_init(bis_film *f, int full_width, int full_height, const double crop[4], bis_loc at, bis_diag *diag)
+{
+    bis_film film = {.full_width = full_width, .full_height = full_height};
+    *f = (bis_film){0};
+
+    for (int i = 0; i < 4; i++) {
+        if (!(crop[i] >= 0 && crop[i] <= 1)) {
+            return bis_error(diag, BIS_INPUT, at, "the crop window holds %g; x0, x1, y0, y1 must lie in [0, 1]", crop[i]);
+        }
+    }
+    crop_side(full_width, crop[0], crop[1], &film.x0, &film.width);
+    crop_side(full_height, crop[2], crop[3], &film.y0, &film.height);
+    if (film.width <= 0 || film.height <= 0) {
+        return bis_error(diag, BIS_INPUT, at, "the crop window %g, %g, %g, %g holds no pixel of %d x %d; it reads x0, x1, y0, y1 with x0 < x1, y0 < y1",
+                         crop[0], crop[1], crop[2], crop[3], full_width, full_height);
+    }
+
+    size_t n = (size_t)film.width * (size_t)film.height;
+    film.sum = bis_alloc(n, 3 * sizeof *film.sum);
+    film.sum_squares = bis_alloc(n, 3 * sizeof *film.sum_squares);
+    film.hits = bis_alloc(n, sizeof *film.hits);
+    if (!film.sum || !film.sum_squares || !film.hits) {
+        bis_film_clear(&film);
+        return bis_error(diag, BIS_NOMEM, at, "no memory for a picture of %d x %d pixels", film.width, film.height);
+    }
+    *f = film;
+    return BIS_OK;
+}
+
+void bis_film_clear(bis_film *f)
+{
+    if (!f) return;
+    bis_free(f->sum);
+    bis_free(f->sum_squares);
+    bis_free(f->hits);
+    *f = (bis_film){0};
+}
+
+void bis_film_add(bis_film *f, int x, int y, rgb L, bool hit)
+{
+    assert(x >= f->x0 && x < f->x0 + f->width && y >= f->y0 && y < f->y0 + f->height);
+    assert(rgb_is_finite(L));
+    size_t i = (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0);
+    const double c[3] = {(double)L.r, (double)L.g, (double)L.b};
+
+    for (int k = 0; k < 3; k++) {
+        f->sum[3 * i + (size_t)k] += c[k];
+        f->sum_squares[3 * i + (size_t)k] += c[k] * c[k];
+    }
+    f->hits[i] += hit;
+}
+
+void bis_film_resolve(const bis_film *f, float *rgba)
+{
+    size_t n = (size_t)f->width * (size_t)f->height;
+    double scale = f->passes ? 1.0 / f->passes : 0; /* no pass yet: black, and so are the sums */
+
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; k < 3; k++) rgba[4 * i + k] = (float)(f->sum[3 * i + k] * scale);
+        rgba[4 * i + 3] = (float)(f->hits[i] * scale);
+    }
+}
+
+/* The expected (a-b)^2 / (b^2 + m^2/100) of one pixel, mean over its channels: the variance of each channel's mean in place of (a-b)^2. */
+static double pixel_error(const bis_film *f, size_t i, double floor)
+{
+    double n = f->passes, total = 0;
+
+    for (size_t k = 3 * i; k < 3 * i + 3; k++) {
+        double mean = f->sum[k] / n;
+        /* Where all passes agree the difference is 0 but for rounding, a few ulps of sum_squares, which may fall below it. */
+        double variance = fmax(0, f->sum_squares[k] - f->sum[k] * mean) / (n - 1);
+        total += variance / n / (mean * mean + floor);
+    }
+    return total / 3;
+}
+
+/* Let X_i be pixel_error, R the mean of X over the P pixels: the estimate of relMSE. Pixels have independent random numbers, so two things part
+ * R from the error that this very picture has:
+ * - R is itself an estimate: var(R) <= sum (X_i - R)^2 / P^2, since the scatter over pixels holds that of their true variances, too;
+ * - the error is one draw: a pixel's squared error of expectation X_i has variance 2 X_i^2 (normal, its channels alike),
+ *   that of their mean 2 sum X_i^2 / P^2.
+ * The bound is R plus 1.645 (the 95% point of a normal) times the root of the sum. It knows nothing of lights that no pass has found yet. */
+double bis_film_relative_rmse(const bis_film *f, double *upper)
+{
+    size_t n = (size_t)f->width * (size_t)f->height;
+    double mean = 0, sum = 0, squares = 0;
+
+    if (upper) *upper = (double)NAN;
+    if (f->passes < 2) return (double)NAN;
+    for (size_t i = 0; i < 3 * n; i++) mean += f->sum[i];
+    mean /= 3 * (double)n * f->passes;
+    if (mean == 0) { /* black, hence without scatter */
+        if (upper) *upper = 0;
+        return 0;
+    }
+    for (size_t i = 0; i < n; i++) {
+        double x = pixel_error(f, i, mean * mean / 100);
+        sum += x;
+        squares += x * x;
+    }
+    double R = sum / (double)n, scatter = fmax(0, squares - sum * R); /* fmax: as in pixel_error */
+    if (upper) *upper = sqrt(R + 1.645 * sqrt(scatter + 2 * squares) / (double)n);
+    return sqrt(R);
+}
+
+size_t bis_film_bytes(const bis_film *f)
+{
+    return (size_t)f->width * (size_t)f->height * (3 * sizeof *f->sum + 3 * sizeof *f->sum_squares + sizeof *f->hits);
+}

@@ -1,0 +1,314 @@
+/* render: passes over tiles by threads.
+ *
+ * One pass is one camera sample of every pixel. Threads take tiles in any order, but what a pixel gets depends on (seed, pixel, pass) alone,
+ * and only whole passes reach the film, in order: the film's bits depend on the scene and the number of passes, never on threads,
+ * time, or the moment of Ctrl-C. To that end a pass is kept aside (16 bytes a pixel) and added to the film when it is complete; an
+ * abandoned one leaves no trace, not even in the counters.
+ *
+ * Budgets are looked at between passes. For time: another pass is begun if one of mean length still fits, so a render ends at most one pass
+ * early. For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from 20 on, each time
+ * their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of passes that no clock can change. */
+#include "bis/render.h"
+
+#include "bis/mem.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdalign.h>
+#include <time.h>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+enum { TILE = 16, MIN_ERROR_PASSES = 4 };
+
+static const double seconds_between_reports = 0.2;
+
+/* What one thread has for itself; a cache line of its own, for counters that change with every ray. */
+typedef struct worker {
+    alignas(64) bis_counters counters; /* of this pass */
+    bis_scratch scratch;
+} worker;
+
+/* One camera sample, kept until its pass is complete. */
+typedef struct sample {
+    rgb L;
+    bool hit;
+} sample;
+
+typedef struct render {
+    const bis_scene *scene;
+    const bis_scene_desc *desc;
+    const bis_render_options *options;
+    bis_film *film;
+    bis_budget budget;
+    worker *workers;
+    int n_threads;
+    sample *pass; /* pass[height][width] of the crop */
+    int tiles_x, tiles_y;
+    double start, last_report;
+    double rmse, rmse_upper; /* as last estimated; NAN: not yet */
+    bis_counters counters;
+    uint32_t passes;
+} render;
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static int default_threads(void)
+{
+#ifdef _OPENMP
+    return omp_get_max_threads();
+#else
+    return 1;
+#endif
+}
+
+static int this_thread(void)
+{
+#ifdef _OPENMP
+    return omp_get_thread_num();
+#else
+    return 0;
+#endif
+}
+
+static void add_counters(bis_counters *sum, const bis_counters *c)
+{
+    sum->camera_rays += c->camera_rays;
+    sum->shadow_rays += c->shadow_rays;
+    sum->candidates += c->candidates;
+    sum->accepted += c->accepted;
+    sum->fallbacks += c->fallbacks;
+    sum->nonfinite += c->nonfinite;
+}
+
+/* --- one camera sample --------------------------------------------------------------------------------------------- */
+
+/* Light reflected towards the eye where the ray meets primitive prim, eq. 3.1. */
+static rgb reflected(const render *r, worker *w, const ray *eye, uint32_t prim, bis_stream *stream)
+{
+    bis_surface s;
+    bis_geometry_surface(&r->scene->geometry, prim, eye, &s);
+    bis_point pt = {
+        .p = s.p,
+        .n = s.n,
+        .ng = s.ng,
+        .origin = bis_surface_offset(&s),
+        .wo = neg(eye->d),
+        .light = r->scene->light,
+        .accel = r->scene->accel,
+        .counters = &w->counters,
+    };
+    bis_bsdf_init(&pt.bsdf, &r->desc->materials[s.material], pt.n, pt.wo);
+    if (bis_bsdf_is_black(&pt.bsdf)) return (rgb){0};
+    const bis_settings *settings = &r->desc->settings;
+    return settings->integrator->Lo(settings, &pt, stream, &w->scratch);
+}
+
+/* Camera sample `pass` of pixel (x, y). A ray that escapes sees the map. */
+static sample camera_sample(const render *r, worker *w, int x, int y, uint32_t pass)
+{
+    const bis_film *f = r->film;
+    double u[2] = {0.5, 0.5};
+    bis_stream stream;
+    bis_hit hit;
+    sample s;
+
+    bis_stream_init(&stream, &r->desc->sampler, (uint64_t)y * (uint64_t)f->full_width + (uint64_t)x, pass);
+    if (r->desc->pixel_jitter) bis_stream_camera(&stream, u);
+    ray eye = bis_camera_ray(&r->desc->camera, f->full_width, f->full_height, x + u[0], y + u[1]);
+    w->counters.camera_rays++;
+    s.hit = bis_accel_intersect(r->scene->accel, &eye, &hit);
+    if (s.hit) {
+        s.L = reflected(r, w, &eye, hit.prim, &stream);
+    } else {
+        s.L = r->desc->light.visible ? bis_light_Le(r->scene->light, eye.d) : (rgb){0};
+    }
+    if (!rgb_is_finite(s.L)) {
+        w->counters.nonfinite++;
+        s.L = (rgb){0};
+    }
+    return s;
+}
+
+/* --- one pass ------------------------------------------------------------------------------------------------------ */
+
+static bool interrupted(const render *r) { return r->options->interrupted && *r->options->interrupted; }
+
+/* Tile number t in reading order. The flag is looked at for each pixel: one of `exact` under a large map takes a tenth of a second. */
+static void render_tile(const render *r, worker *w, int t, uint32_t pass)
+{
+    const bis_film *f = r->film;
+    int x0 = t % r->tiles_x * TILE, y0 = t / r->tiles_x * TILE;
+    int x1 = x0 + TILE < f->width ? x0 + TILE : f->width, y1 = y0 + TILE < f->height ? y0 + TILE : f->height;
+
+    for (int y = y0; y < y1; y++) {
+        for (int x = x0; x < x1; x++) {
+            if (interrupted(r)) return;
+            r->pass[(size_t)y * (size_t)f->width + (size_t)x] = camera_sample(r, w, f->x0 + x, f->y0 + y, pass);
+        }
+    }
+}
+
+/* How much of the budget is used up, and how long it will last, with `share` of the pass under way done. */
+static void report(render *r, double share)
+{
+    bis_progress p = {.passes_done = r->passes, .passes_total = r->budget.spp, .seconds_left = (double)NAN};
+
+    if (!r->options->progress) return;
+    r->last_report = now();
+    p.seconds = r->last_report - r->start;
+    if (r->budget.spp) p.share = (r->passes + share) / r->budget.spp;
+    if (r->budget.seconds > 0) p.share = fmax(p.share, p.seconds / r->budget.seconds);
+    /* The error falls with the root of the number of passes (docs/errata.md E9). */
+    if (r->budget.error > 0 && r->rmse_upper > 0) p.share = fmax(p.share, pow(r->budget.error / r->rmse_upper, 2));
+    p.share = fmin(p.share, 1); /* the first pass may exceed the time */
+    if (p.share > 0) p.seconds_left = p.seconds * (1 - p.share) / p.share;
+    r->options->progress(&p, r->options->user);
+}
+
+/* False: interrupted, not all pixels were done. */
+static bool render_pass(render *r)
+{
+    const int n_tiles = r->tiles_x * r->tiles_y;
+    int n_done = 0;
+
+    for (int i = 0; i < r->n_threads; i++) r->workers[i].counters = (bis_counters){0};
+#pragma omp parallel for schedule(dynamic) num_threads(r->n_threads)
+    for (int t = 0; t < n_tiles; t++) {
+        worker *w = &r->workers[this_thread()];
+        int done;
+        render_tile(r, w, t, r->passes);
+#pragma omp atomic capture
+        done = ++n_done;
+        if (this_thread() == 0 && now() - r->last_report > seconds_between_reports) report(r, (double)done / n_tiles);
+    }
+    return !interrupted(r);
+}
+
+/* Pixels of an unfinished first pass are still as bis_alloc made them: black, no hit. */
+static void keep_pass(render *r)
+{
+    bis_film *f = r->film;
+
+#pragma omp parallel for num_threads(r->n_threads)
+    for (int y = 0; y < f->height; y++) {
+        for (int x = 0; x < f->width; x++) {
+            const sample *s = &r->pass[(size_t)y * (size_t)f->width + (size_t)x];
+            bis_film_add(f, f->x0 + x, f->y0 + y, s->L, s->hit);
+        }
+    }
+    for (int i = 0; i < r->n_threads; i++) add_counters(&r->counters, &r->workers[i].counters);
+    f->passes++;
+}
+
+/* --- all passes ---------------------------------------------------------------------------------------------------- */
+
+/* May another pass begin? One has been completed. */
+static bool budget_left(render *r, uint32_t *next_check)
+{
+    const bis_budget *b = &r->budget;
+
+    if (interrupted(r)) return false;
+    if (b->spp && r->passes >= b->spp) return false;
+    if (r->passes == UINT32_MAX) return false;
+    if (b->seconds > 0) {
+        double spent = now() - r->start;
+        if (spent + spent / r->passes > b->seconds) return false;
+    }
+    if (b->error > 0 && r->passes >= *next_check) {
+        r->rmse = bis_film_relative_rmse(r->film, &r->rmse_upper);
+        *next_check = r->passes + 1 + r->passes / 20;
+        if (r->rmse_upper <= b->error) return false;
+    }
+    return true;
+}
+
+static void render_passes(render *r, bis_render_result *result)
+{
+    uint32_t next_check = MIN_ERROR_PASSES;
+    bool complete;
+
+    r->start = r->last_report = now();
+    do {
+        complete = render_pass(r);
+        if (complete) {
+            keep_pass(r);
+            r->passes++;
+        }
+    } while (complete && budget_left(r, &next_check));
+    if (r->passes == 0) keep_pass(r); /* rather an unfinished pass than nothing */
+    result->seconds = now() - r->start;
+    result->interrupted = !complete || (interrupted(r) && !(r->budget.spp && r->passes >= r->budget.spp));
+    report(r, 0);
+}
+
+static bis_status make_workers(render *r, bis_diag *diag)
+{
+    const bis_settings *settings = &r->desc->settings;
+
+    r->workers = bis_alloc((size_t)r->n_threads, sizeof *r->workers);
+    if (!r->workers) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d threads", r->n_threads);
+    for (int i = 0; i < r->n_threads; i++) {
+        bis_status status = bis_scratch_init(&r->workers[i].scratch, settings, diag);
+        if (status) return status;
+    }
+    return BIS_OK;
+}
+
+static size_t workspace(const render *r)
+{
+    bis_scratch need = {0};
+    r->desc->settings.integrator->scratch_needs(&r->desc->settings, &need);
+    size_t scratch = need.n_candidates * sizeof *need.candidates + need.n_points * sizeof *need.u + need.n_chosen * sizeof *need.chosen;
+    return (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * sizeof *r->pass;
+}
+
+bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
+                      const bis_render_options *options, bis_diag *diag)
+{
+    render r = {
+        .scene = scene,
+        .desc = desc,
+        .options = options,
+        .film = film,
+        .budget = options->budget,
+        .n_threads = options->n_threads > 0 ? options->n_threads : default_threads(),
+        .tiles_x = (film->width + TILE - 1) / TILE,
+        .tiles_y = (film->height + TILE - 1) / TILE,
+        .rmse = (double)NAN,
+        .rmse_upper = (double)NAN,
+    };
+    bis_status status;
+
+    *result = (bis_render_result){.relative_rmse = (double)NAN};
+    assert(film->passes == 0);
+    if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = desc->sampler.spp;
+#ifndef _OPENMP
+    r.n_threads = 1;
+#endif
+    status = make_workers(&r, diag);
+    if (status) goto done;
+    r.pass = bis_alloc((size_t)film->width * (size_t)film->height, sizeof *r.pass);
+    if (!r.pass) {
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", film->width, film->height);
+        goto done;
+    }
+    render_passes(&r, result);
+    result->counters = r.counters;
+    result->relative_rmse = bis_film_relative_rmse(film, NULL);
+    result->passes = r.passes;
+    result->n_threads = r.n_threads;
+    result->bytes = workspace(&r);
+done:
+    for (int i = 0; r.workers && i < r.n_threads; i++) bis_scratch_clear(&r.workers[i].scratch);
+    bis_free(r.workers);
+    bis_free(r.pass);
+    return status;
+}
