@@ -1,0 +1,407 @@
+/* cmd_render: `bis [render] [options] SCENE`: parse, override, plan or build, render, write, report.
+ *
+ * Whatever can be known to fail is tried before the rendering: options, the endings and folders of the output files, the scene. Ctrl-C
+ * (and SIGTERM, SIGHUP) during the rendering ends it soon; what is complete is written, and the exit status is 130. A second one kills. */
+#include "bis/file.h"
+#include "bis/mem.h"
+#include "bis/render.h"
+
+#include "cli.h"
+#include "describe.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+typedef struct resolution {
+    int width, height;
+} resolution;
+
+/* What the command line says; has_ tells whether it does. */
+typedef struct render_options {
+    bis_texts outfiles;
+    const char *stats, *integrator, *proposal, *accelerator;
+    bool quiet, plan, no_jitter;
+    bool has_candidates, has_shadowrays, has_samples, has_spp, has_seed, has_resolution, has_crop, has_exposure;
+    uint64_t candidates, shadowrays, samples, spp, seed, threads;
+    resolution resolution;
+    double crop[4];
+    double seconds, error, exposure;
+} render_options;
+
+/* Set by the signal handler, read by the render threads: the one thing that a handler may touch. */
+static volatile sig_atomic_t signal_caught;
+
+static void catch_signal(int number)
+{
+    (void)number;
+    signal_caught = 1;
+}
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* --- options ------------------------------------------------------------------------------------------------------- */
+
+/* Digits of a side in [1, BIS_IMAGE_MAX_SIDE]; returns what follows them, NULL for anything else. */
+static const char *read_side(const char *text, int *side)
+{
+    char *end;
+    if (*text < '0' || *text > '9') return NULL;
+    long v = strtol(text, &end, 10);
+    if (v < 1 || v > BIS_IMAGE_MAX_SIDE) return NULL;
+    *side = (int)v;
+    return end;
+}
+
+/* "640x480" */
+static bool read_resolution(void *value, const char *text)
+{
+    resolution r;
+    const char *rest = read_side(text, &r.width);
+    if (!rest || *rest != 'x') return false;
+    rest = read_side(rest + 1, &r.height);
+    if (!rest || *rest) return false;
+    *(resolution *)value = r;
+    return true;
+}
+
+/* "0.25,0.75,0,1": x0 < x1 and y0 < y1, all in [0,1]. */
+static bool read_crop(void *value, const char *text)
+{
+    double crop[4];
+    for (int i = 0; i < 4; i++) {
+        const char *end;
+        crop[i] = bis_parse_double(text, &end);
+        if (end == text || !(crop[i] >= 0 && crop[i] <= 1) || *end != (i < 3 ? ',' : '\0')) return false;
+        text = end + 1;
+    }
+    if (crop[0] >= crop[1] || crop[2] >= crop[3]) return false;
+    memcpy(value, crop, sizeof crop);
+    return true;
+}
+
+static const char *const proposals[] = {"em", "brdf", "mix", "choose", NULL};
+static const char *const accelerators[] = {"grid", "embree", NULL};
+
+enum { MAX_INTEGRATORS = 16 };
+
+/* The table behind reading, range checks and --help. False: the command is over with *exit_status. */
+static bool read_options(render_options *o, int argc, char **argv, const char **scene, int *exit_status)
+{
+    const char *integrators[MAX_INTEGRATORS + 1] = {0};
+    for (int i = 0; bis_integrators[i] && i < MAX_INTEGRATORS; i++) integrators[i] = bis_integrators[i]->name;
+
+    const bis_option options[] = {
+        {.help = "output"},
+        {.name = "outfile", .argument = "F", .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated "
+         "(default: the filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o->outfiles},
+        {.name = "stats", .argument = "F", .help = "write figures about the run to F as JSON; \"-\": standard output",
+         .kind = BIS_OPTION_TEXT, .value = &o->stats},
+        {.name = "exposure", .argument = "EV", .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)",
+         .kind = BIS_OPTION_REAL, .value = &o->exposure, .given = &o->has_exposure, .lo = -100, .hi = 100},
+        {.name = "quiet", .help = "no progress and no warnings", .kind = BIS_OPTION_FLAG, .value = &o->quiet},
+        {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
+         .kind = BIS_OPTION_FLAG, .value = &o->plan},
+
+        {.help = "what to render (these override the scene file)"},
+        {.name = "integrator", .argument = "NAME", .help = "em, brdf, mis, rejection, sir, exact or unoccluded",
+         .kind = BIS_OPTION_NAME, .value = &o->integrator, .names = integrators},
+        {.name = "candidates", .argument = "M", .help = "rejection, sir, unoccluded: candidates for each camera sample",
+         .kind = BIS_OPTION_COUNT, .value = &o->candidates, .given = &o->has_candidates, .lo = 1, .hi = 1 << 24},
+        {.name = "shadowrays", .argument = "N", .help = "rejection, sir: candidates that are shadow-tested",
+         .kind = BIS_OPTION_COUNT, .value = &o->shadowrays, .given = &o->has_shadowrays, .lo = 1, .hi = 1 << 24},
+        {.name = "samples", .argument = "N", .help = "em, brdf, mis: light samples for each camera sample",
+         .kind = BIS_OPTION_COUNT, .value = &o->samples, .given = &o->has_samples, .lo = 1, .hi = 1 << 24},
+        {.name = "proposal", .argument = "P", .help = "rejection: em, brdf or choose; sir: em, brdf or mix",
+         .kind = BIS_OPTION_NAME, .value = &o->proposal, .names = proposals},
+        {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT, .value = &o->seed,
+         .given = &o->has_seed, .hi = 0x1p53},
+        {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME, .value = &o->accelerator,
+         .names = accelerators},
+        {.name = "resolution", .argument = "WxH", .help = "size of the full picture in pixels", .kind = BIS_OPTION_OWN,
+         .value = &o->resolution, .given = &o->has_resolution, .read = read_resolution, .rule = "WxH with sides in [1, 32768], as in 640x480"},
+        {.name = "cropwindow", .argument = "x0,x1,y0,y1", .help = "render this part alone, in shares of the full picture; pixels are the same as those of "
+         "the full picture. An EXR keeps the full display window, other formats hold the crop", .kind = BIS_OPTION_OWN, .value = o->crop,
+         .given = &o->has_crop, .read = read_crop, .rule = "x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
+        {.name = "disable-pixel-jitter", .help = "camera rays through pixel centres", .kind = BIS_OPTION_FLAG, .value = &o->no_jitter},
+        {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor); pictures do not depend on it",
+         .kind = BIS_OPTION_COUNT, .value = &o->threads, .lo = 1, .hi = 1024},
+
+        {.help = "how long (whichever comes first; default: the scene's pixelsamples)"},
+        {.name = "spp", .argument = "N", .help = "camera samples in each pixel", .kind = BIS_OPTION_COUNT, .value = &o->spp,
+         .given = &o->has_spp, .lo = 1, .hi = 1e9},
+        {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; ends within one pass",
+         .kind = BIS_OPTION_REAL, .value = &o->seconds, .above = true, .hi = 1e8},
+        {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E",
+         .kind = BIS_OPTION_REAL, .value = &o->error, .above = true, .hi = 10},
+    };
+    const bis_command command = {
+        .name = "render",
+        .usage = "[render] [options] SCENE",
+        .summary = "render a scene",
+        .options = options,
+        .n_options = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = 1,
+        .notes = "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
+                 "bad scene; 130 interrupted, after what was rendered has been written.\n",
+    };
+    int n;
+    return bis_cli_parse(&command, argc, argv, scene, &n, exit_status);
+}
+
+/* --- the command line over the scene ------------------------------------------------------------------------------- */
+
+static bis_proposal proposal_of(const char *name)
+{
+    int i = 0;
+    while (strcmp(name, bis_proposal_name((bis_proposal)i)) != 0) i++; /* `proposals` holds no other names */
+    return (bis_proposal)i;
+}
+
+/* An option that this integrator does not read is a slip worth a word, but harmless: scripts loop over integrators. */
+static bool applies(const bis_settings *s, const char *option, bool given, bis_diag *diag)
+{
+    if (!given) return false;
+    if (bis_integrator_uses(s->integrator, option)) return true;
+    bis_warn(diag, bis_cli_loc, "--%s has no effect on integrator \"%s\"", option, s->integrator->name);
+    return false;
+}
+
+static bis_status override_settings(bis_scene_desc *d, const render_options *o, bis_diag *diag)
+{
+    bis_settings *s = &d->settings;
+
+    if (o->integrator && strcmp(o->integrator, s->integrator->name) != 0) {
+        *s = bis_settings_default(bis_integrator_find(o->integrator));
+        d->integrator_loc = bis_cli_loc;
+    }
+    if (applies(s, "candidates", o->has_candidates, diag)) s->candidates = (uint32_t)o->candidates;
+    if (applies(s, "shadowrays", o->has_shadowrays, diag)) s->shadowrays = (uint32_t)o->shadowrays;
+    if (applies(s, "samples", o->has_samples, diag)) s->samples = (uint32_t)o->samples;
+    if (applies(s, "proposal", o->proposal != NULL, diag)) s->proposal = proposal_of(o->proposal);
+    return bis_settings_check(s, bis_cli_loc, diag);
+}
+
+static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag *diag)
+{
+    bis_status status = override_settings(d, o, diag);
+    if (status) return status;
+
+    if (o->has_spp) bis_scene_set_spp(d, (uint32_t)o->spp);
+    if (o->has_seed) d->sampler.seed = o->seed;
+    if (o->accelerator) d->accel.kind = strcmp(o->accelerator, "grid") == 0 ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
+    if (d->accel.kind == BIS_ACCEL_EMBREE && !bis_accel_embree_version()) {
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "accelerator \"embree\" is not built in; use \"grid\", or build with Embree installed");
+    }
+    if (o->threads) d->accel.n_threads = (int)o->threads;
+    if (o->has_resolution) {
+        d->film.width = o->resolution.width;
+        d->film.height = o->resolution.height;
+    }
+    if (o->has_crop) memcpy(d->film.crop, o->crop, sizeof o->crop);
+    if (o->no_jitter) d->pixel_jitter = false;
+    return BIS_OK;
+}
+
+/* --- output -------------------------------------------------------------------------------------------------------- */
+
+/* A pipe or a device is written to directly, since it cannot be replaced by a renamed file. */
+static bool is_stream(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+}
+
+static bis_status check_outputs(const render_options *o, bis_diag *diag)
+{
+    bis_status first = BIS_OK;
+
+    for (int i = 0; i < o->outfiles.n; i++) {
+        const char *path = o->outfiles.text[i];
+        bis_status status = bis_image_can_write(path) ? bis_cli_check_writable(path, diag)
+                          : bis_error(diag, BIS_INPUT, bis_cli_loc, "output file \"%s\": the ending must be .exr, .pfm, .hdr or .png", path);
+        if (!first) first = status;
+    }
+    if (o->stats && strcmp(o->stats, "-") != 0 && !is_stream(o->stats)) {
+        bis_status status = bis_cli_check_writable(o->stats, diag);
+        if (!first) first = status;
+    }
+    return first;
+}
+
+/* All files are tried, even when one fails: hours of rendering should end up somewhere. */
+static bis_status write_pictures(const render_options *o, const bis_stats *stats, bis_diag *diag)
+{
+    const bis_film *f = stats->film;
+    float *rgba = bis_alloc((size_t)f->width * (size_t)f->height, 4 * sizeof *rgba);
+    if (!rgba) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d x %d pixels", f->width, f->height);
+    bis_film_resolve(f, rgba);
+
+    const bis_channel channels[] = {{"R", rgba, 4}, {"G", rgba + 1, 4}, {"B", rgba + 2, 4}, {"A", rgba + 3, 4}};
+    bis_attribute attributes[BIS_MAX_ATTRIBUTES];
+    const bis_picture picture = {
+        .width = f->width,
+        .height = f->height,
+        .x0 = f->x0,
+        .y0 = f->y0,
+        .full_width = f->full_width,
+        .full_height = f->full_height,
+        .channels = channels,
+        .n_channels = sizeof channels / sizeof *channels,
+        .attributes = attributes,
+        .n_attributes = bis_describe_picture(stats, attributes),
+        .has_exposure = o->has_exposure,
+        .exposure = o->exposure,
+    };
+    bis_status first = BIS_OK;
+    for (int i = 0; i < o->outfiles.n; i++) {
+        bis_status status = bis_image_write(o->outfiles.text[i], &picture, diag);
+        if (!first) first = status;
+    }
+    bis_free(rgba);
+    return first;
+}
+
+static bis_status write_stats(const char *path, const bis_stats *stats, bis_diag *diag)
+{
+    if (strcmp(path, "-") == 0) {
+        bis_stats_print(stats, stdout); /* bis_cli_finish looks for errors */
+        return BIS_OK;
+    }
+    if (is_stream(path)) {
+        FILE *out = fopen(path, "w");
+        if (!out) return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written", path);
+        bis_stats_print(stats, out);
+        bool failed = ferror(out) != 0;
+        failed |= fclose(out) != 0;
+        return failed ? bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written", path) : BIS_OK;
+    }
+    bis_outfile *file;
+    bis_status status = bis_outfile_open(&file, path, diag);
+    if (status) return status;
+    bis_stats_print(stats, bis_outfile_stream(file));
+    return bis_outfile_commit(file, diag);
+}
+
+/* --- rendering ----------------------------------------------------------------------------------------------------- */
+
+static void print_progress(const bis_progress *p, void *user)
+{
+    (void)user;
+    fprintf(stderr, "\rpass %u", p->passes_done + 1);
+    if (p->passes_total) fprintf(stderr, " of %u", p->passes_total);
+    fprintf(stderr, ", %.0f%%", 100 * p->share);
+    if (isfinite(p->seconds_left)) fprintf(stderr, ", %.0f s left", ceil(p->seconds_left));
+    fputs("   \033[K", stderr);
+}
+
+/* The second signal of a kind finds the default action again, and kills. */
+static void catch_signals(void)
+{
+    const struct sigaction action = {.sa_handler = catch_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGHUP, &action, NULL);
+}
+
+static bis_status render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
+                         const render_options *o, bis_diag *diag)
+{
+    bool show = !o->quiet && isatty(STDERR_FILENO);
+    const bis_render_options options = {
+        .budget = {.spp = (uint32_t)o->spp, .seconds = o->seconds, .error = o->error},
+        .n_threads = (int)o->threads,
+        .interrupted = &signal_caught,
+        .progress = show ? print_progress : NULL,
+    };
+    catch_signals();
+    bis_status status = bis_render(result, film, scene, desc, &options, diag);
+    if (show) fputs("\r\033[K", stderr);
+    if (!status && result->counters.nonfinite) {
+        bis_warn(diag, bis_cli_loc, "%llu estimates were not finite and count as black: a defect, please report it",
+                 (unsigned long long)result->counters.nonfinite);
+    }
+    return status;
+}
+
+/* From scene to files; *interrupted: a signal came. */
+static bis_status run(const render_options *o, const bis_scene_desc *desc, double start, double parse_seconds, bool *interrupted,
+                      bis_diag *diag)
+{
+    bis_scene *scene = NULL;
+    bis_film film = {0};
+    bis_render_result result;
+    bis_status status;
+
+    status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, bis_cli_loc, diag);
+    if (status) goto done;
+    status = bis_scene_build(&scene, desc, diag);
+    if (status) goto done;
+    bis_cli_print_diag(diag, o->quiet); /* warnings, before the wait */
+    bis_diag_clear(diag);
+    status = render(&result, &film, scene, desc, o, diag);
+    if (status) goto done;
+
+    bis_stats stats = {.desc = desc, .scene = scene, .film = &film, .result = &result, .seconds = scene->seconds};
+    stats.seconds.parse = parse_seconds;
+    stats.seconds.render = result.seconds;
+    double before = now();
+    status = write_pictures(o, &stats, diag);
+    stats.seconds.write = now() - before;
+    stats.seconds.total = now() - start;
+    if (o->stats) {
+        bis_status other = write_stats(o->stats, &stats, diag);
+        if (!status) status = other;
+    }
+    *interrupted = signal_caught;
+done:
+    bis_film_clear(&film);
+    bis_scene_free(scene);
+    return status;
+}
+
+int bis_cmd_render(int argc, char **argv)
+{
+    render_options o = {0};
+    bis_scene_desc *desc = NULL;
+    bis_diag diag = {0};
+    const char *path;
+    bool interrupted = false;
+    int exit_status;
+    double start = now();
+
+    if (!read_options(&o, argc, argv, &path, &exit_status)) return exit_status;
+    bis_status status = check_outputs(&o, &diag);
+    if (status) goto done;
+    status = bis_scene_parse(&desc, path, &diag);
+    if (status) goto done;
+    status = override(desc, &o, &diag);
+    if (status) goto done;
+    double parse_seconds = now() - start;
+    if (o.plan) {
+        bis_scene_plan(desc, stdout);
+        goto done;
+    }
+    if (o.outfiles.n == 0) {
+        o.outfiles.text[o.outfiles.n++] = desc->film.filename;
+        status = check_outputs(&o, &diag);
+        if (status) goto done;
+    }
+    status = run(&o, desc, start, parse_seconds, &interrupted, &diag);
+done:
+    bis_cli_print_diag(&diag, o.quiet);
+    bis_diag_clear(&diag);
+    bis_scene_desc_free(desc);
+    exit_status = bis_cli_exit_status(status);
+    return bis_cli_finish(interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status);
+}

@@ -1,0 +1,184 @@
+/* describe: one table says which integrator has which parameters; EXR attributes, --stats and the warning about an option
+ * without effect all read it. */
+#include "describe.h"
+
+#include "bis/version.h"
+#include "json.h"
+
+#include <math.h>
+#include <string.h>
+#include <sys/resource.h>
+
+/* SPEC 3: parameters in the order of the documentation. */
+static const struct {
+    const bis_integrator *integrator;
+    const char *parameters[BIS_MAX_PARAMETERS + 1];
+} table[] = {
+    {&bis_em, {"samples"}},
+    {&bis_brdf, {"samples"}},
+    {&bis_mis, {"samples", "heuristic", "split", "compensate"}},
+    {&bis_rejection, {"candidates", "shadowrays", "proposal", "estimator", "fallback"}},
+    {&bis_sir, {"candidates", "shadowrays", "proposal", "resampling", "stratify"}},
+    {&bis_exact, {"perpatch"}},
+    {&bis_unoccluded, {"candidates"}},
+};
+
+static const char *const *parameters_of(const bis_integrator *integrator)
+{
+    static const char *const none[] = {NULL};
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        if (table[i].integrator == integrator) return table[i].parameters;
+    }
+    return none;
+}
+
+bool bis_integrator_uses(const bis_integrator *integrator, const char *parameter)
+{
+    for (const char *const *p = parameters_of(integrator); *p; p++) {
+        if (strcmp(*p, parameter) == 0) return true;
+    }
+    return false;
+}
+
+static const char *truth(bool b) { return b ? "true" : "false"; }
+
+static const char *fallback_name(bis_fallback f)
+{
+    if (f == BIS_FALLBACK_RESAMPLE) return "resample";
+    return f == BIS_FALLBACK_SUBSET ? "subset" : "unoccluded";
+}
+
+static bis_attribute parameter(const bis_settings *s, const char *name)
+{
+    const bis_attribute all[] = {
+        {"samples", NULL, s->samples},
+        {"candidates", NULL, s->candidates},
+        {"shadowrays", NULL, s->shadowrays},
+        {"perpatch", NULL, s->perpatch},
+        {"proposal", bis_proposal_name(s->proposal), 0},
+        {"heuristic", s->heuristic == BIS_HEURISTIC_POWER ? "power" : "balance", 0},
+        {"resampling", s->resampling == BIS_RESAMPLING_MULTINOMIAL ? "multinomial" : "systematic", 0},
+        {"estimator", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio", 0},
+        {"fallback", fallback_name(s->fallback), 0},
+        {"split", NULL, s->split},
+        {"compensate", truth(s->compensate), 0},
+        {"stratify", truth(s->stratify), 0},
+    };
+    size_t i = 0;
+    while (strcmp(all[i].name, name) != 0) i++; /* the table above names no other */
+    return all[i];
+}
+
+int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MAX_PARAMETERS])
+{
+    int n = 0;
+    for (const char *const *p = parameters_of(s->integrator); *p; p++) parameters[n++] = parameter(s, *p);
+    return n;
+}
+
+int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES])
+{
+    const bis_render_result *r = s->result;
+    int n = 0;
+
+    attributes[n++] = (bis_attribute){"scene", s->desc->path, 0};
+    attributes[n++] = (bis_attribute){"integrator", s->desc->settings.integrator->name, 0};
+    n += bis_describe_settings(&s->desc->settings, attributes + n);
+    attributes[n++] = (bis_attribute){"spp", NULL, r->passes};
+    attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->sampler.seed};
+    attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
+    if (!isnan(r->relative_rmse)) attributes[n++] = (bis_attribute){"estimated_relative_rmse", NULL, r->relative_rmse};
+    attributes[n++] = (bis_attribute){"version", BIS_VERSION, 0};
+    return n;
+}
+
+/* --- JSON ---------------------------------------------------------------------------------------------------------- */
+
+/* A parameter of the integrator, null where it has none of that name. */
+static void print_parameter(bis_json *j, const bis_settings *s, const char *name)
+{
+    if (!bis_integrator_uses(s->integrator, name)) {
+        bis_json_null(j, name);
+        return;
+    }
+    bis_attribute a = parameter(s, name);
+    if (a.text)
+        bis_json_text(j, name, a.text);
+    else
+        bis_json_number(j, name, a.number);
+}
+
+static void print_count(bis_json *j, const char *key, bool applies, uint64_t v)
+{
+    if (applies)
+        bis_json_count(j, key, v);
+    else
+        bis_json_null(j, key);
+}
+
+static void print_seconds(bis_json *j, const bis_scene_seconds *t)
+{
+    bis_json_open(j, "seconds", '{');
+    bis_json_number(j, "parse", t->parse);
+    bis_json_number(j, "load", t->load);
+    bis_json_number(j, "envmap", t->envmap);
+    bis_json_number(j, "accel", t->accel);
+    bis_json_number(j, "render", t->render);
+    bis_json_number(j, "write", t->write);
+    bis_json_number(j, "total", t->total);
+    bis_json_close(j);
+}
+
+/* Linux counts in KiB. */
+static uint64_t peak_memory(void)
+{
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024 * (uint64_t)usage.ru_maxrss : 0;
+}
+
+static void print_memory(bis_json *j, const bis_stats *s)
+{
+    bis_json_count(j, "peak_memory_bytes", peak_memory());
+    bis_json_open(j, "memory", '{');
+    bis_json_count(j, "mesh", bis_geometry_bytes(&s->scene->geometry));
+    print_count(j, "accel", s->scene->accel != NULL, bis_accel_bytes(s->scene->accel));
+    print_count(j, "envmap", !bis_light_is_constant(s->scene->light), bis_light_bytes(s->scene->light));
+    bis_json_count(j, "film", bis_film_bytes(s->film) + s->result->bytes);
+    bis_json_close(j);
+}
+
+void bis_stats_print(const bis_stats *s, FILE *out)
+{
+    const bis_settings *settings = &s->desc->settings;
+    const bis_render_result *r = s->result;
+    bool rejects = settings->integrator == &bis_rejection;
+    bis_json j = {.out = out};
+
+    bis_json_open(&j, NULL, '{');
+    bis_json_text(&j, "version", BIS_VERSION);
+    bis_json_text(&j, "scene", s->desc->path);
+    bis_json_text(&j, "integrator", settings->integrator->name);
+    print_parameter(&j, settings, "proposal");
+    print_parameter(&j, settings, "candidates");
+    print_parameter(&j, settings, "shadowrays");
+    print_parameter(&j, settings, "samples");
+    bis_json_count(&j, "spp", r->passes);
+    bis_json_count(&j, "seed", s->desc->sampler.seed);
+    bis_json_count(&j, "threads", (uint64_t)r->n_threads);
+    bis_json_text(&j, "accelerator", s->scene->accel ? bis_accel_name(s->scene->accel) : NULL);
+    bis_json_count(&j, "triangles", s->scene->geometry.n_triangles);
+    bis_json_count(&j, "width", (uint64_t)s->film->width);
+    bis_json_count(&j, "height", (uint64_t)s->film->height);
+    print_seconds(&j, &s->seconds);
+    bis_json_open(&j, "rays", '{');
+    bis_json_count(&j, "camera", r->counters.camera_rays);
+    bis_json_count(&j, "shadow", r->counters.shadow_rays);
+    bis_json_close(&j);
+    print_count(&j, "candidates_drawn", settings->integrator != &bis_exact, r->counters.candidates);
+    print_count(&j, "accepted", rejects, r->counters.accepted);
+    print_count(&j, "fallbacks", rejects && settings->estimator == BIS_ESTIMATOR_RATIO, r->counters.fallbacks);
+    print_memory(&j, s);
+    bis_json_number(&j, "estimated_relative_rmse", r->relative_rmse);
+    bis_json_bool(&j, "interrupted", r->interrupted);
+    bis_json_close(&j);
+}
