@@ -33,6 +33,7 @@ struct bis_bsdf_model {
     rgb (*f)(const bis_bsdf *b, vec3 wi);
     bool (*sample)(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi);
     double (*pdf)(const bis_bsdf *b, vec3 wi);
+    rgb (*f_pdf)(const bis_bsdf *b, vec3 wi, double *pdf);
     double (*max_f_cos)(const bis_bsdf *b);
     double (*max_ratio)(const bis_bsdf *b);
 };
@@ -40,7 +41,7 @@ struct bis_bsdf_model {
 /* n: unit shading normal, wo: unit. */
 void bis_bsdf_init(bis_bsdf *b, const bis_material *m, vec3 n, vec3 wo);
 
-/* Nothing is reflected, whatever the light: Ks = Kd = 0. No candidates are needed. */
+/* Nothing is reflected, whatever the light: Ks = Kd = 0, or wo lies below the shading horizon. No candidates are needed. */
 bool bis_bsdf_is_black(const bis_bsdf *b);
 
 /* Cosine of wi about the shading normal; may be negative. */
@@ -58,6 +59,12 @@ static inline bool bis_bsdf_sample(const bis_bsdf *b, double u0, double u1, doub
 
 /* Density of bis_bsdf_sample in 1/sr, the mixture of the lobes; it integrates to 1 over the sphere, directions below the horizon included. */
 static inline double bis_bsdf_pdf(const bis_bsdf *b, vec3 wi) { return b->material->model->pdf(b, wi); }
+
+/* f and the density at once: the two share the lobe's power, the dearest part of both. The same bits as one by one. */
+static inline rgb bis_bsdf_f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    return b->material->model->f_pdf(b, wi, pdf);
+}
 
 /* An upper bound of max over channels and wi of f cos (rejection, E27), and one of max over channels and wi of f cos / pdf. */
 static inline double bis_bsdf_max_f_cos(const bis_bsdf *b) { return b->material->model->max_f_cos(b); }

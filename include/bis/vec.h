@@ -68,6 +68,16 @@ static inline double rgb_max(rgb a) { return fmax((double)a.r, fmax((double)a.g,
 static inline bool rgb_is_black(rgb a) { return a.r == 0 && a.g == 0 && a.b == 0; }
 static inline bool rgb_is_finite(rgb a) { return isfinite(a.r) && isfinite(a.g) && isfinite(a.b); }
 
+/* RGB in double, for sums over samples and for products that a float cannot hold: f Le / q with Le = 3e38. */
+typedef struct rgbd {
+    double r, g, b;
+} rgbd;
+
+static inline rgbd rgbd_add(rgbd a, rgbd b) { return (rgbd){a.r + b.r, a.g + b.g, a.b + b.b}; }
+static inline rgbd rgbd_scale(rgbd a, double s) { return (rgbd){a.r * s, a.g * s, a.b * s}; }
+static inline double rgbd_sum(rgbd a) { return a.r + a.g + a.b; }
+static inline rgb rgbd_round(rgbd a) { return rgb_from(a.r, a.g, a.b); }
+
 /* A basis about unit z, without a branch on near-parallel vectors. Source: Duff et al. 2017, "Building an Orthonormal
  * Basis, Revisited" (JCGT 6(1)): error below 1e-6 in float everywhere, -z included. */
 static inline frame frame_about(vec3 z)
