@@ -13,7 +13,7 @@ void bis_curve_hilbert(double t, double u[2]);
 
 /* A curve of the same kind through the cells of any width x height rectangle, each visited once, steps of 1 to a
  * 4-neighbour (one diagonal step where an odd size forces it). order[i] = y * width + x of the i-th cell;
- * width * height < 2^32. Cost: O(width * height). */
+ * width, height < 2^31, width * height < 2^32. Cost: O(width * height). */
 void bis_curve_rectangle(uint32_t *order, uint32_t width, uint32_t height);
 
 #endif
