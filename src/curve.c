@@ -114,8 +114,8 @@ static void visit_block(path *p, cell corner, cell first, cell second)
 void bis_curve_rectangle(uint32_t *order, uint32_t width, uint32_t height)
 {
     path p = {order, 0, width};
-    cell corner = {0, 0}, right = {width, 0}, down = {0, height};
-    assert((uint32_t)width * height <= UINT32_MAX);
+    assert(width <= INT32_MAX && height <= INT32_MAX && (uint64_t)width * height <= UINT32_MAX);
+    cell corner = {0, 0}, right = {(int32_t)width, 0}, down = {0, (int32_t)height};
     if (width == 0 || height == 0) return;
     if (width >= height)
         visit_block(&p, corner, right, down);

@@ -15,10 +15,10 @@
 
 typedef struct bis_cdf {
     size_t n;
-    double total;    /* sum of the weights as given; 0: nothing can be drawn */
+    double total;    /* sum of the weights as given; 0: nothing can be drawn; infinite where it exceeds DBL_MAX, which harms nothing */
     double *c;       /* c[n + 1], c[0] = 0, c[n] = 1 */
-    uint32_t *guide; /* guide[g] = index of u = g / n_guide */
-    size_t n_guide;
+    uint32_t *guide; /* guide[g] = index of u = g / n_guide; guide[n_guide] = last item of positive probability */
+    size_t n_guide;  /* a power of two, so that u n_guide is exact */
 } bis_cdf;
 
 /* w[n], each finite and >= 0 (asserted), n < 2^32. Copies what it needs. total = 0 is legal: "no light".
