@@ -1,57 +1,60 @@
-# bis: make, make test [T=alias], make asan, make bench, make data, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
+# bis: make, make test [T=alias], make asan, make bench, make data, make install, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name
 CFLAGS  ?= -O2 -g
 VARIANT ?= release
 PREFIX  ?= /usr/local
 B       := build/$(VARIANT)
 
-# Dialect. The two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. Never -ffast-math.
-DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc -fopenmp -fno-math-errno -fno-trapping-math
-WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes
-
-# Libraries. OpenEXRCore has no .pc file of its own: OpenEXR's gives the include directory.
-EXR_CFLAGS := $(shell pkg-config --cflags OpenEXR 2>/dev/null)
-PNG_CFLAGS := $(shell pkg-config --cflags libpng 2>/dev/null)
-LIBS       := -lOpenEXR-3_1 -lOpenEXRCore $(shell pkg-config --libs libpng 2>/dev/null || echo -lpng) -lm
-
-# Embree ships no .pc file on Debian: three lines that compile, link and run find it. 4 first, then 3.
-embree_probe = $(shell mkdir -p build && printf '\#include <$(1)/rtcore.h>\nint main(void) { rtcReleaseDevice(rtcNewDevice(0)); return 0; }\n' > build/probe.c && \
-    $(CC) build/probe.c -o build/probe -l$(2) 2>/dev/null && echo yes)
-ifeq ($(EMBREE),0)
-else ifeq ($(call embree_probe,embree4,embree4),yes)
-EMBREE_CFLAGS := -DBIS_EMBREE=4
-LIBS += -lembree4
-else ifeq ($(call embree_probe,embree3,embree3),yes)
-EMBREE_CFLAGS := -DBIS_EMBREE=3
-LIBS += -lembree3
-else
-EMBREE := 0
+# What is optional is probed by compiling three lines. OpenMP: threads. Embree ships no .pc file on Debian: 4 first, then 3.
+probe = $(shell t=$$(mktemp) && printf '%b' '$(1)\nint main(void) { $(2); return 0; }\n' | $(CC) -x c - -o $$t $(3) 2>/dev/null && echo yes; rm -f $$t)
+embree = $(call probe,\043include <embree$(1)/rtcore.h>,rtcReleaseDevice(rtcNewDevice(0)),-lembree$(1))
+OPENMP := $(if $(call probe,,,-fopenmp),-fopenmp)
+ifneq ($(EMBREE),0)
+EMBREE_VERSION := $(or $(if $(call embree,4),4),$(if $(call embree,3),3))
 endif
-ifeq ($(EMBREE),0)
+ifeq ($(EMBREE_VERSION),)
 B := $(B)-noembree
+endif
 ifeq ($(MAKELEVEL),0)
-$(info bis: building without Embree; the voxel grid is the only accelerator)
-endif
+$(if $(EMBREE_VERSION),,$(info bis: building without Embree; the voxel grid is the only accelerator))
+$(if $(OPENMP),,$(info bis: $(CC) has no OpenMP; one thread))
 endif
 
-OURS := $(DIALECT) $(WARN) $(EXR_CFLAGS) $(PNG_CFLAGS) $(EMBREE_CFLAGS)
-SRC  := $(filter-out src/main.c,$(wildcard src/*.c))
-OBJ  := $(SRC:%.c=$B/%.o)
-LIB  := $B/libbis.a
-TESTS := $(patsubst tests/%.c,$B/tests/%,$(wildcard tests/test_*.c))
+# Dialect. The two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. Never -ffast-math.
+DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno-trapping-math
+WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes
+# OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
+OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION))
+LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) -lm
+
+SRC     := $(filter-out src/main.c,$(wildcard src/*.c))
+LIB     := $B/libbis.a
+TESTS   := $(patsubst tests/%.c,$B/tests/%,$(wildcard tests/test_*.c))
+CHOSEN  := $(if $(T),$(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),$(TESTS))
 SUPPORT := $(patsubst %.c,$B/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
-DATA_TOOL := build/release/bis-data
+# Programs beside bis: the generator of data/, the benchmarks, the check that integrators agree.
+DATA_SRC := $(wildcard scripts/make_data.c scripts/model_*.c scripts/map_*.c)
+TOOLS    := $(patsubst scripts/%.c,$B/%,$(wildcard scripts/bench_*.c scripts/agree.c))
+STAMP    := data/models/.made
 
-.PHONY: all data test asan bench clean install check-style
+.PHONY: all data test asan bench install clean
 all: bis data
 
 bis: $B/bis
 	@cp -f $< $@
 
+# LINK: objects, then what they need.
+LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
 $B/bis: $B/src/main.o $(LIB)
-	$(CC) $(CFLAGS) -fopenmp $(LDFLAGS) -o $@ $^ $(LIBS)
+	$(LINK) $(LIBS)
+$B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
+	$(LINK) $(LIBS)
+$(TOOLS): $B/%: $B/scripts/%.o $(LIB)
+	$(LINK) $(LIBS)
+$B/tests/%: $B/tests/%.o $(SUPPORT) $(LIB)
+	$(LINK) $(LIBS) -lcmocka
 
-$(LIB): $(OBJ)
+$(LIB): $(SRC:%.c=$B/%.o)
 	@rm -f $@
 	$(AR) rcs $@ $^
 
@@ -59,11 +62,31 @@ $B/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(OURS) -MMD -MP -c -o $@ $<
 
-$B/tests/%: $B/tests/%.o $(SUPPORT) $(LIB)
-	$(CC) $(CFLAGS) -fopenmp $(LDFLAGS) -o $@ $^ $(LIBS) -lcmocka
+# data/models and data/maps, made anew when the generator's own sources change.
+data: $(STAMP)
+$(STAMP): $(DATA_SRC) $(wildcard scripts/m*.h) | $B/bis-data
+	$B/bis-data data
+	@touch $@
 
--include $(OBJ:.o=.d) $(SUPPORT:.o=.d) $(TESTS:=.d) $B/src/main.d
-.SECONDARY:
+# Every test program, or those whose name holds T; from here, where they find data/ and the program itself.
+test: $(CHOSEN) $B/bis $(STAMP)
+	@sh scripts/check_layers.sh
+	@BIS_PROGRAM=$B/bis sh scripts/run_tests.sh $(CHOSEN)
+
+# Its own build folder: never mixes with, nor replaces, the release binary.
+asan:
+	$(MAKE) VARIANT=asan CFLAGS="-O1 -g -fno-sanitize-recover=all \
+	    -fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow" test
+
+bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
+	@sh scripts/bench.sh $B
+
+install: $B/bis
+	install -d $(DESTDIR)$(PREFIX)/bin
+	install -m 755 $B/bis $(DESTDIR)$(PREFIX)/bin/bis
 
 clean:
-	rm -rf build bis
+	rm -rf build bis data/models data/maps
+
+-include $(patsubst %.c,$B/%.d,$(wildcard src/*.c tests/*.c scripts/*.c))
+.SECONDARY:

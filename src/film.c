@@ -101,7 +101,10 @@ static double pixel_error(const bis_film *f, size_t i, double floor)
  * - R is itself an estimate: var(R) <= sum (X_i - R)^2 / P^2, since the scatter over pixels holds that of their true variances, too;
  * - the error is one draw: a pixel's squared error of expectation X_i has variance 2 X_i^2 (normal, its channels alike),
  *   that of their mean 2 sum X_i^2 / P^2.
- * The bound is R plus 1.645 (the 95% point of a normal) times the root of the sum. It knows nothing of lights that no pass has found yet. */
+ * The bound is R plus 1.645 (the 95% point of a normal) times the root of the sum. But with few passes R is too low where noise is skewed: pixels whose
+ * mean came out low show little scatter, and are weighed most. The loss falls with 1/n; R (1 + 1.5/n) made good for it with exponential noise of
+ * 40% on every third pixel: true errors above the bound in 3.3, 3.5, 2.9% of 2000 renders at 4, 16, 64 passes, without it in
+ * 20, 7.6, 3.9% (tests/test_film.c). The bound knows nothing of lights that no pass has found yet. */
 double bis_film_relative_rmse(const bis_film *f, double *upper)
 {
     size_t n = (size_t)f->width * (size_t)f->height;
@@ -121,7 +124,7 @@ double bis_film_relative_rmse(const bis_film *f, double *upper)
         squares += x * x;
     }
     double R = sum / (double)n, scatter = fmax(0, squares - sum * R); /* fmax: as in pixel_error */
-    if (upper) *upper = sqrt(R + 1.645 * sqrt(scatter + 2 * squares) / (double)n);
+    if (upper) *upper = sqrt(R * (1 + 1.5 / f->passes) + 1.645 * sqrt(scatter + 2 * squares) / (double)n);
     return sqrt(R);
 }
 

@@ -1,0 +1,43 @@
+#!/bin/sh
+# check_layers: a file includes headers of its own row or of rows below it, never above (README, "Reading order").
+#     scripts/check_layers.sh [ROOT]          ROOT holds include/bis and src; default: here
+# Every module must have a row. Names ending in * stand for all that begin so; the longest pattern that fits counts.
+cd "${1:-.}" || exit 1
+exec awk '
+BEGIN {
+    rows = "0 status mem vec file xform stats version grow names;" \
+           "1 rng sampler warp cdf alias marsaglia curve;" \
+           "2 image image_* envmap envmap_* importance importance_* regions light light_* bsdf phong;" \
+           "3 geometry mesh surface quadric triangle rounding camera accel grid grid_* embree embree_* point;" \
+           "4 integrator em brdf mis candidates proposal rejection sir exact unoccluded;" \
+           "5 scene scene_* plan lexer parser parser_* ply ply_* obj obj_*;" \
+           "6 film render compare;" \
+           "7 cli cli_* cmd_* describe json main"
+    n = split(rows, row, ";")
+    for (i = 1; i <= n; i++) {
+        m = split(row[i], word, " ")
+        for (j = 2; j <= m; j++) row_of[word[j]] = word[1]
+    }
+}
+function find(path,    name, stem) {
+    name = path
+    sub(/.*\//, "", name)
+    sub(/\.[ch]$/, "", name)
+    if (name in row_of) return row_of[name]
+    for (stem = name; stem != ""; stem = substr(stem, 1, length(stem) - 1))
+        if ((stem "*") in row_of) return row_of[stem "*"]
+    printf "%s: no row; give it one in scripts/check_layers.sh\n", path
+    bad = 1
+    return 99
+}
+FNR == 1 { mine = find(FILENAME) }
+/^[ \t]*#[ \t]*include[ \t]*"/ {
+    split($0, part, "\"")
+    theirs = find(part[2])
+    if (theirs != 99 && mine != 99 && theirs > mine) {
+        printf "%s:%d: row %d includes \"%s\" of row %d: arrows only go down\n", FILENAME, FNR, mine, part[2], theirs
+        bad = 1
+    }
+}
+END { exit bad }
+' $(ls include/bis/*.h src/*.[ch] 2>/dev/null)

@@ -1,0 +1,248 @@
+/* film: crops, means, and what the scatter of the passes says about the error. Family-wise significance of the one statistical test: 0.01. */
+#include "bis/film.h"
+#include "bis/mem.h"
+#include "bis/rng.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+
+static const double whole[4] = {0, 1, 0, 1};
+
+static void init(bis_film *f, int width, int height)
+{
+    assert_int_equal(bis_film_init(f, width, height, whole, (bis_loc){0}, NULL), BIS_OK);
+}
+
+static void neighbouring_crops_share_no_pixel_and_leave_no_gap(void **state)
+{
+    (void)state;
+    for (int full = 1; full < 40; full++) {
+        for (int cut = 1; cut < 20; cut++) {
+            double x = cut / 20.0;
+            bis_film left, right;
+            bis_status a = bis_film_init(&left, full, 1, (double[4]){0, x, 0, 1}, (bis_loc){0}, NULL);
+            bis_status b = bis_film_init(&right, full, 1, (double[4]){x, 1, 0, 1}, (bis_loc){0}, NULL);
+            assert_true(a == BIS_OK || b == BIS_OK); /* one of them may hold nothing */
+            assert_int_equal(left.width + right.width, full);
+            if (!b) assert_int_equal(right.x0, left.width);
+            bis_film_clear(&left);
+            bis_film_clear(&right);
+        }
+    }
+}
+
+/* pbrt-v4, film.cpp: pixelBounds = (ceil(full * x0), ceil(full * x1)). */
+static void crop_is_rounded_as_pbrt_does(void **state)
+{
+    (void)state;
+    bis_film f;
+    assert_int_equal(bis_film_init(&f, 10, 9, (double[4]){0.25, 0.75, 0.5, 1}, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(f.x0, 3);
+    assert_int_equal(f.width, 5);
+    assert_int_equal(f.y0, 5);
+    assert_int_equal(f.height, 4);
+    bis_film_clear(&f);
+}
+
+static void a_crop_without_pixels_or_outside_is_refused(void **state)
+{
+    (void)state;
+    const double bad[][4] = {{0.5, 0.5, 0, 1}, {0.6, 0.4, 0, 1}, {0, 1, 0.91, 0.99}, {-0.1, 1, 0, 1}, {0, 1.1, 0, 1}, {0, (double)NAN, 0, 1}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        bis_film f;
+        bis_diag diag = {0};
+        assert_int_equal(bis_film_init(&f, 10, 10, bad[i], (bis_loc){0}, &diag), BIS_INPUT);
+        assert_int_equal(diag.n_errors, 1);
+        assert_null(f.sum);
+        bis_diag_clear(&diag);
+    }
+}
+
+static void pixels_are_means_and_alpha_the_share_of_hits(void **state)
+{
+    (void)state;
+    bis_film f;
+    float rgba[4 * 6];
+    init(&f, 3, 2);
+    for (int pass = 0; pass < 4; pass++) {
+        for (int y = 0; y < 2; y++) {
+            for (int x = 0; x < 3; x++) {
+                bis_film_add(&f, x, y, (rgb){(float)(pass * x), (float)y, 1.0f / 3}, pass < x);
+            }
+        }
+        f.passes++;
+    }
+    bis_film_resolve(&f, rgba);
+    for (int i = 0; i < 6; i++) {
+        assert_true(rgba[4 * i] == (float)(1.5 * (i % 3)));
+        assert_true(rgba[4 * i + 1] == (float)(i / 3));
+        assert_true(rgba[4 * i + 2] == 1.0f / 3);
+        assert_true(rgba[4 * i + 3] == (float)(i % 3) / 4);
+    }
+    bis_film_clear(&f);
+}
+
+static void a_film_without_passes_is_black(void **state)
+{
+    (void)state;
+    bis_film f;
+    float rgba[4] = {1, 1, 1, 1};
+    init(&f, 1, 1);
+    bis_film_resolve(&f, rgba);
+    for (int k = 0; k < 4; k++) assert_true(rgba[k] == 0);
+    bis_film_clear(&f);
+}
+
+/* Two grey pixels, passes {1, 3} and {4, 4}: means 2 and 4, m = 3, variance of the first mean 2/2 = 1. relMSE = (1/2) 1/(4 + 9/100). */
+static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
+{
+    (void)state;
+    bis_film f;
+    double upper;
+    init(&f, 2, 1);
+    for (int pass = 0; pass < 2; pass++) {
+        float v = pass ? 3 : 1;
+        bis_film_add(&f, 0, 0, (rgb){v, v, v}, true);
+        bis_film_add(&f, 1, 0, (rgb){4, 4, 4}, true);
+        f.passes++;
+    }
+    assert_true(fabs(bis_film_relative_rmse(&f, &upper) - sqrt(0.5 / 4.09)) < 1e-14);
+    assert_true(upper > sqrt(0.5 / 4.09));
+    bis_film_clear(&f);
+}
+
+static void relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter(void **state)
+{
+    (void)state;
+    const float values[] = {0, 1, 0.1f, 3.4e38f, 1e-38f};
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
+        bis_film f;
+        double upper = 1;
+        init(&f, 1, 1);
+        for (int pass = 0; pass < 7; pass++) {
+            double rmse = bis_film_relative_rmse(&f, &upper);
+            assert_true(pass < 2 ? isnan(rmse) && isnan(upper) : rmse < 1e-7 && upper < 1e-7);
+            bis_film_add(&f, 0, 0, (rgb){values[i], values[i], values[i]}, true);
+            f.passes++;
+        }
+        bis_film_clear(&f);
+    }
+}
+
+static void exposure_does_not_change_the_relative_rmse(void **state)
+{
+    (void)state;
+    double rmse[3];
+    const double scale[3] = {1, 1e-20, 1e20};
+    for (int s = 0; s < 3; s++) {
+        bis_film f;
+        bis_rng rng;
+        bis_rng_init(&rng, 1, 0, 0, 0);
+        init(&f, 8, 8);
+        for (int pass = 0; pass < 5; pass++) {
+            for (int i = 0; i < 64; i++) {
+                double v = scale[s] * bis_rng_double(&rng);
+                bis_film_add(&f, i % 8, i / 8, rgb_from(v, v / 2, v / 3), true);
+            }
+            f.passes++;
+        }
+        rmse[s] = bis_film_relative_rmse(&f, NULL);
+        bis_film_clear(&f);
+    }
+    /* The samples are rounded to float after scaling: 2^-24 each. */
+    for (int s = 1; s < 3; s++) assert_true(fabs(rmse[s] - rmse[0]) < 1e-6 * rmse[0]);
+}
+
+/* A film of 12 x 12 pixels whose means are known and whose noise is uniform, triangular or (heavy) exponential; returns the true relative
+ * RMSE of this very picture. */
+static double noisy_film(bis_film *f, uint64_t seed, int passes)
+{
+    bis_rng rng;
+    double truth[144], m = 0, total = 0;
+
+    bis_rng_init(&rng, seed, 0, 0, 0);
+    init(f, 12, 12);
+    for (int i = 0; i < 144; i++) truth[i] = 0.5 + (i % 7);
+    for (int pass = 0; pass < passes; pass++) {
+        for (int i = 0; i < 144; i++) {
+            double u = bis_rng_double(&rng), v = bis_rng_double(&rng);
+            double noise = i % 3 == 0 ? u - 0.5 : i % 3 == 1 ? u - v : -log1p(-u) - 1;
+            double L = truth[i] * (1 + 0.4 * noise);
+            bis_film_add(f, i % 12, i / 12, rgb_from(L, L, L), true);
+        }
+        f->passes++;
+    }
+    for (int i = 0; i < 144; i++) m += truth[i] / 144;
+    for (int i = 0; i < 144; i++) {
+        double d = f->sum[3 * i] / passes - truth[i];
+        total += d * d / (truth[i] * truth[i] + m * m / 100) / 144;
+    }
+    return sqrt(total);
+}
+
+/* Misses in n renders, when at most 5% of them may miss: mean 0.05 n, 2.33 standard deviations are passed once in a hundred. */
+static bool too_many_misses(int misses, int n) { return misses > 0.05 * n + 2.33 * sqrt(n * 0.05 * 0.95); }
+
+static void upper_bound_holds_in_95_renders_of_100(void **state)
+{
+    (void)state;
+    enum { N = 2000 };
+    for (int passes = 4; passes <= 64; passes *= 4) {
+        int misses = 0, twin_misses = 0;
+        double mean_upper = 0, mean_truth = 0;
+        for (int i = 0; i < N; i++) {
+            bis_film f;
+            double upper, truth = noisy_film(&f, 100 + (uint64_t)i, passes);
+            double estimate = bis_film_relative_rmse(&f, &upper);
+            misses += truth > upper;
+            twin_misses += truth > estimate; /* the estimate alone is a bound every other time */
+            mean_upper += upper / N;
+            mean_truth += truth / N;
+            bis_film_clear(&f);
+        }
+        assert_false(too_many_misses(misses, N));
+        assert_true(too_many_misses(twin_misses, N));
+        /* A bound of twice the error would make --error waste four times the work. */
+        assert_true(mean_upper < 1.3 * mean_truth);
+    }
+}
+
+static void every_failing_allocation_is_reported_and_leaves_nothing(void **state)
+{
+    (void)state;
+    for (long k = 1;; k++) {
+        bis_film f;
+        bis_mem_fail_at(k);
+        bis_status status = bis_film_init(&f, 8, 8, whole, (bis_loc){0}, NULL);
+        bis_mem_fail_at(0);
+        bis_film_clear(&f);
+        if (status == BIS_OK) {
+            assert_true(k > 3);
+            return;
+        }
+        assert_int_equal(status, BIS_NOMEM);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(neighbouring_crops_share_no_pixel_and_leave_no_gap),
+        cmocka_unit_test(crop_is_rounded_as_pbrt_does),
+        cmocka_unit_test(a_crop_without_pixels_or_outside_is_refused),
+        cmocka_unit_test(pixels_are_means_and_alpha_the_share_of_hits),
+        cmocka_unit_test(a_film_without_passes_is_black),
+        cmocka_unit_test(relative_rmse_is_what_the_formula_gives_by_hand),
+        cmocka_unit_test(relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter),
+        cmocka_unit_test(exposure_does_not_change_the_relative_rmse),
+        cmocka_unit_test(upper_bound_holds_in_95_renders_of_100),
+        cmocka_unit_test(every_failing_allocation_is_reported_and_leaves_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
