@@ -1,0 +1,338 @@
+/* cli and json: what a table of options promises, and JSON that is valid whatever it is fed. */
+#include "cli.h"
+#include "json.h"
+
+#include "json_check.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* --- a command of our own ------------------------------------------------------------------------------------------ */
+
+typedef struct values {
+    bool flag, has_count;
+    const char *text, *name;
+    bis_texts list;
+    uint64_t count;
+    double real, share;
+    int own;
+} values;
+
+typedef struct run_result {
+    bool go_on;
+    int exit_status, n_operands;
+    const char *operands[2];
+    char messages[2048], output[8192];
+} run_result;
+
+static bool read_yes(void *value, const char *text)
+{
+    *(int *)value = 7;
+    return strcmp(text, "yes") == 0;
+}
+
+/* Standard output or error into a file, until restore() reads it. */
+static int redirect(FILE *stream, const char *path)
+{
+    fflush(stream);
+    int saved = dup(fileno(stream));
+    assert_non_null(freopen(path, "w", stream));
+    return saved;
+}
+
+static void restore(FILE *stream, int saved, const char *path, char *buf, size_t size)
+{
+    fflush(stream);
+    dup2(saved, fileno(stream));
+    close(saved);
+    FILE *f = fopen(path, "r");
+    assert_non_null(f);
+    buf[fread(buf, 1, size - 1, f)] = '\0';
+    fclose(f);
+}
+
+static void with_table(run_result *r, values *v, int argc, const char *const *argv)
+{
+    static const char *const colours[] = {"red", "green", "blue", NULL};
+    const bis_option options[] = {
+        {.help = "options"},
+        {.name = "flag", .help = "a flag", .kind = BIS_OPTION_FLAG, .value = &v->flag},
+        {.name = "text", .argument = "F", .help = "a text", .kind = BIS_OPTION_TEXT, .value = &v->text},
+        {.name = "list", .argument = "F", .help = "a list", .kind = BIS_OPTION_LIST, .value = &v->list},
+        {.name = "count", .argument = "N", .help = "a count that needs a long, long explanation which does not fit into one line of eighty columns",
+         .kind = BIS_OPTION_COUNT, .value = &v->count, .given = &v->has_count, .lo = 1, .hi = 1000},
+        {.name = "real", .argument = "X", .help = "a number", .kind = BIS_OPTION_REAL, .value = &v->real, .above = true, .hi = (double)INFINITY},
+        {.name = "share", .argument = "S", .help = "a share", .kind = BIS_OPTION_REAL, .value = &v->share, .hi = 1},
+        {.name = "colour", .argument = "C", .help = "a name", .kind = BIS_OPTION_NAME, .value = &v->name, .names = colours},
+        {.name = "own-and-rather-long-name", .argument = "Y", .help = "an own one", .kind = BIS_OPTION_OWN, .value = &v->own, .read = read_yes, .rule = "yes"},
+    };
+    const bis_command command = {.name = "test", .usage = "test [options] A [B]", .summary = "a command", .options = options,
+                                 .n_options = sizeof options / sizeof *options, .min_operands = 1, .max_operands = 2, .notes = "Notes.\n"};
+    char *arguments[32];
+    for (int i = 0; i < argc; i++) arguments[i] = strdup(argv[i]);
+    mkdir("build", 0777);
+    *v = (values){0};
+    *r = (run_result){0};
+    int out = redirect(stdout, "build/test_cli.out"), err = redirect(stderr, "build/test_cli.err");
+    r->go_on = bis_cli_parse(&command, argc, arguments, r->operands, &r->n_operands, &r->exit_status);
+    restore(stderr, err, "build/test_cli.err", r->messages, sizeof r->messages);
+    restore(stdout, out, "build/test_cli.out", r->output, sizeof r->output);
+    for (int i = 0; i < r->n_operands && i < 2 && r->go_on; i++) r->operands[i] = strdup(r->operands[i]);
+    if (v->text) v->text = strdup(v->text);
+    for (int i = 0; i < v->list.n; i++) v->list.text[i] = strdup(v->list.text[i]);
+    for (int i = 0; i < argc; i++) free(arguments[i]);
+}
+
+static void clear(run_result *r, values *v)
+{
+    for (int i = 0; i < r->n_operands && i < 2 && r->go_on; i++) free((void *)(uintptr_t)r->operands[i]);
+    free((void *)(uintptr_t)v->text);
+    for (int i = 0; i < v->list.n; i++) free((void *)(uintptr_t)v->list.text[i]);
+}
+
+#define RUN(...)                                                                     \
+    values v;                                                                        \
+    run_result r;                                                                    \
+    const char *const argv[] = {__VA_ARGS__};                                        \
+    with_table(&r, &v, (int)(sizeof argv / sizeof *argv), argv)
+
+/* --- reading ------------------------------------------------------------------------------------------------------- */
+
+static void options_and_operands_may_be_mixed(void **state)
+{
+    (void)state;
+    RUN("a", "--count", "12", "--flag", "b", "--real=0.5", "--text", "-", "--list", "x", "--list=y=z", "--colour", "green");
+    assert_true(r.go_on);
+    assert_int_equal(r.n_operands, 2);
+    assert_string_equal(r.operands[0], "a");
+    assert_string_equal(r.operands[1], "b");
+    assert_true(v.flag && v.has_count && v.count == 12 && v.real == 0.5);
+    assert_string_equal(v.text, "-");
+    assert_int_equal(v.list.n, 2);
+    assert_string_equal(v.list.text[1], "y=z");
+    assert_string_equal(v.name, "green");
+    assert_string_equal(r.messages, "");
+    clear(&r, &v);
+}
+
+static void two_dashes_end_the_options(void **state)
+{
+    (void)state;
+    RUN("--flag", "--", "--count", "--help");
+    assert_true(r.go_on);
+    assert_int_equal(r.n_operands, 2);
+    assert_string_equal(r.operands[0], "--count");
+    assert_false(v.has_count);
+    clear(&r, &v);
+}
+
+static void an_option_that_is_absent_leaves_its_value_alone(void **state)
+{
+    (void)state;
+    RUN("a");
+    assert_true(r.go_on && !v.flag && !v.has_count && v.count == 0 && v.text == NULL);
+    clear(&r, &v);
+}
+
+/* Every mistake, its exact message, exit status 2. */
+static void every_mistake_has_its_message_and_exits_with_2(void **state)
+{
+    (void)state;
+    const struct { const char *arguments[3]; const char *message; } cases[] = {
+        {{"a", "--count", "0"}, "bis: error: --count is \"0\", must be an integer in [1, 1000]\n"},
+        {{"a", "--count", "1001"}, "bis: error: --count is \"1001\", must be an integer in [1, 1000]\n"},
+        {{"a", "--count", "-1"}, "bis: error: --count is \"-1\", must be an integer in [1, 1000]\n"},
+        {{"a", "--count", "1.5"}, "bis: error: --count is \"1.5\", must be an integer in [1, 1000]\n"},
+        {{"a", "--count", ""}, "bis: error: --count is \"\", must be an integer in [1, 1000]\n"},
+        {{"a", "--count", "99999999999999999999999"}, "bis: error: --count is \"99999999999999999999999\", must be an integer in [1, 1000]\n"},
+        {{"a", "--real", "0"}, "bis: error: --real is \"0\", must be a number > 0\n"},
+        {{"a", "--real", "nan"}, "bis: error: --real is \"nan\", must be a number > 0\n"},
+        {{"a", "--real", "inf"}, "bis: error: --real is \"inf\", must be a number > 0\n"},
+        {{"a", "--real", "1e999"}, "bis: error: --real is \"1e999\", must be a number > 0\n"},
+        {{"a", "--real", "1x"}, "bis: error: --real is \"1x\", must be a number > 0\n"},
+        {{"a", "--real", "1,5"}, "bis: error: --real is \"1,5\", must be a number > 0\n"},
+        {{"a", "--share", "1.01"}, "bis: error: --share is \"1.01\", must be a number in [0, 1]\n"},
+        {{"a", "--text", ""}, "bis: error: --text is empty, wants F\n"},
+        {{"a", "--text"}, "bis: error: --text wants a value: --text F\n"},
+        {{"--text", "--flag", "a"}, "bis: error: --text wants a value: --text F\n"},
+        {{"a", "--flag=1"}, "bis: error: --flag takes no value, has \"1\"\n"},
+        {{"a", "--colour", "gren"}, "bis: error: --colour: no such thing as \"gren\" (did you mean \"green\"?); it is one of red, green, blue\n"},
+        {{"a", "--colour", "octarine"}, "bis: error: --colour: no such thing as \"octarine\"; it is one of red, green, blue\n"},
+        {{"a", "--own-and-rather-long-name", "no"}, "bis: error: --own-and-rather-long-name is \"no\", must be yes\n"},
+        {{"a", "--cuont"}, "bis: error: unknown option \"--cuont\" (did you mean \"--count\"?)\n"},
+        {{"a", "--hlep"}, "bis: error: unknown option \"--hlep\" (did you mean \"--help\"?)\n"},
+        {{"a", "--quuxification"}, "bis: error: unknown option \"--quuxification\"; `bis test --help` lists them\n"},
+        {{"a", "-x"}, "bis: error: unknown option \"-x\"; options start with \"--\"\n"},
+        {{"--flag"}, "bis: error: too few operands: 0 given; usage: bis test [options] A [B]\n"},
+        {{"a", "b", "c"}, "bis: error: too many operands: 3 given; usage: bis test [options] A [B]\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        values v;
+        run_result r;
+        int n = 0;
+        while (n < 3 && cases[i].arguments[n]) n++;
+        with_table(&r, &v, n, cases[i].arguments);
+        assert_false(r.go_on);
+        assert_int_equal(r.exit_status, 2);
+        assert_string_equal(r.messages, cases[i].message);
+        assert_string_equal(r.output, "");
+        clear(&r, &v);
+    }
+}
+
+static void all_mistakes_are_reported_in_one_go(void **state)
+{
+    (void)state;
+    RUN("--count", "0", "--colour", "x", "--nope");
+    int lines = 0;
+    for (const char *c = r.messages; *c; c++) lines += *c == '\n';
+    assert_int_equal(lines, 4); /* and the missing operand */
+    clear(&r, &v);
+}
+
+/* --- help ---------------------------------------------------------------------------------------------------------- */
+
+static void help_names_every_option_within_80_columns(void **state)
+{
+    (void)state;
+    RUN("--count", "0", "--help"); /* help wins over mistakes */
+    assert_false(r.go_on);
+    assert_int_equal(r.exit_status, 0);
+    assert_string_equal(r.messages, "");
+    const char *names[] = {"--flag ", "--text F", "--list F", "--count N", "--real X", "--colour C", "--own-and-rather-long-name Y", "--help", "--version", "Notes.", "usage: bis test [options] A [B]\n"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) assert_non_null(strstr(r.output, names[i]));
+    for (const char *line = r.output; *line;) {
+        size_t n = strcspn(line, "\n");
+        assert_true(n <= 80);
+        assert_true(n == 0 || line[n - 1] != ' ');
+        line += n + 1;
+    }
+    clear(&r, &v);
+}
+
+static void version_names_the_libraries(void **state)
+{
+    (void)state;
+    RUN("--version");
+    assert_int_equal(r.exit_status, 0);
+    assert_ptr_equal(strstr(r.output, "bis 0."), r.output);
+    assert_non_null(strstr(r.output, "Embree: "));
+    assert_non_null(strstr(r.output, "OpenEXR: 3."));
+    assert_non_null(strstr(r.output, "libpng: 1."));
+    clear(&r, &v);
+}
+
+/* --- files --------------------------------------------------------------------------------------------------------- */
+
+static void a_place_that_cannot_take_a_file_is_known_beforehand(void **state)
+{
+    (void)state;
+    mkdir("build", 0777);
+    fclose(fopen("build/test_cli.file", "w"));
+    const struct { const char *path, *part; bis_status status; } cases[] = {
+        {"build/test_cli.exr", NULL, BIS_OK},
+        {"build/test_cli.file", NULL, BIS_OK},
+        {"test_cli.exr", NULL, BIS_OK},
+        {"build/no/such/folder.exr", "folder \"build/no/such\": No such file", BIS_IO},
+        {"build/test_cli.file/x.exr", "\"build/test_cli.file\" is not a folder", BIS_IO},
+        {"build", "it is a folder", BIS_IO},
+        {"/dev/null", "it is not a regular file", BIS_IO},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_diag diag = {0};
+        assert_int_equal(bis_cli_check_writable(cases[i].path, &diag), cases[i].status);
+        if (cases[i].part) assert_non_null(strstr(diag.messages[0].text, cases[i].part));
+        bis_diag_clear(&diag);
+    }
+}
+
+static void exit_statuses_are_those_of_the_contract(void **state)
+{
+    (void)state;
+    assert_int_equal(bis_cli_exit_status(BIS_OK), 0);
+    assert_int_equal(bis_cli_exit_status(BIS_IO), 1);
+    assert_int_equal(bis_cli_exit_status(BIS_NOMEM), 1);
+    assert_int_equal(bis_cli_exit_status(BIS_INPUT), 2);
+}
+
+/* --- json ---------------------------------------------------------------------------------------------------------- */
+
+static void json_is_valid_for_any_number_and_any_bytes(void **state)
+{
+    (void)state;
+    char *text = NULL, buf[256];
+    size_t size;
+    bis_json j = {.out = open_memstream(&text, &size)};
+    char all[256];
+    for (int i = 0; i < 255; i++) all[i] = (char)(i + 1);
+    all[255] = '\0';
+    bis_json_open(&j, NULL, '{');
+    bis_json_number(&j, "nan", (double)NAN);
+    bis_json_number(&j, "inf", -(double)INFINITY);
+    bis_json_number(&j, "tiny", 5e-324);
+    bis_json_number(&j, "third", 1 / 3.0);
+    bis_json_number(&j, "huge", -1.7976931348623157e308);
+    bis_json_count(&j, "count", UINT64_MAX);
+    bis_json_bool(&j, "yes", true);
+    bis_json_text(&j, "nothing", NULL);
+    bis_json_text(&j, "all bytes \"\\\n", all);
+    bis_json_text(&j, "utf8", "\xc3\xa4\xe2\x82\xac\xf0\x9f\x98\x80 \xed\xa0\x80 \xc0\x80 \xf5 \xe2\x82");
+    bis_json_open(&j, "list", '[');
+    bis_json_number(&j, NULL, 1);
+    bis_json_open(&j, NULL, '{');
+    bis_json_close(&j);
+    bis_json_open(&j, NULL, '[');
+    bis_json_close(&j);
+    bis_json_close(&j);
+    bis_json_close(&j);
+    fclose(j.out);
+    assert_true(json_is_valid(text));
+    assert_string_equal(json_value(buf, sizeof buf, text, "nan"), "null");
+    assert_string_equal(json_value(buf, sizeof buf, text, "inf"), "null");
+    assert_true(strtod(json_value(buf, sizeof buf, text, "third"), NULL) == 1 / 3.0);
+    assert_true(strtod(json_value(buf, sizeof buf, text, "tiny"), NULL) == 5e-324);
+    assert_string_equal(json_value(buf, sizeof buf, text, "count"), "18446744073709551615");
+    assert_string_equal(json_value(buf, sizeof buf, text, "nothing"), "null");
+    /* Surrogates, overlong forms, bytes that begin nothing, cut sequences: one U+FFFD a byte. */
+    assert_string_equal(json_value(buf, sizeof buf, text, "utf8"),
+                        "\"\xc3\xa4\xe2\x82\xac\xf0\x9f\x98\x80 \\ufffd\\ufffd\\ufffd \\ufffd\\ufffd \\ufffd \\ufffd\\ufffd\"");
+    free(text);
+}
+
+/* The judge itself: what it must refuse. */
+static void the_json_reader_refuses_what_is_no_json(void **state)
+{
+    (void)state;
+    const char *good[] = {"{}", " [1, -0.5e+3, \"a\\u00e4\"] ", "null", "{\"a\": {\"b\": []}}"};
+    const char *bad[] = {"", "{", "{\"a\" 1}", "{\"a\": 1,}", "[1 2]", "nan", "01", "1.", "\"\n\"", "\"\\x\"", "{} {}", "{a: 1}", "+1", "\"\\u12\""};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) assert_true(json_is_valid(good[i]));
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(json_is_valid(bad[i]));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(options_and_operands_may_be_mixed),
+        cmocka_unit_test(two_dashes_end_the_options),
+        cmocka_unit_test(an_option_that_is_absent_leaves_its_value_alone),
+        cmocka_unit_test(every_mistake_has_its_message_and_exits_with_2),
+        cmocka_unit_test(all_mistakes_are_reported_in_one_go),
+        cmocka_unit_test(help_names_every_option_within_80_columns),
+        cmocka_unit_test(version_names_the_libraries),
+        cmocka_unit_test(a_place_that_cannot_take_a_file_is_known_beforehand),
+        cmocka_unit_test(exit_statuses_are_those_of_the_contract),
+        cmocka_unit_test(json_is_valid_for_any_number_and_any_bytes),
+        cmocka_unit_test(the_json_reader_refuses_what_is_no_json),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
