@@ -15,14 +15,22 @@
 
 typedef enum bis_shape_kind { BIS_SHAPE_PLY, BIS_SHAPE_OBJ, BIS_SHAPE_TRIANGLES, BIS_SHAPE_SPHERE, BIS_SHAPE_DISK } bis_shape_kind;
 
+/* A mesh that shapes use: read once, however many shapes and instances use it. */
+typedef struct bis_mesh_desc {
+    bis_shape_kind kind; /* PLY, OBJ, TRIANGLES */
+    char *filename;      /* PLY, OBJ: resolved path */
+    bool smooth;         /* invent vertex normals where the file has none */
+    bis_mesh mesh;       /* TRIANGLES */
+    bis_loc loc;         /* of the file's name, or of the directive */
+} bis_mesh_desc;
+
+/* One shape in the world. An instance of an object is a shape like any other, with a transformation of its own. */
 typedef struct bis_shape_desc {
     bis_shape_kind kind;
-    char *filename;  /* PLY, OBJ: resolved path */
-    bool smooth;     /* invent vertex normals where the file has none */
-    bis_mesh mesh;   /* TRIANGLES */
-    double radius, height;
+    uint32_t mesh;         /* PLY, OBJ, TRIANGLES: index into meshes */
+    double radius, height; /* SPHERE, DISK */
     bis_xform to_world;
-    uint32_t material; /* index into materials */
+    uint32_t material;     /* index into materials */
     bis_loc loc;
 } bis_shape_desc;
 
@@ -45,6 +53,8 @@ typedef struct bis_scene_desc {
     bis_light_desc light;
     bis_material *materials;
     size_t n_materials, capacity_materials;
+    bis_mesh_desc *meshes;
+    size_t n_meshes, capacity_meshes;
     bis_shape_desc *shapes;
     size_t n_shapes, capacity_shapes;
     char **files; /* names that bis_locs point into; owned */
@@ -54,6 +64,9 @@ typedef struct bis_scene_desc {
 /* Read a scene file. Errors go to diag, several in one go; the status is that of the first. A desc is only handed out without errors. seconds: none of this builds anything. */
 bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *diag);
 void bis_scene_desc_free(bis_scene_desc *d);
+
+/* spp >= 1 camera samples a pixel; the stratified sampler gets the most square xsamples x ysamples = spp. For the parser and the command line. */
+void bis_scene_set_spp(bis_scene_desc *d, uint32_t spp);
 
 typedef struct bis_scene_seconds {
     double parse, load, envmap, accel, render, write, total;

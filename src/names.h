@@ -1,0 +1,28 @@
+/* names: from a name to a number, in constant time. For the parser's named materials, objects, coordinate systems and
+ * files: a scene may instance ten thousand objects a million times. Included by the parser alone. */
+#ifndef BIS_NAMES_H
+#define BIS_NAMES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct bis_names {
+    char **names;      /* names[n], in the order of adding */
+    uint32_t *values;  /* values[n] */
+    uint32_t *slots;   /* slots[n_slots]: 1 + index of a name, 0: free. n_slots is 0 or a power of two */
+    size_t n, capacity_names, capacity_values, n_slots;
+} bis_names;
+
+void bis_names_clear(bis_names *t);
+
+/* False: not there, *value is untouched. value may be NULL. */
+bool bis_names_find(const bis_names *t, const char *name, uint32_t *value);
+
+/* Add or replace. Copies the name. False: no memory, nothing changed. */
+bool bis_names_set(bis_names *t, const char *name, uint32_t value);
+
+/* The name most like a misspelt one, or NULL; looks at the first thousand only. */
+const char *bis_names_nearest(const bis_names *t, const char *name);
+
+#endif

@@ -1,0 +1,168 @@
+/* parser_integrator: Integrator (SPEC 3) and Sampler.
+ *
+ * Each integrator has its own parameters; one that belongs to another is unknown here, because a scene that gives `candidates` to
+ * "em" does not mean what it says. pbrt's integrators and samplers are replaced, with a warning, by what comes nearest. */
+#include "parser.h"
+
+#include <string.h>
+
+#define MAX_COUNT (1u << 24) /* candidates and rays a camera sample: each thread holds them */
+#define MAX_SPP 1000000000u
+
+/* ---- Integrator ---- */
+
+/* The parameters that an integrator has, as bits. */
+enum { SAMPLES = 1, CANDIDATES = 2, SHADOWRAYS = 4, MIS = 8, REJECTION = 16, SIR = 32, PERPATCH = 64 };
+
+static const struct {
+    const bis_integrator *integrator;
+    unsigned params;
+} owns[] = {
+    {&bis_em, SAMPLES},
+    {&bis_brdf, SAMPLES},
+    {&bis_mis, SAMPLES | MIS},
+    {&bis_rejection, CANDIDATES | SHADOWRAYS | REJECTION},
+    {&bis_sir, CANDIDATES | SHADOWRAYS | SIR},
+    {&bis_exact, PERPATCH},
+    {&bis_unoccluded, CANDIDATES},
+};
+
+static unsigned params_of(const bis_integrator *integrator)
+{
+    for (size_t i = 0; i < BIS_COUNT(owns); i++)
+        if (owns[i].integrator == integrator) return owns[i].params;
+    return 0;
+}
+
+static void read_mis(bis_parser *p, bis_settings *s)
+{
+    static const char *const heuristics[] = {"balance", "power"};
+    static const bis_heuristic values[] = {BIS_HEURISTIC_BALANCE, BIS_HEURISTIC_POWER};
+    int i;
+    if (bis_params_choice(p, "heuristic", &i, heuristics, BIS_COUNT(heuristics))) s->heuristic = values[i];
+    bis_params_float(p, "split", &s->split, (bis_interval){0, 1, false, false});
+    bis_params_bool(p, "compensate", &s->compensate);
+}
+
+static void read_rejection(bis_parser *p, bis_settings *s)
+{
+    static const char *const proposals[] = {"em", "brdf", "choose"};
+    static const bis_proposal proposal[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_CHOOSE};
+    static const char *const estimators[] = {"ratio", "plain"};
+    static const bis_estimator estimator[] = {BIS_ESTIMATOR_RATIO, BIS_ESTIMATOR_PLAIN};
+    static const char *const fallbacks[] = {"resample", "subset", "unoccluded"};
+    static const bis_fallback fallback[] = {BIS_FALLBACK_RESAMPLE, BIS_FALLBACK_SUBSET, BIS_FALLBACK_UNOCCLUDED};
+    int i;
+    if (bis_params_choice(p, "proposal", &i, proposals, BIS_COUNT(proposals))) s->proposal = proposal[i];
+    if (bis_params_choice(p, "estimator", &i, estimators, BIS_COUNT(estimators))) s->estimator = estimator[i];
+    if (bis_params_choice(p, "fallback", &i, fallbacks, BIS_COUNT(fallbacks))) s->fallback = fallback[i];
+}
+
+static void read_sir(bis_parser *p, bis_settings *s)
+{
+    static const char *const proposals[] = {"em", "brdf", "mix"};
+    static const bis_proposal proposal[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX};
+    static const char *const resamplings[] = {"systematic", "multinomial"};
+    static const bis_resampling resampling[] = {BIS_RESAMPLING_SYSTEMATIC, BIS_RESAMPLING_MULTINOMIAL};
+    int i;
+    if (bis_params_choice(p, "proposal", &i, proposals, BIS_COUNT(proposals))) s->proposal = proposal[i];
+    if (bis_params_choice(p, "resampling", &i, resamplings, BIS_COUNT(resamplings))) s->resampling = resampling[i];
+    bis_params_bool(p, "stratify", &s->stratify);
+}
+
+static bis_settings read_settings(bis_parser *p, const bis_integrator *integrator)
+{
+    bis_settings s = bis_settings_default(integrator);
+    const unsigned params = params_of(integrator);
+    if (params & SAMPLES) bis_params_uint32(p, "samples", &s.samples, 1, MAX_COUNT);
+    if (params & CANDIDATES) bis_params_uint32(p, "candidates", &s.candidates, 1, MAX_COUNT);
+    if (params & SHADOWRAYS) bis_params_uint32(p, "shadowrays", &s.shadowrays, 1, MAX_COUNT);
+    if (params & PERPATCH) bis_params_uint32(p, "perpatch", &s.perpatch, 1, MAX_COUNT);
+    if (params & MIS) read_mis(p, &s);
+    if (params & REJECTION) read_rejection(p, &s);
+    if (params & SIR) read_sir(p, &s);
+    return s;
+}
+
+void bis_directive_integrator(bis_parser *p, bis_loc at)
+{
+    static const char *const pbrt[] = {"path",    "volpath", "bdpt",      "mlt",        "sppm",     "directlighting",  "whitted",
+                                       "ao",      "simplepath", "simplevolpath", "lightpath", "randomwalk", "ambientocclusion", "function",
+                                       "photonmap", "exphotonmap", "igi",   "irradiancecache"};
+    bis_choice choices[BIS_COUNT(pbrt) + BIS_COUNT(owns)];
+    size_t n = 0;
+
+    for (size_t i = 0; i < BIS_COUNT(owns); i++) choices[n++] = (bis_choice){owns[i].integrator->name, (int)i};
+    for (size_t i = 0; i < BIS_COUNT(pbrt); i++) choices[n++] = (bis_choice){pbrt[i], BIS_REPLACED};
+    if (!bis_parser_name(p, "Integrator") || !bis_params_read(p)) return;
+    const bis_choice *chosen = bis_parser_choose(p, "Integrator", bis_parser_text(p, p->name), p->name_at, choices, n);
+    if (!chosen) return;
+    bis_parser_single(p, BIS_SINGLE_INTEGRATOR, "Integrator", at);
+    p->desc->integrator_loc = p->name_at;
+    if (chosen->value == BIS_REPLACED) {
+        bis_warn(p->diag, p->name_at, "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\"; its parameters are ignored",
+                 chosen->name, bis_sir.name);
+        p->desc->settings = bis_settings_default(&bis_sir);
+        return;
+    }
+    p->desc->settings = read_settings(p, owns[chosen->value].integrator);
+    bis_params_end(p, "Integrator", chosen->name);
+}
+
+/* ---- Sampler ---- */
+
+/* pbrt's xsamples and ysamples; pixelsamples alone is divided as squarely as possible. */
+static void read_stratified(bis_parser *p, bis_sampler *s, bool has_spp)
+{
+    uint32_t x = 4, y = 4;
+    const bool has_x = bis_params_uint32(p, "xsamples", &x, 1, 65535);
+    const bool has_y = bis_params_uint32(p, "ysamples", &y, 1, 65535);
+    bis_params_bool(p, "jitter", &s->jitter);
+    if (!has_x && !has_y) return;
+    if ((uint64_t)x * y > MAX_SPP || (has_spp && x * y != s->spp)) {
+        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, has_x ? "xsamples" : "ysamples"),
+                                     "\"xsamples\" %u times \"ysamples\" %u is %llu, must be %s%u", x, y,
+                                     (unsigned long long)x * y, has_spp ? "\"pixelsamples\" " : "at most ",
+                                     has_spp ? s->spp : MAX_SPP));
+        return;
+    }
+    s->xsamples = x;
+    s->ysamples = y;
+    s->spp = x * y;
+}
+
+void bis_directive_sampler(bis_parser *p, bis_loc at)
+{
+    static const bis_choice samplers[] = {{"random", BIS_SAMPLER_RANDOM},
+                                          {"independent", BIS_SAMPLER_RANDOM},
+                                          {"stratified", BIS_SAMPLER_STRATIFIED},
+                                          {"sobol", BIS_SAMPLER_SOBOL},
+                                          {"halton", BIS_SAMPLER_HALTON},
+                                          {"zsobol", BIS_REPLACED},
+                                          {"paddedsobol", BIS_REPLACED},
+                                          {"pmj02bn", BIS_REPLACED},
+                                          {"02sequence", BIS_REPLACED},
+                                          {"lowdiscrepancy", BIS_REPLACED},
+                                          {"maxmindist", BIS_REPLACED},
+                                          {"bestcandidate", BIS_REPLACED},
+                                          {"adaptive", BIS_REPLACED}};
+    static const char *const ignored[] = {"dimensions", "randomization", "samplepixelcenter", "scramble"};
+    uint32_t spp = 16;
+
+    if (!bis_parser_name(p, "Sampler") || !bis_params_read(p)) return;
+    const bis_choice *chosen =
+        bis_parser_choose(p, "Sampler", bis_parser_text(p, p->name), p->name_at, samplers, BIS_COUNT(samplers));
+    if (!chosen) return;
+    bis_parser_single(p, BIS_SINGLE_SAMPLER, "Sampler", at);
+    const bool replaced = chosen->value == BIS_REPLACED;
+    if (replaced) bis_warn(p->diag, p->name_at, "Sampler \"%s\" is replaced by \"sobol\"", chosen->name);
+
+    const bool has_spp = bis_params_uint32(p, "pixelsamples", &spp, 1, MAX_SPP);
+    bis_sampler *s = &p->desc->sampler;
+    *s = (bis_sampler){.kind = replaced ? BIS_SAMPLER_SOBOL : (bis_sampler_kind)chosen->value, .jitter = true};
+    bis_scene_set_spp(p->desc, spp);
+    bis_params_integer(p, "seed", &s->seed, 0, (UINT64_C(1) << 53) - 1);
+    if (s->kind == BIS_SAMPLER_STRATIFIED) read_stratified(p, s, has_spp);
+    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
+    if (!replaced) bis_params_end(p, "Sampler", chosen->name);
+}

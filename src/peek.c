@@ -1,0 +1,91 @@
+/* peek: searches the first 64 kB of a file for the words that tell its size. Nothing is allocated. */
+#include "peek.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct head {
+    char text[65536 + 1]; /* ends with a zero byte, may hold others */
+    size_t n;
+} head;
+
+static bool read_head(head *h, const char *path)
+{
+    FILE *f = fopen(path, "rb");
+    if (!f) return false;
+    h->n = fread(h->text, 1, sizeof h->text - 1, f);
+    h->text[h->n] = '\0';
+    fclose(f);
+    return h->n > 0;
+}
+
+static bool starts_with(const head *h, const char *magic, size_t n) { return h->n >= n && memcmp(h->text, magic, n) == 0; }
+
+/* The integer behind the first occurrence of the word. */
+static bool number_after(const head *h, const char *word, long *value)
+{
+    const char *at = strstr(h->text, word);
+    if (!at) return false;
+    char *end;
+    *value = strtol(at + strlen(word), &end, 10);
+    return end > at + strlen(word) && *value > 0;
+}
+
+/* "\n-Y 512 +X 1024\n", with either sign and either axis first. */
+static bool hdr_size(const head *h, long *width, long *height)
+{
+    bool has_x = number_after(h, "+X ", width) || number_after(h, "-X ", width);
+    bool has_y = number_after(h, "-Y ", height) || number_after(h, "+Y ", height);
+    return has_x && has_y;
+}
+
+static bool pfm_size(const head *h, long *width, long *height)
+{
+    char *rest;
+    *width = strtol(h->text + 2, &rest, 10);
+    *height = strtol(rest, NULL, 10);
+    return *width > 0 && *height > 0;
+}
+
+static int32_t little_endian(const char *s)
+{
+    const unsigned char *b = (const unsigned char *)s;
+    return (int32_t)((uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24);
+}
+
+/* The attribute: name, type, size 16, then x0, y0, x1, y1 inclusive. */
+static bool exr_size(const head *h, long *width, long *height)
+{
+    static const char key[] = "dataWindow\0box2i\0\x10\0\0";
+    const char *at = memmem(h->text, h->n, key, sizeof key);
+    if (!at || (size_t)(at - h->text) + sizeof key + 16 > h->n) return false;
+    at += sizeof key;
+    *width = (long)little_endian(at + 8) - little_endian(at) + 1;
+    *height = (long)little_endian(at + 12) - little_endian(at + 4) + 1;
+    return *width > 0 && *height > 0;
+}
+
+bool bis_peek_image(const char *path, long *width, long *height)
+{
+    head h;
+    if (!read_head(&h, path)) return false;
+    if (starts_with(&h, "\x76\x2f\x31\x01", 4)) return exr_size(&h, width, height);
+    if (starts_with(&h, "PF", 2) || starts_with(&h, "Pf", 2)) return pfm_size(&h, width, height);
+    return starts_with(&h, "#?", 2) && hdr_size(&h, width, height);
+}
+
+bool bis_peek_ply(const char *path, long *n_vertices, long *n_faces)
+{
+    head h;
+    return read_head(&h, path) && starts_with(&h, "ply", 3) && number_after(&h, "element vertex ", n_vertices) &&
+           number_after(&h, "element face ", n_faces);
+}
+
+size_t bis_peek_bytes(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && st.st_size > 0 ? (size_t)st.st_size : 0;
+}

@@ -1,0 +1,206 @@
+/* plan: what a scene requires, what will be built for it, what is left out, and why (`bis --plan`).
+ *
+ * It draws the same conclusions as scene.c from the description alone. Each line starts with what it is about, so that
+ * a script finds it: "light", "geometry" and so on describe, "build" and "skip" decide. */
+#include "bis/file.h"
+#include "bis/importance.h"
+#include "bis/mem.h"
+#include "peek.h"
+
+#include "bis/scene.h"
+
+#include <inttypes.h>
+
+/* Upper bounds that importance.h promises. */
+enum { PIXEL_BYTES = 12, DRAWING_BYTES = 16 };
+
+static const char *megabytes(char buf[32], double bytes)
+{
+    snprintf(buf, 32, "%.1f MB", bytes / 1e6);
+    return buf;
+}
+
+/* ---- what is described ---- */
+
+static const char *const proposals[] = {[BIS_PROPOSAL_EM] = "em", [BIS_PROPOSAL_BRDF] = "brdf", [BIS_PROPOSAL_MIX] = "mix",
+                                        [BIS_PROPOSAL_CHOOSE] = "choose"};
+
+static const char *truth(bool b) { return b ? "true" : "false"; }
+
+static void print_integrator(const bis_settings *s, FILE *out)
+{
+    static const char *const fallbacks[] = {
+        [BIS_FALLBACK_RESAMPLE] = "resample", [BIS_FALLBACK_SUBSET] = "subset", [BIS_FALLBACK_UNOCCLUDED] = "unoccluded"};
+    const bis_integrator *i = s->integrator;
+    char split[32];
+
+    fprintf(out, "integrator   %s:", i->name);
+    if (i == &bis_exact) fprintf(out, " perpatch %" PRIu32, s->perpatch);
+    if (i == &bis_em || i == &bis_brdf || i == &bis_mis) fprintf(out, " samples %" PRIu32, s->samples);
+    if (i == &bis_sir || i == &bis_rejection || i == &bis_unoccluded) fprintf(out, " candidates %" PRIu32, s->candidates);
+    if (i == &bis_sir || i == &bis_rejection)
+        fprintf(out, ", shadowrays %" PRIu32 ", proposal %s", s->shadowrays, proposals[s->proposal]);
+    if (i == &bis_mis)
+        fprintf(out, ", heuristic %s, split %s, compensate %s", s->heuristic == BIS_HEURISTIC_POWER ? "power" : "balance",
+                bis_format_double(split, s->split), truth(s->compensate));
+    if (i == &bis_sir)
+        fprintf(out, ", resampling %s, stratify %s",
+                s->resampling == BIS_RESAMPLING_MULTINOMIAL ? "multinomial" : "systematic", truth(s->stratify));
+    if (i == &bis_rejection)
+        fprintf(out, ", estimator %s, fallback %s", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio", fallbacks[s->fallback]);
+    fprintf(out, "\nclaim        %s\n", i->claim);
+}
+
+static void print_view(const bis_scene_desc *d, FILE *out)
+{
+    char a[32], c[4][32];
+    const bis_sampler *s = &d->sampler;
+    for (int i = 0; i < 4; i++) bis_format_double(c[i], d->film.crop[i]);
+    fprintf(out, "scene        %s\n", d->path);
+    fprintf(out, "film         %d x %d, cropwindow %s %s %s %s, to %s\n", d->film.width, d->film.height, c[0], c[1], c[2], c[3],
+            d->film.filename);
+    if (d->camera.orthographic) fprintf(out, "camera       orthographic\n");
+    else fprintf(out, "camera       perspective, fov %s\n", bis_format_double(a, d->camera.fov_deg));
+    fprintf(out, "sampler      %s, %" PRIu32 " camera samples a pixel", bis_sampler_name(s->kind), s->spp);
+    if (s->kind == BIS_SAMPLER_STRATIFIED) fprintf(out, " (%" PRIu32 " x %" PRIu32 ")", s->xsamples, s->ysamples);
+    fprintf(out, ", seed %" PRIu64 "%s\n", s->seed, d->pixel_jitter ? "" : ", all through the pixel's centre");
+}
+
+/* The size of the lat-long map that will be made of the file; false: unknown. */
+static bool map_size(const bis_light_desc *light, long *width, long *height)
+{
+    if (!light->filename || !bis_peek_image(light->filename, width, height)) return false;
+    if (!light->angular) return true;
+    *width = light->width ? light->width + light->width % 2 : 2 * *width;
+    *height = *width / 2;
+    return true;
+}
+
+static void print_light(const bis_scene_desc *d, FILE *out)
+{
+    const bis_light_desc *light = &d->light;
+    char buf[32];
+    long w, h;
+    if (!d->has_light) {
+        fprintf(out, "light        none: the picture will be black\n");
+    } else if (!light->filename) {
+        fprintf(out, "light        constant\n");
+    } else if (map_size(light, &w, &h)) {
+        fprintf(out, "light        map %s, %s, %ld x %ld: %s of pixels\n", light->filename,
+                light->angular ? "angular, resampled to latlong" : "latlong", w, h,
+                megabytes(buf, (double)w * (double)h * PIXEL_BYTES));
+    } else {
+        fprintf(out, "light        map %s, %s, a file of %s\n", light->filename, light->angular ? "angular" : "latlong",
+                megabytes(buf, (double)bis_peek_bytes(light->filename)));
+    }
+    if (d->has_light && !light->visible) fprintf(out, "light        not visible to camera rays\n");
+}
+
+/* ---- what is built ---- */
+
+static bool is_mesh(const bis_shape_desc *s) { return s->kind != BIS_SHAPE_SPHERE && s->kind != BIS_SHAPE_DISK; }
+
+static void print_mesh(const bis_mesh_desc *m, size_t uses, FILE *out)
+{
+    char buf[32];
+    long vertices, faces;
+    const char *times = uses == 1 ? "shape" : "shapes";
+    if (m->kind == BIS_SHAPE_TRIANGLES)
+        fprintf(out, "build        mesh of the scene file, %zu triangles, for %zu %s\n", m->mesh.n_triangles, uses, times);
+    else if (m->kind == BIS_SHAPE_PLY && bis_peek_ply(m->filename, &vertices, &faces))
+        fprintf(out, "build        mesh %s, %ld vertices, %ld faces, read once for %zu %s\n", m->filename, vertices, faces, uses, times);
+    else
+        fprintf(out, "build        mesh %s, a file of %s, read once for %zu %s\n", m->filename,
+                megabytes(buf, (double)bis_peek_bytes(m->filename)), uses, times);
+}
+
+static void print_geometry(const bis_scene_desc *d, FILE *out)
+{
+    size_t n_quadrics = 0;
+    size_t *uses = bis_alloc(d->n_meshes, sizeof *uses);
+    for (size_t i = 0; i < d->n_shapes; i++) {
+        if (!is_mesh(&d->shapes[i])) n_quadrics++;
+        else if (uses) uses[d->shapes[i].mesh]++;
+    }
+    fprintf(out, "geometry     %zu shapes with instances: %zu of meshes, %zu spheres and disks\n", d->n_shapes, d->n_shapes - n_quadrics,
+            n_quadrics);
+    for (size_t i = 0; uses && i < d->n_meshes; i++) {
+        if (uses[i]) print_mesh(&d->meshes[i], uses[i], out);
+        else fprintf(out, "skip         mesh %s: no shape or instance uses it\n", d->meshes[i].filename ? d->meshes[i].filename : "of the scene file");
+    }
+    bis_free(uses);
+}
+
+/* Why there is nothing to draw from the light, or NULL. */
+static const char *why_no_drawing(const bis_scene_desc *d, unsigned needs)
+{
+    if (!d->n_shapes) return "there is no geometry to light";
+    if (!d->has_light) return "there is no light";
+    if (!d->light.filename) return "a constant light is drawn from without tables";
+    if (!(needs & (BIS_NEED_TABLE | BIS_NEED_CURVE))) return "this integrator, so set, draws nothing from the map";
+    return NULL;
+}
+
+static void print_drawing(const bis_scene_desc *d, FILE *out)
+{
+    const bis_light_desc *light = &d->light;
+    const unsigned needs = d->settings.integrator->light_needs(&d->settings);
+    const char *why = why_no_drawing(d, needs);
+    const bool cdf = light->has_table_kind ? light->table_kind == BIS_TABLE_CDF : bis_sampler_is_low_discrepancy(d->sampler.kind);
+    char size[32] = "", bound[64] = "";
+    long w, h;
+
+    if (why) {
+        fprintf(out, "skip         light table: %s\nskip         light curve: %s\nskip         light components: %s\n", why, why, why);
+        return;
+    }
+    if (map_size(light, &w, &h))
+        snprintf(bound, sizeof bound, ": at most %s", megabytes(size, (double)w * (double)h * DRAWING_BYTES));
+    if (needs & BIS_NEED_TABLE)
+        fprintf(out, "build        light table, %s%s%s\n", cdf ? "CDFs" : "alias tables",
+                needs & BIS_NEED_COMPENSATED ? ", compensated for mis" : "", bound);
+    else fprintf(out, "skip         light table: this integrator, so set, draws along the curve\n");
+    if (needs & BIS_NEED_CURVE) fprintf(out, "build        light curve, one CDF along a space-filling curve%s\n", bound);
+    else fprintf(out, "skip         light curve: this integrator, so set, draws from the table\n");
+    if (light->area_exponent > 0)
+        fprintf(out, "build        light components, %d levels, areaexponent %s\n", light->levels, bis_format_double(size, light->area_exponent));
+    else fprintf(out, "skip         light components: areaexponent is 0\n");
+}
+
+static void print_lobes(const bis_scene_desc *d, FILE *out)
+{
+    size_t n = 0, no_diffuse = 0, no_specular = 0;
+    bool *used = bis_alloc(d->n_materials, sizeof *used);
+    for (size_t i = 0; used && i < d->n_shapes; i++) used[d->shapes[i].material] = true;
+    for (size_t i = 0; used && i < d->n_materials; i++) {
+        if (!used[i]) continue;
+        n++;
+        no_diffuse += rgb_is_black(d->materials[i].Kd);
+        no_specular += rgb_is_black(d->materials[i].Ks);
+    }
+    fprintf(out, "materials    %zu in use\n", n);
+    if (no_diffuse) fprintf(out, "skip         diffuse candidates: Kd is 0 in %zu of %zu materials\n", no_diffuse, n);
+    if (no_specular) fprintf(out, "skip         specular candidates: Ks is 0 in %zu of %zu materials\n", no_specular, n);
+    bis_free(used);
+}
+
+static void print_accel(const bis_scene_desc *d, FILE *out)
+{
+    const bool embree = d->accel.kind == BIS_ACCEL_EMBREE || (d->accel.kind == BIS_ACCEL_DEFAULT && bis_accel_embree_version());
+    char buf[32];
+    if (!d->n_shapes) fprintf(out, "skip         accelerator: there is no geometry\n");
+    else if (embree) fprintf(out, "build        accelerator embree\n");
+    else if (d->accel.density > 0) fprintf(out, "build        accelerator grid, density %s\n", bis_format_double(buf, d->accel.density));
+    else fprintf(out, "build        accelerator grid, default density\n");
+}
+
+void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
+{
+    print_view(desc, out);
+    print_integrator(&desc->settings, out);
+    print_light(desc, out);
+    print_drawing(desc, out);
+    print_geometry(desc, out);
+    print_lobes(desc, out);
+    print_accel(desc, out);
+}
