@@ -30,7 +30,7 @@ typedef struct bis_envmap {
     double angular_power_before, angular_power_after; /* integral of intensity around the resampling of an angular map; 0, 0 for a lat-long */
 } bis_envmap;
 
-/* Take over the image's pixels (image is cleared); clean bad values. width * height < 2^32. Errors: BIS_NOMEM. */
+/* Take over the image's pixels (image is cleared, on failure, too); clean bad values. width * height < 2^32. Errors: BIS_NOMEM. */
 bis_status bis_envmap_from_latlong(bis_envmap *em, bis_image *image, bis_diag *diag);
 
 /* Resample a square angular map (Debevec's probe; SPEC 1) once to width x width/2, by averaging over each patch with enough sub-samples
@@ -39,7 +39,7 @@ bis_status bis_envmap_from_latlong(bis_envmap *em, bis_image *image, bis_diag *d
 bis_status bis_envmap_from_angular(bis_envmap *em, const bis_image *image, int width, bis_diag *diag);
 void bis_envmap_clear(bis_envmap *em);
 
-/* Multiply the radiance by scale (finite, >= 0, per channel); overflow to infinity is BIS_INPUT. */
+/* Multiply the radiance by scale (finite, >= 0, per channel); overflow to infinity is BIS_INPUT and leaves the map as it was. */
 bis_status bis_envmap_scale(bis_envmap *em, rgb scale, bis_diag *diag);
 
 /* The pixel (y * width + x) that a unit direction of the light's frame lies in. By atan2 in double: acos of a float
