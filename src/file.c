@@ -135,7 +135,8 @@ bis_status bis_outfile_open(bis_outfile **out, const char *path, bis_diag *diag)
     bis_loc at = {path, 0, 0};
     struct stat info;
     char target[PATH_MAX];
-    const char *final = realpath(path, target) ? target : path; /* a link's file is replaced, not the link */
+    bool is_link = lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
+    const char *final = is_link && realpath(path, target) ? target : path; /* a link's file is replaced, not the link */
     const char *what = stat(final, &info) ? NULL : irregular(info.st_mode);
     int fd = -1;
 

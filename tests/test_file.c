@@ -1,0 +1,453 @@
+/* file: whole files in, whole files out, and numbers that no locale can change. Files are made below build/test_file/. */
+#include "bis/file.h"
+#include "bis/mem.h"
+#include "bis/rng.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <float.h>
+#include <locale.h>
+#include <math.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define DIR_NAME "build/test_file"
+
+static int make_folder(void **state)
+{
+    (void)state;
+    mkdir("build", 0777);
+    if (system("rm -rf " DIR_NAME)) return -1;
+    return mkdir(DIR_NAME, 0777);
+}
+
+static void write_file(const char *path, const void *bytes, size_t n)
+{
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_int_equal(fwrite(bytes, 1, n, f), n);
+    assert_int_equal(fclose(f), 0);
+}
+
+static void assert_file_is(const char *path, const char *text)
+{
+    unsigned char *data;
+    size_t size;
+    assert_int_equal(bis_file_read(&data, &size, path, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(size, strlen(text));
+    assert_memory_equal(data, text, size + 1);
+    bis_free(data);
+}
+
+static size_t files_in_folder(void)
+{
+    size_t n = 0;
+    DIR *d = opendir(DIR_NAME);
+    assert_non_null(d);
+    for (struct dirent *e = readdir(d); e; e = readdir(d))
+        n += strcmp(e->d_name, ".") && strcmp(e->d_name, "..");
+    closedir(d);
+    return n;
+}
+
+/* ---- in ---- */
+
+static void files_of_any_size_are_read_whole_and_end_in_a_zero(void **state)
+{
+    (void)state;
+    const size_t sizes[] = {0, 1, 4095, 4096, 4097, 4098, 8192, 1000000};
+    unsigned char *bytes = bis_alloc(1000000, 1);
+    bis_rng r;
+    bis_rng_init(&r, 1, 0, 0, 0);
+    for (size_t i = 0; i < 1000000; i++)
+        bytes[i] = (unsigned char)bis_rng_u64(&r);
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        unsigned char *data;
+        size_t size;
+        write_file(DIR_NAME "/sized", bytes, sizes[i]);
+        assert_int_equal(bis_file_read(&data, &size, DIR_NAME "/sized", (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(size, sizes[i]);
+        assert_memory_equal(data, bytes, size);
+        assert_int_equal(data[size], 0);
+        bis_free(data);
+    }
+    bis_free(bytes);
+}
+
+static void a_file_that_claims_size_0_is_read_to_its_end(void **state)
+{
+    (void)state;
+    struct stat info;
+    unsigned char *data;
+    size_t size;
+    if (stat("/proc/self/maps", &info) || info.st_size != 0) skip();
+    assert_int_equal(bis_file_read(&data, &size, "/proc/self/maps", (bis_loc){0}, NULL), BIS_OK);
+    assert_true(size > 1000);
+    assert_int_equal(strlen((char *)data), size);
+    bis_free(data);
+}
+
+static void expect_refusal(const char *path, bis_loc at, const char *message)
+{
+    bis_diag d = {0};
+    unsigned char *data;
+    size_t size;
+    assert_int_equal(bis_file_read(&data, &size, path, at, &d), BIS_IO);
+    assert_null(data);
+    assert_int_equal(d.n, 1);
+    assert_string_equal(d.messages[0].text, message);
+    bis_diag_clear(&d);
+}
+
+static void what_is_no_regular_file_is_refused_with_its_kind(void **state)
+{
+    (void)state;
+    assert_int_equal(mkfifo(DIR_NAME "/fifo", 0666), 0); /* nobody writes to it: must not hang */
+    expect_refusal(DIR_NAME "/fifo", (bis_loc){0},
+                   DIR_NAME "/fifo: error: \"" DIR_NAME "/fifo\" is a pipe, must be a regular file");
+    expect_refusal(DIR_NAME, (bis_loc){0}, DIR_NAME ": error: \"" DIR_NAME "\" is a folder, must be a regular file");
+    expect_refusal("/dev/zero", (bis_loc){0}, "/dev/zero: error: \"/dev/zero\" is a device, must be a regular file");
+    unlink(DIR_NAME "/fifo");
+}
+
+static void a_missing_file_is_reported_where_it_was_named(void **state)
+{
+    (void)state;
+    expect_refusal("no/such", (bis_loc){"s.txt", 3, 14},
+                   "s.txt:3:14: error: cannot open \"no/such\": No such file or directory");
+    expect_refusal("no/such", (bis_loc){0}, "no/such: error: cannot open \"no/such\": No such file or directory");
+}
+
+static void reading_without_memory_says_so_and_leaks_nothing(void **state)
+{
+    (void)state;
+    char bytes[10000] = "x";
+    unsigned char *data;
+    size_t size;
+    write_file(DIR_NAME "/nomem", bytes, sizeof bytes);
+    long k = 0;
+    bis_status status;
+    do {
+        bis_mem_fail_at(++k);
+        status = bis_file_read(&data, &size, DIR_NAME "/nomem", (bis_loc){0}, NULL);
+        if (status) {
+            assert_int_equal(status, BIS_NOMEM);
+            assert_null(data);
+        }
+    } while (status);
+    bis_mem_fail_at(0);
+    assert_int_equal(k, 2);
+    bis_free(data);
+    unlink(DIR_NAME "/nomem");
+}
+
+/* ---- out ---- */
+
+static void commit_puts_the_new_file_in_the_place_of_the_old_one(void **state)
+{
+    (void)state;
+    bis_outfile *f;
+    write_file(DIR_NAME "/out", "old", 3);
+    size_t n = files_in_folder();
+    assert_int_equal(bis_outfile_open(&f, DIR_NAME "/out", NULL), BIS_OK);
+    assert_int_equal(files_in_folder(), n + 1);
+    assert_int_equal(strncmp(bis_outfile_temp_name(f), DIR_NAME "/", strlen(DIR_NAME) + 1), 0);
+    fprintf(bis_outfile_stream(f), "new");
+    assert_file_is(DIR_NAME "/out", "old");
+    assert_int_equal(bis_outfile_commit(f, NULL), BIS_OK);
+    assert_file_is(DIR_NAME "/out", "new");
+    assert_int_equal(files_in_folder(), n);
+}
+
+static void a_new_file_has_the_mode_that_the_umask_leaves(void **state)
+{
+    (void)state;
+    struct stat info;
+    bis_outfile *f;
+    mode_t before = umask(027);
+    assert_int_equal(bis_outfile_open(&f, DIR_NAME "/mode", NULL), BIS_OK);
+    assert_int_equal(bis_outfile_commit(f, NULL), BIS_OK);
+    umask(before);
+    assert_int_equal(stat(DIR_NAME "/mode", &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0640);
+}
+
+static void abort_leaves_the_old_file_and_nothing_else(void **state)
+{
+    (void)state;
+    bis_outfile *f;
+    write_file(DIR_NAME "/kept", "old", 3);
+    size_t n = files_in_folder();
+    assert_int_equal(bis_outfile_open(&f, DIR_NAME "/kept", NULL), BIS_OK);
+    fprintf(bis_outfile_stream(f), "half");
+    bis_outfile_abort(f);
+    bis_outfile_abort(NULL);
+    assert_file_is(DIR_NAME "/kept", "old");
+    assert_int_equal(files_in_folder(), n);
+}
+
+/* The file size limit stands in for a full disk: a write beyond it fails in the same way. */
+static void a_full_disk_keeps_the_old_file_and_removes_the_new_one(void **state)
+{
+    (void)state;
+    struct rlimit old_limit, limit;
+    char block[4096] = {0};
+    const int n_blocks[] = {1, 100}; /* fails when flushed at last; fails on the way, seen by ferror alone */
+    getrlimit(RLIMIT_FSIZE, &old_limit);
+    limit = old_limit;
+    limit.rlim_cur = 1000;
+    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+
+    for (int i = 0; i < 2; i++) {
+        bis_outfile *f;
+        bis_diag d = {0};
+        write_file(DIR_NAME "/full", "old", 3);
+        size_t n = files_in_folder();
+        assert_int_equal(bis_outfile_open(&f, DIR_NAME "/full", &d), BIS_OK);
+        setrlimit(RLIMIT_FSIZE, &limit);
+        for (int j = 0; j < n_blocks[i]; j++)
+            (void)!fwrite(block, 1, sizeof block - 1, bis_outfile_stream(f));
+        bis_status status = bis_outfile_commit(f, &d);
+        setrlimit(RLIMIT_FSIZE, &old_limit);
+
+        assert_int_equal(status, BIS_IO);
+        assert_int_equal(d.n, 1);
+        assert_non_null(strstr(d.messages[0].text, DIR_NAME "/full: error: cannot write \"" DIR_NAME "/full\": "));
+        assert_file_is(DIR_NAME "/full", "old");
+        assert_int_equal(files_in_folder(), n);
+        bis_diag_clear(&d);
+    }
+    signal(SIGXFSZ, handler);
+}
+
+static void a_place_that_cannot_be_written_is_refused_at_once(void **state)
+{
+    (void)state;
+    bis_diag d = {0};
+    bis_outfile *f;
+    assert_int_equal(bis_outfile_open(&f, "no/such/folder/x", &d), BIS_IO);
+    assert_null(f);
+    assert_int_equal(bis_outfile_open(&f, DIR_NAME, &d), BIS_IO);
+    assert_int_equal(bis_outfile_open(&f, "/dev/null", &d), BIS_IO); /* not replaced by a file, whoever we are */
+    assert_string_equal(d.messages[0].text, "no/such/folder/x: error: cannot create a file beside "
+                                            "\"no/such/folder/x\": No such file or directory");
+    assert_string_equal(d.messages[1].text, DIR_NAME ": error: cannot write \"" DIR_NAME
+                                                     "\": it is a folder, must be a regular file or new");
+    bis_diag_clear(&d);
+}
+
+static void through_a_link_the_linked_file_is_replaced(void **state)
+{
+    (void)state;
+    struct stat info;
+    bis_outfile *f;
+    write_file(DIR_NAME "/target", "old", 3);
+    assert_int_equal(symlink("target", DIR_NAME "/link"), 0);
+    assert_int_equal(bis_outfile_open(&f, DIR_NAME "/link", NULL), BIS_OK);
+    fprintf(bis_outfile_stream(f), "new");
+    assert_int_equal(bis_outfile_commit(f, NULL), BIS_OK);
+    assert_int_equal(lstat(DIR_NAME "/link", &info), 0);
+    assert_true(S_ISLNK(info.st_mode));
+    assert_file_is(DIR_NAME "/target", "new");
+}
+
+static void opening_without_memory_says_so_and_leaves_no_file(void **state)
+{
+    (void)state;
+    bis_outfile *f;
+    bis_status status;
+    size_t n = files_in_folder();
+    long k = 0;
+    do {
+        bis_mem_fail_at(++k);
+        status = bis_outfile_open(&f, DIR_NAME "/k", NULL);
+        if (status) {
+            assert_int_equal(status, BIS_NOMEM);
+            assert_int_equal(files_in_folder(), n);
+        }
+    } while (status);
+    bis_mem_fail_at(0);
+    assert_int_equal(k, 4);
+    bis_outfile_abort(f);
+    assert_int_equal(files_in_folder(), n);
+}
+
+/* ---- names ---- */
+
+static void a_name_is_relative_to_the_file_that_uses_it(void **state)
+{
+    (void)state;
+    const char *const cases[][3] = {{"a/b/s.txt", "m.hdr", "a/b/m.hdr"}, {"s.txt", "m.hdr", "m.hdr"},
+                                    {"/s.txt", "m.hdr", "/m.hdr"},       {"a/s.txt", "/m.hdr", "/m.hdr"},
+                                    {"a/s.txt", "../m.hdr", "a/../m.hdr"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char *path = bis_path_relative_to(cases[i][0], cases[i][1]);
+        assert_string_equal(path, cases[i][2]);
+        bis_free(path);
+    }
+}
+
+static void an_extension_is_what_follows_the_last_dot_of_the_name(void **state)
+{
+    (void)state;
+    const char *const cases[][2] = {{"a.EXR", ".exr"}, {"a.b/c", ""},          {"a.tar.gz", ".gz"}, {"", ""},
+                                    {"a/.hdr", ""},    {"a.abcdef", ".abcdef"}, {"a.abcdefg", ""},   {"a.", "."}};
+    char buf[8];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_string_equal(bis_path_extension(buf, cases[i][0]), cases[i][1]);
+}
+
+/* ---- numbers ---- */
+
+static void assert_parses_like_strtod(const char *s)
+{
+    const char *end;
+    char *expected_end;
+    double expected = strtod(s, &expected_end), v = bis_parse_double(s, &end);
+    if (end != expected_end || (memcmp(&v, &expected, sizeof v) && !(isnan(v) && isnan(expected))))
+        fail_msg("\"%s\": %a, %d bytes; strtod: %a, %d bytes", s, v, (int)(end - s), expected, (int)(expected_end - s));
+}
+
+static void every_form_of_number_parses_as_by_strtod(void **state)
+{
+    (void)state;
+    const char *const forms[] = {"0", "-0", "+0.0", "1", ".5", "5.", "-.5e1", "1e", "1e+", "1e-x", "1e5x", "1.5.5", ".", "-", "+",
+        "", "e5", ".e5", "x", "--1", "0x10", "0x1.8p3", "0xg", "00x1", "inf", "-INF", "infinity", "nan", "-nan", "nan(1)",
+        "1e22", "1e23", "1e-22", "1e-23", "9007199254740991", "9007199254740992", "9007199254740993", "9007199254740993e0",
+        "18446744073709551615", "18446744073709551616", "99999999999999999999", "1e400", "-1e400", "1e-400",
+        "4.9406564584124654e-324", "2.4703282292062327e-324", "2.2250738585072011e-308", "1.7976931348623158e308",
+        "0.000000000000000000000000000001e30", "100000000000000000000000000000e-29", "1e99999999999999999999",
+        "0e99999999999999999999", "1e-99999999999999999999", "000000000000000000000000000000.1", "123456789012345678901234567890",
+        "0.1000000000000000055511151231257827021181583404541015625"};
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++)
+        assert_parses_like_strtod(forms[i]);
+}
+
+static void random_decimals_parse_as_by_strtod(void **state)
+{
+    (void)state;
+    bis_rng r;
+    char s[64];
+    bis_rng_init(&r, 2, 0, 0, 0);
+    for (int i = 0; i < 200000; i++) {
+        uint64_t digits = bis_rng_u64(&r) >> bis_rng_below(&r, 64);
+        int exponent = (int)bis_rng_below(&r, 70) - 35;
+        snprintf(s, sizeof s, i % 2 ? "%llu.%llue%d" : "-%llu.%06llu", (unsigned long long)(digits >> 20),
+                 (unsigned long long)(digits & 0xfffff), exponent);
+        assert_parses_like_strtod(s);
+    }
+}
+
+static void white_space_is_no_part_of_a_number(void **state)
+{
+    (void)state;
+    const char *const texts[] = {" 1", "\t1", "\n1", "\r1", "\v1", "\f1"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        const char *end;
+        bis_parse_double(texts[i], &end);
+        assert_ptr_equal(end, texts[i]);
+    }
+}
+
+static void assert_shortest_double(double v)
+{
+    char buf[32], other[32];
+    bis_format_double(buf, v);
+    assert_true(strtod(buf, NULL) == v);
+    size_t n_digits = strspn(buf, "-0123456789.");
+    for (int digits = 1; digits < 17; digits++) {
+        snprintf(other, sizeof other, "%.*g", digits, v);
+        if (strtod(other, NULL) == v && strspn(other, "-0123456789.") < n_digits)
+            fail_msg("%s is longer than %s", buf, other);
+    }
+}
+
+static void formatted_numbers_are_the_shortest_that_read_back(void **state)
+{
+    (void)state;
+    char buf[32];
+    bis_rng r;
+    bis_rng_init(&r, 3, 0, 0, 0);
+    for (int i = 0; i < 5000; i++) {
+        union {
+            uint64_t bits;
+            double v;
+        } d = {bis_rng_u64(&r)};
+        union {
+            uint32_t bits;
+            float v;
+        } f = {(uint32_t)bis_rng_u64(&r)};
+        if (isfinite(d.v)) assert_shortest_double(d.v);
+        if (isfinite(f.v)) assert_true(strtof(bis_format_float(buf, f.v), NULL) == f.v);
+    }
+    assert_string_equal(bis_format_double(buf, 0.1), "0.1");
+    assert_string_equal(bis_format_double(buf, 1.0 / 3), "0.3333333333333333");
+    assert_string_equal(bis_format_double(buf, 5e-324), "5e-324");
+    assert_string_equal(bis_format_double(buf, -DBL_MAX), "-1.7976931348623157e+308");
+    assert_string_equal(bis_format_double(buf, 0), "0");
+    assert_string_equal(bis_format_float(buf, 0.1f), "0.1");
+    assert_string_equal(bis_format_float(buf, 1e-45f), "1e-45");
+    assert_string_equal(bis_format_float(buf, 16777216.0f), "16777216");
+}
+
+/* Any locale with a decimal comma will do; where none is installed, one is made, where its source is installed. */
+static void a_decimal_comma_changes_nothing(void **state)
+{
+    (void)state;
+    const char *const commas[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "nl_NL.UTF-8", "de_DE"};
+    const char *name = NULL, *end;
+    char buf[32];
+    for (size_t i = 0; !name && i < sizeof commas / sizeof *commas; i++)
+        name = setlocale(LC_ALL, commas[i]);
+    if (!name && !system("localedef -c -i de_DE -f UTF-8 " DIR_NAME "/de_DE.UTF-8 >/dev/null 2>&1")) {
+        setenv("LOCPATH", DIR_NAME, 1);
+        name = setlocale(LC_ALL, "de_DE.UTF-8");
+    }
+    if (!name) {
+        print_message("skipped: no locale with a decimal comma is installed\n");
+        skip();
+    }
+    snprintf(buf, sizeof buf, "%g", 0.5);
+    bool has_comma = strcmp(buf, "0,5") == 0;
+    double fast = bis_parse_double("0.5", &end), slow = bis_parse_double("0.12345678901234567890123", &end);
+    bool all_read = *end == '\0';
+    bis_format_double(buf, 1.5);
+    setlocale(LC_ALL, "C");
+    assert_true(has_comma);
+    assert_true(fast == 0.5 && slow == 0.12345678901234567890123 && all_read);
+    assert_string_equal(buf, "1.5");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(files_of_any_size_are_read_whole_and_end_in_a_zero),
+        cmocka_unit_test(a_file_that_claims_size_0_is_read_to_its_end),
+        cmocka_unit_test(what_is_no_regular_file_is_refused_with_its_kind),
+        cmocka_unit_test(a_missing_file_is_reported_where_it_was_named),
+        cmocka_unit_test(reading_without_memory_says_so_and_leaks_nothing),
+        cmocka_unit_test(commit_puts_the_new_file_in_the_place_of_the_old_one),
+        cmocka_unit_test(a_new_file_has_the_mode_that_the_umask_leaves),
+        cmocka_unit_test(abort_leaves_the_old_file_and_nothing_else),
+        cmocka_unit_test(a_full_disk_keeps_the_old_file_and_removes_the_new_one),
+        cmocka_unit_test(a_place_that_cannot_be_written_is_refused_at_once),
+        cmocka_unit_test(through_a_link_the_linked_file_is_replaced),
+        cmocka_unit_test(opening_without_memory_says_so_and_leaves_no_file),
+        cmocka_unit_test(a_name_is_relative_to_the_file_that_uses_it),
+        cmocka_unit_test(an_extension_is_what_follows_the_last_dot_of_the_name),
+        cmocka_unit_test(every_form_of_number_parses_as_by_strtod),
+        cmocka_unit_test(random_decimals_parse_as_by_strtod),
+        cmocka_unit_test(white_space_is_no_part_of_a_number),
+        cmocka_unit_test(formatted_numbers_are_the_shortest_that_read_back),
+        cmocka_unit_test(a_decimal_comma_changes_nothing),
+    };
+    return cmocka_run_group_tests(tests, make_folder, NULL);
+}

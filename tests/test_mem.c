@@ -1,0 +1,150 @@
+/* mem: aligned, zeroed, checked for overflow, and told when to fail. */
+#include "bis/mem.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static void every_block_is_aligned_and_zero_to_its_last_byte(void **state)
+{
+    (void)state;
+    const size_t sizes[] = {1, 15, 16, 63, 64, 65, 4095, 4097, 131071, 131072, 131073, 1000003};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+        for (int repeat = 0; repeat < 3; repeat++) { /* also when the heap hands out used memory */
+            unsigned char *p = bis_alloc(sizes[i], 1);
+            assert_non_null(p);
+            assert_int_equal((uintptr_t)p % 64, 0);
+            for (size_t j = 0; j < sizes[i]; j++)
+                assert_int_equal(p[j], 0);
+            memset(p, 0xab, sizes[i]);
+            bis_free(p);
+        }
+}
+
+static void nothing_can_be_asked_for(void **state)
+{
+    (void)state;
+    void *p = bis_alloc(0, 8), *q = bis_alloc(8, 0);
+    assert_non_null(p);
+    assert_non_null(q);
+    assert_ptr_not_equal(p, q);
+    bis_free(p);
+    bis_free(q);
+    bis_free(NULL);
+}
+
+static void a_size_that_overflows_is_refused(void **state)
+{
+    (void)state;
+    assert_null(bis_alloc(SIZE_MAX, 2));
+    assert_null(bis_alloc((size_t)1 << 32, (size_t)1 << 32));
+    assert_null(bis_alloc(SIZE_MAX, 1));
+    assert_null(bis_alloc(1, PTRDIFF_MAX));
+    char *p = bis_alloc(3, 1);
+    p[2] = 'x';
+    assert_null(bis_realloc(p, SIZE_MAX / 2, 4));
+    assert_int_equal(p[2], 'x');
+    bis_free(p);
+}
+
+static void realloc_keeps_contents_and_alignment(void **state)
+{
+    (void)state;
+    unsigned *p = NULL;
+    for (size_t n = 1; n < 3000000; n = n * 3 + 1) {
+        size_t old = (n - 1) / 3;
+        p = bis_realloc(p, n, sizeof *p);
+        assert_non_null(p);
+        assert_int_equal((uintptr_t)p % 64, 0);
+        for (size_t i = 0; i < old; i++)
+            assert_int_equal(p[i], (unsigned)i * 2654435761u);
+        for (size_t i = 0; i < n; i++)
+            p[i] = (unsigned)i * 2654435761u;
+    }
+    p = bis_realloc(p, 5, sizeof *p);
+    for (size_t i = 0; i < 5; i++)
+        assert_int_equal(p[i], (unsigned)i * 2654435761u);
+    bis_free(p);
+}
+
+static long resident_pages(void)
+{
+    long total = 0, resident = -1;
+    FILE *f = fopen("/proc/self/statm", "r");
+    if (!f) return -1;
+    if (fscanf(f, "%ld %ld", &total, &resident) != 2) resident = -1;
+    fclose(f);
+    return resident;
+}
+
+static void a_gigabyte_of_zeros_is_not_touched(void **state)
+{
+    (void)state;
+    long before = resident_pages();
+    if (before < 0) skip();
+    char *p = bis_alloc((size_t)1 << 30, 1);
+    if (!p) skip(); /* a small machine */
+    long grown = (resident_pages() - before) * sysconf(_SC_PAGESIZE);
+    assert_int_equal(p[123456789], 0);
+    bis_free(p);
+    assert_true(grown < (long)1 << 27); /* an eighth of it: what the address sanitizer books for itself */
+}
+
+static void strings_are_copied_with_their_end(void **state)
+{
+    (void)state;
+    char *a = bis_strdup("bis"), *b = bis_strndup("candidates", 4), *c = bis_strndup("ab", 10), *d = bis_strdup("");
+    assert_string_equal(a, "bis");
+    assert_string_equal(b, "cand");
+    assert_string_equal(c, "ab");
+    assert_string_equal(d, "");
+    const char no_end[] = {'x', 'y'};
+    char *e = bis_strndup(no_end, 2);
+    assert_string_equal(e, "xy");
+    bis_free(a), bis_free(b), bis_free(c), bis_free(d), bis_free(e);
+}
+
+static void the_kth_allocation_fails_once_and_all_are_counted(void **state)
+{
+    (void)state;
+    for (long k = 1; k <= 4; k++) {
+        bis_mem_fail_at(k);
+        void *p[4] = {bis_alloc(1, 1), bis_realloc(NULL, 1, 1), bis_strdup("x"), bis_strndup("x", 1)};
+        assert_int_equal(bis_mem_count(), 4);
+        for (long i = 0; i < 4; i++) {
+            assert_true((p[i] == NULL) == (i + 1 == k));
+            bis_free(p[i]);
+        }
+    }
+    bis_mem_fail_at(1);
+    char *q = bis_alloc(1, 1);
+    assert_null(q);
+    bis_mem_fail_at(0);
+    assert_int_equal(bis_mem_count(), 0);
+    q = bis_alloc(1, 1);
+    assert_non_null(q);
+    bis_mem_fail_at(1);
+    assert_null(bis_realloc(q, 100, 1));
+    q[0] = 'x'; /* the old block survives */
+    bis_mem_fail_at(0);
+    bis_free(q);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_block_is_aligned_and_zero_to_its_last_byte),
+        cmocka_unit_test(nothing_can_be_asked_for),
+        cmocka_unit_test(a_size_that_overflows_is_refused),
+        cmocka_unit_test(realloc_keeps_contents_and_alignment),
+        cmocka_unit_test(a_gigabyte_of_zeros_is_not_touched),
+        cmocka_unit_test(strings_are_copied_with_their_end),
+        cmocka_unit_test(the_kth_allocation_fails_once_and_all_are_counted),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
