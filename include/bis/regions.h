@@ -26,7 +26,8 @@ typedef struct bis_regions {
 /* bin = min(levels - 1, floor(levels log(I/Imin) / log(Imax/Imin))) over positive intensities; Imin = Imax: one level. */
 typedef struct bis_levels {
     int n;
-    double log_min, log_range; /* of the positive intensities; log_range 0: one level */
+    double least;     /* the smallest positive intensity; by the ratio I/least, levels do not change with the exposure */
+    double log_range; /* log(Imax/Imin); 0: one level */
 } bis_levels;
 
 bis_levels bis_levels_of(const bis_envmap *em, int levels);
@@ -38,7 +39,8 @@ uint8_t bis_level_of_intensity(const bis_levels *l, double intensity);
 bis_status bis_regions_init(bis_regions *r, const bis_envmap *em, int levels, bis_diag *diag);
 void bis_regions_clear(bis_regions *r);
 
-/* min(0.01 sr, solid angle)^b, the factor of thesis 3.4 by which a component's pixels gain or lose importance. */
+/* min(0.01 sr, solid angle)^b, the factor of thesis 3.4 by which a component's pixels gain or lose importance, divided by 0.01^b: a
+ * constant factor cancels, and so the factor is 1 for large lights and in (0, 1] for any b that does not underflow. */
 double bis_area_factor(double solid_angle, double b);
 
 #endif
