@@ -1,0 +1,588 @@
+/* render: the same bits for any number of threads, any crop, any moment of interruption; budgets; what escaped rays see. The integrators
+ * of the library take part in the first test, elsewhere one of our own that does exactly what the test needs. */
+#include "bis/mem.h"
+#include "bis/phong.h"
+#include "bis/render.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+/* --- a scene without files: a ball on a floor under a map of 16 x 8 random pixels ---------------------------------- */
+
+typedef struct world {
+    bis_scene_desc desc;
+    bis_scene scene;
+    bis_material materials[2];
+} world;
+
+static void add_floor(bis_geometry *g)
+{
+    const vec3 corners[4] = {{-9, -1, -9}, {9, -1, -9}, {9, -1, 9}, {-9, -1, 9}};
+    const uint32_t index[6] = {0, 1, 2, 0, 2, 3};
+    const bis_xform identity = bis_xform_identity();
+    bis_mesh m = {.n_vertices = 4, .n_triangles = 2};
+    m.p = bis_alloc(4, sizeof *m.p);
+    m.index = bis_alloc(6, sizeof *m.index);
+    memcpy(m.p, corners, sizeof corners);
+    memcpy(m.index, index, sizeof index);
+    assert_int_equal(bis_geometry_add_mesh(g, &m, &identity, 0, NULL), BIS_OK);
+    bis_mesh_clear(&m);
+}
+
+static bis_light *random_light(const bis_light_desc *desc)
+{
+    bis_image image;
+    bis_envmap em;
+    bis_light *light;
+    bis_rng rng;
+    bis_rng_init(&rng, 5, 0, 0, 0);
+    assert_int_equal(bis_image_init(&image, 16, 8, NULL), BIS_OK);
+    for (int i = 0; i < 16 * 8; i++) {
+        double v = pow(bis_rng_double(&rng), 4);
+        image.pixels[i] = rgb_from(v, v * bis_rng_double(&rng), v / 2);
+    }
+    assert_int_equal(bis_envmap_from_latlong(&em, &image, NULL), BIS_OK);
+    assert_int_equal(bis_light_from_envmap(&light, &em, desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL), BIS_OK);
+    return light;
+}
+
+static void make_world(world *w, const bis_integrator *integrator)
+{
+    *w = (world){0};
+    bis_scene_desc *d = &w->desc;
+    w->materials[0] = bis_phong((rgb){0.5f, 0.4f, 0.3f}, (rgb){0.2f, 0.2f, 0.2f}, 20);
+    w->materials[1] = bis_phong((rgb){0.1f, 0.4f, 0.3f}, (rgb){0.5f, 0.5f, 0.2f}, 100);
+    d->materials = w->materials;
+    d->n_materials = 2;
+    d->camera = (bis_camera){.fov_deg = 60, .to_world = bis_xform_translate(0, 0, -3)};
+    d->sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .seed = 1, .jitter = true};
+    bis_scene_set_spp(d, 4);
+    d->pixel_jitter = true;
+    d->settings = bis_settings_default(integrator);
+    d->settings.candidates = 24;
+    d->settings.shadowrays = 3;
+    d->settings.samples = 4;
+    d->has_light = true;
+    d->light = (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true, .to_world = bis_xform_identity()};
+
+    bis_geometry *g = &w->scene.geometry;
+    const bis_quadric ball = {.kind = BIS_SPHERE, .radius = 1, .to_world = bis_xform_identity(), .material = 1};
+    const bis_accel_options accel = {.kind = BIS_ACCEL_GRID};
+    add_floor(g);
+    assert_int_equal(bis_geometry_add_quadric(g, &ball, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&w->scene.accel, g, &accel, NULL), BIS_OK);
+    w->scene.light = random_light(&d->light);
+}
+
+static void clear_world(world *w)
+{
+    bis_accel_free(w->scene.accel);
+    bis_geometry_clear(&w->scene.geometry);
+    bis_light_free(w->scene.light);
+}
+
+enum { WIDTH = 37, HEIGHT = 21 };
+
+static const double whole[4] = {0, 1, 0, 1};
+
+static void render(bis_film *film, bis_render_result *result, const world *w, const double crop[4], const bis_render_options *options)
+{
+    assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, crop, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_render(result, film, &w->scene, &w->desc, options, NULL), BIS_OK);
+}
+
+static void assert_same_bits(const bis_film *a, const bis_film *b)
+{
+    size_t n = (size_t)a->width * (size_t)a->height;
+    assert_int_equal(a->passes, b->passes);
+    assert_memory_equal(a->sum, b->sum, 3 * n * sizeof *a->sum);
+    assert_memory_equal(a->sum_squares, b->sum_squares, 3 * n * sizeof *a->sum_squares);
+    assert_memory_equal(a->hits, b->hits, n * sizeof *a->hits);
+}
+
+/* --- integrators of our own ---------------------------------------------------------------------------------------- */
+
+static unsigned no_light_needs(const bis_settings *s)
+{
+    (void)s;
+    return 0;
+}
+
+static void no_scratch(const bis_settings *s, bis_scratch *need)
+{
+    (void)s;
+    (void)need;
+}
+
+/* A random number, hence noise. */
+static rgb noise_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s;
+    (void)pt;
+    (void)scratch;
+    double u = bis_stream_random(stream);
+    return rgb_from(u, 0.5 + u, 1);
+}
+
+/* The place: what a camera ray saw. */
+static rgb place_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s;
+    (void)stream;
+    (void)scratch;
+    return (rgb){pt->p.x + 10, pt->p.y + 10, pt->p.z + 10};
+}
+
+/* NaN or infinity for a quarter of the samples. */
+static rgb sick_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s;
+    (void)pt;
+    (void)scratch;
+    double u = bis_stream_random(stream);
+    return (rgb){1, u < 0.125 ? NAN : u < 0.25 ? INFINITY : 1, 1};
+}
+
+/* As noise, and the interrupting call number `fuse`. Set by the test before each render: an integrator has no place of its own for state. */
+static atomic_long calls, fuse;
+static volatile sig_atomic_t flag;
+
+static rgb fuse_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    if (atomic_fetch_add(&calls, 1) + 1 == fuse) flag = 1;
+    return noise_Lo(s, pt, stream, scratch);
+}
+
+static const bis_integrator noise = {"noise", "", no_light_needs, no_scratch, noise_Lo};
+static const bis_integrator place = {"place", "", no_light_needs, no_scratch, place_Lo};
+static const bis_integrator sick = {"sick", "", no_light_needs, no_scratch, sick_Lo};
+static const bis_integrator fused = {"fused", "", no_light_needs, no_scratch, fuse_Lo};
+
+/* --- same bits ----------------------------------------------------------------------------------------------------- */
+
+static void any_number_of_threads_gives_the_same_bits_and_counts(void **state)
+{
+    (void)state;
+    const bis_sampler_kind kinds[] = {BIS_SAMPLER_RANDOM, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_SOBOL, BIS_SAMPLER_HALTON};
+    const int threads[] = {1, 2, 3, 7};
+    for (int i = 0; bis_integrators[i]; i++) {
+        world w;
+        make_world(&w, bis_integrators[i]);
+        w.desc.sampler.kind = kinds[i % 4];
+        bis_film first = {0};
+        bis_render_result one;
+        for (int t = 0; t < 4; t++) {
+            const bis_render_options options = {.budget = {.spp = 2}, .n_threads = threads[t]};
+            bis_film film;
+            bis_render_result result;
+            render(&film, &result, &w, whole, &options);
+#ifdef _OPENMP
+            assert_int_equal(result.n_threads, threads[t]);
+#endif
+            if (t == 0) {
+                first = film;
+                one = result;
+                continue;
+            }
+            assert_same_bits(&film, &first);
+            assert_memory_equal(&result.counters, &one.counters, sizeof one.counters);
+            bis_film_clear(&film);
+        }
+        bis_film_clear(&first);
+        clear_world(&w);
+    }
+}
+
+static void a_crop_holds_the_same_bits_as_the_full_picture(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &bis_sir);
+    const bis_render_options options = {.budget = {.spp = 3}};
+    const double crop[4] = {0.3, 0.8, 0.25, 0.9};
+    bis_film full, part;
+    bis_render_result result;
+    render(&full, &result, &w, whole, &options);
+    render(&part, &result, &w, crop, &options);
+    assert_true(part.width < full.width && part.x0 > 0 && part.y0 > 0);
+    for (int y = 0; y < part.height; y++) {
+        size_t there = (size_t)(y + part.y0) * WIDTH + (size_t)part.x0, here = (size_t)(y * part.width);
+        assert_memory_equal(part.sum + 3 * here, full.sum + 3 * there, 3 * (size_t)part.width * sizeof *part.sum);
+        assert_memory_equal(part.hits + here, full.hits + there, (size_t)part.width * sizeof *part.hits);
+    }
+    bis_film_clear(&full);
+    bis_film_clear(&part);
+    clear_world(&w);
+}
+
+/* Each pass is a function of its number: 5 passes are 3 and then two more. */
+static void more_passes_begin_with_the_same_passes(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &noise);
+    bis_film three, five;
+    bis_render_result result;
+    bis_scene_set_spp(&w.desc, 64); /* within one set of cells */
+    render(&three, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
+    render(&five, &result, &w, whole, &(bis_render_options){.budget = {.spp = 5}});
+    for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) {
+        assert_true(five.sum[i] >= three.sum[i]);
+        assert_true(five.sum_squares[i] >= three.sum_squares[i]);
+    }
+    bis_film_clear(&three);
+    bis_film_clear(&five);
+    clear_world(&w);
+}
+
+static void another_seed_gives_other_noise(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &noise);
+    bis_film a, b;
+    bis_render_result result;
+    render(&a, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
+    w.desc.sampler.seed = 2;
+    render(&b, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
+    int equal = 0, hit = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+        hit += a.hits[i] && b.hits[i];
+        equal += a.hits[i] && b.hits[i] && a.sum[3 * i] == b.sum[3 * i];
+    }
+    assert_true(hit > 300);
+    assert_int_equal(equal, 0); /* floats of 24 bits: 777 pixels share one by chance in 4.6e-5 of all seeds */
+    bis_film_clear(&a);
+    bis_film_clear(&b);
+    clear_world(&w);
+}
+
+/* --- interruption -------------------------------------------------------------------------------------------------- */
+
+static void an_interrupted_render_holds_its_complete_passes_and_nothing_else(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &fused);
+    bis_film film, clean;
+    bis_render_result result, whole_pass;
+    calls = 0;
+    fuse = -1;
+    render(&clean, &whole_pass, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
+    long per_pass = calls; /* about: jitter decides at the silhouettes */
+    bis_film_clear(&clean);
+    for (int threads = 1; threads <= 3; threads += 2) {
+        for (int part = 0; part < 4; part++) {
+            calls = 0;
+            fuse = (1 + part) * (per_pass + per_pass / 4); /* in the middle of the second pass and of later ones */
+            flag = 0;
+            const bis_render_options options = {.budget = {.spp = 100}, .n_threads = threads, .interrupted = &flag};
+            render(&film, &result, &w, whole, &options);
+            assert_true(result.interrupted);
+            assert_true(result.passes >= 1 && result.passes < 8);
+            assert_int_equal(film.passes, result.passes);
+            assert_int_equal(result.counters.camera_rays, result.passes * WIDTH * HEIGHT);
+            fuse = -1;
+            render(&clean, &whole_pass, &w, whole, &(bis_render_options){.budget = {.spp = result.passes}});
+            assert_same_bits(&film, &clean);
+            bis_film_clear(&film);
+            bis_film_clear(&clean);
+        }
+    }
+    clear_world(&w);
+}
+
+static void an_interrupted_first_pass_leaves_the_rest_black(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &fused);
+    w.desc.light.visible = false;
+    bis_film film, clean;
+    bis_render_result result;
+    calls = 0;
+    fuse = 100;
+    flag = 0;
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 9}, .n_threads = 2, .interrupted = &flag});
+    assert_true(result.interrupted);
+    assert_int_equal(result.passes, 0);
+    assert_int_equal(film.passes, 1);
+    fuse = -1;
+    render(&clean, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
+    size_t black = 0, done = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+        bool empty = film.hits[i] == 0 && film.sum[3 * i] == 0 && film.sum[3 * i + 2] == 0;
+        if (empty) black++;
+        else assert_true(film.sum[3 * i] == clean.sum[3 * i]);
+        done += !empty;
+    }
+    assert_true(black > 0 && done >= 100 && done < 110);
+    bis_film_clear(&film);
+    bis_film_clear(&clean);
+    clear_world(&w);
+}
+
+/* --- budgets ------------------------------------------------------------------------------------------------------- */
+
+static void spp_is_the_number_of_passes_and_of_camera_rays(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &noise);
+    for (uint32_t spp = 0; spp <= 5; spp += 5) {
+        bis_film film;
+        bis_render_result result;
+        render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = spp}});
+        uint32_t expected = spp ? spp : w.desc.sampler.spp; /* no budget at all: the scene's */
+        assert_int_equal(film.passes, expected);
+        assert_int_equal(result.passes, expected);
+        assert_int_equal(result.counters.camera_rays, expected * WIDTH * HEIGHT);
+        assert_false(result.interrupted);
+        bis_film_clear(&film);
+    }
+    clear_world(&w);
+}
+
+static void the_shortest_time_still_completes_one_pass(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &noise);
+    bis_film film;
+    bis_render_result result;
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.seconds = 1e-9}});
+    assert_int_equal(result.passes, 1);
+    assert_false(result.interrupted);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+static void an_error_budget_ends_when_the_bound_holds_and_not_before(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &noise);
+    w.desc.pixel_jitter = false;
+    bis_film film, shorter;
+    bis_render_result result, other;
+    const double error = 0.05;
+    double upper, upper_shorter;
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.error = error}});
+    bis_film_relative_rmse(&film, &upper);
+    assert_true(upper <= error);
+    assert_true(result.passes > 20);
+    /* Checks grow apart by a twentieth: with 10% fewer passes the bound did not hold. */
+    uint32_t fewer = result.passes - result.passes / 10 - 1;
+    render(&shorter, &other, &w, whole, &(bis_render_options){.budget = {.spp = fewer}});
+    bis_film_relative_rmse(&shorter, &upper_shorter);
+    assert_true(upper_shorter > error);
+    bis_film_clear(&film);
+    bis_film_clear(&shorter);
+    clear_world(&w);
+}
+
+static void an_error_budget_takes_four_passes_at_least_and_spp_at_most(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &place);
+    w.desc.pixel_jitter = false; /* no scatter at all: the estimate is 0 from the second pass on */
+    bis_film film;
+    bis_render_result result;
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.error = 0.1}});
+    assert_int_equal(result.passes, 4);
+    bis_film_clear(&film);
+    w.desc.settings = bis_settings_default(&noise);
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.error = 1e-6, .spp = 7}});
+    assert_int_equal(result.passes, 7);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+typedef struct progress_log {
+    int n;
+    double last_share;
+    bool in_order;
+} progress_log;
+
+static void log_progress(const bis_progress *p, void *user)
+{
+    progress_log *log = user;
+    log->in_order = (log->n == 0 || log->in_order) && p->share >= log->last_share && p->share <= 1 && p->passes_done <= p->passes_total;
+    log->last_share = p->share;
+    log->n++;
+}
+
+static void progress_grows_to_the_whole_budget(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &bis_exact);
+    bis_film film;
+    bis_render_result result;
+    progress_log log = {0};
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .progress = log_progress, .user = &log});
+    assert_true(log.n >= 1 && log.in_order && log.last_share == 1);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+/* --- what a camera sample sees ------------------------------------------------------------------------------------- */
+
+/* The upper rows see the sky: no hit, and the map's radiance in the pixel's direction. */
+static void escaped_rays_see_the_map_where_it_is_visible(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &place);
+    w.desc.pixel_jitter = false;
+    for (int visible = 0; visible < 2; visible++) {
+        bis_film film;
+        bis_render_result result;
+        w.desc.light.visible = visible;
+        render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 2}});
+        for (int x = 0; x < WIDTH; x++) {
+            ray r = bis_camera_ray(&w.desc.camera, WIDTH, HEIGHT, x + 0.5, 0.5);
+            rgb Le = visible ? bis_light_Le(w.scene.light, r.d) : (rgb){0};
+            assert_int_equal(film.hits[x], 0);
+            assert_true(film.sum[3 * x] == 2 * (double)Le.r && film.sum[3 * x + 1] == 2 * (double)Le.g);
+        }
+        bis_film_clear(&film);
+    }
+    clear_world(&w);
+}
+
+static void without_jitter_rays_pass_through_pixel_centres(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &place);
+    w.desc.pixel_jitter = false;
+    bis_film film;
+    bis_render_result result;
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
+    /* The lowest row sees the floor y = -1 where its rays say so. */
+    for (int x = 0; x < WIDTH; x++) {
+        size_t i = (size_t)((HEIGHT - 1) * WIDTH + x);
+        ray r = bis_camera_ray(&w.desc.camera, WIDTH, HEIGHT, x + 0.5, HEIGHT - 0.5);
+        double t = (-1 - (double)r.o.y) / (double)r.d.y;
+        assert_true(fabs(film.sum[3 * i] - 10 - t * (double)r.d.x) < 1e-5);
+        assert_true(fabs(film.sum[3 * i + 2] - 10 - ((double)r.o.z + t * (double)r.d.z)) < 1e-5);
+    }
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+static void a_black_material_reflects_nothing_and_costs_nothing(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &sick);
+    for (int i = 0; i < 2; i++) w.materials[i].Kd = w.materials[i].Ks = (rgb){0};
+    w.desc.light.visible = false;
+    bis_film film;
+    bis_render_result result;
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
+    uint64_t hits = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+        assert_true(film.sum[3 * i] == 0);
+        hits += film.hits[i];
+    }
+    assert_true(hits > 300);
+    assert_int_equal(result.counters.nonfinite + result.counters.shadow_rays + result.counters.candidates, 0);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+static void estimates_that_are_not_finite_are_counted_and_kept_out(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &sick);
+    bis_film film;
+    bis_render_result result;
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 4}});
+    assert_true(result.counters.nonfinite > 100);
+    for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) assert_true(isfinite(film.sum[i]));
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+/* --- memory -------------------------------------------------------------------------------------------------------- */
+
+static void rendering_allocates_nothing(void **state)
+{
+    (void)state;
+    world w;
+    long counts[2];
+    make_world(&w, &bis_sir);
+    for (int i = 0; i < 2; i++) {
+        bis_film film;
+        bis_render_result result;
+        assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
+        bis_mem_fail_at(0); /* starts the count */
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &(bis_render_options){.budget = {.spp = i ? 6 : 1}, .n_threads = 2}, NULL), BIS_OK);
+        counts[i] = bis_mem_count();
+        bis_film_clear(&film);
+    }
+    assert_int_equal(counts[0], counts[1]); /* what there is, is for threads */
+    clear_world(&w);
+}
+
+static void every_failing_allocation_is_reported_and_leaves_nothing(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &bis_sir);
+    for (long k = 1;; k++) {
+        bis_film film;
+        bis_render_result result;
+        bis_diag diag = {0};
+        assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
+        bis_mem_fail_at(k);
+        bis_status status = bis_render(&result, &film, &w.scene, &w.desc, &(bis_render_options){.budget = {.spp = 1}, .n_threads = 2}, &diag);
+        bis_mem_fail_at(0);
+        bis_film_clear(&film);
+        size_t n_errors = diag.n_errors;
+        bis_diag_clear(&diag);
+        if (status == BIS_OK) {
+            assert_true(k > 3);
+            break;
+        }
+        assert_int_equal(status, BIS_NOMEM);
+        assert_int_equal(n_errors, 1);
+    }
+    clear_world(&w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_number_of_threads_gives_the_same_bits_and_counts),
+        cmocka_unit_test(a_crop_holds_the_same_bits_as_the_full_picture),
+        cmocka_unit_test(more_passes_begin_with_the_same_passes),
+        cmocka_unit_test(another_seed_gives_other_noise),
+        cmocka_unit_test(an_interrupted_render_holds_its_complete_passes_and_nothing_else),
+        cmocka_unit_test(an_interrupted_first_pass_leaves_the_rest_black),
+        cmocka_unit_test(spp_is_the_number_of_passes_and_of_camera_rays),
+        cmocka_unit_test(the_shortest_time_still_completes_one_pass),
+        cmocka_unit_test(an_error_budget_ends_when_the_bound_holds_and_not_before),
+        cmocka_unit_test(an_error_budget_takes_four_passes_at_least_and_spp_at_most),
+        cmocka_unit_test(progress_grows_to_the_whole_budget),
+        cmocka_unit_test(escaped_rays_see_the_map_where_it_is_visible),
+        cmocka_unit_test(without_jitter_rays_pass_through_pixel_centres),
+        cmocka_unit_test(a_black_material_reflects_nothing_and_costs_nothing),
+        cmocka_unit_test(estimates_that_are_not_finite_are_counted_and_kept_out),
+        cmocka_unit_test(rendering_allocates_nothing),
+        cmocka_unit_test(every_failing_allocation_is_reported_and_leaves_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
