@@ -1,0 +1,216 @@
+/* xform: conventions pinned by hand-computed points, inverses by composition. */
+#include "bis/rng.h"
+#include "bis/xform.h"
+
+#include <float.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+static void assert_vec3(vec3 a, double x, double y, double z)
+{
+    const float tolerance = 4 * FLT_EPSILON;
+    assert_float_equal(a.x, (float)x, tolerance * (1 + fabsf((float)x)));
+    assert_float_equal(a.y, (float)y, tolerance * (1 + fabsf((float)y)));
+    assert_float_equal(a.z, (float)z, tolerance * (1 + fabsf((float)z)));
+}
+
+/* Largest element of |m inv - 1| relative to what rounding may leave: |m| |inv| DBL_EPSILON. */
+static double inverse_error(const bis_xform *t)
+{
+    double worst = 0;
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            double sum = 0, size = 0;
+            for (int k = 0; k < 4; k++) {
+                sum += t->m[i][k] * t->inv[k][j];
+                size += fabs(t->m[i][k] * t->inv[k][j]);
+            }
+            if (size > 0) worst = fmax(worst, fabs(sum - (i == j)) / (size * DBL_EPSILON));
+        }
+    return worst;
+}
+
+static void translate_moves_points_and_leaves_vectors_and_normals(void **state)
+{
+    (void)state;
+    bis_xform t = bis_xform_translate(1, -2, 3);
+    assert_vec3(bis_xform_point(&t, (vec3){10, 10, 10}), 11, 8, 13);
+    assert_vec3(bis_xform_vector(&t, (vec3){10, 10, 10}), 10, 10, 10);
+    assert_vec3(bis_xform_normal(&t, (vec3){0, 1, 0}), 0, 1, 0);
+    bis_xform back = bis_xform_inverse(&t);
+    assert_vec3(bis_xform_point(&back, (vec3){11, 8, 13}), 10, 10, 10);
+}
+
+static void rotate_turns_x_to_y_about_z_exactly_at_right_angles(void **state)
+{
+    (void)state;
+    for (int turns = -8; turns <= 8; turns++) {
+        bis_xform t = bis_xform_rotate(90.0 * turns, 0, 0, 5);
+        const float x[] = {1, 0, -1, 0}, y[] = {0, 1, 0, -1};
+        vec3 v = bis_xform_vector(&t, (vec3){1, 0, 0});
+        assert_true(v.x == x[turns & 3] && v.y == y[turns & 3] && v.z == 0);
+    }
+    bis_xform t = bis_xform_rotate(30, 0, 0, 1);
+    assert_vec3(bis_xform_vector(&t, (vec3){1, 0, 0}), sqrt(0.75), 0.5, 0);
+    t = bis_xform_rotate(120, 1, 1, 1); /* permutes the axes */
+    assert_vec3(bis_xform_point(&t, (vec3){1, 2, 3}), 3, 1, 2);
+}
+
+static void rotations_of_any_axis_length_are_orthonormal(void **state)
+{
+    (void)state;
+    const double scale[] = {1e-300, 1e-160, 1, 1e160, 1e300};
+    for (int i = 0; i < 5; i++) {
+        bis_xform t = bis_xform_rotate(77.7, 1 * scale[i], -2 * scale[i], 0.5 * scale[i]);
+        assert_true(bis_xform_is_orthonormal(&t, 1e-15));
+        assert_true(inverse_error(&t) < 8);
+    }
+}
+
+static void normals_stay_perpendicular_to_the_surface(void **state)
+{
+    (void)state;
+    bis_rng r;
+    bis_rng_init(&r, 1, 0, 0, 0);
+    for (int i = 0; i < 1000; i++) {
+        double v[16];
+        for (int j = 0; j < 16; j++)
+            v[j] = 2 * bis_rng_double(&r) - 1;
+        v[3] = v[7] = v[11] = 0, v[15] = 1;
+        bis_xform t;
+        if (!bis_xform_from_columns(&t, v)) continue;
+        vec3 tangent = {1, 2, 0}, normal = {2, -1, 3};
+        vec3 n = bis_xform_normal(&t, normal), w = bis_xform_vector(&t, tangent);
+        assert_true(fabs(dot(n, w)) <= 4 * (double)FLT_EPSILON * length(n) * length(w));
+    }
+}
+
+static void look_at_puts_the_eye_at_0_and_the_target_on_z_with_x_to_the_right(void **state)
+{
+    (void)state;
+    const double eye[3] = {1, 2, 3}, look[3] = {1, 2, 10}, up[3] = {0, 1, 0};
+    bis_xform t;
+    assert_true(bis_xform_look_at(&t, eye, look, up));
+    assert_vec3(bis_xform_point(&t, (vec3){1, 2, 3}), 0, 0, 0);
+    assert_vec3(bis_xform_point(&t, (vec3){1, 2, 10}), 0, 0, 7);
+    assert_vec3(bis_xform_vector(&t, (vec3){0, 1, 0}), 0, 1, 0);
+    assert_vec3(bis_xform_vector(&t, (vec3){1, 0, 0}), 1, 0, 0); /* left-handed: looking along +z with y up, +x is right */
+    assert_true(inverse_error(&t) < 8);
+    assert_true(bis_xform_is_orthonormal(&t, 1e-15));
+}
+
+static void look_at_follows_pbrts_worked_matrix(void **state)
+{
+    (void)state;
+    /* From (3, 4, 1.5) at (.5, .5, 0), up z: the first camera of pbrt-v3's manual. right = up x forward, by hand. */
+    const double eye[3] = {3, 4, 1.5}, look[3] = {.5, .5, 0}, up[3] = {0, 0, 1};
+    const double f = sqrt(2.5 * 2.5 + 3.5 * 3.5 + 1.5 * 1.5), h = sqrt(2.5 * 2.5 + 3.5 * 3.5);
+    bis_xform t;
+    assert_true(bis_xform_look_at(&t, eye, look, up));
+    assert_vec3(bis_xform_vector(&t, vec3_from(-2.5 / f, -3.5 / f, -1.5 / f)), 0, 0, 1);
+    assert_vec3(bis_xform_vector(&t, vec3_from(3.5 / h, -2.5 / h, 0)), 1, 0, 0);
+    assert_vec3(bis_xform_point(&t, (vec3){3, 4, 1.5f}), 0, 0, 0);
+}
+
+static void an_impossible_camera_is_refused(void **state)
+{
+    (void)state;
+    const double eye[3] = {.1, .2, .3}, far_eye[3] = {.3, .6, .9}, zero[3] = {0, 0, 0}, up[3] = {.1, .2, .3};
+    const double nan_up[3] = {0, nan(""), 1}, oblique[3] = {0, 1, 0};
+    bis_xform t;
+    assert_false(bis_xform_look_at(&t, eye, eye, oblique));
+    assert_false(bis_xform_look_at(&t, eye, far_eye, up)); /* parallel, but not to the last bit */
+    assert_false(bis_xform_look_at(&t, zero, up, up));
+    assert_false(bis_xform_look_at(&t, eye, zero, zero));
+    assert_false(bis_xform_look_at(&t, eye, zero, nan_up));
+    assert_true(bis_xform_look_at(&t, eye, far_eye, oblique));
+}
+
+static void sixteen_numbers_are_read_column_by_column(void **state)
+{
+    (void)state;
+    const double v[16] = {1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 4, 0, 5, 6, 7, 1};
+    bis_xform t;
+    assert_true(bis_xform_from_columns(&t, v));
+    assert_vec3(bis_xform_point(&t, (vec3){1, 1, 1}), 6, 8, 11);
+    assert_true(inverse_error(&t) == 0);
+}
+
+static void any_regular_matrix_is_inverted(void **state)
+{
+    (void)state;
+    bis_rng r;
+    bis_rng_init(&r, 2, 0, 0, 0);
+    for (int i = 0; i < 1000; i++) {
+        double v[16];
+        for (int j = 0; j < 16; j++)
+            v[j] = (2 * bis_rng_double(&r) - 1) * pow(10, (double)(i % 5) - 2);
+        bis_xform t;
+        assert_true(bis_xform_from_columns(&t, v));
+        assert_true(inverse_error(&t) < 1000); /* Cramer's rule loses a few digits where det is nearly 0 */
+    }
+    bis_xform t;
+    const double projective[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2, 1, 0, 0, -1, 0};
+    assert_true(bis_xform_from_columns(&t, projective));
+    assert_vec3(bis_xform_point(&t, (vec3){4, 2, 2}), 2, 1, 1.5);
+    assert_true(inverse_error(&t) == 0);
+}
+
+static void singular_and_non_finite_matrices_are_refused(void **state)
+{
+    (void)state;
+    const double rank2[16] = {1, 4, 7, 0, 2, 5, 8, 0, 3, 6, 9, 0, 0, 0, 0, 1};
+    const double zeros[16] = {0};
+    const double bad[16] = {nan(""), 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    const double huge[16] = {1e200, 0, 0, 0, 0, 1e200, 0, 0, 0, 0, 1e200, 0, 0, 0, 0, 1};
+    bis_xform t;
+    assert_false(bis_xform_from_columns(&t, rank2));
+    assert_false(bis_xform_from_columns(&t, zeros));
+    assert_false(bis_xform_from_columns(&t, bad));
+    assert_false(bis_xform_from_columns(&t, huge));
+}
+
+static void compose_applies_the_right_one_first(void **state)
+{
+    (void)state;
+    bis_xform move = bis_xform_translate(1, 0, 0), grow = bis_xform_scale(2, 3, 4);
+    bis_xform t = bis_xform_compose(&move, &grow), s = bis_xform_compose(&grow, &move);
+    assert_vec3(bis_xform_point(&t, (vec3){1, 1, 1}), 3, 3, 4);
+    assert_vec3(bis_xform_point(&s, (vec3){1, 1, 1}), 4, 3, 4);
+    assert_true(inverse_error(&t) <= 1 && inverse_error(&s) <= 1);
+}
+
+static void only_rotations_and_reflections_are_orthonormal(void **state)
+{
+    (void)state;
+    bis_xform mirror = bis_xform_scale(-1, 1, 1), grow = bis_xform_scale(1, 1, 1.001), one = bis_xform_identity();
+    assert_true(bis_xform_is_orthonormal(&mirror, 0));
+    assert_true(bis_xform_is_orthonormal(&one, 0));
+    assert_false(bis_xform_is_orthonormal(&grow, 1e-3));
+    assert_true(bis_xform_is_orthonormal(&grow, 2.1e-3));
+    grow.m[0][0] = nan("");
+    assert_false(bis_xform_is_orthonormal(&grow, 1));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(translate_moves_points_and_leaves_vectors_and_normals),
+        cmocka_unit_test(rotate_turns_x_to_y_about_z_exactly_at_right_angles),
+        cmocka_unit_test(rotations_of_any_axis_length_are_orthonormal),
+        cmocka_unit_test(normals_stay_perpendicular_to_the_surface),
+        cmocka_unit_test(look_at_puts_the_eye_at_0_and_the_target_on_z_with_x_to_the_right),
+        cmocka_unit_test(look_at_follows_pbrts_worked_matrix),
+        cmocka_unit_test(an_impossible_camera_is_refused),
+        cmocka_unit_test(sixteen_numbers_are_read_column_by_column),
+        cmocka_unit_test(any_regular_matrix_is_inverted),
+        cmocka_unit_test(singular_and_non_finite_matrices_are_refused),
+        cmocka_unit_test(compose_applies_the_right_one_first),
+        cmocka_unit_test(only_rotations_and_reflections_are_orthonormal),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
