@@ -25,7 +25,8 @@ typedef struct bis_stats {
     bis_scene_seconds seconds;
 } bis_stats;
 
-/* Header attributes of an EXR: scene, integrator, its parameters, spp, seed, render_seconds, estimated_relative_rmse (where known), version. */
+/* Header attributes of an EXR: scene, integrator, its parameters, spp, seed, render_seconds, estimated_relative_rmse (where known), bis:version
+ * ("version" alone is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 
 /* The JSON of --stats, keys as SPEC 5; what does not apply is null. */
