@@ -45,15 +45,20 @@ typedef struct build {
 
 /* ---- where a primitive lies, in units of cells ---- */
 
-static void cover_box(const bis_grid *g, const double lo[3], const double hi[3], cover *c)
+/* fmin and fmax are calls to the C library, for the sake of NaNs, which are none here. */
+static double smaller(double a, double b) { return a < b ? a : b; }
+static double larger(double a, double b) { return a > b ? a : b; }
+
+/* The cells of the box lo ... hi, given in cells, in layers [from, to). */
+static bool cover_box(const bis_grid *g, const double lo[3], const double hi[3], int from, int to, cover *c)
 {
     for (int a = 0; a < 3; a++) {
-        double first = (lo[a] - g->lo[a]) * g->inv_cell[a] - BIS_GRID_SLACK;
-        double last = (hi[a] - g->lo[a]) * g->inv_cell[a] + BIS_GRID_SLACK;
+        const double first = lo[a] - BIS_GRID_SLACK, last = hi[a] + BIS_GRID_SLACK;
         c->lo[a] = first > 0 ? (int)first : 0;
         c->hi[a] = last < g->n[a] ? (int)last : g->n[a] - 1;
     }
     c->n_bounds = 0;
+    return c->lo[2] < to && c->hi[2] >= from;
 }
 
 /* All cells whose enlarged box reaches into n.p >= d; n is given for cell coordinates, 0 for the axis left out. */
@@ -65,73 +70,86 @@ static bound half_space(double nx, double ny, double nz, double d)
     return (bound){nx, ny, nz, 0.5 * (nx + ny + nz) - d + reach};
 }
 
-/* The plane's two bounds and, for each axis that the triangle is not seen edge-on from, its edges' three.
+/* Its edges, seen along axis a, bound the triangle from n[a]'s side. */
+static void add_edges(const double v[3][3], int a, double side, cover *c)
+{
+    const int b1 = a == 2 ? 0 : a + 1, b2 = b1 == 2 ? 0 : b1 + 1;
+
+    for (int i = 0; i < 3; i++) {
+        const double *p = v[i], *q = v[i == 2 ? 0 : i + 1];
+        double m[3];
+        m[a] = 0;
+        m[b1] = side * (p[b2] - q[b2]);
+        m[b2] = side * (q[b1] - p[b1]);
+        c->bounds[c->n_bounds++] = half_space(m[0], m[1], m[2], m[b1] * p[b1] + m[b2] * p[b2]);
+    }
+}
+
+/* What else than its box bounds a triangle, v in cell coordinates:
+ * - a box of one row of cells: nothing, the triangle meets each of them;
+ * - a box of one layer: the edges, seen across the layer;
+ * - else the plane, from both sides, and the edges seen along each axis.
  *
- * v in cell coordinates, each wrong by at most 2^-40 (4096 cells, double). With L bounding all lengths here, the normal
- * is wrong by 4 * 2^-40 L, and a bound by 4 * 2^-40 L^2: below half the slack's share, 2^-11 |n|, where |n| >= 2^-27 L^2.
- * A sliver too thin for that does without the bound, and so keeps some cells too many. */
+ * v is wrong by at most 2^-40 (4096 cells, double). With L bounding all lengths here, the normal is wrong by
+ * 4 * 2^-40 L and a bound by 4 * 2^-40 L^2: below half the slack's share, 2^-11 |n|, where |n| >= 2^-27 L^2. A sliver too
+ * thin for that does without the bound, and so keeps some cells too many. */
 static void cover_triangle(const double v[3][3], cover *c)
 {
-    double e[3], f[3], n[3], reach = 2;
+    const bool wide[3] = {c->hi[0] > c->lo[0], c->hi[1] > c->lo[1], c->hi[2] > c->lo[2]};
+    const int n_wide = wide[0] + wide[1] + wide[2];
+    double e[3], f[3], reach = 2;
 
+    if (n_wide < 2) return;
     for (int a = 0; a < 3; a++) {
         e[a] = v[1][a] - v[0][a];
         f[a] = v[2][a] - v[0][a];
         reach += fabs(e[a]) + fabs(f[a]);
     }
-    for (int a = 0; a < 3; a++) n[a] = e[(a + 1) % 3] * f[(a + 2) % 3] - e[(a + 2) % 3] * f[(a + 1) % 3];
+    const double n[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
     const double least = 0x1p-27 * reach * reach;
-
-    if (fabs(n[0]) + fabs(n[1]) + fabs(n[2]) >= least) {
+    if (n_wide == 3 && fabs(n[0]) + fabs(n[1]) + fabs(n[2]) >= least) {
         double d = n[0] * v[0][0] + n[1] * v[0][1] + n[2] * v[0][2];
         c->bounds[c->n_bounds++] = half_space(n[0], n[1], n[2], d);
         c->bounds[c->n_bounds++] = half_space(-n[0], -n[1], -n[2], -d);
     }
     for (int a = 0; a < 3; a++) {
-        if (fabs(n[a]) < least) continue;
-        const int b1 = (a + 1) % 3, b2 = (a + 2) % 3;
-        const double side = n[a] > 0 ? 1 : -1;
-        for (int i = 0; i < 3; i++) {
-            const double *p = v[i], *q = v[(i + 1) % 3];
-            double m[3];
-            m[a] = 0;
-            m[b1] = side * (p[b2] - q[b2]);
-            m[b2] = side * (q[b1] - p[b1]);
-            c->bounds[c->n_bounds++] = half_space(m[0], m[1], m[2], m[b1] * p[b1] + m[b2] * p[b2]);
-        }
+        if ((n_wide == 3 || !wide[a]) && fabs(n[a]) >= least) add_edges(v, a, n[a] > 0 ? 1 : -1, c);
     }
 }
 
-/* False: a triangle without area, which nothing can hit. */
-static bool cover_primitive(const build *b, uint32_t prim, cover *c)
+/* The cells of a triangle in layers [from, to); false if there are none, or if it has no area: nothing can hit it then. */
+static bool cover_triangle_cells(const bis_grid *grid, const float t[9], int from, int to, cover *c)
 {
-    const bis_grid *grid = b->grid;
-    const bis_geometry *g = b->geometry;
+    const vec3 corners[3] = {{t[0], t[1], t[2]}, {t[3], t[4], t[5]}, {t[6], t[7], t[8]}};
+    double v[3][3], lo[3], hi[3];
 
-    if (prim >= g->n_triangles) {
-        bis_box box = bis_geometry_bounds(g, prim);
-        const double lo[3] = {(double)box.lo.x, (double)box.lo.y, (double)box.lo.z};
-        const double hi[3] = {(double)box.hi.x, (double)box.hi.y, (double)box.hi.z};
-        cover_box(grid, lo, hi, c);
-        return true;
-    }
-    const float *t = grid->triangle[prim];
-    double lo[3], hi[3];
     for (int a = 0; a < 3; a++) {
-        double x = (double)t[a], y = (double)t[3 + a], z = (double)t[6 + a];
-        lo[a] = x < y ? (x < z ? x : z) : (y < z ? y : z);
-        hi[a] = x > y ? (x > z ? x : z) : (y > z ? y : z);
+        for (int i = 0; i < 3; i++) v[i][a] = ((double)t[3 * i + a] - grid->lo[a]) * grid->inv_cell[a];
+        lo[a] = smaller(v[0][a], smaller(v[1][a], v[2][a]));
+        hi[a] = larger(v[0][a], larger(v[1][a], v[2][a]));
     }
-    const vec3 v[3] = {{t[0], t[1], t[2]}, {t[3], t[4], t[5]}, {t[6], t[7], t[8]}};
-    if (!has_area(v)) return false;
-    cover_box(grid, lo, hi, c);
-    if (c->lo[0] == c->hi[0] && c->lo[1] == c->hi[1] && c->lo[2] == c->hi[2]) return true;
-    double w[3][3];
-    for (int i = 0; i < 3; i++) {
-        for (int a = 0; a < 3; a++) w[i][a] = ((double)t[3 * i + a] - grid->lo[a]) * grid->inv_cell[a];
-    }
-    cover_triangle((const double (*)[3])w, c);
+    if (!cover_box(grid, lo, hi, from, to, c) || !has_area(corners)) return false;
+    cover_triangle((const double (*)[3])v, c);
     return true;
+}
+
+static bool cover_quadric_cells(const bis_grid *grid, const bis_box *box, int from, int to, cover *c)
+{
+    const float box_lo[3] = {box->lo.x, box->lo.y, box->lo.z}, box_hi[3] = {box->hi.x, box->hi.y, box->hi.z};
+    double lo[3], hi[3];
+
+    for (int a = 0; a < 3; a++) {
+        lo[a] = ((double)box_lo[a] - grid->lo[a]) * grid->inv_cell[a];
+        hi[a] = ((double)box_hi[a] - grid->lo[a]) * grid->inv_cell[a];
+    }
+    return cover_box(grid, lo, hi, from, to, c);
+}
+
+static bool cover_primitive(const build *b, uint32_t prim, int from, int to, cover *c)
+{
+    if (prim < b->geometry->n_triangles) return cover_triangle_cells(b->grid, b->grid->triangle[prim], from, to, c);
+    const bis_box box = bis_geometry_bounds(b->geometry, prim);
+    return cover_quadric_cells(b->grid, &box, from, to, c);
 }
 
 /* The cells first ... last of row (j, k) that fulfil all bounds; false if none does. */
@@ -143,9 +161,9 @@ static bool cover_row(const cover *c, int j, int k, int *first, int *last)
         const bound *b = &c->bounds[i];
         double rest = b->b * j + b->c * k + b->d;
         if (b->a > 0) {
-            lo = fmax(lo, -rest / b->a);
+            lo = larger(lo, -rest / b->a);
         } else if (b->a < 0) {
-            hi = fmin(hi, -rest / b->a);
+            hi = smaller(hi, -rest / b->a);
         } else if (rest < 0) {
             return false;
         }
@@ -178,7 +196,7 @@ static size_t visit(const build *b, uint32_t prim, int from, int to, uint32_t *i
     size_t n = 0;
     cover c;
 
-    if (!cover_primitive(b, prim, &c)) return 0;
+    if (!cover_primitive(b, prim, from, to, &c)) return 0;
     int k0 = c.lo[2] > from ? c.lo[2] : from, k1 = c.hi[2] < to - 1 ? c.hi[2] : to - 1;
     for (int k = k0; k <= k1; k++) {
         for (int j = c.lo[1]; j <= c.hi[1]; j++) {

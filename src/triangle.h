@@ -39,7 +39,7 @@ static inline sheared_ray shear_ray(const ray *r)
 
 /* Does the line meet the triangle v[9] = a, b, c? Then e[3] are a, b and c's weights times det (all of one sign, or 0),
  * *z the ray parameter times det. No for a triangle seen edge-on (det = 0). */
-static inline bool shear_test(const sheared_ray *s, const float v[9], double e[3], double *det, double *z)
+static inline __attribute__((always_inline)) bool shear_test(const sheared_ray *s, const float v[9], double e[3], double *det, double *z)
 {
     double az = (double)v[s->kz] - s->o[s->kz];
     double bz = (double)v[3 + s->kz] - s->o[s->kz];
@@ -54,7 +54,9 @@ static inline bool shear_test(const sheared_ray *s, const float v[9], double e[3
     e[0] = cx * by - cy * bx;
     e[1] = ax * cy - ay * cx;
     e[2] = bx * ay - by * ax;
-    if ((e[0] < 0 || e[1] < 0 || e[2] < 0) && (e[0] > 0 || e[1] > 0 || e[2] > 0)) return false;
+    const double least = e[0] < e[1] ? (e[0] < e[2] ? e[0] : e[2]) : (e[1] < e[2] ? e[1] : e[2]);
+    const double most = e[0] > e[1] ? (e[0] > e[2] ? e[0] : e[2]) : (e[1] > e[2] ? e[1] : e[2]);
+    if (least < 0 && most > 0) return false;
     *det = e[0] + e[1] + e[2];
     *z = s->sz * (e[0] * az + e[1] * bz + e[2] * cz);
     return *det != 0;
