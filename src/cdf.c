@@ -7,7 +7,7 @@
  * returns an item of weight 0, whose interval is empty (docs/errata.md E8).
  * Its two hints for speed become one guide table: "use floor(u N) as a starting point" and "pre-inverting C". The table
  * holds the inverse of C at equidistant u, and the search goes on from there, so that no probability is rounded to a
- * multiple of 1/N (E10). Expected cost O(1), since the N steps of C fall into N guide cells; worst case O(log N). */
+ * multiple of 1/N (E10). Expected cost O(1), since the N steps of C fall into at least N/4 guide cells; worst case O(log N). */
 #include "bis/cdf.h"
 #include "bis/mem.h"
 #include "weights.h"
@@ -53,7 +53,7 @@ bis_status bis_cdf_init(bis_cdf *c, const double *w, size_t n, bis_diag *diag)
     *c = (bis_cdf){.n = n};
     assert(n <= UINT32_MAX);
     if (scale.half1 == 0) return BIS_OK;
-    for (c->n_guide = 1; 2 * c->n_guide <= n;)
+    for (c->n_guide = 1; 4 * c->n_guide <= n;) /* 10 bytes an item at most: a row of a map may have no more */
         c->n_guide *= 2;
     c->c = bis_alloc(n + 1, sizeof *c->c);
     c->guide = bis_alloc(c->n_guide + 1, sizeof *c->guide);

@@ -1,0 +1,586 @@
+/* Tests of importance: what the tables give is the density that is told, for every map; directions fit it inside the pixels
+ * (docs/errata.md E2, E3, E4, E14-E17). */
+#include "bis/importance.h"
+
+#include "bis/mem.h"
+#include "bis/regions.h"
+#include "bis/rng.h"
+#include "bis/stats.h"
+#include "map_help.h"
+#include "stat.h"
+
+#include <float.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include <cmocka.h>
+
+/* Fifteen statistical tests in this file, a false alarm of any of them once in 1000. */
+static double alpha(void) { return bis_stats_sidak(1e-3, 15); }
+
+static bis_importance_options both(bis_table_kind kind, double b)
+{
+    return (bis_importance_options){.table = true, .curve = true, .table_kind = kind, .area_exponent = b, .levels = 8};
+}
+
+static bis_importance *importance_of(const bis_envmap *em, bis_importance_options o)
+{
+    bis_importance *im;
+    assert_int_equal(bis_importance_new(&im, em, &o, NULL), BIS_OK);
+    return im;
+}
+
+/* ---- what should be drawn, by SPEC 1 and 4 ---- */
+
+/* P of each pixel in long double: I dO min(0.01, A)^b / sum, A from the regions' labels. */
+static double *expected_pmf(const bis_envmap *em, double b, bool compensate)
+{
+    bis_regions r;
+    assert_int_equal(bis_regions_init(&r, em, 8, NULL), BIS_OK);
+    const size_t n = map_n(em);
+    double *pmf = malloc(n * sizeof *pmf);
+    long double mean = 0, sum = 0;
+    for (size_t i = 0; compensate && i < n; i++) mean += (long double)map_intensity(em, i) * map_solid_angle(em, i) / (4 * PI);
+    for (size_t i = 0; i < n; i++) {
+        const long double intensity = map_intensity(em, i) - mean;
+        pmf[i] = 0;
+        if (intensity <= 0) continue;
+        pmf[i] = (double)(intensity * map_solid_angle(em, i));
+        if (b > 0) pmf[i] *= pow(fmin(0.01, r.solid_angle[r.label[i]]), b);
+    }
+    for (size_t i = 0; i < n; i++) sum += pmf[i];
+    for (size_t i = 0; i < n && sum > 0; i++) pmf[i] = (double)(pmf[i] / sum);
+    bis_regions_clear(&r);
+    return pmf;
+}
+
+/* The table's implied pmf is pdf * dO to 1e-8, and both are the expected pmf: to the rounding of the float area factors where b > 0. */
+static void check_tables(const bis_envmap *em, const char *what)
+{
+    const double exponents[] = {0, 0.15};
+    const size_t n = map_n(em);
+    double *implied = malloc(n * sizeof *implied);
+    for (int k = 0; k < 8; k++) {
+        const double b = exponents[k & 1];
+        bis_importance_options o = both(k & 2 ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, b);
+        o.compensate = k & 4;
+        bis_importance *im = importance_of(em, o);
+        double *expected = expected_pmf(em, b, false);
+        if (o.compensate) {
+            double *compensated = expected_pmf(em, b, true);
+            double mass = 0;
+            for (size_t i = 0; i < n; i++) mass += compensated[i];
+            if (mass > 0 && bis_importance_max_ratio(im) == (double)INFINITY) {
+                free(expected);
+                expected = compensated;
+            } else {
+                free(compensated); /* nothing exceeds the mean: drawn as if uncompensated */
+            }
+        }
+        assert_int_equal(bis_importance_implied_pmf(im, implied, NULL), BIS_OK);
+        double sum = 0;
+        for (size_t i = 0; i < n; i++) {
+            const double p = bis_importance_pdf_pixel(im, i) * map_solid_angle(em, i);
+            /* CDFs round each step to 2^-53 of 1, alias tables relative to the item */
+            const double slack = o.table_kind == BIS_TABLE_CDF ? 4 * DBL_EPSILON : 0;
+            const bool ok = (expected[i] == 0) == (p == 0) && fabs(p - expected[i]) <= 2e-7 * expected[i] &&
+                            fabs(implied[i] - p) <= 1e-8 * p + slack && (p > 0 || implied[i] == 0);
+            if (!ok) fail_msg("%s, b %g, kind %d, pixel %zu: told %g, drawn %g, expected %g", what, b, o.table_kind, i, p, implied[i], expected[i]);
+            sum += p;
+        }
+        assert_near(sum, expected[0] >= 0 && bis_envmap_power(em) > 0 ? 1 : 0, 1e-9);
+        free(expected);
+        bis_importance_free(im);
+    }
+    free(implied);
+}
+
+static void tables_give_exactly_the_density_that_is_told(void **state)
+{
+    (void)state;
+    const int sizes[][2] = {{1, 1}, {2, 1}, {1, 2}, {1, 9}, {9, 1}, {7, 5}, {64, 32}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        bis_envmap em = map_random(sizes[i][0], sizes[i][1], 7, 0.2, 40 + i);
+        check_tables(&em, "random");
+        bis_envmap_clear(&em);
+    }
+}
+
+static void tables_hold_for_extreme_maps(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(32, 16, 12, 0, 1);
+    check_tables(&em, "contrast 1e12");
+    for (int x = 0; x < 32; x++) em.pixels[5 * 32 + x] = em.pixels[15 * 32 + x] = em.pixels[x] = (rgb){0, 0, 0};
+    check_tables(&em, "zero rows");
+    for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){3e38f, i % 2 ? 3e38f : 0, 3e38f};
+    check_tables(&em, "3e38");
+    for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){FLT_TRUE_MIN * (float)(1 + i % 3), 0, 0};
+    check_tables(&em, "denormals");
+    for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){i == 100 ? FLT_MAX : FLT_TRUE_MIN, 0, 0};
+    check_tables(&em, "the whole range of floats");
+    for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){1, 1, 1};
+    check_tables(&em, "constant");
+    bis_envmap_clear(&em);
+}
+
+static void one_lit_pixel_anywhere_is_always_drawn(void **state)
+{
+    (void)state;
+    bis_envmap em = map_new(8, 4);
+    bis_rng g;
+    bis_rng_init(&g, 9, 0, 0, 0);
+    for (size_t lit = 0; lit < map_n(&em); lit++) {
+        em.pixels[lit].g = 7e4f;
+        check_tables(&em, "one lit pixel");
+        for (int kind = 0; kind < 2; kind++) {
+            bis_importance *im = importance_of(&em, both(kind ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, 0.15));
+            for (int i = 0; i < 100; i++) {
+                bis_map_sample s;
+                double u[4];
+                for (int k = 0; k < 4; k++) u[k] = i == 0 ? 0 : i == 1 ? 1 - 0x1p-53 : bis_rng_double(&g);
+                assert_true(bis_importance_sample(im, u, &s) && s.pixel == lit);
+                assert_near(s.pdf * map_solid_angle(&em, lit), 1, 1e-12);
+                assert_near(length(s.w_local), 1, 2e-7);
+                assert_true(bis_importance_sample_curve(im, u[0], u + 2, &s) && s.pixel == lit);
+            }
+            bis_importance_free(im);
+        }
+        em.pixels[lit].g = 0;
+    }
+    bis_envmap_clear(&em);
+}
+
+static void a_map_without_light_draws_nothing(void **state)
+{
+    (void)state;
+    bis_envmap em = map_new(8, 4);
+    const double u[4] = {0.5, 0.5, 0.5, 0.5};
+    for (int k = 0; k < 8; k++) {
+        bis_importance_options o = both(k & 1 ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, k & 2 ? 0.15 : 0);
+        o.compensate = k & 4;
+        bis_importance *im = importance_of(&em, o);
+        bis_map_sample s;
+        assert_false(bis_importance_sample(im, u, &s));
+        assert_false(bis_importance_sample_curve(im, 0.5, u, &s));
+        assert_true(bis_importance_pdf_pixel(im, 3) == 0);
+        bis_importance_free(im);
+    }
+    bis_envmap_clear(&em);
+}
+
+/* ---- directions ---- */
+
+typedef enum drawing { ALIAS, CDF, CURVE } drawing;
+typedef enum twin { RIGHT, NO_SOLID_ANGLE, CENTRE_ONLY, UPSIDE_DOWN, NO_AREA } twin;
+
+/* A dim background with black pixels and a black row; lamps of one pixel, 0.0007 sr, near both poles; lights at the seam. */
+static bis_envmap chi_square_map(void)
+{
+    bis_envmap em = map_random(80, 40, 0.5, 0.15, 3);
+    for (int x = 0; x < 80; x++) em.pixels[2 * 80 + x] = (rgb){0, 0, 0};
+    for (int x = 0; x < 80; x += 4) em.pixels[80 + x] = em.pixels[38 * 80 + x + 1] = (rgb){100, 100, 100};
+    em.pixels[19 * 80] = em.pixels[19 * 80 + 79] = em.pixels[39 * 80 + 79] = (rgb){90, 10, 10};
+    return em;
+}
+
+/* Directions counted in 4 x 4 cells of equal solid angle inside each pixel. One in float within 1e-7 of an edge may
+ * lie in the black pixel beyond: about 1 in 10^5 here. */
+static void count_cells(const bis_envmap *em, drawing how, double b, twin wrong, int n, double *observed)
+{
+    bis_envmap drawn_from = map_new(em->width, em->height);
+    memcpy(drawn_from.pixels, em->pixels, map_n(em) * sizeof *em->pixels);
+    for (size_t i = 0; wrong == NO_SOLID_ANGLE && i < map_n(em); i++) {
+        drawn_from.pixels[i] = rgb_scale(em->pixels[i], 1 / map_solid_angle(em, i)); /* P ~ I, as the thesis prints it */
+    }
+    bis_importance *im = importance_of(&drawn_from, both(how == CDF ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, wrong == NO_AREA ? 0 : b));
+    bis_rng g;
+    bis_rng_init(&g, 17, 0, 0, 0);
+    memset(observed, 0, 16 * map_n(em) * sizeof *observed);
+    int rounded = 0;
+    for (int i = 0; i < n; i++) {
+        double u[4];
+        bis_map_sample s;
+        for (int k = 0; k < 4; k++) u[k] = bis_rng_double(&g);
+        assert_true(how == CURVE ? bis_importance_sample_curve(im, u[0], u + 2, &s) : bis_importance_sample(im, u, &s));
+        const size_t width = (size_t)em->width;
+        if (wrong == CENTRE_ONLY) s.w_local = bis_envmap_direction(em, (int)(s.pixel % width), (int)(s.pixel / width), 0.5, 0.5);
+        if (wrong == UPSIDE_DOWN) s.w_local.z = -s.w_local.z;
+
+        /* Where it lies, from the direction alone: theta, then z between the row's edges; phi in turns. */
+        const double theta = atan2(hypot((double)s.w_local.x, (double)s.w_local.y), (double)s.w_local.z);
+        const int y = (int)fmin(theta / PI * em->height, em->height - 1);
+        const double top = cos(PI * y / em->height), bottom = cos(PI * (y + 1) / em->height);
+        const int v = (int)fmin(fmax(4 * (top - cos(theta)) / (top - bottom), 0), 3);
+        const double phi = atan2((double)s.w_local.y, (double)s.w_local.x);
+        const int column = (int)(4 * em->width * (phi < 0 ? phi + 2 * PI : phi) / (2 * PI)) % (4 * em->width);
+        if (wrong == RIGHT && map_intensity(em, (size_t)y * width + (size_t)column / 4) == 0) {
+            rounded++;
+            continue;
+        }
+        observed[(size_t)(4 * y + v) * 4 * width + (size_t)column]++;
+    }
+    assert_true(rounded <= 10);
+    bis_importance_free(im);
+    bis_envmap_clear(&drawn_from);
+}
+
+static void expected_cells(const bis_envmap *em, double b, int n, double *expected)
+{
+    double *pmf = expected_pmf(em, b, false);
+    for (size_t i = 0; i < map_n(em); i++) {
+        const size_t x = i % (size_t)em->width, y = i / (size_t)em->width;
+        for (size_t k = 0; k < 16; k++) {
+            expected[(4 * y + k / 4) * 4 * (size_t)em->width + 4 * x + k % 4] = n * pmf[i] / 16;
+        }
+    }
+    free(pmf);
+}
+
+static void check_directions(drawing how, double b, twin wrong, const char *name)
+{
+    const int n = 500000;
+    bis_envmap em = chi_square_map();
+    const size_t cells = 16 * map_n(&em);
+    double *observed = malloc(cells * sizeof *observed), *expected = malloc(cells * sizeof *expected);
+    count_cells(&em, how, b, wrong, n, observed);
+    expected_cells(&em, b, n, expected);
+    if (wrong == RIGHT) {
+        stat_assert_fit(name, 17, observed, expected, cells, alpha());
+    } else {
+        stat_assert_no_fit(name, 17, observed, expected, cells, alpha());
+    }
+    free(observed);
+    free(expected);
+    bis_envmap_clear(&em);
+}
+
+static void directions_fit_the_density_inside_the_pixels(void **state)
+{
+    (void)state;
+    check_directions(ALIAS, 0, RIGHT, "alias_b0");
+    check_directions(ALIAS, 0.15, RIGHT, "alias_b15");
+    check_directions(CDF, 0, RIGHT, "cdf_b0");
+    check_directions(CDF, 0.15, RIGHT, "cdf_b15");
+    check_directions(CURVE, 0, RIGHT, "curve_b0");
+    check_directions(CURVE, 0.15, RIGHT, "curve_b15");
+}
+
+static void wrong_samplers_are_rejected_by_the_same_check(void **state)
+{
+    (void)state;
+    for (drawing how = ALIAS; how <= CURVE; how++) {
+        check_directions(how, 0.15, NO_SOLID_ANGLE, "twin_no_solid_angle");
+        check_directions(how, 0.15, CENTRE_ONLY, "twin_centre_only");
+        check_directions(how, 0.15, UPSIDE_DOWN, "twin_upside_down");
+        check_directions(how, 0.15, NO_AREA, "twin_no_area");
+    }
+}
+
+/* E3: constant map, irradiance pi for surfaces that look up, down and sideways; printed weights give 4 and 0.811 pi. */
+static void a_constant_map_gives_irradiance_pi_on_every_side(void **state)
+{
+    (void)state;
+    bis_envmap em = map_new(16, 8);
+    for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){1, 0, 0};
+    bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, 0.15));
+    const vec3 normals[] = {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}};
+    for (int k = 0; k < 3; k++) {
+        bis_rng g;
+        bis_rng_init(&g, 30, (uint64_t)k, 0, 0);
+        stat_moments m = {0};
+        for (int i = 0; i < 300000; i++) {
+            double u[4];
+            bis_map_sample s;
+            for (int j = 0; j < 4; j++) u[j] = bis_rng_double(&g);
+            bis_importance_sample(im, u, &s);
+            stat_add(&m, map_intensity(&em, s.pixel) * fmax(0, dot(normals[k], s.w_local)) / s.pdf);
+        }
+        stat_assert_mean("irradiance", 30, &m, PI, alpha());
+        stat_assert_not_mean("irradiance_twin", 30, &m, PI * 1.01, alpha());
+    }
+    bis_importance_free(im);
+    bis_envmap_clear(&em);
+}
+
+static void the_density_of_a_direction_is_that_of_its_pixel(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(64, 32, 5, 0.3, 8);
+    bis_importance *im = importance_of(&em, both(BIS_TABLE_CDF, 0.15));
+    bis_rng g;
+    bis_rng_init(&g, 2, 0, 0, 0);
+    for (int i = 0; i < 10000; i++) {
+        double u[4];
+        bis_map_sample s;
+        for (int j = 0; j < 4; j++) u[j] = bis_rng_double(&g);
+        bis_importance_sample(im, u, &s);
+        assert_true(s.pdf > 0 && s.pdf == bis_importance_pdf_pixel(im, s.pixel));
+        if (bis_envmap_pixel(&em, s.w_local) == s.pixel) assert_true(bis_importance_pdf(im, s.w_local) == s.pdf);
+    }
+    bis_importance_free(im);
+    bis_envmap_clear(&em);
+}
+
+/* ---- the curve ---- */
+
+static void equal_steps_along_the_curve_are_equal_shares_in_order(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(37, 19, 4, 0.3, 12);
+    const size_t n = map_n(&em);
+    bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, 0.15));
+    double *count = calloc(n, sizeof *count);
+    bool *left = calloc(n, sizeof *left);
+    const int steps = 1000000;
+    size_t last = n;
+    for (int i = 0; i < steps; i++) {
+        const double u[2] = {0.5, 0.5};
+        bis_map_sample s;
+        assert_true(bis_importance_sample_curve(im, (i + 0.5) / steps, u, &s));
+        if (s.pixel != last) {
+            if (last < n) left[last] = true;
+            assert_false(left[s.pixel]); /* never comes back: monotone */
+            last = s.pixel;
+        }
+        count[s.pixel]++;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const double share = bis_importance_pdf_pixel(im, i) * map_solid_angle(&em, i) * steps;
+        assert_true(fabs(count[i] - share) <= 1.001);
+    }
+    free(count);
+    free(left);
+    bis_importance_free(im);
+    bis_envmap_clear(&em);
+}
+
+/* E12: evenly spread numbers through CDFs stay even on the sphere, through alias tables they do not. A lattice of
+ * 4096 points (Kronecker, golden section's two-dimensional sister), smooth integrand. */
+static void cdfs_keep_even_points_even_and_alias_tables_do_not(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(64, 32, 2, 0, 5);
+    double error[2];
+    double truth = 0;
+    for (size_t i = 0; i < map_n(&em); i++) {
+        for (int k = 0; k < 64; k++) { /* quadrature in the pixel */
+            const vec3 w = bis_envmap_direction(&em, (int)(i % 64), (int)(i / 64), (k % 8 + 0.5) / 8, (k / 8 + 0.5) / 8);
+            truth += map_intensity(&em, i) * map_solid_angle(&em, i) / 64 * fmax(0, 0.6 * (double)w.x + 0.8 * (double)w.z);
+        }
+    }
+    for (int kind = 0; kind < 2; kind++) {
+        bis_importance *im = importance_of(&em, both(kind ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, 0));
+        bis_rng g;
+        bis_rng_init(&g, 4, 0, 0, 0);
+        error[kind] = 0;
+        for (int run = 0; run < 40; run++) {
+            const double shift[2] = {bis_rng_double(&g), bis_rng_double(&g)};
+            double sum = 0;
+            for (int i = 0; i < 4096; i++) {
+                const double a = i * 0.7548776662466927 + shift[0], b = i * 0.5698402909980532 + shift[1];
+                const double u[4] = {a - floor(a), b - floor(b), bis_rng_double(&g), bis_rng_double(&g)};
+                bis_map_sample s;
+                bis_importance_sample(im, u, &s);
+                sum += map_intensity(&em, s.pixel) * fmax(0, 0.6 * (double)s.w_local.x + 0.8 * (double)s.w_local.z) / s.pdf;
+            }
+            error[kind] += pow(sum / 4096 / truth - 1, 2) / 40;
+        }
+        bis_importance_free(im);
+    }
+    print_message("relative RMSE with 4096 even points: alias %.5f, CDF %.5f\n", sqrt(error[0]), sqrt(error[1]));
+    assert_true(sqrt(error[1]) < 0.5 * sqrt(error[0]));
+    bis_envmap_clear(&em);
+}
+
+/* ---- area weighting ---- */
+
+/* E17: two square lights; probability per unit of flux goes as (A1/A2)^b below 0.01 sr and not at all above. */
+static void small_lights_lose_importance_by_the_ratio_of_areas_to_the_b(void **state)
+{
+    (void)state;
+    bis_envmap em = map_new(512, 256);
+    const double b = 0.15;
+    const int sides[][2] = {{2, 6}, {3, 8}, {30, 60}}; /* pixels; the last pair is above 0.01 sr */
+    for (int k = 0; k < 3; k++) {
+        double area[2] = {0, 0}, probability[2] = {0, 0}, flux[2] = {0, 0};
+        for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){0, 0, 0};
+        for (int light = 0; light < 2; light++) {
+            for (int i = 0; i < sides[k][light] * sides[k][light]; i++) {
+                const int x = (light ? 300 : 20) + i % sides[k][light], y = 100 + i / sides[k][light];
+                em.pixels[y * 512 + x].g = light ? 30.0f : 1000.0f;
+                area[light] += em.row_solid_angle[y];
+                flux[light] += em.row_solid_angle[y] * (light ? 30 : 1000);
+            }
+        }
+        bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, b));
+        double *pmf = malloc(map_n(&em) * sizeof *pmf);
+        assert_int_equal(bis_importance_implied_pmf(im, pmf, NULL), BIS_OK);
+        for (size_t i = 0; i < map_n(&em); i++) probability[i % 512 >= 256] += pmf[i];
+        const double ratio = probability[0] / flux[0] / (probability[1] / flux[1]);
+        assert_near(ratio, k < 2 ? pow(area[0] / area[1], b) : 1, 2e-7);
+        assert_true((k == 2) == (area[0] > 0.01));
+        free(pmf);
+        bis_importance_free(im);
+    }
+    bis_envmap_clear(&em);
+}
+
+/* ---- bounds, compensation ---- */
+
+static void no_ratio_of_intensity_to_density_exceeds_its_bound(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 40; seed++) {
+        bis_envmap em = map_random(31, 17, seed % 2 ? 10 : 0.01, 0.1, seed);
+        bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, 0.05 * (double)(seed % 5)));
+        const double bound = bis_importance_max_ratio(im);
+        double most = 0;
+        for (size_t i = 0; i < map_n(&em); i++) {
+            if (map_intensity(&em, i) > 0) most = fmax(most, map_intensity(&em, i) / bis_importance_pdf_pixel(im, i));
+        }
+        assert_true(most <= bound && most >= bound * (1 - 1e-12));
+        bis_importance_free(im);
+        bis_envmap_clear(&em);
+    }
+}
+
+static void compensation_leaves_only_what_exceeds_the_mean(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(32, 16, 3, 0.1, 6);
+    bis_importance_options o = both(BIS_TABLE_ALIAS, 0);
+    o.compensate = true;
+    bis_importance *im = importance_of(&em, o);
+    const double mean = bis_envmap_power(&em) / (4 * PI);
+    double sum = 0;
+    for (size_t i = 0; i < map_n(&em); i++) {
+        const double pdf = bis_importance_pdf_pixel(im, i);
+        assert_true((pdf > 0) == (map_intensity(&em, i) > mean));
+        sum += pdf * map_solid_angle(&em, i);
+    }
+    assert_near(sum, 1, 1e-12);
+    assert_true(bis_importance_max_ratio(im) == (double)INFINITY);
+    bis_importance_free(im);
+
+    for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){0.1f, 0.7f, 0.3f};
+    im = importance_of(&em, o); /* nothing exceeds the mean */
+    assert_near(bis_importance_pdf_pixel(im, 7) * 4 * PI, 1, 1e-12);
+    bis_importance_free(im);
+    bis_envmap_clear(&em);
+}
+
+/* ---- cost ---- */
+
+static void sixteen_bytes_a_pixel_are_enough(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(1024, 512, 5, 0, 2);
+    for (int k = 0; k < 6; k++) {
+        bis_importance_options o = both(k == 1 ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, k < 3 ? 0.15 : 0);
+        o.table = k % 3 < 2;
+        o.curve = !o.table;
+        bis_importance *im = importance_of(&em, o);
+        const double bytes = (double)bis_importance_bytes(im) / (double)map_n(&em);
+        print_message("%s, b = %g: %.2f bytes a pixel\n", o.curve ? "curve" : k % 3 ? "cdf" : "alias", o.area_exponent, bytes);
+        assert_true(bytes <= 16);
+        bis_importance_free(im);
+    }
+    bis_envmap_clear(&em);
+}
+
+static void any_number_of_threads_builds_the_same_bits(void **state)
+{
+    (void)state;
+#ifdef _OPENMP
+    const int before = omp_get_max_threads();
+    bis_envmap em = map_random(200, 100, 8, 0.2, 13);
+    double *pmf[2];
+    for (int k = 0; k < 2; k++) {
+        omp_set_num_threads(k ? 7 : 1);
+        bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, 0.15));
+        pmf[k] = malloc(map_n(&em) * sizeof **pmf);
+        assert_int_equal(bis_importance_implied_pmf(im, pmf[k], NULL), BIS_OK);
+        for (size_t i = 0; i < map_n(&em); i += 7) pmf[k][i] = bis_importance_pdf_pixel(im, i);
+        bis_importance_free(im);
+    }
+    assert_memory_equal(pmf[0], pmf[1], map_n(&em) * sizeof **pmf);
+    omp_set_num_threads(before);
+    free(pmf[0]);
+    free(pmf[1]);
+    bis_envmap_clear(&em);
+#else
+    skip();
+#endif
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(16, 8, 4, 0.1, 1);
+    for (int kind = 0; kind < 2; kind++) {
+        const bis_importance_options o = both(kind ? BIS_TABLE_CDF : BIS_TABLE_ALIAS, 0.15);
+        bis_status status = BIS_NOMEM;
+        for (long k = 1; status; k++) {
+            bis_importance *im;
+            bis_diag diag = {0};
+            bis_mem_fail_at(k);
+            status = bis_importance_new(&im, &em, &o, &diag);
+            bis_mem_fail_at(0);
+            assert_true(status == BIS_OK ? im != NULL : (status == BIS_NOMEM && !im && diag.n_errors + diag.n_lost > 0));
+            assert_true(k < 1000);
+            bis_importance_free(im);
+            bis_diag_clear(&diag);
+        }
+    }
+    bis_envmap_clear(&em);
+}
+
+static void real_maps_are_drawn_as_told(void **state)
+{
+    (void)state;
+    const char *names[] = {"env/grace_latlong_fyp_extreme.hdr", "env/uffizi_latlong_1200x600.hdr", "env/spot1Lux.hdr"};
+    if (!shared_data(names[0])) {
+        print_message("no shared test data (BIS_SHARED)\n");
+        skip();
+    }
+    for (int k = 0; k < 3; k++) {
+        bis_image image;
+        bis_envmap em;
+        assert_int_equal(bis_image_read(&image, shared_data(names[k]), (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_envmap_from_latlong(&em, &image, NULL), BIS_OK);
+        check_tables(&em, names[k]);
+        bis_envmap_clear(&em);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tables_give_exactly_the_density_that_is_told),
+        cmocka_unit_test(tables_hold_for_extreme_maps),
+        cmocka_unit_test(one_lit_pixel_anywhere_is_always_drawn),
+        cmocka_unit_test(a_map_without_light_draws_nothing),
+        cmocka_unit_test(directions_fit_the_density_inside_the_pixels),
+        cmocka_unit_test(wrong_samplers_are_rejected_by_the_same_check),
+        cmocka_unit_test(a_constant_map_gives_irradiance_pi_on_every_side),
+        cmocka_unit_test(the_density_of_a_direction_is_that_of_its_pixel),
+        cmocka_unit_test(equal_steps_along_the_curve_are_equal_shares_in_order),
+        cmocka_unit_test(cdfs_keep_even_points_even_and_alias_tables_do_not),
+        cmocka_unit_test(small_lights_lose_importance_by_the_ratio_of_areas_to_the_b),
+        cmocka_unit_test(no_ratio_of_intensity_to_density_exceeds_its_bound),
+        cmocka_unit_test(compensation_leaves_only_what_exceeds_the_mean),
+        cmocka_unit_test(sixteen_bytes_a_pixel_are_enough),
+        cmocka_unit_test(any_number_of_threads_builds_the_same_bits),
+        cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(real_maps_are_drawn_as_told),
+    };
+    return cmocka_run_group_tests_name("importance", tests, NULL, NULL);
+}
