@@ -35,7 +35,8 @@ typedef struct bis_channel {
     int stride; /* in floats */
 } bis_channel;
 
-/* One header attribute of an EXR; text, or a number when text is NULL. */
+/* One header attribute of an EXR; text, or a number when text is NULL. OpenEXR reserves some names ("version", "type", "name", "tiles",
+ * ...): writing one is BIS_INPUT; give yours a prefix. */
 typedef struct bis_attribute {
     const char *name;
     const char *text;

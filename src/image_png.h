@@ -1,0 +1,12 @@
+/* image_png: 8 bit sRGB pictures to look at, written by libpng. For src/image.c alone. */
+#ifndef BIS_IMAGE_PNG_H
+#define BIS_IMAGE_PNG_H
+
+#include "bis/image.h"
+
+#include <stdio.h>
+
+/* Errors: BIS_NOMEM, BIS_IO. */
+bis_status bis_png_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
+
+#endif

@@ -1,0 +1,189 @@
+/* image_help: see the header. */
+#include "image_help.h"
+
+#include <dirent.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define FOLDER "build/scratch"
+
+const char *scratch(const char *name)
+{
+    static char paths[8][128];
+    static int next;
+    char *path = paths[next++ % 8];
+    mkdir("build", 0777);
+    mkdir(FOLDER, 0777);
+    snprintf(path, sizeof paths[0], FOLDER "/%ld-%s", (long)getpid(), name);
+    return path;
+}
+
+/* Temporary files of bis_outfile begin with a dot and name the process in hexadecimal. */
+static bool is_ours(const char *name)
+{
+    char ours[2][32];
+    snprintf(ours[0], sizeof ours[0], "%ld-", (long)getpid());
+    snprintf(ours[1], sizeof ours[1], ".bis-%lx-", (unsigned long)getpid());
+    return !strncmp(name, ours[0], strlen(ours[0])) || !strncmp(name, ours[1], strlen(ours[1]));
+}
+
+static int visit_scratch(bool remove_them)
+{
+    int n = 0;
+    DIR *folder = opendir(FOLDER);
+    if (!folder) return 0;
+    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
+        char path[512];
+        if (!is_ours(entry->d_name)) continue;
+        n++;
+        snprintf(path, sizeof path, FOLDER "/%s", entry->d_name);
+        if (remove_them) remove(path);
+    }
+    closedir(folder);
+    return n;
+}
+
+int scratch_count(void) { return visit_scratch(false); }
+
+int scratch_remove(void **state)
+{
+    (void)state;
+    visit_scratch(true);
+    return 0;
+}
+
+void put(bytes *b, const void *data, size_t n)
+{
+    if (b->n + n > b->capacity) {
+        b->capacity = 2 * (b->n + n);
+        b->data = realloc(b->data, b->capacity);
+        assert_non_null(b->data);
+    }
+    memcpy(b->data + b->n, data, n);
+    b->n += n;
+}
+
+void put_text(bytes *b, const char *text) { put(b, text, strlen(text)); }
+
+void put_int(bytes *b, uint64_t v, int n_bytes)
+{
+    for (int i = 0; i < n_bytes; i++) {
+        unsigned char byte = (unsigned char)(v >> 8 * i);
+        put(b, &byte, 1);
+    }
+}
+
+void put_float(bytes *b, float v)
+{
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    put_int(b, bits, 4);
+}
+
+void bytes_clear(bytes *b)
+{
+    free(b->data);
+    *b = (bytes){0};
+}
+
+void store(const char *path, const void *data, size_t n)
+{
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    if (n) assert_int_equal(fwrite(data, 1, n, f), n);
+    assert_int_equal(fclose(f), 0);
+}
+
+bool holds(const char *path, const void *data, size_t n)
+{
+    FILE *f = fopen(path, "rb");
+    unsigned char *found = malloc(n + 1);
+    bool same = f && found && fread(found, 1, n + 1, f) == n && !memcmp(found, data, n);
+    if (f) fclose(f);
+    free(found);
+    return same;
+}
+
+void expect_refusal(const char *path, bis_status status, const char *text)
+{
+    char expected[1024];
+    bis_image image;
+    bis_diag diag = {0};
+    assert_int_equal(bis_image_read(&image, path, (bis_loc){0}, &diag), status);
+    assert_null(image.pixels);
+    snprintf(expected, sizeof expected, "%s: error: cannot read \"%s\": %s", path, path, text);
+    assert_true(diag.n > 0);
+    assert_string_equal(diag.messages[diag.n - 1].text, expected);
+    assert_int_equal(diag.n_errors, 1);
+    bis_diag_clear(&diag);
+}
+
+void expect_refusal_of(const bytes *b, const char *name, const char *text)
+{
+    store(scratch(name), b->data, b->n);
+    expect_refusal(scratch(name), BIS_INPUT, text);
+}
+
+void expect_image(bis_image *image, const char *path, const char *text)
+{
+    char expected[1024];
+    bis_diag diag = {0};
+    bis_status status = bis_image_read(image, path, (bis_loc){0}, &diag);
+    if (status) print_message("%s\n", diag.n ? diag.messages[diag.n - 1].text : "no message");
+    assert_int_equal(status, BIS_OK);
+    assert_non_null(image->pixels);
+    assert_int_equal(diag.n, text ? 1 : 0);
+    if (text) {
+        snprintf(expected, sizeof expected, "%s: warning: \"%s\": %s", path, path, text);
+        assert_string_equal(diag.messages[0].text, expected);
+    }
+    bis_diag_clear(&diag);
+}
+
+uint32_t next_random(uint32_t *state)
+{
+    *state ^= *state << 13;
+    *state ^= *state >> 17;
+    *state ^= *state << 5;
+    return *state;
+}
+
+static bis_status try_read(const char *path)
+{
+    bis_image image;
+    bis_diag diag = {0};
+    bis_status status = bis_image_read(&image, path, (bis_loc){0}, &diag);
+    assert_int_equal(status == BIS_OK, image.pixels != NULL);
+    assert_int_equal(status == BIS_OK, diag.n_errors == 0);
+    bis_image_clear(&image);
+    bis_diag_clear(&diag);
+    return status;
+}
+
+void try_damage(const bytes *b, const char *name, int n, uint32_t seed)
+{
+    const char *path = scratch(name);
+    for (size_t length = 0; length < b->n; length++) {
+        store(path, b->data, length);
+        assert_int_equal(try_read(path), BIS_INPUT);
+    }
+    unsigned char *changed = malloc(b->n);
+    assert_non_null(changed);
+    for (int i = 0; i < n; i++) {
+        memcpy(changed, b->data, b->n);
+        for (uint32_t k = next_random(&seed) % 4; k < 4; k++)
+            changed[next_random(&seed) % b->n] = (unsigned char)next_random(&seed);
+        store(path, changed, b->n);
+        try_read(path);
+    }
+    free(changed);
+}

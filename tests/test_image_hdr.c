@@ -1,0 +1,512 @@
+/* Radiance .hdr: every orientation and every encoding, written here byte by byte; bad files with their exact messages; the writer
+ * against the definition of the nearest RGBE. */
+#include "image_help.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define HEADER "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"
+
+static void put_rgbe(bytes *b, int r, int g, int blue, int e)
+{
+    const unsigned char pixel[4] = {(unsigned char)r, (unsigned char)g, (unsigned char)blue, (unsigned char)e};
+    put(b, pixel, 4);
+}
+
+/* A 1 x 1 file with this header and pixel. */
+static void read_pixel(rgb *out, const char *header, int r, int g, int b, int e, const char *remark)
+{
+    bytes file = {0};
+    bis_image image;
+    put_text(&file, header);
+    put_text(&file, "\n-Y 1 +X 1\n");
+    put_rgbe(&file, r, g, b, e);
+    store(scratch("pixel.hdr"), file.data, file.n);
+    expect_image(&image, scratch("pixel.hdr"), remark);
+    *out = image.pixels[0];
+    bis_image_clear(&image);
+    bytes_clear(&file);
+}
+
+static void a_value_is_mantissa_times_2_to_the_exponent_less_136(void **state)
+{
+    (void)state;
+    const int exponents[] = {1, 2, 100, 127, 128, 129, 136, 200, 255};
+    for (size_t i = 0; i < sizeof exponents / sizeof exponents[0]; i++) {
+        rgb v;
+        read_pixel(&v, HEADER, 255, 128, 1, exponents[i], NULL);
+        assert_true((double)v.r == 255 * pow(2, exponents[i] - 136));
+        assert_true((double)v.g == 128 * pow(2, exponents[i] - 136));
+        assert_true((double)v.b == 1 * pow(2, exponents[i] - 136));
+    }
+}
+
+static void exponent_0_is_black(void **state)
+{
+    (void)state;
+    rgb v;
+    read_pixel(&v, HEADER, 255, 255, 255, 0, NULL);
+    assert_true(v.r == 0 && v.g == 0 && v.b == 0);
+}
+
+static void values_are_divided_by_the_product_of_exposures_and_of_colour_corrections(void **state)
+{
+    (void)state;
+    rgb v;
+    read_pixel(&v, HEADER "EXPOSURE=4\nVIEW= -vp 0 0 0\nEXPOSURE= 0.5\nCOLORCORR=1 2 .25\n\tEXPOSURE=100\n", 128, 128, 128, 129,
+               NULL);
+    assert_true(v.r == .5f && v.g == .25f && v.b == 2);
+    read_pixel(&v, HEADER "EXPOSURE=3\n", 128, 64, 1, 136, NULL);
+    assert_true(v.r == 128.0f / 3 && v.g == 64.0f / 3 && v.b == 1.0f / 3);
+}
+
+static void header_lines_may_end_in_carriage_return_and_newline(void **state)
+{
+    (void)state;
+    bytes file = {0};
+    bis_image image;
+    put_text(&file, "#?RGBE\r\nFORMAT=32-bit_rle_rgbe\r\nEXPOSURE=2\r\n\r\n-Y 1 +X 1\r\n");
+    put_rgbe(&file, 128, 128, 128, 129);
+    store(scratch("crlf.hdr"), file.data, file.n);
+    expect_image(&image, scratch("crlf.hdr"), NULL);
+    assert_true(image.pixels[0].r == .5f);
+    bis_image_clear(&image);
+    bytes_clear(&file);
+}
+
+static void the_magic_may_name_any_program(void **state)
+{
+    (void)state;
+    rgb v;
+    read_pixel(&v, "#?RGBE\nFORMAT=32-bit_rle_rgbe\n", 1, 2, 3, 136, NULL);
+    assert_true(v.r == 1 && v.g == 2 && v.b == 3);
+    read_pixel(&v, "#?ANYTHING else\n# a comment\nFORMAT=32-bit_rle_rgbe\n", 1, 2, 3, 136, NULL);
+    assert_true(v.r == 1 && v.g == 2 && v.b == 3);
+}
+
+static void what_we_cannot_honour_is_a_warning(void **state)
+{
+    (void)state;
+    rgb v;
+    read_pixel(&v, "#?RADIANCE\n", 1, 2, 3, 136, "it has no FORMAT line; 32-bit_rle_rgbe is assumed");
+    read_pixel(&v, HEADER "PRIMARIES=.7 .3 .2 .7 .1 .05 .333 .333\n", 1, 2, 3, 136,
+               "its PRIMARIES are not those of Rec. 709; the values are taken as they are");
+    read_pixel(&v, HEADER "PRIMARIES=0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333\n", 1, 2, 3, 136, NULL);
+    read_pixel(&v, HEADER "PRIMARIES=0.64 0.33 0.30 0.60 0.15 0.06 0.3127 0.3290\n", 1, 2, 3, 136, NULL);
+    read_pixel(&v, HEADER "PRIMARIES=0 0 0 0 0 0 0 0\n", 1, 2, 3, 136, NULL);
+}
+
+/* The order of the pixels of a 3 x 2 picture in a file, by walking the axes as the resolution line says. */
+static void put_in_order(bytes *file, char slow, char fast, bool slow_minus, bool fast_minus)
+{
+    const int size_x = 3, size_y = 2;
+    const int n_slow = slow == 'X' ? size_x : size_y, n_fast = fast == 'X' ? size_x : size_y;
+    for (int i = 0; i < n_slow; i++)
+        for (int j = 0; j < n_fast; j++) {
+            /* X from left to right, Y from bottom to top; minus: the other way round */
+            int a = slow_minus ? n_slow - 1 - i : i, b = fast_minus ? n_fast - 1 - j : j;
+            int from_left = slow == 'X' ? a : b, from_bottom = slow == 'X' ? b : a;
+            put_rgbe(file, 100 + from_left, 200 + size_y - 1 - from_bottom, 7, 136);
+        }
+}
+
+static void all_eight_orientations_put_every_pixel_in_its_place(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 8; i++) {
+        const char slow = i & 1 ? 'X' : 'Y', fast = i & 1 ? 'Y' : 'X';
+        char line[32];
+        bytes file = {0};
+        bis_image image;
+        snprintf(line, sizeof line, "%c%c %d %c%c %d\n", i & 2 ? '-' : '+', slow, slow == 'X' ? 3 : 2, i & 4 ? '-' : '+', fast,
+                 fast == 'X' ? 3 : 2);
+        put_text(&file, HEADER "\n");
+        put_text(&file, line);
+        put_in_order(&file, slow, fast, i & 2, i & 4);
+        store(scratch("axes.hdr"), file.data, file.n);
+        expect_image(&image, scratch("axes.hdr"), NULL);
+        assert_int_equal(image.width, 3);
+        assert_int_equal(image.height, 2);
+        for (int y = 0; y < 2; y++)
+            for (int x = 0; x < 3; x++) {
+                rgb v = image.pixels[3 * y + x];
+                assert_true(v.r == (float)(100 + x) && v.g == (float)(200 + y) && v.b == 7);
+            }
+        bis_image_clear(&image);
+        bytes_clear(&file);
+    }
+}
+
+/* ---- encodings: a 600 pixel line with a long run, coded in three ways ---- */
+
+enum { WIDTH = 600 };
+
+static int red_of(int x, int y) { return x >= 10 && x < 590 ? 50 : (x + 3 * y) % 128 + 20; }
+
+static void put_flat(bytes *file, int y)
+{
+    for (int x = 0; x < WIDTH; x++)
+        put_rgbe(file, red_of(x, y), 60, 70, 136);
+}
+
+/* 580 equal pixels from x = 10 on: one, and a run of 579 = 67 + 2 * 256. */
+static void put_old(bytes *file, int y)
+{
+    for (int x = 0; x <= 10; x++)
+        put_rgbe(file, red_of(x, y), 60, 70, 136);
+    put_rgbe(file, 1, 1, 1, 67);
+    put_rgbe(file, 1, 1, 1, 2);
+    for (int x = 590; x < WIDTH; x++)
+        put_rgbe(file, red_of(x, y), 60, 70, 136);
+}
+
+static void put_new(bytes *file, int y)
+{
+    const int others[3] = {60, 70, 136};
+    put_rgbe(file, 2, 2, WIDTH >> 8, WIDTH & 255);
+    put_int(file, 10, 1);
+    for (int x = 0; x < 10; x++)
+        put_int(file, (uint64_t)red_of(x, y), 1);
+    for (int left = 580; left > 0; left -= 127) {
+        put_int(file, (uint64_t)(128 + (left < 127 ? left : 127)), 1);
+        put_int(file, 50, 1);
+    }
+    put_int(file, 10, 1);
+    for (int x = 590; x < WIDTH; x++)
+        put_int(file, (uint64_t)red_of(x, y), 1);
+    for (int k = 0; k < 3; k++)
+        for (int left = WIDTH; left > 0; left -= 100) { /* runs of 100: shorter than they could be, which is legal */
+            put_int(file, 128 + 100, 1);
+            put_int(file, (uint64_t)others[k], 1);
+        }
+}
+
+static void flat_old_and_new_encodings_give_the_same_pixels_also_in_one_file(void **state)
+{
+    (void)state;
+    void (*const kinds[])(bytes *, int) = {put_flat, put_old, put_new};
+    for (int way = 0; way < 4; way++) { /* 3: every line in another encoding */
+        bytes file = {0};
+        bis_image image;
+        put_text(&file, HEADER "\n-Y 6 +X 600\n");
+        for (int y = 0; y < 6; y++)
+            kinds[way < 3 ? way : y % 3](&file, y);
+        store(scratch("rle.hdr"), file.data, file.n);
+        expect_image(&image, scratch("rle.hdr"), NULL);
+        for (int i = 0; i < 6 * WIDTH; i++) {
+            rgb v = image.pixels[i];
+            assert_true(v.r == (float)red_of(i % WIDTH, i / WIDTH) && v.g == 60 && v.b == 70);
+        }
+        bis_image_clear(&image);
+        bytes_clear(&file);
+    }
+}
+
+/* ---- bad files ---- */
+
+static void expect_bad(const char *text, const char *message)
+{
+    bytes file = {0};
+    put_text(&file, text);
+    expect_refusal_of(&file, "bad.hdr", message);
+    bytes_clear(&file);
+}
+
+static void a_bad_header_is_named_by_its_line(void **state)
+{
+    (void)state;
+    expect_bad("#?RADIANCE", "the file ends within the header");
+    expect_bad("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n", "the file ends within the header");
+    expect_bad(HEADER "\n-Y 2 +X 2", "the file ends within the header");
+    expect_bad("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd",
+               "its FORMAT is \"32-bit_rle_xyze\", must be 32-bit_rle_rgbe (ra_xyze -r converts XYZ to RGB)");
+    expect_bad("#?RADIANCE\nFORMAT=ascii\n\n", "its FORMAT is \"ascii\", must be 32-bit_rle_rgbe");
+    expect_bad(HEADER "EXPOSURE=0\n\n", "EXPOSURE is \"0\", must be a number above 0, as must be the product of all such lines");
+    expect_bad(HEADER "EXPOSURE=nan\n\n", "EXPOSURE is \"nan\", must be a number above 0, as must be the product of all such lines");
+    expect_bad(HEADER "EXPOSURE=1e200\nEXPOSURE=1e200\n\n",
+               "EXPOSURE is \"1e200\", must be a number above 0, as must be the product of all such lines");
+    expect_bad(HEADER "COLORCORR=1 2\n\n",
+               "COLORCORR is \"1 2\", must be three numbers above 0, as must be the product of all such lines");
+}
+
+static void a_bad_resolution_line_is_quoted(void **state)
+{
+    (void)state;
+    const char *const lines[] = {"",           "-Y 2",         "-Y 2 -Y 2",    "-Y 2 +Z 2",      "Y 2 X 2",
+                                 "-Y 0 +X 2",  "-Y -2 +X 2",   "-Y 2 +X 32769", "-Y 40000 +X 40000", "-Y 2 +X 2 3",
+                                 "-Y 2 +X 2x", "-Y 99999999999999999999 +X 2"};
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        char text[256], message[256];
+        snprintf(text, sizeof text, HEADER "\n%s\nabcdabcdabcdabcd", lines[i]);
+        snprintf(message, sizeof message,
+                 "its resolution line is \"%s\", must be like \"-Y 512 +X 1024\", with sides from 1 to 32768", lines[i]);
+        expect_bad(text, message);
+    }
+}
+
+static void a_huge_size_is_held_against_the_length_of_the_file(void **state)
+{
+    (void)state;
+    expect_bad(HEADER "\n-Y 32768 +X 32768\nabcdabcdabcdabcd",
+               "32768 scanlines of 32768 pixels need 393216 bytes or more, but 16 follow the header (the file is cut off)");
+    expect_bad(HEADER "\n-Y 3 +X 1\nabcd", "3 scanlines of 1 pixels need 12 bytes or more, but 4 follow the header (the file is cut off)");
+}
+
+static void expect_bad_scanlines(const bytes *scanlines, int n, int width, const char *message)
+{
+    char line[64];
+    bytes file = {0};
+    snprintf(line, sizeof line, "\n-Y %d +X %d\n", n, width);
+    put_text(&file, HEADER);
+    put_text(&file, line);
+    put(&file, scanlines->data, scanlines->n);
+    expect_refusal_of(&file, "bad.hdr", message);
+    bytes_clear(&file);
+}
+
+static void a_damaged_scanline_is_named_by_number_and_byte(void **state)
+{
+    (void)state;
+    bytes b = {0};
+    put_rgbe(&b, 9, 9, 9, 9);
+    put_rgbe(&b, 1, 1, 1, 3);
+    expect_bad_scanlines(&b, 1, 3, "scanline 1 of 1, at byte 45, is damaged: a run leads beyond its end");
+    b.n = 0;
+    put_rgbe(&b, 9, 9, 9, 9);
+    put_rgbe(&b, 1, 1, 1, 0);
+    put_rgbe(&b, 1, 1, 1, 0);
+    put_rgbe(&b, 1, 1, 1, 0);
+    put_rgbe(&b, 1, 1, 1, 1);
+    expect_bad_scanlines(&b, 1, 3, "scanline 1 of 1, at byte 45, is damaged: a run leads beyond its end");
+    b.n = 0;
+    put_rgbe(&b, 9, 9, 9, 9);
+    put_rgbe(&b, 9, 9, 9, 9);
+    put_rgbe(&b, 1, 1, 1, 1);
+    put_rgbe(&b, 9, 9, 9, 9);
+    expect_bad_scanlines(&b, 2, 2, "scanline 2 of 2, at byte 53, is damaged: it begins with a run, which has no pixel to repeat");
+    b.n = 0;
+    put_rgbe(&b, 9, 9, 9, 9);
+    put_rgbe(&b, 8, 8, 8, 8);
+    expect_bad_scanlines(&b, 1, 3, "scanline 1 of 1, at byte 45, is damaged: the file ends within it");
+    b.n = 0;
+    put_rgbe(&b, 2, 2, 0, 9);
+    put_rgbe(&b, 0, 0, 0, 0);
+    expect_bad_scanlines(&b, 1, 8, "scanline 1 of 1, at byte 45, is damaged: its length is not that of the resolution line");
+    b.n = 0;
+    put_rgbe(&b, 2, 2, 0, 8);
+    put_rgbe(&b, 137, 0, 0, 0);
+    expect_bad_scanlines(&b, 1, 8, "scanline 1 of 1, at byte 45, is damaged: a run leads beyond its end");
+    b.n = 0;
+    put_rgbe(&b, 2, 2, 0, 8);
+    put_rgbe(&b, 0, 0, 0, 0);
+    expect_bad_scanlines(&b, 1, 8, "scanline 1 of 1, at byte 45, is damaged: it has a run of length 0");
+    b.n = 0;
+    put_rgbe(&b, 2, 2, 0, 8);
+    put_rgbe(&b, 136, 7, 8, 7);
+    expect_bad_scanlines(&b, 1, 8, "scanline 1 of 1, at byte 45, is damaged: the file ends within it");
+    bytes_clear(&b);
+}
+
+static void bytes_behind_the_last_scanline_are_a_warning(void **state)
+{
+    (void)state;
+    bytes file = {0};
+    bis_image image;
+    put_text(&file, HEADER "\n-Y 1 +X 1\nabcdtail");
+    store(scratch("tail.hdr"), file.data, file.n);
+    expect_image(&image, scratch("tail.hdr"), "4 bytes behind the last scanline are ignored");
+    bis_image_clear(&image);
+    bytes_clear(&file);
+}
+
+static void no_damage_leads_out_of_the_file(void **state)
+{
+    (void)state;
+    void (*const kinds[])(bytes *, int) = {put_old, put_new};
+    for (int i = 0; i < 2; i++) {
+        bytes file = {0};
+        put_text(&file, HEADER "EXPOSURE=2\n\n-Y 2 +X 600\n");
+        kinds[i](&file, 0);
+        kinds[i](&file, 1);
+        try_damage(&file, "damaged.hdr", 2000, 1 + (uint32_t)i);
+        bytes_clear(&file);
+    }
+}
+
+/* ---- writing ---- */
+
+static void save(const bis_image *image, const char *path)
+{
+    bis_diag diag = {0};
+    assert_int_equal(bis_image_save(image, path, &diag), BIS_OK);
+    assert_int_equal(diag.n, 0);
+}
+
+static bis_image random_image(int width, int height, uint32_t seed)
+{
+    bis_image image;
+    assert_int_equal(bis_image_init(&image, width, height, NULL), BIS_OK);
+    for (int i = 0; i < width * height; i++) {
+        float v[3];
+        for (int k = 0; k < 3; k++)
+            v[k] = ldexpf((float)(next_random(&seed) >> 8), (int)(next_random(&seed) % 40) - 40);
+        if (next_random(&seed) % 3 && i) /* runs */
+            image.pixels[i] = image.pixels[i - 1];
+        else
+            image.pixels[i] = (rgb){v[0], v[1], v[2]};
+    }
+    return image;
+}
+
+static double largest(rgb v) { return fmax((double)v.r, fmax((double)v.g, (double)v.b)); }
+
+/* A step of RGBE at a pixel: 2^-8 of the power of two above its largest channel (after rounding: see below). */
+static double step_at(rgb v)
+{
+    int e;
+    frexp(largest(v), &e);
+    return ldexp(1, e - 8);
+}
+
+static void every_channel_comes_back_within_half_a_step_of_its_pixel(void **state)
+{
+    (void)state;
+    const int widths[] = {1, 2, 7, 8, 9, 127, 128, 129, 255, 256, 1000, 32767, 32768};
+    for (size_t i = 0; i < sizeof widths / sizeof widths[0]; i++) {
+        bis_image image = random_image(widths[i], 3, 11), back;
+        save(&image, scratch("back.hdr"));
+        expect_image(&back, scratch("back.hdr"), NULL);
+        assert_int_equal(back.width, widths[i]);
+        assert_int_equal(back.height, 3);
+        for (int k = 0; k < 3 * widths[i]; k++) {
+            rgb a = image.pixels[k], b = back.pixels[k];
+            /* a mantissa of 255.5 and more rounds up to 256, which doubles the step for the other two */
+            double half = step_at(a) * (largest(a) >= 255.5 * step_at(a) ? 1 : 0.5);
+            assert_true(fabs((double)a.r - (double)b.r) <= half);
+            assert_true(fabs((double)a.g - (double)b.g) <= half);
+            assert_true(fabs((double)a.b - (double)b.b) <= half);
+            assert_true(fabs(largest(b) - largest(a)) <= largest(a) / 256);
+        }
+        bis_image_clear(&image);
+        bis_image_clear(&back);
+    }
+}
+
+static void what_rgbe_holds_comes_back_exactly(void **state)
+{
+    (void)state;
+    bis_image image, back;
+    assert_int_equal(bis_image_init(&image, 255, 128, NULL), BIS_OK);
+    for (int e = 1; e <= 255; e++)
+        for (int m = 0; m < 128; m++) /* a largest mantissa of 128 to 255: the form that every writer uses */
+            image.pixels[m * 255 + e - 1] = rgb_from(ldexp(128 + m, e - 136), ldexp(m, e - 136), 0);
+    save(&image, scratch("exact.hdr"));
+    expect_image(&back, scratch("exact.hdr"), NULL);
+    assert_memory_equal(image.pixels, back.pixels, 255 * 128 * sizeof(rgb));
+    bis_image_clear(&image);
+    bis_image_clear(&back);
+}
+
+static void values_below_the_smallest_exponent_round_to_its_steps(void **state)
+{
+    (void)state;
+    const float step = 0x1p-135f;
+    const rgb in[4] = {{step * 100, 0, step}, {step * 0.25f, 0, 0}, {step * 0.75f, 0, 0}, {step, step, step}};
+    bis_image image, back;
+    assert_int_equal(bis_image_init(&image, 4, 1, NULL), BIS_OK);
+    memcpy(image.pixels, in, sizeof in);
+    save(&image, scratch("tiny.hdr"));
+    expect_image(&back, scratch("tiny.hdr"), NULL);
+    assert_true(back.pixels[0].r == step * 100 && back.pixels[0].g == 0 && back.pixels[0].b == step);
+    assert_true(back.pixels[1].r == 0);
+    assert_true(back.pixels[2].r == step);
+    /* mantissas 1 1 1 are a run in a flat line: one step too bright in blue */
+    assert_true(back.pixels[3].r == step && back.pixels[3].g == step && back.pixels[3].b == 2 * step);
+    bis_image_clear(&image);
+    bis_image_clear(&back);
+}
+
+static void the_bytes_written_are_those_of_the_format(void **state)
+{
+    (void)state;
+    const unsigned char planes[] = {
+        128 + 4, 128, 5, 64, 1, 128, 128, 128,   /* red: a run of four, a literal of five (a run of three saves nothing) */
+        128 + 4, 0,   5, 128, 128, 0, 0, 0,      /* green */
+        128 + 9, 0,                              /* blue */
+        128 + 4, 129, 1, 130, 128 + 4, 129,      /* exponents */
+    };
+    bytes expected = {0};
+    bis_image image;
+    assert_int_equal(bis_image_init(&image, 9, 1, NULL), BIS_OK);
+    for (int x = 0; x < 9; x++)
+        image.pixels[x].r = 1; /* 128 * 2^(129 - 136) */
+    image.pixels[4] = (rgb){1, 2, 0}; /* 64, 128 with exponent 130 */
+    image.pixels[5] = (rgb){1.0f / 128, 1, 0};
+    save(&image, scratch("bytes.hdr"));
+
+    put_text(&expected, "#?RADIANCE\nSOFTWARE=bis\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 9\n");
+    put_rgbe(&expected, 2, 2, 0, 9);
+    put(&expected, planes, sizeof planes);
+    assert_true(holds(scratch("bytes.hdr"), expected.data, expected.n));
+    bytes_clear(&expected);
+    bis_image_clear(&image);
+}
+
+static void what_an_hdr_cannot_hold_is_refused_before_anything_is_written(void **state)
+{
+    (void)state;
+    const float bad[] = {-1, -1e-30f, NAN, INFINITY, -INFINITY, 3e38f, 255.5f * 0x1p119f};
+    bis_image image;
+    assert_int_equal(bis_image_init(&image, 3, 2, NULL), BIS_OK);
+    store(scratch("old.hdr"), "older", 5);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        char expected[512];
+        bis_diag diag = {0};
+        int before = scratch_count();
+        image.pixels[4].g = bad[i];
+        assert_int_equal(bis_image_save(&image, scratch("old.hdr"), &diag), BIS_INPUT);
+        assert_int_equal(diag.n, 1);
+        snprintf(expected, sizeof expected, "%s: error: cannot write \"%s\": pixel (1, 1) is (0, %g, 0), but an .hdr holds values "
+                 "from 0 to 1.69e38 only (.exr and .pfm hold any)", scratch("old.hdr"), scratch("old.hdr"), (double)bad[i]);
+        assert_string_equal(diag.messages[0].text, expected);
+        assert_true(holds(scratch("old.hdr"), "older", 5));
+        assert_int_equal(scratch_count(), before);
+        bis_diag_clear(&diag);
+    }
+    image.pixels[4].g = 255.4f * 0x1p119f;
+    save(&image, scratch("old.hdr"));
+    bis_image_clear(&image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_value_is_mantissa_times_2_to_the_exponent_less_136),
+        cmocka_unit_test(exponent_0_is_black),
+        cmocka_unit_test(values_are_divided_by_the_product_of_exposures_and_of_colour_corrections),
+        cmocka_unit_test(header_lines_may_end_in_carriage_return_and_newline),
+        cmocka_unit_test(the_magic_may_name_any_program),
+        cmocka_unit_test(what_we_cannot_honour_is_a_warning),
+        cmocka_unit_test(all_eight_orientations_put_every_pixel_in_its_place),
+        cmocka_unit_test(flat_old_and_new_encodings_give_the_same_pixels_also_in_one_file),
+        cmocka_unit_test(a_bad_header_is_named_by_its_line),
+        cmocka_unit_test(a_bad_resolution_line_is_quoted),
+        cmocka_unit_test(a_huge_size_is_held_against_the_length_of_the_file),
+        cmocka_unit_test(a_damaged_scanline_is_named_by_number_and_byte),
+        cmocka_unit_test(bytes_behind_the_last_scanline_are_a_warning),
+        cmocka_unit_test(no_damage_leads_out_of_the_file),
+        cmocka_unit_test(every_channel_comes_back_within_half_a_step_of_its_pixel),
+        cmocka_unit_test(what_rgbe_holds_comes_back_exactly),
+        cmocka_unit_test(values_below_the_smallest_exponent_round_to_its_steps),
+        cmocka_unit_test(the_bytes_written_are_those_of_the_format),
+        cmocka_unit_test(what_an_hdr_cannot_hold_is_refused_before_anything_is_written),
+    };
+    return cmocka_run_group_tests(tests, NULL, scratch_remove);
+}

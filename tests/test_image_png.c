@@ -1,0 +1,189 @@
+/* PNG: written by bis, read back by libpng. */
+#include "image_help.h"
+
+#include <math.h>
+#include <png.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { W = 5, H = 3 };
+
+/* The picture's R, G, B bytes as libpng reads them; the caller frees. */
+static unsigned char *read_png(const char *path, int width, int height)
+{
+    png_image png = {.version = PNG_IMAGE_VERSION};
+    assert_true(png_image_begin_read_from_file(&png, path));
+    assert_int_equal(png.width, width);
+    assert_int_equal(png.height, height);
+    assert_int_equal(png.format, PNG_FORMAT_RGB); /* 8 bit, sRGB: no conversion on the way */
+    unsigned char *row = malloc(PNG_IMAGE_SIZE(png));
+    assert_non_null(row);
+    assert_true(png_image_finish_read(&png, NULL, row, 0, NULL));
+    return row;
+}
+
+/* Write a W x H picture of one channel set, each pixel (r, g, b), and return what libpng reads. */
+static unsigned char *through_png(const rgb *pixels, bool has_exposure, double exposure)
+{
+    const bis_channel channels[3] = {{"R", &pixels->r, 3}, {"G", &pixels->g, 3}, {"B", &pixels->b, 3}};
+    const bis_picture picture = {.width = W, .height = H, .full_width = W, .full_height = H, .channels = channels, .n_channels = 3,
+                                 .has_exposure = has_exposure, .exposure = exposure};
+    bis_diag diag = {0};
+    assert_int_equal(bis_image_write(scratch("a.png"), &picture, &diag), BIS_OK);
+    assert_int_equal(diag.n, 0);
+    return read_png(scratch("a.png"), W, H);
+}
+
+static void fill(rgb pixels[W * H], rgb v)
+{
+    for (int i = 0; i < W * H; i++)
+        pixels[i] = v;
+}
+
+static void a_given_exposure_and_the_srgb_curve_give_the_bytes(void **state)
+{
+    (void)state;
+    /* sRGB of 2^-6 ... 1, from the tables of IEC 61966-2-1: 8 bit code of linear 1/64, 1/8, 1/2; 0.001 lies on the straight part */
+    const struct {
+        float v;
+        double ev;
+        int code;
+    } cases[] = {{1, 0, 255}, {0.5f, 0, 188}, {0.125f, 0, 99}, {0.125f, 2, 188}, {8, -4, 188}, {0.001f, 0, 3}, {0, 0, 0},
+                 {2, 0, 255}, {-1, 0, 0}, {0.21404f, 0, 127}, {0.21586f, 0, 128}, {1e30f, 1000, 255}, {0, 2000, 0}};
+    rgb pixels[W * H];
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        fill(pixels, (rgb){cases[i].v, 0, cases[i].v});
+        unsigned char *found = through_png(pixels, true, cases[i].ev);
+        for (int k = 0; k < W * H; k++) {
+            assert_int_equal(found[3 * k], cases[i].code);
+            assert_int_equal(found[3 * k + 1], 0);
+            assert_int_equal(found[3 * k + 2], cases[i].code);
+        }
+        free(found);
+    }
+}
+
+static void the_log_average_lands_on_a_grey_of_18_percent_at_any_brightness(void **state)
+{
+    (void)state;
+    const float scales[] = {1e-38f, 1e-6f, 1, 4e4f, 1e37f};
+    rgb pixels[W * H];
+    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
+        for (int k = 0; k < W * H; k++) { /* 7 pixels darker, 7 brighter by the same factor, one in the middle, which gets 18% */
+            float v = scales[i] * (k == 7 ? 1 : k < 7 ? 0.25f : 4);
+            pixels[k] = (rgb){v, v, v};
+        }
+        unsigned char *found = through_png(pixels, false, 99);
+        assert_int_equal(found[3 * 7], 118); /* sRGB of 0.18 is 0.4613 */
+        assert_int_equal(found[0], 60);      /* 0.045: 0.2353 */
+        assert_int_equal(found[3 * 14], 221); /* 0.72: 0.8650 */
+        free(found);
+    }
+}
+
+static void black_pixels_do_not_change_the_exposure(void **state)
+{
+    (void)state;
+    rgb pixels[W * H];
+    fill(pixels, (rgb){0, 0, 0});
+    pixels[3] = (rgb){7, 7, 7};
+    unsigned char *found = through_png(pixels, false, 0);
+    assert_int_equal(found[3 * 3], 118);
+    assert_int_equal(found[3 * 4], 0);
+    free(found);
+}
+
+static void a_black_picture_is_black(void **state)
+{
+    (void)state;
+    rgb pixels[W * H];
+    fill(pixels, (rgb){0, 0, 0});
+    unsigned char *found = through_png(pixels, false, 0);
+    for (int i = 0; i < 3 * W * H; i++)
+        assert_int_equal(found[i], 0);
+    free(found);
+}
+
+static void nan_is_black_and_infinity_white_and_neither_changes_the_exposure(void **state)
+{
+    (void)state;
+    rgb pixels[W * H];
+    fill(pixels, (rgb){2, 2, 2});
+    pixels[0] = (rgb){NAN, NAN, NAN};
+    pixels[1] = (rgb){INFINITY, INFINITY, INFINITY};
+    pixels[2] = (rgb){-INFINITY, 2, 2};
+    unsigned char *found = through_png(pixels, false, 0);
+    assert_int_equal(found[0], 0);
+    assert_int_equal(found[3], 255);
+    assert_int_equal(found[6], 0);
+    assert_int_equal(found[3 * 5], 118);
+    free(found);
+}
+
+static void channels_may_be_planes_of_their_own(void **state)
+{
+    (void)state;
+    float planes[3][W * H];
+    for (int i = 0; i < W * H; i++)
+        for (int k = 0; k < 3; k++)
+            planes[k][i] = k == i % 3;
+    const bis_channel channels[3] = {{"R", planes[0], 1}, {"G", planes[1], 1}, {"B", planes[2], 1}};
+    const bis_picture picture = {.width = W, .height = H, .full_width = W, .full_height = H, .channels = channels, .n_channels = 3,
+                                 .has_exposure = true};
+    assert_int_equal(bis_image_write(scratch("p.png"), &picture, NULL), BIS_OK);
+    unsigned char *found = read_png(scratch("p.png"), W, H);
+    for (int i = 0; i < 3 * W * H; i++)
+        assert_int_equal(found[i], i % 3 == i / 3 % 3 ? 255 : 0);
+    free(found);
+}
+
+static void the_file_says_that_it_is_srgb(void **state)
+{
+    (void)state;
+    rgb pixels[W * H];
+    fill(pixels, (rgb){1, 1, 1});
+    free(through_png(pixels, true, 0));
+    FILE *f = fopen(scratch("a.png"), "rb");
+    assert_non_null(f);
+    unsigned char head[128];
+    size_t n = fread(head, 1, sizeof head, f);
+    fclose(f);
+    bool has_srgb = false, has_gamma = false;
+    for (size_t i = 0; i + 4 <= n; i++) {
+        has_srgb |= !memcmp(head + i, "sRGB", 4);
+        has_gamma |= !memcmp(head + i, "gAMA", 4);
+    }
+    assert_true(has_srgb && has_gamma);
+}
+
+static void a_png_is_no_source_of_light(void **state)
+{
+    (void)state;
+    rgb pixels[W * H];
+    fill(pixels, (rgb){1, 1, 1});
+    free(through_png(pixels, true, 0));
+    expect_refusal(scratch("a.png"), BIS_INPUT, "it begins with the bytes 89 50 4e 47, must be a Radiance .hdr (#?), OpenEXR (76 2f 31 01) "
+                   "or PFM (PF, Pf)");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_given_exposure_and_the_srgb_curve_give_the_bytes),
+        cmocka_unit_test(the_log_average_lands_on_a_grey_of_18_percent_at_any_brightness),
+        cmocka_unit_test(black_pixels_do_not_change_the_exposure),
+        cmocka_unit_test(a_black_picture_is_black),
+        cmocka_unit_test(nan_is_black_and_infinity_white_and_neither_changes_the_exposure),
+        cmocka_unit_test(channels_may_be_planes_of_their_own),
+        cmocka_unit_test(the_file_says_that_it_is_srgb),
+        cmocka_unit_test(a_png_is_no_source_of_light),
+    };
+    return cmocka_run_group_tests(tests, NULL, scratch_remove);
+}
