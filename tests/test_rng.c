@@ -1,0 +1,248 @@
+/* rng: numbers are uniform, and independent across every coordinate that a stream is keyed by.
+ * Statistical tests: 20 at most; family-wise significance 0.01. */
+#include "bis/rng.h"
+#include "bis/stats.h"
+#include "stat.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+enum { GRID = 32, CELLS = GRID * GRID, DRAWS = 1 << 20 };
+
+static double alpha(void) { return bis_stats_sidak(0.01, 20); }
+
+/* The k-th pair of numbers of a test; each pair must be uniform in the square over all k. */
+typedef void pair_fn(double u[2], uint64_t k);
+
+static void count_pairs(double observed[CELLS], double expected[CELLS], pair_fn *pair)
+{
+    for (int i = 0; i < CELLS; i++) {
+        observed[i] = 0;
+        expected[i] = (double)DRAWS / CELLS;
+    }
+    for (uint64_t k = 0; k < DRAWS; k++) {
+        double u[2];
+        pair(u, k);
+        observed[(int)(u[0] * GRID) * GRID + (int)(u[1] * GRID)]++;
+    }
+}
+
+static void assert_uniform_pairs(const char *name, pair_fn *pair)
+{
+    double observed[CELLS], expected[CELLS];
+    count_pairs(observed, expected, pair);
+    stat_assert_fit(name, 0, observed, expected, CELLS, alpha());
+}
+
+static double first_of(uint64_t seed, uint64_t pixel, uint64_t sample, uint64_t purpose)
+{
+    bis_rng r;
+    bis_rng_init(&r, seed, pixel, sample, purpose);
+    return bis_rng_double(&r);
+}
+
+static void successive(double u[2], uint64_t k)
+{
+    bis_rng r;
+    bis_rng_init(&r, 1, 2, 3, 4);
+    r.counter = 2 * k;
+    u[0] = bis_rng_double(&r);
+    u[1] = bis_rng_double(&r);
+}
+
+static void numbers_of_a_stream_are_uniform_and_independent_in_pairs(void **state)
+{
+    (void)state;
+    assert_uniform_pairs("rng_successive", successive);
+}
+
+static void along_seeds(double u[2], uint64_t k)
+{
+    u[0] = first_of(k, 0, 0, 0);
+    u[1] = first_of(k + 1, 0, 0, 0);
+}
+
+static void along_pixels(double u[2], uint64_t k)
+{
+    u[0] = first_of(0, k, 0, 0);
+    u[1] = first_of(0, k + 1, 0, 0);
+}
+
+static void along_rows(double u[2], uint64_t k)
+{
+    u[0] = first_of(0, k, 0, 0);
+    u[1] = first_of(0, k + 1024, 0, 0);
+}
+
+static void along_samples(double u[2], uint64_t k)
+{
+    u[0] = first_of(0, 7, k, 0);
+    u[1] = first_of(0, 7, k + 1, 0);
+}
+
+static void along_purposes(double u[2], uint64_t k)
+{
+    u[0] = first_of(0, 7, 3, k);
+    u[1] = first_of(0, 7, 3, k + 1);
+}
+
+static void pixel_and_sample(double u[2], uint64_t k)
+{
+    u[0] = first_of(0, k, k + 1, 0);
+    u[1] = first_of(0, k + 1, k, 0);
+}
+
+static void streams_are_independent_across_seeds_pixels_samples_and_purposes(void **state)
+{
+    (void)state;
+    assert_uniform_pairs("rng_seeds", along_seeds);
+    assert_uniform_pairs("rng_pixels", along_pixels);
+    assert_uniform_pairs("rng_rows", along_rows);
+    assert_uniform_pairs("rng_samples", along_samples);
+    assert_uniform_pairs("rng_purposes", along_purposes);
+    assert_uniform_pairs("rng_pixel_and_sample", pixel_and_sample);
+}
+
+/* The twin: the key is the sum of pixel and sample, unmixed, so that one pixel's next sample is the next pixel's first. */
+static void sum_key(double u[2], uint64_t k)
+{
+    uint64_t pixel = k / 2, sample = k % 2;
+    u[0] = first_of(0, pixel + sample, 0, 0);
+    u[1] = first_of(0, pixel + 1, 0, 0);
+}
+
+static void streams_that_overlap_are_found(void **state)
+{
+    (void)state;
+    double observed[CELLS], expected[CELLS];
+    count_pairs(observed, expected, sum_key);
+    stat_assert_no_fit("rng_twin", 0, observed, expected, CELLS, alpha());
+}
+
+/* Each of the 53 bits of a double is fair, and any two neighbours of them are independent. */
+static void every_bit_is_fair(void **state)
+{
+    (void)state;
+    double observed[53 * 4] = {0}, expected[53 * 4];
+    const int n = 200000;
+    bis_rng r;
+    bis_rng_init(&r, 11, 0, 0, 0);
+    for (int k = 0; k < n; k++) {
+        uint64_t bits = (uint64_t)(bis_rng_double(&r) * 0x1p53);
+        for (int b = 0; b < 53; b++)
+            observed[4 * b + (int)(bits >> b & 1) + 2 * (int)(bits >> (b + 1) % 53 & 1)]++;
+    }
+    for (int b = 0; b < 53; b++) {
+        for (int i = 0; i < 4; i++)
+            expected[4 * b + i] = n / 4.0;
+        /* 53 tests of their own, within a twentieth of the family */
+        stat_assert_fit("rng_bits", 11, observed + 4 * b, expected + 4 * b, 4, bis_stats_sidak(alpha(), 53));
+    }
+}
+
+static void numbers_lie_in_0_to_1_and_have_53_bits(void **state)
+{
+    (void)state;
+    bis_rng r;
+    bis_rng_init(&r, 12, 0, 0, 0);
+    uint64_t seen_low_bits = 0;
+    for (int k = 0; k < 1000000; k++) {
+        double u = bis_rng_double(&r);
+        assert_true(u >= 0 && u < 1);
+        assert_true(u * 0x1p53 == floor(u * 0x1p53));
+        seen_low_bits |= (uint64_t)(u * 0x1p53) & 0xfffff;
+    }
+    assert_int_equal(seen_low_bits, 0xfffff);
+    assert_true((double)(UINT64_MAX >> 11) * 0x1p-53 < 1); /* the largest */
+}
+
+static void a_number_is_a_function_of_its_coordinates_alone(void **state)
+{
+    (void)state;
+    bis_rng a, b;
+    bis_rng_init(&a, 1, 2, 3, 4);
+    for (int k = 0; k < 100; k++) {
+        uint64_t x = bis_rng_u64(&a);
+        bis_rng_init(&b, 1, 2, 3, 4);
+        b.counter = (uint64_t)k;
+        assert_true(bis_rng_u64(&b) == x);
+    }
+}
+
+/* Among 10^6 keys of neighbouring coordinates no two are equal: 2^-25 would be the chance of a collision. */
+static int compare_u64(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+static void keys_of_a_million_streams_are_distinct(void **state)
+{
+    (void)state;
+    static uint64_t keys[1 << 20];
+    size_t n = 0;
+    for (uint64_t seed = 0; seed < 4; seed++)
+        for (uint64_t pixel = 0; pixel < 4096; pixel++)
+            for (uint64_t sample = 0; sample < 16; sample++)
+                for (uint64_t purpose = 0; purpose < 4; purpose++) {
+                    bis_rng r;
+                    bis_rng_init(&r, seed, pixel, sample, purpose);
+                    keys[n++] = r.key;
+                }
+    qsort(keys, n, sizeof *keys, compare_u64);
+    for (size_t i = 1; i < n; i++)
+        assert_true(keys[i] != keys[i - 1]);
+}
+
+static void below_n_is_uniform_for_any_n(void **state)
+{
+    (void)state;
+    const uint64_t sizes[] = {2, 3, 7, 100};
+    for (int s = 0; s < 4; s++) {
+        double observed[100] = {0}, expected[100];
+        bis_rng r;
+        bis_rng_init(&r, 13, (uint64_t)s, 0, 0);
+        for (int k = 0; k < 100000; k++)
+            observed[bis_rng_below(&r, sizes[s])]++;
+        for (uint64_t i = 0; i < sizes[s]; i++)
+            expected[i] = 100000.0 / (double)sizes[s];
+        stat_assert_fit("rng_below", 13, observed, expected, sizes[s], alpha());
+    }
+}
+
+/* n = 3 * 2^62: a plain modulus returns the lower third twice as often, rejection does not. */
+static void below_a_huge_n_is_not_folded(void **state)
+{
+    (void)state;
+    const uint64_t n = (uint64_t)3 << 62;
+    double observed[3] = {0}, folded[3] = {0}, expected[3] = {10000, 10000, 10000};
+    bis_rng r;
+    bis_rng_init(&r, 14, 0, 0, 0);
+    for (int k = 0; k < 30000; k++) {
+        observed[bis_rng_below(&r, n) >> 62]++;
+        folded[bis_rng_u64(&r) % n >> 62]++;
+    }
+    stat_assert_fit("rng_below_huge", 14, observed, expected, 3, alpha());
+    stat_assert_no_fit("rng_below_huge_twin", 14, folded, expected, 3, alpha());
+    assert_int_equal(bis_rng_below(&r, 1), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_of_a_stream_are_uniform_and_independent_in_pairs),
+        cmocka_unit_test(streams_are_independent_across_seeds_pixels_samples_and_purposes),
+        cmocka_unit_test(streams_that_overlap_are_found),
+        cmocka_unit_test(every_bit_is_fair),
+        cmocka_unit_test(numbers_lie_in_0_to_1_and_have_53_bits),
+        cmocka_unit_test(a_number_is_a_function_of_its_coordinates_alone),
+        cmocka_unit_test(keys_of_a_million_streams_are_distinct),
+        cmocka_unit_test(below_n_is_uniform_for_any_n),
+        cmocka_unit_test(below_a_huge_n_is_not_folded),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
