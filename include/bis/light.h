@@ -17,6 +17,10 @@ enum {
     BIS_NEED_COMPENSATED = 4 /* with BIS_NEED_TABLE: MIS compensation */
 };
 
+/* How far m^T m of the light's frame may be from 1: transformations in scene files are written with 4 to 6 digits. It is made exactly
+ * orthonormal then; more is an error. */
+#define BIS_LIGHT_FRAME_TOLERANCE 1e-3
+
 /* As the scene describes it (LightSource "infinite", SPEC 2). */
 typedef struct bis_light_desc {
     char *filename;      /* NULL: constant; resolved path, owned */
@@ -44,10 +48,10 @@ typedef struct bis_light_point {
 } bis_light_point;
 
 /* Load (a map) and build what `needs` asks for. Warnings: bad values with their share of solid angle, no light. Errors: those of bis_image_read, BIS_INPUT (square map
- * without mapping, angular map not square), BIS_NOMEM. seconds (may be NULL): out, [0] reading, [1] building. */
+ * without mapping, angular map not square, a frame that is no rotation or reflection, a scale that overflows), BIS_NOMEM. seconds (may be NULL): out, [0] reading, [1] building. */
 bis_status bis_light_new(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag);
 
-/* For tests: take over em (cleared). desc gives area_exponent, levels, table_kind, to_world. */
+/* For tests: take over em (cleared, on failure, too). desc gives area_exponent, levels, table_kind, to_world. */
 bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs, bis_diag *diag);
 bis_status bis_light_constant(bis_light **out, rgb L, bis_diag *diag);
 void bis_light_free(bis_light *light);
@@ -55,7 +59,8 @@ void bis_light_free(bis_light *light);
 /* Radiance that arrives from unit world direction wi. */
 rgb bis_light_Le(const bis_light *light, vec3 wi);
 
-/* Draw a direction by the light's importance over the whole sphere (docs/errata.md E1). u as bis_importance_sample. False: no light. A constant: uniform over the sphere. */
+/* Draw a direction by the light's importance over the whole sphere (docs/errata.md E1). u as bis_importance_sample. False: no light. A constant: uniform over
+ * the sphere by u[0] and u[1] alone. */
 bool bis_light_sample(const bis_light *light, const double u[4], bis_light_point *s);
 bool bis_light_sample_curve(const bis_light *light, double t, const double u[2], bis_light_point *s);
 double bis_light_pdf(const bis_light *light, vec3 wi);
@@ -67,7 +72,7 @@ double bis_light_max_intensity(const bis_light *light);
 /* Integral of r+g+b over the sphere. */
 double bis_light_power(const bis_light *light);
 
-/* The patches of eq. 3.2: pixels of a map, 512 x 256 of a constant. */
+/* The patches of eq. 3.2: pixels of a map, 512 x 256 of equal solid angle of a constant. */
 size_t bis_light_patches(const bis_light *light);
 
 /* A direction uniform in patch i at u, its radiance, and the patch's solid angle (s->pdf = 1 / solid angle). */

@@ -1,0 +1,420 @@
+/* Tests of light: the frame, the trio Le, sample, pdf in world space, constants, and everything that a scene can say wrong about a map. */
+#include "bis/light.h"
+
+#include "bis/mem.h"
+#include "bis/rng.h"
+#include "bis/stats.h"
+#include "map_help.h"
+#include "stat.h"
+
+#include <float.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+/* Four statistical tests in this file, a false alarm of any of them once in 1000. */
+static double alpha(void) { return bis_stats_sidak(1e-3, 4); }
+
+static bis_light_desc desc_of(bis_xform to_world)
+{
+    return (bis_light_desc){
+        .L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true, .to_world = to_world, .loc = {"s.txt", 7, 3}};
+}
+
+static bis_light *light_of(bis_envmap *em, bis_light_desc desc, unsigned needs)
+{
+    bis_light *light;
+    assert_int_equal(bis_light_from_envmap(&light, em, &desc, needs, NULL), BIS_OK);
+    assert_null(em->pixels);
+    return light;
+}
+
+static void random4(bis_rng *g, double u[4])
+{
+    for (int i = 0; i < 4; i++) u[i] = bis_rng_double(g);
+}
+
+/* ---- frames ---- */
+
+static void a_rotation_turns_the_light_and_a_reflection_mirrors_it(void **state)
+{
+    (void)state;
+    /* World y up from the map's z up, as pbrt scenes do: Rotate -90 1 0 0 maps (x, y, z) to (x, z, -y). */
+    const bis_xform frames[] = {bis_xform_identity(), bis_xform_rotate(-90, 1, 0, 0), bis_xform_scale(-1, 1, 1)};
+    const vec3 expected[][2] = {
+        {{0, 0, 1}, {1, 0, 0}},
+        {{0, 1, 0}, {1, 0, 0}},
+        {{0, 0, 1}, {-1, 0, 0}},
+    };
+    for (int k = 0; k < 3; k++) {
+        bis_envmap em = map_new(16, 8);
+        for (int x = 0; x < 16; x++) em.pixels[x] = (rgb){1, 0, 0};                 /* about +z */
+        em.pixels[4 * 16] = em.pixels[4 * 16 + 15] = em.pixels[3 * 16] = em.pixels[3 * 16 + 15] = (rgb){0, 1, 0}; /* about +x */
+        bis_light *light = light_of(&em, desc_of(frames[k]), 0);
+        assert_true(bis_light_Le(light, expected[k][0]).r == 1);
+        assert_true(bis_light_Le(light, neg(expected[k][0])).r == 0);
+        assert_true(bis_light_Le(light, expected[k][1]).g == 1);
+        assert_true(bis_light_Le(light, neg(expected[k][1])).g == 0);
+        bis_light_free(light);
+    }
+}
+
+static void a_frame_that_is_no_rotation_is_an_error_with_its_place(void **state)
+{
+    (void)state;
+    const bis_xform wrong[] = {bis_xform_scale(2, 2, 2), bis_xform_scale(1, 1, 1.01)};
+    for (int k = 0; k < 2; k++) {
+        bis_envmap em = map_new(4, 2);
+        bis_light *light;
+        bis_diag diag = {0};
+        const bis_light_desc desc = desc_of(wrong[k]);
+        assert_int_equal(bis_light_from_envmap(&light, &em, &desc, 0, &diag), BIS_INPUT);
+        assert_null(light);
+        assert_null(em.pixels);
+        assert_int_equal(strncmp(diag.messages[0].text, "s.txt:7:3: error: ", 18), 0);
+        assert_non_null(strstr(diag.messages[0].text, "rotation"));
+        bis_diag_clear(&diag);
+    }
+}
+
+/* A matrix printed with four digits is a rotation to 1e-4; the light makes it one exactly: lengths stay 1. */
+static void a_rotation_printed_with_four_digits_is_straightened(void **state)
+{
+    (void)state;
+    const double v[16] = {0.7071, 0.7071, 0, 0, -0.7071, 0.7071, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1};
+    bis_xform t;
+    assert_true(bis_xform_from_columns(&t, v));
+    bis_envmap em = map_random(16, 8, 2, 0, 1);
+    bis_light *light = light_of(&em, desc_of(t), BIS_NEED_TABLE);
+    bis_rng g;
+    bis_rng_init(&g, 1, 0, 0, 0);
+    for (int i = 0; i < 1000; i++) {
+        double u[4];
+        bis_light_point s;
+        random4(&g, u);
+        assert_true(bis_light_sample(light, u, &s));
+        assert_near(length(s.wi), 1, 3e-7);
+    }
+    bis_light_free(light);
+}
+
+/* ---- Le, sample, pdf ---- */
+
+static void a_sample_has_the_radiance_and_density_of_its_direction(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(64, 32, 4, 0.2, 5);
+    bis_light *light = light_of(&em, desc_of(bis_xform_rotate(37, 1, 2, -0.5)), BIS_NEED_TABLE | BIS_NEED_CURVE);
+    bis_rng g;
+    bis_rng_init(&g, 3, 0, 0, 0);
+    int at_edges = 0;
+    const double bound = bis_light_max_ratio(light);
+    for (int i = 0; i < 20000; i++) {
+        double u[4];
+        bis_light_point s;
+        random4(&g, u);
+        assert_true(i % 2 ? bis_light_sample(light, u, &s) : bis_light_sample_curve(light, u[0], u + 2, &s));
+        assert_true(s.pdf > 0 && !rgb_is_black(s.Le));
+        assert_true(rgb_sum(s.Le) / s.pdf <= bound && rgb_sum(s.Le) <= bis_light_max_intensity(light));
+        const rgb seen = bis_light_Le(light, s.wi);
+        if (seen.r == s.Le.r && seen.g == s.Le.g && seen.b == s.Le.b) {
+            assert_true(bis_light_pdf(light, s.wi) == s.pdf);
+        } else {
+            at_edges++; /* rounded over a pixel's edge */
+        }
+    }
+    assert_true(at_edges < 5);
+    bis_light_free(light);
+}
+
+/* Integral of Le over the sphere: by drawing, by uniform directions, by patches, and the sum. */
+static void power_is_the_same_by_every_road(void **state)
+{
+    (void)state;
+    for (int constant = 0; constant < 2; constant++) {
+        bis_light *light;
+        if (constant) {
+            assert_int_equal(bis_light_constant(&light, (rgb){0.5f, 1, 2}, NULL), BIS_OK);
+            assert_near(bis_light_power(light), 14 * PI, 1e-12);
+        } else {
+            bis_envmap em = map_random(32, 16, 2, 0.2, 5);
+            light = light_of(&em, desc_of(bis_xform_rotate(80, 0, 1, 0)), BIS_NEED_TABLE | BIS_NEED_CURVE);
+        }
+        bis_rng g;
+        bis_rng_init(&g, 6, 0, 0, 0);
+        stat_moments red = {0};
+        double patches = 0, red_power = 0;
+        const double u[2] = {0.3, 0.6};
+        bis_light_point s;
+        for (size_t i = 0; i < bis_light_patches(light); i++) {
+            bis_light_patch(light, i, u, &s);
+            patches += rgb_sum(s.Le) / s.pdf;
+            red_power += (double)s.Le.r / s.pdf;
+            assert_near(length(s.wi), 1, 3e-7);
+        }
+        assert_near(patches / bis_light_power(light), 1, 1e-10);
+        if (constant) red_power = 2 * PI; /* without the rounding of 131072 additions: all draws are equal */
+        for (int i = 0; i < 100000; i++) {
+            double v[4];
+            random4(&g, v);
+            assert_true(i % 2 ? bis_light_sample(light, v, &s) : bis_light_sample_curve(light, v[0], v + 2, &s));
+            stat_add(&red, (double)s.Le.r / s.pdf);
+        }
+        stat_assert_mean("light_power_red", 6, &red, red_power, alpha());
+        bis_light_free(light);
+    }
+}
+
+static void patches_of_a_map_are_its_pixels(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(16, 8, 3, 0.3, 5);
+    bis_light *light = light_of(&em, desc_of(bis_xform_identity()), 0);
+    const bis_envmap *inside = bis_light_envmap(light);
+    double sphere = 0;
+    assert_int_equal(bis_light_patches(light), 128);
+    for (size_t i = 0; i < 128; i++) {
+        bis_light_point s;
+        const double u[2] = {0.25, 0.75};
+        bis_light_patch(light, i, u, &s);
+        assert_int_equal(bis_envmap_pixel(inside, s.wi), i);
+        sphere += 1 / s.pdf;
+    }
+    assert_near(sphere, 4 * PI, 1e-12);
+    assert_null(bis_light_importance(light)); /* nothing was needed, nothing built */
+    bis_light_free(light);
+}
+
+static void a_constant_is_drawn_uniformly_over_the_sphere_and_builds_nothing(void **state)
+{
+    (void)state;
+    bis_light *light;
+    assert_int_equal(bis_light_constant(&light, (rgb){1, 1, 1}, NULL), BIS_OK);
+    assert_int_equal(bis_light_patches(light), 512 * 256);
+    assert_null(bis_light_importance(light));
+    assert_null(bis_light_envmap(light));
+    assert_true(bis_light_bytes(light) < 4096);
+    for (int curve = 0; curve < 2; curve++) {
+        double observed[128] = {0}, expected[128];
+        bis_rng g;
+        bis_rng_init(&g, 14, 0, 0, 0);
+        for (int i = 0; i < 100000; i++) {
+            double u[4];
+            bis_light_point s;
+            random4(&g, u);
+            assert_true(curve ? bis_light_sample_curve(light, u[0], u + 2, &s) : bis_light_sample(light, u, &s));
+            assert_near(s.pdf * 4 * PI, 1, 1e-15);
+            assert_true(bis_light_pdf(light, s.wi) == s.pdf);
+            const int z = (int)fmin(8 * (0.5 + 0.5 * (double)s.wi.z), 7);
+            const int phi = (int)fmin(16 * (0.5 + atan2((double)s.wi.y, (double)s.wi.x) / (2 * PI)), 15);
+            observed[16 * z + phi]++;
+        }
+        for (int i = 0; i < 128; i++) expected[i] = 100000 / 128.0;
+        stat_assert_fit(curve ? "constant_curve" : "constant", 14, observed, expected, 128, alpha());
+    }
+    assert_true(rgb_sum((rgb){1, 1, 1}) / bis_light_pdf(light, (vec3){0, 0, 1}) <= bis_light_max_ratio(light));
+    bis_light_free(light);
+}
+
+static void lights_without_light_draw_nothing(void **state)
+{
+    (void)state;
+    const double u[4] = {0.1, 0.2, 0.3, 0.4};
+    for (int constant = 0; constant < 2; constant++) {
+        bis_light *light;
+        bis_light_point s;
+        if (constant) {
+            assert_int_equal(bis_light_constant(&light, (rgb){0, 0, 0}, NULL), BIS_OK);
+        } else {
+            bis_envmap em = map_new(8, 4);
+            light = light_of(&em, desc_of(bis_xform_identity()), BIS_NEED_TABLE | BIS_NEED_CURVE);
+        }
+        assert_true(bis_light_is_black(light));
+        assert_false(bis_light_sample(light, u, &s));
+        assert_false(bis_light_sample_curve(light, 0.5, u, &s));
+        assert_true(bis_light_pdf(light, (vec3){0, 0, 1}) == 0);
+        assert_true(bis_light_power(light) == 0 && bis_light_max_ratio(light) == 0);
+        bis_light_free(light);
+    }
+}
+
+/* ---- from files ---- */
+
+static const char *scratch_map(const bis_image *image)
+{
+    static char path[64];
+    mkdir("build", 0777);
+    snprintf(path, sizeof path, "build/test_light_%ld.pfm", (long)getpid());
+    assert_int_equal(bis_image_save(image, path, NULL), BIS_OK);
+    return path;
+}
+
+static bis_image grey(int width, int height, float value)
+{
+    bis_image image;
+    assert_int_equal(bis_image_init(&image, width, height, NULL), BIS_OK);
+    for (int i = 0; i < width * height; i++) image.pixels[i] = (rgb){value, value, value};
+    return image;
+}
+
+/* Load image as a light; expect this status and this exact last message (NULL: none at all). %s in the message is the path. */
+static bis_light *load(bis_image image, bis_light_desc desc, bis_status expected, const char *message)
+{
+    char text[1024], path[64];
+    bis_diag diag = {0};
+    bis_light *light;
+    snprintf(path, sizeof path, "%s", scratch_map(&image));
+    desc.filename = path;
+    double seconds[2] = {-1, -1};
+    const bis_status status = bis_light_new(&light, &desc, BIS_NEED_TABLE, seconds, &diag);
+    assert_int_equal(status, expected);
+    assert_true(seconds[0] >= 0 && seconds[1] >= 0);
+    assert_int_equal(diag.n, message ? 1 : 0);
+    if (message) {
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+        snprintf(text, sizeof text, message, path);
+#pragma GCC diagnostic pop
+        assert_string_equal(diag.messages[0].text, text);
+    }
+    bis_diag_clear(&diag);
+    bis_image_clear(&image);
+    unlink(path);
+    return light;
+}
+
+static void a_good_map_loads_without_a_word_and_is_multiplied(void **state)
+{
+    (void)state;
+    bis_light_desc desc = desc_of(bis_xform_identity());
+    desc.L = (rgb){1, 2, 3};
+    desc.scale = 10;
+    bis_light *light = load(grey(8, 4, 0.5f), desc, BIS_OK, NULL);
+    const rgb c = bis_light_Le(light, (vec3){0, 0, 1});
+    assert_true(c.r == 5 && c.g == 10 && c.b == 15);
+    assert_near(bis_light_power(light), 120 * PI, 1e-9);
+    bis_light_free(light);
+}
+
+static void bad_values_are_one_warning_with_counts_and_share(void **state)
+{
+    (void)state;
+    bis_image image = grey(8, 4, 1);
+    image.pixels[9].g = NAN;
+    image.pixels[10] = (rgb){INFINITY, -INFINITY, -2};
+    bis_light *light = load(image, desc_of(bis_xform_identity()), BIS_OK,
+                            "s.txt:7:3: warning: \"%s\": bad channel values set to 0: 1 NaN, 2 infinite, 1 negative; the first is G of "
+                            "pixel (1, 1); they cover 8.84%% of the sphere");
+    assert_non_null(light);
+    bis_light_free(light);
+}
+
+static void a_black_map_warns_that_there_is_no_light(void **state)
+{
+    (void)state;
+    bis_light *light = load(grey(8, 4, 0), desc_of(bis_xform_identity()), BIS_OK,
+                            "s.txt:7:3: warning: \"%s\" gives no light: none of its pixels is positive");
+    assert_true(bis_light_is_black(light));
+    bis_light_free(light);
+}
+
+static void a_square_map_must_say_its_mapping(void **state)
+{
+    (void)state;
+    bis_light_desc desc = desc_of(bis_xform_identity());
+    assert_null(load(grey(8, 8, 1), desc, BIS_INPUT,
+                     "s.txt:7:3: error: \"%s\" is square, 8 x 8; say \"string mapping\" \"angular\" for a light probe or \"latlong\" where "
+                     "that is meant (pbrt-v4's equal-area mapping is not supported: convert such maps to latlong first)"));
+    desc.has_mapping = true;
+    bis_light *light = load(grey(8, 8, 1), desc, BIS_OK, NULL);
+    assert_int_equal(bis_light_envmap(light)->width, 8);
+    bis_light_free(light);
+    desc.angular = true;
+    light = load(grey(8, 8, 1), desc, BIS_OK, NULL);
+    assert_int_equal(bis_light_envmap(light)->width, 16);
+    bis_light_free(light);
+    assert_null(load(grey(8, 4, 1), desc, BIS_INPUT,
+                     "s.txt:7:3: error: \"%s\" is 8 x 4; an angular map must be square (\"latlong\" maps are 2:1)"));
+}
+
+static void a_scale_that_overflows_is_an_error(void **state)
+{
+    (void)state;
+    bis_light_desc desc = desc_of(bis_xform_identity());
+    desc.scale = 1e30;
+    assert_null(load(grey(8, 4, 1e10f), desc, BIS_INPUT,
+                     "s.txt:7:3: error: \"%s\" times \"L\" (1 1 1) and \"scale\" 1e+30 exceeds the largest float; choose a smaller scale"));
+    desc.scale = 1e300;
+    bis_light *light;
+    bis_diag diag = {0};
+    assert_int_equal(bis_light_new(&light, &desc, 0, NULL, &diag), BIS_INPUT);
+    assert_null(light);
+    assert_int_equal(diag.n_errors, 1);
+    bis_diag_clear(&diag);
+}
+
+static void a_missing_file_is_an_io_error(void **state)
+{
+    (void)state;
+    bis_light_desc desc = desc_of(bis_xform_identity());
+    char path[] = "build/no_such_map.hdr";
+    desc.filename = path;
+    bis_light *light;
+    bis_diag diag = {0};
+    assert_int_equal(bis_light_new(&light, &desc, BIS_NEED_TABLE, NULL, &diag), BIS_IO);
+    assert_null(light);
+    assert_non_null(strstr(diag.messages[0].text, path));
+    bis_diag_clear(&diag);
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    bis_image image = grey(16, 8, 1);
+    char path[64];
+    snprintf(path, sizeof path, "%s", scratch_map(&image));
+    bis_light_desc desc = desc_of(bis_xform_identity());
+    desc.filename = path;
+    bis_status status = BIS_NOMEM;
+    for (long k = 1; status; k++) {
+        bis_light *light;
+        bis_diag diag = {0};
+        bis_mem_fail_at(k);
+        status = bis_light_new(&light, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL, &diag);
+        bis_mem_fail_at(0);
+        assert_true(status == BIS_OK ? light != NULL : (status == BIS_NOMEM && !light));
+        assert_true(k < 1000);
+        bis_light_free(light);
+        bis_diag_clear(&diag);
+    }
+    unlink(path);
+    bis_image_clear(&image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_rotation_turns_the_light_and_a_reflection_mirrors_it),
+        cmocka_unit_test(a_frame_that_is_no_rotation_is_an_error_with_its_place),
+        cmocka_unit_test(a_rotation_printed_with_four_digits_is_straightened),
+        cmocka_unit_test(a_sample_has_the_radiance_and_density_of_its_direction),
+        cmocka_unit_test(power_is_the_same_by_every_road),
+        cmocka_unit_test(patches_of_a_map_are_its_pixels),
+        cmocka_unit_test(a_constant_is_drawn_uniformly_over_the_sphere_and_builds_nothing),
+        cmocka_unit_test(lights_without_light_draw_nothing),
+        cmocka_unit_test(a_good_map_loads_without_a_word_and_is_multiplied),
+        cmocka_unit_test(bad_values_are_one_warning_with_counts_and_share),
+        cmocka_unit_test(a_black_map_warns_that_there_is_no_light),
+        cmocka_unit_test(a_square_map_must_say_its_mapping),
+        cmocka_unit_test(a_scale_that_overflows_is_an_error),
+        cmocka_unit_test(a_missing_file_is_an_io_error),
+        cmocka_unit_test(every_allocation_may_fail),
+    };
+    return cmocka_run_group_tests_name("light", tests, NULL, NULL);
+}
