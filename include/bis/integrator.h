@@ -33,11 +33,12 @@ typedef struct bis_settings {
     bool stratify;   /* sir */
 } bis_settings;
 
-/* A candidate direction of chapter 4: drawn, weighed, perhaps traced. */
+/* A candidate direction of chapter 4: drawn, weighed, perhaps traced. C is what it would be worth by plain importance sampling (eq. 4.8), its
+ * sum w = phat/q is the weight of eq. 4.9, and C/w = F/phat carries the colour. w = 0 below the horizon; C is then 0, too. */
 typedef struct bis_candidate {
     vec3 wi;
-    rgb F;    /* f cos Le, RGB */
-    double w; /* phat / q, phat = F.r + F.g + F.b; 0 below the horizon */
+    rgbd C;   /* F/q, F = f cos Le in RGB: double, because f Le alone may exceed a float */
+    double w; /* C.r + C.g + C.b */
 } bis_candidate;
 
 /* A thread's workspace, allocated once before rendering. */

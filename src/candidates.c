@@ -1,0 +1,220 @@
+/* candidates: draw M, weigh, resample N, trace: the steps of thesis 4.4.
+ *
+ * Proposal. q is q_L, q_f, or their mixture  q = beta q_L + (1 - beta) q_f  with beta = M_em/M, whichever of the two a candidate came from
+ * (docs/errata.md E26): under it no weight exceeds min(phat/(beta q_L), phat/((1-beta) q_f)), so that neither a sun nor a narrow lobe spoils it.
+ * beta may depend on the material and the light, known before anything is drawn, never on what was drawn.
+ *
+ * Weight. w = phat/q with phat = F.r + F.g + F.b, F = f cos Le (E23: w = f or w = L, as printed, forgets the cosine and what q_f really is).
+ *
+ * Order. Stratified candidates from the map are one in each equal part of the importance along a space-filling curve, those from the BRDF one in
+ * each equal part of a Hilbert curve over (u1, u2). Neighbours in the array are then neighbours in direction, and N equally spaced marks over
+ * the running sum of weights hit all parts of the product evenly. Only both together pay: 1.2 to 4 times less squared error at N = 15.
+ *
+ * Unbiased: each candidate's density is q by itself (or, stratified, the candidates' densities average to q), so E[(1/M) sum w V] is right;
+ * and resampling chooses candidate i for N w_i/W of the marks in the mean, whatever the scheme, so E[(W/M) (1/N) sum V | candidates] = (1/M) sum w V. */
+#include "candidates.h"
+
+#include "proposal.h"
+
+#include "bis/curve.h"
+
+/* ---- the proposal ---- */
+
+typedef struct mixture {
+    uint32_t n_em, n_brdf;
+    double beta; /* q = beta q_L + (1 - beta) q_f */
+} mixture;
+
+/* Who draws how many. The BRDF's share of a mix is half the specular probability: half of all candidates for a pure lobe, none for a diffuse
+ * surface, for which the map's candidates do as well. Under a constant light q_f alone is nearly the product.
+ * M = 1 cannot be divided: its technique is drawn, with the same density of the mixture. */
+static mixture divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bis_stream *stream)
+{
+    const mixture em = {M, 0, 1}, brdf = {0, M, 0};
+
+    if (proposal == BIS_PROPOSAL_EM) return em;
+    if (proposal == BIS_PROPOSAL_BRDF || bis_light_is_constant(pt->light)) return brdf;
+
+    double share = pt->bsdf.p_specular / 2;
+    if (share == 0) return em;
+    if (M == 1) {
+        uint32_t n_brdf = bis_stream_random(stream) < share;
+        return (mixture){1 - n_brdf, n_brdf, 1 - share};
+    }
+    uint32_t n_brdf = (uint32_t)fmax(1, round(share * M));
+    return (mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};
+}
+
+unsigned bis_candidates_light_needs(bis_proposal proposal, bool stratify)
+{
+    if (proposal == BIS_PROPOSAL_BRDF) return 0;
+    return stratify ? BIS_NEED_CURVE : BIS_NEED_TABLE;
+}
+
+/* ---- the numbers behind a candidate ---- */
+
+/* One of n independent points. A single one is the set of one that plain importance sampling would use: M = N = 1 must be the same, bit for bit (E24). */
+static void independent_point(double u[2], bis_stream *stream, unsigned dim, uint32_t n)
+{
+    if (n == 1) {
+        double set[1][2];
+        bis_stream_points(stream, dim, 1, set);
+        u[0] = set[0][0];
+        u[1] = set[0][1];
+        return;
+    }
+    u[0] = bis_stream_random(stream);
+    u[1] = bis_stream_random(stream);
+}
+
+static bool draw_em(bis_light_point *y, const bis_light *light, bis_stream *stream, uint32_t i, uint32_t n, bool stratify)
+{
+    double u[2];
+
+    if (!stratify) {
+        independent_point(u, stream, BIS_DIM_EM, n);
+        return bis_propose_em(y, light, stream, u);
+    }
+    double t = bis_stratum(i, bis_stream_random(stream), n);
+    u[0] = bis_stream_random(stream);
+    u[1] = bis_stream_random(stream);
+    return bis_light_sample_curve(light, t, u, y);
+}
+
+static bool draw_brdf(vec3 *wi, const bis_bsdf *bsdf, bis_stream *stream, uint32_t i, uint32_t n, bool stratify)
+{
+    double u[2];
+
+    if (stratify) {
+        bis_curve_hilbert(bis_stratum(i, bis_stream_random(stream), n), u);
+    } else {
+        independent_point(u, stream, BIS_DIM_BRDF, n);
+    }
+    return bis_propose_brdf(wi, bsdf, u);
+}
+
+/* ---- the weights ---- */
+
+/* A direction from the map: q_L came with it; q_f is computed only where it is mixed in. */
+static void weigh_em(bis_candidate *c, const bis_point *pt, const bis_light_point *y, double beta)
+{
+    double q = y->pdf, cos_theta = bis_bsdf_cos(&pt->bsdf, y->wi);
+    rgb f;
+
+    if (cos_theta <= 0) return;
+    if (beta < 1) {
+        double q_f;
+        f = bis_bsdf_f_pdf(&pt->bsdf, y->wi, &q_f);
+        q = beta * q + (1 - beta) * q_f;
+    } else {
+        f = bis_bsdf_f(&pt->bsdf, y->wi);
+    }
+    c->wi = y->wi;
+    c->C = bis_estimate(f, y->Le, cos_theta, q);
+    c->w = rgbd_sum(c->C);
+}
+
+/* A direction from the BRDF: its radiance is looked up, and q_L where it is mixed in. */
+static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double beta)
+{
+    double q, cos_theta = bis_bsdf_cos(&pt->bsdf, wi);
+
+    if (cos_theta <= 0) return;
+    rgb f = bis_bsdf_f_pdf(&pt->bsdf, wi, &q);
+    if (q <= 0) return; /* where the lobe underflows: f = 0 there, too */
+    rgb Le = bis_light_Le(pt->light, wi);
+    if (beta > 0) q = beta * bis_light_pdf(pt->light, wi) + (1 - beta) * q;
+    c->wi = wi;
+    c->C = bis_estimate(f, Le, cos_theta, q);
+    c->w = rgbd_sum(c->C);
+}
+
+double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt, bis_stream *stream)
+{
+    double W = 0;
+
+    if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return 0;
+    pt->counters->candidates += M;
+
+    const mixture m = divide(M, proposal, pt, stream);
+    for (uint32_t i = 0; i < m.n_em; i++, c++) {
+        bis_light_point y;
+        *c = (bis_candidate){.w = 0};
+        if (draw_em(&y, pt->light, stream, i, m.n_em, stratify)) weigh_em(c, pt, &y, m.beta);
+        W += c->w;
+    }
+    for (uint32_t i = 0; i < m.n_brdf; i++, c++) {
+        vec3 wi;
+        *c = (bis_candidate){.w = 0};
+        if (draw_brdf(&wi, &pt->bsdf, stream, i, m.n_brdf, stratify)) weigh_brdf(c, pt, wi, m.beta);
+        W += c->w;
+    }
+    return W;
+}
+
+/* ---- resampling ---- */
+
+/* N marks in [0,1], ascending. */
+typedef struct marks {
+    bis_resampling kind;
+    uint32_t N, j;
+    double offset;   /* systematic: mark j = (j + offset)/N */
+    double log_rest; /* multinomial: log(1 - mark) */
+} marks;
+
+/* Systematic: one number for all. Multinomial: the order statistics of N independent uniforms, made in order (Bentley and Saxe 1980): of the
+ * N - j that lie above mark t, the smallest leaves a fraction (1-u)^(1/(N-j)) of 1 - t above itself. */
+static double next_mark(marks *m, bis_stream *stream)
+{
+    uint32_t j = m->j++;
+
+    if (m->kind == BIS_RESAMPLING_SYSTEMATIC) return bis_stratum(j, m->offset, m->N);
+    m->log_rest += log1p(-bis_stream_random(stream)) / (double)(m->N - j);
+    return -expm1(m->log_rest);
+}
+
+/* A walk along the running sum S of the weights, the same sum in the same order that made W. A mark at 1 would lie at W, which no S exceeds: it belongs
+ * to the last candidate with a positive weight, never to the last of all. */
+void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W, bis_resampling resampling, bis_stream *stream)
+{
+    marks m = {.kind = resampling, .N = N};
+    uint32_t j = 0, last = 0;
+    double S = 0;
+
+    if (resampling == BIS_RESAMPLING_SYSTEMATIC) m.offset = bis_stream_random(stream);
+    double mark = next_mark(&m, stream) * W;
+    for (uint32_t i = 0; i < M; i++) {
+        if (c[i].w <= 0) continue;
+        S += c[i].w;
+        last = i;
+        while (mark < S) {
+            chosen[j++] = i;
+            if (j == N) return;
+            mark = next_mark(&m, stream) * W;
+        }
+    }
+    while (j < N) chosen[j++] = last;
+}
+
+/* ---- the estimate ---- */
+
+/* F/phat = C/w. Z/w comes first: with M = N = 1 it is w/w = 1, and what remains is C, plain importance sampling (E24). */
+rgbd bis_candidates_trace(const bis_point *pt, const bis_candidate *c, const uint32_t *chosen, uint32_t N, double Z)
+{
+    rgbd sum = {0, 0, 0};
+
+    for (uint32_t j = 0, k; j < N; j += k) {
+        const bis_candidate *y = &c[chosen[j]];
+        for (k = 1; j + k < N && chosen[j + k] == chosen[j];) k++;
+        if (bis_point_sees(pt, y->wi)) sum = rgbd_add(sum, rgbd_scale(y->C, (double)k * (Z / y->w)));
+    }
+    return sum;
+}
+
+rgbd bis_candidates_unoccluded(const bis_candidate *c, uint32_t M)
+{
+    rgbd sum = {0, 0, 0};
+
+    for (uint32_t i = 0; i < M; i++) sum = rgbd_add(sum, c[i].C);
+    return rgbd_scale(sum, 1 / (double)M);
+}

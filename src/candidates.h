@@ -1,0 +1,26 @@
+/* candidates: what rejection (thesis 4.3) and SIR (4.4) have in common. Draw M candidates from a proposal q and weigh them against the product
+ * (eq. 4.4); resample N of them in proportion to their weights; trace the chosen. For integrators alone. */
+#ifndef BIS_CANDIDATES_H
+#define BIS_CANDIDATES_H
+
+#include "bis/integrator.h"
+
+/* What proposals with these settings need of the light: BIS_NEED_*. */
+unsigned bis_candidates_light_needs(bis_proposal proposal, bool stratify);
+
+/* Draw c[M] from the proposal (em, brdf or mix), in the order of a space-filling curve when stratify. Returns W, the sum of the weights,
+ * 0 when there is no light or no reflection. The mean of C over the candidates estimates L_ns (eq. 4.5) in RGB, W/M its intensity. */
+double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt, bis_stream *stream);
+
+/* Choose N of c[M] with probabilities w/W, W > 0 as bis_candidates_draw returned it; chosen[N] ascends, repeats are neighbours, and
+ * no candidate of weight 0 is ever among them. */
+void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W, bis_resampling resampling, bis_stream *stream);
+
+/* Z * sum_j (F/phat)(wi_j) V(wi_j) over the chosen (their weights must be > 0): eq. 4.6 in RGB (docs/errata.md E6), Z for L_ns/N. A
+ * candidate that was chosen k times in a row is traced once and counts k times (E32). */
+rgbd bis_candidates_trace(const bis_point *pt, const bis_candidate *c, const uint32_t *chosen, uint32_t N, double Z);
+
+/* L_ns of eq. 4.5 in RGB: the mean of C. */
+rgbd bis_candidates_unoccluded(const bis_candidate *c, uint32_t M);
+
+#endif

@@ -1,0 +1,43 @@
+/* em: importance sampling from the environment map, thesis 3.3 and the estimator L_{N,L} of 4.1.
+ *
+ *     L = (1/N) sum_j f(wi_j, wo) cos theta_j Le(wi_j) V(wi_j) / q_L(wi_j),     wi_j ~ q_L
+ *
+ * The thesis cancels Le/q_L against the integral of the map. We do not: q_L is the density of a table whose entries may be area-weighted
+ * (3.4), and Le has three channels where q_L has one, so F is divided by the density that the direction was really drawn with
+ * (docs/errata.md E5, E20). q_L covers the whole sphere: a direction below the horizon contributes 0 and counts (E1).
+ * Unbiased for every N >= 1. Noise: the map's contrast is divided out, what remains is that of f cos V: good for diffuse surfaces.
+ * Cost: N draws, at most N shadow rays. */
+#include "proposal.h"
+
+static unsigned light_needs(const bis_settings *s)
+{
+    (void)s;
+    return BIS_NEED_TABLE;
+}
+
+static void scratch_needs(const bis_settings *s, bis_scratch *need)
+{
+    need->n_points = s->samples;
+}
+
+static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    const uint32_t N = s->samples;
+    const bis_bsdf *bsdf = &pt->bsdf;
+    rgbd sum = {0, 0, 0};
+
+    if (bis_bsdf_is_black(bsdf)) return (rgb){0, 0, 0};
+    bis_stream_points(stream, BIS_DIM_EM, N, scratch->u);
+    for (uint32_t j = 0; j < N; j++) {
+        bis_light_point y;
+        if (!bis_propose_em(&y, pt->light, stream, scratch->u[j])) break; /* no light at all */
+
+        double cos_theta = bis_bsdf_cos(bsdf, y.wi);
+        if (cos_theta <= 0) continue;
+        rgbd C = bis_estimate(bis_bsdf_f(bsdf, y.wi), y.Le, cos_theta, y.pdf);
+        if (rgbd_sum(C) > 0 && bis_point_sees(pt, y.wi)) sum = rgbd_add(sum, C);
+    }
+    return rgbd_round(rgbd_scale(sum, 1 / (double)N));
+}
+
+const bis_integrator bis_em = {"em", "unbiased", light_needs, scratch_needs, Lo};

@@ -1,0 +1,93 @@
+/* mis: multiple importance sampling (Veach and Guibas 1995), the rival of chapter 5.
+ *
+ * Of N samples, n_em come from the map and n_brdf = N - n_em from the BRDF. Each is worth F/(n_i q_i), times a weight that depends on how well
+ * the other technique would have found the same direction; the weights of the two add up to 1 for every direction:
+ *
+ *     L = sum_i sum_j  h_i(wi_ij) F(wi_ij) V(wi_ij) / (n_i q_i(wi_ij)),
+ *     h_i = n_i q_i / sum_k n_k q_k  (balance)    or    (n_i q_i)^2 / sum_k (n_k q_k)^2  (power).
+ *
+ * `compensate` makes the map's share sharper: q_em is built from max(0, Le - mean) (Karlik et al. 2019), and is 0 over the dark parts, where the
+ * BRDF's samples then have all the weight.
+ * Unbiased for every N >= 2 and split, compensated or not. Cost: N draws with two densities each, at most N shadow rays. */
+#include "proposal.h"
+
+static uint32_t samples_em(const bis_settings *s)
+{
+    double n = round(s->split * (double)s->samples);
+
+    return (uint32_t)fmin(fmax(n, 1), (double)s->samples - 1); /* both techniques, always: SPEC 3 */
+}
+
+static unsigned light_needs(const bis_settings *s)
+{
+    return s->compensate ? BIS_NEED_TABLE | BIS_NEED_COMPENSATED : BIS_NEED_TABLE;
+}
+
+static void scratch_needs(const bis_settings *s, bis_scratch *need)
+{
+    uint32_t n_em = samples_em(s), n_brdf = s->samples - n_em;
+
+    need->n_points = n_em > n_brdf ? n_em : n_brdf;
+}
+
+/* h of the technique with n q = own against the other's. By their ratio: squares could underflow, and Inf is a fair ratio. */
+static double weight(bis_heuristic heuristic, double own, double other)
+{
+    double r = other / own;
+
+    return 1 / (1 + (heuristic == BIS_HEURISTIC_POWER ? r * r : r));
+}
+
+static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2], uint32_t n_em, uint32_t n_brdf)
+{
+    const bis_bsdf *bsdf = &pt->bsdf;
+    rgbd sum = {0, 0, 0};
+
+    bis_stream_points(stream, BIS_DIM_EM, n_em, u);
+    for (uint32_t j = 0; j < n_em; j++) {
+        bis_light_point y;
+        if (!bis_propose_em(&y, pt->light, stream, u[j])) break; /* nothing (left) to draw from: the BRDF's samples do it all */
+
+        double q_brdf, cos_theta = bis_bsdf_cos(bsdf, y.wi);
+        if (cos_theta <= 0) continue;
+        rgb f = bis_bsdf_f_pdf(bsdf, y.wi, &q_brdf);
+        rgbd C = bis_estimate(f, y.Le, cos_theta, (double)n_em * y.pdf);
+        if (rgbd_sum(C) <= 0 || !bis_point_sees(pt, y.wi)) continue;
+        sum = rgbd_add(sum, rgbd_scale(C, weight(s->heuristic, (double)n_em * y.pdf, (double)n_brdf * q_brdf)));
+    }
+    return sum;
+}
+
+static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2], uint32_t n_em, uint32_t n_brdf)
+{
+    const bis_bsdf *bsdf = &pt->bsdf;
+    rgbd sum = {0, 0, 0};
+
+    bis_stream_points(stream, BIS_DIM_BRDF, n_brdf, u);
+    for (uint32_t j = 0; j < n_brdf; j++) {
+        vec3 wi;
+        if (!bis_propose_brdf(&wi, bsdf, u[j])) break;
+
+        double q_brdf, cos_theta = bis_bsdf_cos(bsdf, wi);
+        if (cos_theta <= 0) continue;
+        rgb f = bis_bsdf_f_pdf(bsdf, wi, &q_brdf);
+        if (q_brdf <= 0) continue; /* where the lobe underflows: f = 0 there, too */
+        rgbd C = bis_estimate(f, bis_light_Le(pt->light, wi), cos_theta, (double)n_brdf * q_brdf);
+        if (rgbd_sum(C) <= 0 || !bis_point_sees(pt, wi)) continue;
+        double q_em = bis_light_pdf(pt->light, wi);
+        sum = rgbd_add(sum, rgbd_scale(C, weight(s->heuristic, (double)n_brdf * q_brdf, (double)n_em * q_em)));
+    }
+    return sum;
+}
+
+static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    const uint32_t n_em = samples_em(s), n_brdf = s->samples - n_em;
+
+    if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
+    rgbd from_em = sum_em(s, pt, stream, scratch->u, n_em, n_brdf);
+    rgbd from_brdf = sum_brdf(s, pt, stream, scratch->u, n_em, n_brdf);
+    return rgbd_round(rgbd_add(from_em, from_brdf));
+}
+
+const bis_integrator bis_mis = {"mis", "unbiased", light_needs, scratch_needs, Lo};

@@ -1,0 +1,120 @@
+/* rejection: sample generation through rejection, thesis 4.3.
+ *
+ * A candidate drawn from q is accepted with probability phat/(B q) = w/B, where B bounds phat/q over all directions (figure 4.3); what is
+ * accepted is distributed as the product p (eq. 4.4), and at most N of it are traced. Two bounds (figure 4.4):
+ *
+ *     from the map:   phat/q_L <= max f cos * max I/q_L   = c_em       from the BRDF:  phat/q_f <= max f cos/q_f * max I   = c_brdf
+ *
+ * (I = Le.r + Le.g + Le.b; docs/errata.md E27: L_ns is not needed). "choose" takes one of the two for all M candidates of a point, the
+ * smaller bound with higher probability: P(em) = c_brdf/(c_em + c_brdf).
+ *
+ * M is fixed and the number A of accepted candidates falls as it may. (Drawing until N are accepted, as 4.3 reads, overestimates: E22.)
+ *   plain:  L = (B/M)(A/n) sum over the n = min(A, N) traced of F/phat V.  Unbiased for every M, N >= 1: a candidate is accepted with w/B and,
+ *           if so, traced with n/A, so its expected contribution is (1/M) w F/phat V = (1/M) F/q V. A = 0 is part of the mean.
+ *   ratio:  L = Zhat/n sum F/phat V, Zhat = W/M from all candidates (eq. 4.7, 4.6).  Biased by O(1/M): Zhat and the choice are not
+ *           independent. When nothing is accepted: "resample" the same candidates by SIR (default: no further bias), "subset" of the candidates, or
+ *           "unoccluded", as printed: it adds light in the shadows of narrow lobes (E29). The last two are biased.
+ * Cost: M candidates, at most N rays; how many are accepted is Zhat/B of M: one in thousands under a contrasty map (E28). */
+#include "candidates.h"
+
+#include <assert.h>
+
+static unsigned light_needs(const bis_settings *s)
+{
+    return bis_candidates_light_needs(s->proposal, false);
+}
+
+static void scratch_needs(const bis_settings *s, bis_scratch *need)
+{
+    need->n_candidates = s->candidates;
+    need->n_chosen = s->candidates > s->shadowrays ? s->candidates : s->shadowrays;
+}
+
+/* c_em and c_brdf: figure 4.4. */
+static double bound(const bis_point *pt, bis_proposal proposal)
+{
+    if (proposal == BIS_PROPOSAL_EM) return bis_bsdf_max_f_cos(&pt->bsdf) * bis_light_max_ratio(pt->light);
+    return bis_bsdf_max_ratio(&pt->bsdf) * bis_light_max_intensity(pt->light);
+}
+
+static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_stream *stream)
+{
+    if (s->proposal != BIS_PROPOSAL_CHOOSE) return s->proposal;
+
+    double c_em = bound(pt, BIS_PROPOSAL_EM), c_brdf = bound(pt, BIS_PROPOSAL_BRDF);
+    return bis_stream_random(stream) * (c_em + c_brdf) < c_brdf ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF;
+}
+
+/* Accept each candidate with probability w/B. Returns A. */
+static uint32_t accept(uint32_t *chosen, const bis_candidate *x, uint32_t M, double B, bis_stream *stream)
+{
+    uint32_t A = 0;
+
+    for (uint32_t i = 0; i < M; i++) {
+        assert(x[i].w <= B);
+        if (x[i].w > 0 && bis_stream_random(stream) * B < x[i].w) chosen[A++] = i;
+    }
+    return A;
+}
+
+/* Move n of chosen[A], drawn without replacement, to the front (Fisher and Yates 1938). */
+static void draw_without_replacement(uint32_t *chosen, uint32_t A, uint32_t n, bis_stream *stream)
+{
+    for (uint32_t j = 0; j < n; j++) {
+        uint32_t k = j + (uint32_t)bis_rng_below(&stream->rng, A - j), swap = chosen[j];
+        chosen[j] = chosen[k];
+        chosen[k] = swap;
+    }
+}
+
+static uint32_t positive(uint32_t *chosen, const bis_candidate *x, uint32_t M)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < M; i++) {
+        if (x[i].w > 0) chosen[n++] = i;
+    }
+    return n;
+}
+
+/* The ratio estimator when nothing was accepted. W > 0. */
+static rgbd fall_back(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, double W)
+{
+    const uint32_t M = s->candidates, N = s->shadowrays;
+    bis_candidate *x = scratch->candidates;
+    double Zhat = W / M;
+
+    pt->counters->fallbacks++;
+    if (s->fallback == BIS_FALLBACK_UNOCCLUDED) return bis_candidates_unoccluded(x, M);
+    if (s->fallback == BIS_FALLBACK_RESAMPLE) {
+        bis_candidates_resample(scratch->chosen, N, x, M, W, s->resampling, stream);
+        return bis_candidates_trace(pt, x, scratch->chosen, N, Zhat / N);
+    }
+    uint32_t A = positive(scratch->chosen, x, M), n = A < N ? A : N;
+    draw_without_replacement(scratch->chosen, A, n, stream);
+    return bis_candidates_trace(pt, x, scratch->chosen, n, Zhat / n);
+}
+
+static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    const uint32_t M = s->candidates, N = s->shadowrays;
+    bis_candidate *x = scratch->candidates;
+
+    if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
+    const bis_proposal proposal = choose(s, pt, stream);
+    double B = bound(pt, proposal);
+    double W = bis_candidates_draw(x, M, proposal, false, pt, stream);
+    if (W <= 0) return (rgb){0, 0, 0};
+
+    uint32_t A = accept(scratch->chosen, x, M, B, stream);
+    pt->counters->accepted += A;
+    if (A == 0) return s->estimator == BIS_ESTIMATOR_PLAIN ? (rgb){0, 0, 0} : rgbd_round(fall_back(s, pt, stream, scratch, W));
+
+    uint32_t n = A < N ? A : N;
+    draw_without_replacement(scratch->chosen, A, n, stream);
+    double Z = s->estimator == BIS_ESTIMATOR_PLAIN ? B / M * A : W / M; /* plain: B A/M in place of Zhat, which it estimates */
+    return rgbd_round(bis_candidates_trace(pt, x, scratch->chosen, n, Z / n));
+}
+
+const bis_integrator bis_rejection = {
+    "rejection", "\"plain\": unbiased; \"ratio\": bias O(1/M), more with fallback \"subset\" or \"unoccluded\"", light_needs, scratch_needs, Lo};

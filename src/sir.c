@@ -1,0 +1,39 @@
+/* sir: sampling-importance resampling, thesis 4.4, the default.
+ *
+ * M candidates from a proposal q, each with its weight w = phat/q; N of them are drawn in proportion to w and only these are traced:
+ *
+ *     L = (Zhat/N) sum_{j<=N} F(y_j)/phat(y_j) V(y_j),     Zhat = (1/M) sum_{i<=M} w_i,     y_j from x_1..x_M with probability w_i / sum w
+ *
+ * which is eq. 4.6 with L_ns estimated from the same candidates, in RGB (docs/errata.md E6). All the noise of light and material is left to the
+ * cheap candidates, the rays see only that of V.
+ * Unbiased for every M >= 1 and N >= 1, not only in the limit (E21), because E[Zhat V(y) | x] = (1/M) sum w_i V(x_i); with L_ns from anywhere else
+ * it is not. M = N = 1 is plain importance sampling, as the thesis says (E24). No positive weight: 0, part of the mean (E25).
+ * Variance (E31): about Var(Zhat) Vbar^2 + L_ns^2 Var(V)/N; where nothing is shadowed, only the first term.
+ * Cost: M candidates, at most N rays (repeats are traced once). */
+#include "candidates.h"
+
+static unsigned light_needs(const bis_settings *s)
+{
+    return bis_candidates_light_needs(s->proposal, s->stratify);
+}
+
+static void scratch_needs(const bis_settings *s, bis_scratch *need)
+{
+    need->n_candidates = s->candidates;
+    need->n_chosen = s->shadowrays;
+}
+
+static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    const uint32_t M = s->candidates, N = s->shadowrays;
+    bis_candidate *x = scratch->candidates;
+
+    double W = bis_candidates_draw(x, M, s->proposal, s->stratify, pt, stream);
+    if (W <= 0) return (rgb){0, 0, 0};
+
+    bis_candidates_resample(scratch->chosen, N, x, M, W, s->resampling, stream);
+    double Zhat = W / M;
+    return rgbd_round(bis_candidates_trace(pt, x, scratch->chosen, N, Zhat / N));
+}
+
+const bis_integrator bis_sir = {"sir", "unbiased for every M, N >= 1", light_needs, scratch_needs, Lo};

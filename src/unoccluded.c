@@ -1,0 +1,27 @@
+/* unoccluded: L_ns of eq. 4.5 alone: the candidates of SIR, their mean, no shadow rays.
+ *
+ *     L = (1/M) sum_j F(wi_j)/q(wi_j)
+ *
+ * Unbiased for L_ns, hence biased upwards for L wherever something is in shadow: for looking at a scene, and at the first term of SIR's
+ * variance (docs/errata.md E31). Cost: M candidates. */
+#include "candidates.h"
+
+static unsigned light_needs(const bis_settings *s)
+{
+    return bis_candidates_light_needs(s->proposal, s->stratify);
+}
+
+static void scratch_needs(const bis_settings *s, bis_scratch *need)
+{
+    need->n_candidates = s->candidates;
+}
+
+static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    double W = bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, pt, stream);
+
+    if (W <= 0) return (rgb){0, 0, 0};
+    return rgbd_round(bis_candidates_unoccluded(scratch->candidates, s->candidates));
+}
+
+const bis_integrator bis_unoccluded = {"unoccluded", "biased: without shadows; unbiased for L_ns", light_needs, scratch_needs, Lo};

@@ -1,0 +1,176 @@
+/* lit: see lit.h. */
+#include "lit.h"
+
+#include "bis/mem.h"
+#include "bis/phong.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+enum { W = 16, H = 8 };
+
+/* ---- the light ---- */
+
+/* Any numbers will do: a fixed scramble of x and y in [0, 1). */
+static double scramble(int x, int y, int salt)
+{
+    return (double)((x * 7919 + y * 104729 + salt * 1299709) % 1009) / 1009;
+}
+
+static rgb pixel(lit_map map, int x, int y)
+{
+    double i = pow(10, 4 * scramble(x, y, 0) - 2);
+
+    switch (map) {
+    case LIT_SPOTTY:
+        if ((x + y) % 5 == 0) return (rgb){0, 0, 0};
+        if (x == 11 && y == 2) return (rgb){900, 700, 400};
+        return rgb_from(i * scramble(x, y, 1), i * scramble(x, y, 2), i * scramble(x, y, 3));
+    case LIT_SMOOTH: return rgb_from(1 + cos(2 * PI * x / W), 1.2 - cos(4 * PI * x / W), 1 + 0.5 * sin(2 * PI * x / W) + 0.2 * y);
+    case LIT_RED_BLUE: return x < W / 2 ? (rgb){1, 0, 0} : (rgb){0, 0, 1};
+    case LIT_ONE_PIXEL: return x == 12 && y == 2 ? (rgb){3, 2, 1} : (rgb){0, 0, 0};
+    case LIT_BELOW: return y == H - 1 ? (rgb){1, 1, 1} : (rgb){0, 0, 0};
+    default: return (rgb){0, 0, 0};
+    }
+}
+
+bis_light *lit_new_light(lit_map map, double scale, double area_exponent, bool compensate)
+{
+    const unsigned needs = BIS_NEED_TABLE | BIS_NEED_CURVE | (compensate ? BIS_NEED_COMPENSATED : 0);
+    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .area_exponent = area_exponent, .levels = 8, .to_world = bis_xform_identity()};
+    bis_image image = {.width = W, .height = H};
+    bis_light *light;
+    bis_envmap em;
+
+    if (map == LIT_CONSTANT) {
+        assert_int_equal(bis_light_constant(&light, rgb_from(scale, scale / 2, scale / 4), NULL), BIS_OK);
+        return light;
+    }
+    image.pixels = bis_alloc(W * H, sizeof *image.pixels);
+    for (int i = 0; i < W * H; i++) image.pixels[i] = rgb_scale(pixel(map, i % W, i / W), scale);
+    assert_int_equal(bis_envmap_from_latlong(&em, &image, NULL), BIS_OK);
+    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, needs, NULL), BIS_OK);
+    return light;
+}
+
+/* ---- the point ---- */
+
+static bool is_hidden(lit_hidden hidden, double y)
+{
+    return hidden == LIT_ALL || (hidden == LIT_HALF && y > 0);
+}
+
+static bool occluded(const bis_accel *a, const ray *r)
+{
+    return is_hidden(((const lit_accel *)a)->hidden, (double)r->d.y);
+}
+
+static const bis_accel_ops fake = {.name = "fake", .occluded = occluded};
+
+void lit_init(lit *l, bis_light *light, bis_material m, vec3 n, double degrees, lit_hidden hidden)
+{
+    double t = degrees * PI / 180;
+
+    *l = (lit){.light = light, .accel = {.accel = {.ops = &fake}, .hidden = hidden}, .material = m, .kind = BIS_SAMPLER_STRATIFIED};
+    l->pt = (bis_point){.n = n, .ng = n, .light = light, .accel = &l->accel.accel, .counters = &l->counters};
+    const frame about_n = frame_about(n);
+    l->pt.wo = normalize(to_world(&about_n, vec3_from(sin(t) * 0.6, sin(t) * 0.8, cos(t))));
+    bis_bsdf_init(&l->pt.bsdf, &l->material, n, l->pt.wo);
+}
+
+/* ---- brute force ---- */
+
+enum { K = 48 }; /* midpoints a side: 0.5 degrees apart */
+
+typedef struct node {
+    double d[3], solid_angle;
+    rgb L;
+} node;
+
+static node midpoint(const lit *l, int i, int k)
+{
+    const bis_envmap *em = bis_light_envmap(l->light);
+    double y = i / W, x = i % W, c0 = cos(PI * y / H), c1 = cos(PI * (y + 1) / H);
+    double z = c0 + (c1 - c0) * ((int)(k / K) + 0.5) / K, s = sqrt(1 - z * z), phi = 2 * PI * (x + (k % K + 0.5) / K) / W;
+
+    return (node){{s * cos(phi), s * sin(phi), z}, (c0 - c1) * 2 * PI / W / (K * K), em ? em->pixels[i] : bis_light_Le(l->light, (vec3){0, 0, 1})};
+}
+
+static double dot_node(const node *w, vec3 v)
+{
+    return w->d[0] * (double)v.x + w->d[1] * (double)v.y + w->d[2] * (double)v.z;
+}
+
+/* F = f cos Le: cos alpha = 2 (n.wi)(n.wo) - wi.wo. */
+static rgbd F(const lit *l, const node *w)
+{
+    const bis_material *m = &l->material;
+    double c = dot_node(w, l->pt.n), a = 2 * c * dot(l->pt.n, l->pt.wo) - dot_node(w, l->pt.wo), n = m->exponent;
+    double lobe = a > 0 ? (n + 1) / (2 * PI) * pow(a, n) : 0;
+
+    if (c <= 0) return (rgbd){0, 0, 0};
+    return (rgbd){((double)m->Ks.r * lobe + (double)m->Kd.r / PI) * c * (double)w->L.r,
+                  ((double)m->Ks.g * lobe + (double)m->Kd.g / PI) * c * (double)w->L.g,
+                  ((double)m->Ks.b * lobe + (double)m->Kd.b / PI) * c * (double)w->L.b};
+}
+
+rgbd lit_truth(const lit *l, bool with_V)
+{
+    rgbd sum = {0, 0, 0};
+
+    for (int i = 0; i < W * H; i++) {
+        for (int k = 0; k < K * K; k++) {
+            node w = midpoint(l, i, k);
+            if (with_V && is_hidden(l->accel.hidden, w.d[1])) break;
+            sum = rgbd_add(sum, rgbd_scale(F(l, &w), w.solid_angle));
+        }
+    }
+    return sum;
+}
+
+double lit_variance_em(const lit *l)
+{
+    double square = 0, mean = rgbd_sum(lit_truth(l, false));
+
+    for (int i = 0; i < W * H; i++) {
+        node centre = midpoint(l, i, K * K / 2 + K / 2);
+        double q = bis_light_pdf(l->light, vec3_from(centre.d[0], centre.d[1], centre.d[2]));
+        for (int k = 0; q > 0 && k < K * K; k++) {
+            node w = midpoint(l, i, k);
+            double phat = rgbd_sum(F(l, &w));
+            square += phat * phat / q * w.solid_angle;
+        }
+    }
+    return square - mean * mean;
+}
+
+/* ---- runs ---- */
+
+rgb lit_once(lit *l, const bis_settings *s, bis_scratch *scratch, uint64_t seed, uint64_t run)
+{
+    const bis_sampler sampler = {.kind = l->kind, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
+    bis_stream stream;
+
+    bis_stream_init(&stream, &sampler, run, 0);
+    return s->integrator->Lo(s, &l->pt, &stream, scratch);
+}
+
+void lit_run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, uint64_t seed)
+{
+    bis_scratch scratch;
+
+    for (int i = 0; i < 4; i++) m[i] = (stat_moments){0};
+    assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
+    for (uint32_t run = 0; run < runs; run++) {
+        rgb L = lit_once(l, s, &scratch, seed, run);
+        assert_true(rgb_is_finite(L));
+        stat_add(&m[0], (double)L.r);
+        stat_add(&m[1], (double)L.g);
+        stat_add(&m[2], (double)L.b);
+        stat_add(&m[3], rgb_sum(L));
+    }
+    bis_scratch_clear(&scratch);
+}

@@ -1,0 +1,54 @@
+/* lit: a shading point under a small map, in the open, half hidden or hidden, and its reflected radiance by brute force: a sum over all patches
+ * with many midpoints in each, with f by pow, sharing nothing with the integrators but the map. For the tests of integrators. */
+#ifndef TESTS_LIT_H
+#define TESTS_LIT_H
+
+#include "bis/integrator.h"
+#include "stat.h"
+
+/* The occluders are bounded by meridians and circles of the map's rows, so that V is constant in a patch and midpoints converge fast. */
+typedef enum lit_hidden { LIT_OPEN, LIT_HALF /* y > 0 is hidden */, LIT_ALL } lit_hidden;
+
+typedef struct lit_accel {
+    bis_accel accel; /* first: what bis_accel_occluded sees */
+    lit_hidden hidden;
+} lit_accel;
+
+typedef struct lit {
+    bis_light *light;
+    lit_accel accel;
+    bis_material material;
+    bis_sampler_kind kind; /* STRATIFIED; a test may change it */
+    bis_counters counters;
+    bis_point pt;
+} lit;
+
+/* Maps of 16 x 8. */
+typedef enum lit_map {
+    LIT_SPOTTY,    /* contrast 1e4, coloured, black pixels, one sun */
+    LIT_SMOOTH,    /* a coloured gradient */
+    LIT_RED_BLUE,  /* red for y > 0, blue for y < 0, of equal r+g+b (E5, E6) */
+    LIT_ONE_PIXEL, /* one lit pixel, in the open half */
+    LIT_BELOW,     /* lit only near -z (E25) */
+    LIT_BLACK,
+    LIT_CONSTANT   /* no map: a constant light (1, 0.5, 0.25) */
+} lit_map;
+
+bis_light *lit_new_light(lit_map map, double scale, double area_exponent, bool compensate);
+
+/* A point with the given normal, seen at `degrees` from it. l must stay where it is (pt points into it). The light is borrowed. */
+void lit_init(lit *l, bis_light *light, bis_material m, vec3 n, double degrees, lit_hidden hidden);
+
+/* Reflected radiance, with and without V. */
+rgbd lit_truth(const lit *l, bool with_V);
+
+/* Integral of phat^2/q - (integral of phat)^2 for q = q_L: the variance of the intensity of one candidate from the map (E31). */
+double lit_variance_em(const lit *l);
+
+/* `runs` independent estimates by the integrator; moments per channel, and of the sum in [3]. */
+void lit_run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, uint64_t seed);
+
+/* One estimate, with the stream of (seed, pixel = run). */
+rgb lit_once(lit *l, const bis_settings *s, bis_scratch *scratch, uint64_t seed, uint64_t run);
+
+#endif
