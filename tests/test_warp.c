@@ -1,0 +1,166 @@
+/* warp: each shape is hit with its stated density. Histograms over cells whose measure is known in closed form; the
+ * numbers come from a fixed-seed rng. Statistical tests: 6; family-wise significance 0.01. */
+#include "bis/rng.h"
+#include "bis/stats.h"
+#include "bis/warp.h"
+#include "stat.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+
+enum { RINGS = 16, SECTORS = 24, CELLS = RINGS * SECTORS, DRAWS = 1 << 20 };
+
+static double alpha(void) { return bis_stats_sidak(0.01, 6); }
+
+/* A shape draws a point and says how far out it lies, as the share of the whole that lies further in (in [0,1], uniform if the
+ * shape is right), and its azimuth. */
+typedef void shape_fn(double *share, double azimuth_xy[2], double u1, double u2);
+
+static void count_shape(double observed[CELLS], double expected[CELLS], uint64_t seed, shape_fn *shape)
+{
+    bis_rng r;
+    bis_rng_init(&r, seed, 0, 0, 0);
+    for (int i = 0; i < CELLS; i++) {
+        observed[i] = 0;
+        expected[i] = (double)DRAWS / CELLS;
+    }
+    for (int k = 0; k < DRAWS; k++) {
+        double share, xy[2], u1 = bis_rng_double(&r), u2 = bis_rng_double(&r);
+        shape(&share, xy, u1, u2);
+        double turn = atan2(xy[1], xy[0]) / (2 * PI) + 0.5;
+        int ring = (int)fmin(share * RINGS, RINGS - 1), sector = (int)fmin(turn * SECTORS, SECTORS - 1);
+        observed[ring * SECTORS + sector]++;
+    }
+}
+
+static void sphere(double *share, double xy[2], double u1, double u2)
+{
+    vec3 w = bis_warp_sphere(u1, u2);
+    *share = ((double)w.z + 1) / 2;
+    xy[0] = (double)w.x, xy[1] = (double)w.y;
+}
+
+static void disc(double *share, double xy[2], double u1, double u2)
+{
+    bis_warp_disc(xy, u1, u2);
+    *share = xy[0] * xy[0] + xy[1] * xy[1];
+}
+
+static void cosine(double *share, double xy[2], double u1, double u2)
+{
+    vec3 w = bis_warp_cosine(u1, u2);
+    *share = 1 - (double)w.z * (double)w.z;
+    xy[0] = (double)w.x, xy[1] = (double)w.y;
+}
+
+/* Twins: r = u in the disc crowds the centre; a uniform hemisphere has no cosine. */
+static void crowded_disc(double *share, double xy[2], double u1, double u2)
+{
+    xy[0] = u1 * cos(2 * PI * u2), xy[1] = u1 * sin(2 * PI * u2);
+    *share = u1 * u1;
+}
+
+static void uniform_hemisphere(double *share, double xy[2], double u1, double u2)
+{
+    vec3 w = bis_warp_sphere(u1 / 2, u2);
+    *share = 1 - (double)w.z * (double)w.z;
+    xy[0] = (double)w.x, xy[1] = (double)w.y;
+}
+
+static void assert_shape(const char *name, uint64_t seed, shape_fn *shape, shape_fn *twin)
+{
+    double observed[CELLS], expected[CELLS];
+    count_shape(observed, expected, seed, shape);
+    stat_assert_fit(name, seed, observed, expected, CELLS, alpha());
+    if (!twin) return;
+    count_shape(observed, expected, seed, twin);
+    stat_assert_no_fit(name, seed, observed, expected, CELLS, alpha());
+}
+
+static void the_sphere_is_hit_uniformly(void **state)
+{
+    (void)state;
+    assert_shape("warp_sphere", 1, sphere, NULL);
+}
+
+static void the_disc_is_hit_uniformly(void **state)
+{
+    (void)state;
+    assert_shape("warp_disc", 2, disc, crowded_disc);
+}
+
+static void the_hemisphere_is_hit_in_proportion_to_the_cosine(void **state)
+{
+    (void)state;
+    assert_shape("warp_cosine", 3, cosine, uniform_hemisphere);
+}
+
+/* E[1 / pdf] = area of the hemisphere would have infinite variance at the rim; E[cos / pdf] = pi exactly, draw by draw, and the
+ * pdf integrates to 1: midpoint rule in mu = cos(theta). */
+static void the_cosine_pdf_integrates_to_1_and_is_0_below(void **state)
+{
+    (void)state;
+    double sum = 0;
+    for (int i = 0; i < 1000; i++)
+        sum += bis_warp_cosine_pdf((i + 0.5) / 1000) * 2 * PI / 1000;
+    assert_true(fabs(sum - 1) < 1e-12);
+    assert_true(bis_warp_cosine_pdf(-0.1) == 0 && bis_warp_cosine_pdf(0) == 0);
+}
+
+static void directions_are_unit_and_points_inside_at_all_corners(void **state)
+{
+    (void)state;
+    const double corners[] = {0, 0x1p-53, 0x1p-30, 0.25, 0.5 - 0x1p-54, 0.5, 0.5 + 0x1p-53, 0.75, 1 - 0x1p-30, 1 - 0x1p-53};
+    for (int i = 0; i < 10; i++)
+        for (int j = 0; j < 10; j++) {
+            double u1 = corners[i], u2 = corners[j], d[2];
+            vec3 s = bis_warp_sphere(u1, u2), c = bis_warp_cosine(u1, u2);
+            bis_warp_disc(d, u1, u2);
+            assert_true(fabs(length(s) - 1) < 2e-7);
+            assert_true(fabs(length(c) - 1) < 2e-7);
+            assert_true(hypot(d[0], d[1]) <= 1 + 0x1p-52);
+            bool on_rim = fmin(u1, u2) == 0; /* the far sides of the square, u = 1, are never drawn */
+            assert_true(on_rim ? c.z >= 0 : c.z > 0);
+        }
+}
+
+/* sqrt(1 - x^2 - y^2) is 0 for the outermost 2^-53 of the disc, and has 3 good digits at z = 1e-7. By another road: z^2 is the
+ * exact area outside the ring, 1 - (2u - 1)^2 = 4 u (1 - u). */
+static void z_keeps_its_digits_near_the_rim(void **state)
+{
+    (void)state;
+    for (double u = 0x1p-53; u < 0.1; u *= 3) {
+        double z = (double)bis_warp_cosine(u, 0.5).z, exact = 2 * sqrt(u) * sqrt(1 - u);
+        assert_true(fabs(z - exact) <= 1e-7 * exact);
+    }
+}
+
+static void the_disc_keeps_neighbours_neighbours(void **state)
+{
+    (void)state;
+    bis_rng r;
+    bis_rng_init(&r, 4, 0, 0, 0);
+    for (int k = 0; k < 100000; k++) {
+        const double step = 1e-4;
+        double u1 = (1 - step) * bis_rng_double(&r), u2 = (1 - step) * bis_rng_double(&r), a[2], b[2];
+        bis_warp_disc(a, u1, u2);
+        bis_warp_disc(b, u1 + step, u2 + step);
+        assert_true(hypot(a[0] - b[0], a[1] - b[1]) < 4 * step); /* a stretch of at most 2 sqrt(2) */
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_sphere_is_hit_uniformly),
+        cmocka_unit_test(the_disc_is_hit_uniformly),
+        cmocka_unit_test(the_hemisphere_is_hit_in_proportion_to_the_cosine),
+        cmocka_unit_test(the_cosine_pdf_integrates_to_1_and_is_0_below),
+        cmocka_unit_test(directions_are_unit_and_points_inside_at_all_corners),
+        cmocka_unit_test(z_keeps_its_digits_near_the_rim),
+        cmocka_unit_test(the_disc_keeps_neighbours_neighbours),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
