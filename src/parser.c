@@ -114,6 +114,10 @@ static void directive_include(bis_parser *p, bis_loc at)
 
 static void directive_world_begin(bis_parser *p, bis_loc at)
 {
+    if (p->in_world) {
+        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "a second WorldBegin: a scene has one world"));
+        return;
+    }
     p->in_world = true;
     p->now.ctm = bis_xform_identity();
     bis_parser_name_system(p, "world", &p->now.ctm, at);
@@ -153,7 +157,7 @@ static const struct directive {
     {"Integrator", OPTIONS, bis_directive_integrator},
     {"Accelerator", OPTIONS, bis_directive_accelerator},
     {"Option", OPTIONS, bis_directive_option},
-    {"WorldBegin", OPTIONS, directive_world_begin},
+    {"WorldBegin", ANYWHERE, directive_world_begin},
     {"WorldEnd", WORLD, directive_world_end},
     {"AttributeBegin", WORLD, bis_directive_attribute_begin},
     {"AttributeEnd", WORLD, bis_directive_attribute_end},

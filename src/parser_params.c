@@ -224,6 +224,7 @@ static bool split_declaration(bis_parser *p, bis_param *param, size_t offset)
 {
     static const char space[] = " \t\r";
     char *text = p->params.text + offset, buf[128];
+    bis_printable(buf, text, strlen(text));
     char *type = text + strspn(text, space);
     char *name = type + strcspn(type, space);
     if (*name) *name++ = '\0';
@@ -232,7 +233,7 @@ static bool split_declaration(bis_parser *p, bis_param *param, size_t offset)
     if (*rest) *rest++ = '\0';
     if (!*name || rest[strspn(rest, space)]) {
         bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "a parameter is declared as \"type name\", not \"%s\"",
-                                     bis_printable(buf, type, strlen(type))));
+                                     buf));
         p->lost = true;
         return false;
     }

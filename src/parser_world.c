@@ -40,8 +40,11 @@ static void light_filename(bis_parser *p, bis_light_desc *light)
     bis_loc at = bis_params_at(p, "filename");
     bool given = bis_params_string(p, "filename", &name);
     const bool both = given && bis_params_has(p, "mapname");
-    if (both)
+    if (both) {
         bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, "mapname"), "\"mapname\" and \"filename\" are the same: give one"));
+        bis_params_skip(p, &(const char *){"mapname"}, 1);
+        return;
+    }
     if (!given) {
         at = bis_params_at(p, "mapname");
         given = bis_params_string(p, "mapname", &name); /* pbrt-v3 */

@@ -5,7 +5,7 @@
 #include "bis/file.h"
 #include "bis/importance.h"
 #include "bis/mem.h"
-#include "peek.h"
+#include "scene_peek.h"
 
 #include "bis/scene.h"
 
@@ -69,7 +69,7 @@ static void print_view(const bis_scene_desc *d, FILE *out)
 /* The size of the lat-long map that will be made of the file; false: unknown. */
 static bool map_size(const bis_light_desc *light, long *width, long *height)
 {
-    if (!light->filename || !bis_peek_image(light->filename, width, height)) return false;
+    if (!light->filename || !bis_scene_peek_image(light->filename, width, height)) return false;
     if (!light->angular) return true;
     *width = light->width ? light->width + light->width % 2 : 2 * *width;
     *height = *width / 2;
@@ -91,7 +91,7 @@ static void print_light(const bis_scene_desc *d, FILE *out)
                 megabytes(buf, (double)w * (double)h * PIXEL_BYTES));
     } else {
         fprintf(out, "light        map %s, %s, a file of %s\n", light->filename, light->angular ? "angular" : "latlong",
-                megabytes(buf, (double)bis_peek_bytes(light->filename)));
+                megabytes(buf, (double)bis_scene_peek_bytes(light->filename)));
     }
     if (d->has_light && !light->visible) fprintf(out, "light        not visible to camera rays\n");
 }
@@ -107,11 +107,11 @@ static void print_mesh(const bis_mesh_desc *m, size_t uses, FILE *out)
     const char *times = uses == 1 ? "shape" : "shapes";
     if (m->kind == BIS_SHAPE_TRIANGLES)
         fprintf(out, "build        mesh of the scene file, %zu triangles, for %zu %s\n", m->mesh.n_triangles, uses, times);
-    else if (m->kind == BIS_SHAPE_PLY && bis_peek_ply(m->filename, &vertices, &faces))
+    else if (m->kind == BIS_SHAPE_PLY && bis_scene_peek_ply(m->filename, &vertices, &faces))
         fprintf(out, "build        mesh %s, %ld vertices, %ld faces, read once for %zu %s\n", m->filename, vertices, faces, uses, times);
     else
         fprintf(out, "build        mesh %s, a file of %s, read once for %zu %s\n", m->filename,
-                megabytes(buf, (double)bis_peek_bytes(m->filename)), uses, times);
+                megabytes(buf, (double)bis_scene_peek_bytes(m->filename)), uses, times);
 }
 
 static void print_geometry(const bis_scene_desc *d, FILE *out)

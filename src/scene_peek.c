@@ -1,5 +1,5 @@
-/* peek: searches the first 64 kB of a file for the words that tell its size. Nothing is allocated. */
-#include "peek.h"
+/* scene_peek: searches the first 64 kB of a file for the words that tell its size. Nothing is allocated. */
+#include "scene_peek.h"
 
 #include <stdint.h>
 #include <stdio.h>
@@ -68,7 +68,7 @@ static bool exr_size(const head *h, long *width, long *height)
     return *width > 0 && *height > 0;
 }
 
-bool bis_peek_image(const char *path, long *width, long *height)
+bool bis_scene_peek_image(const char *path, long *width, long *height)
 {
     head h;
     if (!read_head(&h, path)) return false;
@@ -77,14 +77,14 @@ bool bis_peek_image(const char *path, long *width, long *height)
     return starts_with(&h, "#?", 2) && hdr_size(&h, width, height);
 }
 
-bool bis_peek_ply(const char *path, long *n_vertices, long *n_faces)
+bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces)
 {
     head h;
     return read_head(&h, path) && starts_with(&h, "ply", 3) && number_after(&h, "element vertex ", n_vertices) &&
            number_after(&h, "element face ", n_faces);
 }
 
-size_t bis_peek_bytes(const char *path)
+size_t bis_scene_peek_bytes(const char *path)
 {
     struct stat st;
     return stat(path, &st) == 0 && st.st_size > 0 ? (size_t)st.st_size : 0;
