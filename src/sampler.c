@@ -30,10 +30,11 @@ enum { CAMERA_DIM = 0x7fffffff };
 /* ---- orders ---- */
 
 /* Image of i under a pseudo-random permutation of 0, ..., n - 1: a Feistel network on the least number of bits that hold
- * n - 1, repeated until the result is below n (fewer than two times on average). */
+ * n - 1, repeated until the result is below n (fewer than two times on average). The tiny networks are the bad ones: after
+ * 4 rounds, orders of 5 cells are off by 10 %, after 12 by nothing that a million orders show. */
 static uint32_t permuted(uint32_t i, uint32_t n, uint64_t key)
 {
-    enum { ROUNDS = 4 };
+    enum { ROUNDS = 12 };
     unsigned bits = 0;
     while (((uint64_t)1 << bits) < n)
         bits++;
@@ -41,9 +42,9 @@ static uint32_t permuted(uint32_t i, uint32_t n, uint64_t key)
     uint64_t low_mask = ((uint64_t)1 << low_bits) - 1, high_mask = ((uint64_t)1 << (bits - low_bits)) - 1;
     uint64_t low = i & low_mask, high = i >> low_bits;
     do {
-        for (uint64_t round = 0; round < ROUNDS; round++) {
-            high ^= bis_hash(key + (4 * low + 2 * round) * 0x9e3779b97f4a7c15u) >> 32 & high_mask;
-            low ^= bis_hash(key + (4 * high + 2 * round + 1) * 0x9e3779b97f4a7c15u) >> 32 & low_mask;
+        for (uint64_t round = 0; round < 2 * ROUNDS; round += 2) {
+            high ^= bis_hash(key + (2 * ROUNDS * low + round) * 0x9e3779b97f4a7c15u) >> 32 & high_mask;
+            low ^= bis_hash(key + (2 * ROUNDS * high + round + 1) * 0x9e3779b97f4a7c15u) >> 32 & low_mask;
         }
     } while ((high << low_bits | low) >= n);
     return (uint32_t)(high << low_bits | low);

@@ -1,0 +1,455 @@
+/* sampler: each point is uniform by itself, each set is as even as its kind promises, and different sets are independent.
+ * Statistical tests: 48 at most; family-wise significance 0.01. */
+#include "bis/curve.h"
+#include "bis/sampler.h"
+#include "bis/stats.h"
+#include "stat.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { KINDS = 4, GRID = 16, CELLS = GRID * GRID, MAX_POINTS = 4096 };
+
+static double alpha(void) { return bis_stats_sidak(0.01, 48); }
+
+static bis_sampler sampler_of(bis_sampler_kind kind, uint32_t xsamples, uint32_t ysamples)
+{
+    return (bis_sampler){kind, 42, xsamples * ysamples, xsamples, ysamples, true};
+}
+
+static void points_of(const bis_sampler *p, uint64_t pixel, uint32_t sample, unsigned dim, uint32_t n, double (*u)[2])
+{
+    bis_stream s;
+    bis_stream_init(&s, p, pixel, sample);
+    bis_stream_points(&s, dim, n, u);
+}
+
+static void camera_of(const bis_sampler *p, uint64_t pixel, uint32_t sample, double u[2])
+{
+    bis_stream s;
+    bis_stream_init(&s, p, pixel, sample);
+    bis_stream_camera(&s, u);
+}
+
+static void clear(double observed[CELLS], double expected[CELLS], double total)
+{
+    for (int i = 0; i < CELLS; i++) {
+        observed[i] = 0;
+        expected[i] = total / CELLS;
+    }
+}
+
+static void count(double observed[CELLS], double x, double y)
+{
+    assert_true(x >= 0 && x < 1 && y >= 0 && y < 1);
+    observed[(int)(x * GRID) * GRID + (int)(y * GRID)]++;
+}
+
+/* ---- uniform, one by one ---- */
+
+static void every_point_of_every_kind_is_uniform_over_the_pixels(void **state)
+{
+    (void)state;
+    const uint32_t pixels = 100000, n = 7, sizes[] = {0, 3, 6};
+    for (int kind = 0; kind < KINDS; kind++) {
+        bis_sampler p = sampler_of((bis_sampler_kind)kind, 3, 2);
+        double observed[4][CELLS], expected[CELLS], u[7][2], c[2];
+        for (int i = 0; i < 4; i++)
+            clear(observed[i], expected, pixels);
+        for (uint32_t pixel = 0; pixel < pixels; pixel++) {
+            points_of(&p, pixel, 4, 1, n, u);
+            camera_of(&p, pixel, 4, c);
+            /* stratified points are uniform in their part of the curve: one of the set, at random, is uniform in all of it */
+            uint32_t any = kind == BIS_SAMPLER_STRATIFIED ? (uint32_t)(bis_hash(pixel + 1) % n) : 0;
+            for (int i = 0; i < 3; i++)
+                count(observed[i], u[(sizes[i] + any) % n][0], u[(sizes[i] + any) % n][1]);
+            count(observed[3], c[0], c[1]);
+        }
+        for (int i = 0; i < 4; i++)
+            stat_assert_fit("sampler_uniform", 42, observed[i], expected, CELLS, alpha());
+    }
+}
+
+/* All 53 bits are there: below 2^-32, too, each bit is 0 and 1 equally often (E14). */
+static void every_kind_has_53_fair_bits(void **state)
+{
+    (void)state;
+    static double u[MAX_POINTS][2];
+    for (int kind = 0; kind < KINDS; kind++) {
+        bis_sampler p = sampler_of((bis_sampler_kind)kind, 4, 4);
+        points_of(&p, 5, 0, 0, MAX_POINTS, u);
+        for (int axis = 0; axis < 2; axis++)
+            for (int bit = 1; bit <= 53; bit++) {
+                double ones = 0;
+                for (int i = 0; i < MAX_POINTS; i++)
+                    ones += fmod(floor(ldexp(u[i][axis], bit)), 2);
+                /* 5 standard errors of an independent coin, 424 coins */
+                assert_true(fabs(ones - MAX_POINTS / 2.0) <= 5 * sqrt(MAX_POINTS / 4.0));
+            }
+    }
+}
+
+/* ---- even, together ---- */
+
+/* One point in each box of shape cells_x x cells_y = n? */
+static bool one_in_each_box(double (*u)[2], uint32_t n, uint32_t cells_x, uint32_t cells_y)
+{
+    unsigned char seen[MAX_POINTS] = {0};
+    for (uint32_t i = 0; i < n; i++)
+        seen[(uint32_t)(u[i][0] * cells_x) * cells_y + (uint32_t)(u[i][1] * cells_y)]++;
+    for (uint32_t i = 0; i < n; i++)
+        if (seen[i] != 1) return false;
+    return true;
+}
+
+static bool is_net_in_base_2(double (*u)[2], uint32_t n)
+{
+    for (uint32_t x = 1; x <= n; x *= 2)
+        if (!one_in_each_box(u, n, x, n / x)) return false;
+    return true;
+}
+
+static void sobol_sets_of_2_to_the_k_points_are_nets(void **state)
+{
+    (void)state;
+    static double u[MAX_POINTS][2];
+    bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 4, 4);
+    for (uint32_t n = 1; n <= MAX_POINTS; n *= 2)
+        for (uint32_t sample = 0; sample < 5; sample++) {
+            points_of(&p, 17, sample, 3, n, u);
+            assert_true(is_net_in_base_2(u, n));
+        }
+    bis_sampler random = sampler_of(BIS_SAMPLER_RANDOM, 4, 4); /* the twin */
+    points_of(&random, 17, 0, 3, 64, u);
+    assert_false(is_net_in_base_2(u, 64));
+}
+
+static void sobol_sets_of_successive_samples_continue_each_other(void **state)
+{
+    (void)state;
+    static double u[MAX_POINTS][2];
+    bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 4, 4);
+    for (uint32_t sample = 0; sample < 64; sample++) /* the last 48 lie beyond spp */
+        points_of(&p, 18, sample, 0, 16, u + 16 * sample);
+    for (uint32_t samples = 1; samples <= 64; samples *= 2)
+        assert_true(is_net_in_base_2(u, 16 * samples));
+}
+
+static void any_prefix_of_2_to_the_k_sobol_camera_samples_is_a_net(void **state)
+{
+    (void)state;
+    static double u[256][2];
+    bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 16, 16);
+    for (uint32_t sample = 0; sample < 256; sample++)
+        camera_of(&p, 3, sample, u[sample]);
+    for (uint32_t n = 1; n <= 256; n *= 2)
+        assert_true(is_net_in_base_2(u, n));
+}
+
+static void halton_sets_have_one_point_in_each_box_of_2_to_the_a_by_3_to_the_b(void **state)
+{
+    (void)state;
+    static double u[MAX_POINTS][2];
+    const uint32_t powers[][2] = {{1, 1}, {8, 1}, {1, 9}, {8, 9}, {16, 27}, {4, 243}, {256, 3}};
+    bis_sampler p = sampler_of(BIS_SAMPLER_HALTON, 3, 3);
+    for (int i = 0; i < 7; i++)
+        for (uint32_t sample = 0; sample < 12; sample++) {
+            uint32_t n = powers[i][0] * powers[i][1];
+            points_of(&p, 17, sample, 3, n, u);
+            assert_true(one_in_each_box(u, n, powers[i][0], powers[i][1]));
+        }
+}
+
+static void halton_sets_of_a_pixel_fill_the_boxes_together(void **state)
+{
+    (void)state;
+    static double u[MAX_POINTS][2];
+    bis_sampler p = sampler_of(BIS_SAMPLER_HALTON, 4, 9);
+    for (uint32_t sample = 0; sample < 36; sample++)
+        points_of(&p, 19, sample, 0, 36, u + 36 * sample);
+    assert_true(one_in_each_box(u, 36 * 36, 16, 81));
+    for (uint32_t sample = 0; sample < 36; sample++)
+        camera_of(&p, 19, sample, u[sample]);
+    assert_true(one_in_each_box(u, 6, 2, 3));
+    assert_true(one_in_each_box(u, 36, 4, 9));
+}
+
+/* Where on Hilbert's curve a point lies, by halving the curve's cells: another road than bis_curve_hilbert's. */
+static double hilbert_parameter(double x, double y)
+{
+    double t = 0, size = 1;
+    for (int level = 0; level < 26; level++) {
+        int right = x >= 0.5, up = y >= 0.5, quarter = right ? 3 - up : up;
+        double a = 2 * x - right, b = 2 * y - up;
+        size /= 4;
+        t += quarter * size;
+        x = quarter == 0 ? b : quarter == 3 ? 1 - b : a;
+        y = quarter == 0 ? a : quarter == 3 ? 1 - a : b;
+    }
+    return t;
+}
+
+static void stratified_sets_have_one_point_in_each_nth_of_hilberts_curve_in_order(void **state)
+{
+    (void)state;
+    static double u[MAX_POINTS][2];
+    bis_sampler p = sampler_of(BIS_SAMPLER_STRATIFIED, 4, 4);
+    const uint32_t sizes[] = {1, 2, 3, 7, 15, 16, 101, 800, 1024, 4096};
+    for (int k = 0; k < 10; k++)
+        for (uint32_t sample = 0; sample < 3; sample++) {
+            uint32_t n = sizes[k];
+            points_of(&p, 17, sample, 3, n, u);
+            for (uint32_t i = 0; i < n; i++) {
+                double t = hilbert_parameter(u[i][0], u[i][1]);
+                /* the last level's cell is 2^-52 long; jitter may sit on its far wall */
+                assert_true(t >= (double)i / n - 0x1p-51 && t < (i + 1.0) / n + 0x1p-51);
+            }
+        }
+}
+
+static void stratified_camera_samples_visit_each_cell_once_in_each_round(void **state)
+{
+    (void)state;
+    double u[21][2];
+    bis_sampler p = sampler_of(BIS_SAMPLER_STRATIFIED, 7, 3);
+    for (uint64_t pixel = 0; pixel < 50; pixel++)
+        for (uint32_t round = 0; round < 3; round++) {
+            for (uint32_t i = 0; i < 21; i++)
+                camera_of(&p, pixel, 21 * round + i, u[i]);
+            assert_true(one_in_each_box(u, 21, 7, 3));
+        }
+}
+
+static void without_jitter_camera_samples_lie_in_the_middle(void **state)
+{
+    (void)state;
+    bis_sampler p = sampler_of(BIS_SAMPLER_STRATIFIED, 4, 2);
+    double u[2];
+    p.jitter = false;
+    for (uint32_t i = 0; i < 8; i++) {
+        camera_of(&p, 9, i, u);
+        assert_true(fmod(u[0] * 8, 2) == 1 && fmod(u[1] * 4, 2) == 1);
+    }
+    p = sampler_of(BIS_SAMPLER_STRATIFIED, 1, 1);
+    p.jitter = false;
+    camera_of(&p, 9, 0, u);
+    assert_true(u[0] == 0.5 && u[1] == 0.5);
+}
+
+/* What makes any prefix of the passes spread: the cells of the first two are every ordered pair equally often. */
+static void the_order_of_camera_cells_is_any_order_equally_often(void **state)
+{
+    (void)state;
+    const uint32_t sizes[][2] = {{2, 1}, {3, 1}, {2, 2}, {5, 1}, {3, 2}, {4, 4}};
+    for (int k = 0; k < 6; k++) {
+        double observed[256] = {0}, expected[256];
+        const uint32_t n = sizes[k][0] * sizes[k][1], pixels = 100000;
+        bis_sampler p = sampler_of(BIS_SAMPLER_STRATIFIED, sizes[k][0], sizes[k][1]);
+        for (uint32_t pixel = 0; pixel < pixels; pixel++) {
+            uint32_t cell[2];
+            for (uint32_t i = 0; i < 2; i++) {
+                double u[2];
+                camera_of(&p, pixel, i, u);
+                cell[i] = (uint32_t)(u[0] * sizes[k][0]) + sizes[k][0] * (uint32_t)(u[1] * sizes[k][1]);
+            }
+            observed[cell[0] * n + cell[1]]++;
+        }
+        for (uint32_t i = 0; i < n * n; i++)
+            expected[i] = i / n == i % n ? 0 : (double)pixels / (n * (n - 1));
+        stat_assert_fit("sampler_order", 42, observed, expected, n * n, alpha());
+    }
+}
+
+/* ---- independent, set by set ---- */
+
+static void the_same_point_of_neighbouring_pixels_and_dims_is_independent(void **state)
+{
+    (void)state;
+    const uint32_t pixels = 100000;
+    for (int kind = 0; kind < KINDS; kind++) {
+        bis_sampler p = sampler_of((bis_sampler_kind)kind, 3, 2);
+        double by_pixel[CELLS], by_dim[CELLS], by_sample[CELLS], expected[CELLS], u[2][2], v[2][2];
+        clear(by_pixel, expected, pixels);
+        clear(by_dim, expected, pixels);
+        clear(by_sample, expected, pixels);
+        for (uint32_t pixel = 0; pixel < pixels; pixel++) {
+            points_of(&p, pixel, 4, 0, 1, u);
+            points_of(&p, pixel + 1, 4, 0, 1, v);
+            count(by_pixel, u[0][0], v[0][0]);
+            points_of(&p, pixel, 4, 1, 1, v);
+            count(by_dim, u[0][0], v[0][0]);
+            camera_of(&p, pixel, 4, v[0]);
+            count(by_sample, u[0][1], v[0][1]);
+        }
+        stat_assert_fit("sampler_pixels", 42, by_pixel, expected, CELLS, alpha());
+        stat_assert_fit("sampler_dims", 42, by_dim, expected, CELLS, alpha());
+        stat_assert_fit("sampler_camera", 42, by_sample, expected, CELLS, alpha());
+    }
+}
+
+/* Root mean square, over pixels, of the mean of sin(2 pi x) sin(2 pi y) over the samples of a pixel: x of one set, y of
+ * another. It vanishes if they fill the square, and is 1/2 if x tells y. */
+typedef double (*coordinate_fn)(const bis_sampler *p, uint64_t pixel, uint32_t sample);
+
+static double dependence(const bis_sampler *p, coordinate_fn x, coordinate_fn y)
+{
+    const int pixels = 200;
+    const double turn = 2 * acos(-1);
+    double square = 0;
+    for (uint64_t pixel = 0; pixel < (uint64_t)pixels; pixel++) {
+        double sum = 0;
+        for (uint32_t i = 0; i < p->spp; i++)
+            sum += sin(turn * x(p, pixel, i)) * sin(turn * y(p, pixel, i));
+        square += sum / p->spp * sum / p->spp / pixels;
+    }
+    return sqrt(square);
+}
+
+static double of_dim_0(const bis_sampler *p, uint64_t pixel, uint32_t sample)
+{
+    double u[1][2];
+    points_of(p, pixel, sample, 0, 1, u);
+    return u[0][0];
+}
+
+static double of_dim_1(const bis_sampler *p, uint64_t pixel, uint32_t sample)
+{
+    double u[1][2];
+    points_of(p, pixel, sample, 1, 1, u);
+    return u[0][0];
+}
+
+static double of_camera(const bis_sampler *p, uint64_t pixel, uint32_t sample)
+{
+    double u[2];
+    camera_of(p, pixel, sample, u);
+    return u[0];
+}
+
+static double of_another_pixels_camera(const bis_sampler *p, uint64_t pixel, uint32_t sample)
+{
+    return of_camera(p, pixel + 1000, sample);
+}
+
+/* The error of a mean over two dims falls as for random numbers, sqrt(1/4 / spp); Burley's order pairs neighbours two by two, so we
+ * grant twice the variance and 4 standard errors of the rms of 200. Scrambling alone does not do it: see the twin,
+ * two scramblings of one sequence in the same order, as halton's camera samples of two pixels are. */
+static void two_dims_of_one_pixel_fill_the_square_together(void **state)
+{
+    (void)state;
+    const double limit = sqrt(2 * 0.25 / 1024) * (1 + 4 / sqrt(2 * 200));
+    for (int kind = 0; kind < KINDS; kind++) {
+        bis_sampler p = sampler_of((bis_sampler_kind)kind, 32, 32);
+        assert_true(dependence(&p, of_dim_0, of_dim_1) < limit);
+        assert_true(dependence(&p, of_dim_0, of_camera) < limit);
+    }
+    bis_sampler p = sampler_of(BIS_SAMPLER_HALTON, 32, 32);
+    assert_true(dependence(&p, of_camera, of_another_pixels_camera) > 4 * limit);
+}
+
+/* ---- what it is good for ---- */
+
+static double rms_error(bis_sampler_kind kind, uint32_t n, int runs)
+{
+    static double u[MAX_POINTS][2];
+    bis_sampler p = sampler_of(kind, 4, 4);
+    double square = 0, exact = (exp(1) - 1) * (exp(1) - 1);
+    for (int run = 0; run < runs; run++) {
+        double sum = 0;
+        points_of(&p, (uint64_t)run, 0, 0, n, u);
+        for (uint32_t i = 0; i < n; i++)
+            sum += exp(u[i][0] + u[i][1]);
+        square += (sum / n - exact) * (sum / n - exact) / runs;
+    }
+    return sqrt(square);
+}
+
+/* Error by the number of points, for a smooth integrand, between N = 64 and N = 4096: N^-1/2 at random, N^-1 stratified by
+ * cells, N^-3/2 scrambled nets (Owen 1997), of which sobol's sets are one and halton's a sum of log N; the random one by its variance, in closed form. */
+static void the_error_falls_with_the_exponent_of_its_kind(void **state)
+{
+    (void)state;
+    const double exponent[KINDS] = {-0.5, -1, -1.5, -1};
+    const double e = exp(1), variance = pow((e * e - 1) / 2, 2) - pow(e - 1, 4);
+    for (int kind = 0; kind < KINDS; kind++) {
+        double coarse = rms_error((bis_sampler_kind)kind, 64, 400), fine = rms_error((bis_sampler_kind)kind, 4096, 400);
+        double slope = log(fine / coarse) / log(64);
+        if (fabs(slope - exponent[kind]) > 0.2) fail_msg("%s: slope %g", bis_sampler_name((bis_sampler_kind)kind), slope);
+        if (kind == BIS_SAMPLER_RANDOM) assert_true(fabs(fine / sqrt(variance / 4096) - 1) < 0.15); /* 4 standard errors */
+    }
+}
+
+/* ---- as a function ---- */
+
+static void a_set_depends_on_its_coordinates_and_not_on_what_was_drawn_before(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < KINDS; kind++) {
+        bis_sampler p = sampler_of((bis_sampler_kind)kind, 4, 4);
+        bis_stream s;
+        double first[5][2], again[5][2], other[5][2];
+        points_of(&p, 3, 7, 2, 5, first);
+        bis_stream_init(&s, &p, 3, 7);
+        bis_stream_random(&s);
+        bis_stream_camera(&s, other[0]);
+        bis_stream_points(&s, 1, 5, other);
+        bis_stream_points(&s, 2, 5, again);
+        assert_memory_equal(first, again, sizeof first);
+        assert_memory_not_equal(first, other, sizeof first);
+        points_of(&p, 3, 7 + 16, 2, 5, other); /* beyond spp: fresh */
+        assert_memory_not_equal(first, other, sizeof first);
+        p.seed++;
+        points_of(&p, 3, 7, 2, 5, other);
+        assert_memory_not_equal(first, other, sizeof first);
+    }
+}
+
+static void the_last_sample_of_2_to_the_32_is_still_a_net(void **state)
+{
+    (void)state;
+    static double u[1024][2];
+    bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 4, 4);
+    points_of(&p, 3, UINT32_MAX, 0, 1024, u); /* index 2^42 - 1024 ... 2^42 - 1 */
+    assert_true(is_net_in_base_2(u, 1024));
+    p.kind = BIS_SAMPLER_HALTON;
+    points_of(&p, 3, UINT32_MAX, 0, 512, u);
+    assert_true(one_in_each_box(u, 512, 512, 1));
+}
+
+static void kinds_have_their_names_and_sobol_and_halton_are_low_discrepancy(void **state)
+{
+    (void)state;
+    const char *const names[] = {"random", "stratified", "sobol", "halton"};
+    for (int kind = 0; kind < KINDS; kind++) {
+        assert_string_equal(bis_sampler_name((bis_sampler_kind)kind), names[kind]);
+        assert_true(bis_sampler_is_low_discrepancy((bis_sampler_kind)kind) == (kind >= 2));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_point_of_every_kind_is_uniform_over_the_pixels),
+        cmocka_unit_test(every_kind_has_53_fair_bits),
+        cmocka_unit_test(sobol_sets_of_2_to_the_k_points_are_nets),
+        cmocka_unit_test(sobol_sets_of_successive_samples_continue_each_other),
+        cmocka_unit_test(any_prefix_of_2_to_the_k_sobol_camera_samples_is_a_net),
+        cmocka_unit_test(halton_sets_have_one_point_in_each_box_of_2_to_the_a_by_3_to_the_b),
+        cmocka_unit_test(halton_sets_of_a_pixel_fill_the_boxes_together),
+        cmocka_unit_test(stratified_sets_have_one_point_in_each_nth_of_hilberts_curve_in_order),
+        cmocka_unit_test(stratified_camera_samples_visit_each_cell_once_in_each_round),
+        cmocka_unit_test(without_jitter_camera_samples_lie_in_the_middle),
+        cmocka_unit_test(the_order_of_camera_cells_is_any_order_equally_often),
+        cmocka_unit_test(the_same_point_of_neighbouring_pixels_and_dims_is_independent),
+        cmocka_unit_test(two_dims_of_one_pixel_fill_the_square_together),
+        cmocka_unit_test(the_error_falls_with_the_exponent_of_its_kind),
+        cmocka_unit_test(a_set_depends_on_its_coordinates_and_not_on_what_was_drawn_before),
+        cmocka_unit_test(the_last_sample_of_2_to_the_32_is_still_a_net),
+        cmocka_unit_test(kinds_have_their_names_and_sobol_and_halton_are_low_discrepancy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
