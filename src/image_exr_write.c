@@ -4,7 +4,7 @@
  * Core writes through our function to the stream of a temporary file, which image.c renames at the end: its own way of writing
  * would destroy an older file on failure. It is that function, not Core, which keeps the disk's reason for the message.
  * The table of chunks is written by exr_finish, so that its result counts as well.
- * ZIP at level 4 instead of zlib's 6: half the time, files longer by 1% (what later versions of OpenEXR do by default). */
+ * ZIP at level 4 instead of zlib's 6: half the time, files 2 to 4% longer (three maps of 1 Mpixel, 0.15 s against 0.3 s). */
 #include "image_exr.h"
 
 #include "image_exr_core.h"
