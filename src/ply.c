@@ -28,6 +28,7 @@ typedef struct reader {
     size_t n_vertices;   /* as the header says: faces may come first */
     size_t n_too_small;  /* faces of fewer than 3 vertices */
     size_t n_bad_normals;
+    size_t n_long_lines; /* ascii rows with more numbers than the header says */
 } reader;
 
 /* ---- numbers ---- */
@@ -132,6 +133,16 @@ static bis_status skip_property(reader *r, const ply_property *p, const ply_elem
     return BIS_OK;
 }
 
+/* In ascii a row begins on a new line, and what else is on its last line is skipped: VCGLIB has written files with more
+ * numbers in a row than their headers say. */
+static void end_row(reader *r)
+{
+    if (r->header->format != PLY_ASCII) return;
+    while (r->p < r->end && (*r->p == ' ' || *r->p == '\t')) r->p++;
+    if (r->p < r->end && *r->p != '\n' && *r->p != '\r') r->n_long_lines++;
+    while (r->p < r->end && *r->p != '\n' && *r->p != '\r') r->p++;
+}
+
 /* ---- vertices ---- */
 
 /* Which role, if any, each property has; the index of each role's property, or SIZE_MAX. */
@@ -212,6 +223,7 @@ static bis_status read_vertices(reader *r, const ply_element *e)
         bis_status status = take_vertex(r, e, row, property, v);
         if (!status) status = store_vertex(r, row, v);
         if (status) return status;
+        end_row(r);
     }
     return BIS_OK;
 }
@@ -327,6 +339,7 @@ static bis_status read_faces(reader *r, const ply_element *e, bool strips)
             bis_status status = i != list ? skip_property(r, p, e, row) : strips ? read_strip(r, p, e, row) : read_polygon(r, p, e, row);
             if (status) return status;
         }
+        end_row(r);
     }
     return BIS_OK;
 }
@@ -341,6 +354,7 @@ static bis_status skip_element(reader *r, const ply_element *e)
             bis_status status = skip_property(r, &r->header->properties[e->first_property + i], e, row);
             if (status) return status;
         }
+        end_row(r);
     }
     return BIS_OK;
 }
@@ -371,6 +385,9 @@ static bis_status count_vertices(reader *r)
 
 static void report(const reader *r)
 {
+    if (r->n_long_lines > 0) {
+        bis_mesh_remark(r->in, "%zu lines hold more numbers than the header says: the rest of them is skipped", r->n_long_lines);
+    }
     if (r->n_too_small > 0) bis_mesh_remark(r->in, "%zu faces have fewer than 3 vertices and are left out", r->n_too_small);
     if (r->n_bad_normals > 0) {
         bis_mesh_remark(r->in, "%zu vertex normals are not finite: the faces' normals are used there", r->n_bad_normals);

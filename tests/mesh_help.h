@@ -1,0 +1,46 @@
+/* mesh_help: what the tests of meshes, geometry and accelerators share. Files and scratch names come from image_help. */
+#ifndef TESTS_MESH_HELP_H
+#define TESTS_MESH_HELP_H
+
+#include "bis/geometry.h"
+#include "image_help.h"
+
+typedef bis_status mesh_reader(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);
+
+/* Is the path's shared test file there? Its name (until the next call), or NULL after saying so: then skip(). */
+const char *shared_file(const char *name);
+
+/* Reading b must succeed, without a word when text is NULL, else with the one warning `PATH: warning: TEXT`. */
+void expect_mesh_of(mesh_reader *read, bis_mesh *m, const bytes *b, const char *name, const char *text);
+
+/* Reading b must fail with BIS_INPUT, an empty mesh and exactly `PATH: error: TEXT`, or `PATH:LINE: error: TEXT` for line > 0. */
+void expect_mesh_refusal_of(mesh_reader *read, const bytes *b, const char *name, int line, const char *text);
+
+/* Every prefix of b, and n copies with up to four bytes changed: any status, but no crash, and only sound meshes. */
+void try_mesh_damage(mesh_reader *read, const bytes *b, const char *name, int n, uint32_t seed);
+
+/* Fail the k-th allocation for k = 1, 2, ... until reading b works; no mesh and one error before. */
+void try_mesh_memory(mesh_reader *read, const bytes *b, const char *name);
+
+/* Indices in range, coordinates finite. */
+void assert_sound(const bis_mesh *m);
+void assert_triangle(const bis_mesh *m, size_t i, uint32_t a, uint32_t b, uint32_t c);
+
+/* [0, 1), [lo, hi), and a unit vector. splitmix64. */
+double random_double(uint64_t *state);
+double random_between(uint64_t *state, double lo, double hi);
+vec3 random_direction(uint64_t *state);
+
+/* A mesh with room for n_vertices and n_triangles, all zero; ends the test without memory. */
+bis_mesh new_mesh(size_t n_vertices, size_t n_triangles);
+
+/* A closed convex mesh: the unit sphere, in n rings of 2 n quads each cut in two. */
+bis_mesh sphere_mesh(int n);
+
+/* n random triangles in the unit cube, of about this size. */
+bis_mesh soup_mesh(size_t n, double size, uint64_t seed);
+
+/* Put the mesh, transformed, into a geometry; m is then empty. */
+void add_mesh(bis_geometry *g, bis_mesh *m, const bis_xform *t, uint32_t material);
+
+#endif

@@ -1,0 +1,247 @@
+/* obj: every form of a face, pairs of position and normal, continued lines; bad files with their exact messages; the files
+ * of the wild. */
+#include "mesh_help.h"
+#include "obj.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
+static void expect_text(bis_mesh *m, const char *text, const char *warning)
+{
+    bytes b = {0};
+
+    if (*text) put_text(&b, text);
+    expect_mesh_of(bis_obj_read, m, &b, "text.obj", warning);
+    bytes_clear(&b);
+}
+
+static void refuse_text(const char *text, int line, const char *message)
+{
+    bytes b = {0};
+
+    put_text(&b, text);
+    expect_mesh_refusal_of(bis_obj_read, &b, "bad.obj", line, message);
+    bytes_clear(&b);
+}
+
+static void a_corner_may_have_any_of_its_forms(void **state)
+{
+    static const char *const faces[] = {"f 1 2 3 4", "f 1/1 2/2 3/3 4/4", "f 1/ 2/ 3/ 4/", "f 1// 2// 3// 4//", "f 1/1/ 2/2/ 3/3/ 4/4/",
+                                        "f -4 -3 -2 -1", "f -4/1 2/2/ -2// 4", "\tf  1\t2 3 4 # a square", "f 1 2\\\n3\\\r\n 4\\\n\n"};
+    (void)state;
+    for (size_t i = 0; i < sizeof faces / sizeof faces[0]; i++) {
+        char text[256];
+        bis_mesh m;
+        snprintf(text, sizeof text, SQUARE "%s", faces[i]);
+        expect_text(&m, text, NULL);
+        assert_int_equal(m.n_vertices, 4);
+        assert_null(m.n);
+        assert_int_equal(m.n_triangles, 2);
+        assert_triangle(&m, 0, 0, 1, 2);
+        assert_triangle(&m, 1, 0, 2, 3);
+        bis_mesh_clear(&m);
+    }
+}
+
+static void all_statements_but_v_vn_f_are_skipped(void **state)
+{
+    bis_mesh m;
+    (void)state;
+    expect_text(&m, "# f 1 1 1\nmtllib f.mtl\no f\ng f 1 2 3\ns 1\nusemtl v\nvt 1 2\nvp 1\nl 1 2\np 1\nfo 1 2 3\nv2 1 2 3\n"
+                    "v 0 0 0 1\r\nv 1 0 0 0.5 0.5 nan\rv 0 1 0\n\n\n  f 1 2 3\nf", "1 faces have fewer than 3 vertices and are left out");
+    assert_int_equal(m.n_vertices, 3);
+    assert_int_equal(m.n_triangles, 1);
+    assert_true(m.p[1].x == 1);
+    bis_mesh_clear(&m);
+}
+
+static void a_comment_behind_a_backslash_goes_on_like_any_line(void **state)
+{
+    bis_mesh m;
+    (void)state;
+    expect_text(&m, SQUARE "# nothing \\\nf 1 2 3\nv 5 \\\n  6 \\\n 7\nf 1 2 5\n", NULL);
+    assert_int_equal(m.n_vertices, 5);
+    assert_true(m.p[4].x == 5 && m.p[4].y == 6 && m.p[4].z == 7);
+    assert_int_equal(m.n_triangles, 1);
+    bis_mesh_clear(&m);
+}
+
+static void a_face_may_name_vertices_that_come_later_but_not_by_a_negative_index(void **state)
+{
+    bis_mesh m;
+    (void)state;
+    expect_text(&m, "f 1//1 2//1 3//1\n" SQUARE "vn 0 0 1\n", NULL);
+    assert_int_equal(m.n_triangles, 1);
+    assert_true(m.n[2].z == 1 && m.n[3].z == 0);
+    bis_mesh_clear(&m);
+    refuse_text("f -1 -2 -3\n" SQUARE, 1, "the face has the index -1, but there are 0 \"v\" up to here");
+}
+
+static void each_pair_of_position_and_normal_is_one_vertex(void **state)
+{
+    bis_mesh m;
+    (void)state;
+    expect_text(&m, SQUARE "vn 0 0 1\nvn 0 0 -1\nf 1//1 2//1 3//1\nf 1//2 3//-1 4//2\nf 1//2 2//1 4\nf 1//1 3//2 4//2\n", NULL);
+    assert_int_equal(m.n_vertices, 4 + 3);
+    assert_triangle(&m, 0, 0, 1, 2);
+    assert_triangle(&m, 1, 4, 5, 3);
+    assert_triangle(&m, 2, 4, 1, 6);
+    assert_triangle(&m, 3, 0, 5, 3);
+    assert_true(m.n[0].z == 1 && m.n[4].z == -1 && m.n[5].z == -1 && m.n[3].z == -1 && m.n[6].z == 0);
+    assert_true(m.p[4].x == 0 && m.p[5].x == 1 && m.p[5].y == 1 && m.p[6].y == 1);
+    bis_mesh_clear(&m);
+}
+
+/* The table grows several times; the number of pairs is known. */
+static void thousands_of_normals_at_one_position_are_told_apart(void **state)
+{
+    enum { N = 5000 };
+    bytes b = {0};
+    bis_mesh m;
+    (void)state;
+    put_text(&b, SQUARE);
+    for (int i = 0; i < 2 * N; i++) {
+        char text[64];
+        snprintf(text, sizeof text, "vn %d 0 1\nf 1//%d 2//%d 3//%d\n", i % N, i % N + 1, i % 7 + 1, i % 2 + 1);
+        put_text(&b, text);
+    }
+    expect_mesh_of(bis_obj_read, &m, &b, "pairs.obj", NULL);
+    assert_int_equal(m.n_triangles, 2 * N);
+    assert_int_equal(m.n_vertices, 1 + N + 7 + 2); /* vertex 4 is used by none */
+    for (size_t i = 0; i < N; i++) {
+        assert_int_equal(m.index[3 * i], m.index[3 * (i + N)]);
+        assert_true(m.n[m.index[3 * i]].x == (float)i && m.p[m.index[3 * i]].x == 0);
+    }
+    bis_mesh_clear(&m);
+    bytes_clear(&b);
+}
+
+static void normals_that_are_not_finite_stand_for_the_faces(void **state)
+{
+    bis_mesh m;
+    (void)state;
+    expect_text(&m, SQUARE "vn nan 0 1\nvn 0 0 1\nf 1//1 2//2 3//2\n",
+                "1 vertex normals are not finite: the faces' normals are used there");
+    assert_true(m.n[0].x == 0 && m.n[0].y == 0 && m.n[0].z == 0 && m.n[1].z == 1);
+    bis_mesh_clear(&m);
+}
+
+static void an_empty_mesh_is_legal_with_a_warning(void **state)
+{
+    bis_mesh m;
+    (void)state;
+    expect_text(&m, "", "no triangles: nothing of this mesh will be seen (0 vertices)");
+    bis_mesh_clear(&m);
+    expect_text(&m, SQUARE, "no triangles: nothing of this mesh will be seen (4 vertices)");
+    bis_mesh_clear(&m);
+}
+
+static void bad_lines_are_refused_by_number(void **state)
+{
+    bytes zero = {0};
+    (void)state;
+    refuse_text(SQUARE "v 1 2\n", 5, "\"v\" has 2 numbers, must have 3");
+    refuse_text(SQUARE "v\nf 1 2 3", 5, "\"v\" has 0 numbers, must have 3");
+    refuse_text(SQUARE "v 1 two 3\n", 5, "\"two\" in \"v\" is no number");
+    refuse_text(SQUARE "v 1 2x 3\n", 5, "\"2x\" in \"v\" is no number");
+    refuse_text(SQUARE "vn 1 2\n", 5, "\"vn\" has 2 numbers, must have 3");
+    refuse_text("v 1 \\\n2 \\\n oops", 3, "\"oops\" in \"v\" is no number");
+    refuse_text(SQUARE "\n\r\nv 1 inf 2\n", 7, "the vertex has y = inf, must be a finite float");
+    refuse_text("v 1 2 nan\n", 1, "the vertex has z = nan, must be a finite float");
+    refuse_text("v -1e60 2 0\n", 1, "the vertex has x = -1e+60, must be a finite float");
+    refuse_text(SQUARE "f 1 2 5\n", 5, "the face has the index 5, but there are 4 \"v\"");
+    refuse_text(SQUARE "f 1 2 0\n", 5, "the face has the index 0, but there are 4 \"v\"");
+    refuse_text(SQUARE "f 1 2 -5\n", 5, "the face has the index -5, but there are 4 \"v\" up to here");
+    refuse_text(SQUARE "f 1 2 99999999999999999999999\n", 5, "the face has the index 99999999999999999999999, but there are 4 \"v\"");
+    refuse_text(SQUARE "f 1//1 2 3\n", 5, "the face has the index 1, but there are 0 \"vn\"");
+    refuse_text(SQUARE "f 1 2 3.0\n", 5, "\"3.0\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
+    refuse_text(SQUARE "f 1 2 /3\n", 5, "\"/3\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
+    refuse_text(SQUARE "f 1 2 3/1/1/1\n", 5, "the face has the index 1, but there are 0 \"vn\"");
+    refuse_text(SQUARE "f a b c\n", 5, "\"a\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
+    put(&zero, "v 0 0 0\0\n", 9);
+    expect_mesh_refusal_of(bis_obj_read, &zero, "zero.obj", 0, "not an OBJ file: it is no text, there is a zero byte in it");
+    bytes_clear(&zero);
+}
+
+static const char *const rich = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn 0 1 1\nf 1/1/1 2/2/2 3/3/-1 1//2 \\\n 2//1\nf 1 2 3\n";
+
+static void damaged_files_never_crash(void **state)
+{
+    bytes b = {0};
+    (void)state;
+    put_text(&b, rich);
+    try_mesh_damage(bis_obj_read, &b, "damage.obj", 5000, 1);
+    bytes_clear(&b);
+}
+
+static void any_allocation_may_fail(void **state)
+{
+    bytes b = {0};
+    (void)state;
+    put_text(&b, rich);
+    try_mesh_memory(bis_obj_read, &b, "memory.obj");
+    bytes_clear(&b);
+}
+
+/* Vertices: of the file, and one for each further pair with a normal. */
+static void files_of_the_wild_are_read_right(void **state)
+{
+    static const struct {
+        const char *name;
+        size_t n_vertices, n_triangles;
+        bool normals;
+    } files[] = {{"conformance/obj/cbox_smallbox", 24, 12, true}, {"conformance/obj/cubevt", 24, 12, true},
+                 {"conformance/obj/face_in_group_name", 1, 0, false}, {"conformance/obj/joined_tetrahedra", 15, 8, true},
+                 {"conformance/obj/nancolor", 8, 12, false}, {"conformance/obj/obj_empty", 0, 0, false},
+                 {"conformance/obj/obj_points", 8, 0, false}, {"conformance/obj/obj_with_no_face_in_chunk", 3, 1, false},
+                 {"conformance/obj/polygonfaces", 5, 3, false}, {"conformance/obj/rectangle_normals", 4, 2, true},
+                 {"conformance/obj/rectangle_normals_uv", 4, 2, true}, {"conformance/obj/rectangle_uv", 4, 2, false},
+                 {"mesh/teapot_6k", 3644, 6320, false}, {"mesh/spot_6k", 2930, 5856, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        char name[128];
+        bis_diag diag = {0};
+        bis_mesh m;
+        snprintf(name, sizeof name, "%s.obj", files[i].name);
+        const char *path = shared_file(name);
+        if (!path) skip();
+        bis_status status = bis_obj_read(&m, path, (bis_loc){0}, &diag);
+        if (status) print_message("%s\n", diag.messages[0].text);
+        assert_int_equal(status, BIS_OK);
+        assert_sound(&m);
+        if (m.n_vertices != files[i].n_vertices || m.n_triangles != files[i].n_triangles || (m.n != NULL) != files[i].normals) {
+            print_message("%s: %zu vertices, %zu triangles, normals: %d\n", name, m.n_vertices, m.n_triangles, m.n != NULL);
+            fail();
+        }
+        assert_int_equal(diag.n, files[i].n_triangles == 0 ? 1 : 0);
+        bis_mesh_clear(&m);
+        bis_diag_clear(&diag);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_corner_may_have_any_of_its_forms),
+        cmocka_unit_test(all_statements_but_v_vn_f_are_skipped),
+        cmocka_unit_test(a_comment_behind_a_backslash_goes_on_like_any_line),
+        cmocka_unit_test(a_face_may_name_vertices_that_come_later_but_not_by_a_negative_index),
+        cmocka_unit_test(each_pair_of_position_and_normal_is_one_vertex),
+        cmocka_unit_test(thousands_of_normals_at_one_position_are_told_apart),
+        cmocka_unit_test(normals_that_are_not_finite_stand_for_the_faces),
+        cmocka_unit_test(an_empty_mesh_is_legal_with_a_warning),
+        cmocka_unit_test(bad_lines_are_refused_by_number),
+        cmocka_unit_test(damaged_files_never_crash),
+        cmocka_unit_test(any_allocation_may_fail),
+        cmocka_unit_test(files_of_the_wild_are_read_right),
+    };
+    return cmocka_run_group_tests(tests, NULL, scratch_remove);
+}
