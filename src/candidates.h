@@ -8,6 +8,10 @@
 /* What proposals with these settings need of the light: BIS_NEED_*. */
 unsigned bis_candidates_light_needs(bis_proposal proposal, bool stratify);
 
+/* c of figure 4.4 for em or brdf: phat/q never exceeds it (docs/errata.md E27; L_ns is not needed):
+ * max f cos * max I/q_L for candidates from the map, max f cos/q_f * max I for those from the BRDF, I = Le.r + Le.g + Le.b. */
+double bis_candidates_bound(const bis_point *pt, bis_proposal proposal);
+
 /* Draw c[M] from the proposal (em, brdf or mix), in the order of a space-filling curve when stratify. Returns W, the sum of the weights,
  * 0 when there is no light or no reflection. The mean of C over the candidates estimates L_ns (eq. 4.5) in RGB, W/M its intensity. */
 double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt, bis_stream *stream);

@@ -30,18 +30,11 @@ static void scratch_needs(const bis_settings *s, bis_scratch *need)
     need->n_chosen = s->candidates > s->shadowrays ? s->candidates : s->shadowrays;
 }
 
-/* c_em and c_brdf: figure 4.4. */
-static double bound(const bis_point *pt, bis_proposal proposal)
-{
-    if (proposal == BIS_PROPOSAL_EM) return bis_bsdf_max_f_cos(&pt->bsdf) * bis_light_max_ratio(pt->light);
-    return bis_bsdf_max_ratio(&pt->bsdf) * bis_light_max_intensity(pt->light);
-}
-
 static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_stream *stream)
 {
     if (s->proposal != BIS_PROPOSAL_CHOOSE) return s->proposal;
 
-    double c_em = bound(pt, BIS_PROPOSAL_EM), c_brdf = bound(pt, BIS_PROPOSAL_BRDF);
+    double c_em = bis_candidates_bound(pt, BIS_PROPOSAL_EM), c_brdf = bis_candidates_bound(pt, BIS_PROPOSAL_BRDF);
     return bis_stream_random(stream) * (c_em + c_brdf) < c_brdf ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF;
 }
 
@@ -102,7 +95,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
 
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
     const bis_proposal proposal = choose(s, pt, stream);
-    double B = bound(pt, proposal);
+    double B = bis_candidates_bound(pt, proposal);
     double W = bis_candidates_draw(x, M, proposal, false, pt, stream);
     if (W <= 0) return (rgb){0, 0, 0};
 

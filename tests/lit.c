@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-enum { W = 16, H = 8 };
+enum { W = 128, H = 64, BLOCK = 8 };
 
 /* ---- the light ---- */
 
@@ -20,19 +20,27 @@ static double scramble(int x, int y, int salt)
     return (double)((x * 7919 + y * 104729 + salt * 1299709) % 1009) / 1009;
 }
 
-static rgb pixel(lit_map map, int x, int y)
+static rgb spotty(int px, int py)
 {
+    int x = px / BLOCK, y = py / BLOCK;
     double i = pow(10, 4 * scramble(x, y, 0) - 2);
 
+    if (px == 90 && py == 18) return (rgb){57600, 44800, 25600};                       /* the sun */
+    if (px % BLOCK == 3 && py % BLOCK == 5 && (x + y) % 3 == 0) return (rgb){90, 30, 60}; /* lamps */
+    if ((x + y) % 5 == 0) return (rgb){0, 0, 0};
+    return rgb_from(i * scramble(x, y, 1), i * scramble(x, y, 2), i * scramble(x, y, 3));
+}
+
+static rgb pixel(lit_map map, int x, int y)
+{
+    double phi = 2 * PI * x / W;
+
     switch (map) {
-    case LIT_SPOTTY:
-        if ((x + y) % 5 == 0) return (rgb){0, 0, 0};
-        if (x == 11 && y == 2) return (rgb){900, 700, 400};
-        return rgb_from(i * scramble(x, y, 1), i * scramble(x, y, 2), i * scramble(x, y, 3));
-    case LIT_SMOOTH: return rgb_from(1 + cos(2 * PI * x / W), 1.2 - cos(4 * PI * x / W), 1 + 0.5 * sin(2 * PI * x / W) + 0.2 * y);
+    case LIT_SPOTTY: return spotty(x, y);
+    case LIT_SMOOTH: return rgb_from(1 + cos(phi), 1.2 - cos(2 * phi), 1 + 0.5 * sin(phi) + 1.6 * y / H);
     case LIT_RED_BLUE: return x < W / 2 ? (rgb){1, 0, 0} : (rgb){0, 0, 1};
-    case LIT_ONE_PIXEL: return x == 12 && y == 2 ? (rgb){3, 2, 1} : (rgb){0, 0, 0};
-    case LIT_BELOW: return y == H - 1 ? (rgb){1, 1, 1} : (rgb){0, 0, 0};
+    case LIT_ONE_BLOCK: return x / BLOCK == 12 && y / BLOCK == 2 ? (rgb){3, 2, 1} : (rgb){0, 0, 0};
+    case LIT_BELOW: return y / BLOCK == H / BLOCK - 1 ? (rgb){1, 1, 1} : (rgb){0, 0, 0};
     default: return (rgb){0, 0, 0};
     }
 }
@@ -83,7 +91,7 @@ void lit_init(lit *l, bis_light *light, bis_material m, vec3 n, double degrees, 
 
 /* ---- brute force ---- */
 
-enum { K = 48 }; /* midpoints a side: 0.5 degrees apart */
+enum { K = 8 }; /* midpoints a side: 0.35 degrees apart */
 
 typedef struct node {
     double d[3], solid_angle;

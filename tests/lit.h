@@ -23,12 +23,12 @@ typedef struct lit {
     bis_point pt;
 } lit;
 
-/* Maps of 16 x 8. */
+/* Maps of 128 x 64, made of blocks of 8 x 8 pixels (0.15 sr at the equator; one pixel: 0.0024 sr, so that area weighting has something to weigh). */
 typedef enum lit_map {
-    LIT_SPOTTY,    /* contrast 1e4, coloured, black pixels, one sun */
+    LIT_SPOTTY,    /* coloured blocks, contrast 1e4, black ones, bright single pixels, one sun */
     LIT_SMOOTH,    /* a coloured gradient */
     LIT_RED_BLUE,  /* red for y > 0, blue for y < 0, of equal r+g+b (E5, E6) */
-    LIT_ONE_PIXEL, /* one lit pixel, in the open half */
+    LIT_ONE_BLOCK, /* one lit block, in the open half, at phi = 281 degrees */
     LIT_BELOW,     /* lit only near -z (E25) */
     LIT_BLACK,
     LIT_CONSTANT   /* no map: a constant light (1, 0.5, 0.25) */

@@ -1,0 +1,289 @@
+/* rejection: what is accepted is distributed as the product, how many are, and what each estimator and fallback is biased by. The unbiased
+ * settings are also in test_integrators.c. Family-wise significance 1e-3. */
+#include "bis/phong.h"
+#include "bis/rng.h"
+#include "bis/stats.h"
+#include "candidates.h"
+
+#include "lit.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#define SEED 53u
+
+static double alpha(void)
+{
+    return bis_stats_sidak(1e-3, 40);
+}
+
+static rgb grey(double v)
+{
+    return rgb_from(v, v, v);
+}
+
+static vec3 tilted(void)
+{
+    return normalize(vec3_from(0.2, -0.3, 0.8));
+}
+
+static bis_settings rejection(bis_proposal proposal, uint32_t M, uint32_t N, bis_estimator estimator)
+{
+    bis_settings s = bis_settings_default(&bis_rejection);
+
+    s.proposal = proposal;
+    s.candidates = M;
+    s.shadowrays = N;
+    s.estimator = estimator;
+    return s;
+}
+
+/* ---- what is accepted ---- */
+
+/* Counts the rays by block of 8 x 8 pixels. */
+enum { ACROSS = 16, DOWN = 8, BLOCKS = ACROSS * DOWN };
+
+typedef struct recorder {
+    bis_accel accel;
+    double *hits;
+} recorder;
+
+static int block_of(double x, double y, double z)
+{
+    double phi = atan2(y, x), turns = phi < 0 ? phi / (2 * PI) + 1 : phi / (2 * PI);
+
+    return (int)(acos(z) / PI * DOWN) * ACROSS + (int)(turns * ACROSS) % ACROSS;
+}
+
+static bool record(const bis_accel *a, const ray *r)
+{
+    ((const recorder *)a)->hits[block_of((double)r->d.x, (double)r->d.y, fmax(-1, fmin(1, (double)r->d.z)))]++;
+    return false;
+}
+
+/* p (eq. 4.4) of a diffuse surface, integrated over the blocks. */
+static void expect_product(double *expected, const lit *l, double count)
+{
+    enum { K = 64 };
+    double total = 0;
+
+    for (int i = 0; i < BLOCKS; i++) {
+        double c0 = cos(PI * (i / ACROSS) / DOWN), c1 = cos(PI * ((int)(i / ACROSS) + 1) / DOWN);
+        expected[i] = 0;
+        for (int k = 0; k < K * K; k++) {
+            double z = c0 + (c1 - c0) * ((int)(k / K) + 0.5) / K, phi = 2 * PI * (i % ACROSS + (k % K + 0.5) / K) / ACROSS, s = sqrt(1 - z * z);
+            vec3 wi = vec3_from(s * cos(phi), s * sin(phi), z);
+            expected[i] += rgb_sum(rgb_mul(l->material.Kd, bis_light_Le(l->light, wi))) * fmax(0, dot(wi, l->pt.n)) * (c0 - c1);
+        }
+        total += expected[i];
+    }
+    for (int i = 0; i < BLOCKS; i++) expected[i] *= count / total;
+}
+
+static void accepted_directions_have_the_product_density_eq_4_4(void **state)
+{
+    static const bis_accel_ops recording = {.name = "recorder", .occluded = record};
+    static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_CHOOSE};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        double hits[BLOCKS] = {0}, expected[BLOCKS];
+        recorder rec = {{.ops = &recording}, hits};
+        bis_settings s = i < 3 ? rejection(proposals[i], 16, 16, BIS_ESTIMATOR_PLAIN) : bis_settings_default(&bis_em);
+        stat_moments m[4];
+        lit l;
+
+        lit_init(&l, light, bis_phong((rgb){0.9f, 0.5f, 0.2f}, grey(0), 1), tilted(), 40, LIT_OPEN);
+        l.pt.accel = &rec.accel;
+        lit_run(m, &l, &s, 20000, SEED);
+        expect_product(expected, &l, (double)l.counters.shadow_rays);
+        if (i < 3) {
+            assert_int_equal(l.counters.accepted, l.counters.shadow_rays);
+            stat_assert_fit("rejection_product", SEED, hits, expected, BLOCKS, alpha());
+        } else { /* twin: directions from the map alone, none rejected */
+            stat_assert_no_fit("rejection_em", SEED, hits, expected, BLOCKS, alpha());
+        }
+    }
+    bis_light_free(light);
+}
+
+/* E27: the mean acceptance is L_ns/B, and no acceptance probability exceeds 1 (asserted while rendering, too). */
+static void mean_acceptance_is_L_ns_over_B_E27(void **state)
+{
+    static const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_CONSTANT};
+
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        bis_light *light = lit_new_light(maps[i / 2], 1, 0.15, false);
+        const bis_proposal proposal = i % 2 ? BIS_PROPOSAL_BRDF : BIS_PROPOSAL_EM;
+        const bis_settings s = rejection(proposal, 8, 4, BIS_ESTIMATOR_PLAIN);
+        stat_moments accepted = {0};
+        bis_scratch scratch;
+        lit l;
+
+        lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), tilted(), 40, LIT_OPEN);
+        assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+        for (uint64_t run = 0; run < 30000; run++) {
+            uint64_t before = l.counters.accepted;
+            lit_once(&l, &s, &scratch, SEED, run);
+            stat_add(&accepted, (double)(l.counters.accepted - before) / 8);
+        }
+        double expected = rgbd_sum(lit_truth(&l, false)) / bis_candidates_bound(&l.pt, proposal);
+        assert_true(expected < 1);
+        stat_assert_mean("E27", SEED, &accepted, expected, alpha());
+        /* twin: c = f_max in place of f_max Lam / L_ns, as printed: M = f_max N */
+        if (proposal == BIS_PROPOSAL_EM) stat_assert_not_mean("E27_printed", SEED, &accepted, fmin(1, 1 / bis_bsdf_max_f_cos(&l.pt.bsdf)), alpha());
+        bis_scratch_clear(&scratch);
+        bis_light_free(light);
+    }
+}
+
+static void at_most_N_of_the_accepted_are_traced_each_once(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    const bis_settings s = rejection(BIS_PROPOSAL_EM, 20, 3, BIS_ESTIMATOR_RATIO);
+    bis_scratch scratch;
+    lit l;
+
+    (void)state;
+    lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_OPEN);
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    for (uint64_t run = 0; run < 2000; run++) {
+        l.counters = (bis_counters){0};
+        lit_once(&l, &s, &scratch, SEED, run);
+        assert_int_equal(l.counters.candidates, 20);
+        if (l.counters.accepted > 0) assert_int_equal(l.counters.shadow_rays, l.counters.accepted < 3 ? l.counters.accepted : 3);
+        assert_int_equal(l.counters.fallbacks, l.counters.accepted == 0);
+    }
+    bis_scratch_clear(&scratch);
+    bis_light_free(light);
+}
+
+/* ---- bias ---- */
+
+/* E22: drawing until N are accepted, with L_ns from all draws so far: M is a stopping time that ends in a success. */
+static void stopping_at_the_Nth_acceptance_is_biased_E22(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
+    const bis_settings fixed = rejection(BIS_PROPOSAL_EM, 12, 1, BIS_ESTIMATOR_PLAIN);
+    stat_moments m[4], twin = {0};
+    lit l;
+
+    (void)state;
+    lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 10), tilted(), 40, LIT_HALF);
+    double truth = rgbd_sum(lit_truth(&l, true)), B = bis_candidates_bound(&l.pt, BIS_PROPOSAL_EM);
+    lit_run(m, &l, &fixed, 40000, SEED);
+    stat_assert_mean("E22", SEED, &m[3], truth, alpha());
+
+    const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+    for (uint64_t run = 0; run < 20000; run++) {
+        double W = 0, M = 0;
+        bis_candidate c[2]; /* of two, the first: a single one would reuse its set's point */
+        bis_stream stream;
+        bis_stream_init(&stream, &sampler, run, 0);
+        do {
+            bis_candidates_draw(c, 2, BIS_PROPOSAL_EM, false, &l.pt, &stream);
+            W += c->w;
+            M++;
+        } while (bis_stream_random(&stream) * B >= c->w);
+        stat_add(&twin, W / M * bis_point_sees(&l.pt, c->wi));
+    }
+    stat_assert_not_mean("E22_printed", SEED, &twin, truth, alpha());
+    bis_light_free(light);
+}
+
+static void ratio_estimator_is_right_to_a_percent_at_M_800(void **state)
+{
+    static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_CHOOSE};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        const bis_settings s = rejection(proposals[i], 800, 15, BIS_ESTIMATOR_RATIO);
+        stat_moments m[4];
+        lit l;
+        lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 5), tilted(), 40, LIT_HALF);
+        lit_run(m, &l, &s, 1500, SEED);
+        assert_true(fabs(m[3].mean / rgbd_sum(lit_truth(&l, true)) - 1) < 0.015);
+    }
+    bis_light_free(light);
+}
+
+/* E29: nothing accepted. The printed rule adds light in shadow; resampling the same candidates does not. */
+static void fallback_unoccluded_brightens_shadows_and_resample_does_not_E29(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
+    stat_moments m[3][4];
+
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        bis_settings s = rejection(BIS_PROPOSAL_EM, 32, 4, BIS_ESTIMATOR_RATIO);
+        lit l;
+        s.fallback = (bis_fallback[]){BIS_FALLBACK_RESAMPLE, BIS_FALLBACK_SUBSET, BIS_FALLBACK_UNOCCLUDED}[k];
+        lit_init(&l, light, bis_phong(grey(0), grey(1), 1000), tilted(), 40, LIT_ALL);
+        lit_run(m[k], &l, &s, 2000, SEED);
+        assert_true(l.counters.fallbacks > 1000);
+    }
+    assert_true(m[0][3].mean == 0 && m[0][3].m2 == 0);
+    assert_true(m[1][3].mean == 0 && m[1][3].m2 == 0);
+    assert_true(m[2][3].mean > 0);
+
+    for (int k = 0; k < 3; k++) {
+        bis_settings s = rejection(BIS_PROPOSAL_EM, 32, 4, BIS_ESTIMATOR_RATIO);
+        lit l;
+        s.fallback = (bis_fallback[]){BIS_FALLBACK_RESAMPLE, BIS_FALLBACK_SUBSET, BIS_FALLBACK_UNOCCLUDED}[k];
+        lit_init(&l, light, bis_phong(grey(0), grey(1), 300), (vec3){0, 0, 1}, 40, LIT_HALF);
+        /* the lobe looks at y < 0: turn the eye so that it straddles the occluder's edge */
+        l.pt.wo = normalize(vec3_from(0.6, 0.03, 0.8));
+        bis_bsdf_init(&l.pt.bsdf, &l.material, l.pt.n, l.pt.wo);
+        double truth = rgbd_sum(lit_truth(&l, true));
+        lit_run(m[k], &l, &s, 20000, SEED);
+        assert_true(l.counters.fallbacks > 10000);
+        if (k == 0) assert_true(fabs(m[k][3].mean / truth - 1) < 0.1); /* what remains is the O(1/M) of the ratio, and noise of 3 % */
+        if (k == 2) assert_true(m[k][3].mean / truth - 1 > 0.1);
+    }
+    bis_light_free(light);
+}
+
+static void plain_returns_0_when_nothing_is_accepted_and_counts_no_fallback(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
+    const bis_settings s = rejection(BIS_PROPOSAL_EM, 4, 4, BIS_ESTIMATOR_PLAIN);
+    bis_scratch scratch;
+    int none = 0;
+    lit l;
+
+    (void)state;
+    lit_init(&l, light, bis_phong(grey(0), grey(1), 1000), tilted(), 40, LIT_OPEN);
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    for (uint64_t run = 0; run < 500; run++) {
+        l.counters = (bis_counters){0};
+        rgb L = lit_once(&l, &s, &scratch, SEED, run);
+        assert_int_equal(l.counters.fallbacks, 0);
+        if (l.counters.accepted > 0) continue;
+        none++;
+        assert_true(rgb_is_black(L) && l.counters.shadow_rays == 0);
+    }
+    assert_true(none > 400);
+    bis_scratch_clear(&scratch);
+    bis_light_free(light);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(accepted_directions_have_the_product_density_eq_4_4),
+        cmocka_unit_test(mean_acceptance_is_L_ns_over_B_E27),
+        cmocka_unit_test(at_most_N_of_the_accepted_are_traced_each_once),
+        cmocka_unit_test(stopping_at_the_Nth_acceptance_is_biased_E22),
+        cmocka_unit_test(ratio_estimator_is_right_to_a_percent_at_M_800),
+        cmocka_unit_test(fallback_unoccluded_brightens_shadows_and_resample_does_not_E29),
+        cmocka_unit_test(plain_returns_0_when_nothing_is_accepted_and_counts_no_fallback),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
