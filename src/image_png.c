@@ -3,7 +3,8 @@
  * Exposure: radiance times 2^EV, or, when none is given, times 0.18 / L, where L is the log-average of the luminance: the
  * picture's middle lands on a middle grey (E. Reinhard et al., "Photographic Tone Reproduction for Digital Images", 2002,
  * eq. 1 and 2; where they add a small delta so that black has a logarithm, we leave black pixels out, so that a large black
- * background changes nothing). There is no tone curve: what is brighter than white is white. NaN is black.
+ * background changes nothing). Like a photographer we meter on the subject: with a channel "A", the share of geometry in a pixel, the mean is
+ * weighted by it, else a dark background makes the subject white. There is no tone curve: what is brighter than white is white. NaN is black.
  * libpng leaves by longjmp on errors: the one function with setjmp changes no local variable after it, and all that is to
  * be freed hangs on a struct of its caller. */
 #include "image_png.h"
@@ -21,21 +22,42 @@ static double luminance(const bis_picture *picture, size_t i)
            0.0722 * (double)c[2].data[i * (size_t)c[2].stride];
 }
 
+/* The share of geometry in pixel i, or 1 where the picture does not tell. */
+static double weight_of(const bis_channel *alpha, size_t i)
+{
+    return alpha ? (double)alpha->data[i * (size_t)alpha->stride] : 1;
+}
+
+/* The channel "A", or NULL where there is none or nothing but background. */
+static const bis_channel *find_alpha(const bis_picture *picture)
+{
+    size_t n = (size_t)picture->width * (size_t)picture->height;
+
+    for (int k = 0; k < picture->n_channels; k++) {
+        const bis_channel *c = &picture->channels[k];
+        if (strcmp(c->name, "A") != 0) continue;
+        for (size_t i = 0; i < n; i++)
+            if (weight_of(c, i) > 0) return c;
+    }
+    return NULL;
+}
+
 /* What radiance is multiplied by. A picture without a finite positive luminance is black at any exposure: 1. */
 static double scale_of(const bis_picture *picture)
 {
     const double key = 0.18;
-    size_t n = (size_t)picture->width * (size_t)picture->height, n_lit = 0;
-    double sum = 0;
+    const bis_channel *alpha = find_alpha(picture);
+    size_t n = (size_t)picture->width * (size_t)picture->height;
+    double sum = 0, weights = 0;
 
     if (picture->has_exposure) return exp2(picture->exposure);
     for (size_t i = 0; i < n; i++) {
-        double L = luminance(picture, i);
+        double L = luminance(picture, i), weight = weight_of(alpha, i);
         if (!(L > 0 && isfinite(L))) continue;
-        sum += log(L);
-        n_lit++;
+        sum += weight * log(L);
+        weights += weight;
     }
-    return n_lit ? key / exp(sum / (double)n_lit) : 1;
+    return weights > 0 ? key / exp(sum / weights) : 1;
 }
 
 /* The sRGB curve (IEC 61966-2-1), rounded to 8 bit. */

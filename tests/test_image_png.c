@@ -100,6 +100,28 @@ static void black_pixels_do_not_change_the_exposure(void **state)
     free(found);
 }
 
+/* With A the picture is metered where it is geometry; A = 0 everywhere tells nothing. */
+static void the_exposure_is_metered_on_the_subject(void **state)
+{
+    (void)state;
+    float planes[2][W * H];
+    for (int i = 0; i < W * H; i++) {
+        planes[0][i] = i < 5 ? 7 : 1e-6f;
+        planes[1][i] = i < 5;
+    }
+    const bis_channel channels[4] = {{"R", planes[0], 1}, {"G", planes[0], 1}, {"B", planes[0], 1}, {"A", planes[1], 1}};
+    const bis_picture picture = {.width = W, .height = H, .full_width = W, .full_height = H, .channels = channels, .n_channels = 4};
+    assert_int_equal(bis_image_write(scratch("m.png"), &picture, NULL), BIS_OK);
+    unsigned char *found = read_png(scratch("m.png"), W, H);
+    assert_int_equal(found[0], 118);
+    free(found);
+    for (int i = 0; i < W * H; i++) planes[1][i] = 0;
+    assert_int_equal(bis_image_write(scratch("m.png"), &picture, NULL), BIS_OK);
+    found = read_png(scratch("m.png"), W, H);
+    assert_int_equal(found[0], 255);
+    free(found);
+}
+
 static void a_black_picture_is_black(void **state)
 {
     (void)state;
@@ -179,6 +201,7 @@ int main(void)
         cmocka_unit_test(a_given_exposure_and_the_srgb_curve_give_the_bytes),
         cmocka_unit_test(the_log_average_lands_on_a_grey_of_18_percent_at_any_brightness),
         cmocka_unit_test(black_pixels_do_not_change_the_exposure),
+        cmocka_unit_test(the_exposure_is_metered_on_the_subject),
         cmocka_unit_test(a_black_picture_is_black),
         cmocka_unit_test(nan_is_black_and_infinity_white_and_neither_changes_the_exposure),
         cmocka_unit_test(channels_may_be_planes_of_their_own),
