@@ -41,7 +41,7 @@ bis_status map_overcast(bis_image *image, bis_diag *diag);
 /* A photographer's studio: key light, strip lights, a large umbrella, a reflector. map_studio.c */
 bis_status map_studio(bis_image *image, bis_diag *diag);
 
-/* map_plain.c: maps that are all idea. Two coloured lamps opposite each other and a grey rest; squares of light of many sizes, each of equal
+/* map_plain.c: maps that are all idea. Two coloured lamps opposite each other and a grey rest; six squares of light of many sizes, each of equal
  * power; one lit pixel; a red and a blue half of equal r+g+b; the same radiance everywhere. */
 bis_status map_lamps(bis_image *image, bis_diag *diag);
 bis_status map_squares(bis_image *image, bis_diag *diag);

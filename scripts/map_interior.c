@@ -282,7 +282,7 @@ static void trace_shell(surface *s, vec3 o, vec3 d)
 
 static surface trace(vec3 o, vec3 d)
 {
-    surface s = {.t = INFINITY};
+    surface s = {.t = (double)INFINITY};
 
     trace_columns(&s, o, d);
     for (int i = 0; i < RINGS; i++) trace_ring(&s, o, d, RING_Y[i]);

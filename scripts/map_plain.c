@@ -18,26 +18,27 @@ static rgb even(const void *data, vec3 w)
 /* Red from one side, green-blue from the other: together white. */
 bis_status map_lamps(bis_image *image, bis_diag *diag)
 {
-    const rgb rest = {0.05f, 0.05f, 0.05f};
+    const rgb rest = {0.03f, 0.03f, 0.03f};
     bis_status status = map_paint(image, 512, 1, even, &rest, diag);
 
     if (status) return status;
-    map_add_disc(image, towards(205, 30), 0.05, (rgb){170, 14, 6});
-    map_add_disc(image, towards(335, 30), 0.05, (rgb){6, 95, 150});
+    map_add_disc(image, towards(232, 36), 0.045, (rgb){170, 14, 6});
+    map_add_disc(image, towards(308, 36), 0.045, (rgb){6, 95, 150});
     return BIS_OK;
 }
 
-/* Squares on a grid of 12 x 3, side 0.6 to 14 degrees, every colour of the wheel, each of the same power: the smaller the brighter. */
+/* Six squares in a row on the side of -y, half 0.3 to 7 degrees wide, of all colours, each of the same power: the smaller the brighter. */
 static rgb squares(const void *data, vec3 w)
 {
-    double azimuth = atan2((double)w.y, (double)w.x), height = asin((double)w.z);
-    double cell = 30 * PI / 180, i = floor(azimuth / cell), j = floor(height / cell);
-    double u = azimuth - (i + 0.5) * cell, v = height - (j + 0.5) * cell;
-    double k = 3 * (i + 6) + j, half = (0.3 + 6.7 * pow(map_hash((int64_t)k, 4, 2), 2.5)) * PI / 180, hue = k / 36 * 2 * PI;
-    double power = 0.035;
+    static const double half_deg[6] = {0.3, 7, 0.6, 4, 1.2, 7};
+    const double cell = 25 * PI / 180, middle = 34 * PI / 180, power = 0.15;
+    double u = atan2(-(double)w.y, (double)w.x) - 15 * PI / 180, v = asin((double)w.z); /* u from the row's end */
+    int i = (int)floor(u / cell);
 
     (void)data;
-    if (j < 0 || fabs(v) > half || fabs(u) * cos((j + 0.5) * cell) > half) return (rgb){0.02f, 0.02f, 0.02f};
+    if (i < 0 || i > 5) return (rgb){0.01f, 0.01f, 0.01f};
+    double half = half_deg[i] * PI / 180, hue = (5 * i) / 6.0 * 2 * PI;
+    if (fabs(v - middle) > half || fabs(u - (i + 0.5) * cell) * cos(middle) > half) return (rgb){0.01f, 0.01f, 0.01f};
     double L = power / (4 * half * half);
     return rgb_from(L * (0.55 + 0.45 * cos(hue)), L * (0.55 + 0.45 * cos(hue - 2 * PI / 3)), L * (0.55 + 0.45 * cos(hue + 2 * PI / 3)));
 }
@@ -59,7 +60,7 @@ static rgb halves(const void *data, vec3 w)
     return w.x < 0 ? (rgb){1, 0, 0} : (rgb){0, 0, 1};
 }
 
-bis_status map_halves(bis_image *image, bis_diag *diag) { return map_paint(image, 64, 1, halves, NULL, diag); }
+bis_status map_halves(bis_image *image, bis_diag *diag) { return map_paint(image, 32, 1, halves, NULL, diag); }
 
 bis_status map_constant(bis_image *image, bis_diag *diag)
 {

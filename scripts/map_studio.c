@@ -55,7 +55,7 @@ static rgb room(vec3 w)
 
 static rgb studio(const void *data, vec3 w)
 {
-    double nearest = INFINITY;
+    double nearest = (double)INFINITY;
     rgb L;
     bool lit = false;
 

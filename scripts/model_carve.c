@@ -7,8 +7,8 @@
  *
  * The surface is found by surface nets (Gibson 1998): one vertex in each cell of a lattice that F changes sign in, at the mean of the
  * crossings on its 12 edges; one quadrilateral around each lattice edge that F changes sign on. Every vertex is shared, so the surface
- * is closed; where two sheets met in one cell it would be pinched, which the cell size avoids (tests/test_data.c looks). Each vertex is
- * then moved onto F = 0 along the gradient, which takes the lattice's steps out of the shading.
+ * is closed. Four quadrilaterals would share an edge where the corners of a lattice face are in, out, in, out: there one corner is filled
+ * first. Each vertex is then moved onto F = 0 along the gradient, which takes the lattice's steps out of the shading.
  *
  * Cost: O(outline x columns) for the depths, O(cells) for the rest. */
 #include "model.h"
@@ -16,6 +16,7 @@
 #include "bis/mem.h"
 
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 
 /* A lattice of nx * ny * nz points, y fastest; values of F, and the vertex of the cell whose low corner is the point. */
@@ -33,7 +34,7 @@ typedef struct lattice {
 /* Signed distance to the outline, positive inside. */
 static double outline_depth(const model_block *b, double x, double z)
 {
-    double best = INFINITY;
+    double best = (double)INFINITY;
     int inside = 0;
 
     for (size_t i = 0, j = b->n - 1; i < b->n; j = i++) {
@@ -111,6 +112,42 @@ static void lattice_fill(lattice *l)
     }
 }
 
+/* Fill a corner of each lattice face whose corners are in, out, in, out, until none is left: the one of the two outer ones that F says is nearer
+ * to the surface. Points are only ever filled, so this ends. */
+static bool fill_one(lattice *l, const int p[3], int axis)
+{
+    size_t c[4];
+
+    for (int i = 0; i < 4; i++) {
+        static const int around[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+        int q[3] = {p[0], p[1], p[2]};
+        q[(axis + 1) % 3] += around[i][0];
+        q[(axis + 2) % 3] += around[i][1];
+        c[i] = at(l, q[0], q[1], q[2]);
+    }
+    bool in0 = l->f[c[0]] < 0, in1 = l->f[c[1]] < 0;
+    if (in0 == in1 || in0 != (l->f[c[2]] < 0) || in1 != (l->f[c[3]] < 0)) return false;
+    float *a = &l->f[c[in0 ? 1 : 0]], *b = &l->f[c[in0 ? 3 : 2]], *nearer = *a <= *b ? a : b;
+    *nearer = *nearer > 0 ? -*nearer : -FLT_MIN;
+    return true;
+}
+
+static void fill_corners(lattice *l)
+{
+    bool again = true;
+
+    while (again) {
+        again = false;
+        for (int k = 0; k + 1 < l->nz; k++) {
+            for (int i = 0; i + 1 < l->nx; i++) {
+                for (int j = 0; j + 1 < l->ny; j++) {
+                    for (int axis = 0; axis < 3; axis++) again |= fill_one(l, (int[3]){i, j, k}, axis);
+                }
+            }
+        }
+    }
+}
+
 /* The mean of the crossings on the 12 edges of cell (i, j, k), in lattice coordinates. False: F keeps its sign. */
 static bool cell_vertex(const lattice *l, int i, int j, int k, double p[3])
 {
@@ -149,10 +186,10 @@ static vec3 settle(const lattice *l, double x, double y, double z)
         double gx = (implicit(b, x + h, y, z, outline_depth(b, x + h, z)) - f) / h;
         double gy = (implicit(b, x, y + h, z, outline_depth(b, x, z)) - f) / h;
         double gz = (implicit(b, x, y, z + h, outline_depth(b, x, z + h)) - f) / h;
-        double g2 = gx * gx + gy * gy + gz * gz, size = fabs(f) / sqrt(g2);
+        double g2 = gx * gx + gy * gy + gz * gz;
 
-        if (size == 0 || !isfinite(size)) break;
-        double s = f / g2 * fmin(1, 0.25 * l->cell / size);
+        if (f == 0 || g2 == 0) break;
+        double s = f / g2 * fmin(1, 0.25 * l->cell * sqrt(g2) / fabs(f));
         x = fmin(x_in + reach, fmax(x_in - reach, x - s * gx));
         y = fmin(y_in + reach, fmax(y_in - reach, y - s * gy));
         z = fmin(z_in + reach, fmax(z_in - reach, z - s * gz));
@@ -191,9 +228,9 @@ static void place_vertices(const lattice *l, bis_mesh *m)
     }
 }
 
-/* The quadrilateral around the lattice edge from (i, j, k) along axis, if F changes sign on it; facing F > 0. The lattice is wide enough for
- * the four cells to exist. index may be NULL: only count. Returns the triangles made. */
-static size_t edge_quad(const lattice *l, const int at0[3], int axis, uint32_t *index)
+/* The quadrilateral around the lattice edge from at0 along axis, if F changes sign on it, cut along its shorter diagonal; facing F > 0. The
+ * lattice is wide enough for the four cells to exist. index may be NULL: only count. Returns the triangles made. */
+static size_t edge_quad(const lattice *l, const vec3 *p, const int at0[3], int axis, uint32_t *index)
 {
     int to[3] = {at0[0], at0[1], at0[2]};
     uint32_t v[4];
@@ -210,19 +247,20 @@ static size_t edge_quad(const lattice *l, const int at0[3], int axis, uint32_t *
         v[c] = l->vertex[at(l, cell[0], cell[1], cell[2])];
         assert(v[c] != NO_VERTEX);
     }
+    int turn = length(sub(p[v[0]], p[v[2]])) <= length(sub(p[v[1]], p[v[3]])) ? 0 : 1;
     const int order[2][6] = {{0, 2, 1, 0, 3, 2}, {0, 1, 2, 0, 2, 3}};
-    for (int c = 0; c < 6; c++) index[c] = v[order[in0][c]];
+    for (int c = 0; c < 6; c++) index[c] = v[(order[in0][c] + turn) % 4];
     return 2;
 }
 
-static size_t make_quads(const lattice *l, uint32_t *index)
+static size_t make_quads(const lattice *l, const vec3 *p, uint32_t *index)
 {
     size_t n = 0;
 
     for (int k = 1; k + 1 < l->nz; k++) {
         for (int i = 1; i + 1 < l->nx; i++) {
             for (int j = 1; j + 1 < l->ny; j++) {
-                for (int axis = 0; axis < 3; axis++) n += edge_quad(l, (int[3]){i, j, k}, axis, index ? index + 3 * n : NULL);
+                for (int axis = 0; axis < 3; axis++) n += edge_quad(l, p, (int[3]){i, j, k}, axis, index ? index + 3 * n : NULL);
             }
         }
     }
@@ -237,13 +275,14 @@ bis_status model_carve(bis_mesh *m, const model_block *block, bis_diag *diag)
     *m = (bis_mesh){0};
     if (status) return status;
     lattice_fill(&l);
+    fill_corners(&l);
     m->n_vertices = count_vertices(&l);
-    m->n_triangles = make_quads(&l, NULL);
+    m->n_triangles = make_quads(&l, NULL, NULL);
     m->p = bis_alloc(m->n_vertices, sizeof *m->p);
     m->index = bis_alloc(m->n_triangles, 3 * sizeof *m->index);
     if (m->p && m->index) {
         place_vertices(&l, m);
-        make_quads(&l, m->index);
+        make_quads(&l, m->p, m->index);
     } else {
         bis_mesh_clear(m);
         status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a carved mesh");

@@ -62,9 +62,9 @@ bis_status model_rook(bis_mesh *m, bis_diag *diag)
 static vec3 bishop_bend(const void *data, double r, double z, double theta)
 {
     double x = r * cos(theta), d = (z - 1.035) * cos(0.95) - (x - 0.055) * sin(0.95);
-    double cut = (1 - smooth(0.008, 0.022, fabs(d))) * smooth(-0.02, 0.03, x) * smooth(0.84, 0.87, z);
+    double cut = (1 - smooth(0.004, 0.030, fabs(d))) * smooth(-0.03, 0.07, x);
 
-    return model_round(data, r * (1 - 0.55 * cut), z, theta);
+    return model_round(data, r * (1 - 0.50 * cut), z, theta);
 }
 
 bis_status model_bishop(bis_mesh *m, bis_diag *diag)
@@ -165,9 +165,9 @@ static double knight_groove(double x, double y, double z, double inside)
     double lock = cos(2 * PI * (z - 0.75 * x - 1.3 * inside) / 0.105);
     double mane = behind * smooth(0.135, 0.095, inside) * smooth(1.075, 1.02, z) * (0.07 + 0.06 * lock);
     double eye = hypot(x - 0.085, z - 0.965);
-    double socket = 0.16 * (1 - smooth(0.030, 0.050, eye)) - 0.30 * (1 - smooth(0.0, 0.032, eye));
-    double mouth = 0.30 * (1 - smooth(0.004, 0.016, segment(x, z, 0.400, 0.690, 0.290, 0.735)));
-    double nostril = 0.30 * dent(x, z, 0.345, 0.800, 0.028);
+    double socket = 0.16 * (1 - smooth(0.022, 0.056, eye)) - 0.28 * (1 - smooth(0.0, 0.036, eye));
+    double mouth = 0.24 * (1 - smooth(0.000, 0.026, segment(x, z, 0.400, 0.690, 0.290, 0.735)));
+    double nostril = 0.26 * dent(x, z, 0.345, 0.800, 0.038);
     double jaw = 0.10 * (1 - smooth(0.0, 0.03, fabs(hypot(x - 0.045, z - 0.835) - 0.135))) * smooth(0.0, -0.06, x - 0.07);
 
     (void)y;

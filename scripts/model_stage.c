@@ -58,7 +58,7 @@ bis_status model_board(bis_mesh *m, bis_diag *diag)
     static const model_corner corners[] = {
         {0, -0.50, 0},       {4.62, -0.50, 0},  {4.72, -0.50, 0.5}, {4.76, -0.42, 1},   {4.70, -0.34, 0.5}, {4.66, -0.32, 0.5}, {4.66, -0.20, 0.5},
         {4.60, -0.17, 0.6},  {4.585, -0.06, 1}, {4.54, 0.002, 1},   {4.44, 0.002, 0},   {4.16, 0.002, 0},   {4.12, 0.002, 0.3},  {4.085, -0.022, 0.5},
-        {4.05, 0.002, 0.3},  {4.045, 0.002, 0}, {4.012, 0.002, 0},  {4.002, 0.002, 1}, {4.0, -0.012, 0},   {4.0, -0.025, 0.5}, {3.98, -0.028, 0}, {0, -0.028, 0}};
+        {4.05, 0.002, 0},    {4.035, 0.002, 0}, {4.012, 0.002, 0},  {4.0, -0.010, 0},  {3.994, -0.028, 0},  {3.98, -0.034, 0},   {0, -0.034, 0}};
     const square shape = {48, 0.03};
 
     return square_turn(m, corners, N_OF(corners), 1, &shape, diag);
@@ -107,13 +107,13 @@ bis_status model_paving(bis_mesh *m, bis_diag *diag)
     return status;
 }
 
-/* One louvre: a long thin ellipse's section, turned by 35 degrees; as a tube its ends would be open, so it is an ellipsoid-like bar made by the lathe. */
+/* One louvre: a bar along x, its section an ellipse 0.3 wide and 0.05 thick, tilted by 35 degrees. */
 static vec3 louvre_bend(const void *data, double r, double z, double theta)
 {
     double a = 0.15 * r * cos(theta), b = 0.025 * r * sin(theta), c = cos(35 * PI / 180), s = sin(35 * PI / 180);
 
     (void)data;
-    return vec3_from(z, a * s + b * c, a * c - b * s);
+    return vec3_from(-z, a * s + b * c, a * c - b * s);
 }
 
 bis_status model_louvres(bis_mesh *m, bis_diag *diag)
