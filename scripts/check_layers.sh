@@ -6,7 +6,7 @@ cd "${1:-.}" || exit 1
 exec awk '
 BEGIN {
     rows = "0 status mem vec file xform stats version grow names;" \
-           "1 rng sampler warp cdf alias marsaglia curve;" \
+           "1 rng sampler warp weights cdf alias marsaglia curve;" \
            "2 image image_* envmap envmap_* importance importance_* regions light light_* bsdf phong;" \
            "3 geometry mesh surface quadric triangle rounding camera accel grid grid_* embree embree_* point;" \
            "4 integrator em brdf mis candidates proposal rejection sir exact unoccluded;" \

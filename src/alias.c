@@ -43,55 +43,60 @@ static double normalise(double *prob, const double *w, size_t n)
     return ldexp(sum, s.exponent);
 }
 
-/* Appendix A's two vectors, in the two ends of one array: they hold each item once. */
+/* Appendix A's two vectors share one array, since they hold each item at most once: `small` is items[0 .. n_small - 1] and
+ * grows up, `large` is items[n - n_large .. n - 1] and grows down. */
 typedef struct stacks {
-    uint32_t *small, *large; /* small grows up from the array's begin, large down from its end */
-    size_t n_small, n_large;
+    uint32_t *items;
+    size_t n, n_small, n_large;
 } stacks;
 
-/* "Classify the normalized weights as being either large (> 1/N) or small (<= 1/N)." Both writes, then one count: no branch
- * to predict. What the other one writes lies on a free place. */
+static uint32_t pop_small(stacks *s) { return s->items[--s->n_small]; }
+static void push_small(stacks *s, uint32_t i) { s->items[s->n_small++] = i; }
+static uint32_t top_large(const stacks *s) { return s->items[s->n - s->n_large]; }
+static uint32_t pop_large(stacks *s) { return s->items[s->n - s->n_large--]; }
+
+/* "Classify the normalized weights as being either large (> 1/N) or small (<= 1/N)." Both ends are written and one count
+ * goes up, so that there is no branch to mispredict; what is written in vain lies on a free place. */
 static stacks classify(const double *prob, uint32_t *work, size_t n)
 {
-    stacks s = {work, work + n - 1, 0, 0};
+    stacks s = {work, n, 0, 0};
     for (size_t i = 0; i < n; i++) {
         bool is_large = prob[i] > 1;
-        s.small[s.n_small] = *(s.large - s.n_large) = (uint32_t)i;
+        work[s.n_small] = work[n - 1 - s.n_large] = (uint32_t)i;
         s.n_small += !is_large;
         s.n_large += is_large;
     }
     return s;
 }
 
-/* [alias-build] "Assign alias indices." */
+/* [alias-build] */
+/* "Assign alias indices." */
 static void assign_aliases(double *prob, uint32_t *alias, stacks *s)
 {
     while (s->n_large > 0 && s->n_small > 0) {
-        uint32_t sm = s->small[--s->n_small];
-        uint32_t lg = *(s->large - (s->n_large - 1));
+        uint32_t sm = pop_small(s), lg = top_large(s);
 
-        prob[lg] -= 1 - prob[sm]; /* lg fills what bin sm lacks ... */
-        alias[sm] = lg;           /* ... and bin sm is done */
-        if (prob[lg] > 1) continue;
-        s->n_large--; /* chopped off below the line: now it lacks itself */
-        s->small[s->n_small++] = lg;
+        prob[lg] -= 1 - prob[sm]; /* lg gives what bin sm lacks ... */
+        alias[sm] = lg;           /* ... and bin sm is full */
+        if (prob[lg] <= 1) push_small(s, pop_large(s)); /* lg has nothing left to give: its own bin lacks now */
     }
 }
 /* [end] */
 
-/* Rounding empties one stack too early. Exactly computed, what is left would stand at the line, so appendix A sets it to
- * 1. An item of weight 0 must not be drawn all the same: its bin goes to the largest item. */
-static void settle_leftovers(double *prob, uint32_t *alias, const stacks *s, uint32_t largest)
+/* Rounding empties one stack before the other. Computed exactly, all that is left would stand at the line: 1, as appendix A
+ * has it. Where rounding were as large as a whole bin, as in float tables, an item of weight 0 could be among them, and
+ * must not be drawn: its bin goes to the largest item (docs/errata.md E15). */
+static void settle_leftovers(double *prob, uint32_t *alias, stacks *s, uint32_t largest)
 {
-    for (size_t k = 0; k < s->n_small; k++) {
-        uint32_t i = s->small[k];
-        if (prob[i] == 0)
-            alias[i] = largest;
+    while (s->n_large > 0)
+        prob[pop_large(s)] = 1;
+    while (s->n_small > 0) {
+        uint32_t sm = pop_small(s);
+        if (prob[sm] == 0)
+            alias[sm] = largest;
         else
-            prob[i] = 1;
+            prob[sm] = 1;
     }
-    for (size_t k = 0; k < s->n_large; k++)
-        prob[*(s->large - k)] = 1;
 }
 
 double bis_alias_build(double *prob, uint32_t *alias, const double *w, uint32_t *work, size_t n)
@@ -136,8 +141,9 @@ void bis_alias_clear(bis_alias *a)
     *a = (bis_alias){0};
 }
 
-/* [alias-sample] u N < N after rounding, too: u <= 1 - 2^-53, and N - N 2^-53 is at least half an ulp below N (exactly that, and a
- * double, only when N is a power of two). Subtracting the bin is exact. */
+/* u N < N, after rounding too: u <= 1 - 2^-53, and N 2^-53 is more than half the distance to the next double below N (all of
+ * it when N is a power of two). x - j is exact. */
+/* [alias-sample] */
 size_t bis_alias_pick(const double *prob, const uint32_t *alias, size_t n, double u)
 {
     assert(u >= 0 && u < 1);
