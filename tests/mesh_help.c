@@ -240,3 +240,41 @@ void add_mesh(bis_geometry *g, bis_mesh *m, const bis_xform *t, uint32_t materia
     bis_mesh_clear(m);
     bis_diag_clear(&diag);
 }
+
+/* The distance of the origin from the segment a b in the plane. */
+static long double segment_distance(const long double a[2], const long double b[2])
+{
+    const long double d[2] = {b[0] - a[0], b[1] - a[1]}, dd = d[0] * d[0] + d[1] * d[1];
+    long double t = dd > 0 ? -(a[0] * d[0] + a[1] * d[1]) / dd : 0;
+
+    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    const long double x = a[0] + t * d[0], y = a[1] + t * d[1];
+    return sqrtl(x * x + y * y);
+}
+
+/* Seen along the ray, which becomes a point, the triangle's edges are segments in the plane across it. */
+bool is_tie(const bis_geometry *g, uint32_t prim, const ray *r, double ulps)
+{
+    const frame f = frame_about(normalize(r->d));
+    const long double axes[2][3] = {{(long double)f.x.x, (long double)f.x.y, (long double)f.x.z},
+                                    {(long double)f.y.x, (long double)f.y.y, (long double)f.y.z}};
+    const long double o[3] = {(long double)r->o.x, (long double)r->o.y, (long double)r->o.z};
+    const long double d[3] = {(long double)r->d.x, (long double)r->d.y, (long double)r->d.z};
+    const long double dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    long double at[3][2], largest = 0, distance = INFINITY;
+
+    for (int i = 0; i < 3; i++) {
+        const vec3 p = g->p[g->index[3 * (size_t)prim + (size_t)i]];
+        const long double v[3] = {(long double)p.x - o[0], (long double)p.y - o[1], (long double)p.z - o[2]};
+        const long double along = (v[0] * d[0] + v[1] * d[1] + v[2] * d[2]) / dd;
+        /* f is only a float frame: take out the part along d first, exactly enough. */
+        for (int k = 0; k < 2; k++) {
+            at[i][k] = 0;
+            for (int a = 0; a < 3; a++) at[i][k] += axes[k][a] * (v[a] - along * d[a]);
+        }
+        largest = fmaxl(largest, fmaxl(fabsl((long double)p.x), fmaxl(fabsl((long double)p.y), fabsl((long double)p.z))));
+    }
+    for (int a = 0; a < 3; a++) largest = fmaxl(largest, fabsl(o[a]));
+    for (int i = 0; i < 3; i++) distance = fminl(distance, segment_distance(at[i], at[(i + 1) % 3]));
+    return distance <= (long double)ulps * 0x1p-23L * largest;
+}

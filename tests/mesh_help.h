@@ -43,4 +43,9 @@ bis_mesh soup_mesh(size_t n, double size, uint64_t seed);
 /* Put the mesh, transformed, into a geometry; m is then empty. */
 void add_mesh(bis_geometry *g, bis_mesh *m, const bis_xform *t, uint32_t material);
 
+/* Does the ray's line pass an edge of triangle prim (or its middle, where it is seen edge-on) within so many ulps of the largest
+ * coordinate among the ray's origin and the triangle's vertices? Computed in long double: what is so near is a tie, that two sound
+ * backends may decide differently. */
+bool is_tie(const bis_geometry *g, uint32_t prim, const ray *r, double ulps);
+
 #endif

@@ -1,0 +1,746 @@
+/* geometry: meshes become one, quadrics have their boxes, and the surface at a hit lies where exact arithmetic puts it, within its bound;
+ * a shadow ray that starts beside it leaves the surface for good, at every scale. */
+#include "mesh_help.h"
+
+#include "bis/accel.h"
+#include "bis/mem.h"
+
+#include <float.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static bis_xform scale_then_move(double s, double x)
+{
+    const bis_xform scale = bis_xform_scale(s, s, s), move = bis_xform_translate(x, x, x);
+
+    return bis_xform_compose(&move, &scale);
+}
+
+static bis_mesh triangle_mesh(vec3 a, vec3 b, vec3 c)
+{
+    bis_mesh m = new_mesh(3, 1);
+
+    m.p[0] = a;
+    m.p[1] = b;
+    m.p[2] = c;
+    for (uint32_t i = 0; i < 3; i++) m.index[i] = i;
+    return m;
+}
+
+/* ---- meshes ---- */
+
+static void the_first_mesh_is_moved_and_further_ones_are_copied(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh a = sphere_mesh(8), b = sphere_mesh(6);
+    const size_t nv = a.n_vertices, nt = a.n_triangles, mv = b.n_vertices, mt = b.n_triangles;
+    const uint32_t *index = a.index;
+    const bis_xform move = bis_xform_translate(10, 0, 0);
+    (void)state;
+    add_mesh(&g, &a, NULL, 7);
+    assert_ptr_equal(g.index, index);
+    assert_null(a.p);
+    add_mesh(&g, &b, &move, 9);
+    assert_int_equal(g.n_vertices, nv + mv);
+    assert_int_equal(g.n_triangles, nt + mt);
+    for (size_t i = 0; i < 3 * nt; i++) assert_true(g.index[i] < nv);
+    for (size_t i = 3 * nt; i < 3 * (nt + mt); i++) assert_true(g.index[i] >= nv && g.index[i] < nv + mv);
+    assert_true(g.box.lo.x == -1 && g.box.hi.x == 11 && g.box.lo.z == -1 && g.box.hi.z == 1);
+    assert_int_equal(g.n_ranges, 2);
+    assert_int_equal(g.ranges[1].first, nt);
+    bis_geometry_clear(&g);
+}
+
+static void a_material_is_found_by_its_range(void **state)
+{
+    bis_geometry g = {0};
+    (void)state;
+    for (uint32_t i = 0; i < 50; i++) {
+        for (uint32_t k = 0; k <= i % 3; k++) {
+            bis_mesh m = triangle_mesh((vec3){(float)i, 0, 0}, (vec3){(float)i, 1, 0}, (vec3){(float)i, 0, 1});
+            add_mesh(&g, &m, NULL, i);
+        }
+    }
+    assert_int_equal(g.n_ranges, 50);
+    for (uint32_t prim = 0, i = 0, k = 0; prim < g.n_triangles; prim++) {
+        const ray r = {{-1, 0.25f, 0.25f}, {1, 0, 0}, INFINITY};
+        bis_surface s;
+        bis_geometry_surface(&g, prim, &r, &s);
+        assert_int_equal(s.material, i);
+        if (k++ == i % 3) {
+            i++;
+            k = 0;
+        }
+    }
+    bis_geometry_clear(&g);
+}
+
+static void normals_of_one_mesh_leave_those_without_at_zero_whatever_the_order(void **state)
+{
+    (void)state;
+    for (int order = 0; order < 2; order++) {
+        bis_geometry g = {0};
+        size_t with_normals = 0;
+        for (int i = 0; i < 2; i++) {
+            bis_mesh m = sphere_mesh(4);
+            const size_t first = g.n_vertices;
+            if (i == order) {
+                assert_int_equal(bis_mesh_smooth_normals(&m, NULL), BIS_OK);
+                with_normals = first;
+            }
+            add_mesh(&g, &m, NULL, 0);
+        }
+        for (size_t i = 0; i < g.n_vertices; i++) {
+            const bool has = i >= with_normals && i < with_normals + g.n_vertices / 2;
+            assert_true(has == (length(g.n[i]) > 0.5));
+        }
+        bis_geometry_clear(&g);
+    }
+}
+
+/* A cube's corner has three faces, cut into one or two triangles each: the angles, not the triangles, count. */
+static void smooth_normals_are_weighted_by_angle_not_by_triangles(void **state)
+{
+    static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    bis_mesh m = new_mesh(9, 13);
+    (void)state;
+    for (size_t i = 0; i < 8; i++) m.p[i] = (vec3){(float)(i & 1), (float)(i >> 1 & 1), (float)(i >> 2)};
+    memcpy(m.index, faces, sizeof faces);
+    m.index[36] = m.index[37] = m.index[38] = 8; /* a point: vertex 8 has no proper face */
+    assert_int_equal(bis_mesh_smooth_normals(&m, NULL), BIS_OK);
+    for (size_t i = 0; i < 8; i++) {
+        assert_true(fabs(dot(m.n[i], m.n[i]) - 1) < 1e-6);
+        assert_true(dot(m.n[i], sub(m.p[i], (vec3){0.5f, 0.5f, 0.5f})) > 0.8660 - 1e-4); /* sqrt(3)/2: along the diagonal */
+    }
+    assert_true(m.n[8].x == 0 && m.n[8].y == 0 && m.n[8].z == 0);
+    bis_mesh_clear(&m);
+}
+
+static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
+{
+    const bis_xform identity = bis_xform_identity(), huge = bis_xform_scale(1e38, 1, 1);
+    bis_geometry g = {0};
+    bis_mesh m = triangle_mesh((vec3){1, 0, 0}, (vec3){5, 0, 0}, (vec3){0, 1, 0});
+    bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_scale(1, 1e39, 1), 0};
+    bis_diag diag = {0};
+    (void)state;
+    assert_int_equal(bis_geometry_add_mesh(&g, &m, &huge, 0, &diag), BIS_INPUT);
+    assert_int_equal(bis_geometry_add_quadric(&g, &q, &diag), BIS_INPUT);
+    m.index[1] = 3;
+    assert_int_equal(bis_geometry_add_mesh(&g, &m, &identity, 0, &diag), BIS_INPUT);
+    m.index[1] = 1;
+    m.p[2].y = NAN;
+    assert_int_equal(bis_geometry_add_mesh(&g, &m, &identity, 0, &diag), BIS_INPUT);
+    assert_string_equal(diag.messages[0].text,
+                        "error: vertex 1 (5, 0, 0) or its normal does not fit into a float after its transformation");
+    assert_string_equal(diag.messages[1].text, "error: a sphere of radius 1 does not fit into floats in world space");
+    assert_string_equal(diag.messages[2].text, "error: triangle 0 has index 3, but the mesh has 3 vertices");
+    assert_int_equal(diag.n, 4);
+    assert_int_equal(bis_geometry_primitives(&g), 0);
+    assert_int_equal(g.n_vertices, 0);
+    bis_mesh_clear(&m);
+    bis_geometry_clear(&g);
+    bis_diag_clear(&diag);
+}
+
+static void any_allocation_may_fail(void **state)
+{
+    (void)state;
+    for (long k = 1;; k++) {
+        const bis_xform move = bis_xform_translate(1, 0, 0), identity = bis_xform_identity();
+        const bis_quadric q = {BIS_SPHERE, 1, 0, move, 0};
+        bis_mesh a = sphere_mesh(4), b = sphere_mesh(3);
+        bis_geometry g = {0};
+        bis_diag diag = {0};
+        bis_mem_fail_at(k);
+        bis_status status = bis_mesh_smooth_normals(&b, &diag);
+        if (!status) status = bis_geometry_add_mesh(&g, &a, &identity, 1, &diag);
+        if (!status) status = bis_geometry_add_mesh(&g, &b, &move, 2, &diag);
+        if (!status) status = bis_geometry_add_quadric(&g, &q, &diag);
+        const bool failed = bis_mem_count() >= k;
+        bis_mem_fail_at(0);
+        assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
+        assert_int_equal(diag.n_errors, failed ? 1 : 0);
+        bis_mesh_clear(&a);
+        bis_mesh_clear(&b);
+        bis_geometry_clear(&g);
+        bis_diag_clear(&diag);
+        if (!failed) return;
+    }
+}
+
+/* ---- quadrics ---- */
+
+/* Random and not too flat, at distance up to `away`. */
+static bis_quadric random_quadric(uint64_t *seed, double away)
+{
+    const bis_xform scale = bis_xform_scale(random_between(seed, 0.3, 2), random_between(seed, 0.3, 2), random_between(seed, -2, -0.3));
+    const bis_xform turn = bis_xform_rotate(random_between(seed, 0, 360), random_between(seed, 0.1, 1), random_between(seed, -1, 1), 1);
+    const bis_xform move = bis_xform_translate(random_between(seed, -away, away), random_between(seed, -away, away), away);
+    const bis_xform turned = bis_xform_compose(&turn, &scale);
+
+    return (bis_quadric){random_double(seed) < 0.5 ? BIS_SPHERE : BIS_DISK, random_between(seed, 0.5, 2),
+                         random_between(seed, -1, 1), bis_xform_compose(&move, &turned), 3};
+}
+
+/* A random point of q, in double. */
+static void quadric_point(const bis_quadric *q, uint64_t *seed, double p[3])
+{
+    const vec3 w = random_direction(seed);
+    double o[3] = {q->radius * (double)w.x, q->radius * (double)w.y, q->radius * (double)w.z};
+    const double phi = random_between(seed, 0, 2 * PI);
+
+    if (q->kind == BIS_DISK) {
+        o[0] = q->radius * cos(phi);
+        o[1] = q->radius * sin(phi);
+        o[2] = q->height;
+    }
+    for (int i = 0; i < 3; i++) {
+        const double *row = q->to_world.m[i];
+        p[i] = row[0] * o[0] + row[1] * o[1] + row[2] * o[2] + row[3];
+    }
+}
+
+static void a_quadrics_box_holds_it_and_is_tight(void **state)
+{
+    uint64_t seed = 1;
+    (void)state;
+    for (int n = 0; n < 100; n++) {
+        bis_geometry g = {0};
+        const bis_quadric q = random_quadric(&seed, 5);
+        double lo[3] = {1e9, 1e9, 1e9}, hi[3] = {-1e9, -1e9, -1e9};
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        const bis_box box = bis_geometry_bounds(&g, 0);
+        const float box_lo[3] = {box.lo.x, box.lo.y, box.lo.z}, box_hi[3] = {box.hi.x, box.hi.y, box.hi.z};
+        for (int i = 0; i < 20000; i++) {
+            double p[3];
+            quadric_point(&q, &seed, p);
+            for (int a = 0; a < 3; a++) {
+                lo[a] = fmin(lo[a], p[a]);
+                hi[a] = fmax(hi[a], p[a]);
+            }
+        }
+        for (int a = 0; a < 3; a++) {
+            /* unit directions are floats: 1e-7 of the radius */
+            assert_true((double)box_lo[a] <= lo[a] + 1e-6 && hi[a] - 1e-6 <= (double)box_hi[a]);
+            assert_true(lo[a] - (double)box_lo[a] < 0.02 && (double)box_hi[a] - hi[a] < 0.02);
+        }
+        bis_geometry_clear(&g);
+    }
+}
+
+/* Another road: Newton's search for the nearest root is replaced by a walk in small steps of the implicit function. */
+static void a_quadric_is_met_where_its_implicit_function_first_changes_sign(void **state)
+{
+    enum { STEPS = 4000 };
+    uint64_t seed = 2;
+    int hits = 0;
+    (void)state;
+    for (int n = 0; n < 300; n++) {
+        bis_quadric q = random_quadric(&seed, 2);
+        q.kind = BIS_SPHERE;
+        const vec3 o = mul(random_direction(&seed), random_between(&seed, 0, 6));
+        const vec3 centre = vec3_from(q.to_world.m[0][3], q.to_world.m[1][3], q.to_world.m[2][3]);
+        const ray r = {o, mul(normalize(add(sub(centre, o), random_direction(&seed))), 2), 6};
+        double before = 0, at = -1;
+        for (int i = 0; i <= STEPS; i++) {
+            const double t = (double)r.tmax * i / STEPS;
+            const double p[3] = {(double)r.o.x + t * (double)r.d.x, (double)r.o.y + t * (double)r.d.y, (double)r.o.z + t * (double)r.d.z};
+            double value = -q.radius * q.radius;
+            for (int a = 0; a < 3; a++) {
+                const double *row = q.to_world.inv[a];
+                const double x = row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
+                value += x * x;
+            }
+            if (i > 0 && before * value < 0) {
+                at = t;
+                break;
+            }
+            before = value;
+        }
+        float t = -1;
+        const bool hit = bis_quadric_intersect(&q, &r, &t);
+        hits += hit;
+        if (at < 0 && hit) assert_true(t > 0); /* grazed within a step */
+        if (at >= 0) assert_true(hit && fabs((double)t - at) <= (double)r.tmax / STEPS + 1e-6);
+    }
+    assert_true(hits > 50);
+}
+
+static void a_quadrics_range_is_open_and_tmax_is_kept(void **state)
+{
+    const bis_quadric sphere = {BIS_SPHERE, 1, 0, bis_xform_identity(), 0}, disk = {BIS_DISK, 1, 2, bis_xform_identity(), 0};
+    float t = 0;
+    (void)state;
+    assert_true(bis_quadric_intersect(&sphere, &(ray){{0, 0, -3}, {0, 0, 1}, INFINITY}, &t) && t == 2);
+    assert_true(bis_quadric_intersect(&sphere, &(ray){{0, 0, -3}, {0, 0, 0.5f}, INFINITY}, &t) && t == 4);
+    assert_true(bis_quadric_intersect(&sphere, &(ray){{0, 0, 0}, {0, -0.0f, 1}, INFINITY}, &t) && t == 1);
+    assert_true(bis_quadric_intersect(&sphere, &(ray){{0, 0, -1}, {0, 0, 1}, INFINITY}, &t) && t == 2);
+    assert_false(bis_quadric_intersect(&sphere, &(ray){{0, 0, -1}, {0, 0, -1}, INFINITY}, &t));
+    assert_false(bis_quadric_intersect(&sphere, &(ray){{0, 0, -3}, {0, 0, 1}, 2}, &t));
+    assert_true(bis_quadric_intersect(&sphere, &(ray){{0, 0, -3}, {0, 0, 1}, nextafterf(2, 3)}, &t));
+    assert_false(bis_quadric_intersect(&sphere, &(ray){{1, 0, 0}, {0, 0, 1}, INFINITY}, &t)); /* touches at t = 0 */
+    assert_true(bis_quadric_intersect(&disk, &(ray){{1, 0, 0}, {0, 0, 1}, INFINITY}, &t) && t == 2); /* the rim belongs to it */
+    assert_false(bis_quadric_intersect(&disk, &(ray){{1.0001f, 0, 0}, {0, 0, 1}, INFINITY}, &t));
+    assert_false(bis_quadric_intersect(&disk, &(ray){{0, 0, 2}, {1, 0, 0}, INFINITY}, &t)); /* in its plane */
+    assert_false(bis_quadric_intersect(&disk, &(ray){{0, 0, 2}, {0, 0, 1}, INFINITY}, &t));
+}
+
+/* ---- the surface ---- */
+
+/* Is |a| <= b for each component, with nothing that is NaN? */
+static bool within(const double a[3], vec3 b)
+{
+    return fabs(a[0]) <= (double)b.x && fabs(a[1]) <= (double)b.y && fabs(a[2]) <= (double)b.z;
+}
+
+/* The ray's exact point on the plane, in long double, against p: off the plane by no more than the error box allows. */
+static void a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray(void **state)
+{
+    uint64_t seed = 3;
+    (void)state;
+    for (int n = 0; n < 20000; n++) {
+        const double scale = pow(10, random_between(&seed, -6, 6)), move = n % 3 ? 0 : 1e6 * random_double(&seed);
+        vec3 v[3];
+        for (int i = 0; i < 3; i++) {
+            v[i] = vec3_from(move + scale * random_between(&seed, -1, 1), move + scale * random_between(&seed, -1, 1),
+                             scale * random_between(&seed, -1, 1));
+        }
+        const vec3 target = mul(add(add(v[0], v[1]), v[2]), 1.0 / 3);
+        const vec3 o = add(target, mul(random_direction(&seed), scale * 10));
+        const ray r = {o, sub(target, o), INFINITY};
+        long double e[2][3], x[3], nn[3], size = 0, off = 0, reach = 0;
+        const float flat[3][3] = {{v[0].x, v[0].y, v[0].z}, {v[1].x, v[1].y, v[1].z}, {v[2].x, v[2].y, v[2].z}};
+        for (int a = 0; a < 3; a++) {
+            e[0][a] = (long double)flat[1][a] - (long double)flat[0][a];
+            e[1][a] = (long double)flat[2][a] - (long double)flat[0][a];
+        }
+        for (int a = 0; a < 3; a++) nn[a] = e[0][(a + 1) % 3] * e[1][(a + 2) % 3] - e[0][(a + 2) % 3] * e[1][(a + 1) % 3];
+        for (int a = 0; a < 3; a++) size += nn[a] * nn[a];
+        if (size == 0) continue;
+        bis_geometry g = {0};
+        bis_mesh m = triangle_mesh(v[0], v[1], v[2]);
+        bis_surface s;
+        add_mesh(&g, &m, NULL, 0);
+        bis_geometry_surface(&g, 0, &r, &s);
+        const float at[3] = {s.p.x, s.p.y, s.p.z}, error[3] = {s.p_error.x, s.p_error.y, s.p_error.z};
+        for (int a = 0; a < 3; a++) {
+            x[a] = (long double)at[a] - (long double)flat[0][a];
+            off += nn[a] * x[a];
+            reach += fabsl(nn[a]) * (long double)error[a];
+        }
+        assert_true(fabsl(off) <= reach);
+        assert_true(vec3_is_finite(s.p) && vec3_is_finite(s.n) && fabs(length(s.ng) - 1) < 1e-6);
+        assert_true(dot(s.ng, r.d) <= 0);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* p must be off the plane by more than half the bound now and then, else the bound could be smaller. */
+static void the_error_of_a_triangles_point_is_no_larger_than_four_ulps(void **state)
+{
+    uint64_t seed = 4;
+    (void)state;
+    for (int n = 0; n < 1000; n++) {
+        bis_mesh m = soup_mesh(1, 0.01, seed + (uint64_t)n);
+        const ray r = {{-1, 0.5f, 0.5f}, sub(m.p[0], (vec3){-1, 0.5f, 0.5f}), INFINITY};
+        bis_geometry g = {0};
+        bis_surface s;
+        const double largest = fmax(fabs((double)m.p[0].x), fmax(fabs((double)m.p[0].y), fabs((double)m.p[0].z))) + 0.02;
+        add_mesh(&g, &m, NULL, 0);
+        bis_geometry_surface(&g, 0, &r, &s);
+        assert_true(length(s.p_error) < 4 * sqrt(3) * 0x1p-24 * largest + 0x1p-20 * 0.02);
+        bis_geometry_clear(&g);
+    }
+}
+
+static void a_quadrics_point_lies_within_its_error_of_the_surface(void **state)
+{
+    uint64_t seed = 5;
+    int hits = 0;
+    (void)state;
+    for (int n = 0; n < 20000; n++) {
+        bis_quadric q = random_quadric(&seed, n % 2 ? 2 : 1e5);
+        const bis_xform scale = scale_then_move(pow(10, random_between(&seed, -6, 6)), 0);
+        q.to_world = bis_xform_compose(&scale, &q.to_world);
+        bis_geometry g = {0};
+        double target[3], off[3];
+        bis_surface s;
+        float t;
+        quadric_point(&q, &seed, target);
+        const vec3 p = vec3_from(target[0], target[1], target[2]);
+        const vec3 o = add(p, mul(random_direction(&seed), length(p)));
+        const ray r = {o, sub(p, o), INFINITY};
+        if (!bis_quadric_intersect(&q, &r, &t)) continue;
+        hits++;
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        bis_geometry_surface(&g, 0, &r, &s);
+        /* Nearest point of the surface, in long double: to object space, onto the shape, back. */
+        const float at[3] = {s.p.x, s.p.y, s.p.z};
+        long double object[3], size = 0;
+        for (int a = 0; a < 3; a++) {
+            const double *row = q.to_world.inv[a];
+            object[a] = (long double)row[0] * (long double)at[0] + (long double)row[1] * (long double)at[1] +
+                        (long double)row[2] * (long double)at[2] + (long double)row[3];
+            size += object[a] * object[a];
+        }
+        for (int a = 0; a < 3; a++) {
+            if (q.kind == BIS_SPHERE) object[a] *= (long double)q.radius / sqrtl(size);
+        }
+        if (q.kind == BIS_DISK) object[2] = (long double)q.height;
+        for (int a = 0; a < 3; a++) {
+            const double *row = q.to_world.m[a];
+            const long double back = (long double)row[0] * object[0] + (long double)row[1] * object[1] +
+                                     (long double)row[2] * object[2] + (long double)row[3];
+            off[a] = (double)((long double)at[a] - back);
+        }
+        /* The radial projection is not the nearest point: at most the axes' ratio, here 7 squared, farther. */
+        const vec3 allowed = {50 * length(s.p_error) > 0 ? (float)(50 * length(s.p_error)) : 0, (float)(50 * length(s.p_error)),
+                              (float)(50 * length(s.p_error))};
+        assert_true(within(off, allowed));
+        assert_true(fabs(length(s.ng) - 1) < 1e-6 && dot(s.ng, r.d) <= 0);
+        bis_geometry_clear(&g);
+    }
+    assert_true(hits > 10000);
+}
+
+static void normals_are_turned_to_the_eyes_side(void **state)
+{
+    const vec3 a = {0, 0, 0}, b = {1, 0, 0}, c = {0, 1, 0};
+    (void)state;
+    for (int side = 0; side < 2; side++) {
+        for (int kind = 0; kind < 5; kind++) {
+            const float z = side ? 1.0f : -1.0f;
+            const ray r = {{0.25f, 0.25f, z}, {0, 0, -z}, INFINITY};
+            bis_geometry g = {0};
+            bis_mesh m = triangle_mesh(a, b, c);
+            bis_surface s;
+            if (kind > 0) {
+                m.n = bis_alloc(3, sizeof *m.n);
+                /* 1: along z; 2: against; 3: all (0,0,0); 4: they cancel at (1/4, 1/4): n0/2 + n1/4 + n2/4 */
+                for (int i = 0; i < 3; i++) {
+                    m.n[i] = (vec3){kind == 4 ? (i == 0 ? 1.0f : -1.0f) : 0, 0, kind == 1 ? 2.0f : kind == 2 ? -3.0f : 0.0f};
+                }
+            }
+            add_mesh(&g, &m, NULL, 0);
+            bis_geometry_surface(&g, 0, &r, &s);
+            assert_true(s.ng.x == 0 && s.ng.y == 0 && s.ng.z == z);
+            assert_true(s.n.x == 0 && s.n.y == 0 && s.n.z == z);
+            bis_geometry_clear(&g);
+        }
+    }
+}
+
+static void a_zero_vertex_normal_is_the_faces_in_the_interpolation(void **state)
+{
+    const ray r = {{0.25f, 0.25f, 1}, {0, 0, -1}, INFINITY};
+    bis_geometry g = {0};
+    bis_mesh m = triangle_mesh((vec3){0, 0, 0}, (vec3){1, 0, 0}, (vec3){0, 1, 0});
+    bis_surface s;
+    (void)state;
+    m.n = bis_alloc(3, sizeof *m.n);
+    m.n[0] = (vec3){1, 0, 0};
+    add_mesh(&g, &m, NULL, 0);
+    bis_geometry_surface(&g, 0, &r, &s);
+    assert_true(fabs((double)s.n.x - sqrt(0.5)) < 1e-6 && fabs((double)s.n.z - sqrt(0.5)) < 1e-6); /* (1/2, 0, 1/2) */
+    bis_geometry_clear(&g);
+}
+
+/* ---- leaving a surface ---- */
+
+/* ng and w are unit vectors of floats, each 2^-24 sqrt(3) off: below four times that a direction has no side. */
+#define GRAZING (4 * 1.7320508 * 0x1p-24)
+
+static void for_each_backend(void (*check)(const bis_accel *a, const bis_geometry *g, double scale), const bis_geometry *g, double scale)
+{
+    const bis_accel_kind kinds[] = {BIS_ACCEL_GRID, BIS_ACCEL_EMBREE};
+
+    for (int i = 0; i < (bis_accel_embree_version() ? 2 : 1); i++) {
+        bis_accel *a;
+        assert_int_equal(bis_accel_new(&a, g, &(bis_accel_options){kinds[i], 0, 1}, NULL), BIS_OK);
+        check(a, g, scale);
+        bis_accel_free(a);
+    }
+}
+
+static vec3 box_point(const bis_box *b, uint64_t *seed)
+{
+    return vec3_from(random_between(seed, (double)b->lo.x, (double)b->hi.x), random_between(seed, (double)b->lo.y, (double)b->hi.y),
+                     random_between(seed, (double)b->lo.z, (double)b->hi.z));
+}
+
+/* Eyes around a convex body: what leaves a point into the outer hemisphere never comes back. */
+static void expect_no_shadow_outside(const bis_accel *a, const bis_geometry *g, double scale)
+{
+    uint64_t seed = 6;
+    int hits = 0;
+
+    for (int n = 0; n < 20000; n++) {
+        const vec3 target = box_point(&g->box, &seed), eye = add(target, mul(random_direction(&seed), 5 * scale));
+        const ray r = {eye, sub(target, eye), INFINITY};
+        bis_hit hit;
+        bis_surface s;
+        if (!bis_accel_intersect(a, &r, &hit)) continue;
+        hits++;
+        bis_geometry_surface(g, hit.prim, &r, &s);
+        for (int k = 0; k < 4; k++) {
+            vec3 w = random_direction(&seed);
+            if (k == 3) w = normalize(add(w, mul(s.ng, -dot(w, s.ng) * (1 - 1e-4)))); /* grazing */
+            if (dot(w, s.ng) < 0) w = neg(w);
+            if (dot(w, s.ng) < GRAZING) continue;
+            const ray shadow = {bis_surface_offset(&s), w, INFINITY};
+            bis_hit other;
+            if (!bis_accel_occluded(a, &shadow)) continue;
+            /* Near an edge a grazing ray passes the next face at a few ulps, and so wide are Embree's edges. */
+            assert_true(bis_accel_intersect(a, &shadow, &other));
+            assert_true(other.prim != hit.prim && other.prim < g->n_triangles && is_tie(g, other.prim, &shadow, 4));
+        }
+    }
+    assert_true(hits > 3000);
+}
+
+/* Eyes inside a closed body: no light from outside. */
+static void expect_darkness_inside(const bis_accel *a, const bis_geometry *g, double scale)
+{
+    const vec3 centre = mul(add(g->box.lo, g->box.hi), 0.5);
+    uint64_t seed = 7;
+
+    (void)scale;
+    for (int n = 0; n < 20000; n++) {
+        const ray r = {centre, random_direction(&seed), INFINITY};
+        bis_hit hit;
+        bis_surface s;
+        assert_true(bis_accel_intersect(a, &r, &hit));
+        bis_geometry_surface(g, hit.prim, &r, &s);
+        vec3 w = random_direction(&seed);
+        if (dot(w, s.ng) < 0) w = neg(w);
+        if (dot(w, s.ng) < GRAZING) continue;
+        if (bis_accel_occluded(a, &(ray){bis_surface_offset(&s), w, INFINITY})) continue;
+        /* On an edge, rounding may put p outside the next face. */
+        assert_true(hit.prim < g->n_triangles && is_tie(g, hit.prim, &r, 4));
+    }
+}
+
+static bis_mesh cube_mesh(void)
+{
+    static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    bis_mesh m = new_mesh(8, 12);
+
+    for (size_t i = 0; i < 8; i++) m.p[i] = (vec3){(float)(i & 1) - 0.5f, (float)(i >> 1 & 1) - 0.5f, (float)(i >> 2) - 0.5f};
+    memcpy(m.index, faces, sizeof faces);
+    return m;
+}
+
+/* Scales and shifts of a scene; the body's size after a shift by 1e6 must be many ulps (1/16) there, or a mesh is not convex. */
+static const struct {
+    double scale, move;
+} placements[] = {{1, 0}, {1e-6, 0}, {1e6, 0}, {1e3, 1e6}, {1e6, 1e6}, {1e-6, 1}};
+
+static void a_convex_mesh_never_shadows_itself_nor_leaks(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
+        const bis_xform place = scale_then_move(placements[i].scale, placements[i].move);
+        const bis_xform turn = bis_xform_rotate(33, 1, 2, 3), turned = bis_xform_compose(&place, &turn);
+        if (placements[i].scale < 1 && placements[i].move > 0) continue; /* 8 ulps across: no convex mesh */
+        for (int kind = 0; kind < 3; kind++) {
+            bis_geometry g = {0};
+            bis_mesh m = kind == 2 ? sphere_mesh(16) : cube_mesh();
+            add_mesh(&g, &m, kind == 0 ? &place : &turned, 0);
+            /* A turned cube's faces and a sphere's quads are planar but for rounding: not convex, by ulps. */
+            if (kind == 0) for_each_backend(expect_no_shadow_outside, &g, placements[i].scale);
+            for_each_backend(expect_darkness_inside, &g, placements[i].scale);
+            bis_geometry_clear(&g);
+        }
+    }
+}
+
+/* A tetrahedron has no planar quads: convex for any rounding. */
+static void a_turned_tetrahedron_never_shadows_itself(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
+        if (placements[i].scale < 1 && placements[i].move > 0) continue; /* 8 ulps: every other ray meets an edge exactly */
+        for (int turns = 0; turns < 5; turns++) {
+            const bis_xform place = scale_then_move(placements[i].scale, placements[i].move);
+            const bis_xform turn = bis_xform_rotate(77 * turns, 1, -2, 3), turned = bis_xform_compose(&place, &turn);
+            static const uint32_t faces[] = {0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2};
+            bis_geometry g = {0};
+            bis_mesh m = new_mesh(4, 4);
+            m.p[0] = (vec3){1, 1, 1};
+            m.p[1] = (vec3){-1, -1, 1};
+            m.p[2] = (vec3){-1, 1, -1};
+            m.p[3] = (vec3){1, -1, -1};
+            memcpy(m.index, faces, sizeof faces);
+            add_mesh(&g, &m, &turned, 0);
+            for_each_backend(expect_no_shadow_outside, &g, placements[i].scale);
+            bis_geometry_clear(&g);
+        }
+    }
+}
+
+static void spheres_never_shadow_themselves_nor_leak(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
+        const bool tiny = placements[i].scale < 1 && placements[i].move > 0; /* stretched, its least axis would have 3 ulps */
+        for (int kind = 0; kind < (tiny ? 1 : 2); kind++) {
+            const bis_xform place = scale_then_move(placements[i].scale, placements[i].move);
+            const bis_xform stretch = bis_xform_scale(1, kind ? 0.4 : 1, kind ? 1.7 : 1), turn = bis_xform_rotate(50, 1, 1, -2);
+            const bis_xform turned = bis_xform_compose(&turn, &stretch);
+            const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_compose(&place, &turned), 0};
+            bis_geometry g = {0};
+            assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+            for_each_backend(expect_no_shadow_outside, &g, placements[i].scale);
+            for_each_backend(expect_darkness_inside, &g, placements[i].scale);
+            bis_geometry_clear(&g);
+        }
+    }
+}
+
+/* Radius 1 at 1e6: 16 ulps. The offset is that of the coordinates' ulps, the sphere still casts no shadow on itself. */
+static void a_sphere_of_16_ulps_never_shadows_itself(void **state)
+{
+    const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(1e6, 1e6, 1e6), 0};
+    bis_geometry g = {0};
+    (void)state;
+    assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+    for_each_backend(expect_no_shadow_outside, &g, 1);
+    for_each_backend(expect_darkness_inside, &g, 1);
+    bis_geometry_clear(&g);
+}
+
+/* Both sides of a large tilted floor, near its middle: Embree's float arithmetic is off by its size, not by p's. */
+static void a_large_tilted_plane_never_shadows_itself(void **state)
+{
+    uint64_t seed = 8;
+    (void)state;
+    for (int n = 0; n < 200; n++) {
+        const double size = pow(10, random_between(&seed, -6, 6));
+        const frame f = frame_about(random_direction(&seed));
+        const vec3 centre = mul(random_direction(&seed), size * random_between(&seed, 0, 2));
+        bis_geometry g = {0};
+        bis_mesh m = new_mesh(4, 2);
+        static const uint32_t faces[] = {0, 1, 2, 0, 2, 3};
+        for (int i = 0; i < 4; i++) {
+            m.p[i] = add(centre, add(mul(f.x, i == 0 || i == 3 ? -size : size), mul(f.y, i < 2 ? -size : size)));
+        }
+        memcpy(m.index, faces, sizeof faces);
+        add_mesh(&g, &m, NULL, 0);
+        for (int kind = 0; kind < (bis_accel_embree_version() ? 2 : 1); kind++) {
+            bis_accel *a;
+            const bis_accel_options options = {kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1};
+            assert_int_equal(bis_accel_new(&a, &g, &options, NULL), BIS_OK);
+            for (int i = 0; i < 500; i++) {
+                const double u = random_between(&seed, -1, 1), v = random_between(&seed, -1, 1);
+                const vec3 target = add(centre, add(mul(f.x, size * u * u * u), mul(f.y, size * v * v * v)));
+                const vec3 o = add(target, mul(random_direction(&seed), size));
+                const ray r = {o, sub(target, o), INFINITY};
+                bis_hit hit;
+                bis_surface s;
+                if (!bis_accel_intersect(a, &r, &hit)) continue;
+                bis_geometry_surface(&g, hit.prim, &r, &s);
+                /* The two triangles are one plane but for rounding: only the one that was hit is the claim. */
+                vec3 w = random_direction(&seed);
+                if (dot(w, s.ng) < 0) w = neg(w);
+                const ray shadow = {bis_surface_offset(&s), w, INFINITY};
+                bis_hit again;
+                assert_false(dot(w, s.ng) > 0 && bis_accel_intersect(a, &shadow, &again) && again.prim == hit.prim);
+            }
+            bis_accel_free(a);
+        }
+        bis_geometry_clear(&g);
+    }
+}
+
+/* A scan: shadow rays may meet other triangles, never the one they start from. */
+static void no_triangle_of_the_dragon_shadows_itself(void **state)
+{
+    const char *path = shared_file("mesh/dragon_res2_202k.ply");
+    extern bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);
+    bis_geometry g = {0};
+    bis_mesh m;
+    uint64_t seed = 9;
+    (void)state;
+    if (!path) skip();
+    assert_int_equal(bis_ply_read(&m, path, (bis_loc){0}, NULL), BIS_OK);
+    add_mesh(&g, &m, NULL, 0);
+    for (int kind = 0; kind < (bis_accel_embree_version() ? 2 : 1); kind++) {
+        bis_accel *a;
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1}, NULL), BIS_OK);
+        for (int n = 0; n < 100000; n++) {
+            const vec3 target = box_point(&g.box, &seed), o = add(target, mul(random_direction(&seed), 0.5));
+            const ray r = {o, sub(target, o), INFINITY};
+            bis_hit hit, again;
+            bis_surface s;
+            if (!bis_accel_intersect(a, &r, &hit)) continue;
+            bis_geometry_surface(&g, hit.prim, &r, &s);
+            vec3 w = random_direction(&seed);
+            if (dot(w, s.ng) < 0) w = neg(w);
+            const ray shadow = {bis_surface_offset(&s), w, INFINITY};
+            assert_false(bis_accel_intersect(a, &shadow, &again) && again.prim == hit.prim);
+        }
+        bis_accel_free(a);
+    }
+    bis_geometry_clear(&g);
+}
+
+/* The twin: without the offset a ray often meets what it starts from, or the tests above would see nothing. */
+static void without_the_offset_a_point_does_shadow_itself(void **state)
+{
+    const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(3, 3, 3), 0};
+    uint64_t seed = 10;
+    int shadowed = 0;
+    (void)state;
+    bis_geometry g = {0};
+    bis_accel *a;
+    assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1}, NULL), BIS_OK);
+    for (int n = 0; n < 1000; n++) {
+        const ray r = {{0, 0, 0}, sub(box_point(&g.box, &seed), (vec3){0, 0, 0}), INFINITY};
+        bis_hit hit;
+        bis_surface s;
+        if (!bis_accel_intersect(a, &r, &hit)) continue;
+        bis_geometry_surface(&g, 0, &r, &s);
+        shadowed += bis_accel_occluded(a, &(ray){s.p, s.ng, INFINITY});
+    }
+    assert_true(shadowed > 100);
+    bis_accel_free(a);
+    bis_geometry_clear(&g);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_first_mesh_is_moved_and_further_ones_are_copied),
+        cmocka_unit_test(a_material_is_found_by_its_range),
+        cmocka_unit_test(normals_of_one_mesh_leave_those_without_at_zero_whatever_the_order),
+        cmocka_unit_test(smooth_normals_are_weighted_by_angle_not_by_triangles),
+        cmocka_unit_test(what_does_not_fit_into_a_float_or_an_index_is_refused),
+        cmocka_unit_test(any_allocation_may_fail),
+        cmocka_unit_test(a_quadrics_box_holds_it_and_is_tight),
+        cmocka_unit_test(a_quadric_is_met_where_its_implicit_function_first_changes_sign),
+        cmocka_unit_test(a_quadrics_range_is_open_and_tmax_is_kept),
+        cmocka_unit_test(a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray),
+        cmocka_unit_test(the_error_of_a_triangles_point_is_no_larger_than_four_ulps),
+        cmocka_unit_test(a_quadrics_point_lies_within_its_error_of_the_surface),
+        cmocka_unit_test(normals_are_turned_to_the_eyes_side),
+        cmocka_unit_test(a_zero_vertex_normal_is_the_faces_in_the_interpolation),
+        cmocka_unit_test(a_convex_mesh_never_shadows_itself_nor_leaks),
+        cmocka_unit_test(a_turned_tetrahedron_never_shadows_itself),
+        cmocka_unit_test(spheres_never_shadow_themselves_nor_leak),
+        cmocka_unit_test(a_sphere_of_16_ulps_never_shadows_itself),
+        cmocka_unit_test(a_large_tilted_plane_never_shadows_itself),
+        cmocka_unit_test(no_triangle_of_the_dragon_shadows_itself),
+        cmocka_unit_test(without_the_offset_a_point_does_shadow_itself),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
