@@ -1,0 +1,612 @@
+/* The program itself: options in, files and exit status out, SPEC 5. The scene is made here; what is looked at is read back by the library
+ * (which has tests of its own) and, for EXR headers, by OpenEXR. */
+#include "bis/compare.h"
+
+#include "json_check.h"
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <openexr.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define DIR "build/test_program"
+#define SCENE DIR "/scene.txt"
+
+/* A ball on a floor, 24 x 16 pixels, under a map of 8 x 4 pixels with one bright lamp. */
+static const char scene_text[] =
+    "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 \"string filename\" \"" DIR "/film.exr\"\n"
+    "Sampler \"stratified\" \"integer pixelsamples\" 4\n"
+    "Integrator \"sir\" \"integer candidates\" 20 \"integer shadowrays\" 2\n"
+    "Camera \"perspective\" \"float fov\" 60\n"
+    "WorldBegin\n"
+    "AttributeBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"map.pfm\" AttributeEnd\n"
+    "Material \"phong\" \"rgb Kd\" [.5 .4 .3] \"rgb Ks\" [.2 .2 .2] \"float exponent\" 20\n"
+    "AttributeBegin Translate 0 0 4 Shape \"sphere\" AttributeEnd\n"
+    "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]\n";
+
+static void write_map(const char *path)
+{
+    bis_image image;
+    assert_int_equal(bis_image_init(&image, 8, 4, NULL), BIS_OK);
+    for (int i = 0; i < 32; i++) image.pixels[i] = (rgb){0.2f, 0.25f, 0.1f + 0.01f * (float)i};
+    image.pixels[9] = (rgb){50, 40, 30};
+    assert_int_equal(bis_image_save(&image, path, NULL), BIS_OK);
+    bis_image_clear(&image);
+}
+
+static int setup(void **state)
+{
+    (void)state;
+    program_folder(DIR);
+    program_write_file(SCENE, scene_text);
+    write_map(DIR "/map.pfm");
+    return 0;
+}
+
+static void read_image(bis_image *image, const char *path)
+{
+    bis_diag diag = {0};
+    if (bis_image_read(image, path, (bis_loc){0}, &diag)) fail_msg("%s", diag.n ? diag.messages[0].text : path);
+    bis_diag_clear(&diag);
+}
+
+static double relmse(const char *path_a, const char *path_b)
+{
+    bis_image a, b;
+    bis_comparison c;
+    read_image(&a, path_a);
+    read_image(&b, path_b);
+    assert_int_equal(bis_compare(&c, &a, &b, NULL), BIS_OK);
+    assert_int_equal(c.nonfinite, 0);
+    bis_image_clear(&a);
+    bis_image_clear(&b);
+    return c.relmse;
+}
+
+/* --- rendering ----------------------------------------------------------------------------------------------------- */
+
+static void a_scene_renders_to_the_file_it_names(void **state)
+{
+    (void)state;
+    program_run r;
+    bis_image image;
+    program_expect(&r, 0, SCENE);
+    assert_string_equal(r.output, "");
+    assert_string_equal(r.messages, "");
+    read_image(&image, DIR "/film.exr");
+    assert_int_equal(image.width, 24);
+    assert_int_equal(image.height, 16);
+    double sum = 0;
+    for (int i = 0; i < 24 * 16; i++) sum += rgb_sum(image.pixels[i]);
+    assert_true(sum > 0);
+    bis_image_clear(&image);
+    unlink(DIR "/film.exr");
+}
+
+static void the_word_render_may_be_left_out_and_the_seed_decides(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, "render " SCENE " --outfile " DIR "/a.exr --nthreads 1");
+    program_expect(&r, 0, SCENE " --outfile " DIR "/b.exr --nthreads 3");
+    program_expect(&r, 0, SCENE " --outfile " DIR "/c.exr --seed 99");
+    assert_true(relmse(DIR "/a.exr", DIR "/b.exr") == 0);
+    assert_true(relmse(DIR "/a.exr", DIR "/c.exr") > 0);
+    assert_false(program_exists(DIR "/film.exr"));
+}
+
+static void every_format_holds_the_same_picture(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, SCENE " --outfile " DIR "/f.exr --outfile " DIR "/f.pfm --outfile=" DIR "/f.hdr --outfile " DIR "/f.png");
+    assert_true(relmse(DIR "/f.pfm", DIR "/f.exr") == 0);
+    double error = relmse(DIR "/f.hdr", DIR "/f.exr");
+    assert_true(error > 0 && error < 1e-3); /* 8 bits of mantissa for the largest channel, fewer for the others */
+    FILE *f = fopen(DIR "/f.png", "rb");
+    unsigned char head[24];
+    assert_int_equal(fread(head, 1, 24, f), 24);
+    fclose(f);
+    assert_memory_equal(head, "\x89PNG\r\n\x1a\n", 8);
+    assert_int_equal(head[19], 24); /* IHDR: width, height */
+    assert_int_equal(head[23], 16);
+}
+
+static void exposure_makes_a_png_brighter(void **state)
+{
+    (void)state;
+    program_run r;
+    struct stat dark, bright;
+    program_expect(&r, 0, SCENE " --exposure -99 --outfile " DIR "/dark.png");
+    program_expect(&r, 0, SCENE " --exposure 0 --outfile " DIR "/bright.png");
+    assert_int_equal(stat(DIR "/dark.png", &dark), 0);
+    assert_int_equal(stat(DIR "/bright.png", &bright), 0);
+    assert_true(dark.st_size < bright.st_size / 2); /* all black compresses well */
+}
+
+/* --- EXR ----------------------------------------------------------------------------------------------------------- */
+
+static exr_context_t open_exr(const char *path)
+{
+    exr_context_t file;
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    assert_int_equal(exr_start_read(&file, path, &init), EXR_ERR_SUCCESS);
+    return file;
+}
+
+static void assert_text(exr_context_t file, const char *name, const char *expected)
+{
+    const char *text = NULL;
+    int32_t length;
+    if (exr_attr_get_string(file, 0, name, &length, &text)) fail_msg("no attribute %s", name);
+    assert_string_equal(text, expected);
+}
+
+static double number(exr_context_t file, const char *name)
+{
+    double v = (double)NAN;
+    if (exr_attr_get_double(file, 0, name, &v)) fail_msg("no attribute %s", name);
+    return v;
+}
+
+static void an_exr_says_how_it_was_made(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, SCENE " --outfile " DIR "/attr.exr --spp 5 --seed 7 --candidates 30 --proposal em");
+    exr_context_t file = open_exr(DIR "/attr.exr");
+    assert_text(file, "scene", SCENE);
+    assert_text(file, "integrator", "sir");
+    assert_text(file, "proposal", "em");
+    assert_text(file, "resampling", "systematic");
+    assert_text(file, "stratify", "true");
+    assert_true(number(file, "candidates") == 30);
+    assert_true(number(file, "shadowrays") == 2);
+    assert_true(number(file, "spp") == 5);
+    assert_true(number(file, "seed") == 7);
+    assert_true(number(file, "render_seconds") > 0);
+    assert_true(number(file, "estimated_relative_rmse") > 0);
+    const char *version;
+    int32_t length;
+    assert_int_equal(exr_attr_get_string(file, 0, "bis:version", &length, &version), EXR_ERR_SUCCESS);
+    exr_finish(&file);
+}
+
+static void an_exr_has_float_channels_and_alpha_is_the_share_of_hits(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, SCENE " --outfile " DIR "/alpha.exr");
+    exr_context_t file = open_exr(DIR "/alpha.exr");
+    const exr_attr_chlist_t *channels;
+    assert_int_equal(exr_get_channels(file, 0, &channels), EXR_ERR_SUCCESS);
+    assert_int_equal(channels->num_channels, 4);
+    const char *names[4] = {"A", "B", "G", "R"};
+    for (int i = 0; i < 4; i++) {
+        assert_string_equal(channels->entries[i].name.str, names[i]);
+        assert_int_equal(channels->entries[i].pixel_type, EXR_PIXEL_FLOAT);
+    }
+    exr_finish(&file);
+}
+
+static void a_crop_keeps_the_display_window_and_the_pixels(void **state)
+{
+    (void)state;
+    program_run r;
+    bis_image full, crop;
+    program_expect(&r, 0, SCENE " --outfile " DIR "/full.exr");
+    program_expect(&r, 0, SCENE " --cropwindow 0.25,0.75,0.5,1 --outfile " DIR "/crop.exr --outfile " DIR "/crop.pfm");
+    exr_context_t file = open_exr(DIR "/crop.exr");
+    exr_attr_box2i_t data, display;
+    assert_int_equal(exr_get_data_window(file, 0, &data), EXR_ERR_SUCCESS);
+    assert_int_equal(exr_get_display_window(file, 0, &display), EXR_ERR_SUCCESS);
+    exr_finish(&file);
+    const int expected[8] = {6, 8, 17, 15, 0, 0, 23, 15};
+    const int found[8] = {data.min.x, data.min.y, data.max.x, data.max.y, display.min.x, display.min.y, display.max.x, display.max.y};
+    assert_memory_equal(found, expected, sizeof expected);
+    read_image(&full, DIR "/full.exr");
+    for (int format = 0; format < 2; format++) {
+        read_image(&crop, format ? DIR "/crop.pfm" : DIR "/crop.exr");
+        assert_int_equal(crop.width, 12);
+        assert_int_equal(crop.height, 8);
+        for (int y = 0; y < 8; y++) assert_memory_equal(&crop.pixels[y * 12], &full.pixels[(y + 8) * 24 + 6], 12 * sizeof(rgb));
+        bis_image_clear(&crop);
+    }
+    bis_image_clear(&full);
+}
+
+/* --- statistics ---------------------------------------------------------------------------------------------------- */
+
+static void stats_are_json_with_exactly_the_keys_of_the_contract(void **state)
+{
+    (void)state;
+    program_run r;
+    char keys[1024];
+    program_expect(&r, 0, SCENE " --outfile " DIR "/s.exr --stats -");
+    assert_true(json_is_valid(r.output));
+    assert_string_equal(json_keys(keys, sizeof keys, r.output, ""),
+                        "version scene integrator proposal candidates shadowrays samples spp seed threads accelerator triangles width height seconds rays "
+                        "candidates_drawn accepted fallbacks peak_memory_bytes memory estimated_relative_rmse interrupted ");
+    assert_string_equal(json_keys(keys, sizeof keys, r.output, "seconds"), "parse load envmap accel render write total ");
+    assert_string_equal(json_keys(keys, sizeof keys, r.output, "rays"), "camera shadow ");
+    assert_string_equal(json_keys(keys, sizeof keys, r.output, "memory"), "mesh accel envmap film ");
+}
+
+static void stats_in_a_file_are_those_of_standard_output(void **state)
+{
+    (void)state;
+    program_run r;
+    char text[4096], value[64];
+    struct stat st;
+    program_expect(&r, 0, SCENE " --outfile " DIR "/s.exr --stats " DIR "/s.json");
+    assert_string_equal(r.output, "");
+    FILE *f = fopen(DIR "/s.json", "r");
+    assert_non_null(f);
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    assert_string_equal(json_value(value, sizeof value, text, "rays.camera"), "1536");
+    /* A device is written to, not replaced by a file. */
+    program_expect(&r, 0, SCENE " --outfile " DIR "/s.exr --stats /dev/null");
+    assert_int_equal(stat("/dev/null", &st), 0);
+    assert_true(S_ISCHR(st.st_mode));
+}
+
+/* Options, and what --stats must say then. */
+static void options_override_the_scene(void **state)
+{
+    (void)state;
+    const struct { const char *options, *path, *value; } cases[] = {
+        {"", "integrator", "\"sir\""},
+        {"", "candidates", "20"},
+        {"", "spp", "4"},
+        {"", "width", "24"},
+        {"", "samples", "null"},
+        {"", "accepted", "null"},
+        {"", "triangles", "2"},
+        {"", "interrupted", "false"},
+        {"--candidates 33", "candidates", "33"},
+        {"--shadowrays 3", "shadowrays", "3"},
+        {"--proposal brdf", "proposal", "\"brdf\""},
+        {"--integrator sir", "candidates", "20"}, /* the same integrator keeps what the scene says */
+        {"--integrator em", "integrator", "\"em\""},
+        {"--integrator em", "samples", "16"},
+        {"--integrator em", "candidates", "null"},
+        {"--integrator em", "proposal", "null"},
+        {"--integrator em --samples 3", "samples", "3"},
+        {"--integrator brdf --samples 1", "samples", "1"},
+        {"--integrator mis --samples 2", "samples", "2"},
+        {"--integrator exact", "samples", "null"},
+        {"--integrator exact", "candidates_drawn", "null"},
+        {"--integrator unoccluded --candidates 5", "rays.shadow", "0"},
+        {"--integrator rejection --proposal choose --candidates 50", "proposal", "\"choose\""},
+        {"--spp 3", "spp", "3"},
+        {"--spp 3", "rays.camera", "1152"},
+        {"--seed 12345678901", "seed", "12345678901"},
+        {"--accelerator grid", "accelerator", "\"grid\""},
+        {"--resolution 10x6", "width", "10"},
+        {"--resolution 10x6", "rays.camera", "240"},
+        {"--cropwindow 0,0.5,0,1", "width", "12"},
+        {"--nthreads 2", "spp", "4"},
+        {"--disable-pixel-jitter", "spp", "4"},
+        {"--error 9 --time 1000", "spp", "4"},
+        {"--spp 2 --time 1000 --error 1e-9", "spp", "2"},
+        {"--spp 1", "estimated_relative_rmse", "null"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_run r;
+        char value[128];
+        program_expect(&r, 0, SCENE " --outfile " DIR "/o.exr --stats - %s", cases[i].options);
+        json_value(value, sizeof value, r.output, cases[i].path);
+        if (strcmp(value, cases[i].value) != 0) fail_msg("%s: %s is %s, not %s", cases[i].options, cases[i].path, value, cases[i].value);
+        assert_string_equal(r.messages, "");
+    }
+}
+
+static void without_jitter_a_picture_of_one_colour_has_no_scatter(void **state)
+{
+    (void)state;
+    program_run r;
+    char value[64];
+    program_write_file(DIR "/empty.txt", "WorldBegin LightSource \"infinite\" \"rgb L\" [1 2 3]\n");
+    program_expect(&r, 0, DIR "/empty.txt --resolution 8x8 --disable-pixel-jitter --outfile " DIR "/e.pfm --stats -");
+    assert_string_equal(json_value(value, sizeof value, r.output, "estimated_relative_rmse"), "0");
+    assert_string_equal(json_value(value, sizeof value, r.output, "accelerator"), "null");
+    assert_string_equal(json_value(value, sizeof value, r.output, "memory.accel"), "null");
+    assert_string_equal(json_value(value, sizeof value, r.output, "memory.envmap"), "null");
+    bis_image image;
+    read_image(&image, DIR "/e.pfm");
+    for (int i = 0; i < 64; i++) assert_true(image.pixels[i].r == 1 && image.pixels[i].g == 2 && image.pixels[i].b == 3);
+    bis_image_clear(&image);
+}
+
+static void a_time_budget_renders_for_a_while_and_says_how_much(void **state)
+{
+    (void)state;
+    program_run r;
+    char value[64];
+    program_expect(&r, 0, SCENE " --time 0.2 --outfile " DIR "/t.exr --stats -");
+    assert_true(atof(json_value(value, sizeof value, r.output, "spp")) >= 1);
+    program_expect(&r, 0, SCENE " --time 1e-9 --outfile " DIR "/t.exr --stats -");
+    assert_string_equal(json_value(value, sizeof value, r.output, "spp"), "1");
+}
+
+static void an_option_without_effect_is_a_warning(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, SCENE " --outfile " DIR "/w.exr --integrator em --candidates 9");
+    assert_string_equal(r.messages, "bis: warning: --candidates has no effect on integrator \"em\"\n");
+    program_expect(&r, 0, SCENE " --outfile " DIR "/w.exr --integrator em --candidates 9 --quiet");
+    assert_string_equal(r.messages, "");
+}
+
+/* --- plan ---------------------------------------------------------------------------------------------------------- */
+
+static void plan_renders_and_writes_nothing(void **state)
+{
+    (void)state;
+    program_run r;
+    int before = program_count_files(DIR);
+    program_expect(&r, 0, "--plan " SCENE);
+    assert_non_null(strstr(r.output, "sir"));
+    assert_string_equal(r.messages, "");
+    assert_int_equal(program_count_files(DIR), before);
+}
+
+/* --- mistakes ------------------------------------------------------------------------------------------------------ */
+
+/* Exit status, a part of the message; nothing is written, standard output stays empty. */
+static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
+{
+    (void)state;
+    program_write_file(DIR "/bad.txt", "WorldBegin\nShpae \"sphere\"\n");
+    program_write_file(DIR "/badfilm.txt", "Film \"rgb\" \"string filename\" \"" DIR "/picture.tga\"\nWorldBegin\n");
+    const struct { const char *arguments, *message; } cases[] = {
+        {"", "no scene"},
+        {"render", "too few operands"},
+        {SCENE " " SCENE, "too many operands"},
+        {SCENE " --ssp 3", "did you mean \"--spp\"?"},
+        {SCENE " --integrator path", "it is one of em, brdf, mis, rejection, sir, exact, unoccluded"},
+        {SCENE " --proposal mx", "did you mean \"mix\"?"},
+        {SCENE " --accelerator bvh", "it is one of grid, embree"},
+        {SCENE " --spp 0", "must be an integer in [1, 1000000000]"},
+        {SCENE " --spp -1", "must be an integer in [1, 1000000000]"},
+        {SCENE " --spp 99999999999", "must be an integer in [1, 1000000000]"},
+        {SCENE " --time 0", "must be a number in (0, "},
+        {SCENE " --time -3", "must be a number in (0, "},
+        {SCENE " --time nan", "must be a number in (0, "},
+        {SCENE " --time 1e300", "must be a number in (0, "},
+        {SCENE " --error 0", "must be a number in (0, 10]"},
+        {SCENE " --error inf", "must be a number in (0, 10]"},
+        {SCENE " --candidates 0", "must be an integer in"},
+        {SCENE " --shadowrays 0", "must be an integer in"},
+        {SCENE " --integrator em --samples 0", "must be an integer in"},
+        {SCENE " --integrator mis --samples 1", "em"},
+        {SCENE " --proposal choose", "proposal"},
+        {SCENE " --integrator rejection --proposal mix", "proposal"},
+        {SCENE " --nthreads 0", "must be an integer in [1, 1024]"},
+        {SCENE " --resolution 0x5", "WxH"},
+        {SCENE " --resolution 5", "WxH"},
+        {SCENE " --resolution 99999x5", "WxH"},
+        {SCENE " --cropwindow 0,1,0", "x0,x1,y0,y1"},
+        {SCENE " --cropwindow 0.6,0.5,0,1", "x0,x1,y0,y1"},
+        {SCENE " --cropwindow 0,0.001,0,1 --resolution 1x1 --cropwindow 0.1,0.2,0,1", "holds no pixel"},
+        {SCENE " --seed -1", "must be an integer"},
+        {SCENE " --exposure x", "must be a number"},
+        {SCENE " --outfile " DIR "/new.jpg", "must be .exr, .pfm, .hdr or .png"},
+        {SCENE " --outfile " DIR "/new", "must be .exr, .pfm, .hdr or .png"},
+        {DIR "/bad.txt --outfile " DIR "/new.exr", "bad.txt:2:1: error: "},
+        {DIR "/badfilm.txt", "picture.tga"},
+        {"help nonsense", "no command \"nonsense\""},
+        {"compare " DIR "/map.pfm", "too few operands"},
+        {"compare --tolerance -1 a b", "must be a number >= 0"},
+    };
+    int before = program_count_files(DIR);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_run r;
+        program_expect(&r, 2, "%s", cases[i].arguments);
+        if (!strstr(r.messages, cases[i].message)) fail_msg("bis %s: says %s not %s", cases[i].arguments, r.messages, cases[i].message);
+        assert_string_equal(r.output, "");
+        assert_int_equal(program_count_files(DIR), before);
+    }
+}
+
+static void files_that_cannot_be_read_or_written_exit_with_1(void **state)
+{
+    (void)state;
+    const struct { const char *arguments, *message; } cases[] = {
+        {DIR "/nosuch.txt", "nosuch.txt"},
+        {DIR, DIR},
+        {SCENE " --outfile " DIR "/no/folder.exr", "No such file or directory"},
+        {SCENE " --outfile " SCENE "/x.exr", "is not a folder"},
+        {SCENE " --stats " DIR "/no/stats.json --outfile " DIR "/new.exr", "No such file or directory"},
+        {SCENE " --stats " DIR " --outfile " DIR "/new.exr", "it is a folder"},
+        {SCENE " --outfile " DIR "/ok.exr --stats - >/dev/full", "standard output cannot be written"},
+        {"--help >/dev/full", "standard output cannot be written"},
+        {"--version >/dev/full", "standard output cannot be written"},
+        {"compare " DIR "/map.pfm " DIR "/nosuch.pfm", "nosuch.pfm"},
+        {"compare " DIR "/map.pfm " SCENE, "scene.txt"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_run r;
+        program_expect(&r, 1, "%s", cases[i].arguments);
+        if (!strstr(r.messages, cases[i].message)) fail_msg("bis %s: says %s not %s", cases[i].arguments, r.messages, cases[i].message);
+        assert_false(program_exists(DIR "/new.exr"));
+    }
+}
+
+/* The limit of 300 bytes a file is what a full disk looks like to write(). */
+static void a_full_disk_keeps_the_older_file_and_leaves_no_other(void **state)
+{
+    (void)state;
+    const char *const endings[] = {"exr", "pfm", "hdr", "png"};
+    for (int i = 0; i < 4; i++) {
+        program_run r;
+        char path[64], arguments[256], text[64] = "";
+        snprintf(path, sizeof path, DIR "/kept.%s", endings[i]);
+        program_write_file(path, "an older picture");
+        int before = program_count_files(DIR);
+        snprintf(arguments, sizeof arguments, SCENE " --outfile %s", path);
+        program_run_limited(&r, 300, arguments);
+        assert_int_equal(r.exit_status, 1);
+        assert_non_null(strstr(r.messages, path));
+        FILE *f = fopen(path, "r");
+        assert_non_null(fgets(text, sizeof text, f));
+        fclose(f);
+        assert_string_equal(text, "an older picture");
+        assert_int_equal(program_count_files(DIR), before);
+    }
+}
+
+static void one_file_that_fails_does_not_lose_the_others(void **state)
+{
+    (void)state;
+    program_run r;
+    /* 24 x 16 pixels: 4.6 kB as PFM, under 2 kB as PNG. */
+    program_run_limited(&r, 2000, SCENE " --spp 1 --outfile " DIR "/lost.pfm --outfile " DIR "/saved.png");
+    assert_int_equal(r.exit_status, 1);
+    assert_false(program_exists(DIR "/lost.pfm"));
+    assert_true(program_exists(DIR "/saved.png"));
+}
+
+/* --- interruption -------------------------------------------------------------------------------------------------- */
+
+static void a_signal_ends_the_render_and_writes_the_picture(void **state)
+{
+    (void)state;
+    const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+    for (int i = 0; i < 3; i++) {
+        program_run r;
+        char value[64];
+        unlink(DIR "/stopped.exr");
+        pid_t pid = program_start(SCENE " --spp 1000000000 --outfile " DIR "/stopped.exr --stats -");
+        program_wait_for_handler(pid, signals[i]);
+        assert_int_equal(kill(pid, signals[i]), 0);
+        program_finish(&r, pid);
+        assert_int_equal(r.exit_status, 130);
+        assert_string_equal(json_value(value, sizeof value, r.output, "interrupted"), "true");
+        bis_image image;
+        read_image(&image, DIR "/stopped.exr");
+        assert_int_equal(image.width, 24);
+        bis_image_clear(&image);
+    }
+}
+
+/* A long pass: 512 x 256 patches a pixel in `exact`. */
+static void a_signal_in_the_first_pass_still_writes_a_picture(void **state)
+{
+    (void)state;
+    program_run r;
+    char value[64];
+    program_write_file(DIR "/long.txt", "Integrator \"exact\" \"integer perpatch\" 100\nWorldBegin LightSource \"infinite\" "
+                       "Translate 0 0 3 Shape \"sphere\" \"float radius\" 5\n");
+    pid_t pid = program_start(DIR "/long.txt --resolution 400x400 --outfile " DIR "/first.exr --stats -");
+    program_wait_for_handler(pid, SIGINT);
+    assert_int_equal(kill(pid, SIGINT), 0);
+    program_finish(&r, pid);
+    assert_int_equal(r.exit_status, 130);
+    assert_string_equal(json_value(value, sizeof value, r.output, "spp"), "0");
+    assert_true(program_exists(DIR "/first.exr"));
+}
+
+/* --- other commands ------------------------------------------------------------------------------------------------ */
+
+static void help_and_version_are_complete_and_fit_80_columns(void **state)
+{
+    (void)state;
+    const char *commands[] = {"--help", "help", "render --help", "compare --help", "envmap --help", "help compare", "version", "--version"};
+    const char *words[] = {"--nthreads", "envmap", "130", "--tolerance", "--help", "--diff", "Embree", "libpng"};
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        program_run r;
+        program_expect(&r, 0, "%s", commands[i]);
+        assert_non_null(strstr(r.output, words[i]));
+        assert_string_equal(r.messages, "");
+        for (const char *line = r.output; *line;) {
+            size_t n = strcspn(line, "\n");
+            if (n > 80) fail_msg("bis %s: \"%.*s\" has %zu columns", commands[i], (int)n, line, n);
+            line += n + (line[n] == '\n');
+        }
+    }
+}
+
+static void compare_prints_the_same_figures_as_text_and_json(void **state)
+{
+    (void)state;
+    program_run text, json;
+    char keys[256], key[32], number_text[64], value[64];
+    program_expect(&text, 0, SCENE " --outfile " DIR "/ca.exr --seed 1");
+    program_expect(&text, 0, SCENE " --outfile " DIR "/cb.pfm --seed 2");
+    program_expect(&text, 0, "compare " DIR "/ca.exr " DIR "/cb.pfm");
+    program_expect(&json, 0, "compare --json " DIR "/ca.exr " DIR "/cb.pfm");
+    assert_true(json_is_valid(json.output));
+    assert_string_equal(json_keys(keys, sizeof keys, json.output, ""), "mean_a mean_b bias bias_se rmse relmse max_abs pixels nonfinite ");
+    int n = 0, used;
+    for (const char *line = text.output; sscanf(line, "%31s %63s\n%n", key, number_text, &used) == 2; line += used) {
+        assert_string_equal(json_value(value, sizeof value, json.output, key), number_text);
+        n++;
+    }
+    assert_int_equal(n, 9);
+}
+
+static void compare_judges_by_a_tolerance_and_by_size(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, SCENE " --outfile " DIR "/ca.exr --seed 1");
+    program_expect(&r, 0, SCENE " --outfile " DIR "/cb.exr --seed 2");
+    program_expect(&r, 0, SCENE " --outfile " DIR "/cc.exr --resolution 5x5");
+    program_expect(&r, 0, "compare --tolerance 0 " DIR "/ca.exr " DIR "/ca.exr");
+    program_expect(&r, 1, "compare --tolerance 0 " DIR "/ca.exr " DIR "/cb.exr");
+    program_expect(&r, 0, "compare --tolerance 1e9 " DIR "/ca.exr " DIR "/cb.exr");
+    program_expect(&r, 2, "compare " DIR "/ca.exr " DIR "/cc.exr");
+    assert_string_equal(r.output, "");
+    program_expect(&r, 2, "compare --diff " DIR "/d.txt " DIR "/ca.exr " DIR "/cb.exr");
+    program_expect(&r, 1, "compare --diff " DIR "/no/d.png " DIR "/ca.exr " DIR "/cb.exr");
+    program_expect(&r, 0, "compare --diff " DIR "/d.pfm " DIR "/ca.exr " DIR "/ca.exr");
+    bis_image image;
+    read_image(&image, DIR "/d.pfm");
+    for (int i = 0; i < 24 * 16; i++) assert_true(rgb_is_black(image.pixels[i]));
+    bis_image_clear(&image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scene_renders_to_the_file_it_names),
+        cmocka_unit_test(the_word_render_may_be_left_out_and_the_seed_decides),
+        cmocka_unit_test(every_format_holds_the_same_picture),
+        cmocka_unit_test(exposure_makes_a_png_brighter),
+        cmocka_unit_test(an_exr_says_how_it_was_made),
+        cmocka_unit_test(an_exr_has_float_channels_and_alpha_is_the_share_of_hits),
+        cmocka_unit_test(a_crop_keeps_the_display_window_and_the_pixels),
+        cmocka_unit_test(stats_are_json_with_exactly_the_keys_of_the_contract),
+        cmocka_unit_test(stats_in_a_file_are_those_of_standard_output),
+        cmocka_unit_test(options_override_the_scene),
+        cmocka_unit_test(without_jitter_a_picture_of_one_colour_has_no_scatter),
+        cmocka_unit_test(a_time_budget_renders_for_a_while_and_says_how_much),
+        cmocka_unit_test(an_option_without_effect_is_a_warning),
+        cmocka_unit_test(plan_renders_and_writes_nothing),
+        cmocka_unit_test(bad_usage_and_bad_scenes_exit_with_2_and_write_nothing),
+        cmocka_unit_test(files_that_cannot_be_read_or_written_exit_with_1),
+        cmocka_unit_test(a_full_disk_keeps_the_older_file_and_leaves_no_other),
+        cmocka_unit_test(one_file_that_fails_does_not_lose_the_others),
+        cmocka_unit_test(a_signal_ends_the_render_and_writes_the_picture),
+        cmocka_unit_test(a_signal_in_the_first_pass_still_writes_a_picture),
+        cmocka_unit_test(help_and_version_are_complete_and_fit_80_columns),
+        cmocka_unit_test(compare_prints_the_same_figures_as_text_and_json),
+        cmocka_unit_test(compare_judges_by_a_tolerance_and_by_size),
+    };
+    return cmocka_run_group_tests(tests, setup, NULL);
+}
