@@ -1,8 +1,9 @@
 /* camera: pbrt's cameras, the pinhole and the parallel projection, in double.
  *
- * The screen is the plane z = 1 of camera space (x right, y up, z forward: left-handed). Its window is [-1,1] along the shorter side of
- * the frame, or what `screenwindow` says; the film's row 0 lies at the window's y1. For a perspective camera the window is
- * scaled by tan(fov/2), so that fov spans the shorter side. Source: pbrt-v3 6.2, whose matrices come to the same. */
+ * The screen is the plane z = 1 of camera space (x right, y up, z forward: left-handed). Its window is [-1,1] along the
+ * shorter side of the frame, or what `screenwindow` says; the film's row 0 lies at the window's y1. For a perspective
+ * camera the window is scaled by tan(fov/2), so that fov spans the shorter side. Source: pbrt-v3 6.2, whose matrices
+ * come to the same. */
 #include "bis/camera.h"
 
 /* x0, x1, y0, y1 on the screen. */

@@ -6,8 +6,8 @@
 
 #include <stdint.h>
 
-/* A block of at least `needed` items of `size` bytes that starts with p's old content, or NULL without memory (p then lives on).
- * *capacity is what the block holds, in items. */
+/* A block of at least `needed` items of `size` bytes that starts with p's old content, or NULL without memory (p then
+ * lives on). *capacity is what the block holds, in items. */
 static inline void *bis_grow(void *p, size_t *capacity, size_t needed, size_t size)
 {
     if (p && needed <= *capacity) return p;

@@ -1,9 +1,9 @@
 /* lexer: pbrt's tokens. White space separates and means nothing else, '#' starts a comment that ends with the line.
  *
  * Included files form a stack of at most 64, so that no recursion follows the user's input. A token is a view into the
- * file's content: nothing is copied. The column of a token costs O(1): bytes since the line's start less those that continue
- * a UTF-8 character, which can only stand in strings and comments and are counted there. A scene of ten million numbers
- * is as fast as bis_parse_double. */
+ * file's content: nothing is copied. The column of a token costs O(1): bytes since the line's start less those that
+ * continue a UTF-8 character, which can only stand in strings and comments and are counted there. A scene of ten
+ * million numbers is as fast as bis_parse_double. */
 #include "lexer.h"
 
 #include "bis/file.h"
@@ -31,8 +31,9 @@ static size_t utf8_length(const char *s, const char *end)
     for (size_t i = 1; i < n; i++)
         if (!continues_character(s[i])) return 0;
     const unsigned char d = (unsigned char)s[1];
-    if ((c == 0xe0 && d < 0xa0) || (c == 0xed && d > 0x9f) || (c == 0xf0 && d < 0x90) || (c == 0xf4 && d > 0x8f)) return 0;
-    return n;
+    const bool overlong = (c == 0xe0 && d < 0xa0) || (c == 0xf0 && d < 0x90);
+    const bool surrogate = c == 0xed && d > 0x9f, too_large = c == 0xf4 && d > 0x8f;
+    return overlong || surrogate || too_large ? 0 : n;
 }
 
 static bis_loc place(const bis_source *s, const char *at)

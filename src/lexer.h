@@ -1,5 +1,5 @@
-/* lexer: from the bytes of a scene file to words, quoted strings, numbers and brackets, each with its place. Included by the
- * parser alone. */
+/* lexer: from the bytes of a scene file to words, quoted strings, numbers and brackets, each with its place. Included
+ * by the parser alone. */
 #ifndef BIS_LEXER_H
 #define BIS_LEXER_H
 
@@ -45,7 +45,8 @@ typedef struct bis_lexer {
     bis_diag *diag; /* may be NULL */
 } bis_lexer;
 
-/* Go on with the file of this name, which must outlive all locs; at: the place that names it. Errors: those of bis_file_read; BIS_INPUT: a cycle, too deep. */
+/* Go on with the file of this name, which must outlive all locs; at: the place that names it. Errors: those of
+ * bis_file_read; BIS_INPUT: a cycle, too deep. */
 bis_status bis_lexer_push(bis_lexer *l, const char *name, bis_loc at);
 
 /* Back to the including file. False: there is none. */

@@ -1,15 +1,16 @@
 /* parser: from a scene file to a bis_scene_desc, SPEC 2.
  *
  * A table names every directive with the half of the scene where it may stand and the function that reads it; a second
- * table names pbrt's directives that bis does not model, so that the answer to them is more than "unknown". After a mistake the parser
- * goes on with the next directive and reports up to 50 errors in one go; a description is handed out only when there is
- * none. Nothing here recurses: includes, blocks and instances are explicit stacks with limits. */
+ * table names pbrt's directives that bis does not model, so that the answer to them is more than "unknown". After a
+ * mistake the parser goes on with the next directive and reports up to 50 errors in one go; a description is handed out
+ * only when there is none. Nothing here recurses: includes, blocks and instances are explicit stacks with limits. */
 #include "parser.h"
 
 #include "bis/file.h"
 #include "bis/mem.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -25,6 +26,16 @@ void bis_parser_note(bis_parser *p, bis_status status)
         bis_error(p->diag, BIS_INPUT, p->token.at, "stopped after %d errors", BIS_MAX_ERRORS);
         p->stop = true;
     }
+}
+
+void bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...)
+{
+    char text[1024];
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s", text));
 }
 
 void bis_parser_nomem(bis_parser *p, bis_loc at)
@@ -87,7 +98,8 @@ char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
     }
     if (name[0]) why = why_unreadable(path, &status);
     if (!why) return path;
-    bis_parser_note(p, bis_error(p->diag, status, at, "cannot read \"%s\": %s", bis_printable(word, path, strlen(path)), why));
+    bis_printable(word, path, strlen(path));
+    bis_parser_note(p, bis_error(p->diag, status, at, "cannot read \"%s\": %s", word, why));
     bis_free(path);
     return NULL;
 }
@@ -97,7 +109,7 @@ static void directive_include(bis_parser *p, bis_loc at)
 {
     if (!bis_parser_peek_name(p, "Include")) return;
     if (++p->n_includes > BIS_MAX_INCLUDES) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "more than %d Includes in all", BIS_MAX_INCLUDES));
+        bis_parser_error(p, at, "more than %d Includes in all", BIS_MAX_INCLUDES);
         p->stop = true;
         return;
     }
@@ -115,7 +127,7 @@ static void directive_include(bis_parser *p, bis_loc at)
 static void directive_world_begin(bis_parser *p, bis_loc at)
 {
     if (p->in_world) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "a second WorldBegin: a scene has one world"));
+        bis_parser_error(p, at, "a second WorldBegin: a scene has one world");
         return;
     }
     p->in_world = true;
@@ -197,13 +209,12 @@ static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
 
     for (size_t i = 0; i < BIS_COUNT(foreign); i++) {
         if (strcmp(name, foreign[i].name) != 0) continue;
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s is a directive of pbrt that bis does not model: %s", name,
-                                     foreign[i].instead));
+        bis_parser_error(p, at, "%s is a directive of pbrt that bis does not model: %s", name, foreign[i].instead);
         return;
     }
     for (size_t i = 0; i < BIS_COUNT(directives); i++) names[i] = directives[i].name;
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "unknown directive \"%s\"%s", bis_printable(word, name, strlen(name)),
-                                 bis_parser_hint(hint, bis_nearest_name(name, names, BIS_COUNT(directives)))));
+    bis_parser_error(p, at, "unknown directive \"%s\"%s", bis_printable(word, name, strlen(name)),
+                     bis_parser_hint(hint, bis_nearest_name(name, names, BIS_COUNT(directives))));
 }
 
 static void run_directive(bis_parser *p, const char *name, bis_loc at)
@@ -216,13 +227,12 @@ static void run_directive(bis_parser *p, const char *name, bis_loc at)
         unknown_directive(p, name, at);
         p->lost = true;
     } else if (p->ended) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s after WorldEnd: a scene has one world", name));
+        bis_parser_error(p, at, "%s after WorldEnd: a scene has one world", name);
         p->lost = p->stop = true;
     } else if (d->where & (p->in_world ? WORLD : OPTIONS)) {
         d->run(p, at);
     } else {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s must stand %s WorldBegin", name,
-                                     d->where == OPTIONS ? "before" : "after"));
+        bis_parser_error(p, at, "%s must stand %s WorldBegin", name, d->where == OPTIONS ? "before" : "after");
         p->lost = true;
     }
 }
@@ -245,7 +255,7 @@ static void next_directive(bis_parser *p)
         p->lost = true;
         bis_parser_advance(p);
     } else if (t.kind != BIS_TOKEN_WORD) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, t.at, "expected a directive, found %s", bis_token_name(buf, &t)));
+        bis_parser_error(p, t.at, "expected a directive, found %s", bis_token_name(buf, &t));
         p->lost = true;
     } else {
         p->lost = false;
@@ -261,11 +271,12 @@ static void check_whole(bis_parser *p)
     bis_parser_check_blocks(p);
     bis_parser_check_materials(p);
     if (!p->in_world)
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->token.at, "the scene has no WorldBegin"));
+        bis_parser_error(p, p->token.at, "the scene has no WorldBegin");
     if (p->status) return;
     bis_parser_note(p, bis_settings_check(&p->desc->settings, p->desc->integrator_loc, p->diag));
     if (!p->desc->has_light)
-        bis_warn(p->diag, (bis_loc){p->desc->files[0], 0, 0}, "no light: the scene has no LightSource and will be black");
+        bis_warn(p->diag, (bis_loc){p->desc->files[0], 0, 0},
+                 "no light: the scene has no LightSource and will be black");
 }
 
 static void parser_clear(bis_parser *p)

@@ -1,7 +1,8 @@
-/* parser: the state that parser.c, parser_params.c and the files of directives (parser_*.c) share. Nobody else includes this.
+/* parser: the state that parser.c, parser_params.c and the files of directives (parser_*.c) share. Nobody else includes
+ * this.
  *
- * A directive is a function bis_directive_<name>(p, at). It reads what follows its name from p->token on, and writes into p->desc. It
- * complains by bis_parser_note(p, bis_error(...)) and goes on; where the syntax itself is broken it returns at once, and
+ * A directive is a function bis_directive_<name>(p, at). It reads what follows its name from p->token on, and writes
+ * into p->desc. It complains by bis_parser_error and goes on; where the syntax itself is broken it returns at once, and
  * bis_scene_parse looks for the next directive. */
 #ifndef BIS_PARSER_H
 #define BIS_PARSER_H
@@ -132,7 +133,10 @@ typedef struct bis_parser {
 
 /* ---- parser.c ---- */
 
-/* Count an error; a status of BIS_OK is fine. */
+/* Complain of the input; pieces of it are cut to a readable length by the caller, and the whole to 1 kB. */
+void bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
+
+/* Count an error that another module has complained of; BIS_OK is fine. */
 void bis_parser_note(bis_parser *p, bis_status status);
 void bis_parser_nomem(bis_parser *p, bis_loc at);
 void bis_parser_advance(bis_parser *p);
@@ -143,7 +147,8 @@ bool bis_parser_once(bis_parser *p, const char *name);
 /* ` (did you mean "X"?)` or "", in buf. */
 const char *bis_parser_hint(char buf[128], const char *nearest);
 
-/* The resolved path of a file that a scene names at `at`, or NULL after a complaint: it must exist. Owned by the caller. */
+/* The resolved path of a file that a scene names at `at`, or NULL after a complaint: it must exist. Owned by the
+ * caller. */
 char *bis_parser_path(bis_parser *p, bis_loc at, const char *name);
 
 /* ---- parser_params.c ---- */
@@ -175,7 +180,8 @@ typedef struct bis_interval {
 /* Does it lie in range? Else complain and say so. */
 bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double value, bis_interval range);
 
-/* Each asks for one parameter: true and *value where it is there and right; false where it is absent, or after a complaint. *value is then untouched. */
+/* Each asks for one parameter: true and *value where it is there and right; false where it is absent, or after a
+ * complaint. *value is then untouched. */
 const bis_param *bis_params_take(bis_parser *p, const char *name, unsigned types, size_t count);
 bool bis_params_float(bis_parser *p, const char *name, double *value, bis_interval range);
 bool bis_params_floats(bis_parser *p, const char *name, double *values, size_t n, bis_interval range);
@@ -206,7 +212,8 @@ typedef struct bis_choice {
 } bis_choice;
 
 /* Look up the name that bis_parser_name has read. NULL: complained. */
-const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const char *name, bis_loc at, const bis_choice *choices, size_t n);
+const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const char *name, bis_loc at,
+                                    const bis_choice *choices, size_t n);
 
 /* Warn of a directive given again. */
 void bis_parser_single(bis_parser *p, bis_single which, const char *directive, bis_loc at);
@@ -215,27 +222,30 @@ void bis_parser_single(bis_parser *p, bis_single which, const char *directive, b
 typedef void bis_directive(bis_parser *p, bis_loc at);
 
 /* parser_transform.c */
-bis_directive bis_directive_identity, bis_directive_translate, bis_directive_scale, bis_directive_rotate, bis_directive_look_at,
-    bis_directive_transform, bis_directive_concat_transform, bis_directive_coordinate_system, bis_directive_coord_sys_transform;
+bis_directive bis_directive_identity, bis_directive_translate, bis_directive_scale, bis_directive_rotate,
+    bis_directive_look_at, bis_directive_transform, bis_directive_concat_transform, bis_directive_coordinate_system,
+    bis_directive_coord_sys_transform;
 
 /* Are the matrix and its inverse finite? */
 bool bis_parser_is_usable(const bis_xform *t);
 bool bis_parser_name_system(bis_parser *p, const char *name, const bis_xform *t, bis_loc at);
 
 /* parser_options.c: what stands before WorldBegin */
-bis_directive bis_directive_camera, bis_directive_film, bis_directive_filter, bis_directive_accelerator, bis_directive_option,
-    bis_directive_color_space, bis_directive_medium_interface;
+bis_directive bis_directive_camera, bis_directive_film, bis_directive_filter, bis_directive_accelerator,
+    bis_directive_option, bis_directive_color_space, bis_directive_medium_interface;
 
 /* parser_integrator.c */
 bis_directive bis_directive_integrator, bis_directive_sampler;
 
 /* parser_blocks.c */
-bis_directive bis_directive_attribute_begin, bis_directive_attribute_end, bis_directive_transform_begin, bis_directive_transform_end,
-    bis_directive_object_begin, bis_directive_object_end, bis_directive_object_instance, bis_directive_reverse_orientation;
+bis_directive bis_directive_attribute_begin, bis_directive_attribute_end, bis_directive_transform_begin,
+    bis_directive_transform_end, bis_directive_object_begin, bis_directive_object_end, bis_directive_object_instance,
+    bis_directive_reverse_orientation;
 void bis_parser_check_blocks(bis_parser *p);
 
 /* parser_world.c */
-bis_directive bis_directive_light, bis_directive_material, bis_directive_make_named_material, bis_directive_named_material;
+bis_directive bis_directive_light, bis_directive_material, bis_directive_make_named_material,
+    bis_directive_named_material;
 void bis_parser_check_materials(bis_parser *p);
 
 /* parser_shapes.c */

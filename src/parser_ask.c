@@ -1,8 +1,9 @@
 /* parser_ask: what a directive wants to know of its parameters.
  *
- * A directive asks for each parameter that it knows by name and type, with the range that the value must lie in; bis_params_end then
- * complains of those that nobody asked for, and knows from the questions which names could have been meant. A value
- * outside its range leaves the default in place and one complaint behind, so that a directive can look at all of its parameters. */
+ * A directive asks for each parameter that it knows by name and type, with the range that the value must lie in;
+ * bis_params_end then complains of those that nobody asked for, and knows from the questions which names could have
+ * been meant. A value outside its range leaves the default in place and one complaint behind, so that a directive can
+ * look at all of its parameters. */
 #include "bis/file.h"
 #include "parser.h"
 
@@ -27,17 +28,17 @@ const bis_param *bis_params_take(bis_parser *p, const char *name, unsigned wante
     param->used = true;
     if (!param->type) return NULL; /* complained of already */
     if (!(param->type & wanted)) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "\"%s\" is of type %s, must be %s", name, param->type_name,
-                                     bis_param_type_names(buf, wanted)));
+        bis_parser_error(p, param->at, "\"%s\" is of type %s, must be %s", name, param->type_name,
+                         bis_param_type_names(buf, wanted));
         return NULL;
     }
     if (param->type == BIS_TYPE_RGB && wanted & BIS_TYPE_FLOAT) count = 3; /* rgb where a float would do, too */
     if (count ? param->n == count : param->n > 0) return param;
     if (count)
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "\"%s\" has %zu value%s, must have %zu", name, param->n,
-                                     param->n == 1 ? "" : "s", count));
+        bis_parser_error(p, param->at, "\"%s\" has %zu value%s, must have %zu", name, param->n,
+                         param->n == 1 ? "" : "s", count);
     else
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "\"%s\" has no value", name));
+        bis_parser_error(p, param->at, "\"%s\" has no value", name);
     return NULL;
 }
 
@@ -50,7 +51,7 @@ bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double val
     bis_format_double(hi, r.hi);
     if (isinf(r.hi)) snprintf(rule, sizeof rule, "%s %s", r.lo_open ? ">" : ">=", lo);
     else snprintf(rule, sizeof rule, "in %c%s, %s%c", r.lo_open ? '(' : '[', lo, hi, r.hi_open ? ')' : ']');
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "\"%s\" is %s, must be %s", name, bis_format_double(v, value), rule));
+    bis_parser_error(p, at, "\"%s\" is %s, must be %s", name, bis_format_double(v, value), rule);
     return false;
 }
 
@@ -77,8 +78,7 @@ bool bis_params_integer(bis_parser *p, const char *name, uint64_t *value, uint64
     const double v = p->params.numbers[param->first];
     char buf[32];
     if (v != floor(v)) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "\"%s\" is %s, must be a whole number", name,
-                                     bis_format_double(buf, v)));
+        bis_parser_error(p, param->at, "\"%s\" is %s, must be a whole number", name, bis_format_double(buf, v));
         return false;
     }
     if (!bis_parser_in_range(p, param->at, name, v, (bis_interval){(double)lo, (double)hi, false, false})) return false;
@@ -110,8 +110,8 @@ bool bis_params_string(bis_parser *p, const char *name, const char **value)
 
 bool bis_params_rgb(bis_parser *p, const char *name, rgb *value, bis_interval range, bool or_float)
 {
-    const bis_param *param =
-        or_float ? bis_params_take(p, name, BIS_TYPE_RGB | BIS_TYPE_FLOAT, 1) : bis_params_take(p, name, BIS_TYPE_RGB, 3);
+    const bis_param *param = or_float ? bis_params_take(p, name, BIS_TYPE_RGB | BIS_TYPE_FLOAT, 1)
+                                      : bis_params_take(p, name, BIS_TYPE_RGB, 3);
     if (!param) return false;
     const double *v = p->params.numbers + param->first;
     const bool grey = param->type == BIS_TYPE_FLOAT;
@@ -134,9 +134,9 @@ bool bis_params_choice(bis_parser *p, const char *name, int *value, const char *
         const char *between = i == 0 ? "" : i + 1 < n ? ", " : " or ";
         length += (size_t)snprintf(list + length, sizeof list - length, "%s\"%s\"", between, choices[i]);
     }
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, name), "\"%s\" is \"%s\", must be %s%s", name,
-                                 bis_printable(word, chosen, strlen(chosen)), list,
-                                 bis_parser_hint(hint, bis_nearest_name(chosen, choices, n))));
+    bis_parser_hint(hint, bis_nearest_name(chosen, choices, n));
+    bis_parser_error(p, bis_params_at(p, name), "\"%s\" is \"%s\", must be %s%s", name,
+                     bis_printable(word, chosen, strlen(chosen)), list, hint);
     return false;
 }
 
@@ -161,13 +161,15 @@ void bis_params_ignore(bis_parser *p, const char *const *names, size_t n)
 void bis_params_end(bis_parser *p, const char *directive, const char *what)
 {
     const bis_params *ps = &p->params;
-    char word[128], hint[128];
+    char hint[128];
     for (size_t i = 0; i < ps->n; i++) {
         if (ps->list[i].used) continue;
         const char *name = bis_parser_text(p, ps->list[i].name);
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, ps->list[i].at, "unknown parameter \"%s\" of %s%s%s%s%s",
-                                     bis_printable(word, name, strlen(name)), directive, what ? " \"" : "", what ? what : "",
-                                     what ? "\"" : "", bis_parser_hint(hint, bis_nearest_name(name, ps->asked, ps->n_asked))));
+        bis_parser_hint(hint, bis_nearest_name(name, ps->asked, ps->n_asked));
+        if (what)
+            bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s \"%s\"%s", name, directive, what, hint);
+        else
+            bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s%s", name, directive, hint);
     }
 }
 
@@ -194,20 +196,21 @@ const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const 
     for (size_t i = 0; i < n; i++) {
         if (strcmp(name, choices[i].name) == 0) {
             if (choices[i].value != BIS_FOREIGN) return &choices[i];
-            bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s \"%s\" is pbrt's and not modelled; bis has %s", directive, name,
-                                         our_names(list, choices, n)));
+            bis_parser_error(p, at, "%s \"%s\" is pbrt's and not modelled; bis has %s", directive, name,
+                             our_names(list, choices, n));
             return NULL;
         }
         if (choices[i].value != BIS_FOREIGN && n_names < BIS_MAX_PARAMS) names[n_names++] = choices[i].name;
     }
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "unknown %s \"%s\"%s", directive, bis_printable(word, name, strlen(name)),
-                                 bis_parser_hint(hint, bis_nearest_name(name, names, n_names))));
+    bis_parser_error(p, at, "unknown %s \"%s\"%s", directive, bis_printable(word, name, strlen(name)),
+                     bis_parser_hint(hint, bis_nearest_name(name, names, n_names)));
     return NULL;
 }
 
 void bis_parser_single(bis_parser *p, bis_single which, const char *directive, bis_loc at)
 {
     const bis_loc first = p->seen[which];
-    if (first.line) bis_warn(p->diag, at, "%s is given again and replaces that of %s:%d", directive, first.file, first.line);
+    if (first.line)
+        bis_warn(p->diag, at, "%s is given again and replaces that of %s:%d", directive, first.file, first.line);
     p->seen[which] = at;
 }

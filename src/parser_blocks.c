@@ -1,7 +1,7 @@
 /* parser_blocks: AttributeBegin/End, TransformBegin/End, ObjectBegin/End on one explicit stack, and instances.
  *
- * The shapes between ObjectBegin and ObjectEnd are kept aside with their transformation to the world as it was there; an instance
- * adds each of them again under CTM * theirs (pbrt's rule). Meshes are shared, see bis_mesh_desc. */
+ * The shapes between ObjectBegin and ObjectEnd are kept aside with their transformation to the world as it was there;
+ * an instance adds each of them again under CTM * theirs (pbrt's rule). Meshes are shared, see bis_mesh_desc. */
 #include "grow.h"
 #include "parser.h"
 
@@ -13,7 +13,7 @@ static const char *const end_names[] = {"AttributeEnd", "TransformEnd", "ObjectE
 static bool open_block(bis_parser *p, bis_block_kind kind, bis_loc at)
 {
     if (p->n_blocks == BIS_MAX_BLOCKS) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "blocks nest deeper than %d", BIS_MAX_BLOCKS));
+        bis_parser_error(p, at, "blocks nest deeper than %d", BIS_MAX_BLOCKS);
         p->stop = true;
         return false;
     }
@@ -31,13 +31,13 @@ static bool open_block(bis_parser *p, bis_block_kind kind, bis_loc at)
 static void close_block(bis_parser *p, bis_block_kind kind, bis_loc at)
 {
     if (!p->n_blocks) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s without %s", end_names[kind], begin_names[kind]));
+        bis_parser_error(p, at, "%s without %s", end_names[kind], begin_names[kind]);
         return;
     }
     const bis_block *top = &p->blocks[--p->n_blocks];
     if (top->kind != kind)
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s where %s is due: it would close the %s of %s:%d", end_names[kind],
-                                     end_names[top->kind], begin_names[top->kind], top->at.file, top->at.line));
+        bis_parser_error(p, at, "%s where %s is due: it would close the %s of %s:%d", end_names[kind],
+                         end_names[top->kind], begin_names[top->kind], top->at.file, top->at.line);
     const uint32_t material = top->kind == BIS_BLOCK_TRANSFORM ? p->now.material : top->saved.material;
     p->now = top->saved;
     p->now.material = material;
@@ -63,8 +63,8 @@ void bis_directive_reverse_orientation(bis_parser *p, bis_loc at)
 static void complain_redefined(bis_parser *p, const char *name, bis_loc first)
 {
     char word[128];
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->name_at, "object \"%s\" is defined already, in %s:%d",
-                                 bis_printable(word, name, strlen(name)), first.file, first.line));
+    bis_parser_error(p, p->name_at, "object \"%s\" is defined already, in %s:%d",
+                     bis_printable(word, name, strlen(name)), first.file, first.line);
 }
 
 void bis_directive_object_begin(bis_parser *p, bis_loc at)
@@ -72,7 +72,7 @@ void bis_directive_object_begin(bis_parser *p, bis_loc at)
     uint32_t before;
     if (!bis_parser_name(p, "ObjectBegin")) return;
     if (p->in_object) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "ObjectBegin inside ObjectBegin: objects do not nest"));
+        bis_parser_error(p, at, "ObjectBegin inside ObjectBegin: objects do not nest");
         open_block(p, BIS_BLOCK_OBJECT, at); /* so that its ObjectEnd has a block to close */
         return;
     }
@@ -95,7 +95,7 @@ void bis_directive_object_end(bis_parser *p, bis_loc at) { close_block(p, BIS_BL
 static void add_instance(bis_parser *p, const bis_object *object, bis_loc at)
 {
     if (object->n > BIS_MAX_SHAPES - p->desc->n_shapes) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "more than %u shapes, instances included", BIS_MAX_SHAPES));
+        bis_parser_error(p, at, "more than %u shapes, instances included", BIS_MAX_SHAPES);
         p->stop = true;
         return;
     }
@@ -103,7 +103,7 @@ static void add_instance(bis_parser *p, const bis_object *object, bis_loc at)
         bis_shape_desc shape = p->object_shapes[object->first + i];
         shape.to_world = bis_xform_compose(&p->now.ctm, &shape.to_world);
         if (!bis_parser_is_usable(&shape.to_world)) {
-            bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "ObjectInstance makes the transformation singular or infinite"));
+            bis_parser_error(p, at, "ObjectInstance makes the transformation singular or infinite");
             return;
         }
         if (!bis_scene_desc_add_shape(p->desc, &shape)) {
@@ -120,23 +120,22 @@ void bis_directive_object_instance(bis_parser *p, bis_loc at)
     if (!bis_parser_name(p, "ObjectInstance")) return;
     const char *name = bis_parser_text(p, p->name);
     if (p->in_object) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "ObjectInstance inside ObjectBegin: objects do not nest"));
+        bis_parser_error(p, at, "ObjectInstance inside ObjectBegin: objects do not nest");
         return;
     }
     if (bis_names_find(&p->object_names, name, &i)) {
         add_instance(p, &p->objects[i], at);
         return;
     }
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->name_at, "object \"%s\" is not defined%s",
-                                 bis_printable(word, name, strlen(name)),
-                                 bis_parser_hint(hint, bis_names_nearest(&p->object_names, name))));
+    bis_parser_error(p, p->name_at, "object \"%s\" is not defined%s", bis_printable(word, name, strlen(name)),
+                     bis_parser_hint(hint, bis_names_nearest(&p->object_names, name)));
 }
 
 void bis_parser_check_blocks(bis_parser *p)
 {
     for (size_t i = p->n_blocks; i-- > 0;) {
         const bis_block *b = &p->blocks[i];
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, b->at, "%s has no %s", begin_names[b->kind], end_names[b->kind]));
+        bis_parser_error(p, b->at, "%s has no %s", begin_names[b->kind], end_names[b->kind]);
         if (p->stop) return;
     }
 }

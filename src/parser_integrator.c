@@ -1,7 +1,8 @@
 /* parser_integrator: Integrator (SPEC 3) and Sampler.
  *
- * Each integrator has its own parameters; one that belongs to another is unknown here, because a scene that gives `candidates` to
- * "em" does not mean what it says. pbrt's integrators and samplers are replaced, with a warning, by what comes nearest. */
+ * Each integrator has its own parameters; one that belongs to another is unknown here, because a scene that gives
+ * `candidates` to "em" does not mean what it says. pbrt's integrators and samplers are replaced, with a warning, by
+ * what comes nearest. */
 #include "parser.h"
 
 #include <string.h>
@@ -86,9 +87,11 @@ static bis_settings read_settings(bis_parser *p, const bis_integrator *integrato
 
 void bis_directive_integrator(bis_parser *p, bis_loc at)
 {
-    static const char *const pbrt[] = {"path",    "volpath", "bdpt",      "mlt",        "sppm",     "directlighting",  "whitted",
-                                       "ao",      "simplepath", "simplevolpath", "lightpath", "randomwalk", "ambientocclusion", "function",
-                                       "photonmap", "exphotonmap", "igi",   "irradiancecache"};
+    static const char *const pbrt[] = {
+        "path",      "volpath",    "bdpt",             "mlt",      "sppm",      "directlighting", "whitted", "ao",
+        "lightpath", "randomwalk", "ambientocclusion", "function", "photonmap", "exphotonmap",    "igi",
+        "irradiancecache", "simplepath", "simplevolpath",
+    };
     bis_choice choices[BIS_COUNT(pbrt) + BIS_COUNT(owns)];
     size_t n = 0;
 
@@ -100,7 +103,8 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
     bis_parser_single(p, BIS_SINGLE_INTEGRATOR, "Integrator", at);
     p->desc->integrator_loc = p->name_at;
     if (chosen->value == BIS_REPLACED) {
-        bis_warn(p->diag, p->name_at, "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\"; its parameters are ignored",
+        bis_warn(p->diag, p->name_at,
+                 "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\"; its parameters are ignored",
                  chosen->name, bis_sir.name);
         p->desc->settings = bis_settings_default(&bis_sir);
         return;
@@ -120,10 +124,9 @@ static void read_stratified(bis_parser *p, bis_sampler *s, bool has_spp)
     bis_params_bool(p, "jitter", &s->jitter);
     if (!has_x && !has_y) return;
     if ((uint64_t)x * y > MAX_SPP || (has_spp && x * y != s->spp)) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, has_x ? "xsamples" : "ysamples"),
-                                     "\"xsamples\" %u times \"ysamples\" %u is %llu, must be %s%u", x, y,
-                                     (unsigned long long)x * y, has_spp ? "\"pixelsamples\" " : "at most ",
-                                     has_spp ? s->spp : MAX_SPP));
+        bis_parser_error(p, bis_params_at(p, has_x ? "xsamples" : "ysamples"),
+                         "\"xsamples\" %u times \"ysamples\" %u is %llu, must be %s%u", x, y, (unsigned long long)x * y,
+                         has_spp ? "\"pixelsamples\" " : "at most ", has_spp ? s->spp : MAX_SPP);
         return;
     }
     s->xsamples = x;

@@ -1,5 +1,5 @@
-/* parser_options: what stands before WorldBegin: Camera, Film, PixelFilter, Accelerator, Option, and the two directives that pbrt
- * needs and bis only has to understand, ColorSpace and MediumInterface.
+/* parser_options: what stands before WorldBegin: Camera, Film, PixelFilter, Accelerator, Option, and the two directives
+ * that pbrt needs and bis only has to understand, ColorSpace and MediumInterface.
  *
  * A directive that is given again starts from the defaults, as in pbrt. */
 #include "bis/file.h"
@@ -20,23 +20,23 @@ static void camera_screen(bis_parser *p, bis_camera *c)
     bis_params_float(p, "frameaspectratio", &c->frame_aspect, (bis_interval){0, HUGE_VAL, true, false});
     if (!bis_params_floats(p, "screenwindow", s, 4, any)) return;
     if (s[0] == s[1] || s[2] == s[3]) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, "screenwindow"),
-                                     "\"screenwindow\" is empty: it wants x0 x1 y0 y1 with x0 != x1, y0 != y1"));
+        bis_parser_error(p, bis_params_at(p, "screenwindow"),
+                         "\"screenwindow\" is empty: it wants x0 x1 y0 y1 with x0 != x1, y0 != y1");
         return;
     }
     memcpy(c->screen, s, sizeof s);
     c->has_screen = true;
 }
 
-/* A pinhole is a lens of radius 0; anything wider is pbrt's thin lens. The distance that a pinhole is focused at means nothing. */
+/* A pinhole is a lens of radius 0; anything wider is pbrt's thin lens. The distance that a pinhole is focused at means
+ * nothing. */
 static void camera_lens(bis_parser *p)
 {
     static const char *const focus[] = {"focaldistance"};
     static const char *const shutter[] = {"shutteropen", "shutterclose"};
     double radius = 0;
     if (bis_params_float(p, "lensradius", &radius, any) && radius != 0)
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, "lensradius"),
-                                     "a thin lens is not modelled: \"lensradius\" must be 0"));
+        bis_parser_error(p, bis_params_at(p, "lensradius"), "a thin lens is not modelled: \"lensradius\" must be 0");
     bis_params_skip(p, focus, BIS_COUNT(focus));
     bis_params_ignore(p, shutter, BIS_COUNT(shutter));
 }
@@ -44,15 +44,18 @@ static void camera_lens(bis_parser *p)
 void bis_directive_camera(bis_parser *p, bis_loc at)
 {
     enum { PERSPECTIVE, ORTHOGRAPHIC };
-    static const bis_choice cameras[] = {{"perspective", PERSPECTIVE}, {"orthographic", ORTHOGRAPHIC}, {"environment", BIS_FOREIGN},
-                                         {"spherical", BIS_FOREIGN},   {"realistic", BIS_FOREIGN}};
+    static const bis_choice cameras[] = {
+        {"perspective", PERSPECTIVE}, {"orthographic", ORTHOGRAPHIC}, {"environment", BIS_FOREIGN},
+        {"spherical", BIS_FOREIGN},   {"realistic", BIS_FOREIGN},
+    };
     if (!bis_parser_name(p, "Camera") || !bis_params_read(p)) return;
     const bis_choice *chosen =
         bis_parser_choose(p, "Camera", bis_parser_text(p, p->name), p->name_at, cameras, BIS_COUNT(cameras));
     if (!chosen) return;
     bis_parser_single(p, BIS_SINGLE_CAMERA, "Camera", at);
 
-    bis_camera c = {.orthographic = chosen->value == ORTHOGRAPHIC, .fov_deg = 90, .to_world = bis_xform_inverse(&p->now.ctm)};
+    bis_camera c = {.orthographic = chosen->value == ORTHOGRAPHIC, .fov_deg = 90,
+                    .to_world = bis_xform_inverse(&p->now.ctm)};
     if (!c.orthographic) bis_params_float(p, "fov", &c.fov_deg, (bis_interval){0, 180, true, true});
     camera_screen(p, &c);
     camera_lens(p);
@@ -71,8 +74,8 @@ static void film_crop(bis_parser *p, bis_film_desc *film)
         memcpy(film->crop, c, sizeof c);
         return;
     }
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, "cropwindow"),
-                                 "\"cropwindow\" is empty: it wants x0 x1 y0 y1 with x0 < x1, y0 < y1"));
+    bis_parser_error(p, bis_params_at(p, "cropwindow"),
+                     "\"cropwindow\" is empty: it wants x0 x1 y0 y1 with x0 < x1, y0 < y1");
 }
 
 /* Replace the text that *to owns. */
@@ -90,8 +93,10 @@ static void set_text(bis_parser *p, char **to, const char *s, bis_loc at)
 void bis_directive_film(bis_parser *p, bis_loc at)
 {
     static const bis_choice films[] = {{"rgb", 0}, {"image", 0}, {"gbuffer", BIS_FOREIGN}, {"spectral", BIS_FOREIGN}};
-    static const char *const ignored[] = {"diagonal",  "savefp16",     "sensor",       "iso",    "whitebalance", "maxcomponentvalue",
-                                          "exposuretime", "imagingratio", "pixelbounds", "scale", "maxsampleluminance", "display"};
+    static const char *const ignored[] = {
+        "diagonal",     "savefp16",     "sensor",      "iso",   "whitebalance",      "maxcomponentvalue",
+        "exposuretime", "imagingratio", "pixelbounds", "scale", "maxsampleluminance", "display",
+    };
     if (!bis_parser_name(p, "Film") || !bis_params_read(p)) return;
     const char *type = bis_parser_text(p, p->name);
     if (!bis_parser_choose(p, "Film", type, p->name_at, films, BIS_COUNT(films))) return;
@@ -103,7 +108,7 @@ void bis_directive_film(bis_parser *p, bis_loc at)
     bis_params_uint32(p, "xresolution", &width, 1, BIS_IMAGE_MAX_SIDE);
     bis_params_uint32(p, "yresolution", &height, 1, BIS_IMAGE_MAX_SIDE);
     if (bis_params_string(p, "filename", &filename) && !*filename)
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, "filename"), "\"filename\" is empty"));
+        bis_parser_error(p, bis_params_at(p, "filename"), "\"filename\" is empty");
     film.width = (int)width;
     film.height = (int)height;
     film_crop(p, &film);
@@ -136,7 +141,8 @@ void bis_directive_filter(bis_parser *p, bis_loc at)
     for (size_t i = 0; i < BIS_COUNT(radii); i++) {
         double radius;
         if (bis_params_float(p, radii[i], &radius, (bis_interval){0, HUGE_VAL, true, false}) && radius != 0.5)
-            bis_warn(p->diag, bis_params_at(p, radii[i]), "\"%s\" is ignored: the box has the size of one pixel (0.5)", radii[i]);
+            bis_warn(p->diag, bis_params_at(p, radii[i]), "\"%s\" is ignored: the box has the size of one pixel (0.5)",
+                     radii[i]);
     }
     bis_params_end(p, "PixelFilter", "box");
 }
@@ -149,7 +155,8 @@ void bis_directive_accelerator(bis_parser *p, bis_loc at)
         {"grid", BIS_ACCEL_GRID}, {"embree", BIS_ACCEL_EMBREE}, {"bvh", BIS_REPLACED}, {"kdtree", BIS_REPLACED}};
     if (!bis_parser_name(p, "Accelerator") || !bis_params_read(p)) return;
     const bis_choice *chosen =
-        bis_parser_choose(p, "Accelerator", bis_parser_text(p, p->name), p->name_at, accelerators, BIS_COUNT(accelerators));
+        bis_parser_choose(p, "Accelerator", bis_parser_text(p, p->name), p->name_at, accelerators,
+                          BIS_COUNT(accelerators));
     if (!chosen) return;
     bis_parser_single(p, BIS_SINGLE_ACCELERATOR, "Accelerator", at);
     p->desc->accel = (bis_accel_options){.kind = BIS_ACCEL_DEFAULT};
@@ -171,7 +178,7 @@ void bis_directive_option(bis_parser *p, bis_loc at)
                                           "forcediffuse", "msereferenceimage", "msereferenceout", "pixelstats",
                                           "rendercoordsys", "seed", "wavefront"};
     if (p->token.kind != BIS_TOKEN_STRING && p->token.kind != BIS_TOKEN_BAD)
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "Option wants \"type name\" and a value"));
+        bis_parser_error(p, at, "Option wants \"type name\" and a value");
     p->lost = p->token.kind != BIS_TOKEN_STRING;
     bis_params_start(p);
     if (p->lost || !bis_params_read(p)) return;
@@ -193,8 +200,7 @@ void bis_directive_color_space(bis_parser *p, bis_loc at)
     if (!bis_parser_name(p, "ColorSpace")) return;
     const char *name = bis_parser_text(p, p->name);
     if (strcmp(name, "srgb") == 0) return;
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->name_at, "ColorSpace is \"%s\", must be \"srgb\"",
-                                 bis_printable(word, name, strlen(name))));
+    bis_parser_error(p, p->name_at, "ColorSpace is \"%s\", must be \"srgb\"", bis_printable(word, name, strlen(name)));
 }
 
 /* One or two names, both empty: the vacuum inside and outside. */
@@ -206,7 +212,7 @@ void bis_directive_medium_interface(bis_parser *p, bis_loc at)
         if (!bis_parser_name(p, "MediumInterface")) return;
         const char *name = bis_parser_text(p, p->name);
         if (*name)
-            bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->name_at, "MediumInterface is \"%s\", must be \"\": media are not modelled",
-                                         bis_printable(word, name, strlen(name))));
+            bis_parser_error(p, p->name_at, "MediumInterface is \"%s\", must be \"\": media are not modelled",
+                             bis_printable(word, name, strlen(name)));
     }
 }

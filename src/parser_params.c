@@ -1,8 +1,8 @@
 /* parser_params: "type name" value or [values], all of a directive's, read before any is looked at (parser_ask.c).
  *
- * What is checked here is what can be told without knowing the directive: the type is one of pbrt's, the values are of its class (numbers,
- * strings, true or false), numbers are finite as floats, no name comes twice. Values go into arrays that the next directive
- * uses again. Invariant: strings and names are offsets, since the text moves when it grows. */
+ * What is checked here is what can be told without knowing the directive: the type is one of pbrt's, the values are of
+ * its class (numbers, strings, true or false), numbers are finite as floats, no name comes twice. Values go into arrays
+ * that the next directive uses again. Invariant: strings and names are offsets, since the text moves when it grows. */
 #include "grow.h"
 #include "parser.h"
 
@@ -129,8 +129,8 @@ bool bis_parser_peek_name(bis_parser *p, const char *directive)
     p->name_at = p->token.at;
     if (p->token.kind != BIS_TOKEN_STRING) {
         if (p->token.kind != BIS_TOKEN_BAD)
-            bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->token.at, "%s wants a quoted name, found %s", directive,
-                                         bis_token_name(buf, &p->token)));
+            bis_parser_error(p, p->token.at, "%s wants a quoted name, found %s", directive,
+                             bis_token_name(buf, &p->token));
         p->lost = true;
         return false;
     }
@@ -148,16 +148,13 @@ bool bis_parser_name(bis_parser *p, const char *directive)
 static bool lost_value(bis_parser *p, const char *name, value_class wanted)
 {
     static const char *const wants[] = {"numbers", "strings", "true or false", "a value"};
-    char buf[64];
+    const bis_token *t = &p->token;
+    char found[64];
     p->lost = true;
-    if (p->token.kind == BIS_TOKEN_BAD) return false;
-    bis_status status;
-    if (is_nonfinite_word(&p->token))
-        status = bis_error(p->diag, BIS_INPUT, p->token.at, "non-finite number %s", bis_token_name(buf, &p->token));
-    else
-        status = bis_error(p->diag, BIS_INPUT, p->token.at, "\"%s\" wants %s, found %s", name, wants[wanted],
-                           bis_token_name(buf, &p->token));
-    bis_parser_note(p, status);
+    bis_token_name(found, t);
+    if (is_nonfinite_word(t)) bis_parser_error(p, t->at, "non-finite number %s", found);
+    else if (t->kind != BIS_TOKEN_BAD)
+        bis_parser_error(p, t->at, "\"%s\" wants %s, found %s", name, wants[wanted], found);
     return false;
 }
 
@@ -169,8 +166,7 @@ static bool read_value(bis_parser *p, const bis_param *param, value_class values
     if (t->kind == BIS_TOKEN_NUMBER && values == NUMBERS) {
         if (param->type != BIS_TYPE_INTEGER && fabs(t->number) > (double)FLT_MAX) {
             char buf[64];
-            bis_parser_note(p, bis_error(p->diag, BIS_INPUT, t->at, "non-finite number %s: the largest float is 3.4e38",
-                                         bis_token_name(buf, t)));
+            bis_parser_error(p, t->at, "non-finite number %s: the largest float is 3.4e38", bis_token_name(buf, t));
             p->lost = true;
             return false;
         }
@@ -199,8 +195,8 @@ static bool read_values(bis_parser *p, bis_param *param, value_class values)
         if (!read_value(p, param, values)) return false;
         param->n = 1;
         if (p->token.kind != BIS_TOKEN_NUMBER) return true;
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->token.at, "several values of \"%s\" must stand between [ and ]",
-                                     bis_parser_text(p, param->name)));
+        bis_parser_error(p, p->token.at, "several values of \"%s\" must stand between [ and ]",
+                         bis_parser_text(p, param->name));
         p->lost = true;
         return false;
     }
@@ -208,7 +204,7 @@ static bool read_values(bis_parser *p, bis_param *param, value_class values)
     for (bis_parser_advance(p); p->token.kind != BIS_TOKEN_CLOSE; n++) {
         if (p->token.kind == BIS_TOKEN_END ||
             (p->token.kind == BIS_TOKEN_WORD && !is_truth(&p->token) && !is_nonfinite_word(&p->token))) {
-            bis_parser_note(p, bis_error(p->diag, BIS_INPUT, open, "the [ of \"%s\" has no ]", bis_parser_text(p, param->name)));
+            bis_parser_error(p, open, "the [ of \"%s\" has no ]", bis_parser_text(p, param->name));
             p->lost = true;
             return false;
         }
@@ -217,6 +213,14 @@ static bool read_values(bis_parser *p, bis_param *param, value_class values)
     bis_parser_advance(p);
     param->n = n;
     return true;
+}
+
+/* As all of pbrt's are, and fit for a message. */
+static bool is_name(const char *s)
+{
+    static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.:-";
+    const size_t n = strspn(s, allowed);
+    return n > 0 && n <= 64 && s[n] == '\0';
 }
 
 /* Split the string at `offset` into type and name, by white space. */
@@ -231,9 +235,8 @@ static bool split_declaration(bis_parser *p, bis_param *param, size_t offset)
     name += strspn(name, space);
     char *rest = name + strcspn(name, space);
     if (*rest) *rest++ = '\0';
-    if (!*name || rest[strspn(rest, space)]) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "a parameter is declared as \"type name\", not \"%s\"",
-                                     buf));
+    if (!is_name(name) || rest[strspn(rest, space)]) {
+        bis_parser_error(p, param->at, "a parameter is declared as \"type name\", not \"%s\"", buf);
         p->lost = true;
         return false;
     }
@@ -253,9 +256,9 @@ static const param_type *find_type(bis_parser *p, const bis_param *param)
         if (strcmp(param->type_name, types[i].name) == 0) return &types[i];
         names[i] = types[i].name;
     }
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "unknown parameter type \"%s\"%s",
-                                 bis_printable(buf, param->type_name, strlen(param->type_name)),
-                                 bis_parser_hint(hint, bis_nearest_name(param->type_name, names, BIS_COUNT(types)))));
+    bis_parser_error(p, param->at, "unknown parameter type \"%s\"%s",
+                     bis_printable(buf, param->type_name, strlen(param->type_name)),
+                     bis_parser_hint(hint, bis_nearest_name(param->type_name, names, BIS_COUNT(types))));
     return &unknown;
 }
 
@@ -270,7 +273,6 @@ bis_param *bis_params_find(bis_parser *p, const char *name)
 
 static bool read_param(bis_parser *p)
 {
-    char buf[128];
     bis_param param = {.at = p->token.at};
     size_t offset = add_text(p);
 
@@ -281,12 +283,12 @@ static bool read_param(bis_parser *p)
     const char *name = bis_parser_text(p, param.name);
     const bis_param *before = bis_params_find(p, name);
     if (before)
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param.at, "\"%s\" is given twice, first in line %d",
-                                     bis_printable(buf, name, strlen(name)), before->at.line));
+        bis_parser_error(p, param.at, "\"%s\" is given twice, first in line %d", name,
+                         before->at.line);
     bis_parser_advance(p);
     if (p->token.kind != BIS_TOKEN_OPEN && !is_value(&p->token) && p->token.kind != BIS_TOKEN_BAD &&
         !is_nonfinite_word(&p->token)) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param.at, "\"%s\" has no value", bis_printable(buf, name, strlen(name))));
+        bis_parser_error(p, param.at, "\"%s\" has no value", name);
         p->lost = true;
         return false;
     }
@@ -299,7 +301,7 @@ bool bis_params_read(bis_parser *p)
 {
     while (p->token.kind == BIS_TOKEN_STRING && !p->stop) {
         if (p->params.n == BIS_MAX_PARAMS) {
-            bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->token.at, "more than %d parameters", BIS_MAX_PARAMS));
+            bis_parser_error(p, p->token.at, "more than %d parameters", BIS_MAX_PARAMS);
             p->lost = true;
             return false;
         }

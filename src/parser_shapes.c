@@ -1,7 +1,7 @@
 /* parser_shapes: Shape, SPEC 2.
  *
- * Files are only looked for, not read: bis_scene_build reads each of them once, however many shapes and instances name it. The
- * numbers of a "trianglemesh" are checked against one another here, where the place is known. */
+ * Files are only looked for, not read: bis_scene_build reads each of them once, however many shapes and instances name
+ * it. The numbers of a "trianglemesh" are checked against one another here, where the place is known. */
 #include "bis/file.h"
 #include "grow.h"
 #include "parser.h"
@@ -56,7 +56,7 @@ static bool read_file(bis_parser *p, bis_shape_desc *shape)
     const bool given = bis_params_has(p, "filename");
     const bis_loc at = bis_params_at(p, "filename");
     if (!bis_params_string(p, "filename", &name)) {
-        if (!given) bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->name_at, "Shape needs \"string filename\""));
+        if (!given) bis_parser_error(p, p->name_at, "Shape needs \"string filename\"");
         return false;
     }
     char *path = bis_parser_path(p, at, name);
@@ -71,7 +71,7 @@ static vec3 *vectors(bis_parser *p, const bis_param *param, const char *name)
     const double *v = p->params.numbers + param->first;
     const size_t n = param->n / 3;
     if (param->n % 3) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "\"%s\" has %zu values, must have a multiple of 3", name, param->n));
+        bis_parser_error(p, param->at, "\"%s\" has %zu values, must have a multiple of 3", name, param->n);
         return NULL;
     }
     vec3 *out = bis_alloc(n, sizeof *out);
@@ -85,8 +85,8 @@ static bool check_index(bis_parser *p, const bis_param *param, size_t i, size_t 
     char buf[32];
     const double v = p->params.numbers[param->first + i];
     if (v >= 0 && v < (double)n_points && v == floor(v)) return true;
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "\"indices\" holds %s as its value %zu, must be a whole number in [0, %zu]",
-                                 bis_format_double(buf, v), i + 1, n_points - 1));
+    bis_parser_error(p, param->at, "\"indices\" holds %s as its value %zu, must be a whole number in [0, %zu]",
+                     bis_format_double(buf, v), i + 1, n_points - 1);
     return false;
 }
 
@@ -98,14 +98,15 @@ static bool read_indices(bis_parser *p, bis_mesh *m)
     if (!param) {
         if (given) return false;
         if (m->n_vertices != 3) {
-            bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->name_at,
-                                         "trianglemesh needs \"integer indices\", unless it has 3 points; it has %zu", m->n_vertices));
+            bis_parser_error(p, p->name_at,
+                             "trianglemesh needs \"integer indices\", unless it has 3 points; it has %zu",
+                             m->n_vertices);
             return false;
         }
     }
     const size_t n = param ? param->n : 3;
     if (n % 3) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "\"indices\" has %zu values, must have a multiple of 3", n));
+        bis_parser_error(p, param->at, "\"indices\" has %zu values, must have a multiple of 3", n);
         return false;
     }
     m->index = bis_alloc(n, sizeof *m->index);
@@ -127,8 +128,8 @@ static bool read_normals(bis_parser *p, bis_mesh *m)
     const bis_param *param = bis_params_take(p, "N", BIS_TYPE_NORMAL, 0);
     if (!param) return !given;
     if (param->n != 3 * m->n_vertices) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, param->at, "\"N\" has %zu values, must have 3 for each of the %zu points",
-                                     param->n, m->n_vertices));
+        bis_parser_error(p, param->at, "\"N\" has %zu values, must have 3 for each of the %zu points", param->n,
+                         m->n_vertices);
         return false;
     }
     m->n = vectors(p, param, "N");
@@ -142,14 +143,14 @@ static bool read_triangles(bis_parser *p, bis_shape_desc *shape)
     const bis_param *points = bis_params_take(p, "P", BIS_TYPE_POINT3, 0);
     bool ok = points != NULL;
 
-    if (!given) bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->name_at, "trianglemesh needs \"point3 P\""));
+    if (!given) bis_parser_error(p, p->name_at, "trianglemesh needs \"point3 P\"");
     if (ok) {
         m.p = vectors(p, points, "P");
         m.n_vertices = points->n / 3;
         ok = m.p != NULL;
     }
     if (ok && m.n_vertices > UINT32_MAX) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, points->at, "more than 2^32 - 1 points"));
+        bis_parser_error(p, points->at, "more than 2^32 - 1 points");
         ok = false;
     }
     ok = ok && read_indices(p, &m) && read_normals(p, &m) &&
@@ -169,8 +170,8 @@ static bool is_whole(bis_parser *p, const char *name, double whole, double given
 {
     char a[32], b[32];
     if (given == whole) return true;
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, name), "\"%s\" is %s: only whole spheres and disks are modelled (%s)",
-                                 name, bis_format_double(a, given), bis_format_double(b, whole)));
+    bis_parser_error(p, bis_params_at(p, name), "\"%s\" is %s: only whole spheres and disks are modelled (%s)", name,
+                     bis_format_double(a, given), bis_format_double(b, whole));
     return false;
 }
 
@@ -183,8 +184,9 @@ static bool read_quadric(bis_parser *p, bis_shape_desc *shape)
     if (bis_params_float(p, "phimax", &v, any)) ok = is_whole(p, "phimax", 360, v) && ok;
     if (shape->kind == BIS_SHAPE_SPHERE) {
         /* pbrt clamps z to the sphere: beyond it means all of it */
-        if (bis_params_float(p, "zmin", &v, any)) ok = is_whole(p, "zmin", -shape->radius, fmax(v, -shape->radius)) && ok;
-        if (bis_params_float(p, "zmax", &v, any)) ok = is_whole(p, "zmax", shape->radius, fmin(v, shape->radius)) && ok;
+        const double r = shape->radius;
+        if (bis_params_float(p, "zmin", &v, any)) ok = is_whole(p, "zmin", -r, fmax(v, -r)) && ok;
+        if (bis_params_float(p, "zmax", &v, any)) ok = is_whole(p, "zmax", r, fmin(v, r)) && ok;
     } else {
         bis_params_float(p, "height", &shape->height, any);
         if (bis_params_float(p, "innerradius", &v, any)) ok = is_whole(p, "innerradius", 0, v) && ok;
@@ -197,7 +199,7 @@ static bool read_quadric(bis_parser *p, bis_shape_desc *shape)
 static void add_shape(bis_parser *p, const bis_shape_desc *shape)
 {
     if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, shape->loc, "more than %u shapes", BIS_MAX_SHAPES));
+        bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
         p->stop = true;
         return;
     }
@@ -228,9 +230,11 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
     static const char *const silent[] = {"uv", "st", "S", "alpha", "shadowalpha", "faceIndices"};
 
     if (!bis_parser_name(p, "Shape") || !bis_params_read(p)) return;
-    const bis_choice *chosen = bis_parser_choose(p, "Shape", bis_parser_text(p, p->name), p->name_at, shapes, BIS_COUNT(shapes));
+    const char *type = bis_parser_text(p, p->name);
+    const bis_choice *chosen = bis_parser_choose(p, "Shape", type, p->name_at, shapes, BIS_COUNT(shapes));
     if (!chosen) return;
-    bis_shape_desc shape = {.kind = (bis_shape_kind)chosen->value, .to_world = p->now.ctm, .material = p->now.material, .loc = at};
+    bis_shape_desc shape = {
+        .kind = (bis_shape_kind)chosen->value, .to_world = p->now.ctm, .material = p->now.material, .loc = at};
     bool ok;
     if (shape.kind == BIS_SHAPE_TRIANGLES) ok = read_triangles(p, &shape);
     else if (shape.kind == BIS_SHAPE_SPHERE || shape.kind == BIS_SHAPE_DISK) ok = read_quadric(p, &shape);

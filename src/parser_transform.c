@@ -1,7 +1,8 @@
-/* parser_transform: the directives that change the current transformation matrix (CTM), as pbrt's: each is multiplied from the
- * right, so that the last one stands nearest to the object and acts on it first.
+/* parser_transform: the directives that change the current transformation matrix (CTM), as pbrt's: each is multiplied
+ * from the right, so that the last one stands nearest to the object and acts on it first.
  *
- * Invariant: the CTM and its inverse are finite. A step that would break this is an error at its place, and is left out. */
+ * Invariant: the CTM and its inverse are finite. A step that would break this is an error at its place, and is left
+ * out. */
 #include "grow.h"
 #include "parser.h"
 
@@ -18,8 +19,8 @@ static bool take_numbers(bis_parser *p, const char *directive, double *v, int n,
     for (int i = 0; i < n; i++) {
         if (p->token.kind != BIS_TOKEN_NUMBER) {
             if (p->token.kind != BIS_TOKEN_BAD)
-                bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->token.at, "%s wants %d numbers, found %s after %d", directive,
-                                             n, bis_token_name(buf, &p->token), i));
+                bis_parser_error(p, p->token.at, "%s wants %d numbers, found %s after %d", directive, n,
+                                 bis_token_name(buf, &p->token), i);
             p->lost = true;
             return false;
         }
@@ -27,8 +28,8 @@ static bool take_numbers(bis_parser *p, const char *directive, double *v, int n,
         bis_parser_advance(p);
     }
     if (open && p->token.kind != BIS_TOKEN_CLOSE) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->token.at, "%s wants ] after %d numbers, found %s", directive, n,
-                                     bis_token_name(buf, &p->token)));
+        bis_parser_error(p, p->token.at, "%s wants ] after %d numbers, found %s", directive, n,
+                         bis_token_name(buf, &p->token));
         p->lost = true;
         return false;
     }
@@ -46,7 +47,7 @@ bool bis_parser_is_usable(const bis_xform *t)
 static void set(bis_parser *p, const char *directive, bis_loc at, const bis_xform *t)
 {
     if (bis_parser_is_usable(t)) p->now.ctm = *t;
-    else bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s makes the transformation singular or infinite", directive));
+    else bis_parser_error(p, at, "%s makes the transformation singular or infinite", directive);
 }
 
 static void concat(bis_parser *p, const char *directive, bis_loc at, const bis_xform *t)
@@ -74,7 +75,7 @@ void bis_directive_scale(bis_parser *p, bis_loc at)
     double v[3];
     if (!take_numbers(p, "Scale", v, 3, false)) return;
     if (v[0] == 0 || v[1] == 0 || v[2] == 0) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "Scale by 0 is singular: no factor may be 0"));
+        bis_parser_error(p, at, "Scale by 0 is singular: no factor may be 0");
         return;
     }
     bis_xform t = bis_xform_scale(v[0], v[1], v[2]);
@@ -86,7 +87,7 @@ void bis_directive_rotate(bis_parser *p, bis_loc at)
     double v[4];
     if (!take_numbers(p, "Rotate", v, 4, false)) return;
     if (v[1] == 0 && v[2] == 0 && v[3] == 0) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "Rotate about the axis 0 0 0, which has no direction"));
+        bis_parser_error(p, at, "Rotate about the axis 0 0 0, which has no direction");
         return;
     }
     bis_xform t = bis_xform_rotate(v[0], v[1], v[2], v[3]);
@@ -99,8 +100,8 @@ void bis_directive_look_at(bis_parser *p, bis_loc at)
     bis_xform t;
     if (!take_numbers(p, "LookAt", v, 9, false)) return;
     if (!bis_xform_look_at(&t, v, v + 3, v + 6)) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at,
-                                     "LookAt wants an eye other than the point looked at, and an up vector not along the view"));
+        bis_parser_error(p, at,
+                         "LookAt wants an eye other than the point looked at, and an up vector not along the view");
         return;
     }
     concat(p, "LookAt", at, &t);
@@ -111,7 +112,7 @@ static bool take_matrix(bis_parser *p, const char *directive, bis_loc at, bis_xf
     double v[16];
     if (!take_numbers(p, directive, v, 16, true)) return false;
     if (bis_xform_from_columns(t, v)) return true;
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "the matrix of %s is singular", directive));
+    bis_parser_error(p, at, "the matrix of %s is singular", directive);
     return false;
 }
 
@@ -156,7 +157,7 @@ void bis_directive_coord_sys_transform(bis_parser *p, bis_loc at)
         p->now.ctm = p->systems[i];
         return;
     }
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->name_at, "coordinate system \"%s\" is not defined%s",
-                                 bis_printable(word, name, strlen(name)),
-                                 bis_parser_hint(hint, bis_names_nearest(&p->system_names, name))));
+    bis_parser_hint(hint, bis_names_nearest(&p->system_names, name));
+    bis_parser_error(p, p->name_at, "coordinate system \"%s\" is not defined%s",
+                     bis_printable(word, name, strlen(name)), hint);
 }

@@ -1,7 +1,8 @@
 /* parser_world: LightSource and the materials.
  *
- * A LightSource's frame is object space at its place, so the CTM must be a rotation, perhaps with a reflection. Exporters write matrices with
- * few digits: up to an error of ORTHONORMAL the matrix is taken, and made exactly orthonormal. */
+ * A LightSource's frame is object space at its place, so the CTM must be a rotation, perhaps with a reflection.
+ * Exporters write matrices with few digits: up to an error of ORTHONORMAL the matrix is taken, and made exactly
+ * orthonormal. */
 #include "bis/mem.h"
 #include "bis/phong.h"
 #include "grow.h"
@@ -41,7 +42,7 @@ static void light_filename(bis_parser *p, bis_light_desc *light)
     bool given = bis_params_string(p, "filename", &name);
     const bool both = given && bis_params_has(p, "mapname");
     if (both) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, "mapname"), "\"mapname\" and \"filename\" are the same: give one"));
+        bis_parser_error(p, bis_params_at(p, "mapname"), "\"mapname\" and \"filename\" are the same: give one");
         bis_params_skip(p, &(const char *){"mapname"}, 1);
         return;
     }
@@ -64,7 +65,7 @@ static void light_radiance(bis_parser *p, bis_light_desc *light)
     }
     light->L = rgb_mul(light->L, scale);
     if (!rgb_is_finite(light->L)) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, "scale"), "\"L\" times \"scale\" is not finite"));
+        bis_parser_error(p, bis_params_at(p, "scale"), "\"L\" times \"scale\" is not finite");
         light->L = (rgb){1, 1, 1};
     }
 }
@@ -90,28 +91,33 @@ static void light_map(bis_parser *p, bis_light_desc *light)
 static bool light_may_stand(bis_parser *p, bis_loc at)
 {
     const bis_scene_desc *d = p->desc;
-    bis_status status = BIS_OK;
-    if (d->has_light)
-        status = bis_error(p->diag, BIS_INPUT, at, "a second LightSource: a scene has at most one, and its first is that of %s:%d",
-                           d->light.loc.file, d->light.loc.line);
-    else if (p->in_object)
-        status = bis_error(p->diag, BIS_INPUT, at, "LightSource inside ObjectBegin: objects hold geometry only");
-    else if (!bis_xform_is_orthonormal(&p->now.ctm, ORTHONORMAL))
-        status = bis_error(p->diag, BIS_INPUT, at,
-                           "LightSource under a transformation that scales or shears: only rotations and reflections are allowed");
-    bis_parser_note(p, status);
-    return !status;
+    if (d->has_light) {
+        bis_parser_error(p, at, "a second LightSource: a scene has at most one, and its first is that of %s:%d",
+                         d->light.loc.file, d->light.loc.line);
+        return false;
+    }
+    if (p->in_object) {
+        bis_parser_error(p, at, "LightSource inside ObjectBegin: objects hold geometry only");
+        return false;
+    }
+    if (bis_xform_is_orthonormal(&p->now.ctm, ORTHONORMAL)) return true;
+    bis_parser_error(p, at, "LightSource under a transformation that scales or shears: only rotations and reflections "
+                            "are allowed");
+    return false;
 }
 
 void bis_directive_light(bis_parser *p, bis_loc at)
 {
-    static const bis_choice lights[] = {{"infinite", 0},          {"point", BIS_FOREIGN},     {"spot", BIS_FOREIGN},
-                                        {"distant", BIS_FOREIGN}, {"goniometric", BIS_FOREIGN}, {"projection", BIS_FOREIGN},
-                                        {"diffuse", BIS_FOREIGN}};
+    static const bis_choice lights[] = {
+        {"infinite", 0},          {"point", BIS_FOREIGN},       {"spot", BIS_FOREIGN},
+        {"distant", BIS_FOREIGN}, {"goniometric", BIS_FOREIGN}, {"projection", BIS_FOREIGN},
+        {"diffuse", BIS_FOREIGN},
+    };
     static const char *const ignored[] = {"samples", "nsamples"};
 
     if (!bis_parser_name(p, "LightSource") || !bis_params_read(p)) return;
-    if (!bis_parser_choose(p, "LightSource", bis_parser_text(p, p->name), p->name_at, lights, BIS_COUNT(lights))) return;
+    const char *type = bis_parser_text(p, p->name);
+    if (!bis_parser_choose(p, "LightSource", type, p->name_at, lights, BIS_COUNT(lights))) return;
     if (!light_may_stand(p, at)) return;
     bis_light_desc light = {.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true, .loc = at,
                             .to_world = orthonormalised(&p->now.ctm)};
@@ -132,12 +138,14 @@ static const bis_choice materials[] = {
     {"phong", PHONG},
     {"diffuse", DIFFUSE},
     {"matte", DIFFUSE},
-    {"coateddiffuse", BIS_FOREIGN}, {"coatedconductor", BIS_FOREIGN}, {"conductor", BIS_FOREIGN}, {"dielectric", BIS_FOREIGN},
-    {"diffusetransmission", BIS_FOREIGN}, {"disney", BIS_FOREIGN}, {"fourier", BIS_FOREIGN}, {"glass", BIS_FOREIGN},
-    {"hair", BIS_FOREIGN}, {"interface", BIS_FOREIGN}, {"kdsubsurface", BIS_FOREIGN}, {"measured", BIS_FOREIGN},
-    {"metal", BIS_FOREIGN}, {"mirror", BIS_FOREIGN}, {"mix", BIS_FOREIGN}, {"none", BIS_FOREIGN}, {"", BIS_FOREIGN},
-    {"plastic", BIS_FOREIGN}, {"shinymetal", BIS_FOREIGN}, {"substrate", BIS_FOREIGN}, {"subsurface", BIS_FOREIGN},
-    {"thindielectric", BIS_FOREIGN}, {"translucent", BIS_FOREIGN}, {"uber", BIS_FOREIGN},
+    {"coateddiffuse", BIS_FOREIGN}, {"coatedconductor", BIS_FOREIGN}, {"conductor", BIS_FOREIGN},
+    {"dielectric", BIS_FOREIGN}, {"diffusetransmission", BIS_FOREIGN}, {"disney", BIS_FOREIGN},
+    {"fourier", BIS_FOREIGN}, {"glass", BIS_FOREIGN}, {"hair", BIS_FOREIGN},
+    {"interface", BIS_FOREIGN}, {"kdsubsurface", BIS_FOREIGN}, {"measured", BIS_FOREIGN},
+    {"metal", BIS_FOREIGN}, {"mirror", BIS_FOREIGN}, {"mix", BIS_FOREIGN},
+    {"none", BIS_FOREIGN}, {"plastic", BIS_FOREIGN}, {"shinymetal", BIS_FOREIGN},
+    {"substrate", BIS_FOREIGN}, {"subsurface", BIS_FOREIGN}, {"thindielectric", BIS_FOREIGN},
+    {"translucent", BIS_FOREIGN}, {"uber", BIS_FOREIGN}, {"", BIS_FOREIGN},
 };
 
 static void warn_energy(bis_parser *p, rgb Kd, rgb Ks)
@@ -147,7 +155,8 @@ static void warn_energy(bis_parser *p, rgb Kd, rgb Ks)
     const double one = 1 + (double)FLT_EPSILON / 2;
     for (int i = 0; i < 3; i++) {
         if (sum[i] <= one) continue;
-        bis_warn(p->diag, p->name_at, "Kd + Ks is %.7g in %s: the material reflects more light than it receives", sum[i],
+        bis_warn(p->diag, p->name_at, "Kd + Ks is %.7g in %s: the material reflects more light than it receives",
+                 sum[i],
                  (const char *const[]){"red", "green", "blue"}[i]);
         return;
     }
@@ -169,11 +178,11 @@ static bis_material read_diffuse(bis_parser *p)
     rgb Kd = {0.5f, 0.5f, 0.5f};
     double sigma = 0;
     if (bis_params_rgb(p, "reflectance", &Kd, unit, true) && bis_params_has(p, "Kd"))
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, "Kd"), "\"Kd\" and \"reflectance\" are the same: give one"));
+        bis_parser_error(p, bis_params_at(p, "Kd"), "\"Kd\" and \"reflectance\" are the same: give one");
     bis_params_rgb(p, "Kd", &Kd, unit, true); /* v2, v3 */
     if (bis_params_float(p, "sigma", &sigma, positive_or_0) && sigma != 0)
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, bis_params_at(p, "sigma"),
-                                     "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must be 0"));
+        bis_parser_error(p, bis_params_at(p, "sigma"), 
+                         "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must be 0");
     return bis_phong(Kd, (rgb){0, 0, 0}, 50);
 }
 
@@ -239,8 +248,8 @@ void bis_directive_make_named_material(bis_parser *p, bis_loc at)
     bis_named_material *named = named_material(p, name, &index);
     if (!named) return;
     if (named->made.line) {
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->name_at, "material \"%s\" is made already, in %s:%d",
-                                     bis_printable(word, name, strlen(name)), named->made.file, named->made.line));
+        bis_parser_error(p, p->name_at, "material \"%s\" is made already, in %s:%d",
+                         bis_printable(word, name, strlen(name)), named->made.file, named->made.line);
         return;
     }
     named->made = at;
@@ -248,8 +257,8 @@ void bis_directive_make_named_material(bis_parser *p, bis_loc at)
     if (bis_params_string(p, "type", &type))
         read_material(p, "Material", type, bis_params_at(p, "type"), index);
     else if (!has_type)
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->name_at, "MakeNamedMaterial \"%s\" needs \"string type\"",
-                                     bis_printable(word, name, strlen(name))));
+        bis_parser_error(p, p->name_at, "MakeNamedMaterial \"%s\" needs \"string type\"",
+                         bis_printable(word, name, strlen(name)));
 }
 
 void bis_directive_named_material(bis_parser *p, bis_loc at)
@@ -268,13 +277,14 @@ void bis_parser_check_materials(bis_parser *p)
     char word[128], hint[128];
     bis_names made = {0};
     for (size_t i = 0; i < p->n_named; i++)
-        if (p->named[i].made.line && !bis_names_set(&made, p->material_names.names[i], 0)) bis_parser_nomem(p, p->named[i].made);
+        if (p->named[i].made.line && !bis_names_set(&made, p->material_names.names[i], 0))
+            bis_parser_nomem(p, p->named[i].made);
     for (size_t i = 0; i < p->n_named && p->n_errors < BIS_MAX_ERRORS; i++) {
         const char *name = p->material_names.names[i];
         if (p->named[i].made.line) continue;
-        bis_parser_note(p, bis_error(p->diag, BIS_INPUT, p->named[i].used, "material \"%s\" is not made anywhere%s",
-                                     bis_printable(word, name, strlen(name)),
-                                     bis_parser_hint(hint, bis_names_nearest(&made, name))));
+        bis_parser_error(p, p->named[i].used, "material \"%s\" is not made anywhere%s",
+                         bis_printable(word, name, strlen(name)), bis_parser_hint(hint,
+                                                                                  bis_names_nearest(&made, name)));
     }
     bis_names_clear(&made);
 }

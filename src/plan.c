@@ -22,32 +22,33 @@ static const char *megabytes(char buf[32], double bytes)
 
 /* ---- what is described ---- */
 
-static const char *const proposals[] = {[BIS_PROPOSAL_EM] = "em", [BIS_PROPOSAL_BRDF] = "brdf", [BIS_PROPOSAL_MIX] = "mix",
-                                        [BIS_PROPOSAL_CHOOSE] = "choose"};
-
 static const char *truth(bool b) { return b ? "true" : "false"; }
 
 static void print_integrator(const bis_settings *s, FILE *out)
 {
-    static const char *const fallbacks[] = {
-        [BIS_FALLBACK_RESAMPLE] = "resample", [BIS_FALLBACK_SUBSET] = "subset", [BIS_FALLBACK_UNOCCLUDED] = "unoccluded"};
+    static const char *const fallbacks[] = {[BIS_FALLBACK_RESAMPLE] = "resample",
+                                            [BIS_FALLBACK_SUBSET] = "subset",
+                                            [BIS_FALLBACK_UNOCCLUDED] = "unoccluded"};
     const bis_integrator *i = s->integrator;
     char split[32];
 
     fprintf(out, "integrator   %s:", i->name);
     if (i == &bis_exact) fprintf(out, " perpatch %" PRIu32, s->perpatch);
     if (i == &bis_em || i == &bis_brdf || i == &bis_mis) fprintf(out, " samples %" PRIu32, s->samples);
-    if (i == &bis_sir || i == &bis_rejection || i == &bis_unoccluded) fprintf(out, " candidates %" PRIu32, s->candidates);
+    if (i == &bis_sir || i == &bis_rejection || i == &bis_unoccluded)
+        fprintf(out, " candidates %" PRIu32, s->candidates);
     if (i == &bis_sir || i == &bis_rejection)
-        fprintf(out, ", shadowrays %" PRIu32 ", proposal %s", s->shadowrays, proposals[s->proposal]);
+        fprintf(out, ", shadowrays %" PRIu32 ", proposal %s", s->shadowrays, bis_proposal_name(s->proposal));
     if (i == &bis_mis)
-        fprintf(out, ", heuristic %s, split %s, compensate %s", s->heuristic == BIS_HEURISTIC_POWER ? "power" : "balance",
+        fprintf(out, ", heuristic %s, split %s, compensate %s",
+                s->heuristic == BIS_HEURISTIC_POWER ? "power" : "balance",
                 bis_format_double(split, s->split), truth(s->compensate));
     if (i == &bis_sir)
         fprintf(out, ", resampling %s, stratify %s",
                 s->resampling == BIS_RESAMPLING_MULTINOMIAL ? "multinomial" : "systematic", truth(s->stratify));
     if (i == &bis_rejection)
-        fprintf(out, ", estimator %s, fallback %s", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio", fallbacks[s->fallback]);
+        fprintf(out, ", estimator %s, fallback %s", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio",
+                fallbacks[s->fallback]);
     fprintf(out, "\nclaim        %s\n", i->claim);
 }
 
@@ -57,8 +58,8 @@ static void print_view(const bis_scene_desc *d, FILE *out)
     const bis_sampler *s = &d->sampler;
     for (int i = 0; i < 4; i++) bis_format_double(c[i], d->film.crop[i]);
     fprintf(out, "scene        %s\n", d->path);
-    fprintf(out, "film         %d x %d, cropwindow %s %s %s %s, to %s\n", d->film.width, d->film.height, c[0], c[1], c[2], c[3],
-            d->film.filename);
+    fprintf(out, "film         %d x %d, cropwindow %s %s %s %s, to %s\n", d->film.width, d->film.height, c[0], c[1],
+            c[2], c[3], d->film.filename);
     if (d->camera.orthographic) fprintf(out, "camera       orthographic\n");
     else fprintf(out, "camera       perspective, fov %s\n", bis_format_double(a, d->camera.fov_deg));
     fprintf(out, "sampler      %s, %" PRIu32 " camera samples a pixel", bis_sampler_name(s->kind), s->spp);
@@ -106,9 +107,11 @@ static void print_mesh(const bis_mesh_desc *m, size_t uses, FILE *out)
     long vertices, faces;
     const char *times = uses == 1 ? "shape" : "shapes";
     if (m->kind == BIS_SHAPE_TRIANGLES)
-        fprintf(out, "build        mesh of the scene file, %zu triangles, for %zu %s\n", m->mesh.n_triangles, uses, times);
+        fprintf(out, "build        mesh of the scene file, %zu triangles, for %zu %s\n", m->mesh.n_triangles, uses,
+                times);
     else if (m->kind == BIS_SHAPE_PLY && bis_scene_peek_ply(m->filename, &vertices, &faces))
-        fprintf(out, "build        mesh %s, %ld vertices, %ld faces, read once for %zu %s\n", m->filename, vertices, faces, uses, times);
+        fprintf(out, "build        mesh %s, %ld vertices, %ld faces, read once for %zu %s\n", m->filename, vertices,
+                faces, uses, times);
     else
         fprintf(out, "build        mesh %s, a file of %s, read once for %zu %s\n", m->filename,
                 megabytes(buf, (double)bis_scene_peek_bytes(m->filename)), uses, times);
@@ -122,11 +125,12 @@ static void print_geometry(const bis_scene_desc *d, FILE *out)
         if (!is_mesh(&d->shapes[i])) n_quadrics++;
         else if (uses) uses[d->shapes[i].mesh]++;
     }
-    fprintf(out, "geometry     %zu shapes with instances: %zu of meshes, %zu spheres and disks\n", d->n_shapes, d->n_shapes - n_quadrics,
-            n_quadrics);
+    fprintf(out, "geometry     %zu shapes with instances: %zu of meshes, %zu spheres and disks\n", d->n_shapes,
+            d->n_shapes - n_quadrics, n_quadrics);
     for (size_t i = 0; uses && i < d->n_meshes; i++) {
         if (uses[i]) print_mesh(&d->meshes[i], uses[i], out);
-        else fprintf(out, "skip         mesh %s: no shape or instance uses it\n", d->meshes[i].filename ? d->meshes[i].filename : "of the scene file");
+        else fprintf(out, "skip         mesh %s: no shape or instance uses it\n",
+                     d->meshes[i].filename ? d->meshes[i].filename : "of the scene file");
     }
     bis_free(uses);
 }
@@ -146,12 +150,14 @@ static void print_drawing(const bis_scene_desc *d, FILE *out)
     const bis_light_desc *light = &d->light;
     const unsigned needs = d->settings.integrator->light_needs(&d->settings);
     const char *why = why_no_drawing(d, needs);
-    const bool cdf = light->has_table_kind ? light->table_kind == BIS_TABLE_CDF : bis_sampler_is_low_discrepancy(d->sampler.kind);
+    const bool cdf = light->has_table_kind ? light->table_kind == BIS_TABLE_CDF
+                                           : bis_sampler_is_low_discrepancy(d->sampler.kind);
     char size[32] = "", bound[64] = "";
     long w, h;
 
     if (why) {
-        fprintf(out, "skip         light table: %s\nskip         light curve: %s\nskip         light components: %s\n", why, why, why);
+        fprintf(out, "skip         light table: %s\nskip         light curve: %s\nskip         light components: %s\n",
+                why, why, why);
         return;
     }
     if (map_size(light, &w, &h))
@@ -160,10 +166,12 @@ static void print_drawing(const bis_scene_desc *d, FILE *out)
         fprintf(out, "build        light table, %s%s%s\n", cdf ? "CDFs" : "alias tables",
                 needs & BIS_NEED_COMPENSATED ? ", compensated for mis" : "", bound);
     else fprintf(out, "skip         light table: this integrator, so set, draws along the curve\n");
-    if (needs & BIS_NEED_CURVE) fprintf(out, "build        light curve, one CDF along a space-filling curve%s\n", bound);
+    if (needs & BIS_NEED_CURVE)
+        fprintf(out, "build        light curve, one CDF along a space-filling curve%s\n", bound);
     else fprintf(out, "skip         light curve: this integrator, so set, draws from the table\n");
     if (light->area_exponent > 0)
-        fprintf(out, "build        light components, %d levels, areaexponent %s\n", light->levels, bis_format_double(size, light->area_exponent));
+        fprintf(out, "build        light components, %d levels, areaexponent %s\n", light->levels,
+                bis_format_double(size, light->area_exponent));
     else fprintf(out, "skip         light components: areaexponent is 0\n");
 }
 
@@ -180,17 +188,20 @@ static void print_lobes(const bis_scene_desc *d, FILE *out)
     }
     fprintf(out, "materials    %zu in use\n", n);
     if (no_diffuse) fprintf(out, "skip         diffuse candidates: Kd is 0 in %zu of %zu materials\n", no_diffuse, n);
-    if (no_specular) fprintf(out, "skip         specular candidates: Ks is 0 in %zu of %zu materials\n", no_specular, n);
+    if (no_specular)
+        fprintf(out, "skip         specular candidates: Ks is 0 in %zu of %zu materials\n", no_specular, n);
     bis_free(used);
 }
 
 static void print_accel(const bis_scene_desc *d, FILE *out)
 {
-    const bool embree = d->accel.kind == BIS_ACCEL_EMBREE || (d->accel.kind == BIS_ACCEL_DEFAULT && bis_accel_embree_version());
+    const bool by_default = d->accel.kind == BIS_ACCEL_DEFAULT && bis_accel_embree_version();
+    const bool embree = d->accel.kind == BIS_ACCEL_EMBREE || by_default;
     char buf[32];
     if (!d->n_shapes) fprintf(out, "skip         accelerator: there is no geometry\n");
     else if (embree) fprintf(out, "build        accelerator embree\n");
-    else if (d->accel.density > 0) fprintf(out, "build        accelerator grid, density %s\n", bis_format_double(buf, d->accel.density));
+    else if (d->accel.density > 0)
+        fprintf(out, "build        accelerator grid, density %s\n", bis_format_double(buf, d->accel.density));
     else fprintf(out, "build        accelerator grid, default density\n");
 }
 

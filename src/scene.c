@@ -1,8 +1,8 @@
 /* scene: from the description to what rays can be shot at: geometry, then light, then accelerator.
  *
- * Only what a scene requires is built. The integrator says what it needs of the light (tables, a curve, or nothing); without geometry
- * no integrator is ever asked, so neither tables nor an accelerator are made. A mesh file is read when its first shape comes and
- * dropped after its last, so that at most the meshes in use are held twice. */
+ * Only what a scene requires is built. The integrator says what it needs of the light (tables, a curve, or nothing);
+ * without geometry no integrator is ever asked, so neither tables nor an accelerator are made. A mesh file is read when
+ * its first shape comes and dropped after its last, so that at most the meshes in use are held twice. */
 #include "bis/scene.h"
 
 #include "bis/mem.h"
@@ -54,7 +54,8 @@ typedef struct loaded {
     bool is_read;
 } loaded;
 
-static bis_status add_mesh(bis_geometry *g, loaded *l, const bis_mesh_desc *desc, const bis_shape_desc *shape, bis_diag *diag)
+static bis_status add_mesh(bis_geometry *g, loaded *l, const bis_mesh_desc *desc, const bis_shape_desc *shape,
+                           bis_diag *diag)
 {
     bis_mesh own = {0};
     bis_status status = l->is_read ? BIS_OK : read_mesh(&l->mesh, desc, diag);

@@ -1,7 +1,7 @@
 /* scene_desc: a scene as described: what it is when its file says nothing, how it grows, how it is freed.
  *
- * The defaults are those of SPEC 2 and 3 and, where they are silent, pbrt-v4's: a perspective camera at the origin that looks along +z,
- * a grey diffuse material. */
+ * The defaults are those of SPEC 2 and 3 and, where they are silent, pbrt-v4's: a perspective camera at the origin that
+ * looks along +z, a grey diffuse material. */
 #include "grow.h"
 #include "parser.h"
 
@@ -37,7 +37,8 @@ bis_scene_desc *bis_scene_desc_new(const char *path)
     d->settings = bis_settings_default(&bis_sir);
     d->light = (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true,
                                 .to_world = bis_xform_identity()};
-    if (!set_text(&d->path, path) || !set_text(&d->film.filename, "bis.exr") || !add_default_material(d) || !add_own_name(d)) {
+    if (!set_text(&d->path, path) || !set_text(&d->film.filename, "bis.exr") || !add_default_material(d) ||
+        !add_own_name(d)) {
         bis_scene_desc_free(d);
         return NULL;
     }

@@ -22,7 +22,10 @@ static bool read_head(head *h, const char *path)
     return h->n > 0;
 }
 
-static bool starts_with(const head *h, const char *magic, size_t n) { return h->n >= n && memcmp(h->text, magic, n) == 0; }
+static bool starts_with(const head *h, const char *magic, size_t n)
+{
+    return h->n >= n && memcmp(h->text, magic, n) == 0;
+}
 
 /* The integer behind the first occurrence of the word. */
 static bool number_after(const head *h, const char *word, long *value)

@@ -1,5 +1,5 @@
-/* scene_peek: how large is what a file holds, by a look at its first bytes. For plan.c, which loads nothing. A wrong or strange file gives false; the
- * loaders will say why. */
+/* scene_peek: how large is what a file holds, by a look at its first bytes. For plan.c, which loads nothing. A wrong or
+ * strange file gives false; the loaders will say why. */
 #ifndef BIS_SCENE_PEEK_H
 #define BIS_SCENE_PEEK_H
 

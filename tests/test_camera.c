@@ -1,5 +1,6 @@
-/* camera: rays against pbrt's formulas worked by hand. With `LookAt 0 0 5  0 0 0  0 1 0` the eye stands on +z and looks along -z; in
- * a left-handed world, +x is then on the LEFT of the picture (turn round: what was to the right is to the left). */
+/* camera: rays against pbrt's formulas worked by hand. With `LookAt 0 0 5  0 0 0  0 1 0` the eye stands on +z and looks
+ * along -z; in a left-handed world, +x is then on the LEFT of the picture (turn round: what was to the right is to the
+ * left). */
 #include "bis/camera.h"
 
 #include <setjmp.h>
@@ -37,7 +38,8 @@ static void the_films_centre_looks_at_the_point_of_look_at(void **state)
     assert_true(isinf(r.tmax));
 }
 
-/* fov 90 spans the shorter side: at its rim the ray leaves the axis by 45 degrees; at the longer side's rim the tangent is 4/3. */
+/* fov 90 spans the shorter side: at its rim the ray leaves the axis by 45 degrees; at the longer side's rim the tangent
+ * is 4/3. */
 static void fov_spans_the_shorter_side(void **state)
 {
     (void)state;
@@ -72,7 +74,8 @@ static void scale_minus_one_mirrors_the_picture(void **state)
     }
 }
 
-/* The centre of pixel (x, y) of w x h at fov f: camera-space direction ((2(x+.5)/w - 1) a, 1 - 2(y+.5)/h, 1/tan(f/2)), a = w/h > 1. */
+/* The centre of pixel (x, y) of w x h at fov f: camera-space direction ((2(x+.5)/w - 1) a, 1 - 2(y+.5)/h, 1/tan(f/2)),
+ * a = w/h > 1. */
 static void pixel_centres_have_pbrts_directions(void **state)
 {
     (void)state;

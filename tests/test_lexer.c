@@ -107,7 +107,8 @@ static void numbers_are_read_in_every_form_that_pbrt_scenes_use(void **state)
 
 static void what_only_looks_like_a_number_is_refused_whole(void **state)
 {
-    static const char *const cases[] = {"0x10", "1e", "1e+", "1.2.3", "1-2", "--1", "+", "-", ".", "1a", "-inf", "+nan", "1e999", "-.e1", "1_000"};
+    static const char *const cases[] = {"0x10", "1e", "1e+", "1.2.3", "1-2", "--1", "+", "-", ".", "1a", "-inf", "+nan",
+                                        "1e999", "-.e1", "1_000"};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[32];
@@ -160,7 +161,8 @@ static void a_bad_string_is_skipped_and_the_next_token_is_in_place(void **state)
     static const struct {
         const char *text;
         int line;
-    } cases[] = {{"\"a\\q\" b", 1}, {"\"a\nb", 2}, {"\"\xff\" b", 1}, {"\"\xc3\" b", 1}, {"\"\xe2\x82\" b", 1}, {"\"\xed\xa0\x80\" b", 1}};
+    } cases[] = {{"\"a\\q\" b", 1}, {"\"a\nb", 2}, {"\"\xff\" b", 1}, {"\"\xc3\" b", 1}, {"\"\xe2\x82\" b", 1},
+                 {"\"\xed\xa0\x80\" b", 1}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_lexer l;

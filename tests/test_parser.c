@@ -1,5 +1,5 @@
-/* parser: SPEC 2 by examples. Bad scenes lie in tests/bad/NAME.txt beside the exact messages NAME.expect; good ones in tests/scenes and
- * in docs/scene-format.md. */
+/* parser: SPEC 2 by examples. Bad scenes lie in tests/bad/NAME.txt beside the exact messages NAME.expect; good ones in
+ * tests/scenes and in docs/scene-format.md. */
 #include "bis/file.h"
 #include "bis/mem.h"
 #include "bis/scene.h"
@@ -161,7 +161,8 @@ static void a_light_without_parameters_has_the_defaults_of_the_contract(void **s
     bis_scene_desc *d = good_scene("", "");
     const bis_light_desc *l = &d->light;
     assert_true(d->has_light && l->visible && !l->filename && !l->angular && !l->has_mapping && !l->has_table_kind);
-    assert_true(l->L.r == 1 && l->L.g == 1 && l->L.b == 1 && l->scale == 1 && l->area_exponent == 0.15 && l->levels == 8);
+    assert_true(l->L.r == 1 && l->L.g == 1 && l->L.b == 1 && l->scale == 1 && l->area_exponent == 0.15 &&
+                l->levels == 8);
     assert_int_equal(l->loc.line, 3);
     bis_scene_desc_free(d);
 }
@@ -194,7 +195,8 @@ static void every_parameter_before_the_world_arrives(void **state)
         "Option \"bool disablepixeljitter\" true\n"
         "ColorSpace \"srgb\" MediumInterface \"\" \"\" MediumInterface \"\"\n",
         "");
-    assert_true(d->camera.orthographic && d->camera.has_screen && d->camera.screen[0] == -2 && d->camera.screen[3] == 1.5);
+    assert_true(d->camera.orthographic && d->camera.has_screen && d->camera.screen[0] == -2 &&
+                d->camera.screen[3] == 1.5);
     assert_true(d->camera.frame_aspect == 2);
     assert_int_equal(d->film.width, 640);
     assert_int_equal(d->film.height, 480);
@@ -219,7 +221,8 @@ static void every_parameter_of_the_other_integrators_arrives(void **state)
     bis_scene_desc *d;
     (void)state;
     d = good_scene("Integrator \"mis\" \"integer samples\" 9 \"string heuristic\" \"power\" \"float split\" .25 \"bool compensate\" true", "");
-    assert_true(d->settings.integrator == &bis_mis && d->settings.samples == 9 && d->settings.heuristic == BIS_HEURISTIC_POWER &&
+    assert_true(d->settings.integrator == &bis_mis && d->settings.samples == 9 &&
+                d->settings.heuristic == BIS_HEURISTIC_POWER &&
                 d->settings.split == 0.25 && d->settings.compensate);
     bis_scene_desc_free(d);
     d = good_scene("Integrator \"sir\" \"integer candidates\" 5 \"integer shadowrays\" 2 \"string proposal\" \"em\" "
@@ -254,8 +257,10 @@ static void every_parameter_of_a_light_arrives(void **state)
     bis_scene_desc *d = good(text);
     const bis_light_desc *l = &d->light;
     assert_string_equal(l->filename, scratch("map.pfm")); /* relative to the scene's folder */
-    assert_true(l->L.r == 1 && l->L.g == 2 && l->L.b == 3 && l->scale == 4 && l->has_mapping && l->angular && l->width == 100);
-    assert_true(l->area_exponent == 0 && l->levels == 5 && l->has_table_kind && l->table_kind == BIS_TABLE_CDF && !l->visible);
+    assert_true(l->L.r == 1 && l->L.g == 2 && l->L.b == 3 && l->scale == 4 && l->has_mapping && l->angular &&
+                l->width == 100);
+    assert_true(l->area_exponent == 0 && l->levels == 5 && l->has_table_kind && l->table_kind == BIS_TABLE_CDF &&
+                !l->visible);
     bis_scene_desc_free(d);
 }
 
@@ -263,7 +268,8 @@ static void spp_alone_is_divided_as_squarely_as_possible(void **state)
 {
     static const struct {
         uint32_t spp, x, y;
-    } cases[] = {{1, 1, 1}, {2, 2, 1}, {7, 7, 1}, {8, 4, 2}, {12, 4, 3}, {16, 4, 4}, {100, 10, 10}, {72, 9, 8}, {999983, 999983, 1}, {1000000000, 32000, 31250}};
+    } cases[] = {{1, 1, 1}, {2, 2, 1}, {7, 7, 1}, {8, 4, 2}, {12, 4, 3}, {16, 4, 4}, {100, 10, 10}, {72, 9, 8},
+                 {999983, 999983, 1}, {1000000000, 32000, 31250}};
     (void)state;
     for (size_t i = 0; i < BIS_COUNT(cases); i++) {
         char text[128];
@@ -324,7 +330,8 @@ static void transformations_multiply_from_the_right(void **state)
 static void the_coordinate_system_camera_maps_camera_space_to_the_world(void **state)
 {
     (void)state;
-    bis_scene_desc *d = good_scene("Translate 0 0 5 Camera \"perspective\"", "CoordSysTransform \"camera\" Shape \"sphere\"");
+    bis_scene_desc *d = good_scene("Translate 0 0 5 Camera \"perspective\"",
+                                   "CoordSysTransform \"camera\" Shape \"sphere\"");
     assert_moves(d, 0, 1, 2, -2);
     assert_true(d->camera.to_world.m[2][3] == -5);
     bis_scene_desc_free(d);
@@ -369,7 +376,8 @@ static void a_file_named_by_many_shapes_is_one_mesh(void **state)
     store(scratch("m.ply"), "x", 1);
     char text[1024];
     const char *name = strrchr(scratch("m.ply"), '/') + 1;
-    snprintf(text, sizeof text, "Shape \"plymesh\" \"string filename\" \"%s\" Shape \"plymesh\" \"string filename\" [\"%s\"]\n"
+    snprintf(text, sizeof text,
+             "Shape \"plymesh\" \"string filename\" \"%s\" Shape \"plymesh\" \"string filename\" [\"%s\"]\n"
              "Shape \"plymesh\" \"string filename\" \"%s\" \"bool smooth\" true \"float alpha\" 0 \"texture shadowalpha\" \"t\" \"point2 uv\" [0 0]", name, name, name);
     bis_scene_desc *d = good_scene("", text);
     assert_int_equal(d->n_shapes, 3);
@@ -457,7 +465,8 @@ static void a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no
 
 static void when_the_kth_allocation_fails_the_parse_fails_cleanly(void **state)
 {
-    static const char *const scenes[] = {"tests/scenes/pbrt-v3.txt", "tests/scenes/pbrt-v4.txt", BAD "syntax-several-errors.txt"};
+    static const char *const scenes[] = {"tests/scenes/pbrt-v3.txt", "tests/scenes/pbrt-v4.txt",
+                                         BAD "syntax-several-errors.txt"};
     (void)state;
     for (size_t i = 0; i < BIS_COUNT(scenes); i++) {
         bool ended = false;
@@ -468,7 +477,8 @@ static void when_the_kth_allocation_fails_the_parse_fails_cleanly(void **state)
             bis_status status = bis_scene_parse(&d, scenes[i], &diag);
             ended = bis_mem_count() < k;
             bis_mem_fail_at(0);
-            assert_true((d == NULL) == (status != BIS_OK)); /* a message lost for lack of memory is no failure of the parse */
+            /* a message lost for lack of memory is no failure of the parse */
+            assert_true((d == NULL) == (status != BIS_OK));
             if (status) assert_true(diag.n_errors > 0);
             bis_scene_desc_free(d);
             bis_diag_clear(&diag);
@@ -508,7 +518,8 @@ static void damaged_scenes_are_survived(void **state)
             if (how == 0) damaged[at] = (char)(x >> 24);
             if (how == 1) damaged[at] = "[]\"#-. 9e\\"[(x >> 20) % 10];
             if (how == 2) n = at;
-            if (how == 3) memmove(damaged + at, damaged + at + (x >> 24) % 32 % (size - at), size - at - (x >> 24) % 32 % (size - at));
+            const size_t gap = (x >> 24) % 32 % (size - at);
+            if (how == 3) memmove(damaged + at, damaged + at + gap, size - at - gap);
         }
         bis_scene_desc *d;
         bis_diag diag = {0};
@@ -544,7 +555,8 @@ static void limits_are_errors_and_not_exhausted_memory(void **state)
 {
     char buf[256];
     (void)state;
-    assert_non_null(strstr(repeated(buf, "WorldBegin ", "AttributeBegin ", 100000, ""), "blocks nest deeper than 4096"));
+    assert_non_null(strstr(repeated(buf, "WorldBegin ", "AttributeBegin ", 100000, ""),
+                           "blocks nest deeper than 4096"));
     /* 1000 shapes a thousand times, and that a thousand times */
     char *objects = malloc(200000);
     char *out = objects + sprintf(objects, "WorldBegin ObjectBegin \"o\" ");
@@ -577,7 +589,8 @@ static void includes_that_double_are_stopped(void **state)
 
 /* ---- the user's reference ---- */
 
-/* Every block that is fenced as ```pbrt in docs/scene-format.md. One without WorldBegin is a part: it is tried on both sides of one. */
+/* Every block that is fenced as ```pbrt in docs/scene-format.md. One without WorldBegin is a part: it is tried on both
+ * sides of one. */
 static void check_example(const char *text, size_t n)
 {
     char scene[8192];

@@ -87,7 +87,8 @@ static void instances_share_a_mesh_and_stand_where_they_were_put(void **state)
                             "ObjectInstance \"o\" Translate 10 0 0 ObjectInstance \"o\" Translate 10 0 0 Scale 2 2 2 ObjectInstance \"o\"");
     float t = 0;
     assert_int_equal(b.desc->n_meshes, 1);
-    assert_int_equal(b.scene->geometry.n_triangles, 12); /* also the first, whose identity would let its mesh be moved away */
+    /* also the first, whose identity would let its mesh be moved away */
+    assert_int_equal(b.scene->geometry.n_triangles, 12);
     for (int i = 0; i < 3; i++) {
         assert_true(hits(b.scene, 10 * i + 0.2, 0.2, -1, 0, 0, 1, &t));
         assert_true(fabs((double)t - 1) < 1e-6);
@@ -172,7 +173,8 @@ static void without_a_light_it_is_black(void **state)
 static void a_constant_light_builds_no_table(void **state)
 {
     (void)state;
-    built b = build("Integrator \"em\"", "LightSource \"infinite\" \"rgb L\" [1 2 3] \"float scale\" 2 Shape \"sphere\"");
+    built b = build("Integrator \"em\"",
+                    "LightSource \"infinite\" \"rgb L\" [1 2 3] \"float scale\" 2 Shape \"sphere\"");
     assert_null(bis_light_importance(b.scene->light));
     rgb Le = bis_light_Le(b.scene->light, (vec3){0, 0, 1});
     assert_true(Le.r == 2 && Le.g == 4 && Le.b == 6);
@@ -192,7 +194,8 @@ static void an_integrator_that_never_draws_from_the_map_builds_no_table(void **s
 
 /* ---- the light's frame ---- */
 
-/* map.pfm: 4 x 2, radiance (1 + x, 2, 3 + row from the bottom). In the light's frame z is up; Rotate -90 about x turns it to +y. */
+/* map.pfm: 4 x 2, radiance (1 + x, 2, 3 + row from the bottom). In the light's frame z is up; Rotate -90 about x turns
+ * it to +y. */
 static void the_map_is_turned_by_the_transformation_at_its_place(void **state)
 {
     (void)state;
@@ -264,7 +267,8 @@ static void the_plan_says_what_is_left_out_and_why(void **state)
     assert_plan("", MAP, (const char *const[]){"\nskip         accelerator: there is no geometry\n",
                                                "\nskip         light table: there is no geometry to light\n", NULL});
     assert_plan("", "LightSource \"infinite\" Shape \"sphere\"",
-                (const char *const[]){"\nlight        constant\n", "\nskip         light table: a constant light is drawn from without tables\n",
+                (const char *const[]){"\nlight        constant\n",
+                                      "\nskip         light table: a constant light is drawn from without tables\n",
                                       "\nskip         specular candidates: Ks is 0 in 1 of 1 materials\n", NULL});
     assert_plan("", "Shape \"sphere\"", (const char *const[]){"\nlight        none: the picture will be black\n",
                                                               "\nskip         light table: there is no light\n", NULL});
@@ -282,7 +286,8 @@ static void the_plan_says_what_is_built_and_how_large_it_is(void **state)
     (void)state;
     assert_plan("Integrator \"em\" \"integer samples\" 3\nAccelerator \"grid\" \"float density\" 2.5\nSampler \"sobol\"",
                 MAP TETRAHEDRON TETRAHEDRON SQUARE,
-                (const char *const[]){"\nintegrator   em: samples 3\n", "\nclaim        ", "\nsampler      sobol, 16 camera samples a pixel, seed 0\n",
+                (const char *const[]){"\nintegrator   em: samples 3\n", "\nclaim        ",
+                                      "\nsampler      sobol, 16 camera samples a pixel, seed 0\n",
                                       "map.pfm, latlong, 4 x 2: 0.0 MB of pixels\n", "\nbuild        light table, CDFs: at most 0.0 MB\n",
                                       "\nbuild        light components, 8 levels, areaexponent 0.15\n",
                                       "tetrahedron.ply, 4 vertices, 4 faces, read once for 2 shapes\n", "square.obj, a file of",
@@ -293,7 +298,8 @@ static void the_plan_says_what_is_built_and_how_large_it_is(void **state)
 static void the_plan_agrees_with_the_build(void **state)
 {
     static const char *const integrators[] = {"em", "brdf", "mis", "rejection", "sir", "exact", "unoccluded"};
-    static const char *const worlds[] = {MAP, MAP "Shape \"sphere\"", "LightSource \"infinite\" Shape \"disk\"", "Shape \"sphere\"", ""};
+    static const char *const worlds[] = {MAP, MAP "Shape \"sphere\"", "LightSource \"infinite\" Shape \"disk\"",
+                                         "Shape \"sphere\"", ""};
     (void)state;
     for (size_t i = 0; i < 7; i++)
         for (size_t j = 0; j < 5; j++) {
