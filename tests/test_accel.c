@@ -1,0 +1,636 @@
+/* accel: both backends against brute force in long double, and against each other, where rays, scenes and scales are at their worst. A
+ * difference is allowed only where it is a tie: the ray passes an edge within 4 ulps. */
+#include "mesh_help.h"
+
+#include "bis/accel.h"
+#include "bis/mem.h"
+#include "grid.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Is a result that differs from brute force's explained? At most so many ulps from an edge. */
+enum { TIE_ULPS = 4 };
+
+typedef struct truth {
+    bool hit;
+    uint32_t prim;
+    long double t;
+} truth;
+
+static long double determinant(const long double a[3], const long double b[3], const long double c[3])
+{
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+/* By Cramer's rule (Möller and Trumbore), another road than the library's. */
+static bool brute_triangle(const bis_geometry *g, uint32_t prim, const ray *r, long double *t)
+{
+    const long double d[3] = {(long double)r->d.x, (long double)r->d.y, (long double)r->d.z};
+    long double v[3][3], e[3], f[3], s[3];
+    const float o[3] = {r->o.x, r->o.y, r->o.z};
+
+    for (int i = 0; i < 3; i++) {
+        const vec3 p = g->p[g->index[3 * (size_t)prim + (size_t)i]];
+        const float flat[3] = {p.x, p.y, p.z};
+        for (int a = 0; a < 3; a++) v[i][a] = (long double)flat[a];
+    }
+    for (int a = 0; a < 3; a++) {
+        e[a] = v[1][a] - v[0][a];
+        f[a] = v[2][a] - v[0][a];
+        s[a] = (long double)o[a] - v[0][a];
+    }
+    const long double minus_d[3] = {-d[0], -d[1], -d[2]};
+    const long double det = determinant(minus_d, e, f);
+    if (det == 0) return false;
+    const long double b1 = determinant(minus_d, s, f) / det, b2 = determinant(minus_d, e, s) / det;
+    *t = determinant(s, e, f) / det;
+    return b1 >= 0 && b2 >= 0 && b1 + b2 <= 1 && *t > 0 && *t < (long double)r->tmax;
+}
+
+static truth brute_force(const bis_geometry *g, const ray *r)
+{
+    truth best = {false, BIS_NO_PRIM, INFINITY};
+
+    for (uint32_t prim = 0; prim < bis_geometry_primitives(g); prim++) {
+        long double t;
+        float quadric_t;
+        if (prim < g->n_triangles) {
+            if (!brute_triangle(g, prim, r, &t)) continue;
+        } else {
+            if (!bis_quadric_intersect(&g->quadrics[prim - g->n_triangles], r, &quadric_t)) continue;
+            t = (long double)quadric_t;
+        }
+        if (t < best.t) best = (truth){true, prim, t};
+    }
+    return best;
+}
+
+/* Equal up to rounding: 4 ulps of a float, or what 4 ulps of a coordinate mean along the ray. */
+static bool same_distance(double a, double b, const ray *r)
+{
+    const double o = fmax(fabs((double)r->o.x), fmax(fabs((double)r->o.y), fabs((double)r->o.z)));
+
+    return fabs(a - b) <= TIE_ULPS * 0x1p-23 * (fmax(fabs(a), fabs(b)) + o / length(r->d));
+}
+
+static bool near_an_edge(const bis_geometry *g, uint32_t prim, const ray *r)
+{
+    return prim < g->n_triangles && is_tie(g, prim, r, TIE_ULPS);
+}
+
+/* Both queries of one ray against the truth. Returns 1 for a tie. */
+static int check_ray(const bis_accel *a, const ray *r, const truth *expected)
+{
+    const bis_geometry *g = a->geometry;
+    bis_hit hit = {-1, BIS_NO_PRIM};
+    const bool found = bis_accel_intersect(a, r, &hit), occluded = bis_accel_occluded(a, r);
+
+    if (found) {
+        assert_true(hit.t > 0 && hit.t < r->tmax);
+        assert_true(hit.prim < bis_geometry_primitives(g));
+    }
+    if (found == expected->hit && occluded == expected->hit) {
+        if (!found || hit.prim == expected->prim) {
+            assert_true(!found || same_distance((double)hit.t, (double)expected->t, r));
+            return 0;
+        }
+        /* Another primitive: a duplicate, a shared edge, two that cross; or one of the two hits is a tie. */
+        if (same_distance((double)hit.t, (double)expected->t, r)) return 0;
+    }
+    if ((found && near_an_edge(g, hit.prim, r)) || (expected->hit && near_an_edge(g, expected->prim, r))) return 1;
+    /* A hit at an end of the ray: an origin in the triangle, or t that rounds to tmax. */
+    if (found && (same_distance((double)hit.t, 0, r) || same_distance((double)hit.t, (double)r->tmax, r))) return 1;
+    if (expected->hit && (same_distance((double)expected->t, 0, r) || same_distance((double)expected->t, (double)r->tmax, r))) return 1;
+    print_message("%s: found %d prim %u t %.9g, occluded %d; truth %d prim %u t %.9Lg; ray %.9g %.9g %.9g, %.9g %.9g %.9g, %g\n",
+                  bis_accel_name(a), found, hit.prim, (double)hit.t, occluded, expected->hit, expected->prim, expected->t, (double)r->o.x,
+                  (double)r->o.y, (double)r->o.z, (double)r->d.x, (double)r->d.y, (double)r->d.z, (double)r->tmax);
+    fail();
+    return 1;
+}
+
+/* All backends there are, the grid at three densities. */
+typedef struct backends {
+    bis_accel *a[5];
+    int n;
+} backends;
+
+/* Embree multiplies three lengths in float, so it has no part in scenes smaller than 1e-12 or larger than 1e12. */
+static backends make_backends(const bis_geometry *g)
+{
+    static const double densities[] = {0, 1e-9, 30};
+    const double size = length(sub(g->box.hi, g->box.lo));
+    backends b = {.n = 0};
+
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_GRID, densities[i], 1}, NULL), BIS_OK);
+    }
+    if (bis_accel_embree_version() && size > 1e-12 && size < 1e12) {
+        assert_int_equal(bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1}, NULL), BIS_OK);
+    }
+    return b;
+}
+
+static void free_backends(backends *b)
+{
+    while (b->n > 0) bis_accel_free(b->a[--b->n]);
+}
+
+/* A ray for the box: from inside, outside, far away, along axes, in walls, with -0, with an end. */
+static ray nasty_ray(const bis_geometry *g, uint64_t *seed)
+{
+    const float lo[3] = {g->box.lo.x, g->box.lo.y, g->box.lo.z}, hi[3] = {g->box.hi.x, g->box.hi.y, g->box.hi.z};
+    float o[3], d[3];
+    double size = 0;
+
+    for (int a = 0; a < 3; a++) size = fmax(size, (double)hi[a] - (double)lo[a]);
+    const double away = random_double(seed) < 0.2 ? 100 : 0.5;
+    for (int a = 0; a < 3; a++) {
+        const double u = random_double(seed), l = (double)lo[a], h = (double)hi[a];
+        o[a] = u < 0.1 ? lo[a] : u < 0.2 ? hi[a] : u < 0.35 ? (float)(l + (h - l) * floor(9 * random_double(seed)) / 8)
+                       : (float)random_between(seed, l - away * size, h + away * size);
+        d[a] = (float)(random_between(seed, l, h) - (double)o[a]);
+    }
+    const int kind = (int)(8 * random_double(seed));
+    for (int a = 0; a < 3; a++) {
+        if (kind == 0) d[a] = a == (int)(3 * random_double(seed)) ? 1 : random_double(seed) < 0.5 ? 0.0f : -0.0f; /* often along an axis */
+        if (kind == 1 && a == 1) d[a] = -0.0f;
+        if (kind == 2) d[a] = d[a] > 0 ? 1.0f : -1.0f;
+        if (kind == 3) d[a] = a == 1 || random_double(seed) < 0.5 ? (float)random_between(seed, -1, 1) : 1e-30f;
+    }
+    if (d[0] == 0 && d[1] == 0 && d[2] == 0) d[2] = -1;
+    vec3 w = {d[0], d[1], d[2]};
+    if (length(w) < 1e-3 || length(w) > 1e3) w = normalize(w);
+    const double end = random_between(seed, 0, 2) * fmax(size, length(w)) / length(w);
+    return (ray){{o[0], o[1], o[2]}, w, random_double(seed) < 0.25 ? (float)end : INFINITY};
+}
+
+/* The number of ties. */
+static int check_scene(const bis_geometry *g, int n_rays, uint64_t seed)
+{
+    backends b = make_backends(g);
+    int ties = 0, hits = 0;
+
+    for (int n = 0; n < n_rays; n++) {
+        const ray r = nasty_ray(g, &seed);
+        const truth expected = brute_force(g, &r);
+        hits += expected.hit;
+        for (int i = 0; i < b.n; i++) ties += check_ray(b.a[i], &r, &expected);
+    }
+    assert_true(hits > n_rays / 100);
+    free_backends(&b);
+    return ties;
+}
+
+static void random_soups_are_met_as_by_brute_force(void **state)
+{
+    static const double sizes[] = {0.05, 0.1, 1};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        bis_geometry g = {0};
+        bis_mesh m = soup_mesh(300, sizes[i], (uint64_t)i);
+        add_mesh(&g, &m, NULL, 0);
+        assert_true(check_scene(&g, 4000, (uint64_t)i) < 10);
+        bis_geometry_clear(&g);
+    }
+}
+
+static void soups_at_every_scale_and_shift_are_met_as_by_brute_force(void **state)
+{
+    static const double scales[] = {1e-6, 1e6, 1, 1e3, 1e-18, 1e15}, shifts[] = {0, 0, 1e3, 1e6, 0, 0};
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        const bis_xform scale = bis_xform_scale(scales[i], scales[i], scales[i]), move = bis_xform_translate(shifts[i], -shifts[i], shifts[i]);
+        const bis_xform t = bis_xform_compose(&move, &scale);
+        bis_geometry g = {0};
+        bis_mesh m = soup_mesh(200, 0.3, (uint64_t)i + 10);
+        add_mesh(&g, &m, &t, 0);
+        assert_true(check_scene(&g, 2000, (uint64_t)i) < 40);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* A block of unit cubes: faces in planes of whole numbers, all of them twice, where cell walls may lie, too. */
+static bis_mesh block_mesh(int n)
+{
+    static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    const size_t cubes = (size_t)(n * n * n);
+    bis_mesh m = new_mesh(8 * cubes, 12 * cubes);
+
+    for (size_t c = 0; c < cubes; c++) {
+        const size_t at[3] = {c % (size_t)n, c / (size_t)n % (size_t)n, c / (size_t)(n * n)};
+        for (size_t i = 0; i < 8; i++) {
+            m.p[8 * c + i] = (vec3){(float)(at[0] + (i & 1)), (float)(at[1] + (i >> 1 & 1)), (float)(at[2] + (i >> 2))};
+        }
+        for (size_t i = 0; i < 36; i++) m.index[36 * c + i] = (uint32_t)(8 * c) + faces[i / 3][i % 3];
+    }
+    return m;
+}
+
+static void walls_axes_corners_and_duplicates_are_met_as_by_brute_force(void **state)
+{
+    (void)state;
+    for (int n = 1; n <= 4; n++) {
+        bis_geometry g = {0};
+        bis_mesh m = block_mesh(n);
+        add_mesh(&g, &m, NULL, 0);
+        check_scene(&g, 3000, (uint64_t)n);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* In each of the 26 directions of a cube's faces, edges and corners, zeros of either sign, from and towards the middle. */
+static void a_ray_through_the_middle_of_anything_is_met_in_all_26_directions(void **state)
+{
+    (void)state;
+    for (int n = 1; n <= 3; n++) {
+        bis_geometry g = {0};
+        bis_mesh m = block_mesh(n);
+        add_mesh(&g, &m, NULL, 0);
+        backends b = make_backends(&g);
+        for (int k = 0; k < 27 * 8; k++) {
+            const int at[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 % 3 - 1};
+            float d[3];
+            for (int a = 0; a < 3; a++) d[a] = at[a] == 0 && (k / 27 >> a & 1) ? -0.0f : (float)at[a];
+            if (k % 27 == 13) continue;
+            const float c = (float)n / 2;
+            for (int outside = 0; outside < 2; outside++) {
+                const float back = outside ? 10.0f : 0.0f;
+                /* off the middle: no ray along an edge or through a corner */
+                const ray r = {{c + 0.1f - back * d[0], c + 0.17f - back * d[1], c + 0.23f - back * d[2]}, {d[0], d[1], d[2]}, INFINITY};
+                const truth expected = brute_force(&g, &r);
+                assert_true(expected.hit);
+                for (int i = 0; i < b.n; i++) assert_int_equal(check_ray(b.a[i], &r, &expected), 0);
+            }
+        }
+        free_backends(&b);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* From inside a closed mesh every ray meets it: also exactly through vertices and edges. */
+static void nothing_escapes_through_edges_and_vertices(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh m = sphere_mesh(24);
+    uint64_t seed = 1;
+    size_t lost = 0;
+    (void)state;
+    add_mesh(&g, &m, NULL, 0);
+    backends b = make_backends(&g);
+    for (size_t t = 0; t < g.n_triangles; t++) {
+        for (int k = 0; k < 12; k++) {
+            const vec3 u = g.p[g.index[3 * t + (size_t)k % 3]], v = g.p[g.index[3 * t + (size_t)(k + 1) % 3]];
+            const vec3 o = k < 6 ? (vec3){0, 0, 0} : mul(random_direction(&seed), 0.9);
+            const double w = k % 6 < 3 ? 0 : random_double(&seed);
+            const ray r = {o, sub(add(mul(u, 1 - w), mul(v, w)), o), INFINITY};
+            for (int i = 0; i < b.n; i++) {
+                bis_hit hit;
+                const bool found = bis_accel_intersect(b.a[i], &r, &hit);
+                assert_int_equal(bis_accel_occluded(b.a[i], &r), found);
+                if (found) assert_true(fabs((double)hit.t - 1) < 1e-4);
+                if (found) continue;
+                /* Embree's robust mode does lose some of the rays aimed at the very vertex; the grid none. */
+                assert_string_equal(bis_accel_name(b.a[i]), "embree");
+                assert_true(w == 0);
+                lost++;
+            }
+        }
+    }
+    assert_true(lost < 12 * g.n_triangles / 500);
+    free_backends(&b);
+    bis_geometry_clear(&g);
+}
+
+static void triangles_without_area_are_never_hit(void **state)
+{
+    uint64_t seed = 2;
+    bis_geometry g = {0};
+    bis_mesh m = new_mesh(3 * 200 + 3, 201);
+    (void)state;
+    for (size_t i = 0; i < 200; i++) {
+        /* on a line, in steps that floats hold exactly: points, doubled corners, three apart */
+        const vec3 d = {(float)(int)random_between(&seed, -8, 9), (float)(int)random_between(&seed, -8, 9), 4};
+        const vec3 a = {(float)(int)random_between(&seed, -8, 9), (float)(int)random_between(&seed, -8, 9), -2};
+        m.p[3 * i] = a;
+        m.p[3 * i + 1] = i % 3 == 0 ? a : add(a, d);
+        m.p[3 * i + 2] = i % 2 == 0 ? m.p[3 * i + 1] : add(a, mul(d, 0.5));
+    }
+    m.p[600] = (vec3){-100, -100, 50};
+    m.p[601] = (vec3){100, -100, 50};
+    m.p[602] = (vec3){0, 100, 50};
+    for (uint32_t i = 0; i < 603; i++) m.index[i] = i;
+    add_mesh(&g, &m, NULL, 0);
+    backends b = make_backends(&g);
+    for (int n = 0; n < 20000; n++) {
+        const size_t i = (size_t)(200 * random_double(&seed));
+        const vec3 target = add(mul(g.p[3 * i], 0.25), mul(g.p[3 * i + 1], 0.75)), o = mul(random_direction(&seed), 20);
+        const ray r = {o, sub(target, o), INFINITY};
+        const truth expected = brute_force(&g, &r);
+        if (expected.hit && expected.prim != 200) continue; /* brute force, too, may see an area by its rounding */
+        for (int k = 0; k < b.n; k++) {
+            bis_hit hit;
+            if (bis_accel_intersect(b.a[k], &r, &hit)) assert_int_equal(hit.prim, 200);
+            assert_int_equal(bis_accel_occluded(b.a[k], &r), expected.hit);
+        }
+    }
+    free_backends(&b);
+    bis_geometry_clear(&g);
+}
+
+static void slivers_flat_scenes_and_coplanar_triangles_are_met_as_by_brute_force(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        bis_geometry g = {0};
+        bis_mesh m = soup_mesh(200, 0.2, (uint64_t)kind + 20);
+        for (size_t i = 0; i < m.n_vertices; i++) {
+            if (kind == 0) m.p[i].z = 0.25f;                                                /* all in a plane */
+            if (kind == 1) m.p[i].y *= 1e-4f;                                               /* nearly */
+            if (kind == 2 && i % 3 == 2) m.p[i] = add(m.p[i - 1], mul(sub(m.p[i - 2], m.p[i - 1]), 0.5)); /* slivers by rounding */
+            if (kind == 3) m.p[i].x = m.p[i].x < 0.5f ? 0.0f : 1.0f;                              /* walls, and triangles between */
+        }
+        add_mesh(&g, &m, NULL, 0);
+        if (kind == 2) { /* slivers alone are hardly hit: something behind them */
+            bis_mesh wall = sphere_mesh(6);
+            add_mesh(&g, &wall, NULL, 0);
+        }
+        if (kind == 0) {
+            uint64_t seed = 3;
+            backends b = make_backends(&g);
+            for (int n = 0; n < 3000; n++) {
+                const vec3 o = {(float)random_double(&seed), (float)random_double(&seed), n % 2 ? 5 : -5};
+                const vec3 target = {(float)random_double(&seed), (float)random_double(&seed), 0.25f};
+                const ray r = {o, n % 3 ? sub(target, o) : (vec3){-0.0f, 0, n % 2 ? -1 : 1}, INFINITY};
+                const truth expected = brute_force(&g, &r);
+                for (int i = 0; i < b.n; i++) check_ray(b.a[i], &r, &expected);
+            }
+            free_backends(&b);
+        } else {
+            check_scene(&g, 3000, (uint64_t)kind);
+        }
+        bis_geometry_clear(&g);
+    }
+}
+
+static void quadrics_under_any_transformation_are_met_as_by_brute_force(void **state)
+{
+    (void)state;
+    for (int with_mesh = 0; with_mesh < 2; with_mesh++) {
+        uint64_t seed = 4;
+        bis_geometry g = {0};
+        if (with_mesh) {
+            bis_mesh m = soup_mesh(100, 0.3, 5);
+            add_mesh(&g, &m, NULL, 0);
+        }
+        for (int i = 0; i < 40; i++) {
+            const bis_xform scale = bis_xform_scale(random_between(&seed, 0.02, 0.3), random_between(&seed, 0.02, 0.3),
+                                                    random_between(&seed, -0.3, -0.02));
+            const bis_xform turn = bis_xform_rotate(random_between(&seed, 0, 360), 1, random_double(&seed), random_double(&seed));
+            const bis_xform move = bis_xform_translate(random_double(&seed), random_double(&seed), random_double(&seed));
+            const bis_xform turned = bis_xform_compose(&turn, &scale);
+            const bis_quadric q = {i % 2 ? BIS_SPHERE : BIS_DISK, random_between(&seed, 0.2, 1), random_between(&seed, -1, 1),
+                                   bis_xform_compose(&move, &turned), 0};
+            assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        }
+        check_scene(&g, 6000, 6);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* One huge sphere about many small triangles, and a floor: the grid leaves the sphere out of its inner cells. */
+static void a_sphere_around_everything_costs_no_hit(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh m = soup_mesh(300, 0.05, 7);
+    const bis_quadric q = {BIS_SPHERE, 1.2, 0, bis_xform_translate(0.5, 0.5, 0.5), 0};
+    (void)state;
+    add_mesh(&g, &m, NULL, 0);
+    assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+    check_scene(&g, 4000, 8);
+    bis_geometry_clear(&g);
+}
+
+static void a_grid_of_two_axes_or_one_cell_or_very_many_is_built(void **state)
+{
+    static const struct {
+        double density;
+        int flat; /* this axis has no extent; -1: none */
+    } cases[] = {{0, 0}, {0, 1}, {0, 2}, {1e-9, -1}, {1e5, -1}, {1e5, 2}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bis_geometry g = {0};
+        bis_mesh m = soup_mesh(100, 0.1, i);
+        bis_accel *a;
+        for (size_t k = 0; k < m.n_vertices; k++) {
+            if (cases[i].flat == 0) m.p[k].x = 3;
+            if (cases[i].flat == 1) m.p[k].y = 3;
+            if (cases[i].flat == 2) m.p[k].z = 3;
+        }
+        add_mesh(&g, &m, NULL, 0);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, cases[i].density, 1}, NULL), BIS_OK);
+        const bis_grid *grid = (const bis_grid *)a;
+        if (cases[i].flat >= 0) assert_int_equal(grid->n[cases[i].flat], 1);
+        if (cases[i].density == 1e-9) assert_int_equal(grid->n_cells, 1);
+        if (cases[i].density > 1) assert_true(grid->n_cells > 5000000);
+        for (size_t c = 0; c < grid->n_cells; c++) assert_true(grid->offsets[c] <= grid->offsets[c + 1]);
+        bis_accel_free(a);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* Large triangles fill many cells each; the grid gives up resolution, not memory. */
+static void a_soup_of_large_triangles_stays_within_its_items(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh m = soup_mesh(20000, 1, 9);
+    bis_accel *a;
+    (void)state;
+    add_mesh(&g, &m, NULL, 0);
+    assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1}, NULL), BIS_OK);
+    assert_true(bis_accel_bytes(a) + bis_geometry_bytes(&g) < 200 * g.n_triangles + 65536 * 4);
+    bis_accel_free(a);
+    bis_geometry_clear(&g);
+}
+
+static void the_number_of_threads_changes_no_bit_of_the_grid(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh m = soup_mesh(5000, 0.05, 10), s = sphere_mesh(40);
+    const bis_quadric q = {BIS_SPHERE, 0.5, 0, bis_xform_translate(0.5, 0.5, 0.5), 0};
+    (void)state;
+    add_mesh(&g, &m, NULL, 0);
+    add_mesh(&g, &s, NULL, 0);
+    assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+    bis_accel *a[3];
+    static const int threads[] = {1, 2, 7};
+    for (int i = 0; i < 3; i++) assert_int_equal(bis_accel_new(&a[i], &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, threads[i]}, NULL), BIS_OK);
+    const bis_grid *one = (const bis_grid *)a[0];
+    for (int i = 1; i < 3; i++) {
+        const bis_grid *other = (const bis_grid *)a[i];
+        assert_int_equal(one->n_cells, other->n_cells);
+        assert_memory_equal(one->offsets, other->offsets, (one->n_cells + 1) * sizeof *one->offsets);
+        assert_memory_equal(one->items, other->items, one->offsets[one->n_cells] * sizeof *one->items);
+    }
+    for (int i = 0; i < 3; i++) bis_accel_free(a[i]);
+    bis_geometry_clear(&g);
+}
+
+/* Camera and shadow rays on a scan, as a renderer makes them: at most 1 in 10^6 differs by hit or distance, each a tie. */
+static void the_backends_agree_on_the_dragon_but_for_ties(void **state)
+{
+    const char *path = shared_file("mesh/dragon_res2_202k.ply");
+    extern bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);
+    bis_geometry g = {0};
+    bis_mesh m;
+    uint64_t seed = 11;
+    bis_accel *a[2];
+    int differ = 0, n_rays = 0;
+    (void)state;
+    if (!path || !bis_accel_embree_version()) skip();
+    assert_int_equal(bis_ply_read(&m, path, (bis_loc){0}, NULL), BIS_OK);
+    add_mesh(&g, &m, NULL, 0);
+    assert_int_equal(bis_accel_new(&a[0], &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 0}, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&a[1], &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 0}, NULL), BIS_OK);
+    while (n_rays < 200000) {
+        const double u = random_double(&seed), v = random_double(&seed), w = random_double(&seed);
+        const vec3 target = {(float)((double)g.box.lo.x + u * ((double)g.box.hi.x - (double)g.box.lo.x)),
+                             (float)((double)g.box.lo.y + v * ((double)g.box.hi.y - (double)g.box.lo.y)),
+                             (float)((double)g.box.lo.z + w * ((double)g.box.hi.z - (double)g.box.lo.z))};
+        const vec3 o = add(target, mul(random_direction(&seed), 0.5));
+        ray r = {o, normalize(sub(target, o)), INFINITY};
+        for (int k = 0; k < 2; k++) {
+            bis_hit hit[2];
+            bool found[2];
+            for (int i = 0; i < 2; i++) {
+                found[i] = bis_accel_intersect(a[i], &r, &hit[i]);
+                assert_int_equal(bis_accel_occluded(a[i], &r), found[i]);
+            }
+            n_rays++;
+            if (found[0] != found[1] || (found[0] && !same_distance((double)hit[0].t, (double)hit[1].t, &r))) {
+                differ++;
+                assert_true((found[0] && near_an_edge(&g, hit[0].prim, &r)) || (found[1] && near_an_edge(&g, hit[1].prim, &r)));
+            }
+            if (!found[0] || !found[1]) break;
+            bis_surface s;
+            bis_geometry_surface(&g, hit[0].prim, &r, &s);
+            const vec3 out = random_direction(&seed);
+            r = (ray){bis_surface_offset(&s), dot(out, s.ng) < 0 ? neg(out) : out, INFINITY};
+        }
+    }
+    assert_true(differ <= 1);
+    bis_accel_free(a[0]);
+    bis_accel_free(a[1]);
+    bis_geometry_clear(&g);
+}
+
+static void memory_is_at_most_150_bytes_a_triangle_in_all(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh m = sphere_mesh(300);
+    bis_accel *a;
+    (void)state;
+    assert_int_equal(bis_mesh_smooth_normals(&m, NULL), BIS_OK);
+    add_mesh(&g, &m, NULL, 0);
+    assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1}, NULL), BIS_OK);
+    const double each = (double)(bis_accel_bytes(a) + bis_geometry_bytes(&g)) / (double)g.n_triangles;
+    print_message("%.1f bytes a triangle\n", each);
+    assert_true(each <= 150);
+    bis_accel_free(a);
+    bis_geometry_clear(&g);
+}
+
+static void an_empty_scene_is_never_hit(void **state)
+{
+    const ray r = {{0, 0, 0}, {0, 0, 1}, INFINITY};
+    bis_hit hit;
+    (void)state;
+    assert_false(bis_accel_intersect(NULL, &r, &hit));
+    assert_false(bis_accel_occluded(NULL, &r));
+    assert_string_equal(bis_accel_name(NULL), "none");
+    assert_int_equal(bis_accel_bytes(NULL), 0);
+    bis_accel_free(NULL);
+}
+
+static void without_embree_the_message_names_the_way_out(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh m = sphere_mesh(3);
+    bis_diag diag = {0};
+    bis_accel *a;
+    (void)state;
+    add_mesh(&g, &m, NULL, 0);
+    if (bis_accel_embree_version()) {
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_DEFAULT, 0, 1}, &diag), BIS_OK);
+        assert_string_equal(bis_accel_name(a), "embree");
+        bis_accel_free(a);
+    } else {
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1}, &diag), BIS_INPUT);
+        assert_null(a);
+        assert_string_equal(diag.messages[0].text,
+                            "error: this program was built without Embree: use the accelerator \"grid\" (--accelerator grid), or install "
+                            "libembree-dev and build again");
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_DEFAULT, 0, 1}, &diag), BIS_OK);
+        assert_string_equal(bis_accel_name(a), "grid");
+        bis_accel_free(a);
+    }
+    bis_diag_clear(&diag);
+    bis_geometry_clear(&g);
+}
+
+static void any_allocation_may_fail(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh m = soup_mesh(2000, 1, 12);
+    (void)state;
+    m.p[2] = m.p[1]; /* no area: Embree then needs an index buffer of our own */
+    add_mesh(&g, &m, NULL, 0);
+    for (int kind = 0; kind < (bis_accel_embree_version() ? 2 : 1); kind++) {
+        for (long k = 1;; k++) {
+            bis_accel *a;
+            bis_diag diag = {0};
+            bis_mem_fail_at(k);
+            bis_status status = bis_accel_new(&a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1}, &diag);
+            const bool failed = bis_mem_count() >= k;
+            bis_mem_fail_at(0);
+            assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
+            assert_int_equal(a != NULL, !failed);
+            assert_int_equal(diag.n_errors, failed ? 1 : 0);
+            bis_accel_free(a);
+            bis_diag_clear(&diag);
+            if (!failed) break;
+        }
+    }
+    bis_geometry_clear(&g);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(random_soups_are_met_as_by_brute_force),
+        cmocka_unit_test(soups_at_every_scale_and_shift_are_met_as_by_brute_force),
+        cmocka_unit_test(walls_axes_corners_and_duplicates_are_met_as_by_brute_force),
+        cmocka_unit_test(a_ray_through_the_middle_of_anything_is_met_in_all_26_directions),
+        cmocka_unit_test(nothing_escapes_through_edges_and_vertices),
+        cmocka_unit_test(triangles_without_area_are_never_hit),
+        cmocka_unit_test(slivers_flat_scenes_and_coplanar_triangles_are_met_as_by_brute_force),
+        cmocka_unit_test(quadrics_under_any_transformation_are_met_as_by_brute_force),
+        cmocka_unit_test(a_sphere_around_everything_costs_no_hit),
+        cmocka_unit_test(a_grid_of_two_axes_or_one_cell_or_very_many_is_built),
+        cmocka_unit_test(a_soup_of_large_triangles_stays_within_its_items),
+        cmocka_unit_test(the_number_of_threads_changes_no_bit_of_the_grid),
+        cmocka_unit_test(the_backends_agree_on_the_dragon_but_for_ties),
+        cmocka_unit_test(memory_is_at_most_150_bytes_a_triangle_in_all),
+        cmocka_unit_test(an_empty_scene_is_never_hit),
+        cmocka_unit_test(without_embree_the_message_names_the_way_out),
+        cmocka_unit_test(any_allocation_may_fail),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
