@@ -44,7 +44,9 @@ static bis_status find_area_factors(bis_weights *w, int levels, double b, bis_di
         goto done;
     }
     double *factor = regions.solid_angle; /* one turned into the other, in place */
+#pragma omp parallel for
     for (uint32_t k = 0; k < regions.n; k++) factor[k] = bis_area_factor(regions.solid_angle[k], b);
+#pragma omp parallel for
     for (size_t i = 0; i < n_pixels(w->em); i++) {
         if (regions.label[i] == BIS_REGION_NONE) continue;
         /* FLT_TRUE_MIN: an absurd b (4 and more) underflows; a lit pixel must stay possible, and any positive weight is right */
@@ -159,8 +161,8 @@ bool bis_importance_sample_curve(const bis_importance *im, double t, const doubl
     assert(im->has_curve);
     if (im->total == 0) return false;
     const bis_envmap *em = im->weights.em;
-    s->pixel = bis_trail_draw(&im->trail, &im->weights, t);
     const size_t width = (size_t)em->width;
+    s->pixel = bis_trail_draw(&im->trail, width, t);
     s->w_local = bis_envmap_direction(em, (int)(s->pixel % width), (int)(s->pixel / width), u[0], u[1]);
     s->pdf = bis_importance_pdf_pixel(im, s->pixel);
     return true;

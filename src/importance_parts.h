@@ -48,11 +48,12 @@ size_t bis_table_bytes(const bis_table *t);
 /* pmf[height * width] that the tables really give. Errors: BIS_NOMEM. */
 bis_status bis_table_implied_pmf(const bis_table *t, double *pmf, bis_diag *diag);
 
-/* One CDF along a space-filling curve. 4 bytes a lit pixel and 12 a block of 16. */
+/* One CDF along a space-filling curve. 9 to 10 bytes a pixel, guide included. */
 typedef struct bis_trail {
-    uint32_t *order; /* order[n_lit]: the pixels of positive weight, along the curve */
-    size_t n_lit;
-    bis_cdf blocks;  /* over blocks of 16 successive pixels of the order */
+    uint32_t *tile;   /* tile[n_tiles]: along the curve, the pixel (y * width + x) in a tile's upper left corner */
+    size_t n_tiles;
+    uint32_t side;    /* pixels along a tile's side: 1 or 4 */
+    bis_cdf pixels;   /* cell k: pixel (k % side, k / side % side) of tile k / side^2; weight 0 beyond the map's edge */
 } bis_trail;
 
 /* Errors: BIS_NOMEM. */
@@ -60,7 +61,7 @@ bis_status bis_trail_init(bis_trail *t, const bis_weights *w, bis_diag *diag);
 void bis_trail_clear(bis_trail *t);
 
 /* s in [0,1): the share of the importance that lies before the pixel on the curve. */
-size_t bis_trail_draw(const bis_trail *t, const bis_weights *w, double s);
+size_t bis_trail_draw(const bis_trail *t, size_t width, double s);
 size_t bis_trail_bytes(const bis_trail *t);
 
 #endif
