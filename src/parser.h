@@ -14,7 +14,7 @@
 #define BIS_MAX_PARAMS 64
 #define BIS_MAX_ERRORS 50
 #define BIS_MAX_BLOCKS 4096
-#define BIS_MAX_SHAPES (1u << 22) /* after instancing */
+#define BIS_MAX_SHAPES (1u << 20) /* after instancing; 0.4 kB each, before any triangle */
 #define BIS_MAX_INCLUDES 100000   /* in all: 64 files that include each other twice would be 2^64 */
 
 /* ---- parameters ---- */

@@ -562,7 +562,7 @@ static void limits_are_errors_and_not_exhausted_memory(void **state)
     char *out = objects + sprintf(objects, "WorldBegin ObjectBegin \"o\" ");
     for (int i = 0; i < 5000; i++) out += sprintf(out, "Shape \"sphere\" ");
     strcpy(out, "ObjectEnd ");
-    assert_non_null(strstr(repeated(buf, objects, "ObjectInstance \"o\" ", 2000, ""), "more than 4194304 shapes"));
+    assert_non_null(strstr(repeated(buf, objects, "ObjectInstance \"o\" ", 2000, ""), "more than 1048576 shapes"));
     free(objects);
 }
 
