@@ -67,10 +67,11 @@ static rgb probe_lookup(const probe *p, double x, double y, double z)
         int column = (int)((r * cos_a + 1) / 2 * p->side), row = (int)((1 - r * sin_a) / 2 * p->side);
         if (column == p->side) column--; /* the rim itself */
         if (row == p->side) row--;
-        if (in_disc(p->side, column, row)) return p->pixels[(size_t)row * (size_t)p->side + (size_t)column];
 
-        /* A rim pixel whose centre lies outside is ignored; its neighbour inwards speaks for it: all points of a pixel are within
-         * half a diagonal, sqrt(2)/side, of its centre, so that r <= 1 - sqrt(2)/side is inside. */
+        /* All points of a pixel are within half a diagonal, sqrt(2)/side, of its centre. A rim pixel whose centre lies outside is
+         * ignored; its neighbour inwards speaks for it. */
+        const double surely_inside = 1 - sqrt(2) / p->side;
+        if (r < surely_inside || in_disc(p->side, column, row)) return p->pixels[(size_t)row * (size_t)p->side + (size_t)column];
         r -= sqrt(2) / p->side;
     }
 }

@@ -163,8 +163,8 @@ static bis_status make_envmap(bis_envmap *em, bis_image *image, const bis_light_
     }
     if (image->width == image->height && !desc->has_mapping) {
         return bis_error(diag, BIS_INPUT, desc->loc,
-                         "\"%s\" is square, %d x %d; say \"string mapping\" \"angular\" for a light probe or \"latlong\" where that is "
-                         "meant (pbrt-v4's equal-area mapping is not supported: convert such maps to latlong first)",
+                         "\"%s\" is square, %d x %d: give its mapping, \"angular\" for a light probe, or \"latlong\" if that is meant "
+                         "(pbrt-v4's equal-area mapping is not supported: convert such maps to latlong first)",
                          desc->filename, image->width, image->height);
     }
     return bis_envmap_from_latlong(em, image, diag);
@@ -194,35 +194,35 @@ static double seconds_now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-bis_status bis_light_new(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag)
+bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs, bis_diag *diag)
 {
-    bis_status status;
-    bis_image image = {0};
-    bis_envmap em = {0};
     const bis_loc at = desc->loc.file ? desc->loc : (bis_loc){desc->filename, 0, 0};
-    const double start = seconds_now();
-    double read = start;
+    bis_envmap em = {0};
 
     *out = NULL;
-    if (!desc->filename) {
-        status = new_constant(out, desc, diag);
-        goto done;
-    }
-    status = bis_image_read(&image, desc->filename, desc->loc, diag);
-    if (status) goto done;
-    read = seconds_now();
-    status = make_envmap(&em, &image, desc, diag);
-    if (status) goto done;
-    bis_image_clear(&image); /* of an angular map; the pixels of a lat-long have moved */
+    bis_status status = make_envmap(&em, image, desc, diag);
+    bis_image_clear(image); /* of an angular map; the pixels of a lat-long have moved */
+    if (status) return status;
     warn_defects(&em.defects, desc->filename, at, diag);
     status = scale_envmap(&em, desc, diag);
-    if (status) goto done;
-    status = bis_light_from_envmap(out, &em, desc, needs, diag);
-    if (status) goto done;
-    if (bis_light_is_black(*out)) bis_warn(diag, at, "\"%s\" gives no light: none of its pixels is positive", desc->filename);
-done:
-    bis_image_clear(&image);
+    if (!status) status = bis_light_from_envmap(out, &em, desc, needs, diag);
     bis_envmap_clear(&em);
+    if (status) return status;
+    if (bis_light_is_black(*out)) bis_warn(diag, at, "\"%s\" gives no light: none of its pixels is positive", desc->filename);
+    return BIS_OK;
+}
+
+bis_status bis_light_new(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag)
+{
+    const double start = seconds_now();
+    bis_image image = {0};
+
+    *out = NULL;
+    bis_status status = desc->filename ? bis_image_read(&image, desc->filename, desc->loc, diag) : BIS_OK;
+    const double read = seconds_now();
+    if (!status) {
+        status = desc->filename ? bis_light_from_image(out, &image, desc, needs, diag) : new_constant(out, desc, diag);
+    }
     if (seconds) {
         seconds[0] = read - start;
         seconds[1] = seconds_now() - read;

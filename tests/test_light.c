@@ -329,8 +329,8 @@ static void a_square_map_must_say_its_mapping(void **state)
     (void)state;
     bis_light_desc desc = desc_of(bis_xform_identity());
     assert_null(load(grey(8, 8, 1), desc, BIS_INPUT,
-                     "s.txt:7:3: error: \"%s\" is square, 8 x 8; say \"string mapping\" \"angular\" for a light probe or \"latlong\" where "
-                     "that is meant (pbrt-v4's equal-area mapping is not supported: convert such maps to latlong first)"));
+                     "s.txt:7:3: error: \"%s\" is square, 8 x 8: give its mapping, \"angular\" for a light probe, or \"latlong\" if that is "
+                     "meant (pbrt-v4's equal-area mapping is not supported: convert such maps to latlong first)"));
     desc.has_mapping = true;
     bis_light *light = load(grey(8, 8, 1), desc, BIS_OK, NULL);
     assert_int_equal(bis_light_envmap(light)->width, 8);

@@ -4,6 +4,7 @@
 #define BIS_LIGHT_H
 
 #include "bis/envmap.h"
+#include "bis/image.h"
 #include "bis/importance.h"
 #include "bis/xform.h"
 
@@ -50,6 +51,9 @@ typedef struct bis_light_point {
 /* Load (a map) and build what `needs` asks for. Warnings: bad values with their share of solid angle, no light. Errors: those of bis_image_read, BIS_INPUT (square map
  * without mapping, angular map not square, a frame that is no rotation or reflection, a scale that overflows), BIS_NOMEM. seconds (may be NULL): out, [0] reading, [1] building. */
 bis_status bis_light_new(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag);
+
+/* The same from an image that was read already; it is taken over (cleared, on failure, too). desc->filename names it in messages. */
+bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs, bis_diag *diag);
 
 /* For tests: take over em (cleared, on failure, too). desc gives area_exponent, levels, table_kind, to_world. */
 bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs, bis_diag *diag);
