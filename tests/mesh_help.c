@@ -261,7 +261,7 @@ bool is_tie(const bis_geometry *g, uint32_t prim, const ray *r, double ulps)
     const long double o[3] = {(long double)r->o.x, (long double)r->o.y, (long double)r->o.z};
     const long double d[3] = {(long double)r->d.x, (long double)r->d.y, (long double)r->d.z};
     const long double dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    long double at[3][2], largest = 0, distance = INFINITY;
+    long double at[3][2], largest = 0, distance = (long double)INFINITY;
 
     for (int i = 0; i < 3; i++) {
         const vec3 p = g->p[g->index[3 * (size_t)prim + (size_t)i]];

@@ -5,6 +5,7 @@
 #include "bis/accel.h"
 #include "bis/mem.h"
 #include "grid.h"
+#include "ply.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -56,7 +57,7 @@ static bool brute_triangle(const bis_geometry *g, uint32_t prim, const ray *r, l
 
 static truth brute_force(const bis_geometry *g, const ray *r)
 {
-    truth best = {false, BIS_NO_PRIM, INFINITY};
+    truth best = {false, BIS_NO_PRIM, (long double)INFINITY};
 
     for (uint32_t prim = 0; prim < bis_geometry_primitives(g); prim++) {
         long double t;
@@ -487,7 +488,6 @@ static void the_number_of_threads_changes_no_bit_of_the_grid(void **state)
 static void the_backends_agree_on_the_dragon_but_for_ties(void **state)
 {
     const char *path = shared_file("mesh/dragon_res2_202k.ply");
-    extern bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);
     bis_geometry g = {0};
     bis_mesh m;
     uint64_t seed = 11;
