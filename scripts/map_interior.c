@@ -68,7 +68,7 @@ static rgb window_glass(double u, double z, int bay)
     double a = (u + z) / 0.26, b = (u - z) / 0.26;                                 /* diamonds */
     if (fabs(frac(a) - 0.5) > 0.45 || fabs(frac(b) - 0.5) > 0.45) return LEAD;
     double h = map_hash((int64_t)floor(a), (int64_t)floor(b), bay);
-    return h < 0.55 ? COBALT : h < 0.72 ? GREEN : h < 0.86 ? RUBY : GOLD;
+    return h < 0.40 ? COBALT : h < 0.62 ? GREEN : h < 0.82 ? RUBY : GOLD;
 }
 
 /* Which window's wall coordinate: u from the middle of the bay, and the bay's number. */
@@ -261,7 +261,7 @@ static void trace_shell(surface *s, vec3 o, vec3 d)
         double side = dx > 0 ? 1 : -1, t = (side * WALL - ox) / dx;
         if ((double)o.z + t * dz < SPRING && nearer(s, o, d, t)) {
             s->n = vec3_from(-side, 0, 0);
-            hit_wall(s, (double)s->p.y, side < 0 ? 11 : 2.2);
+            hit_wall(s, (double)s->p.y, side < 0 ? 9 : 2);
         }
     }
     if (d.y != 0) {

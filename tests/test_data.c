@@ -382,7 +382,6 @@ static contrast contrast_of(const char *name)
     for (size_t i = 0; i < n; i++) {
         double y = (double)(i / (size_t)image.width);
         rgb L = image.pixels[i];
-        assert_true(rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0);
         patches[i].L = 0.2126 * (double)L.r + 0.7152 * (double)L.g + 0.0722 * (double)L.b;
         patches[i].sr = 2 * PI / image.width * (cos(PI * y / image.height) - cos(PI * (y + 1) / image.height));
         total += patches[i].L * patches[i].sr;
@@ -400,6 +399,23 @@ static contrast contrast_of(const char *name)
     bis_free(patches);
     bis_image_clear(&image);
     return c;
+}
+
+static void every_map_is_finite_and_lit(void **state)
+{
+    (void)state;
+    for (int i = 0; i < N_MAPS; i++) {
+        bis_image image;
+        double sum = 0;
+        read_map(&image, maps[i]);
+        for (int k = 0; k < image.width * image.height; k++) {
+            rgb L = image.pixels[k];
+            assert_true(rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0);
+            sum += rgb_sum(L);
+        }
+        assert_true(sum > 0);
+        bis_image_clear(&image);
+    }
 }
 
 /* Figures of photographed maps: max/median 1e4 to 1e6, 15% to 80% of the energy in the brightest 0.1%. */
@@ -570,6 +586,7 @@ int main(void)
         cmocka_unit_test(vertex_normals_are_unit_and_face_outwards),
         cmocka_unit_test(the_chess_set_and_the_knot_have_at_least_100000_triangles),
         cmocka_unit_test(a_benchmark_knot_has_the_triangles_asked_for),
+        cmocka_unit_test(every_map_is_finite_and_lit),
         cmocka_unit_test(the_hall_has_a_contrast_of_ten_million),
         cmocka_unit_test(outdoor_and_studio_concentrate_their_energy_like_photographed_ones),
         cmocka_unit_test(the_overcast_sky_is_smooth),
