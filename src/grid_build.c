@@ -391,9 +391,11 @@ bis_status bis_grid_new(bis_accel **out, const bis_geometry *geometry, double de
     *out = NULL;
     if (!grid) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a grid");
     if (density == 0) density = BIS_GRID_DENSITY;
-    /* Triangles of a scan need some 3 items each at the default density; 16 and a free 64k are for soups. A grid of
-     * higher density may have more in proportion. Offsets hold 32 bits. */
-    const double most = fmin((16 + 4 * density) * n + 65536, (double)(UINT32_MAX - 1));
+    /* A scan's triangles need some 3 items each; 8, and a free 64k, keep even a soup of large triangles that share no vertex below 150
+     * bytes a triangle in all: mesh 48, copy 36, cells 33, items 32. Who asks for more cells may have more items, too.
+     * Offsets hold 32 bits. */
+    const double items = 8 + 4 * larger(0, density - BIS_GRID_DENSITY);
+    const double most = smaller(items * n + 65536, (double)(UINT32_MAX - 1));
     const build b = {grid, geometry, threads_of(n_threads), (size_t)most};
     grid->base = (bis_accel){&grid_ops, geometry};
     set_box(grid, &geometry->box);

@@ -456,7 +456,7 @@ static void a_soup_of_large_triangles_stays_within_its_items(void **state)
     (void)state;
     add_mesh(&g, &m, NULL, 0);
     assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1}, NULL), BIS_OK);
-    assert_true(bis_accel_bytes(a) + bis_geometry_bytes(&g) < 200 * g.n_triangles + 65536 * 4);
+    assert_true(bis_accel_bytes(a) + bis_geometry_bytes(&g) < 150 * g.n_triangles + 65536 * 4);
     bis_accel_free(a);
     bis_geometry_clear(&g);
 }
