@@ -33,17 +33,16 @@ double bis_candidates_bound(const bis_point *pt, bis_proposal proposal)
 }
 
 /* The BRDF's share of a mix. The thesis's own measure (4.3): the smaller a proposal's bound, the larger its share (of the squares: variances);
- * under a smooth sky the BRDF gets nearly all. Under a sun it would get nothing, although the rest of the map needs it where the lobe is narrow: of M
- * candidates spread evenly over the sphere, k = M/(4 pi q_f(R)) would fall into the lobe about R, and while these are few the BRDF gets up to half. */
+ * under a smooth sky the BRDF gets nearly all. Under a sun it would get nothing, although the rest of the map needs it where the lobe is
+ * narrow: of M candidates spread evenly over the sphere, k = M/(4 pi q_f(R)) would fall into the lobe about R, and where these are few the BRDF
+ * gets up to half. Any share is unbiased; with this one the error of independent candidates stays within 1.4 times that of the better
+ * proposal alone (tests/test_sir.c, E26), and at n = 50 under a church 6 % of M = 800 are as good as half of them, at half the time. */
 static double share_of_brdf(uint32_t M, const bis_point *pt)
 {
-    const double few = 8; /* any value is unbiased; this one keeps the error within 1.5 times the better proposal's: tests/test_sir.c E26 */
     double c_em = bis_candidates_bound(pt, BIS_PROPOSAL_EM), c_brdf = bis_candidates_bound(pt, BIS_PROPOSAL_BRDF);
-    double k = M / (4 * PI * bis_bsdf_pdf(&pt->bsdf, pt->bsdf.r));
+    double k = M / (4 * PI * bis_bsdf_pdf(&pt->bsdf, pt->bsdf.r)), r = c_brdf / c_em;
 
-    double r = c_brdf / c_em;
-
-    return fmax(1 / (1 + r * r), pt->bsdf.p_specular / 2 * few / (few + k));
+    return fmax(1 / (1 + r * r), pt->bsdf.p_specular / 2 / (1 + k));
 }
 
 /* Who draws how many. Under a constant light q_f alone is the product, nearly. A specular lobe always gets a candidate, a diffuse surface none where its share
@@ -141,8 +140,14 @@ static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double be
     if (cos_theta <= 0) return;
     rgb f = bis_bsdf_f_pdf(&pt->bsdf, wi, &q);
     if (q <= 0) return; /* where the lobe underflows: f = 0 there, too */
-    rgb Le = bis_light_Le(pt->light, wi);
-    if (beta > 0) q = beta * bis_light_pdf(pt->light, wi) + (1 - beta) * q;
+    rgb Le;
+    if (beta > 0) {
+        double q_L;
+        Le = bis_light_Le_pdf(pt->light, wi, &q_L);
+        q = beta * q_L + (1 - beta) * q;
+    } else {
+        Le = bis_light_Le(pt->light, wi);
+    }
     c->wi = wi;
     c->C = bis_estimate(f, Le, cos_theta, q);
     c->w = rgbd_sum(c->C);

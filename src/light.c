@@ -280,6 +280,18 @@ double bis_light_pdf(const bis_light *light, vec3 wi)
     return bis_importance_pdf(light->importance, to_map_frame(light, wi));
 }
 
+rgb bis_light_Le_pdf(const bis_light *light, vec3 wi, double *pdf)
+{
+    if (light->is_constant) {
+        *pdf = bis_light_pdf(light, wi);
+        return light->L;
+    }
+    assert(light->importance);
+    const size_t pixel = bis_envmap_pixel(&light->em, to_map_frame(light, wi));
+    *pdf = bis_importance_pdf_pixel(light->importance, pixel);
+    return light->em.pixels[pixel];
+}
+
 double bis_light_max_ratio(const bis_light *light)
 {
     /* The caller divides I by the rounded 1/(4 pi): a factor 1 + 8 * 2^-53 covers these roundings and ours. */

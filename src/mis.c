@@ -72,9 +72,10 @@ static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *str
         if (cos_theta <= 0) continue;
         rgb f = bis_bsdf_f_pdf(bsdf, wi, &q_brdf);
         if (q_brdf <= 0) continue; /* where the lobe underflows: f = 0 there, too */
-        rgbd C = bis_estimate(f, bis_light_Le(pt->light, wi), cos_theta, (double)n_brdf * q_brdf);
+        double q_em;
+        rgb Le = bis_light_Le_pdf(pt->light, wi, &q_em);
+        rgbd C = bis_estimate(f, Le, cos_theta, (double)n_brdf * q_brdf);
         if (rgbd_sum(C) <= 0 || !bis_point_sees(pt, wi)) continue;
-        double q_em = bis_light_pdf(pt->light, wi);
         sum = rgbd_add(sum, rgbd_scale(C, weight(s->heuristic, (double)n_brdf * q_brdf, (double)n_em * q_em)));
     }
     return sum;

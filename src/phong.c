@@ -103,7 +103,7 @@ static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {
     vec3 local;
 
-    if (bis_bsdf_is_black(b)) return false;
+    if (rgb_is_black(b->material->Kd) && rgb_is_black(b->material->Ks)) return false;
     if (u0 < b->p_specular) {
         lobe_direction(&local, b->material->exponent, u1, u2);
         *wi = to_world(&b->lobe, local);

@@ -69,6 +69,9 @@ bool bis_light_sample(const bis_light *light, const double u[4], bis_light_point
 bool bis_light_sample_curve(const bis_light *light, double t, const double u[2], bis_light_point *s);
 double bis_light_pdf(const bis_light *light, vec3 wi);
 
+/* Radiance and density at once: one lookup instead of two, the same bits. */
+rgb bis_light_Le_pdf(const bis_light *light, vec3 wi, double *pdf);
+
 /* Bounds for rejection: the largest I/pdf, and the largest I, I = r+g+b. */
 double bis_light_max_ratio(const bis_light *light);
 double bis_light_max_intensity(const bis_light *light);
