@@ -69,7 +69,7 @@ $(STAMP): $(DATA_SRC) $(wildcard scripts/m*.h) | $B/bis-data
 	@touch $@
 
 # Every test program, or those whose name holds T; from here, where they find data/ and the program itself.
-test: $(CHOSEN) $B/bis $(STAMP)
+test: $(CHOSEN) $B/bis $B/bis-data $(STAMP)
 	@sh scripts/check_layers.sh
 	@BIS_PROGRAM=$B/bis sh scripts/run_tests.sh $(CHOSEN)
 

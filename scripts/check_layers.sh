@@ -7,12 +7,12 @@ exec awk '
 BEGIN {
     rows = "0 status mem vec file xform stats version grow names;" \
            "1 rng sampler warp weights cdf alias marsaglia curve;" \
-           "2 image image_* envmap envmap_* importance importance_* regions light light_* bsdf phong;" \
-           "3 geometry mesh surface quadric triangle rounding camera accel grid grid_* embree embree_* point;" \
-           "4 integrator em brdf mis candidates proposal rejection sir exact unoccluded;" \
+           "2 image image_* envmap envmap_* importance importance_* regions light light_* pool bsdf phong;" \
+           "3 geometry mesh mesh_* surface quadric triangle rounding camera accel grid grid_* embree embree_* point;" \
+           "4 integrator em brdf mis pool candidates proposal rejection sir exact unoccluded;" \
            "5 scene scene_* plan lexer parser parser_* ply ply_* obj obj_*;" \
            "6 film render compare;" \
-           "7 cli cli_* cmd_* describe json main"
+           "7 cli cli_* cmd_* survey survey_* describe json main"
     n = split(rows, row, ";")
     for (i = 1; i <= n; i++) {
         m = split(row[i], word, " ")

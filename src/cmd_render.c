@@ -334,6 +334,15 @@ static bis_status render(bis_render_result *result, bis_film *film, const bis_sc
     return status;
 }
 
+/* A light probe was resampled: by how much did its energy change? */
+static void note_resampling(const bis_light *light)
+{
+    const bis_envmap *em = bis_light_envmap(light);
+    if (!em || !(em->angular_power_before > 0)) return;
+    fprintf(stderr, "bis: note: angular map resampled to %d x %d; integral of r+g+b %g before, %g after (%+.3f%%)\n", em->width, em->height,
+            em->angular_power_before, em->angular_power_after, 100 * (em->angular_power_after / em->angular_power_before - 1));
+}
+
 /* From scene to files; *interrupted: a signal came. */
 static bis_status run(const render_options *o, const bis_scene_desc *desc, double start, double parse_seconds, bool *interrupted,
                       bis_diag *diag)
@@ -349,6 +358,7 @@ static bis_status run(const render_options *o, const bis_scene_desc *desc, doubl
     if (status) goto done;
     bis_cli_print_diag(diag, o->quiet); /* warnings, before the wait */
     bis_diag_clear(diag);
+    if (!o->quiet) note_resampling(scene->light);
     status = render(&result, &film, scene, desc, o, diag);
     if (status) goto done;
 

@@ -342,6 +342,27 @@ static void a_time_budget_renders_for_a_while_and_says_how_much(void **state)
     assert_string_equal(json_value(value, sizeof value, r.output, "spp"), "1");
 }
 
+/* SPEC 1: the energy before and after is printed. A probe of constant radiance 1: 3 x 4 pi, whatever its corners hold. */
+static void a_light_probe_tells_its_energy_before_and_after(void **state)
+{
+    (void)state;
+    program_run r;
+    bis_image image;
+    double before = 0, after = 0;
+    assert_int_equal(bis_image_init(&image, 32, 32, NULL), BIS_OK);
+    for (int i = 0; i < 32 * 32; i++) image.pixels[i] = (rgb){1, 1, 1};
+    assert_int_equal(bis_image_save(&image, DIR "/probe.pfm", NULL), BIS_OK);
+    bis_image_clear(&image);
+    program_write_file(DIR "/probe.txt", "WorldBegin LightSource \"infinite\" \"string filename\" \"probe.pfm\" \"string mapping\" \"angular\"\n");
+    program_expect(&r, 0, DIR "/probe.txt --resolution 4x4 --spp 1 --outfile " DIR "/probe.exr");
+    const char *figures = strstr(r.messages, "integral of r+g+b ");
+    assert_non_null(figures);
+    assert_int_equal(sscanf(figures, "integral of r+g+b %lf before, %lf after", &before, &after), 2);
+    assert_true(fabs(before / (12 * PI) - 1) < 0.01 && fabs(after / before - 1) < 0.01);
+    program_expect(&r, 0, DIR "/probe.txt --resolution 4x4 --spp 1 --quiet --outfile " DIR "/probe.exr");
+    assert_string_equal(r.messages, "");
+}
+
 static void an_option_without_effect_is_a_warning(void **state)
 {
     (void)state;
@@ -596,6 +617,7 @@ int main(void)
         cmocka_unit_test(options_override_the_scene),
         cmocka_unit_test(without_jitter_a_picture_of_one_colour_has_no_scatter),
         cmocka_unit_test(a_time_budget_renders_for_a_while_and_says_how_much),
+        cmocka_unit_test(a_light_probe_tells_its_energy_before_and_after),
         cmocka_unit_test(an_option_without_effect_is_a_warning),
         cmocka_unit_test(plan_renders_and_writes_nothing),
         cmocka_unit_test(bad_usage_and_bad_scenes_exit_with_2_and_write_nothing),

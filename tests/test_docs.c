@@ -1,0 +1,152 @@
+/* What the README and docs tell users to type works: every `./bis ...` line of their code blocks is run, small and short, in a folder that looks
+ * like the repository's root. And the layers that README draws are those of the code; the check of it can fail. */
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define DIR "build/test_docs"
+
+static int shell(const char *command)
+{
+    fflush(stdout);
+    int status = system(command);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+/* A stand-in for the root: the scene and data of the repository, `bis` the program under test. */
+static void make_root(void)
+{
+    char here[2048], target[4096];
+    const char *program = getenv("BIS_PROGRAM");
+    program_folder(DIR);
+    assert_non_null(getcwd(here, sizeof here));
+    const char *names[] = {"scene.txt", "data"};
+    for (int i = 0; i < 2; i++) {
+        char link[64];
+        snprintf(target, sizeof target, "%s/%s", here, names[i]);
+        snprintf(link, sizeof link, DIR "/%s", names[i]);
+        assert_int_equal(symlink(target, link), 0);
+    }
+    if (!program || !*program) program = "build/release/bis";
+    snprintf(target, sizeof target, "%s%s%s", program[0] == '/' ? "" : here, program[0] == '/' ? "" : "/", program);
+    assert_int_equal(symlink(target, DIR "/bis"), 0);
+}
+
+/* The last line of a page that could be run ends in `&& ./bis scene.txt`: what stands before is the set-up. */
+static const char *find_program(const char *line)
+{
+    const char *at = strstr(line, "./bis ");
+    return at && (at == line || strncmp(at - 3, "&& ", 3) == 0) ? at : NULL;
+}
+
+static bool renders(const char *command)
+{
+    return strncmp(command, "./bis compare", 13) != 0 && strncmp(command, "./bis envmap", 12) != 0 && !strstr(command, "--plan");
+}
+
+static int run_commands_of(const char *page)
+{
+    char line[1024], command[2048];
+    bool in_code = false;
+    int n = 0;
+    FILE *f = fopen(page, "r");
+    assert_non_null(f);
+    while (fgets(line, sizeof line, f)) {
+        line[strcspn(line, "\n")] = '\0';
+        if (strncmp(line, "```", 3) == 0) in_code = !in_code;
+        const char *bis = in_code ? find_program(line) : NULL;
+        if (!bis) continue;
+        snprintf(command, sizeof command, "cd " DIR " && %s%s > out 2> err", bis, renders(bis) ? " --resolution 20x15 --spp 1 --quiet" : "");
+        int status = shell(command);
+        if (status != 0) fail_msg("%s: `%s` exits with %d", page, command, status);
+        n++;
+    }
+    fclose(f);
+    return n;
+}
+
+static void every_command_of_the_readme_works(void **state)
+{
+    (void)state;
+    make_root();
+    assert_true(run_commands_of("README.md") >= 5);
+    assert_true(program_exists(DIR "/bis.png")); /* the first command */
+}
+
+/* No link of a page leads nowhere. */
+static void links_of_the_pages_lead_to_files(void **state)
+{
+    (void)state;
+    const char *pages[] = {"README.md", "docs/command-line.md", "docs/architecture.md", "docs/integrators.md", "docs/scene-format.md"};
+    for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
+        char text[1 << 16], path[1024];
+        FILE *f = fopen(pages[i], "r");
+        assert_non_null(f);
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        for (const char *at = strstr(text, "]("); at; at = strstr(at + 1, "](")) {
+            size_t n = strcspn(at + 2, ")#");
+            if (n == 0 || strncmp(at + 2, "http", 4) == 0) continue;
+            const char *slash = strrchr(pages[i], '/');
+            snprintf(path, sizeof path, "%.*s%.*s", slash ? (int)(slash - pages[i] + 1) : 0, pages[i], (int)n, at + 2);
+            if (!program_exists(path)) fail_msg("%s: no %s", pages[i], path);
+        }
+    }
+}
+
+/* --- layers -------------------------------------------------------------------------------------------------------- */
+
+static void arrows_only_go_down(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check_layers.sh > build/test_docs.out"), 0);
+}
+
+/* The twin: a fresh tree with one file that looks up, and one that nobody gave a row. */
+static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
+{
+    (void)state;
+    const struct { const char *name, *text, *message; } cases[] = {
+        {"sir.c", "#include \"bis/vec.h\"\n", NULL},
+        {"sir.c", "#include \"bis/vec.h\"\n#include \"bis/scene.h\"\n", "src/sir.c:2: row 4 includes \"bis/scene.h\" of row 5"},
+        {"alias.c", "#  include \"grid.h\"\n", "src/alias.c:1: row 1 includes \"grid.h\" of row 3"},
+        {"image_tiff.c", "#include \"bis/envmap.h\"\n", NULL},
+        {"quux.c", "", "src/quux.c: no row"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[256], text[1024] = "";
+        assert_int_equal(shell("rm -rf build/layers && mkdir -p build/layers/src build/layers/include/bis"), 0);
+        program_write_file("build/layers/include/bis/vec.h", "");
+        snprintf(path, sizeof path, "build/layers/src/%s", cases[i].name);
+        program_write_file(path, *cases[i].text ? cases[i].text : "\n");
+        int status = shell("sh scripts/check_layers.sh build/layers > build/layers.out");
+        FILE *f = fopen("build/layers.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message) assert_ptr_equal(strstr(text, cases[i].message), text);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_command_of_the_readme_works),
+        cmocka_unit_test(links_of_the_pages_lead_to_files),
+        cmocka_unit_test(arrows_only_go_down),
+        cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
