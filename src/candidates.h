@@ -12,9 +12,13 @@ unsigned bis_candidates_light_needs(bis_proposal proposal, bool stratify);
  * max f cos * max I/q_L for candidates from the map, max f cos/q_f * max I for those from the BRDF, I = Le.r + Le.g + Le.b. */
 double bis_candidates_bound(const bis_point *pt, bis_proposal proposal);
 
+/* The size of the pool's sets that these settings ask for, 0: none. */
+uint32_t bis_candidates_pool_needs(const bis_settings *s);
+
 /* Draw c[M] from the proposal (em, brdf or mix), in the order of a space-filling curve when stratify. Returns W, the sum of the weights,
- * 0 when there is no light or no reflection. The mean of C over the candidates estimates L_ns (eq. 4.5) in RGB, W/M its intensity. */
-double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt, bis_stream *stream);
+ * 0 when there is no light or no reflection. pool: sets of M stratified directions from the map, or NULL: the point draws its own. The mean of C over the candidates estimates L_ns (eq. 4.5) in RGB, W/M its intensity. */
+double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_pool *pool, const bis_point *pt,
+                           bis_stream *stream);
 
 /* Choose N of c[M] with probabilities w/W, W > 0 as bis_candidates_draw returned it; chosen[N] ascends, repeats are neighbours, and
  * no candidate of weight 0 is ever among them. */

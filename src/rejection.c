@@ -96,7 +96,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
     const bis_proposal proposal = choose(s, pt, stream);
     double B = bis_candidates_bound(pt, proposal);
-    double W = bis_candidates_draw(x, M, proposal, false, pt, stream);
+    double W = bis_candidates_draw(x, M, proposal, false, NULL, pt, stream);
     if (W <= 0) return (rgb){0, 0, 0};
 
     uint32_t A = accept(scratch->chosen, x, M, B, stream);

@@ -44,6 +44,7 @@ typedef struct render {
     bis_film *film;
     bis_budget budget;
     worker *workers;
+    bis_pool pool; /* M = 0: none */
     int n_threads;
     sample *pass; /* pass[height][width] of the crop */
     int tiles_x, tiles_y;
@@ -180,6 +181,7 @@ static bool render_pass(render *r)
     int n_done = 0;
 
     for (int i = 0; i < r->n_threads; i++) r->workers[i].counters = (bis_counters){0};
+    if (r->pool.M) bis_pool_fill(&r->pool, r->scene->light, r->desc->sampler.seed, r->passes, r->n_threads);
 #pragma omp parallel for schedule(dynamic) num_threads(r->n_threads)
     for (int t = 0; t < n_tiles; t++) {
         worker *w = &r->workers[this_thread()];
@@ -262,12 +264,24 @@ static bis_status make_workers(render *r, bis_diag *diag)
     return BIS_OK;
 }
 
+/* A pool of directions where the integrator asks for one, the light has a curve to draw them along, and there is a surface to light. */
+static bis_status make_pool(render *r, bis_diag *diag)
+{
+    const bis_light *light = r->scene->light;
+    uint32_t M = r->workers[0].scratch.n_pool;
+
+    if (M == 0 || !r->scene->accel || bis_light_is_constant(light) || bis_light_is_black(light)) return BIS_OK;
+    bis_status status = bis_pool_init(&r->pool, M, diag);
+    for (int i = 0; !status && i < r->n_threads; i++) r->workers[i].scratch.pool = &r->pool;
+    return status;
+}
+
 static size_t workspace(const render *r)
 {
     bis_scratch need = {0};
     r->desc->settings.integrator->scratch_needs(&r->desc->settings, &need);
     size_t scratch = need.n_candidates * sizeof *need.candidates + need.n_points * sizeof *need.u + need.n_chosen * sizeof *need.chosen;
-    return (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * sizeof *r->pass;
+    return bis_pool_bytes(&r->pool) + (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * sizeof *r->pass;
 }
 
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
@@ -294,6 +308,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     r.n_threads = 1;
 #endif
     status = make_workers(&r, diag);
+    if (!status) status = make_pool(&r, diag);
     if (status) goto done;
     r.pass = bis_alloc((size_t)film->width * (size_t)film->height, sizeof *r.pass);
     if (!r.pass) {
@@ -308,6 +323,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     result->bytes = workspace(&r);
 done:
     for (int i = 0; r.workers && i < r.n_threads; i++) bis_scratch_clear(&r.workers[i].scratch);
+    bis_pool_clear(&r.pool);
     bis_free(r.workers);
     bis_free(r.pass);
     return status;

@@ -20,6 +20,7 @@ static unsigned light_needs(const bis_settings *s)
 static void scratch_needs(const bis_settings *s, bis_scratch *need)
 {
     need->n_candidates = s->candidates;
+    need->n_pool = bis_candidates_pool_needs(s);
     need->n_chosen = s->shadowrays;
 }
 
@@ -28,7 +29,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     const uint32_t M = s->candidates, N = s->shadowrays;
     bis_candidate *x = scratch->candidates;
 
-    double W = bis_candidates_draw(x, M, s->proposal, s->stratify, pt, stream);
+    double W = bis_candidates_draw(x, M, s->proposal, s->stratify, scratch->pool, pt, stream);
     if (W <= 0) return (rgb){0, 0, 0};
 
     bis_candidates_resample(scratch->chosen, N, x, M, W, s->resampling, stream);

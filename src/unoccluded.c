@@ -14,11 +14,12 @@ static unsigned light_needs(const bis_settings *s)
 static void scratch_needs(const bis_settings *s, bis_scratch *need)
 {
     need->n_candidates = s->candidates;
+    need->n_pool = bis_candidates_pool_needs(s);
 }
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    double W = bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, pt, stream);
+    double W = bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->pool, pt, stream);
 
     if (W <= 0) return (rgb){0, 0, 0};
     return rgbd_round(bis_candidates_unoccluded(scratch->candidates, s->candidates));

@@ -186,7 +186,7 @@ static void stopping_at_the_Nth_acceptance_is_biased_E22(void **state)
         bis_stream stream;
         bis_stream_init(&stream, &sampler, run, 0);
         do {
-            bis_candidates_draw(c, 2, BIS_PROPOSAL_EM, false, &l.pt, &stream);
+            bis_candidates_draw(c, 2, BIS_PROPOSAL_EM, false, NULL, &l.pt, &stream);
             W += c->w;
             M++;
         } while (bis_stream_random(&stream) * B >= c->w);

@@ -267,7 +267,7 @@ static stat_moments run_printed(lit *l, bis_proposal proposal, uint32_t M, uint3
 
     for (uint64_t run = 0; run < runs; run++) {
         bis_stream stream = plain_stream(run);
-        double W = bis_candidates_draw(c, M, proposal, false, &l->pt, &stream);
+        double W = bis_candidates_draw(c, M, proposal, false, NULL, &l->pt, &stream);
         if (W > 0) bis_candidates_resample(chosen, N, c, M, W, BIS_RESAMPLING_MULTINOMIAL, &stream);
         stat_add(&m, W > 0 ? estimate(l, c, M, chosen, N, W).r : 0);
     }

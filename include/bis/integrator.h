@@ -4,6 +4,7 @@
 #define BIS_INTEGRATOR_H
 
 #include "bis/point.h"
+#include "bis/pool.h"
 #include "bis/sampler.h"
 
 #include <stdint.h>
@@ -47,6 +48,8 @@ typedef struct bis_scratch {
     double (*u)[2];            /* [n_points] */
     uint32_t *chosen;          /* [n_chosen] */
     uint32_t n_candidates, n_points, n_chosen;
+    uint32_t n_pool;      /* stratified directions from the map that a point asks for; 0: none */
+    const bis_pool *pool; /* shared by all threads, borrowed; NULL: each point draws its own */
 } bis_scratch;
 
 struct bis_integrator {

@@ -1,0 +1,210 @@
+/* agree: do all integrators give the same picture?
+ *
+ *     agree [--replicates R] [--resolution WxH] [--alpha A] [--reference exact|mis] SCENE...
+ *
+ * For each scene a reference (`exact`; with --reference mis a long mis) and each unbiased setting of each integrator are rendered R times
+ * with different seeds, through the centres of the same pixels. The mean over the image and over each of 4 x 4 tiles must agree
+ * in R, G and B: Welch's t with standard errors from the R independent renders, Sidak-corrected over all tests of the run.
+ *
+ * A pair whose standard error of the image mean exceeds 2% of it cannot be tested at this cost (the BRDF under a pinpoint light: a few
+ * renders hold all the energy, and their scatter says nothing): it is named, not passed. Exit status 1 where a test fails. */
+#include "bis/mem.h"
+#include "bis/render.h"
+#include "bis/stats.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TILES = 4, CELLS = TILES * TILES + 1, CHANNELS = 3, VALUES = CELLS * CHANNELS };
+
+typedef struct estimate {
+    double mean[VALUES], se[VALUES];
+} estimate;
+
+typedef struct candidate {
+    const char *name, *integrator;
+    bis_proposal proposal;
+    bis_resampling resampling;
+    bis_estimator estimator;
+    bis_heuristic heuristic;
+    bool stratify, compensate;
+} candidate;
+
+/* Every unbiased setting. rejection "ratio" has an O(1/M) bias and is not among them. */
+static const candidate CANDIDATES[] = {
+    {.name = "em", .integrator = "em"},
+    {.name = "brdf", .integrator = "brdf"},
+    {.name = "mis balance", .integrator = "mis"},
+    {.name = "mis power", .integrator = "mis", .heuristic = BIS_HEURISTIC_POWER},
+    {.name = "mis compensated", .integrator = "mis", .compensate = true},
+    {.name = "rejection plain em", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN, .proposal = BIS_PROPOSAL_EM},
+    {.name = "rejection plain brdf", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN, .proposal = BIS_PROPOSAL_BRDF},
+    {.name = "rejection plain choose", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN, .proposal = BIS_PROPOSAL_CHOOSE},
+    {.name = "sir em", .integrator = "sir", .proposal = BIS_PROPOSAL_EM, .stratify = true},
+    {.name = "sir brdf", .integrator = "sir", .proposal = BIS_PROPOSAL_BRDF, .stratify = true},
+    {.name = "sir mix", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX, .stratify = true},
+    {.name = "sir mix independent", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX},
+    {.name = "sir mix multinomial", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX, .stratify = true, .resampling = BIS_RESAMPLING_MULTINOMIAL},
+    {.name = "sir em independent multinomial", .integrator = "sir", .proposal = BIS_PROPOSAL_EM, .resampling = BIS_RESAMPLING_MULTINOMIAL},
+};
+enum { N_CANDIDATES = sizeof CANDIDATES / sizeof *CANDIDATES };
+
+typedef struct options {
+    unsigned replicates, reference_replicates;
+    int width, height;
+    double alpha;
+    const char *reference;
+} options;
+
+static void print_diag(bis_diag *diag)
+{
+    for (size_t i = 0; i < diag->n; i++)
+        if (diag->messages[i].is_error) fprintf(stderr, "%s\n", diag->messages[i].text);
+    bis_diag_clear(diag);
+}
+
+/* Mean of the image (cell 0) and of each tile, per channel, of one film. */
+static void cell_means(const bis_film *film, double value[VALUES])
+{
+    double pixels[CELLS] = {0};
+    memset(value, 0, VALUES * sizeof *value);
+    for (int y = 0; y < film->height; y++)
+        for (int x = 0; x < film->width; x++) {
+            int cell = 1 + y * TILES / film->height * TILES + x * TILES / film->width;
+            const double *sum = film->sum + 3 * ((size_t)y * (size_t)film->width + (size_t)x);
+            pixels[0]++, pixels[cell]++;
+            for (int c = 0; c < CHANNELS; c++) {
+                value[c] += sum[c] / film->passes;
+                value[cell * CHANNELS + c] += sum[c] / film->passes;
+            }
+        }
+    for (int i = 0; i < VALUES; i++) value[i] /= pixels[i / CHANNELS] > 0 ? pixels[i / CHANNELS] : 1;
+}
+
+/* Means and standard errors over independent renders. Renders with an own seed each; two passes over nothing: Welford. */
+static bis_status measure(estimate *e, bis_scene_desc *desc, unsigned replicates, uint64_t seed, uint32_t spp, bis_diag *diag)
+{
+    bis_scene *scene = NULL;
+    bis_film film = {0};
+    double value[VALUES], m2[VALUES] = {0};
+    bis_status status = bis_scene_build(&scene, desc, diag);
+    if (status) goto done;
+    status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, (bis_loc){0}, diag);
+    if (status) goto done;
+    memset(e, 0, sizeof *e);
+    for (unsigned r = 0; r < replicates; r++) {
+        bis_render_options ro = {.budget.spp = spp};
+        bis_render_result result;
+        desc->sampler.seed = seed + r;
+        bis_film_clear(&film);
+        status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, (bis_loc){0}, diag);
+        if (!status) status = bis_render(&result, &film, scene, desc, &ro, diag);
+        if (status) goto done;
+        cell_means(&film, value);
+        for (int i = 0; i < VALUES; i++) {
+            double delta = value[i] - e->mean[i];
+            e->mean[i] += delta / (r + 1);
+            m2[i] += delta * (value[i] - e->mean[i]);
+        }
+    }
+    for (int i = 0; i < VALUES; i++) e->se[i] = sqrt(m2[i] / (replicates - 1) / replicates);
+done:
+    bis_film_clear(&film);
+    bis_scene_free(scene);
+    return status;
+}
+
+static void configure(bis_scene_desc *desc, const candidate *c)
+{
+    bis_settings s = bis_settings_default(bis_integrator_find(c->integrator));
+    s.proposal = c->proposal;
+    s.resampling = c->resampling;
+    s.estimator = c->estimator;
+    s.heuristic = c->heuristic;
+    s.stratify = c->stratify;
+    s.compensate = c->compensate;
+    s.samples = 32;
+    s.candidates = 256;
+    s.shadowrays = 8;
+    desc->settings = s;
+}
+
+/* Welch's t-test of one value; both exact (se 0, as where all is background): they must be equal to rounding of the sums. */
+static double p_value(const estimate *a, unsigned n_a, const estimate *b, unsigned n_b, int i)
+{
+    double va = a->se[i] * a->se[i], vb = b->se[i] * b->se[i], d = a->mean[i] - b->mean[i];
+    double rounding = 1e-6 * fabs(b->mean[i]); /* float radiance: 2^-24 a sample, summed; far below any standard error here */
+    if (sqrt(va + vb) < rounding) return fabs(d) <= 4 * rounding ? 1 : 0;
+    double dof = (va + vb) * (va + vb) / (va * va / (n_a - 1) + vb * vb / (n_b - 1));
+    return bis_stats_student_p(d / sqrt(va + vb), dof);
+}
+
+static int test_scene(const char *path, const options *o, double alpha_each)
+{
+    bis_diag diag = {0};
+    bis_scene_desc *desc = NULL;
+    estimate reference, e;
+    int failures = 0;
+
+    if (bis_scene_parse(&desc, path, &diag)) goto fail;
+    desc->pixel_jitter = false;
+    desc->film.width = o->width;
+    desc->film.height = o->height;
+    desc->film.crop[0] = desc->film.crop[2] = 0;
+    desc->film.crop[1] = desc->film.crop[3] = 1;
+
+    bool exact = strcmp(o->reference, "exact") == 0;
+    desc->settings = bis_settings_default(bis_integrator_find(o->reference));
+    desc->settings.samples = 1024;
+    if (measure(&reference, desc, o->reference_replicates, 1000, exact ? 1 : 16, &diag)) goto fail;
+    printf("%s  mean %.5g %.5g %.5g +- %.1e (%s)\n", path, reference.mean[0], reference.mean[1], reference.mean[2], reference.se[0], o->reference);
+
+    for (int k = 0; k < N_CANDIDATES; k++) {
+        configure(desc, &CANDIDATES[k]);
+        if (measure(&e, desc, o->replicates, 2000 + 100 * (uint64_t)k, 4, &diag)) goto fail;
+        double p = 1, relative_se = 0;
+        int worst = 0;
+        for (int i = 0; i < VALUES; i++) {
+            double pi = p_value(&e, o->replicates, &reference, o->reference_replicates, i);
+            if (pi < p) p = pi, worst = i;
+        }
+        for (int c = 0; c < CHANNELS; c++)
+            if (reference.mean[c] > 0) relative_se = fmax(relative_se, e.se[c] / reference.mean[c]);
+        const char *verdict = relative_se > 0.02 ? "not testable at this cost" : p < alpha_each ? "DIFFERS" : "agrees";
+        failures += verdict[0] == 'D';
+        printf("    %-32s smallest p %.2e (%s %d, %+.2f%%)  se of the mean %.3f%%  %s\n", CANDIDATES[k].name, p, worst < 3 ? "image" : "tile", worst / 3,
+               reference.mean[worst] != 0 ? 100 * (e.mean[worst] / reference.mean[worst] - 1) : 0, 100 * relative_se, verdict);
+        fflush(stdout);
+    }
+    print_diag(&diag);
+    bis_scene_desc_free(desc);
+    return failures;
+fail:
+    print_diag(&diag);
+    bis_scene_desc_free(desc);
+    return 1;
+}
+
+int main(int argc, char **argv)
+{
+    options o = {.replicates = 32, .reference_replicates = 16, .width = 16, .height = 12, .alpha = 0.01, .reference = "exact"};
+    int i = 1, failures = 0;
+    for (; i + 1 < argc && argv[i][0] == '-'; i += 2) {
+        if (!strcmp(argv[i], "--replicates")) o.replicates = o.reference_replicates = (unsigned)atoi(argv[i + 1]);
+        else if (!strcmp(argv[i], "--resolution")) sscanf(argv[i + 1], "%dx%d", &o.width, &o.height);
+        else if (!strcmp(argv[i], "--alpha")) o.alpha = atof(argv[i + 1]);
+        else if (!strcmp(argv[i], "--reference")) o.reference = argv[i + 1];
+        else break;
+    }
+    if (i >= argc || argv[i][0] == '-' || o.replicates < 2 || o.width < TILES || o.height < TILES) {
+        fprintf(stderr, "usage: agree [--replicates R] [--resolution WxH] [--alpha A] [--reference exact|mis] SCENE...\n");
+        return 2;
+    }
+    int tests = (argc - i) * N_CANDIDATES * VALUES;
+    double alpha_each = bis_stats_sidak(o.alpha, (double)tests);
+    printf("%d tests, family-wise significance %g, each at p < %.2e\n", tests, o.alpha, alpha_each);
+    for (; i < argc; i++) failures += test_scene(argv[i], &o, alpha_each);
+    printf("%d pairs differ\n", failures);
+    return failures > 0;
+}

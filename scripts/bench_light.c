@@ -1,0 +1,74 @@
+/* bench_light: what it costs to get a map ready, and to draw from it.
+ *
+ *     bench_light [WIDTH]      default 4096: a WIDTH x WIDTH/2 map, log-uniform over six decades with a few lamps
+ *
+ * Prints one figure a line: seconds to build each table, bytes a pixel, ns a draw. One thread: OMP_NUM_THREADS=1. */
+#include "bis/importance.h"
+#include "bis/mem.h"
+#include "bis/regions.h"
+#include "bis/rng.h"
+
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static bis_status make_map(bis_envmap *em, int width, bis_diag *diag)
+{
+    bis_image image;
+    bis_status status = bis_image_init(&image, width, width / 2, diag);
+    if (status) return status;
+    bis_rng rng;
+    bis_rng_init(&rng, 1, 0, 0, 0);
+    for (size_t i = 0; i < (size_t)width * (size_t)(width / 2); i++) {
+        double l = exp(13.8 * bis_rng_double(&rng) - 7) * (bis_rng_double(&rng) < 1e-4 ? 1e4 : 1);
+        image.pixels[i] = rgb_from(l, 0.8 * l, 0.5 * l);
+    }
+    return bis_envmap_from_latlong(em, &image, diag);
+}
+
+static void bench_table(const char *name, const bis_envmap *em, const bis_importance_options *options)
+{
+    enum { DRAWS = 4000000 };
+    bis_diag diag = {0};
+    bis_importance *im;
+    double pixels = (double)em->width * em->height, t = omp_get_wtime();
+    if (bis_importance_new(&im, em, options, &diag)) exit(1);
+    printf("%-18s build_seconds %.3f  bytes_per_pixel %.2f", name, omp_get_wtime() - t, (double)bis_importance_bytes(im) / pixels);
+
+    bis_rng rng;
+    bis_rng_init(&rng, 2, 0, 0, 0);
+    bis_map_sample s;
+    double sum = 0;
+    t = omp_get_wtime();
+    for (int i = 0; i < DRAWS; i++) {
+        double u[4] = {bis_rng_double(&rng), bis_rng_double(&rng), bis_rng_double(&rng), bis_rng_double(&rng)};
+        bool drawn = options->curve ? bis_importance_sample_curve(im, (i % 800 + u[0]) / 800, u + 2, &s)
+                                    : bis_importance_sample(im, u, &s);
+        if (drawn) sum += (double)s.w_local.z;
+    }
+    printf("  ns_per_draw %.1f  (mean z %.3f)\n", (omp_get_wtime() - t) / DRAWS * 1e9, sum / DRAWS);
+    bis_importance_free(im);
+}
+
+int main(int argc, char **argv)
+{
+    int width = argc > 1 ? atoi(argv[1]) : 4096;
+    bis_diag diag = {0};
+    bis_envmap em;
+    bis_regions regions;
+    if (width < 2 || make_map(&em, width, &diag)) return 1;
+    printf("map %dx%d\n", em.width, em.height);
+
+    double t = omp_get_wtime();
+    if (bis_regions_init(&regions, &em, 8, &diag)) return 1;
+    printf("%-18s build_seconds %.3f  regions %u\n", "components", omp_get_wtime() - t, regions.n);
+    bis_regions_clear(&regions);
+
+    bench_table("alias", &em, &(bis_importance_options){.table = true, .levels = 8});
+    bench_table("alias, b = 0.15", &em, &(bis_importance_options){.table = true, .area_exponent = 0.15, .levels = 8});
+    bench_table("cdf", &em, &(bis_importance_options){.table = true, .table_kind = BIS_TABLE_CDF, .levels = 8});
+    bench_table("curve", &em, &(bis_importance_options){.curve = true, .levels = 8});
+    bench_table("curve, b = 0.15", &em, &(bis_importance_options){.curve = true, .area_exponent = 0.15, .levels = 8});
+    bis_envmap_clear(&em);
+    return 0;
+}
