@@ -3,7 +3,8 @@
  * A test file states its family-wise significance once and runs each of its m statistical tests at
  * bis_stats_sidak(alpha, m). For every claim there is a twin: a plausible wrong implementation that the same check must reject
  * (stat_assert_no_fit, stat_assert_not_mean).
- * A failure prints statistic, degrees of freedom, p, alpha and seed; both histograms go to build/histograms/NAME.csv. */
+ * A failure prints statistic, degrees of freedom, p, alpha and seed; both histograms go to build/histograms/NAME.csv.
+ * What holds leaves a line in build/power/PROGRAM.txt: the smallest error that this test finds with 99 % power (docs/proof.md). */
 #ifndef TESTS_STAT_H
 #define TESTS_STAT_H
 
@@ -35,6 +36,20 @@ double stat_variance(const stat_moments *m);
 /* z-test of the mean against `expected`, standard error from the data. Where all values are equal, a difference beyond 1e-12 of
  * `expected` (rounding of the sum) rejects. */
 stat_result stat_mean(const stat_moments *m, double expected, double alpha);
+
+/* ---- power: how large must an error be to be found? ---- */
+
+/* Probability that a chi-square test at `alpha` rejects when its statistic is noncentral chi-square: the tail of a Poisson
+ * mixture of central ones. With n draws whose true cell probabilities are p (1 + e), noncentrality = n times the mean of e^2
+ * under p. */
+double stat_power(double dof, double alpha, double noncentrality);
+
+/* The root mean square relative error e (weighted by p) of a density that a chi-square test of n draws finds with
+ * probability `power`: the inverse of stat_power, by bisection. */
+double stat_least_error(double n, double dof, double alpha, double power);
+
+/* The shift of a mean, in standard errors, that a two-sided z-test finds with probability `power`. */
+double stat_least_shift(double alpha, double power);
 
 /* cmocka assertions. `name` names the claim and the csv file (letters, digits, _ and -). */
 void stat_assert_fit(const char *name, uint64_t seed, const double *observed, const double *expected, size_t n,

@@ -129,6 +129,22 @@ static void p_values_of_a_right_histogram_are_uniform(void **state)
     stat_assert_no_fit("stats_p_values_twin", 1000, bins, expected_bins, 20, alpha());
 }
 
+/* References: mpmath, 30 digits; for one degree of freedom also in closed form, (z + z)^2, but for the far tail. */
+static void power_agrees_with_reference_noncentralities(void **state)
+{
+    (void)state;
+    const double cases[][4] = {
+        {1, .05, .9, 10.5074194}, {10, .05, .9, 20.5319707}, {100, .05, .9, 49.2930040}, {1, .01, .99, 24.0313411}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double *c = cases[i], e = stat_least_error(1, c[0], c[1], c[2]);
+        assert_relative(e * e, c[3], 1e-6);
+        assert_relative(stat_power(c[0], c[1], c[3]), c[2], 1e-6);
+        assert_relative(stat_power(c[0], c[1], 0), c[1], 1e-9);
+    }
+    assert_relative(stat_least_shift(.05, .8), 1.959964 + .841621, 1e-6);
+    assert_true(stat_power(50000, 1e-6, 4000) > 0.99 && stat_power(50000, 1e-6, 1000) < 0.5);
+}
+
 /* An excess e between two cells adds e^2 DRAWS (1/p0 + 1/p1) to the statistic's mean, which is 23 (24 pools) with a standard
  * deviation of 7. e = 5.2 % adds 65 here (p0 = .62, p1 = .16): about the smallest error that 3000 draws show this surely. */
 static void an_excess_of_5_percent_is_found_with_99_percent_power(void **state)
@@ -137,6 +153,9 @@ static void an_excess_of_5_percent_is_found_with_99_percent_power(void **state)
     double observed[CELLS], expected[CELLS];
     int found = 0, found_smaller = 0;
     const int runs = 1000;
+    /* sum of p e^2 = excess^2 (1/p0 + 1/p1) */
+    const double p0 = 0.6208, p1 = p0 / 4, least = stat_least_error(DRAWS, 23, alpha(), 0.99) / sqrt(1 / p0 + 1 / p1);
+    assert_true(fabs(least - 0.052) < 0.002);
     for (int k = 0; k < runs; k++) {
         draw_histogram(observed, expected, 9000 + (uint64_t)k, 0.052);
         found += stat_chi_square(observed, expected, CELLS, alpha()).rejected;
@@ -214,6 +233,7 @@ int main(void)
         cmocka_unit_test(normal_p_is_two_sided_and_never_0_in_reach),
         cmocka_unit_test(sidak_gives_back_the_family),
         cmocka_unit_test(p_values_of_a_right_histogram_are_uniform),
+        cmocka_unit_test(power_agrees_with_reference_noncentralities),
         cmocka_unit_test(an_excess_of_5_percent_is_found_with_99_percent_power),
         cmocka_unit_test(a_hit_in_a_cell_of_probability_0_rejects),
         cmocka_unit_test(lost_draws_and_nans_reject),
