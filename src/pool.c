@@ -32,6 +32,8 @@ size_t bis_pool_bytes(const bis_pool *p) { return (size_t)p->n_sets * p->M * siz
 
 void bis_pool_fill(bis_pool *p, const bis_light *light, uint64_t seed, uint32_t pass, int n_threads)
 {
+    (void)n_threads; /* a compiler without OpenMP has one thread */
+    (void)n_threads; /* without OpenMP there is one */
 #pragma omp parallel for schedule(static) num_threads(n_threads)
     for (uint32_t set = 0; set < p->n_sets; set++) {
         bis_light_point *y = p->y + (size_t)set * p->M;

@@ -47,12 +47,12 @@ static double *expected_pmf(const bis_envmap *em, double b, bool compensate)
     const size_t n = map_n(em);
     double *pmf = malloc(n * sizeof *pmf);
     long double mean = 0, sum = 0;
-    for (size_t i = 0; compensate && i < n; i++) mean += (long double)map_intensity(em, i) * map_solid_angle(em, i) / (4 * PI);
+    for (size_t i = 0; compensate && i < n; i++) mean += (long double)map_intensity(em, i) * (long double)map_solid_angle(em, i) / (long double)(4 * PI);
     for (size_t i = 0; i < n; i++) {
-        const long double intensity = map_intensity(em, i) - mean;
+        const long double intensity = (long double)map_intensity(em, i) - mean;
         pmf[i] = 0;
         if (intensity <= 0) continue;
-        pmf[i] = (double)(intensity * map_solid_angle(em, i));
+        pmf[i] = (double)(intensity * (long double)map_solid_angle(em, i));
         if (b > 0) pmf[i] *= pow(fmin(0.01, r.solid_angle[r.label[i]]), b);
     }
     for (size_t i = 0; i < n; i++) sum += pmf[i];
