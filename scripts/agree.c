@@ -1,9 +1,9 @@
 /* agree: do all integrators give the same picture?
  *
- *     agree [--replicates R] [--resolution WxH] [--alpha A] [--reference exact|mis] SCENE...
+ *     agree [--replicates R] [--reference exact|mis] [--reference-replicates Q] [--resolution WxH] [--alpha A] SCENE...
  *
- * For each scene a reference (`exact`; with --reference mis a long mis) and each unbiased setting of each integrator are rendered R times
- * with different seeds, through the centres of the same pixels. The mean over the image and over each of 4 x 4 tiles must agree
+ * For each scene each unbiased setting of each integrator is rendered R (16) times with different seeds, and a reference (`exact`; with --reference
+ * mis a long mis) Q (4) times, all through the centres of the same pixels. The mean over the image and over each of 4 x 4 tiles must agree
  * in R, G and B: Welch's t with standard errors from the R independent renders, Sidak-corrected over all tests of the run.
  *
  * A standard error says nothing where the energy lies in samples that have hardly been drawn: the BRDF alone under a pinpoint light. So a mean is
@@ -191,6 +191,7 @@ static int test_scene(const char *path, const options *o, double alpha_each)
     desc->settings.samples = 1024;
     if (measure(&reference, desc, NULL, o->reference_replicates, 1000, exact ? 1 : 16, &diag)) goto fail;
     printf("%s  mean %.5g %.5g %.5g +- %.1e (%s)\n", path, reference.mean[0], reference.mean[1], reference.mean[2], reference.se[0], o->reference);
+    fflush(stdout);
 
     for (int k = 0; k < N_CANDIDATES; k++) {
         configure(desc, &CANDIDATES[k]);
@@ -229,17 +230,18 @@ fail:
 
 int main(int argc, char **argv)
 {
-    options o = {.replicates = 32, .reference_replicates = 16, .width = 16, .height = 12, .alpha = 0.01, .reference = "exact"};
+    options o = {.replicates = 16, .reference_replicates = 4, .width = 16, .height = 12, .alpha = 0.01, .reference = "exact"};
     int i = 1, failures = 0;
     for (; i + 1 < argc && argv[i][0] == '-'; i += 2) {
-        if (!strcmp(argv[i], "--replicates")) o.replicates = o.reference_replicates = (unsigned)atoi(argv[i + 1]);
+        if (!strcmp(argv[i], "--replicates")) o.replicates = (unsigned)atoi(argv[i + 1]);
+        else if (!strcmp(argv[i], "--reference-replicates")) o.reference_replicates = (unsigned)atoi(argv[i + 1]);
         else if (!strcmp(argv[i], "--resolution")) sscanf(argv[i + 1], "%dx%d", &o.width, &o.height);
         else if (!strcmp(argv[i], "--alpha")) o.alpha = atof(argv[i + 1]);
         else if (!strcmp(argv[i], "--reference")) o.reference = argv[i + 1];
         else break;
     }
-    if (i >= argc || argv[i][0] == '-' || o.replicates < 2 || o.width < TILES || o.height < TILES) {
-        fprintf(stderr, "usage: agree [--replicates R] [--resolution WxH] [--alpha A] [--reference exact|mis] SCENE...\n");
+    if (i >= argc || argv[i][0] == '-' || o.replicates < 2 || o.reference_replicates < 2 || o.width < TILES || o.height < TILES) {
+        fprintf(stderr, "usage: agree [--replicates R] [--reference exact|mis] [--reference-replicates Q] [--resolution WxH] [--alpha A] SCENE...\n");
         return 2;
     }
     int tests = (argc - i) * N_CANDIDATES * VALUES;

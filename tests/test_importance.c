@@ -55,8 +55,8 @@ static double *expected_pmf(const bis_envmap *em, double b, bool compensate)
         pmf[i] = (double)(intensity * (long double)map_solid_angle(em, i));
         if (b > 0) pmf[i] *= pow(fmin(0.01, r.solid_angle[r.label[i]]), b);
     }
-    for (size_t i = 0; i < n; i++) sum += pmf[i];
-    for (size_t i = 0; i < n && sum > 0; i++) pmf[i] = (double)(pmf[i] / sum);
+    for (size_t i = 0; i < n; i++) sum += (long double)pmf[i];
+    for (size_t i = 0; i < n && sum > 0; i++) pmf[i] = (double)((long double)pmf[i] / sum);
     bis_regions_clear(&r);
     return pmf;
 }
