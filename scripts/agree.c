@@ -167,7 +167,7 @@ static double p_value(const estimate *a, unsigned n_a, const estimate *b, unsign
 {
     double va = a->se[i] * a->se[i], vb = b->se[i] * b->se[i], d = a->mean[i] - b->mean[i];
     double rounding = 1e-6 * fabs(b->mean[i]); /* float radiance: 2^-24 a sample, summed; far below any standard error here */
-    if (sqrt(va + vb) < rounding) return fabs(d) <= 4 * rounding ? 1 : 0;
+    if (sqrt(va + vb) <= rounding) return fabs(d) <= 4 * rounding ? 1 : 0;
     double dof = (va + vb) * (va + vb) / (va * va / (n_a - 1) + vb * vb / (n_b - 1));
     return bis_stats_student_p(d / sqrt(va + vb), dof);
 }
