@@ -1,4 +1,4 @@
-# bis: make, make test [T=alias], make asan, make bench, make data, make install, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
+# bis: make, make test [T=alias], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make install, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name
 CFLAGS  ?= -O2 -g
 VARIANT ?= release
@@ -37,7 +37,11 @@ DATA_SRC := $(wildcard scripts/make_data.c scripts/model_*.c scripts/map_*.c)
 TOOLS    := $(patsubst scripts/%.c,$B/%,$(wildcard scripts/bench_*.c scripts/agree.c))
 STAMP    := data/models/.made
 
-.PHONY: all data test asan bench install clean
+SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
+FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
+SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ply obj)
+
+.PHONY: all data test test-long envelope asan fuzz fuzz-run coverage bench install clean
 all: bis data
 
 bis: $B/bis
@@ -73,10 +77,32 @@ test: $(CHOSEN) $B/bis $B/bis-data $(STAMP)
 	@sh scripts/check_layers.sh
 	@BIS_PROGRAM=$B/bis sh scripts/run_tests.sh $(CHOSEN)
 
+# With the slow cases: maps of 16384 x 8192, tables of 1e8 items, grids of 1e8 cells. Minutes and 8 GB more.
+test-long:
+	BIS_LONG=1 $(MAKE) test
+
+# docs/envelope.md anew, slow cases included: its introduction as it stands, then what the tests measure.
+ENVELOPE := $(filter $B/tests/test_envelope%,$(TESTS))
+envelope: $(ENVELOPE)
+	@sh scripts/envelope.sh $(ENVELOPE)
+
 # Its own build folder: never mixes with, nor replaces, the release binary.
 asan:
-	$(MAKE) VARIANT=asan CFLAGS="-O1 -g -fno-sanitize-recover=all \
-	    -fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow" test
+	$(MAKE) VARIANT=asan CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)" test
+
+# Every reader under libFuzzer and the sanitizers, so many seconds each; the tests' own files are what it begins with. clang alone has it.
+FUZZ_SECONDS ?= 60
+fuzz:
+	$(MAKE) VARIANT=fuzz CC=clang EMBREE=0 CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=fuzzer-no-link,$(SANITIZE)" fuzz-run
+fuzz-run: $(FUZZERS) $(SEEDERS)
+	@sh scripts/fuzz.sh $B $(FUZZ_SECONDS) $(FUZZ)
+$(FUZZERS): $B/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/input.o $(LIB)
+	$(LINK) -fsanitize=fuzzer $(LIBS)
+
+# Lines and branches of src/ that the tests reach, file by file.
+coverage:
+	$(MAKE) VARIANT=coverage CFLAGS="-O0 -g --coverage -fprofile-update=atomic" test
+	@sh scripts/coverage.sh build/coverage
 
 bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 	@sh scripts/bench.sh $B
@@ -88,5 +114,5 @@ install: $B/bis
 clean:
 	rm -rf build bis data/models data/maps
 
--include $(patsubst %.c,$B/%.d,$(wildcard src/*.c tests/*.c scripts/*.c))
+-include $(patsubst %.c,$B/%.d,$(wildcard src/*.c tests/*.c tests/fuzz/*.c scripts/*.c))
 .SECONDARY:

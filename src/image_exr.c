@@ -11,6 +11,7 @@
  * Source: the documentation of OpenEXRCore 3.1 and "OpenEXR File Layout", both of the OpenEXR project. */
 #include "image_exr.h"
 
+#include "bis/mem.h"
 #include "image_exr_core.h"
 #include "image_exr_rgba.h"
 
@@ -19,7 +20,8 @@
 /* What hangs on the context as its user data. */
 typedef struct exr_input {
     const image_input *in;
-    char reason[200]; /* Core's first complaint, which tells the cause; later ones tell what that prevented */
+    char reason[200];   /* Core's first complaint, which tells the cause; later ones tell what that prevented */
+    exr_result_t cause; /* its code: without memory for a chunk, Core may end with another one */
 } exr_input;
 
 /* What to read of a part. */
@@ -63,15 +65,16 @@ static int64_t size_of_stream(exr_const_context_t context, void *user_data)
 static void keep_first(exr_const_context_t context, exr_result_t code, const char *text)
 {
     void *user_data = NULL;
-    (void)code;
     if (!context || exr_get_user_data(context, &user_data) || !user_data) return;
     exr_input *source = user_data;
-    if (!source->reason[0]) snprintf(source->reason, sizeof source->reason, "%s", text);
+    if (source->reason[0]) return;
+    snprintf(source->reason, sizeof source->reason, "%s", text);
+    source->cause = code;
 }
 
 static bis_status refuse(const exr_input *source, exr_result_t code)
 {
-    bis_status status = code == EXR_ERR_OUT_OF_MEMORY ? BIS_NOMEM : BIS_INPUT;
+    bis_status status = code == EXR_ERR_OUT_OF_MEMORY || source->cause == EXR_ERR_OUT_OF_MEMORY ? BIS_NOMEM : BIS_INPUT;
     const char *reason = source->reason[0] ? source->reason : exr_get_default_error_message(code);
     return bis_image_refuse(source->in, status, "%s", reason);
 }
@@ -271,6 +274,7 @@ typedef struct exr_walk {
     bis_image *image;
     exr_decode_pipeline_t pipe;
     bool begun;
+    float *unwanted; /* where a chunk's unwanted channels go, if anywhere */
 } exr_walk;
 
 /* Where in a pixel the channel goes, in bytes; -1: it is not wanted. Luminance goes to r, for now. */
@@ -282,6 +286,17 @@ static int offset_of(const char *name, const exr_choice *c)
     if (!strcmp(name, "R")) return offsetof(rgb, r);
     if (!strcmp(name, "G")) return offsetof(rgb, g);
     return strcmp(name, "B") ? -1 : (int)offsetof(rgb, b);
+}
+
+/* Core 3.1.5 has shortcuts for 3 and 4 channels (half to float, say) that write all of them, also those without a place to go, which ends at
+ * address 0. So such a part's unwanted channels get a place. The first chunk is the largest. */
+static exr_result_t make_unwanted(exr_walk *w, const exr_chunk_info_t *chunk)
+{
+    int n_wanted = 0;
+    for (int i = 0; i < w->pipe.channel_count; i++) n_wanted += offset_of(w->pipe.channels[i].channel_name, w->choice) >= 0;
+    if (w->unwanted || w->pipe.channel_count > 4 || n_wanted == w->pipe.channel_count) return EXR_ERR_SUCCESS;
+    w->unwanted = bis_alloc((size_t)chunk->width * (size_t)chunk->height, sizeof *w->unwanted);
+    return w->unwanted ? EXR_ERR_SUCCESS : EXR_ERR_OUT_OF_MEMORY;
 }
 
 /* Decode a chunk whose first pixel is (x, y) of the image. */
@@ -296,21 +311,28 @@ static exr_result_t decode_chunk(exr_walk *w, const exr_chunk_info_t *chunk, int
         return EXR_ERR_CORRUPT_CHUNK;
     exr_result_t code = w->begun ? exr_decoding_update(w->file, part, chunk, pipe)
                                  : exr_decoding_initialize(w->file, part, chunk, pipe);
+    if (!code) code = make_unwanted(w, chunk);
     if (code) return code;
     for (int i = 0; i < pipe->channel_count; i++) { /* anew for every chunk: _update resets them */
         exr_coding_channel_info_t *c = &pipe->channels[i];
         int offset = offset_of(c->channel_name, w->choice);
-        c->decode_to_ptr = NULL;
-        if (offset < 0) continue;
         c->user_data_type = EXR_PIXEL_FLOAT;
         c->user_bytes_per_element = sizeof(float);
+        if (offset < 0) {
+            c->user_pixel_stride = sizeof(float);
+            c->user_line_stride = (int32_t)sizeof(float) * chunk->width;
+            c->decode_to_ptr = (uint8_t *)w->unwanted;
+            continue;
+        }
         c->user_pixel_stride = sizeof(rgb);
         c->user_line_stride = (int32_t)sizeof(rgb) * image->width;
         c->decode_to_ptr = (uint8_t *)(image->pixels + (size_t)y * (size_t)image->width + x) + offset;
     }
     if (!w->begun) code = exr_decoding_choose_default_routines(w->file, part, pipe);
     w->begun = true;
-    return code ? code : exr_decoding_run(w->file, part, pipe);
+    if (!code) code = exr_decoding_run(w->file, part, pipe);
+    /* Damaged PIZ data is "out of memory", too; where memory is short indeed, Core also complains: see refuse. */
+    return code == EXR_ERR_OUT_OF_MEMORY ? EXR_ERR_CORRUPT_CHUNK : code;
 }
 
 static exr_result_t decode_scanlines(exr_walk *w)
@@ -348,6 +370,7 @@ static exr_result_t decode(bis_image *image, const exr_choice *c, exr_const_cont
     exr_result_t code = exr_get_storage(file, c->part, &storage);
     if (!code) code = storage == EXR_STORAGE_TILED ? decode_tiles(&w) : decode_scanlines(&w);
     exr_decoding_destroy(file, &w.pipe); /* fine on one that was never begun */
+    bis_free(w.unwanted);
     return code;
 }
 
@@ -367,7 +390,6 @@ static bis_status read_pixels(bis_image *image, const exr_choice *c, exr_const_c
         return bis_image_refuse(source->in, BIS_INPUT, "%s is only read at the top of a file's first part; save it with ZIP "
                                 "compression as R, G, B", c->chroma ? "luminance with chroma" : "DWA compression");
     }
-    if (code == EXR_ERR_OUT_OF_MEMORY) code = EXR_ERR_CORRUPT_CHUNK; /* which is what Core means in damaged PIZ data */
     if (code) return refuse(source, code);
     if (!c->colour) spread_luminance(image);
     return BIS_OK;
@@ -385,6 +407,7 @@ bis_status bis_exr_read(bis_image *image, const image_input *in)
     init.max_tile_width = init.max_tile_height = BIS_IMAGE_MAX_SIDE;
 
     exr_result_t code = exr_start_read(&file, in->path, &init);
+    if (source.cause == EXR_ERR_OUT_OF_MEMORY) code = source.cause; /* without memory for an attribute, Core goes on without it */
     bis_status status = code ? refuse(&source, code) : choose_part(&choice, file, &source);
     if (!status) status = make_image(image, &choice, file, &source);
     if (!status) remark_on_colours(file, choice.part, in);

@@ -314,15 +314,21 @@ static size_t copy_plain_triangles(reader *r, const ply_element *e)
     return row;
 }
 
+/* Which property lists the corners; n_properties: none. An element may have no properties at all, and a header none to point at. */
+static size_t find_indices(const ply_header *h, const ply_element *e)
+{
+    for (size_t i = 0; i < e->n_properties; i++) {
+        const ply_property *p = &h->properties[e->first_property + i];
+        if (ply_is_list(p) && (ply_word_is(p->name, "vertex_indices") || ply_word_is(p->name, "vertex_index"))) return i;
+    }
+    return e->n_properties;
+}
+
 static bis_status read_faces(reader *r, const ply_element *e, bool strips)
 {
-    const ply_property *properties = r->header->properties + e->first_property;
-    size_t list = 0, row = 0;
+    const size_t list = find_indices(r->header, e);
+    size_t row = 0;
 
-    while (list < e->n_properties && !(ply_is_list(&properties[list]) && (ply_word_is(properties[list].name, "vertex_indices") ||
-                                                                          ply_word_is(properties[list].name, "vertex_index")))) {
-        list++;
-    }
     if (list == e->n_properties) {
         return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the element \"%.*s\" has no list \"vertex_indices\"", e->name.length,
                                e->name.text);
@@ -335,7 +341,7 @@ static bis_status read_faces(reader *r, const ply_element *e, bool strips)
     }
     for (; row < e->count; row++) {
         for (size_t i = 0; i < e->n_properties; i++) {
-            const ply_property *p = &properties[i];
+            const ply_property *p = &r->header->properties[e->first_property + i];
             bis_status status = i != list ? skip_property(r, p, e, row) : strips ? read_strip(r, p, e, row) : read_polygon(r, p, e, row);
             if (status) return status;
         }

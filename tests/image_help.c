@@ -103,6 +103,23 @@ void store(const char *path, const void *data, size_t n)
     assert_int_equal(fclose(f), 0);
 }
 
+/* Named by its content (FNV-1a), so that the same file comes once. */
+void keep_as_seed(const char *path)
+{
+    const char *folder = getenv("BIS_SEEDS"), *dot = strrchr(path, '.');
+    char name[512];
+    unsigned char data[1 << 16];
+    FILE *f = folder ? fopen(path, "rb") : NULL;
+    if (!f) return;
+    size_t n = fread(data, 1, sizeof data, f);
+    fclose(f);
+    if (n == sizeof data) return; /* a fuzzer learns little from large files */
+    uint64_t hash = 0xcbf29ce484222325;
+    for (size_t i = 0; i < n; i++) hash = (hash ^ data[i]) * 0x100000001b3;
+    snprintf(name, sizeof name, "%s/%016llx%s", folder, (unsigned long long)hash, dot ? dot : "");
+    store(name, data, n);
+}
+
 bool holds(const char *path, const void *data, size_t n)
 {
     FILE *f = fopen(path, "rb");
@@ -118,6 +135,7 @@ void expect_refusal(const char *path, bis_status status, const char *text)
     char expected[1024];
     bis_image image;
     bis_diag diag = {0};
+    keep_as_seed(path);
     assert_int_equal(bis_image_read(&image, path, (bis_loc){0}, &diag), status);
     assert_null(image.pixels);
     snprintf(expected, sizeof expected, "%s: error: cannot read \"%s\": %s", path, path, text);
@@ -137,6 +155,7 @@ void expect_image(bis_image *image, const char *path, const char *text)
 {
     char expected[1024];
     bis_diag diag = {0};
+    keep_as_seed(path);
     bis_status status = bis_image_read(image, path, (bis_loc){0}, &diag);
     if (status) print_message("%s\n", diag.n ? diag.messages[diag.n - 1].text : "no message");
     assert_int_equal(status, BIS_OK);
@@ -172,6 +191,8 @@ static bis_status try_read(const char *path)
 void try_damage(const bytes *b, const char *name, int n, uint32_t seed)
 {
     const char *path = scratch(name);
+    store(path, b->data, b->n);
+    keep_as_seed(path);
     for (size_t length = 0; length < b->n; length++) {
         store(path, b->data, length);
         assert_int_equal(try_read(path), BIS_INPUT);

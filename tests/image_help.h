@@ -28,6 +28,9 @@ void put_float(bytes *b, float v);
 void bytes_clear(bytes *b);
 void store(const char *path, const void *data, size_t n);
 
+/* Where BIS_SEEDS names a folder: a copy of the file there, for a fuzzer to begin with (make fuzz). */
+void keep_as_seed(const char *path);
+
 /* Does the file hold exactly these bytes? */
 bool holds(const char *path, const void *data, size_t n);
 

@@ -44,6 +44,7 @@ void expect_mesh_of(mesh_reader *read, bis_mesh *m, const bytes *b, const char *
     bis_diag diag = {0};
 
     store(path, b->data, b->n);
+    keep_as_seed(path);
     bis_status status = read(m, path, (bis_loc){0}, &diag);
     if (status) print_message("%s\n", diag.n ? diag.messages[diag.n - 1].text : "no message");
     assert_int_equal(status, BIS_OK);
@@ -63,6 +64,7 @@ void expect_mesh_refusal_of(mesh_reader *read, const bytes *b, const char *name,
     bis_mesh m;
 
     store(path, b->data, b->n);
+    keep_as_seed(path);
     assert_int_equal(read(&m, path, (bis_loc){0}, &diag), BIS_INPUT);
     assert_null(m.p);
     assert_null(m.index);

@@ -1,5 +1,6 @@
 /* OpenEXR: files made here byte by byte (all layouts, uncompressed), by OpenEXRCore's encoder (compressions that it knows) and by
  * OpenEXR's older C interface (DWA, luminance with chroma); bad files; what the writer leaves in a file. */
+#include "bis/mem.h"
 #include "image_help.h"
 
 #include <ImfCRgbaFile.h>
@@ -284,6 +285,22 @@ static void luminance_alone_is_grey(void **state)
     const channel_spec channels[3] = {{"A", HALF, 1}, {"Y", FLOAT, 1}, {"right.Y", HALF, 1}};
     const part_spec part = {.channels = channels, .n_channels = 3, .width = 4, .height = 3};
     expect_channels(&part, 1, 0, (const int[3]){1, 1, 1}, NULL);
+}
+
+/* OpenEXRCore 3.1.5 wrote all of three or four channels where it was to write one half. */
+static void one_channel_of_any_type_among_any_others_is_read(void **state)
+{
+    (void)state;
+    for (int types = 0; types < 81; types++) {
+        const channel_spec channels[4] = {{"A", types % 3, 1}, {"Y", types / 3 % 3, 1}, {"Z", types / 9 % 3, 1}, {"ZZ", types / 27, 1}};
+        for (int n = 2; n <= 4; n++) {
+            const part_spec part = {.channels = channels, .n_channels = n, .width = 4, .height = 3, .tile = n == 4 ? 3 : 0};
+            expect_channels(&part, 1, 0, (const int[3]){1, 1, 1}, NULL);
+        }
+        const channel_spec colour[4] = {{"A", types % 3, 1}, {"B", types / 3 % 3, 1}, {"G", types / 9 % 3, 1}, {"R", types / 27, 1}};
+        const part_spec part = {.channels = colour, .n_channels = 4, .width = 4, .height = 3};
+        expect_channels(&part, 1, 0, (const int[3]){3, 2, 1}, NULL);
+    }
 }
 
 static void the_first_layer_is_read_where_there_is_no_colour_at_the_top(void **state)
@@ -600,6 +617,44 @@ static void no_damage_to_compressed_data_leads_out_of_the_file(void **state)
     }
 }
 
+/* The k-th allocation of ours fails, k = 1, 2, ... Core's go through bis/mem.h, too; those of the older library do not. */
+static void fail_each_allocation(const char *path)
+{
+    long n_failed = 0;
+    for (long k = 1, count = k; count >= k; k++) {
+        bis_image image;
+        bis_diag diag = {0};
+        bis_mem_fail_at(k);
+        bis_status status = bis_image_read(&image, path, (bis_loc){0}, &diag);
+        count = bis_mem_count();
+        bis_mem_fail_at(0);
+        n_failed += status != BIS_OK;
+        if (status && status != BIS_NOMEM) print_message("k = %ld: %s\n", k, diag.n ? diag.messages[0].text : "no message");
+        assert_true(status == BIS_OK || status == BIS_NOMEM);
+        assert_int_equal(status == BIS_OK, image.pixels != NULL);
+        assert_int_equal(status == BIS_OK, diag.n_errors == 0);
+        bis_image_clear(&image);
+        bis_diag_clear(&diag);
+    }
+    assert_true(n_failed >= 3); /* the file, Core's context, the pixels */
+}
+
+static void any_allocation_may_fail_whatever_the_compression(void **state)
+{
+    (void)state;
+    for (int kind = EXR_COMPRESSION_NONE; kind <= EXR_COMPRESSION_B44A; kind++)
+        for (int tiled = 0; tiled < 2; tiled++) {
+            encode_by_core(scratch("core.exr"), (exr_compression_t)kind, tiled);
+            fail_each_allocation(scratch("core.exr"));
+        }
+    write_by_imf(scratch("imf.exr"), IMF_WRITE_YC, IMF_PIZ_COMPRESSION, 0, 0);
+    fail_each_allocation(scratch("imf.exr"));
+    write_by_imf(scratch("imf.exr"), IMF_WRITE_RGB, IMF_DWAA_COMPRESSION, 0, 0);
+    fail_each_allocation(scratch("imf.exr"));
+    write_by_imf(scratch("imf.exr"), IMF_WRITE_RGBA, IMF_PIZ_COMPRESSION, 0, 0);
+    fail_each_allocation(scratch("imf.exr"));
+}
+
 /* ---- writing ---- */
 
 static void expect_text(exr_const_context_t file, const char *name, const char *expected)
@@ -708,6 +763,7 @@ int main(void)
         cmocka_unit_test(tiles_of_any_side_fill_the_map),
         cmocka_unit_test(one_pixel_is_a_map),
         cmocka_unit_test(luminance_alone_is_grey),
+        cmocka_unit_test(one_channel_of_any_type_among_any_others_is_read),
         cmocka_unit_test(the_first_layer_is_read_where_there_is_no_colour_at_the_top),
         cmocka_unit_test(colour_at_the_top_wins_over_luminance_and_layers),
         cmocka_unit_test(the_first_part_with_colour_is_read),
@@ -722,6 +778,7 @@ int main(void)
         cmocka_unit_test(a_huge_window_in_a_short_file_is_refused_before_it_is_allocated),
         cmocka_unit_test(no_damage_leads_out_of_the_file),
         cmocka_unit_test(no_damage_to_compressed_data_leads_out_of_the_file),
+        cmocka_unit_test(any_allocation_may_fail_whatever_the_compression),
         cmocka_unit_test(channels_windows_and_attributes_are_all_in_the_file),
         cmocka_unit_test(a_layer_that_we_wrote_is_what_we_read),
         cmocka_unit_test(an_attribute_that_openexr_reserves_is_refused),

@@ -1,0 +1,9 @@
+/* fuzz_obj: meshes in Wavefront's text format. */
+#include "input.h"
+#include "obj.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    fuzz_mesh(bis_obj_read, data, size);
+    return 0;
+}

@@ -1,0 +1,9 @@
+/* fuzz_ply: meshes in polygon file format: header, ascii, both binary orders. */
+#include "input.h"
+#include "ply.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    fuzz_mesh(bis_ply_read, data, size);
+    return 0;
+}
