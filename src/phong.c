@@ -141,7 +141,16 @@ static double max_ratio(const bis_bsdf *b)
 
 const bis_bsdf_model bis_phong_model = {"phong", init, f, sample, pdf, f_pdf, max_f_cos, max_ratio};
 
+/* What reflects less than 2^-67 is black. Else f of a direction that was drawn, at least Ks 2^-53/(2 pi) by eq. 3.16, could be a denormal float, and its
+ * rounding exceed the bounds above. */
+static rgb visible(rgb k)
+{
+    const float least = 0x1p-67f;
+
+    return (rgb){k.r < least ? 0 : k.r, k.g < least ? 0 : k.g, k.b < least ? 0 : k.b};
+}
+
 bis_material bis_phong(rgb Kd, rgb Ks, double exponent)
 {
-    return (bis_material){.model = &bis_phong_model, .Kd = Kd, .Ks = Ks, .exponent = exponent};
+    return (bis_material){.model = &bis_phong_model, .Kd = visible(Kd), .Ks = visible(Ks), .exponent = exponent};
 }

@@ -504,6 +504,16 @@ static void no_lobe_that_reflects_has_probability_0(void **state)
     assert_true(b.p_specular == 1);
 }
 
+/* f of such a material would be a denormal float, rounded up by a half: more than rejection's bound of f cos/q, which then ends the program by its assert. */
+static void reflectance_below_1e_20_is_black(void **state)
+{
+    const bis_material m = bis_phong(grey(1e-45), (rgb){1e-45f, 1e-30f, 1e-19f}, 2.5);
+
+    (void)state;
+    assert_true(rgb_is_black(m.Kd) && m.Ks.r == 0 && m.Ks.g == 0);
+    assert_true(m.Ks.b == 1e-19f);
+}
+
 static void first_and_last_random_numbers_give_unit_directions(void **state)
 {
     static const double ends[] = {0, 0.5, 1 - 0x1p-24, 1 - 0x1p-53}, more[] = {0, 1e-3, 1, 50, 1e6, 1e8};
@@ -545,6 +555,7 @@ int main(void)
         cmocka_unit_test(bounds_hold_and_are_reached_head_on_E27),
         cmocka_unit_test(black_material_and_hidden_surface_draw_nothing),
         cmocka_unit_test(no_lobe_that_reflects_has_probability_0),
+        cmocka_unit_test(reflectance_below_1e_20_is_black),
         cmocka_unit_test(first_and_last_random_numbers_give_unit_directions),
     };
 

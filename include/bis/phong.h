@@ -10,6 +10,7 @@
 
 extern const bis_bsdf_model bis_phong_model;
 
+/* Ks, Kd in [0,1] per channel; what is below 2^-67 = 7e-21 counts as 0. */
 bis_material bis_phong(rgb Kd, rgb Ks, double exponent);
 
 /* Draw a direction about +z with density (n+1)/(2 pi) cos^n theta, eq. 3.16.
