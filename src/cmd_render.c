@@ -328,7 +328,9 @@ static bis_status render(bis_render_result *result, bis_film *film, const bis_sc
     bis_status status = bis_render(result, film, scene, desc, &options, diag);
     if (show) fputs("\r\033[K", stderr);
     if (!status && result->counters.nonfinite) {
-        bis_warn(diag, bis_cli_loc, "%llu estimates were not finite and count as black: a defect, please report it",
+        bis_warn(diag, bis_cli_loc,
+                 "%llu estimates were not finite and count as black: the picture is too dark. A light near the largest float, 3.4e38, needs a "
+                 "smaller \"scale\" (docs/envelope.md); with any other light this is a defect, please report it",
                  (unsigned long long)result->counters.nonfinite);
     }
     return status;
