@@ -362,7 +362,7 @@ static void sir_and_plain_rejection_have_the_enumerated_mean_which_is_the_truth_
         s.estimator = BIS_ESTIMATOR_PLAIN;
         outcome expected = expect(&t, &s);
         assert_true(near(expected.L, tiny_truth(&t, true)));
-        measure(m, &t, &s, 60000);
+        measure(m, &t, &s, i % 2 ? 240000 : 60000);
         check(i % 2 ? "plain_enumerated" : "sir_enumerated", m, expected);
         /* twin: the variance as printed, that of N samples of V alone */
         double L = rgbd_sum(tiny_truth(&t, true)), Lns = rgbd_sum(tiny_truth(&t, false));
