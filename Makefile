@@ -82,7 +82,7 @@ test-long:
 	BIS_LONG=1 $(MAKE) test
 
 # docs/envelope.md anew, slow cases included: its introduction as it stands, then what the tests measure.
-ENVELOPE := $(filter $B/tests/test_envelope%,$(TESTS))
+ENVELOPE := $(filter $B/tests/test_envelope_%,$(TESTS))
 envelope: $(ENVELOPE)
 	@sh scripts/envelope.sh $(ENVELOPE)
 

@@ -1,5 +1,6 @@
-/* envelope, estimators: their parameters (M = 1 to 1e6, N > M), contrast, radiances, forced random numbers, grazing views and lights, bad materials. The
- * other road: closed forms of a diffuse surface under a map of patches, scaling by powers of two, and the theory of resampling. */
+/* envelope, estimators: their parameters (M = 1 to 1e6, N > M), contrast, radiances, forced random numbers, grazing
+ * views and lights, bad materials. The other road: closed forms of a diffuse surface under a map of patches, scaling by
+ * powers of two, and the theory of resampling. */
 #include "envelope.h"
 #include "lit.h"
 #include "map_help.h"
@@ -79,14 +80,16 @@ enum { N_UNBIASED = N_METHODS - 1 };
 
 static bis_light *light_of(bis_envmap *em, double b, const bis_xform *turn)
 {
-    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .area_exponent = b, .levels = 8, .to_world = turn ? *turn : bis_xform_identity()};
+    const bis_light_desc desc = {
+        .L = {1, 1, 1}, .scale = 1, .area_exponent = b, .levels = 8, .to_world = turn ? *turn : bis_xform_identity()};
     bis_light *light;
 
     assert_int_equal(bis_light_from_envmap(&light, em, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL), BIS_OK);
     return light;
 }
 
-/* Reflected by a diffuse surface facing +z, of the green channel: Kd/pi sum Le pi/W (cos^2 t_j - cos^2 t_{j+1}) over the upper rows, cut at the horizon. */
+/* Reflected by a diffuse surface facing +z, of the green channel: Kd/pi sum Le pi/W (cos^2 t_j - cos^2 t_{j+1}) over
+ * the upper rows, cut at the horizon. */
 static double diffuse_truth(const bis_envmap *em, double Kd)
 {
     const long double pi = acosl(-1);
@@ -94,14 +97,17 @@ static double diffuse_truth(const bis_envmap *em, double Kd)
 
     for (size_t i = 0; i < map_n(em); i++) {
         const size_t y = i / (size_t)em->width;
-        const long double c0 = cosl(pi * (long double)y / em->height), c1 = fmaxl(0, cosl(pi * (long double)(y + 1) / em->height));
+        const long double c0 = cosl(pi * (long double)y / em->height),
+                          c1 = fmaxl(0, cosl(pi * (long double)(y + 1) / em->height));
         if (c0 > 0) sum += (long double)em->pixels[i].g * (c0 - c1) * (c0 + c1);
     }
     return (double)((long double)Kd / em->width * sum);
 }
 
-/* z of the mean of `runs` estimates, green, against the truth; rounding alone, 1e-6, is no error. Right-or-wrong: finite, not negative. */
-static void try_mean(envelope *z, envelope *finite, lit *l, const method *m, uint32_t runs, double truth, const char *what)
+/* z of the mean of `runs` estimates, green, against the truth; rounding alone, 1e-6, is no error. Right-or-wrong:
+ * finite, not negative. */
+static void try_mean(envelope *z, envelope *finite, lit *l, const method *m, uint32_t runs, double truth,
+                     const char *what)
 {
     stat_moments moments = {0};
     bis_scratch scratch;
@@ -109,12 +115,15 @@ static void try_mean(envelope *z, envelope *finite, lit *l, const method *m, uin
     assert_int_equal(bis_scratch_init(&scratch, &m->s, NULL), BIS_OK);
     for (uint32_t run = 0; run < runs; run++) {
         const rgb L = lit_once(l, &m->s, &scratch, SEED, run);
-        envelope_expect(finite, rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0, "%s, %s: %g", m->name, what, (double)L.g);
+        envelope_expect(finite, rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0, "%s, %s: %g", m->name, what,
+                        (double)L.g);
         stat_add(&moments, (double)L.g);
     }
     bis_scratch_clear(&scratch);
-    const double error = fmax(0, fabs(moments.mean - truth) - 1e-6 * truth), deviation = sqrt(stat_variance(&moments) / runs);
-    envelope_try(z, error > 0 ? error / deviation : 0, "%s, %s: mean %g, truth %g, deviation %g", m->name, what, moments.mean, truth, deviation);
+    const double error = fmax(0, fabs(moments.mean - truth) - 1e-6 * truth),
+                 deviation = sqrt(stat_variance(&moments) / runs);
+    envelope_try(z, error > 0 ? error / deviation : 0, "%s, %s: mean %g, truth %g, deviation %g", m->name, what,
+                 moments.mean, truth, deviation);
 }
 
 /* ---- contrast ---- */
@@ -122,7 +131,8 @@ static void try_mean(envelope *z, envelope *finite, lit *l, const method *m, uin
 static void means_are_right_for_contrasts_of_1_to_1e76(void **state)
 {
     static const double decades[] = {0, 3, 6, 12, 76};
-    envelope z = envelope_row("diffuse surface under 8 x 4 texels of contrast 1 to 1e12 and 1e76, b = 0.15; every integrator and proposal, M = 16, N = 4",
+    envelope z = envelope_row("diffuse surface under 8 x 4 texels of contrast 1 to 1e12 and 1e76, b = 0.15; every "
+                              "integrator and proposal, M = 16, N = 4",
                               "size of z of the mean against the closed form", PERCENTILE);
     envelope finite = envelope_row("the same", "estimates not finite or negative", 0);
 
@@ -148,10 +158,13 @@ static void means_are_right_for_contrasts_of_1_to_1e76(void **state)
 
 static void means_are_right_for_any_M_and_N(void **state)
 {
-    static const uint32_t counts[][3] = {{1, 1, 20000}, {1, 15, 20000}, {2, 1000, 1000}, {8, 9, 4000}, {800, 1, 400}, {1000000, 15, 2}};
-    envelope z = envelope_row("half-shadowed glossy surface; M = 1, N = 1; M = 1, N = 15; M = 2, N = 1000; M = 8, N = 9; M = 800, N = 1",
-                              "size of z of the mean against quadrature", PERCENTILE);
-    envelope large = envelope_row("the same point in the open, M = 1e6, N = 15", "relative error of a single estimate, r+g+b, against quadrature", 5e-3);
+    static const uint32_t counts[][3] = {{1, 1, 20000}, {1, 15, 20000}, {2, 1000, 1000},
+                                         {8, 9, 4000},  {800, 1, 400},  {1000000, 15, 2}};
+    envelope z = envelope_row(
+        "half-shadowed glossy surface; M = 1, N = 1; M = 1, N = 15; M = 2, N = 1000; M = 8, N = 9; M = 800, N = 1",
+        "size of z of the mean against quadrature", PERCENTILE);
+    envelope large = envelope_row("the same point in the open, M = 1e6, N = 15",
+                                  "relative error of a single estimate, r+g+b, against quadrature", 5e-3);
     envelope finite = envelope_row("both", "estimates not finite or negative", 0);
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     lit half, open;
@@ -177,7 +190,8 @@ static void means_are_right_for_any_M_and_N(void **state)
             assert_int_equal(bis_scratch_init(&scratch, &m[i].s, NULL), BIS_OK);
             const rgb L = lit_once(&open, &m[i].s, &scratch, SEED, (uint64_t)i);
             envelope_expect(&finite, rgb_is_finite(L) && L.g > 0, "%s, %s", m[i].name, what);
-            envelope_try(&large, relative_error(rgb_sum(L), rgbd_sum(whole)), "%s, %s: %g, truth %g", m[i].name, what, rgb_sum(L), rgbd_sum(whole));
+            envelope_try(&large, relative_error(rgb_sum(L), rgbd_sum(whole)), "%s, %s: %g, truth %g", m[i].name, what,
+                         rgb_sum(L), rgbd_sum(whole));
             bis_scratch_clear(&scratch);
         }
     }
@@ -207,9 +221,11 @@ static bis_rng forced(double u, uint64_t k)
 
 static void forced_numbers_are_survived_at_any_exponent_and_view(void **state)
 {
-    static const double numbers[] = {0, 0x1p-53, 1 - 0x1p-24, 1 - 0x1p-53}, exponents[] = {0, 2.5, 1e8}, views[] = {0, 89.999, 90 - 1e-7};
+    static const double numbers[] = {0, 0x1p-53, 1 - 0x1p-24, 1 - 0x1p-53}, exponents[] = {0, 2.5, 1e8},
+                        views[] = {0, 89.999, 90 - 1e-7};
     const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = 1, .spp = 1};
-    envelope e = envelope_row("0, 2^-53, 1 - 2^-24, 1 - 2^-53 as the k-th random number, k = 0 to 39; n = 0, 2.5, 1e8; views at 0, 89.999, 89.9999999 degrees; every integrator; map and constant",
+    envelope e = envelope_row("0, 2^-53, 1 - 2^-24, 1 - 2^-53 as the k-th random number, k = 0 to 39; n = 0, 2.5, 1e8; "
+                              "views at 0, 89.999, 89.9999999 degrees; every integrator; map and constant",
                               "estimates not finite or negative", 0);
     bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1e20, 0.15, false), lit_new_light(LIT_CONSTANT, 1e-30, 0, false)};
     method m[N_METHODS];
@@ -223,11 +239,13 @@ static void forced_numbers_are_survived_at_any_exponent_and_view(void **state)
             const double n = exponents[k / 160 % 3], view = views[k / 480 % 3], u = numbers[k % 4];
             lit l;
             bis_stream stream;
-            lit_init(&l, lights[k / 1440], bis_phong(grey(0.3), grey(0.6), n), normalize((vec3){1, 1, 0.25f}), view, LIT_HALF);
+            lit_init(&l, lights[k / 1440], bis_phong(grey(0.3), grey(0.6), n), normalize((vec3){1, 1, 0.25f}), view,
+                     LIT_HALF);
             bis_stream_init(&stream, &sampler, 7, 0);
             stream.rng = forced(u, (uint64_t)(k / 4 % 40));
             const rgb L = m[i].s.integrator->Lo(&m[i].s, &l.pt, &stream, &scratch);
-            envelope_expect(&e, rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0, "%s, number %d = %.17g, n %g, view %g", m[i].name, k / 4 % 40, u, n, view);
+            envelope_expect(&e, rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0,
+                            "%s, number %d = %.17g, n %g, view %g", m[i].name, k / 4 % 40, u, n, view);
         }
         bis_scratch_clear(&scratch);
     }
@@ -236,21 +254,26 @@ static void forced_numbers_are_survived_at_any_exponent_and_view(void **state)
     envelope_close(&e);
 }
 
-/* Systematic resampling chooses candidate i floor(N P) or one more times, whatever the weights; marks forced to the ends. */
+/* Systematic resampling chooses candidate i floor(N P) or one more times, whatever the weights; marks forced to the
+ * ends. */
 static void resampling_keeps_its_promise_for_any_weights(void **state)
 {
     static const double numbers[] = {0, 0.5, 1 - 0x1p-24, 1 - 0x1p-53};
-    static const uint32_t counts[][2] = {{1, 1}, {1, 1000}, {2, 1}, {5, 7}, {1000, 15}, {1000, 100000}, {1000000, 15}, {100000, 100000}};
-    envelope legal = envelope_row("resampling N of M = 1 to 1e6, N < M and N > M; weights equal, 1e-300 to 1e300, one positive; forced marks",
-                                  "choices of weight 0, out of range or out of order", 0);
-    envelope even = envelope_row("the same, systematic", "difference of a candidate's choices from N w/W, at most 1 by construction", 1 + 1e-6);
+    static const uint32_t counts[][2] = {{1, 1},     {1, 1000},      {2, 1},        {5, 7},
+                                         {1000, 15}, {1000, 100000}, {1000000, 15}, {100000, 100000}};
+    envelope legal = envelope_row(
+        "resampling N of M = 1 to 1e6, N < M and N > M; weights equal, 1e-300 to 1e300, one positive; forced marks",
+        "choices of weight 0, out of range or out of order", 0);
+    envelope even = envelope_row("the same, systematic",
+                                 "difference of a candidate's choices from N w/W, at most 1 by construction", 1 + 1e-6);
 
     (void)state;
     for (int k = 0; k < COUNT(counts) * COUNT(numbers) * 3 * 2; k++) {
         const uint32_t M = counts[k % COUNT(counts)][0], N = counts[k % COUNT(counts)][1];
         const double u = numbers[k / COUNT(counts) % COUNT(numbers)];
         const int law = k / COUNT(counts) / COUNT(numbers) % 3;
-        const bis_resampling kind = k / COUNT(counts) / COUNT(numbers) / 3 ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC;
+        const bis_resampling kind =
+            k / COUNT(counts) / COUNT(numbers) / 3 ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC;
         bis_candidate *c = bis_alloc(M, sizeof *c);
         uint32_t *chosen = bis_alloc(N, sizeof *chosen);
         bis_stream stream = {.rng = forced(u, 0)};
@@ -265,12 +288,14 @@ static void resampling_keeps_its_promise_for_any_weights(void **state)
         }
         bis_candidates_resample(chosen, N, c, M, W, kind, &stream);
         for (uint32_t i = 0; i < N; i++) {
-            envelope_expect(&legal, chosen[i] < M && c[chosen[i]].w > 0 && (i == 0 || chosen[i] >= chosen[i - 1]), "M %u N %u law %d u %g", M, N, law, u);
+            envelope_expect(&legal, chosen[i] < M && c[chosen[i]].w > 0 && (i == 0 || chosen[i] >= chosen[i - 1]),
+                            "M %u N %u law %d u %g", M, N, law, u);
         }
         for (uint32_t i = 0, j = 0; kind == BIS_RESAMPLING_SYSTEMATIC && i < M; i++) {
             uint32_t times = 0;
             for (; j < N && chosen[j] == i; j++) times++;
-            envelope_try(&even, fabs(times - (double)(N * (long double)c[i].w / exact)), "M %u N %u law %d u %g, candidate %u", M, N, law, u, i);
+            envelope_try(&even, fabs(times - (double)(N * (long double)c[i].w / exact)),
+                         "M %u N %u law %d u %g, candidate %u", M, N, law, u, i);
         }
         bis_free(c);
         bis_free(chosen);
@@ -284,8 +309,11 @@ static void resampling_keeps_its_promise_for_any_weights(void **state)
 static void estimates_scale_with_the_light(void **state)
 {
     static const int powers[] = {-100, -60, 60, 100, 110};
-    envelope e = envelope_row("spotty map and constant light times 2^-100 to 2^110 (1e-30 to 1e33), n = 2.5; every integrator", "estimates that differ in any bit from the scaled one", 0);
-    envelope denormal = envelope_row("the same times 1e-38", "relative error of an estimate: denormal floats have fewer digits", 1e-4);
+    envelope e =
+        envelope_row("spotty map and constant light times 2^-100 to 2^110 (1e-30 to 1e33), n = 2.5; every integrator",
+                     "estimates that differ in any bit from the scaled one", 0);
+    envelope denormal =
+        envelope_row("the same times 1e-38", "relative error of an estimate: denormal floats have fewer digits", 1e-4);
     method m[N_METHODS];
 
     (void)state;
@@ -302,9 +330,11 @@ static void estimates_scale_with_the_light(void **state)
             bis_scratch scratch;
             assert_int_equal(bis_scratch_init(&scratch, &m[i].s, NULL), BIS_OK);
             for (uint64_t run = 0; run < 100; run++) {
-                const double L = (double)lit_once(&a, &m[i].s, &scratch, SEED, run).g, S = (double)lit_once(&b, &m[i].s, &scratch, SEED, run).g;
+                const double L = (double)lit_once(&a, &m[i].s, &scratch, SEED, run).g,
+                             S = (double)lit_once(&b, &m[i].s, &scratch, SEED, run).g;
                 if (tiny) {
-                    envelope_try(&denormal, fabs(S / scale - L) / fmax(L, 0.01), "%s, run %u: %g, %g", m[i].name, (unsigned)run, L, S / scale);
+                    envelope_try(&denormal, fabs(S / scale - L) / fmax(L, 0.01), "%s, run %u: %g, %g", m[i].name,
+                                 (unsigned)run, L, S / scale);
                 } else {
                     envelope_expect(&e, S == L * scale, "%s, 2^%d", m[i].name, powers[k / 2]);
                 }
@@ -318,11 +348,14 @@ static void estimates_scale_with_the_light(void **state)
     envelope_close(&denormal);
 }
 
-/* Beyond FLT_MAX an estimate is +infinity: the film counts it, leaves it out, and stays finite. Never a NaN, never a wrong finite number. */
+/* Beyond FLT_MAX an estimate is +infinity: the film counts it, leaves it out, and stays finite. Never a NaN, never a
+ * wrong finite number. */
 static void estimates_beyond_the_largest_float_are_infinite_and_counted(void **state)
 {
-    envelope e = envelope_row("constant light of 3.4e38, single directions: estimates up to 4 times that", "NaN, negative or -infinity instead of +infinity", 0);
-    envelope film = envelope_row("the same, rendered", "pixels not finite, estimates that are missing in `nonfinite`", 0);
+    envelope e = envelope_row("constant light of 3.4e38, single directions: estimates up to 4 times that",
+                              "NaN, negative or -infinity instead of +infinity", 0);
+    envelope film =
+        envelope_row("the same, rendered", "pixels not finite, estimates that are missing in `nonfinite`", 0);
     bis_light *light = lit_new_light(LIT_CONSTANT, (double)FLT_MAX, 0, false);
     method m[N_METHODS];
     int n_infinite = 0;
@@ -336,7 +369,8 @@ static void estimates_beyond_the_largest_float_are_infinite_and_counted(void **s
         assert_int_equal(bis_scratch_init(&scratch, &m[i].s, NULL), BIS_OK);
         for (uint64_t run = 0; run < 200; run++) {
             const rgb L = lit_once(&l, &m[i].s, &scratch, SEED, run);
-            envelope_expect(&e, L.r >= 0 && L.g >= 0 && L.b >= 0, "%s: %g %g %g", m[i].name, (double)L.r, (double)L.g, (double)L.b);
+            envelope_expect(&e, L.r >= 0 && L.g >= 0 && L.b >= 0, "%s: %g %g %g", m[i].name, (double)L.r, (double)L.g,
+                            (double)L.b);
             n_infinite += isinf(L.r);
         }
         bis_scratch_clear(&scratch);
@@ -354,10 +388,12 @@ static void estimates_beyond_the_largest_float_are_infinite_and_counted(void **s
     mkdir("build", 0777);
     FILE *f = fopen("build/envelope_overflow.txt", "w");
     assert_non_null(f);
-    fputs("LookAt 0 0 5  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\nFilm \"image\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+    fputs("LookAt 0 0 5  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\nFilm \"image\" \"integer xresolution\" "
+          "8 \"integer yresolution\" 8\n"
           "Sampler \"random\" \"integer pixelsamples\" 4\nIntegrator \"em\" \"integer samples\" 1\nWorldBegin\n"
           "LightSource \"infinite\" \"rgb L\" [3.4e38 3.4e38 3.4e38]\nMaterial \"matte\" \"rgb Kd\" [1 1 1]\n"
-          "Shape \"disk\" \"float radius\" 100\nWorldEnd\n", f);
+          "Shape \"disk\" \"float radius\" 100\nWorldEnd\n",
+          f);
     fclose(f);
     bis_diag diag = {0};
     const bis_status parsed = bis_scene_parse(&desc, "build/envelope_overflow.txt", &diag);
@@ -369,7 +405,8 @@ static void estimates_beyond_the_largest_float_are_infinite_and_counted(void **s
     assert_int_equal(bis_render(&result, &picture, scene, desc, &options, &diag), BIS_OK);
     bis_film_resolve(&picture, pixels);
     for (int i = 0; i < 8 * 8 * 4; i++) envelope_expect(&film, isfinite(pixels[i]) && pixels[i] >= 0, "value %d", i);
-    envelope_expect(&film, result.counters.nonfinite > 0 && result.counters.nonfinite < 256, "%llu counted", (unsigned long long)result.counters.nonfinite);
+    envelope_expect(&film, result.counters.nonfinite > 0 && result.counters.nonfinite < 256, "%llu counted",
+                    (unsigned long long)result.counters.nonfinite);
     bis_film_clear(&picture);
     bis_scene_free(scene);
     bis_scene_desc_free(desc);
@@ -380,13 +417,18 @@ static void estimates_beyond_the_largest_float_are_infinite_and_counted(void **s
 
 /* ---- grazing ---- */
 
-/* One lit texel, of 0.01 degrees, just above the horizon: the row ends at 90 degrees. Facing +z exactly, or all turned by the same rotation. */
+/* One lit texel, of 0.01 degrees, just above the horizon: the row ends at 90 degrees. Facing +z exactly, or all turned
+ * by the same rotation. */
 static void light_at_grazing_is_reflected_by_its_closed_form(void **state)
 {
     enum { H = 18000, W = 4 };
     const bis_xform turn = bis_xform_rotate(77, 1, -2, 0.5);
-    envelope z = envelope_row("light at 89.99 to 90 degrees on a diffuse surface, views at 0 to 89.999 degrees; every integrator with candidates from the map", "size of z of the mean against the closed form", PERCENTILE);
-    envelope turned = envelope_row("the same, all turned off the axes (floats hold a normal to 6e-8: 3e-4 of this cosine)", "relative error of the mean", 1e-2);
+    envelope z = envelope_row("light at 89.99 to 90 degrees on a diffuse surface, views at 0 to 89.999 degrees; every "
+                              "integrator with candidates from the map",
+                              "size of z of the mean against the closed form", PERCENTILE);
+    envelope turned =
+        envelope_row("the same, all turned off the axes (floats hold a normal to 6e-8: 3e-4 of this cosine)",
+                     "relative error of the mean", 1e-2);
     envelope finite = envelope_row("both", "estimates not finite or negative", 0);
 
     (void)state;
@@ -399,17 +441,21 @@ static void light_at_grazing_is_reflected_by_its_closed_form(void **state)
         const double truth = diffuse_truth(&em, 0.5);
         bis_light *light = light_of(&em, 0, is_turned ? &turn : NULL);
         lit l;
-        lit_init(&l, light, bis_phong(grey(0.5), grey(0), 0), is_turned ? normalize(bis_xform_vector(&turn, (vec3){0, 0, 1})) : (vec3){0, 0, 1}, view, LIT_OPEN);
+        lit_init(&l, light, bis_phong(grey(0.5), grey(0), 0),
+                 is_turned ? normalize(bis_xform_vector(&turn, (vec3){0, 0, 1})) : (vec3){0, 0, 1}, view, LIT_OPEN);
         make_methods(m, 16, 4);
         for (int i = 0; i < N_UNBIASED; i++) {
-            if (i == 1 || i == 5 || i == 6 || i == 8) continue; /* those that propose from the BRDF alone never look there */
+            if (i == 1 || i == 5 || i == 6 || i == 8)
+                continue; /* those that propose from the BRDF alone never look there */
             if (!is_turned) {
                 try_mean(&z, &finite, &l, &m[i], 3000, truth, "axis");
             } else {
                 stat_moments moments[4];
                 lit_run(moments, &l, &m[i].s, 3000, SEED);
                 envelope_expect(&finite, isfinite(moments[1].mean), "%s", m[i].name);
-                if (m[i].s.integrator != &bis_rejection) envelope_try(&turned, relative_error(moments[1].mean, truth), "%s, view %g: %g, truth %g", m[i].name, view, moments[1].mean, truth);
+                if (m[i].s.integrator != &bis_rejection)
+                    envelope_try(&turned, relative_error(moments[1].mean, truth), "%s, view %g: %g, truth %g",
+                                 m[i].name, view, moments[1].mean, truth);
             }
         }
         bis_light_free(light);
@@ -423,7 +469,9 @@ static void light_at_grazing_is_reflected_by_its_closed_form(void **state)
 static void views_at_the_very_horizon_are_survived(void **state)
 {
     static const float cosines[] = {1e-3f, 1.7e-5f, 1e-7f, 1e-12f, 1e-30f, 1e-38f, 1e-45f, 0, -1e-45f, -1e-3f};
-    envelope e = envelope_row("views of cosine 1e-3 to 1e-45, 0, below; diffuse, glossy and mirror-like (n = 1e8); normals on and off the axes; every integrator", "estimates not finite or negative", 0);
+    envelope e = envelope_row("views of cosine 1e-3 to 1e-45, 0, below; diffuse, glossy and mirror-like (n = 1e8); "
+                              "normals on and off the axes; every integrator",
+                              "estimates not finite or negative", 0);
     bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1, 0.15, false), lit_new_light(LIT_CONSTANT, 1, 0, false)};
     method m[N_METHODS];
 
@@ -431,7 +479,8 @@ static void views_at_the_very_horizon_are_survived(void **state)
     make_methods(m, 8, 4);
     for (int k = 0; k < COUNT(cosines) * 3 * 4 * 2; k++) {
         const double kd = (const double[]){1, 0.5, 0}[k / COUNT(cosines) % 3], n = kd > 0 ? 10 : 1e8;
-        const vec3 normals[] = {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, normalize((vec3){1, -2, 0.5f})}, normal = normals[k / COUNT(cosines) / 3 % 4];
+        const vec3 normals[] = {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, normalize((vec3){1, -2, 0.5f})},
+                   normal = normals[k / COUNT(cosines) / 3 % 4];
         const frame about = frame_about(normal);
         lit l;
         lit_init(&l, lights[k / COUNT(cosines) / 12], bis_phong(grey(kd), grey(1 - kd), n), normal, 0, LIT_HALF);
@@ -442,7 +491,8 @@ static void views_at_the_very_horizon_are_survived(void **state)
             assert_int_equal(bis_scratch_init(&scratch, &m[i].s, NULL), BIS_OK);
             for (uint64_t run = 0; run < 20; run++) {
                 const rgb L = lit_once(&l, &m[i].s, &scratch, SEED, run);
-                envelope_expect(&e, rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0, "%s, cosine %g, n %g", m[i].name, (double)cosines[k % COUNT(cosines)], n);
+                envelope_expect(&e, rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0, "%s, cosine %g, n %g",
+                                m[i].name, (double)cosines[k % COUNT(cosines)], n);
             }
             bis_scratch_clear(&scratch);
         }
@@ -457,9 +507,13 @@ static void views_at_the_very_horizon_are_survived(void **state)
 static void black_is_exactly_black(void **state)
 {
     static const double reflectances[] = {0, 1e-45, 1e-38, 1e-20, 1};
-    envelope black = envelope_row("black map, black surface, hidden point; every integrator", "estimates other than exactly 0", 0);
-    envelope finite = envelope_row("reflectances 1e-45 to 1 under a spotty map and a constant light, n = 0, 10, 1e8; every integrator", "estimates not finite or negative", 0);
-    bis_light *lights[] = {lit_new_light(LIT_BLACK, 1, 0.15, false), lit_new_light(LIT_SPOTTY, 1, 0.15, false), lit_new_light(LIT_CONSTANT, 1, 0, false), lit_new_light(LIT_CONSTANT, 0, 0, false)};
+    envelope black =
+        envelope_row("black map, black surface, hidden point; every integrator", "estimates other than exactly 0", 0);
+    envelope finite = envelope_row(
+        "reflectances 1e-45 to 1 under a spotty map and a constant light, n = 0, 10, 1e8; every integrator",
+        "estimates not finite or negative", 0);
+    bis_light *lights[] = {lit_new_light(LIT_BLACK, 1, 0.15, false), lit_new_light(LIT_SPOTTY, 1, 0.15, false),
+                           lit_new_light(LIT_CONSTANT, 1, 0, false), lit_new_light(LIT_CONSTANT, 0, 0, false)};
     method m[N_METHODS];
 
     (void)state;
@@ -469,14 +523,17 @@ static void black_is_exactly_black(void **state)
         const bool dark = k % 4 == 0 || k % 4 == 3 || (kd == 0 && ks == 0) || k % 7 == 0;
         if (kd == 1 && ks == 1) continue;
         lit l;
-        lit_init(&l, lights[k % 4], bis_phong(grey(kd), grey(ks), (const double[]){0, 10, 1e8}[k / 100]), (vec3){0, 0, 1}, 30, k % 7 == 0 ? LIT_ALL : LIT_HALF);
+        lit_init(&l, lights[k % 4], bis_phong(grey(kd), grey(ks), (const double[]){0, 10, 1e8}[k / 100]),
+                 (vec3){0, 0, 1}, 30, k % 7 == 0 ? LIT_ALL : LIT_HALF);
         for (int i = 0; i < N_METHODS; i++) {
             bis_scratch scratch;
             assert_int_equal(bis_scratch_init(&scratch, &m[i].s, NULL), BIS_OK);
             for (uint64_t run = 0; run < 20; run++) {
                 const rgb L = lit_once(&l, &m[i].s, &scratch, SEED, run);
-                envelope_expect(&finite, rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0, "%s, Kd %g, Ks %g", m[i].name, kd, ks);
-                if (dark && m[i].s.integrator != &bis_unoccluded) envelope_expect(&black, rgb_is_black(L), "%s, Kd %g, Ks %g", m[i].name, kd, ks);
+                envelope_expect(&finite, rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0, "%s, Kd %g, Ks %g",
+                                m[i].name, kd, ks);
+                if (dark && m[i].s.integrator != &bis_unoccluded)
+                    envelope_expect(&black, rgb_is_black(L), "%s, Kd %g, Ks %g", m[i].name, kd, ks);
             }
             bis_scratch_clear(&scratch);
         }

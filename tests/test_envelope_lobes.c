@@ -1,5 +1,6 @@
-/* envelope, exponents and lobes: the Phong lobe (thesis 3.5), the cosine lobe, their mixture and bounds, from n = 0 to 1e8, at grazing views, with the first
- * and the last random numbers. The other road: long double formulas of the angle, where the library has vectors of float. */
+/* envelope, exponents and lobes: the Phong lobe (thesis 3.5), the cosine lobe, their mixture and bounds, from n = 0 to
+ * 1e8, at grazing views, with the first and the last random numbers. The other road: long double formulas of the angle,
+ * where the library has vectors of float. */
 #include "envelope.h"
 #include "mesh_help.h"
 
@@ -27,7 +28,8 @@ static double length_error(vec3 w) { return fabs(length(w) - 1); }
 
 static void directions_of_the_lobe_are_unit_and_at_their_angle(void **state)
 {
-    envelope unit = envelope_row("lobe of eq. 3.16, n = 0 to 1e8 and fractional; u from 0 to 1 - 2^-53", "length of the direction - 1", 1.2e-7);
+    envelope unit = envelope_row("lobe of eq. 3.16, n = 0 to 1e8 and fractional; u from 0 to 1 - 2^-53",
+                                 "length of the direction - 1", 1.2e-7);
     envelope side = envelope_row("the same", "directions below the lobe's equator, or not finite", 0);
     envelope angle = envelope_row("the same", "relative error of sin^2, against long double", 3e-7);
 
@@ -41,7 +43,8 @@ static void directions_of_the_lobe_are_unit_and_at_their_angle(void **state)
             const long double sin2 = -expm1l(2 / ((long double)n + 1) * log1pl(-(long double)u1));
             const double x = (double)w.x, y = (double)w.y;
             envelope_try(&unit, length_error(w), "n %g u %.17g %.17g", n, u1, u2);
-            envelope_expect(&side, vec3_is_finite(w) && w.z >= 0 && isfinite(pdf) && pdf > 0, "n %g u %.17g %.17g", n, u1, u2);
+            envelope_expect(&side, vec3_is_finite(w) && w.z >= 0 && isfinite(pdf) && pdf > 0, "n %g u %.17g %.17g", n,
+                            u1, u2);
             envelope_try(&angle, relative_error(x * x + y * y, (double)sin2), "n %g u %.17g %.17g", n, u1, u2);
         }
     }
@@ -52,14 +55,17 @@ static void directions_of_the_lobe_are_unit_and_at_their_angle(void **state)
 
 static void density_of_the_lobe_is_good_from_the_angle_and_limited_by_float_directions(void **state)
 {
-    envelope own = envelope_row("density of eq. 3.15 with the sample, n = 0 to 1e8", "relative error against long double", 3e-14);
-    envelope direction = envelope_row("density of a float direction, n = 0 to 1e8, down to a cosine of 1e-6",
-                                      "relative error over 1 + n tan alpha: what moving the direction by that angle does", 1.5e-7);
+    envelope own =
+        envelope_row("density of eq. 3.15 with the sample, n = 0 to 1e8", "relative error against long double", 3e-14);
+    envelope direction =
+        envelope_row("density of a float direction, n = 0 to 1e8, down to a cosine of 1e-6",
+                     "relative error over 1 + n tan alpha: what moving the direction by that angle does", 1.5e-7);
 
     (void)state;
     for (int i = 0; i < COUNT(exponents); i++) {
         for (int j = 0; j < 2000; j++) {
-            const double n = exponents[i], u1 = j < COUNT(numbers) ? numbers[j] : (j + 0.5) / 2000, u2 = fmod(j * 0.618, 1);
+            const double n = exponents[i], u1 = j < COUNT(numbers) ? numbers[j] : (j + 0.5) / 2000,
+                         u2 = fmod(j * 0.618, 1);
             double pdf;
             vec3 w;
             bis_phong_lobe_sample(&w, &pdf, n, u1, u2);
@@ -80,7 +86,8 @@ static void density_of_the_lobe_is_good_from_the_angle_and_limited_by_float_dire
 /* cos = 1 - |a-b|^2/2 of the very floats. */
 static void the_power_is_exact_for_the_floats_it_gets(void **state)
 {
-    envelope e = envelope_row("max(0, cos)^n of two float directions, n = 0 to 1e8, any angle", "relative error against long double, over 1 + n (1 - cos)/cos", 1e-15);
+    envelope e = envelope_row("max(0, cos)^n of two float directions, n = 0 to 1e8, any angle",
+                              "relative error against long double, over 1 + n (1 - cos)/cos", 1e-15);
     envelope dark = envelope_row("the same beyond 90 degrees", "values other than 0", 0);
     uint64_t seed = 1;
 
@@ -90,16 +97,19 @@ static void the_power_is_exact_for_the_floats_it_gets(void **state)
             const vec3 a = random_direction(&seed);
             const double spread = pow(10, random_between(&seed, -9, 0.5));
             const vec3 b = normalize(add(a, mul(random_direction(&seed), spread)));
-            const long double x = (long double)a.x - (long double)b.x, y = (long double)a.y - (long double)b.y, z = (long double)a.z - (long double)b.z;
+            const long double x = (long double)a.x - (long double)b.x, y = (long double)a.y - (long double)b.y,
+                              z = (long double)a.z - (long double)b.z;
             const long double one_minus_cos = (x * x + y * y + z * z) / 2, n = (long double)exponents[i];
             const double found = bis_phong_power(a, b, exponents[i]);
             if (one_minus_cos >= 1) {
                 envelope_expect(&dark, found == 0, "n %g 1 - cos %Lg", exponents[i], one_minus_cos);
                 continue;
             }
-            const long double log_power = n * log1pl(-one_minus_cos), steepness = n * one_minus_cos / (1 - one_minus_cos);
+            const long double log_power = n * log1pl(-one_minus_cos),
+                              steepness = n * one_minus_cos / (1 - one_minus_cos);
             if (log_power < -700) continue; /* cut to 0 at -708 */
-            envelope_try(&e, relative_error(found, (double)expl(log_power)) / (1 + (double)steepness), "n %g 1 - cos %Lg", exponents[i], one_minus_cos);
+            envelope_try(&e, relative_error(found, (double)expl(log_power)) / (1 + (double)steepness),
+                         "n %g 1 - cos %Lg", exponents[i], one_minus_cos);
         }
     }
     envelope_close(&e);
@@ -110,7 +120,8 @@ static void the_power_is_exact_for_the_floats_it_gets(void **state)
 static void mean_of_the_lobe_is_its_closed_form(void **state)
 {
     enum { N = 1 << 16 };
-    envelope e = envelope_row("mean of 1 - cos over 65536 even numbers, n = 0 to 1e8", "relative error against 1/(n+2)", 1e-4);
+    envelope e =
+        envelope_row("mean of 1 - cos over 65536 even numbers, n = 0 to 1e8", "relative error against 1/(n+2)", 1e-4);
 
     (void)state;
     for (int i = 0; i < COUNT(exponents); i++) {
@@ -128,7 +139,8 @@ static void mean_of_the_lobe_is_its_closed_form(void **state)
 
 static void warps_survive_the_ends_of_the_unit_interval(void **state)
 {
-    envelope unit = envelope_row("uniform sphere and cosine lobe, u from 0 to 1 - 2^-53", "length of the direction - 1", 1.2e-7);
+    envelope unit =
+        envelope_row("uniform sphere and cosine lobe, u from 0 to 1 - 2^-53", "length of the direction - 1", 1.2e-7);
     envelope z = envelope_row("cosine lobe, the same", "relative error of z against long double", 1.2e-7);
 
     (void)state;
@@ -146,7 +158,8 @@ static void warps_survive_the_ends_of_the_unit_interval(void **state)
 
 /* ---- the mixture at grazing views ---- */
 
-/* A view so many degrees from the normal, exact to float; the turned normal is rounded, and so is what it means to be grazing. */
+/* A view so many degrees from the normal, exact to float; the turned normal is rounded, and so is what it means to be
+ * grazing. */
 static vec3 view(vec3 n, double degrees)
 {
     const frame f = frame_about(n);
@@ -158,9 +171,12 @@ static const double degrees[] = {0, 60, 85, 89, 89.9, 89.99, 89.999, 89.99999};
 
 static void mixture_and_its_bounds_hold_for_any_material_view_and_number(void **state)
 {
-    static const double reflectances[][2] = {{1, 0}, {0, 1}, {0.5, 0.5}, {1e-45, 1}, {1, 1e-45}, {1e-45, 0}, {0, 1e-45}, {1e-38, 1e-38}, {0, 1e-20}, {1e-20, 1}, {0, 0}};
-    const vec3 normals[] = {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, normalize((vec3){1, -2, 0.5f}), normalize((vec3){-1e-4f, 1e-4f, -1})};
-    envelope finite = envelope_row("mixture of lobes: reflectances 0, 1e-45, 1e-38, 1e-20, 1; n = 0 to 1e8; views at 0 to 89.99999 degrees; u from 0 to 1 - 2^-53",
+    static const double reflectances[][2] = {{1, 0},     {0, 1},         {0.5, 0.5}, {1e-45, 1}, {1, 1e-45}, {1e-45, 0},
+                                             {0, 1e-45}, {1e-38, 1e-38}, {0, 1e-20}, {1e-20, 1}, {0, 0}};
+    const vec3 normals[] = {
+        {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, normalize((vec3){1, -2, 0.5f}), normalize((vec3){-1e-4f, 1e-4f, -1})};
+    envelope finite = envelope_row("mixture of lobes: reflectances 0, 1e-45, 1e-38, 1e-20, 1; n = 0 to 1e8; views at 0 "
+                                   "to 89.99999 degrees; u from 0 to 1 - 2^-53",
                                    "f, density or direction not finite or negative, or f > 0 at density 0", 0);
     envelope unit = envelope_row("the same", "length of the direction - 1", 1e-6);
     envelope ratio = envelope_row("the same", "f cos / density over its bound - 1 (E27)", 0);
@@ -182,11 +198,17 @@ static void mixture_and_its_bounds_hold_for_any_material_view_and_number(void **
             if (!bis_bsdf_sample(&b, u[0], u[1], u[2], &wi)) break;
             const rgb f = bis_bsdf_f_pdf(&b, wi, &q);
             const double fcos = (double)f.g * fmax(0, bis_bsdf_cos(&b, wi));
-            envelope_expect(&finite, isfinite(q) && q >= 0 && rgb_is_finite(f) && f.g >= 0 && vec3_is_finite(wi) && (q > 0 || f.g == 0),
+            envelope_expect(&finite,
+                            isfinite(q) && q >= 0 && rgb_is_finite(f) && f.g >= 0 && vec3_is_finite(wi) &&
+                                (q > 0 || f.g == 0),
                             "k %g %g n %g view %g u %.17g %.17g %.17g", k[0], k[1], exponent, angle, u[0], u[1], u[2]);
             envelope_try(&unit, length_error(wi), "k %g %g n %g view %g", k[0], k[1], exponent, angle);
-            if (q > 0) envelope_try(&ratio, fmax(0, fcos / q / bis_bsdf_max_ratio(&b) - 1), "k %g %g n %g view %g", k[0], k[1], exponent, angle);
-            if (fcos > 0) envelope_try(&product, fmax(0, fcos / bis_bsdf_max_f_cos(&b) - 1), "k %g %g n %g view %g", k[0], k[1], exponent, angle);
+            if (q > 0)
+                envelope_try(&ratio, fmax(0, fcos / q / bis_bsdf_max_ratio(&b) - 1), "k %g %g n %g view %g", k[0], k[1],
+                             exponent, angle);
+            if (fcos > 0)
+                envelope_try(&product, fmax(0, fcos / bis_bsdf_max_f_cos(&b) - 1), "k %g %g n %g view %g", k[0], k[1],
+                             exponent, angle);
         }
     }
     envelope_close(&finite);
@@ -204,7 +226,8 @@ static long double mean_cosine(long double A, long double B)
     return (A * phi + B * sinl(phi)) / acosl(-1);
 }
 
-/* The albedo of a pure lobe: the mean of max(0, cos theta_i) over eq. 3.16, by the midpoint rule in u, where cos alpha = u^(1/(n+1)). */
+/* The albedo of a pure lobe: the mean of max(0, cos theta_i) over eq. 3.16, by the midpoint rule in u, where cos alpha
+ * = u^(1/(n+1)). */
 static double albedo(double n, double angle)
 {
     enum { STEPS = 20000 };
@@ -222,9 +245,12 @@ static void white_furnace_is_right_at_grazing_views(void **state)
 {
     enum { SIDE = 128 };
     const vec3 normals[] = {{0, 0, 1}, normalize((vec3){1, -2, 0.5f})};
-    envelope e[] = {envelope_row("white furnace, n = 0 to 1e8, views at 0 to 89.99 degrees", "relative error of the albedo against quadrature", 2e-3),
+    envelope e[] = {envelope_row("white furnace, n = 0 to 1e8, views at 0 to 89.99 degrees",
+                                 "relative error of the albedo against quadrature", 2e-3),
                     envelope_row("the same at 89.999 and 89.99999 degrees", "the same", 2e-3)};
-    envelope turned = envelope_row("the same, 0 to 89.99999 degrees, about a normal that is no axis (floats hold it to 6e-8)", "absolute error of the albedo", 1e-3);
+    envelope turned =
+        envelope_row("the same, 0 to 89.99999 degrees, about a normal that is no axis (floats hold it to 6e-8)",
+                     "absolute error of the albedo", 1e-3);
 
     (void)state;
     for (int i = 0; i < COUNT(exponents) * COUNT(degrees) * 2; i++) {
@@ -245,7 +271,8 @@ static void white_furnace_is_right_at_grazing_views(void **state)
         if (i % 2) {
             envelope_try(&turned, fabs(found - truth), "n %g view %g: %g, truth %g", n, angle, found, truth);
         } else {
-            envelope_try(&e[angle > 89.99], relative_error(found, truth), "n %g view %g: %g, truth %g", n, angle, found, truth);
+            envelope_try(&e[angle > 89.99], relative_error(found, truth), "n %g view %g: %g, truth %g", n, angle, found,
+                         truth);
         }
     }
     envelope_close(&e[0]);

@@ -1,5 +1,6 @@
-/* envelope, maps and radiances: maps of one pixel and of 134 million, single lit texels at the poles and on the seam, contrasts to 1e76, radiances from the least
- * float to the largest, bad texels. The other road: sums and solid angles in long double, and what a lone texel must be. */
+/* envelope, maps and radiances: maps of one pixel and of 134 million, single lit texels at the poles and on the seam,
+ * contrasts to 1e76, radiances from the least float to the largest, bad texels. The other road: sums and solid angles
+ * in long double, and what a lone texel must be. */
 #include "envelope.h"
 #include "map_help.h"
 
@@ -19,7 +20,8 @@
 
 #define COUNT(a) ((int)(sizeof(a) / sizeof *(a)))
 
-static const int sizes[][2] = {{1, 1}, {2, 1}, {1, 2}, {3, 1}, {1, 7}, {5, 3}, {1, 4096}, {4096, 1}, {64, 32}, {257, 129}, {2, 32768}, {32768, 2}};
+static const int sizes[][2] = {{1, 1},    {2, 1},    {1, 2},   {3, 1},     {1, 7},     {5, 3},
+                               {1, 4096}, {4096, 1}, {64, 32}, {257, 129}, {2, 32768}, {32768, 2}};
 static const double numbers[] = {0, 0x1p-53, 0x1p-24, 0.5, 1 - 0x1p-24, 1 - 0x1p-53};
 
 /* (2 pi/W)(cos t_j - cos t_{j+1}) as a product. */
@@ -37,7 +39,8 @@ static void check_solid_angles(const bis_envmap *em, envelope *each, envelope *s
 
     for (int y = 0; y < em->height; y++) {
         const double found = em->row_solid_angle[y];
-        envelope_try(each, relative_error(found, (double)solid_angle(em, y)), "%d x %d row %d", em->width, em->height, y);
+        envelope_try(each, relative_error(found, (double)solid_angle(em, y)), "%d x %d row %d", em->width, em->height,
+                     y);
         total += found * em->width;
     }
     envelope_try(sum, relative_error(total, 4 * PI), "%d x %d", em->width, em->height);
@@ -45,7 +48,8 @@ static void check_solid_angles(const bis_envmap *em, envelope *each, envelope *s
 
 static void solid_angles_of_maps_of_any_size_are_right(void **state)
 {
-    envelope each = envelope_row("maps of 1 x 1, 2 x 1, 1 x N to 2 x 32768 and N x 1", "relative error of a pixel's solid angle against long double", 1e-15);
+    envelope each = envelope_row("maps of 1 x 1, 2 x 1, 1 x N to 2 x 32768 and N x 1",
+                                 "relative error of a pixel's solid angle against long double", 1e-15);
     envelope sum = envelope_row("the same", "relative error of their sum against 4 pi", 1e-13);
 
     (void)state;
@@ -64,8 +68,12 @@ enum { ALIAS, CDF, N_KINDS };
 
 static bis_importance *new_importance(const bis_envmap *em, int kind, double b, int levels, bool compensate)
 {
-    const bis_importance_options options = {.table = true, .curve = !compensate, .table_kind = kind == CDF ? BIS_TABLE_CDF : BIS_TABLE_ALIAS,
-                                            .area_exponent = b, .levels = levels, .compensate = compensate};
+    const bis_importance_options options = {.table = true,
+                                            .curve = !compensate,
+                                            .table_kind = kind == CDF ? BIS_TABLE_CDF : BIS_TABLE_ALIAS,
+                                            .area_exponent = b,
+                                            .levels = levels,
+                                            .compensate = compensate};
     bis_importance *im;
 
     assert_int_equal(bis_importance_new(&im, em, &options, NULL), BIS_OK);
@@ -83,14 +91,18 @@ static void check_densities(const bis_envmap *em, density_rows *rows, const char
     long double sum = 0;
 
     assert_non_null(pmf);
-    for (size_t i = 0; i < map_n(em); i++) sum += (long double)map_intensity(em, i) * solid_angle(em, (int)(i / (size_t)em->width));
+    for (size_t i = 0; i < map_n(em); i++)
+        sum += (long double)map_intensity(em, i) * solid_angle(em, (int)(i / (size_t)em->width));
     for (int kind = 0; kind < N_KINDS; kind++) {
         bis_importance *im = new_importance(em, kind, 0, 8, false);
         assert_int_equal(bis_importance_implied_pmf(im, pmf, NULL), BIS_OK);
         for (size_t i = 0; i < map_n(em); i++) {
-            const double P = (double)((long double)map_intensity(em, i) * solid_angle(em, (int)(i / (size_t)em->width)) / sum);
-            envelope_try(&rows->pdf, relative_error(bis_importance_pdf_pixel(im, i) * map_solid_angle(em, i), P), "%s pixel %zu", what, i);
-            if (kind == ALIAS) envelope_try(&rows->alias, relative_error(pmf[i], P), "%s pixel %zu: %g %g", what, i, pmf[i], P);
+            const double P =
+                (double)((long double)map_intensity(em, i) * solid_angle(em, (int)(i / (size_t)em->width)) / sum);
+            envelope_try(&rows->pdf, relative_error(bis_importance_pdf_pixel(im, i) * map_solid_angle(em, i), P),
+                         "%s pixel %zu", what, i);
+            if (kind == ALIAS)
+                envelope_try(&rows->alias, relative_error(pmf[i], P), "%s pixel %zu: %g %g", what, i, pmf[i], P);
             if (kind == CDF) envelope_try(&rows->cdf, fabs(pmf[i] - P), "%s pixel %zu", what, i);
         }
         bis_importance_free(im);
@@ -101,9 +113,11 @@ static void check_densities(const bis_envmap *em, density_rows *rows, const char
 static void densities_hold_for_contrasts_of_1_to_1e76(void **state)
 {
     static const double decades[] = {0, 1, 6, 12, 76};
-    density_rows rows = {envelope_row("contrast 1 to 1e12 and 1e76, log-uniform, maps of 1 x 1 to 257 x 129", "relative error of the density against long double", 1e-12),
-                         envelope_row("the same", "relative error of the alias tables' implied probabilities", 1e-8),
-                         envelope_row("the same", "absolute error of the CDFs' probabilities: what lies below 2^-53 is lost", 0x1p-51)};
+    density_rows rows = {
+        envelope_row("contrast 1 to 1e12 and 1e76, log-uniform, maps of 1 x 1 to 257 x 129",
+                     "relative error of the density against long double", 1e-12),
+        envelope_row("the same", "relative error of the alias tables' implied probabilities", 1e-8),
+        envelope_row("the same", "absolute error of the CDFs' probabilities: what lies below 2^-53 is lost", 0x1p-51)};
     (void)state;
     for (int i = 0; i < COUNT(sizes) * COUNT(decades) * 2; i++) {
         const int *size = sizes[i % COUNT(sizes)];
@@ -137,13 +151,17 @@ typedef struct draw_rows {
     envelope legal, place, energy;
 } draw_rows;
 
-/* `right`: the radiance over the density of any direction, where the map has one lit texel or one radiance; 0: not known. */
-static void check_draw(const bis_envmap *em, const bis_importance *im, const bis_map_sample *s, double right, draw_rows *rows, const char *what)
+/* `right`: the radiance over the density of any direction, where the map has one lit texel or one radiance; 0: not
+ * known. */
+static void check_draw(const bis_envmap *em, const bis_importance *im, const bis_map_sample *s, double right,
+                       draw_rows *rows, const char *what)
 {
     const double ratio = map_intensity(em, s->pixel) / s->pdf;
 
-    envelope_expect(&rows->legal, s->pixel < map_n(em) && map_intensity(em, s->pixel) > 0 && s->pdf > 0 && isfinite(s->pdf) && vec3_is_finite(s->w_local) &&
-                    fabs(length(s->w_local) - 1) < 2e-7, "%s pixel %zu pdf %g", what, s->pixel, s->pdf);
+    envelope_expect(&rows->legal,
+                    s->pixel < map_n(em) && map_intensity(em, s->pixel) > 0 && s->pdf > 0 && isfinite(s->pdf) &&
+                        vec3_is_finite(s->w_local) && fabs(length(s->w_local) - 1) < 2e-7,
+                    "%s pixel %zu pdf %g", what, s->pixel, s->pdf);
     envelope_try(&rows->place, outside(em, s->pixel, s->w_local), "%s pixel %zu", what, s->pixel);
     if (right > 0) envelope_try(&rows->energy, relative_error(ratio, right), "%s pixel %zu", what, s->pixel);
     assert_true(ratio <= bis_importance_max_ratio(im));
@@ -169,9 +187,10 @@ static void check_draws(const bis_envmap *em, double b, double right, draw_rows 
 
 static draw_rows new_draw_rows(const char *tried)
 {
-    return (draw_rows){envelope_row(tried, "draws of a black pixel, of density 0, not unit or not finite", 0),
-                       envelope_row("the same", "radians by which a direction leaves its pixel", 2e-7),
-                       envelope_row("the same", "relative error of radiance / density, which is the light's integral", 1e-12)};
+    return (draw_rows){
+        envelope_row(tried, "draws of a black pixel, of density 0, not unit or not finite", 0),
+        envelope_row("the same", "radians by which a direction leaves its pixel", 2e-7),
+        envelope_row("the same", "relative error of radiance / density, which is the light's integral", 1e-12)};
 }
 
 static void close_draw_rows(draw_rows *rows)
@@ -183,12 +202,14 @@ static void close_draw_rows(draw_rows *rows)
 
 static void one_lit_texel_is_found_at_poles_seam_and_anywhere(void **state)
 {
-    draw_rows rows = new_draw_rows("one lit texel at each pole, on both sides of the seam, anywhere; maps of 1 x 1 to 32768 x 2; u from 0 to 1 - 2^-53");
+    draw_rows rows = new_draw_rows("one lit texel at each pole, on both sides of the seam, anywhere; maps of 1 x 1 to "
+                                   "32768 x 2; u from 0 to 1 - 2^-53");
 
     (void)state;
     for (int i = 0; i < COUNT(sizes) * 7; i++) {
         const int w = sizes[i / 7][0], h = sizes[i / 7][1];
-        const int at[7][2] = {{w / 2, 0}, {w / 2, h - 1}, {0, h / 2}, {w - 1, h / 2}, {0, 0}, {w - 1, h - 1}, {w / 3, h / 3}};
+        const int at[7][2] = {{w / 2, 0}, {w / 2, h - 1}, {0, h / 2},    {w - 1, h / 2},
+                              {0, 0},     {w - 1, h - 1}, {w / 3, h / 3}};
         const int x = at[i % 7][0], y = at[i % 7][1];
         bis_envmap em = map_new(w, h);
         char what[64];
@@ -203,7 +224,8 @@ static void one_lit_texel_is_found_at_poles_seam_and_anywhere(void **state)
 static void constant_maps_of_any_size_and_radiance_are_drawn(void **state)
 {
     static const float radiances[] = {1e-45f, 1e-38f, 1, 1e38f, FLT_MAX};
-    draw_rows rows = new_draw_rows("constant maps of 1 x 1 to 32768 x 2, radiance from 1e-45 to 3.4e38; u from 0 to 1 - 2^-53");
+    draw_rows rows =
+        new_draw_rows("constant maps of 1 x 1 to 32768 x 2, radiance from 1e-45 to 3.4e38; u from 0 to 1 - 2^-53");
 
     (void)state;
     for (int i = 0; i < COUNT(sizes) * COUNT(radiances); i++) {
@@ -223,7 +245,8 @@ static void constant_maps_of_any_size_and_radiance_are_drawn(void **state)
 static void any_number_draws_light_from_contrasty_maps(void **state)
 {
     static const double exponents[] = {0, 0.15, 4, 100};
-    draw_rows rows = new_draw_rows("contrast 1e12 and 1e76, half of the texels black, b = 0, 0.15, 4, 100; u from 0 to 1 - 2^-53");
+    draw_rows rows =
+        new_draw_rows("contrast 1e12 and 1e76, half of the texels black, b = 0, 0.15, 4, 100; u from 0 to 1 - 2^-53");
 
     (void)state;
     for (int i = 0; i < 2 * 4 * 3; i++) {
@@ -243,14 +266,16 @@ static void any_number_draws_light_from_contrasty_maps(void **state)
 static void densities_do_not_depend_on_the_exposure(void **state)
 {
     static const int powers[] = {-100, -60, -1, 1, 60, 118};
-    envelope e = envelope_row("radiance times 2^-100 to 2^118 (1e-30 to 3e35), b = 0 and 0.15, tables and curve", "draws that differ in any bit", 0);
+    envelope e = envelope_row("radiance times 2^-100 to 2^118 (1e-30 to 3e35), b = 0 and 0.15, tables and curve",
+                              "draws that differ in any bit", 0);
 
     (void)state;
     for (int i = 0; i < COUNT(powers) * 4; i++) {
         const double b = i % 2 ? 0.15 : 0;
         bis_envmap em = map_random(33, 17, 4, 0.2, 5), scaled = map_random(33, 17, 4, 0.2, 5);
         for (size_t k = 0; k < map_n(&em); k++) scaled.pixels[k] = rgb_scale(em.pixels[k], ldexp(1, powers[i / 4]));
-        bis_importance *one = new_importance(&em, i / 2 % 2, b, 8, false), *other = new_importance(&scaled, i / 2 % 2, b, 8, false);
+        bis_importance *one = new_importance(&em, i / 2 % 2, b, 8, false),
+                       *other = new_importance(&scaled, i / 2 % 2, b, 8, false);
         for (int k = 0; k < 500; k++) {
             const double u[4] = {fmod(k * 0.618, 1), fmod(k * 0.414, 1), 0.3, 0.7};
             bis_map_sample s, t;
@@ -272,8 +297,8 @@ static void densities_do_not_depend_on_the_exposure(void **state)
 static void power_is_right_from_the_least_to_the_largest_float(void **state)
 {
     static const float radiances[] = {1e-45f, 1e-38f, 1e-20f, 1, 1e20f, 1e38f, FLT_MAX};
-    envelope e = envelope_row("maps of 1 x 1 to 32768 x 2, every third texel from 1e-45 to 3.4e38, one other", "relative error of the integral over the sphere against long double",
-                              1e-13);
+    envelope e = envelope_row("maps of 1 x 1 to 32768 x 2, every third texel from 1e-45 to 3.4e38, one other",
+                              "relative error of the integral over the sphere against long double", 1e-13);
     (void)state;
     for (int i = 0; i < COUNT(sizes) * COUNT(radiances); i++) {
         bis_envmap em = map_new(sizes[i % COUNT(sizes)][0], sizes[i % COUNT(sizes)][1]);
@@ -283,9 +308,11 @@ static void power_is_right_from_the_least_to_the_largest_float(void **state)
         em.pixels[map_n(&em) / 2] = (rgb){1, 1e-38f, 1e38f};
         for (size_t k = 0; k < map_n(&em); k++) {
             const rgb c = em.pixels[k];
-            truth += ((long double)c.r + (long double)c.g + (long double)c.b) * solid_angle(&em, (int)(k / (size_t)em.width));
+            truth += ((long double)c.r + (long double)c.g + (long double)c.b) *
+                     solid_angle(&em, (int)(k / (size_t)em.width));
         }
-        envelope_try(&e, relative_error(bis_envmap_power(&em), (double)truth), "%d x %d, %g", em.width, em.height, (double)L);
+        envelope_try(&e, relative_error(bis_envmap_power(&em), (double)truth), "%d x %d, %g", em.width, em.height,
+                     (double)L);
         bis_envmap_clear(&em);
     }
     envelope_close(&e);
@@ -296,18 +323,24 @@ static void power_is_right_from_the_least_to_the_largest_float(void **state)
 static void bad_texels_become_black_and_are_counted(void **state)
 {
     static const float values[] = {NAN, -NAN, INFINITY, -INFINITY, -1, -1e-45f, -FLT_MAX, -0.0f, 0, 1e-45f, 1, FLT_MAX};
-    envelope e = envelope_row("texels of NaN, -NaN, Inf, -Inf, -1, -1e-45, -3.4e38, -0, in each channel beside good ones", "texels not finite, negative, or changed though good; wrong counts", 0);
+    envelope e =
+        envelope_row("texels of NaN, -NaN, Inf, -Inf, -1, -1e-45, -3.4e38, -0, in each channel beside good ones",
+                     "texels not finite, negative, or changed though good; wrong counts", 0);
     bis_image image;
     bis_envmap em;
 
     (void)state;
     assert_int_equal(bis_image_init(&image, 12 * 12, 12, NULL), BIS_OK);
-    for (int i = 0; i < 12 * 12 * 12; i++) image.pixels[i] = (rgb){values[i % 12], values[i / 12 % 12], values[i / 144]};
+    for (int i = 0; i < 12 * 12 * 12; i++)
+        image.pixels[i] = (rgb){values[i % 12], values[i / 12 % 12], values[i / 144]};
     assert_int_equal(bis_envmap_from_latlong(&em, &image, NULL), BIS_OK);
     for (int i = 0; i < 12 * 12 * 12; i++) {
         const rgb c = em.pixels[i];
-        envelope_expect(&e, (double)c.r == (i % 12 >= 7 ? (double)values[i % 12] : 0) && (double)c.g == (i / 12 % 12 >= 7 ? (double)values[i / 12 % 12] : 0) &&
-                        (double)c.b == (i / 144 >= 7 ? (double)values[i / 144] : 0), "texel %d", i);
+        envelope_expect(&e,
+                        (double)c.r == (i % 12 >= 7 ? (double)values[i % 12] : 0) &&
+                            (double)c.g == (i / 12 % 12 >= 7 ? (double)values[i / 12 % 12] : 0) &&
+                            (double)c.b == (i / 144 >= 7 ? (double)values[i / 144] : 0),
+                        "texel %d", i);
     }
     const size_t share = 3 * 144; /* how often each value occurs */
     envelope_expect(&e, em.defects.n_nan == 2 * share, "%zu NaN", em.defects.n_nan);
@@ -316,7 +349,8 @@ static void bad_texels_become_black_and_are_counted(void **state)
     bis_importance *im = new_importance(&em, ALIAS, 0.15, 254, false);
     for (size_t i = 0; i < map_n(&em); i++) {
         const double pdf = bis_importance_pdf_pixel(im, i);
-        envelope_expect(&e, isfinite(pdf) && pdf >= 0 && (pdf > 0) == (map_intensity(&em, i) > 0), "density of texel %zu", i);
+        envelope_expect(&e, isfinite(pdf) && pdf >= 0 && (pdf > 0) == (map_intensity(&em, i) > 0),
+                        "density of texel %zu", i);
     }
     bis_importance_free(im);
     bis_envmap_clear(&em);
@@ -333,24 +367,30 @@ static void black_maps_draw_nothing(void **state)
         bis_importance *im = new_importance(&em, i % 2, i / 2 % 2 ? 0.15 : 0, 8, false);
         const double u[4] = {0.5, 0.5, 0.5, 0.5};
         bis_map_sample s;
-        envelope_expect(&e, !bis_importance_sample(im, u, &s) && !bis_importance_sample_curve(im, 0, u, &s), "%d x %d", em.width, em.height);
-        envelope_expect(&e, bis_importance_pdf(im, (vec3){0, 0, 1}) == 0 && bis_importance_max_ratio(im) == 0, "%d x %d", em.width, em.height);
+        envelope_expect(&e, !bis_importance_sample(im, u, &s) && !bis_importance_sample_curve(im, 0, u, &s), "%d x %d",
+                        em.width, em.height);
+        envelope_expect(&e, bis_importance_pdf(im, (vec3){0, 0, 1}) == 0 && bis_importance_max_ratio(im) == 0,
+                        "%d x %d", em.width, em.height);
         bis_importance_free(im);
         bis_envmap_clear(&em);
     }
     envelope_close(&e);
 }
 
-/* Regions: lit pixels make up all of the sphere; a level is a level; nothing recurses. Compensation: densities integrate to 1. */
+/* Regions: lit pixels make up all of the sphere; a level is a level; nothing recurses. Compensation: densities
+ * integrate to 1. */
 static void regions_and_compensation_hold_for_extreme_maps(void **state)
 {
     static const int levels[] = {1, 2, 8, 254};
-    envelope area = envelope_row("regions of maps of contrast 1 to 1e76, levels 1 to 254, sizes 1 x 1 to 32768 x 2", "relative error of the sum of their solid angles against 4 pi", 1e-11);
-    envelope one = envelope_row("compensated tables of the same maps", "difference of the integral of the density from 1", 1e-12);
+    envelope area = envelope_row("regions of maps of contrast 1 to 1e76, levels 1 to 254, sizes 1 x 1 to 32768 x 2",
+                                 "relative error of the sum of their solid angles against 4 pi", 1e-11);
+    envelope one =
+        envelope_row("compensated tables of the same maps", "difference of the integral of the density from 1", 1e-12);
 
     (void)state;
     for (int i = 0; i < COUNT(sizes) * 4; i++) {
-        bis_envmap em = map_random(sizes[i / 4][0], sizes[i / 4][1], (const double[]){0, 6, 12, 76}[i % 4], 0, (uint64_t)i);
+        bis_envmap em =
+            map_random(sizes[i / 4][0], sizes[i / 4][1], (const double[]){0, 6, 12, 76}[i % 4], 0, (uint64_t)i);
         bis_regions r;
         double sum = 0, integral = 0;
         assert_int_equal(bis_regions_init(&r, &em, levels[i % 4], NULL), BIS_OK);
@@ -372,7 +412,8 @@ static void regions_and_compensation_hold_for_extreme_maps(void **state)
 static void probes_of_a_few_pixels_are_resampled(void **state)
 {
     static const int widths[] = {0, 1, 2, 3, 16};
-    envelope e = envelope_row("constant probes of 1 x 1 to 9 x 9, radiance from 1e-38 to 3.4e38, to widths of 2 to 18", "relative error of a pixel", 1e-7);
+    envelope e = envelope_row("constant probes of 1 x 1 to 9 x 9, radiance from 1e-38 to 3.4e38, to widths of 2 to 18",
+                              "relative error of a pixel", 1e-7);
 
     (void)state;
     for (int i = 0; i < 9 * COUNT(widths) * 3; i++) {
@@ -384,7 +425,8 @@ static void probes_of_a_few_pixels_are_resampled(void **state)
         for (int k = 0; k < side * side; k++) image.pixels[k] = (rgb){L, L, L};
         assert_int_equal(bis_envmap_from_angular(&em, &image, widths[i / 9 % COUNT(widths)], NULL), BIS_OK);
         for (size_t k = 0; k < map_n(&em); k++) {
-            envelope_try(&e, relative_error((double)em.pixels[k].g, (double)L), "side %d, %d x %d, %g: %g", side, em.width, em.height, (double)L, (double)em.pixels[k].g);
+            envelope_try(&e, relative_error((double)em.pixels[k].g, (double)L), "side %d, %d x %d, %g: %g", side,
+                         em.width, em.height, (double)L, (double)em.pixels[k].g);
         }
         bis_image_clear(&image);
         bis_envmap_clear(&em);
@@ -417,16 +459,20 @@ static void the_largest_map_is_as_right_as_the_smallest(void **state)
 {
     (void)state;
     if (!envelope_long()) skip();
-    envelope each = envelope_long_row("map of 16384 x 8192", "relative error of a pixel's solid angle against long double", 1e-15);
+    envelope each =
+        envelope_long_row("map of 16384 x 8192", "relative error of a pixel's solid angle against long double", 1e-15);
     envelope sum = envelope_long_row("the same", "relative error of their sum against 4 pi", 1e-12);
-    envelope integral = envelope_long_row("map of 16384 x 8192, contrast 1e12, b = 0.15", "difference of the integral of the density from 1", 1e-11);
+    envelope integral = envelope_long_row("map of 16384 x 8192, contrast 1e12, b = 0.15",
+                                          "difference of the integral of the density from 1", 1e-11);
     envelope implied = envelope_long_row("the same", "relative error of the alias tables' implied probabilities", 1e-8);
     bis_envmap em = map_random(16384, 8192, 12, 0.1, 1);
     check_solid_angles(&em, &each, &sum);
     check_large_map(&em, &integral, &implied);
 
-    envelope lone = envelope_long_row("one lit texel of 16384 x 8192 at each pole, on the seam, anywhere", "draws of another pixel", 0);
-    const size_t at[] = {0, 16383, (size_t)4096 * 16384, (size_t)4096 * 16384 + 16383, (size_t)8191 * 16384, map_n(&em) - 1, 12345678};
+    envelope lone = envelope_long_row("one lit texel of 16384 x 8192 at each pole, on the seam, anywhere",
+                                      "draws of another pixel", 0);
+    const size_t at[] = {
+        0, 16383, (size_t)4096 * 16384, (size_t)4096 * 16384 + 16383, (size_t)8191 * 16384, map_n(&em) - 1, 12345678};
     for (int i = 0; i < COUNT(at); i++) {
         for (size_t k = 0; k < map_n(&em); k++) em.pixels[k] = (rgb){0, 0, 0};
         em.pixels[at[i]] = (rgb){1, 1, 1};
@@ -434,8 +480,11 @@ static void the_largest_map_is_as_right_as_the_smallest(void **state)
         for (int k = 0; k < 216; k++) {
             const double u[4] = {numbers[k % 6], numbers[k / 6 % 6], numbers[k / 36], 0.5};
             bis_map_sample s, t;
-            envelope_expect(&lone, bis_importance_sample(im, u, &s) && s.pixel == at[i] && outside(&em, at[i], s.w_local) < 2e-7, "pixel %zu", at[i]);
-            envelope_expect(&lone, bis_importance_sample_curve(im, u[0], u + 1, &t) && t.pixel == at[i], "pixel %zu", at[i]);
+            envelope_expect(
+                &lone, bis_importance_sample(im, u, &s) && s.pixel == at[i] && outside(&em, at[i], s.w_local) < 2e-7,
+                "pixel %zu", at[i]);
+            envelope_expect(&lone, bis_importance_sample_curve(im, u[0], u + 1, &t) && t.pixel == at[i], "pixel %zu",
+                            at[i]);
         }
         bis_importance_free(im);
     }
