@@ -5,7 +5,7 @@
 cd "${1:-.}" || exit 1
 exec awk '
 BEGIN {
-    rows = "0 status mem vec file xform stats version grow names;" \
+    rows = "0 status mem vec file xform stats version grow names errata;" \
            "1 rng sampler warp weights cdf alias marsaglia curve;" \
            "2 image image_* envmap envmap_* importance importance_* regions light light_* pool bsdf phong;" \
            "3 geometry mesh mesh_* surface quadric triangle rounding camera accel grid grid_* embree embree_* point;" \

@@ -99,23 +99,38 @@ static void settle_leftovers(double *prob, uint32_t *alias, stacks *s, uint32_t 
     }
 }
 
-double bis_alias_build(double *prob, uint32_t *alias, const double *w, uint32_t *work, size_t n)
+/* prob[i] = N P_i in, the tables out. */
+static void build_from(double *prob, uint32_t *alias, uint32_t *work, size_t n)
 {
-    double total = normalise(prob, w, n);
     uint32_t largest = 0;
 
     for (size_t i = 0; i < n; i++) {
         alias[i] = (uint32_t)i;
         if (prob[i] > prob[largest]) largest = (uint32_t)i;
     }
-    if (total == 0) return 0;
+    if (n == 0 || prob[largest] == 0) return;
     stacks s = classify(prob, work, n);
     assign_aliases(prob, alias, &s);
     settle_leftovers(prob, alias, &s, largest);
+}
+
+double bis_alias_build(double *prob, uint32_t *alias, const double *w, uint32_t *work, size_t n)
+{
+    double total = normalise(prob, w, n);
+    build_from(prob, alias, work, n);
     return total;
 }
 
-bis_status bis_alias_init(bis_alias *a, const double *w, size_t n, bis_diag *diag)
+double bis_alias_build_raw(double *prob, uint32_t *alias, const double *w, uint32_t *work, size_t n)
+{
+    double total = pairwise_sum(w, n);
+    for (size_t i = 0; i < n; i++)
+        prob[i] = (double)n * w[i];
+    build_from(prob, alias, work, n);
+    return total;
+}
+
+bis_status bis_alias_init_by(bis_alias *a, bis_alias_builder *build, const double *w, size_t n, bis_diag *diag)
 {
     bis_status status = BIS_OK;
     assert(n <= UINT32_MAX);
@@ -128,10 +143,15 @@ bis_status bis_alias_init(bis_alias *a, const double *w, size_t n, bis_diag *dia
         status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for an alias table of %zu items", n);
         goto done;
     }
-    a->total = bis_alias_build(a->prob, a->alias, w, work, n);
+    a->total = build(a->prob, a->alias, w, work, n);
 done:
     bis_free(work);
     return status;
+}
+
+bis_status bis_alias_init(bis_alias *a, const double *w, size_t n, bis_diag *diag)
+{
+    return bis_alias_init_by(a, bis_alias_build, w, n, diag);
 }
 
 void bis_alias_clear(bis_alias *a)

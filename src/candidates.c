@@ -217,6 +217,32 @@ double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, 
     return W;
 }
 
+/* ---- as printed ---- */
+
+double bis_candidates_weigh_as_printed(bis_candidate *c, uint32_t M, bis_proposal proposal, const bis_point *pt)
+{
+    const bis_material *m = pt->bsdf.material;
+    const rgb albedo = rgb_add(m->Kd, m->Ks);
+    const bool from_map = proposal == BIS_PROPOSAL_EM, from_brdf = proposal == BIS_PROPOSAL_BRDF || (!from_map && bis_light_is_constant(pt->light));
+    double W = 0;
+
+    for (uint32_t i = 0; i < M; i++) {
+        if (c[i].w > 0 && from_map) c[i].C = rgbd_scale(c[i].C, 1 / bis_bsdf_cos(&pt->bsdf, c[i].wi));
+        if (c[i].w > 0 && from_brdf) c[i].C = bis_estimate(albedo, bis_light_Le(pt->light, c[i].wi), 1, 1);
+        c[i].w = rgbd_sum(c[i].C);
+        W += c[i].w;
+    }
+    return W;
+}
+
+void bis_candidates_colour_as_printed(bis_candidate *c, uint32_t M, double W)
+{
+    rgbd sum = {0, 0, 0};
+
+    for (uint32_t i = 0; i < M; i++) sum = rgbd_add(sum, c[i].C);
+    for (uint32_t i = 0; i < M; i++) c[i].C = rgbd_scale(sum, c[i].w / W);
+}
+
 /* ---- resampling ---- */
 
 /* N marks in [0,1], ascending. */

@@ -20,6 +20,13 @@ uint32_t bis_candidates_pool_needs(const bis_settings *s);
 double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_pool *pool, const bis_point *pt,
                            bis_stream *stream);
 
+/* As printed (docs/errata.md E23): w = f_r for candidates from the map, without the cosine; w = L for those from the BRDF, as if q_f were f cos
+ * over Kd + Ks. For a mixture nothing is printed: unchanged. Returns W. */
+double bis_candidates_weigh_as_printed(bis_candidate *c, uint32_t M, bis_proposal proposal, const bis_point *pt);
+
+/* As printed (E6): each candidate takes the colour of the whole, so that eq. 4.6 becomes an RGB L_ns times the mean of V. W as drawn. */
+void bis_candidates_colour_as_printed(bis_candidate *c, uint32_t M, double W);
+
 /* Choose N of c[M] with probabilities w/W, W > 0 as bis_candidates_draw returned it; chosen[N] ascends, repeats are neighbours, and
  * no candidate of weight 0 is ever among them. */
 void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W, bis_resampling resampling, bis_stream *stream);

@@ -23,7 +23,7 @@ typedef struct resolution {
 
 /* What the command line says; has_ tells whether it does. */
 typedef struct render_options {
-    bis_texts outfiles;
+    bis_texts outfiles, as_printed;
     const char *stats, *integrator, *proposal, *accelerator;
     bool quiet, plan, no_jitter;
     bool has_candidates, has_shadowrays, has_samples, has_spp, has_seed, has_resolution, has_crop, has_exposure;
@@ -132,6 +132,8 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
         {.name = "cropwindow", .argument = "x0,x1,y0,y1", .help = "render this part alone, in shares of the full picture; pixels are the same as those of "
          "the full picture. An EXR keeps the full display window, other formats hold the crop", .kind = BIS_OPTION_OWN, .value = o->crop,
          .given = &o->has_crop, .read = read_crop, .rule = "x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
+        {.name = "as-printed", .argument = "E", .help = "follow the thesis to the letter where docs/errata.md departs from it, as in E6: a wrong picture, "
+         "to see why; may be repeated; \"list\" prints all", .kind = BIS_OPTION_LIST, .value = &o->as_printed},
         {.name = "disable-pixel-jitter", .help = "camera rays through pixel centres", .kind = BIS_OPTION_FLAG, .value = &o->no_jitter},
         {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor); pictures do not depend on it",
          .kind = BIS_OPTION_COUNT, .value = &o->threads, .lo = 1, .hi = 1024},
@@ -177,19 +179,45 @@ static bool applies(const bis_settings *s, const char *option, bool given, bis_d
     return false;
 }
 
+/* The errata to render as printed: those of the scene and of the command line. */
+static bis_status switch_errata(bis_settings *s, const bis_texts *names, bis_diag *diag)
+{
+    bis_status first = BIS_OK;
+
+    for (int i = 0; i < names->n; i++) {
+        const bis_erratum *e = bis_erratum_find(names->text[i]);
+        if (e) {
+            s->as_printed |= e->flag;
+            continue;
+        }
+        const char *near = bis_erratum_nearest(names->text[i]);
+        bis_status status = bis_error(diag, BIS_INPUT, bis_cli_loc, "--as-printed: no erratum \"%s\" can be switched%s%s%s; `bis --as-printed list` lists them",
+                                      names->text[i], near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
+        if (!first) first = status;
+    }
+    for (const bis_erratum *e = bis_errata; e->name; e++) {
+        if (!(s->as_printed & e->flag) || bis_erratum_reaches(e, s->integrator->name)) continue;
+        bis_warn(diag, bis_cli_loc, "%s as printed has no effect on integrator \"%s\", only on: %s", e->name, s->integrator->name, e->integrators);
+    }
+    return first;
+}
+
 static bis_status override_settings(bis_scene_desc *d, const render_options *o, bis_diag *diag)
 {
     bis_settings *s = &d->settings;
 
     if (o->integrator && strcmp(o->integrator, s->integrator->name) != 0) {
+        const unsigned as_printed = s->as_printed;
         *s = bis_settings_default(bis_integrator_find(o->integrator));
+        s->as_printed = as_printed;
         d->integrator_loc = bis_cli_loc;
     }
     if (applies(s, "candidates", o->has_candidates, diag)) s->candidates = (uint32_t)o->candidates;
     if (applies(s, "shadowrays", o->has_shadowrays, diag)) s->shadowrays = (uint32_t)o->shadowrays;
     if (applies(s, "samples", o->has_samples, diag)) s->samples = (uint32_t)o->samples;
     if (applies(s, "proposal", o->proposal != NULL, diag)) s->proposal = proposal_of(o->proposal);
-    return bis_settings_check(s, bis_cli_loc, diag);
+    bis_status status = switch_errata(s, &o->as_printed, diag);
+    return status ? status : bis_settings_check(s, bis_cli_loc, diag);
 }
 
 static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag *diag)
@@ -365,6 +393,7 @@ static bis_status run(const render_options *o, const bis_scene_desc *desc, doubl
     if (status) goto done;
 
     bis_stats stats = {.desc = desc, .scene = scene, .film = &film, .result = &result, .seconds = scene->seconds};
+    bis_errata_text(stats.as_printed, desc->settings.as_printed);
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;
     double before = now();
@@ -382,6 +411,23 @@ done:
     return status;
 }
 
+/* `bis --as-printed list` needs no scene. */
+static bool asks_for_errata(int argc, char **argv)
+{
+    for (int i = 0; i < argc && strcmp(argv[i], "--") != 0; i++) {
+        if (strcmp(argv[i], "--as-printed=list") == 0) return true;
+        if (strcmp(argv[i], "--as-printed") == 0 && i + 1 < argc && strcmp(argv[i + 1], "list") == 0) return true;
+    }
+    return false;
+}
+
+static void list_errata(void)
+{
+    for (const bis_erratum *e = bis_errata; e->name; e++) {
+        printf("%-4s thesis %s; integrators: %s\n     %s\n", e->name, e->section, e->integrators, e->effect);
+    }
+}
+
 int bis_cmd_render(int argc, char **argv)
 {
     render_options o = {0};
@@ -392,6 +438,10 @@ int bis_cmd_render(int argc, char **argv)
     int exit_status;
     double start = now();
 
+    if (asks_for_errata(argc, argv)) {
+        list_errata();
+        return bis_cli_finish(BIS_EXIT_DONE);
+    }
     if (!read_options(&o, argc, argv, &path, &exit_status)) return exit_status;
     bis_status status = check_outputs(&o, &diag);
     if (status) goto done;

@@ -84,6 +84,7 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     attributes[n++] = (bis_attribute){"scene", s->desc->path, 0};
     attributes[n++] = (bis_attribute){"integrator", s->desc->settings.integrator->name, 0};
     n += bis_describe_settings(&s->desc->settings, attributes + n);
+    if (*s->as_printed) attributes[n++] = (bis_attribute){"asprinted", s->as_printed, 0};
     attributes[n++] = (bis_attribute){"spp", NULL, r->passes};
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};

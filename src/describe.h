@@ -23,9 +23,10 @@ typedef struct bis_stats {
     const bis_film *film;
     const bis_render_result *result;
     bis_scene_seconds seconds;
+    char as_printed[BIS_ERRATA_TEXT]; /* of the settings, by bis_errata_text */
 } bis_stats;
 
-/* Header attributes of an EXR: scene, integrator, its parameters, spp, seed, render_seconds, estimated_relative_rmse (where known), bis:version
+/* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), spp, seed, render_seconds, estimated_relative_rmse (where known), bis:version
  * ("version" alone is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 

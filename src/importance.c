@@ -76,9 +76,13 @@ static void sum_rows(bis_importance *im, double *row_weight)
     for (int y = 0; y < em->height; y++) {
         double sum = 0;
         for (size_t x = 0; x < width; x++) sum += bis_weight(&im->weights, (size_t)y * width + x);
-        row_weight[y] = sum * em->row_solid_angle[y];
+        row_weight[y] = sum;
     }
-    for (int y = 0; y < em->height; y++) im->total += row_weight[y];
+    im->total = 0;
+    for (int y = 0; y < em->height; y++) {
+        im->total += row_weight[y] * em->row_solid_angle[y];
+        row_weight[y] *= bis_row_measure(&im->weights, (size_t)y);
+    }
 }
 
 /* The largest I/q = sum * I/w. Without compensation I/w is 1, or 1/area. The four roundings of I * area / sum, of the caller's I/q and of
@@ -95,6 +99,15 @@ static double find_max_ratio(const bis_importance *im)
     return im->total / least_area * (1 + 4 * DBL_EPSILON);
 }
 
+/* As printed (E20): drawn with the area factors, by the tables that are made, but weighed as if without. */
+static void forget_area_factors(bis_importance *im, double *row_weight)
+{
+    bis_free(im->weights.area);
+    im->weights.area = NULL;
+    sum_rows(im, row_weight);
+    im->max_ratio = find_max_ratio(im);
+}
+
 bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const bis_importance_options *options, bis_diag *diag)
 {
     bis_status status = BIS_OK;
@@ -106,7 +119,7 @@ bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const 
         status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the importance of a map");
         goto done;
     }
-    im->weights = (bis_weights){.em = em};
+    im->weights = (bis_weights){.em = em, .as_printed = options->as_printed};
     assert(isfinite(options->area_exponent) && options->area_exponent >= 0);
     if (options->area_exponent > 0) {
         status = find_area_factors(&im->weights, options->levels, options->area_exponent, diag);
@@ -125,6 +138,7 @@ bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const 
         status = bis_trail_init(&im->trail, &im->weights, diag);
         if (status) goto done;
     }
+    if (im->weights.as_printed & BIS_E20) forget_area_factors(im, row_weight);
     *out = im;
     im = NULL;
 done:

@@ -39,7 +39,7 @@ static void weigh_tile(double *weight, const bis_trail *t, size_t i, const bis_w
     const size_t x0 = t->tile[i] % width, y0 = t->tile[i] / width;
     for (size_t y = 0; y < t->side && y0 + y < height; y++) {
         for (size_t x = 0; x < t->side && x0 + x < width; x++) {
-            weight[y * t->side + x] = bis_weight(w, (y0 + y) * width + x0 + x) * w->em->row_solid_angle[y0 + y];
+            weight[y * t->side + x] = bis_weight(w, (y0 + y) * width + x0 + x) * bis_row_measure(w, y0 + y);
         }
     }
 }

@@ -13,6 +13,7 @@ typedef struct bis_weights {
     const bis_envmap *em;
     float *area; /* area[height * width], > 0: the pixel's area factor of thesis 3.4; NULL where b = 0 */
     double mean; /* 0 but for MIS compensation */
+    unsigned as_printed; /* BIS_E* */
 } bis_weights;
 
 static inline double bis_weight(const bis_weights *w, size_t pixel)
@@ -20,6 +21,13 @@ static inline double bis_weight(const bis_weights *w, size_t pixel)
     const double excess = rgb_sum(w->em->pixels[pixel]) - w->mean;
     if (excess <= 0) return 0;
     return w->area ? excess * (double)w->area[pixel] : excess;
+}
+
+/* By what a row's pixels are multiplied to be drawn: their solid angle, without which the poles get too much (docs/errata.md E3). */
+static inline double bis_row_measure(const bis_weights *w, size_t y)
+{
+    if (w->as_printed & BIS_E3) return 1;
+    return w->em->row_solid_angle[y];
 }
 
 /* A pixel drawn, and where in it: u[0] of phi, u[1] of cos(theta). */

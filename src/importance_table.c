@@ -19,11 +19,18 @@ static void row_weights(const bis_weights *w, size_t y, size_t width, double *ou
     for (size_t x = 0; x < width; x++) out[x] = bis_weight(w, y * width + x);
 }
 
+/* From normalised weights, or as printed from raw ones (docs/errata.md E13). */
+static bis_alias_builder *alias_builder(const bis_weights *w)
+{
+    if (w->as_printed & BIS_E13) return bis_alias_build_raw;
+    return bis_alias_build;
+}
+
 static void build_alias_row(bis_table *t, const bis_weights *w, size_t y, uint32_t *alias, uint32_t *work)
 {
     double *prob = t->prob + y * t->width; /* the weights first, then the table in their place */
     row_weights(w, y, t->width, prob);
-    bis_alias_build(prob, alias, prob, work, t->width);
+    alias_builder(w)(prob, alias, prob, work, t->width);
     for (size_t x = 0; x < t->width; x++) t->alias[y * t->width + x] = (uint16_t)alias[x];
 }
 
@@ -69,7 +76,7 @@ static bis_status init_alias(bis_table *t, const bis_weights *w, const double *r
     t->prob = bis_alloc(t->height * t->width, sizeof *t->prob);
     t->alias = bis_alloc(t->height * t->width, sizeof *t->alias);
     if (!t->prob || !t->alias) return BIS_NOMEM;
-    const bis_status status = bis_alias_init(&t->row_alias, row_weight, t->height, NULL);
+    const bis_status status = bis_alias_init_by(&t->row_alias, alias_builder(w), row_weight, t->height, NULL);
     return status ? status : build_alias_rows(t, w);
 }
 

@@ -84,6 +84,7 @@ static bis_status build_importance(bis_light *light, const bis_light_desc *desc,
         .area_exponent = desc->area_exponent,
         .levels = desc->levels,
         .compensate = needs & BIS_NEED_COMPENSATED,
+        .as_printed = desc->as_printed,
     };
     return bis_importance_new(&light->importance, &light->em, &options, diag);
 }

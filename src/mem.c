@@ -23,8 +23,8 @@ typedef struct header {
     size_t bytes;
 } header;
 
-/* The library's only mutable globals: see bis_mem_fail_at and bis_mem_failures. */
-static atomic_long fail_at, count, failures;
+/* The library's only mutable globals: see bis_mem_fail_at. */
+static atomic_long fail_at, count;
 
 void bis_mem_fail_at(long k)
 {
@@ -33,13 +33,6 @@ void bis_mem_fail_at(long k)
 }
 
 long bis_mem_count(void) { return atomic_load(&count); }
-long bis_mem_failures(void) { return atomic_load(&failures); }
-
-static void *failed(void)
-{
-    atomic_fetch_add(&failures, 1);
-    return NULL;
-}
 
 static bool told_to_fail(void)
 {
@@ -62,15 +55,15 @@ static void *place(void *base, size_t bytes)
 static void *new_block(size_t n, size_t size, bool zeroed)
 {
     const size_t room = 2 * ALIGNMENT;
-    if (told_to_fail() || (size && n > (PTRDIFF_MAX - room) / size)) return failed();
+    if (told_to_fail() || (size && n > (PTRDIFF_MAX - room) / size)) return NULL;
     size_t bytes = n * size;
 
     if (zeroed && bytes >= LARGE) {
         void *base = calloc(bytes + room, 1);
-        return base ? place(base, bytes) : failed();
+        return base ? place(base, bytes) : NULL;
     }
     void *base;
-    if (posix_memalign(&base, ALIGNMENT, ALIGNMENT + bytes)) return failed();
+    if (posix_memalign(&base, ALIGNMENT, ALIGNMENT + bytes)) return NULL;
     void *p = place(base, bytes);
     return zeroed ? memset(p, 0, bytes) : p;
 }

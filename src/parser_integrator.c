@@ -74,6 +74,7 @@ static void read_sir(bis_parser *p, bis_settings *s)
 static bis_settings read_settings(bis_parser *p, const bis_integrator *integrator)
 {
     bis_settings s = bis_settings_default(integrator);
+    s.as_printed = p->desc->settings.as_printed; /* an Option's, not an integrator's */
     const unsigned params = params_of(integrator);
     if (params & SAMPLES) bis_params_uint32(p, "samples", &s.samples, 1, MAX_COUNT);
     if (params & CANDIDATES) bis_params_uint32(p, "candidates", &s.candidates, 1, MAX_COUNT);
@@ -106,7 +107,9 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
         bis_warn(p->diag, p->name_at,
                  "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\"; its parameters are ignored",
                  chosen->name, bis_sir.name);
+        const unsigned as_printed = p->desc->settings.as_printed;
         p->desc->settings = bis_settings_default(&bis_sir);
+        p->desc->settings.as_printed = as_printed;
         return;
     }
     p->desc->settings = read_settings(p, owns[chosen->value].integrator);

@@ -172,6 +172,21 @@ void bis_directive_accelerator(bis_parser *p, bis_loc at)
 
 /* ---- Option, ColorSpace, MediumInterface ---- */
 
+/* Which of the thesis's equations to follow to the letter. */
+static void option_as_printed(bis_parser *p)
+{
+    const bis_param *param = bis_params_take(p, "asprinted", BIS_TYPE_STRING, 0);
+    char word[128], hint[128];
+    for (size_t i = 0; param && i < param->n; i++) {
+        const char *name = bis_parser_text(p, p->params.strings[param->first + i]);
+        const bis_erratum *e = bis_erratum_find(name);
+        if (e) p->desc->settings.as_printed |= e->flag;
+        else
+            bis_parser_error(p, param->at, "\"asprinted\" is \"%s\": no erratum of that name can be switched%s",
+                             bis_printable(word, name, strlen(name)), bis_parser_hint(hint, bis_erratum_nearest(name)));
+    }
+}
+
 void bis_directive_option(bis_parser *p, bis_loc at)
 {
     static const char *const ignored[] = {"disabletexturefiltering", "disablewavelengthjitter", "displacementedgescale",
@@ -184,10 +199,11 @@ void bis_directive_option(bis_parser *p, bis_loc at)
     if (p->lost || !bis_params_read(p)) return;
     bool disable;
     if (bis_params_bool(p, "disablepixeljitter", &disable)) p->desc->pixel_jitter = !disable;
+    option_as_printed(p);
     for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
         if (!bis_params_has(p, ignored[i])) continue;
         if (bis_parser_once(p, "Option"))
-            bis_warn(p->diag, at, "Option \"%s\" is ignored, like all but \"disablepixeljitter\"", ignored[i]);
+            bis_warn(p->diag, at, "Option \"%s\" is ignored, like all but \"disablepixeljitter\" and \"asprinted\"", ignored[i]);
         bis_params_skip(p, &ignored[i], 1);
     }
     bis_params_end(p, "Option", NULL);

@@ -50,6 +50,9 @@ static void print_integrator(const bis_settings *s, FILE *out)
         fprintf(out, ", estimator %s, fallback %s", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio",
                 fallbacks[s->fallback]);
     fprintf(out, "\nclaim        %s\n", i->claim);
+    for (const bis_erratum *e = bis_errata; e->name; e++) {
+        if (s->as_printed & e->flag) fprintf(out, "as printed   %s (%s): %s\n", e->name, e->section, e->effect);
+    }
 }
 
 static void print_view(const bis_scene_desc *d, FILE *out)

@@ -38,13 +38,23 @@ static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_strea
     return bis_stream_random(stream) * (c_em + c_brdf) < c_brdf ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF;
 }
 
-/* Accept each candidate with probability w/B. Returns A. */
-static uint32_t accept(uint32_t *chosen, const bis_candidate *x, uint32_t M, double B, bis_stream *stream)
+/* As printed (E27): p < f_max q_L and p < L_max q_f, f_max and L_max being the largest values of the densities q_f and q_L themselves. Times L_ns, since
+ * w = L_ns p/q; q_f taken as f cos over Kd + Ks. */
+static double bound_as_printed(const bis_point *pt, bis_proposal proposal, double L_ns)
+{
+    const bis_material *m = pt->bsdf.material;
+
+    if (proposal == BIS_PROPOSAL_EM) return bis_bsdf_max_f_cos(&pt->bsdf) / rgb_max(rgb_add(m->Kd, m->Ks)) * L_ns;
+    return bis_light_max_intensity(pt->light) / bis_light_power(pt->light) * L_ns;
+}
+
+/* Accept each candidate with probability w/B, or 1 where B is no bound. Returns A. */
+static uint32_t accept(uint32_t *chosen, const bis_candidate *x, const bis_settings *s, double B, bis_stream *stream)
 {
     uint32_t A = 0;
 
-    for (uint32_t i = 0; i < M; i++) {
-        assert(x[i].w <= B);
+    for (uint32_t i = 0; i < s->candidates; i++) {
+        assert(x[i].w <= B || s->as_printed & BIS_E27);
         if (x[i].w > 0 && bis_stream_random(stream) * B < x[i].w) chosen[A++] = i;
     }
     return A;
@@ -58,6 +68,14 @@ static void draw_without_replacement(uint32_t *chosen, uint32_t A, uint32_t n, b
         chosen[j] = chosen[k];
         chosen[k] = swap;
     }
+}
+
+static double sum_of_weights(const bis_candidate *x, uint32_t M)
+{
+    double W = 0;
+
+    for (uint32_t i = 0; i < M; i++) W += x[i].w;
+    return W;
 }
 
 static uint32_t positive(uint32_t *chosen, const bis_candidate *x, uint32_t M)
@@ -78,7 +96,7 @@ static rgbd fall_back(const bis_settings *s, const bis_point *pt, bis_stream *st
     double Zhat = W / M;
 
     pt->counters->fallbacks++;
-    if (s->fallback == BIS_FALLBACK_UNOCCLUDED) return bis_candidates_unoccluded(x, M);
+    if (s->fallback == BIS_FALLBACK_UNOCCLUDED || s->as_printed & BIS_E29) return bis_candidates_unoccluded(x, M);
     if (s->fallback == BIS_FALLBACK_RESAMPLE) {
         bis_candidates_resample(scratch->chosen, N, x, M, W, s->resampling, stream);
         return bis_candidates_trace(pt, x, scratch->chosen, N, Zhat / N);
@@ -90,7 +108,8 @@ static rgbd fall_back(const bis_settings *s, const bis_point *pt, bis_stream *st
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    const uint32_t M = s->candidates, N = s->shadowrays;
+    const uint32_t N = s->shadowrays;
+    uint32_t M = s->candidates;
     bis_candidate *x = scratch->candidates;
 
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
@@ -98,8 +117,15 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     double B = bis_candidates_bound(pt, proposal);
     double W = bis_candidates_draw(x, M, proposal, false, NULL, pt, stream);
     if (W <= 0) return (rgb){0, 0, 0};
+    if (s->as_printed & BIS_E6) bis_candidates_colour_as_printed(x, M, W);
+    if (s->as_printed & BIS_E27) B = bound_as_printed(pt, proposal, W / M);
 
-    uint32_t A = accept(scratch->chosen, x, M, B, stream);
+    uint32_t A = accept(scratch->chosen, x, s, B, stream);
+    if (s->as_printed & BIS_E22 && A >= N) { /* drawing ends with the N-th acceptance */
+        A = N;
+        M = scratch->chosen[N - 1] + 1;
+        W = sum_of_weights(x, M);
+    }
     pt->counters->accepted += A;
     if (A == 0) return s->estimator == BIS_ESTIMATOR_PLAIN ? (rgb){0, 0, 0} : rgbd_round(fall_back(s, pt, stream, scratch, W));
 

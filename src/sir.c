@@ -24,6 +24,15 @@ static void scratch_needs(const bis_settings *s, bis_scratch *need)
     need->n_chosen = s->shadowrays;
 }
 
+/* Zhat from other candidates than those that are resampled (E21): M new ones, by a stream of their own. */
+static double independent_Zhat(const bis_settings *s, const bis_point *pt, const bis_stream *stream, bis_scratch *scratch)
+{
+    bis_stream others;
+
+    bis_stream_init(&others, stream->sampler, ~stream->pixel, stream->sample);
+    return bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->pool, pt, &others) / s->candidates;
+}
+
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
     const uint32_t M = s->candidates, N = s->shadowrays;
@@ -31,10 +40,14 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
 
     double W = bis_candidates_draw(x, M, s->proposal, s->stratify, scratch->pool, pt, stream);
     if (W <= 0) return (rgb){0, 0, 0};
+    if (s->as_printed & BIS_E23) W = bis_candidates_weigh_as_printed(x, M, s->proposal, pt);
+    if (s->as_printed & BIS_E6) bis_candidates_colour_as_printed(x, M, W);
 
     bis_candidates_resample(scratch->chosen, N, x, M, W, s->resampling, stream);
     double Zhat = W / M;
-    return rgbd_round(bis_candidates_trace(pt, x, scratch->chosen, N, Zhat / N));
+    rgbd L = bis_candidates_trace(pt, x, scratch->chosen, N, Zhat / N);
+    if (s->as_printed & BIS_E21) L = rgbd_scale(L, independent_Zhat(s, pt, stream, scratch) / Zhat);
+    return rgbd_round(L);
 }
 
 const bis_integrator bis_sir = {"sir", "unbiased for every M, N >= 1", light_needs, scratch_needs, Lo};

@@ -23,7 +23,12 @@ void bis_alias_clear(bis_alias *a);
 
 /* Fill prob[n] and alias[n] for w[n] with a workspace of n uint32; prob may be w itself. Returns the sum of the weights (0: the tables are
  * all prob = 0). For callers that hold many small tables in two large arrays, like the rows of an environment map. */
-double bis_alias_build(double *prob, uint32_t *alias, const double *w, uint32_t *work, size_t n);
+typedef double bis_alias_builder(double *prob, uint32_t *alias, const double *w, uint32_t *work, size_t n);
+bis_alias_builder bis_alias_build;
+
+/* The same without normalising, as appendix A is printed: wrong unless the weights sum to 1 (docs/errata.md E13, `--as-printed`). */
+bis_alias_builder bis_alias_build_raw;
+bis_status bis_alias_init_by(bis_alias *a, bis_alias_builder *build, const double *w, size_t n, bis_diag *diag);
 
 /* u in [0,1) chooses the bin, its fraction the coin: with n <= 2^24 items, at least 29 bits are left for it. total must be > 0. */
 size_t bis_alias_sample(const bis_alias *a, double u);

@@ -11,6 +11,7 @@
 #define BIS_IMPORTANCE_H
 
 #include "bis/envmap.h"
+#include "bis/errata.h"
 
 #include <stdbool.h>
 
@@ -23,6 +24,7 @@ typedef struct bis_importance_options {
     double area_exponent; /* b of 3.4, >= 0; 0: no components are built */
     int levels;           /* of 3.4 */
     bool compensate;      /* MIS compensation (Karlik et al. 2019): w = max(0, I - mean I), for mis alone */
+    unsigned as_printed;  /* BIS_E3, BIS_E13, BIS_E20: wrong on purpose */
 } bis_importance_options;
 
 typedef struct bis_importance bis_importance;

@@ -3,6 +3,7 @@
 #ifndef BIS_INTEGRATOR_H
 #define BIS_INTEGRATOR_H
 
+#include "bis/errata.h"
 #include "bis/point.h"
 #include "bis/pool.h"
 #include "bis/sampler.h"
@@ -32,6 +33,7 @@ typedef struct bis_settings {
     double split;    /* mis: the EM's share */
     bool compensate; /* mis */
     bool stratify;   /* sir */
+    unsigned as_printed; /* all: BIS_E*, equations to follow to the letter; 0: none */
 } bis_settings;
 
 /* A candidate direction of chapter 4: drawn, weighed, perhaps traced. C is what it would be worth by plain importance sampling (eq. 4.8), its

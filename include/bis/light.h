@@ -34,6 +34,7 @@ typedef struct bis_light_desc {
     int levels;          /* 8 */
     bool has_table_kind; /* sampler "alias" / "cdf" said in the scene, else by the pixel sampler's kind */
     bis_table_kind table_kind;
+    unsigned as_printed; /* BIS_E* of the importance; set by the scene from its settings */
     bool visible;        /* to camera rays */
     bis_xform to_world;  /* a rotation or reflection */
     bis_loc loc;         /* of the directive */
