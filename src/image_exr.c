@@ -21,7 +21,8 @@
 typedef struct exr_input {
     const image_input *in;
     char reason[200];   /* Core's first complaint, which tells the cause; later ones tell what that prevented */
-    exr_result_t cause; /* its code: without memory for a chunk, Core may end with another one */
+    exr_result_t cause; /* its code */
+    long n_failures;    /* of allocations, before */
 } exr_input;
 
 /* What to read of a part. */
@@ -72,9 +73,13 @@ static void keep_first(exr_const_context_t context, exr_result_t code, const cha
     source->cause = code;
 }
 
+/* Core's own "out of memory" may mean damaged data (PIZ), and a lack of memory may end in any other code, or none. */
+static bool lacks_memory(const exr_input *source) { return bis_mem_failures() > source->n_failures; }
+
 static bis_status refuse(const exr_input *source, exr_result_t code)
 {
-    bis_status status = code == EXR_ERR_OUT_OF_MEMORY || source->cause == EXR_ERR_OUT_OF_MEMORY ? BIS_NOMEM : BIS_INPUT;
+    bis_status status = lacks_memory(source) ? BIS_NOMEM : BIS_INPUT;
+    if (code == EXR_ERR_OUT_OF_MEMORY && status == BIS_INPUT) code = EXR_ERR_CORRUPT_CHUNK;
     const char *reason = source->reason[0] ? source->reason : exr_get_default_error_message(code);
     return bis_image_refuse(source->in, status, "%s", reason);
 }
@@ -330,9 +335,7 @@ static exr_result_t decode_chunk(exr_walk *w, const exr_chunk_info_t *chunk, int
     }
     if (!w->begun) code = exr_decoding_choose_default_routines(w->file, part, pipe);
     w->begun = true;
-    if (!code) code = exr_decoding_run(w->file, part, pipe);
-    /* Damaged PIZ data is "out of memory", too; where memory is short indeed, Core also complains: see refuse. */
-    return code == EXR_ERR_OUT_OF_MEMORY ? EXR_ERR_CORRUPT_CHUNK : code;
+    return code ? code : exr_decoding_run(w->file, part, pipe);
 }
 
 static exr_result_t decode_scanlines(exr_walk *w)
@@ -397,7 +400,7 @@ static bis_status read_pixels(bis_image *image, const exr_choice *c, exr_const_c
 
 bis_status bis_exr_read(bis_image *image, const image_input *in)
 {
-    exr_input source = {.in = in};
+    exr_input source = {.in = in, .n_failures = bis_mem_failures()};
     exr_context_t file = NULL;
     exr_choice choice = {0};
     exr_context_initializer_t init = bis_exr_context(&source);
@@ -407,7 +410,9 @@ bis_status bis_exr_read(bis_image *image, const image_input *in)
     init.max_tile_width = init.max_tile_height = BIS_IMAGE_MAX_SIDE;
 
     exr_result_t code = exr_start_read(&file, in->path, &init);
-    if (source.cause == EXR_ERR_OUT_OF_MEMORY) code = source.cause; /* without memory for an attribute, Core goes on without it */
+    /* Whatever it lacks after that, the data window say, Core makes up. */
+    if (!code && lacks_memory(&source)) code = EXR_ERR_OUT_OF_MEMORY;
+    if (!code && source.cause == EXR_ERR_ATTR_SIZE_MISMATCH) code = source.cause;
     bis_status status = code ? refuse(&source, code) : choose_part(&choice, file, &source);
     if (!status) status = make_image(image, &choice, file, &source);
     if (!status) remark_on_colours(file, choice.part, in);

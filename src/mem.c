@@ -23,8 +23,8 @@ typedef struct header {
     size_t bytes;
 } header;
 
-/* The library's only mutable globals: see bis_mem_fail_at. */
-static atomic_long fail_at, count;
+/* The library's only mutable globals: see bis_mem_fail_at and bis_mem_failures. */
+static atomic_long fail_at, count, failures;
 
 void bis_mem_fail_at(long k)
 {
@@ -33,6 +33,13 @@ void bis_mem_fail_at(long k)
 }
 
 long bis_mem_count(void) { return atomic_load(&count); }
+long bis_mem_failures(void) { return atomic_load(&failures); }
+
+static void *failed(void)
+{
+    atomic_fetch_add(&failures, 1);
+    return NULL;
+}
 
 static bool told_to_fail(void)
 {
@@ -55,15 +62,15 @@ static void *place(void *base, size_t bytes)
 static void *new_block(size_t n, size_t size, bool zeroed)
 {
     const size_t room = 2 * ALIGNMENT;
-    if (told_to_fail() || (size && n > (PTRDIFF_MAX - room) / size)) return NULL;
+    if (told_to_fail() || (size && n > (PTRDIFF_MAX - room) / size)) return failed();
     size_t bytes = n * size;
 
     if (zeroed && bytes >= LARGE) {
         void *base = calloc(bytes + room, 1);
-        return base ? place(base, bytes) : NULL;
+        return base ? place(base, bytes) : failed();
     }
     void *base;
-    if (posix_memalign(&base, ALIGNMENT, ALIGNMENT + bytes)) return NULL;
+    if (posix_memalign(&base, ALIGNMENT, ALIGNMENT + bytes)) return failed();
     void *p = place(base, bytes);
     return zeroed ? memset(p, 0, bytes) : p;
 }

@@ -121,9 +121,11 @@ static void the_kth_allocation_fails_once_and_all_are_counted(void **state)
             bis_free(p[i]);
         }
     }
+    const long before = bis_mem_failures();
     bis_mem_fail_at(1);
     char *q = bis_alloc(1, 1);
     assert_null(q);
+    assert_int_equal(bis_mem_failures(), before + 1);
     bis_mem_fail_at(0);
     assert_int_equal(bis_mem_count(), 0);
     q = bis_alloc(1, 1);
