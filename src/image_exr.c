@@ -244,6 +244,26 @@ static bis_status check_sampling(const exr_choice *c, const exr_attr_chlist_t *l
     return BIS_OK;
 }
 
+static int32_t int_at(const unsigned char *p)
+{
+    return (int32_t)((uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24);
+}
+
+/* Of a damaged header Core makes up what it did not understand, a data window of 64 x 64 among it, and may not tell. So the window must
+ * stand in the file, in some part's header. */
+static bool says_window(const image_input *in, const exr_attr_box2i_t *w)
+{
+    const char words[] = "dataWindow\0box2i\0\x10\0\0"; /* 16 bytes; the last zero is the string's own */
+    const unsigned char *p = in->data, *end = in->data + in->size;
+
+    while ((p = memmem(p, (size_t)(end - p), words, sizeof words)) != NULL) {
+        p += sizeof words;
+        if (end - p < 16) return false;
+        if (int_at(p) == w->min.x && int_at(p + 4) == w->min.y && int_at(p + 8) == w->max.x && int_at(p + 12) == w->max.y) return true;
+    }
+    return false;
+}
+
 /* Everything that must hold before pixels are allocated; then they are. */
 static bis_status make_image(bis_image *image, exr_choice *c, exr_const_context_t file, const exr_input *source)
 {
@@ -254,6 +274,7 @@ static bis_status make_image(bis_image *image, exr_choice *c, exr_const_context_
     if (!code) code = exr_get_compression(file, c->part, &c->compression);
     if (!code) code = exr_get_chunk_count(file, c->part, &n_chunks);
     if (code) return refuse(source, code);
+    if (!says_window(source->in, &c->window)) return bis_image_refuse(source->in, BIS_INPUT, "its header is damaged");
 
     long long width = (long long)c->window.max.x - c->window.min.x + 1;
     long long height = (long long)c->window.max.y - c->window.min.y + 1;
@@ -410,7 +431,7 @@ bis_status bis_exr_read(bis_image *image, const image_input *in)
     init.max_tile_width = init.max_tile_height = BIS_IMAGE_MAX_SIDE;
 
     exr_result_t code = exr_start_read(&file, in->path, &init);
-    /* Whatever it lacks after that, the data window say, Core makes up. */
+    /* Core goes on after either, without the rest of the header. */
     if (!code && lacks_memory(&source)) code = EXR_ERR_OUT_OF_MEMORY;
     if (!code && source.cause == EXR_ERR_ATTR_SIZE_MISMATCH) code = source.cause;
     bis_status status = code ? refuse(&source, code) : choose_part(&choice, file, &source);
