@@ -101,6 +101,25 @@ static void a_hair_west_of_the_seam_is_the_last_column(void **state)
     }
 }
 
+/* North to south, west to east: what stratified or low-discrepancy u are laid out by. */
+static void directions_go_south_and_east_as_u_grows(void **state)
+{
+    (void)state;
+    for (int height = 1; height <= 6; height++) {
+        bis_envmap em = map_new(8, height);
+        for (int y = 0; y < height; y++) {
+            double z = 2;
+            for (int i = 0; i < 8; i++) {
+                const vec3 w = bis_envmap_direction(&em, 0, y, 0.5, i / 8.0), e = bis_envmap_direction(&em, 0, y, 0.6, i / 8.0);
+                assert_true((double)w.z < z);
+                assert_true(w.x * e.y >= w.y * e.x);
+                z = (double)w.z;
+            }
+        }
+        bis_envmap_clear(&em);
+    }
+}
+
 static void poles_and_axes_have_their_pixels(void **state)
 {
     (void)state;
@@ -536,6 +555,7 @@ int main(void)
         cmocka_unit_test(row_solid_angles_agree_with_quadrature_at_the_poles_too),
         cmocka_unit_test(pixel_centres_look_up_to_themselves),
         cmocka_unit_test(a_hair_west_of_the_seam_is_the_last_column),
+        cmocka_unit_test(directions_go_south_and_east_as_u_grows),
         cmocka_unit_test(poles_and_axes_have_their_pixels),
         cmocka_unit_test(directions_look_up_to_their_pixel_but_for_rounding_at_edges),
         cmocka_unit_test(directions_are_uniform_in_their_patch_at_pole_seam_and_equator),

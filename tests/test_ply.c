@@ -317,6 +317,25 @@ static void an_element_without_properties_takes_neither_room_nor_time(void **sta
     bis_mesh_clear(&m);
 }
 
+static void a_short_cut_checks_every_corner(void **state)
+{
+    (void)state;
+    for (uint64_t bad = 0; bad < 6; bad++) {
+        bytes b = {0};
+        char message[80];
+        put_text(&b, "ply\nformat binary_little_endian 1.0\n" SQUARE_HEADER "element face 2\nproperty list uchar uint "
+                     "vertex_indices\nend_header\n");
+        for (size_t i = 0; i < 12; i++) put_float(&b, square[i / 3][i % 3]);
+        for (uint64_t i = 0; i < 6; i++) {
+            if (i % 3 == 0) put_int(&b, 3, 1);
+            put_int(&b, i == bad ? 4 : i % 3, 4);
+        }
+        snprintf(message, sizeof message, "face %d has the index 4, but there are 4 vertices", (int)bad / 3);
+        expect_mesh_refusal_of(bis_ply_read, &b, "corner.ply", 0, message);
+        bytes_clear(&b);
+    }
+}
+
 static void a_short_cut_meets_what_it_cannot_read_half_way(void **state)
 {
     (void)state;
@@ -494,6 +513,7 @@ int main(void)
         cmocka_unit_test(bad_bodies_are_refused_by_line_vertex_or_face),
         cmocka_unit_test(counts_are_held_against_the_file_before_memory_is_asked_for),
         cmocka_unit_test(an_element_without_properties_takes_neither_room_nor_time),
+        cmocka_unit_test(a_short_cut_checks_every_corner),
         cmocka_unit_test(a_short_cut_meets_what_it_cannot_read_half_way),
         cmocka_unit_test(missing_files_and_folders_are_the_disks_fault),
         cmocka_unit_test(a_message_names_the_scene_line_and_the_meshes),
