@@ -96,5 +96,6 @@ bis_status bis_cli_check_writable(const char *path, bis_diag *diag);
 int bis_cmd_render(int argc, char **argv);
 int bis_cmd_compare(int argc, char **argv);
 int bis_cmd_envmap(int argc, char **argv);
+int bis_cmd_verify(int argc, char **argv);
 
 #endif

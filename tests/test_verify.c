@@ -1,0 +1,610 @@
+/* `bis verify` must be able to fail: each check is handed something wrong and must reject it, and something right, for several seeds, and
+ * must accept it. Then the command itself. A run's own significance is 0.01; for the right ones, some 30 runs with less than 400 p-values, this file
+ * takes 1e-3 for all of them together, at 2.5e-6 each. What is wrong must be rejected by the run itself. */
+#include "verify.h"
+
+#include "bis/mem.h"
+#include "bis/phong.h"
+#include "bis/stats.h"
+#include "json_check.h"
+#include "map_help.h"
+#include "program.h"
+
+#include "lit.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { SEEDS = 3 };
+
+static size_t failures(bis_verify *v)
+{
+    assert_int_equal(bis_verify_judge(v, NULL), BIS_OK);
+    assert_true(v->n > 0);
+    const size_t n = v->n_failed;
+    if (n) {
+        for (size_t i = 0; i < v->n; i++) {
+            const bis_verify_test *t = &v->tests[i];
+            if (t->verdict == BIS_VERDICT_FAILED) print_message("  rejected: %s: %s (%g, p %g)\n", t->name, t->note, t->statistic, t->p);
+        }
+    }
+    bis_verify_clear(v);
+    return n;
+}
+
+/* Is all of a right run accepted, at this file's own significance? */
+static void assert_accepted(bis_verify *v)
+{
+    const double alpha = bis_stats_sidak(1e-3, 400);
+    assert_int_equal(bis_verify_judge(v, NULL), BIS_OK);
+    for (size_t i = 0; i < v->n; i++) {
+        const bis_verify_test *t = &v->tests[i];
+        const bool fails = isnan(t->p) ? t->verdict == BIS_VERDICT_FAILED : t->p < alpha;
+        if (fails) fail_msg("%s: %s: statistic %g, p %g, seed %llu", t->name, t->note, t->statistic, t->p, (unsigned long long)v->seed);
+    }
+    bis_verify_clear(v);
+}
+
+/* ---- maps ---- */
+
+static void upside_down(bis_envmap *to, const bis_envmap *from)
+{
+    *to = map_new(from->width, from->height);
+    for (int y = 0; y < from->height; y++) {
+        memcpy(to->pixels + y * from->width, from->pixels + (from->height - 1 - y) * from->width, (size_t)from->width * sizeof *to->pixels);
+    }
+}
+
+static void right_maps_pass(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+        bis_envmap em = map_random(64, 32, 6, 0.2, seed);
+        for (int k = 0; k < 2; k++) {
+            bis_verify v = {.seed = seed};
+            assert_int_equal(bis_verify_map(&v, &em, 0.15 * k, 8, NULL), BIS_OK);
+            assert_int_equal(v.n, 14);
+            assert_accepted(&v);
+        }
+        bis_envmap_clear(&em);
+    }
+}
+
+static void odd_maps_pass(void **state)
+{
+    (void)state;
+    const int sizes[][2] = {{1, 1}, {2, 1}, {1, 5}, {5, 3}};
+    for (int i = 0; i < 4; i++) {
+        bis_envmap em = map_random(sizes[i][0], sizes[i][1], 3, 0, 7);
+        bis_verify v = {.seed = 2};
+        assert_int_equal(bis_verify_map(&v, &em, 0.15, 8, NULL), BIS_OK);
+        assert_accepted(&v);
+        bis_envmap_clear(&em);
+    }
+    bis_envmap black = map_new(8, 4);
+    bis_verify v = {.seed = 2};
+    assert_int_equal(bis_verify_map(&v, &black, 0.15, 8, NULL), BIS_OK);
+    assert_accepted(&v);
+    bis_envmap_clear(&black);
+}
+
+static void wrong_solid_angles_are_rejected(void **state)
+{
+    (void)state;
+    bis_envmap em = map_new(64, 32);
+    for (int y = 0; y < 32; y++) em.row_solid_angle[y] = PI / 32 * 2 * PI / 64 * sin(PI * (y + 0.5) / 32); /* at the middle: 0.04 % too much */
+    bis_verify v = {.seed = 1};
+    bis_verify_solid_angles(&v, &em);
+    assert_int_equal(failures(&v), 2);
+    bis_envmap_clear(&em);
+}
+
+/* What the importance of another map looks like when it is checked against this one. */
+static size_t failures_against(const bis_envmap *em, const bis_envmap *forged, bis_table_kind kind)
+{
+    const bis_importance_options options = {.table = true, .table_kind = kind, .levels = 8};
+    bis_importance *im;
+    bool is_lit;
+    double *pmf = bis_alloc(map_n(em), sizeof *pmf);
+    bis_verify v = {.seed = 3};
+    assert_int_equal(bis_verify_definition(pmf, &is_lit, em, 0, 8, NULL), BIS_OK);
+    assert_int_equal(bis_importance_new(&im, forged, &options, NULL), BIS_OK);
+    assert_int_equal(bis_verify_importance(&v, "forged", kind, im, em, pmf, NULL), BIS_OK);
+    bis_importance_free(im);
+    bis_free(pmf);
+    return failures(&v);
+}
+
+static void an_importance_of_another_map_is_rejected(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(64, 32, 4, 0.1, 5), forged;
+    assert_int_equal(failures_against(&em, &em, BIS_TABLE_ALIAS), 0);
+    assert_int_equal(failures_against(&em, &em, BIS_TABLE_CDF), 0);
+    upside_down(&forged, &em);
+    assert_true(failures_against(&em, &forged, BIS_TABLE_ALIAS) > 0);
+    memcpy(forged.pixels, em.pixels, map_n(&em) * sizeof *em.pixels);
+    forged.pixels[1000].g += 1e-6f; /* one pixel, by little */
+    assert_true(failures_against(&em, &forged, BIS_TABLE_CDF) > 0);
+    for (int y = 0; y < 32; y++) forged.row_solid_angle[y] = 4 * PI / (64 * 32); /* solid angle forgotten, E3 */
+    assert_true(failures_against(&em, &forged, BIS_TABLE_ALIAS) > 0);
+    bis_envmap_clear(&em);
+    bis_envmap_clear(&forged);
+}
+
+/* Samplers of a map, one right and many wrong. */
+typedef struct wrong_sampler {
+    const bis_envmap *em;
+    const bis_importance *im;
+} wrong_sampler;
+
+static bool draw_right(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const wrong_sampler *w = self;
+    double u[4];
+    for (int i = 0; i < 4; i++) u[i] = bis_rng_double(rng);
+    return bis_importance_sample(w->im, u, s);
+}
+
+static vec3 in_pixel(const bis_envmap *em, size_t pixel, double u1, double u2)
+{
+    return bis_envmap_direction(em, (int)(pixel % (size_t)em->width), (int)(pixel / (size_t)em->width), u1, u2);
+}
+
+static bool draw_next_column(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const bis_envmap *em = ((const wrong_sampler *)self)->em;
+    const bool drawn = draw_right(self, rng, s);
+    if (bis_rng_double(rng) < 0.02) s->pixel = s->pixel / 64 * 64 + (s->pixel + 1) % 64; /* alias off by one, for one draw in fifty */
+    s->w_local = in_pixel(em, s->pixel, bis_rng_double(rng), bis_rng_double(rng));
+    return drawn;
+}
+
+static bool draw_uniform_in_theta(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const bool drawn = draw_right(self, rng, s);
+    const double y = (double)(s->pixel / 64), theta = PI * (y + bis_rng_double(rng)) / 32; /* the sine forgotten inside a pixel */
+    const double phi = 2 * PI * ((double)(s->pixel % 64) + bis_rng_double(rng)) / 64;
+    s->w_local = vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
+    return drawn;
+}
+
+static bool draw_centre(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const bool drawn = draw_right(self, rng, s);
+    s->w_local = in_pixel(((const wrong_sampler *)self)->em, s->pixel, 0.5, 0.5);
+    return drawn;
+}
+
+static bool draw_elsewhere(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const bool drawn = draw_right(self, rng, s);
+    if (bis_rng_double(rng) < 1e-4) s->w_local.z = -s->w_local.z; /* one draw in ten thousand lies elsewhere */
+    return drawn;
+}
+
+static bool draw_nothing_at_times(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    return draw_right(self, rng, s) && bis_rng_double(rng) > 1e-4;
+}
+
+static bool draw_with_coarse_numbers(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const wrong_sampler *w = self;
+    double u[4];
+    for (int i = 0; i < 4; i++) u[i] = floor(bis_rng_double(rng) * 256) / 256;
+    return bis_importance_sample(w->im, u, s);
+}
+
+static void wrong_samplers_of_a_map_are_rejected(void **state)
+{
+    (void)state;
+    const struct { const char *name; bool (*draw)(const void *, bis_rng *, bis_map_sample *); bool right; } samplers[] = {
+        {"right", draw_right, true}, {"next column", draw_next_column, false}, {"uniform in theta", draw_uniform_in_theta, false},
+        {"centres", draw_centre, false}, {"elsewhere", draw_elsewhere, false}, {"nothing at times", draw_nothing_at_times, false},
+        {"coarse numbers", draw_with_coarse_numbers, false}};
+    const bis_importance_options options = {.table = true, .levels = 8, .area_exponent = 0.15};
+    bis_envmap em = map_random(64, 32, 4, 0.1, 11);
+    double *pmf = bis_alloc(map_n(&em), sizeof *pmf);
+    bis_importance *im;
+    bool is_lit;
+    assert_int_equal(bis_importance_new(&im, &em, &options, NULL), BIS_OK);
+    assert_int_equal(bis_verify_definition(pmf, &is_lit, &em, 0.15, 8, NULL), BIS_OK);
+    const wrong_sampler self = {&em, im};
+    for (size_t i = 0; i < sizeof samplers / sizeof *samplers; i++) {
+        for (uint64_t seed = 0; seed < SEEDS; seed++) {
+            const bis_verify_sampler sampler = {samplers[i].name, samplers[i].draw, &self};
+            bis_verify v = {.seed = seed};
+            assert_int_equal(bis_verify_draws(&v, &sampler, &em, pmf, NULL), BIS_OK);
+            if (samplers[i].right) assert_accepted(&v);
+            else if (failures(&v) == 0) fail_msg("%s was accepted, seed %u", samplers[i].name, (unsigned)seed);
+        }
+    }
+    /* the area factor forgotten in the density */
+    bis_verify v = {.seed = 1};
+    const bis_verify_sampler right = {"weighted", draw_right, &self};
+    assert_int_equal(bis_verify_definition(pmf, &is_lit, &em, 0, 8, NULL), BIS_OK);
+    assert_int_equal(bis_verify_draws(&v, &right, &em, pmf, NULL), BIS_OK);
+    assert_true(failures(&v) > 0);
+    bis_importance_free(im);
+    bis_free(pmf);
+    bis_envmap_clear(&em);
+}
+
+/* ---- materials ---- */
+
+static bis_material glossy(const bis_bsdf_model *model, double exponent)
+{
+    bis_material m = bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.5f, 0.6f, 0.7f}, exponent);
+    m.model = model;
+    return m;
+}
+
+static void right_materials_pass(void **state)
+{
+    (void)state;
+    const double exponents[] = {0, 1, 2.5, 50, 1e4, 1e6};
+    for (size_t i = 0; i < 6; i++) {
+        const bis_material m = glossy(&bis_phong_model, exponents[i]);
+        bis_settings s[] = {bis_settings_default(&bis_brdf), bis_settings_default(&bis_sir)};
+        s[1].candidates = 64;
+        bis_verify v = {.seed = i};
+        for (int k = 0; k < 3; k++) {
+            const double degrees[] = {0, 60, 89.5};
+            bis_verify_lobes(&v, &m, degrees[k], "right");
+            assert_int_equal(bis_verify_furnace(&v, &m, degrees[k], s, 2, "right", NULL), BIS_OK);
+        }
+        assert_int_equal(v.n, 12);
+        assert_accepted(&v);
+    }
+}
+
+/* n + 1 for n: the material's exponent, raised while the model draws. */
+static bool draw_sharper(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
+{
+    bis_material m = *b->material;
+    bis_bsdf sharper = *b;
+    m.exponent++;
+    sharper.material = &m;
+    return bis_phong_model.sample(&sharper, u0, u1, u2, wi);
+}
+
+static double pdf_without_factor(const bis_bsdf *b, vec3 wi) { return 0.98 * bis_phong_model.pdf(b, wi); }
+
+/* A draw below the horizon is drawn again (E34). */
+static bool draw_above(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
+{
+    bool drawn = bis_phong_model.sample(b, u0, u1, u2, wi);
+    for (int i = 0; drawn && i < 100 && bis_bsdf_cos(b, *wi) <= 0; i++) {
+        u1 = fmod(u1 * 7 + 0.37, 1);
+        u2 = fmod(u2 * 5 + 0.21, 1);
+        drawn = bis_phong_model.sample(b, u0, u1, u2, wi);
+    }
+    return drawn;
+}
+
+static rgb f_pdf_too_small(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    const rgb f = bis_phong_model.f_pdf(b, wi, pdf);
+    *pdf *= 0.9; /* weights too large by a ninth */
+    return f;
+}
+
+static bool draw_lobes_exchanged(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
+{
+    return bis_phong_model.sample(b, 1 - u0, u1, u2, wi);
+}
+
+static void forged_materials_are_rejected(void **state)
+{
+    (void)state;
+    bis_bsdf_model forged[5];
+    for (int i = 0; i < 5; i++) forged[i] = bis_phong_model;
+    forged[0].sample = draw_sharper;
+    forged[1].pdf = pdf_without_factor;
+    forged[2].sample = draw_above;
+    forged[3].sample = draw_lobes_exchanged;
+    forged[4].f_pdf = f_pdf_too_small;
+    for (int i = 0; i < 5; i++) {
+        const bis_material m = glossy(&forged[i], 20);
+        const bis_settings s = bis_settings_default(&bis_brdf);
+        for (uint64_t seed = 0; seed < SEEDS; seed++) {
+            bis_verify v = {.seed = seed};
+            bis_verify_lobes(&v, &m, 75, "forged");
+            assert_int_equal(bis_verify_furnace(&v, &m, 75, &s, 1, "forged", NULL), BIS_OK);
+            if (failures(&v) == 0) fail_msg("forgery %d was accepted", i);
+        }
+    }
+}
+
+/* ---- integrators ---- */
+
+static const bis_settings *all_settings(void)
+{
+    static bis_settings s[BIS_VERIFY_MAX_INTEGRATORS];
+    for (int i = 0; bis_integrators[i]; i++) {
+        s[i] = bis_settings_default(bis_integrators[i]);
+        s[i].estimator = BIS_ESTIMATOR_PLAIN;
+        s[i].candidates = 200;
+    }
+    return s;
+}
+
+static void right_integrators_pass(void **state)
+{
+    (void)state;
+    const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_CONSTANT};
+    const lit_hidden hidden[] = {LIT_HALF, LIT_OPEN, LIT_HALF};
+    for (int i = 0; i < 3; i++) {
+        bis_light *light = lit_new_light(maps[i], 1, 0.15, false);
+        lit l;
+        bool tested;
+        lit_init(&l, light, glossy(&bis_phong_model, 50), normalize(vec3_from(0.2, -0.3, 0.8)), 40, hidden[i]);
+        for (uint64_t seed = 0; seed < (i == 0 ? SEEDS : 1); seed++) {
+            bis_verify v = {.seed = seed};
+            assert_int_equal(bis_verify_point(&v, &l.pt, all_settings(), 7, BIS_SAMPLER_SOBOL, "right", &tested, NULL), BIS_OK);
+            assert_true(tested);
+            assert_int_equal(v.n, 7);
+            assert_accepted(&v);
+        }
+        bis_light_free(light);
+    }
+}
+
+static void a_point_in_the_dark_is_not_tested(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
+    lit l;
+    bool tested;
+    bis_verify v = {.seed = 1};
+    lit_init(&l, light, glossy(&bis_phong_model, 5), (vec3){0, 0, 1}, 40, LIT_ALL);
+    assert_int_equal(bis_verify_point(&v, &l.pt, all_settings(), 7, BIS_SAMPLER_RANDOM, "dark", &tested, NULL), BIS_OK);
+    assert_false(tested);
+    assert_int_equal(v.n, 0);
+    bis_light_free(light);
+}
+
+/* Wrong integrators, made of right ones. */
+static rgb Lo_without_shadows(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    bis_point open = *pt;
+    open.accel = NULL;
+    return bis_sir.Lo(s, &open, stream, scratch);
+}
+
+static rgb Lo_exchanged(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    const rgb L = bis_em.Lo(s, pt, stream, scratch);
+    return (rgb){L.b, L.g, L.r};
+}
+
+static rgb Lo_three_percent_more(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    return rgb_scale(bis_mis.Lo(s, pt, stream, scratch), 1.03);
+}
+
+static rgb Lo_exact_one_percent_more(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    return rgb_scale(bis_exact.Lo(s, pt, stream, scratch), 1.01);
+}
+
+static rgb Lo_not_a_number(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    const rgb L = bis_sir.Lo(s, pt, stream, scratch);
+    return stream->pixel == 5 ? (rgb){(float)NAN, 0, 0} : L;
+}
+
+static void wrong_integrators_are_rejected(void **state)
+{
+    (void)state;
+    const struct { const bis_integrator *from; rgb (*Lo)(const bis_settings *, const bis_point *, bis_stream *, bis_scratch *); } wrong[] = {
+        {&bis_sir, Lo_without_shadows}, {&bis_em, Lo_exchanged}, {&bis_mis, Lo_three_percent_more}, {&bis_exact, Lo_exact_one_percent_more},
+        {&bis_sir, Lo_not_a_number}};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    lit l;
+    bool tested;
+    lit_init(&l, light, glossy(&bis_phong_model, 10), normalize(vec3_from(0.2, -0.3, 0.8)), 40, LIT_HALF);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        bis_integrator forged = *wrong[i].from;
+        forged.Lo = wrong[i].Lo;
+        bis_settings s = bis_settings_default(wrong[i].from);
+        s.integrator = &forged;
+        for (uint64_t seed = 0; seed < SEEDS; seed++) {
+            bis_verify v = {.seed = seed};
+            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
+            if (failures(&v) == 0) fail_msg("wrong integrator %zu was accepted", i);
+        }
+    }
+    bis_light_free(light);
+}
+
+/* ---- accelerators ---- */
+
+typedef struct forgetful {
+    bis_accel accel;
+    const bis_accel *right;
+} forgetful;
+
+/* One ray in a thousand, by its bits, goes through. */
+static bool is_lost(const ray *r)
+{
+    uint32_t bits;
+    memcpy(&bits, &r->d.x, sizeof bits);
+    return bis_hash(bits) % 1000 == 0;
+}
+
+static bool forgetful_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    return !is_lost(r) && bis_accel_intersect(((const forgetful *)a)->right, r, hit);
+}
+
+static bool forgetful_occluded(const bis_accel *a, const ray *r) { return bis_accel_occluded(((const forgetful *)a)->right, r); }
+static bool blind(const bis_accel *a, const ray *r) { return !is_lost(r) && bis_accel_occluded(((const forgetful *)a)->right, r); }
+
+static bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    return bis_accel_intersect(((const forgetful *)a)->right, r, hit);
+}
+
+static void a_backend_that_loses_rays_is_rejected(void **state)
+{
+    (void)state;
+    static const bis_accel_ops loses = {.name = "loses", .intersect = forgetful_intersect, .occluded = forgetful_occluded};
+    static const bis_accel_ops is_blind = {.name = "blind", .intersect = right_intersect, .occluded = blind};
+    static const bis_accel_ops is_right = {.name = "right", .intersect = right_intersect, .occluded = forgetful_occluded};
+    const bis_quadric ball = {.kind = BIS_SPHERE, .radius = 1, .to_world = bis_xform_identity()};
+    bis_geometry g = {0};
+    bis_accel *grid;
+    const bis_accel_options options = {.kind = BIS_ACCEL_GRID};
+    assert_int_equal(bis_geometry_add_quadric(&g, &ball, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&grid, &g, &options, NULL), BIS_OK);
+    const bis_accel_ops *const ops[] = {&is_right, &loses, &is_blind};
+    for (int i = 0; i < 3; i++) {
+        const forgetful f = {{ops[i], &g}, grid};
+        bis_verify v = {.seed = 4};
+        bis_verify_backends(&v, grid, &f.accel, 50000);
+        assert_int_equal(failures(&v), i > 0);
+    }
+    bis_accel_free(grid);
+    bis_geometry_clear(&g);
+}
+
+/* ---- the run ---- */
+
+static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **state)
+{
+    (void)state;
+    bis_verify v = {.seed = 1};
+    const double expected[] = {100, 100, 3, 3, 3, 0}, observed[] = {90, 110, 2, 4, 3, 0}, impossible[] = {90, 110, 2, 4, 2, 1};
+    bis_verify_fit(&v, "g", observed, expected, 6, "cells of 100, 100, 9");
+    bis_verify_fit(&v, "g", impossible, expected, 6, "a hit where nothing is expected");
+    bis_verify_difference(&v, "g", 3, 0, 1, 1e9, "three sigma");
+    bis_verify_difference(&v, "g", -3, 3, 0, 10, "within rounding");
+    bis_verify_difference(&v, "g", (double)NAN, 0, 1, 10, "not a number");
+    bis_verify_bound(&v, "g", (double)NAN, 1, "", "not a number");
+    bis_verify_bound(&v, "g", 1, 1, "", "at its limit");
+    bis_verify_skip(&v, "g", "because", "skipped %d", 1);
+    assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+    assert_int_equal(v.n_statistical, 5);
+    assert_near(v.threshold, 1 - pow(0.99, 0.2), 1e-12);
+    assert_near(v.tests[0].p, bis_stats_chi_square_p(2, 2), 1e-12); /* 9 expected in two pools, 6 and a rest of 3: one cell of 9 */
+    assert_true(v.tests[1].p == 0 && v.tests[4].p == 0 && v.tests[3].p == 1);
+    assert_near(v.tests[2].p, 0.0026998, 1e-6);
+    assert_int_equal(v.n_failed, 3);
+    assert_int_equal(v.n_skipped, 1);
+    assert_string_equal(v.tests[7].name, "skipped 1");
+    bis_verify_clear(&v);
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(8, 4, 2, 0.1, 1);
+    bis_status status = BIS_NOMEM;
+    for (long k = 1; status; k++) {
+        bis_verify v = {.seed = 1};
+        bis_mem_fail_at(k);
+        status = bis_verify_map(&v, &em, 0.15, 8, NULL);
+        bis_mem_fail_at(0);
+        if (!status) status = bis_verify_judge(&v, NULL);
+        assert_true(status == BIS_OK || status == BIS_NOMEM);
+        assert_true(k < 300);
+        bis_verify_clear(&v);
+    }
+    bis_envmap_clear(&em);
+}
+
+/* ---- the command ---- */
+
+#define DIR "build/test_verify"
+
+static const char scene_text[] =
+    "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16\n"
+    "Camera \"perspective\" \"float fov\" 60\n"
+    "WorldBegin\n"
+    "AttributeBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"map.pfm\" AttributeEnd\n"
+    "Material \"phong\" \"rgb Kd\" [.5 .4 .3] \"rgb Ks\" [.2 .2 .2] \"float exponent\" 20\n"
+    "AttributeBegin Translate 0 0 4 Shape \"sphere\" AttributeEnd\n"
+    "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]\n";
+
+static void the_command_verifies_maps_and_scenes(void **state)
+{
+    (void)state;
+    program_run r;
+    program_folder(DIR);
+    bis_envmap em = map_random(32, 16, 4, 0.1, 2);
+    const bis_image image = {32, 16, em.pixels}, square = {16, 16, em.pixels};
+    assert_int_equal(bis_image_save(&image, DIR "/map.pfm", NULL), BIS_OK);
+    assert_int_equal(bis_image_save(&square, DIR "/probe.PFM", NULL), BIS_OK);
+    program_write_file(DIR "/scene.txt", scene_text);
+
+    program_expect(&r, 0, "verify " DIR "/map.pfm");
+    assert_string_equal(r.messages, "");
+    assert_non_null(strstr(r.output, "14 tests, 0 failed, 0 skipped"));
+    assert_non_null(strstr(r.output, "\npassed\n"));
+    program_expect(&r, 0, "verify --json " DIR "/scene.txt --seed 5");
+    assert_true(json_is_valid(r.output));
+    assert_non_null(strstr(r.output, "\"passed\": true"));
+    assert_non_null(strstr(r.output, ": rejection\""));
+    program_expect(&r, 0, "verify " DIR "/probe.PFM --mapping angular");
+
+    program_expect(&r, 2, "verify " DIR "/probe.PFM");
+    program_expect(&r, 2, "verify");
+    program_expect(&r, 2, "verify " DIR "/map.pfm --seed x");
+    program_expect(&r, 1, "verify " DIR "/no_such_map.hdr");
+    program_expect(&r, 1, "verify " DIR "/no_such_scene.txt");
+    assert_string_equal(r.output, "");
+    bis_envmap_clear(&em);
+}
+
+/* The twin of the whole program: the thesis's equations as printed. */
+static void a_scene_that_is_wrong_on_purpose_fails(void **state)
+{
+    (void)state;
+    static const char *const errata[] = {"E20", "E21", "E22", "E34"};
+    for (size_t i = 0; i < sizeof errata / sizeof *errata; i++) {
+        char text[2048];
+        program_run r;
+        snprintf(text, sizeof text, "Option \"string asprinted\" \"%s\"\nIntegrator \"%s\" \"integer candidates\" %d \"integer shadowrays\" 2\n%s", errata[i],
+                 i == 2 ? "rejection" : "sir", i == 2 ? 100 : 8, scene_text);
+        program_write_file(DIR "/wrong.txt", text);
+        program_runf(&r, "verify " DIR "/wrong.txt");
+        if (r.exit_status != 1 || !strstr(r.output, "FAILED")) fail_msg("%s was accepted", errata[i]);
+    }
+}
+
+static void our_own_files_pass(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, "verify data/maps/interior.hdr");
+    program_expect(&r, 0, "verify data/scenes/figure-5.3.txt");
+    assert_null(strstr(r.output, "FAILED"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(thresholds_are_sidaks_and_p_is_never_from_the_wrong_side),
+        cmocka_unit_test(right_maps_pass),
+        cmocka_unit_test(odd_maps_pass),
+        cmocka_unit_test(wrong_solid_angles_are_rejected),
+        cmocka_unit_test(an_importance_of_another_map_is_rejected),
+        cmocka_unit_test(wrong_samplers_of_a_map_are_rejected),
+        cmocka_unit_test(right_materials_pass),
+        cmocka_unit_test(forged_materials_are_rejected),
+        cmocka_unit_test(right_integrators_pass),
+        cmocka_unit_test(a_point_in_the_dark_is_not_tested),
+        cmocka_unit_test(wrong_integrators_are_rejected),
+        cmocka_unit_test(a_backend_that_loses_rays_is_rejected),
+        cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(the_command_verifies_maps_and_scenes),
+        cmocka_unit_test(a_scene_that_is_wrong_on_purpose_fails),
+        cmocka_unit_test(our_own_files_pass),
+    };
+    return cmocka_run_group_tests_name("verify", tests, NULL, NULL);
+}
