@@ -101,7 +101,7 @@ $(FUZZERS): $B/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/input.o $(LIB)
 
 # Lines and branches of src/ that the tests reach, file by file.
 coverage:
-	$(MAKE) VARIANT=coverage CFLAGS="-O0 -g --coverage -fprofile-update=atomic" test
+	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test
 	@sh scripts/coverage.sh build/coverage
 
 bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)

@@ -18,6 +18,6 @@ for object in "$build"/src/*.gcno; do
                               branches ? 100 * taken / branches : 100, branches, name
         }'
 done | sort -n | awk '
-    { print; lines += $4; run += $1 * $4 / 100; branches += $8; taken += $6 * $8 / 100 }
+    { print; lines += $4; run += $1 * $4 / 100; branches += $9; taken += $6 * $9 / 100 }
     END { if (lines) printf "%6.1f %% of %4d lines   %6.1f %% of %4d branches   in all\n", 100 * run / lines, lines, 100 * taken / branches, branches }'
 echo "lines never run: $build/uncovered.txt"

@@ -1,0 +1,306 @@
+#!/bin/sh
+# mutate: changes one thing in a copy of src/ and runs the tests of that module, which must then fail; again for every mutation below.
+#     scripts/mutate.sh [WORD]          only the mutations whose file or reason holds WORD
+# A mutation is four lines: "* FILE TEST... : what it does", "- the text as it stands", "+ the text instead", an empty one. The first place where
+# the text stands is changed. The copy is build/mutants; objects are made once and only what a mutation touches is made anew.
+# Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some ten minutes: no part of make test.
+copy=build/mutants
+word=$1
+log=$copy/log
+rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data
+mkdir -p $copy/data
+cp -Rp include src tests scripts Makefile $copy && cp -Rp data/scenes $copy/data || exit 1
+
+mutations() {
+    sed '1,/^# MUTATIONS$/d' "$0" | sed 's/^# \{0,1\}//'
+}
+
+# make, in the copy: quiet, plain -O1. $1...: targets.
+build() {
+    make -s -C $copy VARIANT=mutant CFLAGS=-O1 "$@" >$log 2>&1
+}
+
+# All tests of these names; fails if one of them does, dies or takes over two minutes. On success, prints nothing.
+run() {
+    for t in "$@"; do
+        (cd $copy && timeout 300 build/mutant/tests/"$t" >>log 2>&1) || { culprit=$t; return 1; }
+    done
+}
+
+tests=$(mutations | sed -n 's/^\* [^ ]* \([^:]*\) :.*/\1/p' | tr ' ' '\n' | sort -u)
+targets=$(for t in $tests; do echo "build/mutant/tests/$t"; done)
+# shellcheck disable=SC2086
+build -j2 $targets || { cat $log; exit 1; }
+# shellcheck disable=SC2086
+run $tests || { echo "mutate: $culprit fails without any mutation"; exit 1; }
+
+n=0 bad=0
+mutations >$copy/list
+while IFS= read -r head; do
+    case $head in "* "*) ;; *) continue ;; esac
+    IFS= read -r old
+    IFS= read -r new
+    what=${head#* : }
+    head=${head%% : *}
+    # shellcheck disable=SC2086
+    set -- ${head#??}
+    file=src/$1.c
+    shift
+    case "$file $what" in *"$word"*) ;; *) continue ;; esac
+    n=$((n + 1))
+    cp -p $copy/"$file" $copy/original
+    OLD=${old#??} NEW=${new#??} awk '
+        !done && (i = index($0, ENVIRON["OLD"])) { $0 = substr($0, 1, i - 1) ENVIRON["NEW"] substr($0, i + length(ENVIRON["OLD"])); done = 1 }
+        { print }
+        END { exit !done }' $copy/original >$copy/"$file"
+    if [ $? -ne 0 ]; then
+        verdict="DOES NOT APPLY"
+    else
+        targets=$(for t in "$@"; do echo "build/mutant/tests/$t"; done)
+        touch $copy/"$file"
+        # shellcheck disable=SC2086
+        if ! build $targets; then
+            verdict="DOES NOT COMPILE"
+        elif run "$@"; then
+            verdict=SURVIVED
+        else
+            name=$(sed -n 's/^\[  FAILED  \] \([a-zA-Z_0-9]*\)$/\1/p' $log | head -n 1)
+            verdict="caught: $culprit ${name:-(it died)}"
+        fi
+    fi
+    case $verdict in caught*) ;; *) bad=$((bad + 1)) ;; esac
+    printf '%2d  %-22s %-62s %s\n' $n "$file" "$what" "$verdict"
+    cp $copy/original $copy/"$file"
+done <$copy/list
+echo "mutate: $n mutations, $((n - bad)) caught, $bad not"
+[ $n -gt 0 ] && [ $bad -eq 0 ]
+exit
+
+# MUTATIONS
+# * phong test_phong : eq. 3.16 with n+2 for n+1
+# - log1p(-u1) / (n + 1)
+# + log1p(-u1) / (n + 2)
+#
+# * phong test_phong : the lobe's density without its +1 (eq. 3.15)
+# - return (n + 1) * (INV_PI / 2) * bis_phong_power
+# + return n * (INV_PI / 2) * bis_phong_power
+#
+# * phong test_phong : max(0, cos) forgotten: the lobe's back shines
+# - if (one_minus_cos >= 1) return 0;
+# + if (one_minus_cos > 2) return 0;
+#
+# * phong test_phong : the mixture's density counts the diffuse lobe whole
+# - (1 - b->p_specular) * bis_warp_cosine_pdf(cos_theta)
+# + bis_warp_cosine_pdf(cos_theta)
+#
+# * phong test_phong : rejection's bound is the smaller of two
+# - return fmax(specular, diffuse) * unit_slack;
+# + return fmin(specular, diffuse) * unit_slack;
+#
+# * warp test_warp : the concentric map's angle doubled
+# - PI / 2 - PI / 4 * (a / b)
+# + PI / 2 - PI / 2 * (a / b)
+#
+# * warp test_warp : a uniform disc lifted without the root
+# - sqrt(one_minus_r * (1 + fabs(r)))
+# + one_minus_r * (1 + fabs(r))
+#
+# * cdf test_cdf : < for <=: an item of weight 0 can be drawn
+# - if (c->c[middle] <= u)
+# + if (c->c[middle] < u)
+#
+# * cdf test_cdf : the remainder is not divided by the item's own width
+# - / (c->c[i + 1] - c->c[i]);
+# + / c->c[i + 1];
+#
+# * alias test_alias : the giver loses what the taker had, not what it lacked
+# - prob[lg] -= 1 - prob[sm];
+# + prob[lg] -= prob[sm];
+#
+# * alias test_alias : own and alias swapped
+# - < prob[j] ? j : alias[j]
+# + < prob[j] ? alias[j] : j
+#
+# * alias test_alias : who has less than a share left still gives
+# - if (prob[lg] <= 1) push_small
+# + if (prob[lg] <= 0.5) push_small
+#
+# * marsaglia test_marsaglia : the list's last element is never drawn
+# - u * (double)m->length
+# + u * (double)(m->length - 1)
+#
+# * envmap test_envmap : solid angle at a row's edge, not its middle
+# - sin_polar(y + 0.5, height) * sin_half
+# + sin_polar(y, height) * sin_half
+#
+# * envmap test_envmap : the south pole belongs to a row beyond the last
+# - (row < em->height ? row : em->height - 1)
+# + row
+#
+# * envmap test_envmap : rows of the southern half upside-down inside
+# - (north ? u2 : 1 - u2)
+# + u2
+#
+# * envmap test_envmap : all directions of a pixel have its middle's azimuth
+# - 2 * PI * (x + u1) / em->width
+# + 2 * PI * (x + 0.5) / em->width
+#
+# * regions test_regions : a region ends at the seam
+# - x > 0 ? pixel - 1 : pixel + (width - 1)
+# + x > 0 ? pixel - 1 : pixel
+#
+# * regions test_regions : no upper limit to the area factor (3.4)
+# - pow(fmin(1, solid_angle / BIS_AREA_CLAMP), b)
+# + pow(solid_angle / BIS_AREA_CLAMP, b)
+#
+# * importance_table test_importance : a random number used twice
+# - d.u[0] = u[2];
+# + d.u[0] = u[1];
+#
+# * importance_table test_importance : the first row's aliases in all rows
+# - t->alias[y * t->width + x];
+# + t->alias[x];
+#
+# * importance_curve test_importance : solid angle forgotten along the curve
+# - * bis_row_measure(w, y0 + y);
+# + * 1;
+#
+# * importance test_importance : solid angle forgotten in the rows' sums
+# - row_weight[y] *= bis_row_measure(&im->weights, (size_t)y);
+# + ;
+#
+# * light test_light : the density is asked for in the world's frame
+# - return bis_importance_pdf(light->importance, to_map_frame(light, wi));
+# + return bis_importance_pdf(light->importance, wi);
+#
+# * em test_integrators : N+1 for N
+# - 1 / (double)N));
+# + 1 / (double)(N + 1)));
+#
+# * brdf test_integrators : visibility forgotten
+# - rgbd_sum(C) > 0 && bis_point_sees(pt, wi)
+# + rgbd_sum(C) > 0
+#
+# * mis test_integrators : the map's number of samples missing in a weight
+# - (double)n_em * q_em)));
+# + q_em)));
+#
+# * exact test_integrators : one point of K counts as all
+# - (double)K * y.pdf); /*
+# + y.pdf); /*
+#
+# * sir test_sir test_integrators : the normaliser is W/N
+# - double Zhat = W / M;
+# + double Zhat = W / N;
+#
+# * candidates test_sir : order statistics with the wrong exponent
+# - / (double)(m->N - j);
+# + / (double)m->N;
+#
+# * candidates test_sir test_integrators : the mixture's density has the map's part alone
+# - q = beta * q + (1 - beta) * q_f;
+# + q = beta * q;
+#
+# * candidates test_sir test_integrators : a candidate chosen k times counts once
+# - (double)k * (Z / y->w)
+# + Z / y->w
+#
+# * rejection test_rejection : the plain estimator forgets how many were accepted
+# - B / M * A : W / M
+# + B / M : W / M
+#
+# * rejection test_rejection : accepted twice as often, capped at 1
+# - bis_stream_random(stream) * B < x[i].w
+# + bis_stream_random(stream) * B / 2 < x[i].w
+#
+# * rng test_rng : the sample's number does not reach the key
+# - key = bis_hash(key + sample);
+# + key = bis_hash(key);
+#
+# * sampler test_sampler : a bit lost in Sobol's second matrix
+# - x ^= x >> 2 & 0x33333333u;
+# + x ^= x >> 2 & 0x33333331u;
+#
+# * sampler test_sampler : both jitters of a camera sample are one
+# - (cell / p->xsamples + place[1])
+# + (cell / p->xsamples + place[0])
+#
+# * curve test_curve : the curve does not turn
+# - uint32_t x = a ^ (swap & b) ^ complement;
+# + uint32_t x = a ^ complement;
+#
+# * stats test_stats : Stirling's second coefficient
+# - 1.0 / 360
+# + 1.0 / 300
+#
+# * camera test_camera : twice the field of view
+# - (PI / 360)
+# + (PI / 180)
+#
+# * xform test_xform : the inverse of a product in the product's order
+# - multiply(t.inv, (const double(*)[4])b->inv, (const double(*)[4])a->inv);
+# + multiply(t.inv, (const double(*)[4])a->inv, (const double(*)[4])b->inv);
+#
+# * quadric test_geometry test_accel : the far root first
+# - t[0] = fmin(c / k, k / a);
+# + t[0] = fmax(c / k, k / a);
+#
+# * grid_walk test_accel : the walk ends one cell early
+# - d > 0 ? n - 1 - i : i};
+# + d > 0 ? n - 2 - i : i};
+#
+# * grid_walk test_accel : the first wall ahead of a ray that goes back
+# - (d > 0 ? i + 1 : i) * g->cell[a]
+# + (i + 1) * g->cell[a]
+#
+# * surface test_geometry : the hit's error bound without the plane's part
+# - double distance = 0x1p-23 * tilt + 6 * 0x1p-24 * sums;
+# + double distance = 0 * (tilt + sums);
+#
+# * film test_film : the variance of a pass, not of the mean
+# - total += variance / n / (
+# + total += variance / (
+#
+# * compare test_compare : the standard error of the bias without its root of n
+# - sqrt(scatter / (n - 1) / n)
+# + sqrt(scatter / (n - 1))
+#
+# * image_hdr test_image_hdr : RGBE's bias is 128 + 8
+# - ldexp(1, e - 136) / exposure[k]
+# + ldexp(1, e - 128) / exposure[k]
+#
+# * image_exr test_image_exr : unwanted channels get no place (OpenEXRCore)
+# - w->pipe.channel_count > 4 ||
+# + w->pipe.channel_count > 0 ||
+#
+# * ply test_ply : strips do not turn
+# - {last[turned], last[!turned], current}
+# + {last[0], last[1], current}
+#
+# * ply test_ply : the short cut checks two of three indices
+# - || v[2] >= r->n_vertices) break;
+# + ) break;
+#
+# * obj test_obj : indices beyond the last vertex pass
+# - if (n == 0 || n > (negative ? seen : total)) {
+# + if (n == 0 || n > total + 1) {
+#
+# * lexer test_lexer : 1e999 is a number
+# - if (!isfinite(t->number)) return
+# + if (t->number != t->number) return
+#
+# * mem test_mem : the product of sizes may overflow
+# - (size && n > (PTRDIFF_MAX - room) / size)
+# + (size && n > PTRDIFF_MAX - room)
+#
+# * image_exr test_image_exr : lack of memory is taken for damage
+# - bis_status status = lacks_memory(source) ? BIS_NOMEM : BIS_INPUT;
+# + bis_status status = BIS_INPUT;
+#
+# * image_exr test_regression : a header's damage is passed over
+# - if (!code && source.cause == EXR_ERR_ATTR_SIZE_MISMATCH) code = source.cause;
+# + ;
+#
+# * image_exr test_regression : a data window that the file does not have is taken
+# - if (!says_window(source->in, &c->window)) return
+# + if (!says_window(source->in, &c->window) && false) return
