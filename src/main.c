@@ -12,7 +12,7 @@ static const struct {
     {"render", bis_cmd_render, "render a scene; the word \"render\" may be left out"},
     {"compare", bis_cmd_compare, "compare two images (EXR, PFM, HDR)"},
     {"envmap", bis_cmd_envmap, "what is in a map; its levels, regions and importance as pictures"},
-    {"verify", bis_cmd_verify, "are samplers, materials and integrators right for this scene or map?"},
+    {"verify", bis_cmd_verify, "is it right? samplers, materials, integrators on your own files"},
 };
 enum { N_COMMANDS = sizeof commands / sizeof *commands };
 
