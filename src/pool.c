@@ -1,10 +1,10 @@
 /* pool: sets of stratified directions, drawn in parallel, each by a stream of its own: (seed, set, pass, purpose "pool"). */
 #include "bis/pool.h"
 
+#include "bis/curve.h"
 #include "bis/mem.h"
 
 #include <assert.h>
-#include <math.h>
 
 static const uint64_t purpose_pool = 0x706f6f6c; /* no pixel's stream has it */
 
@@ -40,7 +40,7 @@ void bis_pool_fill(bis_pool *p, const bis_light *light, uint64_t seed, uint32_t 
         bis_rng rng;
         bis_rng_init(&rng, seed, set, pass, purpose_pool);
         for (uint32_t i = 0; i < p->M; i++) {
-            double t = fmin((i + bis_rng_double(&rng)) / p->M, 1 - 0x1p-53); /* the last stratum's end may round to 1 */
+            double t = bis_stratum(i, bis_rng_double(&rng), p->M);
             double u[2] = {bis_rng_double(&rng), bis_rng_double(&rng)};
             bool drawn = bis_light_sample_curve(light, t, u, &y[i]);
             assert(drawn);

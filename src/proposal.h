@@ -16,14 +16,6 @@ static inline rgbd bis_estimate(rgb f, rgb Le, double cos_theta, double q)
     return (rgbd){(double)f.r * (double)Le.r * s, (double)f.g * (double)Le.g * s, (double)f.b * (double)Le.b * s};
 }
 
-/* Position i + xi of n equal strata of [0,1), xi in [0,1). The last number of the last stratum may round to 1: it is moved back to the largest below. */
-static inline double bis_stratum(uint32_t i, double xi, uint32_t n)
-{
-    double t = ((double)i + xi) / (double)n;
-
-    return t < 1 ? t : 1 - 0x1p-53;
-}
-
 /* Draw y from the map's importance: u, a point of a set, picks the pixel, plain random numbers the place in it. False: no light. */
 bool bis_propose_em(bis_light_point *y, const bis_light *light, bis_stream *stream, const double u[2]);
 

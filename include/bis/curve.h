@@ -7,6 +7,14 @@
 
 #include <stdint.h>
 
+/* Position i + xi of n equal strata of [0,1), xi in [0,1). The last number of the last stratum may round to 1: it is moved back to the largest below. */
+static inline double bis_stratum(uint32_t i, double xi, uint32_t n)
+{
+    double t = ((double)i + xi) / (double)n;
+
+    return t < 1 ? t : 1 - 0x1p-53;
+}
+
 /* Hilbert's curve, 26 levels: t in [0,1) to (u[0], u[1]) in [0,1)^2, measure preserving; the bits of t below 2^-52 are
  * lost, jitter inside the last level's cell (2^-26 wide) is not added. */
 void bis_curve_hilbert(double t, double u[2]);
