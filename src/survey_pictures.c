@@ -1,29 +1,11 @@
-/* survey_pictures: levels, regions and importance of a map in colours that a lecture hall can tell apart.
- *
- * Colours are chosen as they appear (sRGB) and stored as what images here hold (linear light). */
+/* survey_pictures: levels, regions and importance of a map in the colours of palette.h. */
 #include "survey.h"
 
 #include "bis/rng.h"
 
+#include "palette.h"
+
 #include <float.h>
-
-/* sRGB's transfer function, IEC 61966-2-1. */
-static double to_linear(double v) { return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4); }
-
-static rgb colour(double r, double g, double b) { return rgb_from(to_linear(r), to_linear(g), to_linear(b)); }
-
-/* Dark blue over purple, red and orange to pale yellow, each lighter than the one before: reads in grey print, too. */
-static rgb heat(double t)
-{
-    static const double stops[][3] = {
-        {0.05, 0.03, 0.20}, {0.25, 0.07, 0.43}, {0.53, 0.13, 0.42}, {0.80, 0.24, 0.30}, {0.95, 0.47, 0.12}, {0.98, 0.76, 0.22}, {1.0, 0.99, 0.80},
-    };
-    enum { LAST = sizeof stops / sizeof *stops - 1 };
-    const double place = fmin(fmax(t, 0), 1) * LAST;
-    const int i = place < LAST ? (int)place : LAST - 1;
-    const double f = place - i, *a = stops[i], *b = stops[i + 1];
-    return colour(a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), a[2] + f * (b[2] - a[2]));
-}
 
 /* Hue in turns, by the hexagon. */
 static rgb hsv(double hue, double saturation, double value)
@@ -33,7 +15,7 @@ static rgb hsv(double hue, double saturation, double value)
         const double turn = hue + (3 - i) / 3.0, place = 6 * (turn - floor(turn));
         c[i] = value * (1 - saturation * (1 - fmin(fmax(fabs(place - 3) - 1, 0), 1)));
     }
-    return colour(c[0], c[1], c[2]);
+    return bis_palette_srgb(c[0], c[1], c[2]);
 }
 
 bis_status bis_survey_levels_picture(bis_image *out, const bis_envmap *em, int levels, bis_diag *diag)
@@ -44,7 +26,7 @@ bis_status bis_survey_levels_picture(bis_image *out, const bis_envmap *em, int l
     const double last = levels > 1 ? levels - 1 : 1;
     for (size_t i = 0; i < (size_t)em->width * (size_t)em->height; i++) {
         const uint8_t level = bis_level_of_intensity(&l, rgb_sum(em->pixels[i]));
-        if (level != BIS_LEVEL_NONE) out->pixels[i] = heat(level / last); /* black pixels stay black */
+        if (level != BIS_LEVEL_NONE) out->pixels[i] = bis_palette_heat(level / last); /* black pixels stay black */
     }
     return BIS_OK;
 }
@@ -77,7 +59,7 @@ static void draw_dot(bis_image *out, size_t pixel)
             const int x = ((x0 + dx) % width + width) % width, y = y0 + dy;
             if (d > 1.6 || y < 0 || y >= out->height) continue;
             rgb *p = &out->pixels[(size_t)y * (size_t)width + (size_t)x];
-            *p = d <= 1 ? colour(0.55, 1, 0.95) : rgb_scale(*p, 0.3);
+            *p = d <= 1 ? bis_palette_srgb(0.55, 1, 0.95) : rgb_scale(*p, 0.3);
         }
     }
 }
@@ -95,7 +77,7 @@ bis_status bis_survey_importance_picture(bis_image *out, const bis_envmap *em, c
     }
     for (size_t i = 0; i < n; i++) {
         const double q = bis_importance_pdf_pixel(im, i);
-        if (q > 0) out->pixels[i] = heat(most > least ? log(q / least) / log(most / least) : 1);
+        if (q > 0) out->pixels[i] = bis_palette_heat(most > least ? log(q / least) / log(most / least) : 1);
     }
     bis_rng rng;
     bis_rng_init(&rng, 0, 0, 0, 0);
