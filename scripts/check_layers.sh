@@ -7,11 +7,11 @@ exec awk '
 BEGIN {
     rows = "0 status mem vec file xform stats version grow names errata;" \
            "1 rng sampler warp weights cdf alias marsaglia curve;" \
-           "2 image image_* envmap envmap_* importance importance_* regions light light_* pool bsdf phong;" \
+           "2 image image_* layers envmap envmap_* importance importance_* regions light light_* pool bsdf phong;" \
            "3 geometry mesh mesh_* surface quadric triangle rounding camera accel grid grid_* embree embree_* point;" \
            "4 integrator em brdf mis pool candidates proposal rejection sir exact unoccluded;" \
            "5 scene scene_* plan lexer parser parser_* ply ply_* obj obj_*;" \
-           "6 film render compare verify verify_* canvas palette;" \
+           "6 film film_* render gather compare verify verify_* canvas palette;" \
            "7 cli cli_* cmd_* survey survey_* describe json main"
     n = split(rows, row, ";")
     for (i = 1; i <= n; i++) {

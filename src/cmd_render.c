@@ -24,7 +24,7 @@ typedef struct resolution {
 /* What the command line says; has_ tells whether it does. */
 typedef struct render_options {
     bis_texts outfiles, as_printed;
-    const char *stats, *integrator, *proposal, *accelerator;
+    const char *stats, *integrator, *proposal, *accelerator, *layers;
     bool quiet, plan, no_jitter;
     bool has_candidates, has_shadowrays, has_samples, has_spp, has_seed, has_resolution, has_crop, has_exposure;
     uint64_t candidates, shadowrays, samples, spp, seed, threads;
@@ -104,6 +104,8 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
         {.help = "output"},
         {.name = "outfile", .argument = "F", .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated "
          "(default: the filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o->outfiles},
+        {.name = "layers", .argument = "L,...", .help = "what an EXR carries beside R, G, B, A: stderr, interval, samples, shadowrays, candidates, "
+         "unoccluded, visibility, albedo, normal, depth; all; none", .kind = BIS_OPTION_TEXT, .value = &o->layers},
         {.name = "stats", .argument = "F", .help = "write figures about the run to F as JSON; \"-\": standard output",
          .kind = BIS_OPTION_TEXT, .value = &o->stats},
         {.name = "exposure", .argument = "EV", .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)",
@@ -220,9 +222,28 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
     return status ? status : bis_settings_check(s, bis_cli_loc, diag);
 }
 
+/* "albedo,normal", "all" or "none". */
+static bis_status read_layers(unsigned *set, const char *list, bis_diag *diag)
+{
+    *set = 0;
+    if (strcmp(list, "none") == 0) return BIS_OK;
+    for (const char *end; *list; list = *end ? end + 1 : end) {
+        char name[64];
+        size_t n = strcspn(list, ",");
+        end = list + n;
+        snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : sizeof name - 1), list);
+        if (bis_layers_include(set, name)) continue;
+        const char *near = bis_layer_nearest(name);
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--layers: there is no layer \"%s\"%s%s%s; `bis --help` lists them", name,
+                         near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
+    }
+    return BIS_OK;
+}
+
 static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag *diag)
 {
     bis_status status = override_settings(d, o, diag);
+    if (!status && o->layers) status = read_layers(&d->film.layers, o->layers, diag);
     if (status) return status;
 
     if (o->has_spp) bis_scene_set_spp(d, (uint32_t)o->spp);
@@ -267,6 +288,38 @@ static bis_status check_outputs(const render_options *o, bis_diag *diag)
     return first;
 }
 
+/* Layers need an EXR to go to. */
+static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, bis_diag *diag)
+{
+    char ending[8];
+
+    for (int i = 0; i < outfiles->n; i++) {
+        if (strcmp(bis_path_extension(ending, outfiles->text[i]), ".exr") == 0) return;
+    }
+    if (film->layers) bis_warn(diag, bis_cli_loc, "layers go into an .exr, and no output file is one: they will be lost");
+}
+
+/* The picture's own channels, then those of layers. *planes: what the latter point into, to be freed. Error bars that cannot be are missed aloud. */
+static bis_status list_channels(bis_channel *channels, int *n, float **planes, const bis_film *f, const float *rgba, bis_diag *diag)
+{
+    static const char *const names[4] = {"R", "G", "B", "A"};
+
+    for (int i = 0; i < 4; i++) channels[i] = (bis_channel){names[i], rgba + i, 4};
+    const int n_layers = bis_film_layers(f, channels + 4, NULL);
+    *n = 4 + n_layers;
+    if (f->passes < 2 && (bis_layers_has(&f->layers, BIS_LAYER_STDERR) || bis_layers_has(&f->layers, BIS_LAYER_INTERVAL))) {
+        bis_warn(diag, bis_cli_loc, "one pass has no scatter: layers \"stderr\" and \"interval\" are left out; take --spp 2 or more");
+    }
+    if (n_layers == 0) return BIS_OK;
+    *planes = bis_alloc((size_t)f->width * (size_t)f->height, (size_t)n_layers * sizeof **planes);
+    if (!*planes) {
+        *n = 4; /* rather the picture alone than nothing */
+        return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d layer channels of %d x %d pixels", n_layers, f->width, f->height);
+    }
+    bis_film_layers(f, channels + 4, *planes);
+    return BIS_OK;
+}
+
 /* All files are tried, even when one fails: hours of rendering should end up somewhere. */
 static bis_status write_pictures(const render_options *o, const bis_stats *stats, bis_diag *diag)
 {
@@ -275,7 +328,10 @@ static bis_status write_pictures(const render_options *o, const bis_stats *stats
     if (!rgba) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d x %d pixels", f->width, f->height);
     bis_film_resolve(f, rgba);
 
-    const bis_channel channels[] = {{"R", rgba, 4}, {"G", rgba + 1, 4}, {"B", rgba + 2, 4}, {"A", rgba + 3, 4}};
+    bis_channel channels[4 + BIS_FILM_MAX_CHANNELS];
+    float *planes = NULL;
+    int n_channels;
+    bis_status first = list_channels(channels, &n_channels, &planes, f, rgba, diag);
     bis_attribute attributes[BIS_MAX_ATTRIBUTES];
     const bis_picture picture = {
         .width = f->width,
@@ -285,17 +341,17 @@ static bis_status write_pictures(const render_options *o, const bis_stats *stats
         .full_width = f->full_width,
         .full_height = f->full_height,
         .channels = channels,
-        .n_channels = sizeof channels / sizeof *channels,
+        .n_channels = n_channels,
         .attributes = attributes,
         .n_attributes = bis_describe_picture(stats, attributes),
         .has_exposure = o->has_exposure,
         .exposure = o->exposure,
     };
-    bis_status first = BIS_OK;
     for (int i = 0; i < o->outfiles.n; i++) {
         bis_status status = bis_image_write(o->outfiles.text[i], &picture, diag);
         if (!first) first = status;
     }
+    bis_free(planes);
     bis_free(rgba);
     return first;
 }
@@ -383,7 +439,9 @@ static bis_status run(const render_options *o, const bis_scene_desc *desc, doubl
     bis_status status;
 
     status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, bis_cli_loc, diag);
+    if (!status) status = bis_film_want(&film, desc->film.layers, diag);
     if (status) goto done;
+    check_layers(&desc->film, &o->outfiles, diag);
     status = bis_scene_build(&scene, desc, diag);
     if (status) goto done;
     bis_cli_print_diag(diag, o->quiet); /* warnings, before the wait */

@@ -1,6 +1,6 @@
 /* film: sums, sums of squares, and what they say about the error.
  *
- * A picture is the mean over passes; a pass adds one camera sample to every pixel, so one count serves all pixels. Sums are double: a
+ * A picture is the mean over passes; a pass adds one value to every pixel, so one count serves all pixels. Sums are double: a
  * million passes of float radiance add up without loss that matters (2^-53 a step), and squares of FLT_MAX do not overflow.
  * 56 bytes a pixel. Source of the error estimate: docs/errata.md E32 (errors come from whole, independent replicates: the
  * passes), the measure itself is relMSE of SPEC 5. */
@@ -54,10 +54,11 @@ void bis_film_clear(bis_film *f)
     bis_free(f->sum);
     bis_free(f->sum_squares);
     bis_free(f->hits);
+    bis_layers_clear(&f->layers);
     *f = (bis_film){0};
 }
 
-void bis_film_add(bis_film *f, int x, int y, rgb L, bool hit)
+void bis_film_add(bis_film *f, int x, int y, rgb L, double hit)
 {
     assert(x >= f->x0 && x < f->x0 + f->width && y >= f->y0 && y < f->y0 + f->height);
     assert(rgb_is_finite(L));
@@ -130,5 +131,5 @@ double bis_film_relative_rmse(const bis_film *f, double *upper)
 
 size_t bis_film_bytes(const bis_film *f)
 {
-    return (size_t)f->width * (size_t)f->height * (3 * sizeof *f->sum + 3 * sizeof *f->sum_squares + sizeof *f->hits);
+    return (size_t)f->width * (size_t)f->height * (3 * sizeof *f->sum + 3 * sizeof *f->sum_squares + sizeof *f->hits + (size_t)f->layers.n_values * sizeof *f->layers.sum);
 }

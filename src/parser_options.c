@@ -78,6 +78,19 @@ static void film_crop(bis_parser *p, bis_film_desc *film)
                      "\"cropwindow\" is empty: it wants x0 x1 y0 y1 with x0 < x1, y0 < y1");
 }
 
+/* One name, or several, of what the picture shall carry beside its colours. */
+static void film_layers(bis_parser *p, bis_film_desc *film)
+{
+    const bis_param *param = bis_params_take(p, "layers", BIS_TYPE_STRING, 0);
+    char word[128], hint[128];
+    for (size_t i = 0; param && i < param->n; i++) {
+        const char *name = bis_parser_text(p, p->params.strings[param->first + i]);
+        if (bis_layers_include(&film->layers, name)) continue;
+        bis_parser_error(p, param->at, "\"layers\" is \"%s\": there is no such layer%s", bis_printable(word, name, strlen(name)),
+                         bis_parser_hint(hint, bis_layer_nearest(name)));
+    }
+}
+
 /* Replace the text that *to owns. */
 static void set_text(bis_parser *p, char **to, const char *s, bis_loc at)
 {
@@ -112,6 +125,7 @@ void bis_directive_film(bis_parser *p, bis_loc at)
     film.width = (int)width;
     film.height = (int)height;
     film_crop(p, &film);
+    film_layers(p, &film);
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     set_text(p, &film.filename, filename, at);
     bis_params_end(p, "Film", type);

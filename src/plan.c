@@ -70,6 +70,28 @@ static void print_view(const bis_scene_desc *d, FILE *out)
     fprintf(out, ", seed %" PRIu64 "%s\n", s->seed, d->pixel_jitter ? "" : ", all through the pixel's centre");
 }
 
+/* Bytes a pixel: sums, their squares and hits; the pass under way; and 8 + 4 for each value of a layer. */
+static void print_film(const bis_scene_desc *d, FILE *out)
+{
+    enum { FILM_BYTES = 56, PASS_BYTES = 16, VALUE_BYTES = 12 };
+    const double pixels = (double)d->film.width * d->film.height * (d->film.crop[1] - d->film.crop[0]) * (d->film.crop[3] - d->film.crop[2]);
+    char buf[32];
+    int n = 0;
+
+    fprintf(out, "build        film: about %s\n", megabytes(buf, pixels * (FILM_BYTES + PASS_BYTES)));
+    if (!d->film.layers) {
+        fprintf(out, "skip         layers: none is asked for\n");
+        return;
+    }
+    fputs("build        layers", out);
+    for (int i = 0; i < BIS_N_LAYERS; i++) {
+        if (!(d->film.layers >> i & 1)) continue;
+        fprintf(out, " %s", bis_layer_name((bis_layer)i));
+        n += bis_layer_values((bis_layer)i);
+    }
+    fprintf(out, ": about %s\n", megabytes(buf, pixels * VALUE_BYTES * n));
+}
+
 /* The size of the lat-long map that will be made of the file; false: unknown. */
 static bool map_size(const bis_light_desc *light, long *width, long *height)
 {
@@ -217,4 +239,5 @@ void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
     print_geometry(desc, out);
     print_lobes(desc, out);
     print_accel(desc, out);
+    print_film(desc, out);
 }

@@ -3,7 +3,7 @@
  * One pass is one camera sample of every pixel. Threads take tiles in any order, but what a pixel gets depends on (seed, pixel, pass) alone,
  * and only whole passes reach the film, in order: the film's bits depend on the scene and the number of passes, never on threads,
  * time, or the moment of Ctrl-C. To that end a pass is kept aside (16 bytes a pixel) and added to the film when it is complete; an
- * abandoned one leaves no trace, not even in the counters.
+ * abandoned one leaves no trace, not even in the counters. The values of layers, where some are asked for, go the same way.
  *
  * Budgets are looked at between passes. For time: another pass is begun if one of mean length still fits, so a render ends at most one pass
  * early. For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from 20 on, each time
@@ -11,10 +11,12 @@
 #include "bis/render.h"
 
 #include "bis/mem.h"
+#include "gather.h"
 
 #include <assert.h>
 #include <math.h>
 #include <stdalign.h>
+#include <string.h>
 #include <time.h>
 
 #ifdef _OPENMP
@@ -46,7 +48,9 @@ typedef struct render {
     worker *workers;
     bis_pool pool; /* M = 0: none */
     int n_threads;
-    sample *pass; /* pass[height][width] of the crop */
+    sample *pass;       /* pass[height][width] of the crop */
+    float *pass_layers; /* pass_layers[height][width][film->layers.n_values]: the same of the layers, NULL where there are none */
+    bis_xform to_camera;
     int tiles_x, tiles_y;
     double start, last_report;
     double rmse, rmse_upper; /* as last estimated; NAN: not yet */
@@ -91,8 +95,8 @@ static void add_counters(bis_counters *sum, const bis_counters *c)
 
 /* --- one camera sample --------------------------------------------------------------------------------------------- */
 
-/* Light reflected towards the eye where the ray meets primitive prim, eq. 3.1. */
-static rgb reflected(const render *r, worker *w, const ray *eye, uint32_t prim, bis_stream *stream)
+/* Where the ray meets primitive prim. */
+static bis_point surface_point(const render *r, worker *w, const ray *eye, uint32_t prim)
 {
     bis_surface s;
     bis_geometry_surface(&r->scene->geometry, prim, eye, &s);
@@ -107,15 +111,34 @@ static rgb reflected(const render *r, worker *w, const ray *eye, uint32_t prim, 
         .counters = &w->counters,
     };
     bis_bsdf_init(&pt.bsdf, &r->desc->materials[s.material], pt.n, pt.wo);
-    if (bis_bsdf_is_black(&pt.bsdf)) return (rgb){0};
-    const bis_settings *settings = &r->desc->settings;
-    return settings->integrator->Lo(settings, &pt, stream, &w->scratch);
+    return pt;
 }
 
-/* Camera sample `pass` of pixel (x, y). A ray that escapes sees the map. */
-static sample camera_sample(const render *r, worker *w, int x, int y, uint32_t pass)
+/* A NaN or infinity must not reach the film. */
+static rgb finite_or_black(worker *w, rgb L)
+{
+    if (rgb_is_finite(L)) return L;
+    w->counters.nonfinite++;
+    return (rgb){0};
+}
+
+/* Light reflected towards the eye, eq. 3.1; what layers want to know is added to values, unless NULL. */
+static rgb reflected(const render *r, worker *w, const bis_point *pt, bis_stream *stream, float *values)
+{
+    const bis_settings *settings = &r->desc->settings;
+    const bis_stream before = *stream;
+    rgb L = {0};
+
+    if (!bis_bsdf_is_black(&pt->bsdf)) L = finite_or_black(w, settings->integrator->Lo(settings, pt, stream, &w->scratch));
+    if (values && !bis_gather_surface(values, &r->film->layers, settings, &r->to_camera, pt, before, &w->scratch, L)) w->counters.nonfinite++;
+    return L;
+}
+
+/* Camera sample `pass` of pixel (x, y). A ray that escapes sees the map. values: for the layers, or NULL. */
+static sample camera_sample(const render *r, worker *w, int x, int y, uint32_t pass, float *values)
 {
     const bis_film *f = r->film;
+    const bis_counters before = w->counters;
     double u[2] = {0.5, 0.5};
     bis_stream stream;
     bis_hit hit;
@@ -127,18 +150,19 @@ static sample camera_sample(const render *r, worker *w, int x, int y, uint32_t p
     w->counters.camera_rays++;
     s.hit = bis_accel_intersect(r->scene->accel, &eye, &hit);
     if (s.hit) {
-        s.L = reflected(r, w, &eye, hit.prim, &stream);
+        const bis_point pt = surface_point(r, w, &eye, hit.prim);
+        s.L = reflected(r, w, &pt, &stream, values);
     } else {
-        s.L = r->desc->light.visible ? bis_light_Le(r->scene->light, eye.d) : (rgb){0};
+        s.L = finite_or_black(w, r->desc->light.visible ? bis_light_Le(r->scene->light, eye.d) : (rgb){0});
     }
-    if (!rgb_is_finite(s.L)) {
-        w->counters.nonfinite++;
-        s.L = (rgb){0};
-    }
+    if (values) bis_gather_counts(values, &f->layers, &before, &w->counters);
     return s;
 }
 
 /* --- one pass ------------------------------------------------------------------------------------------------------ */
+
+/* The layers' values of pixel number i of the pass under way, or NULL. */
+static float *layers_at(const render *r, size_t i) { return r->pass_layers ? r->pass_layers + i * (size_t)r->film->layers.n_values : NULL; }
 
 static bool interrupted(const render *r) { return r->options->interrupted && *r->options->interrupted; }
 
@@ -152,7 +176,10 @@ static void render_tile(const render *r, worker *w, int t, uint32_t pass)
     for (int y = y0; y < y1; y++) {
         for (int x = x0; x < x1; x++) {
             if (interrupted(r)) return;
-            r->pass[(size_t)y * (size_t)f->width + (size_t)x] = camera_sample(r, w, f->x0 + x, f->y0 + y, pass);
+            size_t i = (size_t)y * (size_t)f->width + (size_t)x;
+            float *values = layers_at(r, i);
+            if (values) memset(values, 0, (size_t)f->layers.n_values * sizeof *values);
+            r->pass[i] = camera_sample(r, w, f->x0 + x, f->y0 + y, pass, values);
         }
     }
 }
@@ -202,8 +229,9 @@ static void keep_pass(render *r)
 #pragma omp parallel for num_threads(r->n_threads)
     for (int y = 0; y < f->height; y++) {
         for (int x = 0; x < f->width; x++) {
-            const sample *s = &r->pass[(size_t)y * (size_t)f->width + (size_t)x];
-            bis_film_add(f, f->x0 + x, f->y0 + y, s->L, s->hit);
+            size_t i = (size_t)y * (size_t)f->width + (size_t)x;
+            bis_film_add(f, f->x0 + x, f->y0 + y, r->pass[i].L, r->pass[i].hit);
+            if (r->pass_layers) bis_layers_add(&f->layers, i, layers_at(r, i));
         }
     }
     for (int i = 0; i < r->n_threads; i++) add_counters(&r->counters, &r->workers[i].counters);
@@ -264,6 +292,18 @@ static bis_status make_workers(render *r, bis_diag *diag)
     return BIS_OK;
 }
 
+/* Room for the pass under way. */
+static bis_status make_pass(render *r, bis_diag *diag)
+{
+    const bis_film *f = r->film;
+    const size_t n = (size_t)f->width * (size_t)f->height, n_values = (size_t)f->layers.n_values;
+
+    r->pass = bis_alloc(n, sizeof *r->pass);
+    if (r->pass && n_values) r->pass_layers = bis_alloc(n, n_values * sizeof *r->pass_layers);
+    if (r->pass && (r->pass_layers || !n_values)) return BIS_OK;
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", f->width, f->height);
+}
+
 /* A pool of directions where the integrator asks for one, the light has a curve to draw them along, and there is a surface to light. */
 static bis_status make_pool(render *r, bis_diag *diag)
 {
@@ -281,7 +321,8 @@ static size_t workspace(const render *r)
     bis_scratch need = {0};
     r->desc->settings.integrator->scratch_needs(&r->desc->settings, &need);
     size_t scratch = need.n_candidates * sizeof *need.candidates + need.n_points * sizeof *need.u + need.n_chosen * sizeof *need.chosen;
-    return bis_pool_bytes(&r->pool) + (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * sizeof *r->pass;
+    size_t pixel = sizeof *r->pass + (size_t)r->film->layers.n_values * sizeof *r->pass_layers;
+    return bis_pool_bytes(&r->pool) + (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * pixel;
 }
 
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
@@ -294,6 +335,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
         .film = film,
         .budget = options->budget,
         .n_threads = options->n_threads > 0 ? options->n_threads : default_threads(),
+        .to_camera = bis_xform_inverse(&desc->camera.to_world),
         .tiles_x = (film->width + TILE - 1) / TILE,
         .tiles_y = (film->height + TILE - 1) / TILE,
         .rmse = (double)NAN,
@@ -309,12 +351,8 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
 #endif
     status = make_workers(&r, diag);
     if (!status) status = make_pool(&r, diag);
+    if (!status) status = make_pass(&r, diag);
     if (status) goto done;
-    r.pass = bis_alloc((size_t)film->width * (size_t)film->height, sizeof *r.pass);
-    if (!r.pass) {
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", film->width, film->height);
-        goto done;
-    }
     render_passes(&r, result);
     result->counters = r.counters;
     result->relative_rmse = bis_film_relative_rmse(film, NULL);
@@ -326,5 +364,6 @@ done:
     bis_pool_clear(&r.pool);
     bis_free(r.workers);
     bis_free(r.pass);
+    bis_free(r.pass_layers);
     return status;
 }

@@ -201,6 +201,30 @@ static void an_exr_has_float_channels_and_alpha_is_the_share_of_hits(void **stat
     exr_finish(&file);
 }
 
+static void layers_are_further_channels_of_an_exr_alone(void **state)
+{
+    (void)state;
+    program_run r;
+    const exr_attr_chlist_t *channels;
+    const char *const names[8] = {"A", "B", "G", "Ns.X", "Ns.Y", "Ns.Z", "R", "Z"};
+    program_expect(&r, 0, SCENE " --layers depth,normal --outfile " DIR "/layers.exr --outfile " DIR "/layers.pfm");
+    assert_string_equal(r.messages, "");
+    exr_context_t file = open_exr(DIR "/layers.exr");
+    assert_int_equal(exr_get_channels(file, 0, &channels), EXR_ERR_SUCCESS);
+    assert_int_equal(channels->num_channels, 8);
+    for (int i = 0; i < 8; i++) assert_string_equal(channels->entries[i].name.str, names[i]);
+    exr_finish(&file);
+    assert_true(relmse(DIR "/layers.exr", DIR "/layers.pfm") == 0);
+
+    program_expect(&r, 0, SCENE " --layers all --outfile " DIR "/layers.pfm");
+    assert_non_null(strstr(r.messages, "layers go into an .exr, and no output file is one"));
+    program_expect(&r, 0, SCENE " --layers interval --spp 1 --outfile " DIR "/layers.exr");
+    assert_non_null(strstr(r.messages, "one pass has no scatter"));
+    program_expect(&r, 2, SCENE " --layers albedo,deth --outfile " DIR "/none.exr");
+    assert_non_null(strstr(r.messages, "no layer \"deth\" (did you mean \"depth\"?)"));
+    assert_false(program_exists(DIR "/none.exr"));
+}
+
 static void a_crop_keeps_the_display_window_and_the_pixels(void **state)
 {
     (void)state;
@@ -611,6 +635,7 @@ int main(void)
         cmocka_unit_test(exposure_makes_a_png_brighter),
         cmocka_unit_test(an_exr_says_how_it_was_made),
         cmocka_unit_test(an_exr_has_float_channels_and_alpha_is_the_share_of_hits),
+        cmocka_unit_test(layers_are_further_channels_of_an_exr_alone),
         cmocka_unit_test(a_crop_keeps_the_display_window_and_the_pixels),
         cmocka_unit_test(stats_are_json_with_exactly_the_keys_of_the_contract),
         cmocka_unit_test(stats_in_a_file_are_those_of_standard_output),

@@ -1,8 +1,8 @@
 /* render: the same bits for any number of threads, any crop, any moment of interruption; budgets; what escaped rays see. The integrators
  * of the library take part in the first test, elsewhere one of our own that does exactly what the test needs. */
 #include "bis/mem.h"
-#include "bis/phong.h"
-#include "bis/render.h"
+
+#include "world.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,143 +13,8 @@
 
 #include <math.h>
 #include <stdatomic.h>
-#include <string.h>
 
-/* --- a scene without files: a ball on a floor under a map of 16 x 8 random pixels ---------------------------------- */
-
-typedef struct world {
-    bis_scene_desc desc;
-    bis_scene scene;
-    bis_material materials[2];
-} world;
-
-static void add_floor(bis_geometry *g)
-{
-    const vec3 corners[4] = {{-9, -1, -9}, {9, -1, -9}, {9, -1, 9}, {-9, -1, 9}};
-    const uint32_t index[6] = {0, 1, 2, 0, 2, 3};
-    const bis_xform identity = bis_xform_identity();
-    bis_mesh m = {.n_vertices = 4, .n_triangles = 2};
-    m.p = bis_alloc(4, sizeof *m.p);
-    m.index = bis_alloc(6, sizeof *m.index);
-    memcpy(m.p, corners, sizeof corners);
-    memcpy(m.index, index, sizeof index);
-    assert_int_equal(bis_geometry_add_mesh(g, &m, &identity, 0, NULL), BIS_OK);
-    bis_mesh_clear(&m);
-}
-
-static bis_light *random_light(const bis_light_desc *desc)
-{
-    bis_image image;
-    bis_envmap em;
-    bis_light *light;
-    bis_rng rng;
-    bis_rng_init(&rng, 5, 0, 0, 0);
-    assert_int_equal(bis_image_init(&image, 16, 8, NULL), BIS_OK);
-    for (int i = 0; i < 16 * 8; i++) {
-        double v = pow(bis_rng_double(&rng), 4);
-        image.pixels[i] = rgb_from(v, v * bis_rng_double(&rng), v / 2);
-    }
-    assert_int_equal(bis_envmap_from_latlong(&em, &image, NULL), BIS_OK);
-    assert_int_equal(bis_light_from_envmap(&light, &em, desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL), BIS_OK);
-    return light;
-}
-
-static void make_world(world *w, const bis_integrator *integrator)
-{
-    *w = (world){0};
-    bis_scene_desc *d = &w->desc;
-    w->materials[0] = bis_phong((rgb){0.5f, 0.4f, 0.3f}, (rgb){0.2f, 0.2f, 0.2f}, 20);
-    w->materials[1] = bis_phong((rgb){0.1f, 0.4f, 0.3f}, (rgb){0.5f, 0.5f, 0.2f}, 100);
-    d->materials = w->materials;
-    d->n_materials = 2;
-    d->camera = (bis_camera){.fov_deg = 60, .to_world = bis_xform_translate(0, 0, -3)};
-    d->sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .seed = 1, .jitter = true};
-    bis_scene_set_spp(d, 4);
-    d->pixel_jitter = true;
-    d->settings = bis_settings_default(integrator);
-    d->settings.candidates = 24;
-    d->settings.shadowrays = 3;
-    d->settings.samples = 4;
-    d->has_light = true;
-    d->light = (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true, .to_world = bis_xform_identity()};
-
-    bis_geometry *g = &w->scene.geometry;
-    const bis_quadric ball = {.kind = BIS_SPHERE, .radius = 1, .to_world = bis_xform_identity(), .material = 1};
-    const bis_accel_options accel = {.kind = BIS_ACCEL_GRID};
-    add_floor(g);
-    assert_int_equal(bis_geometry_add_quadric(g, &ball, NULL), BIS_OK);
-    assert_int_equal(bis_accel_new(&w->scene.accel, g, &accel, NULL), BIS_OK);
-    w->scene.light = random_light(&d->light);
-}
-
-static void clear_world(world *w)
-{
-    bis_accel_free(w->scene.accel);
-    bis_geometry_clear(&w->scene.geometry);
-    bis_light_free(w->scene.light);
-}
-
-enum { WIDTH = 37, HEIGHT = 21 };
-
-static const double whole[4] = {0, 1, 0, 1};
-
-static void render(bis_film *film, bis_render_result *result, const world *w, const double crop[4], const bis_render_options *options)
-{
-    assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, crop, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_render(result, film, &w->scene, &w->desc, options, NULL), BIS_OK);
-}
-
-static void assert_same_bits(const bis_film *a, const bis_film *b)
-{
-    size_t n = (size_t)a->width * (size_t)a->height;
-    assert_int_equal(a->passes, b->passes);
-    assert_memory_equal(a->sum, b->sum, 3 * n * sizeof *a->sum);
-    assert_memory_equal(a->sum_squares, b->sum_squares, 3 * n * sizeof *a->sum_squares);
-    assert_memory_equal(a->hits, b->hits, n * sizeof *a->hits);
-}
-
-/* --- integrators of our own ---------------------------------------------------------------------------------------- */
-
-static unsigned no_light_needs(const bis_settings *s)
-{
-    (void)s;
-    return 0;
-}
-
-static void no_scratch(const bis_settings *s, bis_scratch *need)
-{
-    (void)s;
-    (void)need;
-}
-
-/* A random number, hence noise. */
-static rgb noise_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    (void)s;
-    (void)pt;
-    (void)scratch;
-    double u = bis_stream_random(stream);
-    return rgb_from(u, 0.5 + u, 1);
-}
-
-/* The place: what a camera ray saw. */
-static rgb place_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    (void)s;
-    (void)stream;
-    (void)scratch;
-    return (rgb){pt->p.x + 10, pt->p.y + 10, pt->p.z + 10};
-}
-
-/* NaN or infinity for a quarter of the samples. */
-static rgb sick_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    (void)s;
-    (void)pt;
-    (void)scratch;
-    double u = bis_stream_random(stream);
-    return (rgb){1, u < 0.125 ? NAN : u < 0.25 ? INFINITY : 1, 1};
-}
+/* --- an integrator of our own ---------------------------------------------------------------------------------------- */
 
 /* As noise, and the interrupting call number `fuse`. Set by the test before each render: an integrator has no place of its own for state. */
 static atomic_long calls, fuse;
@@ -161,9 +26,6 @@ static rgb fuse_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
     return noise_Lo(s, pt, stream, scratch);
 }
 
-static const bis_integrator noise = {"noise", "", no_light_needs, no_scratch, noise_Lo};
-static const bis_integrator place = {"place", "", no_light_needs, no_scratch, place_Lo};
-static const bis_integrator sick = {"sick", "", no_light_needs, no_scratch, sick_Lo};
 static const bis_integrator fused = {"fused", "", no_light_needs, no_scratch, fuse_Lo};
 
 /* --- same bits ----------------------------------------------------------------------------------------------------- */
@@ -494,7 +356,7 @@ static void a_black_material_reflects_nothing_and_costs_nothing(void **state)
     uint64_t hits = 0;
     for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
         assert_true(film.sum[3 * i] == 0);
-        hits += film.hits[i];
+        hits += film.hits[i] > 0;
     }
     assert_true(hits > 300);
     assert_int_equal(result.counters.nonfinite + result.counters.shadow_rays + result.counters.candidates, 0);

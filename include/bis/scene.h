@@ -7,6 +7,7 @@
 #include "bis/camera.h"
 #include "bis/geometry.h"
 #include "bis/integrator.h"
+#include "bis/layers.h"
 #include "bis/light.h"
 #include "bis/sampler.h"
 #include "bis/status.h"
@@ -38,6 +39,7 @@ typedef struct bis_film_desc {
     int width, height;
     char *filename; /* as written; relative to the working directory, like pbrt */
     double crop[4]; /* x0, x1, y0, y1 */
+    unsigned layers; /* a set of bis/layers.h */
 } bis_film_desc;
 
 typedef struct bis_scene_desc {

@@ -1,0 +1,395 @@
+/* layers: what a film carries beside its colours is what its name says, and costs only those who ask. Family-wise significance of the statistical
+ * tests: 0.01. */
+#include "bis/mem.h"
+#include "bis/rng.h"
+#include "bis/stats.h"
+
+#include "world.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+
+/* The plane of that name, or a failure. */
+static const float *plane_of(const bis_film *f, const char *name, float *planes)
+{
+    bis_channel channels[BIS_FILM_MAX_CHANNELS];
+    int n = bis_film_layers(f, channels, planes);
+    for (int i = 0; i < n; i++)
+        if (strcmp(channels[i].name, name) == 0) return channels[i].data;
+    fail_msg("no channel \"%s\"", name);
+    return NULL;
+}
+
+static float *new_planes(const bis_film *f)
+{
+    float *planes = bis_alloc((size_t)f->width * (size_t)f->height, BIS_FILM_MAX_CHANNELS * sizeof *planes);
+    assert_non_null(planes);
+    return planes;
+}
+
+static double sum_of(const float *plane, const bis_film *f)
+{
+    double sum = 0;
+    for (int i = 0; i < f->width * f->height; i++) sum += (double)plane[i];
+    return sum;
+}
+
+/* --- names --------------------------------------------------------------------------------------------------------- */
+
+static void every_layer_is_found_by_its_name_and_all_are_all(void **state)
+{
+    (void)state;
+    unsigned all = 0, together = 0;
+    for (int i = 0; i < BIS_N_LAYERS; i++) {
+        unsigned set = 0;
+        assert_true(bis_layers_include(&set, bis_layer_name((bis_layer)i)));
+        assert_int_equal(set, 1u << i);
+        together |= set;
+    }
+    assert_true(bis_layers_include(&all, "all"));
+    assert_int_equal(all, together);
+    assert_false(bis_layers_include(&all, "Albedo"));
+    assert_string_equal(bis_layer_nearest("Albedo"), "albedo");
+    assert_null(bis_layer_nearest("motion"));
+}
+
+static void channels_have_names_that_an_EXR_can_hold_and_no_name_twice(void **state)
+{
+    (void)state;
+    bis_film f;
+    bis_channel c[BIS_FILM_MAX_CHANNELS];
+    assert_int_equal(bis_film_init(&f, 1, 1, whole, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_film_want(&f, BIS_LAYERS_ALL, NULL), BIS_OK);
+    f.passes = 2;
+    int n = bis_film_layers(&f, c, NULL);
+    assert_int_equal(n, 3 + 3 + 1 + 1 + 1 + 3 + 1 + 3 + 3 + 1);
+    for (int i = 0; i < n; i++) {
+        assert_true(strlen(c[i].name) < 32); /* what every reader takes */
+        for (int j = 0; j < i; j++) assert_string_not_equal(c[i].name, c[j].name);
+    }
+    bis_film_clear(&f);
+}
+
+/* --- cost ---------------------------------------------------------------------------------------------------------- */
+
+static void without_layers_there_is_no_memory_and_no_channel(void **state)
+{
+    (void)state;
+    world w;
+    bis_film film, asked;
+    bis_render_result result, other;
+    bis_channel channels[BIS_FILM_MAX_CHANNELS];
+    make_world(&w, &noise);
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 2}});
+    render_layers(&asked, &other, &w, whole, 1u << BIS_LAYER_DEPTH, &(bis_render_options){.budget = {.spp = 2}});
+    assert_int_equal(bis_film_layers(&film, channels, NULL), 0);
+    assert_null(film.layers.sum);
+    /* One value: a double in the film, a float in the pass. */
+    assert_int_equal(bis_film_bytes(&asked) - bis_film_bytes(&film), WIDTH * HEIGHT * sizeof(double));
+    assert_int_equal(other.bytes - result.bytes, WIDTH * HEIGHT * sizeof(float));
+    bis_film_clear(&film);
+    bis_film_clear(&asked);
+    clear_world(&w);
+}
+
+static void asking_for_layers_changes_no_bit_of_the_picture_and_no_count(void **state)
+{
+    (void)state;
+    for (int i = 0; bis_integrators[i]; i++) {
+        world w;
+        bis_film plain, layered;
+        bis_render_result a, b;
+        make_world(&w, bis_integrators[i]);
+        render(&plain, &a, &w, whole, &(bis_render_options){.budget = {.spp = 2}});
+        render_layers(&layered, &b, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 2}});
+        assert_same_bits(&plain, &layered);
+        assert_memory_equal(&a.counters, &b.counters, sizeof a.counters);
+        bis_film_clear(&plain);
+        bis_film_clear(&layered);
+        clear_world(&w);
+    }
+}
+
+static void layers_have_the_same_bits_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    world w;
+    bis_film one, many;
+    bis_render_result result;
+    make_world(&w, &bis_sir);
+    render_layers(&one, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 1});
+    render_layers(&many, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 5});
+    assert_memory_equal(one.layers.sum, many.layers.sum, (size_t)one.layers.n_values * WIDTH * HEIGHT * sizeof *one.layers.sum);
+    bis_film_clear(&one);
+    bis_film_clear(&many);
+    clear_world(&w);
+}
+
+/* --- values -------------------------------------------------------------------------------------------------------- */
+
+static void counts_of_pixels_add_up_to_the_counts_of_the_render(void **state)
+{
+    (void)state;
+    for (int i = 0; bis_integrators[i]; i++) {
+        world w;
+        bis_film f;
+        bis_render_result result;
+        make_world(&w, bis_integrators[i]);
+        render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 3}});
+        float *planes = new_planes(&f);
+        assert_true(sum_of(plane_of(&f, "samples.Y", planes), &f) == (double)result.counters.camera_rays);
+        assert_true(sum_of(plane_of(&f, "shadowrays.Y", planes), &f) == (double)result.counters.shadow_rays);
+        assert_true(sum_of(plane_of(&f, "candidates.Y", planes), &f) == (double)result.counters.candidates);
+        bis_free(planes);
+        bis_film_clear(&f);
+        clear_world(&w);
+    }
+}
+
+/* Through pixel centres the floor's depth, normal and albedo are known; the camera stands at z = -3 and looks along +z. */
+static void depth_normal_and_albedo_are_those_of_the_floor(void **state)
+{
+    (void)state;
+    world w;
+    bis_film f;
+    bis_render_result result;
+    make_world(&w, &noise);
+    w.desc.pixel_jitter = false;
+    render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 2}});
+    float *planes = new_planes(&f);
+    const float *z = plane_of(&f, "Z", planes), *up = plane_of(&f, "Ns.Y", planes), *red = plane_of(&f, "Albedo.R", planes),
+                *blue = plane_of(&f, "Albedo.B", planes);
+    for (int x = 0; x < WIDTH; x++) {
+        size_t i = (size_t)((HEIGHT - 1) * WIDTH + x);
+        ray r = bis_camera_ray(&w.desc.camera, WIDTH, HEIGHT, x + 0.5, HEIGHT - 0.5);
+        double t = (-1 - (double)r.o.y) / (double)r.d.y;
+        assert_true(fabs((double)z[i] - t * (double)r.d.z) < 1e-5);
+        assert_true(up[i] == 1);
+        assert_true(red[i] == 0.5f + 0.2f && blue[i] == 0.3f + 0.2f);
+        assert_true(z[x] == 0 && up[x] == 0 && red[x] == 0); /* the sky */
+    }
+    bis_free(planes);
+    bis_film_clear(&f);
+    clear_world(&w);
+}
+
+/* The ball, the camera turned and moved: normals and depths are the camera's. At the ball's nearest point the normal looks back at the camera. */
+static void normals_and_depths_turn_with_the_camera(void **state)
+{
+    (void)state;
+    world w;
+    bis_film f;
+    bis_render_result result;
+    bis_xform look;
+    make_world(&w, &noise);
+    w.desc.pixel_jitter = false;
+    assert_true(bis_xform_look_at(&look, (double[3]){4, 3, -2}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}));
+    w.desc.camera.to_world = bis_xform_inverse(&look);
+    render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 1}});
+    float *planes = new_planes(&f);
+    size_t centre = (HEIGHT / 2) * WIDTH + WIDTH / 2;
+    assert_true(fabs((double)plane_of(&f, "Z", planes)[centre] - (sqrt(29) - 1)) < 1e-5);
+    assert_true(fabs((double)plane_of(&f, "Ns.Z", planes)[centre] + 1) < 1e-5);
+    assert_true(fabs((double)plane_of(&f, "Ns.X", planes)[centre]) < 1e-5);
+    bis_free(planes);
+    bis_film_clear(&f);
+    clear_world(&w);
+}
+
+/* L_ns by the integrator's own road, against integrator `unoccluded`, in the mean over the picture (its standard error is 0.3%), and V = L/L_ns. */
+static void unoccluded_is_L_ns_and_visibility_is_L_over_L_ns(void **state)
+{
+    (void)state;
+    const bis_integrator *const all[] = {&bis_em, &bis_brdf, &bis_mis, &bis_rejection, &bis_sir, &bis_exact};
+    for (int i = 0; i < 6; i++) {
+        world w;
+        bis_film f, open;
+        bis_render_result result;
+        const uint32_t spp = all[i] == &bis_exact ? 2 : 40;
+        make_world(&w, all[i]);
+        w.desc.light.visible = false;
+        w.desc.pixel_jitter = false;
+        w.desc.settings.samples = 16;
+        render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = spp}});
+        w.desc.settings = bis_settings_default(&bis_unoccluded);
+        w.desc.settings.candidates = 64;
+        w.desc.sampler.seed = 7;
+        render(&open, &result, &w, whole, &(bis_render_options){.budget = {.spp = 20}});
+        float *planes = new_planes(&f);
+        const float *L_ns = plane_of(&f, "unoccluded.G", planes), *V = plane_of(&f, "visibility.Y", planes);
+        double mean = 0, expected = 0, hidden = 0;
+        for (size_t k = 0; k < WIDTH * HEIGHT; k++) {
+            mean += (double)L_ns[k];
+            expected += open.sum[3 * k + 1] / open.passes;
+            hidden += V[k] < 0.9f && f.hits[k] > 0;
+            /* Sample by sample L <= L_ns; both are rounded to floats. */
+            assert_true(V[k] >= 0 && V[k] <= 1 + 1e-5f);
+        }
+        assert_true(fabs(mean - expected) < 0.02 * expected);
+        assert_true(hidden > 50); /* below the ball */
+        bis_free(planes);
+        bis_film_clear(&f);
+        bis_film_clear(&open);
+        clear_world(&w);
+    }
+}
+
+/* --- error bars ---------------------------------------------------------------------------------------------------- */
+
+/* One pixel, passes 1 and 3: s = sqrt 2, standard error 1, t(0.975, 1) = tan(0.475 pi) = 12.706. Passes 1, 3, 5: s = 2, 2/sqrt 3, t(0.975, 2) = 4.30265. */
+static void error_bars_are_what_the_formulas_give_by_hand(void **state)
+{
+    (void)state;
+    const double se[2] = {1, 2 / sqrt(3)}, t[2] = {tan(0.475 * PI), 4.302652729911275};
+    bis_film f;
+    float planes[BIS_FILM_MAX_CHANNELS];
+    bis_channel channels[BIS_FILM_MAX_CHANNELS];
+    assert_int_equal(bis_film_init(&f, 1, 1, whole, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_film_want(&f, 1u << BIS_LAYER_STDERR | 1u << BIS_LAYER_INTERVAL, NULL), BIS_OK);
+    for (int n = 1; n <= 3; n++) {
+        bis_film_add(&f, 0, 0, (rgb){(float)(2 * n - 1), 4, 0}, 1);
+        f.passes++;
+        if (n == 1) { /* one pass has no scatter: rather no layer than a wrong one */
+            assert_int_equal(bis_film_layers(&f, channels, planes), 0);
+            continue;
+        }
+        assert_true(fabs((double)plane_of(&f, "stderr.R", planes)[0] - se[n - 2]) < 1e-6);
+        assert_true(fabs((double)plane_of(&f, "interval.R", planes)[0] / (se[n - 2] * t[n - 2]) - 1) < 1e-6);
+        assert_true(plane_of(&f, "stderr.G", planes)[0] == 0 && plane_of(&f, "interval.B", planes)[0] == 0);
+    }
+    bis_film_clear(&f);
+}
+
+typedef struct coverage {
+    double all, inside, inside_normal; /* inside_normal: a twin that takes 1.96 for t */
+} coverage;
+
+/* One film of 1000 pixels of noise about 1, flat and a tent. */
+static void cover(coverage *c, uint64_t seed, int passes)
+{
+    bis_rng rng;
+    bis_film f;
+    bis_channel channels[BIS_FILM_MAX_CHANNELS];
+    float planes[6 * 1000];
+    bis_rng_init(&rng, seed, 0, 0, 0);
+    assert_int_equal(bis_film_init(&f, 1000, 1, whole, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_film_want(&f, 1u << BIS_LAYER_STDERR | 1u << BIS_LAYER_INTERVAL, NULL), BIS_OK);
+    for (int pass = 0; pass < passes; pass++) {
+        for (int i = 0; i < 1000; i++) {
+            double u = bis_rng_double(&rng), v = bis_rng_double(&rng);
+            bis_film_add(&f, i, 0, rgb_from(0.5 + u, u + v, 0), 1); /* flat, and a tent */
+        }
+        f.passes++;
+    }
+    bis_film_layers(&f, channels, planes);
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < 1000; i++) {
+            double error = fabs(f.sum[3 * i + k] / passes - 1);
+            c->all++;
+            c->inside += error <= (double)planes[(3 + k) * 1000 + i];
+            c->inside_normal += error <= 1.96 * (double)planes[k * 1000 + i];
+        }
+    }
+    bis_film_clear(&f);
+}
+
+static void intervals_cover_93_to_97_percent_of_pixels_from_four_passes_on(void **state)
+{
+    (void)state;
+    for (int passes = 4; passes <= 64; passes *= 2) {
+        coverage c = {0};
+        for (uint64_t seed = 1; seed <= 10; seed++) cover(&c, seed, passes);
+        double share = c.inside / c.all, twin = c.inside_normal / c.all;
+        if (!(share > 0.93 && share < 0.97)) fail_msg("%d passes: %g", passes, share);
+        if (passes == 4 && twin > 0.93) fail_msg("1.96 standard errors of 4 passes cover %g", twin);
+    }
+}
+
+/* In a rendered picture: independent passes of sir, the truth from 4000 of another seed. */
+static void intervals_cover_93_to_97_percent_of_a_rendered_picture(void **state)
+{
+    (void)state;
+    world w;
+    bis_film truth, f;
+    bis_render_result result;
+    const double crop[4] = {0.35, 0.7, 0.4, 0.8};
+    double all = 0, inside = 0;
+    make_world(&w, &bis_sir);
+    w.desc.sampler.kind = BIS_SAMPLER_RANDOM;
+    w.desc.pixel_jitter = false;
+    w.desc.settings.shadowrays = 8;
+    w.desc.sampler.seed = 1000;
+    render(&truth, &result, &w, crop, &(bis_render_options){.budget = {.spp = 3000}});
+    for (uint64_t seed = 1; seed <= 30; seed++) {
+        w.desc.sampler.seed = seed;
+        render_layers(&f, &result, &w, crop, 1u << BIS_LAYER_INTERVAL, &(bis_render_options){.budget = {.spp = 32}});
+        float *planes = new_planes(&f);
+        bis_channel channels[BIS_FILM_MAX_CHANNELS];
+        const size_t n = (size_t)f.width * (size_t)f.height;
+        bis_film_layers(&f, channels, planes);
+        for (size_t i = 0; i < n; i++) {
+            for (size_t k = 0; k < 3; k++) {
+                if (planes[k * n + i] == 0) continue; /* black or the sky */
+                all++;
+                inside += fabs(f.sum[3 * i + k] / f.passes - truth.sum[3 * i + k] / truth.passes) <= (double)planes[k * n + i];
+            }
+        }
+        bis_free(planes);
+        bis_film_clear(&f);
+    }
+    if (!(inside / all > 0.93 && inside / all < 0.97)) fail_msg("%g of %g", inside / all, all);
+    bis_film_clear(&truth);
+    clear_world(&w);
+}
+
+/* --- memory -------------------------------------------------------------------------------------------------------- */
+
+static void every_failing_allocation_is_reported_and_leaves_nothing(void **state)
+{
+    (void)state;
+    world w;
+    make_world(&w, &noise);
+    for (long k = 1;; k++) {
+        bis_film f = {0};
+        bis_render_result result;
+        bis_mem_fail_at(k);
+        bis_status status = bis_film_init(&f, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL);
+        if (!status) status = bis_film_want(&f, BIS_LAYERS_ALL, NULL);
+        if (!status) status = bis_render(&result, &f, &w.scene, &w.desc, &(bis_render_options){.budget = {.spp = 1}}, NULL);
+        bis_mem_fail_at(0);
+        bis_film_clear(&f);
+        if (status == BIS_OK) {
+            assert_true(k > 7);
+            break;
+        }
+        assert_int_equal(status, BIS_NOMEM);
+    }
+    clear_world(&w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_layer_is_found_by_its_name_and_all_are_all),
+        cmocka_unit_test(channels_have_names_that_an_EXR_can_hold_and_no_name_twice),
+        cmocka_unit_test(without_layers_there_is_no_memory_and_no_channel),
+        cmocka_unit_test(asking_for_layers_changes_no_bit_of_the_picture_and_no_count),
+        cmocka_unit_test(layers_have_the_same_bits_for_any_number_of_threads),
+        cmocka_unit_test(counts_of_pixels_add_up_to_the_counts_of_the_render),
+        cmocka_unit_test(depth_normal_and_albedo_are_those_of_the_floor),
+        cmocka_unit_test(normals_and_depths_turn_with_the_camera),
+        cmocka_unit_test(unoccluded_is_L_ns_and_visibility_is_L_over_L_ns),
+        cmocka_unit_test(error_bars_are_what_the_formulas_give_by_hand),
+        cmocka_unit_test(intervals_cover_93_to_97_percent_of_pixels_from_four_passes_on),
+        cmocka_unit_test(intervals_cover_93_to_97_percent_of_a_rendered_picture),
+        cmocka_unit_test(every_failing_allocation_is_reported_and_leaves_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
