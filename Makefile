@@ -21,7 +21,7 @@ $(if $(OPENMP),,$(info bis: $(CC) has no OpenMP; one thread))
 endif
 
 # Dialect. The two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. Never -ffast-math.
-DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno-trapping-math
+DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno-trapping-math -ffp-contract=off
 WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
 OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION))
@@ -48,11 +48,12 @@ bis: $B/bis
 	@cp -f $< $@
 
 # LINK: objects, then what they need.
-LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
+LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^)
 $B/bis: $B/src/main.o $(LIB)
 	$(LINK) $(LIBS)
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
+$B/bench_error $B/bench_cost: $B/scripts/measure.o
 $(TOOLS): $B/%: $B/scripts/%.o $(LIB)
 	$(LINK) $(LIBS)
 $B/tests/%: $B/tests/%.o $(SUPPORT) $(LIB)

@@ -6,13 +6,13 @@ cd "${1:-.}" || exit 1
 exec awk '
 BEGIN {
     rows = "0 status mem vec file xform stats version grow names errata;" \
-           "1 rng sampler warp weights cdf alias marsaglia curve;" \
-           "2 image image_* layers envmap envmap_* importance importance_* regions light light_* pool bsdf phong;" \
+           "1 rng sampler warp weights cdf alias marsaglia curve lanes;" \
+           "2 image image_* layers envmap envmap_* importance importance_* regions light light_* pool bsdf phong phong_* microfacet;" \
            "3 geometry mesh mesh_* surface quadric triangle rounding camera accel grid grid_* embree embree_* point;" \
-           "4 integrator em brdf mis pool candidates proposal rejection sir exact unoccluded;" \
+           "4 integrator em brdf mis pool candidates resample batch proposal rejection sir exact unoccluded;" \
            "5 scene scene_* plan lexer parser parser_* ply ply_* obj obj_*;" \
-           "6 film film_* render gather compare verify verify_* canvas palette;" \
-           "7 cli cli_* cmd_* survey survey_* describe json main"
+           "6 film film_* render gather compare verify verify_* pixel pixel_* canvas palette;" \
+           "7 cli cli_* cmd_* survey survey_* pixel_report pixel_files describe json main"
     n = split(rows, row, ";")
     for (i = 1; i <= n; i++) {
         m = split(row[i], word, " ")

@@ -16,6 +16,18 @@ bis_status bis_accel_new(bis_accel **out, const bis_geometry *g, const bis_accel
     return bis_grid_new(out, g, options->density, options->n_threads, diag);
 }
 
+void bis_accel_occluded_many(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded)
+{
+    if (a && a->ops->occluded_many) {
+        a->ops->occluded_many(a, o, d, n, occluded);
+        return;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        const ray r = {o, d[i], INFINITY};
+        occluded[i] = bis_accel_occluded(a, &r);
+    }
+}
+
 void bis_accel_free(bis_accel *a)
 {
     if (a) a->ops->free(a);

@@ -18,15 +18,10 @@
 #include "candidates.h"
 
 #include "proposal.h"
+#include "resample.h"
 
-#include "bis/curve.h"
 
 /* ---- the proposal ---- */
-
-typedef struct mixture {
-    uint32_t n_em, n_brdf;
-    double beta; /* q = beta q_L + (1 - beta) q_f */
-} mixture;
 
 /* c_em and c_brdf of figure 4.4. */
 double bis_candidates_bound(const bis_point *pt, bis_proposal proposal)
@@ -50,9 +45,9 @@ static double share_of_brdf(uint32_t M, const bis_point *pt)
 
 /* Who draws how many. Under a constant light q_f alone is the product, nearly. A specular lobe always gets a candidate, a diffuse surface none where its share
  * rounds to 0. M = 1 cannot be divided: its technique is drawn, with the same density of the mixture. */
-static mixture divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bis_stream *stream)
+bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bis_stream *stream)
 {
-    const mixture em = {M, 0, 1}, brdf = {0, M, 0};
+    const bis_mixture em = {M, 0, 1}, brdf = {0, M, 0};
 
     if (proposal == BIS_PROPOSAL_EM) return em;
     if (proposal == BIS_PROPOSAL_BRDF || bis_light_is_constant(pt->light)) return brdf;
@@ -60,10 +55,10 @@ static mixture divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bi
     double share = share_of_brdf(M, pt);
     if (M == 1) {
         uint32_t n_brdf = bis_stream_random(stream) < share;
-        return (mixture){1 - n_brdf, n_brdf, 1 - share};
+        return (bis_mixture){1 - n_brdf, n_brdf, 1 - share};
     }
     uint32_t n_brdf = (uint32_t)fmax(pt->bsdf.p_specular > 0, fmin(round(share * M), M - 1));
-    return (mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};
+    return (bis_mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};
 }
 
 unsigned bis_candidates_light_needs(bis_proposal proposal, bool stratify)
@@ -162,21 +157,20 @@ static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double be
     c->w = rgbd_sum(c->C);
 }
 
-/* n of the M directions of a set, n <= M: every (M/n)-th along the curve, from a random phase, so that each has the same chance and the n are as
- * evenly spread as the M. In integers of 2^-32 of a direction: exact, and below M, since M, n <= 2^14. */
-static uint32_t one_of_set(uint32_t i, uint32_t n, uint32_t M, uint32_t phase)
+/* n of the M directions of a set: n_brdf = M - n of them, evenly spread, are left out. */
+static void candidates_from_pool(bis_candidate *c, const bis_mixture *m, const bis_pool *pool, const bis_point *pt, bis_stream *stream)
 {
-    return (uint32_t)((((uint64_t)i << 32 | phase) * M / n) >> 32);
-}
-
-static void candidates_from_pool(bis_candidate *c, uint32_t n, double beta, const bis_pool *pool, const bis_point *pt, bis_stream *stream)
-{
-    const bis_light_point *set = bis_pool_choose(pool, &stream->rng);
+    const bis_light_point *set = bis_pool_set(pool, bis_pool_choose(pool, &stream->rng));
     const uint32_t phase = (uint32_t)(bis_rng_u64(&stream->rng) >> 32);
+    uint32_t n = 0, left_out = 0;
 
-    for (uint32_t i = 0; i < n; i++) {
-        c[i] = (bis_candidate){.w = 0};
-        weigh_em(&c[i], pt, &set[one_of_set(i, n, pool->M, phase)], beta);
+    for (uint32_t i = 0; i < pool->M; i++) {
+        if (left_out < m->n_brdf && i == bis_one_of_set(left_out, m->n_brdf, pool->M, phase)) {
+            left_out++;
+            continue;
+        }
+        c[n] = (bis_candidate){.w = 0};
+        weigh_em(&c[n++], pt, &set[i], m->beta);
     }
 }
 
@@ -206,9 +200,9 @@ double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, 
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return 0;
     pt->counters->candidates += M;
 
-    const mixture m = divide(M, proposal, pt, stream);
+    const bis_mixture m = bis_candidates_divide(M, proposal, pt, stream);
     if (m.n_em && pool) {
-        candidates_from_pool(c, m.n_em, m.beta, pool, pt, stream);
+        candidates_from_pool(c, &m, pool, pt, stream);
     } else {
         candidates_from_em(c, m.n_em, m.beta, stratify, pt, stream);
     }
@@ -245,35 +239,15 @@ void bis_candidates_colour_as_printed(bis_candidate *c, uint32_t M, double W)
 
 /* ---- resampling ---- */
 
-/* N marks in [0,1], ascending. */
-typedef struct marks {
-    bis_resampling kind;
-    uint32_t N, j;
-    double offset;   /* systematic: mark j = (j + offset)/N */
-    double log_rest; /* multinomial: log(1 - mark) */
-} marks;
-
-/* Systematic: one number for all. Multinomial: the order statistics of N independent uniforms, made in order (Bentley and Saxe 1980): of the
- * N - j that lie above mark t, the smallest leaves a fraction (1-u)^(1/(N-j)) of 1 - t above itself. */
-static double next_mark(marks *m, bis_stream *stream)
-{
-    uint32_t j = m->j++;
-
-    if (m->kind == BIS_RESAMPLING_SYSTEMATIC) return bis_stratum(j, m->offset, m->N);
-    m->log_rest += log1p(-bis_stream_random(stream)) / (double)(m->N - j);
-    return -expm1(m->log_rest);
-}
-
 /* A walk along the running sum S of the weights, the same sum in the same order that made W. A mark at 1 would lie at W, which no S exceeds: it belongs
  * to the last candidate with a positive weight, never to the last of all. */
 void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W, bis_resampling resampling, bis_stream *stream)
 {
-    marks m = {.kind = resampling, .N = N};
+    bis_marks marks = bis_marks_start(resampling, N, stream);
     uint32_t j = 0, last = 0;
     double S = 0;
 
-    if (resampling == BIS_RESAMPLING_SYSTEMATIC) m.offset = bis_stream_random(stream);
-    double mark = next_mark(&m, stream) * W;
+    double mark = bis_marks_next(&marks, stream) * W;
     for (uint32_t i = 0; i < M; i++) {
         if (c[i].w <= 0) continue;
         S += c[i].w;
@@ -281,7 +255,7 @@ void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *
         while (mark < S) {
             chosen[j++] = i;
             if (j == N) return;
-            mark = next_mark(&m, stream) * W;
+            mark = bis_marks_next(&marks, stream) * W;
         }
     }
     while (j < N) chosen[j++] = last;

@@ -15,6 +15,21 @@ double bis_candidates_bound(const bis_point *pt, bis_proposal proposal);
 /* The size of the pool's sets that these settings ask for, 0: none. */
 uint32_t bis_candidates_pool_needs(const bis_settings *s);
 
+/* Who draws how many of the M candidates, and the density of what comes out: q = beta q_L + (1 - beta) q_f. */
+typedef struct bis_mixture {
+    uint32_t n_em, n_brdf;
+    double beta;
+} bis_mixture;
+
+bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bis_stream *stream);
+
+/* Number i of n directions evenly spread over a set of M: every (M/n)-th from a random phase, so that each has the same chance. In integers of
+ * 2^-32 of a direction: exact, and below M, since n <= M <= 2^14. */
+static inline uint32_t bis_one_of_set(uint32_t i, uint32_t n, uint32_t M, uint32_t phase)
+{
+    return (uint32_t)((((uint64_t)i << 32 | phase) * M / n) >> 32);
+}
+
 /* Draw c[M] from the proposal (em, brdf or mix), in the order of a space-filling curve when stratify. Returns W, the sum of the weights,
  * 0 when there is no light or no reflection. pool: sets of M stratified directions from the map, or NULL: the point draws its own. The mean of C over the candidates estimates L_ns (eq. 4.5) in RGB, W/M its intensity. */
 double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_pool *pool, const bis_point *pt,

@@ -112,6 +112,50 @@ static bool occluded(const bis_accel *a, const ray *r)
     return query.tfar < 0; /* -inf: occluded */
 }
 
+/* Shadow rays from one point: in streams of up to 64 (Embree 3), or packets of 16 (Embree 4 has no streams). */
+#if BIS_EMBREE == 4
+static void occluded_many(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded)
+{
+    const bis_embree *embree = (const bis_embree *)a;
+    enum { PACKET = 16 };
+
+    for (uint32_t first = 0; first < n; first += PACKET) {
+        const uint32_t count = n - first < PACKET ? n - first : PACKET;
+        struct RTCRay16 packet;
+        int valid[PACKET] = {0};
+        for (uint32_t i = 0; i < PACKET; i++) {
+            const ray r = {o, d[first + (i < count ? i : 0)], INFINITY};
+            const struct RTCRay q = query_ray(&r);
+            valid[i] = i < count ? -1 : 0;
+            packet.org_x[i] = q.org_x, packet.org_y[i] = q.org_y, packet.org_z[i] = q.org_z, packet.tnear[i] = q.tnear;
+            packet.dir_x[i] = q.dir_x, packet.dir_y[i] = q.dir_y, packet.dir_z[i] = q.dir_z, packet.tfar[i] = q.tfar;
+            packet.mask[i] = q.mask, packet.time[i] = 0, packet.id[i] = i, packet.flags[i] = 0;
+        }
+        rtcOccluded16(valid, embree->scene, &packet, NULL);
+        for (uint32_t i = 0; i < count; i++) occluded[first + i] = packet.tfar[i] < 0;
+    }
+}
+#else
+static void occluded_many(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded)
+{
+    const bis_embree *embree = (const bis_embree *)a;
+    enum { STREAM = 64 };
+    struct RTCRay stream[STREAM];
+    struct RTCIntersectContext context;
+
+    rtcInitIntersectContext(&context);
+    for (uint32_t first = 0; first < n; first += STREAM) {
+        const uint32_t count = n - first < STREAM ? n - first : STREAM;
+        for (uint32_t i = 0; i < count; i++) {
+            const ray r = {o, d[first + i], INFINITY};
+            stream[i] = query_ray(&r);
+        }
+        rtcOccluded1M(embree->scene, &context, stream, count, sizeof *stream);
+        for (uint32_t i = 0; i < count; i++) occluded[first + i] = stream[i].tfar < 0;
+    }
+}
+#endif
+
 /* ---- quadrics: Embree's "user geometry" ---- */
 
 static void quadric_bounds(const struct RTCBoundsFunctionArguments *args)
@@ -124,7 +168,7 @@ static void quadric_bounds(const struct RTCBoundsFunctionArguments *args)
                                          .upper_x = box.hi.x, .upper_y = box.hi.y, .upper_z = box.hi.z};
 }
 
-/* Queries are single rays (N = 1). The range's far end belongs to it: hence the float behind tfar. */
+/* The range's far end belongs to it: hence the float behind tfar. */
 static bool quadric_hit(const bis_embree *embree, uint32_t prim, const struct RTCRay *query, float *t)
 {
     const ray r = {{query->org_x, query->org_y, query->org_z}, {query->dir_x, query->dir_y, query->dir_z},
@@ -145,12 +189,19 @@ static void quadric_intersect(const struct RTCIntersectFunctionNArguments *args)
     query->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
+/* Rays come in packets, too: N of them, as arrays of N one behind the other. Embree's header has accessors for C++ alone. */
 static void quadric_occluded(const struct RTCOccludedFunctionNArguments *args)
 {
-    struct RTCRay *query = (struct RTCRay *)args->ray;
-    float t;
+    enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR };
+    const unsigned N = args->N;
 
-    if (args->valid[0] && quadric_hit(args->geometryUserPtr, args->primID, query, &t)) query->tfar = -INFINITY;
+    for (unsigned i = 0; i < N; i++) {
+        if (!args->valid[i]) continue;
+        float *f = (float *)args->ray + i, t;
+        const struct RTCRay query = {.org_x = f[ORG_X * N], .org_y = f[ORG_Y * N], .org_z = f[ORG_Z * N], .tnear = f[TNEAR * N],
+                                     .dir_x = f[DIR_X * N], .dir_y = f[DIR_Y * N], .dir_z = f[DIR_Z * N], .tfar = f[TFAR * N]};
+        if (quadric_hit(args->geometryUserPtr, args->primID, &query, &t)) f[TFAR * N] = -INFINITY;
+    }
 }
 
 /* ---- construction ---- */
@@ -259,7 +310,7 @@ static void free_embree(bis_accel *a)
     bis_free(embree);
 }
 
-static const bis_accel_ops embree_ops = {"embree", intersect, occluded, bytes, free_embree};
+static const bis_accel_ops embree_ops = {"embree", intersect, occluded, bytes, free_embree, occluded_many};
 
 bis_status bis_embree_new(bis_accel **out, const bis_geometry *g, int n_threads, bis_diag *diag)
 {

@@ -369,7 +369,7 @@ static void free_grid(bis_accel *a)
     bis_free(g);
 }
 
-static const bis_accel_ops grid_ops = {"grid", bis_grid_intersect, bis_grid_occluded, bytes, free_grid};
+static const bis_accel_ops grid_ops = {"grid", bis_grid_intersect, bis_grid_occluded, bytes, free_grid, NULL};
 
 static int threads_of(int wanted)
 {

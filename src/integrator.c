@@ -1,6 +1,8 @@
 /* integrator: which estimators there are, the defaults and limits of their parameters, and a thread's workspace. */
 #include "bis/integrator.h"
 
+#include "batch.h"
+
 #include "bis/mem.h"
 
 #include <string.h>
@@ -31,6 +33,7 @@ bis_settings bis_settings_default(const bis_integrator *integrator)
         .split = 0.5,
         .compensate = false,
         .stratify = true,
+        .vectorize = true,
     };
 }
 
@@ -92,10 +95,11 @@ bis_status bis_scratch_init(bis_scratch *scratch, const bis_settings *s, bis_dia
 {
     *scratch = (bis_scratch){.n_points = 0};
     s->integrator->scratch_needs(s, scratch);
+    if (scratch->wants_batch) scratch->batch = bis_batch_new(scratch->n_candidates, scratch->n_chosen);
     scratch->candidates = bis_alloc(scratch->n_candidates, sizeof *scratch->candidates);
     scratch->u = bis_alloc(scratch->n_points, sizeof *scratch->u);
     scratch->chosen = bis_alloc(scratch->n_chosen, sizeof *scratch->chosen);
-    if (scratch->candidates && scratch->u && scratch->chosen) return BIS_OK;
+    if (scratch->candidates && scratch->u && scratch->chosen && (scratch->batch || !scratch->wants_batch)) return BIS_OK;
 
     const bis_scratch need = *scratch;
     bis_scratch_clear(scratch);
@@ -109,5 +113,15 @@ void bis_scratch_clear(bis_scratch *scratch)
     bis_free(scratch->candidates);
     bis_free(scratch->u);
     bis_free(scratch->chosen);
+    bis_batch_free(scratch->batch);
     *scratch = (bis_scratch){.n_points = 0};
+}
+
+size_t bis_scratch_bytes(const bis_settings *s)
+{
+    bis_scratch need = {.n_points = 0};
+
+    s->integrator->scratch_needs(s, &need);
+    const size_t batch = need.wants_batch ? bis_batch_bytes(need.n_candidates, need.n_chosen) : 0;
+    return batch + need.n_candidates * sizeof *need.candidates + need.n_points * sizeof *need.u + need.n_chosen * sizeof *need.chosen;
 }

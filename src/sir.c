@@ -10,6 +10,7 @@
  * it is not. M = N = 1 is plain importance sampling, as the thesis says (E24). No positive weight: 0, part of the mean (E25).
  * Variance (E31): about Var(Zhat) Vbar^2 + L_ns^2 Var(V)/N; where nothing is shadowed, only the first term.
  * Cost: M candidates, at most N rays (repeats are traced once). */
+#include "batch.h"
 #include "candidates.h"
 
 static unsigned light_needs(const bis_settings *s)
@@ -22,6 +23,7 @@ static void scratch_needs(const bis_settings *s, bis_scratch *need)
     need->n_candidates = s->candidates;
     need->n_pool = bis_candidates_pool_needs(s);
     need->n_chosen = s->shadowrays;
+    need->wants_batch = bis_batch_wanted(s);
 }
 
 /* Zhat from other candidates than those that are resampled (E21): M new ones, by a stream of their own. */
@@ -38,6 +40,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     const uint32_t M = s->candidates, N = s->shadowrays;
     bis_candidate *x = scratch->candidates;
 
+    if (bis_batch_fits(pt, scratch)) return bis_batch_Lo(s, pt, stream, scratch); /* the same, faster */
     double W = bis_candidates_draw(x, M, s->proposal, s->stratify, scratch->pool, pt, stream);
     if (W <= 0) return (rgb){0, 0, 0};
     if (s->as_printed & BIS_E23) W = bis_candidates_weigh_as_printed(x, M, s->proposal, pt);

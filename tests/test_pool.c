@@ -38,7 +38,7 @@ static void directions_of_a_set_have_the_density_of_the_light(void **state)
     bis_pool pool;
 
     (void)state;
-    assert_int_equal(bis_pool_init(&pool, M, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&pool, M, false, NULL), BIS_OK);
     assert_int_equal(pool.n_sets, 256);
     for (uint32_t fill = 0; fill < FILLS; fill++) {
         bis_pool_fill(&pool, light, SEED, fill, 2);
@@ -70,7 +70,7 @@ static void run_with_pools(stat_moments m[4], lit *l, const bis_settings *s, voi
     for (int c = 0; c < 4; c++) m[c] = (stat_moments){0};
     assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
     assert_int_equal(scratch.n_pool, s->candidates);
-    assert_int_equal(bis_pool_init(&pool, scratch.n_pool, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&pool, scratch.n_pool, scratch.batch != NULL, NULL), BIS_OK);
     scratch.pool = &pool;
     for (uint32_t run = 0; run < RUNS; run++) {
         rgbd sum = {0, 0, 0};
@@ -149,11 +149,12 @@ static void a_pool_is_a_function_of_seed_and_pass_alone(void **state)
     bis_pool a, b;
 
     (void)state;
-    assert_int_equal(bis_pool_init(&a, M, NULL), BIS_OK);
-    assert_int_equal(bis_pool_init(&b, M, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&a, M, true, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&b, M, true, NULL), BIS_OK);
     bis_pool_fill(&a, light, 1, 5, 1);
     bis_pool_fill(&b, light, 1, 5, 3);
-    assert_memory_equal(a.y, b.y, bis_pool_bytes(&a));
+    assert_memory_equal(a.y, b.y, (size_t)a.n_sets * M * sizeof *a.y);
+    assert_memory_equal(a.lanes, b.lanes, bis_pool_bytes(&a) - (size_t)a.n_sets * M * sizeof *a.y);
     bis_pool_fill(&b, light, 1, 6, 1);
     assert_memory_not_equal(a.y, b.y, sizeof *a.y * M);
     bis_pool_fill(&b, light, 2, 5, 1);
@@ -169,14 +170,14 @@ static void sets_become_fewer_as_they_become_larger(void **state)
     static const uint32_t M[] = {1, 800, 1024, 1600, BIS_POOL_MAX_SET}, sets[] = {256, 256, 256, 163, 16};
     for (int i = 0; i < 5; i++) {
         bis_pool p;
-        assert_int_equal(bis_pool_init(&p, M[i], NULL), BIS_OK);
+        assert_int_equal(bis_pool_init(&p, M[i], false, NULL), BIS_OK);
         assert_int_equal(p.n_sets, sets[i]);
         bis_pool_clear(&p);
     }
     bis_pool p;
     bis_diag diag = {0};
     bis_mem_fail_at(1);
-    assert_int_equal(bis_pool_init(&p, 8, &diag), BIS_NOMEM);
+    assert_int_equal(bis_pool_init(&p, 8, true, &diag), BIS_NOMEM);
     bis_mem_fail_at(0);
     assert_int_equal(diag.n_errors, 1);
     bis_diag_clear(&diag);

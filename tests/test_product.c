@@ -246,7 +246,7 @@ static void run_pooled(stat_moments m[4], lit *l, const bis_settings *s, uint32_
 
     for (int i = 0; i < 4; i++) m[i] = (stat_moments){0};
     assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
-    assert_int_equal(bis_pool_init(&pool, scratch.n_pool, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&pool, scratch.n_pool, scratch.batch != NULL, NULL), BIS_OK);
     pool.n_sets = 1;
     scratch.pool = &pool;
     for (uint32_t run = 0; run < runs; run++) {

@@ -22,6 +22,7 @@ typedef struct bis_accel_ops {
     bool (*occluded)(const bis_accel *a, const ray *r);
     size_t (*bytes)(const bis_accel *a);
     void (*free)(bis_accel *a);
+    void (*occluded_many)(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded); /* NULL: one by one */
 } bis_accel_ops;
 
 /* Backends embed this as their first member. */
@@ -50,6 +51,9 @@ static inline bool bis_accel_intersect(const bis_accel *a, const ray *r, bis_hit
 }
 /* Any hit in (0, r->tmax)? */
 static inline bool bis_accel_occluded(const bis_accel *a, const ray *r) { return a && a->ops->occluded(a, r); }
+/* The same for n rays from o without end, directions d[n]: occluded[n]. May be faster than one by one. */
+void bis_accel_occluded_many(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded);
+
 static inline const char *bis_accel_name(const bis_accel *a) { return a ? a->ops->name : "none"; }
 static inline size_t bis_accel_bytes(const bis_accel *a) { return a ? a->ops->bytes(a) : 0; }
 

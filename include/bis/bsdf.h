@@ -1,19 +1,22 @@
 /* bsdf: the material at one point seen from one direction: f, sample, pdf. Integrators know this interface alone; the models
- * (phong.h) plug in behind it by a const struct of functions. */
+ * (phong.h, microfacet.h) plug in behind it by a const struct of functions. */
 #ifndef BIS_BSDF_H
 #define BIS_BSDF_H
 
+#include "bis/lanes.h"
 #include "bis/vec.h"
 
 #include <stdbool.h>
 
 typedef struct bis_bsdf_model bis_bsdf_model;
+typedef struct bis_bsdf_lanes bis_bsdf_lanes;
 
-/* A material, constant over a surface. Ks, Kd in [0,1] per channel; exponent finite, >= 0. */
+/* A material, constant over a surface. Ks, Kd in [0,1] per channel; what a model has no use for is 0. */
 typedef struct bis_material {
     const bis_bsdf_model *model;
     rgb Kd, Ks;
-    double exponent;
+    double exponent; /* phong: finite, >= 0 */
+    double alpha;    /* microfacet: in [1e-4, 1] */
 } bis_material;
 
 /* The material at a point, for one wo: what is the same for all wi is computed once. */
@@ -21,9 +24,9 @@ typedef struct bis_bsdf {
     const bis_material *material;
     frame local;       /* z = shading normal, on wo's side as far as smooth normals allow */
     vec3 wo;
-    vec3 r;            /* wo mirrored about the normal: the Phong lobe's axis */
+    vec3 r;            /* wo mirrored about the normal: where the specular lobe is, phong's axis */
     frame lobe;        /* z = r */
-    double p_specular; /* probability of drawing from the specular lobe (docs/errata.md E35) */
+    double p_specular; /* probability of drawing from the specular lobe: sample does so where u0 < p_specular (docs/errata.md E35) */
 } bis_bsdf;
 
 /* All functions of a model. wi, wo unit, world space, away from the surface. */
@@ -36,6 +39,22 @@ struct bis_bsdf_model {
     rgb (*f_pdf)(const bis_bsdf *b, vec3 wi, double *pdf);
     double (*max_f_cos)(const bis_bsdf *b);
     double (*max_ratio)(const bis_bsdf *b);
+    bool of_half_vector; /* the lobe is a bump over the half vector, about the normal; else over wi, about r. For quadrature (src/verify_bsdf.c) */
+    const bis_bsdf_lanes *lanes; /* the same for many directions at once; NULL: not written, all goes one by one */
+};
+
+/* What resampling (src/batch.c) asks of a material for n directions at once; arrays hold whole blocks, and are read and written to the last one's end. The material
+ * is not black. */
+struct bis_bsdf_lanes {
+    /* w = phat/q, phat = f cos (Le.r + Le.g + Le.b), q = beta q_L + (1 - beta) q_f, q_f the density of bis_bsdf_sample; 0 below the horizon.
+     * In units of the result times the light's mean radiance: materials and maps of any size fit into floats. */
+    double (*weigh)(float *w, const bis_bsdf *b, const bis_lanes *y, uint32_t n, double beta);
+
+    /* r, g, b of y, radiance, become the shares of the three channels in f Le: F/phat of eq. 4.6, sum 1, or 0 where nothing is reflected. */
+    void (*colour)(const bis_bsdf *b, const bis_lanes *y, uint32_t n);
+
+    /* x, y, z of y: directions drawn by bis_propose_brdf at the points (u1, u2) in [0,1)^2. */
+    void (*sample)(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n);
 };
 
 /* n: unit shading normal, wo: unit. */

@@ -17,6 +17,7 @@ typedef enum bis_estimator { BIS_ESTIMATOR_RATIO, BIS_ESTIMATOR_PLAIN } bis_esti
 typedef enum bis_fallback { BIS_FALLBACK_RESAMPLE, BIS_FALLBACK_SUBSET, BIS_FALLBACK_UNOCCLUDED } bis_fallback;
 
 typedef struct bis_integrator bis_integrator;
+typedef struct bis_batch bis_batch; /* src/batch.h */
 
 /* The parameters of all integrators (SPEC 3); each reads its own. */
 typedef struct bis_settings {
@@ -33,6 +34,7 @@ typedef struct bis_settings {
     double split;    /* mis: the EM's share */
     bool compensate; /* mis */
     bool stratify;   /* sir */
+    bool vectorize;  /* sir: many candidates at once where that is possible (src/batch.c) */
     unsigned as_printed; /* all: BIS_E*, equations to follow to the letter; 0: none */
 } bis_settings;
 
@@ -50,6 +52,8 @@ typedef struct bis_scratch {
     double (*u)[2];            /* [n_points] */
     uint32_t *chosen;          /* [n_chosen] */
     uint32_t n_candidates, n_points, n_chosen;
+    bis_batch *batch;     /* NULL: candidates one by one */
+    bool wants_batch;
     uint32_t n_pool;      /* stratified directions from the map that a point asks for; 0: none */
     const bis_pool *pool; /* shared by all threads, borrowed; NULL: each point draws its own */
 } bis_scratch;
@@ -83,5 +87,8 @@ const char *bis_proposal_name(bis_proposal p);
 
 bis_status bis_scratch_init(bis_scratch *scratch, const bis_settings *s, bis_diag *diag);
 void bis_scratch_clear(bis_scratch *scratch);
+
+/* Bytes that a thread's workspace takes with these settings. */
+size_t bis_scratch_bytes(const bis_settings *s);
 
 #endif

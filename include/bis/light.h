@@ -73,6 +73,13 @@ double bis_light_pdf(const bis_light *light, vec3 wi);
 /* Radiance and density at once: one lookup instead of two, the same bits. */
 rgb bis_light_Le_pdf(const bis_light *light, vec3 wi, double *pdf);
 
+/* Mean radiance over the sphere, r+g+b: the unit of a bis_lanes' r, g, b. */
+double bis_light_mean(const bis_light *light);
+
+/* bis_light_Le_pdf for n directions at once: fills r, g, b, q_L of y from its x, y, z, which may be off by a microradian (bis_envmap_pixels). pixel[]: workspace for n,
+ * whole blocks. A map with an importance, not black. */
+void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n);
+
 /* Bounds for rejection: the largest I/pdf, and the largest I, I = r+g+b. */
 double bis_light_max_ratio(const bis_light *light);
 double bis_light_max_intensity(const bis_light *light);

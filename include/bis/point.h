@@ -34,4 +34,7 @@ static inline bool bis_point_sees(const bis_point *pt, vec3 wi)
     return !bis_accel_occluded(pt->accel, &r);
 }
 
+/* The same for n directions: sees[n]. Rays that share their origin are cheaper together. */
+void bis_point_sees_many(const bis_point *pt, const vec3 *wi, uint32_t n, bool *sees);
+
 #endif

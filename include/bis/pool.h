@@ -7,6 +7,7 @@
 #ifndef BIS_POOL_H
 #define BIS_POOL_H
 
+#include "bis/lanes.h"
 #include "bis/light.h"
 #include "bis/rng.h"
 #include "bis/status.h"
@@ -19,20 +20,24 @@
 typedef struct bis_pool {
     uint32_t n_sets, M;
     bis_light_point *y; /* y[n_sets][M]: each set along the light's curve, one direction in each M-th of its importance */
+    float *lanes;       /* lanes[n_sets][BIS_LANES_ARRAYS][M, whole blocks]: the same for src/batch.c; NULL: not asked for */
 } bis_pool;
 
 /* Room for sets of M directions, 1 <= M <= BIS_POOL_MAX_SET: 256 of them, fewer where that would be over 2^18 directions, 8 MiB. Errors: BIS_NOMEM. */
-bis_status bis_pool_init(bis_pool *p, uint32_t M, bis_diag *diag);
+bis_status bis_pool_init(bis_pool *p, uint32_t M, bool lanes, bis_diag *diag);
 void bis_pool_clear(bis_pool *p);
 size_t bis_pool_bytes(const bis_pool *p);
 
 /* Draw all sets anew, as a function of (seed, pass). The light must be able to sample its curve, and not be black. */
 void bis_pool_fill(bis_pool *p, const bis_light *light, uint64_t seed, uint32_t pass, int n_threads);
 
-/* One of the sets, y[M], each as probable. */
-static inline const bis_light_point *bis_pool_choose(const bis_pool *p, bis_rng *rng)
+/* The number of a set, each as probable; its directions, y[M]; the same as lanes, filled up with what gives no light. */
+static inline uint32_t bis_pool_choose(const bis_pool *p, bis_rng *rng) { return (uint32_t)bis_rng_below(rng, p->n_sets); }
+static inline const bis_light_point *bis_pool_set(const bis_pool *p, uint32_t set) { return p->y + (size_t)set * p->M; }
+static inline bis_lanes bis_pool_lanes(const bis_pool *p, uint32_t set)
 {
-    return p->y + (size_t)bis_rng_below(rng, p->n_sets) * p->M;
+    const uint32_t n = bis_lanes_round_up(p->M);
+    return bis_lanes_in(p->lanes + (size_t)set * BIS_LANES_ARRAYS * n, n);
 }
 
 #endif
