@@ -311,17 +311,15 @@ static bis_status make_pool(render *r, bis_diag *diag)
     uint32_t M = r->workers[0].scratch.n_pool;
 
     if (M == 0 || !r->scene->accel || bis_light_is_constant(light) || bis_light_is_black(light)) return BIS_OK;
-    bis_status status = bis_pool_init(&r->pool, M, diag);
+    bis_status status = bis_pool_init(&r->pool, M, r->workers[0].scratch.batch != NULL, diag);
     for (int i = 0; !status && i < r->n_threads; i++) r->workers[i].scratch.pool = &r->pool;
     return status;
 }
 
 static size_t workspace(const render *r)
 {
-    bis_scratch need = {0};
-    r->desc->settings.integrator->scratch_needs(&r->desc->settings, &need);
-    size_t scratch = need.n_candidates * sizeof *need.candidates + need.n_points * sizeof *need.u + need.n_chosen * sizeof *need.chosen;
-    size_t pixel = sizeof *r->pass + (size_t)r->film->layers.n_values * sizeof *r->pass_layers;
+    const size_t scratch = bis_scratch_bytes(&r->desc->settings);
+    const size_t pixel = sizeof *r->pass + (size_t)r->film->layers.n_values * sizeof *r->pass_layers;
     return bis_pool_bytes(&r->pool) + (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * pixel;
 }
 
