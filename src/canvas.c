@@ -4,6 +4,7 @@
 #include "canvas.h"
 
 #include <assert.h>
+#include <float.h>
 #include <string.h>
 
 /* ---- shapes ---- */
@@ -37,7 +38,7 @@ static double distance(const segment *s, double x, double y)
 /* A round pen of this thickness along all segments at once. */
 static void draw_segments(bis_image *image, const segment *s, size_t n, double thickness, rgb colour)
 {
-    double left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
+    double left = DBL_MAX, right = -DBL_MAX, top = DBL_MAX, bottom = -DBL_MAX;
     for (size_t k = 0; k < n; k++) {
         left = fmin(left, fmin(s[k].x0, s[k].x1));
         right = fmax(right, fmax(s[k].x0, s[k].x1));
@@ -50,7 +51,7 @@ static void draw_segments(bis_image *image, const segment *s, size_t n, double t
     const int y0 = (int)fmax(top - reach, 0), y1 = (int)fmin(bottom + reach, image->height - 1);
     for (int y = y0; y <= y1; y++) {
         for (int x = x0; x <= x1; x++) {
-            double d = INFINITY;
+            double d = DBL_MAX;
             for (size_t k = 0; k < n; k++) d = fmin(d, distance(&s[k], x + 0.5, y + 0.5));
             bis_canvas_blend(image, x, y, colour, thickness / 2 + 0.5 - d);
         }
