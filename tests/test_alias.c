@@ -57,7 +57,7 @@ static void assert_exact(const double *w, size_t n)
     bis_alias_clear(&a);
 }
 
-static void figure_3_4_is_reproduced_up_to_rounding(void **state)
+static void figure_3_4_is_reproduced_up_to_rounding_E11(void **state)
 {
     (void)state;
     const double P[] = {.1, .2, .4, .3};
@@ -65,7 +65,7 @@ static void figure_3_4_is_reproduced_up_to_rounding(void **state)
     assert_true(fabs(a.prob[0] - 0.4) < 1e-15 && fabs(a.prob[1] - 0.8) < 1e-15); /* N P_j of those below the line */
     assert_true(a.alias[0] >= 2 && a.alias[1] >= 2);                             /* filled by one of the two above it */
     bis_alias_clear(&a);
-    assert_exact(P, 4); /* which of 0.4 and 0.3 is chopped below 1/N depends on rounding: the pmf does not (E11) */
+    assert_exact(P, 4); /* which of 0.4 and 0.3 is chopped below 1/N depends on rounding: the pmf does not */
 }
 
 static void E13_alias_pmf_is_the_same_for_weights_scaled_by_1e30(void **state)
@@ -90,8 +90,9 @@ static void E13_alias_pmf_is_the_same_for_weights_scaled_by_1e30(void **state)
     }
 }
 
-/* Appendix A as printed: the weights are compared with 1/N as they come. */
-static void build_as_printed(double *probs, uint32_t *alias, size_t n)
+/* Appendix A as printed: the weights are compared with 1/N as they come. single: what is stored has a float's
+ * precision. */
+static void build_as_printed(double *probs, uint32_t *alias, size_t n, bool single)
 {
     static uint32_t small[MAX_ITEMS], large[MAX_ITEMS];
     size_t n_small = 0, n_large = 0;
@@ -105,6 +106,10 @@ static void build_as_printed(double *probs, uint32_t *alias, size_t n)
         uint32_t sm = small[--n_small], lg = large[--n_large];
         probs[lg] -= standard - probs[sm];
         probs[sm] *= (double)n;
+        if (single) {
+            probs[lg] = (double)(float)probs[lg];
+            probs[sm] = (double)(float)probs[sm];
+        }
         alias[sm] = lg;
         if (probs[lg] > standard)
             large[n_large++] = lg;
@@ -140,11 +145,25 @@ static void E13_appendix_A_as_printed_is_uniform_on_raw_radiances(void **state)
     bis_rng_init(&r, 2, 0, 0, 0);
     for (size_t i = 0; i < n; i++)
         w[i] = printed[i] = exp(10 * bis_rng_double(&r)); /* all above 1/N */
-    build_as_printed(printed, alias, n);
+    build_as_printed(printed, alias, n, false);
     bis_alias ours = alias_of(w, n), twin = {n, 1, printed, alias};
     assert_true(total_variation(&ours, w, n) < 1e-12);
     assert_true(total_variation(&twin, w, n) > 0.5);
     bis_alias_clear(&ours);
+}
+
+/* 3.2.2 says prob_j = 1 where P_j > 1/N. Here 0.45 gives, falls below 1/3 and needs an alias of its own. */
+static void E11_a_giver_that_falls_below_the_line_has_prob_below_1(void **state)
+{
+    (void)state;
+    const double P[] = {.1, .45, .45};
+    bis_alias a = alias_of(P, 3);
+    assert_exact(P, 3);
+    assert_true(total_variation(&a, P, 3) < 1e-15);
+    for (int j = 1; j < 3; j++)
+        a.prob[j] = 1; /* the twin: as the prose has it */
+    assert_true(total_variation(&a, P, 3) > 0.05);
+    bis_alias_clear(&a);
 }
 
 static void E14_an_item_of_weight_0_is_not_drawn_when_the_fraction_is_0(void **state)
@@ -269,6 +288,50 @@ static void E15_an_alias_off_by_one_is_rejected(void **state)
     bis_alias_clear(&a);
 }
 
+/* Largest relative error of a positive item's probability; *black: how many of weight 0 have any. */
+static double worst_error(const bis_alias *a, const double *w, int *black)
+{
+    static double pmf[MAX_ITEMS];
+    double worst = 0;
+    long double sum = 0;
+    *black = 0;
+    for (size_t i = 0; i < a->n; i++)
+        sum += (long double)w[i];
+    bis_alias_implied_pmf(a, pmf);
+    for (size_t i = 0; i < a->n; i++) {
+        *black += w[i] == 0 && pmf[i] > 0;
+        if (w[i] > 0) worst = fmax(worst, fabs(pmf[i] / (double)((long double)w[i] / sum) - 1));
+    }
+    return worst;
+}
+
+/* One item of half the sum gives to all others, and its rounding errors add up. What is left over in the end gets
+ * prob 1, though it be of weight 0. */
+static void E15_a_float_table_as_printed_is_rejected_and_draws_a_black_leftover(void **state)
+{
+    (void)state;
+    static double w[MAX_ITEMS], printed[MAX_ITEMS];
+    static uint32_t alias[MAX_ITEMS];
+    const size_t n = MAX_ITEMS;
+    double sum = 0;
+    int black, black_as_printed;
+    fill_contrasty(w, n, 15, 5);
+    w[0] = w[n / 2] = 0;
+    for (size_t i = 0; i < n; i++)
+        sum += w[i];
+    w[n / 2] = sum;
+    for (size_t i = 0; i < n; i++)
+        printed[i] = (double)(float)(w[i] / (2 * sum));
+    build_as_printed(printed, alias, n, true);
+    bis_alias ours = alias_of(w, n), twin = {n, 1, printed, alias};
+    double error = worst_error(&ours, w, &black), error_as_printed = worst_error(&twin, w, &black_as_printed);
+    print_message("largest relative error of %zu items: %.2g; float table as printed: %.2g, draws %d items of weight 0\n",
+                  n, error, error_as_printed, black_as_printed);
+    assert_true(error <= 1e-8 && black == 0);
+    assert_true(error_as_printed > 0.01 && black_as_printed > 0);
+    bis_alias_clear(&ours);
+}
+
 static void E16_the_weights_are_left_alone(void **state)
 {
     (void)state;
@@ -278,6 +341,24 @@ static void E16_the_weights_are_left_alone(void **state)
     bis_alias a = alias_of(w, 100);
     assert_memory_equal(w, copy, sizeof w);
     bis_alias_clear(&a);
+    uint32_t alias[100];
+    build_as_printed(copy, alias, 100, false); /* the twin works on the caller's own */
+    assert_memory_not_equal(w, copy, sizeof w);
+}
+
+/* No weight at all: nothing is above the line, all are leftovers, and each gets prob 1. */
+static void E16_black_as_printed_is_uniform(void **state)
+{
+    (void)state;
+    double black[3] = {0}, pmf[2][3];
+    uint32_t alias[3] = {0};
+    bis_alias ours = alias_of(black, 3), twin = {3, 1, black, alias};
+    build_as_printed(black, alias, 3, false);
+    bis_alias_implied_pmf(&ours, pmf[0]);
+    bis_alias_implied_pmf(&twin, pmf[1]);
+    for (int i = 0; i < 3; i++)
+        assert_true(pmf[0][i] == 0 && fabs(pmf[1][i] - 1.0 / 3) < 1e-15);
+    bis_alias_clear(&ours);
 }
 
 static void E16_nothing_one_and_all_zero_are_legal_and_zero_is_not_uniform(void **state)
@@ -443,9 +524,10 @@ static void E12_inversion_keeps_the_structure_of_4096_sobol_points_and_alias_los
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(figure_3_4_is_reproduced_up_to_rounding),
+        cmocka_unit_test(figure_3_4_is_reproduced_up_to_rounding_E11),
         cmocka_unit_test(E13_alias_pmf_is_the_same_for_weights_scaled_by_1e30),
         cmocka_unit_test(E13_appendix_A_as_printed_is_uniform_on_raw_radiances),
+        cmocka_unit_test(E11_a_giver_that_falls_below_the_line_has_prob_below_1),
         cmocka_unit_test(E14_an_item_of_weight_0_is_not_drawn_when_the_fraction_is_0),
         cmocka_unit_test(E14_few_bits_make_the_printed_test_draw_black_texels),
         cmocka_unit_test(E14_the_largest_u_falls_into_the_last_bin_for_every_n),
@@ -453,7 +535,9 @@ int main(void)
         cmocka_unit_test(E15_the_implied_pmf_is_exact_beside_one_weight_of_1e12_times_the_rest),
         cmocka_unit_test(E15_the_implied_pmf_is_exact_from_the_least_to_the_largest_double),
         cmocka_unit_test(E15_an_alias_off_by_one_is_rejected),
+        cmocka_unit_test(E15_a_float_table_as_printed_is_rejected_and_draws_a_black_leftover),
         cmocka_unit_test(E16_the_weights_are_left_alone),
+        cmocka_unit_test(E16_black_as_printed_is_uniform),
         cmocka_unit_test(E16_nothing_one_and_all_zero_are_legal_and_zero_is_not_uniform),
         cmocka_unit_test(E16_without_memory_nothing_is_left),
         cmocka_unit_test(rows_can_be_built_in_place_in_two_large_arrays),

@@ -1,5 +1,6 @@
-/* What the README and docs tell users to type works: every `./bis ...` line of their code blocks is run, small and short, in a folder that looks
- * like the repository's root. And the layers that README draws are those of the code; the check of it can fail. */
+/* What the README and docs tell users to type works: every `./bis ...` line of their code blocks is run, small and
+ * short, in a folder that looks like the repository's root. And the layers that README draws are those of the code,
+ * the items of the errata have their tests; either check can fail. */
 #include "program.h"
 
 #include <setjmp.h>
@@ -141,6 +142,52 @@ static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
     }
 }
 
+/* --- errata -------------------------------------------------------------------------------------------------------- */
+
+static void every_item_of_the_errata_has_a_test_named_after_it_and_a_twin(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check_errata.sh"), 0);
+}
+
+#define ITEMS "**E1. One** (3.1). Text.\n\n**E2. Two.** Text.\n\n| item | right | as printed | twin |\n| --- | --- |\n"
+#define ROW1 "| E1 | `one_E1` | the same | the other way |\n"
+#define ROW2 "| E2 | `E2_is_right`<br>`two_E2` | `E2_fails` | half of it |\n"
+#define LACK "cmocka_unit_test(one_E1),\ncmocka_unit_test(two_E2),\ncmocka_unit_test(E2_fails),\n"
+#define TESTS LACK "cmocka_unit_test_setup(E2_is_right, up),\n"
+
+static void an_item_without_its_test_or_its_twin_is_found(void **state)
+{
+    (void)state;
+    const struct { const char *page, *tests, *message; } cases[] = {
+        {ITEMS ROW1 ROW2, TESTS, NULL},
+        {ITEMS ROW1 ROW2, TESTS "cmocka_unit_test(grows_by_1e12_E1_E2),\n", NULL},
+        {ITEMS ROW1, TESTS, "docs/errata.md: E2 has 0 rows in the table of tests"},
+        {ITEMS ROW1 ROW1 ROW2, TESTS, "docs/errata.md: E1 has 2 rows"},
+        {ITEMS ROW1 ROW2 "| E3 | `one_E1` | the same | x |\n", TESTS, "docs/errata.md: a row for E3, which is no item"},
+        {ITEMS ROW1 ROW2, LACK, "docs/errata.md: E2: no test E2_is_right"},
+        {ITEMS ROW1 "| E2 | `one_E1` | the same | x |\n", TESTS, "docs/errata.md: E2: one_E1 is not named after it"},
+        {ITEMS ROW1 "| E2 | | `E2_fails` | x |\n", TESTS, "docs/errata.md: E2 has no test"},
+        {ITEMS ROW1 "| E2 | `two_E2` | | x |\n", TESTS, "docs/errata.md: E2 has no twin"},
+        {ITEMS ROW1 "| E2 | `two_E2` | none | |\n", TESTS, "docs/errata.md: E2: what is the twin"},
+        {ITEMS ROW1 ROW2, TESTS "cmocka_unit_test(wrong_E3_too),\n", "tests/test_x.c: wrong_E3_too: E3 is no item"},
+        {"**E2. Two.** Text.\n", TESTS, "docs/errata.md: E2 follows E0"},
+        {"\n", TESTS, "docs/errata.md: no items"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static char text[4096];
+        assert_int_equal(shell("cd build && rm -rf errata_check && mkdir -p errata_check/docs errata_check/tests"), 0);
+        program_write_file("build/errata_check/docs/errata.md", cases[i].page);
+        program_write_file("build/errata_check/tests/test_x.c", cases[i].tests);
+        int status = shell("sh scripts/check_errata.sh build/errata_check > build/errata_check.out");
+        FILE *f = fopen("build/errata_check.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -148,6 +195,8 @@ int main(void)
         cmocka_unit_test(links_of_the_pages_lead_to_files),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
+        cmocka_unit_test(every_item_of_the_errata_has_a_test_named_after_it_and_a_twin),
+        cmocka_unit_test(an_item_without_its_test_or_its_twin_is_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,8 +17,8 @@
 
 #include <cmocka.h>
 
-/* Seven statistical tests in this file, a false alarm of any of them once in 1000. */
-static double alpha(void) { return bis_stats_sidak(1e-3, 7); }
+/* Eight statistical tests in this file, a false alarm of any of them once in 1000. */
+static double alpha(void) { return bis_stats_sidak(1e-3, 8); }
 
 static bis_rng rng_of(uint64_t seed)
 {
@@ -29,7 +29,7 @@ static bis_rng rng_of(uint64_t seed)
 
 /* ---- solid angles ---- */
 
-static void solid_angles_sum_to_4_pi(void **state)
+static void solid_angles_sum_to_4_pi_E2(void **state)
 {
     (void)state;
     const int sizes[][2] = {{1, 1}, {2, 1}, {1, 2}, {3, 2}, {7, 5}, {1024, 512}, {1000, 333}, {2, 8192}, {1, 16384}};
@@ -201,7 +201,7 @@ static void count_in_patch(const bis_envmap *em, int x, int y, how way, int n, d
     for (int i = 0; i < 16; i++) expected[i] = total / 16;
 }
 
-static void directions_are_uniform_in_their_patch_at_pole_seam_and_equator(void **state)
+static void directions_are_uniform_in_their_patch_at_pole_seam_and_equator_E2(void **state)
 {
     (void)state;
     const int places[][2] = {{0, 0}, {15, 7}, {15, 3}, {8, 4}};
@@ -228,7 +228,7 @@ static void the_first_row_of_8192_is_sampled_uniformly_in_float_directions(void 
     bis_envmap_clear(&em);
 }
 
-static void twins_uniform_in_theta_and_centre_only_are_rejected(void **state)
+static void twins_uniform_in_theta_and_centre_only_are_rejected_E2(void **state)
 {
     (void)state;
     bis_envmap em = map_new(16, 8);
@@ -241,7 +241,7 @@ static void twins_uniform_in_theta_and_centre_only_are_rejected(void **state)
 }
 
 /* E4: what uniform directions see of one lit pixel is its radiance times its solid angle: a bilinear lookup would lose or add to it. */
-static void one_lit_pixel_seen_by_uniform_directions_has_its_solid_angle(void **state)
+static void one_lit_pixel_seen_by_uniform_directions_has_its_solid_angle_E4(void **state)
 {
     (void)state;
     bis_envmap em = map_new(16, 8);
@@ -257,9 +257,47 @@ static void one_lit_pixel_seen_by_uniform_directions_has_its_solid_angle(void **
     bis_envmap_clear(&em);
 }
 
+/* The twin of E4: between the centres of pixels, as images are looked up; 0 beyond the first and last row. */
+static rgb bilinear(const bis_envmap *em, vec3 w)
+{
+    const double u = atan2((double)w.y, (double)w.x) / (2 * PI) * em->width - 0.5, x = floor(u);
+    const double v = acos((double)w.z) / PI * em->height - 0.5, y = floor(v);
+    rgb sum = {0, 0, 0};
+    for (int k = 0; k < 4; k++) {
+        const int column = ((int)x + k % 2 + em->width) % em->width, row = (int)y + k / 2;
+        const double weight = (k % 2 ? u - x : 1 - (u - x)) * (k / 2 ? v - y : 1 - (v - y));
+        if (row < 0 || row >= em->height) continue;
+        sum = rgb_add(sum, rgb_scale(em->pixels[row * em->width + column], weight));
+    }
+    return sum;
+}
+
+/* Drawn by the table, the one lit pixel is certain, and a direction in it has the density 1/(solid angle). With a
+ * bilinear lookup there is light outside, where nothing is ever drawn: (3/4)^2 of the flux is left. */
+static void one_lit_pixel_drawn_by_its_density_has_its_flux_and_by_a_bilinear_lookup_9_16_of_it_E4(void **state)
+{
+    (void)state;
+    bis_envmap em = map_new(128, 64);
+    em.pixels[31 * 128 + 100] = (rgb){1, 2, 3};
+    const double solid_angle = em.row_solid_angle[31], flux = 6 * solid_angle;
+    bis_rng r = rng_of(9);
+    stat_moments nearest = {0}, twin = {0};
+    for (int i = 0; i < 40000; i++) {
+        /* off the edges, where a float's rounding decides */
+        const double u1 = 1e-6 + (1 - 2e-6) * bis_rng_double(&r), u2 = 1e-6 + (1 - 2e-6) * bis_rng_double(&r);
+        const vec3 w = bis_envmap_direction(&em, 100, 31, u1, u2);
+        stat_add(&nearest, rgb_sum(bis_envmap_Le(&em, w)) * solid_angle);
+        stat_add(&twin, rgb_sum(bilinear(&em, w)) * solid_angle);
+    }
+    stat_assert_mean("one_pixel_drawn", 9, &nearest, flux, alpha());
+    stat_assert_not_mean("one_pixel_bilinear", 9, &twin, flux, alpha());
+    assert_near(twin.mean / flux, 9.0 / 16, 0.005); /* five standard errors */
+    bis_envmap_clear(&em);
+}
+
 /* ---- values ---- */
 
-static void bad_values_are_set_to_zero_counted_by_kind_and_the_first_is_named(void **state)
+static void bad_values_are_set_to_zero_counted_by_kind_and_the_first_is_named_E7(void **state)
 {
     (void)state;
     bis_image image;
@@ -287,6 +325,41 @@ static void bad_values_are_set_to_zero_counted_by_kind_and_the_first_is_named(vo
     assert_true(em.pixels[8 + 3].r == 1 && em.pixels[8 + 3].b == 0);
     assert_true(em.pixels[3 * 8 + 7].b == FLT_MAX);
     bis_envmap_clear(&em);
+}
+
+/* What a map of ones but for pixel 11 sends out in one channel, which the bad value has taken from that pixel. */
+static bool flux_is_that_of_a_black_pixel(const bis_envmap *em, const float *red)
+{
+    double flux = 0;
+    for (int i = 0; i < 32; i++) flux += (double)red[i] * em->row_solid_angle[i / 8];
+    return fabs(flux - (4 * PI - em->row_solid_angle[1])) <= 1e-12; /* false for a NaN */
+}
+
+/* E7, both ways: the map's own pixels pass; the file's values kept as they are do not, whatever the defect. */
+static void a_bad_value_that_is_kept_spoils_the_light_of_the_whole_map_E7(void **state)
+{
+    (void)state;
+    const float bad[] = {NAN, -NAN, INFINITY, -INFINITY, -1, -FLT_MAX};
+    for (int k = 0; k < 6; k++) {
+        bis_image image;
+        bis_envmap em;
+        float ours[32], kept[32];
+        assert_int_equal(bis_image_init(&image, 8, 4, NULL), BIS_OK);
+        for (int i = 0; i < 32; i++) {
+            image.pixels[i] = (rgb){1, 1, 1};
+            kept[i] = i == 11 ? bad[k] : 1;
+        }
+        image.pixels[11].r = bad[k];
+        assert_int_equal(bis_envmap_from_latlong(&em, &image, NULL), BIS_OK);
+        for (int i = 0; i < 32; i++) ours[i] = em.pixels[i].r;
+        assert_true(flux_is_that_of_a_black_pixel(&em, ours));
+        assert_false(flux_is_that_of_a_black_pixel(&em, kept));
+        assert_int_equal(em.defects.n_nan + em.defects.n_infinite + em.defects.n_negative, 1);
+        assert_int_equal(k < 2 ? em.defects.n_nan : k < 4 ? em.defects.n_infinite : em.defects.n_negative, 1);
+        assert_near(em.defects.solid_angle, em.row_solid_angle[1], 1e-15);
+        assert_near(bis_envmap_power(&em), 12 * PI - em.row_solid_angle[1], 1e-12);
+        bis_envmap_clear(&em);
+    }
 }
 
 static void power_of_huge_and_of_denormal_maps_is_right(void **state)
@@ -551,18 +624,20 @@ static void every_allocation_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(solid_angles_sum_to_4_pi),
+        cmocka_unit_test(solid_angles_sum_to_4_pi_E2),
         cmocka_unit_test(row_solid_angles_agree_with_quadrature_at_the_poles_too),
         cmocka_unit_test(pixel_centres_look_up_to_themselves),
         cmocka_unit_test(a_hair_west_of_the_seam_is_the_last_column),
         cmocka_unit_test(directions_go_south_and_east_as_u_grows),
         cmocka_unit_test(poles_and_axes_have_their_pixels),
         cmocka_unit_test(directions_look_up_to_their_pixel_but_for_rounding_at_edges),
-        cmocka_unit_test(directions_are_uniform_in_their_patch_at_pole_seam_and_equator),
+        cmocka_unit_test(directions_are_uniform_in_their_patch_at_pole_seam_and_equator_E2),
         cmocka_unit_test(the_first_row_of_8192_is_sampled_uniformly_in_float_directions),
-        cmocka_unit_test(twins_uniform_in_theta_and_centre_only_are_rejected),
-        cmocka_unit_test(one_lit_pixel_seen_by_uniform_directions_has_its_solid_angle),
-        cmocka_unit_test(bad_values_are_set_to_zero_counted_by_kind_and_the_first_is_named),
+        cmocka_unit_test(twins_uniform_in_theta_and_centre_only_are_rejected_E2),
+        cmocka_unit_test(one_lit_pixel_seen_by_uniform_directions_has_its_solid_angle_E4),
+        cmocka_unit_test(one_lit_pixel_drawn_by_its_density_has_its_flux_and_by_a_bilinear_lookup_9_16_of_it_E4),
+        cmocka_unit_test(bad_values_are_set_to_zero_counted_by_kind_and_the_first_is_named_E7),
+        cmocka_unit_test(a_bad_value_that_is_kept_spoils_the_light_of_the_whole_map_E7),
         cmocka_unit_test(power_of_huge_and_of_denormal_maps_is_right),
         cmocka_unit_test(scaling_multiplies_channels_and_refuses_to_overflow),
         cmocka_unit_test(a_constant_probe_makes_a_constant_map),

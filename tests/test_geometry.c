@@ -588,7 +588,7 @@ static void a_turned_tetrahedron_never_shadows_itself(void **state)
     }
 }
 
-static void spheres_never_shadow_themselves_nor_leak(void **state)
+static void spheres_never_shadow_themselves_nor_leak_E37(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof placements / sizeof placements[0]; i++) {
@@ -694,7 +694,7 @@ static void no_triangle_of_the_dragon_shadows_itself(void **state)
 }
 
 /* The twin: without the offset a ray often meets what it starts from, or the tests above would see nothing. */
-static void without_the_offset_a_point_does_shadow_itself(void **state)
+static void without_the_offset_a_point_does_shadow_itself_E37(void **state)
 {
     const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(3, 3, 3), 0};
     uint64_t seed = 10;
@@ -736,11 +736,11 @@ int main(void)
         cmocka_unit_test(a_zero_vertex_normal_is_the_faces_in_the_interpolation),
         cmocka_unit_test(a_convex_mesh_never_shadows_itself_nor_leaks),
         cmocka_unit_test(a_turned_tetrahedron_never_shadows_itself),
-        cmocka_unit_test(spheres_never_shadow_themselves_nor_leak),
+        cmocka_unit_test(spheres_never_shadow_themselves_nor_leak_E37),
         cmocka_unit_test(a_sphere_of_16_ulps_never_shadows_itself),
         cmocka_unit_test(a_large_tilted_plane_never_shadows_itself),
         cmocka_unit_test(no_triangle_of_the_dragon_shadows_itself),
-        cmocka_unit_test(without_the_offset_a_point_does_shadow_itself),
+        cmocka_unit_test(without_the_offset_a_point_does_shadow_itself_E37),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

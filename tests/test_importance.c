@@ -285,7 +285,7 @@ static void wrong_samplers_are_rejected_by_the_same_check(void **state)
 }
 
 /* E3: constant map, irradiance pi for surfaces that look up, down and sideways; printed weights give 4 and 0.811 pi. */
-static void a_constant_map_gives_irradiance_pi_on_every_side(void **state)
+static void a_constant_map_gives_irradiance_pi_on_every_side_E3(void **state)
 {
     (void)state;
     bis_envmap em = map_new(16, 8);
@@ -367,9 +367,9 @@ static void equal_steps_along_the_curve_are_equal_shares_in_order(void **state)
     }
 }
 
-/* E12: evenly spread numbers through CDFs stay even on the sphere, through alias tables they do not. A lattice of
+/* Evenly spread numbers through CDFs stay even on the sphere, through alias tables they do not. A lattice of
  * 4096 points (Kronecker, golden section's two-dimensional sister), smooth integrand. */
-static void cdfs_keep_even_points_even_and_alias_tables_do_not(void **state)
+static void cdfs_keep_even_points_even_and_alias_tables_do_not_E12(void **state)
 {
     (void)state;
     bis_envmap em = map_random(64, 32, 2, 0, 5);
@@ -407,35 +407,77 @@ static void cdfs_keep_even_points_even_and_alias_tables_do_not(void **state)
 
 /* ---- area weighting ---- */
 
-/* E17: two square lights; probability per unit of flux goes as (A1/A2)^b below 0.01 sr and not at all above. */
-static void small_lights_lose_importance_by_the_ratio_of_areas_to_the_b(void **state)
+/* Sides of two square lights in pixels of 1.4e-4 sr: both below 0.01 sr, both above, one above and one larger still. */
+enum { N_PAIRS = 4 };
+static const int sides[N_PAIRS][2] = {{2, 6}, {3, 8}, {30, 60}, {12, 60}};
+
+static bis_envmap two_lights(const int side[2], double area[2], double flux[2])
+{
+    bis_envmap em = map_new(512, 256);
+    for (int light = 0; light < 2; light++) {
+        area[light] = flux[light] = 0;
+        for (int i = 0; i < side[light] * side[light]; i++) {
+            const int x = (light ? 300 : 20) + i % side[light], y = 100 + i / side[light];
+            em.pixels[y * 512 + x].g = light ? 30.0f : 1000.0f;
+            area[light] += em.row_solid_angle[y];
+            flux[light] += em.row_solid_angle[y] * (light ? 30 : 1000);
+        }
+    }
+    return em;
+}
+
+/* Probability per unit of flux goes as (A1/A2)^b below 0.01 sr and not at all above. weights: I for all to be drawn
+ * by, in any unit. */
+static bool pair_is_weighted_by_area(const double *weights, const double area[2], const double flux[2], double b)
+{
+    double sum[2] = {0, 0};
+    for (size_t i = 0; i < 512 * 256; i++) sum[i % 512 >= 256] += weights[i];
+    const double ratio = sum[0] / flux[0] / (sum[1] / flux[1]);
+    const double expected = area[0] < 0.01 ? pow(area[0] / fmin(area[1], 0.01), b) : 1;
+    return fabs(ratio - expected) <= 2e-7;
+}
+
+static void small_lights_lose_importance_by_the_ratio_of_areas_to_the_b_E17(void **state)
 {
     (void)state;
-    bis_envmap em = map_new(512, 256);
-    const double b = 0.15;
-    const int sides[][2] = {{2, 6}, {3, 8}, {30, 60}}; /* pixels; the last pair is above 0.01 sr */
-    for (int k = 0; k < 3; k++) {
-        double area[2] = {0, 0}, probability[2] = {0, 0}, flux[2] = {0, 0};
-        for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){0, 0, 0};
-        for (int light = 0; light < 2; light++) {
-            for (int i = 0; i < sides[k][light] * sides[k][light]; i++) {
-                const int x = (light ? 300 : 20) + i % sides[k][light], y = 100 + i / sides[k][light];
-                em.pixels[y * 512 + x].g = light ? 30.0f : 1000.0f;
-                area[light] += em.row_solid_angle[y];
-                flux[light] += em.row_solid_angle[y] * (light ? 30 : 1000);
-            }
-        }
-        bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, b));
+    for (int k = 0; k < N_PAIRS; k++) {
+        double area[2], flux[2];
+        bis_envmap em = two_lights(sides[k], area, flux);
+        bis_importance *im = importance_of(&em, both(BIS_TABLE_ALIAS, 0.15));
         double *pmf = malloc(map_n(&em) * sizeof *pmf);
+        assert_true((k >= 2) == (area[0] > 0.01) && (k >= 2) == (area[1] > 0.01));
         assert_int_equal(bis_importance_implied_pmf(im, pmf, NULL), BIS_OK);
-        for (size_t i = 0; i < map_n(&em); i++) probability[i % 512 >= 256] += pmf[i];
-        const double ratio = probability[0] / flux[0] / (probability[1] / flux[1]);
-        assert_near(ratio, k < 2 ? pow(area[0] / area[1], b) : 1, 2e-7);
-        assert_true((k == 2) == (area[0] > 0.01));
+        assert_true(pair_is_weighted_by_area(pmf, area, flux, 0.15));
         free(pmf);
         bis_importance_free(im);
+        bis_envmap_clear(&em);
     }
-    bis_envmap_clear(&em);
+}
+
+/* Section 3.4 prints two formulas and no unit. What else they could mean: dOmega of the pixel for that of the
+ * component; the pixel's own solid angle gone; 0.01 of the sphere; no limit. Each is rejected by the check that ours
+ * passes. */
+static void other_readings_of_the_area_formula_are_rejected_E17(void **state)
+{
+    (void)state;
+    enum { OURS, PIXELS_OWN, OWN_GONE, OF_THE_SPHERE, NO_LIMIT, N_READINGS };
+    double *weights = malloc(512 * 256 * sizeof *weights);
+    for (int reading = OURS; reading < N_READINGS; reading++) {
+        int right = 0;
+        for (int k = 0; k < N_PAIRS; k++) {
+            double area[2], flux[2];
+            bis_envmap em = two_lights(sides[k], area, flux);
+            const double limit = reading == OF_THE_SPHERE ? 0.01 * 4 * PI : reading == NO_LIMIT ? HUGE_VAL : 0.01;
+            for (size_t i = 0; i < map_n(&em); i++) {
+                const double own = map_solid_angle(&em, i), A = reading == PIXELS_OWN ? own : area[i % 512 >= 256];
+                weights[i] = map_intensity(&em, i) * (reading == OWN_GONE ? 1 : own) * pow(fmin(limit, A), 0.15);
+            }
+            right += pair_is_weighted_by_area(weights, area, flux, 0.15);
+            bis_envmap_clear(&em);
+        }
+        assert_true((reading == OURS) == (right == N_PAIRS));
+    }
+    free(weights);
 }
 
 /* ---- bounds, compensation ---- */
@@ -575,11 +617,12 @@ int main(void)
         cmocka_unit_test(a_map_without_light_draws_nothing),
         cmocka_unit_test(directions_fit_the_density_inside_the_pixels),
         cmocka_unit_test(wrong_samplers_are_rejected_by_the_same_check),
-        cmocka_unit_test(a_constant_map_gives_irradiance_pi_on_every_side),
+        cmocka_unit_test(a_constant_map_gives_irradiance_pi_on_every_side_E3),
         cmocka_unit_test(the_density_of_a_direction_is_that_of_its_pixel),
         cmocka_unit_test(equal_steps_along_the_curve_are_equal_shares_in_order),
-        cmocka_unit_test(cdfs_keep_even_points_even_and_alias_tables_do_not),
-        cmocka_unit_test(small_lights_lose_importance_by_the_ratio_of_areas_to_the_b),
+        cmocka_unit_test(cdfs_keep_even_points_even_and_alias_tables_do_not_E12),
+        cmocka_unit_test(small_lights_lose_importance_by_the_ratio_of_areas_to_the_b_E17),
+        cmocka_unit_test(other_readings_of_the_area_formula_are_rejected_E17),
         cmocka_unit_test(no_ratio_of_intensity_to_density_exceeds_its_bound),
         cmocka_unit_test(compensation_leaves_only_what_exceeds_the_mean),
         cmocka_unit_test(sixteen_bytes_a_pixel_are_enough),

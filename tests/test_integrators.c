@@ -339,6 +339,13 @@ static void no_ray_is_cast_below_the_geometric_surface_E37(void **state)
     lit_init(&l, light, bis_phong(grey(1), grey(0), 1), (vec3){0, 0, 1}, 40, LIT_OPEN);
     l.pt.ng = normalize(vec3_from(0.8, 0.8, 0.3)); /* the lit block lies about phi = 281 degrees: behind this face */
     assert_int_equal(assert_black(&l), 0);
+
+    /* twin: one normal n(x), the shading normal's, and light leaks through the face */
+    const bis_settings s = bis_settings_default(&bis_em);
+    stat_moments m[4];
+    l.pt.ng = l.pt.n;
+    lit_run(m, &l, &s, 50, SEED);
+    assert_true(m[3].mean > 0);
     bis_light_free(light);
 }
 

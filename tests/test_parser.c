@@ -130,7 +130,7 @@ static void a_scene_that_cannot_be_read_is_the_disks_fault(void **state)
 
 /* ---- defaults and parameters ---- */
 
-static void an_empty_world_has_the_defaults_of_the_contract(void **state)
+static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)
 {
     bis_diag diag;
     bis_scene_desc *d;
@@ -178,6 +178,25 @@ static void materials_have_the_defaults_of_the_contract(void **state)
     assert_true(d->materials[d->shapes[1].material].exponent == 50);
     assert_true(d->shapes[0].radius == 1 && d->shapes[2].radius == 1 && d->shapes[2].height == 0);
     bis_scene_desc_free(d);
+}
+
+/* Figure 5.5 by its text (ks = 1, kd = 0.1) would reflect more than arrives; by its caption (ks = 0, kd = 1) it does
+ * not. */
+static void coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38(void **state)
+{
+    static const char *const scenes[] = {
+        "WorldBegin LightSource \"infinite\" Material \"phong\" \"float Ks\" 0 \"float Kd\" 1 Shape \"sphere\"",
+        "WorldBegin LightSource \"infinite\" Material \"phong\" \"float Ks\" 1 \"float Kd\" 0.1 Shape \"sphere\""};
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        bis_diag diag;
+        bis_scene_desc *d;
+        assert_int_equal(parse_text(&d, &diag, scenes[i]), BIS_OK);
+        assert_int_equal(diag.n, i);
+        if (i == 1) assert_non_null(strstr(diag.messages[0].text, "Kd + Ks"));
+        bis_scene_desc_free(d);
+        bis_diag_clear(&diag);
+    }
 }
 
 static void every_parameter_before_the_world_arrives(void **state)
@@ -644,9 +663,10 @@ int main(void)
         cmocka_unit_test(bad_scenes_give_exactly_the_messages_beside_them),
         cmocka_unit_test(a_bad_scene_without_a_list_for_messages_fails_all_the_same),
         cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
-        cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract),
+        cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract_E39),
         cmocka_unit_test(a_light_without_parameters_has_the_defaults_of_the_contract),
         cmocka_unit_test(materials_have_the_defaults_of_the_contract),
+        cmocka_unit_test(coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38),
         cmocka_unit_test(every_parameter_before_the_world_arrives),
         cmocka_unit_test(every_parameter_of_the_other_integrators_arrives),
         cmocka_unit_test(every_parameter_of_a_light_arrives),

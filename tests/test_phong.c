@@ -246,6 +246,31 @@ static void albedo_at_normal_incidence_is_n_plus_1_over_n_plus_2_E33(void **stat
     }
 }
 
+/* Twins of E33. Eq. 3.13 integrates f, not f cos: a lobe seen head on is then white, and a diffuse surface returns
+ * twice what it gets. */
+static double f_by_pow(const bis_bsdf *b, vec3 wi, double one_minus_cos)
+{
+    return dot(b->local.z, wi) > 0 ? f_cos_by_pow(b, wi, one_minus_cos) / dot(b->local.z, wi) : 0;
+}
+
+static void without_the_cosine_of_eq_3_13_the_furnace_is_rejected_E33(void **state)
+{
+    bis_material diffuse = bis_phong(grey(1), grey(0), 1);
+    bis_bsdf b;
+
+    (void)state;
+    for (int e = 0; e < N_EXPONENTS; e++) {
+        bis_material m = bis_phong(grey(0), grey(1), exponents[e]);
+        seen_from(&b, &m, 0);
+        double printed = integrate(&b, m.exponent, f_by_pow, 512), right = (m.exponent + 1) / (m.exponent + 2);
+        assert_near(printed, 1, 1e-3); /* the step at the horizon, n = 0 */
+        if (m.exponent <= 100) assert_true(fabs(printed - right) > 1e-3); /* 1/(n+2) apart */
+    }
+    seen_from(&b, &diffuse, 0);
+    assert_near(albedo(&diffuse, 0), 1, 1e-5);
+    assert_near(integrate(&b, 1, f_by_pow, 512), 2, 1e-3);
+}
+
 static void furnace(const bis_material *m, double degrees, wrong how)
 {
     double expected = albedo(m, degrees);
@@ -543,6 +568,7 @@ int main(void)
         cmocka_unit_test(mixture_of_lobes_is_drawn_with_its_density_E35),
         cmocka_unit_test(density_integrates_to_1_over_the_sphere),
         cmocka_unit_test(albedo_at_normal_incidence_is_n_plus_1_over_n_plus_2_E33),
+        cmocka_unit_test(without_the_cosine_of_eq_3_13_the_furnace_is_rejected_E33),
         cmocka_unit_test(albedo_is_0_490_at_60_and_0_108_at_85_degrees_E23),
         cmocka_unit_test(white_furnace_agrees_with_quadrature_to_grazing),
         cmocka_unit_test(redrawing_below_the_horizon_is_caught_E34),

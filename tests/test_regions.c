@@ -28,7 +28,7 @@ static double sum_of(const bis_regions *r)
 
 /* ---- levels ---- */
 
-static void levels_are_equal_steps_of_the_logarithm(void **state)
+static void levels_are_equal_steps_of_the_logarithm_E18(void **state)
 {
     (void)state;
     bis_envmap em = map_new(4, 2);
@@ -45,7 +45,7 @@ static void levels_are_equal_steps_of_the_logarithm(void **state)
     bis_envmap_clear(&em);
 }
 
-static void a_constant_map_is_one_region_of_4_pi(void **state)
+static void a_constant_map_is_one_region_of_4_pi_E18(void **state)
 {
     (void)state;
     const int sizes[][2] = {{1, 1}, {2, 1}, {1, 5}, {7, 4}, {64, 32}};
@@ -94,8 +94,8 @@ static void contrast_of_the_whole_float_range_fills_all_levels(void **state)
     bis_envmap_clear(&em);
 }
 
-/* E18. 1000 is no power of two: values near a level's edge may round across it, so the map keeps away from edges. */
-static void labels_do_not_change_with_exposure(void **state)
+/* 1000 is no power of two: values near a level's edge may round across it, so the map keeps away from edges. */
+static void labels_do_not_change_with_exposure_E18(void **state)
 {
     (void)state;
     bis_envmap em = map_new(32, 16);
@@ -115,9 +115,49 @@ static void labels_do_not_change_with_exposure(void **state)
     bis_envmap_clear(&em);
 }
 
+/* The twin of E18: 0 has no logarithm, so equal bins in log(1 + I), from 0 on. */
+static int level_of_log_1_plus(const bis_levels *l, double intensity, double most)
+{
+    (void)l;
+    return (int)fmin(17 * log1p(intensity) / log1p(most), 16);
+}
+
+static int level_of_log(const bis_levels *l, double intensity, double most)
+{
+    (void)most;
+    return bis_level_of_intensity(l, intensity);
+}
+
+/* How many pixels change their level when a map of 8.5 decades is exposed 1000 times as long. */
+static int changed_levels(int (*level)(const bis_levels *l, double intensity, double most))
+{
+    bis_envmap em = map_new(18, 1);
+    int before[18] = {0}, changed = 0;
+    for (int longer = 0; longer < 2; longer++) {
+        for (int x = 0; x < 18; x++) { /* away from the levels' edges, but for the ends */
+            em.pixels[x].g = (float)pow(10, 0.5 * x + (x == 0 || x == 17 ? 0 : 0.25) + 3 * longer);
+        }
+        const bis_levels l = bis_levels_of(&em, 17);
+        for (int x = 0; x < 18; x++) {
+            const int now = level(&l, map_intensity(&em, (size_t)x), map_intensity(&em, 17));
+            changed += longer && now != before[x];
+            before[x] = now;
+        }
+    }
+    bis_envmap_clear(&em);
+    return changed;
+}
+
+static void bins_in_log_of_1_plus_I_change_with_exposure_E18(void **state)
+{
+    (void)state;
+    assert_int_equal(changed_levels(level_of_log), 0);
+    assert_true(changed_levels(level_of_log_1_plus) > 5);
+}
+
 /* ---- components ---- */
 
-/* The definition, E19, without any cleverness: each pair of neighbours is joined until nothing changes. */
+/* The definition without any cleverness: each pair of neighbours is joined until nothing changes. */
 static bool are_neighbours(const bis_envmap *em, size_t a, size_t b, bool wrap)
 {
     const int w = em->width, h = em->height;
@@ -161,7 +201,7 @@ static bool same_partition(const bis_envmap *em, const bis_regions *r, const siz
     return true;
 }
 
-static void components_are_those_of_joining_all_neighbours(void **state)
+static void components_are_those_of_joining_all_neighbours_E19(void **state)
 {
     (void)state;
     const int sizes[][2] = {{1, 1}, {2, 2}, {1, 9}, {9, 1}, {8, 4}, {7, 5}, {16, 8}, {5, 9}, {13, 3}};
@@ -196,18 +236,25 @@ static void components_are_those_of_joining_all_neighbours(void **state)
     assert_true(twin_caught > 20); /* without the joined edges the same comparison fails */
 }
 
-static void a_light_on_the_seam_is_one_region(void **state)
+static void a_light_on_the_seam_is_one_region_E19(void **state)
 {
     (void)state;
     bis_envmap em = map_new(16, 8);
     em.pixels[4 * 16].r = em.pixels[4 * 16 + 15].r = 5;
     bis_regions r = regions_of(&em, 8);
     assert_int_equal(r.n, 1);
+    assert_near(r.solid_angle[0], 2 * em.row_solid_angle[4], 1e-15);
+    /* twin: ended at the seam these are two, each with the factor of half the area, 0.5^0.15 = 0.90 */
+    size_t *twin = brute_force(&em, 8, false);
+    assert_false(same_partition(&em, &r, twin));
+    const double A = r.solid_angle[0] / 100; /* below the clamp of 0.01 sr */
+    assert_near(bis_area_factor(A / 2, 0.15) / bis_area_factor(A, 0.15), 0.90, 0.002);
+    free(twin);
     bis_regions_clear(&r);
     bis_envmap_clear(&em);
 }
 
-static void pixels_around_a_pole_touch_there_and_nowhere_else(void **state)
+static void pixels_around_a_pole_touch_there_and_nowhere_else_E19(void **state)
 {
     (void)state;
     for (int y = 0; y < 8; y++) {
@@ -239,7 +286,7 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void rolling_the_map_changes_no_area_and_areas_sum_to_4_pi(void **state)
+static void rolling_the_map_changes_no_area_and_areas_sum_to_4_pi_E19(void **state)
 {
     (void)state;
     const int widths[] = {32, 31, 2, 1};
@@ -310,16 +357,17 @@ static void every_allocation_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(levels_are_equal_steps_of_the_logarithm),
-        cmocka_unit_test(a_constant_map_is_one_region_of_4_pi),
+        cmocka_unit_test(levels_are_equal_steps_of_the_logarithm_E18),
+        cmocka_unit_test(a_constant_map_is_one_region_of_4_pi_E18),
         cmocka_unit_test(black_pixels_belong_to_no_region),
         cmocka_unit_test(contrast_of_the_whole_float_range_fills_all_levels),
-        cmocka_unit_test(labels_do_not_change_with_exposure),
-        cmocka_unit_test(components_are_those_of_joining_all_neighbours),
-        cmocka_unit_test(a_light_on_the_seam_is_one_region),
-        cmocka_unit_test(pixels_around_a_pole_touch_there_and_nowhere_else),
+        cmocka_unit_test(labels_do_not_change_with_exposure_E18),
+        cmocka_unit_test(bins_in_log_of_1_plus_I_change_with_exposure_E18),
+        cmocka_unit_test(components_are_those_of_joining_all_neighbours_E19),
+        cmocka_unit_test(a_light_on_the_seam_is_one_region_E19),
+        cmocka_unit_test(pixels_around_a_pole_touch_there_and_nowhere_else_E19),
         cmocka_unit_test(levels_do_not_mix_at_the_pole),
-        cmocka_unit_test(rolling_the_map_changes_no_area_and_areas_sum_to_4_pi),
+        cmocka_unit_test(rolling_the_map_changes_no_area_and_areas_sum_to_4_pi_E19),
         cmocka_unit_test(a_long_winding_region_is_found_without_recursion),
         cmocka_unit_test(the_area_factor_is_clamped_at_a_hundredth_steradian),
         cmocka_unit_test(every_allocation_may_fail),

@@ -142,6 +142,58 @@ static void mean_acceptance_is_L_ns_over_B_E27(void **state)
     }
 }
 
+/* A map that is black but for one pixel (x, y) of 128 x 64. *solid_angle: its size. */
+static bis_light *one_texel_sun(int x, int y, double *solid_angle)
+{
+    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .levels = 8, .to_world = bis_xform_identity()};
+    bis_image image;
+    bis_light *light;
+    bis_envmap em;
+
+    assert_int_equal(bis_image_init(&image, 128, 64, NULL), BIS_OK);
+    image.pixels[y * 128 + x] = (rgb){1e7f, 1e7f, 1e7f};
+    assert_int_equal(bis_envmap_from_latlong(&em, &image, NULL), BIS_OK);
+    *solid_angle = em.row_solid_angle[y];
+    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, BIS_NEED_TABLE, NULL), BIS_OK);
+    return light;
+}
+
+/* Rejecting candidates of the BRDF against a map with one sun: of a white diffuse surface's, those in the sun's
+ * pixel are accepted and no others, a share of (integral of cos over the pixel)/pi, which is 2/128 (sin^2 - sin^2)/2
+ * of its upper and lower edge. For one accepted direction that takes thousands. Printed is p < L_max q_f, M ~ L_max
+ * N, L_max = 1/(its solid angle) the largest value of q_L: too few by the factor D of E27, here pi/cos. */
+static void expected_M_on_a_one_texel_sun_is_pi_over_its_projected_solid_angle_E28(void **state)
+{
+    static const int rows[] = {2, 10, 25};
+
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        const double top = sin(PI * rows[i] / 64), bottom = sin(PI * (rows[i] + 1) / 64);
+        const double share = (bottom * bottom - top * top) / 128;
+        const bis_settings s = rejection(BIS_PROPOSAL_BRDF, 800, 15, BIS_ESTIMATOR_PLAIN);
+        double solid_angle;
+        bis_light *light = one_texel_sun(40, rows[i], &solid_angle);
+        stat_moments accepted = {0};
+        bis_scratch scratch;
+        lit l;
+
+        lit_init(&l, light, bis_phong(grey(1), grey(0), 1), (vec3){0, 0, 1}, 30, LIT_OPEN);
+        assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+        for (uint64_t run = 0; run < 10000; run++) {
+            const uint64_t before = l.counters.accepted;
+            lit_once(&l, &s, &scratch, SEED, run);
+            stat_add(&accepted, (double)(l.counters.accepted - before) / 800);
+        }
+        assert_int_equal(l.counters.candidates, 10000 * 800); /* capped: whatever N asks for */
+        print_message("one pixel of %.2g sr: M = %.0f for one accepted, expected %.0f; as printed %.0f\n", solid_angle,
+                      1 / accepted.mean, 1 / share, 1 / solid_angle);
+        stat_assert_mean("E28", SEED, &accepted, share, alpha());
+        stat_assert_not_mean("E28_printed", SEED, &accepted, solid_angle, alpha());
+        bis_scratch_clear(&scratch);
+        bis_light_free(light);
+    }
+}
+
 static void at_most_N_of_the_accepted_are_traced_each_once(void **state)
 {
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
@@ -278,6 +330,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(accepted_directions_have_the_product_density_eq_4_4),
         cmocka_unit_test(mean_acceptance_is_L_ns_over_B_E27),
+        cmocka_unit_test(expected_M_on_a_one_texel_sun_is_pi_over_its_projected_solid_angle_E28),
         cmocka_unit_test(at_most_N_of_the_accepted_are_traced_each_once),
         cmocka_unit_test(stopping_at_the_Nth_acceptance_is_biased_E22),
         cmocka_unit_test(ratio_estimator_is_right_to_a_percent_at_M_800),

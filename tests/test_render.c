@@ -129,7 +129,7 @@ static void another_seed_gives_other_noise(void **state)
 
 /* --- interruption -------------------------------------------------------------------------------------------------- */
 
-static void an_interrupted_render_holds_its_complete_passes_and_nothing_else(void **state)
+static void an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39(void **state)
 {
     (void)state;
     world w;
@@ -155,6 +155,10 @@ static void an_interrupted_render_holds_its_complete_passes_and_nothing_else(voi
             fuse = -1;
             render(&clean, &whole_pass, &w, whole, &(bis_render_options){.budget = {.spp = result.passes}});
             assert_same_bits(&film, &clean);
+            bis_film_clear(&clean);
+            /* twin: the pass under way, too; were any of it kept, the bits would be those of neither */
+            render(&clean, &whole_pass, &w, whole, &(bis_render_options){.budget = {.spp = result.passes + 1}});
+            assert_memory_not_equal(film.sum, clean.sum, 3 * WIDTH * HEIGHT * sizeof *film.sum);
             bis_film_clear(&film);
             bis_film_clear(&clean);
         }
@@ -213,7 +217,7 @@ static void spp_is_the_number_of_passes_and_of_camera_rays(void **state)
     clear_world(&w);
 }
 
-static void the_shortest_time_still_completes_one_pass(void **state)
+static void the_shortest_time_still_completes_one_pass_E39(void **state)
 {
     (void)state;
     world w;
@@ -293,6 +297,63 @@ static void progress_grows_to_the_whole_budget(void **state)
     progress_log log = {0};
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .progress = log_progress, .user = &log});
     assert_true(log.n >= 1 && log.in_order && log.last_share == 1);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+/* --- counters ------------------------------------------------------------------------------------------------------ */
+
+/* Two triangles seen head on from z = -2 by a camera of 90 degrees: they fill the middle 18 x 10 of 36 x 20 pixels.
+ * Under a light from everywhere a white wall's candidates from the BRDF are all alike: with systematic resampling
+ * each ray has its own. */
+static void make_wall(world *w)
+{
+    const vec3 corners[4] = {{-1.8f, -1, 0}, {1.8f, -1, 0}, {1.8f, 1, 0}, {-1.8f, 1, 0}};
+    const uint32_t index[6] = {0, 1, 2, 0, 2, 3};
+    const bis_xform identity = bis_xform_identity();
+    const bis_accel_options accel = {.kind = BIS_ACCEL_GRID};
+    bis_mesh m = {.n_vertices = 4, .n_triangles = 2};
+
+    *w = (world){0};
+    m.p = bis_alloc(4, sizeof *m.p);
+    m.index = bis_alloc(6, sizeof *m.index);
+    memcpy(m.p, corners, sizeof corners);
+    memcpy(m.index, index, sizeof index);
+    w->materials[0] = bis_phong((rgb){1, 1, 1}, (rgb){0, 0, 0}, 1);
+    w->desc.materials = w->materials;
+    w->desc.n_materials = 1;
+    w->desc.camera = (bis_camera){.fov_deg = 90, .to_world = bis_xform_translate(0, 0, -2)};
+    w->desc.sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .seed = 1, .jitter = true};
+    w->desc.settings = bis_settings_default(&bis_sir);
+    w->desc.settings.proposal = BIS_PROPOSAL_BRDF;
+    w->desc.settings.candidates = 800;
+    w->desc.settings.shadowrays = 15;
+    w->desc.has_light = true;
+    w->desc.light = (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .visible = true, .to_world = bis_xform_identity()};
+    bis_scene_set_spp(&w->desc, 1);
+    assert_int_equal(bis_geometry_add_mesh(&w->scene.geometry, &m, &identity, 0, NULL), BIS_OK);
+    bis_mesh_clear(&m);
+    assert_int_equal(bis_accel_new(&w->scene.accel, &w->scene.geometry, &accel, NULL), BIS_OK);
+    assert_int_equal(bis_light_constant(&w->scene.light, w->desc.light.L, NULL), BIS_OK);
+}
+
+/* "15/800" of chapter 5 as what it takes to render an image: 15 rays in each pixel. But only a quarter of the pixels
+ * is hit, and candidates, camera rays and shadow rays are different things. */
+static void counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_rejected_E30(void **state)
+{
+    enum { W = 36, H = 20, PASSES = 3, HITS = PASSES * W * H / 4 };
+    (void)state;
+    world w;
+    make_wall(&w);
+    bis_film film;
+    bis_render_result result;
+    assert_int_equal(bis_film_init(&film, W, H, whole, (bis_loc){0}, NULL), BIS_OK);
+    const bis_render_options options = {.budget = {.spp = PASSES}};
+    assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &options, NULL), BIS_OK);
+    assert_int_equal(result.counters.camera_rays, PASSES * W * H);
+    assert_int_equal(result.counters.candidates, 800 * HITS);
+    assert_int_equal(result.counters.shadow_rays, 15 * HITS);
+    assert_int_not_equal(result.counters.shadow_rays, 15 * PASSES * W * H);
     bis_film_clear(&film);
     clear_world(&w);
 }
@@ -432,13 +493,14 @@ int main(void)
         cmocka_unit_test(a_crop_holds_the_same_bits_as_the_full_picture),
         cmocka_unit_test(more_passes_begin_with_the_same_passes),
         cmocka_unit_test(another_seed_gives_other_noise),
-        cmocka_unit_test(an_interrupted_render_holds_its_complete_passes_and_nothing_else),
+        cmocka_unit_test(an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39),
         cmocka_unit_test(an_interrupted_first_pass_leaves_the_rest_black),
         cmocka_unit_test(spp_is_the_number_of_passes_and_of_camera_rays),
-        cmocka_unit_test(the_shortest_time_still_completes_one_pass),
+        cmocka_unit_test(the_shortest_time_still_completes_one_pass_E39),
         cmocka_unit_test(an_error_budget_ends_when_the_bound_holds_and_not_before),
         cmocka_unit_test(an_error_budget_takes_four_passes_at_least_and_spp_at_most),
         cmocka_unit_test(progress_grows_to_the_whole_budget),
+        cmocka_unit_test(counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_rejected_E30),
         cmocka_unit_test(escaped_rays_see_the_map_where_it_is_visible),
         cmocka_unit_test(without_jitter_rays_pass_through_pixel_centres),
         cmocka_unit_test(a_black_material_reflects_nothing_and_costs_nothing),

@@ -129,6 +129,8 @@ static void mixture_is_within_1_5_of_the_better_proposal_E26(void **state)
     const bis_material materials[] = {bis_phong(grey(0.8), grey(0), 1), bis_phong(grey(0), grey(1), 5), bis_phong(grey(0), grey(1), 50),
                                       bis_phong(grey(0), grey(1), 1000), bis_phong(grey(0.5), grey(0.5), 50)};
 
+    int em_alone = 0, brdf_alone = 0;
+
     (void)state;
     for (int i = 0; i < 4 * 5; i++) {
         bis_light *light = lit_new_light(maps[i % 4], 1, 0, false);
@@ -143,11 +145,17 @@ static void mixture_is_within_1_5_of_the_better_proposal_E26(void **state)
             rmse[p] = sqrt(stat_variance(&m[3]) + (m[3].mean - truth) * (m[3].mean - truth));
         }
         double better = fmin(rmse[BIS_PROPOSAL_EM], rmse[BIS_PROPOSAL_BRDF]);
-        if (truth > 1e-6 && rmse[BIS_PROPOSAL_MIX] > 1.5 * better + 1e-5 * truth) { /* 1e-6: the lobe misses the block */
+        bis_light_free(light);
+        if (truth <= 1e-6) continue; /* the lobe misses the block */
+        const double bound = 1.5 * better + 1e-5 * truth;
+        if (rmse[BIS_PROPOSAL_MIX] > bound) {
             fail_msg("map %d, material %d: em %g, brdf %g, mix %g of %g", i % 4, i / 4, rmse[0], rmse[1], rmse[2], truth);
         }
-        bis_light_free(light);
+        em_alone += rmse[BIS_PROPOSAL_EM] > bound;
+        brdf_alone += rmse[BIS_PROPOSAL_BRDF] > bound;
     }
+    /* twins: "q_L or q_f" */
+    assert_true(em_alone >= 3 && brdf_alone >= 3);
 }
 
 /* ---- resampling ---- */
@@ -345,6 +353,81 @@ static void area_weighting_does_not_change_the_picture_E20(void **state)
     }
 }
 
+static rgbd F(const lit *l, vec3 wi)
+{
+    rgb f = bis_bsdf_f(&l->pt.bsdf, wi), Le = bis_light_Le(l->light, wi);
+    double cos_theta = fmax(0, bis_bsdf_cos(&l->pt.bsdf, wi)) * bis_point_sees(&l->pt, wi);
+
+    return (rgbd){(double)f.r * (double)Le.r * cos_theta, (double)f.g * (double)Le.g * cos_theta,
+                  (double)f.b * (double)Le.b * cos_theta};
+}
+
+/* The line between eq. 4.8 and 4.9: w in the denominator. */
+static rgbd F_over_w(const lit *l, const bis_candidate *c, uint32_t M, const uint32_t *chosen, uint32_t N, double W)
+{
+    (void)M;
+    (void)N;
+    (void)W;
+    return rgbd_scale(F(l, c[chosen[0]].wi), 1 / c[chosen[0]].w);
+}
+
+/* Eq. 4.9 with f as in 4.8, the whole integrand, and not what is left of it after division by phat. */
+static rgbd F_times_mean_w(const lit *l, const bis_candidate *c, uint32_t M, const uint32_t *chosen, uint32_t N,
+                           double W)
+{
+    (void)N;
+    return rgbd_scale(F(l, c[chosen[0]].wi), W / M);
+}
+
+static void eq_4_9_holds_for_F_over_phat_alone_E24(void **state)
+{
+    static const uint32_t sizes[] = {1, 4};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
+    lit l;
+
+    (void)state;
+    lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_HALF);
+    const double truth = lit_truth(&l, true).r;
+    for (int i = 0; i < 2; i++) {
+        stat_moments m = run_printed(&l, BIS_PROPOSAL_EM, sizes[i], 1, 20000, ours);
+        stat_moments over = run_printed(&l, BIS_PROPOSAL_EM, sizes[i], 1, 20000, F_over_w);
+        stat_moments times = run_printed(&l, BIS_PROPOSAL_EM, sizes[i], 1, 20000, F_times_mean_w);
+        stat_assert_mean("E24", SEED, &m, truth, alpha());
+        stat_assert_not_mean("E24_over_w", SEED, &over, truth, alpha());
+        stat_assert_not_mean("E24_times_w", SEED, &times, truth, alpha());
+    }
+    bis_light_free(light);
+}
+
+/* A set of which no candidate is worth anything is an estimate of 0. Left out of the mean, or drawn again, it makes
+ * the rest too bright: half of the sphere is below the horizon, so a set of M is worthless with probability 2^-M. */
+static void a_set_without_weight_counts_as_0_and_left_out_brightens_the_rest_E25(void **state)
+{
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+
+    (void)state;
+    for (uint32_t M = 1; M <= 4; M *= 2) {
+        const bis_settings s = sir(BIS_PROPOSAL_EM, M, 1, false);
+        stat_moments m = {0}, twin = {0};
+        bis_scratch scratch;
+        lit l;
+        lit_init(&l, light, bis_phong(grey(1), grey(0), 1), (vec3){0, 0, 1}, 30, LIT_OPEN);
+        assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+        for (uint64_t run = 0; run < 20000; run++) {
+            const uint64_t rays = l.counters.shadow_rays;
+            const double L = (double)lit_once(&l, &s, &scratch, SEED, run).r;
+            stat_add(&m, L);
+            if (l.counters.shadow_rays > rays) stat_add(&twin, L);
+            else assert_true(L == 0);
+        }
+        stat_assert_mean("E25", SEED, &m, 1, alpha());
+        stat_assert_not_mean("E25_left_out", SEED, &twin, 1, alpha());
+        stat_assert_mean("E25_factor", SEED, &twin, 1 / (1 - pow(0.5, M)), alpha());
+        bis_scratch_clear(&scratch);
+    }
+    bis_light_free(light);
+}
+
 static rgbd exact_L_ns;
 
 /* E21: L_ns known exactly, or from anywhere but the same candidates. */
@@ -429,7 +512,12 @@ static void intervals_from_replicates_cover_95_percent_E32(void **state)
     bis_light_free(light);
 }
 
-/* E9: error falls with N^(-1/2), cost with 1/error^2. */
+static bool error_falls_as(double slope, const double rmse[3])
+{
+    return fabs(log(rmse[2] / rmse[0]) / log(16) - slope) < 0.02;
+}
+
+/* Error falls with N^(-1/2), cost with 1/error^2. */
 static void error_of_random_candidates_falls_with_the_square_root_E9(void **state)
 {
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
@@ -446,7 +534,8 @@ static void error_of_random_candidates_falls_with_the_square_root_E9(void **stat
         lit_run(m, &l, &s, 20000u >> k, SEED);
         rmse[k] = sqrt(stat_variance(&m[3]));
     }
-    assert_true(fabs(log(rmse[2] / rmse[0]) / log(16) + 0.5) < 0.02);
+    assert_true(error_falls_as(-0.5, rmse));
+    assert_false(error_falls_as(-2, rmse)); /* "image quality depends on N^2" */
     bis_light_free(light);
 }
 
@@ -463,6 +552,8 @@ int main(void)
         cmocka_unit_test(repeats_are_traced_once_and_counted_k_times_E32),
         cmocka_unit_test(colour_of_shadows_is_right_E6),
         cmocka_unit_test(area_weighting_does_not_change_the_picture_E20),
+        cmocka_unit_test(eq_4_9_holds_for_F_over_phat_alone_E24),
+        cmocka_unit_test(a_set_without_weight_counts_as_0_and_left_out_brightens_the_rest_E25),
         cmocka_unit_test(L_ns_must_come_from_the_same_candidates_E21),
         cmocka_unit_test(furnace_returns_the_albedo_at_grazing_E23),
         cmocka_unit_test(intervals_from_replicates_cover_95_percent_E32),
