@@ -14,9 +14,9 @@ static const struct {
     const bis_integrator *integrator;
     const char *parameters[BIS_MAX_PARAMETERS + 1];
 } table[] = {
-    {&bis_em, {"samples"}},
+    {&bis_em, {"samples", "stratify"}},
     {&bis_brdf, {"samples"}},
-    {&bis_mis, {"samples", "heuristic", "split", "compensate"}},
+    {&bis_mis, {"samples", "heuristic", "split", "compensate", "stratify"}},
     {&bis_rejection, {"candidates", "shadowrays", "proposal", "estimator", "fallback"}},
     {&bis_sir, {"candidates", "shadowrays", "proposal", "resampling", "stratify", "vectorize"}},
     {&bis_exact, {"perpatch"}},

@@ -11,13 +11,12 @@
 
 static unsigned light_needs(const bis_settings *s)
 {
-    (void)s;
-    return BIS_NEED_TABLE;
+    return bis_em_samples_light_needs(s);
 }
 
 static void scratch_needs(const bis_settings *s, bis_scratch *need)
 {
-    need->n_points = s->samples;
+    bis_em_samples_scratch_needs(s->samples, s, need);
 }
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
@@ -27,10 +26,10 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     rgbd sum = {0, 0, 0};
 
     if (bis_bsdf_is_black(bsdf)) return (rgb){0, 0, 0};
-    bis_stream_points(stream, BIS_DIM_EM, N, scratch->u);
+    const bis_em_samples samples = bis_em_samples_start(N, s, stream, scratch);
     for (uint32_t j = 0; j < N; j++) {
         bis_light_point y;
-        if (!bis_propose_em(&y, pt->light, stream, scratch->u[j])) break; /* no light at all */
+        if (!bis_em_sample(&y, &samples, j, pt->light, stream)) break; /* no light at all */
 
         double cos_theta = bis_bsdf_cos(bsdf, y.wi);
         if (cos_theta <= 0) continue;

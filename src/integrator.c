@@ -32,7 +32,7 @@ bis_settings bis_settings_default(const bis_integrator *integrator)
         .fallback = BIS_FALLBACK_RESAMPLE,
         .split = 0.5,
         .compensate = false,
-        .stratify = true,
+        .stratify = integrator != &bis_em && integrator != &bis_mis,
         .vectorize = true,
     };
 }

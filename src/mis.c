@@ -20,14 +20,15 @@ static uint32_t samples_em(const bis_settings *s)
 
 static unsigned light_needs(const bis_settings *s)
 {
-    return s->compensate ? BIS_NEED_TABLE | BIS_NEED_COMPENSATED : BIS_NEED_TABLE;
+    return bis_em_samples_light_needs(s) | (s->compensate ? BIS_NEED_COMPENSATED : 0);
 }
 
 static void scratch_needs(const bis_settings *s, bis_scratch *need)
 {
     uint32_t n_em = samples_em(s), n_brdf = s->samples - n_em;
 
-    need->n_points = n_em > n_brdf ? n_em : n_brdf;
+    need->n_points = n_brdf;
+    bis_em_samples_scratch_needs(n_em, s, need);
 }
 
 /* h of the technique with n q = own against the other's. By their ratio: squares could underflow, and Inf is a fair ratio. */
@@ -38,15 +39,15 @@ static double weight(bis_heuristic heuristic, double own, double other)
     return 1 / (1 + (heuristic == BIS_HEURISTIC_POWER ? r * r : r));
 }
 
-static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2], uint32_t n_em, uint32_t n_brdf)
+static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, uint32_t n_em, uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
     rgbd sum = {0, 0, 0};
 
-    bis_stream_points(stream, BIS_DIM_EM, n_em, u);
+    const bis_em_samples samples = bis_em_samples_start(n_em, s, stream, scratch);
     for (uint32_t j = 0; j < n_em; j++) {
         bis_light_point y;
-        if (!bis_propose_em(&y, pt->light, stream, u[j])) break; /* nothing (left) to draw from: the BRDF's samples do it all */
+        if (!bis_em_sample(&y, &samples, j, pt->light, stream)) break; /* nothing (left) to draw from: the BRDF's samples do it all */
 
         double q_brdf, cos_theta = bis_bsdf_cos(bsdf, y.wi);
         if (cos_theta <= 0) continue;
@@ -86,7 +87,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     const uint32_t n_em = samples_em(s), n_brdf = s->samples - n_em;
 
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
-    rgbd from_em = sum_em(s, pt, stream, scratch->u, n_em, n_brdf);
+    rgbd from_em = sum_em(s, pt, stream, scratch, n_em, n_brdf);
     rgbd from_brdf = sum_brdf(s, pt, stream, scratch->u, n_em, n_brdf);
     return rgbd_round(rgbd_add(from_em, from_brdf));
 }

@@ -13,17 +13,17 @@
 /* ---- Integrator ---- */
 
 /* The parameters that an integrator has, as bits. */
-enum { SAMPLES = 1, CANDIDATES = 2, SHADOWRAYS = 4, MIS = 8, REJECTION = 16, SIR = 32, PERPATCH = 64 };
+enum { SAMPLES = 1, CANDIDATES = 2, SHADOWRAYS = 4, MIS = 8, REJECTION = 16, SIR = 32, PERPATCH = 64, STRATIFY = 128 };
 
 static const struct {
     const bis_integrator *integrator;
     unsigned params;
 } owns[] = {
-    {&bis_em, SAMPLES},
+    {&bis_em, SAMPLES | STRATIFY},
     {&bis_brdf, SAMPLES},
-    {&bis_mis, SAMPLES | MIS},
+    {&bis_mis, SAMPLES | MIS | STRATIFY},
     {&bis_rejection, CANDIDATES | SHADOWRAYS | REJECTION},
-    {&bis_sir, CANDIDATES | SHADOWRAYS | SIR},
+    {&bis_sir, CANDIDATES | SHADOWRAYS | SIR | STRATIFY},
     {&bis_exact, PERPATCH},
     {&bis_unoccluded, CANDIDATES},
 };
@@ -68,7 +68,6 @@ static void read_sir(bis_parser *p, bis_settings *s)
     int i;
     if (bis_params_choice(p, "proposal", &i, proposals, BIS_COUNT(proposals))) s->proposal = proposal[i];
     if (bis_params_choice(p, "resampling", &i, resamplings, BIS_COUNT(resamplings))) s->resampling = resampling[i];
-    bis_params_bool(p, "stratify", &s->stratify);
     bis_params_bool(p, "vectorize", &s->vectorize);
 }
 
@@ -84,6 +83,7 @@ static bis_settings read_settings(bis_parser *p, const bis_integrator *integrato
     if (params & MIS) read_mis(p, &s);
     if (params & REJECTION) read_rejection(p, &s);
     if (params & SIR) read_sir(p, &s);
+    if (params & STRATIFY) bis_params_bool(p, "stratify", &s.stratify);
     return s;
 }
 

@@ -310,7 +310,9 @@ static bis_status make_pool(render *r, bis_diag *diag)
     const bis_light *light = r->scene->light;
     uint32_t M = r->workers[0].scratch.n_pool;
 
-    if (M == 0 || !r->scene->accel || bis_light_is_constant(light) || bis_light_is_black(light)) return BIS_OK;
+    bis_light_point any;
+    if (M == 0 || !r->scene->accel || bis_light_is_constant(light)) return BIS_OK;
+    if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK; /* nothing to draw: black, or all of it compensated away */
     bis_status status = bis_pool_init(&r->pool, M, r->workers[0].scratch.batch != NULL, diag);
     for (int i = 0; !status && i < r->n_threads; i++) r->workers[i].scratch.pool = &r->pool;
     return status;

@@ -33,7 +33,7 @@ typedef struct bis_settings {
     bis_fallback fallback;
     double split;    /* mis: the EM's share */
     bool compensate; /* mis */
-    bool stratify;   /* sir */
+    bool stratify;   /* em, mis, sir: samples of the map along its curve */
     bool vectorize;  /* sir: many candidates at once where that is possible (src/batch.c) */
     unsigned as_printed; /* all: BIS_E*, equations to follow to the letter; 0: none */
 } bis_settings;
