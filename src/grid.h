@@ -4,10 +4,10 @@
 
 #include "bis/accel.h"
 
-/* Cells per primitive. Surfaces leave most cells empty, and an empty cell costs a bit's look-up. On the dragon (871k triangles) an
- * any-hit ray passes 47, 51, 65 cells and tests 66, 59, 44 triangles at density 3, 4, 8; from 8 to 12 nothing is won any more
- * (scripts/bench_accel.c). The whole grid takes 80 bytes a triangle at 8, 57 at 3. */
-#define BIS_GRID_DENSITY 8.0
+/* Cells per primitive, by default. Surfaces leave most cells empty, and an empty cell costs a bit's look-up. The packed walk is as
+ * fast from 1 to 8 cells on the dragon (871k triangles; scripts/bench_accel.c), but space grows. The plain one gains up to 8. */
+#define BIS_GRID_DENSITY 2.0
+#define BIS_GRID_PLAIN_DENSITY 8.0
 
 /* No axis has more cells: the walk's accumulated rounding stays below GRID_SLACK cells. */
 #define BIS_GRID_MAX_RES 4096
@@ -19,6 +19,10 @@
  * when it lies in the wall between two. */
 #define BIS_GRID_SLACK 0x1p-10
 
+/* Triangles of a block: block[3 i + a][k] is coordinate a of vertex i of the k-th. */
+enum { BIS_GRID_LANES = 8 };
+typedef float bis_grid_block[9][BIS_GRID_LANES];
+
 typedef struct bis_grid {
     bis_accel base;
     double lo[3], hi[3], cell[3], inv_cell[3]; /* the box, a cell's size, 1 / size */
@@ -27,14 +31,36 @@ typedef struct bis_grid {
     uint32_t *offsets;                         /* offsets[n_cells + 1]: cell c holds items[offsets[c] ... offsets[c+1] - 1] */
     uint32_t *items;                           /* primitives, ascending in each cell */
     uint64_t *occupied;                        /* one bit a cell: is there any item? Empty space costs an L2 access */
-    float (*triangle)[9];                      /* vertices of each triangle, together */
+    bis_grid_block *blocks;                    /* block b: the triangles of items 8 b ... 8 b + 7; NULL: the grid is not packed */
+    uint32_t *near[3];                         /* for the packed walk: see grid_packed.c */
 } bis_grid;
 
-/* density 0: the default. */
+/* The nearest hit so far; t is not rounded. Of hits at the same t the first primitive counts, so that it does not matter
+ * which is found first. */
+typedef struct bis_grid_best {
+    double t;
+    uint32_t prim;
+} bis_grid_best;
+
+static inline bool bis_grid_take(bis_grid_best *best, double t, uint32_t prim)
+{
+    if (t > best->t || (t == best->t && prim >= best->prim)) return false;
+    *best = (bis_grid_best){t, prim};
+    return true;
+}
+
+/* density 0: the default. The grid is packed where mesh and grid then stay below 150 bytes a triangle: not where most triangles
+ * are much larger than a cell. */
 bis_status bis_grid_new(bis_accel **out, const bis_geometry *g, double density, int n_threads, bis_diag *diag);
 
-/* The walk, src/grid_walk.c. */
+/* The plain walk, src/grid_walk.c: for any grid. */
 bool bis_grid_intersect(const bis_accel *a, const ray *r, bis_hit *hit);
 bool bis_grid_occluded(const bis_accel *a, const ray *r);
+
+/* The fast one, src/grid_packed.c: for packed grids. What packing would take and its doing: at most 2^31 - 1 cells. */
+bool bis_grid_packed_intersect(const bis_accel *a, const ray *r, bis_hit *hit);
+bool bis_grid_packed_occluded(const bis_accel *a, const ray *r);
+size_t bis_grid_packed_bytes(size_t n_cells, size_t n_items);
+bis_status bis_grid_pack(bis_grid *g, int n_threads, bis_diag *diag);
 
 #endif

@@ -118,13 +118,19 @@ static void cover_triangle(const double v[3][3], cover *c)
 }
 
 /* The cells of a triangle in layers [from, to); false if there are none, or if it has no area: nothing can hit it then. */
-static bool cover_triangle_cells(const bis_grid *grid, const float t[9], int from, int to, cover *c)
+static bool cover_triangle_cells(const bis_grid *grid, uint32_t prim, int from, int to, cover *c)
 {
-    const vec3 corners[3] = {{t[0], t[1], t[2]}, {t[3], t[4], t[5]}, {t[6], t[7], t[8]}};
+    const bis_geometry *g = grid->base.geometry;
+    const uint32_t *index = g->index + 3 * (size_t)prim;
+    const vec3 corners[3] = {g->p[index[0]], g->p[index[1]], g->p[index[2]]};
     double v[3][3], lo[3], hi[3];
 
+    for (int i = 0; i < 3; i++) {
+        v[i][0] = ((double)corners[i].x - grid->lo[0]) * grid->inv_cell[0];
+        v[i][1] = ((double)corners[i].y - grid->lo[1]) * grid->inv_cell[1];
+        v[i][2] = ((double)corners[i].z - grid->lo[2]) * grid->inv_cell[2];
+    }
     for (int a = 0; a < 3; a++) {
-        for (int i = 0; i < 3; i++) v[i][a] = ((double)t[3 * i + a] - grid->lo[a]) * grid->inv_cell[a];
         lo[a] = smaller(v[0][a], smaller(v[1][a], v[2][a]));
         hi[a] = larger(v[0][a], larger(v[1][a], v[2][a]));
     }
@@ -147,7 +153,7 @@ static bool cover_quadric_cells(const bis_grid *grid, const bis_box *box, int fr
 
 static bool cover_primitive(const build *b, uint32_t prim, int from, int to, cover *c)
 {
-    if (prim < b->geometry->n_triangles) return cover_triangle_cells(b->grid, b->grid->triangle[prim], from, to, c);
+    if (prim < b->geometry->n_triangles) return cover_triangle_cells(b->grid, prim, from, to, c);
     const bis_box box = bis_geometry_bounds(b->geometry, prim);
     return cover_quadric_cells(b->grid, &box, from, to, c);
 }
@@ -301,24 +307,6 @@ static void set_resolution(bis_grid *g, double target)
     }
 }
 
-static bis_status copy_triangles(const build *b, bis_diag *diag)
-{
-    const bis_geometry *g = b->geometry;
-
-    b->grid->triangle = bis_alloc(g->n_triangles, sizeof *b->grid->triangle);
-    if (!b->grid->triangle) {
-        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a grid over %zu triangles", g->n_triangles);
-    }
-#pragma omp parallel for num_threads(b->n_threads)
-    for (size_t i = 0; i < g->n_triangles; i++) {
-        for (int j = 0; j < 3; j++) {
-            const vec3 v = g->p[g->index[3 * i + (size_t)j]];
-            memcpy(&b->grid->triangle[i][3 * j], &v, sizeof v);
-        }
-    }
-    return BIS_OK;
-}
-
 static bis_status sort_into_cells(const build *b, double target, bis_diag *diag)
 {
     bis_grid *g = b->grid;
@@ -333,6 +321,8 @@ static bis_status sort_into_cells(const build *b, double target, bis_diag *diag)
         if (n_items <= b->max_items || g->n_cells == 1) break;
     }
     uint32_t end = 0;
+    bis_free(g->occupied);
+    bis_free(g->items);
     g->occupied = bis_alloc(g->n_cells / 64 + 1, sizeof *g->occupied);
     g->items = bis_alloc(n_items, sizeof *g->items);
     if (!g->items || !g->occupied) goto no_memory;
@@ -354,7 +344,8 @@ static size_t bytes(const bis_accel *a)
     const bis_grid *g = (const bis_grid *)a;
 
     return sizeof *g + (g->n_cells + 1) * sizeof *g->offsets + g->offsets[g->n_cells] * sizeof *g->items +
-           (g->n_cells / 64 + 1) * sizeof *g->occupied + a->geometry->n_triangles * sizeof *g->triangle;
+           (g->n_cells / 64 + 1) * sizeof *g->occupied +
+           (g->blocks ? bis_grid_packed_bytes(g->n_cells, g->offsets[g->n_cells]) : 0);
 }
 
 static void free_grid(bis_accel *a)
@@ -365,11 +356,26 @@ static void free_grid(bis_accel *a)
     bis_free(g->offsets);
     bis_free(g->items);
     bis_free(g->occupied);
-    bis_free(g->triangle);
+    bis_free(g->blocks);
+    for (int m = 0; m < 3; m++) bis_free(g->near[m]);
     bis_free(g);
 }
 
-static const bis_accel_ops grid_ops = {"grid", bis_grid_intersect, bis_grid_occluded, bytes, free_grid, NULL};
+static const bis_accel_ops plain_ops = {
+    .name = "grid", .intersect = bis_grid_intersect, .occluded = bis_grid_occluded, .bytes = bytes, .free = free_grid};
+static const bis_accel_ops packed_ops = {
+    .name = "grid", .intersect = bis_grid_packed_intersect, .occluded = bis_grid_packed_occluded, .bytes = bytes, .free = free_grid};
+
+/* May the grid be packed? Where mesh and grid stay below 150 bytes a primitive, or 300 if the density was asked for; a free 64k
+ * items. */
+static bool may_pack(const bis_grid *g, bool asked)
+{
+    const size_t n_items = g->offsets[g->n_cells], free_items = 65536;
+    const size_t all = bis_geometry_bytes(g->base.geometry) + bytes(&g->base) + bis_grid_packed_bytes(g->n_cells, n_items);
+
+    if (g->n_cells > INT32_MAX) return false;
+    return n_items <= free_items || all <= (asked ? 300 : 150) * bis_geometry_primitives(g->base.geometry);
+}
 
 static int threads_of(int wanted)
 {
@@ -390,19 +396,26 @@ bis_status bis_grid_new(bis_accel **out, const bis_geometry *geometry, double de
     assert(n > 0 && density >= 0);
     *out = NULL;
     if (!grid) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a grid");
-    if (density == 0) density = BIS_GRID_DENSITY;
+    const bool asked = density > 0;
+    if (!asked) density = BIS_GRID_DENSITY;
     /* A scan's triangles need some 3 items each; 8, and a free 64k, keep even a soup of large triangles that share no vertex below 150
      * bytes a triangle in all: mesh 48, copy 36, cells 33, items 32. Who asks for more cells may have more items, too.
      * Offsets hold 32 bits. */
-    const double items = 8 + 4 * larger(0, density - BIS_GRID_DENSITY);
+    const double items = 8 + 4 * larger(0, density - BIS_GRID_PLAIN_DENSITY);
     const double most = smaller(items * n + 65536, (double)(UINT32_MAX - 1));
     const build b = {grid, geometry, threads_of(n_threads), (size_t)most};
-    grid->base = (bis_accel){&grid_ops, geometry};
+    grid->base = (bis_accel){&plain_ops, geometry};
     set_box(grid, &geometry->box);
-    status = copy_triangles(&b, diag);
-    if (status) goto done;
     status = sort_into_cells(&b, fmin(density * n, 0x1p31), diag);
     if (status) goto done;
+    if (may_pack(grid, asked)) {
+        status = bis_grid_pack(grid, b.n_threads, diag);
+        if (status) goto done;
+        grid->base.ops = &packed_ops;
+    } else if (!asked) {
+        status = sort_into_cells(&b, fmin(BIS_GRID_PLAIN_DENSITY * n, 0x1p31), diag);
+        if (status) goto done;
+    }
     *out = &grid->base;
     grid = NULL;
 done:

@@ -10,6 +10,8 @@
 
 #include "triangle.h"
 
+#include <string.h>
+
 /* One axis of the walk. */
 typedef struct axis {
     double next, delta; /* t of the next wall; t between walls */
@@ -40,23 +42,19 @@ static inline axis start_axis(const bis_grid *g, int a, double p, double d, ptrd
     return (axis){(wall - p) / d, g->cell[a] / fabs(d), d > 0 ? stride : -stride, d > 0 ? n - 1 - i : i};
 }
 
-/* Is primitive prim hit at a float t in (0, tmax) and, counted from t0, before best? */
+/* Is primitive prim hit at a float t in (0, tmax), not behind best? */
 static inline bool meets(const bis_grid *g, uint32_t prim, const sheared_ray *s, const ray *r, double best, double *t)
 {
     const bis_geometry *geometry = g->base.geometry;
-    double e[3], det, z;
-    float rounded;
+    float v[9], rounded;
 
     if (prim >= geometry->n_triangles) {
         if (!bis_quadric_intersect(&geometry->quadrics[prim - geometry->n_triangles], r, &rounded)) return false;
         *t = (double)rounded;
-        return *t < best;
+        return *t <= best;
     }
-    if (!shear_test(s, g->triangle[prim], e, &det, &z)) return false;
-    *t = z / det;
-    if (!(*t > 0 && *t < best)) return false;
-    rounded = (float)*t;
-    return rounded > 0 && rounded < r->tmax;
+    for (size_t i = 0; i < 3; i++) memcpy(v + 3 * i, &geometry->p[geometry->index[3 * (size_t)prim + i]], 3 * sizeof *v);
+    return shear_hit(s, v, best, r->tmax, t);
 }
 
 /* The walk of both queries; any is a constant in each. */
@@ -77,36 +75,34 @@ static inline __attribute__((always_inline)) bool walk(const bis_grid *g, const 
     axis x = start_axis(g, 0, ox + t0 * dx, dx, 1, &cell);
     axis y = start_axis(g, 1, oy + t0 * dy, dy, row, &cell);
     axis z = start_axis(g, 2, oz + t0 * dz, dz, layer, &cell);
-    double best = (double)r->tmax;
-    uint32_t prim = BIS_NO_PRIM;
+    bis_grid_best best = {(double)r->tmax, BIS_NO_PRIM};
 
     for (;;) {
         if (g->occupied[cell >> 6] >> (cell & 63) & 1) {
             const uint32_t end = g->offsets[cell + 1];
             for (uint32_t i = g->offsets[cell]; i < end; i++) {
                 double found;
-                if (!meets(g, g->items[i], &sheared, r, best, &found)) continue;
+                if (!meets(g, g->items[i], &sheared, r, best.t, &found)) continue;
                 if (any) return true;
-                best = found;
-                prim = g->items[i];
+                bis_grid_take(&best, found, g->items[i]);
             }
         }
         if (x.next <= y.next && x.next <= z.next) {
-            if (best - t0 <= x.next || x.left-- == 0) break;
+            if (best.t - t0 <= x.next || x.left-- == 0) break;
             x.next += x.delta;
             cell += (size_t)x.step;
         } else if (y.next <= z.next) {
-            if (best - t0 <= y.next || y.left-- == 0) break;
+            if (best.t - t0 <= y.next || y.left-- == 0) break;
             y.next += y.delta;
             cell += (size_t)y.step;
         } else {
-            if (best - t0 <= z.next || z.left-- == 0) break;
+            if (best.t - t0 <= z.next || z.left-- == 0) break;
             z.next += z.delta;
             cell += (size_t)z.step;
         }
     }
-    if (any || prim == BIS_NO_PRIM) return false;
-    *hit = (bis_hit){(float)best, prim};
+    if (any || best.prim == BIS_NO_PRIM) return false;
+    *hit = (bis_hit){(float)best.t, best.prim};
     return true;
 }
 

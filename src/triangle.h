@@ -6,8 +6,8 @@
  * - a vertex goes to the same rounded point (x, y) in all its triangles;
  * - the determinant a - b of two rounded products has never the wrong sign: rounding is monotone, so exact a > b
  *   gives fl(a) >= fl(b). At worst it is 0, and 0 counts as inside on both sides of the edge.
- * No fallback for doubtful signs is needed. Double costs nothing here: the code is scalar, and a hit's relative error
- * is some 1e-15 instead of 1e-7, far below what the float vertices mean. */
+ * No fallback for doubtful signs is needed. In double a hit's relative error is some 1e-15 instead of 1e-7, far below
+ * what the float vertices mean. */
 #ifndef BIS_TRIANGLE_H
 #define BIS_TRIANGLE_H
 
@@ -60,6 +60,19 @@ static inline __attribute__((always_inline)) bool shear_test(const sheared_ray *
     *det = e[0] + e[1] + e[2];
     *z = s->sz * (e[0] * az + e[1] * bz + e[2] * cz);
     return *det != 0;
+}
+
+/* Does the ray meet triangle v at a t in (0, best], whose float lies in (0, tmax)? */
+static inline __attribute__((always_inline)) bool shear_hit(const sheared_ray *s, const float v[9], double best, float tmax, double *t)
+{
+    double e[3], det, z;
+    float rounded;
+
+    if (!shear_test(s, v, e, &det, &z)) return false;
+    *t = z / det;
+    if (!(*t > 0 && *t <= best)) return false;
+    rounded = (float)*t;
+    return rounded > 0 && rounded < tmax;
 }
 
 /* Twice the area vector. In double: no float triangle overflows or underflows here. */

@@ -172,6 +172,20 @@ static ray nasty_ray(const bis_geometry *g, uint64_t *seed)
     return (ray){{o[0], o[1], o[2]}, w, random_double(seed) < 0.25 ? (float)end : INFINITY};
 }
 
+/* The fast walk of a packed grid against the plain one, on the same grid. */
+static void check_packed(const bis_accel *a, const ray *r)
+{
+    bis_hit plain = {0, BIS_NO_PRIM}, packed = {0, BIS_NO_PRIM};
+
+    if (((const bis_grid *)a)->blocks == NULL) return;
+    const bool found = bis_grid_intersect(a, r, &plain);
+    assert_int_equal(bis_grid_packed_intersect(a, r, &packed), found);
+    assert_int_equal(bis_grid_occluded(a, r), found);
+    assert_int_equal(bis_grid_packed_occluded(a, r), found);
+    assert_true(packed.t == plain.t);
+    assert_int_equal(packed.prim, plain.prim);
+}
+
 /* The number of ties. */
 static int check_scene(const bis_geometry *g, int n_rays, uint64_t seed)
 {
@@ -183,6 +197,7 @@ static int check_scene(const bis_geometry *g, int n_rays, uint64_t seed)
         const truth expected = brute_force(g, &r);
         hits += expected.hit;
         for (int i = 0; i < b.n; i++) ties += check_ray(b.a[i], &r, &expected);
+        for (int i = 0; i < 3; i++) check_packed(b.a[i], &r);
     }
     assert_true(hits > n_rays / 100);
     free_backends(&b);
@@ -419,6 +434,65 @@ static void a_sphere_around_everything_costs_no_hit(void **state)
     bis_geometry_clear(&g);
 }
 
+/* Triangles in walls of cells, twice, seen edge-on, too thin for a double's area, in one point: worlds for the next test. */
+static bis_mesh nasty_mesh(int kind)
+{
+    bis_mesh m = kind == 0 ? sphere_mesh(20) : soup_mesh(kind == 1 ? 2000 : 400, kind == 1 ? 0.05 : 0.4, (uint64_t)kind);
+
+    for (size_t i = 0; i < m.n_vertices; i++) {
+        vec3 *p = &m.p[i];
+        if (kind == 2) p->z = 0.25f;
+        if (kind == 3 && i % 3 == 2) *p = add(m.p[i - 1], mul(sub(m.p[i - 2], m.p[i - 1]), 0.5));
+        if (kind == 4) *p = (vec3){roundf(8 * p->x), roundf(8 * p->y), roundf(8 * p->z)};
+        if (kind == 5 && i % 9 > 3) *p = m.p[i - i % 9];
+    }
+    return m;
+}
+
+/* At a vertex, at a point of an edge, or inside a triangle: from anywhere, along an axis, or from another vertex. */
+static ray aimed_ray(const bis_geometry *g, uint64_t *seed)
+{
+    const double size = length(sub(g->box.hi, g->box.lo)), b = random_double(seed), u = random_double(seed), end = random_double(seed);
+    const uint32_t *t = g->index + 3 * (size_t)(random_double(seed) * (double)g->n_triangles);
+    const uint32_t from = g->index[(size_t)(random_double(seed) * 3 * (double)g->n_triangles)];
+    const vec3 edge = add(mul(g->p[t[0]], b), mul(g->p[t[1]], 1 - b));
+    const vec3 target = u < 0.3 ? g->p[t[0]] : u < 0.6 ? edge : add(mul(edge, b), mul(g->p[t[2]], 1 - b));
+    const int axis = (int)(3 * random_double(seed));
+    vec3 d = mul(random_direction(seed), size);
+
+    if (random_double(seed) < 0.3) d = (vec3){axis == 0 ? (float)size : 0, axis == 1 ? -(float)size : -0.0f, axis == 2 ? (float)size : 0};
+    if (random_double(seed) < 0.2) d = sub(target, g->p[from]);
+    if (d.x == 0 && d.y == 0 && d.z == 0) d.x = 1;
+    const vec3 o = random_double(seed) < 0.1 ? target : sub(target, mul(d, random_double(seed) < 0.1 ? 1000 : random_double(seed)));
+    return (ray){o, d, end < 0.3 ? (float)(3 * end) : end < 0.4 ? 1 : INFINITY};
+}
+
+static void the_packed_walk_answers_as_the_plain_one_bit_by_bit(void **state)
+{
+    static const double densities[] = {0, 0.05, 20}, scales[] = {1, 1e-6, 1e6, 1}, shifts[] = {0, 0, 0, 1e4};
+    const bis_quadric q = {BIS_SPHERE, 0.3, 0, bis_xform_translate(0.5, 0.5, 0.5), 0};
+    uint64_t seed = 20;
+    (void)state;
+    for (int n = 0; n < 6 * 4 * 3; n++) {
+        const int kind = n % 6, place = n / 6 % 4;
+        const bis_xform scale = bis_xform_scale(scales[place], scales[place], scales[place]);
+        const bis_xform move = bis_xform_translate(shifts[place], -shifts[place], shifts[place]), t = bis_xform_compose(&move, &scale);
+        bis_geometry g = {0};
+        bis_mesh m = nasty_mesh(kind);
+        bis_accel *a;
+        add_mesh(&g, &m, &t, 0);
+        if (kind == 1 && place == 0) assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, densities[n / 24], 1}, NULL), BIS_OK);
+        if (!((bis_grid *)a)->blocks) assert_int_equal(bis_grid_pack((bis_grid *)a, 1, NULL), BIS_OK);
+        for (int k = 0; k < 4000; k++) {
+            const ray r = k % 2 ? aimed_ray(&g, &seed) : nasty_ray(&g, &seed);
+            check_packed(a, &r);
+        }
+        bis_accel_free(a);
+        bis_geometry_clear(&g);
+    }
+}
+
 static void a_grid_of_two_axes_or_one_cell_or_very_many_is_built(void **state)
 {
     static const struct {
@@ -456,6 +530,7 @@ static void a_soup_of_large_triangles_stays_within_its_items(void **state)
     (void)state;
     add_mesh(&g, &m, NULL, 0);
     assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1}, NULL), BIS_OK);
+    assert_null(((const bis_grid *)a)->blocks);
     assert_true(bis_accel_bytes(a) + bis_geometry_bytes(&g) < 150 * g.n_triangles + 65536 * 4);
     bis_accel_free(a);
     bis_geometry_clear(&g);
@@ -479,6 +554,9 @@ static void the_number_of_threads_changes_no_bit_of_the_grid(void **state)
         assert_int_equal(one->n_cells, other->n_cells);
         assert_memory_equal(one->offsets, other->offsets, (one->n_cells + 1) * sizeof *one->offsets);
         assert_memory_equal(one->items, other->items, one->offsets[one->n_cells] * sizeof *one->items);
+        assert_non_null(one->blocks);
+        assert_memory_equal(one->blocks, other->blocks, (one->offsets[one->n_cells] + 7) / 8 * sizeof *one->blocks);
+        for (int m2 = 0; m2 < 3; m2++) assert_memory_equal(one->near[m2], other->near[m2], (one->n_cells / 32 + 1) * sizeof *one->near[m2]);
     }
     for (int i = 0; i < 3; i++) bis_accel_free(a[i]);
     bis_geometry_clear(&g);
@@ -623,6 +701,7 @@ int main(void)
         cmocka_unit_test(slivers_flat_scenes_and_coplanar_triangles_are_met_as_by_brute_force),
         cmocka_unit_test(quadrics_under_any_transformation_are_met_as_by_brute_force),
         cmocka_unit_test(a_sphere_around_everything_costs_no_hit),
+        cmocka_unit_test(the_packed_walk_answers_as_the_plain_one_bit_by_bit),
         cmocka_unit_test(a_grid_of_two_axes_or_one_cell_or_very_many_is_built),
         cmocka_unit_test(a_soup_of_large_triangles_stays_within_its_items),
         cmocka_unit_test(the_number_of_threads_changes_no_bit_of_the_grid),
