@@ -7,10 +7,10 @@
 /* Do these settings want a batch? Its workspace is made then. */
 bool bis_batch_wanted(const bis_settings *s);
 
-/* Workspace for M candidates and N shadow rays. NULL: no memory. */
-bis_batch *bis_batch_new(uint32_t M, uint32_t N);
+/* Its workspace. NULL: no memory. */
+bis_batch *bis_batch_new(const bis_settings *s);
 void bis_batch_free(bis_batch *b);
-size_t bis_batch_bytes(uint32_t M, uint32_t N);
+size_t bis_batch_bytes(const bis_settings *s);
 
 /* Can it be used at pt? There is a workspace and a pool with lanes, and the material knows lanes. */
 bool bis_batch_fits(const bis_point *pt, const bis_scratch *scratch);

@@ -69,7 +69,8 @@ unsigned bis_candidates_light_needs(bis_proposal proposal, bool stratify)
 
 uint32_t bis_candidates_pool_needs(const bis_settings *s)
 {
-    bool needed = s->stratify && s->proposal != BIS_PROPOSAL_BRDF && s->candidates <= BIS_POOL_MAX_SET;
+    bool from_map = s->proposal == BIS_PROPOSAL_EM || s->proposal == BIS_PROPOSAL_MIX;
+    bool needed = s->stratify && from_map && s->candidates <= BIS_POOL_MAX_SET;
     return needed ? s->candidates : 0;
 }
 

@@ -192,6 +192,13 @@ double bis_importance_pdf(const bis_importance *im, vec3 w_local)
     return bis_importance_pdf_pixel(im, bis_envmap_pixel(im->weights.em, w_local));
 }
 
+bis_status bis_importance_cut(const bis_importance *im, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile, uint32_t *side)
+{
+    assert(im->has_curve && im->total > 0);
+    *side = im->trail.side;
+    return bis_trail_cut(&im->trail, im->weights.em, K, n, t, of_tile);
+}
+
 double bis_importance_max_ratio(const bis_importance *im) { return im->max_ratio; }
 
 size_t bis_importance_bytes(const bis_importance *im)

@@ -12,6 +12,8 @@
 #include "bis/mem.h"
 #include "importance_parts.h"
 
+#include <assert.h>
+
 static const size_t tiled_from = 1 << 16; /* pixels */
 
 /* The tiles in the curve's order. */
@@ -82,3 +84,41 @@ size_t bis_trail_draw(const bis_trail *t, size_t width, double s)
 }
 
 size_t bis_trail_bytes(const bis_trail *t) { return t->n_tiles * sizeof *t->tile + bis_cdf_bytes(&t->pixels); }
+
+/* Solid angle of tile i. */
+static double tile_solid_angle(const bis_trail *t, size_t i, const bis_envmap *em)
+{
+    const size_t x0 = t->tile[i] % (size_t)em->width, y0 = t->tile[i] / (size_t)em->width;
+    const size_t columns = (size_t)em->width - x0 < t->side ? (size_t)em->width - x0 : t->side;
+    double sum = 0;
+
+    for (size_t y = y0; y < (size_t)em->height && y < y0 + t->side; y++) sum += (double)columns * em->row_solid_angle[y];
+    return sum;
+}
+
+bis_status bis_trail_cut(const bis_trail *trail, const bis_envmap *em, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile)
+{
+    const size_t width = (size_t)em->width, side = trail->side, cells = side * side, columns = (width + side - 1) / side;
+    const double *c = trail->pixels.c;
+    double sphere = 0; /* of the piece at hand */
+    uint32_t k = 0;
+
+    assert(2 * (uint64_t)K + 2 <= UINT16_MAX);
+    *t = bis_alloc(2 * (size_t)K + 3, sizeof **t);
+    *of_tile = bis_alloc(trail->n_tiles, sizeof **of_tile);
+    if (!*t || !*of_tile) return BIS_NOMEM;
+    for (size_t i = 0; i < trail->n_tiles; i++) {
+        const size_t x = trail->tile[i] % width, y = trail->tile[i] / width;
+        const double end = c[(i + 1) * cells];
+        (*of_tile)[y / side * columns + x / side] = (uint16_t)k;
+        sphere += tile_solid_angle(trail, i, em);
+        /* never without importance, in the piece or in the rest */
+        if (end > (*t)[k] && end < 1 && ((end - (*t)[k]) * K >= 1 || sphere * K >= 4 * PI)) {
+            (*t)[++k] = end;
+            sphere = 0;
+        }
+    }
+    *n = k + 1;
+    (*t)[*n] = 1;
+    return BIS_OK;
+}

@@ -72,4 +72,7 @@ void bis_trail_clear(bis_trail *t);
 size_t bis_trail_draw(const bis_trail *t, size_t width, double s);
 size_t bis_trail_bytes(const bis_trail *t);
 
+/* bis_importance_cut. */
+bis_status bis_trail_cut(const bis_trail *trail, const bis_envmap *em, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile);
+
 #endif

@@ -40,7 +40,8 @@ bis_settings bis_settings_default(const bis_integrator *integrator)
 const char *bis_proposal_name(bis_proposal p)
 {
     static const char *const names[] = {
-        [BIS_PROPOSAL_EM] = "em", [BIS_PROPOSAL_BRDF] = "brdf", [BIS_PROPOSAL_MIX] = "mix", [BIS_PROPOSAL_CHOOSE] = "choose"};
+        [BIS_PROPOSAL_EM] = "em", [BIS_PROPOSAL_BRDF] = "brdf", [BIS_PROPOSAL_MIX] = "mix", [BIS_PROPOSAL_CHOOSE] = "choose",
+        [BIS_PROPOSAL_PRODUCT] = "product"};
 
     return names[p];
 }
@@ -70,9 +71,9 @@ static bis_status check_proposal(const bis_settings *s, bis_loc at, bis_diag *di
     const bool rejects = s->integrator == &bis_rejection;
     const bis_proposal foreign = rejects ? BIS_PROPOSAL_MIX : BIS_PROPOSAL_CHOOSE;
 
-    if (s->proposal != foreign) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, at, "\"proposal\" is \"%s\": integrator \"%s\" takes \"em\", \"brdf\" or \"%s\"",
-                     bis_proposal_name(s->proposal), s->integrator->name, rejects ? "choose" : "mix");
+    if (s->proposal != foreign && (s->proposal != BIS_PROPOSAL_PRODUCT || s->integrator == &bis_sir)) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, at, "\"proposal\" is \"%s\": integrator \"%s\" takes \"em\", \"brdf\"%s",
+                     bis_proposal_name(s->proposal), s->integrator->name, rejects ? " or \"choose\"" : s->integrator == &bis_sir ? ", \"mix\" or \"product\"" : " or \"mix\"");
 }
 
 bis_status bis_settings_check(const bis_settings *s, bis_loc at, bis_diag *diag)
@@ -95,7 +96,7 @@ bis_status bis_scratch_init(bis_scratch *scratch, const bis_settings *s, bis_dia
 {
     *scratch = (bis_scratch){.n_points = 0};
     s->integrator->scratch_needs(s, scratch);
-    if (scratch->wants_batch) scratch->batch = bis_batch_new(scratch->n_candidates, scratch->n_chosen);
+    if (scratch->wants_batch) scratch->batch = bis_batch_new(s);
     scratch->candidates = bis_alloc(scratch->n_candidates, sizeof *scratch->candidates);
     scratch->u = bis_alloc(scratch->n_points, sizeof *scratch->u);
     scratch->chosen = bis_alloc(scratch->n_chosen, sizeof *scratch->chosen);
@@ -122,6 +123,6 @@ size_t bis_scratch_bytes(const bis_settings *s)
     bis_scratch need = {.n_points = 0};
 
     s->integrator->scratch_needs(s, &need);
-    const size_t batch = need.wants_batch ? bis_batch_bytes(need.n_candidates, need.n_chosen) : 0;
+    const size_t batch = need.wants_batch ? bis_batch_bytes(s) : 0;
     return batch + need.n_candidates * sizeof *need.candidates + need.n_points * sizeof *need.u + need.n_chosen * sizeof *need.chosen;
 }

@@ -61,8 +61,8 @@ static void read_rejection(bis_parser *p, bis_settings *s)
 
 static void read_sir(bis_parser *p, bis_settings *s)
 {
-    static const char *const proposals[] = {"em", "brdf", "mix"};
-    static const bis_proposal proposal[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX};
+    static const char *const proposals[] = {"em", "brdf", "mix", "product"};
+    static const bis_proposal proposal[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX, BIS_PROPOSAL_PRODUCT};
     static const char *const resamplings[] = {"systematic", "multinomial"};
     static const bis_resampling resampling[] = {BIS_RESAMPLING_SYSTEMATIC, BIS_RESAMPLING_MULTINOMIAL};
     int i;

@@ -126,6 +126,46 @@ static void colour(const bis_bsdf *b, const bis_lanes *y, uint32_t n)
     colour_lanes(&c, y, bis_lanes_round_up(n));
 }
 
+/* ---- bounds over cones ---- */
+
+/* Over the directions of a cone, the largest cosine about an axis: that of the angle between the two axes less the half angle, 1 where the axis lies within. Never too small for
+ * rounding: 2^-20 is added. */
+static inline BIS_INLINE float largest_cosine(vec3 axis, float x, float y, float z, float cosine, float sine)
+{
+    const float c = axis.x * x + axis.y * y + axis.z * z, s2 = 1 - c * c;
+    const float s = sqrtf(bis_lanes_choose(s2 > 0, s2, 0));
+    const float most = c * cosine + s * sine + 0x1p-20f;
+    const float bounded = bis_lanes_choose(most < 1, most, 1);
+
+    return bis_lanes_choose(c > cosine, 1, bounded);
+}
+
+BIS_LANES
+static void reach_lanes(float *w, const constants *c, const bis_lanes *cone, const float *sine, uint32_t n)
+{
+    const constants k = *c;
+    const bis_lanes l = *cone;
+
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float cos_theta = largest_cosine(k.n, l.x[i], l.y[i], l.z[i], l.q_L[i], sine[i]);
+        const float cos_alpha = largest_cosine(k.r, l.x[i], l.y[i], l.z[i], l.q_L[i], sine[i]);
+        const float x = bis_lanes_choose(cos_alpha > 0x1p-20f, 1 - cos_alpha, 1 - 0x1p-20f);
+        const float p = bis_lanes_exp(k.exponent * bis_lanes_log1m(x));
+        const float phat = (k.base[0] + k.lobe[0] * p) * l.r[i] + (k.base[1] + k.lobe[1] * p) * l.g[i] + (k.base[2] + k.lobe[2] * p) * l.b[i];
+
+        w[i] = bis_lanes_choose(cos_theta > 0, cos_theta * phat, 0);
+    }
+}
+
+static void reach(float *w, const bis_bsdf *b, const bis_lanes *cone, const float *sine, uint32_t n)
+{
+    double unit;
+    const constants c = constants_of(b, &unit);
+
+    reach_lanes(w, &c, cone, sine, bis_lanes_round_up(n));
+}
+
 /* ---- drawing: the lobe by eq. 3.16, or the cosine ---- */
 
 /* Two frames, and how often each is drawn from. */
@@ -169,4 +209,4 @@ static void sample(const bis_lanes *y, const bis_bsdf *b, const float *u1, const
     sample_lanes(y, &d, u1, u2, bis_lanes_round_up(n));
 }
 
-const bis_bsdf_lanes bis_phong_lanes = {weigh, colour, sample};
+const bis_bsdf_lanes bis_phong_lanes = {weigh, colour, reach, sample};

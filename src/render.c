@@ -47,6 +47,7 @@ typedef struct render {
     bis_budget budget;
     worker *workers;
     bis_pool pool; /* M = 0: none */
+    bis_clusters clusters; /* n = 0: none */
     int n_threads;
     sample *pass;       /* pass[height][width] of the crop */
     float *pass_layers; /* pass_layers[height][width][film->layers.n_values]: the same of the layers, NULL where there are none */
@@ -208,6 +209,7 @@ static bool render_pass(render *r)
     int n_done = 0;
 
     for (int i = 0; i < r->n_threads; i++) r->workers[i].counters = (bis_counters){0};
+    if (r->clusters.n) bis_clusters_fill(&r->clusters, r->scene->light, r->desc->sampler.seed, r->passes, r->n_threads);
     if (r->pool.M) bis_pool_fill(&r->pool, r->scene->light, r->desc->sampler.seed, r->passes, r->n_threads);
 #pragma omp parallel for schedule(dynamic) num_threads(r->n_threads)
     for (int t = 0; t < n_tiles; t++) {
@@ -304,17 +306,24 @@ static bis_status make_pass(render *r, bis_diag *diag)
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", f->width, f->height);
 }
 
-/* A pool of directions where the integrator asks for one, the light has a curve to draw them along, and there is a surface to light. */
+/* Directions drawn once a pass, a pool or clusters, where the integrator asks for them, the light has a curve to draw them along, and there is a
+ * surface to light. */
 static bis_status make_pool(render *r, bis_diag *diag)
 {
     const bis_light *light = r->scene->light;
-    uint32_t M = r->workers[0].scratch.n_pool;
-
+    const bis_scratch *first = &r->workers[0].scratch;
     bis_light_point any;
-    if (M == 0 || !r->scene->accel || bis_light_is_constant(light)) return BIS_OK;
+    bis_status status = BIS_OK;
+
+    if ((first->n_pool == 0 && !first->wants_clusters) || !r->scene->accel || bis_light_is_constant(light)) return BIS_OK;
     if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK; /* nothing to draw: black, or all of it compensated away */
-    bis_status status = bis_pool_init(&r->pool, M, r->workers[0].scratch.batch != NULL, diag);
-    for (int i = 0; !status && i < r->n_threads; i++) r->workers[i].scratch.pool = &r->pool;
+    if (first->n_pool) status = bis_pool_init(&r->pool, first->n_pool, first->batch != NULL, diag);
+    if (!status && first->wants_clusters) status = bis_clusters_init(&r->clusters, light, diag);
+    for (int i = 0; !status && i < r->n_threads; i++) {
+        bis_scratch *s = &r->workers[i].scratch;
+        if (s->n_pool) s->pool = &r->pool;
+        if (s->wants_clusters) s->clusters = &r->clusters;
+    }
     return status;
 }
 
@@ -322,7 +331,7 @@ static size_t workspace(const render *r)
 {
     const size_t scratch = bis_scratch_bytes(&r->desc->settings);
     const size_t pixel = sizeof *r->pass + (size_t)r->film->layers.n_values * sizeof *r->pass_layers;
-    return bis_pool_bytes(&r->pool) + (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * pixel;
+    return bis_pool_bytes(&r->pool) + bis_clusters_bytes(&r->clusters) + (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * pixel;
 }
 
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
@@ -362,6 +371,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
 done:
     for (int i = 0; r.workers && i < r.n_threads; i++) bis_scratch_clear(&r.workers[i].scratch);
     bis_pool_clear(&r.pool);
+    bis_clusters_clear(&r.clusters);
     bis_free(r.workers);
     bis_free(r.pass);
     bis_free(r.pass_layers);

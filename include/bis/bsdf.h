@@ -53,6 +53,10 @@ struct bis_bsdf_lanes {
     /* r, g, b of y, radiance, become the shares of the three channels in f Le: F/phat of eq. 4.6, sum 1, or 0 where nothing is reflected. */
     void (*colour)(const bis_bsdf *b, const bis_lanes *y, uint32_t n);
 
+    /* w: a bound of f cos (energy.r + ...) over each of n cones (bis/clusters.h: axis in x, y, z, cosine of the half angle in q_L, energy in r, g, b), in some unit. Positive wherever f
+     * cos is. */
+    void (*reach)(float *w, const bis_bsdf *b, const bis_lanes *cone, const float *sine, uint32_t n);
+
     /* x, y, z of y: directions drawn by bis_propose_brdf at the points (u1, u2) in [0,1)^2. */
     void (*sample)(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n);
 };

@@ -52,6 +52,11 @@ bool bis_importance_sample_curve(const bis_importance *im, double t, const doubl
 double bis_importance_pdf_pixel(const bis_importance *im, size_t pixel);
 double bis_importance_pdf(const bis_importance *im, vec3 w_local);
 
+/* Cut the curve into pieces: runs of tiles, side x side pixels each, that end when they hold 1/K of the importance or of the sphere. n pieces, each with some importance, at most
+ * 2 K + 2 <= 65535; piece k is [t[k], t[k+1]) of the curve; of_tile[rows][columns] tells the piece of each tile of the map. t and of_tile are the caller's (bis_free). Needs curve,
+ * and light. Errors: BIS_NOMEM, without a message. */
+bis_status bis_importance_cut(const bis_importance *im, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile, uint32_t *side);
+
 /* The largest I/pdf over lit pixels, I = r+g+b (the bound of rejection from the map, E27): sum * max(I/w). INFINITY with compensate. */
 double bis_importance_max_ratio(const bis_importance *im);
 

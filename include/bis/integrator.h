@@ -3,6 +3,7 @@
 #ifndef BIS_INTEGRATOR_H
 #define BIS_INTEGRATOR_H
 
+#include "bis/clusters.h"
 #include "bis/errata.h"
 #include "bis/point.h"
 #include "bis/pool.h"
@@ -10,7 +11,7 @@
 
 #include <stdint.h>
 
-typedef enum bis_proposal { BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX, BIS_PROPOSAL_CHOOSE } bis_proposal;
+typedef enum bis_proposal { BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX, BIS_PROPOSAL_CHOOSE, BIS_PROPOSAL_PRODUCT } bis_proposal;
 typedef enum bis_heuristic { BIS_HEURISTIC_BALANCE, BIS_HEURISTIC_POWER } bis_heuristic;
 typedef enum bis_resampling { BIS_RESAMPLING_SYSTEMATIC, BIS_RESAMPLING_MULTINOMIAL } bis_resampling;
 typedef enum bis_estimator { BIS_ESTIMATOR_RATIO, BIS_ESTIMATOR_PLAIN } bis_estimator;
@@ -53,8 +54,9 @@ typedef struct bis_scratch {
     uint32_t *chosen;          /* [n_chosen] */
     uint32_t n_candidates, n_points, n_chosen;
     bis_batch *batch;     /* NULL: candidates one by one */
-    bool wants_batch;
+    bool wants_batch, wants_clusters;
     uint32_t n_pool;      /* stratified directions from the map that a point asks for; 0: none */
+    const bis_clusters *clusters; /* for proposal "product"; borrowed; NULL: not needed, or there are none: then it is "mix" */
     const bis_pool *pool; /* shared by all threads, borrowed; NULL: each point draws its own */
 } bis_scratch;
 

@@ -1,0 +1,77 @@
+/* product: proposal "product", q_P(wi) = q_L(wi) s_k for wi in cluster k, s_k = (w_k/W)/share_k.
+ *
+ * The w_k bound the integral of f cos Le over cluster k: its energy times the largest f cos over a cone around it (bis/clusters.h). n marks, equally spaced over
+ * their running sum, say how many candidates come from each cluster; within it they are evenly spread over the directions that this pass has drawn there. The density is exact
+ * whatever the bound is worth; a bound of 0 only where f cos is 0 makes it positive wherever it must be.
+ * Unbiased as every proposal: each candidate, seen alone, has density q_P. Cost: a nanosecond a cluster, 10 a candidate. */
+#include "product.h"
+
+#include "bis/mem.h"
+
+#include <assert.h>
+
+static uint32_t most_clusters(void) { return bis_lanes_round_up(2 * BIS_CLUSTERS + 2); }
+
+bool bis_product_init(bis_product *p, uint32_t M)
+{
+    const uint32_t m = bis_lanes_round_up(M);
+
+    *p = (bis_product){.W = 0};
+    p->floats = bis_alloc(BIS_LANES_ARRAYS * (size_t)m, sizeof *p->floats);
+    if (p->floats && bis_blocks_init(&p->clusters, most_clusters(), M)) {
+        p->y = bis_lanes_in(p->floats, m);
+        return true;
+    }
+    bis_product_clear(p);
+    return false;
+}
+
+void bis_product_clear(bis_product *p)
+{
+    bis_free(p->floats);
+    bis_blocks_clear(&p->clusters);
+    *p = (bis_product){.W = 0};
+}
+
+size_t bis_product_bytes(uint32_t M)
+{
+    return BIS_LANES_ARRAYS * bis_lanes_round_up(M) * sizeof(float) + bis_blocks_bytes(most_clusters(), M);
+}
+
+bool bis_product_weigh(bis_product *p, const bis_clusters *c, const bis_point *pt)
+{
+    pt->bsdf.material->model->lanes->reach(p->clusters.w, &pt->bsdf, &c->cone, c->sine, c->n);
+    p->W = bis_blocks_sum(&p->clusters, bis_lanes_round_up(c->n));
+    return p->W > 0;
+}
+
+static void put(const bis_lanes *to, uint32_t i, const bis_light_point *y, double scale, double unit)
+{
+    to->x[i] = y->wi.x;
+    to->y[i] = y->wi.y;
+    to->z[i] = y->wi.z;
+    to->r[i] = (float)((double)y->Le.r / unit);
+    to->g[i] = (float)((double)y->Le.g / unit);
+    to->b[i] = (float)((double)y->Le.b / unit);
+    to->q_L[i] = (float)(y->pdf * scale);
+}
+
+void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, double unit, bis_stream *stream)
+{
+    enum { D = BIS_CLUSTER_DIRECTIONS };
+    const bis_light_point nothing = {.pdf = 1};
+    uint32_t i = 0;
+
+    bis_blocks_choose(&p->clusters, n, p->W, BIS_RESAMPLING_SYSTEMATIC, stream);
+    uint64_t random = bis_rng_u64(&stream->rng);
+    for (uint32_t j = 0; j < p->clusters.n_chosen; j++) {
+        const uint32_t k = p->clusters.lane[j], times = p->clusters.times[j];
+        const bis_light_point *y = c->y + (size_t)k * D;
+        const double scale = bis_product_scale(p, c, k);
+        random = bis_hash(random + k);
+        /* evenly spread: from a random phase, every (D/times)-th, in 2^-16 of a direction */
+        for (uint32_t m = 0; m < times; m++) put(&p->y, i++, &y[((random & 0x1fffff) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale, unit);
+    }
+    assert(i == n);
+    for (; i < bis_lanes_round_up(n); i++) put(&p->y, i, &nothing, 1, unit);
+}
