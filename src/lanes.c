@@ -39,13 +39,14 @@ static inline float unit_float(uint32_t bits24) { return (float)(int32_t)bits24 
 BIS_LANES
 static void points(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t key1, uint32_t key2)
 {
-    const float step = 1 / (float)n;
-    const uint32_t last = (1u << 24) - 1;
+    const uint32_t cells = 1u << 24, last = cells - 1, whole = cells / n, rest = cells % n;
+    const float inverse = 1 / (float)n, size = (float)cells * inverse;
 
 #pragma omp simd
     for (uint32_t i = 0; i < padded; i++) {
-        const float t = ((float)(int32_t)i + unit_float(mixed(i ^ key1) >> 8)) * step;
-        const uint32_t t24 = (uint32_t)(int32_t)(t * 0x1p24f), digits = t24 < last ? t24 : last;
+        /* (i + u)/n, counted in cells: i whole + i rest/n + u size. In float, i + u would leave u so few bits that up to half of the cells are never drawn. */
+        const float within = (float)(int32_t)(i * rest) * inverse + unit_float(mixed(i ^ key1) >> 8) * size;
+        const uint32_t t24 = i * whole + (uint32_t)(int32_t)within, digits = t24 < last ? t24 : last;
         const uint32_t a = even_bits(digits >> 1), b = even_bits(digits);
         const uint32_t swap = parity_above(~(a ^ b) & 0xfffu), complement = parity_above(a & b);
         const uint32_t x = a ^ (swap & b) ^ complement, y = x ^ b;

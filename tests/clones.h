@@ -1,0 +1,26 @@
+/* clones: src/lanes.c, phong_lanes.c and envmap_lanes.c once more, under other names: for the plainest processor (clone_*.c) and for AVX2
+ * (clone_avx2_*.c). What the library holds chooses by the processor that it runs on; all must give the same bits. */
+#ifndef TESTS_CLONES_H
+#define TESTS_CLONES_H
+
+#include "bis/bsdf.h"
+#include "bis/envmap.h"
+
+typedef void clone_points(float *u1, float *u2, uint32_t n, uint64_t key);
+typedef void clone_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pixel, const bis_lanes *y, uint32_t n);
+
+extern clone_points plain_lanes_points, avx2_lanes_points;
+extern clone_pixels plain_envmap_pixels, avx2_envmap_pixels;
+extern const bis_bsdf_lanes plain_phong_lanes, avx2_phong_lanes;
+
+/* May avx2_* be called here? */
+static inline bool clone_has_avx2(void)
+{
+#if defined(__x86_64__)
+    return __builtin_cpu_supports("avx2");
+#else
+    return true; /* compiled for what there is */
+#endif
+}
+
+#endif
