@@ -24,9 +24,10 @@ struct bis_batch {
     bis_blocks weights; /* those from the map, whole blocks, then those from the BRDF */
     bis_lanes brdf;     /* candidates from the BRDF, M at most */
     float *u1, *u2;
-    uint32_t *pixel;
+    uint32_t *pixel;    /* of the map; with clusters, then the clusters that these belong to */
     bis_product product; /* proposal "product" alone */
-    bis_lanes traced;   /* [N]: what was chosen */
+    bis_lanes traced;   /* [N]: what was chosen; q_L: what its weight was multiplied by beyond phat/q */
+    uint32_t *cluster;  /* [N] */
     vec3 *wi;
     bool *sees;
     float *floats;      /* what holds all the float arrays */
@@ -47,7 +48,7 @@ static size_t floats_needed(uint32_t m, uint32_t n) { return (BIS_LANES_ARRAYS +
 size_t bis_batch_bytes(const bis_settings *s)
 {
     const uint32_t m = bis_lanes_round_up(s->candidates), N = s->shadowrays, n = bis_lanes_round_up(N);
-    const size_t arrays = floats_needed(m, n) * sizeof(float) + m * sizeof(uint32_t) + N * (sizeof(vec3) + sizeof(bool));
+    const size_t arrays = floats_needed(m, n) * sizeof(float) + m * sizeof(uint32_t) + N * (sizeof(uint32_t) + sizeof(vec3) + sizeof(bool));
 
     return sizeof(bis_batch) + arrays + bis_blocks_bytes(2 * m, N) + (wants_product(s) ? bis_product_bytes(s->candidates) : 0);
 }
@@ -62,9 +63,10 @@ bis_batch *bis_batch_new(const bis_settings *s)
     const bool product = !wants_product(s) || bis_product_init(&b->product, s->candidates);
     b->floats = bis_alloc(floats_needed(m, n), sizeof *b->floats);
     b->pixel = bis_alloc(m, sizeof *b->pixel);
+    b->cluster = bis_alloc(N, sizeof *b->cluster);
     b->wi = bis_alloc(N, sizeof *b->wi);
     b->sees = bis_alloc(N, sizeof *b->sees);
-    if (!blocks || !product || !b->floats || !b->pixel || !b->wi || !b->sees) {
+    if (!blocks || !product || !b->floats || !b->pixel || !b->cluster || !b->wi || !b->sees) {
         bis_batch_free(b);
         return NULL;
     }
@@ -82,6 +84,7 @@ void bis_batch_free(bis_batch *b)
     bis_product_clear(&b->product);
     bis_free(b->floats);
     bis_free(b->pixel);
+    bis_free(b->cluster);
     bis_free(b->wi);
     bis_free(b->sees);
     bis_free(b);
@@ -113,9 +116,38 @@ static double weigh_brdf(bis_batch *b, float *w, const bis_mixture *m, const bis
     lanes->sample(&b->brdf, &pt->bsdf, b->u1, b->u2, m->n_brdf);
     bis_light_look(pt->light, &b->brdf, b->pixel, m->n_brdf);
     for (uint32_t i = 0; clusters && i < m->n_brdf; i++) {
-        b->brdf.q_L[i] *= (float)bis_product_scale(&b->product, clusters, bis_cluster_of_pixel(clusters, b->pixel[i]));
+        b->pixel[i] = bis_cluster_of_pixel(clusters, b->pixel[i]);
+        b->brdf.q_L[i] *= (float)bis_product_scale(&b->product, clusters, b->pixel[i]);
     }
     return lanes->weigh(w, &pt->bsdf, &b->brdf, m->n_brdf, m->beta);
+}
+
+/* ---- learned visibility ---- */
+
+/* The weights times g of their clusters. */
+static void weigh_visibility(bis_batch *b, const bis_mixture *m, uint32_t first_brdf, const float *visible)
+{
+    for (uint32_t i = 0; i < m->n_em; i++) b->weights.w[i] *= visible[b->product.cluster[i]];
+    for (uint32_t i = 0; i < m->n_brdf; i++) b->weights.w[first_brdf + i] *= visible[b->pixel[i]];
+}
+
+/* What was chosen has a weight that is g times too large: its colour is divided by it. */
+static void find_clusters(bis_batch *b, uint32_t first_brdf, const float *visible)
+{
+    for (uint32_t k = 0; k < b->weights.n_chosen; k++) {
+        const uint32_t i = b->weights.lane[k];
+        b->cluster[k] = i < first_brdf ? b->product.cluster[i] : b->pixel[i - first_brdf];
+        b->traced.q_L[k] = visible[b->cluster[k]];
+    }
+}
+
+static void count_visibility(const bis_batch *b, uint32_t n_clusters, bis_seen *counted)
+{
+    for (uint32_t k = 0; k < b->weights.n_chosen; k++) {
+        bis_seen *part = &counted[bis_visibility_part(b->cluster[k], n_clusters)];
+        part->rays++;
+        part->seen += b->sees[k];
+    }
 }
 
 /* ---- rays ---- */
@@ -141,6 +173,7 @@ static void gather(bis_batch *b, const bis_lanes *map, uint32_t first_brdf)
         copy_lane(&b->traced, k, brdf ? &b->brdf : map, brdf ? i - first_brdf : i);
         b->wi[k] = (vec3){b->traced.x[k], b->traced.y[k], b->traced.z[k]};
     }
+    for (uint32_t k = 0; k < n; k++) b->traced.q_L[k] = 1;
     for (uint32_t k = n; k < bis_lanes_round_up(n); k++) b->traced.r[k] = b->traced.g[k] = b->traced.b[k] = 0;
 }
 
@@ -155,7 +188,7 @@ static rgbd trace(bis_batch *b, const bis_point *pt)
     for (uint32_t k = 0; k < n; k++) {
         if (!b->sees[k]) continue;
         const rgbd colour = {(double)b->traced.r[k], (double)b->traced.g[k], (double)b->traced.b[k]};
-        sum = rgbd_add(sum, rgbd_scale(colour, b->weights.times[k]));
+        sum = rgbd_add(sum, rgbd_scale(colour, b->weights.times[k] / (double)b->traced.q_L[k]));
     }
     return sum;
 }
@@ -175,7 +208,7 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
 
     pt->counters->candidates += M;
     if (clusters) {
-        n_map = bis_product_weigh(&b->product, clusters, pt) ? m.n_em : 0; /* none: nothing of the map is above the horizon */
+        n_map = bis_product_weigh(&b->product, clusters, scratch->visible, pt) ? m.n_em : 0; /* none: nothing of the map is above the horizon */
         if (n_map == 0) return (rgb){0, 0, 0};
         bis_product_draw(&b->product, clusters, n_map, mean, stream);
         map = b->product.y;
@@ -187,11 +220,15 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     }
     const uint32_t first_brdf = bis_lanes_round_up(n_map);
     if (m.n_brdf) weigh_brdf(b, b->weights.w + first_brdf, &m, clusters, pt, stream);
+    if (scratch->visible) weigh_visibility(b, &m, first_brdf, scratch->visible);
     const double W = bis_blocks_sum(&b->weights, first_brdf + bis_lanes_round_up(m.n_brdf));
     if (W <= 0) return (rgb){0, 0, 0};
 
     bis_blocks_choose(&b->weights, N, W, s->resampling, stream);
     gather(b, &map, first_brdf);
+    if (scratch->visible) find_clusters(b, first_brdf, scratch->visible);
     const double Zhat = W / M * unit * mean;
-    return rgbd_round(rgbd_scale(trace(b, pt), Zhat / N));
+    const rgbd sum = trace(b, pt);
+    if (scratch->visible) count_visibility(b, clusters->n, scratch->counted);
+    return rgbd_round(rgbd_scale(sum, Zhat / N));
 }

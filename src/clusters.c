@@ -1,4 +1,4 @@
-/* clusters: cutting the curve, drawing from the pieces, and cones around what was drawn. Cost: once, O(tiles); for each pass, 80 ns a direction, some 60,000 of them. */
+/* clusters: cutting the curve, drawing from the pieces, and cones around what was drawn. Cost: once, O(tiles); for each pass, 80 ns a direction, some 30,000 of them. */
 #include "bis/clusters.h"
 
 #include "bis/curve.h"

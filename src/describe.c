@@ -18,7 +18,7 @@ static const struct {
     {&bis_brdf, {"samples"}},
     {&bis_mis, {"samples", "heuristic", "split", "compensate", "stratify"}},
     {&bis_rejection, {"candidates", "shadowrays", "proposal", "estimator", "fallback"}},
-    {&bis_sir, {"candidates", "shadowrays", "proposal", "resampling", "stratify", "vectorize"}},
+    {&bis_sir, {"candidates", "shadowrays", "proposal", "resampling", "stratify", "learn", "vectorize"}},
     {&bis_exact, {"perpatch"}},
     {&bis_unoccluded, {"candidates"}},
 };
@@ -63,6 +63,7 @@ static bis_attribute parameter(const bis_settings *s, const char *name)
         {"split", NULL, s->split},
         {"compensate", truth(s->compensate), 0},
         {"stratify", truth(s->stratify), 0},
+        {"learn", truth(s->learn), 0},
         {"vectorize", truth(s->vectorize), 0},
     };
     size_t i = 0;

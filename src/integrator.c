@@ -33,6 +33,7 @@ bis_settings bis_settings_default(const bis_integrator *integrator)
         .split = 0.5,
         .compensate = false,
         .stratify = integrator != &bis_em && integrator != &bis_mis,
+        .learn = false,
         .vectorize = true,
     };
 }
@@ -115,6 +116,7 @@ void bis_scratch_clear(bis_scratch *scratch)
     bis_free(scratch->u);
     bis_free(scratch->chosen);
     bis_batch_free(scratch->batch);
+    bis_free(scratch->visible);
     *scratch = (bis_scratch){.n_points = 0};
 }
 

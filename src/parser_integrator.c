@@ -68,6 +68,7 @@ static void read_sir(bis_parser *p, bis_settings *s)
     int i;
     if (bis_params_choice(p, "proposal", &i, proposals, BIS_COUNT(proposals))) s->proposal = proposal[i];
     if (bis_params_choice(p, "resampling", &i, resamplings, BIS_COUNT(resamplings))) s->resampling = resampling[i];
+    bis_params_bool(p, "learn", &s->learn);
     bis_params_bool(p, "vectorize", &s->vectorize);
 }
 

@@ -44,7 +44,8 @@ static void print_integrator(const bis_settings *s, FILE *out)
                 s->heuristic == BIS_HEURISTIC_POWER ? "power" : "balance",
                 bis_format_double(split, s->split), truth(s->compensate));
     if (i == &bis_sir)
-        fprintf(out, ", resampling %s, vectorize %s", s->resampling == BIS_RESAMPLING_MULTINOMIAL ? "multinomial" : "systematic", truth(s->vectorize));
+        fprintf(out, ", resampling %s, learn %s, vectorize %s", s->resampling == BIS_RESAMPLING_MULTINOMIAL ? "multinomial" : "systematic",
+                truth(s->learn), truth(s->vectorize));
     if (i == &bis_sir || i == &bis_em || i == &bis_mis) fprintf(out, ", stratify %s", truth(s->stratify));
     if (i == &bis_rejection)
         fprintf(out, ", estimator %s, fallback %s", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio",

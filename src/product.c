@@ -18,7 +18,8 @@ bool bis_product_init(bis_product *p, uint32_t M)
 
     *p = (bis_product){.W = 0};
     p->floats = bis_alloc(BIS_LANES_ARRAYS * (size_t)m, sizeof *p->floats);
-    if (p->floats && bis_blocks_init(&p->clusters, most_clusters(), M)) {
+    p->cluster = bis_alloc(m, sizeof *p->cluster);
+    if (p->floats && p->cluster && bis_blocks_init(&p->clusters, most_clusters(), M)) {
         p->y = bis_lanes_in(p->floats, m);
         return true;
     }
@@ -29,18 +30,20 @@ bool bis_product_init(bis_product *p, uint32_t M)
 void bis_product_clear(bis_product *p)
 {
     bis_free(p->floats);
+    bis_free(p->cluster);
     bis_blocks_clear(&p->clusters);
     *p = (bis_product){.W = 0};
 }
 
 size_t bis_product_bytes(uint32_t M)
 {
-    return BIS_LANES_ARRAYS * bis_lanes_round_up(M) * sizeof(float) + bis_blocks_bytes(most_clusters(), M);
+    return bis_lanes_round_up(M) * (BIS_LANES_ARRAYS * sizeof(float) + sizeof(uint16_t)) + bis_blocks_bytes(most_clusters(), M);
 }
 
-bool bis_product_weigh(bis_product *p, const bis_clusters *c, const bis_point *pt)
+bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *visible, const bis_point *pt)
 {
     pt->bsdf.material->model->lanes->reach(p->clusters.w, &pt->bsdf, &c->cone, c->sine, c->n);
+    for (uint32_t k = 0; visible && k < c->n; k++) p->clusters.w[k] *= visible[k];
     p->W = bis_blocks_sum(&p->clusters, bis_lanes_round_up(c->n));
     return p->W > 0;
 }
@@ -70,7 +73,10 @@ void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, double 
         const double scale = bis_product_scale(p, c, k);
         random = bis_hash(random + k);
         /* evenly spread: from a random phase, every (D/times)-th, in 2^-16 of a direction */
-        for (uint32_t m = 0; m < times; m++) put(&p->y, i++, &y[((random & 0x1fffff) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale, unit);
+        for (uint32_t m = 0; m < times; m++, i++) {
+            put(&p->y, i, &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale, unit);
+            p->cluster[i] = (uint16_t)k;
+        }
     }
     assert(i == n);
     for (; i < bis_lanes_round_up(n); i++) put(&p->y, i, &nothing, 1, unit);

@@ -9,6 +9,7 @@
 typedef struct bis_product {
     bis_blocks clusters; /* by the bound of f cos Le over each */
     bis_lanes y;         /* the candidates, [M] */
+    uint16_t *cluster;   /* [M]: where they come from */
     float *floats;
     double W;
 } bis_product;
@@ -17,8 +18,8 @@ bool bis_product_init(bis_product *p, uint32_t M);
 void bis_product_clear(bis_product *p);
 size_t bis_product_bytes(uint32_t M);
 
-/* Weigh the clusters at pt. False: no light can be reflected from any of them. */
-bool bis_product_weigh(bis_product *p, const bis_clusters *c, const bis_point *pt);
+/* Weigh the clusters at pt, times visible[n] unless that is NULL. False: no light can be reflected from any of them. */
+bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *visible, const bis_point *pt);
 
 /* Draw n candidates, filled up to whole blocks; their q_L is q_P = q_L s, see bis_product_scale; radiance over unit, the
  * light's mean. n <= M. */

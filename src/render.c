@@ -48,6 +48,7 @@ typedef struct render {
     worker *workers;
     bis_pool pool; /* M = 0: none */
     bis_clusters clusters; /* n = 0: none */
+    bis_visibility visibility; /* n_tiles = 0: none */
     int n_threads;
     sample *pass;       /* pass[height][width] of the crop */
     float *pass_layers; /* pass_layers[height][width][film->layers.n_values]: the same of the layers, NULL where there are none */
@@ -174,6 +175,10 @@ static void render_tile(const render *r, worker *w, int t, uint32_t pass)
     int x0 = t % r->tiles_x * TILE, y0 = t / r->tiles_x * TILE;
     int x1 = x0 + TILE < f->width ? x0 + TILE : f->width, y1 = y0 + TILE < f->height ? y0 + TILE : f->height;
 
+    if (r->visibility.n_tiles) {
+        bis_visibility_factors(w->scratch.visible, r->clusters.n, &r->visibility, (size_t)t);
+        w->scratch.counted = r->visibility.counted[t];
+    }
     for (int y = y0; y < y1; y++) {
         for (int x = x0; x < x1; x++) {
             if (interrupted(r)) return;
@@ -237,6 +242,7 @@ static void keep_pass(render *r)
         }
     }
     for (int i = 0; i < r->n_threads; i++) add_counters(&r->counters, &r->workers[i].counters);
+    bis_visibility_learn(&r->visibility, r->n_threads);
     f->passes++;
 }
 
@@ -319,10 +325,14 @@ static bis_status make_pool(render *r, bis_diag *diag)
     if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK; /* nothing to draw: black, or all of it compensated away */
     if (first->n_pool) status = bis_pool_init(&r->pool, first->n_pool, first->batch != NULL, diag);
     if (!status && first->wants_clusters) status = bis_clusters_init(&r->clusters, light, diag);
+    if (!status && first->wants_visibility) status = bis_visibility_init(&r->visibility, (size_t)r->tiles_x * (size_t)r->tiles_y, diag);
     for (int i = 0; !status && i < r->n_threads; i++) {
         bis_scratch *s = &r->workers[i].scratch;
         if (s->n_pool) s->pool = &r->pool;
         if (s->wants_clusters) s->clusters = &r->clusters;
+        if (s->wants_visibility && !(s->visible = bis_alloc(r->clusters.n, sizeof *s->visible))) {
+            status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility of %u clusters", (unsigned)r->clusters.n);
+        }
     }
     return status;
 }
@@ -331,7 +341,7 @@ static size_t workspace(const render *r)
 {
     const size_t scratch = bis_scratch_bytes(&r->desc->settings);
     const size_t pixel = sizeof *r->pass + (size_t)r->film->layers.n_values * sizeof *r->pass_layers;
-    return bis_pool_bytes(&r->pool) + bis_clusters_bytes(&r->clusters) + (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * pixel;
+    return bis_pool_bytes(&r->pool) + bis_clusters_bytes(&r->clusters) + bis_visibility_bytes(&r->visibility) + (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * pixel;
 }
 
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
@@ -372,6 +382,7 @@ done:
     for (int i = 0; r.workers && i < r.n_threads; i++) bis_scratch_clear(&r.workers[i].scratch);
     bis_pool_clear(&r.pool);
     bis_clusters_clear(&r.clusters);
+    bis_visibility_clear(&r.visibility);
     bis_free(r.workers);
     bis_free(r.pass);
     bis_free(r.pass_layers);

@@ -25,6 +25,7 @@ static void scratch_needs(const bis_settings *s, bis_scratch *need)
     need->n_chosen = s->shadowrays;
     need->wants_batch = bis_batch_wanted(s);
     need->wants_clusters = need->wants_batch && need->n_pool == 0;
+    need->wants_visibility = need->wants_clusters && s->learn;
 }
 
 /* Zhat from other candidates than those that are resampled (E21): M new ones, by a stream of their own. */

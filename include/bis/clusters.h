@@ -23,7 +23,7 @@ typedef struct bis_clusters {
     float *memory;
 } bis_clusters;
 
-enum { BIS_CLUSTER_DIRECTIONS = 32, BIS_CLUSTERS = 1024 };
+enum { BIS_CLUSTER_DIRECTIONS = 64, BIS_CLUSTERS = 256 };
 
 /* Cut the map into BIS_CLUSTERS to twice as many clusters: none has more than 1/BIS_CLUSTERS of the importance and another such part of the sphere's solid angle, but for the tile
  * that fills it up. The light must be a map with a curve, not black. Errors: BIS_NOMEM. */

@@ -8,6 +8,7 @@
 #include "bis/point.h"
 #include "bis/pool.h"
 #include "bis/sampler.h"
+#include "bis/visibility.h"
 
 #include <stdint.h>
 
@@ -35,6 +36,7 @@ typedef struct bis_settings {
     double split;    /* mis: the EM's share */
     bool compensate; /* mis */
     bool stratify;   /* em, mis, sir: samples of the map along its curve */
+    bool learn;      /* sir, proposal "product": from the visibility that earlier passes have found */
     bool vectorize;  /* sir: many candidates at once where that is possible (src/batch.c) */
     unsigned as_printed; /* all: BIS_E*, equations to follow to the letter; 0: none */
 } bis_settings;
@@ -54,7 +56,9 @@ typedef struct bis_scratch {
     uint32_t *chosen;          /* [n_chosen] */
     uint32_t n_candidates, n_points, n_chosen;
     bis_batch *batch;     /* NULL: candidates one by one */
-    bool wants_batch, wants_clusters;
+    bool wants_batch, wants_clusters, wants_visibility;
+    float *visible;       /* visible[clusters->n]: g of bis/visibility.h for the tile at hand; NULL: nothing is learned */
+    bis_seen *counted;    /* counted[BIS_VISIBILITY_PARTS]: of the tile at hand */
     uint32_t n_pool;      /* stratified directions from the map that a point asks for; 0: none */
     const bis_clusters *clusters; /* for proposal "product"; borrowed; NULL: not needed, or there are none: then it is "mix" */
     const bis_pool *pool; /* shared by all threads, borrowed; NULL: each point draws its own */

@@ -1,0 +1,282 @@
+/* clusters, product, visibility: candidates from where light and BRDF can both be large, and where earlier passes saw the light. Family-wise significance
+ * 1e-3 over all statistical tests here. */
+#include "bis/mem.h"
+#include "bis/phong.h"
+#include "lit.h"
+#include "product.h"
+#include "proposal.h"
+
+#include "bis/stats.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+enum { SEED = 71, RUNS = 200, PER_FILL = 20 };
+
+static double alpha(void) { return bis_stats_sidak(1e-3, 3 * 4 * 2 * 4 + 4); }
+
+static vec3 tilted(void) { return normalize((vec3){0.3f, 0.1f, 1}); }
+
+static const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH};
+
+/* ---- the cut ---- */
+
+static void clusters_share_the_curve_and_none_is_empty(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        bis_light *light = lit_new_light(maps[i], 1, 0.15, false);
+        const bis_importance *im = bis_light_importance(light);
+        bis_clusters c;
+        assert_int_equal(bis_clusters_init(&c, light, NULL), BIS_OK);
+        assert_true(c.n > 1 && c.n <= 2 * BIS_CLUSTERS + 2);
+        assert_true(c.t[0] == 0 && c.t[c.n] == 1);
+        double *sum = bis_alloc(c.n, sizeof *sum);
+        const bis_envmap *em = bis_light_envmap(light);
+        for (uint32_t p = 0; p < (uint32_t)(em->width * em->height); p++) {
+            sum[bis_cluster_of_pixel(&c, p)] += bis_importance_pdf_pixel(im, p) * em->row_solid_angle[p / (uint32_t)em->width];
+        }
+        for (uint32_t k = 0; k < c.n; k++) {
+            assert_true(bis_cluster_share(&c, k) > 0);
+            assert_true(fabs(sum[k] - bis_cluster_share(&c, k)) < 1e-12); /* of_tile says the same as t */
+        }
+        bis_free(sum);
+        bis_clusters_clear(&c);
+        bis_light_free(light);
+    }
+}
+
+static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_envmap *em = bis_light_envmap(light);
+    bis_clusters c;
+    int elsewhere = 0;
+
+    (void)state;
+    assert_int_equal(bis_clusters_init(&c, light, NULL), BIS_OK);
+    bis_clusters_fill(&c, light, SEED, 3, 2);
+    for (uint32_t k = 0; k < c.n; k++) {
+        const vec3 axis = {c.cone.x[k], c.cone.y[k], c.cone.z[k]};
+        for (int i = 0; i < BIS_CLUSTER_DIRECTIONS; i++) {
+            const bis_light_point *y = &c.y[(size_t)k * BIS_CLUSTER_DIRECTIONS + (size_t)i];
+            elsewhere += bis_cluster_of_pixel(&c, (uint32_t)bis_envmap_pixel(em, y->wi)) != k; /* the light's axes are the world's; floats next to an edge */
+            assert_true(dot(axis, y->wi) >= (double)c.cone.q_L[k] - 1e-6);
+        }
+    }
+    assert_true(elsewhere < (int)c.n * BIS_CLUSTER_DIRECTIONS / 1000);
+    bis_clusters_clear(&c);
+    bis_light_free(light);
+}
+
+/* ---- the bound ---- */
+
+/* w of a cluster against f cos Le of all its directions: at least the mean over the energy, and positive wherever any is. */
+static void reach_bounds_the_product_over_every_cluster(void **state)
+{
+    static const double exponents[] = {0, 1, 10, 50, 1e3, 1e6};
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0, false);
+    bis_clusters c;
+    bis_product p;
+
+    (void)state;
+    assert_int_equal(bis_clusters_init(&c, light, NULL), BIS_OK);
+    assert_true(bis_product_init(&p, 64));
+    bis_clusters_fill(&c, light, SEED, 0, 1);
+    for (int e = 0; e < 6; e++) {
+        lit l;
+        lit_init(&l, light, bis_phong((rgb){0.1f, 0.2f, 0}, (rgb){0.9f, 0.3f, 0.5f}, exponents[e]), tilted(), 70, LIT_OPEN);
+        bis_product_weigh(&p, &c, NULL, &l.pt);
+        double unit = 0, worst = INFINITY;
+        for (int pass = 0; pass < 2; pass++) { /* the unit is whatever makes the bound hold; it must be the same for all clusters */
+            for (uint32_t k = 0; k < c.n; k++) {
+                double mean = 0, most = 0;
+                for (int i = 0; i < BIS_CLUSTER_DIRECTIONS; i++) {
+                    const bis_light_point *y = &c.y[(size_t)k * BIS_CLUSTER_DIRECTIONS + (size_t)i];
+                    const double cosine = bis_bsdf_cos(&l.pt.bsdf, y->wi);
+                    if (cosine <= 0) continue;
+                    const double F = rgbd_sum(bis_estimate(bis_bsdf_f(&l.pt.bsdf, y->wi), y->Le, cosine, y->pdf));
+                    mean += F * bis_cluster_share(&c, k) / BIS_CLUSTER_DIRECTIONS;
+                    most = fmax(most, F);
+                }
+                if (most > 0) assert_true(p.clusters.w[k] > 0);
+                if (mean > 1e-25) worst = fmin(worst, (double)p.clusters.w[k] / mean);
+            }
+            if (pass == 0) unit = worst;
+        }
+        const double peak = fmax((double)l.material.Ks.r * (exponents[e] + 1) * INV_PI / 2, (double)l.material.Kd.g * INV_PI);
+        assert_true(unit >= (1 - 1e-4) / (peak * bis_light_mean(light)));
+    }
+    bis_product_clear(&p);
+    bis_clusters_clear(&c);
+    bis_light_free(light);
+}
+
+/* ---- the estimate ---- */
+
+static void spoil_nothing(bis_clusters *c, float *visible)
+{
+    (void)c;
+    (void)visible;
+}
+
+/* As test_pool's: several points share the directions of a pass; their mean is one value. */
+static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, void (*spoil)(bis_clusters *, float *))
+{
+    bis_scratch scratch;
+    bis_clusters c;
+    bis_seen counted[BIS_VISIBILITY_PARTS] = {{0, 0}};
+
+    for (int i = 0; i < 4; i++) m[i] = (stat_moments){0};
+    assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
+    assert_true(scratch.wants_clusters);
+    assert_int_equal(bis_clusters_init(&c, l->light, NULL), BIS_OK);
+    scratch.clusters = &c;
+    scratch.counted = counted;
+    if (learned) {
+        scratch.visible = bis_alloc(c.n, sizeof *scratch.visible);
+        for (uint32_t k = 0; k < c.n; k++) scratch.visible[k] = k % 3 ? 0.15f : 1; /* any positive numbers */
+    }
+    for (uint32_t fill = 0; fill < RUNS; fill++) {
+        rgbd sum = {0, 0, 0};
+        bis_clusters_fill(&c, l->light, SEED, fill, 1);
+        spoil(&c, scratch.visible);
+        for (uint32_t k = 0; k < PER_FILL; k++) {
+            const rgb L = lit_once(l, s, &scratch, SEED, (uint64_t)fill * PER_FILL + k);
+            sum = rgbd_add(sum, (rgbd){(double)L.r / PER_FILL, (double)L.g / PER_FILL, (double)L.b / PER_FILL});
+        }
+        stat_add(&m[0], sum.r);
+        stat_add(&m[1], sum.g);
+        stat_add(&m[2], sum.b);
+        stat_add(&m[3], rgbd_sum(sum));
+    }
+    bis_scratch_clear(&scratch);
+    bis_clusters_clear(&c);
+}
+
+static bis_settings product(uint32_t M, uint32_t N, bool learn)
+{
+    bis_settings s = bis_settings_default(&bis_sir);
+    s.proposal = BIS_PROPOSAL_PRODUCT;
+    s.candidates = M;
+    s.shadowrays = N;
+    s.learn = learn;
+    return s;
+}
+
+static void product_is_unbiased_with_and_without_learned_visibility(void **state)
+{
+    static const uint32_t Ms[] = {16, 17, 64, 256};
+    const bis_material materials[] = {bis_phong((rgb){0.8f, 0.5f, 0.2f}, (rgb){0, 0, 0}, 1), bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 10),
+                                      bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 50)};
+    (void)state;
+    for (int i = 0; i < 3 * 4 * 2; i++) {
+        bis_light *light = lit_new_light(maps[i / 4 % 2], 1, 0.15, false);
+        const bis_settings s = product(Ms[i % 4], i % 5 ? 3 : 15, i / 12);
+        stat_moments m[4];
+        lit l;
+        lit_init(&l, light, materials[i / 4 % 3], tilted(), 40, i % 2 ? LIT_HALF : LIT_OPEN);
+        const rgbd truth = lit_truth(&l, true);
+        const double expected[4] = {truth.r, truth.g, truth.b, rgbd_sum(truth)};
+        run(m, &l, &s, i / 12, spoil_nothing);
+        for (int c = 0; c < 4; c++) stat_assert_mean("product", SEED, &m[c], expected[c], alpha());
+        bis_light_free(light);
+    }
+}
+
+/* Twin: every second cluster draws from the first, with its own density. */
+static void draw_elsewhere(bis_clusters *c, float *visible)
+{
+    enum { D = BIS_CLUSTER_DIRECTIONS };
+    (void)visible;
+    for (uint32_t k = 1; k < c->n; k += 2) {
+        for (int i = 0; i < D; i++) c->y[(size_t)k * D + (size_t)i] = c->y[i];
+    }
+}
+
+/* Twin: a bound of 0 over every second cluster, where the product is not 0. */
+static void overlook_clusters(bis_clusters *c, float *visible)
+{
+    (void)visible;
+    for (uint32_t k = 0; k < c->n; k += 2) c->cone.r[k] = c->cone.g[k] = c->cone.b[k] = 0;
+}
+
+static void twins_with_a_wrong_density_or_a_bound_of_0_are_found(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    stat_moments m[4];
+    lit l;
+
+    (void)state;
+    lit_init(&l, light, bis_phong((rgb){0.8f, 0.5f, 0.2f}, (rgb){0, 0, 0}, 1), (vec3){0, 0, 1}, 40, LIT_OPEN);
+    const double truth = rgbd_sum(lit_truth(&l, true));
+    const bis_settings s = product(64, 3, false);
+    run(m, &l, &s, false, draw_elsewhere);
+    stat_assert_not_mean("product-elsewhere", SEED, &m[3], truth, alpha());
+    run(m, &l, &s, false, overlook_clusters);
+    stat_assert_not_mean("product-bound", SEED, &m[3], truth, alpha());
+    bis_light_free(light);
+}
+
+/* ---- what is learned ---- */
+
+static void factors_follow_what_was_seen_in_the_passes_before(void **state)
+{
+    enum { N = 300 };
+    bis_visibility v;
+    float g[N];
+
+    (void)state;
+    assert_int_equal(bis_visibility_init(&v, 2, NULL), BIS_OK);
+    v.counted[1][0] = (bis_seen){1000, 0};
+    v.counted[1][1] = (bis_seen){1000, 1000};
+    bis_visibility_factors(g, N, &v, 1);
+    for (int k = 1; k < N; k++) assert_true(g[k] == g[0]); /* this pass's counts are not known */
+    bis_visibility_learn(&v, 1);
+    assert_true(v.counted[1][0].rays == 0);
+    bis_visibility_factors(g, N, &v, 1);
+    assert_true(g[0] > 0.1f && g[0] < 0.2f);
+    assert_true(g[3] > 1 && g[3] < 1.02f && g[N - 1] == g[3]); /* k = 3 of 300 is of part 1; never counted is as if seen */
+    bis_visibility_factors(g, N, &v, 0);
+    assert_true(g[0] == g[N - 1]);
+    bis_visibility_clear(&v);
+}
+
+static void without_memory_nothing_is_held(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0, false);
+    bis_settings s = product(64, 3, true);
+
+    (void)state;
+    for (long k = 1; k < 40; k++) {
+        bis_clusters c;
+        bis_visibility v;
+        bis_scratch scratch;
+        bis_mem_fail_at(k);
+        if (bis_clusters_init(&c, light, NULL) == BIS_OK) bis_clusters_clear(&c);
+        bis_mem_fail_at(k);
+        if (bis_visibility_init(&v, 3, NULL) == BIS_OK) bis_visibility_clear(&v);
+        bis_mem_fail_at(k);
+        if (bis_scratch_init(&scratch, &s, NULL) == BIS_OK) bis_scratch_clear(&scratch);
+        bis_mem_fail_at(0);
+    }
+    bis_light_free(light);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(clusters_share_the_curve_and_none_is_empty),
+        cmocka_unit_test(a_cluster_s_directions_lie_in_it_and_in_its_cone),
+        cmocka_unit_test(reach_bounds_the_product_over_every_cluster),
+        cmocka_unit_test(product_is_unbiased_with_and_without_learned_visibility),
+        cmocka_unit_test(twins_with_a_wrong_density_or_a_bound_of_0_are_found),
+        cmocka_unit_test(factors_follow_what_was_seen_in_the_passes_before),
+        cmocka_unit_test(without_memory_nothing_is_held),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
