@@ -1,79 +1,87 @@
 #!/bin/sh
-# bench: the project's speed and memory as figures and ratios, all from one run on one core.
-#     scripts/bench.sh BUILD_DIR        (make bench calls it)
-# With the real data (BIS_SHARED, default ../shared/data) the Stanford dragon under Grace; else our own knot under our own interior.
+# bench: speed and error as ratios, each with its spread, all on one core. docs/bench.md says how to read the table.
+#     scripts/bench.sh BUILD_DIR [SECTION...]        (make bench calls it)
+# Sections: references light cost threads accel equal resample reach table, all by default. Each writes build/bench/SECTION.txt, and table reads what is there: one
+# section can be measured again alone. The settings that are compared stand on top of scripts/bench_error.c and bench_cost.c.
+# BIS_SHARED (default ../shared/data) has the real meshes and maps; without them only our own scenes are measured.
 set -eu
 build=$1
-shared=${BIS_SHARED:-../shared/data}
+shift
 out=build/bench
-mkdir -p "$out"
+shared=$(realpath -m "${BIS_SHARED:-../shared/data}")
+mkdir -p "$out/scenes"
 
-if [ -r "$shared/mesh/dragon_871k.ply" ]; then
-    mesh=$(realpath "$shared/mesh/dragon_871k.ply")
-    map=$(realpath "$shared/env/grace_latlong_fyp_extreme.hdr")
-    name="Stanford dragon, 871k triangles, under Grace (extreme)"
-    camera='LookAt -0.0 0.16 0.55  -0.006 0.122 0  0 1 0 Camera "perspective" "float fov" 17'
-else
-    echo "real data not found at $shared (set BIS_SHARED): using the project's own knot and interior"
-    "$build/bis-data" --knot 871000 "$out/knot.ply"
-    mesh=$(realpath "$out/knot.ply")
-    map=$(realpath data/maps/interior.exr)
-    name="our knot, 871k triangles, under our interior"
-    camera='LookAt 0 1 6  0 0 0  0 1 0 Camera "perspective" "float fov" 35'
-fi
+reference_seconds=${BENCH_REFERENCE:-30} # of processor time, once for each scene and material; kept in build/bench/ref
+reach_reference_seconds=${BENCH_REACH_REFERENCE:-160}
 
-# material NAME "PARAMETERS": writes $out/NAME.txt
-scene() {
-    cat > "$out/$1.txt" <<END
-$camera
-Film "rgb" "integer xresolution" 176 "integer yresolution" 248 "string filename" "$out/$1.exr"
+# template NAME CAMERA LIGHT SHAPE OPTION: a scene with blanks, see scripts/measure.h
+template() {
+    cat > "$out/scenes/$1" <<END_OF_SCENE
+Film "rgb" "integer xresolution" 176 "integer yresolution" 248
+@integrator
+$5
+$2
 WorldBegin
 AttributeBegin
-  Rotate -90 1 0 0
-  LightSource "infinite" "string filename" "$map"
+$3
 AttributeEnd
-Material "phong" $2
-Shape "plymesh" "string filename" "$mesh"
-END
+$4
+END_OF_SCENE
 }
-scene n10 '"rgb Ks" [1 1 1] "rgb Kd" [0 0 0] "float exponent" 10'
-scene n50 '"rgb Ks" [1 1 1] "rgb Kd" [0 0 0] "float exponent" 50'
-scene mixed '"rgb Ks" [.5 .5 .5] "rgb Kd" [.5 .5 .5] "float exponent" 50'
-scene diffuse '"rgb Ks" [0 0 0] "rgb Kd" [1 1 1]'
+map() { echo "$1 LightSource \"infinite\" \"string filename\" \"$2\" ${3-}"; }
+mesh() { echo "Material \"phong\" @material Shape \"plymesh\" \"string filename\" \"$shared/mesh/$1\""; }
 
-# value FILE KEY: a number of a --stats file
-value() { sed -n "s/.*\"$2\": *\([0-9.eE+-]*\).*/\1/p" "$1" | head -n 1; }
+pairs="knot-interior knot-overcast"
+centres='Option "bool disablepixeljitter" true'
+statue='Scale -1 1 1 LookAt -2.0 -7.4 0.25   0 0 -0.28   0 0 1 Camera "perspective" "float fov" 29'
+figure="MakeNamedMaterial \"figure\" \"string type\" \"phong\" @material Include \"$PWD/data/scenes/statue.inc\""
+template knot-interior "$statue" "$(map "Rotate -25 0 0 1" "$PWD/data/maps/interior.hdr")" "$figure" "$centres"
+template knot-overcast "$statue" "$(map "Rotate 0 0 0 1" "$PWD/data/maps/overcast.hdr")" "$figure" "$centres"
+first=knot-interior
+if [ -r "$shared/mesh/dragon_871k.ply" ]; then
+    dragon='LookAt 0 0.16 0.55  -0.006 0.122 0  0 1 0 Camera "perspective" "float fov" 17'
+    armadillo='LookAt 0 0.1 2.6  -0.01 -0.06 0  0 1 0 Camera "perspective" "float fov" 19'
+    up="Rotate -90 1 0 0"
+    template dragon-grace "$dragon" "$(map "$up" "$shared/env/grace_latlong_fyp_extreme.hdr")" "$(mesh dragon_871k.ply)" "$centres"
+    template dragon-stpeters "$dragon" "$(map "$up" "$shared/env/stpeters_latlong_1500x750.hdr")" "$(mesh dragon_871k.ply)" "$centres"
+    template armadillo-uffizi "$armadillo" "$(map "$up" "$shared/env/uffizi_latlong_1200x600.hdr")" "$(mesh armadillo_86k.ply)" "$centres"
+    template rival "$dragon" "$(map "$up" "$shared/env/grace_latlong_pbrt2.exr" '"bool visible" false')" "$(mesh dragon_871k.ply)" ""
+    pairs="dragon-grace dragon-stpeters armadillo-uffizi $pairs"
+    first=dragon-grace
+    model=$shared/mesh/dragon_871k.ply
+else
+    echo "real data not found at $shared (set BIS_SHARED): only our own scenes are measured"
+    "$build/bis-data" --knot 871000 "$out/knot.ply"
+    model=$out/knot.ply
+fi
+[ -r "$out/scenes/rival" ] && rival=rival || rival=
 
-echo "== preparing a 4096 x 2048 map, one thread"
-OMP_NUM_THREADS=1 "$build/bench_light" 4096
+# keep FILE COMMAND...: its output, which only a complete run replaces
+keep() {
+    kept=$1
+    shift
+    "$@" > "$kept.part"
+    mv "$kept.part" "$kept"
+}
+each_pair() { for pair in $pairs; do "$build/bench_error" "$1" "$reference_seconds" "$out/scenes/$pair"; done; }
+references() {
+    each_pair reference
+    if [ "$rival" ]; then "$build/bench_error" reference "$reach_reference_seconds" "$out/scenes/$rival"; fi
+}
+light() { OMP_NUM_THREADS=1 "$build/bench_light" 4096; }
 
-echo "== rays and builds"
-"$build/bench_accel" "$mesh"
-
-echo "== render phase, 176x248, --spp 1, one thread: $name (smallest of 5)"
-printf '%-9s %-22s %8s %9s %10s %12s %9s %8s\n' material integrator seconds shadow_k "us/shadow" candidates_k peak_MiB load_s
-for m in n10 n50 mixed diffuse; do
-    for how in "sir --candidates 800 --shadowrays 15" "rejection --candidates 800 --shadowrays 15" "em --samples 100" "brdf --samples 75" "mis --samples 100"; do
-        best=
-        for run in 1 2 3 4 5; do
-            "$build/bis" --quiet --spp 1 --disable-pixel-jitter --nthreads 1 --integrator $how --stats "$out/stats.json" "$out/$m.txt"
-            s=$(value "$out/stats.json" render)
-            best=$(printf '%s\n%s\n' "$best" "$s" | grep . | sort -g | head -n 1)
-        done
-        shadow=$(value "$out/stats.json" shadow)
-        cand=$(value "$out/stats.json" candidates_drawn)
-        peak=$(value "$out/stats.json" peak_memory_bytes)
-        load=$(value "$out/stats.json" load)
-        awk -v m="$m" -v h="$(echo "$how" | sed 's/--candidates //; s/--shadowrays //; s/--samples //')" -v s="$best" -v r="$shadow" -v c="${cand:-0}" -v p="$peak" -v l="$load" \
-            'BEGIN { printf "%-9s %-22s %8.3f %9.0f %10.3f %12.0f %9.0f %8.3f\n", m, h, s, r / 1e3, s / r * 1e6, c / 1e3, p / 1048576, l }'
-    done
-done
-echo "== threads: sir 15/800, n50"
-for n in 1 2; do
-    best=
-    for run in 1 2 3 4 5; do
-        "$build/bis" --quiet --spp 4 --disable-pixel-jitter --nthreads $n --integrator sir --candidates 800 --shadowrays 15 --stats "$out/stats.json" "$out/n50.txt"
-        best=$(printf '%s\n%s\n' "$best" "$(value "$out/stats.json" render)" | grep . | sort -g | head -n 1)
-    done
-    echo "threads $n seconds $best"
+[ $# -gt 0 ] || set -- references light cost threads accel equal resample reach table
+for section; do
+    [ "$section" = table ] || echo "== $section"
+    case $section in
+    references) keep "$out/references.txt" references ;;
+    light) keep "$out/light.txt" light ;;
+    cost | threads) keep "$out/$section.txt" "$build/bench_cost" "$section" "$out/scenes/$first" ;;
+    accel) keep "$out/accel.txt" "$build/bench_accel" "$model" ;;
+    equal) keep "$out/equal.txt" each_pair equal ;;
+    resample) keep "$out/resample.txt" "$build/bench_error" resample "$reference_seconds" "$out/scenes/$first" ;;
+    reach) if [ "$rival" ]; then keep "$out/reach.txt" "$build/bench_error" reach "$reach_reference_seconds" "$out/scenes/$rival"; fi ;;
+    table) awk -f scripts/bench_table.awk $(for f in references light cost threads accel equal resample reach; do [ -r "$out/$f.txt" ] && echo "$out/$f.txt"; done) ;;
+    *) echo "bench.sh: no section \"$section\"" >&2 && exit 2 ;;
+    esac
 done
