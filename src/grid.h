@@ -32,6 +32,7 @@ typedef struct bis_grid {
     uint32_t *items;                           /* primitives, ascending in each cell */
     uint64_t *occupied;                        /* one bit a cell: is there any item? Empty space costs an L2 access */
     bis_grid_block *blocks;                    /* block b: the triangles of items 8 b ... 8 b + 7; NULL: the grid is not packed */
+    float *reach;                              /* no vertex of block b is farther from its first one, along any axis */
     uint32_t *near[3];                         /* for the packed walk: see grid_packed.c */
 } bis_grid;
 

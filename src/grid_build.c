@@ -357,6 +357,7 @@ static void free_grid(bis_accel *a)
     bis_free(g->items);
     bis_free(g->occupied);
     bis_free(g->blocks);
+    bis_free(g->reach);
     for (int m = 0; m < 3; m++) bis_free(g->near[m]);
     bis_free(g);
 }

@@ -463,7 +463,8 @@ static ray aimed_ray(const bis_geometry *g, uint64_t *seed)
     if (random_double(seed) < 0.3) d = (vec3){axis == 0 ? (float)size : 0, axis == 1 ? -(float)size : -0.0f, axis == 2 ? (float)size : 0};
     if (random_double(seed) < 0.2) d = sub(target, g->p[from]);
     if (d.x == 0 && d.y == 0 && d.z == 0) d.x = 1;
-    const vec3 o = random_double(seed) < 0.1 ? target : sub(target, mul(d, random_double(seed) < 0.1 ? 1000 : random_double(seed)));
+    const double u2 = random_double(seed), away = u2 < 0.1 ? 0 : u2 < 0.2 ? 1000 : u2 < 0.25 ? 1e7 : random_double(seed);
+    const vec3 o = sub(target, mul(d, away));
     return (ray){o, d, end < 0.3 ? (float)(3 * end) : end < 0.4 ? 1 : INFINITY};
 }
 
