@@ -97,6 +97,22 @@ exit
 # - return fmax(specular, diffuse) * unit_slack;
 # + return fmin(specular, diffuse) * unit_slack;
 #
+# * microfacet test_microfacet : facets drawn without the stretched view: all of them, not the visible
+# - h[0] = a * (sin_theta * cos(phi) + v[0]);
+# + h[0] = a * (sin_theta * cos(phi));
+#
+# * microfacet test_microfacet : separable instead of height-correlated shadowing
+# - const double specular = D / (2 * (c_i * S_o + c_o * stretched(a, c_i)));
+# + const double specular = D / ((c_o + S_o) * (c_i + stretched(a, c_i)));
+#
+# * microfacet test_microfacet : a facet that lies face down reflects
+# - if (s_z <= 0)
+# + if (s_z <= -2)
+#
+# * microfacet test_microfacet : rejection's bound with Fresnel's term head on
+# - blend(b->material, fmax(0, least_cos_d - 0x1p-23), 1, 0)
+# + blend(b->material, 1, 1, 0)
+#
 # * warp test_warp : the concentric map's angle doubled
 # - PI / 2 - PI / 4 * (a / b)
 # + PI / 2 - PI / 2 * (a / b)

@@ -4,6 +4,7 @@
  * Exporters write matrices with few digits: up to an error of ORTHONORMAL the matrix is taken, and made exactly
  * orthonormal. */
 #include "bis/mem.h"
+#include "bis/microfacet.h"
 #include "bis/phong.h"
 #include "grow.h"
 #include "parser.h"
@@ -133,9 +134,10 @@ void bis_directive_light(bis_parser *p, bis_loc at)
 
 /* ---- materials ---- */
 
-enum { PHONG, DIFFUSE };
+enum { PHONG, MICROFACET, DIFFUSE };
 static const bis_choice materials[] = {
     {"phong", PHONG},
+    {"microfacet", MICROFACET},
     {"diffuse", DIFFUSE},
     {"matte", DIFFUSE},
     {"coateddiffuse", BIS_FOREIGN}, {"coatedconductor", BIS_FOREIGN}, {"conductor", BIS_FOREIGN},
@@ -173,6 +175,18 @@ static bis_material read_phong(bis_parser *p)
     return bis_phong(Kd, Ks, exponent);
 }
 
+/* No warning of energy: no Kd and Ks in [0,1] reflect more than they receive. */
+static bis_material read_microfacet(bis_parser *p)
+{
+    const bis_interval rough = {BIS_MICROFACET_MIN_ROUGHNESS, 1, false, false};
+    rgb Kd = {0, 0, 0}, Ks = {0.9f, 0.9f, 0.9f};
+    double roughness = 0.5;
+    bis_params_rgb(p, "Kd", &Kd, unit, true);
+    bis_params_rgb(p, "Ks", &Ks, unit, true);
+    bis_params_float(p, "roughness", &roughness, rough);
+    return bis_microfacet(Kd, Ks, roughness);
+}
+
 static bis_material read_diffuse(bis_parser *p)
 {
     rgb Kd = {0.5f, 0.5f, 0.5f};
@@ -191,7 +205,9 @@ static void read_material(bis_parser *p, const char *directive, const char *type
 {
     const bis_choice *chosen = bis_parser_choose(p, directive, type, at, materials, BIS_COUNT(materials));
     if (!chosen) return;
-    bis_material m = chosen->value == PHONG ? read_phong(p) : read_diffuse(p);
+    bis_material m = chosen->value == PHONG        ? read_phong(p)
+                     : chosen->value == MICROFACET ? read_microfacet(p)
+                                                   : read_diffuse(p);
     bis_params_end(p, directive, chosen->name);
     p->desc->materials[index] = m;
 }

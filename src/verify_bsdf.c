@@ -2,7 +2,9 @@
  *
  * The sphere is cut into cells about the lobe's axis R: rings at the lobe's own quantiles (1 - t)^(n+1) = 1 - k/8 and 2^-j, t = 1 - cos alpha (thesis eq. 3.16),
  * and at equal steps of t for the rest, times 8 sectors. In each cell the density is smooth for any exponent, but for the horizon's
- * kink, and Gauss's rule on a few pieces integrates it. Nothing of the model is used but f, pdf and sample, and n to place the rings.
+ * kink, and Gauss's rule on a few pieces integrates it. A lobe of microfacets is smooth over the half vector h, about the normal, and only there where
+ * the view is grazing: then the rings are those of h, at quantiles of GGX, tan^2 = a^2 u/(1 - u), and d wi = 4 (wo h) dh.
+ * Nothing of the model is used but f, pdf and sample, and n or alpha to place the rings.
  *
  * The furnace: under a constant light the reflected radiance is L times the integral of f cos, by the same quadrature.
  * Cost: 10^5 densities and 10^5 draws for each angle. */
@@ -17,9 +19,12 @@ enum { OCTILES = 8, HALVINGS = 30, STEPS = 24, MAX_EDGES = OCTILES + HALVINGS + 
 enum { PIECES = 4, NODES = 4, NODES_PHI = 32 };
 enum { N_DRAWS = 1 << 17, N_RUNS = 2048 };
 
-/* What quadrature may be off by, relative: measured at most 1.6e-5, the horizon's kink, for n from 0 to 1e8 and 0 to 89.9 degrees; unit vectors in float add
- * 1e-7 sqrt(n) (src/phong.c). */
-static double quadrature_error(const bis_material *m) { return 5e-5 + 1e-7 * sqrt(m->exponent); }
+/* What quadrature may be off by, relative: measured at most 1.6e-5, the horizon's kink, for n from 0 to 1e8 and 0 to 89.9 degrees, 2.2e-5 for alpha from 1e-3 to 1
+ * up to 89 degrees; unit vectors in float add 1e-7 sqrt(n) (src/phong.c), or 1e-8/alpha (3.3e-5 in all at 1e-4 and 89 degrees). */
+static double quadrature_error(const bis_material *m)
+{
+    return 5e-5 + (m->model->of_half_vector ? 1e-8 / m->alpha : 1e-7 * sqrt(m->exponent));
+}
 
 static const uint64_t purpose_lobes = (uint64_t)0x77 << 40;
 
@@ -34,22 +39,39 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static rings rings_of(double exponent)
+/* t outside of which the lobe has a share of exp(log_rest). */
+static double quantile(const bis_material *m, double log_rest)
+{
+    if (!m->model->of_half_vector) return -expm1(log_rest / (m->exponent + 1));
+    const double tan2 = m->alpha * m->alpha * expm1(-log_rest), secant = sqrt(1 + tan2);
+    return tan2 / (secant * (1 + secant));
+}
+
+static rings rings_of(const bis_material *m)
 {
     rings r = {.n = 0};
-    for (int k = 1; k < OCTILES; k++) r.t[r.n++] = -expm1(log1p(-(double)k / OCTILES) / (exponent + 1));
-    for (int j = 4; j <= HALVINGS; j++) r.t[r.n++] = -expm1(-j * log(2) / (exponent + 1));
+    for (int k = 1; k < OCTILES; k++) r.t[r.n++] = quantile(m, log1p(-(double)k / OCTILES));
+    for (int j = 4; j <= HALVINGS; j++) r.t[r.n++] = quantile(m, -j * log(2));
     for (int k = 0; k <= STEPS; k++) r.t[r.n++] = 2.0 * k / STEPS;
     qsort(r.t, (size_t)r.n, sizeof *r.t, by_value);
     return r;
 }
 
-static vec3 direction(const frame *lobe, double t, double phi)
+static const frame *axes(const bis_bsdf *b) { return b->material->model->of_half_vector ? &b->local : &b->lobe; }
+
+/* wi at (t, phi); returns d wi / (dt dphi), 0 where no wi is. */
+static double direction(vec3 *wi, const bis_bsdf *b, double t, double phi)
 {
+    const frame *f = axes(b);
     const double sin_alpha = sqrt(t * (2 - t)), x = sin_alpha * cos(phi), y = sin_alpha * sin(phi), z = 1 - t;
-    return vec3_from(x * (double)lobe->x.x + y * (double)lobe->y.x + z * (double)lobe->z.x,
-                     x * (double)lobe->x.y + y * (double)lobe->y.y + z * (double)lobe->z.y,
-                     x * (double)lobe->x.z + y * (double)lobe->y.z + z * (double)lobe->z.z);
+    const double d[3] = {x * (double)f->x.x + y * (double)f->y.x + z * (double)f->z.x,
+                         x * (double)f->x.y + y * (double)f->y.y + z * (double)f->z.y,
+                         x * (double)f->x.z + y * (double)f->y.z + z * (double)f->z.z};
+    const double cos_d = d[0] * (double)b->wo.x + d[1] * (double)b->wo.y + d[2] * (double)b->wo.z;
+    const bool half = b->material->model->of_half_vector;
+    const double k = 2 * cos_d;
+    *wi = half ? vec3_from(k * d[0] - (double)b->wo.x, k * d[1] - (double)b->wo.y, k * d[2] - (double)b->wo.z) : vec3_from(d[0], d[1], d[2]);
+    return half ? 4 * fmax(0, cos_d) : 1;
 }
 
 typedef struct integrals {
@@ -76,7 +98,9 @@ static integrals integrate_cell(const bis_bsdf *b, double t0, double t1, int sec
         const double t = t0 + h * (i / NODES + (1 + x[i % NODES]) / 2);
         for (int k = 0; k < NODES_PHI; k++) {
             const double phi = dphi * (sector * NODES_PHI + k + 0.5);
-            add_node(&sum, b, direction(&b->lobe, t, phi), w[i % NODES] / 2 * h * dphi);
+            vec3 wi;
+            const double area = direction(&wi, b, t, phi);
+            if (area > 0) add_node(&sum, b, wi, w[i % NODES] / 2 * h * dphi * area);
         }
     }
     return sum;
@@ -85,8 +109,16 @@ static integrals integrate_cell(const bis_bsdf *b, double t0, double t1, int sec
 /* The cell of a drawn direction. */
 static int cell_of(const rings *r, const bis_bsdf *b, vec3 wi)
 {
-    const double x = (double)wi.x - (double)b->r.x, y = (double)wi.y - (double)b->r.y, z = (double)wi.z - (double)b->r.z;
-    const double t = (x * x + y * y + z * z) / 2, phi = atan2(dot(wi, b->lobe.y), dot(wi, b->lobe.x));
+    const frame *f = axes(b);
+    double d[3] = {(double)wi.x, (double)wi.y, (double)wi.z};
+    if (b->material->model->of_half_vector) {
+        const double s[3] = {d[0] + (double)b->wo.x, d[1] + (double)b->wo.y, d[2] + (double)b->wo.z};
+        const double norm = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+        for (int i = 0; i < 3; i++) d[i] = s[i] / norm;
+    }
+    const double x = d[0] - (double)f->z.x, y = d[1] - (double)f->z.y, z = d[2] - (double)f->z.z, t = (x * x + y * y + z * z) / 2;
+    const double phi = atan2(d[0] * (double)f->y.x + d[1] * (double)f->y.y + d[2] * (double)f->y.z,
+                             d[0] * (double)f->x.x + d[1] * (double)f->x.y + d[2] * (double)f->x.z);
     const int sector = (int)floor((phi < 0 ? phi + 2 * PI : phi) / (2 * PI) * SECTORS) % SECTORS;
     int lo = 0, hi = r->n - 1;
     while (hi - lo > 1) {
@@ -106,7 +138,7 @@ static vec3 wo_at(double degrees)
 void bis_verify_lobes(bis_verify *v, const bis_material *m, double degrees, const char *name)
 {
     double expected[MAX_EDGES * SECTORS], observed[MAX_EDGES * SECTORS] = {0}, sum = 0;
-    const rings r = rings_of(m->exponent);
+    const rings r = rings_of(m);
     const int n_cells = (r.n - 1) * SECTORS;
     bis_bsdf b;
     bis_rng rng;
@@ -132,7 +164,7 @@ void bis_verify_lobes(bis_verify *v, const bis_material *m, double degrees, cons
 
 static rgbd reflectance(const bis_bsdf *b)
 {
-    const rings r = rings_of(b->material->exponent);
+    const rings r = rings_of(b->material);
     rgbd sum = {0, 0, 0};
     for (int i = 0; i < (r.n - 1) * SECTORS; i++) {
         sum = rgbd_add(sum, integrate_cell(b, r.t[i / SECTORS], r.t[i / SECTORS + 1], i % SECTORS).f_cos);

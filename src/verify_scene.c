@@ -7,6 +7,7 @@
 #include "verify.h"
 
 #include "bis/mem.h"
+#include "bis/microfacet.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -44,7 +45,7 @@ const bis_integrator bis_verify_builder = {"verify", "draws nothing", builder_li
 static bool equal_materials(const bis_material *a, const bis_material *b)
 {
     return a->model == b->model && memcmp(&a->Kd, &b->Kd, sizeof a->Kd) == 0 && memcmp(&a->Ks, &b->Ks, sizeof a->Ks) == 0 &&
-           a->exponent == b->exponent;
+           a->exponent == b->exponent && a->alpha == b->alpha;
 }
 
 /* Those that shapes have, each once, in the order of the scene. Returns their number, beyond MAX_MATERIALS too. */
@@ -81,7 +82,8 @@ static bis_status check_material(bis_verify *v, const bis_material *m, size_t nu
         return BIS_OK;
     }
     for (size_t i = 0; i < sizeof degrees / sizeof *degrees && !status; i++) {
-        snprintf(name, sizeof name, "%zu, n %g, %g degrees", number, m->exponent, degrees[i]);
+        const bool facets = m->model == &bis_microfacet_model;
+        snprintf(name, sizeof name, "%zu, %s %g, %g degrees", number, facets ? "alpha" : "n", facets ? m->alpha : m->exponent, degrees[i]);
         bis_verify_lobes(v, m, degrees[i], name);
         status = bis_verify_furnace(v, m, degrees[i], furnace, sizeof furnace / sizeof *furnace, name, diag);
     }

@@ -112,17 +112,66 @@ static double dot_node(const node *w, vec3 v)
     return w->d[0] * (double)v.x + w->d[1] * (double)v.y + w->d[2] * (double)v.z;
 }
 
-/* F = f cos Le: cos alpha = 2 (n.wi)(n.wo) - wi.wo. */
+/* Each channel: Ks times the lobe, Kd times the base; Fresnel's term of Schlick where F90 is 1. */
+static rgbd mix(const bis_material *m, double lobe, double base, double F90, bool coated)
+{
+    const double Ks[3] = {(double)m->Ks.r, (double)m->Ks.g, (double)m->Ks.b}, Kd[3] = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b};
+    double c[3];
+
+    for (int i = 0; i < 3; i++) {
+        const double F = Ks[i] > 0 ? Ks[i] + (1 - Ks[i]) * F90 : 0;
+        c[i] = F * lobe + (coated ? 1 - Ks[i] : 1) * Kd[i] * base;
+    }
+    return (rgbd){c[0], c[1], c[2]};
+}
+
+/* Eq. 3.14, 3.15: cos alpha = 2 (n.wi)(n.wo) - wi.wo. */
+static rgbd phong(const bis_material *m, double c_i, double c_o, double wi_wo, double *pdf)
+{
+    const double a = 2 * c_i * c_o - wi_wo, n = m->exponent, lobe = a > 0 ? (n + 1) / (2 * PI) * pow(a, n) : 0;
+    const double ks = rgb_sum(m->Ks), kd = rgb_sum(m->Kd);
+
+    *pdf = (ks * lobe + kd * fmax(0, c_i) / PI) / (ks + kd);
+    return mix(m, lobe, 1 / PI, 0, false);
+}
+
+static double smith(double a, double c) { return (sqrt(1 + a * a * (1 / (c * c) - 1)) - 1) / 2; }
+
+/* As in the papers that include/bis/microfacet.h names: D, Lambda and G by cosines and tangents; tan theta_h from what of wi + wo lies across n. */
+static rgbd ggx(const bis_material *m, const node *wi, vec3 wo, vec3 n, double *pdf)
+{
+    const double c_i = dot_node(wi, n), c_o = dot(wo, n), s[3] = {wi->d[0] + (double)wo.x, wi->d[1] + (double)wo.y, wi->d[2] + (double)wo.z};
+    const double along = s[0] * (double)n.x + s[1] * (double)n.y + s[2] * (double)n.z, k = along / dot(n, n);
+    const double x = s[0] - k * (double)n.x, y = s[1] - k * (double)n.y, z = s[2] - k * (double)n.z;
+    const double c_d = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / 2, c_h = along / (2 * c_d), tan2 = (x * x + y * y + z * z) / (along * along);
+    const double a = m->alpha, D = a * a / (PI * pow(c_h, 4) * pow(a * a + tan2, 2)), G1 = 1 / (1 + smith(a, c_o));
+    const double coat_o = 1 - pow(1 - c_o / 2, 5), coat_i = 1 - pow(1 - c_i / 2, 5);
+    const double ks = rgbd_sum(mix(m, 1, 0, pow(1 - c_o, 5), true)), kd = rgbd_sum(mix(m, 0, coat_o, 0, true));
+
+    *pdf = (ks * (c_h > 0 ? G1 * D / (4 * c_o) : 0) + kd * fmax(0, c_i) / PI) / (ks + kd);
+    if (c_i <= 0) return (rgbd){0, 0, 0};
+    return mix(m, D / (1 + smith(a, c_o) + smith(a, c_i)) / (4 * c_i * c_o), 28 / (23 * PI) * coat_i * coat_o, pow(1 - c_d, 5), true);
+}
+
+rgbd lit_f(const lit *l, const double wi[3], double *pdf)
+{
+    const node w = {{wi[0], wi[1], wi[2]}, 0, {0, 0, 0}};
+    const double c_i = dot_node(&w, l->pt.n);
+    const rgbd f = l->material.alpha > 0 ? ggx(&l->material, &w, l->pt.wo, l->pt.n, pdf)
+                                         : phong(&l->material, c_i, dot(l->pt.n, l->pt.wo), dot_node(&w, l->pt.wo), pdf);
+
+    return c_i > 0 ? f : (rgbd){0, 0, 0};
+}
+
+/* F = f cos Le. */
 static rgbd F(const lit *l, const node *w)
 {
-    const bis_material *m = &l->material;
-    double c = dot_node(w, l->pt.n), a = 2 * c * dot(l->pt.n, l->pt.wo) - dot_node(w, l->pt.wo), n = m->exponent;
-    double lobe = a > 0 ? (n + 1) / (2 * PI) * pow(a, n) : 0;
+    const double c = dot_node(w, l->pt.n);
+    double pdf;
+    const rgbd f = lit_f(l, w->d, &pdf);
 
     if (c <= 0) return (rgbd){0, 0, 0};
-    return (rgbd){((double)m->Ks.r * lobe + (double)m->Kd.r / PI) * c * (double)w->L.r,
-                  ((double)m->Ks.g * lobe + (double)m->Kd.g / PI) * c * (double)w->L.g,
-                  ((double)m->Ks.b * lobe + (double)m->Kd.b / PI) * c * (double)w->L.b};
+    return (rgbd){f.r * c * (double)w->L.r, f.g * c * (double)w->L.g, f.b * c * (double)w->L.b};
 }
 
 rgbd lit_truth(const lit *l, bool with_V)

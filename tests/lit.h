@@ -1,5 +1,5 @@
 /* lit: a shading point under a small map, in the open, half hidden or hidden, and its reflected radiance by brute force: a sum over all patches
- * with many midpoints in each, with f by pow, sharing nothing with the integrators but the map. For the tests of integrators. */
+ * with many midpoints in each, with f by lit_f, sharing nothing with the integrators but the map. For the tests of integrators. */
 #ifndef TESTS_LIT_H
 #define TESTS_LIT_H
 
@@ -38,6 +38,9 @@ bis_light *lit_new_light(lit_map map, double scale, double area_exponent, bool c
 
 /* A point with the given normal, seen at `degrees` from it. l must stay where it is (pt points into it). The light is borrowed. */
 void lit_init(lit *l, bis_light *light, bis_material m, vec3 n, double degrees, lit_hidden hidden);
+
+/* f, 0 below the horizon, and the density of what the material draws, by the textbooks' formulas, in double: for phong and microfacet. */
+rgbd lit_f(const lit *l, const double wi[3], double *pdf);
 
 /* Reflected radiance, with and without V. */
 rgbd lit_truth(const lit *l, bool with_V);

@@ -1,6 +1,7 @@
 /* integrators: every estimator against brute force (tests/lit.h), and the cases where the answer is exact.
  * Family-wise significance of this file 1e-3, three channels a test. What is biased by design, and the twins, are in test_sir.c, test_rejection.c. */
 #include "bis/mem.h"
+#include "bis/microfacet.h"
 #include "bis/phong.h"
 #include "bis/rng.h"
 #include "bis/stats.h"
@@ -134,6 +135,33 @@ static void compensated_mis_is_unbiased(void **state)
         check("mis_compensated", m, lit_truth(&l, true));
         bis_light_free(light);
     }
+}
+
+/* What an integrator asks of a material, it asks through bis/bsdf.h: a second model must come out right without a
+ * line of theirs. */
+static void every_integrator_is_unbiased_for_microfacets_too(void **state)
+{
+    const bis_material materials[] = {bis_microfacet(grey(0), (rgb){0.9f, 0.6f, 0.3f}, 0.4),
+                                      bis_microfacet((rgb){0.2f, 0.5f, 0.8f}, grey(0.04), 0.7)};
+    bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1, 0.15, false), lit_new_light(LIT_SMOOTH, 1, 0, false)};
+
+    (void)state;
+    for (int i = 0; i < 8; i++) {
+        lit l;
+        lit_init(&l, lights[i % 2], materials[i / 2 % 2], tilted(), i / 4 ? 75 : 40, i / 4 ? LIT_OPEN : LIT_HALF);
+        const rgbd truth = lit_truth(&l, true), unshadowed = lit_truth(&l, false);
+        for (int k = 0; bis_integrators[k]; k++) {
+            bis_settings s = bis_settings_default(bis_integrators[k]);
+            stat_moments m[4];
+            s.estimator = BIS_ESTIMATOR_PLAIN;
+            s.samples = s.shadowrays = 4;
+            s.candidates = 16;
+            l.kind = (bis_sampler_kind)((i + k) % 4);
+            lit_run(m, &l, &s, bis_integrators[k] == &bis_exact ? 10 : 20000, SEED + (uint64_t)i);
+            check(bis_integrators[k]->name, m, bis_integrators[k] == &bis_unoccluded ? unshadowed : truth);
+        }
+    }
+    for (int i = 0; i < 2; i++) bis_light_free(lights[i]);
 }
 
 /* Twin: the balance heuristic with half of each density, (q_em + q_brdf)/2, is right only when both techniques draw equally many. */
@@ -607,7 +635,8 @@ static void defaults_are_allowed_and_those_of_the_contract(void **state)
         const bis_settings s = bis_settings_default(*i);
         assert_int_equal(bis_settings_check(&s, (bis_loc){NULL, 0, 0}, NULL), BIS_OK);
         assert_ptr_equal(bis_integrator_find((*i)->name), *i);
-        assert_true(s.samples == 16 && s.candidates == 800 && s.shadowrays == 15 && s.perpatch == 1 && s.stratify);
+        assert_true(s.samples == 16 && s.candidates == 800 && s.shadowrays == 15 && s.perpatch == 1);
+        assert_int_equal(s.stratify, s.integrator != &bis_em && s.integrator != &bis_mis);
         assert_int_equal(s.proposal, *i == &bis_rejection ? BIS_PROPOSAL_CHOOSE : BIS_PROPOSAL_MIX);
     }
     assert_null(bis_integrator_find("path"));
@@ -655,6 +684,7 @@ int main(void)
         cmocka_unit_test(em_and_brdf_are_unbiased),
         cmocka_unit_test(mis_is_unbiased_for_each_heuristic_and_split),
         cmocka_unit_test(compensated_mis_is_unbiased),
+        cmocka_unit_test(every_integrator_is_unbiased_for_microfacets_too),
         cmocka_unit_test(balance_heuristic_needs_the_counts),
         cmocka_unit_test(sir_is_unbiased_for_every_M_and_N_E21),
         cmocka_unit_test(plain_rejection_is_unbiased_for_every_M_and_N_E22),

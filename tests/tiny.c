@@ -78,7 +78,8 @@ static double max_ratio(const bis_bsdf *b)
     return 1.1 * m;
 }
 
-static const bis_bsdf_model model = {"tiny", init, f, sample, pdf, f_pdf, max_f_cos, max_ratio};
+static const bis_bsdf_model model = {
+    .name = "tiny", .init = init, .f = f, .sample = sample, .pdf = pdf, .f_pdf = f_pdf, .max_f_cos = max_f_cos, .max_ratio = max_ratio};
 
 /* ---- the point ---- */
 
