@@ -12,6 +12,7 @@ static const struct {
     {"render", bis_cmd_render, "render a scene; the word \"render\" may be left out"},
     {"compare", bis_cmd_compare, "compare two images (EXR, PFM, HDR)"},
     {"envmap", bis_cmd_envmap, "what is in a map; its levels, regions and importance as pictures"},
+    {"pixel", bis_cmd_pixel, "all about one pixel: every method against the exact integral"},
     {"verify", bis_cmd_verify, "is it right? samplers, materials, integrators on your own files"},
 };
 enum { N_COMMANDS = sizeof commands / sizeof *commands };

@@ -9,6 +9,7 @@
 #include "obj.h"
 #include "ply.h"
 
+#include <assert.h>
 #include <string.h>
 #include <time.h>
 
@@ -85,12 +86,14 @@ static bis_status add_quadric(bis_geometry *g, const bis_shape_desc *shape, bis_
 
 static bool is_mesh(bis_shape_kind kind) { return kind != BIS_SHAPE_SPHERE && kind != BIS_SHAPE_DISK; }
 
-static bis_status load_geometry(bis_geometry *g, const bis_scene_desc *desc, bis_diag *diag)
+static bis_status load_geometry(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
 {
     bis_status status = BIS_OK;
+    bis_geometry *g = &s->geometry;
     loaded *meshes = bis_alloc(desc->n_meshes, sizeof *meshes);
 
-    if (!meshes) {
+    s->shape_end = bis_alloc(desc->n_shapes, sizeof *s->shape_end);
+    if (!meshes || !s->shape_end) {
         status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu meshes", desc->n_meshes);
         goto done;
     }
@@ -100,6 +103,7 @@ static bis_status load_geometry(bis_geometry *g, const bis_scene_desc *desc, bis
         const bis_shape_desc *shape = &desc->shapes[i];
         if (is_mesh(shape->kind)) status = add_mesh(g, &meshes[shape->mesh], &desc->meshes[shape->mesh], shape, diag);
         else status = add_quadric(g, shape, diag);
+        s->shape_end[i] = g->n_triangles;
     }
 done:
     for (size_t i = 0; meshes && i < desc->n_meshes; i++) bis_mesh_clear(&meshes[i].mesh);
@@ -136,7 +140,7 @@ bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag
         status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for a scene");
         goto done;
     }
-    status = load_geometry(&s->geometry, desc, diag);
+    status = load_geometry(s, desc, diag);
     if (status) goto done;
     s->seconds.load = seconds_now() - start;
     status = load_light(s, desc, diag);
@@ -160,5 +164,25 @@ void bis_scene_free(bis_scene *s)
     if (s->accel) bis_accel_free(s->accel);
     bis_light_free(s->light);
     bis_geometry_clear(&s->geometry);
+    bis_free(s->shape_end);
     bis_free(s);
+}
+
+/* Spheres and disks come behind all triangles, in the order of the shapes. */
+static size_t quadric_shape(const bis_scene_desc *desc, size_t number)
+{
+    size_t i = 0;
+    while (is_mesh(desc->shapes[i].kind) || number-- > 0) i++;
+    return i;
+}
+
+size_t bis_scene_shape_of(const bis_scene *s, const bis_scene_desc *desc, uint32_t prim, size_t *part)
+{
+    *part = 0;
+    assert(prim < bis_geometry_primitives(&s->geometry));
+    if (prim >= s->geometry.n_triangles) return quadric_shape(desc, prim - s->geometry.n_triangles);
+    size_t i = 0;
+    while (s->shape_end[i] <= prim) i++;
+    *part = prim - (i ? s->shape_end[i - 1] : 0);
+    return i;
 }

@@ -107,7 +107,8 @@ bis_status bis_verify_furnace(bis_verify *v, const bis_material *m, double degre
 bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n, bis_sampler_kind kind, const char *name,
                             bool *tested, bis_diag *diag);
 
-/* Estimates of reflected radiance at pt, estimate[n], on all threads: the r-th from the stream of (seed, pixel = r). */
+/* Estimates of reflected radiance at pt, estimate[n], on all threads: the r-th from the stream of (seed, pixel = r).
+ * counters: shadow rays, accepted candidates and fallbacks are added to it. */
 bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind, uint64_t seed,
                            bis_counters *counters, bis_diag *diag);
 

@@ -31,9 +31,9 @@ bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const
 {
     const bis_sampler sampler = {.kind = kind, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
     atomic_bool failed = false;
-    uint64_t accepted = 0;
+    uint64_t accepted = 0, fallbacks = 0, rays = 0;
 
-#pragma omp parallel reduction(+ : accepted)
+#pragma omp parallel reduction(+ : accepted, fallbacks, rays)
     {
         bis_counters own = {0};
         bis_point mine = *pt;
@@ -49,9 +49,13 @@ bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const
             estimate[run] = s->integrator->Lo(s, &mine, &stream, &scratch);
         }
         accepted += own.accepted;
+        fallbacks += own.fallbacks;
+        rays += own.shadow_rays;
         if (ok) bis_scratch_clear(&scratch);
     }
     counters->accepted += accepted;
+    counters->fallbacks += fallbacks;
+    counters->shadow_rays += rays;
     return failed ? bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's workspace") : BIS_OK;
 }
 

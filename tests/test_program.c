@@ -571,8 +571,8 @@ static void a_signal_in_the_first_pass_still_writes_a_picture(void **state)
 static void help_and_version_are_complete_and_fit_80_columns(void **state)
 {
     (void)state;
-    const char *commands[] = {"--help", "help", "render --help", "compare --help", "envmap --help", "verify --help", "help compare", "version", "--version"};
-    const char *words[] = {"--nthreads", "envmap", "130", "--tolerance", "--help", "--seed", "--diff", "Embree", "libpng"};
+    const char *commands[] = {"--help", "help", "render --help", "compare --help", "envmap --help", "verify --help", "pixel --help", "help compare", "version", "--version"};
+    const char *words[] = {"--nthreads", "envmap", "130", "--tolerance", "--help", "--seed", "--repeats", "--diff", "Embree", "libpng"};
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
         program_run r;
         program_expect(&r, 0, "%s", commands[i]);

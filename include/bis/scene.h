@@ -78,12 +78,16 @@ typedef struct bis_scene {
     bis_geometry geometry;
     bis_accel *accel; /* NULL: no geometry */
     bis_light *light; /* a black constant where the scene has none */
+    size_t *shape_end; /* shape_end[n_shapes]: triangles of the shapes up to and including this one */
     bis_scene_seconds seconds;
 } bis_scene;
 
 /* Load meshes and map, build what desc->settings need. desc is borrowed for the life of the scene. Errors: those of the loaders. */
 bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag *diag);
 void bis_scene_free(bis_scene *s);
+
+/* The shape (an index into desc->shapes) that primitive prim of the geometry belongs to; *part: its triangle there, from 0; 0 for a sphere or disk. */
+size_t bis_scene_shape_of(const bis_scene *s, const bis_scene_desc *desc, uint32_t prim, size_t *part);
 
 /* Print what the scene requires, what will be built for it, what is left out, and why. Loads nothing: sizes come from the files' headers where cheap. */
 void bis_scene_plan(const bis_scene_desc *desc, FILE *out);

@@ -1,0 +1,811 @@
+/* Tests of `bis pixel`: its figures against brute force and against the definitions, what it overhears against the integrators, then the command itself.
+ * Statistical tests: 5e-3 for all of this file together. */
+#include "pixel.h"
+
+#include "bis/mem.h"
+#include "bis/phong.h"
+#include "bis/stats.h"
+#include "json_check.h"
+#include "lit.h"
+#include "map_help.h"
+#include "program.h"
+#include "verify.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <png.h>
+
+enum { STATISTICAL_TESTS = 40 };
+
+static double alpha(void) { return bis_stats_sidak(5e-3, STATISTICAL_TESTS); }
+
+static bis_material glossy(void) { return bis_phong((rgb){0.3f, 0.2f, 0.4f}, (rgb){0.5f, 0.6f, 0.4f}, 20); }
+static vec3 slanted(void) { return normalize((vec3){0.3f, -0.4f, 0.8f}); }
+
+/* ---- the truth ---- */
+
+/* p of the difference from brute force in r, g, b and their sum, the least of the four; brute force itself is good to `slack` of the value. */
+static double p_of(const bis_pixel_value *v, rgbd truth, double slack)
+{
+    const double expected[4] = {truth.r, truth.g, truth.b, rgbd_sum(truth)};
+    double least = 1;
+    for (int k = 0; k < 4; k++) {
+        const double e = fmax(0, fabs(v->mean[k] - expected[k]) - slack * expected[k]);
+        if (e > 0) least = fmin(least, bis_stats_normal_p(e / v->se[k]));
+    }
+    return least;
+}
+
+static void exact_is_what_brute_force_gives(void **state)
+{
+    (void)state;
+    const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_ONE_BLOCK, LIT_CONSTANT};
+    for (size_t i = 0; i < 4; i++) {
+        bis_light *light = lit_new_light(maps[i], 1, 0.15, false);
+        lit l;
+        lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+        bis_pixel_exact e;
+        assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
+        assert_true(e.by_patches);
+        const rgbd seen = lit_truth(&l, true), open = lit_truth(&l, false);
+        assert_true(p_of(&e.lit, seen, 1e-4) > alpha());
+        assert_true(p_of(&e.open, open, 1e-4) > alpha());
+        if (maps[i] == LIT_SMOOTH || maps[i] == LIT_CONSTANT) assert_true(p_of(&e.lit, open, 1e-4) < alpha()); /* the twin: shadows forgotten */
+        assert_true(e.lit.se[3] < 0.01 * e.lit.mean[3]);
+        bis_light_free(light);
+    }
+}
+
+static void a_long_mis_stands_in_for_huge_maps(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    bis_pixel_exact e;
+    assert_int_equal(bis_pixel_exact_of(&e, &l.pt, 100, 2, NULL), BIS_OK);
+    assert_false(e.by_patches);
+    assert_true(p_of(&e.lit, lit_truth(&l, true), 1e-4) > alpha());
+    assert_true(p_of(&e.open, lit_truth(&l, false), 1e-4) > alpha());
+    assert_true(e.lit.se[3] < 0.01 * e.lit.mean[3]);
+    bis_light_free(light);
+}
+
+/* Below the surface but above the shading horizon: light that eq. 4.5 has and eq. 4.1 has not, by the sum and by mis. */
+static void what_the_surface_itself_hides_is_hidden_and_in_L_ns(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_OPEN);
+    const rgbd all = lit_truth(&l, false);
+    l.pt.ng = normalize((vec3){0.8f, 0.2f, 0.3f});
+    for (int i = 0; i < 2; i++) {
+        bis_pixel_exact e;
+        assert_int_equal(bis_pixel_exact_of(&e, &l.pt, i ? 0 : BIS_PIXEL_MAX_PATCHES, 3, NULL), BIS_OK);
+        assert_true(p_of(&e.open, all, 1e-4) > alpha());
+        assert_true(e.lit.mean[3] < 0.95 * e.open.mean[3]);
+    }
+    bis_light_free(light);
+}
+
+/* Over many seeds the sum scatters as its standard error says: chi-square of (x - truth)^2/se^2. The twin's errors are twice as large. */
+static void the_standard_error_of_exact_is_honest(void **state)
+{
+    (void)state;
+    enum { SEEDS = 100 };
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    double x[SEEDS], se[SEEDS], mean = 0, sum = 0;
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+        bis_pixel_exact e;
+        assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, seed, NULL), BIS_OK);
+        x[seed] = e.lit.mean[3];
+        se[seed] = e.lit.se[3];
+        mean += x[seed] / SEEDS;
+    }
+    for (int i = 0; i < SEEDS; i++) sum += (x[i] - mean) * (x[i] - mean) / (se[i] * se[i]);
+    const double p = bis_stats_chi_square_p(sum, SEEDS - 1), q = bis_stats_chi_square_p(sum / 4, SEEDS - 1);
+    if (p <= alpha() || p >= 1 - alpha()) fail_msg("p = %g", p);
+    assert_true(q > 1 - alpha()); /* the twin: standard errors of one ray, not of the mean of four */
+    bis_light_free(light);
+}
+
+static void exact_has_the_same_bits_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    bis_pixel_exact a, b;
+    setenv("OMP_NUM_THREADS", "1", 1);
+    assert_int_equal(bis_pixel_exact_of(&a, &l.pt, BIS_PIXEL_MAX_PATCHES, 5, NULL), BIS_OK);
+    setenv("OMP_NUM_THREADS", "3", 1);
+    assert_int_equal(bis_pixel_exact_of(&b, &l.pt, BIS_PIXEL_MAX_PATCHES, 5, NULL), BIS_OK);
+    assert_memory_equal(&a.lit, &b.lit, sizeof a.lit);
+    assert_memory_equal(&a.open, &b.open, sizeof a.open);
+    bis_light_free(light);
+}
+
+/* ---- the methods ---- */
+
+static void methods_agree_with_exact_and_a_wrong_one_does_not(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    bis_pixel_exact e;
+    bis_pixel_method list[BIS_PIXEL_MAX_METHODS];
+    bis_settings own = bis_settings_default(&bis_sir);
+    own.candidates = 100;
+    own.shadowrays = 7;
+    const size_t n = bis_pixel_methods(list, &own);
+    assert_int_equal(n, 7);
+    assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
+    for (size_t i = 0; i < n; i++) {
+        bis_pixel_method *m = &list[i];
+        const bool by_candidates = strcmp(m->name, "em") != 0 && strcmp(m->name, "brdf") != 0 && strcmp(m->name, "mis") != 0;
+        if (by_candidates) assert_int_equal(m->settings.candidates, 100);
+        if (strcmp(m->name, "rejection ratio") == 0) m->settings.candidates = 10000; /* its bias is O(1/M) */
+        assert_int_equal(bis_pixel_method_run(m, &l.pt, &e, BIS_SAMPLER_STRATIFIED, 1000, 70 + i, NULL), BIS_OK);
+        if (bis_stats_normal_p(m->z) <= alpha()) fail_msg("%s: z = %g", m->name, m->z);
+        assert_true(m->error > 0 && m->error < 3);
+        assert_true(m->is_open ? m->rays == 0 : m->rays > 0);
+    }
+    own.as_printed = BIS_E23; /* the twin: weights as printed */
+    own.proposal = BIS_PROPOSAL_EM;
+    assert_int_equal(bis_pixel_methods(list, &own), n);
+    for (size_t i = 0; i < n; i++) {
+        if (strcmp(list[i].name, "sir") != 0) continue;
+        assert_int_equal(bis_pixel_method_run(&list[i], &l.pt, &e, BIS_SAMPLER_STRATIFIED, 1000, 70, NULL), BIS_OK);
+        assert_true(fabs(list[i].z) > 10);
+    }
+    bis_light_free(light);
+}
+
+/* A run by hand: mean, standard error, skewness and rays. */
+static void figures_of_a_method_are_those_of_its_estimates(void **state)
+{
+    (void)state;
+    enum { N = 50 };
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    bis_pixel_exact e;
+    assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
+    bis_pixel_method m = {.settings = bis_settings_default(&bis_em)};
+    assert_int_equal(bis_pixel_method_run(&m, &l.pt, &e, BIS_SAMPLER_SOBOL, N, 9, NULL), BIS_OK);
+    l.kind = BIS_SAMPLER_SOBOL;
+    bis_scratch scratch;
+    double x[N], mean = 0, m2 = 0, m3 = 0, square = 0;
+    assert_int_equal(bis_scratch_init(&scratch, &m.settings, NULL), BIS_OK);
+    for (uint64_t run = 0; run < N; run++) x[run] = rgb_sum(lit_once(&l, &m.settings, &scratch, 9, run));
+    bis_scratch_clear(&scratch);
+    for (int i = 0; i < N; i++) mean += x[i] / N;
+    for (int i = 0; i < N; i++) m2 += (x[i] - mean) * (x[i] - mean) / (N - 1);
+    for (int i = 0; i < N; i++) square += (x[i] - e.lit.mean[3]) * (x[i] - e.lit.mean[3]) / N;
+    for (int i = 0; i < N; i++) m3 += pow((x[i] - mean) / sqrt(m2), 3) / N;
+    assert_near(m.L.mean[3] / mean, 1, 1e-12);
+    assert_near(m.L.se[3] / sqrt(m2 / N), 1, 1e-9);
+    assert_near(m.error / (sqrt(square) / e.lit.mean[3]), 1, 1.0 / N); /* but for n - 1 in place of n */
+    assert_near(m.skewness, m3 / sqrt(N), 1e-9);
+    assert_near(m.rays, (double)l.counters.shadow_rays / N, 0);
+    assert_near(m.z, (mean - e.lit.mean[3]) / sqrt(m2 / N + e.lit.se[3] * e.lit.se[3]), 1e-9);
+    bis_light_free(light);
+}
+
+/* ---- candidates ---- */
+
+static bis_sampler one_sample(uint64_t seed)
+{
+    return (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
+}
+
+/* phat and q_f by eq. 3.14, 3.15 and E35, with pow. */
+static double product_of(const lit *l, vec3 wi, double *q_f)
+{
+    const bis_material *m = &l->material;
+    const double c_i = dot(l->pt.n, wi), c_o = dot(l->pt.n, l->pt.wo), a = 2 * c_i * c_o - dot(wi, l->pt.wo);
+    const double lobe = a > 0 ? (m->exponent + 1) / (2 * PI) * pow(a, m->exponent) : 0, ks = rgb_sum(m->Ks), kd = rgb_sum(m->Kd);
+    const rgb Le = bis_light_Le(l->light, wi);
+    *q_f = (ks * lobe + kd * c_i / PI) / (ks + kd);
+    return c_i * (rgb_sum(rgb_mul(m->Ks, Le)) * lobe + rgb_sum(rgb_mul(m->Kd, Le)) / PI);
+}
+
+static void candidates_are_those_of_sir_and_their_figures_those_of_the_definitions(void **state)
+{
+    (void)state;
+    const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX};
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    for (int k = 0; k < 3; k++) {
+        bis_settings s = bis_settings_default(&bis_sir);
+        s.candidates = 200;
+        s.shadowrays = 9;
+        s.proposal = proposals[k];
+        const bis_sampler sampler = one_sample(11);
+        bis_stream stream;
+        bis_pixel_candidates c;
+        bis_stream_init(&stream, &sampler, 4, 0);
+        assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
+        bis_scratch scratch;
+        assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+        const rgb L = lit_once(&l, &s, &scratch, 11, 4), found = rgbd_round(c.L);
+        bis_scratch_clear(&scratch);
+        assert_memory_equal(&L, &found, sizeof L);
+
+        long double W = 0, squares = 0, product = 0;
+        uint32_t chosen = 0, distinct = 0, seen = 0, positive = 0, from_map = 0;
+        for (uint32_t i = 0; i < c.M; i++) {
+            const bis_pixel_candidate *q = &c.c[i];
+            W += (long double)q->x.w;
+            squares += (long double)q->x.w * (long double)q->x.w;
+            chosen += q->chosen;
+            distinct += q->chosen > 0;
+            seen += q->seen ? q->chosen : 0;
+            from_map += q->from_map;
+            if (q->x.w <= 0) {
+                assert_true(q->chosen == 0 && isnan(q->q));
+                continue;
+            }
+            positive++;
+            product += (long double)(q->product / q->q);
+            double q_f;
+            const double F = product_of(&l, q->x.wi, &q_f);
+            assert_near(q->product / F, 1, 1e-4);
+            assert_near(q->q_f / q_f, 1, 1e-4);
+            assert_near(q->q / (c.share_em * q->q_L + (1 - c.share_em) * q->q_f), 1, 1e-6);
+            assert_true(q->chosen == 0 || q->seen == (q->x.wi.y <= 0));
+        }
+        assert_near(c.W / (double)W, 1, 1e-12);
+        assert_near((double)(product / W), 1, 1e-9); /* sum of phat/q */
+        assert_near(c.ess / (double)(W * W / squares), 1, 1e-12);
+        assert_true(c.ess >= 1 && c.ess <= positive);
+        assert_true(chosen == 9 && distinct == c.distinct && seen == c.seen && positive == c.positive);
+        assert_near(from_map, c.share_em * 200, 1e-9);
+        assert_true(k == 0 ? from_map == 200 : k == 1 ? from_map == 0 : from_map > 0 && from_map < 200);
+        bis_pixel_candidates_clear(&c);
+    }
+    bis_light_free(light);
+}
+
+/* All weights equal: M; one candidate alone: 1. */
+static void effective_sample_size_is_M_for_equal_weights_and_1_for_one(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+    lit l;
+    lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1), slanted(), 40, LIT_OPEN);
+    bis_settings s = bis_settings_default(&bis_sir);
+    const bis_sampler sampler = one_sample(1);
+    bis_stream stream;
+    bis_pixel_candidates c;
+    bis_stream_init(&stream, &sampler, 0, 0);
+    assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
+    assert_near(c.ess, 800, 1e-3); /* f cos/q_f is constant */
+    bis_pixel_candidates_clear(&c);
+    s.candidates = s.shadowrays = 1;
+    bis_stream_init(&stream, &sampler, 0, 0);
+    assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
+    assert_near(c.ess, 1, 1e-12);
+    assert_near(c.largest, 1, 1e-12);
+    bis_pixel_candidates_clear(&c);
+    bis_light_free(light);
+}
+
+/* No light above the horizon: nothing weighs, nothing is chosen, and all figures are numbers or say that they are none. */
+static void candidates_without_weight_are_told(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_BELOW, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), (vec3){0, 0, 1}, 20, LIT_OPEN);
+    const bis_settings s = bis_settings_default(&bis_sir);
+    const bis_sampler sampler = one_sample(1);
+    bis_stream stream;
+    bis_pixel_candidates c;
+    bis_stream_init(&stream, &sampler, 0, 0);
+    assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
+    assert_true(c.W == 0 && c.ess == 0 && c.positive == 0 && c.distinct == 0 && isnan(c.share_em) && rgbd_sum(c.L) == 0);
+    bis_pixel_candidates_clear(&c);
+    bis_light_free(light);
+}
+
+/* ---- shadow rays ---- */
+
+static void every_ray_of_every_integrator_is_overheard(void **state)
+{
+    (void)state;
+    enum { RUNS = 5 };
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    for (int i = 0; bis_integrators[i]; i++) {
+        const bis_settings s = bis_settings_default(bis_integrators[i]);
+        const bis_sampler sampler = one_sample(21);
+        bis_pixel_rays r;
+        l.counters.shadow_rays = 0;
+        assert_int_equal(bis_pixel_rays_record(&r, &l.pt, &s, &sampler, 8, RUNS, NULL), BIS_OK);
+        assert_int_equal(r.n, l.counters.shadow_rays);
+        assert_true((r.n > 0) == (bis_integrators[i] != &bis_unoccluded));
+        for (size_t k = 0; k < r.n; k++) {
+            assert_true(r.ray[k].seen == (r.ray[k].wi.y <= 0)); /* LIT_HALF */
+            assert_true(r.ray[k].run < RUNS && (k == 0 || r.ray[k].run >= r.ray[k - 1].run));
+            assert_true(bis_pixel_product(&l.pt, r.ray[k].wi) > 0);
+        }
+        bis_pixel_rays_clear(&r);
+    }
+    bis_light_free(light);
+}
+
+static void the_rays_of_sir_go_to_the_chosen_candidates(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    const bis_settings s = bis_settings_default(&bis_sir);
+    const bis_sampler sampler = one_sample(31);
+    bis_pixel_rays r;
+    bis_pixel_candidates c;
+    bis_stream stream;
+    assert_int_equal(bis_pixel_rays_record(&r, &l.pt, &s, &sampler, 6, 1, NULL), BIS_OK);
+    bis_stream_init(&stream, &sampler, 6, 0);
+    assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
+    assert_int_equal(r.n, c.distinct);
+    size_t k = 0;
+    for (uint32_t i = 0; i < c.M; i++) {
+        if (c.c[i].chosen == 0) continue;
+        assert_memory_equal(&r.ray[k].wi, &c.c[i].x.wi, sizeof(vec3));
+        assert_true(r.ray[k++].seen == c.c[i].seen);
+    }
+    bis_pixel_candidates_clear(&c);
+    bis_pixel_rays_clear(&r);
+    bis_light_free(light);
+}
+
+/* ---- plots ---- */
+
+/* The light's frame turned and mirrored: a direction of patch i lies at that patch's place in the plot. */
+static void plots_have_directions_where_the_map_has_them(void **state)
+{
+    (void)state;
+    enum { W = 16, H = 8 };
+    const bis_xform turn = bis_xform_rotate(70, 1, 2, 3), mirror = bis_xform_scale(-1, 1, 1), both = bis_xform_compose(&turn, &mirror);
+    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .levels = 8, .to_world = both};
+    bis_envmap em = map_random(W, H, 2, 0, 3);
+    bis_light *light;
+    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, 0, NULL), BIS_OK);
+    for (size_t i = 0; i < W * H; i++) {
+        const double u[2] = {0.5, 0.3};
+        bis_light_point y;
+        bis_light_patch(light, i, u, &y);
+        const bis_pixel_direction d = bis_pixel_direction_of(&both, y.wi);
+        assert_near(d.phi, 360.0 / W * ((double)(i % W) + 0.5), 1e-3);
+        assert_true(d.theta > 180.0 / H * (double)(i / W) && d.theta < 180.0 / H * (double)(i / W + 1));
+    }
+    bis_light_free(light);
+}
+
+typedef struct scenery {
+    lit l;
+    bis_light *light;
+    bis_pixel_exact exact;
+    bis_pixel_method methods[BIS_PIXEL_MAX_METHODS];
+    bis_pixel_rays rays[BIS_PIXEL_MAX_METHODS];
+    bis_pixel_candidates candidates;
+    bis_pixel_figure figure;
+    bis_xform frame;
+} scenery;
+
+static bis_status scenery_init(scenery *s, lit_map map, lit_hidden hidden)
+{
+    const bis_settings own = bis_settings_default(&bis_sir);
+    const bis_sampler sampler = one_sample(3);
+    bis_stream stream;
+
+    *s = (scenery){.frame = bis_xform_identity(), .light = lit_new_light(map, 1, 0.15, false)};
+    lit_init(&s->l, s->light, glossy(), slanted(), 40, hidden);
+    const size_t n = bis_pixel_methods(s->methods, &own);
+    s->figure = (bis_pixel_figure){.title = "t", .subtitle = "s", .pt = &s->l.pt, .exact = &s->exact, .light_to_world = &s->frame,
+                                   .candidates = &s->candidates, .methods = s->methods, .rays = s->rays, .n_methods = n};
+    bis_status status = bis_pixel_exact_of(&s->exact, &s->l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL);
+    for (size_t i = 0; i < n && !status; i++) {
+        status = bis_pixel_method_run(&s->methods[i], &s->l.pt, &s->exact, BIS_SAMPLER_RANDOM, 4, 1, NULL);
+        if (!status) status = bis_pixel_rays_record(&s->rays[i], &s->l.pt, &s->methods[i].settings, &sampler, 0, 3, NULL);
+    }
+    bis_stream_init(&stream, &sampler, 0, 0);
+    return status ? status : bis_pixel_candidates_draw(&s->candidates, &s->l.pt, &own, &stream, NULL);
+}
+
+static void scenery_clear(scenery *s)
+{
+    for (size_t i = 0; i < s->figure.n_methods; i++) bis_pixel_rays_clear(&s->rays[i]);
+    bis_pixel_candidates_clear(&s->candidates);
+    bis_light_free(s->light);
+}
+
+static double grey(rgb c) { return 0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b; }
+
+/* The mean lightness of a panel's upper left ... lower right part; panels lie in two columns. */
+static double lightness(const bis_image *page, int column, int row, double x0, double x1, double y0, double y1)
+{
+    enum { LEFT = 56, TOP = 110, STEP_X = BIS_PIXEL_PLOT_WIDTH + 64, STEP_Y = BIS_PIXEL_PLOT_HEIGHT + 70 };
+    double sum = 0, n = 0;
+    for (int y = (int)(y0 * BIS_PIXEL_PLOT_HEIGHT); y < (int)(y1 * BIS_PIXEL_PLOT_HEIGHT); y++) {
+        for (int x = (int)(x0 * BIS_PIXEL_PLOT_WIDTH); x < (int)(x1 * BIS_PIXEL_PLOT_WIDTH); x++) {
+            sum += grey(page->pixels[(TOP + row * STEP_Y + y) * page->width + LEFT + column * STEP_X + x]);
+            n++;
+        }
+    }
+    return sum / n;
+}
+
+static void plots_show_map_brdf_product_and_shadow(void **state)
+{
+    (void)state;
+    scenery s;
+    bis_image densities, samples;
+    assert_int_equal(scenery_init(&s, LIT_SMOOTH, LIT_HALF), BIS_OK);
+    assert_int_equal(bis_pixel_figures(&densities, &samples, &s.figure, NULL), BIS_OK);
+    assert_true(densities.width == samples.width && densities.height < samples.height);
+    for (int i = 0; i < densities.width * densities.height; i++) {
+        assert_true(rgb_is_finite(densities.pixels[i]) && densities.pixels[i].r >= 0 && rgb_max(densities.pixels[i]) <= 1.0001);
+    }
+    /* the map shines from everywhere, the BRDF reflects only from above its horizon, and y > 0, the left half, is hidden */
+    assert_true(lightness(&densities, 0, 0, 0, 1, 0.9, 1) > 0.02);
+    assert_true(lightness(&densities, 1, 0, 0, 1, 0.9, 1) < 0.005);
+    assert_true(lightness(&densities, 1, 0, 0, 1, 0.1, 0.3) > 0.02);
+    assert_true(lightness(&densities, 0, 1, 0, 1, 0.9, 1) < 0.005);
+    assert_true(lightness(&densities, 0, 1, 0.05, 0.45, 0.1, 0.3) > 0.02);
+    assert_true(lightness(&densities, 1, 1, 0.05, 0.45, 0.1, 0.3) < 0.5 * lightness(&densities, 0, 1, 0.05, 0.45, 0.1, 0.3));
+    assert_near(lightness(&densities, 1, 1, 0.6, 0.7, 0.3, 0.5), lightness(&densities, 0, 1, 0.6, 0.7, 0.3, 0.5), 1e-9);
+    bis_image_clear(&densities);
+    bis_image_clear(&samples);
+    scenery_clear(&s);
+}
+
+static void plots_of_a_constant_light_and_of_darkness_are_drawn(void **state)
+{
+    (void)state;
+    const lit_map maps[] = {LIT_CONSTANT, LIT_BELOW};
+    for (int i = 0; i < 2; i++) {
+        scenery s;
+        bis_image densities, samples;
+        assert_int_equal(scenery_init(&s, maps[i], LIT_ALL), BIS_OK);
+        assert_int_equal(bis_pixel_figures(&densities, &samples, &s.figure, NULL), BIS_OK);
+        bis_image_clear(&densities);
+        bis_image_clear(&samples);
+        scenery_clear(&s);
+    }
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    scenery s;
+    assert_int_equal(scenery_init(&s, LIT_ONE_BLOCK, LIT_OPEN), BIS_OK);
+    const bis_settings sir = bis_settings_default(&bis_sir);
+    const bis_sampler sampler = one_sample(3);
+    for (int what = 0; what < 5; what++) {
+        bis_status status = BIS_NOMEM;
+        for (long k = 1; status; k++) {
+            bis_stream stream;
+            bis_pixel_candidates c = {0};
+            bis_pixel_rays r = {0};
+            bis_pixel_exact e;
+            bis_pixel_method m = s.methods[0];
+            bis_image densities = {0}, samples = {0};
+            bis_stream_init(&stream, &sampler, 0, 0);
+            bis_mem_fail_at(k);
+            if (what == 0) status = bis_pixel_exact_of(&e, &s.l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL);
+            else if (what == 1) status = bis_pixel_candidates_draw(&c, &s.l.pt, &sir, &stream, NULL);
+            else if (what == 2) status = bis_pixel_rays_record(&r, &s.l.pt, &sir, &sampler, 0, 20, NULL);
+            else if (what == 3) status = bis_pixel_method_run(&m, &s.l.pt, &s.exact, BIS_SAMPLER_RANDOM, 4, 1, NULL);
+            else status = bis_pixel_figures(&densities, &samples, &s.figure, NULL);
+            const bool failed = bis_mem_count() >= k;
+            bis_mem_fail_at(0);
+            assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
+            bis_pixel_candidates_clear(&c);
+            bis_pixel_rays_clear(&r);
+            bis_image_clear(&densities);
+            bis_image_clear(&samples);
+            assert_true(k < 100);
+        }
+    }
+    scenery_clear(&s);
+}
+
+/* ---- the command ---- */
+
+#define DIR "build/test_pixel"
+#define SCENE DIR "/scene.txt"
+
+/* From above, orthographic, a film of 8 x 4, x to the left: nothing in the upper left corner, then a triangle, a sphere, and two triangles of a square. */
+static void write_scene(const char *path, const char *light, const char *more)
+{
+    char text[4096];
+    snprintf(text, sizeof text,
+             "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 4\n"
+             "Integrator \"sir\" \"integer candidates\" 60 \"integer shadowrays\" 5\n"
+             "LookAt 0 0 10  0 0 0  0 1 0\n"
+             "Camera \"orthographic\" \"float screenwindow\" [-4 4 -2 2]\n"
+             "WorldBegin\n%s"
+             "Material \"phong\" \"rgb Kd\" [0.4 0.3 0.2] \"rgb Ks\" [0.3 0.3 0.3] \"float exponent\" 30\n"
+             "Shape \"trianglemesh\" \"point3 P\" [-4 -2 0  -2 -2 0  -2 2 0  -4 2 0] \"integer indices\" [0 1 2  0 2 3]\n"
+             "Translate 0 0 -1\nShape \"sphere\" \"float radius\" 1.5\n"
+             "Shape \"trianglemesh\" \"point3 P\" [1.6 -2 0  3 -2 0  1.6 9 0] \"integer indices\" [0 1 2]\n%s",
+             light, more);
+    program_write_file(path, text);
+}
+
+/* The folder anew, its subfolders, too; and the map. */
+static void start(void)
+{
+    assert_int_equal(system("rm -rf " DIR), 0);
+    program_folder(DIR);
+    bis_envmap em = map_random(32, 16, 3, 0.1, 2);
+    const bis_image image = {32, 16, em.pixels};
+    assert_int_equal(bis_image_save(&image, DIR "/map.pfm", NULL), BIS_OK);
+    bis_envmap_clear(&em);
+}
+
+static const char *const map_light = "LightSource \"infinite\" \"string filename\" \"map.pfm\"\n";
+
+static double json_real(const char *text, const char *path)
+{
+    char value[64];
+    json_value(value, sizeof value, text, path);
+    assert_true(*value);
+    return atof(value);
+}
+
+static void assert_json_text(const char *text, const char *path, const char *expected)
+{
+    char value[256];
+    assert_string_equal(json_value(value, sizeof value, text, path), expected);
+}
+
+/* A table in memory: the field of row r (0: the header) and of the column with this name. */
+typedef struct table {
+    char text[1 << 18];
+    int n_rows; /* header included */
+} table;
+
+static const char *field(char buf[128], const table *t, int row, const char *column)
+{
+    const char *line = t->text, *head = t->text;
+    int k = 0;
+    while (strncmp(head, column, strlen(column)) != 0 || !strchr(",\n", head[strlen(column)])) {
+        head += strcspn(head, ",\n");
+        assert_true(*head == ',');
+        head++;
+        k++;
+    }
+    for (int i = 0; i < row; i++) line = strchr(line, '\n') + 1;
+    for (int i = 0; i < k; i++) {
+        line += strcspn(line, ",\n");
+        assert_true(*line == ',');
+        line++;
+    }
+    snprintf(buf, 128, "%.*s", (int)strcspn(line, ",\n"), line);
+    return buf;
+}
+
+static void read_table(table *t, const char *path)
+{
+    FILE *f = fopen(path, "r");
+    assert_non_null(f);
+    t->text[fread(t->text, 1, sizeof t->text - 1, f)] = '\0';
+    fclose(f);
+    t->n_rows = 0;
+    int commas = -1;
+    for (const char *line = t->text; *line; line = strchr(line, '\n') + 1) { /* each line ends, and has as many fields as the first */
+        int n = 0;
+        for (const char *c = line; *c != '\n'; c++) {
+            assert_true(*c);
+            n += *c == ',';
+        }
+        if (commas < 0) commas = n;
+        assert_int_equal(n, commas);
+        t->n_rows++;
+    }
+}
+
+static double sum_of(const table *t, const char *column)
+{
+    char buf[128];
+    double sum = 0;
+    for (int i = 1; i < t->n_rows; i++) sum += atof(field(buf, t, i, column));
+    return sum;
+}
+
+static void assert_png(const char *path, int width)
+{
+    png_image png = {.version = PNG_IMAGE_VERSION};
+    assert_true(png_image_begin_read_from_file(&png, path));
+    assert_int_equal(png.width, width);
+    assert_int_equal(png.format, PNG_FORMAT_RGB);
+    unsigned char *rows = malloc(PNG_IMAGE_SIZE(png));
+    assert_true(png_image_finish_read(&png, NULL, rows, 0, NULL));
+    free(rows);
+}
+
+static void the_command_writes_tables_that_sum_to_what_it_says(void **state)
+{
+    (void)state;
+    static program_run r;
+    static table t;
+    char buf[128];
+    start();
+    write_scene(SCENE, map_light, "");
+    program_expect(&r, 0, "pixel --json --repeats 50 --output " DIR "/out " SCENE " 3 2");
+    assert_string_equal(r.messages, "");
+    assert_true(json_is_valid(r.output));
+    assert_png(DIR "/out/densities.png", 1696);
+    assert_png(DIR "/out/samples.png", 1696);
+    assert_int_equal(program_count_files(DIR "/out"), 5);
+
+    read_table(&t, DIR "/out/candidates.csv");
+    assert_int_equal(t.n_rows, 61);
+    assert_near(sum_of(&t, "weight") / json_real(r.output, "candidates.weights"), 1, 1e-12);
+    assert_near(sum_of(&t, "share"), 1, 1e-12);
+    assert_near(sum_of(&t, "chosen"), 5, 0);
+    double squares = 0, map = 0, seen = 0;
+    for (int i = 1; i < t.n_rows; i++) {
+        const double w = atof(field(buf, &t, i, "weight"));
+        squares += w * w;
+        map += strcmp(field(buf, &t, i, "from"), "map") == 0;
+        seen += atof(field(buf, &t, i, "seen")) > 0 ? atof(field(buf, &t, i, "chosen")) : 0;
+    }
+    const double W = sum_of(&t, "weight");
+    assert_near(json_real(r.output, "candidates.effective_sample_size") / (W * W / squares), 1, 1e-12);
+    assert_near(json_real(r.output, "candidates.share_of_map") * 60, map, 1e-9);
+    assert_near(json_real(r.output, "candidates.seen"), seen, 0);
+
+    read_table(&t, DIR "/out/methods.csv");
+    assert_int_equal(t.n_rows, 1 + 2 + 7);
+    assert_near(atof(field(buf, &t, 1, "sum")) / json_real(r.output, "exact.sum"), 1, 1e-12);
+    assert_near(atof(field(buf, &t, 2, "se_sum")) / json_real(r.output, "unoccluded.sum_standard_error"), 1, 1e-12);
+    assert_string_equal(field(buf, &t, 3, "method"), "em");
+    for (int i = 1; i < t.n_rows; i++) {
+        const double colours = atof(field(buf, &t, i, "r")) + atof(field(buf, &t, i, "g")) + atof(field(buf, &t, i, "b"));
+        char sum[128];
+        assert_near(colours / atof(field(sum, &t, i, "sum")), 1, 1e-9);
+    }
+    read_table(&t, DIR "/out/rays.csv");
+    assert_true(t.n_rows > 100);
+    for (int i = 1; i < t.n_rows; i++) assert_true(atof(field(buf, &t, i, "product")) > 0);
+}
+
+static void the_command_names_what_is_hit(void **state)
+{
+    (void)state;
+    static program_run r;
+    start();
+    write_scene(SCENE, map_light, "");
+    const struct { int x, y; const char *shape, *line, *triangle; } cases[] = {
+        {6, 3, "\"trianglemesh\"", "8", "0"}, {7, 0, "\"trianglemesh\"", "8", "1"}, {4, 1, "\"sphere\"", "10", "null"}, {1, 3, "\"trianglemesh\"", "11", "0"}};
+    for (size_t i = 0; i < 4; i++) {
+        program_expect(&r, 0, "pixel " SCENE " %d %d --json --repeats 2 --output " DIR "/p", cases[i].x, cases[i].y);
+        assert_json_text(r.output, "hit.shape", cases[i].shape);
+        assert_json_text(r.output, "hit.line", cases[i].line);
+        assert_json_text(r.output, "hit.triangle", cases[i].triangle);
+        assert_json_text(r.output, "nothing", "null");
+    }
+    program_expect(&r, 0, "pixel " SCENE " 6 3 --repeats 2 --output " DIR "/p");
+    assert_non_null(strstr(r.output, "shape       trianglemesh of line 8, triangle 0; 10 from the eye"));
+    assert_non_null(strstr(r.output, "normal      (0 0 1)"));
+}
+
+static void a_pixel_where_nothing_is_reflected_gets_a_clear_answer(void **state)
+{
+    (void)state;
+    static program_run r;
+    start();
+    write_scene(SCENE, map_light, "");
+    write_scene(DIR "/dark.txt", "", "");
+    write_scene(DIR "/black.txt", map_light,
+                "Material \"phong\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [0 0 0]\nShape \"disk\" \"float radius\" 50 \"float height\" 5\n");
+    const struct { const char *scene, *answer; } cases[] = {
+        {SCENE, "no surface"}, {DIR "/dark.txt", "no surface"}, {DIR "/black.txt", "the material is black"}};
+    for (size_t i = 0; i < 3; i++) {
+        program_expect(&r, 0, "pixel %s 0 0 --output " DIR "/none", cases[i].scene);
+        assert_non_null(strstr(r.output, cases[i].answer));
+        program_expect(&r, 0, "pixel %s 0 0 --json --output " DIR "/none", cases[i].scene);
+        assert_true(json_is_valid(r.output));
+        char value[128];
+        assert_non_null(strstr(json_value(value, sizeof value, r.output, "nothing"), cases[i].answer));
+        assert_int_equal(strcmp(json_value(value, sizeof value, r.output, "hit"), "null") == 0, i < 2);
+    }
+    program_expect(&r, 0, "pixel " DIR "/dark.txt 6 3 --output " DIR "/none");
+    assert_non_null(strstr(r.output, "no light"));
+    assert_false(program_exists(DIR "/none")); /* no files for nothing */
+}
+
+static void wrong_places_and_options_are_refused(void **state)
+{
+    (void)state;
+    static program_run r;
+    start();
+    write_scene(SCENE, map_light, "");
+    program_write_file(DIR "/file", "");
+    const struct { int status; const char *arguments, *message; } cases[] = {
+        {2, SCENE " 8 0", "X is \"8\", must be an integer in [0, 7]: the film of the scene has 8 x 4 pixels"},
+        {2, SCENE " 0 4", "Y is \"4\", must be an integer in [0, 3]"},
+        {2, SCENE " 0 -1", "unknown option \"-1\""},
+        {2, SCENE " 0.5 1", "X is \"0.5\""},
+        {2, SCENE " 99999999999999999999 1", "X is \"99999999999999999999\""},
+        {2, SCENE " 1", "too few operands"},
+        {2, SCENE " 1 1 1", "too many operands"},
+        {2, SCENE " 1 1 --repeats 1", "--repeats is \"1\""},
+        {2, SCENE " 1 1 --proposal choose", "no such thing as \"choose\""},
+        {2, SCENE " 1 1 --samples 1", "--samples is \"1\""},
+        {1, SCENE " 1 1 --repeats 2 --output " DIR "/file", "is no folder"},
+        {1, SCENE " 1 1 --repeats 2 --output " DIR "/no/such", "cannot be made"},
+        {1, DIR "/missing.txt 1 1", "missing.txt"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_expect(&r, cases[i].status, "pixel %s", cases[i].arguments);
+        if (!strstr(r.messages, cases[i].message)) fail_msg("`pixel %s` says: %s", cases[i].arguments, r.messages);
+        assert_string_equal(r.output, "");
+    }
+}
+
+static void options_override_the_scene_for_all_methods(void **state)
+{
+    (void)state;
+    static program_run r;
+    static table t;
+    char buf[128];
+    start();
+    write_scene(SCENE, map_light, "");
+    program_expect(&r, 0, "pixel " SCENE " 3 2 --repeats 3 --candidates 17 --shadowrays 4 --samples 6 --proposal em --seed 5 --json --output " DIR "/o");
+    assert_near(json_real(r.output, "seed"), 5, 0);
+    assert_near(json_real(r.output, "candidates.drawn"), 17, 0);
+    assert_near(json_real(r.output, "candidates.shadowrays"), 4, 0);
+    assert_near(json_real(r.output, "candidates.share_of_map"), 1, 0);
+    read_table(&t, DIR "/o/candidates.csv");
+    assert_int_equal(t.n_rows, 18);
+    read_table(&t, DIR "/o/methods.csv");
+    assert_string_equal(field(buf, &t, 3, "repeats"), "3");
+    static program_run again;
+    program_expect(&again, 0, "pixel " SCENE " 3 2 --repeats 3 --candidates 17 --shadowrays 4 --samples 6 --proposal em --seed 5 --json --output " DIR "/o");
+    assert_string_equal(r.output, again.output); /* a folder that is there is written into; the same seed, the same numbers */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(exact_is_what_brute_force_gives),
+        cmocka_unit_test(a_long_mis_stands_in_for_huge_maps),
+        cmocka_unit_test(what_the_surface_itself_hides_is_hidden_and_in_L_ns),
+        cmocka_unit_test(the_standard_error_of_exact_is_honest),
+        cmocka_unit_test(exact_has_the_same_bits_for_any_number_of_threads),
+        cmocka_unit_test(methods_agree_with_exact_and_a_wrong_one_does_not),
+        cmocka_unit_test(figures_of_a_method_are_those_of_its_estimates),
+        cmocka_unit_test(candidates_are_those_of_sir_and_their_figures_those_of_the_definitions),
+        cmocka_unit_test(effective_sample_size_is_M_for_equal_weights_and_1_for_one),
+        cmocka_unit_test(candidates_without_weight_are_told),
+        cmocka_unit_test(every_ray_of_every_integrator_is_overheard),
+        cmocka_unit_test(the_rays_of_sir_go_to_the_chosen_candidates),
+        cmocka_unit_test(plots_have_directions_where_the_map_has_them),
+        cmocka_unit_test(plots_show_map_brdf_product_and_shadow),
+        cmocka_unit_test(plots_of_a_constant_light_and_of_darkness_are_drawn),
+        cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(the_command_writes_tables_that_sum_to_what_it_says),
+        cmocka_unit_test(the_command_names_what_is_hit),
+        cmocka_unit_test(a_pixel_where_nothing_is_reflected_gets_a_clear_answer),
+        cmocka_unit_test(wrong_places_and_options_are_refused),
+        cmocka_unit_test(options_override_the_scene_for_all_methods),
+    };
+    return cmocka_run_group_tests_name("pixel", tests, NULL, NULL);
+}
