@@ -25,7 +25,7 @@ typedef struct resolution {
 typedef struct render_options {
     bis_texts outfiles, as_printed;
     const char *stats, *integrator, *proposal, *accelerator, *layers;
-    bool quiet, plan, no_jitter;
+    bool quiet, plan, no_jitter, adaptive;
     bool has_candidates, has_shadowrays, has_samples, has_spp, has_seed, has_resolution, has_crop, has_exposure;
     uint64_t candidates, shadowrays, samples, spp, seed, threads;
     resolution resolution;
@@ -147,6 +147,8 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
          .kind = BIS_OPTION_REAL, .value = &o->seconds, .above = true, .hi = 1e8},
         {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E",
          .kind = BIS_OPTION_REAL, .value = &o->error, .above = true, .hi = 10},
+        {.name = "adaptive", .help = "camera samples go where the error is, by tiles of 16 x 16 pixels; --spp is then their mean, rounded up "
+         "to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o->adaptive},
     };
     const bis_command command = {
         .name = "render",
@@ -259,6 +261,7 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
     }
     if (o->has_crop) memcpy(d->film.crop, o->crop, sizeof o->crop);
     if (o->no_jitter) d->pixel_jitter = false;
+    if (o->adaptive) d->adaptive = true;
     return BIS_OK;
 }
 
@@ -389,6 +392,30 @@ static void print_progress(const bis_progress *p, void *user)
     fputs("   \033[K", stderr);
 }
 
+static const char *duration(char buf[32], double seconds)
+{
+    if (seconds < 120) snprintf(buf, 32, "%.0f s", seconds);
+    else if (seconds < 7200) snprintf(buf, 32, "%.0f min", seconds / 60);
+    else if (seconds < 172800) snprintf(buf, 32, "%.1f h", seconds / 3600);
+    else snprintf(buf, 32, "%.3g days", seconds / 86400);
+    return buf;
+}
+
+/* Said early, after the pilot, so that nobody waits for what cannot come: an error that another budget will cut off, or that takes over ten minutes. */
+static void print_forecast(const bis_forecast *f, void *user)
+{
+    const render_options *o = user;
+    const double late = 600;
+    char time[32];
+    const char *end = "Ctrl-C ends it earlier and writes what is done";
+
+    if (o->seconds > 0 && f->seconds > o->seconds) end = "--time ends it before";
+    else if (o->spp && f->spp > (double)o->spp) end = "--spp ends it before";
+    else if (!(f->seconds > late)) return;
+    fprintf(stderr, "%sbis: warning: --error %g would take about %s and %.3g camera samples a pixel; %s (the error is at most %.2g so far)\n",
+            isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, duration(time, f->seconds), f->spp, end, f->error);
+}
+
 /* The second signal of a kind finds the default action again, and kills. */
 static void catch_signals(void)
 {
@@ -398,8 +425,8 @@ static void catch_signals(void)
     sigaction(SIGHUP, &action, NULL);
 }
 
-static bis_status render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                         const render_options *o, bis_diag *diag)
+static bis_status render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc, render_options *o,
+                         bis_diag *diag)
 {
     bool show = !o->quiet && isatty(STDERR_FILENO);
     const bis_render_options options = {
@@ -407,10 +434,16 @@ static bis_status render(bis_render_result *result, bis_film *film, const bis_sc
         .n_threads = (int)o->threads,
         .interrupted = &signal_caught,
         .progress = show ? print_progress : NULL,
+        .forecast = o->quiet ? NULL : print_forecast,
+        .user = o,
     };
     catch_signals();
     bis_status status = bis_render(result, film, scene, desc, &options, diag);
     if (show) fputs("\r\033[K", stderr);
+    if (!status && o->error > 0 && !(result->error_bound <= o->error)) {
+        if (isnan(result->error_bound)) bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown, %u pass is too few", o->error, result->passes);
+        else bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is at most %.3g after %u passes", o->error, result->error_bound, result->passes);
+    }
     if (!status && result->counters.nonfinite) {
         bis_warn(diag, bis_cli_loc,
                  "%llu estimates were not finite and count as black: the picture is too dark. A light near the largest float, 3.4e38, needs a "
@@ -430,7 +463,7 @@ static void note_resampling(const bis_light *light)
 }
 
 /* From scene to files; *interrupted: a signal came. */
-static bis_status run(const render_options *o, const bis_scene_desc *desc, double start, double parse_seconds, bool *interrupted,
+static bis_status run(render_options *o, const bis_scene_desc *desc, double start, double parse_seconds, bool *interrupted,
                       bis_diag *diag)
 {
     bis_scene *scene = NULL;

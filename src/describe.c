@@ -87,7 +87,8 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     attributes[n++] = (bis_attribute){"integrator", s->desc->settings.integrator->name, 0};
     n += bis_describe_settings(&s->desc->settings, attributes + n);
     if (*s->as_printed) attributes[n++] = (bis_attribute){"asprinted", s->as_printed, 0};
-    attributes[n++] = (bis_attribute){"spp", NULL, r->passes};
+    if (s->desc->adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
+    attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
     if (!isnan(r->relative_rmse)) attributes[n++] = (bis_attribute){"estimated_relative_rmse", NULL, r->relative_rmse};
@@ -165,7 +166,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     print_parameter(&j, settings, "candidates");
     print_parameter(&j, settings, "shadowrays");
     print_parameter(&j, settings, "samples");
-    bis_json_count(&j, "spp", r->passes);
+    bis_json_count(&j, "spp", r->spp);
     bis_json_count(&j, "seed", s->desc->sampler.seed);
     bis_json_count(&j, "threads", (uint64_t)r->n_threads);
     bis_json_text(&j, "accelerator", s->scene->accel ? bis_accel_name(s->scene->accel) : NULL);

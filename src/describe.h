@@ -8,7 +8,7 @@
 
 #include <stdio.h>
 
-enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 8 };
+enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 9 };
 
 /* Has this integrator the parameter of SPEC 3 with that name ("candidates")? */
 bool bis_integrator_uses(const bis_integrator *integrator, const char *parameter);
@@ -26,7 +26,7 @@ typedef struct bis_stats {
     char as_printed[BIS_ERRATA_TEXT]; /* of the settings, by bis_errata_text */
 } bis_stats;
 
-/* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), spp, seed, render_seconds, estimated_relative_rmse (where known), bis:version
+/* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), adaptive (where it is), spp, seed, render_seconds, estimated_relative_rmse (where known), bis:version
  * ("version" alone is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 

@@ -97,6 +97,31 @@ static double pixel_error(const bis_film *f, size_t i, double floor)
     return total / 3;
 }
 
+/* m^2/100 of relMSE, m the mean of the picture; 0 where it is black. */
+static double floor_of(const bis_film *f)
+{
+    const size_t n = (size_t)f->width * (size_t)f->height;
+    double mean = 0;
+
+    for (size_t i = 0; i < 3 * n; i++) mean += f->sum[i];
+    mean /= 3 * (double)n * f->passes;
+    return mean * mean / 100;
+}
+
+void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
+{
+    const int tiles_x = (f->width + tile - 1) / tile, tiles_y = (f->height + tile - 1) / tile;
+    const double floor = floor_of(f);
+
+    assert(f->passes > 1);
+    for (int t = 0; t < tiles_x * tiles_y; t++) errors[t] = 0;
+    for (int y = 0; floor > 0 && y < f->height; y++) {
+        for (int x = 0; x < f->width; x++) {
+            errors[y / tile * tiles_x + x / tile] += pixel_error(f, (size_t)y * (size_t)f->width + (size_t)x, floor);
+        }
+    }
+}
+
 /* Let X_i be pixel_error, R the mean of X over the P pixels: the estimate of relMSE. Pixels have independent random numbers, so two things part
  * R from the error that this very picture has:
  * - R is itself an estimate: var(R) <= sum (X_i - R)^2 / P^2, since the scatter over pixels holds that of their true variances, too;
@@ -109,18 +134,17 @@ static double pixel_error(const bis_film *f, size_t i, double floor)
 double bis_film_relative_rmse(const bis_film *f, double *upper)
 {
     size_t n = (size_t)f->width * (size_t)f->height;
-    double mean = 0, sum = 0, squares = 0;
+    double sum = 0, squares = 0;
 
     if (upper) *upper = (double)NAN;
     if (f->passes < 2) return (double)NAN;
-    for (size_t i = 0; i < 3 * n; i++) mean += f->sum[i];
-    mean /= 3 * (double)n * f->passes;
-    if (mean == 0) { /* black, hence without scatter */
+    const double floor = floor_of(f);
+    if (floor == 0) { /* black, hence without scatter */
         if (upper) *upper = 0;
         return 0;
     }
     for (size_t i = 0; i < n; i++) {
-        double x = pixel_error(f, i, mean * mean / 100);
+        double x = pixel_error(f, i, floor);
         sum += x;
         squares += x * x;
     }

@@ -69,3 +69,11 @@ void bis_gather_counts(float *values, const bis_layers *layers, const bis_counte
     if (rays) *rays += (float)(after->shadow_rays - before->shadow_rays);
     if (candidates) *candidates += (float)(after->candidates - before->candidates);
 }
+
+void bis_gather_mean(float *values, const bis_layers *layers, uint32_t n)
+{
+    for (int i = BIS_LAYER_UNOCCLUDED; i < BIS_N_LAYERS; i++) {
+        float *value = place(values, layers, (bis_layer)i);
+        for (int k = 0; value && k < bis_layer_values((bis_layer)i); k++) value[k] /= (float)n;
+    }
+}

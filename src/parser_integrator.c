@@ -170,6 +170,8 @@ void bis_directive_sampler(bis_parser *p, bis_loc at)
     *s = (bis_sampler){.kind = replaced ? BIS_SAMPLER_SOBOL : (bis_sampler_kind)chosen->value, .jitter = true};
     bis_scene_set_spp(p->desc, spp);
     bis_params_integer(p, "seed", &s->seed, 0, (UINT64_C(1) << 53) - 1);
+    p->desc->adaptive = false;
+    bis_params_bool(p, "adaptive", &p->desc->adaptive);
     if (s->kind == BIS_SAMPLER_STRATIFIED) read_stratified(p, s, has_spp);
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     if (!replaced) bis_params_end(p, "Sampler", chosen->name);

@@ -68,7 +68,8 @@ static void print_view(const bis_scene_desc *d, FILE *out)
     else fprintf(out, "camera       perspective, fov %s\n", bis_format_double(a, d->camera.fov_deg));
     fprintf(out, "sampler      %s, %" PRIu32 " camera samples a pixel", bis_sampler_name(s->kind), s->spp);
     if (s->kind == BIS_SAMPLER_STRATIFIED) fprintf(out, " (%" PRIu32 " x %" PRIu32 ")", s->xsamples, s->ysamples);
-    fprintf(out, ", seed %" PRIu64 "%s\n", s->seed, d->pixel_jitter ? "" : ", all through the pixel's centre");
+    fprintf(out, ", seed %" PRIu64 "%s%s\n", s->seed, d->pixel_jitter ? "" : ", all through the pixel's centre",
+            d->adaptive ? ", adaptive" : "");
 }
 
 /* Bytes a pixel: sums, their squares and hits; the pass under way; and 8 + 4 for each value of a layer. */

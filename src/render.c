@@ -1,16 +1,21 @@
 /* render: passes over tiles by threads.
  *
- * One pass is one camera sample of every pixel. Threads take tiles in any order, but what a pixel gets depends on (seed, pixel, pass) alone,
+ * One pass is one camera sample of every pixel (with adaptive sampling several, see adapt.h). Threads take tiles in any order, but what a pixel gets depends on (seed, pixel, pass) alone,
  * and only whole passes reach the film, in order: the film's bits depend on the scene and the number of passes, never on threads,
  * time, or the moment of Ctrl-C. To that end a pass is kept aside (16 bytes a pixel) and added to the film when it is complete; an
  * abandoned one leaves no trace, not even in the counters. The values of layers, where some are asked for, go the same way.
  *
  * Budgets are looked at between passes. For time: another pass is begun if one of mean length still fits, so a render ends at most one pass
  * early. For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from 20 on, each time
- * their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of passes that no clock can change. */
+ * their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of passes that no clock can change.
+ *
+ * An error is estimated from the scatter of the passes, which tells the truth only where they are independent replicates (docs/errata.md E32). The camera
+ * samples of one pixel are not: a stratified or low-discrepancy sampler spreads them over the pixel, and the scatter overestimates the
+ * error, at edges twofold and more. So where an error is asked for, each pass has a seed of its own. */
 #include "bis/render.h"
 
 #include "bis/mem.h"
+#include "adapt.h"
 #include "gather.h"
 
 #include <assert.h>
@@ -25,6 +30,9 @@
 
 enum { TILE = 16, MIN_ERROR_PASSES = 4 };
 
+/* Of the random numbers that are seeds: beyond all purposes of sampler.c. */
+static const uint64_t PURPOSE_PASS = (uint64_t)4 << 32;
+
 static const double seconds_between_reports = 0.2;
 
 /* What one thread has for itself; a cache line of its own, for counters that change with every ray. */
@@ -33,10 +41,10 @@ typedef struct worker {
     bis_scratch scratch;
 } worker;
 
-/* One camera sample, kept until its pass is complete. */
+/* What a pass makes of a pixel, kept until it is complete: the mean of its camera samples. */
 typedef struct sample {
     rgb L;
-    bool hit;
+    float hit; /* the share that hit geometry */
 } sample;
 
 typedef struct render {
@@ -45,6 +53,8 @@ typedef struct render {
     const bis_render_options *options;
     bis_film *film;
     bis_budget budget;
+    bool independent; /* passes have seeds of their own */
+    bis_adapt adapt;  /* n_tiles = 0: every pass is one camera sample */
     worker *workers;
     bis_pool pool; /* M = 0: none */
     bis_clusters clusters; /* n = 0: none */
@@ -54,6 +64,7 @@ typedef struct render {
     float *pass_layers; /* pass_layers[height][width][film->layers.n_values]: the same of the layers, NULL where there are none */
     bis_xform to_camera;
     int tiles_x, tiles_y;
+    uint32_t most_passes; /* of budget.spp; 0: not limited by it */
     double start, last_report;
     double rmse, rmse_upper; /* as last estimated; NAN: not yet */
     bis_counters counters;
@@ -136,29 +147,45 @@ static rgb reflected(const render *r, worker *w, const bis_point *pt, bis_stream
     return L;
 }
 
-/* Camera sample `pass` of pixel (x, y). A ray that escapes sees the map. values: for the layers, or NULL. */
-static sample camera_sample(const render *r, worker *w, int x, int y, uint32_t pass, float *values)
+/* Camera sample `index` of pixel (x, y); *hits counts those that hit. A ray that escapes sees the map. values: for the layers, or NULL. */
+static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler, int x, int y, uint32_t index, uint32_t *hits, float *values)
 {
     const bis_film *f = r->film;
     const bis_counters before = w->counters;
     double u[2] = {0.5, 0.5};
     bis_stream stream;
     bis_hit hit;
-    sample s;
+    rgb L;
 
-    bis_stream_init(&stream, &r->desc->sampler, (uint64_t)y * (uint64_t)f->full_width + (uint64_t)x, pass);
+    bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->full_width + (uint64_t)x, index);
     if (r->desc->pixel_jitter) bis_stream_camera(&stream, u);
     ray eye = bis_camera_ray(&r->desc->camera, f->full_width, f->full_height, x + u[0], y + u[1]);
     w->counters.camera_rays++;
-    s.hit = bis_accel_intersect(r->scene->accel, &eye, &hit);
-    if (s.hit) {
+    if (bis_accel_intersect(r->scene->accel, &eye, &hit)) {
         const bis_point pt = surface_point(r, w, &eye, hit.prim);
-        s.L = reflected(r, w, &pt, &stream, values);
+        ++*hits;
+        L = reflected(r, w, &pt, &stream, values);
     } else {
-        s.L = finite_or_black(w, r->desc->light.visible ? bis_light_Le(r->scene->light, eye.d) : (rgb){0});
+        L = finite_or_black(w, r->desc->light.visible ? bis_light_Le(r->scene->light, eye.d) : (rgb){0});
     }
     if (values) bis_gather_counts(values, &f->layers, &before, &w->counters);
-    return s;
+    return L;
+}
+
+/* What a pass makes of pixel (x, y): the mean of n camera samples, `first` and those after it. */
+static sample pixel_sample(const render *r, worker *w, const bis_sampler *sampler, int x, int y, uint32_t first, uint32_t n, float *values)
+{
+    uint32_t hits = 0;
+    rgb L = camera_sample(r, w, sampler, x, y, first, &hits, values);
+    if (n == 1) return (sample){L, (float)hits};
+
+    rgbd sum = {(double)L.r, (double)L.g, (double)L.b};
+    for (uint32_t i = 1; i < n; i++) {
+        L = camera_sample(r, w, sampler, x, y, first + i, &hits, values);
+        sum = rgbd_add(sum, (rgbd){(double)L.r, (double)L.g, (double)L.b});
+    }
+    if (values) bis_gather_mean(values, &r->film->layers, n);
+    return (sample){rgbd_round(rgbd_scale(sum, 1 / (double)n)), (float)hits / (float)n};
 }
 
 /* --- one pass ------------------------------------------------------------------------------------------------------ */
@@ -168,10 +195,24 @@ static float *layers_at(const render *r, size_t i) { return r->pass_layers ? r->
 
 static bool interrupted(const render *r) { return r->options->interrupted && *r->options->interrupted; }
 
+/* The sampler of a pass that is independent of all others: n camera samples with a seed of their own. */
+static bis_sampler sampler_of_pass(const render *r, uint32_t pass, uint32_t n)
+{
+    bis_sampler s = r->desc->sampler;
+    bis_rng rng;
+
+    bis_rng_init(&rng, s.seed, pass, 0, PURPOSE_PASS);
+    s.seed = bis_rng_u64(&rng);
+    bis_sampler_set_spp(&s, n);
+    return s;
+}
+
 /* Tile number t in reading order. The flag is looked at for each pixel: one of `exact` under a large map takes a tenth of a second. */
 static void render_tile(const render *r, worker *w, int t, uint32_t pass)
 {
     const bis_film *f = r->film;
+    const uint32_t n = r->adapt.n_tiles ? r->adapt.samples[t] : 1, first = r->independent ? 0 : pass;
+    const bis_sampler sampler = r->independent ? sampler_of_pass(r, pass, n) : r->desc->sampler;
     int x0 = t % r->tiles_x * TILE, y0 = t / r->tiles_x * TILE;
     int x1 = x0 + TILE < f->width ? x0 + TILE : f->width, y1 = y0 + TILE < f->height ? y0 + TILE : f->height;
 
@@ -185,7 +226,7 @@ static void render_tile(const render *r, worker *w, int t, uint32_t pass)
             size_t i = (size_t)y * (size_t)f->width + (size_t)x;
             float *values = layers_at(r, i);
             if (values) memset(values, 0, (size_t)f->layers.n_values * sizeof *values);
-            r->pass[i] = camera_sample(r, w, f->x0 + x, f->y0 + y, pass, values);
+            r->pass[i] = pixel_sample(r, w, &sampler, f->x0 + x, f->y0 + y, first, n, values);
         }
     }
 }
@@ -193,12 +234,12 @@ static void render_tile(const render *r, worker *w, int t, uint32_t pass)
 /* How much of the budget is used up, and how long it will last, with `share` of the pass under way done. */
 static void report(render *r, double share)
 {
-    bis_progress p = {.passes_done = r->passes, .passes_total = r->budget.spp, .seconds_left = (double)NAN};
+    bis_progress p = {.passes_done = r->passes, .passes_total = r->most_passes, .seconds_left = (double)NAN};
 
     if (!r->options->progress) return;
     r->last_report = now();
     p.seconds = r->last_report - r->start;
-    if (r->budget.spp) p.share = (r->passes + share) / r->budget.spp;
+    if (r->most_passes) p.share = (r->passes + share) / r->most_passes;
     if (r->budget.seconds > 0) p.share = fmax(p.share, p.seconds / r->budget.seconds);
     /* The error falls with the root of the number of passes (docs/errata.md E9). */
     if (r->budget.error > 0 && r->rmse_upper > 0) p.share = fmax(p.share, pow(r->budget.error / r->rmse_upper, 2));
@@ -237,13 +278,23 @@ static void keep_pass(render *r)
     for (int y = 0; y < f->height; y++) {
         for (int x = 0; x < f->width; x++) {
             size_t i = (size_t)y * (size_t)f->width + (size_t)x;
-            bis_film_add(f, f->x0 + x, f->y0 + y, r->pass[i].L, r->pass[i].hit);
+            bis_film_add(f, f->x0 + x, f->y0 + y, r->pass[i].L, (double)r->pass[i].hit);
             if (r->pass_layers) bis_layers_add(&f->layers, i, layers_at(r, i));
         }
     }
     for (int i = 0; i < r->n_threads; i++) add_counters(&r->counters, &r->workers[i].counters);
     bis_visibility_learn(&r->visibility, r->n_threads);
     f->passes++;
+}
+
+/* What the error budget will take, as far as the pilot knows: the error falls with the root of the number of passes. */
+static void forecast(render *r)
+{
+    const double factor = pow(r->rmse_upper / r->budget.error, 2), spp = r->passes * (r->adapt.n_tiles ? BIS_ADAPT_SAMPLES : 1);
+    const bis_forecast f = {.error = r->rmse_upper, .spp = factor * spp, .seconds = factor * (now() - r->start)};
+
+    if (!r->options->forecast) return;
+    r->options->forecast(&f, r->options->user);
 }
 
 /* --- all passes ---------------------------------------------------------------------------------------------------- */
@@ -254,16 +305,18 @@ static bool budget_left(render *r, uint32_t *next_check)
     const bis_budget *b = &r->budget;
 
     if (interrupted(r)) return false;
-    if (b->spp && r->passes >= b->spp) return false;
+    if (r->most_passes && r->passes >= r->most_passes) return false;
     if (r->passes == UINT32_MAX) return false;
     if (b->seconds > 0) {
         double spent = now() - r->start;
         if (spent + spent / r->passes > b->seconds) return false;
     }
     if (b->error > 0 && r->passes >= *next_check) {
+        bool first = *next_check == MIN_ERROR_PASSES;
         r->rmse = bis_film_relative_rmse(r->film, &r->rmse_upper);
         *next_check = r->passes + 1 + r->passes / 20;
         if (r->rmse_upper <= b->error) return false;
+        if (first) forecast(r);
     }
     return true;
 }
@@ -279,11 +332,12 @@ static void render_passes(render *r, bis_render_result *result)
         if (complete) {
             keep_pass(r);
             r->passes++;
+            if (r->adapt.n_tiles) bis_adapt_next(&r->adapt, r->film);
         }
     } while (complete && budget_left(r, &next_check));
     if (r->passes == 0) keep_pass(r); /* rather an unfinished pass than nothing */
     result->seconds = now() - r->start;
-    result->interrupted = !complete || (interrupted(r) && !(r->budget.spp && r->passes >= r->budget.spp));
+    result->interrupted = !complete || (interrupted(r) && !(r->most_passes && r->passes >= r->most_passes));
     report(r, 0);
 }
 
@@ -341,7 +395,8 @@ static size_t workspace(const render *r)
 {
     const size_t scratch = bis_scratch_bytes(&r->desc->settings);
     const size_t pixel = sizeof *r->pass + (size_t)r->film->layers.n_values * sizeof *r->pass_layers;
-    return bis_pool_bytes(&r->pool) + bis_clusters_bytes(&r->clusters) + bis_visibility_bytes(&r->visibility) + (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * pixel;
+    return bis_pool_bytes(&r->pool) + bis_clusters_bytes(&r->clusters) + bis_visibility_bytes(&r->visibility) + bis_adapt_bytes(&r->adapt) +
+           (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * pixel;
 }
 
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
@@ -353,6 +408,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
         .options = options,
         .film = film,
         .budget = options->budget,
+        .independent = options->budget.error > 0 || desc->adaptive,
         .n_threads = options->n_threads > 0 ? options->n_threads : default_threads(),
         .to_camera = bis_xform_inverse(&desc->camera.to_world),
         .tiles_x = (film->width + TILE - 1) / TILE,
@@ -362,20 +418,23 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     };
     bis_status status;
 
-    *result = (bis_render_result){.relative_rmse = (double)NAN};
+    *result = (bis_render_result){.relative_rmse = (double)NAN, .error_bound = (double)NAN};
     assert(film->passes == 0);
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = desc->sampler.spp;
+    r.most_passes = desc->adaptive ? r.budget.spp / BIS_ADAPT_SAMPLES + (r.budget.spp % BIS_ADAPT_SAMPLES > 0) : r.budget.spp;
 #ifndef _OPENMP
     r.n_threads = 1;
 #endif
     status = make_workers(&r, diag);
     if (!status) status = make_pool(&r, diag);
     if (!status) status = make_pass(&r, diag);
+    if (!status && desc->adaptive) status = bis_adapt_init(&r.adapt, film, TILE, diag);
     if (status) goto done;
     render_passes(&r, result);
     result->counters = r.counters;
-    result->relative_rmse = bis_film_relative_rmse(film, NULL);
+    result->relative_rmse = bis_film_relative_rmse(film, &result->error_bound);
     result->passes = r.passes;
+    result->spp = desc->adaptive ? (uint64_t)r.passes * BIS_ADAPT_SAMPLES : r.passes;
     result->n_threads = r.n_threads;
     result->bytes = workspace(&r);
 done:
@@ -383,6 +442,7 @@ done:
     bis_pool_clear(&r.pool);
     bis_clusters_clear(&r.clusters);
     bis_visibility_clear(&r.visibility);
+    bis_adapt_clear(&r.adapt);
     bis_free(r.workers);
     bis_free(r.pass);
     bis_free(r.pass_layers);

@@ -18,6 +18,7 @@
 
 #include <assert.h>
 #include <float.h>
+#include <math.h>
 
 /* Purposes of random streams; 0 is the integrators' own. Sets and sequences add their dim. */
 static const uint64_t PURPOSE_CAMERA = (uint64_t)1 << 32;
@@ -167,6 +168,21 @@ static void random_points(bis_rng *random, uint32_t n, double (*u)[2])
 }
 
 /* ---- streams ---- */
+
+/* The divisor of n nearest to its square root from below. */
+static uint32_t square_divisor(uint32_t n)
+{
+    uint32_t d = (uint32_t)sqrt((double)n);
+    while (n % d) d--;
+    return d;
+}
+
+void bis_sampler_set_spp(bis_sampler *s, uint32_t spp)
+{
+    s->spp = spp;
+    s->ysamples = square_divisor(spp);
+    s->xsamples = spp / s->ysamples;
+}
 
 void bis_stream_init(bis_stream *s, const bis_sampler *sampler, uint64_t pixel, uint32_t sample)
 {

@@ -84,17 +84,4 @@ bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape)
     return true;
 }
 
-/* The divisor of n nearest to its square root from below. */
-static uint32_t square_divisor(uint32_t n)
-{
-    uint32_t d = (uint32_t)sqrt((double)n);
-    while (n % d) d--;
-    return d;
-}
-
-void bis_scene_set_spp(bis_scene_desc *d, uint32_t spp)
-{
-    d->sampler.spp = spp;
-    d->sampler.ysamples = square_divisor(spp);
-    d->sampler.xsamples = spp / d->sampler.ysamples;
-}
+void bis_scene_set_spp(bis_scene_desc *d, uint32_t spp) { bis_sampler_set_spp(&d->sampler, spp); }

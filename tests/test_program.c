@@ -225,6 +225,36 @@ static void layers_are_further_channels_of_an_exr_alone(void **state)
     assert_false(program_exists(DIR "/none.exr"));
 }
 
+static void an_error_out_of_reach_is_said_early_and_loses_nothing(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, SCENE " --error 1e-6 --spp 6 --outfile " DIR "/far.exr");
+    assert_non_null(strstr(r.messages, "warning: --error 1e-06 would take about "));
+    assert_non_null(strstr(r.messages, "--spp ends it before"));
+    assert_non_null(strstr(r.messages, "warning: --error 1e-06 was not reached: the error is at most "));
+    assert_true(program_exists(DIR "/far.exr"));
+    program_expect(&r, 0, SCENE " --error 9 --outfile " DIR "/near.exr");
+    assert_string_equal(r.messages, "");
+    program_expect(&r, 0, SCENE " --error 1e-6 --spp 1 --outfile " DIR "/far.exr");
+    assert_non_null(strstr(r.messages, "was not reached: the error is unknown, 1 pass is too few"));
+}
+
+static void an_adaptive_picture_says_so_and_can_be_made_again(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, SCENE " --adaptive --spp 18 --outfile " DIR "/adaptive.exr");
+    exr_context_t file = open_exr(DIR "/adaptive.exr");
+    assert_text(file, "adaptive", "true");
+    assert_true(number(file, "spp") == 20);
+    exr_finish(&file);
+    program_expect(&r, 0, SCENE " --adaptive --spp 20 --nthreads 3 --outfile " DIR "/again.exr");
+    assert_true(relmse(DIR "/adaptive.exr", DIR "/again.exr") == 0);
+    program_expect(&r, 0, SCENE " --spp 20 --outfile " DIR "/again.exr");
+    assert_true(relmse(DIR "/adaptive.exr", DIR "/again.exr") > 0);
+}
+
 static void a_crop_keeps_the_display_window_and_the_pixels(void **state)
 {
     (void)state;
@@ -325,7 +355,7 @@ static void options_override_the_scene(void **state)
         {"--nthreads 2", "spp", "4"},
         {"--disable-pixel-jitter", "spp", "4"},
         {"--error 9 --time 1000", "spp", "4"},
-        {"--spp 2 --time 1000 --error 1e-9", "spp", "2"},
+        {"--spp 2 --time 1000 --error 1e-9 --quiet", "spp", "2"},
         {"--spp 1", "estimated_relative_rmse", "null"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -636,6 +666,8 @@ int main(void)
         cmocka_unit_test(an_exr_says_how_it_was_made_E39),
         cmocka_unit_test(an_exr_has_float_channels_and_alpha_is_the_share_of_hits),
         cmocka_unit_test(layers_are_further_channels_of_an_exr_alone),
+        cmocka_unit_test(an_error_out_of_reach_is_said_early_and_loses_nothing),
+        cmocka_unit_test(an_adaptive_picture_says_so_and_can_be_made_again),
         cmocka_unit_test(a_crop_keeps_the_display_window_and_the_pixels),
         cmocka_unit_test(stats_are_json_with_exactly_the_keys_of_the_contract),
         cmocka_unit_test(stats_in_a_file_are_those_of_standard_output),

@@ -34,6 +34,9 @@ void bis_film_resolve(const bis_film *f, float *rgba);
  * (docs/errata.md E32); *upper (may be NULL): an upper 95% bound of it. NAN with fewer than 2 passes. The scatter overestimates the error of stratified and low-discrepancy passes. */
 double bis_film_relative_rmse(const bis_film *f, double *upper);
 
+/* The same for tiles of `tile` x `tile` pixels in reading order: errors[tile] = sum over its pixels of the expected relative squared error. 2 passes or more. */
+void bis_film_tile_errors(const bis_film *f, int tile, double *errors);
+
 /* ---- layers: src/film_layers.c ---- */
 
 /* Layers to gather, a set of bis/layers.h, once, before the first pass. Errors: BIS_NOMEM. */

@@ -10,7 +10,7 @@ typedef enum bis_layer {
     BIS_LAYER_SAMPLES,    /* camera samples */
     BIS_LAYER_SHADOWRAYS, /* shadow rays that were cast */
     BIS_LAYER_CANDIDATES, /* candidates, or light samples, that were drawn */
-    BIS_LAYER_UNOCCLUDED, /* L_ns of eq. 4.5, R, G, B */
+    BIS_LAYER_UNOCCLUDED, /* from here on: means over camera samples. L_ns of eq. 4.5, R, G, B */
     BIS_LAYER_VISIBILITY, /* mean of V over the product: L / L_ns (eq. 4.6) */
     BIS_LAYER_ALBEDO,     /* Kd + Ks */
     BIS_LAYER_NORMAL,     /* shading normal in camera space */

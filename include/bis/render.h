@@ -10,9 +10,9 @@
 
 /* Whichever comes first ends the render; one pass is always completed. All three 0: desc->sampler.spp passes. */
 typedef struct bis_budget {
-    uint32_t spp;     /* passes; 0: not limited by spp */
+    uint32_t spp;     /* camera samples a pixel; 0: not limited by spp */
     double seconds;   /* of the render phase; 0: not limited */
-    double error;     /* upper 95% bound of the relative RMSE; 0: not limited; at least 4 passes */
+    double error;     /* upper 95% bound of the relative RMSE; 0: not limited; at least 4 passes. Passes are then independent: other random numbers */
 } bis_budget;
 
 typedef struct bis_progress {
@@ -21,11 +21,18 @@ typedef struct bis_progress {
     double seconds, seconds_left;       /* left: NAN while unknown */
 } bis_progress;
 
+/* What an error budget will take in all, from the pilot (the first 4 passes). */
+typedef struct bis_forecast {
+    double error;           /* the upper bound now */
+    double spp, seconds;
+} bis_forecast;
+
 typedef struct bis_render_options {
     bis_budget budget;
     int n_threads;                             /* 0: all */
     const volatile sig_atomic_t *interrupted;  /* set by a signal handler: stop soon; NULL: never */
     void (*progress)(const bis_progress *p, void *user); /* called from one thread, a few times a second; may be NULL */
+    void (*forecast)(const bis_forecast *f, void *user); /* called once, unless the pilot is enough or there is no error budget; may be NULL */
     void *user;
 } bis_render_options;
 
@@ -33,7 +40,9 @@ typedef struct bis_render_result {
     bis_counters counters;
     double seconds;
     double relative_rmse; /* NAN: unknown */
+    double error_bound;   /* upper 95% bound of it; NAN: unknown */
     bool interrupted;     /* the picture then has the passes that were complete; pixels of an unfinished first pass are black */
+    uint64_t spp;         /* camera samples a pixel, with adaptive sampling in the mean (nearly): the budget that makes this picture again */
     uint32_t passes;      /* complete ones; 0 only where the first was interrupted (the film then has passes = 1) */
     int n_threads;
     size_t bytes;         /* of workspace beside the film: the pass under way, the threads' scratch */

@@ -36,6 +36,9 @@ typedef struct bis_stream {
     bis_rng rng;     /* plain random numbers of this sample */
 } bis_stream;
 
+/* spp >= 1 camera samples a pixel; stratified ones in the most square xsamples x ysamples = spp. */
+void bis_sampler_set_spp(bis_sampler *s, uint32_t spp);
+
 void bis_stream_init(bis_stream *s, const bis_sampler *sampler, uint64_t pixel, uint32_t sample);
 
 /* The camera sample's place in its pixel, uniform in [0,1)^2. */

@@ -48,6 +48,7 @@ typedef struct bis_scene_desc {
     bis_film_desc film;
     bis_sampler sampler;
     bool pixel_jitter;
+    bool adaptive; /* passes of several camera samples, more where the error is */
     bis_settings settings;
     bis_loc integrator_loc;
     bis_accel_options accel;
