@@ -229,6 +229,6 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     if (scratch->visible) find_clusters(b, first_brdf, scratch->visible);
     const double Zhat = W / M * unit * mean;
     const rgbd sum = trace(b, pt);
-    if (scratch->visible) count_visibility(b, clusters->n, scratch->counted);
+    if (scratch->visible && scratch->counted) count_visibility(b, clusters->n, scratch->counted);
     return rgbd_round(rgbd_scale(sum, Zhat / N));
 }

@@ -28,7 +28,11 @@ static rgb unoccluded(const bis_settings *settings, const bis_point *pt, bis_str
     open.accel = NULL;
     open.ng = open.n;
     open.counters = &ignored;
-    return settings->integrator->Lo(settings, &open, stream, scratch);
+    bis_seen *counted = scratch->counted;
+    scratch->counted = NULL; /* V = 1 is not to be learned from */
+    rgb L_ns = settings->integrator->Lo(settings, &open, stream, scratch);
+    scratch->counted = counted;
+    return L_ns;
 }
 
 static bool gather_light(float *L_ns, float *visibility, const bis_settings *settings, const bis_point *pt, bis_stream *stream, bis_scratch *scratch,
