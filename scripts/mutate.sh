@@ -1,8 +1,9 @@
 #!/bin/sh
 # mutate: changes one thing in a copy of src/ and runs the tests of that module, which must then fail; again for every mutation below.
 #     scripts/mutate.sh [WORD]          only the mutations whose file or reason holds WORD
-# A mutation is four lines: "* FILE TEST... : what it does", "- the text as it stands", "+ the text instead", an empty one. The first place where
-# the text stands is changed. The copy is build/mutants; objects are made once and only what a mutation touches is made anew.
+# A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/; .c is understood), "- the text as it stands",
+# "+ the text instead", an empty one. The first place where the text stands is changed. The copy is build/mutants; objects
+# are made once and only what a mutation touches is made anew.
 # Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some ten minutes: no part of make test.
 copy=build/mutants
 word=$1
@@ -20,10 +21,10 @@ build() {
     make -s -C $copy VARIANT=mutant CFLAGS=-O1 "$@" >$log 2>&1
 }
 
-# All tests of these names; fails if one of them does, dies or takes over two minutes. On success, prints nothing.
+# All tests of these names; fails if one of them does, dies or hangs (TEST_SECONDS, default 300). On success, prints nothing.
 run() {
     for t in "$@"; do
-        (cd $copy && timeout 300 build/mutant/tests/"$t" >>log 2>&1) || { culprit=$t; return 1; }
+        (cd $copy && timeout "${TEST_SECONDS:-300}" build/mutant/tests/"$t" >>log 2>&1) || { culprit=$t; return 1; }
     done
 }
 
@@ -44,7 +45,7 @@ while IFS= read -r head; do
     head=${head%% : *}
     # shellcheck disable=SC2086
     set -- ${head#??}
-    file=src/$1.c
+    case $1 in *.h) file=src/$1 ;; *) file=src/$1.c ;; esac
     shift
     case "$file $what" in *"$word"*) ;; *) continue ;; esac
     n=$((n + 1))
@@ -209,7 +210,7 @@ exit
 # - double Zhat = W / M;
 # + double Zhat = W / N;
 #
-# * candidates test_sir : order statistics with the wrong exponent
+# * resample.h test_sir : order statistics with the wrong exponent
 # - / (double)(m->N - j);
 # + / (double)m->N;
 #
