@@ -619,7 +619,7 @@ static void bad_settings_are_refused_with_the_way_out(void **state)
     assert_refused(&s, "\"shadowrays\" is 0");
     s = bis_settings_default(&bis_sir);
     s.proposal = BIS_PROPOSAL_CHOOSE;
-    assert_refused(&s, "takes \"em\", \"brdf\" or \"mix\"");
+    assert_refused(&s, "takes \"em\", \"brdf\", \"mix\" or \"product\"");
     s = bis_settings_default(&bis_rejection);
     s.proposal = BIS_PROPOSAL_MIX;
     assert_refused(&s, "takes \"em\", \"brdf\" or \"choose\"");
