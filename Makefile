@@ -41,7 +41,7 @@ SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ply obj)
 
-.PHONY: all data test test-long envelope asan fuzz fuzz-run coverage bench install clean
+.PHONY: all data test test-browser test-long envelope asan fuzz fuzz-run coverage bench bench-scale install clean
 all: bis data
 
 bis: $B/bis
@@ -53,7 +53,7 @@ $B/bis: $B/src/main.o $(LIB)
 	$(LINK) $(LIBS)
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
-$B/bench_error $B/bench_cost: $B/scripts/measure.o
+$B/bench_error $B/bench_cost $B/bench_scale: $B/scripts/measure.o
 $(TOOLS): $B/%: $B/scripts/%.o $(LIB)
 	$(LINK) $(LIBS)
 $B/tests/%: $B/tests/%.o $(SUPPORT) $(LIB)
@@ -82,6 +82,10 @@ test: $(CHOSEN) $B/bis $B/bis-data $(STAMP)
 test-long:
 	BIS_LONG=1 $(MAKE) test
 
+# The page of bis trade in a headless Chromium, where there is one; no part of `make test`.
+test-browser: $B/bis $(STAMP)
+	@sh scripts/test_browser.sh $B/bis $B/browser
+
 # docs/envelope.md anew, slow cases included: its introduction as it stands, then what the tests measure.
 ENVELOPE := $(filter $B/tests/test_envelope_%,$(TESTS))
 envelope: $(ENVELOPE)
@@ -107,6 +111,10 @@ coverage:
 
 bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 	@sh scripts/bench.sh $B
+
+# Time and memory against the size of everything, up to 1e7 triangles and a 16384 x 8192 map: half an hour, 8 GB, 1 GB of disk.
+bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
+	@sh scripts/bench_scale.sh $B
 
 install: $B/bis
 	install -d $(DESTDIR)$(PREFIX)/bin

@@ -54,6 +54,7 @@ else
     "$build/bis-data" --knot 871000 "$out/knot.ply"
     model=$out/knot.ply
 fi
+pairs=${BENCH_PAIRS:-$pairs} # a part of them, by name
 [ -r "$out/scenes/rival" ] && rival=rival || rival=
 
 # keep FILE COMMAND...: its output, which only a complete run replaces

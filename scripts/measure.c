@@ -235,7 +235,8 @@ static uint64_t reference_key(const char *path, const char *material, double sec
     measure_check(bis_file_read(&text, &size, path, (bis_loc){0}, &diag), &diag);
     uint64_t h = hash_text(hash_text(14695981039346656037u, (const char *)text), material);
     for (int i = 0; i < 2; i++) h = hash_text(h, reference_methods[i].text);
-    snprintf(budget, sizeof budget, "%g", seconds);
+    snprintf(budget, sizeof budget, "%g", seconds); /* and the version of this file's format and method: */
+    h = hash_text(h, "2");
     h = hash_file_size(hash_text(h, budget), desc->light.filename);
     for (size_t i = 0; i < desc->n_meshes; i++) h = hash_file_size(h, desc->meshes[i].filename);
     bis_free(text);
@@ -243,60 +244,79 @@ static uint64_t reference_key(const char *path, const char *material, double sec
     return h;
 }
 
-/* a = w a + (1-w) b. */
-static void blend(double *a, const double *b, double w, size_t n)
-{
-    for (size_t i = 0; i < n; i++) a[i] = w * a[i] + (1 - w) * b[i];
-}
+/* One method's picture: the mean of two halves, so many processor seconds each, and half of their difference, whose square estimates the error of the mean. */
+typedef struct halves {
+    double *L, *difference, mean;
+} halves;
 
-/* Mean of one method's two halves, so many seconds each, into *L; returns the error of the mean relative to itself. */
-static double render_halves(double **L, double *mean_L, bis_film *film, const bis_scene *scene, bis_scene_desc *desc, uint64_t seed, double seconds)
+static halves render_halves(bis_film *film, const bis_scene *scene, bis_scene_desc *desc, uint64_t seed, double seconds)
 {
     const double pass = measure_render(film, scene, desc, seed, 1, 0, NULL);
     const uint32_t spp = (uint32_t)ceil(seconds / pass);
+    const size_t n = 3 * (size_t)film->width * (size_t)film->height;
+    halves h = {.mean = 0};
 
     measure_render(film, scene, desc, seed, spp, 0, NULL);
-    *L = means(film);
+    h.L = means(film);
     measure_render(film, scene, desc, seed + 1, spp, 0, NULL);
-    double *other = means(film);
-    const size_t n = 3 * (size_t)film->width * (size_t)film->height;
-    double *difference = bis_alloc(n, sizeof *difference), *zero = bis_alloc(n, sizeof *zero);
+    h.difference = means(film);
+    for (size_t i = 0; i < n; i++) {
+        const double a = h.L[i], b = h.difference[i];
+        h.L[i] = (a + b) / 2;
+        h.difference[i] = (a - b) / 2;
+        h.mean += h.L[i] / (double)n;
+    }
+    return h;
+}
 
-    if (!difference || !zero) give_up("no memory for", "a reference");
-    for (size_t i = 0; i < n; i++) difference[i] = ((*L)[i] - other[i]) / 2;
-    blend(*L, other, 0.5, n);
-    double error = relative_error(difference, zero, *L, film, desc->pixel_jitter).mean;
-    *mean_L = 0;
-    for (size_t i = 0; i < n; i++) *mean_L += (*L)[i] / (double)n;
-    bis_free(other);
-    bis_free(difference);
+/* to = w a + (1-w) b. */
+static void blend(double *to, const double *a, const double *b, double w, size_t n)
+{
+    for (size_t i = 0; i < n; i++) to[i] = w * a[i] + (1 - w) * b[i];
+}
+
+/* Both methods' errors are taken relative to the blend, not to their own pictures: a far too bright pixel would excuse itself. The blend needs the errors: the second
+ * round's weights are good enough. */
+static void combine(measure_reference *ref, const halves h[2], const bis_film *film, bool antialiased)
+{
+    const size_t n = 3 * (size_t)film->width * (size_t)film->height;
+    double *zero = bis_alloc(n, sizeof *zero), error[2], w = 0;
+
+    ref->L = bis_alloc(n, sizeof *ref->L);
+    if (!zero || !ref->L) give_up("no memory for", "a reference");
+    for (int round = 0; round < 3; round++) {
+        blend(ref->L, h[0].L, h[1].L, w, n);
+        for (int i = 0; i < 2; i++) error[i] = relative_error(h[i].difference, zero, ref->L, film, antialiased).mean;
+        w = error[0] + error[1] > 0 ? error[1] / (error[0] + error[1]) : 0.5;
+    }
+    ref->width = film->width;
+    ref->height = film->height;
+    ref->error = w * error[0];
+    ref->disagree = relative_error(h[0].L, h[1].L, ref->L, film, antialiased).mean / (error[0] + error[1]);
+    ref->difference = h[0].mean / h[1].mean - 1;
     bis_free(zero);
-    return error;
 }
 
 static measure_reference make_reference(const char *path, const char *material, double seconds)
 {
-    double *L[2], error[2], mean_L[2];
-    bis_film film = {0};
     measure_reference ref = {.seconds = seconds};
+    bis_film film = {0};
+    bool antialiased = false;
+    halves h[2];
 
     for (int i = 0; i < 2; i++) {
         bis_scene_desc *desc = measure_parse(path, reference_methods[i].text, 0, material);
         bis_scene *scene = measure_build(desc);
-        error[i] = render_halves(&L[i], &mean_L[i], &film, scene, desc, reference_seed + 2 * (uint64_t)i, seconds / 4);
-        if (i == 1) {
-            ref.disagree = relative_error(L[0], L[1], L[1], &film, desc->pixel_jitter).mean / (error[0] + error[1]);
-            ref.width = film.width;
-            ref.height = film.height;
-        }
+        h[i] = render_halves(&film, scene, desc, reference_seed + 2 * (uint64_t)i, seconds / 4);
+        antialiased = desc->pixel_jitter;
         bis_scene_free(scene);
         bis_scene_desc_free(desc);
     }
-    ref.difference = mean_L[0] / mean_L[1] - 1;
-    ref.error = error[0] * error[1] / (error[0] + error[1]);
-    blend(L[0], L[1], error[1] / (error[0] + error[1]), 3 * (size_t)ref.width * (size_t)ref.height);
-    ref.L = L[0];
-    bis_free(L[1]);
+    combine(&ref, h, &film, antialiased);
+    for (int i = 0; i < 2; i++) {
+        bis_free(h[i].L);
+        bis_free(h[i].difference);
+    }
     bis_film_clear(&film);
     return ref;
 }
