@@ -33,7 +33,7 @@ typedef struct candidate {
     bis_resampling resampling;
     bis_estimator estimator;
     bis_heuristic heuristic;
-    bool stratify, compensate;
+    bool stratify, compensate, one_by_one, learn;
 } candidate;
 
 /* Every unbiased setting. rejection "ratio" has an O(1/M) bias and is not among them. */
@@ -42,6 +42,8 @@ static const candidate CANDIDATES[] = {
     {.name = "brdf", .integrator = "brdf"},
     {.name = "mis balance", .integrator = "mis"},
     {.name = "mis power", .integrator = "mis", .heuristic = BIS_HEURISTIC_POWER},
+    {.name = "em stratified", .integrator = "em", .stratify = true},
+    {.name = "mis stratified", .integrator = "mis", .stratify = true},
     {.name = "mis compensated", .integrator = "mis", .compensate = true},
     {.name = "rejection plain em", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN, .proposal = BIS_PROPOSAL_EM},
     {.name = "rejection plain brdf", .integrator = "rejection", .estimator = BIS_ESTIMATOR_PLAIN, .proposal = BIS_PROPOSAL_BRDF},
@@ -49,6 +51,9 @@ static const candidate CANDIDATES[] = {
     {.name = "sir em", .integrator = "sir", .proposal = BIS_PROPOSAL_EM, .stratify = true},
     {.name = "sir brdf", .integrator = "sir", .proposal = BIS_PROPOSAL_BRDF, .stratify = true},
     {.name = "sir mix", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX, .stratify = true},
+    {.name = "sir mix one by one", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX, .stratify = true, .one_by_one = true},
+    {.name = "sir product", .integrator = "sir", .proposal = BIS_PROPOSAL_PRODUCT, .stratify = true},
+    {.name = "sir product learned", .integrator = "sir", .proposal = BIS_PROPOSAL_PRODUCT, .stratify = true, .learn = true},
     {.name = "sir mix independent", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX},
     {.name = "sir mix multinomial", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX, .stratify = true, .resampling = BIS_RESAMPLING_MULTINOMIAL},
     {.name = "sir em independent multinomial", .integrator = "sir", .proposal = BIS_PROPOSAL_EM, .resampling = BIS_RESAMPLING_MULTINOMIAL},
@@ -156,6 +161,8 @@ static void configure(bis_scene_desc *desc, const candidate *c)
     s.heuristic = c->heuristic;
     s.stratify = c->stratify;
     s.compensate = c->compensate;
+    s.vectorize = !c->one_by_one;
+    s.learn = c->learn;
     s.samples = SAMPLES;
     s.candidates = CANDIDATES_M;
     s.shadowrays = 8;

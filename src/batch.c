@@ -210,7 +210,7 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     if (clusters) {
         n_map = bis_product_weigh(&b->product, clusters, scratch->visible, pt) ? m.n_em : 0; /* none: nothing of the map is above the horizon */
         if (n_map == 0) return (rgb){0, 0, 0};
-        bis_product_draw(&b->product, clusters, n_map, mean, stream);
+        bis_product_draw(&b->product, clusters, n_map, stream);
         map = b->product.y;
         unit = pt->bsdf.material->model->lanes->weigh(b->weights.w, &pt->bsdf, &map, n_map, m.beta);
     } else {

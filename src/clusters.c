@@ -6,6 +6,7 @@
 #include "bis/rng.h"
 
 #include <assert.h>
+#include <float.h>
 
 static const uint64_t purpose_clusters = 0x636c7573; /* no pixel's stream has it */
 
@@ -52,16 +53,23 @@ size_t bis_clusters_bytes(const bis_clusters *c)
     return c->n * (DIRECTIONS * sizeof *c->y + sizeof *c->t + (BIS_LANES_ARRAYS + 1) * sizeof(float)) + rows * c->columns * sizeof *c->of_tile;
 }
 
+/* A direction of density below FLT_MIN is drawn once in 10^37; it counts as dark. */
+static bis_cluster_point point_of(const bis_light_point *y, double unit)
+{
+    if (y->pdf < (double)FLT_MIN) return (bis_cluster_point){.wi = y->wi, .q_L = 1};
+    return (bis_cluster_point){y->wi, rgb_scale(y->Le, 1 / unit), (float)y->pdf, 0};
+}
+
 /* The cone about cluster k's directions, and its energy: the share times the mean of Le/q_L. A mean direction of length 0, of directions all around,
  * gets the whole sphere as its cone. */
-static void put_cone(bis_clusters *c, uint32_t k, double unit)
+static void put_cone(bis_clusters *c, uint32_t k)
 {
-    const bis_light_point *y = c->y + (size_t)k * DIRECTIONS;
+    const bis_cluster_point *y = c->y + (size_t)k * DIRECTIONS;
     double x[3] = {0, 0, 0}, least = 1;
     rgbd energy = {0, 0, 0};
 
     for (int i = 0; i < DIRECTIONS; i++) {
-        const double s = bis_cluster_share(c, k) / (DIRECTIONS * unit * y[i].pdf);
+        const double s = bis_cluster_share(c, k) / (DIRECTIONS * (double)y[i].q_L);
         x[0] += (double)y[i].wi.x;
         x[1] += (double)y[i].wi.y;
         x[2] += (double)y[i].wi.z;
@@ -94,10 +102,12 @@ void bis_clusters_fill(bis_clusters *c, const bis_light *light, uint64_t seed, u
         for (uint32_t i = 0; i < DIRECTIONS; i++) {
             const double t = c->t[k] + bis_cluster_share(c, k) * bis_stratum(i, bis_rng_double(&rng), DIRECTIONS);
             const double u[2] = {bis_rng_double(&rng), bis_rng_double(&rng)};
-            const bool drawn = bis_light_sample_curve(light, fmin(t, 1 - 0x1p-53), u, &c->y[(size_t)k * DIRECTIONS + i]);
+            bis_light_point y;
+            const bool drawn = bis_light_sample_curve(light, fmin(t, 1 - 0x1p-53), u, &y);
             assert(drawn);
             (void)drawn;
+            c->y[(size_t)k * DIRECTIONS + i] = point_of(&y, unit);
         }
-        put_cone(c, k, unit);
+        put_cone(c, k);
     }
 }

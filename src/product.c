@@ -48,36 +48,36 @@ bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *visib
     return p->W > 0;
 }
 
-static void put(const bis_lanes *to, uint32_t i, const bis_light_point *y, double scale, double unit)
+static void put(const bis_lanes *to, uint32_t i, const bis_cluster_point *y, float scale)
 {
     to->x[i] = y->wi.x;
     to->y[i] = y->wi.y;
     to->z[i] = y->wi.z;
-    to->r[i] = (float)((double)y->Le.r / unit);
-    to->g[i] = (float)((double)y->Le.g / unit);
-    to->b[i] = (float)((double)y->Le.b / unit);
-    to->q_L[i] = (float)(y->pdf * scale);
+    to->r[i] = y->Le.r;
+    to->g[i] = y->Le.g;
+    to->b[i] = y->Le.b;
+    to->q_L[i] = y->q_L * scale;
 }
 
-void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, double unit, bis_stream *stream)
+void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, bis_stream *stream)
 {
     enum { D = BIS_CLUSTER_DIRECTIONS };
-    const bis_light_point nothing = {.pdf = 1};
+    const bis_cluster_point nothing = {.q_L = 1};
     uint32_t i = 0;
 
     bis_blocks_choose(&p->clusters, n, p->W, BIS_RESAMPLING_SYSTEMATIC, stream);
     uint64_t random = bis_rng_u64(&stream->rng);
     for (uint32_t j = 0; j < p->clusters.n_chosen; j++) {
         const uint32_t k = p->clusters.lane[j], times = p->clusters.times[j];
-        const bis_light_point *y = c->y + (size_t)k * D;
-        const double scale = bis_product_scale(p, c, k);
+        const bis_cluster_point *y = c->y + (size_t)k * D;
+        const float scale = (float)bis_product_scale(p, c, k);
         random = bis_hash(random + k);
         /* evenly spread: from a random phase, every (D/times)-th, in 2^-16 of a direction */
         for (uint32_t m = 0; m < times; m++, i++) {
-            put(&p->y, i, &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale, unit);
+            put(&p->y, i, &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
             p->cluster[i] = (uint16_t)k;
         }
     }
     assert(i == n);
-    for (; i < bis_lanes_round_up(n); i++) put(&p->y, i, &nothing, 1, unit);
+    for (; i < bis_lanes_round_up(n); i++) put(&p->y, i, &nothing, 1);
 }

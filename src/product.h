@@ -21,9 +21,8 @@ size_t bis_product_bytes(uint32_t M);
 /* Weigh the clusters at pt, times visible[n] unless that is NULL. False: no light can be reflected from any of them. */
 bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *visible, const bis_point *pt);
 
-/* Draw n candidates, filled up to whole blocks; their q_L is q_P = q_L s, see bis_product_scale; radiance over unit, the
- * light's mean. n <= M. */
-void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, double unit, bis_stream *stream);
+/* Draw n candidates, filled up to whole blocks; their q_L is q_P = q_L s, see bis_product_scale. n <= M. */
+void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, bis_stream *stream);
 
 /* s of cluster k: how much more often the product draws from it than the map's importance does. */
 static inline double bis_product_scale(const bis_product *p, const bis_clusters *c, uint32_t k)

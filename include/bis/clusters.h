@@ -12,12 +12,19 @@
 #include "bis/lanes.h"
 #include "bis/light.h"
 
+/* A direction as in bis_lanes: radiance over the light's mean. */
+typedef struct bis_cluster_point {
+    vec3 wi;
+    rgb Le;
+    float q_L, unused; /* 32 bytes: half a cache line */
+} bis_cluster_point;
+
 typedef struct bis_clusters {
     uint32_t n;           /* how many; each has a positive share */
     double *t;            /* t[n + 1]: cluster k is the part [t[k], t[k+1]) of the curve */
     uint16_t *of_tile;    /* of_tile[rows][columns]: the cluster that a tile of side x side pixels belongs to */
     uint32_t width, side, columns;
-    bis_light_point *y;   /* y[n][BIS_CLUSTER_DIRECTIONS]: this pass's directions, one in each part of the cluster */
+    bis_cluster_point *y; /* y[n][BIS_CLUSTER_DIRECTIONS]: this pass's directions, one in each part of the cluster */
     bis_lanes cone;       /* about these: the axis in x, y, z; the cosine of the half angle in q_L; in r, g, b the energy (radiance over the light's mean, times 1/density, times share) */
     float *sine;          /* of the half angle */
     float *memory;
