@@ -86,6 +86,10 @@ test-long:
 test-browser: $B/bis $(STAMP)
 	@sh scripts/test_browser.sh $B/bis $B/browser
 
+# The page of bis trade in a headless Chromium, where there is one; no part of `make test`.
+test-browser: $B/bis $(STAMP)
+	@sh scripts/test_browser.sh $B/bis $B/browser
+
 # docs/envelope.md anew, slow cases included: its introduction as it stands, then what the tests measure.
 ENVELOPE := $(filter $B/tests/test_envelope_%,$(TESTS))
 envelope: $(ENVELOPE)

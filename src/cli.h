@@ -94,6 +94,7 @@ bis_status bis_cli_check_writable(const char *path, bis_diag *diag);
 
 /* The commands: arguments behind the command's name, exit status out. */
 int bis_cmd_render(int argc, char **argv);
+int bis_cmd_trade(int argc, char **argv);
 int bis_cmd_compare(int argc, char **argv);
 int bis_cmd_envmap(int argc, char **argv);
 int bis_cmd_verify(int argc, char **argv);

@@ -10,6 +10,7 @@ static const struct {
     const char *help;
 } commands[] = {
     {"render", bis_cmd_render, "render a scene; the word \"render\" may be left out"},
+    {"trade", bis_cmd_trade, "error against time, measured for your own scene: what to use?"},
     {"compare", bis_cmd_compare, "compare two images (EXR, PFM, HDR)"},
     {"envmap", bis_cmd_envmap, "what is in a map; its levels, regions and importance as pictures"},
     {"pixel", bis_cmd_pixel, "all about one pixel: every method against the exact integral"},

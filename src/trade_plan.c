@@ -1,0 +1,297 @@
+/* trade_plan: how many pixels, passes and seeds fit into the time?
+ *
+ * A pilot renders each setting at 64 x 48 pixels or so: what a pixel of a pass costs, c, and what scatter it leaves, v. What is planned from it:
+ *   - the setting of least c v of each integrator, and the scene's own, get budgets of up to r seconds; the others r/4: cost x variance hardly
+ *     changes along a curve, so a short one says nearly as much;
+ *   - so few pixels that the middle one of the longer curves has some 12 passes, five budgets, at its end;
+ *   - r such that all runs fill 62% of what is left of the time; the references get 22%, the pictures 6%, and the rest is for surprises.
+ * With --passes all of them get that many instead, however long that takes, and only the pixels depend on the clock, if there are more than LEAST_PIXELS. */
+#include "trade.h"
+
+#include <string.h>
+
+enum { PILOT_PIXELS = 3072, LEAST_PIXELS = 3072, MOST_PIXELS = 90000, MIDDLE_PASSES = 12, MOST_PILOT_PASSES = 256 };
+
+static const double pilot_share = 0.08, sweep_share = 0.62, reference_share = 0.22;
+static const double short_curve = 0.25;     /* of r, for settings that are not the best of their integrator */
+static const double too_slow = 4;           /* a setting whose single pass takes so many r is left out */
+
+static const char *const reference_settings[] = {"mis 16", "mis 64", "sir 64/4", "sir 256/16"};
+
+/* ---- the pilot ---- */
+
+static bool may_be_reference(const bis_trade_setting *s)
+{
+    for (int i = 0; i < 4; i++) {
+        if (strcmp(s->name, reference_settings[i]) == 0) return true;
+    }
+    return false;
+}
+
+static bool is_piloted(const bis_trade_setting *s) { return s->is_swept || may_be_reference(s); }
+
+static double crop_area(const bis_trade *t)
+{
+    const double *c = t->desc->film.crop;
+    return (c[1] - c[0]) * (c[3] - c[2]);
+}
+
+/* The full picture with about `pixels` in its crop, the same view; never more than it has. */
+static void shrunk_size(const bis_trade *t, double pixels, int *width, int *height)
+{
+    const bis_film_desc *f = &t->desc->film;
+    const double scale = fmin(1, sqrt(pixels / (crop_area(t) * f->width * f->height)));
+    *width = (int)fmax(1, round(f->width * scale));
+    *height = (int)fmax(1, round(f->height * scale));
+}
+
+static double pixels_of(const bis_trade *t, int width, int height) { return fmax(1, crop_area(t) * width * height); }
+
+/* One pass to see what it costs, then as many as the setting's share of the time allows. Seconds are those of a pixel until the size is known. */
+static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double seconds, bis_diag *diag)
+{
+    bis_render_result result;
+    int width, height;
+
+    shrunk_size(t, PILOT_PIXELS, &width, &height);
+    const double pixels = pixels_of(t, width, height);
+    bis_status status = bis_trade_render(t, s, width, height, 1, t->o.seed, NULL, &result, diag);
+    if (status || result.interrupted) return status;
+    s->pass_seconds = result.seconds / pixels;
+    s->pass_relmse = (double)NAN;
+    const uint32_t passes = (uint32_t)fmin(fmax(seconds / result.seconds, 2), MOST_PILOT_PASSES);
+    status = bis_trade_render(t, s, width, height, passes, t->o.seed + 1, NULL, &result, diag);
+    if (status || result.interrupted) return status;
+    s->pass_seconds = result.seconds / pixels / passes;
+    s->pass_relmse = result.relative_rmse * result.relative_rmse * passes;
+    return BIS_OK;
+}
+
+static bis_status run_pilot(bis_trade *t, bis_diag *diag)
+{
+    bis_trade_plan *plan = &t->plan;
+    bis_status status = BIS_OK;
+    int n = 0, done = 0;
+
+    for (int i = 0; i < plan->n_settings; i++) n += is_piloted(&plan->settings[i]);
+    for (int i = 0; i < plan->n_settings && !status && !bis_trade_interrupted(t); i++) {
+        if (!is_piloted(&plan->settings[i])) continue;
+        bis_trade_tell(t, "pilot", (double)done / n, (double)NAN);
+        status = pilot_setting(t, &plan->settings[i], pilot_share * t->o.seconds / n, diag);
+        done++;
+    }
+    return status;
+}
+
+/* ---- who is the best of the pilot? ---- */
+
+static double pilot_cost(const bis_trade_setting *s) { return s->pass_seconds * s->pass_relmse; }
+
+static bool is_better(const bis_trade_setting *a, const bis_trade_setting *b)
+{
+    if (a->is_biased != b->is_biased) return !a->is_biased;
+    return pilot_cost(a) < pilot_cost(b) || isnan(pilot_cost(b));
+}
+
+/* Best of its integrator among the swept, or the scene's own. */
+static bool gets_long_curve(const bis_trade_plan *plan, int i)
+{
+    const bis_trade_setting *s = &plan->settings[i];
+    for (int k = 0; k < plan->n_settings; k++) {
+        const bis_trade_setting *other = &plan->settings[k];
+        if (k == i || !other->is_swept || other->settings.integrator != s->settings.integrator) continue;
+        if (is_better(other, s)) return s->is_scenes;
+    }
+    return true;
+}
+
+/* ---- budgets ---- */
+
+static int levels_of(const bis_trade *t, int i, double run_seconds)
+{
+    const bis_trade_setting *s = &t->plan.settings[i];
+
+    if (!s->is_swept) return 0;
+    if (t->o.passes) return ilogb(t->o.passes) + 1;
+    const double passes = run_seconds * (gets_long_curve(&t->plan, i) ? 1 : short_curve) / s->pass_seconds;
+    const int levels = 1 + (int)floor(log2(fmax(passes, 1)) + 0.5);
+    if (passes * too_slow * (gets_long_curve(&t->plan, i) ? 4 : 1) < 1) return 0;
+    return levels < BIS_TRADE_LEVELS ? levels : BIS_TRADE_LEVELS;
+}
+
+/* Of the whole sweep, were the longest runs to take so long; pass_seconds are of a pixel or of a pass, and so is the sum. */
+static double sweep_seconds(const bis_trade *t, double run_seconds)
+{
+    double sum = 0;
+    for (int i = 0; i < t->plan.n_settings; i++) {
+        sum += t->plan.n_seeds * t->plan.settings[i].pass_seconds * (exp2(levels_of(t, i, run_seconds)) - 1);
+    }
+    return sum;
+}
+
+static double longest_run(const bis_trade *t, double seconds)
+{
+    double lo = seconds * 1e-9, hi = seconds;
+    for (int i = 0; i < 60; i++) {
+        const double middle = sqrt(lo * hi);
+        if (sweep_seconds(t, middle) <= seconds) lo = middle;
+        else hi = middle;
+    }
+    return lo;
+}
+
+/* What the middle one of the long curves costs. */
+static double middle_cost(const bis_trade_plan *plan)
+{
+    double cost[BIS_TRADE_SETTINGS];
+    int n = 0;
+
+    for (int i = 0; i < plan->n_settings; i++) {
+        if (!plan->settings[i].is_swept || !gets_long_curve(plan, i)) continue;
+        int at = n++;
+        for (; at > 0 && cost[at - 1] > plan->settings[i].pass_seconds; at--) cost[at] = cost[at - 1];
+        cost[at] = plan->settings[i].pass_seconds;
+    }
+    return cost[(n - 1) / 2];
+}
+
+/* ---- the size ---- */
+
+/* Blocks of factor x factor pixels of a given reference must fit: the smallest common divisor that makes the picture small enough, else the largest. */
+static int block_of(const bis_trade *t, double pixels)
+{
+    const bis_film_desc *f = &t->desc->film;
+    int best = 1;
+
+    if (crop_area(t) < 1) return 1;
+    for (int k = 2; k <= f->width && k <= f->height; k++) {
+        if (f->width % k || f->height % k || (double)(f->width / k) * (f->height / k) < LEAST_PIXELS) continue;
+        best = k;
+        if ((double)(f->width / k) * (f->height / k) <= pixels) break;
+    }
+    return (double)f->width * f->height <= pixels ? 1 : best;
+}
+
+static void choose_size(bis_trade *t, double seconds)
+{
+    bis_trade_plan *plan = &t->plan;
+    const double a_pixel = sweep_seconds(t, MIDDLE_PASSES * middle_cost(plan)); /* seconds that each pixel adds to the sweep */
+    const double pixels = fmin(fmax(seconds / a_pixel, LEAST_PIXELS), MOST_PIXELS);
+
+    plan->full_width = t->desc->film.width;
+    plan->full_height = t->desc->film.height;
+    shrunk_size(t, pixels, &plan->width, &plan->height);
+    if (plan->is_given) {
+        const int block = block_of(t, pixels);
+        plan->width = plan->full_width / block;
+        plan->height = plan->full_height / block;
+    }
+    for (int i = 0; i < plan->n_settings; i++) plan->settings[i].pass_seconds *= pixels_of(t, plan->width, plan->height);
+}
+
+/* ---- references ---- */
+
+static void choose_references(bis_trade *t, double seconds)
+{
+    static const char *const makers[2] = {"mis", "sir"};
+    bis_trade_plan *plan = &t->plan;
+    bool needed[2] = {false, false};
+
+    for (int i = 0; i < plan->n_settings; i++) needed[bis_trade_judge_of(&plan->settings[i])] |= plan->settings[i].is_swept;
+    for (int k = 0; k < 2; k++) {
+        plan->reference[k] = -1;
+        if (plan->is_given || !needed[k]) continue;
+        for (int i = 0; i < plan->n_settings; i++) {
+            const bis_trade_setting *s = &plan->settings[i];
+            if (!may_be_reference(s) || strcmp(s->settings.integrator->name, makers[k]) != 0) continue;
+            if (plan->reference[k] < 0 || is_better(s, &plan->settings[plan->reference[k]])) plan->reference[k] = i;
+        }
+        const double share = seconds / (needed[0] + needed[1]) / BIS_TRADE_REPLICATES;
+        plan->reference_passes[k] = (uint32_t)fmin(fmax(share / plan->settings[plan->reference[k]].pass_seconds, 1), 1 << 20);
+        if (t->o.passes) plan->reference_passes[k] = 4 * t->o.passes;
+    }
+}
+
+/* ---- can it be done? ---- */
+
+/* One pass of each integrator's best for each seed is the least that says anything. */
+static bis_status check_time(const bis_trade *t, double seconds, bis_diag *diag)
+{
+    char need[24];
+    double least = 0;
+
+    for (int i = 0; i < t->plan.n_settings; i++) {
+        if (t->plan.settings[i].is_swept && gets_long_curve(&t->plan, i)) least += t->plan.n_seeds * t->plan.settings[i].pass_seconds;
+    }
+    if (least <= seconds || t->o.passes) return BIS_OK;
+    bis_trade_duration(need, 1.2 * (least / sweep_share + bis_trade_now() - t->start));
+    return bis_error(diag, BIS_INPUT, (bis_loc){0}, "%g s are too few: a single pass of the best setting of each integrator, %d x %d pixels and %d seeds, "
+                     "wants about %s in all; give --time more than that, or name fewer integrators by --integrator",
+                     t->o.seconds, t->plan.width, t->plan.height, t->plan.n_seeds, need);
+}
+
+/* The best of the pilot in one run of the sweep. */
+static bis_status check_error(const bis_trade *t, bis_diag *diag)
+{
+    const bis_trade_plan *plan = &t->plan;
+    char need[24], whole[24];
+    double seconds = INFINITY;
+    int best = 0;
+
+    if (t->o.error <= 0) return BIS_OK;
+    for (int i = 0; i < plan->n_settings; i++) {
+        const bis_trade_setting *s = &plan->settings[i];
+        const double it = fmax(1, s->pass_relmse / (t->o.error * t->o.error)) * s->pass_seconds;
+        if (!s->is_swept || s->is_biased || !(it < seconds)) continue;
+        seconds = it;
+        best = i;
+    }
+    const double slack = 2; /* budgets are doubled, and a pilot is short */
+    if (seconds <= slack * plan->run_seconds) return BIS_OK;
+    bis_trade_duration(need, seconds);
+    bis_trade_duration(whole, t->o.seconds * seconds / plan->run_seconds);
+    return bis_error(diag, BIS_INPUT, (bis_loc){0}, "a relative error of %g is out of reach: by the pilot \"%s\", the best, needs about %s for one picture of %d x %d "
+                     "pixels, and in %g s of measurement a run gets %.2g s. Give --error %.2g or more, or --time for about %s",
+                     t->o.error, plan->settings[best].name, need, plan->width, plan->height, t->o.seconds, plan->run_seconds,
+                     t->o.error * sqrt(seconds / plan->run_seconds), whole);
+}
+
+size_t bis_trade_planned_runs(const bis_trade_plan *plan)
+{
+    size_t n = 0;
+    for (int i = 0; i < plan->n_settings; i++) n += (size_t)(plan->settings[i].levels * plan->n_seeds);
+    return n;
+}
+
+double bis_trade_planned_seconds(const bis_trade_plan *plan, int setting, int level) { return plan->settings[setting].pass_seconds * exp2(level); }
+
+static int seeds_for(const bis_trade_options *o)
+{
+    if (o->n_seeds) return o->n_seeds;
+    if (o->quick) return 2;
+    return o->seconds >= 600 ? 5 : 3;
+}
+
+bis_status bis_trade_make_plan(bis_trade *t, const bis_image *given, bis_diag *diag)
+{
+    bis_trade_plan *plan = &t->plan;
+
+    plan->is_given = given != NULL;
+    plan->seed = t->o.seed;
+    plan->n_seeds = seeds_for(&t->o);
+    bis_status status = run_pilot(t, diag);
+    if (status || bis_trade_interrupted(t)) return status;
+    const double left = fmax(t->o.seconds - (bis_trade_now() - t->start), 0.1 * t->o.seconds), sweep = sweep_share * left;
+    choose_size(t, sweep);
+    status = check_time(t, sweep, diag);
+    if (status) return status;
+    plan->run_seconds = longest_run(t, sweep);
+    double longest = 0;
+    for (int i = 0; i < plan->n_settings; i++) {
+        plan->settings[i].levels = levels_of(t, i, plan->run_seconds);
+        if (plan->settings[i].levels) longest = fmax(longest, bis_trade_planned_seconds(plan, i, plan->settings[i].levels - 1));
+    }
+    if (t->o.passes) plan->run_seconds = longest;
+    choose_references(t, reference_share * left);
+    return check_error(t, diag);
+}

@@ -1,0 +1,147 @@
+/* html_check: one pass over the tags with a stack of open elements. */
+#include "html_check.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { DEPTH = 64, NAME = 32 };
+
+typedef struct checker {
+    const char *page, *at;
+    char open[DEPTH][NAME];
+    int depth;
+    char *why;
+    size_t size;
+} checker;
+
+static bool wrong(checker *c, const char *what)
+{
+    int line = 1;
+    for (const char *p = c->page; p < c->at; p++) line += *p == '\n';
+    snprintf(c->why, c->size, "line %d: %s at \"%.40s\"", line, what, c->at);
+    return false;
+}
+
+/* "name" of a tag or attribute; false where there is none. */
+static bool read_name(checker *c, char name[NAME])
+{
+    size_t n = 0;
+    while ((isalnum((unsigned char)*c->at) || *c->at == '-' || *c->at == ':') && n + 1 < NAME) name[n++] = *c->at++;
+    name[n] = '\0';
+    return n > 0;
+}
+
+static void skip_blanks(checker *c)
+{
+    while (isspace((unsigned char)*c->at)) c->at++;
+}
+
+/* name="value", quoted, without < in it. */
+static bool read_attribute(checker *c)
+{
+    char name[NAME];
+    if (!read_name(c, name)) return wrong(c, "no attribute");
+    if (strncmp(c->at, "=\"", 2) != 0) return wrong(c, "an attribute without quotes");
+    for (c->at += 2; *c->at != '"'; c->at++) {
+        if (!*c->at || *c->at == '<') return wrong(c, "an attribute that does not end");
+    }
+    c->at++;
+    return true;
+}
+
+static bool read_end_tag(checker *c)
+{
+    char name[NAME];
+    c->at += 2;
+    if (!read_name(c, name) || *c->at != '>') return wrong(c, "a broken end tag");
+    if (c->depth == 0 || strcmp(c->open[c->depth - 1], name) != 0) return wrong(c, "an end tag that closes nothing");
+    c->depth--;
+    c->at++;
+    return true;
+}
+
+static bool read_tag(checker *c)
+{
+    char name[NAME], end[NAME + 4];
+
+    c->at++;
+    if (!read_name(c, name)) return wrong(c, "a bare <");
+    for (skip_blanks(c); *c->at != '>' && *c->at != '/'; skip_blanks(c)) {
+        if (!read_attribute(c)) return false;
+    }
+    if (*c->at == '/') {
+        if (c->at[1] != '>') return wrong(c, "a broken tag");
+        c->at += 2;
+        return true;
+    }
+    c->at++;
+    if (c->depth == DEPTH) return wrong(c, "too deep");
+    snprintf(c->open[c->depth++], NAME, "%s", name);
+    if (strcmp(name, "style") != 0 && strcmp(name, "script") != 0) return true;
+    snprintf(end, sizeof end, "</%s>", name);
+    const char *close = strstr(c->at, end);
+    if (!close) return wrong(c, "no end of style or script");
+    c->at = close;
+    return true;
+}
+
+static bool read_entity(checker *c)
+{
+    const char *end = strchr(c->at, ';');
+    if (!end || end - c->at > 8 || end - c->at < 3) return wrong(c, "a bare &");
+    for (const char *p = c->at + 1; p < end; p++) {
+        if (!isalnum((unsigned char)*p) && *p != '#') return wrong(c, "a bare &");
+    }
+    c->at = end + 1;
+    return true;
+}
+
+bool html_is_well_formed(const char *page, char *why, size_t size)
+{
+    static const char doctype[] = "<!DOCTYPE html>";
+    checker c = {.page = page, .at = page, .why = why, .size = size};
+
+    if (strncmp(page, doctype, sizeof doctype - 1) != 0) return wrong(&c, "no doctype");
+    c.at += sizeof doctype - 1;
+    while (*c.at) {
+        bool ok = true;
+        if (strncmp(c.at, "</", 2) == 0) ok = read_end_tag(&c);
+        else if (*c.at == '<') ok = read_tag(&c);
+        else if (*c.at == '&') ok = read_entity(&c);
+        else if (*c.at == '>') ok = wrong(&c, "a bare >");
+        else c.at++;
+        if (!ok) return false;
+    }
+    return c.depth == 0 || wrong(&c, "elements left open at the end");
+}
+
+int html_count(const char *page, const char *what)
+{
+    int n = 0;
+    for (const char *p = page; (p = strstr(p, what)) != NULL; p++) n++;
+    return n;
+}
+
+/* All places of `what` are followed by one of the two. */
+static bool always_before(const char *page, const char *what, const char *a, const char *b)
+{
+    for (const char *p = page; (p = strstr(p, what)) != NULL;) {
+        p += strlen(what);
+        if (strncmp(p, a, strlen(a)) != 0 && strncmp(p, b, strlen(b)) != 0) return false;
+    }
+    return true;
+}
+
+bool html_is_self_contained(const char *page, char *why, size_t size)
+{
+    static const char *const foreign[] = {"http", "@import", "src=", "href=", "fetch(", "XMLHttpRequest", "import("};
+    for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++) {
+        if (!strstr(page, foreign[i])) continue;
+        snprintf(why, size, "the page holds \"%s\"", foreign[i]);
+        return false;
+    }
+    if (always_before(page, "url(", "data:", "\"data")) return true;
+    snprintf(why, size, "a url( that is no data:");
+    return false;
+}

@@ -1,0 +1,674 @@
+/* `bis trade`: its figures against others' arithmetic (bis render and bis compare for a run, sums of this file for the tables, replicates read back
+ * for the references), its folder through interruption and --resume, its page through a checker that is itself checked, and bad input. */
+#include "trade.h"
+
+#include "bis/compare.h"
+#include "bis/file.h"
+#include "bis/mem.h"
+#include "html_check.h"
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define DIR "build/test_trade"
+#define SCENE DIR "/scene.txt"
+#define SMALL "trade " SCENE " --nthreads 1 --time 4 --passes 4 --seeds 2 --integrator mis --integrator sir --output "
+
+/* A ball on a floor, 24 x 16 pixels, under a map of 8 x 4 pixels with one bright lamp. */
+static const char scene_text[] =
+    "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 \"string filename\" \"" DIR "/film.exr\"\n"
+    "Integrator \"sir\" \"integer candidates\" 20 \"integer shadowrays\" 2\n"
+    "Camera \"perspective\" \"float fov\" 60\n"
+    "WorldBegin\n"
+    "AttributeBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"map.pfm\" AttributeEnd\n"
+    "Material \"phong\" \"rgb Kd\" [.5 .4 .3] \"rgb Ks\" [.2 .2 .2] \"float exponent\" 20\n"
+    "AttributeBegin Translate 0 0 4 Shape \"sphere\" AttributeEnd\n"
+    "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]\n";
+
+static void write_map(const char *path)
+{
+    bis_image image;
+    assert_int_equal(bis_image_init(&image, 8, 4, NULL), BIS_OK);
+    for (int i = 0; i < 32; i++) image.pixels[i] = (rgb){0.2f, 0.25f, 0.1f + 0.01f * (float)i};
+    image.pixels[9] = (rgb){50, 40, 30};
+    assert_int_equal(bis_image_save(&image, path, NULL), BIS_OK);
+    bis_image_clear(&image);
+}
+
+static void remove_tree(const char *path)
+{
+    char command[512];
+    snprintf(command, sizeof command, "rm -rf %s", path);
+    assert_int_equal(system(command), 0);
+}
+
+/* One measurement with references of its own, one with a given reference: most tests read them. */
+static int setup(void **state)
+{
+    (void)state;
+    program_run r;
+    remove_tree(DIR);
+    program_folder(DIR);
+    program_write_file(SCENE, scene_text);
+    write_map(DIR "/map.pfm");
+    program_expect(&r, 0, SMALL DIR "/own");
+    program_expect(&r, 0, SCENE " --integrator mis --samples 64 --spp 64 --seed 77 --outfile " DIR "/given.exr");
+    program_expect(&r, 0, SMALL DIR "/given --reference " DIR "/given.exr");
+    return 0;
+}
+
+/* ---- CSV ---- */
+
+enum { COLUMNS = 24, ROWS = 256 };
+
+typedef struct table {
+    unsigned char *data;
+    char *cell[ROWS][COLUMNS]; /* row 0: the header */
+    int n_rows, n_columns;
+} table;
+
+static void read_table(table *t, const char *path)
+{
+    size_t size;
+    bis_diag diag = {0};
+    if (bis_file_read(&t->data, &size, path, (bis_loc){0}, &diag)) fail_msg("%s", diag.n ? diag.messages[0].text : path);
+    bis_diag_clear(&diag);
+    t->n_rows = 0;
+    for (char *line = (char *)t->data, *end; (end = strchr(line, '\n')) != NULL; line = end + 1) {
+        int n = 0;
+        *end = '\0';
+        assert_true(t->n_rows < ROWS);
+        for (char *cell = line; cell; n++) {
+            char *comma = strchr(cell, ',');
+            assert_true(n < COLUMNS);
+            t->cell[t->n_rows][n] = cell;
+            if (comma) *comma++ = '\0';
+            cell = comma;
+        }
+        if (t->n_rows == 0) t->n_columns = n;
+        assert_int_equal(n, t->n_columns);
+        t->n_rows++;
+    }
+}
+
+static void clear_table(table *t) { bis_free(t->data); }
+
+static const char *text_at(const table *t, int row, const char *column)
+{
+    for (int i = 0; i < t->n_columns; i++) {
+        if (strcmp(t->cell[0][i], column) == 0) return t->cell[row][i];
+    }
+    fail_msg("no column %s", column);
+    return NULL;
+}
+
+static double number_at(const table *t, int row, const char *column)
+{
+    const char *text = text_at(t, row, column), *end;
+    double v = bis_parse_double(text, &end);
+    return end == text || *end ? (double)NAN : v;
+}
+
+static void read_image(bis_image *image, const char *path)
+{
+    bis_diag diag = {0};
+    if (bis_image_read(image, path, (bis_loc){0}, &diag)) fail_msg("%s", diag.n ? diag.messages[0].text : path);
+    bis_diag_clear(&diag);
+}
+
+static bool is_near(double a, double b) { return fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b)); }
+
+/* ---- runs ---- */
+
+/* Run `row` of runs.csv, made by `bis render` with these options; its error by `bis compare`'s arithmetic. */
+static void assert_run_is(const table *runs, const char *setting, const char *options, const char *passes)
+{
+    int row = 1;
+    while (row < runs->n_rows && (strcmp(text_at(runs, row, "setting"), setting) != 0 || strcmp(text_at(runs, row, "passes"), passes) != 0)) row++;
+    if (row == runs->n_rows) fail_msg("no run of %s", setting);
+
+    program_run r;
+    bis_image a, b;
+    bis_comparison c;
+    program_expect(&r, 0, SCENE " %s --spp %s --seed %s --outfile " DIR "/run.exr", options, passes, text_at(runs, row, "seed"));
+    read_image(&a, DIR "/run.exr");
+    read_image(&b, DIR "/given.exr");
+    assert_int_equal(bis_compare(&c, &a, &b, NULL), BIS_OK);
+    assert_true(number_at(runs, row, "rmse") == c.rmse);
+    assert_true(number_at(runs, row, "relmse") == c.relmse);
+    assert_true(number_at(runs, row, "bias") == c.bias);
+    bis_image_clear(&a);
+    bis_image_clear(&b);
+}
+
+static void each_run_is_the_render_of_its_seed_bit_for_bit(void **state)
+{
+    (void)state;
+    table runs;
+    read_table(&runs, DIR "/given/runs.csv");
+    assert_run_is(&runs, "mis 16", "--integrator mis --samples 16", "2");
+    assert_run_is(&runs, "sir 64/4", "--candidates 64 --shadowrays 4", "4");
+    assert_run_is(&runs, "sir 256/16 brdf", "--candidates 256 --shadowrays 16 --proposal brdf", "1");
+    assert_run_is(&runs, "sir 20/2 scene's own", "", "4");
+    clear_table(&runs);
+}
+
+static void every_setting_budget_and_seed_is_measured_once_with_a_seed_of_its_own(void **state)
+{
+    (void)state;
+    table runs;
+    read_table(&runs, DIR "/own/runs.csv");
+    assert_true(runs.n_rows - 1 >= 15 * 3 * 2);
+    assert_int_equal((runs.n_rows - 1) % 6, 0);
+    for (int i = 1; i < runs.n_rows; i++) {
+        for (int k = 1; k < i; k++) {
+            const bool same = strcmp(text_at(&runs, i, "setting"), text_at(&runs, k, "setting")) == 0 && number_at(&runs, i, "passes") == number_at(&runs, k, "passes");
+            assert_false(same && number_at(&runs, i, "replicate") == number_at(&runs, k, "replicate"));
+            assert_string_not_equal(text_at(&runs, i, "seed"), text_at(&runs, k, "seed"));
+        }
+    }
+    clear_table(&runs);
+}
+
+/* ---- tables ---- */
+
+/* All runs of a row of trade.csv; returns how many. */
+static int values_of(double *v, const table *runs, const table *trade, int row, const char *column)
+{
+    int n = 0;
+    for (int i = 1; i < runs->n_rows; i++) {
+        if (strcmp(text_at(runs, i, "setting"), text_at(trade, row, "setting")) != 0) continue;
+        if (number_at(runs, i, "passes") == number_at(trade, row, "passes")) v[n++] = number_at(runs, i, column);
+    }
+    return n;
+}
+
+/* Every figure of trade.csv from runs.csv. Two seeds: mean (a + b)/2, its standard error |a - b|/2, the median is the mean. noise: the share of the reference. */
+static void assert_table_follows(const char *folder, double share_mis, double share_sir, double se_mis, double se_sir)
+{
+    char path[256];
+    table runs, trade;
+    double v[4];
+
+    snprintf(path, sizeof path, "%s/runs.csv", folder);
+    read_table(&runs, path);
+    snprintf(path, sizeof path, "%s/trade.csv", folder);
+    read_table(&trade, path);
+    assert_int_equal(2 * (trade.n_rows - 1), runs.n_rows - 1);
+    for (int i = 1; i < trade.n_rows; i++) {
+        const bool by_sir = strcmp(text_at(&trade, i, "integrator"), "mis") == 0;
+        assert_int_equal(values_of(v, &runs, &trade, i, "seconds"), 2);
+        const double seconds = (v[0] + v[1]) / 2;
+        assert_true(is_near(number_at(&trade, i, "seconds"), seconds));
+        values_of(v, &runs, &trade, i, "relmse");
+        const double noise = (v[0] + v[1]) / 2 - (by_sir ? share_sir : share_mis);
+        assert_true(is_near(number_at(&trade, i, "relmse"), (v[0] + v[1]) / 2));
+        assert_true(is_near(number_at(&trade, i, "relmse_se"), fabs(v[0] - v[1]) / 2));
+        assert_true(is_near(number_at(&trade, i, "noise"), noise));
+        assert_true(is_near(number_at(&trade, i, "cost_variance"), seconds * noise));
+        values_of(v, &runs, &trade, i, "rmse");
+        assert_true(is_near(number_at(&trade, i, "rmse"), sqrt((v[0] * v[0] + v[1] * v[1]) / 2)));
+        values_of(v, &runs, &trade, i, "bias");
+        assert_true(is_near(number_at(&trade, i, "bias"), (v[0] + v[1]) / 2));
+        assert_true(is_near(number_at(&trade, i, "bias_se"), hypot((v[0] - v[1]) / 2, by_sir ? se_sir : se_mis)));
+        bool dominated = false;
+        for (int k = 1; k < trade.n_rows; k++) {
+            dominated |= number_at(&trade, k, "seconds") < number_at(&trade, i, "seconds") && number_at(&trade, k, "relmse") < number_at(&trade, i, "relmse");
+        }
+        assert_int_equal(number_at(&trade, i, "pareto"), !dominated);
+    }
+    clear_table(&runs);
+    clear_table(&trade);
+}
+
+static void the_table_says_what_the_runs_say(void **state)
+{
+    (void)state;
+    assert_table_follows(DIR "/given", 0, 0, 0, 0);
+}
+
+/* From the eight files: Var of the mean of eight, sum of squares minus square of the sum, over b^2 + m^2/100. */
+static void judge_reference(const char *who, double *share, double *se, double *mean)
+{
+    enum { R = 8, N = 24 * 16 * 3 };
+    static double v[R][N];
+    double whole[R] = {0}, sum = 0, squares = 0;
+
+    for (int r = 0; r < R; r++) {
+        char path[256];
+        bis_image image;
+        snprintf(path, sizeof path, DIR "/own/references/%s-%d.exr", who, r + 1);
+        read_image(&image, path);
+        assert_int_equal(image.width * image.height * 3, N);
+        for (int i = 0; i < N; i++) {
+            const rgb c = image.pixels[i / 3];
+            v[r][i] = (double)(i % 3 == 0 ? c.r : i % 3 == 1 ? c.g : c.b);
+            whole[r] += v[r][i] / N;
+        }
+        bis_image_clear(&image);
+        sum += whole[r];
+        squares += whole[r] * whole[r];
+    }
+    *mean = sum / R;
+    *se = sqrt((squares - sum * sum / R) / (R - 1) / R);
+    *share = 0;
+    for (int i = 0; i < N; i++) {
+        double s = 0, s2 = 0;
+        for (int r = 0; r < R; r++) {
+            s += v[r][i];
+            s2 += v[r][i] * v[r][i];
+        }
+        *share += (s2 - s * s / R) / (R - 1) / R / (s / R * (s / R) + *mean * *mean / 100) / N;
+    }
+}
+
+static void the_references_noise_is_measured_and_subtracted_and_no_method_judges_itself(void **state)
+{
+    (void)state;
+    double share[2], se[2], mean[2];
+    judge_reference("mis", &share[0], &se[0], &mean[0]);
+    judge_reference("sir", &share[1], &se[1], &mean[1]);
+    assert_true(share[0] > 0 && share[1] > 0);
+    assert_true(fabs(mean[0] - mean[1]) < 5 * hypot(se[0], se[1])); /* two methods, one integral; se of 7 dof: beyond 5 once in 1000 */
+    assert_table_follows(DIR "/own", share[0], share[1], se[0], se[1]);
+}
+
+/* ---- slopes and costs from runs that are known ---- */
+
+/* relMSE = floor + v / passes and seconds = 0.01 passes, with one seed twice as noisy as the other. */
+static void forge(bis_trade *t, double v, double floor)
+{
+    memset(t, 0, sizeof *t);
+    t->desc = bis_alloc(1, sizeof *t->desc);
+    assert_non_null(t->desc);
+    t->plan = (bis_trade_plan){.n_settings = 1, .n_seeds = 2, .width = 10, .height = 10, .full_width = 20, .full_height = 10, .run_seconds = 0.32};
+    t->plan.settings[0] = (bis_trade_setting){.name = "em 16", .settings = bis_settings_default(&bis_em), .is_swept = true, .levels = 6};
+    t->references[1].relmse = 0.5;
+    t->references[1].se = 0.25;
+    for (int level = 0; level < 6; level++) {
+        for (int k = 0; k < 2; k++) {
+            const double passes = exp2(level);
+            const bis_trade_run run = {.level = level, .replicate = k, .seconds = 0.01 * passes, .rmse = 1, .relmse = 0.5 + floor + (k + 1) * v / passes, .bias = k};
+            assert_int_equal(bis_trade_add_run(t, &run, NULL), BIS_OK);
+        }
+    }
+    assert_int_equal(bis_trade_summarise(t, NULL), BIS_OK);
+}
+
+static void clear_forged(bis_trade *t)
+{
+    bis_free(t->desc);
+    t->desc = NULL;
+    bis_trade_clear(t);
+}
+
+static void the_root_law_gives_slope_minus_half_and_a_constant_cost(void **state)
+{
+    (void)state;
+    bis_trade t;
+    bool extrapolated;
+    forge(&t, 0.36, 0);
+    const bis_trade_curve *c = &t.result.curves[0];
+    assert_true(fabs(c->slope + 0.5) < 1e-9 && c->slope_se < 1e-9);
+    assert_true(is_near(c->cost_variance, 0.01 * 1.5 * 0.36));
+    assert_true(is_near(c->cost_variance_se, 0.01 * 0.5 * 0.36));
+    assert_true(is_near(t.result.points[0].bias_se, hypot(0.5, 0.25)));
+
+    const double at_one = sqrt(1.5 * 0.36); /* error of one pass, 0.01 s */
+    assert_true(is_near(bis_trade_error_at(&t.result, &t.plan, 0, 0.03, &extrapolated), at_one / sqrt(3)) && !extrapolated);
+    assert_true(is_near(bis_trade_error_at(&t.result, &t.plan, 0, 0.64, &extrapolated), at_one / 8) && extrapolated);
+    assert_true(isnan(bis_trade_error_at(&t.result, &t.plan, 0, 0.009, &extrapolated)));
+    assert_true(is_near(bis_trade_seconds_to(&t.result, &t.plan, 0, at_one / 3, &extrapolated), 0.09) && !extrapolated);
+    assert_true(is_near(bis_trade_seconds_to(&t.result, &t.plan, 0, at_one / 10, &extrapolated), 1) && extrapolated);
+    assert_true(bis_trade_seconds_to(&t.result, &t.plan, 0, 99, &extrapolated) == 0.01);
+
+    /* 5%: 0.54 / 0.0025 = 216 passes of 0.01 s, twice the pixels */
+    const bis_trade_advice *final = &t.result.advice[2];
+    assert_int_equal(final->passes, 216);
+    assert_true(is_near(final->seconds, 216 * 0.01 * 2) && final->is_extrapolated);
+    clear_forged(&t);
+}
+
+static void a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_recommended(void **state)
+{
+    (void)state;
+    bis_trade t;
+    bool extrapolated;
+    forge(&t, 0.36, 0.2); /* the twin: a floor that no time removes */
+    assert_true(t.result.curves[0].slope > -0.4);
+    t.plan.settings[0].is_biased = true;
+    bis_trade_advise(&t);
+    assert_true(isnan(bis_trade_error_at(&t.result, &t.plan, 0, 0.64, &extrapolated)));
+    assert_true(isnan(bis_trade_seconds_to(&t.result, &t.plan, 0, 0.1, &extrapolated)));
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) assert_int_equal(t.result.advice[i].setting, -1);
+    clear_forged(&t);
+}
+
+/* ---- settings as text ---- */
+
+/* Each setting's line, put into a scene, is read as that setting. */
+static void the_line_for_a_scene_file_is_the_setting(void **state)
+{
+    (void)state;
+    bis_trade t = {.o = {.scene = SCENE}};
+    int seen = 0;
+    assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+    assert_true(t.plan.n_settings <= BIS_TRADE_SETTINGS);
+    for (int i = 0; i < t.plan.n_settings; i++) {
+        const bis_trade_setting *s = &t.plan.settings[i];
+        char text[256], scene[512];
+        bis_scene_desc *desc;
+        bis_diag diag = {0};
+        bis_trade_scene_text(text, s, t.desc->light.area_exponent);
+        char *semicolon = strchr(text, ';');
+        assert_int_equal(semicolon != NULL, s->area_exponent != t.desc->light.area_exponent);
+        if (semicolon) *semicolon = '\0';
+        snprintf(scene, sizeof scene, "%s\nWorldBegin\n", text);
+        program_write_file(DIR "/line.txt", scene);
+        if (bis_scene_parse(&desc, DIR "/line.txt", &diag)) fail_msg("%s: %s", text, diag.n ? diag.messages[0].text : "?");
+        bis_diag_clear(&diag);
+        const bis_settings *a = &desc->settings, *b = &s->settings;
+        assert_ptr_equal(a->integrator, b->integrator);
+        const bool by_candidates = a->integrator == &bis_sir || a->integrator == &bis_rejection;
+        if (by_candidates) assert_true(a->candidates == b->candidates && a->shadowrays == b->shadowrays && a->proposal == b->proposal);
+        else assert_true(a->samples == b->samples);
+        assert_true(a->stratify == b->stratify && a->resampling == b->resampling && a->estimator == b->estimator);
+        assert_true(a->heuristic == b->heuristic && a->compensate == b->compensate && a->split == b->split);
+        bis_scene_desc_free(desc);
+        seen++;
+    }
+    assert_true(seen >= 25);
+    bis_trade_clear(&t);
+}
+
+/* ---- interruption ---- */
+
+/* All that is not time. */
+static void assert_same_runs(const char *path_a, const char *path_b)
+{
+    static const char *const columns[] = {"setting", "passes", "replicate", "seed", "camera_rays", "shadow_rays", "candidates", "rmse", "relmse", "bias"};
+    table a, b;
+    read_table(&a, path_a);
+    read_table(&b, path_b);
+    assert_int_equal(a.n_rows, b.n_rows);
+    for (int row = 1; row < a.n_rows; row++) {
+        for (int k = 0; k < 10; k++) assert_string_equal(text_at(&a, row, columns[k]), text_at(&b, row, columns[k]));
+    }
+    clear_table(&a);
+    clear_table(&b);
+}
+
+static void lost_runs_are_measured_again_and_are_the_same(void **state)
+{
+    (void)state;
+    program_run r;
+    assert_int_equal(system("cp -r " DIR "/own " DIR "/lost && sed -i '5,40d' " DIR "/lost/runs.csv && rm " DIR "/lost/report.html " DIR "/lost/references/sir-3.exr"), 0);
+    program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/lost");
+    assert_same_runs(DIR "/own/runs.csv", DIR "/lost/runs.csv");
+    assert_true(program_exists(DIR "/lost/report.html"));
+    assert_int_equal(system("cmp -s " DIR "/own/references/sir-3.exr " DIR "/lost/references/sir-3.exr"), 0);
+    assert_int_equal(system("cmp -s " DIR "/own/plan.txt " DIR "/lost/plan.txt"), 0);
+}
+
+static void a_finished_measurement_resumes_to_itself(void **state)
+{
+    (void)state;
+    program_run r;
+    assert_int_equal(system("cp -r " DIR "/own " DIR "/again"), 0);
+    program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/again");
+    assert_int_equal(system("cmp -s " DIR "/own/runs.csv " DIR "/again/runs.csv && cmp -s " DIR "/own/trade.csv " DIR "/again/trade.csv"), 0);
+    assert_int_equal(system("cmp -s " DIR "/own/pictures.csv " DIR "/again/pictures.csv"), 0);
+}
+
+static void a_signal_keeps_what_was_measured_and_resume_goes_on(void **state)
+{
+    (void)state;
+    const struct timespec pause = {0, 5000000};
+    program_run r;
+    table t;
+    const char command[] = "trade " SCENE " --passes 4096 --seeds 1 --nthreads 1 --time 10 --integrator mis --reference " DIR "/given.exr --output " DIR "/stopped";
+    pid_t pid = program_start(command);
+    program_wait_for_handler(pid, SIGINT);
+    for (int i = 0; i < 12000 && !program_exists(DIR "/stopped/runs.csv"); i++) nanosleep(&pause, NULL); /* the first is written after a second */
+    kill(pid, SIGINT);
+    program_finish(&r, pid);
+    assert_int_equal(r.exit_status, 130);
+    assert_true(program_exists(DIR "/stopped/report.html"));
+    read_table(&t, DIR "/stopped/runs.csv");
+    const int before = t.n_rows;
+    assert_true(before > 1);
+    assert_int_equal((int)number_at(&t, 1, "passes"), 1);
+    clear_table(&t);
+    assert_int_equal(system("cp " DIR "/stopped/runs.csv " DIR "/before.csv && sed -i 's/^setting 13 /setting 6 /;s/^run_seconds .*/run_seconds 0.01/' " DIR "/stopped/plan.txt && "
+                            "awk -F, 'NR == 1 || $2 <= 32' " DIR "/before.csv > " DIR "/stopped/runs.csv"), 0); /* enough for a test */
+    program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/stopped");
+    read_table(&t, DIR "/stopped/runs.csv");
+    assert_true((t.n_rows - 1) % 6 == 0);
+    clear_table(&t);
+}
+
+/* ---- the page ---- */
+
+static char *read_page(const char *path)
+{
+    unsigned char *page;
+    size_t size;
+    assert_int_equal(bis_file_read(&page, &size, path, (bis_loc){0}, NULL), BIS_OK);
+    return (char *)page;
+}
+
+static void the_page_is_well_formed_and_needs_nothing_else(void **state)
+{
+    (void)state;
+    static const char *const folders[] = {DIR "/own", DIR "/given"};
+    for (int i = 0; i < 2; i++) {
+        char why[200], path[256];
+        table pictures;
+        snprintf(path, sizeof path, "%s/pictures.csv", folders[i]);
+        read_table(&pictures, path);
+        const int n = pictures.n_rows - 1; /* mis, sir, and the scene's own where another sir is better */
+        clear_table(&pictures);
+        assert_true(n == 2 || n == 3);
+        snprintf(path, sizeof path, "%s/report.html", folders[i]);
+        char *page = read_page(path);
+        if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s: %s", path, why);
+        if (!html_is_self_contained(page, why, sizeof why)) fail_msg("%s: %s", path, why);
+        assert_int_equal(html_count(page, "<svg"), 2);
+        assert_int_equal(html_count(page, "class=\"card "), 3);
+        assert_int_equal(html_count(page, "class=\"shot"), 1 + n);
+        assert_int_equal(html_count(page, "url(data:image/png;base64,"), 1 + 2 * n);
+        assert_int_equal(html_count(page, "id=\"cut\""), 1);
+        assert_true(html_count(page, "<tr>") > 20);
+        static const char *const no_figures[] = {" nan", ">nan", "-nan", "nan%", "nan ", ">inf", " inf ", "inf%"}; /* none of them in base64 */
+        for (int k = 0; k < 8; k++) assert_int_equal(html_count(page, no_figures[k]) - html_count(bis_trade_style, no_figures[k]), 0);
+        bis_free(page);
+    }
+}
+
+static void the_checker_of_pages_can_fail(void **state)
+{
+    (void)state;
+    static const char *const broken[] = {
+        "<p></p>", "<!DOCTYPE html><p>", "<!DOCTYPE html></p>", "<!DOCTYPE html><p><b></p></b>", "<!DOCTYPE html><p class=x></p>", "<!DOCTYPE html><p>a & b</p>",
+        "<!DOCTYPE html><p>a < b</p>", "<!DOCTYPE html><p title=\"a></p>", "<!DOCTYPE html><style>p{}", "<!DOCTYPE html><br>",
+    };
+    static const char *const foreign[] = {"<a href=\"x\"/>", "see http://example.org", "url(x.png)", "<img src=\"x\"/>", "@import x"};
+    char why[200];
+    assert_true(html_is_well_formed("<!DOCTYPE html>\n<p a=\"1\">x &amp; <b>y</b><br/></p><script>a<b&&c</script>", why, sizeof why));
+    for (size_t i = 0; i < sizeof broken / sizeof *broken; i++) assert_false(html_is_well_formed(broken[i], why, sizeof why));
+    for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++) assert_false(html_is_self_contained(foreign[i], why, sizeof why));
+    assert_true(html_is_self_contained("url(data:image/png;base64,AAAA)", why, sizeof why));
+}
+
+static void odd_names_do_not_break_the_page(void **state)
+{
+    (void)state;
+    char why[200];
+    program_run r;
+    assert_int_equal(rename(SCENE, DIR "/a<b>&\"c'.txt"), 0);
+    program_expect(&r, 0, "trade " DIR "/a<b>&\"c'.txt --nthreads 1 --time 2 --passes 1 --seeds 1 --integrator em --output " DIR "/odd");
+    assert_int_equal(rename(DIR "/a<b>&\"c'.txt", SCENE), 0);
+    char *page = read_page(DIR "/odd/report.html");
+    if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
+    assert_non_null(strstr(page, "a&lt;b&gt;&amp;&quot;c&#39;.txt"));
+    bis_free(page);
+}
+
+/* ---- bad input ---- */
+
+static void bad_input_is_told_and_nothing_is_lost(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *arguments, *says;
+    } cases[] = {
+        {"--time 0", "--time"},
+        {"--time -3", "--time"},
+        {"--time 1e300", "--time"},
+        {"--time nan", "--time"},
+        {"--error 0", "--error"},
+        {"--seeds 0", "--seeds"},
+        {"--seeds 99", "--seeds"},
+        {"--passes 0", "--passes"},
+        {"--integrator exact", "must be em, brdf, mis, rejection or sir"},
+        {"--integrator siri", "did you mean \"sir\""},
+        {"--resolution 0x4", "--resolution"},
+        {"--reference " DIR "/nowhere.exr", "nowhere.exr"},
+        {"--reference " DIR "/map.pfm", "8 x 4 pixels"},
+        {"--time 0.0001", "too few"},
+        {"--time 2 --error 0.00001 --integrator em", "out of reach"},
+    };
+    program_run r;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_runf(&r, "trade " SCENE " --nthreads 1 --output " DIR "/bad %s", cases[i].arguments);
+        const int expected = strstr(cases[i].arguments, "nowhere") ? 1 : 2;
+        if (r.exit_status != expected || !strstr(r.messages, cases[i].says)) fail_msg("%s: %d\n%s", cases[i].arguments, r.exit_status, r.messages);
+        assert_false(program_exists(DIR "/bad"));
+    }
+    program_expect(&r, 1, "trade " DIR "/nothing.txt --output " DIR "/bad");
+    program_expect(&r, 2, "trade " SCENE " " SCENE);
+    assert_false(program_exists(DIR "/bad"));
+}
+
+static void a_folder_with_other_things_is_left_alone(void **state)
+{
+    (void)state;
+    program_run r;
+    assert_int_equal(mkdir(DIR "/mine", 0777), 0);
+    program_write_file(DIR "/mine/letter.txt", "dear");
+    program_expect(&r, 2, SMALL DIR "/mine");
+    assert_non_null(strstr(r.messages, "letter.txt"));
+    program_expect(&r, 2, "trade " SCENE " --resume --output " DIR "/mine");
+    assert_int_equal(program_count_files(DIR "/mine"), 1);
+
+    program_expect(&r, 2, SMALL DIR "/own"); /* a measurement, and no --resume */
+    assert_non_null(strstr(r.messages, "--resume"));
+    program_expect(&r, 2, "trade " SCENE " --resume --seeds 3 --output " DIR "/own");
+    program_expect(&r, 2, SMALL SCENE); /* a file */
+    program_expect(&r, 1, SMALL DIR "/no/such/place");
+}
+
+static void a_folder_of_another_scene_or_a_damaged_one_is_told(void **state)
+{
+    (void)state;
+    program_run r;
+    assert_int_equal(system("cp -r " DIR "/own " DIR "/harm"), 0);
+    assert_int_equal(system("sed 's/exponent\" 20/exponent\" 21/' " SCENE " > " DIR "/other.txt"), 0);
+    program_expect(&r, 2, "trade " DIR "/other.txt --resume --output " DIR "/harm");
+    assert_non_null(strstr(r.messages, "another scene"));
+    assert_int_equal(system("sed -i '3s/,/,x/' " DIR "/harm/runs.csv"), 0);
+    program_expect(&r, 2, "trade " SCENE " --resume --output " DIR "/harm");
+    assert_non_null(strstr(r.messages, "runs.csv:3:1"));
+    assert_int_equal(system("sed -i 's/^size .*/size -3 4/' " DIR "/harm/plan.txt"), 0);
+    program_expect(&r, 2, "trade " SCENE " --resume --output " DIR "/harm");
+    assert_non_null(strstr(r.messages, "plan.txt:3:1"));
+}
+
+static void a_scene_without_light_or_surface_has_nothing_to_trade(void **state)
+{
+    (void)state;
+    program_run r;
+    program_write_file(DIR "/empty.txt", "WorldBegin\nLightSource \"infinite\"\n");
+    program_expect(&r, 2, "trade " DIR "/empty.txt --output " DIR "/bad");
+    assert_non_null(strstr(r.messages, "nothing to trade"));
+    program_write_file(DIR "/dark.txt", "WorldBegin\nShape \"sphere\"\n");
+    program_expect(&r, 2, "trade " DIR "/dark.txt --output " DIR "/bad");
+    assert_non_null(strstr(r.messages, "no light"));
+    assert_false(program_exists(DIR "/bad"));
+}
+
+static void a_constant_light_is_measured_too(void **state)
+{
+    (void)state;
+    program_run r;
+    program_write_file(DIR "/constant.txt", "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 8\nLookAt 0 0 -4 0 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin\n"
+                                            "LightSource \"infinite\"\nShape \"sphere\"\n");
+    program_expect(&r, 0, "trade " DIR "/constant.txt --nthreads 1 --time 4 --passes 2 --seeds 2 --output " DIR "/constant");
+    char why[200], *page = read_page(DIR "/constant/report.html");
+    if (!html_is_well_formed(page, why, sizeof why)) fail_msg("%s", why);
+    bis_free(page);
+}
+
+static void a_full_disk_is_told(void **state)
+{
+    (void)state;
+    program_run r;
+    program_run_limited(&r, 2000, SMALL DIR "/full");
+    assert_int_equal(r.exit_status, 1);
+    assert_non_null(strstr(r.messages, "error"));
+}
+
+/* A reference of twice the size is averaged over blocks of 2 x 2: exact for box pixels. */
+static void a_given_reference_is_averaged_over_blocks(void **state)
+{
+    (void)state;
+    bis_image full, small;
+    assert_int_equal(bis_image_init(&full, 6, 4, NULL), BIS_OK);
+    for (int i = 0; i < 24; i++) full.pixels[i] = (rgb){(float)i, (float)(i * i), 1};
+    assert_int_equal(bis_trade_shrink(&small, &full, 2, NULL), BIS_OK);
+    assert_int_equal(small.width, 3);
+    assert_int_equal(small.height, 2);
+    assert_true(small.pixels[4].r == (14 + 15 + 20 + 21) / 4.0f);
+    assert_true(small.pixels[4].g == (196 + 225 + 400 + 441) / 4.0f);
+    bis_image_clear(&full);
+    bis_image_clear(&small);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_run_is_the_render_of_its_seed_bit_for_bit),
+        cmocka_unit_test(every_setting_budget_and_seed_is_measured_once_with_a_seed_of_its_own),
+        cmocka_unit_test(the_table_says_what_the_runs_say),
+        cmocka_unit_test(the_references_noise_is_measured_and_subtracted_and_no_method_judges_itself),
+        cmocka_unit_test(the_root_law_gives_slope_minus_half_and_a_constant_cost),
+        cmocka_unit_test(a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_recommended),
+        cmocka_unit_test(the_line_for_a_scene_file_is_the_setting),
+        cmocka_unit_test(lost_runs_are_measured_again_and_are_the_same),
+        cmocka_unit_test(a_finished_measurement_resumes_to_itself),
+        cmocka_unit_test(a_signal_keeps_what_was_measured_and_resume_goes_on),
+        cmocka_unit_test(the_page_is_well_formed_and_needs_nothing_else),
+        cmocka_unit_test(the_checker_of_pages_can_fail),
+        cmocka_unit_test(odd_names_do_not_break_the_page),
+        cmocka_unit_test(bad_input_is_told_and_nothing_is_lost),
+        cmocka_unit_test(a_folder_with_other_things_is_left_alone),
+        cmocka_unit_test(a_folder_of_another_scene_or_a_damaged_one_is_told),
+        cmocka_unit_test(a_scene_without_light_or_surface_has_nothing_to_trade),
+        cmocka_unit_test(a_constant_light_is_measured_too),
+        cmocka_unit_test(a_full_disk_is_told),
+        cmocka_unit_test(a_given_reference_is_averaged_over_blocks),
+    };
+    return cmocka_run_group_tests_name("trade", tests, setup, NULL);
+}
