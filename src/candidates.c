@@ -121,6 +121,7 @@ static bool draw_brdf(vec3 *wi, const bis_bsdf *bsdf, bis_stream *stream, uint32
 /* ---- the weights ---- */
 
 /* A direction from the map: q_L came with it; q_f is computed only where it is mixed in. */
+/* [weigh-em] */
 static void weigh_em(bis_candidate *c, const bis_point *pt, const bis_light_point *y, double beta)
 {
     double q = y->pdf, cos_theta = bis_bsdf_cos(&pt->bsdf, y->wi);
@@ -138,8 +139,10 @@ static void weigh_em(bis_candidate *c, const bis_point *pt, const bis_light_poin
     c->C = bis_estimate(f, y->Le, cos_theta, q);
     c->w = rgbd_sum(c->C);
 }
+/* [end] */
 
 /* A direction from the BRDF: its radiance is looked up, and q_L where it is mixed in. */
+/* [weigh-brdf] */
 static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double beta)
 {
     double q, cos_theta = bis_bsdf_cos(&pt->bsdf, wi);
@@ -159,6 +162,7 @@ static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double be
     c->C = bis_estimate(f, Le, cos_theta, q);
     c->w = rgbd_sum(c->C);
 }
+/* [end] */
 
 /* n of the M directions of a set: n_brdf = M - n of them, evenly spread, are left out. */
 static void candidates_from_pool(bis_candidate *c, const bis_mixture *m, const bis_pool *pool, const bis_point *pt, bis_stream *stream)
@@ -244,6 +248,7 @@ void bis_candidates_colour_as_printed(bis_candidate *c, uint32_t M, double W)
 
 /* A walk along the running sum S of the weights, the same sum in the same order that made W. A mark at 1 would lie at W, which no S exceeds: it belongs
  * to the last candidate with a positive weight, never to the last of all. */
+/* [resample] */
 void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W, bis_resampling resampling, bis_stream *stream)
 {
     bis_marks marks = bis_marks_start(resampling, N, stream);
@@ -263,6 +268,7 @@ void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *
     }
     while (j < N) chosen[j++] = last;
 }
+/* [end] */
 
 /* ---- the estimate ---- */
 

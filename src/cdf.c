@@ -19,6 +19,7 @@
 /* C[i+1] = C[i] + f[i], scaled but not yet normalised; returns C[N]. What each addition rounds off is kept in `low`
  * (Neumaier 1974): or a million small items after a large one would vanish one by one. C stays monotone: an f that changes
  * `sum` is far above all errors of `low`, and one that does not can only raise `low`. */
+/* [cdf-sum] */
 static double accumulate(double *c, const double *f, size_t n, weight_scale s)
 {
     double sum = 0, low = 0;
@@ -31,6 +32,7 @@ static double accumulate(double *c, const double *f, size_t n, weight_scale s)
     }
     return c[n];
 }
+/* [end] */
 
 /* Inverse of C at u = g / n_guide, by one walk along C. At u = 1: the last item that can be drawn. */
 static void fill_guide(uint32_t *guide, size_t n_guide, const double *c, size_t n)
@@ -76,6 +78,7 @@ void bis_cdf_clear(bis_cdf *c)
     *c = (bis_cdf){0};
 }
 
+/* [cdf-search] */
 size_t bis_cdf_sample(const bis_cdf *c, double u, double *remainder)
 {
     assert(c->total > 0 && u >= 0 && u < 1);
@@ -94,6 +97,7 @@ size_t bis_cdf_sample(const bis_cdf *c, double u, double *remainder)
     }
     return i;
 }
+/* [end] */
 
 double bis_cdf_pmf(const bis_cdf *c, size_t i) { return c->total > 0 ? c->c[i + 1] - c->c[i] : 0; }
 

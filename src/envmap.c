@@ -35,12 +35,14 @@ bis_status bis_envmap_init_rows(bis_envmap *em, int width, int height, bis_diag 
     if (!em->cos_edge || !em->row_solid_angle) {
         return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the %d rows of an environment map", height);
     }
+    /* [solid-angle] */
     const double sin_half = sin(PI / (2.0 * height));
     for (int y = 0; y < height; y++) {
         em->cos_edge[y] = cos_polar(y, height);
         em->row_solid_angle[y] = 2 * PI / width * 2 * sin_polar(y + 0.5, height) * sin_half;
     }
     em->cos_edge[height] = -1;
+    /* [end] */
     return BIS_OK;
 }
 

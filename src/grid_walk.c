@@ -20,6 +20,7 @@ typedef struct axis {
 } axis;
 
 /* Cut (t[0], t[1]) to the slab lo <= o + t d <= hi. */
+/* [grid-clip] */
 static inline bool clip(double lo, double hi, double o, double d, double t[2])
 {
     if (d == 0) return o >= lo && o <= hi;
@@ -28,8 +29,10 @@ static inline bool clip(double lo, double hi, double o, double d, double t[2])
     t[1] = fmin(t[1], fmax(a, b));
     return t[0] <= t[1];
 }
+/* [end] */
 
 /* p: where the walk starts, within rounding inside the box. Clamped, as rounding may leave it by some ulps. */
+/* [grid-axis] */
 static inline axis start_axis(const bis_grid *g, int a, double p, double d, ptrdiff_t stride, size_t *cell)
 {
     const int n = g->n[a];
@@ -41,6 +44,7 @@ static inline axis start_axis(const bis_grid *g, int a, double p, double d, ptrd
     double wall = g->lo[a] + (d > 0 ? i + 1 : i) * g->cell[a];
     return (axis){(wall - p) / d, g->cell[a] / fabs(d), d > 0 ? stride : -stride, d > 0 ? n - 1 - i : i};
 }
+/* [end] */
 
 /* Is primitive prim hit at a float t in (0, tmax), not behind best? */
 static inline bool meets(const bis_grid *g, uint32_t prim, const sheared_ray *s, const ray *r, double best, double *t)
@@ -58,6 +62,7 @@ static inline bool meets(const bis_grid *g, uint32_t prim, const sheared_ray *s,
 }
 
 /* The walk of both queries; any is a constant in each. */
+/* [grid-walk] */
 static inline __attribute__((always_inline)) bool walk(const bis_grid *g, const ray *r, bis_hit *hit, const bool any)
 {
     const double ox = (double)r->o.x, oy = (double)r->o.y, oz = (double)r->o.z;
@@ -105,6 +110,7 @@ static inline __attribute__((always_inline)) bool walk(const bis_grid *g, const 
     *hit = (bis_hit){(float)best.t, best.prim};
     return true;
 }
+/* [end] */
 
 bool bis_grid_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
 {

@@ -182,10 +182,12 @@ bool bis_importance_sample_curve(const bis_importance *im, double t, const doubl
     return true;
 }
 
+/* [density] */
 double bis_importance_pdf_pixel(const bis_importance *im, size_t pixel)
 {
     return im->total > 0 ? bis_weight(&im->weights, pixel) / im->total : 0;
 }
+/* [end] */
 
 double bis_importance_pdf(const bis_importance *im, vec3 w_local)
 {

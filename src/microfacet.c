@@ -102,6 +102,7 @@ static void init(bis_bsdf *b)
     if (b->p_specular == 1 && !rgb_is_black(m->Kd)) b->p_specular = 1 - 0x1p-53;
 }
 
+/* [facet-density] */
 static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 {
     const double a = b->material->alpha, c_i = bis_bsdf_cos(b, wi), c_o = bis_bsdf_cos(b, b->wo);
@@ -116,6 +117,7 @@ static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
     const double specular = D / (2 * (c_i * S_o + c_o * stretched(a, c_i)));
     return rgbd_round(blend(b->material, cos_d, specular, base_norm * INV_PI * through_coat(c_i) * through_coat(c_o)));
 }
+/* [end] */
 
 static rgb f(const bis_bsdf *b, vec3 wi)
 {
@@ -159,6 +161,7 @@ static vec3 mirrored(const frame *f, vec3 wo, const double h[3])
     return vec3_from(k * x - (double)wo.x, k * y - (double)wo.y, k * z - (double)wo.z);
 }
 
+/* [facet-sample] */
 static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {
     const frame *n = &b->local;
@@ -173,6 +176,7 @@ static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
     *wi = mirrored(n, b->wo, h);
     return true;
 }
+/* [end] */
 
 /* ---- the bounds of rejection (docs/errata.md E27) ---- */
 
@@ -203,6 +207,7 @@ static double max_f_cos(const bis_bsdf *b)
 
 /* A ratio of sums is at most the largest ratio of their terms: F G2/G1 / p_s with G2 <= G1, and the base's f cos over
  * p_d cos/pi. */
+/* [facet-bound] */
 static double max_ratio(const bis_bsdf *b)
 {
     const rgbd F = most_fresnel(b),
@@ -213,6 +218,7 @@ static double max_ratio(const bis_bsdf *b)
 
     return fmax(specular, diffuse) * unit_slack;
 }
+/* [end] */
 
 const bis_bsdf_model bis_microfacet_model = {.name = "microfacet",
                                              .init = init,

@@ -32,13 +32,16 @@ static void scratch_needs(const bis_settings *s, bis_scratch *need)
 }
 
 /* h of the technique with n q = own against the other's. By their ratio: squares could underflow, and Inf is a fair ratio. */
+/* [mis-weight] */
 static double weight(bis_heuristic heuristic, double own, double other)
 {
     double r = other / own;
 
     return 1 / (1 + (heuristic == BIS_HEURISTIC_POWER ? r * r : r));
 }
+/* [end] */
 
+/* [mis-em] */
 static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, uint32_t n_em, uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
@@ -58,7 +61,9 @@ static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *strea
     }
     return sum;
 }
+/* [end] */
 
+/* [mis-brdf] */
 static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2], uint32_t n_em, uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
@@ -81,6 +86,7 @@ static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *str
     }
     return sum;
 }
+/* [end] */
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {

@@ -27,6 +27,7 @@ bis_levels bis_levels_of(const bis_envmap *em, int levels)
     return (bis_levels){levels, least, most > 0 ? log(most / least) : 0};
 }
 
+/* [level] */
 uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
 {
     if (intensity == 0) return BIS_LEVEL_NONE;
@@ -34,6 +35,7 @@ uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
     const double bin = l->n * log(intensity / l->least) / l->log_range;
     return (uint8_t)fmin(bin, l->n - 1); /* the brightest pixel stands on the last bin's upper edge */
 }
+/* [end] */
 
 /* One search and all that it needs. */
 typedef struct search {

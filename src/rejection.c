@@ -30,6 +30,7 @@ static void scratch_needs(const bis_settings *s, bis_scratch *need)
     need->n_chosen = s->candidates > s->shadowrays ? s->candidates : s->shadowrays;
 }
 
+/* [choose] */
 static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_stream *stream)
 {
     if (s->proposal != BIS_PROPOSAL_CHOOSE) return s->proposal;
@@ -37,6 +38,7 @@ static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_strea
     double c_em = bis_candidates_bound(pt, BIS_PROPOSAL_EM), c_brdf = bis_candidates_bound(pt, BIS_PROPOSAL_BRDF);
     return bis_stream_random(stream) * (c_em + c_brdf) < c_brdf ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF;
 }
+/* [end] */
 
 /* As printed (E27): p < f_max q_L and p < L_max q_f, f_max and L_max being the largest values of the densities q_f and q_L themselves. Times L_ns, since
  * w = L_ns p/q; q_f taken as f cos over Kd + Ks. */
@@ -49,6 +51,7 @@ static double bound_as_printed(const bis_point *pt, bis_proposal proposal, doubl
 }
 
 /* Accept each candidate with probability w/B, or 1 where B is no bound. Returns A. */
+/* [accept] */
 static uint32_t accept(uint32_t *chosen, const bis_candidate *x, const bis_settings *s, double B, bis_stream *stream)
 {
     uint32_t A = 0;
@@ -59,6 +62,7 @@ static uint32_t accept(uint32_t *chosen, const bis_candidate *x, const bis_setti
     }
     return A;
 }
+/* [end] */
 
 /* Move n of chosen[A], drawn without replacement, to the front (Fisher and Yates 1938). */
 static void draw_without_replacement(uint32_t *chosen, uint32_t A, uint32_t n, bis_stream *stream)
@@ -129,10 +133,12 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     pt->counters->accepted += A;
     if (A == 0) return s->estimator == BIS_ESTIMATOR_PLAIN ? (rgb){0, 0, 0} : rgbd_round(fall_back(s, pt, stream, scratch, W));
 
+    /* [rejection-estimate] */
     uint32_t n = A < N ? A : N;
     draw_without_replacement(scratch->chosen, A, n, stream);
     double Z = s->estimator == BIS_ESTIMATOR_PLAIN ? B / M * A : W / M; /* plain: B A/M in place of Zhat, which it estimates */
     return rgbd_round(bis_candidates_trace(pt, x, scratch->chosen, n, Z / n));
+    /* [end] */
 }
 
 const bis_integrator bis_rejection = {

@@ -48,9 +48,11 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     if (s->as_printed & BIS_E23) W = bis_candidates_weigh_as_printed(x, M, s->proposal, pt);
     if (s->as_printed & BIS_E6) bis_candidates_colour_as_printed(x, M, W);
 
+    /* [sir-estimate] */
     bis_candidates_resample(scratch->chosen, N, x, M, W, s->resampling, stream);
     double Zhat = W / M;
     rgbd L = bis_candidates_trace(pt, x, scratch->chosen, N, Zhat / N);
+    /* [end] */
     if (s->as_printed & BIS_E21) L = rgbd_scale(L, independent_Zhat(s, pt, stream, scratch) / Zhat);
     return rgbd_round(L);
 }
