@@ -1,9 +1,10 @@
 /* phong_lanes: phong.c for many directions at once, in float: 1 to 2 ns each with AVX-512 instead of 25 (190 for a direction drawn
  * from the BRDF). The formulas are those of phong.c, line for line.
  *
- * What float costs. The lobe's power has a relative error below 2^-20 (1 + |log power|), and never falls below 2^-100 (bis/lanes.h). The same power stands in the weight that a
+ * What float costs. The lobe's power has a relative error below 2^-20 (1 + |log power|), plus n 2^-22/cos
+ * where cos alpha is small, and never falls below 2^-100 (bis/lanes.h). The same power stands in the weight that a
  * candidate is chosen by and in what the estimate divides by, so no bias comes of it but this error of f itself: 1e-6 in the middle of the lobe, 2e-5
- * where it has fallen to 1e-9 of its peak (tests/test_lanes.c).
+ * where it has fallen to 1e-9 of its peak (tests/test_phong_lanes.c).
  * Reflectances are divided by the largest of them: a material of reflectance 1e-40 would leave a float's range. */
 #include "phong_lanes.h"
 
@@ -70,7 +71,7 @@ static inline BIS_INLINE void weigh_as(float *w, const constants *c, const bis_l
         }
         if (mixed) q += brdf * (k.pdf_lobe * p + k.pdf_base * bis_lanes_choose(cos_theta > 0, cos_theta, 0));
         const float phat = cos_theta * (fr * l.r[i] + fg * l.g[i] + fb * l.b[i]);
-        w[i] = bis_lanes_choose(cos_theta > 0, phat / q, 0);
+        w[i] = bis_lanes_choose(cos_theta > 0, phat / bis_lanes_choose(q > 0, q, 1), 0); /* q = 0: a black pixel, outside the lobe; phat is 0, too */
     }
 }
 
