@@ -22,8 +22,8 @@ file == "light" { light[++n_light] = $0 }
 file == "cost" { cost[$2] = $0; note(per_ray, $7 / $6); note(per_ray_large, $8 / $6); note(sir_to_rays, $9) }
 file == "threads" { note(speedup, $5); note(speedup_cpu, $6) }
 file == "accel" { accel[++n_accel] = $0 }
-file == "accel" && /^grid : embree/ { grid_build = $5; grid_any = $9 }
-file == "accel" && /^disagreements/ { disagree = $0 }
+file == "accel" && /^build, 1 thread / { grid_build = after("ratio") }
+file == "accel" && /disagree/ { rays += $2; disagree += after("disagree"); if ($1 != "nearest") note(grid_any, after("ratio")) }
 file == "equal" || file == "resample" {
     key = $1 SUBSEP $2 SUBSEP $3
     if (file == "equal" && !($1 in seen)) { seen[$1]; scene[++n_scenes] = $1 }
@@ -33,6 +33,11 @@ file == "equal" || file == "resample" {
     for (i = 1; i <= n_seeds; i++) seed[key, i] = $(8 + i)
 }
 file == "reach" { coarse[$1] = $4; fine[$1] = $5; reach_own[$1] = $3 }
+
+# The number that follows a word.
+function after(word,    i) {
+    for (i = 1; i < NF; i++) if ($i == word) return $(i + 1) + 0
+}
 
 # Sum of logarithms, number, smallest and largest.
 function note(a, x) {
@@ -123,9 +128,9 @@ END {
         row("the same, 4 times the pixels a pass", 1 / 30, 1 / 110, geometric(per_ray_large), per_ray_large["min"], per_ray_large["max"], -1)
         row("time of SIR 15/800 : of its rays, one by one", 3, 1.6, geometric(sir_to_rays), sir_to_rays["min"], sir_to_rays["max"], -1)
     }
-    row("grid any-hit ray : Embree's", 2.5, 1.5, grid_any, grid_any, grid_any, -1)
-    row("grid build : Embree build, one thread", 0.6, 0.3, grid_build, grid_build, grid_build, -1)
-    if (disagree) print "  " disagree
+    if (grid_any["n"]) row("grid any-hit ray : Embree's (" grid_any["n"] " sets of rays)", 2.5, 1.5, geometric(grid_any), grid_any["min"], grid_any["max"], -1)
+    if (grid_build) row("grid build : Embree build, one thread", 0.6, 0.3, grid_build, grid_build, grid_build, -1)
+    if (rays) row("grid and Embree disagree, of " rays " rays", rays / 1e6, 0, disagree, disagree, disagree, -1)
     for (s = 1; s <= n_scenes; s++) for (m = 1; m <= 4; m++) if ((scene[s], m) in must) {
         r = ratio(scene[s] SUBSEP material[m] SUBSEP "mis-iid", scene[s] SUBSEP material[m] SUBSEP "ours")
         row("equal time, i.i.d. MIS : SIR, " scene[s] " " material[m], must[scene[s], m], aim[scene[s], m], r, lo, hi, 1)
