@@ -92,7 +92,7 @@ void bis_batch_free(bis_batch *b)
 
 bool bis_batch_fits(const bis_point *pt, const bis_scratch *scratch)
 {
-    return scratch->batch && (scratch->clusters || scratch->pool) && pt->bsdf.material->model->lanes;
+    return scratch->batch && (scratch->clusters || scratch->pool) && pt->bsdf.material->model->lanes && !bis_bsdf_is_black(&pt->bsdf);
 }
 
 /* ---- candidates and their weights ---- */

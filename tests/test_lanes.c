@@ -38,7 +38,7 @@ static double worst(float (*f)(float), long double (*truth)(long double), float 
         const long double t = truth((long double)x), error = fabsl((long double)f(x) - t);
         if (error == 0) continue;
         most = fmax(most, (double)(relative ? error / fabsl(t) : error));
-        if (isnan(error)) return NAN;
+        if (isnan(error)) return (double)NAN;
     }
     return most;
 }
