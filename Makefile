@@ -86,10 +86,6 @@ test-long:
 test-browser: $B/bis $(STAMP)
 	@sh scripts/test_browser.sh $B/bis $B/browser
 
-# The page of bis trade in a headless Chromium, where there is one; no part of `make test`.
-test-browser: $B/bis $(STAMP)
-	@sh scripts/test_browser.sh $B/bis $B/browser
-
 # docs/envelope.md anew, slow cases included: its introduction as it stands, then what the tests measure.
 ENVELOPE := $(filter $B/tests/test_envelope_%,$(TESTS))
 envelope: $(ENVELOPE)
@@ -127,5 +123,6 @@ install: $B/bis
 clean:
 	rm -rf build bis data/models data/maps
 
+include scripts/course.mk
 -include $(patsubst %.c,$B/%.d,$(wildcard src/*.c tests/*.c tests/fuzz/*.c scripts/*.c))
 .SECONDARY:

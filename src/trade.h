@@ -98,7 +98,7 @@ typedef struct bis_trade_point {
 typedef struct bis_trade_curve {
     int first, n;
     double cost_variance, cost_variance_se; /* mean over budgets; se from the seeds */
-    double slope, slope_se;                 /* of log error over log seconds; NAN: fewer than two budgets */
+    double slope, slope_se;                 /* of log error over log seconds; NAN: fewer than three budgets */
     double pass_seconds;                    /* at the longest budget */
 } bis_trade_curve;
 
@@ -237,7 +237,7 @@ bis_status bis_trade_summarise(bis_trade *t, bis_diag *diag);
 double bis_trade_error_at(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double seconds, bool *extrapolated);
 double bis_trade_seconds_to(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double error, bool *extrapolated);
 
-/* The unbiased setting of an integrator with the least cost x variance; -1: none was measured. NULL: of all. Biased ones count where there is nothing else. */
+/* The setting of an integrator with the least cost x variance, its standard error added; NULL: of all that are unbiased. -1: none was measured. */
 int bis_trade_best_of(const bis_trade *t, const char *integrator);
 /* The best of each integrator and the scene's own, in the order of the table, those that were measured. Returns how many. */
 int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP]);

@@ -3,7 +3,7 @@
  * Between two budgets of a curve log error is linear in log seconds; beyond the last one an unbiased method goes on by the root law, error ~ seconds^-1/2
  * (errata.md E9), which is said wherever such a figure is shown. A biased one has a floor that nobody has seen: no figure. Below
  * one pass there is no picture. For the advice passes are counted, since a render has whole ones: the fewest that reach the error by cost x variance, of whatever
- * setting needs the least time for them, times the pixels of the full picture. Half of a pixel's value will do for a preview, and 5% for the eye. */
+ * setting needs the least time for them, standard error added, times the pixels of the full picture. Half of a pixel's value will do for a preview, and 5% for the eye. */
 #include "trade.h"
 
 #include <string.h>
@@ -58,11 +58,11 @@ double bis_trade_seconds_to(const bis_trade_result *r, const bis_trade_plan *pla
 
 /* ---- the best ---- */
 
-static bool is_better(const bis_trade *t, int a, int b)
+/* cost x variance and its standard error: of thirty settings the least figure is often that of the luckiest, which has a large one. */
+static double rank_of(const bis_trade *t, int setting)
 {
-    const bis_trade_setting *s = t->plan.settings;
-    if (s[a].is_biased != s[b].is_biased) return !s[a].is_biased;
-    return t->result.curves[a].cost_variance < t->result.curves[b].cost_variance;
+    const bis_trade_curve *c = &t->result.curves[setting];
+    return c->cost_variance + (c->cost_variance_se > 0 ? c->cost_variance_se : 0);
 }
 
 int bis_trade_best_of(const bis_trade *t, const char *integrator)
@@ -71,7 +71,8 @@ int bis_trade_best_of(const bis_trade *t, const char *integrator)
     for (int i = 0; i < t->plan.n_settings; i++) {
         if (!is_measured(t, i)) continue;
         if (integrator && strcmp(t->plan.settings[i].settings.integrator->name, integrator) != 0) continue;
-        if (best < 0 || is_better(t, i, best)) best = i;
+        if (!integrator && t->plan.settings[i].is_biased) continue;
+        if (best < 0 || rank_of(t, i) < rank_of(t, best)) best = i;
     }
     return best;
 }
@@ -110,11 +111,15 @@ static bis_trade_advice advice_of(const bis_trade *t, int setting, const char *p
 static bis_trade_advice advise_for(const bis_trade *t, const char *purpose, double error)
 {
     bis_trade_advice best = {.purpose = purpose, .error = error, .setting = -1};
+    double least = 0;
 
     for (int i = 0; i < t->plan.n_settings; i++) {
         if (!is_measured(t, i) || t->plan.settings[i].is_biased) continue;
         const bis_trade_advice a = advice_of(t, i, purpose, error);
-        if (a.setting >= 0 && (best.setting < 0 || a.seconds < best.seconds)) best = a;
+        const double doubt = t->result.curves[i].cost_variance > 0 ? rank_of(t, i) / t->result.curves[i].cost_variance : 1;
+        if (a.setting < 0 || (best.setting >= 0 && a.seconds * doubt >= least)) continue;
+        best = a;
+        least = a.seconds * doubt;
     }
     return best;
 }

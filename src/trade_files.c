@@ -333,7 +333,8 @@ bis_status bis_trade_read_runs(bis_trade *t, bis_diag *diag)
     for (char *line; !status && (line = next_line(&l)) != NULL;) {
         bis_trade_run run;
         if (read_run(&run, &t->plan, line) && !bis_trade_has_run(t, run.setting, run.level, run.replicate)) status = bis_trade_add_run(t, &run, diag);
-        else status = bis_error(diag, BIS_INPUT, (bis_loc){path, l.number, 1}, "\"%s\" is no run of plan.txt, or the second of its kind; remove the line and it is measured again", line);
+        else status = bis_error(diag, BIS_INPUT, (bis_loc){path, l.number, 1},
+                                "\"%s\" is no run of plan.txt, or the second of its kind; remove the line and it is measured again", line);
     }
     bis_free(l.data);
     return status;

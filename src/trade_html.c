@@ -116,12 +116,23 @@ static double least_in(const bis_trade *t, cell value, double at)
     return least;
 }
 
-static void put_rows(FILE *out, const bis_trade *t, cell value, words say, const double *at, int n)
+static bool is_head(const bis_trade *t, int setting)
+{
+    int heads[BIS_TRADE_STRIP];
+    const int n = bis_trade_heads(t, heads);
+    for (int i = 0; i < n; i++) {
+        if (heads[i] == setting) return true;
+    }
+    return false;
+}
+
+static void put_rows(FILE *out, const bis_trade *t, cell value, words say, const double *at, int n, bool all)
 {
     int order[BIS_TRADE_SETTINGS];
     const int n_rows = by_cost(t, order);
 
     for (int i = 0; i < n_rows; i++) {
+        if (!all && !is_head(t, order[i])) continue;
         fprintf(out, "<tr><th class=\"k-%s\">", t->plan.settings[order[i]].settings.integrator->name);
         put_name(out, &t->plan.settings[order[i]]);
         fputs("</th>", out);
@@ -137,33 +148,37 @@ static void put_rows(FILE *out, const bis_trade *t, cell value, words say, const
     fputs("</tbody></table></div>\n", out);
 }
 
+static void put_table(FILE *out, const bis_trade *t, const char *corner, words say_column, const double *at, int n, cell value, words say, bool all)
+{
+    char text[24];
+    open_table(out, corner);
+    for (int k = 0; k < n; k++) fprintf(out, "<th>%s</th>", say_column(text, at[k]));
+    fputs("</tr></thead><tbody>\n", out);
+    put_rows(out, t, value, say, at, n, all);
+}
+
+/* The best of each integrator, and all of them for those who ask. */
+static void put_tables(FILE *out, const bis_trade *t, const char *corner, words say_column, const double *at, int n, cell value, words say)
+{
+    put_table(out, t, corner, say_column, at, n, value, say, false);
+    fputs("<details><summary>All settings</summary>\n", out);
+    put_table(out, t, corner, say_column, at, n, value, say, true);
+    fputs("</details>\n", out);
+}
+
 void bis_trade_put_equal_times(FILE *out, const bis_trade *t)
 {
     double at[BIS_TRADE_COLUMNS];
-    char text[24];
     const int n = bis_trade_times(t, at);
-
-    open_table(out, "error after");
-    for (int k = 0; k < n; k++) fprintf(out, "<th>%s</th>", bis_trade_duration(text, at[k]));
-    fputs("</tr></thead><tbody>\n", out);
-    put_rows(out, t, bis_trade_error_at, bis_trade_percent, at, n);
+    put_tables(out, t, "error after", bis_trade_duration, at, n, bis_trade_error_at, bis_trade_percent);
 }
 
 void bis_trade_put_equal_errors(FILE *out, const bis_trade *t)
 {
-    double at[BIS_TRADE_COLUMNS];
-    char text[24];
+    double at[BIS_TRADE_COLUMNS], descending[BIS_TRADE_COLUMNS];
     const int n = bis_trade_errors(t, at);
-
-    open_table(out, "time to an error of");
-    for (int k = n - 1; k >= 0; k--) fprintf(out, "<th>%s</th>", bis_trade_percent(text, at[k]));
-    for (int k = 0; k < n / 2; k++) {
-        const double v = at[k];
-        at[k] = at[n - 1 - k];
-        at[n - 1 - k] = v;
-    }
-    fputs("</tr></thead><tbody>\n", out);
-    put_rows(out, t, bis_trade_seconds_to, bis_trade_duration, at, n);
+    for (int k = 0; k < n; k++) descending[k] = at[n - 1 - k];
+    put_tables(out, t, "time to an error of", bis_trade_percent, descending, n, bis_trade_seconds_to, bis_trade_duration);
 }
 
 /* ---- the front ---- */

@@ -3,14 +3,14 @@
  * A pilot renders each setting at 64 x 48 pixels or so: what a pixel of a pass costs, c, and what scatter it leaves, v. What is planned from it:
  *   - the setting of least c v of each integrator, and the scene's own, get budgets of up to r seconds; the others r/4: cost x variance hardly
  *     changes along a curve, so a short one says nearly as much;
- *   - so few pixels that the middle one of the longer curves has some 12 passes, five budgets, at its end;
+ *   - so few pixels that the middle one of the longer curves has some 8 passes, four budgets, at its end;
  *   - r such that all runs fill 62% of what is left of the time; the references get 22%, the pictures 6%, and the rest is for surprises.
  * With --passes all of them get that many instead, however long that takes, and only the pixels depend on the clock, if there are more than LEAST_PIXELS. */
 #include "trade.h"
 
 #include <string.h>
 
-enum { PILOT_PIXELS = 3072, LEAST_PIXELS = 3072, MOST_PIXELS = 90000, MIDDLE_PASSES = 12, MOST_PILOT_PASSES = 256 };
+enum { PILOT_PIXELS = 3072, LEAST_PIXELS = 4800, MOST_PIXELS = 90000, MIDDLE_PASSES = 8, MOST_PILOT_PASSES = 256 };
 
 static const double pilot_share = 0.08, sweep_share = 0.62, reference_share = 0.22;
 static const double short_curve = 0.25;     /* of r, for settings that are not the best of their integrator */
@@ -235,7 +235,7 @@ static bis_status check_error(const bis_trade *t, bis_diag *diag)
 {
     const bis_trade_plan *plan = &t->plan;
     char need[24], whole[24];
-    double seconds = INFINITY;
+    double seconds = HUGE_VAL;
     int best = 0;
 
     if (t->o.error <= 0) return BIS_OK;

@@ -185,7 +185,8 @@ static void draw_label(const plot *p, const label *l)
 
     fprintf(p->out, "<text class=\"name k-%s\" x=\"%d\" y=\"%.1f\">%s</text>", s->settings.integrator->name, WIDTH - RIGHT + 12, l->y + 1, s->name);
     if (p->by_rays || isnan(c->slope)) return;
-    fprintf(p->out, "<text class=\"note\" x=\"%d\" y=\"%.1f\">slope %.2f", WIDTH - RIGHT + 12, l->y + 14, c->slope);
+    fprintf(p->out, "<text class=\"note\" x=\"%d\" y=\"%.1f\">slope %s%.2f", WIDTH - RIGHT + 12, l->y + 14, c->slope < 0 ? "&#8722;" : "",
+            fabs(c->slope));
     if (!isnan(c->slope_se)) fprintf(p->out, " &#177; %.2f", c->slope_se);
     fputs("</text>", p->out);
 }

@@ -37,6 +37,17 @@ static void say_setting(FILE *out, const bis_trade_setting *s)
     fputs(")", out);
 }
 
+/* Each "--name value" stays on one line. */
+static void put_options(FILE *out, const char *options)
+{
+    for (const char *at = options; *at;) {
+        const char *next = strstr(at + 1, " --");
+        const int n = next ? (int)(next - at) : (int)strlen(at);
+        fprintf(out, " <span>%.*s</span>", n, at);
+        at += next ? n + 1 : n;
+    }
+}
+
 /* The command, or where it has no options for the setting, the scene's line. */
 static void put_recipe(FILE *out, const bis_trade *t, const bis_trade_advice *a)
 {
@@ -53,7 +64,8 @@ static void put_recipe(FILE *out, const bis_trade *t, const bis_trade_advice *a)
     }
     fputs("bis ", out);
     bis_trade_put_text(out, t->o.scene);
-    fprintf(out, "%s%s --spp %u</code>", options[0] ? " " : "", options, (unsigned)a->passes);
+    put_options(out, options);
+    fprintf(out, " <span>--spp %u</span></code>", (unsigned)a->passes);
 }
 
 static void put_advice(FILE *out, const bis_trade *t, const bis_trade_advice *a)
@@ -116,12 +128,14 @@ static void put_method(FILE *out, const bis_trade *t)
     char longest[24];
 
     fputs("<h2>How it was measured</h2><p>Everything here can be made again: <code>runs.csv</code> has each run with its seed.</p>\n<dl>\n", out);
-    fprintf(out, "<dt>picture</dt><dd>%d &#215; %d pixels for a scene of %d &#215; %d: the same view, so each pixel is as noisy; times of the advice are scaled to the full picture.</dd>\n",
+    fprintf(out, "<dt>picture</dt><dd>%d &#215; %d pixels for a scene of %d &#215; %d: the same view, so each pixel is as noisy; "
+            "times of the advice are scaled to the full picture.</dd>\n",
             t->plan.width, t->plan.height, t->plan.full_width, t->plan.full_height);
     fprintf(out, "<dt>runs</dt><dd>%zu of %zu: each setting with 1, 2, 4, ... passes up to %s, %d seed%s each, on %d thread%s.</dd>\n", t->n_runs,
             bis_trade_planned_runs(&t->plan), bis_trade_duration(longest, t->plan.run_seconds), t->plan.n_seeds, t->plan.n_seeds == 1 ? "" : "s", t->n_threads,
             t->n_threads == 1 ? "" : "s");
-    fputs("<dt>error</dt><dd>the root of relMSE: the mean over pixels and channels of (a &#8722; b)&#178; / (b&#178; + m&#178;/100), b the reference, m its mean. "
+    fputs("<dt>error</dt><dd>the root of relMSE: the mean over pixels and channels of (a &#8722; b)&#178; / (b&#178; + m&#178;/100), b the "
+          "reference, m its mean. "
           "100% means noise as strong as the picture.</dd>\n", out);
     fputs("<dt>cost &#215; variance</dt><dd>seconds &#215; relMSE. Twice the time halves the variance, so it hardly depends on the budget, and is what an error costs: a "
           "method with 2&#215; needs twice as long for the same picture.</dd>\n", out);
@@ -178,7 +192,8 @@ static void put_pictures(FILE *out, const bis_trade *t)
     char time[24];
 
     if (t->n_strip == 0) return;
-    fprintf(out, "<h2>The same time for each</h2><p>Each method had about %s. Below the picture two enlarged parts, the ones marked in the reference, and the error of each pixel.</p>\n",
+    fprintf(out, "<h2>The same time for each</h2><p>Each method had about %s. Below the picture two enlarged parts, the ones marked in the "
+            "reference, and the error of each pixel.</p>\n",
             bis_trade_duration(time, t->plan.run_seconds));
     bis_trade_put_strips(out, t);
     fputs("<h2>Side by side</h2><p>Drag the line, or use the arrow keys.</p>\n", out);
@@ -187,7 +202,8 @@ static void put_pictures(FILE *out, const bis_trade *t)
 
 static void put_tables(FILE *out, const bis_trade *t)
 {
-    fputs("<h2>Equal time</h2><p>Relative error of each setting after so many seconds; ~ is extrapolated by the root law, &#8211; is less than one pass.</p>\n", out);
+    fputs("<h2>Equal time</h2><p>Relative error of each setting after so many seconds; "
+          "~ is extrapolated by the root law; &#8211;: less than one pass, or a bias that forbids to extrapolate.</p>\n", out);
     bis_trade_put_equal_times(out, t);
     fputs("<h2>Equal error</h2><p>Seconds of rendering at the measured size until the relative error is so small.</p>\n", out);
     bis_trade_put_equal_errors(out, t);

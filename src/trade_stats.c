@@ -10,6 +10,8 @@
 
 #include "bis/mem.h"
 
+enum { LEAST_BUDGETS = 3 }; /* for a slope */
+
 /* ---- sums over seeds ---- */
 
 typedef struct seeds {
@@ -111,8 +113,8 @@ static const bis_trade_run *find_run(const bis_trade *t, int setting, int level,
     return NULL;
 }
 
-/* Of one seed: seconds x noise, mean over its budgets weighted by their passes, since a rare bright sample upsets a short run most; slope of log error over log seconds, NAN where two budgets are missing. Points that the reference's
- * noise all but hides tell nothing of a slope. */
+/* Of one seed: seconds x noise, mean over its budgets weighted by their passes, since a rare bright sample upsets a short run most; slope of log
+ * error over log seconds, NAN where there are too few budgets. Points that the reference's noise all but hides tell nothing of a slope. */
 static bool follow_seed(const bis_trade *t, int setting, int replicate, double *cost_variance, double *slope)
 {
     const double floor = reference_of(t, setting)->relmse;
@@ -133,7 +135,7 @@ static bool follow_seed(const bis_trade *t, int setting, int replicate, double *
     }
     const double spread = sxx - sx * sx / fmax(fitted, 1);
     *cost_variance = cost / passes;
-    *slope = fitted >= 2 && spread > 0 ? (sxy - sx * sy / fitted) / spread : (double)NAN;
+    *slope = fitted >= LEAST_BUDGETS && spread > 0 ? (sxy - sx * sy / fitted) / spread : (double)NAN;
     return passes > 0;
 }
 

@@ -195,7 +195,8 @@ static void put_shot(FILE *out, const bis_trade *t, int i, const window crops[N_
     snprintf(name, sizeof name, "p%d", i);
     fprintf(out, "<figure class=\"shot k-%s\"><figcaption><b>", s->settings.integrator->name);
     bis_trade_put_text(out, s->name);
-    fprintf(out, "</b><span>%u pass%s, %s</span></figcaption>", (unsigned)p->passes, p->passes == 1 ? "" : "es", bis_trade_duration(time, p->seconds));
+    fprintf(out, "</b><span>%u pass%s, %s%s</span></figcaption>", (unsigned)p->passes, p->passes == 1 ? "" : "es", bis_trade_duration(time, p->seconds),
+            s->is_biased ? ", biased" : "");
     fprintf(out, "<div class=\"pic\" role=\"img\" aria-label=\"%s\" style=\"background-image:var(--%s)\"></div>", s->settings.integrator->name, name);
     put_crops(out, name, &p->image, crops);
     fprintf(out, "<div class=\"pic\" role=\"img\" aria-label=\"error of %s\" style=\"background-image:var(--e%d)\"></div>", s->settings.integrator->name, i);

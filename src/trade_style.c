@@ -25,7 +25,7 @@ const char bis_trade_style[] =
     ".card{display:flex;flex-direction:column;background:var(--card);border:1px solid var(--line);border-top:4px solid var(--c,var(--line));border-radius:10px;padding:20px 22px 18px}\n"
     ".card h3{margin:0;font-size:13px;font-weight:600;letter-spacing:.07em;text-transform:uppercase;color:var(--soft)}\n"
     ".card .big{font:600 38px/1.2 ui-serif,'Iowan Old Style',Charter,Georgia,serif;margin:6px 0 8px}.card p{margin:0 0 14px}\n"
-    ".card code{display:block;margin-top:auto;padding:10px 12px;border-radius:6px;background:var(--faint);overflow-wrap:anywhere}\n"
+    ".card code{display:block;margin-top:auto;padding:10px 12px;border-radius:6px;background:var(--faint);overflow-wrap:anywhere}.card code span{white-space:nowrap}\n"
     /* plot */
     ".scroll{overflow-x:auto}.panel{background:var(--card);border:1px solid var(--line);border-radius:10px;padding:18px 18px 10px;overflow-x:auto}\n"
     "svg{display:block;width:100%;min-width:600px;height:auto}svg text{font:12px system-ui,-apple-system,'Segoe UI',Roboto,sans-serif;fill:var(--soft)}\n"
@@ -44,7 +44,7 @@ const char bis_trade_style[] =
     /* pictures */
     ".pic{position:relative;width:100%;aspect-ratio:var(--ratio);background-size:100% 100%;image-rendering:pixelated;border-radius:3px}\n"
     ".strip{display:grid;grid-template-columns:repeat(auto-fit,minmax(126px,1fr));gap:26px 14px}figure{margin:0}\n"
-    ".shot{display:flex;flex-direction:column;gap:6px}figcaption{font-size:13px;line-height:1.35;min-height:36px;border-top:3px solid var(--c,var(--soft));padding-top:6px}\n"
+    ".shot{display:flex;flex-direction:column;gap:6px}figcaption{font-size:13px;line-height:1.35;min-height:61px;border-top:3px solid var(--c,var(--soft));padding-top:6px}\n"
     "figcaption b{display:block;color:var(--c,var(--ink))}figcaption span,.figure{color:var(--soft)}.figure{margin:0;font-size:13px}.figure b{color:var(--ink);font-size:17px}\n"
     ".crops{display:grid;grid-template-columns:1fr 1fr;gap:6px}.crop{background-size:400% 400%}\n"
     ".frame{position:absolute;width:25%;height:25%;border:2px solid #fff;box-shadow:0 0 0 1px #0008}.crop0{outline:0}\n"

@@ -295,12 +295,12 @@ static void forge(bis_trade *t, double v, double floor)
     assert_non_null(t->desc);
     t->plan = (bis_trade_plan){.n_settings = 1, .n_seeds = 2, .width = 10, .height = 10, .full_width = 20, .full_height = 10, .run_seconds = 0.32};
     t->plan.settings[0] = (bis_trade_setting){.name = "em 16", .settings = bis_settings_default(&bis_em), .is_swept = true, .levels = 6};
-    t->references[1].relmse = 0.5;
+    t->references[1].relmse = 0.001;
     t->references[1].se = 0.25;
     for (int level = 0; level < 6; level++) {
         for (int k = 0; k < 2; k++) {
             const double passes = exp2(level);
-            const bis_trade_run run = {.level = level, .replicate = k, .seconds = 0.01 * passes, .rmse = 1, .relmse = 0.5 + floor + (k + 1) * v / passes, .bias = k};
+            const bis_trade_run run = {.level = level, .replicate = k, .seconds = 0.01 * passes, .rmse = 1, .relmse = 0.001 + floor + (k + 1) * v / passes, .bias = k};
             assert_int_equal(bis_trade_add_run(t, &run, NULL), BIS_OK);
         }
     }
