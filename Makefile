@@ -123,6 +123,5 @@ install: $B/bis
 clean:
 	rm -rf build bis data/models data/maps
 
-include scripts/course.mk
 -include $(patsubst %.c,$B/%.d,$(wildcard src/*.c tests/*.c tests/fuzz/*.c scripts/*.c))
 .SECONDARY:
