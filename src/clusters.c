@@ -12,21 +12,21 @@ static const uint64_t purpose_clusters = 0x636c7573; /* no pixel's stream has it
 
 enum { DIRECTIONS = BIS_CLUSTER_DIRECTIONS };
 
-bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, bis_diag *diag)
+bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M, bis_diag *diag)
 {
     const bis_importance *im = bis_light_importance(light);
-    const bis_status out_of_memory = BIS_NOMEM;
+    const uint32_t K = M < 32 ? 64 : M < BIS_CLUSTERS / 2 ? 2 * M : BIS_CLUSTERS; /* weighing them should not cost more than the candidates do */
     bis_status status;
 
     *c = (bis_clusters){.width = (uint32_t)bis_light_envmap(light)->width};
-    status = bis_importance_cut(im, BIS_CLUSTERS, &c->n, &c->t, &c->of_tile, &c->side);
+    status = bis_importance_cut(im, K, &c->n, &c->t, &c->of_tile, &c->side);
     if (status) goto done;
     c->columns = (c->width + c->side - 1) / c->side;
     const uint32_t padded = bis_lanes_round_up(c->n);
     c->y = bis_alloc((size_t)c->n * DIRECTIONS, sizeof *c->y);
     c->memory = bis_alloc((BIS_LANES_ARRAYS + 1) * (size_t)padded, sizeof *c->memory);
     if (!c->y || !c->memory) {
-        status = out_of_memory;
+        status = BIS_NOMEM;
         goto done;
     }
     c->cone = bis_lanes_in(c->memory, padded);

@@ -2,7 +2,7 @@
  * from the BRDF). The formulas are those of phong.c, line for line.
  *
  * What float costs. The lobe's power has a relative error below 2^-20 (1 + |log power|), plus n 2^-22/cos
- * where cos alpha is small, and never falls below 2^-100 (bis/lanes.h). The same power stands in the weight that a
+ * where cos alpha is small, and never falls below 2^-64 (bis/lanes.h). The same power stands in the weight that a
  * candidate is chosen by and in what the estimate divides by, so no bias comes of it but this error of f itself: 1e-6 in the middle of the lobe, 2e-5
  * where it has fallen to 1e-9 of its peak (tests/test_phong_lanes.c).
  * Reflectances are divided by the largest of them: a material of reflectance 1e-40 would leave a float's range. */
@@ -10,6 +10,7 @@
 
 #include "bis/phong.h"
 
+#include <float.h>
 #include <math.h>
 
 /* What is the same for all directions: f = lobe K power + base, over `unit`. */
@@ -27,7 +28,7 @@ static constants constants_of(const bis_bsdf *b, double *unit)
     const double peak = (m->exponent + 1) * (INV_PI / 2);
     const double Ks[3] = {(double)m->Ks.r * peak, (double)m->Ks.g * peak, (double)m->Ks.b * peak};
     const double Kd[3] = {(double)m->Kd.r * INV_PI, (double)m->Kd.g * INV_PI, (double)m->Kd.b * INV_PI};
-    constants c = {.n = b->local.z, .r = b->r, .exponent = (float)m->exponent, .has_lobe = b->p_specular > 0};
+    constants c = {.n = b->local.z, .r = b->r, .exponent = (float)fmin(m->exponent, (double)FLT_MAX), .has_lobe = b->p_specular > 0};
 
     *unit = fmax(fmax(fmax(Ks[0], Ks[1]), Ks[2]), fmax(fmax(Kd[0], Kd[1]), Kd[2]));
     for (int i = 0; i < 3; i++) {

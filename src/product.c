@@ -40,10 +40,17 @@ size_t bis_product_bytes(uint32_t M)
     return bis_lanes_round_up(M) * (BIS_LANES_ARRAYS * sizeof(float) + sizeof(uint16_t)) + bis_blocks_bytes(most_clusters(), M);
 }
 
+BIS_LANES
+static void multiply(float *restrict w, const float *restrict factor, uint32_t n)
+{
+#pragma omp simd
+    for (uint32_t k = 0; k < n; k++) w[k] *= factor[k];
+}
+
 bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *visible, const bis_point *pt)
 {
     pt->bsdf.material->model->lanes->reach(p->clusters.w, &pt->bsdf, &c->cone, c->sine, c->n);
-    for (uint32_t k = 0; visible && k < c->n; k++) p->clusters.w[k] *= visible[k];
+    if (visible) multiply(p->clusters.w, visible, bis_lanes_round_up(c->n));
     p->W = bis_blocks_sum(&p->clusters, bis_lanes_round_up(c->n));
     return p->W > 0;
 }

@@ -32,7 +32,7 @@ static void clusters_share_the_curve_and_none_is_empty(void **state)
         bis_light *light = lit_new_light(maps[i], 1, 0.15, false);
         const bis_importance *im = bis_light_importance(light);
         bis_clusters c;
-        assert_int_equal(bis_clusters_init(&c, light, NULL), BIS_OK);
+        assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
         assert_true(c.n > 1 && c.n <= 2 * BIS_CLUSTERS + 2);
         assert_true(c.t[0] == 0 && c.t[c.n] == 1);
         double *sum = bis_alloc(c.n, sizeof *sum);
@@ -58,7 +58,7 @@ static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
     int elsewhere = 0;
 
     (void)state;
-    assert_int_equal(bis_clusters_init(&c, light, NULL), BIS_OK);
+    assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
     bis_clusters_fill(&c, light, SEED, 3, 2);
     for (uint32_t k = 0; k < c.n; k++) {
         const vec3 axis = {c.cone.x[k], c.cone.y[k], c.cone.z[k]};
@@ -84,7 +84,7 @@ static void reach_bounds_the_product_over_every_cluster(void **state)
     bis_product p;
 
     (void)state;
-    assert_int_equal(bis_clusters_init(&c, light, NULL), BIS_OK);
+    assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
     assert_true(bis_product_init(&p, 64));
     bis_clusters_fill(&c, light, SEED, 0, 1);
     for (int e = 0; e < 6; e++) {
@@ -134,11 +134,11 @@ static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, 
     for (int i = 0; i < 4; i++) m[i] = (stat_moments){0};
     assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
     assert_true(scratch.wants_clusters);
-    assert_int_equal(bis_clusters_init(&c, l->light, NULL), BIS_OK);
+    assert_int_equal(bis_clusters_init(&c, l->light, s->candidates, NULL), BIS_OK);
     scratch.clusters = &c;
     scratch.counted = counted;
     if (learned) {
-        scratch.visible = bis_alloc(c.n, sizeof *scratch.visible);
+        scratch.visible = bis_alloc(bis_lanes_round_up(c.n), sizeof *scratch.visible);
         for (uint32_t k = 0; k < c.n; k++) scratch.visible[k] = k % 3 ? 0.15f : 1; /* any positive numbers */
     }
     for (uint32_t fill = 0; fill < RUNS; fill++) {
@@ -257,7 +257,7 @@ static void without_memory_nothing_is_held(void **state)
         bis_visibility v;
         bis_scratch scratch;
         bis_mem_fail_at(k);
-        if (bis_clusters_init(&c, light, NULL) == BIS_OK) bis_clusters_clear(&c);
+        if (bis_clusters_init(&c, light, 256, NULL) == BIS_OK) bis_clusters_clear(&c);
         bis_mem_fail_at(k);
         if (bis_visibility_init(&v, 3, NULL) == BIS_OK) bis_visibility_clear(&v);
         bis_mem_fail_at(k);

@@ -70,18 +70,18 @@ typedef struct exact {
     double F[3];
 } exact;
 
-/* Eq. 3.14 and 4.9 in double. No power below 2^-100, as stated. */
+/* Eq. 3.14 and 4.9 in double. No power below 2^-64, as stated. */
 static exact weigh_one(const bis_bsdf *b, const bis_lanes *l, uint32_t i, double beta)
 {
     const bis_material *m = b->material;
     const vec3 wi = direction(l, i), d = sub(wi, b->r);
     const double power = bis_phong_power(b->r, wi, m->exponent), peak = (m->exponent + 1) * (INV_PI / 2);
-    const double lobe = peak * (power > 0 ? fmax(power, 0x1p-100) : dot(d, d) < 2 ? 0x1p-100 : 0), cos_theta = bis_bsdf_cos(b, wi);
+    const double lobe = peak * (power > 0 ? fmax(power, 0x1p-64) : dot(d, d) < 2 ? 0x1p-64 : 0), cos_theta = bis_bsdf_cos(b, wi);
     const double Le[3] = {(double)l->r[i], (double)l->g[i], (double)l->b[i]};
     const double Ks[3] = {(double)m->Ks.r, (double)m->Ks.g, (double)m->Ks.b}, Kd[3] = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b};
     const double q_f = b->p_specular * lobe + (1 - b->p_specular) * fmax(0, cos_theta) * INV_PI;
     const double q = beta * (double)l->q_L[i] + (1 - beta) * q_f;
-    exact e = {.log_power = power > 0 ? log(fmax(power, 0x1p-100)) : -70, .cos_theta = cos_theta, .cos_alpha = 1 - dot(d, d) / 2};
+    exact e = {.log_power = power > 0 ? log(fmax(power, 0x1p-64)) : -45, .cos_theta = cos_theta, .cos_alpha = 1 - dot(d, d) / 2};
 
     for (int c = 0; c < 3; c++) e.F[c] = (Ks[c] * (b->p_specular > 0 ? lobe : 0) + Kd[c] * INV_PI) * fmax(0, cos_theta) * Le[c];
     const double phat = e.F[0] + e.F[1] + e.F[2];

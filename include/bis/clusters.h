@@ -30,11 +30,11 @@ typedef struct bis_clusters {
     float *memory;
 } bis_clusters;
 
-enum { BIS_CLUSTER_DIRECTIONS = 64, BIS_CLUSTERS = 256 };
+enum { BIS_CLUSTER_DIRECTIONS = 64, BIS_CLUSTERS = 256 /* at most */ };
 
-/* Cut the map into BIS_CLUSTERS to twice as many clusters: none has more than 1/BIS_CLUSTERS of the importance and another such part of the sphere's solid angle, but for the tile
- * that fills it up. The light must be a map with a curve, not black. Errors: BIS_NOMEM. */
-bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, bis_diag *diag);
+/* Cut the map for M candidates a point: into K = 2 M clusters, 64 at least and BIS_CLUSTERS at most, to twice as many: none has more than 1/K of the importance and another such part of
+ * the sphere's solid angle, but for the tile that fills it up. The light must be a map with a curve, not black. Errors: BIS_NOMEM. */
+bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M, bis_diag *diag);
 void bis_clusters_clear(bis_clusters *c);
 size_t bis_clusters_bytes(const bis_clusters *c);
 

@@ -38,6 +38,7 @@ typedef struct bis_settings {
     bool stratify;   /* em, mis, sir: samples of the map along its curve */
     bool learn;      /* sir, proposal "product": from the visibility that earlier passes have found */
     bool vectorize;  /* sir: many candidates at once where that is possible (src/batch.c) */
+    bool only_sir;   /* auto: choose among sir's settings alone */
     unsigned as_printed; /* all: BIS_E*, equations to follow to the letter; 0: none */
 } bis_settings;
 
@@ -57,7 +58,7 @@ typedef struct bis_scratch {
     uint32_t n_candidates, n_points, n_chosen;
     bis_batch *batch;     /* NULL: candidates one by one */
     bool wants_batch, wants_clusters, wants_visibility;
-    float *visible;       /* visible[clusters->n]: g of bis/visibility.h for the tile at hand; NULL: nothing is learned */
+    float *visible;       /* visible[clusters->n, whole blocks]: g of bis/visibility.h for the tile at hand; NULL: nothing is learned */
     bis_seen *counted;    /* counted[BIS_VISIBILITY_PARTS]: of the tile at hand */
     uint32_t n_pool;      /* stratified directions from the map that a point asks for; 0: none */
     const bis_clusters *clusters; /* for proposal "product"; borrowed; NULL: not needed, or there are none: then it is "mix" */
@@ -78,12 +79,18 @@ struct bis_integrator {
 
 extern const bis_integrator bis_em, bis_brdf, bis_mis, bis_rejection, bis_sir, bis_exact, bis_unoccluded;
 
-/* All of them, ended by NULL, and by name (NULL: no such). */
+/* Not an estimator but the wish that one be chosen: where nobody chooses (src/auto.c), it is sir with its defaults. Not in the list below. */
+extern const bis_integrator bis_auto;
+
+/* All of them, ended by NULL, and by name (NULL: no such; "auto" is found, too). */
 extern const bis_integrator *const bis_integrators[];
 const bis_integrator *bis_integrator_find(const char *name);
 
 /* The defaults of SPEC 3 for one integrator. */
 bis_settings bis_settings_default(const bis_integrator *integrator);
+
+/* sir with 0 candidates is auto, among sir's settings alone. For the parser and the command line. */
+void bis_settings_leave_open(bis_settings *s);
 
 /* Are the values allowed? at: where to complain. E.g. mis with N = 1 is an error that names em and brdf. */
 bis_status bis_settings_check(const bis_settings *s, bis_loc at, bis_diag *diag);

@@ -91,7 +91,7 @@ static inline BIS_INLINE float bis_lanes_log1m(float x)
     return k * 0.693359375f + (d + (dd * (d * p - 0.5f) - k * 2.12194440e-4f)); /* ln 2 in two parts: k times the first is exact */
 }
 
-/* exp(y) - 1 and exp(y) for y <= 0: e^y = 2^k e^r, |r| <= ln(2)/2, e^r - 1 = r + r^2 P(r), degree 4: 1e-8. Below 2^-100, which stands for everything smaller: a float's denormals
+/* exp(y) - 1 and exp(y) for y <= 0: e^y = 2^k e^r, |r| <= ln(2)/2, e^r - 1 = r + r^2 P(r), degree 4: 1e-8. Below 2^-64, which stands for everything smaller: a float's denormals
  * are slow, and a weight must not be 0 where the exact one is not. */
 typedef struct bis_lanes_power {
     float two_k, em1; /* e^y = two_k (1 + em1) */
@@ -99,7 +99,7 @@ typedef struct bis_lanes_power {
 
 static inline BIS_INLINE bis_lanes_power bis_lanes_exp_parts(float y)
 {
-    y = bis_lanes_choose(y < -69.314718f, -69.314718f, y); /* 100 ln 2 */
+    y = bis_lanes_choose(y < -44.361420f, -44.361420f, y); /* 64 ln 2 */
     int32_t k = (int32_t)(y * 1.44269504f - 0.5f);
     float kf = (float)k, r = (y - kf * 0.693359375f) + kf * 2.12194440e-4f;
     float p = 1.392617612e-03f;
