@@ -378,13 +378,13 @@ static bis_status make_pool(render *r, bis_diag *diag)
     if ((first->n_pool == 0 && !first->wants_clusters) || !r->scene->accel || bis_light_is_constant(light)) return BIS_OK;
     if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK; /* nothing to draw: black, or all of it compensated away */
     if (first->n_pool) status = bis_pool_init(&r->pool, first->n_pool, first->batch != NULL, diag);
-    if (!status && first->wants_clusters) status = bis_clusters_init(&r->clusters, light, diag);
+    if (!status && first->wants_clusters) status = bis_clusters_init(&r->clusters, light, r->desc->settings.candidates, diag);
     if (!status && first->wants_visibility) status = bis_visibility_init(&r->visibility, (size_t)r->tiles_x * (size_t)r->tiles_y, diag);
     for (int i = 0; !status && i < r->n_threads; i++) {
         bis_scratch *s = &r->workers[i].scratch;
         if (s->n_pool) s->pool = &r->pool;
         if (s->wants_clusters) s->clusters = &r->clusters;
-        if (s->wants_visibility && !(s->visible = bis_alloc(r->clusters.n, sizeof *s->visible))) {
+        if (s->wants_visibility && !(s->visible = bis_alloc(bis_lanes_round_up(r->clusters.n), sizeof *s->visible))) {
             status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility of %u clusters", (unsigned)r->clusters.n);
         }
     }
