@@ -45,8 +45,8 @@ static double share_of_brdf(uint32_t M, bis_proposal proposal, const bis_point *
     return fmax(1 / (1 + r * r), pt->bsdf.p_specular / 2 / (1 + k));
 }
 
-/* Who draws how many. Under a constant light q_f alone is the product, nearly. A specular lobe always gets a candidate (but from a
- * product, which costs nothing then beside it), a diffuse surface none where its share rounds to 0. M = 1 cannot be divided: its technique is drawn, with the same density of the mixture. */
+/* Who draws how many. Under a constant light q_f alone is the product, nearly. A specular lobe always gets a candidate (but beside a
+ * product, which needs none: a single one costs as much as a block), a diffuse surface none where its share rounds to 0. M = 1 cannot be divided: its technique is drawn, with the same density of the mixture. */
 bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bis_stream *stream)
 {
     const bis_mixture em = {M, 0, 1}, brdf = {0, M, 0};
@@ -59,8 +59,9 @@ bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_p
         uint32_t n_brdf = bis_stream_random(stream) < share;
         return (bis_mixture){1 - n_brdf, n_brdf, 1 - share};
     }
-    const bool always = pt->bsdf.p_specular > 0 && proposal != BIS_PROPOSAL_PRODUCT;
-    uint32_t n_brdf = (uint32_t)fmax(always, fmin(round(share * M), M - 1));
+    const bool product = proposal == BIS_PROPOSAL_PRODUCT, always = pt->bsdf.p_specular > 0 && !product;
+    const double n = product ? floor(share * M) : round(share * M);
+    const uint32_t n_brdf = (uint32_t)fmax(always, fmin(n, M - 1));
     return (bis_mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};
 }
 
