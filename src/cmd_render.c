@@ -6,6 +6,7 @@
 #include "bis/mem.h"
 #include "bis/render.h"
 
+#include "auto.h"
 #include "cli.h"
 #include "describe.h"
 
@@ -89,7 +90,7 @@ static bool read_crop(void *value, const char *text)
     return true;
 }
 
-static const char *const proposals[] = {"em", "brdf", "mix", "choose", NULL};
+static const char *const proposals[] = {"em", "brdf", "mix", "choose", "product", NULL};
 static const char *const accelerators[] = {"grid", "embree", NULL};
 
 enum { MAX_INTEGRATORS = 16 };
@@ -98,7 +99,12 @@ enum { MAX_INTEGRATORS = 16 };
 static bool read_options(render_options *o, int argc, char **argv, const char **scene, int *exit_status)
 {
     const char *integrators[MAX_INTEGRATORS + 1] = {0};
-    for (int i = 0; bis_integrators[i] && i < MAX_INTEGRATORS; i++) integrators[i] = bis_integrators[i]->name;
+    int n_integrators = 0;
+    while (bis_integrators[n_integrators] && n_integrators < MAX_INTEGRATORS - 1) {
+        integrators[n_integrators] = bis_integrators[n_integrators]->name;
+        n_integrators++;
+    }
+    integrators[n_integrators] = bis_auto.name;
 
     const bis_option options[] = {
         {.help = "output"},
@@ -115,15 +121,15 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
          .kind = BIS_OPTION_FLAG, .value = &o->plan},
 
         {.help = "what to render (these override the scene file)"},
-        {.name = "integrator", .argument = "NAME", .help = "em, brdf, mis, rejection, sir, exact or unoccluded",
+        {.name = "integrator", .argument = "NAME", .help = "em, brdf, mis, rejection, sir, exact, unoccluded, or auto: a pilot chooses",
          .kind = BIS_OPTION_NAME, .value = &o->integrator, .names = integrators},
-        {.name = "candidates", .argument = "M", .help = "rejection, sir, unoccluded: candidates for each camera sample",
-         .kind = BIS_OPTION_COUNT, .value = &o->candidates, .given = &o->has_candidates, .lo = 1, .hi = 1 << 24},
+        {.name = "candidates", .argument = "M", .help = "rejection, sir, unoccluded: candidates for each camera sample; sir, 0: a pilot chooses",
+         .kind = BIS_OPTION_COUNT, .value = &o->candidates, .given = &o->has_candidates, .lo = 0, .hi = 1 << 24},
         {.name = "shadowrays", .argument = "N", .help = "rejection, sir: candidates that are shadow-tested",
          .kind = BIS_OPTION_COUNT, .value = &o->shadowrays, .given = &o->has_shadowrays, .lo = 1, .hi = 1 << 24},
         {.name = "samples", .argument = "N", .help = "em, brdf, mis: light samples for each camera sample",
          .kind = BIS_OPTION_COUNT, .value = &o->samples, .given = &o->has_samples, .lo = 1, .hi = 1 << 24},
-        {.name = "proposal", .argument = "P", .help = "rejection: em, brdf or choose; sir: em, brdf or mix",
+        {.name = "proposal", .argument = "P", .help = "rejection: em, brdf or choose; sir: em, brdf, mix or product",
          .kind = BIS_OPTION_NAME, .value = &o->proposal, .names = proposals},
         {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT, .value = &o->seed,
          .given = &o->has_seed, .hi = 0x1p53},
@@ -216,10 +222,12 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
         s->as_printed = as_printed;
         d->integrator_loc = bis_cli_loc;
     }
+    if (s->only_sir && o->has_candidates) s->integrator = &bis_sir; /* the scene left open what the command line says */
     if (applies(s, "candidates", o->has_candidates, diag)) s->candidates = (uint32_t)o->candidates;
     if (applies(s, "shadowrays", o->has_shadowrays, diag)) s->shadowrays = (uint32_t)o->shadowrays;
     if (applies(s, "samples", o->has_samples, diag)) s->samples = (uint32_t)o->samples;
     if (applies(s, "proposal", o->proposal != NULL, diag)) s->proposal = proposal_of(o->proposal);
+    bis_settings_leave_open(s);
     bis_status status = switch_errata(s, &o->as_printed, diag);
     return status ? status : bis_settings_check(s, bis_cli_loc, diag);
 }
@@ -425,7 +433,22 @@ static void catch_signals(void)
     sigaction(SIGHUP, &action, NULL);
 }
 
-static bis_status render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc, render_options *o,
+/* Where the choice is left to us: a pilot first; desc->settings becomes what it chose, and is told. */
+static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc, const bis_render_options *options, bool quiet, bis_diag *diag)
+{
+    char line[BIS_MAX_LINE];
+    bis_settings chosen;
+    bis_status status = bis_auto_choose(&chosen, choice, scene, desc, options, diag);
+
+    if (status) return status;
+    desc->settings = chosen;
+    if (quiet) return BIS_OK;
+    if (choice->chosen >= 0) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice));
+    else fprintf(stderr, "bis: note: auto: nothing to choose, %s\n", choice->n_tried ? "interrupted" : "no surface or no light");
+    return BIS_OK;
+}
+
+static bis_status render(bis_render_result *result, bis_film *film, bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc, render_options *o,
                          bis_diag *diag)
 {
     bool show = !o->quiet && isatty(STDERR_FILENO);
@@ -438,7 +461,8 @@ static bis_status render(bis_render_result *result, bis_film *film, const bis_sc
         .user = o,
     };
     catch_signals();
-    bis_status status = bis_render(result, film, scene, desc, &options, diag);
+    bis_status status = bis_auto_is_wanted(&desc->settings) ? choose(choice, scene, desc, &options, o->quiet, diag) : BIS_OK;
+    if (!status) status = bis_render(result, film, scene, desc, &options, diag);
     if (show) fputs("\r\033[K", stderr);
     if (!status && o->error > 0 && !(result->error_bound <= o->error)) {
         if (isnan(result->error_bound)) bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown, %u pass is too few", o->error, result->passes);
@@ -463,12 +487,14 @@ static void note_resampling(const bis_light *light)
 }
 
 /* From scene to files; *interrupted: a signal came. */
-static bis_status run(render_options *o, const bis_scene_desc *desc, double start, double parse_seconds, bool *interrupted,
+static bis_status run(render_options *o, bis_scene_desc *desc, double start, double parse_seconds, bool *interrupted,
                       bis_diag *diag)
 {
     bis_scene *scene = NULL;
     bis_film film = {0};
     bis_render_result result;
+    bis_auto_report choice;
+    const bool chooses = bis_auto_is_wanted(&desc->settings);
     bis_status status;
 
     status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, bis_cli_loc, diag);
@@ -480,10 +506,12 @@ static bis_status run(render_options *o, const bis_scene_desc *desc, double star
     bis_cli_print_diag(diag, o->quiet); /* warnings, before the wait */
     bis_diag_clear(diag);
     if (!o->quiet) note_resampling(scene->light);
-    status = render(&result, &film, scene, desc, o, diag);
+    status = render(&result, &film, &choice, scene, desc, o, diag);
     if (status) goto done;
 
-    bis_stats stats = {.desc = desc, .scene = scene, .film = &film, .result = &result, .seconds = scene->seconds};
+    bis_stats stats = {.desc = desc, .scene = scene, .film = &film, .result = &result, .seconds = scene->seconds,
+                       .choice = chooses ? &choice : NULL};
+    bis_describe_line(stats.line, &desc->settings);
     bis_errata_text(stats.as_printed, desc->settings.as_printed);
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;

@@ -2,10 +2,12 @@
  * without effect all read it. */
 #include "describe.h"
 
+#include "bis/file.h"
 #include "bis/version.h"
 #include "json.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <string.h>
 #include <sys/resource.h>
 
@@ -78,6 +80,74 @@ int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MA
     return n;
 }
 
+/* Appends to a line that has room, by the table's own measure; what a longer one would lose is lost. */
+static void append(char line[BIS_MAX_LINE], const char *fmt, ...)
+{
+    const size_t used = strlen(line);
+    va_list args;
+
+    va_start(args, fmt);
+    vsnprintf(line + used, BIS_MAX_LINE - used, fmt, args);
+    va_end(args);
+}
+
+const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s)
+{
+    bis_attribute parameters[BIS_MAX_PARAMETERS];
+    const int n = bis_describe_settings(s, parameters);
+
+    *line = '\0';
+    append(line, "Integrator \"%s\"", s->integrator->name);
+    for (int i = 0; i < n; i++) {
+        const bis_attribute *a = &parameters[i];
+        char number[32];
+        if (!a->text) append(line, " \"%s %s\" %s", strcmp(a->name, "split") == 0 ? "float" : "integer", a->name, bis_format_double(number, a->number));
+        else if (strcmp(a->text, "true") == 0 || strcmp(a->text, "false") == 0) append(line, " \"bool %s\" %s", a->name, a->text);
+        else append(line, " \"string %s\" \"%s\"", a->name, a->text);
+    }
+    return line;
+}
+
+/* "mis", "sir product": what tells methods apart. */
+static bool same_method(const bis_settings *a, const bis_settings *b)
+{
+    return a->integrator == b->integrator && (a->integrator != &bis_sir || a->proposal == b->proposal);
+}
+
+static double product(const bis_auto_tried *t) { return t->cost * t->variance; }
+
+static bool is_best_of_its_method(const bis_auto_report *r, int i)
+{
+    for (int k = 0; k < r->n_tried; k++) {
+        if (k == i || !same_method(&r->tried[k].settings, &r->tried[i].settings)) continue;
+        if (product(&r->tried[k]) < product(&r->tried[i]) || (product(&r->tried[k]) == product(&r->tried[i]) && k < i)) return false;
+    }
+    return true;
+}
+
+const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r)
+{
+    const bis_auto_tried *chosen = &r->tried[r->chosen];
+    const char *separator = "; to the same error the best of ";
+
+    *line = '\0';
+    if (chosen->settings.integrator == &bis_sir) {
+        append(line, "sir, %s, %u candidates, %u shadow rays", bis_proposal_name(chosen->settings.proposal), (unsigned)chosen->settings.candidates,
+               (unsigned)chosen->settings.shadowrays);
+    } else {
+        append(line, "%s, %u samples", chosen->settings.integrator->name, (unsigned)chosen->settings.samples);
+    }
+    for (int i = 0; i < r->n_tried && product(chosen) > 0; i++) {
+        const bis_settings *s = &r->tried[i].settings;
+        if (same_method(s, &chosen->settings) || !is_best_of_its_method(r, i)) continue;
+        append(line, "%s%s%s%s %.2g", separator, s->integrator->name, s->integrator == &bis_sir ? " " : "",
+               s->integrator == &bis_sir ? bis_proposal_name(s->proposal) : "", product(&r->tried[i]) / product(chosen));
+        separator = ", ";
+    }
+    append(line, "%s (pilot: %d settings, %.2g s)", *separator == ',' ? " times as long" : "", r->n_tried, r->seconds);
+    return line;
+}
+
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES])
 {
     const bis_render_result *r = s->result;
@@ -88,6 +158,7 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     n += bis_describe_settings(&s->desc->settings, attributes + n);
     if (*s->as_printed) attributes[n++] = (bis_attribute){"asprinted", s->as_printed, 0};
     if (s->desc->adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
+    if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->line, 0};
     attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
@@ -151,6 +222,34 @@ static void print_memory(bis_json *j, const bis_stats *s)
     bis_json_close(j);
 }
 
+/* All that the pilot has tried; without a pilot there is no such key. */
+static void print_choice(bis_json *j, const bis_stats *s)
+{
+    const bis_auto_report *r = s->choice;
+    char line[BIS_MAX_LINE];
+
+    if (!r) return;
+    bis_json_open(j, "auto", '{');
+    bis_json_text(j, "chosen", s->line);
+    bis_json_number(j, "seconds", r->seconds);
+    bis_json_count(j, "width", (uint64_t)r->width);
+    bis_json_count(j, "height", (uint64_t)r->height);
+    bis_json_count(j, "passes", (uint64_t)r->passes);
+    bis_json_open(j, "tried", '[');
+    for (int i = 0; i < r->n_tried; i++) {
+        const bis_auto_tried *t = &r->tried[i];
+        bis_json_open(j, NULL, '{');
+        bis_json_text(j, "line", bis_describe_line(line, &t->settings));
+        bis_json_count(j, "replicates", (uint64_t)t->replicates);
+        bis_json_number(j, "pass_seconds", t->cost);
+        bis_json_number(j, "pass_relmse", t->variance);
+        bis_json_number(j, "product", product(t));
+        bis_json_close(j);
+    }
+    bis_json_close(j);
+    bis_json_close(j);
+}
+
 void bis_stats_print(const bis_stats *s, FILE *out)
 {
     const bis_settings *settings = &s->desc->settings;
@@ -181,6 +280,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     print_count(&j, "candidates_drawn", settings->integrator != &bis_exact, r->counters.candidates);
     print_count(&j, "accepted", rejects, r->counters.accepted);
     print_count(&j, "fallbacks", rejects && settings->estimator == BIS_ESTIMATOR_RATIO, r->counters.fallbacks);
+    print_choice(&j, s);
     print_memory(&j, s);
     bis_json_number(&j, "estimated_relative_rmse", r->relative_rmse);
     bis_json_bool(&j, "interrupted", r->interrupted);

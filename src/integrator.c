@@ -14,7 +14,7 @@ const bis_integrator *bis_integrator_find(const char *name)
     for (const bis_integrator *const *p = bis_integrators; *p; p++) {
         if (strcmp((*p)->name, name) == 0) return *p;
     }
-    return NULL;
+    return strcmp(bis_auto.name, name) == 0 ? &bis_auto : NULL;
 }
 
 bis_settings bis_settings_default(const bis_integrator *integrator)
@@ -36,6 +36,14 @@ bis_settings bis_settings_default(const bis_integrator *integrator)
         .learn = false,
         .vectorize = true,
     };
+}
+
+void bis_settings_leave_open(bis_settings *s)
+{
+    if (s->integrator != &bis_sir || s->candidates > 0) return;
+    s->integrator = &bis_auto;
+    s->only_sir = true;
+    s->candidates = bis_settings_default(&bis_sir).candidates;
 }
 
 const char *bis_proposal_name(bis_proposal p)
@@ -81,6 +89,7 @@ bis_status bis_settings_check(const bis_settings *s, bis_loc at, bis_diag *diag)
 {
     const bis_integrator *i = s->integrator;
 
+    if (i == &bis_auto) return BIS_OK;
     if (i == &bis_mis) return check_mis(s, at, diag);
     if (i == &bis_em || i == &bis_brdf) return check_count(s->samples, "samples", "sample", s, at, diag);
     if (i == &bis_exact) return check_count(s->perpatch, "perpatch", "ray in a patch", s, at, diag);

@@ -26,6 +26,7 @@ static const struct {
     {&bis_sir, CANDIDATES | SHADOWRAYS | SIR | STRATIFY},
     {&bis_exact, PERPATCH},
     {&bis_unoccluded, CANDIDATES},
+    {&bis_auto, 0},
 };
 
 static unsigned params_of(const bis_integrator *integrator)
@@ -78,13 +79,14 @@ static bis_settings read_settings(bis_parser *p, const bis_integrator *integrato
     s.as_printed = p->desc->settings.as_printed; /* an Option's, not an integrator's */
     const unsigned params = params_of(integrator);
     if (params & SAMPLES) bis_params_uint32(p, "samples", &s.samples, 1, MAX_COUNT);
-    if (params & CANDIDATES) bis_params_uint32(p, "candidates", &s.candidates, 1, MAX_COUNT);
+    if (params & CANDIDATES) bis_params_uint32(p, "candidates", &s.candidates, integrator == &bis_sir ? 0 : 1, MAX_COUNT);
     if (params & SHADOWRAYS) bis_params_uint32(p, "shadowrays", &s.shadowrays, 1, MAX_COUNT);
     if (params & PERPATCH) bis_params_uint32(p, "perpatch", &s.perpatch, 1, MAX_COUNT);
     if (params & MIS) read_mis(p, &s);
     if (params & REJECTION) read_rejection(p, &s);
     if (params & SIR) read_sir(p, &s);
     if (params & STRATIFY) bis_params_bool(p, "stratify", &s.stratify);
+    bis_settings_leave_open(&s);
     return s;
 }
 

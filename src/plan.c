@@ -32,6 +32,11 @@ static void print_integrator(const bis_settings *s, FILE *out)
     const bis_integrator *i = s->integrator;
     char split[32];
 
+    if (i == &bis_auto) {
+        fprintf(out, "integrator   auto: a pilot will choose among %s\nclaim        %s\n",
+                s->only_sir ? "sir's proposals, M and N" : "mis, sir (proposal, M and N), and em or brdf where they are safe", i->claim);
+        return;
+    }
     fprintf(out, "integrator   %s:", i->name);
     if (i == &bis_exact) fprintf(out, " perpatch %" PRIu32, s->perpatch);
     if (i == &bis_em || i == &bis_brdf || i == &bis_mis) fprintf(out, " samples %" PRIu32, s->samples);

@@ -159,6 +159,7 @@ static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler,
 
     bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->full_width + (uint64_t)x, index);
     if (r->desc->pixel_jitter) bis_stream_camera(&stream, u);
+    for (int i = 0; i < 2 && r->options->footprint > 0; i++) u[i] = 0.5 + (u[i] - 0.5) * r->options->footprint;
     ray eye = bis_camera_ray(&r->desc->camera, f->full_width, f->full_height, x + u[0], y + u[1]);
     w->counters.camera_rays++;
     if (bis_accel_intersect(r->scene->accel, &eye, &hit)) {

@@ -58,3 +58,4 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
 }
 
 const bis_integrator bis_sir = {"sir", "unbiased for every M, N >= 1", light_needs, scratch_needs, Lo};
+const bis_integrator bis_auto = {"auto", "that of the method which a pilot chooses: unbiased", light_needs, scratch_needs, Lo};

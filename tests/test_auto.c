@@ -1,0 +1,497 @@
+/* auto: the fit of cost and variance, the best M and N, what the pilot chooses and what it leaves alone, and that its choice can be made again bit for bit. */
+#include "auto.h"
+#include "auto_fit.h"
+
+#include "bis/mem.h"
+#include "bis/phong.h"
+
+#include "json_check.h"
+#include "program.h"
+#include "world.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <openexr.h>
+#include <stdio.h>
+#include <string.h>
+
+#define DIR "build/test_auto"
+
+/* --- the fit ------------------------------------------------------------------------------------------------------- */
+
+/* Where auto.c measures sir, and what a method with these six numbers would show; rays: the exponent of N. */
+enum { N_PLACES = 3 };
+static const uint32_t places[N_PLACES][2] = {{64, 4}, {64, 20}, {256, 8}};
+
+static void make_measurements(bis_auto_measured m[N_PLACES], const bis_auto_model *c, const bis_auto_model *v, double rays)
+{
+    for (int i = 0; i < N_PLACES; i++) {
+        const uint32_t M = places[i][0], N = places[i][1];
+        m[i] = (bis_auto_measured){M, N, c->constant + c->by_M * M + c->by_N * N, v->constant + v->by_M / M + v->by_N / pow(N, rays)};
+    }
+}
+
+static const bis_auto_model true_cost = {1.5, 0.004, 0.07}, true_variance = {0.03, 1.2, 0.4};
+
+static double largest_deviation(const bis_auto_model *a, const bis_auto_model *b)
+{
+    return fmax(fabs(a->constant / b->constant - 1), fmax(fabs(a->by_M / b->by_M - 1), fabs(a->by_N / b->by_N - 1)));
+}
+
+static void fitting_finds_the_costs_and_the_variances_that_made_the_figures(void **state)
+{
+    (void)state;
+    bis_auto_measured m[N_PLACES];
+    make_measurements(m, &true_cost, &true_variance, 1.5);
+    const bis_auto_model cost = bis_auto_fit_cost(m, N_PLACES), variance = bis_auto_fit_variance(m, N_PLACES);
+    assert_true(largest_deviation(&cost, &true_cost) < 1e-9);
+    assert_true(largest_deviation(&variance, &true_variance) < 1e-9);
+}
+
+/* The twin: figures of independent marks, 1/N. */
+static void figures_of_another_law_of_N_give_other_coefficients(void **state)
+{
+    (void)state;
+    bis_auto_measured m[N_PLACES];
+    make_measurements(m, &true_cost, &true_variance, 1);
+    const bis_auto_model variance = bis_auto_fit_variance(m, N_PLACES);
+    assert_true(largest_deviation(&variance, &true_variance) > 0.1);
+}
+
+static void a_method_without_candidates_needs_two_figures(void **state)
+{
+    (void)state;
+    const bis_auto_measured m[2] = {{0, 6, 1 + 6 * 0.2, 0.1 + 3 / pow(6, 1.5)}, {0, 32, 1 + 32 * 0.2, 0.1 + 3 / pow(32, 1.5)}};
+    const bis_auto_model cost = bis_auto_fit_cost(m, 2), variance = bis_auto_fit_variance(m, 2);
+    assert_true(fabs(cost.constant - 1) < 1e-9 && fabs(cost.by_N - 0.2) < 1e-9 && cost.by_M == 0);
+    assert_true(fabs(variance.constant - 0.1) < 1e-9 && fabs(variance.by_N - 3) < 1e-9 && variance.by_M == 0);
+}
+
+static void no_coefficient_is_ever_negative(void **state)
+{
+    (void)state;
+    bis_rng rng;
+    bis_rng_init(&rng, 11, 0, 0, 0);
+    for (int k = 0; k < 1000; k++) {
+        bis_auto_measured m[N_PLACES];
+        make_measurements(m, &true_cost, &true_variance, 1.5);
+        for (int i = 0; i < N_PLACES; i++) {
+            m[i].cost *= exp(2 * bis_rng_double(&rng) - 1);
+            m[i].variance *= exp(2 * bis_rng_double(&rng) - 1);
+        }
+        const bis_auto_model cost = bis_auto_fit_cost(m, N_PLACES), variance = bis_auto_fit_variance(m, N_PLACES);
+        assert_true(cost.constant >= 0 && cost.by_M >= 0 && cost.by_N >= 0 && bis_auto_cost(&cost, 64, 8) > 0);
+        assert_true(variance.constant >= 0 && variance.by_M >= 0 && variance.by_N >= 0 && bis_auto_variance(&variance, 64, 8) > 0);
+    }
+}
+
+/* --- the optimum --------------------------------------------------------------------------------------------------- */
+
+static double model_product(const bis_auto_model *c, const bis_auto_model *v, uint32_t M, uint32_t N)
+{
+    return (c->constant + c->by_M * M + c->by_N * N) * (v->constant + v->by_M / M + v->by_N / pow(N, 1.5));
+}
+
+static void nothing_within_the_limits_is_better_than_the_best(void **state)
+{
+    (void)state;
+    const bis_auto_limits limits = {16, 512, 2, 64};
+    bis_rng rng;
+    bis_rng_init(&rng, 12, 0, 0, 0);
+    for (int k = 0; k < 100; k++) {
+        double c[3], v[3];
+        for (int i = 0; i < 3; i++) { /* some vanish, others are anything within four decades */
+            c[i] = bis_rng_double(&rng) < 0.1 ? 0 : pow(10, 4 * bis_rng_double(&rng) - 2);
+            v[i] = bis_rng_double(&rng) < 0.1 ? 0 : pow(10, 4 * bis_rng_double(&rng) - 2);
+        }
+        const bis_auto_model cost = {c[0], c[1] / 100, c[2] / 10}, variance = {v[0], v[1] * 100, v[2] * 10};
+        uint32_t M, N;
+        bis_auto_best(&M, &N, &cost, &variance, &limits);
+        assert_in_range(M, limits.min_M, limits.max_M);
+        assert_in_range(N, limits.min_N, limits.max_N);
+        const double best = model_product(&cost, &variance, M, N);
+        for (uint32_t n = limits.min_N; n <= limits.max_N; n++)
+            for (uint32_t m = limits.min_M; m <= limits.max_M; m++) assert_true(model_product(&cost, &variance, m, n) >= best * (1 - 1e-3)); /* M is rounded */
+    }
+}
+
+static void at_the_best_candidates_have_the_same_share_of_time_and_of_variance(void **state)
+{
+    (void)state;
+    const bis_auto_limits limits = {1, 100000, 1, 10000};
+    const bis_auto_model cost = {10, 0.0004, 0.007}, variance = {0.003, 12, 40};
+    uint32_t M, N;
+    bis_auto_best(&M, &N, &cost, &variance, &limits);
+    const double c = cost.constant + cost.by_M * M + cost.by_N * N, v = variance.constant + variance.by_M / M + variance.by_N / pow(N, 1.5);
+    assert_true(fabs(cost.by_M * M / c / (variance.by_M / M / v) - 1) < 0.02);
+    assert_true(fabs(cost.by_N * N / c / (1.5 * variance.by_N / pow(N, 1.5) / v) - 1) < 0.02);
+}
+
+/* --- the pilot ----------------------------------------------------------------------------------------------------- */
+
+static bis_shape_desc shapes[2] = {{.kind = BIS_SHAPE_TRIANGLES, .material = 0}, {.kind = BIS_SHAPE_SPHERE, .material = 1}};
+
+static void make_auto_world(world *w)
+{
+    make_world(w, &bis_auto);
+    w->desc.shapes = shapes;
+    w->desc.n_shapes = 2;
+    w->desc.film.width = WIDTH;
+    w->desc.film.height = HEIGHT;
+    memcpy(w->desc.film.crop, whole, sizeof whole);
+}
+
+static bis_settings choose(bis_auto_report *r, const world *w, const bis_render_options *options)
+{
+    bis_settings chosen;
+    assert_int_equal(bis_auto_choose(&chosen, r, &w->scene, &w->desc, options, NULL), BIS_OK);
+    return chosen;
+}
+
+static bool was_tried(const bis_auto_report *r, const bis_integrator *i)
+{
+    for (int k = 0; k < r->n_tried; k++)
+        if (r->tried[k].settings.integrator == i) return true;
+    return false;
+}
+
+/* A long render to come: all rounds. */
+static void what_is_chosen_was_measured_and_no_other_was_better(void **state)
+{
+    (void)state;
+    const bis_render_options options = {.budget = {.spp = 200000}, .n_threads = 2};
+    bis_auto_report r;
+    world w;
+    make_auto_world(&w);
+    const bis_settings chosen = choose(&r, &w, &options);
+    assert_true(r.n_tried > 8);
+    assert_in_range(r.chosen, 0, r.n_tried - 1);
+    assert_memory_equal(&chosen, &r.tried[r.chosen].settings, sizeof chosen);
+    assert_true(chosen.integrator != &bis_auto);
+    assert_int_equal(bis_settings_check(&chosen, (bis_loc){0}, NULL), BIS_OK);
+    assert_true(was_tried(&r, &bis_mis) && was_tried(&r, &bis_sir));
+    assert_false(was_tried(&r, &bis_em) || was_tried(&r, &bis_brdf)); /* glossy, under a map */
+    for (int i = 0; i < r.n_tried; i++) {
+        const bis_auto_tried *t = &r.tried[i];
+        assert_true(t->cost > 0 && t->variance > 0 && isfinite(t->cost) && isfinite(t->variance) && t->replicates >= 2);
+        if (t->settings.integrator == &bis_sir) assert_true(t->cost * t->variance >= r.tried[r.chosen].cost * r.tried[r.chosen].variance);
+        assert_true(t->settings.shadowrays <= 64);
+    }
+    clear_world(&w);
+}
+
+static void a_short_render_tries_a_short_list(void **state)
+{
+    (void)state;
+    const bis_render_options options = {.n_threads = 1};
+    bis_auto_report r;
+    world w;
+    make_auto_world(&w);
+    choose(&r, &w, &options);
+    assert_int_equal(r.n_tried, 3);
+    assert_int_equal(r.passes, 1);
+    clear_world(&w);
+}
+
+static void diffuse_surfaces_let_em_take_part(void **state)
+{
+    (void)state;
+    const bis_render_options options = {.n_threads = 1};
+    bis_auto_report r;
+    world w;
+    make_auto_world(&w);
+    choose(&r, &w, &options);
+    assert_false(was_tried(&r, &bis_em));
+    w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.4f, 0.3f}, (rgb){0, 0, 0}, 1);
+    choose(&r, &w, &options);
+    assert_true(was_tried(&r, &bis_em));
+    clear_world(&w);
+}
+
+static void among_sirs_settings_alone_nothing_else_is_tried(void **state)
+{
+    (void)state;
+    const bis_render_options options = {.budget = {.spp = 200000}, .n_threads = 1};
+    bis_auto_report r;
+    world w;
+    make_auto_world(&w);
+    w.desc.settings = bis_settings_default(&bis_sir);
+    w.desc.settings.candidates = 0;
+    bis_settings_leave_open(&w.desc.settings);
+    assert_true(bis_auto_is_wanted(&w.desc.settings));
+    const bis_settings chosen = choose(&r, &w, &options);
+    for (int i = 0; i < r.n_tried; i++) assert_ptr_equal(r.tried[i].settings.integrator, &bis_sir);
+    assert_true(chosen.candidates > 0);
+    clear_world(&w);
+}
+
+static void a_fixed_integrator_is_left_as_it_is(void **state)
+{
+    (void)state;
+    const bis_render_options options = {.n_threads = 1};
+    bis_auto_report r;
+    world w;
+    make_auto_world(&w);
+    w.desc.settings = bis_settings_default(&bis_mis);
+    const bis_settings chosen = choose(&r, &w, &options);
+    assert_memory_equal(&chosen, &w.desc.settings, sizeof chosen);
+    assert_int_equal(r.n_tried, 0);
+    clear_world(&w);
+}
+
+static void without_a_surface_or_light_or_time_it_is_sir_at_once(void **state)
+{
+    (void)state;
+    volatile sig_atomic_t interrupted = 1;
+    bis_auto_report r;
+    world w;
+    make_auto_world(&w);
+    for (int i = 0; i < 3; i++) {
+        const bis_render_options options = {.n_threads = 1, .interrupted = i == 2 ? &interrupted : NULL};
+        bis_scene scene = w.scene;
+        bis_light *black;
+        bis_settings chosen;
+        assert_int_equal(bis_light_constant(&black, (rgb){0, 0, 0}, NULL), BIS_OK);
+        if (i == 0) scene.accel = NULL;
+        if (i == 1) scene.light = black;
+        assert_int_equal(bis_auto_choose(&chosen, &r, &scene, &w.desc, &options, NULL), BIS_OK);
+        assert_ptr_equal(chosen.integrator, &bis_sir);
+        assert_int_equal(bis_settings_check(&chosen, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(r.chosen, -1);
+        if (i < 2) assert_int_equal(r.n_tried, 0);
+        bis_light_free(black);
+    }
+    clear_world(&w);
+}
+
+static void a_constant_light_is_rendered_with_what_needs_no_map(void **state)
+{
+    (void)state;
+    const bis_render_options options = {.budget = {.spp = 200000}, .n_threads = 1};
+    bis_auto_report r;
+    world w;
+    make_auto_world(&w);
+    bis_light *map = w.scene.light;
+    assert_int_equal(bis_light_constant(&w.scene.light, (rgb){1, 0.5f, 0.25f}, NULL), BIS_OK);
+    choose(&r, &w, &options);
+    assert_true(was_tried(&r, &bis_brdf));
+    assert_false(was_tried(&r, &bis_em));
+    assert_in_range(r.chosen, 0, r.n_tried - 1);
+    bis_light_free(w.scene.light);
+    w.scene.light = map;
+    clear_world(&w);
+}
+
+/* Black surfaces: no noise, whatever is done, and the cheapest wins. */
+static void without_noise_the_cheapest_is_chosen(void **state)
+{
+    (void)state;
+    const bis_render_options options = {.budget = {.spp = 200000}, .n_threads = 1};
+    bis_auto_report r;
+    world w;
+    make_auto_world(&w);
+    w.materials[0] = w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 1);
+    w.desc.light.visible = false;
+    choose(&r, &w, &options);
+    assert_in_range(r.chosen, 0, r.n_tried - 1);
+    for (int i = 0; i < r.n_tried; i++) {
+        assert_true(r.tried[i].variance == 0);
+        assert_true(r.tried[r.chosen].cost <= r.tried[i].cost);
+    }
+    clear_world(&w);
+}
+
+/* A strip of one row of a picture of 37000 x 100: nothing of it would be left in a smaller one. */
+static void a_thin_crop_is_chosen_for_too(void **state)
+{
+    (void)state;
+    const bis_render_options options = {.n_threads = 1};
+    const double strip[4] = {0, 1, 0.505, 0.515};
+    bis_auto_report r;
+    world w;
+    make_auto_world(&w);
+    w.desc.film.width = 30000;
+    w.desc.film.height = 100;
+    memcpy(w.desc.film.crop, strip, sizeof strip);
+    choose(&r, &w, &options);
+    assert_in_range(r.chosen, 0, r.n_tried - 1);
+    clear_world(&w);
+}
+
+static void every_failing_allocation_of_the_pilot_is_reported(void **state)
+{
+    (void)state;
+    const bis_render_options options = {.n_threads = 1};
+    world w;
+    long k;
+    make_auto_world(&w);
+    for (k = 1;; k++) {
+        bis_diag diag = {0};
+        bis_auto_report r;
+        bis_settings chosen;
+        bis_mem_fail_at(k);
+        bis_status status = bis_auto_choose(&chosen, &r, &w.scene, &w.desc, &options, &diag);
+        bis_mem_fail_at(0);
+        const size_t n_errors = diag.n_errors;
+        bis_diag_clear(&diag);
+        if (status == BIS_OK) break;
+        assert_int_equal(status, BIS_NOMEM);
+        assert_true(n_errors >= 1);
+        assert_in_range(k, 1, 2000);
+    }
+    assert_true(k > 50);
+    clear_world(&w);
+}
+
+/* --- every k-th pixel ---------------------------------------------------------------------------------------------- */
+
+/* The place where the ray meets the surface, with hardly a footprint: the pixel's centre. */
+static void a_footprint_of_nearly_nothing_is_the_centre_of_the_pixel(void **state)
+{
+    (void)state;
+    world w;
+    bis_film centre, small, all;
+    bis_render_result result;
+    make_world(&w, &place);
+    w.desc.pixel_jitter = false;
+    render(&centre, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
+    w.desc.pixel_jitter = true;
+    render(&small, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}, .footprint = 0x1p-20});
+    render(&all, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
+    double with = 0, without = 0;
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) {
+        if (centre.hits[i / 3] <= 0 || small.hits[i / 3] <= 0 || all.hits[i / 3] <= 0) continue;
+        with = fmax(with, fabs(small.sum[i] - centre.sum[i]));
+        without = fmax(without, fabs(all.sum[i] - centre.sum[i]));
+    }
+    assert_true(with < 1e-2); /* a millionth of a pixel, at grazing angles some thousands of times as much */
+    assert_true(without > 0.1);
+    bis_film_clear(&centre);
+    bis_film_clear(&small);
+    bis_film_clear(&all);
+    clear_world(&w);
+}
+
+/* --- the program --------------------------------------------------------------------------------------------------- */
+
+static void write_scene(const char *path, const char *integrator)
+{
+    char text[4096];
+    snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" 48 \"integer yresolution\" 32\n%s\nSampler \"stratified\" \"integer pixelsamples\" 4\nScale -1 1 1\n"
+             "LookAt -2.0 -7.4 0.25   0 0 -0.28   0 0 1\nCamera \"perspective\" \"float fov\" 29\nWorldBegin\n"
+             "LightSource \"infinite\" \"string filename\" \"../../data/maps/interior.hdr\"\n"
+             "Material \"phong\" \"float Ks\" 0.5 \"float Kd\" 0.4 \"float exponent\" 40\nShape \"sphere\" \"float radius\" 1\n"
+             "Material \"diffuse\"\nTranslate 0 0 -1\nShape \"disk\" \"float radius\" 30\n", integrator);
+    program_write_file(path, text);
+}
+
+static void read_line(char *line, size_t size, const char *path)
+{
+    exr_context_t file;
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    const char *text;
+    int32_t length;
+    assert_int_equal(exr_start_read(&file, path, &init), EXR_ERR_SUCCESS);
+    assert_int_equal(exr_attr_get_string(file, 0, "bis:auto", &length, &text), EXR_ERR_SUCCESS);
+    snprintf(line, size, "%.*s", (int)length, text);
+    exr_finish(&file);
+}
+
+static void assert_same_picture(const char *a, const char *b, bool same)
+{
+    bis_image x, y;
+    assert_int_equal(bis_image_read(&x, a, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_image_read(&y, b, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(memcmp(x.pixels, y.pixels, (size_t)x.width * (size_t)x.height * sizeof *x.pixels) == 0, same);
+    bis_image_clear(&x);
+    bis_image_clear(&y);
+}
+
+static void the_line_in_the_picture_makes_the_picture_again(void **state)
+{
+    (void)state;
+    const char *const wishes[] = {"Integrator \"auto\"", "Integrator \"sir\" \"integer candidates\" 0"};
+    for (int i = 0; i < 2; i++) {
+        char line[1024];
+        program_run r;
+        write_scene(DIR "/auto.txt", wishes[i]);
+        program_expect(&r, 0, DIR "/auto.txt --nthreads 2 --outfile " DIR "/auto.exr");
+        assert_non_null(strstr(r.messages, "bis: note: auto chose "));
+        read_line(line, sizeof line, DIR "/auto.exr");
+        write_scene(DIR "/fixed.txt", line);
+        program_expect(&r, 0, DIR "/fixed.txt --nthreads 1 --outfile " DIR "/fixed.exr");
+        assert_string_equal(r.messages, "");
+        assert_same_picture(DIR "/auto.exr", DIR "/fixed.exr", true);
+        program_expect(&r, 0, DIR "/fixed.txt --seed 5 --outfile " DIR "/fixed.exr");
+        assert_same_picture(DIR "/auto.exr", DIR "/fixed.exr", false);
+    }
+}
+
+static void stats_tell_what_was_tried(void **state)
+{
+    (void)state;
+    char value[64];
+    program_run r;
+    write_scene(DIR "/auto.txt", "Integrator \"em\"");
+    program_expect(&r, 0, DIR "/auto.txt --integrator auto --quiet --stats - --outfile " DIR "/auto.exr");
+    assert_string_equal(r.messages, "");
+    assert_true(json_is_valid(r.output));
+    assert_string_equal(json_value(value, sizeof value, r.output, "auto.passes"), "1");
+    assert_non_null(strstr(r.output, "\"pass_relmse\""));
+    program_expect(&r, 0, DIR "/auto.txt --stats - --outfile " DIR "/auto.exr");
+    assert_null(strstr(r.output, "\"auto\""));
+}
+
+static void the_command_line_can_leave_it_open_and_take_it_back(void **state)
+{
+    (void)state;
+    char value[64];
+    program_run r;
+    write_scene(DIR "/auto.txt", "Integrator \"sir\" \"integer candidates\" 0");
+    program_expect(&r, 0, DIR "/auto.txt --candidates 30 --stats - --outfile " DIR "/auto.exr");
+    assert_string_equal(json_value(value, sizeof value, r.output, "candidates"), "30");
+    assert_string_equal(r.messages, "");
+    program_expect(&r, 0, DIR "/auto.txt --integrator sir --candidates 0 --plan");
+    assert_non_null(strstr(r.output, "a pilot"));
+    program_expect(&r, 2, DIR "/auto.txt --integrator unoccluded --candidates 0");
+    assert_non_null(strstr(r.messages, "\"candidates\" is 0"));
+    write_scene(DIR "/auto.txt", "Integrator \"auto\" \"integer samples\" 3");
+    program_expect(&r, 2, DIR "/auto.txt");
+    assert_non_null(strstr(r.messages, "samples"));
+    write_scene(DIR "/auto.txt", "Integrator \"rejection\" \"integer candidates\" 0");
+    program_expect(&r, 2, DIR "/auto.txt");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fitting_finds_the_costs_and_the_variances_that_made_the_figures),
+        cmocka_unit_test(figures_of_another_law_of_N_give_other_coefficients),
+        cmocka_unit_test(a_method_without_candidates_needs_two_figures),
+        cmocka_unit_test(no_coefficient_is_ever_negative),
+        cmocka_unit_test(nothing_within_the_limits_is_better_than_the_best),
+        cmocka_unit_test(at_the_best_candidates_have_the_same_share_of_time_and_of_variance),
+        cmocka_unit_test(what_is_chosen_was_measured_and_no_other_was_better),
+        cmocka_unit_test(a_short_render_tries_a_short_list),
+        cmocka_unit_test(diffuse_surfaces_let_em_take_part),
+        cmocka_unit_test(among_sirs_settings_alone_nothing_else_is_tried),
+        cmocka_unit_test(a_fixed_integrator_is_left_as_it_is),
+        cmocka_unit_test(without_a_surface_or_light_or_time_it_is_sir_at_once),
+        cmocka_unit_test(a_constant_light_is_rendered_with_what_needs_no_map),
+        cmocka_unit_test(without_noise_the_cheapest_is_chosen),
+        cmocka_unit_test(a_thin_crop_is_chosen_for_too),
+        cmocka_unit_test(every_failing_allocation_of_the_pilot_is_reported),
+        cmocka_unit_test(a_footprint_of_nearly_nothing_is_the_centre_of_the_pixel),
+        cmocka_unit_test(the_line_in_the_picture_makes_the_picture_again),
+        cmocka_unit_test(stats_tell_what_was_tried),
+        cmocka_unit_test(the_command_line_can_leave_it_open_and_take_it_back),
+    };
+    program_folder(DIR);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
