@@ -16,15 +16,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The contest; `@` is tuned. `ours` is what the table judges, `product` stands beside it, the others are rivals. */
+/* The contest; `@` is tuned. `ours` is what the table judges, `mix` stands beside it, the others are rivals. It was chosen by five seeds of all pairs; those that
+ * measure here (FIRST_SEED and on) are others. */
 static const measure_setting contest[] = {
     {"mis-iid", "Sampler \"random\" Integrator \"mis\" \"integer samples\" @"},
     {"mis-50", "Sampler \"sobol\" Integrator \"mis\" \"integer samples\" @ \"bool stratify\" true"},
     {"mis-90", "Sampler \"sobol\" Integrator \"mis\" \"integer samples\" @ \"float split\" 0.9 \"bool stratify\" true"},
     {"em", "Sampler \"sobol\" Integrator \"em\" \"integer samples\" @ \"bool stratify\" true"},
     {"brdf", "Sampler \"sobol\" Integrator \"brdf\" \"integer samples\" @"},
-    {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 1600 \"integer shadowrays\" @"},
-    {"product", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 256 \"integer shadowrays\" @ \"string proposal\" \"product\""},
+    {"mix", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 1600 \"integer shadowrays\" @"},
+    {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 256 \"integer shadowrays\" @ \"string proposal\" \"product\""},
 };
 
 /* Both levers together against none, at the same M and N. */
@@ -34,15 +35,11 @@ static const measure_setting resamplers[] = {
     {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 50"},
 };
 
-/* One camera sample, antialiased, per material. */
-static const measure_setting reach[MEASURE_MATERIALS] = {
-    {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 400 \"integer shadowrays\" 8"},
-    {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 4"},
-    {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 400 \"integer shadowrays\" 8"},
-    {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 200 \"integer shadowrays\" 8"},
-};
+/* One camera sample, antialiased, per material. Most of the error is at edges and in highlights smaller than a pixel: few rays a camera sample, and many of these. */
+#define CAMERA_SAMPLE "Sampler \"sobol\" Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true \"integer candidates\" 32 \"integer shadowrays\" 12"
+static const measure_setting reach[MEASURE_MATERIALS] = {{"ours", CAMERA_SAMPLE}, {"ours", CAMERA_SAMPLE}, {"ours", CAMERA_SAMPLE}, {"ours", CAMERA_SAMPLE}};
 
-enum { SEEDS = 5, PILOT_SEED = 101, MIN_N = 2, MAX_N = 4096, N_CONTEST = sizeof contest / sizeof *contest, N_RESAMPLERS = 2 };
+enum { SEEDS = 5, FIRST_SEED = 21, PILOT_SEED = 101, MIN_N = 2, MAX_N = 4096, N_CONTEST = sizeof contest / sizeof *contest, N_RESAMPLERS = 2 };
 static const double us_per_pixel = 20;
 
 typedef struct job {
@@ -95,7 +92,7 @@ static void measure_seeds(job *j, const bis_scene *scene, const measure_setting 
     double seconds = (double)INFINITY, mean = 0, trimmed = 0;
 
     for (int i = 0; i < SEEDS; i++) {
-        seconds = fmin(seconds, measure_render(&j->film, scene, desc, 1 + (uint64_t)i, 1, 1, NULL));
+        seconds = fmin(seconds, measure_render(&j->film, scene, desc, FIRST_SEED + (uint64_t)i, 1, 1, NULL));
         e[i] = measure_relmse(&j->film, &j->ref[material], false);
         mean += e[i].mean / SEEDS;
         trimmed += e[i].trimmed / SEEDS;
