@@ -119,6 +119,9 @@ bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 install: $B/bis
 	install -d $(DESTDIR)$(PREFIX)/bin
 	install -m 755 $B/bis $(DESTDIR)$(PREFIX)/bin/bis
+	install -d $(DESTDIR)$(PREFIX)/share/man/man1
+	$B/bis help --man >$B/bis.1
+	install -m 644 $B/bis.1 $(DESTDIR)$(PREFIX)/share/man/man1/bis.1
 
 clean:
 	rm -rf build bis data/models data/maps

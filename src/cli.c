@@ -8,6 +8,7 @@
 #include "cli.h"
 
 #include "bis/file.h"
+#include "help.h"
 
 #include <errno.h>
 #include <math.h>
@@ -42,15 +43,24 @@ static void print_wrapped(FILE *out, const char *text, int indent, int column)
     fputc('\n', out);
 }
 
-static void print_option(FILE *out, const char *name, const char *argument, const char *help)
+void bis_cli_print_text(FILE *out, const char *text) { print_wrapped(out, text, 0, 0); }
+
+void bis_cli_print_entry(FILE *out, const char *term, const char *text)
 {
-    int width = fprintf(out, "  --%s%s%s", name, argument ? " " : "", argument ? argument : "");
+    int width = fprintf(out, "  %s", term);
     if (width > HELP_INDENT - 2) {
         fputc('\n', out);
         width = 0;
     }
     fprintf(out, "%*s", HELP_INDENT - width, "");
-    print_wrapped(out, help, HELP_INDENT, HELP_INDENT);
+    print_wrapped(out, text, HELP_INDENT, HELP_INDENT);
+}
+
+static void print_option(FILE *out, const char *name, const char *argument, const char *help)
+{
+    char term[128];
+    snprintf(term, sizeof term, "--%s%s%s", name, argument ? " " : "", argument ? argument : "");
+    bis_cli_print_entry(out, term, help);
 }
 
 void bis_cli_help(const bis_command *c, FILE *out)
@@ -273,6 +283,11 @@ bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **ope
             *exit_status = bis_cli_finish(BIS_EXIT_DONE);
             return false;
         }
+        if (strcmp(argv[i], "--help=man") == 0) {
+            bis_man_command(c, stdout);
+            *exit_status = bis_cli_finish(BIS_EXIT_DONE);
+            return false;
+        }
         if (strcmp(argv[i], "--version") == 0) {
             bis_cli_version(stdout);
             *exit_status = bis_cli_finish(BIS_EXIT_DONE);
@@ -308,6 +323,19 @@ int bis_cli_finish(int status)
     if (fflush(stdout) == 0 && !ferror(stdout)) return status;
     fprintf(stderr, "bis: error: standard output cannot be written: %s\n", strerror(errno));
     return status ? status : BIS_EXIT_FAILED;
+}
+
+int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, const void *options)
+{
+    const char *operands[BIS_CLI_MAX_OPERANDS];
+    int n, exit_status;
+    bis_diag diag = {0};
+
+    if (!bis_cli_parse(c, argc, argv, operands, &n, &exit_status)) return exit_status;
+    exit_status = body(options, operands, &diag);
+    bis_cli_print_diag(&diag, false);
+    bis_diag_clear(&diag);
+    return bis_cli_finish(exit_status);
 }
 
 bis_status bis_cli_check_writable(const char *path, bis_diag *diag)

@@ -70,8 +70,17 @@ typedef struct bis_command {
  * False: the command is over with *exit_status: `--help` and `--version` were answered, or the usage was bad and a message printed. */
 bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands, int *exit_status);
 
-/* The help of one command, at most 80 columns wide. */
+/* A command from its arguments to its exit status: parse, run the body (exit status out), print its messages, finish. `options` is what the
+ * table of options writes to. At most BIS_CLI_MAX_OPERANDS operands. */
+enum { BIS_CLI_MAX_OPERANDS = 3 };
+typedef int bis_cli_body(const void *options, const char *const *operands, bis_diag *diag);
+int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, const void *options);
+
+/* The help of one command, at most 80 columns wide; what it consists of: a paragraph, a term with its text. `--help=man` prints the same as a
+ * part of the man page (help.h). */
 void bis_cli_help(const bis_command *c, FILE *out);
+void bis_cli_print_text(FILE *out, const char *text);
+void bis_cli_print_entry(FILE *out, const char *term, const char *text);
 
 /* `--version`: bis, the accelerators that are built in, the libraries. */
 void bis_cli_version(FILE *out);

@@ -77,8 +77,9 @@ static bis_status check_output(const char *path, bis_diag *diag)
 }
 
 /* An image that cannot be read, be it missing or damaged, is status 1; images that cannot be compared are bad usage. */
-static int compare(const compare_options *o, const char *path_a, const char *path_b, bis_diag *diag)
+static int compare(const void *options, const char *const *paths, bis_diag *diag)
 {
+    const compare_options *o = options;
     bis_image a = {0}, b = {0};
     bis_comparison c;
     int exit_status = BIS_EXIT_FAILED;
@@ -88,8 +89,8 @@ static int compare(const compare_options *o, const char *path_a, const char *pat
         status = check_output(o->diff, diag);
         if (status) return bis_cli_exit_status(status);
     }
-    if (bis_image_read(&a, path_a, (bis_loc){0}, diag)) goto done;
-    if (bis_image_read(&b, path_b, (bis_loc){0}, diag)) goto done;
+    if (bis_image_read(&a, paths[0], (bis_loc){0}, diag)) goto done;
+    if (bis_image_read(&b, paths[1], (bis_loc){0}, diag)) goto done;
     status = bis_compare(&c, &a, &b, diag);
     if (!status && o->diff) status = write_difference(o->diff, &a, &b, diag);
     exit_status = bis_cli_exit_status(status);
@@ -133,13 +134,5 @@ int bis_cmd_compare(int argc, char **argv)
                  "Pixels with a NaN or infinity in either image are counted as nonfinite and\n"
                  "left out of all else. Images of other sizes: exit status 2.\n",
     };
-    const char *operands[2];
-    int n, exit_status;
-    bis_diag diag = {0};
-
-    if (!bis_cli_parse(&command, argc, argv, operands, &n, &exit_status)) return exit_status;
-    exit_status = compare(&o, operands[0], operands[1], &diag);
-    bis_cli_print_diag(&diag, false);
-    bis_diag_clear(&diag);
-    return bis_cli_finish(exit_status);
+    return bis_cli_run(&command, argc, argv, compare, &o);
 }

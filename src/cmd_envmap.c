@@ -296,20 +296,21 @@ static bis_status survey(const envmap_options *o, const char *path, const char *
 }
 
 /* A map that cannot be read, be it missing or damaged, is status 1; one that does not fit the options is bad usage. */
-static int envmap(const envmap_options *o, const char *map, bis_diag *diag)
+static int envmap(const void *options, const char *const *operands, bis_diag *diag)
 {
+    const envmap_options *o = options;
     int exit_status = BIS_EXIT_FAILED;
     bis_image image = {0};
     bis_light *light = NULL;
     char out[4096];
     bool any;
-    char *path = bis_strdup(map);
+    char *path = bis_strdup(operands[0]);
 
     if (!path) {
         bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
         goto done;
     }
-    if (!find_out(out, o, map, &any, diag)) {
+    if (!find_out(out, o, operands[0], &any, diag)) {
         exit_status = BIS_EXIT_USAGE;
         goto done;
     }
@@ -361,13 +362,5 @@ int bis_cmd_envmap(int argc, char **argv)
                  "source each. On the pictures brighter is more; the importance is the\n"
                  "density by which directions are drawn, on a logarithmic scale.\n",
     };
-    const char *operand[1];
-    int n, exit_status;
-    bis_diag diag = {0};
-
-    if (!bis_cli_parse(&command, argc, argv, operand, &n, &exit_status)) return exit_status;
-    exit_status = envmap(&o, operand[0], &diag);
-    bis_cli_print_diag(&diag, false);
-    bis_diag_clear(&diag);
-    return bis_cli_finish(exit_status);
+    return bis_cli_run(&command, argc, argv, envmap, &o);
 }

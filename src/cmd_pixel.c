@@ -165,8 +165,9 @@ static bis_status build_and_report(bis_pixel_report *r, const pixel_options *o, 
     return status;
 }
 
-static bis_status pixel(const pixel_options *o, const char *const operand[3], bis_diag *diag)
+static int pixel(const void *options, const char *const *operand, bis_diag *diag)
 {
+    const pixel_options *o = options;
     bis_pixel_report *r = bis_alloc(1, sizeof *r);
     bis_scene_desc *desc = NULL;
     bis_status status = BIS_NOMEM;
@@ -193,7 +194,7 @@ done:
     bis_pixel_report_clear(r);
     bis_free(r);
     bis_scene_desc_free(desc);
-    return status;
+    return bis_cli_exit_status(status);
 }
 
 int bis_cmd_pixel(int argc, char **argv)
@@ -232,13 +233,5 @@ int bis_cmd_pixel(int argc, char **argv)
                  "of the thesis: map, BRDF, product), samples.png (figure 4.2: the shadow rays of\n"
                  "each method), methods.csv, candidates.csv and rays.csv.\n",
     };
-    const char *operand[3];
-    int n, exit_status;
-    bis_diag diag = {0};
-
-    if (!bis_cli_parse(&command, argc, argv, operand, &n, &exit_status)) return exit_status;
-    exit_status = bis_cli_exit_status(pixel(&o, operand, &diag));
-    bis_cli_print_diag(&diag, false);
-    bis_diag_clear(&diag);
-    return bis_cli_finish(exit_status);
+    return bis_cli_run(&command, argc, argv, pixel, &o);
 }

@@ -153,8 +153,10 @@ static void print_progress(const char *what, void *user)
     fprintf(stderr, "\r%s ...\033[K", what);
 }
 
-static int verify(const verify_options *o, const char *path, bis_diag *diag)
+static int verify(const void *options, const char *const *operands, bis_diag *diag)
 {
+    const verify_options *o = options;
+    const char *path = operands[0];
     const bool show = isatty(STDERR_FILENO);
     bis_verify v = {.seed = o->seed, .progress = show ? print_progress : NULL};
     int exit_status = is_map(path) ? verify_map(&v, o, path, diag) : verify_scene(&v, o, path, diag);
@@ -197,13 +199,5 @@ int bis_cmd_verify(int argc, char **argv)
                  "Exit status: 0 all passed; 1 a test failed, or a file could not be read, or out\n"
                  "of memory; 2 bad usage or bad scene.\n",
     };
-    const char *operand[1];
-    int n, exit_status;
-    bis_diag diag = {0};
-
-    if (!bis_cli_parse(&command, argc, argv, operand, &n, &exit_status)) return exit_status;
-    exit_status = verify(&o, operand[0], &diag);
-    bis_cli_print_diag(&diag, false);
-    bis_diag_clear(&diag);
-    return bis_cli_finish(exit_status);
+    return bis_cli_run(&command, argc, argv, verify, &o);
 }

@@ -484,7 +484,7 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
         {SCENE " --outfile " DIR "/new", "must be .exr, .pfm, .hdr or .png"},
         {DIR "/bad.txt --outfile " DIR "/new.exr", "bad.txt:2:1: error: "},
         {DIR "/badfilm.txt", "picture.tga"},
-        {"help nonsense", "no command \"nonsense\""},
+        {"help nonsense", "no command or topic \"nonsense\""},
         {"compare " DIR "/map.pfm", "too few operands"},
         {"compare --tolerance -1 a b", "must be a number >= 0"},
     };

@@ -1,0 +1,41 @@
+/* help: what `bis help`, `bis help TOPIC` and the man page say. The commands tell their options themselves (cli.h); topics are tables of terms and
+ * texts. Both are written once, and printed as text of 80 columns or as troff. For main.c and help*.c. */
+#ifndef BIS_HELP_H
+#define BIS_HELP_H
+
+#include "cli.h"
+
+typedef struct bis_subcommand {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *help; /* one line */
+} bis_subcommand;
+
+/* One of a topic's entries. A term with a text explains it, a text alone is a paragraph, a term alone a line as one would type it. */
+typedef struct bis_help_entry {
+    const char *term, *text;
+} bis_help_entry;
+
+typedef struct bis_topic {
+    const char *name, *summary;
+    const bis_help_entry *entries; /* ended by two NULLs */
+} bis_topic;
+
+/* All of them, in the order of the man page; each list is ended by a NULL name. The first command renders. */
+extern const bis_subcommand bis_subcommands[];
+extern const bis_topic bis_topics[];
+
+/* Three sentences: what is bis? */
+extern const char bis_help_intro[];
+
+/* NULL: no such command. */
+const bis_subcommand *bis_subcommand_find(const char *name);
+
+/* `bis help`, `bis help COMMAND`, `bis help TOPIC`, `bis help --man`. */
+int bis_cmd_help(int argc, char **argv);
+
+/* The whole page, man(7); and a command's part of it, which the command prints on `--help=man`. */
+int bis_man_page(void);
+void bis_man_command(const bis_command *c, FILE *out);
+
+#endif

@@ -1,0 +1,307 @@
+/* help: nothing that the program knows is missing in its help, and the man page is the same help.
+ *
+ * What must be there comes from elsewhere: the program's own lists of integrators and layers, the tables of docs/scene-format.md, the options that each
+ * command prints. That the search can find something missing is tested on a page with a parameter that nobody has. */
+#include "bis/integrator.h"
+#include "bis/layers.h"
+#include "help.h"
+
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define DIR "build/test_help"
+
+static bool is_word_char(char c) { return isalnum((unsigned char)c) || c == '-' || c == '_'; }
+
+static bool has_word(const char *text, const char *word, size_t n)
+{
+    for (const char *at = text; (at = strstr(at, word)) != NULL; at++) {
+        if ((at == text || !is_word_char(at[-1])) && !is_word_char(at[n])) return true;
+    }
+    return false;
+}
+
+/* The names of a section's tables that are not in text: cells `"name"` at the start of a row, `float name` anywhere. Returns the number of names. */
+static int look_for_names(const char *text, const char *page, const char *section, int *n_missing)
+{
+    static const char *const types[] = {"`integer ", "`float ", "`string ", "`bool ", "`rgb ", "`point3 ", "`normal ", "| `\"", ", `\""};
+    const char *start = strstr(page, section);
+    int n = 0;
+
+    assert_non_null(start);
+    const char *end = strstr(start + strlen(section), "\n##");
+    for (const char *row = start; row && row < end; row = strchr(row + 1, '\n')) {
+        if (strncmp(row, "\n| ", 3) != 0) continue;
+        const char *row_end = strchr(row + 1, '\n');
+        for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+            for (const char *at = strstr(row, types[i]); at && at < row_end; at = strstr(at + 1, types[i])) {
+                char name[64];
+                const char *from = at + strlen(types[i]);
+                size_t length = strcspn(from, "`\"");
+                assert_true(length < sizeof name);
+                snprintf(name, sizeof name, "%.*s", (int)length, from);
+                n++;
+                if (has_word(text, name, length)) continue;
+                print_message("%s: no \"%s\"\n", section, name);
+                ++*n_missing;
+            }
+        }
+    }
+    return n;
+}
+
+static char *read_page(const char *path)
+{
+    static char text[1 << 17];
+    FILE *f = fopen(path, "r");
+    assert_non_null(f);
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    return text;
+}
+
+static const char *help_of(program_run *r, const char *topic)
+{
+    program_expect(r, 0, "help %s", topic);
+    assert_string_equal(r->messages, "");
+    return r->output;
+}
+
+/* --- what must be there -------------------------------------------------------------------------------------------- */
+
+static void every_name_of_the_scene_format_is_in_its_topic(void **state)
+{
+    (void)state;
+    const struct { const char *section, *topic, *and_topic; int at_least; } cases[] = {
+        {"\n### Camera\n", "scene", NULL, 4}, {"\n### Film\n", "scene", "output", 5}, {"\n### Sampler\n", "scene", NULL, 8},
+        {"\n### Shape\n", "scene", NULL, 10}, {"\n### Integrator\n", "integrators", NULL, 20}, {"\n### Material\n", "materials", NULL, 9},
+        {"\n### LightSource\n", "lights", NULL, 9},
+    };
+    const char *page = read_page("docs/scene-format.md");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_run r;
+        static char text[1 << 16];
+        int n_missing = 0;
+        snprintf(text, sizeof text, "%s", help_of(&r, cases[i].topic));
+        if (cases[i].and_topic) strncat(text, help_of(&r, cases[i].and_topic), sizeof text - 1 - strlen(text));
+        int n = look_for_names(text, page, cases[i].section, &n_missing);
+        if (n < cases[i].at_least) fail_msg("%s: only %d names found", cases[i].section, n);
+        assert_int_equal(n_missing, 0);
+    }
+}
+
+/* The twin. */
+static void a_name_that_the_topic_lacks_is_found(void **state)
+{
+    (void)state;
+    const char page[] = "\n### Film\n\n| a | b |\n| --- | --- |\n| `\"rgb\"` | `float fov` (1), `string nonsense` |\n\n## Next\n| `bool after` |\n";
+    int n_missing = 0;
+    assert_int_equal(look_for_names("rgb fov rgbd", page, "\n### Film\n", &n_missing), 3);
+    assert_int_equal(n_missing, 1);
+    n_missing = 0;
+    assert_int_equal(look_for_names("rgb fovea nonsense", page, "\n### Film\n", &n_missing), 3);
+    assert_int_equal(n_missing, 1);
+}
+
+static void every_integrator_and_every_layer_is_in_its_topic(void **state)
+{
+    (void)state;
+    program_run r;
+    char term[64];
+    help_of(&r, "integrators");
+    for (int i = 0; bis_integrators[i]; i++) {
+        snprintf(term, sizeof term, "\n  %s ", bis_integrators[i]->name);
+        if (!strstr(r.output, term)) fail_msg("no%s", term);
+    }
+    snprintf(term, sizeof term, "\n  %s ", bis_auto.name);
+    assert_non_null(strstr(r.output, term));
+    help_of(&r, "output");
+    for (int i = 0; i < BIS_N_LAYERS; i++) {
+        const char *name = bis_layer_name((bis_layer)i);
+        if (!has_word(r.output, name, strlen(name))) fail_msg("no layer %s", name);
+    }
+}
+
+static void the_overview_names_every_command_and_topic(void **state)
+{
+    (void)state;
+    program_run r, again;
+    char term[64];
+    program_expect(&r, 0, "help");
+    program_expect(&again, 0, "--help");
+    assert_string_equal(r.output, again.output);
+    for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
+        snprintf(term, sizeof term, "\n  %-11s  %s\n", c->name, c->help);
+        assert_non_null(strstr(r.output, term));
+    }
+    for (const bis_topic *t = bis_topics; t->name; t++) {
+        snprintf(term, sizeof term, "\n  %-11s  %s\n", t->name, t->summary);
+        assert_non_null(strstr(r.output, term));
+    }
+}
+
+static void assert_80_columns(const char *what, const char *text)
+{
+    for (const char *line = text; *line;) {
+        size_t n = strcspn(line, "\n");
+        if (n > 80) fail_msg("%s: \"%.*s\" has %zu columns", what, (int)n, line, n);
+        line += n + (line[n] == '\n');
+    }
+}
+
+static void every_topic_and_command_fits_80_columns(void **state)
+{
+    (void)state;
+    program_run r, by_option;
+    for (const bis_topic *t = bis_topics; t->name; t++) assert_80_columns(t->name, help_of(&r, t->name));
+    for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
+        assert_80_columns(c->name, help_of(&r, c->name));
+        program_expect(&by_option, 0, "%s --help", c->name);
+        assert_string_equal(r.output, by_option.output);
+    }
+}
+
+static void an_unknown_topic_is_an_error_that_names_the_nearest(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 2, "help integrator");
+    assert_string_equal(r.messages, "bis: error: no command or topic \"integrator\" (did you mean \"integrators\"?); `bis help` lists them\n");
+    program_expect(&r, 2, "help compar");
+    assert_non_null(strstr(r.messages, "(did you mean \"compare\"?)"));
+    program_expect(&r, 2, "help quuxification");
+    assert_string_equal(r.messages, "bis: error: no command or topic \"quuxification\"; `bis help` lists them\n");
+    program_expect(&r, 2, "help scene lights");
+    assert_non_null(strstr(r.messages, "too many operands"));
+    program_expect(&r, 1, "help scene >/dev/full");
+    program_expect(&r, 1, "help --man >/dev/full");
+}
+
+/* --- the man page -------------------------------------------------------------------------------------------------- */
+
+/* Troff's escapes undone, as far as terms have them. */
+static void unescape(char *text)
+{
+    char *to = text;
+    for (const char *from = text; *from; from++) {
+        if (from[0] == '\\' && from[1] == '&') {
+            from++;
+            continue;
+        }
+        if (from[0] == '\\' && from[1] == '-') from++;
+        *to++ = *from;
+    }
+    *to = '\0';
+}
+
+static void every_option_and_topic_is_in_the_man_page(void **state)
+{
+    (void)state;
+    static program_run man, r;
+    char term[128];
+    int n = 0;
+    program_expect(&man, 0, "help --man");
+    assert_string_equal(man.messages, "");
+    assert_true(strlen(man.output) + 1 < sizeof man.output);
+    unescape(man.output);
+    for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
+        char heading[64];
+        snprintf(heading, sizeof heading, "\n.SS bis %s ", c == bis_subcommands ? "[render]" : c->name);
+        help_of(&r, c->name);
+        for (const char *at = r.output; (at = strstr(at, "\n  --")) != NULL; at++, n++) {
+            if (strncmp(at, "\n  --help ", 10) == 0 || strncmp(at, "\n  --version ", 13) == 0) continue;
+            snprintf(term, sizeof term, "\n\\fB--%.*s", (int)strcspn(at + 5, " \n"), at + 5);
+            const char *part = strstr(man.output, heading);
+            if (!part) fail_msg("no part of the man page for %s", c->name);
+            const char *found = strstr(part, term), *next = strstr(part + 1, "\n.S");
+            if (!found || found > next) fail_msg("man page: bis %s: no%s", c->name, term);
+        }
+    }
+    assert_true(n > 50);
+    for (const bis_topic *t = bis_topics; t->name; t++) {
+        for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+            if (!e->term || !e->text) continue;
+            snprintf(term, sizeof term, "\n\\fB%s\\fR\n", e->term);
+            if (!strstr(man.output, term)) fail_msg("man page: topic %s: no%s", t->name, term);
+        }
+    }
+}
+
+static void the_man_page_is_formatted_without_a_warning_in_80_columns(void **state)
+{
+    (void)state;
+    program_run r;
+    if (system("groff -man -Tascii /dev/null > /dev/null 2>&1") != 0) {
+        print_message("no groff here\n");
+        skip();
+    }
+    program_folder(DIR);
+    program_expect(&r, 0, "help --man >" DIR "/bis.1");
+    assert_int_equal(system("groff -man -Tascii -ww -rLL=78n -P-cbou " DIR "/bis.1 > " DIR "/bis.txt 2> " DIR "/warnings"), 0);
+    assert_string_equal(read_page(DIR "/warnings"), "");
+    const char *text = read_page(DIR "/bis.txt");
+    assert_80_columns("man page", text);
+    assert_non_null(strstr(text, "--cropwindow x0,x1,y0,y1"));
+    assert_non_null(strstr(text, "\n       bis - render direct light"));
+    assert_non_null(strstr(text, "`bis envmap MAP` shows"));
+    assert_non_null(strstr(text, "\n       .exr   float32"));
+}
+
+/* --- examples ------------------------------------------------------------------------------------------------------ */
+
+/* Small and short. What measures and verifies takes its time; test_trade and test_verify run those. */
+static void the_examples_work(void **state)
+{
+    (void)state;
+    char program[2048], command[4096], here[1024];
+    const char *given = getenv("BIS_PROGRAM");
+    const bis_topic *t = bis_topics;
+    int n = 0;
+    assert_non_null(getcwd(here, sizeof here));
+    if (!given || !*given) given = "build/release/bis";
+    snprintf(program, sizeof program, "%s%s%s", *given == '/' ? "" : here, *given == '/' ? "" : "/", given);
+    program_folder(DIR);
+    snprintf(command, sizeof command, "cd " DIR " && ln -sf '%s/scene.txt' '%s/data' .", here, here);
+    assert_int_equal(system(command), 0);
+    while (strcmp(t->name, "examples") != 0) t++;
+    for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+        if (e->text || strncmp(e->term, "bis trade", 9) == 0 || strncmp(e->term, "bis verify", 10) == 0) continue;
+        const bool renders = strncmp(e->term, "bis scene.txt", 13) == 0;
+        const bool is_pixel = strncmp(e->term, "bis pixel", 9) == 0;
+        assert_int_equal(strncmp(e->term, "bis ", 4), 0);
+        snprintf(command, sizeof command, "cd " DIR " && '%s' %s%s > out 2> err", program, e->term + 4,
+                 renders ? " --resolution 20x15 --spp 1 --quiet" : is_pixel ? " --repeats 2" : "");
+        if (system(command) != 0) fail_msg("%s fails", e->term);
+        n++;
+    }
+    assert_true(n >= 9);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_name_of_the_scene_format_is_in_its_topic),
+        cmocka_unit_test(a_name_that_the_topic_lacks_is_found),
+        cmocka_unit_test(every_integrator_and_every_layer_is_in_its_topic),
+        cmocka_unit_test(the_overview_names_every_command_and_topic),
+        cmocka_unit_test(every_topic_and_command_fits_80_columns),
+        cmocka_unit_test(an_unknown_topic_is_an_error_that_names_the_nearest),
+        cmocka_unit_test(every_option_and_topic_is_in_the_man_page),
+        cmocka_unit_test(the_man_page_is_formatted_without_a_warning_in_80_columns),
+        cmocka_unit_test(the_examples_work),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
