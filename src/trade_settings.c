@@ -45,6 +45,7 @@ static const recipe recipes[] = {
     {"sir", 256, 16, "em", false},
     {"sir", 256, 16, "brdf", false},
     {"sir", 256, 16, "product", true},
+    {"sir", 256, 16, "product learned", true},
     {"sir", 256, 16, "independent", false},
     {"sir", 256, 16, "one by one", false},
     {"sir", 256, 16, "b=0", false},
@@ -82,7 +83,8 @@ static bis_trade_setting setting_of(const recipe *r, double scenes_b)
     if (is_variant(r, "plain")) s.settings.estimator = BIS_ESTIMATOR_PLAIN;
     if (is_variant(r, "em")) s.settings.proposal = BIS_PROPOSAL_EM;
     if (is_variant(r, "brdf")) s.settings.proposal = BIS_PROPOSAL_BRDF;
-    if (is_variant(r, "product")) s.settings.proposal = BIS_PROPOSAL_PRODUCT;
+    if (is_variant(r, "product") || is_variant(r, "product learned")) s.settings.proposal = BIS_PROPOSAL_PRODUCT;
+    if (is_variant(r, "product learned")) s.settings.learn = true;
     if (is_variant(r, "stratified")) s.settings.stratify = true;
     if (is_variant(r, "one by one")) s.settings.vectorize = false;
     if (is_variant(r, "independent")) {
@@ -104,7 +106,7 @@ static bool equal_settings(const bis_trade_setting *x, const bis_trade_setting *
     if (by_candidates) {
         const bool counts = a->candidates == b->candidates && a->shadowrays == b->shadowrays && a->proposal == b->proposal;
         if (a->integrator == &bis_rejection) return counts && a->estimator == b->estimator && a->fallback == b->fallback;
-        return counts && a->resampling == b->resampling && a->stratify == b->stratify && a->vectorize == b->vectorize;
+        return counts && a->resampling == b->resampling && a->stratify == b->stratify && a->learn == b->learn && a->vectorize == b->vectorize;
     }
     if (a->samples != b->samples || (a->integrator != &bis_brdf && a->stratify != b->stratify)) return false;
     return a->integrator != &bis_mis || (a->heuristic == b->heuristic && a->split == b->split && a->compensate == b->compensate);
@@ -196,6 +198,7 @@ void bis_trade_scene_text(char text[256], const bis_trade_setting *s, double sce
         n += snprintf(text + n, 256 - (size_t)n, " \"integer samples\" %u", (unsigned)v->samples);
     }
     if (v->stratify != usual.stratify) n += snprintf(text + n, 256 - (size_t)n, " \"bool stratify\" %s", v->stratify ? "true" : "false");
+    if (v->integrator == &bis_sir && v->learn) n += snprintf(text + n, 256 - (size_t)n, " \"bool learn\" true");
     if (v->vectorize != usual.vectorize) n += snprintf(text + n, 256 - (size_t)n, " \"bool vectorize\" false");
     if (v->integrator == &bis_sir && v->resampling != usual.resampling) n += snprintf(text + n, 256 - (size_t)n, " \"string resampling\" \"multinomial\"");
     if (v->integrator == &bis_rejection && v->estimator != usual.estimator) n += snprintf(text + n, 256 - (size_t)n, " \"string estimator\" \"plain\"");

@@ -386,11 +386,36 @@ static void the_line_for_a_scene_file_is_the_setting(void **state)
         else assert_true(a->samples == b->samples);
         assert_true(a->stratify == b->stratify && a->resampling == b->resampling && a->estimator == b->estimator);
         assert_true(a->heuristic == b->heuristic && a->compensate == b->compensate && a->split == b->split);
+        assert_true(a->learn == b->learn && a->vectorize == b->vectorize);
         bis_scene_desc_free(desc);
         seen++;
     }
     assert_true(seen >= 25);
     bis_trade_clear(&t);
+}
+
+/* What learns is another method than what does not: it has a row of its own, is not mistaken for the scene's, and has no options for `bis render`. */
+static void a_product_that_learns_has_a_row_of_its_own(void **state)
+{
+    (void)state;
+    for (int learn = 0; learn < 2; learn++) {
+        bis_trade t = {.o = {.scene = DIR "/learn.txt"}};
+        char text[128], scene[512];
+        snprintf(scene, sizeof scene, "Integrator \"sir\" \"integer candidates\" 256 \"integer shadowrays\" 16 \"string proposal\" \"product\" "
+                 "\"bool learn\" %s\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n", learn ? "true" : "false");
+        program_write_file(DIR "/learn.txt", scene);
+        assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+        const int plain = bis_trade_find_setting(&t.plan, "sir 256/16 product"), learned = bis_trade_find_setting(&t.plan, "sir 256/16 product learned");
+        assert_true(plain >= 0 && learned >= 0);
+        assert_true(!t.plan.settings[plain].settings.learn && t.plan.settings[learned].settings.learn);
+        assert_int_equal(t.plan.settings[plain].is_scenes, !learn);
+        assert_int_equal(t.plan.settings[learned].is_scenes, learn);
+        bis_trade_option_text(text, &t.plan.settings[plain], t.desc->light.area_exponent);
+        assert_string_equal(text, "--integrator sir --candidates 256 --shadowrays 16 --proposal product");
+        bis_trade_option_text(text, &t.plan.settings[learned], t.desc->light.area_exponent);
+        assert_string_equal(text, "");
+        bis_trade_clear(&t);
+    }
 }
 
 /* ---- interruption ---- */
@@ -656,6 +681,7 @@ int main(void)
         cmocka_unit_test(the_root_law_gives_slope_minus_half_and_a_constant_cost),
         cmocka_unit_test(a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_recommended),
         cmocka_unit_test(the_line_for_a_scene_file_is_the_setting),
+        cmocka_unit_test(a_product_that_learns_has_a_row_of_its_own),
         cmocka_unit_test(lost_runs_are_measured_again_and_are_the_same),
         cmocka_unit_test(a_finished_measurement_resumes_to_itself),
         cmocka_unit_test(a_signal_keeps_what_was_measured_and_resume_goes_on),
