@@ -1,18 +1,24 @@
 /* adapt: camera samples go where the error is.
  *
- * What the picture is judged by is the sum over pixels of their relative variances, v_t/m for a tile whose single camera sample has variance v_t and that gets m of
- * them; for a given number in all it is least where m is in proportion to sqrt(v_t) (Neyman 1934). v_t comes from the scatter of the passes.
+ * What the picture is judged by is the sum over pixels of their relative variances, v_t/m for a tile whose single
+ * camera sample has variance v_t and that gets m of them; for a given number in all it is least where m is in
+ * proportion to sqrt(v_t) (Neyman 1934). v_t comes from the scatter of the passes.
  *
  * Unbiased for every fixed number of passes, by three rules:
- * - m is chosen from earlier passes alone, so within a pass the mean of m samples has the right expectation, whatever m is;
+ * - m is chosen from earlier passes alone, so within a pass the mean of m samples has the right expectation, whatever m
+ * is;
  * - m >= 1, so that there is such a mean in every pass;
- * - every pass weighs as much as any other in each pixel, whatever its m. (Weighing samples alike instead, which looks natural, gives more weight to passes that were
- *   asked for because earlier ones came out bright: a correlation, hence a bias; Kirk and Arvo 1991. tests/test_adapt.c shows it.)
- * And passes stay what error estimates want: replicates whose errors are uncorrelated. Their variances differ, but the scatter of their means over n (n - 1)
- * estimates the variance of the whole without bias all the same: E sum (x_p - x)^2 = (1 - 1/n) sum var(x_p).
+ * - every pass weighs as much as any other in each pixel, whatever its m. (Weighing samples alike instead, which looks
+ * natural, gives more weight to passes that were
+ *   asked for because earlier ones came out bright: a correlation, hence a bias; Kirk and Arvo 1991. tests/test_adapt.c
+ *   shows it.)
+ * And passes stay what error estimates want: replicates whose errors are uncorrelated. Their variances differ, but the
+ * scatter of their means over n (n - 1) estimates the variance of the whole without bias all the same: E sum (x_p -
+ * x)^2 = (1 - 1/n) sum var(x_p).
  *
- * Tiles of 16 x 16 pixels: hundreds of values stand behind one v_t after two passes, so that choices hardly depend on chance. That m is at least a quarter
- * of the mean keeps a place where an error still hides from being starved: at most four times the variance of plain passes, for ever. */
+ * Tiles of 16 x 16 pixels: hundreds of values stand behind one v_t after two passes, so that choices hardly depend on
+ * chance. That m is at least a quarter of the mean keeps a place where an error still hides from being starved: at most
+ * four times the variance of plain passes, for ever. */
 #include "adapt.h"
 
 #include "bis/mem.h"
@@ -71,7 +77,8 @@ static double samples_at(const bis_adapt *a, const bis_film *f, double scale)
     return sum;
 }
 
-/* The largest scale at which the picture gets no more than its samples, by bisection. The noisiest tile's would be MOST at hi. */
+/* The largest scale at which the picture gets no more than its samples, by bisection. The noisiest tile's would be MOST
+ * at hi. */
 static double find_scale(const bis_adapt *a, const bis_film *f)
 {
     const double budget = (double)BIS_ADAPT_SAMPLES * f->width * f->height;

@@ -1,16 +1,17 @@
 /* alias: Walker's method with Vose's linear-time tables, thesis 3.2.2, figure 3.4 and appendix A.
  *
- * Draw the histogram of N P_0, ..., N P_{N-1} and a horizontal line at 1, the average. What stands out above the line is
- * chopped off and fills the bins that end below it; each bin is filled by one donor, its alias:
+ * Draw the histogram of N P_0, ..., N P_{N-1} and a horizontal line at 1, the average. What stands out above the line
+ * is chopped off and fills the bins that end below it; each bin is filled by one donor, its alias:
  *
  *     bin j:   [ j: prob_j | alias_j: 1 - prob_j ]          x = frac(u N) < prob_j ? j : alias_j,  j = floor(u N)
  *
  * Invariant of the build: at any time, item i has left to give (or lacks) what prob[i] shows above (below) 1; all that
  * was chopped off has its place; so the implied pmf of the tables is P, up to rounding.
  *
- * Departures from appendix A, each tested: the weights are copied and scaled by N / sum, the thesis compares raw weights
- * with 1/N (docs/errata.md E13); `frac < prob`, where the thesis has `u - i > prob` and so returns an item of probability 0
- * when the fraction is 0 (E14); leftovers (E15); alias_i = i to begin with, and a sum of 0 means "nothing to draw" (E16).
+ * Departures from appendix A, each tested: the weights are copied and scaled by N / sum, the thesis compares raw
+ * weights with 1/N (docs/errata.md E13); `frac < prob`, where the thesis has `u - i > prob` and so returns an item of
+ * probability 0 when the fraction is 0 (E14); leftovers (E15); alias_i = i to begin with, and a sum of 0 means "nothing
+ * to draw" (E16).
  * Source: Walker 1977; Vose 1991, "A Linear Algorithm for Generating Random Numbers with a Given Distribution". */
 #include "bis/alias.h"
 #include "bis/mem.h"
@@ -43,8 +44,8 @@ static double normalise(double *prob, const double *w, size_t n)
     return ldexp(sum, s.exponent);
 }
 
-/* Appendix A's two vectors share one array, since they hold each item at most once: `small` is items[0 .. n_small - 1] and
- * grows up, `large` is items[n - n_large .. n - 1] and grows down. */
+/* Appendix A's two vectors share one array, since they hold each item at most once: `small` is items[0 .. n_small - 1]
+ * and grows up, `large` is items[n - n_large .. n - 1] and grows down. */
 typedef struct stacks {
     uint32_t *items;
     size_t n, n_small, n_large;
@@ -55,8 +56,8 @@ static void push_small(stacks *s, uint32_t i) { s->items[s->n_small++] = i; }
 static uint32_t top_large(const stacks *s) { return s->items[s->n - s->n_large]; }
 static uint32_t pop_large(stacks *s) { return s->items[s->n - s->n_large--]; }
 
-/* "Classify the normalized weights as being either large (> 1/N) or small (<= 1/N)." Both ends are written and one count
- * goes up, so that there is no branch to mispredict; what is written in vain lies on a free place. */
+/* "Classify the normalized weights as being either large (> 1/N) or small (<= 1/N)." Both ends are written and one
+ * count goes up, so that there is no branch to mispredict; what is written in vain lies on a free place. */
 static stacks classify(const double *prob, uint32_t *work, size_t n)
 {
     stacks s = {work, n, 0, 0};
@@ -83,9 +84,9 @@ static void assign_aliases(double *prob, uint32_t *alias, stacks *s)
 }
 /* [end] */
 
-/* Rounding empties one stack before the other. Computed exactly, all that is left would stand at the line: 1, as appendix A
- * has it. Where rounding were as large as a whole bin, as in float tables, an item of weight 0 could be among them, and
- * must not be drawn: its bin goes to the largest item (docs/errata.md E15). */
+/* Rounding empties one stack before the other. Computed exactly, all that is left would stand at the line: 1, as
+ * appendix A has it. Where rounding were as large as a whole bin, as in float tables, an item of weight 0 could be
+ * among them, and must not be drawn: its bin goes to the largest item (docs/errata.md E15). */
 static void settle_leftovers(double *prob, uint32_t *alias, stacks *s, uint32_t largest)
 {
     while (s->n_large > 0)
@@ -161,8 +162,8 @@ void bis_alias_clear(bis_alias *a)
     *a = (bis_alias){0};
 }
 
-/* u N < N, after rounding too: u <= 1 - 2^-53, and N 2^-53 is more than half the distance to the next double below N (all of
- * it when N is a power of two). x - j is exact. */
+/* u N < N, after rounding too: u <= 1 - 2^-53, and N 2^-53 is more than half the distance to the next double below N
+ * (all of it when N is a power of two). x - j is exact. */
 /* [alias-sample] */
 size_t bis_alias_pick(const double *prob, const uint32_t *alias, size_t n, double u)
 {

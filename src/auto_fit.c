@@ -2,15 +2,19 @@
  *
  *     c = c0 + cM M + cN N,     v = v0 + A/M + B/N^e,
  *
- * c0 the camera ray and all else that is done once, v0 the noise of the pixel's area, A that of the candidates, B that of the rays (docs/errata.md E31). e = 1 for
- * independent marks. Systematic marks over stratified candidates are stratified rays, whose noise at the edges of shadows falls with N^1.5: e = 1.5 (measured 1.3 to 1.7).
- * The error at equal time is c v. Its logarithm is convex in log M and log N, and has its least value where
+ * c0 the camera ray and all else that is done once, v0 the noise of the pixel's area, A that of the candidates, B
+ * that of the rays (docs/errata.md E31). e = 1 for independent marks. Systematic marks over stratified candidates
+ * are stratified rays, whose noise at the edges of shadows falls with N^1.5: e = 1.5 (measured 1.3 to 1.7). The
+ * error at equal time is c v. Its logarithm is convex in log M and log N, and has its least value where
  *
- *     cM M/c = (A/M)/v   and   cN N/c = e (B/N^e)/v:     the share of the time that goes into candidates is that of the variance which they leave, and with rays it is e times that.
+ *     cM M/c = (A/M)/v   and   cN N/c = e (B/N^e)/v:     the share of the time that goes into candidates is that of
+ *     the variance which they leave, and with rays it is e times that.
  *
- * For a given N this is M = sqrt(A/cM) sqrt((c0 + cN N)/(v0 + B/N^e)). With e = 1 there is a formula for both, M = sqrt(A/cM) sqrt(c0/v0), N = sqrt(B/cN) sqrt(c0/v0), by Cauchy's
- * inequality c v >= (sqrt(c0 v0) + sqrt(cM A) + sqrt(cN B))^2: so M/N = sqrt(A/B) sqrt(cN/cM), candidates go as the root of the price of a ray in candidates. The noisier
- * the pixel's area and the cheaper a camera ray, the fewer of both: time is then better spent on other camera samples. N is small and an integer: all are tried.
+ * For a given N this is M = sqrt(A/cM) sqrt((c0 + cN N)/(v0 + B/N^e)). With e = 1 there is a formula for both, M =
+ * sqrt(A/cM) sqrt(c0/v0), N = sqrt(B/cN) sqrt(c0/v0), by Cauchy's inequality c v >= (sqrt(c0 v0) + sqrt(cM A) +
+ * sqrt(cN B))^2: so M/N = sqrt(A/B) sqrt(cN/cM), candidates go as the root of the price of a ray in candidates. The
+ * noisier the pixel's area and the cheaper a camera ray, the fewer of both: time is then better spent on other
+ * camera samples. N is small and an integer: all are tried.
  *
  * The fit is for use between the measurements and not far from them, and auto.c measures what it recommends. */
 #include "auto_fit.h"
@@ -23,7 +27,8 @@ enum { UNKNOWNS = 3, MOST_ROWS = 32 };
 
 /* ---- least squares ---- */
 
-/* rows[n][3] p = 1 for the unknowns that are `free`, the others 0, by the normal equations. False: they are not told apart. */
+/* rows[n][3] p = 1 for the unknowns that are `free`, the others 0, by the normal equations. False: they are not told
+ * apart. */
 static bool solve(double p[UNKNOWNS], const double rows[][UNKNOWNS], int n, unsigned free)
 {
     double a[UNKNOWNS][UNKNOWNS + 1] = {{0}};
@@ -39,7 +44,8 @@ static bool solve(double p[UNKNOWNS], const double rows[][UNKNOWNS], int n, unsi
     for (int i = 0; i < UNKNOWNS; i++) {
         const double diagonal = a[i][i];
         for (int j = i + 1; j < UNKNOWNS; j++) {
-            /* By Schwarz, what elimination leaves of a diagonal is 0 where its column depends on those before: then but for rounding, some 1e-16 of it. */
+            /* By Schwarz, what elimination leaves of a diagonal is 0 where its column depends on those before: then
+             * but for rounding, some 1e-16 of it. */
             if (!(a[i][i] > 1e-12 * diagonal)) return false;
             const double factor = a[j][i] / a[i][i];
             for (int k = i; k <= UNKNOWNS; k++) a[j][k] -= factor * a[i][k];
@@ -65,7 +71,8 @@ static double misfit(const double p[UNKNOWNS], const double rows[][UNKNOWNS], in
     return sum;
 }
 
-/* The least misfit with all p >= 0: at it some of the unknowns are 0 and the others solve the normal equations, so all eight choices are tried. */
+/* The least misfit with all p >= 0: at it some of the unknowns are 0 and the others solve the normal equations, so all
+ * eight choices are tried. */
 static bis_auto_model fit(const double rows[][UNKNOWNS], int n)
 {
     double best[UNKNOWNS] = {0}, least = (double)INFINITY;
@@ -112,9 +119,15 @@ bis_auto_model bis_auto_fit_variance(const bis_auto_measured *m, int n)
 
 /* ---- the optimum ---- */
 
-double bis_auto_cost(const bis_auto_model *c, uint32_t M, uint32_t N) { return c->constant + c->by_M * M + c->by_N * N; }
+double bis_auto_cost(const bis_auto_model *c, uint32_t M, uint32_t N)
+{
+    return c->constant + c->by_M * M + c->by_N * N;
+}
 
-double bis_auto_variance(const bis_auto_model *v, uint32_t M, uint32_t N) { return v->constant + (M ? v->by_M / M : 0) + v->by_N * of_rays(N); }
+double bis_auto_variance(const bis_auto_model *v, uint32_t M, uint32_t N)
+{
+    return v->constant + (M ? v->by_M / M : 0) + v->by_N * of_rays(N);
+}
 
 /* sqrt(a c0/(b v0)) within [lo, hi]: hi where nothing speaks against more, lo where nothing speaks for it. */
 static uint32_t best_M(double a, double v0, double b, double c0, uint32_t lo, uint32_t hi)
@@ -124,7 +137,8 @@ static uint32_t best_M(double a, double v0, double b, double c0, uint32_t lo, ui
     return (uint32_t)fmin(hi, fmax(lo, round(sqrt(a / b * (c0 / v0)))));
 }
 
-void bis_auto_best(uint32_t *M, uint32_t *N, const bis_auto_model *c, const bis_auto_model *v, const bis_auto_limits *l)
+void bis_auto_best(uint32_t *M, uint32_t *N, const bis_auto_model *c, const bis_auto_model *v,
+                   const bis_auto_limits *l)
 {
     double least = (double)INFINITY;
 

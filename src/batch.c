@@ -1,14 +1,16 @@
 /* batch: sampling-importance resampling (sir.c, thesis 4.4) with all candidates of a point side by side.
  *
- * The estimator is that of sir.c and candidates.c, step by step: candidates, weights, N marks over their running sum, rays. What differs is how
- * the numbers lie in memory (bis/lanes.h), and that a candidate is a weight of 4 bytes until it is chosen. M = 800 from a pool take 1 us instead of
- * 20, 50 of them from the BRDF another microsecond instead of 9.
+ * The estimator is that of sir.c and candidates.c, step by step: candidates, weights, N marks over their running sum,
+ * rays. What differs is how the numbers lie in memory (bis/lanes.h), and that a candidate is a weight of 4 bytes until
+ * it is chosen. M = 800 from a pool take 1 us instead of 20, 50 of them from the BRDF another microsecond instead of 9.
  *
- * Unbiased as sir.c is: the float weights decide which candidates are traced, and the estimate divides by these very weights. With Zhat = W/M,
+ * Unbiased as sir.c is: the float weights decide which candidates are traced, and the estimate divides by these very
+ * weights. With Zhat = W/M,
  *     L = (Zhat/N) sum_j F/phat V,
  * where F/phat is a candidate's colour: neither q nor the cosine is needed again.
  *
- * Proposal "product" draws the map's candidates for this point alone (product.c), which pays where the lobe is narrow and the light spotty. */
+ * Proposal "product" draws the map's candidates for this point alone (product.c), which pays where the lobe is narrow
+ * and the light spotty. */
 #include "batch.h"
 
 #include "candidates.h"
@@ -97,7 +99,8 @@ bool bis_batch_fits(const bis_point *pt, const bis_scratch *scratch)
 
 /* ---- candidates and their weights ---- */
 
-/* From the map: a set of the pool. Where the BRDF takes n_brdf of the M, so many of the set, evenly spread, are left out: their weights become 0. Returns the unit of the weights. */
+/* From the map: a set of the pool. Where the BRDF takes n_brdf of the M, so many of the set, evenly spread, are left
+ * out: their weights become 0. Returns the unit of the weights. */
 static double weigh_set(bis_batch *b, const bis_lanes *set, const bis_mixture *m, const bis_point *pt, bis_stream *stream)
 {
     const uint32_t M = m->n_em + m->n_brdf, phase = (uint32_t)(bis_rng_u64(&stream->rng) >> 32);

@@ -12,7 +12,8 @@ bis_batch *bis_batch_new(const bis_settings *s);
 void bis_batch_free(bis_batch *b);
 size_t bis_batch_bytes(const bis_settings *s);
 
-/* Can it be used at pt? There is a workspace and a pool with lanes, the material knows lanes, and something is reflected. */
+/* Can it be used at pt? There is a workspace and a pool with lanes, the material knows lanes, and something is
+ * reflected. */
 bool bis_batch_fits(const bis_point *pt, const bis_scratch *scratch);
 
 /* One estimate, as bis_sir.Lo. Neither the material nor the light is black. */

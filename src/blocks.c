@@ -74,7 +74,8 @@ static inline uint32_t marks_below(double x, double offset)
     return d > 0 ? (uint32_t)(whole + (d > (double)whole)) : 0;
 }
 
-/* Each lane takes the marks between the sum before it and the sum with it. No branch but for blocks without a mark: N marks cost N wrong guesses else. */
+/* Each lane takes the marks between the sum before it and the sum with it. No branch but for blocks without a mark: N
+ * marks cost N wrong guesses else. */
 static void choose_systematic(bis_blocks *b, uint32_t N, double W, double offset)
 {
     const uint32_t n_blocks = b->n / BLOCK;

@@ -1,6 +1,7 @@
-/* canvas: shapes by their distance. A pixel's coverage is how far its centre lies inside the shape, from half a pixel outside (0) to half a pixel inside
- * (1): right for straight edges along an axis, good to the eye for all others. Letters are strokes of a round pen: of all strokes of a letter
- * the nearest counts, so that they join without a seam. Colours blend in linear light. */
+/* canvas: shapes by their distance. A pixel's coverage is how far its centre lies inside the shape, from half a pixel
+ * outside (0) to half a pixel inside (1): right for straight edges along an axis, good to the eye for all others.
+ * Letters are strokes of a round pen: of all strokes of a letter the nearest counts, so that they join without a seam.
+ * Colours blend in linear light. */
 #include "canvas.h"
 
 #include <assert.h>
@@ -81,9 +82,10 @@ void bis_canvas_ring(bis_image *image, double x, double y, double radius, double
 
 /* ---- letters ---- */
 
-/* A letter is a list of strokes, divided by blanks. The first character tells the kind: '/' corners joined by straight lines, '~' a curve and '@' a closed
- * curve, drawn by such corners (quadratic B-splines: they touch the middle of each side). Each corner is two characters: x in units of a half
- * as 0..9, A.., and y as a letter, d the base line, j the height of x, m that of a capital, a the depth of p. */
+/* A letter is a list of strokes, divided by blanks. The first character tells the kind: '/' corners joined by straight
+ * lines, '~' a curve and '@' a closed curve, drawn by such corners (quadratic B-splines: they touch the middle of each
+ * side). Each corner is two characters: x in units of a half as 0..9, A.., and y as a letter, d the base line, j the
+ * height of x, m that of a capital, a the depth of p. */
 static const char *const letters['~' - '!' + 1] = {
     ['!' - '!'] = "/1m1g /1d1e",
     ['"' - '!'] = "/0m0k /4m4k",

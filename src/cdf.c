@@ -3,11 +3,12 @@
  *     p[i] = f[i] / sum of f            C[0] = 0,  C[i+1] = C[i] + p[i],  C[N] = 1
  *     x = the index i with C[i] <= u < C[i+1]
  *
- * The thesis writes C as an inclusive sum over a reused index; with the exclusive one the search is right at u = 0 and never
- * returns an item of weight 0, whose interval is empty (docs/errata.md E8).
+ * The thesis writes C as an inclusive sum over a reused index; with the exclusive one the search is right at u = 0 and
+ * never returns an item of weight 0, whose interval is empty (docs/errata.md E8).
  * Its two hints for speed become one guide table: "use floor(u N) as a starting point" and "pre-inverting C". The table
  * holds the inverse of C at equidistant u, and the search goes on from there, so that no probability is rounded to a
- * multiple of 1/N (E10). Expected cost O(1), since the N steps of C fall into at least N/4 guide cells; worst case O(log N). */
+ * multiple of 1/N (E10). Expected cost O(1), since the N steps of C fall into at least N/4 guide cells; worst case
+ * O(log N). */
 #include "bis/cdf.h"
 #include "bis/mem.h"
 #include "weights.h"
@@ -17,8 +18,8 @@
 #include <math.h>
 
 /* C[i+1] = C[i] + f[i], scaled but not yet normalised; returns C[N]. What each addition rounds off is kept in `low`
- * (Neumaier 1974): or a million small items after a large one would vanish one by one. C stays monotone: an f that changes
- * `sum` is far above all errors of `low`, and one that does not can only raise `low`. */
+ * (Neumaier 1974): or a million small items after a large one would vanish one by one. C stays monotone: an f that
+ * changes `sum` is far above all errors of `low`, and one that does not can only raise `low`. */
 /* [cdf-sum] */
 static double accumulate(double *c, const double *f, size_t n, weight_scale s)
 {

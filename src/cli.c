@@ -1,8 +1,9 @@
 /* cli: options from a table, SPEC 5.
  *
- * One table per command says everything about an option once: its name, its argument, its range, its help. Reading, checking, the
- * suggestion after a slip ("did you mean") and `--help` all come from it, so none can go out of step with another. Values are
- * written where the table points, which is the command's own stack: nothing here is kept, nothing is allocated but messages.
+ * One table per command says everything about an option once: its name, its argument, its range, its help. Reading,
+ * checking, the suggestion after a slip ("did you mean") and `--help` all come from it, so none can go out of step with
+ * another. Values are written where the table points, which is the command's own stack: nothing here is kept, nothing
+ * is allocated but messages.
  *
  * All mistakes of a command line are collected and printed together, as a parser does with a scene. */
 #include "cli.h"
@@ -21,7 +22,8 @@ const bis_loc bis_cli_loc = {"bis", 0, 0};
 
 enum { HELP_WIDTH = 80, HELP_INDENT = 26, MAX_OPTIONS = 64 };
 
-/* --- help ---------------------------------------------------------------------------------------------------------- */
+/* --- help
+ * ---------------------------------------------------------------------------------------------------------- */
 
 /* Print text, words wrapped between columns indent and HELP_WIDTH; the cursor stands at `column`. */
 static void print_wrapped(FILE *out, const char *text, int indent, int column)
@@ -81,7 +83,8 @@ void bis_cli_help(const bis_command *c, FILE *out)
     if (c->notes) fprintf(out, "\n%s", c->notes);
 }
 
-/* --- values -------------------------------------------------------------------------------------------------------- */
+/* --- values
+ * -------------------------------------------------------------------------------------------------------- */
 
 /* Digits alone, in [lo, hi]. */
 static bool read_count(uint64_t *value, const char *text, double lo, double hi)
@@ -185,7 +188,8 @@ static bis_status read_value(const bis_option *o, const char *text, bis_diag *di
                      o->kind == BIS_OPTION_OWN ? o->rule : rule);
 }
 
-/* --- the command line ---------------------------------------------------------------------------------------------- */
+/* --- the command line
+ * ---------------------------------------------------------------------------------------------- */
 
 static const bis_option *find_option(const bis_command *c, const char *name, size_t length)
 {
@@ -302,7 +306,8 @@ bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **ope
     return good;
 }
 
-/* --- what all commands end with ------------------------------------------------------------------------------------ */
+/* --- what all commands end with
+ * ------------------------------------------------------------------------------------ */
 
 void bis_cli_print_diag(const bis_diag *diag, bool quiet)
 {

@@ -1,11 +1,13 @@
-/* cli: what the commands share: options from a table, `--help` made from the same table, diagnostics out, exit statuses.
+/* cli: what the commands share: options from a table, `--help` made from the same table, diagnostics out, exit
+ * statuses.
  * For src/main.c and src/cmd_*.c alone; with json.h the only part of bis that prints.
  *
  * A command describes itself by one bis_command on its stack, whose options point to where their values go:
  *
  *     uint64_t spp = 0;
  *     const bis_option options[] = {
- *         {.name = "spp", .argument = "N", .help = "camera samples in a pixel", .kind = BIS_OPTION_COUNT, .value = &spp, .lo = 1, .hi = 1e9},
+ *         {.name = "spp", .argument = "N", .help = "camera samples in a pixel", .kind = BIS_OPTION_COUNT, .value =
+ *         &spp, .lo = 1, .hi = 1e9},
  *     };
  *     const bis_command command = {.name = "render", .usage = "[render] [options] SCENE", .summary = "render a scene",
  *                                  .options = options, .n_options = 1, .min_operands = 1, .max_operands = 1};
@@ -65,19 +67,21 @@ typedef struct bis_command {
     const char *notes;   /* further text of the help, wrapped by hand; may be NULL */
 } bis_command;
 
-/* Read argv[0..argc-1] (behind the command's name). operands[max_operands]: what is no option, n_operands of them. Options and operands may
- * be mixed, "--name=value" is "--name value", "--" ends the options, "-" is an operand or a value. All mistakes are reported, not only the first.
- * False: the command is over with *exit_status: `--help` and `--version` were answered, or the usage was bad and a message printed. */
+/* Read argv[0..argc-1] (behind the command's name). operands[max_operands]: what is no option, n_operands of them.
+ * Options and operands may be mixed, "--name=value" is "--name value", "--" ends the options, "-" is an operand or a
+ * value. All mistakes are reported, not only the first.
+ * False: the command is over with *exit_status: `--help` and `--version` were answered, or the usage was bad and a
+ * message printed. */
 bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands, int *exit_status);
 
-/* A command from its arguments to its exit status: parse, run the body (exit status out), print its messages, finish. `options` is what the
- * table of options writes to. At most BIS_CLI_MAX_OPERANDS operands. */
+/* A command from its arguments to its exit status: parse, run the body (exit status out), print its messages, finish.
+ * `options` is what the table of options writes to. At most BIS_CLI_MAX_OPERANDS operands. */
 enum { BIS_CLI_MAX_OPERANDS = 3 };
 typedef int bis_cli_body(const void *options, const char *const *operands, bis_diag *diag);
 int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, const void *options);
 
-/* The help of one command, at most 80 columns wide; what it consists of: a paragraph, a term with its text. `--help=man` prints the same as a
- * part of the man page (help.h). */
+/* The help of one command, at most 80 columns wide; what it consists of: a paragraph, a term with its text.
+ * `--help=man` prints the same as a part of the man page (help.h). */
 void bis_cli_help(const bis_command *c, FILE *out);
 void bis_cli_print_text(FILE *out, const char *text);
 void bis_cli_print_entry(FILE *out, const char *term, const char *text);
@@ -97,8 +101,8 @@ int bis_cli_finish(int status);
 /* The place of complaints about the command line: they start with "bis: error: ". */
 extern const bis_loc bis_cli_loc;
 
-/* Can a file be made at path? Its folder must exist and be writable, path must not be a folder. For a check before hours of
- * rendering; the write itself is checked again. */
+/* Can a file be made at path? Its folder must exist and be writable, path must not be a folder. For a check before
+ * hours of rendering; the write itself is checked again. */
 bis_status bis_cli_check_writable(const char *path, bis_diag *diag);
 
 /* The commands: arguments behind the command's name, exit status out. */

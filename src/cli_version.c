@@ -1,5 +1,5 @@
-/* cli_version: what `bis --version` prints: the program, the accelerators built in, the libraries that it runs with (not those of the headers
- * that it was compiled with: a bug report wants the former). */
+/* cli_version: what `bis --version` prints: the program, the accelerators built in, the libraries that it runs with
+ * (not those of the headers that it was compiled with: a bug report wants the former). */
 #include "bis/version.h"
 
 #include "bis/accel.h"

@@ -1,4 +1,5 @@
-/* clusters: cutting the curve, drawing from the pieces, and cones around what was drawn. Cost: once, O(tiles); for each pass, 80 ns a direction, some 30,000 of them. */
+/* clusters: cutting the curve, drawing from the pieces, and cones around what was drawn. Cost: once, O(tiles); for each
+ * pass, 80 ns a direction, some 30,000 of them. */
 #include "bis/clusters.h"
 
 #include "bis/curve.h"
@@ -60,8 +61,8 @@ static bis_cluster_point point_of(const bis_light_point *y, double unit)
     return (bis_cluster_point){y->wi, rgb_scale(y->Le, 1 / unit), (float)y->pdf, 0};
 }
 
-/* The cone about cluster k's directions, and its energy: the share times the mean of Le/q_L. A mean direction of length 0, of directions all around,
- * gets the whole sphere as its cone. */
+/* The cone about cluster k's directions, and its energy: the share times the mean of Le/q_L. A mean direction of length
+ * 0, of directions all around, gets the whole sphere as its cone. */
 static void put_cone(bis_clusters *c, uint32_t k)
 {
     const bis_cluster_point *y = c->y + (size_t)k * DIRECTIONS;

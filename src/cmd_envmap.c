@@ -1,5 +1,5 @@
-/* cmd_envmap: `bis envmap MAP`: what is in an environment map (survey.h), as text or JSON, and its levels, regions and importance as pictures
- * (thesis figures 3.5 and 3.6). */
+/* cmd_envmap: `bis envmap MAP`: what is in an environment map (survey.h), as text or JSON, and its levels, regions and
+ * importance as pictures (thesis figures 3.5 and 3.6). */
 #include "bis/file.h"
 #include "bis/light.h"
 #include "bis/mem.h"
@@ -232,7 +232,8 @@ static bis_status write_pictures(const envmap_options *o, const char *out, const
     return status;
 }
 
-/* Where pictures go: --out itself, or --outdir with the map's name and .png; NULL: none. False: neither can be written. */
+/* Where pictures go: --out itself, or --outdir with the map's name and .png; NULL: none. False: neither can be
+ * written. */
 static bool find_out(char out[4096], const envmap_options *o, const char *map, bool *any, bis_diag *diag)
 {
     const char *slash = strrchr(map, '/'), *name = slash ? slash + 1 : map, *dot = strrchr(name, '.');

@@ -1,4 +1,5 @@
-/* cmd_pixel: `bis pixel SCENE X Y`: everything about one pixel (pixel.h), as text or JSON, CSV files and pictures in a folder. */
+/* cmd_pixel: `bis pixel SCENE X Y`: everything about one pixel (pixel.h), as text or JSON, CSV files and pictures in a
+ * folder. */
 #include "pixel.h"
 
 #include "bis/file.h"

@@ -1,7 +1,8 @@
 /* cmd_render: `bis [render] [options] SCENE`: parse, override, plan or build, render, write, report.
  *
- * Whatever can be known to fail is tried before the rendering: options, the endings and folders of the output files, the scene. Ctrl-C
- * (and SIGTERM, SIGHUP) during the rendering ends it soon; what is complete is written, and the exit status is 130. A second one kills. */
+ * Whatever can be known to fail is tried before the rendering: options, the endings and folders of the output files,
+ * the scene. Ctrl-C (and SIGTERM, SIGHUP) during the rendering ends it soon; what is complete is written, and the exit
+ * status is 130. A second one kills. */
 #include "bis/file.h"
 #include "bis/mem.h"
 #include "bis/render.h"
@@ -50,7 +51,8 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* --- options ------------------------------------------------------------------------------------------------------- */
+/* --- options
+ * ------------------------------------------------------------------------------------------------------- */
 
 /* Digits of a side in [1, BIS_IMAGE_MAX_SIDE]; returns what follows them, NULL for anything else. */
 static const char *read_side(const char *text, int *side)
@@ -171,7 +173,8 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
     return bis_cli_parse(&command, argc, argv, scene, &n, exit_status);
 }
 
-/* --- the command line over the scene ------------------------------------------------------------------------------- */
+/* --- the command line over the scene
+ * ------------------------------------------------------------------------------- */
 
 static bis_proposal proposal_of(const char *name)
 {
@@ -273,7 +276,8 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
     return BIS_OK;
 }
 
-/* --- output -------------------------------------------------------------------------------------------------------- */
+/* --- output
+ * -------------------------------------------------------------------------------------------------------- */
 
 /* A pipe or a device is written to directly, since it cannot be replaced by a renamed file. */
 static bool is_stream(const char *path)
@@ -310,7 +314,8 @@ static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, b
     if (film->layers) bis_warn(diag, bis_cli_loc, "layers go into an .exr, and no output file is one: they will be lost");
 }
 
-/* The picture's own channels, then those of layers. *planes: what the latter point into, to be freed. Error bars that cannot be are missed aloud. */
+/* The picture's own channels, then those of layers. *planes: what the latter point into, to be freed. Error bars that
+ * cannot be are missed aloud. */
 static bis_status list_channels(bis_channel *channels, int *n, float **planes, const bis_film *f, const float *rgba, bis_diag *diag)
 {
     static const char *const names[4] = {"R", "G", "B", "A"};
@@ -388,7 +393,8 @@ static bis_status write_stats(const char *path, const bis_stats *stats, bis_diag
     return bis_outfile_commit(file, diag);
 }
 
-/* --- rendering ----------------------------------------------------------------------------------------------------- */
+/* --- rendering
+ * ----------------------------------------------------------------------------------------------------- */
 
 static void print_progress(const bis_progress *p, void *user)
 {
@@ -409,7 +415,8 @@ static const char *duration(char buf[32], double seconds)
     return buf;
 }
 
-/* Said early, after the pilot, so that nobody waits for what cannot come: an error that another budget will cut off, or that takes over ten minutes. */
+/* Said early, after the pilot, so that nobody waits for what cannot come: an error that another budget will cut off, or
+ * that takes over ten minutes. */
 static void print_forecast(const bis_forecast *f, void *user)
 {
     const render_options *o = user;

@@ -1,7 +1,8 @@
-/* cmd_trade: `bis trade SCENE`: measure error against time for several estimators, into a folder with tables and a page (trade.h).
+/* cmd_trade: `bis trade SCENE`: measure error against time for several estimators, into a folder with tables and a page
+ * (trade.h).
  *
- * Ctrl-C (SIGTERM, SIGHUP) abandons the render under way; what was measured is written, tables and page included, and the exit status is 130. A second
- * one kills, and loses a second of measurements at most. */
+ * Ctrl-C (SIGTERM, SIGHUP) abandons the render under way; what was measured is written, tables and page included, and
+ * the exit status is 130. A second one kills, and loses a second of measurements at most. */
 #include "trade.h"
 
 #include "bis/file.h"

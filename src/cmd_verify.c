@@ -1,4 +1,5 @@
-/* cmd_verify: `bis verify SCENE`, `bis verify MAP`: the checks of verify.h on the user's own files, as a table or as JSON. */
+/* cmd_verify: `bis verify SCENE`, `bis verify MAP`: the checks of verify.h on the user's own files, as a table or as
+ * JSON. */
 #include "verify.h"
 
 #include "bis/mem.h"

@@ -1,8 +1,8 @@
 /* compare: figures that say how far image a is from reference b, SPEC 5.
  *
- * relMSE divides each squared difference by b^2 + m^2/100, m the reference's mean: dark and bright pixels weigh alike, black ones do
- * not divide by zero (a tenth of the mean is where "dark" ends). A pixel with a NaN or infinity in either image is counted and left
- * out of everything else. Two passes over the pixels, sums in double. */
+ * relMSE divides each squared difference by b^2 + m^2/100, m the reference's mean: dark and bright pixels weigh alike,
+ * black ones do not divide by zero (a tenth of the mean is where "dark" ends). A pixel with a NaN or infinity in either
+ * image is counted and left out of everything else. Two passes over the pixels, sums in double. */
 #include "bis/compare.h"
 
 #include <math.h>
@@ -45,7 +45,8 @@ static size_t find_means(const bis_image *a, const bis_image *b, double *mean_a,
     return n;
 }
 
-/* Mean over channels of (a-b)^2 / (b^2 + m^2/100). Equal values differ by 0 even where b = m = 0; others are then infinitely far. */
+/* Mean over channels of (a-b)^2 / (b^2 + m^2/100). Equal values differ by 0 even where b = m = 0; others are then
+ * infinitely far. */
 static double relative_square(rgb a, rgb b, double m)
 {
     double va[3], vb[3], total = 0;

@@ -1,5 +1,5 @@
-/* describe: one table says which integrator has which parameters; EXR attributes, --stats and the warning about an option
- * without effect all read it. */
+/* describe: one table says which integrator has which parameters; EXR attributes, --stats and the warning about an
+ * option without effect all read it. */
 #include "describe.h"
 
 #include "bis/file.h"
@@ -167,7 +167,8 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     return n;
 }
 
-/* --- JSON ---------------------------------------------------------------------------------------------------------- */
+/* --- JSON
+ * ---------------------------------------------------------------------------------------------------------- */
 
 /* A parameter of the integrator, null where it has none of that name. */
 static void print_parameter(bis_json *j, const bis_settings *s, const char *name)

@@ -21,7 +21,8 @@ int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MA
 /* The same as a scene file would say it: Integrator "sir" "integer candidates" 256 ... */
 const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s);
 
-/* What auto has chosen, and how much longer the best of each other method would take to the same error, in one line. The report must have a choice. */
+/* What auto has chosen, and how much longer the best of each other method would take to the same error, in one line.
+ * The report must have a choice. */
 const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r);
 
 /* Everything that --stats tells. seconds.write and .total are those so far. */
@@ -36,8 +37,9 @@ typedef struct bis_stats {
     char line[BIS_MAX_LINE];          /* of the settings, by bis_describe_line */
 } bis_stats;
 
-/* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), adaptive (where it is), bis:auto (the chosen line for a scene, where auto chose), spp, seed, render_seconds, estimated_relative_rmse (where known), bis:version
- * ("version" alone is reserved by OpenEXR). */
+/* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), adaptive (where it is),
+ * bis:auto (the chosen line for a scene, where auto chose), spp, seed, render_seconds, estimated_relative_rmse (where
+ * known), bis:version ("version" alone is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 
 /* The JSON of --stats, keys as SPEC 5; what does not apply is null. */

@@ -1,7 +1,8 @@
 /* embree: a bounding volume hierarchy by Embree, the fast backend and the grid's witness.
  *
- * The scene is ROBUST: Embree's watertight triangle test, so that it and the grid agree but for ties. Buffers are shared
- * with the geometry, which is why its vertices have a spare one at the end (Embree reads 16 bytes for the last 12).
+ * The scene is ROBUST: Embree's watertight triangle test, so that it and the grid agree but for ties. Buffers are
+ * shared with the geometry, which is why its vertices have a spare one at the end (Embree reads 16 bytes for the last
+ * 12).
  * Two things are put right here, so that both backends say the same:
  * - a triangle without area is never hit. In Embree's float arithmetic a collinear one can get a little area; such
  *   triangles get one vertex three times, in an index buffer of our own that exists only if there are any;
@@ -61,8 +62,8 @@ static struct RTCRay query_ray(const ray *r)
                            .tfar = nextafterf(r->tmax, 0), .mask = UINT32_MAX};
 }
 
-/* t of the triangle's plane in double. Embree's own stands where that is no t of the ray: at a tie of an end of the ray,
- * or edge-on. */
+/* t of the triangle's plane in double. Embree's own stands where that is no t of the ray: at a tie of an end of the
+ * ray, or edge-on. */
 static float distance(const bis_geometry *g, uint32_t prim, const ray *r, float embrees)
 {
     const uint32_t *index = g->index + 3 * (size_t)prim;
@@ -189,7 +190,8 @@ static void quadric_intersect(const struct RTCIntersectFunctionNArguments *args)
     query->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
-/* Rays come in packets, too: N of them, as arrays of N one behind the other. Embree's header has accessors for C++ alone. */
+/* Rays come in packets, too: N of them, as arrays of N one behind the other. Embree's header has accessors for C++
+ * alone. */
 static void quadric_occluded(const struct RTCOccludedFunctionNArguments *args)
 {
     enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR };

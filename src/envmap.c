@@ -1,11 +1,12 @@
 /* envmap: the sphere of eq. 3.2, cut into W x H patches of constant radiance (thesis 3.1).
  *
- * Everything follows from one choice (docs/errata.md E2): a pixel is not a point light but the patch between two meridians and two
- * circles of latitude. On the sphere z is uniform (Archimedes), so a patch of row j has the solid angle
- * (2 pi / W)(cos t_j - cos t_{j+1}), and a direction uniform in it has phi uniform between the meridians and cos(theta) uniform
- * between the circles. No sin(theta) is divided by anywhere, so nothing happens at the poles.
+ * Everything follows from one choice (docs/errata.md E2): a pixel is not a point light but the patch between two
+ * meridians and two circles of latitude. On the sphere z is uniform (Archimedes), so a patch of row j has the solid
+ * angle (2 pi / W)(cos t_j - cos t_{j+1}), and a direction uniform in it has phi uniform between the meridians and
+ * cos(theta) uniform between the circles. No sin(theta) is divided by anywhere, so nothing happens at the poles.
  *
- * Numbers: cos t_j - cos t_{j+1} cancels at the poles (in float, 8192 rows: 19% wrong); the same thing is 2 sin(mid) sin(half).
+ * Numbers: cos t_j - cos t_{j+1} cancels at the poles (in float, 8192 rows: 19% wrong); the same thing is 2 sin(mid)
+ * sin(half).
  * sin(theta) = sqrt(1 - cos^2) cancels there, too; we keep h = 1 - |cos(theta)| instead, and sin^2 = h (2 - h).
  * Cost: O(W H) to clean, O(1) for everything else. */
 #include "bis/envmap.h"

@@ -1,14 +1,15 @@
 /* envmap_angular: Debevec's light probes, resampled once to a lat-long map (SPEC 1).
  *
- * The pixel at polar position (r, a) of the disc (r = 1 at the rim, a from image right, counter-clockwise) is the direction
- * (-cos(pi r), -sin(pi r) cos a, sin(pi r) sin a). The disc's area element r dr da is sin(pi r) pi dr da on the sphere: a pixel of area
- * (2/side)^2 subtends pi^2 sin(pi r)/(pi r) (2/side)^2.
+ * The pixel at polar position (r, a) of the disc (r = 1 at the rim, a from image right, counter-clockwise) is the
+ * direction (-cos(pi r), -sin(pi r) cos a, sin(pi r) sin a). The disc's area element r dr da is sin(pi r) pi dr da on
+ * the sphere: a pixel of area (2/side)^2 subtends pi^2 sin(pi r)/(pi r) (2/side)^2.
  *
- * Each lat-long patch becomes the mean of k x k directions, evenly spread over its solid angle, each looked up in the nearest probe
- * pixel. Gathering leaves no holes and keeps a constant probe constant, which pouring the probe's pixels into the patches does
- * not; its weak spot is a lamp of a few pixels, whose area it only counts by the samples that happen to fall on it. With n samples on
- * a pixel that count is off by about n^(-3/4). So: k such that a pixel at the centre gets about 64 samples, and in the patches
- * around a pixel that alone holds more than a thousandth of the probe's energy (at most 1000 pixels) 16 times as many each way.
+ * Each lat-long patch becomes the mean of k x k directions, evenly spread over its solid angle, each looked up in the
+ * nearest probe pixel. Gathering leaves no holes and keeps a constant probe constant, which pouring the probe's pixels
+ * into the patches does not; its weak spot is a lamp of a few pixels, whose area it only counts by the samples that
+ * happen to fall on it. With n samples on a pixel that count is off by about n^(-3/4). So: k such that a pixel at the
+ * centre gets about 64 samples, and in the patches around a pixel that alone holds more than a thousandth of the
+ * probe's energy (at most 1000 pixels) 16 times as many each way.
  * Cost: O(W H k^2) on all threads; the result does not depend on their number. */
 #include "bis/envmap.h"
 
@@ -68,8 +69,8 @@ static rgb probe_lookup(const probe *p, double x, double y, double z)
         if (column == p->side) column--; /* the rim itself */
         if (row == p->side) row--;
 
-        /* All points of a pixel are within half a diagonal, sqrt(2)/side, of its centre. A rim pixel whose centre lies outside is
-         * ignored; its neighbour inwards speaks for it. */
+        /* All points of a pixel are within half a diagonal, sqrt(2)/side, of its centre. A rim pixel whose centre lies
+         * outside is ignored; its neighbour inwards speaks for it. */
         const double surely_inside = 1 - sqrt(2) / p->side;
         if (r < surely_inside || in_disc(p->side, column, row)) return p->pixels[(size_t)row * (size_t)p->side + (size_t)column];
         r -= sqrt(2) / p->side;

@@ -7,7 +7,8 @@
 /* Allocate the rows' edges and solid angles of a width x height map; pixels stay as they are. Errors: BIS_NOMEM. */
 bis_status bis_envmap_init_rows(bis_envmap *em, int width, int height, bis_diag *diag);
 
-/* E7: a NaN, infinite or negative channel becomes 0 and is counted as one of pixel (x, y), which subtends solid_angle. */
+/* E7: a NaN, infinite or negative channel becomes 0 and is counted as one of pixel (x, y), which subtends
+ * solid_angle. */
 rgb bis_envmap_clean(bis_envmap_defects *defects, rgb c, int x, int y, double solid_angle);
 
 /* The circle at height u2 in [0,1) of row y: sin and cos of its polar angle, uniform in solid angle for uniform u2. */

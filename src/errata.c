@@ -1,4 +1,5 @@
-/* errata: the table of what can be rendered as printed. What is wrong, and why, is argued in docs/errata.md; here stands what one sees. */
+/* errata: the table of what can be rendered as printed. What is wrong, and why, is argued in docs/errata.md; here
+ * stands what one sees. */
 #include "bis/errata.h"
 
 #include "bis/status.h"

@@ -1,9 +1,11 @@
-/* exact: eq. 3.2 as it stands, thesis 3.1: the sphere is a set of patches of constant radiance, and every lit one is visited.
+/* exact: eq. 3.2 as it stands, thesis 3.1: the sphere is a set of patches of constant radiance, and every lit one is
+ * visited.
  *
  *     L = sum_i Le_i sum_k f(wi_ik, wo) cos theta_ik V(wi_ik) dOmega_i / K,     wi_ik uniform in patch i, k < K = perpatch
  *
- * Inside a patch f, cos and V vary, so one ray at its centre would be biased, and a shadow's edge would come out in steps (docs/errata.md
- * E2); a ray anywhere in it is not. Unbiased for every K >= 1; its noise is that inside single patches, far below all others'.
+ * Inside a patch f, cos and V vary, so one ray at its centre would be biased, and a shadow's edge would come out in
+ * steps (docs/errata.md E2); a ray anywhere in it is not. Unbiased for every K >= 1; its noise is that inside single
+ * patches, far below all others'.
  * Cost: K rays for every lit patch above the horizon: ground truth for small maps. */
 #include "proposal.h"
 

@@ -1,12 +1,12 @@
 /* file: whole files in, whole files out, numbers without a locale.
  *
- * Reading: the size that the system reports is only a first guess (it is 0 for files of /proc, and a file may grow), so we
- * read until the end and grow the buffer on the way.
+ * Reading: the size that the system reports is only a first guess (it is 0 for files of /proc, and a file may grow), so
+ * we read until the end and grow the buffer on the way.
  * Writing: temporary name in the same folder, hence on the same disk, so that rename is atomic: at any moment, path is
  * either the whole old file or the whole new one.
- * Numbers: strtod and printf obey the locale's decimal point; ours obey nothing. Parsing: two doubles that are exact give
- * a product or quotient that is correctly rounded (Clinger 1990, "How to Read Floating Point Numbers Accurately"), which
- * covers nearly all numbers of a mesh or scene; the rest goes to the C library. */
+ * Numbers: strtod and printf obey the locale's decimal point; ours obey nothing. Parsing: two doubles that are exact
+ * give a product or quotient that is correctly rounded (Clinger 1990, "How to Read Floating Point Numbers Accurately"),
+ * which covers nearly all numbers of a mesh or scene; the rest goes to the C library. */
 #include "bis/file.h"
 #include "bis/mem.h"
 
@@ -239,7 +239,8 @@ const char *bis_path_extension(char buf[8], const char *path)
 
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/* The C library's parser and its "C" locale. In glibc that locale is a constant: newlocale neither allocates nor fails. */
+/* The C library's parser and its "C" locale. In glibc that locale is a constant: newlocale neither allocates nor
+ * fails. */
 static double parse_slowly(const char *s, const char **end)
 {
     locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
@@ -250,7 +251,8 @@ static double parse_slowly(const char *s, const char **end)
     return v;
 }
 
-/* Digits of s, added to *mantissa while they fit 19 decimal digits (below 2^64); *n counts them all but leading zeros. */
+/* Digits of s, added to *mantissa while they fit 19 decimal digits (below 2^64); *n counts them all but leading
+ * zeros. */
 static const char *take_digits(const char *s, uint64_t *mantissa, int *n)
 {
     for (; is_digit(*s); s++) {
@@ -319,7 +321,8 @@ static void print_digits(char buf[32], int digits, double v)
     freelocale(c);
 }
 
-/* DBL_DIG (15) digits survive any normal double, so whatever is shorter appears as 15 digits with zeros, which %g drops.
+/* DBL_DIG (15) digits survive any normal double, so whatever is shorter appears as 15 digits with zeros, which %g
+ * drops.
  * Subnormal numbers hold fewer: there we start from 1. DBL_DECIMAL_DIG (17) always read back. */
 const char *bis_format_double(char buf[32], double v)
 {

@@ -1,10 +1,13 @@
 /* film_layers: a film's layers as channels of an EXR.
  *
- * Names are those that other programs look for: Albedo.R/G/B and Ns.X/Y/Z as in pbrt-v4, whose denoiser reads them, Z as OpenEXR itself names depth.
- * The rest is LAYER.R/G/B, or LAYER.Y for one value, a grey picture: viewers group channels by what stands before the last point.
+ * Names are those that other programs look for: Albedo.R/G/B and Ns.X/Y/Z as in pbrt-v4, whose denoiser reads them, Z
+ * as OpenEXR itself names depth.
+ * The rest is LAYER.R/G/B, or LAYER.Y for one value, a grey picture: viewers group channels by what stands before the
+ * last point.
  *
- * Error bars come from whole passes (docs/errata.md E32). Where passes are independent (bis/render.h) the mean of n of them has the standard error
- * s/sqrt(n), and the truth lies within t(0.975, n-1) of it in 95% of all pixels; it lies nearer where the samples of a pixel are stratified over passes. */
+ * Error bars come from whole passes (docs/errata.md E32). Where passes are independent (bis/render.h) the mean of n of
+ * them has the standard error s/sqrt(n), and the truth lies within t(0.975, n-1) of it in 95% of all pixels; it lies
+ * nearer where the samples of a pixel are stratified over passes. */
 #include "bis/film.h"
 
 #include "bis/stats.h"
@@ -28,7 +31,8 @@ static const struct {
     [BIS_LAYER_DEPTH] = {1, {"Z"}},
 };
 
-/* t with P(|T| > t) = 0.05 for Student's T, by bisection: p falls with t, and 12.7 is the largest, at one degree of freedom. */
+/* t with P(|T| > t) = 0.05 for Student's T, by bisection: p falls with t, and 12.7 is the largest, at one degree of
+ * freedom. */
 static double student_975(double dof)
 {
     double lo = 1, hi = 16;

@@ -1,8 +1,9 @@
 /* gather: what layers want to know of one camera sample.
  *
- * L_ns (eq. 4.5) is L with V = 1, so that is how it is made: the integrator is asked again, with the same random numbers, about the same point in an empty
- * scene. Directions, candidates and weights are those behind L itself; hence L / L_ns is the mean of V over the product (eq. 4.6), with sir within
- * [0,1] sample by sample, and both converge as fast as L does. It costs the candidates a second time, and no ray; only where a layer asks.
+ * L_ns (eq. 4.5) is L with V = 1, so that is how it is made: the integrator is asked again, with the same random
+ * numbers, about the same point in an empty scene. Directions, candidates and weights are those behind L itself; hence
+ * L / L_ns is the mean of V over the product (eq. 4.6), with sir within [0,1] sample by sample, and both converge as
+ * fast as L does. It costs the candidates a second time, and no ray; only where a layer asks.
  * V = 1 below the geometric surface, too: eq. 4.5 has no V, and unoccluded.c does the same. */
 #include "gather.h"
 

@@ -6,8 +6,8 @@
 #include "bis/layers.h"
 #include "bis/xform.h"
 
-/* The surface that was hit: add to values[layers->n_values], which begin as zeros. stream and scratch: as the integrator found them when it made L of
- * pt; scratch is used again. False: an L_ns that is not finite, left out. */
+/* The surface that was hit: add to values[layers->n_values], which begin as zeros. stream and scratch: as the
+ * integrator found them when it made L of pt; scratch is used again. False: an L_ns that is not finite, left out. */
 bool bis_gather_surface(float *values, const bis_layers *layers, const bis_settings *settings, const bis_xform *to_camera, const bis_point *pt,
                         bis_stream stream, bis_scratch *scratch, rgb L);
 

@@ -4,8 +4,9 @@
 
 #include "bis/accel.h"
 
-/* Cells per primitive, by default. Surfaces leave most cells empty, and an empty cell costs a bit's look-up. The packed walk is as
- * fast from 1 to 8 cells on the dragon (871k triangles; scripts/bench_accel.c), but space grows. The plain one gains up to 8. */
+/* Cells per primitive, by default. Surfaces leave most cells empty, and an empty cell costs a bit's look-up. The packed
+ * walk is as fast from 1 to 8 cells on the dragon (871k triangles; scripts/bench_accel.c), but space grows. The plain
+ * one gains up to 8. */
 #define BIS_GRID_DENSITY 2.0
 #define BIS_GRID_PLAIN_DENSITY 8.0
 
@@ -36,8 +37,8 @@ typedef struct bis_grid {
     uint32_t *near[3];                         /* for the packed walk: see grid_packed.c */
 } bis_grid;
 
-/* The nearest hit so far; t is not rounded. Of hits at the same t the first primitive counts, so that it does not matter
- * which is found first. */
+/* The nearest hit so far; t is not rounded. Of hits at the same t the first primitive counts, so that it does not
+ * matter which is found first. */
 typedef struct bis_grid_best {
     double t;
     uint32_t prim;
@@ -50,8 +51,8 @@ static inline bool bis_grid_take(bis_grid_best *best, double t, uint32_t prim)
     return true;
 }
 
-/* density 0: the default. The grid is packed where mesh and grid then stay below 150 bytes a triangle: not where most triangles
- * are much larger than a cell. */
+/* density 0: the default. The grid is packed where mesh and grid then stay below 150 bytes a triangle: not where most
+ * triangles are much larger than a cell. */
 bis_status bis_grid_new(bis_accel **out, const bis_geometry *g, double density, int n_threads, bis_diag *diag);
 
 /* The plain walk, src/grid_walk.c: for any grid. */

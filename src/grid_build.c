@@ -1,5 +1,6 @@
 /* grid_build: which cell holds which primitives. Storage is that of Lagae and Dutré 2008, "Compact, fast and robust
- * grids for ray tracing": one array of offsets, one of items, no lists. Two passes over the primitives, a counting sort:
+ * grids for ray tracing": one array of offsets, one of items, no lists. Two passes over the primitives, a counting
+ * sort:
  * count the items of each cell; turn counts into ends; fill each cell from its end, going backwards through the
  * primitives, so that items ascend and offsets end up at the starts. O(primitives + items + cells).
  *
@@ -91,8 +92,8 @@ static void add_edges(const double v[3][3], int a, double side, cover *c)
  * - else the plane, from both sides, and the edges seen along each axis.
  *
  * v is wrong by at most 2^-40 (4096 cells, double). With L bounding all lengths here, the normal is wrong by
- * 4 * 2^-40 L and a bound by 4 * 2^-40 L^2: below half the slack's share, 2^-11 |n|, where |n| >= 2^-27 L^2. A sliver too
- * thin for that does without the bound, and so keeps some cells too many. */
+ * 4 * 2^-40 L and a bound by 4 * 2^-40 L^2: below half the slack's share, 2^-11 |n|, where |n| >= 2^-27 L^2. A sliver
+ * too thin for that does without the bound, and so keeps some cells too many. */
 static void cover_triangle(const double v[3][3], cover *c)
 {
     const bool wide[3] = {c->hi[0] > c->lo[0], c->hi[1] > c->lo[1], c->hi[2] > c->lo[2]};
@@ -117,7 +118,8 @@ static void cover_triangle(const double v[3][3], cover *c)
     }
 }
 
-/* The cells of a triangle in layers [from, to); false if there are none, or if it has no area: nothing can hit it then. */
+/* The cells of a triangle in layers [from, to); false if there are none, or if it has no area: nothing can hit it
+ * then. */
 static bool cover_triangle_cells(const bis_grid *grid, uint32_t prim, int from, int to, cover *c)
 {
     const bis_geometry *g = grid->base.geometry;
@@ -255,8 +257,8 @@ static void fill_items(const build *b)
 
 /* ---- the box and its cells ---- */
 
-/* The geometry's box, a little larger: rounding in the walk's entry then never cuts a primitive off, and a flat box has a
- * thickness. 2^-20 of the largest extent, and 2^-20 of the coordinates where the box is a single point. */
+/* The geometry's box, a little larger: rounding in the walk's entry then never cuts a primitive off, and a flat box has
+ * a thickness. 2^-20 of the largest extent, and 2^-20 of the coordinates where the box is a single point. */
 static void set_box(bis_grid *grid, const bis_box *box)
 {
     const double lo[3] = {(double)box->lo.x, (double)box->lo.y, (double)box->lo.z};
@@ -274,8 +276,8 @@ static void set_box(bis_grid *grid, const bis_box *box)
     }
 }
 
-/* Cells as cubic as the box allows, `target` in all. An axis shorter than a cell gets one cell, and the others share the
- * target anew: a flat box becomes a grid in two axes. */
+/* Cells as cubic as the box allows, `target` in all. An axis shorter than a cell gets one cell, and the others share
+ * the target anew: a flat box becomes a grid in two axes. */
 static void set_resolution(bis_grid *g, double target)
 {
     bool thin[3] = {false, false, false};
@@ -367,8 +369,8 @@ static const bis_accel_ops plain_ops = {
 static const bis_accel_ops packed_ops = {
     .name = "grid", .intersect = bis_grid_packed_intersect, .occluded = bis_grid_packed_occluded, .bytes = bytes, .free = free_grid};
 
-/* May the grid be packed? Where mesh and grid stay below 150 bytes a primitive, or 300 if the density was asked for; a free 64k
- * items. */
+/* May the grid be packed? Where mesh and grid stay below 150 bytes a primitive, or 300 if the density was asked for; a
+ * free 64k items. */
 static bool may_pack(const bis_grid *g, bool asked)
 {
     const size_t n_items = g->offsets[g->n_cells], free_items = 65536;
@@ -399,8 +401,9 @@ bis_status bis_grid_new(bis_accel **out, const bis_geometry *geometry, double de
     if (!grid) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a grid");
     const bool asked = density > 0;
     if (!asked) density = BIS_GRID_DENSITY;
-    /* A scan's triangles need some 3 items each; 8, and a free 64k, keep even a soup of large triangles that share no vertex below 150
-     * bytes a triangle in all: mesh 48, copy 36, cells 33, items 32. Who asks for more cells may have more items, too.
+    /* A scan's triangles need some 3 items each; 8, and a free 64k, keep even a soup of large triangles that share no
+     * vertex below 150 bytes a triangle in all: mesh 48, copy 36, cells 33, items 32. Who asks for more cells may have
+     * more items, too.
      * Offsets hold 32 bits. */
     const double items = 8 + 4 * larger(0, density - BIS_GRID_PLAIN_DENSITY);
     const double most = smaller(items * n + 65536, (double)(UINT32_MAX - 1));

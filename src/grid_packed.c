@@ -30,7 +30,8 @@ static inline BIS_INLINE int clamp(int i, int lo, int hi) { return i < lo ? lo :
 
 /* ---- the ray among the cells ---- */
 
-/* A ray in units of cells. q counts slabs along m in the ray's direction; in the other axes it is at (u0 + q du, v0 + q dv). */
+/* A ray in units of cells. q counts slabs along m in the ray's direction; in the other axes it is at (u0 + q du, v0 + q
+ * dv). */
 typedef struct slabs {
     double q0, q1;         /* where it enters and leaves */
     double u0, v0, du, dv; /* |du|, |dv| <= 1 */
@@ -168,11 +169,12 @@ static inline BIS_INLINE void move_near(near_ray *near, const slabs *s, const sh
 }
 
 /* Which triangles of a block may shear_test call met? It says no where it finds weights of both signs, so those are
- * ruled out whose weights in float have both signs by more than all rounding. With u = 2^-24, M the largest |v - p| of the block (M <=
- * |first vertex - p| + reach), w = wrong and |sx|, |sy| <= 1:
+ * ruled out whose weights in float have both signs by more than all rounding. With u = 2^-24, M the largest |v - p| of
+ * the block (M <= |first vertex - p| + reach), w = wrong and |sx|, |sy| <= 1:
  * - a sheared coordinate is at most 2M and wrong by w + 7uM: u M each from v - p twice, from sx, from the product, 2uM
  *   from the last difference, and second order;
- * - a weight is the difference of two products of such: wrong by 8.2M (w + 7uM) from its factors, by 18uM^2 from its own
+ * - a weight is the difference of two products of such: wrong by 8.2M (w + 7uM) from its factors, by 18uM^2 from its
+ * own
  *   rounding; shear_test's own errors are in w. In all below 9Mw + 84uM^2, and FLT_MIN for what underflows.
  * What overflows or is no number rules nothing out. */
 static inline BIS_INLINE unsigned filter(const bis_grid_block v, float reach, const near_ray *r)

@@ -5,7 +5,8 @@
  * a triangle that reaches into later cells, is kept but not yet believed. Any hit ends the any-hit walk at once.
  * - Axes are written out, x, y, z: state in arrays indexed by an axis doubled the time of a step.
  * - A direction component of 0 or -0 never meets a wall: its next wall is at infinity, no 0/0, no 1/-0.
- * - t counts from the point where the ray enters the box, so that a far origin costs its rounding once, not per step. */
+ * - t counts from the point where the ray enters the box, so that a far origin costs its rounding once, not per
+ * step. */
 #include "grid.h"
 
 #include "triangle.h"

@@ -1,7 +1,8 @@
 /* help: `bis help`: the commands and topics, one of them, or the whole as a man page.
  *
- * A command's options live in a table on the stack of the command itself, beside the variables that they set. So this file does not read them, but
- * runs the command with `--help` (or `--help=man`) and nothing else: what is printed here, there and in the man page cannot differ. */
+ * A command's options live in a table on the stack of the command itself, beside the variables that they set. So this
+ * file does not read them, but runs the command with `--help` (or `--help=man`) and nothing else: what is printed here,
+ * there and in the man page cannot differ. */
 #include "help.h"
 
 #include "bis/file.h"

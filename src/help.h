@@ -1,5 +1,6 @@
-/* help: what `bis help`, `bis help TOPIC` and the man page say. The commands tell their options themselves (cli.h); topics are tables of terms and
- * texts. Both are written once, and printed as text of 80 columns or as troff. For main.c and help*.c. */
+/* help: what `bis help`, `bis help TOPIC` and the man page say. The commands tell their options themselves (cli.h);
+ * topics are tables of terms and texts. Both are written once, and printed as text of 80 columns or as troff. For
+ * main.c and help*.c. */
 #ifndef BIS_HELP_H
 #define BIS_HELP_H
 
@@ -11,7 +12,8 @@ typedef struct bis_subcommand {
     const char *help; /* one line */
 } bis_subcommand;
 
-/* One of a topic's entries. A term with a text explains it, a text alone is a paragraph, a term alone a line as one would type it. */
+/* One of a topic's entries. A term with a text explains it, a text alone is a paragraph, a term alone a line as one
+ * would type it. */
 typedef struct bis_help_entry {
     const char *term, *text;
 } bis_help_entry;

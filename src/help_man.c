@@ -1,7 +1,9 @@
-/* help_man: the tables of help as a page for man(1), in the few requests of man(7) that every formatter knows: TH, SH, SS, TP, PP, nf.
+/* help_man: the tables of help as a page for man(1), in the few requests of man(7) that every formatter knows: TH, SH,
+ * SS, TP, PP, nf.
  *
- * No text here is the page's own but the headings. Whatever troff reads as its own is escaped, hyphens too, so that an option can be copied from the
- * page into a shell. The date of .TH is left empty: the same source makes the same page. */
+ * No text here is the page's own but the headings. Whatever troff reads as its own is escaped, hyphens too, so that an
+ * option can be copied from the page into a shell. The date of .TH is left empty: the same source makes the same
+ * page. */
 #include "help.h"
 
 #include "bis/version.h"
@@ -65,7 +67,8 @@ static void put_line(FILE *out, const char *text, size_t n)
     fputs("\n.fi\n", out);
 }
 
-/* Notes are wrapped by hand: lines from an empty one to the next are a paragraph, lines that begin with a blank stay as they are. */
+/* Notes are wrapped by hand: lines from an empty one to the next are a paragraph, lines that begin with a blank stay as
+ * they are. */
 static void put_notes(FILE *out, const char *notes)
 {
     fputs(".PP\n", out);

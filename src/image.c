@@ -1,9 +1,9 @@
 /* image: which format, and the rules that hold for all of them.
  *
  * Reading goes by a file's first bytes, because names lie; writing by the name's ending, because there is nothing else.
- * A file is read whole and parsed from memory; whatever is written goes to a temporary file that is renamed at the end, so
- * that a failure leaves an older file as it was. A format is a row of a table below and a pair of functions in its own
- * file; a value that a format cannot hold is found before the temporary file is made. */
+ * A file is read whole and parsed from memory; whatever is written goes to a temporary file that is renamed at the end,
+ * so that a failure leaves an older file as it was. A format is a row of a table below and a pair of functions in its
+ * own file; a value that a format cannot hold is found before the temporary file is made. */
 #include "bis/image.h"
 
 #include "bis/file.h"

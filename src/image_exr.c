@@ -1,12 +1,13 @@
 /* image_exr: read OpenEXR through OpenEXRCore's C interface.
  *
- * Which pixels: the first part that is not deep and has R, G, B, or Y (luminance, perhaps with chroma RY, BY), at the top or
- * in a layer ("diffuse.R"): see choose_channels. A single R, G or B is refused: grey and "the others are 0" are both in use.
+ * Which pixels: the first part that is not deep and has R, G, B, or Y (luminance, perhaps with chroma RY, BY), at the
+ * top or in a layer ("diffuse.R"): see choose_channels. A single R, G or B is refused: grey and "the others are 0" are
+ * both in use.
  * The data window is the whole map (SPEC 1), of tiled files the finest level; half, float and uint become float.
  *
- * Bad files: Core checks the header against the file's size; we check, before we allocate, that the window's sides are sane,
- * that the table of chunks fits into the file, and that the file is not shorter than its compression could ever make it
- * (best_ratio). The same ratio bounds every chunk before Core allocates what the chunk's header promises.
+ * Bad files: Core checks the header against the file's size; we check, before we allocate, that the window's sides are
+ * sane, that the table of chunks fits into the file, and that the file is not shorter than its compression could ever
+ * make it (best_ratio). The same ratio bounds every chunk before Core allocates what the chunk's header promises.
  * What Core cannot decode, image_exr_rgba.c does.
  * Source: the documentation of OpenEXRCore 3.1 and "OpenEXR File Layout", both of the OpenEXR project. */
 #include "image_exr.h"
@@ -202,9 +203,9 @@ static void remark_on_colours(exr_const_context_t file, int part, const image_in
 
 /* ---- sizes ---- */
 
-/* The most bytes that one byte of a file can stand for. RLE: 128 from 2. Deflate: 1032 (258 from 2 bits), and PXR24 leaves out
- * the fourth byte of a float first. PIZ: a run of 255 halves from 9 bits at least, so 454. B44A: 32 from 3. DWA: an 8 x 8 block
- * of halves leaves two halves, or its alpha runs of 128, and these go through deflate. */
+/* The most bytes that one byte of a file can stand for. RLE: 128 from 2. Deflate: 1032 (258 from 2 bits), and PXR24
+ * leaves out the fourth byte of a float first. PIZ: a run of 255 halves from 9 bits at least, so 454. B44A: 32 from 3.
+ * DWA: an 8 x 8 block of halves leaves two halves, or its alpha runs of 128, and these go through deflate. */
 static uint64_t best_ratio(exr_compression_t compression)
 {
     switch (compression) {
@@ -249,8 +250,8 @@ static int32_t int_at(const unsigned char *p)
     return (int32_t)((uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24);
 }
 
-/* Of a damaged header Core makes up what it did not understand, a data window of 64 x 64 among it, and may not tell. So the window must
- * stand in the file, in some part's header. */
+/* Of a damaged header Core makes up what it did not understand, a data window of 64 x 64 among it, and may not tell. So
+ * the window must stand in the file, in some part's header. */
 static bool says_window(const image_input *in, const exr_attr_box2i_t *w)
 {
     const char words[] = "dataWindow\0box2i\0\x10\0\0"; /* 16 bytes; the last zero is the string's own */
@@ -314,8 +315,8 @@ static int offset_of(const char *name, const exr_choice *c)
     return strcmp(name, "B") ? -1 : (int)offsetof(rgb, b);
 }
 
-/* Core 3.1.5 has shortcuts for 3 and 4 channels (half to float, say) that write all of them, also those without a place to go, which ends at
- * address 0. So such a part's unwanted channels get a place. The first chunk is the largest. */
+/* Core 3.1.5 has shortcuts for 3 and 4 channels (half to float, say) that write all of them, also those without a place
+ * to go, which ends at address 0. So such a part's unwanted channels get a place. The first chunk is the largest. */
 static exr_result_t make_unwanted(exr_walk *w, const exr_chunk_info_t *chunk)
 {
     int n_wanted = 0;

@@ -1,10 +1,10 @@
-/* image_exr_rgba: the two kinds of OpenEXR files that OpenEXRCore 3.1.5 cannot turn into R, G, B: DWAA and DWAB compression,
- * and luminance with chroma at a quarter of the resolution (Y, RY, BY). OpenEXR's older C interface can, with half
- * precision: both kinds are lossy codings of halves in the first place.
+/* image_exr_rgba: the two kinds of OpenEXR files that OpenEXRCore 3.1.5 cannot turn into R, G, B: DWAA and DWAB
+ * compression, and luminance with chroma at a quarter of the resolution (Y, RY, BY). OpenEXR's older C interface can,
+ * with half precision: both kinds are lossy codings of halves in the first place.
  *
- * That library sits on C++ and trusts headers more than Core does: it is called only after Core has read the whole header
- * and its data window has been held against the file's size. It opens the file by name a second time; that the file is still
- * the same is checked by its data window. Its exceptions end inside of it; we see codes. */
+ * That library sits on C++ and trusts headers more than Core does: it is called only after Core has read the whole
+ * header and its data window has been held against the file's size. It opens the file by name a second time; that the
+ * file is still the same is checked by its data window. Its exceptions end inside of it; we see codes. */
 #include "image_exr_rgba.h"
 
 #include "bis/mem.h"

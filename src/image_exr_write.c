@@ -1,10 +1,12 @@
-/* image_exr_write: write OpenEXR through OpenEXRCore's C interface: float32, ZIP, scanlines from the top, any channels, text and
- * numbers as attributes.
+/* image_exr_write: write OpenEXR through OpenEXRCore's C interface: float32, ZIP, scanlines from the top, any channels,
+ * text and numbers as attributes.
  *
- * Core writes through our function to the stream of a temporary file, which image.c renames at the end: its own way of writing
- * would destroy an older file on failure. It is that function, not Core, which keeps the disk's reason for the message.
+ * Core writes through our function to the stream of a temporary file, which image.c renames at the end: its own way of
+ * writing would destroy an older file on failure. It is that function, not Core, which keeps the disk's reason for the
+ * message.
  * The table of chunks is written by exr_finish, so that its result counts as well.
- * ZIP at level 4 instead of zlib's 6: half the time, files 2 to 4% longer (three maps of 1 Mpixel, 0.15 s against 0.3 s). */
+ * ZIP at level 4 instead of zlib's 6: half the time, files 2 to 4% longer (three maps of 1 Mpixel, 0.15 s against 0.3
+ * s). */
 #include "image_exr.h"
 
 #include "image_exr_core.h"
@@ -46,8 +48,8 @@ static exr_result_t set_windows(exr_context_t file, const bis_picture *p)
                                         EXR_COMPRESSION_ZIP);
 }
 
-/* Names that have a meaning and a type of their own in a header; Core would write ours, and no reader would show it. (Those of
- * the required attributes Core refuses by itself.) */
+/* Names that have a meaning and a type of their own in a header; Core would write ours, and no reader would show it.
+ * (Those of the required attributes Core refuses by itself.) */
 static bool is_reserved(const char *name)
 {
     const char *const reserved[] = {"name", "type", "version", "chunkCount", "tiles", "maxSamplesPerPixel"};

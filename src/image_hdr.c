@@ -1,14 +1,15 @@
 /* image_hdr: Radiance .hdr pictures (RGBE: three mantissas and one exponent, a byte each).
  *
- * Layout: a line "#?NAME", lines VARIABLE=value, an empty line, the resolution line ("-Y 512 +X 1024": scanlines from the
- * top, each from the left), then the scanlines, each flat, in the old or in the new run-length encoding.
+ * Layout: a line "#?NAME", lines VARIABLE=value, an empty line, the resolution line ("-Y 512 +X 1024": scanlines from
+ * the top, each from the left), then the scanlines, each flat, in the old or in the new run-length encoding.
  * value = mantissa * 2^(exponent - 136), black where the exponent is 0 (SPEC 1), divided by the product of all EXPOSURE
- * lines and, per channel, by that of all COLORCORR lines: both are factors that somebody has multiplied the radiance by.
+ * lines and, per channel, by that of all COLORCORR lines: both are factors that somebody has multiplied the radiance
+ * by.
  *
- * Why a reader of our own: Radiance's is not packaged as a library, and the usual single-file reader ignores EXPOSURE, the
- * axes of the resolution line and the old encoding, each a silently wrong map.
- * Bad files: nothing is read behind the end of the data (every reader below gets the end); a picture is allocated only if
- * its file is at least as long as the shortest that the format allows (smallest_scanline).
+ * Why a reader of our own: Radiance's is not packaged as a library, and the usual single-file reader ignores EXPOSURE,
+ * the axes of the resolution line and the old encoding, each a silently wrong map.
+ * Bad files: nothing is read behind the end of the data (every reader below gets the end); a picture is allocated only
+ * if its file is at least as long as the shortest that the format allows (smallest_scanline).
  * Source: G. Ward, "Real Pixels", Graphics Gems II (1991); the file format pages of Radiance. */
 #include "image_hdr.h"
 
@@ -81,8 +82,8 @@ static bis_status take_format(hdr_header *h, const char *s, const char *line_end
                             length > 4 && !memcmp(s + length - 4, "xyze", 4) ? " (ra_xyze -r converts XYZ to RGB)" : "");
 }
 
-/* Are these the primaries of Radiance or of Rec. 709? They are printed with three or four digits: within half a unit of the
- * third. Some programs write eight zeros, which say nothing. */
+/* Are these the primaries of Radiance or of Rec. 709? They are printed with three or four digits: within half a unit of
+ * the third. Some programs write eight zeros, which say nothing. */
 static bool are_standard(const double primaries[8])
 {
     const double radiance[8] = {.64, .33, .29, .6, .15, .06, 1. / 3, 1. / 3};
@@ -97,7 +98,8 @@ static bool are_standard(const double primaries[8])
     return is_radiance || is_rec709 || is_empty;
 }
 
-/* What follows name in the line, or NULL. Variables begin a line: an indented one is an earlier picture's, kept as history. */
+/* What follows name in the line, or NULL. Variables begin a line: an indented one is an earlier picture's, kept as
+ * history. */
 static const char *value_of(const char *name, const char *line)
 {
     size_t n = strlen(name);
@@ -135,7 +137,8 @@ static bool parse_axis(char *axis, bool *negative, int *size, const char **p)
     return s > digits && *size >= 1 && *size <= BIS_IMAGE_MAX_SIDE;
 }
 
-/* All eight orientations. The first axis runs over scanlines, the second within one. Y grows upwards, X to the right. */
+/* All eight orientations. The first axis runs over scanlines, the second within one. Y grows upwards, X to the
+ * right. */
 static bis_status take_resolution(hdr_header *h, const char *line, const char *line_end, const image_input *in)
 {
     const char *s = line;
@@ -188,8 +191,8 @@ typedef const char *read_fn(rgbe *line, int n, const unsigned char **p, const un
 
 static const char *const ends = "the file ends within it";
 
-/* Old encoding: a pixel with mantissas 1 1 1 stands for "the pixel before, exponent times"; such pixels in a row are the
- * digits of one number to the base 256, the lowest first. Without runs it is the flat encoding. */
+/* Old encoding: a pixel with mantissas 1 1 1 stands for "the pixel before, exponent times"; such pixels in a row are
+ * the digits of one number to the base 256, the lowest first. Without runs it is the flat encoding. */
 static const char *read_old(rgbe *line, int n, const unsigned char **p, const unsigned char *end)
 {
     int shift = 0, i = 0;
@@ -211,8 +214,8 @@ static const char *read_old(rgbe *line, int n, const unsigned char **p, const un
     return NULL;
 }
 
-/* New encoding, the scanline's four planes one after the other: a count c <= 128 and c bytes, or c > 128 and the byte that
- * fills c - 128 places. */
+/* New encoding, the scanline's four planes one after the other: a count c <= 128 and c bytes, or c > 128 and the byte
+ * that fills c - 128 places. */
 static const char *read_plane(unsigned char *plane, int n, const unsigned char **p, const unsigned char *end)
 {
     for (int i = 0; i < n;) {
@@ -244,8 +247,8 @@ static const char *read_new(unsigned char *planes, int n, const unsigned char **
 
 /* ---- values ---- */
 
-/* scale[e][k]: what a mantissa of channel k with exponent e is worth. Exact where there is no EXPOSURE, otherwise off by an
- * ulp of double before the one rounding to float. */
+/* scale[e][k]: what a mantissa of channel k with exponent e is worth. Exact where there is no EXPOSURE, otherwise off
+ * by an ulp of double before the one rounding to float. */
 typedef double scale_table[256][3];
 
 static void make_scales(scale_table scale, const double exposure[3])
@@ -342,9 +345,9 @@ done:
 /* The nearest mantissa; halves go up. */
 static unsigned char mantissa_of(double v, double unit) { return (unsigned char)floor(v / unit + 0.5); }
 
-/* The rgbe nearest to a colour; false where an .hdr cannot hold it. The largest channel gets a mantissa of 128 to 255, so
- * that it is right to 1/256; only below 2^-128 the exponent stays at its smallest, 1, and mantissas get smaller. v / unit is
- * exact: unit is a power of two. */
+/* The rgbe nearest to a colour; false where an .hdr cannot hold it. The largest channel gets a mantissa of 128 to 255,
+ * so that it is right to 1/256; only below 2^-128 the exponent stays at its smallest, 1, and mantissas get smaller. v /
+ * unit is exact: unit is a power of two. */
 static bool encode(rgbe out, const double v[3])
 {
     double largest = fmax(v[0], fmax(v[1], v[2]));
@@ -414,8 +417,8 @@ static void write_plane(FILE *stream, const unsigned char *plane, int n)
     }
 }
 
-/* Flat, for lengths that the new encoding has no room for. Readers take mantissas 1 1 1 for a run; only a grey of 2^-135 has
- * them, which we write 2^-135 too bright in blue. */
+/* Flat, for lengths that the new encoding has no room for. Readers take mantissas 1 1 1 for a run; only a grey of
+ * 2^-135 has them, which we write 2^-135 too bright in blue. */
 static void write_flat(FILE *stream, const unsigned char *planes, int n)
 {
     for (int i = 0; i < n; i++) {

@@ -1,5 +1,5 @@
-/* image_io: what the readers of .hdr, .exr and .pfm share: messages that name the file, and the one allocation whose size
- * comes from a file. */
+/* image_io: what the readers of .hdr, .exr and .pfm share: messages that name the file, and the one allocation whose
+ * size comes from a file. */
 #include "image_io.h"
 
 #include <stdarg.h>

@@ -1,12 +1,13 @@
 /* image_png: 8 bit sRGB, to look at, never to measure by. Written by libpng.
  *
- * Exposure: radiance times 2^EV, or, when none is given, times 0.18 / L, where L is the log-average of the luminance: the
- * picture's middle lands on a middle grey (E. Reinhard et al., "Photographic Tone Reproduction for Digital Images", 2002,
- * eq. 1 and 2; where they add a small delta so that black has a logarithm, we leave black pixels out, so that a large black
- * background changes nothing). Like a photographer we meter on the subject: with a channel "A", the share of geometry in a pixel, the mean is
- * weighted by it, else a dark background makes the subject white. There is no tone curve: what is brighter than white is white. NaN is black.
- * libpng leaves by longjmp on errors: the one function with setjmp changes no local variable after it, and all that is to
- * be freed hangs on a struct of its caller. */
+ * Exposure: radiance times 2^EV, or, when none is given, times 0.18 / L, where L is the log-average of the luminance:
+ * the picture's middle lands on a middle grey (E. Reinhard et al., "Photographic Tone Reproduction for Digital Images",
+ * 2002, eq. 1 and 2; where they add a small delta so that black has a logarithm, we leave black pixels out, so that a
+ * large black background changes nothing). Like a photographer we meter on the subject: with a channel "A", the share
+ * of geometry in a pixel, the mean is weighted by it, else a dark background makes the subject white. There is no tone
+ * curve: what is brighter than white is white. NaN is black.
+ * libpng leaves by longjmp on errors: the one function with setjmp changes no local variable after it, and all that is
+ * to be freed hangs on a struct of its caller. */
 #include "image_png.h"
 
 #include "bis/mem.h"

@@ -1,4 +1,5 @@
-/* image_png: 8 bit sRGB pictures to look at, written by libpng. For src/image.c, and src/trade_strips.c, whose pictures stand in a page. */
+/* image_png: 8 bit sRGB pictures to look at, written by libpng. For src/image.c, and src/trade_strips.c, whose pictures
+ * stand in a page. */
 #ifndef BIS_IMAGE_PNG_H
 #define BIS_IMAGE_PNG_H
 

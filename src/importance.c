@@ -1,13 +1,15 @@
-/* importance: the density by which directions are drawn from an environment map, thesis 3.3 with the area weighting of 3.4.
+/* importance: the density by which directions are drawn from an environment map, thesis 3.3 with the area weighting of
+ * 3.4.
  *
- * A pixel weighs w per steradian: its intensity I = r+g+b (3.3 step 1), times min(0.01 sr, A_k)^b where b > 0, A_k the solid angle of its
- * component (3.4, docs/errata.md E17). It is drawn with probability P = w dO / sum of all (E3), a direction in it uniformly by
- * solid angle (E2), hence with density
+ * A pixel weighs w per steradian: its intensity I = r+g+b (3.3 step 1), times min(0.01 sr, A_k)^b where b > 0, A_k the
+ * solid angle of its component (3.4, docs/errata.md E17). It is drawn with probability P = w dO / sum of all (E3), a
+ * direction in it uniformly by solid angle (E2), hence with density
  *
  *     q = P / dO = w / sum.
  *
- * Area weighting changes where we look, never what we see: whatever w is, as long as it is positive where the map is, estimators that
- * divide by this q are right (E20). So the only thing to keep is that q is exactly what is drawn; tests compare both to 1e-8.
+ * Area weighting changes where we look, never what we see: whatever w is, as long as it is positive where the map is,
+ * estimators that divide by this q are right (E20). So the only thing to keep is that q is exactly what is drawn; tests
+ * compare both to 1e-8.
  *
  * Nothing but the area factors is stored of w. Cost: O(W H); draws O(1). */
 #include "bis/importance.h"
@@ -58,8 +60,9 @@ done:
 }
 /* [end] */
 
-/* MIS compensation (Karlik et al. 2019): what lies below the mean is left to the BRDF's samples. Of a map that nowhere exceeds its mean
- * by more than the rounding of the sum that made it (n additions, each 2^-53), nothing would be left: it is drawn uncompensated. */
+/* MIS compensation (Karlik et al. 2019): what lies below the mean is left to the BRDF's samples. Of a map that nowhere
+ * exceeds its mean by more than the rounding of the sum that made it (n additions, each 2^-53), nothing would be left:
+ * it is drawn uncompensated. */
 static double mean_to_subtract(const bis_envmap *em)
 {
     const double mean = bis_envmap_power(em) / (4 * PI);
@@ -85,8 +88,8 @@ static void sum_rows(bis_importance *im, double *row_weight)
     }
 }
 
-/* The largest I/q = sum * I/w. Without compensation I/w is 1, or 1/area. The four roundings of I * area / sum, of the caller's I/q and of
- * ours are below 2^-53 each: a factor 1 + 8 * 2^-53 makes it a bound of what is computed, too. */
+/* The largest I/q = sum * I/w. Without compensation I/w is 1, or 1/area. The four roundings of I * area / sum, of the
+ * caller's I/q and of ours are below 2^-53 each: a factor 1 + 8 * 2^-53 makes it a bound of what is computed, too. */
 static double find_max_ratio(const bis_importance *im)
 {
     const bis_weights *w = &im->weights;

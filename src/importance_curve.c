@@ -1,12 +1,14 @@
 /* importance_curve: drawing a pixel by one number, along a curve that visits all lit pixels.
  *
- * Neighbours on the curve (bis/curve.h) are neighbours in the map, so N equal steps of s are N compact pieces of the map of equal importance.
- * One stratified set of numbers then fills the map evenly in both dimensions, for any N, which two passes cannot do; chapter 4's
- * systematic resampling walks along the same curve.
+ * Neighbours on the curve (bis/curve.h) are neighbours in the map, so N equal steps of s are N compact pieces of the
+ * map of equal importance.
+ * One stratified set of numbers then fills the map evenly in both dimensions, for any N, which two passes cannot do;
+ * chapter 4's systematic resampling walks along the same curve.
  *
- * The curve visits tiles of 4 x 4 pixels, each read like a page: as compact, and the order costs 4 bytes a tile. Maps below 2^16 pixels,
- * where a tile is a large piece, are visited pixel by pixel. The CDF is over pixels, so that a draw costs one search by the guide and touches
- * three or four cache lines; a CDF over tiles with a scan of the 16 weights needs 1 byte a pixel and took six times as long.
+ * The curve visits tiles of 4 x 4 pixels, each read like a page: as compact, and the order costs 4 bytes a tile. Maps
+ * below 2^16 pixels, where a tile is a large piece, are visited pixel by pixel. The CDF is over pixels, so that a draw
+ * costs one search by the guide and touches three or four cache lines; a CDF over tiles with a scan of the 16 weights
+ * needs 1 byte a pixel and took six times as long.
  * Build O(W H), draw O(1). Monotone in s. */
 #include "bis/curve.h"
 #include "bis/mem.h"
@@ -34,7 +36,8 @@ static bis_status find_tiles(bis_trail *t, const bis_envmap *em)
     return BIS_OK;
 }
 
-/* Weight times solid angle of the pixels of tile i, cell by cell; what lies beyond the map's right or lower edge stays 0. */
+/* Weight times solid angle of the pixels of tile i, cell by cell; what lies beyond the map's right or lower edge stays
+ * 0. */
 static void weigh_tile(double *weight, const bis_trail *t, size_t i, const bis_weights *w)
 {
     const size_t width = (size_t)w->em->width, height = (size_t)w->em->height;

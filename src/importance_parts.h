@@ -1,4 +1,5 @@
-/* importance_parts: the three parts of src/importance.c: what a pixel weighs, and the two ways of drawing by these weights.
+/* importance_parts: the three parts of src/importance.c: what a pixel weighs, and the two ways of drawing by these
+ * weights.
  * For src/importance*.c alone. */
 #ifndef BIS_IMPORTANCE_PARTS_H
 #define BIS_IMPORTANCE_PARTS_H
@@ -7,8 +8,8 @@
 #include "bis/cdf.h"
 #include "bis/importance.h"
 
-/* The importance per steradian, w = max(0, I - mean) * area. Never stored itself: the tables are made from, and the density is
- * computed from, the very same function, so that they agree to the last bits. */
+/* The importance per steradian, w = max(0, I - mean) * area. Never stored itself: the tables are made from, and the
+ * density is computed from, the very same function, so that they agree to the last bits. */
 typedef struct bis_weights {
     const bis_envmap *em;
     float *area; /* area[height * width], > 0: the pixel's area factor of thesis 3.4; NULL where b = 0 */
@@ -23,7 +24,8 @@ static inline double bis_weight(const bis_weights *w, size_t pixel)
     return w->area ? excess * (double)w->area[pixel] : excess;
 }
 
-/* By what a row's pixels are multiplied to be drawn: their solid angle, without which the poles get too much (docs/errata.md E3). */
+/* By what a row's pixels are multiplied to be drawn: their solid angle, without which the poles get too much
+ * (docs/errata.md E3). */
 static inline double bis_row_measure(const bis_weights *w, size_t y)
 {
     if (w->as_printed & BIS_E3) return 1;

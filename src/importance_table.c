@@ -1,11 +1,11 @@
-/* importance_table: drawing a pixel in two passes, thesis 3.3 and figure 3.5: first a scanline by the sum of its pixels' importances, m(y) of
- * eq. 3.10, then a pixel of it by c(x|y) of eq. 3.11.
+/* importance_table: drawing a pixel in two passes, thesis 3.3 and figure 3.5: first a scanline by the sum of its
+ * pixels' importances, m(y) of eq. 3.10, then a pixel of it by c(x|y) of eq. 3.11.
  *
- * Each pass is one discrete distribution, by Vose's alias method (3.2.2, appendix A) or by inverting a CDF (eq. 3.12). The
- * sums are of intensity times solid angle, not the printed averages of intensity (docs/errata.md E3).
+ * Each pass is one discrete distribution, by Vose's alias method (3.2.2, appendix A) or by inverting a CDF (eq. 3.12).
+ * The sums are of intensity times solid angle, not the printed averages of intensity (docs/errata.md E3).
  *
- * An alias table costs O(1) whatever the map, but scatters neighbouring numbers. CDFs keep their order: u[0] and u[1] are used up
- * to the place inside the pixel, so that stratified and low-discrepancy points stay so on the sphere (E12).
+ * An alias table costs O(1) whatever the map, but scatters neighbouring numbers. CDFs keep their order: u[0] and u[1]
+ * are used up to the place inside the pixel, so that stratified and low-discrepancy points stay so on the sphere (E12).
  * Build: O(W H), rows in parallel; a row's table depends on nothing but the row. */
 #include "bis/mem.h"
 #include "importance_parts.h"

@@ -1,4 +1,5 @@
-/* json: a writer that keeps the commas and braces (RFC 8259), so that every --stats and --json is valid whatever a file is called. */
+/* json: a writer that keeps the commas and braces (RFC 8259), so that every --stats and --json is valid whatever a file
+ * is called. */
 #include "json.h"
 
 #include "bis/file.h"
@@ -6,7 +7,8 @@
 #include <assert.h>
 #include <math.h>
 
-/* Length of the well-formed UTF-8 sequence at s, 0 when there is none (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF). */
+/* Length of the well-formed UTF-8 sequence at s, 0 when there is none (RFC 3629: no overlong forms, no surrogates, at
+ * most U+10FFFF). */
 static int utf8_length(const unsigned char *s)
 {
     if (s[0] < 0x80) return 1;

@@ -1,5 +1,5 @@
-/* json: a small writer that cannot produce anything but valid JSON: it keeps the commas and braces, escapes strings, prints numbers
- * independent of the locale, and null for NaN and infinity. For the cli alone.
+/* json: a small writer that cannot produce anything but valid JSON: it keeps the commas and braces, escapes strings,
+ * prints numbers independent of the locale, and null for NaN and infinity. For the cli alone.
  *
  *     bis_json j = {.out = stdout};
  *     bis_json_open(&j, NULL, '{');

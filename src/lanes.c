@@ -1,5 +1,5 @@
-/* lanes: stratified points for many directions at once. Hilbert's curve as in curve.c, 12 levels instead of 26; below its last cells, 2^-12 wide, the
- * place is random. Cost: 2 ns a point with AVX-512. */
+/* lanes: stratified points for many directions at once. Hilbert's curve as in curve.c, 12 levels instead of 26; below
+ * its last cells, 2^-12 wide, the place is random. Cost: 2 ns a point with AVX-512. */
 #include "bis/lanes.h"
 
 #include "bis/rng.h"
@@ -44,7 +44,8 @@ static void points(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t k
 
 #pragma omp simd
     for (uint32_t i = 0; i < padded; i++) {
-        /* (i + u)/n, counted in cells: i whole + i rest/n + u size. In float, i + u would leave u so few bits that up to half of the cells are never drawn. */
+        /* (i + u)/n, counted in cells: i whole + i rest/n + u size. In float, i + u would leave u so few bits that up
+         * to half of the cells are never drawn. */
         const float within = (float)(int32_t)(i * rest) * inverse + unit_float(mixed(i ^ key1) >> 8) * size;
         const uint32_t t24 = i * whole + (uint32_t)(int32_t)within, digits = t24 < last ? t24 : last;
         const uint32_t a = even_bits(digits >> 1), b = even_bits(digits);

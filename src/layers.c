@@ -1,7 +1,8 @@
 /* layers: names of layers, and sums of those that must be gathered while rendering.
  *
- * A pixel's values stand side by side in the order of the enum, those of layers that nobody asked for take no place: a pixel with albedo and depth has
- * four values, one without layers none. Sums are double, as the film's. Standard errors and intervals come from the film alone. */
+ * A pixel's values stand side by side in the order of the enum, those of layers that nobody asked for take no place: a
+ * pixel with albedo and depth has four values, one without layers none. Sums are double, as the film's. Standard errors
+ * and intervals come from the film alone. */
 #include "bis/layers.h"
 
 #include "bis/mem.h"

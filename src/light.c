@@ -1,11 +1,12 @@
 /* light: the illumination as an integrator sees it: directions and densities in world space, thesis 3.1.
  *
- * Either a constant, for which nothing is built and directions are uniform over the sphere, or a map with its importance (3.3, 3.4),
- * turned by the rotation or reflection that stood where the scene declared it. The rotation preserves solid angles, so densities pass
- * through unchanged. It is kept in double and made exactly orthonormal: the inverse is the transpose.
+ * Either a constant, for which nothing is built and directions are uniform over the sphere, or a map with its
+ * importance (3.3, 3.4), turned by the rotation or reflection that stood where the scene declared it. The rotation
+ * preserves solid angles, so densities pass through unchanged. It is kept in double and made exactly orthonormal: the
+ * inverse is the transpose.
  *
- * What is drawn carries the radiance of the pixel that was drawn, not of the one that the rounded direction looks up to: these differ
- * for one direction in about 10^5 of a 4096 x 2048 map, next to a pixel's edge. */
+ * What is drawn carries the radiance of the pixel that was drawn, not of the one that the rounded direction looks up
+ * to: these differ for one direction in about 10^5 of a 4096 x 2048 map, next to a pixel's edge. */
 #include "bis/light.h"
 
 #include "bis/curve.h"

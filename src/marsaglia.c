@@ -4,8 +4,8 @@
  *     P = {0.1, 0.2, 0.4, 0.3}    L = {0, 1, 1, 2, 2, 2, 2, 3, 3, 3}    x = L[floor(u |L|)]
  *
  * |L| is the least common denominator of P: the sum of the weights once their greatest common divisor is cancelled.
- * {1/2953, 2952/2953} needs 2953 elements (docs/errata.md E11), two irrational numbers cannot be done: the reason why the
- * alias method was invented. L is sorted, so the probability of i is the length of its run over |L|. */
+ * {1/2953, 2952/2953} needs 2953 elements (docs/errata.md E11), two irrational numbers cannot be done: the reason why
+ * the alias method was invented. L is sorted, so the probability of i is the length of its run over |L|. */
 #include "bis/marsaglia.h"
 #include "bis/mem.h"
 

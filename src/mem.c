@@ -3,8 +3,8 @@
  * Layout of a block, base being what the C library gave:
  *     base ... | header {base, bytes} | data (64-byte aligned) ... | end
  * Small blocks are placed so that data ends where the C library's block ends: the address sanitizer then sees the first
- * byte written behind them. Large ones come from calloc, which takes them from the kernel as zero pages and does not touch
- * them: a gigabyte of zeros costs a system call. Cost: one header, at most 128 bytes a block. */
+ * byte written behind them. Large ones come from calloc, which takes them from the kernel as zero pages and does not
+ * touch them: a gigabyte of zeros costs a system call. Cost: one header, at most 128 bytes a block. */
 #include "bis/mem.h"
 
 #include <stdatomic.h>

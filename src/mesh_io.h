@@ -13,8 +13,8 @@ typedef struct mesh_input {
     bis_diag *diag;
 } mesh_input;
 
-/* The error "PATH:LINE: error: TEXT", or "SCENE:LINE:COLUMN: error: PATH:LINE: TEXT" for a mesh that a scene names. line 0: not a line
- * of text. Returns code. */
+/* The error "PATH:LINE: error: TEXT", or "SCENE:LINE:COLUMN: error: PATH:LINE: TEXT" for a mesh that a scene names.
+ * line 0: not a line of text. Returns code. */
 bis_status bis_mesh_refuse(const mesh_input *in, int line, bis_status code, const char *fmt, ...) BIS_PRINTF(4, 5);
 
 /* The same as a warning. */

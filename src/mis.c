@@ -1,14 +1,16 @@
 /* mis: multiple importance sampling (Veach and Guibas 1995), the rival of chapter 5.
  *
- * Of N samples, n_em come from the map and n_brdf = N - n_em from the BRDF. Each is worth F/(n_i q_i), times a weight that depends on how well
- * the other technique would have found the same direction; the weights of the two add up to 1 for every direction:
+ * Of N samples, n_em come from the map and n_brdf = N - n_em from the BRDF. Each is worth F/(n_i q_i), times a weight
+ * that depends on how well the other technique would have found the same direction; the weights of the two add up to 1
+ * for every direction:
  *
  *     L = sum_i sum_j  h_i(wi_ij) F(wi_ij) V(wi_ij) / (n_i q_i(wi_ij)),
  *     h_i = n_i q_i / sum_k n_k q_k  (balance)    or    (n_i q_i)^2 / sum_k (n_k q_k)^2  (power).
  *
- * `compensate` makes the map's share sharper: q_em is built from max(0, Le - mean) (Karlik et al. 2019), and is 0 over the dark parts, where the
- * BRDF's samples then have all the weight.
- * Unbiased for every N >= 2 and split, compensated or not. Cost: N draws with two densities each, at most N shadow rays. */
+ * `compensate` makes the map's share sharper: q_em is built from max(0, Le - mean) (Karlik et al. 2019), and is 0 over
+ * the dark parts, where the BRDF's samples then have all the weight.
+ * Unbiased for every N >= 2 and split, compensated or not. Cost: N draws with two densities each, at most N shadow
+ * rays. */
 #include "proposal.h"
 
 static uint32_t samples_em(const bis_settings *s)
@@ -31,7 +33,8 @@ static void scratch_needs(const bis_settings *s, bis_scratch *need)
     bis_em_samples_scratch_needs(n_em, s, need);
 }
 
-/* h of the technique with n q = own against the other's. By their ratio: squares could underflow, and Inf is a fair ratio. */
+/* h of the technique with n q = own against the other's. By their ratio: squares could underflow, and Inf is a fair
+ * ratio. */
 /* [mis-weight] */
 static double weight(bis_heuristic heuristic, double own, double other)
 {

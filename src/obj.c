@@ -1,9 +1,9 @@
 /* obj: two passes over the lines. The first counts v and vn, so that arrays are allocated once and a face may name a
  * vertex that comes later; the second reads.
  *
- * Normals are indexed apart from positions, our meshes have one index: each pair (v, vn) becomes a vertex. The first pair
- * of v keeps number v, further ones get numbers behind the file's, found again by a hash table. O(n) in all. A line may
- * go on behind a backslash. Source: Wavefront's appendix B1, "Object files", and the files of the wild. */
+ * Normals are indexed apart from positions, our meshes have one index: each pair (v, vn) becomes a vertex. The first
+ * pair of v keeps number v, further ones get numbers behind the file's, found again by a hash table. O(n) in all. A
+ * line may go on behind a backslash. Source: Wavefront's appendix B1, "Object files", and the files of the wild. */
 #include "obj.h"
 
 #include "bis/file.h"

@@ -1,10 +1,10 @@
-/* phong_lanes: phong.c for many directions at once, in float: 1 to 2 ns each with AVX-512 instead of 25 (190 for a direction drawn
- * from the BRDF). The formulas are those of phong.c, line for line.
+/* phong_lanes: phong.c for many directions at once, in float: 1 to 2 ns each with AVX-512 instead of 25 (190 for a
+ * direction drawn from the BRDF). The formulas are those of phong.c, line for line.
  *
  * What float costs. The lobe's power has a relative error below 2^-20 (1 + |log power|), plus n 2^-22/cos
  * where cos alpha is small, and never falls below 2^-64 (bis/lanes.h). The same power stands in the weight that a
- * candidate is chosen by and in what the estimate divides by, so no bias comes of it but this error of f itself: 1e-6 in the middle of the lobe, 2e-5
- * where it has fallen to 1e-9 of its peak (tests/test_phong_lanes.c).
+ * candidate is chosen by and in what the estimate divides by, so no bias comes of it but this error of f itself: 1e-6
+ * in the middle of the lobe, 2e-5 where it has fallen to 1e-9 of its peak (tests/test_phong_lanes.c).
  * Reflectances are divided by the largest of them: a material of reflectance 1e-40 would leave a float's range. */
 #include "phong_lanes.h"
 
@@ -130,8 +130,8 @@ static void colour(const bis_bsdf *b, const bis_lanes *y, uint32_t n)
 
 /* ---- bounds over cones ---- */
 
-/* Over the directions of a cone, the largest cosine about an axis: that of the angle between the two axes less the half angle, 1 where the axis lies within. Never too small for
- * rounding: 2^-20 is added. */
+/* Over the directions of a cone, the largest cosine about an axis: that of the angle between the two axes less the half
+ * angle, 1 where the axis lies within. Never too small for rounding: 2^-20 is added. */
 static inline BIS_INLINE float largest_cosine(vec3 axis, float x, float y, float z, float cosine, float sine)
 {
     const float c = axis.x * x + axis.y * y + axis.z * z, s2 = 1 - c * c;

@@ -1,8 +1,10 @@
-/* pixel: the point that a pixel's centre sees; the direct illumination integral there (eq. 4.1 and 4.5); every method against it.
+/* pixel: the point that a pixel's centre sees; the direct illumination integral there (eq. 4.1 and 4.5); every method
+ * against it.
  *
- * The truth is a sum over the patches of the light (eq. 3.2), as in src/exact.c, but with several rays at independent random places in each patch: what
- * these scatter is the standard error of the sum, since patches are independent. It is unbiased for any number of rays. Its cost is 4 rays for
- * each patch above the horizon: 10^6 for a 1024 x 512 map, about a second. For huge maps a long run of `mis` is the better bargain; it too knows its error.
+ * The truth is a sum over the patches of the light (eq. 3.2), as in src/exact.c, but with several rays at independent
+ * random places in each patch: what these scatter is the standard error of the sum, since patches are independent. It
+ * is unbiased for any number of rays. Its cost is 4 rays for each patch above the horizon: 10^6 for a 1024 x 512 map,
+ * about a second. For huge maps a long run of `mis` is the better bargain; it too knows its error.
  * A sum runs in blocks of a fixed size, each with a stream of its own: the same bits for any number of threads. */
 #include "pixel.h"
 
@@ -170,7 +172,8 @@ static bis_status run_many(bis_pixel_value *v, double *skewness, const bis_point
     return status;
 }
 
-/* Without an accelerator nothing is hidden; and with ng = n nothing above the shading horizon lies below the surface. */
+/* Without an accelerator nothing is hidden; and with ng = n nothing above the shading horizon lies below the
+ * surface. */
 static bis_point without_shadows(const bis_point *pt)
 {
     bis_point open = *pt;
@@ -201,7 +204,8 @@ bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t ma
 
 static bool takes_candidates(const bis_integrator *i) { return i == &bis_rejection || i == &bis_sir || i == &bis_unoccluded; }
 
-/* The defaults, with M, N and samples of the scene's own integrator where that has them: what is compared has equal means. */
+/* The defaults, with M, N and samples of the scene's own integrator where that has them: what is compared has equal
+ * means. */
 static bis_settings settings_of(const bis_integrator *i, const bis_settings *own)
 {
     bis_settings s = i == own->integrator ? *own : bis_settings_default(i);

@@ -1,5 +1,5 @@
-/* pixel: everything about one pixel, for `bis pixel`: the point that its centre sees, what eq. 4.1 is there, what every method makes of it, and the
- * candidates, weights and shadow rays behind that.
+/* pixel: everything about one pixel, for `bis pixel`: the point that its centre sees, what eq. 4.1 is there, what every
+ * method makes of it, and the candidates, weights and shadow rays behind that.
  *
  * Nothing here prints; src/cmd_pixel.c does. Results do not depend on the number of threads.
  *
@@ -24,8 +24,9 @@ typedef struct bis_pixel_hit {
     size_t material_index;
 } bis_pixel_hit;
 
-/* The point that the ray through the centre of pixel (x, y) meets, as an integrator sees it. False: it meets no surface. The scene must have been built with
- * bis_verify_builder (verify.h) as its integrator; counters are borrowed by pt. */
+/* The point that the ray through the centre of pixel (x, y) meets, as an integrator sees it. False: it meets no
+ * surface. The scene must have been built with bis_verify_builder (verify.h) as its integrator; counters are borrowed
+ * by pt. */
 bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
                     bis_counters *counters);
 
@@ -37,8 +38,9 @@ typedef struct bis_pixel_value {
     double mean[4], se[4];
 } bis_pixel_value;
 
-/* Reflected radiance, eq. 4.1 (lit) and without V, eq. 4.5 (open): BIS_PIXEL_RAYS rays at random places in each patch (eq. 3.2), whose scatter is the standard
- * error; for a light of more than BIS_PIXEL_MAX_PATCHES patches so many runs of `mis` instead. */
+/* Reflected radiance, eq. 4.1 (lit) and without V, eq. 4.5 (open): BIS_PIXEL_RAYS rays at random places in each patch
+ * (eq. 3.2), whose scatter is the standard error; for a light of more than BIS_PIXEL_MAX_PATCHES patches so many runs
+ * of `mis` instead. */
 enum { BIS_PIXEL_RAYS = 4, BIS_PIXEL_MAX_PATCHES = 1 << 21, BIS_PIXEL_MIS_RUNS = 1 << 14, BIS_PIXEL_MIS_SAMPLES = 64 };
 typedef struct bis_pixel_exact {
     bool by_patches;
@@ -94,7 +96,8 @@ typedef struct bis_pixel_candidates {
     rgbd L, L_ns;           /* the estimate, and that of eq. 4.5 */
 } bis_pixel_candidates;
 
-/* Draw, weigh, choose and trace as `sir` with settings s does, by its stream; without the renderer's shared pool. Errors: BIS_NOMEM. */
+/* Draw, weigh, choose and trace as `sir` with settings s does, by its stream; without the renderer's shared pool.
+ * Errors: BIS_NOMEM. */
 bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *pt, const bis_settings *s, bis_stream *stream, bis_diag *diag);
 void bis_pixel_candidates_clear(bis_pixel_candidates *c);
 
@@ -111,7 +114,8 @@ typedef struct bis_pixel_rays {
     uint32_t runs;
 } bis_pixel_rays;
 
-/* The shadow rays of camera samples 0 ... runs - 1 of a pixel, found by an accelerator that writes down what it is asked: true for any integrator.
+/* The shadow rays of camera samples 0 ... runs - 1 of a pixel, found by an accelerator that writes down what it is
+ * asked: true for any integrator.
  * Errors: BIS_NOMEM. */
 bis_status bis_pixel_rays_record(bis_pixel_rays *r, const bis_point *pt, const bis_settings *s, const bis_sampler *sampler, uint64_t pixel,
                                  uint32_t runs, bis_diag *diag);
@@ -141,8 +145,8 @@ typedef struct bis_pixel_figure {
     size_t n_methods;
 } bis_pixel_figure;
 
-/* Figure 4.1: the densities q_L (eq. 4.2), q_f (4.3), their product p (4.4), and what of it is seen. Figure 4.2: the shadow rays of the methods on the
- * product. To be shown without any exposure. Errors: BIS_NOMEM. */
+/* Figure 4.1: the densities q_L (eq. 4.2), q_f (4.3), their product p (4.4), and what of it is seen. Figure 4.2: the
+ * shadow rays of the methods on the product. To be shown without any exposure. Errors: BIS_NOMEM. */
 enum { BIS_PIXEL_PLOT_WIDTH = 720, BIS_PIXEL_PLOT_HEIGHT = 360 };
 bis_status bis_pixel_figures(bis_image *densities, bis_image *samples, const bis_pixel_figure *figure, bis_diag *diag);
 

@@ -1,4 +1,5 @@
-/* pixel_files: the folder of `bis pixel`: two pictures and three tables (RFC 4180: commas, a header, an empty field for what is not known). */
+/* pixel_files: the folder of `bis pixel`: two pictures and three tables (RFC 4180: commas, a header, an empty field for
+ * what is not known). */
 #include "pixel_report.h"
 
 #include "bis/file.h"

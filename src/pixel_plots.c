@@ -1,8 +1,10 @@
-/* pixel_plots: figures 4.1 and 4.2 of the thesis for one point, as the map sees directions: a lat-long plot of the whole sphere in the light's frame.
+/* pixel_plots: figures 4.1 and 4.2 of the thesis for one point, as the map sees directions: a lat-long plot of the
+ * whole sphere in the light's frame.
  *
- * A place of the plot is the mean of a density over a few directions in it, as many as the map has pixels there (at most 8 x 8), so that a lamp of one
- * pixel is not missed. All densities are per steradian and share one logarithmic scale: where the product is brighter than a proposal, the proposal
- * draws too little. What is below the scale is black. Shadow rays are dots on the product. */
+ * A place of the plot is the mean of a density over a few directions in it, as many as the map has pixels there (at
+ * most 8 x 8), so that a lamp of one pixel is not missed. All densities are per steradian and share one logarithmic
+ * scale: where the product is brighter than a proposal, the proposal draws too little. What is below the scale is
+ * black. Shadow rays are dots on the product. */
 #include "pixel.h"
 
 #include "bis/mem.h"
@@ -99,7 +101,8 @@ static void densities_clear(densities *d)
     *d = (densities){.cos_theta = NULL};
 }
 
-/* Normalised: the BRDF by its own integral (eq. 4.3), the product by L_ns (eq. 4.4), so that what is seen integrates to L/L_ns. */
+/* Normalised: the BRDF by its own integral (eq. 4.3), the product by L_ns (eq. 4.4), so that what is seen integrates to
+ * L/L_ns. */
 static bis_status densities_init(densities *d, const bis_pixel_figure *fig, bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(fig->pt->light);
@@ -177,7 +180,8 @@ static void place_of(double *x, double *y, const bis_pixel_figure *fig, vec3 wi)
     *y = d.theta / 180 * HEIGHT;
 }
 
-/* A cross that is open in the middle, where a narrow lobe may be. right, below: where the name stands, for marks that are close to one another. */
+/* A cross that is open in the middle, where a narrow lobe may be. right, below: where the name stands, for marks that
+ * are close to one another. */
 static void draw_mark(bis_image *image, int x0, int y0, const bis_pixel_figure *fig, vec3 w, const char *name, bool right, bool below)
 {
     const double width = bis_canvas_text_width(10, name);

@@ -1,8 +1,9 @@
 /* ply: the body of a PLY file, element by element, as the header describes it.
  *
- * One road for everything: a row is a sequence of numbers, each taken as a double (which holds every type exactly), in ascii
- * or in either byte order. Two short cuts, for what nearly all large files contain, in native byte order: rows of plain
- * floats, and lists of three 4-byte indices behind a 1-byte count (871k triangles: 25 ms with, 60 ms without them).
+ * One road for everything: a row is a sequence of numbers, each taken as a double (which holds every type exactly), in
+ * ascii or in either byte order. Two short cuts, for what nearly all large files contain, in native byte order: rows of
+ * plain floats, and lists of three 4-byte indices behind a 1-byte count (871k triangles: 25 ms with, 60 ms without
+ * them).
  * Nothing is allocated by the header's word alone: an element's count times its least row must fit into what is left of
  * the file. Lists need no memory: fans and strips are made as the indices come by. */
 #include "ply.h"
@@ -314,7 +315,8 @@ static size_t copy_plain_triangles(reader *r, const ply_element *e)
     return row;
 }
 
-/* Which property lists the corners; n_properties: none. An element may have no properties at all, and a header none to point at. */
+/* Which property lists the corners; n_properties: none. An element may have no properties at all, and a header none to
+ * point at. */
 static size_t find_indices(const ply_header *h, const ply_element *e)
 {
     for (size_t i = 0; i < e->n_properties; i++) {

@@ -1,5 +1,5 @@
-/* ply_header: lines of words. "ply", "format F 1.0", then elements ("element NAME COUNT"), each followed by its properties
- * ("property TYPE NAME" or "property list COUNT-TYPE TYPE NAME"), comments anywhere, "end_header".
+/* ply_header: lines of words. "ply", "format F 1.0", then elements ("element NAME COUNT"), each followed by its
+ * properties ("property TYPE NAME" or "property list COUNT-TYPE TYPE NAME"), comments anywhere, "end_header".
  *
  * Line ends: \n, \r\n and \r are all met, and a file may mix them. After "end_header\r" a \n belongs to the line's end
  * unless all lines end with \r alone: then it is the first byte of the body. A \n after "end_header\n" always is.

@@ -45,8 +45,8 @@ bool ply_word_is(ply_word w, const char *text);
 bis_status bis_ply_header_read(ply_header *h, const mesh_input *in);
 void bis_ply_header_clear(ply_header *h);
 
-/* The least number of bytes that a row of e takes in the file: in binary its numbers (an empty list is its count), in ascii a
- * digit and a white space for each. */
+/* The least number of bytes that a row of e takes in the file: in binary its numbers (an empty list is its count), in
+ * ascii a digit and a white space for each. */
 size_t bis_ply_least_row(const ply_header *h, const ply_element *e);
 
 #endif

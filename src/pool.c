@@ -1,4 +1,5 @@
-/* pool: sets of stratified directions, drawn in parallel: their directions number i by a stream of their own, (seed, i, pass, purpose "pool"). */
+/* pool: sets of stratified directions, drawn in parallel: their directions number i by a stream of their own, (seed, i,
+ * pass, purpose "pool"). */
 #include "bis/pool.h"
 
 #include "bis/curve.h"
@@ -36,8 +37,8 @@ size_t bis_pool_bytes(const bis_pool *p)
     return p->n_sets * (p->M * sizeof *p->y + lanes);
 }
 
-/* A direction in lanes. Where there is none, in what fills the last block, Le = 0 and q = 1, so that weights are 0; so it is with a density below
- * FLT_MIN, which is drawn once in 10^37. */
+/* A direction in lanes. Where there is none, in what fills the last block, Le = 0 and q = 1, so that weights are 0; so
+ * it is with a density below FLT_MIN, which is drawn once in 10^37. */
 static void put_lane(const bis_lanes *l, uint32_t i, const bis_light_point *y, double unit)
 {
     const bis_light_point p = y && y->pdf >= (double)FLT_MIN ? *y : (bis_light_point){.pdf = 1};
@@ -51,7 +52,8 @@ static void put_lane(const bis_lanes *l, uint32_t i, const bis_light_point *y, d
     l->q_L[i] = (float)p.pdf;
 }
 
-/* Directions number i of all sets: all in the same M-th of the curve, so that the CDF and the map are read in one place (80 ns a direction; set by set, 250). */
+/* Directions number i of all sets: all in the same M-th of the curve, so that the CDF and the map are read in one place
+ * (80 ns a direction; set by set, 250). */
 static void draw_stratum(bis_pool *p, uint32_t i, const bis_light *light, bis_rng *rng)
 {
     const double unit = bis_light_mean(light);

@@ -1,12 +1,13 @@
 /* regions: the light sources of a map, as in thesis 3.4 and figure 3.6.
  *
- * Three steps, each linear: (1) every pixel gets a level, equal bins of the logarithm of its intensity; (2) a breadth-first search
- * from each pixel that has no label yet gives one to its whole component; (3) the solid angles of the pixels are summed by
- * label. A pixel enters the queue once, so one array as long as the map serves all searches.
+ * Three steps, each linear: (1) every pixel gets a level, equal bins of the logarithm of its intensity; (2) a
+ * breadth-first search from each pixel that has no label yet gives one to its whole component; (3) the solid angles of
+ * the pixels are summed by label. A pixel enters the queue once, so one array as long as the map serves all searches.
  *
- * On the sphere the left and right edges of the map touch, and so do all pixels of the first row, at the pole, and all of the last
- * (docs/errata.md E19; "the pixel opposite" would depend on whether W is even). Visiting a whole row from each of its pixels would
- * cost W^2: instead the first pixel of a level that a search meets there enqueues all of that level, and the level is crossed off. */
+ * On the sphere the left and right edges of the map touch, and so do all pixels of the first row, at the pole, and all
+ * of the last (docs/errata.md E19; "the pixel opposite" would depend on whether W is even). Visiting a whole row from
+ * each of its pixels would cost W^2: instead the first pixel of a level that a search meets there enqueues all of that
+ * level, and the level is crossed off. */
 #include "bis/regions.h"
 
 #include "bis/mem.h"

@@ -1,20 +1,25 @@
 /* rejection: sample generation through rejection, thesis 4.3.
  *
- * A candidate drawn from q is accepted with probability phat/(B q) = w/B, where B bounds phat/q over all directions (figure 4.3); what is
- * accepted is distributed as the product p (eq. 4.4), and at most N of it are traced. Two bounds (figure 4.4):
+ * A candidate drawn from q is accepted with probability phat/(B q) = w/B, where B bounds phat/q over all directions
+ * (figure 4.3); what is accepted is distributed as the product p (eq. 4.4), and at most N of it are traced. Two bounds
+ * (figure 4.4):
  *
  *     from the map:   phat/q_L <= max f cos * max I/q_L   = c_em       from the BRDF:  phat/q_f <= max f cos/q_f * max I   = c_brdf
  *
- * (I = Le.r + Le.g + Le.b; docs/errata.md E27: L_ns is not needed). "choose" takes one of the two for all M candidates of a point, the
- * smaller bound with higher probability: P(em) = c_brdf/(c_em + c_brdf).
+ * (I = Le.r + Le.g + Le.b; docs/errata.md E27: L_ns is not needed). "choose" takes one of the two for all M candidates
+ * of a point, the smaller bound with higher probability: P(em) = c_brdf/(c_em + c_brdf).
  *
- * M is fixed and the number A of accepted candidates falls as it may. (Drawing until N are accepted, as 4.3 reads, overestimates: E22.)
+ * M is fixed and the number A of accepted candidates falls as it may. (Drawing until N are accepted, as 4.3 reads,
+ * overestimates: E22.)
  *   plain:  L = (B/M)(A/n) sum over the n = min(A, N) traced of F/phat V.  Unbiased for every M, N >= 1: a candidate is accepted with w/B and,
- *           if so, traced with n/A, so its expected contribution is (1/M) w F/phat V = (1/M) F/q V. A = 0 is part of the mean.
+ *           if so, traced with n/A, so its expected contribution is (1/M) w F/phat V = (1/M) F/q V. A = 0 is part of
+ *           the mean.
  *   ratio:  L = Zhat/n sum F/phat V, Zhat = W/M from all candidates (eq. 4.7, 4.6).  Biased by O(1/M): Zhat and the choice are not
- *           independent. When nothing is accepted: "resample" the same candidates by SIR (default: no further bias), "subset" of the candidates, or
+ *           independent. When nothing is accepted: "resample" the same candidates by SIR (default: no further bias),
+ *           "subset" of the candidates, or
  *           "unoccluded", as printed: it adds light in the shadows of narrow lobes (E29). The last two are biased.
- * Cost: M candidates, at most N rays; how many are accepted is Zhat/B of M: one in thousands under a contrasty map (E28). */
+ * Cost: M candidates, at most N rays; how many are accepted is Zhat/B of M: one in thousands under a contrasty map
+ * (E28). */
 #include "candidates.h"
 
 #include <assert.h>
@@ -40,8 +45,8 @@ static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_strea
 }
 /* [end] */
 
-/* As printed (E27): p < f_max q_L and p < L_max q_f, f_max and L_max being the largest values of the densities q_f and q_L themselves. Times L_ns, since
- * w = L_ns p/q; q_f taken as f cos over Kd + Ks. */
+/* As printed (E27): p < f_max q_L and p < L_max q_f, f_max and L_max being the largest values of the densities q_f and
+ * q_L themselves. Times L_ns, since w = L_ns p/q; q_f taken as f cos over Kd + Ks. */
 static double bound_as_printed(const bis_point *pt, bis_proposal proposal, double L_ns)
 {
     const bis_material *m = pt->bsdf.material;

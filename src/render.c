@@ -1,17 +1,20 @@
 /* render: passes over tiles by threads.
  *
- * One pass is one camera sample of every pixel (with adaptive sampling several, see adapt.h). Threads take tiles in any order, but what a pixel gets depends on (seed, pixel, pass) alone,
- * and only whole passes reach the film, in order: the film's bits depend on the scene and the number of passes, never on threads,
- * time, or the moment of Ctrl-C. To that end a pass is kept aside (16 bytes a pixel) and added to the film when it is complete; an
- * abandoned one leaves no trace, not even in the counters. The values of layers, where some are asked for, go the same way.
+ * One pass is one camera sample of every pixel (with adaptive sampling several, see adapt.h). Threads take tiles in any
+ * order, but what a pixel gets depends on (seed, pixel, pass) alone, and only whole passes reach the film, in order:
+ * the film's bits depend on the scene and the number of passes, never on threads, time, or the moment of Ctrl-C. To
+ * that end a pass is kept aside (16 bytes a pixel) and added to the film when it is complete; an abandoned one leaves
+ * no trace, not even in the counters. The values of layers, where some are asked for, go the same way.
  *
- * Budgets are looked at between passes. For time: another pass is begun if one of mean length still fits, so a render ends at most one pass
- * early. For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from 20 on, each time
- * their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of passes that no clock can change.
+ * Budgets are looked at between passes. For time: another pass is begun if one of mean length still fits, so a render
+ * ends at most one pass early. For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6,
+ * ... and, from 20 on, each time their number has grown by a twentieth: an unneeded 5% of passes at most, and a number
+ * of passes that no clock can change.
  *
- * An error is estimated from the scatter of the passes, which tells the truth only where they are independent replicates (docs/errata.md E32). The camera
- * samples of one pixel are not: a stratified or low-discrepancy sampler spreads them over the pixel, and the scatter overestimates the
- * error, at edges twofold and more. So where an error is asked for, each pass has a seed of its own. */
+ * An error is estimated from the scatter of the passes, which tells the truth only where they are independent
+ * replicates (docs/errata.md E32). The camera samples of one pixel are not: a stratified or low-discrepancy sampler
+ * spreads them over the pixel, and the scatter overestimates the error, at edges twofold and more. So where an error is
+ * asked for, each pass has a seed of its own. */
 #include "bis/render.h"
 
 #include "bis/mem.h"
@@ -106,7 +109,8 @@ static void add_counters(bis_counters *sum, const bis_counters *c)
     sum->nonfinite += c->nonfinite;
 }
 
-/* --- one camera sample --------------------------------------------------------------------------------------------- */
+/* --- one camera sample
+ * --------------------------------------------------------------------------------------------- */
 
 /* Where the ray meets primitive prim. */
 static bis_point surface_point(const render *r, worker *w, const ray *eye, uint32_t prim)
@@ -147,7 +151,8 @@ static rgb reflected(const render *r, worker *w, const bis_point *pt, bis_stream
     return L;
 }
 
-/* Camera sample `index` of pixel (x, y); *hits counts those that hit. A ray that escapes sees the map. values: for the layers, or NULL. */
+/* Camera sample `index` of pixel (x, y); *hits counts those that hit. A ray that escapes sees the map. values: for the
+ * layers, or NULL. */
 static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler, int x, int y, uint32_t index, uint32_t *hits, float *values)
 {
     const bis_film *f = r->film;
@@ -189,7 +194,8 @@ static sample pixel_sample(const render *r, worker *w, const bis_sampler *sample
     return (sample){rgbd_round(rgbd_scale(sum, 1 / (double)n)), (float)hits / (float)n};
 }
 
-/* --- one pass ------------------------------------------------------------------------------------------------------ */
+/* --- one pass
+ * ------------------------------------------------------------------------------------------------------ */
 
 /* The layers' values of pixel number i of the pass under way, or NULL. */
 static float *layers_at(const render *r, size_t i) { return r->pass_layers ? r->pass_layers + i * (size_t)r->film->layers.n_values : NULL; }
@@ -208,7 +214,8 @@ static bis_sampler sampler_of_pass(const render *r, uint32_t pass, uint32_t n)
     return s;
 }
 
-/* Tile number t in reading order. The flag is looked at for each pixel: one of `exact` under a large map takes a tenth of a second. */
+/* Tile number t in reading order. The flag is looked at for each pixel: one of `exact` under a large map takes a tenth
+ * of a second. */
 static void render_tile(const render *r, worker *w, int t, uint32_t pass)
 {
     const bis_film *f = r->film;
@@ -298,7 +305,8 @@ static void forecast(render *r)
     r->options->forecast(&f, r->options->user);
 }
 
-/* --- all passes ---------------------------------------------------------------------------------------------------- */
+/* --- all passes
+ * ---------------------------------------------------------------------------------------------------- */
 
 /* May another pass begin? One has been completed. */
 static bool budget_left(render *r, uint32_t *next_check)
@@ -367,8 +375,8 @@ static bis_status make_pass(render *r, bis_diag *diag)
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", f->width, f->height);
 }
 
-/* Directions drawn once a pass, a pool or clusters, where the integrator asks for them, the light has a curve to draw them along, and there is a
- * surface to light. */
+/* Directions drawn once a pass, a pool or clusters, where the integrator asks for them, the light has a curve to draw
+ * them along, and there is a surface to light. */
 static bis_status make_pool(render *r, bis_diag *diag)
 {
     const bis_light *light = r->scene->light;

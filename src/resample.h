@@ -1,4 +1,5 @@
-/* resample: N marks over the running sum of the weights (thesis 4.4). Shared by candidates.c and batch.c, which walk along different sums. */
+/* resample: N marks over the running sum of the weights (thesis 4.4). Shared by candidates.c and batch.c, which walk
+ * along different sums. */
 #ifndef BIS_RESAMPLE_H
 #define BIS_RESAMPLE_H
 
@@ -21,8 +22,9 @@ static inline bis_marks bis_marks_start(bis_resampling kind, uint32_t N, bis_str
     return m;
 }
 
-/* Systematic: one number for all. Multinomial: the order statistics of N independent uniforms, made in order (Bentley and Saxe 1980): of the
- * N - j that lie above mark t, the smallest leaves a fraction (1-u)^(1/(N-j)) of 1 - t above itself. */
+/* Systematic: one number for all. Multinomial: the order statistics of N independent uniforms, made in order (Bentley
+ * and Saxe 1980): of the N - j that lie above mark t, the smallest leaves a fraction (1-u)^(1/(N-j)) of 1 - t above
+ * itself. */
 static inline double bis_marks_next(bis_marks *m, bis_stream *stream)
 {
     uint32_t j = m->j++;

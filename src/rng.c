@@ -1,7 +1,8 @@
 /* rng: keys from coordinates.
  *
  * Each coordinate is added to the hash of the ones before it and hashed again. bis_hash is a bijection, so two streams
- * that differ in one coordinate only have different keys for certain; any two others coincide with probability 2^-64. */
+ * that differ in one coordinate only have different keys for certain; any two others coincide with probability
+ * 2^-64. */
 #include "bis/rng.h"
 
 #include <assert.h>

@@ -1,15 +1,15 @@
 /* sampler: point sets as functions of (seed, pixel, sample, dimension).
  *
- * Every set has a stream of random numbers, keyed by (seed, pixel, sample, dim), and every sequence a key, (seed, pixel,
- * dim), which its sets share. The kinds:
+ * Every set has a stream of random numbers, keyed by (seed, pixel, sample, dim), and every sequence a key, (seed,
+ * pixel, dim), which its sets share. The kinds:
  *   stratified   Hilbert's curve cut into n equal pieces, a random point in each (Hilbert: any n will do)
  *   sobol        digits of the index in base 2, reversed, and the same after a triangular matrix: a (0,2)-sequence, i.e.
  *                each aligned block of 2^k points has one point in each of the 2^k boxes of any shape 2^-i x 2^-(k-i)
  *   halton       digits of the index reversed in base 2 and in base 3
- * Owen scrambling (Owen 1995) permutes each digit at random, in a way that depends on all digits above it: the nets stay nets,
- * each point becomes uniform, and two sequences with different keys independent. For base 2 the permutations come from
- * a hash in which a bit is changed by lower bits only, applied to the reversed number (Laine and Karras 2011, with
- * the constants of Vegdahl 2021); for base 3 digit by digit.
+ * Owen scrambling (Owen 1995) permutes each digit at random, in a way that depends on all digits above it: the nets
+ * stay nets, each point becomes uniform, and two sequences with different keys independent. For base 2 the permutations
+ * come from a hash in which a bit is changed by lower bits only, applied to the reversed number (Laine and Karras 2011,
+ * with the constants of Vegdahl 2021); for base 3 digit by digit.
  * Two scrambled copies of one sequence would still be paired point by point: the first bit of one would tell the first
  * bit of the other for ever. So each dimension pair visits its sequence in an order of its own (Burley 2020).
  * Cost per point: stratified and sobol about 15 ns, halton 10 ns and 3 for each base-3 digit. */
@@ -30,9 +30,9 @@ enum { CAMERA_DIM = 0x7fffffff };
 
 /* ---- orders ---- */
 
-/* Image of i under a pseudo-random permutation of 0, ..., n - 1: a Feistel network on the least number of bits that hold
- * n - 1, repeated until the result is below n (fewer than two times on average). The tiny networks are the bad ones: after
- * 4 rounds, orders of 5 cells are off by 10 %, after 12 by nothing that a million orders show. */
+/* Image of i under a pseudo-random permutation of 0, ..., n - 1: a Feistel network on the least number of bits that
+ * hold n - 1, repeated until the result is below n (fewer than two times on average). The tiny networks are the bad
+ * ones: after 4 rounds, orders of 5 cells are off by 10 %, after 12 by nothing that a million orders show. */
 static uint32_t permuted(uint32_t i, uint32_t n, uint64_t key)
 {
     enum { ROUNDS = 12 };
@@ -62,8 +62,8 @@ static uint32_t reversed(uint32_t x)
     return x << 16 | x >> 16;
 }
 
-/* Owen's scrambling of a number whose digits stand in reversed order. Each line is a bijection, and passes information from
- * lower bits to higher ones only (a product with an even number is one shift ahead). */
+/* Owen's scrambling of a number whose digits stand in reversed order. Each line is a bijection, and passes information
+ * from lower bits to higher ones only (a product with an even number is one shift ahead). */
 static uint32_t scrambled(uint32_t x, uint32_t key)
 {
     x ^= x * 0x3d20adeau;
@@ -74,9 +74,9 @@ static uint32_t scrambled(uint32_t x, uint32_t key)
     return x;
 }
 
-/* The second dimension of Sobol's sequence, in reversed order as the first one, which is the index itself. Its matrix is
- * Pascal's triangle modulo 2: bit j of the result is the sum of all bits k of x with k a superset of j as sets of binary
- * digits (Lucas), and so it is summed digit by digit. */
+/* The second dimension of Sobol's sequence, in reversed order as the first one, which is the index itself. Its matrix
+ * is Pascal's triangle modulo 2: bit j of the result is the sum of all bits k of x with k a superset of j as sets of
+ * binary digits (Lucas), and so it is summed digit by digit. */
 static uint32_t sobol2(uint32_t x)
 {
     x ^= x >> 1 & 0x55555555u;
@@ -106,8 +106,8 @@ static void sobol_points(bis_rng *sequence, bis_rng *random, uint64_t first, uin
 
 /* ---- base 3 ---- */
 
-/* index, its digits reversed in base 3 and permuted by one of the six permutations d -> a + b d (mod 3), b = 1 or 2, chosen by
- * the digits above; behind `depth` digits, `rest`. */
+/* index, its digits reversed in base 3 and permuted by one of the six permutations d -> a + b d (mod 3), b = 1 or 2,
+ * chosen by the digits above; behind `depth` digits, `rest`. */
 static double scrambled_base3(uint32_t index, int depth, uint64_t key, double rest)
 {
     uint64_t above = 1, value = 0, cells = 1; /* above: 1, then the digits, so that no two prefixes are the same */
@@ -223,7 +223,8 @@ void bis_stream_points(bis_stream *s, unsigned dim, uint32_t n, double (*u)[2])
     }
 }
 
-/* A jittered point in one of xsamples x ysamples cells; the cells are visited in a random order, a new one each round. */
+/* A jittered point in one of xsamples x ysamples cells; the cells are visited in a random order, a new one each
+ * round. */
 static void stratified_camera(const bis_stream *s, double u[2])
 {
     const bis_sampler *p = s->sampler;

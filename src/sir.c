@@ -1,13 +1,15 @@
 /* sir: sampling-importance resampling, thesis 4.4, the default.
  *
- * M candidates from a proposal q, each with its weight w = phat/q; N of them are drawn in proportion to w and only these are traced:
+ * M candidates from a proposal q, each with its weight w = phat/q; N of them are drawn in proportion to w and only
+ * these are traced:
  *
  *     L = (Zhat/N) sum_{j<=N} F(y_j)/phat(y_j) V(y_j),     Zhat = (1/M) sum_{i<=M} w_i,     y_j from x_1..x_M with probability w_i / sum w
  *
- * which is eq. 4.6 with L_ns estimated from the same candidates, in RGB (docs/errata.md E6). All the noise of light and material is left to the
- * cheap candidates, the rays see only that of V.
- * Unbiased for every M >= 1 and N >= 1, not only in the limit (E21), because E[Zhat V(y) | x] = (1/M) sum w_i V(x_i); with L_ns from anywhere else
- * it is not. M = N = 1 is plain importance sampling, as the thesis says (E24). No positive weight: 0, part of the mean (E25).
+ * which is eq. 4.6 with L_ns estimated from the same candidates, in RGB (docs/errata.md E6). All the noise of light and
+ * material is left to the cheap candidates, the rays see only that of V.
+ * Unbiased for every M >= 1 and N >= 1, not only in the limit (E21), because E[Zhat V(y) | x] = (1/M) sum w_i V(x_i);
+ * with L_ns from anywhere else it is not. M = N = 1 is plain importance sampling, as the thesis says (E24). No positive
+ * weight: 0, part of the mean (E25).
  * Variance (E31): about Var(Zhat) Vbar^2 + L_ns^2 Var(V)/N; where nothing is shadowed, only the first term.
  * Cost: M candidates, at most N rays (repeats are traced once). */
 #include "batch.h"

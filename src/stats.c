@@ -3,17 +3,18 @@
  * Both of its classical expansions share the factor x^a e^-x / Gamma(a), and each converges where the other does not:
  *   below the mode, x < a + 1, the series    P = x^a e^-x / Gamma(a) * sum over k of x^k / (a (a+1) ... (a+k)),  Q = 1 - P;
  *   above it, the continued fraction         Q = x^a e^-x / Gamma(a) * 1/(x+1-a - 1(1-a)/(x+3-a - 2(2-a)/(x+5-a - ...))).
- * Near x = a either takes some 10 sqrt(a) terms, elsewhere a dozen. Source: Abramowitz and Stegun 6.5.29 and 6.5.31 (the
- * latter's even part), summed by the modified Lentz method (Thompson and Barnett 1986). */
+ * Near x = a either takes some 10 sqrt(a) terms, elsewhere a dozen. Source: Abramowitz and Stegun 6.5.29 and 6.5.31
+ * (the latter's even part), summed by the modified Lentz method (Thompson and Barnett 1986). */
 #include "bis/stats.h"
 
 #include <assert.h>
 #include <float.h>
 #include <math.h>
 
-/* x^a e^-x / Gamma(a). From logarithms the error would be a log(x) ulps: 1e-9 at a = 1e6. For large a the large terms are
- * cancelled by hand, through Stirling's series: with x = a (1 + mu), it is
- *   sqrt(a / 2 pi) exp(-a (mu - log(1 + mu)) - 1/(12 a) + 1/(360 a^3) - ...), next term 1/(1188 a^9) < 2e-15 for a >= 20. */
+/* x^a e^-x / Gamma(a). From logarithms the error would be a log(x) ulps: 1e-9 at a = 1e6. For large a the large terms
+ * are cancelled by hand, through Stirling's series: with x = a (1 + mu), it is
+ *   sqrt(a / 2 pi) exp(-a (mu - log(1 + mu)) - 1/(12 a) + 1/(360 a^3) - ...), next term 1/(1188 a^9) < 2e-15 for a >=
+ *   20. */
 static double common_factor(double a, double x)
 {
     if (a < 20) {
@@ -36,8 +37,8 @@ static double series(double a, double x)
     return sum;
 }
 
-/* Q(a, x) / common_factor, x >= a + 1. c and d are the ratios of successive numerators and denominators. Neither vanishes
- * here: all partial denominators are positive and, seen from the back, exceed what is subtracted. */
+/* Q(a, x) / common_factor, x >= a + 1. c and d are the ratios of successive numerators and denominators. Neither
+ * vanishes here: all partial denominators are positive and, seen from the back, exceed what is subtracted. */
 static double continued_fraction(double a, double x)
 {
     double b = x + 1 - a, c = HUGE_VAL, d = 1 / b, product = d, step = 0;
@@ -66,8 +67,9 @@ double bis_stats_chi_square_p(double statistic, double dof) { return bis_stats_g
 
 double bis_stats_normal_p(double z) { return erfc(fabs(z) * 0.70710678118654752440); }
 
-/* The continued fraction of I_x(a, b), Abramowitz and Stegun 26.5.8, for x < (a+1)/(a+b+2), where it converges in O(sqrt(max(a, b)))
- * steps; modified Lentz as above, two partial numerators a step. No denominator vanishes in that range of x. */
+/* The continued fraction of I_x(a, b), Abramowitz and Stegun 26.5.8, for x < (a+1)/(a+b+2), where it converges in
+ * O(sqrt(max(a, b))) steps; modified Lentz as above, two partial numerators a step. No denominator vanishes in that
+ * range of x. */
 static double beta_fraction(double a, double b, double x)
 {
     double c = 1, d = 1 / (1 - (a + b) * x / (a + 1)), product = d, step = 0;

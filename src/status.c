@@ -1,7 +1,7 @@
 /* status: a growing list of finished lines.
  *
- * A message is formatted when it is made, because the words it is made of (a token, a file's name) may be gone when it is
- * printed. Where memory is too short for a message the message is lost, but counted: n_errors stays true. */
+ * A message is formatted when it is made, because the words it is made of (a token, a file's name) may be gone when it
+ * is printed. Where memory is too short for a message the message is lost, but counted: n_errors stays true. */
 #include "bis/status.h"
 #include "bis/mem.h"
 
@@ -101,8 +101,8 @@ static size_t min3(size_t a, size_t b, size_t c)
 /* The longest word that is compared; longer ones are no typing mistakes. */
 enum { WORD = 63 };
 
-/* The least number of letters inserted, removed, replaced, or swapped with their neighbour (each piece at most once) that
- * makes b of a. Three rows of the table d[i][j] = distance of a's first i and b's first j letters are enough. */
+/* The least number of letters inserted, removed, replaced, or swapped with their neighbour (each piece at most once)
+ * that makes b of a. Three rows of the table d[i][j] = distance of a's first i and b's first j letters are enough. */
 static size_t edit_distance(const char *a, size_t na, const char *b, size_t nb)
 {
     size_t rows[3][WORD + 1];

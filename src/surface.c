@@ -136,7 +136,8 @@ static float move_away(float p, double step)
     return moved;
 }
 
-/* True p lies within p_error of p, so in the direction ng at most sum_c |ng_c| p_error_c before it. ng itself is rounded:
+/* True p lies within p_error of p, so in the direction ng at most sum_c |ng_c| p_error_c before it. ng itself is
+ * rounded:
  * its direction errs by 2^-24 sqrt(3), its length likewise; 1 + 2^-20 pays for both. */
 vec3 bis_surface_offset(const bis_surface *s)
 {

@@ -1,9 +1,9 @@
-/* survey: the figures by which one judges a map before rendering with it: contrast, and how little of the sphere holds how much of
- * the power, which is what importance sampling (thesis 3.3) lives on; the levels and regions of 3.4.
+/* survey: the figures by which one judges a map before rendering with it: contrast, and how little of the sphere holds
+ * how much of the power, which is what importance sampling (thesis 3.3) lives on; the levels and regions of 3.4.
  *
- * Median and brightest share are quantiles by solid angle. Instead of sorting the pixels we count them into cells of equal leading bits of
- * the intensity (its exponent and 12 bits of the mantissa): linear time, 16 MB whatever the map, and the quantile is known
- * to 1 part in 4096. */
+ * Median and brightest share are quantiles by solid angle. Instead of sorting the pixels we count them into cells of
+ * equal leading bits of the intensity (its exponent and 12 bits of the mantissa): linear time, 16 MB whatever the map,
+ * and the quantile is known to 1 part in 4096. */
 #include "survey.h"
 
 #include "bis/mem.h"

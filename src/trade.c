@@ -1,8 +1,9 @@
 /* trade: the measurement from the scene to the page.
  *
- * The runs of a sweep are made in rounds: all settings at one budget with one seed, then the next seed, then the next budget. What else the machine does
- * meanwhile then hits all settings alike, and a sweep that ends early, by Ctrl-C or because the time is used up, has measured all of them
- * equally far. Each run has a seed of its own, written beside it: no two settings share noise. */
+ * The runs of a sweep are made in rounds: all settings at one budget with one seed, then the next seed, then the next
+ * budget. What else the machine does meanwhile then hits all settings alike, and a sweep that ends early, by Ctrl-C or
+ * because the time is used up, has measured all of them equally far. Each run has a seed of its own, written beside it:
+ * no two settings share noise. */
 #include "trade.h"
 
 #include "bis/compare.h"

@@ -1,12 +1,16 @@
-/* trade: what does a scene cost with which method, and how far is the picture from right? For src/trade_*.c and src/cmd_trade.c alone.
+/* trade: what does a scene cost with which method, and how far is the picture from right? For src/trade_*.c and
+ * src/cmd_trade.c alone.
  *
- * A sweep is a table of settings (integrator, M, N, proposal, b, ...) x budgets of 1, 2, 4, ... passes x seeds. Each of these runs is a render of its
- * own, the one that `bis render --spp --seed` would make, compared with a reference that no method of its own family has made:
+ * A sweep is a table of settings (integrator, M, N, proposal, b, ...) x budgets of 1, 2, 4, ... passes x seeds. Each of
+ * these runs is a render of its own, the one that `bis render --spp --seed` would make, compared with a reference that
+ * no method of its own family has made:
  *
- *     pilot (what does a pass cost?) -> plan.txt -> references/ -> runs.csv, a line a run -> pictures/ -> tables, report.html
+ *     pilot (what does a pass cost?) -> plan.txt -> references/ -> runs.csv, a line a run -> pictures/ -> tables,
+ *     report.html
  *
- * Everything that was measured is in the folder at once, written under a temporary name and renamed, so that a run can be interrupted and resumed
- * anywhere; what follows from the runs (means, slopes, the front, the page) is computed again from runs.csv. */
+ * Everything that was measured is in the folder at once, written under a temporary name and renamed, so that a run can
+ * be interrupted and resumed anywhere; what follows from the runs (means, slopes, the front, the page) is computed
+ * again from runs.csv. */
 #ifndef BIS_TRADE_H
 #define BIS_TRADE_H
 
@@ -166,8 +170,8 @@ typedef struct bis_trade {
     bool is_complete;     /* every run of the plan was measured */
 } bis_trade;
 
-/* The whole measurement, into o->folder. t is zero-initialised; bis_trade_clear it. *interrupted: by the signal flag, with what was measured
- * written. Errors: BIS_INPUT (scene, budget, reference, folder), BIS_IO, BIS_NOMEM. */
+/* The whole measurement, into o->folder. t is zero-initialised; bis_trade_clear it. *interrupted: by the signal flag,
+ * with what was measured written. Errors: BIS_INPUT (scene, budget, reference, folder), BIS_IO, BIS_NOMEM. */
 bis_status bis_trade_measure(bis_trade *t, const bis_trade_options *o, bool *interrupted, bis_diag *diag);
 void bis_trade_clear(bis_trade *t);
 
@@ -194,8 +198,8 @@ void bis_trade_tell(const bis_trade *t, const char *what, double share, double s
 bis_status bis_trade_load(bis_trade *t, bis_diag *diag);
 void bis_trade_unload(bis_trade *t);
 
-/* Render `passes` of width x height; image (may be NULL) is cleared by the caller, *relative_rmse (may be NULL) from the passes' scatter. An interrupted render leaves
- * result->passes < passes. */
+/* Render `passes` of width x height; image (may be NULL) is cleared by the caller, *relative_rmse (may be NULL) from
+ * the passes' scatter. An interrupted render leaves result->passes < passes. */
 bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int width, int height, uint32_t passes, uint64_t seed, bis_image *image,
                             bis_render_result *result, bis_diag *diag);
 
@@ -232,14 +236,16 @@ bis_status bis_trade_shrink(bis_image *out, const bis_image *full, int factor, b
 
 bis_status bis_trade_summarise(bis_trade *t, bis_diag *diag);
 
-/* By interpolation between budgets in log-log; beyond the longest by the root law, *extrapolated; NAN below one pass or for a biased setting beyond its
- * measurements. */
+/* By interpolation between budgets in log-log; beyond the longest by the root law, *extrapolated; NAN below one pass or
+ * for a biased setting beyond its measurements. */
 double bis_trade_error_at(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double seconds, bool *extrapolated);
 double bis_trade_seconds_to(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double error, bool *extrapolated);
 
-/* The setting of an integrator with the least cost x variance, its standard error added; NULL: of all that are unbiased. -1: none was measured. */
+/* The setting of an integrator with the least cost x variance, its standard error added; NULL: of all that are
+ * unbiased. -1: none was measured. */
 int bis_trade_best_of(const bis_trade *t, const char *integrator);
-/* The best of each integrator and the scene's own, in the order of the table, those that were measured. Returns how many. */
+/* The best of each integrator and the scene's own, in the order of the table, those that were measured. Returns how
+ * many. */
 int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP]);
 
 void bis_trade_advise(bis_trade *t);

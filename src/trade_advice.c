@@ -1,9 +1,12 @@
-/* trade_advice: what to use. Errors at a time, times to an error, the best of each integrator, and three recommendations.
+/* trade_advice: what to use. Errors at a time, times to an error, the best of each integrator, and three
+ * recommendations.
  *
- * Between two budgets of a curve log error is linear in log seconds; beyond the last one an unbiased method goes on by the root law, error ~ seconds^-1/2
- * (errata.md E9), which is said wherever such a figure is shown. A biased one has a floor that nobody has seen: no figure. Below
- * one pass there is no picture. For the advice passes are counted, since a render has whole ones: the fewest that reach the error by cost x variance, of whatever
- * setting needs the least time for them, standard error added, times the pixels of the full picture. Half of a pixel's value will do for a preview, and 5% for the eye. */
+ * Between two budgets of a curve log error is linear in log seconds; beyond the last one an unbiased method goes on by
+ * the root law, error ~ seconds^-1/2 (errata.md E9), which is said wherever such a figure is shown. A biased one has a
+ * floor that nobody has seen: no figure. Below one pass there is no picture. For the advice passes are counted, since a
+ * render has whole ones: the fewest that reach the error by cost x variance, of whatever setting needs the least time
+ * for them, standard error added, times the pixels of the full picture. Half of a pixel's value will do for a preview,
+ * and 5% for the eye. */
 #include "trade.h"
 
 #include <string.h>
@@ -58,7 +61,8 @@ double bis_trade_seconds_to(const bis_trade_result *r, const bis_trade_plan *pla
 
 /* ---- the best ---- */
 
-/* cost x variance and its standard error: of thirty settings the least figure is often that of the luckiest, which has a large one. */
+/* cost x variance and its standard error: of thirty settings the least figure is often that of the luckiest, which has
+ * a large one. */
 static double rank_of(const bis_trade *t, int setting)
 {
     const bis_trade_curve *c = &t->result.curves[setting];
@@ -89,7 +93,8 @@ int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP])
 
 /* ---- advice ---- */
 
-/* The least time in which a setting has the error, in whole passes: cost x variance is what an error costs, whatever the budget. */
+/* The least time in which a setting has the error, in whole passes: cost x variance is what an error costs, whatever
+ * the budget. */
 static bis_trade_advice advice_of(const bis_trade *t, int setting, const char *purpose, double error)
 {
     const bis_trade_plan *plan = &t->plan;

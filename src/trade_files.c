@@ -1,8 +1,9 @@
 /* trade_files: the folder of a measurement: plan.txt and runs.csv, written and read back by --resume.
  *
- * Both are text that a user may look at, with numbers that read back as the same doubles. Every file is written whole under a temporary
- * name and renamed: after a crash there is the older one. What is read is not trusted: a name that the table has not, or a number
- * out of range, is an error with its line. The plan belongs to one text of one scene and to one version of bis, which its fingerprint tells. */
+ * Both are text that a user may look at, with numbers that read back as the same doubles. Every file is written whole
+ * under a temporary name and renamed: after a crash there is the older one. What is read is not trusted: a name that
+ * the table has not, or a number out of range, is an error with its line. The plan belongs to one text of one scene and
+ * to one version of bis, which its fingerprint tells. */
 #include "trade.h"
 
 #include "bis/file.h"
@@ -77,7 +78,8 @@ bis_status bis_trade_make_folder(const bis_trade *t, const char *name, bis_diag 
 
 /* ---- the plan ---- */
 
-/* FNV-1a over the bytes of all scene files, the version and the names in the table. Meshes and maps are not looked into. */
+/* FNV-1a over the bytes of all scene files, the version and the names in the table. Meshes and maps are not looked
+ * into. */
 static bis_status fingerprint(uint64_t *hash, const bis_trade *t, bis_diag *diag)
 {
     uint64_t h = 0xcbf29ce484222325u;

@@ -1,7 +1,9 @@
-/* trade_pictures: the same seconds for each method: what does one see? (As the thesis's figures 5.1-5.8, 12 seconds each.)
+/* trade_pictures: the same seconds for each method: what does one see? (As the thesis's figures 5.1-5.8, 12 seconds
+ * each.)
  *
- * The best setting of each integrator and the scene's own get as many passes as fit the time of the longest runs of the sweep, one at least. The pictures stay
- * in pictures/ as EXR, for `bis compare`; pictures.csv says what they are, and a resumed measurement renders only those that have changed. */
+ * The best setting of each integrator and the scene's own get as many passes as fit the time of the longest runs of the
+ * sweep, one at least. The pictures stay in pictures/ as EXR, for `bis compare`; pictures.csv says what they are, and a
+ * resumed measurement renders only those that have changed. */
 #include "trade.h"
 
 #include "bis/compare.h"

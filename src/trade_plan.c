@@ -1,11 +1,15 @@
 /* trade_plan: how many pixels, passes and seeds fit into the time?
  *
- * A pilot renders each setting at 64 x 48 pixels or so: what a pixel of a pass costs, c, and what scatter it leaves, v. What is planned from it:
- *   - the setting of least c v of each integrator, and the scene's own, get budgets of up to r seconds; the others r/4: cost x variance hardly
+ * A pilot renders each setting at 64 x 48 pixels or so: what a pixel of a pass costs, c, and what scatter it leaves, v.
+ * What is planned from it:
+ *   - the setting of least c v of each integrator, and the scene's own, get budgets of up to r seconds; the others r/4:
+ *   cost x variance hardly
  *     changes along a curve, so a short one says nearly as much;
  *   - so few pixels that the middle one of the longer curves has some 8 passes, four budgets, at its end;
- *   - r such that all runs fill 62% of what is left of the time; the references get 22%, the pictures 6%, and the rest is for surprises.
- * With --passes all of them get that many instead, however long that takes, and only the pixels depend on the clock, if there are more than LEAST_PIXELS. */
+ *   - r such that all runs fill 62% of what is left of the time; the references get 22%, the pictures 6%, and the rest
+ *   is for surprises.
+ * With --passes all of them get that many instead, however long that takes, and only the pixels depend on the clock, if
+ * there are more than LEAST_PIXELS. */
 #include "trade.h"
 
 #include <string.h>
@@ -47,7 +51,8 @@ static void shrunk_size(const bis_trade *t, double pixels, int *width, int *heig
 
 static double pixels_of(const bis_trade *t, int width, int height) { return fmax(1, crop_area(t) * width * height); }
 
-/* One pass to see what it costs, then as many as the setting's share of the time allows. Seconds are those of a pixel until the size is known. */
+/* One pass to see what it costs, then as many as the setting's share of the time allows. Seconds are those of a pixel
+ * until the size is known. */
 static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double seconds, bis_diag *diag)
 {
     bis_render_result result;
@@ -119,7 +124,8 @@ static int levels_of(const bis_trade *t, int i, double run_seconds)
     return levels < BIS_TRADE_LEVELS ? levels : BIS_TRADE_LEVELS;
 }
 
-/* Of the whole sweep, were the longest runs to take so long; pass_seconds are of a pixel or of a pass, and so is the sum. */
+/* Of the whole sweep, were the longest runs to take so long; pass_seconds are of a pixel or of a pass, and so is the
+ * sum. */
 static double sweep_seconds(const bis_trade *t, double run_seconds)
 {
     double sum = 0;
@@ -157,7 +163,8 @@ static double middle_cost(const bis_trade_plan *plan)
 
 /* ---- the size ---- */
 
-/* Blocks of factor x factor pixels of a given reference must fit: the smallest common divisor that makes the picture small enough, else the largest. */
+/* Blocks of factor x factor pixels of a given reference must fit: the smallest common divisor that makes the picture
+ * small enough, else the largest. */
 static int block_of(const bis_trade *t, double pixels)
 {
     const bis_film_desc *f = &t->desc->film;

@@ -1,8 +1,9 @@
 /* trade_plot: error over time, or over rays, both logarithmic, as SVG that stands in the page.
  *
- * A method of rate n^-1/2 is a straight line of slope -1/2. The best setting of each integrator is drawn in its colour, with error bars from the seeds and its
- * name at the end; all others are thin, in the same colour; the line below all of them is the Pareto front. Colours are classes (trade_style.c), shapes
- * of markers tell integrators apart without them. What has no logarithm, a noise that the reference's own hides, is left out. */
+ * A method of rate n^-1/2 is a straight line of slope -1/2. The best setting of each integrator is drawn in its colour,
+ * with error bars from the seeds and its name at the end; all others are thin, in the same colour; the line below all
+ * of them is the Pareto front. Colours are classes (trade_style.c), shapes of markers tell integrators apart without
+ * them. What has no logarithm, a noise that the reference's own hides, is left out. */
 #include "trade.h"
 
 #include <string.h>

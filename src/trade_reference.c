@@ -1,10 +1,12 @@
 /* trade_reference: what the runs are compared with.
  *
- * No method may judge itself: an error that its render and its reference share would not be seen. So there are two references, by the best mis of the
- * pilot for sir and rejection, and by the best sir for em, brdf and mis, each the mean of eight renders with seeds of their own.
- * The eight say what the reference itself is worth: the standard error of its mean, and its noise as a share of relMSE, which adds to that of whoever is
- * compared with it (the errors are independent) and can be subtracted. Each is a file in references/, so an interrupted measurement loses one
- * at most. A given reference is trusted: nothing tells its noise. */
+ * No method may judge itself: an error that its render and its reference share would not be seen. So there are two
+ * references, by the best mis of the pilot for sir and rejection, and by the best sir for em, brdf and mis, each the
+ * mean of eight renders with seeds of their own.
+ * The eight say what the reference itself is worth: the standard error of its mean, and its noise as a share of relMSE,
+ * which adds to that of whoever is compared with it (the errors are independent) and can be subtracted. Each is a file
+ * in references/, so an interrupted measurement loses one at most. A given reference is trusted: nothing tells its
+ * noise. */
 #include "trade.h"
 
 #include "bis/mem.h"
@@ -41,8 +43,8 @@ static double channel(rgb c, int k) { return (double)(k == 0 ? c.r : k == 1 ? c.
 
 static void set_channel(rgb *c, int k, double v) { *(k == 0 ? &c->r : k == 1 ? &c->g : &c->b) = (float)v; }
 
-/* The mean over replicates in ref->image; returns the variance of that mean summed over pixels and channels, each divided by (mean^2 + m^2/100), m
- * the mean of all. */
+/* The mean over replicates in ref->image; returns the variance of that mean summed over pixels and channels, each
+ * divided by (mean^2 + m^2/100), m the mean of all. */
 static void combine(bis_trade_reference *ref, const bis_image *replicates)
 {
     enum { R = BIS_TRADE_REPLICATES };

@@ -1,8 +1,8 @@
 /* trade_report: report.html, one page that needs nothing else: advice first, then what it rests on.
  *
- * In this order: what to use (three sentences), error over time, cost of an error, the same seconds side by side, two pictures under a
- * slider, the tables, and how all of that was measured. XHTML's rules are kept (every element is closed, every attribute quoted), so that a
- * small checker can hold it well formed, and no address stands in it. */
+ * In this order: what to use (three sentences), error over time, cost of an error, the same seconds side by side, two
+ * pictures under a slider, the tables, and how all of that was measured. XHTML's rules are kept (every element is
+ * closed, every attribute quoted), so that a small checker can hold it well formed, and no address stands in it. */
 #include "trade.h"
 
 #include "bis/file.h"

@@ -1,11 +1,14 @@
 /* trade_stats: from runs to points, curves and the Pareto front.
  *
- * A point is a setting at one budget: the mean over its seeds, and their scatter. Seconds are a median, since what disturbs a clock only ever adds.
- * relMSE = the error of the run + that of the reference, which are independent: the reference's own share, known from its replicates, is
- * subtracted, and what is left is called noise. cost x variance = seconds x noise hardly changes along the curve of an unbiased method
- * (errata.md E9), and is what an error costs: smaller is better. The bias is the mean over seeds of the mean difference; its standard error
- * comes from the seeds and the reference. Pixels of a run share their candidates, so their scatter within one run would say too little.
- * A slope is fitted to each seed by least squares, log error over log seconds: -1/2 for independent samples; its standard error is that of the seeds. */
+ * A point is a setting at one budget: the mean over its seeds, and their scatter. Seconds are a median, since what
+ * disturbs a clock only ever adds.
+ * relMSE = the error of the run + that of the reference, which are independent: the reference's own share, known from
+ * its replicates, is subtracted, and what is left is called noise. cost x variance = seconds x noise hardly changes
+ * along the curve of an unbiased method (errata.md E9), and is what an error costs: smaller is better. The bias is the
+ * mean over seeds of the mean difference; its standard error comes from the seeds and the reference. Pixels of a run
+ * share their candidates, so their scatter within one run would say too little.
+ * A slope is fitted to each seed by least squares, log error over log seconds: -1/2 for independent samples; its
+ * standard error is that of the seeds. */
 #include "trade.h"
 
 #include "bis/mem.h"
@@ -113,8 +116,9 @@ static const bis_trade_run *find_run(const bis_trade *t, int setting, int level,
     return NULL;
 }
 
-/* Of one seed: seconds x noise, mean over its budgets weighted by their passes, since a rare bright sample upsets a short run most; slope of log
- * error over log seconds, NAN where there are too few budgets. Points that the reference's noise all but hides tell nothing of a slope. */
+/* Of one seed: seconds x noise, mean over its budgets weighted by their passes, since a rare bright sample upsets a
+ * short run most; slope of log error over log seconds, NAN where there are too few budgets. Points that the reference's
+ * noise all but hides tell nothing of a slope. */
 static bool follow_seed(const bis_trade *t, int setting, int replicate, double *cost_variance, double *slope)
 {
     const double floor = reference_of(t, setting)->relmse;

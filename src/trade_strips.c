@@ -1,8 +1,9 @@
 /* trade_strips: the pictures of the page: equal-time strips with crops and false-colour errors, and the slider.
  *
- * A picture is a PNG in base64, once in the page, as a CSS variable; what shows it, whole or a crop of it, is an element with that background. All have one
- * exposure, from the reference, so that what differs is the method. Crops are windows of a quarter of the picture's sides: the one in which the methods
- * err most, and the next that does not overlap it. Errors are those of `bis compare --diff`. */
+ * A picture is a PNG in base64, once in the page, as a CSS variable; what shows it, whole or a crop of it, is an
+ * element with that background. All have one exposure, from the reference, so that what differs is the method. Crops
+ * are windows of a quarter of the picture's sides: the one in which the methods err most, and the next that does not
+ * overlap it. Errors are those of `bis compare --diff`. */
 #include "trade.h"
 
 #include "bis/compare.h"

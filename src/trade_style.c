@@ -1,7 +1,9 @@
-/* trade_style: how the page looks and moves: one style sheet, one short script, both inside the page. Nothing is fetched: fonts are the reader's own.
+/* trade_style: how the page looks and moves: one style sheet, one short script, both inside the page. Nothing is
+ * fetched: fonts are the reader's own.
  *
- * The script swaps the slider's pictures and moves its cut; without it the page still says everything. With #selftest behind its address it moves the
- * cut and the choice by itself and says in <html data-selftest> what came of it: `make test-browser` reads that. */
+ * The script swaps the slider's pictures and moves its cut; without it the page still says everything. With #selftest
+ * behind its address it moves the cut and the choice by itself and says in <html data-selftest> what came of it: `make
+ * test-browser` reads that. */
 #include "trade.h"
 
 const char bis_trade_style[] =

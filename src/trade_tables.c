@@ -1,5 +1,5 @@
-/* trade_tables: trade.csv, pareto.csv, equal_time.csv, equal_error.csv. Numbers are written so that they read back as the same doubles; what is not known is
- * an empty field. docs/command-line.md says what each column is. */
+/* trade_tables: trade.csv, pareto.csv, equal_time.csv, equal_error.csv. Numbers are written so that they read back as
+ * the same doubles; what is not known is an empty field. docs/command-line.md says what each column is. */
 #include "trade.h"
 
 #include "bis/file.h"
@@ -24,7 +24,8 @@ static const char *proposal_of(const bis_settings *s)
     return s->integrator == &bis_sir || s->integrator == &bis_rejection ? bis_proposal_name(s->proposal) : "";
 }
 
-/* "candidates,shadowrays,samples,proposal,areaexponent", a comma before each: empty where the integrator has no such thing. */
+/* "candidates,shadowrays,samples,proposal,areaexponent", a comma before each: empty where the integrator has no such
+ * thing. */
 static void put_parameters(FILE *out, const bis_trade_setting *s)
 {
     const bis_settings *v = &s->settings;

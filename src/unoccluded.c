@@ -2,8 +2,8 @@
  *
  *     L = (1/M) sum_j F(wi_j)/q(wi_j)
  *
- * Unbiased for L_ns, hence biased upwards for L wherever something is in shadow: for looking at a scene, and at the first term of SIR's
- * variance (docs/errata.md E31). Cost: M candidates. */
+ * Unbiased for L_ns, hence biased upwards for L wherever something is in shadow: for looking at a scene, and at the
+ * first term of SIR's variance (docs/errata.md E31). Cost: M candidates. */
 #include "candidates.h"
 
 static unsigned light_needs(const bis_settings *s)

@@ -1,8 +1,9 @@
 /* verify: the list of tests and how they are judged.
  *
- * p-values come from bis/stats.h as upper tails. m statistical tests at 1 - (1 - alpha)^(1/m) each (Sidak 1967) reject something right with
- * probability alpha in all, if independent, and less where they are positively dependent. Every p here is a probability under what is right, or an upper bound of
- * it: never too small, or a right sampler would be accused. */
+ * p-values come from bis/stats.h as upper tails. m statistical tests at 1 - (1 - alpha)^(1/m) each (Sidak 1967) reject
+ * something right with probability alpha in all, if independent, and less where they are positively dependent. Every p
+ * here is a probability under what is right, or an upper bound of it: never too small, or a right sampler would be
+ * accused. */
 #include "verify.h"
 
 #include "bis/mem.h"

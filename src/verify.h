@@ -1,11 +1,13 @@
 /* verify: are samplers, materials and integrators right for the user's own map and scene (`bis verify`)?
  *
- * A run is a list of tests. Two kinds: those of a number that must not exceed a limit which is derived where it stands (rounding,
- * quadrature), and statistical ones, which have a p-value. How many of the latter there will be is known in the end alone: then the
- * threshold of each is Sidak's, so that all of them together reject what is right with probability BIS_VERIFY_ALPHA.
+ * A run is a list of tests. Two kinds: those of a number that must not exceed a limit which is derived where it stands
+ * (rounding, quadrature), and statistical ones, which have a p-value. How many of the latter there will be is known in
+ * the end alone: then the threshold of each is Sidak's, so that all of them together reject what is right with
+ * probability BIS_VERIFY_ALPHA.
  *
- * What a check asks of a sampler, a material or an integrator, it asks through a struct of functions: so a test can hand in a wrong one and see it
- * rejected (tests/test_verify.c). Nothing here prints; src/cmd_verify.c does. Results do not depend on the number of threads.
+ * What a check asks of a sampler, a material or an integrator, it asks through a struct of functions: so a test can
+ * hand in a wrong one and see it rejected (tests/test_verify.c). Nothing here prints; src/cmd_verify.c does. Results do
+ * not depend on the number of threads.
  *
  *     bis_verify v = {.seed = 1};
  *     status = bis_verify_map(&v, em, 0.15, 8, diag);
@@ -56,11 +58,13 @@ static inline uint64_t bis_verify_seed(const bis_verify *v) { return bis_hash(v-
 void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name, ...)
     BIS_PRINTF(6, 7);
 
-/* Pearson's chi-square of counts: cells that expect fewer than 5 are pooled in order, the rest joins the last pool; a hit in a cell that expects 0 rejects. */
+/* Pearson's chi-square of counts: cells that expect fewer than 5 are pooled in order, the rest joins the last pool; a
+ * hit in a cell that expects 0 rejects. */
 void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n, const char *name, ...)
     BIS_PRINTF(6, 7);
 
-/* Is a difference, beyond `slack` that rounding or quadrature may have, explained by its standard error? Student's t with dof degrees of freedom. */
+/* Is a difference, beyond `slack` that rounding or quadrature may have, explained by its standard error? Student's t
+ * with dof degrees of freedom. */
 void bis_verify_difference(bis_verify *v, const char *group, double difference, double slack, double se, double dof, const char *name, ...)
     BIS_PRINTF(7, 8);
 
@@ -88,21 +92,23 @@ void bis_verify_solid_angles(bis_verify *v, const bis_envmap *em);
 /* pmf[height * width] by definition, w dO / sum: from pixels and regions alone. False: no light. */
 bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, double area_exponent, int levels, bis_diag *diag);
 
-/* Its density is the definition's and integrates to 1; its table (name: "alias", "cdf") gives each pixel the probability that the density claims. */
+/* Its density is the definition's and integrates to 1; its table (name: "alias", "cdf") gives each pixel the
+ * probability that the density claims. */
 bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im, const bis_envmap *em,
                                  const double *pmf, bis_diag *diag);
 
 /* Drawn directions by pixel, and by 4 x 4 cells inside the pixels. */
 bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf, bis_diag *diag);
 
-/* src/verify_bsdf.c. One material seen at an angle to the normal: its density integrates to 1, its sampler draws by it; under a constant light the
- * integrators (n of them) give what quadrature gives. */
+/* src/verify_bsdf.c. One material seen at an angle to the normal: its density integrates to 1, its sampler draws by it;
+ * under a constant light the integrators (n of them) give what quadrature gives. */
 void bis_verify_lobes(bis_verify *v, const bis_material *m, double degrees, const char *name);
 bis_status bis_verify_furnace(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings, size_t n, const char *name,
                               bis_diag *diag);
 
-/* src/verify_view.c. One shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over all patches of the light, which must have table
- * and curve. *tested: false where too little of the light is seen from there for a fair test; nothing is added then. */
+/* src/verify_view.c. One shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over all patches of
+ * the light, which must have table and curve. *tested: false where too little of the light is seen from there for a
+ * fair test; nothing is added then. */
 #define BIS_VERIFY_MAX_INTEGRATORS 8
 bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n, bis_sampler_kind kind, const char *name,
                             bool *tested, bis_diag *diag);
@@ -118,8 +124,8 @@ static inline double bis_verify_measure(rgbd c) { return 4 * c.r + 2 * c.g + c.b
 /* src/verify_accel.c. Two backends of the same geometry by n random rays. */
 void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, size_t n);
 
-/* src/verify_scene.c. Whatever applies of the above. The scene must have been built with bis_verify_builder as its integrator: with all that
- * any integrator needs of the light. */
+/* src/verify_scene.c. Whatever applies of the above. The scene must have been built with bis_verify_builder as its
+ * integrator: with all that any integrator needs of the light. */
 extern const bis_integrator bis_verify_builder;
 bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *settings, bis_diag *diag);
 

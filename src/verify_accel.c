@@ -1,10 +1,11 @@
 /* verify_accel: do two accelerators see the same scene?
  *
- * Rays start anywhere in and around the scene; half of them run towards a point of its box, half towards one in that of a random primitive, so that
- * small parts are looked at as often as large ones. Both backends must find the same distance, and `occluded` what `intersect` finds. Where a ray passes an edge
- * within rounding, either answer is right: a difference counts as explained where each backend gives the other's answer, too, to one of 32 rays
- * that are moved by 2^-18 of their length. What is left must be 0: a backend that loses a hit in the middle of a triangle does not lose
- * those beside it in the other's eyes.
+ * Rays start anywhere in and around the scene; half of them run towards a point of its box, half towards one in that of
+ * a random primitive, so that small parts are looked at as often as large ones. Both backends must find the same
+ * distance, and `occluded` what `intersect` finds. Where a ray passes an edge within rounding, either answer is right:
+ * a difference counts as explained where each backend gives the other's answer, too, to one of 32 rays that are moved
+ * by 2^-18 of their length. What is left must be 0: a backend that loses a hit in the middle of a triangle does not
+ * lose those beside it in the other's eyes.
  * Cost: four queries a ray. */
 #include "verify.h"
 

@@ -1,9 +1,11 @@
-/* verify_bsdf: does a material draw by the density that it claims, does that integrate to 1, and do integrators reflect what f says?
+/* verify_bsdf: does a material draw by the density that it claims, does that integrate to 1, and do integrators reflect
+ * what f says?
  *
- * The sphere is cut into cells about the lobe's axis R: rings at the lobe's own quantiles (1 - t)^(n+1) = 1 - k/8 and 2^-j, t = 1 - cos alpha (thesis eq. 3.16),
- * and at equal steps of t for the rest, times 8 sectors. In each cell the density is smooth for any exponent, but for the horizon's
- * kink, and Gauss's rule on a few pieces integrates it. A lobe of microfacets is smooth over the half vector h, about the normal, and only there where
- * the view is grazing: then the rings are those of h, at quantiles of GGX, tan^2 = a^2 u/(1 - u), and d wi = 4 (wo h) dh.
+ * The sphere is cut into cells about the lobe's axis R: rings at the lobe's own quantiles (1 - t)^(n+1) = 1 - k/8 and
+ * 2^-j, t = 1 - cos alpha (thesis eq. 3.16), and at equal steps of t for the rest, times 8 sectors. In each cell the
+ * density is smooth for any exponent, but for the horizon's kink, and Gauss's rule on a few pieces integrates it. A
+ * lobe of microfacets is smooth over the half vector h, about the normal, and only there where the view is grazing:
+ * then the rings are those of h, at quantiles of GGX, tan^2 = a^2 u/(1 - u), and d wi = 4 (wo h) dh.
  * Nothing of the model is used but f, pdf and sample, and n or alpha to place the rings.
  *
  * The furnace: under a constant light the reflected radiance is L times the integral of f cos, by the same quadrature.
@@ -19,8 +21,9 @@ enum { OCTILES = 8, HALVINGS = 30, STEPS = 24, MAX_EDGES = OCTILES + HALVINGS + 
 enum { PIECES = 4, NODES = 4, NODES_PHI = 32 };
 enum { N_DRAWS = 1 << 17, N_RUNS = 2048 };
 
-/* What quadrature may be off by, relative: measured at most 1.6e-5, the horizon's kink, for n from 0 to 1e8 and 0 to 89.9 degrees, 2.2e-5 for alpha from 1e-3 to 1
- * up to 89 degrees; unit vectors in float add 1e-7 sqrt(n) (src/phong.c), or 1e-8/alpha (3.3e-5 in all at 1e-4 and 89 degrees). */
+/* What quadrature may be off by, relative: measured at most 1.6e-5, the horizon's kink, for n from 0 to 1e8 and 0 to
+ * 89.9 degrees, 2.2e-5 for alpha from 1e-3 to 1 up to 89 degrees; unit vectors in float add 1e-7 sqrt(n) (src/phong.c),
+ * or 1e-8/alpha (3.3e-5 in all at 1e-4 and 89 degrees). */
 static double quadrature_error(const bis_material *m)
 {
     return 5e-5 + (m->model->of_half_vector ? 1e-8 / m->alpha : 1e-7 * sqrt(m->exponent));

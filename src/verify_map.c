@@ -1,10 +1,13 @@
-/* verify_map: is a direction drawn from this map as its density says, and does the density say what thesis 3.3 and 3.4 define?
+/* verify_map: is a direction drawn from this map as its density says, and does the density say what thesis 3.3 and 3.4
+ * define?
  *
  * Four questions in a row, each by another road than the one that the library takes:
  *   1. solid angles: they sum to 4 pi, and each row's is the difference of cosines, in long double;
  *   2. the density: q dO is w dO / sum, w from pixels and regions alone (docs/errata.md E3, E17), and integrates to 1;
- *   3. the table: the probability that alias tables or CDFs really give each pixel is that density times dO (E15): no chance involved;
- *   4. the draws: counted by pixel, and by 4 x 4 cells inside the pixels, equal in solid angle (E2). Dim pixels are pooled until each of the
+ *   3. the table: the probability that alias tables or CDFs really give each pixel is that density times dO (E15): no
+ *   chance involved;
+ *   4. the draws: counted by pixel, and by 4 x 4 cells inside the pixels, equal in solid angle (E2). Dim pixels are
+ *   pooled until each of the
  *      16 places expects 5 draws, so what is wrong inside pixels is seen even where each is hit rarely or never.
  * Cost: O(W H) and at most 2^22 draws of each kind; 32 bytes a pixel beside the map and one of its tables. */
 #include "verify.h"
@@ -33,7 +36,8 @@ void bis_verify_solid_angles(bis_verify *v, const bis_envmap *em)
         sum += em->width * em->row_solid_angle[y];
         worst = fmax(worst, (double)fabsl((long double)em->row_solid_angle[y] / exact - 1));
     }
-    /* H additions, a few roundings in each term; the difference of cosines loses what the first row's is smaller than 1. */
+    /* H additions, a few roundings in each term; the difference of cosines loses what the first row's is smaller than
+     * 1. */
     bis_verify_bound(v, "map", fabs(sum / (4 * PI) - 1), (H + 8) * DBL_EPSILON, "relative error of their sum", "solid angles sum to 4 pi");
     const double cancelled = (double)(4 * LDBL_EPSILON / (1 - cosl(pi / H)));
     bis_verify_bound(v, "map", worst, 8 * DBL_EPSILON + cancelled, "largest relative error of a row", "solid angles are differences of cosines");
@@ -95,7 +99,8 @@ static double sum_of(const double *row, size_t width)
     return sum;
 }
 
-/* A step of a CDF is good to 2^-52 only, however small it is, and the steps of a row and of a column in it are multiplied. */
+/* A step of a CDF is good to 2^-52 only, however small it is, and the steps of a row and of a column in it are
+ * multiplied. */
 static void check_table(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im, const bis_envmap *em,
                         const double *implied)
 {
@@ -182,14 +187,16 @@ no_memory:
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory to count draws from a %d x %d map", em->width, em->height);
 }
 
-/* The cell of a place u in [0, 1), which a direction of three floats misses by `margin` at most; -1: outside by more. */
+/* The cell of a place u in [0, 1), which a direction of three floats misses by `margin` at most; -1: outside by
+ * more. */
 static int cell_of(double u, double margin)
 {
     if (!(u >= -margin && u <= 1 + margin)) return -1;
     return (int)(fmin(fmax(u, 0), 0.999) * CELLS);
 }
 
-/* Where in its pixel a direction lies, by its own angles: shares of longitude and, cos t0 - cos t = 2 sin((t+t0)/2) sin((t-t0)/2), of solid angle. */
+/* Where in its pixel a direction lies, by its own angles: shares of longitude and, cos t0 - cos t = 2 sin((t+t0)/2)
+ * sin((t-t0)/2), of solid angle. */
 static int place_of(const bis_envmap *em, const bis_map_sample *s)
 {
     const double W = em->width, H = em->height, margin = 0x1p-22 * fmax(W, H);

@@ -1,9 +1,11 @@
-/* verify_scene: what of all the checks applies to a scene: its map, its materials, its accelerator, and a few pixels of its view.
+/* verify_scene: what of all the checks applies to a scene: its map, its materials, its accelerator, and a few pixels of
+ * its view.
  *
- * Pixels lie on a plane lattice (Roberts's R2, the plane's golden ratio), spread for any number of them; those that see nothing, something black, or
- * next to no light are passed over. Their camera ray runs through the pixel's centre: then every integrator estimates one number,
- * the reflected radiance at one point.
- * Cost: the reference visits all patches of the light 4 times for a pixel, `exact` twice more: fewer pixels for larger maps, none beyond 2^24 patches. */
+ * Pixels lie on a plane lattice (Roberts's R2, the plane's golden ratio), spread for any number of them; those that see
+ * nothing, something black, or next to no light are passed over. Their camera ray runs through the pixel's centre: then
+ * every integrator estimates one number, the reflected radiance at one point.
+ * Cost: the reference visits all patches of the light 4 times for a pixel, `exact` twice more: fewer pixels for larger
+ * maps, none beyond 2^24 patches. */
 #include "verify.h"
 
 #include "bis/mem.h"
@@ -104,7 +106,8 @@ static bis_status check_materials(bis_verify *v, const bis_scene_desc *desc, bis
 
 /* ---- the view ---- */
 
-/* All integrators with settings under which they are unbiased; the scene's own keeps its numbers, as far as they are not too dear. */
+/* All integrators with settings under which they are unbiased; the scene's own keeps its numbers, as far as they are
+ * not too dear. */
 static size_t make_settings(bis_settings list[BIS_VERIFY_MAX_INTEGRATORS], const bis_settings *own)
 {
     size_t n = 0;

@@ -1,12 +1,14 @@
 /* verify_view: is what an integrator computes at a point of the scene what eq. 3.2 says?
  *
- * The reference visits every lit patch of the light with a few rays at random places in it, so that its own error is known. It is
- * a loop of its own here, which shares light, material and accelerator with src/exact.c, not its code; `exact` is one of the tested.
+ * The reference visits every lit patch of the light with a few rays at random places in it, so that its own error is
+ * known. It is a loop of its own here, which shares light, material and accelerator with src/exact.c, not its code;
+ * `exact` is one of the tested.
  *
- * An integrator's mean over many runs is compared with it by Student's t. That is only fair where the mean is normally distributed, and under
- * a sun BRDF sampling is not: with 3 expected hits, a run of bad luck is 5 standard errors away. So the loop also sums F^2/q, F^3/q^2 and max F/q
- * for each estimator's density q: where its mean is too skew for a t-test, Bernstein's inequality bounds p instead, which holds
- * for any bounded variables (and finds less); where it has no such bound, the test is skipped with a word.
+ * An integrator's mean over many runs is compared with it by Student's t. That is only fair where the mean is normally
+ * distributed, and under a sun BRDF sampling is not: with 3 expected hits, a run of bad luck is 5 standard errors away.
+ * So the loop also sums F^2/q, F^3/q^2 and max F/q for each estimator's density q: where its mean is too skew for a
+ * t-test, Bernstein's inequality bounds p instead, which holds for any bounded variables (and finds less); where it has
+ * no such bound, the test is skipped with a word.
  *   Skewness: for a mean of skewness s, tails at 4 standard errors are off by about exp(s 4^3/3): 3 for s = 0.05.
  *   Bernstein (1927): P(|mean - mu| >= e) <= 2 exp(-n e^2 / (2 E[X^2] + 2 B e/3)), 0 <= X <= B. */
 #include "verify.h"
@@ -77,8 +79,9 @@ static density density_of(const bis_settings *s, bool constant)
     return s->proposal == BIS_PROPOSAL_EM ? (density){1, 0, s->candidates} : (density){0.5, 0.5, s->candidates};
 }
 
-/* A sum over independent parts, each known as the mean of REPLICATES values. Its error comes from what the values scatter within each part: nearly
- * exact, with as many degrees of freedom as there are parts that matter (Satterthwaite 1946). */
+/* A sum over independent parts, each known as the mean of REPLICATES values. Its error comes from what the values
+ * scatter within each part: nearly exact, with as many degrees of freedom as there are parts that matter (Satterthwaite
+ * 1946). */
 typedef struct part_sum {
     double mean, variance; /* of the sum of means */
     double squares;        /* sum over parts of variance^2 */
@@ -214,8 +217,9 @@ typedef struct comparison {
     bool draws_independent;        /* the samples of a run, given their strata */
 } comparison;
 
-/* Welch's t. `exact` has too few runs of its own and borrows the variance of the reference, which is the same estimator. Where the reference's
- * error counts, a sun's edge, say, known from few rays, Welch's degrees of freedom promise too much: the smaller ones are taken. */
+/* Welch's t. `exact` has too few runs of its own and borrows the variance of the reference, which is the same
+ * estimator. Where the reference's error counts, a sun's edge, say, known from few rays, Welch's degrees of freedom
+ * promise too much: the smaller ones are taken. */
 static void judge_by_t(bis_verify *v, const comparison *c, double slack)
 {
     const double n = c->runs->n, b = c->truth->variance, dof_truth = dof_of(c->truth);

@@ -1,5 +1,5 @@
-/* warp: see each function. Computed in double; the sines come from products that do not cancel: sqrt(1 - z^2) near z = 1
- * would lose half its digits. */
+/* warp: see each function. Computed in double; the sines come from products that do not cancel: sqrt(1 - z^2) near z =
+ * 1 would lose half its digits. */
 #include "bis/warp.h"
 
 vec3 bis_warp_sphere(double u1, double u2)
@@ -9,9 +9,10 @@ vec3 bis_warp_sphere(double u1, double u2)
     return vec3_from(sin_theta * cos(phi), sin_theta * sin(phi), 1 - 2 * u1);
 }
 
-/* Squares about the centre become circles about the centre: radius r = max(|a|, |b|), angle in proportion along the side.
- * one_minus_r is 1 - r without rounding: 1 - |2u - 1| = 2 min(u, 1 - u). Source: Shirley and Chiu 1997, "A Low Distortion
- * Map Between Disk and Square". */
+/* Squares about the centre become circles about the centre: radius r = max(|a|, |b|), angle in proportion along the
+ * side.
+ * one_minus_r is 1 - r without rounding: 1 - |2u - 1| = 2 min(u, 1 - u). Source: Shirley and Chiu 1997, "A Low
+ * Distortion Map Between Disk and Square". */
 static void concentric(double d[2], double *r, double *one_minus_r, double u1, double u2)
 {
     double a = 2 * u1 - 1, b = 2 * u2 - 1, phi;

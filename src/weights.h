@@ -1,4 +1,5 @@
-/* weights: how cdf and alias bring any weights, 1e-300 or 1e300, into reach of a sum that cannot overflow. Private to these.
+/* weights: how cdf and alias bring any weights, 1e-300 or 1e300, into reach of a sum that cannot overflow. Private to
+ * these.
  *
  * The largest weight is scaled into [1/2, 1) by a power of two, which rounds nothing. */
 #ifndef BIS_WEIGHTS_H
@@ -8,7 +9,8 @@
 #include <math.h>
 #include <stddef.h>
 
-/* A weight times half1 times half2; two factors, because 2^1074, for the least double, is none. Both 0 when all weights are. */
+/* A weight times half1 times half2; two factors, because 2^1074, for the least double, is none. Both 0 when all weights
+ * are. */
 typedef struct weight_scale {
     double half1, half2;
     int exponent; /* half1 * half2 = 2^-exponent */

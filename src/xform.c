@@ -1,8 +1,8 @@
 /* xform: every transformation carries its inverse, made beside it in closed form where there is one, so that none is
  * ever inverted twice and (A B)^-1 = B^-1 A^-1 costs a product.
  *
- * Column vectors: p' = m p. The conventions (left-handed world, LookAt, the order of 16 numbers) are those of pbrt's scene
- * format. Everything in double; vec3 is rounded to float once, at the end. */
+ * Column vectors: p' = m p. The conventions (left-handed world, LookAt, the order of 16 numbers) are those of pbrt's
+ * scene format. Everything in double; vec3 is rounded to float once, at the end. */
 #include "bis/xform.h"
 
 #include <float.h>
@@ -65,7 +65,8 @@ static void cross3(double out[3], const double a[3], const double b[3])
         out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-/* To unit length. Divides by the largest element first, so that no square over- or underflows. False: zero or not finite. */
+/* To unit length. Divides by the largest element first, so that no square over- or underflows. False: zero or not
+ * finite. */
 static bool normalize3(double v[3])
 {
     double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
@@ -119,7 +120,8 @@ bool bis_xform_look_at(bis_xform *out, const double eye[3], const double look[3]
 }
 
 /* m^-1 = adj(m) / det(m), by the 2x2 minors of the upper (s) and the lower (c) two rows (Laplace's expansion): of the
- * numbers that people write, a singular matrix has a determinant of exactly 0 this way; Gauss's pivots would only be small. */
+ * numbers that people write, a singular matrix has a determinant of exactly 0 this way; Gauss's pivots would only be
+ * small. */
 static bool invert(double inv[4][4], const double m[4][4])
 {
     static const int pair[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};

@@ -1,4 +1,5 @@
-/* accel: does a ray hit anything, and what first? One interface, two backends: the voxel grid of the thesis (src/grid.h), Embree (src/embree.h). */
+/* accel: does a ray hit anything, and what first? One interface, two backends: the voxel grid of the thesis
+ * (src/grid.h), Embree (src/embree.h). */
 #ifndef BIS_ACCEL_H
 #define BIS_ACCEL_H
 
@@ -37,7 +38,8 @@ typedef struct bis_accel_options {
     int n_threads;        /* for building; 0: all */
 } bis_accel_options;
 
-/* g is borrowed for the life of the result and must have at least one primitive. Errors: BIS_INPUT (Embree asked for but not built in: the message names the way out), BIS_NOMEM. */
+/* g is borrowed for the life of the result and must have at least one primitive. Errors: BIS_INPUT (Embree asked for
+ * but not built in: the message names the way out), BIS_NOMEM. */
 bis_status bis_accel_new(bis_accel **out, const bis_geometry *g, const bis_accel_options *options, bis_diag *diag);
 void bis_accel_free(bis_accel *a);
 

@@ -1,5 +1,5 @@
-/* bsdf: the material at one point seen from one direction: f, sample, pdf. Integrators know this interface alone; the models
- * (phong.h, microfacet.h) plug in behind it by a const struct of functions. */
+/* bsdf: the material at one point seen from one direction: f, sample, pdf. Integrators know this interface alone; the
+ * models (phong.h, microfacet.h) plug in behind it by a const struct of functions. */
 #ifndef BIS_BSDF_H
 #define BIS_BSDF_H
 
@@ -43,18 +43,20 @@ struct bis_bsdf_model {
     const bis_bsdf_lanes *lanes; /* the same for many directions at once; NULL: not written, all goes one by one */
 };
 
-/* What resampling (src/batch.c) asks of a material for n directions at once; arrays hold whole blocks, and are read and written to the last one's end. The material
- * is not black. */
+/* What resampling (src/batch.c) asks of a material for n directions at once; arrays hold whole blocks, and are read and
+ * written to the last one's end. The material is not black. */
 struct bis_bsdf_lanes {
-    /* w = phat/q, phat = f cos (Le.r + Le.g + Le.b), q = beta q_L + (1 - beta) q_f, q_f the density of bis_bsdf_sample; 0 below the horizon.
+    /* w = phat/q, phat = f cos (Le.r + Le.g + Le.b), q = beta q_L + (1 - beta) q_f, q_f the density of bis_bsdf_sample;
+     * 0 below the horizon.
      * In units of the result times the light's mean radiance: materials and maps of any size fit into floats. */
     double (*weigh)(float *w, const bis_bsdf *b, const bis_lanes *y, uint32_t n, double beta);
 
-    /* r, g, b of y, radiance, become the shares of the three channels in f Le: F/phat of eq. 4.6, sum 1, or 0 where nothing is reflected. */
+    /* r, g, b of y, radiance, become the shares of the three channels in f Le: F/phat of eq. 4.6, sum 1, or 0 where
+     * nothing is reflected. */
     void (*colour)(const bis_bsdf *b, const bis_lanes *y, uint32_t n);
 
-    /* w: a bound of f cos (energy.r + ...) over each of n cones (bis/clusters.h: axis in x, y, z, cosine of the half angle in q_L, energy in r, g, b), in some unit. Positive wherever f
-     * cos is. */
+    /* w: a bound of f cos (energy.r + ...) over each of n cones (bis/clusters.h: axis in x, y, z, cosine of the half
+     * angle in q_L, energy in r, g, b), in some unit. Positive wherever f cos is. */
     void (*reach)(float *w, const bis_bsdf *b, const bis_lanes *cone, const float *sine, uint32_t n);
 
     /* x, y, z of y: directions drawn by bis_propose_brdf at the points (u1, u2) in [0,1)^2. */
@@ -64,7 +66,8 @@ struct bis_bsdf_lanes {
 /* n: unit shading normal, wo: unit. */
 void bis_bsdf_init(bis_bsdf *b, const bis_material *m, vec3 n, vec3 wo);
 
-/* Nothing is reflected, whatever the light: Ks = Kd = 0, or wo lies below the shading horizon. No candidates are needed. */
+/* Nothing is reflected, whatever the light: Ks = Kd = 0, or wo lies below the shading horizon. No candidates are
+ * needed. */
 bool bis_bsdf_is_black(const bis_bsdf *b);
 
 /* Cosine of wi about the shading normal; may be negative. */
@@ -73,14 +76,16 @@ static inline double bis_bsdf_cos(const bis_bsdf *b, vec3 wi) { return dot(b->lo
 /* f(wi, wo) in 1/sr, without the cosine; 0 where wi or wo lies below the shading horizon. */
 static inline rgb bis_bsdf_f(const bis_bsdf *b, vec3 wi) { return b->material->model->f(b, wi); }
 
-/* Draw wi: u0 picks the lobe, u1, u2 the place in it. Directions below the horizon are returned, too: their f is 0 and they count (docs/errata.md E1, E34).
+/* Draw wi: u0 picks the lobe, u1, u2 the place in it. Directions below the horizon are returned, too: their f is 0 and
+ * they count (docs/errata.md E1, E34).
  * False: black, nothing drawn. The density is bis_bsdf_pdf(b, *wi). */
 static inline bool bis_bsdf_sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {
     return b->material->model->sample(b, u0, u1, u2, wi);
 }
 
-/* Density of bis_bsdf_sample in 1/sr, the mixture of the lobes; it integrates to 1 over the sphere, directions below the horizon included. */
+/* Density of bis_bsdf_sample in 1/sr, the mixture of the lobes; it integrates to 1 over the sphere, directions below
+ * the horizon included. */
 static inline double bis_bsdf_pdf(const bis_bsdf *b, vec3 wi) { return b->material->model->pdf(b, wi); }
 
 /* f and the density at once: the two share the lobe's power, the dearest part of both. The same bits as one by one. */
@@ -89,7 +94,8 @@ static inline rgb bis_bsdf_f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
     return b->material->model->f_pdf(b, wi, pdf);
 }
 
-/* An upper bound of max over channels and wi of f cos (rejection, E27), and one of max over channels and wi of f cos / pdf. */
+/* An upper bound of max over channels and wi of f cos (rejection, E27), and one of max over channels and wi of f cos /
+ * pdf. */
 static inline double bis_bsdf_max_f_cos(const bis_bsdf *b) { return b->material->model->max_f_cos(b); }
 static inline double bis_bsdf_max_ratio(const bis_bsdf *b) { return b->material->model->max_ratio(b); }
 

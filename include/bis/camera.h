@@ -1,4 +1,5 @@
-/* camera: from a place on the film to a ray, with pbrt's conventions (left-handed, x right, y up, z forward; fov along the shorter side). */
+/* camera: from a place on the film to a ray, with pbrt's conventions (left-handed, x right, y up, z forward; fov along
+ * the shorter side). */
 #ifndef BIS_CAMERA_H
 #define BIS_CAMERA_H
 

@@ -1,11 +1,13 @@
-/* clusters: the map in pieces of like direction, each with a cone around it, its energy, and some directions ready to be drawn.
+/* clusters: the map in pieces of like direction, each with a cone around it, its energy, and some directions ready to
+ * be drawn.
  *
- * For proposal "product" (src/batch.c): where the lobe is narrow and the light spotty, few of M candidates drawn by the map's importance alone fall into the
- * lobe. Weighing pieces of the map by a bound of f cos over their cones costs a nanosecond each and tells where the product can be large at all; candidates
- * are then drawn from there (Clarberg and Akenine-Moller 2008; Conty Estevez and Kulla 2018 bound lights by cones in the same way).
+ * For proposal "product" (src/batch.c): where the lobe is narrow and the light spotty, few of M candidates drawn by the
+ * map's importance alone fall into the lobe. Weighing pieces of the map by a bound of f cos over their cones costs a
+ * nanosecond each and tells where the product can be large at all; candidates are then drawn from there (Clarberg and
+ * Akenine-Moller 2008; Conty Estevez and Kulla 2018 bound lights by cones in the same way).
  *
- * A cluster is a run of tiles along the curve of the importance (src/importance_curve.c): compact, and known by the share of the curve it takes, which is
- * its share of the importance. */
+ * A cluster is a run of tiles along the curve of the importance (src/importance_curve.c): compact, and known by the
+ * share of the curve it takes, which is its share of the importance. */
 #ifndef BIS_CLUSTERS_H
 #define BIS_CLUSTERS_H
 
@@ -32,8 +34,9 @@ typedef struct bis_clusters {
 
 enum { BIS_CLUSTER_DIRECTIONS = 64, BIS_CLUSTERS = 256 /* at most */ };
 
-/* Cut the map for M candidates a point: into K = 2 M clusters, 64 at least and BIS_CLUSTERS at most, to twice as many: none has more than 1/K of the importance and another such part of
- * the sphere's solid angle, but for the tile that fills it up. The light must be a map with a curve, not black. Errors: BIS_NOMEM. */
+/* Cut the map for M candidates a point: into K = 2 M clusters, 64 at least and BIS_CLUSTERS at most, to twice as many:
+ * none has more than 1/K of the importance and another such part of the sphere's solid angle, but for the tile that
+ * fills it up. The light must be a map with a curve, not black. Errors: BIS_NOMEM. */
 bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M, bis_diag *diag);
 void bis_clusters_clear(bis_clusters *c);
 size_t bis_clusters_bytes(const bis_clusters *c);

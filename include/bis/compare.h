@@ -16,7 +16,8 @@ typedef struct bis_comparison {
 /* Errors: BIS_INPUT: other sizes. */
 bis_status bis_compare(bis_comparison *c, const bis_image *a, const bis_image *b, bis_diag *diag);
 
-/* A false-colour picture of |a-b| relative to sqrt(b^2 + m^2/100): black, blue, red, yellow, white on a logarithmic scale from 1e-3 to 10. */
+/* A false-colour picture of |a-b| relative to sqrt(b^2 + m^2/100): black, blue, red, yellow, white on a logarithmic
+ * scale from 1e-3 to 10. */
 bis_status bis_compare_picture(bis_image *out, const bis_image *a, const bis_image *b, bis_diag *diag);
 
 #endif

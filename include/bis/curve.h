@@ -7,7 +7,8 @@
 
 #include <stdint.h>
 
-/* Position i + xi of n equal strata of [0,1), xi in [0,1). The last number of the last stratum may round to 1: it is moved back to the largest below. */
+/* Position i + xi of n equal strata of [0,1), xi in [0,1). The last number of the last stratum may round to 1: it is
+ * moved back to the largest below. */
 static inline double bis_stratum(uint32_t i, double xi, uint32_t n)
 {
     double t = ((double)i + xi) / (double)n;

@@ -1,5 +1,6 @@
-/* errata: the thesis's equations as they are printed, one switch each. `bis` departs from the thesis where docs/errata.md
- * says so; these departures can be undone one by one (`--as-printed E6`), to see what the printed equation does to a picture.
+/* errata: the thesis's equations as they are printed, one switch each. `bis` departs from the thesis where
+ * docs/errata.md says so; these departures can be undone one by one (`--as-printed E6`), to see what the printed
+ * equation does to a picture.
  *
  * A set of switches is an unsigned, 0 for the right picture. It is read where the code meets the equation, and nowhere
  * else: grep for BIS_E6. */

@@ -25,8 +25,8 @@ bis_status bis_outfile_open(bis_outfile **out, const char *path, bis_diag *diag)
 FILE *bis_outfile_stream(bis_outfile *f);
 const char *bis_outfile_temp_name(const bis_outfile *f);
 
-/* Flush, check for write errors, fsync, rename over the final name, free. On failure the temporary file is removed, the older
- * file at path is untouched, and the message names path and the reason. */
+/* Flush, check for write errors, fsync, rename over the final name, free. On failure the temporary file is removed, the
+ * older file at path is untouched, and the message names path and the reason. */
 bis_status bis_outfile_commit(bis_outfile *f, bis_diag *diag);
 
 /* Remove the temporary file and free; NULL is fine. */

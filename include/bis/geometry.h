@@ -1,5 +1,6 @@
-/* geometry: all surfaces of a scene in world space, ready to be put into an accelerator: triangles (with or without vertex normals),
- * spheres and discs (each under any affine transformation). Primitives are numbered: triangles first, then quadrics. */
+/* geometry: all surfaces of a scene in world space, ready to be put into an accelerator: triangles (with or without
+ * vertex normals), spheres and discs (each under any affine transformation). Primitives are numbered: triangles first,
+ * then quadrics. */
 #ifndef BIS_GEOMETRY_H
 #define BIS_GEOMETRY_H
 
@@ -21,8 +22,9 @@ typedef struct bis_mesh {
 
 void bis_mesh_clear(bis_mesh *m);
 
-/* Vertex normals from the faces, weighted by angle, for `smooth` and for meshes that have none. Vertices of equal position share theirs
- * only if they share the index. A vertex without any proper face gets (0,0,0), which stands for "use the face's". */
+/* Vertex normals from the faces, weighted by angle, for `smooth` and for meshes that have none. Vertices of equal
+ * position share theirs only if they share the index. A vertex without any proper face gets (0,0,0), which stands for
+ * "use the face's". */
 bis_status bis_mesh_smooth_normals(bis_mesh *m, bis_diag *diag);
 
 typedef enum bis_quadric_kind { BIS_SPHERE, BIS_DISK } bis_quadric_kind;
@@ -56,7 +58,8 @@ typedef struct bis_geometry {
     bis_box box;
 } bis_geometry;
 
-/* Append a mesh, transformed. The first mesh into an empty geometry with an identity transformation is moved, not copied (m is then empty). Errors: BIS_NOMEM, BIS_INPUT (over 2^32 - 1 vertices or primitives;
+/* Append a mesh, transformed. The first mesh into an empty geometry with an identity transformation is moved, not
+ * copied (m is then empty). Errors: BIS_NOMEM, BIS_INPUT (over 2^32 - 1 vertices or primitives;
  * a transformed vertex that overflows float). */
 bis_status bis_geometry_add_mesh(bis_geometry *g, bis_mesh *m, const bis_xform *to_world, uint32_t material, bis_diag *diag);
 bis_status bis_geometry_add_quadric(bis_geometry *g, const bis_quadric *q, bis_diag *diag);
@@ -78,10 +81,12 @@ typedef struct bis_surface {
     uint32_t material;
 } bis_surface;
 
-/* From the ray and the primitive that an accelerator found. Does not depend on which accelerator: barycentrics are computed again, in double. */
+/* From the ray and the primitive that an accelerator found. Does not depend on which accelerator: barycentrics are
+ * computed again, in double. */
 void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bis_surface *s);
 
-/* A point that lies beyond the error bound of s->p on ng's side, where a shadow ray may start: no constant epsilon (docs/errata.md E37). */
+/* A point that lies beyond the error bound of s->p on ng's side, where a shadow ray may start: no constant epsilon
+ * (docs/errata.md E37). */
 vec3 bis_surface_offset(const bis_surface *s);
 
 #endif

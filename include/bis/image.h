@@ -16,12 +16,12 @@ typedef struct bis_image {
     rgb *pixels;
 } bis_image;
 
-/* The largest side we accept; 2^15 squared pixels of 12 bytes are 12 GiB. Nothing is allocated before a header's size has been
- * held against this and against the file's size. */
+/* The largest side we accept; 2^15 squared pixels of 12 bytes are 12 GiB. Nothing is allocated before a header's size
+ * has been held against this and against the file's size. */
 #define BIS_IMAGE_MAX_SIDE 32768
 
-/* Errors: BIS_IO (cannot read), BIS_INPUT (not an image we know, damaged, no colour channels), BIS_NOMEM. `at`: the place in a scene
- * that named the file, or {0}. Warnings (a second part ignored, a layer chosen) go to diag as well. */
+/* Errors: BIS_IO (cannot read), BIS_INPUT (not an image we know, damaged, no colour channels), BIS_NOMEM. `at`: the
+ * place in a scene that named the file, or {0}. Warnings (a second part ignored, a layer chosen) go to diag as well. */
 bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag);
 void bis_image_clear(bis_image *image);
 
@@ -35,16 +35,16 @@ typedef struct bis_channel {
     int stride; /* in floats */
 } bis_channel;
 
-/* One header attribute of an EXR; text, or a number when text is NULL. OpenEXR reserves some names ("version", "type", "name", "tiles",
- * ...): writing one is BIS_INPUT; give yours a prefix. */
+/* One header attribute of an EXR; text, or a number when text is NULL. OpenEXR reserves some names ("version", "type",
+ * "name", "tiles", ...): writing one is BIS_INPUT; give yours a prefix. */
 typedef struct bis_attribute {
     const char *name;
     const char *text;
     double number;
 } bis_attribute;
 
-/* What to write. channels[0..2] are R, G, B. EXR takes all channels and attributes; the data window is [x0, x0+width) x [y0, y0+height) in a
- * display window of full_width x full_height. The other formats take R, G, B alone. */
+/* What to write. channels[0..2] are R, G, B. EXR takes all channels and attributes; the data window is [x0, x0+width) x
+ * [y0, y0+height) in a display window of full_width x full_height. The other formats take R, G, B alone. */
 typedef struct bis_picture {
     int width, height;
     int x0, y0, full_width, full_height;
@@ -56,8 +56,8 @@ typedef struct bis_picture {
     double exposure;   /* png: EV, radiance is multiplied by 2^EV */
 } bis_picture;
 
-/* By ending: .exr (float32, ZIP), .pfm, .hdr, .png (sRGB, 8 bit). Written to a temporary file and renamed. Errors: BIS_INPUT (an unknown
- * ending; a value an .hdr cannot hold: negative or non-finite), BIS_IO, BIS_NOMEM. */
+/* By ending: .exr (float32, ZIP), .pfm, .hdr, .png (sRGB, 8 bit). Written to a temporary file and renamed. Errors:
+ * BIS_INPUT (an unknown ending; a value an .hdr cannot hold: negative or non-finite), BIS_IO, BIS_NOMEM. */
 bis_status bis_image_write(const char *path, const bis_picture *picture, bis_diag *diag);
 
 /* Is the ending one that bis_image_write knows? For a check before hours of rendering. */

@@ -1,5 +1,6 @@
-/* integrator: estimators of reflected radiance at a point, thesis chapters 3 and 4: one file each, src/em.c, brdf.c, mis.c, rejection.c, sir.c,
- * exact.c, unoccluded.c. All see the scene through bis_point and their numbers through bis_stream. */
+/* integrator: estimators of reflected radiance at a point, thesis chapters 3 and 4: one file each, src/em.c, brdf.c,
+ * mis.c, rejection.c, sir.c, exact.c, unoccluded.c. All see the scene through bis_point and their numbers through
+ * bis_stream. */
 #ifndef BIS_INTEGRATOR_H
 #define BIS_INTEGRATOR_H
 
@@ -42,8 +43,9 @@ typedef struct bis_settings {
     unsigned as_printed; /* all: BIS_E*, equations to follow to the letter; 0: none */
 } bis_settings;
 
-/* A candidate direction of chapter 4: drawn, weighed, perhaps traced. C is what it would be worth by plain importance sampling (eq. 4.8), its
- * sum w = phat/q is the weight of eq. 4.9, and C/w = F/phat carries the colour. w = 0 below the horizon; C is then 0, too. */
+/* A candidate direction of chapter 4: drawn, weighed, perhaps traced. C is what it would be worth by plain importance
+ * sampling (eq. 4.8), its sum w = phat/q is the weight of eq. 4.9, and C/w = F/phat carries the colour. w = 0 below the
+ * horizon; C is then 0, too. */
 typedef struct bis_candidate {
     vec3 wi;
     rgbd C;   /* F/q, F = f cos Le in RGB: double, because f Le alone may exceed a float */
@@ -79,7 +81,8 @@ struct bis_integrator {
 
 extern const bis_integrator bis_em, bis_brdf, bis_mis, bis_rejection, bis_sir, bis_exact, bis_unoccluded;
 
-/* Not an estimator but the wish that one be chosen: where nobody chooses (src/auto.c), it is sir with its defaults. Not in the list below. */
+/* Not an estimator but the wish that one be chosen: where nobody chooses (src/auto.c), it is sir with its defaults. Not
+ * in the list below. */
 extern const bis_integrator bis_auto;
 
 /* All of them, ended by NULL, and by name (NULL: no such; "auto" is found, too). */

@@ -1,11 +1,14 @@
 /* lanes: many directions at once, as arrays that the compiler turns into vectors.
  *
- * A candidate costs some 25 ns one by one, most of it in the power of the lobe; eight or sixteen side by side cost 1 to 2 ns each. What it takes:
- * structures of arrays, in float; loops without calls or branches; polynomials for log and exp; and BIS_LANES, which has a function compiled
- * for AVX-512, for AVX2 and for any processor, and chooses when the program starts. No intrinsics, no -ffast-math: each loop is plain C and the same
- * formula as in the plain module beside it (phong_lanes.c : phong.c), which stays its reference and its oracle in the tests.
+ * A candidate costs some 25 ns one by one, most of it in the power of the lobe; eight or sixteen side by side cost 1 to
+ * 2 ns each. What it takes:
+ * structures of arrays, in float; loops without calls or branches; polynomials for log and exp; and BIS_LANES, which
+ * has a function compiled for AVX-512, for AVX2 and for any processor, and chooses when the program starts. No
+ * intrinsics, no -ffast-math: each loop is plain C and the same formula as in the plain module beside it (phong_lanes.c
+ * : phong.c), which stays its reference and its oracle in the tests.
  *
- * The bits do not depend on the processor: every operation is IEEE's, none is fused (-ffp-contract=off), and sums have a fixed order. */
+ * The bits do not depend on the processor: every operation is IEEE's, none is fused (-ffp-contract=off), and sums have
+ * a fixed order. */
 #ifndef BIS_LANES_H
 #define BIS_LANES_H
 
@@ -13,7 +16,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Clones need an indirect function of glibc's loader. Sanitizers instrument the function that chooses, and it runs before they are ready. */
+/* Clones need an indirect function of glibc's loader. Sanitizers instrument the function that chooses, and it runs
+ * before they are ready. */
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(BIS_ONE_CLONE)
 #if !defined(__has_feature)
 #define BIS_LANES __attribute__((target_clones("avx512f", "avx2", "default")))
@@ -34,8 +38,9 @@ enum { BIS_LANES_BLOCK = 16 };
 static inline uint32_t bis_lanes_blocks(uint32_t n) { return (n + BIS_LANES_BLOCK - 1) / BIS_LANES_BLOCK; }
 static inline uint32_t bis_lanes_round_up(uint32_t n) { return bis_lanes_blocks(n) * BIS_LANES_BLOCK; }
 
-/* Directions towards the light: wi = (x, y, z), unit, world space; radiance from there over the light's mean radiance, which keeps it within
- * a float's range whatever the map's unit; the light's density in 1/sr. Each array 64-byte aligned. */
+/* Directions towards the light: wi = (x, y, z), unit, world space; radiance from there over the light's mean radiance,
+ * which keeps it within a float's range whatever the map's unit; the light's density in 1/sr. Each array 64-byte
+ * aligned. */
 typedef struct bis_lanes {
     float *x, *y, *z, *r, *g, *b, *q_L;
 } bis_lanes;
@@ -69,9 +74,9 @@ static inline BIS_INLINE float bis_lanes_choose(int yes, float a, float b)
     return bis_float_of_bits((bis_bits_of_float(a) & mask) | (bis_bits_of_float(b) & ~mask));
 }
 
-/* log(1 - x) for 0 <= x < 1, relative error below 2^-22 (x near 0 included: that is why the argument is x and not 1 - x). 1 - x = 2^e (1 + d) with 1 + d
- * between sqrt(1/2) and sqrt(2); where e = 0, d is -x itself, before 1 - x was rounded. log(1+d) = d - d^2/2 + d^3 P(d), P by interpolation at
- * Chebyshev's nodes, degree 7: 2e-8. */
+/* log(1 - x) for 0 <= x < 1, relative error below 2^-22 (x near 0 included: that is why the argument is x and not 1 -
+ * x). 1 - x = 2^e (1 + d) with 1 + d between sqrt(1/2) and sqrt(2); where e = 0, d is -x itself, before 1 - x was
+ * rounded. log(1+d) = d - d^2/2 + d^3 P(d), P by interpolation at Chebyshev's nodes, degree 7: 2e-8. */
 static inline BIS_INLINE float bis_lanes_log1m(float x)
 {
     int32_t bits = bis_bits_of_float(1 - x) - 0x3f3504f3; /* of sqrt(1/2) */
@@ -91,8 +96,9 @@ static inline BIS_INLINE float bis_lanes_log1m(float x)
     return k * 0.693359375f + (d + (dd * (d * p - 0.5f) - k * 2.12194440e-4f)); /* ln 2 in two parts: k times the first is exact */
 }
 
-/* exp(y) - 1 and exp(y) for y <= 0: e^y = 2^k e^r, |r| <= ln(2)/2, e^r - 1 = r + r^2 P(r), degree 4: 1e-8. Below 2^-64, which stands for everything smaller: a float's denormals
- * are slow, and a weight must not be 0 where the exact one is not. */
+/* exp(y) - 1 and exp(y) for y <= 0: e^y = 2^k e^r, |r| <= ln(2)/2, e^r - 1 = r + r^2 P(r), degree 4: 1e-8. Below 2^-64,
+ * which stands for everything smaller: a float's denormals are slow, and a weight must not be 0 where the exact one is
+ * not. */
 typedef struct bis_lanes_power {
     float two_k, em1; /* e^y = two_k (1 + em1) */
 } bis_lanes_power;
@@ -124,7 +130,8 @@ static inline BIS_INLINE float bis_lanes_1mexp(float y)
     return (1 - e.two_k) - e.two_k * e.em1;
 }
 
-/* sin and cos of 2 pi u, 0 <= u < 1, absolute error below 2^-22: the nearest quarter turn, and what is left of it, at most pi/4, by polynomials, 1e-8. */
+/* sin and cos of 2 pi u, 0 <= u < 1, absolute error below 2^-22: the nearest quarter turn, and what is left of it, at
+ * most pi/4, by polynomials, 1e-8. */
 static inline BIS_INLINE void bis_lanes_sincos2pi(float u, float *sine, float *cosine)
 {
     int32_t quarter = (int32_t)(4 * u + 0.5f);
@@ -137,7 +144,8 @@ static inline BIS_INLINE void bis_lanes_sincos2pi(float u, float *sine, float *c
     *cosine = bis_lanes_choose((quarter + 1) >> 1 & 1, -b, b);
 }
 
-/* atan2(y, x) in [-pi, pi], absolute error below 4e-7. atan(a)/a for 0 <= a <= 1 by a polynomial in a^2, degree 9: 2e-9. */
+/* atan2(y, x) in [-pi, pi], absolute error below 4e-7. atan(a)/a for 0 <= a <= 1 by a polynomial in a^2, degree 9:
+ * 2e-9. */
 static inline BIS_INLINE float bis_lanes_atan2(float y, float x)
 {
     float ax = bis_lanes_choose(x < 0, -x, x), ay = bis_lanes_choose(y < 0, -y, y);
@@ -160,8 +168,8 @@ static inline BIS_INLINE float bis_lanes_atan2(float y, float x)
     return bis_lanes_choose(y < 0, -a, a);
 }
 
-/* n stratified points, one in each n-th of Hilbert's curve over the unit square, in its order, as a function of key: u1[n], u2[n] and on to the end
- * of their last block. 24 bits each. */
+/* n stratified points, one in each n-th of Hilbert's curve over the unit square, in its order, as a function of key:
+ * u1[n], u2[n] and on to the end of their last block. 24 bits each. */
 void bis_lanes_points(float *u1, float *u2, uint32_t n, uint64_t key);
 
 #endif

@@ -1,4 +1,5 @@
-/* layers: what a picture can carry beside its colours, and where it is gathered. A scene pays for what it asks and for nothing else. */
+/* layers: what a picture can carry beside its colours, and where it is gathered. A scene pays for what it asks and for
+ * nothing else. */
 #ifndef BIS_LAYERS_H
 #define BIS_LAYERS_H
 
@@ -23,7 +24,8 @@ enum { BIS_LAYERS_ALL = (1 << BIS_N_LAYERS) - 1 };
 
 const char *bis_layer_name(bis_layer layer);
 
-/* Add the layer of that name to *set, or all for "all". False: no such name; bis_layer_nearest may know what was meant, or return NULL. */
+/* Add the layer of that name to *set, or all for "all". False: no such name; bis_layer_nearest may know what was meant,
+ * or return NULL. */
 bool bis_layers_include(unsigned *set, const char *name);
 const char *bis_layer_nearest(const char *name);
 

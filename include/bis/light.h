@@ -1,5 +1,5 @@
-/* light: what shines from infinity, in world space: an environment map or a constant. An integrator asks it for Le, a sample, a
- * density, and never learns which of the two it is, nor where the pixels came from. */
+/* light: what shines from infinity, in world space: an environment map or a constant. An integrator asks it for Le, a
+ * sample, a density, and never learns which of the two it is, nor where the pixels came from. */
 #ifndef BIS_LIGHT_H
 #define BIS_LIGHT_H
 
@@ -18,8 +18,8 @@ enum {
     BIS_NEED_COMPENSATED = 4 /* with BIS_NEED_TABLE: MIS compensation */
 };
 
-/* How far m^T m of the light's frame may be from 1: transformations in scene files are written with 4 to 6 digits. It is made exactly
- * orthonormal then; more is an error. */
+/* How far m^T m of the light's frame may be from 1: transformations in scene files are written with 4 to 6 digits. It
+ * is made exactly orthonormal then; more is an error. */
 #define BIS_LIGHT_FRAME_TOLERANCE 1e-3
 
 /* As the scene describes it (LightSource "infinite", SPEC 2). */
@@ -49,11 +49,13 @@ typedef struct bis_light_point {
     double pdf;
 } bis_light_point;
 
-/* Load (a map) and build what `needs` asks for. Warnings: bad values with their share of solid angle, no light. Errors: those of bis_image_read, BIS_INPUT (square map
- * without mapping, angular map not square, a frame that is no rotation or reflection, a scale that overflows), BIS_NOMEM. seconds (may be NULL): out, [0] reading, [1] building. */
+/* Load (a map) and build what `needs` asks for. Warnings: bad values with their share of solid angle, no light. Errors:
+ * those of bis_image_read, BIS_INPUT (square map without mapping, angular map not square, a frame that is no rotation
+ * or reflection, a scale that overflows), BIS_NOMEM. seconds (may be NULL): out, [0] reading, [1] building. */
 bis_status bis_light_new(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag);
 
-/* The same from an image that was read already; it is taken over (cleared, on failure, too). desc->filename names it in messages. */
+/* The same from an image that was read already; it is taken over (cleared, on failure, too). desc->filename names it in
+ * messages. */
 bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs, bis_diag *diag);
 
 /* For tests: take over em (cleared, on failure, too). desc gives area_exponent, levels, table_kind, to_world. */
@@ -64,8 +66,8 @@ void bis_light_free(bis_light *light);
 /* Radiance that arrives from unit world direction wi. */
 rgb bis_light_Le(const bis_light *light, vec3 wi);
 
-/* Draw a direction by the light's importance over the whole sphere (docs/errata.md E1). u as bis_importance_sample. False: no light. A constant: uniform over
- * the sphere by u[0] and u[1] alone. */
+/* Draw a direction by the light's importance over the whole sphere (docs/errata.md E1). u as bis_importance_sample.
+ * False: no light. A constant: uniform over the sphere by u[0] and u[1] alone. */
 bool bis_light_sample(const bis_light *light, const double u[4], bis_light_point *s);
 bool bis_light_sample_curve(const bis_light *light, double t, const double u[2], bis_light_point *s);
 double bis_light_pdf(const bis_light *light, vec3 wi);
@@ -76,8 +78,8 @@ rgb bis_light_Le_pdf(const bis_light *light, vec3 wi, double *pdf);
 /* Mean radiance over the sphere, r+g+b: the unit of a bis_lanes' r, g, b. */
 double bis_light_mean(const bis_light *light);
 
-/* bis_light_Le_pdf for n directions at once: fills r, g, b, q_L of y from its x, y, z, which may be off by a microradian (bis_envmap_pixels). pixel[]: workspace for n,
- * whole blocks. A map with an importance, not black. */
+/* bis_light_Le_pdf for n directions at once: fills r, g, b, q_L of y from its x, y, z, which may be off by a
+ * microradian (bis_envmap_pixels). pixel[]: workspace for n, whole blocks. A map with an importance, not black. */
 void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n);
 
 /* Bounds for rejection: the largest I/pdf, and the largest I, I = r+g+b. */

@@ -16,7 +16,8 @@ typedef struct bis_marsaglia {
     uint32_t *list;
 } bis_marsaglia;
 
-/* w[n]: integer weights. {1, 2, 4, 3} gives the thesis's L = {0, 1, 1, 2, 2, 2, 2, 3, 3, 3}. A sum of 0 is legal, length = 0:
+/* w[n]: integer weights. {1, 2, 4, 3} gives the thesis's L = {0, 1, 1, 2, 2, 2, 2, 3, 3, 3}. A sum of 0 is legal,
+ * length = 0:
  * nothing can be drawn. Errors: BIS_INPUT where the list would exceed BIS_MARSAGLIA_MAX_LENGTH (the message gives the
  * length and names the alias method), BIS_NOMEM. */
 bis_status bis_marsaglia_init(bis_marsaglia *m, const uint64_t *w, size_t n, bis_diag *diag);

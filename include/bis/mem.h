@@ -27,7 +27,8 @@ void bis_mem_fail_at(long k);
 /* The allocations made since the last bis_mem_fail_at call: tells a test when k has passed the last one. */
 long bis_mem_count(void);
 
-/* The allocations that ever failed, told to or not. For callers of a library that allocates through us and does not say why it gave up. */
+/* The allocations that ever failed, told to or not. For callers of a library that allocates through us and does not say
+ * why it gave up. */
 long bis_mem_failures(void);
 
 #endif

@@ -2,7 +2,8 @@
  *
  *     f(wi, wo) = Ks (n+1)/(2 pi) max(0, cos alpha)^n + Kd/pi          alpha: between wi and wo mirrored about the normal
  *
- * sampled as a mixture of a lobe about the mirror direction (eq. 3.15, 3.16) and a cosine hemisphere about the normal (docs/errata.md E33 to E36). */
+ * sampled as a mixture of a lobe about the mirror direction (eq. 3.15, 3.16) and a cosine hemisphere about the normal
+ * (docs/errata.md E33 to E36). */
 #ifndef BIS_PHONG_H
 #define BIS_PHONG_H
 
@@ -21,7 +22,8 @@ bis_material bis_phong(rgb Kd, rgb Ks, double exponent);
  *   pdf      out: the density at *wi in 1/sr, from the sampler's own double angle; 0 only where cos^n underflows */
 void bis_phong_lobe_sample(vec3 *wi, double *pdf, double n, double u1, double u2);
 
-/* max(0, cos)^n for the angle between two unit directions, from |a - b|^2 without cancellation: n log1p(-|a-b|^2/2) (E36). 0^0 = 0: the horizon is dark. */
+/* max(0, cos)^n for the angle between two unit directions, from |a - b|^2 without cancellation: n log1p(-|a-b|^2/2)
+ * (E36). 0^0 = 0: the horizon is dark. */
 double bis_phong_power(vec3 a, vec3 b, double n);
 
 /* (n+1)/(2 pi) cos^n, eq. 3.15, in 1/sr. */

@@ -25,7 +25,8 @@ typedef struct bis_point {
     bis_counters *counters;
 } bis_point;
 
-/* V of eq. 4.1: 1 where the light along wi is seen. No ray is cast (nor counted) below the geometric surface, where V = 0. */
+/* V of eq. 4.1: 1 where the light along wi is seen. No ray is cast (nor counted) below the geometric surface, where V =
+ * 0. */
 static inline bool bis_point_sees(const bis_point *pt, vec3 wi)
 {
     if (dot(pt->ng, wi) <= 0) return false;

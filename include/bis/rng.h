@@ -27,8 +27,8 @@ static inline uint64_t bis_hash(uint64_t x)
  * integrals; others are named where they are used). */
 void bis_rng_init(bis_rng *r, uint64_t seed, uint64_t pixel, uint64_t sample, uint64_t purpose);
 
-/* The key is joined by xor: by addition, all streams would be windows of one sequence of 2^64, and among 2^30 streams of
- * 2^10 numbers some hundred pairs would overlap. */
+/* The key is joined by xor: by addition, all streams would be windows of one sequence of 2^64, and among 2^30 streams
+ * of 2^10 numbers some hundred pairs would overlap. */
 static inline uint64_t bis_rng_u64(bis_rng *r)
 {
     return bis_hash(r->key ^ (0x9e3779b97f4a7c15u * r->counter++));

@@ -44,9 +44,10 @@ void bis_stream_init(bis_stream *s, const bis_sampler *sampler, uint64_t pixel, 
 /* The camera sample's place in its pixel, uniform in [0,1)^2. */
 void bis_stream_camera(bis_stream *s, double u[2]);
 
-/* n points of dimension pair `dim` (0, 1, ...; the integrator numbers its own): u[n][2]. Over the camera samples of a pixel the
- * sets of one dim continue each other (sobol, halton: points sample*n ... sample*n+n-1 of one sequence, which each dim
- * visits in an order of its own, or the pairs of two dims would lie on a line; 53 bits each, the lowest random). stratified: in the order of Hilbert's curve, one point in each n-th of it. */
+/* n points of dimension pair `dim` (0, 1, ...; the integrator numbers its own): u[n][2]. Over the camera samples of a
+ * pixel the sets of one dim continue each other (sobol, halton: points sample*n ... sample*n+n-1 of one sequence, which
+ * each dim visits in an order of its own, or the pairs of two dims would lie on a line; 53 bits each, the lowest
+ * random). stratified: in the order of Hilbert's curve, one point in each n-th of it. */
 void bis_stream_points(bis_stream *s, unsigned dim, uint32_t n, double (*u)[2]);
 
 /* The next plain random number in [0,1). */

@@ -1,5 +1,6 @@
-/* scene: what was described (bis_scene_desc, filled by the parser and overridden by the command line), and the same built and ready to be
- * asked (bis_scene). Building looks at what the integrator requires and makes that and no more; bis_scene_plan says what and why. */
+/* scene: what was described (bis_scene_desc, filled by the parser and overridden by the command line), and the same
+ * built and ready to be asked (bis_scene). Building looks at what the integrator requires and makes that and no more;
+ * bis_scene_plan says what and why. */
 #ifndef BIS_SCENE_H
 #define BIS_SCENE_H
 
@@ -64,11 +65,13 @@ typedef struct bis_scene_desc {
     size_t n_files, capacity_files;
 } bis_scene_desc;
 
-/* Read a scene file. Errors go to diag, several in one go; the status is that of the first. A desc is only handed out without errors. seconds: none of this builds anything. */
+/* Read a scene file. Errors go to diag, several in one go; the status is that of the first. A desc is only handed out
+ * without errors. seconds: none of this builds anything. */
 bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *diag);
 void bis_scene_desc_free(bis_scene_desc *d);
 
-/* spp >= 1 camera samples a pixel; the stratified sampler gets the most square xsamples x ysamples = spp. For the parser and the command line. */
+/* spp >= 1 camera samples a pixel; the stratified sampler gets the most square xsamples x ysamples = spp. For the
+ * parser and the command line. */
 void bis_scene_set_spp(bis_scene_desc *d, uint32_t spp);
 
 typedef struct bis_scene_seconds {
@@ -83,14 +86,17 @@ typedef struct bis_scene {
     bis_scene_seconds seconds;
 } bis_scene;
 
-/* Load meshes and map, build what desc->settings need. desc is borrowed for the life of the scene. Errors: those of the loaders. */
+/* Load meshes and map, build what desc->settings need. desc is borrowed for the life of the scene. Errors: those of the
+ * loaders. */
 bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag *diag);
 void bis_scene_free(bis_scene *s);
 
-/* The shape (an index into desc->shapes) that primitive prim of the geometry belongs to; *part: its triangle there, from 0; 0 for a sphere or disk. */
+/* The shape (an index into desc->shapes) that primitive prim of the geometry belongs to; *part: its triangle there,
+ * from 0; 0 for a sphere or disk. */
 size_t bis_scene_shape_of(const bis_scene *s, const bis_scene_desc *desc, uint32_t prim, size_t *part);
 
-/* Print what the scene requires, what will be built for it, what is left out, and why. Loads nothing: sizes come from the files' headers where cheap. */
+/* Print what the scene requires, what will be built for it, what is left out, and why. Loads nothing: sizes come from
+ * the files' headers where cheap. */
 void bis_scene_plan(const bis_scene_desc *desc, FILE *out);
 
 #endif

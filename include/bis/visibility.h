@@ -1,8 +1,12 @@
-/* visibility: how often shadow rays towards each part of the map came through, in each tile of the picture, as earlier passes have found.
+/* visibility: how often shadow rays towards each part of the map came through, in each tile of the picture, as earlier
+ * passes have found.
  *
- * With the product known, all that is left of the noise is that of V (docs/errata.md E31), and V is alike for neighbours. The best weights for N rays go as the product times the root
- * of the second moment of V, which is the root of its mean v (V is 0 or 1). A tile that has counted multiplies the product by g = sqrt(v + 0.02): never 0, since what was never seen may be seen.
- * Unbiased: what a pass uses was counted by earlier passes alone, which share no random number with it, and all passes weigh the same.
+ * With the product known, all that is left of the noise is that of V (docs/errata.md E31), and V is alike for
+ * neighbours. The best weights for N rays go as the product times the root of the second moment of V, which is the root
+ * of its mean v (V is 0 or 1). A tile that has counted multiplies the product by g = sqrt(v + 0.02): never 0, since
+ * what was never seen may be seen.
+ * Unbiased: what a pass uses was counted by earlier passes alone, which share no random number with it, and all passes
+ * weigh the same.
  *
  * The parts are runs of clusters (bis/clusters.h), which are compact. 16 bytes a part and tile. */
 #ifndef BIS_VISIBILITY_H
