@@ -2,8 +2,8 @@
  *
  *     L = (1/N) sum_j f(wi_j, wo) cos theta_j Le(wi_j) V(wi_j) / q_f(wi_j),     wi_j ~ q_f
  *
- * The thesis cancels f cos/q_f against the albedo. That would need directions drawn from f cos itself (eq. 3.17), for which there is no
- * analytical method; what is drawn is the mixture of the lobes, and its density is what F is divided by (docs/errata.md E23).
+ * The thesis cancels f cos/q_f against the albedo. That would need directions drawn from f cos itself (eq. 3.17; normalised, eq. 4.3), for
+ * which there is no analytical method; what is drawn is the mixture of the lobes, and its density is what F is divided by (docs/errata.md E23).
  * Directions of a lobe that dips below the horizon contribute 0 and count (E34).
  * Unbiased for every N >= 1. Noise: that of Le V, the map's contrast undivided: good for narrow lobes under smooth skies, hopeless for a
  * diffuse surface under a small sun. Cost: N draws, at most N shadow rays; nothing is built for the light. */
@@ -37,6 +37,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
 
     if (bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
     bis_stream_points(stream, BIS_DIM_BRDF, N, scratch->u);
+    /* [brdf-sum] */
     for (uint32_t j = 0; j < N; j++) {
         vec3 wi;
         if (!bis_propose_brdf(&wi, bsdf, scratch->u[j])) break; /* black */
@@ -50,6 +51,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
         if (rgbd_sum(C) > 0 && bis_point_sees(pt, wi)) sum = rgbd_add(sum, C);
     }
     return rgbd_round(rgbd_scale(sum, 1 / (double)N));
+    /* [end] */
 }
 
 const bis_integrator bis_brdf = {"brdf", "unbiased", light_needs, scratch_needs, Lo};

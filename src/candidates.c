@@ -275,6 +275,7 @@ void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *
 /* ---- the estimate ---- */
 
 /* F/phat = C/w. Z/w comes first: with M = N = 1 it is w/w = 1, and what remains is C, plain importance sampling (E24). */
+/* [trace] */
 rgbd bis_candidates_trace(const bis_point *pt, const bis_candidate *c, const uint32_t *chosen, uint32_t N, double Z)
 {
     rgbd sum = {0, 0, 0};
@@ -286,6 +287,7 @@ rgbd bis_candidates_trace(const bis_point *pt, const bis_candidate *c, const uin
     }
     return sum;
 }
+/* [end] */
 
 rgbd bis_candidates_unoccluded(const bis_candidate *c, uint32_t M)
 {

@@ -2,6 +2,7 @@
  *
  *     L = (1/N) sum_j f(wi_j, wo) cos theta_j Le(wi_j) V(wi_j) / q_L(wi_j),     wi_j ~ q_L
  *
+ * which is eq. 3.4 for the integral of eq. 4.1, read as eq. 3.3 with p = q_L (eq. 4.2) and the integrand over p for f.
  * The thesis cancels Le/q_L against the integral of the map. We do not: q_L is the density of a table whose entries may be area-weighted
  * (3.4), and Le has three channels where q_L has one, so F is divided by the density that the direction was really drawn with
  * (docs/errata.md E5, E20). q_L covers the whole sphere: a direction below the horizon contributes 0 and counts (E1).
@@ -27,6 +28,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
 
     if (bis_bsdf_is_black(bsdf)) return (rgb){0, 0, 0};
     const bis_em_samples samples = bis_em_samples_start(N, s, stream, scratch);
+    /* [em-sum] */
     for (uint32_t j = 0; j < N; j++) {
         bis_light_point y;
         if (!bis_em_sample(&y, &samples, j, pt->light, stream)) break; /* no light at all */
@@ -37,6 +39,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
         if (rgbd_sum(C) > 0 && bis_point_sees(pt, y.wi)) sum = rgbd_add(sum, C);
     }
     return rgbd_round(rgbd_scale(sum, 1 / (double)N));
+    /* [end] */
 }
 
 const bis_integrator bis_em = {"em", "unbiased", light_needs, scratch_needs, Lo};

@@ -83,7 +83,8 @@ void bis_film_resolve(const bis_film *f, float *rgba)
     }
 }
 
-/* The expected (a-b)^2 / (b^2 + m^2/100) of one pixel, mean over its channels: the variance of each channel's mean in place of (a-b)^2. */
+/* The expected (a-b)^2 / (b^2 + m^2/100) of one pixel, mean over its channels: the variance of each channel's mean, that of one pass over n
+ * (eq. 3.9), in place of (a-b)^2. */
 static double pixel_error(const bis_film *f, size_t i, double floor)
 {
     double n = f->passes, total = 0;

@@ -6,8 +6,9 @@
  *
  *     q_mix(wi) = p_s (n+1)/(2 pi) max(0, cos alpha)^n + p_d max(0, cos theta)/pi,     p_s + p_d = 1,
  *
- * whichever lobe it came from (docs/errata.md E35). Part of the lobe may lie below the horizon: those directions are returned, have f = 0
- * and count, else the mean would be too high (E34: +64 % at 85 degrees, n = 10).
+ * whichever lobe it came from (docs/errata.md E35). Neither reflects all that arrives, as eq. 3.13 would have it (E33).
+ * Part of the lobe may lie below the horizon: those directions are returned, have f = 0 and count, else the mean would be
+ * too high (E34: +64 % at 85 degrees, n = 10).
  *
  * Precision, for n from 0 to 1e8 (E36): everything in double, and never through cos alpha itself, which sits next to 1 where n is large:
  * |R - wi|^2 / 2 = 1 - cos alpha is free of cancellation. Unit vectors held in float limit what is left to about 1e-7 (1 + sqrt(n)).

@@ -1,6 +1,6 @@
 /* What the README and docs tell users to type works: every `./bis ...` line of their code blocks is run, small and
  * short, in a folder that looks like the repository's root. And the layers that README draws are those of the code,
- * the items of the errata have their tests; either check can fail. */
+ * the items of the errata have their tests, pasted code is that of the source, equations stand where the guide says; each check can fail. */
 #include "program.h"
 
 #include <setjmp.h>
@@ -91,7 +91,8 @@ static void links_of_the_pages_lead_to_files(void **state)
 {
     (void)state;
     const char *pages[] = {"README.md", "docs/command-line.md", "docs/architecture.md", "docs/integrators.md", "docs/scene-format.md",
-                           "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md", "docs/budgets.md", "docs/pixel.md"};
+                           "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md", "docs/budgets.md", "docs/pixel.md",
+                           "docs/guide.md", "docs/theory.md"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
         char text[1 << 16], path[1024];
         FILE *f = fopen(pages[i], "r");
@@ -105,6 +106,71 @@ static void links_of_the_pages_lead_to_files(void **state)
             snprintf(path, sizeof path, "%.*s%.*s", slash ? (int)(slash - pages[i] + 1) : 0, pages[i], (int)n, at + 2);
             if (!program_exists(path)) fail_msg("%s: no %s", pages[i], path);
         }
+    }
+}
+
+/* --- the guide ------------------------------------------------------------------------------------------------------ */
+
+static void code_on_the_pages_is_what_the_compiler_sees(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/fragments.sh --check"), 0);
+}
+
+/* The twins: a fresh root with one page. */
+static void a_fragment_that_is_gone_or_differs_is_found(void **state)
+{
+    (void)state;
+    const char *right = "Text.\n\n<!-- src/a.c [add] -->\n```c\n    return a + b;\n```\n\n```c\nfree();\n```\n";
+    const struct { const char *page, *source, *message; } cases[] = {
+        {right, "{\n    /* [add] */\n    return a + b;\n    /* [end] */\n}\n", NULL},
+        {right, "{\n    /* [add] */\n    return b + a;\n    /* [end] */\n}\n", "docs/page.md: code differs"},
+        {right, "{\n    /* [sum] */\n    return a + b;\n    /* [end] */\n}\n", "docs/page.md:3: src/a.c has no fragment [add]"},
+        {right, "{\n    /* [add] */\n    return a + b;\n}\n", "docs/page.md:3: src/a.c has no fragment [add]"},
+        {"<!-- src/a.c [add] -->\nText.\n", "/* [add] */\nint a;\n/* [end] */\n", "docs/page.md:2: the block of code is missing"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static char text[4096];
+        assert_int_equal(shell("cd build && rm -rf fragments && mkdir -p fragments/docs fragments/src && echo > fragments/README.md"), 0);
+        program_write_file("build/fragments/docs/page.md", cases[i].page);
+        program_write_file("build/fragments/src/a.c", cases[i].source);
+        int status = shell("sh scripts/fragments.sh --check build/fragments > build/fragments.out 2>&1");
+        FILE *f = fopen("build/fragments.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+    }
+}
+
+static void every_equation_of_the_guide_stands_in_the_files_it_names(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check_guide.sh"), 0);
+}
+
+static void an_equation_that_a_file_does_not_name_is_found(void **state)
+{
+    (void)state;
+    const char *page = "| 3.1 | light | [`src/a.c`](../src/a.c) `add` |\n";
+    const struct { const char *page, *source, *message; } cases[] = {
+        {page, "/* see eq. 3.1 */ int add(void);\n", NULL},
+        {page, "/* the sum: thesis eq.\n * 3.1. */ int add(void);\n", NULL},
+        {page, "/* see eq. 3.16 */ int add(void);\n", "docs/guide.md:1: src/a.c never says eq. 3.1"},
+        {page, "/* see eq. 3.1 */ int sum(void);\n", "docs/guide.md:1: src/a.c has no add"},
+        {"Nothing.\n", "", "docs/guide.md: no table of equations"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static char text[4096];
+        assert_int_equal(shell("cd build && rm -rf guide_check && mkdir -p guide_check/docs guide_check/src"), 0);
+        program_write_file("build/guide_check/docs/guide.md", cases[i].page);
+        program_write_file("build/guide_check/src/a.c", cases[i].source);
+        int status = shell("sh scripts/check_guide.sh build/guide_check > build/guide_check.out");
+        FILE *f = fopen("build/guide_check.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
     }
 }
 
@@ -193,6 +259,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_command_of_the_readme_works),
         cmocka_unit_test(links_of_the_pages_lead_to_files),
+        cmocka_unit_test(code_on_the_pages_is_what_the_compiler_sees),
+        cmocka_unit_test(a_fragment_that_is_gone_or_differs_is_found),
+        cmocka_unit_test(every_equation_of_the_guide_stands_in_the_files_it_names),
+        cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
         cmocka_unit_test(every_item_of_the_errata_has_a_test_named_after_it_and_a_twin),

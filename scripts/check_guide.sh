@@ -1,0 +1,35 @@
+#!/bin/sh
+# check_guide: the table of equations in docs/guide.md tells the truth: every file that it links to for an equation says "eq. N" in a comment, and has the functions named after it.
+#     scripts/check_guide.sh [ROOT]
+# From the thesis to the code is the table; from the code back to the thesis is a search for "eq. 3.16".
+cd "${1:-.}" || exit 1
+awk -F '|' '
+    /^\| [34]\.[0-9]+ \|/ {
+        equation = $2
+        gsub(/ /, "", equation)
+        rows++
+        n = split($4, part, /\[`/)
+        for (i = 2; i <= n; i++) {
+            file = part[i]
+            sub(/`.*/, "", file)
+            if (file !~ /^(src|include)\//) continue
+            files++
+            text = ""
+            while ((getline line < file) > 0) { gsub(/^ *\*+ */, " ", line); text = text " " line }
+            close(file)
+            pattern = equation
+            sub(/\./, "\\.", pattern)
+            if (text !~ "[Ee]q\\. +" pattern "[^0-9]") { printf "docs/guide.md:%d: %s never says eq. %s\n", NR, file, equation; bad = 1 }
+            rest = part[i]
+            sub(/^[^)]*\)/, "", rest)
+            while (match(rest, /`[^`]+`/)) {
+                name = substr(rest, RSTART + 1, RLENGTH - 2)
+                rest = substr(rest, RSTART + RLENGTH)
+                if (index(text, name) == 0) { printf "docs/guide.md:%d: %s has no %s\n", NR, file, name; bad = 1 }
+            }
+        }
+    }
+    END {
+        if (rows < 1 || files < rows / 2) { printf "docs/guide.md: no table of equations\n"; bad = 1 }
+        exit bad
+    }' docs/guide.md
