@@ -2,13 +2,15 @@
  *
  *     agree [--replicates R] [--reference exact|mis] [--reference-replicates Q] [--resolution WxH] [--alpha A] SCENE...
  *
- * For each scene each unbiased setting of each integrator is rendered R (16) times with different seeds, and a reference (`exact`; with --reference
- * mis a long mis) Q (4) times, all through the centres of the same pixels. The mean over the image and over each of 4 x 4 tiles must agree
- * in R, G and B: Welch's t with standard errors from the R independent renders, Sidak-corrected over all tests of the run.
+ * For each scene each unbiased setting of each integrator is rendered R (16) times with different seeds, and a
+ * reference (`exact`; with --reference mis a long mis) Q (4) times, all through the centres of the same pixels. The
+ * mean over the image and over each of 4 x 4 tiles must agree in R, G and B: Welch's t with standard errors from the R
+ * independent renders, Sidak-corrected over all tests of the run.
  *
- * A standard error says nothing where the energy lies in samples that have hardly been drawn: the BRDF alone under a pinpoint light. So a mean is
- * tested only if its largest possible sample (the proposal's bound, thesis 4.3) would change it by less than 2%; this is known before
- * anything is drawn. What cannot be tested at this cost is named, not passed. Exit status 1 where a test fails. */
+ * A standard error says nothing where the energy lies in samples that have hardly been drawn: the BRDF alone under a
+ * pinpoint light. So a mean is tested only if its largest possible sample (the proposal's bound, thesis 4.3) would
+ * change it by less than 2%; this is known before anything is drawn. What cannot be tested at this cost is named, not
+ * passed. Exit status 1 where a test fails. */
 #include "bis/mem.h"
 #include "bis/render.h"
 #include "bis/stats.h"
@@ -92,8 +94,8 @@ static void cell_means(const bis_film *film, double value[VALUES])
     for (int i = 0; i < VALUES; i++) value[i] /= pixels[i / CHANNELS] > 0 ? pixels[i / CHANNELS] : 1;
 }
 
-/* The largest F/q that the proposals of these settings can give, over all materials at normal incidence (figure 4.4); a mixture is bounded by
- * twice the smaller of its two. */
+/* The largest F/q that the proposals of these settings can give, over all materials at normal incidence (figure 4.4); a
+ * mixture is bounded by twice the smaller of its two. */
 static double largest_sample(const bis_scene *scene, const bis_scene_desc *desc, const candidate *c)
 {
     bool em = strcmp(c->integrator, "em") == 0, brdf = strcmp(c->integrator, "brdf") == 0;
@@ -113,7 +115,8 @@ static double largest_sample(const bis_scene *scene, const bis_scene_desc *desc,
     return bound;
 }
 
-/* Means and standard errors over independent renders. Renders with an own seed each; two passes over nothing: Welford. */
+/* Means and standard errors over independent renders. Renders with an own seed each; two passes over nothing:
+ * Welford. */
 static bis_status measure(estimate *e, bis_scene_desc *desc, const candidate *c, unsigned replicates, uint64_t seed, uint32_t spp, bis_diag *diag)
 {
     bis_scene *scene = NULL;
@@ -169,7 +172,8 @@ static void configure(bis_scene_desc *desc, const candidate *c)
     desc->settings = s;
 }
 
-/* Welch's t-test of one value; both exact (se 0, as where all is background): they must be equal to rounding of the sums. */
+/* Welch's t-test of one value; both exact (se 0, as where all is background): they must be equal to rounding of the
+ * sums. */
 static double p_value(const estimate *a, unsigned n_a, const estimate *b, unsigned n_b, int i)
 {
     double va = a->se[i] * a->se[i], vb = b->se[i] * b->se[i], d = a->mean[i] - b->mean[i];

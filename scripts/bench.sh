@@ -1,8 +1,9 @@
 #!/bin/sh
 # bench: speed and error as ratios, each with its spread, all on one core. docs/bench.md says how to read the table.
 #     scripts/bench.sh BUILD_DIR [SECTION...]        (make bench calls it)
-# Sections: references light cost threads accel equal resample reach table, all by default. Each writes build/bench/SECTION.txt, and table reads what is there: one
-# section can be measured again alone. The settings that are compared stand on top of scripts/bench_error.c and bench_cost.c.
+# Sections: references light cost threads accel equal resample reach table, all by default. Each writes
+# build/bench/SECTION.txt, and table reads what is there: one section can be measured again alone. The settings that are
+# compared stand on top of scripts/bench_error.c and bench_cost.c.
 # BIS_SHARED (default ../shared/data) has the real meshes and maps; without them only our own scenes are measured.
 set -eu
 build=$1

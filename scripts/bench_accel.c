@@ -1,12 +1,13 @@
 /* bench_accel: the voxel grid against Embree on one mesh. usage: bench_accel MESH [RAYS [DENSITY...]]
  *
- * Rays, one thread, in the order of the pixels of one view (`spread`: of 16 views, few pixels each, so that caches are cold):
+ * Rays, one thread, in the order of the pixels of one view (`spread`: of 16 views, few pixels each, so that caches are
+ * cold):
  *   nearest     from an eye outside to random points around the mesh
  *   hemisphere  any hit, from each point that the eye sees into one uniform direction of its hemisphere
  *   sir         any hit, 15 from each such point about the mirror direction, cos^10, as SIR sends them
- * They leave the surface as the renderer's do. Both backends get the same rays in turns, 16384 by 16384, and of each such
- * chunk the best of nine runs counts, in processor time: so a busy machine is so for both. Builds: the best of five,
- * in turns. Without Embree only the grid's figures are printed. */
+ * They leave the surface as the renderer's do. Both backends get the same rays in turns, 16384 by 16384, and of each
+ * such chunk the best of nine runs counts, in processor time: so a busy machine is so for both. Builds: the best of
+ * five, in turns. Without Embree only the grid's figures are printed. */
 #include "bis/accel.h"
 #include "bis/file.h"
 #include "obj.h"

@@ -2,16 +2,20 @@
  *
  *     bench_auto PIXELS SCENE
  *
- * Renders about PIXELS of the scene's pixels, every k-th, with each of the fixed settings of `table`, then lets auto choose seven times (seven seeds, each pilot as for the whole
- * picture) and renders with what it has chosen. One thread, processor seconds.
+ * Renders about PIXELS of the scene's pixels, every k-th, with each of the fixed settings of `table`, then lets auto
+ * choose seven times (seven seeds, each pilot as for the whole picture) and renders with what it has chosen. One
+ * thread, processor seconds.
  *
- * A setting's time to any given error is its cost x variance: seconds of a pass of the full picture times relMSE (SPEC 5, over the pixels that show a surface) of a pass. Variance is the scatter of SEEDS renders of the
- * scene's own spp, relative to the mean of everything that was rendered, each method by the inverse of its error: all are unbiased. Cost at full size is
- * fill + (full pixels)/(pixels) (time - fill), fill the time of a picture of one pixel: pools and clusters cost the same at any size.
+ * A setting's time to any given error is its cost x variance: seconds of a pass of the full picture times relMSE
+ * (SPEC 5, over the pixels that show a surface) of a pass. Variance is the scatter of SEEDS renders of the scene's
+ * own spp, relative to the mean of everything that was rendered, each method by the inverse of its error: all are
+ * unbiased. Cost at full size is fill + (full pixels)/(pixels) (time - fill), fill the time of a picture of one
+ * pixel: pools and clusters cost the same at any size.
  *
- * Output: "setting SCENE METHOD M N us-per-pixel relMSE cost-x-variance ratio-to-best"; "choice SCENE ..."; and at last
- * "auto SCENE mis-seconds S to-best LEAST MEDIAN MOST to-mis LEAST MEDIAN MOST": auto's time for the scene's own spp over the time to the same error of the best fixed setting, and of
- * the best of five stratified mis, which takes S seconds. The pilot is part of auto's time where S >= 1. */
+ * Output: "setting SCENE METHOD M N us-per-pixel relMSE cost-x-variance ratio-to-best"; "choice SCENE ..."; and at
+ * last "auto SCENE mis-seconds S to-best LEAST MEDIAN MOST to-mis LEAST MEDIAN MOST": auto's time for the scene's
+ * own spp over the time to the same error of the best fixed setting, and of the best of five stratified mis, which
+ * takes S seconds. The pilot is part of auto's time where S >= 1. */
 #include "bis/mem.h"
 #include "bis/render.h"
 #include "auto.h"

@@ -1,7 +1,10 @@
 #!/bin/sh
-# bench_auto: Integrator "auto" against the best of a sweep and against stratified mis, scene by scene (scripts/bench_auto.c).
-#     scripts/bench_auto.sh BUILD_DIR [SCENE...]        default: data/scenes' main ones, scene.txt, and real meshes and maps where BIS_SHARED has them
-# Prints, for each scene, "auto SCENE mis-seconds S to-best LEAST MEDIAN MOST to-mis LEAST MEDIAN MOST"; everything measured is kept in build/bench/auto.
+# bench_auto: Integrator "auto" against the best of a sweep and against stratified mis, scene by scene
+# (scripts/bench_auto.c).
+#     scripts/bench_auto.sh BUILD_DIR [SCENE...]        default: data/scenes' main ones, scene.txt, and real meshes and
+#     maps where BIS_SHARED has them
+# Prints, for each scene, "auto SCENE mis-seconds S to-best LEAST MEDIAN MOST to-mis LEAST MEDIAN MOST"; everything
+# measured is kept in build/bench/auto.
 set -eu
 build=$1
 shift

@@ -4,8 +4,10 @@
  *
  * For each material, 15 shadow rays and M = 400, 800, 1600 candidates, --spp 1, the smallest of several renders:
  *   - the rays of M = 800 are recorded and cast again, one after the other, by the same accelerator: their time alone;
- *   - a candidate's cost is the slope of time over M, with the rays that repeats save put back: drawing (the pool's share included), weighing,
- *     resampling. Once at the scene's size, once with four times the pixels, where the pool, drawn once a pass, hardly counts;
+ *   - a candidate's cost is the slope of time over M, with the rays that repeats save put back: drawing (the pool's
+ *   share included), weighing,
+ *     resampling. Once at the scene's size, once with four times the pixels, where the pool, drawn once a pass, hardly
+ *     counts;
  *   - a black material costs camera rays and film: what remains of M = 800 is the time of SIR.
  * Output: lines of words for scripts/bench_table.awk. */
 #include "measure.h"
@@ -123,8 +125,9 @@ static void cost(bis_film *film, bis_scene *const *scene, const char *path, int 
     bis_scene_desc_free(black);
 }
 
-/* threads MATERIAL seconds_1 seconds_2 ratio busy: by the clock on the wall, four passes, in turns. busy: the ratio that the processors' clock would allow, twice the seconds of
- * one thread over those of two: what is lost on an idle machine, too. */
+/* threads MATERIAL seconds_1 seconds_2 ratio busy: by the clock on the wall, four passes, in turns. busy: the ratio
+ * that the processors' clock would allow, twice the seconds of one thread over those of two: what is lost on an idle
+ * machine, too. */
 static void threads(bis_film *film, const bis_scene *scene, const char *path, int m)
 {
     bis_scene_desc *desc = measure_parse(path, sir[MEDIUM].text, 0, measure_materials[m].text);

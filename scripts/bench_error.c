@@ -5,10 +5,12 @@
  *     bench_error resample SECONDS SCENE       the settings `resamplers` as they are
  *     bench_error reach SECONDS SCENE          seconds until relMSE 1e-2 and 1e-3 with the settings `reach`, by doubled passes
  *
- * SCENE is a template (measure.h), SECONDS what its references may take. Output: lines of words for scripts/bench_table.awk.
+ * SCENE is a template (measure.h), SECONDS what its references may take. Output: lines of words for
+ * scripts/bench_table.awk.
  *
- * Equal time. N is found by the clock alone, with seeds that measure nothing, before any error is known: the seconds of the render phase, camera rays and
- * film included, per pixel that shows geometry. Then five fresh seeds. Each setting is as it stands here, for every scene and material. */
+ * Equal time. N is found by the clock alone, with seeds that measure nothing, before any error is known: the seconds of
+ * the render phase, camera rays and film included, per pixel that shows geometry. Then five fresh seeds. Each setting
+ * is as it stands here, for every scene and material. */
 #include "measure.h"
 
 #include <math.h>
@@ -16,8 +18,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The contest; `@` is tuned. `ours` is what the table judges, `mix` stands beside it, the others are rivals. It was chosen by five seeds of all pairs; those that
- * measure here (FIRST_SEED and on) are others. */
+/* The contest; `@` is tuned. `ours` is what the table judges, `mix` stands beside it, the others are rivals. It was
+ * chosen by five seeds of all pairs; those that measure here (FIRST_SEED and on) are others. */
 static const measure_setting contest[] = {
     {"mis-iid", "Sampler \"random\" Integrator \"mis\" \"integer samples\" @"},
     {"mis-50", "Sampler \"sobol\" Integrator \"mis\" \"integer samples\" @ \"bool stratify\" true"},
@@ -35,7 +37,8 @@ static const measure_setting resamplers[] = {
     {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 50"},
 };
 
-/* One camera sample, antialiased, per material. Most of the error is at edges and in highlights smaller than a pixel: few rays a camera sample, and many of these. */
+/* One camera sample, antialiased, per material. Most of the error is at edges and in highlights smaller than a pixel:
+ * few rays a camera sample, and many of these. */
 #define CAMERA_SAMPLE "Sampler \"sobol\" Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true \"integer candidates\" 32 \"integer shadowrays\" 12"
 static const measure_setting reach[MEASURE_MATERIALS] = {{"ours", CAMERA_SAMPLE}, {"ours", CAMERA_SAMPLE}, {"ours", CAMERA_SAMPLE}, {"ours", CAMERA_SAMPLE}};
 
@@ -66,7 +69,8 @@ static double time_of(job *j, const bis_scene *scene, const measure_setting *s, 
     return 1e6 * best / (double)measure_shaded(&j->film);
 }
 
-/* Time is nearly linear in N: from the cost at MIN_N and the last N, the next; at most four times the last, since repeats that are traced once bend the line. */
+/* Time is nearly linear in N: from the cost at MIN_N and the last N, the next; at most four times the last, since
+ * repeats that are traced once bend the line. */
 static unsigned tune(job *j, const bis_scene *scene, const measure_setting *s, int material, unsigned guess)
 {
     const double t0 = time_of(j, scene, s, MIN_N, material);
@@ -134,7 +138,8 @@ static double interpolate(const double *error, const double *seconds, int n, dou
     return (double)INFINITY;
 }
 
-/* One line: scene setting material own-error-of-the-reference, seconds to 1e-2 and to 1e-3. Each number of passes is a render of its own; three seeds while they are short. */
+/* One line: scene setting material own-error-of-the-reference, seconds to 1e-2 and to 1e-3. Each number of passes is a
+ * render of its own; three seeds while they are short. */
 static void reach_error(job *j, int material)
 {
     enum { MAX_DOUBLINGS = 12 };

@@ -1,5 +1,6 @@
-# bench_plot: lines `WHAT ACCELERATOR X VALUE` of scripts/bench_scale.c whose WHAT begins with `what`: an SVG, both axes logarithmic, into `svg`, and a table of
-# slopes: over all points, and between the last two, where fixed costs no longer hide the growth. axis: the name of X. Bytes are in the table alone.
+# bench_plot: lines `WHAT ACCELERATOR X VALUE` of scripts/bench_scale.c whose WHAT begins with `what`: an SVG, both axes
+# logarithmic, into `svg`, and a table of slopes: over all points, and between the last two, where fixed costs no longer
+# hide the growth. axis: the name of X. Bytes are in the table alone.
 index($1, what) == 1 {
     s = substr($1, length(what) + 2)
     s = (s == "" ? "render" : s) " " $2

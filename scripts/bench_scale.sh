@@ -1,8 +1,11 @@
 #!/bin/sh
-# bench_scale: time against M, N, passes, pixels, triangles and map size on both backends; the largest mesh and map within 8 GiB.
+# bench_scale: time against M, N, passes, pixels, triangles and map size on both backends; the largest mesh and map
+# within 8 GiB.
 #     scripts/bench_scale.sh BUILD_DIR [SECTION...]        (make bench-scale calls it)
-# Sections: sweep triangles maps peak table, all by default. Writes build/bench/scale-*.txt and, by table, plots: build/bench/scale-*.svg.
-# BENCH_TRIANGLES and BENCH_WIDTH: the largest of each, 10000000 and 16384. Files that are made (1 GB) stay in build/bench/scale.
+# Sections: sweep triangles maps peak table, all by default. Writes build/bench/scale-*.txt and, by table, plots:
+# build/bench/scale-*.svg.
+# BENCH_TRIANGLES and BENCH_WIDTH: the largest of each, 10000000 and 16384. Files that are made (1 GB) stay in
+# build/bench/scale.
 set -eu
 build=$1
 shift

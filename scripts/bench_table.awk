@@ -1,5 +1,5 @@
-# bench_table: the tables of `make bench` from what its sections have written: build/bench/SECTION.txt. The columns of each are in the head comments of bench_error.c
-# and bench_cost.c.
+# bench_table: the tables of `make bench` from what its sections have written: build/bench/SECTION.txt. The columns of
+# each are in the head comments of bench_error.c and bench_cost.c.
 BEGIN {
     n_materials = split("n10 n50 mixed diffuse", material, " ")
     split("mis-50 mis-90 em brdf", rival, " ")

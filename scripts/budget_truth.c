@@ -1,10 +1,12 @@
-/* budget_truth: does `--error E` keep its word? Renders a scene many times with an error budget, each with a seed of its own, and holds the true error of each picture
- * against E, by a reference of many more samples. For scripts/budget_truth.sh; the shorter version is tests/test_budgets.c.
+/* budget_truth: does `--error E` keep its word? Renders a scene many times with an error budget, each with a seed of
+ * its own, and holds the true error of each picture against E, by a reference of many more samples. For
+ * scripts/budget_truth.sh; the shorter version is tests/test_budgets.c.
  *
  *     budget_truth [--adaptive] RUNS WxH REFERENCE_SPP E SCENE
  *
- * prints one row of docs/budgets.md: scene, E, runs, mean camera samples a pixel, mean true error over E, share of runs with a true error of at most E, of
- * runs below E/2 among those that needed more than the minimum of passes, and the bias of the mean picture (over E), with its standard error. */
+ * prints one row of docs/budgets.md: scene, E, runs, mean camera samples a pixel, mean true error over E, share of runs
+ * with a true error of at most E, of runs below E/2 among those that needed more than the minimum of passes, and the
+ * bias of the mean picture (over E), with its standard error. */
 #include "bis/mem.h"
 #include "bis/render.h"
 

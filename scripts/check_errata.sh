@@ -1,8 +1,8 @@
 #!/bin/sh
 # check_errata: each item of docs/errata.md has its test, named after it, and one that its wrong variant does not pass.
 #     scripts/check_errata.sh [ROOT]          ROOT holds docs/errata.md and tests; default: here
-# The page tells items by headings ("**E17. ...") and tests by a table: | E17 | `test` | `twin` | what the twin is |. Two
-# columns hold names of tests that a program registers; all have the item's number as a word of their name (..._E17,
+# The page tells items by headings ("**E17. ...") and tests by a table: | E17 | `test` | `twin` | what the twin is |.
+# Two columns hold names of tests that a program registers; all have the item's number as a word of their name (..._E17,
 # E17_...). "the same" for a twin: the first column's tests run both directions. "none" needs its reason in the last
 # column. A test of a number that is no item is found, too.
 cd "${1:-.}" || exit 1

@@ -1,5 +1,6 @@
 #!/bin/sh
-# envelope: writes docs/envelope.md anew (make envelope calls it): what stands above the line `<!-- tables -->` is kept, the tables come from the tests.
+# envelope: writes docs/envelope.md anew (make envelope calls it): what stands above the line `<!-- tables -->` is kept,
+# the tables come from the tests.
 #     scripts/envelope.sh PROGRAM...
 # A bound that does not hold ends it, and the page stays as it was.
 set -e

@@ -1,8 +1,9 @@
 #!/bin/sh
 # fuzz: runs libFuzzer's targets, one after the other (make fuzz calls it).
 #     scripts/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr ply obj; default: all
-# What a target begins with: files that the tests make, tests/bad, tests/scenes, tests/regression and data/scenes; what it finds new on the
-# way stays in build/fuzz/corpus/NAME for the next run. A finding is left in build/fuzz/found; exit status 1 then.
+# What a target begins with: files that the tests make, tests/bad, tests/scenes, tests/regression and data/scenes; what
+# it finds new on the way stays in build/fuzz/corpus/NAME for the next run. A finding is left in build/fuzz/found; exit
+# status 1 then.
 build=$1 seconds=$2
 shift 2
 [ $# -gt 0 ] || set -- scene hdr pfm exr ply obj

@@ -3,8 +3,9 @@
  *     bis-data DIR                     writes DIR/models/NAME.ply and DIR/maps/NAME.hdr or .exr
  *     bis-data --knot TRIANGLES FILE   writes one carved knot, for the scaling benchmark
  *
- * Everything is drawn by formulas (model_*.c, map_*.c) with noise that is a fixed function of the place, so that two runs, on any number of
- * threads, give the same bytes. Exit status: 0 done, 1 could not write or ran out of memory, 2 bad usage. */
+ * Everything is drawn by formulas (model_*.c, map_*.c) with noise that is a fixed function of the place, so that two
+ * runs, on any number of threads, give the same bytes. Exit status: 0 done, 1 could not write or ran out of memory, 2
+ * bad usage. */
 #include "map.h"
 #include "model.h"
 

@@ -1,10 +1,11 @@
-/* map_interior: a vaulted hall, seen from where its visitor stands: in the manner of the thesis's cathedrals tiny lamps, coloured windows, and corners
- * ten million times darker than a lamp.
+/* map_interior: a vaulted hall, seen from where its visitor stands: in the manner of the thesis's cathedrals tiny
+ * lamps, coloured windows, and corners ten million times darker than a lamp.
  *
- * The hall is a nave of stone walls with pointed windows, a barrel vault painted blue with gold stars, two rows of columns, three rings of candles
- * and a polished floor. One ray is traced for each direction against these few shapes, all by closed forms; what it hits is lit by the candles
- * (as three point lights), by the windows (each as a small area) and by the sun, if it is seen through a pane: that throws the window's colours
- * on the floor. The floor reflects once. The lamps themselves are added in the end (map_add_disc), for they are as small as a pixel.
+ * The hall is a nave of stone walls with pointed windows, a barrel vault painted blue with gold stars, two rows of
+ * columns, three rings of candles and a polished floor. One ray is traced for each direction against these few shapes,
+ * all by closed forms; what it hits is lit by the candles (as three point lights), by the windows (each as a small
+ * area) and by the sun, if it is seen through a pane: that throws the window's colours on the floor. The floor reflects
+ * once. The lamps themselves are added in the end (map_add_disc), for they are as small as a pixel.
  *
  * Metres; the eye is at the origin, 1.6 above the floor; the nave runs along y, the windows on -x face the sun. */
 #include "map.h"
@@ -42,7 +43,8 @@ static double to_line(double x, double step) { return fabs(x - step * round(x / 
 static const rgb RUBY = {0.80f, 0.030f, 0.040f}, COBALT = {0.035f, 0.10f, 0.85f}, GOLD = {0.95f, 0.62f, 0.10f}, GREEN = {0.06f, 0.48f, 0.16f},
                  CLEAR = {0.85f, 0.88f, 0.80f}, VIOLET = {0.36f, 0.07f, 0.50f}, LEAD = {0, 0, 0};
 
-/* A pointed window of half width 1.15 about u = 0, from z = 0.4 up: the pane's colour at (u, z); alpha 0 outside the frame. */
+/* A pointed window of half width 1.15 about u = 0, from z = 0.4 up: the pane's colour at (u, z); alpha 0 outside the
+ * frame. */
 static bool window_shape(double u, double z, double grow)
 {
     const double w = 1.15 + grow, spring = 4.3;

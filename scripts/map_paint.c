@@ -1,4 +1,5 @@
-/* map_paint: from a radiance of directions to a map's pixels, and the noise that stone, clouds and grass are made of. */
+/* map_paint: from a radiance of directions to a map's pixels, and the noise that stone, clouds and grass are made
+ * of. */
 #include "map.h"
 
 #include "bis/rng.h"

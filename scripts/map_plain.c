@@ -27,7 +27,8 @@ bis_status map_lamps(bis_image *image, bis_diag *diag)
     return BIS_OK;
 }
 
-/* Six squares in a row on the side of -y, half 0.3 to 7 degrees wide, of all colours, each of the same power: the smaller the brighter. */
+/* Six squares in a row on the side of -y, half 0.3 to 7 degrees wide, of all colours, each of the same power: the
+ * smaller the brighter. */
 static rgb squares(const void *data, vec3 w)
 {
     static const double half_deg[6] = {0.3, 7, 0.6, 4, 1.2, 7};

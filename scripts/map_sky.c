@@ -1,8 +1,10 @@
 /* map_sky: out of doors, under the sun and under clouds.
  *
- * Clear sky: the CIE's clear sky (CIE S 003, 1996): luminance depends on the height above the horizon and on the angle to the sun. Overcast: the CIE's
- * overcast sky, (1 + 2 sin height) / 3, a little cloudy. The colours are ours: blue overhead, white and warm near the horizon and the sun.
- * The sun's disc is 0.53 degrees wide; it gives about five times the irradiance of the rest, as at noon in clear air, from a patch of 6.7e-5 sr.
+ * Clear sky: the CIE's clear sky (CIE S 003, 1996): luminance depends on the height above the horizon and on the angle
+ * to the sun. Overcast: the CIE's overcast sky, (1 + 2 sin height) / 3, a little cloudy. The colours are ours: blue
+ * overhead, white and warm near the horizon and the sun.
+ * The sun's disc is 0.53 degrees wide; it gives about five times the irradiance of the rest, as at noon in clear air,
+ * from a patch of 6.7e-5 sr.
  * Below the horizon lie a paved place, a meadow, and two ridges of hills that the air makes pale. */
 #include "map.h"
 
@@ -51,7 +53,8 @@ static rgb overcast_sky(vec3 w)
 /* No ridge is higher than this. */
 static const double RIDGES_TOP = 0.105;
 
-/* Height of a ridge's line above the horizon, as the tangent of its angle. The azimuth goes in as a circle, so that it has no seam. */
+/* Height of a ridge's line above the horizon, as the tangent of its angle. The azimuth goes in as a circle, so that it
+ * has no seam. */
 static double ridge(vec3 w, double seed, double high)
 {
     double l = hypot((double)w.x, (double)w.y), x = (double)w.x / l, y = (double)w.y / l;

@@ -1,7 +1,8 @@
 /* map_studio: a photographer's studio, for glossy things: each light gives a highlight of its own shape.
  *
- * A dark room with a pale sweep; in it rectangular lights, each a quadrilateral somewhere about the eye, brightest in its middle as a softbox is, with a
- * black frame. One ray for each direction; the nearest light that it meets counts. */
+ * A dark room with a pale sweep; in it rectangular lights, each a quadrilateral somewhere about the eye, brightest in
+ * its middle as a softbox is, with a black frame. One ray for each direction; the nearest light that it meets
+ * counts. */
 #include "map.h"
 
 #include <math.h>

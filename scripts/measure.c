@@ -21,7 +21,8 @@ const measure_setting measure_materials[] = {
     {"black", "\"rgb Ks\" [0 0 0] \"rgb Kd\" [0 0 0]"},
 };
 
-/* The pair of methods behind a reference. Sobol's sequence goes on from pass to pass, so that any number of passes is evenly spread. */
+/* The pair of methods behind a reference. Sobol's sequence goes on from pass to pass, so that any number of passes is
+ * evenly spread. */
 static const measure_setting reference_methods[] = {
     {"mis", "Sampler \"sobol\" \"integer pixelsamples\" 1 Integrator \"mis\" \"integer samples\" 256 \"float split\" 0.75 \"bool stratify\" true"},
     {"sir", "Sampler \"sobol\" \"integer pixelsamples\" 1 Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 100 "
@@ -244,7 +245,8 @@ static uint64_t reference_key(const char *path, const char *material, double sec
     return h;
 }
 
-/* One method's picture: the mean of two halves, so many processor seconds each, and half of their difference, whose square estimates the error of the mean. */
+/* One method's picture: the mean of two halves, so many processor seconds each, and half of their difference, whose
+ * square estimates the error of the mean. */
 typedef struct halves {
     double *L, *difference, mean;
 } halves;
@@ -275,8 +277,8 @@ static void blend(double *to, const double *a, const double *b, double w, size_t
     for (size_t i = 0; i < n; i++) to[i] = w * a[i] + (1 - w) * b[i];
 }
 
-/* Both methods' errors are taken relative to the blend, not to their own pictures: a far too bright pixel would excuse itself. The blend needs the errors: the second
- * round's weights are good enough. */
+/* Both methods' errors are taken relative to the blend, not to their own pictures: a far too bright pixel would excuse
+ * itself. The blend needs the errors: the second round's weights are good enough. */
 static void combine(measure_reference *ref, const halves h[2], const bis_film *film, bool antialiased)
 {
     const size_t n = 3 * (size_t)film->width * (size_t)film->height;

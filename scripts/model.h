@@ -1,5 +1,6 @@
-/* model: the shapes of data/models, drawn by formulas. All are closed surfaces, counter-clockwise seen from outside, z up, with vertex
- * normals; a mesh is closed in its indices, too, unless its docstring says that it has several closed parts.
+/* model: the shapes of data/models, drawn by formulas. All are closed surfaces, counter-clockwise seen from outside, z
+ * up, with vertex normals; a mesh is closed in its indices, too, unless its docstring says that it has several closed
+ * parts.
  * For scripts/make_data.c alone. */
 #ifndef MODEL_H
 #define MODEL_H
@@ -19,7 +20,8 @@ typedef struct model_profile {
     double r[MODEL_MAX_OUTLINE], z[MODEL_MAX_OUTLINE];
 } model_profile;
 
-/* A corner of a turner's drawing; round: how much of the shorter neighbouring side's half is rounded away, 0 (sharp) to 1. */
+/* A corner of a turner's drawing; round: how much of the shorter neighbouring side's half is rounded away, 0 (sharp) to
+ * 1. */
 typedef struct model_corner {
     double r, z, round;
 } model_corner;
@@ -43,13 +45,15 @@ bis_status model_tube_mesh(bis_mesh *m, size_t n_u, size_t n_v, model_tube posit
 /* Append a copy of part, moved by `by`: a mesh of several closed parts. */
 bis_status model_append(bis_mesh *m, const bis_mesh *part, vec3 by, bis_diag *diag);
 
-/* Binary little-endian PLY: x y z nx ny nz, triangles with 32-bit indices. Vertex normals are made here, from the faces. */
+/* Binary little-endian PLY: x y z nx ny nz, triangles with 32-bit indices. Vertex normals are made here, from the
+ * faces. */
 bis_status model_write(bis_mesh *m, const char *path, bis_diag *diag);
 
 /* --- model_carve.c: reliefs cut from an outline --- */
 
-/* A block that stands in the x-z plane: outline (x[n], z[n], counter-clockwise with x to the right and z up), half_thickness in y, its edge
- * rounded over a width of `edge`. groove (may be NULL) cuts: it is added to the implicit function, positive where matter is taken away. */
+/* A block that stands in the x-z plane: outline (x[n], z[n], counter-clockwise with x to the right and z up),
+ * half_thickness in y, its edge rounded over a width of `edge`. groove (may be NULL) cuts: it is added to the implicit
+ * function, positive where matter is taken away. */
 typedef struct model_block {
     const double *x, *z;
     size_t n;
@@ -69,16 +73,17 @@ bis_status model_knight(bis_mesh *m, bis_diag *diag);
 bis_status model_rook(bis_mesh *m, bis_diag *diag);
 bis_status model_pawn(bis_mesh *m, bis_diag *diag);
 
-/* A trefoil knot, its tube carved as a braid: at least n_triangles of them (and at most 1% + 1000 more), in one closed part, within a box of about
- * 3.2 x 1.4 x 3.0 about the origin, its face turned to -y. */
+/* A trefoil knot, its tube carved as a braid: at least n_triangles of them (and at most 1% + 1000 more), in one closed
+ * part, within a box of about 3.2 x 1.4 x 3.0 about the origin, its face turned to -y. */
 bis_status model_knot(bis_mesh *m, size_t n_triangles, bis_diag *diag);
 
-/* The 32 light (or dark) squares of a board in [-4, 4]^2 with their tops at z = 0, each a closed part; and the board that holds them. */
+/* The 32 light (or dark) squares of a board in [-4, 4]^2 with their tops at z = 0, each a closed part; and the board
+ * that holds them. */
 bis_status model_squares(bis_mesh *m, bool dark, bis_diag *diag);
 bis_status model_board(bis_mesh *m, bis_diag *diag);
 
-/* A pedestal, top at z = 0, 1.3 wide there; a paving of flagstones, [-8, 8]^2, tops at about z = 0; five louvres, [-1, 1]^2 about the origin,
- * in the x-z plane; a unit sphere of n_around * (n_around - 2) triangles (n_around even). */
+/* A pedestal, top at z = 0, 1.3 wide there; a paving of flagstones, [-8, 8]^2, tops at about z = 0; five louvres, [-1,
+ * 1]^2 about the origin, in the x-z plane; a unit sphere of n_around * (n_around - 2) triangles (n_around even). */
 bis_status model_pedestal(bis_mesh *m, bis_diag *diag);
 bis_status model_paving(bis_mesh *m, bis_diag *diag);
 bis_status model_louvres(bis_mesh *m, bis_diag *diag);

@@ -2,13 +2,14 @@
  *
  * The block is the set F < 0 of
  *     F(x, y, z) = hypot(1 - depth/edge, y / half_thickness) - 1 + groove,
- * depth being how far (x, z) lies inside the outline (at most `edge`; negative outside): at the outline the section is a point, `edge` further
- * in it has its full thickness, in between it is a quarter of an ellipse.
+ * depth being how far (x, z) lies inside the outline (at most `edge`; negative outside): at the outline the section is
+ * a point, `edge` further in it has its full thickness, in between it is a quarter of an ellipse.
  *
- * The surface is found by surface nets (Gibson 1998): one vertex in each cell of a lattice that F changes sign in, at the mean of the
- * crossings on its 12 edges; one quadrilateral around each lattice edge that F changes sign on. Every vertex is shared, so the surface
- * is closed. Four quadrilaterals would share an edge where the corners of a lattice face are in, out, in, out: there one corner is filled
- * first. Each vertex is then moved onto F = 0 along the gradient, which takes the lattice's steps out of the shading.
+ * The surface is found by surface nets (Gibson 1998): one vertex in each cell of a lattice that F changes sign in, at
+ * the mean of the crossings on its 12 edges; one quadrilateral around each lattice edge that F changes sign on. Every
+ * vertex is shared, so the surface is closed. Four quadrilaterals would share an edge where the corners of a lattice
+ * face are in, out, in, out: there one corner is filled first. Each vertex is then moved onto F = 0 along the gradient,
+ * which takes the lattice's steps out of the shading.
  *
  * Cost: O(outline x columns) for the depths, O(cells) for the rest. */
 #include "model.h"
@@ -19,7 +20,8 @@
 #include <float.h>
 #include <math.h>
 
-/* A lattice of nx * ny * nz points, y fastest; values of F, and the vertex of the cell whose low corner is the point. */
+/* A lattice of nx * ny * nz points, y fastest; values of F, and the vertex of the cell whose low corner is the
+ * point. */
 typedef struct lattice {
     const model_block *block;
     int nx, ny, nz;
@@ -65,7 +67,8 @@ static void lattice_clear(lattice *l)
     bis_free(l->vertex);
 }
 
-/* The box of the outline and the greatest thickness (tried on the lattice's own columns), two cells wider on each side. */
+/* The box of the outline and the greatest thickness (tried on the lattice's own columns), two cells wider on each
+ * side. */
 static bis_status lattice_init(lattice *l, const model_block *b, bis_diag *diag)
 {
     double x1 = b->x[0], z1 = b->z[0], thick = 0;
@@ -112,8 +115,8 @@ static void lattice_fill(lattice *l)
     }
 }
 
-/* Fill a corner of each lattice face whose corners are in, out, in, out, until none is left: the one of the two outer ones that F says is nearer
- * to the surface. Points are only ever filled, so this ends. */
+/* Fill a corner of each lattice face whose corners are in, out, in, out, until none is left: the one of the two outer
+ * ones that F says is nearer to the surface. Points are only ever filled, so this ends. */
 static bool fill_one(lattice *l, const int p[3], int axis)
 {
     size_t c[4];
@@ -174,8 +177,8 @@ static bool cell_vertex(const lattice *l, int i, int j, int k, double p[3])
     return true;
 }
 
-/* Newton's steps along the gradient, each at most a quarter of a cell and all together within the vertex's own cell: a vertex that left
- * its cell could fold its triangles. */
+/* Newton's steps along the gradient, each at most a quarter of a cell and all together within the vertex's own cell: a
+ * vertex that left its cell could fold its triangles. */
 static vec3 settle(const lattice *l, double x, double y, double z)
 {
     const model_block *b = l->block;
@@ -228,8 +231,9 @@ static void place_vertices(const lattice *l, bis_mesh *m)
     }
 }
 
-/* The quadrilateral around the lattice edge from at0 along axis, if F changes sign on it, cut along its shorter diagonal; facing F > 0. The
- * lattice is wide enough for the four cells to exist. index may be NULL: only count. Returns the triangles made. */
+/* The quadrilateral around the lattice edge from at0 along axis, if F changes sign on it, cut along its shorter
+ * diagonal; facing F > 0. The lattice is wide enough for the four cells to exist. index may be NULL: only count.
+ * Returns the triangles made. */
 static size_t edge_quad(const lattice *l, const vec3 *p, const int at0[3], int axis, uint32_t *index)
 {
     int to[3] = {at0[0], at0[1], at0[2]};

@@ -1,8 +1,10 @@
 /* model_chess: a set of turned chess pieces after Staunton's pattern, on squares of side 1.
  *
- * All but the knight's head and the king's cross come from the lathe: a drawing of corners, each more or less rounded, is turned about z.
- * What the lathe cannot do is a bend of the turned surface (model_bend): the queen's points, the rook's battlements, the bishop's
- * slot. The knight's head and the king's cross are carved (model_carve.c) and stand in the turned part as a second closed part.
+ * All but the knight's head and the king's cross come from the lathe: a drawing of corners, each more or less rounded,
+ * is turned about z.
+ * What the lathe cannot do is a bend of the turned surface (model_bend): the queen's points, the rook's battlements,
+ * the bishop's slot. The knight's head and the king's cross are carved (model_carve.c) and stand in the turned part as
+ * a second closed part.
  * The king is 1.75 high on a foot of 0.76, as in the usual proportions of king to square. */
 #include "model.h"
 
@@ -37,7 +39,8 @@ bis_status model_pawn(bis_mesh *m, bis_diag *diag)
     return turn(m, corners, N_OF(corners), model_round, diag);
 }
 
-/* Six merlons: the rim above RIM_Z is lowered to almost nothing in between, and the angles crowd where its walls stand. */
+/* Six merlons: the rim above RIM_Z is lowered to almost nothing in between, and the angles crowd where its walls
+ * stand. */
 static const double ROOK_RIM_Z = 0.80;
 
 static vec3 rook_bend(const void *data, double r, double z, double theta)

@@ -1,9 +1,10 @@
-/* model_knot: a trefoil whose tube is carved as a braid of ropes; the figure that stands in for the thesis's statue, and the mesh of
- * 1e4 to 1e7 triangles of the scaling benchmark.
+/* model_knot: a trefoil whose tube is carved as a braid of ropes; the figure that stands in for the thesis's statue,
+ * and the mesh of 1e4 to 1e7 triangles of the scaling benchmark.
  *
- * The centre line is the (2, 3) torus knot. The tube's frame turns about it with the torus it lies on (its second axis is the
- * torus's normal), which closes after one round without a twist to be undone. The relief is the higher of two families of ropes that
- * wind about the tube in opposite ways; where they cross, they pass over and under in turn, as woven things do. */
+ * The centre line is the (2, 3) torus knot. The tube's frame turns about it with the torus it lies on (its second axis
+ * is the torus's normal), which closes after one round without a twist to be undone. The relief is the higher of two
+ * families of ropes that wind about the tube in opposite ways; where they cross, they pass over and under in turn, as
+ * woven things do. */
 #include "model.h"
 
 #include <math.h>

@@ -1,8 +1,9 @@
 /* model_mesh: from a drawing to a closed mesh, and to a PLY file.
  *
- * A turned piece is a profile and the rings it makes, closed by a fan of triangles at each pole; a tube is a grid that is joined at both
- * pairs of sides. Both share every vertex by its index, so that they are closed and consistently wound by construction, and the
- * library's own vertex normals (bis_mesh_smooth_normals) fit them. Cost: O(triangles). */
+ * A turned piece is a profile and the rings it makes, closed by a fan of triangles at each pole; a tube is a grid that
+ * is joined at both pairs of sides. Both share every vertex by its index, so that they are closed and consistently
+ * wound by construction, and the library's own vertex normals (bis_mesh_smooth_normals) fit them. Cost:
+ * O(triangles). */
 #include "model.h"
 
 #include "bis/file.h"

@@ -1,7 +1,9 @@
 /* model_stage: what the figures stand on, and the plain shapes: board, pedestal, paving, louvres, sphere.
  *
- * A block with mouldings is turned, too: its profile's radius is taken as half the side of a square with rounded corners (square_bend).
- * A face that should look flat gets a ring of vertices close inside its edge, so that the smooth normals bend in that narrow band only. */
+ * A block with mouldings is turned, too: its profile's radius is taken as half the side of a square with rounded
+ * corners (square_bend).
+ * A face that should look flat gets a ring of vertices close inside its edge, so that the smooth normals bend in that
+ * narrow band only. */
 #include "model.h"
 
 #include "bis/mem.h"

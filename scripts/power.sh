@@ -1,7 +1,9 @@
 #!/bin/sh
-# power.sh: what our statistical tests would have found. Each test program of the last `make test` left a line for each assertion in build/power/PROGRAM.txt
-# (tests/stat.c); this joins them in build/power.txt and prints the table of docs/proof.md.
-#     scripts/power.sh             one row for each claim: how often it was tested, on how many values, and the smallest errors found
+# power.sh: what our statistical tests would have found. Each test program of the last `make test` left a line for each
+# assertion in build/power/PROGRAM.txt (tests/stat.c); this joins them in build/power.txt and prints the table of
+# docs/proof.md.
+#     scripts/power.sh             one row for each claim: how often it was tested, on how many values, and the smallest
+#     errors found
 #     scripts/power.sh --update    writes the table into docs/proof.md, between its marks
 # Exit status 1 when there is nothing to join.
 page=docs/proof.md

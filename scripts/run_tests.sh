@@ -1,5 +1,6 @@
 #!/bin/sh
-# run_tests: runs test programs (make test calls it), shows what they say and how long they took, and closes with one line that counts.
+# run_tests: runs test programs (make test calls it), shows what they say and how long they took, and closes with one
+# line that counts.
 #     scripts/run_tests.sh PROGRAM...
 # Exit status 1 when a test failed, a program died or hung (TEST_SECONDS, default 600), or there was nothing to run.
 log=$(mktemp) || exit 1

@@ -1,9 +1,11 @@
 #!/bin/sh
-# test_browser: does the page of `bis trade` work in a real browser? `make test-browser` calls it; no part of `make test`.
+# test_browser: does the page of `bis trade` work in a real browser? `make test-browser` calls it; no part of `make
+# test`.
 #     scripts/test_browser.sh BIS FOLDER
-# Measures a small scene into FOLDER, opens report.html#selftest in a headless Chromium without network, and reads what the page's script says of itself
-# (src/trade_style.c): it draws, the slider's cut moves, the choice of a picture works, nothing was fetched. Then two screenshots, wide and narrow,
-# must not be blank. And a twin: the page without its script must fail. Without a Chromium it says so and exits with 0.
+# Measures a small scene into FOLDER, opens report.html#selftest in a headless Chromium without network, and reads what
+# the page's script says of itself (src/trade_style.c): it draws, the slider's cut moves, the choice of a picture works,
+# nothing was fetched. Then two screenshots, wide and narrow, must not be blank. And a twin: the page without its script
+# must fail. Without a Chromium it says so and exits with 0.
 bis=$1
 folder=$2
 browser=""

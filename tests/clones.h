@@ -1,5 +1,6 @@
-/* clones: src/lanes.c, phong_lanes.c and envmap_lanes.c once more, under other names: for the plainest processor (clone_*.c) and for AVX2
- * (clone_avx2_*.c). What the library holds chooses by the processor that it runs on; all must give the same bits. */
+/* clones: src/lanes.c, phong_lanes.c and envmap_lanes.c once more, under other names: for the plainest processor
+ * (clone_*.c) and for AVX2 (clone_avx2_*.c). What the library holds chooses by the processor that it runs on; all must
+ * give the same bits. */
 #ifndef TESTS_CLONES_H
 #define TESTS_CLONES_H
 

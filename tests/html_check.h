@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Every element is closed in its turn, every attribute quoted, every & begins an entity, no < stands in text; what is between <style> or <script>
- * and its end is not looked into. False: `why` says where. */
+/* Every element is closed in its turn, every attribute quoted, every & begins an entity, no < stands in text; what is
+ * between <style> or <script> and its end is not looked into. False: `why` says where. */
 bool html_is_well_formed(const char *page, char *why, size_t size);
 
 /* No address of another place: no "http", no "//" behind src, href or url(, which may hold data: alone. */

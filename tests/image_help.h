@@ -34,7 +34,8 @@ void keep_as_seed(const char *path);
 /* Does the file hold exactly these bytes? */
 bool holds(const char *path, const void *data, size_t n);
 
-/* Reading path must fail with this status, no image, and exactly the message `PATH: error: cannot read "PATH": TEXT`. */
+/* Reading path must fail with this status, no image, and exactly the message `PATH: error: cannot read "PATH":
+ * TEXT`. */
 void expect_refusal(const char *path, bis_status status, const char *text);
 
 /* The same for a file with these bytes. */
@@ -43,8 +44,8 @@ void expect_refusal_of(const bytes *b, const char *name, const char *text);
 /* Reading must succeed, without a word when text is NULL, else with the one warning `PATH: warning: "PATH": TEXT`. */
 void expect_image(bis_image *image, const char *path, const char *text);
 
-/* Read every prefix of the file's bytes (each must be refused) and n files with up to four bytes changed (any status, but no
- * crash, and pixels only with BIS_OK). seed: of the changes. */
+/* Read every prefix of the file's bytes (each must be refused) and n files with up to four bytes changed (any status,
+ * but no crash, and pixels only with BIS_OK). seed: of the changes. */
 void try_damage(const bytes *b, const char *name, int n, uint32_t seed);
 
 /* xorshift32: numbers for tests, never 0 for a seed other than 0. */

@@ -137,7 +137,8 @@ static rgbd phong(const bis_material *m, double c_i, double c_o, double wi_wo, d
 
 static double smith(double a, double c) { return (sqrt(1 + a * a * (1 / (c * c) - 1)) - 1) / 2; }
 
-/* As in the papers that include/bis/microfacet.h names: D, Lambda and G by cosines and tangents; tan theta_h from what of wi + wo lies across n. */
+/* As in the papers that include/bis/microfacet.h names: D, Lambda and G by cosines and tangents; tan theta_h from what
+ * of wi + wo lies across n. */
 static rgbd ggx(const bis_material *m, const node *wi, vec3 wo, vec3 n, double *pdf)
 {
     const double c_i = dot_node(wi, n), c_o = dot(wo, n), s[3] = {wi->d[0] + (double)wo.x, wi->d[1] + (double)wo.y, wi->d[2] + (double)wo.z};

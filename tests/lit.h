@@ -1,12 +1,14 @@
-/* lit: a shading point under a small map, in the open, half hidden or hidden, and its reflected radiance by brute force: a sum over all patches
- * with many midpoints in each, with f by lit_f, sharing nothing with the integrators but the map. For the tests of integrators. */
+/* lit: a shading point under a small map, in the open, half hidden or hidden, and its reflected radiance by brute
+ * force: a sum over all patches with many midpoints in each, with f by lit_f, sharing nothing with the integrators but
+ * the map. For the tests of integrators. */
 #ifndef TESTS_LIT_H
 #define TESTS_LIT_H
 
 #include "bis/integrator.h"
 #include "stat.h"
 
-/* The occluders are bounded by meridians and circles of the map's rows, so that V is constant in a patch and midpoints converge fast. */
+/* The occluders are bounded by meridians and circles of the map's rows, so that V is constant in a patch and midpoints
+ * converge fast. */
 typedef enum lit_hidden { LIT_OPEN, LIT_HALF /* y > 0 is hidden */, LIT_ALL } lit_hidden;
 
 typedef struct lit_accel {
@@ -23,7 +25,8 @@ typedef struct lit {
     bis_point pt;
 } lit;
 
-/* Maps of 128 x 64, made of blocks of 8 x 8 pixels (0.15 sr at the equator; one pixel: 0.0024 sr, so that area weighting has something to weigh). */
+/* Maps of 128 x 64, made of blocks of 8 x 8 pixels (0.15 sr at the equator; one pixel: 0.0024 sr, so that area
+ * weighting has something to weigh). */
 typedef enum lit_map {
     LIT_SPOTTY,    /* coloured blocks, contrast 1e4, black ones, bright single pixels, one sun */
     LIT_SMOOTH,    /* a coloured gradient */
@@ -36,16 +39,19 @@ typedef enum lit_map {
 
 bis_light *lit_new_light(lit_map map, double scale, double area_exponent, bool compensate);
 
-/* A point with the given normal, seen at `degrees` from it. l must stay where it is (pt points into it). The light is borrowed. */
+/* A point with the given normal, seen at `degrees` from it. l must stay where it is (pt points into it). The light is
+ * borrowed. */
 void lit_init(lit *l, bis_light *light, bis_material m, vec3 n, double degrees, lit_hidden hidden);
 
-/* f, 0 below the horizon, and the density of what the material draws, by the textbooks' formulas, in double: for phong and microfacet. */
+/* f, 0 below the horizon, and the density of what the material draws, by the textbooks' formulas, in double: for phong
+ * and microfacet. */
 rgbd lit_f(const lit *l, const double wi[3], double *pdf);
 
 /* Reflected radiance, with and without V. */
 rgbd lit_truth(const lit *l, bool with_V);
 
-/* Integral of phat^2/q - (integral of phat)^2 for q = q_L: the variance of the intensity of one candidate from the map (E31). */
+/* Integral of phat^2/q - (integral of phat)^2 for q = q_L: the variance of the intensity of one candidate from the map
+ * (E31). */
 double lit_variance_em(const lit *l);
 
 /* `runs` independent estimates by the integrator; moments per channel, and of the sum in [3]. */

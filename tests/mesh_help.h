@@ -1,4 +1,5 @@
-/* mesh_help: what the tests of meshes, geometry and accelerators share. Files and scratch names come from image_help. */
+/* mesh_help: what the tests of meshes, geometry and accelerators share. Files and scratch names come from
+ * image_help. */
 #ifndef TESTS_MESH_HELP_H
 #define TESTS_MESH_HELP_H
 
@@ -13,7 +14,8 @@ const char *shared_file(const char *name);
 /* Reading b must succeed, without a word when text is NULL, else with the one warning `PATH: warning: TEXT`. */
 void expect_mesh_of(mesh_reader *read, bis_mesh *m, const bytes *b, const char *name, const char *text);
 
-/* Reading b must fail with BIS_INPUT, an empty mesh and exactly `PATH: error: TEXT`, or `PATH:LINE: error: TEXT` for line > 0. */
+/* Reading b must fail with BIS_INPUT, an empty mesh and exactly `PATH: error: TEXT`, or `PATH:LINE: error: TEXT` for
+ * line > 0. */
 void expect_mesh_refusal_of(mesh_reader *read, const bytes *b, const char *name, int line, const char *text);
 
 /* Every prefix of b, and n copies with up to four bytes changed: any status, but no crash, and only sound meshes. */
@@ -43,9 +45,9 @@ bis_mesh soup_mesh(size_t n, double size, uint64_t seed);
 /* Put the mesh, transformed, into a geometry; m is then empty. */
 void add_mesh(bis_geometry *g, bis_mesh *m, const bis_xform *t, uint32_t material);
 
-/* Does the ray's line pass an edge of triangle prim (or its middle, where it is seen edge-on) within so many ulps of the largest
- * coordinate among the ray's origin and the triangle's vertices? Computed in long double: what is so near is a tie, that two sound
- * backends may decide differently. */
+/* Does the ray's line pass an edge of triangle prim (or its middle, where it is seen edge-on) within so many ulps of
+ * the largest coordinate among the ray's origin and the triangle's vertices? Computed in long double: what is so near
+ * is a tie, that two sound backends may decide differently. */
 bool is_tie(const bis_geometry *g, uint32_t prim, const ray *r, double ulps);
 
 #endif

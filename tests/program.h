@@ -12,18 +12,20 @@ typedef struct program_run {
     char output[1 << 16], messages[1 << 14]; /* standard output and error, cut to size */
 } program_run;
 
-/* Where the runs happen, below build/: made empty. Names of files in `arguments` are relative to the repository's root. */
+/* Where the runs happen, below build/: made empty. Names of files in `arguments` are relative to the repository's
+ * root. */
 void program_folder(const char *folder);
 
-/* Run the program (BIS_PROGRAM, default build/release/bis) with these arguments, separated by single blanks. `file_limit` > 0: no file may
- * grow beyond that many bytes, which is what a full disk looks like. */
+/* Run the program (BIS_PROGRAM, default build/release/bis) with these arguments, separated by single blanks.
+ * `file_limit` > 0: no file may grow beyond that many bytes, which is what a full disk looks like. */
 void program_run_limited(program_run *run, long file_limit, const char *arguments);
 void program_runf(program_run *run, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
 
 /* Run, and assert the exit status; on a surprise both streams are shown. */
 void program_expect(program_run *run, int exit_status, const char *fmt, ...) __attribute__((format(printf, 3, 4)));
 
-/* Start without waiting; then wait until it catches signal `number`, at most a minute, so that no clock decides the test. */
+/* Start without waiting; then wait until it catches signal `number`, at most a minute, so that no clock decides the
+ * test. */
 pid_t program_start(const char *arguments);
 void program_wait_for_handler(pid_t pid, int number);
 void program_finish(program_run *run, pid_t pid);

@@ -1,4 +1,5 @@
-/* stat: see stat.h. tests/test_stats.c tests the tests: they accept what is right at their rate and reject what is wrong. */
+/* stat: see stat.h. tests/test_stats.c tests the tests: they accept what is right at their rate and reject what is
+ * wrong. */
 #include "stat.h"
 #include "bis/stats.h"
 

@@ -1,10 +1,11 @@
 /* stat: how our tests judge samplers and estimators. Shared by all test files; p-values from bis/stats.h.
  *
  * A test file states its family-wise significance once and runs each of its m statistical tests at
- * bis_stats_sidak(alpha, m). For every claim there is a twin: a plausible wrong implementation that the same check must reject
- * (stat_assert_no_fit, stat_assert_not_mean).
+ * bis_stats_sidak(alpha, m). For every claim there is a twin: a plausible wrong implementation that the same check must
+ * reject (stat_assert_no_fit, stat_assert_not_mean).
  * A failure prints statistic, degrees of freedom, p, alpha and seed; both histograms go to build/histograms/NAME.csv.
- * What holds leaves a line in build/power/PROGRAM.txt: the smallest error that this test finds with 99 % power (docs/proof.md). */
+ * What holds leaves a line in build/power/PROGRAM.txt: the smallest error that this test finds with 99 % power
+ * (docs/proof.md). */
 #ifndef TESTS_STAT_H
 #define TESTS_STAT_H
 
@@ -19,8 +20,9 @@ typedef struct stat_result {
 } stat_result;
 
 /* Pearson's chi-square test of observed counts against expected counts (not probabilities), n cells each. Cells that
- * expect fewer than 5 are pooled; what is left at the end joins the last pool. Rejects also: a hit in a cell that expects
- * 0; totals that differ by more than 0.1 sqrt(total), which could move the statistic by 0.01; a NaN anywhere. */
+ * expect fewer than 5 are pooled; what is left at the end joins the last pool. Rejects also: a hit in a cell that
+ * expects 0; totals that differ by more than 0.1 sqrt(total), which could move the statistic by 0.01; a NaN
+ * anywhere. */
 stat_result stat_chi_square(const double *observed, const double *expected, size_t n, double alpha);
 
 /* Running mean and variance, Welford 1962. Zero-initialise. */
@@ -33,15 +35,15 @@ void stat_add(stat_moments *m, double x);
 /* Variance of one value, unbiased; needs n >= 2. */
 double stat_variance(const stat_moments *m);
 
-/* z-test of the mean against `expected`, standard error from the data. Where all values are equal, a difference beyond 1e-12 of
- * `expected` (rounding of the sum) rejects. */
+/* z-test of the mean against `expected`, standard error from the data. Where all values are equal, a difference beyond
+ * 1e-12 of `expected` (rounding of the sum) rejects. */
 stat_result stat_mean(const stat_moments *m, double expected, double alpha);
 
 /* ---- power: how large must an error be to be found? ---- */
 
-/* Probability that a chi-square test at `alpha` rejects when its statistic is noncentral chi-square: the tail of a Poisson
- * mixture of central ones. With n draws whose true cell probabilities are p (1 + e), noncentrality = n times the mean of e^2
- * under p. */
+/* Probability that a chi-square test at `alpha` rejects when its statistic is noncentral chi-square: the tail of a
+ * Poisson mixture of central ones. With n draws whose true cell probabilities are p (1 + e), noncentrality = n times
+ * the mean of e^2 under p. */
 double stat_power(double dof, double alpha, double noncentrality);
 
 /* The root mean square relative error e (weighted by p) of a density that a chi-square test of n draws finds with

@@ -1,5 +1,5 @@
-/* accel: both backends against brute force in long double, and against each other, where rays, scenes and scales are at their worst. A
- * difference is allowed only where it is a tie: the ray passes an edge within 4 ulps. */
+/* accel: both backends against brute force in long double, and against each other, where rays, scenes and scales are at
+ * their worst. A difference is allowed only where it is a tie: the ray passes an edge within 4 ulps. */
 #include "mesh_help.h"
 
 #include "bis/accel.h"
@@ -262,7 +262,8 @@ static void walls_axes_corners_and_duplicates_are_met_as_by_brute_force(void **s
     }
 }
 
-/* In each of the 26 directions of a cube's faces, edges and corners, zeros of either sign, from and towards the middle. */
+/* In each of the 26 directions of a cube's faces, edges and corners, zeros of either sign, from and towards the
+ * middle. */
 static void a_ray_through_the_middle_of_anything_is_met_in_all_26_directions(void **state)
 {
     (void)state;
@@ -434,7 +435,8 @@ static void a_sphere_around_everything_costs_no_hit(void **state)
     bis_geometry_clear(&g);
 }
 
-/* Triangles in walls of cells, twice, seen edge-on, too thin for a double's area, in one point: worlds for the next test. */
+/* Triangles in walls of cells, twice, seen edge-on, too thin for a double's area, in one point: worlds for the next
+ * test. */
 static bis_mesh nasty_mesh(int kind)
 {
     bis_mesh m = kind == 0 ? sphere_mesh(20) : soup_mesh(kind == 1 ? 2000 : 400, kind == 1 ? 0.05 : 0.4, (uint64_t)kind);
@@ -563,7 +565,8 @@ static void the_number_of_threads_changes_no_bit_of_the_grid(void **state)
     bis_geometry_clear(&g);
 }
 
-/* Camera and shadow rays on a scan, as a renderer makes them: at most 1 in 10^6 differs by hit or distance, each a tie. */
+/* Camera and shadow rays on a scan, as a renderer makes them: at most 1 in 10^6 differs by hit or distance, each a
+ * tie. */
 static void the_backends_agree_on_the_dragon_but_for_ties(void **state)
 {
     const char *path = shared_file("mesh/dragon_res2_202k.ply");

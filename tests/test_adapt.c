@@ -1,4 +1,5 @@
-/* adapt: samples go where the noise is, and the mean stays right for every number of passes. Family-wise significance of the statistical tests: 0.01. */
+/* adapt: samples go where the noise is, and the mean stays right for every number of passes. Family-wise significance
+ * of the statistical tests: 0.01. */
 #include "adapt.h"
 
 #include "bis/mem.h"
@@ -25,7 +26,8 @@ static void init(bis_film *f, bis_adapt *a, int width, int height, int tile)
     assert_int_equal(bis_adapt_init(a, f, tile, NULL), BIS_OK);
 }
 
-/* --- where samples go ---------------------------------------------------------------------------------------------- */
+/* --- where samples go
+ * ---------------------------------------------------------------------------------------------- */
 
 /* A pass of pixels 1 + noise_of * (u - 1/2), the noise a function of the tile's column. */
 static void flat_pass(bis_film *f, const bis_adapt *a, bis_rng *rng, const double *noise_of)
@@ -49,7 +51,8 @@ static double samples_in_all(const bis_film *f, const bis_adapt *a)
     return sum;
 }
 
-/* Three columns of tiles, the last one narrow, with noise 0.2, 1 and 0.6: samples in proportion, as many as there may be. */
+/* Three columns of tiles, the last one narrow, with noise 0.2, 1 and 0.6: samples in proportion, as many as there may
+ * be. */
 static void samples_are_in_proportion_to_the_noise_and_keep_their_sum(void **state)
 {
     (void)state;
@@ -102,7 +105,8 @@ static void without_noise_every_tile_gets_one_sample_and_a_lone_noisy_one_no_mor
     }
 }
 
-/* --- unbiased ------------------------------------------------------------------------------------------------------ */
+/* --- unbiased
+ * ------------------------------------------------------------------------------------------------------ */
 
 enum { SIDE = 4, TRIALS = 20000, MOST_PASSES = 8 };
 
@@ -115,7 +119,8 @@ typedef struct means {
 /* Skewed noise of mean 1: 1/2, and in one of 8 samples 4.5: what comes out bright scatters more. */
 static double rare(bis_rng *rng) { return bis_rng_double(rng) < 0.125 ? 4.5 : 0.5; }
 
-/* One picture of 2 x 2 tiles of 2 x 2 pixels: so few values behind an estimate that any correlation of mean and choice shows. */
+/* One picture of 2 x 2 tiles of 2 x 2 pixels: so few values behind an estimate that any correlation of mean and choice
+ * shows. */
 static void trial(means *m, uint64_t seed)
 {
     bis_film f;
@@ -164,7 +169,8 @@ static void every_number_of_passes_is_unbiased_and_natural_weights_are_not(void 
     stat_assert_not_mean("stopped_by_own_estimate", SEED, &m.stopped, 1, alpha);
 }
 
-/* The scatter of the passes estimates the variance of their mean although each has another: pixel by pixel, over many pictures. */
+/* The scatter of the passes estimates the variance of their mean although each has another: pixel by pixel, over many
+ * pictures. */
 static void scatter_of_unequal_passes_estimates_the_variance_of_their_mean(void **state)
 {
     (void)state;
@@ -190,7 +196,8 @@ static void scatter_of_unequal_passes_estimates_the_variance_of_their_mean(void 
     assert_true(estimate.mean > 0);
 }
 
-/* --- in renders ---------------------------------------------------------------------------------------------------- */
+/* --- in renders
+ * ---------------------------------------------------------------------------------------------------- */
 
 static void an_adaptive_render_has_the_same_bits_for_any_number_of_threads(void **state)
 {

@@ -1,5 +1,6 @@
-/* alias: the implied pmf is compared with the weights, item by item, which is stronger than any sampling test (E15); then the
- * sampler with the tables. The twins are appendix A as printed. Statistical tests: 3; family-wise significance 0.01. */
+/* alias: the implied pmf is compared with the weights, item by item, which is stronger than any sampling test (E15);
+ * then the sampler with the tables. The twins are appendix A as printed. Statistical tests: 3; family-wise significance
+ * 0.01. */
 #include "bis/alias.h"
 #include "bis/cdf.h"
 #include "bis/mem.h"
@@ -181,8 +182,8 @@ static void E14_an_item_of_weight_0_is_not_drawn_when_the_fraction_is_0(void **s
     bis_alias_clear(&a);
 }
 
-/* A number of 24 bits, as a float generator gives, leaves 24 - 19 = 5 of them for the coin: `u - i > prob` returns black
- * texels in 1 of 32 draws that fall on one. */
+/* A number of 24 bits, as a float generator gives, leaves 24 - 19 = 5 of them for the coin: `u - i > prob` returns
+ * black texels in 1 of 32 draws that fall on one. */
 static void E14_few_bits_make_the_printed_test_draw_black_texels(void **state)
 {
     (void)state;

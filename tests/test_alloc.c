@@ -1,6 +1,7 @@
-/* alloc: the k-th allocation fails, for k = 1, 2, ... until all goes well: from the scene's text to the picture on disk, through every reader, every
- * integrator and both accelerators. What must hold each time: BIS_NOMEM with an error message and nothing handed out, or full success with the same
- * picture (a library may do without a piece of memory; a warning may be lost). Under `make asan` the same runs show that nothing leaks.
+/* alloc: the k-th allocation fails, for k = 1, 2, ... until all goes well: from the scene's text to the picture on
+ * disk, through every reader, every integrator and both accelerators. What must hold each time: BIS_NOMEM with an error
+ * message and nothing handed out, or full success with the same picture (a library may do without a piece of memory; a
+ * warning may be lost). Under `make asan` the same runs show that nothing leaks.
  * One thread, so that k means the same allocation in every run. */
 #include "bis/mem.h"
 #include "bis/render.h"
@@ -99,8 +100,8 @@ done:
     return status;
 }
 
-/* Meshes from both kinds of file and from the scene itself, with invented normals, an object and its instances, quadrics, named and nameless materials,
- * transformations that have names. */
+/* Meshes from both kinds of file and from the scene itself, with invented normals, an object and its instances,
+ * quadrics, named and nameless materials, transformations that have names. */
 static const char world[] =
     "MakeNamedMaterial \"shiny\" \"string type\" \"phong\" \"rgb Kd\" [.2 .3 .4] \"rgb Ks\" [.4 .4 .4] \"float exponent\" 50\n"
     "CoordinateSystem \"here\"\n"

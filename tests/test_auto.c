@@ -1,4 +1,5 @@
-/* auto: the fit of cost and variance, the best M and N, what the pilot chooses and what it leaves alone, and that its choice can be made again bit for bit. */
+/* auto: the fit of cost and variance, the best M and N, what the pilot chooses and what it leaves alone, and that
+ * its choice can be made again bit for bit. */
 #include "auto.h"
 #include "auto_fit.h"
 
@@ -23,7 +24,8 @@
 
 #define DIR "build/test_auto"
 
-/* --- the fit ------------------------------------------------------------------------------------------------------- */
+/* --- the fit
+ * ------------------------------------------------------------------------------------------------------- */
 
 /* Where auto.c measures sir, and what a method with these six numbers would show; rays: the exponent of N. */
 enum { N_PLACES = 3 };
@@ -91,7 +93,8 @@ static void no_coefficient_is_ever_negative(void **state)
     }
 }
 
-/* --- the optimum --------------------------------------------------------------------------------------------------- */
+/* --- the optimum
+ * --------------------------------------------------------------------------------------------------- */
 
 static double model_product(const bis_auto_model *c, const bis_auto_model *v, uint32_t M, uint32_t N)
 {
@@ -133,7 +136,8 @@ static void at_the_best_candidates_have_the_same_share_of_time_and_of_variance(v
     assert_true(fabs(cost.by_N * N / c / (1.5 * variance.by_N / pow(N, 1.5) / v) - 1) < 0.02);
 }
 
-/* --- the pilot ----------------------------------------------------------------------------------------------------- */
+/* --- the pilot
+ * ----------------------------------------------------------------------------------------------------- */
 
 static bis_shape_desc shapes[2] = {{.kind = BIS_SHAPE_TRIANGLES, .material = 0}, {.kind = BIS_SHAPE_SPHERE, .material = 1}};
 
@@ -349,7 +353,8 @@ static void every_failing_allocation_of_the_pilot_is_reported(void **state)
     clear_world(&w);
 }
 
-/* --- every k-th pixel ---------------------------------------------------------------------------------------------- */
+/* --- every k-th pixel
+ * ---------------------------------------------------------------------------------------------- */
 
 /* The place where the ray meets the surface, with hardly a footprint: the pixel's centre. */
 static void a_footprint_of_nearly_nothing_is_the_centre_of_the_pixel(void **state)
@@ -378,7 +383,8 @@ static void a_footprint_of_nearly_nothing_is_the_centre_of_the_pixel(void **stat
     clear_world(&w);
 }
 
-/* --- the program --------------------------------------------------------------------------------------------------- */
+/* --- the program
+ * --------------------------------------------------------------------------------------------------- */
 
 static void write_scene(const char *path, const char *integrator)
 {

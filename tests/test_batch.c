@@ -1,5 +1,5 @@
-/* batch: sir with candidates side by side against sir with candidates one by one, lane by lane where the random numbers are chosen, in the mean where they are
- * not. Family-wise significance 1e-3 over all statistical tests here. */
+/* batch: sir with candidates side by side against sir with candidates one by one, lane by lane where the random numbers
+ * are chosen, in the mean where they are not. Family-wise significance 1e-3 over all statistical tests here. */
 #include "bis/mem.h"
 #include "bis/phong.h"
 #include "bis/stats.h"
@@ -89,7 +89,8 @@ static bool hides(const bis_accel *a, const ray *r)
 
 static const bis_accel_ops spying = {.name = "spy", .occluded = hides};
 
-/* A pool of one set, whose M lanes have the given weights exactly: diffuse, all at 60 degrees from the normal, q = 1/2. */
+/* A pool of one set, whose M lanes have the given weights exactly: diffuse, all at 60 degrees from the normal, q =
+ * 1/2. */
 typedef struct bench {
     lit l;
     spy accel;
@@ -124,7 +125,8 @@ static void close_bench(bench *b)
     bis_light_free(b->light);
 }
 
-/* The estimate where lane i alone is seen, in units in which it is the share of the marks on i times W; the number behind the first mark is `number`. */
+/* The estimate where lane i alone is seen, in units in which it is the share of the marks on i times W; the number
+ * behind the first mark is `number`. */
 static double share(bench *b, uint32_t i, uint64_t number)
 {
     const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = 1, .spp = 1, .xsamples = 1, .ysamples = 1};
@@ -142,7 +144,8 @@ static uint64_t mark(uint32_t k, uint32_t n) { return (uint64_t)((k + 0.5) / n *
 
 enum { LANES = 40 };
 
-/* Whole weights that sum to 64: a block of zeroes, a last lane of a block, one positive lane in the last block, of which 8 lanes are beyond M. */
+/* Whole weights that sum to 64: a block of zeroes, a last lane of a block, one positive lane in the last block, of
+ * which 8 lanes are beyond M. */
 static void whole_weights(float w[LANES])
 {
     for (int i = 0; i < LANES; i++) w[i] = 0;

@@ -1,5 +1,5 @@
-/* budgets: --error keeps its word, estimates come from independent passes, and what cannot be reached is said early. The full experiment is
- * scripts/budget_truth.sh, its table in docs/budgets.md; this is a short one. */
+/* budgets: --error keeps its word, estimates come from independent passes, and what cannot be reached is said early.
+ * The full experiment is scripts/budget_truth.sh, its table in docs/budgets.md; this is a short one. */
 #include "bis/mem.h"
 
 #include "world.h"
@@ -47,7 +47,8 @@ static void reference_of(bis_film *reference, world *w, uint32_t spp)
     w->desc.sampler.seed = seed;
 }
 
-/* --- the error budget ---------------------------------------------------------------------------------------------- */
+/* --- the error budget
+ * ---------------------------------------------------------------------------------------------- */
 
 typedef struct tally {
     int runs, kept, more, wasted, twin_kept; /* twin: E is what the estimate itself, without its bound, comes to in the end */
@@ -70,7 +71,8 @@ static void run(tally *t, const world *w, const bis_film *reference, double E)
     bis_film_clear(&f);
 }
 
-/* In 9 of 10 runs at least the true error is within the budget, and below half of it in 1 of 10 at most: three integrators, plain and adaptive, three budgets. */
+/* In 9 of 10 runs at least the true error is within the budget, and below half of it in 1 of 10 at most: three
+ * integrators, plain and adaptive, three budgets. */
 static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
 {
     (void)state;
@@ -99,7 +101,8 @@ static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
     }
 }
 
-/* `place` has no noise, so that all error is at edges and slopes within a pixel. There the stratified camera samples of one set are far from independent. */
+/* `place` has no noise, so that all error is at edges and slopes within a pixel. There the stratified camera samples of
+ * one set are far from independent. */
 static void only_independent_passes_tell_their_error(void **state)
 {
     (void)state;
@@ -128,7 +131,8 @@ static void only_independent_passes_tell_their_error(void **state)
     clear_world(&w);
 }
 
-/* --- forecasts ----------------------------------------------------------------------------------------------------- */
+/* --- forecasts
+ * ----------------------------------------------------------------------------------------------------- */
 
 typedef struct forecasts {
     int n;

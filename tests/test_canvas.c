@@ -1,4 +1,5 @@
-/* Tests of canvas and palette: areas of what is drawn against geometry, letters against one another, what lies outside against nothing. */
+/* Tests of canvas and palette: areas of what is drawn against geometry, letters against one another, what lies outside
+ * against nothing. */
 #include "canvas.h"
 #include "map_help.h"
 #include "palette.h"

@@ -121,7 +121,8 @@ static void E10_the_guide_table_rounds_no_probability(void **state)
     }
 }
 
-/* The twin of E10: the guide alone, "pre-inverting C". An item of probability 1/(4 N) is never drawn or four times too often. */
+/* The twin of E10: the guide alone, "pre-inverting C". An item of probability 1/(4 N) is never drawn or four times too
+ * often. */
 static void E10_a_preinverted_table_without_a_search_is_rejected(void **state)
 {
     (void)state;

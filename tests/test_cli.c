@@ -17,7 +17,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* --- a command of our own ------------------------------------------------------------------------------------------ */
+/* --- a command of our own
+ * ------------------------------------------------------------------------------------------ */
 
 typedef struct values {
     bool flag, has_count;
@@ -106,7 +107,8 @@ static void clear(run_result *r, values *v)
     const char *const argv[] = {__VA_ARGS__};                                        \
     with_table(&r, &v, (int)(sizeof argv / sizeof *argv), argv)
 
-/* --- reading ------------------------------------------------------------------------------------------------------- */
+/* --- reading
+ * ------------------------------------------------------------------------------------------------------- */
 
 static void options_and_operands_may_be_mixed(void **state)
 {
@@ -200,7 +202,8 @@ static void all_mistakes_are_reported_in_one_go(void **state)
     clear(&r, &v);
 }
 
-/* --- help ---------------------------------------------------------------------------------------------------------- */
+/* --- help
+ * ---------------------------------------------------------------------------------------------------------- */
 
 static void help_names_every_option_within_80_columns(void **state)
 {
@@ -232,7 +235,8 @@ static void version_names_the_libraries(void **state)
     clear(&r, &v);
 }
 
-/* --- files --------------------------------------------------------------------------------------------------------- */
+/* --- files
+ * --------------------------------------------------------------------------------------------------------- */
 
 static void a_place_that_cannot_take_a_file_is_known_beforehand(void **state)
 {
@@ -265,7 +269,8 @@ static void exit_statuses_are_those_of_the_contract(void **state)
     assert_int_equal(bis_cli_exit_status(BIS_INPUT), 2);
 }
 
-/* --- json ---------------------------------------------------------------------------------------------------------- */
+/* --- json
+ * ---------------------------------------------------------------------------------------------------------- */
 
 static void json_is_valid_for_any_number_and_any_bytes(void **state)
 {

@@ -1,5 +1,5 @@
-/* clusters, product, visibility: candidates from where light and BRDF can both be large, and where earlier passes saw the light. Family-wise significance
- * 1e-3 over all statistical tests here. */
+/* clusters, product, visibility: candidates from where light and BRDF can both be large, and where earlier passes saw
+ * the light. Family-wise significance 1e-3 over all statistical tests here. */
 #include "bis/mem.h"
 #include "bis/phong.h"
 #include "lit.h"
@@ -75,7 +75,8 @@ static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
 
 /* ---- the bound ---- */
 
-/* w of a cluster against f cos Le of all its directions: at least the mean over the energy, and positive wherever any is. */
+/* w of a cluster against f cos Le of all its directions: at least the mean over the energy, and positive wherever any
+ * is. */
 static void reach_bounds_the_product_over_every_cluster(void **state)
 {
     static const double exponents[] = {0, 1, 10, 50, 1e3, 1e6};

@@ -199,7 +199,8 @@ static void colours_run_from_black_over_blue_red_yellow_to_white(void **state)
     bis_image_clear(&picture);
 }
 
-/* bias / bias_se is a standard normal where both images have the same mean; tested at 0.01, with a twin of which a is 2% brighter. */
+/* bias / bias_se is a standard normal where both images have the same mean; tested at 0.01, with a twin of which a is
+ * 2% brighter. */
 static void bias_se_is_the_standard_error_of_the_bias(void **state)
 {
     (void)state;

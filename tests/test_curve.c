@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
-/* Another road: the definition. Quarters of the curve are copies of it: mirrored at the diagonal, as it is, as it is, mirrored at
- * the other diagonal. */
+/* Another road: the definition. Quarters of the curve are copies of it: mirrored at the diagonal, as it is, as it is,
+ * mirrored at the other diagonal. */
 static void by_definition(double t, int levels, double u[2])
 {
     if (levels == 0) {
@@ -72,7 +72,8 @@ static void hilbert_is_measure_preserving_and_connected_on_every_grid(void **sta
     }
 }
 
-/* Points a distance d apart on the curve lie within sqrt(6 d) in the plane (Bauman 2006: the best constant for this curve). */
+/* Points a distance d apart on the curve lie within sqrt(6 d) in the plane (Bauman 2006: the best constant for this
+ * curve). */
 static void neighbours_on_the_curve_are_neighbours_in_the_plane(void **state)
 {
     (void)state;
@@ -109,8 +110,8 @@ static int diagonal_steps(uint32_t width, uint32_t height)
     return diagonals;
 }
 
-/* A path along the longer side must end at its far end: with an odd number of steps along it and an even number across, a
- * chessboard's colours forbid it without one diagonal step. */
+/* A path along the longer side must end at its far end: with an odd number of steps along it and an even number across,
+ * a chessboard's colours forbid it without one diagonal step. */
 static void a_rectangle_is_walked_cell_by_cell(void **state)
 {
     (void)state;

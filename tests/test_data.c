@@ -1,8 +1,8 @@
-/* data: what the generator makes is what scene.txt, data/scenes and the docs rely on: meshes closed and wound one way, maps with the stated
- * contrast, the same bytes twice; and every scene file that we ship parses and renders.
+/* data: what the generator makes is what scene.txt, data/scenes and the docs rely on: meshes closed and wound one way,
+ * maps with the stated contrast, the same bytes twice; and every scene file that we ship parses and renders.
  *
- * The generator (bis-data, beside the program) runs here, into build/test-data; PLY files are read by a strict reader of the one layout that it
- * writes, not by the library's. No statistical test. */
+ * The generator (bis-data, beside the program) runs here, into build/test-data; PLY files are read by a strict reader
+ * of the one layout that it writes, not by the library's. No statistical test. */
 #include "bis/file.h"
 #include "bis/image.h"
 #include "bis/mem.h"
@@ -145,7 +145,8 @@ static int compare_edges(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Is each directed edge there once, and so is its opposite? Then every edge joins two triangles that are wound the same way. */
+/* Is each directed edge there once, and so is its opposite? Then every edge joins two triangles that are wound the same
+ * way. */
 static bool is_closed_and_consistent(const bis_mesh *m)
 {
     size_t n = 3 * m->n_triangles;
@@ -226,7 +227,8 @@ static void one_turned_or_missing_triangle_is_found(void **state)
     bis_mesh_clear(&m);
 }
 
-/* A height of 1e-4 of the longest side is over 1000 times what rounding the corners to float could make of a triangle without area. */
+/* A height of 1e-4 of the longest side is over 1000 times what rounding the corners to float could make of a triangle
+ * without area. */
 static void no_triangle_is_without_area(void **state)
 {
     (void)state;
@@ -255,7 +257,8 @@ static void vertex_normals_are_unit_and_face_outwards(void **state)
             vec3 n = m.n[m.index[k]];
             wrong += ng.x * (double)n.x + ng.y * (double)n.y + ng.z * (double)n.z <= 0;
         }
-        /* The bishop's slot is steeper than its mesh is fine: a vertex at its bottom may join faces more than 90 degrees apart. */
+        /* The bishop's slot is steeper than its mesh is fine: a vertex at its bottom may join faces more than 90
+         * degrees apart. */
         if (wrong > m.n_triangles / 1000) fail_msg("%s.ply: %zu of %zu corners face away from their triangle", models[i], wrong, 3 * m.n_triangles);
         bis_mesh_clear(&m);
     }
@@ -366,7 +369,8 @@ static int brighter_first(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-/* Ratios of the largest luminance to the median over the sphere and to the smallest; share of the brightest 0.1% of the sphere in the whole. */
+/* Ratios of the largest luminance to the median over the sphere and to the smallest; share of the brightest 0.1% of the
+ * sphere in the whole. */
 typedef struct contrast {
     double to_median, to_min, share;
 } contrast;
@@ -448,8 +452,8 @@ static void the_overcast_sky_is_smooth(void **state)
     assert_true(c.share < 0.01);
 }
 
-/* The disc of half angle 0.265 degrees and radiance 62000 gives L 2 pi (1 - cos r) on a surface that faces it; RGBE keeps 1%, the 16 x 16 directions
- * of a pixel another 2%; the sky within one degree adds less than 3%. */
+/* The disc of half angle 0.265 degrees and radiance 62000 gives L 2 pi (1 - cos r) on a surface that faces it; RGBE
+ * keeps 1%, the 16 x 16 directions of a pixel another 2%; the sky within one degree adds less than 3%. */
 static void the_sun_gives_the_irradiance_of_its_disc(void **state)
 {
     const double azimuth = atan2(-0.62, -0.50), height = atan2(0.60, hypot(0.50, 0.62));

@@ -1,6 +1,8 @@
-/* Directions as integrators draw them, each proposal against its density: from the map (table, curve, pool; lat-long and angular input), from the
- * BRDF, from both; those that rejection accepts against the product; and over many seeds the p-values of right samplers are uniform.
- * Densities come by other roads: the models' by textbook (tests/lit.h), the probe's by its own pixels. Family-wise significance 1e-3. */
+/* Directions as integrators draw them, each proposal against its density: from the map (table, curve, pool; lat-long
+ * and angular input), from the BRDF, from both; those that rejection accepts against the product; and over many seeds
+ * the p-values of right samplers are uniform.
+ * Densities come by other roads: the models' by textbook (tests/lit.h), the probe's by its own pixels. Family-wise
+ * significance 1e-3. */
 #include "bis/alias.h"
 #include "bis/mem.h"
 #include "bis/microfacet.h"
@@ -403,7 +405,8 @@ static void directions_from_a_probe_fit_inside_the_pixels_E2(void **state)
     }
 }
 
-/* Back on the disc, from a map so fine that its pixels smear little over the blocks' edges: where the probe's own pixels, each with its solid angle pi^2 sinc(pi r) dA, say that the light is. 12 x 12 blocks. */
+/* Back on the disc, from a map so fine that its pixels smear little over the blocks' edges: where the probe's own
+ * pixels, each with its solid angle pi^2 sinc(pi r) dA, say that the light is. 12 x 12 blocks. */
 static void directions_from_a_probe_come_from_where_its_pixels_shine(void **state)
 {
     enum { N = 100000, BLOCK = 4, SIDE_BLOCKS = SIDE / BLOCK, DISC_CELLS = SIDE_BLOCKS * SIDE_BLOCKS, K = 8 };
@@ -533,7 +536,8 @@ static void check_p_values(const char *name, fill_fn *fill, const void *what)
     }
 }
 
-/* Alias tables, a lobe, the map: each right over 2000 seeds, each a little wrong (too little for one test) found by all of them. */
+/* Alias tables, a lobe, the map: each right over 2000 seeds, each a little wrong (too little for one test) found by all
+ * of them. */
 static void p_values_of_right_samplers_are_uniform_over_seeds(void **state)
 {
     double w[P_CELLS];

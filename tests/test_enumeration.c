@@ -1,5 +1,5 @@
-/* Estimators against their exact laws, enumerated on a map of 8 pixels (tests/tiny.h): where SIR's rays go at M = 1, 2, 3
- * and how that approaches p; the mean of every estimator, unbiased or not; its variance (docs/errata.md E31).
+/* Estimators against their exact laws, enumerated on a map of 8 pixels (tests/tiny.h): where SIR's rays go at M = 1, 2,
+ * 3 and how that approaches p; the mean of every estimator, unbiased or not; its variance (docs/errata.md E31).
  * Family-wise significance 1e-3. */
 #include "bis/stats.h"
 #include "candidates.h"
@@ -113,7 +113,8 @@ static void resampled_directions_have_the_law_of_finite_M_and_not_p(void **state
     tiny_clear(&t);
 }
 
-/* The law for any M of independent candidates, by w/W = integral of w exp(-t W) dt: with phi(t) = E[exp(-t w)] of one candidate,
+/* The law for any M of independent candidates, by w/W = integral of w exp(-t W) dt: with phi(t) = E[exp(-t w)] of one
+ * candidate,
  *     law[k] = M P[k] w[k] integral of exp(-t w[k]) phi(t)^(M-1) dt,     trapezoids in log t. */
 static void law_of_M(double law[TINY_STATES], const tiny_candidates *c, double M)
 {
@@ -141,7 +142,8 @@ static double distance(const double law[TINY_STATES], const double p[TINY_STATES
     return sum;
 }
 
-/* The bias of a ratio: total variation falls as 1/M. The table of law and measurement is build/sir_total_variation.txt. */
+/* The bias of a ratio: total variation falls as 1/M. The table of law and measurement is
+ * build/sir_total_variation.txt. */
 static void total_variation_to_p_falls_as_1_over_M(void **state)
 {
     static const uint32_t Ms[] = {1, 2, 3, 4, 8, 16, 32, 64, 128, 256, 512};
@@ -203,8 +205,8 @@ typedef struct expectation {
 
 static bool is_seen(const expectation *e, int k) { return k != TINY_NOTHING && !e->t->accel.hidden[k]; }
 
-/* Z/n times the sum of F/phat V over n of the A candidates of a set, drawn without replacement: the number of those seen is
- * hypergeometric. Z is the scale when n = A = all are seen, and the sum over RGB of F/phat is 1. */
+/* Z/n times the sum of F/phat V over n of the A candidates of a set, drawn without replacement: the number of those
+ * seen is hypergeometric. Z is the scale when n = A = all are seen, and the sum over RGB of F/phat is 1. */
 static outcome without_replacement(const expectation *e, const int state[TINY_MAX_M], unsigned set, double Z)
 {
     double A = 0, K = 0;
@@ -346,7 +348,8 @@ static void check(const char *name, const stat_moments m[4], outcome expected)
 
 static bool near(rgbd a, rgbd b) { return fabs(a.r - b.r) + fabs(a.g - b.g) + fabs(a.b - b.b) < 1e-5 * rgbd_sum(b); }
 
-/* The enumeration itself says: no bias, at any M and N; and the integrator has the enumerated mean and second moment. */
+/* The enumeration itself says: no bias, at any M and N; and the integrator has the enumerated mean and second
+ * moment. */
 static void sir_and_plain_rejection_have_the_enumerated_mean_which_is_the_truth_and_variance_E31(void **state)
 {
     static const bis_proposal proposals[2][3] = {{BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX},
@@ -436,7 +439,8 @@ static void moments_of_one(double *mean, double *square, const tiny *t, const ti
 /* Independent candidates, multinomial resampling, any M and N: by the law of total variance, with
  *     E[sum w V sum w (1-V)] = M (M-1) E[wV] E[w(1-V)],
  *     Var L = Var(w V)/M + (1 - 1/M) L (L_ns - L)/N:
- * the first term is the candidates', the second the rays'. Open: the first alone. The printed variance has only the second. */
+ * the first term is the candidates', the second the rays'. Open: the first alone. The printed variance has only the
+ * second. */
 static void sir_has_the_variance_of_candidates_over_M_plus_that_of_rays_over_N_E31(void **state)
 {
     static const uint32_t Ms[] = {1, 8, 64}, Ns[] = {1, 4, 15};

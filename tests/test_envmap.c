@@ -1,4 +1,5 @@
-/* Tests of envmap (src/envmap.c) and envmap_angular: geometry by quadrature and closed forms, lookups by another formula, E2, E4, E7. */
+/* Tests of envmap (src/envmap.c) and envmap_angular: geometry by quadrature and closed forms, lookups by another
+ * formula, E2, E4, E7. */
 #include "bis/envmap.h"
 
 #include "bis/mem.h"
@@ -173,7 +174,8 @@ static void directions_look_up_to_their_pixel_but_for_rounding_at_edges(void **s
 
 /* ---- directions in a patch, E2 ---- */
 
-/* Count directions of pixel (x, y) in 4 x 4 cells of equal solid angle; how: the right way, or one of two wrong ones. */
+/* Count directions of pixel (x, y) in 4 x 4 cells of equal solid angle; how: the right way, or one of two wrong
+ * ones. */
 typedef enum how { RIGHT, UNIFORM_IN_THETA, CENTRE_ONLY } how;
 
 static void count_in_patch(const bis_envmap *em, int x, int y, how way, int n, double observed[16], double expected[16])
@@ -240,7 +242,8 @@ static void twins_uniform_in_theta_and_centre_only_are_rejected_E2(void **state)
     bis_envmap_clear(&em);
 }
 
-/* E4: what uniform directions see of one lit pixel is its radiance times its solid angle: a bilinear lookup would lose or add to it. */
+/* E4: what uniform directions see of one lit pixel is its radiance times its solid angle: a bilinear lookup would lose
+ * or add to it. */
 static void one_lit_pixel_seen_by_uniform_directions_has_its_solid_angle_E4(void **state)
 {
     (void)state;

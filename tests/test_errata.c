@@ -1,5 +1,6 @@
-/* errata: every switch of `--as-printed`, in both directions. The same check passes the right equation and rejects the printed one; where the printed
- * one has a value in closed form, that is what comes out. Then the switches themselves: names, scenes, options, the EXR's record of them.
+/* errata: every switch of `--as-printed`, in both directions. The same check passes the right equation and rejects the
+ * printed one; where the printed one has a value in closed form, that is what comes out. Then the switches themselves:
+ * names, scenes, options, the EXR's record of them.
  *
  * Family-wise significance 1e-3 over at most 80 tests of a mean (Sidak). docs/errata.md argues each item. */
 #include "bis/errata.h"
@@ -68,8 +69,8 @@ static rgb one(int x, int y)
     return (rgb){1, 1, 1};
 }
 
-/* All rows are drawn alike, L/q is cancelled to 4 pi: 4 pi/pi times the mean over the rows of cos theta (up), or of sin theta
- * times the mean 1/pi of cos+ phi. */
+/* All rows are drawn alike, L/q is cancelled to 4 pi: 4 pi/pi times the mean over the rows of cos theta (up), or of sin
+ * theta times the mean 1/pi of cos+ phi. */
 static double irradiance_by_rows(bool facing_up)
 {
     enum { K = 500 };
@@ -187,7 +188,8 @@ static void E13_alias_tables_from_raw_weights_do_not_draw_by_importance(void **s
 /* A red sun of one pixel over a blue sky. */
 static rgb sun_and_sky(int x, int y) { return x == 90 && y == 18 ? (rgb){5000, 0, 0} : (rgb){0, 0, 1}; }
 
-/* b = 0.45 makes of one of our pixels, 0.0019 sr, about what 0.15 makes of a sun of 6.8e-5 sr: half of its share of the samples is lost. */
+/* b = 0.45 makes of one of our pixels, 0.0019 sr, about what 0.15 makes of a sun of 6.8e-5 sr: half of its share of the
+ * samples is lost. */
 static void E20_the_unweighted_density_takes_light_from_the_sun_and_gives_it_to_the_sky(void **state)
 {
     const double b = 0.45;
@@ -235,7 +237,8 @@ static void E21_L_ns_from_other_candidates_is_biased_at_small_M(void **state)
         s.as_printed = BIS_E21;
         lit_run(m, &l, &s, 20000, SEED);
         stat_assert_not_mean("E21_printed", SEED, &m[0], 0.5, alpha());
-        /* none of M directions on the sphere lies above the horizon: black, although L_ns is 1 elsewhere; else a visible half of what is above */
+        /* none of M directions on the sphere lies above the horizon: black, although L_ns is 1 elsewhere; else a
+         * visible half of what is above */
         stat_assert_mean("E21_product", SEED, &m[0], 0.5 * (1 - pow(0.5, M)), alpha());
     }
     bis_light_free(light);
@@ -350,7 +353,8 @@ static bool is_low(const bis_accel *a, const ray *r)
     return r->d.z < 0.5f;
 }
 
-/* Light comes from above 30 degrees alone: 3/4 of a diffuse surface's. Acceptance min(1, 4 pi cos theta) is nearly uniform:
+/* Light comes from above 30 degrees alone: 3/4 of a diffuse surface's. Acceptance min(1, 4 pi cos theta) is nearly
+ * uniform:
  * it sees 1/2 / (1 - 1/(8 pi)). */
 static void E27_accepting_against_f_max_does_not_accept_by_the_product(void **state)
 {

@@ -1,4 +1,5 @@
-/* Errors: they fall with the square root of the cost, error bars are true, and furnaces are exact or right in the mean, for every integrator.
+/* Errors: they fall with the square root of the cost, error bars are true, and furnaces are exact or right in the mean,
+ * for every integrator.
  * (Variances against theory: tests/test_enumeration.c.) Family-wise significance 1e-3. */
 #include "bis/phong.h"
 #include "bis/rng.h"
@@ -45,8 +46,8 @@ static bis_settings unbiased(int i, uint32_t scale)
 
 /* ---- convergence ---- */
 
-/* Slope of log RMSE against log cost, cost in candidates and rays as counted, from scales 1, 4 and 16: -1/2, within 0.05 (RMSE of 6000, 3000 and 1500
- * estimates is good to 1 to 2 %, the slope over a factor of 16 to 0.01). */
+/* Slope of log RMSE against log cost, cost in candidates and rays as counted, from scales 1, 4 and 16: -1/2, within
+ * 0.05 (RMSE of 6000, 3000 and 1500 estimates is good to 1 to 2 %, the slope over a factor of 16 to 0.01). */
 static void error_falls_with_the_square_root_of_the_cost_for_every_integrator_E9(void **state)
 {
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
@@ -109,7 +110,8 @@ static void intervals_from_16_replicates_cover_95_percent_of_10000_runs_E32(void
     bis_light_free(light);
 }
 
-/* Twin: the 16 rays of ONE set of 8 candidates taken for replicates. They share the candidates, whose own error no ray sees. */
+/* Twin: the 16 rays of ONE set of 8 candidates taken for replicates. They share the candidates, whose own error no ray
+ * sees. */
 static void intervals_from_the_rays_of_one_set_do_not_cover_E32(void **state)
 {
     enum { M = 8, N = 16, SETS = 2000 };
@@ -188,8 +190,8 @@ static void stopping_by_the_kept_estimates_own_error_is_biased_and_by_that_of_ot
 
 /* ---- furnace ---- */
 
-/* White Phong under a constant light, from head on to 89.9 degrees, by every integrator. The reference is a quadrature of its own (tests/lit.h), held against
- * the closed form head on: (n+1)/(n+2). */
+/* White Phong under a constant light, from head on to 89.9 degrees, by every integrator. The reference is a quadrature
+ * of its own (tests/lit.h), held against the closed form head on: (n+1)/(n+2). */
 static void white_furnace_agrees_with_quadrature_from_0_to_89_9_degrees_for_every_integrator_E23_E33(void **state)
 {
     static const double degrees[] = {0, 45, 80, 89.9};

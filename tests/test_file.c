@@ -1,4 +1,5 @@
-/* file: whole files in, whole files out, and numbers that no locale can change. Files are made below build/test_file/. */
+/* file: whole files in, whole files out, and numbers that no locale can change. Files are made below
+ * build/test_file/. */
 #include "bis/file.h"
 #include "bis/mem.h"
 #include "bis/rng.h"

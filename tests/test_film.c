@@ -1,4 +1,5 @@
-/* film: crops, means, and what the scatter of the passes says about the error. Family-wise significance of the one statistical test: 0.01. */
+/* film: crops, means, and what the scatter of the passes says about the error. Family-wise significance of the one
+ * statistical test: 0.01. */
 #include "bis/film.h"
 #include "bis/mem.h"
 #include "bis/rng.h"
@@ -99,7 +100,8 @@ static void a_film_without_passes_is_black(void **state)
     bis_film_clear(&f);
 }
 
-/* Two grey pixels, passes {1, 3} and {4, 4}: means 2 and 4, m = 3, variance of the first mean 2/2 = 1. relMSE = (1/2) 1/(4 + 9/100). */
+/* Two grey pixels, passes {1, 3} and {4, 4}: means 2 and 4, m = 3, variance of the first mean 2/2 = 1. relMSE = (1/2)
+ * 1/(4 + 9/100). */
 static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
 {
     (void)state;
@@ -159,8 +161,8 @@ static void exposure_does_not_change_the_relative_rmse(void **state)
     for (int s = 1; s < 3; s++) assert_true(fabs(rmse[s] - rmse[0]) < 1e-6 * rmse[0]);
 }
 
-/* A film of 12 x 12 pixels whose means are known and whose noise is uniform, triangular or (heavy) exponential; returns the true relative
- * RMSE of this very picture. */
+/* A film of 12 x 12 pixels whose means are known and whose noise is uniform, triangular or (heavy) exponential; returns
+ * the true relative RMSE of this very picture. */
 static double noisy_film(bis_film *f, uint64_t seed, int passes)
 {
     bis_rng rng;
@@ -186,7 +188,8 @@ static double noisy_film(bis_film *f, uint64_t seed, int passes)
     return sqrt(total);
 }
 
-/* Misses in n renders, when at most 5% of them may miss: mean 0.05 n, 2.33 standard deviations are passed once in a hundred. */
+/* Misses in n renders, when at most 5% of them may miss: mean 0.05 n, 2.33 standard deviations are passed once in a
+ * hundred. */
 static bool too_many_misses(int misses, int n) { return misses > 0.05 * n + 2.33 * sqrt(n * 0.05 * 0.95); }
 
 static void upper_bound_holds_in_95_renders_of_100(void **state)

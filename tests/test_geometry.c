@@ -1,4 +1,5 @@
-/* geometry: meshes become one, quadrics have their boxes, and the surface at a hit lies where exact arithmetic puts it, within its bound;
+/* geometry: meshes become one, quadrics have their boxes, and the surface at a hit lies where exact arithmetic puts it,
+ * within its bound;
  * a shadow ray that starts beside it leaves the surface for good, at every scale. */
 #include "mesh_help.h"
 
@@ -540,7 +541,8 @@ static bis_mesh cube_mesh(void)
     return m;
 }
 
-/* Scales and shifts of a scene; the body's size after a shift by 1e6 must be many ulps (1/16) there, or a mesh is not convex. */
+/* Scales and shifts of a scene; the body's size after a shift by 1e6 must be many ulps (1/16) there, or a mesh is not
+ * convex. */
 static const struct {
     double scale, move;
 } placements[] = {{1, 0}, {1e-6, 0}, {1e6, 0}, {1e3, 1e6}, {1e6, 1e6}, {1e-6, 1}};

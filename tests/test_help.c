@@ -1,7 +1,8 @@
 /* help: nothing that the program knows is missing in its help, and the man page is the same help.
  *
- * What must be there comes from elsewhere: the program's own lists of integrators and layers, the tables of docs/scene-format.md, the options that each
- * command prints. That the search can find something missing is tested on a page with a parameter that nobody has. */
+ * What must be there comes from elsewhere: the program's own lists of integrators and layers, the tables of
+ * docs/scene-format.md, the options that each command prints. That the search can find something missing is tested on a
+ * page with a parameter that nobody has. */
 #include "bis/integrator.h"
 #include "bis/layers.h"
 #include "help.h"
@@ -34,7 +35,8 @@ static bool has_word(const char *text, const char *word, size_t n)
     return false;
 }
 
-/* The names of a section's tables that are not in text: cells `"name"` at the start of a row, `float name` anywhere. Returns the number of names. */
+/* The names of a section's tables that are not in text: cells `"name"` at the start of a row, `float name` anywhere.
+ * Returns the number of names. */
 static int look_for_names(const char *text, const char *page, const char *section, int *n_missing)
 {
     static const char *const types[] = {"`integer ", "`float ", "`string ", "`bool ", "`rgb ", "`point3 ", "`normal ", "| `\"", ", `\""};
@@ -80,7 +82,8 @@ static const char *help_of(program_run *r, const char *topic)
     return r->output;
 }
 
-/* --- what must be there -------------------------------------------------------------------------------------------- */
+/* --- what must be there
+ * -------------------------------------------------------------------------------------------- */
 
 static void every_name_of_the_scene_format_is_in_its_topic(void **state)
 {
@@ -190,7 +193,8 @@ static void an_unknown_topic_is_an_error_that_names_the_nearest(void **state)
     program_expect(&r, 1, "help --man >/dev/full");
 }
 
-/* --- the man page -------------------------------------------------------------------------------------------------- */
+/* --- the man page
+ * -------------------------------------------------------------------------------------------------- */
 
 /* Troff's escapes undone, as far as terms have them. */
 static void unescape(char *text)
@@ -260,7 +264,8 @@ static void the_man_page_is_formatted_without_a_warning_in_80_columns(void **sta
     assert_non_null(strstr(text, "\n       .exr   float32"));
 }
 
-/* --- examples ------------------------------------------------------------------------------------------------------ */
+/* --- examples
+ * ------------------------------------------------------------------------------------------------------ */
 
 /* Small and short. What measures and verifies takes its time; test_trade and test_verify run those. */
 static void the_examples_work(void **state)

@@ -204,8 +204,8 @@ static void a_full_disk_is_named_as_the_reason(void **state)
     bis_image_clear(&image);
 }
 
-/* With the k-th allocation failing, for every k: an error that says so and no pixels, or, where a library can do without that
- * allocation or only a message's text is lost, all is well. ASan looks for leaks. */
+/* With the k-th allocation failing, for every k: an error that says so and no pixels, or, where a library can do
+ * without that allocation or only a message's text is lost, all is well. ASan looks for leaks. */
 static void any_allocation_may_fail_while_reading(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
-/* The conformance files of the shared data: each is read with the pixels that other readers see, or refused, as the table says
- * (made by tests/image_checksums.py; the refused ones were looked at one by one). Of the damaged files none is read. */
+/* The conformance files of the shared data: each is read with the pixels that other readers see, or refused, as the
+ * table says (made by tests/image_checksums.py; the refused ones were looked at one by one). Of the damaged files none
+ * is read. */
 #include "image_help.h"
 
 #include <dirent.h>

@@ -1,5 +1,6 @@
-/* OpenEXR: files made here byte by byte (all layouts, uncompressed), by OpenEXRCore's encoder (compressions that it knows) and by
- * OpenEXR's older C interface (DWA, luminance with chroma); bad files; what the writer leaves in a file. */
+/* OpenEXR: files made here byte by byte (all layouts, uncompressed), by OpenEXRCore's encoder (compressions that it
+ * knows) and by OpenEXR's older C interface (DWA, luminance with chroma); bad files; what the writer leaves in a
+ * file. */
 #include "bis/mem.h"
 #include "image_help.h"
 
@@ -617,7 +618,8 @@ static void no_damage_to_compressed_data_leads_out_of_the_file(void **state)
     }
 }
 
-/* The k-th allocation of ours fails, k = 1, 2, ... Core's go through bis/mem.h, too; those of the older library do not. */
+/* The k-th allocation of ours fails, k = 1, 2, ... Core's go through bis/mem.h, too; those of the older library do
+ * not. */
 static void fail_each_allocation(const char *path)
 {
     long n_failed = 0;

@@ -1,5 +1,5 @@
-/* Radiance .hdr: every orientation and every encoding, written here byte by byte; bad files with their exact messages; the writer
- * against the definition of the nearest RGBE. */
+/* Radiance .hdr: every orientation and every encoding, written here byte by byte; bad files with their exact messages;
+ * the writer against the definition of the nearest RGBE. */
 #include "image_help.h"
 
 #include <setjmp.h>

@@ -50,7 +50,8 @@ static void fill(rgb pixels[W * H], rgb v)
 static void a_given_exposure_and_the_srgb_curve_give_the_bytes(void **state)
 {
     (void)state;
-    /* sRGB of 2^-6 ... 1, from the tables of IEC 61966-2-1: 8 bit code of linear 1/64, 1/8, 1/2; 0.001 lies on the straight part */
+    /* sRGB of 2^-6 ... 1, from the tables of IEC 61966-2-1: 8 bit code of linear 1/64, 1/8, 1/2; 0.001 lies on the
+     * straight part */
     const struct {
         float v;
         double ev;

@@ -1,5 +1,5 @@
-/* Tests of importance: what the tables give is the density that is told, for every map; directions fit it inside the pixels
- * (docs/errata.md E2, E3, E4, E14-E17). */
+/* Tests of importance: what the tables give is the density that is told, for every map; directions fit it inside the
+ * pixels (docs/errata.md E2, E3, E4, E14-E17). */
 #include "bis/importance.h"
 
 #include "bis/mem.h"
@@ -61,7 +61,8 @@ static double *expected_pmf(const bis_envmap *em, double b, bool compensate)
     return pmf;
 }
 
-/* The table's implied pmf is pdf * dO to 1e-8, and both are the expected pmf: to the rounding of the float area factors where b > 0. */
+/* The table's implied pmf is pdf * dO to 1e-8, and both are the expected pmf: to the rounding of the float area factors
+ * where b > 0. */
 static void check_tables(const bis_envmap *em, const char *what)
 {
     const double exponents[] = {0, 0.15};
@@ -181,7 +182,8 @@ static void a_map_without_light_draws_nothing(void **state)
 typedef enum drawing { ALIAS, CDF, CURVE } drawing;
 typedef enum twin { RIGHT, NO_SOLID_ANGLE, CENTRE_ONLY, UPSIDE_DOWN, NO_AREA } twin;
 
-/* A dim background with black pixels and a black row; lamps of one pixel, 0.0007 sr, near both poles; lights at the seam. */
+/* A dim background with black pixels and a black row; lamps of one pixel, 0.0007 sr, near both poles; lights at the
+ * seam. */
 static bis_envmap chi_square_map(void)
 {
     bis_envmap em = map_random(80, 40, 0.5, 0.15, 3);

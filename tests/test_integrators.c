@@ -1,5 +1,6 @@
 /* integrators: every estimator against brute force (tests/lit.h), and the cases where the answer is exact.
- * Family-wise significance of this file 1e-3, three channels a test. What is biased by design, and the twins, are in test_sir.c, test_rejection.c. */
+ * Family-wise significance of this file 1e-3, three channels a test. What is biased by design, and the twins, are in
+ * test_sir.c, test_rejection.c. */
 #include "bis/mem.h"
 #include "bis/microfacet.h"
 #include "bis/phong.h"
@@ -39,8 +40,8 @@ static bis_material glossy(void)
 
 /* ---- unbiased ---- */
 
-/* What the configurations run through: light, material, occluder. Each configuration takes the next of the 24 (2 maps, b = 0 and 0.15, 3 materials, 2
- * occluders), so that all pairs with the integrators' own parameters occur. */
+/* What the configurations run through: light, material, occluder. Each configuration takes the next of the 24 (2 maps,
+ * b = 0 and 0.15, 3 materials, 2 occluders), so that all pairs with the integrators' own parameters occur. */
 typedef struct setting {
     bis_light *lights[4];
     lit points[24];
@@ -164,7 +165,8 @@ static void every_integrator_is_unbiased_for_microfacets_too(void **state)
     for (int i = 0; i < 2; i++) bis_light_free(lights[i]);
 }
 
-/* Twin: the balance heuristic with half of each density, (q_em + q_brdf)/2, is right only when both techniques draw equally many. */
+/* Twin: the balance heuristic with half of each density, (q_em + q_brdf)/2, is right only when both techniques draw
+ * equally many. */
 static void balance_heuristic_needs_the_counts(void **state)
 {
     enum { N_EM = 1, N_BRDF = 3 };
@@ -377,7 +379,8 @@ static void no_ray_is_cast_below_the_geometric_surface_E37(void **state)
     bis_light_free(light);
 }
 
-/* The candidates of a diffuse surface from the BRDF are those of the product: no noise at all under a constant light. */
+/* The candidates of a diffuse surface from the BRDF are those of the product: no noise at all under a constant
+ * light. */
 static void constant_light_on_open_diffuse_plane_is_exact_from_the_brdf_and_right_in_the_mean_for_all(void **state)
 {
     bis_light *light = lit_new_light(LIT_CONSTANT, 2, 0, false);
@@ -407,7 +410,8 @@ static void constant_light_on_open_diffuse_plane_is_exact_from_the_brdf_and_righ
     bis_light_free(light);
 }
 
-/* E1: the table covers the sphere; whoever drops directions below the horizon instead of counting them gets twice the truth here. */
+/* E1: the table covers the sphere; whoever drops directions below the horizon instead of counting them gets twice the
+ * truth here. */
 static void directions_below_the_horizon_count_E1(void **state)
 {
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
@@ -532,7 +536,8 @@ static void first_and_last_random_numbers_are_survived(void **state)
     bis_light_free(lights[1]);
 }
 
-/* Radiance from 1e-36 to 1e36 and exponents to 1e8: f Le alone would overflow a float. Estimates scale with the light. */
+/* Radiance from 1e-36 to 1e36 and exponents to 1e8: f Le alone would overflow a float. Estimates scale with the
+ * light. */
 static void radiance_of_1e36_and_exponents_of_1e8_stay_finite(void **state)
 {
     static const double scales[] = {1e-38, 1e-30, 1, 1e30, 1e35}, more[] = {0, 50, 1e5, 1e8};

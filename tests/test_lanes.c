@@ -1,5 +1,6 @@
-/* lanes: functions against the C library in long double, points against Hilbert's curve by another road, pixels against the direction that they were
- * found for, and the same bits from every instruction set. Family-wise significance 1e-3 over all statistical tests here. */
+/* lanes: functions against the C library in long double, points against Hilbert's curve by another road, pixels against
+ * the direction that they were found for, and the same bits from every instruction set. Family-wise significance 1e-3
+ * over all statistical tests here. */
 #include "bis/lanes.h"
 
 #include "bis/curve.h"
@@ -26,8 +27,8 @@ static double alpha(void) { return bis_stats_sidak(1e-3, 2 * 7 + 2 + 2 + 2); }
 
 /* ---- functions ---- */
 
-/* The largest error over floats from `first` to `last` (>= 0), every `step`-th of them and all of the last thousand: relative to the truth, or absolute. Where the truth is 0,
- * an error is infinite in relation to it. */
+/* The largest error over floats from `first` to `last` (>= 0), every `step`-th of them and all of the last thousand:
+ * relative to the truth, or absolute. Where the truth is 0, an error is infinite in relation to it. */
 static double worst(float (*f)(float), long double (*truth)(long double), float first, float last, int step, bool relative)
 {
     const int32_t end = bis_bits_of_float(last);
@@ -169,7 +170,8 @@ static void atan2_is_good_to_4e_7_at_every_radius_and_on_the_axes(void **state)
 
 enum { LEVELS = 12, SIDE = 1 << LEVELS, CELLS = SIDE * SIDE };
 
-/* The cell's number on Hilbert's curve: quadrant by quadrant from the largest, turning the square so that each begins at its lower left. */
+/* The cell's number on Hilbert's curve: quadrant by quadrant from the largest, turning the square so that each begins
+ * at its lower left. */
 static uint32_t place_on_curve(uint32_t x, uint32_t y)
 {
     uint32_t d = 0;
@@ -299,14 +301,16 @@ static void points_are_uniform_in_the_square_and_inside_the_last_cells(void **st
     }
 }
 
-/* Twin: (i + u)/n in float. Where i >= 2^k, i + u has 23 - k bits left for u: of the 2^24/n cells of a part, up to half are never drawn. */
+/* Twin: (i + u)/n in float. Where i >= 2^k, i + u has 23 - k bits left for u: of the 2^24/n cells of a part, up to half
+ * are never drawn. */
 static uint32_t rounded_cell(uint32_t i, uint32_t n, bis_rng *r)
 {
     const float u = (float)(bis_rng_u64(r) >> 40) * 0x1p-24f, t = ((float)i + u) * (1 / (float)n);
     return (uint32_t)(t * 0x1p24f);
 }
 
-/* How often a cell of the n-ths from `first` on was drawn, in `sets` sets; the chi-square of that, with as many cells as degrees of freedom. */
+/* How often a cell of the n-ths from `first` on was drawn, in `sets` sets; the chi-square of that, with as many cells
+ * as degrees of freedom. */
 static double dispersion(uint32_t n, uint32_t first, uint32_t sets, bool twin, double *dof)
 {
     const uint32_t start = (uint32_t)ceil((double)CELLS * first / n), size = CELLS - start;
@@ -386,8 +390,8 @@ static vec3 hard_direction(const bis_envmap *em, uint32_t i, bis_rng *r)
     return vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
 }
 
-/* The largest distance of a direction from its pixel, and what share of the uniform ones gets another pixel than by bis_envmap_pixel. The axes are those of `found` while looking
- * for pixels, of `axis` in truth. */
+/* The largest distance of a direction from its pixel, and what share of the uniform ones gets another pixel than by
+ * bis_envmap_pixel. The axes are those of `found` while looking for pixels, of `axis` in truth. */
 static double farthest(const bis_envmap *em, const vec3 axis[3], const vec3 found[3], uint32_t n, double *differ)
 {
     float *memory = bis_alloc(BIS_LANES_ARRAYS * (size_t)n, sizeof *memory);

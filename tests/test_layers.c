@@ -1,5 +1,5 @@
-/* layers: what a film carries beside its colours is what its name says, and costs only those who ask. Family-wise significance of the statistical
- * tests: 0.01. */
+/* layers: what a film carries beside its colours is what its name says, and costs only those who ask. Family-wise
+ * significance of the statistical tests: 0.01. */
 #include "bis/mem.h"
 #include "bis/rng.h"
 #include "bis/stats.h"
@@ -41,7 +41,8 @@ static double sum_of(const float *plane, const bis_film *f)
     return sum;
 }
 
-/* --- names --------------------------------------------------------------------------------------------------------- */
+/* --- names
+ * --------------------------------------------------------------------------------------------------------- */
 
 static void every_layer_is_found_by_its_name_and_all_are_all(void **state)
 {
@@ -77,7 +78,8 @@ static void channels_have_names_that_an_EXR_can_hold_and_no_name_twice(void **st
     bis_film_clear(&f);
 }
 
-/* --- cost ---------------------------------------------------------------------------------------------------------- */
+/* --- cost
+ * ---------------------------------------------------------------------------------------------------------- */
 
 static void without_layers_there_is_no_memory_and_no_channel(void **state)
 {
@@ -133,7 +135,8 @@ static void layers_have_the_same_bits_for_any_number_of_threads(void **state)
     clear_world(&w);
 }
 
-/* --- values -------------------------------------------------------------------------------------------------------- */
+/* --- values
+ * -------------------------------------------------------------------------------------------------------- */
 
 static void counts_of_pixels_add_up_to_the_counts_of_the_render(void **state)
 {
@@ -154,7 +157,8 @@ static void counts_of_pixels_add_up_to_the_counts_of_the_render(void **state)
     }
 }
 
-/* Through pixel centres the floor's depth, normal and albedo are known; the camera stands at z = -3 and looks along +z. */
+/* Through pixel centres the floor's depth, normal and albedo are known; the camera stands at z = -3 and looks along
+ * +z. */
 static void depth_normal_and_albedo_are_those_of_the_floor(void **state)
 {
     (void)state;
@@ -181,7 +185,8 @@ static void depth_normal_and_albedo_are_those_of_the_floor(void **state)
     clear_world(&w);
 }
 
-/* The ball, the camera turned and moved: normals and depths are the camera's. At the ball's nearest point the normal looks back at the camera. */
+/* The ball, the camera turned and moved: normals and depths are the camera's. At the ball's nearest point the normal
+ * looks back at the camera. */
 static void normals_and_depths_turn_with_the_camera(void **state)
 {
     (void)state;
@@ -204,7 +209,8 @@ static void normals_and_depths_turn_with_the_camera(void **state)
     clear_world(&w);
 }
 
-/* L_ns by the integrator's own road, against integrator `unoccluded`, in the mean over the picture (its standard error is 0.3%), and V = L/L_ns. */
+/* L_ns by the integrator's own road, against integrator `unoccluded`, in the mean over the picture (its standard error
+ * is 0.3%), and V = L/L_ns. */
 static void unoccluded_is_L_ns_and_visibility_is_L_over_L_ns(void **state)
 {
     (void)state;
@@ -242,9 +248,11 @@ static void unoccluded_is_L_ns_and_visibility_is_L_over_L_ns(void **state)
     }
 }
 
-/* --- error bars ---------------------------------------------------------------------------------------------------- */
+/* --- error bars
+ * ---------------------------------------------------------------------------------------------------- */
 
-/* One pixel, passes 1 and 3: s = sqrt 2, standard error 1, t(0.975, 1) = tan(0.475 pi) = 12.706. Passes 1, 3, 5: s = 2, 2/sqrt 3, t(0.975, 2) = 4.30265. */
+/* One pixel, passes 1 and 3: s = sqrt 2, standard error 1, t(0.975, 1) = tan(0.475 pi) = 12.706. Passes 1, 3, 5: s = 2,
+ * 2/sqrt 3, t(0.975, 2) = 4.30265. */
 static void error_bars_are_what_the_formulas_give_by_hand(void **state)
 {
     (void)state;
@@ -350,7 +358,8 @@ static void intervals_cover_93_to_97_percent_of_a_rendered_picture(void **state)
     clear_world(&w);
 }
 
-/* --- memory -------------------------------------------------------------------------------------------------------- */
+/* --- memory
+ * -------------------------------------------------------------------------------------------------------- */
 
 static void every_failing_allocation_is_reported_and_leaves_nothing(void **state)
 {

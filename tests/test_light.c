@@ -1,4 +1,5 @@
-/* Tests of light: the frame, the trio Le, sample, pdf in world space, constants, and everything that a scene can say wrong about a map. */
+/* Tests of light: the frame, the trio Le, sample, pdf in world space, constants, and everything that a scene can say
+ * wrong about a map. */
 #include "bis/light.h"
 
 #include "bis/mem.h"
@@ -263,7 +264,8 @@ static bis_image grey(int width, int height, float value)
     return image;
 }
 
-/* Load image as a light; expect this status and this exact last message (NULL: none at all). %s in the message is the path. */
+/* Load image as a light; expect this status and this exact last message (NULL: none at all). %s in the message is the
+ * path. */
 static bis_light *load(bis_image image, bis_light_desc desc, bis_status expected, const char *message)
 {
     char text[1024], path[64];

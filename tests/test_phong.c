@@ -1,4 +1,5 @@
-/* phong: the model of thesis 3.5 against closed forms and quadrature that share no code with it (pow, long double, other coordinates).
+/* phong: the model of thesis 3.5 against closed forms and quadrature that share no code with it (pow, long double,
+ * other coordinates).
  * Family-wise significance of this file 1e-3; each statistical test runs at Sidak's share of it. */
 #include "bis/phong.h"
 #include "bis/rng.h"
@@ -174,7 +175,8 @@ static void mixture_of_lobes_is_drawn_with_its_density_E35(void **state)
 
 /* ---- quadrature over the sphere about the lobe's axis ---- */
 
-/* Integral of g over the sphere: panels in 1 - cos alpha that grow geometrically from the lobe's core, so that any exponent is resolved. */
+/* Integral of g over the sphere: panels in 1 - cos alpha that grow geometrically from the lobe's core, so that any
+ * exponent is resolved. */
 static double integrate(const bis_bsdf *b, double n, double (*g)(const bis_bsdf *b, vec3 wi, double one_minus_cos), int n_phi)
 {
     static const double node[3] = {0.1127016653792583, 0.5, 0.8872983346207417}, mass[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
@@ -351,7 +353,8 @@ static void mean_of_1_minus_cos_is_1_over_n_plus_2_E36(void **state)
     }
 }
 
-/* In float a direction is good to about 1e-7 radians; the lobe's logarithm has the slope n tan alpha, of order sqrt(n) inside the lobe. */
+/* In float a direction is good to about 1e-7 radians; the lobe's logarithm has the slope n tan alpha, of order sqrt(n)
+ * inside the lobe. */
 static void density_of_own_sample_is_good_to_1e_9_and_from_the_float_direction_to_1e_7_sqrt_n_E36(void **state)
 {
     enum { N = 20000 };
@@ -529,7 +532,8 @@ static void no_lobe_that_reflects_has_probability_0(void **state)
     assert_true(b.p_specular == 1);
 }
 
-/* f of such a material would be a denormal float, rounded up by a half: more than rejection's bound of f cos/q, which then ends the program by its assert. */
+/* f of such a material would be a denormal float, rounded up by a half: more than rejection's bound of f cos/q, which
+ * then ends the program by its assert. */
 static void reflectance_below_1e_20_is_black(void **state)
 {
     const bis_material m = bis_phong(grey(1e-45), (rgb){1e-45f, 1e-30f, 1e-19f}, 2.5);

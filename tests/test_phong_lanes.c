@@ -1,4 +1,5 @@
-/* phong_lanes: weights, colours and draws of many directions at once against phong.c in double, one by one. Family-wise significance 1e-3. */
+/* phong_lanes: weights, colours and draws of many directions at once against phong.c in double, one by one. Family-wise
+ * significance 1e-3. */
 #include "phong_lanes.h"
 
 #include "bis/mem.h"
@@ -38,7 +39,8 @@ static void seen_from(bis_bsdf *b, const bis_material *m, double degrees)
     bis_bsdf_init(b, m, about_n.z, normalize(to_world(&about_n, vec3_from(sin(t) * 0.6, sin(t) * 0.8, cos(t)))));
 }
 
-/* Directions within the lobe and far out of it, next to both horizons, on the axes, everywhere; radiance over 24 decades, some of it black in a channel or in all. */
+/* Directions within the lobe and far out of it, next to both horizons, on the axes, everywhere; radiance over 24
+ * decades, some of it black in a channel or in all. */
 static void fill(const bis_lanes *l, uint32_t n, const bis_bsdf *b, uint64_t seed)
 {
     const double width = 1 / sqrt(b->material->exponent + 1);
@@ -244,7 +246,8 @@ static void colours_are_F_over_phat_and_sum_to_1(void **state)
 
 /* ---- draws ---- */
 
-/* Rings about the lobe's axis: equal shares of the lobe, then what is left down to 90 and to 180 degrees; each in 16 pieces. */
+/* Rings about the lobe's axis: equal shares of the lobe, then what is left down to 90 and to 180 degrees; each in 16
+ * pieces. */
 enum { N_PHI = 16, N_LOBE = 16, N_OUTER = 8, N_RINGS = N_LOBE + 2 * N_OUTER - 1, N_CELLS = N_RINGS * N_PHI, N_DRAWS = 1 << 16 };
 
 static void ring_edges(double x[N_RINGS + 1], double n)

@@ -1,4 +1,5 @@
-/* Tests of `bis pixel`: its figures against brute force and against the definitions, what it overhears against the integrators, then the command itself.
+/* Tests of `bis pixel`: its figures against brute force and against the definitions, what it overhears against the
+ * integrators, then the command itself.
  * Statistical tests: 5e-3 for all of this file together. */
 #include "pixel.h"
 
@@ -29,7 +30,8 @@ static vec3 slanted(void) { return normalize((vec3){0.3f, -0.4f, 0.8f}); }
 
 /* ---- the truth ---- */
 
-/* p of the difference from brute force in r, g, b and their sum, the least of the four; brute force itself is good to `slack` of the value. */
+/* p of the difference from brute force in r, g, b and their sum, the least of the four; brute force itself is good to
+ * `slack` of the value. */
 static double p_of(const bis_pixel_value *v, rgbd truth, double slack)
 {
     const double expected[4] = {truth.r, truth.g, truth.b, rgbd_sum(truth)};
@@ -76,7 +78,8 @@ static void a_long_mis_stands_in_for_huge_maps(void **state)
     bis_light_free(light);
 }
 
-/* Below the surface but above the shading horizon: light that eq. 4.5 has and eq. 4.1 has not, by the sum and by mis. */
+/* Below the surface but above the shading horizon: light that eq. 4.5 has and eq. 4.1 has not, by the sum and by
+ * mis. */
 static void what_the_surface_itself_hides_is_hidden_and_in_L_ns(void **state)
 {
     (void)state;
@@ -94,7 +97,8 @@ static void what_the_surface_itself_hides_is_hidden_and_in_L_ns(void **state)
     bis_light_free(light);
 }
 
-/* Over many seeds the sum scatters as its standard error says: chi-square of (x - truth)^2/se^2. The twin's errors are twice as large. */
+/* Over many seeds the sum scatters as its standard error says: chi-square of (x - truth)^2/se^2. The twin's errors are
+ * twice as large. */
 static void the_standard_error_of_exact_is_honest(void **state)
 {
     (void)state;
@@ -301,7 +305,8 @@ static void effective_sample_size_is_M_for_equal_weights_and_1_for_one(void **st
     bis_light_free(light);
 }
 
-/* No light above the horizon: nothing weighs, nothing is chosen, and all figures are numbers or say that they are none. */
+/* No light above the horizon: nothing weighs, nothing is chosen, and all figures are numbers or say that they are
+ * none. */
 static void candidates_without_weight_are_told(void **state)
 {
     (void)state;
@@ -460,7 +465,8 @@ static void plots_show_map_brdf_product_and_shadow(void **state)
     for (int i = 0; i < densities.width * densities.height; i++) {
         assert_true(rgb_is_finite(densities.pixels[i]) && densities.pixels[i].r >= 0 && rgb_max(densities.pixels[i]) <= 1.0001);
     }
-    /* the map shines from everywhere, the BRDF reflects only from above its horizon, and y > 0, the left half, is hidden */
+    /* the map shines from everywhere, the BRDF reflects only from above its horizon, and y > 0, the left half, is
+     * hidden */
     assert_true(lightness(&densities, 0, 0, 0, 1, 0.9, 1) > 0.02);
     assert_true(lightness(&densities, 1, 0, 0, 1, 0.9, 1) < 0.005);
     assert_true(lightness(&densities, 1, 0, 0, 1, 0.1, 0.3) > 0.02);
@@ -529,7 +535,8 @@ static void every_allocation_may_fail(void **state)
 #define DIR "build/test_pixel"
 #define SCENE DIR "/scene.txt"
 
-/* From above, orthographic, a film of 8 x 4, x to the left: nothing in the upper left corner, then a triangle, a sphere, and two triangles of a square. */
+/* From above, orthographic, a film of 8 x 4, x to the left: nothing in the upper left corner, then a triangle, a
+ * sphere, and two triangles of a square. */
 static void write_scene(const char *path, const char *light, const char *more)
 {
     char text[4096];

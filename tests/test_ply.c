@@ -63,8 +63,8 @@ static void put_number(bytes *b, double v, const char *type, bool big)
     for (size_t i = 0; i < n; i++) put(b, &raw[big ? n - 1 - i : i], 1);
 }
 
-/* A binary square as one quad: coordinates times 4 (whole numbers) of type `coordinate`, a scalar in the middle, lists before and
- * behind the indices. */
+/* A binary square as one quad: coordinates times 4 (whole numbers) of type `coordinate`, a scalar in the middle, lists
+ * before and behind the indices. */
 static bytes binary_square(bool big, const char *coordinate, const char *count, const char *index)
 {
     bytes b = {0};
@@ -193,8 +193,8 @@ static void normals_are_read_and_broken_ones_stand_for_the_faces(void **state)
     bis_mesh_clear(&m);
 }
 
-/* Behind "end_header\r\n" both bytes belong to the line's end; behind "end_header\n" a first byte \n belongs to the body, and behind
- * "end_header\r" it does where all lines end so. */
+/* Behind "end_header\r\n" both bytes belong to the line's end; behind "end_header\n" a first byte \n belongs to the
+ * body, and behind "end_header\r" it does where all lines end so. */
 static void every_line_end_leaves_a_body_that_begins_with_a_newline_alone(void **state)
 {
     static const char *const ends[] = {"\n", "\r\n", "\r"};

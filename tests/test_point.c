@@ -1,4 +1,5 @@
-/* point: many shadow rays at once see what they see one by one, on both backends, among triangles and quadrics; and they are counted. */
+/* point: many shadow rays at once see what they see one by one, on both backends, among triangles and quadrics; and
+ * they are counted. */
 #include "mesh_help.h"
 
 #include "bis/accel.h"

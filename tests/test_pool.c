@@ -28,8 +28,9 @@ static bis_settings sir(bis_proposal proposal, uint32_t M, uint32_t N)
     return s;
 }
 
-/* Every set has one direction in each M-th of the importance: the sets' directions number i all lie in the same piece of the curve, so
- * the i-th of all sets together, drawn often, fill the map as its density says. Count by quarter of the sphere. */
+/* Every set has one direction in each M-th of the importance: the sets' directions number i all lie in the same piece
+ * of the curve, so the i-th of all sets together, drawn often, fill the map as its density says. Count by quarter of
+ * the sphere. */
 static void directions_of_a_set_have_the_density_of_the_light(void **state)
 {
     enum { M = 40, FILLS = 20, BINS = 8 };
@@ -61,7 +62,8 @@ static void directions_of_a_set_have_the_density_of_the_light(void **state)
     bis_light_free(light);
 }
 
-/* Estimates by sir with pools; several points share a pool, as in a picture, and their mean is one value. spoil: a wrong pool, for twins. */
+/* Estimates by sir with pools; several points share a pool, as in a picture, and their mean is one value. spoil: a
+ * wrong pool, for twins. */
 static void run_with_pools(stat_moments m[4], lit *l, const bis_settings *s, void (*spoil)(bis_pool *))
 {
     bis_scratch scratch;

@@ -1,6 +1,7 @@
-/* Estimators x parameters: the mean of each agrees with brute force (tests/lit.h) for every combination of method, M in {1, 2, 8, 64, 800}, N in {1, 15},
- * b in {0, 0.15}, occluded, half occluded and open points, grey and coloured, three materials, four point sets. `make test` runs a set of
- * combinations in which every pair of values of two parameters occurs; BIS_LONG=1 (make test-long) runs the full product, with more runs each.
+/* Estimators x parameters: the mean of each agrees with brute force (tests/lit.h) for every combination of method, M in
+ * {1, 2, 8, 64, 800}, N in {1, 15}, b in {0, 0.15}, occluded, half occluded and open points, grey and coloured, three
+ * materials, four point sets. `make test` runs a set of combinations in which every pair of values of two parameters
+ * occurs; BIS_LONG=1 (make test-long) runs the full product, with more runs each.
  * Biased settings: tests/test_enumeration.c. Family-wise significance 1e-3, of the full product. */
 #include "bis/mem.h"
 #include "bis/phong.h"
@@ -101,8 +102,8 @@ static int new_pairs(const pairs *p, const combination *c, int factor, int value
     return n;
 }
 
-/* Greedy: begin with a pair that is missing, give every other parameter the value that adds most new pairs; of equals, another one each time, or
- * the first values would be combined with each other over and over. */
+/* Greedy: begin with a pair that is missing, give every other parameter the value that adds most new pairs; of equals,
+ * another one each time, or the first values would be combined with each other over and over. */
 static int make_cover(combination cover[MAX_COVER])
 {
     pairs *p = bis_alloc(1, sizeof *p);
@@ -158,8 +159,8 @@ static void every_pair_of_values_is_in_the_covering_set_and_none_is_idle(void **
 
 /* ---- running them ---- */
 
-/* Lights by b and colour; points by material, visibility, colour and b with their truths. Contrast 100 and a sun of 6 % of the flux: so the mean of
- * every estimator is near enough to normal for a z-test at the runs that we give it. */
+/* Lights by b and colour; points by material, visibility, colour and b with their truths. Contrast 100 and a sun of 6 %
+ * of the flux: so the mean of every estimator is near enough to normal for a z-test at the runs that we give it. */
 typedef struct stage {
     bis_light *lights[2][2];
     lit points[3][3][2][2];
@@ -238,7 +239,8 @@ static bis_settings settings_of(const method *m, uint32_t M, uint32_t N)
     return s;
 }
 
-/* As lit_run, with a pool of one set, drawn anew for each estimate: sets shared between estimates are tests/test_pool.c's. */
+/* As lit_run, with a pool of one set, drawn anew for each estimate: sets shared between estimates are
+ * tests/test_pool.c's. */
 static void run_pooled(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, uint64_t seed)
 {
     bis_scratch scratch;
@@ -292,7 +294,8 @@ static void check(stage *s, const combination *c, uint32_t effort, double alpha)
     if (v[HIDDEN] == LIT_ALL) assert_true(m[3].mean == 0 && m[3].m2 == 0);
 }
 
-/* Of all in the full product: 19 methods, M, N, b, 2 points with light, 2 colours, 3 materials, 4 point sets, 3 channels. */
+/* Of all in the full product: 19 methods, M, N, b, 2 points with light, 2 colours, 3 materials, 4 point sets, 3
+ * channels. */
 static double alpha(void) { return bis_stats_sidak(1e-3, 3 * N_METHODS * 5 * 2 * 2 * 2 * 2 * 3 * 4); }
 
 static void means_agree_with_brute_force_for_every_pair_of_values(void **state)
@@ -306,8 +309,8 @@ static void means_agree_with_brute_force_for_every_pair_of_values(void **state)
     free_stage(s);
 }
 
-/* A parameter that a method does not read is not varied: M for em, brdf, mis and exact; N and visibility for unoccluded; b for what draws nothing from
- * the map. The materials and point sets take turns. */
+/* A parameter that a method does not read is not varied: M for em, brdf, mis and exact; N and visibility for
+ * unoccluded; b for what draws nothing from the map. The materials and point sets take turns. */
 static bool is_idle(const combination *c)
 {
     const method *by = &methods[c->value[METHOD]];

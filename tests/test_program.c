@@ -1,5 +1,5 @@
-/* The program itself: options in, files and exit status out, SPEC 5. The scene is made here; what is looked at is read back by the library
- * (which has tests of its own) and, for EXR headers, by OpenEXR. */
+/* The program itself: options in, files and exit status out, SPEC 5. The scene is made here; what is looked at is read
+ * back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
 #include "bis/compare.h"
 
 #include "json_check.h"
@@ -75,7 +75,8 @@ static double relmse(const char *path_a, const char *path_b)
     return c.relmse;
 }
 
-/* --- rendering ----------------------------------------------------------------------------------------------------- */
+/* --- rendering
+ * ----------------------------------------------------------------------------------------------------- */
 
 static void a_scene_renders_to_the_file_it_names(void **state)
 {
@@ -136,7 +137,8 @@ static void exposure_makes_a_png_brighter(void **state)
     assert_true(dark.st_size < bright.st_size / 2); /* all black compresses well */
 }
 
-/* --- EXR ----------------------------------------------------------------------------------------------------------- */
+/* --- EXR
+ * ----------------------------------------------------------------------------------------------------------- */
 
 static exr_context_t open_exr(const char *path)
 {
@@ -281,7 +283,8 @@ static void a_crop_keeps_the_display_window_and_the_pixels(void **state)
     bis_image_clear(&full);
 }
 
-/* --- statistics ---------------------------------------------------------------------------------------------------- */
+/* --- statistics
+ * ---------------------------------------------------------------------------------------------------- */
 
 static void stats_are_json_with_exactly_the_keys_of_the_contract(void **state)
 {
@@ -396,7 +399,8 @@ static void a_time_budget_renders_for_a_while_and_says_how_much(void **state)
     assert_string_equal(json_value(value, sizeof value, r.output, "spp"), "1");
 }
 
-/* SPEC 1: the energy before and after is printed. A probe of constant radiance 1: 3 x 4 pi, whatever its corners hold. */
+/* SPEC 1: the energy before and after is printed. A probe of constant radiance 1: 3 x 4 pi, whatever its corners
+ * hold. */
 static void a_light_probe_tells_its_energy_before_and_after(void **state)
 {
     (void)state;
@@ -427,7 +431,8 @@ static void an_option_without_effect_is_a_warning(void **state)
     assert_string_equal(r.messages, "");
 }
 
-/* --- plan ---------------------------------------------------------------------------------------------------------- */
+/* --- plan
+ * ---------------------------------------------------------------------------------------------------------- */
 
 static void plan_renders_and_writes_nothing(void **state)
 {
@@ -440,7 +445,8 @@ static void plan_renders_and_writes_nothing(void **state)
     assert_int_equal(program_count_files(DIR), before);
 }
 
-/* --- mistakes ------------------------------------------------------------------------------------------------------ */
+/* --- mistakes
+ * ------------------------------------------------------------------------------------------------------ */
 
 /* Exit status, a part of the message; nothing is written, standard output stays empty. */
 static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
@@ -556,7 +562,8 @@ static void one_file_that_fails_does_not_lose_the_others(void **state)
     assert_true(program_exists(DIR "/saved.png"));
 }
 
-/* --- interruption -------------------------------------------------------------------------------------------------- */
+/* --- interruption
+ * -------------------------------------------------------------------------------------------------- */
 
 static void a_signal_ends_the_render_and_writes_the_picture(void **state)
 {
@@ -596,7 +603,8 @@ static void a_signal_in_the_first_pass_still_writes_a_picture(void **state)
     assert_true(program_exists(DIR "/first.exr"));
 }
 
-/* --- other commands ------------------------------------------------------------------------------------------------ */
+/* --- other commands
+ * ------------------------------------------------------------------------------------------------ */
 
 static void help_and_version_are_complete_and_fit_80_columns(void **state)
 {

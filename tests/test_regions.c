@@ -1,4 +1,5 @@
-/* Tests of regions: levels by their definition, components against a union of all pairs of neighbours, symmetries (E18, E19). */
+/* Tests of regions: levels by their definition, components against a union of all pairs of neighbours, symmetries (E18,
+ * E19). */
 #include "bis/regions.h"
 
 #include "bis/mem.h"

@@ -1,4 +1,5 @@
-/* regression: files that once led a reader astray, most of them found by `make fuzz`. Each must give what its row says. */
+/* regression: files that once led a reader astray, most of them found by `make fuzz`. Each must give what its row
+ * says. */
 #include "bis/image.h"
 #include "bis/scene.h"
 #include "obj.h"

@@ -1,5 +1,5 @@
-/* rejection: what is accepted is distributed as the product, how many are, and what each estimator and fallback is biased by. The unbiased
- * settings are also in test_integrators.c. Family-wise significance 1e-3. */
+/* rejection: what is accepted is distributed as the product, how many are, and what each estimator and fallback is
+ * biased by. The unbiased settings are also in test_integrators.c. Family-wise significance 1e-3. */
 #include "bis/phong.h"
 #include "bis/rng.h"
 #include "bis/stats.h"

@@ -1,5 +1,6 @@
-/* render: the same bits for any number of threads, any crop, any moment of interruption; budgets; what escaped rays see. The integrators
- * of the library take part in the first test, elsewhere one of our own that does exactly what the test needs. */
+/* render: the same bits for any number of threads, any crop, any moment of interruption; budgets; what escaped rays
+ * see. The integrators of the library take part in the first test, elsewhere one of our own that does exactly what the
+ * test needs. */
 #include "bis/mem.h"
 #include "bis/phong.h"
 
@@ -15,9 +16,11 @@
 #include <math.h>
 #include <stdatomic.h>
 
-/* --- an integrator of our own ---------------------------------------------------------------------------------------- */
+/* --- an integrator of our own
+ * ---------------------------------------------------------------------------------------- */
 
-/* As noise, and the interrupting call number `fuse`. Set by the test before each render: an integrator has no place of its own for state. */
+/* As noise, and the interrupting call number `fuse`. Set by the test before each render: an integrator has no place of
+ * its own for state. */
 static atomic_long calls, fuse;
 static volatile sig_atomic_t flag;
 
@@ -29,7 +32,8 @@ static rgb fuse_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
 
 static const bis_integrator fused = {"fused", "", no_light_needs, no_scratch, fuse_Lo};
 
-/* --- same bits ----------------------------------------------------------------------------------------------------- */
+/* --- same bits
+ * ----------------------------------------------------------------------------------------------------- */
 
 static void any_number_of_threads_gives_the_same_bits_and_counts(void **state)
 {
@@ -128,7 +132,8 @@ static void another_seed_gives_other_noise(void **state)
     clear_world(&w);
 }
 
-/* --- interruption -------------------------------------------------------------------------------------------------- */
+/* --- interruption
+ * -------------------------------------------------------------------------------------------------- */
 
 static void an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39(void **state)
 {
@@ -197,7 +202,8 @@ static void an_interrupted_first_pass_leaves_the_rest_black(void **state)
     clear_world(&w);
 }
 
-/* --- budgets ------------------------------------------------------------------------------------------------------- */
+/* --- budgets
+ * ------------------------------------------------------------------------------------------------------- */
 
 static void spp_is_the_number_of_passes_and_of_camera_rays(void **state)
 {
@@ -302,7 +308,8 @@ static void progress_grows_to_the_whole_budget(void **state)
     clear_world(&w);
 }
 
-/* --- counters ------------------------------------------------------------------------------------------------------ */
+/* --- counters
+ * ------------------------------------------------------------------------------------------------------ */
 
 /* Two triangles seen head on from z = -2 by a camera of 90 degrees: they fill the middle 18 x 10 of 36 x 20 pixels.
  * Under a light from everywhere a white wall's candidates from the BRDF are all alike: with systematic resampling
@@ -359,7 +366,8 @@ static void counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_r
     clear_world(&w);
 }
 
-/* --- what a camera sample sees ------------------------------------------------------------------------------------- */
+/* --- what a camera sample sees
+ * ------------------------------------------------------------------------------------- */
 
 /* The upper rows see the sky: no hit, and the map's radiance in the pixel's direction. */
 static void escaped_rays_see_the_map_where_it_is_visible(void **state)
@@ -440,7 +448,8 @@ static void estimates_that_are_not_finite_are_counted_and_kept_out(void **state)
     clear_world(&w);
 }
 
-/* --- memory -------------------------------------------------------------------------------------------------------- */
+/* --- memory
+ * -------------------------------------------------------------------------------------------------------- */
 
 static void rendering_allocates_nothing(void **state)
 {

@@ -107,7 +107,8 @@ static void streams_are_independent_across_seeds_pixels_samples_and_purposes(voi
     assert_uniform_pairs("rng_pixel_and_sample", pixel_and_sample);
 }
 
-/* The twin: the key is the sum of pixel and sample, unmixed, so that one pixel's next sample is the next pixel's first. */
+/* The twin: the key is the sum of pixel and sample, unmixed, so that one pixel's next sample is the next pixel's
+ * first. */
 static void sum_key(double u[2], uint64_t k)
 {
     uint64_t pixel = k / 2, sample = k % 2;

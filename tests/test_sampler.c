@@ -1,4 +1,5 @@
-/* sampler: each point is uniform by itself, each set is as even as its kind promises, and different sets are independent.
+/* sampler: each point is uniform by itself, each set is as even as its kind promises, and different sets are
+ * independent.
  * Statistical tests: 48 at most; family-wise significance 0.01. */
 #include "bis/curve.h"
 #include "bis/sampler.h"
@@ -63,7 +64,8 @@ static void every_point_of_every_kind_is_uniform_over_the_pixels(void **state)
         for (uint32_t pixel = 0; pixel < pixels; pixel++) {
             points_of(&p, pixel, 4, 1, n, u);
             camera_of(&p, pixel, 4, c);
-            /* stratified points are uniform in their part of the curve: one of the set, at random, is uniform in all of it */
+            /* stratified points are uniform in their part of the curve: one of the set, at random, is uniform in all of
+             * it */
             uint32_t any = kind == BIS_SAMPLER_STRATIFIED ? (uint32_t)(bis_hash(pixel + 1) % n) : 0;
             for (int i = 0; i < 3; i++)
                 count(observed[i], u[(sizes[i] + any) % n][0], u[(sizes[i] + any) % n][1]);
@@ -335,9 +337,9 @@ static double of_another_pixels_camera(const bis_sampler *p, uint64_t pixel, uin
     return of_camera(p, pixel + 1000, sample);
 }
 
-/* The error of a mean over two dims falls as for random numbers, sqrt(1/4 / spp); Burley's order pairs neighbours two by two, so we
- * grant twice the variance and 4 standard errors of the rms of 200. Scrambling alone does not do it: see the twin,
- * two scramblings of one sequence in the same order, as halton's camera samples of two pixels are. */
+/* The error of a mean over two dims falls as for random numbers, sqrt(1/4 / spp); Burley's order pairs neighbours two
+ * by two, so we grant twice the variance and 4 standard errors of the rms of 200. Scrambling alone does not do it: see
+ * the twin, two scramblings of one sequence in the same order, as halton's camera samples of two pixels are. */
 static void two_dims_of_one_pixel_fill_the_square_together(void **state)
 {
     (void)state;
@@ -368,8 +370,9 @@ static double rms_error(bis_sampler_kind kind, uint32_t n, int runs)
     return sqrt(square);
 }
 
-/* Error by the number of points, for a smooth integrand, between N = 64 and N = 4096: N^-1/2 at random, N^-1 stratified by
- * cells, N^-3/2 scrambled nets (Owen 1997), of which sobol's sets are one and halton's a sum of log N; the random one by its variance, in closed form. */
+/* Error by the number of points, for a smooth integrand, between N = 64 and N = 4096: N^-1/2 at random, N^-1 stratified
+ * by cells, N^-3/2 scrambled nets (Owen 1997), of which sobol's sets are one and halton's a sum of log N; the random
+ * one by its variance, in closed form. */
 static void the_error_falls_with_the_exponent_of_its_kind(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
-/* sir: what is special about resampling: the degenerate case, the variance, the repeats; and the errata of chapter 4 as twins: each is what the
- * thesis prints, computed here from the same candidates, and must be rejected. Family-wise significance 1e-3. */
+/* sir: what is special about resampling: the degenerate case, the variance, the repeats; and the errata of chapter 4 as
+ * twins: each is what the thesis prints, computed here from the same candidates, and must be rejected. Family-wise
+ * significance 1e-3. */
 #include "bis/phong.h"
 #include "bis/rng.h"
 #include "bis/stats.h"
@@ -77,7 +78,8 @@ static void M_1_N_1_is_plain_importance_sampling_bit_for_bit_E24(void **state)
 
 /* ---- E31: variance ---- */
 
-/* In the open and without colour, F/phat is the same for all candidates: resampling adds no noise, and the estimate is Zhat. */
+/* In the open and without colour, F/phat is the same for all candidates: resampling adds no noise, and the estimate is
+ * Zhat. */
 static void unshadowed_grey_point_has_only_the_candidates_variance_E31(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0, false);
@@ -86,7 +88,8 @@ static void unshadowed_grey_point_has_only_the_candidates_variance_E31(void **st
     lit l;
 
     (void)state;
-    /* diffuse: f cos is smooth over the map's patches, so that the variance has no heavy tail and can be tested itself */
+    /* diffuse: f cos is smooth over the map's patches, so that the variance has no heavy tail and can be tested
+     * itself */
     lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), tilted(), 40, LIT_OPEN);
     double truth = rgbd_sum(lit_truth(&l, false)), variance = lit_variance_em(&l);
     for (int k = 0; k < 2; k++) {
@@ -121,7 +124,8 @@ static void stratified_candidates_with_systematic_resampling_are_less_noisy(void
     bis_light_free(light);
 }
 
-/* E26: q_L alone fails on narrow lobes, q_f alone under a sun. With independent candidates the mixture stays within 1.5 of the better of the two.
+/* E26: q_L alone fails on narrow lobes, q_f alone under a sun. With independent candidates the mixture stays within 1.5
+ * of the better of the two.
  * (Stratified ones gain more than their share of M: there a divided M may cost up to 4 where both errors are small.) */
 static void mixture_is_within_1_5_of_the_better_proposal_E26(void **state)
 {
@@ -456,7 +460,8 @@ static void L_ns_must_come_from_the_same_candidates_E21(void **state)
     bis_light_free(light);
 }
 
-/* E23: w = Le with candidates from the BRDF renders the mixture's density in place of f cos: a white furnace returns more than the albedo. */
+/* E23: w = Le with candidates from the BRDF renders the mixture's density in place of f cos: a white furnace returns
+ * more than the albedo. */
 static rgbd weight_is_Le(const lit *l, const bis_candidate *c, uint32_t M, const uint32_t *chosen, uint32_t N, double W)
 {
     double sum = 0;
@@ -488,7 +493,8 @@ static void furnace_returns_the_albedo_at_grazing_E23(void **state)
     bis_light_free(light);
 }
 
-/* E32: error bars from independent whole estimates are true; those from the N visibilities of one set of candidates are too small. */
+/* E32: error bars from independent whole estimates are true; those from the N visibilities of one set of candidates are
+ * too small. */
 static void intervals_from_replicates_cover_95_percent_E32(void **state)
 {
     enum { REPLICATES = 40, RUNS = 2500 };

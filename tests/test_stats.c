@@ -1,5 +1,5 @@
-/* stats and tests/stat: the judges are judged. References of Q: mpmath, 40 digits, rounded to 17; tables of Abramowitz and
- * Stegun (26.8); closed forms. Statistical tests here: at most 8, family-wise significance 0.01. */
+/* stats and tests/stat: the judges are judged. References of Q: mpmath, 40 digits, rounded to 17; tables of Abramowitz
+ * and Stegun (26.8); closed forms. Statistical tests here: at most 8, family-wise significance 0.01. */
 #include "bis/stats.h"
 #include "bis/rng.h"
 #include "stat.h"
@@ -87,8 +87,8 @@ static void sidak_gives_back_the_family(void **state)
 
 enum { CELLS = 30, DRAWS = 3000 };
 
-/* Cell i has probability proportional to 1 / (1 + i)^2, so that several of them must be pooled. Draws come by brute force, so
- * that no module under test elsewhere is needed. excess: probability moved from cell 1 to cell 0. */
+/* Cell i has probability proportional to 1 / (1 + i)^2, so that several of them must be pooled. Draws come by brute
+ * force, so that no module under test elsewhere is needed. excess: probability moved from cell 1 to cell 0. */
 static void draw_histogram(double observed[CELLS], double expected[CELLS], uint64_t seed, double excess)
 {
     double p[CELLS], sum = 0;
@@ -145,8 +145,9 @@ static void power_agrees_with_reference_noncentralities(void **state)
     assert_true(stat_power(50000, 1e-6, 4000) > 0.99 && stat_power(50000, 1e-6, 1000) < 0.5);
 }
 
-/* An excess e between two cells adds e^2 DRAWS (1/p0 + 1/p1) to the statistic's mean, which is 23 (24 pools) with a standard
- * deviation of 7. e = 5.2 % adds 65 here (p0 = .62, p1 = .16): about the smallest error that 3000 draws show this surely. */
+/* An excess e between two cells adds e^2 DRAWS (1/p0 + 1/p1) to the statistic's mean, which is 23 (24 pools) with a
+ * standard deviation of 7. e = 5.2 % adds 65 here (p0 = .62, p1 = .16): about the smallest error that 3000 draws show
+ * this surely. */
 static void an_excess_of_5_percent_is_found_with_99_percent_power(void **state)
 {
     (void)state;

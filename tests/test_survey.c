@@ -1,4 +1,5 @@
-/* Tests of survey and of `bis envmap`: figures against sorting and closed forms, pictures against what they stand for, exit statuses. */
+/* Tests of survey and of `bis envmap`: figures against sorting and closed forms, pictures against what they stand for,
+ * exit statuses. */
 #include "survey.h"
 
 #include "bis/mem.h"

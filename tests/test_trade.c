@@ -1,5 +1,6 @@
-/* `bis trade`: its figures against others' arithmetic (bis render and bis compare for a run, sums of this file for the tables, replicates read back
- * for the references), its folder through interruption and --resume, its page through a checker that is itself checked, and bad input. */
+/* `bis trade`: its figures against others' arithmetic (bis render and bis compare for a run, sums of this file for the
+ * tables, replicates read back for the references), its folder through interruption and --resume, its page through a
+ * checker that is itself checked, and bad input. */
 #include "trade.h"
 
 #include "bis/compare.h"
@@ -195,7 +196,8 @@ static int values_of(double *v, const table *runs, const table *trade, int row, 
     return n;
 }
 
-/* Every figure of trade.csv from runs.csv. Two seeds: mean (a + b)/2, its standard error |a - b|/2, the median is the mean. noise: the share of the reference. */
+/* Every figure of trade.csv from runs.csv. Two seeds: mean (a + b)/2, its standard error |a - b|/2, the median is the
+ * mean. noise: the share of the reference. */
 static void assert_table_follows(const char *folder, double share_mis, double share_sir, double se_mis, double se_sir)
 {
     char path[256];
@@ -394,7 +396,8 @@ static void the_line_for_a_scene_file_is_the_setting(void **state)
     bis_trade_clear(&t);
 }
 
-/* What learns is another method than what does not: it has a row of its own, is not mistaken for the scene's, and has no options for `bis render`. */
+/* What learns is another method than what does not: it has a row of its own, is not mistaken for the scene's, and has
+ * no options for `bis render`. */
 static void a_product_that_learns_has_a_row_of_its_own(void **state)
 {
     (void)state;

@@ -1,6 +1,7 @@
-/* `bis verify` must be able to fail: each check is handed something wrong and must reject it, and something right, for several seeds, and
- * must accept it. Then the command itself. A run's own significance is 0.01; for the right ones, some 30 runs with less than 400 p-values, this file
- * takes 1e-3 for all of them together, at 2.5e-6 each. What is wrong must be rejected by the run itself. */
+/* `bis verify` must be able to fail: each check is handed something wrong and must reject it, and something right, for
+ * several seeds, and must accept it. Then the command itself. A run's own significance is 0.01; for the right ones,
+ * some 30 runs with less than 400 p-values, this file takes 1e-3 for all of them together, at 2.5e-6 each. What is
+ * wrong must be rejected by the run itself. */
 #include "verify.h"
 
 #include "bis/mem.h"

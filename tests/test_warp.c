@@ -14,8 +14,8 @@ enum { RINGS = 16, SECTORS = 24, CELLS = RINGS * SECTORS, DRAWS = 1 << 20 };
 
 static double alpha(void) { return bis_stats_sidak(0.01, 6); }
 
-/* A shape draws a point and says how far out it lies, as the share of the whole that lies further in (in [0,1], uniform if the
- * shape is right), and its azimuth. */
+/* A shape draws a point and says how far out it lies, as the share of the whole that lies further in (in [0,1], uniform
+ * if the shape is right), and its azimuth. */
 typedef void shape_fn(double *share, double azimuth_xy[2], double u1, double u2);
 
 static void count_shape(double observed[CELLS], double expected[CELLS], uint64_t seed, shape_fn *shape)
@@ -97,8 +97,8 @@ static void the_hemisphere_is_hit_in_proportion_to_the_cosine(void **state)
     assert_shape("warp_cosine", 3, cosine, uniform_hemisphere);
 }
 
-/* E[1 / pdf] = area of the hemisphere would have infinite variance at the rim; E[cos / pdf] = pi exactly, draw by draw, and the
- * pdf integrates to 1: midpoint rule in mu = cos(theta). */
+/* E[1 / pdf] = area of the hemisphere would have infinite variance at the rim; E[cos / pdf] = pi exactly, draw by draw,
+ * and the pdf integrates to 1: midpoint rule in mu = cos(theta). */
 static void the_cosine_pdf_integrates_to_1_and_is_0_below(void **state)
 {
     (void)state;
@@ -126,8 +126,8 @@ static void directions_are_unit_and_points_inside_at_all_corners(void **state)
         }
 }
 
-/* sqrt(1 - x^2 - y^2) is 0 for the outermost 2^-53 of the disc, and has 3 good digits at z = 1e-7. By another road: z^2 is the
- * exact area outside the ring, 1 - (2u - 1)^2 = 4 u (1 - u). */
+/* sqrt(1 - x^2 - y^2) is 0 for the outermost 2^-53 of the disc, and has 3 good digits at z = 1e-7. By another road: z^2
+ * is the exact area outside the ring, 1 - (2u - 1)^2 = 4 u (1 - u). */
 static void z_keeps_its_digits_near_the_rim(void **state)
 {
     (void)state;

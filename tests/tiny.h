@@ -1,10 +1,10 @@
 /* tiny: a point under a map of 8 pixels whose every estimate can be enumerated.
  *
- * The map has 4 x 2 pixels: the octants of the sphere. The BRDF is a model of its own, such that f cos is constant in each
- * octant, above the horizon; it draws an octant with given probabilities and a direction uniform in it. A candidate then is
- * in one of 9 states, with one weight each: above the horizon in octant 0 ... 7, or worth nothing (TINY_NOTHING: below the
- * horizon, or a black octant). What an estimator does with M candidates is a sum over 9^M cases: its mean, its variance, the
- * law of its rays, exactly. The normal is oblique: the horizon cuts most octants. */
+ * The map has 4 x 2 pixels: the octants of the sphere. The BRDF is a model of its own, such that f cos is constant in
+ * each octant, above the horizon; it draws an octant with given probabilities and a direction uniform in it. A
+ * candidate then is in one of 9 states, with one weight each: above the horizon in octant 0 ... 7, or worth nothing
+ * (TINY_NOTHING: below the horizon, or a black octant). What an estimator does with M candidates is a sum over 9^M
+ * cases: its mean, its variance, the law of its rays, exactly. The normal is oblique: the horizon cuts most octants. */
 #ifndef TESTS_TINY_H
 #define TESTS_TINY_H
 
@@ -13,8 +13,8 @@
 
 enum { TINY_PIXELS = 8, TINY_NOTHING = 8, TINY_STATES = 9, TINY_MAX_M = 3 };
 
-/* f cos of each octant, in RGB; the probability with which the BRDF draws it. The bis_material comes first: a bsdf points to
- * that. */
+/* f cos of each octant, in RGB; the probability with which the BRDF draws it. The bis_material comes first: a bsdf
+ * points to that. */
 typedef struct tiny_material {
     bis_material material;
     rgb f_cos[TINY_PIXELS];
@@ -46,8 +46,8 @@ void tiny_clear(tiny *t);
 
 int tiny_pixel(vec3 w);
 
-/* M candidates as a proposal draws them: P[i][k] is the probability that candidate i is in state k, C[k] what it is worth
- * then, F/q in RGB. */
+/* M candidates as a proposal draws them: P[i][k] is the probability that candidate i is in state k, C[k] what it is
+ * worth then, F/q in RGB. */
 typedef struct tiny_candidates {
     uint32_t M;
     double P[TINY_MAX_M][TINY_STATES];

@@ -104,7 +104,8 @@ void assert_same_bits(const bis_film *a, const bis_film *b)
     assert_memory_equal(a->hits, b->hits, n * sizeof *a->hits);
 }
 
-/* --- integrators of our own ---------------------------------------------------------------------------------------- */
+/* --- integrators of our own
+ * ---------------------------------------------------------------------------------------- */
 
 unsigned no_light_needs(const bis_settings *s)
 {
