@@ -1,20 +1,29 @@
-/* auto: the pilot. What minimises cost x variance is measured on the scene itself, in about a thirtieth of the time that the render will take.
+/* auto: the pilot. What minimises cost x variance is measured on the scene itself, in 4% of the time that the render
+ * will take, or in some hundredths of a second.
  *
- * Every k-th pixel of the same view is rendered (bis_render with a footprint of 1/k) with each of a short list of settings, in replicates of one or two passes with seeds of their
- * own. Three rounds: two replicates each; two more for the families (em or brdf where they are safe, mis, sir by mixture, sir by product) whose best is within `behind` of the best of all;
- * then cost and variance of each such family are fitted, the M and N that minimise their product (auto_fit.c) are tried, too, and the least measured product wins: the fit
- * proposes, the measurement decides.
+ * Every k-th pixel of the same view is rendered (bis_render with a footprint of 1/k) with each of a short list of
+ * settings, in replicates of one or two passes with seeds of their own. Three rounds: two replicates each; two more
+ * for the families (em or brdf where they are safe, mis, sir by mixture, sir by product) whose best is within
+ * `behind` of the best of all; then cost and variance of each such family are fitted, the M and N that minimise
+ * their product (auto_fit.c) are tried, too, and the least measured product wins: the fit proposes, the measurement
+ * decides.
  *
- * Cost: processor seconds, the least of the replicates, since whatever disturbs only adds. What a pass costs at any size (pools, clusters) is told
- * apart by a picture of one pixel: cost = fill + (pixels of the picture)/(pixels of the pilot) (time - fill).
+ * Cost: processor seconds, the least of the replicates, since whatever disturbs only adds. What a pass costs at any
+ * size (pools, clusters) is told apart by a picture of one pixel: cost = fill + (pixels of the picture)/(pixels of
+ * the pilot) (time - fill).
  *
- * Variance: relMSE of SPEC 5 over the pixels that show a surface, the scatter of the replicates in place of the error, and in place of the reference the mean of all that
- * was rendered, weighted by 1/variance (a median would come out too low where most methods miss a highlight, and blame those that find it). Of the pixels' values the mean is taken in nine groups, and of these the mean, with the largest replaced by the second largest: one firefly in the pilot
- * is forgiven, two are not. (The median of the groups, more robust, forgives so many that a method which makes nothing but fireflies looks like the best: nine times too long on
- * data/scenes/glossy-row.txt. To reject a good method for its bad luck costs far less.) The figure is biased low for a method whose error is in fewer than about one sample in a
- * thousand, which no pilot can tell from a good one; hence `unseen`, by which all is multiplied that comes from mis or em.
+ * Variance: relMSE of SPEC 5 over the pixels that show a surface, the scatter of the replicates in place of the
+ * error, and in place of the reference the mean of all that was rendered, weighted by 1/variance (a median would
+ * come out too low where most methods miss a highlight, and blame those that find it). Of the pixels' values the
+ * mean is taken in nine groups, and of these the mean, with the largest replaced by the second largest: one firefly
+ * in the pilot is forgiven, two are not. (The median of the groups, more robust, forgives so many that a method
+ * which makes nothing but fireflies looks like the best: nine times too long on data/scenes/glossy-row.txt. To
+ * reject a good method for its bad luck costs far less.) The figure is biased low for a method whose error is in
+ * fewer than about one sample in a thousand, which no pilot can tell from a good one; hence `unseen`, by which all
+ * is multiplied that comes from mis or em.
  *
- * Two passes in a replicate know what a stratified camera makes of the noise of the pixel's area, or half of it. "learn" is not tried: it needs more passes than a pilot has. */
+ * Two passes in a replicate know what a stratified camera makes of the noise of the pixel's area, or half of it.
+ * "learn" is not tried: it needs more passes than a pilot has. */
 #include "auto.h"
 
 #include "auto_fit.h"
@@ -39,25 +48,28 @@ typedef struct family {
 
 enum { N_FAMILIES = 5, GROUPS = 9, MOST_PASSES = 2, REPLICATES = 2 /* in each of the first two rounds */ };
 
-/* N is not tried beyond 64: a pass should not cost tens of times what it costs by default, whatever the pixel's area is worth. */
+/* N is not tried beyond 64: a pass should not cost tens of times what it costs by default, whatever the pixel's area
+ * is worth. */
 static const family families[N_FAMILIES] = {
     {&bis_em, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 8}, {0, 48}}, {0, 32}},
     {&bis_brdf, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 4}, {0, 24}}, {0, 8}},
     {&bis_mis, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 6}, {0, 32}}, {0, 16}},
-    {&bis_sir, BIS_PROPOSAL_MIX, {32, 2048, 2, 64}, {{64, 4}, {64, 20}, {256, 8}}, {64, 20}},
-    {&bis_sir, BIS_PROPOSAL_PRODUCT, {16, 512, 2, 64}, {{32, 4}, {64, 16}, {192, 6}}, {64, 20}},
+    {&bis_sir, BIS_PROPOSAL_MIX, {32, 2048, 2, 64}, {{64, 4}, {64, 20}, {256, 8}}, {64, 16}},
+    {&bis_sir, BIS_PROPOSAL_PRODUCT, {16, 512, 2, 64}, {{32, 4}, {64, 16}, {192, 6}}, {64, 16}},
 };
 
 static const double behind = 2;
 static const double share_of_time = 0.04;
 
-/* The pilot's camera samples: with fewer, M and N are not fitted (some five seconds of rendering are then to come, of which little could be saved); more need not be known. */
+/* The pilot's camera samples: with fewer, M and N are not fitted (some five seconds of rendering are then to come,
+ * of which little could be saved); more need not be known. */
 static const double least_samples = 1.5e5, most_samples = 6e5;
 
 /* And of the short list, which chooses among three at settings that are good everywhere. */
-static const double share_of_time_quick = 0.015, least_samples_quick = 1.2e4, most_samples_quick = 6e4;
+static const double share_of_time_quick = 0.015, least_samples_quick = 8e3, most_samples_quick = 6e4;
 
-/* About how many replicates of how many settings there will be, and camera samples a second where time is all that is known. */
+/* About how many replicates of how many settings there will be, and camera samples a second where time is all that
+ * is known. */
 static const double expected_renders = 36, expected_renders_quick = 6, samples_a_second = 2e5;
 
 static const uint64_t purpose_pilot = 0x70696c6f74; /* "pilot" */
@@ -83,6 +95,12 @@ typedef struct pilot {
     trial trials[BIS_AUTO_MOST_TRIED];
     bis_auto_report *report;
 } pilot;
+
+static bis_status no_memory(const bis_scene_desc *desc, bis_diag *diag)
+{
+    return bis_error(diag, BIS_NOMEM, desc->integrator_loc,
+                     "no memory for the pilot of integrator \"auto\"; a fixed integrator needs none");
+}
 
 /* ---- one replicate ---- */
 
@@ -119,7 +137,9 @@ static bis_status render_one_pixel(double *seconds, const pilot *p, bis_diag *di
 
 static void clear_film(bis_film *f)
 {
-    for (size_t i = 0; i < 3 * (size_t)f->width * (size_t)f->height; i++) f->sum[i] = f->sum_squares[i] = f->hits[i / 3] = 0;
+    const size_t n = 3 * (size_t)f->width * (size_t)f->height;
+
+    for (size_t i = 0; i < n; i++) f->sum[i] = f->sum_squares[i] = f->hits[i / 3] = 0;
     f->passes = 0;
 }
 
@@ -129,7 +149,8 @@ static bis_status replicate(pilot *p, int i, bis_diag *diag)
     trial *t = &p->trials[i];
     bis_rng rng;
 
-    bis_rng_init(&rng, p->desc.sampler.seed, (uint64_t)tried->replicates, 0, purpose_pilot); /* the same camera rays with all settings: what they do to pixels is no difference */
+    /* The same camera rays with all settings: what they do to pixels is no difference. */
+    bis_rng_init(&rng, p->desc.sampler.seed, (uint64_t)tried->replicates, 0, purpose_pilot);
     const uint64_t seed = p->desc.sampler.seed;
     p->desc.sampler.seed = bis_rng_u64(&rng);
     p->desc.settings = tried->settings;
@@ -170,10 +191,16 @@ static void make_picture(pilot *p)
     const bis_auto_report *r = p->report;
     double weight[BIS_AUTO_MOST_TRIED], total = 0;
 
-    for (int i = 0; i < r->n_tried; i++) total += weight[i] = r->tried[i].variance > 0 ? r->tried[i].replicates / r->tried[i].variance : r->tried[i].replicates;
+    for (int i = 0; i < r->n_tried; i++) {
+        const bis_auto_tried *t = &r->tried[i];
+        weight[i] = t->variance > 0 ? t->replicates / t->variance : t->replicates;
+        total += weight[i];
+    }
     for (size_t k = 0; k < p->n_values; k++) {
         p->picture[k] = 0;
-        for (int i = 0; i < r->n_tried; i++) p->picture[k] += weight[i] / total * p->trials[i].sum[k] / r->tried[i].replicates;
+        for (int i = 0; i < r->n_tried; i++) {
+            p->picture[k] += weight[i] / total * p->trials[i].sum[k] / r->tried[i].replicates;
+        }
     }
 }
 
@@ -211,9 +238,11 @@ static double variance_of(const pilot *p, int i, double floor)
     for (size_t k = 0; k < p->n_values; k++) {
         if (!p->shaded[k / 3]) continue;
         const size_t g = bis_hash(k / 3) % GROUPS;
-        const double mean = t->sum[k] / n, scatter = fmax(0, t->squares[k] - t->sum[k] * mean) / (n - 1); /* fmax: rounding, where all are equal */
+        /* fmax: rounding, where all are equal */
+        const double scatter = fmax(0, t->squares[k] - t->sum[k] * t->sum[k] / n) / (n - 1);
         members[g]++;
-        if (scatter > 0) group[g] += scatter / (p->picture[k] * p->picture[k] + floor); /* floor = 0: all black, all 0 */
+        /* without a floor all is black */
+        if (scatter > 0) group[g] += scatter / (p->picture[k] * p->picture[k] + floor);
     }
     int filled = 0;
     for (int g = 0; g < GROUPS; g++)
@@ -241,7 +270,9 @@ static void measure(pilot *p)
 static double product(const bis_auto_tried *t)
 {
     const double unseen = 1.25;
-    return t->cost * t->variance * (t->settings.integrator == &bis_mis || t->settings.integrator == &bis_em ? unseen : 1);
+    const bool is_suspect = t->settings.integrator == &bis_mis || t->settings.integrator == &bis_em;
+
+    return t->cost * t->variance * (is_suspect ? unseen : 1);
 }
 
 /* Of the family, or of all with -1; -1: none was tried. Without any noise the cheapest. */
@@ -285,7 +316,7 @@ static bis_status try(pilot *p, int f, uint32_t M, uint32_t N, bis_diag *diag)
     p->report->tried[i] = (bis_auto_tried){.settings = settings_of(p, f, M, N)};
     p->report->n_tried++;
     if (t->sum && t->squares) return BIS_OK;
-    return bis_error(diag, BIS_NOMEM, p->desc.integrator_loc, "no memory for the pilot of integrator \"auto\"; a fixed integrator needs none");
+    return no_memory(&p->desc, diag);
 }
 
 static bool is_diffuse(const bis_scene_desc *d)
@@ -295,9 +326,11 @@ static bool is_diffuse(const bis_scene_desc *d)
     return true;
 }
 
-/* What a pilot cannot judge is left out: `em` sees a lobe, and `brdf` a lamp, so rarely that a few thousand samples may tell nothing of it (with n = 10 in a hall of small lamps the pilot finds
- * `brdf` 1.5 times as slow as the best; it is 50 to 300 times). So em is for diffuse surfaces, where no sample is worth much more than another, and brdf for a constant light. mis
- * and sir are bounded by the better of the two everywhere. Under a constant light the product is the mixture. */
+/* What a pilot cannot judge is left out: `em` sees a lobe, and `brdf` a lamp, so rarely that a few thousand samples
+ * may tell nothing of it (with n = 10 in a hall of small lamps the pilot finds `brdf` 1.5 times as slow as the best;
+ * it is 50 to 300 times). So em is for diffuse surfaces, where no sample is worth much more than another, and brdf
+ * for a constant light. mis and sir are bounded by the better of the two everywhere. Under a constant light the
+ * product is the mixture. */
 static bool is_eligible(const pilot *p, int f)
 {
     const bool constant = bis_light_is_constant(p->scene->light);
@@ -341,7 +374,8 @@ static bool fitted_optimum(const pilot *p, int f, uint32_t *M, uint32_t *N)
         const bis_auto_tried *t = &p->report->tried[i];
         if (p->trials[i].family != f) continue;
         if (!(t->cost > 0 && t->variance > 0)) return false;
-        m[n++] = (bis_auto_measured){t->settings.integrator == &bis_sir ? t->settings.candidates : 0, t->settings.shadowrays, t->cost, t->variance};
+        const uint32_t candidates = t->settings.integrator == &bis_sir ? t->settings.candidates : 0;
+        m[n++] = (bis_auto_measured){candidates, t->settings.shadowrays, t->cost, t->variance};
     }
     const bis_auto_model cost = bis_auto_fit_cost(m, n), variance = bis_auto_fit_variance(m, n);
     bis_auto_best(M, N, &cost, &variance, &families[f].limits);
@@ -359,7 +393,9 @@ static bis_status try_optima(pilot *p, bis_diag *diag)
         uint32_t M, N;
     } optimum[N_FAMILIES];
 
-    for (int f = 0; f < N_FAMILIES; f++) optimum[f].is_new = is_alive(p, f) && fitted_optimum(p, f, &optimum[f].M, &optimum[f].N);
+    for (int f = 0; f < N_FAMILIES; f++) {
+        optimum[f].is_new = is_alive(p, f) && fitted_optimum(p, f, &optimum[f].M, &optimum[f].N);
+    }
     for (int f = 0; f < N_FAMILIES && !status; f++)
         if (optimum[f].is_new) status = try(p, f, optimum[f].M, optimum[f].N, diag);
     for (int i = n; i < p->report->n_tried && !status; i++) status = replicates(p, i, 2 * REPLICATES, diag);
@@ -391,26 +427,34 @@ static bis_status run_rounds(pilot *p, bis_diag *diag)
     return BIS_OK;
 }
 
+static double pixels_of(const bis_film_desc *f)
+{
+    return (double)f->width * f->height * (f->crop[1] - f->crop[0]) * (f->crop[3] - f->crop[2]);
+}
+
 /* Camera samples of the whole render, as far as the budget tells; without an --spp, as many as the scene asks for. */
 static double samples_to_come(const bis_scene_desc *desc, const bis_render_options *o)
 {
-    const double pixels = (double)desc->film.width * desc->film.height * (desc->film.crop[1] - desc->film.crop[0]) * (desc->film.crop[3] - desc->film.crop[2]);
-    const double by_spp = pixels * (o->budget.spp ? o->budget.spp : desc->sampler.spp);
+    const double by_spp = pixels_of(&desc->film) * (o->budget.spp ? o->budget.spp : desc->sampler.spp);
 
-    return o->budget.seconds > 0 ? fmin(o->budget.spp ? by_spp : (double)INFINITY, o->budget.seconds * samples_a_second) : by_spp;
+    if (!(o->budget.seconds > 0)) return by_spp;
+    const double by_time = o->budget.seconds * samples_a_second;
+    return o->budget.spp ? fmin(by_spp, by_time) : by_time;
 }
 
-/* A film k times smaller in each direction, of at most the picture's size. A crop too thin for that is rendered as it is. */
+/* A film k times smaller in each direction, of at most the picture's size. A crop too thin for that is rendered as
+ * it is. */
 static bis_status make_film(pilot *p, const bis_scene_desc *desc, double pixels, bis_diag *diag)
 {
     const bis_film_desc *f = &desc->film;
-    const double all = (double)f->width * f->height * (f->crop[1] - f->crop[0]) * (f->crop[3] - f->crop[2]), k = fmax(1, sqrt(all / pixels));
+    const double k = fmax(1, sqrt(pixels_of(f) / pixels));
     const int width = (int)fmax(1, round(f->width / k)), height = (int)fmax(1, round(f->height / k));
 
     p->options.footprint = 1 / k;
     p->scale = (double)f->width * f->height / ((double)width * height);
     bis_status status = bis_film_init(&p->film, width, height, f->crop, (bis_loc){0}, NULL);
-    if (status != BIS_INPUT) return status ? bis_error(diag, status, desc->integrator_loc, "no memory for the pilot's film of integrator \"auto\"") : BIS_OK;
+    if (status == BIS_NOMEM) return no_memory(desc, diag);
+    if (status == BIS_OK) return BIS_OK;
     p->options.footprint = 0;
     p->scale = 1;
     return bis_film_init(&p->film, f->width, f->height, f->crop, desc->integrator_loc, diag);
@@ -421,7 +465,8 @@ static bis_status make_pilot(pilot *p, const bis_scene_desc *desc, const bis_ren
     enum { TILE_PIXELS = 256, TILES_A_THREAD = 2 };
     const double to_come = samples_to_come(desc, options), samples = fmin(most_samples, share_of_time * to_come);
     const double quick = fmin(most_samples_quick, fmax(least_samples_quick, share_of_time_quick * to_come));
-    const bool independent = desc->adaptive || options->budget.error > 0; /* one camera sample knows nothing of the next */
+    /* where passes are independent, one camera sample knows nothing of the next */
+    const bool independent = desc->adaptive || options->budget.error > 0;
     const uint32_t spp = options->budget.spp ? options->budget.spp : desc->sampler.spp;
 
     p->is_quick = samples < least_samples;
@@ -429,19 +474,20 @@ static bis_status make_pilot(pilot *p, const bis_scene_desc *desc, const bis_ren
     p->desc.adaptive = false;
     p->desc.film.layers = 0;
     bis_scene_set_spp(&p->desc, p->passes);
-    bis_status status = make_film(p, desc, p->is_quick ? quick / expected_renders_quick : samples / (expected_renders * p->passes), diag);
+    const double pixels = p->is_quick ? quick / expected_renders_quick : samples / (expected_renders * p->passes);
+    bis_status status = make_film(p, desc, pixels, diag);
     if (status) return status;
-    const int threads = p->film.width * p->film.height / (TILE_PIXELS * TILES_A_THREAD);
+    const int busy = p->film.width * p->film.height / (TILE_PIXELS * TILES_A_THREAD), threads = busy < 1 ? 1 : busy;
     p->options = (bis_render_options){
         .budget = {.spp = p->passes},
-        .n_threads = threads < 1 ? 1 : options->n_threads > 0 && options->n_threads < threads ? options->n_threads : threads,
+        .n_threads = options->n_threads > 0 && options->n_threads < threads ? options->n_threads : threads,
         .footprint = p->options.footprint,
         .interrupted = options->interrupted,
     };
     p->n_values = 3 * (size_t)p->film.width * (size_t)p->film.height;
     p->picture = bis_alloc(p->n_values, sizeof *p->picture);
     p->shaded = bis_alloc(p->n_values / 3, sizeof *p->shaded);
-    if (!p->picture || !p->shaded) return bis_error(diag, BIS_NOMEM, desc->integrator_loc, "no memory for the pilot of integrator \"auto\"");
+    if (!p->picture || !p->shaded) return no_memory(desc, diag);
     p->report->width = p->film.width;
     p->report->height = p->film.height;
     p->report->passes = (int)p->passes;
@@ -457,8 +503,8 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-bis_status bis_auto_choose(bis_settings *chosen, bis_auto_report *report, const bis_scene *scene, const bis_scene_desc *desc, const bis_render_options *options,
-                           bis_diag *diag)
+bis_status bis_auto_choose(bis_settings *chosen, bis_auto_report *report, const bis_scene *scene,
+                           const bis_scene_desc *desc, const bis_render_options *options, bis_diag *diag)
 {
     pilot p = {.scene = scene, .desc = *desc, .base = desc->settings, .report = report};
     const double start = now();
