@@ -41,7 +41,7 @@ SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ply obj)
 
-.PHONY: all data test test-browser test-long envelope asan fuzz fuzz-run coverage bench bench-scale install clean
+.PHONY: all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs bench bench-scale install clean
 all: bis data
 
 bis: $B/bis
@@ -82,7 +82,11 @@ test: $(CHOSEN) $B/bis $B/bis-data $(STAMP)
 test-long:
 	BIS_LONG=1 $(MAKE) test
 
-# The page of bis trade in a headless Chromium, where there is one; no part of `make test`.
+# README and docs/ as a static site with MathML, in build/docs. pandoc makes it; who reads the .md files needs none of it.
+docs:
+	@sh scripts/site.sh build/docs
+
+# The page of bis trade and the site in a headless Chromium, where there is one; no part of `make test`.
 test-browser: $B/bis $(STAMP)
 	@sh scripts/test_browser.sh $B/bis $B/browser
 

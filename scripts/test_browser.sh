@@ -1,5 +1,5 @@
 #!/bin/sh
-# test_browser: does the page of `bis trade` work in a real browser? `make test-browser` calls it; no part of `make
+# test_browser: do the page of `bis trade` and the site of `make docs` work in a real browser? `make test-browser` calls it; no part of `make
 # test`.
 #     scripts/test_browser.sh BIS FOLDER
 # Measures a small scene into FOLDER, opens report.html#selftest in a headless Chromium without network, and reads what
@@ -48,3 +48,9 @@ for width in 1200 390; do
     [ "$(wc -c < "$folder/page_$width.png")" -gt 30000 ] || fail "at $width pixels the page is blank"
 done
 echo "make test-browser: passed ($browser); see $folder/page_1200.png and $folder/page_390.png"
+
+if command -v pandoc >/dev/null; then
+    sh scripts/site.sh "$folder/site" >/dev/null && sh scripts/check_site.sh "$browser" "$folder/site" || exit 1
+else
+    echo "make test-browser: the site SKIPPED: no pandoc here"
+fi

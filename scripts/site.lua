@@ -1,0 +1,9 @@
+-- Links of a page, for the static site: pages and sources have become .html, README.md the index.
+function Link(link)
+    if link.target:match("^%a+:") then return nil end
+    local path, anchor = link.target:match("^([^#]*)(.*)$")
+    path = path:gsub("README%.md$", "index.html"):gsub("%.md$", ".html")
+    if path ~= "" and not path:match("%.html$") and not path:match("%.png$") and not path:match("/$") then path = path .. ".html" end
+    link.target = path .. anchor
+    return link
+end
