@@ -174,6 +174,8 @@ void bis_directive_sampler(bis_parser *p, bis_loc at)
     bis_params_integer(p, "seed", &s->seed, 0, (UINT64_C(1) << 53) - 1);
     p->desc->adaptive = false;
     bis_params_bool(p, "adaptive", &p->desc->adaptive);
+    p->desc->edge_samples = 1;
+    bis_params_uint32(p, "edgesamples", &p->desc->edge_samples, 1, 1024);
     if (s->kind == BIS_SAMPLER_STRATIFIED) read_stratified(p, s, has_spp);
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     if (!replaced) bis_params_end(p, "Sampler", chosen->name);

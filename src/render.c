@@ -19,6 +19,7 @@
 
 #include "bis/mem.h"
 #include "adapt.h"
+#include "edges.h"
 #include "gather.h"
 
 #include <assert.h>
@@ -62,6 +63,8 @@ typedef struct render {
     bis_pool pool; /* M = 0: none */
     bis_clusters clusters; /* n = 0: none */
     bis_visibility visibility; /* n_tiles = 0: none */
+    unsigned char *edge;       /* edge[height][width] of the crop, see edges.h; NULL: all pixels are alike */
+    bis_sampler edge_sampler;  /* all camera samples of an edge pixel */
     int n_threads;
     sample *pass;       /* pass[height][width] of the crop */
     float *pass_layers; /* pass_layers[height][width][film->layers.n_values]: the same of the layers, NULL where there are none */
@@ -219,8 +222,9 @@ static bis_sampler sampler_of_pass(const render *r, uint32_t pass, uint32_t n)
 static void render_tile(const render *r, worker *w, int t, uint32_t pass)
 {
     const bis_film *f = r->film;
-    const uint32_t n = r->adapt.n_tiles ? r->adapt.samples[t] : 1, first = r->independent ? 0 : pass;
+    const uint32_t n = r->adapt.n_tiles ? r->adapt.samples[t] : 1, edge_n = r->edge ? n * r->desc->edge_samples : n;
     const bis_sampler sampler = r->independent ? sampler_of_pass(r, pass, n) : r->desc->sampler;
+    const bis_sampler edge_sampler = r->independent ? sampler_of_pass(r, pass, edge_n) : r->edge_sampler;
     int x0 = t % r->tiles_x * TILE, y0 = t / r->tiles_x * TILE;
     int x1 = x0 + TILE < f->width ? x0 + TILE : f->width, y1 = y0 + TILE < f->height ? y0 + TILE : f->height;
 
@@ -234,7 +238,9 @@ static void render_tile(const render *r, worker *w, int t, uint32_t pass)
             size_t i = (size_t)y * (size_t)f->width + (size_t)x;
             float *values = layers_at(r, i);
             if (values) memset(values, 0, (size_t)f->layers.n_values * sizeof *values);
-            r->pass[i] = pixel_sample(r, w, &sampler, f->x0 + x, f->y0 + y, first, n, values);
+            const bool edge = r->edge && r->edge[i];
+            const uint32_t samples = edge ? edge_n : n, first = r->independent ? 0 : pass * samples;
+            r->pass[i] = pixel_sample(r, w, edge ? &edge_sampler : &sampler, f->x0 + x, f->y0 + y, first, samples, values);
         }
     }
 }
@@ -335,7 +341,6 @@ static void render_passes(render *r, bis_render_result *result)
     uint32_t next_check = MIN_ERROR_PASSES;
     bool complete;
 
-    r->start = r->last_report = now();
     do {
         complete = render_pass(r);
         if (complete) {
@@ -400,6 +405,20 @@ static bis_status make_pool(render *r, bis_diag *diag)
     return status;
 }
 
+/* Where they are asked for, camera rays are not all the same, and there is something to see. */
+static bis_status find_edges(render *r, bis_diag *diag)
+{
+    const bis_film *f = r->film;
+
+    if (r->desc->edge_samples <= 1 || !r->desc->pixel_jitter || !r->scene->accel) return BIS_OK;
+    r->edge_sampler = r->desc->sampler;
+    bis_sampler_set_spp(&r->edge_sampler, r->desc->sampler.spp * r->desc->edge_samples);
+    r->edge = bis_edges_find(f, r->scene, r->desc, r->n_threads);
+    if (!r->edge) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", f->width, f->height);
+    r->counters.camera_rays += (uint64_t)(f->width + 1) * (uint64_t)(f->height + 1);
+    return BIS_OK;
+}
+
 static size_t workspace(const render *r)
 {
     const size_t scratch = bis_scratch_bytes(&r->desc->settings);
@@ -438,6 +457,8 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     if (!status) status = make_pool(&r, diag);
     if (!status) status = make_pass(&r, diag);
     if (!status && desc->adaptive) status = bis_adapt_init(&r.adapt, film, TILE, diag);
+    r.start = r.last_report = now();
+    if (!status) status = find_edges(&r, diag);
     if (status) goto done;
     render_passes(&r, result);
     result->counters = r.counters;
@@ -455,5 +476,6 @@ done:
     bis_free(r.workers);
     bis_free(r.pass);
     bis_free(r.pass_layers);
+    bis_free(r.edge);
     return status;
 }

@@ -50,6 +50,7 @@ typedef struct bis_scene_desc {
     bis_sampler sampler;
     bool pixel_jitter;
     bool adaptive; /* passes of several camera samples, more where the error is */
+    uint32_t edge_samples; /* camera samples in a pass where an outline crosses the pixel (src/edges.h); 0 or 1: as everywhere */
     bis_settings settings;
     bis_loc integrator_loc;
     bis_accel_options accel;

@@ -1,0 +1,125 @@
+/* edges: where outlines cross pixels, and what more camera samples there do. Family-wise significance 1e-3. */
+#include "bis/mem.h"
+#include "bis/stats.h"
+#include "edges.h"
+#include "stat.h"
+#include "world.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static double alpha(void) { return bis_stats_sidak(1e-3, 3); }
+
+/* A pixel is an edge where some of many rays through it see the background and others the ball or the floor, but for what slips between corners. */
+static void edges_are_where_the_picture_is_half_background(void **state)
+{
+    world w;
+    bis_film film;
+    bis_render_result result;
+    int edges = 0, mixed = 0, missed = 0, n = 0;
+
+    (void)state;
+    make_world(&w, &place);
+    bis_scene_set_spp(&w.desc, 256);
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 256}});
+    unsigned char *edge = bis_edges_find(&film, &w.scene, &w.desc, 2);
+    assert_non_null(edge);
+    for (int i = 0; i < WIDTH * HEIGHT; i++, n++) {
+        const double share = (double)film.hits[i] / 256;
+        edges += edge[i];
+        mixed += share > 0.1 && share < 0.9;
+        missed += share > 0.1 && share < 0.9 && !edge[i];
+    }
+    assert_true(mixed > 10 && missed <= mixed / 10);
+    assert_true(edges >= mixed / 2 && edges < n / 2);
+    bis_free(edge);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+/* Mean over the picture of one render: with edge samples it estimates the same number. */
+static void mean_is_the_same_and_its_scatter_less(void **state)
+{
+    enum { RUNS = 40 };
+    world w;
+    stat_moments plain = {0}, more = {0}, longer = {0};
+
+    (void)state;
+    make_world(&w, &bis_sir);
+    for (int k = 0; k < 2; k++) {
+        w.desc.edge_samples = k ? 6 : 1;
+        for (uint64_t run = 0; run < RUNS; run++) {
+            bis_film film;
+            bis_render_result result;
+            double sum = 0;
+            w.desc.sampler.seed = 1000 + run;
+            bis_scene_set_spp(&w.desc, 2);
+            render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 2}});
+            for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) sum += film.sum[i] / film.passes / (3 * WIDTH * HEIGHT);
+            stat_add(k ? &more : &plain, sum);
+            bis_film_clear(&film);
+        }
+    }
+    w.desc.edge_samples = 1;
+    for (uint64_t run = 0; run < 40; run++) {
+        bis_film film;
+        bis_render_result result;
+        double sum = 0;
+        w.desc.sampler.seed = run;
+        bis_scene_set_spp(&w.desc, 8);
+        render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 8}});
+        for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) sum += film.sum[i] / film.passes / (3 * WIDTH * HEIGHT);
+        stat_add(&longer, sum);
+        bis_film_clear(&film);
+    }
+    /* Welch: the difference of two means over its standard error, some 70 degrees of freedom */
+    const double se = sqrt(stat_variance(&more) / RUNS + stat_variance(&longer) / 40);
+    const double p = bis_stats_student_p((more.mean - longer.mean) / se, 70);
+    assert_true(p > alpha());
+    assert_true(stat_variance(&more) < stat_variance(&plain));
+    /* twin: an estimate that counts an edge's samples as if each were a pass of its own would be far off: the edges' light times six */
+    assert_true(bis_stats_student_p((1.03 * more.mean - longer.mean) / se, 70) < alpha());
+    clear_world(&w);
+}
+
+static void bits_do_not_depend_on_threads_and_one_is_none(void **state)
+{
+    world w;
+    bis_film a, b;
+    bis_render_result ra, rb;
+
+    (void)state;
+    make_world(&w, &bis_sir);
+    w.desc.edge_samples = 5;
+    render(&a, &ra, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 1});
+    render(&b, &rb, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 3});
+    assert_same_bits(&a, &b);
+    assert_true(ra.counters.camera_rays == rb.counters.camera_rays && ra.counters.camera_rays > (WIDTH + 1) * (HEIGHT + 1) + 3 * WIDTH * HEIGHT);
+    bis_film_clear(&b);
+    w.desc.pixel_jitter = false; /* all rays through the centre: nothing to find */
+    render(&b, &rb, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
+    assert_true(rb.counters.camera_rays == 3 * WIDTH * HEIGHT);
+    bis_film_clear(&a);
+    w.desc.edge_samples = 1;
+    render(&a, &ra, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
+    assert_same_bits(&a, &b);
+    bis_film_clear(&a);
+    bis_film_clear(&b);
+    clear_world(&w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(edges_are_where_the_picture_is_half_background),
+        cmocka_unit_test(mean_is_the_same_and_its_scatter_less),
+        cmocka_unit_test(bits_do_not_depend_on_threads_and_one_is_none),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
