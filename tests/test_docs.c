@@ -54,7 +54,11 @@ static const char *find_program(const char *line)
 
 static bool renders(const char *command)
 {
-    return strncmp(command, "./bis compare", 13) != 0 && strncmp(command, "./bis envmap", 12) != 0 && !strstr(command, "--plan");
+    static const char *const others[] = {"./bis compare", "./bis envmap", "./bis pixel", "./bis help"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        if (strncmp(command, others[i], strlen(others[i])) == 0) return false;
+    }
+    return !strstr(command, "--plan");
 }
 
 static int run_commands_of(const char *page)
