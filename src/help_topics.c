@@ -22,8 +22,8 @@ static const bis_help_entry scene[] = {
     {NULL, "Before WorldBegin:"},
     {"Camera", "\"perspective\" or \"orthographic\": fov (90), screenwindow, frameaspectratio; lensradius must be 0"},
     {"Film", "\"rgb\": xresolution (1280), yresolution (720), filename (bis.exr), cropwindow (0 1 0 1), layers (see output)"},
-    {"Sampler", "\"stratified\" (the default), \"sobol\", \"halton\", \"random\" or \"independent\": pixelsamples (16), seed (0), adaptive (false); stratified: xsamples, "
-                "ysamples (4), jitter (true)"},
+    {"Sampler", "\"stratified\" (the default), \"sobol\", \"halton\", \"random\" or \"independent\": pixelsamples (16), seed (0), adaptive (false), "
+                "edgesamples (1; more on outlines); stratified: xsamples, ysamples (4), jitter (true)"},
     {"Integrator", "see integrators"},
     {"Accelerator", "\"embree\" (the default where it is built in) or \"grid\": density, cells per primitive (2; 8 where triangles span many cells)"},
     {"Option", "\"bool disablepixeljitter\" (false); \"string asprinted\" (see errata)"},

@@ -57,7 +57,7 @@ static int look_for_names(const char *text, const char *page, const char *sectio
                 snprintf(name, sizeof name, "%.*s", (int)length, from);
                 n++;
                 if (has_word(text, name, length)) continue;
-                print_message("%s: no \"%s\"\n", section, name);
+                print_message("%s: no \"%s\" in its topic, src/help_topics.c\n", section, name);
                 ++*n_missing;
             }
         }
