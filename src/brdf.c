@@ -2,11 +2,13 @@
  *
  *     L = (1/N) sum_j f(wi_j, wo) cos theta_j Le(wi_j) V(wi_j) / q_f(wi_j),     wi_j ~ q_f
  *
- * The thesis cancels f cos/q_f against the albedo. That would need directions drawn from f cos itself (eq. 3.17; normalised, eq. 4.3), for
- * which there is no analytical method; what is drawn is the mixture of the lobes, and its density is what F is divided by (docs/errata.md E23).
+ * The thesis cancels f cos/q_f against the albedo. That would need directions drawn from f cos itself (eq. 3.17;
+ * normalised, eq. 4.3), for which there is no analytical method; what is drawn is the mixture of the lobes, and its
+ * density is what F is divided by (docs/errata.md E23).
  * Directions of a lobe that dips below the horizon contribute 0 and count (E34).
- * Unbiased for every N >= 1. Noise: that of Le V, the map's contrast undivided: good for narrow lobes under smooth skies, hopeless for a
- * diffuse surface under a small sun. Cost: N draws, at most N shadow rays; nothing is built for the light. */
+ * Unbiased for every N >= 1. Noise: that of Le V, the map's contrast undivided: good for narrow lobes under smooth
+ * skies, hopeless for a diffuse surface under a small sun. Cost: N draws, at most N shadow rays; nothing is built for
+ * the light. */
 #include "proposal.h"
 
 static unsigned light_needs(const bis_settings *s)
@@ -20,7 +22,8 @@ static void scratch_needs(const bis_settings *s, bis_scratch *need)
     need->n_points = s->samples;
 }
 
-/* As printed (E34): below the horizon is drawn again, with the density left as it was. Half of a lobe at least lies above. */
+/* As printed (E34): below the horizon is drawn again, with the density left as it was. Half of a lobe at least lies
+ * above. */
 static void draw_above_horizon(vec3 *wi, const bis_bsdf *bsdf, bis_stream *stream)
 {
     for (int i = 0; i < 100 && bis_bsdf_cos(bsdf, *wi) <= 0; i++) {

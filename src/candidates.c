@@ -1,20 +1,27 @@
 /* candidates: draw M, weigh, resample N, trace: the steps of thesis 4.4.
  *
  * Proposal. q is q_L, q_f, or their mixture  q = beta q_L + (1 - beta) q_f  with beta = M_em/M, whichever of the two a candidate came from
- * (docs/errata.md E26): under it no weight exceeds min(phat/(beta q_L), phat/((1-beta) q_f)), so that neither a sun nor a narrow lobe spoils it.
- * beta may depend on the material and the light, known before anything is drawn, never on what was drawn (share_of_brdf).
+ * (docs/errata.md E26): under it no weight exceeds min(phat/(beta q_L), phat/((1-beta) q_f)), so that neither a sun nor
+ * a narrow lobe spoils it.
+ * beta may depend on the material and the light, known before anything is drawn, never on what was drawn
+ * (share_of_brdf).
  *
- * Weight. w = phat/q with phat = F.r + F.g + F.b, F = f cos Le (E23: w = f or w = L, as printed, forgets the cosine and what q_f really is).
+ * Weight. w = phat/q with phat = F.r + F.g + F.b, F = f cos Le (E23: w = f or w = L, as printed, forgets the cosine and
+ * what q_f really is).
  *
- * Order. Stratified candidates from the map are one in each equal part of the importance along a space-filling curve, those from the BRDF one in
- * each equal part of a Hilbert curve over (u1, u2). Neighbours in the array are then neighbours in direction, and N equally spaced marks over
- * the running sum of weights hit all parts of the product evenly. Only both together pay: 1.2 to 4 times less squared error at N = 15.
+ * Order. Stratified candidates from the map are one in each equal part of the importance along a space-filling curve,
+ * those from the BRDF one in each equal part of a Hilbert curve over (u1, u2). Neighbours in the array are then
+ * neighbours in direction, and N equally spaced marks over the running sum of weights hit all parts of the product
+ * evenly. Only both together pay: 1.2 to 4 times less squared error at N = 15.
  *
- * Pool. The stratified directions from the map come from a pool shared by all pixels of a pass, where there is one (bis/pool.h): 10 times cheaper than
- * drawing them, and equal in everything but the luck that pixels with the same set share. candidates_from_em is the plain version, and the pool's test.
+ * Pool. The stratified directions from the map come from a pool shared by all pixels of a pass, where there is one
+ * (bis/pool.h): 10 times cheaper than drawing them, and equal in everything but the luck that pixels with the same set
+ * share. candidates_from_em is the plain version, and the pool's test.
  *
- * Unbiased: each candidate's density is q by itself (or, stratified, the candidates' densities average to q), so E[(1/M) sum w V] is right;
- * and resampling chooses candidate i for N w_i/W of the marks in the mean, whatever the scheme, so E[(W/M) (1/N) sum V | candidates] = (1/M) sum w V. */
+ * Unbiased: each candidate's density is q by itself (or, stratified, the candidates' densities average to q), so
+ * E[(1/M) sum w V] is right;
+ * and resampling chooses candidate i for N w_i/W of the marks in the mean, whatever the scheme, so E[(W/M) (1/N) sum V
+ * | candidates] = (1/M) sum w V. */
 #include "candidates.h"
 
 #include "proposal.h"
@@ -30,12 +37,15 @@ double bis_candidates_bound(const bis_point *pt, bis_proposal proposal)
     return bis_bsdf_max_ratio(&pt->bsdf) * bis_light_max_intensity(pt->light);
 }
 
-/* The BRDF's share of a mix. The thesis's own measure (4.3): the smaller a proposal's bound, the larger its share (of the squares: variances);
- * under a smooth sky the BRDF gets nearly all. Under a sun it would get nothing, although the rest of the map needs it where the lobe is
- * narrow: of M candidates spread evenly over the sphere, k = M/(4 pi q_f(R)) would fall into the lobe about R, and where these are few the BRDF
- * gets up to half. Any share is unbiased; with this one the error of independent candidates stays within 1.4 times that of the better
- * proposal alone (tests/test_sir.c, E26), and at n = 50 under a church 6 % of M = 800 are as good as half of them, at half the time.
- * The product's candidates find the lobe by themselves, down to the size of a cluster: a BRDF's share as if there were 16 times as many. */
+/* The BRDF's share of a mix. The thesis's own measure (4.3): the smaller a proposal's bound, the larger its share (of
+ * the squares: variances);
+ * under a smooth sky the BRDF gets nearly all. Under a sun it would get nothing, although the rest of the map needs it
+ * where the lobe is narrow: of M candidates spread evenly over the sphere, k = M/(4 pi q_f(R)) would fall into the lobe
+ * about R, and where these are few the BRDF gets up to half. Any share is unbiased; with this one the error of
+ * independent candidates stays within 1.4 times that of the better proposal alone (tests/test_sir.c, E26), and at n =
+ * 50 under a church 6 % of M = 800 are as good as half of them, at half the time.
+ * The product's candidates find the lobe by themselves, down to the size of a cluster: a BRDF's share as if there were
+ * 16 times as many. */
 static double share_of_brdf(uint32_t M, bis_proposal proposal, const bis_point *pt)
 {
     double c_em = bis_candidates_bound(pt, BIS_PROPOSAL_EM), c_brdf = bis_candidates_bound(pt, BIS_PROPOSAL_BRDF);
@@ -45,8 +55,9 @@ static double share_of_brdf(uint32_t M, bis_proposal proposal, const bis_point *
     return fmax(1 / (1 + r * r), pt->bsdf.p_specular / 2 / (1 + k));
 }
 
-/* Who draws how many. Under a constant light q_f alone is the product, nearly. A specular lobe always gets a candidate (but beside a
- * product, which needs none: a single one costs as much as a block), a diffuse surface none where its share rounds to 0. M = 1 cannot be divided: its technique is drawn, with the same density of the mixture. */
+/* Who draws how many. Under a constant light q_f alone is the product, nearly. A specular lobe always gets a candidate
+ * (but beside a product, which needs none: a single one costs as much as a block), a diffuse surface none where its
+ * share rounds to 0. M = 1 cannot be divided: its technique is drawn, with the same density of the mixture. */
 bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bis_stream *stream)
 {
     const bis_mixture em = {M, 0, 1}, brdf = {0, M, 0};
@@ -80,7 +91,8 @@ uint32_t bis_candidates_pool_needs(const bis_settings *s)
 
 /* ---- the numbers behind a candidate ---- */
 
-/* One of n independent points. A single one is the set of one that plain importance sampling would use: M = N = 1 must be the same, bit for bit (E24). */
+/* One of n independent points. A single one is the set of one that plain importance sampling would use: M = N = 1 must
+ * be the same, bit for bit (E24). */
 static void independent_point(double u[2], bis_stream *stream, unsigned dim, uint32_t n)
 {
     if (n == 1) {
@@ -248,8 +260,8 @@ void bis_candidates_colour_as_printed(bis_candidate *c, uint32_t M, double W)
 
 /* ---- resampling ---- */
 
-/* A walk along the running sum S of the weights, the same sum in the same order that made W. A mark at 1 would lie at W, which no S exceeds: it belongs
- * to the last candidate with a positive weight, never to the last of all. */
+/* A walk along the running sum S of the weights, the same sum in the same order that made W. A mark at 1 would lie at
+ * W, which no S exceeds: it belongs to the last candidate with a positive weight, never to the last of all. */
 /* [resample] */
 void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W, bis_resampling resampling, bis_stream *stream)
 {
@@ -274,7 +286,8 @@ void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *
 
 /* ---- the estimate ---- */
 
-/* F/phat = C/w. Z/w comes first: with M = N = 1 it is w/w = 1, and what remains is C, plain importance sampling (E24). */
+/* F/phat = C/w. Z/w comes first: with M = N = 1 it is w/w = 1, and what remains is C, plain importance sampling
+ * (E24). */
 /* [trace] */
 rgbd bis_candidates_trace(const bis_point *pt, const bis_candidate *c, const uint32_t *chosen, uint32_t N, double Z)
 {

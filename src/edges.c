@@ -1,10 +1,12 @@
 /* edges: where camera samples are worth more than light samples.
  *
- * A pixel that is half background has more noise from the place of its camera samples than from all its shadow rays: on a small picture of the dragon, 3 % of the pixels hold 80 %
- * of a diffuse surface's error at 12 rays a camera sample. So a ray goes through every pixel's corner. Where one corner sees the background and another
- * a surface, other materials, or normals more than 60 degrees apart, render.c takes edgesamples camera samples in each pass instead of one.
- * Unbiased: how many samples a pixel gets is settled before the first of them, by rays through fixed points. What slips between
- * four corners gets one sample a pass, as everything else. */
+ * A pixel that is half background has more noise from the place of its camera samples than from all its shadow rays: on
+ * a small picture of the dragon, 3 % of the pixels hold 80 % of a diffuse surface's error at 12 rays a camera sample.
+ * So a ray goes through every pixel's corner. Where one corner sees the background and another a surface, other
+ * materials, or normals more than 60 degrees apart, render.c takes edgesamples camera samples in each pass instead of
+ * one.
+ * Unbiased: how many samples a pixel gets is settled before the first of them, by rays through fixed points. What slips
+ * between four corners gets one sample a pass, as everything else. */
 #include "edges.h"
 
 #include "bis/mem.h"

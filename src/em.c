@@ -3,10 +3,12 @@
  *     L = (1/N) sum_j f(wi_j, wo) cos theta_j Le(wi_j) V(wi_j) / q_L(wi_j),     wi_j ~ q_L
  *
  * which is eq. 3.4 for the integral of eq. 4.1, read as eq. 3.3 with p = q_L (eq. 4.2) and the integrand over p for f.
- * The thesis cancels Le/q_L against the integral of the map. We do not: q_L is the density of a table whose entries may be area-weighted
- * (3.4), and Le has three channels where q_L has one, so F is divided by the density that the direction was really drawn with
- * (docs/errata.md E5, E20). q_L covers the whole sphere: a direction below the horizon contributes 0 and counts (E1).
- * Unbiased for every N >= 1. Noise: the map's contrast is divided out, what remains is that of f cos V: good for diffuse surfaces.
+ * The thesis cancels Le/q_L against the integral of the map. We do not: q_L is the density of a table whose entries may
+ * be area-weighted (3.4), and Le has three channels where q_L has one, so F is divided by the density that the
+ * direction was really drawn with (docs/errata.md E5, E20). q_L covers the whole sphere: a direction below the horizon
+ * contributes 0 and counts (E1).
+ * Unbiased for every N >= 1. Noise: the map's contrast is divided out, what remains is that of f cos V: good for
+ * diffuse surfaces.
  * Cost: N draws, at most N shadow rays. */
 #include "proposal.h"
 

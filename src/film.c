@@ -1,9 +1,10 @@
 /* film: sums, sums of squares, and what they say about the error.
  *
- * A picture is the mean over passes; a pass adds one value to every pixel, so one count serves all pixels. Sums are double: a
- * million passes of float radiance add up without loss that matters (2^-53 a step), and squares of FLT_MAX do not overflow.
- * 56 bytes a pixel. Source of the error estimate: docs/errata.md E32 (errors come from whole, independent replicates: the
- * passes), the measure itself is relMSE of SPEC 5. */
+ * A picture is the mean over passes; a pass adds one value to every pixel, so one count serves all pixels. Sums are
+ * double: a million passes of float radiance add up without loss that matters (2^-53 a step), and squares of FLT_MAX do
+ * not overflow.
+ * 56 bytes a pixel. Source of the error estimate: docs/errata.md E32 (errors come from whole, independent replicates:
+ * the passes), the measure itself is relMSE of SPEC 5. */
 #include "bis/film.h"
 
 #include "bis/mem.h"
@@ -83,15 +84,16 @@ void bis_film_resolve(const bis_film *f, float *rgba)
     }
 }
 
-/* The expected (a-b)^2 / (b^2 + m^2/100) of one pixel, mean over its channels: the variance of each channel's mean, that of one pass over n
- * (eq. 3.9), in place of (a-b)^2. */
+/* The expected (a-b)^2 / (b^2 + m^2/100) of one pixel, mean over its channels: the variance of each channel's mean,
+ * that of one pass over n (eq. 3.9), in place of (a-b)^2. */
 static double pixel_error(const bis_film *f, size_t i, double floor)
 {
     double n = f->passes, total = 0;
 
     for (size_t k = 3 * i; k < 3 * i + 3; k++) {
         double mean = f->sum[k] / n;
-        /* Where all passes agree the difference is 0 but for rounding, a few ulps of sum_squares, which may fall below it. */
+        /* Where all passes agree the difference is 0 but for rounding, a few ulps of sum_squares, which may fall below
+         * it. */
         double variance = fmax(0, f->sum_squares[k] - f->sum[k] * mean) / (n - 1);
         total += variance / n / (mean * mean + floor);
     }
@@ -123,15 +125,18 @@ void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
     }
 }
 
-/* Let X_i be pixel_error, R the mean of X over the P pixels: the estimate of relMSE. Pixels have independent random numbers, so two things part
- * R from the error that this very picture has:
- * - R is itself an estimate: var(R) <= sum (X_i - R)^2 / P^2, since the scatter over pixels holds that of their true variances, too;
- * - the error is one draw: a pixel's squared error of expectation X_i has variance 2 X_i^2 (normal, its channels alike),
+/* Let X_i be pixel_error, R the mean of X over the P pixels: the estimate of relMSE. Pixels have independent random
+ * numbers, so two things part R from the error that this very picture has:
+ * - R is itself an estimate: var(R) <= sum (X_i - R)^2 / P^2, since the scatter over pixels holds that of their true
+ * variances, too;
+ * - the error is one draw: a pixel's squared error of expectation X_i has variance 2 X_i^2 (normal, its channels
+ * alike),
  *   that of their mean 2 sum X_i^2 / P^2.
- * The bound is R plus 1.645 (the 95% point of a normal) times the root of the sum. But with few passes R is too low where noise is skewed: pixels whose
- * mean came out low show little scatter, and are weighed most. The loss falls with 1/n; R (1 + 1.5/n) made good for it with exponential noise of
- * 40% on every third pixel: true errors above the bound in 3.3, 3.5, 2.9% of 2000 renders at 4, 16, 64 passes, without it in
- * 20, 7.6, 3.9% (tests/test_film.c). The bound knows nothing of lights that no pass has found yet. */
+ * The bound is R plus 1.645 (the 95% point of a normal) times the root of the sum. But with few passes R is too low
+ * where noise is skewed: pixels whose mean came out low show little scatter, and are weighed most. The loss falls with
+ * 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every third pixel: true errors above the bound
+ * in 3.3, 3.5, 2.9% of 2000 renders at 4, 16, 64 passes, without it in 20, 7.6, 3.9% (tests/test_film.c). The bound
+ * knows nothing of lights that no pass has found yet. */
 double bis_film_relative_rmse(const bis_film *f, double *upper)
 {
     size_t n = (size_t)f->width * (size_t)f->height;

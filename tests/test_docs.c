@@ -1,6 +1,7 @@
 /* What the README and docs tell users to type works: every `./bis ...` line of their code blocks is run, small and
  * short, in a folder that looks like the repository's root. And the layers that README draws are those of the code,
- * the items of the errata have their tests, pasted code is that of the source, equations stand where the guide says; each check can fail. */
+ * the items of the errata have their tests, pasted code is that of the source, equations stand where the guide says;
+ * each check can fail. */
 #include "program.h"
 
 #include <setjmp.h>
@@ -113,7 +114,8 @@ static void links_of_the_pages_lead_to_files(void **state)
     }
 }
 
-/* --- the guide ------------------------------------------------------------------------------------------------------ */
+/* --- the guide
+ * ------------------------------------------------------------------------------------------------------ */
 
 static void code_on_the_pages_is_what_the_compiler_sees(void **state)
 {
@@ -178,7 +180,8 @@ static void an_equation_that_a_file_does_not_name_is_found(void **state)
     }
 }
 
-/* --- layers -------------------------------------------------------------------------------------------------------- */
+/* --- layers
+ * -------------------------------------------------------------------------------------------------------- */
 
 static void arrows_only_go_down(void **state)
 {
@@ -212,7 +215,8 @@ static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
     }
 }
 
-/* --- errata -------------------------------------------------------------------------------------------------------- */
+/* --- errata
+ * -------------------------------------------------------------------------------------------------------- */
 
 static void every_item_of_the_errata_has_a_test_named_after_it_and_a_twin(void **state)
 {

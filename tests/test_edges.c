@@ -16,7 +16,8 @@
 
 static double alpha(void) { return bis_stats_sidak(1e-3, 3); }
 
-/* A pixel is an edge where some of many rays through it see the background and others the ball or the floor, but for what slips between corners. */
+/* A pixel is an edge where some of many rays through it see the background and others the ball or the floor, but for
+ * what slips between corners. */
 static void edges_are_where_the_picture_is_half_background(void **state)
 {
     world w;
@@ -83,7 +84,8 @@ static void mean_is_the_same_and_its_scatter_less(void **state)
     const double p = bis_stats_student_p((more.mean - longer.mean) / se, 70);
     assert_true(p > alpha());
     assert_true(stat_variance(&more) < stat_variance(&plain));
-    /* twin: an estimate that counts an edge's samples as if each were a pass of its own would be far off: the edges' light times six */
+    /* twin: an estimate that counts an edge's samples as if each were a pass of its own would be far off: the edges'
+     * light times six */
     assert_true(bis_stats_student_p((1.03 * more.mean - longer.mean) / se, 70) < alpha());
     clear_world(&w);
 }
