@@ -1,4 +1,4 @@
-# bis: make, make test [T=alias], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make install, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
+# bis: make, make test [T=alias], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make install, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name
 CFLAGS  ?= -O2 -g
 VARIANT ?= release
@@ -130,5 +130,6 @@ install: $B/bis
 clean:
 	rm -rf build bis data/models data/maps
 
+include scripts/course.mk
 -include $(patsubst %.c,$B/%.d,$(wildcard src/*.c tests/*.c tests/fuzz/*.c scripts/*.c))
 .SECONDARY:

@@ -1,0 +1,60 @@
+#!/bin/sh
+# check_assignments: does each assignment mark as it should? With the blanks, every claim fails; with our own bodies, every one holds; each of the
+# two typical wrong solutions is worth some of the points. Only the modules under study are compiled, and linked before the present library.
+#     scripts/check_assignments.sh [NAME...]        (default: all)
+# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link (scripts/course.mk). Reports go to
+# $BIS_BUILD/assignments/NAME/. Exit status 1 if anything is not as it should.
+root=$BIS_BUILD/assignments
+if [ $# -ne 1 ]; then
+    [ $# -gt 0 ] || set -- $(ls tests/assignments | sed -n 's/_blank\.c$//p')
+    printf '%s\n' "$@" | xargs -P 2 -n 1 sh "$0"
+    exit
+fi
+name=$1
+folder=$root/$name
+mkdir -p "$folder" || exit 1
+say() {
+    echo "$name: $*"
+    exit 1
+}
+
+# Compile the fragments' files, link, run: $folder/$1.marks
+mark() {
+    objects=""
+    mkdir -p "$folder/$1" || exit 1
+    if [ "$1" != original ]; then
+        files=$(sh scripts/splice.sh "tests/assignments/${name}_$1.c" "$folder/$1") || exit 1
+        for file in $files; do
+            $BIS_COMPILE -Werror -c -o "$folder/$1/$file.o" "$folder/$1/$file" || say "the $1 one does not compile without warnings"
+            objects="$objects $folder/$1/$file.o"
+        done
+    fi
+    # shellcheck disable=SC2086
+    $BIS_LINK -o "$folder/$1/marks" "$folder/claims.o" $objects $BIS_OBJECTS $BIS_LIBS || say "the $1 one does not link"
+    "$folder/$1/marks" --grade >"$folder/$1.marks" || say "the marks of the $1 one do not come to an end"
+}
+
+prove() {
+    $BIS_COMPILE -Werror -c -o "$folder/claims.o" "tests/assignments/$name.c" || say "its tests do not compile"
+    for variant in original blank wrong1 wrong2; do
+        mark $variant
+        awk -F '\t' -v name="$name" -v variant=$variant '
+            { n++; all += $2 }
+            $1 == "ok" { right++; points += $2 }
+            $1 == "ok" && variant == "blank" { printf "%s: the blank one passes %s\n", name, $3 }
+            $1 != "ok" && variant == "original" { printf "%s: ours fails %s: %s\n", name, $3, $4 }
+            $1 != "ok" && $4 == "" { printf "%s: no message of %s\n", name, $3; bad = 1 }
+            END {
+                printf "%s: %s: %d of %d points, %d of %d claims\n", name, variant, points, all, right, n
+                if (all != 80) { printf "%s: the points of its claims sum to %d, must be 80\n", name, all; bad = 1 }
+                if (variant == "original" && right < n || variant == "blank" && right > 0) bad = 1
+                if (variant ~ /wrong/ && (right == 0 || right == n)) { printf "%s: %s is to be worth some of the points\n", name, variant; bad = 1 }
+                exit bad
+            }' "$folder/$variant.marks" || exit 1
+    done
+}
+
+(prove && echo "$name: as it should be") >"$folder/verdict" 2>&1
+status=$?
+cat "$folder/verdict"
+exit $status

@@ -1,0 +1,11 @@
+/* The smallest i with u <= C[i + 1]: on a step of C, the item before it, whatever its weight. */
+/* [cdf-search] */
+size_t bis_cdf_sample(const bis_cdf *c, double u, double *remainder)
+{
+    size_t i = 0;
+    while (i + 1 < c->n && u > c->c[i + 1])
+        i++;
+    if (remainder) *remainder = (u - c->c[i]) / (c->c[i + 1] - c->c[i]);
+    return i;
+}
+/* [end] */

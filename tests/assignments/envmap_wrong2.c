@@ -1,0 +1,9 @@
+/* All pixels are of one size, as if the map were a cylinder: no sin theta anywhere. */
+/* [solid-angle] */
+    for (int y = 0; y < height; y++) {
+        em->cos_edge[y] = cos_polar(y, height);
+        em->row_solid_angle[y] = 4 * PI / width / height;
+    }
+    (void)sin_polar;
+    em->cos_edge[height] = -1;
+/* [end] */

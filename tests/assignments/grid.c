@@ -1,0 +1,270 @@
+/* Assignment grid: src/grid_walk.c, the plain walk, called by name: the packed one (src/grid_packed.c), which the program prefers, has no part in it.
+ * Every ray is compared with brute force over all triangles, in long double; ties within 4 ulps of an edge are left out. */
+#include "mark.h"
+
+#include "grid.h"
+#include "mesh_help.h"
+
+typedef struct world {
+    bis_geometry g;
+    bis_accel *grid;
+} world;
+
+/* w must stay where it is: the grid points to its geometry. */
+static void world_init(world *w, bis_mesh m, double density)
+{
+    const bis_xform identity = bis_xform_identity();
+
+    *w = (world){.grid = NULL};
+    add_mesh(&w->g, &m, &identity, 0);
+    if (bis_grid_new(&w->grid, &w->g, density, 1, NULL)) mark_wrong("no memory for a grid");
+}
+
+static void world_free(world *w)
+{
+    bis_accel_free(w->grid);
+    bis_geometry_clear(&w->g);
+}
+
+static long double determinant(const long double a[3], const long double b[3], const long double c[3])
+{
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+static void flat(long double out[3], vec3 v)
+{
+    out[0] = (long double)v.x;
+    out[1] = (long double)v.y;
+    out[2] = (long double)v.z;
+}
+
+/* Cramer's rule: another road than the library's. */
+static bool brute_triangle(const bis_geometry *g, uint32_t prim, const ray *r, long double *t)
+{
+    long double v[3][3], o[3], d[3], e[3], f[3], s[3], back[3];
+
+    flat(o, r->o);
+    flat(d, r->d);
+    for (int i = 0; i < 3; i++) flat(v[i], g->p[g->index[3 * (size_t)prim + (size_t)i]]);
+    for (int a = 0; a < 3; a++) {
+        e[a] = v[1][a] - v[0][a];
+        f[a] = v[2][a] - v[0][a];
+        s[a] = o[a] - v[0][a];
+        back[a] = -d[a];
+    }
+    const long double det = determinant(back, e, f);
+    if (det == 0) return false;
+    const long double b1 = determinant(back, s, f) / det, b2 = determinant(back, e, s) / det;
+    *t = determinant(s, e, f) / det;
+    return b1 >= 0 && b2 >= 0 && b1 + b2 <= 1 && *t > 0 && *t < (long double)r->tmax;
+}
+
+/* 1 when the ray hits. Both queries must agree with brute force. */
+static int check(const world *w, const ray *r, const char *what)
+{
+    uint32_t prim = BIS_NO_PRIM;
+    long double t = (long double)INFINITY;
+    bis_hit hit = {-1, BIS_NO_PRIM};
+
+    for (uint32_t k = 0; k < w->g.n_triangles; k++) {
+        long double here;
+        if (is_tie(&w->g, k, r, 4)) return 0;
+        if (brute_triangle(&w->g, k, r, &here) && here < t) {
+            t = here;
+            prim = k;
+        }
+    }
+    const bool must = prim != BIS_NO_PRIM, found = bis_grid_intersect(w->grid, r, &hit), any = bis_grid_occluded(w->grid, r);
+    const double ox = (double)r->o.x, oy = (double)r->o.y, oz = (double)r->o.z, dx = (double)r->d.x, dy = (double)r->d.y, dz = (double)r->d.z;
+    if (found && !must) {
+        mark_wrong("%s: ray from (%g %g %g) towards (%g %g %g) hits triangle %u at t = %g; it must hit nothing", what,
+                   ox, oy, oz, dx, dy, dz, hit.prim, (double)hit.t);
+    }
+    if (!found && must) {
+        mark_wrong("%s: ray from (%g %g %g) towards (%g %g %g) hits nothing; it must hit triangle %u at t = %Lg",
+                   what, ox, oy, oz, dx, dy, dz, prim, t);
+    }
+    if (any != must) {
+        mark_wrong("%s: ray from (%g %g %g) towards (%g %g %g): the any-hit query says %d, must be %d", what, ox, oy,
+                   oz, dx, dy, dz, any, must);
+    }
+    if (must && !(fabsl((long double)hit.t - t) <= 1e-5L * (t + 1))) {
+        mark_wrong("%s: ray from (%g %g %g) towards (%g %g %g) hits triangle %u at t = %g; the nearest hit is "
+                   "triangle %u at t = %Lg", what, ox, oy, oz, dx, dy, dz, hit.prim, (double)hit.t, prim, t);
+    }
+    return must;
+}
+
+static void expect_hits(int hits, int least, const char *what)
+{
+    if (hits < least) mark_wrong("%s: only %d hits, %d at least are expected", what, hits, least);
+}
+
+static void one_triangle_is_hit_and_missed(void)
+{
+    bis_mesh m = new_mesh(3, 1);
+    m.p[0] = (vec3){0, 0, 0.5f};
+    m.p[1] = (vec3){1, 0, 0.5f};
+    m.p[2] = (vec3){0, 1, 0.6f};
+    for (uint32_t i = 0; i < 3; i++) m.index[i] = i;
+    world w;
+    world_init(&w, m, 0);
+    int hits = 0;
+
+    for (int k = 0; k < 400; k++) {
+        const float x = (float)(k % 20 + 0.37) / 20, y = (float)((int)(k / 20) + 0.41) / 20;
+        const ray down = {{x, y, 3}, {0.01f, 0.02f, -1}, INFINITY}, up = {{x, y, -3}, {0.01f, -0.02f, 1}, INFINITY};
+        hits += check(&w, &down, "one triangle from above") + check(&w, &up, "one triangle from below");
+    }
+    expect_hits(hits, 300, "one triangle");
+    world_free(&w);
+}
+
+/* From inside and outside the unit cube towards a point in it. */
+static ray random_ray(uint64_t *seed, double away)
+{
+    const vec3 o = vec3_from(random_between(seed, -away, 1 + away), random_between(seed, -away, 1 + away), random_between(seed, -away, 1 + away));
+    const vec3 to = vec3_from(random_double(seed), random_double(seed), random_double(seed));
+
+    return (ray){o, normalize(sub(to, o)), INFINITY};
+}
+
+static void check_soup(size_t n, double size, double density, double away, int least, const char *what)
+{
+    uint64_t seed = n;
+    world w;
+    world_init(&w, soup_mesh(n, size, 11), density);
+    int hits = 0;
+
+    for (int k = 0; k < 3000; k++) {
+        const ray r = random_ray(&seed, away);
+        hits += check(&w, &r, what);
+    }
+    expect_hits(hits, least, what);
+    world_free(&w);
+}
+
+static void small_triangles_from_outside_are_met(void) { check_soup(500, 0.1, 0, 0.8, 300, "500 small triangles, from outside"); }
+static void small_triangles_from_inside_are_met(void) { check_soup(500, 0.1, 0, 0, 200, "500 small triangles, from inside"); }
+
+/* They reach through many cells: a hit is found before its cell is reached. */
+static void the_nearest_of_large_triangles_is_found(void)
+{
+    check_soup(60, 0.9, 40, 0.5, 1000, "60 large triangles in small cells");
+}
+
+static void rays_along_an_axis_are_met(void)
+{
+    static const float zeros[] = {0.0f, -0.0f};
+    uint64_t seed = 3;
+    world w;
+    world_init(&w, soup_mesh(800, 0.15, 12), 0);
+    int hits = 0;
+
+    for (int k = 0; k < 3000; k++) {
+        float o[3], d[3];
+        const int axis = k % 3, flat_axis = k / 3 % 3;
+        for (int a = 0; a < 3; a++) {
+            o[a] = (float)random_double(&seed);
+            d[a] = k % 2 ? (a == axis ? 1.0f : zeros[k / 2 % 2]) : (float)random_between(&seed, -1, 1);
+        }
+        if (k % 2) o[axis] = k / 2 % 2 ? -1 : 2; /* outside, along one axis, there or back */
+        if (k % 2 && o[axis] > 1) d[axis] = -1;
+        if (k % 2 == 0) d[flat_axis] = zeros[k / 2 % 2];
+        const ray r = {{o[0], o[1], o[2]}, normalize((vec3){d[0], d[1], d[2]}), INFINITY};
+        hits += check(&w, &r, "a direction with a component of 0 or -0");
+    }
+    expect_hits(hits, 300, "rays along axes");
+    world_free(&w);
+}
+
+/* A plane of the box itself, and rays that lie in a wall between cells. */
+static void the_last_cell_is_visited(void)
+{
+    bis_mesh m = new_mesh(8, 4);
+    for (int i = 0; i < 8; i++) m.p[i] = (vec3){(float)(i & 1), (float)(i >> 1 & 1), (float)(i >> 2)};
+    const uint32_t index[] = {0, 1, 2, 1, 3, 2, 4, 5, 6, 5, 7, 6};
+    for (int i = 0; i < 12; i++) m.index[i] = index[i];
+    world w;
+    world_init(&w, m, 100);
+    uint64_t seed = 4;
+    int hits = 0;
+
+    for (int k = 0; k < 2000; k++) {
+        const double x = random_between(&seed, 0.05, 0.95), y = random_between(&seed, 0.05, 0.95);
+        const ray inside = {vec3_from(x, y, 0.5), normalize(vec3_from(random_between(&seed, -0.1, 0.1), random_between(&seed, -0.1, 0.1), k % 2 ? 1 : -1)), INFINITY};
+        hits += check(&w, &inside, "a box open at the sides: from its middle to floor or ceiling, in the first and last layer of cells");
+    }
+    expect_hits(hits, 1500, "floor and ceiling");
+    world_free(&w);
+}
+
+static void tmax_ends_the_ray(void)
+{
+    uint64_t seed = 5;
+    world w;
+    world_init(&w, soup_mesh(300, 0.2, 13), 0);
+    int hits = 0, cut = 0;
+
+    for (int k = 0; k < 3000; k++) {
+        ray r = random_ray(&seed, 0.5);
+        bis_hit hit;
+        if (!bis_grid_intersect(w.grid, &r, &hit)) continue;
+        r.tmax = hit.t * (k % 2 ? 0.99f : 1.01f);
+        hits += check(&w, &r, "a ray that ends just before or just behind its nearest hit");
+        cut += k % 2;
+    }
+    expect_hits(hits, 200, "rays that end behind a hit");
+    expect_hits(cut, 200, "rays that end before a hit");
+    world_free(&w);
+}
+
+static void far_origins_are_met(void)
+{
+    uint64_t seed = 6;
+    world w;
+    world_init(&w, soup_mesh(300, 0.2, 14), 0);
+    int hits = 0;
+
+    for (int k = 0; k < 1000; k++) {
+        const vec3 to = vec3_from(random_double(&seed), random_double(&seed), random_double(&seed));
+        const vec3 o = add(to, mul(random_direction(&seed), 500));
+        const ray r = {o, normalize(sub(to, o)), INFINITY}, away = {o, neg(r.d), INFINITY};
+        hits += check(&w, &r, "an origin 500 boxes away");
+        check(&w, &away, "a ray that flies away from the box");
+    }
+    expect_hits(hits, 200, "far origins");
+    world_free(&w);
+}
+
+static void work(void)
+{
+    uint64_t seed = 7;
+    world w;
+    world_init(&w, soup_mesh(20000, 0.03, 15), 8);
+    int hits = 0;
+
+    for (int k = 0; k < 60000; k++) {
+        const ray r = random_ray(&seed, 0.5);
+        bis_hit hit;
+        hits += bis_grid_intersect(w.grid, &r, &hit) + bis_grid_occluded(w.grid, &r);
+    }
+    if (hits == 0) mark_wrong("nothing is hit");
+    world_free(&w);
+}
+
+int main(int argc, char **argv)
+{
+    static const mark_claim claims[] = {
+        {"one_triangle_is_hit_and_missed", 10, one_triangle_is_hit_and_missed},
+        {"small_triangles_from_outside_are_met", 15, small_triangles_from_outside_are_met},
+        {"small_triangles_from_inside_are_met", 10, small_triangles_from_inside_are_met},
+        {"the_nearest_of_large_triangles_is_found", 15, the_nearest_of_large_triangles_is_found},
+        {"rays_along_an_axis_are_met", 10, rays_along_an_axis_are_met},
+        {"the_last_cell_is_visited", 5, the_last_cell_is_visited},
+        {"tmax_ends_the_ray", 10, tmax_ends_the_ray},
+        {"far_origins_are_met", 5, far_origins_are_met},
+    };
+
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work);
+}

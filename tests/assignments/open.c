@@ -1,0 +1,257 @@
+/* Assignment open: a density of one's own for src/microfacet.c. Any density may come: it must be a density, be the one that is drawn, leave f
+ * alone; then it is judged by its noise, against the cosine's and against ours. Statistical tests: 12, at 1e-5 each. */
+#include "mark.h"
+
+#include "bis/microfacet.h"
+#include "bis/rng.h"
+
+static const double ALPHA = 1e-5;
+static const double roughnesses[] = {0.3, 0.6, 1};
+
+static bis_material metal(double roughness) { return bis_microfacet((rgb){0, 0, 0}, (rgb){0.9f, 0.8f, 0.7f}, roughness); }
+static bis_material plastic(double roughness) { return bis_microfacet((rgb){0.5f, 0.4f, 0.3f}, (rgb){0.1f, 0.1f, 0.1f}, roughness); }
+
+/* In the frame of the normal, which is z. */
+static void seen(lit *l, bis_light *light, bis_material m, double degrees)
+{
+    lit_init(l, light, m, (vec3){0, 0, 1}, degrees, LIT_OPEN);
+}
+
+/* Midpoint k of n x n in cos theta and phi, over the sphere or the upper half; the weight is its solid angle. */
+static vec3 midpoint(int k, int n, double lowest, double wi[3], double *solid_angle)
+{
+    const double z = 1 - (1 - lowest) * ((int)(k / n) + 0.5) / n, s = sqrt(1 - z * z), phi = 2 * PI * (k % n + 0.5) / n;
+
+    wi[0] = s * cos(phi);
+    wi[1] = s * sin(phi);
+    wi[2] = z;
+    *solid_angle = (1 - lowest) * 2 * PI / n / n;
+    return vec3_from(wi[0], wi[1], wi[2]);
+}
+
+static void check_f(void)
+{
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+
+    for (int k = 0; k < 6; k++) {
+        lit l;
+        seen(&l, light, k % 2 ? metal(roughnesses[k / 2]) : plastic(roughnesses[k / 2]), 15 * k);
+            for (int i = 0; i < 900; i++) {
+            double wi[3], d, pdf;
+            const vec3 w = midpoint(i, 30, 0, wi, &d);
+            const rgbd f = lit_f(&l, wi, &pdf);
+            mark_near((double)bis_bsdf_f(&l.pt.bsdf, w).r, f.r, 1e-6, 1e-4, "roughness %g, wo at %d, wi at %.0f "
+                      "degrees: the red of f", roughnesses[k / 2], 15 * k, acos(wi[2]) * 180 / PI);
+        }
+    }
+    bis_light_free(light);
+}
+
+static void f_is_left_as_it_was_and_the_density_integrates_to_1(void)
+{
+    enum { N = 700 };
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+
+    check_f();
+    for (int k = 0; k < 6; k++) {
+        const double degrees = k % 2 ? 65 : 10;
+        lit l;
+        seen(&l, light, k % 3 ? metal(roughnesses[k / 2]) : plastic(roughnesses[k / 2]), degrees);
+            double sum = 0;
+        for (int i = 0; i < N * N; i++) {
+            double wi[3], d;
+            const vec3 w = midpoint(i, N, -1, wi, &d);
+            const double pdf = bis_bsdf_pdf(&l.pt.bsdf, w);
+            if (!(pdf >= 0)) mark_wrong("the density is %g", pdf);
+            sum += pdf * d;
+        }
+        mark_near(sum, 1, 0.01, 0, "roughness %g, seen at %g degrees: the integral of the density over the sphere",
+                  roughnesses[k / 2], degrees);
+    }
+    bis_light_free(light);
+}
+
+static void samples_have_the_density(void)
+{
+    enum { RINGS = 10, SECTORS = 8, CELLS = RINGS * SECTORS, FINE = 60, DRAWS = 60000 };
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+
+    for (int k = 0; k < 6; k++) {
+        const double degrees = k % 2 ? 65 : 10;
+        double observed[CELLS] = {0}, expected[CELLS] = {0}, sum = 0;
+        lit l;
+        seen(&l, light, k % 3 ? metal(roughnesses[k / 2]) : plastic(roughnesses[k / 2]), degrees);
+            bis_rng r;
+        bis_rng_init(&r, 1, (uint64_t)k, 0, 0);
+        for (int i = 0; i < DRAWS; i++) {
+            vec3 w;
+            const double u0 = bis_rng_double(&r), u1 = bis_rng_double(&r), u2 = bis_rng_double(&r);
+            if (!bis_bsdf_sample(&l.pt.bsdf, u0, u1, u2, &w)) {
+                mark_wrong("nothing is drawn from a material that reflects");
+            }
+            const int ring = (int)((1 - (double)w.z) / 2 * RINGS), sector = (int)((atan2((double)w.y, (double)w.x) / (2 * PI) + 0.5) * SECTORS);
+            observed[(ring < RINGS ? ring : RINGS - 1) * SECTORS + (sector < SECTORS ? sector : SECTORS - 1)]++;
+        }
+        for (int i = 0; i < CELLS; i++) {
+            for (int j = 0; j < FINE * FINE; j++) {
+                const double z = 1 - 2 * (i / SECTORS + ((int)(j / FINE) + 0.5) / FINE) / RINGS, s = sqrt(1 - z * z);
+                const double phi = 2 * PI * ((i % SECTORS + (j % FINE + 0.5) / FINE) / SECTORS - 0.5);
+                expected[i] += bis_bsdf_pdf(&l.pt.bsdf, vec3_from(s * cos(phi), s * sin(phi), z));
+            }
+            sum += expected[i];
+        }
+        for (int i = 0; i < CELLS; i++) expected[i] *= DRAWS / sum; /* whether it is 1 in all is another claim */
+        mark_fit(observed, expected, CELLS, ALPHA, "rings and sectors about the normal", "pdf must be the density "
+                 "of what sample returns: of the mixture, in solid angle of wi (a density of half vectors is "
+                 "divided by 4 wo h).");
+    }
+    bis_light_free(light);
+}
+
+static void the_albedo_comes_out_of_the_samples(void)
+{
+    enum { N = 400 };
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+
+    for (int k = 0; k < 6; k++) {
+        const double degrees = k % 2 ? 65 : 10;
+        lit l;
+        seen(&l, light, k % 3 ? metal(roughnesses[k / 2]) : plastic(roughnesses[k / 2]), degrees);
+            stat_moments mean = {0};
+        double truth = 0;
+        bis_rng r;
+        bis_rng_init(&r, 2, (uint64_t)k, 0, 0);
+        for (int i = 0; i < N * N; i++) {
+            double wi[3], d, pdf;
+            midpoint(i, N, 0, wi, &d);
+            truth += lit_f(&l, wi, &pdf).r * wi[2] * d;
+        }
+        for (int i = 0; i < 30000; i++) {
+            vec3 w;
+            double pdf;
+            const double u0 = bis_rng_double(&r), u1 = bis_rng_double(&r), u2 = bis_rng_double(&r);
+            if (!bis_bsdf_sample(&l.pt.bsdf, u0, u1, u2, &w)) {
+                mark_wrong("nothing is drawn from a material that reflects");
+            }
+            const double c = bis_bsdf_cos(&l.pt.bsdf, w);
+            const rgb f = bis_bsdf_f_pdf(&l.pt.bsdf, w, &pdf);
+            stat_add(&mean, c > 0 && pdf > 0 ? (double)f.r * c / pdf : 0);
+        }
+        mark_mean(&mean, truth, ALPHA, "the mean of f cos/q over the samples", "q must be positive wherever f cos "
+                  "is, and be the density of what is drawn.");
+    }
+    bis_light_free(light);
+}
+
+static void the_bound_of_rejection_holds(void)
+{
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+    bis_rng r;
+
+    bis_rng_init(&r, 3, 0, 0, 0);
+    for (int k = 0; k < 60; k++) {
+        lit l;
+        seen(&l, light, k % 3 ? metal(roughnesses[k / 20]) : plastic(roughnesses[k / 20]), 1.45 * k);
+            const double bound = bis_bsdf_max_ratio(&l.pt.bsdf);
+        if (!isfinite(bound)) {
+            mark_wrong("roughness %g, seen at %g degrees: max_ratio is not finite: rejection would accept nothing",
+                       roughnesses[k / 20], 1.45 * k);
+        }
+        for (int i = 0; i < 2000; i++) {
+            const double z = 1 - bis_rng_double(&r), s = sqrt(1 - z * z), phi = 2 * PI * bis_rng_double(&r);
+            const vec3 w = vec3_from(s * cos(phi), s * sin(phi), z);
+            double pdf;
+            const double worst = rgb_max(bis_bsdf_f_pdf(&l.pt.bsdf, w, &pdf)) * z;
+            if (worst > bound * pdf) {
+                mark_wrong("roughness %g, wo at %g degrees, wi at %.0f: f cos/q is %g, max_ratio promises %g at most",
+                           roughnesses[k / 20], 1.45 * k, acos(z) * 180 / PI, worst / pdf, bound);
+            }
+        }
+    }
+    bis_light_free(light);
+}
+
+/* ---- noise ---- */
+
+typedef struct noise {
+    double mean, mine, cosine, ours; /* of one sample f cos/q, red: the mean; the mean square by the student's, the cosine's, our density */
+} noise;
+
+static noise noise_of(double roughness, double degrees)
+{
+    enum { N = 900 };
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+    lit l;
+
+    seen(&l, light, metal(roughness), degrees);
+    noise n = {0};
+    double all = 0;
+
+    for (int i = 0; i < N * N; i++) {
+        double wi[3], d;
+        const vec3 w = midpoint(i, N, -1, wi, &d);
+        all += bis_bsdf_pdf(&l.pt.bsdf, w) * d;
+    }
+    for (int i = 0; i < N * N; i++) {
+        double wi[3], d, q;
+        const vec3 w = midpoint(i, N, 0, wi, &d);
+        const double F = lit_f(&l, wi, &q).r * wi[2], mine = bis_bsdf_pdf(&l.pt.bsdf, w) / all; /* a density that is none gains nothing by it */
+        n.mean += F * d;
+        n.cosine += F * F / (wi[2] / PI) * d;
+        n.ours += F * F / q * d;
+        n.mine += F > 0 ? F * F / mine * d : 0;
+    }
+    bis_light_free(light);
+    return n;
+}
+
+static void expect_noise(int n_cases, double share_of_cosine, double times_ours, const char *than)
+{
+    for (int k = 0; k < n_cases; k++) {
+        const double degrees = k % 2 ? 65 : 10;
+        const noise n = noise_of(roughnesses[k / 2], degrees);
+        const double mine = n.mine - n.mean * n.mean, limit = share_of_cosine * (n.cosine - n.mean * n.mean) + times_ours * (n.ours - n.mean * n.mean);
+        if (!(mine <= limit)) {
+            mark_wrong("roughness %g, seen at %g degrees: the variance of f cos/q is %.3g, %s %.3g at most. Where "
+                       "is f cos large and q small?", roughnesses[k / 2], degrees, mine, than, limit);
+        }
+    }
+}
+
+/* Of roughness 0.3 and 0.6: what is rougher reflects nearly as the cosine has it. */
+static void it_is_less_noisy_than_the_cosine(void) { expect_noise(4, 0.6, 0, "six tenths of the cosine's are"); }
+static void it_is_nearly_as_good_as_visible_normals(void) { expect_noise(6, 0, 1.5, "one and a half times that of visible normals is"); }
+
+static void work(void)
+{
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
+    lit l;
+    seen(&l, light, metal(0.5), 40);
+    double sum = 0;
+    bis_rng r;
+
+    bis_rng_init(&r, 4, 0, 0, 0);
+    for (int k = 0; k < 500000; k++) {
+        vec3 w = {0, 0, 1};
+        double pdf;
+        const double u0 = bis_rng_double(&r), u1 = bis_rng_double(&r), u2 = bis_rng_double(&r);
+        bis_bsdf_sample(&l.pt.bsdf, u0, u1, u2, &w);
+        sum += (double)bis_bsdf_f_pdf(&l.pt.bsdf, w, &pdf).r + pdf;
+    }
+    if (sum == 0) mark_wrong("all is black");
+    bis_light_free(light);
+}
+
+int main(int argc, char **argv)
+{
+    static const mark_claim claims[] = {
+        {"f_is_left_as_it_was_and_the_density_integrates_to_1", 15, f_is_left_as_it_was_and_the_density_integrates_to_1},
+        {"samples_have_the_density", 20, samples_have_the_density},
+        {"the_albedo_comes_out_of_the_samples", 10, the_albedo_comes_out_of_the_samples},
+        {"the_bound_of_rejection_holds", 10, the_bound_of_rejection_holds},
+        {"it_is_less_noisy_than_the_cosine", 15, it_is_less_noisy_than_the_cosine},
+        {"it_is_nearly_as_good_as_visible_normals", 10, it_is_nearly_as_good_as_visible_normals},
+    };
+
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work);
+}

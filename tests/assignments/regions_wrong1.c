@@ -1,0 +1,18 @@
+/* The map taken for a flat picture: its edges do not touch, nor do the pixels of a pole. */
+/* [bfs] */
+static void flood(search *s, uint32_t start, uint32_t label)
+{
+    const uint8_t level = s->level[start];
+    const uint32_t width = s->width;
+    (void)visit_row;
+    visit(s, start, level, label);
+    while (s->head < s->tail) {
+        const uint32_t pixel = s->queue[s->head++];
+        const uint32_t x = pixel % width, y = pixel / width;
+        if (x > 0) visit(s, pixel - 1, level, label);
+        if (x + 1 < width) visit(s, pixel + 1, level, label);
+        if (y > 0) visit(s, pixel - width, level, label);
+        if (y + 1 < s->height) visit(s, pixel + width, level, label);
+    }
+}
+/* [end] */

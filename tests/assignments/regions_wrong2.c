@@ -1,0 +1,24 @@
+/* Eight neighbours, by recursion, the queue unused; the brightest pixel falls into a level of its own. */
+/* [level] */
+uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
+{
+    if (intensity == 0) return BIS_LEVEL_NONE;
+    if (l->log_range == 0) return 0;
+    return (uint8_t)(l->n * log(intensity / l->least) / l->log_range);
+}
+/* [end] */
+/* [bfs] */
+static void flood(search *s, uint32_t start, uint32_t label)
+{
+    const int width = (int)s->width, x = (int)start % width, y = (int)start / width;
+    (void)visit_row, (void)visit;
+    s->label[start] = label;
+    for (int dy = -1; dy <= 1; dy++) {
+        for (int dx = -1; dx <= 1; dx++) {
+            if (y + dy < 0 || y + dy >= (int)s->height) continue;
+            const uint32_t next = (uint32_t)((y + dy) * width + (x + dx + width) % width);
+            if (s->level[next] == s->level[start] && s->label[next] == BIS_REGION_NONE) flood(s, next, label);
+        }
+    }
+}
+/* [end] */

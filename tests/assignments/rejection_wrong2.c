@@ -1,0 +1,21 @@
+/* Accepting ends when there are enough to trace (E22), and the first N are traced; the larger bound is preferred. */
+/* [choose] */
+static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_stream *stream)
+{
+    if (s->proposal != BIS_PROPOSAL_CHOOSE) return s->proposal;
+
+    double c_em = bis_candidates_bound(pt, BIS_PROPOSAL_EM), c_brdf = bis_candidates_bound(pt, BIS_PROPOSAL_BRDF);
+    return bis_stream_random(stream) * (c_em + c_brdf) < c_em ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF;
+}
+/* [end] */
+/* [accept] */
+static uint32_t accept(uint32_t *chosen, const bis_candidate *x, const bis_settings *s, double B, bis_stream *stream)
+{
+    uint32_t A = 0;
+
+    for (uint32_t i = 0; i < s->candidates && A < s->shadowrays; i++) {
+        if (x[i].w > 0 && bis_stream_random(stream) * B < x[i].w) chosen[A++] = i;
+    }
+    return A;
+}
+/* [end] */

@@ -1,0 +1,40 @@
+/* mark: tests that mark an assignment (docs/assignments/). One program an assignment: claims, each worth some points.
+ *
+ * The code under test is a student's, and may crash, loop or leak. So each claim runs in a process of its own, with 20 s of CPU
+ * time; what it dies of becomes a message. A claim holds when its function returns.
+ *     PROGRAM              as cmocka tests
+ *     PROGRAM --grade      a line a claim: "ok" or "wrong", points, name, message, with tabs between
+ *     PROGRAM --work       the least of some times in seconds that `work` took, a standard load for a comparison of speeds */
+#ifndef TESTS_MARK_H
+#define TESTS_MARK_H
+
+#include "lit.h"
+
+typedef struct mark_claim {
+    const char *name; /* is the claim */
+    int points;
+    void (*check)(void);
+} mark_claim;
+
+/* The points of all claims sum to 80: the other 20 are for speed and for clean memory (scripts/grade.sh). */
+int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void));
+
+/* The claim does not hold. In words that a student understands: what was asked, what came, where to look. */
+_Noreturn void mark_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* The same for something that must be near: the larger of the two tolerances counts. what is a format, as in "the solid angle of row %d". */
+void mark_near(double value, double expected, double absolute, double relative, const char *what, ...) __attribute__((format(printf, 5, 6)));
+
+/* Counts against expected counts by a chi-square test. hint: what such a difference usually comes from. */
+void mark_fit(const double *observed, const double *expected, size_t n, double alpha, const char *what, const char *hint);
+
+/* Does this mean, of independent values, differ from what is expected by more than chance? */
+void mark_mean(const stat_moments *m, double expected, double alpha, const char *what, const char *hint);
+
+/* `runs` estimates at a point (tests/lit.h), each channel against the truth by brute force. A NaN or infinity ends the claim. */
+void mark_estimates(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed, double alpha, const char *what, const char *hint);
+
+/* The moments of such estimates, r, g, b, r + g + b. */
+void mark_run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, uint64_t seed);
+
+#endif
