@@ -2,9 +2,8 @@
  *
  * Proposal. q is q_L, q_f, or their mixture  q = beta q_L + (1 - beta) q_f  with beta = M_em/M, whichever of the two a candidate came from
  * (docs/errata.md E26): under it no weight exceeds min(phat/(beta q_L), phat/((1-beta) q_f)), so that neither a sun nor
- * a narrow lobe spoils it.
- * beta may depend on the material and the light, known before anything is drawn, never on what was drawn
- * (share_of_brdf).
+ * a narrow lobe spoils it. beta may depend on the material and the light, known before anything is drawn, never on what
+ * was drawn (share_of_brdf).
  *
  * Weight. w = phat/q with phat = F.r + F.g + F.b, F = f cos Le (E23: w = f or w = L, as printed, forgets the cosine and
  * what q_f really is).
@@ -19,8 +18,8 @@
  * share. candidates_from_em is the plain version, and the pool's test.
  *
  * Unbiased: each candidate's density is q by itself (or, stratified, the candidates' densities average to q), so
- * E[(1/M) sum w V] is right;
- * and resampling chooses candidate i for N w_i/W of the marks in the mean, whatever the scheme, so E[(W/M) (1/N) sum V
+ * E[(1/M) sum w V] is right; and resampling chooses candidate i for N w_i/W of the marks in the mean, whatever the
+ * scheme, so E[(W/M) (1/N) sum V
  * | candidates] = (1/M) sum w V. */
 #include "candidates.h"
 
@@ -38,8 +37,8 @@ double bis_candidates_bound(const bis_point *pt, bis_proposal proposal)
 }
 
 /* The BRDF's share of a mix. The thesis's own measure (4.3): the smaller a proposal's bound, the larger its share (of
- * the squares: variances);
- * under a smooth sky the BRDF gets nearly all. Under a sun it would get nothing, although the rest of the map needs it
+ * the squares: variances); under a smooth sky the BRDF gets nearly all. Under a sun it would get nothing, although the
+ * rest of the map needs it
  * where the lobe is narrow: of M candidates spread evenly over the sphere, k = M/(4 pi q_f(R)) would fall into the lobe
  * about R, and where these are few the BRDF gets up to half. Any share is unbiased; with this one the error of
  * independent candidates stays within 1.4 times that of the better proposal alone (tests/test_sir.c, E26), and at n =

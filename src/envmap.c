@@ -6,8 +6,8 @@
  * cos(theta) uniform between the circles. No sin(theta) is divided by anywhere, so nothing happens at the poles.
  *
  * Numbers: cos t_j - cos t_{j+1} cancels at the poles (in float, 8192 rows: 19% wrong); the same thing is 2 sin(mid)
- * sin(half).
- * sin(theta) = sqrt(1 - cos^2) cancels there, too; we keep h = 1 - |cos(theta)| instead, and sin^2 = h (2 - h).
+ * sin(half). sin(theta) = sqrt(1 - cos^2) cancels there, too; we keep h = 1 - |cos(theta)| instead, and sin^2 = h (2 -
+ * h).
  * Cost: O(W H) to clean, O(1) for everything else. */
 #include "bis/envmap.h"
 

@@ -1,7 +1,6 @@
 /* grid_build: which cell holds which primitives. Storage is that of Lagae and Dutré 2008, "Compact, fast and robust
  * grids for ray tracing": one array of offsets, one of items, no lists. Two passes over the primitives, a counting
- * sort:
- * count the items of each cell; turn counts into ends; fill each cell from its end, going backwards through the
+ * sort: count the items of each cell; turn counts into ends; fill each cell from its end, going backwards through the
  * primitives, so that items ascend and offsets end up at the starts. O(primitives + items + cells).
  *
  * A triangle goes into the cells that it overlaps, not into all of its box: a triangle and a cell are apart if the

@@ -137,8 +137,7 @@ static float move_away(float p, double step)
 }
 
 /* True p lies within p_error of p, so in the direction ng at most sum_c |ng_c| p_error_c before it. ng itself is
- * rounded:
- * its direction errs by 2^-24 sqrt(3), its length likewise; 1 + 2^-20 pays for both. */
+ * rounded: its direction errs by 2^-24 sqrt(3), its length likewise; 1 + 2^-20 pays for both. */
 vec3 bis_surface_offset(const bis_surface *s)
 {
     const double n[3] = {(double)s->ng.x, (double)s->ng.y, (double)s->ng.z};

@@ -1,12 +1,11 @@
 /* trade_stats: from runs to points, curves and the Pareto front.
  *
  * A point is a setting at one budget: the mean over its seeds, and their scatter. Seconds are a median, since what
- * disturbs a clock only ever adds.
- * relMSE = the error of the run + that of the reference, which are independent: the reference's own share, known from
- * its replicates, is subtracted, and what is left is called noise. cost x variance = seconds x noise hardly changes
- * along the curve of an unbiased method (errata.md E9), and is what an error costs: smaller is better. The bias is the
- * mean over seeds of the mean difference; its standard error comes from the seeds and the reference. Pixels of a run
- * share their candidates, so their scatter within one run would say too little.
+ * disturbs a clock only ever adds. relMSE = the error of the run + that of the reference, which are independent: the
+ * reference's own share, known from its replicates, is subtracted, and what is left is called noise. cost x variance =
+ * seconds x noise hardly changes along the curve of an unbiased method (errata.md E9), and is what an error costs:
+ * smaller is better. The bias is the mean over seeds of the mean difference; its standard error comes from the seeds
+ * and the reference. Pixels of a run share their candidates, so their scatter within one run would say too little.
  * A slope is fitted to each seed by least squares, log error over log seconds: -1/2 for independent samples; its
  * standard error is that of the seeds. */
 #include "trade.h"

@@ -10,8 +10,7 @@ vec3 bis_warp_sphere(double u1, double u2)
 }
 
 /* Squares about the centre become circles about the centre: radius r = max(|a|, |b|), angle in proportion along the
- * side.
- * one_minus_r is 1 - r without rounding: 1 - |2u - 1| = 2 min(u, 1 - u). Source: Shirley and Chiu 1997, "A Low
+ * side. one_minus_r is 1 - r without rounding: 1 - |2u - 1| = 2 min(u, 1 - u). Source: Shirley and Chiu 1997, "A Low
  * Distortion Map Between Disk and Square". */
 static void concentric(double d[2], double *r, double *one_minus_r, double u1, double u2)
 {

@@ -354,8 +354,7 @@ static bool is_low(const bis_accel *a, const ray *r)
 }
 
 /* Light comes from above 30 degrees alone: 3/4 of a diffuse surface's. Acceptance min(1, 4 pi cos theta) is nearly
- * uniform:
- * it sees 1/2 / (1 - 1/(8 pi)). */
+ * uniform: it sees 1/2 / (1 - 1/(8 pi)). */
 static void E27_accepting_against_f_max_does_not_accept_by_the_product(void **state)
 {
     static const bis_accel_ops ops = {.name = "low", .occluded = is_low};

@@ -1,6 +1,5 @@
 /* Errors: they fall with the square root of the cost, error bars are true, and furnaces are exact or right in the mean,
- * for every integrator.
- * (Variances against theory: tests/test_enumeration.c.) Family-wise significance 1e-3. */
+ * for every integrator. (Variances against theory: tests/test_enumeration.c.) Family-wise significance 1e-3. */
 #include "bis/phong.h"
 #include "bis/rng.h"
 #include "bis/stats.h"

@@ -1,6 +1,5 @@
 /* geometry: meshes become one, quadrics have their boxes, and the surface at a hit lies where exact arithmetic puts it,
- * within its bound;
- * a shadow ray that starts beside it leaves the surface for good, at every scale. */
+ * within its bound; a shadow ray that starts beside it leaves the surface for good, at every scale. */
 #include "mesh_help.h"
 
 #include "bis/accel.h"

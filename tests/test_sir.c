@@ -125,8 +125,8 @@ static void stratified_candidates_with_systematic_resampling_are_less_noisy(void
 }
 
 /* E26: q_L alone fails on narrow lobes, q_f alone under a sun. With independent candidates the mixture stays within 1.5
- * of the better of the two.
- * (Stratified ones gain more than their share of M: there a divided M may cost up to 4 where both errors are small.) */
+ * of the better of the two. (Stratified ones gain more than their share of M: there a divided M may cost up to 4 where
+ * both errors are small.) */
 static void mixture_is_within_1_5_of_the_better_proposal_E26(void **state)
 {
     static const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_ONE_BLOCK, LIT_CONSTANT};
