@@ -36,6 +36,10 @@
 #include <stdlib.h>
 #include <time.h>
 
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
 /* Families of settings that differ in M and N alone, and where each is tried first. */
 typedef struct family {
     const bis_integrator *integrator;
@@ -75,17 +79,18 @@ static const double expected_renders = 36, expected_renders_quick = 6, samples_a
 static const uint64_t purpose_pilot = 0x70696c6f74; /* "pilot" */
 
 typedef struct trial {
-    int family;
+    int family, wanted;    /* wanted: replicates in this round */
+    bis_status status;
     double *sum, *squares; /* [pixels][3] over replicates */
     double seconds, fill;  /* of a replicate, the least so far: the pilot's film, and a film of one pixel */
 } trial;
 
 typedef struct pilot {
     const bis_scene *scene;
-    bis_scene_desc desc; /* a shallow copy, with the pilot's film, sampler and settings */
+    bis_scene_desc desc; /* a shallow copy, with the pilot's film and sampler; each replicate makes its own of it */
     bis_settings base;   /* what was asked for */
     bis_render_options options;
-    bis_film film;
+    int n_threads;
     bool is_quick;       /* the short list */
     uint32_t passes;     /* of a replicate */
     double scale;        /* pixels of the picture : pixels of the pilot */
@@ -104,77 +109,84 @@ static bis_status no_memory(const bis_scene_desc *desc, bis_diag *diag)
 
 /* ---- one replicate ---- */
 
+/* Of this thread: a render of one thread takes no other, and no other's waiting is counted. */
 static double processor_seconds(void)
 {
     struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 static bool is_interrupted(const pilot *p) { return p->options.interrupted && *p->options.interrupted; }
 
-/* Into an empty film; *seconds: lowered to what this took. */
-static bis_status render(bis_film *film, double *seconds, const pilot *p, bis_diag *diag)
+/* Into *film, which is initialised here; *seconds: lowered to what this took. No diag: several threads do this. */
+static bis_status render(bis_film *film, double *seconds, const pilot *p, const bis_scene_desc *desc)
 {
+    const bis_film_desc *f = &desc->film;
     bis_render_result result;
+    bis_status status = bis_film_init(film, f->width, f->height, f->crop, (bis_loc){0}, NULL);
     const double start = processor_seconds();
-    bis_status status = bis_render(&result, film, p->scene, &p->desc, &p->options, diag);
 
+    if (!status) status = bis_render(&result, film, p->scene, desc, &p->options, NULL);
     *seconds = fmin(*seconds, processor_seconds() - start);
     return status;
 }
 
-static bis_status render_one_pixel(double *seconds, const pilot *p, bis_diag *diag)
+static bis_status render_one_pixel(double *seconds, const pilot *p, const bis_scene_desc *desc)
 {
-    const double whole[4] = {0, 1, 0, 1};
+    bis_scene_desc small = *desc;
     bis_film film;
-    bis_status status = bis_film_init(&film, 1, 1, whole, (bis_loc){0}, diag);
 
-    if (!status) status = render(&film, seconds, p, diag);
+    small.film = (bis_film_desc){.width = 1, .height = 1, .crop = {0, 1, 0, 1}};
+    bis_status status = render(&film, seconds, p, &small);
     bis_film_clear(&film);
     return status;
 }
 
-static void clear_film(bis_film *f)
-{
-    const size_t n = 3 * (size_t)f->width * (size_t)f->height;
-
-    for (size_t i = 0; i < n; i++) f->sum[i] = f->sum_squares[i] = f->hits[i / 3] = 0;
-    f->passes = 0;
-}
-
-static bis_status replicate(pilot *p, int i, bis_diag *diag)
+static bis_status replicate(pilot *p, int i)
 {
     bis_auto_tried *tried = &p->report->tried[i];
     trial *t = &p->trials[i];
+    bis_scene_desc desc = p->desc;
+    bis_film film;
     bis_rng rng;
 
     /* The same camera rays with all settings: what they do to pixels is no difference. */
     bis_rng_init(&rng, p->desc.sampler.seed, (uint64_t)tried->replicates, 0, purpose_pilot);
-    const uint64_t seed = p->desc.sampler.seed;
-    p->desc.sampler.seed = bis_rng_u64(&rng);
-    p->desc.settings = tried->settings;
-    clear_film(&p->film);
-    bis_status status = render(&p->film, &t->seconds, p, diag);
-    if (!status && tried->replicates < REPLICATES) status = render_one_pixel(&t->fill, p, diag);
-    p->desc.sampler.seed = seed;
-    if (status || is_interrupted(p)) return status;
+    desc.sampler.seed = bis_rng_u64(&rng);
+    desc.settings = tried->settings;
+    bis_status status = render(&film, &t->seconds, p, &desc);
+    if (!status && tried->replicates < REPLICATES) status = render_one_pixel(&t->fill, p, &desc);
+    if (status || is_interrupted(p)) goto done;
     for (size_t k = 0; k < p->n_values; k++) {
-        const double x = p->film.sum[k] / p->passes;
+        const double x = film.sum[k] / p->passes;
         t->sum[k] += x;
         t->squares[k] += x * x;
-        p->shaded[k / 3] |= p->film.hits[k / 3] > 0;
+        if (i == 0) p->shaded[k / 3] |= film.hits[k / 3] > 0;
     }
     tried->replicates++;
-    return BIS_OK;
+done:
+    bis_film_clear(&film);
+    return status;
 }
 
-static bis_status replicates(pilot *p, int i, int n, bis_diag *diag)
+/* All replicates that are wanted, by as many threads as there are, each setting by one: what it costs is then what that
+ * thread took. (Threads that wait for each other in one render would be counted as if they worked.) */
+static bis_status replicates(pilot *p, bis_diag *diag)
 {
-    bis_status status = BIS_OK;
+    const int n = p->report->n_tried;
 
-    for (int k = 0; k < n && !status && !is_interrupted(p); k++) status = replicate(p, i, diag);
-    return status;
+#pragma omp parallel for schedule(dynamic) num_threads(p->n_threads)
+    for (int i = 0; i < n; i++) {
+        trial *t = &p->trials[i];
+        while (t->wanted > 0 && !t->status && !is_interrupted(p)) {
+            t->status = replicate(p, i);
+            t->wanted--;
+        }
+    }
+    for (int i = 0; i < n; i++)
+        if (p->trials[i].status) return no_memory(&p->desc, diag);
+    return BIS_OK;
 }
 
 /* ---- the figures ---- */
@@ -304,13 +316,14 @@ static bis_settings settings_of(const pilot *p, int f, uint32_t M, uint32_t N)
     return s;
 }
 
-static bis_status try(pilot *p, int f, uint32_t M, uint32_t N, bis_diag *diag)
+/* The first of all is the one that tells which pixels show a surface. */
+static bis_status try(pilot *p, int f, uint32_t M, uint32_t N, int wanted, bis_diag *diag)
 {
     const int i = p->report->n_tried;
     trial *t = &p->trials[i];
 
     assert(i < BIS_AUTO_MOST_TRIED);
-    *t = (trial){.family = f, .seconds = (double)INFINITY, .fill = (double)INFINITY};
+    *t = (trial){.family = f, .wanted = wanted, .seconds = (double)INFINITY, .fill = (double)INFINITY};
     t->sum = bis_alloc(p->n_values, sizeof *t->sum);
     t->squares = bis_alloc(p->n_values, sizeof *t->squares);
     p->report->tried[i] = (bis_auto_tried){.settings = settings_of(p, f, M, N)};
@@ -347,9 +360,9 @@ static bis_status try_first(pilot *p, bis_diag *diag)
 
     for (int f = 0; f < N_FAMILIES; f++) {
         if (!is_eligible(p, f)) continue;
-        if (p->is_quick && !status) status = try(p, f, families[f].quick.M, families[f].quick.N, diag);
+        if (p->is_quick && !status) status = try(p, f, families[f].quick.M, families[f].quick.N, REPLICATES, diag);
         for (int k = 0; !p->is_quick && k < 4 && families[f].first[k].N && !status; k++) {
-            status = try(p, f, families[f].first[k].M, families[f].first[k].N, diag);
+            status = try(p, f, families[f].first[k].M, families[f].first[k].N, REPLICATES, diag);
         }
     }
     return status;
@@ -386,7 +399,6 @@ static bool fitted_optimum(const pilot *p, int f, uint32_t *M, uint32_t *N)
 
 static bis_status try_optima(pilot *p, bis_diag *diag)
 {
-    const int n = p->report->n_tried;
     bis_status status = BIS_OK;
     struct {
         bool is_new;
@@ -397,9 +409,8 @@ static bis_status try_optima(pilot *p, bis_diag *diag)
         optimum[f].is_new = is_alive(p, f) && fitted_optimum(p, f, &optimum[f].M, &optimum[f].N);
     }
     for (int f = 0; f < N_FAMILIES && !status; f++)
-        if (optimum[f].is_new) status = try(p, f, optimum[f].M, optimum[f].N, diag);
-    for (int i = n; i < p->report->n_tried && !status; i++) status = replicates(p, i, 2 * REPLICATES, diag);
-    return status;
+        if (optimum[f].is_new) status = try(p, f, optimum[f].M, optimum[f].N, 2 * REPLICATES, diag);
+    return status ? status : replicates(p, diag);
 }
 
 /* ---- the pilot ---- */
@@ -409,15 +420,14 @@ static bis_status run_rounds(pilot *p, bis_diag *diag)
     bool alive[N_FAMILIES];
     bis_status status = try_first(p, diag);
 
-    for (int i = 0; i < p->report->n_tried && !status; i++) status = replicates(p, i, REPLICATES, diag);
+    if (!status) status = replicates(p, diag);
     if (status || is_interrupted(p)) return status;
     measure(p);
     p->report->chosen = best_of(p, -1);
     if (p->is_quick) return BIS_OK;
     for (int f = 0; f < N_FAMILIES; f++) alive[f] = is_alive(p, f);
-    for (int i = 0; i < p->report->n_tried && !status; i++) {
-        if (alive[p->trials[i].family]) status = replicates(p, i, REPLICATES, diag);
-    }
+    for (int i = 0; i < p->report->n_tried; i++) p->trials[i].wanted = alive[p->trials[i].family] ? REPLICATES : 0;
+    status = replicates(p, diag);
     if (status || is_interrupted(p)) return status;
     measure(p);
     status = try_optima(p, diag);
@@ -452,17 +462,35 @@ static bis_status make_film(pilot *p, const bis_scene_desc *desc, double pixels,
 
     p->options.footprint = 1 / k;
     p->scale = (double)f->width * f->height / ((double)width * height);
-    bis_status status = bis_film_init(&p->film, width, height, f->crop, (bis_loc){0}, NULL);
+    bis_film film;
+    bis_status status = bis_film_init(&film, width, height, f->crop, (bis_loc){0}, NULL);
     if (status == BIS_NOMEM) return no_memory(desc, diag);
-    if (status == BIS_OK) return BIS_OK;
-    p->options.footprint = 0;
-    p->scale = 1;
-    return bis_film_init(&p->film, f->width, f->height, f->crop, desc->integrator_loc, diag);
+    if (status == BIS_OK) {
+        p->desc.film.width = width;
+        p->desc.film.height = height;
+    } else {
+        p->options.footprint = 0;
+        p->scale = 1;
+        status = bis_film_init(&film, f->width, f->height, f->crop, desc->integrator_loc, diag);
+    }
+    p->report->width = film.width;
+    p->report->height = film.height;
+    p->n_values = 3 * (size_t)film.width * (size_t)film.height;
+    bis_film_clear(&film);
+    return status;
+}
+
+static int default_threads(void)
+{
+#ifdef _OPENMP
+    return omp_get_max_threads();
+#else
+    return 1;
+#endif
 }
 
 static bis_status make_pilot(pilot *p, const bis_scene_desc *desc, const bis_render_options *options, bis_diag *diag)
 {
-    enum { TILE_PIXELS = 256, TILES_A_THREAD = 2 };
     const double to_come = samples_to_come(desc, options), samples = fmin(most_samples, share_of_time * to_come);
     const double quick = fmin(most_samples_quick, fmax(least_samples_quick, share_of_time_quick * to_come));
     /* where passes are independent, one camera sample knows nothing of the next */
@@ -477,19 +505,16 @@ static bis_status make_pilot(pilot *p, const bis_scene_desc *desc, const bis_ren
     const double pixels = p->is_quick ? quick / expected_renders_quick : samples / (expected_renders * p->passes);
     bis_status status = make_film(p, desc, pixels, diag);
     if (status) return status;
-    const int busy = p->film.width * p->film.height / (TILE_PIXELS * TILES_A_THREAD), threads = busy < 1 ? 1 : busy;
+    p->n_threads = options->n_threads > 0 ? options->n_threads : default_threads();
     p->options = (bis_render_options){
         .budget = {.spp = p->passes},
-        .n_threads = options->n_threads > 0 && options->n_threads < threads ? options->n_threads : threads,
+        .n_threads = 1,
         .footprint = p->options.footprint,
         .interrupted = options->interrupted,
     };
-    p->n_values = 3 * (size_t)p->film.width * (size_t)p->film.height;
     p->picture = bis_alloc(p->n_values, sizeof *p->picture);
     p->shaded = bis_alloc(p->n_values / 3, sizeof *p->shaded);
     if (!p->picture || !p->shaded) return no_memory(desc, diag);
-    p->report->width = p->film.width;
-    p->report->height = p->film.height;
     p->report->passes = (int)p->passes;
     return BIS_OK;
 }
@@ -519,7 +544,6 @@ bis_status bis_auto_choose(bis_settings *chosen, bis_auto_report *report, const 
     if (!status) status = run_rounds(&p, diag);
     if (!status && report->chosen >= 0) *chosen = report->tried[report->chosen].settings;
     report->seconds = now() - start;
-    bis_film_clear(&p.film);
     bis_free(p.picture);
     bis_free(p.shaded);
     for (int i = 0; i < report->n_tried; i++) {

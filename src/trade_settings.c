@@ -112,8 +112,9 @@ static bool equal_settings(const bis_trade_setting *x, const bis_trade_setting *
     return a->integrator != &bis_mis || (a->heuristic == b->heuristic && a->split == b->split && a->compensate == b->compensate);
 }
 
-/* `exact` and `unoccluded` are no rivals: one is a reference, the other leaves the shadows out. */
-static bool is_rival(const bis_integrator *i) { return i != &bis_exact && i != &bis_unoccluded; }
+/* `exact` and `unoccluded` are no rivals: one is a reference, the other leaves the shadows out; `auto`
+ * is none of itself. */
+static bool is_rival(const bis_integrator *i) { return i != &bis_exact && i != &bis_unoccluded && i != &bis_auto; }
 
 static void add_scenes_own(bis_trade *t)
 {
