@@ -11,7 +11,7 @@ BEGIN {
            "3 geometry mesh mesh_* surface quadric triangle rounding camera accel grid grid_* embree embree_* point;" \
            "4 integrator em brdf mis pool candidates resample blocks product batch proposal visibility rejection sir exact unoccluded;" \
            "5 scene scene_* plan lexer parser parser_* ply ply_* obj obj_*;" \
-           "6 film film_* render auto auto_* gather adapt compare verify verify_* trade trade_* pixel pixel_* canvas palette;" \
+           "6 film film_* render edges auto auto_* gather adapt compare verify verify_* trade trade_* pixel pixel_* canvas palette;" \
            "7 cli cli_* help help_* cmd_* survey survey_* pixel_report pixel_files describe json main"
     n = split(rows, row, ";")
     for (i = 1; i <= n; i++) {
