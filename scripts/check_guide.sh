@@ -1,5 +1,6 @@
 #!/bin/sh
-# check_guide: the table of equations in docs/guide.md tells the truth: every file that it links to for an equation says "eq. N" in a comment, and has the functions named after it.
+# check_guide: the table of equations in docs/guide.md tells the truth: every file that it links to for an equation
+# says "eq. N" in a comment, and has the functions named after it.
 #     scripts/check_guide.sh [ROOT]
 # From the thesis to the code is the table; from the code back to the thesis is a search for "eq. 3.16".
 cd "${1:-.}" || exit 1

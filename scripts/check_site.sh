@@ -1,13 +1,16 @@
 #!/bin/sh
-# check_site: is the static site whole in a real browser? No link of a page leads nowhere, no picture is missing, nothing is wider than a screen of 360 pixels, mathematics is typeset.
+# check_site: is the static site whole in a real browser? No link of a page leads nowhere, no picture is missing,
+# nothing is wider than a screen of 360 pixels, mathematics is typeset.
 #     scripts/check_site.sh BROWSER SITE
-# One page with a frame of 360 pixels opens every page of the site in turn and looks at it; a twin with one defect of each kind must be found out.
+# One page with a frame of 360 pixels opens every page of the site in turn and looks at it; a twin with one defect
+# of each kind must be found out.
 browser=$1
 site=$(cd "$2" && pwd) || exit 1
 profile=$(mktemp -d) || exit 1
 trap 'rm -rf "$profile" "$site/check.html" "$site/twin.html"' EXIT
 
-# harness PAGES...: what is wrong with them, one line each, then how many pages, links, pictures and formulas were seen
+# harness PAGES...: what is wrong with them, one line each, then how many pages, links, pictures and formulas were
+# seen
 look() {
     {
         printf '<!DOCTYPE html><meta charset="utf-8"><body><pre id="r"></pre><script>const pages=['
@@ -30,7 +33,10 @@ async function look(page) {
     await new Promise(done => frame.onload = done);
     const d = frame.contentDocument, here = frame.contentWindow.location.href.replace(/#.*/, "");
     seen.pages++;
-    for (const img of d.images) { seen.pictures++; if (!img.naturalWidth) out.push(page + ": no picture " + img.getAttribute("src")); }
+    for (const img of d.images) {
+        seen.pictures++;
+        if (!img.naturalWidth) out.push(page + ": no picture " + img.getAttribute("src"));
+    }
     seen.formulas += d.querySelectorAll("math").length;
     if (d.documentElement.scrollWidth > 360) out.push(page + ": " + d.documentElement.scrollWidth + " pixels wide");
     for (const a of d.querySelectorAll("a[href]")) {
@@ -50,8 +56,9 @@ async function look(page) {
 </script>
 SCRIPT
     } >"$site/check.html"
-    "$browser" --headless --no-sandbox --disable-gpu --user-data-dir="$profile" --no-first-run --disable-background-networking --allow-file-access-from-files \
-        --host-resolver-rules="MAP * ~NOTFOUND" --virtual-time-budget=120000 --dump-dom "file://$site/check.html" 2>/dev/null |
+    "$browser" --headless --no-sandbox --disable-gpu --user-data-dir="$profile" --no-first-run \
+        --disable-background-networking --allow-file-access-from-files --host-resolver-rules="MAP * ~NOTFOUND" --virtual-time-budget=120000 \
+        --dump-dom "file://$site/check.html" 2>/dev/null |
         sed -n '/BEGIN$/,/^END/p' | sed '/BEGIN$/d; /^END/d; /^$/d'
 }
 

@@ -1,5 +1,6 @@
 #!/bin/sh
-# errata_figures: the pairs of pictures of docs/errata.md, as printed and right, with one exposure for both: docs/figures/errata-E3-printed.png, -right.png, ...
+# errata_figures: the pairs of pictures of docs/errata.md, as printed and right, with one exposure for both:
+# docs/figures/errata-E3-printed.png, -right.png, ...
 #     scripts/errata_figures.sh BIS [E3...]        (default: all; from the root, a minute each at most)
 # 160 x 120 or 160 x 88 pixels of 8 bits are at most 60 KB, however noisy.
 bis=$1
@@ -12,6 +13,8 @@ for item; do
     E3 | E22 | E23 | E34) size=160x88 ;; # the scene's own shape
     E21) spp=128 ;;                      # noise, much of it: what differs is the mean
     esac
-    "$bis" "$scene" --quiet --exposure 0 --resolution $size --spp $spp --outfile "docs/figures/errata-$item-right.png" || exit 1
-    "$bis" --as-printed "$item" "$scene" --quiet --exposure 0 --resolution $size --spp $spp --outfile "docs/figures/errata-$item-printed.png" || exit 1
+    picture=docs/figures/errata-$item
+    set_up="--quiet --exposure 0 --resolution $size --spp $spp"
+    "$bis" "$scene" $set_up --outfile "$picture-right.png" || exit 1
+    "$bis" --as-printed "$item" "$scene" $set_up --outfile "$picture-printed.png" || exit 1
 done

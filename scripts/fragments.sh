@@ -1,9 +1,11 @@
 #!/bin/sh
 # fragments: code on the pages is pasted in by reference. A page says
 #     <!-- src/alias.c [alias-sample] -->
-# and what stands in the block of code below it is what stands between /* [alias-sample] */ and the next /* [end] */ of that file, to the letter.
+# and what stands in the block of code below it is what stands between /* [alias-sample] */ and the next /* [end] */
+# of that file, to the letter.
 #     scripts/fragments.sh [ROOT]              writes the blocks anew
-#     scripts/fragments.sh --check [ROOT]      exit status 1 where a block differs or its fragment is gone; part of `make test`
+#     scripts/fragments.sh --check [ROOT]      exit status 1 where a block differs or its fragment is gone; part of
+# `make test`
 check=no
 [ "$1" = --check ] && check=yes && shift
 cd "${1:-.}" || exit 1

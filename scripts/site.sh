@@ -1,10 +1,12 @@
 #!/bin/sh
-# site: README and docs/ as a static site with MathML, and the files that they link to, readable in any browser without a network.
+# site: README and docs/ as a static site with MathML, and the files that they link to, readable in any browser
+# without a network.
 #     scripts/site.sh FOLDER            (`make docs`; from the root)
 # pandoc turns the pages, scripts/site.lua their links; sources are wrapped as they stand. Needs nothing at view time.
 out=$1
 if ! command -v pandoc >/dev/null; then
-    echo "make docs: no pandoc here, and it is what typesets the pages: apt-get install pandoc (as root), or https://pandoc.org; the .md files read well without" >&2
+    echo "make docs: no pandoc here, and it is what typesets the pages: apt-get install pandoc (as root), or" >&2
+    echo "           https://pandoc.org; the .md files read well without" >&2
     exit 1
 fi
 rm -rf "$out"
@@ -16,9 +18,14 @@ page() {
     html=$out/$(echo "$1" | sed 's|README\.md$|index.html|; s|\.md$|.html|')
     up=$(dirname "$1" | sed 's|^\.$||; s|[^/][^/]*|..|g; s|$|/|; s|^/$||')
     mkdir -p "$(dirname "$html")"
-    sed "1i <nav><a href=\"${up}index.html\">bis</a> · <a href=\"${up}docs/guide.html\">guide</a> · <a href=\"${up}docs/theory.html\">theory</a> · <a href=\"${up}docs/errata.html\">errata</a></nav>\n" "$1" |
-        pandoc -f gfm+tex_math_dollars -t html5 --mathml -s --no-highlight --lua-filter=scripts/site.lua -c "${up}site.css" -M title= \
-            -M pagetitle="bis: $(sed -n 's/^# //p' "$1" | head -1)" -o "$html" || exit 1
+    {
+        printf '<nav><a href="%sindex.html">bis</a>' "$up"
+        for name in guide theory errata; do printf ' · <a href="%sdocs/%s.html">%s</a>' "$up" $name $name; done
+        printf '</nav>\n\n'
+        cat "$1"
+    } |
+        pandoc -f gfm+tex_math_dollars -t html5 --mathml -s --no-highlight --lua-filter=scripts/site.lua \
+            -c "${up}site.css" -M title= -M pagetitle="bis: $(sed -n 's/^# //p' "$1" | head -1)" -o "$html" || exit 1
 }
 
 # source FILE: its text, escaped
@@ -32,8 +39,11 @@ source() {
 }
 
 for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs -name '*.md' 2>/dev/null); do page "$md"; done
-for png in bis.png $(find docs -name '*.png'); do [ -f "$png" ] && mkdir -p "$out/$(dirname "$png")" && cp "$png" "$out/$png"; done
-for file in LICENSE CITATION.cff Makefile $(find src include tests scripts data/scenes -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.txt'); do
+for png in bis.png $(find docs -name '*.png'); do
+    [ -f "$png" ] && mkdir -p "$out/$(dirname "$png")" && cp "$png" "$out/$png"
+done
+sources=$(find src include tests scripts data/scenes -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.txt')
+for file in LICENSE CITATION.cff Makefile scene.txt $sources; do
     [ -f "$file" ] && source "$file"
 done
 echo "make docs: $out/index.html"
