@@ -41,7 +41,7 @@ SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ply obj)
 
-.PHONY: all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs bench bench-scale install clean
+.PHONY: all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install clean
 all: bis data
 
 bis: $B/bis
@@ -54,6 +54,8 @@ $B/bis: $B/src/main.o $(LIB)
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
 $B/bench_error $B/bench_cost $B/bench_scale: $B/scripts/measure.o
+$B/figures: $B/scripts/figures.o $B/scripts/figures_plots.o $B/scripts/measure.o $(LIB)
+	$(LINK) $(LIBS)
 $(TOOLS): $B/%: $B/scripts/%.o $(LIB)
 	$(LINK) $(LIBS)
 $B/tests/%: $B/tests/%.o $(SUPPORT) $(LIB)
@@ -112,6 +114,10 @@ $(FUZZERS): $B/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/input.o $(LIB)
 coverage:
 	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test
 	@sh scripts/coverage.sh build/coverage
+
+# The thesis's figures again, in build/figures (docs/results.md): our own model and maps, or those of BIS_SHARED where it is set.
+figures: $B/bis $B/figures $(STAMP)
+	@sh scripts/figures.sh $B
 
 bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 	@sh scripts/bench.sh $B
