@@ -22,7 +22,7 @@ static rgb colour_of(int i)
     return bis_palette_srgb(c[i][0], c[i][1], c[i][2]);
 }
 
-static rgb light(rgb c) { return rgb_add(rgb_scale(c, 0.35f), rgb_from(0.65, 0.65, 0.65)); }
+static rgb light(rgb c) { return rgb_add(rgb_scale(c, 0.35), rgb_from(0.65, 0.65, 0.65)); }
 
 /* ---- 3.3, 3.4: P = {0.1, 0.2, 0.4, 0.3} ---- */
 
