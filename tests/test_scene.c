@@ -286,7 +286,7 @@ static void the_plan_says_what_is_built_and_how_large_it_is(void **state)
     (void)state;
     assert_plan("Integrator \"em\" \"integer samples\" 3\nAccelerator \"grid\" \"float density\" 2.5\nSampler \"sobol\"",
                 MAP TETRAHEDRON TETRAHEDRON SQUARE,
-                (const char *const[]){"\nintegrator   em: samples 3\n", "\nclaim        ",
+                (const char *const[]){"\nintegrator   em: samples 3, stratify false\n", "\nclaim        ",
                                       "\nsampler      sobol, 16 camera samples a pixel, seed 0\n",
                                       "map.pfm, latlong, 4 x 2: 0.0 MB of pixels\n", "\nbuild        light table, CDFs: at most 0.0 MB\n",
                                       "\nbuild        light components, 8 levels, areaexponent 0.15\n",
