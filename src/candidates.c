@@ -44,13 +44,13 @@ double bis_candidates_bound(const bis_point *pt, bis_proposal proposal)
  * independent candidates stays within 1.4 times that of the better proposal alone (tests/test_sir.c, E26), and at n =
  * 50 under a church 6 % of M = 800 are as good as half of them, at half the time.
  * The product's candidates find the lobe by themselves, down to the size of a cluster: a BRDF's share as if there were
- * 16 times as many. */
+ * 64 times as many. */
 static double share_of_brdf(uint32_t M, bis_proposal proposal, const bis_point *pt)
 {
     double c_em = bis_candidates_bound(pt, BIS_PROPOSAL_EM), c_brdf = bis_candidates_bound(pt, BIS_PROPOSAL_BRDF);
     double k = M / (4 * PI * bis_bsdf_pdf(&pt->bsdf, pt->bsdf.r)), r = c_brdf / c_em;
 
-    if (proposal == BIS_PROPOSAL_PRODUCT) return pt->bsdf.p_specular / 2 / (1 + 16 * k);
+    if (proposal == BIS_PROPOSAL_PRODUCT) return pt->bsdf.p_specular / 2 / (1 + 64 * k);
     return fmax(1 / (1 + r * r), pt->bsdf.p_specular / 2 / (1 + k));
 }
 
