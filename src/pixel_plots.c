@@ -274,7 +274,9 @@ static bis_status draw_densities(bis_image *page, const bis_pixel_figure *fig, c
     char seen[80];
     const bis_status status = page_init(page, fig, N_DENSITIES, diag);
     if (status) return status;
-    snprintf(seen, sizeof seen, "what no surface hides: L/L`ns = %.4g", fig->exact->lit.mean[3] / fig->exact->open.mean[3]);
+    const double open = fig->exact->open.mean[3];
+    if (open > 0) snprintf(seen, sizeof seen, "what no surface hides: L/L`ns = %.4g", fig->exact->lit.mean[3] / open);
+    else snprintf(seen, sizeof seen, "what no surface hides: of nothing"); /* the map is dark where it could be reflected */
     for (int k = 0; k < N_DENSITIES; k++) {
         int x, y;
         draw_panel(page, (size_t)k, d, k, top, bis_palette_heat, titles[k], k < SEEN ? formulas[k] : seen);
