@@ -39,10 +39,11 @@ static const measure_setting resamplers[] = {
 
 /* One camera sample, antialiased, per material. Most of the error is at edges and in highlights smaller than a pixel:
  * few rays a camera sample, and many of these. */
-#define CAMERA_SAMPLE(edges, N) \
+#define CAMERA_SAMPLE(edges, M, N) \
     {"ours", "Sampler \"sobol\" \"integer edgesamples\" " edges " Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true " \
-             "\"integer candidates\" 32 \"integer shadowrays\" " N}
-static const measure_setting reach[MEASURE_MATERIALS] = {CAMERA_SAMPLE("4", "12"), CAMERA_SAMPLE("3", "8"), CAMERA_SAMPLE("4", "12"), CAMERA_SAMPLE("4", "12")};
+             "\"integer candidates\" " M " \"integer shadowrays\" " N}
+static const measure_setting reach[MEASURE_MATERIALS] = {CAMERA_SAMPLE("4", "32", "12"), CAMERA_SAMPLE("3", "40", "9"), CAMERA_SAMPLE("4", "32", "12"),
+                                                         CAMERA_SAMPLE("4", "32", "12")};
 
 enum { SEEDS = 5, FIRST_SEED = 21, PILOT_SEED = 101, MIN_N = 2, MAX_N = 4096, N_CONTEST = sizeof contest / sizeof *contest, N_RESAMPLERS = 2 };
 static const double us_per_pixel = 20;
