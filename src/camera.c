@@ -36,6 +36,8 @@ ray bis_camera_ray(const bis_camera *c, int width, int height, double x, double 
         o[i] = row[0] * origin[0] + row[1] * origin[1] + row[2] * origin[2] + row[3];
         d[i] = row[0] * direction[0] + row[1] * direction[1] + row[2] * direction[2];
     }
-    const double norm = hypot(hypot(d[0], d[1]), d[2]);
+    /* hypot only where a square would leave the range of a double: it takes a fiftieth of a camera sample */
+    const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    const double norm = square > 1e-280 && square < 1e280 ? sqrt(square) : hypot(hypot(d[0], d[1]), d[2]);
     return (ray){vec3_from(o[0], o[1], o[2]), vec3_from(d[0] / norm, d[1] / norm, d[2] / norm), INFINITY};
 }
