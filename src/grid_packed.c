@@ -267,20 +267,32 @@ static inline BIS_INLINE bool walk(const bis_grid *g, const ray *r, bis_grid_bes
     return best->prim != BIS_NO_PRIM;
 }
 
-BIS_LANES bool bis_grid_packed_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+BIS_LANES
+static bool walk_nearest(const bis_grid *g, const ray *r, bis_grid_best *best)
+{
+    return walk(g, r, best, false);
+}
+
+BIS_LANES
+static bool walk_any(const bis_grid *g, const ray *r, bis_grid_best *best)
+{
+    return walk(g, r, best, true);
+}
+
+bool bis_grid_packed_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
 {
     bis_grid_best best = {(double)r->tmax, BIS_NO_PRIM};
 
-    if (!walk((const bis_grid *)a, r, &best, false)) return false;
+    if (!walk_nearest((const bis_grid *)a, r, &best)) return false;
     *hit = (bis_hit){(float)best.t, best.prim};
     return true;
 }
 
-BIS_LANES bool bis_grid_packed_occluded(const bis_accel *a, const ray *r)
+bool bis_grid_packed_occluded(const bis_accel *a, const ray *r)
 {
     bis_grid_best best = {(double)r->tmax, BIS_NO_PRIM};
 
-    return walk((const bis_grid *)a, r, &best, true);
+    return walk_any((const bis_grid *)a, r, &best);
 }
 
 /* ---- construction ---- */

@@ -17,7 +17,8 @@
 #include <string.h>
 
 /* Clones need an indirect function of glibc's loader. Sanitizers instrument the function that chooses, and it runs
- * before they are ready. */
+ * before they are ready. For static functions only: clang 14 gives an exported one another name than its callers in other
+ * files know. */
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(BIS_ONE_CLONE)
 #if !defined(__has_feature)
 #define BIS_LANES __attribute__((target_clones("avx512f", "avx2", "default")))
