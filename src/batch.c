@@ -111,7 +111,7 @@ static double weigh_set(bis_batch *b, const bis_lanes *set, const bis_mixture *m
 }
 
 /* From the BRDF. With a product, the density that it would have drawn them with stands in the place of q_L. */
-static double weigh_brdf(bis_batch *b, float *w, const bis_mixture *m, const bis_clusters *clusters, const bis_point *pt, bis_stream *stream)
+static void weigh_brdf(bis_batch *b, float *w, const bis_mixture *m, const bis_clusters *clusters, const bis_point *pt, bis_stream *stream)
 {
     const bis_bsdf_lanes *lanes = pt->bsdf.material->model->lanes;
 
@@ -122,7 +122,7 @@ static double weigh_brdf(bis_batch *b, float *w, const bis_mixture *m, const bis
         b->pixel[i] = bis_cluster_of_pixel(clusters, b->pixel[i]);
         b->brdf.q_L[i] *= (float)bis_product_scale(&b->product, clusters, b->pixel[i]);
     }
-    return lanes->weigh(w, &pt->bsdf, &b->brdf, m->n_brdf, m->beta);
+    lanes->weigh(w, &pt->bsdf, &b->brdf, m->n_brdf, m->beta); /* the same material: in the same unit */
 }
 
 /* ---- learned visibility ---- */
@@ -174,9 +174,9 @@ static void gather(bis_batch *b, const bis_lanes *map, uint32_t first_brdf)
         const uint32_t i = b->weights.lane[k];
         const bool brdf = i >= first_brdf;
         copy_lane(&b->traced, k, brdf ? &b->brdf : map, brdf ? i - first_brdf : i);
+        b->traced.q_L[k] = 1;
         b->wi[k] = (vec3){b->traced.x[k], b->traced.y[k], b->traced.z[k]};
     }
-    for (uint32_t k = 0; k < n; k++) b->traced.q_L[k] = 1;
     for (uint32_t k = n; k < bis_lanes_round_up(n); k++) b->traced.r[k] = b->traced.g[k] = b->traced.b[k] = 0;
 }
 
@@ -207,12 +207,12 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     const bis_mixture m = bis_candidates_divide(M, s->proposal, pt, stream);
     bis_lanes map;
     uint32_t n_map;
-    double unit = 1;
+    double unit;
 
     pt->counters->candidates += M;
     if (clusters) {
-        n_map = bis_product_weigh(&b->product, clusters, scratch->visible, pt) ? m.n_em : 0; /* none: nothing of the map is above the horizon */
-        if (n_map == 0) return (rgb){0, 0, 0};
+        n_map = m.n_em;
+        if (!bis_product_weigh(&b->product, clusters, scratch->visible, pt)) return (rgb){0, 0, 0}; /* nothing of the map is above the horizon */
         bis_product_draw(&b->product, clusters, n_map, stream);
         map = b->product.y;
         unit = pt->bsdf.material->model->lanes->weigh(b->weights.w, &pt->bsdf, &map, n_map, m.beta);
