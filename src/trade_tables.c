@@ -89,24 +89,33 @@ static void put_curve(FILE *out, const bis_trade *t, int i)
     put(out, c->slope_se);
 }
 
-static void put_equal_time(FILE *out, const bis_trade *t)
-{
-    double seconds[BIS_TRADE_COLUMNS];
-    const int n = bis_trade_times(t, seconds);
+/* What a setting comes to at some time, or for some error: bis_trade_error_at, bis_trade_seconds_to. */
+typedef double reach(const bis_trade_result *r, const bis_trade_plan *p, int setting, double at, bool *extrapolated);
 
+/* A row a setting, a pair of columns for each of at[n], which stands in the heading between two words. */
+static void put_curves(FILE *out, const bis_trade *t, const char *before, int digits, const char *after, const double *at, int n, reach *value)
+{
     fputs("setting,cost_variance,cost_variance_se,slope,slope_se", out);
-    for (int k = 0; k < n; k++) fprintf(out, ",error_at_%.4gs,extrapolated", seconds[k]);
+    for (int k = 0; k < n; k++) fprintf(out, ",%s%.*g%s,extrapolated", before, digits, at[k], after);
     fputc('\n', out);
     for (int i = 0; i < t->plan.n_settings; i++) {
         if (!t->result.curves[i].n) continue;
         put_curve(out, t, i);
         for (int k = 0; k < n; k++) {
             bool extrapolated;
-            put(out, bis_trade_error_at(&t->result, &t->plan, i, seconds[k], &extrapolated));
+            put(out, value(&t->result, &t->plan, i, at[k], &extrapolated));
             fprintf(out, ",%d", extrapolated);
         }
         fputc('\n', out);
     }
+}
+
+static void put_equal_time(FILE *out, const bis_trade *t)
+{
+    double seconds[BIS_TRADE_COLUMNS];
+    const int n = bis_trade_times(t, seconds);
+
+    put_curves(out, t, "error_at_", 4, "s", seconds, n, bis_trade_error_at);
 }
 
 static void put_equal_error(FILE *out, const bis_trade *t)
@@ -114,19 +123,7 @@ static void put_equal_error(FILE *out, const bis_trade *t)
     double error[BIS_TRADE_COLUMNS];
     const int n = bis_trade_errors(t, error);
 
-    fputs("setting,cost_variance,cost_variance_se,slope,slope_se", out);
-    for (int k = 0; k < n; k++) fprintf(out, ",seconds_to_%g,extrapolated", error[k]);
-    fputc('\n', out);
-    for (int i = 0; i < t->plan.n_settings; i++) {
-        if (!t->result.curves[i].n) continue;
-        put_curve(out, t, i);
-        for (int k = 0; k < n; k++) {
-            bool extrapolated;
-            put(out, bis_trade_seconds_to(&t->result, &t->plan, i, error[k], &extrapolated));
-            fprintf(out, ",%d", extrapolated);
-        }
-        fputc('\n', out);
-    }
+    put_curves(out, t, "seconds_to_", 6, "", error, n, bis_trade_seconds_to);
 }
 
 static bis_status write_table(const bis_trade *t, const char *name, void (*put_rows)(FILE *, const bis_trade *), bis_diag *diag)
