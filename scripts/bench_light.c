@@ -3,6 +3,7 @@
  *     bench_light [WIDTH]      default 4096: a WIDTH x WIDTH/2 map, log-uniform over six decades with a few lamps
  *
  * Prints one figure a line: seconds to build each table, bytes a pixel, ns a draw. One thread: OMP_NUM_THREADS=1. */
+#include "bis/clock.h"
 #include "bis/importance.h"
 #include "bis/mem.h"
 #include "bis/regions.h"
@@ -10,14 +11,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static bis_status make_map(bis_envmap *em, int width, bis_diag *diag)
 {
@@ -38,22 +31,22 @@ static void bench_table(const char *name, const bis_envmap *em, const bis_import
     enum { DRAWS = 4000000 };
     bis_diag diag = {0};
     bis_importance *im;
-    double pixels = (double)em->width * em->height, t = now();
+    double pixels = (double)em->width * em->height, t = bis_clock_now();
     if (bis_importance_new(&im, em, options, &diag)) exit(1);
-    printf("%-18s build_seconds %.3f  bytes_per_pixel %.2f", name, now() - t, (double)bis_importance_bytes(im) / pixels);
+    printf("%-18s build_seconds %.3f  bytes_per_pixel %.2f", name, bis_clock_now() - t, (double)bis_importance_bytes(im) / pixels);
 
     bis_rng rng;
     bis_rng_init(&rng, 2, 0, 0, 0);
     bis_map_sample s;
     double sum = 0;
-    t = now();
+    t = bis_clock_now();
     for (int i = 0; i < DRAWS; i++) {
         double u[4] = {bis_rng_double(&rng), bis_rng_double(&rng), bis_rng_double(&rng), bis_rng_double(&rng)};
         bool drawn = options->curve ? bis_importance_sample_curve(im, (i % 800 + u[0]) / 800, u + 2, &s)
                                     : bis_importance_sample(im, u, &s);
         if (drawn) sum += (double)s.w_local.z;
     }
-    printf("  ns_per_draw %.1f  (mean z %.3f)\n", (now() - t) / DRAWS * 1e9, sum / DRAWS);
+    printf("  ns_per_draw %.1f  (mean z %.3f)\n", (bis_clock_now() - t) / DRAWS * 1e9, sum / DRAWS);
     bis_importance_free(im);
 }
 
@@ -66,9 +59,9 @@ int main(int argc, char **argv)
     if (width < 2 || make_map(&em, width, &diag)) return 1;
     printf("map %dx%d\n", em.width, em.height);
 
-    double t = now();
+    double t = bis_clock_now();
     if (bis_regions_init(&regions, &em, 8, &diag)) return 1;
-    printf("%-18s build_seconds %.3f  regions %u\n", "components", now() - t, regions.n);
+    printf("%-18s build_seconds %.3f  regions %u\n", "components", bis_clock_now() - t, regions.n);
     bis_regions_clear(&regions);
 
     bench_table("alias", &em, &(bis_importance_options){.table = true, .levels = 8});

@@ -5,7 +5,7 @@
 cd "${1:-.}" || exit 1
 exec awk '
 BEGIN {
-    rows = "0 status mem vec file xform stats version grow names errata;" \
+    rows = "0 clock status mem vec file xform stats version grow names errata;" \
            "1 rng sampler warp weights cdf alias marsaglia curve lanes;" \
            "2 image image_* layers envmap envmap_* importance importance_* regions light light_* pool clusters bsdf phong phong_* microfacet;" \
            "3 geometry mesh mesh_* surface quadric triangle rounding camera accel grid grid_* embree embree_* point;" \

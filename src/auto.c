@@ -28,6 +28,7 @@
 
 #include "auto_fit.h"
 
+#include "bis/clock.h"
 #include "bis/mem.h"
 #include "bis/rng.h"
 
@@ -35,10 +36,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <time.h>
-
-#ifdef _OPENMP
-#include <omp.h>
-#endif
 
 /* Families of settings that differ in M and N alone, and where each is tried first. */
 typedef struct family {
@@ -480,15 +477,6 @@ static bis_status make_film(pilot *p, const bis_scene_desc *desc, double pixels,
     return status;
 }
 
-static int default_threads(void)
-{
-#ifdef _OPENMP
-    return omp_get_max_threads();
-#else
-    return 1;
-#endif
-}
-
 static bis_status make_pilot(pilot *p, const bis_scene_desc *desc, const bis_render_options *options, bis_diag *diag)
 {
     const double to_come = samples_to_come(desc, options), samples = fmin(most_samples, share_of_time * to_come);
@@ -505,7 +493,7 @@ static bis_status make_pilot(pilot *p, const bis_scene_desc *desc, const bis_ren
     const double pixels = p->is_quick ? quick / expected_renders_quick : samples / (expected_renders * p->passes);
     bis_status status = make_film(p, desc, pixels, diag);
     if (status) return status;
-    p->n_threads = options->n_threads > 0 ? options->n_threads : default_threads();
+    p->n_threads = bis_render_threads(options);
     p->options = (bis_render_options){
         .budget = {.spp = p->passes},
         .n_threads = 1,
@@ -521,18 +509,11 @@ static bis_status make_pilot(pilot *p, const bis_scene_desc *desc, const bis_ren
 
 bool bis_auto_is_wanted(const bis_settings *s) { return s->integrator == &bis_auto; }
 
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 bis_status bis_auto_choose(bis_settings *chosen, bis_auto_report *report, const bis_scene *scene,
                            const bis_scene_desc *desc, const bis_render_options *options, bis_diag *diag)
 {
     pilot p = {.scene = scene, .desc = *desc, .base = desc->settings, .report = report};
-    const double start = now();
+    const double start = bis_clock_now();
     bis_status status = BIS_OK;
 
     *report = (bis_auto_report){.chosen = -1};
@@ -543,7 +524,7 @@ bis_status bis_auto_choose(bis_settings *chosen, bis_auto_report *report, const 
     status = make_pilot(&p, desc, options, diag);
     if (!status) status = run_rounds(&p, diag);
     if (!status && report->chosen >= 0) *chosen = report->tried[report->chosen].settings;
-    report->seconds = now() - start;
+    report->seconds = bis_clock_now() - start;
     bis_free(p.picture);
     bis_free(p.shaded);
     for (int i = 0; i < report->n_tried; i++) {

@@ -3,6 +3,7 @@
  * Whatever can be known to fail is tried before the rendering: options, the endings and folders of the output files,
  * the scene. Ctrl-C (and SIGTERM, SIGHUP) during the rendering ends it soon; what is complete is written, and the exit
  * status is 130. A second one kills. */
+#include "bis/clock.h"
 #include "bis/file.h"
 #include "bis/mem.h"
 #include "bis/render.h"
@@ -16,7 +17,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 typedef struct resolution {
@@ -42,13 +42,6 @@ static void catch_signal(int number)
 {
     (void)number;
     signal_caught = 1;
-}
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* --- options
@@ -522,10 +515,10 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     bis_errata_text(stats.as_printed, desc->settings.as_printed);
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;
-    double before = now();
+    double before = bis_clock_now();
     status = write_pictures(o, &stats, diag);
-    stats.seconds.write = now() - before;
-    stats.seconds.total = now() - start;
+    stats.seconds.write = bis_clock_now() - before;
+    stats.seconds.total = bis_clock_now() - start;
     if (o->stats) {
         bis_status other = write_stats(o->stats, &stats, diag);
         if (!status) status = other;
@@ -562,7 +555,7 @@ int bis_cmd_render(int argc, char **argv)
     const char *path;
     bool interrupted = false;
     int exit_status;
-    double start = now();
+    double start = bis_clock_now();
 
     if (asks_for_errata(argc, argv)) {
         list_errata();
@@ -575,7 +568,7 @@ int bis_cmd_render(int argc, char **argv)
     if (status) goto done;
     status = override(desc, &o, &diag);
     if (status) goto done;
-    double parse_seconds = now() - start;
+    double parse_seconds = bis_clock_now() - start;
     if (o.plan) {
         bis_scene_plan(desc, stdout);
         goto done;

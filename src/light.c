@@ -9,6 +9,7 @@
  * to: these differ for one direction in about 10^5 of a 4096 x 2048 map, next to a pixel's edge. */
 #include "bis/light.h"
 
+#include "bis/clock.h"
 #include "bis/curve.h"
 #include "bis/image.h"
 #include "bis/mem.h"
@@ -17,7 +18,6 @@
 #include <assert.h>
 #include <float.h>
 #include <stdio.h>
-#include <time.h>
 
 /* Of a constant, for eq. 3.2: equal steps of z and of phi, patches of equal solid angle. */
 enum { PATCHES_X = 512, PATCHES_Y = 256 };
@@ -189,13 +189,6 @@ static bis_status new_constant(bis_light **out, const bis_light_desc *desc, bis_
                      (double)desc->L.r, (double)desc->L.g, (double)desc->L.b, desc->scale);
 }
 
-static double seconds_now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs, bis_diag *diag)
 {
     const bis_loc at = desc->loc.file ? desc->loc : (bis_loc){desc->filename, 0, 0};
@@ -216,18 +209,18 @@ bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_lig
 
 bis_status bis_light_new(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag)
 {
-    const double start = seconds_now();
+    const double start = bis_clock_now();
     bis_image image = {0};
 
     *out = NULL;
     bis_status status = desc->filename ? bis_image_read(&image, desc->filename, desc->loc, diag) : BIS_OK;
-    const double read = seconds_now();
+    const double read = bis_clock_now();
     if (!status) {
         status = desc->filename ? bis_light_from_image(out, &image, desc, needs, diag) : new_constant(out, desc, diag);
     }
     if (seconds) {
         seconds[0] = read - start;
-        seconds[1] = seconds_now() - read;
+        seconds[1] = bis_clock_now() - read;
     }
     return status;
 }

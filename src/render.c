@@ -17,6 +17,7 @@
  * asked for, each pass has a seed of its own. */
 #include "bis/render.h"
 
+#include "bis/clock.h"
 #include "bis/mem.h"
 #include "adapt.h"
 #include "edges.h"
@@ -26,7 +27,6 @@
 #include <math.h>
 #include <stdalign.h>
 #include <string.h>
-#include <time.h>
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -77,18 +77,12 @@ typedef struct render {
     uint32_t passes;
 } render;
 
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int default_threads(void)
+int bis_render_threads(const bis_render_options *options)
 {
 #ifdef _OPENMP
-    return omp_get_max_threads();
+    return options->n_threads > 0 ? options->n_threads : omp_get_max_threads();
 #else
+    (void)options;
     return 1;
 #endif
 }
@@ -251,7 +245,7 @@ static void report(render *r, double share)
     bis_progress p = {.passes_done = r->passes, .passes_total = r->most_passes, .seconds_left = (double)NAN};
 
     if (!r->options->progress) return;
-    r->last_report = now();
+    r->last_report = bis_clock_now();
     p.seconds = r->last_report - r->start;
     if (r->most_passes) p.share = (r->passes + share) / r->most_passes;
     if (r->budget.seconds > 0) p.share = fmax(p.share, p.seconds / r->budget.seconds);
@@ -278,7 +272,7 @@ static bool render_pass(render *r)
         render_tile(r, w, t, r->passes);
 #pragma omp atomic capture
         done = ++n_done;
-        if (this_thread() == 0 && now() - r->last_report > seconds_between_reports) report(r, (double)done / n_tiles);
+        if (this_thread() == 0 && bis_clock_now() - r->last_report > seconds_between_reports) report(r, (double)done / n_tiles);
     }
     return !interrupted(r);
 }
@@ -305,7 +299,7 @@ static void keep_pass(render *r)
 static void forecast(render *r)
 {
     const double factor = pow(r->rmse_upper / r->budget.error, 2), spp = r->passes * (r->adapt.n_tiles ? BIS_ADAPT_SAMPLES : 1);
-    const bis_forecast f = {.error = r->rmse_upper, .spp = factor * spp, .seconds = factor * (now() - r->start)};
+    const bis_forecast f = {.error = r->rmse_upper, .spp = factor * spp, .seconds = factor * (bis_clock_now() - r->start)};
 
     if (!r->options->forecast) return;
     r->options->forecast(&f, r->options->user);
@@ -323,7 +317,7 @@ static bool budget_left(render *r, uint32_t *next_check)
     if (r->most_passes && r->passes >= r->most_passes) return false;
     if (r->passes == UINT32_MAX) return false;
     if (b->seconds > 0) {
-        double spent = now() - r->start;
+        double spent = bis_clock_now() - r->start;
         if (spent + spent / r->passes > b->seconds) return false;
     }
     if (b->error > 0 && r->passes >= *next_check) {
@@ -350,7 +344,7 @@ static void render_passes(render *r, bis_render_result *result)
         }
     } while (complete && budget_left(r, &next_check));
     if (r->passes == 0) keep_pass(r); /* rather an unfinished pass than nothing */
-    result->seconds = now() - r->start;
+    result->seconds = bis_clock_now() - r->start;
     result->interrupted = !complete || (interrupted(r) && !(r->most_passes && r->passes >= r->most_passes));
     report(r, 0);
 }
@@ -437,7 +431,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
         .film = film,
         .budget = options->budget,
         .independent = options->budget.error > 0 || desc->adaptive,
-        .n_threads = options->n_threads > 0 ? options->n_threads : default_threads(),
+        .n_threads = bis_render_threads(options),
         .to_camera = bis_xform_inverse(&desc->camera.to_world),
         .tiles_x = (film->width + TILE - 1) / TILE,
         .tiles_y = (film->height + TILE - 1) / TILE,
@@ -450,14 +444,11 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     assert(film->passes == 0);
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = desc->sampler.spp;
     r.most_passes = desc->adaptive ? r.budget.spp / BIS_ADAPT_SAMPLES + (r.budget.spp % BIS_ADAPT_SAMPLES > 0) : r.budget.spp;
-#ifndef _OPENMP
-    r.n_threads = 1;
-#endif
     status = make_workers(&r, diag);
     if (!status) status = make_pool(&r, diag);
     if (!status) status = make_pass(&r, diag);
     if (!status && desc->adaptive) status = bis_adapt_init(&r.adapt, film, TILE, diag);
-    r.start = r.last_report = now();
+    r.start = r.last_report = bis_clock_now();
     if (!status) status = find_edges(&r, diag);
     if (status) goto done;
     render_passes(&r, result);

@@ -49,6 +49,9 @@ typedef struct bis_render_result {
     size_t bytes;         /* of workspace beside the film: the pass under way, the threads' scratch */
 } bis_render_result;
 
+/* How many threads that is. */
+int bis_render_threads(const bis_render_options *options);
+
 /* Render into film (initialised by the caller). The bits of the film depend on desc and the number of passes, never on
  * threads or time. Errors: BIS_NOMEM. */
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
