@@ -154,7 +154,7 @@ static bis_status build_and_report(bis_pixel_report *r, const pixel_options *o, 
     bis_scene *scene = NULL;
     bis_counters counters = {0};
 
-    desc->settings.integrator = &bis_verify_builder;
+    desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     bis_status status = bis_scene_build(&scene, desc, diag);
     if (!status) {
         r->scene = scene;

@@ -137,10 +137,9 @@ static int verify_scene(bis_verify *v, const verify_options *o, const char *path
     bis_verify_begin(v, "reading the scene");
     bis_status status = bis_scene_parse(&desc, path, diag);
     if (status) return bis_cli_exit_status(status);
-    const bis_settings own = desc->settings;
-    desc->settings.integrator = &bis_verify_builder;
+    desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     status = bis_scene_build(&scene, desc, diag);
-    if (!status) status = bis_verify_scene(v, scene, desc, &own, diag);
+    if (!status) status = bis_verify_scene(v, scene, desc, &desc->settings, diag);
     bis_scene_free(scene);
     bis_scene_desc_free(desc);
     return bis_cli_exit_status(status);

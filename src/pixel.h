@@ -25,8 +25,7 @@ typedef struct bis_pixel_hit {
 } bis_pixel_hit;
 
 /* The point that the ray through the centre of pixel (x, y) meets, as an integrator sees it. False: it meets no
- * surface. The scene must have been built with bis_verify_builder (verify.h) as its integrator; counters are borrowed
- * by pt. */
+ * surface. The scene must have been built with BIS_VERIFY_LIGHT_NEEDS (verify.h); counters are borrowed by pt. */
 bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
                     bis_counters *counters);
 

@@ -5,20 +5,13 @@
  * its first shape comes and dropped after its last, so that at most the meshes in use are held twice. */
 #include "bis/scene.h"
 
+#include "bis/clock.h"
 #include "bis/mem.h"
 #include "obj.h"
 #include "ply.h"
 
 #include <assert.h>
 #include <string.h>
-#include <time.h>
-
-static double seconds_now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void *copy_of(const void *from, size_t n, size_t size)
 {
@@ -114,7 +107,9 @@ done:
 static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
 {
     const bool seen = bis_geometry_primitives(&s->geometry) > 0;
-    const unsigned needs = seen ? desc->settings.integrator->light_needs(&desc->settings) : 0;
+    const bis_settings *settings = &desc->settings;
+    const unsigned asked = desc->light_needs ? desc->light_needs : settings->integrator->light_needs(settings);
+    const unsigned needs = seen ? asked : 0;
     double seconds[2] = {0, 0};
     bis_light_desc light = desc->light;
 
@@ -133,7 +128,7 @@ bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag
 {
     bis_status status;
     bis_scene *s = bis_alloc(1, sizeof *s);
-    double start = seconds_now();
+    double start = bis_clock_now();
 
     *out = NULL;
     if (!s) {
@@ -142,14 +137,14 @@ bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag
     }
     status = load_geometry(s, desc, diag);
     if (status) goto done;
-    s->seconds.load = seconds_now() - start;
+    s->seconds.load = bis_clock_now() - start;
     status = load_light(s, desc, diag);
     if (status) goto done;
     if (bis_geometry_primitives(&s->geometry) > 0) {
-        start = seconds_now();
+        start = bis_clock_now();
         status = bis_accel_new(&s->accel, &s->geometry, &desc->accel, diag);
         if (status) goto done;
-        s->seconds.accel = seconds_now() - start;
+        s->seconds.accel = bis_clock_now() - start;
     }
     *out = s;
     s = NULL;

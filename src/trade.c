@@ -68,7 +68,7 @@ typedef struct sweep {
 static void tell_sweep(const bis_trade *t, const sweep *w)
 {
     char what[BIS_TRADE_NAME + 32];
-    const double left = planned_left(t), done = w->planned - left, spent = bis_trade_now() - w->start;
+    const double left = planned_left(t), done = w->planned - left, spent = bis_clock_now() - w->start;
     snprintf(what, sizeof what, "run %zu of %zu", t->n_runs + 1, bis_trade_planned_runs(&t->plan));
     bis_trade_tell(t, what, w->planned > 0 ? done / w->planned : 1, done > 0 ? left * spent / done : left);
 }
@@ -81,7 +81,7 @@ static bis_status sweep_round(bis_trade *t, sweep *w, int level, int replicate, 
     for (int i = 0; i < t->plan.n_settings; i++) {
         bool complete;
         if (level >= t->plan.settings[i].levels || bis_trade_has_run(t, i, level, replicate)) continue;
-        if (!t->o.passes && bis_trade_now() + bis_trade_planned_seconds(&t->plan, i, level) > deadline) {
+        if (!t->o.passes && bis_clock_now() + bis_trade_planned_seconds(&t->plan, i, level) > deadline) {
             w->is_over = true;
             return BIS_OK;
         }
@@ -89,8 +89,8 @@ static bis_status sweep_round(bis_trade *t, sweep *w, int level, int replicate, 
         bis_status status = measure_run(t, i, level, replicate, &complete, diag);
         if (status) return status;
         if (!complete) return BIS_OK;
-        if (bis_trade_now() - w->last_write < seconds_between_writes) continue;
-        w->last_write = bis_trade_now();
+        if (bis_clock_now() - w->last_write < seconds_between_writes) continue;
+        w->last_write = bis_clock_now();
         status = bis_trade_write_runs(t, diag);
         if (status) return status;
     }
@@ -99,7 +99,7 @@ static bis_status sweep_round(bis_trade *t, sweep *w, int level, int replicate, 
 
 static bis_status run_sweep(bis_trade *t, bis_diag *diag)
 {
-    sweep w = {.start = bis_trade_now(), .planned = planned_left(t)};
+    sweep w = {.start = bis_clock_now(), .planned = planned_left(t)};
     bis_status status = BIS_OK;
 
     for (int level = 0; level < BIS_TRADE_LEVELS; level++) {
@@ -189,7 +189,7 @@ static bis_status measure(bis_trade *t, bis_diag *diag)
 bis_status bis_trade_measure(bis_trade *t, const bis_trade_options *o, bool *interrupted, bis_diag *diag)
 {
     t->o = *o;
-    t->start = bis_trade_now();
+    t->start = bis_clock_now();
     bis_status status = bis_trade_check_folder(t, diag);
     if (!status) status = measure(t, diag);
     *interrupted = bis_trade_interrupted(t);

@@ -14,6 +14,7 @@
 #ifndef BIS_TRADE_H
 #define BIS_TRADE_H
 
+#include "bis/clock.h"
 #include "bis/image.h"
 #include "bis/render.h"
 
@@ -163,7 +164,7 @@ typedef struct bis_trade {
     bis_trade_picture strip[BIS_TRADE_STRIP];
     int n_strip;
     bis_trade_result result;
-    double start;         /* on bis_trade_now's clock */
+    double start;         /* on bis_clock_now's clock */
     int n_threads;        /* as used */
     uint64_t nonfinite;
     bool made_folder;     /* it was not there before */
@@ -190,7 +191,6 @@ void bis_trade_option_text(char text[128], const bis_trade_setting *s, double sc
 
 /* --- trade_scene.c --- */
 
-double bis_trade_now(void);
 bool bis_trade_interrupted(const bis_trade *t);
 void bis_trade_tell(const bis_trade *t, const char *what, double share, double seconds_left);
 

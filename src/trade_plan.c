@@ -231,7 +231,7 @@ static bis_status check_time(const bis_trade *t, double seconds, bis_diag *diag)
         if (t->plan.settings[i].is_swept && gets_long_curve(&t->plan, i)) least += t->plan.n_seeds * t->plan.settings[i].pass_seconds;
     }
     if (least <= seconds || t->o.passes) return BIS_OK;
-    bis_trade_duration(need, 1.2 * (least / sweep_share + bis_trade_now() - t->start));
+    bis_trade_duration(need, 1.2 * (least / sweep_share + bis_clock_now() - t->start));
     return bis_error(diag, BIS_INPUT, (bis_loc){0}, "%g s are too few: a single pass of the best setting of each integrator, %d x %d pixels and %d seeds, "
                      "wants about %s in all; give --time more than that, or name fewer integrators by --integrator",
                      t->o.seconds, t->plan.width, t->plan.height, t->plan.n_seeds, need);
@@ -288,7 +288,7 @@ bis_status bis_trade_make_plan(bis_trade *t, const bis_image *given, bis_diag *d
     plan->n_seeds = seeds_for(&t->o);
     bis_status status = run_pilot(t, diag);
     if (status || bis_trade_interrupted(t)) return status;
-    const double left = fmax(t->o.seconds - (bis_trade_now() - t->start), 0.1 * t->o.seconds), sweep = sweep_share * left;
+    const double left = fmax(t->o.seconds - (bis_clock_now() - t->start), 0.1 * t->o.seconds), sweep = sweep_share * left;
     choose_size(t, sweep);
     status = check_time(t, sweep, diag);
     if (status) return status;

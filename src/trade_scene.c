@@ -8,15 +8,6 @@
 
 #include "bis/mem.h"
 
-#include <time.h>
-
-double bis_trade_now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 bool bis_trade_interrupted(const bis_trade *t) { return t->o.interrupted && *t->o.interrupted; }
 
 void bis_trade_tell(const bis_trade *t, const char *what, double share, double seconds_left)
@@ -71,30 +62,6 @@ static bis_status add_lights(bis_trade *t, bis_diag *diag)
 
 /* ---- the scene ---- */
 
-/* A stand-in for the scene's integrator while building: asks for what all of them need. */
-static unsigned builder_light_needs(const bis_settings *s)
-{
-    (void)s;
-    return all_needs;
-}
-
-static void builder_scratch_needs(const bis_settings *s, bis_scratch *need)
-{
-    (void)s;
-    (void)need;
-}
-
-static rgb builder_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    (void)s;
-    (void)pt;
-    (void)stream;
-    (void)scratch;
-    return (rgb){0, 0, 0};
-}
-
-static const bis_integrator builder = {"trade", "draws nothing", builder_light_needs, builder_scratch_needs, builder_Lo};
-
 bis_status bis_trade_load(bis_trade *t, bis_diag *diag)
 {
     bis_trade_tell(t, "reading the scene", (double)NAN, (double)NAN);
@@ -108,11 +75,11 @@ bis_status bis_trade_load(bis_trade *t, bis_diag *diag)
     if (t->desc->settings.as_printed) {
         bis_warn(diag, t->desc->integrator_loc, "Option \"asprinted\" is left out: the methods are measured as they should be");
     }
-    const bis_settings own = t->desc->settings;
-    t->desc->settings.integrator = &builder;
+    const unsigned as_printed = t->desc->settings.as_printed;
     t->desc->settings.as_printed = 0;
+    t->desc->light_needs = all_needs;
     status = bis_scene_build(&t->scene, t->desc, diag);
-    t->desc->settings = own;
+    t->desc->settings.as_printed = as_printed;
     if (status) return status;
     if (!t->scene->accel || bis_light_is_black(t->scene->light)) {
         return bis_error(diag, BIS_INPUT, (bis_loc){t->desc->path, 0, 0}, "the scene has no %s: every method gives the same picture at once, and there is "

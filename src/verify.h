@@ -124,9 +124,11 @@ static inline double bis_verify_measure(rgbd c) { return 4 * c.r + 2 * c.g + c.b
 /* src/verify_accel.c. Two backends of the same geometry by n random rays. */
 void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, size_t n);
 
-/* src/verify_scene.c. Whatever applies of the above. The scene must have been built with bis_verify_builder as its
- * integrator: with all that any integrator needs of the light. */
-extern const bis_integrator bis_verify_builder;
+/* What the scene's description must ask of its light (bis_scene_desc.light_needs), here and for bis_pixel_find: all
+ * that any integrator needs of it. */
+#define BIS_VERIFY_LIGHT_NEEDS (BIS_NEED_TABLE | BIS_NEED_CURVE)
+
+/* src/verify_scene.c. Whatever applies of the above. */
 bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *settings, bis_diag *diag);
 
 #endif

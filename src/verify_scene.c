@@ -17,31 +17,6 @@
 enum { MAX_MATERIALS = 24, MAX_PIXELS = 6, MAX_TRIES = 4096, N_RAYS = 200000, MAX_PATCHES = 1 << 24, PATCH_VISITS = 1 << 25 };
 enum { VISITS_OF_A_PIXEL = 6, MAX_CANDIDATES = 4096, MAX_SHADOWRAYS = 1024, MAX_SAMPLES = 4096 };
 
-/* ---- all that integrators need of the light ---- */
-
-static unsigned builder_light_needs(const bis_settings *s)
-{
-    (void)s;
-    return BIS_NEED_TABLE | BIS_NEED_CURVE;
-}
-
-static void builder_scratch_needs(const bis_settings *s, bis_scratch *need)
-{
-    (void)s;
-    (void)need;
-}
-
-static rgb builder_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    (void)s;
-    (void)pt;
-    (void)stream;
-    (void)scratch;
-    return (rgb){0, 0, 0};
-}
-
-const bis_integrator bis_verify_builder = {"verify", "draws nothing", builder_light_needs, builder_scratch_needs, builder_Lo};
-
 /* ---- materials ---- */
 
 static bool equal_materials(const bis_material *a, const bis_material *b)

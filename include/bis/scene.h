@@ -53,6 +53,7 @@ typedef struct bis_scene_desc {
     uint32_t edge_samples; /* camera samples in a pass where an outline crosses the pixel (src/edges.h); 0 or 1: as everywhere */
     bis_settings settings;
     bis_loc integrator_loc;
+    unsigned light_needs; /* BIS_NEED_*: what to build of the light, for who asks more of it than one integrator; 0: what the integrator needs */
     bis_accel_options accel;
     bool has_light;
     bis_light_desc light;
