@@ -18,6 +18,7 @@ if [ -z "$name" ] || [ -z "$kit" ]; then fail "say which, and where to: make ass
 
 mkdir -p "$kit/tests" "$kit/data" || exit 1
 cp -Rp Makefile LICENSE README.md scene.txt include src scripts docs "$kit" && cp -Rp data/scenes "$kit/data" || exit 1
+rm -f "$kit/scripts/mutate.sh" # it quotes what is blank
 for file in tests/*.c tests/*.h; do
     case ${file#tests/} in test_*) ;; *) cp -p "$file" "$kit/tests" || exit 1 ;; esac
 done
@@ -30,7 +31,7 @@ echo "$name" >"$kit/assignment"
 for file in $files; do
     cp "$blanks/$file" "$kit/src/$file" && echo "src/$file" >>"$kit/assignment" || exit 1
 done
-(cd "$kit" && sh scripts/fragments.sh) || exit 1 # pages quote the code as it now stands
+(cd "$kit" && sh scripts/fragments.sh >/dev/null) || exit 1 # pages quote the code as it now stands
 echo "$kit: assignment \"$name\". Read $kit/ASSIGNMENT.md; yours to write, between the marked comments:"
 for mark in $(sed -n 's|^ */\* \[\([a-z0-9-]*\)\] \*/$|\1|p' "tests/assignments/${name}_blank.c" | grep -vx end); do
     (cd "$kit" && grep -n "^ */\* \[$mark\] \*/\$" src/*.c) | sed 's/^\([^:]*\):\([^:]*\):.*/    \1, line \2/'

@@ -1,7 +1,7 @@
 #!/bin/sh
 # grade: the points of a handed-in assignment, one line a criterion, and as JSON in FOLDER/grade.json.
 #     scripts/grade.sh FOLDER                  (make grade DEST=FOLDER)
-# Only the files under study are taken from FOLDER (and its `assignment`, which names it); all else, the tests above all, is ours. 100 points:
+# Only the files under study are taken from FOLDER (and its `assignment`, which names it); all else, tests and headers above all, is ours. 100 points:
 # 80 for the tests; 10 for speed, once all tests pass: at most 1.5 times our time (5: at most 3 times); 10 when the tests that pass do so under the
 # address, leak and undefined-behaviour sanitizers, too. Without these there are 90.
 # From the root, with what scripts/course.mk exports. Exit status 0 when there is a grade, whatever it is.
@@ -32,7 +32,7 @@ build() {
     shift
     objects=""
     for file in $files; do
-        $BIS_COMPILE "$@" -c -o "$work/$program.$file.o" "$given/src/$file" || return 1
+        $BIS_COMPILE "$@" -c -o "$work/$program.$file.o" "$work/handed-in/$file" || return 1
         objects="$objects $work/$program.$file.o"
     done
     $BIS_COMPILE "$@" -c -o "$work/$program.claims.o" "tests/assignments/$name.c" || return 1
@@ -60,7 +60,11 @@ grade_speed() {
         echo "mine $("$work/mine" --work)"
         echo "ours $("$work/ours" --work)"
     done >"$work/times"
-    ratio=$(awk '{ if (!($1 in t) || $2 < t[$1]) t[$1] = $2 } END { printf "%.2f", t["mine"] / t["ours"] }' "$work/times")
+    if ! grep -q '^mine [0-9]' "$work/times"; then
+        line 0 10 speed "no answer"
+        return
+    fi
+    ratio=$(awk 'NF == 2 { if (!($1 in t) || $2 < t[$1]) t[$1] = $2 } END { printf "%.2f", t["mine"] / t["ours"] }' "$work/times")
     line "$(awk -v r="$ratio" 'BEGIN { print r <= 1.5 ? 10 : r <= 3 ? 5 : 0 }')" 10 speed "$ratio times our time"
 }
 
@@ -98,15 +102,17 @@ trade_pages() {
 }
 
 files=$(sh scripts/splice.sh "tests/assignments/${name}_blank.c" "$work") || exit 1
+mkdir "$work/handed-in" || exit 1
 for file in $files; do
     [ -f "$given/src/$file" ] || fail "$given/src/$file is missing"
+    cp "$given/src/$file" "$work/handed-in" || exit 1 # away from its own headers
 done
 if build mine >"$work/messages" 2>&1; then
     grade_tests
     grade_speed
     grade_memory
 else
-    cat "$work/messages" >&2
+    sed "s|$work/handed-in/|src/|g" "$work/messages" >&2
     line 0 100 "it compiles" "see above"
 fi
 warnings=$(grep -c 'warning:' "$work/messages")

@@ -135,6 +135,7 @@ static double pdf(const bis_bsdf *b, vec3 wi)
     return density;
 }
 
+/* [facet-visible] */
 /* A visible facet, not of unit length, in the frame of the normal. v = wo stretched; c = (sin cos phi, sin sin phi, z),
  * z uniform between -v_z and 1. With t = 1 + v_z, 1 - z = u1 t and 1 + z = 2 (1 - u1) + u1 (1 - v_z): no difference of
  * equals, h_z > 0 for every u1 < 1. */
@@ -160,6 +161,7 @@ static vec3 mirrored(const frame *f, vec3 wo, const double h[3])
 
     return vec3_from(k * x - (double)wo.x, k * y - (double)wo.y, k * z - (double)wo.z);
 }
+/* [end] */
 
 /* [facet-sample] */
 static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)

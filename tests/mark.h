@@ -1,7 +1,7 @@
 /* mark: tests that mark an assignment (docs/assignments/). One program an assignment: claims, each worth some points.
  *
  * The code under test is a student's, and may crash, loop or leak. So each claim runs in a process of its own, with 20 s of CPU
- * time; what it dies of becomes a message. A claim holds when its function returns.
+ * time (BIS_CLAIM_SECONDS overrides); what it dies of becomes a message. A claim holds when its function returns.
  *     PROGRAM              as cmocka tests
  *     PROGRAM --grade      a line a claim: "ok" or "wrong", points, name, message, with tabs between
  *     PROGRAM --work       the least of some times in seconds that `work` took, a standard load for a comparison of speeds */

@@ -110,6 +110,9 @@ static void a_kit_is_the_project_but_for_its_blanks(void **state)
         snprintf(command, sizeof command, "cmp docs/assignments/%s.md " DIR "/kit/ASSIGNMENT.md && cmp tests/assignments/%s.c " DIR "/kit/tests/test_assignment.c", names[i], names[i]);
         assert_int_equal(shell(command), 0);
         assert_int_equal(shell("test \"$(ls " DIR "/kit/tests/test_*)\" = " DIR "/kit/tests/test_assignment.c && test ! -e " DIR "/kit/tests/assignments"), 0);
+        /* no page and no script quotes a line that is blank now */
+        assert_int_equal(shell("diff -r src " DIR "/kit/src | sed -n 's/^< *//p' | awk 'length > 30 && !/^for \\(/' > " DIR "/secret && test -s " DIR "/secret && "
+                               "! grep -rIF -f " DIR "/secret " DIR "/kit/docs " DIR "/kit/scripts " DIR "/kit/include " DIR "/kit/README.md"), 0);
     }
 }
 
@@ -153,6 +156,24 @@ static void a_right_solution_that_leaks_loses_the_points_for_memory_alone(void *
     assert_true(json_is_valid(contents(DIR "/kit/grade.json")));
 }
 
+/* A loop, a crash and an exit, each in one claim; a test and a header of the student's own, which nobody asked for. */
+static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests_change_nothing(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("sh scripts/assignment.sh alias " DIR "/kit > /dev/null && "
+                           "sed -e 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n == 17) exit(0);\\n&|' "
+                           "-e 's|^    assert(u >= 0 && u < 1);|    if (u == 0.99) while (1);\\n    if (n == 4 \\&\\& u == 0) abort();|' "
+                           "-e 's/^#include <math.h>/&\\n#include <stdlib.h>/' src/alias.c > " DIR "/kit/src/alias.c && "
+                           "echo 'int main(void) { return 0; }' > " DIR "/kit/tests/test_assignment.c && mkdir " DIR "/kit/src/bis && "
+                           "echo '#error not ours' > " DIR "/kit/src/bis/alias.h && BIS_CLAIM_SECONDS=1 sh scripts/grade.sh " DIR "/kit > " DIR "/out"), 0);
+    assert_has(contents(DIR "/out"), "  0 of  20  every_table_gives_the_weights: it ended before the test did: a call of exit?\n");
+    assert_has(contents(DIR "/out"), "  0 of  15  the_bin_and_the_coin_come_from_one_u: no answer in the time allowed: a loop without end?\n");
+    assert_has(contents(DIR "/out"), "  0 of  10  an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0: it was aborted");
+    assert_has(contents(DIR "/out"), "\n 45 of 100  alias\n");
+}
+
 static void what_does_not_compile_is_worth_nothing(void **state)
 {
     (void)state;
@@ -165,7 +186,7 @@ static void what_does_not_compile_is_worth_nothing(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 6];
+    struct CMUnitTest tests[N_NAMES + 7];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -179,6 +200,7 @@ int main(void)
         cmocka_unit_test(what_cannot_be_made_is_refused_with_the_way_out),
         cmocka_unit_test(an_untouched_kit_is_worth_nothing),
         cmocka_unit_test(a_right_solution_that_leaks_loses_the_points_for_memory_alone),
+        cmocka_unit_test(what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests_change_nothing),
         cmocka_unit_test(what_does_not_compile_is_worth_nothing),
     };
     memcpy(tests + N_NAMES, others, sizeof others);

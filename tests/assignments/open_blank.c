@@ -15,12 +15,14 @@ static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
     return rgbd_round(blend(b->material, cos_d, specular, base_norm * INV_PI * through_coat(c_i) * through_coat(c_o)));
 }
 /* [end] */
+/* [facet-visible] */
+/* Yours to write: what `sample` needs, if anything. Ours stood here: the head of this file derives it. */
+/* [end] */
 /* [facet-sample] */
 static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {
-    /* Yours to write: wi from three uniform numbers; the lobe where u0 < b->p_specular, as proposals count on it. visible_facet and mirrored above are
-     * our own way: read them afterwards. */
-    (void)u0, (void)u1, (void)u2, (void)visible_facet, (void)mirrored;
+    /* Yours to write: wi from three uniform numbers; the lobe where u0 < b->p_specular, as proposals count on it. */
+    (void)u0, (void)u1, (void)u2;
     *wi = b->local.z;
     return false;
 }
