@@ -7,3 +7,8 @@ function Link(link)
     link.target = path .. anchor
     return link
 end
+
+-- A formula scrolls in a box of its own: not every browser scrolls a <math>.
+function Math(m)
+    if m.mathtype == "DisplayMath" then return pandoc.Span({m}, {class = "formula"}) end
+end

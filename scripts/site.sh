@@ -20,8 +20,8 @@ page() {
     mkdir -p "$(dirname "$html")"
     {
         printf '<nav><a href="%sindex.html">bis</a>' "$up"
-        for name in guide theory errata; do printf ' · <a href="%sdocs/%s.html">%s</a>' "$up" $name $name; done
-        printf '</nav>\n\n'
+        for name in guide theory errata results; do printf ' · <a href="%sdocs/%s.html">%s</a>' "$up" $name $name; done
+        printf ' · <a href="%sdocs/assignments/index.html">assignments</a></nav>\n\n' "$up"
         cat "$1"
     } |
         pandoc -f gfm+tex_math_dollars -t html5 --mathml -s --no-highlight --lua-filter=scripts/site.lua \
