@@ -8,10 +8,11 @@
  * for each material
  *
  * SECONDS: processor time for a reference, made once. Each picture of chapter 5 has three rows. "as printed": the
- * thesis's numbers of samples. "equal time": N such that all take what em takes with the thesis's number, M/N as in the
- * thesis: em's 12 seconds are the yardstick between the machines of then and now. "equal rays": N such that all trace
- * as many shadow rays as the thesis's N, M as in the thesis. Below each picture stands its relative error in false
- * colours, 0.01 to 10.
+ * thesis's numbers of samples. "equal time": N such that all take what the first method takes with the thesis's number
+ * (em, mis in 5.7 and 5.8), M/N as in the thesis: em's 12 seconds are the yardstick between the machines of then and
+ * now. "equal rays": N such that all trace as many shadow rays as the thesis's N, M as in the thesis. 5.9, sir against
+ * the converged picture, has the first row alone. Below each picture stands its relative error in false colours.
+ * FIGURE-time.png has a few columns of the row of equal time, for docs/results.md.
  *
  * Time is processor time of one thread, the smallest over the seeds; error is measure.h's, the mean over the seeds.
  * Lines of words go to standard output:
@@ -35,12 +36,13 @@ typedef struct method {
     double M; /* in units of the figure's M; 0: has none */
 } method;
 
-enum { EM, BRDF, MIS, MIS_TODAY, REJECTION, PRINTED, OURS, PRODUCT, N_METHODS };
+enum { EM, BRDF, MIS, MIS_STRATIFIED, MIS_TODAY, REJECTION, PRINTED, OURS, PRODUCT, N_METHODS };
 
 static const method methods[N_METHODS] = {
     {"em", "Integrator \"em\" \"integer samples\" %u", 0},
     {"brdf", "Integrator \"brdf\" \"integer samples\" %u", 0},
     {"mis", "Integrator \"mis\" \"integer samples\" %u", 0},
+    {"mis-strat", "Integrator \"mis\" \"integer samples\" %u \"bool stratify\" true", 0},
     {"mis-today", "Integrator \"mis\" \"integer samples\" %u \"bool stratify\" true \"bool compensate\" true", 0},
     {"rejection", "Integrator \"rejection\" \"integer candidates\" %u \"integer shadowrays\" %u", 1},
     {"sir-thesis", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"em\" \"string resampling\" \"multinomial\" "
@@ -51,30 +53,32 @@ static const method methods[N_METHODS] = {
 
 typedef struct figure {
     const char *name, *material, *title;
-    unsigned em, brdf, M, N, methods, n_rows;
+    unsigned em, brdf, M, N, methods;
 } figure;
 
 /* Sets of methods; the first of a set is the yardstick of equal time. */
 #define SET(m) (1u << (m))
 #define SIMPLE (SET(EM) | SET(BRDF) | SET(MIS_TODAY) | SET(REJECTION) | SET(PRINTED) | SET(OURS) | SET(PRODUCT))
-#define COMBINED (SET(MIS) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS) | SET(PRODUCT))
+#define COMBINED (SET(MIS) | SET(MIS_STRATIFIED) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS) | SET(PRODUCT))
 #define PHONG(ks, kd, n) "\"float Ks\" " #ks " \"float Kd\" " #kd " \"float exponent\" " #n
 
-enum { AS_PRINTED, EQUAL_TIME, EQUAL_RAYS, ROWS, SEEDS = 2 };
+enum { AS_PRINTED, EQUAL_TIME, EQUAL_RAYS, ROWS, SEEDS = 4 };
 static const char *const row_names[ROWS] = {"printed", "time", "rays"};
 
 static const figure figures[] = {
-    {"5.1", PHONG(1, 0, 10), "5.1: ks 1, kd 0, n 10", 100, 75, 800, 15, SIMPLE, 3},
-    {"5.2", PHONG(1, 0, 50), "5.2: ks 1, kd 0, n 50", 100, 75, 800, 15, SIMPLE, 3},
-    {"5.3", PHONG(.5, .5, 50), "5.3: ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, SIMPLE, 3},
-    {"5.4", PHONG(.5, .5, 50), "5.4: another map; ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, SIMPLE, 3},
-    {"5.5", PHONG(0, 1, 1), "5.5: diffuse", 100, 75, 800, 25, SIMPLE, 3},
-    {"5.6", PHONG(.5, .5, 50), "5.6: unzoomed; ks 0.5, kd 0.5, n 50", 110, 80, 900, 13, SET(EM) | SET(BRDF) | SET(PRINTED) | SET(OURS), 1},
-    {"5.7-n10", PHONG(.5, .5, 10), "5.7, top: ks 0.5, kd 0.5, n 10", 100, 75, 800, 15, COMBINED, 3},
-    {"5.7-n50", PHONG(.5, .5, 50), "5.7, bottom: ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, COMBINED, 3},
-    {"5.8", PHONG(1, 0, 50), "5.8: ks 1, kd 0, n 50", 100, 75, 800, 15, COMBINED, 3},
-    {"5.9", PHONG(.5, .5, 50), "5.9: ks 0.5, kd 0.5, n 50", 100, 75, 3000, 150, SET(PRINTED) | SET(OURS) | SET(PRODUCT), 1},
+    {"5.1", PHONG(1, 0, 10), "5.1: ks 1, kd 0, n 10", 100, 75, 800, 15, SIMPLE},
+    {"5.2", PHONG(1, 0, 50), "5.2: ks 1, kd 0, n 50", 100, 75, 800, 15, SIMPLE},
+    {"5.3", PHONG(.5, .5, 50), "5.3: ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, SIMPLE},
+    {"5.4", PHONG(.5, .5, 50), "5.4: another map; ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, SIMPLE},
+    {"5.5", PHONG(0, 1, 1), "5.5: diffuse", 100, 75, 800, 25, SIMPLE},
+    {"5.6", PHONG(.5, .5, 50), "5.6: unzoomed; ks 0.5, kd 0.5, n 50", 110, 80, 900, 13, SET(EM) | SET(BRDF) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS) | SET(PRODUCT)},
+    {"5.7-n10", PHONG(.5, .5, 10), "5.7, top: ks 0.5, kd 0.5, n 10", 100, 75, 800, 15, COMBINED},
+    {"5.7-n50", PHONG(.5, .5, 50), "5.7, bottom: ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, COMBINED},
+    {"5.8", PHONG(1, 0, 50), "5.8: ks 1, kd 0, n 50", 100, 75, 800, 15, COMBINED},
+    {"5.9", PHONG(.5, .5, 50), "5.9: ks 0.5, kd 0.5, n 50", 100, 75, 3000, 150, SET(PRINTED) | SET(OURS) | SET(PRODUCT)},
 };
+
+static int n_rows(const figure *fig) { return fig->methods & (SET(EM) | SET(MIS)) ? ROWS : 1; }
 
 /* ---- sheets ---- */
 
@@ -126,8 +130,27 @@ static sheet sheet_new(const figure *fig, const measure_reference *ref, const bi
     mean /= 3 * (double)measure_shaded(film);
     const int zoom = ref->width < 150 ? 2 : 1;
     sheet s = {.width = zoom * ref->width, .height = zoom * ref->height, .zoom = zoom, .exposure = mean > 0 ? 0.2 / mean : 1};
-    s.image = figures_paper(GAP + columns * (s.width + GAP), HEAD + (int)fig->n_rows * (2 * s.height + LINE + GAP) + FOOT);
+    s.image = figures_paper(GAP + columns * (s.width + GAP), HEAD + n_rows(fig) * (2 * s.height + LINE + GAP) + FOOT);
     return s;
+}
+
+/* False colours of a relative error: 0.01 or less is dark, 10 or more pale. */
+static double heat_of(double error) { return error > 0 ? (log10(error) + 2) / 3 : 0; }
+
+static void sheet_scale(sheet *s, int x, int y)
+{
+    enum { WIDTH = 16, HEIGHT = 150 };
+    static const double ticks[] = {0.01, 0.1, 1, 10};
+
+    bis_canvas_text(&s->image, x, y + 12, 8, figures_faint(), "relative error");
+    for (int i = 0; i < HEIGHT; i++) bis_canvas_box(&s->image, x, y + 30 + i, WIDTH, 1, bis_palette_heat(1 - (i + 0.5) / HEIGHT));
+    for (int i = 0; i < 4; i++) {
+        const double at = y + 30 + HEIGHT * (1 - heat_of(ticks[i]));
+        char text[16];
+        snprintf(text, sizeof text, "%g", ticks[i]);
+        bis_canvas_line(&s->image, x + WIDTH, at, x + WIDTH + 4, at, 1, figures_faint());
+        bis_canvas_text(&s->image, x + WIDTH + 9, at + 4, 8, figures_faint(), text);
+    }
 }
 
 /* A picture at (x, y): that of `L`, or, where `against` is given, its relative error. */
@@ -141,7 +164,7 @@ static void sheet_put(sheet *s, int x, int y, const double *L, double share, con
             if (b) {
                 double difference = 0, truth = 0;
                 for (int c = 0; c < 3; c++) difference += fabs(a[c] * share - b[c]), truth += fabs(b[c]);
-                colour = difference > 0 ? bis_palette_heat((log10(difference / fmax(truth, 0.003 / s->exposure)) + 2) / 3) : bis_palette_heat(0);
+                colour = bis_palette_heat(heat_of(difference / fmax(truth, 0.003 / s->exposure)));
             } else {
                 double v[3];
                 for (int c = 0; c < 3; c++) v[c] = fmin(1, a[c] * share * s->exposure);
@@ -218,7 +241,7 @@ static trial run_method(job *j, int m, unsigned N, unsigned M, int seeds)
 
 /* ---- rows ---- */
 
-static unsigned printed_N(const figure *fig, int m) { return m == BRDF ? fig->brdf : m == EM || m == MIS || m == MIS_TODAY ? fig->em : fig->N; }
+static unsigned printed_N(const figure *fig, int m) { return m == BRDF ? fig->brdf : m < REJECTION ? fig->em : fig->N; }
 static unsigned printed_M(const figure *fig, int m) { return (unsigned)lround(methods[m].M * fig->M); }
 
 static unsigned at_least_two(double N) { return N < 2 ? 2 : N > 20000 ? 20000 : (unsigned)lround(N); }
@@ -236,6 +259,20 @@ static unsigned tune(job *j, int m, const trial *printed)
     return at_least_two(N * (j->yardstick - j->us_camera) / fmax(us - j->us_camera, 1e-3 * us));
 }
 
+/* A candidate that is chosen twice is traced once, and rejection accepts so many of M and no more: rays may lag behind
+ * N. */
+static unsigned tune_rays(job *j, int m, const trial *printed)
+{
+    const unsigned M = printed_M(j->fig, m);
+    double N = printed->N, rays = printed->rays;
+
+    for (int i = 0; i < 2 && fabs(rays / j->fig->N - 1) > 0.03; i++) {
+        N = fmin(M ? M : 20000, at_least_two(N * j->fig->N / rays));
+        rays = run_method(j, m, (unsigned)N, M, 1).rays;
+    }
+    return (unsigned)N;
+}
+
 static void show(job *j, int row, int column, int m, const trial *t)
 {
     const int x = GAP + (column + 1) * (j->sheet.width + GAP), y = row_top(&j->sheet, row);
@@ -249,7 +286,7 @@ static void show(job *j, int row, int column, int m, const trial *t)
     if (t->M) snprintf(text, sizeof text, "%s %u/%u", methods[m].name, t->N, t->M);
     else snprintf(text, sizeof text, "%s %u", methods[m].name, t->N);
     bis_canvas_text(&j->sheet.image, x, y + 16, 9, figures_ink(), text);
-    snprintf(text, sizeof text, "%.3g us, %.3g rays, %.2g", t->us, t->rays, t->error.mean);
+    snprintf(text, sizeof text, t->error.mean < 10 ? "%.3g us, %.3g rays, %.2g" : "%.3g us, %.3g rays, %.0f", t->us, t->rays, t->error.mean);
     bis_canvas_text(&j->sheet.image, x, y + 34, 7, figures_faint(), text);
 }
 
@@ -258,12 +295,13 @@ static void show_reference(job *j)
     static const char *const words[ROWS] = {"as printed", "equal time", "equal rays"};
 
     bis_canvas_text(&j->sheet.image, GAP, 24, 13, figures_ink(), j->fig->title);
-    bis_canvas_text(&j->sheet.image, GAP, 46, 8, figures_faint(), "us and rays a shaded pixel, relMSE; below: relative error 0.01 (dark) to 10 (pale)");
-    for (int row = 0; row < (int)j->fig->n_rows; row++) {
+    bis_canvas_text(&j->sheet.image, GAP, 46, 8, figures_faint(), "us and rays a shaded pixel, relMSE; below each picture, its error");
+    for (int row = 0; row < n_rows(j->fig); row++) {
         const int y = row_top(&j->sheet, row);
         bis_canvas_text(&j->sheet.image, GAP, y + 16, 10, figures_ink(), words[row]);
         bis_canvas_text(&j->sheet.image, GAP, y + 34, 7, figures_faint(), "converged");
         sheet_put(&j->sheet, GAP, y + LINE, j->ref.L, 1, NULL);
+        sheet_scale(&j->sheet, GAP, y + LINE + j->sheet.height + GAP);
     }
 }
 
@@ -287,15 +325,42 @@ static void show_method(job *j, int m, int column)
     printed = run_method(j, m, printed_N(fig, m), printed_M(fig, m), SEEDS);
     if (column == 0) j->yardstick = printed.us;
     show(j, AS_PRINTED, column, m, &printed);
-    if (fig->n_rows > 1) {
+    if (n_rows(fig) > 1) {
         unsigned N = tune(j, m, &printed);
         t = run_method(j, m, N, (unsigned)lround(methods[m].M * fig->M / fig->N * N), SEEDS);
         show(j, EQUAL_TIME, column, m, &t);
-        N = at_least_two(printed.N * fig->N / printed.rays);
+        N = tune_rays(j, m, &printed);
         t = run_method(j, m, N, printed_M(fig, m), SEEDS);
         show(j, EQUAL_RAYS, column, m, &t);
     }
     bis_scene_free(j->built);
+}
+
+static void copy_column(bis_image *to, int to_x, const bis_image *from, int x, int y, int width, int height)
+{
+    for (int i = 0; i < height; i++) {
+        memcpy(to->pixels + (size_t)i * (size_t)to->width + to_x, from->pixels + (size_t)(y + i) * (size_t)from->width + x, (size_t)width * sizeof *to->pixels);
+    }
+}
+
+/* The row of equal time once more, in five columns at most. */
+static void save_strip(const job *j, const char *folder)
+{
+    const unsigned wanted = SET(EM) | SET(MIS) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS);
+    const int step = j->sheet.width + GAP, top = row_top(&j->sheet, EQUAL_TIME), height = LINE + 2 * j->sheet.height;
+    int columns = 1, from = step, to = step;
+    char name[32];
+
+    for (int m = 0; m < N_METHODS; m++) columns += (j->fig->methods & wanted & SET(m)) != 0;
+    bis_image strip = figures_paper(GAP + columns * step, height + FOOT);
+    copy_column(&strip, 0, &j->sheet.image, 0, top, step, height);
+    for (int m = 0; m < N_METHODS; m++) {
+        if (!(j->fig->methods & SET(m))) continue;
+        if (wanted & SET(m)) copy_column(&strip, to, &j->sheet.image, from, top, step, height), to += step;
+        from += step;
+    }
+    snprintf(name, sizeof name, "%s-time", j->fig->name);
+    figures_save(&strip, folder, name);
 }
 
 static void chapter5(const figure *fig, const char *scene, double seconds, const char *folder)
@@ -309,6 +374,7 @@ static void chapter5(const figure *fig, const char *scene, double seconds, const
     for (int m = 0; m < N_METHODS; m++) {
         if (fig->methods & SET(m)) show_method(&j, m, column++);
     }
+    if (n_rows(fig) > 1) save_strip(&j, folder);
     figures_save(&j.sheet.image, folder, fig->name);
     bis_film_clear(&j.film);
     measure_reference_free(&j.ref);
@@ -335,13 +401,13 @@ static void fit(double *p, double *q, const double *x, const double *z, const do
 }
 
 /* price MATERIAL METHOD ns_candidate ns_ray A B M:N relMSE*us-at-15/800 relMSE*us-at-best */
-static void price(bis_film *film, const bis_scene *built, const char *scene, const measure_setting *material, const measure_reference *ref, const method *m, double us_camera)
+static void price(bis_film *film, const bis_scene *built, const char *scene, const measure_setting *material, const measure_reference *ref, const method *m, double us_camera, int seeds)
 {
     static const unsigned Ms[N_M] = {64, 256, 1024}, Ns[N_N] = {4, 16, 64};
     double one_M[GRID], one_N[GRID], M[GRID], rays[GRID], us[GRID], e[GRID], A, B, candidate, per_ray;
 
     for (int i = 0; i < GRID; i++) {
-        const trial t = run(film, built, scene, material->text, ref, m, Ns[i % N_N], Ms[i / N_N], 2);
+        const trial t = run(film, built, scene, material->text, ref, m, Ns[i % N_N], Ms[i / N_N], seeds);
         one_M[i] = 1.0 / t.M, one_N[i] = 1.0 / t.N;
         M[i] = t.M, rays[i] = t.rays, us[i] = t.us - us_camera, e[i] = t.error.mean - ref->error;
     }
@@ -364,7 +430,7 @@ static void prices(const char *scene, double seconds)
         const double us_camera = camera_us(&film, scene, &ref);
         for (int k = 0; k < 3; k++) {
             bis_scene *built = build(scene, material->text, &methods[which[k]]);
-            price(&film, built, scene, material, &ref, &methods[which[k]], us_camera);
+            price(&film, built, scene, material, &ref, &methods[which[k]], us_camera, which[k] == PRINTED ? 2 : 8);
             bis_scene_free(built);
         }
         measure_reference_free(&ref);

@@ -1,6 +1,6 @@
 #!/bin/sh
-# figures: every figure of the thesis that is a result or a plot, rendered again into build/figures. docs/results.md
-# says what they show.
+# figures: every figure of the thesis that is a result or a plot, rendered again into build/figures (with BIS_SHARED:
+# build/figures/shared). docs/results.md says what they show.
 #     scripts/figures.sh BUILD_DIR [FIGURE...]        (make figures calls it); all of them by default
 #     scripts/figures.sh --list
 # Our own model and maps, or, where BIS_SHARED names a folder that has them, the dragon under Grace Cathedral and St
@@ -17,7 +17,7 @@ for figure; do
     *) echo "figures.sh: no figure \"$figure\" among: $all" >&2 && exit 2 ;;
     esac
 done
-out=build/figures
+out=build/figures${BIS_SHARED:+/shared}
 mkdir -p "$out" build/bench
 size=${FIGURES_SIZE:-88x124}
 seconds=${FIGURES_REFERENCE:-8}

@@ -22,6 +22,7 @@ static rgb colour_of(int i)
     return bis_palette_srgb(c[i][0], c[i][1], c[i][2]);
 }
 
+static rgb lighter(rgb c) { return rgb_add(rgb_scale(c, 0.65), rgb_from(0.35, 0.35, 0.35)); }
 static rgb light(rgb c) { return rgb_add(rgb_scale(c, 0.35), rgb_from(0.65, 0.65, 0.65)); }
 
 /* ---- 3.3, 3.4: P = {0.1, 0.2, 0.4, 0.3} ---- */
@@ -75,12 +76,13 @@ static void alias(const char *folder)
     bis_alias a;
     bis_diag diag = {0};
     const int y0 = 240;
-    const double scale = 400;
+    const double scale = 440; /* no number touches the line */
 
     measure_check(bis_alias_init(&a, P, ITEMS, &diag), &diag);
     bis_canvas_text(&im, 30, 30, 12, figures_ink(), "P and the cutoff 1/N");
     bars(&im, 40, y0, scale);
     bis_canvas_line(&im, 30, y0 - 0.25 * scale, 280, y0 - 0.25 * scale, 1.5, figures_faint());
+    bis_canvas_text(&im, 286, y0 - 0.25 * scale + 4, 10, figures_faint(), "1/N");
     bis_canvas_text(&im, 360, 30, 12, figures_ink(), "prob (full) and alias (light)");
     for (int i = 0; i < ITEMS; i++) {
         const int x = 370 + 66 * i, full = 160, h = (int)lround(full * a.prob[i]);
@@ -126,7 +128,7 @@ static void surface_with_axes(bis_image *im, double x, double y, double length)
     bis_canvas_line(im, x, y, x + d, y - d, 1, figures_faint());
     bis_canvas_text(im, x - 4, y - length - 6, 11, figures_faint(), "n");
     bis_canvas_text_right(im, x - d - 4, y - d, 11, figures_faint(), "eye");
-    bis_canvas_text(im, x + d + 4, y - d, 11, figures_faint(), "R");
+    bis_canvas_text(im, x + 1.08 * d, y - 1.08 * d + 4, 11, figures_faint(), "R");
 }
 
 static void phong(const char *folder)
@@ -254,7 +256,7 @@ static double reject(bis_image *im, curve *f, double bound, double top, int n)
         const double x = inverse(f, bis_rng_double(&r)), y = bis_rng_double(&r) * bound * f(x);
         const bool accept = y < product(x);
         accepted += accept;
-        bis_canvas_disc(im, X0 + W * x, Y0 - H * y / top, 2, accept ? colour_of(2) : light(colour_of(3)));
+        bis_canvas_disc(im, X0 + W * x, Y0 - H * y / top, 2, accept ? colour_of(2) : lighter(colour_of(3)));
     }
     return (double)accepted / n;
 }
