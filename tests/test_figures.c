@@ -1,5 +1,5 @@
 /* `make figures` knows every figure that docs/results.md speaks of, and each one that the thesis shows as a result or
- * a plot; pictures in that page are there and small.
+ * a plot; pictures in that page are there and small. scripts/docs_figures.sh makes every picture that the docs show.
  * Rendering them all takes minutes and is no part of the tests. */
 #include "program.h"
 
@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include <ctype.h>
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -116,6 +117,32 @@ static void links_of_the_page_of_results_lead_to_files_and_its_pictures_are_belo
     assert_true(n_pictures >= 1);
 }
 
+static void every_picture_of_the_docs_has_a_recipe_and_is_below_300_KB(void **state)
+{
+    char list[4096], path[512];
+    int n_files = 0, n_listed = 0;
+
+    (void)state;
+    assert_int_equal(system("mkdir -p build && sh scripts/docs_figures.sh --list > build/test_figures.out"), 0);
+    list[0] = '\n';
+    read_text(list + 1, sizeof list - 1, "build/test_figures.out");
+    for (const char *at = list + 1; (at = strchr(at, '\n')); at++) n_listed++;
+    DIR *folder = opendir("docs/figures");
+    assert_non_null(folder);
+    for (struct dirent *entry; (entry = readdir(folder));) {
+        struct stat st;
+        if (entry->d_name[0] == '.') continue;
+        snprintf(path, sizeof path, "\n%s\n", entry->d_name);
+        if (!strstr(list, path)) fail_msg("docs/figures/%s: scripts/docs_figures.sh does not make it", entry->d_name);
+        snprintf(path, sizeof path, "docs/figures/%s", entry->d_name);
+        assert_int_equal(stat(path, &st), 0);
+        if (st.st_size > 300000) fail_msg("%s has %ld bytes", path, (long)st.st_size);
+        n_files++;
+    }
+    closedir(folder);
+    assert_int_equal(n_files, n_listed); /* each listed file is there */
+}
+
 static void a_figure_that_is_not_in_the_list_is_bad_usage(void **state)
 {
     (void)state;
@@ -129,6 +156,7 @@ int main(void)
         cmocka_unit_test(the_script_makes_every_figure_of_the_thesis_that_is_a_result_or_a_plot),
         cmocka_unit_test(every_figure_that_the_page_of_results_names_is_made),
         cmocka_unit_test(links_of_the_page_of_results_lead_to_files_and_its_pictures_are_below_100_KB),
+        cmocka_unit_test(every_picture_of_the_docs_has_a_recipe_and_is_below_300_KB),
         cmocka_unit_test(a_figure_that_is_not_in_the_list_is_bad_usage),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,73 @@
+#!/bin/sh
+# docs_figures: every picture that README and docs show, made again: docs/figures/*.png.
+#     scripts/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, map, pixel, errata, results (default: all)
+#     scripts/docs_figures.sh --list                       the files
+# From the root, after make bis data and, for results, make build/release/figures. What is measured differs from run to
+# run, and so does its picture. bis writes PNG of 24 bits; where ImageMagick's convert is there, 256 colours make less
+# than half of that, and none above 300 KB.
+set -eu
+if [ "$1" = --list ]; then
+    for name in chess microfacet map-importance map-levels map-regions pixel-densities pixel-samples \
+        results-4.5 results-5.2 results-5.4 results-5.5 results-5.8; do
+        echo $name.png
+    done
+    for item in E3 E6 E13 E20 E21 E22 E23 E27 E29 E34; do
+        echo errata-$item-printed.png
+        echo errata-$item-right.png
+    done
+    exit
+fi
+build=$1
+shift
+[ $# -gt 0 ] || set -- chess microfacet map pixel errata results
+out=docs/figures
+tmp=$(mktemp -d)
+trap 'rm -rf "$tmp" docs_figures.tmp' EXIT
+
+# keep FILE NAME [DITHER]: into docs/figures; without dither where areas are flat
+keep() {
+    if command -v convert >/dev/null; then
+        convert "$1" -strip -treedepth 8 -dither "${3:-None}" -colors 256 "PNG8:$out/$2.png"
+    else
+        cp "$1" "$out/$2.png"
+    fi
+    echo "$out/$2.png"
+}
+
+for picture; do
+    case $picture in
+    chess) # names in a scene are relative to it, so it stands in the root
+        sed 's/^Integrator.*/Integrator "sir" "integer candidates" 256 "integer shadowrays" 8 "string proposal" "product" "bool learn" true/' scene.txt >docs_figures.tmp
+        "$build/bis" docs_figures.tmp --quiet --resolution 560x420 --spp 8 --outfile "$tmp/chess.png"
+        keep "$tmp/chess.png" chess FloydSteinberg
+        ;;
+    microfacet)
+        "$build/bis" data/scenes/microfacet.txt --quiet --resolution 320x160 --outfile "$tmp/microfacet.png"
+        keep "$tmp/microfacet.png" microfacet FloydSteinberg
+        ;;
+    map)
+        "$build/bis" envmap data/maps/outdoor.hdr --out "$tmp/sky.png" >/dev/null
+        "$build/bis" envmap data/maps/interior.hdr --out "$tmp/hall.png" >/dev/null
+        keep "$tmp/sky-importance.png" map-importance
+        keep "$tmp/hall-levels.png" map-levels
+        keep "$tmp/hall-regions.png" map-regions
+        ;;
+    pixel)
+        "$build/bis" pixel scene.txt 350 300 --candidates 400 --shadowrays 15 --output "$tmp/pixel" >/dev/null
+        keep "$tmp/pixel/densities.png" pixel-densities
+        keep "$tmp/pixel/samples.png" pixel-samples
+        ;;
+    errata)
+        sh scripts/errata_figures.sh "$build/bis"
+        ;;
+    results)
+        sh scripts/figures.sh "$build" 4.5 5.2 5.4 5.5 5.8 >/dev/null
+        keep build/figures/4.5.png results-4.5
+        for figure in 5.2 5.4 5.5 5.8; do keep build/figures/$figure-time.png results-$figure; done
+        ;;
+    *)
+        echo "docs_figures.sh: no picture \"$picture\" among chess, microfacet, map, pixel, errata, results" >&2
+        exit 2
+        ;;
+    esac
+done
