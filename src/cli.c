@@ -309,10 +309,18 @@ bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **ope
 /* --- what all commands end with
  * ------------------------------------------------------------------------------------ */
 
+/* Who speaks, where a message names no file. */
+static const char *speaker(const char *text)
+{
+    const bool has_place = strncmp(text, "error: ", 7) != 0 && strncmp(text, "warning: ", 9) != 0;
+    return has_place ? "" : "bis: ";
+}
+
 void bis_cli_print_diag(const bis_diag *diag, bool quiet)
 {
     for (size_t i = 0; i < diag->n; i++) {
-        if (diag->messages[i].is_error || !quiet) fprintf(stderr, "%s\n", diag->messages[i].text);
+        const bis_message *m = &diag->messages[i];
+        if (m->is_error || !quiet) fprintf(stderr, "%s%s\n", speaker(m->text), m->text);
     }
     if (diag->n_lost) fprintf(stderr, "bis: error: %zu more messages were lost for lack of memory\n", diag->n_lost);
 }

@@ -468,8 +468,10 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
         {SCENE " --time 0", "must be a number in (0, "},
         {SCENE " --time -3", "must be a number in (0, "},
         {SCENE " --time nan", "must be a number in (0, "},
+        {SCENE " --time abc", "must be a number in (0, "},
         {SCENE " --time 1e300", "must be a number in (0, "},
         {SCENE " --error 0", "must be a number in (0, 10]"},
+        {SCENE " --error -1", "must be a number in (0, 10]"},
         {SCENE " --error inf", "must be a number in (0, 10]"},
         {SCENE " --integrator unoccluded --candidates 0", "\"candidates\" is 0"},
         {SCENE " --shadowrays 0", "must be an integer in"},
@@ -655,6 +657,7 @@ static void compare_judges_by_a_tolerance_and_by_size(void **state)
     program_expect(&r, 0, "compare --tolerance 1e9 " DIR "/ca.exr " DIR "/cb.exr");
     program_expect(&r, 2, "compare " DIR "/ca.exr " DIR "/cc.exr");
     assert_string_equal(r.output, "");
+    assert_int_equal(strncmp(r.messages, "bis: error: images of ", 22), 0);
     program_expect(&r, 2, "compare --diff " DIR "/d.txt " DIR "/ca.exr " DIR "/cb.exr");
     program_expect(&r, 1, "compare --diff " DIR "/no/d.png " DIR "/ca.exr " DIR "/cb.exr");
     program_expect(&r, 0, "compare --diff " DIR "/d.pfm " DIR "/ca.exr " DIR "/ca.exr");

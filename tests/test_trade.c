@@ -566,6 +566,7 @@ static void bad_input_is_told_and_nothing_is_lost(void **state)
         {"--time -3", "--time"},
         {"--time 1e300", "--time"},
         {"--time nan", "--time"},
+        {"--time abc", "--time"},
         {"--error 0", "--error"},
         {"--seeds 0", "--seeds"},
         {"--seeds 99", "--seeds"},
@@ -575,7 +576,7 @@ static void bad_input_is_told_and_nothing_is_lost(void **state)
         {"--resolution 0x4", "--resolution"},
         {"--reference " DIR "/nowhere.exr", "nowhere.exr"},
         {"--reference " DIR "/map.pfm", "8 x 4 pixels"},
-        {"--time 0.0001", "too few"},
+        {"--time 0.0001", "bis: error: 0.0001 s are too few"},
         {"--time 2 --error 0.00001 --integrator em", "out of reach"},
     };
     program_run r;
