@@ -47,7 +47,8 @@ if [ -n "${BIS_SHARED:-}" ]; then
     far="$place Camera \"perspective\" \"float fov\" 23"
     shape="Material \"phong\" @material Shape \"plymesh\" \"string filename\" \"$shared/mesh/dragon_871k.ply\""
     turn="Rotate -90 1 0 0"
-    row=$((height * 2 / 5))
+    column=$((width * 7 / 22)) # on the dragon's back, in the light: its normal, too, points at the horizon
+    row=$((height * 13 / 31))
     other_turn=$turn
     other=$shared/env/derived/stpeters_1024x512.exr
 else
@@ -59,6 +60,7 @@ else
     turn="Rotate -25 0 0 1"
     other_turn="Rotate 150 0 0 1"
     other=$PWD/data/maps/studio.hdr
+    column=$((width / 2))
     row=$((height * 9 / 10)) # the front of the pedestal: its normal points at the horizon, as in the thesis
 fi
 template hall "$width" "$height" "$near" "$turn" "$map" "$shape"
@@ -80,11 +82,11 @@ maps() {
     done
 }
 
-# Figures 4.1 and 4.2 for a point in the middle of that row: exponent 50, ks 1.
+# Figures 4.1 and 4.2 for the point in that pixel: exponent 50, ks 1.
 pixel() {
     sed -e 's/@integrator/Integrator "sir" "integer candidates" 800 "integer shadowrays" 15/' \
         -e 's/@material/"float Ks" 1 "float Kd" 0 "float exponent" 50/' "$out/hall.scene" > "$out/pixel.txt"
-    "$build/bis" pixel "$out/pixel.txt" $((width / 2)) "$row" --repeats 200 --output "$out/pixel" > "$out/4.1.part"
+    "$build/bis" pixel "$out/pixel.txt" "$column" "$row" --repeats 200 --output "$out/pixel" > "$out/4.1.part"
     cp "$out/pixel/densities.png" "$out/4.1.png"
     cp "$out/pixel/samples.png" "$out/4.2.png"
     mv "$out/4.1.part" "$out/4.1.txt"
