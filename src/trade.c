@@ -28,12 +28,13 @@ static bis_status measure_run(bis_trade *t, int setting, int level, int replicat
     const bis_trade_setting *s = &t->plan.settings[setting];
     bis_trade_run run = {.setting = setting, .level = level, .replicate = replicate, .seed = seed_of(&t->plan, setting, level, replicate)};
     bis_image image = {0};
-    bis_comparison c;
+    bis_comparison c, both;
     bis_render_result result;
 
     bis_status status = bis_trade_render(t, s, t->plan.width, t->plan.height, (uint32_t)1 << level, run.seed, &image, &result, diag);
     *complete = !status && !result.interrupted;
     if (*complete) status = bis_compare(&c, &image, &t->references[bis_trade_judge_of(s)].image, diag);
+    if (!status && *complete) status = bis_compare(&both, &image, &t->both.image, diag);
     bis_image_clear(&image);
     if (status || !*complete) return status;
     run.seconds = result.seconds;
@@ -43,6 +44,7 @@ static bis_status measure_run(bis_trade *t, int setting, int level, int replicat
     run.rmse = c.rmse;
     run.relmse = c.relmse;
     run.bias = c.bias;
+    run.relmse_both = both.relmse;
     return bis_trade_add_run(t, &run, diag);
 }
 
@@ -201,6 +203,7 @@ void bis_trade_clear(bis_trade *t)
 {
     for (int i = 0; i < t->n_strip; i++) bis_image_clear(&t->strip[i].image);
     for (int k = 0; k < 2; k++) bis_image_clear(&t->references[k].image);
+    bis_image_clear(&t->both.image);
     bis_free(t->result.points);
     bis_free(t->runs);
     bis_trade_unload(t);

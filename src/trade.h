@@ -66,7 +66,8 @@ typedef struct bis_trade_run {
     uint64_t seed;
     double seconds;
     uint64_t camera_rays, shadow_rays, candidates;
-    double rmse, relmse, bias; /* of bis_compare */
+    double rmse, relmse, bias; /* of bis_compare, with the reference by another method */
+    double relmse_both;        /* and with the mean of both */
 } bis_trade_run;
 
 typedef struct bis_trade_reference {
@@ -93,7 +94,8 @@ typedef struct bis_trade_point {
     double seconds;                /* median */
     double camera_rays, shadow_rays, candidates;
     double rmse, relmse, relmse_se;
-    double noise;                  /* relmse without the reference's share; may be <= 0 where the reference is too short */
+    double noise;                  /* relmse from both references' mean, without their share; may be <= 0 where they are too short */
+    double noise_se;               /* NAN: one seed */
     double bias, bias_se;          /* NAN: one seed */
     double cost_variance;          /* seconds * noise */
     bool on_front;
@@ -161,6 +163,7 @@ typedef struct bis_trade {
     bis_trade_run *runs;
     size_t n_runs, capacity_runs;
     bis_trade_reference references[2]; /* by mis, by sir; given: both the same */
+    bis_trade_reference both;          /* their mean; se is not known */
     bis_trade_picture strip[BIS_TRADE_STRIP];
     int n_strip;
     bis_trade_result result;

@@ -18,7 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char runs_header[] = "setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,bias";
+static const char runs_header[] = "setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,bias,relmse_both";
 
 const char *bis_trade_path(char buf[4096], const bis_trade *t, const char *name)
 {
@@ -255,7 +255,7 @@ static int by_place(const void *x, const void *y)
 bis_status bis_trade_write_runs(const bis_trade *t, bis_diag *diag)
 {
     bis_outfile *file;
-    char path[4096], text[4][32];
+    char path[4096], text[5][32];
 
     if (t->n_runs) qsort(t->runs, t->n_runs, sizeof *t->runs, by_place);
     bis_status status = bis_outfile_open(&file, bis_trade_path(path, t, "runs.csv"), diag);
@@ -263,11 +263,11 @@ bis_status bis_trade_write_runs(const bis_trade *t, bis_diag *diag)
     fprintf(bis_outfile_stream(file), "%s\n", runs_header);
     for (size_t i = 0; i < t->n_runs; i++) {
         const bis_trade_run *r = &t->runs[i];
-        const double values[4] = {r->seconds, r->rmse, r->relmse, r->bias};
-        for (int k = 0; k < 4; k++) bis_format_double(text[k], values[k]);
-        fprintf(bis_outfile_stream(file), "%s,%lu,%d,%llu,%s,%llu,%llu,%llu,%s,%s,%s\n", t->plan.settings[r->setting].name, 1ul << r->level, r->replicate + 1,
+        const double values[5] = {r->seconds, r->rmse, r->relmse, r->bias, r->relmse_both};
+        for (int k = 0; k < 5; k++) bis_format_double(text[k], values[k]);
+        fprintf(bis_outfile_stream(file), "%s,%lu,%d,%llu,%s,%llu,%llu,%llu,%s,%s,%s,%s\n", t->plan.settings[r->setting].name, 1ul << r->level, r->replicate + 1,
                 (unsigned long long)r->seed, text[0], (unsigned long long)r->camera_rays, (unsigned long long)r->shadow_rays,
-                (unsigned long long)r->candidates, text[1], text[2], text[3]);
+                (unsigned long long)r->candidates, text[1], text[2], text[3], text[4]);
     }
     return bis_outfile_commit(file, diag);
 }
@@ -291,7 +291,8 @@ static bool read_run(bis_trade_run *r, const bis_trade_plan *p, char *line)
     r->rmse = read_number(&s, 0, DBL_MAX);
     r->relmse = read_number(&s, 0, DBL_MAX);
     r->bias = read_number(&s, -DBL_MAX, DBL_MAX);
-    if (isnan(seed + seconds + camera + shadow + candidates + r->rmse + r->relmse + r->bias) || *s) return false;
+    r->relmse_both = read_number(&s, 0, DBL_MAX);
+    if (isnan(seed + seconds + camera + shadow + candidates + r->rmse + r->relmse + r->bias + r->relmse_both) || *s) return false;
     r->seed = (uint64_t)seed;
     r->seconds = seconds;
     r->camera_rays = (uint64_t)camera;

@@ -85,7 +85,7 @@ static bis_status make_picture(bis_trade_picture *p, bis_trade *t, bool *complet
         if (*complete) status = bis_image_save(&p->image, path, diag);
         p->seconds = result.seconds;
     }
-    if (!status && *complete) status = bis_compare(&c, &p->image, &t->references[bis_trade_judge_of(s)].image, diag);
+    if (!status && *complete) status = bis_compare(&c, &p->image, &t->both.image, diag);
     if (!status && *complete) p->relmse = c.relmse;
     else bis_image_clear(&p->image);
     return status;

@@ -26,7 +26,7 @@ static double place(const axis *a, double v) { return a->from + (a->to - a->from
 
 static double x_of(const plot *p, const bis_trade_point *q)
 {
-    const bis_image *any = &p->t->references[p->t->references[0].is_ready ? 0 : 1].image;
+    const bis_image *any = &p->t->both.image;
     const double pixels = (double)any->width * any->height;
     return p->by_rays ? (q->camera_rays + q->shadow_rays) / pixels : q->seconds;
 }
@@ -130,7 +130,7 @@ static void draw_marker(const plot *p, const char *integrator, double x, double 
 /* The standard error of the root is half the relative one of the square. */
 static void draw_bar(const plot *p, const bis_trade_point *q)
 {
-    const double y = y_of(q), half = q->relmse_se / (2 * y), x = place(&p->x, x_of(p, q));
+    const double y = y_of(q), half = q->noise_se / (2 * y), x = place(&p->x, x_of(p, q));
     if (!(half > 0)) return;
     const double low = y - half > p->y.lo ? place(&p->y, y - half) : p->y.from;
     fprintf(p->out, "<path class=\"bar\" d=\"M%.1f %.1fV%.1fM%.1f %.1fh8M%.1f %.1fh8\"/>", x, place(&p->y, fmin(y + half, p->y.hi)), low, x - 4,
@@ -232,7 +232,7 @@ static void draw_law(const plot *p)
 /* The references' own noise, where it is in sight. */
 static void draw_floor(const plot *p)
 {
-    const double floor = sqrt(fmax(p->t->references[0].relmse, p->t->references[1].relmse));
+    const double floor = sqrt(p->t->both.relmse);
     if (!(floor > p->y.lo && floor < p->y.hi)) return;
     const double y = place(&p->y, floor);
     fprintf(p->out, "<path class=\"floor\" d=\"M%d %.1fH%d\"/><text class=\"note\" x=\"%d\" y=\"%.1f\">noise of the reference, subtracted</text>", LEFT, y,

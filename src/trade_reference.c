@@ -2,7 +2,9 @@
  *
  * No method may judge itself: an error that its render and its reference share would not be seen. So there are two
  * references, by the best mis of the pilot for sir and rejection, and by the best sir for em, brdf and mis, each the
- * mean of eight renders with seeds of their own.
+ * mean of eight renders with seeds of their own. That shows a bias. Noise needs no other method, but the least noise:
+ * it is measured from the mean of both references, weighted by 1/variance (a reference by mis may be ten times as noisy
+ * as what it judges, and would hide which is the better).
  * The eight say what the reference itself is worth: the standard error of its mean, and its noise as a share of relMSE,
  * which adds to that of whoever is compared with it (the errors are independent) and can be subtracted. Each is a file
  * in references/, so an interrupted measurement loses one at most. A given reference is trusted: nothing tells its
@@ -116,6 +118,29 @@ static bis_status make_reference(bis_trade *t, int which, bis_diag *diag)
     return status;
 }
 
+/* Of the two references, or what there is of them. */
+static bis_status combine_both(bis_trade *t, bis_diag *diag)
+{
+    const bis_trade_reference *a = &t->references[0], *b = &t->references[1], *one = a->is_ready ? a : b;
+    bis_trade_reference *both = &t->both;
+
+    if (!one->is_ready) return BIS_OK;
+    bis_status status = bis_image_init(&both->image, one->image.width, one->image.height, diag);
+    if (status) return status;
+    /* of given ones no noise is known; they are the same */
+    const double w = !b->is_ready ? 1 : !a->is_ready ? 0 : b->relmse > 0 ? b->relmse / (a->relmse + b->relmse) : 0.5;
+    for (size_t i = 0; i < (size_t)one->image.width * (size_t)one->image.height; i++) {
+        for (int k = 0; k < 3; k++) {
+            const double from_a = w > 0 ? w * channel(a->image.pixels[i], k) : 0, from_b = w < 1 ? (1 - w) * channel(b->image.pixels[i], k) : 0;
+            set_channel(&both->image.pixels[i], k, from_a + from_b);
+        }
+    }
+    both->relmse = w * w * a->relmse + (1 - w) * (1 - w) * b->relmse;
+    both->mean = w * a->mean + (1 - w) * b->mean;
+    both->is_ready = true;
+    return BIS_OK;
+}
+
 static bis_status read_given(bis_trade *t, bis_diag *diag)
 {
     char path[4096];
@@ -136,11 +161,11 @@ bis_status bis_trade_make_references(bis_trade *t, bis_diag *diag)
 {
     bis_status status = bis_trade_make_folder(t, "references", diag);
 
-    if (!status && t->plan.is_given) return read_given(t, diag);
+    if (!status && t->plan.is_given) status = read_given(t, diag);
     for (int k = 0; k < 2 && !status && !bis_trade_interrupted(t); k++) {
         if (t->plan.reference[k] >= 0) status = make_reference(t, k, diag);
     }
-    return status;
+    return status ? status : combine_both(t, diag);
 }
 
 bis_status bis_trade_shrink(bis_image *out, const bis_image *full, int factor, bis_diag *diag)

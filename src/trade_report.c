@@ -95,7 +95,7 @@ static void put_reference(FILE *out, const bis_trade *t, int k, const char *judg
     char noise[24], se[24];
 
     if (t->plan.reference[k] < 0 || !ref->is_ready) return;
-    fprintf(out, "<dt>reference for %s</dt><dd>%s, %d renders of %u passes with seeds of their own: mean %.5g, standard error %s of it; its noise, %s, is subtracted.</dd>\n",
+    fprintf(out, "<dt>reference for %s</dt><dd>%s, %d renders of %u passes with seeds of their own: mean %.5g, standard error %s of it; noise %s. It shows a bias.</dd>\n",
             judged, t->plan.settings[t->plan.reference[k]].name, (int)BIS_TRADE_REPLICATES, (unsigned)t->plan.reference_passes[k], ref->mean,
             bis_trade_percent(se, ref->mean > 0 ? ref->se / ref->mean : 0), bis_trade_percent(noise, sqrt(ref->relmse)));
 }
@@ -106,6 +106,7 @@ static void put_agreement(FILE *out, const bis_trade *t)
     char difference[24], se[24];
 
     if (t->plan.is_given) fputs("<dt>reference</dt><dd>as given by --reference; its own noise is not known, and counts as everyone&#39;s.</dd>\n", out);
+    else fprintf(out, "<dt>errors</dt><dd>from the mean of both, weighted by 1/noise&#178;; its noise, %s, is subtracted.</dd>\n", bis_trade_percent(difference, sqrt(t->both.relmse)));
     if (t->plan.is_given || !a->is_ready || !b->is_ready || !(a->mean > 0)) return;
     fprintf(out, "<dt>do they agree?</dt><dd>The means of the two references differ by %s &#177; %s.</dd>\n",
             bis_trade_percent(difference, fabs(a->mean - b->mean) / a->mean), bis_trade_percent(se, hypot(a->se, b->se) / a->mean));

@@ -1,8 +1,8 @@
 /* trade_stats: from runs to points, curves and the Pareto front.
  *
  * A point is a setting at one budget: the mean over its seeds, and their scatter. Seconds are a median, since what
- * disturbs a clock only ever adds. relMSE = the error of the run + that of the reference, which are independent: the
- * reference's own share, known from its replicates, is subtracted, and what is left is called noise. cost x variance =
+ * disturbs a clock only ever adds. relMSE = the error of the run + that of the reference, which are independent: of the
+ * relMSE from both references' mean their own share, known from their replicates, is subtracted, and what is left is called noise. cost x variance =
  * seconds x noise hardly changes along the curve of an unbiased method (errata.md E9), and is what an error costs:
  * smaller is better. The bias is the mean over seeds of the mean difference; its standard error comes from the seeds
  * and the reference. Pixels of a run share their candidates, so their scatter within one run would say too little.
@@ -60,7 +60,7 @@ static bis_trade_point point_of(const bis_trade *t, int setting, int level)
 {
     const bis_trade_reference *ref = reference_of(t, setting);
     bis_trade_point p = {.setting = setting, .level = level, .passes = (uint32_t)1 << level};
-    seeds seconds = {.n = 0}, relmse = {.n = 0}, bias = {.n = 0};
+    seeds seconds = {.n = 0}, relmse = {.n = 0}, both = {.n = 0}, bias = {.n = 0};
     double squares = 0;
 
     for (size_t i = 0; i < t->n_runs; i++) {
@@ -68,6 +68,7 @@ static bis_trade_point point_of(const bis_trade *t, int setting, int level)
         if (r->setting != setting || r->level != level) continue;
         seconds.value[seconds.n++] = r->seconds;
         relmse.value[relmse.n++] = r->relmse;
+        both.value[both.n++] = r->relmse_both;
         bias.value[bias.n++] = r->bias;
         squares += r->rmse * r->rmse;
         p.camera_rays += (double)r->camera_rays;
@@ -83,7 +84,8 @@ static bis_trade_point point_of(const bis_trade *t, int setting, int level)
     p.rmse = sqrt(squares / p.n);
     p.relmse = mean_of(&relmse);
     p.relmse_se = se_of(&relmse);
-    p.noise = p.relmse - ref->relmse;
+    p.noise = mean_of(&both) - t->both.relmse;
+    p.noise_se = se_of(&both);
     p.bias = mean_of(&bias);
     p.bias_se = hypot(se_of(&bias), ref->se);
     p.cost_variance = p.seconds * p.noise;
@@ -98,7 +100,7 @@ static void find_front(bis_trade_result *r)
         p->on_front = true;
         for (int k = 0; k < r->n_points && p->on_front; k++) {
             const bis_trade_point *q = &r->points[k];
-            const bool as_good = q->seconds <= p->seconds && q->relmse <= p->relmse, better = q->seconds < p->seconds || q->relmse < p->relmse;
+            const bool as_good = q->seconds <= p->seconds && q->noise <= p->noise, better = q->seconds < p->seconds || q->noise < p->noise;
             if (as_good && better) p->on_front = false;
         }
     }
@@ -120,16 +122,16 @@ static const bis_trade_run *find_run(const bis_trade *t, int setting, int level,
  * noise all but hides tell nothing of a slope. */
 static bool follow_seed(const bis_trade *t, int setting, int replicate, double *cost_variance, double *slope)
 {
-    const double floor = reference_of(t, setting)->relmse;
+    const double floor = t->both.relmse;
     double passes = 0, cost = 0, fitted = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
 
     for (int level = 0; level < t->plan.settings[setting].levels; level++) {
         const bis_trade_run *r = find_run(t, setting, level, replicate);
         if (!r) continue;
         passes += exp2(level);
-        cost += exp2(level) * r->seconds * (r->relmse - floor);
-        if (!(r->relmse - floor > floor / 4) || r->seconds <= 0) continue;
-        const double x = log(r->seconds), y = log(r->relmse - floor) / 2;
+        cost += exp2(level) * r->seconds * (r->relmse_both - floor);
+        if (!(r->relmse_both - floor > floor / 4) || r->seconds <= 0) continue;
+        const double x = log(r->seconds), y = log(r->relmse_both - floor) / 2;
         fitted++;
         sx += x;
         sy += y;

@@ -14,10 +14,6 @@
 
 enum { CROP = 4, N_CROPS = 2 }; /* a crop is 1/CROP of the sides */
 
-static const bis_image *truth_for(const bis_trade *t, int setting) { return &t->references[bis_trade_judge_of(&t->plan.settings[setting])].image; }
-
-static const bis_image *shown_truth(const bis_trade *t) { return &t->references[t->references[0].is_ready ? 0 : 1].image; }
-
 /* ---- data URIs ---- */
 
 static void put_base64(FILE *out, const unsigned char *data, size_t n)
@@ -81,18 +77,18 @@ static double exposure_of(const bis_image *image)
 
 bis_status bis_trade_put_images(FILE *out, const bis_trade *t, bis_diag *diag)
 {
-    const double exposure = exposure_of(shown_truth(t));
+    const double exposure = exposure_of(&t->both.image);
     bis_status status;
 
-    fprintf(out, ":root{--ratio:%d/%d;\n", shown_truth(t)->width, shown_truth(t)->height);
-    status = put_image(out, "ref", shown_truth(t), exposure, diag);
+    fprintf(out, ":root{--ratio:%d/%d;\n", t->both.image.width, t->both.image.height);
+    status = put_image(out, "ref", &t->both.image, exposure, diag);
     for (int i = 0; i < t->n_strip && !status; i++) {
         const bis_trade_picture *p = &t->strip[i];
         bis_image error;
-        char name[8];
+        char name[16];
         snprintf(name, sizeof name, "p%d", i);
         status = put_image(out, name, &p->image, exposure, diag);
-        if (!status) status = bis_compare_picture(&error, &p->image, truth_for(t, p->setting), diag);
+        if (!status) status = bis_compare_picture(&error, &p->image, &t->both.image, diag);
         if (status) break;
         snprintf(name, sizeof name, "e%d", i);
         status = put_image(out, name, &error, 0, diag);
@@ -113,7 +109,7 @@ static double error_in(const bis_trade *t, window w, int width, int height)
 {
     double sum = 0;
     for (int i = 0; i < t->n_strip; i++) {
-        const bis_image *a = &t->strip[i].image, *b = truth_for(t, t->strip[i].setting);
+        const bis_image *a = &t->strip[i].image, *b = &t->both.image;
         for (int y = w.y; y < w.y + height; y++) {
             for (int x = w.x; x < w.x + width; x++) {
                 const size_t at = (size_t)y * (size_t)a->width + (size_t)x;
@@ -129,7 +125,7 @@ static bool overlap(window a, window b, int width, int height) { return abs(a.x 
 
 static void find_crops(const bis_trade *t, window crops[N_CROPS])
 {
-    const bis_image *image = shown_truth(t);
+    const bis_image *image = &t->both.image;
     const int width = (image->width + CROP - 1) / CROP, height = (image->height + CROP - 1) / CROP;
 
     for (int k = 0; k < N_CROPS; k++) {
@@ -178,11 +174,11 @@ static void put_truth(FILE *out, const bis_trade *t, const window crops[N_CROPS]
 {
     fputs("<figure class=\"shot\"><figcaption><b>reference</b><span>", out);
     if (t->plan.is_given) fputs("as given", out);
-    else fprintf(out, "by %s", t->plan.settings[t->plan.reference[t->references[0].is_ready ? 0 : 1]].name);
+    else fputs("the mean of both", out);
     fputs("</span></figcaption><div class=\"pic\" role=\"img\" aria-label=\"reference\" style=\"background-image:var(--ref)\">", out);
-    put_frames(out, shown_truth(t), crops);
+    put_frames(out, &t->both.image, crops);
     fputs("</div>", out);
-    put_crops(out, "ref", shown_truth(t), crops);
+    put_crops(out, "ref", &t->both.image, crops);
     fputs("<div class=\"scale\"><span>error of each pixel</span><i></i><div><span>0.1%</span><span>1%</span><span>10%</span><span>1</span><span>10</span></div></div>"
           "</figure>\n", out);
 }

@@ -148,7 +148,7 @@ static void assert_run_is(const table *runs, const char *setting, const char *op
     read_image(&b, DIR "/given.exr");
     assert_int_equal(bis_compare(&c, &a, &b, NULL), BIS_OK);
     assert_true(number_at(runs, row, "rmse") == c.rmse);
-    assert_true(number_at(runs, row, "relmse") == c.relmse);
+    assert_true(number_at(runs, row, "relmse") == c.relmse && number_at(runs, row, "relmse_both") == c.relmse);
     assert_true(number_at(runs, row, "bias") == c.bias);
     bis_image_clear(&a);
     bis_image_clear(&b);
@@ -197,8 +197,8 @@ static int values_of(double *v, const table *runs, const table *trade, int row, 
 }
 
 /* Every figure of trade.csv from runs.csv. Two seeds: mean (a + b)/2, its standard error |a - b|/2, the median is the
- * mean. noise: the share of the reference. */
-static void assert_table_follows(const char *folder, double share_mis, double share_sir, double se_mis, double se_sir)
+ * mean. share: of both references in relmse_both. */
+static void assert_table_follows(const char *folder, double share, double se_mis, double se_sir)
 {
     char path[256];
     table runs, trade;
@@ -214,8 +214,9 @@ static void assert_table_follows(const char *folder, double share_mis, double sh
         assert_int_equal(values_of(v, &runs, &trade, i, "seconds"), 2);
         const double seconds = (v[0] + v[1]) / 2;
         assert_true(is_near(number_at(&trade, i, "seconds"), seconds));
+        values_of(v, &runs, &trade, i, "relmse_both");
+        const double noise = (v[0] + v[1]) / 2 - share;
         values_of(v, &runs, &trade, i, "relmse");
-        const double noise = (v[0] + v[1]) / 2 - (by_sir ? share_sir : share_mis);
         assert_true(is_near(number_at(&trade, i, "relmse"), (v[0] + v[1]) / 2));
         assert_true(is_near(number_at(&trade, i, "relmse_se"), fabs(v[0] - v[1]) / 2));
         assert_true(is_near(number_at(&trade, i, "noise"), noise));
@@ -227,7 +228,7 @@ static void assert_table_follows(const char *folder, double share_mis, double sh
         assert_true(is_near(number_at(&trade, i, "bias_se"), hypot((v[0] - v[1]) / 2, by_sir ? se_sir : se_mis)));
         bool dominated = false;
         for (int k = 1; k < trade.n_rows; k++) {
-            dominated |= number_at(&trade, k, "seconds") < number_at(&trade, i, "seconds") && number_at(&trade, k, "relmse") < number_at(&trade, i, "relmse");
+            dominated |= number_at(&trade, k, "seconds") < number_at(&trade, i, "seconds") && number_at(&trade, k, "noise") < number_at(&trade, i, "noise");
         }
         assert_int_equal(number_at(&trade, i, "pareto"), !dominated);
     }
@@ -238,28 +239,36 @@ static void assert_table_follows(const char *folder, double share_mis, double sh
 static void the_table_says_what_the_runs_say(void **state)
 {
     (void)state;
-    assert_table_follows(DIR "/given", 0, 0, 0, 0);
+    assert_table_follows(DIR "/given", 0, 0, 0);
 }
 
-/* From the eight files: Var of the mean of eight, sum of squares minus square of the sum, over b^2 + m^2/100. */
-static void judge_reference(const char *who, double *share, double *se, double *mean)
+enum { OWN_VALUES = 24 * 16 * 3 };
+
+static void read_values(double v[OWN_VALUES], const char *path)
 {
-    enum { R = 8, N = 24 * 16 * 3 };
+    bis_image image;
+
+    read_image(&image, path);
+    assert_int_equal(image.width * image.height * 3, OWN_VALUES);
+    for (int i = 0; i < OWN_VALUES; i++) {
+        const rgb c = image.pixels[i / 3];
+        v[i] = (double)(i % 3 == 0 ? c.r : i % 3 == 1 ? c.g : c.b);
+    }
+    bis_image_clear(&image);
+}
+
+/* From the eight files: their mean, and Var of that, sum of squares minus square of the sum, over b^2 + m^2/100. */
+static void judge_reference(const char *who, double picture[OWN_VALUES], double *share, double *se, double *mean)
+{
+    enum { R = 8, N = OWN_VALUES };
     static double v[R][N];
     double whole[R] = {0}, sum = 0, squares = 0;
 
     for (int r = 0; r < R; r++) {
         char path[256];
-        bis_image image;
         snprintf(path, sizeof path, DIR "/own/references/%s-%d.exr", who, r + 1);
-        read_image(&image, path);
-        assert_int_equal(image.width * image.height * 3, N);
-        for (int i = 0; i < N; i++) {
-            const rgb c = image.pixels[i / 3];
-            v[r][i] = (double)(i % 3 == 0 ? c.r : i % 3 == 1 ? c.g : c.b);
-            whole[r] += v[r][i] / N;
-        }
-        bis_image_clear(&image);
+        read_values(v[r], path);
+        for (int i = 0; i < N; i++) whole[r] += v[r][i] / N;
         sum += whole[r];
         squares += whole[r] * whole[r];
     }
@@ -272,19 +281,46 @@ static void judge_reference(const char *who, double *share, double *se, double *
             s += v[r][i];
             s2 += v[r][i] * v[r][i];
         }
+        picture[i] = s / R;
         *share += (s2 - s * s / R) / (R - 1) / R / (s / R * (s / R) + *mean * *mean / 100) / N;
     }
+}
+
+static double relmse_of(const double a[OWN_VALUES], const double b[OWN_VALUES])
+{
+    double m = 0, sum = 0;
+    for (int i = 0; i < OWN_VALUES; i++) m += b[i] / OWN_VALUES;
+    for (int i = 0; i < OWN_VALUES; i++) sum += (a[i] - b[i]) * (a[i] - b[i]) / (b[i] * b[i] + m * m / 100) / OWN_VALUES;
+    return sum;
 }
 
 static void the_references_noise_is_measured_and_subtracted_and_no_method_judges_itself(void **state)
 {
     (void)state;
+    static double picture[2][OWN_VALUES], both[OWN_VALUES], own[OWN_VALUES];
     double share[2], se[2], mean[2];
-    judge_reference("mis", &share[0], &se[0], &mean[0]);
-    judge_reference("sir", &share[1], &se[1], &mean[1]);
+    judge_reference("mis", picture[0], &share[0], &se[0], &mean[0]);
+    judge_reference("sir", picture[1], &share[1], &se[1], &mean[1]);
     assert_true(share[0] > 0 && share[1] > 0);
     assert_true(fabs(mean[0] - mean[1]) < 5 * hypot(se[0], se[1])); /* two methods, one integral; se of 7 dof: beyond 5 once in 1000 */
-    assert_table_follows(DIR "/own", share[0], share[1], se[0], se[1]);
+    assert_table_follows(DIR "/own", 1 / (1 / share[0] + 1 / share[1]), se[0], se[1]);
+
+    /* one run again, its distance from the reference by the other method and from the mean of both */
+    const double weight = share[1] / (share[0] + share[1]);
+    table runs;
+    program_run r;
+    read_table(&runs, DIR "/own/runs.csv");
+    int row = 1;
+    while (strcmp(text_at(&runs, row, "setting"), "sir 64/4") != 0) row++;
+    program_expect(&r, 0, SCENE " --resolution 24x16 --candidates 64 --shadowrays 4 --spp %s --seed %s --outfile " DIR "/run.exr", text_at(&runs, row, "passes"),
+                   text_at(&runs, row, "seed"));
+    read_values(own, DIR "/run.exr");
+    for (int i = 0; i < OWN_VALUES; i++) both[i] = weight * picture[0][i] + (1 - weight) * picture[1][i];
+    const double float_rounding = 1e-5; /* references are kept as float, and so is their mean */
+    assert_true(fabs(number_at(&runs, row, "relmse") / relmse_of(own, picture[0]) - 1) < float_rounding);
+    assert_true(fabs(number_at(&runs, row, "relmse_both") / relmse_of(own, both) - 1) < float_rounding);
+    assert_true(fabs(number_at(&runs, row, "relmse_both") / relmse_of(own, picture[0]) - 1) > 1e-3); /* the twin: the other method alone */
+    clear_table(&runs);
 }
 
 /* ---- slopes and costs from runs that are known ---- */
@@ -297,12 +333,12 @@ static void forge(bis_trade *t, double v, double floor)
     assert_non_null(t->desc);
     t->plan = (bis_trade_plan){.n_settings = 1, .n_seeds = 2, .width = 10, .height = 10, .full_width = 20, .full_height = 10, .run_seconds = 0.32};
     t->plan.settings[0] = (bis_trade_setting){.name = "em 16", .settings = bis_settings_default(&bis_em), .is_swept = true, .levels = 6};
-    t->references[1].relmse = 0.001;
+    t->both.relmse = 0.001;
     t->references[1].se = 0.25;
     for (int level = 0; level < 6; level++) {
         for (int k = 0; k < 2; k++) {
             const double passes = exp2(level);
-            const bis_trade_run run = {.level = level, .replicate = k, .seconds = 0.01 * passes, .rmse = 1, .relmse = 0.001 + floor + (k + 1) * v / passes, .bias = k};
+            const bis_trade_run run = {.level = level, .replicate = k, .seconds = 0.01 * passes, .rmse = 1, .relmse_both = 0.001 + floor + (k + 1) * v / passes, .bias = k};
             assert_int_equal(bis_trade_add_run(t, &run, NULL), BIS_OK);
         }
     }
@@ -426,7 +462,7 @@ static void a_product_that_learns_has_a_row_of_its_own(void **state)
 /* All that is not time. */
 static void assert_same_runs(const char *path_a, const char *path_b)
 {
-    static const char *const columns[] = {"setting", "passes", "replicate", "seed", "camera_rays", "shadow_rays", "candidates", "rmse", "relmse", "bias"};
+    static const char *const columns[] = {"setting", "passes", "replicate", "seed", "camera_rays", "shadow_rays", "candidates", "rmse", "relmse", "bias", "relmse_both"};
     table a, b;
     read_table(&a, path_a);
     read_table(&b, path_b);
