@@ -109,7 +109,7 @@ bis_status bis_verify_furnace(bis_verify *v, const bis_material *m, double degre
 /* src/verify_view.c. One shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over all patches of
  * the light, which must have table and curve. *tested: false where too little of the light is seen from there for a
  * fair test; nothing is added then. */
-#define BIS_VERIFY_MAX_INTEGRATORS 8
+#define BIS_VERIFY_MAX_INTEGRATORS 16
 bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n, bis_sampler_kind kind, const char *name,
                             bool *tested, bis_diag *diag);
 

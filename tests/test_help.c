@@ -127,7 +127,7 @@ static void every_integrator_and_every_layer_is_in_its_topic(void **state)
     help_of(&r, "integrators");
     for (int i = 0; bis_integrators[i]; i++) {
         snprintf(term, sizeof term, "\n  %s ", bis_integrators[i]->name);
-        if (!strstr(r.output, term)) fail_msg("no%s", term);
+        if (!strstr(r.output, term)) fail_msg("bis help integrators has no %s: src/help_topics.c", bis_integrators[i]->name);
     }
     snprintf(term, sizeof term, "\n  %s ", bis_auto.name);
     assert_non_null(strstr(r.output, term));
