@@ -36,14 +36,14 @@ static bool resolve_q(bis_pixel_candidate *c, const bis_point *pt)
     return true;
 }
 
-/* beta of the mixture, NAN where no candidate tells. */
+/* beta of the mixture, NAN where no candidate tells, and where q is another mixture. */
 static double share_of_map(const bis_pixel_candidates *c, bis_proposal proposal, const bis_point *pt)
 {
     double best = 0, beta = (double)NAN;
 
     if (proposal == BIS_PROPOSAL_EM) return 1;
     if (proposal == BIS_PROPOSAL_BRDF || bis_light_is_constant(pt->light)) return 0;
-    if (c->M == 1) return beta;
+    if (c->M == 1 || (proposal != BIS_PROPOSAL_MIX && proposal != BIS_PROPOSAL_PRODUCT)) return beta;
     for (uint32_t i = 0; i < c->M; i++) {
         const bis_pixel_candidate *x = &c->c[i];
         if (x->x.w <= 0) continue;
