@@ -1,4 +1,4 @@
-# bis: make, make test [T=alias], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make install, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
+# bis: make, make test [T=alias], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make install, make uninstall, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name
 CFLAGS  ?= -O2 -g
 VARIANT ?= release
@@ -41,7 +41,7 @@ SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ply obj)
 
-.PHONY: all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install clean
+.PHONY: all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
 all: bis data
 
 bis: $B/bis
@@ -132,6 +132,9 @@ install: $B/bis
 	install -d $(DESTDIR)$(PREFIX)/share/man/man1
 	$B/bis help --man >$B/bis.1
 	install -m 644 $B/bis.1 $(DESTDIR)$(PREFIX)/share/man/man1/bis.1
+
+uninstall:
+	rm -f $(DESTDIR)$(PREFIX)/bin/bis $(DESTDIR)$(PREFIX)/share/man/man1/bis.1
 
 clean:
 	rm -rf build bis data/models data/maps
