@@ -1,6 +1,7 @@
 #!/bin/sh
 # check_guide: the table of equations in docs/guide.md tells the truth: every file that it links to for an equation
-# says "eq. N" in a comment, and has the functions named after it.
+# says "eq. N" in a comment, and has the functions named after it; and none of the thesis's equations, 3.1 to 3.17 and
+# 4.1 to 4.9, is missing.
 #     scripts/check_guide.sh [ROOT]
 # From the thesis to the code is the table; from the code back to the thesis is a search for "eq. 3.16".
 cd "${1:-.}" || exit 1
@@ -9,6 +10,12 @@ awk -F '|' '
         equation = $2
         gsub(/ /, "", equation)
         rows++
+        listed[equation] = 1
+        rest = $3
+        while (match(rest, /[34]\.[0-9]+/)) {
+            listed[substr(rest, RSTART, RLENGTH)] = 1
+            rest = substr(rest, RSTART + RLENGTH)
+        }
         n = split($4, part, /\[`/)
         for (i = 2; i <= n; i++) {
             file = part[i]
@@ -31,6 +38,10 @@ awk -F '|' '
         }
     }
     END {
+        for (i = 1; i <= 17 + 9; i++) {
+            equation = i <= 17 ? "3." i : "4." i - 17
+            if (!(equation in listed)) { printf "docs/guide.md: eq. %s is not in the table\n", equation; bad = 1 }
+        }
         if (rows < 1 || files < rows / 2) { printf "docs/guide.md: no table of equations\n"; bad = 1 }
         exit bad
     }' docs/guide.md

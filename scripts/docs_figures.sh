@@ -1,6 +1,7 @@
 #!/bin/sh
 # docs_figures: every picture that README and docs show, made again: docs/figures/*.png.
-#     scripts/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, map, pixel, errata, results (default: all)
+#     scripts/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, map, pixel, thesis, errata, results
+#                                                          (default: all)
 #     scripts/docs_figures.sh --list                       the files
 # From the root, after make bis data and, for results, make build/release/figures. What is measured differs from run to
 # run, and so does its picture. bis writes PNG of 24 bits; where ImageMagick's convert is there, 256 colours make less
@@ -8,6 +9,7 @@
 set -eu
 if [ "$1" = --list ]; then
     for name in chess microfacet map-importance map-levels map-regions pixel-densities pixel-samples \
+        thesis-3.3 thesis-3.4 thesis-3.8 thesis-3.9 thesis-4.3 thesis-4.4 \
         results-4.5 results-5.2 results-5.4 results-5.5 results-5.8; do
         echo $name.png
     done
@@ -19,7 +21,7 @@ if [ "$1" = --list ]; then
 fi
 build=$1
 shift
-[ $# -gt 0 ] || set -- chess microfacet map pixel errata results
+[ $# -gt 0 ] || set -- chess microfacet map pixel thesis errata results
 out=docs/figures
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp" docs_figures.tmp' EXIT
@@ -57,6 +59,12 @@ for picture; do
         keep "$tmp/pixel/densities.png" pixel-densities
         keep "$tmp/pixel/samples.png" pixel-samples
         ;;
+    thesis)
+        for figure in 3.3 3.4 3.8 3.9 4.3 4.4; do
+            sh scripts/figures.sh "$build" $figure >/dev/null
+            keep build/figures/$figure.png thesis-$figure
+        done
+        ;;
     errata)
         sh scripts/errata_figures.sh "$build/bis"
         ;;
@@ -66,7 +74,7 @@ for picture; do
         for figure in 5.2 5.4 5.5 5.8; do keep build/figures/$figure-time.png results-$figure; done
         ;;
     *)
-        echo "docs_figures.sh: no picture \"$picture\" among chess, microfacet, map, pixel, errata, results" >&2
+        echo "docs_figures.sh: no picture \"$picture\" among chess, microfacet, map, pixel, thesis, errata, results" >&2
         exit 2
         ;;
     esac
