@@ -36,7 +36,7 @@ typedef struct method {
     double M; /* in units of the figure's M; 0: has none */
 } method;
 
-enum { EM, BRDF, MIS, MIS_STRATIFIED, MIS_TODAY, REJECTION, PRINTED, OURS, PRODUCT, N_METHODS };
+enum { EM, BRDF, MIS, MIS_STRATIFIED, MIS_TODAY, REJECTION, PRINTED, PRINTED_BRDF, OURS, PRODUCT, N_METHODS };
 
 static const method methods[N_METHODS] = {
     {"em", "Integrator \"em\" \"integer samples\" %u", 0},
@@ -47,6 +47,8 @@ static const method methods[N_METHODS] = {
     {"rejection", "Integrator \"rejection\" \"integer candidates\" %u \"integer shadowrays\" %u", 1},
     {"sir-thesis", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"em\" \"string resampling\" \"multinomial\" "
                    "\"bool stratify\" false \"bool vectorize\" false", 1},
+    {"sir-brdf", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"brdf\" \"string resampling\" \"multinomial\" "
+                 "\"bool stratify\" false \"bool vectorize\" false", 1},
     {"sir", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u", 1},
     {"product", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"product\"", 0.32},
 };
@@ -66,15 +68,15 @@ enum { AS_PRINTED, EQUAL_TIME, EQUAL_RAYS, ROWS, SEEDS = 4 };
 static const char *const row_names[ROWS] = {"printed", "time", "rays"};
 
 static const figure figures[] = {
-    {"5.1", PHONG(1, 0, 10), "5.1: ks 1, kd 0, n 10", 100, 75, 800, 15, SIMPLE},
-    {"5.2", PHONG(1, 0, 50), "5.2: ks 1, kd 0, n 50", 100, 75, 800, 15, SIMPLE},
+    {"5.1", PHONG(1, 0, 10), "5.1: ks 1, kd 0, n 10", 100, 75, 800, 15, SIMPLE | SET(PRINTED_BRDF)},
+    {"5.2", PHONG(1, 0, 50), "5.2: ks 1, kd 0, n 50", 100, 75, 800, 15, SIMPLE | SET(PRINTED_BRDF)},
     {"5.3", PHONG(.5, .5, 50), "5.3: ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, SIMPLE},
     {"5.4", PHONG(.5, .5, 50), "5.4: another map; ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, SIMPLE},
     {"5.5", PHONG(0, 1, 1), "5.5: diffuse", 100, 75, 800, 25, SIMPLE},
     {"5.6", PHONG(.5, .5, 50), "5.6: unzoomed; ks 0.5, kd 0.5, n 50", 110, 80, 900, 13, SET(EM) | SET(BRDF) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS) | SET(PRODUCT)},
     {"5.7-n10", PHONG(.5, .5, 10), "5.7, top: ks 0.5, kd 0.5, n 10", 100, 75, 800, 15, COMBINED},
     {"5.7-n50", PHONG(.5, .5, 50), "5.7, bottom: ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, COMBINED},
-    {"5.8", PHONG(1, 0, 50), "5.8: ks 1, kd 0, n 50", 100, 75, 800, 15, COMBINED},
+    {"5.8", PHONG(1, 0, 50), "5.8: ks 1, kd 0, n 50", 100, 75, 800, 15, COMBINED | SET(PRINTED_BRDF)},
     {"5.9", PHONG(.5, .5, 50), "5.9: ks 0.5, kd 0.5, n 50", 100, 75, 3000, 150, SET(PRINTED) | SET(OURS) | SET(PRODUCT)},
 };
 
