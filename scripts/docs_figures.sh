@@ -10,7 +10,7 @@ set -eu
 if [ "$1" = --list ]; then
     for name in chess microfacet map-importance map-levels map-regions pixel-densities pixel-samples \
         thesis-3.3 thesis-3.4 thesis-3.8 thesis-3.9 thesis-4.3 thesis-4.4 \
-        results-4.5 results-5.2 results-5.4 results-5.5 results-5.8; do
+        results-4.5 results-5.2 results-5.5 results-5.8; do
         echo $name.png
     done
     for item in E3 E6 E13 E20 E21 E22 E23 E27 E29 E34; do
@@ -69,9 +69,9 @@ for picture; do
         sh scripts/errata_figures.sh "$build/bis"
         ;;
     results)
-        sh scripts/figures.sh "$build" 4.5 5.2 5.4 5.5 5.8 >/dev/null
+        sh scripts/figures.sh "$build" 4.5 5.2 5.5 5.8 >/dev/null
         keep build/figures/4.5.png results-4.5
-        for figure in 5.2 5.4 5.5 5.8; do keep build/figures/$figure-time.png results-$figure; done
+        for figure in 5.2 5.5 5.8; do keep build/figures/$figure-time.png results-$figure; done
         ;;
     *)
         echo "docs_figures.sh: no picture \"$picture\" among chess, microfacet, map, pixel, thesis, errata, results" >&2
