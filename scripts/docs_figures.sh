@@ -3,11 +3,12 @@
 #     scripts/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, map, pixel, thesis, errata, results
 #                                                          (default: all)
 #     scripts/docs_figures.sh --list                       the files
-# From the root, after make bis data and, for results, make build/release/figures. What is measured differs from run to
+# From the root, after make bis data and, for thesis and results, make build/release/figures. What is measured differs from run to
 # run, and so does its picture. bis writes PNG of 24 bits; where ImageMagick's convert is there, 256 colours make less
 # than half of that, and none above 300 KB.
 set -eu
-if [ "$1" = --list ]; then
+unset BIS_SHARED # our own model and maps
+if [ "${1:-}" = --list ]; then
     for name in chess microfacet map-importance map-levels map-regions pixel-densities pixel-samples \
         thesis-3.3 thesis-3.4 thesis-3.8 thesis-3.9 thesis-4.3 thesis-4.4 \
         results-4.5 results-5.2 results-5.5 results-5.8; do
@@ -19,7 +20,7 @@ if [ "$1" = --list ]; then
     done
     exit
 fi
-build=$1
+build=${1:?BUILD_DIR, as build/release}
 shift
 [ $# -gt 0 ] || set -- chess microfacet map pixel thesis errata results
 out=docs/figures
