@@ -47,9 +47,10 @@ const char *bis_pixel_material_name(char buf[64], const bis_material *m)
 
 /* ---- the truth ---- */
 
-/* Sums over patches: of means, and of the variances of means. */
+/* Sums over patches: of means, and of the variances of means; of F^2 V/q and F^3 V/q^2 for the three densities. */
 typedef struct patch_sums {
     double mean[4], variance[4];
+    double moment2[3], moment3[3];
 } patch_sums;
 
 static void add_patch(patch_sums *sums, double x[BIS_PIXEL_RAYS][4])
@@ -76,6 +77,17 @@ static void value_of(double x[4], const bis_point *pt, const bis_light_point *y)
     x[3] = x[0] + x[1] + x[2];
 }
 
+/* x: F of a ray that sees the light, times the patch's solid angle, one of BIS_PIXEL_RAYS. */
+static void add_moments(patch_sums *sums, double x, const bis_point *pt, const bis_light_point *y)
+{
+    const double q_L = bis_light_pdf(pt->light, y->wi), q_f = bis_bsdf_pdf(&pt->bsdf, y->wi), q[3] = {q_L, q_f, (q_L + q_f) / 2};
+    for (int k = 0; k < 3; k++) {
+        const double X = q[k] > 0 ? x * y->pdf / q[k] : (double)INFINITY;
+        sums->moment2[k] += x * X / BIS_PIXEL_RAYS;
+        sums->moment3[k] += x * X * X / BIS_PIXEL_RAYS;
+    }
+}
+
 static void visit_patch(patch_sums *lit, patch_sums *open, const bis_point *pt, size_t patch, bis_rng *rng)
 {
     double x[BIS_PIXEL_RAYS][4] = {{0}}, xV[BIS_PIXEL_RAYS][4] = {{0}};
@@ -86,7 +98,9 @@ static void visit_patch(patch_sums *lit, patch_sums *open, const bis_point *pt, 
         bis_light_patch(pt->light, patch, u, &y);
         if (rgb_is_black(y.Le)) return;
         value_of(x[i], pt, &y);
-        if (x[i][3] > 0 && bis_point_sees(pt, y.wi)) memcpy(xV[i], x[i], sizeof x[i]);
+        if (x[i][3] <= 0 || !bis_point_sees(pt, y.wi)) continue;
+        memcpy(xV[i], x[i], sizeof x[i]);
+        add_moments(lit, x[i][3], pt, &y);
     }
     add_patch(open, x);
     add_patch(lit, xV);
@@ -127,6 +141,12 @@ static bis_status sum_patches(bis_pixel_exact *e, const bis_point *pt, uint64_t 
     }
     e->lit = value_from(lit, n);
     e->open = value_from(open, n);
+    for (int k = 0; k < 3; k++) {
+        for (size_t i = 0; i < n; i++) {
+            e->moment2[k] += lit[i].moment2[k];
+            e->moment3[k] += lit[i].moment3[k];
+        }
+    }
 done:
     bis_free(lit);
     bis_free(open);
@@ -238,6 +258,18 @@ size_t bis_pixel_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], const bis
     return n;
 }
 
+/* A mean of n repeats by m: what rare and bright directions do to it is known here even when none was hit. */
+static double true_skewness(const bis_pixel_method *m, const bis_pixel_exact *e, uint32_t n)
+{
+    const bis_integrator *const by[3] = {&bis_em, &bis_brdf, &bis_mis};
+    int k = 0;
+    while (k < 3 && by[k] != m->settings.integrator) k++;
+    if (k == 3 || !e->by_patches) return (double)NAN;
+    const double mean = e->lit.mean[3], variance = e->moment2[k] - mean * mean;
+    if (!(variance > 0 && isfinite(variance))) return (double)NAN;
+    return (e->moment3[k] - 3 * mean * e->moment2[k] + 2 * mean * mean * mean) / pow(variance, 1.5) / sqrt((double)n * m->settings.samples);
+}
+
 bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact, bis_sampler_kind kind, uint32_t repeats,
                                 uint64_t seed, bis_diag *diag)
 {
@@ -249,6 +281,7 @@ bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const 
     const double se = hypot(m->L.se[3], truth->se[3]);
     const double difference = m->L.mean[3] - truth->mean[3];
     m->repeats = repeats;
+    m->true_skewness = true_skewness(m, exact, repeats);
     m->error = truth->mean[3] > 0 ? hypot(m->L.se[3] * sqrt(repeats), difference) / truth->mean[3] : (double)NAN;
     m->z = se > 0 ? difference / se : (double)NAN;
     m->rays = (double)counters.shadow_rays / repeats;

@@ -45,6 +45,7 @@ typedef struct bis_pixel_exact {
     bool by_patches;
     size_t patches;
     bis_pixel_value lit, open;
+    double moment2[3], moment3[3]; /* by patches: E[X^2], E[X^3] of X = F V/q, for q = q_L, q_f, (q_L + q_f)/2 */
 } bis_pixel_exact;
 
 /* max_patches: BIS_PIXEL_MAX_PATCHES; a test may choose. Errors: BIS_NOMEM. */
@@ -60,6 +61,7 @@ typedef struct bis_pixel_method {
     double error;          /* root mean square difference of one estimate from the truth, both of r+g+b, over the truth; NAN for a truth of 0 */
     double z;              /* (mean - truth) of r+g+b over both standard errors; NAN where neither scatters */
     double skewness;       /* of the mean, from its own estimates: z is that of a normal distribution only where it is well below 0.1 */
+    double true_skewness;  /* the same for em, brdf, mis as if all samples were independent, from the sum over patches; else NAN */
     double rays, accepted; /* shadow rays and accepted candidates in the mean of one estimate */
 } bis_pixel_method;
 

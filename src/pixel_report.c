@@ -101,6 +101,11 @@ static void print_percent(double x)
     else printf(" %12s", "-");
 }
 
+static bool is_too_skew(const bis_pixel_method *m)
+{
+    return fabs(m->skewness) > too_skew || fabs(m->true_skewness) > too_skew; /* false for NAN */
+}
+
 static void print_methods(const bis_pixel_report *r)
 {
     printf("\n%-16s %9s %11s %10s %8s %8s %12s %8s\n", "method", "draws", "mean", "+-", "of exact", "z", "error of one", "rays");
@@ -114,7 +119,7 @@ static void print_methods(const bis_pixel_report *r)
         printf("%-16s %9s %11.6g %10.2g", m->name, draws, m->L.mean[3], m->L.se[3]);
         if (truth > 0) printf(" %8.4f", m->L.mean[3] / truth);
         else printf(" %8s", "-");
-        if (isfinite(m->z)) printf(" %7.2f%c", m->z, fabs(m->skewness) > too_skew ? '?' : ' ');
+        if (isfinite(m->z)) printf(" %7.2f%c", m->z, is_too_skew(m) ? '?' : ' ');
         else printf(" %8s", "-");
         print_percent(m->error);
         printf(" %8.4g\n", m->rays);

@@ -183,6 +183,30 @@ static void methods_agree_with_exact_and_a_wrong_one_does_not(void **state)
     bis_light_free(light);
 }
 
+/* From the sum over patches and from 20000 estimates; and where a lamp is found by none of them. */
+static void skewness_is_known_even_of_what_was_not_hit(void **state)
+{
+    (void)state;
+    const bis_integrator *const by[] = {&bis_em, &bis_brdf};
+    bis_light *lights[] = {lit_new_light(LIT_SMOOTH, 1, 0.15, false), lit_new_light(LIT_SPOTTY, 1, 0.15, false)};
+    bis_pixel_exact e;
+    lit l;
+
+    lit_init(&l, lights[0], glossy(), slanted(), 40, LIT_HALF);
+    assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
+    for (int i = 0; i < 2; i++) {
+        bis_pixel_method m = {.settings = bis_settings_default(by[i])};
+        assert_int_equal(bis_pixel_method_run(&m, &l.pt, &e, BIS_SAMPLER_RANDOM, 20000, 80 + (uint64_t)i, NULL), BIS_OK);
+        assert_near(m.skewness / m.true_skewness, 1, 0.1);
+    }
+    lit_init(&l, lights[1], glossy(), slanted(), 40, LIT_OPEN);
+    assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
+    bis_pixel_method m = {.settings = bis_settings_default(&bis_brdf)};
+    assert_int_equal(bis_pixel_method_run(&m, &l.pt, &e, BIS_SAMPLER_RANDOM, 10, 82, NULL), BIS_OK);
+    if (!(m.true_skewness > 2 * fabs(m.skewness) && m.true_skewness > 0.1)) fail_msg("skewness %g, truly %g", m.skewness, m.true_skewness);
+    for (int i = 0; i < 2; i++) bis_light_free(lights[i]);
+}
+
 /* A run by hand: mean, standard error, skewness and rays. */
 static void figures_of_a_method_are_those_of_its_estimates(void **state)
 {
@@ -807,6 +831,7 @@ int main(void)
         cmocka_unit_test(the_standard_error_of_exact_is_honest),
         cmocka_unit_test(exact_has_the_same_bits_for_any_number_of_threads),
         cmocka_unit_test(methods_agree_with_exact_and_a_wrong_one_does_not),
+        cmocka_unit_test(skewness_is_known_even_of_what_was_not_hit),
         cmocka_unit_test(figures_of_a_method_are_those_of_its_estimates),
         cmocka_unit_test(candidates_are_those_of_sir_and_their_figures_those_of_the_definitions),
         cmocka_unit_test(effective_sample_size_is_M_for_equal_weights_and_1_for_one),
