@@ -55,6 +55,14 @@ static bis_status override_settings(bis_settings *s, const pixel_options *o, bis
     return bis_settings_check(s, bis_cli_loc, diag);
 }
 
+/* The product's candidates come from clusters of the map that a render prepares once a pass; at one point there are none. */
+static void leave_the_product(bis_settings *own, const pixel_options *o, bis_diag *diag)
+{
+    if (own->integrator != &bis_sir || own->proposal != BIS_PROPOSAL_PRODUCT) return;
+    own->proposal = BIS_PROPOSAL_MIX;
+    if (!o->proposal) bis_warn(diag, bis_cli_loc, "proposal \"product\" is shown as \"mix\": at a single point there are no clusters to draw from");
+}
+
 /* All methods take the command line's numbers. */
 static bis_status make_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], size_t *n, const bis_settings *own, const pixel_options *o,
                                bis_diag *diag)
@@ -183,6 +191,7 @@ static int pixel(const void *options, const char *const *operand, bis_diag *diag
     if (!status) status = read_places(place, operand + 1, &desc->film, diag);
     if (status) goto done;
     if (o->has_seed) desc->sampler.seed = o->seed;
+    leave_the_product(&desc->settings, o, diag);
     status = make_methods(r->methods, &r->n_methods, &desc->settings, o, diag);
     if (status) goto done;
     snprintf(folder, sizeof folder, "pixel_%d_%d", place[0], place[1]);

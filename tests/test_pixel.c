@@ -822,6 +822,21 @@ static void options_override_the_scene_for_all_methods(void **state)
     assert_string_equal(r.output, again.output); /* a folder that is there is written into; the same seed, the same numbers */
 }
 
+/* It draws from clusters, which belong to a whole picture: that mix stands in for it is said. */
+static void the_product_is_shown_as_mix_with_a_word(void **state)
+{
+    (void)state;
+    static program_run mix, product;
+    start();
+    write_scene(SCENE, map_light, "");
+    program_expect(&mix, 0, "pixel " SCENE " 3 2 --repeats 3 --output " DIR "/o");
+    assert_string_equal(mix.messages, "");
+    assert_int_equal(system("sed -i 's/\"integer shadowrays\" 5/& \"string proposal\" \"product\"/' " SCENE), 0);
+    program_expect(&product, 0, "pixel " SCENE " 3 2 --repeats 3 --output " DIR "/o");
+    assert_non_null(strstr(product.messages, "proposal \"product\" is shown as \"mix\""));
+    assert_string_equal(mix.output, product.output);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -847,6 +862,7 @@ int main(void)
         cmocka_unit_test(a_pixel_where_nothing_is_reflected_gets_a_clear_answer),
         cmocka_unit_test(wrong_places_and_options_are_refused),
         cmocka_unit_test(options_override_the_scene_for_all_methods),
+        cmocka_unit_test(the_product_is_shown_as_mix_with_a_word),
     };
     return cmocka_run_group_tests_name("pixel", tests, NULL, NULL);
 }
