@@ -11,6 +11,7 @@ fail() {
     exit 1
 }
 
+[ -d tests/assignments ] || fail "this is a starter kit; it is marked by the project that it comes from. make test shows the tests"
 [ -n "$given" ] || fail "say whose: make grade DEST=../alias"
 [ -f "$given/assignment" ] || fail "$given/assignment is not there: is this a folder of make assignment?"
 name=$(sed -n 1p "$given/assignment")
