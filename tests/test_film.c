@@ -100,23 +100,41 @@ static void a_film_without_passes_is_black(void **state)
     bis_film_clear(&f);
 }
 
-/* Two grey pixels, passes {1, 3} and {4, 4}: means 2 and 4, m = 3, variance of the first mean 2/2 = 1. relMSE = (1/2)
- * 1/(4 + 9/100). */
-static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
+/* Two grey pixels: the passes of the first are given, those of the second are all 4. */
+static double rmse_of(const float *first, int passes, double *upper)
 {
-    (void)state;
     bis_film f;
-    double upper;
     init(&f, 2, 1);
-    for (int pass = 0; pass < 2; pass++) {
-        float v = pass ? 3 : 1;
+    for (int pass = 0; pass < passes; pass++) {
+        const float v = first[pass];
         bis_film_add(&f, 0, 0, (rgb){v, v, v}, true);
         bis_film_add(&f, 1, 0, (rgb){4, 4, 4}, true);
         f.passes++;
     }
-    assert_true(fabs(bis_film_relative_rmse(&f, &upper) - sqrt(0.5 / 4.09)) < 1e-14);
-    assert_true(upper > sqrt(0.5 / 4.09));
+    const double rmse = bis_film_relative_rmse(&f, upper);
     bis_film_clear(&f);
+    return rmse;
+}
+
+/* Passes {1, 3}: means 2 and 4, m = 3, variance of the first mean 2/2 = 1. In place of the truth's square stand 2^2 and
+ * 2^2 - 1. */
+static void relative_rmse_is_what_the_formula_gives_by_hand(void **state)
+{
+    (void)state;
+    double upper;
+    const double expected = sqrt(0.5 / sqrt(4.09 * 3.09));
+    assert_true(fabs(rmse_of((float[]){1, 3}, 2, &upper) - expected) < 1e-14);
+    assert_true(upper > expected);
+}
+
+/* Passes {0, 0, 0, 8}: mean 2, of variance 16/4 = 4. The twin, 4/(2^2 + m^2/100), calls it an error of 70%, however bright
+ * the sample. */
+static void a_lone_bright_sample_does_not_hide_behind_its_own_brightness(void **state)
+{
+    (void)state;
+    const double rmse = rmse_of((float[]){0, 0, 0, 8}, 4, NULL), twin = sqrt(0.5 * 4 / 4.09);
+    assert_true(fabs(rmse - sqrt(0.5 * 4 / sqrt(4.09 * 0.09))) < 1e-12);
+    assert_true(rmse > 2.5 * twin);
 }
 
 static void relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter(void **state)
@@ -242,6 +260,7 @@ int main(void)
         cmocka_unit_test(pixels_are_means_and_alpha_the_share_of_hits),
         cmocka_unit_test(a_film_without_passes_is_black),
         cmocka_unit_test(relative_rmse_is_what_the_formula_gives_by_hand),
+        cmocka_unit_test(a_lone_bright_sample_does_not_hide_behind_its_own_brightness),
         cmocka_unit_test(relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter),
         cmocka_unit_test(exposure_does_not_change_the_relative_rmse),
         cmocka_unit_test(upper_bound_holds_in_95_renders_of_100),
