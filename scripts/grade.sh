@@ -84,7 +84,7 @@ grade_memory() {
     if [ -z "$found" ]; then
         line 10 10 "clean memory" ""
     else
-        line 0 10 "clean memory" "$(printf '%.300s' "$found")"
+        line 0 10 "clean memory" "$(echo "$found" | sed 's/ *==[=0-9]*== */ /g; s/   */ /g' | cut -c1-300)"
     fi
 }
 
