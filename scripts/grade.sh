@@ -97,7 +97,7 @@ trade_pages() {
         # shellcheck disable=SC2086
         $BIS_LINK -o "$work/bis-$who" "$BIS_BUILD/src/main.o" $objects ${BIS_OBJECTS##* } $BIS_LIBS || return
         rm -rf "$given/trade-$who"
-        "$work/bis-$who" trade --quick --quiet --integrator brdf --integrator sir --output "$given/trade-$who" data/scenes/microfacet.txt >/dev/null || return
+        "$work/bis-$who" trade --quick --time 60 --quiet --integrator brdf --integrator sir --output "$given/trade-$who" data/scenes/microfacet.txt >/dev/null || return
     done
     echo "compare $given/trade-mine/report.html with $given/trade-ours/report.html"
 }
