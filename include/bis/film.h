@@ -33,8 +33,8 @@ void bis_film_add(bis_film *f, int x, int y, rgb L, double hit);
 void bis_film_resolve(const bis_film *f, float *rgba);
 
 /* Estimated relative RMSE of the picture, sqrt(relMSE) of SPEC 5 with what the picture's own pixels tell of it in place
- * of the reference, from the scatter of the passes (docs/errata.md E32); *upper (may be NULL): an upper 95% bound of it. NAN
- * with fewer than 2 passes. The scatter overestimates the error of stratified and low-discrepancy passes. */
+ * of the reference, from the scatter of the passes (docs/errata.md E32); *upper (may be NULL): an upper 95% bound of
+ * it. NAN with fewer than 2 passes. The scatter overestimates the error of stratified and low-discrepancy passes. */
 double bis_film_relative_rmse(const bis_film *f, double *upper);
 
 /* The same for tiles of `tile` x `tile` pixels in reading order: errors[tile] = sum over its pixels of the expected
