@@ -275,8 +275,8 @@ exit
 # + double distance = 0 * (tilt + sums);
 #
 # * film test_film : the variance of a pass, not of the mean
-# - total += variance / n / (
-# + total += variance / (
+# - (n - 1) / n;
+# + (n - 1);
 #
 # * compare test_compare : the standard error of the bias without its root of n
 # - sqrt(scatter / (n - 1) / n)
