@@ -523,6 +523,20 @@ static void a_signal_keeps_what_was_measured_and_resume_goes_on(void **state)
     clear_table(&t);
 }
 
+/* During the pilot: nothing to keep, and the folder goes. */
+static void a_signal_before_the_first_run_says_that_nothing_was_measured(void **state)
+{
+    (void)state;
+    program_run r;
+    pid_t pid = program_start("trade " SCENE " --nthreads 1 --time 1000 --output " DIR "/early");
+    program_wait_for_handler(pid, SIGINT);
+    kill(pid, SIGINT);
+    program_finish(&r, pid);
+    assert_int_equal(r.exit_status, 130);
+    assert_non_null(strstr(r.messages, "interrupted before the first run"));
+    assert_false(program_exists(DIR "/early"));
+}
+
 /* ---- the page ---- */
 
 static char *read_page(const char *path)
@@ -725,6 +739,7 @@ int main(void)
         cmocka_unit_test(lost_runs_are_measured_again_and_are_the_same),
         cmocka_unit_test(a_finished_measurement_resumes_to_itself),
         cmocka_unit_test(a_signal_keeps_what_was_measured_and_resume_goes_on),
+        cmocka_unit_test(a_signal_before_the_first_run_says_that_nothing_was_measured),
         cmocka_unit_test(the_page_is_well_formed_and_needs_nothing_else),
         cmocka_unit_test(the_checker_of_pages_can_fail),
         cmocka_unit_test(odd_names_do_not_break_the_page),
