@@ -9,22 +9,22 @@ copy=build/mutants
 word=$1
 log=$copy/log
 rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data
-mkdir -p $copy/data
-cp -Rp include src tests scripts Makefile $copy && cp -Rp data/scenes $copy/data || exit 1
+mkdir -p $copy
+make -s data && cp -Rp include src tests scripts data Makefile $copy || exit 1
 
 mutations() {
     sed '1,/^# MUTATIONS$/d' "$0" | sed 's/^# \{0,1\}//'
 }
 
-# make, in the copy: quiet, plain -O1. $1...: targets.
+# make, in the copy: quiet, plain -O1; with the program, which some tests run. $1...: targets.
 build() {
-    make -s -C $copy VARIANT=mutant CFLAGS=-O1 "$@" >$log 2>&1
+    make -s -C $copy VARIANT=mutant CFLAGS=-O1 build/mutant/bis "$@" >$log 2>&1
 }
 
 # All tests of these names; fails if one of them does, dies or hangs (TEST_SECONDS, default 300). On success, prints nothing.
 run() {
     for t in "$@"; do
-        (cd $copy && timeout "${TEST_SECONDS:-300}" build/mutant/tests/"$t" >>log 2>&1) || { culprit=$t; return 1; }
+        (cd $copy && BIS_PROGRAM=build/mutant/bis timeout "${TEST_SECONDS:-300}" build/mutant/tests/"$t" >>log 2>&1) || { culprit=$t; return 1; }
     done
 }
 
@@ -325,3 +325,99 @@ exit
 # * image_exr_write test_image_exr : a chunk that ZIP leaves as long as it was is stored in ZIP's form
 # - pipe->compressed_bytes == pipe->packed_bytes
 # + pipe->compressed_bytes > pipe->packed_bytes
+#
+# * batch test_batch : the normaliser divides by M + 1
+# - const double Zhat = W / M * unit * mean;
+# + const double Zhat = W / (M + 1) * unit * mean;
+#
+# * batch test_batch test_clusters : what learned visibility multiplied is not divided out
+# - b->weights.times[k] / (double)b->traced.q_L[k]
+# + b->weights.times[k]
+#
+# * batch test_batch : candidates left out for the BRDF's keep their weights
+# - b->weights.w[bis_one_of_set(j, m->n_brdf, M, phase)] = 0;
+# + (void)phase;
+#
+# * batch test_batch test_clusters : the mixture's density takes the map's for the product's
+# - b->brdf.q_L[i] *= (float)bis_product_scale(&b->product, clusters, b->pixel[i]);
+# + b->brdf.q_L[i] *= 1;
+#
+# * batch test_batch : the pool's unit is forgotten: weights and result in different ones
+# - const rgbd sum = trace(b, pt);
+# + const rgbd sum = rgbd_scale(trace(b, pt), unit > 0 ? 1 / unit : 1);
+#
+# * product test_clusters test_batch : a candidate's density is the map's, whatever its cluster got
+# - &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
+# + &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], 1);
+#
+# * product test_clusters test_batch : always a cluster's first directions
+# - random = bis_hash(random + k);
+# + random = 0;
+#
+# * clusters test_clusters : directions from the first half of each cluster alone
+# - c->t[k] + bis_cluster_share(c, k) * bis_stratum(
+# + c->t[k] + 0.5 * bis_cluster_share(c, k) * bis_stratum(
+#
+# * clusters test_clusters : a cone half as wide as its directions lie
+# - for (int i = 0; i < DIRECTIONS; i++) least = fmin(least, dot(axis, y[i].wi));
+# + for (int i = 0; i < DIRECTIONS / 8; i++) least = fmin(least, dot(axis, y[i].wi));
+#
+# * visibility test_clusters test_batch : what was counted counts again in every later pass
+# - v->counted[t][i] = (bis_seen){0, 0};
+# + ;
+#
+# * phong_lanes test_phong_lanes : the mixture's density without the cosine lobe
+# - brdf * (k.pdf_lobe * p + k.pdf_base * bis_lanes_choose(cos_theta > 0, cos_theta, 0));
+# + brdf * (k.pdf_lobe * p);
+#
+# * phong_lanes test_phong_lanes : eq. 3.16 with n+2 for n+1, in vectors
+# - (float)(1 / (b->material->exponent + 1))};
+# + (float)(1 / (b->material->exponent + 2))};
+#
+# * phong_lanes test_clusters : the lobe's largest cosine over a cone is that of its axis
+# - const float most = c * cosine + s * sine + 0x1p-20f;
+# + const float most = c + 0x1p-20f;
+#
+# * phong_lanes test_phong_lanes : a colour's shares forget the lobe
+# - const float g = (k.base[1] + k.lobe[1] * p) * l.g[i];
+# + const float g = k.base[1] * l.g[i];
+#
+# * lanes test_lanes : random numbers of the first coordinate serve the second too
+# - u2[i] = unit_float(y << 12 | (place & 0xfffu));
+# + u2[i] = unit_float(y << 12 | place >> 20);
+#
+# * lanes test_lanes : strata that end a cell early
+# - whole = cells / n, rest = cells % n;
+# + whole = cells / n, rest = 0;
+#
+# * blocks test_batch : systematic marks without their random offset
+# - choose_systematic(b, N, W, bis_stream_random(stream));
+# + choose_systematic(b, N, W, 0.5 + 0 * bis_stream_random(stream));
+#
+# * blocks test_batch : a block's sum without its last four weights
+# - for (int i = 0; i < 4; i++) c[i] = a[i] + a[i + 4];
+# + for (int i = 0; i < 4; i++) c[i] = a[i];
+#
+# * adapt test_adapt : a pass of many samples is taken for as noisy as one of few
+# - a->inverse[t] += 1.0 / a->samples[t];
+# + a->inverse[t] += 1.0 / BIS_ADAPT_SAMPLES;
+#
+# * edges test_edges : an outline against the background is no edge
+# - if (a->hit != b->hit) return true;
+# + if (a->hit != b->hit) return false;
+#
+# * film_layers test_layers : the interval is a normal one, however few passes
+# - static double student_975(double dof)
+# + static double student_975(double dof) { return 1.96 + 0 * dof; } static double unused(double dof) __attribute__((unused)); static double unused(double dof)
+#
+# * auto_fit test_auto : the rays' noise falls as that of independent ones
+# - return 1 / (N * sqrt(N));
+# + return 1 / (double)N;
+#
+# * trade_stats test_trade : the reference's noise counts as the method's
+# - p.noise = mean_of(&both) - t->both.relmse;
+# + p.noise = mean_of(&both);
+#
+# * trade_reference test_trade : the noisier reference gets the larger weight
+# - b->relmse > 0 ? b->relmse / (a->relmse + b->relmse) : 0.5;
+# + b->relmse > 0 ? a->relmse / (a->relmse + b->relmse) : 0.5;

@@ -17,7 +17,7 @@
 
 enum { SEED = 71, RUNS = 200, PER_FILL = 20 };
 
-static double alpha(void) { return bis_stats_sidak(1e-3, 3 * 4 * 2 * 4 + 4); }
+static double alpha(void) { return bis_stats_sidak(1e-3, 4 * 4 * 2 * 4 + 4); }
 
 static vec3 tilted(void) { return normalize((vec3){0.3f, 0.1f, 1}); }
 
@@ -173,17 +173,19 @@ static void product_is_unbiased_with_and_without_learned_visibility(void **state
 {
     static const uint32_t Ms[] = {16, 17, 64, 256};
     const bis_material materials[] = {bis_phong((rgb){0.8f, 0.5f, 0.2f}, (rgb){0, 0, 0}, 1), bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 10),
-                                      bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 50)};
+                                      bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 50),
+                                      bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 1000)}; /* which gets candidates from the BRDF, too */
     (void)state;
-    for (int i = 0; i < 3 * 4 * 2; i++) {
-        bis_light *light = lit_new_light(maps[i / 4 % 2], 1, 0.15, false);
-        const bis_settings s = product(Ms[i % 4], i % 5 ? 3 : 15, i / 12);
+    for (int i = 0; i < 4 * 4 * 2; i++) {
+        bis_light *light = lit_new_light(maps[(i / 4 + i / 16) % 2], 1, 0.15, false);
+        const bool learned = i / 16;
+        const bis_settings s = product(Ms[i % 4], i % 5 ? 3 : 15, learned);
         stat_moments m[4];
         lit l;
-        lit_init(&l, light, materials[i / 4 % 3], tilted(), 40, i % 2 ? LIT_HALF : LIT_OPEN);
+        lit_init(&l, light, materials[i / 4 % 4], tilted(), 40, i % 2 ? LIT_HALF : LIT_OPEN);
         const rgbd truth = lit_truth(&l, true);
         const double expected[4] = {truth.r, truth.g, truth.b, rgbd_sum(truth)};
-        run(m, &l, &s, i / 12, spoil_nothing);
+        run(m, &l, &s, learned, spoil_nothing);
         for (int c = 0; c < 4; c++) stat_assert_mean("product", SEED, &m[c], expected[c], alpha());
         bis_light_free(light);
     }
