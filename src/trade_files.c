@@ -58,7 +58,8 @@ bis_status bis_trade_check_folder(bis_trade *t, bis_diag *diag)
     bis_status status = first_entry(name, folder, diag);
     if (status) return status;
     if (!name[0]) {
-        t->o.resume = false; /* nothing to resume: begin */
+        if (t->o.resume) bis_warn(diag, (bis_loc){folder, 0, 0}, "there is no measurement to go on with; a new one begins");
+        t->o.resume = false;
         return BIS_OK;
     }
     if (access(bis_trade_path(path, t, "plan.txt"), F_OK) != 0) {
