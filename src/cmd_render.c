@@ -212,6 +212,9 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
 {
     bis_settings *s = &d->settings;
 
+    if (o->integrator || o->has_candidates || o->has_shadowrays || o->has_samples || o->proposal) {
+        bis_scene_drop_exceptions(d, "the command line", diag);
+    }
     if (o->integrator && strcmp(o->integrator, s->integrator->name) != 0) {
         const unsigned as_printed = s->as_printed;
         *s = bis_settings_default(bis_integrator_find(o->integrator));
@@ -225,6 +228,7 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
     if (applies(s, "proposal", o->proposal != NULL, diag)) s->proposal = proposal_of(o->proposal);
     bis_settings_leave_open(s);
     bis_status status = switch_errata(s, &o->as_printed, diag);
+    for (int i = 0; i < d->exceptions.n; i++) d->exceptions.settings[i].as_printed = s->as_printed;
     return status ? status : bis_settings_check(s, bis_cli_loc, diag);
 }
 
@@ -495,6 +499,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     bis_render_result result;
     bis_auto_report choice;
     const bool chooses = bis_auto_is_wanted(&desc->settings);
+    char *lines = NULL, *exceptions = NULL;
     bis_status status;
 
     status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, bis_cli_loc, diag);
@@ -511,7 +516,11 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
 
     bis_stats stats = {.desc = desc, .scene = scene, .film = &film, .result = &result, .seconds = scene->seconds,
                        .choice = chooses ? &choice : NULL};
-    bis_describe_line(stats.line, &desc->settings);
+    lines = bis_describe_integrators(desc, 0);
+    exceptions = bis_describe_integrators(desc, 1);
+    if (!lines || !exceptions) bis_warn(diag, bis_cli_loc, "no memory to tell in the picture how it was made");
+    stats.lines = lines ? lines : "";
+    stats.exceptions = exceptions ? exceptions : "";
     bis_errata_text(stats.as_printed, desc->settings.as_printed);
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;
@@ -525,6 +534,8 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     }
     *interrupted = signal_caught;
 done:
+    bis_free(lines);
+    bis_free(exceptions);
     bis_film_clear(&film);
     bis_scene_free(scene);
     return status;

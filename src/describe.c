@@ -3,6 +3,7 @@
 #include "describe.h"
 
 #include "bis/file.h"
+#include "bis/mem.h"
 #include "bis/version.h"
 #include "json.h"
 
@@ -108,6 +109,63 @@ const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s)
     return line;
 }
 
+/* `text` grown by more, or NULL; takes over text. */
+static char *joined(char *text, const char *more)
+{
+    const size_t n = text ? strlen(text) : 0, m = strlen(more);
+    char *longer = bis_realloc(text, n + m + 1, 1);
+
+    if (!longer) {
+        bis_free(text);
+        return NULL;
+    }
+    memcpy(longer + n, more, m + 1);
+    return longer;
+}
+
+/* ` "integer material" [1 4]`: the numbers of all materials of that method. */
+static char *with_materials(char *text, const bis_scene_desc *d, int method, const uint32_t *number, uint32_t n)
+{
+    bool *has = bis_alloc(n, sizeof *has);
+    const char *separator = "";
+    char word[24];
+
+    if (!has) {
+        bis_free(text);
+        return NULL;
+    }
+    for (size_t i = 0; i < d->n_shapes; i++)
+        if (bis_scene_method_of(d, d->shapes[i].material) == method) has[number[d->shapes[i].material]] = true;
+    text = joined(text, " \"integer material\" [");
+    for (uint32_t k = 0; k < n && text; k++) {
+        if (!has[k]) continue;
+        snprintf(word, sizeof word, "%s%u", separator, (unsigned)k);
+        text = joined(text, word);
+        separator = " ";
+    }
+    bis_free(has);
+    return text ? joined(text, "]") : NULL;
+}
+
+char *bis_describe_integrators(const bis_scene_desc *d, int first)
+{
+    char line[BIS_MAX_LINE], *text = joined(NULL, "");
+    uint32_t *number = NULL, n = 0;
+
+    if (d->exceptions.n && bis_scene_number_materials(&number, &n, d, NULL)) goto fail;
+    for (int i = first; i <= d->exceptions.n && text; i++) {
+        if (i && !bis_scene_uses_method(d, i)) continue;
+        if (*text) text = joined(text, "\n");
+        if (text) text = joined(text, bis_describe_line(line, bis_scene_settings(d, i)));
+        if (text && i) text = with_materials(text, d, i, number, n);
+    }
+    bis_free(number);
+    return text;
+fail:
+    bis_free(text);
+    return NULL;
+}
+
 /* "mis", "sir product": what tells methods apart. */
 static bool same_method(const bis_settings *a, const bis_settings *b)
 {
@@ -159,7 +217,8 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     if (*s->as_printed) attributes[n++] = (bis_attribute){"asprinted", s->as_printed, 0};
     if (s->desc->edge_samples > 1) attributes[n++] = (bis_attribute){"edgesamples", NULL, s->desc->edge_samples};
     if (s->desc->adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
-    if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->line, 0};
+    if (*s->exceptions) attributes[n++] = (bis_attribute){"exceptions", s->exceptions, 0};
+    if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->lines, 0};
     attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
@@ -232,7 +291,7 @@ static void print_choice(bis_json *j, const bis_stats *s)
 
     if (!r) return;
     bis_json_open(j, "auto", '{');
-    bis_json_text(j, "chosen", s->line);
+    bis_json_text(j, "chosen", s->lines);
     bis_json_number(j, "seconds", r->seconds);
     bis_json_count(j, "width", (uint64_t)r->width);
     bis_json_count(j, "height", (uint64_t)r->height);
@@ -267,6 +326,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     print_parameter(&j, settings, "candidates");
     print_parameter(&j, settings, "shadowrays");
     print_parameter(&j, settings, "samples");
+    if (*s->exceptions) bis_json_text(&j, "exceptions", s->exceptions);
     bis_json_count(&j, "spp", r->spp);
     bis_json_count(&j, "seed", s->desc->sampler.seed);
     bis_json_count(&j, "threads", (uint64_t)r->n_threads);

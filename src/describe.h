@@ -10,7 +10,7 @@
 
 #include <stdio.h>
 
-enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 10, BIS_MAX_LINE = 512 };
+enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 12, BIS_MAX_LINE = 512 };
 
 /* Has this integrator the parameter of SPEC 3 with that name ("candidates")? */
 bool bis_integrator_uses(const bis_integrator *integrator, const char *parameter);
@@ -20,6 +20,10 @@ int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MA
 
 /* The same as a scene file would say it: Integrator "sir" "integer candidates" 256 ... */
 const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s);
+
+/* A line for each Integrator of the description from `first` on (0: the general one, 1: the exceptions alone), with "\n"
+ * between; by bis_alloc. NULL: no memory. */
+char *bis_describe_integrators(const bis_scene_desc *d, int first);
 
 /* What auto has chosen, and how much longer the best of each other method would take to the same error, in one line.
  * The report must have a choice. */
@@ -34,11 +38,11 @@ typedef struct bis_stats {
     bis_scene_seconds seconds;
     char as_printed[BIS_ERRATA_TEXT]; /* of the settings, by bis_errata_text */
     const bis_auto_report *choice;    /* NULL: nothing was to choose */
-    char line[BIS_MAX_LINE];          /* of the settings, by bis_describe_line */
+    const char *lines, *exceptions;   /* by bis_describe_integrators, all and the exceptions alone */
 } bis_stats;
 
 /* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), adaptive (where it is),
- * bis:auto (the chosen line for a scene, where auto chose), spp, seed, render_seconds, estimated_relative_rmse (where
+ * exceptions (their lines, where there are some), bis:auto (all lines for a scene, where auto chose), spp, seed, render_seconds, estimated_relative_rmse (where
  * known), bis:version ("version" alone is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 

@@ -50,7 +50,8 @@ static const bis_help_entry integrators[] = {
             "(true). Unbiased, for every M and N"},
     {"exact", "every lit pixel of the map: ground truth for small maps. perpatch (1)"},
     {"unoccluded", "candidates (800), and no shadow rays: it leaves out all shadows"},
-    {"auto", "a pilot tries the methods on the scene itself, and the render goes on with the best"},
+    {"auto", "a pilot tries the methods on the scene itself, and the render goes on with the best, for some materials perhaps with another"},
+    {"material", "with any integrator but the first: it counts for the materials of these numbers alone, as in \"integer material\" [0 2]; --plan lists them"},
     {NULL, "The words mean: em, from the environment map; mix, half of the candidates from each; choose, one or the other by the material; product, by clusters of "
            "the map after the BRDF's value there. `bis trade SCENE` measures which is best for a scene."},
     {NULL, NULL},

@@ -24,7 +24,7 @@ static const char *megabytes(char buf[32], double bytes)
 
 static const char *truth(bool b) { return b ? "true" : "false"; }
 
-static void print_integrator(const bis_settings *s, FILE *out)
+static void print_settings(const bis_settings *s, FILE *out)
 {
     static const char *const fallbacks[] = {[BIS_FALLBACK_RESAMPLE] = "resample",
                                             [BIS_FALLBACK_SUBSET] = "subset",
@@ -33,11 +33,11 @@ static void print_integrator(const bis_settings *s, FILE *out)
     char split[32];
 
     if (i == &bis_auto) {
-        fprintf(out, "integrator   auto: a pilot will choose among %s\nclaim        %s\n",
+        fprintf(out, "auto: a pilot will choose among %s\nclaim        %s\n",
                 s->only_sir ? "sir's proposals, M and N" : "mis, sir (proposal, M and N), and em or brdf where they are safe", i->claim);
         return;
     }
-    fprintf(out, "integrator   %s:", i->name);
+    fprintf(out, "%s:", i->name);
     if (i == &bis_exact) fprintf(out, " perpatch %" PRIu32, s->perpatch);
     if (i == &bis_em || i == &bis_brdf || i == &bis_mis) fprintf(out, " samples %" PRIu32, s->samples);
     if (i == &bis_sir || i == &bis_rejection || i == &bis_unoccluded)
@@ -56,6 +56,18 @@ static void print_integrator(const bis_settings *s, FILE *out)
         fprintf(out, ", estimator %s, fallback %s", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio",
                 fallbacks[s->fallback]);
     fprintf(out, "\nclaim        %s\n", i->claim);
+}
+
+static void print_integrators(const bis_scene_desc *d, FILE *out)
+{
+    const bis_settings *s = &d->settings;
+
+    fputs("integrator   ", out);
+    print_settings(s, out);
+    for (int i = 1; i <= d->exceptions.n; i++) {
+        fprintf(out, "exception    %d%s, ", i, bis_scene_uses_method(d, i) ? "" : " (no material)");
+        print_settings(bis_scene_settings(d, i), out);
+    }
     for (const bis_erratum *e = bis_errata; e->name; e++) {
         if (s->as_printed & e->flag) fprintf(out, "as printed   %s (%s): %s\n", e->name, e->section, e->effect);
     }
@@ -180,7 +192,7 @@ static const char *why_no_drawing(const bis_scene_desc *d, unsigned needs)
 static void print_drawing(const bis_scene_desc *d, FILE *out)
 {
     const bis_light_desc *light = &d->light;
-    const unsigned needs = d->settings.integrator->light_needs(&d->settings);
+    const unsigned needs = bis_scene_light_needs(d);
     const char *why = why_no_drawing(d, needs);
     const bool cdf = light->has_table_kind ? light->table_kind == BIS_TABLE_CDF
                                            : bis_sampler_is_low_discrepancy(d->sampler.kind);
@@ -207,6 +219,43 @@ static void print_drawing(const bis_scene_desc *d, FILE *out)
     else fprintf(out, "skip         light components: areaexponent is 0\n");
 }
 
+static void print_colour(const char *name, rgb c, FILE *out)
+{
+    char r[32], g[32], b[32];
+    bis_format_float(r, c.r);
+    fprintf(out, ", %s %s", name, r);
+    if (c.g != c.r || c.b != c.r) fprintf(out, " %s %s", bis_format_float(g, c.g), bis_format_float(b, c.b));
+}
+
+/* By number, as "integer material" of an Integrator means them. */
+static void print_materials(const bis_scene_desc *d, FILE *out)
+{
+    uint32_t *number, n = 0;
+    if (bis_scene_number_materials(&number, &n, d, NULL)) return; /* no memory: a plan without numbers */
+    size_t *shapes = bis_alloc(n, sizeof *shapes), *first = bis_alloc(n, sizeof *first);
+    for (size_t i = d->n_shapes; i-- > 0 && shapes && first;) {
+        const uint32_t k = number[d->shapes[i].material];
+        shapes[k]++;
+        first[k] = d->shapes[i].material;
+    }
+    for (uint32_t k = 0; k < n && shapes && first; k++) {
+        const bis_material *m = &d->materials[first[k]];
+        const int method = bis_scene_method_of(d, (uint32_t)first[k]);
+        char buf[32];
+        fprintf(out, "material     %" PRIu32 ": %s", k, m->model->name);
+        print_colour("Kd", m->Kd, out);
+        print_colour("Ks", m->Ks, out);
+        if (m->exponent > 0) fprintf(out, ", exponent %s", bis_format_double(buf, m->exponent));
+        if (m->alpha > 0) fprintf(out, ", roughness %s", bis_format_double(buf, sqrt(m->alpha)));
+        fprintf(out, "; %zu shape%s", shapes[k], shapes[k] == 1 ? "" : "s");
+        if (method) fprintf(out, "; exception %d, %s", method, bis_scene_settings(d, method)->integrator->name);
+        fputc('\n', out);
+    }
+    bis_free(shapes);
+    bis_free(first);
+    bis_free(number);
+}
+
 static void print_lobes(const bis_scene_desc *d, FILE *out)
 {
     size_t n = 0, no_diffuse = 0, no_specular = 0;
@@ -219,6 +268,7 @@ static void print_lobes(const bis_scene_desc *d, FILE *out)
         no_specular += rgb_is_black(d->materials[i].Ks);
     }
     fprintf(out, "materials    %zu in use\n", n);
+    print_materials(d, out);
     if (no_diffuse) fprintf(out, "skip         diffuse candidates: Kd is 0 in %zu of %zu materials\n", no_diffuse, n);
     if (no_specular)
         fprintf(out, "skip         specular candidates: Ks is 0 in %zu of %zu materials\n", no_specular, n);
@@ -240,7 +290,7 @@ static void print_accel(const bis_scene_desc *d, FILE *out)
 void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
 {
     print_view(desc, out);
-    print_integrator(&desc->settings, out);
+    print_integrators(desc, out);
     print_light(desc, out);
     print_drawing(desc, out);
     print_geometry(desc, out);

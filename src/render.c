@@ -39,11 +39,21 @@ static const uint64_t PURPOSE_PASS = (uint64_t)4 << 32;
 
 static const double seconds_between_reports = 0.2;
 
+enum { MAX_METHODS = 1 + BIS_MAX_EXCEPTIONS };
+
 /* What one thread has for itself; a cache line of its own, for counters that change with every ray. */
 typedef struct worker {
     alignas(64) bis_counters counters; /* of this pass */
-    bis_scratch scratch;
+    bis_scratch scratch[MAX_METHODS];
 } worker;
+
+/* Settings of some materials, and what all threads share for them. */
+typedef struct method {
+    const bis_settings *settings; /* NULL: no material has them, nothing is made */
+    bis_pool pool;                /* M = 0: none */
+    bis_clusters clusters;        /* n = 0: none */
+    bis_visibility visibility;    /* n_tiles = 0: none */
+} method;
 
 /* What a pass makes of a pixel, kept until it is complete: the mean of its camera samples. */
 typedef struct sample {
@@ -60,9 +70,8 @@ typedef struct render {
     bool independent; /* passes have seeds of their own */
     bis_adapt adapt;  /* n_tiles = 0: every pass is one camera sample */
     worker *workers;
-    bis_pool pool; /* M = 0: none */
-    bis_clusters clusters; /* n = 0: none */
-    bis_visibility visibility; /* n_tiles = 0: none */
+    method methods[MAX_METHODS];
+    int n_methods;
     unsigned char *edge;       /* edge[height][width] of the crop, see edges.h; NULL: all pixels are alike */
     bis_sampler edge_sampler;  /* all camera samples of an edge pixel */
     int n_threads;
@@ -136,15 +145,19 @@ static rgb finite_or_black(worker *w, rgb L)
     return (rgb){0};
 }
 
+static uint32_t material_of(const render *r, const bis_point *pt) { return (uint32_t)(pt->bsdf.material - r->desc->materials); }
+
 /* Light reflected towards the eye, eq. 3.1; what layers want to know is added to values, unless NULL. */
 static rgb reflected(const render *r, worker *w, const bis_point *pt, bis_stream *stream, float *values)
 {
-    const bis_settings *settings = &r->desc->settings;
+    const int m = bis_scene_method_of(r->desc, material_of(r, pt));
+    const bis_settings *settings = r->methods[m].settings;
+    bis_scratch *scratch = &w->scratch[m];
     const bis_stream before = *stream;
     rgb L = {0};
 
-    if (!bis_bsdf_is_black(&pt->bsdf)) L = finite_or_black(w, settings->integrator->Lo(settings, pt, stream, &w->scratch));
-    if (values && !bis_gather_surface(values, &r->film->layers, settings, &r->to_camera, pt, before, &w->scratch, L)) w->counters.nonfinite++;
+    if (!bis_bsdf_is_black(&pt->bsdf)) L = finite_or_black(w, settings->integrator->Lo(settings, pt, stream, scratch));
+    if (values && !bis_gather_surface(values, &r->film->layers, settings, &r->to_camera, pt, before, scratch, L)) w->counters.nonfinite++;
     return L;
 }
 
@@ -157,7 +170,7 @@ static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler,
     double u[2] = {0.5, 0.5};
     bis_stream stream;
     bis_hit hit;
-    rgb L;
+    rgb L = {0};
 
     bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->full_width + (uint64_t)x, index);
     if (r->desc->pixel_jitter) bis_stream_camera(&stream, u);
@@ -166,8 +179,10 @@ static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler,
     w->counters.camera_rays++;
     if (bis_accel_intersect(r->scene->accel, &eye, &hit)) {
         const bis_point pt = surface_point(r, w, &eye, hit.prim);
-        ++*hits;
-        L = reflected(r, w, &pt, &stream, values);
+        if (!r->options->only || r->options->only[material_of(r, &pt)]) {
+            ++*hits;
+            L = reflected(r, w, &pt, &stream, values);
+        }
     } else {
         L = finite_or_black(w, r->desc->light.visible ? bis_light_Le(r->scene->light, eye.d) : (rgb){0});
     }
@@ -222,9 +237,11 @@ static void render_tile(const render *r, worker *w, int t, uint32_t pass)
     int x0 = t % r->tiles_x * TILE, y0 = t / r->tiles_x * TILE;
     int x1 = x0 + TILE < f->width ? x0 + TILE : f->width, y1 = y0 + TILE < f->height ? y0 + TILE : f->height;
 
-    if (r->visibility.n_tiles) {
-        bis_visibility_factors(w->scratch.visible, r->clusters.n, &r->visibility, (size_t)t);
-        w->scratch.counted = r->visibility.counted[t];
+    for (int m = 0; m < r->n_methods; m++) {
+        const method *of = &r->methods[m];
+        if (!of->visibility.n_tiles) continue;
+        bis_visibility_factors(w->scratch[m].visible, of->clusters.n, &of->visibility, (size_t)t);
+        w->scratch[m].counted = of->visibility.counted[t];
     }
     for (int y = y0; y < y1; y++) {
         for (int x = x0; x < x1; x++) {
@@ -256,6 +273,13 @@ static void report(render *r, double share)
     r->options->progress(&p, r->options->user);
 }
 
+/* Two methods may draw the same directions: they serve different points, as one pool serves many. */
+static void fill(const render *r, method *of)
+{
+    if (of->clusters.n) bis_clusters_fill(&of->clusters, r->scene->light, r->desc->sampler.seed, r->passes, r->n_threads);
+    if (of->pool.M) bis_pool_fill(&of->pool, r->scene->light, r->desc->sampler.seed, r->passes, r->n_threads);
+}
+
 /* False: interrupted, not all pixels were done. */
 static bool render_pass(render *r)
 {
@@ -263,8 +287,7 @@ static bool render_pass(render *r)
     int n_done = 0;
 
     for (int i = 0; i < r->n_threads; i++) r->workers[i].counters = (bis_counters){0};
-    if (r->clusters.n) bis_clusters_fill(&r->clusters, r->scene->light, r->desc->sampler.seed, r->passes, r->n_threads);
-    if (r->pool.M) bis_pool_fill(&r->pool, r->scene->light, r->desc->sampler.seed, r->passes, r->n_threads);
+    for (int m = 0; m < r->n_methods; m++) fill(r, &r->methods[m]);
 #pragma omp parallel for schedule(dynamic) num_threads(r->n_threads)
     for (int t = 0; t < n_tiles; t++) {
         worker *w = &r->workers[this_thread()];
@@ -291,7 +314,7 @@ static void keep_pass(render *r)
         }
     }
     for (int i = 0; i < r->n_threads; i++) add_counters(&r->counters, &r->workers[i].counters);
-    bis_visibility_learn(&r->visibility, r->n_threads);
+    for (int m = 0; m < r->n_methods; m++) bis_visibility_learn(&r->methods[m].visibility, r->n_threads);
     f->passes++;
 }
 
@@ -351,15 +374,18 @@ static void render_passes(render *r, bis_render_result *result)
 
 static bis_status make_workers(render *r, bis_diag *diag)
 {
-    const bis_settings *settings = &r->desc->settings;
+    bis_status status = BIS_OK;
 
     r->workers = bis_alloc((size_t)r->n_threads, sizeof *r->workers);
     if (!r->workers) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d threads", r->n_threads);
-    for (int i = 0; i < r->n_threads; i++) {
-        bis_status status = bis_scratch_init(&r->workers[i].scratch, settings, diag);
-        if (status) return status;
+    r->n_methods = 1 + r->desc->exceptions.n;
+    for (int m = 0; m < r->n_methods; m++) {
+        const bis_settings *settings = bis_scene_settings(r->desc, m);
+        if (!bis_scene_uses_method(r->desc, m)) continue;
+        r->methods[m].settings = settings;
+        for (int i = 0; i < r->n_threads && !status; i++) status = bis_scratch_init(&r->workers[i].scratch[m], settings, diag);
     }
-    return BIS_OK;
+    return status;
 }
 
 /* Room for the pass under way. */
@@ -376,24 +402,25 @@ static bis_status make_pass(render *r, bis_diag *diag)
 
 /* Directions drawn once a pass, a pool or clusters, where the integrator asks for them, the light has a curve to draw
  * them along, and there is a surface to light. */
-static bis_status make_pool(render *r, bis_diag *diag)
+static bis_status make_pool(render *r, int m, bis_diag *diag)
 {
     const bis_light *light = r->scene->light;
-    const bis_scratch *first = &r->workers[0].scratch;
+    const bis_scratch *first = &r->workers[0].scratch[m];
+    method *of = &r->methods[m];
     bis_light_point any;
     bis_status status = BIS_OK;
 
     if ((first->n_pool == 0 && !first->wants_clusters) || !r->scene->accel || bis_light_is_constant(light)) return BIS_OK;
     if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK; /* nothing to draw: black, or all of it compensated away */
-    if (first->n_pool) status = bis_pool_init(&r->pool, first->n_pool, first->batch != NULL, diag);
-    if (!status && first->wants_clusters) status = bis_clusters_init(&r->clusters, light, r->desc->settings.candidates, diag);
-    if (!status && first->wants_visibility) status = bis_visibility_init(&r->visibility, (size_t)r->tiles_x * (size_t)r->tiles_y, diag);
+    if (first->n_pool) status = bis_pool_init(&of->pool, first->n_pool, first->batch != NULL, diag);
+    if (!status && first->wants_clusters) status = bis_clusters_init(&of->clusters, light, of->settings->candidates, diag);
+    if (!status && first->wants_visibility) status = bis_visibility_init(&of->visibility, (size_t)r->tiles_x * (size_t)r->tiles_y, diag);
     for (int i = 0; !status && i < r->n_threads; i++) {
-        bis_scratch *s = &r->workers[i].scratch;
-        if (s->n_pool) s->pool = &r->pool;
-        if (s->wants_clusters) s->clusters = &r->clusters;
-        if (s->wants_visibility && !(s->visible = bis_alloc(bis_lanes_round_up(r->clusters.n), sizeof *s->visible))) {
-            status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility of %u clusters", (unsigned)r->clusters.n);
+        bis_scratch *s = &r->workers[i].scratch[m];
+        if (s->n_pool) s->pool = &of->pool;
+        if (s->wants_clusters) s->clusters = &of->clusters;
+        if (s->wants_visibility && !(s->visible = bis_alloc(bis_lanes_round_up(of->clusters.n), sizeof *s->visible))) {
+            status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility of %u clusters", (unsigned)of->clusters.n);
         }
     }
     return status;
@@ -415,10 +442,16 @@ static bis_status find_edges(render *r, bis_diag *diag)
 
 static size_t workspace(const render *r)
 {
-    const size_t scratch = bis_scratch_bytes(&r->desc->settings);
     const size_t pixel = sizeof *r->pass + (size_t)r->film->layers.n_values * sizeof *r->pass_layers;
-    return bis_pool_bytes(&r->pool) + bis_clusters_bytes(&r->clusters) + bis_visibility_bytes(&r->visibility) + bis_adapt_bytes(&r->adapt) +
-           (size_t)r->n_threads * (sizeof *r->workers + scratch) + (size_t)r->film->width * (size_t)r->film->height * pixel;
+    size_t methods = 0;
+
+    for (int m = 0; m < r->n_methods; m++) {
+        const method *of = &r->methods[m];
+        if (!of->settings) continue;
+        methods += bis_pool_bytes(&of->pool) + bis_clusters_bytes(&of->clusters) + bis_visibility_bytes(&of->visibility) +
+                   (size_t)r->n_threads * bis_scratch_bytes(of->settings);
+    }
+    return methods + bis_adapt_bytes(&r->adapt) + (size_t)r->n_threads * sizeof *r->workers + (size_t)r->film->width * (size_t)r->film->height * pixel;
 }
 
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
@@ -445,7 +478,8 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = desc->sampler.spp;
     r.most_passes = desc->adaptive ? r.budget.spp / BIS_ADAPT_SAMPLES + (r.budget.spp % BIS_ADAPT_SAMPLES > 0) : r.budget.spp;
     status = make_workers(&r, diag);
-    if (!status) status = make_pool(&r, diag);
+    for (int m = 0; m < r.n_methods && !status; m++)
+        if (r.methods[m].settings) status = make_pool(&r, m, diag);
     if (!status) status = make_pass(&r, diag);
     if (!status && desc->adaptive) status = bis_adapt_init(&r.adapt, film, TILE, diag);
     r.start = r.last_report = bis_clock_now();
@@ -459,10 +493,12 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     result->n_threads = r.n_threads;
     result->bytes = workspace(&r);
 done:
-    for (int i = 0; r.workers && i < r.n_threads; i++) bis_scratch_clear(&r.workers[i].scratch);
-    bis_pool_clear(&r.pool);
-    bis_clusters_clear(&r.clusters);
-    bis_visibility_clear(&r.visibility);
+    for (int m = 0; m < r.n_methods; m++) {
+        for (int i = 0; i < r.n_threads; i++) bis_scratch_clear(&r.workers[i].scratch[m]);
+        bis_pool_clear(&r.methods[m].pool);
+        bis_clusters_clear(&r.methods[m].clusters);
+        bis_visibility_clear(&r.methods[m].visibility);
+    }
     bis_adapt_clear(&r.adapt);
     bis_free(r.workers);
     bis_free(r.pass);

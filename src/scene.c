@@ -1,6 +1,6 @@
 /* scene: from the description to what rays can be shot at: geometry, then light, then accelerator.
  *
- * Only what a scene requires is built. The integrator says what it needs of the light (tables, a curve, or nothing);
+ * Only what a scene requires is built. The integrators say what it needs of the light (tables, a curve, or nothing);
  * without geometry no integrator is ever asked, so neither tables nor an accelerator are made. A mesh file is read when
  * its first shape comes and dropped after its last, so that at most the meshes in use are held twice. */
 #include "bis/scene.h"
@@ -107,8 +107,7 @@ done:
 static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
 {
     const bool seen = bis_geometry_primitives(&s->geometry) > 0;
-    const bis_settings *settings = &desc->settings;
-    const unsigned asked = desc->light_needs ? desc->light_needs : settings->integrator->light_needs(settings);
+    const unsigned asked = desc->light_needs ? desc->light_needs : bis_scene_light_needs(desc);
     const unsigned needs = seen ? asked : 0;
     double seconds[2] = {0, 0};
     bis_light_desc light = desc->light;

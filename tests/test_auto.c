@@ -139,13 +139,9 @@ static void at_the_best_candidates_have_the_same_share_of_time_and_of_variance(v
 /* --- the pilot
  * ----------------------------------------------------------------------------------------------------- */
 
-static bis_shape_desc shapes[2] = {{.kind = BIS_SHAPE_TRIANGLES, .material = 0}, {.kind = BIS_SHAPE_SPHERE, .material = 1}};
-
 static void make_auto_world(world *w)
 {
     make_world(w, &bis_auto);
-    w->desc.shapes = shapes;
-    w->desc.n_shapes = 2;
     w->desc.film.width = WIDTH;
     w->desc.film.height = HEIGHT;
     memcpy(w->desc.film.crop, whole, sizeof whole);

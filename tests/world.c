@@ -53,6 +53,10 @@ void make_world(world *w, const bis_integrator *integrator)
     w->materials[1] = bis_phong((rgb){0.1f, 0.4f, 0.3f}, (rgb){0.5f, 0.5f, 0.2f}, 100);
     d->materials = w->materials;
     d->n_materials = 2;
+    w->shapes[0] = (bis_shape_desc){.kind = BIS_SHAPE_TRIANGLES, .material = 0};
+    w->shapes[1] = (bis_shape_desc){.kind = BIS_SHAPE_SPHERE, .material = 1};
+    d->shapes = w->shapes;
+    d->n_shapes = 2;
     d->camera = (bis_camera){.fov_deg = 60, .to_world = bis_xform_translate(0, 0, -3)};
     d->sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .seed = 1, .jitter = true};
     bis_scene_set_spp(d, 4);

@@ -9,6 +9,7 @@ typedef struct world {
     bis_scene_desc desc;
     bis_scene scene;
     bis_material materials[2];
+    bis_shape_desc shapes[2]; /* the floor, of material 0, and the ball, of material 1 */
 } world;
 
 enum { WIDTH = 37, HEIGHT = 21 };

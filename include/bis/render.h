@@ -31,6 +31,7 @@ typedef struct bis_render_options {
     bis_budget budget;
     int n_threads;                             /* 0: all */
     double footprint;                          /* share of a pixel's width, about its centre, that camera rays pass through; 0: all of it. 1/k: a film k times smaller sees every k-th pixel */
+    const bool *only;                          /* only[desc->n_materials]: surfaces of the others are black and count as no hit; NULL: all are shown */
     const volatile sig_atomic_t *interrupted;  /* set by a signal handler: stop soon; NULL: never */
     void (*progress)(const bis_progress *p, void *user); /* called from one thread, a few times a second; may be NULL */
     void (*forecast)(const bis_forecast *f, void *user); /* called once, unless the pilot is enough or there is no error budget; may be NULL */

@@ -43,6 +43,16 @@ typedef struct bis_film_desc {
     unsigned layers; /* a set of bis/layers.h */
 } bis_film_desc;
 
+enum { BIS_MAX_EXCEPTIONS = 3 };
+
+/* Materials that are rendered with other settings than the rest. */
+typedef struct bis_exceptions {
+    int n;
+    bis_settings settings[BIS_MAX_EXCEPTIONS];
+    bis_loc loc[BIS_MAX_EXCEPTIONS];
+    unsigned char *of_material; /* of_material[n_materials]: 0: as the rest, k: settings[k - 1]; NULL where n is 0; owned */
+} bis_exceptions;
+
 typedef struct bis_scene_desc {
     char *path;
     bis_camera camera;
@@ -51,9 +61,10 @@ typedef struct bis_scene_desc {
     bool pixel_jitter;
     bool adaptive; /* passes of several camera samples, more where the error is */
     uint32_t edge_samples; /* camera samples in a pass where an outline crosses the pixel (src/edges.h); 0 or 1: as everywhere */
-    bis_settings settings;
+    bis_settings settings;     /* of all materials but the exceptions */
+    bis_exceptions exceptions;
     bis_loc integrator_loc;
-    unsigned light_needs; /* BIS_NEED_*: what to build of the light, for who asks more of it than one integrator; 0: what the integrator needs */
+    unsigned light_needs; /* BIS_NEED_*: what to build of the light, for who asks more of it than one integrator; 0: what the integrators need */
     bis_accel_options accel;
     bool has_light;
     bis_light_desc light;
@@ -76,6 +87,25 @@ void bis_scene_desc_free(bis_scene_desc *d);
  * parser and the command line. */
 void bis_scene_set_spp(bis_scene_desc *d, uint32_t spp);
 
+/* Methods: 0 is desc->settings, k the exception k - 1. */
+const bis_settings *bis_scene_settings(const bis_scene_desc *d, int method);
+int bis_scene_method_of(const bis_scene_desc *d, uint32_t material);
+
+/* Does a shape have it? Without exceptions: yes. */
+bool bis_scene_uses_method(const bis_scene_desc *d, int method);
+
+/* BIS_NEED_* of all methods in use. */
+unsigned bis_scene_light_needs(const bis_scene_desc *d);
+
+/* All materials by desc->settings from now on, for who renders with settings of his own; with a warning, unless what
+ * ("bis trade", say) is NULL. Nothing happens where there are no exceptions. */
+void bis_scene_drop_exceptions(bis_scene_desc *d, const char *what, bis_diag *diag);
+
+/* Materials have numbers: different ones (by value) in the order in which shapes first use them, from 0.
+ * (*number)[n_materials], by bis_alloc; BIS_NO_NUMBER: no shape uses it. Cost: n log n. Errors: BIS_NOMEM. */
+#define BIS_NO_NUMBER UINT32_MAX
+bis_status bis_scene_number_materials(uint32_t **number, uint32_t *n_numbers, const bis_scene_desc *d, bis_diag *diag);
+
 typedef struct bis_scene_seconds {
     double parse, load, envmap, accel, render, write, total;
 } bis_scene_seconds;
@@ -88,7 +118,7 @@ typedef struct bis_scene {
     bis_scene_seconds seconds;
 } bis_scene;
 
-/* Load meshes and map, build what desc->settings need. desc is borrowed for the life of the scene. Errors: those of the
+/* Load meshes and map, build what desc's settings need. desc is borrowed for the life of the scene. Errors: those of the
  * loaders. */
 bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag *diag);
 void bis_scene_free(bis_scene *s);
