@@ -1,6 +1,6 @@
 /* bench_auto: is what Integrator "auto" chooses as good as the best of a sweep? For scripts/bench_auto.sh.
  *
- *     bench_auto PIXELS SCENE
+ *     bench_auto PIXELS SCENE [SPP]
  *
  * Renders about PIXELS of the scene's pixels, every k-th, with each of the fixed settings of `table`, then lets auto
  * choose seven times (seven seeds, each pilot as for the whole picture) and renders with what it has chosen. One
@@ -13,8 +13,8 @@
  * pixel: pools and clusters cost the same at any size.
  *
  * Output: "setting SCENE METHOD M N us-per-pixel relMSE cost-x-variance ratio-to-best"; "choice SCENE ..."; and at
- * last "auto SCENE mis-seconds S to-best LEAST MEDIAN MOST to-mis LEAST MEDIAN MOST": auto's time for the scene's
- * own spp over the time to the same error of the best fixed setting, and of the best of five stratified mis, which
+ * last "auto SCENE mis-seconds S to-best LEAST MEDIAN MOST to-mis LEAST MEDIAN MOST": auto's time for SPP
+ * (the scene's own) over the time to the same error of the best fixed setting, and of the best of five stratified mis, which
  * takes S seconds. The pilot is part of auto's time where S >= 1. */
 #include "bis/mem.h"
 #include "bis/render.h"
@@ -43,6 +43,7 @@ enum { N_TABLE = sizeof table / sizeof *table };
 
 typedef struct measured {
     bis_settings settings;
+    bis_exceptions exceptions;
     double *mean[SEEDS]; /* [pixels][3] */
     double seconds;      /* of a pass at full size */
     double relmse;       /* of a pass */
@@ -54,6 +55,7 @@ typedef struct job {
     bis_scene *scene;
     int full_width, full_height, width, height;
     double footprint;
+    uint32_t spp; /* of the render that the choice is for */
     bool *shaded; /* [pixels]: shows a surface */
     measured of[MOST];
     int n;
@@ -87,7 +89,7 @@ static double render(job *j, bis_film *film, int width, int height, uint64_t see
     return clock_now() - start;
 }
 
-static void measure(job *j, bis_settings settings)
+static void measure(job *j, bis_settings settings, bis_exceptions exceptions)
 {
     measured *m = &j->of[j->n++];
     bis_film film = {0};
@@ -95,6 +97,7 @@ static void measure(job *j, bis_settings settings)
     double fill = (double)INFINITY, all = (double)INFINITY;
 
     m->settings = j->desc->settings = settings;
+    m->exceptions = j->desc->exceptions = exceptions;
     for (int i = 0; i < SEEDS; i++) {
         fill = fmin(fill, render(j, &film, 1, 1, 1, 1));
         all = fmin(all, render(j, &film, j->width, j->height, 1000 + (uint64_t)i, spp));
@@ -105,6 +108,7 @@ static void measure(job *j, bis_settings settings)
     }
     const double scale = (double)j->full_width * j->full_height / ((double)j->width * j->height);
     m->seconds = fill + fmax(0, all / spp - fill) * scale;
+    j->desc->exceptions = (bis_exceptions){.n = 0};
     bis_film_clear(&film);
 }
 
@@ -149,12 +153,11 @@ static void judge(job *j)
 static double product(const measured *m) { return m->seconds * m->relmse; }
 
 /* A pilot as `bis render` would make it at full size. */
-static bis_settings choose(job *j, uint64_t seed, double *seconds)
+static bis_auto_report choose(job *j, uint64_t seed, double *seconds)
 {
-    const bis_render_options options = {.n_threads = 1};
+    const bis_render_options options = {.budget = {.spp = j->spp}, .n_threads = 1};
     bis_diag diag = {0};
     bis_auto_report report;
-    bis_settings chosen;
     bis_film_desc shrunk = j->desc->film;
 
     j->desc->film.width = j->full_width;
@@ -162,10 +165,10 @@ static bis_settings choose(job *j, uint64_t seed, double *seconds)
     j->desc->settings = bis_settings_default(&bis_auto);
     j->desc->sampler.seed = seed;
     const double start = clock_now();
-    check(bis_auto_choose(&chosen, &report, j->scene, j->desc, &options, &diag), &diag);
+    check(bis_auto_choose(&report, j->scene, j->desc, &options, &diag), &diag);
     *seconds = clock_now() - start;
     j->desc->film = shrunk;
-    return chosen;
+    return report;
 }
 
 static bis_settings settings_of(const char *name, uint32_t M, uint32_t N)
@@ -181,29 +184,52 @@ static bis_settings settings_of(const char *name, uint32_t M, uint32_t N)
     return s;
 }
 
-static bool same(const bis_settings *a, const bis_settings *b)
+static bool same_settings(const bis_settings *a, const bis_settings *b)
 {
     if (a->integrator != b->integrator || a->shadowrays != b->shadowrays) return false;
     return a->integrator != &bis_sir || (a->candidates == b->candidates && a->proposal == b->proposal && a->learn == b->learn);
 }
 
+static bool same(const job *j, const measured *m, const bis_settings *s, const bis_exceptions *e)
+{
+    if (!same_settings(&m->settings, s) || m->exceptions.n != e->n) return false;
+    for (int i = 0; i < e->n; i++)
+        if (!same_settings(&m->exceptions.settings[i], &e->settings[i])) return false;
+    return !e->n || memcmp(m->exceptions.of_material, e->of_material, j->desc->n_materials) == 0;
+}
+
 /* What was measured already is not measured again. */
-static int find_or_measure(job *j, const bis_settings *s)
+static int find_or_measure(job *j, const bis_settings *s, const bis_exceptions *e)
 {
     int i = 0;
-    while (i < j->n && !same(&j->of[i].settings, s)) i++;
-    if (i == j->n) measure(j, *s);
+    while (i < j->n && !same(j, &j->of[i], s, e)) i++;
+    if (i == j->n) measure(j, *s, *e);
     return i;
+}
+
+static void print_method(const bis_settings *s)
+{
+    const bool sir = s->integrator == &bis_sir;
+    printf(" %s %u %u", !sir ? s->integrator->name : s->learn ? "learn" : bis_proposal_name(s->proposal), sir ? (unsigned)s->candidates : 0, (unsigned)s->shadowrays);
+}
+
+/* Exceptions stand behind the general method. */
+static void print_methods(const measured *m)
+{
+    print_method(&m->settings);
+    for (int i = 0; i < m->exceptions.n; i++) {
+        printf(" +");
+        print_method(&m->exceptions.settings[i]);
+    }
 }
 
 static void print_setting(const job *j, int i, double best)
 {
     const measured *m = &j->of[i];
-    const bool sir = m->settings.integrator == &bis_sir;
-    const char *what = !sir ? m->settings.integrator->name : m->settings.learn ? "learn" : bis_proposal_name(m->settings.proposal);
 
-    printf("setting %s %s %u %u %.2f %.3e %.3e %.2f\n", j->name, what, sir ? (unsigned)m->settings.candidates : 0, (unsigned)m->settings.shadowrays,
-           1e6 * m->seconds / ((double)j->full_width * j->full_height), m->relmse, product(m), product(m) / best);
+    printf("setting %s", j->name);
+    print_methods(m);
+    printf(" %.2f %.3e %.3e %.2f\n", 1e6 * m->seconds / ((double)j->full_width * j->full_height), m->relmse, product(m), product(m) / best);
 }
 
 static int ascending(const void *a, const void *b)
@@ -219,28 +245,30 @@ int main(int argc, char **argv)
     int chosen[CHOICES];
     double pilot[CHOICES], to_best[CHOICES], to_mis[CHOICES], best = (double)INFINITY, mis = (double)INFINITY, mis_seconds[CHOICES];
 
-    if (argc != 3) {
-        fprintf(stderr, "usage: bench_auto PIXELS SCENE\n");
+    if (argc != 3 && argc != 4) {
+        fprintf(stderr, "usage: bench_auto PIXELS SCENE [SPP]\n");
         return 2;
     }
     j.name = strrchr(argv[2], '/') ? strrchr(argv[2], '/') + 1 : argv[2];
     check(bis_scene_parse(&j.desc, argv[2], &diag), &diag);
+    j.spp = argc > 3 ? (uint32_t)strtoul(argv[3], NULL, 10) : j.desc->sampler.spp;
     j.full_width = j.desc->film.width;
     j.full_height = j.desc->film.height;
     j.footprint = fmin(1, sqrt(atof(argv[1]) / ((double)j.full_width * j.full_height)));
     j.width = (int)round(j.footprint * j.full_width);
     j.height = (int)round(j.footprint * j.full_height);
     j.shaded = bis_alloc((size_t)j.width * (size_t)j.height, sizeof *j.shaded);
+    bis_scene_drop_exceptions(j.desc, NULL, NULL);
     j.desc->settings = bis_settings_default(&bis_auto);
     check(bis_scene_build(&j.scene, j.desc, &diag), &diag);
 
     for (size_t i = 0; i < N_TABLE; i++) {
         const bis_settings s = settings_of(table[i].name, table[i].M, table[i].N);
-        measure(&j, s);
+        measure(&j, s, (bis_exceptions){.n = 0});
     }
     for (int i = 0; i < CHOICES; i++) {
-        const bis_settings s = choose(&j, 1 + (uint64_t)i, &pilot[i]);
-        chosen[i] = find_or_measure(&j, &s);
+        bis_auto_report r = choose(&j, 1 + (uint64_t)i, &pilot[i]); /* not cleared: what was measured borrows its materials */
+        chosen[i] = find_or_measure(&j, &r.settings, &r.exceptions);
     }
     judge(&j);
     for (int i = 0; i < N_TABLE; i++) {
@@ -249,17 +277,17 @@ int main(int argc, char **argv)
     }
     for (int i = 0; i < j.n; i++) print_setting(&j, i, best);
 
-    /* To the error of the picture that auto makes of the scene as it stands, with its own spp. */
+    /* To the error of the picture that auto makes of the scene with SPP. */
     for (int i = 0; i < CHOICES; i++) {
         const measured *m = &j.of[chosen[i]];
-        const double spp = j.desc->sampler.spp, error = m->relmse / spp;
+        const double spp = j.spp, error = m->relmse / spp;
         mis_seconds[i] = mis / error;
         const double time = m->seconds * spp + (mis_seconds[i] < 1 ? 0 : pilot[i]);
         to_best[i] = time / (best / error);
         to_mis[i] = time / mis_seconds[i];
-        const bis_settings *s = &j.of[chosen[i]].settings;
-        printf("choice %s %s %s %u %u pilot %.2f to-best %.2f to-mis %.2f\n", j.name, s->integrator->name, bis_proposal_name(s->proposal), (unsigned)s->candidates,
-               (unsigned)s->shadowrays, pilot[i], to_best[i], to_mis[i]);
+        printf("choice %s", j.name);
+        print_methods(m);
+        printf(" pilot %.2f to-best %.2f to-mis %.2f\n", pilot[i], to_best[i], to_mis[i]);
     }
     qsort(to_best, CHOICES, sizeof *to_best, ascending);
     qsort(mis_seconds, CHOICES, sizeof *mis_seconds, ascending);

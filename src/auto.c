@@ -1,41 +1,31 @@
 /* auto: the pilot. What minimises cost x variance is measured on the scene itself, in 4% of the time that the render
  * will take, or in some hundredths of a second.
  *
- * Every k-th pixel of the same view is rendered (bis_render with a footprint of 1/k) with each of a short list of
- * settings, in replicates of one or two passes with seeds of their own. Three rounds: two replicates each; two more
- * for the families (em or brdf where they are safe, mis, sir by mixture, sir by product) whose best is within
- * `behind` of the best of all; then cost and variance of each such family are fitted, the M and N that minimise
- * their product (auto_fit.c) are tried, too, and the least measured product wins: the fit proposes, the measurement
- * decides.
+ * Every k-th pixel of the same view is rendered with each of a short list of settings, in replicates of one or two passes
+ * (auto_pilot.c). Where materials differ they are sorted into at most four groups of like ones (auto_groups.c), and cost
+ * and variance are known for each group. Three rounds: two replicates of each setting; two more for the families (em or
+ * brdf where they are safe, mis, sir by mixture, sir by product) whose best is within `behind` of the best of all, for
+ * some group or all together; then cost and variance of such families are fitted, the M and N that minimise the whole
+ * picture's product (auto_fit.c) are tried, too, and of all combinations of a setting for each group the least measured
+ * product wins (auto_choose.c): the fit proposes, the measurement decides.
  *
- * Cost: processor seconds, the least of the replicates, since whatever disturbs only adds. What a pass costs at any
- * size (pools, clusters) is told apart by a picture of one pixel: cost = fill + (pixels of the picture)/(pixels of
- * the pilot) (time - fill).
+ * The variance is biased low for a method whose error is in fewer than about one sample in a thousand, which no pilot
+ * can tell from a good one; hence `unseen`, by which all is multiplied that comes from mis or em. And who looks for the
+ * least of many figures finds one that came out too low: each setting beyond the first must be worth `dearer`.
  *
- * Variance: relMSE of SPEC 5 over the pixels that show a surface, the scatter of the replicates in place of the
- * error, and in place of the reference the mean of all that was rendered, weighted by 1/variance (a median would
- * come out too low where most methods miss a highlight, and blame those that find it). Of the pixels' values the
- * mean is taken in nine groups, and of these the mean, with the largest replaced by the second largest: one firefly
- * in the pilot is forgiven, two are not. (The median of the groups, more robust, forgives so many that a method
- * which makes nothing but fireflies looks like the best: nine times too long on data/scenes/glossy-row.txt. To
- * reject a good method for its bad luck costs far less.) The figure is biased low for a method whose error is in
- * fewer than about one sample in a thousand, which no pilot can tell from a good one; hence `unseen`, by which all
- * is multiplied that comes from mis or em.
- *
- * Two passes in a replicate know what a stratified camera makes of the noise of the pixel's area, or half of it.
- * "learn" is not tried: it needs more passes than a pilot has. */
+ * Renders too short for the fit get one setting for all, from three. "learn" is not tried: it needs more passes than a
+ * pilot has. */
 #include "auto.h"
 
+#include "auto_choose.h"
 #include "auto_fit.h"
+#include "auto_pilot.h"
 
 #include "bis/clock.h"
 #include "bis/mem.h"
-#include "bis/rng.h"
 
 #include <assert.h>
 #include <math.h>
-#include <stdlib.h>
-#include <time.h>
 
 /* Families of settings that differ in M and N alone, and where each is tried first. */
 typedef struct family {
@@ -47,7 +37,7 @@ typedef struct family {
     } first[4], quick; /* ended by N = 0; the one setting of a short list */
 } family;
 
-enum { N_FAMILIES = 5, GROUPS = 9, MOST_PASSES = 2, REPLICATES = 2 /* in each of the first two rounds */ };
+enum { N_FAMILIES = 5, MOST_PASSES = 2, REPLICATES = BIS_AUTO_REPLICATES / 2 /* in each of the first two rounds */ };
 
 /* N is not tried beyond 64: a pass should not cost tens of times what it costs by default, whatever the pixel's area
  * is worth. */
@@ -73,234 +63,85 @@ static const double share_of_time_quick = 0.015, least_samples_quick = 8e3, most
  * is known. */
 static const double expected_renders = 36, expected_renders_quick = 6, samples_a_second = 2e5;
 
-static const uint64_t purpose_pilot = 0x70696c6f74; /* "pilot" */
+static const double dearer = 1.03;
 
-typedef struct trial {
-    int family, wanted;    /* wanted: replicates in this round */
-    bis_status status;
-    double *sum, *squares; /* [pixels][3] over replicates */
-    double seconds, fill;  /* of a replicate, the least so far: the pilot's film, and a film of one pixel */
-} trial;
+/* ---- what is best ---- */
 
-typedef struct pilot {
-    const bis_scene *scene;
-    bis_scene_desc desc; /* a shallow copy, with the pilot's film and sampler; each replicate makes its own of it */
-    bis_settings base;   /* what was asked for */
-    bis_render_options options;
-    int n_threads;
-    bool is_quick;       /* the short list */
-    uint32_t passes;     /* of a replicate */
-    double scale;        /* pixels of the picture : pixels of the pilot */
-    size_t n_values;     /* 3 a pixel */
-    double *picture;     /* [n_values] the mean of all trials */
-    bool *shaded;        /* [n_values / 3] has been seen to show a surface: the others are the same with any setting */
-    trial trials[BIS_AUTO_MOST_TRIED];
-    bis_auto_report *report;
-} pilot;
-
-static bis_status no_memory(const bis_scene_desc *desc, bis_diag *diag)
+double bis_auto_cost_of_all(const bis_auto_report *r, int i)
 {
-    return bis_error(diag, BIS_NOMEM, desc->integrator_loc,
-                     "no memory for the pilot of integrator \"auto\"; a fixed integrator needs none");
+    double sum = r->common + r->tried[i].fill;
+
+    for (int g = 0; g < r->n_groups; g++) sum += r->tried[i].cost[g];
+    return sum;
 }
 
-/* ---- one replicate ---- */
-
-/* Of this thread: a render of one thread takes no other, and no other's waiting is counted. */
-static double processor_seconds(void)
+double bis_auto_variance_of_all(const bis_auto_report *r, int i)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    double sum = 0;
+
+    for (int g = 0; g < r->n_groups; g++) sum += r->tried[i].variance[g];
+    return sum;
 }
 
-static bool is_interrupted(const pilot *p) { return p->options.interrupted && *p->options.interrupted; }
+enum { ALL = -1 };
 
-/* Into *film, which is initialised here; *seconds: lowered to what this took. No diag: several threads do this. */
-static bis_status render(bis_film *film, double *seconds, const pilot *p, const bis_scene_desc *desc)
+/* Of group g's part, or of ALL. The smaller the group, the less was seen of it. */
+static double variance_of(const bis_auto_report *r, int g, int i)
 {
-    const bis_film_desc *f = &desc->film;
-    bis_render_result result;
-    bis_status status = bis_film_init(film, f->width, f->height, f->crop, (bis_loc){0}, NULL);
-    const double start = processor_seconds();
+    const double unseen = 0.25, share = g == ALL ? 1 : r->share[g];
+    const bis_settings *s = &r->tried[i].settings;
+    const bool is_suspect = s->integrator == &bis_mis || s->integrator == &bis_em;
 
-    if (!status) status = bis_render(&result, film, p->scene, desc, &p->options, NULL);
-    *seconds = fmin(*seconds, processor_seconds() - start);
-    return status;
+    return (g == ALL ? bis_auto_variance_of_all(r, i) : r->tried[i].variance[g]) * (is_suspect ? 1 + unseen / share : 1);
 }
 
-static bis_status render_one_pixel(double *seconds, const pilot *p, const bis_scene_desc *desc)
-{
-    bis_scene_desc small = *desc;
-    bis_film film;
-
-    small.film = (bis_film_desc){.width = 1, .height = 1, .crop = {0, 1, 0, 1}};
-    bis_status status = render(&film, seconds, p, &small);
-    bis_film_clear(&film);
-    return status;
-}
-
-static bis_status replicate(pilot *p, int i)
-{
-    bis_auto_tried *tried = &p->report->tried[i];
-    trial *t = &p->trials[i];
-    bis_scene_desc desc = p->desc;
-    bis_film film;
-    bis_rng rng;
-
-    /* The same camera rays with all settings: what they do to pixels is no difference. */
-    bis_rng_init(&rng, p->desc.sampler.seed, (uint64_t)tried->replicates, 0, purpose_pilot);
-    desc.sampler.seed = bis_rng_u64(&rng);
-    desc.settings = tried->settings;
-    bis_status status = render(&film, &t->seconds, p, &desc);
-    if (!status && tried->replicates < REPLICATES) status = render_one_pixel(&t->fill, p, &desc);
-    if (status || is_interrupted(p)) goto done;
-    for (size_t k = 0; k < p->n_values; k++) {
-        const double x = film.sum[k] / p->passes;
-        t->sum[k] += x;
-        t->squares[k] += x * x;
-        if (i == 0) p->shaded[k / 3] |= film.hits[k / 3] > 0;
-    }
-    tried->replicates++;
-done:
-    bis_film_clear(&film);
-    return status;
-}
-
-/* All replicates that are wanted, by as many threads as there are, each setting by one: what it costs is then what that
- * thread took. (Threads that wait for each other in one render would be counted as if they worked.) */
-static bis_status replicates(pilot *p, bis_diag *diag)
-{
-    const int n = p->report->n_tried;
-
-#pragma omp parallel for schedule(dynamic) num_threads(p->n_threads)
-    for (int i = 0; i < n; i++) {
-        trial *t = &p->trials[i];
-        while (t->wanted > 0 && !t->status && !is_interrupted(p)) {
-            t->status = replicate(p, i);
-            t->wanted--;
-        }
-    }
-    for (int i = 0; i < n; i++)
-        if (p->trials[i].status) return no_memory(&p->desc, diag);
-    return BIS_OK;
-}
-
-/* ---- the figures ---- */
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* The mean of all that was rendered, each setting weighted by 1/variance as known so far. */
-static void make_picture(pilot *p)
+/* Of group g alone, with its share of what all have in common; ALL: of the picture, with one setting for all. */
+static double product(const bis_auto_pilot *p, int g, int i)
 {
     const bis_auto_report *r = p->report;
-    double weight[BIS_AUTO_MOST_TRIED], total = 0;
+    const double cost = g == ALL ? bis_auto_cost_of_all(r, i) : (r->common + r->tried[i].fill) * r->share[g] + r->tried[i].cost[g];
 
-    for (int i = 0; i < r->n_tried; i++) {
-        const bis_auto_tried *t = &r->tried[i];
-        weight[i] = t->variance > 0 ? t->replicates / t->variance : t->replicates;
-        total += weight[i];
-    }
-    for (size_t k = 0; k < p->n_values; k++) {
-        p->picture[k] = 0;
-        for (int i = 0; i < r->n_tried; i++) {
-            p->picture[k] += weight[i] / total * p->trials[i].sum[k] / r->tried[i].replicates;
-        }
-    }
+    return cost * variance_of(r, g, i);
 }
 
-/* relMSE's floor, m^2/100, m the mean of what shows a surface. */
-static double floor_of(const pilot *p)
-{
-    double sum = 0;
-    size_t n = 0;
-    for (size_t k = 0; k < p->n_values; k++) {
-        if (!p->shaded[k / 3]) continue;
-        sum += p->picture[k];
-        n++;
-    }
-    return n ? sum / (double)n * (sum / (double)n) / 100 : 0;
-}
-
-/* The mean of n >= 1 groups, the largest lowered to the second. */
-static double forgiving_mean(double *group, int n)
-{
-    double sum = 0;
-
-    qsort(group, (size_t)n, sizeof *group, ascending);
-    if (n > 1) group[n - 1] = group[n - 2];
-    for (int i = 0; i < n; i++) sum += group[i];
-    return sum / n;
-}
-
-static double variance_of(const pilot *p, int i, double floor)
-{
-    const double n = p->report->tried[i].replicates;
-    const trial *t = &p->trials[i];
-    double group[GROUPS] = {0};
-    size_t members[GROUPS] = {0};
-
-    for (size_t k = 0; k < p->n_values; k++) {
-        if (!p->shaded[k / 3]) continue;
-        const size_t g = bis_hash(k / 3) % GROUPS;
-        /* fmax: rounding, where all are equal */
-        const double scatter = fmax(0, t->squares[k] - t->sum[k] * t->sum[k] / n) / (n - 1);
-        members[g]++;
-        /* without a floor all is black */
-        if (scatter > 0) group[g] += scatter / (p->picture[k] * p->picture[k] + floor);
-    }
-    int filled = 0;
-    for (int g = 0; g < GROUPS; g++)
-        if (members[g]) group[filled++] = group[g] / (double)members[g];
-    return filled ? p->passes * forgiving_mean(group, filled) : 0;
-}
-
-/* Variances and weights follow from each other; three turns settle both. */
-static void measure(pilot *p)
-{
-    enum { TURNS = 3 };
-
-    for (int i = 0; i < p->report->n_tried; i++) {
-        const trial *t = &p->trials[i];
-        p->report->tried[i].cost = (t->fill + fmax(0, t->seconds - t->fill) * p->scale) / p->passes;
-        p->report->tried[i].variance = 0;
-    }
-    for (int turn = 0; turn < TURNS; turn++) {
-        make_picture(p);
-        const double floor = floor_of(p);
-        for (int i = 0; i < p->report->n_tried; i++) p->report->tried[i].variance = variance_of(p, i, floor);
-    }
-}
-
-static double product(const bis_auto_tried *t)
-{
-    const double unseen = 1.25;
-    const bool is_suspect = t->settings.integrator == &bis_mis || t->settings.integrator == &bis_em;
-
-    return t->cost * t->variance * (is_suspect ? unseen : 1);
-}
+static bool takes_part(const bis_auto_pilot *p, int g, int f);
 
 /* Of the family, or of all with -1; -1: none was tried. Without any noise the cheapest. */
-static int best_of(const pilot *p, int of_family)
+static int best_of(const bis_auto_pilot *p, int g, int of_family)
 {
-    const bis_auto_tried *tried = p->report->tried;
     int best = -1;
 
     for (int i = 0; i < p->report->n_tried; i++) {
-        if (of_family >= 0 && p->trials[i].family != of_family) continue;
-        const double d = best < 0 ? -1 : product(&tried[i]) - product(&tried[best]);
-        if (d < 0 || (d == 0 && tried[i].cost < tried[best].cost)) best = i;
+        const int f = p->trials[i].family;
+        if ((of_family >= 0 && f != of_family) || !takes_part(p, g, f)) continue;
+        const double d = best < 0 ? -1 : product(p, g, i) - product(p, g, best);
+        if (d < 0 || (d == 0 && bis_auto_cost_of_all(p->report, i) < bis_auto_cost_of_all(p->report, best))) best = i;
     }
     return best;
 }
 
+static void choose(bis_auto_pilot *p)
+{
+    bis_auto_offer offer[BIS_AUTO_MOST_GROUPS][BIS_AUTO_MOST_TRIED];
+    const bis_auto_offer *offers[BIS_AUTO_MOST_GROUPS];
+    int n[BIS_AUTO_MOST_GROUPS] = {0}, chosen[BIS_AUTO_MOST_GROUPS];
+    bis_auto_report *r = p->report;
+
+    for (int g = 0; g < r->n_groups; g++) {
+        offers[g] = offer[g];
+        for (int i = 0; i < r->n_tried; i++) {
+            if (!takes_part(p, g, p->trials[i].family)) continue;
+            offer[g][n[g]++] = (bis_auto_offer){.id = i, .fill = r->tried[i].fill, .cost = r->tried[i].cost[g], .variance = variance_of(r, g, i)};
+        }
+    }
+    bis_auto_combine(chosen, offers, n, r->n_groups, r->common, dearer);
+    for (int g = 0; g < r->n_groups; g++) r->chosen[g] = offer[g][chosen[g]].id;
+    r->is_chosen = true;
+}
+
 /* ---- what is tried ---- */
 
-static bis_settings settings_of(const pilot *p, int f, uint32_t M, uint32_t N)
+static bis_settings settings_of(const bis_auto_pilot *p, int f, uint32_t M, uint32_t N)
 {
     bis_settings s = p->base;
 
@@ -313,27 +154,11 @@ static bis_settings settings_of(const pilot *p, int f, uint32_t M, uint32_t N)
     return s;
 }
 
-/* The first of all is the one that tells which pixels show a surface. */
-static bis_status try(pilot *p, int f, uint32_t M, uint32_t N, int wanted, bis_diag *diag)
+static bis_status try(bis_auto_pilot *p, int f, uint32_t M, uint32_t N, int wanted, bis_diag *diag)
 {
-    const int i = p->report->n_tried;
-    trial *t = &p->trials[i];
+    const bis_settings s = settings_of(p, f, M, N);
 
-    assert(i < BIS_AUTO_MOST_TRIED);
-    *t = (trial){.family = f, .wanted = wanted, .seconds = (double)INFINITY, .fill = (double)INFINITY};
-    t->sum = bis_alloc(p->n_values, sizeof *t->sum);
-    t->squares = bis_alloc(p->n_values, sizeof *t->squares);
-    p->report->tried[i] = (bis_auto_tried){.settings = settings_of(p, f, M, N)};
-    p->report->n_tried++;
-    if (t->sum && t->squares) return BIS_OK;
-    return no_memory(&p->desc, diag);
-}
-
-static bool is_diffuse(const bis_scene_desc *d)
-{
-    for (size_t i = 0; i < d->n_shapes; i++)
-        if (!rgb_is_black(d->materials[d->shapes[i].material].Ks)) return false;
-    return true;
+    return bis_auto_pilot_add(p, f, &s, wanted, diag);
 }
 
 /* What a pilot cannot judge is left out: `em` sees a lobe, and `brdf` a lamp, so rarely that a few thousand samples
@@ -341,22 +166,27 @@ static bool is_diffuse(const bis_scene_desc *d)
  * it is 50 to 300 times). So em is for diffuse surfaces, where no sample is worth much more than another, and brdf
  * for a constant light. mis and sir are bounded by the better of the two everywhere. Under a constant light the
  * product is the mixture. */
-static bool is_eligible(const pilot *p, int f)
+static bool takes_part(const bis_auto_pilot *p, int g, int f)
 {
     const bool constant = bis_light_is_constant(p->scene->light);
+    bool diffuse = true;
 
+    for (int h = 0; h < p->report->n_groups; h++)
+        if (g == ALL || g == h) diffuse &= p->diffuse[h];
     if (p->base.only_sir && families[f].integrator != &bis_sir) return false;
-    if (families[f].integrator == &bis_em) return !constant && is_diffuse(&p->desc);
+    if (families[f].integrator == &bis_em) return !constant && diffuse;
     if (families[f].integrator == &bis_brdf) return constant;
     return !(constant && families[f].proposal == BIS_PROPOSAL_PRODUCT);
 }
 
-static bis_status try_first(pilot *p, bis_diag *diag)
+static bis_status try_first(bis_auto_pilot *p, bis_diag *diag)
 {
     bis_status status = BIS_OK;
 
     for (int f = 0; f < N_FAMILIES; f++) {
-        if (!is_eligible(p, f)) continue;
+        bool is_wanted = false;
+        for (int g = 0; g < p->report->n_groups; g++) is_wanted |= takes_part(p, g, f);
+        if (!is_wanted) continue;
         if (p->is_quick && !status) status = try(p, f, families[f].quick.M, families[f].quick.N, REPLICATES, diag);
         for (int k = 0; !p->is_quick && k < 4 && families[f].first[k].N && !status; k++) {
             status = try(p, f, families[f].first[k].M, families[f].first[k].N, REPLICATES, diag);
@@ -366,71 +196,101 @@ static bis_status try_first(pilot *p, bis_diag *diag)
 }
 
 /* Has the family a chance still? */
-static bool is_alive(const pilot *p, int f)
+static bool is_alive(const bis_auto_pilot *p, int g, int f)
 {
-    const bis_auto_tried *tried = p->report->tried;
-    const int own = best_of(p, f);
+    const int own = best_of(p, g, f);
 
-    return own >= 0 && product(&tried[own]) <= behind * product(&tried[best_of(p, -1)]);
+    return own >= 0 && product(p, g, own) <= behind * product(p, g, best_of(p, g, -1));
 }
 
-/* M and N of least product by the fit of what was measured. Nothing to fit where there is no noise. */
-static bool fitted_optimum(const pilot *p, int f, uint32_t *M, uint32_t *N)
+static void want_more(bis_auto_pilot *p)
 {
-    bis_auto_measured m[BIS_AUTO_MOST_TRIED];
+    for (int i = 0; i < p->report->n_tried; i++) {
+        bool alive = is_alive(p, ALL, p->trials[i].family);
+        for (int g = 0; g < p->report->n_groups; g++) alive |= is_alive(p, g, p->trials[i].family);
+        p->trials[i].wanted = alive ? REPLICATES : 0;
+    }
+}
+
+/* M and N of least product by the fit of what was measured: of the whole picture, with one setting for ALL, or with
+ * group g's and for the others what is chosen now. Nothing to fit where there is no noise. */
+static bool fitted_optimum(const bis_auto_pilot *p, int g, int f, uint32_t *M, uint32_t *N)
+{
+    const bis_auto_report *r = p->report;
+    bis_auto_measured m[BIS_AUTO_MOST_TRIED] = {{0}};
     int n = 0;
 
-    for (int i = 0; i < p->report->n_tried; i++) {
-        const bis_auto_tried *t = &p->report->tried[i];
+    for (int i = 0; i < r->n_tried; i++) {
+        const bis_auto_tried *t = &r->tried[i];
+        const double cost = g == ALL ? bis_auto_cost_of_all(r, i) : t->fill + t->cost[g], variance = g == ALL ? bis_auto_variance_of_all(r, i) : t->variance[g];
         if (p->trials[i].family != f) continue;
-        if (!(t->cost > 0 && t->variance > 0)) return false;
+        if (!(cost > 0 && variance > 0)) return false;
         const uint32_t candidates = t->settings.integrator == &bis_sir ? t->settings.candidates : 0;
-        m[n++] = (bis_auto_measured){candidates, t->settings.shadowrays, t->cost, t->variance};
+        m[n++] = (bis_auto_measured){candidates, t->settings.shadowrays, cost, variance};
     }
-    const bis_auto_model cost = bis_auto_fit_cost(m, n), variance = bis_auto_fit_variance(m, n);
+    bis_auto_model cost = bis_auto_fit_cost(m, n), variance = bis_auto_fit_variance(m, n);
+    if (g != ALL) cost.constant += r->common;
+    for (int h = 0; h < r->n_groups && g != ALL; h++) {
+        const bis_auto_tried *t = &r->tried[r->chosen[h]];
+        if (h == g) continue;
+        cost.constant += t->fill + t->cost[h];
+        variance.constant += t->variance[h];
+    }
     bis_auto_best(M, N, &cost, &variance, &families[f].limits);
-    for (int i = 0; i < n; i++)
-        if (m[i].M == *M && m[i].N == *N) return false; /* known */
     return true;
 }
 
-static bis_status try_optima(pilot *p, bis_diag *diag)
+/* What is nearly the same is known. */
+static bool is_known(const bis_auto_pilot *p, int f, uint32_t M, uint32_t N)
 {
-    bis_status status = BIS_OK;
-    struct {
-        bool is_new;
-        uint32_t M, N;
-    } optimum[N_FAMILIES];
+    const double near = p->report->n_groups > 1 ? 1.25 : 1;
 
-    for (int f = 0; f < N_FAMILIES; f++) {
-        optimum[f].is_new = is_alive(p, f) && fitted_optimum(p, f, &optimum[f].M, &optimum[f].N);
+    for (int i = 0; i < p->report->n_tried; i++) {
+        const bis_settings *s = &p->report->tried[i].settings;
+        const double m = families[f].limits.max_M ? (double)s->candidates / M : 1, n = (double)s->shadowrays / N;
+        if (p->trials[i].family == f && fmax(m, 1 / m) <= near && fmax(n, 1 / n) <= near) return true;
     }
+    return false;
+}
+
+/* For all materials by each family that has a chance, and for each group by the family that is its best now. */
+static bis_status try_optima(bis_auto_pilot *p, bis_diag *diag)
+{
+    const int n_groups = p->report->n_groups;
+    bis_status status = BIS_OK;
+    uint32_t M, N;
+    bool alive[N_FAMILIES];
+
+    for (int f = 0; f < N_FAMILIES; f++) alive[f] = is_alive(p, ALL, f);
     for (int f = 0; f < N_FAMILIES && !status; f++)
-        if (optimum[f].is_new) status = try(p, f, optimum[f].M, optimum[f].N, 2 * REPLICATES, diag);
-    return status ? status : replicates(p, diag);
+        if (alive[f] && fitted_optimum(p, ALL, f, &M, &N) && !is_known(p, f, M, N)) status = try(p, f, M, N, 2 * REPLICATES, diag);
+    for (int g = 0; g < n_groups && n_groups > 1 && !status; g++) {
+        const int f = p->trials[p->report->chosen[g]].family;
+        if (fitted_optimum(p, g, f, &M, &N) && !is_known(p, f, M, N)) status = try(p, f, M, N, 2 * REPLICATES, diag);
+    }
+    return status ? status : bis_auto_pilot_run(p, diag);
 }
 
 /* ---- the pilot ---- */
 
-static bis_status run_rounds(pilot *p, bis_diag *diag)
+static bis_status run_rounds(bis_auto_pilot *p, bis_diag *diag)
 {
-    bool alive[N_FAMILIES];
     bis_status status = try_first(p, diag);
 
-    if (!status) status = replicates(p, diag);
-    if (status || is_interrupted(p)) return status;
-    measure(p);
-    p->report->chosen = best_of(p, -1);
+    if (!status) status = bis_auto_pilot_run(p, diag);
+    if (status || bis_auto_is_interrupted(p)) return status;
+    bis_auto_pilot_measure(p);
+    choose(p);
     if (p->is_quick) return BIS_OK;
-    for (int f = 0; f < N_FAMILIES; f++) alive[f] = is_alive(p, f);
-    for (int i = 0; i < p->report->n_tried; i++) p->trials[i].wanted = alive[p->trials[i].family] ? REPLICATES : 0;
-    status = replicates(p, diag);
-    if (status || is_interrupted(p)) return status;
-    measure(p);
+    want_more(p);
+    status = bis_auto_pilot_run(p, diag);
+    if (status || bis_auto_is_interrupted(p)) return status;
+    bis_auto_pilot_measure(p);
+    choose(p);
     status = try_optima(p, diag);
-    if (status || is_interrupted(p)) return status;
-    measure(p);
-    p->report->chosen = best_of(p, -1);
+    if (status || bis_auto_is_interrupted(p)) return status;
+    bis_auto_pilot_measure(p);
+    choose(p);
     return BIS_OK;
 }
 
@@ -451,7 +311,7 @@ static double samples_to_come(const bis_scene_desc *desc, const bis_render_optio
 
 /* A film k times smaller in each direction, of at most the picture's size. A crop too thin for that is rendered as
  * it is. */
-static bis_status make_film(pilot *p, const bis_scene_desc *desc, double pixels, bis_diag *diag)
+static bis_status make_film(bis_film *film, bis_auto_pilot *p, const bis_scene_desc *desc, double pixels, bis_diag *diag)
 {
     const bis_film_desc *f = &desc->film;
     const double k = fmax(1, sqrt(pixels_of(f) / pixels));
@@ -459,31 +319,31 @@ static bis_status make_film(pilot *p, const bis_scene_desc *desc, double pixels,
 
     p->options.footprint = 1 / k;
     p->scale = (double)f->width * f->height / ((double)width * height);
-    bis_film film;
-    bis_status status = bis_film_init(&film, width, height, f->crop, (bis_loc){0}, NULL);
-    if (status == BIS_NOMEM) return no_memory(desc, diag);
+    bis_status status = bis_film_init(film, width, height, f->crop, (bis_loc){0}, NULL);
+    if (status == BIS_NOMEM) return bis_auto_no_memory(desc, diag);
     if (status == BIS_OK) {
         p->desc.film.width = width;
         p->desc.film.height = height;
     } else {
         p->options.footprint = 0;
         p->scale = 1;
-        status = bis_film_init(&film, f->width, f->height, f->crop, desc->integrator_loc, diag);
+        status = bis_film_init(film, f->width, f->height, f->crop, desc->integrator_loc, diag);
     }
-    p->report->width = film.width;
-    p->report->height = film.height;
-    p->n_values = 3 * (size_t)film.width * (size_t)film.height;
-    bis_film_clear(&film);
+    p->report->width = film->width;
+    p->report->height = film->height;
+    p->n_pixels = (size_t)film->width * (size_t)film->height;
     return status;
 }
 
-static bis_status make_pilot(pilot *p, const bis_scene_desc *desc, const bis_render_options *options, bis_diag *diag)
+static bis_status make_pilot(bis_auto_pilot *p, const bis_scene_desc *desc, const bis_render_options *options, bis_diag *diag)
 {
     const double to_come = samples_to_come(desc, options), samples = fmin(most_samples, share_of_time * to_come);
     const double quick = fmin(most_samples_quick, fmax(least_samples_quick, share_of_time_quick * to_come));
     /* where passes are independent, one camera sample knows nothing of the next */
     const bool independent = desc->adaptive || options->budget.error > 0;
     const uint32_t spp = options->budget.spp ? options->budget.spp : desc->sampler.spp;
+    bis_auto_report *r = p->report;
+    bis_film film;
 
     p->is_quick = samples < least_samples;
     p->passes = independent || p->is_quick || spp < MOST_PASSES ? 1 : MOST_PASSES;
@@ -491,7 +351,11 @@ static bis_status make_pilot(pilot *p, const bis_scene_desc *desc, const bis_ren
     p->desc.film.layers = 0;
     bis_scene_set_spp(&p->desc, p->passes);
     const double pixels = p->is_quick ? quick / expected_renders_quick : samples / (expected_renders * p->passes);
-    bis_status status = make_film(p, desc, pixels, diag);
+    r->group = bis_alloc(desc->n_materials, sizeof *r->group);
+    if (!r->group) return bis_auto_no_memory(desc, diag);
+    bis_status status = make_film(&film, p, desc, pixels, diag);
+    if (!status && !p->is_quick) status = bis_auto_group(r->group, &r->n_groups, r->share, &p->shows, &film, p->scene, desc, diag);
+    bis_film_clear(&film);
     if (status) return status;
     p->n_threads = bis_render_threads(options);
     p->options = (bis_render_options){
@@ -500,36 +364,70 @@ static bis_status make_pilot(pilot *p, const bis_scene_desc *desc, const bis_ren
         .footprint = p->options.footprint,
         .interrupted = options->interrupted,
     };
-    p->picture = bis_alloc(p->n_values, sizeof *p->picture);
-    p->shaded = bis_alloc(p->n_values / 3, sizeof *p->shaded);
-    if (!p->picture || !p->shaded) return no_memory(desc, diag);
-    p->report->passes = (int)p->passes;
+    r->passes = (int)p->passes;
+    return bis_auto_pilot_start(p, diag);
+}
+
+/* Most points have the general settings; groups that chose the same are one exception. */
+static bis_status make_exceptions(bis_auto_pilot *p, const bis_scene_desc *desc, bis_diag *diag)
+{
+    bis_auto_report *r = p->report;
+    bis_exceptions *e = &r->exceptions;
+    int largest = 0, method[BIS_AUTO_MOST_GROUPS];
+
+    for (int g = 0; g < r->n_groups; g++)
+        if (r->share[g] > r->share[largest]) largest = g;
+    r->settings = r->tried[r->chosen[largest]].settings;
+    for (int g = 0; g < r->n_groups; g++) {
+        method[g] = r->chosen[g] == r->chosen[largest] ? 0 : -1;
+        for (int h = 0; h < g; h++)
+            if (r->chosen[h] == r->chosen[g]) method[g] = method[h];
+        if (method[g] >= 0) continue;
+        e->loc[e->n] = desc->integrator_loc;
+        e->settings[e->n] = r->tried[r->chosen[g]].settings;
+        method[g] = ++e->n;
+    }
+    if (!e->n) return BIS_OK;
+    e->of_material = bis_alloc(desc->n_materials, sizeof *e->of_material);
+    if (!e->of_material) {
+        e->n = 0;
+        return bis_auto_no_memory(desc, diag);
+    }
+    for (size_t i = 0; i < desc->n_materials; i++) e->of_material[i] = (unsigned char)method[r->group[i]];
     return BIS_OK;
 }
 
 bool bis_auto_is_wanted(const bis_settings *s) { return s->integrator == &bis_auto; }
 
-bis_status bis_auto_choose(bis_settings *chosen, bis_auto_report *report, const bis_scene *scene,
-                           const bis_scene_desc *desc, const bis_render_options *options, bis_diag *diag)
+bis_status bis_auto_choose(bis_auto_report *report, const bis_scene *scene, const bis_scene_desc *desc, const bis_render_options *options, bis_diag *diag)
 {
-    pilot p = {.scene = scene, .desc = *desc, .base = desc->settings, .report = report};
     const double start = bis_clock_now();
-    bis_status status = BIS_OK;
+    bis_auto_pilot *p = NULL;
+    bis_status status;
 
-    *report = (bis_auto_report){.chosen = -1};
-    *chosen = desc->settings;
+    *report = (bis_auto_report){.settings = desc->settings, .n_groups = 1, .share = {1}};
     if (!bis_auto_is_wanted(&desc->settings)) return BIS_OK;
-    chosen->integrator = &bis_sir; /* its defaults, until something better is known */
+    assert(!desc->exceptions.n);
+    report->settings.integrator = &bis_sir; /* its defaults, until something better is known */
     if (!scene->accel || bis_light_is_black(scene->light)) return BIS_OK;
-    status = make_pilot(&p, desc, options, diag);
-    if (!status) status = run_rounds(&p, diag);
-    if (!status && report->chosen >= 0) *chosen = report->tried[report->chosen].settings;
+    p = bis_alloc(1, sizeof *p);
+    if (!p) return bis_auto_no_memory(desc, diag);
+    p->scene = scene;
+    p->desc = *desc;
+    p->base = desc->settings;
+    p->report = report;
+    status = make_pilot(p, desc, options, diag);
+    if (!status && !bis_auto_is_interrupted(p)) status = run_rounds(p, diag);
+    if (!status && report->is_chosen) status = make_exceptions(p, desc, diag);
     report->seconds = bis_clock_now() - start;
-    bis_free(p.picture);
-    bis_free(p.shaded);
-    for (int i = 0; i < report->n_tried; i++) {
-        bis_free(p.trials[i].sum);
-        bis_free(p.trials[i].squares);
-    }
+    bis_auto_pilot_clear(p);
+    bis_free(p);
     return status;
+}
+
+void bis_auto_report_clear(bis_auto_report *report)
+{
+    bis_free(report->group);
+    bis_free(report->exceptions.of_material);
+    *report = (bis_auto_report){.n_groups = 1};
 }

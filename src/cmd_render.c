@@ -441,14 +441,15 @@ static void catch_signals(void)
 static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc, const bis_render_options *options, bool quiet, bis_diag *diag)
 {
     char line[BIS_MAX_LINE];
-    bis_settings chosen;
-    bis_status status = bis_auto_choose(&chosen, choice, scene, desc, options, diag);
+    bis_status status = bis_auto_choose(choice, scene, desc, options, diag);
 
     if (status) return status;
-    desc->settings = chosen;
+    desc->settings = choice->settings;
+    desc->exceptions = choice->exceptions;
+    choice->exceptions = (bis_exceptions){.n = 0};
     if (quiet) return BIS_OK;
-    if (choice->chosen >= 0) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice));
-    else fprintf(stderr, "bis: note: auto: nothing to choose, %s\n", choice->n_tried ? "interrupted" : "no surface or no light");
+    if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice, desc));
+    else fprintf(stderr, "bis: note: auto: nothing to choose, %s\n", signal_caught ? "interrupted" : "no surface or no light");
     return BIS_OK;
 }
 
@@ -497,7 +498,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     bis_scene *scene = NULL;
     bis_film film = {0};
     bis_render_result result;
-    bis_auto_report choice;
+    bis_auto_report choice = {.n_groups = 1};
     const bool chooses = bis_auto_is_wanted(&desc->settings);
     char *lines = NULL, *exceptions = NULL;
     bis_status status;
@@ -534,6 +535,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     }
     *interrupted = signal_caught;
 done:
+    bis_auto_report_clear(&choice);
     bis_free(lines);
     bis_free(exceptions);
     bis_film_clear(&film);

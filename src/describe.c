@@ -123,10 +123,20 @@ static char *joined(char *text, const char *more)
     return longer;
 }
 
+/* has[n], by bis_alloc: the numbers of materials with that method. NULL: no memory. */
+static bool *numbers_of(const bis_scene_desc *d, int method, const uint32_t *number, uint32_t n)
+{
+    bool *has = bis_alloc(n, sizeof *has);
+
+    for (size_t i = 0; i < d->n_shapes && has; i++)
+        if (bis_scene_method_of(d, d->shapes[i].material) == method) has[number[d->shapes[i].material]] = true;
+    return has;
+}
+
 /* ` "integer material" [1 4]`: the numbers of all materials of that method. */
 static char *with_materials(char *text, const bis_scene_desc *d, int method, const uint32_t *number, uint32_t n)
 {
-    bool *has = bis_alloc(n, sizeof *has);
+    bool *has = numbers_of(d, method, number, n);
     const char *separator = "";
     char word[24];
 
@@ -134,8 +144,6 @@ static char *with_materials(char *text, const bis_scene_desc *d, int method, con
         bis_free(text);
         return NULL;
     }
-    for (size_t i = 0; i < d->n_shapes; i++)
-        if (bis_scene_method_of(d, d->shapes[i].material) == method) has[number[d->shapes[i].material]] = true;
     text = joined(text, " \"integer material\" [");
     for (uint32_t k = 0; k < n && text; k++) {
         if (!has[k]) continue;
@@ -172,37 +180,88 @@ static bool same_method(const bis_settings *a, const bis_settings *b)
     return a->integrator == b->integrator && (a->integrator != &bis_sir || a->proposal == b->proposal);
 }
 
-static double product(const bis_auto_tried *t) { return t->cost * t->variance; }
+/* Cost x variance with the i-th setting for all. */
+static double uniform_product(const bis_auto_report *r, int i) { return bis_auto_cost_of_all(r, i) * bis_auto_variance_of_all(r, i); }
 
-static bool is_best_of_its_method(const bis_auto_report *r, int i)
+static double chosen_product(const bis_auto_report *r)
 {
-    for (int k = 0; k < r->n_tried; k++) {
-        if (k == i || !same_method(&r->tried[k].settings, &r->tried[i].settings)) continue;
-        if (product(&r->tried[k]) < product(&r->tried[i]) || (product(&r->tried[k]) == product(&r->tried[i]) && k < i)) return false;
+    double cost = r->common, variance = 0;
+
+    for (int g = 0; g < r->n_groups; g++) {
+        const bis_auto_tried *t = &r->tried[r->chosen[g]];
+        bool is_new = true;
+        for (int h = 0; h < g; h++) is_new &= r->chosen[h] != r->chosen[g];
+        cost += t->cost[g] + (is_new ? t->fill : 0);
+        variance += t->variance[g];
     }
-    return true;
+    return cost * variance;
 }
 
-const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r)
+/* The best of a method (NULL: of all) for all materials. */
+static double best_uniform(const bis_auto_report *r, const bis_settings *method)
 {
-    const bis_auto_tried *chosen = &r->tried[r->chosen];
-    const char *separator = "; to the same error the best of ";
+    double least = (double)INFINITY;
+
+    for (int i = 0; i < r->n_tried; i++)
+        if (!method || same_method(&r->tried[i].settings, method)) least = fmin(least, uniform_product(r, i));
+    return least;
+}
+
+static void append_settings(char line[BIS_MAX_LINE], const bis_settings *s)
+{
+    if (s->integrator == &bis_sir)
+        append(line, "sir, %s, %u candidates, %u shadow rays", bis_proposal_name(s->proposal), (unsigned)s->candidates, (unsigned)s->shadowrays);
+    else append(line, "%s, %u samples", s->integrator->name, (unsigned)s->samples);
+}
+
+/* "; for material 1, 4: sir, ...", or, where there are many, "; for 12 materials: ...". */
+static void append_exceptions(char line[BIS_MAX_LINE], const bis_scene_desc *d)
+{
+    enum { MANY = 6 };
+    uint32_t *number = NULL, n = 0;
+
+    if (!d->exceptions.n || bis_scene_number_materials(&number, &n, d, NULL)) return;
+    for (int i = 1; i <= d->exceptions.n; i++) {
+        bool *has = numbers_of(d, i, number, n);
+        const char *separator = "; for material ";
+        int count = 0;
+        for (uint32_t k = 0; k < n && has; k++) count += has[k];
+        if (count > MANY) append(line, "; for %d materials", count);
+        for (uint32_t k = 0; k < n && has && count <= MANY; k++) {
+            if (!has[k]) continue;
+            append(line, "%s%u", separator, (unsigned)k);
+            separator = ", ";
+        }
+        append(line, ": ");
+        append_settings(line, bis_scene_settings(d, i));
+        bis_free(has);
+    }
+    bis_free(number);
+}
+
+const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r, const bis_scene_desc *d)
+{
+    const double chosen = chosen_product(r);
+    const char *separator = "; to the same error ";
 
     *line = '\0';
-    if (chosen->settings.integrator == &bis_sir) {
-        append(line, "sir, %s, %u candidates, %u shadow rays", bis_proposal_name(chosen->settings.proposal), (unsigned)chosen->settings.candidates,
-               (unsigned)chosen->settings.shadowrays);
-    } else {
-        append(line, "%s, %u samples", chosen->settings.integrator->name, (unsigned)chosen->settings.samples);
-    }
-    for (int i = 0; i < r->n_tried && product(chosen) > 0; i++) {
-        const bis_settings *s = &r->tried[i].settings;
-        if (same_method(s, &chosen->settings) || !is_best_of_its_method(r, i)) continue;
-        append(line, "%s%s%s%s %.2g", separator, s->integrator->name, s->integrator == &bis_sir ? " " : "",
-               s->integrator == &bis_sir ? bis_proposal_name(s->proposal) : "", product(&r->tried[i]) / product(chosen));
+    append_settings(line, &d->settings);
+    append_exceptions(line, d);
+    if (d->exceptions.n && chosen > 0) {
+        append(line, "%sone setting for all %.2f", separator, best_uniform(r, NULL) / chosen);
         separator = ", ";
     }
-    append(line, "%s (pilot: %d settings, %.2g s)", *separator == ',' ? " times as long" : "", r->n_tried, r->seconds);
+    for (int i = 0, n = 0; i < r->n_tried && chosen > 0; i++) {
+        const bis_settings *s = &r->tried[i].settings;
+        const double own = uniform_product(r, i);
+        if (same_method(s, &d->settings) || own > best_uniform(r, s)) continue;
+        append(line, "%s%s%s%s%s %.2g", separator, n++ ? "" : "the best of ", s->integrator->name, s->integrator == &bis_sir ? " " : "",
+               s->integrator == &bis_sir ? bis_proposal_name(s->proposal) : "", own / chosen);
+        separator = ", ";
+    }
+    append(line, "%s (pilot: %d settings", *separator == ',' ? " times as long" : "", r->n_tried);
+    if (r->n_groups > 1) append(line, " of %d groups of materials", r->n_groups);
+    append(line, ", %.2g s)", r->seconds);
     return line;
 }
 
@@ -283,11 +342,55 @@ static void print_memory(bis_json *j, const bis_stats *s)
     bis_json_close(j);
 }
 
+/* A group of materials: their numbers, its part in what was tried, its choice. */
+static void print_group(bis_json *j, const bis_scene_desc *d, const bis_auto_report *r, int g)
+{
+    char line[BIS_MAX_LINE];
+    uint32_t *number, n;
+
+    bis_json_open(j, NULL, '{');
+    bis_json_number(j, "share", r->share[g]);
+    if (!bis_scene_number_materials(&number, &n, d, NULL)) {
+        bis_json_open(j, "materials", '[');
+        for (size_t i = 0, next = 0; i < d->n_shapes; i++) { /* numbers come in the order of shapes */
+            const uint32_t m = d->shapes[i].material;
+            if (number[m] != next) continue;
+            if (r->group[m] == g) bis_json_count(j, NULL, next);
+            next++;
+        }
+        bis_json_close(j);
+    }
+    bis_free(number);
+    if (r->is_chosen) bis_json_text(j, "chosen", bis_describe_line(line, &r->tried[r->chosen[g]].settings));
+    bis_json_close(j);
+}
+
+static void print_tried(bis_json *j, const bis_auto_report *r, int i)
+{
+    const bis_auto_tried *t = &r->tried[i];
+    char line[BIS_MAX_LINE];
+
+    bis_json_open(j, NULL, '{');
+    bis_json_text(j, "line", bis_describe_line(line, &t->settings));
+    bis_json_count(j, "replicates", (uint64_t)t->replicates);
+    bis_json_number(j, "pass_seconds", bis_auto_cost_of_all(r, i));
+    bis_json_number(j, "pass_relmse", bis_auto_variance_of_all(r, i));
+    bis_json_number(j, "product", uniform_product(r, i));
+    if (r->n_groups > 1) {
+        bis_json_open(j, "group_seconds", '[');
+        for (int g = 0; g < r->n_groups; g++) bis_json_number(j, NULL, t->cost[g]);
+        bis_json_close(j);
+        bis_json_open(j, "group_relmse", '[');
+        for (int g = 0; g < r->n_groups; g++) bis_json_number(j, NULL, t->variance[g]);
+        bis_json_close(j);
+    }
+    bis_json_close(j);
+}
+
 /* All that the pilot has tried; without a pilot there is no such key. */
 static void print_choice(bis_json *j, const bis_stats *s)
 {
     const bis_auto_report *r = s->choice;
-    char line[BIS_MAX_LINE];
 
     if (!r) return;
     bis_json_open(j, "auto", '{');
@@ -296,17 +399,13 @@ static void print_choice(bis_json *j, const bis_stats *s)
     bis_json_count(j, "width", (uint64_t)r->width);
     bis_json_count(j, "height", (uint64_t)r->height);
     bis_json_count(j, "passes", (uint64_t)r->passes);
-    bis_json_open(j, "tried", '[');
-    for (int i = 0; i < r->n_tried; i++) {
-        const bis_auto_tried *t = &r->tried[i];
-        bis_json_open(j, NULL, '{');
-        bis_json_text(j, "line", bis_describe_line(line, &t->settings));
-        bis_json_count(j, "replicates", (uint64_t)t->replicates);
-        bis_json_number(j, "pass_seconds", t->cost);
-        bis_json_number(j, "pass_relmse", t->variance);
-        bis_json_number(j, "product", product(t));
+    if (r->n_groups > 1) {
+        bis_json_open(j, "groups", '[');
+        for (int g = 0; g < r->n_groups; g++) print_group(j, s->desc, r, g);
         bis_json_close(j);
     }
+    bis_json_open(j, "tried", '[');
+    for (int i = 0; i < r->n_tried; i++) print_tried(j, r, i);
     bis_json_close(j);
     bis_json_close(j);
 }

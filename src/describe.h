@@ -25,9 +25,9 @@ const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s);
  * between; by bis_alloc. NULL: no memory. */
 char *bis_describe_integrators(const bis_scene_desc *d, int first);
 
-/* What auto has chosen, and how much longer the best of each other method would take to the same error, in one line.
- * The report must have a choice. */
-const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r);
+/* What auto has chosen, and how much longer one setting for all materials and the best of each other method would take to
+ * the same error, in one line. The report must have a choice, d have been given it. */
+const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r, const bis_scene_desc *d);
 
 /* Everything that --stats tells. seconds.write and .total are those so far. */
 typedef struct bis_stats {

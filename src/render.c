@@ -161,6 +161,18 @@ static rgb reflected(const render *r, worker *w, const bis_point *pt, bis_stream
     return L;
 }
 
+static rgb metered(const render *r, worker *w, const bis_point *pt, bis_stream *stream, float *values)
+{
+    const bis_meter *m = r->options->meter;
+    const unsigned char g = m->group[material_of(r, pt)];
+    const double start = bis_clock_processor();
+    const rgb L = reflected(r, w, pt, stream, values);
+
+    m->seconds[g] += bis_clock_processor() - start;
+    m->points[g]++;
+    return L;
+}
+
 /* Camera sample `index` of pixel (x, y); *hits counts those that hit. A ray that escapes sees the map. values: for the
  * layers, or NULL. */
 static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler, int x, int y, uint32_t index, uint32_t *hits, float *values)
@@ -170,7 +182,7 @@ static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler,
     double u[2] = {0.5, 0.5};
     bis_stream stream;
     bis_hit hit;
-    rgb L = {0};
+    rgb L;
 
     bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->full_width + (uint64_t)x, index);
     if (r->desc->pixel_jitter) bis_stream_camera(&stream, u);
@@ -179,10 +191,8 @@ static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler,
     w->counters.camera_rays++;
     if (bis_accel_intersect(r->scene->accel, &eye, &hit)) {
         const bis_point pt = surface_point(r, w, &eye, hit.prim);
-        if (!r->options->only || r->options->only[material_of(r, &pt)]) {
-            ++*hits;
-            L = reflected(r, w, &pt, &stream, values);
-        }
+        ++*hits;
+        L = r->options->meter ? metered(r, w, &pt, &stream, values) : reflected(r, w, &pt, &stream, values);
     } else {
         L = finite_or_black(w, r->desc->light.visible ? bis_light_Le(r->scene->light, eye.d) : (rgb){0});
     }

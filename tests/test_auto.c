@@ -1,6 +1,7 @@
 /* auto: the fit of cost and variance, the best M and N, what the pilot chooses and what it leaves alone, and that
  * its choice can be made again bit for bit. */
 #include "auto.h"
+#include "auto_choose.h"
 #include "auto_fit.h"
 
 #include "bis/mem.h"
@@ -147,11 +148,9 @@ static void make_auto_world(world *w)
     memcpy(w->desc.film.crop, whole, sizeof whole);
 }
 
-static bis_settings choose(bis_auto_report *r, const world *w, const bis_render_options *options)
+static void choose(bis_auto_report *r, const world *w, const bis_render_options *options)
 {
-    bis_settings chosen;
-    assert_int_equal(bis_auto_choose(&chosen, r, &w->scene, &w->desc, options, NULL), BIS_OK);
-    return chosen;
+    assert_int_equal(bis_auto_choose(r, &w->scene, &w->desc, options, NULL), BIS_OK);
 }
 
 static bool was_tried(const bis_auto_report *r, const bis_integrator *i)
@@ -169,20 +168,26 @@ static void what_is_chosen_was_measured_and_no_other_was_better(void **state)
     bis_auto_report r;
     world w;
     make_auto_world(&w);
-    const bis_settings chosen = choose(&r, &w, &options);
+    w.materials[1] = w.materials[0]; /* one group */
+    choose(&r, &w, &options);
     assert_true(r.n_tried > 8);
-    assert_in_range(r.chosen, 0, r.n_tried - 1);
-    assert_memory_equal(&chosen, &r.tried[r.chosen].settings, sizeof chosen);
-    assert_true(chosen.integrator != &bis_auto);
-    assert_int_equal(bis_settings_check(&chosen, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(r.n_groups, 1);
+    assert_true(r.is_chosen && r.exceptions.n == 0);
+    assert_in_range(r.chosen[0], 0, r.n_tried - 1);
+    assert_memory_equal(&r.settings, &r.tried[r.chosen[0]].settings, sizeof r.settings);
+    assert_true(r.settings.integrator != &bis_auto);
+    assert_int_equal(bis_settings_check(&r.settings, (bis_loc){0}, NULL), BIS_OK);
     assert_true(was_tried(&r, &bis_mis) && was_tried(&r, &bis_sir));
     assert_false(was_tried(&r, &bis_em) || was_tried(&r, &bis_brdf)); /* glossy, under a map */
     for (int i = 0; i < r.n_tried; i++) {
         const bis_auto_tried *t = &r.tried[i];
-        assert_true(t->cost > 0 && t->variance > 0 && isfinite(t->cost) && isfinite(t->variance) && t->replicates >= 2);
-        if (t->settings.integrator == &bis_sir) assert_true(t->cost * t->variance >= r.tried[r.chosen].cost * r.tried[r.chosen].variance);
+        assert_true(t->cost[0] > 0 && t->variance[0] > 0 && isfinite(t->cost[0]) && isfinite(t->variance[0]) && t->replicates >= 2);
+        if (t->settings.integrator == &bis_sir) {
+            assert_true(bis_auto_cost_of_all(&r, i) * t->variance[0] >= bis_auto_cost_of_all(&r, r.chosen[0]) * r.tried[r.chosen[0]].variance[0]);
+        }
         assert_true(t->settings.shadowrays <= 64);
     }
+    bis_auto_report_clear(&r);
     clear_world(&w);
 }
 
@@ -196,6 +201,8 @@ static void a_short_render_tries_a_short_list(void **state)
     choose(&r, &w, &options);
     assert_int_equal(r.n_tried, 3);
     assert_int_equal(r.passes, 1);
+    assert_int_equal(r.n_groups, 1);
+    bis_auto_report_clear(&r);
     clear_world(&w);
 }
 
@@ -208,9 +215,11 @@ static void diffuse_surfaces_let_em_take_part(void **state)
     make_auto_world(&w);
     choose(&r, &w, &options);
     assert_false(was_tried(&r, &bis_em));
+    bis_auto_report_clear(&r);
     w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.4f, 0.3f}, (rgb){0, 0, 0}, 1);
     choose(&r, &w, &options);
     assert_true(was_tried(&r, &bis_em));
+    bis_auto_report_clear(&r);
     clear_world(&w);
 }
 
@@ -225,9 +234,10 @@ static void among_sirs_settings_alone_nothing_else_is_tried(void **state)
     w.desc.settings.candidates = 0;
     bis_settings_leave_open(&w.desc.settings);
     assert_true(bis_auto_is_wanted(&w.desc.settings));
-    const bis_settings chosen = choose(&r, &w, &options);
+    choose(&r, &w, &options);
     for (int i = 0; i < r.n_tried; i++) assert_ptr_equal(r.tried[i].settings.integrator, &bis_sir);
-    assert_true(chosen.candidates > 0);
+    assert_true(r.settings.candidates > 0);
+    bis_auto_report_clear(&r);
     clear_world(&w);
 }
 
@@ -239,9 +249,10 @@ static void a_fixed_integrator_is_left_as_it_is(void **state)
     world w;
     make_auto_world(&w);
     w.desc.settings = bis_settings_default(&bis_mis);
-    const bis_settings chosen = choose(&r, &w, &options);
-    assert_memory_equal(&chosen, &w.desc.settings, sizeof chosen);
+    choose(&r, &w, &options);
+    assert_memory_equal(&r.settings, &w.desc.settings, sizeof r.settings);
     assert_int_equal(r.n_tried, 0);
+    bis_auto_report_clear(&r);
     clear_world(&w);
 }
 
@@ -256,15 +267,15 @@ static void without_a_surface_or_light_or_time_it_is_sir_at_once(void **state)
         const bis_render_options options = {.n_threads = 1, .interrupted = i == 2 ? &interrupted : NULL};
         bis_scene scene = w.scene;
         bis_light *black;
-        bis_settings chosen;
         assert_int_equal(bis_light_constant(&black, (rgb){0, 0, 0}, NULL), BIS_OK);
         if (i == 0) scene.accel = NULL;
         if (i == 1) scene.light = black;
-        assert_int_equal(bis_auto_choose(&chosen, &r, &scene, &w.desc, &options, NULL), BIS_OK);
-        assert_ptr_equal(chosen.integrator, &bis_sir);
-        assert_int_equal(bis_settings_check(&chosen, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(r.chosen, -1);
+        assert_int_equal(bis_auto_choose(&r, &scene, &w.desc, &options, NULL), BIS_OK);
+        assert_ptr_equal(r.settings.integrator, &bis_sir);
+        assert_int_equal(bis_settings_check(&r.settings, (bis_loc){0}, NULL), BIS_OK);
+        assert_false(r.is_chosen);
         if (i < 2) assert_int_equal(r.n_tried, 0);
+        bis_auto_report_clear(&r);
         bis_light_free(black);
     }
     clear_world(&w);
@@ -282,7 +293,8 @@ static void a_constant_light_is_rendered_with_what_needs_no_map(void **state)
     choose(&r, &w, &options);
     assert_true(was_tried(&r, &bis_brdf));
     assert_false(was_tried(&r, &bis_em));
-    assert_in_range(r.chosen, 0, r.n_tried - 1);
+    assert_true(r.is_chosen);
+    bis_auto_report_clear(&r);
     bis_light_free(w.scene.light);
     w.scene.light = map;
     clear_world(&w);
@@ -299,11 +311,12 @@ static void without_noise_the_cheapest_is_chosen(void **state)
     w.materials[0] = w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 1);
     w.desc.light.visible = false;
     choose(&r, &w, &options);
-    assert_in_range(r.chosen, 0, r.n_tried - 1);
+    assert_true(r.is_chosen);
     for (int i = 0; i < r.n_tried; i++) {
-        assert_true(r.tried[i].variance == 0);
-        assert_true(r.tried[r.chosen].cost <= r.tried[i].cost);
+        assert_true(r.tried[i].variance[0] == 0);
+        assert_true(bis_auto_cost_of_all(&r, r.chosen[0]) <= bis_auto_cost_of_all(&r, i));
     }
+    bis_auto_report_clear(&r);
     clear_world(&w);
 }
 
@@ -320,32 +333,229 @@ static void a_thin_crop_is_chosen_for_too(void **state)
     w.desc.film.height = 100;
     memcpy(w.desc.film.crop, strip, sizeof strip);
     choose(&r, &w, &options);
-    assert_in_range(r.chosen, 0, r.n_tried - 1);
+    assert_true(r.is_chosen);
+    bis_auto_report_clear(&r);
     clear_world(&w);
+}
+
+/* From `first` on each `step`-th, up to one that no longer fails. */
+static void assert_failures_are_reported(const world *w, const bis_render_options *options, long first, long step)
+{
+    long k;
+    for (k = first;; k += step) {
+        bis_diag diag = {0};
+        bis_auto_report r;
+        bis_mem_fail_at(k);
+        bis_status status = bis_auto_choose(&r, &w->scene, &w->desc, options, &diag);
+        bis_mem_fail_at(0);
+        const size_t n_errors = diag.n_errors;
+        bis_diag_clear(&diag);
+        bis_auto_report_clear(&r);
+        if (status == BIS_OK) break;
+        assert_int_equal(status, BIS_NOMEM);
+        assert_true(n_errors >= 1);
+        assert_in_range(k, 1, 20000);
+    }
+    assert_true(k > 50);
 }
 
 static void every_failing_allocation_of_the_pilot_is_reported(void **state)
 {
     (void)state;
-    const bis_render_options options = {.n_threads = 1};
     world w;
-    long k;
     make_auto_world(&w);
-    for (k = 1;; k++) {
-        bis_diag diag = {0};
-        bis_auto_report r;
-        bis_settings chosen;
-        bis_mem_fail_at(k);
-        bis_status status = bis_auto_choose(&chosen, &r, &w.scene, &w.desc, &options, &diag);
-        bis_mem_fail_at(0);
-        const size_t n_errors = diag.n_errors;
-        bis_diag_clear(&diag);
-        if (status == BIS_OK) break;
-        assert_int_equal(status, BIS_NOMEM);
-        assert_true(n_errors >= 1);
-        assert_in_range(k, 1, 2000);
+    assert_failures_are_reported(&w, &(bis_render_options){.n_threads = 1}, 1, 1);
+    clear_world(&w);
+}
+
+/* --- several materials
+ * --------------------------------------------------------------------------------------------- */
+
+/* Offers of a method with cost a + b/x, variance c + d x, and some noise, for each of n groups. */
+enum { MOST_OFFERS = 9 };
+
+static void make_offers(bis_auto_offer offers[][MOST_OFFERS], int *n, int n_groups, bool fills, bis_rng *rng)
+{
+    for (int g = 0; g < n_groups; g++) {
+        const double size = pow(10, 2 * bis_rng_double(rng) - 1), scatter = pow(10, 2 * bis_rng_double(rng) - 1);
+        n[g] = 1 + (int)bis_rng_below(rng, MOST_OFFERS);
+        for (int i = 0; i < n[g]; i++) {
+            const double x = pow(10, 2 * bis_rng_double(rng) - 1);
+            offers[g][i] = (bis_auto_offer){.id = fills ? i : g * MOST_OFFERS + i, .fill = fills ? bis_rng_double(rng) : 0,
+                                            .cost = size * (1 + x) * (0.8 + bis_rng_double(rng)), .variance = scatter * (1 + 1 / x)};
+            if (fills && g > 0 && i < n[0]) offers[g][i].fill = offers[0][i].fill;
+        }
     }
-    assert_true(k > 50);
+}
+
+/* The other road: for each lambda every group for itself. All lambda at which some group changes its mind are among the
+ * ratios of differences; between them nothing changes. */
+static double least_by_lambda(const bis_auto_offer offers[][MOST_OFFERS], const int *n, int n_groups, double base, bool one_lambda)
+{
+    double lambdas[4 * MOST_OFFERS * MOST_OFFERS + 2] = {0, 1e300}, least = (double)INFINITY;
+    int n_lambdas = 2;
+    for (int g = 0; g < n_groups; g++)
+        for (int i = 0; i < n[g]; i++)
+            for (int k = 0; k < n[g]; k++)
+                if (offers[g][k].variance > offers[g][i].variance && offers[g][i].cost > offers[g][k].cost) {
+                    lambdas[n_lambdas++] = (offers[g][i].cost - offers[g][k].cost) / (offers[g][k].variance - offers[g][i].variance);
+                }
+    if (!one_lambda) n_lambdas = 1; /* the twin: each group the cheapest */
+    for (int j = 0; j < n_lambdas; j++) {
+        for (int side = 0; side < 2; side++) { /* just below and just above */
+            const double lambda = lambdas[j] * (side ? 1 + 1e-12 : 1 - 1e-12);
+            double cost = base, variance = 0;
+            for (int g = 0; g < n_groups; g++) {
+                int best = 0;
+                for (int i = 1; i < n[g]; i++)
+                    if (offers[g][i].cost + lambda * offers[g][i].variance < offers[g][best].cost + lambda * offers[g][best].variance) best = i;
+                cost += offers[g][best].cost;
+                variance += offers[g][best].variance;
+            }
+            least = fmin(least, cost * variance);
+        }
+    }
+    return least;
+}
+
+static void the_best_combination_is_that_of_one_price_for_all_groups(void **state)
+{
+    (void)state;
+    int misses = 0;
+    bis_rng rng;
+    bis_rng_init(&rng, 21, 0, 0, 0);
+    for (int k = 0; k < 200; k++) {
+        const int n_groups = 1 + (int)bis_rng_below(&rng, 4);
+        bis_auto_offer offers[4][MOST_OFFERS];
+        const bis_auto_offer *lists[4] = {offers[0], offers[1], offers[2], offers[3]};
+        int n[4], chosen[4];
+        make_offers(offers, n, n_groups, false, &rng);
+        const double base = bis_rng_double(&rng), least = bis_auto_combine(chosen, lists, n, n_groups, base, 1);
+        double cost = base, variance = 0;
+        for (int g = 0; g < n_groups; g++) {
+            assert_in_range(chosen[g], 0, n[g] - 1);
+            cost += offers[g][chosen[g]].cost;
+            variance += offers[g][chosen[g]].variance;
+        }
+        assert_true(fabs(cost * variance / least - 1) < 1e-12);
+        assert_true(fabs(least_by_lambda(offers, n, n_groups, base, true) / least - 1) < 1e-9);
+        misses += least_by_lambda(offers, n, n_groups, base, false) > 1.001 * least;
+    }
+    assert_true(misses > 50); /* the twin is found */
+}
+
+static void what_groups_share_is_paid_once_and_another_setting_must_be_worth_it(void **state)
+{
+    (void)state;
+    const bis_auto_offer a[2] = {{.id = 0, .fill = 1, .cost = 1, .variance = 1}, {.id = 1, .fill = 0, .cost = 1.9, .variance = 1}};
+    const bis_auto_offer b[2] = {{.id = 0, .fill = 1, .cost = 1.1, .variance = 1}, {.id = 1, .fill = 0, .cost = 1.9, .variance = 1}};
+    const bis_auto_offer *lists[2] = {a, b};
+    const int n[2] = {2, 2};
+    int chosen[2];
+    assert_true(fabs(bis_auto_combine(chosen, lists, n, 2, 0, 1) - 3.1 * 2) < 1e-12); /* 1 + 1 + 1.1: one fill */
+    assert_true(chosen[0] == 0 && chosen[1] == 0);
+    const bis_auto_offer c[2] = {{.id = 0, .cost = 1, .variance = 1}, {.id = 1, .cost = 0.9, .variance = 1}};
+    const bis_auto_offer d[2] = {{.id = 0, .cost = 1, .variance = 1}, {.id = 1, .cost = 1.1, .variance = 1}};
+    lists[0] = c;
+    lists[1] = d;
+    bis_auto_combine(chosen, lists, n, 2, 0, 1);
+    assert_true(chosen[0] == 1 && chosen[1] == 0); /* 1.9 x 2 */
+    bis_auto_combine(chosen, lists, n, 2, 0, 1.1);
+    assert_true(chosen[0] == chosen[1]); /* 2 x 2 < 1.1 x 1.9 x 2 */
+}
+
+static void without_variance_the_cheapest_combination_is_chosen(void **state)
+{
+    (void)state;
+    const bis_auto_offer a[3] = {{.id = 0, .cost = 3}, {.id = 1, .cost = 1}, {.id = 2, .cost = 2}};
+    const bis_auto_offer *lists[2] = {a, a};
+    const int n[2] = {3, 3};
+    int chosen[2];
+    assert_true(bis_auto_combine(chosen, lists, n, 2, 1, 1.1) == 0);
+    assert_true(chosen[0] == 1 && chosen[1] == 1);
+}
+
+/* Of a lobe (n + 1)/(2 pi) cos^n about a direction well above the horizon: int p^2 = (n + 1)^2/(2 pi (2 n + 1)); with the
+ * cosine of Phong's f cos near 1/sqrt 2 all over it. A Lambertian has 2/(3 pi). */
+static void the_narrowness_of_a_lobe_is_that_of_its_formula(void **state)
+{
+    (void)state;
+    const bis_material diffuse = bis_phong((rgb){0.5f, 0.2f, 0.5f}, (rgb){0, 0, 0}, 7);
+    assert_true(fabs(bis_auto_narrowness(&diffuse) / (2 / (3 * PI)) - 1) < 0.02);
+    for (double n = 200; n < 1e6; n *= 10) {
+        const bis_material m = bis_phong((rgb){0, 0, 0}, (rgb){0.5f, 0.5f, 0.5f}, n);
+        assert_true(fabs(bis_auto_narrowness(&m) / ((n + 1) * (n + 1) / (2 * PI * (2 * n + 1))) - 1) < 0.05);
+    }
+    const bis_material black = bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 1);
+    assert_true(bis_auto_narrowness(&black) == 0);
+}
+
+static int merged(int *group, const double *key, const double *weight, int n)
+{
+    bis_auto_kind kinds[16];
+    for (int i = 0; i < n; i++) kinds[i] = (bis_auto_kind){.key = key[i], .weight = weight[i]};
+    const int n_groups = bis_auto_merge(kinds, n);
+    for (int i = 0; i < n; i++) group[i] = kinds[i].group;
+    return n_groups;
+}
+
+static void like_materials_are_merged_and_small_ones_join_their_neighbours(void **state)
+{
+    (void)state;
+    int g[16];
+    assert_int_equal(merged(g, (double[]){0}, (double[]){1}, 1), 1);
+    assert_int_equal(merged(g, (double[]){0, 0.1, 3}, (double[]){1, 1, 1}, 3), 2);
+    assert_true(g[0] == 0 && g[1] == 0 && g[2] == 1);
+    assert_int_equal(merged(g, (double[]){0, 3}, (double[]){1, 0.01}, 2), 1);
+    assert_int_equal(merged(g, (double[]){0, 2, 4, 6, 8, 10, 12, 14}, (double[]){1, 1, 1, 1, 1, 1, 1, 1}, 8), BIS_AUTO_MOST_GROUPS);
+    for (int i = 0; i < 8; i++) assert_int_equal(g[i], i / 2);
+    assert_int_equal(merged(g, (double[]){0, 2, 4, 6, 8}, (double[]){9, 9, 9, 0.1, 9}, 5), 4);
+    assert_true(g[0] == 0 && g[1] == 1 && g[2] == 2 && g[4] == 3);
+}
+
+/* A floor that reflects like paper and a ball like polished steel: two groups, whose parts make up the whole. */
+static void make_two_materials(world *w)
+{
+    make_auto_world(w);
+    w->materials[0] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
+    w->materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.9f, 0.9f}, 5000);
+}
+
+static void materials_that_differ_are_judged_by_themselves(void **state)
+{
+    (void)state;
+    const bis_render_options options = {.budget = {.spp = 10000}, .n_threads = 2};
+    bis_auto_report r;
+    world w;
+    make_two_materials(&w);
+    choose(&r, &w, &options);
+    assert_true(r.is_chosen && r.n_groups == 2);
+    assert_true(r.group[0] == 0 && r.group[1] == 1);
+    assert_true(r.share[0] > 0.1 && r.share[1] > 0.1 && fabs(r.share[0] + r.share[1] - 1) < 1e-12);
+    assert_true(r.common > 0);
+    for (int g = 0; g < 2; g++) {
+        for (int i = 0; i < r.n_tried; i++) {
+            const bis_auto_tried *t = &r.tried[i];
+            assert_true(t->cost[g] > 0 && t->variance[g] > 0 && isfinite(t->cost[g]) && isfinite(t->variance[g]) && t->fill > 0);
+        }
+        const bis_settings *s = &r.tried[r.chosen[g]].settings;
+        if (g == 1) assert_ptr_not_equal(s->integrator, &bis_em); /* safe on the floor alone */
+        const int method = r.exceptions.n ? r.exceptions.of_material[g] : 0;
+        const bis_settings *given = method ? &r.exceptions.settings[method - 1] : &r.settings;
+        assert_memory_equal(given, s, sizeof *s);
+    }
+    assert_true(was_tried(&r, &bis_em));
+    assert_true((r.exceptions.n == 1) == (r.chosen[0] != r.chosen[1]));
+    bis_auto_report_clear(&r);
+    clear_world(&w);
+}
+
+static void failing_allocations_of_a_pilot_of_two_materials_are_reported(void **state)
+{
+    (void)state;
+    world w;
+    make_two_materials(&w);
+    assert_failures_are_reported(&w, &(bis_render_options){.budget = {.spp = 5000}, .n_threads = 1}, 1, 37);
     clear_world(&w);
 }
 
@@ -382,25 +592,27 @@ static void a_footprint_of_nearly_nothing_is_the_centre_of_the_pixel(void **stat
 /* --- the program
  * --------------------------------------------------------------------------------------------------- */
 
-static void write_scene(const char *path, const char *integrator)
+static void write_scene_of(const char *path, const char *integrator, const char *phong)
 {
-    char text[4096];
+    char text[16384];
     snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" 48 \"integer yresolution\" 32\n%s\nSampler \"stratified\" \"integer pixelsamples\" 4\nScale -1 1 1\n"
              "LookAt -2.0 -7.4 0.25   0 0 -0.28   0 0 1\nCamera \"perspective\" \"float fov\" 29\nWorldBegin\n"
              "LightSource \"infinite\" \"string filename\" \"../../data/maps/interior.hdr\"\n"
-             "Material \"phong\" \"float Ks\" 0.5 \"float Kd\" 0.4 \"float exponent\" 40\nShape \"sphere\" \"float radius\" 1\n"
-             "Material \"diffuse\"\nTranslate 0 0 -1\nShape \"disk\" \"float radius\" 30\n", integrator);
+             "Material \"phong\" %s\nShape \"sphere\" \"float radius\" 1\n"
+             "Material \"diffuse\"\nTranslate 0 0 -1\nShape \"disk\" \"float radius\" 30\n", integrator, phong);
     program_write_file(path, text);
 }
 
-static void read_line(char *line, size_t size, const char *path)
+static void write_scene(const char *path, const char *integrator) { write_scene_of(path, integrator, "\"float Ks\" 0.5 \"float Kd\" 0.4 \"float exponent\" 40"); }
+
+static void read_attribute(char *line, size_t size, const char *path, const char *name)
 {
     exr_context_t file;
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     const char *text;
     int32_t length;
     assert_int_equal(exr_start_read(&file, path, &init), EXR_ERR_SUCCESS);
-    assert_int_equal(exr_attr_get_string(file, 0, "bis:auto", &length, &text), EXR_ERR_SUCCESS);
+    assert_int_equal(exr_attr_get_string(file, 0, name, &length, &text), EXR_ERR_SUCCESS);
     snprintf(line, size, "%.*s", (int)length, text);
     exr_finish(&file);
 }
@@ -425,7 +637,7 @@ static void the_line_in_the_picture_makes_the_picture_again(void **state)
         write_scene(DIR "/auto.txt", wishes[i]);
         program_expect(&r, 0, DIR "/auto.txt --nthreads 2 --outfile " DIR "/auto.exr");
         assert_non_null(strstr(r.messages, "bis: note: auto chose "));
-        read_line(line, sizeof line, DIR "/auto.exr");
+        read_attribute(line, sizeof line, DIR "/auto.exr", "bis:auto");
         write_scene(DIR "/fixed.txt", line);
         program_expect(&r, 0, DIR "/fixed.txt --nthreads 1 --outfile " DIR "/fixed.exr");
         assert_string_equal(r.messages, "");
@@ -433,6 +645,46 @@ static void the_line_in_the_picture_makes_the_picture_again(void **state)
         program_expect(&r, 0, DIR "/fixed.txt --seed 5 --outfile " DIR "/fixed.exr");
         assert_same_picture(DIR "/auto.exr", DIR "/fixed.exr", false);
     }
+}
+
+/* Paper and polished steel, and so many passes to come that the pilot is a long one; the error is reached after four.
+ * Whether the two get settings of their own is for the clock to say; what was chosen makes the picture again. */
+static void the_lines_for_two_materials_make_the_picture_again(void **state)
+{
+    (void)state;
+    char lines[4096];
+    program_run r;
+    write_scene_of(DIR "/auto.txt", "Integrator \"auto\"", "\"float Ks\" 0.9 \"float Kd\" 0 \"float exponent\" 5000");
+    program_expect(&r, 0, DIR "/auto.txt --spp 3000 --error 9 --nthreads 2 --stats - --outfile " DIR "/auto.exr");
+    assert_non_null(strstr(r.messages, "2 groups of materials"));
+    assert_true(json_is_valid(r.output));
+    assert_non_null(strstr(r.output, "\"group_relmse\""));
+    read_attribute(lines, sizeof lines, DIR "/auto.exr", "bis:auto");
+    write_scene_of(DIR "/fixed.txt", lines, "\"float Ks\" 0.9 \"float Kd\" 0 \"float exponent\" 5000");
+    program_expect(&r, 0, DIR "/fixed.txt --spp 3000 --error 9 --nthreads 1 --outfile " DIR "/fixed.exr");
+    assert_string_equal(r.messages, "");
+    assert_same_picture(DIR "/auto.exr", DIR "/fixed.exr", true);
+}
+
+/* The same lines where the clock says nothing; the twin: without them. */
+static void the_lines_of_exceptions_make_the_picture_again(void **state)
+{
+    (void)state;
+    const char *const general = "Integrator \"sir\" \"integer candidates\" 32 \"integer shadowrays\" 3";
+    char lines[4096], all[8192];
+    program_run r;
+    snprintf(all, sizeof all, "%s\nIntegrator \"mis\" \"float split\" 0.25 \"bool stratify\" true \"integer material\" 1\nIntegrator \"brdf\" \"integer material\" 0", general);
+    write_scene(DIR "/a.txt", all);
+    program_expect(&r, 0, DIR "/a.txt --outfile " DIR "/a.exr");
+    read_attribute(lines, sizeof lines, DIR "/a.exr", "exceptions");
+    snprintf(all, sizeof all, "%s\n%s", general, lines);
+    write_scene(DIR "/b.txt", all);
+    program_expect(&r, 0, DIR "/b.txt --outfile " DIR "/b.exr");
+    assert_string_equal(r.messages, "");
+    assert_same_picture(DIR "/a.exr", DIR "/b.exr", true);
+    write_scene(DIR "/b.txt", general);
+    program_expect(&r, 0, DIR "/b.txt --outfile " DIR "/b.exr");
+    assert_same_picture(DIR "/a.exr", DIR "/b.exr", false);
 }
 
 static void stats_tell_what_was_tried(void **state)
@@ -489,8 +741,17 @@ int main(void)
         cmocka_unit_test(without_noise_the_cheapest_is_chosen),
         cmocka_unit_test(a_thin_crop_is_chosen_for_too),
         cmocka_unit_test(every_failing_allocation_of_the_pilot_is_reported),
+        cmocka_unit_test(the_best_combination_is_that_of_one_price_for_all_groups),
+        cmocka_unit_test(what_groups_share_is_paid_once_and_another_setting_must_be_worth_it),
+        cmocka_unit_test(without_variance_the_cheapest_combination_is_chosen),
+        cmocka_unit_test(the_narrowness_of_a_lobe_is_that_of_its_formula),
+        cmocka_unit_test(like_materials_are_merged_and_small_ones_join_their_neighbours),
+        cmocka_unit_test(materials_that_differ_are_judged_by_themselves),
+        cmocka_unit_test(failing_allocations_of_a_pilot_of_two_materials_are_reported),
         cmocka_unit_test(a_footprint_of_nearly_nothing_is_the_centre_of_the_pixel),
         cmocka_unit_test(the_line_in_the_picture_makes_the_picture_again),
+        cmocka_unit_test(the_lines_for_two_materials_make_the_picture_again),
+        cmocka_unit_test(the_lines_of_exceptions_make_the_picture_again),
         cmocka_unit_test(stats_tell_what_was_tried),
         cmocka_unit_test(the_command_line_can_leave_it_open_and_take_it_back),
     };

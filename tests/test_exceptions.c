@@ -105,13 +105,47 @@ static void make_mixed(world *w, const bis_settings *a, const bis_settings *b, u
     w->desc.exceptions.of_material = of_material;
 }
 
-static void render_all_by(bis_film *film, const bis_settings *s, const bool *only, unsigned layers)
+static void render_all_by(bis_film *film, const bis_settings *s, unsigned layers)
 {
     world w;
     bis_render_result result;
     make_world(&w, &bis_sir);
     w.desc.settings = *s;
-    render_layers(film, &result, &w, whole, layers, &(bis_render_options){.budget = {.spp = 4}, .n_threads = 1, .only = only});
+    render_layers(film, &result, &w, whole, layers, &(bis_render_options){.budget = {.spp = 4}, .n_threads = 1});
+    clear_world(&w);
+}
+
+static rgb one_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s;
+    (void)pt;
+    (void)stream;
+    (void)scratch;
+    return (rgb){1, 1, 1};
+}
+
+static rgb zero_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s;
+    (void)pt;
+    (void)stream;
+    (void)scratch;
+    return (rgb){0, 0, 0};
+}
+
+static const bis_integrator one = {"one", "", no_light_needs, no_scratch, one_Lo};
+static const bis_integrator zero = {"zero", "", no_light_needs, no_scratch, zero_Lo};
+
+/* sum > 0 where a camera sample of the same seed meets material m. */
+static void render_places(bis_film *film, int m)
+{
+    const bis_settings yes = bis_settings_default(&one), no = bis_settings_default(&zero);
+    bis_render_result result;
+    unsigned char of_material[2];
+    world w;
+    make_mixed(&w, m == 0 ? &yes : &no, m == 1 ? &yes : &no, of_material);
+    w.desc.light.visible = false;
+    render(film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 4}, .n_threads = 1});
     clear_world(&w);
 }
 
@@ -121,7 +155,7 @@ static int differing(int *n, const bis_film *x, const bis_film *y, const bis_fil
     int d = 0;
     *n = 0;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        if (!(of->hits[i] > 0) || others->hits[i] > 0) continue;
+        if (!(of->sum[3 * i] > 0) || others->sum[3 * i] > 0) continue;
         ++*n;
         d += memcmp(x->sum + 3 * i, y->sum + 3 * i, 3 * sizeof *x->sum) != 0;
     }
@@ -133,15 +167,13 @@ static void each_material_looks_as_if_its_settings_were_those_of_all(void **stat
 {
     (void)state;
     const bis_settings s[2] = {sir_product(), mis_stratified()};
-    const bool floor_only[2] = {true, false}, ball_only[2] = {false, true};
     bis_film alone[2], mixed, shows[2];
     bis_render_result result;
     unsigned char of_material[2];
     world w;
     int n;
-    for (int i = 0; i < 2; i++) render_all_by(&alone[i], &s[i], NULL, 0);
-    render_all_by(&shows[0], &s[1], floor_only, 0);
-    render_all_by(&shows[1], &s[1], ball_only, 0);
+    for (int i = 0; i < 2; i++) render_all_by(&alone[i], &s[i], 0);
+    for (int i = 0; i < 2; i++) render_places(&shows[i], i);
     make_mixed(&w, &s[0], &s[1], of_material);
     render(&mixed, &result, &w, whole, &(bis_render_options){.budget = {.spp = 4}, .n_threads = 1});
     for (int i = 0; i < 2; i++) {
@@ -165,7 +197,7 @@ static void an_exception_with_the_same_settings_changes_no_bit(void **state)
     bis_render_result result;
     unsigned char of_material[2];
     world w;
-    render_all_by(&alone, &s, NULL, 0);
+    render_all_by(&alone, &s, 0);
     make_mixed(&w, &s, &s, of_material);
     render(&mixed, &result, &w, whole, &(bis_render_options){.budget = {.spp = 4}, .n_threads = 1});
     assert_same_bits(&alone, &mixed);
@@ -174,23 +206,41 @@ static void an_exception_with_the_same_settings_changes_no_bit(void **state)
     clear_world(&w);
 }
 
-/* Parts of a picture: what is masked is black and no hit, and the parts make up the whole. */
-static void pictures_of_single_materials_add_up_to_the_picture(void **state)
+static void a_meter_counts_the_points_of_each_group_and_changes_no_bit(void **state)
 {
     (void)state;
-    const bis_settings s = sir_product();
-    const bool masks[3][2] = {{true, false}, {false, true}, {false, false}};
-    bis_film all, part[3];
-    render_all_by(&all, &s, NULL, 0);
-    for (int i = 0; i < 3; i++) render_all_by(&part[i], &s, masks[i], 0);
+    const bis_settings s = sir_product(), dear = bis_settings_default(&bis_sir), cheap = bis_settings_default(&zero);
+    const unsigned char group[2] = {1, 0};
+    double seconds[2] = {0, 0}, hits = 0, places = 0;
+    uint64_t points[2] = {0, 0};
+    bis_meter meter = {group, seconds, points};
+    bis_film plain, metered, floor, other;
+    bis_render_result result;
+    unsigned char of_material[2];
+    world w;
+    render_all_by(&plain, &s, 0);
+    make_world(&w, &bis_sir);
+    w.desc.settings = s;
+    render(&metered, &result, &w, whole, &(bis_render_options){.budget = {.spp = 4}, .n_threads = 1, .meter = &meter});
+    assert_same_bits(&plain, &metered);
+    clear_world(&w);
+    render_places(&floor, 0);
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        assert_true(part[0].hits[i] + part[1].hits[i] == all.hits[i] && part[2].hits[i] == 0);
-        for (int k = 3 * i; k < 3 * i + 3; k++) { /* the background is in all three */
-            assert_true(fabs(part[0].sum[k] + part[1].sum[k] - part[2].sum[k] - all.sum[k]) <= 1e-12 * all.sum[k]);
-        }
+        hits += plain.hits[i];
+        places += floor.sum[3 * i];
     }
-    bis_film_clear(&all);
-    for (int i = 0; i < 3; i++) bis_film_clear(&part[i]);
+    assert_true((double)(points[0] + points[1]) == hits && (double)points[1] == places);
+    assert_true(seconds[0] > 0 && seconds[1] > 0);
+    /* The time is that of the group: of nothing on the floor, of 800 candidates on the ball. */
+    seconds[0] = seconds[1] = 0;
+    make_mixed(&w, &cheap, &dear, of_material);
+    render(&other, &result, &w, whole, &(bis_render_options){.budget = {.spp = 4}, .n_threads = 1, .meter = &meter});
+    assert_true(seconds[0] / (double)points[0] > 2 * seconds[1] / (double)points[1]);
+    bis_film_clear(&plain);
+    bis_film_clear(&metered);
+    bis_film_clear(&floor);
+    bis_film_clear(&other);
+    clear_world(&w);
 }
 
 static void threads_change_no_bit_of_a_mixed_picture(void **state)
@@ -215,22 +265,20 @@ static void layers_are_made_by_each_materials_own_method(void **state)
 {
     (void)state;
     const bis_settings s[2] = {sir_product(), mis_stratified()};
-    const bool floor_only[2] = {true, false}, ball_only[2] = {false, true};
     const unsigned layers = 1u << BIS_LAYER_UNOCCLUDED | 1u << BIS_LAYER_CANDIDATES;
     bis_film alone[2], mixed, shows[2];
     bis_render_result result;
     unsigned char of_material[2];
     world w;
     int n[2] = {0, 0};
-    for (int i = 0; i < 2; i++) render_all_by(&alone[i], &s[i], NULL, layers);
-    render_all_by(&shows[0], &s[1], floor_only, 0);
-    render_all_by(&shows[1], &s[1], ball_only, 0);
+    for (int i = 0; i < 2; i++) render_all_by(&alone[i], &s[i], layers);
+    for (int i = 0; i < 2; i++) render_places(&shows[i], i);
     make_mixed(&w, &s[0], &s[1], of_material);
     render_layers(&mixed, &result, &w, whole, layers, &(bis_render_options){.budget = {.spp = 4}, .n_threads = 1});
     const int v = mixed.layers.n_values;
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
-        if ((shows[0].hits[i] > 0) == (shows[1].hits[i] > 0)) continue;
-        const int m = shows[1].hits[i] > 0;
+        if ((shows[0].sum[3 * i] > 0) == (shows[1].sum[3 * i] > 0)) continue;
+        const int m = shows[1].sum[3 * i] > 0;
         assert_memory_equal(mixed.layers.sum + i * v, alone[m].layers.sum + i * v, (size_t)v * sizeof *mixed.layers.sum);
         n[m]++;
     }
@@ -248,8 +296,7 @@ static void layers_are_made_by_each_materials_own_method(void **state)
 static stat_moments errors_of(const bis_settings *a, const bis_settings *b, bool of_ball)
 {
     enum { RUNS = 10 };
-    const bool only[2] = {!of_ball, of_ball};
-    bis_settings exact = bis_settings_default(&bis_exact);
+    const bis_settings exact = bis_settings_default(&bis_exact), nothing = bis_settings_default(&zero);
     stat_moments m = {0};
     unsigned char of_material[2];
     world w;
@@ -258,11 +305,11 @@ static stat_moments errors_of(const bis_settings *a, const bis_settings *b, bool
         for (int i = 0; i < 2; i++) {
             bis_film film;
             bis_render_result result;
-            make_mixed(&w, i ? a : &exact, i ? b : &exact, of_material);
+            make_mixed(&w, of_ball ? &nothing : i ? a : &exact, of_ball ? i ? b : &exact : &nothing, of_material);
             w.desc.pixel_jitter = false;
             w.desc.light.visible = false;
             w.desc.sampler.seed = (uint64_t)(100 + 2 * run + i);
-            render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = i ? 4 : 1}, .n_threads = 1, .only = only});
+            render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = i ? 4 : 1}, .n_threads = 1});
             for (int k = 0; k < 3 * WIDTH * HEIGHT; k++) mean[i] += film.sum[k] / film.passes;
             bis_film_clear(&film);
             clear_world(&w);
@@ -397,7 +444,7 @@ int main(void)
         cmocka_unit_test(numbers_are_those_that_comparing_all_pairs_gives),
         cmocka_unit_test(each_material_looks_as_if_its_settings_were_those_of_all),
         cmocka_unit_test(an_exception_with_the_same_settings_changes_no_bit),
-        cmocka_unit_test(pictures_of_single_materials_add_up_to_the_picture),
+        cmocka_unit_test(a_meter_counts_the_points_of_each_group_and_changes_no_bit),
         cmocka_unit_test(threads_change_no_bit_of_a_mixed_picture),
         cmocka_unit_test(layers_are_made_by_each_materials_own_method),
         cmocka_unit_test(each_material_of_a_mixed_picture_is_unbiased),

@@ -27,11 +27,19 @@ typedef struct bis_forecast {
     double spp, seconds;
 } bis_forecast;
 
+/* Where the time goes: seconds[g] is raised by the processor seconds of shading points of materials of group g, by half
+ * of what reading the clock takes, twice for each point; points[g] by their number. */
+typedef struct bis_meter {
+    const unsigned char *group; /* group[desc->n_materials] */
+    double *seconds;
+    uint64_t *points;
+} bis_meter;
+
 typedef struct bis_render_options {
     bis_budget budget;
     int n_threads;                             /* 0: all */
     double footprint;                          /* share of a pixel's width, about its centre, that camera rays pass through; 0: all of it. 1/k: a film k times smaller sees every k-th pixel */
-    const bool *only;                          /* only[desc->n_materials]: surfaces of the others are black and count as no hit; NULL: all are shown */
+    bis_meter *meter;                          /* of one thread (n_threads is 1); NULL: nothing is measured */
     const volatile sig_atomic_t *interrupted;  /* set by a signal handler: stop soon; NULL: never */
     void (*progress)(const bis_progress *p, void *user); /* called from one thread, a few times a second; may be NULL */
     void (*forecast)(const bis_forecast *f, void *user); /* called once, unless the pilot is enough or there is no error budget; may be NULL */
