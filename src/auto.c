@@ -83,7 +83,14 @@ double bis_auto_variance_of_all(const bis_auto_report *r, int i)
     return sum;
 }
 
-enum { ALL = -1 };
+enum { ALL = BIS_AUTO_ALL };
+
+bool bis_auto_suits(const bis_auto_report *r, int g, int i)
+{
+    const unsigned all = (1u << r->n_groups) - 1, wanted = g == ALL ? all : 1u << g;
+
+    return (r->tried[i].groups & wanted) == wanted;
+}
 
 /* Of group g's part, or of ALL. The smaller the group, the less was seen of it. */
 static double variance_of(const bis_auto_report *r, int g, int i)
@@ -104,8 +111,6 @@ static double product(const bis_auto_pilot *p, int g, int i)
     return cost * variance_of(r, g, i);
 }
 
-static bool takes_part(const bis_auto_pilot *p, int g, int f);
-
 /* Of the family, or of all with -1; -1: none was tried. Without any noise the cheapest. */
 static int best_of(const bis_auto_pilot *p, int g, int of_family)
 {
@@ -113,7 +118,7 @@ static int best_of(const bis_auto_pilot *p, int g, int of_family)
 
     for (int i = 0; i < p->report->n_tried; i++) {
         const int f = p->trials[i].family;
-        if ((of_family >= 0 && f != of_family) || !takes_part(p, g, f)) continue;
+        if ((of_family >= 0 && f != of_family) || !bis_auto_suits(p->report, g, i)) continue;
         const double d = best < 0 ? -1 : product(p, g, i) - product(p, g, best);
         if (d < 0 || (d == 0 && bis_auto_cost_of_all(p->report, i) < bis_auto_cost_of_all(p->report, best))) best = i;
     }
@@ -130,7 +135,7 @@ static void choose(bis_auto_pilot *p)
     for (int g = 0; g < r->n_groups; g++) {
         offers[g] = offer[g];
         for (int i = 0; i < r->n_tried; i++) {
-            if (!takes_part(p, g, p->trials[i].family)) continue;
+            if (!bis_auto_suits(r, g, i)) continue;
             offer[g][n[g]++] = (bis_auto_offer){.id = i, .fill = r->tried[i].fill, .cost = r->tried[i].cost[g], .variance = variance_of(r, g, i)};
         }
     }
@@ -154,29 +159,35 @@ static bis_settings settings_of(const bis_auto_pilot *p, int f, uint32_t M, uint
     return s;
 }
 
-static bis_status try(bis_auto_pilot *p, int f, uint32_t M, uint32_t N, int wanted, bis_diag *diag)
-{
-    const bis_settings s = settings_of(p, f, M, N);
-
-    return bis_auto_pilot_add(p, f, &s, wanted, diag);
-}
-
 /* What a pilot cannot judge is left out: `em` sees a lobe, and `brdf` a lamp, so rarely that a few thousand samples
  * may tell nothing of it (with n = 10 in a hall of small lamps the pilot finds `brdf` 1.5 times as slow as the best;
  * it is 50 to 300 times). So em is for diffuse surfaces, where no sample is worth much more than another, and brdf
  * for a constant light. mis and sir are bounded by the better of the two everywhere. Under a constant light the
  * product is the mixture. */
-static bool takes_part(const bis_auto_pilot *p, int g, int f)
+static bool is_safe(const bis_auto_pilot *p, int g, int f)
 {
     const bool constant = bis_light_is_constant(p->scene->light);
-    bool diffuse = true;
 
-    for (int h = 0; h < p->report->n_groups; h++)
-        if (g == ALL || g == h) diffuse &= p->diffuse[h];
     if (p->base.only_sir && families[f].integrator != &bis_sir) return false;
-    if (families[f].integrator == &bis_em) return !constant && diffuse;
+    if (families[f].integrator == &bis_em) return !constant && p->diffuse[g];
     if (families[f].integrator == &bis_brdf) return constant;
     return !(constant && families[f].proposal == BIS_PROPOSAL_PRODUCT);
+}
+
+static unsigned groups_for(const bis_auto_pilot *p, int f)
+{
+    unsigned groups = 0;
+
+    for (int g = 0; g < p->report->n_groups; g++)
+        if (is_safe(p, g, f)) groups |= 1u << g;
+    return groups;
+}
+
+static bis_status try(bis_auto_pilot *p, int f, uint32_t M, uint32_t N, int wanted, bis_diag *diag)
+{
+    const bis_settings s = settings_of(p, f, M, N);
+
+    return bis_auto_pilot_add(p, f, groups_for(p, f), &s, wanted, diag);
 }
 
 static bis_status try_first(bis_auto_pilot *p, bis_diag *diag)
@@ -184,9 +195,7 @@ static bis_status try_first(bis_auto_pilot *p, bis_diag *diag)
     bis_status status = BIS_OK;
 
     for (int f = 0; f < N_FAMILIES; f++) {
-        bool is_wanted = false;
-        for (int g = 0; g < p->report->n_groups; g++) is_wanted |= takes_part(p, g, f);
-        if (!is_wanted) continue;
+        if (!groups_for(p, f)) continue;
         if (p->is_quick && !status) status = try(p, f, families[f].quick.M, families[f].quick.N, REPLICATES, diag);
         for (int k = 0; !p->is_quick && k < 4 && families[f].first[k].N && !status; k++) {
             status = try(p, f, families[f].first[k].M, families[f].first[k].N, REPLICATES, diag);

@@ -13,6 +13,7 @@ enum { BIS_AUTO_MOST_TRIED = 24 };
  * variance, both summed over groups of materials. */
 typedef struct bis_auto_tried {
     bis_settings settings;
+    unsigned groups;  /* bit g: it may be chosen for group g; a pilot cannot judge it for the others */
     int replicates;   /* that it took part in: the more, the longer it was among the best */
     double fill;      /* processor seconds of a pass, however small the picture: once for all groups that have these settings */
     double cost[BIS_AUTO_MOST_GROUPS];     /* those that the group's points add to a pass of the full picture */
@@ -33,6 +34,10 @@ typedef struct bis_auto_report {
     int width, height, passes; /* the pilot's film, and passes of each replicate */
     double seconds;
 } bis_auto_report;
+
+/* May the i-th setting be chosen for group g (BIS_AUTO_ALL: for all together)? */
+enum { BIS_AUTO_ALL = -1 };
+bool bis_auto_suits(const bis_auto_report *r, int g, int i);
 
 /* Sums over the groups: with the i-th setting for all. */
 double bis_auto_cost_of_all(const bis_auto_report *r, int i);

@@ -138,7 +138,7 @@ bis_status bis_auto_pilot_run(bis_auto_pilot *p, bis_diag *diag)
 
 /* ---- what is tried ---- */
 
-bis_status bis_auto_pilot_add(bis_auto_pilot *p, int family, const bis_settings *s, int wanted, bis_diag *diag)
+bis_status bis_auto_pilot_add(bis_auto_pilot *p, int family, unsigned groups, const bis_settings *s, int wanted, bis_diag *diag)
 {
     const int i = p->report->n_tried;
     bis_auto_trial *t = &p->trials[i];
@@ -148,7 +148,7 @@ bis_status bis_auto_pilot_add(bis_auto_pilot *p, int family, const bis_settings 
     for (int g = 0; g < MOST_GROUPS; g++) t->shading[g] = (double)INFINITY;
     t->sum = bis_alloc(3 * p->n_pixels, sizeof *t->sum);
     t->squares = bis_alloc(3 * p->n_pixels, sizeof *t->squares);
-    p->report->tried[i] = (bis_auto_tried){.settings = *s};
+    p->report->tried[i] = (bis_auto_tried){.settings = *s, .groups = groups};
     p->report->n_tried++;
     return t->sum && t->squares ? BIS_OK : bis_auto_no_memory(&p->desc, diag);
 }
@@ -209,23 +209,27 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The mean of all that was rendered, each setting weighted by 1/variance as known so far. */
+static int group_of(const bis_auto_pilot *p, size_t pixel) { return p->shows ? p->shows[pixel] : 0; }
+
+/* The mean of all that was rendered, each setting weighted by 1/variance as known so far; 0 where it cannot be judged. */
 static void make_picture(bis_auto_pilot *p)
 {
     const bis_auto_report *r = p->report;
-    double weight[BIS_AUTO_MOST_TRIED], total = 0;
+    double weight[MOST_GROUPS][BIS_AUTO_MOST_TRIED] = {{0}};
 
-    for (int i = 0; i < r->n_tried; i++) {
-        const bis_auto_tried *t = &r->tried[i];
-        const double variance = bis_auto_variance_of_all(r, i);
-        weight[i] = variance > 0 ? t->replicates / variance : t->replicates;
-        total += weight[i];
+    for (int g = 0; g < r->n_groups; g++) {
+        double total = 0;
+        for (int i = 0; i < r->n_tried; i++) {
+            const bis_auto_tried *t = &r->tried[i];
+            if (bis_auto_suits(r, g, i)) weight[g][i] = t->variance[g] > 0 ? t->replicates / t->variance[g] : t->replicates;
+            total += weight[g][i];
+        }
+        for (int i = 0; i < r->n_tried; i++) weight[g][i] /= total * r->tried[i].replicates;
     }
     for (size_t k = 0; k < 3 * p->n_pixels; k++) {
+        const double *w = weight[group_of(p, k / 3)];
         p->picture[k] = 0;
-        for (int i = 0; i < r->n_tried; i++) {
-            p->picture[k] += weight[i] / total * p->trials[i].sum[k] / r->tried[i].replicates;
-        }
+        for (int i = 0; i < r->n_tried; i++) p->picture[k] += w[i] * p->trials[i].sum[k];
     }
 }
 
@@ -262,7 +266,8 @@ static void measure_variances(bis_auto_pilot *p, int i, double floor)
 
     for (size_t k = 0; k < 3 * p->n_pixels; k++) {
         if (!p->shaded[k / 3]) continue;
-        const size_t c = bis_hash(k / 3) % CELLS, g = p->shows ? p->shows[k / 3] : 0;
+        const size_t c = bis_hash(k / 3) % CELLS;
+        const int g = group_of(p, k / 3);
         /* fmax: rounding, where all are equal */
         const double scatter = fmax(0, t->squares[k] - t->sum[k] * t->sum[k] / n) / (n - 1);
         members[g][c]++;

@@ -42,9 +42,9 @@ bool bis_auto_is_interrupted(const bis_auto_pilot *p);
 bis_status bis_auto_pilot_start(bis_auto_pilot *p, bis_diag *diag);
 void bis_auto_pilot_clear(bis_auto_pilot *p);
 
-/* Put a setting on the list, with so many replicates wanted. The first of all is the one that tells which pixels show a
+/* Put a setting on the list, for a set of groups, with so many replicates wanted. The first of all is the one that tells which pixels show a
  * surface. */
-bis_status bis_auto_pilot_add(bis_auto_pilot *p, int family, const bis_settings *s, int wanted, bis_diag *diag);
+bis_status bis_auto_pilot_add(bis_auto_pilot *p, int family, unsigned groups, const bis_settings *s, int wanted, bis_diag *diag);
 
 /* All replicates that are wanted, by all threads. */
 bis_status bis_auto_pilot_run(bis_auto_pilot *p, bis_diag *diag);

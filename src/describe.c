@@ -180,8 +180,11 @@ static bool same_method(const bis_settings *a, const bis_settings *b)
     return a->integrator == b->integrator && (a->integrator != &bis_sir || a->proposal == b->proposal);
 }
 
-/* Cost x variance with the i-th setting for all. */
-static double uniform_product(const bis_auto_report *r, int i) { return bis_auto_cost_of_all(r, i) * bis_auto_variance_of_all(r, i); }
+/* Cost x variance with the i-th setting for all; infinity: it is not for all. */
+static double uniform_product(const bis_auto_report *r, int i)
+{
+    return bis_auto_suits(r, BIS_AUTO_ALL, i) ? bis_auto_cost_of_all(r, i) * bis_auto_variance_of_all(r, i) : (double)INFINITY;
+}
 
 static double chosen_product(const bis_auto_report *r)
 {
@@ -254,7 +257,7 @@ const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *
     for (int i = 0, n = 0; i < r->n_tried && chosen > 0; i++) {
         const bis_settings *s = &r->tried[i].settings;
         const double own = uniform_product(r, i);
-        if (same_method(s, &d->settings) || own > best_uniform(r, s)) continue;
+        if (same_method(s, &d->settings) || !isfinite(own) || own > best_uniform(r, s)) continue;
         append(line, "%s%s%s%s%s %.2g", separator, n++ ? "" : "the best of ", s->integrator->name, s->integrator == &bis_sir ? " " : "",
                s->integrator == &bis_sir ? bis_proposal_name(s->proposal) : "", own / chosen);
         separator = ", ";
