@@ -3,6 +3,7 @@
 # (scripts/bench_auto.c).
 #     scripts/bench_auto.sh BUILD_DIR [SCENE...]        default: data/scenes' main ones, scene.txt, and real meshes and
 #     maps where BIS_SHARED has them
+#     SPP=200 scripts/bench_auto.sh ...     choose as for renders of 200 camera samples a pixel (default: the scene's)
 # Prints, for each scene, "auto SCENE mis-seconds S to-best LEAST MEDIAN MOST to-mis LEAST MEDIAN MOST"; everything
 # measured is kept in build/bench/auto.
 set -eu
@@ -49,6 +50,6 @@ if [ -z "$scenes" ]; then
     real armadillo-uffizi-diffuse "$armadillo" uffizi_latlong_1200x600.hdr armadillo_86k.ply "$diffuse"
 fi
 for s in $scenes; do
-    OMP_NUM_THREADS=1 "$build/bench_auto" 3000 "$s" > "$out/$(basename "$s").csv"
+    OMP_NUM_THREADS=1 "$build/bench_auto" 3000 "$s" ${SPP:+"$SPP"} > "$out/$(basename "$s").csv"
     grep '^auto' "$out/$(basename "$s").csv"
 done
