@@ -1,6 +1,6 @@
 /* bench_auto: is what Integrator "auto" chooses as good as the best of a sweep? For scripts/bench_auto.sh.
  *
- *     bench_auto PIXELS SCENE [SPP]
+ *     bench_auto PIXELS SCENE [SPP [one]]
  *
  * Renders about PIXELS of the scene's pixels, every k-th, with each of the fixed settings of `table`, then lets auto
  * choose seven times (seven seeds, each pilot as for the whole picture) and renders with what it has chosen. One
@@ -56,6 +56,7 @@ typedef struct job {
     int full_width, full_height, width, height;
     double footprint;
     uint32_t spp; /* of the render that the choice is for */
+    bool one;     /* all materials are taken for one */
     bool *shaded; /* [pixels]: shows a surface */
     measured of[MOST];
     int n;
@@ -164,9 +165,17 @@ static bis_auto_report choose(job *j, uint64_t seed, double *seconds)
     j->desc->film.height = j->full_height;
     j->desc->settings = bis_settings_default(&bis_auto);
     j->desc->sampler.seed = seed;
+    bis_shape_desc *shapes = j->desc->shapes, *alike = bis_alloc(j->desc->n_shapes, sizeof *alike);
+    for (size_t i = 0; i < j->desc->n_shapes; i++) {
+        alike[i] = shapes[i];
+        if (j->one) alike[i].material = shapes[0].material;
+    }
+    j->desc->shapes = alike; /* the scene itself is built */
     const double start = clock_now();
     check(bis_auto_choose(&report, j->scene, j->desc, &options, &diag), &diag);
     *seconds = clock_now() - start;
+    j->desc->shapes = shapes;
+    bis_free(alike);
     j->desc->film = shrunk;
     return report;
 }
@@ -245,13 +254,14 @@ int main(int argc, char **argv)
     int chosen[CHOICES];
     double pilot[CHOICES], to_best[CHOICES], to_mis[CHOICES], best = (double)INFINITY, mis = (double)INFINITY, mis_seconds[CHOICES];
 
-    if (argc != 3 && argc != 4) {
-        fprintf(stderr, "usage: bench_auto PIXELS SCENE [SPP]\n");
+    if (argc < 3 || argc > 5) {
+        fprintf(stderr, "usage: bench_auto PIXELS SCENE [SPP [one]]\n");
         return 2;
     }
     j.name = strrchr(argv[2], '/') ? strrchr(argv[2], '/') + 1 : argv[2];
     check(bis_scene_parse(&j.desc, argv[2], &diag), &diag);
     j.spp = argc > 3 ? (uint32_t)strtoul(argv[3], NULL, 10) : j.desc->sampler.spp;
+    j.one = argc > 4;
     j.full_width = j.desc->film.width;
     j.full_height = j.desc->film.height;
     j.footprint = fmin(1, sqrt(atof(argv[1]) / ((double)j.full_width * j.full_height)));

@@ -5,13 +5,16 @@
  * (auto_pilot.c). Where materials differ they are sorted into at most four groups of like ones (auto_groups.c), and cost
  * and variance are known for each group. Three rounds: two replicates of each setting; two more for the families (em or
  * brdf where they are safe, mis, sir by mixture, sir by product) whose best is within `behind` of the best of all, for
- * some group or all together; then cost and variance of such families are fitted, the M and N that minimise the whole
- * picture's product (auto_fit.c) are tried, too, and of all combinations of a setting for each group the least measured
- * product wins (auto_choose.c): the fit proposes, the measurement decides.
+ * all together or, where several settings look `promising`, for some group (`behind_alone`); then cost and variance of
+ * such families are fitted, the M and N that minimise the whole picture's product (auto_fit.c) are tried, too, and of
+ * all combinations of a setting for each group the least measured product wins (auto_choose.c): the fit proposes, the
+ * measurement decides.
  *
  * The variance is biased low for a method whose error is in fewer than about one sample in a thousand, which no pilot
  * can tell from a good one; hence `unseen`, by which all is multiplied that comes from mis or em. And who looks for the
- * least of many figures finds one that came out too low: each setting beyond the first must be worth `dearer`.
+ * least of many figures finds one that came out too low: with four groups that is worse than what there is to gain (on
+ * scene.txt the combinations of least product took 1.01 to 1.2 times as long as a good single one). So several settings are
+ * taken only where their gain over the best one is beyond two standard errors.
  *
  * Renders too short for the fit get one setting for all, from three. "learn" is not tried: it needs more passes than a
  * pilot has. */
@@ -49,7 +52,7 @@ static const family families[N_FAMILIES] = {
     {&bis_sir, BIS_PROPOSAL_PRODUCT, {16, 512, 2, 64}, {{32, 4}, {64, 16}, {192, 6}}, {64, 16}},
 };
 
-static const double behind = 2;
+static const double behind = 2, behind_alone = 1.4;
 static const double share_of_time = 0.04;
 
 /* The pilot's camera samples: with fewer, M and N are not fitted (some five seconds of rendering are then to come,
@@ -63,7 +66,11 @@ static const double share_of_time_quick = 0.015, least_samples_quick = 8e3, most
  * is known. */
 static const double expected_renders = 36, expected_renders_quick = 6, samples_a_second = 2e5;
 
+/* What a setting beyond the first must save: another pool in the caches is a cost that nobody has measured. */
 static const double dearer = 1.03;
+
+/* A gain that is worth some more renders for the sake of single groups. */
+static const double promising = 1.1;
 
 /* ---- what is best ---- */
 
@@ -125,12 +132,47 @@ static int best_of(const bis_auto_pilot *p, int g, int of_family)
     return best;
 }
 
+/* log of the product of the picture with one setting for all over that with one for each group, which of pixels counts
+ * all cells but `left_out` (-1: all). */
+static double log_gain(const bis_auto_pilot *p, int uniform, const int *chosen, int left_out)
+{
+    const bis_auto_report *r = p->report;
+    double cost = r->common, variance[2] = {0, 0};
+
+    for (int g = 0; g < r->n_groups; g++) {
+        bool is_new = true;
+        for (int h = 0; h < g; h++) is_new &= chosen[h] != chosen[g];
+        cost += r->tried[chosen[g]].cost[g] + (is_new ? r->tried[chosen[g]].fill : 0);
+        for (int c = 0; c < BIS_AUTO_CELLS; c++) {
+            if (c == left_out) continue;
+            variance[0] += p->trials[uniform].cell[g][c];
+            variance[1] += p->trials[chosen[g]].cell[g][c];
+        }
+    }
+    if (!(variance[0] > 0 && variance[1] > 0)) return 0; /* no noise, nothing to gain */
+    return log(bis_auto_cost_of_all(r, uniform) * variance[0] / (cost * variance[1]));
+}
+
+/* Is the gain beyond two standard errors, by the jackknife over cells? The other errors are in common: of the same pixels
+ * and, nearly, the same costs. */
+static bool is_sure(const bis_auto_pilot *p, int uniform, const int *chosen)
+{
+    const int n = BIS_AUTO_CELLS;
+    double gain[BIS_AUTO_CELLS], mean = 0, squares = 0;
+
+    for (int c = 0; c < n; c++) mean += gain[c] = log_gain(p, uniform, chosen, c);
+    mean /= n;
+    for (int c = 0; c < n; c++) squares += (gain[c] - mean) * (gain[c] - mean);
+    return mean > log(dearer) + 2 * sqrt(squares * (n - 1) / n);
+}
+
 static void choose(bis_auto_pilot *p)
 {
     bis_auto_offer offer[BIS_AUTO_MOST_GROUPS][BIS_AUTO_MOST_TRIED];
     const bis_auto_offer *offers[BIS_AUTO_MOST_GROUPS];
-    int n[BIS_AUTO_MOST_GROUPS] = {0}, chosen[BIS_AUTO_MOST_GROUPS];
+    int n[BIS_AUTO_MOST_GROUPS] = {0}, best[BIS_AUTO_MOST_GROUPS], chosen[BIS_AUTO_MOST_GROUPS];
     bis_auto_report *r = p->report;
+    const int uniform = best_of(p, ALL, -1);
 
     for (int g = 0; g < r->n_groups; g++) {
         offers[g] = offer[g];
@@ -139,8 +181,11 @@ static void choose(bis_auto_pilot *p)
             offer[g][n[g]++] = (bis_auto_offer){.id = i, .fill = r->tried[i].fill, .cost = r->tried[i].cost[g], .variance = variance_of(r, g, i)};
         }
     }
-    bis_auto_combine(chosen, offers, n, r->n_groups, r->common, dearer);
-    for (int g = 0; g < r->n_groups; g++) r->chosen[g] = offer[g][chosen[g]].id;
+    bis_auto_combine(best, offers, n, r->n_groups, r->common, dearer);
+    for (int g = 0; g < r->n_groups; g++) chosen[g] = offer[g][best[g]].id;
+    p->is_mixed = log_gain(p, uniform, chosen, -1) > log(promising);
+    const bool is_taken = r->n_groups > 1 && is_sure(p, uniform, chosen);
+    for (int g = 0; g < r->n_groups; g++) r->chosen[g] = is_taken ? chosen[g] : uniform;
     r->is_chosen = true;
 }
 
@@ -209,14 +254,14 @@ static bool is_alive(const bis_auto_pilot *p, int g, int f)
 {
     const int own = best_of(p, g, f);
 
-    return own >= 0 && product(p, g, own) <= behind * product(p, g, best_of(p, g, -1));
+    return own >= 0 && product(p, g, own) <= (g == ALL ? behind : behind_alone) * product(p, g, best_of(p, g, -1));
 }
 
 static void want_more(bis_auto_pilot *p)
 {
     for (int i = 0; i < p->report->n_tried; i++) {
         bool alive = is_alive(p, ALL, p->trials[i].family);
-        for (int g = 0; g < p->report->n_groups; g++) alive |= is_alive(p, g, p->trials[i].family);
+        for (int g = 0; g < p->report->n_groups && p->is_mixed; g++) alive |= is_alive(p, g, p->trials[i].family);
         p->trials[i].wanted = alive ? REPLICATES : 0;
     }
 }
@@ -273,8 +318,8 @@ static bis_status try_optima(bis_auto_pilot *p, bis_diag *diag)
     for (int f = 0; f < N_FAMILIES; f++) alive[f] = is_alive(p, ALL, f);
     for (int f = 0; f < N_FAMILIES && !status; f++)
         if (alive[f] && fitted_optimum(p, ALL, f, &M, &N) && !is_known(p, f, M, N)) status = try(p, f, M, N, 2 * REPLICATES, diag);
-    for (int g = 0; g < n_groups && n_groups > 1 && !status; g++) {
-        const int f = p->trials[p->report->chosen[g]].family;
+    for (int g = 0; g < n_groups && p->is_mixed && !status; g++) {
+        const int f = p->trials[best_of(p, g, -1)].family;
         if (fitted_optimum(p, g, f, &M, &N) && !is_known(p, f, M, N)) status = try(p, f, M, N, 2 * REPLICATES, diag);
     }
     return status ? status : bis_auto_pilot_run(p, diag);

@@ -30,8 +30,9 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { CELLS = 9, MOST_GROUPS = BIS_AUTO_MOST_GROUPS };
+enum { CELLS = BIS_AUTO_CELLS, MOST_GROUPS = BIS_AUTO_MOST_GROUPS };
 
 static const uint64_t purpose_pilot = 0x70696c6f74; /* "pilot" */
 
@@ -260,7 +261,7 @@ static double forgiving_mean(double *cell, int n)
 static void measure_variances(bis_auto_pilot *p, int i, double floor)
 {
     const double n = p->report->tried[i].replicates;
-    const bis_auto_trial *t = &p->trials[i];
+    bis_auto_trial *t = &p->trials[i];
     double cell[MOST_GROUPS][CELLS] = {{0}};
     size_t members[MOST_GROUPS][CELLS] = {{0}}, of_group[MOST_GROUPS] = {0}, all = 0;
 
@@ -276,6 +277,7 @@ static void measure_variances(bis_auto_pilot *p, int i, double floor)
         /* without a floor all is black */
         if (scatter > 0) cell[g][c] += scatter / (p->picture[k] * p->picture[k] + floor);
     }
+    memcpy(t->cell, cell, sizeof t->cell);
     for (int g = 0; g < p->report->n_groups; g++) {
         int filled = 0;
         for (int c = 0; c < CELLS; c++)

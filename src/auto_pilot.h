@@ -4,8 +4,8 @@
 
 #include "auto.h"
 
-/* In all; half of them in each of the first two rounds. */
-enum { BIS_AUTO_REPLICATES = 4 };
+/* Replicates in all, half of them in each of the first two rounds; cells of pixels. */
+enum { BIS_AUTO_REPLICATES = 4, BIS_AUTO_CELLS = 9 };
 
 /* What the report does not tell of a setting. */
 typedef struct bis_auto_trial {
@@ -14,6 +14,7 @@ typedef struct bis_auto_trial {
     double *sum, *squares; /* [pixels][3] over replicates */
     double seconds, fill;  /* of a replicate, the least so far: the pilot's film, and a film of one pixel */
     double shading[BIS_AUTO_MOST_GROUPS]; /* seconds, the least so far; with several groups */
+    double cell[BIS_AUTO_MOST_GROUPS][BIS_AUTO_CELLS]; /* what each cell of pixels adds to the relMSE, up to a factor: nothing is forgiven here */
 } bis_auto_trial;
 
 typedef struct bis_auto_pilot {
@@ -31,6 +32,7 @@ typedef struct bis_auto_pilot {
     unsigned char *shows; /* [n_pixels] the group; NULL: there is one */
     double reading;      /* seconds that reading the clock takes */
     bool diffuse[BIS_AUTO_MOST_GROUPS];
+    bool is_mixed;       /* different settings look promising */
     bis_auto_trial trials[BIS_AUTO_MOST_TRIED];
     bis_auto_report *report;
 } bis_auto_pilot;
