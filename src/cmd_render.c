@@ -12,6 +12,7 @@
 #include "cli.h"
 #include "describe.h"
 
+#include <float.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -457,7 +458,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
                          bis_diag *diag)
 {
     bool show = !o->quiet && isatty(STDERR_FILENO);
-    const bis_render_options options = {
+    bis_render_options options = {
         .budget = {.spp = (uint32_t)o->spp, .seconds = o->seconds, .error = o->error},
         .n_threads = (int)o->threads,
         .interrupted = &signal_caught,
@@ -467,6 +468,8 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     };
     catch_signals();
     bis_status status = bis_auto_is_wanted(&desc->settings) ? choose(choice, scene, desc, &options, o->quiet, diag) : BIS_OK;
+    /* the pilot's time is the user's: 0 would be no limit */
+    if (o->seconds > 0) options.budget.seconds = fmax(o->seconds - choice->seconds, DBL_MIN);
     if (!status) status = bis_render(result, film, scene, desc, &options, diag);
     if (show) fputs("\r\033[K", stderr);
     if (!status && o->error > 0 && !(result->error_bound <= o->error)) {

@@ -722,6 +722,17 @@ static void the_command_line_can_leave_it_open_and_take_it_back(void **state)
     program_expect(&r, 2, DIR "/auto.txt");
 }
 
+/* Twin: a limit of 0 would be none, and the scene's many passes would follow. */
+static void a_pilot_that_takes_all_the_time_leaves_one_pass(void **state)
+{
+    (void)state;
+    char value[64];
+    program_run r;
+    write_scene(DIR "/auto.txt", "Integrator \"auto\"");
+    program_expect(&r, 0, DIR "/auto.txt --quiet --time 1e-9 --stats - --outfile " DIR "/auto.exr");
+    assert_string_equal(json_value(value, sizeof value, r.output, "spp"), "1");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -754,6 +765,7 @@ int main(void)
         cmocka_unit_test(the_lines_of_exceptions_make_the_picture_again),
         cmocka_unit_test(stats_tell_what_was_tried),
         cmocka_unit_test(the_command_line_can_leave_it_open_and_take_it_back),
+        cmocka_unit_test(a_pilot_that_takes_all_the_time_leaves_one_pass),
     };
     program_folder(DIR);
     return cmocka_run_group_tests(tests, NULL, NULL);
