@@ -42,6 +42,7 @@ typedef struct bis_trade_setting {
     bool is_biased, is_scenes; /* by its claim; the scene's own setting */
     bool is_swept;             /* else only a candidate for the reference */
     double pass_seconds;       /* of one pass of the sweep's size, from the pilot */
+    double fill_seconds;       /* of these, what a pass of any size takes: pools, clusters */
     double pass_relmse;        /* estimated by the pilot from the scatter of passes; NAN: not known */
     int levels;                /* budgets 1 ... 2^(levels-1) passes; 0: one pass is too slow for this plan */
 } bis_trade_setting;

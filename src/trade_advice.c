@@ -5,7 +5,7 @@
  * the root law, error ~ seconds^-1/2 (errata.md E9), which is said wherever such a figure is shown. A biased one has a
  * floor that nobody has seen: no figure. Below one pass there is no picture. For the advice passes are counted, since a
  * render has whole ones: the fewest that reach the error by cost x variance, of whatever setting needs the least time
- * for them, standard error added, times the pixels of the full picture. Half of a pixel's value will do for a preview,
+ * for them, standard error added, in the full picture. Half of a pixel's value will do for a preview,
  * and 5% for the eye. */
 #include "trade.h"
 
@@ -93,13 +93,21 @@ int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP])
 
 /* ---- advice ---- */
 
+/* Of a pass of the full picture: what any pass takes, and the rest in proportion to the pixels. */
+static double full_pass_seconds(const bis_trade *t, int setting)
+{
+    const bis_trade_plan *plan = &t->plan;
+    const double pixels = (double)plan->full_width * plan->full_height / ((double)plan->width * plan->height);
+    const double pass = t->result.curves[setting].pass_seconds, fill = fmin(plan->settings[setting].fill_seconds, pass);
+
+    return fill + (pass - fill) * pixels;
+}
+
 /* The least time in which a setting has the error, in whole passes: cost x variance is what an error costs, whatever
  * the budget. */
 static bis_trade_advice advice_of(const bis_trade *t, int setting, const char *purpose, double error)
 {
-    const bis_trade_plan *plan = &t->plan;
     const bis_trade_curve *c = &t->result.curves[setting];
-    const double pixels = (double)plan->full_width * plan->full_height / ((double)plan->width * plan->height);
     const double variance = fmax(0, c->cost_variance) / c->pass_seconds, passes = fmax(1, ceil(variance / (error * error)));
 
     return (bis_trade_advice){
@@ -107,7 +115,7 @@ static bis_trade_advice advice_of(const bis_trade *t, int setting, const char *p
         .error = error,
         .setting = passes < 1e9 ? setting : -1,
         .passes = (uint32_t)fmin(passes, 1e9),
-        .seconds = passes * c->pass_seconds * pixels,
+        .seconds = passes * full_pass_seconds(t, setting),
         .expected_error = sqrt(variance / passes),
         .is_extrapolated = passes > t->result.points[c->first + c->n - 1].passes,
     };

@@ -105,7 +105,7 @@ bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag)
 {
     bis_trade_plan *p = &t->plan;
     bis_outfile *file;
-    char path[4096], a[32], b[32];
+    char path[4096], a[32], b[32], c[32];
 
     bis_status status = fingerprint(&p->fingerprint, t, diag);
     if (!status) status = bis_outfile_open(&file, bis_trade_path(path, t, "plan.txt"), diag);
@@ -120,7 +120,7 @@ bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag)
     for (int i = 0; i < p->n_settings; i++) {
         const bis_trade_setting *s = &p->settings[i];
         if (!s->is_swept) continue;
-        fprintf(out, "setting %d %s %s %s\n", s->levels, bis_format_double(a, s->pass_seconds), bis_format_double(b, s->pass_relmse), s->name);
+        fprintf(out, "setting %d %s %s %s %s\n", s->levels, bis_format_double(a, s->pass_seconds), bis_format_double(b, s->fill_seconds), bis_format_double(c, s->pass_relmse), s->name);
     }
     return bis_outfile_commit(file, diag);
 }
@@ -158,13 +158,14 @@ static bool read_setting_line(bis_trade_plan *p, const char *s)
     const char *end;
 
     if (!read_count(&s, 0, BIS_TRADE_LEVELS, &levels)) return false;
-    const double seconds = read_number(&s, 0, 1e9), relmse = bis_parse_double(s, &end);
-    if (!(seconds > 0) || *end != ' ') return false;
+    const double seconds = read_number(&s, 0, 1e9), fill = read_number(&s, 0, 1e9), relmse = bis_parse_double(s, &end);
+    if (!(seconds > 0) || isnan(fill) || *end != ' ') return false;
     const int i = bis_trade_find_setting(p, end + 1);
     if (i < 0) return false;
     p->settings[i].is_swept = true;
     p->settings[i].levels = levels;
     p->settings[i].pass_seconds = seconds;
+    p->settings[i].fill_seconds = fill;
     p->settings[i].pass_relmse = relmse;
     return true;
 }

@@ -51,6 +51,17 @@ static void shrunk_size(const bis_trade *t, double pixels, int *width, int *heig
 
 static double pixels_of(const bis_trade *t, int width, int height) { return fmax(1, crop_area(t) * width * height); }
 
+/* What a pass costs whatever its size: that of a single pixel. */
+static bis_status pilot_fill(bis_trade *t, bis_trade_setting *s, bis_diag *diag)
+{
+    enum { PASSES = 4 };
+    bis_render_result result;
+
+    bis_status status = bis_trade_render(t, s, 1, 1, PASSES, t->o.seed, NULL, &result, diag);
+    s->fill_seconds = result.seconds / PASSES;
+    return status;
+}
+
 /* One pass to see what it costs, then as many as the setting's share of the time allows. Seconds are those of a pixel
  * until the size is known. */
 static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double seconds, bis_diag *diag)
@@ -69,7 +80,7 @@ static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double secon
     if (status || result.interrupted) return status;
     s->pass_seconds = result.seconds / pixels / passes;
     s->pass_relmse = result.relative_rmse * result.relative_rmse * passes;
-    return BIS_OK;
+    return pilot_fill(t, s, diag);
 }
 
 static bis_status run_pilot(bis_trade *t, bis_diag *diag)

@@ -125,6 +125,7 @@ bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int width,
     bis_film film;
     bis_scene view = *t->scene;
     bis_light *light = light_for(t, s);
+    const double whole[4] = {0, 1, 0, 1}; /* a single pixel has no parts */
     const bis_render_options options = {.budget = {.spp = passes}, .n_threads = t->o.n_threads, .interrupted = t->o.interrupted};
 
     if (image) *image = (bis_image){0};
@@ -132,7 +133,7 @@ bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int width,
     t->desc->settings = s->settings;
     t->desc->sampler.seed = seed;
     bis_scene_set_spp(t->desc, passes);
-    bis_status status = bis_film_init(&film, width, height, t->desc->film.crop, (bis_loc){0}, diag);
+    bis_status status = bis_film_init(&film, width, height, width * height == 1 ? whole : t->desc->film.crop, (bis_loc){0}, diag);
     if (!status) status = bis_render(result, &film, &view, t->desc, &options, diag);
     if (!status && image) status = image_of(image, &film, diag);
     t->n_threads = result->n_threads;

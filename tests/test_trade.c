@@ -376,6 +376,11 @@ static void the_root_law_gives_slope_minus_half_and_a_constant_cost(void **state
     const bis_trade_advice *final = &t.result.advice[2];
     assert_int_equal(final->passes, 216);
     assert_true(is_near(final->seconds, 216 * 0.01 * 2) && final->is_extrapolated);
+
+    /* 0.004 s of a pass are the same for any picture */
+    t.plan.settings[0].fill_seconds = 0.004;
+    bis_trade_advise(&t);
+    assert_true(is_near(final->seconds, 216 * (0.004 + 0.006 * 2)));
     clear_forged(&t);
 }
 
