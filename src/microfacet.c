@@ -119,22 +119,6 @@ static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 }
 /* [end] */
 
-static rgb f(const bis_bsdf *b, vec3 wi)
-{
-    double pdf;
-
-    if (bis_bsdf_cos(b, wi) <= 0) return (rgb){0, 0, 0};
-    return f_pdf(b, wi, &pdf);
-}
-
-static double pdf(const bis_bsdf *b, vec3 wi)
-{
-    double density;
-
-    f_pdf(b, wi, &density);
-    return density;
-}
-
 /* [facet-visible] */
 /* A visible facet, not of unit length, in the frame of the normal. v = wo stretched; c = (sin cos phi, sin sin phi, z),
  * z uniform between -v_z and 1. With t = 1 + v_z, 1 - z = u1 t and 1 + z = 2 (1 - u1) + u1 (1 - v_z): no difference of
@@ -224,9 +208,7 @@ static double max_ratio(const bis_bsdf *b)
 
 const bis_bsdf_model bis_microfacet_model = {.name = "microfacet",
                                              .init = init,
-                                             .f = f,
                                              .sample = sample,
-                                             .pdf = pdf,
                                              .f_pdf = f_pdf,
                                              .max_f_cos = max_f_cos,
                                              .max_ratio = max_ratio,

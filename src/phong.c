@@ -93,23 +93,6 @@ static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 }
 /* [end] */
 
-/* As f_pdf, without evaluating a power below the horizon. */
-static rgb f(const bis_bsdf *b, vec3 wi)
-{
-    double pdf;
-
-    if (bis_bsdf_cos(b, wi) <= 0) return (rgb){0, 0, 0};
-    return f_pdf(b, wi, &pdf);
-}
-
-static double pdf(const bis_bsdf *b, vec3 wi)
-{
-    double density;
-
-    f_pdf(b, wi, &density);
-    return density;
-}
-
 /* "Deciding which term to sample from is made randomly in order to remain unbiased" (3.5); then from the pole of eq.
  * 3.16 into the lobe's frame. */
 /* [phong-sample] */
@@ -155,7 +138,7 @@ static double max_ratio(const bis_bsdf *b)
     return fmax(specular, diffuse) * unit_slack;
 }
 
-const bis_bsdf_model bis_phong_model = {"phong", init, f, sample, pdf, f_pdf, max_f_cos, max_ratio, false, &bis_phong_lanes};
+const bis_bsdf_model bis_phong_model = {"phong", init, sample, f_pdf, max_f_cos, max_ratio, false, &bis_phong_lanes};
 
 /* What reflects less than 2^-67 is black. Else f of a direction that was drawn, at least Ks 2^-53/(2 pi) by eq. 3.16,
  * could be a denormal float, and its rounding exceed the bounds above. */

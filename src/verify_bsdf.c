@@ -85,8 +85,9 @@ typedef struct integrals {
 static void add_node(integrals *sum, const bis_bsdf *b, vec3 wi, double weight)
 {
     const double c = fmax(0, bis_bsdf_cos(b, wi));
-    const rgb f = bis_bsdf_f(b, wi);
-    sum->pdf += weight * bis_bsdf_pdf(b, wi);
+    double pdf;
+    const rgb f = bis_bsdf_f_pdf(b, wi, &pdf);
+    sum->pdf += weight * pdf;
     sum->f_cos = rgbd_add(sum->f_cos, (rgbd){weight * c * (double)f.r, weight * c * (double)f.g, weight * c * (double)f.b});
 }
 

@@ -711,9 +711,12 @@ static void scenes_name_it(void **state)
 }
 
 /* `bis verify` on what users may write, and on a model that claims the wrong density. */
-static double pdf_of_all_facets(const bis_bsdf *b, vec3 wi)
+static rgb f_pdf_of_all_facets(const bis_bsdf *b, vec3 wi, double *pdf)
 {
-    return density_of_all_facets(b, wi);
+    const rgb f = bis_microfacet_model.f_pdf(b, wi, pdf);
+
+    *pdf = density_of_all_facets(b, wi);
+    return f;
 }
 
 static size_t verified_failures(const bis_material *m, double degrees)
@@ -741,7 +744,7 @@ static void verify_accepts_it_and_rejects_the_density_of_hidden_facets(void **st
     }
     bis_bsdf_model forged = bis_microfacet_model;
     bis_material m = bis_microfacet(grey(0), grey(1), 0.6);
-    forged.pdf = pdf_of_all_facets;
+    forged.f_pdf = f_pdf_of_all_facets;
     m.model = &forged;
     assert_true(verified_failures(&m, 75) > 0);
 }

@@ -32,9 +32,11 @@ static void init(bis_bsdf *b)
     b->p_specular = 0.5;
 }
 
-static rgb f(const bis_bsdf *b, vec3 wi)
+static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 {
     double cos_theta = bis_bsdf_cos(b, wi);
+
+    *pdf = material_of(b)->pick[tiny_pixel(wi)] / OCTANT;
     return cos_theta > 0 ? rgb_scale(material_of(b)->f_cos[tiny_pixel(wi)], 1 / cos_theta) : (rgb){0, 0, 0};
 }
 
@@ -55,14 +57,6 @@ static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
     return true;
 }
 
-static double pdf(const bis_bsdf *b, vec3 wi) { return material_of(b)->pick[tiny_pixel(wi)] / OCTANT; }
-
-static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *q)
-{
-    *q = pdf(b, wi);
-    return f(b, wi);
-}
-
 /* Bounds that are not tight: nothing may depend on that. */
 static double max_f_cos(const bis_bsdf *b)
 {
@@ -79,7 +73,7 @@ static double max_ratio(const bis_bsdf *b)
 }
 
 static const bis_bsdf_model model = {
-    .name = "tiny", .init = init, .f = f, .sample = sample, .pdf = pdf, .f_pdf = f_pdf, .max_f_cos = max_f_cos, .max_ratio = max_ratio};
+    .name = "tiny", .init = init, .sample = sample, .f_pdf = f_pdf, .max_f_cos = max_f_cos, .max_ratio = max_ratio};
 
 /* ---- the point ---- */
 

@@ -29,13 +29,12 @@ typedef struct bis_bsdf {
     double p_specular; /* probability of drawing from the specular lobe: sample does so where u0 < p_specular (docs/errata.md E35) */
 } bis_bsdf;
 
-/* All functions of a model. wi, wo unit, world space, away from the surface. */
+/* All functions of a model. wi, wo unit, world space, away from the surface. f and the density of `sample` come from one
+ * function: they share the lobe's power, the dearest part of both. */
 struct bis_bsdf_model {
     const char *name;
     void (*init)(bis_bsdf *b);
-    rgb (*f)(const bis_bsdf *b, vec3 wi);
     bool (*sample)(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi);
-    double (*pdf)(const bis_bsdf *b, vec3 wi);
     rgb (*f_pdf)(const bis_bsdf *b, vec3 wi, double *pdf);
     double (*max_f_cos)(const bis_bsdf *b);
     double (*max_ratio)(const bis_bsdf *b);
@@ -74,7 +73,13 @@ bool bis_bsdf_is_black(const bis_bsdf *b);
 static inline double bis_bsdf_cos(const bis_bsdf *b, vec3 wi) { return dot(b->local.z, wi); }
 
 /* f(wi, wo) in 1/sr, without the cosine; 0 where wi or wo lies below the shading horizon. */
-static inline rgb bis_bsdf_f(const bis_bsdf *b, vec3 wi) { return b->material->model->f(b, wi); }
+static inline rgb bis_bsdf_f(const bis_bsdf *b, vec3 wi)
+{
+    double pdf;
+
+    if (bis_bsdf_cos(b, wi) <= 0) return (rgb){0, 0, 0}; /* saves the power */
+    return b->material->model->f_pdf(b, wi, &pdf);
+}
 
 /* Draw wi: u0 picks the lobe, u1, u2 the place in it. Directions below the horizon are returned, too: their f is 0 and
  * they count (docs/errata.md E1, E34).
@@ -86,9 +91,15 @@ static inline bool bis_bsdf_sample(const bis_bsdf *b, double u0, double u1, doub
 
 /* Density of bis_bsdf_sample in 1/sr, the mixture of the lobes; it integrates to 1 over the sphere, directions below
  * the horizon included. */
-static inline double bis_bsdf_pdf(const bis_bsdf *b, vec3 wi) { return b->material->model->pdf(b, wi); }
+static inline double bis_bsdf_pdf(const bis_bsdf *b, vec3 wi)
+{
+    double pdf;
 
-/* f and the density at once: the two share the lobe's power, the dearest part of both. The same bits as one by one. */
+    b->material->model->f_pdf(b, wi, &pdf);
+    return pdf;
+}
+
+/* Both at once, for the price of one. The same bits as one by one. */
 static inline rgb bis_bsdf_f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 {
     return b->material->model->f_pdf(b, wi, pdf);
