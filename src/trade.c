@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const double pictures_share = 0.08; /* of the time, kept back for the pictures and the page */
+static const double pictures_share = 0.14; /* of the time, kept back for the pictures and the page */
 static const double seconds_between_writes = 1;
 
 static uint64_t seed_of(const bis_trade_plan *plan, int setting, int level, int replicate)
@@ -183,6 +183,7 @@ static bis_status measure(bis_trade *t, bis_diag *diag)
     status = run_sweep(t, diag);
     if (status) return status;
     status = bis_trade_summarise(t, diag);
+    if (!status) status = bis_trade_time_advice(t, diag);
     if (!status) status = bis_trade_make_pictures(t, diag);
     if (!status) status = bis_trade_write_tables(t, diag);
     return status ? status : bis_trade_write_report(t, diag);

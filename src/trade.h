@@ -252,7 +252,7 @@ int bis_trade_best_of(const bis_trade *t, const char *integrator);
  * many. */
 int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP]);
 
-void bis_trade_advise(bis_trade *t);
+void bis_trade_advise(bis_trade *t); /* seconds by the sweep's small picture */
 
 /* Columns of the two tables: each at most so many, ascending; returns how many. */
 enum { BIS_TRADE_COLUMNS = 6 };
@@ -267,6 +267,11 @@ bis_status bis_trade_write_tables(const bis_trade *t, bis_diag *diag);
 
 /* Equal-time pictures of the best setting of each integrator: read from pictures/ or rendered. */
 bis_status bis_trade_make_pictures(bis_trade *t, bis_diag *diag);
+
+/* --- trade_seconds.c --- */
+
+/* Replaces the advice's seconds, which are the sweep's times the pixels, by better ones. */
+bis_status bis_trade_time_advice(bis_trade *t, bis_diag *diag);
 
 /* --- trade_report.c and its parts: all print HTML --- */
 

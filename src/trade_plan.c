@@ -6,8 +6,8 @@
  *   cost x variance hardly
  *     changes along a curve, so a short one says nearly as much;
  *   - so few pixels that the middle one of the longer curves has some 8 passes, four budgets, at its end;
- *   - r such that all runs fill 62% of what is left of the time; the references get 22%, the pictures 6%, and the rest
- *   is for surprises.
+ *   - r such that all runs fill 56% of what is left of the time; the references get 22%, the pictures 6%, a pass of the
+ *   full picture with what is advised as much (trade_seconds.c), and the rest is for surprises.
  * With --passes all of them get that many instead, however long that takes, and only the pixels depend on the clock, if
  * there are more than LEAST_PIXELS. */
 #include "trade.h"
@@ -16,7 +16,7 @@
 
 enum { PILOT_PIXELS = 3072, LEAST_PIXELS = 4800, MOST_PIXELS = 90000, MIDDLE_PASSES = 8, MOST_PILOT_PASSES = 256 };
 
-static const double pilot_share = 0.08, sweep_share = 0.62, reference_share = 0.22;
+static const double pilot_share = 0.08, sweep_share = 0.56, reference_share = 0.22;
 static const double short_curve = 0.25;     /* of r, for settings that are not the best of their integrator */
 static const double too_slow = 4;           /* a setting whose single pass takes so many r is left out */
 
