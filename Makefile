@@ -56,6 +56,8 @@ $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 $B/bench_error $B/bench_cost $B/bench_scale: $B/scripts/measure.o
 $B/figures: $B/scripts/figures.o $B/scripts/figures_plots.o $B/scripts/measure.o $(LIB)
 	$(LINK) $(LIBS)
+$B/errata_plots: $(patsubst %.c,$B/%.o,$(wildcard scripts/errata_*.c)) $(LIB)
+	$(LINK) $(LIBS)
 $(TOOLS): $B/%: $B/scripts/%.o $(LIB)
 	$(LINK) $(LIBS)
 $B/tests/%: $B/tests/%.o $(SUPPORT) $(LIB)

@@ -1,13 +1,15 @@
 #!/bin/sh
 # docs_figures: every picture that README and docs show, made again: docs/figures/*.png.
-#     scripts/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, map, pixel, thesis, errata, results
-#                                                          (default: all)
+#     scripts/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, map, pixel, thesis, errata, plots,
+#                                                          results (default: all)
 #     scripts/docs_figures.sh --list                       the files
-# From the root, after make bis data and, for thesis and results, make build/release/figures. What is measured differs from run to
-# run, and so does its picture. bis writes PNG of 24 bits; where ImageMagick's convert is there, 256 colours make less
-# than half of that, and none above 300 KB.
+# From the root, after make bis data and, for thesis and results, make build/release/figures, for plots (of the errata
+# without a switch) make build/release/errata_plots. What is timed differs from run to run, and so does its picture.
+# bis writes PNG of 24 bits; where ImageMagick's convert is there, 256 colours make less than half of that, and none
+# above 300 KB.
 set -eu
 unset BIS_SHARED # our own model and maps
+plots="E1 E2 E4 E5 E8 E9 E10 E12 E15 E17 E18 E19 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37" # errata that have no switch
 if [ "${1:-}" = --list ]; then
     for name in chess microfacet map-importance map-levels map-regions pixel-densities pixel-samples \
         thesis-3.3 thesis-3.4 thesis-3.8 thesis-3.9 thesis-4.3 thesis-4.4 \
@@ -18,11 +20,12 @@ if [ "${1:-}" = --list ]; then
         echo errata-$item-printed.png
         echo errata-$item-right.png
     done
+    for item in $plots; do echo errata-$item.png; done
     exit
 fi
 build=${1:?BUILD_DIR, as build/release}
 shift
-[ $# -gt 0 ] || set -- chess microfacet map pixel thesis errata results
+[ $# -gt 0 ] || set -- chess microfacet map pixel thesis errata plots results
 out=docs/figures
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp" docs_figures.tmp' EXIT
@@ -69,13 +72,17 @@ for picture; do
     errata)
         sh scripts/errata_figures.sh "$build/bis"
         ;;
+    plots)
+        "$build/errata_plots" "$tmp" $plots
+        for item in $plots; do keep "$tmp/errata-$item.png" errata-$item; done
+        ;;
     results)
         sh scripts/figures.sh "$build" 4.5 5.2 5.5 5.8 >/dev/null
         keep build/figures/4.5.png results-4.5
         for figure in 5.2 5.5 5.8; do keep build/figures/$figure-time.png results-$figure; done
         ;;
     *)
-        echo "docs_figures.sh: no picture \"$picture\" among chess, microfacet, map, pixel, thesis, errata, results" >&2
+        echo "docs_figures.sh: no picture \"$picture\" among chess, microfacet, map, pixel, thesis, errata, plots, results" >&2
         exit 2
         ;;
     esac

@@ -1,0 +1,189 @@
+/* errata_surfaces: pictures of the errata of the BRDF (thesis 3.5) and of normals: E33, E35, E36, E37. */
+#include "errata_plots.h"
+
+#include "bis/phong.h"
+
+#include "canvas.h"
+#include "palette.h"
+
+static rgb grey(double v) { return rgb_from(v, v, v); }
+
+static const vec3 up = {0, 0, 1};
+
+static vec3 at_angles(double theta, double phi) { return vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)); }
+
+/* ---- E33: what a white surface reflects ---- */
+
+/* Integral of f over the upper hemisphere, with its cosine or without. */
+static double integral_of_f(const bis_bsdf *b, bool with_cosine)
+{
+    enum { ROWS = 120, COLUMNS = 240 };
+    double sum = 0;
+
+    for (int i = 0; i < ROWS; i++) {
+        const double theta = PI / 2 * (i + 0.5) / ROWS;
+        for (int j = 0; j < COLUMNS; j++)
+            sum += (double)bis_bsdf_f(b, at_angles(theta, PI * (j + 0.5) / COLUMNS)).r * sin(theta) * (with_cosine ? cos(theta) : 1);
+    }
+    return 2 * sum * (PI / 2 / ROWS) * (PI / COLUMNS); /* both sides of the plane of incidence */
+}
+
+void errata_E33(bis_image *im)
+{
+    enum { N = 45 };
+    const bis_material diffuse = bis_phong(grey(1), grey(0), 1), glossy = bis_phong(grey(0), grey(1), 10);
+    errata_plane p = errata_plane_over(im, 0, 90, 0, 2.2);
+    double degrees[N], value[4][N];
+
+    for (int i = 0; i < N; i++) {
+        degrees[i] = 2 * i;
+        for (int k = 0; k < 4; k++) {
+            bis_bsdf b;
+            bis_bsdf_init(&b, k < 2 ? &diffuse : &glossy, up, at_angles(degrees[i] * PI / 180, 0));
+            value[k][i] = integral_of_f(&b, k % 2 == 1);
+        }
+    }
+    errata_axes(&p, "angle of wo to the normal, degrees", "0 30 60 90", "reflected under L = 1 (cannot be above 1)", "0 0.5 1 1.5 2");
+    for (int k = 0; k < 4; k++) errata_line(&p, degrees, value[k], N, k % 2 ? errata_right() : errata_printed());
+    errata_say(im, 150, 60, errata_printed(), "eq. 3.13 as printed, diffuse: %.3f", value[0][0]);
+    errata_say(im, 56, 106, errata_right(), "right, diffuse: %.3f", value[1][0]);
+    errata_say(im, 215, 106, errata_printed(), "as printed, lobe of n = 10: %.3f", value[2][0]);
+    errata_say(im, 56, 180, errata_right(), "right, lobe of n = 10: %.3f = 11/12", value[3][0]);
+}
+
+/* ---- E35: the two lobes ---- */
+
+void errata_E35(bis_image *im)
+{
+    enum { BINS = 30, DRAWS = 200000, FINE = 20, COLUMNS = 180 };
+    const bis_material m = bis_phong(grey(0.5), grey(0.5), 50);
+    errata_plane p = errata_plane_over(im, 0, 90, 0, 0.036);
+    double degrees[BINS], ours[BINS] = {0}, printed[BINS] = {0}, density[BINS] = {0};
+    bis_bsdf b;
+    bis_rng r;
+
+    bis_bsdf_init(&b, &m, up, at_angles(40 * PI / 180, 0));
+    bis_rng_init(&r, ERRATA_SEED, 0, 0, 0);
+    for (int k = 0; k < DRAWS; k++) {
+        const double u0 = bis_rng_double(&r), u1 = bis_rng_double(&r), u2 = bis_rng_double(&r);
+        vec3 wi;
+        bis_bsdf_sample(&b, u0, u1, u2, &wi);
+        double z = (double)wi.z;
+        if (z > 0) ours[(int)fmin(BINS - 1, BINS * acos(fmin(1, z)) / (PI / 2))] += 1.0 / DRAWS / 3;
+        if (u0 >= b.p_specular) z = u1; /* the diffuse lobe uniform over the hemisphere */
+        if (z > 0) printed[(int)fmin(BINS - 1, BINS * acos(fmin(1, z)) / (PI / 2))] += 1.0 / DRAWS / 3;
+    }
+    for (int i = 0; i < BINS * FINE; i++) {
+        const double theta = PI / 2 * (i + 0.5) / (BINS * FINE);
+        for (int j = 0; j < COLUMNS; j++)
+            density[i / FINE] += bis_bsdf_pdf(&b, at_angles(theta, 2 * PI * (j + 0.5) / COLUMNS)) * sin(theta) * (2 * PI / COLUMNS) * (PI / 2) / (90 * FINE);
+    }
+    for (int i = 0; i < BINS; i++) degrees[i] = 3 * (i + 0.5);
+    errata_axes(&p, "angle of wi to the normal, degrees", "0 30 60 90", "draws per degree, ks = kd = 0.5, n = 50, wo at 40", "0 0.01 0.02 0.03");
+    errata_line(&p, degrees, density, BINS, errata_ink());
+    errata_dots(&p, degrees, printed, BINS, errata_printed());
+    errata_dots(&p, degrees, ours, BINS, errata_right());
+    errata_say(im, 300, 60, errata_ink(), "line: density of the mixture");
+    errata_say(im, 300, 76, errata_right(), "right: diffuse by cosine");
+    errata_say(im, 300, 92, errata_printed(), "nothing printed: uniform, say");
+}
+
+/* ---- E36: large exponents, float and double ---- */
+
+/* Relative errors of the mean of 1 - cos (over the same u in long double) and, root mean square, of the density of own
+ * samples. */
+static void errors_of_exponent(double n, double of_mean[2], double of_pdf[2])
+{
+    enum { N = 1 << 14 };
+    const frame lobe = frame_about(normalize(vec3_from(-0.4, 0.8, 0.2)));
+    double sum[2] = {0, 0}, square[2] = {0, 0};
+    long double true_sum = 0;
+
+    for (int i = 0; i < N; i++) {
+        const double u = (i + 0.5) / N;
+        double pdf;
+        vec3 local;
+        bis_phong_lobe_sample(&local, &pdf, n, u, fmod(i * 0.61803398875, 1));
+        const double truth = (n + 1) / (2 * PI) * exp(n / (n + 1) * log1p(-u));
+        const double s2 = (double)local.x * (double)local.x + (double)local.y * (double)local.y;
+        const vec3 wi = to_world(&lobe, local), z = lobe.z;
+        const float c = wi.x * z.x + wi.y * z.y + wi.z * z.z; /* the obvious forms, in float */
+        const double obvious = (n + 1) / (2 * PI) * (double)powf(fmaxf(0, c), (float)n);
+        true_sum -= expm1l(log1pl(-(long double)u) / ((long double)n + 1));
+        sum[0] += 1 - (double)powf((float)(1 - u), (float)(1 / (n + 1)));
+        sum[1] += s2 / (1 + sqrt(1 - s2));
+        square[0] += pow(obvious / truth - 1, 2);
+        square[1] += pow(bis_phong_lobe_pdf(z, wi, n) / truth - 1, 2);
+    }
+    for (int k = 0; k < 2; k++) {
+        of_mean[k] = fmax(1e-17, fabs(sum[k] / (double)true_sum - 1));
+        of_pdf[k] = sqrt(square[k] / N);
+    }
+}
+
+void errata_E36(bis_image *im)
+{
+    enum { N = 22 };
+    errata_plane p = errata_plane_over(im, 1, 1e8, 1e-12, 10);
+    double n[N], mean[2][N], pdf[2][N];
+
+    for (int i = 0; i < N; i++) {
+        double of_mean[2], of_pdf[2];
+        n[i] = pow(10, 8.0 * i / (N - 1));
+        errors_of_exponent(n[i], of_mean, of_pdf);
+        for (int k = 0; k < 2; k++) mean[k][i] = of_mean[k], pdf[k][i] = of_pdf[k];
+    }
+    p.log_x = p.log_y = true;
+    errata_axes(&p, "exponent n", "1 1e2 1e4 1e6 1e8", "relative error: line, of the density; dots, of the mean of 1 - cos", "1e-12 1e-8 1e-4 1");
+    for (int k = 0; k < 2; k++) {
+        errata_line(&p, n, pdf[k], N, k ? errata_right() : errata_printed());
+        errata_dots(&p, n, mean[k], N, k ? errata_right() : errata_printed());
+    }
+    errata_say(im, 60, 48, errata_printed(), "the obvious forms, in float");
+    errata_say(im, 330, 152, errata_right(), "right: expm1 and log1p");
+}
+
+/* ---- E37: a ball that must not shadow itself ---- */
+
+static void sunlit_ball(bis_image *im, int left, const bis_accel *a, bool offset)
+{
+    enum { SIZE = 180, TOP = 40 };
+    const vec3 sun = normalize(vec3_from(-0.75, 0.45, -0.5));
+    int lit = 0, lost = 0;
+
+    for (int y = 0; y < SIZE; y++) {
+        for (int x = 0; x < SIZE; x++) {
+            const ray eye = {vec3_from(2.2 * ((x + 0.5) / SIZE - 0.5) + 3, 3 - 2.2 * ((y + 0.5) / SIZE - 0.5), 0), {0, 0, 1}, INFINITY};
+            bis_surface s;
+            bis_hit hit;
+            rgb colour = errata_grey(0.93);
+            if (bis_accel_intersect(a, &eye, &hit)) {
+                bis_geometry_surface(a->geometry, hit.prim, &eye, &s);
+                const ray shadow = {offset ? bis_surface_offset(&s) : s.p, sun, INFINITY};
+                const double c = dot(s.n, sun);
+                const bool sees = c > 0 && !bis_accel_occluded(a, &shadow);
+                lit += c > 0;
+                lost += c > 0 && !sees;
+                colour = grey(0.03 + (sees ? 0.9 * c : 0));
+            }
+            bis_canvas_box(im, left + x, TOP + y, 1, 1, colour);
+        }
+    }
+    errata_say_middle(im, left + SIZE / 2.0, 234, offset ? errata_right() : errata_printed(), "%.1f %% of the lit side in its own shadow",
+                      100.0 * lost / lit);
+}
+
+void errata_E37(bis_image *im)
+{
+    const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(3, 3, 3), 0};
+    bis_geometry g = {0};
+    bis_accel *a;
+
+    errata_check(bis_geometry_add_quadric(&g, &q, NULL));
+    errata_check(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1}, NULL));
+    errata_heads(im, "shadow rays start at the point", "and beyond its error bound");
+    sunlit_ball(im, 30, a, false);
+    sunlit_ball(im, 270, a, true);
+    bis_accel_free(a);
+    bis_geometry_clear(&g);
+}
