@@ -45,25 +45,12 @@ static void print_json(const bis_comparison *c)
     bis_json_close(&j);
 }
 
-/* The colours are meant for the eye as they are: no exposure. */
 static bis_status write_difference(const char *path, const bis_image *a, const bis_image *b, bis_diag *diag)
 {
     bis_image image;
     bis_status status = bis_compare_picture(&image, a, b, diag);
     if (status) return status;
-
-    const float *pixels = &image.pixels[0].r;
-    const bis_channel channels[3] = {{"R", pixels, 3}, {"G", pixels + 1, 3}, {"B", pixels + 2, 3}};
-    const bis_picture picture = {
-        .width = image.width,
-        .height = image.height,
-        .full_width = image.width,
-        .full_height = image.height,
-        .channels = channels,
-        .n_channels = 3,
-        .has_exposure = true,
-    };
-    status = bis_image_write(path, &picture, diag);
+    status = bis_image_save_colours(&image, path, diag);
     bis_image_clear(&image);
     return status;
 }

@@ -197,36 +197,21 @@ static const char *picture_path(char path[4096], const char *out, const char *wh
     return path;
 }
 
-/* Colours are meant for the eye as they are; the map itself (exposed) takes the exposure of its own log-average. */
-static bis_status write_picture(const char *out, const char *what, int width, int height, const rgb *pixels, bool exposed, bis_diag *diag)
-{
-    const float *first = &pixels[0].r;
-    const bis_channel channels[3] = {{"R", first, 3}, {"G", first + 1, 3}, {"B", first + 2, 3}};
-    const bis_picture picture = {
-        .width = width,
-        .height = height,
-        .full_width = width,
-        .full_height = height,
-        .channels = channels,
-        .n_channels = 3,
-        .has_exposure = !exposed,
-    };
-    char path[4096];
-    return bis_image_write(picture_path(path, out, what), &picture, diag);
-}
-
+/* The map itself takes the exposure of its own log-average. */
 static bis_status write_pictures(const envmap_options *o, const char *out, const bis_light *light, const bis_regions *regions, bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(light);
+    const bis_image map = {em->width, em->height, em->pixels};
+    char path[4096];
     bis_image image;
-    bis_status status = write_picture(out, "map", em->width, em->height, em->pixels, true, diag);
+    bis_status status = bis_image_save(&map, picture_path(path, out, "map"), diag);
     for (int k = 0; k < 3 && !status; k++) {
         static const char *const what[] = {"levels", "regions", "importance"};
         status = k == 0   ? bis_survey_levels_picture(&image, em, (int)o->levels, diag)
                  : k == 1 ? bis_survey_regions_picture(&image, em, regions, diag)
                           : bis_survey_importance_picture(&image, em, bis_light_importance(light), (int)o->samples, diag);
         if (status) break;
-        status = write_picture(out, what[k], image.width, image.height, image.pixels, false, diag);
+        status = bis_image_save_colours(&image, picture_path(path, out, what[k]), diag);
         bis_image_clear(&image);
     }
     return status;

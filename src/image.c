@@ -118,14 +118,14 @@ bis_status bis_image_write(const char *path, const bis_picture *picture, bis_dia
     return status;
 }
 
-bis_status bis_image_save(const bis_image *image, const char *path, bis_diag *diag)
+bis_picture bis_image_picture(const bis_image *image, bis_channel channels[3])
 {
-    const bis_channel channels[3] = {
-        {"R", &image->pixels->r, 3},
-        {"G", &image->pixels->g, 3},
-        {"B", &image->pixels->b, 3},
-    };
-    const bis_picture picture = {
+    const float *first = &image->pixels->r;
+
+    channels[0] = (bis_channel){"R", first, 3};
+    channels[1] = (bis_channel){"G", first + 1, 3};
+    channels[2] = (bis_channel){"B", first + 2, 3};
+    return (bis_picture){
         .width = image->width,
         .height = image->height,
         .full_width = image->width,
@@ -133,5 +133,21 @@ bis_status bis_image_save(const bis_image *image, const char *path, bis_diag *di
         .channels = channels,
         .n_channels = 3,
     };
+}
+
+bis_status bis_image_save(const bis_image *image, const char *path, bis_diag *diag)
+{
+    bis_channel channels[3];
+    const bis_picture picture = bis_image_picture(image, channels);
+
+    return bis_image_write(path, &picture, diag);
+}
+
+bis_status bis_image_save_colours(const bis_image *image, const char *path, bis_diag *diag)
+{
+    bis_channel channels[3];
+    bis_picture picture = bis_image_picture(image, channels);
+
+    picture.has_exposure = true;
     return bis_image_write(path, &picture, diag);
 }

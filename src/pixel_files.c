@@ -108,13 +108,9 @@ static bis_status write_table(const bis_pixel_report *r, const char *name, void 
 
 static bis_status write_picture(const bis_pixel_report *r, const char *name, const bis_image *image, bis_diag *diag)
 {
-    const float *first = &image->pixels[0].r;
-    const bis_channel channels[3] = {{"R", first, 3}, {"G", first + 1, 3}, {"B", first + 2, 3}};
-    const bis_picture picture = {.width = image->width, .height = image->height, .full_width = image->width, .full_height = image->height,
-                                 .channels = channels, .n_channels = 3, .has_exposure = true};
     char path[MAX_PATH];
     const bis_status status = path_of(path, r, name, diag);
-    return status ? status : bis_image_write(path, &picture, diag);
+    return status ? status : bis_image_save_colours(image, path, diag);
 }
 
 static const char *file_name(const char *path)

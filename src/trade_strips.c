@@ -31,22 +31,14 @@ static void put_base64(FILE *out, const unsigned char *data, size_t n)
 /* "--NAME:url(data:image/png;base64,...);" */
 static bis_status put_image(FILE *out, const char *name, const bis_image *image, double exposure, bis_diag *diag)
 {
-    const float *p = &image->pixels[0].r;
-    const bis_channel channels[3] = {{"R", p, 3}, {"G", p + 1, 3}, {"B", p + 2, 3}};
-    const bis_picture picture = {
-        .width = image->width,
-        .height = image->height,
-        .full_width = image->width,
-        .full_height = image->height,
-        .channels = channels,
-        .n_channels = 3,
-        .has_exposure = true,
-        .exposure = exposure,
-    };
+    bis_channel channels[3];
+    bis_picture picture = bis_image_picture(image, channels);
     char *data = NULL;
     size_t n = 0;
     FILE *memory = open_memstream(&data, &n);
 
+    picture.has_exposure = true;
+    picture.exposure = exposure;
     if (!memory) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the pictures of the report");
     bis_status status = bis_png_write(memory, &picture, "report.html", diag);
     if (fclose(memory) != 0 && !status) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the pictures of the report");

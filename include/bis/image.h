@@ -63,7 +63,11 @@ bis_status bis_image_write(const char *path, const bis_picture *picture, bis_dia
 /* Is the ending one that bis_image_write knows? For a check before hours of rendering. */
 bool bis_image_can_write(const char *path);
 
-/* Plain pictures (a level map, a difference): R, G, B of image and nothing else. */
+/* R, G, B of image and nothing else: where to begin when there is more to say. It points to image and to channels. */
+bis_picture bis_image_picture(const bis_image *image, bis_channel channels[3]);
+
+/* Write that; and the same for colours that are meant for the eye as they are (levels, a difference): no exposure. */
 bis_status bis_image_save(const bis_image *image, const char *path, bis_diag *diag);
+bis_status bis_image_save_colours(const bis_image *image, const char *path, bis_diag *diag);
 
 #endif
