@@ -2,7 +2,6 @@
  * of the statistical tests: 0.01. */
 #include "adapt.h"
 
-#include "bis/mem.h"
 #include "bis/rng.h"
 #include "bis/stats.h"
 
@@ -258,20 +257,7 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
     world w;
     make_world(&w, &noise);
     w.desc.adaptive = true;
-    for (long k = 1;; k++) {
-        bis_film f = {0};
-        bis_render_result result;
-        assert_int_equal(bis_film_init(&f, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
-        bis_mem_fail_at(k);
-        bis_status status = bis_render(&result, &f, &w.scene, &w.desc, &(bis_render_options){.budget = {.spp = 1}}, NULL);
-        bis_mem_fail_at(0);
-        bis_film_clear(&f);
-        if (status == BIS_OK) {
-            assert_true(k > 7);
-            break;
-        }
-        assert_int_equal(status, BIS_NOMEM);
-    }
+    assert_true(first_k_without_failure(&w, 0) > 10);
     clear_world(&w);
 }
 

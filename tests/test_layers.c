@@ -371,21 +371,7 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
     (void)state;
     world w;
     make_world(&w, &noise);
-    for (long k = 1;; k++) {
-        bis_film f = {0};
-        bis_render_result result;
-        bis_mem_fail_at(k);
-        bis_status status = bis_film_init(&f, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL);
-        if (!status) status = bis_film_want(&f, BIS_LAYERS_ALL, NULL);
-        if (!status) status = bis_render(&result, &f, &w.scene, &w.desc, &(bis_render_options){.budget = {.spp = 1}}, NULL);
-        bis_mem_fail_at(0);
-        bis_film_clear(&f);
-        if (status == BIS_OK) {
-            assert_true(k > 7);
-            break;
-        }
-        assert_int_equal(status, BIS_NOMEM);
-    }
+    assert_true(first_k_without_failure(&w, BIS_LAYERS_ALL) > 7);
     clear_world(&w);
 }
 

@@ -475,24 +475,7 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
     (void)state;
     world w;
     make_world(&w, &bis_sir);
-    for (long k = 1;; k++) {
-        bis_film film;
-        bis_render_result result;
-        bis_diag diag = {0};
-        assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
-        bis_mem_fail_at(k);
-        bis_status status = bis_render(&result, &film, &w.scene, &w.desc, &(bis_render_options){.budget = {.spp = 1}, .n_threads = 2}, &diag);
-        bis_mem_fail_at(0);
-        bis_film_clear(&film);
-        size_t n_errors = diag.n_errors;
-        bis_diag_clear(&diag);
-        if (status == BIS_OK) {
-            assert_true(k > 3);
-            break;
-        }
-        assert_int_equal(status, BIS_NOMEM);
-        assert_int_equal(n_errors, 1);
-    }
+    assert_true(first_k_without_failure(&w, 0) > 6);
     clear_world(&w);
 }
 

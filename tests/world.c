@@ -99,6 +99,27 @@ void render_layers(bis_film *film, bis_render_result *result, const world *w, co
     assert_int_equal(bis_render(result, film, &w->scene, &w->desc, options, NULL), BIS_OK);
 }
 
+long first_k_without_failure(const world *w, unsigned layers)
+{
+    for (long k = 1;; k++) {
+        bis_film film = {0};
+        bis_render_result result;
+        bis_diag diag = {0};
+        bis_mem_fail_at(k);
+        bis_status status = bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, &diag);
+        if (!status && layers) status = bis_film_want(&film, layers, &diag);
+        if (!status) status = bis_render(&result, &film, &w->scene, &w->desc, &(bis_render_options){.budget = {.spp = 1}, .n_threads = 2}, &diag);
+        bis_mem_fail_at(0);
+        bis_film_clear(&film);
+        const size_t n_errors = diag.n_errors;
+        bis_diag_clear(&diag);
+        if (status == BIS_OK) return k;
+        assert_int_equal(status, BIS_NOMEM);
+        assert_int_equal(n_errors, 1);
+        assert_in_range(k, 1, 200);
+    }
+}
+
 void assert_same_bits(const bis_film *a, const bis_film *b)
 {
     size_t n = (size_t)a->width * (size_t)a->height;

@@ -26,6 +26,10 @@ void render(bis_film *film, bis_render_result *result, const world *w, const dou
 /* As render, with layers (a set of bis/layers.h). */
 void render_layers(bis_film *film, bis_render_result *result, const world *w, const double crop[4], unsigned layers, const bis_render_options *options);
 
+/* Film, layers and one pass with the k-th allocation failing, k = 1, 2, ...: each is one error of memory. Returns the
+ * first k that does not fail. */
+long first_k_without_failure(const world *w, unsigned layers);
+
 void assert_same_bits(const bis_film *a, const bis_film *b);
 
 /* An integrator of one function. */
