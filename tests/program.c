@@ -1,6 +1,8 @@
 /* program: fork, exec, files for the streams. One run at a time. */
 #include "program.h"
 
+#include "bis/image.h"
+
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -133,6 +135,37 @@ void program_write_file(const char *path, const char *text)
     assert_non_null(f);
     assert_true(fputs(text, f) >= 0);
     assert_int_equal(fclose(f), 0);
+}
+
+static void write_map(const char *path)
+{
+    bis_image image;
+    assert_int_equal(bis_image_init(&image, 8, 4, NULL), BIS_OK);
+    for (int i = 0; i < 32; i++) image.pixels[i] = (rgb){0.2f, 0.25f, 0.1f + 0.01f * (float)i};
+    image.pixels[9] = (rgb){50, 40, 30};
+    assert_int_equal(bis_image_save(&image, path, NULL), BIS_OK);
+    bis_image_clear(&image);
+}
+
+void program_write_scene(const char *folder, const char *options)
+{
+    static const char format[] =
+        "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 \"string filename\" \"%s/film.exr\"\n"
+        "%s"
+        "Integrator \"sir\" \"integer candidates\" 20 \"integer shadowrays\" 2\n"
+        "Camera \"perspective\" \"float fov\" 60\n"
+        "WorldBegin\n"
+        "AttributeBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"map.pfm\" AttributeEnd\n"
+        "Material \"phong\" \"rgb Kd\" [.5 .4 .3] \"rgb Ks\" [.2 .2 .2] \"float exponent\" 20\n"
+        "AttributeBegin Translate 0 0 4 Shape \"sphere\" AttributeEnd\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]\n";
+    char text[2048], path[512];
+
+    snprintf(text, sizeof text, format, folder, options);
+    snprintf(path, sizeof path, "%s/scene.txt", folder);
+    program_write_file(path, text);
+    snprintf(path, sizeof path, "%s/map.pfm", folder);
+    write_map(path);
 }
 
 bool program_exists(const char *path) { return access(path, F_OK) == 0; }

@@ -27,27 +27,6 @@
 #define SCENE DIR "/scene.txt"
 #define SMALL "trade " SCENE " --nthreads 1 --time 4 --passes 4 --seeds 2 --integrator mis --integrator sir --output "
 
-/* A ball on a floor, 24 x 16 pixels, under a map of 8 x 4 pixels with one bright lamp. */
-static const char scene_text[] =
-    "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 \"string filename\" \"" DIR "/film.exr\"\n"
-    "Integrator \"sir\" \"integer candidates\" 20 \"integer shadowrays\" 2\n"
-    "Camera \"perspective\" \"float fov\" 60\n"
-    "WorldBegin\n"
-    "AttributeBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"map.pfm\" AttributeEnd\n"
-    "Material \"phong\" \"rgb Kd\" [.5 .4 .3] \"rgb Ks\" [.2 .2 .2] \"float exponent\" 20\n"
-    "AttributeBegin Translate 0 0 4 Shape \"sphere\" AttributeEnd\n"
-    "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]\n";
-
-static void write_map(const char *path)
-{
-    bis_image image;
-    assert_int_equal(bis_image_init(&image, 8, 4, NULL), BIS_OK);
-    for (int i = 0; i < 32; i++) image.pixels[i] = (rgb){0.2f, 0.25f, 0.1f + 0.01f * (float)i};
-    image.pixels[9] = (rgb){50, 40, 30};
-    assert_int_equal(bis_image_save(&image, path, NULL), BIS_OK);
-    bis_image_clear(&image);
-}
-
 static void remove_tree(const char *path)
 {
     char command[512];
@@ -62,8 +41,7 @@ static int setup(void **state)
     program_run r;
     remove_tree(DIR);
     program_folder(DIR);
-    program_write_file(SCENE, scene_text);
-    write_map(DIR "/map.pfm");
+    program_write_scene(DIR, "");
     program_expect(&r, 0, SMALL DIR "/own");
     program_expect(&r, 0, SCENE " --integrator mis --samples 64 --spp 64 --seed 77 --outfile " DIR "/given.exr");
     program_expect(&r, 0, SMALL DIR "/given --reference " DIR "/given.exr");
