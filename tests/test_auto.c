@@ -206,6 +206,31 @@ static void a_short_render_tries_a_short_list(void **state)
     clear_world(&w);
 }
 
+static uint32_t rays_of_the_short_list(const world *w)
+{
+    const bis_render_options options = {.n_threads = 1};
+    bis_auto_report r;
+    uint32_t rays = 0;
+
+    choose(&r, w, &options);
+    for (int i = 0; i < r.n_tried; i++)
+        if (r.tried[i].settings.proposal == BIS_PROPOSAL_PRODUCT) rays = r.tried[i].settings.shadowrays;
+    bis_auto_report_clear(&r);
+    return rays;
+}
+
+static void narrow_lobes_alone_get_half_the_rays_of_the_short_list(void **state)
+{
+    (void)state;
+    world w;
+    make_auto_world(&w);
+    w.materials[0] = w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){1, 1, 1}, 50);
+    assert_int_equal(rays_of_the_short_list(&w), 8);
+    w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){1, 1, 1}, 10);
+    assert_int_equal(rays_of_the_short_list(&w), 16);
+    clear_world(&w);
+}
+
 static void diffuse_surfaces_let_em_take_part(void **state)
 {
     (void)state;
@@ -744,6 +769,7 @@ int main(void)
         cmocka_unit_test(at_the_best_candidates_have_the_same_share_of_time_and_of_variance),
         cmocka_unit_test(what_is_chosen_was_measured_and_no_other_was_better),
         cmocka_unit_test(a_short_render_tries_a_short_list),
+        cmocka_unit_test(narrow_lobes_alone_get_half_the_rays_of_the_short_list),
         cmocka_unit_test(diffuse_surfaces_let_em_take_part),
         cmocka_unit_test(among_sirs_settings_alone_nothing_else_is_tried),
         cmocka_unit_test(a_fixed_integrator_is_left_as_it_is),
