@@ -146,6 +146,10 @@ static void a_right_solution_that_leaks_loses_the_points_for_memory_alone(void *
 {
     (void)state;
     need_a_compiler();
+    if (strstr(getenv("BIS_COMPILE"), "-fsanitize")) {
+        print_message("all claims are compiled with a sanitizer here, and each would find the leak\n");
+        skip();
+    }
     clean_folder();
     assert_int_equal(shell("sh scripts/assignment.sh alias " DIR "/kit > /dev/null && "
                            "sed 's|^    while (s->n_large > 0 && s->n_small > 0) {|    double *waste = bis_alloc(10, sizeof *waste);\\n    if (waste) waste[s->n % 10] = 1;\\n&|' "
