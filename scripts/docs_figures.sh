@@ -9,7 +9,7 @@
 # above 300 KB.
 set -eu
 unset BIS_SHARED # our own model and maps
-plots="E1 E2 E4 E5 E8 E9 E10 E12 E15 E17 E18 E19 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37" # errata that have no switch
+plots="E1 E2 E4 E5 E8 E9 E10 E11 E12 E14 E15 E17 E18 E19 E24 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37" # errata that have no switch
 if [ "${1:-}" = --list ]; then
     for name in chess microfacet map-importance map-levels map-regions pixel-densities pixel-samples \
         thesis-3.3 thesis-3.4 thesis-3.8 thesis-3.9 thesis-4.3 thesis-4.4 \

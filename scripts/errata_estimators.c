@@ -1,5 +1,5 @@
-/* errata_estimators: pictures of the errata of errors and estimators (thesis 3.2.1, chapter 4, 5): E9, E25, E26, E28,
- * E30, E31, E32. Random numbers are independent and candidates not stratified, as in the thesis's formulas. */
+/* errata_estimators: pictures of the errata of errors and estimators (thesis 3.2.1, chapter 4, 5): E9, E24, E25, E26,
+ * E28, E30, E31, E32. Random numbers are independent and candidates not stratified, as in the thesis's formulas. */
 #include "errata_plots.h"
 
 #include "bis/phong.h"
@@ -68,7 +68,44 @@ void errata_E9(bis_image *im)
     errata_line(&p, n, root, N, errata_right());
     errata_dots(&p, n, error, N, errata_right());
     errata_say(im, 60, 180, errata_printed(), "as printed: N^-2");
-    errata_say(im, 250, 60, errata_right(), "right: N^-1/2; dots: measured");
+    errata_say(im, 250, 60, errata_right(), "right: N^-1/2, dots: measured");
+    bis_light_free(light);
+}
+
+/* ---- E24: which f, and where w stands ---- */
+
+void errata_E24(bis_image *im)
+{
+    enum { TILTS = 17, DRAWS = 40000 };
+    bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
+    const bis_settings sir = settings(&bis_sir, 16, 4, BIS_PROPOSAL_EM);
+    errata_plane p = errata_plane_over(im, 0, 160, 0, 2);
+    double degrees[TILTS], ours[TILTS], over[TILTS] = {0}, times[TILTS] = {0};
+
+    for (int i = 0; i < TILTS; i++) {
+        const double t = (degrees[i] = 10 * i) * PI / 180;
+        errata_spot s;
+        bis_rng r;
+        errata_spot_init(&s, light, bis_phong(grey(0.8), grey(0), 1), vec3_from(sin(t), 0, cos(t)), 0, false);
+        ours[i] = errata_run(&s, &sir, DRAWS / 16).mean / 3;
+        bis_rng_init(&r, ERRATA_SEED, 0, 0, 0);
+        for (int k = 0; k < DRAWS; k++) {
+            const double u[4] = {bis_rng_double(&r), bis_rng_double(&r), bis_rng_double(&r), bis_rng_double(&r)};
+            bis_light_point y;
+            bis_light_sample(light, u, &y);
+            const double F = 0.8 / PI * fmax(0, dot(s.pt.n, y.wi)) * (double)y.Le.r, w = F / y.pdf;
+            if (w > 0) over[i] += F / (w * y.pdf) / DRAWS;
+            times[i] += F * w / DRAWS;
+        }
+    }
+    errata_axes(&p, "tilt of a patch, degrees", "0 40 80 120 160", "mean estimate of what a patch reflects", "0 0.5 1 1.5 2");
+    errata_line(&p, degrees, over, TILTS, errata_printed());
+    errata_line(&p, degrees, times, TILTS, errata_printed());
+    errata_line(&p, degrees, ours, TILTS, errata_right());
+    errata_dots(&p, degrees, ours, TILTS, errata_right());
+    errata_say(im, 60, 60, errata_right(), "right: F w/phat, resampled");
+    errata_say(im, 250, errata_y(&p, times[9]) + 28, errata_printed(), "eq. 4.9 with the f of eq. 4.8: F w");
+    errata_say(im, 150, errata_y(&p, over[9]) - 8, errata_printed(), "the line before it: F/(w q)");
     bis_light_free(light);
 }
 

@@ -75,8 +75,8 @@ void errata_check(bis_status status);
 typedef void errata_plot(bis_image *im);
 
 errata_plot errata_E1, errata_E2, errata_E4, errata_E5, errata_E17, errata_E18, errata_E19;           /* errata_maps.c */
-errata_plot errata_E8, errata_E10, errata_E12, errata_E15;                                           /* errata_tables.c */
-errata_plot errata_E9, errata_E25, errata_E26, errata_E28, errata_E30, errata_E31, errata_E32;       /* errata_estimators.c */
+errata_plot errata_E8, errata_E10, errata_E11, errata_E12, errata_E14, errata_E15;                                /* errata_tables.c */
+errata_plot errata_E9, errata_E24, errata_E25, errata_E26, errata_E28, errata_E30, errata_E31, errata_E32;       /* errata_estimators.c */
 errata_plot errata_E33, errata_E35, errata_E36, errata_E37;                                          /* errata_surfaces.c */
 
 #endif

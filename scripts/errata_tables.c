@@ -1,4 +1,5 @@
-/* errata_tables: pictures of the errata of discrete sampling (thesis 3.2.2, 3.3, appendix A): E8, E10, E12, E15. */
+/* errata_tables: pictures of the errata of discrete sampling (thesis 3.2.2, 3.3, appendix A): E8, E10, E11, E12, E14,
+ * E15. */
 #include "errata_plots.h"
 
 #include "bis/alias.h"
@@ -13,7 +14,7 @@
 
 static void bars(bis_image *im, double x, const double *drawn, const double *wanted, int first, int n, rgb colour)
 {
-    const double base = 200, scale = 330;
+    const double base = 200, scale = 255;
 
     for (int i = 0; i < n; i++) {
         const int left = (int)x + 42 * i, height = (int)lround(scale * drawn[i]), line = (int)(base - scale * wanted[i]);
@@ -79,6 +80,27 @@ void errata_E10(bis_image *im)
     errata_say(im, 60, 48, errata_printed(), "as printed: multiples of 1/64,");
     errata_say(im, 60, 62, errata_printed(), "%d of 64 items are never drawn", lost);
     errata_say(im, 60, 80, errata_right(), "right: it only tells where to start");
+}
+
+/* ---- E11: prob of those who give ---- */
+
+void errata_E11(bis_image *im)
+{
+    enum { N = 3 };
+    static const double P[N] = {0.1, 0.45, 0.45};
+    double ours[N], printed[N];
+    bis_alias a;
+
+    errata_check(bis_alias_init(&a, P, N, NULL));
+    bis_alias_implied_pmf(&a, ours);
+    for (int i = 0; i < N; i++)
+        if (P[i] > 1.0 / N) a.prob[i] = 1;
+    bis_alias_implied_pmf(&a, printed);
+    bis_alias_clear(&a);
+    errata_heads(im, "prob = 1 for all above 1/N", "a giver may fall below 1/N");
+    bars(im, 60, printed, P, 0, N, errata_printed());
+    bars(im, 300, ours, P, 0, N, errata_right());
+    errata_say_middle(im, ERRATA_WIDTH / 2.0, 232, errata_faint(), "bars: probability that the tables imply; lines: P");
 }
 
 /* ---- E12: Sobol' points through both tables ---- */
@@ -166,6 +188,49 @@ void errata_E12(bis_image *im)
     map_with_points(im, 250, cdf, 512, errata_right());
     bis_light_free(alias);
     bis_light_free(cdf);
+}
+
+/* ---- E14: few bits ---- */
+
+/* Of the draws that fall into the bins of black items, every other one of 2^12, how many return one: all u of so many
+ * bits. */
+static void black_items(double *printed, double *ours, const bis_alias *a, int bits)
+{
+    size_t n_printed = 0, n_ours = 0;
+
+    for (size_t k = 0; k < (size_t)1 << bits; k++) {
+        const double u = ldexp((double)k, -bits), x = u * (double)a->n;
+        const size_t i = (size_t)x;
+        if (i % 2) continue;
+        n_printed += (x - (double)i > a->prob[i] ? a->alias[i] : i) % 2 == 0;
+        n_ours += bis_alias_sample(a, u) % 2 == 0;
+    }
+    *printed = ldexp((double)n_printed, 1 - bits);
+    *ours = ldexp((double)n_ours, 1 - bits);
+}
+
+void errata_E14(bis_image *im)
+{
+    enum { LOG_N = 12, LEFT = 12 };
+    double w[1 << LOG_N], left[LEFT], printed[LEFT], ours[LEFT];
+    errata_plane p = errata_plane_over(im, 0, LEFT, 1e-5, 1);
+    bis_alias a;
+
+    for (int i = 0; i < 1 << LOG_N; i++) w[i] = i % 2;
+    errata_check(bis_alias_init(&a, w, 1 << LOG_N, NULL));
+    p.log_y = true;
+    errata_axes(&p, "bits of u that are left for the coin", "0 4 8 12", "impossible items, share of the draws that fall into their bins", "1e-4 1e-2 1");
+    for (int k = 0; k < LEFT; k++) {
+        left[k] = k + 1;
+        black_items(&printed[k], &ours[k], &a, LOG_N + k + 1);
+        if (ours[k] == 0) bis_canvas_disc(im, errata_x(&p, left[k]), errata_y(&p, p.y0), 3, errata_right());
+    }
+    bis_alias_clear(&a);
+    errata_line(&p, left, printed, LEFT, errata_printed());
+    errata_dots(&p, left, printed, LEFT, errata_printed());
+    errata_dots(&p, left, ours, LEFT, errata_right());
+    errata_say(im, 210, 70, errata_printed(), "as printed: u - i > prob");
+    errata_say(im, 110, 192, errata_right(), "right: frac < prob, none");
 }
 
 /* ---- E15: what is left over ---- */
