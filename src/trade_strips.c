@@ -179,7 +179,7 @@ static void put_shot(FILE *out, const bis_trade *t, int i, const window crops[N_
 {
     const bis_trade_picture *p = &t->strip[i];
     const bis_trade_setting *s = &t->plan.settings[p->setting];
-    char name[8], time[24], error[24];
+    char name[16], time[24], error[24];
 
     snprintf(name, sizeof name, "p%d", i);
     fprintf(out, "<figure class=\"shot k-%s\"><figcaption><b>", s->settings.integrator->name);
