@@ -92,7 +92,7 @@ static void reach_bounds_the_product_over_every_cluster(void **state)
         lit l;
         lit_init(&l, light, bis_phong((rgb){0.1f, 0.2f, 0}, (rgb){0.9f, 0.3f, 0.5f}, exponents[e]), tilted(), 70, LIT_OPEN);
         bis_product_weigh(&p, &c, NULL, &l.pt);
-        double unit = 0, worst = INFINITY;
+        double unit = 0, worst = (double)INFINITY;
         for (int pass = 0; pass < 2; pass++) { /* the unit is whatever makes the bound hold; it must be the same for all clusters */
             for (uint32_t k = 0; k < c.n; k++) {
                 double mean = 0, most = 0;
