@@ -37,6 +37,8 @@ typedef enum lit_map {
     LIT_CONSTANT   /* no map: a constant light (1, 0.5, 0.25) */
 } lit_map;
 
+static inline rgb grey(double v) { return rgb_from(v, v, v); }
+
 bis_light *lit_new_light(lit_map map, double scale, double area_exponent, bool compensate);
 
 /* A point with the given normal, seen at `degrees` from it. l must stay where it is (pt points into it). The light is

@@ -26,8 +26,6 @@
 /* 24 of candidates, 32 of narrow lobes, 6 accepted, 6 + 1 from probes, 3 of p-values. */
 static double alpha(void) { return bis_stats_sidak(1e-3, 72); }
 
-static rgb grey(double v) { return rgb_from(v, v, v); }
-
 static vec3 tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
 
 /* ---- candidates, by block of the map ---- */

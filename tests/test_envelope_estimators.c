@@ -25,8 +25,6 @@
 static const uint64_t SEED = 20;
 static const double PERCENTILE = 4.9; /* |z| of 1e-6: some hundred are looked at */
 
-static rgb grey(double v) { return rgb_from(v, v, v); }
-
 /* ---- what is run ---- */
 
 typedef struct method {

@@ -28,8 +28,6 @@ enum { W = 128, H = 64 }; /* of lit's maps */
 
 static double alpha(void) { return bis_stats_sidak(1e-3, 80); }
 
-static rgb grey(double v) { return rgb_from(v, v, v); }
-
 static bis_material white_diffuse(void) { return bis_phong(grey(1), grey(0), 1); }
 
 static const vec3 up = {0, 0, 1};

@@ -18,8 +18,6 @@
 /* The furnace: 9 integrators at 4 angles; when to stop: 1. */
 static double alpha(void) { return bis_stats_sidak(1e-3, 37); }
 
-static rgb grey(double v) { return rgb_from(v, v, v); }
-
 static vec3 tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
 
 enum { N_INTEGRATORS = 9 };

@@ -23,11 +23,6 @@ static double alpha(void)
     return bis_stats_sidak(1e-3, 3 * 400);
 }
 
-static rgb grey(double v)
-{
-    return rgb_from(v, v, v);
-}
-
 static vec3 tilted(void)
 {
     return normalize(vec3_from(0.2, -0.3, 0.8));

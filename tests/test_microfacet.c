@@ -30,11 +30,6 @@ static double alpha(void)
     return bis_stats_sidak(1e-3, 68);
 }
 
-static rgb grey(double v)
-{
-    return rgb_from(v, v, v);
-}
-
 static void assert_near(double a, double b, double tolerance)
 {
     if (!(fabs(a - b) <= tolerance)) fail_msg("%.12g is not %.12g within %g", a, b, tolerance);

@@ -471,7 +471,7 @@ static void scenery_clear(scenery *s)
     bis_light_free(s->light);
 }
 
-static double grey(rgb c) { return 0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b; }
+static double luminance(rgb c) { return 0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b; }
 
 /* The mean lightness of a panel's upper left ... lower right part; panels lie in two columns. */
 static double lightness(const bis_image *page, int column, int row, double x0, double x1, double y0, double y1)
@@ -480,7 +480,7 @@ static double lightness(const bis_image *page, int column, int row, double x0, d
     double sum = 0, n = 0;
     for (int y = (int)(y0 * BIS_PIXEL_PLOT_HEIGHT); y < (int)(y1 * BIS_PIXEL_PLOT_HEIGHT); y++) {
         for (int x = (int)(x0 * BIS_PIXEL_PLOT_WIDTH); x < (int)(x1 * BIS_PIXEL_PLOT_WIDTH); x++) {
-            sum += grey(page->pixels[(TOP + row * STEP_Y + y) * page->width + LEFT + column * STEP_X + x]);
+            sum += luminance(page->pixels[(TOP + row * STEP_Y + y) * page->width + LEFT + column * STEP_X + x]);
             n++;
         }
     }
