@@ -37,7 +37,7 @@ typedef struct family {
     bis_auto_limits limits;
     struct {
         uint32_t M, N;
-    } first[4], quick, narrow; /* ended by N = 0; the one setting of a short list, and where all lobes are narrow */
+    } first[4], quick; /* ended by N = 0; the one setting of a short list */
 } family;
 
 enum { N_FAMILIES = 5, MOST_PASSES = 2, REPLICATES = BIS_AUTO_REPLICATES / 2 /* in each of the first two rounds */ };
@@ -45,11 +45,11 @@ enum { N_FAMILIES = 5, MOST_PASSES = 2, REPLICATES = BIS_AUTO_REPLICATES / 2 /* 
 /* N is not tried beyond 64: a pass should not cost tens of times what it costs by default, whatever the pixel's area
  * is worth. */
 static const family families[N_FAMILIES] = {
-    {&bis_em, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 8}, {0, 48}}, {0, 32}, {0, 32}},
-    {&bis_brdf, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 4}, {0, 24}}, {0, 8}, {0, 8}},
-    {&bis_mis, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 6}, {0, 32}}, {0, 16}, {0, 16}},
-    {&bis_sir, BIS_PROPOSAL_MIX, {32, 2048, 2, 64}, {{64, 4}, {64, 20}, {256, 8}}, {64, 16}, {64, 16}},
-    {&bis_sir, BIS_PROPOSAL_PRODUCT, {16, 512, 2, 64}, {{32, 4}, {64, 16}, {192, 6}}, {64, 16}, {64, 8}},
+    {&bis_em, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 8}, {0, 48}}, {0, 32}},
+    {&bis_brdf, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 4}, {0, 24}}, {0, 8}},
+    {&bis_mis, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 6}, {0, 32}}, {0, 16}},
+    {&bis_sir, BIS_PROPOSAL_MIX, {32, 2048, 2, 64}, {{64, 4}, {64, 20}, {256, 8}}, {64, 16}},
+    {&bis_sir, BIS_PROPOSAL_PRODUCT, {16, 512, 2, 64}, {{32, 4}, {64, 16}, {192, 6}}, {64, 16}},
 };
 
 static const double behind = 2, behind_alone = 1.4;
@@ -254,9 +254,8 @@ static bis_status try_first(bis_auto_pilot *p, bis_diag *diag)
 
     for (int f = 0; f < N_FAMILIES; f++) {
         if (!groups_for(p, f)) continue;
-        if (p->is_quick && !status) {
-            status = narrow ? try(p, f, families[f].narrow.M, families[f].narrow.N, REPLICATES, diag) : try(p, f, families[f].quick.M, families[f].quick.N, REPLICATES, diag);
-        }
+        const uint32_t quick_N = families[f].quick.N / (narrow && families[f].proposal == BIS_PROPOSAL_PRODUCT ? 2 : 1);
+        if (p->is_quick && !status) status = try(p, f, families[f].quick.M, quick_N, REPLICATES, diag);
         for (int k = 0; !p->is_quick && k < 4 && families[f].first[k].N && !status; k++) {
             status = try(p, f, families[f].first[k].M, families[f].first[k].N, REPLICATES, diag);
         }
