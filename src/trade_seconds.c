@@ -33,6 +33,15 @@ static bis_status time_advice(bis_trade_advice *a, bis_trade *t, bis_diag *diag)
     return BIS_OK;
 }
 
+/* The earlier advice that takes the same setting, or NULL. */
+static const bis_trade_advice *same_before(const bis_trade_advice *all, int i)
+{
+    for (int k = 0; k < i; k++) {
+        if (all[k].setting == all[i].setting) return &all[k];
+    }
+    return NULL;
+}
+
 bis_status bis_trade_time_advice(bis_trade *t, bis_diag *diag)
 {
     bis_status status = BIS_OK;
@@ -40,6 +49,11 @@ bis_status bis_trade_time_advice(bis_trade *t, bis_diag *diag)
     for (int i = 0; i < BIS_TRADE_ADVICE && !status && !bis_trade_interrupted(t); i++) {
         bis_trade_advice *a = &t->result.advice[i];
         if (a->setting < 0) continue;
+        const bis_trade_advice *known = same_before(t->result.advice, i);
+        if (known) {
+            a->seconds = a->passes * (known->seconds / known->passes);
+            continue;
+        }
         bis_trade_tell(t, "seconds of the full picture", (double)i / BIS_TRADE_ADVICE, (double)NAN);
         status = time_advice(a, t, diag);
     }
