@@ -27,7 +27,7 @@ WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-proto
 OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION))
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) -lm
 
-SRC     := $(filter-out src/main.c,$(wildcard src/*.c))
+SRC     := $(filter-out src/cli/main.c,$(wildcard src/*/*.c src/*/*/*.c))
 LIB     := $B/libbis.a
 TESTS   := $(patsubst tests/%.c,$B/tests/%,$(wildcard tests/test_*.c))
 CHOSEN  := $(if $(T),$(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),$(TESTS))
@@ -49,7 +49,7 @@ bis: $B/bis
 
 # LINK: objects, then what they need.
 LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^)
-$B/bis: $B/src/main.o $(LIB)
+$B/bis: $B/src/cli/main.o $(LIB)
 	$(LINK) $(LIBS)
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
@@ -142,5 +142,5 @@ clean:
 	rm -rf build bis data/models data/maps
 
 include scripts/course.mk
--include $(patsubst %.c,$B/%.d,$(wildcard src/*.c tests/*.c tests/fuzz/*.c scripts/*.c))
+-include $(patsubst %.c,$B/%.d,$(SRC) src/cli/main.c $(wildcard tests/*.c tests/fuzz/*.c scripts/*.c))
 .SECONDARY:

@@ -11,9 +11,9 @@
  * pinpoint light. So a mean is tested only if its largest possible sample (the proposal's bound, thesis 4.3) would
  * change it by less than 2%; this is known before anything is drawn. What cannot be tested at this cost is named, not
  * passed. Exit status 1 where a test fails. */
-#include "bis/mem.h"
-#include "bis/render.h"
-#include "bis/stats.h"
+#include "bis/base/mem.h"
+#include "bis/render/render.h"
+#include "bis/base/stats.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -8,10 +8,10 @@
  * They leave the surface as the renderer's do. Both backends get the same rays in turns, 16384 by 16384, and of each
  * such chunk the best of nine runs counts, in processor time: so a busy machine is so for both. Builds: the best of
  * five, in turns. Without Embree only the grid's figures are printed. */
-#include "bis/accel.h"
-#include "bis/file.h"
-#include "obj.h"
-#include "ply.h"
+#include "bis/shape/accel.h"
+#include "bis/base/file.h"
+#include "files/obj.h"
+#include "files/ply.h"
 
 #include <stdint.h>
 #include <stdio.h>

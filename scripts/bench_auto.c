@@ -16,9 +16,9 @@
  * last "auto SCENE mis-seconds S to-best LEAST MEDIAN MOST to-mis LEAST MEDIAN MOST": auto's time for SPP
  * (the scene's own) over the time to the same error of the best fixed setting, and of the best of five stratified mis, which
  * takes S seconds. The pilot is part of auto's time where S >= 1. */
-#include "bis/mem.h"
-#include "bis/render.h"
-#include "auto.h"
+#include "bis/base/mem.h"
+#include "bis/render/render.h"
+#include "tools/auto/auto.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -12,7 +12,7 @@
  * Output: lines of words for scripts/bench_table.awk. */
 #include "measure.h"
 
-#include "bis/mem.h"
+#include "bis/base/mem.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,11 +3,11 @@
  *     bench_light [WIDTH]      default 4096: a WIDTH x WIDTH/2 map, log-uniform over six decades with a few lamps
  *
  * Prints one figure a line: seconds to build each table, bytes a pixel, ns a draw. One thread: OMP_NUM_THREADS=1. */
-#include "bis/clock.h"
-#include "bis/importance.h"
-#include "bis/mem.h"
-#include "bis/regions.h"
-#include "bis/rng.h"
+#include "bis/base/clock.h"
+#include "bis/thesis/importance.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/regions.h"
+#include "bis/thesis/rng.h"
 
 #include <stdio.h>
 #include <stdlib.h>

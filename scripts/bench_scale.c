@@ -9,8 +9,8 @@
  * Output: lines `WHAT ACCELERATOR X VALUE` for scripts/bench_plot.awk. */
 #include "measure.h"
 
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 
 #include <math.h>
 #include <stdio.h>

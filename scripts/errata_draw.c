@@ -1,8 +1,8 @@
 /* errata_draw: axes, lines and words on a canvas, for the pictures of docs/errata.md. */
 #include "errata_plots.h"
 
-#include "canvas.h"
-#include "palette.h"
+#include "out/canvas.h"
+#include "out/palette.h"
 
 #include <stdarg.h>
 #include <stdio.h>

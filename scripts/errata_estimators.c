@@ -2,10 +2,10 @@
  * E28, E30, E31, E32. Random numbers are independent and candidates not stratified, as in the thesis's formulas. */
 #include "errata_plots.h"
 
-#include "bis/phong.h"
+#include "bis/thesis/phong.h"
 
-#include "canvas.h"
-#include "candidates.h"
+#include "out/canvas.h"
+#include "thesis/candidates.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }
 

@@ -2,11 +2,11 @@
  * E18, E19. */
 #include "errata_plots.h"
 
-#include "bis/phong.h"
-#include "bis/regions.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/regions.h"
 
-#include "canvas.h"
-#include "palette.h"
+#include "out/canvas.h"
+#include "out/palette.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }
 

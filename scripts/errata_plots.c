@@ -6,7 +6,7 @@
  * scripts/errata_figures.sh. */
 #include "errata_plots.h"
 
-#include "canvas.h"
+#include "out/canvas.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 #ifndef ERRATA_PLOTS_H
 #define ERRATA_PLOTS_H
 
-#include "bis/image.h"
-#include "bis/integrator.h"
+#include "bis/files/image.h"
+#include "bis/thesis/integrator.h"
 
 enum { ERRATA_WIDTH = 480, ERRATA_HEIGHT = 240, ERRATA_SEED = 34 };
 

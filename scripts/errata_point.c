@@ -1,7 +1,7 @@
 /* errata_point: a point under a painted map, in the open or half hidden, and what an integrator says of it. */
 #include "errata_plots.h"
 
-#include "bis/mem.h"
+#include "bis/base/mem.h"
 
 #include <stdio.h>
 #include <stdlib.h>

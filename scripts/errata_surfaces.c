@@ -1,10 +1,10 @@
 /* errata_surfaces: pictures of the errata of the BRDF (thesis 3.5) and of normals: E33, E35, E36, E37. */
 #include "errata_plots.h"
 
-#include "bis/phong.h"
+#include "bis/thesis/phong.h"
 
-#include "canvas.h"
-#include "palette.h"
+#include "out/canvas.h"
+#include "out/palette.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }
 

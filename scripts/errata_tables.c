@@ -2,11 +2,11 @@
  * E15. */
 #include "errata_plots.h"
 
-#include "bis/alias.h"
-#include "bis/cdf.h"
-#include "bis/mem.h"
+#include "bis/thesis/alias.h"
+#include "bis/thesis/cdf.h"
+#include "bis/base/mem.h"
 
-#include "canvas.h"
+#include "out/canvas.h"
 
 #include <string.h>
 

@@ -20,10 +20,10 @@
 #include "figures.h"
 #include "measure.h"
 
-#include "bis/mem.h"
+#include "bis/base/mem.h"
 
-#include "canvas.h"
-#include "palette.h"
+#include "out/canvas.h"
+#include "out/palette.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,13 +4,13 @@
 #include "figures.h"
 #include "measure.h"
 
-#include "bis/alias.h"
-#include "bis/marsaglia.h"
-#include "bis/phong.h"
-#include "bis/rng.h"
+#include "bis/thesis/alias.h"
+#include "bis/thesis/marsaglia.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
 
-#include "canvas.h"
-#include "palette.h"
+#include "out/canvas.h"
+#include "out/palette.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 #!/bin/sh
 # fragments: code on the pages is pasted in by reference. A page says
-#     <!-- src/alias.c [alias-sample] -->
+#     <!-- src/thesis/alias.c [alias-sample] -->
 # and what stands in the block of code below it is what stands between /* [alias-sample] */ and the next /* [end] */
 # of that file, to the letter.
 #     scripts/fragments.sh [ROOT]              writes the blocks anew

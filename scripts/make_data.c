@@ -9,8 +9,8 @@
 #include "map.h"
 #include "model.h"
 
-#include "bis/file.h"
-#include "bis/mem.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
 
 #include <errno.h>
 #include <limits.h>

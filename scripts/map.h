@@ -3,8 +3,8 @@
 #ifndef MAP_H
 #define MAP_H
 
-#include "bis/image.h"
-#include "bis/status.h"
+#include "bis/files/image.h"
+#include "bis/base/status.h"
 
 #include <stdint.h>
 

@@ -2,7 +2,7 @@
  * of. */
 #include "map.h"
 
-#include "bis/rng.h"
+#include "bis/thesis/rng.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 /* measure: scenes from templates, renders, references and their cache, relMSE. */
 #include "measure.h"
 
-#include "bis/file.h"
-#include "bis/mem.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
 
 #include <errno.h>
 #include <math.h>

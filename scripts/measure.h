@@ -6,7 +6,7 @@
 #ifndef MEASURE_H
 #define MEASURE_H
 
-#include "bis/render.h"
+#include "bis/render/render.h"
 
 typedef struct measure_setting {
     const char *name, *text;

@@ -5,8 +5,8 @@
 #ifndef MODEL_H
 #define MODEL_H
 
-#include "bis/geometry.h"
-#include "bis/status.h"
+#include "bis/shape/geometry.h"
+#include "bis/base/status.h"
 
 #include <stddef.h>
 

@@ -14,7 +14,7 @@
  * Cost: O(outline x columns) for the depths, O(cells) for the rest. */
 #include "model.h"
 
-#include "bis/mem.h"
+#include "bis/base/mem.h"
 
 #include <assert.h>
 #include <float.h>

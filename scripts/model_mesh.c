@@ -6,8 +6,8 @@
  * O(triangles). */
 #include "model.h"
 
-#include "bis/file.h"
-#include "bis/mem.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
 
 #include <assert.h>
 #include <math.h>

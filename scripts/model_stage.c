@@ -6,8 +6,8 @@
  * narrow band only. */
 #include "model.h"
 
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 
 #include <math.h>
 

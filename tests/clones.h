@@ -1,11 +1,11 @@
-/* clones: src/lanes.c, phong_lanes.c and envmap_lanes.c once more, under other names: for the plainest processor
+/* clones: src/beyond/lanes.c, phong_lanes.c and envmap_lanes.c once more, under other names: for the plainest processor
  * (clone_*.c) and for AVX2 (clone_avx2_*.c). What the library holds chooses by the processor that it runs on; all must
  * give the same bits. */
 #ifndef TESTS_CLONES_H
 #define TESTS_CLONES_H
 
-#include "bis/bsdf.h"
-#include "bis/envmap.h"
+#include "bis/thesis/bsdf.h"
+#include "bis/thesis/envmap.h"
 
 typedef void clone_points(float *u1, float *u2, uint32_t n, uint64_t key);
 typedef void clone_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pixel, const bis_lanes *y, uint32_t n);

@@ -2,7 +2,7 @@
 #ifndef TESTS_IMAGE_HELP_H
 #define TESTS_IMAGE_HELP_H
 
-#include "bis/image.h"
+#include "bis/files/image.h"
 
 #include <stdint.h>
 

@@ -1,8 +1,8 @@
 /* lit: see lit.h. */
 #include "lit.h"
 
-#include "bis/mem.h"
-#include "bis/phong.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -137,7 +137,7 @@ static rgbd phong(const bis_material *m, double c_i, double c_o, double wi_wo, d
 
 static double smith(double a, double c) { return (sqrt(1 + a * a * (1 / (c * c) - 1)) - 1) / 2; }
 
-/* As in the papers that include/bis/microfacet.h names: D, Lambda and G by cosines and tangents; tan theta_h from what
+/* As in the papers that include/bis/beyond/microfacet.h names: D, Lambda and G by cosines and tangents; tan theta_h from what
  * of wi + wo lies across n. */
 static rgbd ggx(const bis_material *m, const node *wi, vec3 wo, vec3 n, double *pdf)
 {

@@ -4,7 +4,7 @@
 #ifndef TESTS_LIT_H
 #define TESTS_LIT_H
 
-#include "bis/integrator.h"
+#include "bis/thesis/integrator.h"
 #include "stat.h"
 
 /* The occluders are bounded by meridians and circles of the map's rows, so that V is constant in a patch and midpoints

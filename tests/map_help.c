@@ -1,6 +1,6 @@
 #include "map_help.h"
 
-#include "bis/rng.h"
+#include "bis/thesis/rng.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

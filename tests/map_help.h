@@ -2,7 +2,7 @@
 #ifndef TESTS_MAP_HELP_H
 #define TESTS_MAP_HELP_H
 
-#include "bis/envmap.h"
+#include "bis/thesis/envmap.h"
 
 #include <stdint.h>
 

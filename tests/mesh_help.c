@@ -1,7 +1,7 @@
 /* mesh_help: see the header. */
 #include "mesh_help.h"
 
-#include "bis/mem.h"
+#include "bis/base/mem.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -3,7 +3,7 @@
 #ifndef TESTS_MESH_HELP_H
 #define TESTS_MESH_HELP_H
 
-#include "bis/geometry.h"
+#include "bis/shape/geometry.h"
 #include "image_help.h"
 
 typedef bis_status mesh_reader(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);

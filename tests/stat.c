@@ -1,7 +1,7 @@
 /* stat: see stat.h. tests/test_stats.c tests the tests: they accept what is right at their rate and reject what is
  * wrong. */
 #include "stat.h"
-#include "bis/stats.h"
+#include "bis/base/stats.h"
 
 #include <errno.h>
 #include <math.h>

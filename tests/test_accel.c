@@ -2,10 +2,10 @@
  * their worst. A difference is allowed only where it is a tie: the ray passes an edge within 4 ulps. */
 #include "mesh_help.h"
 
-#include "bis/accel.h"
-#include "bis/mem.h"
-#include "grid.h"
-#include "ply.h"
+#include "bis/shape/accel.h"
+#include "bis/base/mem.h"
+#include "shape/grid.h"
+#include "files/ply.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,9 @@
 /* adapt: samples go where the noise is, and the mean stays right for every number of passes. Family-wise significance
  * of the statistical tests: 0.01. */
-#include "adapt.h"
+#include "render/adapt.h"
 
-#include "bis/rng.h"
-#include "bis/stats.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
 
 #include "stat.h"
 #include "world.h"

@@ -1,12 +1,12 @@
 /* alias: the implied pmf is compared with the weights, item by item, which is stronger than any sampling test (E15);
  * then the sampler with the tables. The twins are appendix A as printed. Statistical tests: 3; family-wise significance
  * 0.01. */
-#include "bis/alias.h"
-#include "bis/cdf.h"
-#include "bis/mem.h"
-#include "bis/rng.h"
-#include "bis/sampler.h"
-#include "bis/stats.h"
+#include "bis/thesis/alias.h"
+#include "bis/thesis/cdf.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
+#include "bis/thesis/sampler.h"
+#include "bis/base/stats.h"
 #include "stat.h"
 
 #include <float.h>
@@ -205,7 +205,7 @@ static void E14_few_bits_make_the_printed_test_draw_black_texels(void **state)
     bis_free(w);
 }
 
-/* The bin of the largest u is the last one, never N, for every N: the proof in src/alias.c. */
+/* The bin of the largest u is the last one, never N, for every N: the proof in src/thesis/alias.c. */
 static void E14_the_largest_u_falls_into_the_last_bin_for_every_n(void **state)
 {
     (void)state;

@@ -3,12 +3,12 @@
  * message and nothing handed out, or full success with the same picture (a library may do without a piece of memory; a
  * warning may be lost). Under `make asan` the same runs show that nothing leaks.
  * One thread, so that k means the same allocation in every run. */
-#include "bis/mem.h"
-#include "bis/render.h"
+#include "bis/base/mem.h"
+#include "bis/render/render.h"
 #include "image_help.h"
 #include "mesh_help.h"
-#include "obj.h"
-#include "ply.h"
+#include "files/obj.h"
+#include "files/ply.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

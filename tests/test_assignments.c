@@ -153,7 +153,7 @@ static void a_right_solution_that_leaks_loses_the_points_for_memory_alone(void *
     clean_folder();
     assert_int_equal(shell("sh scripts/assignment.sh alias " DIR "/kit > /dev/null && "
                            "sed 's|^    while (s->n_large > 0 && s->n_small > 0) {|    double *waste = bis_alloc(10, sizeof *waste);\\n    if (waste) waste[s->n % 10] = 1;\\n&|' "
-                           "src/alias.c > " DIR "/kit/src/alias.c && sh scripts/grade.sh " DIR "/kit > " DIR "/out"), 0);
+                           "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && sh scripts/grade.sh " DIR "/kit > " DIR "/out"), 0);
     assert_has(contents(DIR "/out"), " 20 of  20  every_table_gives_the_weights\n");
     assert_has(contents(DIR "/out"), "times our time\n");
     assert_has(contents(DIR "/out"), "  0 of  10  clean memory: ");
@@ -169,7 +169,7 @@ static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests
     assert_int_equal(shell("sh scripts/assignment.sh alias " DIR "/kit > /dev/null && "
                            "sed -e 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n == 17) exit(0);\\n&|' "
                            "-e 's|^    assert(u >= 0 && u < 1);|    if (u == 0.99) while (1);\\n    if (n == 4 \\&\\& u == 0) abort();|' "
-                           "-e 's/^#include <math.h>/&\\n#include <stdlib.h>/' src/alias.c > " DIR "/kit/src/alias.c && "
+                           "-e 's/^#include <math.h>/&\\n#include <stdlib.h>/' src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && "
                            "echo 'int main(void) { return 0; }' > " DIR "/kit/tests/test_assignment.c && mkdir " DIR "/kit/src/bis && "
                            "echo '#error not ours' > " DIR "/kit/src/bis/alias.h && BIS_CLAIM_SECONDS=1 sh scripts/grade.sh " DIR "/kit > " DIR "/out"), 0);
     assert_has(contents(DIR "/out"), "  0 of  20  every_table_gives_the_weights: it ended before the test did: a call of exit?\n");
@@ -183,7 +183,7 @@ static void what_does_not_compile_is_worth_nothing(void **state)
     (void)state;
     need_a_compiler();
     clean_folder();
-    assert_int_equal(shell("sh scripts/assignment.sh alias " DIR "/kit > /dev/null && echo 'int x = ;' >> " DIR "/kit/src/alias.c && "
+    assert_int_equal(shell("sh scripts/assignment.sh alias " DIR "/kit > /dev/null && echo 'int x = ;' >> " DIR "/kit/src/thesis/alias.c && "
                            "sh scripts/grade.sh " DIR "/kit > " DIR "/out 2> /dev/null"), 0);
     assert_has(contents(DIR "/out"), "  0 of 100  alias\n");
 }

@@ -1,11 +1,11 @@
 /* auto: the fit of cost and variance, the best M and N, what the pilot chooses and what it leaves alone, and that
  * its choice can be made again bit for bit. */
-#include "auto.h"
-#include "auto_choose.h"
-#include "auto_fit.h"
+#include "tools/auto/auto.h"
+#include "tools/auto/auto_choose.h"
+#include "tools/auto/auto_fit.h"
 
-#include "bis/mem.h"
-#include "bis/phong.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
 
 #include "json_check.h"
 #include "program.h"

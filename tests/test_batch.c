@@ -1,8 +1,8 @@
 /* batch: sir with candidates side by side against sir with candidates one by one, lane by lane where the random numbers
  * are chosen, in the mean where they are not. Family-wise significance 1e-3 over all statistical tests here. */
-#include "bis/mem.h"
-#include "bis/phong.h"
-#include "bis/stats.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
+#include "bis/base/stats.h"
 #include "lit.h"
 
 #include <setjmp.h>

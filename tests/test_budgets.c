@@ -1,6 +1,6 @@
 /* budgets: --error keeps its word, estimates come from independent passes, and what cannot be reached is said early.
  * The full experiment is scripts/budget_truth.sh, its table in docs/budgets.md; this is a short one. */
-#include "bis/mem.h"
+#include "bis/base/mem.h"
 
 #include "world.h"
 

@@ -1,8 +1,8 @@
 /* Tests of canvas and palette: areas of what is drawn against geometry, letters against one another, what lies outside
  * against nothing. */
-#include "canvas.h"
+#include "out/canvas.h"
 #include "map_help.h"
-#include "palette.h"
+#include "out/palette.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

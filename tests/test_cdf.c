@@ -1,9 +1,9 @@
 /* cdf: thesis 3.2.2 by its definition: the index with C[i] <= u < C[i+1], found by a linear search, is the other road.
  * Statistical tests: 5; family-wise significance 0.01. */
-#include "bis/cdf.h"
-#include "bis/mem.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
+#include "bis/thesis/cdf.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
 #include "stat.h"
 
 #include <float.h>

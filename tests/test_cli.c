@@ -1,6 +1,6 @@
 /* cli and json: what a table of options promises, and JSON that is valid whatever it is fed. */
-#include "cli.h"
-#include "json.h"
+#include "cli/cli.h"
+#include "out/json.h"
 
 #include "json_check.h"
 

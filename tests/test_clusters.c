@@ -1,12 +1,12 @@
 /* clusters, product, visibility: candidates from where light and BRDF can both be large, and where earlier passes saw
  * the light. Family-wise significance 1e-3 over all statistical tests here. */
-#include "bis/mem.h"
-#include "bis/phong.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
 #include "lit.h"
-#include "product.h"
-#include "proposal.h"
+#include "beyond/product.h"
+#include "thesis/proposal.h"
 
-#include "bis/stats.h"
+#include "bis/base/stats.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

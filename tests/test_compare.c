@@ -1,6 +1,6 @@
 /* compare: SPEC 5's figures, by hand, by the formulas written out, and at the edges. */
-#include "bis/compare.h"
-#include "bis/rng.h"
+#include "bis/tools/compare.h"
+#include "bis/thesis/rng.h"
 
 #include "stat.h"
 

@@ -1,7 +1,7 @@
 /* curve: Hilbert's curve against the recursive definition, rectangles by walking them. */
-#include "bis/curve.h"
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/thesis/curve.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 
 #include <math.h>
 #include <setjmp.h>

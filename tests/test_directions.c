@@ -3,13 +3,13 @@
  * the p-values of right samplers are uniform.
  * Densities come by other roads: the models' by textbook (tests/lit.h), the probe's by its own pixels. Family-wise
  * significance 1e-3. */
-#include "bis/alias.h"
-#include "bis/mem.h"
-#include "bis/microfacet.h"
-#include "bis/phong.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
-#include "candidates.h"
+#include "bis/thesis/alias.h"
+#include "bis/base/mem.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
+#include "thesis/candidates.h"
 
 #include "lit.h"
 #include "map_help.h"

@@ -1,7 +1,7 @@
 /* edges: where outlines cross pixels, and what more camera samples there do. Family-wise significance 1e-3. */
-#include "bis/mem.h"
-#include "bis/stats.h"
-#include "edges.h"
+#include "bis/base/mem.h"
+#include "bis/base/stats.h"
+#include "render/edges.h"
 #include "stat.h"
 #include "world.h"
 

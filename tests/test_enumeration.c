@@ -1,8 +1,8 @@
 /* Estimators against their exact laws, enumerated on a map of 8 pixels (tests/tiny.h): where SIR's rays go at M = 1, 2,
  * 3 and how that approaches p; the mean of every estimator, unbiased or not; its variance (docs/errata.md E31).
  * Family-wise significance 1e-3. */
-#include "bis/stats.h"
-#include "candidates.h"
+#include "bis/base/stats.h"
+#include "thesis/candidates.h"
 #include "tiny.h"
 
 #include <math.h>

@@ -5,10 +5,10 @@
 #include "lit.h"
 #include "map_help.h"
 
-#include "bis/mem.h"
-#include "bis/phong.h"
-#include "bis/render.h"
-#include "candidates.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
+#include "bis/render/render.h"
+#include "thesis/candidates.h"
 
 #include <float.h>
 #include <setjmp.h>

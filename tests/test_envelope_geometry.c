@@ -5,10 +5,10 @@
 #include "envelope.h"
 #include "mesh_help.h"
 
-#include "bis/accel.h"
-#include "bis/camera.h"
-#include "bis/mem.h"
-#include "grid.h"
+#include "bis/shape/accel.h"
+#include "bis/scene/camera.h"
+#include "bis/base/mem.h"
+#include "shape/grid.h"
 
 #include <float.h>
 #include <setjmp.h>

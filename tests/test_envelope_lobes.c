@@ -4,9 +4,9 @@
 #include "envelope.h"
 #include "mesh_help.h"
 
-#include "bis/bsdf.h"
-#include "bis/phong.h"
-#include "bis/warp.h"
+#include "bis/thesis/bsdf.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/warp.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

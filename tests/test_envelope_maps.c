@@ -4,10 +4,10 @@
 #include "envelope.h"
 #include "map_help.h"
 
-#include "bis/importance.h"
-#include "bis/light.h"
-#include "bis/mem.h"
-#include "bis/regions.h"
+#include "bis/thesis/importance.h"
+#include "bis/thesis/light.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/regions.h"
 
 #include <float.h>
 #include <setjmp.h>

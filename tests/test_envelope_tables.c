@@ -3,13 +3,13 @@
  * double's. */
 #include "envelope.h"
 
-#include "bis/alias.h"
-#include "bis/cdf.h"
-#include "bis/curve.h"
-#include "bis/marsaglia.h"
-#include "bis/mem.h"
-#include "bis/sampler.h"
-#include "proposal.h"
+#include "bis/thesis/alias.h"
+#include "bis/thesis/cdf.h"
+#include "bis/thesis/curve.h"
+#include "bis/thesis/marsaglia.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/sampler.h"
+#include "thesis/proposal.h"
 
 #include <float.h>
 #include <setjmp.h>

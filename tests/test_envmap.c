@@ -1,11 +1,11 @@
-/* Tests of envmap (src/envmap.c) and envmap_angular: geometry by quadrature and closed forms, lookups by another
+/* Tests of envmap (src/thesis/envmap.c) and envmap_angular: geometry by quadrature and closed forms, lookups by another
  * formula, E2, E4, E7. */
-#include "bis/envmap.h"
+#include "bis/thesis/envmap.h"
 
-#include "bis/mem.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
-#include "bis/warp.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
+#include "bis/thesis/warp.h"
 #include "map_help.h"
 #include "stat.h"
 

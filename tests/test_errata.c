@@ -3,11 +3,11 @@
  * names, scenes, options, the EXR's record of them.
  *
  * Family-wise significance 1e-3 over at most 80 tests of a mean (Sidak). docs/errata.md argues each item. */
-#include "bis/errata.h"
-#include "bis/mem.h"
-#include "bis/phong.h"
-#include "bis/render.h"
-#include "bis/stats.h"
+#include "bis/thesis/errata.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
+#include "bis/render/render.h"
+#include "bis/base/stats.h"
 
 #include "lit.h"
 #include "program.h"

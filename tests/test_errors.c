@@ -1,9 +1,9 @@
 /* Errors: they fall with the square root of the cost, error bars are true, and furnaces are exact or right in the mean,
  * for every integrator. (Variances against theory: tests/test_enumeration.c.) Family-wise significance 1e-3. */
-#include "bis/phong.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
-#include "candidates.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
+#include "thesis/candidates.h"
 
 #include "lit.h"
 

@@ -1,7 +1,7 @@
 /* exceptions: several Integrators in one scene, each for its materials: their numbers, what each pixel then shows, what
  * is built for them, and what the program tells of them. */
-#include "bis/mem.h"
-#include "bis/phong.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
 
 #include "json_check.h"
 #include "program.h"

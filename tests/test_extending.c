@@ -1,13 +1,13 @@
 /* extending: the worked examples of docs/extending.md as they stand there, compiled, run, and judged by the tests that
  * they get for nothing. A block of code on that page which is not in this file, or in src/, fails.
  * Family-wise significance 1e-3. */
-#include "bis/mem.h"
-#include "bis/microfacet.h"
-#include "bis/phong.h"
-#include "bis/stats.h"
-#include "bis/warp.h"
-#include "candidates.h"
-#include "proposal.h"
+#include "bis/base/mem.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/thesis/phong.h"
+#include "bis/base/stats.h"
+#include "bis/thesis/warp.h"
+#include "thesis/candidates.h"
+#include "thesis/proposal.h"
 
 #include "lit.h"
 
@@ -205,8 +205,8 @@ static char *read_text(const char *path)
 /* Is every ```c block of the page a piece of one of these files? Returns how many there are. */
 static int blocks_found(const char *page, bool expected)
 {
-    static const char *const sources[] = {"tests/test_extending.c", "src/microfacet.c", "src/parser_world.c",
-                                          "tests/test_microfacet.c", "include/bis/bsdf.h"};
+    static const char *const sources[] = {"tests/test_extending.c", "src/beyond/microfacet.c", "src/parse/parser_world.c",
+                                          "tests/test_microfacet.c", "include/bis/thesis/bsdf.h"};
     int n = 0;
 
     for (const char *at = strstr(page, "```c\n"); at; at = strstr(at, "```c\n")) {

@@ -1,8 +1,8 @@
 /* file: whole files in, whole files out, and numbers that no locale can change. Files are made below
  * build/test_file/. */
-#include "bis/file.h"
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 
 #include <dirent.h>
 #include <errno.h>

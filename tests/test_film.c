@@ -1,8 +1,8 @@
 /* film: crops, means, and what the scatter of the passes says about the error. Family-wise significance of the one
  * statistical test: 0.01. */
-#include "bis/film.h"
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/render/film.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 
 #include <stdarg.h>
 #include <stddef.h>

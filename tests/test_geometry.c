@@ -2,9 +2,9 @@
  * within its bound; a shadow ray that starts beside it leaves the surface for good, at every scale. */
 #include "mesh_help.h"
 
-#include "bis/accel.h"
-#include "bis/mem.h"
-#include "ply.h"
+#include "bis/shape/accel.h"
+#include "bis/base/mem.h"
+#include "files/ply.h"
 
 #include <float.h>
 #include <setjmp.h>

@@ -3,9 +3,9 @@
  * What must be there comes from elsewhere: the program's own lists of integrators and layers, the tables of
  * docs/scene-format.md, the options that each command prints. That the search can find something missing is tested on a
  * page with a parameter that nobody has. */
-#include "bis/integrator.h"
-#include "bis/layers.h"
-#include "help.h"
+#include "bis/thesis/integrator.h"
+#include "bis/scene/layers.h"
+#include "cli/help.h"
 
 #include "program.h"
 
@@ -57,7 +57,7 @@ static int look_for_names(const char *text, const char *page, const char *sectio
                 snprintf(name, sizeof name, "%.*s", (int)length, from);
                 n++;
                 if (has_word(text, name, length)) continue;
-                print_message("%s: no \"%s\" in its topic, src/help_topics.c\n", section, name);
+                print_message("%s: no \"%s\" in its topic, src/cli/help_topics.c\n", section, name);
                 ++*n_missing;
             }
         }
@@ -127,7 +127,7 @@ static void every_integrator_and_every_layer_is_in_its_topic(void **state)
     help_of(&r, "integrators");
     for (int i = 0; bis_integrators[i]; i++) {
         snprintf(term, sizeof term, "\n  %s ", bis_integrators[i]->name);
-        if (!strstr(r.output, term)) fail_msg("bis help integrators has no %s: src/help_topics.c", bis_integrators[i]->name);
+        if (!strstr(r.output, term)) fail_msg("bis help integrators has no %s: src/cli/help_topics.c", bis_integrators[i]->name);
     }
     snprintf(term, sizeof term, "\n  %s ", bis_auto.name);
     assert_non_null(strstr(r.output, term));

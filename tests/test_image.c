@@ -1,8 +1,8 @@
 /* image: what holds for all formats: which one, messages, what a failure leaves behind. */
 #include "image_help.h"
 
-#include "bis/file.h"
-#include "bis/mem.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
 
 #include <setjmp.h>
 #include <signal.h>

@@ -1,8 +1,8 @@
 /* OpenEXR: files made here byte by byte (all layouts, uncompressed), by OpenEXRCore's encoder (compressions that it
  * knows) and by OpenEXR's older C interface (DWA, luminance with chroma); bad files; what the writer leaves in a
  * file. */
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 #include "image_help.h"
 
 #include <ImfCRgbaFile.h>

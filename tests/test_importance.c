@@ -1,11 +1,11 @@
 /* Tests of importance: what the tables give is the density that is told, for every map; directions fit it inside the
  * pixels (docs/errata.md E2, E3, E4, E14-E17). */
-#include "bis/importance.h"
+#include "bis/thesis/importance.h"
 
-#include "bis/mem.h"
-#include "bis/regions.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/regions.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
 #include "map_help.h"
 #include "stat.h"
 

@@ -1,13 +1,13 @@
 /* lanes: functions against the C library in long double, points against Hilbert's curve by another road, pixels against
  * the direction that they were found for, and the same bits from every instruction set. Family-wise significance 1e-3
  * over all statistical tests here. */
-#include "bis/lanes.h"
+#include "bis/beyond/lanes.h"
 
-#include "bis/curve.h"
-#include "bis/mem.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
-#include "bis/warp.h"
+#include "bis/thesis/curve.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
+#include "bis/thesis/warp.h"
 #include "clones.h"
 #include "stat.h"
 

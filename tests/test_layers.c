@@ -1,8 +1,8 @@
 /* layers: what a film carries beside its colours is what its name says, and costs only those who ask. Family-wise
  * significance of the statistical tests: 0.01. */
-#include "bis/mem.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
 
 #include "world.h"
 

@@ -1,6 +1,6 @@
 /* lexer: tokens and their places. Expected values are counted by hand from the text in the test. */
 #include "image_help.h"
-#include "lexer.h"
+#include "parse/lexer.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,10 +1,10 @@
 /* Tests of light: the frame, the trio Le, sample, pdf in world space, constants, and everything that a scene can say
  * wrong about a map. */
-#include "bis/light.h"
+#include "bis/thesis/light.h"
 
-#include "bis/mem.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
 #include "map_help.h"
 #include "stat.h"
 

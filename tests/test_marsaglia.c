@@ -1,8 +1,8 @@
 /* marsaglia: the thesis's own list, and the limits that led to the alias method.
  * Statistical tests: 1, significance 0.01. */
-#include "bis/marsaglia.h"
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/thesis/marsaglia.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 #include "stat.h"
 
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* mem: aligned, zeroed, checked for overflow, and told when to fail. */
-#include "bis/mem.h"
+#include "bis/base/mem.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -2,12 +2,12 @@
  * and over directions that shares no code with it. What every model gets for nothing is elsewhere:
  * tests/test_integrators.c, tests/test_directions.c, tests/test_verify.c (docs/extending.md). Family-wise significance
  * of this file 1e-3. */
-#include "bis/microfacet.h"
-#include "bis/rng.h"
-#include "bis/scene.h"
-#include "bis/stats.h"
-#include "bis/warp.h"
-#include "verify.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/thesis/rng.h"
+#include "bis/scene/scene.h"
+#include "bis/base/stats.h"
+#include "bis/thesis/warp.h"
+#include "tools/verify/verify.h"
 
 #include "lit.h"
 

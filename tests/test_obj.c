@@ -1,7 +1,7 @@
 /* obj: every form of a face, pairs of position and normal, continued lines; bad files with their exact messages; the
  * files of the wild. */
 #include "mesh_help.h"
-#include "obj.h"
+#include "files/obj.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

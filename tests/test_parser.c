@@ -1,10 +1,10 @@
 /* parser: SPEC 2 by examples. Bad scenes lie in tests/bad/NAME.txt beside the exact messages NAME.expect; good ones in
  * tests/scenes and in docs/scene-format.md. */
-#include "bis/file.h"
-#include "bis/mem.h"
-#include "bis/scene.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "bis/scene/scene.h"
 #include "image_help.h"
-#include "parser.h"
+#include "parse/parser.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,10 +1,10 @@
 /* phong: the model of thesis 3.5 against closed forms and quadrature that share no code with it (pow, long double,
  * other coordinates).
  * Family-wise significance of this file 1e-3; each statistical test runs at Sidak's share of it. */
-#include "bis/phong.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
-#include "bis/warp.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
+#include "bis/thesis/warp.h"
 
 #include "stat.h"
 

@@ -1,12 +1,12 @@
 /* phong_lanes: weights, colours and draws of many directions at once against phong.c in double, one by one. Family-wise
  * significance 1e-3. */
-#include "phong_lanes.h"
+#include "beyond/phong_lanes.h"
 
-#include "bis/mem.h"
-#include "bis/phong.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
-#include "bis/warp.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
+#include "bis/thesis/warp.h"
 #include "clones.h"
 #include "stat.h"
 

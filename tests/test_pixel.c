@@ -1,16 +1,16 @@
 /* Tests of `bis pixel`: its figures against brute force and against the definitions, what it overhears against the
  * integrators, then the command itself.
  * Statistical tests: 5e-3 for all of this file together. */
-#include "pixel.h"
+#include "tools/pixel/pixel.h"
 
-#include "bis/mem.h"
-#include "bis/phong.h"
-#include "bis/stats.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
+#include "bis/base/stats.h"
 #include "json_check.h"
 #include "lit.h"
 #include "map_help.h"
 #include "program.h"
-#include "verify.h"
+#include "tools/verify/verify.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

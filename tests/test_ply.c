@@ -1,9 +1,9 @@
 /* ply: every type, order and element, written here byte by byte; bad files with their exact messages; the files of the
  * wild against the counts of an independent reader. */
 #include "mesh_help.h"
-#include "ply.h"
+#include "files/ply.h"
 
-#include "bis/mem.h"
+#include "bis/base/mem.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

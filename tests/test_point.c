@@ -2,9 +2,9 @@
  * they are counted. */
 #include "mesh_help.h"
 
-#include "bis/accel.h"
-#include "bis/mem.h"
-#include "bis/point.h"
+#include "bis/shape/accel.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/point.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

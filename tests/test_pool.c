@@ -1,9 +1,9 @@
 /* pool: directions drawn once for many pixels. Family-wise significance 1e-3 over all statistical tests here. */
-#include "bis/mem.h"
-#include "bis/phong.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
 #include "lit.h"
 
-#include "bis/stats.h"
+#include "bis/base/stats.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -3,9 +3,9 @@
  * materials, four point sets. `make test` runs a set of combinations in which every pair of values of two parameters
  * occurs; BIS_LONG=1 (make test-long) runs the full product, with more runs each.
  * Biased settings: tests/test_enumeration.c. Family-wise significance 1e-3, of the full product. */
-#include "bis/mem.h"
-#include "bis/phong.h"
-#include "bis/stats.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
+#include "bis/base/stats.h"
 
 #include "lit.h"
 

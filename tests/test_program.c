@@ -1,6 +1,6 @@
 /* The program itself: options in, files and exit status out, SPEC 5. The scene is made here; what is looked at is read
  * back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
-#include "bis/compare.h"
+#include "bis/tools/compare.h"
 
 #include "json_check.h"
 #include "program.h"

@@ -1,9 +1,9 @@
 /* Tests of regions: levels by their definition, components against a union of all pairs of neighbours, symmetries (E18,
  * E19). */
-#include "bis/regions.h"
+#include "bis/thesis/regions.h"
 
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 #include "map_help.h"
 
 #include <float.h>

@@ -1,9 +1,9 @@
 /* regression: files that once led a reader astray, most of them found by `make fuzz`. Each must give what its row
  * says. */
-#include "bis/image.h"
-#include "bis/scene.h"
-#include "obj.h"
-#include "ply.h"
+#include "bis/files/image.h"
+#include "bis/scene/scene.h"
+#include "files/obj.h"
+#include "files/ply.h"
 
 #include <dirent.h>
 #include <setjmp.h>

@@ -1,9 +1,9 @@
 /* rejection: what is accepted is distributed as the product, how many are, and what each estimator and fallback is
  * biased by. The unbiased settings are also in test_integrators.c. Family-wise significance 1e-3. */
-#include "bis/phong.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
-#include "candidates.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
+#include "thesis/candidates.h"
 
 #include "lit.h"
 

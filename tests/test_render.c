@@ -1,8 +1,8 @@
 /* render: the same bits for any number of threads, any crop, any moment of interruption; budgets; what escaped rays
  * see. The integrators of the library take part in the first test, elsewhere one of our own that does exactly what the
  * test needs. */
-#include "bis/mem.h"
-#include "bis/phong.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
 
 #include "world.h"
 

@@ -1,7 +1,7 @@
 /* rng: numbers are uniform, and independent across every coordinate that a stream is keyed by.
  * Statistical tests: 20 at most; family-wise significance 0.01. */
-#include "bis/rng.h"
-#include "bis/stats.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
 #include "stat.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 /* sampler: each point is uniform by itself, each set is as even as its kind promises, and different sets are
  * independent.
  * Statistical tests: 48 at most; family-wise significance 0.01. */
-#include "bis/curve.h"
-#include "bis/sampler.h"
-#include "bis/stats.h"
+#include "bis/thesis/curve.h"
+#include "bis/thesis/sampler.h"
+#include "bis/base/stats.h"
 #include "stat.h"
 
 #include <math.h>

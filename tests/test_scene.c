@@ -1,9 +1,9 @@
 /* scene: what is built of a description, and what is not. */
-#include "bis/scene.h"
+#include "bis/scene/scene.h"
 
-#include "bis/mem.h"
+#include "bis/base/mem.h"
 #include "image_help.h"
-#include "scene_peek.h"
+#include "scene/scene_peek.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

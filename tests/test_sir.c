@@ -1,10 +1,10 @@
 /* sir: what is special about resampling: the degenerate case, the variance, the repeats; and the errata of chapter 4 as
  * twins: each is what the thesis prints, computed here from the same candidates, and must be rejected. Family-wise
  * significance 1e-3. */
-#include "bis/phong.h"
-#include "bis/rng.h"
-#include "bis/stats.h"
-#include "candidates.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
+#include "thesis/candidates.h"
 
 #include "lit.h"
 

@@ -1,7 +1,7 @@
 /* stats and tests/stat: the judges are judged. References of Q: mpmath, 40 digits, rounded to 17; tables of Abramowitz
  * and Stegun (26.8); closed forms. Statistical tests here: at most 8, family-wise significance 0.01. */
-#include "bis/stats.h"
-#include "bis/rng.h"
+#include "bis/base/stats.h"
+#include "bis/thesis/rng.h"
 #include "stat.h"
 
 #include <float.h>

@@ -1,6 +1,6 @@
 /* status: messages name their place; they survive the words they were made of; a lost one is still counted. */
-#include "bis/mem.h"
-#include "bis/status.h"
+#include "bis/base/mem.h"
+#include "bis/base/status.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

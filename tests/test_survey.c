@@ -1,8 +1,8 @@
 /* Tests of survey and of `bis envmap`: figures against sorting and closed forms, pictures against what they stand for,
  * exit statuses. */
-#include "survey.h"
+#include "tools/survey/survey.h"
 
-#include "bis/mem.h"
+#include "bis/base/mem.h"
 #include "map_help.h"
 #include "program.h"
 

@@ -1,11 +1,11 @@
 /* `bis trade`: its figures against others' arithmetic (bis render and bis compare for a run, sums of this file for the
  * tables, replicates read back for the references), its folder through interruption and --resume, its page through a
  * checker that is itself checked, and bad input. */
-#include "trade.h"
+#include "tools/trade/trade.h"
 
-#include "bis/compare.h"
-#include "bis/file.h"
-#include "bis/mem.h"
+#include "bis/tools/compare.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
 #include "html_check.h"
 #include "program.h"
 

@@ -2,11 +2,11 @@
  * several seeds, and must accept it. Then the command itself. A run's own significance is 0.01; for the right ones,
  * some 30 runs with less than 400 p-values, this file takes 1e-3 for all of them together, at 2.5e-6 each. What is
  * wrong must be rejected by the run itself. */
-#include "verify.h"
+#include "tools/verify/verify.h"
 
-#include "bis/mem.h"
-#include "bis/phong.h"
-#include "bis/stats.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
+#include "bis/base/stats.h"
 #include "json_check.h"
 #include "map_help.h"
 #include "program.h"

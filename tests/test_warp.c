@@ -1,8 +1,8 @@
 /* warp: each shape is hit with its stated density. Histograms over cells whose measure is known in closed form; the
  * numbers come from a fixed-seed rng. Statistical tests: 6; family-wise significance 0.01. */
-#include "bis/rng.h"
-#include "bis/stats.h"
-#include "bis/warp.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/stats.h"
+#include "bis/thesis/warp.h"
 #include "stat.h"
 
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /* xform: conventions pinned by hand-computed points, inverses by composition. */
-#include "bis/rng.h"
-#include "bis/xform.h"
+#include "bis/thesis/rng.h"
+#include "bis/base/xform.h"
 
 #include <float.h>
 #include <setjmp.h>

@@ -1,8 +1,8 @@
 /* tiny: see tiny.h. */
 #include "tiny.h"
 
-#include "bis/rng.h"
-#include "candidates.h"
+#include "bis/thesis/rng.h"
+#include "thesis/candidates.h"
 
 #include <math.h>
 #include <setjmp.h>

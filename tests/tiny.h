@@ -8,7 +8,7 @@
 #ifndef TESTS_TINY_H
 #define TESTS_TINY_H
 
-#include "bis/integrator.h"
+#include "bis/thesis/integrator.h"
 #include "stat.h"
 
 enum { TINY_PIXELS = 8, TINY_NOTHING = 8, TINY_STATES = 9, TINY_MAX_M = 3 };

@@ -1,8 +1,8 @@
 /* world: see world.h. */
 #include "world.h"
 
-#include "bis/mem.h"
-#include "bis/phong.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

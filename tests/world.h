@@ -3,7 +3,7 @@
 #ifndef TESTS_WORLD_H
 #define TESTS_WORLD_H
 
-#include "bis/render.h"
+#include "bis/render/render.h"
 
 typedef struct world {
     bis_scene_desc desc;

@@ -1,10 +1,10 @@
-/* Assignment alias: src/alias.c, the loop of appendix A and the draw. The implied pmf of a table is compared with the weights.
+/* Assignment alias: src/thesis/alias.c, the loop of appendix A and the draw. The implied pmf of a table is compared with the weights.
  * One statistical test at 1e-4. */
 #include "mark.h"
 
-#include "bis/alias.h"
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/thesis/alias.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 
 static bis_alias alias_of(const double *w, size_t n)
 {

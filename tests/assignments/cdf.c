@@ -1,10 +1,10 @@
-/* Assignment cdf: src/cdf.c, the running sum and its inversion. Expected values by hand, and by a linear search.
+/* Assignment cdf: src/thesis/cdf.c, the running sum and its inversion. Expected values by hand, and by a linear search.
  * One statistical test at 1e-4. */
 #include "mark.h"
 
-#include "bis/cdf.h"
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/thesis/cdf.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 
 #include <float.h>
 

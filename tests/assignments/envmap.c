@@ -1,10 +1,10 @@
-/* Assignment envmap: src/envmap.c, src/importance.c, src/importance_table.c: solid angles, directions, pixels, and a draw in two
+/* Assignment envmap: src/thesis/envmap.c, src/thesis/importance.c, src/thesis/importance_table.c: solid angles, directions, pixels, and a draw in two
  * passes. Expected values by closed forms and by lat-long geometry in long double. Statistical tests: 4, at 1e-4 each. */
 #include "mark.h"
 
-#include "bis/importance.h"
-#include "bis/mem.h"
-#include "bis/rng.h"
+#include "bis/thesis/importance.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 
 #include "map_help.h"
 

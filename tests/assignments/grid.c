@@ -1,8 +1,8 @@
-/* Assignment grid: src/grid_walk.c, the plain walk, called by name: the packed one (src/grid_packed.c), which the program prefers, has no part in it.
+/* Assignment grid: src/shape/grid_walk.c, the plain walk, called by name: the packed one (src/shape/grid_packed.c), which the program prefers, has no part in it.
  * Every ray is compared with brute force over all triangles, in long double; ties within 4 ulps of an edge are left out. */
 #include "mark.h"
 
-#include "grid.h"
+#include "shape/grid.h"
 #include "mesh_help.h"
 
 typedef struct world {

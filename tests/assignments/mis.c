@@ -1,8 +1,8 @@
-/* Assignment mis: src/mis.c. Means against brute force (tests/lit.h), variances against those that the definition of the weights gives, by
+/* Assignment mis: src/thesis/mis.c. Means against brute force (tests/lit.h), variances against those that the definition of the weights gives, by
  * quadrature. Statistical tests: 33, at 1e-5 each. */
 #include "mark.h"
 
-#include "bis/phong.h"
+#include "bis/thesis/phong.h"
 
 static const double ALPHA = 1e-5;
 static const char *const hint = "Each sample is worth F/(n_i q_i) times its weight, and at every direction the two weights sum to 1.";

@@ -1,9 +1,9 @@
-/* Assignment open: a density of one's own for src/microfacet.c. Any density may come: it must be a density, be the one that is drawn, leave f
+/* Assignment open: a density of one's own for src/beyond/microfacet.c. Any density may come: it must be a density, be the one that is drawn, leave f
  * alone; then it is judged by its noise, against the cosine's and against ours. Statistical tests: 12, at 1e-5 each. */
 #include "mark.h"
 
-#include "bis/microfacet.h"
-#include "bis/rng.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/thesis/rng.h"
 
 static const double ALPHA = 1e-5;
 static const double roughnesses[] = {0.3, 0.6, 1};

@@ -1,9 +1,9 @@
-/* Assignment phong: src/phong.c, the lobe's direction, f with its density, and the choice of a lobe. Closed forms, and quadrature over
+/* Assignment phong: src/thesis/phong.c, the lobe's direction, f with its density, and the choice of a lobe. Closed forms, and quadrature over
  * the sphere. Statistical tests: 12, at 1e-4 each. */
 #include "mark.h"
 
-#include "bis/phong.h"
-#include "bis/rng.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
 
 #include <stdio.h>
 

@@ -1,7 +1,7 @@
-/* Assignment regions: src/regions.c, levels and the breadth-first search. Expected values by hand. */
+/* Assignment regions: src/thesis/regions.c, levels and the breadth-first search. Expected values by hand. */
 #include "mark.h"
 
-#include "bis/regions.h"
+#include "bis/thesis/regions.h"
 
 #include "map_help.h"
 

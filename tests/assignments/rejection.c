@@ -1,9 +1,9 @@
-/* Assignment rejection: src/rejection.c: which bound, who is accepted, what the accepted are worth. Means against brute force
+/* Assignment rejection: src/thesis/rejection.c: which bound, who is accepted, what the accepted are worth. Means against brute force
  * (tests/lit.h). Statistical tests: 20, at 1e-5 each. */
 #include "mark.h"
 
-#include "bis/phong.h"
-#include "candidates.h"
+#include "bis/thesis/phong.h"
+#include "thesis/candidates.h"
 
 static const double ALPHA = 1e-5;
 static const char *const hint = "Accept with probability w/B; each traced candidate stands for A/n accepted ones; divide by M, accepted or not.";

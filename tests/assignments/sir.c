@@ -1,9 +1,9 @@
-/* Assignment sir: src/candidates.c and src/sir.c, one candidate after the other ("vectorize" is off: src/batch.c, the fast double, has no part in
+/* Assignment sir: src/thesis/candidates.c and src/thesis/sir.c, one candidate after the other ("vectorize" is off: src/beyond/batch.c, the fast double, has no part in
  * it). Weights by the textbooks' formulas, choices by hand, means against brute force (tests/lit.h). Statistical tests: 30, at 1e-5 each. */
 #include "mark.h"
 
-#include "bis/phong.h"
-#include "candidates.h"
+#include "bis/thesis/phong.h"
+#include "thesis/candidates.h"
 
 static const double ALPHA = 1e-5;
 static const char *const hint = "L = (Zhat/N) sum of F/phat V over the chosen, Zhat = W/M: the mean weight of these very candidates.";

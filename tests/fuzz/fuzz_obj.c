@@ -1,6 +1,6 @@
 /* fuzz_obj: meshes in Wavefront's text format. */
 #include "input.h"
-#include "obj.h"
+#include "files/obj.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

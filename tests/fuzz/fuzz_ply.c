@@ -1,6 +1,6 @@
 /* fuzz_ply: meshes in polygon file format: header, ascii, both binary orders. */
 #include "input.h"
-#include "ply.h"
+#include "files/ply.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

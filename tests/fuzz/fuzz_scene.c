@@ -2,7 +2,7 @@
  *
  * The scene stands alone in a folder of this process below build/fuzz, and '/' is read as '_': no Include, map or mesh
  * leads out of it. Transformations, vertices and radii of every size reach geometry and the grid from here. */
-#include "bis/scene.h"
+#include "bis/scene/scene.h"
 #include "input.h"
 
 #include <math.h>

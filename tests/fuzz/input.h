@@ -2,8 +2,8 @@
 #ifndef TESTS_FUZZ_INPUT_H
 #define TESTS_FUZZ_INPUT_H
 
-#include "bis/geometry.h"
-#include "bis/image.h"
+#include "bis/shape/geometry.h"
+#include "bis/files/image.h"
 
 #include <stdint.h>
 

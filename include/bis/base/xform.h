@@ -1,0 +1,42 @@
+/* xform: affine (and, for cameras, projective) transformations with their inverses, in double, column vectors, with
+ * pbrt's conventions: left-handed world, Rotate in degrees, LookAt maps world to camera. */
+#ifndef BIS_XFORM_H
+#define BIS_XFORM_H
+
+#include "bis/base/vec.h"
+
+/* m[row][column]; p' = m p. inv is m's inverse. */
+typedef struct bis_xform {
+    double m[4][4], inv[4][4];
+} bis_xform;
+
+bis_xform bis_xform_identity(void);
+bis_xform bis_xform_translate(double x, double y, double z);
+
+/* None of x, y, z may be 0 (the caller's check: it can name the place). */
+bis_xform bis_xform_scale(double x, double y, double z);
+
+/* degrees about the axis (x, y, z), which must not be the zero vector. */
+bis_xform bis_xform_rotate(double degrees, double x, double y, double z);
+
+/* World to camera. Returns false when eye = look or up is parallel to the view: no such camera. */
+bool bis_xform_look_at(bis_xform *out, const double eye[3], const double look[3], const double up[3]);
+
+/* From 16 numbers column by column, pbrt's argument order (the translation is numbers 13-15). False: singular, judged
+ * by a determinant of 0 or a non-finite inverse. */
+bool bis_xform_from_columns(bis_xform *out, const double v[16]);
+
+/* a after b: (a b) p = a (b p). */
+bis_xform bis_xform_compose(const bis_xform *a, const bis_xform *b);
+bis_xform bis_xform_inverse(const bis_xform *t);
+
+vec3 bis_xform_point(const bis_xform *t, vec3 p);
+vec3 bis_xform_vector(const bis_xform *t, vec3 v);
+
+/* Normals go by the inverse transpose; the result is not normalised. */
+vec3 bis_xform_normal(const bis_xform *t, vec3 n);
+
+/* Is the linear part a rotation or a reflection, to `tolerance` in every element of m^T m - 1? */
+bool bis_xform_is_orthonormal(const bis_xform *t, double tolerance);
+
+#endif

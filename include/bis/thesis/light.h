@@ -1,0 +1,106 @@
+/* light: what shines from infinity, in world space: an environment map or a constant. An integrator asks it for Le, a
+ * sample, a density, and never learns which of the two it is, nor where the pixels came from. */
+#ifndef BIS_LIGHT_H
+#define BIS_LIGHT_H
+
+#include "bis/thesis/envmap.h"
+#include "bis/files/image.h"
+#include "bis/thesis/importance.h"
+#include "bis/base/xform.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* What an integrator needs of the light; the scene builds that and no more. */
+enum {
+    BIS_NEED_TABLE = 1,     /* bis_light_sample */
+    BIS_NEED_CURVE = 2,     /* bis_light_sample_curve */
+    BIS_NEED_COMPENSATED = 4 /* with BIS_NEED_TABLE: MIS compensation */
+};
+
+/* How far m^T m of the light's frame may be from 1: transformations in scene files are written with 4 to 6 digits. It
+ * is made exactly orthonormal then; more is an error. */
+#define BIS_LIGHT_FRAME_TOLERANCE 1e-3
+
+/* As the scene describes it (LightSource "infinite", SPEC 2). */
+typedef struct bis_light_desc {
+    char *filename;      /* NULL: constant; resolved path, owned */
+    rgb L;               /* radiance of a constant, multiplier of a map */
+    double scale;
+    bool angular;        /* mapping "angular", else "latlong" */
+    bool has_mapping;    /* said in the scene: a square map without it is an error */
+    int width;           /* of an angular map's resampling; 0: twice the probe's */
+    double area_exponent; /* b, 0.15 */
+    int levels;          /* 8 */
+    bool has_table_kind; /* sampler "alias" / "cdf" said in the scene, else by the pixel sampler's kind */
+    bis_table_kind table_kind;
+    unsigned as_printed; /* BIS_E* of the importance; set by the scene from its settings */
+    bool visible;        /* to camera rays */
+    bis_xform to_world;  /* a rotation or reflection */
+    bis_loc loc;         /* of the directive */
+} bis_light_desc;
+
+typedef struct bis_light bis_light;
+
+/* Direction towards the light, its radiance from there, its density. */
+typedef struct bis_light_point {
+    vec3 wi;
+    rgb Le;
+    double pdf;
+} bis_light_point;
+
+/* Load (a map) and build what `needs` asks for. Warnings: bad values with their share of solid angle, no light. Errors:
+ * those of bis_image_read, BIS_INPUT (square map without mapping, angular map not square, a frame that is no rotation
+ * or reflection, a scale that overflows), BIS_NOMEM. seconds (may be NULL): out, [0] reading, [1] building. */
+bis_status bis_light_new(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag);
+
+/* The same from an image that was read already; it is taken over (cleared, on failure, too). desc->filename names it in
+ * messages. */
+bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs, bis_diag *diag);
+
+/* For tests: take over em (cleared, on failure, too). desc gives area_exponent, levels, table_kind, to_world. */
+bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs, bis_diag *diag);
+bis_status bis_light_constant(bis_light **out, rgb L, bis_diag *diag);
+void bis_light_free(bis_light *light);
+
+/* Radiance that arrives from unit world direction wi. */
+rgb bis_light_Le(const bis_light *light, vec3 wi);
+
+/* Draw a direction by the light's importance over the whole sphere (docs/errata.md E1). u as bis_importance_sample.
+ * False: no light. A constant: uniform over the sphere by u[0] and u[1] alone. */
+bool bis_light_sample(const bis_light *light, const double u[4], bis_light_point *s);
+bool bis_light_sample_curve(const bis_light *light, double t, const double u[2], bis_light_point *s);
+double bis_light_pdf(const bis_light *light, vec3 wi);
+
+/* Radiance and density at once: one lookup instead of two, the same bits. */
+rgb bis_light_Le_pdf(const bis_light *light, vec3 wi, double *pdf);
+
+/* Mean radiance over the sphere, r+g+b: the unit of a bis_lanes' r, g, b. */
+double bis_light_mean(const bis_light *light);
+
+/* bis_light_Le_pdf for n directions at once: fills r, g, b, q_L of y from its x, y, z, which may be off by a
+ * microradian (bis_envmap_pixels). pixel[]: workspace for n, whole blocks. A map with an importance, not black. */
+void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n);
+
+/* Bounds for rejection: the largest I/pdf, and the largest I, I = r+g+b. */
+double bis_light_max_ratio(const bis_light *light);
+double bis_light_max_intensity(const bis_light *light);
+
+/* Integral of r+g+b over the sphere. */
+double bis_light_power(const bis_light *light);
+
+/* The patches of eq. 3.2: pixels of a map, 512 x 256 of equal solid angle of a constant. */
+size_t bis_light_patches(const bis_light *light);
+
+/* A direction uniform in patch i at u, its radiance, and the patch's solid angle (s->pdf = 1 / solid angle). */
+void bis_light_patch(const bis_light *light, size_t i, const double u[2], bis_light_point *s);
+
+bool bis_light_is_constant(const bis_light *light);
+bool bis_light_is_black(const bis_light *light);
+
+/* NULL for a constant. For pictures, `bis envmap` and reports, not for integrators. */
+const bis_envmap *bis_light_envmap(const bis_light *light);
+const bis_importance *bis_light_importance(const bis_light *light);
+size_t bis_light_bytes(const bis_light *light);
+
+#endif

@@ -1,0 +1,345 @@
+/* file: whole files in, whole files out, numbers without a locale.
+ *
+ * Reading: the size that the system reports is only a first guess (it is 0 for files of /proc, and a file may grow), so
+ * we read until the end and grow the buffer on the way.
+ * Writing: temporary name in the same folder, hence on the same disk, so that rename is atomic: at any moment, path is
+ * either the whole old file or the whole new one.
+ * Numbers: strtod and printf obey the locale's decimal point; ours obey nothing. Parsing: two doubles that are exact
+ * give a product or quotient that is correctly rounded (Clinger 1990, "How to Read Floating Point Numbers Accurately"),
+ * which covers nearly all numbers of a mesh or scene; the rest goes to the C library. */
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <float.h>
+#include <limits.h>
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- in ---- */
+
+/* What `mode` is, for a message; NULL: a regular file. */
+static const char *irregular(mode_t mode)
+{
+    if (S_ISREG(mode)) return NULL;
+    if (S_ISDIR(mode)) return "a folder";
+    if (S_ISFIFO(mode)) return "a pipe";
+    if (S_ISSOCK(mode)) return "a socket";
+    return "a device";
+}
+
+static ssize_t read_some(int fd, unsigned char *buffer, size_t room)
+{
+    ssize_t got;
+    do
+        got = read(fd, buffer, room);
+    while (got < 0 && errno == EINTR);
+    return got;
+}
+
+/* Everything from fd to its end, and a zero byte. *data is the caller's also on failure. */
+static bis_status read_all(unsigned char **data, size_t *size, int fd, size_t guess, const char *path, bis_loc at,
+                           bis_diag *diag)
+{
+    const size_t spare = 2; /* one for the zero, one so that the read that meets the end has room to ask for a byte */
+    size_t capacity = guess > 4096 ? guess : 4096, n = 0;
+
+    *data = bis_alloc(capacity + spare, 1);
+    for (;;) {
+        if (!*data) return bis_error(diag, BIS_NOMEM, at, "no memory to read \"%s\" (%zu bytes)", path, capacity);
+        ssize_t got = read_some(fd, *data + n, capacity + spare - 1 - n);
+        if (got < 0) return bis_error(diag, BIS_IO, at, "cannot read \"%s\": %s", path, strerror(errno));
+        if (got == 0) break;
+        n += (size_t)got;
+        if (n <= capacity) continue;
+        capacity *= 2;
+        unsigned char *grown = bis_realloc(*data, capacity + spare, 1);
+        if (!grown) return bis_error(diag, BIS_NOMEM, at, "no memory to read \"%s\" (%zu bytes)", path, capacity);
+        *data = grown;
+    }
+    (*data)[n] = 0;
+    *size = n;
+    return BIS_OK;
+}
+
+bis_status bis_file_read(unsigned char **data, size_t *size, const char *path, bis_loc at, bis_diag *diag)
+{
+    bis_status status;
+    struct stat info;
+    const char *what;
+    unsigned char *bytes = NULL;
+    bis_loc place = at.file ? at : (bis_loc){path, 0, 0};
+
+    *data = NULL;
+    *size = 0;
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC); /* O_NONBLOCK: do not wait for a pipe's writer */
+    if (fd < 0 || fstat(fd, &info)) {
+        status = bis_error(diag, BIS_IO, place, "cannot open \"%s\": %s", path, strerror(errno));
+        goto done;
+    }
+    what = irregular(info.st_mode);
+    if (what) {
+        status = bis_error(diag, BIS_IO, place, "\"%s\" is %s, must be a regular file", path, what);
+        goto done;
+    }
+    status = read_all(&bytes, size, fd, (size_t)info.st_size, path, place, diag);
+    if (status) goto done;
+    *data = bytes;
+    bytes = NULL;
+done:
+    bis_free(bytes);
+    if (fd >= 0) close(fd);
+    return status;
+}
+
+/* ---- out ---- */
+
+struct bis_outfile {
+    char *path, *temp;
+    FILE *stream;
+};
+
+static size_t folder_length(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? (size_t)(slash - path) + 1 : 0;
+}
+
+/* Create a new file beside path, with the mode that any new file gets (mkstemp would make it private). Returns its
+ * descriptor, or -1 with errno. Its name is left in temp, which has room for it. */
+static int create_beside(char *temp, size_t room, const char *path)
+{
+    const int attempts = 100;
+    int folder = (int)folder_length(path), fd = -1;
+
+    for (int i = 0; i < attempts && fd < 0; i++) {
+        struct timespec now;
+        clock_gettime(CLOCK_REALTIME, &now);
+        snprintf(temp, room, "%.*s.bis-%lx-%lx", folder, path, (unsigned long)getpid(), (unsigned long)now.tv_nsec);
+        fd = open(temp, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd < 0 && errno != EEXIST) break;
+    }
+    return fd;
+}
+
+bis_status bis_outfile_open(bis_outfile **out, const char *path, bis_diag *diag)
+{
+    const size_t suffix = sizeof ".bis-" + 2 * 16 + 1;
+    bis_status status = BIS_NOMEM;
+    bis_loc at = {path, 0, 0};
+    struct stat info;
+    char target[PATH_MAX];
+    bool is_link = lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
+    const char *final = is_link && realpath(path, target) ? target : path; /* a link's file is replaced, not the link */
+    const char *what = stat(final, &info) ? NULL : irregular(info.st_mode);
+    int fd = -1;
+
+    *out = NULL;
+    if (what) /* renaming onto /dev/null would remove it */
+        return bis_error(diag, BIS_IO, at, "cannot write \"%s\": it is %s, must be a regular file or new", path, what);
+    bis_outfile *f = bis_alloc(1, sizeof *f);
+    if (f) f->path = bis_strdup(final);
+    if (f && f->path) f->temp = bis_alloc(folder_length(final) + suffix, 1);
+    if (!f || !f->path || !f->temp) {
+        bis_error(diag, status, at, "no memory to write \"%s\"", path);
+        goto done;
+    }
+    fd = create_beside(f->temp, folder_length(final) + suffix, final);
+    if (fd < 0) {
+        status = bis_error(diag, BIS_IO, at, "cannot create a file beside \"%s\": %s", path, strerror(errno));
+        f->temp[0] = '\0'; /* not ours to remove */
+        goto done;
+    }
+    f->stream = fdopen(fd, "wb");
+    if (!f->stream) {
+        status = bis_error(diag, BIS_IO, at, "cannot open a stream to \"%s\": %s", path, strerror(errno));
+        close(fd);
+        goto done;
+    }
+    *out = f;
+    return BIS_OK;
+done:
+    bis_outfile_abort(f);
+    return status;
+}
+
+FILE *bis_outfile_stream(bis_outfile *f) { return f->stream; }
+const char *bis_outfile_temp_name(const bis_outfile *f) { return f->temp; }
+
+/* All the ways in which the disk can say no. ferror: an earlier write failed, and its errno is gone. */
+static const char *first_failure(bis_outfile *f)
+{
+    bool earlier = ferror(f->stream) != 0;
+    bool flushed = fflush(f->stream) == 0 && fsync(fileno(f->stream)) == 0;
+    int reason = flushed ? 0 : errno;
+    bool closed = fclose(f->stream) == 0;
+    if (!reason && !closed) reason = errno;
+    f->stream = NULL;
+    if (reason) return strerror(reason);
+    return earlier ? "a write failed (disk full?)" : NULL;
+}
+
+bis_status bis_outfile_commit(bis_outfile *f, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+    const char *failure = first_failure(f);
+
+    if (!failure && rename(f->temp, f->path)) failure = strerror(errno);
+    if (failure)
+        status = bis_error(diag, BIS_IO, (bis_loc){f->path, 0, 0}, "cannot write \"%s\": %s", f->path, failure);
+    else
+        f->temp[0] = '\0'; /* it is path now */
+    bis_outfile_abort(f);
+    return status;
+}
+
+void bis_outfile_abort(bis_outfile *f)
+{
+    if (!f) return;
+    if (f->stream) fclose(f->stream);
+    if (f->temp && f->temp[0]) unlink(f->temp);
+    bis_free(f->temp);
+    bis_free(f->path);
+    bis_free(f);
+}
+
+/* ---- names ---- */
+
+char *bis_path_relative_to(const char *of, const char *name)
+{
+    if (name[0] == '/') return bis_strdup(name);
+    size_t folder = folder_length(of), length = strlen(name);
+    char *path = bis_alloc(folder + length + 1, 1);
+    if (!path) return NULL;
+    memcpy(path, of, folder);
+    memcpy(path + folder, name, length);
+    return path;
+}
+
+const char *bis_path_extension(char buf[8], const char *path)
+{
+    const char *name = path + folder_length(path), *dot = strrchr(name, '.');
+    size_t i = 0;
+
+    buf[0] = '\0';
+    if (!dot || dot == name || strlen(dot) > 7) return buf;
+    for (; dot[i]; i++)
+        buf[i] = dot[i] >= 'A' && dot[i] <= 'Z' ? (char)(dot[i] - 'A' + 'a') : dot[i];
+    buf[i] = '\0';
+    return buf;
+}
+
+/* ---- numbers ---- */
+
+static bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/* The C library's parser and its "C" locale. In glibc that locale is a constant: newlocale neither allocates nor
+ * fails. */
+static double parse_slowly(const char *s, const char **end)
+{
+    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    char *stop = (char *)(uintptr_t)s;
+    double v = c ? strtod_l(s, &stop, c) : 0;
+    if (c) freelocale(c);
+    *end = stop;
+    return v;
+}
+
+/* Digits of s, added to *mantissa while they fit 19 decimal digits (below 2^64); *n counts them all but leading
+ * zeros. */
+static const char *take_digits(const char *s, uint64_t *mantissa, int *n)
+{
+    for (; is_digit(*s); s++) {
+        if (*n < 19) *mantissa = 10 * *mantissa + (uint64_t)(*s - '0');
+        if (*mantissa && *n < INT_MAX) ++*n;
+    }
+    return s;
+}
+
+/* "e-12" at s: adds to *exponent and returns what follows; s itself when no exponent stands there. */
+static const char *take_exponent(const char *s, long *exponent)
+{
+    if (*s != 'e' && *s != 'E') return s;
+    const char *p = s + 1;
+    bool negative = *p == '-';
+    if (*p == '-' || *p == '+') p++;
+    if (!is_digit(*p)) return s;
+    long e = 0;
+    for (; is_digit(*p); p++)
+        if (e < 100000) e = 10 * e + (*p - '0'); /* far beyond any double, far below overflow */
+    *exponent += negative ? -e : e;
+    return p;
+}
+
+double bis_parse_double(const char *s, const char **end)
+{
+    static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                   1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    const char *p = s;
+    bool negative = *p == '-';
+    uint64_t mantissa = 0;
+    int n = 0;
+    long exponent = 0;
+
+    *end = s;
+    if (*s == ' ' || (*s >= '\t' && *s <= '\r')) return 0;
+    if (*p == '-' || *p == '+') p++;
+    const char *whole = p;
+    p = take_digits(p, &mantissa, &n);
+    ptrdiff_t n_digits = p - whole;
+    if (*p == '.') {
+        const char *fraction = p + 1;
+        p = take_digits(fraction, &mantissa, &n);
+        exponent = -(long)(p - fraction);
+        n_digits += p - fraction;
+    }
+    bool hexadecimal = n_digits == 1 && *whole == '0' && (*p == 'x' || *p == 'X');
+    if (n_digits == 0 || hexadecimal) return parse_slowly(s, end);
+    p = take_exponent(p, &exponent);
+
+    bool exact = n <= 19 && mantissa <= (uint64_t)1 << 53 && exponent >= -22 && exponent <= 22;
+    if (!exact) return parse_slowly(s, end);
+    double v = exponent < 0 ? (double)mantissa / power[-exponent] : (double)mantissa * power[exponent];
+    *end = p;
+    return negative ? -v : v;
+}
+
+/* %.*g in the "C" locale, for this thread only. */
+static void print_digits(char buf[32], int digits, double v)
+{
+    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    locale_t ours = c ? uselocale(c) : (locale_t)0;
+    snprintf(buf, 32, "%.*g", digits, v);
+    if (!c) return;
+    uselocale(ours);
+    freelocale(c);
+}
+
+/* DBL_DIG (15) digits survive any normal double, so whatever is shorter appears as 15 digits with zeros, which %g
+ * drops.
+ * Subnormal numbers hold fewer: there we start from 1. DBL_DECIMAL_DIG (17) always read back. */
+const char *bis_format_double(char buf[32], double v)
+{
+    const char *end;
+    for (int digits = fabs(v) < DBL_MIN ? 1 : DBL_DIG; digits <= DBL_DECIMAL_DIG; digits++) {
+        print_digits(buf, digits, v);
+        if (bis_parse_double(buf, &end) == v) break;
+    }
+    return buf;
+}
+
+const char *bis_format_float(char buf[32], float v)
+{
+    const char *end;
+    for (int digits = fabsf(v) < FLT_MIN ? 1 : FLT_DIG; digits <= FLT_DECIMAL_DIG; digits++) {
+        print_digits(buf, digits, (double)v);
+        if ((float)bis_parse_double(buf, &end) == v) break;
+    }
+    return buf;
+}

@@ -1,0 +1,22 @@
+/* grow: room for one more item at the end of an array, in amortised constant time. */
+#ifndef BIS_GROW_H
+#define BIS_GROW_H
+
+#include "bis/base/mem.h"
+
+#include <stdint.h>
+
+/* A block of at least `needed` items of `size` bytes that starts with p's old content, or NULL without memory (p then
+ * lives on). *capacity is what the block holds, in items. */
+static inline void *bis_grow(void *p, size_t *capacity, size_t needed, size_t size)
+{
+    if (p && needed <= *capacity) return p;
+    size_t n = *capacity > SIZE_MAX / 4 ? needed : 2 * *capacity;
+    if (n < needed) n = needed;
+    if (n < 8) n = 8;
+    void *grown = bis_realloc(p, n, size);
+    if (grown) *capacity = n;
+    return grown;
+}
+
+#endif

@@ -1,0 +1,237 @@
+/* batch: sampling-importance resampling (sir.c, thesis 4.4) with all candidates of a point side by side.
+ *
+ * The estimator is that of sir.c and candidates.c, step by step: candidates, weights, N marks over their running sum,
+ * rays. What differs is how the numbers lie in memory (bis/lanes.h), and that a candidate is a weight of 4 bytes until
+ * it is chosen. M = 800 from a pool take 1 us instead of 20, 50 of them from the BRDF another microsecond instead of 9.
+ *
+ * Unbiased as sir.c is: the float weights decide which candidates are traced, and the estimate divides by these very
+ * weights. With Zhat = W/M,
+ *     L = (Zhat/N) sum_j F/phat V,
+ * where F/phat is a candidate's colour: neither q nor the cosine is needed again.
+ *
+ * Proposal "product" draws the map's candidates for this point alone (product.c), which pays where the lobe is narrow
+ * and the light spotty. */
+#include "batch.h"
+
+#include "thesis/candidates.h"
+#include "product.h"
+
+#include "bis/base/mem.h"
+
+#include <assert.h>
+
+enum { SMALLEST = BIS_LANES_BLOCK };
+
+struct bis_batch {
+    bis_blocks weights; /* those from the map, whole blocks, then those from the BRDF */
+    bis_lanes brdf;     /* candidates from the BRDF, M at most */
+    float *u1, *u2;
+    uint32_t *pixel;    /* of the map; with clusters, then the clusters that these belong to */
+    bis_product product; /* proposal "product" alone */
+    bis_lanes traced;   /* [N]: what was chosen; q_L: what its weight was multiplied by beyond phat/q */
+    uint32_t *cluster;  /* [N] */
+    vec3 *wi;
+    bool *sees;
+    float *floats;      /* what holds all the float arrays */
+};
+
+/* ---- workspace ---- */
+
+static bool wants_product(const bis_settings *s) { return s->proposal == BIS_PROPOSAL_PRODUCT && s->stratify; }
+
+bool bis_batch_wanted(const bis_settings *s)
+{
+    return s->vectorize && !s->as_printed && s->candidates >= SMALLEST && (bis_candidates_pool_needs(s) > 0 || wants_product(s));
+}
+
+/* For brdf, u1, u2, traced. */
+static size_t floats_needed(uint32_t m, uint32_t n) { return (BIS_LANES_ARRAYS + 2) * (size_t)m + BIS_LANES_ARRAYS * (size_t)n; }
+
+size_t bis_batch_bytes(const bis_settings *s)
+{
+    const uint32_t m = bis_lanes_round_up(s->candidates), N = s->shadowrays, n = bis_lanes_round_up(N);
+    const size_t arrays = floats_needed(m, n) * sizeof(float) + m * sizeof(uint32_t) + N * (sizeof(uint32_t) + sizeof(vec3) + sizeof(bool));
+
+    return sizeof(bis_batch) + arrays + bis_blocks_bytes(2 * m, N) + (wants_product(s) ? bis_product_bytes(s->candidates) : 0);
+}
+
+bis_batch *bis_batch_new(const bis_settings *s)
+{
+    const uint32_t m = bis_lanes_round_up(s->candidates), N = s->shadowrays, n = bis_lanes_round_up(N);
+    bis_batch *b = bis_alloc(1, sizeof *b);
+
+    if (!b) return NULL;
+    const bool blocks = bis_blocks_init(&b->weights, 2 * m, N);
+    const bool product = !wants_product(s) || bis_product_init(&b->product, s->candidates);
+    b->floats = bis_alloc(floats_needed(m, n), sizeof *b->floats);
+    b->pixel = bis_alloc(m, sizeof *b->pixel);
+    b->cluster = bis_alloc(N, sizeof *b->cluster);
+    b->wi = bis_alloc(N, sizeof *b->wi);
+    b->sees = bis_alloc(N, sizeof *b->sees);
+    if (!blocks || !product || !b->floats || !b->pixel || !b->cluster || !b->wi || !b->sees) {
+        bis_batch_free(b);
+        return NULL;
+    }
+    b->u1 = b->floats;
+    b->u2 = b->u1 + m;
+    b->brdf = bis_lanes_in(b->u2 + m, m);
+    b->traced = bis_lanes_in(b->u2 + (1 + BIS_LANES_ARRAYS) * (size_t)m, n);
+    return b;
+}
+
+void bis_batch_free(bis_batch *b)
+{
+    if (!b) return;
+    bis_blocks_clear(&b->weights);
+    bis_product_clear(&b->product);
+    bis_free(b->floats);
+    bis_free(b->pixel);
+    bis_free(b->cluster);
+    bis_free(b->wi);
+    bis_free(b->sees);
+    bis_free(b);
+}
+
+bool bis_batch_fits(const bis_point *pt, const bis_scratch *scratch)
+{
+    return scratch->batch && (scratch->clusters || scratch->pool) && pt->bsdf.material->model->lanes && !bis_bsdf_is_black(&pt->bsdf);
+}
+
+/* ---- candidates and their weights ---- */
+
+/* From the map: a set of the pool. Where the BRDF takes n_brdf of the M, so many of the set, evenly spread, are left
+ * out: their weights become 0. Returns the unit of the weights. */
+static double weigh_set(bis_batch *b, const bis_lanes *set, const bis_mixture *m, const bis_point *pt, bis_stream *stream)
+{
+    const uint32_t M = m->n_em + m->n_brdf, phase = (uint32_t)(bis_rng_u64(&stream->rng) >> 32);
+    const double unit = pt->bsdf.material->model->lanes->weigh(b->weights.w, &pt->bsdf, set, M, m->beta);
+
+    for (uint32_t j = 0; j < m->n_brdf; j++) b->weights.w[bis_one_of_set(j, m->n_brdf, M, phase)] = 0;
+    return unit;
+}
+
+/* From the BRDF. With a product, the density that it would have drawn them with stands in the place of q_L. */
+static void weigh_brdf(bis_batch *b, float *w, const bis_mixture *m, const bis_clusters *clusters, const bis_point *pt, bis_stream *stream)
+{
+    const bis_bsdf_lanes *lanes = pt->bsdf.material->model->lanes;
+
+    bis_lanes_points(b->u1, b->u2, m->n_brdf, bis_rng_u64(&stream->rng));
+    lanes->sample(&b->brdf, &pt->bsdf, b->u1, b->u2, m->n_brdf);
+    bis_light_look(pt->light, &b->brdf, b->pixel, m->n_brdf);
+    for (uint32_t i = 0; clusters && i < m->n_brdf; i++) {
+        b->pixel[i] = bis_cluster_of_pixel(clusters, b->pixel[i]);
+        b->brdf.q_L[i] *= (float)bis_product_scale(&b->product, clusters, b->pixel[i]);
+    }
+    lanes->weigh(w, &pt->bsdf, &b->brdf, m->n_brdf, m->beta); /* the same material: in the same unit */
+}
+
+/* ---- learned visibility ---- */
+
+/* The weights times g of their clusters. */
+static void weigh_visibility(bis_batch *b, const bis_mixture *m, uint32_t first_brdf, const float *visible)
+{
+    for (uint32_t i = 0; i < m->n_em; i++) b->weights.w[i] *= visible[b->product.cluster[i]];
+    for (uint32_t i = 0; i < m->n_brdf; i++) b->weights.w[first_brdf + i] *= visible[b->pixel[i]];
+}
+
+/* What was chosen has a weight that is g times too large: its colour is divided by it. */
+static void find_clusters(bis_batch *b, uint32_t first_brdf, const float *visible)
+{
+    for (uint32_t k = 0; k < b->weights.n_chosen; k++) {
+        const uint32_t i = b->weights.lane[k];
+        b->cluster[k] = i < first_brdf ? b->product.cluster[i] : b->pixel[i - first_brdf];
+        b->traced.q_L[k] = visible[b->cluster[k]];
+    }
+}
+
+static void count_visibility(const bis_batch *b, uint32_t n_clusters, bis_seen *counted)
+{
+    for (uint32_t k = 0; k < b->weights.n_chosen; k++) {
+        bis_seen *part = &counted[bis_visibility_part(b->cluster[k], n_clusters)];
+        part->rays++;
+        part->seen += b->sees[k];
+    }
+}
+
+/* ---- rays ---- */
+
+static void copy_lane(const bis_lanes *to, uint32_t k, const bis_lanes *from, uint32_t i)
+{
+    to->x[k] = from->x[i];
+    to->y[k] = from->y[i];
+    to->z[k] = from->z[i];
+    to->r[k] = from->r[i];
+    to->g[k] = from->g[i];
+    to->b[k] = from->b[i];
+}
+
+/* What was chosen, side by side: lanes below first_brdf are the map's, the others the BRDF's. */
+static void gather(bis_batch *b, const bis_lanes *map, uint32_t first_brdf)
+{
+    const uint32_t n = b->weights.n_chosen;
+
+    for (uint32_t k = 0; k < n; k++) {
+        const uint32_t i = b->weights.lane[k];
+        const bool brdf = i >= first_brdf;
+        copy_lane(&b->traced, k, brdf ? &b->brdf : map, brdf ? i - first_brdf : i);
+        b->traced.q_L[k] = 1;
+        b->wi[k] = (vec3){b->traced.x[k], b->traced.y[k], b->traced.z[k]};
+    }
+    for (uint32_t k = n; k < bis_lanes_round_up(n); k++) b->traced.r[k] = b->traced.g[k] = b->traced.b[k] = 0;
+}
+
+/* The sum of F/phat V over the marks. */
+static rgbd trace(bis_batch *b, const bis_point *pt)
+{
+    const uint32_t n = b->weights.n_chosen;
+    rgbd sum = {0, 0, 0};
+
+    pt->bsdf.material->model->lanes->colour(&pt->bsdf, &b->traced, n);
+    bis_point_sees_many(pt, b->wi, n, b->sees);
+    for (uint32_t k = 0; k < n; k++) {
+        if (!b->sees[k]) continue;
+        const rgbd colour = {(double)b->traced.r[k], (double)b->traced.g[k], (double)b->traced.b[k]};
+        sum = rgbd_add(sum, rgbd_scale(colour, b->weights.times[k] / (double)b->traced.q_L[k]));
+    }
+    return sum;
+}
+
+/* ---- the estimate ---- */
+
+rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    bis_batch *b = scratch->batch;
+    const uint32_t M = s->candidates, N = s->shadowrays;
+    const bis_clusters *clusters = scratch->clusters;
+    const double mean = bis_light_mean(pt->light);
+    const bis_mixture m = bis_candidates_divide(M, s->proposal, pt, stream);
+    bis_lanes map;
+    uint32_t n_map;
+    double unit;
+
+    pt->counters->candidates += M;
+    if (clusters) {
+        n_map = m.n_em;
+        if (!bis_product_weigh(&b->product, clusters, scratch->visible, pt)) return (rgb){0, 0, 0}; /* nothing of the map is above the horizon */
+        bis_product_draw(&b->product, clusters, n_map, stream);
+        map = b->product.y;
+        unit = pt->bsdf.material->model->lanes->weigh(b->weights.w, &pt->bsdf, &map, n_map, m.beta);
+    } else {
+        n_map = M;
+        map = bis_pool_lanes(scratch->pool, bis_pool_choose(scratch->pool, &stream->rng));
+        unit = weigh_set(b, &map, &m, pt, stream);
+    }
+    const uint32_t first_brdf = bis_lanes_round_up(n_map);
+    if (m.n_brdf) weigh_brdf(b, b->weights.w + first_brdf, &m, clusters, pt, stream);
+    if (scratch->visible) weigh_visibility(b, &m, first_brdf, scratch->visible);
+    const double W = bis_blocks_sum(&b->weights, first_brdf + bis_lanes_round_up(m.n_brdf));
+    if (W <= 0) return (rgb){0, 0, 0};
+
+    bis_blocks_choose(&b->weights, N, W, s->resampling, stream);
+    gather(b, &map, first_brdf);
+    if (scratch->visible) find_clusters(b, first_brdf, scratch->visible);
+    const double Zhat = W / M * unit * mean;
+    const rgbd sum = trace(b, pt);
+    if (scratch->visible && scratch->counted) count_visibility(b, clusters->n, scratch->counted);
+    return rgbd_round(rgbd_scale(sum, Zhat / N));
+}

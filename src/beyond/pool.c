@@ -1,0 +1,91 @@
+/* pool: sets of stratified directions, drawn in parallel: their directions number i by a stream of their own, (seed, i,
+ * pass, purpose "pool"). */
+#include "bis/beyond/pool.h"
+
+#include "bis/thesis/curve.h"
+#include "bis/base/mem.h"
+
+#include <assert.h>
+#include <float.h>
+
+static const uint64_t purpose_pool = 0x706f6f6c; /* no pixel's stream has it */
+
+enum { MIN_SETS = 16, MAX_SETS = 256, MAX_DIRECTIONS = 1 << 18 };
+
+bis_status bis_pool_init(bis_pool *p, uint32_t M, bool lanes, bis_diag *diag)
+{
+    assert(M >= 1 && M <= BIS_POOL_MAX_SET);
+    const uint32_t sets = MAX_DIRECTIONS / M;
+    *p = (bis_pool){.n_sets = sets < MIN_SETS ? MIN_SETS : sets > MAX_SETS ? MAX_SETS : sets, .M = M};
+    p->y = bis_alloc((size_t)p->n_sets * M, sizeof *p->y);
+    if (lanes) p->lanes = bis_alloc((size_t)p->n_sets * BIS_LANES_ARRAYS * bis_lanes_round_up(M), sizeof *p->lanes);
+    if (p->y && (p->lanes || !lanes)) return BIS_OK;
+    bis_pool_clear(p);
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d sets of %u candidates; fewer candidates need less", MAX_SETS, (unsigned)M);
+}
+
+void bis_pool_clear(bis_pool *p)
+{
+    bis_free(p->y);
+    bis_free(p->lanes);
+    *p = (bis_pool){.M = 0};
+}
+
+size_t bis_pool_bytes(const bis_pool *p)
+{
+    const size_t lanes = p->lanes ? BIS_LANES_ARRAYS * bis_lanes_round_up(p->M) * sizeof *p->lanes : 0;
+    return p->n_sets * (p->M * sizeof *p->y + lanes);
+}
+
+/* A direction in lanes. Where there is none, in what fills the last block, Le = 0 and q = 1, so that weights are 0; so
+ * it is with a density below FLT_MIN, which is drawn once in 10^37. */
+static void put_lane(const bis_lanes *l, uint32_t i, const bis_light_point *y, double unit)
+{
+    const bis_light_point p = y && y->pdf >= (double)FLT_MIN ? *y : (bis_light_point){.pdf = 1};
+
+    l->x[i] = p.wi.x;
+    l->y[i] = p.wi.y;
+    l->z[i] = p.wi.z;
+    l->r[i] = (float)((double)p.Le.r / unit);
+    l->g[i] = (float)((double)p.Le.g / unit);
+    l->b[i] = (float)((double)p.Le.b / unit);
+    l->q_L[i] = (float)p.pdf;
+}
+
+/* Directions number i of all sets: all in the same M-th of the curve, so that the CDF and the map are read in one place
+ * (80 ns a direction; set by set, 250). */
+static void draw_stratum(bis_pool *p, uint32_t i, const bis_light *light, bis_rng *rng)
+{
+    const double unit = bis_light_mean(light);
+
+    for (uint32_t set = 0; set < p->n_sets; set++) {
+        bis_light_point *y = p->y + (size_t)set * p->M + i;
+        const double t = bis_stratum(i, bis_rng_double(rng), p->M);
+        const double u[2] = {bis_rng_double(rng), bis_rng_double(rng)};
+        const bool drawn = bis_light_sample_curve(light, t, u, y);
+        assert(drawn);
+        (void)drawn;
+        if (!p->lanes) continue;
+        const bis_lanes l = bis_pool_lanes(p, set);
+        put_lane(&l, i, y, unit);
+    }
+}
+
+static void fill_last_block(const bis_pool *p, uint32_t set)
+{
+    const bis_lanes l = bis_pool_lanes(p, set);
+
+    for (uint32_t i = p->M; i < bis_lanes_round_up(p->M); i++) put_lane(&l, i, NULL, 1);
+}
+
+void bis_pool_fill(bis_pool *p, const bis_light *light, uint64_t seed, uint32_t pass, int n_threads)
+{
+    (void)n_threads; /* a compiler without OpenMP has one thread */
+#pragma omp parallel for schedule(static) num_threads(n_threads)
+    for (uint32_t i = 0; i < p->M; i++) {
+        bis_rng rng;
+        bis_rng_init(&rng, seed, i, pass, purpose_pool);
+        draw_stratum(p, i, light, &rng);
+    }
+    for (uint32_t set = 0; p->lanes && set < p->n_sets; set++) fill_last_block(p, set);
+}

@@ -1,0 +1,116 @@
+/* cli: what the commands share: options from a table, `--help` made from the same table, diagnostics out, exit
+ * statuses.
+ * For src/cli/main.c and src/cli/cmd_*.c alone; with json.h the only part of bis that prints.
+ *
+ * A command describes itself by one bis_command on its stack, whose options point to where their values go:
+ *
+ *     uint64_t spp = 0;
+ *     const bis_option options[] = {
+ *         {.name = "spp", .argument = "N", .help = "camera samples in a pixel", .kind = BIS_OPTION_COUNT, .value =
+ *         &spp, .lo = 1, .hi = 1e9},
+ *     };
+ *     const bis_command command = {.name = "render", .usage = "[render] [options] SCENE", .summary = "render a scene",
+ *                                  .options = options, .n_options = 1, .min_operands = 1, .max_operands = 1};
+ *     const char *operand[1];
+ *     int n, exit_status;
+ *     if (!bis_cli_parse(&command, argc, argv, operand, &n, &exit_status)) return exit_status; */
+#ifndef BIS_CLI_H
+#define BIS_CLI_H
+
+#include "bis/base/status.h"
+
+#include <stdint.h>
+#include <stdio.h>
+
+/* Exit statuses, SPEC 5. */
+enum { BIS_EXIT_DONE = 0, BIS_EXIT_FAILED = 1, BIS_EXIT_USAGE = 2, BIS_EXIT_INTERRUPTED = 130 };
+
+typedef enum bis_option_kind {
+    BIS_OPTION_FLAG,  /* bool: set to true */
+    BIS_OPTION_TEXT,  /* const char *: borrowed from argv, not empty */
+    BIS_OPTION_LIST,  /* bis_texts: the option may be repeated */
+    BIS_OPTION_COUNT, /* uint64_t: an integer in [lo, hi] */
+    BIS_OPTION_REAL,  /* double: finite, in [lo, hi]; a number in (0, hi] where `above` */
+    BIS_OPTION_NAME,  /* const char *: one of names, ended by NULL; the entry of names, not of argv */
+    BIS_OPTION_OWN    /* whatever: `read` reads it */
+} bis_option_kind;
+
+#define BIS_MAX_TEXTS 64
+
+typedef struct bis_texts {
+    const char *text[BIS_MAX_TEXTS];
+    int n;
+} bis_texts;
+
+typedef struct bis_option {
+    const char *name;     /* without "--"; NULL: a heading in the help, its text in `help` */
+    const char *argument; /* "N", shown in the help; NULL for a flag */
+    const char *help;     /* a phrase; wrapped to 80 columns */
+    bis_option_kind kind;
+    void *value;
+    bool *given;          /* may be NULL: set to true where the option stands on the command line */
+    double lo, hi;
+    bool above;           /* REAL: lo itself is out of range */
+    const char *const *names;
+    /* OWN: false for a text that is no value; `rule` says what one looks like. */
+    bool (*read)(void *value, const char *text);
+    const char *rule;
+} bis_option;
+
+typedef struct bis_command {
+    const char *name;    /* "render" */
+    const char *usage;   /* after "bis ": "[render] [options] SCENE" */
+    const char *summary; /* one line */
+    const bis_option *options;
+    size_t n_options;
+    int min_operands, max_operands;
+    const char *notes;   /* further text of the help, wrapped by hand; may be NULL */
+} bis_command;
+
+/* Read argv[0..argc-1] (behind the command's name). operands[max_operands]: what is no option, n_operands of them.
+ * Options and operands may be mixed, "--name=value" is "--name value", "--" ends the options, "-" is an operand or a
+ * value. All mistakes are reported, not only the first.
+ * False: the command is over with *exit_status: `--help` and `--version` were answered, or the usage was bad and a
+ * message printed. */
+bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands, int *exit_status);
+
+/* A command from its arguments to its exit status: parse, run the body (exit status out), print its messages, finish.
+ * `options` is what the table of options writes to. At most BIS_CLI_MAX_OPERANDS operands. */
+enum { BIS_CLI_MAX_OPERANDS = 3 };
+typedef int bis_cli_body(const void *options, const char *const *operands, bis_diag *diag);
+int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, const void *options);
+
+/* The help of one command, at most 80 columns wide; what it consists of: a paragraph, a term with its text.
+ * `--help=man` prints the same as a part of the man page (help.h). */
+void bis_cli_help(const bis_command *c, FILE *out);
+void bis_cli_print_text(FILE *out, const char *text);
+void bis_cli_print_entry(FILE *out, const char *term, const char *text);
+
+/* `--version`: bis, the accelerators that are built in, the libraries. */
+void bis_cli_version(FILE *out);
+
+/* The messages to standard error; warnings are left out when quiet. */
+void bis_cli_print_diag(const bis_diag *diag, bool quiet);
+
+/* The exit status of an error in scenes and usage: input 2, disk and memory 1. */
+int bis_cli_exit_status(bis_status status);
+
+/* Standard output flushed: status, or 1 with a message where it could not be written (`bis --help > /dev/full`). */
+int bis_cli_finish(int status);
+
+/* The place of complaints about the command line: they start with "bis: error: ". */
+extern const bis_loc bis_cli_loc;
+
+/* Can a file be made at path? Its folder must exist and be writable, path must not be a folder. For a check before
+ * hours of rendering; the write itself is checked again. */
+bis_status bis_cli_check_writable(const char *path, bis_diag *diag);
+
+/* The commands: arguments behind the command's name, exit status out. */
+int bis_cmd_render(int argc, char **argv);
+int bis_cmd_trade(int argc, char **argv);
+int bis_cmd_compare(int argc, char **argv);
+int bis_cmd_envmap(int argc, char **argv);
+int bis_cmd_verify(int argc, char **argv);
+int bis_cmd_pixel(int argc, char **argv);
+
+#endif

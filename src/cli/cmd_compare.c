@@ -1,0 +1,125 @@
+/* cmd_compare: `bis compare A B`: the figures of bis/compare.h as lines of "key value" or as JSON. */
+#include "bis/tools/compare.h"
+#include "bis/base/file.h"
+
+#include "cli.h"
+#include "out/json.h"
+
+#include <math.h>
+
+typedef struct compare_options {
+    bool json, has_tolerance;
+    double tolerance;
+    const char *diff;
+} compare_options;
+
+/* "rmse 0.0123", in text and JSON the same keys in the same order. */
+static void print_text(const bis_comparison *c)
+{
+    const struct { const char *key; double value; } lines[] = {
+        {"mean_a", c->mean_a}, {"mean_b", c->mean_b}, {"bias", c->bias}, {"bias_se", c->bias_se},
+        {"rmse", c->rmse}, {"relmse", c->relmse}, {"max_abs", c->max_abs},
+    };
+    char number[32];
+
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        printf("%s %s\n", lines[i].key, isnan(lines[i].value) ? "nan" : bis_format_double(number, lines[i].value));
+    }
+    printf("pixels %zu\nnonfinite %zu\n", c->pixels, c->nonfinite);
+}
+
+static void print_json(const bis_comparison *c)
+{
+    bis_json j = {.out = stdout};
+
+    bis_json_open(&j, NULL, '{');
+    bis_json_number(&j, "mean_a", c->mean_a);
+    bis_json_number(&j, "mean_b", c->mean_b);
+    bis_json_number(&j, "bias", c->bias);
+    bis_json_number(&j, "bias_se", c->bias_se);
+    bis_json_number(&j, "rmse", c->rmse);
+    bis_json_number(&j, "relmse", c->relmse);
+    bis_json_number(&j, "max_abs", c->max_abs);
+    bis_json_count(&j, "pixels", c->pixels);
+    bis_json_count(&j, "nonfinite", c->nonfinite);
+    bis_json_close(&j);
+}
+
+static bis_status write_difference(const char *path, const bis_image *a, const bis_image *b, bis_diag *diag)
+{
+    bis_image image;
+    bis_status status = bis_compare_picture(&image, a, b, diag);
+    if (status) return status;
+    status = bis_image_save_colours(&image, path, diag);
+    bis_image_clear(&image);
+    return status;
+}
+
+static bis_status check_output(const char *path, bis_diag *diag)
+{
+    if (!bis_image_can_write(path)) {
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--diff \"%s\": the ending must be .exr, .pfm, .hdr or .png", path);
+    }
+    return bis_cli_check_writable(path, diag);
+}
+
+/* An image that cannot be read, be it missing or damaged, is status 1; images that cannot be compared are bad usage. */
+static int compare(const void *options, const char *const *paths, bis_diag *diag)
+{
+    const compare_options *o = options;
+    bis_image a = {0}, b = {0};
+    bis_comparison c;
+    int exit_status = BIS_EXIT_FAILED;
+    bis_status status;
+
+    if (o->diff) {
+        status = check_output(o->diff, diag);
+        if (status) return bis_cli_exit_status(status);
+    }
+    if (bis_image_read(&a, paths[0], (bis_loc){0}, diag)) goto done;
+    if (bis_image_read(&b, paths[1], (bis_loc){0}, diag)) goto done;
+    status = bis_compare(&c, &a, &b, diag);
+    if (!status && o->diff) status = write_difference(o->diff, &a, &b, diag);
+    exit_status = bis_cli_exit_status(status);
+    if (status) goto done;
+    if (o->json)
+        print_json(&c);
+    else
+        print_text(&c);
+    /* Written so that a relMSE of NaN, no pixel compared, is no success. */
+    if (o->has_tolerance && !(c.relmse <= o->tolerance)) exit_status = BIS_EXIT_FAILED;
+done:
+    bis_image_clear(&a);
+    bis_image_clear(&b);
+    return exit_status;
+}
+
+int bis_cmd_compare(int argc, char **argv)
+{
+    compare_options o = {0};
+    const bis_option options[] = {
+        {.help = "options"},
+        {.name = "json", .help = "print JSON instead of lines of \"key value\"", .kind = BIS_OPTION_FLAG, .value = &o.json},
+        {.name = "tolerance", .argument = "T", .help = "exit with status 1 where relmse exceeds T", .kind = BIS_OPTION_REAL,
+         .value = &o.tolerance, .given = &o.has_tolerance, .hi = (double)INFINITY},
+        {.name = "diff", .argument = "F", .help = "write the relative difference in false colours: black, blue, red, yellow, white from "
+         "1e-3 to 10 on a logarithmic scale; magenta: not finite", .kind = BIS_OPTION_TEXT, .value = &o.diff},
+    };
+    const bis_command command = {
+        .name = "compare",
+        .usage = "compare [options] A B",
+        .summary = "compare image A with reference B (EXR, PFM, HDR)",
+        .options = options,
+        .n_options = sizeof options / sizeof *options,
+        .min_operands = 2,
+        .max_operands = 2,
+        .notes = "Printed: mean_a mean_b bias bias_se rmse relmse max_abs pixels nonfinite.\n"
+                 "  bias     mean_a - mean_b\n"
+                 "  bias_se  standard deviation of the pixels' differences / sqrt(pixels)\n"
+                 "  relmse   mean of (a-b)^2 / (b^2 + m^2/100) over pixels and channels,\n"
+                 "           m the mean of b\n"
+                 "Pixels with a NaN or infinity in either image are counted as nonfinite and\n"
+                 "left out of all else. Images of other sizes: exit status 2.\n",
+    };
+    return bis_cli_run(&command, argc, argv, compare, &o);
+}

@@ -1,0 +1,352 @@
+/* cmd_envmap: `bis envmap MAP`: what is in an environment map (survey.h), as text or JSON, and its levels, regions and
+ * importance as pictures (thesis figures 3.5 and 3.6). */
+#include "bis/base/file.h"
+#include "bis/thesis/light.h"
+#include "bis/base/mem.h"
+
+#include "cli.h"
+#include "out/json.h"
+#include "tools/survey/survey.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct envmap_options {
+    const char *out, *outdir, *mapping;
+    uint64_t levels, width, samples;
+    double area_exponent;
+    bool json;
+} envmap_options;
+
+/* ---- the report ---- */
+
+/* Polar angle and azimuth of SPEC's lat-long, in degrees. */
+static double theta_deg(vec3 w) { return atan2(hypot((double)w.x, (double)w.y), (double)w.z) * 180 / PI; }
+
+static double phi_deg(vec3 w)
+{
+    const double phi = atan2((double)w.y, (double)w.x) * 180 / PI;
+    return phi < 0 ? phi + 360 : phi;
+}
+
+static bool has_direction(vec3 w) { return w.x != 0 || w.y != 0 || w.z != 0; }
+
+static vec3 pixel_direction(const bis_envmap *em, size_t pixel)
+{
+    return bis_envmap_direction(em, (int)(pixel % (size_t)em->width), (int)(pixel / (size_t)em->width), 0.5, 0.5);
+}
+
+static void print_levels(const bis_survey *s)
+{
+    printf("\nlevel       from         to    pixels    sphere     power   regions\n");
+    for (int k = 0; k < s->n_levels; k++) {
+        const bis_survey_level *l = &s->level[k];
+        printf("%5d %10.4g %10.4g %9zu %8.4f%% %8.4f%% %9u\n", k, l->least, l->most, l->pixels, 100 * l->sphere, 100 * l->power, l->regions);
+    }
+}
+
+static void print_largest(const bis_survey *s)
+{
+    printf("\nregions with most power\n  rank level     power   solid angle  theta    phi   direction\n");
+    for (int k = 0; k < s->n_largest; k++) {
+        const bis_survey_region *r = &s->largest[k];
+        printf("%6d %5d %8.4f%% %10.4g sr", k + 1, r->level, 100 * r->power, r->solid_angle);
+        if (has_direction(r->direction)) {
+            printf(" %6.1f %6.1f   (%.3f %.3f %.3f)\n", theta_deg(r->direction), phi_deg(r->direction), (double)r->direction.x,
+                   (double)r->direction.y, (double)r->direction.z);
+        } else {
+            printf("  on all sides\n");
+        }
+    }
+}
+
+static void print_text(const char *path, const bis_survey *s, const bis_envmap *em, bool angular, size_t bytes)
+{
+    printf("map         %s, %d x %d, %s\n", path, em->width, em->height, angular ? "resampled from angular" : "latlong");
+    if (angular) {
+        printf("power       %.6g before, %.6g after resampling (%+.3f%%)\n", em->angular_power_before, em->angular_power_after,
+               em->angular_power_before > 0 ? 100 * (em->angular_power_after / em->angular_power_before - 1) : 0);
+    }
+    printf("intensity   min %.4g, median %.4g, mean %.4g, max %.4g (r+g+b; min: of the pixels that are not black)\n", s->least, s->median,
+           s->mean, s->most);
+    printf("mean        %.4g %.4g %.4g (red, green, blue)\n", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
+    printf("power       %.6g (r+g+b integrated over the sphere)\n", s->power);
+    printf("bad values  %zu NaN, %zu infinite, %zu negative, set to 0\n", em->defects.n_nan, em->defects.n_infinite, em->defects.n_negative);
+    printf("black       %.4g%% of the sphere\n", 100 * s->black);
+    if (s->power > 0) {
+        const vec3 w = pixel_direction(em, s->peak);
+        printf("contrast    %.4g : 1\n", s->most / s->least);
+        printf("brightest   0.1%% of the sphere holds %.2f%% of the power\n", 100 * s->brightest);
+        printf("peak        pixel (%zu, %zu), theta %.1f, phi %.1f degrees, direction (%.3f %.3f %.3f)\n", s->peak % (size_t)em->width,
+               s->peak / (size_t)em->width, theta_deg(w), phi_deg(w), (double)w.x, (double)w.y, (double)w.z);
+    }
+    printf("regions     %u in %d level%s\n", s->n_regions, s->n_levels, s->n_levels == 1 ? "" : "s");
+    printf("table       %.1f bytes a pixel beyond the map\n", (double)bytes / ((double)em->width * em->height));
+    if (s->power == 0) return;
+    print_levels(s);
+    print_largest(s);
+}
+
+static void json_direction(bis_json *j, const char *key, vec3 w)
+{
+    if (!has_direction(w)) {
+        bis_json_null(j, key);
+        return;
+    }
+    bis_json_open(j, key, '{');
+    bis_json_number(j, "theta_deg", theta_deg(w));
+    bis_json_number(j, "phi_deg", phi_deg(w));
+    bis_json_number(j, "x", (double)w.x);
+    bis_json_number(j, "y", (double)w.y);
+    bis_json_number(j, "z", (double)w.z);
+    bis_json_close(j);
+}
+
+static void json_peak(bis_json *j, const bis_survey *s, const bis_envmap *em)
+{
+    if (s->power == 0) {
+        bis_json_null(j, "peak");
+        return;
+    }
+    bis_json_open(j, "peak", '{');
+    bis_json_count(j, "x", s->peak % (size_t)em->width);
+    bis_json_count(j, "y", s->peak / (size_t)em->width);
+    json_direction(j, "direction", pixel_direction(em, s->peak));
+    bis_json_close(j);
+}
+
+static void json_defects(bis_json *j, const bis_envmap_defects *d)
+{
+    bis_json_open(j, "bad_values", '{');
+    bis_json_count(j, "nan", d->n_nan);
+    bis_json_count(j, "infinite", d->n_infinite);
+    bis_json_count(j, "negative", d->n_negative);
+    bis_json_number(j, "sphere_share", d->solid_angle / (4 * PI));
+    bis_json_close(j);
+}
+
+static void json_levels(bis_json *j, const bis_survey *s)
+{
+    bis_json_open(j, "levels", '[');
+    for (int k = 0; k < s->n_levels; k++) {
+        const bis_survey_level *l = &s->level[k];
+        bis_json_open(j, NULL, '{');
+        bis_json_number(j, "from", l->least);
+        bis_json_number(j, "to", l->most);
+        bis_json_count(j, "pixels", l->pixels);
+        bis_json_number(j, "sphere_share", l->sphere);
+        bis_json_number(j, "power_share", l->power);
+        bis_json_count(j, "regions", l->regions);
+        bis_json_close(j);
+    }
+    bis_json_close(j);
+}
+
+static void json_largest(bis_json *j, const bis_survey *s)
+{
+    bis_json_open(j, "largest_regions", '[');
+    for (int k = 0; k < s->n_largest; k++) {
+        const bis_survey_region *r = &s->largest[k];
+        bis_json_open(j, NULL, '{');
+        bis_json_count(j, "level", r->level);
+        bis_json_number(j, "power_share", r->power);
+        bis_json_number(j, "solid_angle", r->solid_angle);
+        json_direction(j, "direction", r->direction);
+        bis_json_close(j);
+    }
+    bis_json_close(j);
+}
+
+static void print_json(const char *path, const bis_survey *s, const bis_envmap *em, bool angular, size_t bytes)
+{
+    bis_json j = {.out = stdout};
+    bis_json_open(&j, NULL, '{');
+    bis_json_text(&j, "map", path);
+    bis_json_count(&j, "width", (uint64_t)em->width);
+    bis_json_count(&j, "height", (uint64_t)em->height);
+    bis_json_text(&j, "mapping", angular ? "angular" : "latlong");
+    bis_json_number(&j, "angular_power_before", angular ? em->angular_power_before : (double)NAN);
+    bis_json_number(&j, "angular_power_after", angular ? em->angular_power_after : (double)NAN);
+    bis_json_number(&j, "min", s->least);
+    bis_json_number(&j, "median", s->median);
+    bis_json_number(&j, "mean", s->mean);
+    bis_json_number(&j, "max", s->most);
+    bis_json_open(&j, "mean_rgb", '[');
+    for (int i = 0; i < 3; i++) bis_json_number(&j, NULL, s->mean_rgb[i]);
+    bis_json_close(&j);
+    bis_json_number(&j, "contrast", s->power > 0 ? s->most / s->least : (double)NAN);
+    bis_json_number(&j, "power", s->power);
+    bis_json_number(&j, "black_share", s->black);
+    bis_json_number(&j, "brightest_0.1_percent", s->brightest);
+    json_peak(&j, s, em);
+    json_defects(&j, &em->defects);
+    bis_json_count(&j, "regions", s->n_regions);
+    bis_json_count(&j, "table_bytes", bytes);
+    json_levels(&j, s);
+    json_largest(&j, s);
+    bis_json_close(&j);
+}
+
+/* ---- the pictures ---- */
+
+/* "dir/NAME.png" and "levels" make "dir/NAME-levels.png". Returns path. */
+static const char *picture_path(char path[4096], const char *out, const char *what)
+{
+    const char *slash = strrchr(out, '/'), *dot = strrchr(slash ? slash : out, '.');
+    snprintf(path, 4096, "%.*s-%s%s", (int)(dot - out), out, what, dot);
+    return path;
+}
+
+/* The map itself takes the exposure of its own log-average. */
+static bis_status write_pictures(const envmap_options *o, const char *out, const bis_light *light, const bis_regions *regions, bis_diag *diag)
+{
+    const bis_envmap *em = bis_light_envmap(light);
+    const bis_image map = {em->width, em->height, em->pixels};
+    char path[4096];
+    bis_image image;
+    bis_status status = bis_image_save(&map, picture_path(path, out, "map"), diag);
+    for (int k = 0; k < 3 && !status; k++) {
+        static const char *const what[] = {"levels", "regions", "importance"};
+        status = k == 0   ? bis_survey_levels_picture(&image, em, (int)o->levels, diag)
+                 : k == 1 ? bis_survey_regions_picture(&image, em, regions, diag)
+                          : bis_survey_importance_picture(&image, em, bis_light_importance(light), (int)o->samples, diag);
+        if (status) break;
+        status = bis_image_save_colours(&image, picture_path(path, out, what[k]), diag);
+        bis_image_clear(&image);
+    }
+    return status;
+}
+
+/* Where pictures go: --out itself, or --outdir with the map's name and .png; NULL: none. False: neither can be
+ * written. */
+static bool find_out(char out[4096], const envmap_options *o, const char *map, bool *any, bis_diag *diag)
+{
+    const char *slash = strrchr(map, '/'), *name = slash ? slash + 1 : map, *dot = strrchr(name, '.');
+    const int stem = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
+    char first[4096];
+
+    *any = o->out || o->outdir;
+    if (!*any) return true;
+    if (o->out && o->outdir) {
+        bis_error(diag, BIS_INPUT, bis_cli_loc, "--out and --outdir exclude each other");
+        return false;
+    }
+    const int length = o->out ? snprintf(out, 4096, "%s", o->out) : snprintf(out, 4096, "%s/%.*s.png", o->outdir, stem, name);
+    if (length > 4000) {
+        bis_error(diag, BIS_INPUT, bis_cli_loc, "--out: the name is longer than 4000 bytes");
+        return false;
+    }
+    if (!bis_image_can_write(out)) {
+        bis_error(diag, BIS_INPUT, bis_cli_loc, "--out \"%s\": the ending must be .exr, .pfm, .hdr or .png", out);
+        return false;
+    }
+    return bis_cli_check_writable(picture_path(first, out, "levels"), diag) == BIS_OK;
+}
+
+/* ---- the command ---- */
+
+static bis_light_desc describe(const envmap_options *o, char *path)
+{
+    return (bis_light_desc){
+        .filename = path,
+        .L = {1, 1, 1},
+        .scale = 1,
+        .angular = o->mapping && strcmp(o->mapping, "angular") == 0,
+        .has_mapping = o->mapping != NULL,
+        .width = (int)o->width,
+        .area_exponent = o->area_exponent,
+        .levels = (int)o->levels,
+        .to_world = bis_xform_identity(),
+        .loc = {path, 0, 0},
+    };
+}
+
+static bis_status survey(const envmap_options *o, const char *path, const char *out, const bis_light *light, bool angular, bis_diag *diag)
+{
+    const bis_envmap *em = bis_light_envmap(light);
+    bis_survey s;
+    bis_regions regions;
+    bis_status status = bis_regions_init(&regions, em, (int)o->levels, diag);
+    if (status) return status;
+    status = bis_survey_init(&s, em, &regions, (int)o->levels, diag);
+    if (!status && out) status = write_pictures(o, out, light, &regions, diag);
+    bis_regions_clear(&regions);
+    if (status) return status;
+    const size_t bytes = bis_importance_bytes(bis_light_importance(light));
+    if (o->json) {
+        print_json(path, &s, em, angular, bytes);
+    } else {
+        print_text(path, &s, em, angular, bytes);
+    }
+    return BIS_OK;
+}
+
+/* A map that cannot be read, be it missing or damaged, is status 1; one that does not fit the options is bad usage. */
+static int envmap(const void *options, const char *const *operands, bis_diag *diag)
+{
+    const envmap_options *o = options;
+    int exit_status = BIS_EXIT_FAILED;
+    bis_image image = {0};
+    bis_light *light = NULL;
+    char out[4096];
+    bool any;
+    char *path = bis_strdup(operands[0]);
+
+    if (!path) {
+        bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
+        goto done;
+    }
+    if (!find_out(out, o, operands[0], &any, diag)) {
+        exit_status = BIS_EXIT_USAGE;
+        goto done;
+    }
+    if (bis_image_read(&image, path, (bis_loc){0}, diag)) goto done;
+    const bis_light_desc desc = describe(o, path);
+    bis_status status = bis_light_from_image(&light, &image, &desc, BIS_NEED_TABLE, diag);
+    if (!status) status = survey(o, path, any ? out : NULL, light, desc.angular, diag);
+    exit_status = bis_cli_exit_status(status);
+done:
+    bis_image_clear(&image);
+    bis_light_free(light);
+    bis_free(path);
+    return exit_status;
+}
+
+int bis_cmd_envmap(int argc, char **argv)
+{
+    static const char *const mappings[] = {"latlong", "angular", NULL};
+    envmap_options o = {.levels = 8, .samples = 300, .area_exponent = 0.15};
+    const bis_option options[] = {
+        {.help = "what to read"},
+        {.name = "mapping", .argument = "M", .help = "latlong (the default) or angular, a light probe; a square map must say which",
+         .kind = BIS_OPTION_NAME, .value = &o.mapping, .names = mappings},
+        {.name = "width", .argument = "N", .help = "of the lat-long map that an angular one is resampled to (default: twice its own)",
+         .kind = BIS_OPTION_COUNT, .value = &o.width, .lo = 1, .hi = 2 * BIS_IMAGE_MAX_SIDE},
+        {.name = "levels", .argument = "N", .help = "levels of intensity (8)", .kind = BIS_OPTION_COUNT, .value = &o.levels, .lo = 1, .hi = 254},
+        {.name = "areaexponent", .argument = "B", .help = "importance goes with min(0.01 sr, a region's solid angle) to the power of B (0.15)",
+         .kind = BIS_OPTION_REAL, .value = &o.area_exponent, .lo = 0, .hi = 100},
+        {.help = "what to write"},
+        {.name = "json", .help = "print JSON instead of text", .kind = BIS_OPTION_FLAG, .value = &o.json},
+        {.name = "out", .argument = "F", .help = "write pictures: NAME.png makes NAME-map.png, NAME-levels.png, NAME-regions.png and "
+         "NAME-importance.png; also .exr, .pfm, .hdr", .kind = BIS_OPTION_TEXT, .value = &o.out},
+        {.name = "outdir", .argument = "D", .help = "the same into folder D, by the map's own name, as PNG", .kind = BIS_OPTION_TEXT,
+         .value = &o.outdir},
+        {.name = "samples", .argument = "N", .help = "directions drawn as dots on the importance (300)", .kind = BIS_OPTION_COUNT,
+         .value = &o.samples, .hi = 1000000},
+    };
+    const bis_command command = {
+        .name = "envmap",
+        .usage = "envmap [options] MAP",
+        .summary = "what is in a map; its levels, regions and importance as pictures",
+        .options = options,
+        .n_options = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = 1,
+        .notes = "Directions are in the map's own frame: z is up, towards row 0; theta is the\n"
+                 "angle from it, phi runs with the columns. Levels are equal steps of the\n"
+                 "logarithm of r+g+b, regions are connected pixels of one level, a light\n"
+                 "source each. On the pictures brighter is more; the importance is the\n"
+                 "density by which directions are drawn, on a logarithmic scale.\n",
+    };
+    return bis_cli_run(&command, argc, argv, envmap, &o);
+}

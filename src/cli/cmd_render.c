@@ -1,0 +1,604 @@
+/* cmd_render: `bis [render] [options] SCENE`: parse, override, plan or build, render, write, report.
+ *
+ * Whatever can be known to fail is tried before the rendering: options, the endings and folders of the output files,
+ * the scene. Ctrl-C (and SIGTERM, SIGHUP) during the rendering ends it soon; what is complete is written, and the exit
+ * status is 130. A second one kills. */
+#include "bis/base/clock.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "bis/render/render.h"
+
+#include "tools/auto/auto.h"
+#include "cli.h"
+#include "tools/describe.h"
+
+#include <float.h>
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct resolution {
+    int width, height;
+} resolution;
+
+/* What the command line says; has_ tells whether it does. */
+typedef struct render_options {
+    bis_texts outfiles, as_printed;
+    const char *stats, *integrator, *proposal, *accelerator, *layers;
+    bool quiet, plan, no_jitter, adaptive;
+    bool has_candidates, has_shadowrays, has_samples, has_spp, has_seed, has_resolution, has_crop, has_exposure;
+    uint64_t candidates, shadowrays, samples, spp, seed, threads;
+    resolution resolution;
+    double crop[4];
+    double seconds, error, exposure;
+} render_options;
+
+/* Set by the signal handler, read by the render threads: the one thing that a handler may touch. */
+static volatile sig_atomic_t signal_caught;
+
+static void catch_signal(int number)
+{
+    (void)number;
+    signal_caught = 1;
+}
+
+/* --- options
+ * ------------------------------------------------------------------------------------------------------- */
+
+/* Digits of a side in [1, BIS_IMAGE_MAX_SIDE]; returns what follows them, NULL for anything else. */
+static const char *read_side(const char *text, int *side)
+{
+    char *end;
+    if (*text < '0' || *text > '9') return NULL;
+    long v = strtol(text, &end, 10);
+    if (v < 1 || v > BIS_IMAGE_MAX_SIDE) return NULL;
+    *side = (int)v;
+    return end;
+}
+
+/* "640x480" */
+static bool read_resolution(void *value, const char *text)
+{
+    resolution r;
+    const char *rest = read_side(text, &r.width);
+    if (!rest || *rest != 'x') return false;
+    rest = read_side(rest + 1, &r.height);
+    if (!rest || *rest) return false;
+    *(resolution *)value = r;
+    return true;
+}
+
+/* "0.25,0.75,0,1": x0 < x1 and y0 < y1, all in [0,1]. */
+static bool read_crop(void *value, const char *text)
+{
+    double crop[4];
+    for (int i = 0; i < 4; i++) {
+        const char *end;
+        crop[i] = bis_parse_double(text, &end);
+        if (end == text || !(crop[i] >= 0 && crop[i] <= 1) || *end != (i < 3 ? ',' : '\0')) return false;
+        text = end + 1;
+    }
+    if (crop[0] >= crop[1] || crop[2] >= crop[3]) return false;
+    memcpy(value, crop, sizeof crop);
+    return true;
+}
+
+static const char *const proposals[] = {"em", "brdf", "mix", "choose", "product", NULL};
+static const char *const accelerators[] = {"grid", "embree", NULL};
+
+enum { MAX_INTEGRATORS = 16 };
+
+/* The table behind reading, range checks and --help. False: the command is over with *exit_status. */
+static bool read_options(render_options *o, int argc, char **argv, const char **scene, int *exit_status)
+{
+    const char *integrators[MAX_INTEGRATORS + 1] = {0};
+    int n_integrators = 0;
+    while (bis_integrators[n_integrators] && n_integrators < MAX_INTEGRATORS - 1) {
+        integrators[n_integrators] = bis_integrators[n_integrators]->name;
+        n_integrators++;
+    }
+    integrators[n_integrators] = bis_auto.name;
+
+    const bis_option options[] = {
+        {.help = "output"},
+        {.name = "outfile", .argument = "F", .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated "
+         "(default: the filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o->outfiles},
+        {.name = "layers", .argument = "L,...", .help = "what an EXR carries beside R, G, B, A: stderr, interval, samples, shadowrays, candidates, "
+         "unoccluded, visibility, albedo, normal, depth; all; none", .kind = BIS_OPTION_TEXT, .value = &o->layers},
+        {.name = "stats", .argument = "F", .help = "write figures about the run to F as JSON; \"-\": standard output",
+         .kind = BIS_OPTION_TEXT, .value = &o->stats},
+        {.name = "exposure", .argument = "EV", .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)",
+         .kind = BIS_OPTION_REAL, .value = &o->exposure, .given = &o->has_exposure, .lo = -100, .hi = 100},
+        {.name = "quiet", .help = "no progress and no warnings", .kind = BIS_OPTION_FLAG, .value = &o->quiet},
+        {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
+         .kind = BIS_OPTION_FLAG, .value = &o->plan},
+
+        {.help = "what to render (these override the scene file)"},
+        {.name = "integrator", .argument = "NAME", .help = "em, brdf, mis, rejection, sir, exact, unoccluded, or auto: a pilot chooses",
+         .kind = BIS_OPTION_NAME, .value = &o->integrator, .names = integrators},
+        {.name = "candidates", .argument = "M", .help = "rejection, sir, unoccluded: candidates for each camera sample; sir, 0: a pilot chooses",
+         .kind = BIS_OPTION_COUNT, .value = &o->candidates, .given = &o->has_candidates, .lo = 0, .hi = 1 << 24},
+        {.name = "shadowrays", .argument = "N", .help = "rejection, sir: candidates that are shadow-tested",
+         .kind = BIS_OPTION_COUNT, .value = &o->shadowrays, .given = &o->has_shadowrays, .lo = 1, .hi = 1 << 24},
+        {.name = "samples", .argument = "N", .help = "em, brdf, mis: light samples for each camera sample",
+         .kind = BIS_OPTION_COUNT, .value = &o->samples, .given = &o->has_samples, .lo = 1, .hi = 1 << 24},
+        {.name = "proposal", .argument = "P", .help = "rejection: em, brdf or choose; sir: em, brdf, mix or product",
+         .kind = BIS_OPTION_NAME, .value = &o->proposal, .names = proposals},
+        {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT, .value = &o->seed,
+         .given = &o->has_seed, .hi = 0x1p53},
+        {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME, .value = &o->accelerator,
+         .names = accelerators},
+        {.name = "resolution", .argument = "WxH", .help = "size of the full picture in pixels", .kind = BIS_OPTION_OWN,
+         .value = &o->resolution, .given = &o->has_resolution, .read = read_resolution, .rule = "WxH with sides in [1, 32768], as in 640x480"},
+        {.name = "cropwindow", .argument = "x0,x1,y0,y1", .help = "render this part alone, in shares of the full picture; pixels are the same as those of "
+         "the full picture. An EXR keeps the full display window, other formats hold the crop", .kind = BIS_OPTION_OWN, .value = o->crop,
+         .given = &o->has_crop, .read = read_crop, .rule = "x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
+        {.name = "as-printed", .argument = "E", .help = "follow the thesis to the letter where docs/errata.md departs from it, as in E6: a wrong picture, "
+         "to see why; may be repeated; \"list\" prints all", .kind = BIS_OPTION_LIST, .value = &o->as_printed},
+        {.name = "disable-pixel-jitter", .help = "camera rays through pixel centres", .kind = BIS_OPTION_FLAG, .value = &o->no_jitter},
+        {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor); pictures do not depend on it",
+         .kind = BIS_OPTION_COUNT, .value = &o->threads, .lo = 1, .hi = 1024},
+
+        {.help = "how long (whichever comes first; default: the scene's pixelsamples)"},
+        {.name = "spp", .argument = "N", .help = "camera samples in each pixel", .kind = BIS_OPTION_COUNT, .value = &o->spp,
+         .given = &o->has_spp, .lo = 1, .hi = 1e9},
+        {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; ends within one pass",
+         .kind = BIS_OPTION_REAL, .value = &o->seconds, .above = true, .hi = 1e8},
+        {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E",
+         .kind = BIS_OPTION_REAL, .value = &o->error, .above = true, .hi = 10},
+        {.name = "adaptive", .help = "camera samples go where the error is, by tiles of 16 x 16 pixels; --spp is then their mean, rounded up "
+         "to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o->adaptive},
+    };
+    const bis_command command = {
+        .name = "render",
+        .usage = "[render] [options] SCENE",
+        .summary = "render a scene",
+        .options = options,
+        .n_options = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = 1,
+        .notes = "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
+                 "bad scene; 130 interrupted, after what was rendered has been written.\n",
+    };
+    int n;
+    return bis_cli_parse(&command, argc, argv, scene, &n, exit_status);
+}
+
+/* --- the command line over the scene
+ * ------------------------------------------------------------------------------- */
+
+static bis_proposal proposal_of(const char *name)
+{
+    int i = 0;
+    while (strcmp(name, bis_proposal_name((bis_proposal)i)) != 0) i++; /* `proposals` holds no other names */
+    return (bis_proposal)i;
+}
+
+/* An option that this integrator does not read is a slip worth a word, but harmless: scripts loop over integrators. */
+static bool applies(const bis_settings *s, const char *option, bool given, bis_diag *diag)
+{
+    if (!given) return false;
+    if (bis_integrator_uses(s->integrator, option)) return true;
+    bis_warn(diag, bis_cli_loc, "--%s has no effect on integrator \"%s\"", option, s->integrator->name);
+    return false;
+}
+
+/* The errata to render as printed: those of the scene and of the command line. */
+static bis_status switch_errata(bis_settings *s, const bis_texts *names, bis_diag *diag)
+{
+    bis_status first = BIS_OK;
+
+    for (int i = 0; i < names->n; i++) {
+        const bis_erratum *e = bis_erratum_find(names->text[i]);
+        if (e) {
+            s->as_printed |= e->flag;
+            continue;
+        }
+        const char *near = bis_erratum_nearest(names->text[i]);
+        bis_status status = bis_error(diag, BIS_INPUT, bis_cli_loc, "--as-printed: no erratum \"%s\" can be switched%s%s%s; `bis --as-printed list` lists them",
+                                      names->text[i], near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
+        if (!first) first = status;
+    }
+    for (const bis_erratum *e = bis_errata; e->name; e++) {
+        if (!(s->as_printed & e->flag) || bis_erratum_reaches(e, s->integrator->name)) continue;
+        bis_warn(diag, bis_cli_loc, "%s as printed has no effect on integrator \"%s\", only on: %s", e->name, s->integrator->name, e->integrators);
+    }
+    return first;
+}
+
+static bis_status override_settings(bis_scene_desc *d, const render_options *o, bis_diag *diag)
+{
+    bis_settings *s = &d->settings;
+
+    if (o->integrator || o->has_candidates || o->has_shadowrays || o->has_samples || o->proposal) {
+        bis_scene_drop_exceptions(d, "the command line", diag);
+    }
+    if (o->integrator && strcmp(o->integrator, s->integrator->name) != 0) {
+        const unsigned as_printed = s->as_printed;
+        *s = bis_settings_default(bis_integrator_find(o->integrator));
+        s->as_printed = as_printed;
+        d->integrator_loc = bis_cli_loc;
+    }
+    if (s->only_sir && o->has_candidates) s->integrator = &bis_sir; /* the scene left open what the command line says */
+    if (applies(s, "candidates", o->has_candidates, diag)) s->candidates = (uint32_t)o->candidates;
+    if (applies(s, "shadowrays", o->has_shadowrays, diag)) s->shadowrays = (uint32_t)o->shadowrays;
+    if (applies(s, "samples", o->has_samples, diag)) s->samples = (uint32_t)o->samples;
+    if (applies(s, "proposal", o->proposal != NULL, diag)) s->proposal = proposal_of(o->proposal);
+    bis_settings_leave_open(s);
+    bis_status status = switch_errata(s, &o->as_printed, diag);
+    for (int i = 0; i < d->exceptions.n; i++) d->exceptions.settings[i].as_printed = s->as_printed;
+    return status ? status : bis_settings_check(s, bis_cli_loc, diag);
+}
+
+/* "albedo,normal", "all" or "none". */
+static bis_status read_layers(unsigned *set, const char *list, bis_diag *diag)
+{
+    *set = 0;
+    if (strcmp(list, "none") == 0) return BIS_OK;
+    for (const char *end; *list; list = *end ? end + 1 : end) {
+        char name[64];
+        size_t n = strcspn(list, ",");
+        end = list + n;
+        snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : sizeof name - 1), list);
+        if (bis_layers_include(set, name)) continue;
+        const char *near = bis_layer_nearest(name);
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--layers: there is no layer \"%s\"%s%s%s; `bis --help` lists them", name,
+                         near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
+    }
+    return BIS_OK;
+}
+
+static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag *diag)
+{
+    bis_status status = override_settings(d, o, diag);
+    if (!status && o->layers) status = read_layers(&d->film.layers, o->layers, diag);
+    if (status) return status;
+
+    if (o->has_spp) bis_scene_set_spp(d, (uint32_t)o->spp);
+    if (o->has_seed) d->sampler.seed = o->seed;
+    if (o->accelerator) d->accel.kind = strcmp(o->accelerator, "grid") == 0 ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
+    if (d->accel.kind == BIS_ACCEL_EMBREE && !bis_accel_embree_version()) {
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "accelerator \"embree\" is not built in; use \"grid\", or build with Embree installed");
+    }
+    if (o->threads) d->accel.n_threads = (int)o->threads;
+    if (o->has_resolution) {
+        d->film.width = o->resolution.width;
+        d->film.height = o->resolution.height;
+    }
+    if (o->has_crop) memcpy(d->film.crop, o->crop, sizeof o->crop);
+    if (o->no_jitter) d->pixel_jitter = false;
+    if (o->adaptive) d->adaptive = true;
+    return BIS_OK;
+}
+
+/* --- output
+ * -------------------------------------------------------------------------------------------------------- */
+
+/* A pipe or a device is written to directly, since it cannot be replaced by a renamed file. */
+static bool is_stream(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+}
+
+static bis_status check_outputs(const render_options *o, bis_diag *diag)
+{
+    bis_status first = BIS_OK;
+
+    for (int i = 0; i < o->outfiles.n; i++) {
+        const char *path = o->outfiles.text[i];
+        bis_status status = bis_image_can_write(path) ? bis_cli_check_writable(path, diag)
+                          : bis_error(diag, BIS_INPUT, bis_cli_loc, "output file \"%s\": the ending must be .exr, .pfm, .hdr or .png", path);
+        if (!first) first = status;
+    }
+    if (o->stats && strcmp(o->stats, "-") != 0 && !is_stream(o->stats)) {
+        bis_status status = bis_cli_check_writable(o->stats, diag);
+        if (!first) first = status;
+    }
+    return first;
+}
+
+/* Layers need an EXR to go to. */
+static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, bis_diag *diag)
+{
+    char ending[8];
+
+    for (int i = 0; i < outfiles->n; i++) {
+        if (strcmp(bis_path_extension(ending, outfiles->text[i]), ".exr") == 0) return;
+    }
+    if (film->layers) bis_warn(diag, bis_cli_loc, "layers go into an .exr, and no output file is one: they will be lost");
+}
+
+/* The picture's own channels, then those of layers. *planes: what the latter point into, to be freed. Error bars that
+ * cannot be are missed aloud. */
+static bis_status list_channels(bis_channel *channels, int *n, float **planes, const bis_film *f, const float *rgba, bis_diag *diag)
+{
+    static const char *const names[4] = {"R", "G", "B", "A"};
+
+    for (int i = 0; i < 4; i++) channels[i] = (bis_channel){names[i], rgba + i, 4};
+    const int n_layers = bis_film_layers(f, channels + 4, NULL);
+    *n = 4 + n_layers;
+    if (f->passes < 2 && (bis_layers_has(&f->layers, BIS_LAYER_STDERR) || bis_layers_has(&f->layers, BIS_LAYER_INTERVAL))) {
+        bis_warn(diag, bis_cli_loc, "one pass has no scatter: layers \"stderr\" and \"interval\" are left out; take --spp 2 or more");
+    }
+    if (n_layers == 0) return BIS_OK;
+    *planes = bis_alloc((size_t)f->width * (size_t)f->height, (size_t)n_layers * sizeof **planes);
+    if (!*planes) {
+        *n = 4; /* rather the picture alone than nothing */
+        return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d layer channels of %d x %d pixels", n_layers, f->width, f->height);
+    }
+    bis_film_layers(f, channels + 4, *planes);
+    return BIS_OK;
+}
+
+/* All files are tried, even when one fails: hours of rendering should end up somewhere. */
+static bis_status write_pictures(const render_options *o, const bis_stats *stats, bis_diag *diag)
+{
+    const bis_film *f = stats->film;
+    float *rgba = bis_alloc((size_t)f->width * (size_t)f->height, 4 * sizeof *rgba);
+    if (!rgba) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d x %d pixels", f->width, f->height);
+    bis_film_resolve(f, rgba);
+
+    bis_channel channels[4 + BIS_FILM_MAX_CHANNELS];
+    float *planes = NULL;
+    int n_channels;
+    bis_status first = list_channels(channels, &n_channels, &planes, f, rgba, diag);
+    bis_attribute attributes[BIS_MAX_ATTRIBUTES];
+    const bis_picture picture = {
+        .width = f->width,
+        .height = f->height,
+        .x0 = f->x0,
+        .y0 = f->y0,
+        .full_width = f->full_width,
+        .full_height = f->full_height,
+        .channels = channels,
+        .n_channels = n_channels,
+        .attributes = attributes,
+        .n_attributes = bis_describe_picture(stats, attributes),
+        .has_exposure = o->has_exposure,
+        .exposure = o->exposure,
+    };
+    for (int i = 0; i < o->outfiles.n; i++) {
+        bis_status status = bis_image_write(o->outfiles.text[i], &picture, diag);
+        if (!first) first = status;
+    }
+    bis_free(planes);
+    bis_free(rgba);
+    return first;
+}
+
+static bis_status write_stats(const char *path, const bis_stats *stats, bis_diag *diag)
+{
+    if (strcmp(path, "-") == 0) {
+        bis_stats_print(stats, stdout); /* bis_cli_finish looks for errors */
+        return BIS_OK;
+    }
+    if (is_stream(path)) {
+        FILE *out = fopen(path, "w");
+        if (!out) return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written", path);
+        bis_stats_print(stats, out);
+        bool failed = ferror(out) != 0;
+        failed |= fclose(out) != 0;
+        return failed ? bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written", path) : BIS_OK;
+    }
+    bis_outfile *file;
+    bis_status status = bis_outfile_open(&file, path, diag);
+    if (status) return status;
+    bis_stats_print(stats, bis_outfile_stream(file));
+    return bis_outfile_commit(file, diag);
+}
+
+/* --- rendering
+ * ----------------------------------------------------------------------------------------------------- */
+
+static void print_progress(const bis_progress *p, void *user)
+{
+    (void)user;
+    fprintf(stderr, "\rpass %u", p->passes_done + 1);
+    if (p->passes_total) fprintf(stderr, " of %u", p->passes_total);
+    fprintf(stderr, ", %.0f%%", 100 * p->share);
+    if (isfinite(p->seconds_left)) fprintf(stderr, ", %.0f s left", ceil(p->seconds_left));
+    fputs("   \033[K", stderr);
+}
+
+static const char *duration(char buf[32], double seconds)
+{
+    if (seconds < 120) snprintf(buf, 32, "%.0f s", seconds);
+    else if (seconds < 7200) snprintf(buf, 32, "%.0f min", seconds / 60);
+    else if (seconds < 172800) snprintf(buf, 32, "%.1f h", seconds / 3600);
+    else snprintf(buf, 32, "%.3g days", seconds / 86400);
+    return buf;
+}
+
+/* Said early, after the pilot, so that nobody waits for what cannot come: an error that another budget will cut off, or
+ * that takes over ten minutes. */
+static void print_forecast(const bis_forecast *f, void *user)
+{
+    const render_options *o = user;
+    const double late = 600;
+    char time[32];
+    const char *end = "Ctrl-C ends it earlier and writes what is done";
+
+    if (o->seconds > 0 && f->seconds > o->seconds) end = "--time ends it before";
+    else if (o->spp && f->spp > (double)o->spp) end = "--spp ends it before";
+    else if (!(f->seconds > late)) return;
+    fprintf(stderr, "%sbis: warning: --error %g would take about %s and %.3g camera samples a pixel; %s (the error is at most %.2g so far)\n",
+            isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, duration(time, f->seconds), f->spp, end, f->error);
+}
+
+/* The second signal of a kind finds the default action again, and kills. */
+static void catch_signals(void)
+{
+    const struct sigaction action = {.sa_handler = catch_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGHUP, &action, NULL);
+}
+
+/* Where the choice is left to us: a pilot first; desc->settings becomes what it chose, and is told. */
+static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc, const bis_render_options *options, bool quiet, bis_diag *diag)
+{
+    char line[BIS_MAX_LINE];
+    bis_status status = bis_auto_choose(choice, scene, desc, options, diag);
+
+    if (status) return status;
+    desc->settings = choice->settings;
+    desc->exceptions = choice->exceptions;
+    choice->exceptions = (bis_exceptions){.n = 0};
+    if (quiet) return BIS_OK;
+    if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice, desc));
+    else fprintf(stderr, "bis: note: auto: nothing to choose, %s\n", signal_caught ? "interrupted" : "no surface or no light");
+    return BIS_OK;
+}
+
+static bis_status render(bis_render_result *result, bis_film *film, bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc, render_options *o,
+                         bis_diag *diag)
+{
+    bool show = !o->quiet && isatty(STDERR_FILENO);
+    bis_render_options options = {
+        .budget = {.spp = (uint32_t)o->spp, .seconds = o->seconds, .error = o->error},
+        .n_threads = (int)o->threads,
+        .interrupted = &signal_caught,
+        .progress = show ? print_progress : NULL,
+        .forecast = o->quiet ? NULL : print_forecast,
+        .user = o,
+    };
+    catch_signals();
+    bis_status status = bis_auto_is_wanted(&desc->settings) ? choose(choice, scene, desc, &options, o->quiet, diag) : BIS_OK;
+    /* the pilot's time is the user's: 0 would be no limit */
+    if (o->seconds > 0) options.budget.seconds = fmax(o->seconds - choice->seconds, DBL_MIN);
+    if (!status) status = bis_render(result, film, scene, desc, &options, diag);
+    if (show) fputs("\r\033[K", stderr);
+    if (!status && o->error > 0 && !(result->error_bound <= o->error)) {
+        if (isnan(result->error_bound)) bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown, %u pass is too few", o->error, result->passes);
+        else bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is at most %.3g after %u passes", o->error, result->error_bound, result->passes);
+    }
+    if (!status && result->counters.nonfinite) {
+        bis_warn(diag, bis_cli_loc,
+                 "%llu estimates were not finite and count as black: the picture is too dark. A light near the largest float, 3.4e38, needs a "
+                 "smaller \"scale\" (docs/envelope.md); with any other light this is a defect, please report it",
+                 (unsigned long long)result->counters.nonfinite);
+    }
+    return status;
+}
+
+/* A light probe was resampled: by how much did its energy change? */
+static void note_resampling(const bis_light *light)
+{
+    const bis_envmap *em = bis_light_envmap(light);
+    if (!em || !(em->angular_power_before > 0)) return;
+    fprintf(stderr, "bis: note: angular map resampled to %d x %d; integral of r+g+b %g before, %g after (%+.3f%%)\n", em->width, em->height,
+            em->angular_power_before, em->angular_power_after, 100 * (em->angular_power_after / em->angular_power_before - 1));
+}
+
+/* From scene to files; *interrupted: a signal came. */
+static bis_status run(render_options *o, bis_scene_desc *desc, double start, double parse_seconds, bool *interrupted,
+                      bis_diag *diag)
+{
+    bis_scene *scene = NULL;
+    bis_film film = {0};
+    bis_render_result result;
+    bis_auto_report choice = {.n_groups = 1};
+    const bool chooses = bis_auto_is_wanted(&desc->settings);
+    char *lines = NULL, *exceptions = NULL;
+    bis_status status;
+
+    status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, bis_cli_loc, diag);
+    if (!status) status = bis_film_want(&film, desc->film.layers, diag);
+    if (status) goto done;
+    check_layers(&desc->film, &o->outfiles, diag);
+    status = bis_scene_build(&scene, desc, diag);
+    if (status) goto done;
+    bis_cli_print_diag(diag, o->quiet); /* warnings, before the wait */
+    bis_diag_clear(diag);
+    if (!o->quiet) note_resampling(scene->light);
+    status = render(&result, &film, &choice, scene, desc, o, diag);
+    if (status) goto done;
+
+    bis_stats stats = {.desc = desc, .scene = scene, .film = &film, .result = &result, .seconds = scene->seconds,
+                       .choice = chooses ? &choice : NULL};
+    lines = bis_describe_integrators(desc, 0);
+    exceptions = bis_describe_integrators(desc, 1);
+    if (!lines || !exceptions) bis_warn(diag, bis_cli_loc, "no memory to tell in the picture how it was made");
+    stats.lines = lines ? lines : "";
+    stats.exceptions = exceptions ? exceptions : "";
+    bis_errata_text(stats.as_printed, desc->settings.as_printed);
+    stats.seconds.parse = parse_seconds;
+    stats.seconds.render = result.seconds;
+    double before = bis_clock_now();
+    status = write_pictures(o, &stats, diag);
+    stats.seconds.write = bis_clock_now() - before;
+    stats.seconds.total = bis_clock_now() - start;
+    if (o->stats) {
+        bis_status other = write_stats(o->stats, &stats, diag);
+        if (!status) status = other;
+    }
+    *interrupted = signal_caught;
+done:
+    bis_auto_report_clear(&choice);
+    bis_free(lines);
+    bis_free(exceptions);
+    bis_film_clear(&film);
+    bis_scene_free(scene);
+    return status;
+}
+
+/* `bis --as-printed list` needs no scene. */
+static bool asks_for_errata(int argc, char **argv)
+{
+    for (int i = 0; i < argc && strcmp(argv[i], "--") != 0; i++) {
+        if (strcmp(argv[i], "--as-printed=list") == 0) return true;
+        if (strcmp(argv[i], "--as-printed") == 0 && i + 1 < argc && strcmp(argv[i + 1], "list") == 0) return true;
+    }
+    return false;
+}
+
+static void list_errata(void)
+{
+    for (const bis_erratum *e = bis_errata; e->name; e++) {
+        printf("%-4s thesis %s; integrators: %s\n     %s\n", e->name, e->section, e->integrators, e->effect);
+    }
+}
+
+int bis_cmd_render(int argc, char **argv)
+{
+    render_options o = {0};
+    bis_scene_desc *desc = NULL;
+    bis_diag diag = {0};
+    const char *path;
+    bool interrupted = false;
+    int exit_status;
+    double start = bis_clock_now();
+
+    if (asks_for_errata(argc, argv)) {
+        list_errata();
+        return bis_cli_finish(BIS_EXIT_DONE);
+    }
+    if (!read_options(&o, argc, argv, &path, &exit_status)) return exit_status;
+    bis_status status = check_outputs(&o, &diag);
+    if (status) goto done;
+    status = bis_scene_parse(&desc, path, &diag);
+    if (status) goto done;
+    status = override(desc, &o, &diag);
+    if (status) goto done;
+    double parse_seconds = bis_clock_now() - start;
+    if (o.plan) {
+        bis_scene_plan(desc, stdout);
+        goto done;
+    }
+    if (o.outfiles.n == 0) {
+        o.outfiles.text[o.outfiles.n++] = desc->film.filename;
+        status = check_outputs(&o, &diag);
+        if (status) goto done;
+    }
+    status = run(&o, desc, start, parse_seconds, &interrupted, &diag);
+done:
+    bis_cli_print_diag(&diag, o.quiet);
+    bis_diag_clear(&diag);
+    bis_scene_desc_free(desc);
+    exit_status = bis_cli_exit_status(status);
+    return bis_cli_finish(interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status);
+}

@@ -1,0 +1,228 @@
+/* cmd_trade: `bis trade SCENE`: measure error against time for several estimators, into a folder with tables and a page
+ * (trade.h).
+ *
+ * Ctrl-C (SIGTERM, SIGHUP) abandons the render under way; what was measured is written, tables and page included, and
+ * the exit status is 130. A second one kills, and loses a second of measurements at most. */
+#include "tools/trade/trade.h"
+
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+
+#include "cli.h"
+
+#include <string.h>
+#include <unistd.h>
+
+enum { MAX_INTEGRATORS = 16, DEFAULT_SECONDS = 150, QUICK_SECONDS = 28 };
+
+typedef struct trade_options {
+    const char *output, *reference;
+    bis_texts integrators;
+    bool quick, resume, quiet;
+    bool has_seconds, has_seed, has_seeds, has_passes, has_error;
+    bool has_size;
+    double seconds, error;
+    uint64_t seed, seeds, passes, threads;
+    int size[2];
+} trade_options;
+
+static volatile sig_atomic_t signal_caught;
+
+static void catch_signal(int number)
+{
+    (void)number;
+    signal_caught = 1;
+}
+
+static void catch_signals(void)
+{
+    const struct sigaction action = {.sa_handler = catch_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGHUP, &action, NULL);
+}
+
+/* ---- options ---- */
+
+/* "640x480" */
+static bool read_size(void *value, const char *text)
+{
+    int *size = value;
+    for (int i = 0; i < 2; i++) {
+        const char *end;
+        if (*text < '0' || *text > '9') return false;
+        const double v = bis_parse_double(text, &end);
+        if (!(v >= 1 && v <= BIS_IMAGE_MAX_SIDE && v == floor(v)) || *end != (i ? '\0' : 'x')) return false;
+        size[i] = (int)v;
+        text = end + 1;
+    }
+    return true;
+}
+
+static bool read_options(trade_options *o, int argc, char **argv, const char **scene, int *exit_status)
+{
+    const bis_option options[] = {
+        {.help = "what is written"},
+        {.name = "output", .argument = "DIR", .help = "folder for tables, pictures and report.html (default: the scene's name with -trade, in the working folder); new, empty, or "
+         "with --resume", .kind = BIS_OPTION_TEXT, .value = &o->output},
+        {.name = "resume", .help = "go on with the measurement in the folder, by its plan", .kind = BIS_OPTION_FLAG, .value = &o->resume},
+        {.name = "quiet", .help = "no progress and no warnings", .kind = BIS_OPTION_FLAG, .value = &o->quiet},
+        {.help = "how long"},
+        {.name = "time", .argument = "SECONDS", .help = "for everything (150); size, passes and seeds follow from it", .kind = BIS_OPTION_REAL, .value = &o->seconds,
+         .given = &o->has_seconds, .above = true, .hi = 1e7},
+        {.name = "quick", .help = "a shorter table of settings, in 30 s", .kind = BIS_OPTION_FLAG, .value = &o->quick},
+        {.name = "error", .argument = "E", .help = "the relative RMSE of a final picture (0.05): measure until there; an error right after the pilot where that is out "
+         "of reach", .kind = BIS_OPTION_REAL, .value = &o->error, .given = &o->has_error, .above = true, .hi = 10},
+        {.name = "seeds", .argument = "N", .help = "renders of each setting and budget (2, 3 or 5, by the time)", .kind = BIS_OPTION_COUNT, .value = &o->seeds,
+         .given = &o->has_seeds, .lo = 1, .hi = BIS_TRADE_SEEDS},
+        {.name = "passes", .argument = "N", .help = "budgets of 1, 2, 4 ... up to N passes for every setting, instead of what the time allows", .kind = BIS_OPTION_COUNT,
+         .value = &o->passes, .given = &o->has_passes, .lo = 1, .hi = 1 << (BIS_TRADE_LEVELS - 1)},
+        {.help = "what is measured"},
+        {.name = "integrator", .argument = "NAME", .help = "em, brdf, mis, rejection or sir alone; may be repeated", .kind = BIS_OPTION_LIST, .value = &o->integrators},
+        {.name = "reference", .argument = "F", .help = "compare with this picture (.exr, .pfm, .hdr) of the scene's size, instead of rendering references", .kind = BIS_OPTION_TEXT,
+         .value = &o->reference},
+        {.name = "resolution", .argument = "WxH", .help = "size of the full picture; measured is a smaller one of the same view", .kind = BIS_OPTION_OWN, .value = o->size,
+         .given = &o->has_size, .read = read_size, .rule = "WxH with sides in [1, 32768], as in 640x480"},
+        {.name = "seed", .argument = "N", .help = "other random numbers (1)", .kind = BIS_OPTION_COUNT, .value = &o->seed, .given = &o->has_seed, .hi = 0x1p53},
+        {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor)", .kind = BIS_OPTION_COUNT, .value = &o->threads, .lo = 1, .hi = 1024},
+    };
+    const bis_command command = {
+        .name = "trade",
+        .usage = "trade [options] SCENE",
+        .summary = "measure error against time for several estimators",
+        .options = options,
+        .n_options = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = 1,
+        .notes = "Ctrl-C ends it with what was measured; --resume goes on.\n"
+                 "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
+                 "bad scene, or what cannot be done in the time; 130 interrupted.\n",
+    };
+    int n;
+    return bis_cli_parse(&command, argc, argv, scene, &n, exit_status);
+}
+
+/* The plan of a measurement stays as it is. */
+static bis_status check_resume(const trade_options *o, bis_diag *diag)
+{
+    static const char why[] = "--resume goes on by the plan in the folder, which %s would change; leave it out, or measure into another folder";
+    if (!o->resume) return BIS_OK;
+    if (o->quick) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--quick");
+    if (o->has_seeds) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--seeds");
+    if (o->has_passes) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--passes");
+    if (o->has_seed) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--seed");
+    if (o->has_size) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--resolution");
+    if (o->reference) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--reference");
+    if (o->integrators.n) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--integrator");
+    return BIS_OK;
+}
+
+static bis_status check_integrators(const trade_options *o, bis_diag *diag)
+{
+    static const char *const names[] = {"em", "brdf", "mis", "rejection", "sir"};
+    bis_status status = BIS_OK;
+
+    for (int i = 0; i < o->integrators.n; i++) {
+        const char *name = o->integrators.text[i];
+        bool known = false;
+        for (int k = 0; k < 5; k++) known |= strcmp(name, names[k]) == 0;
+        if (known) continue;
+        const char *near = bis_nearest_name(name, names, 5);
+        status = bis_error(diag, BIS_INPUT, bis_cli_loc, "--integrator %s: must be em, brdf, mis, rejection or sir%s%s%s", name, near ? " (did you mean \"" : "",
+                           near ? near : "", near ? "\"?)" : "");
+    }
+    return status;
+}
+
+/* "a/b/scene.txt": "scene-trade". */
+static char *default_folder(const char *scene)
+{
+    const char *slash = strrchr(scene, '/'), *name = slash ? slash + 1 : scene, *dot = strrchr(name, '.');
+    const size_t n = dot && dot > name ? (size_t)(dot - name) : strlen(name), size = n + sizeof "-trade";
+    char *folder = bis_alloc(size, 1);
+    if (folder) snprintf(folder, size, "%.*s-trade", (int)n, name);
+    return folder;
+}
+
+/* ---- the command ---- */
+
+static void print_progress(const char *what, double share, double seconds_left, void *user)
+{
+    char left[24];
+    (void)user;
+    fprintf(stderr, "\r%s", what);
+    if (share >= 0) fprintf(stderr, ", %.0f%%", 100 * share);
+    if (isfinite(seconds_left)) fprintf(stderr, ", %s left", bis_trade_duration(left, seconds_left));
+    fputs("   \033[K", stderr);
+}
+
+/* What a user wants to know at once: where the page is, and the three sentences in short. */
+static void print_summary(const bis_trade *t)
+{
+    char text[256], time[24], error[24];
+
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
+        const bis_trade_advice *a = &t->result.advice[i];
+        if (a->setting < 0) continue;
+        const bis_trade_setting *s = &t->plan.settings[a->setting];
+        bis_trade_option_text(text, s, t->desc->light.area_exponent);
+        if (!text[0]) bis_trade_scene_text(text, s, t->desc->light.area_exponent);
+        printf("%-14s error %-5s %s%-8s %s --spp %u\n", a->purpose, bis_trade_percent(error, a->expected_error), a->is_extrapolated ? "~" : " ",
+               bis_trade_duration(time, a->seconds), text, (unsigned)a->passes);
+    }
+    printf("%zu of %zu runs in %s/report.html\n", t->n_runs, bis_trade_planned_runs(&t->plan), t->o.folder);
+}
+
+static int run(const trade_options *o, const char *scene, const char *folder, bis_diag *diag)
+{
+    const bool show = !o->quiet && isatty(STDERR_FILENO);
+    const bis_trade_options options = {
+        .scene = scene,
+        .folder = folder,
+        .reference = o->reference,
+        .seconds = o->has_seconds ? o->seconds : o->quick ? QUICK_SECONDS : DEFAULT_SECONDS,
+        .error = o->error,
+        .quick = o->quick,
+        .resume = o->resume,
+        .width = o->size[0],
+        .height = o->size[1],
+        .n_seeds = (int)o->seeds,
+        .passes = (uint32_t)o->passes,
+        .seed = o->has_seed ? o->seed : 1,
+        .n_threads = (int)o->threads,
+        .integrators = o->integrators.text,
+        .n_integrators = o->integrators.n,
+        .interrupted = &signal_caught,
+        .progress = show ? print_progress : NULL,
+    };
+    bis_trade t = {.n_runs = 0};
+    bool interrupted;
+
+    catch_signals();
+    const bis_status status = bis_trade_measure(&t, &options, &interrupted, diag);
+    if (show) fputs("\r\033[K", stderr);
+    if (t.nonfinite) bis_warn(diag, bis_cli_loc, "%llu estimates were not finite and count as black (docs/envelope.md)", (unsigned long long)t.nonfinite);
+    if (!status && t.n_runs) print_summary(&t);
+    if (!status && interrupted && !t.n_runs) bis_warn(diag, bis_cli_loc, "interrupted before the first run: there is no table and no page");
+    bis_trade_clear(&t);
+    const int exit_status = bis_cli_exit_status(status);
+    return interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status;
+}
+
+int bis_cmd_trade(int argc, char **argv)
+{
+    trade_options o = {0};
+    bis_diag diag = {0};
+    const char *scene;
+    int exit_status;
+
+    if (!read_options(&o, argc, argv, &scene, &exit_status)) return exit_status;
+    char *folder = o.output ? bis_strdup(o.output) : default_folder(scene);
+    bis_status status = folder ? check_resume(&o, &diag) : bis_error(&diag, BIS_NOMEM, bis_cli_loc, "no memory");
+    if (!status) status = check_integrators(&o, &diag);
+    exit_status = status ? bis_cli_exit_status(status) : run(&o, scene, folder, &diag);
+    bis_free(folder);
+    bis_cli_print_diag(&diag, o.quiet);
+    bis_diag_clear(&diag);
+    return bis_cli_finish(exit_status);
+}

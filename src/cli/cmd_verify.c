@@ -1,0 +1,204 @@
+/* cmd_verify: `bis verify SCENE`, `bis verify MAP`: the checks of verify.h on the user's own files, as a table or as
+ * JSON. */
+#include "tools/verify/verify.h"
+
+#include "bis/base/mem.h"
+
+#include "cli.h"
+#include "out/json.h"
+
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+typedef struct verify_options {
+    const char *mapping;
+    uint64_t seed;
+    bool json;
+} verify_options;
+
+/* ---- the report ---- */
+
+static const char *verdict_of(const bis_verify_test *t)
+{
+    static const char *const words[] = {[BIS_VERDICT_PASSED] = "passed", [BIS_VERDICT_FAILED] = "FAILED", [BIS_VERDICT_SKIPPED] = "skipped"};
+    return words[t->verdict];
+}
+
+/* A number in ten columns, "-" for none. */
+static void print_number(double x)
+{
+    if (isnan(x)) printf(" %10s", "-");
+    else printf(" %10.3g", x);
+}
+
+static void print_table(const bis_verify *v)
+{
+    const char *group = "";
+    for (size_t i = 0; i < v->n; i++) {
+        const bis_verify_test *t = &v->tests[i];
+        if (strcmp(group, t->group) != 0) printf("%s%-46s  statistic          p  threshold  verdict\n", i ? "\n" : "", t->group);
+        group = t->group;
+        printf("  %-44s", t->name);
+        print_number(t->statistic);
+        print_number(t->p);
+        print_number(t->threshold);
+        printf("  %s%s%s\n", verdict_of(t), *t->note ? ": " : "", t->note);
+    }
+    printf("\n%zu tests, %zu failed, %zu skipped. %zu of them are statistical: each fails below p = %.3g, so that all together\n"
+           "raise a false alarm once in %.0f runs (Sidak). The others fail above their threshold.\n",
+           v->n, v->n_failed, v->n_skipped, v->n_statistical, v->threshold, 1 / BIS_VERIFY_ALPHA);
+    printf("seed %llu\n%s\n", (unsigned long long)v->seed, v->n_failed ? "FAILED" : "passed");
+}
+
+static void print_json(const bis_verify *v, const char *path)
+{
+    bis_json j = {.out = stdout};
+    bis_json_open(&j, NULL, '{');
+    bis_json_text(&j, "file", path);
+    bis_json_count(&j, "seed", v->seed);
+    bis_json_number(&j, "significance", BIS_VERIFY_ALPHA);
+    bis_json_count(&j, "statistical", v->n_statistical);
+    bis_json_number(&j, "corrected", v->threshold);
+    bis_json_count(&j, "failed", v->n_failed);
+    bis_json_count(&j, "skipped", v->n_skipped);
+    bis_json_bool(&j, "passed", v->n_failed == 0);
+    bis_json_open(&j, "tests", '[');
+    for (size_t i = 0; i < v->n; i++) {
+        const bis_verify_test *t = &v->tests[i];
+        bis_json_open(&j, NULL, '{');
+        bis_json_text(&j, "group", t->group);
+        bis_json_text(&j, "name", t->name);
+        bis_json_text(&j, "verdict", t->verdict == BIS_VERDICT_FAILED ? "failed" : verdict_of(t));
+        bis_json_number(&j, "statistic", t->statistic);
+        bis_json_number(&j, "dof", t->dof > 0 ? t->dof : (double)NAN);
+        bis_json_number(&j, "p", t->p);
+        bis_json_number(&j, "threshold", t->threshold);
+        bis_json_text(&j, "note", t->note);
+        bis_json_close(&j);
+    }
+    bis_json_close(&j);
+    bis_json_close(&j);
+}
+
+/* ---- what is verified ---- */
+
+static bool is_map(const char *path)
+{
+    static const char *const endings[] = {".hdr", ".exr", ".pfm"};
+    const size_t n = strlen(path);
+    for (int i = 0; i < 3; i++) {
+        if (n > 4 && strcasecmp(path + n - 4, endings[i]) == 0) return true;
+    }
+    return false;
+}
+
+/* A map that cannot be read is status 1, as in `bis envmap`. */
+static int verify_map(bis_verify *v, const verify_options *o, const char *map, bis_diag *diag)
+{
+    bis_status status = BIS_NOMEM;
+    int exit_status = BIS_EXIT_FAILED;
+    bis_image image = {0};
+    bis_light *light = NULL;
+    char *path = bis_strdup(map);
+
+    if (!path) {
+        bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
+        return exit_status;
+    }
+    const bis_light_desc desc = {
+        .filename = path,
+        .L = {1, 1, 1},
+        .scale = 1,
+        .angular = o->mapping && strcmp(o->mapping, "angular") == 0,
+        .has_mapping = o->mapping != NULL,
+        .area_exponent = 0.15,
+        .levels = 8,
+        .to_world = bis_xform_identity(),
+        .loc = {path, 0, 0},
+    };
+    if (bis_image_read(&image, path, (bis_loc){0}, diag)) goto done;
+    status = bis_light_from_image(&light, &image, &desc, 0, diag);
+    if (!status) status = bis_verify_map(v, bis_light_envmap(light), desc.area_exponent, desc.levels, diag);
+    exit_status = bis_cli_exit_status(status);
+done:
+    bis_image_clear(&image);
+    bis_light_free(light);
+    bis_free(path);
+    return exit_status;
+}
+
+static int verify_scene(bis_verify *v, const verify_options *o, const char *path, bis_diag *diag)
+{
+    bis_scene_desc *desc = NULL;
+    bis_scene *scene = NULL;
+
+    if (o->mapping) bis_warn(diag, bis_cli_loc, "--mapping has no effect on a scene: its LightSource says it");
+    bis_verify_begin(v, "reading the scene");
+    bis_status status = bis_scene_parse(&desc, path, diag);
+    if (status) return bis_cli_exit_status(status);
+    bis_scene_drop_exceptions(desc, "bis verify", diag);
+    desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+    status = bis_scene_build(&scene, desc, diag);
+    if (!status) status = bis_verify_scene(v, scene, desc, &desc->settings, diag);
+    bis_scene_free(scene);
+    bis_scene_desc_free(desc);
+    return bis_cli_exit_status(status);
+}
+
+/* ---- the command ---- */
+
+static void print_progress(const char *what, void *user)
+{
+    (void)user;
+    fprintf(stderr, "\r%s ...\033[K", what);
+}
+
+static int verify(const void *options, const char *const *operands, bis_diag *diag)
+{
+    const verify_options *o = options;
+    const char *path = operands[0];
+    const bool show = isatty(STDERR_FILENO);
+    bis_verify v = {.seed = o->seed, .progress = show ? print_progress : NULL};
+    int exit_status = is_map(path) ? verify_map(&v, o, path, diag) : verify_scene(&v, o, path, diag);
+
+    if (show) fputs("\r\033[K", stderr);
+    if (exit_status == BIS_EXIT_DONE) {
+        exit_status = bis_cli_exit_status(bis_verify_judge(&v, diag));
+        if (o->json) print_json(&v, path);
+        else print_table(&v);
+        if (v.n_failed) exit_status = BIS_EXIT_FAILED;
+    }
+    bis_verify_clear(&v);
+    return exit_status;
+}
+
+int bis_cmd_verify(int argc, char **argv)
+{
+    static const char *const mappings[] = {"latlong", "angular", NULL};
+    verify_options o = {.seed = 1};
+    const bis_option options[] = {
+        {.help = "what to verify"},
+        {.name = "mapping", .argument = "M", .help = "of a map: latlong (the default) or angular, a light probe; a square map must say which",
+         .kind = BIS_OPTION_NAME, .value = &o.mapping, .names = mappings},
+        {.name = "seed", .argument = "N", .help = "of the random numbers (1)", .kind = BIS_OPTION_COUNT, .value = &o.seed, .hi = 0x1p53},
+        {.help = "what to write"},
+        {.name = "json", .help = "print JSON instead of a table", .kind = BIS_OPTION_FLAG, .value = &o.json},
+    };
+    const bis_command command = {
+        .name = "verify",
+        .usage = "verify [options] SCENE | MAP",
+        .summary = "are samplers, materials and integrators right for this scene, or this map (.hdr, .exr, .pfm)?",
+        .options = options,
+        .n_options = sizeof options / sizeof *options,
+        .min_operands = 1,
+        .max_operands = 1,
+        .notes = "Each test is a number below a limit that rounding explains, or a statistic with\n"
+                 "its p-value. All together reject what is right once in 100 runs: try another\n"
+                 "--seed before you believe a single failure just below its threshold.\n"
+                 "\n"
+                 "Exit status: 0 all passed; 1 a test failed, or a file could not be read, or out\n"
+                 "of memory; 2 bad usage or bad scene.\n",
+    };
+    return bis_cli_run(&command, argc, argv, verify, &o);
+}

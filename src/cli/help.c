@@ -1,0 +1,123 @@
+/* help: `bis help`: the commands and topics, one of them, or the whole as a man page.
+ *
+ * A command's options live in a table on the stack of the command itself, beside the variables that they set. So this
+ * file does not read them, but runs the command with `--help` (or `--help=man`) and nothing else: what is printed here,
+ * there and in the man page cannot differ. */
+#include "help.h"
+
+#include "bis/base/file.h"
+#include "bis/base/status.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { MAX_NAMES = 32 };
+
+const char bis_help_intro[] =
+    "bis renders scenes in a subset of the pbrt format, lit directly by an environment map. It is the reference implementation of the thesis "
+    "\"Bidirectional Importance Sampling for Illumination from Environment Maps\": candidates are drawn where the map or the BRDF is bright, and the "
+    "few that matter in the product of both are traced. Pictures are EXR, PNG, PFM or HDR.";
+
+const bis_subcommand bis_subcommands[] = {
+    {"render", bis_cmd_render, "render a scene; the word \"render\" may be left out"},
+    {"trade", bis_cmd_trade, "error against time, measured for your own scene: what to use?"},
+    {"compare", bis_cmd_compare, "compare two images (EXR, PFM, HDR)"},
+    {"envmap", bis_cmd_envmap, "what is in a map; its levels, regions and importance as pictures"},
+    {"pixel", bis_cmd_pixel, "all about one pixel: every method against the exact integral"},
+    {"verify", bis_cmd_verify, "is it right? samplers, materials, integrators on your own files"},
+    {"help", bis_cmd_help, "this list; the options of a command; a topic; the man page"},
+    {NULL, NULL, NULL},
+};
+
+const bis_subcommand *bis_subcommand_find(const char *name)
+{
+    for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
+        if (strcmp(c->name, name) == 0) return c;
+    }
+    return NULL;
+}
+
+static const bis_topic *find_topic(const char *name)
+{
+    for (const bis_topic *t = bis_topics; t->name; t++) {
+        if (strcmp(t->name, name) == 0) return t;
+    }
+    return NULL;
+}
+
+static int run_help_of(const bis_subcommand *c)
+{
+    static char option[] = "--help";
+    char *arguments[] = {option};
+    return c->run(1, arguments);
+}
+
+static void print_topic(const bis_topic *t)
+{
+    printf("%s: %s\n", t->name, t->summary);
+    bool after_line = false;
+    for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+        const bool is_line = !e->text;
+        if (!e->term || is_line != after_line) putchar('\n');
+        after_line = is_line;
+        if (is_line) printf("    %s\n", e->term);
+        else if (e->term) bis_cli_print_entry(stdout, e->term, e->text);
+        else bis_cli_print_text(stdout, e->text);
+    }
+}
+
+/* The commands and topics, then the options of rendering. */
+static int overview(void)
+{
+    printf("usage: bis [render] [options] SCENE\n");
+    bis_cli_print_text(stdout, bis_help_intro);
+    printf("\ncommands:\n");
+    for (const bis_subcommand *c = bis_subcommands; c->name; c++) printf("  %-11s  %s\n", c->name, c->help);
+    printf("\ntopics:\n");
+    for (const bis_topic *t = bis_topics; t->name; t++) printf("  %-11s  %s\n", t->name, t->summary);
+    printf("\n`bis COMMAND --help` lists a command's options, `bis help TOPIC` explains.\n\n");
+    return run_help_of(&bis_subcommands[0]);
+}
+
+static int unknown(const char *name)
+{
+    const char *names[MAX_NAMES];
+    size_t n = 0;
+
+    for (const bis_subcommand *c = bis_subcommands; c->name && n < MAX_NAMES; c++) names[n++] = c->name;
+    for (const bis_topic *t = bis_topics; t->name && n < MAX_NAMES; t++) names[n++] = t->name;
+    const char *near = bis_nearest_name(name, names, n);
+    fprintf(stderr, "bis: error: no command or topic \"%s\"%s%s%s; `bis help` lists them\n", name, near ? " (did you mean \"" : "",
+            near ? near : "", near ? "\"?)" : "");
+    return BIS_EXIT_USAGE;
+}
+
+int bis_cmd_help(int argc, char **argv)
+{
+    bool man = false;
+    const bis_option options[] = {
+        {.help = "options"},
+        {.name = "man", .help = "print all of it as a page for man(1)", .kind = BIS_OPTION_FLAG, .value = &man},
+    };
+    const bis_command command = {
+        .name = "help",
+        .usage = "help [COMMAND | TOPIC]",
+        .summary = "what the commands and topics are; the options of a command; a topic",
+        .options = options,
+        .n_options = sizeof options / sizeof *options,
+        .max_operands = 1,
+        .notes = "`make install` installs the page: `man bis`. Without: bis help --man | man -l -\n",
+    };
+    const char *operand[1];
+    int n, exit_status;
+
+    if (!bis_cli_parse(&command, argc, argv, operand, &n, &exit_status)) return exit_status;
+    if (man) return bis_man_page();
+    if (n == 0) return overview();
+    const bis_subcommand *c = bis_subcommand_find(operand[0]);
+    if (c) return run_help_of(c);
+    const bis_topic *t = find_topic(operand[0]);
+    if (!t) return unknown(operand[0]);
+    print_topic(t);
+    return bis_cli_finish(BIS_EXIT_DONE);
+}

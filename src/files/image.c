@@ -1,0 +1,153 @@
+/* image: which format, and the rules that hold for all of them.
+ *
+ * Reading goes by a file's first bytes, because names lie; writing by the name's ending, because there is nothing else.
+ * A file is read whole and parsed from memory; whatever is written goes to a temporary file that is renamed at the end,
+ * so that a failure leaves an older file as it was. A format is a row of a table below and a pair of functions in its
+ * own file; a value that a format cannot hold is found before the temporary file is made. */
+#include "bis/files/image.h"
+
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "image_exr.h"
+#include "image_hdr.h"
+#include "image_io.h"
+#include "image_pfm.h"
+#include "image_png.h"
+
+#include <assert.h>
+#include <string.h>
+
+typedef struct image_reader {
+    bool (*is_mine)(const unsigned char *data, size_t size);
+    bis_status (*read)(bis_image *image, const image_input *in);
+} image_reader;
+
+typedef struct image_writer {
+    const char *ending;
+    bis_status (*check)(const bis_picture *picture, const char *path, bis_diag *diag); /* NULL: it holds any value */
+    bis_status (*write)(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
+} image_writer;
+
+static const image_reader readers[] = {
+    {bis_hdr_is_mine, bis_hdr_read},
+    {bis_exr_is_mine, bis_exr_read},
+    {bis_pfm_is_mine, bis_pfm_read},
+};
+
+static const image_writer writers[] = {
+    {".exr", NULL, bis_exr_write},
+    {".pfm", NULL, bis_pfm_write},
+    {".hdr", bis_hdr_check, bis_hdr_write},
+    {".png", NULL, bis_png_write},
+};
+
+#define LENGTH(array) (sizeof(array) / sizeof(array)[0])
+
+bis_status bis_image_init(bis_image *image, int width, int height, bis_diag *diag)
+{
+    const bis_loc nowhere = {0};
+    *image = (bis_image){0};
+    if (width < 1 || height < 1 || width > BIS_IMAGE_MAX_SIDE || height > BIS_IMAGE_MAX_SIDE)
+        return bis_error(diag, BIS_INPUT, nowhere, "an image of %d x %d pixels: a side must be 1 to %d", width, height,
+                         BIS_IMAGE_MAX_SIDE);
+    rgb *pixels = bis_alloc((size_t)width * (size_t)height, sizeof *pixels); /* zero is black */
+    if (!pixels) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %d x %d pixels", width, height);
+    *image = (bis_image){width, height, pixels};
+    return BIS_OK;
+}
+
+void bis_image_clear(bis_image *image)
+{
+    bis_free(image->pixels);
+    *image = (bis_image){0};
+}
+
+static bis_status refuse_unknown(const image_input *in)
+{
+    const unsigned char *d = in->data;
+    if (in->size == 0) return bis_image_refuse(in, BIS_INPUT, "the file is empty");
+    if (in->size < 4) return bis_image_refuse(in, BIS_INPUT, "its %zu bytes are too few for an image", in->size);
+    return bis_image_refuse(in, BIS_INPUT, "it begins with the bytes %02x %02x %02x %02x, must be a Radiance .hdr (#?), "
+                            "OpenEXR (76 2f 31 01) or PFM (PF, Pf)", d[0], d[1], d[2], d[3]);
+}
+
+bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag)
+{
+    unsigned char *data;
+    image_input in = {.path = path, .at = at.file ? at : (bis_loc){path, 0, 0}, .diag = diag};
+
+    *image = (bis_image){0};
+    bis_status status = bis_file_read(&data, &in.size, path, at, diag);
+    if (status) return status;
+    in.data = data;
+    const image_reader *reader = NULL;
+    for (size_t i = 0; i < LENGTH(readers) && !reader; i++)
+        if (readers[i].is_mine(data, in.size)) reader = &readers[i];
+    status = reader ? reader->read(image, &in) : refuse_unknown(&in);
+    bis_free(data);
+    assert(!status == !!image->pixels); /* all of the image or none */
+    return status;
+}
+
+static const image_writer *find_writer(const char *path)
+{
+    char ending[8];
+    bis_path_extension(ending, path);
+    for (size_t i = 0; i < LENGTH(writers); i++)
+        if (!strcmp(ending, writers[i].ending)) return &writers[i];
+    return NULL;
+}
+
+bool bis_image_can_write(const char *path) { return find_writer(path) != NULL; }
+
+bis_status bis_image_write(const char *path, const bis_picture *picture, bis_diag *diag)
+{
+    bis_outfile *out;
+    const image_writer *writer = find_writer(path);
+
+    assert(picture->width >= 1 && picture->height >= 1 && picture->n_channels >= 3);
+    if (!writer)
+        return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0}, "cannot write \"%s\": its ending must be .exr, .pfm, .hdr or "
+                         ".png", path);
+    bis_status status = writer->check ? writer->check(picture, path, diag) : BIS_OK;
+    if (!status) status = bis_outfile_open(&out, path, diag);
+    if (status) return status;
+    status = writer->write(bis_outfile_stream(out), picture, path, diag);
+    if (!status) return bis_outfile_commit(out, diag);
+    bis_outfile_abort(out);
+    return status;
+}
+
+bis_picture bis_image_picture(const bis_image *image, bis_channel channels[3])
+{
+    const float *first = &image->pixels->r;
+
+    channels[0] = (bis_channel){"R", first, 3};
+    channels[1] = (bis_channel){"G", first + 1, 3};
+    channels[2] = (bis_channel){"B", first + 2, 3};
+    return (bis_picture){
+        .width = image->width,
+        .height = image->height,
+        .full_width = image->width,
+        .full_height = image->height,
+        .channels = channels,
+        .n_channels = 3,
+    };
+}
+
+bis_status bis_image_save(const bis_image *image, const char *path, bis_diag *diag)
+{
+    bis_channel channels[3];
+    const bis_picture picture = bis_image_picture(image, channels);
+
+    return bis_image_write(path, &picture, diag);
+}
+
+bis_status bis_image_save_colours(const bis_image *image, const char *path, bis_diag *diag)
+{
+    bis_channel channels[3];
+    bis_picture picture = bis_image_picture(image, channels);
+
+    picture.has_exposure = true;
+    return bis_image_write(path, &picture, diag);
+}

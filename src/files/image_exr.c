@@ -1,0 +1,445 @@
+/* image_exr: read OpenEXR through OpenEXRCore's C interface.
+ *
+ * Which pixels: the first part that is not deep and has R, G, B, or Y (luminance, perhaps with chroma RY, BY), at the
+ * top or in a layer ("diffuse.R"): see choose_channels. A single R, G or B is refused: grey and "the others are 0" are
+ * both in use.
+ * The data window is the whole map (SPEC 1), of tiled files the finest level; half, float and uint become float.
+ *
+ * Bad files: Core checks the header against the file's size; we check, before we allocate, that the window's sides are
+ * sane, that the table of chunks fits into the file, and that the file is not shorter than its compression could ever
+ * make it (best_ratio). The same ratio bounds every chunk before Core allocates what the chunk's header promises.
+ * What Core cannot decode, image_exr_rgba.c does.
+ * Source: the documentation of OpenEXRCore 3.1 and "OpenEXR File Layout", both of the OpenEXR project. */
+#include "image_exr.h"
+
+#include "bis/base/mem.h"
+#include "image_exr_core.h"
+#include "image_exr_rgba.h"
+
+#include <string.h>
+
+/* What hangs on the context as its user data. */
+typedef struct exr_input {
+    const image_input *in;
+    char reason[200];   /* Core's first complaint, which tells the cause; later ones tell what that prevented */
+    exr_result_t cause; /* its code */
+    long n_failures;    /* of allocations, before */
+} exr_input;
+
+/* What to read of a part. */
+typedef struct exr_choice {
+    int part;
+    const char *prefix; /* of the channels' names: none, or a layer's name and a dot; not zero-terminated */
+    int prefix_length;
+    bool colour; /* R, G, B; else Y */
+    bool chroma; /* RY and BY, too */
+    exr_attr_box2i_t window;
+    exr_compression_t compression;
+} exr_choice;
+
+bool bis_exr_is_mine(const unsigned char *data, size_t size)
+{
+    const unsigned char magic[4] = {0x76, 0x2f, 0x31, 0x01};
+    return size >= 4 && !memcmp(data, magic, 4);
+}
+
+/* ---- the file as a stream ---- */
+
+/* As pread: fewer bytes at the end of the file. */
+static int64_t read_bytes(exr_const_context_t context, void *user_data, void *buffer, uint64_t n, uint64_t offset,
+                          exr_stream_error_func_ptr_t complain)
+{
+    const image_input *in = ((const exr_input *)user_data)->in;
+    uint64_t left = offset < in->size ? in->size - offset : 0;
+    (void)context;
+    (void)complain;
+    if (n > left) n = left;
+    memcpy(buffer, in->data + (in->size - left), n);
+    return (int64_t)n;
+}
+
+static int64_t size_of_stream(exr_const_context_t context, void *user_data)
+{
+    (void)context;
+    return (int64_t)((const exr_input *)user_data)->in->size;
+}
+
+static void keep_first(exr_const_context_t context, exr_result_t code, const char *text)
+{
+    void *user_data = NULL;
+    if (!context || exr_get_user_data(context, &user_data) || !user_data) return;
+    exr_input *source = user_data;
+    if (source->reason[0]) return;
+    snprintf(source->reason, sizeof source->reason, "%s", text);
+    source->cause = code;
+}
+
+/* Core's own "out of memory" may mean damaged data (PIZ), and a lack of memory may end in any other code, or none. */
+static bool lacks_memory(const exr_input *source) { return bis_mem_failures() > source->n_failures; }
+
+static bis_status refuse(const exr_input *source, exr_result_t code)
+{
+    bis_status status = lacks_memory(source) ? BIS_NOMEM : BIS_INPUT;
+    if (code == EXR_ERR_OUT_OF_MEMORY && status == BIS_INPUT) code = EXR_ERR_CORRUPT_CHUNK;
+    const char *reason = source->reason[0] ? source->reason : exr_get_default_error_message(code);
+    return bis_image_refuse(source->in, status, "%s", reason);
+}
+
+/* ---- which channels ---- */
+
+static const exr_attr_chlist_entry_t *find_channel(const exr_attr_chlist_t *list, const char *prefix, int n, const char *name)
+{
+    for (int i = 0; i < list->num_channels; i++) {
+        const char *s = list->entries[i].name.str;
+        if (!strncmp(s, prefix, (size_t)n) && !strcmp(s + n, name)) return &list->entries[i];
+    }
+    return NULL;
+}
+
+static bool has_colour(const exr_attr_chlist_t *list, const char *prefix, int n)
+{
+    return find_channel(list, prefix, n, "R") && find_channel(list, prefix, n, "G") && find_channel(list, prefix, n, "B");
+}
+
+static bool has_luminance(const exr_attr_chlist_t *list, const char *prefix, int n)
+{
+    return find_channel(list, prefix, n, "Y") != NULL;
+}
+
+static bool has_chroma(const exr_attr_chlist_t *list, const char *prefix, int n)
+{
+    return find_channel(list, prefix, n, "RY") && find_channel(list, prefix, n, "BY");
+}
+
+/* The first layer of which `has` is true; layers in the order of the file, which sorts them by name. */
+static bool find_layer(exr_choice *c, const exr_attr_chlist_t *list,
+                       bool (*has)(const exr_attr_chlist_t *list, const char *prefix, int n))
+{
+    for (int i = 0; i < list->num_channels; i++) {
+        const char *s = list->entries[i].name.str, *dot = strrchr(s, '.');
+        if (!dot || !has(list, s, (int)(dot + 1 - s))) continue;
+        c->prefix = s;
+        c->prefix_length = (int)(dot + 1 - s);
+        return true;
+    }
+    return false;
+}
+
+/* In this order: R G B; Y; a layer's R G B; a layer's Y. */
+static bool choose_channels(exr_choice *c, const exr_attr_chlist_t *list)
+{
+    c->prefix = "";
+    c->prefix_length = 0;
+    c->colour = has_colour(list, "", 0);
+    if (!c->colour && !has_luminance(list, "", 0)) {
+        c->colour = find_layer(c, list, has_colour);
+        if (!c->colour && !find_layer(c, list, has_luminance)) return false;
+    }
+    c->chroma = !c->colour && has_chroma(list, c->prefix, c->prefix_length);
+    return true;
+}
+
+/* For a message: the channels of all parts, as many as fit. */
+static void list_channels(char *text, size_t room, exr_const_context_t file, int n_parts)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (int part = 0; part < n_parts; part++) {
+        const exr_attr_chlist_t *list;
+        if (exr_get_channels(file, part, &list)) continue;
+        for (int i = 0; i < list->num_channels && used < room; i++)
+            used += (size_t)snprintf(text + used, room - used, "%s\"%s\"", used ? ", " : "", list->entries[i].name.str);
+    }
+}
+
+static bis_status choose_part(exr_choice *c, exr_const_context_t file, const exr_input *source)
+{
+    int n_parts = 0, n_deep = 0;
+    exr_result_t code = exr_get_count(file, &n_parts);
+    if (code) return refuse(source, code);
+
+    for (c->part = 0; c->part < n_parts; c->part++) {
+        exr_storage_t storage;
+        const exr_attr_chlist_t *list;
+        if (exr_get_storage(file, c->part, &storage) || exr_get_channels(file, c->part, &list)) continue;
+        bool deep = storage == EXR_STORAGE_DEEP_SCANLINE || storage == EXR_STORAGE_DEEP_TILED;
+        n_deep += deep;
+        if (!deep && choose_channels(c, list)) break;
+    }
+    if (c->part < n_parts) {
+        if (n_parts > 1) bis_image_remark(source->in, "part %d of %d is read, the others are ignored", c->part + 1, n_parts);
+        if (c->prefix_length)
+            bis_image_remark(source->in, "it has no R, G, B at the top; layer \"%.*s\" is read", c->prefix_length - 1, c->prefix);
+        return BIS_OK;
+    }
+    if (n_deep == n_parts)
+        return bis_image_refuse(source->in, BIS_INPUT, "it holds deep data alone (many samples a pixel); flatten it first");
+    char names[200];
+    list_channels(names, sizeof names, file, n_parts);
+    return bis_image_refuse(source->in, BIS_INPUT, "its channels are %s, must be R, G and B, or Y, perhaps in a layer", names);
+}
+
+/* What the header says about the colours that we do not act upon. */
+static void remark_on_colours(exr_const_context_t file, int part, const image_input *in)
+{
+    const float rec709[8] = {.64f, .33f, .3f, .6f, .15f, .06f, .3127f, .329f};
+    const float half_digit = .0005f; /* of the third digit: some programs write no more */
+    exr_attr_chromaticities_t c;
+    exr_envmap_t shape;
+    const exr_attribute_t *a;
+
+    if (!exr_get_attribute_by_name(file, part, "chromaticities", &a) &&
+        !exr_attr_get_chromaticities(file, part, "chromaticities", &c)) {
+        const float found[8] = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};
+        bool same = true;
+        for (int i = 0; i < 8; i++)
+            same &= fabsf(found[i] - rec709[i]) <= half_digit;
+        if (!same) bis_image_remark(in, "its chromaticities are not those of Rec. 709; the values are taken as they are");
+    }
+    if (!exr_get_attribute_by_name(file, part, "envmap", &a) && !exr_attr_get_envmap(file, part, "envmap", &shape) &&
+        shape == EXR_ENVMAP_CUBE)
+        bis_image_remark(in, "its envmap attribute says that it is a cube map, which we do not unfold");
+}
+
+/* ---- sizes ---- */
+
+/* The most bytes that one byte of a file can stand for. RLE: 128 from 2. Deflate: 1032 (258 from 2 bits), and PXR24
+ * leaves out the fourth byte of a float first. PIZ: a run of 255 halves from 9 bits at least, so 454. B44A: 32 from 3.
+ * DWA: an 8 x 8 block of halves leaves two halves, or its alpha runs of 128, and these go through deflate. */
+static uint64_t best_ratio(exr_compression_t compression)
+{
+    switch (compression) {
+    case EXR_COMPRESSION_NONE: return 1;
+    case EXR_COMPRESSION_RLE: return 64;
+    case EXR_COMPRESSION_ZIPS:
+    case EXR_COMPRESSION_ZIP: return 1032;
+    case EXR_COMPRESSION_PIZ: return 454;
+    case EXR_COMPRESSION_PXR24: return 1376;
+    case EXR_COMPRESSION_B44:
+    case EXR_COMPRESSION_B44A: return 11;
+    default: return 64 * 1032;
+    }
+}
+
+/* At least so many bytes are the channels of a part, uncompressed (rounded down where a channel is subsampled). */
+static uint64_t least_bytes(const exr_attr_chlist_t *list, uint64_t width, uint64_t height)
+{
+    uint64_t sum = 0;
+    for (int i = 0; i < list->num_channels; i++) {
+        const exr_attr_chlist_entry_t *c = &list->entries[i];
+        uint64_t bytes = c->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
+        sum += bytes * (width / (uint64_t)c->x_sampling) * (height / (uint64_t)c->y_sampling);
+    }
+    return sum;
+}
+
+static bis_status check_sampling(const exr_choice *c, const exr_attr_chlist_t *list, const image_input *in)
+{
+    const char *const names[3] = {c->colour ? "R" : "Y", "G", "B"};
+    for (int i = 0; i < (c->colour ? 3 : 1); i++) {
+        const exr_attr_chlist_entry_t *channel = find_channel(list, c->prefix, c->prefix_length, names[i]);
+        if (channel->x_sampling != 1 || channel->y_sampling != 1)
+            return bis_image_refuse(in, BIS_INPUT, "its channel %s has a sampling of %d x %d, must be 1 x 1", channel->name.str,
+                                    channel->x_sampling, channel->y_sampling);
+    }
+    return BIS_OK;
+}
+
+static int32_t int_at(const unsigned char *p)
+{
+    return (int32_t)((uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24);
+}
+
+/* Of a damaged header Core makes up what it did not understand, a data window of 64 x 64 among it, and may not tell. So
+ * the window must stand in the file, in some part's header. */
+static bool says_window(const image_input *in, const exr_attr_box2i_t *w)
+{
+    const char words[] = "dataWindow\0box2i\0\x10\0\0"; /* 16 bytes; the last zero is the string's own */
+    const unsigned char *p = in->data, *end = in->data + in->size;
+
+    while ((p = memmem(p, (size_t)(end - p), words, sizeof words)) != NULL) {
+        p += sizeof words;
+        if (end - p < 16) return false;
+        if (int_at(p) == w->min.x && int_at(p + 4) == w->min.y && int_at(p + 8) == w->max.x && int_at(p + 12) == w->max.y) return true;
+    }
+    return false;
+}
+
+/* Everything that must hold before pixels are allocated; then they are. */
+static bis_status make_image(bis_image *image, exr_choice *c, exr_const_context_t file, const exr_input *source)
+{
+    const exr_attr_chlist_t *list = NULL;
+    int32_t n_chunks = 0;
+    exr_result_t code = exr_get_channels(file, c->part, &list);
+    if (!code) code = exr_get_data_window(file, c->part, &c->window);
+    if (!code) code = exr_get_compression(file, c->part, &c->compression);
+    if (!code) code = exr_get_chunk_count(file, c->part, &n_chunks);
+    if (code) return refuse(source, code);
+    if (!says_window(source->in, &c->window)) return bis_image_refuse(source->in, BIS_INPUT, "its header is damaged");
+
+    long long width = (long long)c->window.max.x - c->window.min.x + 1;
+    long long height = (long long)c->window.max.y - c->window.min.y + 1;
+    bool sane = width >= 1 && height >= 1 && width <= BIS_IMAGE_MAX_SIDE && height <= BIS_IMAGE_MAX_SIDE; /* _make complains */
+    size_t size = source->in->size;
+    bis_status status = check_sampling(c, list, source->in);
+    if (status) return status;
+    if (sane && (n_chunks < 1 || (uint64_t)n_chunks > size / 8))
+        return bis_image_refuse(source->in, BIS_INPUT, "its %d chunks need a table of 8 bytes each, but the file has %zu bytes",
+                                n_chunks, size);
+    if (sane && least_bytes(list, (uint64_t)width, (uint64_t)height) / best_ratio(c->compression) > size)
+        return bis_image_refuse(source->in, BIS_INPUT, "%lld x %lld pixels cannot be in %zu bytes (the file is cut off or "
+                                "damaged)", width, height, size);
+    return bis_image_make(image, source->in, width, height);
+}
+
+/* ---- pixels ---- */
+
+/* A walk over the chunks of a part. */
+typedef struct exr_walk {
+    exr_const_context_t file;
+    const exr_choice *choice;
+    bis_image *image;
+    exr_decode_pipeline_t pipe;
+    bool begun;
+    float *unwanted; /* where a chunk's unwanted channels go, if anywhere */
+} exr_walk;
+
+/* Where in a pixel the channel goes, in bytes; -1: it is not wanted. Luminance goes to r, for now. */
+static int offset_of(const char *name, const exr_choice *c)
+{
+    if (strncmp(name, c->prefix, (size_t)c->prefix_length)) return -1;
+    name += c->prefix_length;
+    if (!c->colour) return strcmp(name, "Y") ? -1 : (int)offsetof(rgb, r);
+    if (!strcmp(name, "R")) return offsetof(rgb, r);
+    if (!strcmp(name, "G")) return offsetof(rgb, g);
+    return strcmp(name, "B") ? -1 : (int)offsetof(rgb, b);
+}
+
+/* Core 3.1.5 has shortcuts for 3 and 4 channels (half to float, say) that write all of them, also those without a place
+ * to go, which ends at address 0. So such a part's unwanted channels get a place. The first chunk is the largest. */
+static exr_result_t make_unwanted(exr_walk *w, const exr_chunk_info_t *chunk)
+{
+    int n_wanted = 0;
+    for (int i = 0; i < w->pipe.channel_count; i++) n_wanted += offset_of(w->pipe.channels[i].channel_name, w->choice) >= 0;
+    if (w->unwanted || w->pipe.channel_count > 4 || n_wanted == w->pipe.channel_count) return EXR_ERR_SUCCESS;
+    w->unwanted = bis_alloc((size_t)chunk->width * (size_t)chunk->height, sizeof *w->unwanted);
+    return w->unwanted ? EXR_ERR_SUCCESS : EXR_ERR_OUT_OF_MEMORY;
+}
+
+/* Decode a chunk whose first pixel is (x, y) of the image. */
+static exr_result_t decode_chunk(exr_walk *w, const exr_chunk_info_t *chunk, int x, int y)
+{
+    const bis_image *image = w->image;
+    const int part = w->choice->part;
+    exr_decode_pipeline_t *pipe = &w->pipe;
+
+    if (chunk->width > image->width - x || chunk->height > image->height - y ||
+        chunk->unpacked_size / best_ratio(w->choice->compression) > chunk->packed_size)
+        return EXR_ERR_CORRUPT_CHUNK;
+    exr_result_t code = w->begun ? exr_decoding_update(w->file, part, chunk, pipe)
+                                 : exr_decoding_initialize(w->file, part, chunk, pipe);
+    if (!code) code = make_unwanted(w, chunk);
+    if (code) return code;
+    for (int i = 0; i < pipe->channel_count; i++) { /* anew for every chunk: _update resets them */
+        exr_coding_channel_info_t *c = &pipe->channels[i];
+        int offset = offset_of(c->channel_name, w->choice);
+        c->user_data_type = EXR_PIXEL_FLOAT;
+        c->user_bytes_per_element = sizeof(float);
+        if (offset < 0) {
+            c->user_pixel_stride = sizeof(float);
+            c->user_line_stride = (int32_t)sizeof(float) * chunk->width;
+            c->decode_to_ptr = (uint8_t *)w->unwanted;
+            continue;
+        }
+        c->user_pixel_stride = sizeof(rgb);
+        c->user_line_stride = (int32_t)sizeof(rgb) * image->width;
+        c->decode_to_ptr = (uint8_t *)(image->pixels + (size_t)y * (size_t)image->width + x) + offset;
+    }
+    if (!w->begun) code = exr_decoding_choose_default_routines(w->file, part, pipe);
+    w->begun = true;
+    return code ? code : exr_decoding_run(w->file, part, pipe);
+}
+
+static exr_result_t decode_scanlines(exr_walk *w)
+{
+    int32_t step = 0;
+    exr_result_t code = exr_get_scanlines_per_chunk(w->file, w->choice->part, &step);
+    for (int y = 0; y < w->image->height && !code; y += step) {
+        exr_chunk_info_t chunk;
+        code = exr_read_scanline_chunk_info(w->file, w->choice->part, w->choice->window.min.y + y, &chunk);
+        if (!code) code = decode_chunk(w, &chunk, 0, y);
+    }
+    return code;
+}
+
+/* The finest level of a tiled part. */
+static exr_result_t decode_tiles(exr_walk *w)
+{
+    int32_t width = 0, height = 0;
+    exr_result_t code = exr_get_tile_sizes(w->file, w->choice->part, 0, 0, &width, &height);
+    if (!code && (width < 1 || height < 1)) code = EXR_ERR_FILE_BAD_HEADER;
+    if (code) return code;
+    const int n_x = (w->image->width - 1) / width + 1, n_y = (w->image->height - 1) / height + 1;
+    for (int i = 0; i < n_x * n_y && !code; i++) {
+        exr_chunk_info_t chunk;
+        code = exr_read_tile_chunk_info(w->file, w->choice->part, i % n_x, i / n_x, 0, 0, &chunk);
+        if (!code) code = decode_chunk(w, &chunk, i % n_x * width, i / n_x * height);
+    }
+    return code;
+}
+
+static exr_result_t decode(bis_image *image, const exr_choice *c, exr_const_context_t file)
+{
+    exr_walk w = {.file = file, .choice = c, .image = image, .pipe = EXR_DECODE_PIPELINE_INITIALIZER};
+    exr_storage_t storage;
+    exr_result_t code = exr_get_storage(file, c->part, &storage);
+    if (!code) code = storage == EXR_STORAGE_TILED ? decode_tiles(&w) : decode_scanlines(&w);
+    exr_decoding_destroy(file, &w.pipe); /* fine on one that was never begun */
+    bis_free(w.unwanted);
+    return code;
+}
+
+static void spread_luminance(bis_image *image)
+{
+    size_t n = (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < n; i++)
+        image->pixels[i].g = image->pixels[i].b = image->pixels[i].r;
+}
+
+static bis_status read_pixels(bis_image *image, const exr_choice *c, exr_const_context_t file, const exr_input *source)
+{
+    exr_result_t code = c->chroma ? EXR_ERR_FEATURE_NOT_IMPLEMENTED : decode(image, c, file);
+    if (code == EXR_ERR_FEATURE_NOT_IMPLEMENTED) {
+        if (c->part == 0 && c->prefix_length == 0)
+            return bis_exr_read_rgba(image, source->in, c->window.min.x, c->window.min.y);
+        return bis_image_refuse(source->in, BIS_INPUT, "%s is only read at the top of a file's first part; save it with ZIP "
+                                "compression as R, G, B", c->chroma ? "luminance with chroma" : "DWA compression");
+    }
+    if (code) return refuse(source, code);
+    if (!c->colour) spread_luminance(image);
+    return BIS_OK;
+}
+
+bis_status bis_exr_read(bis_image *image, const image_input *in)
+{
+    exr_input source = {.in = in, .n_failures = bis_mem_failures()};
+    exr_context_t file = NULL;
+    exr_choice choice = {0};
+    exr_context_initializer_t init = bis_exr_context(&source);
+    init.error_handler_fn = keep_first;
+    init.read_fn = read_bytes;
+    init.size_fn = size_of_stream;
+    init.max_tile_width = init.max_tile_height = BIS_IMAGE_MAX_SIDE;
+
+    exr_result_t code = exr_start_read(&file, in->path, &init);
+    /* Core goes on after either, without the rest of the header. */
+    if (!code && lacks_memory(&source)) code = EXR_ERR_OUT_OF_MEMORY;
+    if (!code && source.cause == EXR_ERR_ATTR_SIZE_MISMATCH) code = source.cause;
+    bis_status status = code ? refuse(&source, code) : choose_part(&choice, file, &source);
+    if (!status) status = make_image(image, &choice, file, &source);
+    if (!status) remark_on_colours(file, choice.part, in);
+    if (!status) status = read_pixels(image, &choice, file, &source);
+    exr_finish(&file);
+    if (status) bis_image_clear(image);
+    return status;
+}

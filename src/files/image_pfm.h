@@ -1,0 +1,15 @@
+/* image_pfm: portable float maps. For src/files/image.c alone. */
+#ifndef BIS_IMAGE_PFM_H
+#define BIS_IMAGE_PFM_H
+
+#include "image_io.h"
+
+#include <stdio.h>
+
+bool bis_pfm_is_mine(const unsigned char *data, size_t size);
+bis_status bis_pfm_read(bis_image *image, const image_input *in);
+
+/* Errors: BIS_NOMEM; the stream keeps those of the disk. */
+bis_status bis_pfm_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
+
+#endif

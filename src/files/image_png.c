@@ -1,0 +1,162 @@
+/* image_png: 8 bit sRGB, to look at, never to measure by. Written by libpng.
+ *
+ * Exposure: radiance times 2^EV, or, when none is given, times 0.18 / L, where L is the log-average of the luminance:
+ * the picture's middle lands on a middle grey (E. Reinhard et al., "Photographic Tone Reproduction for Digital Images",
+ * 2002, eq. 1 and 2; where they add a small delta so that black has a logarithm, we leave black pixels out, so that a
+ * large black background changes nothing). Like a photographer we meter on the subject: with a channel "A", the share
+ * of geometry in a pixel, the mean is weighted by it, else a dark background makes the subject white. There is no tone
+ * curve: what is brighter than white is white. NaN is black.
+ * libpng leaves by longjmp on errors: the one function with setjmp changes no local variable after it, and all that is
+ * to be freed hangs on a struct of its caller. */
+#include "image_png.h"
+
+#include "bis/base/mem.h"
+
+#include <png.h>
+#include <setjmp.h>
+#include <string.h>
+
+static double luminance(const bis_picture *picture, size_t i)
+{
+    const bis_channel *c = picture->channels;
+    return 0.2126 * (double)c[0].data[i * (size_t)c[0].stride] + 0.7152 * (double)c[1].data[i * (size_t)c[1].stride] +
+           0.0722 * (double)c[2].data[i * (size_t)c[2].stride];
+}
+
+/* The share of geometry in pixel i, or 1 where the picture does not tell. */
+static double weight_of(const bis_channel *alpha, size_t i)
+{
+    return alpha ? (double)alpha->data[i * (size_t)alpha->stride] : 1;
+}
+
+/* The channel "A", or NULL where there is none or nothing but background. */
+static const bis_channel *find_alpha(const bis_picture *picture)
+{
+    size_t n = (size_t)picture->width * (size_t)picture->height;
+
+    for (int k = 0; k < picture->n_channels; k++) {
+        const bis_channel *c = &picture->channels[k];
+        if (strcmp(c->name, "A") != 0) continue;
+        for (size_t i = 0; i < n; i++)
+            if (weight_of(c, i) > 0) return c;
+    }
+    return NULL;
+}
+
+/* What radiance is multiplied by. A picture without a finite positive luminance is black at any exposure: 1. */
+static double scale_of(const bis_picture *picture)
+{
+    const double key = 0.18;
+    const bis_channel *alpha = find_alpha(picture);
+    size_t n = (size_t)picture->width * (size_t)picture->height;
+    double sum = 0, weights = 0;
+
+    if (picture->has_exposure) return exp2(picture->exposure);
+    for (size_t i = 0; i < n; i++) {
+        double L = luminance(picture, i), weight = weight_of(alpha, i);
+        if (!(L > 0 && isfinite(L))) continue;
+        sum += weight * log(L);
+        weights += weight;
+    }
+    return weights > 0 ? key / exp(sum / weights) : 1;
+}
+
+/* The sRGB curve (IEC 61966-2-1), rounded to 8 bit. */
+static unsigned char to_srgb(double v)
+{
+    if (!(v > 0)) return 0; /* NaN, too */
+    if (v >= 1) return 255;
+    double s = v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
+    return (unsigned char)(255 * s + 0.5);
+}
+
+static void convert_row(unsigned char *row, const bis_picture *picture, int y, double scale)
+{
+    size_t width = (size_t)picture->width, first = (size_t)y * width;
+    for (size_t x = 0; x < width; x++)
+        for (size_t k = 0; k < 3; k++) {
+            const bis_channel *c = &picture->channels[k];
+            row[3 * x + k] = to_srgb(scale * (double)c->data[(first + x) * (size_t)c->stride]);
+        }
+}
+
+typedef struct png_job {
+    const bis_picture *picture;
+    FILE *stream;
+    unsigned char *row;
+    png_structp png;
+    png_infop info;
+    char reason[80]; /* libpng's, when it gave up */
+    bool out_of_memory;
+} png_job;
+
+static void on_error(png_structp png, png_const_charp text)
+{
+    png_job *job = png_get_error_ptr(png);
+    snprintf(job->reason, sizeof job->reason, "%s", text);
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp text)
+{
+    (void)png;
+    (void)text;
+}
+
+static png_voidp allocate(png_structp png, png_alloc_size_t size)
+{
+    png_job *job = png_get_mem_ptr(png);
+    void *p = bis_alloc(size, 1);
+    if (!p) job->out_of_memory = true;
+    return p;
+}
+
+static void release(png_structp png, png_voidp p)
+{
+    (void)png;
+    bis_free(p);
+}
+
+/* All calls that may longjmp. False: it failed, job->reason says why. */
+static bool write_rows(png_job *job)
+{
+    const bis_picture *picture = job->picture;
+    if (setjmp(png_jmpbuf(job->png))) return false;
+    png_init_io(job->png, job->stream);
+    png_set_IHDR(job->png, job->info, (png_uint_32)picture->width, (png_uint_32)picture->height, 8, PNG_COLOR_TYPE_RGB,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_sRGB_gAMA_and_cHRM(job->png, job->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    png_write_info(job->png, job->info);
+    const double scale = scale_of(picture);
+    for (int y = 0; y < picture->height; y++) {
+        convert_row(job->row, picture, y, scale);
+        png_write_row(job->png, job->row);
+    }
+    png_write_end(job->png, job->info);
+    return true;
+}
+
+bis_status bis_png_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+    bis_loc at = {path, 0, 0};
+    png_job job = {.picture = picture, .stream = stream};
+
+    job.row = bis_alloc((size_t)picture->width, 3);
+    if (job.row)
+        job.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &job, on_error, on_warning, &job, allocate, release);
+    if (job.png) job.info = png_create_info_struct(job.png);
+    if (!job.info) {
+        status = bis_error(diag, BIS_NOMEM, at, "no memory to write \"%s\"", path);
+        goto done;
+    }
+    if (write_rows(&job)) goto done;
+    if (job.out_of_memory)
+        status = bis_error(diag, BIS_NOMEM, at, "no memory to write \"%s\"", path);
+    else
+        status = bis_error(diag, BIS_IO, at, "cannot write \"%s\": %s", path, job.reason);
+done:
+    png_destroy_write_struct(&job.png, &job.info);
+    bis_free(job.row);
+    return status;
+}

@@ -1,0 +1,13 @@
+/* image_png: 8 bit sRGB pictures to look at, written by libpng. For src/files/image.c, and src/tools/trade/trade_strips.c, whose pictures
+ * stand in a page. */
+#ifndef BIS_IMAGE_PNG_H
+#define BIS_IMAGE_PNG_H
+
+#include "bis/files/image.h"
+
+#include <stdio.h>
+
+/* Errors: BIS_NOMEM, BIS_IO. */
+bis_status bis_png_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
+
+#endif

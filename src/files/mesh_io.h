@@ -1,0 +1,32 @@
+/* mesh_io: what the readers of .ply and .obj share. For src/files/ply*.c and src/files/obj.c alone. */
+#ifndef BIS_MESH_IO_H
+#define BIS_MESH_IO_H
+
+#include "bis/shape/geometry.h"
+
+/* A whole file in memory, with one zero byte behind it, and where to complain. */
+typedef struct mesh_input {
+    const unsigned char *data;
+    size_t size;
+    const char *path;
+    bis_loc at; /* the scene line that named the file; file NULL: none */
+    bis_diag *diag;
+} mesh_input;
+
+/* The error "PATH:LINE: error: TEXT", or "SCENE:LINE:COLUMN: error: PATH:LINE: TEXT" for a mesh that a scene names.
+ * line 0: not a line of text. Returns code. */
+bis_status bis_mesh_refuse(const mesh_input *in, int line, bis_status code, const char *fmt, ...) BIS_PRINTF(4, 5);
+
+/* The same as a warning. */
+void bis_mesh_remark(const mesh_input *in, const char *fmt, ...) BIS_PRINTF(2, 3);
+
+/* The line, from 1, in which byte p of the file stands. Lines end with \n, \r or both. O(p): for messages. */
+int bis_mesh_line(const mesh_input *in, const unsigned char *p);
+
+/* Append a triangle; *capacity in triangles. */
+bis_status bis_mesh_add_triangle(bis_mesh *m, size_t *capacity, const uint32_t v[3], const mesh_input *in);
+
+/* Give back what the index array has too much, and warn of an empty mesh. */
+bis_status bis_mesh_finish(bis_mesh *m, size_t capacity, const mesh_input *in);
+
+#endif

@@ -1,0 +1,15 @@
+/* ply: meshes in Greg Turk's polygon file format, as scans come in. For scene.c and tests. */
+#ifndef BIS_PLY_H
+#define BIS_PLY_H
+
+#include "bis/shape/geometry.h"
+
+/* Vertices x y z (and nx ny nz), faces (polygons as fans), tristrips; ascii and both binary orders; anything else in
+ * the file is skipped.
+ * Every index is in range and every coordinate finite on return; a normal that is not is (0,0,0), with a warning. On
+ * failure m is empty.
+ * `at`: the scene line that named the file, or {0}. Errors: BIS_IO, BIS_INPUT (damaged: the message names line or
+ * face), BIS_NOMEM. */
+bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);
+
+#endif

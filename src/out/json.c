@@ -1,0 +1,118 @@
+/* json: a writer that keeps the commas and braces (RFC 8259), so that every --stats and --json is valid whatever a file
+ * is called. */
+#include "json.h"
+
+#include "bis/base/file.h"
+
+#include <assert.h>
+#include <math.h>
+
+/* Length of the well-formed UTF-8 sequence at s, 0 when there is none (RFC 3629: no overlong forms, no surrogates, at
+ * most U+10FFFF). */
+static int utf8_length(const unsigned char *s)
+{
+    if (s[0] < 0x80) return 1;
+    int n = s[0] >= 0xc2 && s[0] <= 0xdf ? 2 : (s[0] & 0xf0) == 0xe0 ? 3 : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
+    for (int i = 1; i < n; i++) {
+        if ((s[i] & 0xc0) != 0x80) return 0;
+    }
+    bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
+    bool beyond = (s[0] == 0xed && s[1] >= 0xa0) || (s[0] == 0xf4 && s[1] >= 0x90);
+    return overlong || beyond ? 0 : n;
+}
+
+static void print_string(FILE *out, const char *text)
+{
+    const unsigned char *s = (const unsigned char *)text;
+
+    fputc('"', out);
+    while (*s) {
+        int n = utf8_length(s);
+        if (n == 0) {
+            fputs("\\ufffd", out);
+            s++;
+        } else if (*s == '"' || *s == '\\') {
+            fprintf(out, "\\%c", *s++);
+        } else if (*s < 0x20 || *s == 0x7f) {
+            fprintf(out, "\\u%04x", *s++);
+        } else {
+            fwrite(s, 1, (size_t)n, out);
+            s += n;
+        }
+    }
+    fputc('"', out);
+}
+
+/* Comma, line break, indentation and key in front of a value. */
+static void print_lead(bis_json *j, const char *key)
+{
+    if (j->depth > 0) {
+        int level = j->depth - 1;
+        assert((key != NULL) == (j->close[level] == '}'));
+        fprintf(j->out, "%s\n%*s", j->any[level] ? "," : "", 2 * j->depth, "");
+        j->any[level] = true;
+    }
+    if (key) {
+        print_string(j->out, key);
+        fputs(": ", j->out);
+    }
+}
+
+void bis_json_open(bis_json *j, const char *key, char kind)
+{
+    assert(j->depth < BIS_JSON_DEPTH && (kind == '{' || kind == '['));
+    print_lead(j, key);
+    fputc(kind, j->out);
+    j->close[j->depth] = kind == '{' ? '}' : ']';
+    j->any[j->depth] = false;
+    j->depth++;
+}
+
+void bis_json_close(bis_json *j)
+{
+    assert(j->depth > 0);
+    j->depth--;
+    if (j->any[j->depth]) fprintf(j->out, "\n%*s", 2 * j->depth, "");
+    fputc(j->close[j->depth], j->out);
+    if (j->depth == 0) fputc('\n', j->out);
+}
+
+void bis_json_number(bis_json *j, const char *key, double v)
+{
+    char text[32];
+
+    if (!isfinite(v)) {
+        bis_json_null(j, key);
+        return;
+    }
+    print_lead(j, key);
+    fputs(bis_format_double(text, v), j->out);
+}
+
+void bis_json_count(bis_json *j, const char *key, uint64_t v)
+{
+    print_lead(j, key);
+    fprintf(j->out, "%llu", (unsigned long long)v);
+}
+
+void bis_json_bool(bis_json *j, const char *key, bool v)
+{
+    print_lead(j, key);
+    fputs(v ? "true" : "false", j->out);
+}
+
+void bis_json_null(bis_json *j, const char *key)
+{
+    print_lead(j, key);
+    fputs("null", j->out);
+}
+
+void bis_json_text(bis_json *j, const char *key, const char *v)
+{
+    if (!v) {
+        bis_json_null(j, key);
+        return;
+    }
+    print_lead(j, key);
+    print_string(j->out, v);
+}

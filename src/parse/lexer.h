@@ -1,0 +1,68 @@
+/* lexer: from the bytes of a scene file to words, quoted strings, numbers and brackets, each with its place. Included
+ * by the parser alone. */
+#ifndef BIS_LEXER_H
+#define BIS_LEXER_H
+
+#include "bis/base/status.h"
+
+#include <sys/types.h>
+
+#define BIS_INCLUDE_DEPTH 64
+
+typedef enum bis_token_kind {
+    BIS_TOKEN_END,    /* of this file; bis_lexer_pop goes back to the file that included it */
+    BIS_TOKEN_WORD,   /* a letter, then letters, digits and underscores */
+    BIS_TOKEN_STRING, /* without its quotes; escapes still in it */
+    BIS_TOKEN_NUMBER, /* finite */
+    BIS_TOKEN_OPEN,   /* [ */
+    BIS_TOKEN_CLOSE,  /* ] */
+    BIS_TOKEN_BAD     /* has been complained about; the lexer stands behind it */
+} bis_token_kind;
+
+typedef struct bis_token {
+    bis_token_kind kind;
+    const char *text; /* text[length], in the file's content: valid until its source is popped */
+    size_t length;
+    double number;
+    bis_loc at; /* columns count characters, not bytes */
+} bis_token;
+
+/* A file being read. */
+typedef struct bis_source {
+    const char *name; /* borrowed */
+    unsigned char *data;
+    const char *next, *end, *line_start;
+    int line;
+    size_t n_continuation; /* bytes of this line, up to next, that do not start a character */
+    dev_t device;          /* what file it is, by whatever name: cycles are seen by this */
+    ino_t inode;
+} bis_source;
+
+/* Zero-initialise with diag set, bis_lexer_clear after. */
+typedef struct bis_lexer {
+    bis_source sources[BIS_INCLUDE_DEPTH + 1];
+    int n_sources;
+    bis_diag *diag; /* may be NULL */
+} bis_lexer;
+
+/* Go on with the file of this name, which must outlive all locs; at: the place that names it. Errors: those of
+ * bis_file_read; BIS_INPUT: a cycle, too deep. */
+bis_status bis_lexer_push(bis_lexer *l, const char *name, bis_loc at);
+
+/* Back to the including file. False: there is none. */
+bool bis_lexer_pop(bis_lexer *l);
+void bis_lexer_clear(bis_lexer *l);
+
+/* The next token of the file on top. */
+bis_token bis_lexer_next(bis_lexer *l);
+
+/* Copy a string token to s, which has room for length + 1 bytes, with escapes resolved; returns its length. */
+size_t bis_token_unescape(char *s, const bis_token *t);
+
+/* The token as a person would name it, in buf: quoted, cut to 40 characters, unprintable bytes as '?'. */
+const char *bis_token_name(char buf[64], const bis_token *t);
+
+/* Text for a message, cut to 100 bytes, unprintable bytes as '?'. */
+const char *bis_printable(char buf[128], const char *text, size_t length);
+
+#endif

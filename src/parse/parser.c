@@ -1,0 +1,329 @@
+/* parser: from a scene file to a bis_scene_desc, SPEC 2.
+ *
+ * A table names every directive with the half of the scene where it may stand and the function that reads it; a second
+ * table names pbrt's directives that bis does not model, so that the answer to them is more than "unknown". After a
+ * mistake the parser goes on with the next directive and reports up to 50 errors in one go; a description is handed out
+ * only when there is none. Nothing here recurses: includes, blocks and instances are explicit stacks with limits. */
+#include "parser.h"
+
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- complaints ---- */
+
+void bis_parser_note(bis_parser *p, bis_status status)
+{
+    if (!status) return;
+    if (!p->status) p->status = status;
+    if (++p->n_errors == BIS_MAX_ERRORS && !p->stop) {
+        bis_error(p->diag, BIS_INPUT, p->token.at, "stopped after %d errors", BIS_MAX_ERRORS);
+        p->stop = true;
+    }
+}
+
+void bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...)
+{
+    char text[1024];
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s", text));
+}
+
+void bis_parser_nomem(bis_parser *p, bis_loc at)
+{
+    p->stop = true;
+    p->lost = true;
+    bis_parser_note(p, bis_error(p->diag, BIS_NOMEM, at, "no memory for the scene's description"));
+}
+
+bool bis_parser_once(bis_parser *p, const char *name)
+{
+    for (size_t i = 0; i < p->n_warned; i++)
+        if (strcmp(p->warned[i], name) == 0) return false;
+    if (p->n_warned < BIS_COUNT(p->warned)) p->warned[p->n_warned++] = name;
+    return true;
+}
+
+const char *bis_parser_hint(char buf[128], const char *nearest)
+{
+    char word[128];
+    buf[0] = '\0';
+    if (nearest) snprintf(buf, 128, " (did you mean \"%.90s\"?)", bis_printable(word, nearest, strlen(nearest)));
+    return buf;
+}
+
+/* ---- tokens and files ---- */
+
+void bis_parser_advance(bis_parser *p)
+{
+    p->token = bis_lexer_next(&p->lexer);
+    if (p->token.kind == BIS_TOKEN_BAD) bis_parser_note(p, BIS_INPUT);
+}
+
+/* What keeps us from reading it, found before an hour is spent on the rest; NULL: nothing. */
+static const char *why_unreadable(const char *path, bis_status *status)
+{
+    struct stat st;
+    *status = BIS_INPUT;
+    if (stat(path, &st)) {
+        if (errno != ENOENT && errno != ENOTDIR) *status = BIS_IO;
+        return strerror(errno);
+    }
+    if (S_ISDIR(st.st_mode)) return "it is a folder";
+    if (!S_ISREG(st.st_mode)) return "it is no regular file";
+    if (access(path, R_OK) == 0) return NULL;
+    *status = BIS_IO;
+    return strerror(errno);
+}
+
+char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
+{
+    char word[128];
+    bis_status status = BIS_INPUT;
+    const char *why = "the name is empty";
+    char *path = bis_path_relative_to(at.file, name);
+
+    if (!path) {
+        bis_parser_nomem(p, at);
+        return NULL;
+    }
+    if (name[0]) why = why_unreadable(path, &status);
+    if (!why) return path;
+    bis_printable(word, path, strlen(path));
+    bis_parser_note(p, bis_error(p->diag, status, at, "cannot read \"%s\": %s", word, why));
+    bis_free(path);
+    return NULL;
+}
+
+/* The name is looked at, not taken: the next token to be taken is the included file's first. */
+static void directive_include(bis_parser *p, bis_loc at)
+{
+    if (!bis_parser_peek_name(p, "Include")) return;
+    if (++p->n_includes > BIS_MAX_INCLUDES) {
+        bis_parser_error(p, at, "more than %d Includes in all", BIS_MAX_INCLUDES);
+        p->stop = true;
+        return;
+    }
+    char *path = bis_parser_path(p, p->name_at, bis_parser_text(p, p->name));
+    const char *name = path ? bis_scene_desc_add_file(p->desc, path) : NULL;
+    if (path && !name) bis_parser_nomem(p, at);
+    bis_status status = name ? bis_lexer_push(&p->lexer, name, p->name_at) : BIS_OK;
+    if (status == BIS_NOMEM) p->stop = true;
+    bis_parser_note(p, status);
+    bis_parser_advance(p);
+}
+
+/* ---- directives ---- */
+
+static void directive_world_begin(bis_parser *p, bis_loc at)
+{
+    if (p->in_world) {
+        bis_parser_error(p, at, "a second WorldBegin: a scene has one world");
+        return;
+    }
+    p->in_world = true;
+    p->now.ctm = bis_xform_identity();
+    bis_parser_name_system(p, "world", &p->now.ctm, at);
+}
+
+static void directive_world_end(bis_parser *p, bis_loc at)
+{
+    (void)at;
+    p->ended = true;
+}
+
+enum { OPTIONS = 1, WORLD = 2, ANYWHERE = 3 };
+
+static const struct directive {
+    const char *name;
+    int where;
+    bis_directive *run;
+} directives[] = {
+    {"Include", ANYWHERE, directive_include},
+    {"LookAt", ANYWHERE, bis_directive_look_at},
+    {"Translate", ANYWHERE, bis_directive_translate},
+    {"Scale", ANYWHERE, bis_directive_scale},
+    {"Rotate", ANYWHERE, bis_directive_rotate},
+    {"Identity", ANYWHERE, bis_directive_identity},
+    {"Transform", ANYWHERE, bis_directive_transform},
+    {"ConcatTransform", ANYWHERE, bis_directive_concat_transform},
+    {"CoordinateSystem", ANYWHERE, bis_directive_coordinate_system},
+    {"CoordSysTransform", ANYWHERE, bis_directive_coord_sys_transform},
+    {"TransformBegin", ANYWHERE, bis_directive_transform_begin},
+    {"TransformEnd", ANYWHERE, bis_directive_transform_end},
+    {"ColorSpace", ANYWHERE, bis_directive_color_space},
+    {"MediumInterface", ANYWHERE, bis_directive_medium_interface},
+    {"Camera", OPTIONS, bis_directive_camera},
+    {"Film", OPTIONS, bis_directive_film},
+    {"PixelFilter", OPTIONS, bis_directive_filter},
+    {"Sampler", OPTIONS, bis_directive_sampler},
+    {"Integrator", OPTIONS, bis_directive_integrator},
+    {"Accelerator", OPTIONS, bis_directive_accelerator},
+    {"Option", OPTIONS, bis_directive_option},
+    {"WorldBegin", ANYWHERE, directive_world_begin},
+    {"WorldEnd", WORLD, directive_world_end},
+    {"AttributeBegin", WORLD, bis_directive_attribute_begin},
+    {"AttributeEnd", WORLD, bis_directive_attribute_end},
+    {"ReverseOrientation", WORLD, bis_directive_reverse_orientation},
+    {"ObjectBegin", WORLD, bis_directive_object_begin},
+    {"ObjectEnd", WORLD, bis_directive_object_end},
+    {"ObjectInstance", WORLD, bis_directive_object_instance},
+    {"LightSource", WORLD, bis_directive_light},
+    {"Material", WORLD, bis_directive_material},
+    {"MakeNamedMaterial", WORLD, bis_directive_make_named_material},
+    {"NamedMaterial", WORLD, bis_directive_named_material},
+    {"Shape", WORLD, bis_directive_shape},
+};
+
+/* pbrt's directives (v1 to v4) that have no meaning here, and the way out. */
+static const struct foreign {
+    const char *name, *instead;
+} foreign[] = {
+    {"Texture", "give colours as rgb values"},
+    {"AreaLightSource", "light comes from LightSource \"infinite\" alone"},
+    {"MakeNamedMedium", "there is no medium but the vacuum"},
+    {"ActiveTransform", "nothing moves"},
+    {"TransformTimes", "nothing moves"},
+    {"Attribute", "give the parameters to each directive"},
+    {"Import", "use Include"},
+    {"SurfaceIntegrator", "use Integrator"},
+    {"VolumeIntegrator", "use Integrator"},
+    {"Renderer", "use Integrator"},
+    {"Volume", "there is no medium but the vacuum"},
+    {"SearchPath", "paths are relative to the file that names them"},
+};
+
+static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
+{
+    char hint[128], word[128];
+    const char *names[BIS_COUNT(directives)];
+
+    for (size_t i = 0; i < BIS_COUNT(foreign); i++) {
+        if (strcmp(name, foreign[i].name) != 0) continue;
+        bis_parser_error(p, at, "%s is a directive of pbrt that bis does not model: %s", name, foreign[i].instead);
+        return;
+    }
+    for (size_t i = 0; i < BIS_COUNT(directives); i++) names[i] = directives[i].name;
+    bis_parser_error(p, at, "unknown directive \"%s\"%s", bis_printable(word, name, strlen(name)),
+                     bis_parser_hint(hint, bis_nearest_name(name, names, BIS_COUNT(directives))));
+}
+
+static void run_directive(bis_parser *p, const char *name, bis_loc at)
+{
+    const struct directive *d = directives, *end = directives + BIS_COUNT(directives);
+    while (d < end && strcmp(d->name, name) != 0) d++;
+
+    bis_parser_advance(p);
+    if (d == end) {
+        unknown_directive(p, name, at);
+        p->lost = true;
+    } else if (p->ended) {
+        bis_parser_error(p, at, "%s after WorldEnd: a scene has one world", name);
+        p->lost = p->stop = true;
+    } else if (d->where & (p->in_world ? WORLD : OPTIONS)) {
+        d->run(p, at);
+    } else {
+        bis_parser_error(p, at, "%s must stand %s WorldBegin", name, d->where == OPTIONS ? "before" : "after");
+        p->lost = true;
+    }
+}
+
+/* A word that is likely a directive's name: after a mistake we go on there. */
+static bool starts_directive(const bis_token *t)
+{
+    return t->kind == BIS_TOKEN_WORD && t->text[0] >= 'A' && t->text[0] <= 'Z' && t->length >= 4;
+}
+
+static void next_directive(bis_parser *p)
+{
+    char name[64], buf[64];
+    const bis_token t = p->token;
+
+    if (t.kind == BIS_TOKEN_END) {
+        if (bis_lexer_pop(&p->lexer)) bis_parser_advance(p);
+        else p->stop = true;
+    } else if (t.kind == BIS_TOKEN_BAD || (p->lost && !starts_directive(&t))) {
+        p->lost = true;
+        bis_parser_advance(p);
+    } else if (t.kind != BIS_TOKEN_WORD) {
+        bis_parser_error(p, t.at, "expected a directive, found %s", bis_token_name(buf, &t));
+        p->lost = true;
+    } else {
+        p->lost = false;
+        snprintf(name, sizeof name, "%.*s", t.length < sizeof name ? (int)t.length : (int)sizeof name - 1, t.text);
+        run_directive(p, name, t.at);
+    }
+}
+
+/* ---- the whole ---- */
+
+static void check_whole(bis_parser *p)
+{
+    bis_parser_check_blocks(p);
+    bis_parser_check_materials(p);
+    if (!p->in_world)
+        bis_parser_error(p, p->token.at, "the scene has no WorldBegin");
+    if (p->status) return;
+    bis_parser_check_integrators(p);
+    if (!p->desc->has_light)
+        bis_warn(p->diag, (bis_loc){p->desc->files[0], 0, 0},
+                 "no light: the scene has no LightSource and will be black");
+}
+
+static void parser_clear(bis_parser *p)
+{
+    bis_lexer_clear(&p->lexer);
+    bis_parser_clear_excepted(p);
+    bis_params_clear(&p->params);
+    bis_names_clear(&p->mesh_names);
+    bis_names_clear(&p->material_names);
+    bis_names_clear(&p->object_names);
+    bis_names_clear(&p->system_names);
+    bis_free(p->blocks);
+    bis_free(p->named);
+    bis_free(p->objects);
+    bis_free(p->object_shapes);
+    bis_free(p->systems);
+}
+
+bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *diag)
+{
+    bis_status status = BIS_NOMEM;
+    bis_scene_desc *desc = bis_scene_desc_new(path);
+    bis_parser *p = bis_alloc(1, sizeof *p); /* 10 kB: the include stack and the parameters' list */
+
+    *out = NULL;
+    if (!desc || !p) {
+        bis_error(diag, BIS_NOMEM, (bis_loc){path, 0, 0}, "no memory for the scene's description");
+        goto done;
+    }
+    p->desc = desc;
+    p->diag = p->lexer.diag = diag;
+    p->now.ctm = bis_xform_identity();
+    status = bis_lexer_push(&p->lexer, desc->files[0], (bis_loc){0});
+    if (status) goto done;
+    bis_parser_advance(p);
+    while (!p->stop) next_directive(p);
+    if (p->n_errors < BIS_MAX_ERRORS && p->status != BIS_NOMEM) {
+        p->stop = false;
+        check_whole(p);
+    }
+    status = p->status;
+    if (status) goto done;
+    *out = desc;
+    desc = NULL;
+done:
+    if (p) parser_clear(p);
+    bis_free(p);
+    bis_scene_desc_free(desc);
+    return status;
+}

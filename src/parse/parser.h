@@ -1,0 +1,270 @@
+/* parser: the state that parser.c, parser_params.c and the files of directives (parser_*.c) share. Nobody else includes
+ * this.
+ *
+ * A directive is a function bis_directive_<name>(p, at). It reads what follows its name from p->token on, and writes
+ * into p->desc. It complains by bis_parser_error and goes on; where the syntax itself is broken it returns at once, and
+ * bis_scene_parse looks for the next directive. */
+#ifndef BIS_PARSER_H
+#define BIS_PARSER_H
+
+#include "bis/scene/scene.h"
+#include "lexer.h"
+#include "base/names.h"
+
+#define BIS_MAX_PARAMS 64
+#define BIS_MAX_ERRORS 50
+#define BIS_MAX_BLOCKS 4096
+#define BIS_MAX_SHAPES (1u << 20) /* after instancing; 0.4 kB each, before any triangle */
+#define BIS_MAX_INCLUDES 100000   /* in all: 64 files that include each other twice would be 2^64 */
+
+/* ---- parameters ---- */
+
+/* pbrt's types. v2 and v3 spellings ("color", "point", "vector") are the same. */
+enum {
+    BIS_TYPE_INTEGER = 1 << 0,
+    BIS_TYPE_FLOAT = 1 << 1,
+    BIS_TYPE_BOOL = 1 << 2,
+    BIS_TYPE_STRING = 1 << 3,
+    BIS_TYPE_RGB = 1 << 4,
+    BIS_TYPE_POINT3 = 1 << 5,
+    BIS_TYPE_VECTOR3 = 1 << 6,
+    BIS_TYPE_NORMAL = 1 << 7,
+    BIS_TYPE_OTHER = 1 << 8 /* pbrt's types of which bis has no parameter: point2, spectrum, texture, ... */
+};
+
+typedef struct bis_param {
+    bis_loc at;            /* of its declaration */
+    unsigned type;         /* BIS_TYPE_* */
+    const char *type_name; /* as we spell it */
+    size_t name;           /* in the parser's text */
+    size_t first, n;       /* in the parser's numbers (bools: 0 or 1) or strings */
+    bool is_strings, used;
+} bis_param;
+
+/* The parameters of one directive. Values of all of them lie in three arrays that the next directive uses again: ten
+ * million vertices cost a few reallocations, and nothing has to be freed one by one. */
+typedef struct bis_params {
+    bis_param list[BIS_MAX_PARAMS];
+    size_t n;
+    double *numbers;
+    size_t n_numbers, capacity_numbers;
+    size_t *strings; /* offsets in text */
+    size_t n_strings, capacity_strings;
+    char *text;
+    size_t n_text, capacity_text;
+    const char *asked[BIS_MAX_PARAMS]; /* the names that the directive knows, for "did you mean" */
+    size_t n_asked;
+} bis_params;
+
+/* ---- state ---- */
+
+typedef enum bis_block_kind { BIS_BLOCK_ATTRIBUTE, BIS_BLOCK_TRANSFORM, BIS_BLOCK_OBJECT } bis_block_kind;
+
+/* What blocks save and restore. */
+typedef struct bis_attributes {
+    bis_xform ctm; /* the current transformation matrix: object to world */
+    uint32_t material;
+} bis_attributes;
+
+typedef struct bis_block {
+    bis_block_kind kind;
+    bis_loc at; /* where it was opened */
+    bis_attributes saved;
+} bis_block;
+
+/* ObjectBegin "name": shapes [first, first + n) of the parser's. */
+typedef struct bis_object {
+    bis_loc at;
+    size_t first, n;
+} bis_object;
+
+/* A named material. pbrt-v4 lets a scene use one before it is made. */
+typedef struct bis_named_material {
+    uint32_t index;     /* in desc->materials */
+    bis_loc made, used; /* line 0: not yet */
+} bis_named_material;
+
+/* Directives of which a scene has one; a second replaces the first with a warning, as pbrt does silently. */
+typedef enum bis_single {
+    BIS_SINGLE_CAMERA,
+    BIS_SINGLE_FILM,
+    BIS_SINGLE_FILTER,
+    BIS_SINGLE_SAMPLER,
+    BIS_SINGLE_INTEGRATOR,
+    BIS_SINGLE_ACCELERATOR,
+    BIS_N_SINGLES
+} bis_single;
+
+typedef struct bis_parser {
+    bis_lexer lexer;
+    bis_token token; /* the next one, not yet taken */
+    bis_scene_desc *desc;
+    bis_diag *diag;
+    bis_status status; /* of the first error */
+    unsigned n_errors, n_includes;
+    bool lost; /* the syntax is broken here: skip to the next directive */
+    bool stop; /* no memory, or too many errors */
+
+    bool in_world, ended;
+    bis_loc seen[BIS_N_SINGLES];
+    bis_attributes now;
+    bis_block *blocks;
+    size_t n_blocks, capacity_blocks;
+    bool in_object;
+    size_t object_block; /* where the object's block stands in blocks */
+
+    bis_params params;
+    size_t name; /* the string that follows a directive ("perspective"), in params.text */
+    bis_loc name_at;
+
+    bis_names mesh_names, material_names, object_names, system_names;
+    bis_named_material *named; /* by the value of material_names */
+    size_t n_named, capacity_named;
+    bis_object *objects;
+    size_t n_objects, capacity_objects;
+    bis_shape_desc *object_shapes;
+    size_t n_object_shapes, capacity_object_shapes;
+    bis_xform *systems;
+    size_t n_systems, capacity_systems;
+
+    struct {
+        uint32_t *numbers;
+        size_t n;
+    } excepted[BIS_MAX_EXCEPTIONS]; /* by desc->exceptions: the materials, as they were written */
+
+    const char *warned[BIS_MAX_PARAMS]; /* names that have had their one warning */
+    size_t n_warned;
+} bis_parser;
+
+/* ---- parser.c ---- */
+
+/* Complain of the input; pieces of it are cut to a readable length by the caller, and the whole to 1 kB. */
+void bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
+
+/* Count an error that another module has complained of; BIS_OK is fine. */
+void bis_parser_note(bis_parser *p, bis_status status);
+void bis_parser_nomem(bis_parser *p, bis_loc at);
+void bis_parser_advance(bis_parser *p);
+
+/* True the first time for this name (a string constant or one that lives as long). */
+bool bis_parser_once(bis_parser *p, const char *name);
+
+/* ` (did you mean "X"?)` or "", in buf. */
+const char *bis_parser_hint(char buf[128], const char *nearest);
+
+/* The resolved path of a file that a scene names at `at`, or NULL after a complaint: it must exist. Owned by the
+ * caller. */
+char *bis_parser_path(bis_parser *p, bis_loc at, const char *name);
+
+/* ---- parser_params.c ---- */
+
+/* Forget the last directive's text and numbers. */
+void bis_params_start(bis_parser *p);
+
+/* Take the string that names what a directive is about; False: complained, p->lost. Starts afresh. */
+bool bis_parser_name(bis_parser *p, const char *directive);
+bool bis_parser_peek_name(bis_parser *p, const char *directive); /* the string stays the next token */
+const char *bis_parser_text(const bis_parser *p, size_t offset);
+
+/* Read "type name" value ... up to the next directive. False: complained, p->lost. */
+bool bis_params_read(bis_parser *p);
+void bis_params_clear(bis_params *ps);
+bis_param *bis_params_find(bis_parser *p, const char *name); /* NULL: not given */
+
+/* "rgb or float": the types of a mask. */
+const char *bis_param_type_names(char buf[64], unsigned mask);
+
+/* ---- parser_ask.c ---- */
+
+/* [lo, hi], without its ends where they are open; HUGE_VAL: no such end. */
+typedef struct bis_interval {
+    double lo, hi;
+    bool lo_open, hi_open;
+} bis_interval;
+
+/* Does it lie in range? Else complain and say so. */
+bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double value, bis_interval range);
+
+/* Each asks for one parameter: true and *value where it is there and right; false where it is absent, or after a
+ * complaint. *value is then untouched. */
+const bis_param *bis_params_take(bis_parser *p, const char *name, unsigned types, size_t count);
+bool bis_params_float(bis_parser *p, const char *name, double *value, bis_interval range);
+bool bis_params_floats(bis_parser *p, const char *name, double *values, size_t n, bis_interval range);
+bool bis_params_integer(bis_parser *p, const char *name, uint64_t *value, uint64_t lo, uint64_t hi);
+bool bis_params_uint32(bis_parser *p, const char *name, uint32_t *value, uint32_t lo, uint32_t hi);
+bool bis_params_bool(bis_parser *p, const char *name, bool *value);
+bool bis_params_string(bis_parser *p, const char *name, const char **value);
+bool bis_params_rgb(bis_parser *p, const char *name, rgb *value, bis_interval range, bool or_float);
+
+/* A string that is one of choices[n]; *value: its index. */
+bool bis_params_choice(bis_parser *p, const char *name, int *value, const char *const *choices, size_t n);
+
+bool bis_params_has(bis_parser *p, const char *name);
+bis_loc bis_params_at(bis_parser *p, const char *name);
+
+/* Parameters of pbrt's that do not matter: without a word, or with a warning the first time. names[n]. */
+void bis_params_skip(bis_parser *p, const char *const *names, size_t n);
+void bis_params_ignore(bis_parser *p, const char *const *names, size_t n);
+
+/* Complain of all that nobody asked for. what: `Camera "perspective"`. */
+void bis_params_end(bis_parser *p, const char *directive, const char *what);
+
+/* What a directive's name stands for. */
+enum { BIS_REPLACED = -1, BIS_FOREIGN = -2 };
+typedef struct bis_choice {
+    const char *name;
+    int value; /* >= 0: ours; BIS_REPLACED: pbrt's, replaced by what the caller says; BIS_FOREIGN: pbrt's, an error */
+} bis_choice;
+
+/* Look up the name that bis_parser_name has read. NULL: complained. */
+const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const char *name, bis_loc at,
+                                    const bis_choice *choices, size_t n);
+
+/* Warn of a directive given again. */
+void bis_parser_single(bis_parser *p, bis_single which, const char *directive, bis_loc at);
+
+/* ---- the directives, by file ---- */
+typedef void bis_directive(bis_parser *p, bis_loc at);
+
+/* parser_transform.c */
+bis_directive bis_directive_identity, bis_directive_translate, bis_directive_scale, bis_directive_rotate,
+    bis_directive_look_at, bis_directive_transform, bis_directive_concat_transform, bis_directive_coordinate_system,
+    bis_directive_coord_sys_transform;
+
+/* Are the matrix and its inverse finite? */
+bool bis_parser_is_usable(const bis_xform *t);
+bool bis_parser_name_system(bis_parser *p, const char *name, const bis_xform *t, bis_loc at);
+
+/* parser_options.c: what stands before WorldBegin */
+bis_directive bis_directive_camera, bis_directive_film, bis_directive_filter, bis_directive_accelerator,
+    bis_directive_option, bis_directive_color_space, bis_directive_medium_interface;
+
+/* parser_integrator.c */
+bis_directive bis_directive_integrator, bis_directive_sampler;
+void bis_parser_check_integrators(bis_parser *p); /* the scene is read, without an error */
+void bis_parser_clear_excepted(bis_parser *p);
+
+/* parser_blocks.c */
+bis_directive bis_directive_attribute_begin, bis_directive_attribute_end, bis_directive_transform_begin,
+    bis_directive_transform_end, bis_directive_object_begin, bis_directive_object_end, bis_directive_object_instance,
+    bis_directive_reverse_orientation;
+void bis_parser_check_blocks(bis_parser *p);
+
+/* parser_world.c */
+bis_directive bis_directive_light, bis_directive_material, bis_directive_make_named_material,
+    bis_directive_named_material;
+void bis_parser_check_materials(bis_parser *p);
+
+/* parser_shapes.c */
+bis_directive bis_directive_shape;
+
+/* scene_desc.c: what a scene is when its file says nothing. NULL: no memory. */
+bis_scene_desc *bis_scene_desc_new(const char *path);
+bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape);
+
+/* Takes over the file's name; returns it, or NULL (then freed). */
+const char *bis_scene_desc_add_file(bis_scene_desc *d, char *name);
+
+#define BIS_COUNT(array) (sizeof(array) / sizeof *(array))
+
+#endif

@@ -1,0 +1,216 @@
+/* parser_ask: what a directive wants to know of its parameters.
+ *
+ * A directive asks for each parameter that it knows by name and type, with the range that the value must lie in;
+ * bis_params_end then complains of those that nobody asked for, and knows from the questions which names could have
+ * been meant. A value outside its range leaves the default in place and one complaint behind, so that a directive can
+ * look at all of its parameters. */
+#include "bis/base/file.h"
+#include "parser.h"
+
+#include <stdio.h>
+#include <string.h>
+
+bool bis_params_has(bis_parser *p, const char *name) { return bis_params_find(p, name) != NULL; }
+
+bis_loc bis_params_at(bis_parser *p, const char *name)
+{
+    const bis_param *param = bis_params_find(p, name);
+    return param ? param->at : p->name_at;
+}
+
+const bis_param *bis_params_take(bis_parser *p, const char *name, unsigned wanted, size_t count)
+{
+    char buf[64];
+    bis_params *ps = &p->params;
+    if (ps->n_asked < BIS_MAX_PARAMS) ps->asked[ps->n_asked++] = name;
+    bis_param *param = bis_params_find(p, name);
+    if (!param) return NULL;
+    param->used = true;
+    if (!param->type) return NULL; /* complained of already */
+    if (!(param->type & wanted)) {
+        bis_parser_error(p, param->at, "\"%s\" is of type %s, must be %s", name, param->type_name,
+                         bis_param_type_names(buf, wanted));
+        return NULL;
+    }
+    if (param->type == BIS_TYPE_RGB && wanted & BIS_TYPE_FLOAT) count = 3; /* rgb where a float would do, too */
+    if (count ? param->n == count : param->n > 0) return param;
+    if (count)
+        bis_parser_error(p, param->at, "\"%s\" has %zu value%s, must have %zu", name, param->n,
+                         param->n == 1 ? "" : "s", count);
+    else
+        bis_parser_error(p, param->at, "\"%s\" has no value", name);
+    return NULL;
+}
+
+bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double value, bis_interval r)
+{
+    char v[32], lo[32], hi[32], rule[80];
+    bool ok = (r.lo_open ? value > r.lo : value >= r.lo) && (r.hi_open ? value < r.hi : value <= r.hi);
+    if (ok) return true;
+    bis_format_double(lo, r.lo);
+    bis_format_double(hi, r.hi);
+    if (isinf(r.hi)) snprintf(rule, sizeof rule, "%s %s", r.lo_open ? ">" : ">=", lo);
+    else snprintf(rule, sizeof rule, "in %c%s, %s%c", r.lo_open ? '(' : '[', lo, hi, r.hi_open ? ')' : ']');
+    bis_parser_error(p, at, "\"%s\" is %s, must be %s", name, bis_format_double(v, value), rule);
+    return false;
+}
+
+bool bis_params_floats(bis_parser *p, const char *name, double *values, size_t n, bis_interval range)
+{
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_FLOAT, n);
+    if (!param) return false;
+    const double *numbers = p->params.numbers + param->first;
+    for (size_t i = 0; i < n; i++)
+        if (!bis_parser_in_range(p, param->at, name, numbers[i], range)) return false;
+    memcpy(values, numbers, n * sizeof *values);
+    return true;
+}
+
+bool bis_params_float(bis_parser *p, const char *name, double *value, bis_interval range)
+{
+    return bis_params_floats(p, name, value, 1, range);
+}
+
+bool bis_params_integer(bis_parser *p, const char *name, uint64_t *value, uint64_t lo, uint64_t hi)
+{
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_INTEGER, 1);
+    if (!param) return false;
+    const double v = p->params.numbers[param->first];
+    char buf[32];
+    if (v != floor(v)) {
+        bis_parser_error(p, param->at, "\"%s\" is %s, must be a whole number", name, bis_format_double(buf, v));
+        return false;
+    }
+    if (!bis_parser_in_range(p, param->at, name, v, (bis_interval){(double)lo, (double)hi, false, false})) return false;
+    *value = (uint64_t)v;
+    return true;
+}
+
+bool bis_params_uint32(bis_parser *p, const char *name, uint32_t *value, uint32_t lo, uint32_t hi)
+{
+    uint64_t wide;
+    if (!bis_params_integer(p, name, &wide, lo, hi)) return false;
+    *value = (uint32_t)wide;
+    return true;
+}
+
+bool bis_params_bool(bis_parser *p, const char *name, bool *value)
+{
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_BOOL, 1);
+    if (param) *value = p->params.numbers[param->first] > 0;
+    return param != NULL;
+}
+
+bool bis_params_string(bis_parser *p, const char *name, const char **value)
+{
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_STRING, 1);
+    if (param) *value = bis_parser_text(p, p->params.strings[param->first]);
+    return param != NULL;
+}
+
+bool bis_params_rgb(bis_parser *p, const char *name, rgb *value, bis_interval range, bool or_float)
+{
+    const bis_param *param = or_float ? bis_params_take(p, name, BIS_TYPE_RGB | BIS_TYPE_FLOAT, 1)
+                                      : bis_params_take(p, name, BIS_TYPE_RGB, 3);
+    if (!param) return false;
+    const double *v = p->params.numbers + param->first;
+    const bool grey = param->type == BIS_TYPE_FLOAT;
+    for (size_t i = 0; i < (grey ? 1 : 3); i++)
+        if (!bis_parser_in_range(p, param->at, name, v[i], range)) return false;
+    *value = grey ? rgb_from(v[0], v[0], v[0]) : rgb_from(v[0], v[1], v[2]);
+    return true;
+}
+
+bool bis_params_choice(bis_parser *p, const char *name, int *value, const char *const *choices, size_t n)
+{
+    char list[128] = "", word[128], hint[128];
+    const char *chosen;
+    if (!bis_params_string(p, name, &chosen)) return false;
+    for (size_t i = 0, length = 0; i < n; i++) {
+        if (strcmp(chosen, choices[i]) == 0) {
+            *value = (int)i;
+            return true;
+        }
+        const char *between = i == 0 ? "" : i + 1 < n ? ", " : " or ";
+        length += (size_t)snprintf(list + length, sizeof list - length, "%s\"%s\"", between, choices[i]);
+    }
+    bis_parser_hint(hint, bis_nearest_name(chosen, choices, n));
+    bis_parser_error(p, bis_params_at(p, name), "\"%s\" is \"%s\", must be %s%s", name,
+                     bis_printable(word, chosen, strlen(chosen)), list, hint);
+    return false;
+}
+
+void bis_params_skip(bis_parser *p, const char *const *names, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        bis_param *param = bis_params_find(p, names[i]);
+        if (param) param->used = true;
+    }
+}
+
+void bis_params_ignore(bis_parser *p, const char *const *names, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        bis_param *param = bis_params_find(p, names[i]);
+        if (!param) continue;
+        param->used = true;
+        if (bis_parser_once(p, names[i])) bis_warn(p->diag, param->at, "\"%s\" is ignored", names[i]);
+    }
+}
+
+void bis_params_end(bis_parser *p, const char *directive, const char *what)
+{
+    const bis_params *ps = &p->params;
+    char hint[128];
+    for (size_t i = 0; i < ps->n; i++) {
+        if (ps->list[i].used) continue;
+        const char *name = bis_parser_text(p, ps->list[i].name);
+        bis_parser_hint(hint, bis_nearest_name(name, ps->asked, ps->n_asked));
+        if (what)
+            bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s \"%s\"%s", name, directive, what, hint);
+        else
+            bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s%s", name, directive, hint);
+    }
+}
+
+/* ---- names of things ---- */
+
+/* `"a", "b"`: those that are ours. */
+static const char *our_names(char buf[256], const bis_choice *choices, size_t n)
+{
+    size_t length = 0;
+    buf[0] = '\0';
+    for (size_t i = 0; i < n && length < 200; i++)
+        if (choices[i].value >= 0)
+            length += (size_t)snprintf(buf + length, 256 - length, "%s\"%s\"", length ? ", " : "", choices[i].name);
+    return buf;
+}
+
+const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const char *name, bis_loc at,
+                                    const bis_choice *choices, size_t n)
+{
+    const char *names[BIS_MAX_PARAMS] = {NULL};
+    char list[256], word[128], hint[128];
+    size_t n_names = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        if (strcmp(name, choices[i].name) == 0) {
+            if (choices[i].value != BIS_FOREIGN) return &choices[i];
+            bis_parser_error(p, at, "%s \"%s\" is pbrt's and not modelled; bis has %s", directive, name,
+                             our_names(list, choices, n));
+            return NULL;
+        }
+        if (choices[i].value != BIS_FOREIGN && n_names < BIS_MAX_PARAMS) names[n_names++] = choices[i].name;
+    }
+    bis_parser_error(p, at, "unknown %s \"%s\"%s", directive, bis_printable(word, name, strlen(name)),
+                     bis_parser_hint(hint, bis_nearest_name(name, names, n_names)));
+    return NULL;
+}
+
+void bis_parser_single(bis_parser *p, bis_single which, const char *directive, bis_loc at)
+{
+    const bis_loc first = p->seen[which];
+    if (first.line)
+        bis_warn(p->diag, at, "%s is given again and replaces that of %s:%d", directive, first.file, first.line);
+    p->seen[which] = at;
+}

@@ -1,0 +1,141 @@
+/* parser_blocks: AttributeBegin/End, TransformBegin/End, ObjectBegin/End on one explicit stack, and instances.
+ *
+ * The shapes between ObjectBegin and ObjectEnd are kept aside with their transformation to the world as it was there;
+ * an instance adds each of them again under CTM * theirs (pbrt's rule). Meshes are shared, see bis_mesh_desc. */
+#include "base/grow.h"
+#include "parser.h"
+
+#include <string.h>
+
+static const char *const begin_names[] = {"AttributeBegin", "TransformBegin", "ObjectBegin"};
+static const char *const end_names[] = {"AttributeEnd", "TransformEnd", "ObjectEnd"};
+
+static bool open_block(bis_parser *p, bis_block_kind kind, bis_loc at)
+{
+    if (p->n_blocks == BIS_MAX_BLOCKS) {
+        bis_parser_error(p, at, "blocks nest deeper than %d", BIS_MAX_BLOCKS);
+        p->stop = true;
+        return false;
+    }
+    bis_block *blocks = bis_grow(p->blocks, &p->capacity_blocks, p->n_blocks + 1, sizeof *blocks);
+    if (!blocks) {
+        bis_parser_nomem(p, at);
+        return false;
+    }
+    p->blocks = blocks;
+    p->blocks[p->n_blocks++] = (bis_block){kind, at, p->now};
+    return true;
+}
+
+/* Close the block on top, whatever it is: after a wrong End the rest of the file makes most sense that way. */
+static void close_block(bis_parser *p, bis_block_kind kind, bis_loc at)
+{
+    if (!p->n_blocks) {
+        bis_parser_error(p, at, "%s without %s", end_names[kind], begin_names[kind]);
+        return;
+    }
+    const bis_block *top = &p->blocks[--p->n_blocks];
+    if (top->kind != kind)
+        bis_parser_error(p, at, "%s where %s is due: it would close the %s of %s:%d", end_names[kind],
+                         end_names[top->kind], begin_names[top->kind], top->at.file, top->at.line);
+    const uint32_t material = top->kind == BIS_BLOCK_TRANSFORM ? p->now.material : top->saved.material;
+    p->now = top->saved;
+    p->now.material = material;
+    if (p->in_object && p->n_blocks == p->object_block) {
+        bis_object *object = &p->objects[p->n_objects - 1];
+        object->n = p->n_object_shapes - object->first;
+        p->in_object = false;
+    }
+}
+
+void bis_directive_attribute_begin(bis_parser *p, bis_loc at) { open_block(p, BIS_BLOCK_ATTRIBUTE, at); }
+void bis_directive_attribute_end(bis_parser *p, bis_loc at) { close_block(p, BIS_BLOCK_ATTRIBUTE, at); }
+void bis_directive_transform_begin(bis_parser *p, bis_loc at) { open_block(p, BIS_BLOCK_TRANSFORM, at); }
+void bis_directive_transform_end(bis_parser *p, bis_loc at) { close_block(p, BIS_BLOCK_TRANSFORM, at); }
+
+/* Both sides of a surface are lit, so that its orientation changes nothing. */
+void bis_directive_reverse_orientation(bis_parser *p, bis_loc at)
+{
+    (void)p;
+    (void)at;
+}
+
+static void complain_redefined(bis_parser *p, const char *name, bis_loc first)
+{
+    char word[128];
+    bis_parser_error(p, p->name_at, "object \"%s\" is defined already, in %s:%d",
+                     bis_printable(word, name, strlen(name)), first.file, first.line);
+}
+
+void bis_directive_object_begin(bis_parser *p, bis_loc at)
+{
+    uint32_t before;
+    if (!bis_parser_name(p, "ObjectBegin")) return;
+    if (p->in_object) {
+        bis_parser_error(p, at, "ObjectBegin inside ObjectBegin: objects do not nest");
+        open_block(p, BIS_BLOCK_OBJECT, at); /* so that its ObjectEnd has a block to close */
+        return;
+    }
+    const char *name = bis_parser_text(p, p->name);
+    bis_object *objects = bis_grow(p->objects, &p->capacity_objects, p->n_objects + 1, sizeof *objects);
+    if (objects) p->objects = objects;
+    const bool known = bis_names_find(&p->object_names, name, &before);
+    if (known) complain_redefined(p, name, p->objects[before].at);
+    if (!objects || (!known && !bis_names_set(&p->object_names, name, (uint32_t)p->n_objects))) {
+        bis_parser_nomem(p, at);
+        return;
+    }
+    p->objects[p->n_objects++] = (bis_object){p->name_at, p->n_object_shapes, 0};
+    p->object_block = p->n_blocks;
+    p->in_object = open_block(p, BIS_BLOCK_OBJECT, at);
+}
+
+void bis_directive_object_end(bis_parser *p, bis_loc at) { close_block(p, BIS_BLOCK_OBJECT, at); }
+
+static void add_instance(bis_parser *p, const bis_object *object, bis_loc at)
+{
+    if (object->n > BIS_MAX_SHAPES - p->desc->n_shapes) {
+        bis_parser_error(p, at, "more than %u shapes, instances included", BIS_MAX_SHAPES);
+        p->stop = true;
+        return;
+    }
+    for (size_t i = 0; i < object->n; i++) {
+        bis_shape_desc shape = p->object_shapes[object->first + i];
+        shape.to_world = bis_xform_compose(&p->now.ctm, &shape.to_world);
+        if (!bis_parser_is_usable(&shape.to_world)) {
+            bis_parser_error(p, at, "ObjectInstance makes the transformation singular or infinite");
+            return;
+        }
+        if (!bis_scene_desc_add_shape(p->desc, &shape)) {
+            bis_parser_nomem(p, at);
+            return;
+        }
+    }
+}
+
+void bis_directive_object_instance(bis_parser *p, bis_loc at)
+{
+    char word[128], hint[128];
+    uint32_t i;
+    if (!bis_parser_name(p, "ObjectInstance")) return;
+    const char *name = bis_parser_text(p, p->name);
+    if (p->in_object) {
+        bis_parser_error(p, at, "ObjectInstance inside ObjectBegin: objects do not nest");
+        return;
+    }
+    if (bis_names_find(&p->object_names, name, &i)) {
+        add_instance(p, &p->objects[i], at);
+        return;
+    }
+    bis_parser_error(p, p->name_at, "object \"%s\" is not defined%s", bis_printable(word, name, strlen(name)),
+                     bis_parser_hint(hint, bis_names_nearest(&p->object_names, name)));
+}
+
+void bis_parser_check_blocks(bis_parser *p)
+{
+    for (size_t i = p->n_blocks; i-- > 0;) {
+        const bis_block *b = &p->blocks[i];
+        bis_parser_error(p, b->at, "%s has no %s", begin_names[b->kind], end_names[b->kind]);
+        if (p->stop) return;
+    }
+}

@@ -1,0 +1,248 @@
+/* parser_options: what stands before WorldBegin: Camera, Film, PixelFilter, Accelerator, Option, and the two directives
+ * that pbrt needs and bis only has to understand, ColorSpace and MediumInterface.
+ *
+ * A directive that is given again starts from the defaults, as in pbrt. */
+#include "bis/base/file.h"
+#include "bis/files/image.h"
+#include "bis/base/mem.h"
+#include "parser.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};
+
+/* ---- Camera ---- */
+
+static void camera_screen(bis_parser *p, bis_camera *c)
+{
+    double s[4];
+    bis_params_float(p, "frameaspectratio", &c->frame_aspect, (bis_interval){0, HUGE_VAL, true, false});
+    if (!bis_params_floats(p, "screenwindow", s, 4, any)) return;
+    if (s[0] == s[1] || s[2] == s[3]) {
+        bis_parser_error(p, bis_params_at(p, "screenwindow"),
+                         "\"screenwindow\" is empty: it wants x0 x1 y0 y1 with x0 != x1, y0 != y1");
+        return;
+    }
+    memcpy(c->screen, s, sizeof s);
+    c->has_screen = true;
+}
+
+/* A pinhole is a lens of radius 0; anything wider is pbrt's thin lens. The distance that a pinhole is focused at means
+ * nothing. */
+static void camera_lens(bis_parser *p)
+{
+    static const char *const focus[] = {"focaldistance"};
+    static const char *const shutter[] = {"shutteropen", "shutterclose"};
+    double radius = 0;
+    if (bis_params_float(p, "lensradius", &radius, any) && radius != 0)
+        bis_parser_error(p, bis_params_at(p, "lensradius"), "a thin lens is not modelled: \"lensradius\" must be 0");
+    bis_params_skip(p, focus, BIS_COUNT(focus));
+    bis_params_ignore(p, shutter, BIS_COUNT(shutter));
+}
+
+void bis_directive_camera(bis_parser *p, bis_loc at)
+{
+    enum { PERSPECTIVE, ORTHOGRAPHIC };
+    static const bis_choice cameras[] = {
+        {"perspective", PERSPECTIVE}, {"orthographic", ORTHOGRAPHIC}, {"environment", BIS_FOREIGN},
+        {"spherical", BIS_FOREIGN},   {"realistic", BIS_FOREIGN},
+    };
+    if (!bis_parser_name(p, "Camera") || !bis_params_read(p)) return;
+    const bis_choice *chosen =
+        bis_parser_choose(p, "Camera", bis_parser_text(p, p->name), p->name_at, cameras, BIS_COUNT(cameras));
+    if (!chosen) return;
+    bis_parser_single(p, BIS_SINGLE_CAMERA, "Camera", at);
+
+    bis_camera c = {.orthographic = chosen->value == ORTHOGRAPHIC, .fov_deg = 90,
+                    .to_world = bis_xform_inverse(&p->now.ctm)};
+    if (!c.orthographic) bis_params_float(p, "fov", &c.fov_deg, (bis_interval){0, 180, true, true});
+    camera_screen(p, &c);
+    camera_lens(p);
+    bis_params_end(p, "Camera", chosen->name);
+    p->desc->camera = c;
+    bis_parser_name_system(p, "camera", &c.to_world, at);
+}
+
+/* ---- Film ---- */
+
+static void film_crop(bis_parser *p, bis_film_desc *film)
+{
+    double c[4];
+    if (!bis_params_floats(p, "cropwindow", c, 4, (bis_interval){0, 1, false, false})) return;
+    if (c[0] < c[1] && c[2] < c[3]) {
+        memcpy(film->crop, c, sizeof c);
+        return;
+    }
+    bis_parser_error(p, bis_params_at(p, "cropwindow"),
+                     "\"cropwindow\" is empty: it wants x0 x1 y0 y1 with x0 < x1, y0 < y1");
+}
+
+/* One name, or several, of what the picture shall carry beside its colours. */
+static void film_layers(bis_parser *p, bis_film_desc *film)
+{
+    const bis_param *param = bis_params_take(p, "layers", BIS_TYPE_STRING, 0);
+    char word[128], hint[128];
+    for (size_t i = 0; param && i < param->n; i++) {
+        const char *name = bis_parser_text(p, p->params.strings[param->first + i]);
+        if (bis_layers_include(&film->layers, name)) continue;
+        bis_parser_error(p, param->at, "\"layers\" is \"%s\": there is no such layer%s", bis_printable(word, name, strlen(name)),
+                         bis_parser_hint(hint, bis_layer_nearest(name)));
+    }
+}
+
+/* Replace the text that *to owns. */
+static void set_text(bis_parser *p, char **to, const char *s, bis_loc at)
+{
+    char *copy = bis_strdup(s);
+    if (!copy) {
+        bis_parser_nomem(p, at);
+        return;
+    }
+    bis_free(*to);
+    *to = copy;
+}
+
+void bis_directive_film(bis_parser *p, bis_loc at)
+{
+    static const bis_choice films[] = {{"rgb", 0}, {"image", 0}, {"gbuffer", BIS_FOREIGN}, {"spectral", BIS_FOREIGN}};
+    static const char *const ignored[] = {
+        "diagonal",     "savefp16",     "sensor",      "iso",   "whitebalance",      "maxcomponentvalue",
+        "exposuretime", "imagingratio", "pixelbounds", "scale", "maxsampleluminance", "display",
+    };
+    if (!bis_parser_name(p, "Film") || !bis_params_read(p)) return;
+    const char *type = bis_parser_text(p, p->name);
+    if (!bis_parser_choose(p, "Film", type, p->name_at, films, BIS_COUNT(films))) return;
+    bis_parser_single(p, BIS_SINGLE_FILM, "Film", at);
+
+    bis_film_desc film = {.width = 1280, .height = 720, .filename = p->desc->film.filename, .crop = {0, 1, 0, 1}};
+    uint32_t width = 1280, height = 720;
+    const char *filename = "bis.exr";
+    bis_params_uint32(p, "xresolution", &width, 1, BIS_IMAGE_MAX_SIDE);
+    bis_params_uint32(p, "yresolution", &height, 1, BIS_IMAGE_MAX_SIDE);
+    if (bis_params_string(p, "filename", &filename) && !*filename)
+        bis_parser_error(p, bis_params_at(p, "filename"), "\"filename\" is empty");
+    film.width = (int)width;
+    film.height = (int)height;
+    film_crop(p, &film);
+    film_layers(p, &film);
+    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
+    set_text(p, &film.filename, filename, at);
+    bis_params_end(p, "Film", type);
+    p->desc->film = film;
+}
+
+/* ---- PixelFilter ---- */
+
+void bis_directive_filter(bis_parser *p, bis_loc at)
+{
+    static const bis_choice filters[] = {{"box", 0},
+                                         {"gaussian", BIS_REPLACED},
+                                         {"mitchell", BIS_REPLACED},
+                                         {"sinc", BIS_REPLACED},
+                                         {"triangle", BIS_REPLACED},
+                                         {"lanczossinc", BIS_REPLACED}};
+    static const char *const radii[] = {"xradius", "yradius", "xwidth", "ywidth"};
+    if (!bis_parser_name(p, "PixelFilter") || !bis_params_read(p)) return;
+    const bis_choice *chosen =
+        bis_parser_choose(p, "PixelFilter", bis_parser_text(p, p->name), p->name_at, filters, BIS_COUNT(filters));
+    if (!chosen) return;
+    bis_parser_single(p, BIS_SINGLE_FILTER, "PixelFilter", at);
+    if (chosen->value == BIS_REPLACED) {
+        bis_warn(p->diag, p->name_at, "PixelFilter \"%s\" is ignored: the box of one pixel is used", chosen->name);
+        return;
+    }
+    for (size_t i = 0; i < BIS_COUNT(radii); i++) {
+        double radius;
+        if (bis_params_float(p, radii[i], &radius, (bis_interval){0, HUGE_VAL, true, false}) && radius != 0.5)
+            bis_warn(p->diag, bis_params_at(p, radii[i]), "\"%s\" is ignored: the box has the size of one pixel (0.5)",
+                     radii[i]);
+    }
+    bis_params_end(p, "PixelFilter", "box");
+}
+
+/* ---- Accelerator ---- */
+
+void bis_directive_accelerator(bis_parser *p, bis_loc at)
+{
+    static const bis_choice accelerators[] = {
+        {"grid", BIS_ACCEL_GRID}, {"embree", BIS_ACCEL_EMBREE}, {"bvh", BIS_REPLACED}, {"kdtree", BIS_REPLACED}};
+    if (!bis_parser_name(p, "Accelerator") || !bis_params_read(p)) return;
+    const bis_choice *chosen =
+        bis_parser_choose(p, "Accelerator", bis_parser_text(p, p->name), p->name_at, accelerators,
+                          BIS_COUNT(accelerators));
+    if (!chosen) return;
+    bis_parser_single(p, BIS_SINGLE_ACCELERATOR, "Accelerator", at);
+    p->desc->accel = (bis_accel_options){.kind = BIS_ACCEL_DEFAULT};
+    if (chosen->value == BIS_REPLACED) {
+        bis_warn(p->diag, p->name_at, "Accelerator \"%s\" is replaced by the default", chosen->name);
+        return;
+    }
+    p->desc->accel.kind = (bis_accel_kind)chosen->value;
+    if (chosen->value == BIS_ACCEL_GRID)
+        bis_params_float(p, "density", &p->desc->accel.density, (bis_interval){0, 100, true, false});
+    bis_params_end(p, "Accelerator", chosen->name);
+}
+
+/* ---- Option, ColorSpace, MediumInterface ---- */
+
+/* Which of the thesis's equations to follow to the letter. */
+static void option_as_printed(bis_parser *p)
+{
+    const bis_param *param = bis_params_take(p, "asprinted", BIS_TYPE_STRING, 0);
+    char word[128], hint[128];
+    for (size_t i = 0; param && i < param->n; i++) {
+        const char *name = bis_parser_text(p, p->params.strings[param->first + i]);
+        const bis_erratum *e = bis_erratum_find(name);
+        if (e) p->desc->settings.as_printed |= e->flag;
+        else
+            bis_parser_error(p, param->at, "\"asprinted\" is \"%s\": no erratum of that name can be switched%s",
+                             bis_printable(word, name, strlen(name)), bis_parser_hint(hint, bis_erratum_nearest(name)));
+    }
+}
+
+void bis_directive_option(bis_parser *p, bis_loc at)
+{
+    static const char *const ignored[] = {"disabletexturefiltering", "disablewavelengthjitter", "displacementedgescale",
+                                          "forcediffuse", "msereferenceimage", "msereferenceout", "pixelstats",
+                                          "rendercoordsys", "seed", "wavefront"};
+    if (p->token.kind != BIS_TOKEN_STRING && p->token.kind != BIS_TOKEN_BAD)
+        bis_parser_error(p, at, "Option wants \"type name\" and a value");
+    p->lost = p->token.kind != BIS_TOKEN_STRING;
+    bis_params_start(p);
+    if (p->lost || !bis_params_read(p)) return;
+    bool disable;
+    if (bis_params_bool(p, "disablepixeljitter", &disable)) p->desc->pixel_jitter = !disable;
+    option_as_printed(p);
+    for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
+        if (!bis_params_has(p, ignored[i])) continue;
+        if (bis_parser_once(p, "Option"))
+            bis_warn(p->diag, at, "Option \"%s\" is ignored, like all but \"disablepixeljitter\" and \"asprinted\"", ignored[i]);
+        bis_params_skip(p, &ignored[i], 1);
+    }
+    bis_params_end(p, "Option", NULL);
+}
+
+void bis_directive_color_space(bis_parser *p, bis_loc at)
+{
+    char word[128];
+    (void)at;
+    if (!bis_parser_name(p, "ColorSpace")) return;
+    const char *name = bis_parser_text(p, p->name);
+    if (strcmp(name, "srgb") == 0) return;
+    bis_parser_error(p, p->name_at, "ColorSpace is \"%s\", must be \"srgb\"", bis_printable(word, name, strlen(name)));
+}
+
+/* One or two names, both empty: the vacuum inside and outside. */
+void bis_directive_medium_interface(bis_parser *p, bis_loc at)
+{
+    char word[128];
+    (void)at;
+    for (int i = 0; i == 0 || (i == 1 && p->token.kind == BIS_TOKEN_STRING); i++) {
+        if (!bis_parser_name(p, "MediumInterface")) return;
+        const char *name = bis_parser_text(p, p->name);
+        if (*name)
+            bis_parser_error(p, p->name_at, "MediumInterface is \"%s\", must be \"\": media are not modelled",
+                             bis_printable(word, name, strlen(name)));
+    }
+}

@@ -1,0 +1,311 @@
+/* parser_params: "type name" value or [values], all of a directive's, read before any is looked at (parser_ask.c).
+ *
+ * What is checked here is what can be told without knowing the directive: the type is one of pbrt's, the values are of
+ * its class (numbers, strings, true or false), numbers are finite as floats, no name comes twice. Values go into arrays
+ * that the next directive uses again. Invariant: strings and names are offsets, since the text moves when it grows. */
+#include "base/grow.h"
+#include "parser.h"
+
+#include <float.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef enum value_class { NUMBERS, STRINGS, BOOLS, ANYTHING } value_class;
+
+typedef struct param_type {
+    const char *name, *shown;
+    unsigned type;
+    value_class values;
+} param_type;
+
+static const param_type types[] = {
+    {"integer", "integer", BIS_TYPE_INTEGER, NUMBERS}, {"float", "float", BIS_TYPE_FLOAT, NUMBERS},
+    {"bool", "bool", BIS_TYPE_BOOL, BOOLS},            {"string", "string", BIS_TYPE_STRING, STRINGS},
+    {"rgb", "rgb", BIS_TYPE_RGB, NUMBERS},             {"color", "rgb", BIS_TYPE_RGB, NUMBERS},
+    {"point3", "point3", BIS_TYPE_POINT3, NUMBERS},    {"point", "point3", BIS_TYPE_POINT3, NUMBERS},
+    {"vector3", "vector3", BIS_TYPE_VECTOR3, NUMBERS}, {"vector", "vector3", BIS_TYPE_VECTOR3, NUMBERS},
+    {"normal", "normal", BIS_TYPE_NORMAL, NUMBERS},    {"normal3", "normal", BIS_TYPE_NORMAL, NUMBERS},
+    {"point2", "point2", BIS_TYPE_OTHER, ANYTHING},    {"vector2", "vector2", BIS_TYPE_OTHER, ANYTHING},
+    {"spectrum", "spectrum", BIS_TYPE_OTHER, ANYTHING}, {"xyz", "xyz", BIS_TYPE_OTHER, ANYTHING},
+    {"blackbody", "blackbody", BIS_TYPE_OTHER, ANYTHING}, {"texture", "texture", BIS_TYPE_OTHER, ANYTHING},
+};
+
+const char *bis_param_type_names(char buf[64], unsigned mask)
+{
+    size_t n = 0;
+    buf[0] = '\0';
+    for (size_t i = 0; i < BIS_COUNT(types); i++) {
+        if (!(types[i].type & mask) || strcmp(types[i].name, types[i].shown) != 0) continue;
+        n += (size_t)snprintf(buf + n, 64 - n, "%s%s", n ? " or " : "", types[i].name);
+    }
+    return buf;
+}
+
+const char *bis_parser_text(const bis_parser *p, size_t offset) { return p->params.text + offset; }
+
+void bis_params_start(bis_parser *p)
+{
+    bis_params *ps = &p->params;
+    ps->n = ps->n_numbers = ps->n_strings = ps->n_text = ps->n_asked = 0;
+}
+
+void bis_params_clear(bis_params *ps)
+{
+    bis_free(ps->numbers);
+    bis_free(ps->strings);
+    bis_free(ps->text);
+}
+
+/* The token's text with a zero byte behind it goes to the pool; its offset, or SIZE_MAX. */
+static size_t add_text(bis_parser *p)
+{
+    bis_params *ps = &p->params;
+    char *text = bis_grow(ps->text, &ps->capacity_text, ps->n_text + p->token.length + 1, 1);
+    if (!text) {
+        bis_parser_nomem(p, p->token.at);
+        return SIZE_MAX;
+    }
+    ps->text = text;
+    size_t offset = ps->n_text;
+    ps->n_text += bis_token_unescape(text + offset, &p->token) + 1;
+    return offset;
+}
+
+static bool add_number(bis_parser *p, double number)
+{
+    bis_params *ps = &p->params;
+    if (ps->n_numbers == ps->capacity_numbers || !ps->numbers) {
+        double *numbers = bis_grow(ps->numbers, &ps->capacity_numbers, ps->n_numbers + 1, sizeof *numbers);
+        if (!numbers) {
+            bis_parser_nomem(p, p->token.at);
+            return false;
+        }
+        ps->numbers = numbers;
+    }
+    ps->numbers[ps->n_numbers++] = number;
+    return true;
+}
+
+static bool add_string(bis_parser *p)
+{
+    bis_params *ps = &p->params;
+    size_t *strings = bis_grow(ps->strings, &ps->capacity_strings, ps->n_strings + 1, sizeof *strings);
+    if (!strings) {
+        bis_parser_nomem(p, p->token.at);
+        return false;
+    }
+    ps->strings = strings;
+    strings[ps->n_strings] = add_text(p);
+    return strings[ps->n_strings++] != SIZE_MAX;
+}
+
+static bool token_is(const bis_token *t, const char *word)
+{
+    return t->length == strlen(word) && memcmp(t->text, word, t->length) == 0;
+}
+
+static bool is_truth(const bis_token *t)
+{
+    return (t->kind == BIS_TOKEN_WORD || t->kind == BIS_TOKEN_STRING) && (token_is(t, "true") || token_is(t, "false"));
+}
+
+static bool is_value(const bis_token *t)
+{
+    return t->kind == BIS_TOKEN_NUMBER || t->kind == BIS_TOKEN_STRING || is_truth(t);
+}
+
+static bool is_nonfinite_word(const bis_token *t)
+{
+    static const char *const words[] = {"nan", "NaN", "NAN", "inf", "Inf", "INF", "infinity", "Infinity"};
+    for (size_t i = 0; t->kind == BIS_TOKEN_WORD && i < BIS_COUNT(words); i++)
+        if (token_is(t, words[i])) return true;
+    return false;
+}
+
+bool bis_parser_peek_name(bis_parser *p, const char *directive)
+{
+    char buf[64];
+    bis_params_start(p);
+    p->name_at = p->token.at;
+    if (p->token.kind != BIS_TOKEN_STRING) {
+        if (p->token.kind != BIS_TOKEN_BAD)
+            bis_parser_error(p, p->token.at, "%s wants a quoted name, found %s", directive,
+                             bis_token_name(buf, &p->token));
+        p->lost = true;
+        return false;
+    }
+    p->name = add_text(p);
+    return p->name != SIZE_MAX;
+}
+
+bool bis_parser_name(bis_parser *p, const char *directive)
+{
+    if (!bis_parser_peek_name(p, directive)) return false;
+    bis_parser_advance(p);
+    return true;
+}
+
+static bool lost_value(bis_parser *p, const char *name, value_class wanted)
+{
+    static const char *const wants[] = {"numbers", "strings", "true or false", "a value"};
+    const bis_token *t = &p->token;
+    char found[64];
+    p->lost = true;
+    bis_token_name(found, t);
+    if (is_nonfinite_word(t)) bis_parser_error(p, t->at, "non-finite number %s", found);
+    else if (t->kind != BIS_TOKEN_BAD)
+        bis_parser_error(p, t->at, "\"%s\" wants %s, found %s", name, wants[wanted], found);
+    return false;
+}
+
+static bool read_value(bis_parser *p, const bis_param *param, value_class values)
+{
+    const bis_token *t = &p->token;
+    bool ok;
+
+    if (t->kind == BIS_TOKEN_NUMBER && values == NUMBERS) {
+        if (param->type != BIS_TYPE_INTEGER && fabs(t->number) > (double)FLT_MAX) {
+            char buf[64];
+            bis_parser_error(p, t->at, "non-finite number %s: the largest float is 3.4e38", bis_token_name(buf, t));
+            p->lost = true;
+            return false;
+        }
+        ok = add_number(p, t->number);
+    } else if (is_truth(t) && values == BOOLS) {
+        ok = add_number(p, token_is(t, "true"));
+    } else if (t->kind == BIS_TOKEN_STRING && values == STRINGS) {
+        ok = add_string(p);
+    } else if (is_value(t) && values == ANYTHING) {
+        ok = true;
+    } else {
+        return lost_value(p, bis_parser_text(p, param->name), values);
+    }
+    bis_parser_advance(p);
+    return ok;
+}
+
+static bool read_values(bis_parser *p, bis_param *param, value_class values)
+{
+    bis_params *ps = &p->params;
+    size_t n = 0;
+
+    param->is_strings = values == STRINGS;
+    param->first = param->is_strings ? ps->n_strings : ps->n_numbers;
+    if (p->token.kind != BIS_TOKEN_OPEN) {
+        if (!read_value(p, param, values)) return false;
+        param->n = 1;
+        if (p->token.kind != BIS_TOKEN_NUMBER) return true;
+        bis_parser_error(p, p->token.at, "several values of \"%s\" must stand between [ and ]",
+                         bis_parser_text(p, param->name));
+        p->lost = true;
+        return false;
+    }
+    const bis_loc open = p->token.at;
+    for (bis_parser_advance(p); p->token.kind != BIS_TOKEN_CLOSE; n++) {
+        if (p->token.kind == BIS_TOKEN_END ||
+            (p->token.kind == BIS_TOKEN_WORD && !is_truth(&p->token) && !is_nonfinite_word(&p->token))) {
+            bis_parser_error(p, open, "the [ of \"%s\" has no ]", bis_parser_text(p, param->name));
+            p->lost = true;
+            return false;
+        }
+        if (!read_value(p, param, values)) return false;
+    }
+    bis_parser_advance(p);
+    param->n = n;
+    return true;
+}
+
+/* As all of pbrt's are, and fit for a message. */
+static bool is_name(const char *s)
+{
+    static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.:-";
+    const size_t n = strspn(s, allowed);
+    return n > 0 && n <= 64 && s[n] == '\0';
+}
+
+/* Split the string at `offset` into type and name, by white space. */
+static bool split_declaration(bis_parser *p, bis_param *param, size_t offset)
+{
+    static const char space[] = " \t\r";
+    char *text = p->params.text + offset, buf[128];
+    bis_printable(buf, text, strlen(text));
+    char *type = text + strspn(text, space);
+    char *name = type + strcspn(type, space);
+    if (*name) *name++ = '\0';
+    name += strspn(name, space);
+    char *rest = name + strcspn(name, space);
+    if (*rest) *rest++ = '\0';
+    if (!is_name(name) || rest[strspn(rest, space)]) {
+        bis_parser_error(p, param->at, "a parameter is declared as \"type name\", not \"%s\"", buf);
+        p->lost = true;
+        return false;
+    }
+    param->type_name = type;
+    param->name = (size_t)(name - p->params.text);
+    return true;
+}
+
+/* The type's row, or that of a type that takes anything after a complaint. */
+static const param_type *find_type(bis_parser *p, const bis_param *param)
+{
+    static const param_type unknown = {"", "", 0, ANYTHING};
+    const char *names[BIS_COUNT(types)];
+    char buf[128], hint[128];
+
+    for (size_t i = 0; i < BIS_COUNT(types); i++) {
+        if (strcmp(param->type_name, types[i].name) == 0) return &types[i];
+        names[i] = types[i].name;
+    }
+    bis_parser_error(p, param->at, "unknown parameter type \"%s\"%s",
+                     bis_printable(buf, param->type_name, strlen(param->type_name)),
+                     bis_parser_hint(hint, bis_nearest_name(param->type_name, names, BIS_COUNT(types))));
+    return &unknown;
+}
+
+bis_param *bis_params_find(bis_parser *p, const char *name)
+{
+    for (size_t i = 0; i < p->params.n; i++) {
+        bis_param *param = &p->params.list[i];
+        if (strcmp(bis_parser_text(p, param->name), name) == 0) return param;
+    }
+    return NULL;
+}
+
+static bool read_param(bis_parser *p)
+{
+    bis_param param = {.at = p->token.at};
+    size_t offset = add_text(p);
+
+    if (offset == SIZE_MAX || !split_declaration(p, &param, offset)) return false;
+    const param_type *type = find_type(p, &param);
+    param.type = type->type;
+    param.type_name = type->shown;
+    const char *name = bis_parser_text(p, param.name);
+    const bis_param *before = bis_params_find(p, name);
+    if (before)
+        bis_parser_error(p, param.at, "\"%s\" is given twice, first in line %d", name,
+                         before->at.line);
+    bis_parser_advance(p);
+    if (p->token.kind != BIS_TOKEN_OPEN && !is_value(&p->token) && p->token.kind != BIS_TOKEN_BAD &&
+        !is_nonfinite_word(&p->token)) {
+        bis_parser_error(p, param.at, "\"%s\" has no value", name);
+        p->lost = true;
+        return false;
+    }
+    if (!read_values(p, &param, type->values)) return false;
+    if (!before) p->params.list[p->params.n++] = param;
+    return true;
+}
+
+bool bis_params_read(bis_parser *p)
+{
+    while (p->token.kind == BIS_TOKEN_STRING && !p->stop) {
+        if (p->params.n == BIS_MAX_PARAMS) {
+            bis_parser_error(p, p->token.at, "more than %d parameters", BIS_MAX_PARAMS);
+            p->lost = true;
+            return false;
+        }
+        if (!read_param(p)) return false;
+    }
+    return !p->stop;
+}

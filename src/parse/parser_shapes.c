@@ -1,0 +1,245 @@
+/* parser_shapes: Shape, SPEC 2.
+ *
+ * Files are only looked for, not read: bis_scene_build reads each of them once, however many shapes and instances name
+ * it. The numbers of a "trianglemesh" are checked against one another here, where the place is known. */
+#include "bis/base/file.h"
+#include "base/grow.h"
+#include "parser.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const bis_interval positive = {0, HUGE_VAL, true, false};
+static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};
+
+/* ---- meshes ---- */
+
+static bool add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index)
+{
+    bis_scene_desc *d = p->desc;
+    bis_mesh_desc *meshes = bis_grow(d->meshes, &d->capacity_meshes, d->n_meshes + 1, sizeof *meshes);
+    if (!meshes || d->n_meshes >= UINT32_MAX) {
+        bis_parser_nomem(p, mesh->loc);
+        return false;
+    }
+    d->meshes = meshes;
+    *index = (uint32_t)d->n_meshes;
+    d->meshes[d->n_meshes++] = *mesh;
+    return true;
+}
+
+/* The mesh of a file: a new one, or the one that has been named before. Takes over path. */
+static bool file_mesh(bis_parser *p, bis_shape_kind kind, char *path, bool smooth, bis_loc at, uint32_t *index)
+{
+    const size_t room = strlen(path) + 3;
+    char *key = bis_alloc(room, 1); /* kind, smooth, path */
+    bool ok = key != NULL;
+
+    if (ok) snprintf(key, room, "%c%c%s", kind == BIS_SHAPE_PLY ? 'p' : 'o', smooth ? 's' : 'f', path);
+    if (ok && bis_names_find(&p->mesh_names, key, index)) {
+        bis_free(path);
+    } else {
+        ok = ok && add_mesh(p, &(bis_mesh_desc){.kind = kind, .filename = path, .smooth = smooth, .loc = at}, index);
+        if (!ok) bis_free(path);
+        if (ok && !bis_names_set(&p->mesh_names, key, *index)) ok = false;
+    }
+    if (!ok && !p->stop) bis_parser_nomem(p, at);
+    bis_free(key);
+    return ok;
+}
+
+static bool read_file(bis_parser *p, bis_shape_desc *shape)
+{
+    const char *name;
+    bool smooth = false;
+    bis_params_bool(p, "smooth", &smooth);
+    const bool given = bis_params_has(p, "filename");
+    const bis_loc at = bis_params_at(p, "filename");
+    if (!bis_params_string(p, "filename", &name)) {
+        if (!given) bis_parser_error(p, p->name_at, "Shape needs \"string filename\"");
+        return false;
+    }
+    char *path = bis_parser_path(p, at, name);
+    return path && file_mesh(p, shape->kind, path, smooth, at, &shape->mesh);
+}
+
+/* ---- trianglemesh ---- */
+
+/* numbers as vectors, three each; NULL: complained. */
+static vec3 *vectors(bis_parser *p, const bis_param *param, const char *name)
+{
+    const double *v = p->params.numbers + param->first;
+    const size_t n = param->n / 3;
+    if (param->n % 3) {
+        bis_parser_error(p, param->at, "\"%s\" has %zu values, must have a multiple of 3", name, param->n);
+        return NULL;
+    }
+    vec3 *out = bis_alloc(n, sizeof *out);
+    if (!out) bis_parser_nomem(p, param->at);
+    for (size_t i = 0; out && i < n; i++) out[i] = vec3_from(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
+    return out;
+}
+
+static bool check_index(bis_parser *p, const bis_param *param, size_t i, size_t n_points)
+{
+    char buf[32];
+    const double v = p->params.numbers[param->first + i];
+    if (v >= 0 && v < (double)n_points && v == floor(v)) return true;
+    bis_parser_error(p, param->at, "\"indices\" holds %s as its value %zu, must be a whole number in [0, %zu]",
+                     bis_format_double(buf, v), i + 1, n_points - 1);
+    return false;
+}
+
+/* The three points of one triangle need no indices, as in pbrt. */
+static bool read_indices(bis_parser *p, bis_mesh *m)
+{
+    const bool given = bis_params_has(p, "indices");
+    const bis_param *param = bis_params_take(p, "indices", BIS_TYPE_INTEGER, 0);
+    if (!param) {
+        if (given) return false;
+        if (m->n_vertices != 3) {
+            bis_parser_error(p, p->name_at,
+                             "trianglemesh needs \"integer indices\", unless it has 3 points; it has %zu",
+                             m->n_vertices);
+            return false;
+        }
+    }
+    const size_t n = param ? param->n : 3;
+    if (n % 3) {
+        bis_parser_error(p, param->at, "\"indices\" has %zu values, must have a multiple of 3", n);
+        return false;
+    }
+    m->index = bis_alloc(n, sizeof *m->index);
+    if (!m->index) {
+        bis_parser_nomem(p, p->name_at);
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (param && !check_index(p, param, i, m->n_vertices)) return false;
+        m->index[i] = param ? (uint32_t)p->params.numbers[param->first + i] : (uint32_t)i;
+    }
+    m->n_triangles = n / 3;
+    return true;
+}
+
+static bool read_normals(bis_parser *p, bis_mesh *m)
+{
+    const bool given = bis_params_has(p, "N");
+    const bis_param *param = bis_params_take(p, "N", BIS_TYPE_NORMAL, 0);
+    if (!param) return !given;
+    if (param->n != 3 * m->n_vertices) {
+        bis_parser_error(p, param->at, "\"N\" has %zu values, must have 3 for each of the %zu points", param->n,
+                         m->n_vertices);
+        return false;
+    }
+    m->n = vectors(p, param, "N");
+    return m->n != NULL;
+}
+
+static bool read_triangles(bis_parser *p, bis_shape_desc *shape)
+{
+    bis_mesh m = {0};
+    const bool given = bis_params_has(p, "P");
+    const bis_param *points = bis_params_take(p, "P", BIS_TYPE_POINT3, 0);
+    bool ok = points != NULL;
+
+    if (!given) bis_parser_error(p, p->name_at, "trianglemesh needs \"point3 P\"");
+    if (ok) {
+        m.p = vectors(p, points, "P");
+        m.n_vertices = points->n / 3;
+        ok = m.p != NULL;
+    }
+    if (ok && m.n_vertices > UINT32_MAX) {
+        bis_parser_error(p, points->at, "more than 2^32 - 1 points");
+        ok = false;
+    }
+    ok = ok && read_indices(p, &m) && read_normals(p, &m) &&
+         add_mesh(p, &(bis_mesh_desc){.kind = BIS_SHAPE_TRIANGLES, .mesh = m, .loc = shape->loc}, &shape->mesh);
+    if (!ok) {
+        static const char *const rest[] = {"indices", "N"};
+        bis_params_skip(p, rest, BIS_COUNT(rest)); /* not asked for, but known */
+        bis_mesh_clear(&m);
+    }
+    return ok;
+}
+
+/* ---- sphere and disk ---- */
+
+/* pbrt cuts pieces off its quadrics; ours are whole. */
+static bool is_whole(bis_parser *p, const char *name, double whole, double given)
+{
+    char a[32], b[32];
+    if (given == whole) return true;
+    bis_parser_error(p, bis_params_at(p, name), "\"%s\" is %s: only whole spheres and disks are modelled (%s)", name,
+                     bis_format_double(a, given), bis_format_double(b, whole));
+    return false;
+}
+
+static bool read_quadric(bis_parser *p, bis_shape_desc *shape)
+{
+    double v;
+    bool ok = true;
+    shape->radius = 1;
+    bis_params_float(p, "radius", &shape->radius, positive);
+    if (bis_params_float(p, "phimax", &v, any)) ok = is_whole(p, "phimax", 360, v) && ok;
+    if (shape->kind == BIS_SHAPE_SPHERE) {
+        /* pbrt clamps z to the sphere: beyond it means all of it */
+        const double r = shape->radius;
+        if (bis_params_float(p, "zmin", &v, any)) ok = is_whole(p, "zmin", -r, fmax(v, -r)) && ok;
+        if (bis_params_float(p, "zmax", &v, any)) ok = is_whole(p, "zmax", r, fmin(v, r)) && ok;
+    } else {
+        bis_params_float(p, "height", &shape->height, any);
+        if (bis_params_float(p, "innerradius", &v, any)) ok = is_whole(p, "innerradius", 0, v) && ok;
+    }
+    return ok;
+}
+
+/* ---- Shape ---- */
+
+static void add_shape(bis_parser *p, const bis_shape_desc *shape)
+{
+    if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
+        bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
+        p->stop = true;
+        return;
+    }
+    if (!p->in_object) {
+        if (!bis_scene_desc_add_shape(p->desc, shape)) bis_parser_nomem(p, shape->loc);
+        return;
+    }
+    bis_shape_desc *shapes =
+        bis_grow(p->object_shapes, &p->capacity_object_shapes, p->n_object_shapes + 1, sizeof *shapes);
+    if (!shapes) {
+        bis_parser_nomem(p, shape->loc);
+        return;
+    }
+    p->object_shapes = shapes;
+    p->object_shapes[p->n_object_shapes++] = *shape;
+}
+
+void bis_directive_shape(bis_parser *p, bis_loc at)
+{
+    static const bis_choice shapes[] = {
+        {"plymesh", BIS_SHAPE_PLY},      {"objmesh", BIS_SHAPE_OBJ}, {"trianglemesh", BIS_SHAPE_TRIANGLES},
+        {"sphere", BIS_SHAPE_SPHERE},    {"disk", BIS_SHAPE_DISK},   {"bilinearmesh", BIS_FOREIGN},
+        {"cone", BIS_FOREIGN},           {"curve", BIS_FOREIGN},     {"cylinder", BIS_FOREIGN},
+        {"heightfield", BIS_FOREIGN},    {"hyperboloid", BIS_FOREIGN}, {"loopsubdiv", BIS_FOREIGN},
+        {"nurbs", BIS_FOREIGN},          {"paraboloid", BIS_FOREIGN},
+    };
+    /* texture coordinates and what is made with them: bis has no textures */
+    static const char *const silent[] = {"uv", "st", "S", "alpha", "shadowalpha", "faceIndices"};
+
+    if (!bis_parser_name(p, "Shape") || !bis_params_read(p)) return;
+    const char *type = bis_parser_text(p, p->name);
+    const bis_choice *chosen = bis_parser_choose(p, "Shape", type, p->name_at, shapes, BIS_COUNT(shapes));
+    if (!chosen) return;
+    bis_shape_desc shape = {
+        .kind = (bis_shape_kind)chosen->value, .to_world = p->now.ctm, .material = p->now.material, .loc = at};
+    bool ok;
+    if (shape.kind == BIS_SHAPE_TRIANGLES) ok = read_triangles(p, &shape);
+    else if (shape.kind == BIS_SHAPE_SPHERE || shape.kind == BIS_SHAPE_DISK) ok = read_quadric(p, &shape);
+    else ok = read_file(p, &shape);
+    bis_params_skip(p, silent, BIS_COUNT(silent));
+    bis_params_end(p, "Shape", chosen->name);
+    if (ok) add_shape(p, &shape);
+}

@@ -1,0 +1,306 @@
+/* parser_world: LightSource and the materials.
+ *
+ * A LightSource's frame is object space at its place, so the CTM must be a rotation, perhaps with a reflection.
+ * Exporters write matrices with few digits: up to an error of ORTHONORMAL the matrix is taken, and made exactly
+ * orthonormal. */
+#include "bis/base/mem.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/thesis/phong.h"
+#include "base/grow.h"
+#include "parser.h"
+
+#include <float.h>
+#include <string.h>
+
+/* Largest element of m^T m - 1. Three digits after the point, rounded, give up to 2 sqrt(3) 0.0005 = 0.0017. */
+#define ORTHONORMAL 2e-3
+
+static const bis_interval unit = {0, 1, false, false};
+static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
+
+/* ---- LightSource ---- */
+
+/* Gram and Schmidt on the columns, in order, without the translation: a light at infinity has no place. */
+static bis_xform orthonormalised(const bis_xform *t)
+{
+    bis_xform r = bis_xform_identity();
+    for (int j = 0; j < 3; j++) {
+        double v[3] = {t->m[0][j], t->m[1][j], t->m[2][j]};
+        for (int k = 0; k < j; k++) {
+            double along = v[0] * r.m[0][k] + v[1] * r.m[1][k] + v[2] * r.m[2][k];
+            for (int i = 0; i < 3; i++) v[i] -= along * r.m[i][k];
+        }
+        double norm = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        for (int i = 0; i < 3; i++) r.m[i][j] = r.inv[j][i] = v[i] / norm;
+    }
+    return r;
+}
+
+static void light_filename(bis_parser *p, bis_light_desc *light)
+{
+    const char *name;
+    bis_loc at = bis_params_at(p, "filename");
+    bool given = bis_params_string(p, "filename", &name);
+    const bool both = given && bis_params_has(p, "mapname");
+    if (both) {
+        bis_parser_error(p, bis_params_at(p, "mapname"), "\"mapname\" and \"filename\" are the same: give one");
+        bis_params_skip(p, &(const char *){"mapname"}, 1);
+        return;
+    }
+    if (!given) {
+        at = bis_params_at(p, "mapname");
+        given = bis_params_string(p, "mapname", &name); /* pbrt-v3 */
+    }
+    if (given) light->filename = bis_parser_path(p, at, name);
+}
+
+/* A number, or pbrt-v3's rgb, which goes into L. */
+static void light_radiance(bis_parser *p, bis_light_desc *light)
+{
+    rgb scale;
+    bis_params_rgb(p, "L", &light->L, positive_or_0, false);
+    if (!bis_params_rgb(p, "scale", &scale, positive_or_0, true)) return;
+    if (scale.r == scale.g && scale.g == scale.b) {
+        light->scale = (double)scale.r;
+        return;
+    }
+    light->L = rgb_mul(light->L, scale);
+    if (!rgb_is_finite(light->L)) {
+        bis_parser_error(p, bis_params_at(p, "scale"), "\"L\" times \"scale\" is not finite");
+        light->L = (rgb){1, 1, 1};
+    }
+}
+
+static void light_map(bis_parser *p, bis_light_desc *light)
+{
+    static const char *const mappings[] = {"latlong", "angular"};
+    static const char *const tables[] = {"alias", "cdf"};
+    static const bis_table_kind table[] = {BIS_TABLE_ALIAS, BIS_TABLE_CDF};
+    uint32_t width = 0, levels = 8;
+    int i;
+    light->has_mapping = bis_params_choice(p, "mapping", &i, mappings, BIS_COUNT(mappings));
+    light->angular = light->has_mapping && i == 1;
+    bis_params_uint32(p, "width", &width, 2, BIS_IMAGE_MAX_SIDE);
+    light->width = (int)width;
+    bis_params_float(p, "areaexponent", &light->area_exponent, (bis_interval){0, 10, false, false});
+    bis_params_uint32(p, "levels", &levels, 1, 254);
+    light->levels = (int)levels;
+    light->has_table_kind = bis_params_choice(p, "sampler", &i, tables, BIS_COUNT(tables));
+    if (light->has_table_kind) light->table_kind = table[i];
+}
+
+static bool light_may_stand(bis_parser *p, bis_loc at)
+{
+    const bis_scene_desc *d = p->desc;
+    if (d->has_light) {
+        bis_parser_error(p, at, "a second LightSource: a scene has at most one, and its first is that of %s:%d",
+                         d->light.loc.file, d->light.loc.line);
+        return false;
+    }
+    if (p->in_object) {
+        bis_parser_error(p, at, "LightSource inside ObjectBegin: objects hold geometry only");
+        return false;
+    }
+    if (bis_xform_is_orthonormal(&p->now.ctm, ORTHONORMAL)) return true;
+    bis_parser_error(p, at, "LightSource under a transformation that scales or shears: only rotations and reflections "
+                            "are allowed");
+    return false;
+}
+
+void bis_directive_light(bis_parser *p, bis_loc at)
+{
+    static const bis_choice lights[] = {
+        {"infinite", 0},          {"point", BIS_FOREIGN},       {"spot", BIS_FOREIGN},
+        {"distant", BIS_FOREIGN}, {"goniometric", BIS_FOREIGN}, {"projection", BIS_FOREIGN},
+        {"diffuse", BIS_FOREIGN},
+    };
+    static const char *const ignored[] = {"samples", "nsamples"};
+
+    if (!bis_parser_name(p, "LightSource") || !bis_params_read(p)) return;
+    const char *type = bis_parser_text(p, p->name);
+    if (!bis_parser_choose(p, "LightSource", type, p->name_at, lights, BIS_COUNT(lights))) return;
+    if (!light_may_stand(p, at)) return;
+    bis_light_desc light = {.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true, .loc = at,
+                            .to_world = orthonormalised(&p->now.ctm)};
+    light_filename(p, &light);
+    light_radiance(p, &light);
+    light_map(p, &light);
+    bis_params_bool(p, "visible", &light.visible);
+    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
+    bis_params_end(p, "LightSource", "infinite");
+    p->desc->light = light;
+    p->desc->has_light = true;
+}
+
+/* ---- materials ---- */
+
+enum { PHONG, MICROFACET, DIFFUSE };
+static const bis_choice materials[] = {
+    {"phong", PHONG},
+    {"microfacet", MICROFACET},
+    {"diffuse", DIFFUSE},
+    {"matte", DIFFUSE},
+    {"coateddiffuse", BIS_FOREIGN}, {"coatedconductor", BIS_FOREIGN}, {"conductor", BIS_FOREIGN},
+    {"dielectric", BIS_FOREIGN}, {"diffusetransmission", BIS_FOREIGN}, {"disney", BIS_FOREIGN},
+    {"fourier", BIS_FOREIGN}, {"glass", BIS_FOREIGN}, {"hair", BIS_FOREIGN},
+    {"interface", BIS_FOREIGN}, {"kdsubsurface", BIS_FOREIGN}, {"measured", BIS_FOREIGN},
+    {"metal", BIS_FOREIGN}, {"mirror", BIS_FOREIGN}, {"mix", BIS_FOREIGN},
+    {"none", BIS_FOREIGN}, {"plastic", BIS_FOREIGN}, {"shinymetal", BIS_FOREIGN},
+    {"substrate", BIS_FOREIGN}, {"subsurface", BIS_FOREIGN}, {"thindielectric", BIS_FOREIGN},
+    {"translucent", BIS_FOREIGN}, {"uber", BIS_FOREIGN}, {"", BIS_FOREIGN},
+};
+
+static void warn_energy(bis_parser *p, rgb Kd, rgb Ks)
+{
+    const double sum[3] = {(double)Kd.r + (double)Ks.r, (double)Kd.g + (double)Ks.g, (double)Kd.b + (double)Ks.b};
+    /* 0.6 and 0.4 as floats sum to 1 + 3e-8: each is rounded by half an ulp of its own, together at most this */
+    const double one = 1 + (double)FLT_EPSILON / 2;
+    for (int i = 0; i < 3; i++) {
+        if (sum[i] <= one) continue;
+        bis_warn(p->diag, p->name_at, "Kd + Ks is %.7g in %s: the material reflects more light than it receives",
+                 sum[i],
+                 (const char *const[]){"red", "green", "blue"}[i]);
+        return;
+    }
+}
+
+static bis_material read_phong(bis_parser *p)
+{
+    rgb Kd = {0.5f, 0.5f, 0.5f}, Ks = {0, 0, 0};
+    double exponent = 50;
+    bis_params_rgb(p, "Kd", &Kd, unit, true);
+    bis_params_rgb(p, "Ks", &Ks, unit, true);
+    bis_params_float(p, "exponent", &exponent, positive_or_0);
+    warn_energy(p, Kd, Ks);
+    return bis_phong(Kd, Ks, exponent);
+}
+
+/* No warning of energy: no Kd and Ks in [0,1] reflect more than they receive. */
+static bis_material read_microfacet(bis_parser *p)
+{
+    const bis_interval rough = {BIS_MICROFACET_MIN_ROUGHNESS, 1, false, false};
+    rgb Kd = {0, 0, 0}, Ks = {0.9f, 0.9f, 0.9f};
+    double roughness = 0.5;
+    bis_params_rgb(p, "Kd", &Kd, unit, true);
+    bis_params_rgb(p, "Ks", &Ks, unit, true);
+    bis_params_float(p, "roughness", &roughness, rough);
+    return bis_microfacet(Kd, Ks, roughness);
+}
+
+static bis_material read_diffuse(bis_parser *p)
+{
+    rgb Kd = {0.5f, 0.5f, 0.5f};
+    double sigma = 0;
+    if (bis_params_rgb(p, "reflectance", &Kd, unit, true) && bis_params_has(p, "Kd"))
+        bis_parser_error(p, bis_params_at(p, "Kd"), "\"Kd\" and \"reflectance\" are the same: give one");
+    bis_params_rgb(p, "Kd", &Kd, unit, true); /* v2, v3 */
+    if (bis_params_float(p, "sigma", &sigma, positive_or_0) && sigma != 0)
+        bis_parser_error(p, bis_params_at(p, "sigma"), 
+                         "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must be 0");
+    return bis_phong(Kd, (rgb){0, 0, 0}, 50);
+}
+
+/* The material that the parameters describe goes to desc->materials[index]. */
+static void read_material(bis_parser *p, const char *directive, const char *type, bis_loc at, uint32_t index)
+{
+    const bis_choice *chosen = bis_parser_choose(p, directive, type, at, materials, BIS_COUNT(materials));
+    if (!chosen) return;
+    bis_material m = chosen->value == PHONG        ? read_phong(p)
+                     : chosen->value == MICROFACET ? read_microfacet(p)
+                                                   : read_diffuse(p);
+    bis_params_end(p, directive, chosen->name);
+    p->desc->materials[index] = m;
+}
+
+/* Room for one more, which starts as the default. */
+static bool add_material(bis_parser *p, uint32_t *index)
+{
+    bis_scene_desc *d = p->desc;
+    bis_material *all = bis_grow(d->materials, &d->capacity_materials, d->n_materials + 1, sizeof *all);
+    if (!all || d->n_materials >= UINT32_MAX) {
+        bis_parser_nomem(p, p->name_at);
+        return false;
+    }
+    d->materials = all;
+    all[d->n_materials] = all[0];
+    *index = (uint32_t)d->n_materials++;
+    return true;
+}
+
+void bis_directive_material(bis_parser *p, bis_loc at)
+{
+    uint32_t index;
+    (void)at;
+    if (!bis_parser_name(p, "Material") || !bis_params_read(p) || !add_material(p, &index)) return;
+    p->now.material = index;
+    read_material(p, "Material", bis_parser_text(p, p->name), p->name_at, index);
+}
+
+/* The entry of a named material, made when the name is met first. */
+static bis_named_material *named_material(bis_parser *p, const char *name, uint32_t *index)
+{
+    uint32_t i;
+    if (bis_names_find(&p->material_names, name, &i)) {
+        *index = p->named[i].index;
+        return &p->named[i];
+    }
+    bis_named_material *named = bis_grow(p->named, &p->capacity_named, p->n_named + 1, sizeof *named);
+    if (named) p->named = named;
+    if (!named || !bis_names_set(&p->material_names, name, (uint32_t)p->n_named)) {
+        bis_parser_nomem(p, p->name_at);
+        return NULL;
+    }
+    if (!add_material(p, index)) return NULL;
+    p->named[p->n_named] = (bis_named_material){.index = *index};
+    return &p->named[p->n_named++];
+}
+
+void bis_directive_make_named_material(bis_parser *p, bis_loc at)
+{
+    char word[128];
+    uint32_t index;
+    if (!bis_parser_name(p, "MakeNamedMaterial") || !bis_params_read(p)) return;
+    const char *name = bis_parser_text(p, p->name), *type;
+    bis_named_material *named = named_material(p, name, &index);
+    if (!named) return;
+    if (named->made.line) {
+        bis_parser_error(p, p->name_at, "material \"%s\" is made already, in %s:%d",
+                         bis_printable(word, name, strlen(name)), named->made.file, named->made.line);
+        return;
+    }
+    named->made = at;
+    const bool has_type = bis_params_has(p, "type");
+    if (bis_params_string(p, "type", &type))
+        read_material(p, "Material", type, bis_params_at(p, "type"), index);
+    else if (!has_type)
+        bis_parser_error(p, p->name_at, "MakeNamedMaterial \"%s\" needs \"string type\"",
+                         bis_printable(word, name, strlen(name)));
+}
+
+void bis_directive_named_material(bis_parser *p, bis_loc at)
+{
+    uint32_t index;
+    (void)at;
+    if (!bis_parser_name(p, "NamedMaterial")) return;
+    bis_named_material *named = named_material(p, bis_parser_text(p, p->name), &index);
+    if (!named) return;
+    if (!named->used.line) named->used = p->name_at;
+    p->now.material = index;
+}
+
+void bis_parser_check_materials(bis_parser *p)
+{
+    char word[128], hint[128];
+    bis_names made = {0};
+    for (size_t i = 0; i < p->n_named; i++)
+        if (p->named[i].made.line && !bis_names_set(&made, p->material_names.names[i], 0))
+            bis_parser_nomem(p, p->named[i].made);
+    for (size_t i = 0; i < p->n_named && p->n_errors < BIS_MAX_ERRORS; i++) {
+        const char *name = p->material_names.names[i];
+        if (p->named[i].made.line) continue;
+        bis_parser_error(p, p->named[i].used, "material \"%s\" is not made anywhere%s",
+                         bis_printable(word, name, strlen(name)), bis_parser_hint(hint,
+                                                                                  bis_names_nearest(&made, name)));
+    }
+    bis_names_clear(&made);
+}

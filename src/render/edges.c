@@ -1,0 +1,64 @@
+/* edges: where camera samples are worth more than light samples.
+ *
+ * A pixel that is half background has more noise from the place of its camera samples than from all its shadow rays: on
+ * a small picture of the dragon, 3 % of the pixels hold 80 % of a diffuse surface's error at 12 rays a camera sample.
+ * So a ray goes through every pixel's corner. Where one corner sees the background and another a surface, other
+ * materials, or normals more than 60 degrees apart, render.c takes edgesamples camera samples in each pass instead of
+ * one.
+ * Unbiased: how many samples a pixel gets is settled before the first of them, by rays through fixed points. What slips
+ * between four corners gets one sample a pass, as everything else. */
+#include "edges.h"
+
+#include "bis/base/mem.h"
+
+#include <stdbool.h>
+
+/* What a corner sees. */
+typedef struct corner {
+    bool hit;
+    int material;
+    vec3 n;
+} corner;
+
+static corner look_at(double x, double y, const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc)
+{
+    const ray eye = bis_camera_ray(&desc->camera, film->full_width, film->full_height, x, y);
+    bis_hit hit;
+    bis_surface s;
+
+    if (!bis_accel_intersect(scene->accel, &eye, &hit)) return (corner){.hit = false};
+    bis_geometry_surface(&scene->geometry, hit.prim, &eye, &s);
+    return (corner){true, (int)s.material, s.n};
+}
+
+static bool differ(const corner *a, const corner *b)
+{
+    if (a->hit != b->hit) return true;
+    return a->hit && (a->material != b->material || dot(a->n, b->n) < 0.5);
+}
+
+unsigned char *bis_edges_find(const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc, int n_threads)
+{
+    const int across = film->width + 1, down = film->height + 1;
+    corner *c = bis_alloc((size_t)across * (size_t)down, sizeof *c);
+    unsigned char *edge = bis_alloc((size_t)film->width * (size_t)film->height, sizeof *edge);
+
+    if (!c || !edge) {
+        bis_free(c);
+        bis_free(edge);
+        return NULL;
+    }
+    (void)n_threads; /* a compiler without OpenMP has one thread */
+#pragma omp parallel for schedule(dynamic, 8) num_threads(n_threads)
+    for (int y = 0; y < down; y++) {
+        for (int x = 0; x < across; x++) c[y * (ptrdiff_t)across + x] = look_at(film->x0 + x, film->y0 + y, film, scene, desc);
+    }
+    for (int y = 0; y < film->height; y++) {
+        for (int x = 0; x < film->width; x++) {
+            const corner *a = &c[y * (ptrdiff_t)across + x], *b = a + across;
+            edge[y * (ptrdiff_t)film->width + x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) || differ(b, b + 1) || differ(a, b + 1) || differ(a + 1, b);
+        }
+    }
+    bis_free(c);
+    return edge;
+}

@@ -1,0 +1,12 @@
+/* edges: the pixels that an outline crosses, found before anything is rendered. For src/render/render.c. */
+#ifndef BIS_EDGES_H
+#define BIS_EDGES_H
+
+#include "bis/render/film.h"
+#include "bis/scene/scene.h"
+
+/* edge[height][width] of the film's crop: 1 where the picture changes abruptly between the pixel's corners. One ray a
+ * pixel. bis_free it. NULL: no memory. */
+unsigned char *bis_edges_find(const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc, int n_threads);
+
+#endif

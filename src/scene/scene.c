@@ -1,0 +1,182 @@
+/* scene: from the description to what rays can be shot at: geometry, then light, then accelerator.
+ *
+ * Only what a scene requires is built. The integrators say what it needs of the light (tables, a curve, or nothing);
+ * without geometry no integrator is ever asked, so neither tables nor an accelerator are made. A mesh file is read when
+ * its first shape comes and dropped after its last, so that at most the meshes in use are held twice. */
+#include "bis/scene/scene.h"
+
+#include "bis/base/clock.h"
+#include "bis/base/mem.h"
+#include "files/obj.h"
+#include "files/ply.h"
+
+#include <assert.h>
+#include <string.h>
+
+static void *copy_of(const void *from, size_t n, size_t size)
+{
+    void *to = bis_alloc(n, size);
+    if (to && n) memcpy(to, from, n * size);
+    return to;
+}
+
+static bis_status copy_mesh(bis_mesh *to, const bis_mesh *from, bis_loc at, bis_diag *diag)
+{
+    *to = (bis_mesh){.n_vertices = from->n_vertices, .n_triangles = from->n_triangles};
+    to->p = copy_of(from->p, from->n_vertices, sizeof *to->p);
+    to->index = copy_of(from->index, from->n_triangles, 3 * sizeof *to->index);
+    if (from->n) to->n = copy_of(from->n, from->n_vertices, sizeof *to->n);
+    if (to->p && to->index && (to->n || !from->n)) return BIS_OK;
+    bis_mesh_clear(to);
+    return bis_error(diag, BIS_NOMEM, at, "no memory for a mesh of %zu triangles", from->n_triangles);
+}
+
+static bis_status read_mesh(bis_mesh *m, const bis_mesh_desc *desc, bis_diag *diag)
+{
+    bis_status status;
+    if (desc->kind == BIS_SHAPE_TRIANGLES) return copy_mesh(m, &desc->mesh, desc->loc, diag);
+    if (desc->kind == BIS_SHAPE_PLY) status = bis_ply_read(m, desc->filename, desc->loc, diag);
+    else status = bis_obj_read(m, desc->filename, desc->loc, diag);
+    if (!status && desc->smooth && !m->n) status = bis_mesh_smooth_normals(m, diag);
+    return status;
+}
+
+/* A mesh while it is in use. */
+typedef struct loaded {
+    bis_mesh mesh;
+    size_t shapes_left; /* that still want it */
+    bool is_read;
+} loaded;
+
+static bis_status add_mesh(bis_geometry *g, loaded *l, const bis_mesh_desc *desc, const bis_shape_desc *shape,
+                           bis_diag *diag)
+{
+    bis_mesh own = {0};
+    bis_status status = l->is_read ? BIS_OK : read_mesh(&l->mesh, desc, diag);
+    if (status) return status;
+    l->is_read = true;
+    const bool last = --l->shapes_left == 0;
+    if (!last && g->n_vertices == 0) { /* the first mesh may be moved into the geometry, and others want it after us */
+        status = copy_mesh(&own, &l->mesh, desc->loc, diag);
+        if (!status) status = bis_geometry_add_mesh(g, &own, &shape->to_world, shape->material, diag);
+        bis_mesh_clear(&own);
+    } else {
+        status = bis_geometry_add_mesh(g, &l->mesh, &shape->to_world, shape->material, diag);
+    }
+    if (last) bis_mesh_clear(&l->mesh);
+    return status;
+}
+
+static bis_status add_quadric(bis_geometry *g, const bis_shape_desc *shape, bis_diag *diag)
+{
+    const bis_quadric q = {.kind = shape->kind == BIS_SHAPE_SPHERE ? BIS_SPHERE : BIS_DISK,
+                           .radius = shape->radius,
+                           .height = shape->height,
+                           .to_world = shape->to_world,
+                           .material = shape->material};
+    return bis_geometry_add_quadric(g, &q, diag);
+}
+
+static bool is_mesh(bis_shape_kind kind) { return kind != BIS_SHAPE_SPHERE && kind != BIS_SHAPE_DISK; }
+
+static bis_status load_geometry(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+    bis_geometry *g = &s->geometry;
+    loaded *meshes = bis_alloc(desc->n_meshes, sizeof *meshes);
+
+    s->shape_end = bis_alloc(desc->n_shapes, sizeof *s->shape_end);
+    if (!meshes || !s->shape_end) {
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu meshes", desc->n_meshes);
+        goto done;
+    }
+    for (size_t i = 0; i < desc->n_shapes; i++)
+        if (is_mesh(desc->shapes[i].kind)) meshes[desc->shapes[i].mesh].shapes_left++;
+    for (size_t i = 0; i < desc->n_shapes && !status; i++) {
+        const bis_shape_desc *shape = &desc->shapes[i];
+        if (is_mesh(shape->kind)) status = add_mesh(g, &meshes[shape->mesh], &desc->meshes[shape->mesh], shape, diag);
+        else status = add_quadric(g, shape, diag);
+        s->shape_end[i] = g->n_triangles;
+    }
+done:
+    for (size_t i = 0; meshes && i < desc->n_meshes; i++) bis_mesh_clear(&meshes[i].mesh);
+    bis_free(meshes);
+    return status;
+}
+
+static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
+{
+    const bool seen = bis_geometry_primitives(&s->geometry) > 0;
+    const unsigned asked = desc->light_needs ? desc->light_needs : bis_scene_light_needs(desc);
+    const unsigned needs = seen ? asked : 0;
+    double seconds[2] = {0, 0};
+    bis_light_desc light = desc->light;
+
+    if (!desc->has_light) return bis_light_constant(&s->light, (rgb){0, 0, 0}, diag);
+    /* inversion keeps the structure of low-discrepancy points, the alias method destroys it (docs/errata.md E12) */
+    if (!light.has_table_kind)
+        light.table_kind = bis_sampler_is_low_discrepancy(desc->sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+    light.as_printed = desc->settings.as_printed;
+    bis_status status = bis_light_new(&s->light, &light, needs, seconds, diag);
+    s->seconds.load += seconds[0];
+    s->seconds.envmap = seconds[1];
+    return status;
+}
+
+bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag *diag)
+{
+    bis_status status;
+    bis_scene *s = bis_alloc(1, sizeof *s);
+    double start = bis_clock_now();
+
+    *out = NULL;
+    if (!s) {
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for a scene");
+        goto done;
+    }
+    status = load_geometry(s, desc, diag);
+    if (status) goto done;
+    s->seconds.load = bis_clock_now() - start;
+    status = load_light(s, desc, diag);
+    if (status) goto done;
+    if (bis_geometry_primitives(&s->geometry) > 0) {
+        start = bis_clock_now();
+        status = bis_accel_new(&s->accel, &s->geometry, &desc->accel, diag);
+        if (status) goto done;
+        s->seconds.accel = bis_clock_now() - start;
+    }
+    *out = s;
+    s = NULL;
+done:
+    bis_scene_free(s);
+    return status;
+}
+
+void bis_scene_free(bis_scene *s)
+{
+    if (!s) return;
+    if (s->accel) bis_accel_free(s->accel);
+    bis_light_free(s->light);
+    bis_geometry_clear(&s->geometry);
+    bis_free(s->shape_end);
+    bis_free(s);
+}
+
+/* Spheres and disks come behind all triangles, in the order of the shapes. */
+static size_t quadric_shape(const bis_scene_desc *desc, size_t number)
+{
+    size_t i = 0;
+    while (is_mesh(desc->shapes[i].kind) || number-- > 0) i++;
+    return i;
+}
+
+size_t bis_scene_shape_of(const bis_scene *s, const bis_scene_desc *desc, uint32_t prim, size_t *part)
+{
+    *part = 0;
+    assert(prim < bis_geometry_primitives(&s->geometry));
+    if (prim >= s->geometry.n_triangles) return quadric_shape(desc, prim - s->geometry.n_triangles);
+    size_t i = 0;
+    while (s->shape_end[i] <= prim) i++;
+    *part = prim - (i ? s->shape_end[i - 1] : 0);
+    return i;
+}

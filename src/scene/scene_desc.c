@@ -1,0 +1,88 @@
+/* scene_desc: a scene as described: what it is when its file says nothing, how it grows, how it is freed.
+ *
+ * The defaults are those of SPEC 2 and 3 and, where they are silent, pbrt-v4's: a perspective camera at the origin that
+ * looks along +z, a grey diffuse material. */
+#include "base/grow.h"
+#include "parse/parser.h"
+
+#include "bis/thesis/phong.h"
+
+#include <string.h>
+
+static bool set_text(char **out, const char *s) { return (*out = bis_strdup(s)) != NULL; }
+
+static bool add_default_material(bis_scene_desc *d)
+{
+    d->materials = bis_grow(NULL, &d->capacity_materials, 1, sizeof *d->materials);
+    if (!d->materials) return false;
+    d->materials[d->n_materials++] = bis_phong(rgb_from(0.5, 0.5, 0.5), rgb_from(0, 0, 0), 50);
+    return true;
+}
+
+static bool add_own_name(bis_scene_desc *d)
+{
+    char *name = bis_strdup(d->path);
+    return name && bis_scene_desc_add_file(d, name);
+}
+
+bis_scene_desc *bis_scene_desc_new(const char *path)
+{
+    bis_scene_desc *d = bis_alloc(1, sizeof *d);
+    if (!d) return NULL;
+    d->camera = (bis_camera){.fov_deg = 90, .to_world = bis_xform_identity()};
+    d->film = (bis_film_desc){.width = 1280, .height = 720, .crop = {0, 1, 0, 1}};
+    d->sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .jitter = true};
+    bis_scene_set_spp(d, 16);
+    d->pixel_jitter = true;
+    d->settings = bis_settings_default(&bis_sir);
+    d->light = (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true,
+                                .to_world = bis_xform_identity()};
+    if (!set_text(&d->path, path) || !set_text(&d->film.filename, "bis.exr") || !add_default_material(d) ||
+        !add_own_name(d)) {
+        bis_scene_desc_free(d);
+        return NULL;
+    }
+    d->integrator_loc = (bis_loc){d->files[0], 0, 0};
+    return d;
+}
+
+void bis_scene_desc_free(bis_scene_desc *d)
+{
+    if (!d) return;
+    for (size_t i = 0; i < d->n_meshes; i++) {
+        bis_free(d->meshes[i].filename);
+        bis_mesh_clear(&d->meshes[i].mesh);
+    }
+    for (size_t i = 0; i < d->n_files; i++) bis_free(d->files[i]);
+    bis_free(d->meshes);
+    bis_free(d->shapes);
+    bis_free(d->files);
+    bis_free(d->materials);
+    bis_free(d->exceptions.of_material);
+    bis_free(d->light.filename);
+    bis_free(d->film.filename);
+    bis_free(d->path);
+    bis_free(d);
+}
+
+const char *bis_scene_desc_add_file(bis_scene_desc *d, char *name)
+{
+    char **files = bis_grow(d->files, &d->capacity_files, d->n_files + 1, sizeof *files);
+    if (!files) {
+        bis_free(name);
+        return NULL;
+    }
+    d->files = files;
+    return d->files[d->n_files++] = name;
+}
+
+bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape)
+{
+    bis_shape_desc *shapes = bis_grow(d->shapes, &d->capacity_shapes, d->n_shapes + 1, sizeof *shapes);
+    if (!shapes) return false;
+    d->shapes = shapes;
+    d->shapes[d->n_shapes++] = *shape;
+    return true;
+}
+
+void bis_scene_set_spp(bis_scene_desc *d, uint32_t spp) { bis_sampler_set_spp(&d->sampler, spp); }

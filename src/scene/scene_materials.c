@@ -1,0 +1,112 @@
+/* scene_materials: which material is rendered with which settings.
+ *
+ * One Integrator is the rule; a scene may name exceptions by the numbers of materials. A number stands for what the
+ * surface does, not for the directive that said so: materials of equal values have one number, however often they are
+ * written, and one that no shape uses has none. Numbers follow the shapes, because these are what one sees. */
+#include "bis/scene/scene.h"
+
+#include "bis/base/mem.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+const bis_settings *bis_scene_settings(const bis_scene_desc *d, int method)
+{
+    assert(method >= 0 && method <= d->exceptions.n);
+    return method ? &d->exceptions.settings[method - 1] : &d->settings;
+}
+
+int bis_scene_method_of(const bis_scene_desc *d, uint32_t material)
+{
+    return d->exceptions.n ? d->exceptions.of_material[material] : 0;
+}
+
+bool bis_scene_uses_method(const bis_scene_desc *d, int method)
+{
+    if (!d->exceptions.n) return method == 0;
+    for (size_t i = 0; i < d->n_shapes; i++)
+        if (bis_scene_method_of(d, d->shapes[i].material) == method) return true;
+    return false;
+}
+
+unsigned bis_scene_light_needs(const bis_scene_desc *d)
+{
+    unsigned needs = 0;
+
+    for (int i = 0; i <= d->exceptions.n; i++) {
+        const bis_settings *s = bis_scene_settings(d, i);
+        if (bis_scene_uses_method(d, i)) needs |= s->integrator->light_needs(s);
+    }
+    return needs;
+}
+
+void bis_scene_drop_exceptions(bis_scene_desc *d, const char *what, bis_diag *diag)
+{
+    if (!d->exceptions.n) return;
+    if (what) bis_warn(diag, d->exceptions.loc[0], "%s takes one integrator for all materials: those for single materials are left out", what);
+    bis_free(d->exceptions.of_material);
+    d->exceptions = (bis_exceptions){.n = 0};
+}
+
+/* ---- numbers ---- */
+
+typedef struct entry {
+    bis_material material;
+    uint32_t index;
+} entry;
+
+static int order(double a, double b) { return (a > b) - (a < b); }
+
+static int order_rgb(rgb a, rgb b)
+{
+    int c = order((double)a.r, (double)b.r);
+    if (!c) c = order((double)a.g, (double)b.g);
+    return c ? c : order((double)a.b, (double)b.b);
+}
+
+/* Some order, in which equals are neighbours. */
+static int order_materials(const bis_material *a, const bis_material *b)
+{
+    int c = ((uintptr_t)a->model > (uintptr_t)b->model) - ((uintptr_t)a->model < (uintptr_t)b->model);
+    if (!c) c = order_rgb(a->Kd, b->Kd);
+    if (!c) c = order_rgb(a->Ks, b->Ks);
+    if (!c) c = order(a->exponent, b->exponent);
+    return c ? c : order(a->alpha, b->alpha);
+}
+
+static int order_entries(const void *a, const void *b) { return order_materials(&((const entry *)a)->material, &((const entry *)b)->material); }
+
+bis_status bis_scene_number_materials(uint32_t **number, uint32_t *n_numbers, const bis_scene_desc *d, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+    const size_t n = d->n_materials;
+    entry *sorted = bis_alloc(n, sizeof *sorted);
+    uint32_t *same = bis_alloc(n, sizeof *same); /* the first, in sorted order, of those equal to it */
+    uint32_t *out = bis_alloc(n, sizeof *out);
+
+    *number = NULL;
+    *n_numbers = 0;
+    if (!sorted || !same || !out) {
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){d->path, 0, 0}, "no memory to number %zu materials", n);
+        goto done;
+    }
+    for (size_t i = 0; i < n; i++) sorted[i] = (entry){d->materials[i], (uint32_t)i};
+    qsort(sorted, n, sizeof *sorted, order_entries);
+    for (size_t i = 0; i < n; i++) {
+        const bool is_new = i == 0 || order_entries(&sorted[i - 1], &sorted[i]) != 0;
+        same[sorted[i].index] = is_new ? sorted[i].index : same[sorted[i - 1].index];
+        out[i] = BIS_NO_NUMBER;
+    }
+    for (size_t i = 0; i < d->n_shapes; i++) {
+        uint32_t *first = &out[same[d->shapes[i].material]];
+        if (*first == BIS_NO_NUMBER) *first = (*n_numbers)++;
+        out[d->shapes[i].material] = *first;
+    }
+    *number = out;
+    out = NULL;
+done:
+    bis_free(sorted);
+    bis_free(same);
+    bis_free(out);
+    return status;
+}

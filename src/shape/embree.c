@@ -1,0 +1,350 @@
+/* embree: a bounding volume hierarchy by Embree, the fast backend and the grid's witness.
+ *
+ * The scene is ROBUST: Embree's watertight triangle test, so that it and the grid agree but for ties. Buffers are
+ * shared with the geometry, which is why its vertices have a spare one at the end (Embree reads 16 bytes for the last
+ * 12).
+ * Two things are put right here, so that both backends say the same:
+ * - a triangle without area is never hit. In Embree's float arithmetic a collinear one can get a little area; such
+ *   triangles get one vertex three times, in an index buffer of our own that exists only if there are any;
+ * - t comes from the same double test as the grid's (src/shape/triangle.h), not from Embree's float one.
+ * The source compiles against Embree 3 and 4, whose queries take other arguments. Cost: O(n log n) build. */
+#include "embree.h"
+
+#ifndef BIS_EMBREE
+
+bis_status bis_embree_new(bis_accel **out, const bis_geometry *g, int n_threads, bis_diag *diag)
+{
+    (void)g;
+    (void)n_threads;
+    *out = NULL;
+    return bis_error(diag, BIS_INPUT, (bis_loc){0},
+                     "this program was built without Embree: use the accelerator \"grid\" (--accelerator grid), or install "
+                     "libembree-dev and build again");
+}
+
+const char *bis_accel_embree_version(void) { return NULL; }
+
+#else
+
+#include "bis/base/mem.h"
+#include "triangle.h"
+
+#include <stdatomic.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#if BIS_EMBREE == 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+enum { TRIANGLES, QUADRICS }; /* Embree's geometry ids */
+
+typedef struct bis_embree {
+    bis_accel base;
+    RTCDevice device;
+    RTCScene scene;
+    uint32_t *index;     /* a copy without triangles of no area; NULL: there are none, the geometry's is used */
+    atomic_llong bytes;  /* what Embree holds, by its own account */
+} bis_embree;
+
+const char *bis_accel_embree_version(void) { return RTC_VERSION_STRING; }
+
+/* ---- queries ---- */
+
+/* Embree's range is closed, [tnear, tfar], ours open. */
+static struct RTCRay query_ray(const ray *r)
+{
+    return (struct RTCRay){.org_x = r->o.x, .org_y = r->o.y, .org_z = r->o.z, .tnear = nextafterf(0, 1),
+                           .dir_x = r->d.x, .dir_y = r->d.y, .dir_z = r->d.z,
+                           .tfar = nextafterf(r->tmax, 0), .mask = UINT32_MAX};
+}
+
+/* t of the triangle's plane in double. Embree's own stands where that is no t of the ray: at a tie of an end of the
+ * ray, or edge-on. */
+static float distance(const bis_geometry *g, uint32_t prim, const ray *r, float embrees)
+{
+    const uint32_t *index = g->index + 3 * (size_t)prim;
+    const sheared_ray sheared = shear_ray(r);
+    float v[9];
+    double e[3], det, z;
+
+    for (int i = 0; i < 3; i++) memcpy(v + 3 * i, &g->p[index[i]], 3 * sizeof *v);
+    if (!shear_test(&sheared, v, e, &det, &z)) return embrees;
+    float t = (float)(z / det);
+    return t > 0 && t < r->tmax ? t : embrees;
+}
+
+static bool intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    const bis_embree *embree = (const bis_embree *)a;
+    struct RTCRayHit query = {.ray = query_ray(r), .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+
+#if BIS_EMBREE == 4
+    rtcIntersect1(embree->scene, &query, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(embree->scene, &context, &query);
+#endif
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    if (query.hit.geomID == TRIANGLES) {
+        *hit = (bis_hit){distance(a->geometry, query.hit.primID, r, query.ray.tfar), query.hit.primID};
+    } else {
+        *hit = (bis_hit){query.ray.tfar, (uint32_t)a->geometry->n_triangles + query.hit.primID};
+    }
+    return true;
+}
+
+static bool occluded(const bis_accel *a, const ray *r)
+{
+    const bis_embree *embree = (const bis_embree *)a;
+    struct RTCRay query = query_ray(r);
+
+#if BIS_EMBREE == 4
+    rtcOccluded1(embree->scene, &query, NULL);
+#else
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(embree->scene, &context, &query);
+#endif
+    return query.tfar < 0; /* -inf: occluded */
+}
+
+/* Shadow rays from one point: in streams of up to 64 (Embree 3), or packets of 16 (Embree 4 has no streams). */
+#if BIS_EMBREE == 4
+static void occluded_many(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded)
+{
+    const bis_embree *embree = (const bis_embree *)a;
+    enum { PACKET = 16 };
+
+    for (uint32_t first = 0; first < n; first += PACKET) {
+        const uint32_t count = n - first < PACKET ? n - first : PACKET;
+        struct RTCRay16 packet;
+        int valid[PACKET] = {0};
+        for (uint32_t i = 0; i < PACKET; i++) {
+            const ray r = {o, d[first + (i < count ? i : 0)], INFINITY};
+            const struct RTCRay q = query_ray(&r);
+            valid[i] = i < count ? -1 : 0;
+            packet.org_x[i] = q.org_x, packet.org_y[i] = q.org_y, packet.org_z[i] = q.org_z, packet.tnear[i] = q.tnear;
+            packet.dir_x[i] = q.dir_x, packet.dir_y[i] = q.dir_y, packet.dir_z[i] = q.dir_z, packet.tfar[i] = q.tfar;
+            packet.mask[i] = q.mask, packet.time[i] = 0, packet.id[i] = i, packet.flags[i] = 0;
+        }
+        rtcOccluded16(valid, embree->scene, &packet, NULL);
+        for (uint32_t i = 0; i < count; i++) occluded[first + i] = packet.tfar[i] < 0;
+    }
+}
+#else
+static void occluded_many(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded)
+{
+    const bis_embree *embree = (const bis_embree *)a;
+    enum { STREAM = 64 };
+    struct RTCRay stream[STREAM];
+    struct RTCIntersectContext context;
+
+    rtcInitIntersectContext(&context);
+    for (uint32_t first = 0; first < n; first += STREAM) {
+        const uint32_t count = n - first < STREAM ? n - first : STREAM;
+        for (uint32_t i = 0; i < count; i++) {
+            const ray r = {o, d[first + i], INFINITY};
+            stream[i] = query_ray(&r);
+        }
+        rtcOccluded1M(embree->scene, &context, stream, count, sizeof *stream);
+        for (uint32_t i = 0; i < count; i++) occluded[first + i] = stream[i].tfar < 0;
+    }
+}
+#endif
+
+/* ---- quadrics: Embree's "user geometry" ---- */
+
+static void quadric_bounds(const struct RTCBoundsFunctionArguments *args)
+{
+    const bis_embree *embree = args->geometryUserPtr;
+    const bis_geometry *g = embree->base.geometry;
+    const bis_box box = bis_geometry_bounds(g, (uint32_t)g->n_triangles + args->primID);
+
+    *args->bounds_o = (struct RTCBounds){.lower_x = box.lo.x, .lower_y = box.lo.y, .lower_z = box.lo.z,
+                                         .upper_x = box.hi.x, .upper_y = box.hi.y, .upper_z = box.hi.z};
+}
+
+/* The range's far end belongs to it: hence the float behind tfar. */
+static bool quadric_hit(const bis_embree *embree, uint32_t prim, const struct RTCRay *query, float *t)
+{
+    const ray r = {{query->org_x, query->org_y, query->org_z}, {query->dir_x, query->dir_y, query->dir_z},
+                   nextafterf(query->tfar, INFINITY)};
+
+    return bis_quadric_intersect(&embree->base.geometry->quadrics[prim], &r, t);
+}
+
+static void quadric_intersect(const struct RTCIntersectFunctionNArguments *args)
+{
+    struct RTCRayHit *query = (struct RTCRayHit *)args->rayhit;
+    float t;
+
+    if (!args->valid[0] || !quadric_hit(args->geometryUserPtr, args->primID, &query->ray, &t)) return;
+    query->ray.tfar = t;
+    query->hit.geomID = args->geomID;
+    query->hit.primID = args->primID;
+    query->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+}
+
+/* Rays come in packets, too: N of them, as arrays of N one behind the other. Embree's header has accessors for C++
+ * alone. */
+static void quadric_occluded(const struct RTCOccludedFunctionNArguments *args)
+{
+    enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR };
+    const unsigned N = args->N;
+
+    for (unsigned i = 0; i < N; i++) {
+        if (!args->valid[i]) continue;
+        float *f = (float *)args->ray + i, t;
+        const struct RTCRay query = {.org_x = f[ORG_X * N], .org_y = f[ORG_Y * N], .org_z = f[ORG_Z * N], .tnear = f[TNEAR * N],
+                                     .dir_x = f[DIR_X * N], .dir_y = f[DIR_Y * N], .dir_z = f[DIR_Z * N], .tfar = f[TFAR * N]};
+        if (quadric_hit(args->geometryUserPtr, args->primID, &query, &t)) f[TFAR * N] = -INFINITY;
+    }
+}
+
+/* ---- construction ---- */
+
+static bool count_bytes(void *embree, ssize_t bytes, bool post)
+{
+    (void)post;
+    atomic_fetch_add(&((bis_embree *)embree)->bytes, bytes);
+    return true;
+}
+
+/* Embree's last error as one of ours. */
+static bis_status check_device(RTCDevice device, bis_diag *diag)
+{
+    const bis_loc nowhere = {0};
+
+    switch (rtcGetDeviceError(device)) {
+    case RTC_ERROR_NONE:
+        return BIS_OK;
+    case RTC_ERROR_OUT_OF_MEMORY:
+        return bis_error(diag, BIS_NOMEM, nowhere, "no memory for Embree's hierarchy; the accelerator \"grid\" needs less");
+    case RTC_ERROR_UNSUPPORTED_CPU:
+        return bis_error(diag, BIS_INPUT, nowhere,
+                         "Embree does not support this processor: use the accelerator \"grid\" (--accelerator grid)");
+    default:
+        return bis_error(diag, BIS_INPUT, nowhere,
+                         "Embree failed for a reason of its own: try the accelerator \"grid\" (--accelerator grid)");
+    }
+}
+
+static bool triangle_has_area(const bis_geometry *g, size_t i)
+{
+    const uint32_t *index = g->index + 3 * i;
+    const vec3 v[3] = {g->p[index[0]], g->p[index[1]], g->p[index[2]]};
+
+    return has_area(v);
+}
+
+/* Embree->index: see the top. */
+static bis_status mask_triangles(bis_embree *embree, bis_diag *diag)
+{
+    const bis_geometry *g = embree->base.geometry;
+    size_t first = 0;
+
+    while (first < g->n_triangles && triangle_has_area(g, first)) first++;
+    if (first == g->n_triangles) return BIS_OK;
+    embree->index = bis_alloc(g->n_triangles, 3 * sizeof *embree->index);
+    if (!embree->index) {
+        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %zu triangles", g->n_triangles);
+    }
+    memcpy(embree->index, g->index, 3 * g->n_triangles * sizeof *g->index);
+    for (size_t i = first; i < g->n_triangles; i++) {
+        if (!triangle_has_area(g, i)) embree->index[3 * i + 1] = embree->index[3 * i + 2] = embree->index[3 * i];
+    }
+    return BIS_OK;
+}
+
+static void attach(const bis_embree *embree, RTCGeometry geometry, unsigned id)
+{
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(embree->scene, geometry, id);
+    rtcReleaseGeometry(geometry);
+}
+
+static void attach_triangles(const bis_embree *embree)
+{
+    const bis_geometry *g = embree->base.geometry;
+    const uint32_t *index = embree->index ? embree->index : g->index;
+    RTCGeometry triangles = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+
+    rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, g->p, 0, sizeof *g->p, g->n_vertices);
+    rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, index, 0, 3 * sizeof *index,
+                               g->n_triangles);
+    attach(embree, triangles, TRIANGLES);
+}
+
+static void attach_quadrics(bis_embree *embree)
+{
+    RTCGeometry quadrics = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_USER);
+
+    rtcSetGeometryUserPrimitiveCount(quadrics, (unsigned)embree->base.geometry->n_quadrics);
+    rtcSetGeometryUserData(quadrics, embree);
+    rtcSetGeometryBoundsFunction(quadrics, quadric_bounds, NULL);
+    rtcSetGeometryIntersectFunction(quadrics, quadric_intersect);
+    rtcSetGeometryOccludedFunction(quadrics, quadric_occluded);
+    attach(embree, quadrics, QUADRICS);
+}
+
+static size_t bytes(const bis_accel *a)
+{
+    const bis_embree *embree = (const bis_embree *)a;
+    size_t own = sizeof *embree + (embree->index ? 3 * a->geometry->n_triangles * sizeof *embree->index : 0);
+
+    return own + (size_t)atomic_load(&embree->bytes);
+}
+
+static void free_embree(bis_accel *a)
+{
+    bis_embree *embree = (bis_embree *)a;
+
+    if (!embree) return;
+    if (embree->scene) rtcReleaseScene(embree->scene);
+    if (embree->device) rtcReleaseDevice(embree->device);
+    bis_free(embree->index);
+    bis_free(embree);
+}
+
+static const bis_accel_ops embree_ops = {"embree", intersect, occluded, bytes, free_embree, occluded_many};
+
+bis_status bis_embree_new(bis_accel **out, const bis_geometry *g, int n_threads, bis_diag *diag)
+{
+    bis_embree *embree = bis_alloc(1, sizeof *embree);
+    char config[32] = "";
+    bis_status status;
+
+    *out = NULL;
+    if (!embree) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for Embree's hierarchy");
+    embree->base = (bis_accel){&embree_ops, g};
+    status = mask_triangles(embree, diag);
+    if (status) goto done;
+    if (n_threads > 0) snprintf(config, sizeof config, "threads=%d", n_threads);
+    embree->device = rtcNewDevice(config);
+    if (!embree->device) {
+        status = check_device(NULL, diag);
+        goto done;
+    }
+    rtcSetDeviceMemoryMonitorFunction(embree->device, count_bytes, embree);
+    embree->scene = rtcNewScene(embree->device);
+    rtcSetSceneFlags(embree->scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(embree->scene, RTC_BUILD_QUALITY_MEDIUM);
+    if (g->n_triangles > 0) attach_triangles(embree);
+    if (g->n_quadrics > 0) attach_quadrics(embree);
+    rtcCommitScene(embree->scene);
+    status = check_device(embree->device, diag);
+    if (status) goto done;
+    *out = &embree->base;
+    embree = NULL;
+done:
+    free_embree((bis_accel *)embree);
+    return status;
+}
+
+#endif

@@ -1,0 +1,17 @@
+/* quadric: spheres and discs under an affine transformation. Private to row 3; bis_quadric_intersect is public. */
+#ifndef BIS_QUADRIC_H
+#define BIS_QUADRIC_H
+
+#include "bis/shape/geometry.h"
+
+/* World-space box, rounded outwards. */
+bis_box bis_quadric_bounds(const bis_quadric *q);
+
+/* The surface where r, which an accelerator found to hit q, meets it. */
+void bis_quadric_surface(const bis_quadric *q, const ray *r, bis_surface *s);
+
+/* False only if no point of q lies in the box about `centre` (world space) with these half extents: lets the grid leave
+ * a sphere out of the cells in its inside and its box's corners. */
+bool bis_quadric_may_touch(const bis_quadric *q, const double centre[3], const double half[3]);
+
+#endif

@@ -1,0 +1,16 @@
+/* bsdf: the frame at a shading point, and whether anything is reflected there at all. What depends on the model is
+ * behind its functions. */
+#include "bis/thesis/bsdf.h"
+
+void bis_bsdf_init(bis_bsdf *b, const bis_material *m, vec3 n, vec3 wo)
+{
+    *b = (bis_bsdf){.material = m, .local = frame_about(n), .wo = wo};
+    m->model->init(b);
+}
+
+bool bis_bsdf_is_black(const bis_bsdf *b)
+{
+    const bis_material *m = b->material;
+
+    return (rgb_is_black(m->Kd) && rgb_is_black(m->Ks)) || bis_bsdf_cos(b, b->wo) <= 0;
+}

@@ -1,0 +1,124 @@
+/* curve: Hilbert's curve without a loop over its levels, and its kin on rectangles.
+ *
+ * Hilbert 1891, as a machine: the base-4 digits of t, from the top, say which quadrant comes next. Digit d = 2 a + b
+ * (bits a, b) visits (x, y) = (a, a xor b): up, right, down. Within quadrant 0 the curve is mirrored at the diagonal
+ * (x and y swap), within quadrant 3 at the other one (swap, and both complemented). Swap and complement commute, so at
+ * each level the state is just the parity of the swaps (d = 0 or 3) and complements (d = 3) of the digits above it: two
+ * prefix parities, which a word computes for all its levels at once in log2(32) steps (the trick: Warren 2012,
+ * "Hacker's Delight", chapter 16). */
+#include "bis/thesis/curve.h"
+
+#include <assert.h>
+#include <stddef.h>
+
+enum { LEVELS = 26 };
+
+/* Every second bit of x, bits 0, 2, 4, ..., side by side. */
+static uint32_t even_bits(uint64_t x)
+{
+    x &= 0x5555555555555555u;
+    x = (x | x >> 1) & 0x3333333333333333u;
+    x = (x | x >> 2) & 0x0f0f0f0f0f0f0f0fu;
+    x = (x | x >> 4) & 0x00ff00ff00ff00ffu;
+    x = (x | x >> 8) & 0x0000ffff0000ffffu;
+    return (uint32_t)(x | x >> 16);
+}
+
+/* Bit k of the result: parity of the bits of x above k. */
+static uint32_t parity_above(uint32_t x)
+{
+    x >>= 1;
+    x ^= x >> 1;
+    x ^= x >> 2;
+    x ^= x >> 4;
+    x ^= x >> 8;
+    return x ^ x >> 16;
+}
+
+void bis_curve_hilbert(double t, double u[2])
+{
+    assert(t >= 0 && t < 1);
+    const uint32_t levels = ((uint32_t)1 << LEVELS) - 1;
+    uint64_t digits = (uint64_t)(t * 0x1p52);
+    uint32_t a = even_bits(digits >> 1), b = even_bits(digits);
+    uint32_t swap = parity_above(~(a ^ b) & levels), complement = parity_above(a & b);
+    uint32_t x = a ^ (swap & b) ^ complement; /* swap ? a ^ b : a */
+    uint32_t y = x ^ b;                       /* the other one: a and a ^ b differ by b */
+    u[0] = (double)x * 0x1p-26;
+    u[1] = (double)y * 0x1p-26;
+}
+
+/* ---- rectangles ----
+ *
+ * A block is a corner cell and two sides; its curve enters at the corner and leaves at the far end of the first side.
+ * Halves of a block are blocks again: a long one is cut in two along its first side; else the curve goes up the second
+ * side, along the first, and down again. Cuts are made at even lengths where that is possible, so that the ends meet
+ * (Cerveny 2018, "gilbert"). Depth of recursion: one side halves each time, at most 2 * 32. */
+
+typedef struct cell {
+    int32_t x, y;
+} cell;
+
+typedef struct path {
+    uint32_t *order;
+    size_t n;
+    uint32_t width;
+} path;
+
+static cell plus(cell a, cell b) { return (cell){a.x + b.x, a.y + b.y}; }
+static cell minus(cell a, cell b) { return (cell){a.x - b.x, a.y - b.y}; }
+static cell times(cell a, int32_t s) { return (cell){a.x * s, a.y * s}; }
+static int32_t sign(int32_t x) { return (x > 0) - (x < 0); }
+static cell unit(cell side) { return (cell){sign(side.x), sign(side.y)}; }
+static int32_t cells_in(cell side) { return side.x + side.y < 0 ? -side.x - side.y : side.x + side.y; }
+
+/* About half of side, at an even number of cells unless the side is too short. */
+static cell half(cell side)
+{
+    int32_t n = cells_in(side) / 2;
+    if (n % 2 == 1 && cells_in(side) > 2) n++;
+    return times(unit(side), n);
+}
+
+static void visit_line(path *p, cell at, cell side)
+{
+    cell step = unit(side);
+    for (int32_t i = cells_in(side); i > 0; i--, at = plus(at, step))
+        p->order[p->n++] = (uint32_t)at.y * p->width + (uint32_t)at.x;
+}
+
+static void visit_block(path *p, cell corner, cell first, cell second)
+{
+    int32_t w = cells_in(first), h = cells_in(second);
+    if (h == 1) {
+        visit_line(p, corner, first);
+        return;
+    }
+    if (w == 1) {
+        visit_line(p, corner, second);
+        return;
+    }
+    if (2 * w > 3 * h) {
+        cell start = half(first);
+        visit_block(p, corner, start, second);
+        visit_block(p, plus(corner, start), minus(first, start), second);
+        return;
+    }
+    cell first_half = times(unit(first), w / 2), second_half = half(second);
+    cell turn = plus(minus(first, unit(first)), minus(second_half, unit(second)));
+    visit_block(p, corner, second_half, first_half);
+    visit_block(p, plus(corner, second_half), first, minus(second, second_half));
+    visit_block(p, plus(corner, turn), times(second_half, -1), minus(first_half, first));
+}
+
+void bis_curve_rectangle(uint32_t *order, uint32_t width, uint32_t height)
+{
+    path p = {order, 0, width};
+    assert(width <= INT32_MAX && height <= INT32_MAX && (uint64_t)width * height <= UINT32_MAX);
+    cell corner = {0, 0}, right = {(int32_t)width, 0}, down = {0, (int32_t)height};
+    if (width == 0 || height == 0) return;
+    if (width >= height)
+        visit_block(&p, corner, right, down);
+    else
+        visit_block(&p, corner, down, right);
+}

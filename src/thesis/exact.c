@@ -1,0 +1,56 @@
+/* exact: eq. 3.2 as it stands, thesis 3.1: the sphere is a set of patches of constant radiance, and every lit one is
+ * visited.
+ *
+ *     L = sum_i Le_i sum_k f(wi_ik, wo) cos theta_ik V(wi_ik) dOmega_i / K,     wi_ik uniform in patch i, k < K = perpatch
+ *
+ * Inside a patch f, cos and V vary, so one ray at its centre would be biased, and a shadow's edge would come out in
+ * steps (docs/errata.md E2); a ray anywhere in it is not. Unbiased for every K >= 1; its noise is that inside single
+ * patches, far below all others'.
+ * Cost: K rays for every lit patch above the horizon: ground truth for small maps. */
+#include "proposal.h"
+
+#include "bis/thesis/curve.h"
+
+static unsigned light_needs(const bis_settings *s)
+{
+    (void)s;
+    return 0;
+}
+
+static void scratch_needs(const bis_settings *s, bis_scratch *need)
+{
+    (void)s;
+    (void)need;
+}
+
+/* The sum over k for patch i: one point in each K-th of a Hilbert curve through the patch. */
+static rgbd patch(const bis_point *pt, size_t i, uint32_t K, bis_stream *stream)
+{
+    rgbd sum = {0, 0, 0};
+
+    for (uint32_t k = 0; k < K; k++) {
+        double u[2];
+        bis_light_point y;
+        bis_curve_hilbert(bis_stratum(k, bis_stream_random(stream), K), u);
+        bis_light_patch(pt->light, i, u, &y);
+        if (rgb_is_black(y.Le)) break;
+
+        double cos_theta = bis_bsdf_cos(&pt->bsdf, y.wi);
+        if (cos_theta <= 0) continue;
+        rgbd C = bis_estimate(bis_bsdf_f(&pt->bsdf, y.wi), y.Le, cos_theta, (double)K * y.pdf); /* y.pdf = 1 / dOmega */
+        if (rgbd_sum(C) > 0 && bis_point_sees(pt, y.wi)) sum = rgbd_add(sum, C);
+    }
+    return sum;
+}
+
+static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    rgbd sum = {0, 0, 0};
+
+    (void)scratch;
+    if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
+    for (size_t i = 0, n = bis_light_patches(pt->light); i < n; i++) sum = rgbd_add(sum, patch(pt, i, s->perpatch, stream));
+    return rgbd_round(sum);
+}
+
+const bis_integrator bis_exact = {"exact", "unbiased: every lit patch, noise only inside patches", light_needs, scratch_needs, Lo};

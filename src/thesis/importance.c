@@ -1,0 +1,221 @@
+/* importance: the density by which directions are drawn from an environment map, thesis 3.3 with the area weighting of
+ * 3.4.
+ *
+ * A pixel weighs w per steradian: its intensity I = r+g+b (3.3 step 1), times min(0.01 sr, A_k)^b where b > 0, A_k the
+ * solid angle of its component (3.4, docs/errata.md E17). It is drawn with probability P = w dO / sum of all (E3), a
+ * direction in it uniformly by solid angle (E2), hence with density
+ *
+ *     q = P / dO = w / sum.
+ *
+ * Area weighting changes where we look, never what we see: whatever w is, as long as it is positive where the map is,
+ * estimators that divide by this q are right (E20). So the only thing to keep is that q is exactly what is drawn; tests
+ * compare both to 1e-8.
+ *
+ * Nothing but the area factors is stored of w. Cost: O(W H); draws O(1). */
+#include "bis/thesis/importance.h"
+
+#include "bis/base/mem.h"
+#include "bis/thesis/regions.h"
+#include "importance_parts.h"
+
+#include <assert.h>
+#include <float.h>
+
+struct bis_importance {
+    bis_weights weights;
+    double total;     /* sum of w dO */
+    double max_ratio;
+    bis_table table;
+    bis_trail trail;
+    bool has_table, has_curve;
+};
+
+static size_t n_pixels(const bis_envmap *em) { return (size_t)em->width * (size_t)em->height; }
+
+/* [area] */
+/* The factor of thesis 3.4 for every lit pixel. */
+static bis_status find_area_factors(bis_weights *w, int levels, double b, bis_diag *diag)
+{
+    bis_regions regions;
+    bis_status status = bis_regions_init(&regions, w->em, levels, diag);
+    if (status) return status;
+    w->area = bis_alloc(n_pixels(w->em), sizeof *w->area);
+    if (!w->area) {
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the area factors of a %d x %d map", w->em->width,
+                           w->em->height);
+        goto done;
+    }
+    double *factor = regions.solid_angle; /* one turned into the other, in place */
+#pragma omp parallel for
+    for (uint32_t k = 0; k < regions.n; k++) factor[k] = bis_area_factor(regions.solid_angle[k], b);
+#pragma omp parallel for
+    for (size_t i = 0; i < n_pixels(w->em); i++) {
+        if (regions.label[i] == BIS_REGION_NONE) continue;
+        /* FLT_TRUE_MIN: an absurd b (4 and more) underflows; a lit pixel must stay possible, and any positive weight is right */
+        w->area[i] = fmaxf((float)factor[regions.label[i]], FLT_TRUE_MIN);
+    }
+done:
+    bis_regions_clear(&regions);
+    return status;
+}
+/* [end] */
+
+/* MIS compensation (Karlik et al. 2019): what lies below the mean is left to the BRDF's samples. Of a map that nowhere
+ * exceeds its mean by more than the rounding of the sum that made it (n additions, each 2^-53), nothing would be left:
+ * it is drawn uncompensated. */
+static double mean_to_subtract(const bis_envmap *em)
+{
+    const double mean = bis_envmap_power(em) / (4 * PI);
+    const double rounding = (double)n_pixels(em) * DBL_EPSILON * mean;
+    return bis_envmap_max_intensity(em) - mean > rounding ? mean : 0;
+}
+
+/* Sums over the rows, then over the sphere, in this order whatever the number of threads. */
+static void sum_rows(bis_importance *im, double *row_weight)
+{
+    const bis_envmap *em = im->weights.em;
+    const size_t width = (size_t)em->width;
+#pragma omp parallel for
+    for (int y = 0; y < em->height; y++) {
+        double sum = 0;
+        for (size_t x = 0; x < width; x++) sum += bis_weight(&im->weights, (size_t)y * width + x);
+        row_weight[y] = sum;
+    }
+    im->total = 0;
+    for (int y = 0; y < em->height; y++) {
+        im->total += row_weight[y] * em->row_solid_angle[y];
+        row_weight[y] *= bis_row_measure(&im->weights, (size_t)y);
+    }
+}
+
+/* The largest I/q = sum * I/w. Without compensation I/w is 1, or 1/area. The four roundings of I * area / sum, of the
+ * caller's I/q and of ours are below 2^-53 each: a factor 1 + 8 * 2^-53 makes it a bound of what is computed, too. */
+static double find_max_ratio(const bis_importance *im)
+{
+    const bis_weights *w = &im->weights;
+    if (im->total == 0) return 0;
+    if (w->mean > 0) return (double)INFINITY;
+    double least_area = 1;
+    for (size_t i = 0; w->area && i < n_pixels(w->em); i++) {
+        if (!rgb_is_black(w->em->pixels[i])) least_area = fmin(least_area, (double)w->area[i]);
+    }
+    return im->total / least_area * (1 + 4 * DBL_EPSILON);
+}
+
+/* As printed (E20): drawn with the area factors, by the tables that are made, but weighed as if without. */
+static void forget_area_factors(bis_importance *im, double *row_weight)
+{
+    bis_free(im->weights.area);
+    im->weights.area = NULL;
+    sum_rows(im, row_weight);
+    im->max_ratio = find_max_ratio(im);
+}
+
+bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const bis_importance_options *options, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+    double *row_weight = bis_alloc((size_t)em->height, sizeof *row_weight);
+    bis_importance *im = bis_alloc(1, sizeof *im);
+
+    *out = NULL;
+    if (!im || !row_weight) {
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the importance of a map");
+        goto done;
+    }
+    im->weights = (bis_weights){.em = em, .as_printed = options->as_printed};
+    assert(isfinite(options->area_exponent) && options->area_exponent >= 0);
+    if (options->area_exponent > 0) {
+        status = find_area_factors(&im->weights, options->levels, options->area_exponent, diag);
+        if (status) goto done;
+    }
+    if (options->compensate) im->weights.mean = mean_to_subtract(em);
+    sum_rows(im, row_weight);
+    im->max_ratio = find_max_ratio(im);
+    im->has_table = options->table;
+    im->has_curve = options->curve;
+    if (im->total > 0 && im->has_table) {
+        status = bis_table_init(&im->table, &im->weights, row_weight, options->table_kind, diag);
+        if (status) goto done;
+    }
+    if (im->total > 0 && im->has_curve) {
+        status = bis_trail_init(&im->trail, &im->weights, diag);
+        if (status) goto done;
+    }
+    if (im->weights.as_printed & BIS_E20) forget_area_factors(im, row_weight);
+    *out = im;
+    im = NULL;
+done:
+    bis_importance_free(im);
+    bis_free(row_weight);
+    return status;
+}
+
+void bis_importance_free(bis_importance *im)
+{
+    if (!im) return;
+    bis_table_clear(&im->table);
+    bis_trail_clear(&im->trail);
+    bis_free(im->weights.area);
+    bis_free(im);
+}
+
+/* [sample] */
+bool bis_importance_sample(const bis_importance *im, const double u[4], bis_map_sample *s)
+{
+    assert(im->has_table);
+    if (im->total == 0) return false;
+    const bis_envmap *em = im->weights.em;
+    const bis_drawn d = bis_table_draw(&im->table, u);
+    s->pixel = d.y * (size_t)em->width + d.x;
+    s->w_local = bis_envmap_direction(em, (int)d.x, (int)d.y, d.u[0], d.u[1]);
+    s->pdf = bis_importance_pdf_pixel(im, s->pixel);
+    return true;
+}
+/* [end] */
+
+bool bis_importance_sample_curve(const bis_importance *im, double t, const double u[2], bis_map_sample *s)
+{
+    assert(im->has_curve);
+    if (im->total == 0) return false;
+    const bis_envmap *em = im->weights.em;
+    const size_t width = (size_t)em->width;
+    s->pixel = bis_trail_draw(&im->trail, width, t);
+    s->w_local = bis_envmap_direction(em, (int)(s->pixel % width), (int)(s->pixel / width), u[0], u[1]);
+    s->pdf = bis_importance_pdf_pixel(im, s->pixel);
+    return true;
+}
+
+/* [density] */
+double bis_importance_pdf_pixel(const bis_importance *im, size_t pixel)
+{
+    return im->total > 0 ? bis_weight(&im->weights, pixel) / im->total : 0;
+}
+/* [end] */
+
+double bis_importance_pdf(const bis_importance *im, vec3 w_local)
+{
+    return bis_importance_pdf_pixel(im, bis_envmap_pixel(im->weights.em, w_local));
+}
+
+bis_status bis_importance_cut(const bis_importance *im, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile, uint32_t *side)
+{
+    assert(im->has_curve && im->total > 0);
+    *side = im->trail.side;
+    return bis_trail_cut(&im->trail, im->weights.em, K, n, t, of_tile);
+}
+
+double bis_importance_max_ratio(const bis_importance *im) { return im->max_ratio; }
+
+size_t bis_importance_bytes(const bis_importance *im)
+{
+    const size_t area = im->weights.area ? n_pixels(im->weights.em) * sizeof *im->weights.area : 0;
+    return sizeof *im + area + bis_table_bytes(&im->table) + bis_trail_bytes(&im->trail);
+}
+
+bis_status bis_importance_implied_pmf(const bis_importance *im, double *pmf, bis_diag *diag)
+{
+    assert(im->has_table);
+    if (im->total > 0) return bis_table_implied_pmf(&im->table, pmf, diag);
+    for (size_t i = 0; i < n_pixels(im->weights.em); i++) pmf[i] = 0;
+    return BIS_OK;
+}

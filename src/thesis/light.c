@@ -1,0 +1,356 @@
+/* light: the illumination as an integrator sees it: directions and densities in world space, thesis 3.1.
+ *
+ * Either a constant, for which nothing is built and directions are uniform over the sphere, or a map with its
+ * importance (3.3, 3.4), turned by the rotation or reflection that stood where the scene declared it. The rotation
+ * preserves solid angles, so densities pass through unchanged. It is kept in double and made exactly orthonormal: the
+ * inverse is the transpose.
+ *
+ * What is drawn carries the radiance of the pixel that was drawn, not of the one that the rounded direction looks up
+ * to: these differ for one direction in about 10^5 of a 4096 x 2048 map, next to a pixel's edge. */
+#include "bis/thesis/light.h"
+
+#include "bis/base/clock.h"
+#include "bis/thesis/curve.h"
+#include "bis/files/image.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/warp.h"
+
+#include <assert.h>
+#include <float.h>
+#include <stdio.h>
+
+/* Of a constant, for eq. 3.2: equal steps of z and of phi, patches of equal solid angle. */
+enum { PATCHES_X = 512, PATCHES_Y = 256 };
+
+struct bis_light {
+    bool is_constant;
+    rgb L;                      /* of a constant */
+    bis_envmap em;
+    bis_importance *importance; /* NULL: nothing was needed */
+    double rotation[3][3];      /* local to world, column by column: rotation[i] is the image of axis i */
+    double power, max_intensity;
+};
+
+/* ---- the frame ---- */
+
+static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Subtract from v its part along the unit vector axis. */
+static void remove_part(double v[3], const double axis[3])
+{
+    const double d = dot3(v, axis);
+    for (int i = 0; i < 3; i++) v[i] -= d * axis[i];
+}
+
+static void make_unit(double v[3])
+{
+    const double norm = sqrt(dot3(v, v));
+    for (int i = 0; i < 3; i++) v[i] /= norm;
+}
+
+/* Gram and Schmidt: keeps the handedness, so a reflection stays one. */
+static void set_rotation(bis_light *light, const bis_xform *t)
+{
+    double(*r)[3] = light->rotation;
+    for (int axis = 0; axis < 3; axis++) {
+        for (int i = 0; i < 3; i++) r[axis][i] = t->m[i][axis];
+        for (int done = 0; done < axis; done++) remove_part(r[axis], r[done]);
+        make_unit(r[axis]);
+    }
+}
+
+static vec3 to_world_frame(const bis_light *light, vec3 w)
+{
+    const double(*r)[3] = light->rotation;
+    const double x = (double)w.x, y = (double)w.y, z = (double)w.z;
+    return vec3_from(x * r[0][0] + y * r[1][0] + z * r[2][0], x * r[0][1] + y * r[1][1] + z * r[2][1],
+                     x * r[0][2] + y * r[1][2] + z * r[2][2]);
+}
+
+static vec3 to_map_frame(const bis_light *light, vec3 w)
+{
+    const double v[3] = {(double)w.x, (double)w.y, (double)w.z};
+    return vec3_from(dot3(v, light->rotation[0]), dot3(v, light->rotation[1]), dot3(v, light->rotation[2]));
+}
+
+/* ---- making one ---- */
+
+static bis_status build_importance(bis_light *light, const bis_light_desc *desc, unsigned needs, bis_diag *diag)
+{
+    if (!(needs & (BIS_NEED_TABLE | BIS_NEED_CURVE))) return BIS_OK;
+    const bis_importance_options options = {
+        .table = needs & BIS_NEED_TABLE,
+        .curve = needs & BIS_NEED_CURVE,
+        .table_kind = desc->table_kind,
+        .area_exponent = desc->area_exponent,
+        .levels = desc->levels,
+        .compensate = needs & BIS_NEED_COMPENSATED,
+        .as_printed = desc->as_printed,
+    };
+    return bis_importance_new(&light->importance, &light->em, &options, diag);
+}
+
+bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+    bis_light *light = bis_alloc(1, sizeof *light);
+
+    *out = NULL;
+    if (!light) {
+        bis_envmap_clear(em);
+        return bis_error(diag, BIS_NOMEM, desc->loc, "no memory for a light");
+    }
+    light->em = *em;
+    *em = (bis_envmap){0};
+    if (!bis_xform_is_orthonormal(&desc->to_world, BIS_LIGHT_FRAME_TOLERANCE)) {
+        status = bis_error(diag, BIS_INPUT, desc->loc,
+                           "the current transformation stretches or shears the environment light (by more than %g); it must be a "
+                           "rotation or a reflection: put LightSource before any Scale, or between AttributeBegin and AttributeEnd",
+                           BIS_LIGHT_FRAME_TOLERANCE);
+        goto done;
+    }
+    set_rotation(light, &desc->to_world);
+    light->power = bis_envmap_power(&light->em);
+    light->max_intensity = bis_envmap_max_intensity(&light->em);
+    status = build_importance(light, desc, needs, diag);
+    if (status) goto done;
+    *out = light;
+    light = NULL;
+done:
+    bis_light_free(light);
+    return status;
+}
+
+bis_status bis_light_constant(bis_light **out, rgb L, bis_diag *diag)
+{
+    assert(rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0);
+    *out = bis_alloc(1, sizeof **out);
+    if (!*out) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a light");
+    **out = (bis_light){.is_constant = true, .L = L, .power = 4 * PI * rgb_sum(L), .max_intensity = rgb_sum(L)};
+    return BIS_OK;
+}
+
+void bis_light_free(bis_light *light)
+{
+    if (!light) return;
+    bis_importance_free(light->importance);
+    bis_envmap_clear(&light->em);
+    bis_free(light);
+}
+
+/* ---- from a scene's description ---- */
+
+/* One warning for all bad values of a map (E7). */
+static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_loc at, bis_diag *diag)
+{
+    const size_t counts[] = {d->n_nan, d->n_infinite, d->n_negative};
+    const char *const kinds[] = {"NaN", "infinite", "negative"};
+    char list[128] = "";
+    size_t used = 0;
+    for (int i = 0; i < 3; i++) {
+        if (counts[i] == 0) continue;
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%zu %s", used ? ", " : "", counts[i], kinds[i]);
+    }
+    if (used == 0) return;
+    bis_warn(diag, at, "\"%s\": bad channel values set to 0: %s; the first is %c of pixel (%d, %d); they cover %.3g%% of the sphere",
+             filename, list, d->first_channel, d->first_x, d->first_y, 100 * d->solid_angle / (4 * PI));
+}
+
+static bis_status make_envmap(bis_envmap *em, bis_image *image, const bis_light_desc *desc, bis_diag *diag)
+{
+    if (desc->angular) {
+        if (image->width == image->height) return bis_envmap_from_angular(em, image, desc->width, diag);
+        return bis_error(diag, BIS_INPUT, desc->loc, "\"%s\" is %d x %d; an angular map must be square (\"latlong\" maps are 2:1)",
+                         desc->filename, image->width, image->height);
+    }
+    if (image->width == image->height && !desc->has_mapping) {
+        return bis_error(diag, BIS_INPUT, desc->loc,
+                         "\"%s\" is square, %d x %d: give its mapping, \"angular\" for a light probe, or \"latlong\" if that is meant "
+                         "(pbrt-v4's equal-area mapping is not supported: convert such maps to latlong first)",
+                         desc->filename, image->width, image->height);
+    }
+    return bis_envmap_from_latlong(em, image, diag);
+}
+
+static bis_status scale_envmap(bis_envmap *em, const bis_light_desc *desc, bis_diag *diag)
+{
+    const rgb scale = rgb_scale(desc->L, desc->scale);
+    if (rgb_is_finite(scale) && !bis_envmap_scale(em, scale, NULL)) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, desc->loc,
+                     "\"%s\" times \"L\" (%g %g %g) and \"scale\" %g exceeds the largest float; choose a smaller scale", desc->filename,
+                     (double)desc->L.r, (double)desc->L.g, (double)desc->L.b, desc->scale);
+}
+
+static bis_status new_constant(bis_light **out, const bis_light_desc *desc, bis_diag *diag)
+{
+    const rgb L = rgb_scale(desc->L, desc->scale);
+    if (rgb_is_finite(L)) return bis_light_constant(out, L, diag);
+    return bis_error(diag, BIS_INPUT, desc->loc, "\"L\" (%g %g %g) times \"scale\" %g exceeds the largest float; choose a smaller scale",
+                     (double)desc->L.r, (double)desc->L.g, (double)desc->L.b, desc->scale);
+}
+
+bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs, bis_diag *diag)
+{
+    const bis_loc at = desc->loc.file ? desc->loc : (bis_loc){desc->filename, 0, 0};
+    bis_envmap em = {0};
+
+    *out = NULL;
+    bis_status status = make_envmap(&em, image, desc, diag);
+    bis_image_clear(image); /* of an angular map; the pixels of a lat-long have moved */
+    if (status) return status;
+    warn_defects(&em.defects, desc->filename, at, diag);
+    status = scale_envmap(&em, desc, diag);
+    if (!status) status = bis_light_from_envmap(out, &em, desc, needs, diag);
+    bis_envmap_clear(&em);
+    if (status) return status;
+    if (bis_light_is_black(*out)) bis_warn(diag, at, "\"%s\" gives no light: none of its pixels is positive", desc->filename);
+    return BIS_OK;
+}
+
+bis_status bis_light_new(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag)
+{
+    const double start = bis_clock_now();
+    bis_image image = {0};
+
+    *out = NULL;
+    bis_status status = desc->filename ? bis_image_read(&image, desc->filename, desc->loc, diag) : BIS_OK;
+    const double read = bis_clock_now();
+    if (!status) {
+        status = desc->filename ? bis_light_from_image(out, &image, desc, needs, diag) : new_constant(out, desc, diag);
+    }
+    if (seconds) {
+        seconds[0] = read - start;
+        seconds[1] = bis_clock_now() - read;
+    }
+    return status;
+}
+
+/* ---- asking it ---- */
+
+rgb bis_light_Le(const bis_light *light, vec3 wi)
+{
+    return light->is_constant ? light->L : bis_envmap_Le(&light->em, to_map_frame(light, wi));
+}
+
+/* A constant, drawn at the square's point (u1, u2). */
+static bool constant_point(const bis_light *light, double u1, double u2, bis_light_point *s)
+{
+    *s = (bis_light_point){bis_warp_sphere(u1, u2), light->L, 1 / (4 * PI)};
+    return light->max_intensity > 0;
+}
+
+static void map_point(const bis_light *light, const bis_map_sample *m, bis_light_point *s)
+{
+    *s = (bis_light_point){to_world_frame(light, m->w_local), light->em.pixels[m->pixel], m->pdf};
+}
+
+bool bis_light_sample(const bis_light *light, const double u[4], bis_light_point *s)
+{
+    if (light->is_constant) return constant_point(light, u[0], u[1], s);
+    assert(light->importance);
+    bis_map_sample m;
+    if (!bis_importance_sample(light->importance, u, &m)) return false;
+    map_point(light, &m, s);
+    return true;
+}
+
+bool bis_light_sample_curve(const bis_light *light, double t, const double u[2], bis_light_point *s)
+{
+    if (light->is_constant) {
+        double q[2];
+        bis_curve_hilbert(t, q); /* and the place in the curve's last cell, 2^-26 wide */
+        return constant_point(light, q[0] + u[0] * 0x1p-26, q[1] + u[1] * 0x1p-26, s);
+    }
+    assert(light->importance);
+    bis_map_sample m;
+    if (!bis_importance_sample_curve(light->importance, t, u, &m)) return false;
+    map_point(light, &m, s);
+    return true;
+}
+
+double bis_light_pdf(const bis_light *light, vec3 wi)
+{
+    if (light->is_constant) return light->max_intensity > 0 ? 1 / (4 * PI) : 0;
+    assert(light->importance);
+    return bis_importance_pdf(light->importance, to_map_frame(light, wi));
+}
+
+rgb bis_light_Le_pdf(const bis_light *light, vec3 wi, double *pdf)
+{
+    if (light->is_constant) {
+        *pdf = bis_light_pdf(light, wi);
+        return light->L;
+    }
+    assert(light->importance);
+    const size_t pixel = bis_envmap_pixel(&light->em, to_map_frame(light, wi));
+    *pdf = bis_importance_pdf_pixel(light->importance, pixel);
+    return light->em.pixels[pixel];
+}
+
+double bis_light_mean(const bis_light *light) { return light->power / (4 * PI); }
+
+void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n)
+{
+    const double(*r)[3] = light->rotation;
+    const vec3 axis[3] = {vec3_from(r[0][0], r[0][1], r[0][2]), vec3_from(r[1][0], r[1][1], r[1][2]), vec3_from(r[2][0], r[2][1], r[2][2])};
+    const double unit = bis_light_mean(light);
+
+    assert(light->importance && light->power > 0);
+    bis_envmap_pixels(&light->em, axis, pixel, y, n);
+    for (uint32_t i = 0; i < n; i++) {
+        const rgb Le = light->em.pixels[pixel[i]];
+        y->r[i] = (float)((double)Le.r / unit);
+        y->g[i] = (float)((double)Le.g / unit);
+        y->b[i] = (float)((double)Le.b / unit);
+        y->q_L[i] = (float)bis_importance_pdf_pixel(light->importance, pixel[i]);
+    }
+    for (uint32_t i = n; i < bis_lanes_round_up(n); i++) {
+        y->r[i] = y->g[i] = y->b[i] = 0;
+        y->q_L[i] = 1;
+    }
+}
+
+double bis_light_max_ratio(const bis_light *light)
+{
+    /* The caller divides I by the rounded 1/(4 pi): a factor 1 + 8 * 2^-53 covers these roundings and ours. */
+    if (light->is_constant) return light->max_intensity * (4 * PI) * (1 + 4 * DBL_EPSILON);
+    assert(light->importance);
+    return bis_importance_max_ratio(light->importance);
+}
+
+double bis_light_max_intensity(const bis_light *light) { return light->max_intensity; }
+
+double bis_light_power(const bis_light *light) { return light->power; }
+
+size_t bis_light_patches(const bis_light *light)
+{
+    if (light->is_constant) return PATCHES_X * PATCHES_Y;
+    return (size_t)light->em.width * (size_t)light->em.height;
+}
+
+void bis_light_patch(const bis_light *light, size_t i, const double u[2], bis_light_point *s)
+{
+    assert(i < bis_light_patches(light));
+    if (light->is_constant) {
+        const double x = (double)(i % PATCHES_X), y = (double)(i / PATCHES_X);
+        constant_point(light, (x + u[0]) / PATCHES_X, (y + u[1]) / PATCHES_Y, s);
+        s->pdf = PATCHES_X * PATCHES_Y / (4 * PI);
+        return;
+    }
+    const size_t width = (size_t)light->em.width;
+    const int x = (int)(i % width), y = (int)(i / width);
+    s->wi = to_world_frame(light, bis_envmap_direction(&light->em, x, y, u[0], u[1]));
+    s->Le = light->em.pixels[i];
+    s->pdf = 1 / light->em.row_solid_angle[y];
+}
+
+bool bis_light_is_constant(const bis_light *light) { return light->is_constant; }
+bool bis_light_is_black(const bis_light *light) { return light->max_intensity == 0; }
+const bis_envmap *bis_light_envmap(const bis_light *light) { return light->is_constant ? NULL : &light->em; }
+const bis_importance *bis_light_importance(const bis_light *light) { return light->importance; }
+
+size_t bis_light_bytes(const bis_light *light)
+{
+    const size_t map = light->is_constant ? 0 : bis_envmap_bytes(&light->em);
+    return sizeof *light + map + (light->importance ? bis_importance_bytes(light->importance) : 0);
+}

@@ -1,0 +1,58 @@
+/* proposal: one direction from the map or from the BRDF. */
+#include "proposal.h"
+
+#include "bis/thesis/curve.h"
+
+bool bis_propose_em(bis_light_point *y, const bis_light *light, bis_stream *stream, const double u[2])
+{
+    double v[4] = {u[0], u[1]};
+
+    v[2] = bis_stream_random(stream);
+    v[3] = bis_stream_random(stream);
+    return bis_light_sample(light, v, y);
+}
+
+unsigned bis_em_samples_light_needs(const bis_settings *s) { return s->stratify ? BIS_NEED_CURVE : BIS_NEED_TABLE; }
+
+void bis_em_samples_scratch_needs(uint32_t n, const bis_settings *s, bis_scratch *need)
+{
+    if (s->stratify && n <= BIS_POOL_MAX_SET) need->n_pool = n;
+    if (!s->stratify && need->n_points < n) need->n_points = n;
+}
+
+bis_em_samples bis_em_samples_start(uint32_t n, const bis_settings *s, bis_stream *stream, bis_scratch *scratch)
+{
+    bis_em_samples samples = {.n = n};
+
+    if (!s->stratify) {
+        samples.u = scratch->u;
+        bis_stream_points(stream, BIS_DIM_EM, n, samples.u);
+    } else if (scratch->pool) {
+        samples.set = bis_pool_set(scratch->pool, bis_pool_choose(scratch->pool, &stream->rng));
+    }
+    return samples;
+}
+
+bool bis_em_sample(bis_light_point *y, const bis_em_samples *samples, uint32_t j, const bis_light *light, bis_stream *stream)
+{
+    double u[2];
+
+    if (samples->u) return bis_propose_em(y, light, stream, samples->u[j]);
+    if (samples->set) {
+        *y = samples->set[j];
+        return true;
+    }
+    const double t = bis_stratum(j, bis_stream_random(stream), samples->n);
+    u[0] = bis_stream_random(stream);
+    u[1] = bis_stream_random(stream);
+    return bis_light_sample_curve(light, t, u, y);
+}
+
+bool bis_propose_brdf(vec3 *wi, const bis_bsdf *bsdf, const double u[2])
+{
+    const double p = bsdf->p_specular;
+    double rest = u[0] < p ? u[0] / p : (u[0] - p) / (1 - p);
+
+    rest = fmin(rest, 1 - 0x1p-53); /* u[0] < 1, but the difference and the quotient may round up to 1 */
+    return bis_bsdf_sample(bsdf, u[0], rest, u[1], wi);
+}

@@ -1,0 +1,27 @@
+/* rng: keys from coordinates.
+ *
+ * Each coordinate is added to the hash of the ones before it and hashed again. bis_hash is a bijection, so two streams
+ * that differ in one coordinate only have different keys for certain; any two others coincide with probability
+ * 2^-64. */
+#include "bis/thesis/rng.h"
+
+#include <assert.h>
+
+void bis_rng_init(bis_rng *r, uint64_t seed, uint64_t pixel, uint64_t sample, uint64_t purpose)
+{
+    uint64_t key = bis_hash(seed + 0x9e3779b97f4a7c15u); /* so that (0, 0, 0, 0) is not the hash's fixed point 0 */
+    key = bis_hash(key + pixel);
+    key = bis_hash(key + sample);
+    *r = (bis_rng){bis_hash(key + purpose), 0};
+}
+
+uint64_t bis_rng_below(bis_rng *r, uint64_t n)
+{
+    assert(n > 0);
+    uint64_t partial = (0 - n) % n; /* 2^64 mod n */
+    uint64_t x;
+    do
+        x = bis_rng_u64(r);
+    while (x > UINT64_MAX - partial);
+    return x % n;
+}

@@ -1,0 +1,323 @@
+/* auto_pilot: replicates, and what they tell of cost and variance.
+ *
+ * A replicate of a setting is a render of the pilot's film (every k-th pixel: bis_render with a footprint of 1/k) of one
+ * or two passes, with a seed that all settings share: the same camera rays.
+ *
+ * Where materials are judged by themselves, the render tells what time it spent on the points of each group
+ * (bis_render_options.meter); what is left is what all have in common, camera rays and the like. Each pixel's noise
+ * counts for the group that the pixel shows most. So one render with one setting for all tells of all groups at once, at
+ * the price of reading the clock. (To render each group alone, the rest black, would take the camera rays and the pools
+ * once for each: twice the time.)
+ *
+ * Cost: processor seconds, the least of the replicates, since whatever disturbs only adds. What a pass costs at any
+ * size (pools, clusters) is told apart by a picture of one pixel, its fill; the rest of the time is in proportion to the
+ * pixels.
+ *
+ * Variance: relMSE of SPEC 5 over the pixels that show a surface, the scatter of the replicates in place of the
+ * error, and in place of the reference the mean of all that was rendered, weighted by 1/variance (a median would
+ * come out too low where most methods miss a highlight, and blame those that find it). Of the pixels' values the
+ * mean is taken in nine cells, and of these the mean, with the largest replaced by the second largest: one firefly
+ * in the pilot is forgiven, two are not. (The median of the cells, more robust, forgives so many that a method
+ * which makes nothing but fireflies looks like the best: nine times too long on data/scenes/glossy-row.txt. To
+ * reject a good method for its bad luck costs far less.) Two passes in a replicate know what a stratified camera makes
+ * of the noise of the pixel's area, or half of it. */
+#include "auto_pilot.h"
+
+#include "bis/base/clock.h"
+#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CELLS = BIS_AUTO_CELLS, MOST_GROUPS = BIS_AUTO_MOST_GROUPS };
+
+static const uint64_t purpose_pilot = 0x70696c6f74; /* "pilot" */
+
+bis_status bis_auto_no_memory(const bis_scene_desc *desc, bis_diag *diag)
+{
+    return bis_error(diag, BIS_NOMEM, desc->integrator_loc,
+                     "no memory for the pilot of integrator \"auto\"; a fixed integrator needs none");
+}
+
+bool bis_auto_is_interrupted(const bis_auto_pilot *p) { return p->options.interrupted && *p->options.interrupted; }
+
+/* ---- one replicate ---- */
+
+/* Into *film, which is initialised here; *seconds: lowered to what this took. No diag: several threads do this. */
+static bis_status render(bis_film *film, double *seconds, const bis_auto_pilot *p, const bis_scene_desc *desc, bis_meter *meter)
+{
+    const bis_film_desc *f = &desc->film;
+    bis_render_options options = p->options;
+    bis_render_result result;
+    bis_status status = bis_film_init(film, f->width, f->height, f->crop, (bis_loc){0}, NULL);
+    const double start = bis_clock_processor();
+
+    options.meter = meter;
+    if (!status) status = bis_render(&result, film, p->scene, desc, &options, NULL);
+    *seconds = fmin(*seconds, bis_clock_processor() - start);
+    return status;
+}
+
+static bis_status render_one_pixel(double *seconds, const bis_auto_pilot *p, const bis_scene_desc *desc)
+{
+    bis_scene_desc small = *desc;
+    bis_film film;
+
+    small.film = (bis_film_desc){.width = 1, .height = 1, .crop = {0, 1, 0, 1}};
+    bis_status status = render(&film, seconds, p, &small, NULL);
+    bis_film_clear(&film);
+    return status;
+}
+
+/* What the meter has read, without what its readings took. The points of a group are the same number in all replicates
+ * of a seed, nearly: the least time is of the least disturbed. */
+static void keep_times(bis_auto_trial *t, double seconds, const double *shading, const uint64_t *points, const bis_auto_pilot *p)
+{
+    if (p->report->n_groups == 1) {
+        t->seconds = fmin(t->seconds, seconds);
+        return;
+    }
+    for (int g = 0; g < p->report->n_groups; g++) {
+        seconds -= 2 * p->reading * (double)points[g];
+        t->shading[g] = fmin(t->shading[g], fmax(0, shading[g] - p->reading * (double)points[g]));
+    }
+    t->seconds = fmin(t->seconds, fmax(0, seconds));
+}
+
+static bis_status replicate(bis_auto_pilot *p, int i)
+{
+    bis_auto_tried *tried = &p->report->tried[i];
+    bis_auto_trial *t = &p->trials[i];
+    bis_scene_desc desc = p->desc;
+    double seconds = (double)INFINITY, shading[MOST_GROUPS] = {0};
+    uint64_t points[MOST_GROUPS] = {0};
+    bis_meter meter = {p->report->group, shading, points};
+    bis_film film;
+    bis_rng rng;
+
+    /* The same camera rays with all settings: what they do to pixels is no difference. */
+    bis_rng_init(&rng, p->desc.sampler.seed, (uint64_t)tried->replicates, 0, purpose_pilot);
+    desc.sampler.seed = bis_rng_u64(&rng);
+    desc.settings = tried->settings;
+    bis_status status = render(&film, &seconds, p, &desc, p->report->n_groups > 1 ? &meter : NULL);
+    if (!status && tried->replicates < BIS_AUTO_REPLICATES / 2) status = render_one_pixel(&t->fill, p, &desc);
+    if (status || bis_auto_is_interrupted(p)) goto done;
+    keep_times(t, seconds, shading, points, p);
+    for (size_t k = 0; k < 3 * p->n_pixels; k++) {
+        const double x = film.sum[k] / p->passes;
+        t->sum[k] += x;
+        t->squares[k] += x * x;
+        if (i == 0) p->shaded[k / 3] |= film.hits[k / 3] > 0;
+    }
+    tried->replicates++;
+done:
+    bis_film_clear(&film);
+    return status;
+}
+
+/* Each setting by one thread: what it costs is then what that thread took. (Threads that wait for each other in one
+ * render would be counted as if they worked.) */
+bis_status bis_auto_pilot_run(bis_auto_pilot *p, bis_diag *diag)
+{
+    const int n = p->report->n_tried;
+
+#pragma omp parallel for schedule(dynamic) num_threads(p->n_threads)
+    for (int i = 0; i < n; i++) {
+        bis_auto_trial *t = &p->trials[i];
+        while (t->wanted > 0 && !t->status && !bis_auto_is_interrupted(p)) {
+            t->status = replicate(p, i);
+            t->wanted--;
+        }
+    }
+    for (int i = 0; i < n; i++)
+        if (p->trials[i].status) return bis_auto_no_memory(&p->desc, diag);
+    return BIS_OK;
+}
+
+/* ---- what is tried ---- */
+
+bis_status bis_auto_pilot_add(bis_auto_pilot *p, int family, unsigned groups, const bis_settings *s, int wanted, bis_diag *diag)
+{
+    const int i = p->report->n_tried;
+    bis_auto_trial *t = &p->trials[i];
+
+    assert(i < BIS_AUTO_MOST_TRIED);
+    *t = (bis_auto_trial){.family = family, .wanted = wanted, .seconds = (double)INFINITY, .fill = (double)INFINITY};
+    for (int g = 0; g < MOST_GROUPS; g++) t->shading[g] = (double)INFINITY;
+    t->sum = bis_alloc(3 * p->n_pixels, sizeof *t->sum);
+    t->squares = bis_alloc(3 * p->n_pixels, sizeof *t->squares);
+    p->report->tried[i] = (bis_auto_tried){.settings = *s, .groups = groups};
+    p->report->n_tried++;
+    return t->sum && t->squares ? BIS_OK : bis_auto_no_memory(&p->desc, diag);
+}
+
+/* Seconds that one reading of the clock takes. */
+static double time_a_reading(void)
+{
+    enum { BATCHES = 5, READINGS = 100 };
+    double least = (double)INFINITY;
+
+    for (int k = 0; k < BATCHES; k++) {
+        const double start = bis_clock_processor();
+        double end = start;
+        for (int i = 0; i < READINGS; i++) end = bis_clock_processor();
+        least = fmin(least, (end - start) / READINGS);
+    }
+    return least;
+}
+
+/* Is the group all diffuse? */
+static bool is_diffuse(const bis_auto_pilot *p, int g)
+{
+    const bis_scene_desc *d = &p->desc;
+
+    for (size_t i = 0; i < d->n_shapes; i++) {
+        const uint32_t m = d->shapes[i].material;
+        if (p->report->group[m] == g && !rgb_is_black(d->materials[m].Ks)) return false;
+    }
+    return true;
+}
+
+bis_status bis_auto_pilot_start(bis_auto_pilot *p, bis_diag *diag)
+{
+    p->picture = bis_alloc(3 * p->n_pixels, sizeof *p->picture);
+    p->shaded = bis_alloc(p->n_pixels, sizeof *p->shaded);
+    if (!p->picture || !p->shaded) return bis_auto_no_memory(&p->desc, diag);
+    for (int g = 0; g < p->report->n_groups; g++) p->diffuse[g] = is_diffuse(p, g);
+    if (p->report->n_groups > 1) p->reading = time_a_reading();
+    return BIS_OK;
+}
+
+void bis_auto_pilot_clear(bis_auto_pilot *p)
+{
+    bis_free(p->picture);
+    bis_free(p->shaded);
+    bis_free(p->shows);
+    for (int i = 0; i < BIS_AUTO_MOST_TRIED; i++) {
+        bis_free(p->trials[i].sum);
+        bis_free(p->trials[i].squares);
+    }
+}
+
+/* ---- the figures ---- */
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static int group_of(const bis_auto_pilot *p, size_t pixel) { return p->shows ? p->shows[pixel] : 0; }
+
+/* The mean of all that was rendered, each setting weighted by 1/variance as known so far; 0 where it cannot be judged. */
+static void make_picture(bis_auto_pilot *p)
+{
+    const bis_auto_report *r = p->report;
+    double weight[MOST_GROUPS][BIS_AUTO_MOST_TRIED] = {{0}};
+
+    for (int g = 0; g < r->n_groups; g++) {
+        double total = 0;
+        for (int i = 0; i < r->n_tried; i++) {
+            const bis_auto_tried *t = &r->tried[i];
+            if (bis_auto_suits(r, g, i)) weight[g][i] = t->variance[g] > 0 ? t->replicates / t->variance[g] : t->replicates;
+            total += weight[g][i];
+        }
+        for (int i = 0; i < r->n_tried; i++) weight[g][i] /= total * r->tried[i].replicates;
+    }
+    for (size_t k = 0; k < 3 * p->n_pixels; k++) {
+        const double *w = weight[group_of(p, k / 3)];
+        p->picture[k] = 0;
+        for (int i = 0; i < r->n_tried; i++) p->picture[k] += w[i] * p->trials[i].sum[k];
+    }
+}
+
+/* relMSE's floor, m^2/100, m the mean of what shows a surface. */
+static double floor_of(const bis_auto_pilot *p)
+{
+    double sum = 0;
+    size_t n = 0;
+    for (size_t k = 0; k < 3 * p->n_pixels; k++) {
+        if (!p->shaded[k / 3]) continue;
+        sum += p->picture[k];
+        n++;
+    }
+    return n ? sum / (double)n * (sum / (double)n) / 100 : 0;
+}
+
+/* The mean of n >= 1 cells, the largest lowered to the second. */
+static double forgiving_mean(double *cell, int n)
+{
+    double sum = 0;
+
+    qsort(cell, (size_t)n, sizeof *cell, ascending);
+    if (n > 1) cell[n - 1] = cell[n - 2];
+    for (int i = 0; i < n; i++) sum += cell[i];
+    return sum / n;
+}
+
+static void measure_variances(bis_auto_pilot *p, int i, double floor)
+{
+    const double n = p->report->tried[i].replicates;
+    bis_auto_trial *t = &p->trials[i];
+    double cell[MOST_GROUPS][CELLS] = {{0}};
+    size_t members[MOST_GROUPS][CELLS] = {{0}}, of_group[MOST_GROUPS] = {0}, all = 0;
+
+    for (size_t k = 0; k < 3 * p->n_pixels; k++) {
+        if (!p->shaded[k / 3]) continue;
+        const size_t c = bis_hash(k / 3) % CELLS;
+        const int g = group_of(p, k / 3);
+        /* fmax: rounding, where all are equal */
+        const double scatter = fmax(0, t->squares[k] - t->sum[k] * t->sum[k] / n) / (n - 1);
+        members[g][c]++;
+        of_group[g]++;
+        all++;
+        /* without a floor all is black */
+        if (scatter > 0) cell[g][c] += scatter / (p->picture[k] * p->picture[k] + floor);
+    }
+    memcpy(t->cell, cell, sizeof t->cell);
+    for (int g = 0; g < p->report->n_groups; g++) {
+        int filled = 0;
+        for (int c = 0; c < CELLS; c++)
+            if (members[g][c]) cell[g][filled++] = cell[g][c] / (double)members[g][c];
+        p->report->tried[i].variance[g] = filled ? p->passes * forgiving_mean(cell[g], filled) * (double)of_group[g] / (double)all : 0;
+    }
+}
+
+/* Camera rays and the like are the same for all settings: the least of all that was left. */
+static void measure_costs(bis_auto_pilot *p)
+{
+    bis_auto_report *r = p->report;
+    double common = (double)INFINITY;
+
+    for (int i = 0; i < r->n_tried; i++) {
+        const bis_auto_trial *t = &p->trials[i];
+        bis_auto_tried *tried = &r->tried[i];
+        double rest = t->seconds - t->fill;
+        tried->fill = t->fill / p->passes;
+        for (int g = 0; g < r->n_groups && r->n_groups > 1; g++) {
+            tried->cost[g] = t->shading[g] * p->scale / p->passes;
+            rest -= t->shading[g];
+        }
+        if (r->n_groups == 1) tried->cost[0] = fmax(0, rest) * p->scale / p->passes;
+        else common = fmin(common, fmax(0, rest));
+    }
+    r->common = r->n_groups > 1 ? common * p->scale / p->passes : 0;
+}
+
+/* Variances and weights follow from each other; three turns settle both. */
+void bis_auto_pilot_measure(bis_auto_pilot *p)
+{
+    enum { TURNS = 3 };
+
+    measure_costs(p);
+    for (int i = 0; i < p->report->n_tried; i++)
+        for (int g = 0; g < p->report->n_groups; g++) p->report->tried[i].variance[g] = 0;
+    for (int turn = 0; turn < TURNS; turn++) {
+        make_picture(p);
+        const double floor = floor_of(p);
+        for (int i = 0; i < p->report->n_tried; i++) measure_variances(p, i, floor);
+    }
+}

@@ -1,0 +1,452 @@
+/* describe: one table says which integrator has which parameters; EXR attributes, --stats and the warning about an
+ * option without effect all read it. */
+#include "describe.h"
+
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "bis/base/version.h"
+#include "out/json.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+#include <sys/resource.h>
+
+/* SPEC 3: parameters in the order of the documentation. */
+static const struct {
+    const bis_integrator *integrator;
+    const char *parameters[BIS_MAX_PARAMETERS + 1];
+} table[] = {
+    {&bis_em, {"samples", "stratify"}},
+    {&bis_brdf, {"samples"}},
+    {&bis_mis, {"samples", "heuristic", "split", "compensate", "stratify"}},
+    {&bis_rejection, {"candidates", "shadowrays", "proposal", "estimator", "fallback"}},
+    {&bis_sir, {"candidates", "shadowrays", "proposal", "resampling", "stratify", "learn", "vectorize"}},
+    {&bis_exact, {"perpatch"}},
+    {&bis_unoccluded, {"candidates"}},
+};
+
+static const char *const *parameters_of(const bis_integrator *integrator)
+{
+    static const char *const none[] = {NULL};
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        if (table[i].integrator == integrator) return table[i].parameters;
+    }
+    return none;
+}
+
+bool bis_integrator_uses(const bis_integrator *integrator, const char *parameter)
+{
+    for (const char *const *p = parameters_of(integrator); *p; p++) {
+        if (strcmp(*p, parameter) == 0) return true;
+    }
+    return false;
+}
+
+static const char *truth(bool b) { return b ? "true" : "false"; }
+
+static const char *fallback_name(bis_fallback f)
+{
+    if (f == BIS_FALLBACK_RESAMPLE) return "resample";
+    return f == BIS_FALLBACK_SUBSET ? "subset" : "unoccluded";
+}
+
+static bis_attribute parameter(const bis_settings *s, const char *name)
+{
+    const bis_attribute all[] = {
+        {"samples", NULL, s->samples},
+        {"candidates", NULL, s->candidates},
+        {"shadowrays", NULL, s->shadowrays},
+        {"perpatch", NULL, s->perpatch},
+        {"proposal", bis_proposal_name(s->proposal), 0},
+        {"heuristic", s->heuristic == BIS_HEURISTIC_POWER ? "power" : "balance", 0},
+        {"resampling", s->resampling == BIS_RESAMPLING_MULTINOMIAL ? "multinomial" : "systematic", 0},
+        {"estimator", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio", 0},
+        {"fallback", fallback_name(s->fallback), 0},
+        {"split", NULL, s->split},
+        {"compensate", truth(s->compensate), 0},
+        {"stratify", truth(s->stratify), 0},
+        {"learn", truth(s->learn), 0},
+        {"vectorize", truth(s->vectorize), 0},
+    };
+    size_t i = 0;
+    while (strcmp(all[i].name, name) != 0) i++; /* the table above names no other */
+    return all[i];
+}
+
+int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MAX_PARAMETERS])
+{
+    int n = 0;
+    for (const char *const *p = parameters_of(s->integrator); *p; p++) parameters[n++] = parameter(s, *p);
+    return n;
+}
+
+/* Appends to a line that has room, by the table's own measure; what a longer one would lose is lost. */
+static void append(char line[BIS_MAX_LINE], const char *fmt, ...)
+{
+    const size_t used = strlen(line);
+    va_list args;
+
+    va_start(args, fmt);
+    vsnprintf(line + used, BIS_MAX_LINE - used, fmt, args);
+    va_end(args);
+}
+
+const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s)
+{
+    bis_attribute parameters[BIS_MAX_PARAMETERS];
+    const int n = bis_describe_settings(s, parameters);
+
+    *line = '\0';
+    append(line, "Integrator \"%s\"", s->integrator->name);
+    for (int i = 0; i < n; i++) {
+        const bis_attribute *a = &parameters[i];
+        char number[32];
+        if (!a->text) append(line, " \"%s %s\" %s", strcmp(a->name, "split") == 0 ? "float" : "integer", a->name, bis_format_double(number, a->number));
+        else if (strcmp(a->text, "true") == 0 || strcmp(a->text, "false") == 0) append(line, " \"bool %s\" %s", a->name, a->text);
+        else append(line, " \"string %s\" \"%s\"", a->name, a->text);
+    }
+    return line;
+}
+
+/* `text` grown by more, or NULL; takes over text. */
+static char *joined(char *text, const char *more)
+{
+    const size_t n = text ? strlen(text) : 0, m = strlen(more);
+    char *longer = bis_realloc(text, n + m + 1, 1);
+
+    if (!longer) {
+        bis_free(text);
+        return NULL;
+    }
+    memcpy(longer + n, more, m + 1);
+    return longer;
+}
+
+/* has[n], by bis_alloc: the numbers of materials with that method. NULL: no memory. */
+static bool *numbers_of(const bis_scene_desc *d, int method, const uint32_t *number, uint32_t n)
+{
+    bool *has = bis_alloc(n, sizeof *has);
+
+    for (size_t i = 0; i < d->n_shapes && has; i++)
+        if (bis_scene_method_of(d, d->shapes[i].material) == method) has[number[d->shapes[i].material]] = true;
+    return has;
+}
+
+/* ` "integer material" [1 4]`: the numbers of all materials of that method. */
+static char *with_materials(char *text, const bis_scene_desc *d, int method, const uint32_t *number, uint32_t n)
+{
+    bool *has = numbers_of(d, method, number, n);
+    const char *separator = "";
+    char word[24];
+
+    if (!has) {
+        bis_free(text);
+        return NULL;
+    }
+    text = joined(text, " \"integer material\" [");
+    for (uint32_t k = 0; k < n && text; k++) {
+        if (!has[k]) continue;
+        snprintf(word, sizeof word, "%s%u", separator, (unsigned)k);
+        text = joined(text, word);
+        separator = " ";
+    }
+    bis_free(has);
+    return text ? joined(text, "]") : NULL;
+}
+
+char *bis_describe_integrators(const bis_scene_desc *d, int first)
+{
+    char line[BIS_MAX_LINE], *text = joined(NULL, "");
+    uint32_t *number = NULL, n = 0;
+
+    if (d->exceptions.n && bis_scene_number_materials(&number, &n, d, NULL)) goto fail;
+    for (int i = first; i <= d->exceptions.n && text; i++) {
+        if (i && !bis_scene_uses_method(d, i)) continue;
+        if (*text) text = joined(text, "\n");
+        if (text) text = joined(text, bis_describe_line(line, bis_scene_settings(d, i)));
+        if (text && i) text = with_materials(text, d, i, number, n);
+    }
+    bis_free(number);
+    return text;
+fail:
+    bis_free(text);
+    return NULL;
+}
+
+/* "mis", "sir product": what tells methods apart. */
+static bool same_method(const bis_settings *a, const bis_settings *b)
+{
+    return a->integrator == b->integrator && (a->integrator != &bis_sir || a->proposal == b->proposal);
+}
+
+/* Cost x variance with the i-th setting for all; infinity: it is not for all. */
+static double uniform_product(const bis_auto_report *r, int i)
+{
+    return bis_auto_suits(r, BIS_AUTO_ALL, i) ? bis_auto_cost_of_all(r, i) * bis_auto_variance_of_all(r, i) : (double)INFINITY;
+}
+
+static double chosen_product(const bis_auto_report *r)
+{
+    double cost = r->common, variance = 0;
+
+    for (int g = 0; g < r->n_groups; g++) {
+        const bis_auto_tried *t = &r->tried[r->chosen[g]];
+        bool is_new = true;
+        for (int h = 0; h < g; h++) is_new &= r->chosen[h] != r->chosen[g];
+        cost += t->cost[g] + (is_new ? t->fill : 0);
+        variance += t->variance[g];
+    }
+    return cost * variance;
+}
+
+/* The best of a method (NULL: of all) for all materials. */
+static double best_uniform(const bis_auto_report *r, const bis_settings *method)
+{
+    double least = (double)INFINITY;
+
+    for (int i = 0; i < r->n_tried; i++)
+        if (!method || same_method(&r->tried[i].settings, method)) least = fmin(least, uniform_product(r, i));
+    return least;
+}
+
+static void append_settings(char line[BIS_MAX_LINE], const bis_settings *s)
+{
+    if (s->integrator == &bis_sir)
+        append(line, "sir, %s, %u candidates, %u shadow rays", bis_proposal_name(s->proposal), (unsigned)s->candidates, (unsigned)s->shadowrays);
+    else append(line, "%s, %u samples", s->integrator->name, (unsigned)s->samples);
+}
+
+/* "; for material 1, 4: sir, ...", or, where there are many, "; for 12 materials: ...". */
+static void append_exceptions(char line[BIS_MAX_LINE], const bis_scene_desc *d)
+{
+    enum { MANY = 6 };
+    uint32_t *number = NULL, n = 0;
+
+    if (!d->exceptions.n || bis_scene_number_materials(&number, &n, d, NULL)) return;
+    for (int i = 1; i <= d->exceptions.n; i++) {
+        bool *has = numbers_of(d, i, number, n);
+        const char *separator = "; for material ";
+        int count = 0;
+        for (uint32_t k = 0; k < n && has; k++) count += has[k];
+        if (count > MANY) append(line, "; for %d materials", count);
+        for (uint32_t k = 0; k < n && has && count <= MANY; k++) {
+            if (!has[k]) continue;
+            append(line, "%s%u", separator, (unsigned)k);
+            separator = ", ";
+        }
+        append(line, ": ");
+        append_settings(line, bis_scene_settings(d, i));
+        bis_free(has);
+    }
+    bis_free(number);
+}
+
+const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r, const bis_scene_desc *d)
+{
+    const double chosen = chosen_product(r);
+    const char *separator = "; to the same error ";
+
+    *line = '\0';
+    append_settings(line, &d->settings);
+    append_exceptions(line, d);
+    if (d->exceptions.n && chosen > 0) {
+        append(line, "%sone setting for all %.2f", separator, best_uniform(r, NULL) / chosen);
+        separator = ", ";
+    }
+    for (int i = 0, n = 0; i < r->n_tried && chosen > 0; i++) {
+        const bis_settings *s = &r->tried[i].settings;
+        const double own = uniform_product(r, i);
+        if (same_method(s, &d->settings) || !isfinite(own) || own > best_uniform(r, s)) continue;
+        append(line, "%s%s%s%s%s %.2g", separator, n++ ? "" : "the best of ", s->integrator->name, s->integrator == &bis_sir ? " " : "",
+               s->integrator == &bis_sir ? bis_proposal_name(s->proposal) : "", own / chosen);
+        separator = ", ";
+    }
+    append(line, "%s (pilot: %d settings", *separator == ',' ? " times as long" : "", r->n_tried);
+    if (r->n_groups > 1) append(line, " of %d groups of materials", r->n_groups);
+    append(line, ", %.2g s)", r->seconds);
+    return line;
+}
+
+int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES])
+{
+    const bis_render_result *r = s->result;
+    int n = 0;
+
+    attributes[n++] = (bis_attribute){"scene", s->desc->path, 0};
+    attributes[n++] = (bis_attribute){"integrator", s->desc->settings.integrator->name, 0};
+    n += bis_describe_settings(&s->desc->settings, attributes + n);
+    if (*s->as_printed) attributes[n++] = (bis_attribute){"asprinted", s->as_printed, 0};
+    if (s->desc->edge_samples > 1) attributes[n++] = (bis_attribute){"edgesamples", NULL, s->desc->edge_samples};
+    if (s->desc->adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
+    if (*s->exceptions) attributes[n++] = (bis_attribute){"exceptions", s->exceptions, 0};
+    if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->lines, 0};
+    attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
+    attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->sampler.seed};
+    attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
+    if (!isnan(r->relative_rmse)) attributes[n++] = (bis_attribute){"estimated_relative_rmse", NULL, r->relative_rmse};
+    attributes[n++] = (bis_attribute){"bis:version", BIS_VERSION, 0};
+    return n;
+}
+
+/* --- JSON
+ * ---------------------------------------------------------------------------------------------------------- */
+
+/* A parameter of the integrator, null where it has none of that name. */
+static void print_parameter(bis_json *j, const bis_settings *s, const char *name)
+{
+    if (!bis_integrator_uses(s->integrator, name)) {
+        bis_json_null(j, name);
+        return;
+    }
+    bis_attribute a = parameter(s, name);
+    if (a.text)
+        bis_json_text(j, name, a.text);
+    else
+        bis_json_number(j, name, a.number);
+}
+
+static void print_count(bis_json *j, const char *key, bool applies, uint64_t v)
+{
+    if (applies)
+        bis_json_count(j, key, v);
+    else
+        bis_json_null(j, key);
+}
+
+static void print_seconds(bis_json *j, const bis_scene_seconds *t)
+{
+    bis_json_open(j, "seconds", '{');
+    bis_json_number(j, "parse", t->parse);
+    bis_json_number(j, "load", t->load);
+    bis_json_number(j, "envmap", t->envmap);
+    bis_json_number(j, "accel", t->accel);
+    bis_json_number(j, "render", t->render);
+    bis_json_number(j, "write", t->write);
+    bis_json_number(j, "total", t->total);
+    bis_json_close(j);
+}
+
+/* Linux counts in KiB. */
+static uint64_t peak_memory(void)
+{
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024 * (uint64_t)usage.ru_maxrss : 0;
+}
+
+static void print_memory(bis_json *j, const bis_stats *s)
+{
+    bis_json_count(j, "peak_memory_bytes", peak_memory());
+    bis_json_open(j, "memory", '{');
+    bis_json_count(j, "mesh", bis_geometry_bytes(&s->scene->geometry));
+    print_count(j, "accel", s->scene->accel != NULL, bis_accel_bytes(s->scene->accel));
+    print_count(j, "envmap", !bis_light_is_constant(s->scene->light), bis_light_bytes(s->scene->light));
+    bis_json_count(j, "film", bis_film_bytes(s->film) + s->result->bytes);
+    bis_json_close(j);
+}
+
+/* A group of materials: their numbers, its part in what was tried, its choice. */
+static void print_group(bis_json *j, const bis_scene_desc *d, const bis_auto_report *r, int g)
+{
+    char line[BIS_MAX_LINE];
+    uint32_t *number, n;
+
+    bis_json_open(j, NULL, '{');
+    bis_json_number(j, "share", r->share[g]);
+    if (!bis_scene_number_materials(&number, &n, d, NULL)) {
+        bis_json_open(j, "materials", '[');
+        for (size_t i = 0, next = 0; i < d->n_shapes; i++) { /* numbers come in the order of shapes */
+            const uint32_t m = d->shapes[i].material;
+            if (number[m] != next) continue;
+            if (r->group[m] == g) bis_json_count(j, NULL, next);
+            next++;
+        }
+        bis_json_close(j);
+    }
+    bis_free(number);
+    if (r->is_chosen) bis_json_text(j, "chosen", bis_describe_line(line, &r->tried[r->chosen[g]].settings));
+    bis_json_close(j);
+}
+
+static void print_tried(bis_json *j, const bis_auto_report *r, int i)
+{
+    const bis_auto_tried *t = &r->tried[i];
+    char line[BIS_MAX_LINE];
+
+    bis_json_open(j, NULL, '{');
+    bis_json_text(j, "line", bis_describe_line(line, &t->settings));
+    bis_json_count(j, "replicates", (uint64_t)t->replicates);
+    bis_json_number(j, "pass_seconds", bis_auto_cost_of_all(r, i));
+    bis_json_number(j, "pass_relmse", bis_auto_variance_of_all(r, i));
+    bis_json_number(j, "product", uniform_product(r, i));
+    if (r->n_groups > 1) {
+        bis_json_open(j, "group_seconds", '[');
+        for (int g = 0; g < r->n_groups; g++) bis_json_number(j, NULL, t->cost[g]);
+        bis_json_close(j);
+        bis_json_open(j, "group_relmse", '[');
+        for (int g = 0; g < r->n_groups; g++) bis_json_number(j, NULL, t->variance[g]);
+        bis_json_close(j);
+    }
+    bis_json_close(j);
+}
+
+/* All that the pilot has tried; without a pilot there is no such key. */
+static void print_choice(bis_json *j, const bis_stats *s)
+{
+    const bis_auto_report *r = s->choice;
+
+    if (!r) return;
+    bis_json_open(j, "auto", '{');
+    bis_json_text(j, "chosen", s->lines);
+    bis_json_number(j, "seconds", r->seconds);
+    bis_json_count(j, "width", (uint64_t)r->width);
+    bis_json_count(j, "height", (uint64_t)r->height);
+    bis_json_count(j, "passes", (uint64_t)r->passes);
+    if (r->n_groups > 1) {
+        bis_json_open(j, "groups", '[');
+        for (int g = 0; g < r->n_groups; g++) print_group(j, s->desc, r, g);
+        bis_json_close(j);
+    }
+    bis_json_open(j, "tried", '[');
+    for (int i = 0; i < r->n_tried; i++) print_tried(j, r, i);
+    bis_json_close(j);
+    bis_json_close(j);
+}
+
+void bis_stats_print(const bis_stats *s, FILE *out)
+{
+    const bis_settings *settings = &s->desc->settings;
+    const bis_render_result *r = s->result;
+    bool rejects = settings->integrator == &bis_rejection;
+    bis_json j = {.out = out};
+
+    bis_json_open(&j, NULL, '{');
+    bis_json_text(&j, "version", BIS_VERSION);
+    bis_json_text(&j, "scene", s->desc->path);
+    bis_json_text(&j, "integrator", settings->integrator->name);
+    print_parameter(&j, settings, "proposal");
+    print_parameter(&j, settings, "candidates");
+    print_parameter(&j, settings, "shadowrays");
+    print_parameter(&j, settings, "samples");
+    if (*s->exceptions) bis_json_text(&j, "exceptions", s->exceptions);
+    bis_json_count(&j, "spp", r->spp);
+    bis_json_count(&j, "seed", s->desc->sampler.seed);
+    bis_json_count(&j, "threads", (uint64_t)r->n_threads);
+    bis_json_text(&j, "accelerator", s->scene->accel ? bis_accel_name(s->scene->accel) : NULL);
+    bis_json_count(&j, "triangles", s->scene->geometry.n_triangles);
+    bis_json_count(&j, "width", (uint64_t)s->film->width);
+    bis_json_count(&j, "height", (uint64_t)s->film->height);
+    print_seconds(&j, &s->seconds);
+    bis_json_open(&j, "rays", '{');
+    bis_json_count(&j, "camera", r->counters.camera_rays);
+    bis_json_count(&j, "shadow", r->counters.shadow_rays);
+    bis_json_close(&j);
+    print_count(&j, "candidates_drawn", settings->integrator != &bis_exact, r->counters.candidates);
+    print_count(&j, "accepted", rejects, r->counters.accepted);
+    print_count(&j, "fallbacks", rejects && settings->estimator == BIS_ESTIMATOR_RATIO, r->counters.fallbacks);
+    print_choice(&j, s);
+    print_memory(&j, s);
+    bis_json_number(&j, "estimated_relative_rmse", r->relative_rmse);
+    bis_json_bool(&j, "interrupted", r->interrupted);
+    bis_json_close(&j);
+}

@@ -1,0 +1,290 @@
+/* pixel: the point that a pixel's centre sees; the direct illumination integral there (eq. 4.1 and 4.5); every method
+ * against it.
+ *
+ * The truth is a sum over the patches of the light (eq. 3.2), as in src/thesis/exact.c, but with several rays at independent
+ * random places in each patch: what these scatter is the standard error of the sum, since patches are independent. It
+ * is unbiased for any number of rays. Its cost is 4 rays for each patch above the horizon: 10^6 for a 1024 x 512 map,
+ * about a second. For huge maps a long run of `mis` is the better bargain; it too knows its error.
+ * A sum runs in blocks of a fixed size, each with a stream of its own: the same bits for any number of threads. */
+#include "pixel.h"
+
+#include "bis/base/mem.h"
+
+#include "tools/verify/verify.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { BLOCK = 4096 };
+
+static const uint64_t purpose_patches = 0x706978656c; /* "pixel" */
+
+/* ---- the point ---- */
+
+bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
+                    bis_counters *counters)
+{
+    bis_surface s;
+    bis_hit h;
+
+    *eye = bis_camera_ray(&desc->camera, desc->film.width, desc->film.height, x + 0.5, y + 0.5);
+    if (!bis_accel_intersect(scene->accel, eye, &h)) return false;
+    bis_geometry_surface(&scene->geometry, h.prim, eye, &s);
+    *hit = (bis_pixel_hit){.t = (double)h.t, .material = &desc->materials[s.material], .material_index = s.material};
+    hit->shape = bis_scene_shape_of(scene, desc, h.prim, &hit->part);
+    *pt = (bis_point){.p = s.p, .n = s.n, .ng = s.ng, .origin = bis_surface_offset(&s), .wo = neg(eye->d), .light = scene->light,
+                      .accel = scene->accel, .counters = counters};
+    bis_bsdf_init(&pt->bsdf, hit->material, pt->n, pt->wo);
+    return true;
+}
+
+const char *bis_pixel_material_name(char buf[64], const bis_material *m)
+{
+    const bool facets = m->alpha > 0;
+    snprintf(buf, 64, "%s, %s %.6g", m->model->name, facets ? "alpha" : "exponent", facets ? m->alpha : m->exponent);
+    return buf;
+}
+
+/* ---- the truth ---- */
+
+/* Sums over patches: of means, and of the variances of means; of F^2 V/q and F^3 V/q^2 for the three densities. */
+typedef struct patch_sums {
+    double mean[4], variance[4];
+    double moment2[3], moment3[3];
+} patch_sums;
+
+static void add_patch(patch_sums *sums, double x[BIS_PIXEL_RAYS][4])
+{
+    for (int k = 0; k < 4; k++) {
+        double mean = 0, m2 = 0;
+        for (int i = 0; i < BIS_PIXEL_RAYS; i++) mean += x[i][k] / BIS_PIXEL_RAYS;
+        for (int i = 0; i < BIS_PIXEL_RAYS; i++) m2 += (x[i][k] - mean) * (x[i][k] - mean);
+        sums->mean[k] += mean;
+        sums->variance[k] += m2 / (BIS_PIXEL_RAYS - 1) / BIS_PIXEL_RAYS;
+    }
+}
+
+/* F of one ray times the patch's solid angle: f cos Le dO, in RGB and summed. */
+static void value_of(double x[4], const bis_point *pt, const bis_light_point *y)
+{
+    const double cos_theta = bis_bsdf_cos(&pt->bsdf, y->wi);
+    if (cos_theta <= 0) return;
+    const rgb f = bis_bsdf_f(&pt->bsdf, y->wi);
+    const double s = cos_theta / y->pdf;
+    x[0] = (double)f.r * (double)y->Le.r * s;
+    x[1] = (double)f.g * (double)y->Le.g * s;
+    x[2] = (double)f.b * (double)y->Le.b * s;
+    x[3] = x[0] + x[1] + x[2];
+}
+
+/* x: F of a ray that sees the light, times the patch's solid angle, one of BIS_PIXEL_RAYS. */
+static void add_moments(patch_sums *sums, double x, const bis_point *pt, const bis_light_point *y)
+{
+    const double q_L = bis_light_pdf(pt->light, y->wi), q_f = bis_bsdf_pdf(&pt->bsdf, y->wi), q[3] = {q_L, q_f, (q_L + q_f) / 2};
+    for (int k = 0; k < 3; k++) {
+        const double X = q[k] > 0 ? x * y->pdf / q[k] : (double)INFINITY;
+        sums->moment2[k] += x * X / BIS_PIXEL_RAYS;
+        sums->moment3[k] += x * X * X / BIS_PIXEL_RAYS;
+    }
+}
+
+static void visit_patch(patch_sums *lit, patch_sums *open, const bis_point *pt, size_t patch, bis_rng *rng)
+{
+    double x[BIS_PIXEL_RAYS][4] = {{0}}, xV[BIS_PIXEL_RAYS][4] = {{0}};
+
+    for (int i = 0; i < BIS_PIXEL_RAYS; i++) {
+        const double u0 = bis_rng_double(rng), u[2] = {u0, bis_rng_double(rng)};
+        bis_light_point y;
+        bis_light_patch(pt->light, patch, u, &y);
+        if (rgb_is_black(y.Le)) return;
+        value_of(x[i], pt, &y);
+        if (x[i][3] <= 0 || !bis_point_sees(pt, y.wi)) continue;
+        memcpy(xV[i], x[i], sizeof x[i]);
+        add_moments(lit, x[i][3], pt, &y);
+    }
+    add_patch(open, x);
+    add_patch(lit, xV);
+}
+
+static bis_pixel_value value_from(const patch_sums *blocks, size_t n)
+{
+    bis_pixel_value v = {{0}, {0}};
+    for (int k = 0; k < 4; k++) {
+        double variance = 0;
+        for (size_t i = 0; i < n; i++) {
+            v.mean[k] += blocks[i].mean[k];
+            variance += blocks[i].variance[k];
+        }
+        v.se[k] = sqrt(variance);
+    }
+    return v;
+}
+
+static bis_status sum_patches(bis_pixel_exact *e, const bis_point *pt, uint64_t seed, bis_diag *diag)
+{
+    const size_t n = (e->patches + BLOCK - 1) / BLOCK;
+    patch_sums *lit = bis_alloc(n, sizeof *lit), *open = bis_alloc(n, sizeof *open);
+    bis_status status = BIS_OK;
+
+    if (!lit || !open) {
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a sum over %zu patches", e->patches);
+        goto done;
+    }
+#pragma omp parallel for schedule(dynamic)
+    for (size_t block = 0; block < n; block++) {
+        bis_counters counters = {0};
+        bis_point mine = *pt;
+        bis_rng rng;
+        mine.counters = &counters;
+        bis_rng_init(&rng, seed, block, 0, purpose_patches);
+        for (size_t i = block * BLOCK; i < e->patches && i < (block + 1) * BLOCK; i++) visit_patch(&lit[block], &open[block], &mine, i, &rng);
+    }
+    e->lit = value_from(lit, n);
+    e->open = value_from(open, n);
+    for (int k = 0; k < 3; k++) {
+        for (size_t i = 0; i < n; i++) {
+            e->moment2[k] += lit[i].moment2[k];
+            e->moment3[k] += lit[i].moment3[k];
+        }
+    }
+done:
+    bis_free(lit);
+    bis_free(open);
+    return status;
+}
+
+/* Mean and standard error of n >= 2 estimates. */
+static bis_pixel_value value_of_runs(const rgb *estimate, uint32_t n)
+{
+    bis_pixel_value v = {{0}, {0}};
+    for (int k = 0; k < 4; k++) {
+        double mean = 0, m2 = 0;
+        for (uint32_t i = 0; i < n; i++) {
+            const double c[4] = {(double)estimate[i].r, (double)estimate[i].g, (double)estimate[i].b, rgb_sum(estimate[i])};
+            const double d = c[k] - mean;
+            mean += d / (i + 1);
+            m2 += d * (c[k] - mean);
+        }
+        v.mean[k] = mean;
+        v.se[k] = sqrt(m2 / (n - 1) / n);
+    }
+    return v;
+}
+
+/* Of the mean of n estimates of r+g+b: their own over sqrt(n). */
+static double skewness_of_runs(const rgb *estimate, uint32_t n, const bis_pixel_value *v)
+{
+    const double deviation = v->se[3] * sqrt(n);
+    double sum = 0;
+    for (uint32_t i = 0; i < n && deviation > 0; i++) sum += pow((rgb_sum(estimate[i]) - v->mean[3]) / deviation, 3);
+    return sum / n / sqrt(n);
+}
+
+static bis_status run_many(bis_pixel_value *v, double *skewness, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind, uint32_t n,
+                           uint64_t seed, bis_counters *counters, bis_diag *diag)
+{
+    rgb *estimate = bis_alloc(n, sizeof *estimate);
+    if (!estimate) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u estimates", (unsigned)n);
+    const bis_status status = bis_verify_runs(estimate, n, pt, s, kind, seed, counters, diag);
+    if (!status) *v = value_of_runs(estimate, n);
+    if (!status && skewness) *skewness = skewness_of_runs(estimate, n, v);
+    bis_free(estimate);
+    return status;
+}
+
+/* Without an accelerator nothing is hidden; and with ng = n nothing above the shading horizon lies below the
+ * surface. */
+static bis_point without_shadows(const bis_point *pt)
+{
+    bis_point open = *pt;
+    open.accel = NULL;
+    open.ng = pt->n;
+    return open;
+}
+
+bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t max_patches, uint64_t seed, bis_diag *diag)
+{
+    *e = (bis_pixel_exact){.by_patches = true, .patches = bis_light_patches(pt->light)};
+    if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return BIS_OK;
+    if (e->patches <= max_patches) return sum_patches(e, pt, seed, diag);
+
+    const bis_point open = without_shadows(pt);
+    bis_settings mis = bis_settings_default(&bis_mis);
+    bis_counters counters = {0};
+    mis.samples = BIS_PIXEL_MIS_SAMPLES;
+    e->by_patches = false;
+    bis_status status = run_many(&e->lit, NULL, pt, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed), &counters, diag);
+    if (!status) {
+        status = run_many(&e->open, NULL, &open, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed + 1), &counters, diag);
+    }
+    return status;
+}
+
+/* ---- the methods ---- */
+
+static bool takes_candidates(const bis_integrator *i) { return i == &bis_rejection || i == &bis_sir || i == &bis_unoccluded; }
+
+/* The defaults, with M, N and samples of the scene's own integrator where that has them: what is compared has equal
+ * means. */
+static bis_settings settings_of(const bis_integrator *i, const bis_settings *own)
+{
+    bis_settings s = i == own->integrator ? *own : bis_settings_default(i);
+    if (takes_candidates(i) && takes_candidates(own->integrator)) s.candidates = own->candidates;
+    if (takes_candidates(i) && (own->integrator == &bis_sir || own->integrator == &bis_rejection)) s.shadowrays = own->shadowrays;
+    const bool own_samples = own->integrator == &bis_em || own->integrator == &bis_brdf || own->integrator == &bis_mis;
+    if (own_samples && !takes_candidates(i)) s.samples = own->samples;
+    if (i == &bis_mis && s.samples < 2) s.samples = 2;
+    s.compensate = false; /* it would need a table of its own */
+    s.as_printed = own->as_printed;
+    return s;
+}
+
+size_t bis_pixel_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], const bis_settings *own)
+{
+    size_t n = 0;
+    for (int i = 0; bis_integrators[i] && n + 1 < BIS_PIXEL_MAX_METHODS; i++) {
+        const bis_integrator *in = bis_integrators[i];
+        if (in == &bis_exact) continue;
+        bis_pixel_method *m = &list[n++];
+        *m = (bis_pixel_method){.settings = settings_of(in, own), .is_open = in == &bis_unoccluded};
+        snprintf(m->name, sizeof m->name, "%s", in->name);
+        if (in != &bis_rejection) continue;
+        list[n] = *m;
+        m->settings.estimator = BIS_ESTIMATOR_RATIO;
+        list[n++].settings.estimator = BIS_ESTIMATOR_PLAIN;
+        snprintf(m->name, sizeof m->name, "rejection ratio");
+        snprintf(m[1].name, sizeof m[1].name, "rejection plain");
+    }
+    return n;
+}
+
+/* A mean of n repeats by m: what rare and bright directions do to it is known here even when none was hit. */
+static double true_skewness(const bis_pixel_method *m, const bis_pixel_exact *e, uint32_t n)
+{
+    const bis_integrator *const by[3] = {&bis_em, &bis_brdf, &bis_mis};
+    int k = 0;
+    while (k < 3 && by[k] != m->settings.integrator) k++;
+    if (k == 3 || !e->by_patches) return (double)NAN;
+    const double mean = e->lit.mean[3], variance = e->moment2[k] - mean * mean;
+    if (!(variance > 0 && isfinite(variance))) return (double)NAN;
+    return (e->moment3[k] - 3 * mean * e->moment2[k] + 2 * mean * mean * mean) / pow(variance, 1.5) / sqrt((double)n * m->settings.samples);
+}
+
+bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact, bis_sampler_kind kind, uint32_t repeats,
+                                uint64_t seed, bis_diag *diag)
+{
+    const bis_pixel_value *truth = m->is_open ? &exact->open : &exact->lit;
+    bis_counters counters = {0};
+    const bis_status status = run_many(&m->L, &m->skewness, pt, &m->settings, kind, repeats, seed, &counters, diag);
+
+    if (status) return status;
+    const double se = hypot(m->L.se[3], truth->se[3]);
+    const double difference = m->L.mean[3] - truth->mean[3];
+    m->repeats = repeats;
+    m->true_skewness = true_skewness(m, exact, repeats);
+    m->error = truth->mean[3] > 0 ? hypot(m->L.se[3] * sqrt(repeats), difference) / truth->mean[3] : (double)NAN;
+    m->z = se > 0 ? difference / se : (double)NAN;
+    m->rays = (double)counters.shadow_rays / repeats;
+    m->accepted = (double)counters.accepted / repeats;
+    return BIS_OK;
+}

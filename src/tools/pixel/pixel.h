@@ -1,0 +1,154 @@
+/* pixel: everything about one pixel, for `bis pixel`: the point that its centre sees, what eq. 4.1 is there, what every
+ * method makes of it, and the candidates, weights and shadow rays behind that.
+ *
+ * Nothing here prints; src/cli/cmd_pixel.c does. Results do not depend on the number of threads.
+ *
+ *     if (bis_pixel_find(&hit, &pt, &eye, scene, desc, x, y, &counters)) {
+ *         status = bis_pixel_exact_of(&exact, &pt, seed, diag);              // the truth
+ *         status = bis_pixel_method_run(&method, &pt, &exact, ..., diag);    // one method against it
+ *         status = bis_pixel_candidates_draw(&c, &pt, &settings, &stream, diag);
+ *         ...
+ *         bis_pixel_candidates_clear(&c);
+ *     } */
+#ifndef BIS_PIXEL_H
+#define BIS_PIXEL_H
+
+#include "bis/scene/scene.h"
+
+/* ---- src/tools/pixel/pixel.c: the point, the truth, the methods ---- */
+
+typedef struct bis_pixel_hit {
+    double t;                       /* along the ray from the eye, in world units */
+    size_t shape, part;             /* index into desc->shapes; the triangle in it */
+    const bis_material *material;
+    size_t material_index;
+} bis_pixel_hit;
+
+/* The point that the ray through the centre of pixel (x, y) meets, as an integrator sees it. False: it meets no
+ * surface. The scene must have been built with BIS_VERIFY_LIGHT_NEEDS (verify.h); counters are borrowed by pt. */
+bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
+                    bis_counters *counters);
+
+/* "phong, exponent 50", "microfacet, alpha 0.1". Returns buf. */
+const char *bis_pixel_material_name(char buf[64], const bis_material *m);
+
+/* Red, green, blue, and their sum: the mean and its standard error. */
+typedef struct bis_pixel_value {
+    double mean[4], se[4];
+} bis_pixel_value;
+
+/* Reflected radiance, eq. 4.1 (lit) and without V, eq. 4.5 (open): BIS_PIXEL_RAYS rays at random places in each patch
+ * (eq. 3.2), whose scatter is the standard error; for a light of more than BIS_PIXEL_MAX_PATCHES patches so many runs
+ * of `mis` instead. */
+enum { BIS_PIXEL_RAYS = 4, BIS_PIXEL_MAX_PATCHES = 1 << 21, BIS_PIXEL_MIS_RUNS = 1 << 14, BIS_PIXEL_MIS_SAMPLES = 64 };
+typedef struct bis_pixel_exact {
+    bool by_patches;
+    size_t patches;
+    bis_pixel_value lit, open;
+    double moment2[3], moment3[3]; /* by patches: E[X^2], E[X^3] of X = F V/q, for q = q_L, q_f, (q_L + q_f)/2 */
+} bis_pixel_exact;
+
+/* max_patches: BIS_PIXEL_MAX_PATCHES; a test may choose. Errors: BIS_NOMEM. */
+bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t max_patches, uint64_t seed, bis_diag *diag);
+
+/* One method, run many times. */
+typedef struct bis_pixel_method {
+    char name[24]; /* the integrator's, "rejection plain" where it has two estimators */
+    bis_settings settings;
+    uint32_t repeats;
+    bool is_open;          /* estimates L_ns: `unoccluded` */
+    bis_pixel_value L;
+    double error;          /* root mean square difference of one estimate from the truth, both of r+g+b, over the truth; NAN for a truth of 0 */
+    double z;              /* (mean - truth) of r+g+b over both standard errors; NAN where neither scatters */
+    double skewness;       /* of the mean, from its own estimates: z is that of a normal distribution only where it is well below 0.1 */
+    double true_skewness;  /* the same for em, brdf, mis as if all samples were independent, from the sum over patches; else NAN */
+    double rays, accepted; /* shadow rays and accepted candidates in the mean of one estimate */
+} bis_pixel_method;
+
+/* The methods worth a row, with the scene's parameters where they apply: all but `exact`. Returns their number. */
+enum { BIS_PIXEL_MAX_METHODS = 12 };
+size_t bis_pixel_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], const bis_settings *own);
+
+/* repeats >= 2. Fills all from L on. Errors: BIS_NOMEM. */
+bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact, bis_sampler_kind kind, uint32_t repeats,
+                                uint64_t seed, bis_diag *diag);
+
+/* ---- src/tools/pixel/pixel_rays.c: what a method does ---- */
+
+/* A candidate, taken apart: q_L and q_f are the proposals' own densities, q that by which it was weighed. */
+typedef struct bis_pixel_candidate {
+    bis_candidate x;
+    bool from_map;       /* else from the BRDF */
+    double q_L, q_f, q;  /* 1/sr; NAN where the weight is 0: then its direction is not known */
+    double product;      /* phat = f cos Le, r+g+b */
+    uint32_t chosen;     /* how often */
+    bool seen;           /* V, of the chosen */
+} bis_pixel_candidate;
+
+/* One estimate by SIR (thesis 4.4). */
+typedef struct bis_pixel_candidates {
+    uint32_t M, N;
+    bis_pixel_candidate *c; /* c[M], in the order in which they were drawn */
+    double W, square_sum;   /* sums of the weights and of their squares */
+    double ess;             /* effective sample size, (sum w)^2 / sum w^2; 0 when all weights are */
+    double largest;         /* the largest share of one candidate in W */
+    double share_em;        /* beta: the map's share of the mixture q; NAN where it cannot be told (M = 1, no weight) */
+    uint32_t positive, distinct, seen; /* candidates with a weight; candidates chosen; of the N choices those that see the light */
+    rgbd L, L_ns;           /* the estimate, and that of eq. 4.5 */
+} bis_pixel_candidates;
+
+/* Draw, weigh, choose and trace as `sir` with settings s does, by its stream; without the renderer's shared pool.
+ * Errors: BIS_NOMEM. */
+bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *pt, const bis_settings *s, bis_stream *stream, bis_diag *diag);
+void bis_pixel_candidates_clear(bis_pixel_candidates *c);
+
+/* A shadow ray that an integrator cast. */
+typedef struct bis_pixel_ray {
+    vec3 wi;
+    uint32_t run;
+    bool seen; /* it reached the light */
+} bis_pixel_ray;
+
+typedef struct bis_pixel_rays {
+    bis_pixel_ray *ray;
+    size_t n, capacity;
+    uint32_t runs;
+} bis_pixel_rays;
+
+/* The shadow rays of camera samples 0 ... runs - 1 of a pixel, found by an accelerator that writes down what it is
+ * asked: true for any integrator.
+ * Errors: BIS_NOMEM. */
+bis_status bis_pixel_rays_record(bis_pixel_rays *r, const bis_point *pt, const bis_settings *s, const bis_sampler *sampler, uint64_t pixel,
+                                 uint32_t runs, bis_diag *diag);
+void bis_pixel_rays_clear(bis_pixel_rays *r);
+
+/* f cos Le towards wi, r+g+b: phat of the thesis. */
+double bis_pixel_product(const bis_point *pt, vec3 wi);
+
+/* ---- src/tools/pixel/pixel_plots.c: figures 4.1 and 4.2 ---- */
+
+/* Directions as the map has them: z up, row 0 at +z, theta from it and phi with the columns, in degrees. */
+typedef struct bis_pixel_direction {
+    double theta, phi;
+} bis_pixel_direction;
+
+bis_pixel_direction bis_pixel_direction_of(const bis_xform *light_to_world, vec3 wi);
+
+/* What the figures show. */
+typedef struct bis_pixel_figure {
+    const char *title, *subtitle;
+    const bis_point *pt;
+    const bis_pixel_exact *exact;
+    const bis_xform *light_to_world;
+    const bis_pixel_candidates *candidates;
+    const bis_pixel_method *methods; /* [n_methods] and their rays */
+    const bis_pixel_rays *rays;
+    size_t n_methods;
+} bis_pixel_figure;
+
+/* Figure 4.1: the densities q_L (eq. 4.2), q_f (4.3), their product p (4.4), and what of it is seen. Figure 4.2: the
+ * shadow rays of the methods on the product. To be shown without any exposure. Errors: BIS_NOMEM. */
+enum { BIS_PIXEL_PLOT_WIDTH = 720, BIS_PIXEL_PLOT_HEIGHT = 360 };
+bis_status bis_pixel_figures(bis_image *densities, bis_image *samples, const bis_pixel_figure *figure, bis_diag *diag);
+
+#endif

@@ -1,0 +1,159 @@
+/* pixel_files: the folder of `bis pixel`: two pictures and three tables (RFC 4180: commas, a header, an empty field for
+ * what is not known). */
+#include "pixel_report.h"
+
+#include "bis/base/file.h"
+
+#include <string.h>
+
+enum { MAX_PATH = 4096 };
+
+/* ---- tables ---- */
+
+static void put(FILE *f, double v)
+{
+    char text[32];
+    fprintf(f, ",%s", isfinite(v) ? bis_format_double(text, v) : "");
+}
+
+static void put_direction(FILE *f, const bis_pixel_report *r, vec3 w)
+{
+    const bis_pixel_direction d = bis_pixel_direction_of(&r->desc->light.to_world, w);
+    put(f, d.theta);
+    put(f, d.phi);
+    put(f, (double)w.x);
+    put(f, (double)w.y);
+    put(f, (double)w.z);
+}
+
+static void put_value(FILE *f, const bis_pixel_value *v)
+{
+    for (int k = 0; k < 4; k++) put(f, v->mean[k]);
+    for (int k = 0; k < 4; k++) put(f, v->se[k]);
+}
+
+static void write_methods(FILE *f, const bis_pixel_report *r)
+{
+    fputs("method,repeats,r,g,b,sum,se_r,se_g,se_b,se_sum,z,skewness,relative_error,rays,accepted\nexact,", f);
+    put_value(f, &r->exact.lit);
+    fputs(",,,,,\nwithout visibility,", f);
+    put_value(f, &r->exact.open);
+    fputs(",,,,,\n", f);
+    for (size_t i = 0; i < r->n_methods; i++) {
+        const bis_pixel_method *m = &r->methods[i];
+        fprintf(f, "%s,%u", m->name, (unsigned)m->repeats);
+        put_value(f, &m->L);
+        put(f, m->z);
+        put(f, m->skewness);
+        put(f, m->error);
+        put(f, m->rays);
+        put(f, m->settings.integrator == &bis_rejection ? m->accepted : (double)NAN);
+        fputc('\n', f);
+    }
+}
+
+static void write_candidates(FILE *f, const bis_pixel_report *r)
+{
+    const bis_pixel_candidates *c = &r->candidates;
+    fputs("candidate,from,theta_deg,phi_deg,x,y,z,q_map,q_brdf,q,product,weight,share,chosen,seen\n", f);
+    for (uint32_t i = 0; i < c->M; i++) {
+        const bis_pixel_candidate *q = &c->c[i];
+        fprintf(f, "%u,%s", (unsigned)i, isnan(c->share_em) ? "" : q->from_map ? "map" : "brdf");
+        if (q->x.w > 0) put_direction(f, r, q->x.wi);
+        else fputs(",,,,,", f);
+        put(f, q->q_L);
+        put(f, q->q_f);
+        put(f, q->q);
+        put(f, q->product);
+        put(f, q->x.w);
+        put(f, c->W > 0 ? q->x.w / c->W : 0);
+        fprintf(f, ",%u,%s\n", (unsigned)q->chosen, q->chosen == 0 ? "" : q->seen ? "1" : "0");
+    }
+}
+
+static void write_rays(FILE *f, const bis_pixel_report *r)
+{
+    fputs("method,sample,theta_deg,phi_deg,x,y,z,q_map,q_brdf,product,seen\n", f);
+    for (size_t i = 0; i < r->n_methods; i++) {
+        for (size_t k = 0; k < r->rays[i].n; k++) {
+            const bis_pixel_ray *q = &r->rays[i].ray[k];
+            fprintf(f, "%s,%u", r->methods[i].name, (unsigned)q->run);
+            put_direction(f, r, q->wi);
+            put(f, bis_light_pdf(r->pt.light, q->wi));
+            put(f, bis_bsdf_pdf(&r->pt.bsdf, q->wi));
+            put(f, bis_pixel_product(&r->pt, q->wi));
+            fprintf(f, ",%d\n", q->seen);
+        }
+    }
+}
+
+static bis_status path_of(char path[MAX_PATH], const bis_pixel_report *r, const char *name, bis_diag *diag)
+{
+    if (snprintf(path, MAX_PATH, "%s/%s", r->folder, name) < MAX_PATH) return BIS_OK;
+    return bis_error(diag, BIS_IO, (bis_loc){0}, "\"%s\": the name of the folder is too long", r->folder);
+}
+
+static bis_status write_table(const bis_pixel_report *r, const char *name, void (*write)(FILE *f, const bis_pixel_report *r), bis_diag *diag)
+{
+    char path[MAX_PATH];
+    bis_outfile *out;
+    bis_status status = path_of(path, r, name, diag);
+    if (!status) status = bis_outfile_open(&out, path, diag);
+    if (status) return status;
+    write(bis_outfile_stream(out), r);
+    return bis_outfile_commit(out, diag);
+}
+
+/* ---- pictures ---- */
+
+static bis_status write_picture(const bis_pixel_report *r, const char *name, const bis_image *image, bis_diag *diag)
+{
+    char path[MAX_PATH];
+    const bis_status status = path_of(path, r, name, diag);
+    return status ? status : bis_image_save_colours(image, path, diag);
+}
+
+static const char *file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static bis_status write_pictures(const bis_pixel_report *r, bis_diag *diag)
+{
+    const bis_material *m = r->hit.material;
+    const char *map = r->desc->light.filename ? file_name(r->desc->light.filename) : "a constant light";
+    char title[160], subtitle[240], material[64];
+    bis_image densities, samples;
+
+    snprintf(title, sizeof title, "Pixel (%d, %d) of %.80s", r->x, r->y, file_name(r->desc->path));
+    snprintf(subtitle, sizeof subtitle, "under %.80s; %s, Ks %.3g, Kd %.3g (means of r, g, b), seen at %.1f degrees", map,
+             bis_pixel_material_name(material, m), rgb_sum(m->Ks) / 3, rgb_sum(m->Kd) / 3,
+             atan2(length(cross(r->pt.n, r->pt.wo)), dot(r->pt.n, r->pt.wo)) * 180 / PI);
+    const bis_pixel_figure figure = {
+        .title = title,
+        .subtitle = subtitle,
+        .pt = &r->pt,
+        .exact = &r->exact,
+        .light_to_world = &r->desc->light.to_world,
+        .candidates = &r->candidates,
+        .methods = r->methods,
+        .rays = r->rays,
+        .n_methods = r->n_methods,
+    };
+    bis_status status = bis_pixel_figures(&densities, &samples, &figure, diag);
+    if (status) return status;
+    status = write_picture(r, "densities.png", &densities, diag);
+    if (!status) status = write_picture(r, "samples.png", &samples, diag);
+    bis_image_clear(&densities);
+    bis_image_clear(&samples);
+    return status;
+}
+
+bis_status bis_pixel_write_files(const bis_pixel_report *r, bis_diag *diag)
+{
+    bis_status status = write_table(r, "methods.csv", write_methods, diag);
+    if (!status) status = write_table(r, "candidates.csv", write_candidates, diag);
+    if (!status) status = write_table(r, "rays.csv", write_rays, diag);
+    return status ? status : write_pictures(r, diag);
+}

@@ -1,0 +1,294 @@
+/* pixel_report: text and JSON of `bis pixel`. Both say the same; what is not known is "-" or null. */
+#include "pixel_report.h"
+
+#include "out/json.h"
+
+#include <string.h>
+
+void bis_pixel_report_clear(bis_pixel_report *r)
+{
+    if (!r) return;
+    bis_pixel_candidates_clear(&r->candidates);
+    for (size_t i = 0; i < r->n_methods; i++) bis_pixel_rays_clear(&r->rays[i]);
+}
+
+static const char *kind_of(const bis_shape_desc *s)
+{
+    static const char *const kinds[] = {[BIS_SHAPE_PLY] = "plymesh", [BIS_SHAPE_OBJ] = "objmesh", [BIS_SHAPE_TRIANGLES] = "trianglemesh",
+                                        [BIS_SHAPE_SPHERE] = "sphere", [BIS_SHAPE_DISK] = "disk"};
+    return kinds[s->kind];
+}
+
+/* NULL for a shape that comes from no file. */
+static const char *file_of(const bis_pixel_report *r)
+{
+    const bis_shape_desc *s = &r->desc->shapes[r->hit.shape];
+    return s->kind == BIS_SHAPE_PLY || s->kind == BIS_SHAPE_OBJ ? r->desc->meshes[s->mesh].filename : NULL;
+}
+
+static bool is_mesh(const bis_pixel_report *r)
+{
+    const bis_shape_kind kind = r->desc->shapes[r->hit.shape].kind;
+    return kind != BIS_SHAPE_SPHERE && kind != BIS_SHAPE_DISK;
+}
+
+/* What the camera sees where there is no surface. */
+static rgb background(const bis_pixel_report *r)
+{
+    return r->desc->light.visible ? bis_light_Le(r->scene->light, r->eye.d) : (rgb){0, 0, 0};
+}
+
+static bool has_samples(const bis_settings *s)
+{
+    return s->integrator == &bis_em || s->integrator == &bis_brdf || s->integrator == &bis_mis;
+}
+
+/* ---- text ---- */
+
+static const double too_skew = 0.1; /* beyond, tails at 3 standard errors are off by more than exp(0.1 3^3/6), a factor of 1.6 */
+
+static void print_vector(const char *name, vec3 v, const bis_pixel_report *r, bool direction)
+{
+    printf("%-12s(%.6g %.6g %.6g)", name, (double)v.x, (double)v.y, (double)v.z);
+    if (direction) {
+        const bis_pixel_direction d = bis_pixel_direction_of(&r->desc->light.to_world, v);
+        printf("   in the map: theta %.2f, phi %.2f degrees", d.theta, d.phi);
+    }
+    putchar('\n');
+}
+
+static void print_hit(const bis_pixel_report *r)
+{
+    const bis_shape_desc *s = &r->desc->shapes[r->hit.shape];
+    const bis_material *m = r->hit.material;
+    const char *file = file_of(r);
+    char material[64];
+
+    printf("shape       %s", kind_of(s));
+    if (file) printf(" \"%s\"", file);
+    printf(" of line %d", s->loc.line);
+    if (is_mesh(r)) printf(", triangle %zu", r->hit.part);
+    printf("; %.6g from the eye\n", r->hit.t);
+    print_vector("point", r->pt.p, r, false);
+    print_vector("normal", r->pt.n, r, true);
+    if (memcmp(&r->pt.n, &r->pt.ng, sizeof r->pt.n) != 0) print_vector("of the face", r->pt.ng, r, true);
+    print_vector("to the eye", r->pt.wo, r, true);
+    print_vector("mirrored", r->pt.bsdf.r, r, true);
+    printf("material    %s, Kd (%.4g %.4g %.4g), Ks (%.4g %.4g %.4g); seen at %.2f degrees\n", bis_pixel_material_name(material, m),
+           (double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b, (double)m->Ks.r, (double)m->Ks.g, (double)m->Ks.b,
+           atan2(length(cross(r->pt.n, r->pt.wo)), dot(r->pt.n, r->pt.wo)) * 180 / PI);
+}
+
+static void print_value(const char *name, const bis_pixel_value *v)
+{
+    printf("%-12s%.6g +- %.1g   (%.6g %.6g %.6g)\n", name, v->mean[3], v->se[3], v->mean[0], v->mean[1], v->mean[2]);
+}
+
+static void print_exact(const bis_pixel_report *r)
+{
+    const bis_pixel_exact *e = &r->exact;
+    printf("\nreflected radiance, r+g+b and (r g b), ");
+    if (e->by_patches) printf("by %d rays in each of %zu patches\n", BIS_PIXEL_RAYS, e->patches);
+    else printf("by %d runs of mis; %zu patches are too many for their sum\n", BIS_PIXEL_MIS_RUNS, e->patches);
+    print_value("exact", &e->lit);
+    print_value("unoccluded", &e->open);
+    printf("seen        %.2f %%\n", 100 * e->lit.mean[3] / e->open.mean[3]);
+}
+
+static void print_percent(double x)
+{
+    if (isfinite(x)) printf(" %10.3g %%", 100 * x);
+    else printf(" %12s", "-");
+}
+
+static bool is_too_skew(const bis_pixel_method *m)
+{
+    return fabs(m->skewness) > too_skew || fabs(m->true_skewness) > too_skew; /* false for NAN */
+}
+
+static void print_methods(const bis_pixel_report *r)
+{
+    printf("\n%-16s %9s %11s %10s %8s %8s %12s %8s\n", "method", "draws", "mean", "+-", "of exact", "z", "error of one", "rays");
+    for (size_t i = 0; i < r->n_methods; i++) {
+        const bis_pixel_method *m = &r->methods[i];
+        const double truth = (m->is_open ? &r->exact.open : &r->exact.lit)->mean[3];
+        char draws[32];
+        if (has_samples(&m->settings)) snprintf(draws, sizeof draws, "%u", (unsigned)m->settings.samples);
+        else if (m->is_open) snprintf(draws, sizeof draws, "%u", (unsigned)m->settings.candidates);
+        else snprintf(draws, sizeof draws, "%u/%u", (unsigned)m->settings.shadowrays, (unsigned)m->settings.candidates);
+        printf("%-16s %9s %11.6g %10.2g", m->name, draws, m->L.mean[3], m->L.se[3]);
+        if (truth > 0) printf(" %8.4f", m->L.mean[3] / truth);
+        else printf(" %8s", "-");
+        if (isfinite(m->z)) printf(" %7.2f%c", m->z, is_too_skew(m) ? '?' : ' ');
+        else printf(" %8s", "-");
+        print_percent(m->error);
+        printf(" %8.4g\n", m->rays);
+    }
+    printf("Means of %u estimates; z: the difference from exact (unoccluded: from that) in standard errors; error of one: the\n"
+           "root mean square difference of a single estimate from exact; rays: cast by one. z with a ?: rare and bright estimates\n"
+           "make the mean too skew for its standard error, which misses what has not been hit: ask for more --repeats.\n", (unsigned)r->methods[0].repeats);
+}
+
+static void print_candidates(const bis_pixel_report *r)
+{
+    const bis_pixel_candidates *c = &r->candidates;
+    printf("\none estimate by sir\n");
+    printf("candidates  %u drawn", (unsigned)c->M);
+    if (isfinite(c->share_em)) printf(", %.0f from the map, %.0f from the BRDF", c->share_em * c->M, (1 - c->share_em) * c->M);
+    printf("; %u weigh something\n", (unsigned)c->positive);
+    if (c->W <= 0) return;
+    printf("weights     sum %.6g, mean %.6g (estimates %.6g); the largest is %.3g %% of all\n", c->W, c->W / c->M, r->exact.open.mean[3],
+           100 * c->largest);
+    printf("effective   sample size %.4g = (sum w)^2 / sum w^2\n", c->ess);
+    printf("chosen      %u rays at %u candidates, %u of them see the light\n", (unsigned)c->N, (unsigned)c->distinct, (unsigned)c->seen);
+    printf("estimate    %.6g   (%.6g %.6g %.6g)\n", rgbd_sum(c->L), c->L.r, c->L.g, c->L.b);
+}
+
+void bis_pixel_print_text(const bis_pixel_report *r)
+{
+    printf("pixel       (%d, %d) of %d x %d, %s\n", r->x, r->y, r->desc->film.width, r->desc->film.height, r->desc->path);
+    if (r->is_hit) print_hit(r);
+    if (r->why_nothing) {
+        const rgb L = r->is_hit ? (rgb){0, 0, 0} : background(r);
+        printf("nothing     %s\nradiance    (%.6g %.6g %.6g)%s\n", r->why_nothing, (double)L.r, (double)L.g, (double)L.b,
+               r->is_hit ? "" : ", the light's own");
+        return;
+    }
+    print_exact(r);
+    print_methods(r);
+    print_candidates(r);
+    printf("\nwritten     %s/densities.png samples.png methods.csv candidates.csv rays.csv\n", r->folder);
+}
+
+/* ---- JSON ---- */
+
+static void json_triple(bis_json *j, const char *key, double x, double y, double z)
+{
+    bis_json_open(j, key, '[');
+    bis_json_number(j, NULL, x);
+    bis_json_number(j, NULL, y);
+    bis_json_number(j, NULL, z);
+    bis_json_close(j);
+}
+
+static void json_vector(bis_json *j, const char *key, vec3 v) { json_triple(j, key, (double)v.x, (double)v.y, (double)v.z); }
+static void json_colour(bis_json *j, const char *key, rgb c) { json_triple(j, key, (double)c.r, (double)c.g, (double)c.b); }
+
+static void json_hit(bis_json *j, const bis_pixel_report *r)
+{
+    if (!r->is_hit) {
+        bis_json_null(j, "hit");
+        return;
+    }
+    bis_json_open(j, "hit", '{');
+    bis_json_text(j, "shape", kind_of(&r->desc->shapes[r->hit.shape]));
+    bis_json_text(j, "file", file_of(r));
+    bis_json_count(j, "line", (uint64_t)r->desc->shapes[r->hit.shape].loc.line);
+    if (is_mesh(r)) bis_json_count(j, "triangle", r->hit.part);
+    else bis_json_null(j, "triangle");
+    bis_json_number(j, "distance", r->hit.t);
+    json_vector(j, "point", r->pt.p);
+    json_vector(j, "normal", r->pt.n);
+    json_vector(j, "geometric_normal", r->pt.ng);
+    json_vector(j, "wo", r->pt.wo);
+    json_vector(j, "mirrored", r->pt.bsdf.r);
+    bis_json_number(j, "cos_wo", dot(r->pt.n, r->pt.wo));
+    const bool facets = r->hit.material->alpha > 0;
+    bis_json_open(j, "material", '{');
+    bis_json_text(j, "model", r->hit.material->model->name);
+    json_colour(j, "Kd", r->hit.material->Kd);
+    json_colour(j, "Ks", r->hit.material->Ks);
+    bis_json_number(j, "exponent", facets ? (double)NAN : r->hit.material->exponent);
+    bis_json_number(j, "alpha", facets ? r->hit.material->alpha : (double)NAN);
+    bis_json_number(j, "p_specular", r->pt.bsdf.p_specular);
+    bis_json_close(j);
+    bis_json_close(j);
+}
+
+static void json_value(bis_json *j, const bis_pixel_value *v)
+{
+    json_triple(j, "radiance", v->mean[0], v->mean[1], v->mean[2]);
+    json_triple(j, "standard_error", v->se[0], v->se[1], v->se[2]);
+    bis_json_number(j, "sum", v->mean[3]);
+    bis_json_number(j, "sum_standard_error", v->se[3]);
+}
+
+static void json_exact(bis_json *j, const bis_pixel_exact *e)
+{
+    bis_json_open(j, "exact", '{');
+    bis_json_text(j, "by", e->by_patches ? "patches" : "mis");
+    bis_json_count(j, "patches", e->patches);
+    json_value(j, &e->lit);
+    bis_json_close(j);
+    bis_json_open(j, "unoccluded", '{');
+    json_value(j, &e->open);
+    bis_json_close(j);
+}
+
+static void json_parameter(bis_json *j, const char *key, bool has, uint32_t value)
+{
+    if (has) bis_json_count(j, key, value);
+    else bis_json_null(j, key);
+}
+
+static void json_method(bis_json *j, const bis_pixel_method *m)
+{
+    const bool by_samples = has_samples(&m->settings);
+    bis_json_open(j, NULL, '{');
+    bis_json_text(j, "method", m->name);
+    bis_json_text(j, "claim", m->settings.integrator->claim);
+    json_parameter(j, "samples", by_samples, m->settings.samples);
+    json_parameter(j, "candidates", !by_samples, m->settings.candidates);
+    json_parameter(j, "shadowrays", !by_samples && !m->is_open, m->settings.shadowrays);
+    bis_json_count(j, "repeats", m->repeats);
+    json_value(j, &m->L);
+    bis_json_number(j, "z", m->z);
+    bis_json_number(j, "skewness", m->skewness);
+    bis_json_number(j, "relative_error", m->error);
+    bis_json_number(j, "rays", m->rays);
+    bis_json_number(j, "accepted", m->settings.integrator == &bis_rejection ? m->accepted : (double)NAN);
+    bis_json_close(j);
+}
+
+static void json_candidates(bis_json *j, const bis_pixel_candidates *c)
+{
+    bis_json_open(j, "candidates", '{');
+    bis_json_count(j, "drawn", c->M);
+    bis_json_number(j, "share_of_map", c->share_em);
+    bis_json_count(j, "positive", c->positive);
+    bis_json_number(j, "weights", c->W);
+    bis_json_number(j, "squared_weights", c->square_sum);
+    bis_json_number(j, "effective_sample_size", c->ess);
+    bis_json_number(j, "largest_share", c->largest);
+    bis_json_count(j, "shadowrays", c->N);
+    bis_json_count(j, "distinct", c->distinct);
+    bis_json_count(j, "seen", c->seen);
+    json_triple(j, "estimate", c->L.r, c->L.g, c->L.b);
+    json_triple(j, "estimate_unoccluded", c->L_ns.r, c->L_ns.g, c->L_ns.b);
+    bis_json_close(j);
+}
+
+void bis_pixel_print_json(const bis_pixel_report *r)
+{
+    bis_json j = {.out = stdout};
+    bis_json_open(&j, NULL, '{');
+    bis_json_text(&j, "scene", r->desc->path);
+    bis_json_count(&j, "x", (uint64_t)r->x);
+    bis_json_count(&j, "y", (uint64_t)r->y);
+    bis_json_count(&j, "width", (uint64_t)r->desc->film.width);
+    bis_json_count(&j, "height", (uint64_t)r->desc->film.height);
+    bis_json_count(&j, "seed", r->desc->sampler.seed);
+    json_hit(&j, r);
+    bis_json_text(&j, "nothing", r->why_nothing);
+    if (r->why_nothing) {
+        json_colour(&j, "radiance", r->is_hit ? (rgb){0, 0, 0} : background(r));
+    } else {
+        json_exact(&j, &r->exact);
+        bis_json_open(&j, "methods", '[');
+        for (size_t i = 0; i < r->n_methods; i++) json_method(&j, &r->methods[i]);
+        bis_json_close(&j);
+        json_candidates(&j, &r->candidates);
+        bis_json_text(&j, "folder", r->folder);
+    }
+    bis_json_close(&j);
+}

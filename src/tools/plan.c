@@ -1,0 +1,300 @@
+/* plan: what a scene requires, what will be built for it, what is left out, and why (`bis --plan`).
+ *
+ * It draws the same conclusions as scene.c from the description alone. Each line starts with what it is about, so that
+ * a script finds it: "light", "geometry" and so on describe, "build" and "skip" decide. */
+#include "bis/base/file.h"
+#include "bis/thesis/importance.h"
+#include "bis/base/mem.h"
+#include "scene/scene_peek.h"
+
+#include "bis/scene/scene.h"
+
+#include <inttypes.h>
+
+/* Upper bounds that importance.h promises. */
+enum { PIXEL_BYTES = 12, DRAWING_BYTES = 16 };
+
+static const char *megabytes(char buf[32], double bytes)
+{
+    snprintf(buf, 32, "%.1f MB", bytes / 1e6);
+    return buf;
+}
+
+/* ---- what is described ---- */
+
+static const char *truth(bool b) { return b ? "true" : "false"; }
+
+static void print_settings(const bis_settings *s, FILE *out)
+{
+    static const char *const fallbacks[] = {[BIS_FALLBACK_RESAMPLE] = "resample",
+                                            [BIS_FALLBACK_SUBSET] = "subset",
+                                            [BIS_FALLBACK_UNOCCLUDED] = "unoccluded"};
+    const bis_integrator *i = s->integrator;
+    char split[32];
+
+    if (i == &bis_auto) {
+        fprintf(out, "auto: a pilot will choose among %s\nclaim        %s\n",
+                s->only_sir ? "sir's proposals, M and N" : "mis, sir (proposal, M and N), and em or brdf where they are safe", i->claim);
+        return;
+    }
+    fprintf(out, "%s:", i->name);
+    if (i == &bis_exact) fprintf(out, " perpatch %" PRIu32, s->perpatch);
+    if (i == &bis_em || i == &bis_brdf || i == &bis_mis) fprintf(out, " samples %" PRIu32, s->samples);
+    if (i == &bis_sir || i == &bis_rejection || i == &bis_unoccluded)
+        fprintf(out, " candidates %" PRIu32, s->candidates);
+    if (i == &bis_sir || i == &bis_rejection)
+        fprintf(out, ", shadowrays %" PRIu32 ", proposal %s", s->shadowrays, bis_proposal_name(s->proposal));
+    if (i == &bis_mis)
+        fprintf(out, ", heuristic %s, split %s, compensate %s",
+                s->heuristic == BIS_HEURISTIC_POWER ? "power" : "balance",
+                bis_format_double(split, s->split), truth(s->compensate));
+    if (i == &bis_sir)
+        fprintf(out, ", resampling %s, learn %s, vectorize %s", s->resampling == BIS_RESAMPLING_MULTINOMIAL ? "multinomial" : "systematic",
+                truth(s->learn), truth(s->vectorize));
+    if (i == &bis_sir || i == &bis_em || i == &bis_mis) fprintf(out, ", stratify %s", truth(s->stratify));
+    if (i == &bis_rejection)
+        fprintf(out, ", estimator %s, fallback %s", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio",
+                fallbacks[s->fallback]);
+    fprintf(out, "\nclaim        %s\n", i->claim);
+}
+
+static void print_integrators(const bis_scene_desc *d, FILE *out)
+{
+    const bis_settings *s = &d->settings;
+
+    fputs("integrator   ", out);
+    print_settings(s, out);
+    for (int i = 1; i <= d->exceptions.n; i++) {
+        fprintf(out, "exception    %d%s, ", i, bis_scene_uses_method(d, i) ? "" : " (no material)");
+        print_settings(bis_scene_settings(d, i), out);
+    }
+    for (const bis_erratum *e = bis_errata; e->name; e++) {
+        if (s->as_printed & e->flag) fprintf(out, "as printed   %s (%s): %s\n", e->name, e->section, e->effect);
+    }
+}
+
+static void print_view(const bis_scene_desc *d, FILE *out)
+{
+    char a[32], c[4][32];
+    const bis_sampler *s = &d->sampler;
+    for (int i = 0; i < 4; i++) bis_format_double(c[i], d->film.crop[i]);
+    fprintf(out, "scene        %s\n", d->path);
+    fprintf(out, "film         %d x %d, cropwindow %s %s %s %s, to %s\n", d->film.width, d->film.height, c[0], c[1],
+            c[2], c[3], d->film.filename);
+    if (d->camera.orthographic) fprintf(out, "camera       orthographic\n");
+    else fprintf(out, "camera       perspective, fov %s\n", bis_format_double(a, d->camera.fov_deg));
+    fprintf(out, "sampler      %s, %" PRIu32 " camera samples a pixel", bis_sampler_name(s->kind), s->spp);
+    if (s->kind == BIS_SAMPLER_STRATIFIED) fprintf(out, " (%" PRIu32 " x %" PRIu32 ")", s->xsamples, s->ysamples);
+    fprintf(out, ", seed %" PRIu64 "%s%s\n", s->seed, d->pixel_jitter ? "" : ", all through the pixel's centre",
+            d->adaptive ? ", adaptive" : "");
+}
+
+/* Bytes a pixel: sums, their squares and hits; the pass under way; and 8 + 4 for each value of a layer. */
+static void print_film(const bis_scene_desc *d, FILE *out)
+{
+    enum { FILM_BYTES = 56, PASS_BYTES = 16, VALUE_BYTES = 12 };
+    const double pixels = (double)d->film.width * d->film.height * (d->film.crop[1] - d->film.crop[0]) * (d->film.crop[3] - d->film.crop[2]);
+    char buf[32];
+    int n = 0;
+
+    fprintf(out, "build        film: about %s\n", megabytes(buf, pixels * (FILM_BYTES + PASS_BYTES)));
+    if (!d->film.layers) {
+        fprintf(out, "skip         layers: none is asked for\n");
+        return;
+    }
+    fputs("build        layers", out);
+    for (int i = 0; i < BIS_N_LAYERS; i++) {
+        if (!(d->film.layers >> i & 1)) continue;
+        fprintf(out, " %s", bis_layer_name((bis_layer)i));
+        n += bis_layer_values((bis_layer)i);
+    }
+    fprintf(out, ": about %s\n", megabytes(buf, pixels * VALUE_BYTES * n));
+}
+
+/* The size of the lat-long map that will be made of the file; false: unknown. */
+static bool map_size(const bis_light_desc *light, long *width, long *height)
+{
+    if (!light->filename || !bis_scene_peek_image(light->filename, width, height)) return false;
+    if (!light->angular) return true;
+    *width = light->width ? light->width + light->width % 2 : 2 * *width;
+    *height = *width / 2;
+    return true;
+}
+
+static void print_light(const bis_scene_desc *d, FILE *out)
+{
+    const bis_light_desc *light = &d->light;
+    char buf[32];
+    long w, h;
+    if (!d->has_light) {
+        fprintf(out, "light        none: the picture will be black\n");
+    } else if (!light->filename) {
+        fprintf(out, "light        constant\n");
+    } else if (map_size(light, &w, &h)) {
+        fprintf(out, "light        map %s, %s, %ld x %ld: %s of pixels\n", light->filename,
+                light->angular ? "angular, resampled to latlong" : "latlong", w, h,
+                megabytes(buf, (double)w * (double)h * PIXEL_BYTES));
+    } else {
+        fprintf(out, "light        map %s, %s, a file of %s\n", light->filename, light->angular ? "angular" : "latlong",
+                megabytes(buf, (double)bis_scene_peek_bytes(light->filename)));
+    }
+    if (d->has_light && !light->visible) fprintf(out, "light        not visible to camera rays\n");
+}
+
+/* ---- what is built ---- */
+
+static bool is_mesh(const bis_shape_desc *s) { return s->kind != BIS_SHAPE_SPHERE && s->kind != BIS_SHAPE_DISK; }
+
+static void print_mesh(const bis_mesh_desc *m, size_t uses, FILE *out)
+{
+    char buf[32];
+    long vertices, faces;
+    const char *times = uses == 1 ? "shape" : "shapes";
+    if (m->kind == BIS_SHAPE_TRIANGLES)
+        fprintf(out, "build        mesh of the scene file, %zu triangles, for %zu %s\n", m->mesh.n_triangles, uses,
+                times);
+    else if (m->kind == BIS_SHAPE_PLY && bis_scene_peek_ply(m->filename, &vertices, &faces))
+        fprintf(out, "build        mesh %s, %ld vertices, %ld faces, read once for %zu %s\n", m->filename, vertices,
+                faces, uses, times);
+    else
+        fprintf(out, "build        mesh %s, a file of %s, read once for %zu %s\n", m->filename,
+                megabytes(buf, (double)bis_scene_peek_bytes(m->filename)), uses, times);
+}
+
+static void print_geometry(const bis_scene_desc *d, FILE *out)
+{
+    size_t n_quadrics = 0;
+    size_t *uses = bis_alloc(d->n_meshes, sizeof *uses);
+    for (size_t i = 0; i < d->n_shapes; i++) {
+        if (!is_mesh(&d->shapes[i])) n_quadrics++;
+        else if (uses) uses[d->shapes[i].mesh]++;
+    }
+    fprintf(out, "geometry     %zu shapes with instances: %zu of meshes, %zu spheres and disks\n", d->n_shapes,
+            d->n_shapes - n_quadrics, n_quadrics);
+    for (size_t i = 0; uses && i < d->n_meshes; i++) {
+        if (uses[i]) print_mesh(&d->meshes[i], uses[i], out);
+        else fprintf(out, "skip         mesh %s: no shape or instance uses it\n",
+                     d->meshes[i].filename ? d->meshes[i].filename : "of the scene file");
+    }
+    bis_free(uses);
+}
+
+/* Why there is nothing to draw from the light, or NULL. */
+static const char *why_no_drawing(const bis_scene_desc *d, unsigned needs)
+{
+    if (!d->n_shapes) return "there is no geometry to light";
+    if (!d->has_light) return "there is no light";
+    if (!d->light.filename) return "a constant light is drawn from without tables";
+    if (!(needs & (BIS_NEED_TABLE | BIS_NEED_CURVE))) return "this integrator, so set, draws nothing from the map";
+    return NULL;
+}
+
+static void print_drawing(const bis_scene_desc *d, FILE *out)
+{
+    const bis_light_desc *light = &d->light;
+    const unsigned needs = bis_scene_light_needs(d);
+    const char *why = why_no_drawing(d, needs);
+    const bool cdf = light->has_table_kind ? light->table_kind == BIS_TABLE_CDF
+                                           : bis_sampler_is_low_discrepancy(d->sampler.kind);
+    char size[32] = "", bound[64] = "";
+    long w, h;
+
+    if (why) {
+        fprintf(out, "skip         light table: %s\nskip         light curve: %s\nskip         light components: %s\n",
+                why, why, why);
+        return;
+    }
+    if (map_size(light, &w, &h))
+        snprintf(bound, sizeof bound, ": at most %s", megabytes(size, (double)w * (double)h * DRAWING_BYTES));
+    if (needs & BIS_NEED_TABLE)
+        fprintf(out, "build        light table, %s%s%s\n", cdf ? "CDFs" : "alias tables",
+                needs & BIS_NEED_COMPENSATED ? ", compensated for mis" : "", bound);
+    else fprintf(out, "skip         light table: this integrator, so set, draws along the curve\n");
+    if (needs & BIS_NEED_CURVE)
+        fprintf(out, "build        light curve, one CDF along a space-filling curve%s\n", bound);
+    else fprintf(out, "skip         light curve: this integrator, so set, draws from the table\n");
+    if (light->area_exponent > 0)
+        fprintf(out, "build        light components, %d levels, areaexponent %s\n", light->levels,
+                bis_format_double(size, light->area_exponent));
+    else fprintf(out, "skip         light components: areaexponent is 0\n");
+}
+
+static void print_colour(const char *name, rgb c, FILE *out)
+{
+    char r[32], g[32], b[32];
+    bis_format_float(r, c.r);
+    fprintf(out, ", %s %s", name, r);
+    if (c.g != c.r || c.b != c.r) fprintf(out, " %s %s", bis_format_float(g, c.g), bis_format_float(b, c.b));
+}
+
+/* By number, as "integer material" of an Integrator means them. */
+static void print_materials(const bis_scene_desc *d, FILE *out)
+{
+    uint32_t *number, n = 0;
+    if (bis_scene_number_materials(&number, &n, d, NULL)) return; /* no memory: a plan without numbers */
+    size_t *shapes = bis_alloc(n, sizeof *shapes), *first = bis_alloc(n, sizeof *first);
+    for (size_t i = d->n_shapes; i-- > 0 && shapes && first;) {
+        const uint32_t k = number[d->shapes[i].material];
+        shapes[k]++;
+        first[k] = d->shapes[i].material;
+    }
+    for (uint32_t k = 0; k < n && shapes && first; k++) {
+        const bis_material *m = &d->materials[first[k]];
+        const int method = bis_scene_method_of(d, (uint32_t)first[k]);
+        char buf[32];
+        fprintf(out, "material     %" PRIu32 ": %s", k, m->model->name);
+        print_colour("Kd", m->Kd, out);
+        print_colour("Ks", m->Ks, out);
+        if (m->exponent > 0) fprintf(out, ", exponent %s", bis_format_double(buf, m->exponent));
+        if (m->alpha > 0) fprintf(out, ", roughness %s", bis_format_double(buf, sqrt(m->alpha)));
+        fprintf(out, "; %zu shape%s", shapes[k], shapes[k] == 1 ? "" : "s");
+        if (method) fprintf(out, "; exception %d, %s", method, bis_scene_settings(d, method)->integrator->name);
+        fputc('\n', out);
+    }
+    bis_free(shapes);
+    bis_free(first);
+    bis_free(number);
+}
+
+static void print_lobes(const bis_scene_desc *d, FILE *out)
+{
+    size_t n = 0, no_diffuse = 0, no_specular = 0;
+    bool *used = bis_alloc(d->n_materials, sizeof *used);
+    for (size_t i = 0; used && i < d->n_shapes; i++) used[d->shapes[i].material] = true;
+    for (size_t i = 0; used && i < d->n_materials; i++) {
+        if (!used[i]) continue;
+        n++;
+        no_diffuse += rgb_is_black(d->materials[i].Kd);
+        no_specular += rgb_is_black(d->materials[i].Ks);
+    }
+    fprintf(out, "materials    %zu in use\n", n);
+    print_materials(d, out);
+    if (no_diffuse) fprintf(out, "skip         diffuse candidates: Kd is 0 in %zu of %zu materials\n", no_diffuse, n);
+    if (no_specular)
+        fprintf(out, "skip         specular candidates: Ks is 0 in %zu of %zu materials\n", no_specular, n);
+    bis_free(used);
+}
+
+static void print_accel(const bis_scene_desc *d, FILE *out)
+{
+    const bool by_default = d->accel.kind == BIS_ACCEL_DEFAULT && bis_accel_embree_version();
+    const bool embree = d->accel.kind == BIS_ACCEL_EMBREE || by_default;
+    char buf[32];
+    if (!d->n_shapes) fprintf(out, "skip         accelerator: there is no geometry\n");
+    else if (embree) fprintf(out, "build        accelerator embree\n");
+    else if (d->accel.density > 0)
+        fprintf(out, "build        accelerator grid, density %s\n", bis_format_double(buf, d->accel.density));
+    else fprintf(out, "build        accelerator grid, default density\n");
+}
+
+void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
+{
+    print_view(desc, out);
+    print_integrators(desc, out);
+    print_light(desc, out);
+    print_drawing(desc, out);
+    print_geometry(desc, out);
+    print_lobes(desc, out);
+    print_accel(desc, out);
+    print_film(desc, out);
+}

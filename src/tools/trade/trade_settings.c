@@ -1,0 +1,232 @@
+/* trade_settings: the settings that `bis trade` sweeps, in words and as they stand in a scene file.
+ *
+ * One table. Rows differ from the first of their integrator in one thing, so that what is compared is that thing: N, then M, then the proposal, the
+ * stratification, b. The thesis's own setting, 15 of 800, is there for rejection and SIR. A new option of an integrator that changes cost or
+ * variance wants a row here. */
+#include "trade.h"
+
+#include "bis/base/file.h"
+
+#include <string.h>
+
+typedef struct recipe {
+    const char *integrator;
+    uint32_t M, N; /* M = 0: no candidates */
+    const char *variant;
+    bool quick;    /* in the short sweep, too */
+} recipe;
+
+static const recipe recipes[] = {
+    {"em", 0, 4, "", false},
+    {"em", 0, 16, "", true},
+    {"em", 0, 64, "", false},
+    {"em", 0, 16, "stratified", true},
+    {"em", 0, 16, "b=0", false},
+    {"em", 0, 16, "b=0.5", false},
+    {"brdf", 0, 4, "", false},
+    {"brdf", 0, 16, "", true},
+    {"brdf", 0, 64, "", false},
+    {"mis", 0, 4, "", false},
+    {"mis", 0, 16, "", true},
+    {"mis", 0, 64, "", true},
+    {"mis", 0, 16, "stratified", true},
+    {"mis", 0, 16, "power", false},
+    {"mis", 0, 16, "compensated", true},
+    {"rejection", 100, 8, "", true},
+    {"rejection", 800, 15, "", false},
+    {"rejection", 800, 15, "plain", false},
+    {"sir", 16, 1, "", false},
+    {"sir", 64, 1, "", false},
+    {"sir", 64, 4, "", true},
+    {"sir", 256, 4, "", false},
+    {"sir", 256, 16, "", true},
+    {"sir", 1024, 16, "", false},
+    {"sir", 800, 15, "", true},
+    {"sir", 256, 16, "em", false},
+    {"sir", 256, 16, "brdf", false},
+    {"sir", 256, 16, "product", true},
+    {"sir", 256, 16, "product learned", true},
+    {"sir", 256, 16, "independent", false},
+    {"sir", 256, 16, "one by one", false},
+    {"sir", 256, 16, "b=0", false},
+    {"sir", 256, 16, "b=0.5", false},
+};
+enum { N_RECIPES = sizeof recipes / sizeof *recipes };
+
+static void name_setting(bis_trade_setting *s, const recipe *r)
+{
+    char counts[24];
+    if (r->M) snprintf(counts, sizeof counts, "%u/%u", (unsigned)r->M, (unsigned)r->N);
+    else snprintf(counts, sizeof counts, "%u", (unsigned)r->N);
+    snprintf(s->name, sizeof s->name, "%s %s%s%s", r->integrator, counts, *r->variant ? " " : "", r->variant);
+}
+
+static bool is_variant(const recipe *r, const char *name) { return strcmp(r->variant, name) == 0; }
+static bool is_of_b(const recipe *r) { return strncmp(r->variant, "b=", 2) == 0; }
+
+static double b_of(const recipe *r)
+{
+    const char *end;
+    return bis_parse_double(r->variant + 2, &end);
+}
+
+static bis_trade_setting setting_of(const recipe *r, double scenes_b)
+{
+    bis_trade_setting s = {.settings = bis_settings_default(bis_integrator_find(r->integrator)), .area_exponent = scenes_b, .is_swept = true};
+
+    name_setting(&s, r);
+    s.settings.samples = r->N;
+    s.settings.shadowrays = r->N;
+    if (r->M) s.settings.candidates = r->M;
+    if (is_variant(r, "power")) s.settings.heuristic = BIS_HEURISTIC_POWER;
+    if (is_variant(r, "compensated")) s.settings.compensate = true;
+    if (is_variant(r, "plain")) s.settings.estimator = BIS_ESTIMATOR_PLAIN;
+    if (is_variant(r, "em")) s.settings.proposal = BIS_PROPOSAL_EM;
+    if (is_variant(r, "brdf")) s.settings.proposal = BIS_PROPOSAL_BRDF;
+    if (is_variant(r, "product") || is_variant(r, "product learned")) s.settings.proposal = BIS_PROPOSAL_PRODUCT;
+    if (is_variant(r, "product learned")) s.settings.learn = true;
+    if (is_variant(r, "stratified")) s.settings.stratify = true;
+    if (is_variant(r, "one by one")) s.settings.vectorize = false;
+    if (is_variant(r, "independent")) {
+        s.settings.stratify = false;
+        s.settings.resampling = BIS_RESAMPLING_MULTINOMIAL;
+    }
+    if (is_of_b(r)) s.area_exponent = b_of(r);
+    s.is_biased = s.settings.integrator == &bis_rejection && s.settings.estimator == BIS_ESTIMATOR_RATIO;
+    return s;
+}
+
+/* What a setting reads of the settings is the same. */
+static bool equal_settings(const bis_trade_setting *x, const bis_trade_setting *y)
+{
+    const bis_settings *a = &x->settings, *b = &y->settings;
+    const bool by_candidates = a->integrator == &bis_sir || a->integrator == &bis_rejection;
+
+    if (a->integrator != b->integrator || x->area_exponent != y->area_exponent) return false;
+    if (by_candidates) {
+        const bool counts = a->candidates == b->candidates && a->shadowrays == b->shadowrays && a->proposal == b->proposal;
+        if (a->integrator == &bis_rejection) return counts && a->estimator == b->estimator && a->fallback == b->fallback;
+        return counts && a->resampling == b->resampling && a->stratify == b->stratify && a->learn == b->learn && a->vectorize == b->vectorize;
+    }
+    if (a->samples != b->samples || (a->integrator != &bis_brdf && a->stratify != b->stratify)) return false;
+    return a->integrator != &bis_mis || (a->heuristic == b->heuristic && a->split == b->split && a->compensate == b->compensate);
+}
+
+/* `exact` and `unoccluded` are no rivals: one is a reference, the other leaves the shadows out; `auto`
+ * is none of itself. */
+static bool is_rival(const bis_integrator *i) { return i != &bis_exact && i != &bis_unoccluded && i != &bis_auto; }
+
+static void add_scenes_own(bis_trade *t)
+{
+    bis_trade_plan *plan = &t->plan;
+    bis_trade_setting own = {.settings = t->desc->settings, .area_exponent = t->desc->light.area_exponent, .is_scenes = true, .is_swept = true};
+
+    own.settings.as_printed = 0;
+    if (!is_rival(own.settings.integrator)) return;
+    own.is_biased = own.settings.integrator == &bis_rejection && own.settings.estimator == BIS_ESTIMATOR_RATIO;
+    for (int i = 0; i < plan->n_settings; i++) {
+        if (!equal_settings(&plan->settings[i], &own)) continue;
+        plan->settings[i].is_scenes = true;
+        return;
+    }
+    const bool by_candidates = own.settings.integrator == &bis_sir || own.settings.integrator == &bis_rejection;
+    const recipe r = {own.settings.integrator->name, by_candidates ? own.settings.candidates : 0,
+                      by_candidates ? own.settings.shadowrays : own.settings.samples, "scene's own", true};
+    name_setting(&own, &r);
+    plan->settings[plan->n_settings++] = own;
+}
+
+/* b and compensation are about the map's importance: nothing of that in a constant light, and too much memory for another in a huge map. */
+static bool fits_light(const bis_trade *t, const recipe *r, bool small_map)
+{
+    if (!is_of_b(r) && !is_variant(r, "compensated")) return true;
+    return small_map && (!is_of_b(r) || b_of(r) != t->desc->light.area_exponent);
+}
+
+static bool is_asked_for(const bis_trade_options *o, const char *integrator)
+{
+    for (int i = 0; i < o->n_integrators; i++) {
+        if (strcmp(o->integrators[i], integrator) == 0) return true;
+    }
+    return o->n_integrators == 0;
+}
+
+void bis_trade_list_settings(bis_trade *t, bool small_map)
+{
+    bis_trade_plan *plan = &t->plan;
+
+    plan->n_settings = 0;
+    for (int i = 0; i < N_RECIPES; i++) {
+        if (!fits_light(t, &recipes[i], small_map)) continue;
+        bis_trade_setting s = setting_of(&recipes[i], t->desc->light.area_exponent);
+        s.is_swept = !t->o.quick || recipes[i].quick;
+        plan->settings[plan->n_settings++] = s;
+    }
+    add_scenes_own(t);
+    for (int i = 0; i < plan->n_settings; i++) {
+        bis_trade_setting *s = &plan->settings[i];
+        s->is_swept = (s->is_swept || s->is_scenes) && is_asked_for(&t->o, s->settings.integrator->name);
+    }
+}
+
+int bis_trade_find_setting(const bis_trade_plan *plan, const char *name)
+{
+    for (int i = 0; i < plan->n_settings; i++) {
+        if (strcmp(plan->settings[i].name, name) == 0) return i;
+    }
+    return -1;
+}
+
+int bis_trade_judge_of(const bis_trade_setting *s)
+{
+    return s->settings.integrator == &bis_sir || s->settings.integrator == &bis_rejection ? 0 : 1;
+}
+
+/* ---- as text ---- */
+
+void bis_trade_scene_text(char text[256], const bis_trade_setting *s, double scenes_b)
+{
+    const bis_settings *v = &s->settings;
+    const bis_settings usual = bis_settings_default(v->integrator);
+    const bool by_candidates = v->integrator == &bis_sir || v->integrator == &bis_rejection;
+    char number[32];
+    int n = snprintf(text, 256, "Integrator \"%s\"", v->integrator->name);
+
+    if (by_candidates) {
+        n += snprintf(text + n, 256 - (size_t)n, " \"integer candidates\" %u \"integer shadowrays\" %u", (unsigned)v->candidates, (unsigned)v->shadowrays);
+        if (v->proposal != usual.proposal) n += snprintf(text + n, 256 - (size_t)n, " \"string proposal\" \"%s\"", bis_proposal_name(v->proposal));
+    } else {
+        n += snprintf(text + n, 256 - (size_t)n, " \"integer samples\" %u", (unsigned)v->samples);
+    }
+    if (v->stratify != usual.stratify) n += snprintf(text + n, 256 - (size_t)n, " \"bool stratify\" %s", v->stratify ? "true" : "false");
+    if (v->integrator == &bis_sir && v->learn) n += snprintf(text + n, 256 - (size_t)n, " \"bool learn\" true");
+    if (v->vectorize != usual.vectorize) n += snprintf(text + n, 256 - (size_t)n, " \"bool vectorize\" false");
+    if (v->integrator == &bis_sir && v->resampling != usual.resampling) n += snprintf(text + n, 256 - (size_t)n, " \"string resampling\" \"multinomial\"");
+    if (v->integrator == &bis_rejection && v->estimator != usual.estimator) n += snprintf(text + n, 256 - (size_t)n, " \"string estimator\" \"plain\"");
+    if (v->integrator == &bis_mis && v->heuristic != usual.heuristic) n += snprintf(text + n, 256 - (size_t)n, " \"string heuristic\" \"power\"");
+    if (v->integrator == &bis_mis && v->split != usual.split) n += snprintf(text + n, 256 - (size_t)n, " \"float split\" %s", bis_format_double(number, v->split));
+    if (v->integrator == &bis_mis && v->compensate) n += snprintf(text + n, 256 - (size_t)n, " \"bool compensate\" true");
+    if (s->area_exponent != scenes_b) snprintf(text + n, 256 - (size_t)n, "; in LightSource: \"float areaexponent\" %s", bis_format_double(number, s->area_exponent));
+}
+
+void bis_trade_option_text(char text[128], const bis_trade_setting *s, double scenes_b)
+{
+    const bis_settings *v = &s->settings;
+    bis_settings plain = bis_settings_default(v->integrator);
+    const bool by_candidates = v->integrator == &bis_sir || v->integrator == &bis_rejection;
+
+    plain.candidates = v->candidates;
+    plain.shadowrays = v->shadowrays;
+    plain.samples = v->samples;
+    plain.proposal = v->proposal;
+    const bis_trade_setting reachable = {.settings = plain, .area_exponent = scenes_b};
+    text[0] = '\0';
+    if (!equal_settings(&reachable, s)) return;
+    int n = snprintf(text, 128, "--integrator %s", v->integrator->name);
+    if (!by_candidates) {
+        snprintf(text + n, 128 - (size_t)n, " --samples %u", (unsigned)v->samples);
+        return;
+    }
+    n += snprintf(text + n, 128 - (size_t)n, " --candidates %u --shadowrays %u", (unsigned)v->candidates, (unsigned)v->shadowrays);
+    if (v->proposal != bis_settings_default(v->integrator).proposal) snprintf(text + n, 128 - (size_t)n, " --proposal %s", bis_proposal_name(v->proposal));
+}

@@ -1,0 +1,194 @@
+/* verify: the list of tests and how they are judged.
+ *
+ * p-values come from bis/stats.h as upper tails. m statistical tests at 1 - (1 - alpha)^(1/m) each (Sidak 1967) reject
+ * something right with probability alpha in all, if independent, and less where they are positively dependent. Every p
+ * here is a probability under what is right, or an upper bound of it: never too small, or a right sampler would be
+ * accused. */
+#include "verify.h"
+
+#include "bis/base/mem.h"
+#include "bis/base/stats.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double least_expected = 5;
+
+/* ---- the list ---- */
+
+/* Room for one more, or NULL, which bis_verify_judge reports. */
+static bis_verify_test *append(bis_verify *v, const char *group, const char *name, va_list arguments)
+{
+    if (v->n == v->capacity) {
+        const size_t capacity = v->capacity ? 2 * v->capacity : 64;
+        bis_verify_test *tests = bis_realloc(v->tests, capacity, sizeof *tests);
+        if (!tests) {
+            v->no_memory = true;
+            return NULL;
+        }
+        v->tests = tests;
+        v->capacity = capacity;
+    }
+    bis_verify_test *t = &v->tests[v->n++];
+    *t = (bis_verify_test){.group = group, .statistic = (double)NAN, .p = (double)NAN, .threshold = (double)NAN};
+    vsnprintf(t->name, sizeof t->name, name, arguments);
+    return t;
+}
+
+static void set_note(bis_verify_test *t, const char *note) { snprintf(t->note, sizeof t->note, "%s", note); }
+
+void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name, ...)
+{
+    va_list arguments;
+    va_start(arguments, name);
+    bis_verify_test *t = append(v, group, name, arguments);
+    va_end(arguments);
+    if (!t) return;
+    t->statistic = value;
+    t->threshold = limit;
+    set_note(t, note);
+    t->verdict = value >= 0 && value <= limit ? BIS_VERDICT_PASSED : BIS_VERDICT_FAILED; /* a NaN fails */
+}
+
+static void set_p(bis_verify_test *t, double statistic, double p, const char *note)
+{
+    t->statistic = statistic;
+    t->p = p >= 0 ? fmin(p, 1) : 0; /* a NaN is no defence */
+    set_note(t, note);
+}
+
+void bis_verify_p(bis_verify *v, const char *group, double statistic, double p, const char *note, const char *name, ...)
+{
+    va_list arguments;
+    va_start(arguments, name);
+    bis_verify_test *t = append(v, group, name, arguments);
+    va_end(arguments);
+    if (t) set_p(t, statistic, p, note);
+}
+
+void bis_verify_skip(bis_verify *v, const char *group, const char *why, const char *name, ...)
+{
+    va_list arguments;
+    va_start(arguments, name);
+    bis_verify_test *t = append(v, group, name, arguments);
+    va_end(arguments);
+    if (!t) return;
+    t->verdict = BIS_VERDICT_SKIPPED;
+    set_note(t, why);
+}
+
+/* ---- chi-square ---- */
+
+typedef struct pools {
+    double observed, expected;           /* the open pool */
+    double last_observed, last_expected; /* the last closed one, not yet in the statistic: it takes what is left over */
+    double statistic, n;
+} pools;
+
+static void count_last(pools *p)
+{
+    if (p->last_expected <= 0) return;
+    const double difference = p->last_observed - p->last_expected;
+    p->statistic += difference * difference / p->last_expected;
+    p->n++;
+}
+
+static void add_cell(pools *p, double observed, double expected)
+{
+    p->observed += observed;
+    p->expected += expected;
+    if (p->expected < least_expected) return;
+    count_last(p);
+    p->last_observed = p->observed;
+    p->last_expected = p->expected;
+    p->observed = p->expected = 0;
+}
+
+static void close_pools(pools *p)
+{
+    p->last_observed += p->observed;
+    p->last_expected += p->expected;
+    count_last(p);
+}
+
+void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n, const char *name, ...)
+{
+    va_list arguments;
+    va_start(arguments, name);
+    bis_verify_test *t = append(v, group, name, arguments);
+    va_end(arguments);
+    if (!t) return;
+
+    pools p = {0};
+    double impossible = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (expected[i] == 0) impossible += observed[i];
+        add_cell(&p, observed[i], expected[i]);
+    }
+    close_pools(&p);
+    t->dof = p.n - 1;
+    if (impossible > 0) {
+        set_p(t, p.statistic, 0, "");
+        snprintf(t->note, sizeof t->note, "chi-square; %.0f draws fell where nothing can be drawn", impossible);
+        return;
+    }
+    if (isnan(p.statistic)) {
+        set_p(t, p.statistic, 0, "chi-square; an expected count is not a number");
+        return;
+    }
+    set_p(t, p.statistic, t->dof > 0 ? bis_stats_chi_square_p(p.statistic, t->dof) : 1, "");
+    snprintf(t->note, sizeof t->note, "chi-square, %.0f degrees of freedom", t->dof);
+}
+
+/* ---- means ---- */
+
+void bis_verify_difference(bis_verify *v, const char *group, double difference, double slack, double se, double dof, const char *name, ...)
+{
+    va_list arguments;
+    va_start(arguments, name);
+    bis_verify_test *t = append(v, group, name, arguments);
+    va_end(arguments);
+    if (!t) return;
+
+    const double excess = copysign(fmax(0, fabs(difference) - slack), difference);
+    if (isnan(difference) || isnan(se)) {
+        set_p(t, difference, 0, "not a number");
+    } else if (excess == 0) {
+        set_p(t, 0, 1, "z; equal up to rounding and quadrature");
+    } else {
+        t->dof = dof;
+        set_p(t, excess / se, se > 0 && dof > 0 ? bis_stats_student_p(excess / se, dof) : 0, "z");
+    }
+}
+
+/* ---- the verdict ---- */
+
+void bis_verify_begin(const bis_verify *v, const char *what)
+{
+    if (v->progress) v->progress(what, v->user);
+}
+
+bis_status bis_verify_judge(bis_verify *v, bis_diag *diag)
+{
+    v->n_statistical = v->n_failed = v->n_skipped = 0;
+    for (size_t i = 0; i < v->n; i++) v->n_statistical += isnan(v->tests[i].p) ? 0 : 1;
+    v->threshold = v->n_statistical ? bis_stats_sidak(BIS_VERIFY_ALPHA, (double)v->n_statistical) : BIS_VERIFY_ALPHA;
+    for (size_t i = 0; i < v->n; i++) {
+        bis_verify_test *t = &v->tests[i];
+        if (!isnan(t->p)) {
+            t->threshold = v->threshold;
+            t->verdict = t->p < v->threshold ? BIS_VERDICT_FAILED : BIS_VERDICT_PASSED;
+        }
+        v->n_failed += t->verdict == BIS_VERDICT_FAILED;
+        v->n_skipped += t->verdict == BIS_VERDICT_SKIPPED;
+    }
+    if (v->no_memory) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the list of tests");
+    return BIS_OK;
+}
+
+void bis_verify_clear(bis_verify *v)
+{
+    bis_free(v->tests);
+    *v = (bis_verify){.seed = v->seed, .as_printed = v->as_printed, .progress = v->progress, .user = v->user};
+}

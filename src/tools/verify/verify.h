@@ -1,0 +1,134 @@
+/* verify: are samplers, materials and integrators right for the user's own map and scene (`bis verify`)?
+ *
+ * A run is a list of tests. Two kinds: those of a number that must not exceed a limit which is derived where it stands
+ * (rounding, quadrature), and statistical ones, which have a p-value. How many of the latter there will be is known in
+ * the end alone: then the threshold of each is Sidak's, so that all of them together reject what is right with
+ * probability BIS_VERIFY_ALPHA.
+ *
+ * What a check asks of a sampler, a material or an integrator, it asks through a struct of functions: so a test can
+ * hand in a wrong one and see it rejected (tests/test_verify.c). Nothing here prints; src/cli/cmd_verify.c does. Results do
+ * not depend on the number of threads.
+ *
+ *     bis_verify v = {.seed = 1};
+ *     status = bis_verify_map(&v, em, 0.15, 8, diag);
+ *     bis_verify_judge(&v);               // v.n_failed, v.tests[0 .. v.n - 1]
+ *     bis_verify_clear(&v); */
+#ifndef BIS_VERIFY_H
+#define BIS_VERIFY_H
+
+#include "bis/scene/scene.h"
+
+#define BIS_VERIFY_ALPHA 0.01
+
+typedef enum bis_verdict { BIS_VERDICT_PASSED, BIS_VERDICT_FAILED, BIS_VERDICT_SKIPPED } bis_verdict;
+
+typedef struct bis_verify_test {
+    const char *group; /* "map", "materials", "view", "accelerators"; a constant */
+    char name[80];     /* "material 2, n 50, 45 degrees" */
+    char note[120];    /* what the statistic is, or why the test was skipped or failed at once */
+    double statistic, dof;
+    double p;          /* NAN: not statistical */
+    double threshold;  /* of p, or the largest statistic that is right; set by bis_verify_judge for p */
+    bis_verdict verdict;
+} bis_verify_test;
+
+/* A run. Zero-initialise but for seed, as_printed and progress. */
+typedef struct bis_verify {
+    uint64_t seed;
+    unsigned as_printed; /* BIS_E*: what the scene does wrong on purpose, for the maps' tables; it should be found */
+    void (*progress)(const char *what, void *user); /* a new part begins; may be NULL */
+    void *user;
+    bis_verify_test *tests;
+    size_t n, capacity;
+    size_t n_statistical, n_failed, n_skipped; /* by bis_verify_judge */
+    double threshold;                          /* of every p */
+    bool no_memory;                            /* a test was lost: then bis_verify_judge returns BIS_NOMEM */
+} bis_verify;
+
+/* Thresholds and verdicts. Errors: BIS_NOMEM. */
+bis_status bis_verify_judge(bis_verify *v, bis_diag *diag);
+void bis_verify_clear(bis_verify *v);
+
+/* For the test that comes next: all tests of all runs see different numbers. */
+static inline uint64_t bis_verify_seed(const bis_verify *v) { return bis_hash(v->seed ^ ((uint64_t)v->n << 40)); }
+
+/* ---- one test each, with the name as by printf ---- */
+
+/* 0 <= value <= limit. */
+void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name, ...)
+    BIS_PRINTF(6, 7);
+
+/* Pearson's chi-square of counts: cells that expect fewer than 5 are pooled in order, the rest joins the last pool; a
+ * hit in a cell that expects 0 rejects. */
+void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n, const char *name, ...)
+    BIS_PRINTF(6, 7);
+
+/* Is a difference, beyond `slack` that rounding or quadrature may have, explained by its standard error? Student's t
+ * with dof degrees of freedom. */
+void bis_verify_difference(bis_verify *v, const char *group, double difference, double slack, double se, double dof, const char *name, ...)
+    BIS_PRINTF(7, 8);
+
+/* Any p, or a bound of it. */
+void bis_verify_p(bis_verify *v, const char *group, double statistic, double p, const char *note, const char *name, ...) BIS_PRINTF(6, 7);
+
+void bis_verify_skip(bis_verify *v, const char *group, const char *why, const char *name, ...) BIS_PRINTF(4, 5);
+
+void bis_verify_begin(const bis_verify *v, const char *what);
+
+/* ---- the checks; errors: BIS_NOMEM ---- */
+
+/* src/tools/verify/verify_map.c. A way to draw from a map, as bis_importance_sample: false where there is no light. */
+typedef struct bis_verify_sampler {
+    const char *name;
+    bool (*draw)(const void *self, bis_rng *rng, bis_map_sample *s);
+    const void *self;
+} bis_verify_sampler;
+
+/* All of a map: solid angles, and its importance by alias tables, CDFs and the curve. */
+bis_status bis_verify_map(bis_verify *v, const bis_envmap *em, double area_exponent, int levels, bis_diag *diag);
+
+void bis_verify_solid_angles(bis_verify *v, const bis_envmap *em);
+
+/* pmf[height * width] by definition, w dO / sum: from pixels and regions alone. False: no light. */
+bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, double area_exponent, int levels, bis_diag *diag);
+
+/* Its density is the definition's and integrates to 1; its table (name: "alias", "cdf") gives each pixel the
+ * probability that the density claims. */
+bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im, const bis_envmap *em,
+                                 const double *pmf, bis_diag *diag);
+
+/* Drawn directions by pixel, and by 4 x 4 cells inside the pixels. */
+bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf, bis_diag *diag);
+
+/* src/tools/verify/verify_bsdf.c. One material seen at an angle to the normal: its density integrates to 1, its sampler draws by it;
+ * under a constant light the integrators (n of them) give what quadrature gives. */
+void bis_verify_lobes(bis_verify *v, const bis_material *m, double degrees, const char *name);
+bis_status bis_verify_furnace(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings, size_t n, const char *name,
+                              bis_diag *diag);
+
+/* src/tools/verify/verify_view.c. One shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over all patches of
+ * the light, which must have table and curve. *tested: false where too little of the light is seen from there for a
+ * fair test; nothing is added then. */
+#define BIS_VERIFY_MAX_INTEGRATORS 16
+bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n, bis_sampler_kind kind, const char *name,
+                            bool *tested, bis_diag *diag);
+
+/* Estimates of reflected radiance at pt, estimate[n], on all threads: the r-th from the stream of (seed, pixel = r).
+ * counters: shadow rays, accepted candidates and fallbacks are added to it. */
+bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind, uint64_t seed,
+                           bis_counters *counters, bis_diag *diag);
+
+/* One number for a colour, to be tested: 4r + 2g + b, so that an exchange of channels is seen. */
+static inline double bis_verify_measure(rgbd c) { return 4 * c.r + 2 * c.g + c.b; }
+
+/* src/tools/verify/verify_accel.c. Two backends of the same geometry by n random rays. */
+void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, size_t n);
+
+/* What the scene's description must ask of its light (bis_scene_desc.light_needs), here and for bis_pixel_find: all
+ * that any integrator needs of it. */
+#define BIS_VERIFY_LIGHT_NEEDS (BIS_NEED_TABLE | BIS_NEED_CURVE)
+
+/* src/tools/verify/verify_scene.c. Whatever applies of the above. */
+bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *settings, bis_diag *diag);
+
+#endif

@@ -1,0 +1,204 @@
+/* verify_scene: what of all the checks applies to a scene: its map, its materials, its accelerator, and a few pixels of
+ * its view.
+ *
+ * Pixels lie on a plane lattice (Roberts's R2, the plane's golden ratio), spread for any number of them; those that see
+ * nothing, something black, or next to no light are passed over. Their camera ray runs through the pixel's centre: then
+ * every integrator estimates one number, the reflected radiance at one point.
+ * Cost: the reference visits all patches of the light 4 times for a pixel, `exact` twice more: fewer pixels for larger
+ * maps, none beyond 2^24 patches. */
+#include "verify.h"
+
+#include "bis/base/mem.h"
+#include "bis/beyond/microfacet.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { MAX_MATERIALS = 24, MAX_PIXELS = 6, MAX_TRIES = 4096, N_RAYS = 200000, MAX_PATCHES = 1 << 24, PATCH_VISITS = 1 << 25 };
+enum { VISITS_OF_A_PIXEL = 6, MAX_CANDIDATES = 4096, MAX_SHADOWRAYS = 1024, MAX_SAMPLES = 4096 };
+
+/* ---- materials ---- */
+
+static bool equal_materials(const bis_material *a, const bis_material *b)
+{
+    return a->model == b->model && memcmp(&a->Kd, &b->Kd, sizeof a->Kd) == 0 && memcmp(&a->Ks, &b->Ks, sizeof a->Ks) == 0 &&
+           a->exponent == b->exponent && a->alpha == b->alpha;
+}
+
+/* Those that shapes have, each once, in the order of the scene. Returns their number, beyond MAX_MATERIALS too. */
+static size_t find_materials(const bis_material *found[MAX_MATERIALS], const bis_scene_desc *desc)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < desc->n_shapes; i++) {
+        const bis_material *m = &desc->materials[desc->shapes[i].material];
+        bool known = false;
+        for (size_t k = 0; k < n && k < MAX_MATERIALS && !known; k++) known = equal_materials(found[k], m);
+        if (known) continue;
+        if (n < MAX_MATERIALS) found[n] = m;
+        n++;
+    }
+    return n;
+}
+
+static bis_status check_material(bis_verify *v, const bis_material *m, size_t number, bis_diag *diag)
+{
+    static const double degrees[] = {0, 45, 75, 89};
+    bis_settings furnace[] = {bis_settings_default(&bis_brdf), bis_settings_default(&bis_sir)};
+    bis_status status = BIS_OK;
+    char name[64];
+
+    furnace[0].as_printed = furnace[1].as_printed = v->as_printed;
+    furnace[1].candidates = 64;
+    furnace[1].shadowrays = 4;
+    if (rgb_is_black(m->Kd) && rgb_is_black(m->Ks)) {
+        bis_verify_skip(v, "materials", "it is black: nothing is drawn", "%zu", number);
+        return BIS_OK;
+    }
+    if (m->exponent > 1e8) {
+        bis_verify_skip(v, "materials", "unit vectors in float cannot resolve exponents beyond 1e8", "%zu, n %g", number, m->exponent);
+        return BIS_OK;
+    }
+    for (size_t i = 0; i < sizeof degrees / sizeof *degrees && !status; i++) {
+        const bool facets = m->model == &bis_microfacet_model;
+        snprintf(name, sizeof name, "%zu, %s %g, %g degrees", number, facets ? "alpha" : "n", facets ? m->alpha : m->exponent, degrees[i]);
+        bis_verify_lobes(v, m, degrees[i], name);
+        status = bis_verify_furnace(v, m, degrees[i], furnace, sizeof furnace / sizeof *furnace, name, diag);
+    }
+    return status;
+}
+
+static bis_status check_materials(bis_verify *v, const bis_scene_desc *desc, bis_diag *diag)
+{
+    const bis_material *materials[MAX_MATERIALS];
+    const size_t n = find_materials(materials, desc);
+    bis_status status = BIS_OK;
+
+    bis_verify_begin(v, "materials");
+    for (size_t i = 0; i < n && i < MAX_MATERIALS && !status; i++) status = check_material(v, materials[i], i + 1, diag);
+    if (n > MAX_MATERIALS) bis_verify_skip(v, "materials", "too many: only the first are looked at", "%d and on", MAX_MATERIALS + 1);
+    return status;
+}
+
+/* ---- the view ---- */
+
+/* All integrators with settings under which they are unbiased; the scene's own keeps its numbers, as far as they are
+ * not too dear. */
+static size_t make_settings(bis_settings list[BIS_VERIFY_MAX_INTEGRATORS], const bis_settings *own)
+{
+    size_t n = 0;
+    for (; bis_integrators[n] && n < BIS_VERIFY_MAX_INTEGRATORS; n++) {
+        const bool is_own = bis_integrators[n] == own->integrator;
+        bis_settings s = is_own ? *own : bis_settings_default(bis_integrators[n]);
+        s.estimator = BIS_ESTIMATOR_PLAIN;
+        s.compensate = false;
+        s.perpatch = 1;
+        s.as_printed = own->as_printed;
+        if (s.candidates > MAX_CANDIDATES) s.candidates = MAX_CANDIDATES;
+        if (s.shadowrays > MAX_SHADOWRAYS) s.shadowrays = MAX_SHADOWRAYS;
+        if (s.samples > MAX_SAMPLES) s.samples = MAX_SAMPLES;
+        list[n] = s;
+    }
+    return n;
+}
+
+/* Where the k-th point of the lattice falls in the film's crop window. */
+static void pixel_of(int *x, int *y, int k, const bis_film_desc *f)
+{
+    double whole;
+    const double u = modf(0.5 + k * 0.75487766624669276, &whole), w = modf(0.5 + k * 0.56984029099805327, &whole);
+    *x = (int)fmin((f->crop[0] + (f->crop[1] - f->crop[0]) * u) * f->width, f->width - 1);
+    *y = (int)fmin((f->crop[2] + (f->crop[3] - f->crop[2]) * w) * f->height, f->height - 1);
+}
+
+/* False: nothing is hit, or it is black. */
+static bool find_point(bis_point *pt, const bis_scene *scene, const bis_scene_desc *desc, int x, int y, bis_counters *counters)
+{
+    const ray eye = bis_camera_ray(&desc->camera, desc->film.width, desc->film.height, x + 0.5, y + 0.5);
+    bis_surface s;
+    bis_hit hit;
+    if (!bis_accel_intersect(scene->accel, &eye, &hit)) return false;
+    bis_geometry_surface(&scene->geometry, hit.prim, &eye, &s);
+    *pt = (bis_point){.p = s.p, .n = s.n, .ng = s.ng, .origin = bis_surface_offset(&s), .wo = neg(eye.d), .light = scene->light,
+                      .accel = scene->accel, .counters = counters};
+    bis_bsdf_init(&pt->bsdf, &desc->materials[s.material], pt->n, pt->wo);
+    return !bis_bsdf_is_black(&pt->bsdf);
+}
+
+static const char *why_no_view(const bis_scene *scene)
+{
+    if (!scene->accel) return "there is no geometry";
+    if (bis_light_is_black(scene->light)) return "there is no light";
+    if (bis_light_patches(scene->light) > MAX_PATCHES) return "the map is too large for the exact sum; resample it to 4096 x 2048";
+    return NULL;
+}
+
+static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *own, bis_diag *diag)
+{
+    const char *why = why_no_view(scene);
+    bis_settings settings[BIS_VERIFY_MAX_INTEGRATORS];
+    const size_t n = make_settings(settings, own);
+    bis_counters counters = {0};
+    bis_status status = BIS_OK;
+    double visits = 0;
+    int n_pixels = 0;
+
+    if (why) {
+        bis_verify_skip(v, "view", why, "all integrators");
+        return BIS_OK;
+    }
+    const double patches = (double)bis_light_patches(scene->light);
+    for (int k = 0; k < MAX_TRIES && n_pixels < MAX_PIXELS && !status; k++) {
+        if (visits > 0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;
+        bis_point pt;
+        bool tested;
+        int x, y;
+        char name[64];
+        pixel_of(&x, &y, k, &desc->film);
+        if (!find_point(&pt, scene, desc, x, y, &counters)) continue;
+        snprintf(name, sizeof name, "pixel (%d, %d)", x, y);
+        bis_verify_begin(v, name);
+        status = bis_verify_point(v, &pt, settings, n, desc->sampler.kind, name, &tested, diag);
+        visits += VISITS_OF_A_PIXEL * patches;
+        n_pixels += tested;
+    }
+    if (!status && n_pixels == 0) bis_verify_skip(v, "view", "no pixel was found that sees a surface in the light", "all integrators");
+    return status;
+}
+
+/* ---- accelerators ---- */
+
+static bis_status check_backends(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, bis_diag *diag)
+{
+    if (!scene->accel) {
+        bis_verify_skip(v, "accelerators", "there is no geometry", "grid and embree");
+        return BIS_OK;
+    }
+    if (!bis_accel_embree_version()) {
+        bis_verify_skip(v, "accelerators", "only the grid is built in, there is nothing to compare it with", "grid and embree");
+        return BIS_OK;
+    }
+    bis_verify_begin(v, "accelerators");
+    bis_accel_options options = desc->accel;
+    bis_accel *other;
+    options.kind = strcmp(bis_accel_name(scene->accel), "embree") == 0 ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
+    const bis_status status = bis_accel_new(&other, &scene->geometry, &options, diag);
+    if (status) return status;
+    bis_verify_backends(v, scene->accel, other, N_RAYS);
+    bis_accel_free(other);
+    return BIS_OK;
+}
+
+bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *settings, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+    v->as_printed = settings->as_printed;
+    if (bis_light_is_constant(scene->light)) {
+        bis_verify_skip(v, "map", "the light is a constant, there is no map", "alias, cdf, curve");
+    } else {
+        status = bis_verify_map(v, bis_light_envmap(scene->light), desc->light.area_exponent, desc->light.levels, diag);
+    }
+    if (!status) status = check_materials(v, desc, diag);
+    if (!status) status = check_view(v, scene, desc, settings, diag);
+    if (!status) status = check_backends(v, scene, desc, diag);
+    return status;
+}
