@@ -14,5 +14,5 @@ test grade: export BIS_SANITIZE = -O1 -g -fno-sanitize-recover=all -fsanitize=$(
 assignment:
 	@sh scripts/assignment.sh "$(A)" "$(DEST)"
 
-grade: $(SUPPORT) $(LIB) $B/src/main.o
+grade: $(SUPPORT) $(LIB) $B/src/cli/main.o
 	@sh scripts/grade.sh "$(DEST)"

@@ -4,8 +4,9 @@
 # Prints a table, one row a file, the least covered first; the lines that were never run go to BUILD/uncovered.txt.
 build=$1
 : >"$build/uncovered.txt"
-for object in "$build"/src/*.gcno; do
-    name=$(basename "$object" .gcno)
+find "$build/src" -name '*.gcno' | sort | while IFS= read -r object; do
+    name=${object#"$build"/src/}
+    name=${name%.gcno}
     # gcov -b: "taken" per branch; -t: the annotated source to standard output.
     gcov -b -t -r -s "$PWD" "$build/src/$name.gcda" 2>/dev/null | awk -v name="$name" -v list="$build/uncovered.txt" '
         /^ *-: *0:Source:/ { mine = ($0 ~ "src/" name "\\.c$") }

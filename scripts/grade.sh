@@ -33,8 +33,8 @@ build() {
     shift
     objects=""
     for file in $files; do
-        $BIS_COMPILE "$@" -c -o "$work/$program.$file.o" "$work/handed-in/$file" || return 1
-        objects="$objects $work/$program.$file.o"
+        $BIS_COMPILE "$@" -c -o "$work/$program.${file##*/}.o" "$work/handed-in/${file##*/}" || return 1
+        objects="$objects $work/$program.${file##*/}.o"
     done
     $BIS_COMPILE "$@" -c -o "$work/$program.claims.o" "tests/assignments/$name.c" || return 1
     # shellcheck disable=SC2086
@@ -93,9 +93,9 @@ trade_pages() {
     [ "$name" = open ] && ! grep -q '^wrong' "$work/marks" || return
     for who in mine ours; do
         objects=""
-        [ $who = mine ] && for file in $files; do objects="$objects $work/mine.$file.o"; done
+        [ $who = mine ] && for file in $files; do objects="$objects $work/mine.${file##*/}.o"; done
         # shellcheck disable=SC2086
-        $BIS_LINK -o "$work/bis-$who" "$BIS_BUILD/src/main.o" $objects ${BIS_OBJECTS##* } $BIS_LIBS || return
+        $BIS_LINK -o "$work/bis-$who" "$BIS_BUILD/src/cli/main.o" $objects ${BIS_OBJECTS##* } $BIS_LIBS || return
         rm -rf "$given/trade-$who"
         "$work/bis-$who" trade --quick --time 60 --quiet --integrator brdf --integrator sir --output "$given/trade-$who" data/scenes/microfacet.txt >/dev/null || return
     done

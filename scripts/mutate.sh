@@ -45,7 +45,8 @@ while IFS= read -r head; do
     head=${head%% : *}
     # shellcheck disable=SC2086
     set -- ${head#??}
-    case $1 in *.h) file=src/$1 ;; *) file=src/$1.c ;; esac
+    case $1 in *.h) file=$1 ;; *) file=$1.c ;; esac
+    file=$(find src -name "$file")
     shift
     case "$file $what" in *"$word"*) ;; *) continue ;; esac
     n=$((n + 1))

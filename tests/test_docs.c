@@ -194,22 +194,25 @@ static void arrows_only_go_down(void **state)
     assert_int_equal(shell("sh scripts/check_layers.sh > build/test_docs.out"), 0);
 }
 
-/* The twin: a fresh tree with one file that looks up, and one that nobody gave a row. */
+/* The twin: a fresh tree with one file that looks up, and one in a folder that nobody gave a row. */
 static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
 {
     (void)state;
     const struct { const char *name, *text, *message; } cases[] = {
-        {"sir.c", "#include \"bis/vec.h\"\n", NULL},
-        {"sir.c", "#include \"bis/vec.h\"\n#include \"bis/scene.h\"\n", "src/sir.c:2: row 4 includes \"bis/scene.h\" of row 5"},
-        {"alias.c", "#  include \"grid.h\"\n", "src/alias.c:1: row 1 includes \"grid.h\" of row 3"},
-        {"image_tiff.c", "#include \"bis/envmap.h\"\n", NULL},
-        {"quux.c", "", "src/quux.c: no row"},
+        {"thesis/sir.c", "#include \"bis/base/vec.h\"\n", NULL},
+        {"thesis/sir.c", "#include \"bis/base/vec.h\"\n#include \"bis/scene/scene.h\"\n",
+         "src/thesis/sir.c:2: thesis may not include \"bis/scene/scene.h\""},
+        {"base/file.c", "#  include \"shape/grid.h\"\n", "src/base/file.c:1: base may not include \"shape/grid.h\""},
+        {"tools/trade/trade.c", "#include \"bis/thesis/envmap.h\"\n#include \"trade.h\"\n", NULL},
+        {"tools/trade/trade.c", "#include \"cli/cli.h\"\n", "src/tools/trade/trade.c:1: tools may not include \"cli/cli.h\""},
+        {"quux/quux.c", "", "src/quux/quux.c: folder \"quux\" has no line"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char path[256], text[1024] = "";
-        assert_int_equal(shell("rm -rf build/layers && mkdir -p build/layers/src build/layers/include/bis"), 0);
-        program_write_file("build/layers/include/bis/vec.h", "");
+        char path[256], text[1024] = "", command[512];
         snprintf(path, sizeof path, "build/layers/src/%s", cases[i].name);
+        snprintf(command, sizeof command, "rm -rf build/layers && mkdir -p $(dirname %s) build/layers/include/bis/base", path);
+        assert_int_equal(shell(command), 0);
+        program_write_file("build/layers/include/bis/base/vec.h", "");
         program_write_file(path, *cases[i].text ? cases[i].text : "\n");
         int status = shell("sh scripts/check_layers.sh build/layers > build/layers.out");
         FILE *f = fopen("build/layers.out", "r");
