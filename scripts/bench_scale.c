@@ -11,6 +11,7 @@
 
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "bis/files/image_file.h"
 
 #include <math.h>
 #include <stdio.h>

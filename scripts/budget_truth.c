@@ -15,7 +15,7 @@
  * With d_i the relative error of run i in one value, the squared bias of that value is E d_i d_j, i != j, whose mean
  * over all pairs is ((sum d)^2 - sum d^2) / (R (R - 1)): no noise of runs is in it, that of the truth is taken off. Its
  * standard error is the jackknife's, over runs, so that pixels may err together. */
-#include "bis/files/image.h"
+#include "bis/files/image_file.h"
 #include "bis/base/mem.h"
 #include "bis/render/render.h"
 

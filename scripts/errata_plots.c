@@ -4,6 +4,7 @@
  *
  * Seeds are fixed: the same pictures every time. The items that have a switch are rendered, by
  * scripts/errata_figures.sh. */
+#include "bis/files/image_file.h"
 #include "errata_plots.h"
 
 #include "out/canvas.h"

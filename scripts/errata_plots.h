@@ -4,7 +4,7 @@
 #ifndef ERRATA_PLOTS_H
 #define ERRATA_PLOTS_H
 
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 #include "bis/thesis/integrator.h"
 
 enum { ERRATA_WIDTH = 480, ERRATA_HEIGHT = 240, ERRATA_SEED = 34 };

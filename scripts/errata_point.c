@@ -2,6 +2,7 @@
 #include "errata_plots.h"
 
 #include "bis/base/mem.h"
+#include "bis/scene/light_load.h"
 
 #include <stdio.h>
 #include <stdlib.h>

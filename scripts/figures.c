@@ -21,6 +21,7 @@
 #include "measure.h"
 
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 
 #include "out/canvas.h"
 #include "out/palette.h"

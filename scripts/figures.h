@@ -3,7 +3,7 @@
 #ifndef FIGURES_H
 #define FIGURES_H
 
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 
 rgb figures_ink(void);
 rgb figures_faint(void);

@@ -11,6 +11,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 
 #include <errno.h>
 #include <limits.h>

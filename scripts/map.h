@@ -3,7 +3,7 @@
 #ifndef MAP_H
 #define MAP_H
 
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 #include "bis/base/status.h"
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 /* image_help: see the header. */
+#include "bis/files/image_file.h"
 #include "image_help.h"
 
 #include <dirent.h>

@@ -2,7 +2,7 @@
 #ifndef TESTS_IMAGE_HELP_H
 #define TESTS_IMAGE_HELP_H
 
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 
 #include <stdint.h>
 

@@ -3,6 +3,7 @@
 
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
+#include "bis/scene/light_load.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

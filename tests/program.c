@@ -1,7 +1,7 @@
 /* program: fork, exec, files for the streams. One run at a time. */
 #include "program.h"
 
-#include "bis/files/image.h"
+#include "bis/files/image_file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

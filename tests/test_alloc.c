@@ -5,6 +5,7 @@
  * One thread, so that k means the same allocation in every run. */
 #include "bis/base/mem.h"
 #include "bis/render/render.h"
+#include "bis/files/image_file.h"
 #include "image_help.h"
 #include "mesh_help.h"
 #include "files/obj.h"

@@ -6,6 +6,7 @@
 
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
+#include "bis/files/image_file.h"
 
 #include "json_check.h"
 #include "program.h"

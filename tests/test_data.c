@@ -4,7 +4,7 @@
  * The generator (bis-data, beside the program) runs here, into build/test-data; PLY files are read by a strict reader
  * of the one layout that it writes, not by the library's. No statistical test. */
 #include "bis/base/file.h"
-#include "bis/files/image.h"
+#include "bis/files/image_file.h"
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
 

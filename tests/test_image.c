@@ -3,6 +3,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 
 #include <setjmp.h>
 #include <signal.h>

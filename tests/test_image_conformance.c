@@ -1,6 +1,7 @@
 /* The conformance files of the shared data: each is read with the pixels that other readers see, or refused, as the
  * table says (made by tests/image_checksums.py; the refused ones were looked at one by one). Of the damaged files none
  * is read. */
+#include "bis/files/image_file.h"
 #include "image_help.h"
 
 #include <dirent.h>

@@ -3,6 +3,7 @@
  * file. */
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "bis/files/image_file.h"
 #include "image_help.h"
 
 #include <ImfCRgbaFile.h>

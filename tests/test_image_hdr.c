@@ -1,5 +1,6 @@
 /* Radiance .hdr: every orientation and every encoding, written here byte by byte; bad files with their exact messages;
  * the writer against the definition of the nearest RGBE. */
+#include "bis/files/image_file.h"
 #include "image_help.h"
 
 #include <setjmp.h>

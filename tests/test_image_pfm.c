@@ -1,4 +1,5 @@
 /* PFM: both byte orders, rows from the bottom up, a header without tolerance. */
+#include "bis/files/image_file.h"
 #include "image_help.h"
 
 #include <math.h>

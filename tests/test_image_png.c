@@ -1,4 +1,5 @@
 /* PNG: written by bis, read back by libpng. */
+#include "bis/files/image_file.h"
 #include "image_help.h"
 
 #include <math.h>

@@ -6,6 +6,7 @@
 #include "bis/thesis/regions.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
+#include "bis/files/image_file.h"
 #include "map_help.h"
 #include "stat.h"
 

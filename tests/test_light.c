@@ -1,10 +1,11 @@
 /* Tests of light: the frame, the trio Le, sample, pdf in world space, constants, and everything that a scene can say
  * wrong about a map. */
-#include "bis/thesis/light.h"
+#include "bis/scene/light_load.h"
 
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
+#include "bis/files/image_file.h"
 #include "map_help.h"
 #include "stat.h"
 
@@ -274,7 +275,7 @@ static bis_light *load(bis_image image, bis_light_desc desc, bis_status expected
     snprintf(path, sizeof path, "%s", scratch_map(&image));
     desc.filename = path;
     double seconds[2] = {-1, -1};
-    const bis_status status = bis_light_new(&light, &desc, BIS_NEED_TABLE, seconds, &diag);
+    const bis_status status = bis_light_load(&light, &desc, BIS_NEED_TABLE, seconds, &diag);
     assert_int_equal(status, expected);
     assert_true(seconds[0] >= 0 && seconds[1] >= 0);
     assert_int_equal(diag.n, message ? 1 : 0);
@@ -355,7 +356,7 @@ static void a_scale_that_overflows_is_an_error(void **state)
     desc.scale = 1e300;
     bis_light *light;
     bis_diag diag = {0};
-    assert_int_equal(bis_light_new(&light, &desc, 0, NULL, &diag), BIS_INPUT);
+    assert_int_equal(bis_light_load(&light, &desc, 0, NULL, &diag), BIS_INPUT);
     assert_null(light);
     assert_int_equal(diag.n_errors, 1);
     bis_diag_clear(&diag);
@@ -369,7 +370,7 @@ static void a_missing_file_is_an_io_error(void **state)
     desc.filename = path;
     bis_light *light;
     bis_diag diag = {0};
-    assert_int_equal(bis_light_new(&light, &desc, BIS_NEED_TABLE, NULL, &diag), BIS_IO);
+    assert_int_equal(bis_light_load(&light, &desc, BIS_NEED_TABLE, NULL, &diag), BIS_IO);
     assert_null(light);
     assert_non_null(strstr(diag.messages[0].text, path));
     bis_diag_clear(&diag);
@@ -388,7 +389,7 @@ static void every_allocation_may_fail(void **state)
         bis_light *light;
         bis_diag diag = {0};
         bis_mem_fail_at(k);
-        status = bis_light_new(&light, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL, &diag);
+        status = bis_light_load(&light, &desc, BIS_NEED_TABLE | BIS_NEED_CURVE, NULL, &diag);
         bis_mem_fail_at(0);
         assert_true(status == BIS_OK ? light != NULL : (status == BIS_NOMEM && !light));
         assert_true(k < 1000);

@@ -6,6 +6,8 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/base/stats.h"
+#include "bis/files/image_file.h"
+#include "bis/scene/light_load.h"
 #include "json_check.h"
 #include "lit.h"
 #include "map_help.h"

@@ -6,6 +6,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/base/stats.h"
+#include "bis/scene/light_load.h"
 
 #include "lit.h"
 

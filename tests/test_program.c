@@ -1,6 +1,7 @@
 /* The program itself: options in, files and exit status out, SPEC 5. The scene is made here; what is looked at is read
  * back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
 #include "bis/tools/compare.h"
+#include "bis/files/image_file.h"
 
 #include "json_check.h"
 #include "program.h"

@@ -1,6 +1,6 @@
 /* regression: files that once led a reader astray, most of them found by `make fuzz`. Each must give what its row
  * says. */
-#include "bis/files/image.h"
+#include "bis/files/image_file.h"
 #include "bis/scene/scene.h"
 #include "files/obj.h"
 #include "files/ply.h"

@@ -3,6 +3,7 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
+#include "bis/scene/light_load.h"
 #include "thesis/candidates.h"
 
 #include "lit.h"

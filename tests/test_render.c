@@ -3,6 +3,7 @@
  * test needs. */
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
+#include "bis/scene/light_load.h"
 
 #include "world.h"
 

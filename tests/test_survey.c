@@ -3,6 +3,7 @@
 #include "tools/survey/survey.h"
 
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 #include "map_help.h"
 #include "program.h"
 

@@ -6,6 +6,7 @@
 #include "bis/tools/compare.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 #include "html_check.h"
 #include "program.h"
 

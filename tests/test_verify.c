@@ -7,6 +7,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/base/stats.h"
+#include "bis/files/image_file.h"
 #include "json_check.h"
 #include "map_help.h"
 #include "program.h"

@@ -2,6 +2,7 @@
 #include "tiny.h"
 
 #include "bis/thesis/rng.h"
+#include "bis/scene/light_load.h"
 #include "thesis/candidates.h"
 
 #include <math.h>

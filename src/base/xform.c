@@ -5,6 +5,7 @@
  * scene format. Everything in double; vec3 is rounded to float once, at the end. */
 #include "bis/base/xform.h"
 
+#include <assert.h>
 #include <float.h>
 
 bis_xform bis_xform_identity(void)
@@ -227,4 +228,21 @@ bool bis_xform_is_orthonormal(const bis_xform *t, double tolerance)
             if (!(fabs(element - (i == j)) <= tolerance)) return false;
         }
     return true;
+}
+
+bis_xform bis_xform_rotation(const bis_xform *t)
+{
+    bis_xform r = bis_xform_identity();
+
+    assert(bis_xform_is_orthonormal(t, BIS_XFORM_FRAME_TOLERANCE));
+    for (int j = 0; j < 3; j++) {
+        double v[3] = {t->m[0][j], t->m[1][j], t->m[2][j]};
+        for (int k = 0; k < j; k++) {
+            const double along = v[0] * r.m[0][k] + v[1] * r.m[1][k] + v[2] * r.m[2][k];
+            for (int i = 0; i < 3; i++) v[i] -= along * r.m[i][k];
+        }
+        const double norm = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        for (int i = 0; i < 3; i++) r.m[i][j] = r.inv[j][i] = v[i] / norm;
+    }
+    return r;
 }

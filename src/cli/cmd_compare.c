@@ -1,6 +1,7 @@
 /* cmd_compare: `bis compare A B`: the figures of bis/compare.h as lines of "key value" or as JSON. */
 #include "bis/tools/compare.h"
 #include "bis/base/file.h"
+#include "bis/files/image_file.h"
 
 #include "cli.h"
 #include "out/json.h"

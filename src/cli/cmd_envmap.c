@@ -1,8 +1,9 @@
 /* cmd_envmap: `bis envmap MAP`: what is in an environment map (survey.h), as text or JSON, and its levels, regions and
  * importance as pictures (thesis figures 3.5 and 3.6). */
 #include "bis/base/file.h"
-#include "bis/thesis/light.h"
+#include "bis/scene/light_load.h"
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 
 #include "cli.h"
 #include "out/json.h"

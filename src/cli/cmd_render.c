@@ -7,6 +7,7 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/render/render.h"
+#include "bis/files/image_file.h"
 
 #include "tools/auto/auto.h"
 #include "cli.h"

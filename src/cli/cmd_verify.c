@@ -3,6 +3,8 @@
 #include "tools/verify/verify.h"
 
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
+#include "bis/scene/light_load.h"
 
 #include "cli.h"
 #include "out/json.h"

@@ -1,7 +1,8 @@
-/* image_exr: OpenEXR. For src/files/image.c alone (and image_exr_*.c among themselves). */
+/* image_exr: OpenEXR. For src/files/image_file.c alone (and image_exr_*.c among themselves). */
 #ifndef BIS_IMAGE_EXR_H
 #define BIS_IMAGE_EXR_H
 
+#include "bis/files/image_file.h"
 #include "image_io.h"
 
 #include <stdio.h>

@@ -15,6 +15,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 
 #include <string.h>
 

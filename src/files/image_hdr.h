@@ -1,7 +1,8 @@
-/* image_hdr: Radiance .hdr pictures. For src/files/image.c alone. */
+/* image_hdr: Radiance .hdr pictures. For src/files/image_file.c alone. */
 #ifndef BIS_IMAGE_HDR_H
 #define BIS_IMAGE_HDR_H
 
+#include "bis/files/image_file.h"
 #include "image_io.h"
 
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #ifndef BIS_IMAGE_IO_H
 #define BIS_IMAGE_IO_H
 
-#include "bis/files/image.h"
+#include "bis/files/image_file.h"
 
 /* A whole file in memory, with one zero byte behind it, and where to complain. */
 typedef struct image_input {

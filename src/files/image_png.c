@@ -11,6 +11,7 @@
 #include "image_png.h"
 
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 
 #include <png.h>
 #include <setjmp.h>

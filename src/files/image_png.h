@@ -1,9 +1,9 @@
-/* image_png: 8 bit sRGB pictures to look at, written by libpng. For src/files/image.c, and src/tools/trade/trade_strips.c, whose pictures
+/* image_png: 8 bit sRGB pictures to look at, written by libpng. For src/files/image_file.c, and src/tools/trade/trade_strips.c, whose pictures
  * stand in a page. */
 #ifndef BIS_IMAGE_PNG_H
 #define BIS_IMAGE_PNG_H
 
-#include "bis/files/image.h"
+#include "bis/files/image_file.h"
 
 #include <stdio.h>
 

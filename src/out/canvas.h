@@ -5,7 +5,7 @@
 #ifndef BIS_CANVAS_H
 #define BIS_CANVAS_H
 
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 
 void bis_canvas_blend(bis_image *image, int x, int y, rgb colour, double alpha);
 void bis_canvas_box(bis_image *image, int x, int y, int width, int height, rgb colour);

@@ -10,6 +10,7 @@
 #include "bis/scene/scene.h"
 #include "lexer.h"
 #include "base/names.h"
+#include "scene/scene_desc.h"
 
 #define BIS_MAX_PARAMS 64
 #define BIS_MAX_ERRORS 50
@@ -257,13 +258,6 @@ void bis_parser_check_materials(bis_parser *p);
 
 /* parser_shapes.c */
 bis_directive bis_directive_shape;
-
-/* scene_desc.c: what a scene is when its file says nothing. NULL: no memory. */
-bis_scene_desc *bis_scene_desc_new(const char *path);
-bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape);
-
-/* Takes over the file's name; returns it, or NULL (then freed). */
-const char *bis_scene_desc_add_file(bis_scene_desc *d, char *name);
 
 #define BIS_COUNT(array) (sizeof(array) / sizeof *(array))
 

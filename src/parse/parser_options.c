@@ -3,7 +3,7 @@
  *
  * A directive that is given again starts from the defaults, as in pbrt. */
 #include "bis/base/file.h"
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 #include "bis/base/mem.h"
 #include "parser.h"
 

@@ -1,40 +1,22 @@
 /* parser_world: LightSource and the materials.
  *
  * A LightSource's frame is object space at its place, so the CTM must be a rotation, perhaps with a reflection.
- * Exporters write matrices with few digits: up to an error of ORTHONORMAL the matrix is taken, and made exactly
- * orthonormal. */
+ * Exporters write matrices with few digits, so an error up to BIS_XFORM_FRAME_TOLERANCE is allowed, and the matrix is
+ * made exactly orthonormal. */
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
+#include "bis/scene/light_load.h"
 #include "base/grow.h"
 #include "parser.h"
 
 #include <float.h>
 #include <string.h>
 
-/* Largest element of m^T m - 1. Three digits after the point, rounded, give up to 2 sqrt(3) 0.0005 = 0.0017. */
-#define ORTHONORMAL 2e-3
-
 static const bis_interval unit = {0, 1, false, false};
 static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
 
 /* ---- LightSource ---- */
-
-/* Gram and Schmidt on the columns, in order, without the translation: a light at infinity has no place. */
-static bis_xform orthonormalised(const bis_xform *t)
-{
-    bis_xform r = bis_xform_identity();
-    for (int j = 0; j < 3; j++) {
-        double v[3] = {t->m[0][j], t->m[1][j], t->m[2][j]};
-        for (int k = 0; k < j; k++) {
-            double along = v[0] * r.m[0][k] + v[1] * r.m[1][k] + v[2] * r.m[2][k];
-            for (int i = 0; i < 3; i++) v[i] -= along * r.m[i][k];
-        }
-        double norm = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        for (int i = 0; i < 3; i++) r.m[i][j] = r.inv[j][i] = v[i] / norm;
-    }
-    return r;
-}
 
 static void light_filename(bis_parser *p, bis_light_desc *light)
 {
@@ -101,7 +83,7 @@ static bool light_may_stand(bis_parser *p, bis_loc at)
         bis_parser_error(p, at, "LightSource inside ObjectBegin: objects hold geometry only");
         return false;
     }
-    if (bis_xform_is_orthonormal(&p->now.ctm, ORTHONORMAL)) return true;
+    if (bis_xform_is_orthonormal(&p->now.ctm, BIS_XFORM_FRAME_TOLERANCE)) return true;
     bis_parser_error(p, at, "LightSource under a transformation that scales or shears: only rotations and reflections "
                             "are allowed");
     return false;
@@ -121,7 +103,7 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     if (!bis_parser_choose(p, "LightSource", type, p->name_at, lights, BIS_COUNT(lights))) return;
     if (!light_may_stand(p, at)) return;
     bis_light_desc light = {.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true, .loc = at,
-                            .to_world = orthonormalised(&p->now.ctm)};
+                            .to_world = bis_xform_rotation(&p->now.ctm)};
     light_filename(p, &light);
     light_radiance(p, &light);
     light_map(p, &light);

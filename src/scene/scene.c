@@ -117,7 +117,7 @@ static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, bis_diag 
     if (!light.has_table_kind)
         light.table_kind = bis_sampler_is_low_discrepancy(desc->sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
     light.as_printed = desc->settings.as_printed;
-    bis_status status = bis_light_new(&s->light, &light, needs, seconds, diag);
+    bis_status status = bis_light_load(&s->light, &light, needs, seconds, diag);
     s->seconds.load += seconds[0];
     s->seconds.envmap = seconds[1];
     return status;

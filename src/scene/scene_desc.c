@@ -2,10 +2,12 @@
  *
  * The defaults are those of SPEC 2 and 3 and, where they are silent, pbrt-v4's: a perspective camera at the origin that
  * looks along +z, a grey diffuse material. */
+#include "scene_desc.h"
+
 #include "base/grow.h"
-#include "parse/parser.h"
 
 #include "bis/thesis/phong.h"
+#include "bis/scene/light_load.h"
 
 #include <string.h>
 

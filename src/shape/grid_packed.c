@@ -13,7 +13,7 @@
  * Space: 36.5 bytes an item and 3 bits a cell on top of the grid's. */
 #include "grid.h"
 
-#include "bis/beyond/lanes.h"
+#include "bis/base/clones.h"
 #include "bis/base/mem.h"
 #include "rounding.h"
 #include "triangle.h"

@@ -5,6 +5,7 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/base/version.h"
+#include "bis/files/image_file.h"
 #include "out/json.h"
 
 #include <math.h>

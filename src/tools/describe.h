@@ -4,7 +4,7 @@
 
 #include "tools/auto/auto.h"
 
-#include "bis/files/image.h"
+#include "bis/files/image_file.h"
 #include "bis/render/render.h"
 #include "bis/scene/scene.h"
 

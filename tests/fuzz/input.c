@@ -1,4 +1,5 @@
 /* input: see the header. */
+#include "bis/files/image_file.h"
 #include "input.h"
 
 #include <fcntl.h>

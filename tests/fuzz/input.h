@@ -3,7 +3,7 @@
 #define TESTS_FUZZ_INPUT_H
 
 #include "bis/shape/geometry.h"
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 
 #include <stdint.h>
 

@@ -36,7 +36,17 @@ vec3 bis_xform_vector(const bis_xform *t, vec3 v);
 /* Normals go by the inverse transpose; the result is not normalised. */
 vec3 bis_xform_normal(const bis_xform *t, vec3 n);
 
-/* Is the linear part a rotation or a reflection, to `tolerance` in every element of m^T m - 1? */
+/* bis_xform_is_orthonormal tells whether the linear part is a rotation or a reflection, to `tolerance` in every
+ * element of m^T m - 1. */
 bool bis_xform_is_orthonormal(const bis_xform *t, double tolerance);
+
+/* How far m^T m of a frame in a scene file may be from 1. Exporters write matrices with few digits. Three digits after
+ * the point, rounded, give an error of up to 2 sqrt(3) 0.0005 = 0.0017. */
+#define BIS_XFORM_FRAME_TOLERANCE 2e-3
+
+/* bis_xform_rotation returns the rotation or reflection that is nearest in the sense of Gram and Schmidt: the columns of
+ * t in their order, made exactly orthonormal, without the translation. The handedness is kept, so a reflection stays
+ * one. t must be orthonormal to BIS_XFORM_FRAME_TOLERANCE. */
+bis_xform bis_xform_rotation(const bis_xform *t);
 
 #endif

@@ -12,26 +12,11 @@
 #ifndef BIS_LANES_H
 #define BIS_LANES_H
 
+#include "bis/base/clones.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
-
-/* Clones need an indirect function of glibc's loader. Sanitizers instrument the function that chooses, and it runs
- * before they are ready. For static functions only: clang 14 gives an exported one another name than its callers in other
- * files know. */
-#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(BIS_ONE_CLONE)
-#if !defined(__has_feature)
-#define BIS_LANES __attribute__((target_clones("avx512f", "avx2", "default")))
-#elif !__has_feature(address_sanitizer) && !__has_feature(undefined_behavior_sanitizer)
-#define BIS_LANES __attribute__((target_clones("avx512f", "avx2", "default")))
-#endif
-#endif
-#ifndef BIS_LANES
-#define BIS_LANES
-#endif
-
-/* Into every clone, before it is made: a loop with a call in it is no vector. */
-#define BIS_INLINE __attribute__((always_inline))
 
 /* Lanes come in blocks of so many: arrays hold a whole number of blocks, and what fills the last one has Le = 0. */
 enum { BIS_LANES_BLOCK = 16 };

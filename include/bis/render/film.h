@@ -3,7 +3,7 @@
 #ifndef BIS_FILM_H
 #define BIS_FILM_H
 
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 #include "bis/scene/layers.h"
 #include "bis/base/status.h"
 #include "bis/base/vec.h"

@@ -9,7 +9,7 @@
 #include "bis/shape/geometry.h"
 #include "bis/thesis/integrator.h"
 #include "bis/scene/layers.h"
-#include "bis/thesis/light.h"
+#include "bis/scene/light_load.h"
 #include "bis/thesis/sampler.h"
 #include "bis/base/status.h"
 

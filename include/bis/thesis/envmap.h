@@ -7,7 +7,7 @@
 #ifndef BIS_ENVMAP_H
 #define BIS_ENVMAP_H
 
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 #include "bis/beyond/lanes.h"
 #include "bis/base/status.h"
 #include "bis/base/vec.h"

@@ -4,7 +4,6 @@
 #define BIS_LIGHT_H
 
 #include "bis/thesis/envmap.h"
-#include "bis/files/image.h"
 #include "bis/thesis/importance.h"
 #include "bis/base/xform.h"
 
@@ -18,28 +17,6 @@ enum {
     BIS_NEED_COMPENSATED = 4 /* with BIS_NEED_TABLE: MIS compensation */
 };
 
-/* How far m^T m of the light's frame may be from 1: transformations in scene files are written with 4 to 6 digits. It
- * is made exactly orthonormal then; more is an error. */
-#define BIS_LIGHT_FRAME_TOLERANCE 1e-3
-
-/* As the scene describes it (LightSource "infinite", SPEC 2). */
-typedef struct bis_light_desc {
-    char *filename;      /* NULL: constant; resolved path, owned */
-    rgb L;               /* radiance of a constant, multiplier of a map */
-    double scale;
-    bool angular;        /* mapping "angular", else "latlong" */
-    bool has_mapping;    /* said in the scene: a square map without it is an error */
-    int width;           /* of an angular map's resampling; 0: twice the probe's */
-    double area_exponent; /* b, 0.15 */
-    int levels;          /* 8 */
-    bool has_table_kind; /* sampler "alias" / "cdf" said in the scene, else by the pixel sampler's kind */
-    bis_table_kind table_kind;
-    unsigned as_printed; /* BIS_E* of the importance; set by the scene from its settings */
-    bool visible;        /* to camera rays */
-    bis_xform to_world;  /* a rotation or reflection */
-    bis_loc loc;         /* of the directive */
-} bis_light_desc;
-
 typedef struct bis_light bis_light;
 
 /* Direction towards the light, its radiance from there, its density. */
@@ -49,17 +26,14 @@ typedef struct bis_light_point {
     double pdf;
 } bis_light_point;
 
-/* Load (a map) and build what `needs` asks for. Warnings: bad values with their share of solid angle, no light. Errors:
- * those of bis_image_read, BIS_INPUT (square map without mapping, angular map not square, a frame that is no rotation
- * or reflection, a scale that overflows), BIS_NOMEM. seconds (may be NULL): out, [0] reading, [1] building. */
-bis_status bis_light_new(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag);
+/* bis_light_new makes a light of a map. It takes over em, which is empty afterwards, on failure too. to_world is the
+ * map's frame in the world: a rotation or reflection, to BIS_XFORM_FRAME_TOLERANCE; it is made exactly orthonormal.
+ * importance: what to build for drawing directions; NULL: nothing, the light can then only be looked up.
+ * Errors: BIS_NOMEM. */
+bis_status bis_light_new(bis_light **out, bis_envmap *em, const bis_xform *to_world, const bis_importance_options *importance,
+                         bis_diag *diag);
 
-/* The same from an image that was read already; it is taken over (cleared, on failure, too). desc->filename names it in
- * messages. */
-bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs, bis_diag *diag);
-
-/* For tests: take over em (cleared, on failure, too). desc gives area_exponent, levels, table_kind, to_world. */
-bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs, bis_diag *diag);
+/* bis_light_constant makes a light of the same radiance L from everywhere; L finite and >= 0. Errors: BIS_NOMEM. */
 bis_status bis_light_constant(bis_light **out, rgb L, bis_diag *diag);
 void bis_light_free(bis_light *light);
 

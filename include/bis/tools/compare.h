@@ -2,7 +2,7 @@
 #ifndef BIS_COMPARE_H
 #define BIS_COMPARE_H
 
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 
 typedef struct bis_comparison {
     double mean_a, mean_b;  /* over pixels and channels */

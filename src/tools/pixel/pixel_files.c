@@ -3,6 +3,7 @@
 #include "pixel_report.h"
 
 #include "bis/base/file.h"
+#include "bis/files/image_file.h"
 
 #include <string.h>
 

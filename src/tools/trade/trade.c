@@ -8,6 +8,7 @@
 
 #include "bis/tools/compare.h"
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 
 #include <string.h>
 #include <unistd.h>

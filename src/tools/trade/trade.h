@@ -15,7 +15,7 @@
 #define BIS_TRADE_H
 
 #include "bis/base/clock.h"
-#include "bis/files/image.h"
+#include "bis/base/image.h"
 #include "bis/render/render.h"
 
 #include <signal.h>

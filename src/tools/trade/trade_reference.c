@@ -12,6 +12,7 @@
 #include "trade.h"
 
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 
 #include <stdio.h>
 #include <unistd.h>

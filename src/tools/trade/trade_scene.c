@@ -7,6 +7,7 @@
 #include "trade.h"
 
 #include "bis/base/mem.h"
+#include "bis/scene/light_load.h"
 
 bool bis_trade_interrupted(const bis_trade *t) { return t->o.interrupted && *t->o.interrupted; }
 
@@ -36,7 +37,7 @@ static bis_status add_light(bis_trade *t, const bis_trade_setting *s, bis_diag *
 
     if (!light.has_table_kind) light.table_kind = bis_sampler_is_low_discrepancy(t->desc->sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
     light.area_exponent = s->area_exponent;
-    bis_status status = bis_light_new(&made, &light, needs, NULL, NULL); /* its warnings were given with the scene's own */
+    bis_status status = bis_light_load(&made, &light, needs, NULL, NULL); /* its warnings were given with the scene's own */
     if (status) return bis_error(diag, status, (bis_loc){0}, "cannot build \"%s\" once more for setting \"%s\"", light.filename, s->name);
     t->lights[t->n_lights].b = s->area_exponent;
     t->lights[t->n_lights].compensated = s->settings.compensate;

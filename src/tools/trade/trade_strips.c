@@ -8,6 +8,7 @@
 
 #include "bis/tools/compare.h"
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 #include "files/image_png.h"
 
 #include <stdlib.h>

@@ -1,10 +1,10 @@
-/* image: which format, and the rules that hold for all of them.
+/* image_file: which format, and the rules that hold for all of them.
  *
  * Reading goes by a file's first bytes, because names lie; writing by the name's ending, because there is nothing else.
  * A file is read whole and parsed from memory; whatever is written goes to a temporary file that is renamed at the end,
  * so that a failure leaves an older file as it was. A format is a row of a table below and a pair of functions in its
  * own file; a value that a format cannot hold is found before the temporary file is made. */
-#include "bis/files/image.h"
+#include "bis/files/image_file.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
@@ -42,25 +42,6 @@ static const image_writer writers[] = {
 };
 
 #define LENGTH(array) (sizeof(array) / sizeof(array)[0])
-
-bis_status bis_image_init(bis_image *image, int width, int height, bis_diag *diag)
-{
-    const bis_loc nowhere = {0};
-    *image = (bis_image){0};
-    if (width < 1 || height < 1 || width > BIS_IMAGE_MAX_SIDE || height > BIS_IMAGE_MAX_SIDE)
-        return bis_error(diag, BIS_INPUT, nowhere, "an image of %d x %d pixels: a side must be 1 to %d", width, height,
-                         BIS_IMAGE_MAX_SIDE);
-    rgb *pixels = bis_alloc((size_t)width * (size_t)height, sizeof *pixels); /* zero is black */
-    if (!pixels) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %d x %d pixels", width, height);
-    *image = (bis_image){width, height, pixels};
-    return BIS_OK;
-}
-
-void bis_image_clear(bis_image *image)
-{
-    bis_free(image->pixels);
-    *image = (bis_image){0};
-}
 
 static bis_status refuse_unknown(const image_input *in)
 {

@@ -1,40 +1,15 @@
-/* image: RGB pixels in linear radiance, read from .hdr, .exr and .pfm, written to those and to .png.
+/* image_file: RGB pixels in linear radiance, read from .hdr, .exr and .pfm, written to those and to .png.
  *
  * The format is told by the file's first bytes when reading and by the ending when writing. What plugs in from the side
- * (src/files/image_hdr.h, src/files/image_exr.h, src/files/image_pfm.h, src/files/image_png.h) is seen by src/files/image.c alone. */
-#ifndef BIS_IMAGE_H
-#define BIS_IMAGE_H
+ * (src/files/image_hdr.h, src/files/image_exr.h, src/files/image_pfm.h, src/files/image_png.h) is seen by src/files/image_file.c alone. */
+#ifndef BIS_IMAGE_FILE_H
+#define BIS_IMAGE_FILE_H
 
-#include "bis/base/status.h"
-#include "bis/base/vec.h"
-
-#include <stddef.h>
-
-/* pixels[height][width], row 0 at the top. Values are as in the file: NaN, infinite or negative ones included. */
-typedef struct bis_image {
-    int width, height;
-    rgb *pixels;
-} bis_image;
-
-/* The largest side we accept; 2^15 squared pixels of 12 bytes are 12 GiB. Nothing is allocated before a header's size
- * has been held against this and against the file's size. */
-#define BIS_IMAGE_MAX_SIDE 32768
+#include "bis/base/image.h"
 
 /* Errors: BIS_IO (cannot read), BIS_INPUT (not an image we know, damaged, no colour channels), BIS_NOMEM. `at`: the
  * place in a scene that named the file, or {0}. Warnings (a second part ignored, a layer chosen) go to diag as well. */
 bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag);
-void bis_image_clear(bis_image *image);
-
-/* Allocate width x height black pixels. */
-bis_status bis_image_init(bis_image *image, int width, int height, bis_diag *diag);
-
-/* One plane to be written: pixels data[(y * width + x) * stride]. */
-typedef struct bis_channel {
-    const char *name; /* "R", "G", "B", "A", "stderr.R", ... */
-    const float *data;
-    int stride; /* in floats */
-} bis_channel;
-
 /* One header attribute of an EXR; text, or a number when text is NULL. OpenEXR reserves some names ("version", "type",
  * "name", "tiles", ...): writing one is BIS_INPUT; give yours a prefix. */
 typedef struct bis_attribute {

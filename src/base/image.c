@@ -1,0 +1,23 @@
+/* image: pixels in memory. */
+#include "bis/base/image.h"
+
+#include "bis/base/mem.h"
+
+bis_status bis_image_init(bis_image *image, int width, int height, bis_diag *diag)
+{
+    const bis_loc nowhere = {0};
+    *image = (bis_image){0};
+    if (width < 1 || height < 1 || width > BIS_IMAGE_MAX_SIDE || height > BIS_IMAGE_MAX_SIDE)
+        return bis_error(diag, BIS_INPUT, nowhere, "an image of %d x %d pixels: a side must be 1 to %d", width, height,
+                         BIS_IMAGE_MAX_SIDE);
+    rgb *pixels = bis_alloc((size_t)width * (size_t)height, sizeof *pixels); /* zero is black */
+    if (!pixels) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %d x %d pixels", width, height);
+    *image = (bis_image){width, height, pixels};
+    return BIS_OK;
+}
+
+void bis_image_clear(bis_image *image)
+{
+    bis_free(image->pixels);
+    *image = (bis_image){0};
+}

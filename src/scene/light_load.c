@@ -1,0 +1,117 @@
+/* light_load: from a scene's description to a light: which mapping the file has, what is wrong with its values, what the
+ * description multiplies it by. The light itself (thesis 3.1) knows pixels and a frame, no files. */
+#include "bis/scene/light_load.h"
+
+#include "bis/base/clock.h"
+#include "bis/files/image_file.h"
+
+#include <stdio.h>
+
+/* One warning for all bad values of a map (E7). */
+static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_loc at, bis_diag *diag)
+{
+    const size_t counts[] = {d->n_nan, d->n_infinite, d->n_negative};
+    const char *const kinds[] = {"NaN", "infinite", "negative"};
+    char list[128] = "";
+    size_t used = 0;
+    for (int i = 0; i < 3; i++) {
+        if (counts[i] == 0) continue;
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%zu %s", used ? ", " : "", counts[i], kinds[i]);
+    }
+    if (used == 0) return;
+    bis_warn(diag, at, "\"%s\": bad channel values set to 0: %s; the first is %c of pixel (%d, %d); they cover %.3g%% of the sphere",
+             filename, list, d->first_channel, d->first_x, d->first_y, 100 * d->solid_angle / (4 * PI));
+}
+
+static bis_status make_envmap(bis_envmap *em, bis_image *image, const bis_light_desc *desc, bis_diag *diag)
+{
+    if (desc->angular) {
+        if (image->width == image->height) return bis_envmap_from_angular(em, image, desc->width, diag);
+        return bis_error(diag, BIS_INPUT, desc->loc, "\"%s\" is %d x %d; an angular map must be square (\"latlong\" maps are 2:1)",
+                         desc->filename, image->width, image->height);
+    }
+    if (image->width == image->height && !desc->has_mapping) {
+        return bis_error(diag, BIS_INPUT, desc->loc,
+                         "\"%s\" is square, %d x %d: give its mapping, \"angular\" for a light probe, or \"latlong\" if that is meant "
+                         "(pbrt-v4's equal-area mapping is not supported: convert such maps to latlong first)",
+                         desc->filename, image->width, image->height);
+    }
+    return bis_envmap_from_latlong(em, image, diag);
+}
+
+static bis_status scale_envmap(bis_envmap *em, const bis_light_desc *desc, bis_diag *diag)
+{
+    const rgb scale = rgb_scale(desc->L, desc->scale);
+    if (rgb_is_finite(scale) && !bis_envmap_scale(em, scale, NULL)) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, desc->loc,
+                     "\"%s\" times \"L\" (%g %g %g) and \"scale\" %g exceeds the largest float; choose a smaller scale", desc->filename,
+                     (double)desc->L.r, (double)desc->L.g, (double)desc->L.b, desc->scale);
+}
+
+static bis_status new_constant(bis_light **out, const bis_light_desc *desc, bis_diag *diag)
+{
+    const rgb L = rgb_scale(desc->L, desc->scale);
+    if (rgb_is_finite(L)) return bis_light_constant(out, L, diag);
+    return bis_error(diag, BIS_INPUT, desc->loc, "\"L\" (%g %g %g) times \"scale\" %g exceeds the largest float; choose a smaller scale",
+                     (double)desc->L.r, (double)desc->L.g, (double)desc->L.b, desc->scale);
+}
+
+bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs, bis_diag *diag)
+{
+    const bool draws = needs & (BIS_NEED_TABLE | BIS_NEED_CURVE);
+    const bis_importance_options importance = {
+        .table = needs & BIS_NEED_TABLE,
+        .curve = needs & BIS_NEED_CURVE,
+        .table_kind = desc->table_kind,
+        .area_exponent = desc->area_exponent,
+        .levels = desc->levels,
+        .compensate = needs & BIS_NEED_COMPENSATED,
+        .as_printed = desc->as_printed,
+    };
+
+    *out = NULL;
+    if (bis_xform_is_orthonormal(&desc->to_world, BIS_XFORM_FRAME_TOLERANCE)) {
+        return bis_light_new(out, em, &desc->to_world, draws ? &importance : NULL, diag);
+    }
+    bis_envmap_clear(em);
+    return bis_error(diag, BIS_INPUT, desc->loc,
+                     "the current transformation stretches or shears the environment light (by more than %g); it must be a "
+                     "rotation or a reflection: put LightSource before any Scale, or between AttributeBegin and AttributeEnd",
+                     BIS_XFORM_FRAME_TOLERANCE);
+}
+
+bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs, bis_diag *diag)
+{
+    const bis_loc at = desc->loc.file ? desc->loc : (bis_loc){desc->filename, 0, 0};
+    bis_envmap em = {0};
+
+    *out = NULL;
+    bis_status status = make_envmap(&em, image, desc, diag);
+    bis_image_clear(image); /* of an angular map; the pixels of a lat-long have moved */
+    if (status) return status;
+    warn_defects(&em.defects, desc->filename, at, diag);
+    status = scale_envmap(&em, desc, diag);
+    if (!status) status = bis_light_from_envmap(out, &em, desc, needs, diag);
+    bis_envmap_clear(&em);
+    if (status) return status;
+    if (bis_light_is_black(*out)) bis_warn(diag, at, "\"%s\" gives no light: none of its pixels is positive", desc->filename);
+    return BIS_OK;
+}
+
+bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag)
+{
+    const double start = bis_clock_now();
+    bis_image image = {0};
+
+    *out = NULL;
+    bis_status status = desc->filename ? bis_image_read(&image, desc->filename, desc->loc, diag) : BIS_OK;
+    const double read = bis_clock_now();
+    if (!status) {
+        status = desc->filename ? bis_light_from_image(out, &image, desc, needs, diag) : new_constant(out, desc, diag);
+    }
+    if (seconds) {
+        seconds[0] = read - start;
+        seconds[1] = bis_clock_now() - read;
+    }
+    return status;
+}
