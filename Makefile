@@ -1,5 +1,6 @@
 # bis: make, make test [T=alias], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make install, make uninstall, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
-#   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name
+#   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
+#   make compile_commands.json   how each file is compiled, for editors and clang tools
 CFLAGS  ?= -O2 -g
 VARIANT ?= release
 PREFIX  ?= /usr/local
@@ -41,14 +42,28 @@ SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ply obj)
 
-.PHONY: all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
+# What was asked for is built, whatever was built before: objects depend on the compiler and the flags as they were
+# given ($B/.flags changes only when they do), and ./bis is the program that was made last.
+FLAGS   := $(shell $(CC) --version 2>/dev/null | head -n 1): $(CC) $(CFLAGS) $(OURS) -- $(LDFLAGS) $(LIBS)
+# $(call say,CC,what): a short line in the place of the command; V=1 shows the command itself.
+Q       := $(if $(V),,@)
+say      = $(if $(V),,@echo "  $(1)	$(2)")
+
+.PHONY: FORCE all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
 all: bis data
 
-bis: $B/bis
-	@cp -f $< $@
+bis: $B/bis FORCE
+	@cmp -s $< $@ || cp -f $< $@
+
+$B/.flags: FORCE
+	@mkdir -p $B
+	@printf '%s\n' '$(subst ','\'',$(FLAGS))' | cmp -s - $@ || printf '%s\n' '$(subst ','\'',$(FLAGS))' >$@
 
 # LINK: objects, then what they need.
-LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^)
+define LINK
+$(call say,LINK,$@)
+$Q$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^)
+endef
 $B/bis: $B/src/cli/main.o $(LIB)
 	$(LINK) $(LIBS)
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
@@ -64,17 +79,23 @@ $B/tests/%: $B/tests/%.o $(SUPPORT) $(LIB)
 	$(LINK) $(LIBS) -lcmocka
 
 $(LIB): $(SRC:%.c=$B/%.o)
+	$(call say,AR,$@)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$Q$(AR) rcs $@ $^
 
-$B/%.o: %.c Makefile
+$B/%.o: %.c $B/.flags
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) $(OURS) -MMD -MP -c -o $@ $<
+	$(call say,CC,$<)
+	$Q$(CC) $(CFLAGS) $(OURS) -MMD -MP -c -o $@ $<
+
+compile_commands.json: FORCE
+	@sh scripts/compile_commands.sh '$(subst ','\'',$(CC) $(CFLAGS) $(OURS))' $(SRC) src/cli/main.c $(wildcard tests/*.c scripts/*.c) >$@
 
 # data/models and data/maps, made anew when the generator's own sources change.
 data: $(STAMP)
 $(STAMP): $(DATA_SRC) $(wildcard scripts/m*.h) | $B/bis-data
-	$B/bis-data data
+	$(call say,DATA,data/)
+	$Q$B/bis-data data
 	@touch $@
 
 # Every test program, or those whose name holds T; from here, where they find data/ and the program itself.
@@ -139,8 +160,10 @@ uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/bin/bis $(DESTDIR)$(PREFIX)/share/man/man1/bis.1
 
 clean:
-	rm -rf build bis data/models data/maps
+	rm -rf build bis compile_commands.json data/models data/maps
 
 include scripts/course.mk
--include $(patsubst %.c,$B/%.d,$(SRC) src/cli/main.c $(wildcard tests/*.c tests/fuzz/*.c scripts/*.c))
-.SECONDARY:
+# Every source whose object is kept: named here, because make deletes an object that only a chain of rules mentions.
+ALL_C   := $(SRC) src/cli/main.c $(wildcard tests/*.c tests/fuzz/*.c scripts/*.c)
+.SECONDARY: $(ALL_C:%.c=$B/%.o)
+-include $(ALL_C:%.c=$B/%.d)

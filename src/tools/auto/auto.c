@@ -92,13 +92,6 @@ double bis_auto_variance_of_all(const bis_auto_report *r, int i)
 
 enum { ALL = BIS_AUTO_ALL };
 
-bool bis_auto_suits(const bis_auto_report *r, int g, int i)
-{
-    const unsigned all = (1u << r->n_groups) - 1, wanted = g == ALL ? all : 1u << g;
-
-    return (r->tried[i].groups & wanted) == wanted;
-}
-
 /* Of group g's part, or of ALL. The smaller the group, the less was seen of it. */
 static double variance_of(const bis_auto_report *r, int g, int i)
 {

@@ -42,6 +42,13 @@ bis_status bis_auto_no_memory(const bis_scene_desc *desc, bis_diag *diag)
                      "no memory for the pilot of integrator \"auto\"; a fixed integrator needs none");
 }
 
+bool bis_auto_suits(const bis_auto_report *r, int g, int i)
+{
+    const unsigned all = (1u << r->n_groups) - 1, wanted = g == BIS_AUTO_ALL ? all : 1u << g;
+
+    return (r->tried[i].groups & wanted) == wanted;
+}
+
 bool bis_auto_is_interrupted(const bis_auto_pilot *p) { return p->options.interrupted && *p->options.interrupted; }
 
 /* ---- one replicate ---- */

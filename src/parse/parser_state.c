@@ -1,0 +1,100 @@
+/* parser_state: what every file of the parser needs of its state: complaints, the next token, the path of a file. */
+#include "parser.h"
+
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- complaints ---- */
+
+void bis_parser_note(bis_parser *p, bis_status status)
+{
+    if (!status) return;
+    if (!p->status) p->status = status;
+    if (++p->n_errors == BIS_MAX_ERRORS && !p->stop) {
+        bis_error(p->diag, BIS_INPUT, p->token.at, "stopped after %d errors", BIS_MAX_ERRORS);
+        p->stop = true;
+    }
+}
+
+void bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...)
+{
+    char text[1024];
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s", text));
+}
+
+void bis_parser_nomem(bis_parser *p, bis_loc at)
+{
+    p->stop = true;
+    p->lost = true;
+    bis_parser_note(p, bis_error(p->diag, BIS_NOMEM, at, "no memory for the scene's description"));
+}
+
+bool bis_parser_once(bis_parser *p, const char *name)
+{
+    for (size_t i = 0; i < p->n_warned; i++)
+        if (strcmp(p->warned[i], name) == 0) return false;
+    if (p->n_warned < BIS_COUNT(p->warned)) p->warned[p->n_warned++] = name;
+    return true;
+}
+
+const char *bis_parser_hint(char buf[128], const char *nearest)
+{
+    char word[128];
+    buf[0] = '\0';
+    if (nearest) snprintf(buf, 128, " (did you mean \"%.90s\"?)", bis_printable(word, nearest, strlen(nearest)));
+    return buf;
+}
+
+/* ---- tokens and files ---- */
+
+void bis_parser_advance(bis_parser *p)
+{
+    p->token = bis_lexer_next(&p->lexer);
+    if (p->token.kind == BIS_TOKEN_BAD) bis_parser_note(p, BIS_INPUT);
+}
+
+/* What keeps us from reading it, found before an hour is spent on the rest; NULL: nothing. */
+static const char *why_unreadable(const char *path, bis_status *status)
+{
+    struct stat st;
+    *status = BIS_INPUT;
+    if (stat(path, &st)) {
+        if (errno != ENOENT && errno != ENOTDIR) *status = BIS_IO;
+        return strerror(errno);
+    }
+    if (S_ISDIR(st.st_mode)) return "it is a folder";
+    if (!S_ISREG(st.st_mode)) return "it is no regular file";
+    if (access(path, R_OK) == 0) return NULL;
+    *status = BIS_IO;
+    return strerror(errno);
+}
+
+char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
+{
+    char word[128];
+    bis_status status = BIS_INPUT;
+    const char *why = "the name is empty";
+    char *path = bis_path_relative_to(at.file, name);
+
+    if (!path) {
+        bis_parser_nomem(p, at);
+        return NULL;
+    }
+    if (name[0]) why = why_unreadable(path, &status);
+    if (!why) return path;
+    bis_printable(word, path, strlen(path));
+    bis_parser_note(p, bis_error(p->diag, status, at, "cannot read \"%s\": %s", word, why));
+    bis_free(path);
+    return NULL;
+}
