@@ -1,10 +1,10 @@
-/* clones: src/beyond/lanes.c, phong_lanes.c and envmap_lanes.c once more, under other names: for the plainest processor
+/* clones: src/beyond/lanes.c, phong_lanes.c and map_lanes.c once more, under other names: for the plainest processor
  * (clone_*.c) and for AVX2 (clone_avx2_*.c). What the library holds chooses by the processor that it runs on; all must
  * give the same bits. */
 #ifndef TESTS_CLONES_H
 #define TESTS_CLONES_H
 
-#include "bis/thesis/bsdf.h"
+#include "bis/beyond/bsdf_lanes.h"
 #include "bis/thesis/envmap.h"
 
 typedef void clone_points(float *u1, float *u2, uint32_t n, uint64_t key);

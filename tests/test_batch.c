@@ -414,10 +414,9 @@ static void under_a_constant_light_and_without_lanes_candidates_go_one_by_one(vo
     bis_light *lights[] = {lit_new_light(LIT_CONSTANT, 1, 0, false), lit_new_light(LIT_SMOOTH, 1, 0, false)};
     bis_scratch with, without;
     bis_pool pool, none;
-    bis_bsdf_model model = bis_phong_model;
+    bis_bsdf_model model = bis_phong_model; /* a model that no table of lanes knows */
 
     (void)state;
-    model.lanes = NULL;
     new_scratch(&with, &pool, &s);
     new_scratch(&without, &none, &plain);
     bis_pool_fill(&pool, lights[1], SEED, 0, 1);

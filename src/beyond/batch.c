@@ -13,8 +13,10 @@
  * and the light spotty. */
 #include "batch.h"
 
-#include "thesis/candidates.h"
+#include "bis/beyond/bsdf_lanes.h"
+#include "map_lanes.h"
 #include "product.h"
+#include "thesis/candidates.h"
 
 #include "bis/base/mem.h"
 
@@ -94,7 +96,7 @@ void bis_batch_free(bis_batch *b)
 
 bool bis_batch_fits(const bis_point *pt, const bis_scratch *scratch)
 {
-    return scratch->batch && (scratch->clusters || scratch->pool) && pt->bsdf.material->model->lanes && !bis_bsdf_is_black(&pt->bsdf);
+    return scratch->batch && (scratch->clusters || scratch->pool) && bis_bsdf_lanes_of(pt->bsdf.material->model) && !bis_bsdf_is_black(&pt->bsdf);
 }
 
 /* ---- candidates and their weights ---- */
@@ -104,7 +106,7 @@ bool bis_batch_fits(const bis_point *pt, const bis_scratch *scratch)
 static double weigh_set(bis_batch *b, const bis_lanes *set, const bis_mixture *m, const bis_point *pt, bis_stream *stream)
 {
     const uint32_t M = m->n_em + m->n_brdf, phase = (uint32_t)(bis_rng_u64(&stream->rng) >> 32);
-    const double unit = pt->bsdf.material->model->lanes->weigh(b->weights.w, &pt->bsdf, set, M, m->beta);
+    const double unit = bis_bsdf_lanes_of(pt->bsdf.material->model)->weigh(b->weights.w, &pt->bsdf, set, M, m->beta);
 
     for (uint32_t j = 0; j < m->n_brdf; j++) b->weights.w[bis_one_of_set(j, m->n_brdf, M, phase)] = 0;
     return unit;
@@ -113,7 +115,7 @@ static double weigh_set(bis_batch *b, const bis_lanes *set, const bis_mixture *m
 /* From the BRDF. With a product, the density that it would have drawn them with stands in the place of q_L. */
 static void weigh_brdf(bis_batch *b, float *w, const bis_mixture *m, const bis_clusters *clusters, const bis_point *pt, bis_stream *stream)
 {
-    const bis_bsdf_lanes *lanes = pt->bsdf.material->model->lanes;
+    const bis_bsdf_lanes *lanes = bis_bsdf_lanes_of(pt->bsdf.material->model);
 
     bis_lanes_points(b->u1, b->u2, m->n_brdf, bis_rng_u64(&stream->rng));
     lanes->sample(&b->brdf, &pt->bsdf, b->u1, b->u2, m->n_brdf);
@@ -186,7 +188,7 @@ static rgbd trace(bis_batch *b, const bis_point *pt)
     const uint32_t n = b->weights.n_chosen;
     rgbd sum = {0, 0, 0};
 
-    pt->bsdf.material->model->lanes->colour(&pt->bsdf, &b->traced, n);
+    bis_bsdf_lanes_of(pt->bsdf.material->model)->colour(&pt->bsdf, &b->traced, n);
     bis_point_sees_many(pt, b->wi, n, b->sees);
     for (uint32_t k = 0; k < n; k++) {
         if (!b->sees[k]) continue;
@@ -215,7 +217,7 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
         if (!bis_product_weigh(&b->product, clusters, scratch->visible, pt)) return (rgb){0, 0, 0}; /* nothing of the map is above the horizon */
         bis_product_draw(&b->product, clusters, n_map, stream);
         map = b->product.y;
-        unit = pt->bsdf.material->model->lanes->weigh(b->weights.w, &pt->bsdf, &map, n_map, m.beta);
+        unit = bis_bsdf_lanes_of(pt->bsdf.material->model)->weigh(b->weights.w, &pt->bsdf, &map, n_map, m.beta);
     } else {
         n_map = M;
         map = bis_pool_lanes(scratch->pool, bis_pool_choose(scratch->pool, &stream->rng));

@@ -9,6 +9,7 @@
 #include "product.h"
 
 #include "bis/base/mem.h"
+#include "bis/beyond/bsdf_lanes.h"
 
 #include <assert.h>
 
@@ -51,7 +52,7 @@ static void multiply(float *restrict w, const float *restrict factor, uint32_t n
 
 bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *visible, const bis_point *pt)
 {
-    pt->bsdf.material->model->lanes->reach(p->clusters.w, &pt->bsdf, &c->cone, c->sine, c->n);
+    bis_bsdf_lanes_of(pt->bsdf.material->model)->reach(p->clusters.w, &pt->bsdf, &c->cone, c->sine, c->n);
     if (visible) multiply(p->clusters.w, visible, bis_lanes_round_up(c->n));
     p->W = bis_blocks_sum(&p->clusters, bis_lanes_round_up(c->n));
     return p->W > 0;

@@ -157,27 +157,6 @@ rgb bis_light_Le_pdf(const bis_light *light, vec3 wi, double *pdf)
 
 double bis_light_mean(const bis_light *light) { return light->power / (4 * PI); }
 
-void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n)
-{
-    const double(*r)[3] = light->rotation;
-    const vec3 axis[3] = {vec3_from(r[0][0], r[0][1], r[0][2]), vec3_from(r[1][0], r[1][1], r[1][2]), vec3_from(r[2][0], r[2][1], r[2][2])};
-    const double unit = bis_light_mean(light);
-
-    assert(light->importance && light->power > 0);
-    bis_envmap_pixels(&light->em, axis, pixel, y, n);
-    for (uint32_t i = 0; i < n; i++) {
-        const rgb Le = light->em.pixels[pixel[i]];
-        y->r[i] = (float)((double)Le.r / unit);
-        y->g[i] = (float)((double)Le.g / unit);
-        y->b[i] = (float)((double)Le.b / unit);
-        y->q_L[i] = (float)bis_importance_pdf_pixel(light->importance, pixel[i]);
-    }
-    for (uint32_t i = n; i < bis_lanes_round_up(n); i++) {
-        y->r[i] = y->g[i] = y->b[i] = 0;
-        y->q_L[i] = 1;
-    }
-}
-
 double bis_light_max_ratio(const bis_light *light)
 {
     /* The caller divides I by the rounded 1/(4 pi): a factor 1 + 8 * 2^-53 covers these roundings and ours. */
@@ -210,6 +189,14 @@ void bis_light_patch(const bis_light *light, size_t i, const double u[2], bis_li
     s->wi = to_world_frame(light, bis_envmap_direction(&light->em, x, y, u[0], u[1]));
     s->Le = light->em.pixels[i];
     s->pdf = 1 / light->em.row_solid_angle[y];
+}
+
+void bis_light_axes(const bis_light *light, vec3 axis[3])
+{
+    const double(*r)[3] = light->rotation;
+
+    assert(!light->is_constant);
+    for (int i = 0; i < 3; i++) axis[i] = vec3_from(r[i][0], r[i][1], r[i][2]);
 }
 
 bool bis_light_is_constant(const bis_light *light) { return light->is_constant; }

@@ -19,7 +19,6 @@
 #include "bis/thesis/phong.h"
 
 #include "bis/thesis/warp.h"
-#include "beyond/phong_lanes.h"
 
 /* max(0, cos alpha)^n. With x = 1 - cos alpha, cos^n = exp(n log1p(-x)). */
 double bis_phong_power(vec3 a, vec3 b, double n)
@@ -138,7 +137,7 @@ static double max_ratio(const bis_bsdf *b)
     return fmax(specular, diffuse) * unit_slack;
 }
 
-const bis_bsdf_model bis_phong_model = {"phong", init, sample, f_pdf, max_f_cos, max_ratio, false, &bis_phong_lanes};
+const bis_bsdf_model bis_phong_model = {"phong", init, sample, f_pdf, max_f_cos, max_ratio, false};
 
 /* What reflects less than 2^-67 is black. Else f of a direction that was drawn, at least Ks 2^-53/(2 pi) by eq. 3.16,
  * could be a denormal float, and its rounding exceed the bounds above. */

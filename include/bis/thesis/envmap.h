@@ -8,7 +8,6 @@
 #define BIS_ENVMAP_H
 
 #include "bis/base/image.h"
-#include "bis/beyond/lanes.h"
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
 
@@ -49,10 +48,6 @@ bis_status bis_envmap_scale(bis_envmap *em, rgb scale, bis_diag *diag);
 /* The pixel (y * width + x) that a unit direction of the light's frame lies in. By atan2 in double: acos of a float
  * misses the row of one direction in 23 at 4096 rows. */
 size_t bis_envmap_pixel(const bis_envmap *em, vec3 w_local);
-
-/* The pixels of n directions (x, y, z of y) at once, axis[3] being the light's axes where they are given, within a
- * microradian: pixel[], to the end of the last block. width * height < 2^31. */
-void bis_envmap_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pixel, const bis_lanes *y, uint32_t n);
 
 /* Radiance from w_local. */
 static inline rgb bis_envmap_Le(const bis_envmap *em, vec3 w_local) { return em->pixels[bis_envmap_pixel(em, w_local)]; }

@@ -49,12 +49,8 @@ double bis_light_pdf(const bis_light *light, vec3 wi);
 /* Radiance and density at once: one lookup instead of two, the same bits. */
 rgb bis_light_Le_pdf(const bis_light *light, vec3 wi, double *pdf);
 
-/* Mean radiance over the sphere, r+g+b: the unit of a bis_lanes' r, g, b. */
+/* Mean radiance over the sphere, r+g+b. */
 double bis_light_mean(const bis_light *light);
-
-/* bis_light_Le_pdf for n directions at once: fills r, g, b, q_L of y from its x, y, z, which may be off by a
- * microradian (bis_envmap_pixels). pixel[]: workspace for n, whole blocks. A map with an importance, not black. */
-void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n);
 
 /* Bounds for rejection: the largest I/pdf, and the largest I, I = r+g+b. */
 double bis_light_max_ratio(const bis_light *light);
@@ -71,6 +67,10 @@ void bis_light_patch(const bis_light *light, size_t i, const double u[2], bis_li
 
 bool bis_light_is_constant(const bis_light *light);
 bool bis_light_is_black(const bis_light *light);
+
+/* bis_light_axes gives the axes of the map in the world, unit vectors: what its x, y and z axes are turned to. Not of a
+ * constant. */
+void bis_light_axes(const bis_light *light, vec3 axis[3]);
 
 /* NULL for a constant. For pictures, `bis envmap` and reports, not for integrators. */
 const bis_envmap *bis_light_envmap(const bis_light *light);

@@ -1,9 +1,9 @@
-/* envmap_lanes: bis_envmap_pixel for many directions at once: 2 ns each with AVX-512 instead of 60.
+/* map_lanes: bis_envmap_pixel for many directions at once: 2 ns each with AVX-512 instead of 60.
  *
  * In float: theta and phi are off by less than 1e-6, so a direction that close to a pixel's edge may be given to the
  * neighbour (a thousandth of a pixel in a map 8192 wide). Who asks takes radiance and density from the same pixel, so
  * that all that is wrong is the direction, by less than a microradian. */
-#include "bis/thesis/envmap.h"
+#include "map_lanes.h"
 
 #include <assert.h>
 
@@ -34,4 +34,27 @@ static void find(const vec3 axis[3], float columns, float rows, uint32_t *pixel,
 void bis_envmap_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pixel, const bis_lanes *y, uint32_t n)
 {
     find(axis, (float)em->width, (float)em->height, pixel, y, bis_lanes_round_up(n));
+}
+
+void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n)
+{
+    const bis_envmap *em = bis_light_envmap(light);
+    const bis_importance *importance = bis_light_importance(light);
+    const double unit = bis_light_mean(light);
+    vec3 axis[3];
+
+    assert(importance && unit > 0);
+    bis_light_axes(light, axis);
+    bis_envmap_pixels(em, axis, pixel, y, n);
+    for (uint32_t i = 0; i < n; i++) {
+        const rgb Le = em->pixels[pixel[i]];
+        y->r[i] = (float)((double)Le.r / unit);
+        y->g[i] = (float)((double)Le.g / unit);
+        y->b[i] = (float)((double)Le.b / unit);
+        y->q_L[i] = (float)bis_importance_pdf_pixel(importance, pixel[i]);
+    }
+    for (uint32_t i = n; i < bis_lanes_round_up(n); i++) {
+        y->r[i] = y->g[i] = y->b[i] = 0;
+        y->q_L[i] = 1;
+    }
 }

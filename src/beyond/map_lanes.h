@@ -1,0 +1,18 @@
+/* map_lanes: what a map says of many directions at once: pixel, radiance, density. */
+#ifndef BIS_MAP_LANES_H
+#define BIS_MAP_LANES_H
+
+#include "bis/beyond/lanes.h"
+#include "bis/thesis/light.h"
+
+/* bis_envmap_pixels finds the pixels of n directions: x, y, z of y, in the world whose axes the map's frame sees as
+ * axis[3]. pixel[]: out, to the end of the last block. A direction within a microradian of a pixel's edge may be given
+ * to the neighbour. width * height < 2^31. */
+void bis_envmap_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pixel, const bis_lanes *y, uint32_t n);
+
+/* bis_light_look does what bis_light_Le_pdf does, for n directions: it fills r, g, b and q_L of y from its x, y, z, which
+ * may be off by a microradian. r, g, b are in units of bis_light_mean. pixel[]: workspace for n, whole blocks. The light
+ * is a map with an importance, not black. */
+void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n);
+
+#endif
