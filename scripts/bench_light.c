@@ -8,6 +8,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/regions.h"
 #include "bis/thesis/rng.h"
+#include "bis/base/image.h"
 
 #include <stdio.h>
 #include <stdlib.h>

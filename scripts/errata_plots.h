@@ -6,6 +6,8 @@
 
 #include "bis/base/image.h"
 #include "bis/thesis/integrator.h"
+#include "bis/thesis/envmap.h"
+#include "bis/thesis/importance.h"
 
 enum { ERRATA_WIDTH = 480, ERRATA_HEIGHT = 240, ERRATA_SEED = 34 };
 

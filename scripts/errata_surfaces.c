@@ -2,6 +2,8 @@
 #include "errata_plots.h"
 
 #include "bis/thesis/phong.h"
+#include "bis/shape/geometry.h"
+#include "bis/base/xform.h"
 
 #include "out/canvas.h"
 #include "out/palette.h"

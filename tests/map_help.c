@@ -1,6 +1,7 @@
 #include "map_help.h"
 
 #include "bis/thesis/rng.h"
+#include "bis/base/image.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,8 +1,10 @@
 /* batch: sir with candidates side by side against sir with candidates one by one, lane by lane where the random numbers
  * are chosen, in the mean where they are not. Family-wise significance 1e-3 over all statistical tests here. */
+#include "beyond/batch.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/base/stats.h"
+#include "bis/thesis/errata.h"
 #include "lit.h"
 
 #include <setjmp.h>
@@ -28,17 +30,35 @@ static bis_settings sir(bis_proposal proposal, uint32_t M, uint32_t N, bool vect
     return s;
 }
 
-static void new_scratch(bis_scratch *scratch, bis_pool *pool, const bis_settings *s)
+/* What one thread has. */
+typedef struct workspace {
+    bis_scratch scratch;
+    bis_fast fast;
+} workspace;
+
+/* pool NULL: each point draws its own directions. */
+static void share(workspace *w, const bis_pool *pool)
 {
-    assert_int_equal(bis_scratch_init(scratch, s, NULL), BIS_OK);
-    if (!scratch->n_pool) return;
-    assert_int_equal(bis_pool_init(pool, scratch->n_pool, scratch->batch != NULL, NULL), BIS_OK);
-    scratch->pool = pool;
+    w->fast.pool = pool;
+    w->scratch.sets = pool ? &pool->sets : NULL;
 }
 
-static void clear(bis_scratch *scratch, bis_pool *pool)
+static void new_workspace(workspace *w, bis_pool *pool, const bis_settings *s)
 {
-    bis_scratch_clear(scratch);
+    const bis_fast_needs needs = bis_fast_needs_of(s);
+
+    assert_int_equal(bis_scratch_init(&w->scratch, s, NULL), BIS_OK);
+    assert_int_equal(bis_fast_init(&w->fast, s, NULL), BIS_OK);
+    w->scratch.fast = &w->fast;
+    if (!needs.n_pool) return;
+    assert_int_equal(bis_pool_init(pool, needs.n_pool, needs.batch, NULL), BIS_OK);
+    share(w, pool);
+}
+
+static void clear(workspace *w, bis_pool *pool)
+{
+    bis_scratch_clear(&w->scratch);
+    bis_fast_clear(&w->fast);
     bis_pool_clear(pool);
 }
 
@@ -95,7 +115,7 @@ typedef struct bench {
     lit l;
     spy accel;
     bis_light *light;
-    bis_scratch scratch;
+    workspace work;
     bis_pool pool;
     bis_settings s;
     uint32_t M;
@@ -107,8 +127,8 @@ static void open_bench(bench *b, const float *w, uint32_t M, uint32_t N, bis_res
     b->s.resampling = resampling;
     lit_init(&b->l, b->light, bis_phong((rgb){1, 1, 1}, (rgb){0, 0, 0}, 1), (vec3){0, 0, 1}, 20, LIT_OPEN);
     b->l.pt.accel = &b->accel.accel;
-    new_scratch(&b->scratch, &b->pool, &b->s);
-    assert_non_null(b->scratch.batch);
+    new_workspace(&b->work, &b->pool, &b->s);
+    assert_non_null(b->work.fast.batch);
     b->pool.n_sets = 1;
     bis_pool_fill(&b->pool, b->light, SEED, 0, 1);
     const bis_lanes l = bis_pool_lanes(&b->pool, 0);
@@ -121,13 +141,13 @@ static void open_bench(bench *b, const float *w, uint32_t M, uint32_t N, bis_res
 
 static void close_bench(bench *b)
 {
-    clear(&b->scratch, &b->pool);
+    clear(&b->work, &b->pool);
     bis_light_free(b->light);
 }
 
 /* The estimate where lane i alone is seen, in units in which it is the share of the marks on i times W; the number
  * behind the first mark is `number`. */
-static double share(bench *b, uint32_t i, uint64_t number)
+static double share_of(bench *b, uint32_t i, uint64_t number)
 {
     const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = 1, .spp = 1, .xsamples = 1, .ysamples = 1};
     const bis_lanes l = bis_pool_lanes(&b->pool, 0);
@@ -135,7 +155,7 @@ static double share(bench *b, uint32_t i, uint64_t number)
 
     b->accel.only = (vec3){l.x[i], l.y[i], 0.5f};
     b->accel.rays = 0;
-    const rgb L = bis_sir.Lo(&b->s, &b->l.pt, &stream, &b->scratch);
+    const rgb L = bis_batch_Lo(&b->s, &b->l.pt, &stream, &b->work.scratch);
     return (double)L.r / (INV_PI * bis_light_mean(b->light) / b->M); /* Kd/pi is the weights' unit */
 }
 
@@ -164,7 +184,7 @@ static void lanes_are_chosen_exactly_in_proportion_to_their_weights(void **state
         open_bench(&b, w, LANES, Ns[c], BIS_RESAMPLING_SYSTEMATIC);
         for (uint32_t i = 0; i < LANES; i++) {
             double sum = 0;
-            for (uint32_t k = 0; k < 64; k++) sum += share(&b, i, mark(k, 64)) / 64; /* 64 offsets: each weight a whole number of marks */
+            for (uint32_t k = 0; k < 64; k++) sum += share_of(&b, i, mark(k, 64)) / 64; /* 64 offsets: each weight a whole number of marks */
             if (fabs(sum - (double)w[i]) > 1e-5) fail_msg("N = %u: lane %u of weight %g is worth %g", (unsigned)Ns[c], (unsigned)i, (double)w[i], sum);
         }
         close_bench(&b);
@@ -174,7 +194,7 @@ static void lanes_are_chosen_exactly_in_proportion_to_their_weights(void **state
     open_bench(&b, w, LANES, 1, BIS_RESAMPLING_MULTINOMIAL);
     for (uint32_t i = 0; i < LANES; i++) {
         double sum = 0;
-        for (uint32_t k = 0; k < 64; k++) sum += share(&b, i, mark(k, 64)) / 64;
+        for (uint32_t k = 0; k < 64; k++) sum += share_of(&b, i, mark(k, 64)) / 64;
         assert_true(fabs(sum - (double)w[i]) < 1e-5);
     }
     close_bench(&b);
@@ -193,7 +213,7 @@ static void marks_at_the_ends_fall_on_the_first_and_on_the_last_positive_lane(vo
             open_bench(&b, w, LANES, 1, way ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC);
             for (uint32_t i = 0; i < LANES; i++) {
                 const bool chosen = i == (k ? 33 : 18);
-                const double got = share(&b, i, ends[k]);
+                const double got = share_of(&b, i, ends[k]);
                 assert_true(chosen ? fabs(got - 0.8000001) < 1e-6 : got == 0);
                 assert_int_equal(b.accel.rays, 1);
             }
@@ -210,7 +230,7 @@ static void one_positive_lane_gets_every_mark_and_one_ray(void **state)
         bench b;
         w[i] = 1e-30f;
         open_bench(&b, w, LANES, 15, BIS_RESAMPLING_MULTINOMIAL);
-        assert_true(fabs(share(&b, i, mark(i, LANES)) * 1e30 - 1) < 1e-6);
+        assert_true(fabs(share_of(&b, i, mark(i, LANES)) * 1e30 - 1) < 1e-6);
         assert_int_equal(b.accel.rays, 1);
         close_bench(&b);
     }
@@ -223,7 +243,7 @@ static void a_black_set_gives_0_and_no_ray(void **state)
 
     (void)state;
     open_bench(&b, w, LANES, 15, BIS_RESAMPLING_SYSTEMATIC);
-    assert_true(share(&b, 0, 0) == 0);
+    assert_true(share_of(&b, 0, 0) == 0);
     assert_int_equal(b.accel.rays, 0);
     close_bench(&b);
 }
@@ -238,10 +258,10 @@ static void a_black_material_and_an_eye_below_the_horizon_give_0(void **state)
     open_bench(&b, w, LANES, 1, BIS_RESAMPLING_SYSTEMATIC);
     b.l.material = bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 1);
     bis_bsdf_init(&b.l.pt.bsdf, &b.l.material, b.l.pt.n, b.l.pt.wo);
-    assert_true(share(&b, 0, 0) == 0);
+    assert_true(share_of(&b, 0, 0) == 0);
     b.l.material = bis_phong((rgb){1, 1, 1}, (rgb){0, 0, 0}, 1);
     bis_bsdf_init(&b.l.pt.bsdf, &b.l.material, b.l.pt.n, neg(b.l.pt.wo));
-    assert_true(share(&b, 0, 0) == 0);
+    assert_true(share_of(&b, 0, 0) == 0);
     close_bench(&b);
 }
 
@@ -260,19 +280,19 @@ static void side_by_side_the_same_candidates_are_chosen_as_one_by_one(void **sta
     for (int c = 0; c < 16; c++) {
         const bis_settings batch = sir(BIS_PROPOSAL_EM, Ms[c / 4], c % 2 ? 15 : 1, true), plain = sir(BIS_PROPOSAL_EM, Ms[c / 4], c % 2 ? 15 : 1, false);
         const double ks = c % 4 < 2 ? 0 : 0.6;
-        bis_scratch with, without;
+        workspace with, without;
         bis_pool pool, none;
         uint32_t equal = 0;
         double sums[2] = {0};
         lit l;
         lit_init(&l, light, bis_phong(rgb_from(0.8 - ks, 0.7 - ks, 0.6 - ks), rgb_from(ks, ks / 2, ks), 20), normalize((vec3){0.3f, 0.1f, 1}), 40, LIT_HALF);
-        new_scratch(&with, &pool, &batch);
-        new_scratch(&without, &none, &plain);
-        assert_true(with.batch && !without.batch);
-        without.pool = &pool;
+        new_workspace(&with, &pool, &batch);
+        new_workspace(&without, &none, &plain);
+        assert_true(with.fast.batch && !without.fast.batch);
+        share(&without, &pool);
         bis_pool_fill(&pool, light, SEED, (uint32_t)c, 1);
         for (uint64_t run = 0; run < RUNS; run++) {
-            const rgb a = lit_once(&l, &batch, &with, SEED, run), b = lit_once(&l, &plain, &without, SEED, run);
+            const rgb a = lit_once(&l, &batch, &with.scratch, SEED, run), b = lit_once(&l, &plain, &without.scratch, SEED, run);
             equal += near(a.r, b.r) && near(a.g, b.g) && near(a.b, b.b);
             sums[0] += rgb_sum(a);
             sums[1] += rgb_sum(b);
@@ -289,25 +309,25 @@ static void side_by_side_the_same_candidates_are_chosen_as_one_by_one(void **sta
 static void run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, void (*spoil)(bis_pool *))
 {
     enum { PER_POOL = 25 };
-    bis_scratch scratch;
+    workspace work;
     bis_pool pool = {0};
 
     for (int c = 0; c < 4; c++) m[c] = (stat_moments){0};
-    new_scratch(&scratch, &pool, s);
-    assert_true((scratch.batch != NULL) == (s->vectorize && s->candidates >= 16));
+    new_workspace(&work, &pool, s);
+    assert_true((work.fast.batch != NULL) == (s->vectorize && s->candidates >= 16));
     pool.n_sets = PER_POOL;
     for (uint32_t k = 0; k < runs; k++) {
         double sum[3] = {0};
         bis_pool_fill(&pool, l->light, SEED, k, 1);
         if (spoil) spoil(&pool);
         for (uint32_t j = 0; j < PER_POOL; j++) {
-            const rgb L = lit_once(l, s, &scratch, SEED, (uint64_t)k * PER_POOL + j);
+            const rgb L = lit_once(l, s, &work.scratch, SEED, (uint64_t)k * PER_POOL + j);
             sum[0] += (double)L.r / PER_POOL, sum[1] += (double)L.g / PER_POOL, sum[2] += (double)L.b / PER_POOL;
         }
         for (int c = 0; c < 3; c++) stat_add(&m[c], sum[c]);
         stat_add(&m[3], sum[0] + sum[1] + sum[2]);
     }
-    clear(&scratch, &pool);
+    clear(&work, &pool);
 }
 
 static bis_material glossy(bool coloured)
@@ -384,11 +404,12 @@ static void twins_that_forget_a_lane_or_a_density_are_found(void **state)
 
 static bool has_batch(const bis_settings *s)
 {
-    bis_scratch scratch;
+    bis_fast fast;
 
-    assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
-    const bool has = scratch.batch != NULL;
-    bis_scratch_clear(&scratch);
+    assert_int_equal(bis_fast_init(&fast, s, NULL), BIS_OK);
+    const bool has = fast.batch != NULL;
+    assert_true((bis_fast_Lo(s) == bis_batch_Lo) == has);
+    bis_fast_clear(&fast);
     return has;
 }
 
@@ -412,21 +433,22 @@ static void under_a_constant_light_and_without_lanes_candidates_go_one_by_one(vo
 {
     const bis_settings s = sir(BIS_PROPOSAL_MIX, 64, 4, true), plain = sir(BIS_PROPOSAL_MIX, 64, 4, false);
     bis_light *lights[] = {lit_new_light(LIT_CONSTANT, 1, 0, false), lit_new_light(LIT_SMOOTH, 1, 0, false)};
-    bis_scratch with, without;
+    workspace with, without;
     bis_pool pool, none;
     bis_bsdf_model model = bis_phong_model; /* a model that no table of lanes knows */
 
     (void)state;
-    new_scratch(&with, &pool, &s);
-    new_scratch(&without, &none, &plain);
+    new_workspace(&with, &pool, &s);
+    new_workspace(&without, &none, &plain);
     bis_pool_fill(&pool, lights[1], SEED, 0, 1);
     for (int k = 0; k < 2; k++) {
         lit l;
         lit_init(&l, lights[k], glossy(true), (vec3){0, 0, 1}, 40, LIT_HALF);
         if (k) l.material.model = &model;
-        with.pool = without.pool = k ? &pool : NULL;
+        share(&with, k ? &pool : NULL);
+        share(&without, k ? &pool : NULL);
         for (uint64_t run_number = 0; run_number < 50; run_number++) {
-            const rgb a = lit_once(&l, &s, &with, SEED, run_number), b = lit_once(&l, &plain, &without, SEED, run_number);
+            const rgb a = lit_once(&l, &s, &with.scratch, SEED, run_number), b = lit_once(&l, &plain, &without.scratch, SEED, run_number);
             assert_memory_equal(&a, &b, sizeof a);
         }
     }
@@ -444,17 +466,18 @@ static void any_allocation_may_fail(void **state)
 
     (void)state;
     while (status) {
-        bis_scratch scratch;
+        workspace work = {.fast = {NULL}};
         bis_pool pool = {0};
         bis_diag diag = {0};
         bis_mem_fail_at(++k);
-        status = bis_scratch_init(&scratch, &s, &diag);
+        status = bis_scratch_init(&work.scratch, &s, &diag);
+        if (!status) status = bis_fast_init(&work.fast, &s, &diag);
         if (!status) status = bis_pool_init(&pool, s.candidates, true, &diag);
         bis_mem_fail_at(0);
         assert_int_equal(diag.n_errors, status ? 1 : 0);
         assert_true(!status || status == BIS_NOMEM);
         bis_diag_clear(&diag);
-        clear(&scratch, &pool);
+        clear(&work, &pool);
     }
     assert_true(k > 10);
 }

@@ -1,5 +1,6 @@
 /* clusters, product, visibility: candidates from where light and BRDF can both be large, and where earlier passes saw
  * the light. Family-wise significance 1e-3 over all statistical tests here. */
+#include "beyond/batch.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "lit.h"
@@ -7,6 +8,8 @@
 #include "thesis/proposal.h"
 
 #include "bis/base/stats.h"
+#include "bis/thesis/envmap.h"
+#include "bis/thesis/importance.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -129,23 +132,26 @@ static void spoil_nothing(bis_clusters *c, float *visible)
 static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, void (*spoil)(bis_clusters *, float *))
 {
     bis_scratch scratch;
+    bis_fast fast;
     bis_clusters c;
     bis_seen counted[BIS_VISIBILITY_PARTS] = {{0, 0}};
 
     for (int i = 0; i < 4; i++) m[i] = (stat_moments){0};
     assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
-    assert_true(scratch.wants_clusters);
+    assert_int_equal(bis_fast_init(&fast, s, NULL), BIS_OK);
+    assert_true(bis_fast_needs_of(s).clusters);
+    scratch.fast = &fast;
     assert_int_equal(bis_clusters_init(&c, l->light, s->candidates, NULL), BIS_OK);
-    scratch.clusters = &c;
-    scratch.counted = counted;
+    fast.clusters = &c;
+    fast.counted = counted;
     if (learned) {
-        scratch.visible = bis_alloc(bis_lanes_round_up(c.n), sizeof *scratch.visible);
-        for (uint32_t k = 0; k < c.n; k++) scratch.visible[k] = k % 3 ? 0.15f : 1; /* any positive numbers */
+        fast.visible = bis_alloc(bis_lanes_round_up(c.n), sizeof *fast.visible);
+        for (uint32_t k = 0; k < c.n; k++) fast.visible[k] = k % 3 ? 0.15f : 1; /* any positive numbers */
     }
     for (uint32_t fill = 0; fill < RUNS; fill++) {
         rgbd sum = {0, 0, 0};
         bis_clusters_fill(&c, l->light, SEED, fill, 1);
-        spoil(&c, scratch.visible);
+        spoil(&c, fast.visible);
         for (uint32_t k = 0; k < PER_FILL; k++) {
             const rgb L = lit_once(l, s, &scratch, SEED, (uint64_t)fill * PER_FILL + k);
             sum = rgbd_add(sum, (rgbd){(double)L.r / PER_FILL, (double)L.g / PER_FILL, (double)L.b / PER_FILL});
@@ -156,6 +162,7 @@ static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, 
         stat_add(&m[3], rgbd_sum(sum));
     }
     bis_scratch_clear(&scratch);
+    bis_fast_clear(&fast);
     bis_clusters_clear(&c);
 }
 

@@ -3,12 +3,15 @@
  * the p-values of right samplers are uniform.
  * Densities come by other roads: the models' by textbook (tests/lit.h), the probe's by its own pixels. Family-wise
  * significance 1e-3. */
+#include "bis/beyond/pool.h"
 #include "bis/thesis/alias.h"
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
+#include "bis/thesis/importance.h"
+#include "bis/base/image.h"
 #include "thesis/candidates.h"
 
 #include "lit.h"
@@ -124,7 +127,7 @@ static void count_candidates(double observed[CELLS], lit *l, const way *w, twin 
         bis_stream stream;
         bis_stream_init(&stream, &sampler, run, 0);
         if (w->pooled && run % 64 == 0) bis_pool_fill(&pool, l->light, SEED, run, 1);
-        bis_candidates_draw(c, M_DRAWN, w->proposal, w->stratify, w->pooled ? &pool : NULL, &l->pt, &stream);
+        bis_candidates_draw(c, M_DRAWN, w->proposal, w->stratify, w->pooled ? &pool.sets : NULL, &l->pt, &stream);
         const vec3 wi = c[wrong == FIRST_ONLY ? 0 : bis_rng_below(&pick, M_DRAWN)].wi;
         const bool above = dot(wi, l->pt.n) > 0;
         if (!above && wrong == REDRAWN) continue;

@@ -8,6 +8,7 @@
 #include "bis/thesis/light.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/regions.h"
+#include "bis/base/image.h"
 
 #include <float.h>
 #include <setjmp.h>

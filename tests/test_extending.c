@@ -6,6 +6,8 @@
 #include "bis/thesis/phong.h"
 #include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
+#include "bis/thesis/envmap.h"
+#include "bis/base/image.h"
 #include "thesis/candidates.h"
 #include "thesis/proposal.h"
 
@@ -42,7 +44,7 @@ static unsigned uniform_light_needs(const bis_settings *s)
     return 0; /* no table, no curve: radiance is only looked up */
 }
 
-static void uniform_scratch_needs(const bis_settings *s, bis_scratch *need)
+static void uniform_scratch_needs(const bis_settings *s, bis_needs *need)
 {
     need->n_points = s->samples;
 }
@@ -87,7 +89,7 @@ static double candidates_from_hemisphere(bis_candidate *c, uint32_t M, const bis
     return W;
 }
 
-static void hemisphere_scratch_needs(const bis_settings *s, bis_scratch *need)
+static void hemisphere_scratch_needs(const bis_settings *s, bis_needs *need)
 {
     need->n_candidates = s->candidates;
     need->n_chosen = s->shadowrays;

@@ -1,4 +1,5 @@
 /* pool: directions drawn once for many pixels. Family-wise significance 1e-3 over all statistical tests here. */
+#include "beyond/batch.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "lit.h"
@@ -67,13 +68,17 @@ static void directions_of_a_set_have_the_density_of_the_light(void **state)
 static void run_with_pools(stat_moments m[4], lit *l, const bis_settings *s, void (*spoil)(bis_pool *))
 {
     bis_scratch scratch;
+    bis_fast fast;
     bis_pool pool;
 
     for (int c = 0; c < 4; c++) m[c] = (stat_moments){0};
     assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
-    assert_int_equal(scratch.n_pool, s->candidates);
-    assert_int_equal(bis_pool_init(&pool, scratch.n_pool, scratch.batch != NULL, NULL), BIS_OK);
-    scratch.pool = &pool;
+    assert_int_equal(bis_fast_init(&fast, s, NULL), BIS_OK);
+    assert_int_equal(bis_fast_needs_of(s).n_pool, s->candidates);
+    assert_int_equal(bis_pool_init(&pool, bis_fast_needs_of(s).n_pool, fast.batch != NULL, NULL), BIS_OK);
+    fast.pool = &pool;
+    scratch.sets = &pool.sets;
+    scratch.fast = &fast;
     for (uint32_t run = 0; run < RUNS; run++) {
         rgbd sum = {0, 0, 0};
         bis_pool_fill(&pool, l->light, SEED, run, 1);
@@ -88,6 +93,7 @@ static void run_with_pools(stat_moments m[4], lit *l, const bis_settings *s, voi
         stat_add(&m[3], rgbd_sum(sum));
     }
     bis_scratch_clear(&scratch);
+    bis_fast_clear(&fast);
     bis_pool_clear(&pool);
 }
 

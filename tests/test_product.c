@@ -3,6 +3,7 @@
  * materials, four point sets. `make test` runs a set of combinations in which every pair of values of two parameters
  * occurs; BIS_LONG=1 (make test-long) runs the full product, with more runs each.
  * Biased settings: tests/test_enumeration.c. Family-wise significance 1e-3, of the full product. */
+#include "beyond/batch.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/base/stats.h"
@@ -245,13 +246,17 @@ static bis_settings settings_of(const method *m, uint32_t M, uint32_t N)
 static void run_pooled(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, uint64_t seed)
 {
     bis_scratch scratch;
+    bis_fast fast;
     bis_pool pool;
 
     for (int i = 0; i < 4; i++) m[i] = (stat_moments){0};
     assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
-    assert_int_equal(bis_pool_init(&pool, scratch.n_pool, scratch.batch != NULL, NULL), BIS_OK);
+    assert_int_equal(bis_fast_init(&fast, s, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&pool, bis_fast_needs_of(s).n_pool, fast.batch != NULL, NULL), BIS_OK);
     pool.n_sets = 1;
-    scratch.pool = &pool;
+    fast.pool = &pool;
+    scratch.sets = &pool.sets;
+    scratch.fast = &fast;
     for (uint32_t run = 0; run < runs; run++) {
         bis_pool_fill(&pool, l->light, seed, run, 1);
         const rgb L = lit_once(l, s, &scratch, seed, run);
@@ -259,6 +264,7 @@ static void run_pooled(stat_moments m[4], lit *l, const bis_settings *s, uint32_
         for (int i = 0; i < 4; i++) stat_add(&m[i], value[i]);
     }
     bis_scratch_clear(&scratch);
+    bis_fast_clear(&fast);
     bis_pool_clear(&pool);
 }
 

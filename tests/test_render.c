@@ -16,6 +16,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 /* --- an integrator of our own
  * ---------------------------------------------------------------------------------------- */

@@ -139,7 +139,7 @@ unsigned no_light_needs(const bis_settings *s)
     return 0;
 }
 
-void no_scratch(const bis_settings *s, bis_scratch *need)
+void no_scratch(const bis_settings *s, bis_needs *need)
 {
     (void)s;
     (void)need;

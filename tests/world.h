@@ -34,7 +34,7 @@ void assert_same_bits(const bis_film *a, const bis_film *b);
 
 /* An integrator of one function. */
 unsigned no_light_needs(const bis_settings *s);
-void no_scratch(const bis_settings *s, bis_scratch *need);
+void no_scratch(const bis_settings *s, bis_needs *need);
 rgb noise_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch);
 
 extern const bis_integrator noise; /* u, 1/2 + u, 1 */

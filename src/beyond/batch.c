@@ -41,23 +41,43 @@ struct bis_batch {
 
 static bool wants_product(const bis_settings *s) { return s->proposal == BIS_PROPOSAL_PRODUCT && s->stratify; }
 
-bool bis_batch_wanted(const bis_settings *s)
+bis_fast_needs bis_fast_needs_of(const bis_settings *s)
 {
-    return s->vectorize && !s->as_printed && s->candidates >= SMALLEST && (bis_candidates_pool_needs(s) > 0 || wants_product(s));
+    const uint32_t n_pool = bis_pool_needs(s);
+    const bool is_sir = s->integrator == &bis_sir || s->integrator == &bis_auto, product = is_sir && wants_product(s);
+    const bool batch = is_sir && s->vectorize && !s->as_printed && s->candidates >= SMALLEST && (n_pool > 0 || product);
+
+    return (bis_fast_needs){.n_pool = n_pool, .batch = batch, .clusters = batch && product, .visibility = batch && product && s->learn};
 }
+
+bis_Lo *bis_fast_Lo(const bis_settings *s) { return bis_fast_needs_of(s).batch ? bis_batch_Lo : s->integrator->Lo; }
 
 /* For brdf, u1, u2, traced. */
 static size_t floats_needed(uint32_t m, uint32_t n) { return (BIS_LANES_ARRAYS + 2) * (size_t)m + BIS_LANES_ARRAYS * (size_t)n; }
 
-size_t bis_batch_bytes(const bis_settings *s)
+size_t bis_fast_bytes(const bis_settings *s)
 {
+    if (!bis_fast_needs_of(s).batch) return 0;
     const uint32_t m = bis_lanes_round_up(s->candidates), N = s->shadowrays, n = bis_lanes_round_up(N);
     const size_t arrays = floats_needed(m, n) * sizeof(float) + m * sizeof(uint32_t) + N * (sizeof(uint32_t) + sizeof(vec3) + sizeof(bool));
 
     return sizeof(bis_batch) + arrays + bis_blocks_bytes(2 * m, N) + (wants_product(s) ? bis_product_bytes(s->candidates) : 0);
 }
 
-bis_batch *bis_batch_new(const bis_settings *s)
+static void batch_free(bis_batch *b)
+{
+    if (!b) return;
+    bis_blocks_clear(&b->weights);
+    bis_product_clear(&b->product);
+    bis_free(b->floats);
+    bis_free(b->pixel);
+    bis_free(b->cluster);
+    bis_free(b->wi);
+    bis_free(b->sees);
+    bis_free(b);
+}
+
+static bis_batch *batch_new(const bis_settings *s)
 {
     const uint32_t m = bis_lanes_round_up(s->candidates), N = s->shadowrays, n = bis_lanes_round_up(N);
     bis_batch *b = bis_alloc(1, sizeof *b);
@@ -71,7 +91,7 @@ bis_batch *bis_batch_new(const bis_settings *s)
     b->wi = bis_alloc(N, sizeof *b->wi);
     b->sees = bis_alloc(N, sizeof *b->sees);
     if (!blocks || !product || !b->floats || !b->pixel || !b->cluster || !b->wi || !b->sees) {
-        bis_batch_free(b);
+        batch_free(b);
         return NULL;
     }
     b->u1 = b->floats;
@@ -81,22 +101,26 @@ bis_batch *bis_batch_new(const bis_settings *s)
     return b;
 }
 
-void bis_batch_free(bis_batch *b)
+bis_status bis_fast_init(bis_fast *f, const bis_settings *s, bis_diag *diag)
 {
-    if (!b) return;
-    bis_blocks_clear(&b->weights);
-    bis_product_clear(&b->product);
-    bis_free(b->floats);
-    bis_free(b->pixel);
-    bis_free(b->cluster);
-    bis_free(b->wi);
-    bis_free(b->sees);
-    bis_free(b);
+    *f = (bis_fast){.batch = NULL};
+    if (!bis_fast_needs_of(s).batch) return BIS_OK;
+    f->batch = batch_new(s);
+    if (f->batch) return BIS_OK;
+    return bis_error(diag, BIS_NOMEM, (bis_loc){NULL, 0, 0}, "no memory for a thread's %u candidates and %u chosen ones; fewer of them need less",
+                     (unsigned)s->candidates, (unsigned)s->shadowrays);
 }
 
-bool bis_batch_fits(const bis_point *pt, const bis_scratch *scratch)
+void bis_fast_clear(bis_fast *f)
 {
-    return scratch->batch && (scratch->clusters || scratch->pool) && bis_bsdf_lanes_of(pt->bsdf.material->model) && !bis_bsdf_is_black(&pt->bsdf);
+    batch_free(f->batch);
+    bis_free(f->visible);
+    *f = (bis_fast){.batch = NULL};
+}
+
+static bool fits(const bis_point *pt, const bis_fast *f)
+{
+    return f && f->batch && (f->clusters || f->pool) && bis_bsdf_lanes_of(pt->bsdf.material->model) && !bis_bsdf_is_black(&pt->bsdf);
 }
 
 /* ---- candidates and their weights ---- */
@@ -202,9 +226,12 @@ static rgbd trace(bis_batch *b, const bis_point *pt)
 
 rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    bis_batch *b = scratch->batch;
+    const bis_fast *f = scratch->fast;
+
+    if (!fits(pt, f)) return bis_sir.Lo(s, pt, stream, scratch);
+    bis_batch *b = f->batch;
     const uint32_t M = s->candidates, N = s->shadowrays;
-    const bis_clusters *clusters = scratch->clusters;
+    const bis_clusters *clusters = f->clusters;
     const double mean = bis_light_mean(pt->light);
     const bis_mixture m = bis_candidates_divide(M, s->proposal, pt, stream);
     bis_lanes map;
@@ -214,26 +241,26 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     pt->counters->candidates += M;
     if (clusters) {
         n_map = m.n_em;
-        if (!bis_product_weigh(&b->product, clusters, scratch->visible, pt)) return (rgb){0, 0, 0}; /* nothing of the map is above the horizon */
+        if (!bis_product_weigh(&b->product, clusters, f->visible, pt)) return (rgb){0, 0, 0}; /* nothing of the map is above the horizon */
         bis_product_draw(&b->product, clusters, n_map, stream);
         map = b->product.y;
         unit = bis_bsdf_lanes_of(pt->bsdf.material->model)->weigh(b->weights.w, &pt->bsdf, &map, n_map, m.beta);
     } else {
         n_map = M;
-        map = bis_pool_lanes(scratch->pool, bis_pool_choose(scratch->pool, &stream->rng));
+        map = bis_pool_lanes(f->pool, bis_pool_choose(f->pool, &stream->rng));
         unit = weigh_set(b, &map, &m, pt, stream);
     }
     const uint32_t first_brdf = bis_lanes_round_up(n_map);
     if (m.n_brdf) weigh_brdf(b, b->weights.w + first_brdf, &m, clusters, pt, stream);
-    if (scratch->visible) weigh_visibility(b, &m, first_brdf, scratch->visible);
+    if (f->visible) weigh_visibility(b, &m, first_brdf, f->visible);
     const double W = bis_blocks_sum(&b->weights, first_brdf + bis_lanes_round_up(m.n_brdf));
     if (W <= 0) return (rgb){0, 0, 0};
 
     bis_blocks_choose(&b->weights, N, W, s->resampling, stream);
     gather(b, &map, first_brdf);
-    if (scratch->visible) find_clusters(b, first_brdf, scratch->visible);
+    if (f->visible) find_clusters(b, first_brdf, f->visible);
     const double Zhat = W / M * unit * mean;
     const rgbd sum = trace(b, pt);
-    if (scratch->visible && scratch->counted) count_visibility(b, clusters->n, scratch->counted);
+    if (f->visible && f->counted) count_visibility(b, clusters->n, f->counted);
     return rgbd_round(rgbd_scale(sum, Zhat / N));
 }

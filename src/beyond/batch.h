@@ -1,22 +1,50 @@
-/* batch: sir.c for all candidates of a point at once. For src/thesis/sir.c and the workspace of integrator.c alone. */
+/* batch: sir.c for all candidates of a point at once, and what a thread needs beyond the thesis: the directions that all
+ * points of a pass share (pool, clusters), and the visibility that earlier passes have learned. The choice between this
+ * and sir.c is made once, when a render is set up. */
 #ifndef BIS_BATCH_H
 #define BIS_BATCH_H
 
-#include "bis/thesis/integrator.h"
+#include "bis/beyond/clusters.h"
+#include "bis/beyond/pool.h"
+#include "bis/beyond/visibility.h"
 
-/* Do these settings want a batch? Its workspace is made then. */
-bool bis_batch_wanted(const bis_settings *s);
+typedef struct bis_batch bis_batch;
 
-/* Its workspace. NULL: no memory. */
-bis_batch *bis_batch_new(const bis_settings *s);
-void bis_batch_free(bis_batch *b);
-size_t bis_batch_bytes(const bis_settings *s);
+/* What settings can make use of. */
+typedef struct bis_fast_needs {
+    uint32_t n_pool; /* directions in a set of a pool; 0: none */
+    bool batch;      /* the vector path */
+    bool clusters;   /* of proposal "product" */
+    bool visibility; /* learned */
+} bis_fast_needs;
 
-/* Can it be used at pt? There is a workspace and a pool with lanes, the material knows lanes, and something is
- * reflected. */
-bool bis_batch_fits(const bis_point *pt, const bis_scratch *scratch);
+/* What one thread has of it. Zeros: nothing. */
+typedef struct bis_fast {
+    bis_batch *batch;             /* its own; NULL: candidates one by one */
+    const bis_pool *pool;         /* borrowed; NULL: none */
+    const bis_clusters *clusters; /* borrowed; NULL: none, proposal "product" is then "mix" */
+    float *visible;    /* its own, visible[clusters->n, whole blocks]: g of bis/beyond/visibility.h for the tile at hand;
+                          NULL: nothing is learned */
+    bis_seen *counted; /* borrowed, counted[BIS_VISIBILITY_PARTS]: of the tile at hand; NULL: do not count */
+} bis_fast;
 
-/* One estimate, as bis_sir.Lo. Neither the material nor the light is black. */
+/* bis_fast_needs_of returns what a render with these settings can make use of. */
+bis_fast_needs bis_fast_needs_of(const bis_settings *s);
+
+/* bis_fast_init allocates the workspace of the vector path, if the settings need it. Errors: BIS_NOMEM. */
+bis_status bis_fast_init(bis_fast *f, const bis_settings *s, bis_diag *diag);
+void bis_fast_clear(bis_fast *f);
+
+/* bis_fast_bytes returns the bytes of that workspace. */
+size_t bis_fast_bytes(const bis_settings *s);
+
+/* bis_fast_Lo returns the function that renders with these settings: bis_batch_Lo where the vector path can be used, else
+ * the integrator's own. */
+typedef rgb bis_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch);
+bis_Lo *bis_fast_Lo(const bis_settings *s);
+
+/* bis_batch_Lo returns one estimate, as bis_sir.Lo does. It calls bis_sir.Lo where the point does not fit: scratch->fast
+ * has no directions, the material has no vector code, or nothing is reflected. */
 rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch);
 
 #endif

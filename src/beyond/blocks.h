@@ -3,6 +3,7 @@
 #ifndef BIS_BLOCKS_H
 #define BIS_BLOCKS_H
 
+#include "bis/beyond/lanes.h"
 #include "bis/thesis/integrator.h"
 
 /* n weights, whole blocks; what is chosen of them: lane[k], times[k] > 0, k < n_chosen, ascending. */

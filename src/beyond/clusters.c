@@ -5,6 +5,8 @@
 #include "bis/thesis/curve.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "bis/thesis/envmap.h"
+#include "bis/thesis/importance.h"
 
 #include <assert.h>
 #include <float.h>

@@ -3,6 +3,7 @@
  * In float: theta and phi are off by less than 1e-6, so a direction that close to a pixel's edge may be given to the
  * neighbour (a thousandth of a pixel in a map 8192 wide). Who asks takes radiance and density from the same pixel, so
  * that all that is wrong is the direction, by less than a microradian. */
+#include "bis/thesis/importance.h"
 #include "map_lanes.h"
 
 #include <assert.h>

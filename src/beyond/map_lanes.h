@@ -4,6 +4,7 @@
 
 #include "bis/beyond/lanes.h"
 #include "bis/thesis/light.h"
+#include "bis/thesis/envmap.h"
 
 /* bis_envmap_pixels finds the pixels of n directions: x, y, z of y, in the world whose axes the map's frame sees as
  * axis[3]. pixel[]: out, to the end of the last block. A direction within a microradian of a pixel's edge may be given

@@ -12,11 +12,25 @@ static const uint64_t purpose_pool = 0x706f6f6c; /* no pixel's stream has it */
 
 enum { MIN_SETS = 16, MAX_SETS = 256, MAX_DIRECTIONS = 1 << 18 };
 
+uint32_t bis_pool_needs(const bis_settings *s)
+{
+    bis_needs need = {0, 0, 0, 0};
+
+    s->integrator->scratch_needs(s, &need);
+    return need.n_set <= BIS_POOL_MAX_SET ? need.n_set : 0;
+}
+
+static const bis_light_point *choose(const bis_sets *sets, bis_stream *stream)
+{
+    const bis_pool *p = (const bis_pool *)sets; /* its first member */
+    return bis_pool_set(p, bis_pool_choose(p, &stream->rng));
+}
+
 bis_status bis_pool_init(bis_pool *p, uint32_t M, bool lanes, bis_diag *diag)
 {
     assert(M >= 1 && M <= BIS_POOL_MAX_SET);
     const uint32_t sets = MAX_DIRECTIONS / M;
-    *p = (bis_pool){.n_sets = sets < MIN_SETS ? MIN_SETS : sets > MAX_SETS ? MAX_SETS : sets, .M = M};
+    *p = (bis_pool){.sets = {choose}, .n_sets = sets < MIN_SETS ? MIN_SETS : sets > MAX_SETS ? MAX_SETS : sets, .M = M};
     p->y = bis_alloc((size_t)p->n_sets * M, sizeof *p->y);
     if (lanes) p->lanes = bis_alloc((size_t)p->n_sets * BIS_LANES_ARRAYS * bis_lanes_round_up(M), sizeof *p->lanes);
     if (p->y && (p->lanes || !lanes)) return BIS_OK;

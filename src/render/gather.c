@@ -20,7 +20,7 @@ static float *place(float *values, const bis_layers *l, bis_layer layer)
     return l->first[layer] < 0 ? NULL : values + l->first[layer];
 }
 
-static rgb unoccluded(const bis_settings *settings, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+static rgb unoccluded(const bis_settings *settings, bis_Lo *Lo, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
     bis_counters ignored = {0};
     bis_point open = *pt;
@@ -29,18 +29,18 @@ static rgb unoccluded(const bis_settings *settings, const bis_point *pt, bis_str
     open.accel = NULL;
     open.ng = open.n;
     open.counters = &ignored;
-    bis_seen *counted = scratch->counted;
-    scratch->counted = NULL; /* V = 1 is not to be learned from */
-    rgb L_ns = settings->integrator->Lo(settings, &open, stream, scratch);
-    scratch->counted = counted;
+    bis_seen *counted = scratch->fast->counted;
+    scratch->fast->counted = NULL; /* V = 1 is not to be learned from */
+    rgb L_ns = Lo(settings, &open, stream, scratch);
+    scratch->fast->counted = counted;
     return L_ns;
 }
 
-static bool gather_light(float *L_ns, float *visibility, const bis_settings *settings, const bis_point *pt, bis_stream *stream, bis_scratch *scratch,
-                         rgb L)
+static bool gather_light(float *L_ns, float *visibility, const bis_settings *settings, bis_Lo *Lo, const bis_point *pt,
+                         bis_stream *stream, bis_scratch *scratch, rgb L)
 {
     if (!L_ns && !visibility) return true;
-    rgb open = unoccluded(settings, pt, stream, scratch);
+    rgb open = unoccluded(settings, Lo, pt, stream, scratch);
     if (!isfinite((float)rgb_sum(open)) || !isfinite((float)rgb_sum(L))) return false;
     if (L_ns) put_rgb(L_ns, open);
     if (visibility) {
@@ -50,8 +50,8 @@ static bool gather_light(float *L_ns, float *visibility, const bis_settings *set
     return true;
 }
 
-bool bis_gather_surface(float *values, const bis_layers *layers, const bis_settings *settings, const bis_xform *to_camera, const bis_point *pt,
-                        bis_stream stream, bis_scratch *scratch, rgb L)
+bool bis_gather_surface(float *values, const bis_layers *layers, const bis_settings *settings, bis_Lo *Lo,
+                        const bis_xform *to_camera, const bis_point *pt, bis_stream stream, bis_scratch *scratch, rgb L)
 {
     float *albedo = place(values, layers, BIS_LAYER_ALBEDO), *normal = place(values, layers, BIS_LAYER_NORMAL),
           *depth = place(values, layers, BIS_LAYER_DEPTH);
@@ -62,7 +62,8 @@ bool bis_gather_surface(float *values, const bis_layers *layers, const bis_setti
         put_rgb(normal, (rgb){n.x, n.y, n.z});
     }
     if (depth) *depth += bis_xform_point(to_camera, pt->p).z;
-    return gather_light(place(values, layers, BIS_LAYER_UNOCCLUDED), place(values, layers, BIS_LAYER_VISIBILITY), settings, pt, &stream, scratch, L);
+    return gather_light(place(values, layers, BIS_LAYER_UNOCCLUDED), place(values, layers, BIS_LAYER_VISIBILITY), settings, Lo, pt,
+                        &stream, scratch, L);
 }
 
 void bis_gather_counts(float *values, const bis_layers *layers, const bis_counters *before, const bis_counters *after)

@@ -20,6 +20,7 @@
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
 #include "adapt.h"
+#include "beyond/batch.h"
 #include "edges.h"
 #include "gather.h"
 
@@ -45,11 +46,13 @@ enum { MAX_METHODS = 1 + BIS_MAX_EXCEPTIONS };
 typedef struct worker {
     alignas(64) bis_counters counters; /* of this pass */
     bis_scratch scratch[MAX_METHODS];
+    bis_fast fast[MAX_METHODS];
 } worker;
 
 /* Settings of some materials, and what all threads share for them. */
 typedef struct method {
     const bis_settings *settings; /* NULL: no material has them, nothing is made */
+    bis_Lo *Lo;                   /* the integrator's own, or the vector path */
     bis_pool pool;                /* M = 0: none */
     bis_clusters clusters;        /* n = 0: none */
     bis_visibility visibility;    /* n_tiles = 0: none */
@@ -156,8 +159,8 @@ static rgb reflected(const render *r, worker *w, const bis_point *pt, bis_stream
     const bis_stream before = *stream;
     rgb L = {0};
 
-    if (!bis_bsdf_is_black(&pt->bsdf)) L = finite_or_black(w, settings->integrator->Lo(settings, pt, stream, scratch));
-    if (values && !bis_gather_surface(values, &r->film->layers, settings, &r->to_camera, pt, before, scratch, L)) w->counters.nonfinite++;
+    if (!bis_bsdf_is_black(&pt->bsdf)) L = finite_or_black(w, r->methods[m].Lo(settings, pt, stream, scratch));
+    if (values && !bis_gather_surface(values, &r->film->layers, settings, r->methods[m].Lo, &r->to_camera, pt, before, scratch, L)) w->counters.nonfinite++;
     return L;
 }
 
@@ -250,8 +253,8 @@ static void render_tile(const render *r, worker *w, int t, uint32_t pass)
     for (int m = 0; m < r->n_methods; m++) {
         const method *of = &r->methods[m];
         if (!of->visibility.n_tiles) continue;
-        bis_visibility_factors(w->scratch[m].visible, of->clusters.n, &of->visibility, (size_t)t);
-        w->scratch[m].counted = of->visibility.counted[t];
+        bis_visibility_factors(w->fast[m].visible, of->clusters.n, &of->visibility, (size_t)t);
+        w->fast[m].counted = of->visibility.counted[t];
     }
     for (int y = y0; y < y1; y++) {
         for (int x = x0; x < x1; x++) {
@@ -393,7 +396,13 @@ static bis_status make_workers(render *r, bis_diag *diag)
         const bis_settings *settings = bis_scene_settings(r->desc, m);
         if (!bis_scene_uses_method(r->desc, m)) continue;
         r->methods[m].settings = settings;
-        for (int i = 0; i < r->n_threads && !status; i++) status = bis_scratch_init(&r->workers[i].scratch[m], settings, diag);
+        r->methods[m].Lo = bis_fast_Lo(settings);
+        for (int i = 0; i < r->n_threads && !status; i++) {
+            worker *w = &r->workers[i];
+            status = bis_scratch_init(&w->scratch[m], settings, diag);
+            if (!status) status = bis_fast_init(&w->fast[m], settings, diag);
+            w->scratch[m].fast = &w->fast[m];
+        }
     }
     return status;
 }
@@ -415,21 +424,25 @@ static bis_status make_pass(render *r, bis_diag *diag)
 static bis_status make_pool(render *r, int m, bis_diag *diag)
 {
     const bis_light *light = r->scene->light;
-    const bis_scratch *first = &r->workers[0].scratch[m];
     method *of = &r->methods[m];
+    const bis_fast_needs needs = bis_fast_needs_of(of->settings);
     bis_light_point any;
     bis_status status = BIS_OK;
 
-    if ((first->n_pool == 0 && !first->wants_clusters) || !r->scene->accel || bis_light_is_constant(light)) return BIS_OK;
+    if ((needs.n_pool == 0 && !needs.clusters) || !r->scene->accel || bis_light_is_constant(light)) return BIS_OK;
     if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK; /* nothing to draw: black, or all of it compensated away */
-    if (first->n_pool) status = bis_pool_init(&of->pool, first->n_pool, first->batch != NULL, diag);
-    if (!status && first->wants_clusters) status = bis_clusters_init(&of->clusters, light, of->settings->candidates, diag);
-    if (!status && first->wants_visibility) status = bis_visibility_init(&of->visibility, (size_t)r->tiles_x * (size_t)r->tiles_y, diag);
+    if (needs.n_pool) status = bis_pool_init(&of->pool, needs.n_pool, needs.batch, diag);
+    if (!status && needs.clusters) status = bis_clusters_init(&of->clusters, light, of->settings->candidates, diag);
+    if (!status && needs.visibility) status = bis_visibility_init(&of->visibility, (size_t)r->tiles_x * (size_t)r->tiles_y, diag);
     for (int i = 0; !status && i < r->n_threads; i++) {
-        bis_scratch *s = &r->workers[i].scratch[m];
-        if (s->n_pool) s->pool = &of->pool;
-        if (s->wants_clusters) s->clusters = &of->clusters;
-        if (s->wants_visibility && !(s->visible = bis_alloc(bis_lanes_round_up(of->clusters.n), sizeof *s->visible))) {
+        worker *w = &r->workers[i];
+        bis_fast *f = &w->fast[m];
+        if (needs.n_pool) {
+            w->scratch[m].sets = &of->pool.sets;
+            f->pool = &of->pool;
+        }
+        if (needs.clusters) f->clusters = &of->clusters;
+        if (needs.visibility && !(f->visible = bis_alloc(bis_lanes_round_up(of->clusters.n), sizeof *f->visible))) {
             status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility of %u clusters", (unsigned)of->clusters.n);
         }
     }
@@ -459,7 +472,7 @@ static size_t workspace(const render *r)
         const method *of = &r->methods[m];
         if (!of->settings) continue;
         methods += bis_pool_bytes(&of->pool) + bis_clusters_bytes(&of->clusters) + bis_visibility_bytes(&of->visibility) +
-                   (size_t)r->n_threads * bis_scratch_bytes(of->settings);
+                   (size_t)r->n_threads * (bis_scratch_bytes(of->settings) + bis_fast_bytes(of->settings));
     }
     return methods + bis_adapt_bytes(&r->adapt) + (size_t)r->n_threads * sizeof *r->workers + (size_t)r->film->width * (size_t)r->film->height * pixel;
 }
@@ -504,7 +517,10 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     result->bytes = workspace(&r);
 done:
     for (int m = 0; m < r.n_methods; m++) {
-        for (int i = 0; i < r.n_threads; i++) bis_scratch_clear(&r.workers[i].scratch[m]);
+        for (int i = 0; i < r.n_threads; i++) {
+            bis_scratch_clear(&r.workers[i].scratch[m]);
+            bis_fast_clear(&r.workers[i].fast[m]);
+        }
         bis_pool_clear(&r.methods[m].pool);
         bis_clusters_clear(&r.methods[m].clusters);
         bis_visibility_clear(&r.methods[m].visibility);

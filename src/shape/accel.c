@@ -1,5 +1,6 @@
 /* accel: the choice of a backend. Rendering code knows bis/accel.h only. */
 #include "bis/shape/accel.h"
+#include "bis/shape/geometry.h"
 
 #include "embree.h"
 #include "grid.h"

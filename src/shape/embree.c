@@ -27,6 +27,7 @@ const char *bis_accel_embree_version(void) { return NULL; }
 #else
 
 #include "bis/base/mem.h"
+#include "bis/shape/geometry.h"
 #include "triangle.h"
 
 #include <stdatomic.h>

@@ -15,6 +15,7 @@
 
 #include "bis/base/clones.h"
 #include "bis/base/mem.h"
+#include "bis/shape/geometry.h"
 #include "rounding.h"
 #include "triangle.h"
 

@@ -7,6 +7,7 @@
  * - A direction component of 0 or -0 never meets a wall: its next wall is at infinity, no 0/0, no 1/-0.
  * - t counts from the point where the ray enters the box, so that a far origin costs its rounding once, not per
  * step. */
+#include "bis/shape/geometry.h"
 #include "grid.h"
 
 #include "triangle.h"

@@ -9,6 +9,8 @@
  * Unbiased for every N >= 1. Noise: that of Le V, the map's contrast undivided: good for narrow lobes under smooth
  * skies, hopeless for a diffuse surface under a small sun. Cost: N draws, at most N shadow rays; nothing is built for
  * the light. */
+#include "bis/thesis/errata.h"
+#include "as_printed.h"
 #include "proposal.h"
 
 static unsigned light_needs(const bis_settings *s)
@@ -17,19 +19,9 @@ static unsigned light_needs(const bis_settings *s)
     return 0;
 }
 
-static void scratch_needs(const bis_settings *s, bis_scratch *need)
+static void scratch_needs(const bis_settings *s, bis_needs *need)
 {
     need->n_points = s->samples;
-}
-
-/* As printed (E34): below the horizon is drawn again, with the density left as it was. Half of a lobe at least lies
- * above. */
-static void draw_above_horizon(vec3 *wi, const bis_bsdf *bsdf, bis_stream *stream)
-{
-    for (int i = 0; i < 100 && bis_bsdf_cos(bsdf, *wi) <= 0; i++) {
-        double u[2] = {bis_stream_random(stream), bis_stream_random(stream)};
-        bis_propose_brdf(wi, bsdf, u);
-    }
 }
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
@@ -44,7 +36,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     for (uint32_t j = 0; j < N; j++) {
         vec3 wi;
         if (!bis_propose_brdf(&wi, bsdf, scratch->u[j])) break; /* black */
-        if (s->as_printed & BIS_E34) draw_above_horizon(&wi, bsdf, stream);
+        if (s->as_printed & BIS_E34) bis_as_printed_above_horizon(&wi, bsdf, stream);
 
         double q, cos_theta = bis_bsdf_cos(bsdf, wi);
         if (cos_theta <= 0) continue;

@@ -13,9 +13,9 @@
  * neighbours in direction, and N equally spaced marks over the running sum of weights hit all parts of the product
  * evenly. Only both together pay: 1.2 to 4 times less squared error at N = 15.
  *
- * Pool. The stratified directions from the map come from a pool shared by all pixels of a pass, where there is one
- * (bis/pool.h): 10 times cheaper than drawing them, and equal in everything but the luck that pixels with the same set
- * share. candidates_from_em is the plain version, and the pool's test.
+ * Sets. The stratified directions from the map may come from sets that all pixels of a pass share: 10 times cheaper than
+ * drawing them, and equal in everything but the luck that pixels with the same set share. candidates_from_em draws them
+ * for this point alone.
  *
  * Unbiased: each candidate's density is q by itself (or, stratified, the candidates' densities average to q), so
  * E[(1/M) sum w V] is right; and resampling chooses candidate i for N w_i/W of the marks in the mean, whatever the
@@ -81,11 +81,11 @@ unsigned bis_candidates_light_needs(bis_proposal proposal, bool stratify)
     return stratify ? BIS_NEED_CURVE : BIS_NEED_TABLE;
 }
 
-uint32_t bis_candidates_pool_needs(const bis_settings *s)
+uint32_t bis_candidates_set_needs(const bis_settings *s)
 {
-    bool from_map = s->proposal == BIS_PROPOSAL_EM || s->proposal == BIS_PROPOSAL_MIX;
-    bool needed = s->stratify && from_map && s->candidates <= BIS_POOL_MAX_SET;
-    return needed ? s->candidates : 0;
+    const bool from_map = s->proposal == BIS_PROPOSAL_EM || s->proposal == BIS_PROPOSAL_MIX;
+
+    return s->stratify && from_map ? s->candidates : 0;
 }
 
 /* ---- the numbers behind a candidate ---- */
@@ -178,14 +178,15 @@ static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double be
 /* [end] */
 
 /* n of the M directions of a set: n_brdf = M - n of them, evenly spread, are left out. */
-static void candidates_from_pool(bis_candidate *c, const bis_mixture *m, const bis_pool *pool, const bis_point *pt, bis_stream *stream)
+static void candidates_from_set(bis_candidate *c, const bis_mixture *m, const bis_sets *sets, const bis_point *pt, bis_stream *stream)
 {
-    const bis_light_point *set = bis_pool_set(pool, bis_pool_choose(pool, &stream->rng));
+    const bis_light_point *set = sets->choose(sets, stream);
+    const uint32_t M = m->n_em + m->n_brdf;
     const uint32_t phase = (uint32_t)(bis_rng_u64(&stream->rng) >> 32);
     uint32_t n = 0, left_out = 0;
 
-    for (uint32_t i = 0; i < pool->M; i++) {
-        if (left_out < m->n_brdf && i == bis_one_of_set(left_out, m->n_brdf, pool->M, phase)) {
+    for (uint32_t i = 0; i < M; i++) {
+        if (left_out < m->n_brdf && i == bis_one_of_set(left_out, m->n_brdf, M, phase)) {
             left_out++;
             continue;
         }
@@ -212,7 +213,7 @@ static void candidates_from_brdf(bis_candidate *c, uint32_t n, double beta, bool
     }
 }
 
-double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_pool *pool, const bis_point *pt,
+double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_sets *sets, const bis_point *pt,
                            bis_stream *stream)
 {
     double W = 0;
@@ -221,40 +222,14 @@ double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, 
     pt->counters->candidates += M;
 
     const bis_mixture m = bis_candidates_divide(M, proposal, pt, stream);
-    if (m.n_em && pool) {
-        candidates_from_pool(c, &m, pool, pt, stream);
+    if (m.n_em && sets) {
+        candidates_from_set(c, &m, sets, pt, stream);
     } else {
         candidates_from_em(c, m.n_em, m.beta, stratify, pt, stream);
     }
     candidates_from_brdf(c + m.n_em, m.n_brdf, m.beta, stratify, pt, stream);
     for (uint32_t i = 0; i < M; i++) W += c[i].w;
     return W;
-}
-
-/* ---- as printed ---- */
-
-double bis_candidates_weigh_as_printed(bis_candidate *c, uint32_t M, bis_proposal proposal, const bis_point *pt)
-{
-    const bis_material *m = pt->bsdf.material;
-    const rgb albedo = rgb_add(m->Kd, m->Ks);
-    const bool from_map = proposal == BIS_PROPOSAL_EM, from_brdf = proposal == BIS_PROPOSAL_BRDF || (!from_map && bis_light_is_constant(pt->light));
-    double W = 0;
-
-    for (uint32_t i = 0; i < M; i++) {
-        if (c[i].w > 0 && from_map) c[i].C = rgbd_scale(c[i].C, 1 / bis_bsdf_cos(&pt->bsdf, c[i].wi));
-        if (c[i].w > 0 && from_brdf) c[i].C = bis_estimate(albedo, bis_light_Le(pt->light, c[i].wi), 1, 1);
-        c[i].w = rgbd_sum(c[i].C);
-        W += c[i].w;
-    }
-    return W;
-}
-
-void bis_candidates_colour_as_printed(bis_candidate *c, uint32_t M, double W)
-{
-    rgbd sum = {0, 0, 0};
-
-    for (uint32_t i = 0; i < M; i++) sum = rgbd_add(sum, c[i].C);
-    for (uint32_t i = 0; i < M; i++) c[i].C = rgbd_scale(sum, c[i].w / W);
 }
 
 /* ---- resampling ---- */

@@ -14,8 +14,9 @@ unsigned bis_candidates_light_needs(bis_proposal proposal, bool stratify);
  * Le.b. */
 double bis_candidates_bound(const bis_point *pt, bis_proposal proposal);
 
-/* The size of the pool's sets that these settings ask for, 0: none. */
-uint32_t bis_candidates_pool_needs(const bis_settings *s);
+/* bis_candidates_set_needs returns how many stratified directions from the map these settings take for one estimate:
+ * M with proposals "em" and "mix", else 0. */
+uint32_t bis_candidates_set_needs(const bis_settings *s);
 
 /* Who draws how many of the M candidates, and the density of what comes out: q = beta q_L + (1 - beta) q_f. */
 typedef struct bis_mixture {
@@ -33,19 +34,11 @@ static inline uint32_t bis_one_of_set(uint32_t i, uint32_t n, uint32_t M, uint32
 }
 
 /* Draw c[M] from the proposal (em, brdf or mix), in the order of a space-filling curve when stratify. Returns W, the
- * sum of the weights, 0 when there is no light or no reflection. pool: sets of M stratified directions from the map, or
- * NULL: the point draws its own. The mean of C over the candidates estimates L_ns (eq. 4.5) in RGB, W/M its
+ * sum of the weights, 0 when there is no light or no reflection. sets: shared sets of M stratified directions from the map,
+ * or NULL: the point draws its own. The mean of C over the candidates estimates L_ns (eq. 4.5) in RGB, W/M its
  * intensity. */
-double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_pool *pool, const bis_point *pt,
+double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_sets *sets, const bis_point *pt,
                            bis_stream *stream);
-
-/* As printed (docs/errata.md E23): w = f_r for candidates from the map, without the cosine; w = L for those from the
- * BRDF, as if q_f were f cos over Kd + Ks. For a mixture nothing is printed: unchanged. Returns W. */
-double bis_candidates_weigh_as_printed(bis_candidate *c, uint32_t M, bis_proposal proposal, const bis_point *pt);
-
-/* As printed (E6): each candidate takes the colour of the whole, so that eq. 4.6 becomes an RGB L_ns times the mean of
- * V. W as drawn. */
-void bis_candidates_colour_as_printed(bis_candidate *c, uint32_t M, double W);
 
 /* Choose N of c[M] with probabilities w/W, W > 0 as bis_candidates_draw returned it; chosen[N] ascends, repeats are
  * neighbours, and no candidate of weight 0 is ever among them. */

@@ -17,7 +17,7 @@ static unsigned light_needs(const bis_settings *s)
     return bis_em_samples_light_needs(s);
 }
 
-static void scratch_needs(const bis_settings *s, bis_scratch *need)
+static void scratch_needs(const bis_settings *s, bis_needs *need)
 {
     bis_em_samples_scratch_needs(s->samples, s, need);
 }

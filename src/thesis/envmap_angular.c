@@ -14,6 +14,7 @@
 #include "bis/thesis/envmap.h"
 
 #include "bis/base/mem.h"
+#include "bis/base/image.h"
 #include "envmap_parts.h"
 
 #include <assert.h>

@@ -17,7 +17,7 @@ static unsigned light_needs(const bis_settings *s)
     return 0;
 }
 
-static void scratch_needs(const bis_settings *s, bis_scratch *need)
+static void scratch_needs(const bis_settings *s, bis_needs *need)
 {
     (void)s;
     (void)need;

@@ -7,6 +7,7 @@
 #include "bis/thesis/alias.h"
 #include "bis/thesis/cdf.h"
 #include "bis/thesis/importance.h"
+#include "bis/thesis/errata.h"
 
 /* The importance per steradian, w = max(0, I - mean) * area. Never stored itself: the tables are made from, and the
  * density is computed from, the very same function, so that they agree to the last bits. */

@@ -8,6 +8,7 @@
  * are used up to the place inside the pixel, so that stratified and low-discrepancy points stay so on the sphere (E12).
  * Build: O(W H), rows in parallel; a row's table depends on nothing but the row. */
 #include "bis/base/mem.h"
+#include "bis/base/image.h"
 #include "importance_parts.h"
 
 #include <assert.h>

@@ -1,8 +1,6 @@
 /* integrator: which estimators there are, the defaults and limits of their parameters, and a thread's workspace. */
 #include "bis/thesis/integrator.h"
 
-#include "beyond/batch.h"
-
 #include "bis/base/mem.h"
 
 #include <string.h>
@@ -102,17 +100,24 @@ bis_status bis_settings_check(const bis_settings *s, bis_loc at, bis_diag *diag)
 
 /* ---- workspace ---- */
 
+static bis_needs needs_of(const bis_settings *s)
+{
+    bis_needs need = {0, 0, 0, 0};
+
+    s->integrator->scratch_needs(s, &need);
+    return need;
+}
+
 bis_status bis_scratch_init(bis_scratch *scratch, const bis_settings *s, bis_diag *diag)
 {
-    *scratch = (bis_scratch){.n_points = 0};
-    s->integrator->scratch_needs(s, scratch);
-    if (scratch->wants_batch) scratch->batch = bis_batch_new(s);
-    scratch->candidates = bis_alloc(scratch->n_candidates, sizeof *scratch->candidates);
-    scratch->u = bis_alloc(scratch->n_points, sizeof *scratch->u);
-    scratch->chosen = bis_alloc(scratch->n_chosen, sizeof *scratch->chosen);
-    if (scratch->candidates && scratch->u && scratch->chosen && (scratch->batch || !scratch->wants_batch)) return BIS_OK;
+    const bis_needs need = needs_of(s);
 
-    const bis_scratch need = *scratch;
+    *scratch = (bis_scratch){
+        .candidates = bis_alloc(need.n_candidates, sizeof *scratch->candidates),
+        .u = bis_alloc(need.n_points, sizeof *scratch->u),
+        .chosen = bis_alloc(need.n_chosen, sizeof *scratch->chosen),
+    };
+    if (scratch->candidates && scratch->u && scratch->chosen) return BIS_OK;
     bis_scratch_clear(scratch);
     return bis_error(diag, BIS_NOMEM, (bis_loc){NULL, 0, 0},
                      "no memory for a thread's %u candidates, %u chosen ones and %u sample points of integrator \"%s\"; fewer of them need less",
@@ -124,16 +129,23 @@ void bis_scratch_clear(bis_scratch *scratch)
     bis_free(scratch->candidates);
     bis_free(scratch->u);
     bis_free(scratch->chosen);
-    bis_batch_free(scratch->batch);
-    bis_free(scratch->visible);
-    *scratch = (bis_scratch){.n_points = 0};
+    *scratch = (bis_scratch){.sets = NULL};
 }
 
 size_t bis_scratch_bytes(const bis_settings *s)
 {
-    bis_scratch need = {.n_points = 0};
+    const bis_needs need = needs_of(s);
 
-    s->integrator->scratch_needs(s, &need);
-    const size_t batch = need.wants_batch ? bis_batch_bytes(s) : 0;
-    return batch + need.n_candidates * sizeof *need.candidates + need.n_points * sizeof *need.u + need.n_chosen * sizeof *need.chosen;
+    return need.n_candidates * sizeof(bis_candidate) + need.n_points * sizeof(double[2]) + need.n_chosen * sizeof(uint32_t);
 }
+
+/* ---- auto ---- */
+
+static unsigned auto_light_needs(const bis_settings *s) { return bis_sir.light_needs(s); }
+static void auto_scratch_needs(const bis_settings *s, bis_needs *need) { bis_sir.scratch_needs(s, need); }
+static rgb auto_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    return bis_sir.Lo(s, pt, stream, scratch);
+}
+
+const bis_integrator bis_auto = {"auto", "that of the method which a pilot chooses: unbiased", auto_light_needs, auto_scratch_needs, auto_Lo};

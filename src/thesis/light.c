@@ -12,6 +12,9 @@
 #include "bis/thesis/curve.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/warp.h"
+#include "bis/thesis/envmap.h"
+#include "bis/thesis/importance.h"
+#include "bis/base/xform.h"
 
 #include <assert.h>
 #include <float.h>

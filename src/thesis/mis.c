@@ -25,7 +25,7 @@ static unsigned light_needs(const bis_settings *s)
     return bis_em_samples_light_needs(s) | (s->compensate ? BIS_NEED_COMPENSATED : 0);
 }
 
-static void scratch_needs(const bis_settings *s, bis_scratch *need)
+static void scratch_needs(const bis_settings *s, bis_needs *need)
 {
     uint32_t n_em = samples_em(s), n_brdf = s->samples - n_em;
 

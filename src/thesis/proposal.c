@@ -14,9 +14,9 @@ bool bis_propose_em(bis_light_point *y, const bis_light *light, bis_stream *stre
 
 unsigned bis_em_samples_light_needs(const bis_settings *s) { return s->stratify ? BIS_NEED_CURVE : BIS_NEED_TABLE; }
 
-void bis_em_samples_scratch_needs(uint32_t n, const bis_settings *s, bis_scratch *need)
+void bis_em_samples_scratch_needs(uint32_t n, const bis_settings *s, bis_needs *need)
 {
-    if (s->stratify && n <= BIS_POOL_MAX_SET) need->n_pool = n;
+    if (s->stratify) need->n_set = n;
     if (!s->stratify && need->n_points < n) need->n_points = n;
 }
 
@@ -27,8 +27,8 @@ bis_em_samples bis_em_samples_start(uint32_t n, const bis_settings *s, bis_strea
     if (!s->stratify) {
         samples.u = scratch->u;
         bis_stream_points(stream, BIS_DIM_EM, n, samples.u);
-    } else if (scratch->pool) {
-        samples.set = bis_pool_set(scratch->pool, bis_pool_choose(scratch->pool, &stream->rng));
+    } else if (scratch->sets) {
+        samples.set = scratch->sets->choose(scratch->sets, stream);
     }
     return samples;
 }

@@ -23,16 +23,16 @@ static inline rgbd bis_estimate(rgb f, rgb Le, double cos_theta, double q)
 bool bis_propose_em(bis_light_point *y, const bis_light *light, bis_stream *stream, const double u[2]);
 
 /* The n samples of the map in one estimate: points of the sampler through the table; or, with settings->stratify, one
- * in each n-th of the curve, from the pool where there is one for sets of n. */
+ * in each n-th of the curve, from a shared set where there is one. */
 typedef struct bis_em_samples {
     uint32_t n;
     double (*u)[2];             /* points; NULL: stratified */
-    const bis_light_point *set; /* of the pool, or NULL */
+    const bis_light_point *set; /* shared, or NULL */
 } bis_em_samples;
 
 /* What that asks of the light, BIS_NEED_*, and of the workspace. */
 unsigned bis_em_samples_light_needs(const bis_settings *s);
-void bis_em_samples_scratch_needs(uint32_t n, const bis_settings *s, bis_scratch *need);
+void bis_em_samples_scratch_needs(uint32_t n, const bis_settings *s, bis_needs *need);
 
 bis_em_samples bis_em_samples_start(uint32_t n, const bis_settings *s, bis_stream *stream, bis_scratch *scratch);
 

@@ -20,6 +20,8 @@
  *           "unoccluded", as printed: it adds light in the shadows of narrow lobes (E29). The last two are biased.
  * Cost: M candidates, at most N rays; how many are accepted is Zhat/B of M: one in thousands under a contrasty map
  * (E28). */
+#include "bis/thesis/errata.h"
+#include "as_printed.h"
 #include "candidates.h"
 
 #include <assert.h>
@@ -29,7 +31,7 @@ static unsigned light_needs(const bis_settings *s)
     return bis_candidates_light_needs(s->proposal, false);
 }
 
-static void scratch_needs(const bis_settings *s, bis_scratch *need)
+static void scratch_needs(const bis_settings *s, bis_needs *need)
 {
     need->n_candidates = s->candidates;
     need->n_chosen = s->candidates > s->shadowrays ? s->candidates : s->shadowrays;
@@ -44,16 +46,6 @@ static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_strea
     return bis_stream_random(stream) * (c_em + c_brdf) < c_brdf ? BIS_PROPOSAL_EM : BIS_PROPOSAL_BRDF;
 }
 /* [end] */
-
-/* As printed (E27): p < f_max q_L and p < L_max q_f, f_max and L_max being the largest values of the densities q_f and
- * q_L themselves. Times L_ns, since w = L_ns p/q; q_f taken as f cos over Kd + Ks. */
-static double bound_as_printed(const bis_point *pt, bis_proposal proposal, double L_ns)
-{
-    const bis_material *m = pt->bsdf.material;
-
-    if (proposal == BIS_PROPOSAL_EM) return bis_bsdf_max_f_cos(&pt->bsdf) / rgb_max(rgb_add(m->Kd, m->Ks)) * L_ns;
-    return bis_light_max_intensity(pt->light) / bis_light_power(pt->light) * L_ns;
-}
 
 /* Accept each candidate with probability w/B, or 1 where B is no bound. Returns A. */
 /* [accept] */
@@ -126,8 +118,8 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     double B = bis_candidates_bound(pt, proposal);
     double W = bis_candidates_draw(x, M, proposal, false, NULL, pt, stream);
     if (W <= 0) return (rgb){0, 0, 0};
-    if (s->as_printed & BIS_E6) bis_candidates_colour_as_printed(x, M, W);
-    if (s->as_printed & BIS_E27) B = bound_as_printed(pt, proposal, W / M);
+    if (s->as_printed & BIS_E6) bis_as_printed_colours(x, M, W);
+    if (s->as_printed & BIS_E27) B = bis_as_printed_bound(pt, proposal, W / M);
 
     uint32_t A = accept(scratch->chosen, x, s, B, stream);
     if (s->as_printed & BIS_E22 && A >= N) { /* drawing ends with the N-th acceptance */

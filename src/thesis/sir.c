@@ -11,8 +11,10 @@
  * with L_ns from anywhere else it is not. M = N = 1 is plain importance sampling, as the thesis says (E24). No positive
  * weight: 0, part of the mean (E25).
  * Variance (E31): about Var(Zhat) Vbar^2 + L_ns^2 Var(V)/N; where nothing is shadowed, only the first term.
- * Cost: M candidates, at most N rays (repeats are traced once). */
-#include "beyond/batch.h"
+ * Cost: M candidates, at most N rays (repeats are traced once). A renderer may run the same estimator for all candidates
+ * of a point at once (src/beyond/batch.c); this file is what that is tested against. */
+#include "bis/thesis/errata.h"
+#include "as_printed.h"
 #include "candidates.h"
 
 static unsigned light_needs(const bis_settings *s)
@@ -20,23 +22,11 @@ static unsigned light_needs(const bis_settings *s)
     return bis_candidates_light_needs(s->proposal, s->stratify);
 }
 
-static void scratch_needs(const bis_settings *s, bis_scratch *need)
+static void scratch_needs(const bis_settings *s, bis_needs *need)
 {
     need->n_candidates = s->candidates;
-    need->n_pool = bis_candidates_pool_needs(s);
+    need->n_set = bis_candidates_set_needs(s);
     need->n_chosen = s->shadowrays;
-    need->wants_batch = bis_batch_wanted(s);
-    need->wants_clusters = need->wants_batch && need->n_pool == 0;
-    need->wants_visibility = need->wants_clusters && s->learn;
-}
-
-/* Zhat from other candidates than those that are resampled (E21): M new ones, by a stream of their own. */
-static double independent_Zhat(const bis_settings *s, const bis_point *pt, const bis_stream *stream, bis_scratch *scratch)
-{
-    bis_stream others;
-
-    bis_stream_init(&others, stream->sampler, ~stream->pixel, stream->sample);
-    return bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->pool, pt, &others) / s->candidates;
 }
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
@@ -44,20 +34,17 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     const uint32_t M = s->candidates, N = s->shadowrays;
     bis_candidate *x = scratch->candidates;
 
-    if (bis_batch_fits(pt, scratch)) return bis_batch_Lo(s, pt, stream, scratch); /* the same, faster */
-    double W = bis_candidates_draw(x, M, s->proposal, s->stratify, scratch->pool, pt, stream);
-    if (W <= 0) return (rgb){0, 0, 0};
-    if (s->as_printed & BIS_E23) W = bis_candidates_weigh_as_printed(x, M, s->proposal, pt);
-    if (s->as_printed & BIS_E6) bis_candidates_colour_as_printed(x, M, W);
+    const double drawn = bis_candidates_draw(x, M, s->proposal, s->stratify, scratch->sets, pt, stream);
+    if (drawn <= 0) return (rgb){0, 0, 0};
+    const double W = s->as_printed ? bis_as_printed_weights(s, x, drawn, pt) : drawn; /* E6, E23 */
 
     /* [sir-estimate] */
     bis_candidates_resample(scratch->chosen, N, x, M, W, s->resampling, stream);
     double Zhat = W / M;
     rgbd L = bis_candidates_trace(pt, x, scratch->chosen, N, Zhat / N);
     /* [end] */
-    if (s->as_printed & BIS_E21) L = rgbd_scale(L, independent_Zhat(s, pt, stream, scratch) / Zhat);
+    if (s->as_printed & BIS_E21) L = rgbd_scale(L, bis_as_printed_Zhat(s, pt, stream, scratch) / Zhat);
     return rgbd_round(L);
 }
 
 const bis_integrator bis_sir = {"sir", "unbiased for every M, N >= 1", light_needs, scratch_needs, Lo};
-const bis_integrator bis_auto = {"auto", "that of the method which a pilot chooses: unbiased", light_needs, scratch_needs, Lo};

@@ -11,15 +11,15 @@ static unsigned light_needs(const bis_settings *s)
     return bis_candidates_light_needs(s->proposal, s->stratify);
 }
 
-static void scratch_needs(const bis_settings *s, bis_scratch *need)
+static void scratch_needs(const bis_settings *s, bis_needs *need)
 {
     need->n_candidates = s->candidates;
-    need->n_pool = bis_candidates_pool_needs(s);
+    need->n_set = bis_candidates_set_needs(s);
 }
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    double W = bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->pool, pt, stream);
+    double W = bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->sets, pt, stream);
 
     if (W <= 0) return (rgb){0, 0, 0};
     return rgbd_round(bis_candidates_unoccluded(scratch->candidates, s->candidates));

@@ -7,6 +7,7 @@
 #include "bis/files/image_file.h"
 #include "bis/render/render.h"
 #include "bis/scene/scene.h"
+#include "bis/thesis/errata.h"
 
 #include <stdio.h>
 

@@ -3,6 +3,7 @@
 #include "mark.h"
 
 #include "bis/thesis/phong.h"
+#include "bis/thesis/envmap.h"
 
 static const double ALPHA = 1e-5;
 static const char *const hint = "Each sample is worth F/(n_i q_i) times its weight, and at every direction the two weights sum to 1.";

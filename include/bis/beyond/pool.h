@@ -9,7 +9,7 @@
 #define BIS_POOL_H
 
 #include "bis/beyond/lanes.h"
-#include "bis/thesis/light.h"
+#include "bis/thesis/integrator.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/status.h"
 
@@ -20,10 +20,15 @@
 #define BIS_POOL_MAX_SET ((uint32_t)1 << 14)
 
 typedef struct bis_pool {
+    bis_sets sets; /* the pool as an integrator sees it (bis_scratch) */
     uint32_t n_sets, M;
     bis_light_point *y; /* y[n_sets][M]: each set along the light's curve, one direction in each M-th of its importance */
     float *lanes;       /* lanes[n_sets][BIS_LANES_ARRAYS][M, whole blocks]: the same for src/beyond/batch.c; NULL: not asked for */
 } bis_pool;
+
+/* bis_pool_needs returns the size of the sets that an integrator with these settings takes, n_set of its needs.
+ * 0: none, or more than BIS_POOL_MAX_SET. */
+uint32_t bis_pool_needs(const bis_settings *s);
 
 /* Room for sets of M directions, 1 <= M <= BIS_POOL_MAX_SET: 256 of them, fewer where that would be over 2^18
  * directions, 8 MiB. Errors: BIS_NOMEM. */

@@ -4,6 +4,9 @@
 
 #include "bis/base/image.h"
 #include "bis/thesis/light.h"
+#include "bis/thesis/envmap.h"
+#include "bis/thesis/importance.h"
+#include "bis/base/xform.h"
 
 /* A light as LightSource "infinite" describes it (docs/scene-format.md). */
 typedef struct bis_light_desc {

@@ -3,9 +3,15 @@
 #ifndef BIS_ACCEL_H
 #define BIS_ACCEL_H
 
-#include "bis/shape/geometry.h"
+#include "bis/base/status.h"
+#include "bis/base/vec.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 typedef struct bis_accel bis_accel;
+typedef struct bis_geometry bis_geometry; /* bis/shape/geometry.h */
 
 typedef enum bis_accel_kind { BIS_ACCEL_DEFAULT, BIS_ACCEL_GRID, BIS_ACCEL_EMBREE } bis_accel_kind;
 

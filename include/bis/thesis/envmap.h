@@ -7,7 +7,6 @@
 #ifndef BIS_ENVMAP_H
 #define BIS_ENVMAP_H
 
-#include "bis/base/image.h"
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
 
@@ -30,6 +29,8 @@ typedef struct bis_envmap {
     bis_envmap_defects defects;
     double angular_power_before, angular_power_after; /* integral of intensity around the resampling of an angular map; 0, 0 for a lat-long */
 } bis_envmap;
+
+typedef struct bis_image bis_image; /* bis/base/image.h */
 
 /* Take over the image's pixels (image is cleared, on failure, too); clean bad values. width * height < 2^32. Errors:
  * BIS_NOMEM. */

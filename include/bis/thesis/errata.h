@@ -2,8 +2,8 @@
  * docs/errata.md says so; these departures can be undone one by one (`--as-printed E6`), to see what the printed
  * equation does to a picture.
  *
- * A set of switches is an unsigned, 0 for the right picture. It is read where the code meets the equation, and nowhere
- * else: grep for BIS_E6. */
+ * A set of switches is an unsigned, 0 for the right picture. It is read where the code meets the equation: grep for
+ * BIS_E6. */
 #ifndef BIS_ERRATA_H
 #define BIS_ERRATA_H
 
@@ -11,15 +11,15 @@
 
 enum {
     BIS_E3 = 1 << 0,  /* src/thesis/importance_parts.h */
-    BIS_E6 = 1 << 1,  /* src/thesis/sir.c, src/thesis/rejection.c */
+    BIS_E6 = 1 << 1,  /* src/thesis/as_printed.c */
     BIS_E13 = 1 << 2, /* src/thesis/importance_table.c, src/thesis/alias.c */
     BIS_E20 = 1 << 3, /* src/thesis/importance.c */
-    BIS_E21 = 1 << 4, /* src/thesis/sir.c */
+    BIS_E21 = 1 << 4, /* src/thesis/as_printed.c */
     BIS_E22 = 1 << 5, /* src/thesis/rejection.c */
-    BIS_E23 = 1 << 6, /* src/thesis/sir.c, src/thesis/candidates.c */
-    BIS_E27 = 1 << 7, /* src/thesis/rejection.c */
+    BIS_E23 = 1 << 6, /* src/thesis/as_printed.c */
+    BIS_E27 = 1 << 7, /* src/thesis/as_printed.c */
     BIS_E29 = 1 << 8, /* src/thesis/rejection.c */
-    BIS_E34 = 1 << 9  /* src/thesis/brdf.c */
+    BIS_E34 = 1 << 9  /* src/thesis/as_printed.c */
 };
 
 typedef struct bis_erratum {

@@ -4,12 +4,8 @@
 #ifndef BIS_INTEGRATOR_H
 #define BIS_INTEGRATOR_H
 
-#include "bis/beyond/clusters.h"
-#include "bis/thesis/errata.h"
 #include "bis/thesis/point.h"
-#include "bis/beyond/pool.h"
 #include "bis/thesis/sampler.h"
-#include "bis/beyond/visibility.h"
 
 #include <stdint.h>
 
@@ -20,7 +16,6 @@ typedef enum bis_estimator { BIS_ESTIMATOR_RATIO, BIS_ESTIMATOR_PLAIN } bis_esti
 typedef enum bis_fallback { BIS_FALLBACK_RESAMPLE, BIS_FALLBACK_SUBSET, BIS_FALLBACK_UNOCCLUDED } bis_fallback;
 
 typedef struct bis_integrator bis_integrator;
-typedef struct bis_batch bis_batch; /* src/beyond/batch.h */
 
 /* The parameters of all integrators (SPEC 3); each reads its own. */
 typedef struct bis_settings {
@@ -40,7 +35,7 @@ typedef struct bis_settings {
     bool learn;      /* sir, proposal "product": from the visibility that earlier passes have found */
     bool vectorize;  /* sir: many candidates at once where that is possible (src/beyond/batch.c) */
     bool only_sir;   /* auto: choose among sir's settings alone */
-    unsigned as_printed; /* all: BIS_E*, equations to follow to the letter; 0: none */
+    unsigned as_printed; /* all: BIS_E* of bis/thesis/errata.h, equations to follow to the letter; 0: none */
 } bis_settings;
 
 /* A candidate direction of chapter 4: drawn, weighed, perhaps traced. C is what it would be worth by plain importance
@@ -52,28 +47,34 @@ typedef struct bis_candidate {
     double w; /* C.r + C.g + C.b */
 } bis_candidate;
 
+/* What an integrator needs of a thread's workspace: numbers of candidates, sample points and chosen candidates. n_set:
+ * how many stratified directions from the map one estimate takes; a renderer may give it sets of so many. */
+typedef struct bis_needs {
+    uint32_t n_candidates, n_points, n_chosen, n_set;
+} bis_needs;
+
+/* Sets of n_set stratified directions from the map, which many points share. choose returns one of them. */
+typedef struct bis_sets bis_sets;
+struct bis_sets {
+    const bis_light_point *(*choose)(const bis_sets *sets, bis_stream *stream);
+};
+
 /* A thread's workspace, allocated once before rendering. */
 typedef struct bis_scratch {
     bis_candidate *candidates; /* [n_candidates] */
     double (*u)[2];            /* [n_points] */
     uint32_t *chosen;          /* [n_chosen] */
-    uint32_t n_candidates, n_points, n_chosen;
-    bis_batch *batch;     /* NULL: candidates one by one */
-    bool wants_batch, wants_clusters, wants_visibility;
-    float *visible;       /* visible[clusters->n, whole blocks]: g of bis/visibility.h for the tile at hand; NULL: nothing is learned */
-    bis_seen *counted;    /* counted[BIS_VISIBILITY_PARTS]: of the tile at hand */
-    uint32_t n_pool;      /* stratified directions from the map that a point asks for; 0: none */
-    const bis_clusters *clusters; /* for proposal "product"; borrowed; NULL: not needed, or there are none: then it is "mix" */
-    const bis_pool *pool; /* shared by all threads, borrowed; NULL: each point draws its own */
+    const bis_sets *sets;      /* borrowed; NULL: each point draws its own directions */
+    struct bis_fast *fast;     /* borrowed; src/beyond/batch.h alone looks into it; NULL: none */
 } bis_scratch;
 
 struct bis_integrator {
     const char *name;
     const char *claim; /* "unbiased", or how and when biased: shown by --plan and in the docs */
 
-    /* BIS_NEED_* of the light, and the workspace (fill the n_ of need). */
+    /* BIS_NEED_* of the light, and the workspace. *need begins with zeros. */
     unsigned (*light_needs)(const bis_settings *s);
-    void (*scratch_needs)(const bis_settings *s, bis_scratch *need);
+    void (*scratch_needs)(const bis_settings *s, bis_needs *need);
 
     /* One estimate of reflected radiance at pt. */
     rgb (*Lo)(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch);
@@ -101,10 +102,11 @@ bis_status bis_settings_check(const bis_settings *s, bis_loc at, bis_diag *diag)
 /* "em", "brdf", "mix", "choose" and the like. */
 const char *bis_proposal_name(bis_proposal p);
 
+/* bis_scratch_init allocates what the integrator of s needs. Errors: BIS_NOMEM. bis_scratch_clear frees it. */
 bis_status bis_scratch_init(bis_scratch *scratch, const bis_settings *s, bis_diag *diag);
 void bis_scratch_clear(bis_scratch *scratch);
 
-/* Bytes that a thread's workspace takes with these settings. */
+/* bis_scratch_bytes returns the bytes that a thread's workspace takes with these settings. */
 size_t bis_scratch_bytes(const bis_settings *s);
 
 #endif

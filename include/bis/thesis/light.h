@@ -3,9 +3,8 @@
 #ifndef BIS_LIGHT_H
 #define BIS_LIGHT_H
 
-#include "bis/thesis/envmap.h"
-#include "bis/thesis/importance.h"
-#include "bis/base/xform.h"
+#include "bis/base/status.h"
+#include "bis/base/vec.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -18,6 +17,12 @@ enum {
 };
 
 typedef struct bis_light bis_light;
+
+/* bis/thesis/envmap.h, bis/thesis/importance.h and bis/base/xform.h: for those who make a light. */
+typedef struct bis_envmap bis_envmap;
+typedef struct bis_importance bis_importance;
+typedef struct bis_importance_options bis_importance_options;
+typedef struct bis_xform bis_xform;
 
 /* Direction towards the light, its radiance from there, its density. */
 typedef struct bis_light_point {

@@ -13,6 +13,7 @@
 
 #include "bis/base/mem.h"
 
+#include "thesis/as_printed.h"
 #include "thesis/candidates.h"
 #include "thesis/proposal.h"
 
@@ -101,7 +102,7 @@ bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *p
         goto done;
     }
     c->W = bis_candidates_draw(scratch.candidates, c->M, s->proposal, s->stratify, NULL, pt, stream);
-    if (c->W > 0 && s->as_printed & BIS_E23) c->W = bis_candidates_weigh_as_printed(scratch.candidates, c->M, s->proposal, pt);
+    if (c->W > 0) c->W = bis_as_printed_weights(s, scratch.candidates, c->W, pt);
     for (uint32_t i = 0; c->W > 0 && i < c->M; i++) c->c[i].x = scratch.candidates[i];
     sum_up(c, s->proposal, pt);
     if (c->W <= 0) goto done;

@@ -6,6 +6,7 @@
 
 #include "bis/thesis/importance.h"
 #include "bis/thesis/regions.h"
+#include "bis/base/image.h"
 
 enum { BIS_SURVEY_LARGEST = 8 };
 

@@ -17,6 +17,8 @@
 #define BIS_VERIFY_H
 
 #include "bis/scene/scene.h"
+#include "bis/thesis/envmap.h"
+#include "bis/thesis/importance.h"
 
 #define BIS_VERIFY_ALPHA 0.01
 

@@ -1,0 +1,64 @@
+/* as_printed: the equations of chapters 3 and 4 as they are printed, where following them to the letter gives another
+ * picture. docs/errata.md tells what is wrong with each. E3, E13 and E20 concern the map's importance and stand there. */
+#include "bis/thesis/errata.h"
+#include "as_printed.h"
+
+#include "candidates.h"
+#include "proposal.h"
+
+/* E23: w = f_r for candidates from the map, without the cosine; w = L for those from the BRDF, as if q_f were f cos over
+ * Kd + Ks. For a mixture nothing is printed: unchanged. */
+static double printed_weights(bis_candidate *c, uint32_t M, bis_proposal proposal, const bis_point *pt)
+{
+    const bis_material *m = pt->bsdf.material;
+    const rgb albedo = rgb_add(m->Kd, m->Ks);
+    const bool from_map = proposal == BIS_PROPOSAL_EM, from_brdf = proposal == BIS_PROPOSAL_BRDF || (!from_map && bis_light_is_constant(pt->light));
+    double W = 0;
+
+    for (uint32_t i = 0; i < M; i++) {
+        if (c[i].w > 0 && from_map) c[i].C = rgbd_scale(c[i].C, 1 / bis_bsdf_cos(&pt->bsdf, c[i].wi));
+        if (c[i].w > 0 && from_brdf) c[i].C = bis_estimate(albedo, bis_light_Le(pt->light, c[i].wi), 1, 1);
+        c[i].w = rgbd_sum(c[i].C);
+        W += c[i].w;
+    }
+    return W;
+}
+
+void bis_as_printed_colours(bis_candidate *c, uint32_t M, double W)
+{
+    rgbd sum = {0, 0, 0};
+
+    for (uint32_t i = 0; i < M; i++) sum = rgbd_add(sum, c[i].C);
+    for (uint32_t i = 0; i < M; i++) c[i].C = rgbd_scale(sum, c[i].w / W);
+}
+
+double bis_as_printed_weights(const bis_settings *s, bis_candidate *x, double W, const bis_point *pt)
+{
+    if (s->as_printed & BIS_E23) W = printed_weights(x, s->candidates, s->proposal, pt);
+    if (s->as_printed & BIS_E6) bis_as_printed_colours(x, s->candidates, W);
+    return W;
+}
+
+double bis_as_printed_Zhat(const bis_settings *s, const bis_point *pt, const bis_stream *stream, bis_scratch *scratch)
+{
+    bis_stream others;
+
+    bis_stream_init(&others, stream->sampler, ~stream->pixel, stream->sample);
+    return bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->sets, pt, &others) / s->candidates;
+}
+
+double bis_as_printed_bound(const bis_point *pt, bis_proposal proposal, double L_ns)
+{
+    const bis_material *m = pt->bsdf.material;
+
+    if (proposal == BIS_PROPOSAL_EM) return bis_bsdf_max_f_cos(&pt->bsdf) / rgb_max(rgb_add(m->Kd, m->Ks)) * L_ns;
+    return bis_light_max_intensity(pt->light) / bis_light_power(pt->light) * L_ns;
+}
+
+void bis_as_printed_above_horizon(vec3 *wi, const bis_bsdf *bsdf, bis_stream *stream)
+{
+    for (int i = 0; i < 100 && bis_bsdf_cos(bsdf, *wi) <= 0; i++) {
+        double u[2] = {bis_stream_random(stream), bis_stream_random(stream)};
+        bis_propose_brdf(wi, bsdf, u);
+    }
+}
