@@ -86,13 +86,16 @@ void bis_cli_help(const bis_command *c, FILE *out)
 /* --- values
  * -------------------------------------------------------------------------------------------------------- */
 
-/* Digits alone, in [lo, hi]. */
+/* A bound of the table as an integer: exact, since no range ends between 2^53 and 2^64. */
+static uint64_t count_bound(double bound) { return bound >= 0x1p64 ? UINT64_MAX : (uint64_t)bound; }
+
+/* Digits alone, in [lo, hi]; compared as integers, because 2^53 + 1 is no double. */
 static bool read_count(uint64_t *value, const char *text, double lo, double hi)
 {
     if (*text == '\0' || text[strspn(text, "0123456789")] != '\0') return false;
     errno = 0;
     unsigned long long v = strtoull(text, NULL, 10);
-    if (errno == ERANGE || (double)v < lo || (double)v > hi) return false;
+    if (errno == ERANGE || v < count_bound(lo) || v > count_bound(hi)) return false;
     *value = v;
     return true;
 }
