@@ -216,7 +216,7 @@ static void spp_is_the_number_of_passes_and_of_camera_rays(void **state)
         bis_film film;
         bis_render_result result;
         render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = spp}});
-        uint32_t expected = spp ? spp : w.desc.sampler.spp; /* no budget at all: the scene's */
+        uint64_t expected = spp ? spp : w.desc.sampler.spp; /* no budget at all: the scene's */
         assert_int_equal(film.passes, expected);
         assert_int_equal(result.passes, expected);
         assert_int_equal(result.counters.camera_rays, expected * WIDTH * HEIGHT);
