@@ -50,7 +50,6 @@ static void become_program(long file_limit, const char *arguments)
     }
     if (file_limit > 0) {
         const struct rlimit limit = {(rlim_t)file_limit, (rlim_t)file_limit};
-        signal(SIGXFSZ, SIG_IGN); /* writes then fail with EFBIG */
         setrlimit(RLIMIT_FSIZE, &limit);
     }
     execv(argv[0], argv);

@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include <fcntl.h>
 #include <math.h>
 #include <openexr.h>
 #include <signal.h>
@@ -19,6 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #define DIR "build/test_program"
@@ -547,6 +549,137 @@ static void one_file_that_fails_does_not_lose_the_others(void **state)
     assert_true(program_exists(DIR "/saved.png"));
 }
 
+/* Found before the work: the scene, which does not exist, is not even looked for. */
+static void an_output_that_cannot_be_is_refused_before_the_scene_is_read(void **state)
+{
+    (void)state;
+    program_run r;
+    symlink("no/such/folder.exr", DIR "/astray.exr");
+    program_expect(&r, 1, DIR "/nosuch.txt --outfile " DIR "/astray.exr");
+    assert_non_null(strstr(r.messages, "No such file or directory"));
+    assert_null(strstr(r.messages, "nosuch"));
+    program_expect(&r, 1, DIR "/nosuch.txt --outfile " DIR "/%0300d.exr", 0);
+    assert_non_null(strstr(r.messages, "File name too long"));
+    assert_null(strstr(r.messages, "nosuch"));
+    program_expect(&r, 1, DIR "/nosuch.txt --stats " DIR "/%0300d.json --outfile " DIR "/x.exr", 0);
+    assert_non_null(strstr(r.messages, "File name too long"));
+    unlink(DIR "/astray.exr");
+}
+
+static void copy(const char *to, const char *from)
+{
+    char bytes[1 << 14];
+    FILE *in = fopen(from, "rb"), *out = fopen(to, "wb");
+    assert_true(in && out);
+    const size_t n = fread(bytes, 1, sizeof bytes, in);
+    assert_true(n > 0 && n < sizeof bytes);
+    assert_int_equal(fwrite(bytes, 1, n, out), n);
+    fclose(in);
+    assert_int_equal(fclose(out), 0);
+}
+
+static void assert_same_bytes(const char *a, const char *b)
+{
+    char bytes_a[1 << 14], bytes_b[1 << 14];
+    FILE *f = fopen(a, "rb"), *g = fopen(b, "rb");
+    assert_true(f && g);
+    const size_t n = fread(bytes_a, 1, sizeof bytes_a, f);
+    assert_int_equal(fread(bytes_b, 1, sizeof bytes_b, g), n);
+    fclose(f);
+    fclose(g);
+    if (memcmp(bytes_a, bytes_b, n)) fail_msg("%s is not what it was", a);
+}
+
+#define OVER DIR "/over"
+
+/* Every file that a command reads, under every name that it goes by; and one output under two names. */
+static void what_is_read_is_never_written_over(void **state)
+{
+    (void)state;
+    static const char *const files[] = {"scene.txt", "part.txt", "map.pfm", "ball.ply", "a.pfm", "b.pfm"};
+    const struct { const char *arguments, *names[2]; } cases[] = {
+        {OVER "/scene.txt --stats " OVER "/scene.txt", {"scene.txt", "scene.txt"}},
+        {OVER "/scene.txt --stats " OVER "/hard.txt", {"hard.txt", "scene.txt"}},
+        {OVER "/scene.txt --outfile " OVER "/map.pfm", {"map.pfm", "map.pfm"}},
+        {OVER "/scene.txt --outfile " OVER "/soft.pfm", {"soft.pfm", "map.pfm"}},
+        {OVER "/scene.txt --outfile " OVER "/../over/map.pfm", {"over/../over/map.pfm", "over/map.pfm"}},
+        {OVER "/scene.txt --stats " OVER "/part.txt --outfile " OVER "/x.pfm", {"part.txt", "part.txt"}},
+        {OVER "/scene.txt --stats " OVER "/ball.ply --outfile " OVER "/x.pfm", {"ball.ply", "ball.ply"}},
+        {OVER "/scene.txt --outfile " OVER "/x.pfm --stats " OVER "/x.pfm", {"x.pfm", "x.pfm"}},
+        {OVER "/scene.txt --outfile " OVER "/x.pfm --outfile " OVER "/./x.pfm", {"over/x.pfm", "over/./x.pfm"}},
+        {OVER "/scene.txt --stats " OVER "/film.exr", {"film.exr", "film.exr"}},
+        {"compare " OVER "/a.pfm " OVER "/b.pfm --diff " OVER "/a.pfm", {"a.pfm", "a.pfm"}},
+        {"compare " OVER "/a.pfm " OVER "/b.pfm --diff " OVER "/b.pfm", {"b.pfm", "b.pfm"}},
+        {"envmap " OVER "/sky-map.pfm --out " OVER "/sky.pfm", {"sky-map.pfm", "sky-map.pfm"}},
+    };
+    program_folder(OVER);
+    program_write_scene(OVER, "");
+    copy(OVER "/part.txt", OVER "/scene.txt");
+    program_write_file(OVER "/scene.txt", "Include \"part.txt\"\nShape \"plymesh\" \"string filename\" \"ball.ply\"\n");
+    program_write_file(OVER "/ball.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                       "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n1 0 1\n0 1 1\n3 0 1 2\n");
+    copy(OVER "/a.pfm", OVER "/map.pfm");
+    copy(OVER "/b.pfm", OVER "/map.pfm");
+    copy(OVER "/sky-map.pfm", OVER "/map.pfm");
+    assert_int_equal(symlink("map.pfm", OVER "/soft.pfm"), 0);
+    assert_int_equal(link(OVER "/scene.txt", OVER "/hard.txt"), 0);
+    program_folder(OVER "2");
+    for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
+        char from[64], to[64];
+        snprintf(from, sizeof from, OVER "/%s", files[k]);
+        snprintf(to, sizeof to, OVER "2/%s", files[k]);
+        copy(to, from);
+    }
+    const int before = program_count_files(OVER);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_run r;
+        program_expect(&r, 2, "%s", cases[i].arguments);
+        const char *first = strstr(r.messages, cases[i].names[0]);
+        if (!first || !strstr(first + 1, cases[i].names[1])) fail_msg("bis %s: says %s", cases[i].arguments, r.messages);
+        assert_int_equal(program_count_files(OVER), before);
+        for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
+            char now[64], then[64];
+            snprintf(now, sizeof now, OVER "/%s", files[k]);
+            snprintf(then, sizeof then, OVER "2/%s", files[k]);
+            assert_same_bytes(now, then);
+        }
+    }
+    program_run r;
+    program_expect(&r, 0, OVER "/scene.txt --outfile " OVER "/x.pfm --stats /dev/null");
+}
+
+/* SIGKILL, 40 times, spread over a whole run that does little but write. The outputs are new each time, so that they
+ * appear by one step. */
+static void killed_at_any_moment_it_leaves_no_litter(void **state)
+{
+    (void)state;
+    static const char arguments[] = DIR "/empty.txt --quiet --spp 1 --nthreads 1 --outfile " DIR "/killed/a.exr --outfile " DIR "/killed/a.png --outfile " DIR "/killed/b.exr";
+    struct timespec start, end;
+    program_run r;
+
+    program_write_file(DIR "/empty.txt", "Film \"rgb\" \"integer xresolution\" 600 \"integer yresolution\" 400\n"
+                       "WorldBegin LightSource \"infinite\" \"string filename\" \"map.pfm\"\n");
+    program_folder(DIR "/killed");
+    const int probe = open(DIR "/killed", O_TMPFILE | O_WRONLY, 0600);
+    if (probe < 0) skip(); /* a file system without unnamed files */
+    close(probe);
+    clock_gettime(CLOCK_MONOTONIC, &start);
+    program_expect(&r, 0, "%s", arguments);
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    const double whole = (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec);
+    for (int i = 0; i < 40; i++) {
+        const double wait = whole * i / 40;
+        const struct timespec pause = {(time_t)wait, (long)(1e9 * fmod(wait, 1))};
+        program_folder(DIR "/killed");
+        const pid_t pid = program_start(arguments);
+        nanosleep(&pause, NULL);
+        kill(pid, SIGKILL);
+        program_finish(&r, pid);
+        int n = program_exists(DIR "/killed/a.exr") + program_exists(DIR "/killed/a.png") + program_exists(DIR "/killed/b.exr");
+        assert_int_equal(program_count_files(DIR "/killed"), n);
+    }
+}
+
 /* --- interruption
  * -------------------------------------------------------------------------------------------------- */
 
@@ -674,6 +807,9 @@ int main(void)
         cmocka_unit_test(bad_usage_and_bad_scenes_exit_with_2_and_write_nothing),
         cmocka_unit_test(files_that_cannot_be_read_or_written_exit_with_1),
         cmocka_unit_test(a_full_disk_keeps_the_older_file_and_leaves_no_other),
+        cmocka_unit_test(an_output_that_cannot_be_is_refused_before_the_scene_is_read),
+        cmocka_unit_test(what_is_read_is_never_written_over),
+        cmocka_unit_test(killed_at_any_moment_it_leaves_no_litter),
         cmocka_unit_test(one_file_that_fails_does_not_lose_the_others),
         cmocka_unit_test(a_signal_ends_the_render_and_writes_the_picture),
         cmocka_unit_test(a_signal_in_the_first_pass_still_writes_a_picture),

@@ -301,6 +301,26 @@ static bis_status check_outputs(const render_options *o, bis_diag *diag)
     return first;
 }
 
+/* What is read is known now, so that nothing of it is written over. */
+static bis_status check_distinct(const render_options *o, const bis_scene_desc *desc, bis_diag *diag)
+{
+    const size_t n_inputs = desc->n_files + desc->n_meshes + 1;
+    const char **inputs = bis_alloc(n_inputs, sizeof *inputs), *outputs[BIS_MAX_TEXTS + 1];
+    size_t n = 0, n_outputs = 0;
+
+    if (!inputs) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory for the names of %zu files", n_inputs);
+    for (size_t i = 0; i < desc->n_files; i++) inputs[n++] = desc->files[i];
+    for (size_t i = 0; i < desc->n_meshes; i++) {
+        if (desc->meshes[i].filename) inputs[n++] = desc->meshes[i].filename;
+    }
+    if (desc->light.filename) inputs[n++] = desc->light.filename;
+    for (int i = 0; i < o->outfiles.n; i++) outputs[n_outputs++] = o->outfiles.text[i];
+    if (o->stats) outputs[n_outputs++] = o->stats;
+    const bis_status status = bis_cli_check_distinct(inputs, n, outputs, n_outputs, diag);
+    bis_free(inputs);
+    return status;
+}
+
 /* Layers need an EXR to go to. */
 static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, bis_diag *diag)
 {
@@ -594,6 +614,8 @@ int bis_cmd_render(int argc, char **argv)
         status = check_outputs(&o, &diag);
         if (status) goto done;
     }
+    status = check_distinct(&o, desc, &diag);
+    if (status) goto done;
     status = run(&o, desc, start, parse_seconds, &interrupted, &diag);
 done:
     bis_cli_print_diag(&diag, o.quiet);
