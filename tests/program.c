@@ -112,6 +112,13 @@ void program_expect(program_run *run, int exit_status, const char *fmt, ...)
     }
 }
 
+void program_expect_only_the_result(const program_run *run)
+{
+    static const char begin[] = "bis: wrote ";
+    const char *end = strchr(run->messages, '\n');
+    if (strncmp(run->messages, begin, sizeof begin - 1) != 0 || !end || end[1]) fail_msg("standard error holds: %s", run->messages);
+}
+
 /* Linux tells which signals a process catches: "SigCgt: 0000000000000002". */
 void program_wait_for_handler(pid_t pid, int number)
 {

@@ -311,7 +311,6 @@ static bool render_pass(render *r)
     return !interrupted(r);
 }
 
-/* Pixels of an unfinished first pass are still as bis_alloc made them: black, no hit. */
 static void keep_pass(render *r)
 {
     bis_film *f = r->film;
@@ -377,7 +376,6 @@ static void render_passes(render *r, bis_render_result *result)
             if (r->adapt.n_tiles) bis_adapt_next(&r->adapt, r->film);
         }
     } while (complete && budget_left(r, &next_check));
-    if (r->passes == 0) keep_pass(r); /* rather an unfinished pass than nothing */
     result->seconds = bis_clock_now() - r->start;
     result->interrupted = !complete || (interrupted(r) && !(r->most_passes && r->passes >= r->most_passes));
     report(r, 0);
