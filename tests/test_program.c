@@ -659,7 +659,7 @@ static void killed_at_any_moment_it_leaves_no_litter(void **state)
     struct timespec start, end;
     program_run r;
 
-    program_write_file(DIR "/empty.txt", "Film \"rgb\" \"integer xresolution\" 300 \"integer yresolution\" 200\n"
+    program_write_file(DIR "/empty.txt", "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 150\n"
                        "WorldBegin LightSource \"infinite\" \"string filename\" \"map.pfm\"\n");
     program_folder(DIR "/killed");
     const int probe = open(DIR "/killed", O_TMPFILE | O_WRONLY, 0600);
