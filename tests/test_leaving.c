@@ -95,7 +95,8 @@ static vec3 outward(const bis_surface *s, int n, uint64_t *seed)
     return dot(w, s->ng) < 0 ? neg(w) : w;
 }
 
-/* ng is rounded to float where the plane is tilted: nearer than this to the plane a direction has no side. */
+/* ng is rounded to float where the plane is tilted: nearer than this to the plane a direction has no side. A needle's
+ * normal is worse known, by its length over its width. */
 static const double no_side = 0x1p-21;
 
 typedef struct tally {
@@ -125,7 +126,7 @@ static void leave(tally *t, const bis_accel *a, const bis_geometry *g, int n, do
 }
 
 /* Across an axis a mesh is flat to the bit: no ray from it meets any of it. */
-static void no_flat_mesh_across_an_axis_shadows_itself(void **state)
+static void no_flat_mesh_across_an_axis_shadows_itself_E37(void **state)
 {
     tally t = {0};
     uint64_t seed = 21;
@@ -206,7 +207,7 @@ static void no_needle_shadows_itself(void **state)
         const int backends = make_backends(a, &g);
         for (int i = 0; i < backends; i++) {
             tally t = {0};
-            leave(&t, a[i], &g, n_rays() / 20000, no_side, &seed);
+            leave(&t, a[i], &g, n_rays() / 20000, no_side / (k % 2 ? 1 : width), &seed);
             own += t.own, rays += t.rays;
             if (t.own) fail_msg("%s: width %g, axis %d, number %d", bis_accel_name(a[i]), width, axis, k);
             bis_accel_free(a[i]);
@@ -218,7 +219,7 @@ static void no_needle_shadows_itself(void **state)
 }
 
 /* The twin: t > 0 by the sheared test alone. */
-static void the_sheared_test_alone_meets_its_own_triangle(void **state)
+static void the_sheared_test_alone_meets_its_own_triangle_E37(void **state)
 {
     int met = 0, rays = 0;
     uint64_t seed = 24;
@@ -395,10 +396,10 @@ static void the_offset_is_at_most_six_ulps(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_flat_mesh_across_an_axis_shadows_itself),
+        cmocka_unit_test(no_flat_mesh_across_an_axis_shadows_itself_E37),
         cmocka_unit_test(no_turned_triangle_shadows_itself),
         cmocka_unit_test(no_needle_shadows_itself),
-        cmocka_unit_test(the_sheared_test_alone_meets_its_own_triangle),
+        cmocka_unit_test(the_sheared_test_alone_meets_its_own_triangle_E37),
         cmocka_unit_test(no_disk_shadows_itself),
         cmocka_unit_test(a_box_on_the_floor_occludes_at_its_contact),
         cmocka_unit_test(the_offset_is_at_most_six_ulps),

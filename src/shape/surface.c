@@ -35,9 +35,11 @@ static void weights(const vec3 v[3], const ray *r, double b[3])
 
 /* p_error, per component c. The true p is the point of the triangle with exactly the weights b. A shadow ray that starts
  * beyond p_error must be on the outer side of the plane for every test that it can meet. All of them ask the same, the
- * sign of T = a.n with a = v_0 - o, n = e x f, e = v_1 - v_0, f = v_2 - v_0 (the direction's sign does not matter, as
- * |T| is what the start decides): the grids in double (plane_is_ahead; the packed one's floats only rule out by weights),
- * Embree in float, for one ray, packets and streams alike (its watertight test, RTC_SCENE_FLAG_ROBUST). The parts:
+ * sign of t = T / (d.n) with T = a.n, a = v_0 - o, n = e x f, e = v_1 - v_0, f = v_2 - v_0: the grids in double
+ * (plane_is_ahead; the packed one's floats only rule out by weights), Embree in float, for one ray, packets and streams
+ * alike (its watertight test, RTC_SCENE_FLAG_ROBUST). T's sign is what the start decides. That of d.n is lost in a tilted
+ * plane for directions within the error of n, some 8 u |e||f| / |n| radians, as it is in ng, which is rounded; no start
+ * helps there, and of the light they bring the square of that angle. The parts:
  * - rounding p to float costs half an ulp, at most 2^-24 |p_c|, or half the smallest denormal;
  * - sum b_i v_ic in double: 3 products, 2 sums, sum b = 1 within 3 roundings: at most 8 * 2^-53 max |v_ic|; 2^-48 max
  *   |v_ic| is 4 times that;

@@ -123,7 +123,7 @@ static inline double bis_verify_measure(rgbd c) { return 4 * c.r + 2 * c.g + c.b
 
 /* src/tools/verify/verify_oracle.c. What an accelerator says of a ray: the distance to the nearest hit, infinite for none,
  * and whether there is any. Which of n answers are right, within the rounding of floats? By a search over all primitives
- * but `left`, which the ray starts from (a triangle or a disk; BIS_NO_PRIM: none). */
+ * but `left`, which the ray starts from by bis_surface_offset (a triangle or a disk; BIS_NO_PRIM: none). */
 enum { BIS_VERIFY_ANSWERS = 2 };
 typedef struct bis_verify_answer {
     double t;

@@ -59,8 +59,9 @@ static sight inside(const double v[3][3], const double d[3])
     return some_more && some_less ? MISSED : sure ? MET : DOUBTFUL;
 }
 
-/* Where is it met? *t to within *error, as far as that is known; *t may be infinite. */
-static sight see_triangle(const vec3 p[3], const ray *r, double *t, double *error)
+/* Where is it met? *t to within *error, as far as that is known; *t may be infinite. left: the ray starts from it, on the
+ * side that it goes to, and beyond what T may err: it is not met, unless D.n has no sign. */
+static sight see_triangle(const vec3 p[3], const ray *r, bool left, double *t, double *error)
 {
     const double d[3] = {(double)r->d.x, (double)r->d.y, (double)r->d.z};
     double v[3][3], e[3], f[3], n[3], height_error = 0, descent_error = 0;
@@ -91,6 +92,7 @@ static sight see_triangle(const vec3 p[3], const ray *r, double *t, double *erro
     const double height = dot3(v[0], n), descent = dot3(n, d);
     *t = height / descent;
     *error = height_error / fabs(descent) + fabs(*t) * (descent_error / fabs(descent) + 4 * u);
+    if (left && fabs(descent) > descent_error) return MISSED;
     if (fabs(height) <= height_error || fabs(descent) <= descent_error) {
         if (!(*error >= 0)) *error = (double)INFINITY; /* 0 / 0: edge-on */
         return DOUBTFUL;
@@ -154,11 +156,11 @@ void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32
     for (uint32_t prim = 0; prim < bis_geometry_primitives(g); prim++) {
         double t, error;
         sight s;
-        if (prim == left) continue;
+        if (prim == left && prim >= g->n_triangles) continue;
         if (prim < g->n_triangles) {
             const uint32_t *index = g->index + 3 * (size_t)prim;
             const vec3 p[3] = {g->p[index[0]], g->p[index[1]], g->p[index[2]]};
-            s = see_triangle(p, r, &t, &error);
+            s = see_triangle(p, r, prim == left, &t, &error);
         } else {
             s = see_quadric(&g->quadrics[prim - g->n_triangles], r, &t, &error);
         }
