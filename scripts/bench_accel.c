@@ -179,7 +179,7 @@ static bool build(bis_accel *a[2], double seconds[2], const bis_geometry *g, dou
     seconds[GRID] = seconds[EMBREE] = (double)INFINITY;
     for (int run = 0; run < BUILDS; run++) {
         for (int b = 0; b < (bis_accel_embree_version() ? 2 : 1); b++) {
-            const bis_accel_options options = {b == GRID ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE, density, n_threads};
+            const bis_accel_options options = {b == GRID ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE, density, n_threads, NULL};
             bis_accel_free(a[b]);
             a[b] = NULL;
             const double start = clock_seconds(CLOCK_MONOTONIC);

@@ -94,7 +94,7 @@ static void measure(job *j, bis_settings settings, bis_exceptions exceptions)
 {
     measured *m = &j->of[j->n++];
     bis_film film = {0};
-    const uint32_t spp = j->desc->sampler.spp;
+    const uint32_t spp = (uint32_t)j->desc->sampler.spp;
     double fill = (double)INFINITY, all = (double)INFINITY;
 
     m->settings = j->desc->settings = settings;
@@ -144,7 +144,7 @@ static void judge(job *j)
                 for (int s = 0; s < SEEDS; s++) v += (j->of[i].mean[s][k] - own) * (j->of[i].mean[s][k] - own) / (SEEDS - 1);
                 sum += v / (mean[k] * mean[k] + m * m / 100);
             }
-            j->of[i].relmse = sum / (double)shaded * j->desc->sampler.spp;
+            j->of[i].relmse = sum / (double)shaded * (double)j->desc->sampler.spp;
         }
     }
     bis_free(mean);
@@ -260,7 +260,7 @@ int main(int argc, char **argv)
     }
     j.name = strrchr(argv[2], '/') ? strrchr(argv[2], '/') + 1 : argv[2];
     check(bis_scene_parse(&j.desc, argv[2], &diag), &diag);
-    j.spp = argc > 3 ? (uint32_t)strtoul(argv[3], NULL, 10) : j.desc->sampler.spp;
+    j.spp = argc > 3 ? (uint32_t)strtoul(argv[3], NULL, 10) : (uint32_t)j.desc->sampler.spp;
     j.one = argc > 4;
     j.full_width = j.desc->film.width;
     j.full_height = j.desc->film.height;

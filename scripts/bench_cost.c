@@ -53,7 +53,7 @@ static const bis_accel_ops recorder_ops = {
 static double best_of(int repeats, bis_film *film, const bis_scene *scene, bis_scene_desc *desc, int threads, bis_render_result *result)
 {
     double best = (double)INFINITY;
-    uint32_t spp = desc->sampler.spp;
+    uint32_t spp = (uint32_t)desc->sampler.spp;
 
     for (int i = 0; i < repeats; i++) best = fmin(best, measure_render(film, scene, desc, 1, spp, threads, result));
     return best;

@@ -43,7 +43,7 @@ static void print(const char *what, const char *accelerator, double x, double va
 static double render_seconds(const bis_scene *scene, bis_scene_desc *desc)
 {
     bis_film film = {0};
-    const uint32_t spp = desc->sampler.spp;
+    const uint32_t spp = (uint32_t)desc->sampler.spp;
     double best = measure_render(&film, scene, desc, 1, spp, 1, NULL);
 
     if (best < 2) best = fmin(best, measure_render(&film, scene, desc, 1, spp, 1, NULL));

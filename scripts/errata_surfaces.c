@@ -182,7 +182,7 @@ void errata_E37(bis_image *im)
     bis_accel *a;
 
     errata_check(bis_geometry_add_quadric(&g, &q, NULL));
-    errata_check(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1}, NULL));
+    errata_check(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL));
     errata_heads(im, "shadow rays start at the point", "and beyond its error bound");
     sunlit_ball(im, 30, a, false);
     sunlit_ball(im, 270, a, true);

@@ -24,6 +24,9 @@ void program_runf(program_run *run, const char *fmt, ...) __attribute__((format(
 /* Run, and assert the exit status; on a surprise both streams are shown. */
 void program_expect(program_run *run, int exit_status, const char *fmt, ...) __attribute__((format(printf, 3, 4)));
 
+/* Assert that standard error holds the one line about what was written, "bis: wrote FILES: ...", and nothing else. */
+void program_expect_only_the_result(const program_run *run);
+
 /* Start without waiting; then wait until it catches signal `number`, at most a minute, so that no clock decides the
  * test. */
 pid_t program_start(const char *arguments);

@@ -130,10 +130,10 @@ static backends make_backends(const bis_geometry *g)
     backends b = {.n = 0};
 
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_GRID, densities[i], 1}, NULL), BIS_OK);
+        assert_int_equal(bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_GRID, densities[i], 1, NULL}, NULL), BIS_OK);
     }
     if (bis_accel_embree_version() && size > 1e-12 && size < 1e12) {
-        assert_int_equal(bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1}, NULL), BIS_OK);
+        assert_int_equal(bis_accel_new(&b.a[b.n++], g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1, NULL}, NULL), BIS_OK);
     }
     return b;
 }
@@ -485,7 +485,7 @@ static void the_packed_walk_answers_as_the_plain_one_bit_by_bit(void **state)
         bis_accel *a;
         add_mesh(&g, &m, &t, 0);
         if (kind == 1 && place == 0) assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, densities[n / 24], 1}, NULL), BIS_OK);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, densities[n / 24], 1, NULL}, NULL), BIS_OK);
         if (!((bis_grid *)a)->blocks) assert_int_equal(bis_grid_pack((bis_grid *)a, 1, NULL), BIS_OK);
         for (int k = 0; k < 4000; k++) {
             const ray r = k % 2 ? aimed_ray(&g, &seed) : nasty_ray(&g, &seed);
@@ -513,7 +513,7 @@ static void a_grid_of_two_axes_or_one_cell_or_very_many_is_built(void **state)
             if (cases[i].flat == 2) m.p[k].z = 3;
         }
         add_mesh(&g, &m, NULL, 0);
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, cases[i].density, 1}, NULL), BIS_OK);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, cases[i].density, 1, NULL}, NULL), BIS_OK);
         const bis_grid *grid = (const bis_grid *)a;
         if (cases[i].flat >= 0) assert_int_equal(grid->n[cases[i].flat], 1);
         if (cases[i].density == 1e-9) assert_int_equal(grid->n_cells, 1);
@@ -532,7 +532,7 @@ static void a_soup_of_large_triangles_stays_within_its_items(void **state)
     bis_accel *a;
     (void)state;
     add_mesh(&g, &m, NULL, 0);
-    assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1}, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL), BIS_OK);
     assert_null(((const bis_grid *)a)->blocks);
     assert_true(bis_accel_bytes(a) + bis_geometry_bytes(&g) < 150 * g.n_triangles + 65536 * 4);
     bis_accel_free(a);
@@ -550,7 +550,7 @@ static void the_number_of_threads_changes_no_bit_of_the_grid(void **state)
     assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
     bis_accel *a[3];
     static const int threads[] = {1, 2, 7};
-    for (int i = 0; i < 3; i++) assert_int_equal(bis_accel_new(&a[i], &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, threads[i]}, NULL), BIS_OK);
+    for (int i = 0; i < 3; i++) assert_int_equal(bis_accel_new(&a[i], &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, threads[i], NULL}, NULL), BIS_OK);
     const bis_grid *one = (const bis_grid *)a[0];
     for (int i = 1; i < 3; i++) {
         const bis_grid *other = (const bis_grid *)a[i];
@@ -579,8 +579,8 @@ static void the_backends_agree_on_the_dragon_but_for_ties(void **state)
     if (!path || !bis_accel_embree_version()) skip();
     assert_int_equal(bis_ply_read(&m, path, (bis_loc){0}, NULL), BIS_OK);
     add_mesh(&g, &m, NULL, 0);
-    assert_int_equal(bis_accel_new(&a[0], &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 0}, NULL), BIS_OK);
-    assert_int_equal(bis_accel_new(&a[1], &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 0}, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&a[0], &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 0, NULL}, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&a[1], &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 0, NULL}, NULL), BIS_OK);
     while (n_rays < 200000) {
         const double u = random_double(&seed), v = random_double(&seed), w = random_double(&seed);
         const vec3 target = {(float)((double)g.box.lo.x + u * ((double)g.box.hi.x - (double)g.box.lo.x)),
@@ -621,7 +621,7 @@ static void memory_is_at_most_150_bytes_a_triangle_in_all(void **state)
     (void)state;
     assert_int_equal(bis_mesh_smooth_normals(&m, NULL), BIS_OK);
     add_mesh(&g, &m, NULL, 0);
-    assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1}, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL), BIS_OK);
     const double each = (double)(bis_accel_bytes(a) + bis_geometry_bytes(&g)) / (double)g.n_triangles;
     print_message("%.1f bytes a triangle\n", each);
     assert_true(each <= 150);
@@ -650,16 +650,16 @@ static void without_embree_the_message_names_the_way_out(void **state)
     (void)state;
     add_mesh(&g, &m, NULL, 0);
     if (bis_accel_embree_version()) {
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_DEFAULT, 0, 1}, &diag), BIS_OK);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_DEFAULT, 0, 1, NULL}, &diag), BIS_OK);
         assert_string_equal(bis_accel_name(a), "embree");
         bis_accel_free(a);
     } else {
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1}, &diag), BIS_INPUT);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1, NULL}, &diag), BIS_INPUT);
         assert_null(a);
         assert_string_equal(diag.messages[0].text,
                             "error: this program was built without Embree: use the accelerator \"grid\" (--accelerator grid), or install "
                             "libembree-dev and build again");
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_DEFAULT, 0, 1}, &diag), BIS_OK);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_DEFAULT, 0, 1, NULL}, &diag), BIS_OK);
         assert_string_equal(bis_accel_name(a), "grid");
         bis_accel_free(a);
     }
@@ -679,7 +679,7 @@ static void any_allocation_may_fail(void **state)
             bis_accel *a;
             bis_diag diag = {0};
             bis_mem_fail_at(k);
-            bis_status status = bis_accel_new(&a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1}, &diag);
+            bis_status status = bis_accel_new(&a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL}, &diag);
             const bool failed = bis_mem_count() >= k;
             bis_mem_fail_at(0);
             assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);

@@ -270,6 +270,26 @@ static void an_item_without_its_test_or_its_twin_is_found(void **state)
     }
 }
 
+/* Programs for scripts/run_tests.sh: both find the project's files and leave one of their own; one fails. */
+static void each_run_of_the_tests_has_a_root_of_its_own(void **state)
+{
+    (void)state;
+    static const char good[] = "#!/bin/sh\npwd; test -f README.md && test -f tests/program.h && test ! -e build/mine && echo x > build/mine\n";
+    program_folder("build/test_runs");
+    program_write_file("build/test_runs/good", good);
+    program_write_file("build/test_runs/bad", "#!/bin/sh\necho x > build/mine; exit 1\n");
+    assert_int_equal(shell("chmod 755 build/test_runs/good build/test_runs/bad"), 0);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(shell("sh scripts/run_tests.sh build/test_runs/good build/test_runs/good > build/test_runs/out"), 1); /* the second finds what the first left */
+        assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f $folder/mine && rm -r ${folder%/build}"), 0);
+        assert_int_equal(shell("sh scripts/run_tests.sh build/test_runs/good > build/test_runs/out"), 0); /* and this run does not */
+        assert_int_equal(shell("test ! -e $(sed -n 2p build/test_runs/out)"), 0);
+    }
+    assert_int_equal(shell("sh scripts/run_tests.sh build/test_runs/bad > build/test_runs/out"), 1);
+    assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f $folder/mine && rm -r ${folder%/build}"), 0);
+    assert_false(program_exists("build/mine"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -279,6 +299,7 @@ int main(void)
         cmocka_unit_test(a_fragment_that_is_gone_or_differs_is_found),
         cmocka_unit_test(every_equation_of_the_guide_stands_in_the_files_it_names),
         cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
+        cmocka_unit_test(each_run_of_the_tests_has_a_root_of_its_own),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
         cmocka_unit_test(every_item_of_the_errata_has_a_test_named_after_it_and_a_twin),

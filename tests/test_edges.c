@@ -116,9 +116,33 @@ static void bits_do_not_depend_on_threads_and_one_is_none(void **state)
     clear_world(&w);
 }
 
+/* 2^29 camera samples and 8 times as many on outlines are 2^32: in 32 bits none, which was divided by. 600000000 times 8
+ * is more than 2^32, too. What one pass of these holds can be told: one camera sample, or 8, a pixel. */
+static void camera_samples_times_edge_samples_may_pass_32_bits(void **state)
+{
+    static const uint32_t spps[] = {1u << 29, 1u << 30, 600000000};
+    world w;
+
+    (void)state;
+    make_world(&w, &bis_brdf);
+    for (int i = 0; i < 3; i++) {
+        bis_film film;
+        bis_render_result result;
+        bis_scene_set_spp(&w.desc, spps[i]);
+        w.desc.edge_samples = 8;
+        assert_int_equal(bis_film_init(&film, 8, 6, whole, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &(bis_render_options){.budget = {.spp = 2}}, NULL), BIS_OK);
+        assert_int_equal(result.passes, 2);
+        assert_in_range(result.counters.camera_rays, 2 * 48 + 7 * 9 + 1, 2 * 8 * 48 + 7 * 9); /* outlines are found by 9 x 7 rays */
+        bis_film_clear(&film);
+    }
+    clear_world(&w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(camera_samples_times_edge_samples_may_pass_32_bits),
         cmocka_unit_test(edges_are_where_the_picture_is_half_background),
         cmocka_unit_test(mean_is_the_same_and_its_scatter_less),
         cmocka_unit_test(bits_do_not_depend_on_threads_and_one_is_none),

@@ -6,6 +6,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <float.h>
 #include <locale.h>
 #include <math.h>
@@ -16,6 +17,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -25,6 +27,7 @@
 static int make_folder(void **state)
 {
     (void)state;
+    bis_outfile_name_at_once(false);
     mkdir("build", 0777);
     if (system("rm -rf " DIR_NAME)) return -1;
     return mkdir(DIR_NAME, 0777);
@@ -159,8 +162,6 @@ static void commit_puts_the_new_file_in_the_place_of_the_old_one(void **state)
     write_file(DIR_NAME "/out", "old", 3);
     size_t n = files_in_folder();
     assert_int_equal(bis_outfile_open(&f, DIR_NAME "/out", NULL), BIS_OK);
-    assert_int_equal(files_in_folder(), n + 1);
-    assert_int_equal(strncmp(bis_outfile_temp_name(f), DIR_NAME "/", strlen(DIR_NAME) + 1), 0);
     fprintf(bis_outfile_stream(f), "new");
     assert_file_is(DIR_NAME "/out", "old");
     assert_int_equal(bis_outfile_commit(f, NULL), BIS_OK);
@@ -260,6 +261,129 @@ static void through_a_link_the_linked_file_is_replaced(void **state)
     assert_file_is(DIR_NAME "/target", "new");
 }
 
+static void write_new(const char *path)
+{
+    bis_outfile *f;
+    bis_diag d = {0};
+    if (bis_outfile_open(&f, path, &d)) fail_msg("%s", d.messages[0].text);
+    fprintf(bis_outfile_stream(f), "new");
+    assert_int_equal(bis_outfile_commit(f, NULL), BIS_OK);
+}
+
+static void assert_link(const char *path)
+{
+    struct stat info;
+    assert_int_equal(lstat(path, &info), 0);
+    assert_true(S_ISLNK(info.st_mode));
+}
+
+/* Links may be made before what they point to: one, several, absolute, through a folder. */
+static void through_a_dangling_link_its_target_is_made(void **state)
+{
+    (void)state;
+    char folder[PATH_MAX], absolute[PATH_MAX + 16];
+    assert_non_null(realpath(DIR_NAME, folder));
+    snprintf(absolute, sizeof absolute, "%s/made3", folder);
+    mkdir(DIR_NAME "/in", 0777);
+    assert_int_equal(symlink("made1", DIR_NAME "/dangling1"), 0);
+    assert_int_equal(symlink("in/dangling", DIR_NAME "/dangling2"), 0);
+    assert_int_equal(symlink("../made2", DIR_NAME "/in/dangling"), 0);
+    assert_int_equal(symlink(absolute, DIR_NAME "/dangling3"), 0);
+    for (int i = 1; i <= 3; i++) {
+        char path[64], made[64];
+        snprintf(path, sizeof path, DIR_NAME "/dangling%d", i);
+        snprintf(made, sizeof made, DIR_NAME "/made%d", i);
+        write_new(path);
+        assert_link(path);
+        assert_file_is(made, "new");
+    }
+    assert_link(DIR_NAME "/in/dangling");
+}
+
+static void a_ring_of_links_and_a_long_name_are_refused(void **state)
+{
+    (void)state;
+    bis_outfile *f;
+    bis_diag d = {0};
+    char path[512];
+    assert_int_equal(symlink("ring2", DIR_NAME "/ring1"), 0);
+    assert_int_equal(symlink("ring1", DIR_NAME "/ring2"), 0);
+    assert_int_equal(bis_outfile_open(&f, DIR_NAME "/ring1", &d), BIS_IO);
+    assert_string_equal(d.messages[0].text, DIR_NAME "/ring1: error: cannot write \"" DIR_NAME "/ring1\": Too many levels of symbolic links");
+    snprintf(path, sizeof path, DIR_NAME "/%0300d", 0);
+    assert_int_equal(bis_outfile_open(&f, path, &d), BIS_IO);
+    assert_non_null(strstr(d.messages[1].text, "File name too long"));
+    bis_diag_clear(&d);
+}
+
+static void an_older_file_keeps_its_mode(void **state)
+{
+    (void)state;
+    static const mode_t modes[] = {0600, 0644, 0400, 0755, 0666};
+    for (int i = 0; i < 5; i++) {
+        struct stat info;
+        write_file(DIR_NAME "/modes", "old", 3);
+        assert_int_equal(chmod(DIR_NAME "/modes", modes[i]), 0);
+        write_new(DIR_NAME "/modes");
+        assert_file_is(DIR_NAME "/modes", "new");
+        assert_int_equal(stat(DIR_NAME "/modes", &info), 0);
+        assert_int_equal(info.st_mode & 07777, modes[i]);
+    }
+}
+
+/* By any spelling, through links hard and soft, and before they exist. */
+static void one_file_under_two_names_is_known(void **state)
+{
+    (void)state;
+    write_file(DIR_NAME "/there", "x", 1);
+    write_file(DIR_NAME "/other", "x", 1);
+    assert_int_equal(symlink("there", DIR_NAME "/soft"), 0);
+    assert_int_equal(link(DIR_NAME "/there", DIR_NAME "/hard"), 0);
+    assert_int_equal(symlink("to_come", DIR_NAME "/early"), 0);
+    assert_int_equal(symlink(".", DIR_NAME "/here"), 0);
+    const struct { const char *a, *b; bool same; } cases[] = {
+        {"there", "there", true},          {"there", "./there", true},      {"there", "soft", true}, {"there", "hard", true},
+        {"there", "here/there", true},     {"there", "other", false},       {"to_come", "to_come", true},
+        {"to_come", "here/to_come", true}, {"to_come", "early", true},      {"here/early", "to_come", true},
+        {"to_come", "to_com", false},      {"to_come", "there", false},     {"in_no/folder", "in_no/folder", false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char a[64], b[64];
+        snprintf(a, sizeof a, DIR_NAME "/%s", cases[i].a);
+        snprintf(b, sizeof b, DIR_NAME "/%s", cases[i].b);
+        if (bis_file_is_same(a, b) != cases[i].same || bis_file_is_same(b, a) != cases[i].same) fail_msg("%s and %s", a, b);
+    }
+}
+
+/* A killed process has no chance to remove anything. In this folder's file system or not at all. */
+static void a_killed_process_leaves_the_old_file_and_nothing_else(void **state)
+{
+    (void)state;
+    const int fd = open(DIR_NAME, O_TMPFILE | O_WRONLY, 0600);
+    if (fd < 0) skip(); /* no unnamed files here */
+    close(fd);
+    write_file(DIR_NAME "/survivor", "old", 3);
+    const size_t n = files_in_folder();
+    for (int i = 0; i < 2; i++) {
+        const char *const names[] = {DIR_NAME "/survivor", DIR_NAME "/never"};
+        int status;
+        fflush(NULL);
+        const pid_t pid = fork();
+        assert_true(pid >= 0);
+        if (pid == 0) {
+            bis_outfile *f;
+            if (bis_outfile_open(&f, names[i], NULL)) _exit(1);
+            for (int k = 0; k < 10000; k++) fprintf(bis_outfile_stream(f), "half");
+            fflush(bis_outfile_stream(f));
+            kill(getpid(), SIGKILL);
+        }
+        assert_int_equal(waitpid(pid, &status, 0), pid);
+        assert_true(WIFSIGNALED(status));
+        assert_int_equal(files_in_folder(), n);
+        assert_file_is(DIR_NAME "/survivor", "old");
+    }
+}
+
 static void opening_without_memory_says_so_and_leaves_no_file(void **state)
 {
     (void)state;
@@ -279,6 +403,27 @@ static void opening_without_memory_says_so_and_leaves_no_file(void **state)
     assert_int_equal(k, 4);
     bis_outfile_abort(f);
     assert_int_equal(files_in_folder(), n);
+}
+
+/* All of it once more, as where files have a name from the beginning. */
+static void the_same_holds_where_no_file_can_be_unnamed(void **state)
+{
+    void (*const tests[])(void **) = {
+        commit_puts_the_new_file_in_the_place_of_the_old_one,
+        a_new_file_has_the_mode_that_the_umask_leaves,
+        abort_leaves_the_old_file_and_nothing_else,
+        a_full_disk_keeps_the_old_file_and_removes_the_new_one,
+        a_place_that_cannot_be_written_is_refused_at_once,
+        through_a_link_the_linked_file_is_replaced,
+        through_a_dangling_link_its_target_is_made,
+        a_ring_of_links_and_a_long_name_are_refused,
+        an_older_file_keeps_its_mode,
+        opening_without_memory_says_so_and_leaves_no_file,
+    };
+    assert_int_equal(make_folder(state), 0);
+    bis_outfile_name_at_once(true);
+    for (size_t i = 0; i < sizeof tests / sizeof *tests; i++) tests[i](state);
+    bis_outfile_name_at_once(false);
 }
 
 /* ---- names ---- */
@@ -441,7 +586,13 @@ int main(void)
         cmocka_unit_test(a_full_disk_keeps_the_old_file_and_removes_the_new_one),
         cmocka_unit_test(a_place_that_cannot_be_written_is_refused_at_once),
         cmocka_unit_test(through_a_link_the_linked_file_is_replaced),
+        cmocka_unit_test(through_a_dangling_link_its_target_is_made),
+        cmocka_unit_test(a_ring_of_links_and_a_long_name_are_refused),
+        cmocka_unit_test(an_older_file_keeps_its_mode),
+        cmocka_unit_test(one_file_under_two_names_is_known),
+        cmocka_unit_test(a_killed_process_leaves_the_old_file_and_nothing_else),
         cmocka_unit_test(opening_without_memory_says_so_and_leaves_no_file),
+        cmocka_unit_test(the_same_holds_where_no_file_can_be_unnamed),
         cmocka_unit_test(a_name_is_relative_to_the_file_that_uses_it),
         cmocka_unit_test(an_extension_is_what_follows_the_last_dot_of_the_name),
         cmocka_unit_test(every_form_of_number_parses_as_by_strtod),

@@ -239,8 +239,9 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
     (void)state;
     for (long k = 1;; k++) {
         bis_film f;
+        bis_diag diag = {0};
         bis_mem_fail_at(k);
-        bis_status status = bis_film_init(&f, 8, 8, whole, (bis_loc){0}, NULL);
+        bis_status status = bis_film_init(&f, 8, 6, whole, (bis_loc){0}, &diag);
         bis_mem_fail_at(0);
         bis_film_clear(&f);
         if (status == BIS_OK) {
@@ -248,6 +249,8 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
             return;
         }
         assert_int_equal(status, BIS_NOMEM);
+        if (diag.n) assert_string_equal(diag.messages[0].text, "error: no memory for a picture of 8 x 6 pixels");
+        bis_diag_clear(&diag);
     }
 }
 

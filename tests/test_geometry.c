@@ -465,7 +465,7 @@ static void for_each_backend(void (*check)(const bis_accel *a, const bis_geometr
 
     for (int i = 0; i < (bis_accel_embree_version() ? 2 : 1); i++) {
         bis_accel *a;
-        assert_int_equal(bis_accel_new(&a, g, &(bis_accel_options){kinds[i], 0, 1}, NULL), BIS_OK);
+        assert_int_equal(bis_accel_new(&a, g, &(bis_accel_options){kinds[i], 0, 1, NULL}, NULL), BIS_OK);
         check(a, g, scale);
         bis_accel_free(a);
     }
@@ -639,7 +639,7 @@ static void a_large_tilted_plane_never_shadows_itself(void **state)
         add_mesh(&g, &m, NULL, 0);
         for (int kind = 0; kind < (bis_accel_embree_version() ? 2 : 1); kind++) {
             bis_accel *a;
-            const bis_accel_options options = {kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1};
+            const bis_accel_options options = {kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL};
             assert_int_equal(bis_accel_new(&a, &g, &options, NULL), BIS_OK);
             for (int i = 0; i < 500; i++) {
                 const double u = random_between(&seed, -1, 1), v = random_between(&seed, -1, 1);
@@ -676,7 +676,7 @@ static void no_triangle_of_the_dragon_shadows_itself(void **state)
     add_mesh(&g, &m, NULL, 0);
     for (int kind = 0; kind < (bis_accel_embree_version() ? 2 : 1); kind++) {
         bis_accel *a;
-        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1}, NULL), BIS_OK);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL}, NULL), BIS_OK);
         for (int n = 0; n < 100000; n++) {
             const vec3 target = box_point(&g.box, &seed), o = add(target, mul(random_direction(&seed), 0.5));
             const ray r = {o, sub(target, o), INFINITY};
@@ -704,7 +704,7 @@ static void without_the_offset_a_point_does_shadow_itself_E37(void **state)
     bis_geometry g = {0};
     bis_accel *a;
     assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
-    assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1}, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL), BIS_OK);
     for (int n = 0; n < 1000; n++) {
         const ray r = {{0, 0, 0}, sub(box_point(&g.box, &seed), (vec3){0, 0, 0}), INFINITY};
         bis_hit hit;

@@ -489,9 +489,33 @@ static void points_and_pixels_have_the_same_bits_on_every_processor(void **state
     bis_free(q);
 }
 
+/* Each of the 64 x 64 squares is one piece of Hilbert's curve, and n points one in each n-th of it: a square holds n/4096
+ * of them, one more or less at either end. More than 2^16 points need products beyond 32 bits. */
+static void a_million_points_are_as_even_as_a_hundred(void **state)
+{
+    static const uint32_t counts[] = {100, 4096, 32768, 32769, 46341, 65537, 100000, 390001, 1 << 20};
+    float *u = bis_alloc(2 << 20, sizeof *u);
+    int *in_square = bis_alloc(4096, sizeof *in_square);
+
+    (void)state;
+    for (int k = 0; k < 9; k++) {
+        const uint32_t n = counts[k];
+        float *u1 = u, *u2 = u + bis_lanes_round_up(n);
+        for (int i = 0; i < 4096; i++) in_square[i] = 0;
+        bis_lanes_points(u1, u2, n, 7);
+        for (uint32_t i = 0; i < n; i++) in_square[64 * (int)(u2[i] * 64) + (int)(u1[i] * 64)]++;
+        for (int i = 0; i < 4096; i++) {
+            if (fabs(in_square[i] - n / 4096.0) > 2) fail_msg("%u points: %d in square %d", n, in_square[i], i);
+        }
+    }
+    bis_free(u);
+    bis_free(in_square);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_million_points_are_as_even_as_a_hundred),
         cmocka_unit_test(log_of_1_minus_x_is_good_to_2_to_the_minus_22_down_to_x_0),
         cmocka_unit_test(exp_is_good_to_2_to_the_minus_22_and_never_below_2_to_the_minus_64),
         cmocka_unit_test(one_minus_exp_is_good_to_2_to_the_minus_22_down_to_0),

@@ -39,7 +39,7 @@ static void make_scene(bis_geometry *g, content what)
 /* The k-th backend, NULL when there is none. */
 static bis_accel *backend(const bis_geometry *g, int k)
 {
-    const bis_accel_options options = {k ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1};
+    const bis_accel_options options = {k ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL};
     bis_accel *a = NULL;
 
     if (k && !bis_accel_embree_version()) return NULL;

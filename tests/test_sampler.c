@@ -306,7 +306,7 @@ static double dependence(const bis_sampler *p, coordinate_fn x, coordinate_fn y)
         double sum = 0;
         for (uint32_t i = 0; i < p->spp; i++)
             sum += sin(turn * x(p, pixel, i)) * sin(turn * y(p, pixel, i));
-        square += sum / p->spp * sum / p->spp / pixels;
+        square += sum / (double)p->spp * sum / (double)p->spp / pixels;
     }
     return sqrt(square);
 }
@@ -433,9 +433,36 @@ static void kinds_have_their_names_and_sobol_and_halton_are_low_discrepancy(void
     }
 }
 
+/* Camera samples of an outline number up to 1024 times 10^9. The factors, by multiplication; and sample 2^32 + k is not
+ * sample k again. */
+static void camera_samples_are_counted_beyond_32_bits(void **state)
+{
+    static const uint64_t spp[] = {(uint64_t)1 << 32, 4800000000u, 1024 * UINT64_C(1000000000), 6 * UINT64_C(715827883)};
+    static const uint64_t ysamples[] = {65536, 64000, 1000000, 6}; /* the last: 6 times a prime */
+
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        for (int i = 0; i < 4; i++) {
+            bis_sampler s = {.kind = (bis_sampler_kind)kind, .seed = 42, .jitter = true};
+            bis_stream near, far;
+            double a[2], b[2];
+            bis_sampler_set_spp(&s, spp[i]);
+            assert_true(s.spp == spp[i] && s.xsamples * s.ysamples == spp[i]);
+            assert_true(s.ysamples == ysamples[i]);
+            bis_stream_init(&near, &s, 3, 7);
+            bis_stream_init(&far, &s, 3, 7 + ((uint64_t)1 << 32));
+            bis_stream_camera(&near, a);
+            bis_stream_camera(&far, b);
+            assert_true(a[0] != b[0] && a[1] != b[1]);
+            assert_true(b[0] >= 0 && b[0] < 1 && b[1] >= 0 && b[1] < 1);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(camera_samples_are_counted_beyond_32_bits),
         cmocka_unit_test(every_point_of_every_kind_is_uniform_over_the_pixels),
         cmocka_unit_test(every_kind_has_53_fair_bits),
         cmocka_unit_test(sobol_sets_of_2_to_the_k_points_are_nets),

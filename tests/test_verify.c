@@ -2,6 +2,7 @@
  * several seeds, and must accept it. Then the command itself. A run's own significance is 0.01; for the right ones,
  * some 30 runs with less than 400 p-values, this file takes 1e-3 for all of them together, at 2.5e-6 each. What is
  * wrong must be rejected by the run itself. */
+#include "shape/triangle.h"
 #include "tools/verify/verify.h"
 
 #include "bis/base/mem.h"
@@ -480,6 +481,91 @@ static void a_backend_that_loses_rays_is_rejected(void **state)
     bis_geometry_clear(&g);
 }
 
+/* The grid's triangle test as it once was: the sign of t by sheared coordinates alone. */
+static bool sheared_occluded(const bis_accel *a, const ray *r)
+{
+    const bis_geometry *g = a->geometry;
+    const sheared_ray sheared = shear_ray(r);
+    for (size_t i = 0; i < g->n_triangles; i++) {
+        float v[9];
+        double e[3], det, z;
+        for (size_t k = 0; k < 3; k++) memcpy(v + 3 * k, &g->p[g->index[3 * i + k]], 3 * sizeof *v);
+        if (shear_test(&sheared, v, e, &det, &z) && z / det > 0) return true;
+    }
+    return false;
+}
+
+/* A floor at z = 0 alone, and one backend: only rays that start on it can tell. The right grid passes, alone and beside
+ * Embree. */
+static void a_floor_that_shadows_itself_is_found_with_one_backend(void **state)
+{
+    (void)state;
+    static const bis_accel_ops once = {.name = "once", .intersect = right_intersect, .occluded = sheared_occluded};
+    static const float p[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    static const uint32_t index[6] = {0, 1, 2, 0, 2, 3};
+    const bis_xform here = bis_xform_identity();
+    bis_geometry g = {0};
+    bis_accel *grid;
+    bis_mesh m = {.p = bis_alloc(4, sizeof *m.p), .index = bis_alloc(2, 3 * sizeof *m.index), .n_vertices = 4, .n_triangles = 2};
+    for (int i = 0; i < 4; i++) m.p[i] = (vec3){p[i][0], p[i][1], 0};
+    memcpy(m.index, index, sizeof index);
+    assert_int_equal(bis_geometry_add_mesh(&g, &m, &here, 0, NULL), BIS_OK);
+    bis_mesh_clear(&m);
+    assert_int_equal(bis_accel_new(&grid, &g, &(bis_accel_options){.kind = BIS_ACCEL_GRID}, NULL), BIS_OK);
+    const forgetful wrong = {{&once, &g}, grid};
+    bis_verify right_alone = {.seed = 5}, wrong_alone = {.seed = 5};
+    bis_verify_backends(&right_alone, grid, NULL, 5000);
+    bis_verify_backends(&wrong_alone, &wrong.accel, NULL, 5000);
+    assert_int_equal(failures(&right_alone), 0);
+    assert_int_equal(failures(&wrong_alone), 1);
+    if (bis_accel_embree_version()) {
+        bis_accel *embree;
+        bis_verify both = {.seed = 5};
+        assert_int_equal(bis_accel_new(&embree, &g, &(bis_accel_options){.kind = BIS_ACCEL_EMBREE}, NULL), BIS_OK);
+        bis_verify_backends(&both, grid, embree, 5000);
+        assert_int_equal(failures(&both), 0);
+        bis_accel_free(embree);
+    }
+    bis_accel_free(grid);
+    bis_geometry_clear(&g);
+}
+
+/* Rays at edges within a few ulps, from far and near: whatever float Embree and the double grid say, the search knows
+ * that both are right; but not where one of them loses a hit or sees one that is not there 1e-4 beside the edge. */
+static void a_grazing_ray_may_go_either_way_and_no_other(void **state)
+{
+    (void)state;
+    bis_geometry g = {0};
+    const bis_xform here = bis_xform_identity();
+    bis_rng rng;
+    int ties = 0;
+    bis_rng_init(&rng, 6, 0, 0, 1);
+    bis_mesh m = {.p = bis_alloc(3, sizeof *m.p), .index = bis_alloc(1, 3 * sizeof *m.index), .n_vertices = 3, .n_triangles = 1};
+    m.p[0] = (vec3){0.1f, 0.2f, 0.3f}, m.p[1] = (vec3){1.7f, 0.4f, -0.2f}, m.p[2] = (vec3){0.3f, 1.9f, 0.5f};
+    for (uint32_t i = 0; i < 3; i++) m.index[i] = i;
+    const vec3 p[3] = {m.p[0], m.p[1], m.p[2]};
+    assert_int_equal(bis_geometry_add_mesh(&g, &m, &here, 0, NULL), BIS_OK);
+    bis_mesh_clear(&m);
+    for (int n = 0; n < 20000; n++) {
+        const double along = .01 + .98 * bis_rng_double(&rng), beside = n % 4 == 3 ? 1e-4 : n % 4 == 2 ? -1e-4 : 1e-7 * (n % 4) * (bis_rng_double(&rng) - .5);
+        const double b[3] = {1 - along - beside / 2, along - beside / 2, beside}; /* beside > 0: within */
+        const vec3 at = add(add(mul(p[0], b[0]), mul(p[1], b[1])), mul(p[2], b[2]));
+        const vec3 o = add(at, vec3_from(bis_rng_double(&rng) - .5, bis_rng_double(&rng) - .5, 1 + 3 * bis_rng_double(&rng)));
+        const double l = length(sub(at, o));
+        const ray r = {o, mul(sub(at, o), 1 / l), INFINITY};
+        const bis_verify_answer answer[2] = {{l, true}, {(double)INFINITY, false}}, wrong[2] = {{l, false}, {l / 2, true}};
+        bool right[2], of_wrong[2];
+        bis_verify_search(right, &g, &r, BIS_NO_PRIM, answer, 2);
+        bis_verify_search(of_wrong, &g, &r, BIS_NO_PRIM, wrong, 2);
+        if (n % 4 == 3) assert_true(right[0] && !right[1] && !of_wrong[0]);
+        if (n % 4 == 2) assert_true(!right[0] && right[1]);
+        if (n % 4 < 2) ties += right[0] && right[1];
+        assert_false(of_wrong[1]);
+    }
+    assert_true(ties > 9900);
+    bis_geometry_clear(&g);
+}
+
 /* ---- the run ---- */
 
 static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **state)
@@ -608,6 +694,8 @@ int main(void)
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
         cmocka_unit_test(wrong_integrators_are_rejected),
         cmocka_unit_test(a_backend_that_loses_rays_is_rejected),
+        cmocka_unit_test(a_floor_that_shadows_itself_is_found_with_one_backend),
+        cmocka_unit_test(a_grazing_ray_may_go_either_way_and_no_other),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(the_command_verifies_maps_and_scenes),
         cmocka_unit_test(a_scene_that_is_wrong_on_purpose_fails),

@@ -113,6 +113,7 @@ long first_k_without_failure(const world *w, unsigned layers)
         bis_mem_fail_at(0);
         bis_film_clear(&film);
         const size_t n_errors = diag.n_errors;
+        for (size_t i = 0; i < diag.n; i++) assert_null(strstr(diag.messages[i].text, "for 0 ")); /* the size that there was no room for */
         bis_diag_clear(&diag);
         if (status == BIS_OK) return k;
         assert_int_equal(status, BIS_NOMEM);

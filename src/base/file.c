@@ -2,8 +2,9 @@
  *
  * Reading: the size that the system reports is only a first guess (it is 0 for files of /proc, and a file may grow), so
  * we read until the end and grow the buffer on the way.
- * Writing: temporary name in the same folder, hence on the same disk, so that rename is atomic: at any moment, path is
- * either the whole old file or the whole new one.
+ * Writing: to a file of the same folder, hence on the same disk, that gets its name when it is complete, so that at any
+ * moment path is either the whole old file or the whole new one. Until then it has no name (O_TMPFILE), and a process
+ * that is killed leaves nothing behind; where the file system cannot do that it has a temporary one.
  * Numbers: strtod and printf obey the locale's decimal point; ours obey nothing. Parsing: two doubles that are exact
  * give a product or quotient that is correctly rounded (Clinger 1990, "How to Read Floating Point Numbers Accurately"),
  * which covers nearly all numbers of a mesh or scene; the rest goes to the C library. */
@@ -101,9 +102,12 @@ done:
 /* ---- out ---- */
 
 struct bis_outfile {
-    char *path, *temp;
+    char *path; /* what is replaced, behind all links */
+    char *temp; /* room for the name of the temporary file; "": it has none */
     FILE *stream;
 };
+
+enum { MOST_LINKS = 40 }; /* Linux follows as many */
 
 static size_t folder_length(const char *path)
 {
@@ -111,51 +115,147 @@ static size_t folder_length(const char *path)
     return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
-/* Create a new file beside path, with the mode that any new file gets (mkstemp would make it private). Returns its
- * descriptor, or -1 with errno. Its name is left in temp, which has room for it. */
-static int create_beside(char *temp, size_t room, const char *path)
+/* The folder that path stands in, "." where it names none. */
+static void copy_folder(char folder[PATH_MAX], const char *path)
 {
-    const int attempts = 100;
-    int folder = (int)folder_length(path), fd = -1;
+    const size_t n = folder_length(path);
+    memcpy(folder, n ? path : "./", n ? n : 2);
+    folder[n ? n : 2] = '\0';
+}
 
-    for (int i = 0; i < attempts && fd < 0; i++) {
-        struct timespec now;
-        clock_gettime(CLOCK_REALTIME, &now);
-        snprintf(temp, room, "%.*s.bis-%lx-%lx", folder, path, (unsigned long)getpid(), (unsigned long)now.tv_nsec);
+/* target, a link, becomes what it points to. Returns 0 or an errno. */
+static int follow_link(char target[PATH_MAX])
+{
+    char link[PATH_MAX];
+    const ssize_t got = readlink(target, link, sizeof link);
+    if (got < 0) return errno;
+    const size_t base = link[0] == '/' ? 0 : folder_length(target);
+    if (base + (size_t)got >= PATH_MAX) return ENAMETOOLONG;
+    memcpy(target + base, link, (size_t)got);
+    target[base + (size_t)got] = '\0';
+    return 0;
+}
+
+/* realpath would want the file to exist, but a link may come first and its file later. */
+static int follow_links(char target[PATH_MAX], const char *path)
+{
+    struct stat info;
+    int reason = strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
+
+    if (reason) return reason;
+    memcpy(target, path, strlen(path) + 1);
+    for (int i = 0; i <= MOST_LINKS && !reason; i++) {
+        if (lstat(target, &info)) return errno == ENAMETOOLONG || errno == ELOOP ? errno : 0; /* else it is new, or making it says why not */
+        if (!S_ISLNK(info.st_mode)) return 0;
+        reason = follow_link(target);
+    }
+    return reason ? reason : ELOOP;
+}
+
+bis_status bis_file_target(char target[PATH_MAX], const char *path, bis_diag *diag)
+{
+    const int reason = follow_links(target, path);
+    return reason ? bis_error(diag, BIS_IO, (bis_loc){path, 0, 0}, "cannot write \"%s\": %s", path, strerror(reason)) : BIS_OK;
+}
+
+static bool is_same_inode(const struct stat *a, const struct stat *b) { return a->st_dev == b->st_dev && a->st_ino == b->st_ino; }
+
+bool bis_file_is_same(const char *a, const char *b)
+{
+    char target_a[PATH_MAX], target_b[PATH_MAX], folder_a[PATH_MAX], folder_b[PATH_MAX];
+    struct stat info_a, info_b;
+    const bool has_a = stat(a, &info_a) == 0, has_b = stat(b, &info_b) == 0;
+
+    if (has_a && has_b) return is_same_inode(&info_a, &info_b);
+    if (has_a || has_b || follow_links(target_a, a) || follow_links(target_b, b)) return false;
+    copy_folder(folder_a, target_a);
+    copy_folder(folder_b, target_b);
+    return stat(folder_a, &info_a) == 0 && stat(folder_b, &info_b) == 0 && is_same_inode(&info_a, &info_b) &&
+           strcmp(target_a + folder_length(target_a), target_b + folder_length(target_b)) == 0;
+}
+
+/* Where the kernel shows an open file under a name, by which a file without one can be given its name. */
+static void name_of_descriptor(char name[32], int fd) { snprintf(name, 32, "/proc/self/fd/%d", fd); }
+
+static bool named_at_once;
+
+void bis_outfile_name_at_once(bool yes) { named_at_once = yes; }
+
+/* A file without a name in the folder of path: whatever ends this process, it leaves nothing behind. -1 where the file
+ * system or the kernel has no such thing. */
+static int create_unnamed(const char *path)
+{
+    char folder[PATH_MAX], name[32];
+    if (named_at_once) return -1;
+    copy_folder(folder, path);
+    int fd = open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    if (fd < 0) return -1;
+    name_of_descriptor(name, fd);
+    if (access(name, F_OK) == 0) return fd;
+    close(fd); /* no /proc: it could never be named */
+    return -1;
+}
+
+static void choose_name_beside(char *temp, size_t room, const char *path)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    snprintf(temp, room, "%.*s.bis-%lx-%lx", (int)folder_length(path), path, (unsigned long)getpid(), (unsigned long)now.tv_nsec);
+}
+
+static size_t room_beside(const char *path) { return folder_length(path) + sizeof ".bis-" + 2 * 16 + 1; }
+
+enum { MOST_NAMES = 100 };
+
+/* Create a new file beside path, with the mode that any new file gets (mkstemp would make it private). Returns its
+ * descriptor, or -1 with errno. Its name is left in temp, "" where there is none. */
+static int create_beside(char *temp, const char *path)
+{
+    int fd = -1;
+
+    for (int i = 0; i < MOST_NAMES && fd < 0; i++) {
+        choose_name_beside(temp, room_beside(path), path);
         fd = open(temp, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd < 0 && errno != EEXIST) break;
     }
+    if (fd < 0) temp[0] = '\0'; /* not ours to remove */
     return fd;
+}
+
+/* An older file keeps its mode. Where the file system knows no modes, it has none to keep. */
+static void keep_mode(int fd, const char *path)
+{
+    struct stat info;
+    if (stat(path, &info) == 0) (void)!fchmod(fd, info.st_mode & 07777);
 }
 
 bis_status bis_outfile_open(bis_outfile **out, const char *path, bis_diag *diag)
 {
-    const size_t suffix = sizeof ".bis-" + 2 * 16 + 1;
     bis_status status = BIS_NOMEM;
     bis_loc at = {path, 0, 0};
     struct stat info;
     char target[PATH_MAX];
-    bool is_link = lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
-    const char *final = is_link && realpath(path, target) ? target : path; /* a link's file is replaced, not the link */
-    const char *what = stat(final, &info) ? NULL : irregular(info.st_mode);
+    const char *what = stat(path, &info) ? NULL : irregular(info.st_mode);
     int fd = -1;
 
     *out = NULL;
     if (what) /* renaming onto /dev/null would remove it */
         return bis_error(diag, BIS_IO, at, "cannot write \"%s\": it is %s, must be a regular file or new", path, what);
+    if (bis_file_target(target, path, diag)) return BIS_IO;
     bis_outfile *f = bis_alloc(1, sizeof *f);
-    if (f) f->path = bis_strdup(final);
-    if (f && f->path) f->temp = bis_alloc(folder_length(final) + suffix, 1);
+    if (f) f->path = bis_strdup(target);
+    if (f && f->path) f->temp = bis_alloc(room_beside(target), 1);
     if (!f || !f->path || !f->temp) {
         bis_error(diag, status, at, "no memory to write \"%s\"", path);
         goto done;
     }
-    fd = create_beside(f->temp, folder_length(final) + suffix, final);
+    fd = create_unnamed(target);
+    if (fd < 0) fd = create_beside(f->temp, target);
     if (fd < 0) {
-        status = bis_error(diag, BIS_IO, at, "cannot create a file beside \"%s\": %s", path, strerror(errno));
-        f->temp[0] = '\0'; /* not ours to remove */
+        status = bis_error(diag, BIS_IO, at, "cannot create a file beside \"%s\": %s", target, strerror(errno));
         goto done;
     }
+    keep_mode(fd, target);
     f->stream = fdopen(fd, "wb");
     if (!f->stream) {
         status = bis_error(diag, BIS_IO, at, "cannot open a stream to \"%s\": %s", path, strerror(errno));
@@ -170,7 +270,6 @@ done:
 }
 
 FILE *bis_outfile_stream(bis_outfile *f) { return f->stream; }
-const char *bis_outfile_temp_name(const bis_outfile *f) { return f->temp; }
 
 /* All the ways in which the disk can say no. ferror: an earlier write failed, and its errno is gone. */
 static const char *first_failure(bis_outfile *f)
@@ -185,12 +284,30 @@ static const char *first_failure(bis_outfile *f)
     return earlier ? "a write failed (disk full?)" : NULL;
 }
 
+/* The file that fd holds gets a name: path itself where that is new. A link replaces nothing, so where there is an
+ * older file it is a name beside, which is renamed at once. Returns 0, or -1 with errno. */
+static int give_name(bis_outfile *f, int fd)
+{
+    char unnamed[32];
+    name_of_descriptor(unnamed, fd);
+    if (linkat(AT_FDCWD, unnamed, AT_FDCWD, f->path, AT_SYMLINK_FOLLOW) == 0) return 0;
+    for (int i = 0; i < MOST_NAMES && errno == EEXIST; i++) {
+        choose_name_beside(f->temp, room_beside(f->path), f->path);
+        if (linkat(AT_FDCWD, unnamed, AT_FDCWD, f->temp, AT_SYMLINK_FOLLOW) == 0) return rename(f->temp, f->path);
+        f->temp[0] = '\0';
+    }
+    return -1;
+}
+
 bis_status bis_outfile_commit(bis_outfile *f, bis_diag *diag)
 {
     bis_status status = BIS_OK;
+    const int fd = f->temp[0] ? -1 : dup(fileno(f->stream)); /* what has no name yet must outlive its stream */
+    const bool has_name = f->temp[0];
     const char *failure = first_failure(f);
 
-    if (!failure && rename(f->temp, f->path)) failure = strerror(errno);
+    if (!failure && (has_name ? rename(f->temp, f->path) : give_name(f, fd))) failure = strerror(errno);
+    if (fd >= 0) close(fd);
     if (failure)
         status = bis_error(diag, BIS_IO, (bis_loc){f->path, 0, 0}, "cannot write \"%s\": %s", f->path, failure);
     else

@@ -4,6 +4,8 @@
 
 #include "bis/thesis/rng.h"
 
+#include <stdbool.h>
+
 /* 32 bits in, 32 well-mixed bits out (Wellons 2018, "lowbias32"). */
 static inline uint32_t mixed(uint32_t x)
 {
@@ -36,8 +38,8 @@ static inline uint32_t parity_above(uint32_t x)
 
 static inline float unit_float(uint32_t bits24) { return (float)(int32_t)bits24 * 0x1p-24f; }
 
-BIS_LANES
-static void points(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t key1, uint32_t key2)
+/* many: i rest would not fit 31 bits. */
+static inline BIS_INLINE void points_as(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t key1, uint32_t key2, const bool many)
 {
     const uint32_t cells = 1u << 24, last = cells - 1, whole = cells / n, rest = cells % n;
     const float inverse = 1 / (float)n, size = (float)cells * inverse;
@@ -46,7 +48,8 @@ static void points(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t k
     for (uint32_t i = 0; i < padded; i++) {
         /* (i + u)/n, counted in cells: i whole + i rest/n + u size. In float, i + u would leave u so few bits that up
          * to half of the cells are never drawn. */
-        const float within = (float)(int32_t)(i * rest) * inverse + unit_float(mixed(i ^ key1) >> 8) * size;
+        const float before = many ? (float)((double)i * rest / n) : (float)(int32_t)(i * rest) * inverse;
+        const float within = before + unit_float(mixed(i ^ key1) >> 8) * size;
         const uint32_t t24 = i * whole + (uint32_t)(int32_t)within, digits = t24 < last ? t24 : last;
         const uint32_t a = even_bits(digits >> 1), b = even_bits(digits);
         const uint32_t swap = parity_above(~(a ^ b) & 0xfffu), complement = parity_above(a & b);
@@ -56,6 +59,13 @@ static void points(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t k
         u1[i] = unit_float(x << 12 | place >> 20);
         u2[i] = unit_float(y << 12 | (place & 0xfffu));
     }
+}
+
+BIS_LANES
+static void points(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t key1, uint32_t key2)
+{
+    if (n <= 1u << 15) points_as(u1, u2, n, padded, key1, key2, false); /* (padded - 1) (n - 1) < 2^31 */
+    else points_as(u1, u2, n, padded, key1, key2, true);
 }
 
 void bis_lanes_points(float *u1, float *u2, uint32_t n, uint64_t key)

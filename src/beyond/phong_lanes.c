@@ -112,11 +112,14 @@ static void colour_lanes(const constants *c, const bis_lanes *y, uint32_t n)
         const float g = (k.base[1] + k.lobe[1] * p) * l.g[i];
         const float b = (k.base[2] + k.lobe[2] * p) * l.b[i];
         const float sum = r + g + b;
-        const float share = 1 / bis_lanes_choose(sum > 0, sum, 1); /* 0 in what fills the last block */
+        /* sum = 0: what fills the last block. 1/sum of a denormal would be infinite: it is made a normal float first,
+         * by a power of two, which rounds nothing. */
+        const float lift = bis_lanes_choose(sum < FLT_MIN, 0x1p64f, 1);
+        const float share = 1 / (bis_lanes_choose(sum > 0, sum, 1) * lift);
 
-        l.r[i] = r * share;
-        l.g[i] = g * share;
-        l.b[i] = b * share;
+        l.r[i] = r * lift * share;
+        l.g[i] = g * lift * share;
+        l.b[i] = b * lift * share;
     }
 }
 

@@ -86,13 +86,16 @@ void bis_cli_help(const bis_command *c, FILE *out)
 /* --- values
  * -------------------------------------------------------------------------------------------------------- */
 
-/* Digits alone, in [lo, hi]. */
+/* A bound of the table as an integer: exact, since no range ends between 2^53 and 2^64. */
+static uint64_t count_bound(double bound) { return bound >= 0x1p64 ? UINT64_MAX : (uint64_t)bound; }
+
+/* Digits alone, in [lo, hi]; compared as integers, because 2^53 + 1 is no double. */
 static bool read_count(uint64_t *value, const char *text, double lo, double hi)
 {
     if (*text == '\0' || text[strspn(text, "0123456789")] != '\0') return false;
     errno = 0;
     unsigned long long v = strtoull(text, NULL, 10);
-    if (errno == ERANGE || (double)v < lo || (double)v > hi) return false;
+    if (errno == ERANGE || v < count_bound(lo) || v > count_bound(hi)) return false;
     *value = v;
     return true;
 }
@@ -354,19 +357,17 @@ int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body,
 bis_status bis_cli_check_writable(const char *path, bis_diag *diag)
 {
     struct stat st;
-    const char *slash = strrchr(path, '/');
-    char folder[4096] = ".";
+    char target[PATH_MAX], folder[PATH_MAX] = ".";
+    bis_outfile *file;
 
-    if (slash) {
-        size_t length = slash == path ? 1 : (size_t)(slash - path);
-        if (length >= sizeof folder) return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: the name is too long", path);
-        memcpy(folder, path, length);
-        folder[length] = '\0';
-    }
     if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) {
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: it is %s", path,
                          S_ISDIR(st.st_mode) ? "a folder" : "not a regular file");
     }
+    bis_status status = bis_file_target(target, path, diag);
+    if (status) return status;
+    const char *slash = strrchr(target, '/');
+    if (slash) snprintf(folder, sizeof folder, "%.*s", slash == target ? 1 : (int)(slash - target), target);
     if (stat(folder, &st) != 0) {
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder, strerror(errno));
     }
@@ -375,6 +376,33 @@ bis_status bis_cli_check_writable(const char *path, bis_diag *diag)
     }
     if (access(folder, W_OK | X_OK) != 0) {
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder, strerror(errno));
+    }
+    status = bis_outfile_open(&file, path, diag); /* the surest test is to do it */
+    if (!status) bis_outfile_abort(file);
+    return status;
+}
+
+/* A pipe or a device takes what is written, and is lost to nobody. */
+static bool is_lost_when_written(const char *path)
+{
+    struct stat st;
+    return strcmp(path, "-") != 0 && (stat(path, &st) != 0 || S_ISREG(st.st_mode));
+}
+
+bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, const char *const *outputs, size_t n_outputs, bis_diag *diag)
+{
+    for (size_t i = 0; i < n_outputs; i++) {
+        if (!is_lost_when_written(outputs[i])) continue;
+        for (size_t k = 0; k < n_inputs; k++) {
+            if (!bis_file_is_same(outputs[i], inputs[k])) continue;
+            return bis_error(diag, BIS_INPUT, bis_cli_loc, "output \"%s\" would replace \"%s\", which is read; give the output another name",
+                             outputs[i], inputs[k]);
+        }
+        for (size_t k = 0; k < i; k++) {
+            if (!bis_file_is_same(outputs[i], outputs[k])) continue;
+            return bis_error(diag, BIS_INPUT, bis_cli_loc, "outputs \"%s\" and \"%s\" are one file; give one of them another name",
+                             outputs[k], outputs[i]);
+        }
     }
     return BIS_OK;
 }

@@ -101,9 +101,13 @@ int bis_cli_finish(int status);
 /* The place of complaints about the command line: they start with "bis: error: ". */
 extern const bis_loc bis_cli_loc;
 
-/* Can a file be made at path? Its folder must exist and be writable, path must not be a folder. For a check before
- * hours of rendering; the write itself is checked again. */
+/* Can a file be made at path? Its folder, behind all links, must exist and be writable, path must not be a folder, its
+ * name not too long. For a check before hours of rendering; the write itself is checked again. */
 bis_status bis_cli_check_writable(const char *path, bis_diag *diag);
+
+/* bis_cli_check_distinct: refuse, before any work, an output that is one of the inputs or another output: what it holds
+ * would be lost. A pipe, a device or "-" may stand for several. Errors: BIS_INPUT. */
+bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, const char *const *outputs, size_t n_outputs, bis_diag *diag);
 
 /* The commands: arguments behind the command's name, exit status out. */
 int bis_cmd_render(int argc, char **argv);

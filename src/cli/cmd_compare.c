@@ -75,6 +75,7 @@ static int compare(const void *options, const char *const *paths, bis_diag *diag
 
     if (o->diff) {
         status = check_output(o->diff, diag);
+        if (!status) status = bis_cli_check_distinct(paths, 2, &o->diff, 1, diag);
         if (status) return bis_cli_exit_status(status);
     }
     if (bis_image_read(&a, paths[0], (bis_loc){0}, diag)) goto done;

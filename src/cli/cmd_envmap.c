@@ -224,7 +224,7 @@ static bool find_out(char out[4096], const envmap_options *o, const char *map, b
 {
     const char *slash = strrchr(map, '/'), *name = slash ? slash + 1 : map, *dot = strrchr(name, '.');
     const int stem = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
-    char first[4096];
+    char picture[4096];
 
     *any = o->out || o->outdir;
     if (!*any) return true;
@@ -241,7 +241,12 @@ static bool find_out(char out[4096], const envmap_options *o, const char *map, b
         bis_error(diag, BIS_INPUT, bis_cli_loc, "--out \"%s\": the ending must be .exr, .pfm, .hdr or .png", out);
         return false;
     }
-    return bis_cli_check_writable(picture_path(first, out, "levels"), diag) == BIS_OK;
+    for (int i = 0; i < 4; i++) {
+        static const char *const pictures[] = {"map", "levels", "regions", "importance"};
+        const char *const path = picture_path(picture, out, pictures[i]);
+        if (bis_cli_check_writable(path, diag) || bis_cli_check_distinct(&map, 1, &path, 1, diag)) return false;
+    }
+    return true;
 }
 
 /* ---- the command ---- */

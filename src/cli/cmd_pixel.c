@@ -134,12 +134,20 @@ static bis_status make_folder(const char *path, bis_diag *diag)
     return bis_error(diag, BIS_IO, bis_cli_loc, "--output \"%s\": the folder cannot be made: %s", path, strerror(reason));
 }
 
+static bis_status check_files(const char *folder, bis_diag *diag)
+{
+    char path[PATH_MAX];
+    if (snprintf(path, sizeof path, "%s/methods.csv", folder) < (int)sizeof path) return bis_cli_check_writable(path, diag);
+    return bis_error(diag, BIS_IO, bis_cli_loc, "--output \"%s\": the name is too long", folder);
+}
+
 /* An answer without files: nothing is hit, or nothing reflected. */
 static bis_status report_all(bis_pixel_report *r, const pixel_options *o, const bis_scene_desc *desc, bis_diag *diag)
 {
     if (!r->why_nothing) {
-        bis_status status = ask(r, o, desc, diag);
-        if (!status) status = make_folder(r->folder, diag);
+        bis_status status = make_folder(r->folder, diag); /* before the work, whose files could go nowhere */
+        if (!status) status = check_files(r->folder, diag);
+        if (!status) status = ask(r, o, desc, diag);
         if (!status) status = bis_pixel_write_files(r, diag);
         if (status) return status;
     }

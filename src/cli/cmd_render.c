@@ -1,8 +1,8 @@
 /* cmd_render: `bis [render] [options] SCENE`: parse, override, plan or build, render, write, report.
  *
  * Whatever can be known to fail is tried before the rendering: options, the endings and folders of the output files,
- * the scene. Ctrl-C (and SIGTERM, SIGHUP) during the rendering ends it soon; what is complete is written, and the exit
- * status is 130. A second one kills. */
+ * the scene. Ctrl-C (and SIGTERM, SIGHUP) during the rendering ends it soon; the complete passes are written, if there
+ * are any, and the exit status is 130. A second one kills. */
 #include "bis/base/clock.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
@@ -113,7 +113,7 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
          .kind = BIS_OPTION_TEXT, .value = &o->stats},
         {.name = "exposure", .argument = "EV", .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)",
          .kind = BIS_OPTION_REAL, .value = &o->exposure, .given = &o->has_exposure, .lo = -100, .hi = 100},
-        {.name = "quiet", .help = "no progress and no warnings", .kind = BIS_OPTION_FLAG, .value = &o->quiet},
+        {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG, .value = &o->quiet},
         {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
          .kind = BIS_OPTION_FLAG, .value = &o->plan},
 
@@ -141,6 +141,7 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
          "to see why; may be repeated; \"list\" prints all", .kind = BIS_OPTION_LIST, .value = &o->as_printed},
         {.name = "disable-pixel-jitter", .help = "camera rays through pixel centres", .kind = BIS_OPTION_FLAG, .value = &o->no_jitter},
         {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor); pictures do not depend on it",
+         /* where the system gives fewer, OpenMP's runtime says so and exits with 1: it has no way to ask */
          .kind = BIS_OPTION_COUNT, .value = &o->threads, .lo = 1, .hi = 1024},
 
         {.help = "how long (whichever comes first; default: the scene's pixelsamples)"},
@@ -162,7 +163,7 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
         .min_operands = 1,
         .max_operands = 1,
         .notes = "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
-                 "bad scene; 130 interrupted, after what was rendered has been written.\n",
+                 "bad scene; 130 interrupted, after the complete passes have been written.\n",
     };
     int n;
     return bis_cli_parse(&command, argc, argv, scene, &n, exit_status);
@@ -302,6 +303,26 @@ static bis_status check_outputs(const render_options *o, bis_diag *diag)
     return first;
 }
 
+/* What is read is known now, so that nothing of it is written over. */
+static bis_status check_distinct(const render_options *o, const bis_scene_desc *desc, bis_diag *diag)
+{
+    const size_t n_inputs = desc->n_files + desc->n_meshes + 1;
+    const char **inputs = bis_alloc(n_inputs, sizeof *inputs), *outputs[BIS_MAX_TEXTS + 1];
+    size_t n = 0, n_outputs = 0;
+
+    if (!inputs) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory for the names of %zu files", n_inputs);
+    for (size_t i = 0; i < desc->n_files; i++) inputs[n++] = desc->files[i];
+    for (size_t i = 0; i < desc->n_meshes; i++) {
+        if (desc->meshes[i].filename) inputs[n++] = desc->meshes[i].filename;
+    }
+    if (desc->light.filename) inputs[n++] = desc->light.filename;
+    for (int i = 0; i < o->outfiles.n; i++) outputs[n_outputs++] = o->outfiles.text[i];
+    if (o->stats) outputs[n_outputs++] = o->stats;
+    const bis_status status = bis_cli_check_distinct(inputs, n, outputs, n_outputs, diag);
+    bis_free(inputs);
+    return status;
+}
+
 /* Layers need an EXR to go to. */
 static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, bis_diag *diag)
 {
@@ -335,8 +356,34 @@ static bis_status list_channels(bis_channel *channels, int *n, float **planes, c
     return BIS_OK;
 }
 
+static const char *duration(char buf[32], double seconds)
+{
+    if (seconds < 10) snprintf(buf, 32, "%.2g s", seconds);
+    else if (seconds < 120) snprintf(buf, 32, "%.0f s", seconds);
+    else if (seconds < 7200) snprintf(buf, 32, "%.0f min", seconds / 60);
+    else if (seconds < 172800) snprintf(buf, 32, "%.1f h", seconds / 3600);
+    else snprintf(buf, 32, "%.3g days", seconds / 86400);
+    return buf;
+}
+
+/* What stands on the disk now, for who sees no progress: one line. */
+static void print_result(const bis_texts *written, const bis_stats *stats)
+{
+    const bis_render_result *r = stats->result;
+    char seconds[32];
+
+    if (r->interrupted) fprintf(stderr, "bis: interrupted after %u pass%s; wrote", r->passes, r->passes == 1 ? "" : "es");
+    else fputs("bis: wrote", stderr);
+    for (int i = 0; i < written->n; i++) fprintf(stderr, "%s %s", i ? "," : "", written->text[i]);
+    fprintf(stderr, ": %d x %d pixels, %u pass%s", stats->film->width, stats->film->height, r->passes, r->passes == 1 ? "" : "es");
+    if (r->spp != r->passes) fprintf(stderr, " of %d camera samples a pixel", (int)(r->spp / r->passes));
+    fprintf(stderr, ", %s, ", duration(seconds, r->seconds));
+    if (isnan(r->relative_rmse)) fputs("error unknown (one pass)\n", stderr);
+    else fprintf(stderr, "error about %.2g%%\n", 100 * r->relative_rmse);
+}
+
 /* All files are tried, even when one fails: hours of rendering should end up somewhere. */
-static bis_status write_pictures(const render_options *o, const bis_stats *stats, bis_diag *diag)
+static bis_status write_pictures(bis_texts *written, const render_options *o, const bis_stats *stats, bis_diag *diag)
 {
     const bis_film *f = stats->film;
     float *rgba = bis_alloc((size_t)f->width * (size_t)f->height, 4 * sizeof *rgba);
@@ -364,6 +411,7 @@ static bis_status write_pictures(const render_options *o, const bis_stats *stats
     };
     for (int i = 0; i < o->outfiles.n; i++) {
         bis_status status = bis_image_write(o->outfiles.text[i], &picture, diag);
+        if (!status) written->text[written->n++] = o->outfiles.text[i];
         if (!first) first = status;
     }
     bis_free(planes);
@@ -403,15 +451,6 @@ static void print_progress(const bis_progress *p, void *user)
     fprintf(stderr, ", %.0f%%", 100 * p->share);
     if (isfinite(p->seconds_left)) fprintf(stderr, ", %.0f s left", ceil(p->seconds_left));
     fputs("   \033[K", stderr);
-}
-
-static const char *duration(char buf[32], double seconds)
-{
-    if (seconds < 120) snprintf(buf, 32, "%.0f s", seconds);
-    else if (seconds < 7200) snprintf(buf, 32, "%.0f min", seconds / 60);
-    else if (seconds < 172800) snprintf(buf, 32, "%.1f h", seconds / 3600);
-    else snprintf(buf, 32, "%.3g days", seconds / 86400);
-    return buf;
 }
 
 /* Said early, after the pilot, so that nobody waits for what cannot come: an error that another budget will cut off, or
@@ -502,6 +541,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     bis_scene *scene = NULL;
     bis_film film = {0};
     bis_render_result result;
+    bis_texts written = {.n = 0};
     bis_auto_report choice = {.n_groups = 1};
     const bool chooses = bis_auto_is_wanted(&desc->settings);
     char *lines = NULL, *exceptions = NULL;
@@ -518,6 +558,11 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     if (!o->quiet) note_resampling(scene->light);
     status = render(&result, &film, &choice, scene, desc, o, diag);
     if (status) goto done;
+    *interrupted = signal_caught;
+    if (result.passes == 0) { /* an older picture is worth more than a black one; said also when quiet, as an error is */
+        fputs("bis: interrupted before the first pass was complete: nothing was written\n", stderr);
+        goto done;
+    }
 
     bis_stats stats = {.desc = desc, .scene = scene, .film = &film, .result = &result, .seconds = scene->seconds,
                        .choice = chooses ? &choice : NULL};
@@ -530,7 +575,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;
     double before = bis_clock_now();
-    status = write_pictures(o, &stats, diag);
+    status = write_pictures(&written, o, &stats, diag);
     stats.seconds.write = bis_clock_now() - before;
     stats.seconds.total = bis_clock_now() - start;
     if (o->stats) {
@@ -538,6 +583,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
         if (!status) status = other;
     }
     *interrupted = signal_caught;
+    if (!o->quiet && written.n) print_result(&written, &stats);
 done:
     bis_auto_report_clear(&choice);
     bis_free(lines);
@@ -595,6 +641,8 @@ int bis_cmd_render(int argc, char **argv)
         status = check_outputs(&o, &diag);
         if (status) goto done;
     }
+    status = check_distinct(&o, desc, &diag);
+    if (status) goto done;
     status = run(&o, desc, start, parse_seconds, &interrupted, &diag);
 done:
     bis_cli_print_diag(&diag, o.quiet);

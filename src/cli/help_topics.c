@@ -98,7 +98,7 @@ static const bis_help_entry output[] = {
     {"0", "done"},
     {"1", "could not read or write, or out of memory; compare: beyond --tolerance; verify: a test failed"},
     {"2", "bad usage or bad scene; nothing was written"},
-    {"130", "interrupted, after what was rendered has been written"},
+    {"130", "interrupted, after the complete passes have been written"},
     {NULL, NULL},
 };
 
@@ -123,10 +123,10 @@ static const bis_help_entry errata[] = {
 };
 
 static const bis_help_entry examples[] = {
-    {NULL, "The default picture; a good one after ten seconds; a part of it, until its relative error is below 5%, with figures as JSON:"},
+    {NULL, "The default picture; a good one after ten seconds, with figures as JSON; a part of it, until its relative error is below 5%:"},
     {"bis scene.txt", NULL},
-    {"bis scene.txt --time 10 --outfile clean.exr --outfile clean.png", NULL},
-    {"bis scene.txt --error 0.05 --cropwindow 0.4,0.6,0.3,0.6 --stats -", NULL},
+    {"bis scene.txt --time 10 --outfile clean.exr --outfile clean.png --stats -", NULL},
+    {"bis scene.txt --error .05 --cropwindow 0.4,0.6,0.3,0.6 --outfile crop.exr", NULL},
     {NULL, "Two methods with the same number of rays; how far apart are they, and where?"},
     {"bis scene.txt --integrator em --samples 4 --outfile em.exr", NULL},
     {"bis scene.txt --integrator sir --shadowrays 4 --outfile sir.exr", NULL},

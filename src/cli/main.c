@@ -1,11 +1,13 @@
 /* main: which command? `bis SCENE` renders. */
 #include "help.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
 int main(int argc, char **argv)
 {
+    signal(SIGXFSZ, SIG_IGN); /* where files are limited in size, writing fails with a message instead of killing */
     if (argc < 2) {
         fprintf(stderr, "bis: error: no scene; usage: bis [render] [options] SCENE, `bis --help` tells more\n");
         return BIS_EXIT_USAGE;

@@ -255,7 +255,7 @@ static void read_stratified(bis_parser *p, bis_sampler *s, bool has_spp)
     if ((uint64_t)x * y > MAX_SPP || (has_spp && x * y != s->spp)) {
         bis_parser_error(p, bis_params_at(p, has_x ? "xsamples" : "ysamples"),
                          "\"xsamples\" %u times \"ysamples\" %u is %llu, must be %s%u", x, y, (unsigned long long)x * y,
-                         has_spp ? "\"pixelsamples\" " : "at most ", has_spp ? s->spp : MAX_SPP);
+                         has_spp ? "\"pixelsamples\" " : "at most ", has_spp ? (unsigned)s->spp : MAX_SPP);
         return;
     }
     s->xsamples = x;

@@ -33,8 +33,9 @@ bis_status bis_adapt_init(bis_adapt *a, const bis_film *f, int tile, bis_diag *d
     a->inverse = bis_alloc((size_t)a->n_tiles, sizeof *a->inverse);
     a->noise = bis_alloc((size_t)a->n_tiles, sizeof *a->noise);
     if (!a->samples || !a->inverse || !a->noise) {
+        const bis_status status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d tiles", a->n_tiles);
         bis_adapt_clear(a);
-        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d tiles", a->n_tiles);
+        return status;
     }
     for (int t = 0; t < a->n_tiles; t++) a->samples[t] = BIS_ADAPT_SAMPLES;
     return BIS_OK;

@@ -42,8 +42,9 @@ bis_status bis_film_init(bis_film *f, int full_width, int full_height, const dou
     film.sum_squares = bis_alloc(n, 3 * sizeof *film.sum_squares);
     film.hits = bis_alloc(n, sizeof *film.hits);
     if (!film.sum || !film.sum_squares || !film.hits) {
+        const bis_status status = bis_error(diag, BIS_NOMEM, at, "no memory for a picture of %d x %d pixels", film.width, film.height);
         bis_film_clear(&film);
-        return bis_error(diag, BIS_NOMEM, at, "no memory for a picture of %d x %d pixels", film.width, film.height);
+        return status;
     }
     *f = film;
     return BIS_OK;

@@ -178,7 +178,7 @@ static rgb metered(const render *r, worker *w, const bis_point *pt, bis_stream *
 
 /* Camera sample `index` of pixel (x, y); *hits counts those that hit. A ray that escapes sees the map. values: for the
  * layers, or NULL. */
-static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler, int x, int y, uint32_t index, uint32_t *hits, float *values)
+static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler, int x, int y, uint64_t index, uint32_t *hits, float *values)
 {
     const bis_film *f = r->film;
     const bis_counters before = w->counters;
@@ -204,7 +204,7 @@ static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler,
 }
 
 /* What a pass makes of pixel (x, y): the mean of n camera samples, `first` and those after it. */
-static sample pixel_sample(const render *r, worker *w, const bis_sampler *sampler, int x, int y, uint32_t first, uint32_t n, float *values)
+static sample pixel_sample(const render *r, worker *w, const bis_sampler *sampler, int x, int y, uint64_t first, uint32_t n, float *values)
 {
     uint32_t hits = 0;
     rgb L = camera_sample(r, w, sampler, x, y, first, &hits, values);
@@ -263,7 +263,8 @@ static void render_tile(const render *r, worker *w, int t, uint32_t pass)
             float *values = layers_at(r, i);
             if (values) memset(values, 0, (size_t)f->layers.n_values * sizeof *values);
             const bool edge = r->edge && r->edge[i];
-            const uint32_t samples = edge ? edge_n : n, first = r->independent ? 0 : pass * samples;
+            const uint32_t samples = edge ? edge_n : n; /* 64 x 1024 at most */
+            const uint64_t first = r->independent ? 0 : (uint64_t)pass * samples;
             r->pass[i] = pixel_sample(r, w, edge ? &edge_sampler : &sampler, f->x0 + x, f->y0 + y, first, samples, values);
         }
     }
@@ -313,7 +314,6 @@ static bool render_pass(render *r)
     return !interrupted(r);
 }
 
-/* Pixels of an unfinished first pass are still as bis_alloc made them: black, no hit. */
 static void keep_pass(render *r)
 {
     bis_film *f = r->film;
@@ -379,7 +379,6 @@ static void render_passes(render *r, bis_render_result *result)
             if (r->adapt.n_tiles) bis_adapt_next(&r->adapt, r->film);
         }
     } while (complete && budget_left(r, &next_check));
-    if (r->passes == 0) keep_pass(r); /* rather an unfinished pass than nothing */
     result->seconds = bis_clock_now() - r->start;
     result->interrupted = !complete || (interrupted(r) && !(r->most_passes && r->passes >= r->most_passes));
     report(r, 0);
@@ -456,7 +455,7 @@ static bis_status find_edges(render *r, bis_diag *diag)
 
     if (r->desc->edge_samples <= 1 || !r->desc->pixel_jitter || !r->scene->accel) return BIS_OK;
     r->edge_sampler = r->desc->sampler;
-    bis_sampler_set_spp(&r->edge_sampler, r->desc->sampler.spp * r->desc->edge_samples);
+    bis_sampler_set_spp(&r->edge_sampler, (uint64_t)r->desc->sampler.spp * r->desc->edge_samples);
     r->edge = bis_edges_find(f, r->scene, r->desc, r->n_threads);
     if (!r->edge) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", f->width, f->height);
     r->counters.camera_rays += (uint64_t)(f->width + 1) * (uint64_t)(f->height + 1);
@@ -498,7 +497,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
 
     *result = (bis_render_result){.relative_rmse = (double)NAN, .error_bound = (double)NAN};
     assert(film->passes == 0);
-    if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = desc->sampler.spp;
+    if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)desc->sampler.spp;
     r.most_passes = desc->adaptive ? r.budget.spp / BIS_ADAPT_SAMPLES + (r.budget.spp % BIS_ADAPT_SAMPLES > 0) : r.budget.spp;
     status = make_workers(&r, diag);
     for (int m = 0; m < r.n_methods && !status; m++)

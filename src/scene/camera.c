@@ -41,3 +41,21 @@ ray bis_camera_ray(const bis_camera *c, int width, int height, double x, double 
     const double norm = square > 1e-280 && square < 1e280 ? sqrt(square) : hypot(hypot(d[0], d[1]), d[2]);
     return (ray){vec3_from(o[0], o[1], o[2]), vec3_from(d[0] / norm, d[1] / norm, d[2] / norm), INFINITY};
 }
+
+/* Origins are an affine function of the place on the film: their extremes lie at its corners. */
+void bis_camera_eyes(const bis_camera *c, int width, int height, double box[6])
+{
+    double w[4];
+    window(c, width, height, w);
+    for (int i = 0; i < 3; i++) {
+        const double *row = c->to_world.m[i];
+        box[i] = (double)INFINITY;
+        box[3 + i] = -(double)INFINITY;
+        for (int corner = 0; corner < 4; corner++) {
+            const double x = c->orthographic ? w[corner & 1] : 0, y = c->orthographic ? w[2 + (corner >> 1)] : 0;
+            const double o = row[0] * x + row[1] * y + row[3];
+            box[i] = fmin(box[i], o);
+            box[3 + i] = fmax(box[3 + i], o);
+        }
+    }
+}

@@ -11,6 +11,7 @@
 #include "files/ply.h"
 
 #include <assert.h>
+#include <float.h>
 #include <string.h>
 
 static void *copy_of(const void *from, size_t n, size_t size)
@@ -123,6 +124,35 @@ static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, bis_diag 
     return status;
 }
 
+/* The box where camera rays start; it must fit into floats. */
+static bis_status find_eyes(bis_box *eyes, const bis_scene_desc *desc, bis_diag *diag)
+{
+    double b[6];
+
+    bis_camera_eyes(&desc->camera, desc->film.width, desc->film.height, b);
+    for (int i = 0; i < 6; i++) {
+        if (!(fabs(b[i]) <= (double)FLT_MAX)) {
+            return bis_error(diag, BIS_INPUT, (bis_loc){desc->path, 0, 0},
+                             "the camera stands at %c = %g, beyond the largest float, %g: scale the scene", 'x' + i % 3, b[i], (double)FLT_MAX);
+        }
+    }
+    *eyes = (bis_box){vec3_from(b[0], b[1], b[2]), vec3_from(b[3], b[4], b[5])};
+    return BIS_OK;
+}
+
+bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind, bis_diag *diag)
+{
+    bis_accel_options options = desc->accel;
+    bis_box eyes;
+    bis_status status = find_eyes(&eyes, desc, diag);
+
+    *out = NULL;
+    if (status) return status;
+    options.kind = kind;
+    options.eyes = &eyes;
+    return bis_accel_new(out, &s->geometry, &options, diag);
+}
+
 bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag *diag)
 {
     bis_status status;
@@ -141,7 +171,7 @@ bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag
     if (status) goto done;
     if (bis_geometry_primitives(&s->geometry) > 0) {
         start = bis_clock_now();
-        status = bis_accel_new(&s->accel, &s->geometry, &desc->accel, diag);
+        status = bis_scene_accel(&s->accel, s, desc, desc->accel.kind, diag);
         if (status) goto done;
         s->seconds.accel = bis_clock_now() - start;
     }

@@ -212,7 +212,7 @@ static inline BIS_INLINE bool test_block(const bis_grid *g, uint32_t block, cons
         float v[9];
         double t;
         for (int i = 0; i < 9; i++) v[i] = g->blocks[block][i][k];
-        if (!shear_hit(s, v, best->t, r->tmax, &t)) continue;
+        if (!shear_hit(s, r, v, best->t, &t)) continue;
         if (any) return true;
         found |= bis_grid_take(best, t, g->items[LANES * (size_t)block + (size_t)k]);
     }

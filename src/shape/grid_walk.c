@@ -60,7 +60,7 @@ static inline bool meets(const bis_grid *g, uint32_t prim, const sheared_ray *s,
         return *t <= best;
     }
     for (size_t i = 0; i < 3; i++) memcpy(v + 3 * i, &geometry->p[geometry->index[3 * (size_t)prim + i]], 3 * sizeof *v);
-    return shear_hit(s, v, best, r->tmax, t);
+    return shear_hit(s, r, v, best, t);
 }
 
 /* The walk of both queries; any is a constant in each. */

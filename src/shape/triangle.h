@@ -7,7 +7,13 @@
  * - the determinant a - b of two rounded products has never the wrong sign: rounding is monotone, so exact a > b
  *   gives fl(a) >= fl(b). At worst it is 0, and 0 counts as inside on both sides of the edge.
  * No fallback for doubtful signs is needed. In double a hit's relative error is some 1e-15 instead of 1e-7, far below
- * what the float vertices mean. */
+ * what the float vertices mean.
+ *
+ * Where a ray starts beside a triangle, the sign of t is a question of its own: on which side of the plane is the
+ * origin? The sheared coordinates mix the axes, so they answer it with an error of 2^-53 of the triangle's size,
+ * whatever the plane. The plane's equation does not mix them: its error along an axis is a share of what the triangle
+ * measures along that axis, and 0 for a plane across an axis. So it is asked, too, but only where the triangle begins
+ * behind the origin: elsewhere every point of it lies ahead. */
 #ifndef BIS_TRIANGLE_H
 #define BIS_TRIANGLE_H
 
@@ -62,19 +68,6 @@ static inline __attribute__((always_inline)) bool shear_test(const sheared_ray *
     return *det != 0;
 }
 
-/* Does the ray meet triangle v at a t in (0, best], whose float lies in (0, tmax)? */
-static inline __attribute__((always_inline)) bool shear_hit(const sheared_ray *s, const float v[9], double best, float tmax, double *t)
-{
-    double e[3], det, z;
-    float rounded;
-
-    if (!shear_test(s, v, e, &det, &z)) return false;
-    *t = z / det;
-    if (!(*t > 0 && *t <= best)) return false;
-    rounded = (float)*t;
-    return rounded > 0 && rounded < tmax;
-}
-
 /* Twice the area vector. In double: no float triangle overflows or underflows here. */
 static inline void area_vector(const vec3 v[3], double n[3])
 {
@@ -84,6 +77,42 @@ static inline void area_vector(const vec3 v[3], double n[3])
     n[0] = e[1] * f[2] - e[2] * f[1];
     n[1] = e[2] * f[0] - e[0] * f[2];
     n[2] = e[0] * f[1] - e[1] * f[0];
+}
+
+/* Does the ray r meet the plane of triangle v[9] at a t > 0? The sign of a.n / d.n, a = v0 - o, n = (v1 - v0) x (v2 -
+ * v0). Its error is bounded in surface.c (triangle_error); a plane across an axis has none. */
+static inline bool plane_is_ahead(const ray *r, const float v[9])
+{
+    const double a[3] = {(double)v[0] - (double)r->o.x, (double)v[1] - (double)r->o.y, (double)v[2] - (double)r->o.z};
+    double n[3];
+
+    area_vector((const vec3[3]){{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}}, n);
+    const double height = a[0] * n[0] + a[1] * n[1] + a[2] * n[2];
+    const double descent = n[0] * (double)r->d.x + n[1] * (double)r->d.y + n[2] * (double)r->d.z;
+    return (height > 0 && descent > 0) || (height < 0 && descent < 0);
+}
+
+/* Do all vertices of v[9] lie ahead of the origin, along the axis kz? */
+static inline bool all_ahead(const sheared_ray *s, const float v[9])
+{
+    const double a = (double)v[s->kz] - s->o[s->kz], b = (double)v[3 + s->kz] - s->o[s->kz],
+                 c = (double)v[6 + s->kz] - s->o[s->kz];
+
+    return s->sz > 0 ? a > 0 && b > 0 && c > 0 : a < 0 && b < 0 && c < 0;
+}
+
+/* Does the ray meet triangle v at a t in (0, best], whose float lies in (0, tmax)? s: the ray r, sheared. */
+static inline __attribute__((always_inline)) bool shear_hit(const sheared_ray *s, const ray *r, const float v[9], double best, double *t)
+{
+    double e[3], det, z;
+    float rounded;
+
+    if (!shear_test(s, v, e, &det, &z)) return false;
+    *t = z / det;
+    if (!(*t > 0 && *t <= best)) return false;
+    rounded = (float)*t;
+    if (!(rounded > 0 && rounded < r->tmax)) return false;
+    return all_ahead(s, v) || plane_is_ahead(r, v);
 }
 
 /* A triangle without area is never hit, whichever the accelerator. */

@@ -83,8 +83,8 @@ static void print_view(const bis_scene_desc *d, FILE *out)
             c[2], c[3], d->film.filename);
     if (d->camera.orthographic) fprintf(out, "camera       orthographic\n");
     else fprintf(out, "camera       perspective, fov %s\n", bis_format_double(a, d->camera.fov_deg));
-    fprintf(out, "sampler      %s, %" PRIu32 " camera samples a pixel", bis_sampler_name(s->kind), s->spp);
-    if (s->kind == BIS_SAMPLER_STRATIFIED) fprintf(out, " (%" PRIu32 " x %" PRIu32 ")", s->xsamples, s->ysamples);
+    fprintf(out, "sampler      %s, %" PRIu64 " camera samples a pixel", bis_sampler_name(s->kind), s->spp);
+    if (s->kind == BIS_SAMPLER_STRATIFIED) fprintf(out, " (%" PRIu64 " x %" PRIu64 ")", s->xsamples, s->ysamples);
     fprintf(out, ", seed %" PRIu64 "%s%s\n", s->seed, d->pixel_jitter ? "" : ", all through the pixel's centre",
             d->adaptive ? ", adaptive" : "");
 }

@@ -8,10 +8,11 @@
 /* Clones need an indirect function of glibc's loader. Sanitizers instrument the function that chooses, and it runs
  * before they are ready. For static functions only: clang 14 gives an exported one another name than its callers in other
  * files know. */
-#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(BIS_ONE_CLONE)
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && \
+    !defined(BIS_ONE_CLONE)
 #if !defined(__has_feature)
 #define BIS_LANES __attribute__((target_clones("avx512f", "avx2", "default")))
-#elif !__has_feature(address_sanitizer) && !__has_feature(undefined_behavior_sanitizer)
+#elif !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer) && !__has_feature(undefined_behavior_sanitizer)
 #define BIS_LANES __attribute__((target_clones("avx512f", "avx2", "default")))
 #endif
 #endif

@@ -51,7 +51,7 @@ typedef struct bis_render_result {
     double seconds;
     double relative_rmse; /* NAN: unknown */
     double error_bound;   /* upper 95% bound of it; NAN: unknown */
-    bool interrupted;     /* the picture then has the passes that were complete; pixels of an unfinished first pass are black */
+    bool interrupted;     /* the picture then has the passes that were complete; black where there are none */
     uint64_t spp;         /* camera samples a pixel, with adaptive sampling in the mean (nearly): the budget that makes this picture again */
     uint32_t passes;      /* complete ones; 0 only where the first was interrupted (the film then has passes = 1) */
     int n_threads;

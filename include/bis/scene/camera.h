@@ -20,4 +20,8 @@ typedef struct bis_camera {
 /* x in [0, width], y in [0, height] of the full image, y down. The ray's d is unit, tmax infinite. */
 ray bis_camera_ray(const bis_camera *c, int width, int height, double x, double y);
 
+/* Where rays of the camera start: the corners {x0, y0, z0, x1, y1, z1} of their box in world space, in double: a
+ * transformation may put it beyond the largest float. */
+void bis_camera_eyes(const bis_camera *c, int width, int height, double box[6]);
+
 #endif

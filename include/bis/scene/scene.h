@@ -119,9 +119,13 @@ typedef struct bis_scene {
 } bis_scene;
 
 /* Load meshes and map, build what desc's settings need. desc is borrowed for the life of the scene. Errors: those of the
- * loaders. */
+ * loaders and of bis_scene_accel. */
 bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag *diag);
 void bis_scene_free(bis_scene *s);
+
+/* An accelerator over the scene's geometry, of this kind, for desc's camera: as bis_scene_build makes it. Errors: those
+ * of bis_accel_new; a camera that stands beyond the largest float (BIS_INPUT). */
+bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind, bis_diag *diag);
 
 /* The shape (an index into desc->shapes) that primitive prim of the geometry belongs to; *part: its triangle there,
  * from 0; 0 for a sphere or disk. */

@@ -12,6 +12,7 @@
 
 typedef struct bis_accel bis_accel;
 typedef struct bis_geometry bis_geometry; /* bis/shape/geometry.h */
+typedef struct bis_box bis_box;           /* there, too */
 
 typedef enum bis_accel_kind { BIS_ACCEL_DEFAULT, BIS_ACCEL_GRID, BIS_ACCEL_EMBREE } bis_accel_kind;
 
@@ -42,10 +43,18 @@ typedef struct bis_accel_options {
     bis_accel_kind kind;  /* DEFAULT: Embree where built in, else the grid */
     double density;       /* grid: cells per primitive; 0: the documented default */
     int n_threads;        /* for building; 0: all */
+    const bis_box *eyes;  /* where rays start that start on no surface: the camera; NULL: none */
 } bis_accel_options;
 
-/* g is borrowed for the life of the result and must have at least one primitive. Errors: BIS_INPUT (Embree asked for
- * but not built in: the message names the way out), BIS_NOMEM. */
+/* What Embree can do, in floats: no coordinate of the geometry or of a ray's start beyond BIS_EMBREE_FAR; from
+ * BIS_EMBREE_LEAST to BIS_EMBREE_MOST from end to end (src/shape/embree.c derives them). */
+#define BIS_EMBREE_FAR 1.8e18
+#define BIS_EMBREE_MOST 3e12
+#define BIS_EMBREE_LEAST 1e-10
+
+/* g is borrowed for the life of the result and must have at least one primitive. Where Embree is only the default and
+ * cannot do this geometry, a warning says so and the grid is built. Errors: BIS_INPUT (Embree asked for but not built
+ * in, or not able: the message names the value, the limit and the way out), BIS_NOMEM. */
 bis_status bis_accel_new(bis_accel **out, const bis_geometry *g, const bis_accel_options *options, bis_diag *diag);
 void bis_accel_free(bis_accel *a);
 

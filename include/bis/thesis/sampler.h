@@ -23,8 +23,8 @@ typedef enum bis_sampler_kind {
 typedef struct bis_sampler {
     bis_sampler_kind kind;
     uint64_t seed;
-    uint32_t spp;                /* camera samples per pixel; > 0 */
-    uint32_t xsamples, ysamples; /* stratified: xsamples * ysamples = spp */
+    uint64_t spp;                /* camera samples per pixel; > 0. 64 bits: on outlines, up to 1024 times the scene's */
+    uint64_t xsamples, ysamples; /* stratified: xsamples * ysamples = spp */
     bool jitter;                 /* stratified: false puts camera points in the middle of their cells */
 } bis_sampler;
 
@@ -32,14 +32,14 @@ typedef struct bis_sampler {
 typedef struct bis_stream {
     const bis_sampler *sampler;
     uint64_t pixel;  /* y * width + x of the full image */
-    uint32_t sample; /* 0, 1, 2, ...; at spp and beyond the point set goes on (stratified: a fresh set of cells) */
+    uint64_t sample; /* 0, 1, 2, ...; at spp and beyond the point set goes on (stratified: a fresh set of cells) */
     bis_rng rng;     /* plain random numbers of this sample */
 } bis_stream;
 
 /* spp >= 1 camera samples a pixel; stratified ones in the most square xsamples x ysamples = spp. */
-void bis_sampler_set_spp(bis_sampler *s, uint32_t spp);
+void bis_sampler_set_spp(bis_sampler *s, uint64_t spp);
 
-void bis_stream_init(bis_stream *s, const bis_sampler *sampler, uint64_t pixel, uint32_t sample);
+void bis_stream_init(bis_stream *s, const bis_sampler *sampler, uint64_t pixel, uint64_t sample);
 
 /* The camera sample's place in its pixel, uniform in [0,1)^2. */
 void bis_stream_camera(bis_stream *s, double u[2]);

@@ -363,7 +363,7 @@ static double pixels_of(const bis_film_desc *f)
 /* Camera samples of the whole render, as far as the budget tells; without an --spp, as many as the scene asks for. */
 static double samples_to_come(const bis_scene_desc *desc, const bis_render_options *o)
 {
-    const double by_spp = pixels_of(&desc->film) * (o->budget.spp ? o->budget.spp : desc->sampler.spp);
+    const double by_spp = pixels_of(&desc->film) * (double)(o->budget.spp ? o->budget.spp : desc->sampler.spp);
 
     if (!(o->budget.seconds > 0)) return by_spp;
     const double by_time = o->budget.seconds * samples_a_second;
@@ -402,7 +402,7 @@ static bis_status make_pilot(bis_auto_pilot *p, const bis_scene_desc *desc, cons
     const double quick = fmin(most_samples_quick, fmax(least_samples_quick, share_of_time_quick * to_come));
     /* where passes are independent, one camera sample knows nothing of the next */
     const bool independent = desc->adaptive || options->budget.error > 0;
-    const uint32_t spp = options->budget.spp ? options->budget.spp : desc->sampler.spp;
+    const uint64_t spp = options->budget.spp ? options->budget.spp : desc->sampler.spp;
     bis_auto_report *r = p->report;
     bis_film film;
 

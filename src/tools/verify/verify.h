@@ -123,7 +123,18 @@ bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const
 /* One number for a colour, to be tested: 4r + 2g + b, so that an exchange of channels is seen. */
 static inline double bis_verify_measure(rgbd c) { return 4 * c.r + 2 * c.g + c.b; }
 
-/* src/tools/verify/verify_accel.c. Two backends of the same geometry by n random rays. */
+/* src/tools/verify/verify_oracle.c. What an accelerator says of a ray: the distance to the nearest hit, infinite for none,
+ * and whether there is any. Which of n answers are right, within the rounding of floats? By a search over all primitives
+ * but `left`, which the ray starts from by bis_surface_offset (a triangle or a disk; BIS_NO_PRIM: none). */
+enum { BIS_VERIFY_ANSWERS = 2 };
+typedef struct bis_verify_answer {
+    double t;
+    bool occluded;
+} bis_verify_answer;
+void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32_t left, const bis_verify_answer *answer, int n);
+
+/* src/tools/verify/verify_accel.c. One backend (b NULL) or two of the same geometry by n random rays, and as many from
+ * the surfaces that they meet. */
 void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, size_t n);
 
 /* What the scene's description must ask of its light (bis_scene_desc.light_needs), here and for bis_pixel_find: all

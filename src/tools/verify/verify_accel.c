@@ -1,20 +1,18 @@
-/* verify_accel: do two accelerators see the same scene?
+/* verify_accel: do the accelerators see what is there?
  *
  * Rays start anywhere in and around the scene; half of them run towards a point of its box, half towards one in that of
- * a random primitive, so that small parts are looked at as often as large ones. Both backends must find the same
- * distance, and `occluded` what `intersect` finds. Where a ray passes an edge within rounding, either answer is right:
- * a difference counts as explained where each backend gives the other's answer, too, to one of 32 rays that are moved
- * by 2^-18 of their length. What is left must be 0: a backend that loses a hit in the middle of a triangle does not
- * lose those beside it in the other's eyes.
- * Cost: four queries a ray. */
+ * a random primitive, so that small parts are looked at as often as large ones. Where such a ray meets a surface, a shadow
+ * ray leaves it, as a renderer's does (bis_surface_offset), to a random direction of the outer side: it must not meet what
+ * it left. Where backends differ, or `occluded` differs from `intersect`, and for a share of all rays, a search over all
+ * primitives decides (verify_oracle.c), which knows where rounding leaves either answer right. What is wrong then must be 0.
+ * Cost: four queries and a search of the share, MAX_TESTS tests of primitives in all. */
 #include "verify.h"
 
 #include <stdio.h>
 
-enum { MOVED = 32 };
+enum { MAX_TESTS = 1 << 24, LEAST_SEARCHES = 64 };
 
 static const uint64_t purpose_rays = (uint64_t)0x79 << 40;
-static const double small = 0x1p-18; /* 32 ulps of a float: more than either backend's rounding, less than any detail */
 
 static vec3 point_in(const bis_box *b, bis_rng *rng)
 {
@@ -45,74 +43,87 @@ static ray ray_between(vec3 from, vec3 to)
     return (ray){from, l > 0 ? mul(d, 1 / l) : (vec3){0, 0, 1}, INFINITY};
 }
 
-/* Distance to the nearest hit, infinite for none. */
-static double distance(const bis_accel *a, const ray *r)
+/* What a says of r. Where it meets, *prim. */
+static bis_verify_answer ask(const bis_accel *a, const ray *r, uint32_t *prim)
 {
-    bis_hit hit;
-    return bis_accel_intersect(a, r, &hit) ? (double)hit.t : (double)INFINITY;
-}
+    bis_hit hit = {0, BIS_NO_PRIM};
+    const bool met = bis_accel_intersect(a, r, &hit);
 
-static double size_of(vec3 a, vec3 b) { return length(a) + length(b); }
-
-static bool same(double s, double t, double size)
-{
-    if (isinf(s) || isinf(t)) return s == t;
-    return fabs(s - t) <= small * (size + fmin(s, t));
-}
-
-/* Do moved rays of `a` give t, or distances on both sides of it? */
-static bool explained(const bis_accel *a, vec3 from, vec3 to, double t, bis_rng *rng)
-{
-    const double size = size_of(from, to), d = 2 * small * size;
-    double nearest = (double)INFINITY, farthest = 0;
-    for (int i = 0; i < MOVED; i++) {
-        const bis_box cube = {vec3_from(-d, -d, -d), vec3_from(d, d, d)};
-        const vec3 shift_from = point_in(&cube, rng), shift_to = point_in(&cube, rng);
-        const ray r = ray_between(add(from, shift_from), add(to, shift_to));
-        const double moved = distance(a, &r);
-        if (same(moved, t, size)) return true;
-        nearest = fmin(nearest, moved);
-        if (isfinite(moved)) farthest = fmax(farthest, moved);
-    }
-    return nearest <= t && t <= farthest;
+    *prim = met ? hit.prim : BIS_NO_PRIM;
+    return (bis_verify_answer){met ? (double)hit.t : (double)INFINITY, bis_accel_occluded(a, r)};
 }
 
 typedef struct differences {
-    size_t explained, left;
+    size_t wrong, explained, searched, on_surfaces;
 } differences;
 
-static void compare(differences *d, const bis_accel *a, const bis_accel *b, vec3 from, vec3 to, bis_rng *rng)
+/* The answers of all n backends to one ray; `search`: even if they agree. Returns what the first one meets. */
+static uint32_t judge(differences *d, const bis_accel *const *a, int n, const ray *r, uint32_t left, bool search)
 {
-    const ray r = ray_between(from, to);
-    const double ta = distance(a, &r), tb = distance(b, &r), size = size_of(from, to);
-    const bool hidden_a = bis_accel_occluded(a, &r), hidden_b = bis_accel_occluded(b, &r);
-    if (same(ta, tb, size) && hidden_a == isfinite(ta) && hidden_b == isfinite(tb)) return;
+    bis_verify_answer answer[BIS_VERIFY_ANSWERS] = {{0, false}};
+    uint32_t prim[BIS_VERIFY_ANSWERS];
+    bool differ = false, right[BIS_VERIFY_ANSWERS], all = true;
 
-    bool all = same(ta, tb, size) || (explained(a, from, to, tb, rng) && explained(b, from, to, ta, rng));
-    /* An edge that `occluded` saw and `intersect` did not, or the other way round: then moved rays hit and miss. */
-    if (hidden_a != isfinite(ta)) all &= explained(a, from, to, (double)INFINITY, rng);
-    if (hidden_b != isfinite(tb)) all &= explained(b, from, to, (double)INFINITY, rng);
-    d->explained += all;
-    d->left += !all;
+    for (int i = 0; i < n; i++) {
+        answer[i] = ask(a[i], r, &prim[i]);
+        differ |= answer[i].t != answer[0].t || answer[i].occluded != isfinite(answer[i].t) || (left != BIS_NO_PRIM && prim[i] == left);
+    }
+    if (!differ && !search) return prim[0];
+    bis_verify_search(right, a[0]->geometry, r, left, answer, n);
+    for (int i = 0; i < n; i++) all &= right[i];
+    d->searched++;
+    d->wrong += !all;
+    d->explained += all && differ;
+    return prim[0];
+}
+
+/* A ray into the scene, and a shadow ray from where it ends. */
+static void try_rays(differences *d, const bis_accel *const *a, int n, bis_rng *rng, const bis_box *room, bool search)
+{
+    const bis_geometry *g = a[0]->geometry;
+    const vec3 from = point_in(room, rng), to = target(g, rng);
+    const ray r = ray_between(from, to);
+    const uint32_t prim = judge(d, a, n, &r, BIS_NO_PRIM, search);
+    bis_surface s;
+
+    if (prim == BIS_NO_PRIM) return;
+    bis_geometry_surface(g, prim, &r, &s);
+    const double z = 1 - 2 * bis_rng_double(rng), phi = 2 * PI * bis_rng_double(rng), side = sqrt(1 - z * z);
+    vec3 w = vec3_from(side * cos(phi), side * sin(phi), z);
+    if (dot(w, s.ng) < 0) w = neg(w);
+    if (dot(w, s.ng) < 0x1p-20) return; /* ng is a float's: nearer to the plane a direction has no side */
+    const ray shadow = {bis_surface_offset(&s), w, INFINITY};
+    d->on_surfaces++;
+    const bool sphere = prim >= g->n_triangles && g->quadrics[prim - g->n_triangles].kind == BIS_SPHERE; /* its inside is met again */
+    judge(d, a, n, &shadow, sphere ? BIS_NO_PRIM : prim, search);
 }
 
 void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, size_t n)
 {
     const uint64_t seed = bis_verify_seed(v);
     const bis_box room = around(a->geometry);
-    size_t at_edges = 0, left = 0;
+    const bis_accel *const both[] = {a, b};
+    const int n_accels = b ? 2 : 1;
+    const size_t fit = MAX_TESTS / bis_geometry_primitives(a->geometry), searches = fit > LEAST_SEARCHES ? fit : LEAST_SEARCHES;
+    size_t wrong = 0, explained = 0, searched = 0, on_surfaces = 0;
     char note[120];
 
-#pragma omp parallel for schedule(dynamic, 256) reduction(+ : at_edges, left)
+#pragma omp parallel for schedule(dynamic, 256) reduction(+ : wrong, explained, searched, on_surfaces)
     for (size_t i = 0; i < n; i++) {
-        differences d = {0, 0};
+        differences d = {0, 0, 0, 0};
         bis_rng rng;
         bis_rng_init(&rng, seed, i, 0, purpose_rays);
-        const vec3 from = point_in(&room, &rng), to = target(a->geometry, &rng);
-        compare(&d, a, b, from, to, &rng);
-        at_edges += d.explained;
-        left += d.left;
+        try_rays(&d, both, n_accels, &rng, &room, i < searches);
+        wrong += d.wrong;
+        explained += d.explained;
+        searched += d.searched;
+        on_surfaces += d.on_surfaces;
     }
-    snprintf(note, sizeof note, "differences in %zu rays; %zu more where a ray grazes an edge", n, at_edges);
-    bis_verify_bound(v, "accelerators", (double)left, 0, note, "%s and %s see the same", bis_accel_name(a), bis_accel_name(b));
+    snprintf(note, sizeof note, "wrong of %zu rays and %zu from surfaces, %zu of them searched; %zu more graze an edge", n, on_surfaces,
+             searched, explained);
+    if (b) {
+        bis_verify_bound(v, "accelerators", (double)wrong, 0, note, "%s and %s see the same", bis_accel_name(a), bis_accel_name(b));
+    } else {
+        bis_verify_bound(v, "accelerators", (double)wrong, 0, note, "%s sees what a search sees", bis_accel_name(a));
+    }
 }

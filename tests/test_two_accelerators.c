@@ -1,0 +1,211 @@
+/* Every scene that we ship is rendered with both accelerators, with the same random numbers: the mean of the pixels'
+ * differences must be 0. A z-test for each scene, its standard error from the scatter of the differences; together they
+ * reject what is right with probability ALPHA. Single pixels may differ (rays at edges), areas may not. Both are compared
+ * with a third road, too: the sheared triangle test of the grid alone, which shadows floors at 0, is the twin and must be
+ * rejected. Without Embree the plain grid takes its place. */
+#include "bis/base/stats.h"
+#include "bis/render/render.h"
+#include "bis/scene/scene.h"
+#include "shape/triangle.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <dirent.h>
+
+static const double ALPHA = 0.01;
+
+enum { WIDTH = 48, HEIGHT = 36, MOST_SCENES = 64 };
+
+/* The scene by brdf, 4 samples a pixel: nothing of the light has to be built. */
+static void load(bis_scene_desc **d, bis_scene **s, const char *path)
+{
+    bis_diag diag = {0};
+
+    if (bis_scene_parse(d, path, &diag)) fail_msg("%s", diag.messages[0].text);
+    bis_scene_drop_exceptions(*d, NULL, NULL);
+    (*d)->settings = (bis_settings){.integrator = &bis_brdf, .samples = 4};
+    (*d)->film.width = WIDTH;
+    (*d)->film.height = HEIGHT;
+    (*d)->adaptive = false;
+    (*d)->edge_samples = 0;
+    (*d)->accel.kind = BIS_ACCEL_GRID;
+    bis_scene_set_spp(*d, 1);
+    if (bis_scene_build(s, *d, &diag)) fail_msg("%s", diag.messages[0].text);
+    bis_diag_clear(&diag);
+}
+
+static void render(double sum[WIDTH * HEIGHT], const bis_scene *s, const bis_scene_desc *d)
+{
+    const double whole[4] = {0, 1, 0, 1};
+    bis_film film;
+    bis_render_result result;
+
+    assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_render(&result, &film, s, d, &(bis_render_options){.budget = {.spp = 1}}, NULL), BIS_OK);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) sum[i] = film.sum[3 * i] + film.sum[3 * i + 1] + film.sum[3 * i + 2];
+    bis_film_clear(&film);
+}
+
+/* The z of the mean difference; 0 where all are equal. *pixels differ. */
+static double z_of(const double a[WIDTH * HEIGHT], const double b[WIDTH * HEIGHT], int *pixels)
+{
+    double mean = 0, m2 = 0;
+
+    *pixels = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        const double x = a[i] - b[i], step = x - mean;
+        mean += step / (i + 1);
+        m2 += step * (x - mean);
+        *pixels += x != 0;
+    }
+    return *pixels ? mean / sqrt(m2 / (WIDTH * HEIGHT - 1) / (WIDTH * HEIGHT)) : 0;
+}
+
+static int find_scenes(char path[MOST_SCENES][256])
+{
+    int n = 0;
+    DIR *folder = opendir("data/scenes");
+
+    assert_non_null(folder);
+    snprintf(path[n++], 256, "scene.txt");
+    for (const struct dirent *e; (e = readdir(folder));) {
+        const char *end = strrchr(e->d_name, '.');
+        if (!end || strcmp(end, ".txt") != 0) continue;
+        assert_true(n < MOST_SCENES);
+        assert_true(snprintf(path[n++], 256, "data/scenes/%s", e->d_name) < 256);
+    }
+    closedir(folder);
+    return n;
+}
+
+static void every_scene_has_one_picture(void **state)
+{
+    char path[MOST_SCENES][256];
+    const int n = find_scenes(path);
+    const double alpha = bis_stats_sidak(ALPHA, n);
+    (void)state;
+    assert_true(n >= 24);
+    for (int i = 0; i < n; i++) {
+        static double one[WIDTH * HEIGHT], other[WIDTH * HEIGHT];
+        bis_scene_desc *d;
+        bis_scene *s;
+        int pixels;
+        load(&d, &s, path[i]);
+        render(one, s, d);
+        bis_accel *second, *first = s->accel;
+        d->accel.density = bis_accel_embree_version() ? 0 : 64; /* not packed */
+        assert_int_equal(bis_scene_accel(&second, s, d, bis_accel_embree_version() ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, NULL), BIS_OK);
+        s->accel = second;
+        render(other, s, d);
+        const double z = z_of(one, other, &pixels), p = bis_stats_normal_p(z);
+        if (pixels) print_message("%s: %d pixels differ, z = %.2f\n", path[i], pixels, z);
+        if (p < alpha) fail_msg("%s: %s and %s differ, z = %g, p = %g", path[i], bis_accel_name(first), bis_accel_name(second), z, p);
+        bis_accel_free(first);
+        bis_scene_free(s);
+        bis_scene_desc_free(d);
+    }
+}
+
+/* ---- the twin ---- */
+
+typedef struct sheared {
+    bis_accel accel;
+    const bis_accel *right;
+} sheared;
+
+static bool right_intersect(const bis_accel *a, const ray *r, bis_hit *hit) { return bis_accel_intersect(((const sheared *)a)->right, r, hit); }
+
+static bool sheared_occluded(const bis_accel *a, const ray *r)
+{
+    const bis_geometry *g = a->geometry;
+    const sheared_ray ray_in_z = shear_ray(r);
+
+    for (size_t i = 0; i < g->n_triangles; i++) {
+        float v[9];
+        double e[3], det, z;
+        for (size_t k = 0; k < 3; k++) memcpy(v + 3 * k, &g->p[g->index[3 * i + k]], 3 * sizeof *v);
+        if (shear_test(&ray_in_z, v, e, &det, &z) && z / det > 0) return true;
+    }
+    return false;
+}
+
+static void floors_that_shadow_themselves_are_rejected(void **state)
+{
+    static const bis_accel_ops ops = {.name = "sheared", .intersect = right_intersect, .occluded = sheared_occluded};
+    static double one[WIDTH * HEIGHT], other[WIDTH * HEIGHT];
+    bis_scene_desc *d;
+    bis_scene *s;
+    int pixels;
+    (void)state;
+    load(&d, &s, "data/scenes/trianglemesh.txt");
+    render(one, s, d);
+    bis_accel *right = s->accel;
+    sheared wrong = {{&ops, &s->geometry}, right};
+    s->accel = &wrong.accel;
+    render(other, s, d);
+    s->accel = right;
+    const double z = z_of(one, other, &pixels);
+    print_message("the twin: %d pixels differ, z = %.1f\n", pixels, z);
+    assert_true(bis_stats_normal_p(z) < bis_stats_sidak(ALPHA, MOST_SCENES));
+    bis_scene_free(s);
+    bis_scene_desc_free(d);
+}
+
+/* ---- the furnace ---- */
+
+/* Half of a constant light 1 comes back from Kd = 0.5, from floors in all coordinate planes through 0, with closed bodies
+ * or without: where nothing else is in the way the mean is 0.5 to 1e-6. */
+static void open_floors_give_half_of_the_light(void **state)
+{
+    static const char *const floors[] = {"-9 -9 %s 9 -9 %s 9 9 %s -9 9 %s", "-9 %s -9 9 %s -9 9 %s 9 -9 %s 9", "%s -9 -9 %s 9 -9 %s 9 9 %s -9 9"};
+    static const char *const eyes[] = {"1 2 5 0 0 0 1 0 0", "1 5 2 0 0 0 1 0 0", "5 1 2 0 0 0 0 1 0"};
+    static const char *const heights[] = {"0", "1e-30", "1e-10", "1", "-1"};
+    static const char path[] = "build/test_two_accelerators.txt";
+    (void)state;
+    for (int k = 0; k < 3 * 5; k++) {
+        const char *h = heights[k / 3];
+        char points[300];
+        static double sum[WIDTH * HEIGHT];
+        FILE *f = fopen(path, "w");
+        assert_non_null(f);
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+        snprintf(points, sizeof points, floors[k % 3], h, h, h, h);
+#pragma GCC diagnostic pop
+        fprintf(f, "Film \"rgb\" \"integer xresolution\" 48 \"integer yresolution\" 36 \"string filename\" \"x.pfm\"\nSampler \"random\"\n"
+                   "Integrator \"brdf\"\nLookAt %s\nCamera \"perspective\" \"float fov\" 20\nWorldBegin\n"
+                   "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"phong\" \"rgb Kd\" [.5 .5 .5] \"rgb Ks\" [0 0 0]\n"
+                   "Shape \"trianglemesh\" \"point3 P\" [%s] \"integer indices\" [0 1 2 0 2 3]\n", eyes[k % 3], points);
+        assert_int_equal(fclose(f), 0);
+        for (int i = 0; i < (bis_accel_embree_version() ? 2 : 1); i++) {
+            bis_scene_desc *d;
+            bis_scene *s;
+            double mean = 0;
+            load(&d, &s, path);
+            bis_accel_free(s->accel);
+            assert_int_equal(bis_scene_accel(&s->accel, s, d, i ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, NULL), BIS_OK);
+            render(sum, s, d);
+            for (int p = 0; p < WIDTH * HEIGHT; p++) mean += sum[p] / (3 * WIDTH * HEIGHT);
+            if (!(fabs(mean - .5) < 1e-6)) fail_msg("%s, floor %d at %s: %.9g", bis_accel_name(s->accel), k % 3, h, mean);
+            bis_scene_free(s);
+            bis_scene_desc_free(d);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_scene_has_one_picture),
+        cmocka_unit_test(floors_that_shadow_themselves_are_rejected),
+        cmocka_unit_test(open_floors_give_half_of_the_light),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
