@@ -75,8 +75,10 @@ static void with_table(run_result *r, values *v, int argc, const char *const *ar
          .kind = BIS_OPTION_COUNT, .value = &v->count, .given = &v->has_count, .lo = 1, .hi = 1000},
         {.name = "real", .argument = "X", .help = "a number", .kind = BIS_OPTION_REAL, .value = &v->real, .above = true, .hi = (double)INFINITY},
         {.name = "share", .argument = "S", .help = "a share", .kind = BIS_OPTION_REAL, .value = &v->share, .hi = 1},
-        {.name = "error", .argument = "E", .help = "an error", .kind = BIS_OPTION_SHARE, .value = &v->error, .above = true, .hi = 10},
-        {.name = "time", .argument = "S", .help = "a time", .kind = BIS_OPTION_SECONDS, .value = &v->seconds, .above = true, .hi = 1e8},
+        {.name = "error", .argument = "E", .help = "an error", .kind = BIS_OPTION_SHARE, .value = &v->error,
+            .above = true, .hi = 10},
+        {.name = "time", .argument = "S", .help = "a time", .kind = BIS_OPTION_SECONDS, .value = &v->seconds,
+            .above = true, .hi = 1e8},
         {.name = "quiet", .help = "no warnings", .kind = BIS_OPTION_FLAG, .value = &v->quiet},
         {.name = "colour", .argument = "C", .help = "a name", .kind = BIS_OPTION_NAME, .value = &v->name, .names = colours},
         {.name = "own-and-rather-long-name", .argument = "Y", .help = "an own one", .kind = BIS_OPTION_OWN, .value = &v->own, .read = read_yes, .rule = "yes"},
@@ -170,11 +172,15 @@ static void every_mistake_has_its_message_and_exits_with_2(void **state)
         {{"a", "--share", "1.01"}, "bis: error: --share is \"1.01\", must be a number in [0, 1]\n"},
         {{"a", "--error", "0"}, "bis: error: --error is \"0\", must be a number in (0, 10], as in 0.05, or 5%\n"},
         {{"a", "--error", "5s"}, "bis: error: --error is \"5s\", must be a number in (0, 10], as in 0.05, or 5%\n"},
-        {{"a", "--error", "1001%"}, "bis: error: --error is \"1001%\", must be a number in (0, 10], as in 0.05, or 5%\n"},
+        {{"a", "--error", "1001%"}, "bis: error: --error is \"1001%\", must be a number in (0, 10], as in 0.05, or "
+            "5%\n"},
         {{"a", "--error", "%"}, "bis: error: --error is \"%\", must be a number in (0, 10], as in 0.05, or 5%\n"},
-        {{"a", "--time", "5%"}, "bis: error: --time is \"5%\", must be a number of seconds in (0, 100000000], or with a unit: 10s, 2min, 1.5h\n"},
-        {{"a", "--time", "1m"}, "bis: error: --time is \"1m\", must be a number of seconds in (0, 100000000], or with a unit: 10s, 2min, 1.5h\n"},
-        {{"a", "--time", "0h"}, "bis: error: --time is \"0h\", must be a number of seconds in (0, 100000000], or with a unit: 10s, 2min, 1.5h\n"},
+        {{"a", "--time", "5%"}, "bis: error: --time is \"5%\", must be a number of seconds in (0, 100000000], or "
+            "with a unit: 10s, 2min, 1.5h\n"},
+        {{"a", "--time", "1m"}, "bis: error: --time is \"1m\", must be a number of seconds in (0, 100000000], or "
+            "with a unit: 10s, 2min, 1.5h\n"},
+        {{"a", "--time", "0h"}, "bis: error: --time is \"0h\", must be a number of seconds in (0, 100000000], or "
+            "with a unit: 10s, 2min, 1.5h\n"},
         {{"a", "--text", ""}, "bis: error: --text is empty, wants F\n"},
         {{"a", "--text"}, "bis: error: --text wants a value: --text F\n"},
         {{"--text", "--flag", "a"}, "bis: error: --text wants a value: --text F\n"},
@@ -236,7 +242,8 @@ static void shares_may_be_percentages_and_times_have_units(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         RUN("a", "--error", cases[i].error, "--time", cases[i].time);
         assert_true(r.go_on && v.error == cases[i].share && v.seconds == cases[i].seconds);
-        assert_string_equal(r.messages, cases[i].asks ? "bis: warning: --error 5 is 500 %: did you mean --error 5%, which is 0.05? If not, write 500%\n" : "");
+        assert_string_equal(r.messages, cases[i].asks ? "bis: warning: --error 5 is 500 %: did you mean --error 5%, "
+            "which is 0.05? If not, write 500%\n" : "");
         clear(&r, &v);
     }
     RUN("a", "--error", "5", "--quiet");

@@ -65,7 +65,8 @@ static bool renders(const char *command)
 /* Small and short. */
 static const char *shortened(const char *command)
 {
-    return renders(command) ? " --resolution 20x15 --spp 1 --quiet" : strncmp(command, "./bis pixel", 11) == 0 ? " --repeats 2" : "";
+    if (renders(command)) return " --resolution 20x15 --spp 1 --quiet";
+    return strncmp(command, "./bis pixel", 11) == 0 ? " --repeats 2" : "";
 }
 
 enum { MOST_COMMANDS = 64 };
@@ -184,7 +185,8 @@ static void an_equation_that_a_file_does_not_name_is_found(void **state)
     (void)state;
     static const char others[] = "| 3.17 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, 3.14, 3.15, 3.16 | |\n"
                                  "| 4.1 | 4.2, 4.3, 4.4, 4.5, 4.6, 4.7, 4.8, 4.9 | [`src/a.c`](../src/a.c) |\n";
-    static const char sections[] = "## 3.1 A\n*Do:* x\n<details>\ny\n</details>\n## 4.1 B\n*Do:* x\n<details>\ny\n</details>\n## 5 C\n";
+    static const char sections[] = "## 3.1 A\n*Do:* x\n<details>\ny\n</details>\n"
+                                   "## 4.1 B\n*Do:* x\n<details>\ny\n</details>\n## 5 C\n";
     const char *page = "| 3.1 | light | [`src/a.c`](../src/a.c) `add` |\n";
     const struct { const char *page, *source, *message; } cases[] = {
         {page, "/* see eq. 3.1, eq. 4.1 */ int add(void);\n", NULL},
@@ -214,7 +216,8 @@ static void an_equation_that_a_file_does_not_name_is_found(void **state)
 static void a_section_without_a_task_or_its_answer_is_found(void **state)
 {
     (void)state;
-    static const char table[] = "## 5 C\n| 3.1 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, 3.14, 3.15, 3.16, 3.17 | [`src/a.c`](../src/a.c) |\n"
+    static const char table[] = "## 5 C\n| 3.1 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, "
+                                "3.14, 3.15, 3.16, 3.17 | [`src/a.c`](../src/a.c) |\n"
                                 "| 4.1 | 4.2, 4.3, 4.4, 4.5, 4.6, 4.7, 4.8, 4.9 | [`src/a.c`](../src/a.c) |\n";
     const char *box = "*Do:* x\n\n<details>\ny\n</details>\n";
     const struct { const char *first, *second, *message; } cases[] = {

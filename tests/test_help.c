@@ -195,8 +195,9 @@ static void a_name_is_looked_up_in_all_topics(void **state)
     program_run r;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         help_of(&r, cases[i].name);
-        if (!strstr(r.output, cases[i].has)) fail_msg("bis help %s: no \"%s\" in: %s", cases[i].name, cases[i].has, r.output);
-        if (strstr(r.output, cases[i].lacks)) fail_msg("bis help %s: \"%s\" in: %s", cases[i].name, cases[i].lacks, r.output);
+        const char *name = cases[i].name, *has = cases[i].has, *lacks = cases[i].lacks;
+        if (!strstr(r.output, has)) fail_msg("bis help %s: no \"%s\" in: %s", name, has, r.output);
+        if (strstr(r.output, lacks)) fail_msg("bis help %s: \"%s\" in: %s", name, lacks, r.output);
         assert_80_columns(cases[i].name, r.output);
     }
     for (int i = 0; bis_integrators[i]; i++) {
@@ -211,11 +212,13 @@ static void an_unknown_topic_is_an_error_that_names_the_nearest(void **state)
     (void)state;
     program_run r;
     program_expect(&r, 2, "help integrator");
-    assert_string_equal(r.messages, "bis: error: no command, topic or name \"integrator\" (did you mean \"integrators\"?); `bis help` lists commands and topics\n");
+    assert_string_equal(r.messages, "bis: error: no command, topic or name \"integrator\" (did you mean "
+        "\"integrators\"?); `bis help` lists commands and topics\n");
     program_expect(&r, 2, "help compar");
     assert_non_null(strstr(r.messages, "(did you mean \"compare\"?)"));
     program_expect(&r, 2, "help quuxification");
-    assert_string_equal(r.messages, "bis: error: no command, topic or name \"quuxification\"; `bis help` lists commands and topics\n");
+    assert_string_equal(r.messages, "bis: error: no command, topic or name \"quuxification\"; `bis help` lists "
+        "commands and topics\n");
     program_expect(&r, 2, "help scene lights");
     assert_non_null(strstr(r.messages, "too many operands"));
     program_expect(&r, 1, "help scene >/dev/full");

@@ -314,9 +314,9 @@ static void candidates_are_those_of_sir_and_their_figures_those_of_the_definitio
     bis_light_free(light);
 }
 
-/* An equation of 4.4 as printed reaches the one estimate that is shown: it is bit for bit what `sir` itself makes of the
- * same stream. The twin is in the loop: each printed equation changes the estimate, or comparing would show nothing.
- * E23 prints nothing for a mixture, hence proposal "em". */
+/* An equation of 4.4 as printed reaches the one estimate that is shown: it is bit for bit what `sir` itself makes of
+ * the same stream. The twin is in the loop: each printed equation changes the estimate, or comparing would show
+ * nothing. E23 prints nothing for a mixture, hence proposal "em". */
 static void the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed(void **state)
 {
     (void)state;

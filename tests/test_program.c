@@ -473,7 +473,8 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
         {SCENE " --learn maybe", "it is one of on, off"},
         {"rendr " SCENE, "no command and no scene \"rendr\" (did you mean \"bis render\"?)"},
         {"pixle " SCENE " 1 2", "no command and no scene \"pixle\" (did you mean \"bis pixel\"?)"},
-        {DIR "/map.pfm", "map.pfm: error: this is a PFM image, no scene: try `bis envmap " DIR "/map.pfm` or `bis verify " DIR "/map.pfm`"},
+        {DIR "/map.pfm", "map.pfm: error: this is a PFM image, no scene: try `bis envmap " DIR "/map.pfm` or `bis "
+            "verify " DIR "/map.pfm`"},
         {"README.md", "README.md: error: this is a page in Markdown, no scene"},
         {"help nonsense", "no command, topic or name \"nonsense\""},
         {"compare " DIR "/map.pfm", "too few operands"},
@@ -489,7 +490,8 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
     }
 }
 
-/* One line each, whatever the file holds; a scene that is none of these is still read from anywhere, a pipe included. */
+/* One line each, whatever the file holds; a scene that is none of these is still read from anywhere, a pipe
+ * included. */
 static void what_is_no_scene_gets_one_line(void **state)
 {
     (void)state;
@@ -517,7 +519,8 @@ static void what_is_no_scene_gets_one_line(void **state)
     program_run r;
     program_write_file(DIR "/includes.txt", "Include \"a.ply\"\nWorldBegin\n");
     program_expect(&r, 2, DIR "/includes.txt");
-    assert_non_null(strstr(r.messages, "includes.txt:1:9: error: \"" DIR "/a.ply\" is a PLY mesh, no part of a scene: a scene names it in Shape"));
+    assert_non_null(strstr(r.messages, "includes.txt:1:9: error: \"" DIR "/a.ply\" is a PLY mesh, no part of a "
+        "scene: a scene names it in Shape"));
     program_write_file(DIR "/comment.txt", "#? is this a scene?\n");
     program_expect(&r, 2, DIR "/comment.txt");
     assert_non_null(strstr(r.messages, "the scene has no WorldBegin"));
@@ -536,7 +539,8 @@ static void learn_is_an_option(void **state)
     assert_string_equal(r.messages, "");
     program_expect(&r, 0, DIR "/plain.txt --outfile " DIR "/l3.pfm");
     program_expect(&r, 0, DIR "/learns.txt --learn off --outfile " DIR "/l4.pfm");
-    assert_int_equal(system("cmp " DIR "/l1.pfm " DIR "/l2.pfm && cmp " DIR "/l3.pfm " DIR "/l4.pfm && ! cmp -s " DIR "/l1.pfm " DIR "/l3.pfm"), 0);
+    assert_int_equal(system("cmp " DIR "/l1.pfm " DIR "/l2.pfm && cmp " DIR "/l3.pfm " DIR "/l4.pfm && ! cmp -s "
+                            DIR "/l1.pfm " DIR "/l3.pfm"), 0);
     program_expect(&r, 0, SCENE " --integrator sir --learn on --spp 1 --outfile " DIR "/l1.pfm");
     assert_non_null(strstr(r.messages, "--learn has no effect on proposal \"mix\", only on \"product\""));
     program_expect(&r, 0, SCENE " --integrator em --learn on --spp 1 --outfile " DIR "/l1.pfm");
@@ -559,7 +563,8 @@ static void files_that_cannot_be_read_or_written_exit_with_1(void **state)
         {"--version >/dev/full", "standard output cannot be written"},
         {"compare " DIR "/map.pfm " DIR "/nosuch.pfm", "nosuch.pfm"},
         {"compare " DIR "/map.pfm " SCENE, "scene.txt"},
-        {"compare docs/figures/chess.png " DIR "/map.pfm", "it is a PNG: 8 bits for a screen, no radiance; take an .exr, .pfm or .hdr"},
+        {"compare docs/figures/chess.png " DIR "/map.pfm", "it is a PNG: 8 bits for a screen, no radiance; take an "
+            ".exr, .pfm or .hdr"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_run r;

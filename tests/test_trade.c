@@ -168,13 +168,14 @@ static void every_setting_budget_and_seed_is_measured_once_with_a_seed_of_its_ow
 static void no_two_columns_of_a_table_have_one_name(void **state)
 {
     (void)state;
-    assert_int_equal(system("for f in " DIR "/own/*.csv " DIR "/given/*.csv; do head -n 1 $f | tr ',' '\\n' | sort | uniq -d | "
-                            "sed \"s|^|$f: |\"; done > " DIR "/twice && ls " DIR "/own/equal_error.csv && ! test -s " DIR "/twice"), 0);
+    assert_int_equal(system("for f in " DIR "/own/*.csv " DIR "/given/*.csv; do head -n 1 $f | tr ',' '\\n' | sort | "
+                            "uniq -d | sed \"s|^|$f: |\"; done > " DIR "/twice && ls " DIR "/own/equal_error.csv && ! test -s "
+                            DIR "/twice"), 0);
 }
 
-/* `bis render` meters on the shapes, and so does the page: a picture has the exposure here that its PNG has there, but for
- * the noise of 16 rays a pixel for the pixels that shapes fill partly. The twin, a mean over the bright background as well,
- * is more than a third of a stop off. */
+/* `bis render` meters on the shapes, and so does the page: a picture has the exposure here that its PNG has there,
+ * but for the noise of 16 rays a pixel for the pixels that shapes fill partly. The twin, a mean over the bright
+ * background as well, is more than a third of a stop off. */
 static void the_pages_exposure_is_that_of_bis_render(void **state)
 {
     (void)state;
@@ -199,7 +200,8 @@ static void the_pages_exposure_is_that_of_bis_render(void **state)
     channels[3] = (bis_channel){"A", rgba + 3, 4};
     picture.n_channels = 4;
     assert_int_equal(bis_trade_exposure(&exposure, &t, NULL), BIS_OK);
-    if (fabs(exposure - bis_png_exposure(&picture)) > 0.02) fail_msg("%g is not the %g of bis render", exposure, bis_png_exposure(&picture));
+    const double rendered = bis_png_exposure(&picture);
+    if (fabs(exposure - rendered) > 0.02) fail_msg("%g is not the %g of bis render", exposure, rendered);
     assert_true(fabs(without_alpha - exposure) > 1 / 3.0);
     bis_image_clear(&t.both.image);
     bis_film_clear(&film);

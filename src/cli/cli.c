@@ -132,8 +132,8 @@ static bool read_share(const bis_option *o, const char *text, bis_diag *diag)
     if (!u) return false;
     *(double *)o->value = v;
     if (v > 1 && *u->name == '\0') {
-        bis_warn(diag, bis_cli_loc, "--%s %s is %g %%: did you mean --%s %s%%, which is %g? If not, write %g%%", o->name, text, 100 * v,
-                 o->name, text, v / 100, 100 * v);
+        bis_warn(diag, bis_cli_loc, "--%s %s is %g %%: did you mean --%s %s%%, which is %g? If not, write %g%%", o->name,
+                 text, 100 * v, o->name, text, v / 100, 100 * v);
     }
     return true;
 }
@@ -152,8 +152,10 @@ static void describe_rule(char *buf, size_t size, const bis_option *o)
         snprintf(buf, size, "a number %s %s", o->above ? ">" : ">=", lo);
     } else {
         const bool is_time = o->kind == BIS_OPTION_SECONDS;
-        const char *also = is_time ? ", or with a unit: 10s, 2min, 1.5h" : o->kind == BIS_OPTION_SHARE ? ", as in 0.05, or 5%" : "";
-        snprintf(buf, size, "a number %sin %s%s, %s]%s", is_time ? "of seconds " : "", o->above ? "(" : "[", lo, hi, also);
+        const char *of = is_time ? "of seconds " : "", *open = o->above ? "(" : "[", *also = "";
+        if (is_time) also = ", or with a unit: 10s, 2min, 1.5h";
+        if (o->kind == BIS_OPTION_SHARE) also = ", as in 0.05, or 5%";
+        snprintf(buf, size, "a number %sin %s%s, %s]%s", of, open, lo, hi, also);
     }
 }
 

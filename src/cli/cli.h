@@ -31,7 +31,7 @@ typedef enum bis_option_kind {
     BIS_OPTION_LIST,  /* bis_texts: the option may be repeated */
     BIS_OPTION_COUNT, /* uint64_t: an integer in [lo, hi] */
     BIS_OPTION_REAL,  /* double: finite, in [lo, hi]; a number in (0, hi] where `above` */
-    BIS_OPTION_SHARE, /* double: like REAL, or in percent: "5%" is 0.05. A plain number above 1 gets a warning that asks */
+    BIS_OPTION_SHARE, /* double: like REAL, or in percent: "5%" is 0.05. A plain number above 1: a warning asks */
     BIS_OPTION_SECONDS, /* double: like REAL, or with a unit: "10s", "2min", "1.5h" */
     BIS_OPTION_NAME,  /* const char *: one of names, ended by NULL; the entry of names, not of argv */
     BIS_OPTION_OWN    /* whatever: `read` reads it */

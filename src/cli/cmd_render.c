@@ -129,7 +129,8 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
          .kind = BIS_OPTION_COUNT, .value = &o->samples, .given = &o->has_samples, .lo = 1, .hi = 1 << 24},
         {.name = "proposal", .argument = "P", .help = "rejection: em, brdf or choose; sir: em, brdf, mix or product",
          .kind = BIS_OPTION_NAME, .value = &o->proposal, .names = proposals},
-        {.name = "learn", .argument = "on|off", .help = "sir with proposal product: go where earlier passes saw light arrive",
+        {.name = "learn", .argument = "on|off", .help = "sir with proposal product: go where earlier passes saw "
+            "light arrive",
          .kind = BIS_OPTION_NAME, .value = &o->learn, .names = switches},
         {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT, .value = &o->seed,
          .given = &o->has_seed, .hi = 0x1p53},
@@ -149,9 +150,11 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
         {.help = "how long (whichever comes first; default: the scene's pixelsamples)"},
         {.name = "spp", .argument = "N", .help = "camera samples in each pixel", .kind = BIS_OPTION_COUNT, .value = &o->spp,
          .given = &o->has_spp, .lo = 1, .hi = 1e9},
-        {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; ends within one pass; also 10s, 2min, 1.5h",
+        {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; "
+            "ends within one pass; also 10s, 2min, 1.5h",
          .kind = BIS_OPTION_SECONDS, .value = &o->seconds, .above = true, .hi = 1e8},
-        {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%",
+        {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E, as "
+            "in 0.05 or 5%",
          .kind = BIS_OPTION_SHARE, .value = &o->error, .above = true, .hi = 10},
         {.name = "adaptive", .help = "camera samples go where the error is, by tiles of 16 x 16 pixels; --spp is then their mean, rounded up "
          "to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o->adaptive},
@@ -234,7 +237,8 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
     if (applies(s, "learn", o->learn != NULL, diag)) {
         s->learn = strcmp(o->learn, "on") == 0;
         if (s->learn && s->proposal != BIS_PROPOSAL_PRODUCT) {
-            bis_warn(diag, bis_cli_loc, "--learn has no effect on proposal \"%s\", only on \"product\"", bis_proposal_name(s->proposal));
+            bis_warn(diag, bis_cli_loc, "--learn has no effect on proposal \"%s\", only on \"product\"",
+                bis_proposal_name(s->proposal));
         }
     }
     bis_settings_leave_open(s);
@@ -424,7 +428,8 @@ static void print_forecast(const bis_forecast *f, void *user)
     else if (o->spp && f->spp > (double)o->spp) end = "--spp ends it before";
     else if (!(f->seconds > late)) return;
     fprintf(stderr, "%sbis: warning: --error %g would take about %s and %.3g camera samples a pixel; %s (the error is at most %.2g so far)\n",
-            isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, bis_progress_duration(time, f->seconds), f->spp, end, f->error);
+            isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, bis_progress_duration(time, f->seconds), f->spp, end,
+            f->error);
 }
 
 /* The second signal of a kind finds the default action again, and kills. */

@@ -76,7 +76,8 @@ static int overview(void)
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) printf("  %-11s  %s\n", c->name, c->help);
     printf("\ntopics:\n");
     for (const bis_topic *t = bis_topics; t->name; t++) printf("  %-11s  %s\n", t->name, t->summary);
-    printf("\n`bis COMMAND --help` lists a command's options, `bis help TOPIC` explains,\n`bis help sir` looks up a name.\n\n");
+    printf("\n`bis COMMAND --help` lists a command's options, `bis help TOPIC` explains,\n"
+           "`bis help sir` looks up a name.\n\n");
     return run_help_of(&bis_subcommands[0]);
 }
 
@@ -114,7 +115,8 @@ static bool explains(const bis_help_entry *e, const char *name)
     return false;
 }
 
-/* `bis help sir`: what the topics say of an integrator, directive, parameter, option or layer. Returns whether they do. */
+/* `bis help sir`: what the topics say of an integrator, directive, parameter, option or layer. Returns whether they
+ * do. */
 static bool print_entries_of(const char *name)
 {
     bool found = false;
@@ -154,7 +156,8 @@ static int unknown(const char *name)
     /* "integrator" is nearer to the directive Integrator than to the topic, but who asks for help wants the topic. */
     const char *near = bis_nearest_name(name, names, n_own);
     if (!near) near = bis_nearest_name(name, names, n);
-    fprintf(stderr, "bis: error: no command, topic or name \"%s\"%s%s%s; `bis help` lists commands and topics\n", name, near ? " (did you mean \"" : "",
+    fprintf(stderr, "bis: error: no command, topic or name \"%s\"%s%s%s; `bis help` lists commands and topics\n",
+        name, near ? " (did you mean \"" : "",
             near ? near : "", near ? "\"?)" : "");
     return BIS_EXIT_USAGE;
 }
@@ -169,7 +172,8 @@ int bis_cmd_help(int argc, char **argv)
     const bis_command command = {
         .name = "help",
         .usage = "help [COMMAND | TOPIC | NAME]",
-        .summary = "what the commands and topics are; the options of a command; a topic; what an integrator, parameter or directive is",
+        .summary = "what the commands and topics are; the options of a command; a topic; what an integrator, "
+            "parameter or directive is",
         .options = options,
         .n_options = sizeof options / sizeof *options,
         .max_operands = 1,

@@ -138,7 +138,8 @@ int bis_man_page(void)
           "\\fBbis help\\fR [\\fICOMMAND\\fR | \\fITOPIC\\fR | \\fINAME\\fR]\n.SH DESCRIPTION\n", out);
     put_paragraph(out, bis_help_intro, strlen(bis_help_intro));
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) put_entry(out, c->name, c->help);
-    fputs(".SH COMMANDS\nEvery command knows \\fB\\-\\-help\\fR (\\fB\\-h\\fR) and \\fB\\-\\-version\\fR (\\fB\\-V\\fR).\n", out);
+    fputs(".SH COMMANDS\nEvery command knows \\fB\\-\\-help\\fR (\\fB\\-h\\fR) and \\fB\\-\\-version\\fR "
+        "(\\fB\\-V\\fR).\n", out);
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
         int exit_status = c->run(1, arguments);
         if (exit_status) return exit_status;

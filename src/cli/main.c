@@ -10,11 +10,12 @@
 /* `bis rendr scene.txt`: a word that is no file but nearly a command. NULL: it may be a scene. */
 static const char *nearest_command(const char *word)
 {
-    const char *names[16];
+    enum { MOST_COMMANDS = 16 };
+    const char *names[MOST_COMMANDS];
     size_t n = 0;
 
     if (word[0] == '-' || access(word, F_OK) == 0) return NULL;
-    for (const bis_subcommand *c = bis_subcommands; c->name && n < sizeof names / sizeof *names; c++) names[n++] = c->name;
+    for (const bis_subcommand *c = bis_subcommands; c->name && n < MOST_COMMANDS; c++) names[n++] = c->name;
     return bis_nearest_name(word, names, n);
 }
 
@@ -33,7 +34,8 @@ int main(int argc, char **argv)
     if (command) return command->run(argc - 2, argv + 2);
     const char *near = nearest_command(argv[1]);
     if (near) {
-        fprintf(stderr, "bis: error: no command and no scene \"%s\" (did you mean \"bis %s\"?); `bis help` lists the commands\n", argv[1], near);
+        fprintf(stderr, "bis: error: no command and no scene \"%s\" (did you mean \"bis %s\"?); `bis help` lists "
+                        "the commands\n", argv[1], near);
         return BIS_EXIT_USAGE;
     }
     return bis_cmd_render(argc - 1, argv + 1);

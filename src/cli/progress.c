@@ -22,7 +22,8 @@ const char *bis_progress_text(char text[BIS_PROGRESS_TEXT], const bis_progress *
     if (p->passes_total) n += snprintf(text + n, BIS_PROGRESS_TEXT - (size_t)n, " of %u", p->passes_total);
     n += snprintf(text + n, BIS_PROGRESS_TEXT - (size_t)n, ", %.0f%%", 100 * p->share);
     if (isfinite(p->seconds_left)) {
-        snprintf(text + n, BIS_PROGRESS_TEXT - (size_t)n, ", %s left", bis_progress_duration(left, ceil(p->seconds_left)));
+        bis_progress_duration(left, ceil(p->seconds_left));
+        snprintf(text + n, BIS_PROGRESS_TEXT - (size_t)n, ", %s left", left);
     }
     return text;
 }

@@ -116,11 +116,17 @@ static bool is_stranger(bis_parser *p, const char *path, bis_loc at)
     bis_printable(word, path, strlen(path));
     switch (kind) {
     case BIS_STRANGER_MAP:
-        snprintf(instead, sizeof instead, "try `bis envmap %s` or `bis verify %s`; a scene names it in LightSource \"infinite\" \"string filename\"", word, word);
+        snprintf(instead, sizeof instead, "try `bis envmap %s` or `bis verify %s`; a scene names it in LightSource "
+                 "\"infinite\" \"string filename\"", word, word);
         break;
-    case BIS_STRANGER_PLY: snprintf(instead, sizeof instead, "a scene names it in Shape \"plymesh\" \"string filename\""); break;
-    case BIS_STRANGER_OBJ: snprintf(instead, sizeof instead, "a scene names it in Shape \"objmesh\" \"string filename\""); break;
-    case BIS_STRANGER_OTHER: snprintf(instead, sizeof instead, "a scene is text in pbrt's format (`bis help scene`), such as scene.txt"); break;
+    case BIS_STRANGER_PLY:
+    case BIS_STRANGER_OBJ:
+        snprintf(instead, sizeof instead, "a scene names it in Shape \"%s\" \"string filename\"",
+                 kind == BIS_STRANGER_PLY ? "plymesh" : "objmesh");
+        break;
+    case BIS_STRANGER_OTHER:
+        snprintf(instead, sizeof instead, "a scene is text in pbrt's format (`bis help scene`), such as scene.txt");
+        break;
     }
     if (at.file) bis_parser_error(p, at, "\"%s\" is %s, no part of a scene: %s", word, what, instead);
     else bis_parser_error(p, (bis_loc){p->desc->files[0], 0, 0}, "this is %s, no scene: %s", what, instead);
@@ -337,7 +343,8 @@ bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *dia
     p->desc = desc;
     p->diag = p->lexer.diag = diag;
     p->now.ctm = bis_xform_identity();
-    status = is_stranger(p, desc->files[0], (bis_loc){0}) ? p->status : bis_lexer_push(&p->lexer, desc->files[0], (bis_loc){0});
+    is_stranger(p, desc->files[0], (bis_loc){0});
+    status = p->status ? p->status : bis_lexer_push(&p->lexer, desc->files[0], (bis_loc){0});
     if (status) goto done;
     bis_parser_advance(p);
     while (!p->stop) next_directive(p);

@@ -72,16 +72,17 @@ static void light_radiance(bis_parser *p, bis_light_desc *light)
     }
 }
 
-/* pbrt-v4's "illuminance", of a surface that faces up, is in lux; without units of photometry it can only mislead. What is
- * not above 0 means "not given", there as here. */
+/* pbrt-v4's "illuminance", of a surface that faces up, is in lux; without units of photometry it can only mislead.
+ * What is not above 0 means "not given", there as here. */
 static void light_illuminance(bis_parser *p)
 {
     double lux = -1;
 
     if (!bis_params_float(p, "illuminance", &lux, anything) || lux <= 0) return;
     bis_parser_error(p, bis_params_at(p, "illuminance"),
-                     "pbrt-v4's \"illuminance\" (of a surface that faces up, in lux) is not modelled, because bis has no units of photometry: "
-                     "remove it, and give what the radiance is multiplied by as \"float scale\" (of a constant light of 1: illuminance / pi)");
+                     "pbrt-v4's \"illuminance\" (of a surface that faces up, in lux) is not modelled, because bis has "
+                     "no units of photometry: remove it, and give what the radiance is multiplied by as "
+                     "\"float scale\" (of a constant light of 1: illuminance / pi)");
 }
 
 static void light_map(bis_parser *p, bis_light_desc *light)

@@ -126,7 +126,8 @@ const char *bis_scene_peek_stranger(const char *path, bis_stranger_kind *kind)
     char ending[8];
     head h;
 
-    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode) || !read_head(&h, path)) return NULL; /* a pipe can be read once only */
+    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode)) return NULL; /* a pipe can be read once only */
+    if (!read_head(&h, path)) return NULL;
     bis_path_extension(ending, path);
     const stranger *found = NULL;
     for (size_t i = 0; i < sizeof by_bytes / sizeof *by_bytes && !found; i++) {

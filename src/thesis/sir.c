@@ -42,7 +42,8 @@ static double independent_Zhat(const bis_settings *s, const bis_point *pt, const
     return bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->pool, pt, &others) / s->candidates;
 }
 
-rgbd bis_sir_estimate(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, double *sum_of_weights)
+rgbd bis_sir_estimate(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch,
+                      double *sum_of_weights)
 {
     const uint32_t M = s->candidates, N = s->shadowrays;
     bis_candidate *x = scratch->candidates;

@@ -1,5 +1,5 @@
-/* sir: one plain estimate by sampling-importance resampling, for those who want to see what it is made of (`bis pixel`).
- * Everybody else asks the integrator bis_sir. */
+/* sir: one plain estimate by sampling-importance resampling, for those who want to see what it is made of (`bis
+ * pixel`). Everybody else asks the integrator bis_sir. */
 #ifndef BIS_SIR_H
 #define BIS_SIR_H
 

@@ -21,8 +21,8 @@
 typedef enum bis_table_kind { BIS_TABLE_ALIAS, BIS_TABLE_CDF } bis_table_kind;
 
 /* What to build. */
-/* The largest b that a scene or an option may give. At 10 a region of a thousandth of the clamp of 0.01 sr keeps 1e-30 of
- * its importance: more b changes no picture, and would only lead to the end of the doubles. */
+/* The largest b that a scene or an option may give. At 10 a region of a thousandth of the clamp of 0.01 sr keeps
+ * 1e-30 of its importance: more b changes no picture, and would only lead to the end of the doubles. */
 #define BIS_AREA_EXPONENT_MAX 10.0
 
 typedef struct bis_importance_options {

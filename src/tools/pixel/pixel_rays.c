@@ -1,10 +1,10 @@
 /* pixel_rays: what a method does in one pixel: the candidates of SIR with their weights, and the shadow rays of any
  * integrator.
  *
- * The candidates are what src/thesis/sir.c leaves in its workspace after one estimate, so that what is shown is what sir
- * does, equations as printed included. Which of them came from the map is not written on a candidate, but its density
- * is: q = phat/w, and q = beta q_L + (1 - beta) q_f has one unknown, which the candidate tells best for which q_L and
- * q_f differ most. The first beta M are from the map.
+ * The candidates are what src/thesis/sir.c leaves in its workspace after one estimate, so that what is shown is what
+ * sir does, equations as printed included. Which of them came from the map is not written on a candidate, but its
+ * density is: q = phat/w, and q = beta q_L + (1 - beta) q_f has one unknown, which the candidate tells best for which
+ * q_L and q_f differ most. The first beta M are from the map.
  *
  * Shadow rays are overheard: the point gets an accelerator that asks the real one and writes down question and answer.
  * So no integrator needs to know that it is watched, and a new one is shown without a line of code. A candidate chosen
