@@ -68,11 +68,12 @@ static bool read_options(trade_options *o, int argc, char **argv, const char **s
         {.name = "resume", .help = "go on with the measurement in the folder, by its plan", .kind = BIS_OPTION_FLAG, .value = &o->resume},
         {.name = "quiet", .help = "no progress and no warnings", .kind = BIS_OPTION_FLAG, .value = &o->quiet},
         {.help = "how long"},
-        {.name = "time", .argument = "SECONDS", .help = "for everything (150); size, passes and seeds follow from it", .kind = BIS_OPTION_REAL, .value = &o->seconds,
+        {.name = "time", .argument = "SECONDS", .help = "for everything (150); size, passes and seeds follow from "
+            "it", .kind = BIS_OPTION_SECONDS, .value = &o->seconds,
          .given = &o->has_seconds, .above = true, .hi = 1e7},
         {.name = "quick", .help = "a shorter table of settings, in 30 s", .kind = BIS_OPTION_FLAG, .value = &o->quick},
         {.name = "error", .argument = "E", .help = "the relative RMSE of a final picture (0.05): measure until there; an error right after the pilot where that is out "
-         "of reach", .kind = BIS_OPTION_REAL, .value = &o->error, .given = &o->has_error, .above = true, .hi = 10},
+         "of reach", .kind = BIS_OPTION_SHARE, .value = &o->error, .given = &o->has_error, .above = true, .hi = 10},
         {.name = "seeds", .argument = "N", .help = "renders of each setting and budget (2, 3 or 5, by the time)", .kind = BIS_OPTION_COUNT, .value = &o->seeds,
          .given = &o->has_seeds, .lo = 1, .hi = BIS_TRADE_SEEDS},
         {.name = "passes", .argument = "N", .help = "budgets of 1, 2, 4 ... up to N passes for every setting, instead of what the time allows", .kind = BIS_OPTION_COUNT,

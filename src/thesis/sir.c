@@ -12,6 +12,8 @@
  * weight: 0, part of the mean (E25).
  * Variance (E31): about Var(Zhat) Vbar^2 + L_ns^2 Var(V)/N; where nothing is shadowed, only the first term.
  * Cost: M candidates, at most N rays (repeats are traced once). */
+#include "sir.h"
+
 #include "beyond/batch.h"
 #include "candidates.h"
 
@@ -30,7 +32,8 @@ static void scratch_needs(const bis_settings *s, bis_scratch *need)
     need->wants_visibility = need->wants_clusters && s->learn;
 }
 
-/* Zhat from other candidates than those that are resampled (E21): M new ones, by a stream of their own. */
+/* Zhat from other candidates than those that are resampled (E21): M new ones, by a stream of their own. They are drawn
+ * first, because the scratch has room for M candidates only. */
 static double independent_Zhat(const bis_settings *s, const bis_point *pt, const bis_stream *stream, bis_scratch *scratch)
 {
     bis_stream others;
@@ -39,15 +42,17 @@ static double independent_Zhat(const bis_settings *s, const bis_point *pt, const
     return bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->pool, pt, &others) / s->candidates;
 }
 
-static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+rgbd bis_sir_estimate(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch,
+                      double *sum_of_weights)
 {
     const uint32_t M = s->candidates, N = s->shadowrays;
     bis_candidate *x = scratch->candidates;
+    const double other_Zhat = s->as_printed & BIS_E21 ? independent_Zhat(s, pt, stream, scratch) : 0;
 
-    if (bis_batch_fits(pt, scratch)) return bis_batch_Lo(s, pt, stream, scratch); /* the same, faster */
     double W = bis_candidates_draw(x, M, s->proposal, s->stratify, scratch->pool, pt, stream);
-    if (W <= 0) return (rgb){0, 0, 0};
-    if (s->as_printed & BIS_E23) W = bis_candidates_weigh_as_printed(x, M, s->proposal, pt);
+    if (W > 0 && s->as_printed & BIS_E23) W = bis_candidates_weigh_as_printed(x, M, s->proposal, pt);
+    *sum_of_weights = W;
+    if (W <= 0) return (rgbd){0, 0, 0};
     if (s->as_printed & BIS_E6) bis_candidates_colour_as_printed(x, M, W);
 
     /* [sir-estimate] */
@@ -55,8 +60,15 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     double Zhat = W / M;
     rgbd L = bis_candidates_trace(pt, x, scratch->chosen, N, Zhat / N);
     /* [end] */
-    if (s->as_printed & BIS_E21) L = rgbd_scale(L, independent_Zhat(s, pt, stream, scratch) / Zhat);
-    return rgbd_round(L);
+    return s->as_printed & BIS_E21 ? rgbd_scale(L, other_Zhat / Zhat) : L;
+}
+
+static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    double W;
+
+    if (bis_batch_fits(pt, scratch)) return bis_batch_Lo(s, pt, stream, scratch); /* the same, faster */
+    return rgbd_round(bis_sir_estimate(s, pt, stream, scratch, &W));
 }
 
 const bis_integrator bis_sir = {"sir", "unbiased for every M, N >= 1", light_needs, scratch_needs, Lo};
