@@ -78,6 +78,20 @@ void bis_verify_skip(bis_verify *v, const char *group, const char *why, const ch
     set_note(t, why);
 }
 
+/* FNV-1a of the name, then mixed with the run's seed. */
+uint64_t bis_verify_seed(const bis_verify *v, const char *name, ...)
+{
+    char text[160];
+    uint64_t hash = 0xcbf29ce484222325u;
+    va_list arguments;
+
+    va_start(arguments, name);
+    vsnprintf(text, sizeof text, name, arguments);
+    va_end(arguments);
+    for (const char *c = text; *c; c++) hash = (hash ^ (unsigned char)*c) * 0x100000001b3u;
+    return bis_hash(bis_hash(hash) ^ v->seed);
+}
+
 /* ---- chi-square ---- */
 
 typedef struct pools {
@@ -190,5 +204,5 @@ bis_status bis_verify_judge(bis_verify *v, bis_diag *diag)
 void bis_verify_clear(bis_verify *v)
 {
     bis_free(v->tests);
-    *v = (bis_verify){.seed = v->seed, .as_printed = v->as_printed, .progress = v->progress, .user = v->user};
+    *v = (bis_verify){.seed = v->seed, .as_printed = v->as_printed, .halvings = v->halvings, .progress = v->progress, .user = v->user};
 }

@@ -98,7 +98,7 @@ static void compare(differences *d, const bis_accel *a, const bis_accel *b, vec3
 
 void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, size_t n)
 {
-    const uint64_t seed = bis_verify_seed(v);
+    const uint64_t seed = bis_verify_seed(v, "accelerators");
     const bis_box room = around(a->geometry);
     size_t at_edges = 0, left = 0;
     char note[120];

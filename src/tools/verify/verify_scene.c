@@ -140,6 +140,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
     bis_counters counters = {0};
     bis_status status = BIS_OK;
     double visits = 0;
+    const int n_wanted = MAX_PIXELS >> v->halvings ? MAX_PIXELS >> v->halvings : 1;
     int n_pixels = 0;
 
     if (why) {
@@ -147,7 +148,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         return BIS_OK;
     }
     const double patches = (double)bis_light_patches(scene->light);
-    for (int k = 0; k < MAX_TRIES && n_pixels < MAX_PIXELS && !status; k++) {
+    for (int k = 0; k < MAX_TRIES && n_pixels < n_wanted && !status; k++) {
         if (visits > 0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;
         bis_point pt;
         bool tested;
@@ -183,7 +184,7 @@ static bis_status check_backends(bis_verify *v, const bis_scene *scene, const bi
     options.kind = strcmp(bis_accel_name(scene->accel), "embree") == 0 ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
     const bis_status status = bis_accel_new(&other, &scene->geometry, &options, diag);
     if (status) return status;
-    bis_verify_backends(v, scene->accel, other, N_RAYS);
+    bis_verify_backends(v, scene->accel, other, N_RAYS >> v->halvings);
     bis_accel_free(other);
     return BIS_OK;
 }
