@@ -16,7 +16,7 @@
  * within three radii of the cell's centre, it is the material's own max f cos. Elsewhere the lobe falls off from r, its
  * largest value lies on the cell's edge, and between a corner and the nearest place of the edge it grows less than
  * twofold where it counts: exp(-d^2/(2 w^2)) by exp(r^2/(4 w^2)), at two radii from r. So it is twice the largest of
- * corners and centre. Every ray is held against it: bis_truth.worst. */
+ * corners and centre. Every ray is held against it, or B where that is larger: bis_truth.worst. */
 #include "truth.h"
 
 #include "bis/base/mem.h"
@@ -137,7 +137,7 @@ static void add_cell(block *b, const question *k, const cell *c, double bound, b
 
     for (int j = 0; j < PAIR; j++) cast(lit[j], open[j], &area, b, k, c, rng);
     const double largest = fmax(open[0][3], open[1][3]), times = 1 / (c->size * c->size);
-    if (largest > 0) b->t.worst = fmax(b->t.worst, largest / bound);
+    if (largest > 0) b->t.worst = fmax(b->t.worst, largest / fmax(bound, k->B));
     add_pair(&b->t.lit, lit, fmax(bound, largest));
     add_pair(&b->t.open, open, fmax(bound, largest));
     for (int j = 0; j < PAIR; j++) { /* a ray anywhere in the patch falls into this cell once in `times` */

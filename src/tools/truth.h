@@ -35,7 +35,7 @@ typedef struct bis_truth {
     bis_truth_sum lit, open;       /* eq. 4.1, and without V, eq. 4.5 */
     bis_truth_moments one_ray;     /* of a sum with one ray in each patch: `exact` */
     bis_truth_moments sample[BIS_TRUTH_MAX_DENSITIES]; /* of F V/q for the densities asked for; infinite where q is 0 and F V is not */
-    double worst;                  /* the largest value of a ray over the bound of its cell; above 1: `most` was raised to it */
+    double worst;                  /* the largest value of a ray over what it may have in its cell; above 1: `most` was raised to it */
     size_t patches, rays;
 } bis_truth;
 

@@ -7,6 +7,7 @@
 
 #include "bis/base/mem.h"
 
+#include "tools/describe.h"
 #include "tools/truth.h"
 #include "tools/verify/verify.h"
 
@@ -146,7 +147,7 @@ static bis_settings settings_of(const bis_integrator *i, const bis_settings *own
     bis_settings s = i == own->integrator ? *own : bis_settings_default(i);
     if (takes_candidates(i) && takes_candidates(own->integrator)) s.candidates = own->candidates;
     if (takes_candidates(i) && (own->integrator == &bis_sir || own->integrator == &bis_rejection)) s.shadowrays = own->shadowrays;
-    const bool own_samples = own->integrator == &bis_em || own->integrator == &bis_brdf || own->integrator == &bis_mis;
+    const bool own_samples = bis_integrator_uses(own->integrator, "samples");
     if (own_samples && !takes_candidates(i)) s.samples = own->samples;
     if (i == &bis_mis && s.samples < 2) s.samples = 2;
     s.compensate = false; /* it would need a table of its own */

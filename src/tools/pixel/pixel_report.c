@@ -2,6 +2,7 @@
 #include "pixel_report.h"
 
 #include "out/json.h"
+#include "tools/describe.h"
 
 #include <string.h>
 
@@ -40,7 +41,7 @@ static rgb background(const bis_pixel_report *r)
 
 static bool has_samples(const bis_settings *s)
 {
-    return s->integrator == &bis_em || s->integrator == &bis_brdf || s->integrator == &bis_mis;
+    return bis_integrator_uses(s->integrator, "samples");
 }
 
 /* ---- text ---- */
