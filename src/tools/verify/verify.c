@@ -94,8 +94,8 @@ uint64_t bis_verify_seed(const bis_verify *v, const char *name, ...)
 
 /* ---- chi-square ---- */
 
-/* Where cells expect 5, the statistic scatters more than chi-square, and its tail is longer: at 1000 cells and p = 1e-4 five
- * times too often. (O - E)^2/E of a Poisson variable has the cumulants 1, 2 + 1/E, 8 + 22/E + 1/E^2; that the counts sum to n
+/* Where cells expect 5, the statistic scatters more than chi-square, and its tail is longer: a half more often
+ * below p = 0.01 where a few cells have the most draws. (O - E)^2/E of a Poisson variable has the cumulants 1, 2 + 1/E, 8 + 22/E + 1/E^2; that the counts sum to n
  * takes 1, 2 + (k^2 + 2k - 2)/n, 8 off their sums (the second exactly: Haldane 1937; the third but for k/n). A gamma distribution
  * with these three cumulants, shifted, gives p (Pearson's type III). */
 typedef struct pools {

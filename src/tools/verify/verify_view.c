@@ -135,7 +135,7 @@ static void judge_by_t(bis_verify *v, const comparison *c, double skewness)
     const double n = c->runs->n, e = excess_of(c), known = c->deviation;
     const double z = e == 0 ? 0 : e / (isnan(known) ? sqrt(c->runs->m2 / (n - 1) / n) : known / sqrt(n));
     const double p = z == 0 ? 1 : isnan(known) ? bis_stats_student_p(z, n - 1) : bis_stats_normal_p(z);
-    put(v, c, z, p * exp(fabs(skewness) * fabs(z * z * z) / 3), "");
+    put(v, c, z, p > 0 ? fmin(1, p * exp(fabs(skewness) * fabs(z * z * z) / 3)) : 0, "");
 }
 
 static void judge_by_bernstein(bis_verify *v, const comparison *c)
