@@ -121,14 +121,15 @@ static bis_status check_resume(const trade_options *o, bis_diag *diag)
 static bis_status check_integrators(const trade_options *o, bis_diag *diag)
 {
     static const char *const names[] = {"em", "brdf", "mis", "rejection", "sir"};
+    enum { N = sizeof names / sizeof *names };
     bis_status status = BIS_OK;
 
     for (int i = 0; i < o->integrators.n; i++) {
         const char *name = o->integrators.text[i];
         bool known = false;
-        for (int k = 0; k < 5; k++) known |= strcmp(name, names[k]) == 0;
+        for (int k = 0; k < N; k++) known |= strcmp(name, names[k]) == 0;
         if (known) continue;
-        const char *near = bis_nearest_name(name, names, 5);
+        const char *near = bis_nearest_name(name, names, N);
         status = bis_error(diag, BIS_INPUT, bis_cli_loc, "--integrator %s: must be em, brdf, mis, rejection or sir%s%s%s", name, near ? " (did you mean \"" : "",
                            near ? near : "", near ? "\"?)" : "");
     }
