@@ -1,0 +1,39 @@
+/* What would show the answer: candidates by the batch, whose place the student's own take; the fallback of rejection, which is SIR. */
+/* without: docs/extending.md src/beyond/blocks.c src/beyond/blocks.h src/beyond/product.c src/beyond/product.h */
+/* [batch] */
+/* Left out of this kit: sir takes its candidates one by one, by your code. */
+bool bis_batch_wanted(const bis_settings *s)
+{
+    (void)s;
+    return false;
+}
+
+bis_batch *bis_batch_new(const bis_settings *s)
+{
+    (void)s;
+    return NULL;
+}
+
+void bis_batch_free(bis_batch *b) { (void)b; }
+
+size_t bis_batch_bytes(const bis_settings *s)
+{
+    (void)s;
+    return 0;
+}
+
+bool bis_batch_fits(const bis_point *pt, const bis_scratch *scratch)
+{
+    (void)pt, (void)scratch;
+    return false;
+}
+
+rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s, (void)pt, (void)stream, (void)scratch;
+    return (rgb){0, 0, 0};
+}
+/* [end] */
+    /* [fall-back-resample] */
+    /* BIS_FALLBACK_RESAMPLE is left out of this kit, and falls back to a subset. */
+    /* [end] */
