@@ -1,4 +1,4 @@
-/* What would show the answer: candidates by the batch, whose place the student's own take; the fallback of rejection, which is SIR. */
+/* The batch is SIR for many candidates at once, and one fallback of rejection is SIR. */
 /* without: docs/extending.md src/beyond/blocks.c src/beyond/blocks.h src/beyond/product.c src/beyond/product.h */
 /* [batch] */
 /* Left out of this kit: sir takes its candidates one by one, by your code. */
