@@ -35,5 +35,9 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
 }
 /* [end] */
     /* [fall-back-resample] */
-    /* BIS_FALLBACK_RESAMPLE is left out of this kit, and falls back to a subset. */
+    /* BIS_FALLBACK_RESAMPLE and BIS_FALLBACK_SUBSET are left out of this kit. */
+    (void)N, (void)Zhat, (void)stream, (void)positive;
+    /* [end] */
+    /* [fall-back-subset] */
+    return bis_candidates_unoccluded(x, M);
     /* [end] */
