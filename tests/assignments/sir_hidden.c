@@ -36,8 +36,10 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
 /* [end] */
     /* [fall-back-resample] */
     /* BIS_FALLBACK_RESAMPLE and BIS_FALLBACK_SUBSET are left out of this kit. */
-    (void)N, (void)Zhat, (void)stream, (void)positive;
+    (void)Zhat;
     /* [end] */
     /* [fall-back-subset] */
+    uint32_t A = positive(scratch->chosen, x, M), n = A < N ? A : N;
+    draw_without_replacement(scratch->chosen, A, n, stream);
     return bis_candidates_unoccluded(x, M);
     /* [end] */
