@@ -13,6 +13,7 @@
  * and the light spotty. */
 #include "batch.h"
 
+/* [batch] */
 #include "thesis/candidates.h"
 #include "product.h"
 
@@ -235,3 +236,4 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     if (scratch->visible && scratch->counted) count_visibility(b, clusters->n, scratch->counted);
     return rgbd_round(rgbd_scale(sum, Zhat / N));
 }
+/* [end] */
