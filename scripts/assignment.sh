@@ -18,7 +18,7 @@ if [ -z "$name" ] || [ -z "$kit" ]; then fail "say which, and where to: make ass
 
 mkdir -p "$kit/tests" "$kit/data" || exit 1
 cp -Rp Makefile LICENSE README.md scene.txt include src scripts docs "$kit" && cp -Rp data/scenes "$kit/data" || exit 1
-rm -f "$kit/scripts/mutate.sh" # it quotes what is blank
+rm -f "$kit"/scripts/mutate.sh "$kit"/scripts/*errata* # they quote what is blank, or have it right beside the wrong
 for file in tests/*.c tests/*.h; do
     case ${file#tests/} in test_*) ;; *) cp -p "$file" "$kit/tests" || exit 1 ;; esac
 done
@@ -31,6 +31,17 @@ echo "$name" >"$kit/assignment"
 for file in $files; do
     cp "$blanks/$file" "$kit/src/$file" && echo "src/$file" >>"$kit/assignment" || exit 1
 done
+# What would show the answer in another form: tests/assignments/NAME_hidden.c holds harmless fragments in the place of such code, and names
+# files that the kit does without. None of that is handed in.
+hidden=$(pwd)/tests/assignments/${name}_hidden.c
+if [ -f "$hidden" ]; then
+    for file in $(cd "$kit" && sh scripts/splice.sh "$hidden" "$blanks"); do
+        cp "$blanks/$file" "$kit/src/$file" || exit 1
+    done
+    for file in $(sed -n 's|^/\* without: \(.*\) \*/$|\1|p' "$hidden"); do
+        rm "$kit/$file" || exit 1
+    done
+fi
 (cd "$kit" && sh scripts/fragments.sh >/dev/null) || exit 1 # pages quote the code as it now stands
 echo "$kit: assignment \"$name\". Read $kit/ASSIGNMENT.md; yours to write, between the marked comments:"
 for mark in $(sed -n 's|^ */\* \[\([a-z0-9-]*\)\] \*/$|\1|p' "tests/assignments/${name}_blank.c" | grep -vx end); do

@@ -1,6 +1,6 @@
 #!/bin/sh
 # check_assignments: does each assignment mark as it should? With the blanks, every claim fails; with our own bodies, every one holds; each of the
-# two typical wrong solutions is worth some of the points. Only the modules under study are compiled, and linked before the present library.
+# typical wrong solutions (NAME_wrong1.c, NAME_wrong2.c ...) is worth some of the points, and fails the claims that its line "loses:" names. Only the modules under study are compiled, and linked before the present library.
 #     scripts/check_assignments.sh [NAME...]        (default: all)
 # From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link (scripts/course.mk). Reports go to
 # $BIS_BUILD/assignments/NAME/. Exit status 1 if anything is not as it should.
@@ -25,7 +25,8 @@ mark() {
     if [ "$1" != original ]; then
         files=$(sh scripts/splice.sh "tests/assignments/${name}_$1.c" "$folder/$1") || exit 1
         for file in $files; do
-            $BIS_COMPILE -Werror -c -o "$folder/$1/$file.o" "$folder/$1/$file" || say "the $1 one does not compile without warnings"
+            # shellcheck disable=SC2086
+            $BIS_COMPILE -Werror "-Isrc/$(dirname "$file")" -c -o "$folder/$1/$file.o" "$folder/$1/$file" || say "the $1 one does not compile without warnings"
             objects="$objects $folder/$1/$file.o"
         done
     fi
@@ -36,11 +37,14 @@ mark() {
 
 prove() {
     $BIS_COMPILE -Werror -c -o "$folder/claims.o" "tests/assignments/$name.c" || say "its tests do not compile"
-    for variant in original blank wrong1 wrong2; do
+    wrong=$(ls tests/assignments | sed -n "s/^${name}_\(wrong[0-9]*\)\.c\$/\1/p")
+    for variant in original blank $wrong; do
         mark $variant
-        awk -F '\t' -v name="$name" -v variant=$variant '
+        loses=$(sed -n 's|^/\* loses: \(.*\) \*/$|\1|p' "tests/assignments/${name}_$variant.c" 2>/dev/null | paste -sd ' ')
+        awk -F '\t' -v name="$name" -v variant=$variant -v loses="$loses" '
             { n++; all += $2 }
             $1 == "ok" { right++; points += $2 }
+            $1 != "ok" { lost = lost (lost == "" ? "" : " ") $3 }
             $1 == "ok" && variant == "blank" { printf "%s: the blank one passes %s\n", name, $3 }
             $1 != "ok" && variant == "original" { printf "%s: ours fails %s: %s\n", name, $3, $4 }
             $1 != "ok" && $4 == "" { printf "%s: no message of %s\n", name, $3; bad = 1 }
@@ -49,6 +53,7 @@ prove() {
                 if (all != 80) { printf "%s: the points of its claims sum to %d, must be 80\n", name, all; bad = 1 }
                 if (variant == "original" && right < n || variant == "blank" && right > 0) bad = 1
                 if (variant ~ /wrong/ && (right == 0 || right == n)) { printf "%s: %s is to be worth some of the points\n", name, variant; bad = 1 }
+                if (variant ~ /wrong/ && lost != loses) { printf "%s: %s loses: %s; must lose: %s\n", name, variant, lost, loses; bad = 1 }
                 exit bad
             }' "$folder/$variant.marks" || exit 1
     done

@@ -1,11 +1,27 @@
 #!/bin/sh
 # check_guide: the table of equations in docs/guide.md tells the truth: every file that it links to for an equation
 # says "eq. N" in a comment, and has the functions named after it; and none of the thesis's equations, 3.1 to 3.17 and
-# 4.1 to 4.9, is missing.
+# 4.1 to 4.9, is missing. And every section of chapters 3 and 4 has something to do: a paragraph that begins with "*Do:*",
+# and behind it the answer, hidden in <details>.
 #     scripts/check_guide.sh [ROOT]
 # From the thesis to the code is the table; from the code back to the thesis is a search for "eq. 3.16".
 cd "${1:-.}" || exit 1
 awk -F '|' '
+    function end_section() {
+        if (section == "") return
+        if (!asks) { printf "docs/guide.md:%d: section %s has no *Do:*\n", at, section; bad = 1 }
+        else if (!answers) { printf "docs/guide.md:%d: section %s hides no answer in <details> below its *Do:*\n", at, section; bad = 1 }
+        else if (answers > closes) { printf "docs/guide.md:%d: section %s does not close its <details>\n", at, section; bad = 1 }
+    }
+    /^## / {
+        end_section()
+        section = ""
+        asks = answers = closes = 0
+        if ($0 ~ /^## [34]\.[0-9]/) { sections++; section = substr($0, 4); sub(/ .*/, "", section); at = NR }
+    }
+    /^\*Do:\*/ { asks = 1 }
+    asks && /^<details>$/ { answers++ }
+    /^<\/details>$/ { closes++ }
     /^\| [34]\.[0-9]+ \|/ {
         equation = $2
         gsub(/ /, "", equation)
@@ -38,6 +54,8 @@ awk -F '|' '
         }
     }
     END {
+        end_section()
+        if (sections < 2) { printf "docs/guide.md: no sections of chapters 3 and 4\n"; bad = 1 }
         for (i = 1; i <= 17 + 9; i++) {
             equation = i <= 17 ? "3." i : "4." i - 17
             if (!(equation in listed)) { printf "docs/guide.md: eq. %s is not in the table\n", equation; bad = 1 }

@@ -28,7 +28,7 @@ shift
 [ $# -gt 0 ] || set -- chess microfacet map pixel thesis errata plots results
 out=docs/figures
 tmp=$(mktemp -d)
-trap 'rm -rf "$tmp" docs_figures.tmp' EXIT
+trap 'rm -rf "$tmp"' EXIT
 
 # keep FILE NAME [DITHER]: into docs/figures; without dither where areas are flat
 keep() {
@@ -42,9 +42,8 @@ keep() {
 
 for picture; do
     case $picture in
-    chess) # names in a scene are relative to it, so it stands in the root
-        sed 's/^Integrator.*/Integrator "sir" "integer candidates" 256 "integer shadowrays" 8 "string proposal" "product" "bool learn" true/' scene.txt >docs_figures.tmp
-        "$build/bis" docs_figures.tmp --quiet --resolution 560x420 --spp 8 --outfile "$tmp/chess.png"
+    chess) # the command under the picture in README
+        "$build/bis" scene.txt --quiet --resolution 560x420 --spp 8 --candidates 256 --shadowrays 8 --proposal product --learn on --outfile "$tmp/chess.png"
         keep "$tmp/chess.png" chess FloydSteinberg
         ;;
     microfacet)

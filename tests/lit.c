@@ -234,3 +234,18 @@ void lit_run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, ui
     }
     bis_scratch_clear(&scratch);
 }
+
+uint64_t lit_most_rays(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed)
+{
+    uint64_t most = 0;
+    bis_scratch scratch;
+
+    assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
+    for (uint32_t run = 0; run < runs; run++) {
+        const uint64_t before = l->counters.shadow_rays;
+        lit_once(l, s, &scratch, seed, run);
+        if (l->counters.shadow_rays - before > most) most = l->counters.shadow_rays - before;
+    }
+    bis_scratch_clear(&scratch);
+    return most;
+}

@@ -62,4 +62,7 @@ void lit_run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, ui
 /* One estimate, with the stream of (seed, pixel = run). */
 rgb lit_once(lit *l, const bis_settings *s, bis_scratch *scratch, uint64_t seed, uint64_t run);
 
+/* The most shadow rays that one of `runs` such estimates casts. */
+uint64_t lit_most_rays(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed);
+
 #endif

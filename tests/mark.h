@@ -10,6 +10,10 @@
 
 #include "lit.h"
 
+/* Significance of each statistical test in a claim. No assignment has more than 50 of them, so the probability that one of
+ * 100 right solutions loses a point by chance is below 100 * 50 * 2e-7 = 1e-3 (union bound; the tests need not be independent). */
+#define MARK_ALPHA 2e-7
+
 typedef struct mark_claim {
     const char *name; /* is the claim */
     int points;
@@ -18,6 +22,12 @@ typedef struct mark_claim {
 
 /* The points of all claims sum to 80: the other 20 are for speed and for clean memory (scripts/grade.sh). */
 int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void));
+
+/* The seed to use where the kit uses `kit`: the same in a kit and in `make test`, another one when grading. */
+uint64_t mark_seed(uint64_t kit);
+
+/* The size of a table or map, or a count, where the kit uses `kit`: the same in a kit, between kit and 1.25 kit when grading. */
+size_t mark_size(size_t kit);
 
 /* The claim does not hold. In words that a student understands: what was asked, what came, where to look. */
 _Noreturn void mark_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));

@@ -105,7 +105,15 @@ static void a_kit_is_the_project_but_for_its_blanks(void **state)
         snprintf(command, sizeof command,
                  "rm -rf " DIR "/kit; sh scripts/assignment.sh %s " DIR "/kit > " DIR "/out && "
                  "diff -rq include " DIR "/kit/include && cmp Makefile " DIR "/kit/Makefile && "
-                 "diff -rq src " DIR "/kit/src | sed 's|^Files \\(.*\\) and .*|\\1|' > " DIR "/differ; sed -n '2,$p' " DIR "/kit/assignment | diff - " DIR "/differ", names[i]);
+                 "diff -rq src " DIR "/kit/src | sed 's|^Files \\(.*\\) and .*|\\1|;s|^Only in \\(.*\\): |\\1/|' | sort > " DIR "/differ",
+                 names[i]);
+        assert_int_equal(shell(command), 0);
+        /* What is handed in, what is hidden, and what the kit does without. */
+        snprintf(command, sizeof command,
+                 "{ sed -n '2,$p' " DIR "/kit/assignment; h=tests/assignments/%s_hidden.c; mkdir " DIR "/spliced; "
+                 "[ ! -f $h ] || { sh scripts/splice.sh $h " DIR "/spliced | sed 's|^|src/|'; "
+                 "for f in $(sed -n 's|^/\\* without: \\(.*\\) \\*/$|\\1|p' $h); do test ! -e " DIR "/kit/$f && echo $f; done; }; } | "
+                 "grep ^src/ | sort -u | diff - " DIR "/differ && rm -r " DIR "/spliced", names[i]);
         assert_int_equal(shell(command), 0);
         snprintf(command, sizeof command, "cmp docs/assignments/%s.md " DIR "/kit/ASSIGNMENT.md && cmp tests/assignments/%s.c " DIR "/kit/tests/test_assignment.c", names[i], names[i]);
         assert_int_equal(shell(command), 0);
@@ -114,6 +122,15 @@ static void a_kit_is_the_project_but_for_its_blanks(void **state)
         assert_int_equal(shell("diff -r src " DIR "/kit/src | sed -n 's/^< *//p' | awk 'length > 30 && !/^for \\(/' > " DIR "/secret && test -s " DIR "/secret && "
                                "! grep -rIF -f " DIR "/secret " DIR "/kit/docs " DIR "/kit/scripts " DIR "/kit/include " DIR "/kit/README.md"), 0);
     }
+}
+
+/* Where the kit of sir draws N of the M: in the student's file, and nowhere else. */
+static void the_kit_of_sir_has_no_other_copy_of_its_answer(void **state)
+{
+    (void)state;
+    clean_folder();
+    assert_int_equal(shell("sh scripts/assignment.sh sir " DIR "/kit > " DIR "/out && "
+                           "! grep -rE 'bis_candidates_trace\\(.*Zhat|bis_blocks_choose' " DIR "/kit/src " DIR "/kit/docs " DIR "/kit/scripts"), 0);
 }
 
 static void what_cannot_be_made_is_refused_with_the_way_out(void **state)
@@ -190,7 +207,7 @@ static void what_does_not_compile_is_worth_nothing(void **state)
 
 int main(void)
 {
-    struct CMUnitTest tests[N_NAMES + 7];
+    struct CMUnitTest tests[N_NAMES + 8];
     char labels[N_NAMES][96];
 
     for (int i = 0; i < N_NAMES; i++) {
@@ -201,6 +218,7 @@ int main(void)
     const struct CMUnitTest others[] = {
         cmocka_unit_test(each_has_its_handout_and_its_line_for_the_teacher),
         cmocka_unit_test(a_kit_is_the_project_but_for_its_blanks),
+        cmocka_unit_test(the_kit_of_sir_has_no_other_copy_of_its_answer),
         cmocka_unit_test(what_cannot_be_made_is_refused_with_the_way_out),
         cmocka_unit_test(an_untouched_kit_is_worth_nothing),
         cmocka_unit_test(a_right_solution_that_leaks_loses_the_points_for_memory_alone),

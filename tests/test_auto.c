@@ -681,13 +681,13 @@ static void the_lines_for_two_materials_make_the_picture_again(void **state)
     char lines[4096];
     program_run r;
     write_scene_of(DIR "/auto.txt", "Integrator \"auto\"", "\"float Ks\" 0.9 \"float Kd\" 0 \"float exponent\" 5000");
-    program_expect(&r, 0, DIR "/auto.txt --spp 3000 --error 9 --nthreads 2 --stats - --outfile " DIR "/auto.exr");
+    program_expect(&r, 0, DIR "/auto.txt --spp 3000 --error 900%% --nthreads 2 --stats - --outfile " DIR "/auto.exr");
     assert_non_null(strstr(r.messages, "2 groups of materials"));
     assert_true(json_is_valid(r.output));
     assert_non_null(strstr(r.output, "\"group_relmse\""));
     read_attribute(lines, sizeof lines, DIR "/auto.exr", "bis:auto");
     write_scene_of(DIR "/fixed.txt", lines, "\"float Ks\" 0.9 \"float Kd\" 0 \"float exponent\" 5000");
-    program_expect(&r, 0, DIR "/fixed.txt --spp 3000 --error 9 --nthreads 1 --outfile " DIR "/fixed.exr");
+    program_expect(&r, 0, DIR "/fixed.txt --spp 3000 --error 900%% --nthreads 1 --outfile " DIR "/fixed.exr");
     program_expect_only_the_result(&r);
     assert_same_picture(DIR "/auto.exr", DIR "/fixed.exr", true);
 }

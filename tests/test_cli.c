@@ -1,5 +1,6 @@
 /* cli and json: what a table of options promises, and JSON that is valid whatever it is fed. */
 #include "cli/cli.h"
+#include "cli/progress.h"
 #include "out/json.h"
 
 #include "json_check.h"
@@ -21,11 +22,11 @@
  * ------------------------------------------------------------------------------------------ */
 
 typedef struct values {
-    bool flag, has_count;
+    bool flag, quiet, has_count;
     const char *text, *name;
     bis_texts list;
     uint64_t count;
-    double real, share;
+    double real, share, error, seconds;
     int own;
 } values;
 
@@ -74,6 +75,11 @@ static void with_table(run_result *r, values *v, int argc, const char *const *ar
          .kind = BIS_OPTION_COUNT, .value = &v->count, .given = &v->has_count, .lo = 1, .hi = 1000},
         {.name = "real", .argument = "X", .help = "a number", .kind = BIS_OPTION_REAL, .value = &v->real, .above = true, .hi = (double)INFINITY},
         {.name = "share", .argument = "S", .help = "a share", .kind = BIS_OPTION_REAL, .value = &v->share, .hi = 1},
+        {.name = "error", .argument = "E", .help = "an error", .kind = BIS_OPTION_SHARE, .value = &v->error,
+            .above = true, .hi = 10},
+        {.name = "time", .argument = "S", .help = "a time", .kind = BIS_OPTION_SECONDS, .value = &v->seconds,
+            .above = true, .hi = 1e8},
+        {.name = "quiet", .help = "no warnings", .kind = BIS_OPTION_FLAG, .value = &v->quiet},
         {.name = "colour", .argument = "C", .help = "a name", .kind = BIS_OPTION_NAME, .value = &v->name, .names = colours},
         {.name = "own-and-rather-long-name", .argument = "Y", .help = "an own one", .kind = BIS_OPTION_OWN, .value = &v->own, .read = read_yes, .rule = "yes"},
     };
@@ -164,6 +170,17 @@ static void every_mistake_has_its_message_and_exits_with_2(void **state)
         {{"a", "--real", "1x"}, "bis: error: --real is \"1x\", must be a number > 0\n"},
         {{"a", "--real", "1,5"}, "bis: error: --real is \"1,5\", must be a number > 0\n"},
         {{"a", "--share", "1.01"}, "bis: error: --share is \"1.01\", must be a number in [0, 1]\n"},
+        {{"a", "--error", "0"}, "bis: error: --error is \"0\", must be a number in (0, 10], as in 0.05, or 5%\n"},
+        {{"a", "--error", "5s"}, "bis: error: --error is \"5s\", must be a number in (0, 10], as in 0.05, or 5%\n"},
+        {{"a", "--error", "1001%"}, "bis: error: --error is \"1001%\", must be a number in (0, 10], as in 0.05, or "
+            "5%\n"},
+        {{"a", "--error", "%"}, "bis: error: --error is \"%\", must be a number in (0, 10], as in 0.05, or 5%\n"},
+        {{"a", "--time", "5%"}, "bis: error: --time is \"5%\", must be a number of seconds in (0, 100000000], or "
+            "with a unit: 10s, 2min, 1.5h\n"},
+        {{"a", "--time", "1m"}, "bis: error: --time is \"1m\", must be a number of seconds in (0, 100000000], or "
+            "with a unit: 10s, 2min, 1.5h\n"},
+        {{"a", "--time", "0h"}, "bis: error: --time is \"0h\", must be a number of seconds in (0, 100000000], or "
+            "with a unit: 10s, 2min, 1.5h\n"},
         {{"a", "--text", ""}, "bis: error: --text is empty, wants F\n"},
         {{"a", "--text"}, "bis: error: --text wants a value: --text F\n"},
         {{"--text", "--flag", "a"}, "bis: error: --text wants a value: --text F\n"},
@@ -189,6 +206,68 @@ static void every_mistake_has_its_message_and_exits_with_2(void **state)
         assert_string_equal(r.messages, cases[i].message);
         assert_string_equal(r.output, "");
         clear(&r, &v);
+    }
+}
+
+/* The value of an option that is not known looks like an operand: "too many operands" would be a second, wrong answer.
+ * Too few is a mistake all the same. */
+static void a_mistyped_option_gets_one_line(void **state)
+{
+    (void)state;
+    const struct { const char *arguments[4]; const char *messages; } cases[] = {
+        {{"a", "b", "--cuont", "3"}, "bis: error: unknown option \"--cuont\" (did you mean \"--count\"?)\n"},
+        {{"a", "b", "-n", "3"}, "bis: error: unknown option \"-n\"; options start with \"--\"\n"},
+        {{"--flga"}, "bis: error: unknown option \"--flga\" (did you mean \"--flag\"?)\n"
+                     "bis: error: too few operands: 0 given; usage: bis test [options] A [B]\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        values v;
+        run_result r;
+        int n = 0;
+        while (n < 4 && cases[i].arguments[n]) n++;
+        with_table(&r, &v, n, cases[i].arguments);
+        assert_int_equal(r.exit_status, 2);
+        assert_string_equal(r.messages, cases[i].messages);
+        clear(&r, &v);
+    }
+}
+
+static void shares_may_be_percentages_and_times_have_units(void **state)
+{
+    (void)state;
+    const struct { const char *error, *time; double share, seconds; bool asks; } cases[] = {
+        {"0.05", "10", 0.05, 10, false}, {"5%", "10s", 0.05, 10, false}, {"500%", "2min", 5, 120, false},
+        {"1", "1.5h", 1, 5400, false},   {"5", "0.5", 5, 0.5, true},     {"2.5e0%", "1e3s", 0.025, 1000, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        RUN("a", "--error", cases[i].error, "--time", cases[i].time);
+        assert_true(r.go_on && v.error == cases[i].share && v.seconds == cases[i].seconds);
+        assert_string_equal(r.messages, cases[i].asks ? "bis: warning: --error 5 is 500 %: did you mean --error 5%, "
+            "which is 0.05? If not, write 500%\n" : "");
+        clear(&r, &v);
+    }
+    RUN("a", "--error", "5", "--quiet");
+    assert_true(r.go_on && v.error == 5);
+    assert_string_equal(r.messages, "");
+    clear(&r, &v);
+}
+
+static void progress_counts_to_the_last_pass_and_tells_minutes(void **state)
+{
+    (void)state;
+    const double unknown = (double)NAN;
+    const struct { bis_progress p; const char *text; } cases[] = {
+        {{0, 12, 0, 0, unknown}, "pass 1 of 12, 0%"},
+        {{11, 12, 0.92, 5, 0.3}, "pass 12 of 12, 92%, 1 s left"},
+        {{12, 12, 1, 5, 0}, "pass 12 of 12, 100%, 0 s left"},
+        {{3, 0, 0.25, 20, 379.2}, "pass 4, 25%, 6 min left"},
+        {{3, 0, 0.25, 20, 119}, "pass 4, 25%, 119 s left"},
+        {{3, 4000000000u, 0, 20, 9000}, "pass 4 of 4000000000, 0%, 2.5 h left"},
+        {{3, 4000000000u, 0, 20, 1e6}, "pass 4 of 4000000000, 0%, 11.6 days left"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[BIS_PROGRESS_TEXT];
+        assert_string_equal(bis_progress_text(text, &cases[i].p), cases[i].text);
     }
 }
 
@@ -233,6 +312,22 @@ static void version_names_the_libraries(void **state)
     assert_non_null(strstr(r.output, "OpenEXR: 3."));
     assert_non_null(strstr(r.output, "libpng: 1."));
     clear(&r, &v);
+}
+
+/* -h and -V, as every other program has them. */
+static void help_and_version_have_a_letter(void **state)
+{
+    (void)state;
+    const char *const words[2] = {"--help", "--version"}, *const letters[2] = {"-h", "-V"};
+    for (int i = 0; i < 2; i++) {
+        values v;
+        run_result by_word, by_letter;
+        with_table(&by_word, &v, 1, &words[i]);
+        with_table(&by_letter, &v, 1, &letters[i]);
+        assert_int_equal(by_letter.exit_status, 0);
+        assert_string_equal(by_letter.output, by_word.output);
+        assert_true(*by_letter.output);
+    }
 }
 
 /* --- files
@@ -331,6 +426,10 @@ int main(void)
         cmocka_unit_test(two_dashes_end_the_options),
         cmocka_unit_test(an_option_that_is_absent_leaves_its_value_alone),
         cmocka_unit_test(every_mistake_has_its_message_and_exits_with_2),
+        cmocka_unit_test(a_mistyped_option_gets_one_line),
+        cmocka_unit_test(shares_may_be_percentages_and_times_have_units),
+        cmocka_unit_test(progress_counts_to_the_last_pass_and_tells_minutes),
+        cmocka_unit_test(help_and_version_have_a_letter),
         cmocka_unit_test(all_mistakes_are_reported_in_one_go),
         cmocka_unit_test(help_names_every_option_within_80_columns),
         cmocka_unit_test(version_names_the_libraries),

@@ -38,34 +38,8 @@ static vec3 tilted(void)
 
 /* ---- an integrator ---- */
 
-static unsigned uniform_light_needs(const bis_settings *s)
-{
-    (void)s;
-    return 0; /* no table, no curve: radiance is only looked up */
-}
-
-static void uniform_scratch_needs(const bis_settings *s, bis_needs *need)
-{
-    need->n_points = s->samples;
-}
-
-static rgb uniform_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
-{
-    rgbd sum = {0, 0, 0};
-
-    if (bis_bsdf_is_black(&pt->bsdf)) return (rgb){0, 0, 0};
-    bis_stream_points(stream, BIS_DIM_BRDF, s->samples, scratch->u);
-    for (uint32_t j = 0; j < s->samples; j++) {
-        vec3 wi = bis_warp_sphere(scratch->u[j][0], scratch->u[j][1]);
-        double cos_theta = bis_bsdf_cos(&pt->bsdf, wi);
-        if (cos_theta <= 0) continue; /* it counts: N, not the number above the horizon, divides the sum */
-        rgbd C = bis_estimate(bis_bsdf_f(&pt->bsdf, wi), bis_light_Le(pt->light, wi), cos_theta, 1 / (4 * PI));
-        if (rgbd_sum(C) > 0 && bis_point_sees(pt, wi)) sum = rgbd_add(sum, C);
-    }
-    return rgbd_round(rgbd_scale(sum, 1 / (double)s->samples));
-}
-
-static const bis_integrator uniform = {"uniform", "unbiased", uniform_light_needs, uniform_scratch_needs, uniform_Lo};
+extern const bis_integrator bis_uniform;
+#include "extending/uniform.c"
 
 /* ---- a proposal ---- */
 
@@ -154,7 +128,7 @@ static void examples_are_unbiased_for_both_models_in_the_open_and_half_hidden(vo
 {
     const bis_material materials[] = {bis_phong(grey(0.5), (rgb){0.4f, 0.3f, 0.2f}, 5),
                                       bis_microfacet(grey(0.5), (rgb){0.9f, 0.5f, 0.1f}, 0.8)};
-    const bis_integrator *examples[] = {&uniform, &hemisphere};
+    const bis_integrator *examples[] = {&bis_uniform, &hemisphere};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
 
     (void)state;
@@ -207,7 +181,7 @@ static char *read_text(const char *path)
 /* Is every ```c block of the page a piece of one of these files? Returns how many there are. */
 static int blocks_found(const char *page, bool expected)
 {
-    static const char *const sources[] = {"tests/test_extending.c", "src/beyond/microfacet.c", "src/parse/parser_world.c",
+    static const char *const sources[] = {"tests/test_extending.c", "tests/extending/uniform.c", "src/beyond/microfacet.c", "src/parse/parser_world.c",
                                           "tests/test_microfacet.c", "include/bis/thesis/bsdf.h"};
     int n = 0;
 
@@ -238,12 +212,30 @@ static void every_block_of_the_page_is_code_that_was_compiled(void **state)
     assert_int_equal(blocks_found("```c\nint never_written;\n```\n", false), 1); /* twin */
 }
 
+/* The page's integrator, put where the page says, into a copy of the sources: compiled, linked, asked for by every command. */
+static void the_integrator_of_the_page_becomes_one_of_ours(void **state)
+{
+    (void)state;
+    if (!getenv("BIS_COMPILE")) {
+        print_message("run by make test, which tells how to compile\n");
+        skip();
+    }
+    const char *tests = getenv("BIS_LONG") ? "test_help test_integrators test_layers test_pixel test_render test_errata test_verify" : "test_help";
+    char command[256];
+    snprintf(command, sizeof command, "sh scripts/check_extending.sh %s", tests);
+    assert_int_equal(system(command), 0);
+    /* the twin: a page that has lost a line */
+    assert_int_equal(system("grep -v '^+.*bis_uniform, SAMPLES' docs/extending.md >\"$BIS_BUILD/extending.md\" && "
+                            "! EXTENDING_PAGE=\"$BIS_BUILD/extending.md\" sh scripts/check_extending.sh >/dev/null 2>&1"), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(examples_are_unbiased_for_both_models_in_the_open_and_half_hidden),
         cmocka_unit_test(cylinder_keeps_its_light_where_it_is),
         cmocka_unit_test(every_block_of_the_page_is_code_that_was_compiled),
+        cmocka_unit_test(the_integrator_of_the_page_becomes_one_of_ours),
     };
 
     return cmocka_run_group_tests_name("extending", tests, NULL, NULL);

@@ -177,16 +177,48 @@ static void every_topic_and_command_fits_80_columns(void **state)
     }
 }
 
+/* `bis help sir`: the entry of the topic, word for word, and none of its neighbours. Every
+ * integrator can be looked up so. */
+static void a_name_is_looked_up_in_all_topics(void **state)
+{
+    (void)state;
+    const struct { const char *name, *has, *lacks; } cases[] = {
+        {"sir", "from `bis help integrators`:\n\n  sir  ", "\n  rejection "},
+        {"shadowrays", "\n  rejection ", "\n  em "},
+        {"Shape", "from `bis help scene`:\n\n  Shape  ", "\n  Camera "},
+        {"areaexponent", "from `bis help lights`:\n\n  areaexponent  ", "\n  levels "},
+        {"exponent", "from `bis help materials`:\n\n  phong  ", "areaexponent"},
+        {"spp", "\n  --spp N", "\n  --time"},
+        {".exr", "\n  .exr ", "\n  .png"},
+        {"stderr", "\n  stderr, interval", "albedo"},
+    };
+    program_run r;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        help_of(&r, cases[i].name);
+        const char *name = cases[i].name, *has = cases[i].has, *lacks = cases[i].lacks;
+        if (!strstr(r.output, has)) fail_msg("bis help %s: no \"%s\" in: %s", name, has, r.output);
+        if (strstr(r.output, lacks)) fail_msg("bis help %s: \"%s\" in: %s", name, lacks, r.output);
+        assert_80_columns(cases[i].name, r.output);
+    }
+    for (int i = 0; bis_integrators[i]; i++) {
+        char term[64];
+        snprintf(term, sizeof term, "from `bis help integrators`:\n\n  %s ", bis_integrators[i]->name);
+        assert_non_null(strstr(help_of(&r, bis_integrators[i]->name), term));
+    }
+}
+
 static void an_unknown_topic_is_an_error_that_names_the_nearest(void **state)
 {
     (void)state;
     program_run r;
     program_expect(&r, 2, "help integrator");
-    assert_string_equal(r.messages, "bis: error: no command or topic \"integrator\" (did you mean \"integrators\"?); `bis help` lists them\n");
+    assert_string_equal(r.messages, "bis: error: no command, topic or name \"integrator\" (did you mean "
+        "\"integrators\"?); `bis help` lists commands and topics\n");
     program_expect(&r, 2, "help compar");
     assert_non_null(strstr(r.messages, "(did you mean \"compare\"?)"));
     program_expect(&r, 2, "help quuxification");
-    assert_string_equal(r.messages, "bis: error: no command or topic \"quuxification\"; `bis help` lists them\n");
+    assert_string_equal(r.messages, "bis: error: no command, topic or name \"quuxification\"; `bis help` lists "
+        "commands and topics\n");
     program_expect(&r, 2, "help scene lights");
     assert_non_null(strstr(r.messages, "too many operands"));
     program_expect(&r, 1, "help scene >/dev/full");
@@ -226,7 +258,6 @@ static void every_option_and_topic_is_in_the_man_page(void **state)
         snprintf(heading, sizeof heading, "\n.SS bis %s ", c == bis_subcommands ? "[render]" : c->name);
         help_of(&r, c->name);
         for (const char *at = r.output; (at = strstr(at, "\n  --")) != NULL; at++, n++) {
-            if (strncmp(at, "\n  --help ", 10) == 0 || strncmp(at, "\n  --version ", 13) == 0) continue;
             snprintf(term, sizeof term, "\n\\fB--%.*s", (int)strcspn(at + 5, " \n"), at + 5);
             const char *part = strstr(man.output, heading);
             if (!part) fail_msg("no part of the man page for %s", c->name);
@@ -303,6 +334,7 @@ int main(void)
         cmocka_unit_test(every_integrator_and_every_layer_is_in_its_topic),
         cmocka_unit_test(the_overview_names_every_command_and_topic),
         cmocka_unit_test(every_topic_and_command_fits_80_columns),
+        cmocka_unit_test(a_name_is_looked_up_in_all_topics),
         cmocka_unit_test(an_unknown_topic_is_an_error_that_names_the_nearest),
         cmocka_unit_test(every_option_and_topic_is_in_the_man_page),
         cmocka_unit_test(the_man_page_is_formatted_without_a_warning_in_80_columns),

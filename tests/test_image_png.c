@@ -193,8 +193,8 @@ static void a_png_is_no_source_of_light(void **state)
     rgb pixels[W * H];
     fill(pixels, (rgb){1, 1, 1});
     free(through_png(pixels, true, 0));
-    expect_refusal(scratch("a.png"), BIS_INPUT, "it begins with the bytes 89 50 4e 47, must be a Radiance .hdr (#?), OpenEXR (76 2f 31 01) "
-                   "or PFM (PF, Pf)");
+    expect_refusal(scratch("a.png"), BIS_INPUT, "it is a PNG: 8 bits for a screen, no radiance; take an .exr, .pfm "
+        "or .hdr (`bis SCENE --outfile NAME.exr` writes one)");
 }
 
 int main(void)

@@ -316,6 +316,51 @@ static void candidates_are_those_of_sir_and_their_figures_those_of_the_definitio
     bis_light_free(light);
 }
 
+/* An equation of 4.4 as printed reaches the one estimate that is shown: it is bit for bit what `sir` itself makes of
+ * the same stream. The twin is in the loop: each printed equation changes the estimate, or comparing would show
+ * nothing. E23 prints nothing for a mixture, hence proposal "em". */
+static void the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed(void **state)
+{
+    (void)state;
+    const unsigned printed[] = {0, BIS_E6, BIS_E21, BIS_E23, BIS_E6 | BIS_E21, BIS_E6 | BIS_E21 | BIS_E23};
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    lit l;
+    rgb right = {0, 0, 0};
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    for (size_t k = 0; k < sizeof printed / sizeof *printed; k++) {
+        bis_settings s = bis_settings_default(&bis_sir);
+        s.candidates = 200;
+        s.shadowrays = 9;
+        s.proposal = BIS_PROPOSAL_EM;
+        s.as_printed = printed[k];
+        const bis_sampler sampler = one_sample(11);
+        bis_stream stream;
+        bis_pixel_candidates c;
+        bis_stream_init(&stream, &sampler, 4, 0);
+        assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
+        bis_scratch scratch;
+        assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+        const rgb L = lit_once(&l, &s, &scratch, 11, 4), found = rgbd_round(c.L);
+        bis_scratch_clear(&scratch);
+        assert_memory_equal(&L, &found, sizeof L);
+        assert_true(c.seen > 0);
+        if (k == 0) right = L;
+        else assert_memory_not_equal(&L, &right, sizeof L);
+
+        /* The figures beside it are those of the same candidates: the weights sum to W, and N were chosen. */
+        double W = 0;
+        uint32_t chosen = 0;
+        for (uint32_t i = 0; i < c.M; i++) {
+            W += c.c[i].x.w;
+            chosen += c.c[i].chosen;
+        }
+        assert_near(c.W / W, 1, 1e-12);
+        assert_int_equal(chosen, 9);
+        bis_pixel_candidates_clear(&c);
+    }
+    bis_light_free(light);
+}
+
 /* All weights equal: M; one candidate alone: 1. */
 static void effective_sample_size_is_M_for_equal_weights_and_1_for_one(void **state)
 {
@@ -851,6 +896,7 @@ int main(void)
         cmocka_unit_test(skewness_is_known_even_of_what_was_not_hit),
         cmocka_unit_test(figures_of_a_method_are_those_of_its_estimates),
         cmocka_unit_test(candidates_are_those_of_sir_and_their_figures_those_of_the_definitions),
+        cmocka_unit_test(the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed),
         cmocka_unit_test(effective_sample_size_is_M_for_equal_weights_and_1_for_one),
         cmocka_unit_test(candidates_without_weight_are_told),
         cmocka_unit_test(every_ray_of_every_integrator_is_overheard),

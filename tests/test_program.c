@@ -216,7 +216,7 @@ static void an_error_out_of_reach_is_said_early_and_loses_nothing(void **state)
     assert_non_null(strstr(r.messages, "--spp ends it before"));
     assert_non_null(strstr(r.messages, "warning: --error 1e-06 was not reached: the error is at most "));
     assert_true(program_exists(DIR "/far.exr"));
-    program_expect(&r, 0, SCENE " --error 9 --outfile " DIR "/near.exr");
+    program_expect(&r, 0, SCENE " --error 900%% --outfile " DIR "/near.exr");
     program_expect_only_the_result(&r);
     program_expect(&r, 0, SCENE " --error 1e-6 --spp 1 --outfile " DIR "/far.exr");
     assert_non_null(strstr(r.messages, "was not reached: the error is unknown, 1 pass is too few"));
@@ -337,7 +337,7 @@ static void options_override_the_scene(void **state)
         {"--cropwindow 0,0.5,0,1", "width", "12"},
         {"--nthreads 2", "spp", "4"},
         {"--disable-pixel-jitter", "spp", "4"},
-        {"--error 9 --time 1000", "spp", "4"},
+        {"--error 900% --time 1000", "spp", "4"},
         {"--spp 2 --time 1000 --error 1e-9 --quiet", "spp", "2"},
         {"--spp 1", "estimated_relative_rmse", "null"},
     };
@@ -446,11 +446,11 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
         {SCENE " --spp 0", "must be an integer in [1, 1000000000]"},
         {SCENE " --spp -1", "must be an integer in [1, 1000000000]"},
         {SCENE " --spp 99999999999", "must be an integer in [1, 1000000000]"},
-        {SCENE " --time 0", "must be a number in (0, "},
-        {SCENE " --time -3", "must be a number in (0, "},
-        {SCENE " --time nan", "must be a number in (0, "},
-        {SCENE " --time abc", "must be a number in (0, "},
-        {SCENE " --time 1e300", "must be a number in (0, "},
+        {SCENE " --time 0", "must be a number of seconds in (0, "},
+        {SCENE " --time -3", "must be a number of seconds in (0, "},
+        {SCENE " --time nan", "must be a number of seconds in (0, "},
+        {SCENE " --time abc", "must be a number of seconds in (0, "},
+        {SCENE " --time 1e300", "must be a number of seconds in (0, "},
         {SCENE " --error 0", "must be a number in (0, 10]"},
         {SCENE " --error -1", "must be a number in (0, 10]"},
         {SCENE " --error inf", "must be a number in (0, 10]"},
@@ -480,7 +480,14 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
         {SCENE " --outfile " DIR "/new", "must be .exr, .pfm, .hdr or .png"},
         {DIR "/bad.txt --outfile " DIR "/new.exr", "bad.txt:2:1: error: "},
         {DIR "/badfilm.txt", "picture.tga"},
-        {"help nonsense", "no command or topic \"nonsense\""},
+        {SCENE " --error 5s", "must be a number in (0, 10], as in 0.05, or 5%"},
+        {SCENE " --learn maybe", "it is one of on, off"},
+        {"rendr " SCENE, "no command and no scene \"rendr\" (did you mean \"bis render\"?)"},
+        {"pixle " SCENE " 1 2", "no command and no scene \"pixle\" (did you mean \"bis pixel\"?)"},
+        {DIR "/map.pfm", "map.pfm: error: this is a PFM image, no scene: try `bis envmap " DIR "/map.pfm` or `bis "
+            "verify " DIR "/map.pfm`"},
+        {"README.md", "README.md: error: this is a page in Markdown, no scene"},
+        {"help nonsense", "no command, topic or name \"nonsense\""},
         {"compare " DIR "/map.pfm", "too few operands"},
         {"compare --tolerance -1 a b", "must be a number >= 0"},
     };
@@ -492,6 +499,64 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
         assert_string_equal(r.output, "");
         assert_int_equal(program_count_files(DIR), before);
     }
+}
+
+/* One line each, whatever the file holds; a scene that is none of these is still read from anywhere, a pipe
+ * included. */
+static void what_is_no_scene_gets_one_line(void **state)
+{
+    (void)state;
+    const struct { const char *name, *bytes, *what; } cases[] = {
+        {"a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n", "a Radiance map"},
+        {"scene", "#?RGBE\n", "a Radiance map"},
+        {"a.exr", "\x76\x2f\x31\x01", "an OpenEXR image"},
+        {"a.ply", "ply\nformat ascii 1.0\n", "a PLY mesh"},
+        {"a.png", "\x89PNG\r\n", "a PNG picture"},
+        {"a.txt", "<scene version=\"3\"></scene>", "a page or scene in XML or HTML"},
+        {"a.json", "{}", "a file in JSON"},
+        {"a.obj", "v 0 0 0\n", "a Wavefront mesh"},
+        {"a.MD", "# Title\n\nWords, one after the other.\n", "a page in Markdown"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_run r;
+        char path[128], expected[256];
+        snprintf(path, sizeof path, DIR "/%s", cases[i].name);
+        program_write_file(path, cases[i].bytes);
+        program_expect(&r, 2, "%s", path);
+        snprintf(expected, sizeof expected, "%s: error: this is %s, no scene: ", path, cases[i].what);
+        assert_ptr_equal(strstr(r.messages, expected), r.messages);
+        assert_null(strchr(strchr(r.messages, '\n') + 1, '\n'));
+    }
+    program_run r;
+    program_write_file(DIR "/includes.txt", "Include \"a.ply\"\nWorldBegin\n");
+    program_expect(&r, 2, DIR "/includes.txt");
+    assert_non_null(strstr(r.messages, "includes.txt:1:9: error: \"" DIR "/a.ply\" is a PLY mesh, no part of a "
+        "scene: a scene names it in Shape"));
+    program_write_file(DIR "/comment.txt", "#? is this a scene?\n");
+    program_expect(&r, 2, DIR "/comment.txt");
+    assert_non_null(strstr(r.messages, "the scene has no WorldBegin"));
+    assert_int_equal(system("rm " DIR "/a.* " DIR "/scene " DIR "/includes.txt " DIR "/comment.txt"), 0);
+}
+
+/* --learn is the scene's "bool learn": the same bits; it says where it can have no effect. */
+static void learn_is_an_option(void **state)
+{
+    (void)state;
+    program_run r;
+    assert_int_equal(system("sed 's/^Integrator.*/& \"string proposal\" \"product\"/' " SCENE " > " DIR "/plain.txt && "
+                            "sed 's/^Integrator.*/& \"bool learn\" true/' " DIR "/plain.txt > " DIR "/learns.txt"), 0);
+    program_expect(&r, 0, DIR "/learns.txt --outfile " DIR "/l1.pfm");
+    program_expect(&r, 0, DIR "/plain.txt --learn on --outfile " DIR "/l2.pfm");
+    assert_string_equal(r.messages, "");
+    program_expect(&r, 0, DIR "/plain.txt --outfile " DIR "/l3.pfm");
+    program_expect(&r, 0, DIR "/learns.txt --learn off --outfile " DIR "/l4.pfm");
+    assert_int_equal(system("cmp " DIR "/l1.pfm " DIR "/l2.pfm && cmp " DIR "/l3.pfm " DIR "/l4.pfm && ! cmp -s "
+                            DIR "/l1.pfm " DIR "/l3.pfm"), 0);
+    program_expect(&r, 0, SCENE " --integrator sir --learn on --spp 1 --outfile " DIR "/l1.pfm");
+    assert_non_null(strstr(r.messages, "--learn has no effect on proposal \"mix\", only on \"product\""));
+    program_expect(&r, 0, SCENE " --integrator em --learn on --spp 1 --outfile " DIR "/l1.pfm");
+    assert_non_null(strstr(r.messages, "--learn has no effect on integrator \"em\""));
+    assert_int_equal(system("rm " DIR "/l?.pfm " DIR "/learns.txt " DIR "/plain.txt"), 0);
 }
 
 static void files_that_cannot_be_read_or_written_exit_with_1(void **state)
@@ -509,6 +574,8 @@ static void files_that_cannot_be_read_or_written_exit_with_1(void **state)
         {"--version >/dev/full", "standard output cannot be written"},
         {"compare " DIR "/map.pfm " DIR "/nosuch.pfm", "nosuch.pfm"},
         {"compare " DIR "/map.pfm " SCENE, "scene.txt"},
+        {"compare docs/figures/chess.png " DIR "/map.pfm", "it is a PNG: 8 bits for a screen, no radiance; take an "
+            ".exr, .pfm or .hdr"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program_run r;
@@ -856,6 +923,8 @@ int main(void)
         cmocka_unit_test(an_option_without_effect_is_a_warning),
         cmocka_unit_test(plan_renders_and_writes_nothing),
         cmocka_unit_test(bad_usage_and_bad_scenes_exit_with_2_and_write_nothing),
+        cmocka_unit_test(what_is_no_scene_gets_one_line),
+        cmocka_unit_test(learn_is_an_option),
         cmocka_unit_test(files_that_cannot_be_read_or_written_exit_with_1),
         cmocka_unit_test(a_full_disk_keeps_the_older_file_and_leaves_no_other),
         cmocka_unit_test(an_output_that_cannot_be_is_refused_before_the_scene_is_read),

@@ -190,6 +190,9 @@ static void the_command_reports_draws_and_refuses(void **state)
     program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.gif");
     program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.png --outdir " DIR);
     program_expect(&r, 2, "envmap " DIR "/map.pfm --levels 0");
+    program_expect(&r, 2, "envmap " DIR "/map.pfm --areaexponent 10.5");
+    /* The limit of a scene, tests/bad/light-areaexponent-large.txt. */
+    assert_non_null(strstr(r.messages, "must be a number in [0, 10]"));
     program_expect(&r, 2, "envmap");
     program_expect(&r, 1, "envmap " DIR "/no_such_map.hdr");
     assert_string_equal(r.output, "");

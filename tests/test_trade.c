@@ -7,6 +7,7 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
+#include "files/image_png.h"
 #include "html_check.h"
 #include "program.h"
 
@@ -163,6 +164,50 @@ static void every_setting_budget_and_seed_is_measured_once_with_a_seed_of_its_ow
 }
 
 /* ---- tables ---- */
+
+/* A reader that knows columns by name finds each of them: no two have the same, in any table. */
+static void no_two_columns_of_a_table_have_one_name(void **state)
+{
+    (void)state;
+    assert_int_equal(system("for f in " DIR "/own/*.csv " DIR "/given/*.csv; do head -n 1 $f | tr ',' '\\n' | sort | "
+                            "uniq -d | sed \"s|^|$f: |\"; done > " DIR "/twice && ls " DIR "/own/equal_error.csv && ! test -s "
+                            DIR "/twice"), 0);
+}
+
+/* `bis render` meters on the shapes, and so does the page: a picture has the exposure here that its PNG has there,
+ * but for the noise of 16 rays a pixel for the pixels that shapes fill partly. The twin, a mean over the bright
+ * background as well, is more than a third of a stop off. */
+static void the_pages_exposure_is_that_of_bis_render(void **state)
+{
+    (void)state;
+    bis_trade t = {.o = {.scene = SCENE, .n_threads = 1}, .plan = {.width = 24, .height = 16}};
+    bis_film film;
+    bis_render_result result;
+    bis_channel channels[4];
+    double exposure;
+    const double whole[4] = {0, 1, 0, 1};
+    const bis_render_options options = {.budget = {.spp = 16}, .n_threads = 1};
+    enum { N = 24 * 16 };
+    float rgba[4 * N];
+    assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+    assert_int_equal(bis_film_init(&film, 24, 16, whole, (bis_loc){0}, NULL), BIS_OK);
+    bis_scene_set_spp(t.desc, 16);
+    assert_int_equal(bis_render(&result, &film, t.scene, t.desc, &options, NULL), BIS_OK);
+    bis_film_resolve(&film, rgba);
+    assert_int_equal(bis_image_init(&t.both.image, 24, 16, NULL), BIS_OK);
+    for (int i = 0; i < N; i++) t.both.image.pixels[i] = (rgb){rgba[4 * i], rgba[4 * i + 1], rgba[4 * i + 2]};
+    bis_picture picture = bis_image_picture(&t.both.image, channels);
+    const double without_alpha = bis_png_exposure(&picture);
+    channels[3] = (bis_channel){"A", rgba + 3, 4};
+    picture.n_channels = 4;
+    assert_int_equal(bis_trade_exposure(&exposure, &t, NULL), BIS_OK);
+    const double rendered = bis_png_exposure(&picture);
+    if (fabs(exposure - rendered) > 0.02) fail_msg("%g is not the %g of bis render", exposure, rendered);
+    assert_true(fabs(without_alpha - exposure) > 1 / 3.0);
+    bis_image_clear(&t.both.image);
+    bis_film_clear(&film);
+    bis_trade_unload(&t);
+}
 
 /* All runs of a row of trade.csv; returns how many. */
 static int values_of(double *v, const table *runs, const table *trade, int row, const char *column)
@@ -715,6 +760,8 @@ int main(void)
         cmocka_unit_test(each_run_is_the_render_of_its_seed_bit_for_bit),
         cmocka_unit_test(every_setting_budget_and_seed_is_measured_once_with_a_seed_of_its_own),
         cmocka_unit_test(the_table_says_what_the_runs_say),
+        cmocka_unit_test(no_two_columns_of_a_table_have_one_name),
+        cmocka_unit_test(the_pages_exposure_is_that_of_bis_render),
         cmocka_unit_test(the_references_noise_is_measured_and_subtracted_and_no_method_judges_itself),
         cmocka_unit_test(the_root_law_gives_slope_minus_half_and_a_constant_cost),
         cmocka_unit_test(a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_recommended),

@@ -3,6 +3,7 @@
  * some 30 runs with less than 400 p-values, this file takes 1e-3 for all of them together, at 2.5e-6 each. What is
  * wrong must be rejected by the run itself. */
 #include "shape/triangle.h"
+#include "tools/pixel/pixel.h"
 #include "tools/verify/verify.h"
 
 #include "bis/base/mem.h"
@@ -11,6 +12,7 @@
 #include "bis/files/image_file.h"
 #include "json_check.h"
 #include "map_help.h"
+#include "mesh_help.h"
 #include "program.h"
 
 #include "lit.h"
@@ -362,6 +364,24 @@ static void right_integrators_pass(void **state)
     }
 }
 
+/* An integrator's numbers come from its name: whatever stands before it in the list. */
+static void a_test_does_not_depend_on_those_before_it(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_verify all = {.seed = 1, .halvings = 4}, one = all;
+    bool tested;
+    lit l;
+    lit_init(&l, light, glossy(&bis_phong_model, 5), (vec3){0, 0, 1}, 40, LIT_HALF);
+    assert_int_equal(bis_verify_point(&all, &l.pt, all_settings(), 7, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_int_equal(bis_verify_point(&one, &l.pt, all_settings() + 4, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_string_equal(one.tests[0].name, all.tests[4].name);
+    assert_true(one.tests[0].statistic == all.tests[4].statistic && one.tests[0].p == all.tests[4].p);
+    bis_verify_clear(&all);
+    bis_verify_clear(&one);
+    bis_light_free(light);
+}
+
 static void a_point_in_the_dark_is_not_tested(void **state)
 {
     (void)state;
@@ -400,6 +420,33 @@ static rgb Lo_exact_one_percent_more(const bis_settings *s, const bis_point *pt,
     return rgb_scale(bis_exact.Lo(s, pt, stream, scratch), 1.01);
 }
 
+/* mis by a heuristic whose weights do not sum to 1. */
+static rgb Lo_wrong_weights(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    bis_settings half = *s;
+    half.samples = s->samples / 2; /* mis has room for no more */
+    const rgb a = bis_em.Lo(&half, pt, stream, scratch), b = bis_brdf.Lo(&half, pt, stream, scratch);
+    return rgb_add(rgb_scale(a, 0.55), rgb_scale(b, 0.5)); /* the weights of one direction sum to 1.05 */
+}
+
+/* f for f cos: the light under an angle counts as if from above. */
+static rgb f_without_cosine(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    const double c = bis_bsdf_cos(b, wi);
+    return rgb_scale(bis_phong_model.f_pdf(b, wi, pdf), c > 0 ? 1 / c : 0);
+}
+
+static rgb Lo_without_cosine(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    bis_bsdf_model model = bis_phong_model;
+    bis_material m = *pt->bsdf.material;
+    bis_point wrong = *pt;
+    model.f_pdf = f_without_cosine;
+    m.model = &model;
+    wrong.bsdf.material = &m;
+    return bis_em.Lo(s, &wrong, stream, scratch);
+}
+
 static rgb Lo_not_a_number(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
     const rgb L = bis_sir.Lo(s, pt, stream, scratch);
@@ -411,7 +458,7 @@ static void wrong_integrators_are_rejected(void **state)
     (void)state;
     const struct { const bis_integrator *from; rgb (*Lo)(const bis_settings *, const bis_point *, bis_stream *, bis_scratch *); } wrong[] = {
         {&bis_sir, Lo_without_shadows}, {&bis_em, Lo_exchanged}, {&bis_mis, Lo_three_percent_more}, {&bis_exact, Lo_exact_one_percent_more},
-        {&bis_sir, Lo_not_a_number}};
+        {&bis_sir, Lo_not_a_number}, {&bis_mis, Lo_wrong_weights}, {&bis_em, Lo_without_cosine}};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     lit l;
     bool tested;
@@ -566,6 +613,29 @@ static void a_grazing_ray_may_go_either_way_and_no_other(void **state)
     bis_geometry_clear(&g);
 }
 
+/* One of 40 triangles is a point. */
+static void a_backend_that_loses_a_triangle_is_rejected(void **state)
+{
+    (void)state;
+    const bis_xform here = bis_xform_identity();
+    const bis_accel_options options = {.kind = BIS_ACCEL_GRID};
+    bis_geometry g[2] = {{0}, {0}};
+    bis_accel *grid[2];
+    for (int i = 0; i < 2; i++) {
+        bis_mesh m = soup_mesh(40, 0.3, 1);
+        for (int k = 1; k < 3 && i == 1; k++) m.index[5 * 3 + k] = m.index[5 * 3];
+        add_mesh(&g[i], &m, &here, 0);
+        assert_int_equal(bis_accel_new(&grid[i], &g[i], &options, NULL), BIS_OK);
+    }
+    bis_verify v = {.seed = 4};
+    bis_verify_backends(&v, grid[0], grid[1], 20000);
+    assert_int_equal(failures(&v), 1);
+    for (int i = 0; i < 2; i++) {
+        bis_accel_free(grid[i]);
+        bis_geometry_clear(&g[i]);
+    }
+}
+
 /* ---- the run ---- */
 
 static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **state)
@@ -584,13 +654,50 @@ static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **stat
     assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
     assert_int_equal(v.n_statistical, 5);
     assert_near(v.threshold, 1 - pow(0.99, 0.2), 1e-12);
-    assert_near(v.tests[0].p, bis_stats_chi_square_p(2, 2), 1e-12); /* 9 expected in two pools, 6 and a rest of 3: one cell of 9 */
+    /* 9 expected in two pools, 6 and a rest of 3: one cell of 9. Three cells of 100, 100, 9: cumulants 2, 4.0646, 18.876; the
+     * tail of the shifted gamma distribution that has them, integrated numerically. */
+    assert_near(v.tests[0].p, 0.34884298, 1e-6);
     assert_true(v.tests[1].p == 0 && v.tests[4].p == 0 && v.tests[3].p == 1);
     assert_near(v.tests[2].p, 0.0026998, 1e-6);
     assert_int_equal(v.n_failed, 3);
     assert_int_equal(v.n_skipped, 1);
     assert_string_equal(v.tests[7].name, "skipped 1");
     bis_verify_clear(&v);
+}
+
+/* Poisson's, by inversion. */
+static double poisson(bis_rng *rng, double mean)
+{
+    double u = bis_rng_double(rng), p = exp(-mean), k = 0;
+    for (; u > p && k < 100; k++) {
+        u -= p;
+        p *= mean / (k + 1);
+    }
+    return k;
+}
+
+/* 200 cells that expect 5 draws each, and one that expects a million: p is below 0.01 in 1 % of 40000 experiments, but for 4
+ * standard errors, and by plain chi-square, the twin, more often. */
+static void small_cells_do_not_accuse(void **state)
+{
+    (void)state;
+    enum { CELLS = 200, EACH = 5, REST = 1000000, N = 40000 };
+    double expected[CELLS + 1], observed[CELLS + 1];
+    int below = 0, below_plain = 0;
+    bis_rng rng;
+    bis_rng_init(&rng, 3, 0, 0, 97);
+    for (int i = 0; i <= CELLS; i++) expected[i] = i < CELLS ? EACH : REST;
+    for (int k = 0; k < N; k++) {
+        bis_verify v = {.seed = 1};
+        observed[CELLS] = REST + CELLS * EACH;
+        for (int i = 0; i < CELLS; i++) observed[CELLS] -= observed[i] = poisson(&rng, EACH);
+        bis_verify_fit(&v, "g", observed, expected, CELLS + 1, "small");
+        below += v.tests[0].p < 0.01;
+        below_plain += bis_stats_chi_square_p(v.tests[0].statistic, CELLS) < 0.01;
+        bis_verify_clear(&v);
+    }
+    const double most = 0.01 * N + 4 * sqrt(0.01 * N);
+    if (!(below <= most && below_plain > most)) fail_msg("below 0.01: %d of %d, %d by plain chi-square", below, N, below_plain);
 }
 
 static void every_allocation_may_fail(void **state)
@@ -655,6 +762,45 @@ static void the_command_verifies_maps_and_scenes(void **state)
 }
 
 /* The twin of the whole program: the thesis's equations as printed. */
+/* Where four rays a patch accused five of seven integrators (seed 17 of 40, z = 9): a wall's edge across bright patches. The
+ * point of pixel (12, 8) of the scene above, 40 seeds; 1e-3 for all of them. */
+static void seeds_that_were_accused_pass(void **state)
+{
+    (void)state;
+    enum { N = 40, X = 12, Y = 8 };
+    bis_scene_desc *desc = NULL;
+    bis_scene *scene = NULL;
+    bis_diag diag = {0};
+    bis_counters counters = {0};
+    bis_pixel_hit hit;
+    bis_point pt;
+    ray eye;
+    bis_settings s[] = {bis_settings_default(&bis_em), bis_settings_default(&bis_mis), bis_settings_default(&bis_exact)};
+    program_folder(DIR);
+    bis_envmap em = map_random(32, 16, 4, 0.1, 2);
+    const bis_image image = {32, 16, em.pixels};
+    assert_int_equal(bis_image_save(&image, DIR "/map.pfm", NULL), BIS_OK);
+    bis_envmap_clear(&em);
+    program_write_file(DIR "/scene.txt", scene_text);
+    assert_int_equal(bis_scene_parse(&desc, DIR "/scene.txt", &diag), BIS_OK);
+    desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+    assert_int_equal(bis_scene_build(&scene, desc, &diag), BIS_OK);
+    assert_true(bis_pixel_find(&hit, &pt, &eye, scene, desc, X, Y, &counters));
+    for (uint64_t seed = 1; seed <= N; seed++) {
+        bis_verify v = {.seed = seed, .halvings = 4};
+        bool tested;
+        assert_int_equal(bis_verify_point(&v, &pt, s, 3, BIS_SAMPLER_SOBOL, "pixel (12, 8)", &tested, NULL), BIS_OK);
+        assert_true(tested && v.n == 3);
+        for (size_t i = 0; i < v.n; i++) {
+            if (!(v.tests[i].p > bis_stats_sidak(1e-3, 3 * N))) fail_msg("%s: seed %u, z %g", v.tests[i].name, (unsigned)seed, v.tests[i].statistic);
+        }
+        bis_verify_clear(&v);
+    }
+    bis_scene_free(scene);
+    bis_scene_desc_free(desc);
+    bis_diag_clear(&diag);
+}
+
 static void a_scene_that_is_wrong_on_purpose_fails(void **state)
 {
     (void)state;
@@ -691,13 +837,17 @@ int main(void)
         cmocka_unit_test(right_materials_pass),
         cmocka_unit_test(forged_materials_are_rejected),
         cmocka_unit_test(right_integrators_pass),
+        cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
         cmocka_unit_test(wrong_integrators_are_rejected),
         cmocka_unit_test(a_backend_that_loses_rays_is_rejected),
         cmocka_unit_test(a_floor_that_shadows_itself_is_found_with_one_backend),
         cmocka_unit_test(a_grazing_ray_may_go_either_way_and_no_other),
+        cmocka_unit_test(a_backend_that_loses_a_triangle_is_rejected),
+        cmocka_unit_test(small_cells_do_not_accuse),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(the_command_verifies_maps_and_scenes),
+        cmocka_unit_test(seeds_that_were_accused_pass),
         cmocka_unit_test(a_scene_that_is_wrong_on_purpose_fails),
         cmocka_unit_test(our_own_files_pass),
     };

@@ -13,6 +13,7 @@
  * and the light spotty. */
 #include "batch.h"
 
+/* [batch] */
 #include "bis/beyond/bsdf_lanes.h"
 #include "map_lanes.h"
 #include "product.h"
@@ -264,3 +265,4 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     if (f->visible && f->counted) count_visibility(b, clusters->n, f->counted);
     return rgbd_round(rgbd_scale(sum, Zhat / N));
 }
+/* [end] */

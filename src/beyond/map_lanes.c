@@ -8,6 +8,7 @@
 
 #include <assert.h>
 
+/* [pixels-of-lanes] */
 BIS_LANES
 static void find(const vec3 axis[3], float columns, float rows, uint32_t *pixel, const bis_lanes *y, uint32_t n)
 {
@@ -36,6 +37,7 @@ void bis_envmap_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pixel
 {
     find(axis, (float)em->width, (float)em->height, pixel, y, bis_lanes_round_up(n));
 }
+/* [end] */
 
 void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n)
 {

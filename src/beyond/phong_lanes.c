@@ -13,6 +13,7 @@
 #include <float.h>
 #include <math.h>
 
+/* [phong-lanes] */
 /* What is the same for all directions: f = lobe K power + base, over `unit`. */
 typedef struct constants {
     vec3 n, r;                /* normal; axis of the lobe */
@@ -213,5 +214,6 @@ static void sample(const bis_lanes *y, const bis_bsdf *b, const float *u1, const
 
     sample_lanes(y, &d, u1, u2, bis_lanes_round_up(n));
 }
+/* [end] */
 
 const bis_bsdf_lanes bis_phong_lanes = {weigh, colour, reach, sample};

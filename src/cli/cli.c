@@ -78,8 +78,8 @@ void bis_cli_help(const bis_command *c, FILE *out)
         print_option(out, o->name, o->argument, o->help);
     }
     fprintf(out, "\nabout bis:\n");
-    print_option(out, "help", NULL, "this text");
-    print_option(out, "version", NULL, "version, accelerators and libraries");
+    bis_cli_print_entry(out, "-h, --help", "this text");
+    bis_cli_print_entry(out, "-V, --version", "version, accelerators and libraries");
     if (c->notes) fprintf(out, "\n%s", c->notes);
 }
 
@@ -100,12 +100,44 @@ static bool read_count(uint64_t *value, const char *text, double lo, double hi)
     return true;
 }
 
-static bool read_real(double *value, const char *text, double lo, double hi, bool above)
+/* What may follow a number, and what the number is then divided by or multiplied by. Of several in one row of a table
+ * the first is the empty one. Dividing by 100 and not multiplying by 0.01 makes 5% the double nearest to 0.05. */
+typedef struct unit {
+    const char *name;
+    double times, over;
+} unit;
+
+static const unit no_units[] = {{"", 1, 1}, {NULL, 0, 0}};
+static const unit shares[] = {{"", 1, 1}, {"%", 1, 100}, {NULL, 0, 0}};
+static const unit times[] = {{"", 1, 1}, {"s", 1, 1}, {"min", 60, 1}, {"h", 3600, 1}, {NULL, 0, 0}};
+
+/* A number in the option's range, with one of the units. Returns the unit, NULL where the text is no such number. */
+static const unit *read_real(double *value, const bis_option *o, const char *text, const unit *units)
 {
     const char *end;
     double v = bis_parse_double(text, &end);
-    if (end == text || *end != '\0' || !isfinite(v) || v < lo || v > hi || (above && v == lo)) return false;
+
+    if (end == text) return NULL;
+    while (units->name && strcmp(units->name, end) != 0) units++;
+    if (!units->name) return NULL;
+    v = v * units->times / units->over;
+    if (!isfinite(v) || v < o->lo || v > o->hi || (o->above && v == o->lo)) return NULL;
     *value = v;
+    return units;
+}
+
+/* "--error 5" renders until the error is 500 %. It may be meant, but 5 % is likelier. */
+static bool read_share(const bis_option *o, const char *text, bis_diag *diag)
+{
+    double v;
+    const unit *u = read_real(&v, o, text, shares);
+
+    if (!u) return false;
+    *(double *)o->value = v;
+    if (v > 1 && *u->name == '\0') {
+        bis_warn(diag, bis_cli_loc, "--%s %s is %g %%: did you mean --%s %s%%, which is %g? If not, write %g%%", o->name,
+                 text, 100 * v, o->name, text, v / 100, 100 * v);
+    }
     return true;
 }
 
@@ -122,7 +154,11 @@ static void describe_rule(char *buf, size_t size, const bis_option *o)
     } else if (o->hi == (double)INFINITY) {
         snprintf(buf, size, "a number %s %s", o->above ? ">" : ">=", lo);
     } else {
-        snprintf(buf, size, "a number in %s%s, %s]", o->above ? "(" : "[", lo, hi);
+        const bool is_time = o->kind == BIS_OPTION_SECONDS;
+        const char *of = is_time ? "of seconds " : "", *open = o->above ? "(" : "[", *also = "";
+        if (is_time) also = ", or with a unit: 10s, 2min, 1.5h";
+        if (o->kind == BIS_OPTION_SHARE) also = ", as in 0.05, or 5%";
+        snprintf(buf, size, "a number %sin %s%s, %s]%s", of, open, lo, hi, also);
     }
 }
 
@@ -182,7 +218,9 @@ static bis_status read_value(const bis_option *o, const char *text, bis_diag *di
     case BIS_OPTION_LIST: return read_text(o, text, diag);
     case BIS_OPTION_NAME: return read_name(o, text, diag);
     case BIS_OPTION_COUNT: good = read_count(o->value, text, o->lo, o->hi); break;
-    case BIS_OPTION_REAL: good = read_real(o->value, text, o->lo, o->hi, o->above); break;
+    case BIS_OPTION_REAL: good = read_real(o->value, o, text, no_units); break;
+    case BIS_OPTION_SHARE: good = read_share(o, text, diag); break;
+    case BIS_OPTION_SECONDS: good = read_real(o->value, o, text, times); break;
     case BIS_OPTION_OWN: good = o->read(o->value, text); break;
     }
     if (good) return BIS_OK;
@@ -220,14 +258,16 @@ static bis_status unknown_option(const bis_command *c, const char *name, size_t 
     return bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"--%s\"; `bis %s --help` lists them", word, c->name);
 }
 
-/* One option at argv[i], "--name" or "--name=value"; returns how many arguments it took. */
-static int read_option(const bis_command *c, int argc, char **argv, int i, bis_diag *diag)
+/* One option at argv[i], "--name" or "--name=value"; returns how many arguments it took. *is_unknown is set where the
+ * command has no such option. */
+static int read_option(const bis_command *c, int argc, char **argv, int i, bool *is_unknown, bis_diag *diag)
 {
     const char *name = argv[i] + 2, *equals = strchr(name, '=');
     size_t length = equals ? (size_t)(equals - name) : strlen(name);
     const bis_option *o = find_option(c, name, length);
 
     if (!o) {
+        *is_unknown = true;
         unknown_option(c, name, length, diag);
         return 1;
     }
@@ -254,7 +294,7 @@ static int read_option(const bis_command *c, int argc, char **argv, int i, bis_d
 
 static void read_arguments(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands, bis_diag *diag)
 {
-    bool options_over = false;
+    bool options_over = false, has_unknown = false;
     int n = 0;
 
     for (int i = 0; i < argc;) {
@@ -263,9 +303,10 @@ static void read_arguments(const bis_command *c, int argc, char **argv, const ch
             options_over = true;
             i++;
         } else if (!options_over && strncmp(a, "--", 2) == 0) {
-            i += read_option(c, argc, argv, i, diag);
+            i += read_option(c, argc, argv, i, &has_unknown, diag);
         } else if (!options_over && a[0] == '-' && a[1] != '\0') {
             bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"%s\"; options start with \"--\"", a);
+            has_unknown = true;
             i++;
         } else {
             if (n < c->max_operands) operands[n] = a;
@@ -273,7 +314,8 @@ static void read_arguments(const bis_command *c, int argc, char **argv, const ch
             i++;
         }
     }
-    if (n < c->min_operands || n > c->max_operands) {
+    /* Behind an unknown option its value looks like an operand: what is one too many then is no mistake of its own. */
+    if (n < c->min_operands || (n > c->max_operands && !has_unknown)) {
         bis_error(diag, BIS_INPUT, bis_cli_loc, "%s: %d given; usage: bis %s",
                   n < c->min_operands ? "too few operands" : "too many operands", n, c->usage);
     }
@@ -285,7 +327,7 @@ bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **ope
     bis_diag diag = {0};
 
     for (int i = 0; i < argc && strcmp(argv[i], "--") != 0; i++) {
-        if (strcmp(argv[i], "--help") == 0) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
             bis_cli_help(c, stdout);
             *exit_status = bis_cli_finish(BIS_EXIT_DONE);
             return false;
@@ -295,7 +337,7 @@ bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **ope
             *exit_status = bis_cli_finish(BIS_EXIT_DONE);
             return false;
         }
-        if (strcmp(argv[i], "--version") == 0) {
+        if (strcmp(argv[i], "--version") == 0 || strcmp(argv[i], "-V") == 0) {
             bis_cli_version(stdout);
             *exit_status = bis_cli_finish(BIS_EXIT_DONE);
             return false;
@@ -303,7 +345,8 @@ bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **ope
     }
     read_arguments(c, argc, argv, operands, n_operands, &diag);
     bool good = diag.n_errors == 0;
-    bis_cli_print_diag(&diag, false);
+    const bis_option *quiet = find_option(c, "quiet", strlen("quiet"));
+    bis_cli_print_diag(&diag, quiet && *(const bool *)quiet->value);
     bis_diag_clear(&diag);
     *exit_status = good ? BIS_EXIT_DONE : BIS_EXIT_USAGE;
     return good;

@@ -31,6 +31,8 @@ typedef enum bis_option_kind {
     BIS_OPTION_LIST,  /* bis_texts: the option may be repeated */
     BIS_OPTION_COUNT, /* uint64_t: an integer in [lo, hi] */
     BIS_OPTION_REAL,  /* double: finite, in [lo, hi]; a number in (0, hi] where `above` */
+    BIS_OPTION_SHARE, /* double: like REAL, or in percent: "5%" is 0.05. A plain number above 1: a warning asks */
+    BIS_OPTION_SECONDS, /* double: like REAL, or with a unit: "10s", "2min", "1.5h" */
     BIS_OPTION_NAME,  /* const char *: one of names, ended by NULL; the entry of names, not of argv */
     BIS_OPTION_OWN    /* whatever: `read` reads it */
 } bis_option_kind;
@@ -50,7 +52,7 @@ typedef struct bis_option {
     void *value;
     bool *given;          /* may be NULL: set to true where the option stands on the command line */
     double lo, hi;
-    bool above;           /* REAL: lo itself is out of range */
+    bool above;           /* REAL, SHARE, SECONDS: lo itself is out of range */
     const char *const *names;
     /* OWN: false for a text that is no value; `rule` says what one looks like. */
     bool (*read)(void *value, const char *text);
@@ -69,7 +71,8 @@ typedef struct bis_command {
 
 /* Read argv[0..argc-1] (behind the command's name). operands[max_operands]: what is no option, n_operands of them.
  * Options and operands may be mixed, "--name=value" is "--name value", "--" ends the options, "-" is an operand or a
- * value. All mistakes are reported, not only the first.
+ * value. All mistakes are reported, not only the first; but after an unknown option no operand is one too many, because
+ * it may be that option's value. `-h` is `--help`, `-V` is `--version`.
  * False: the command is over with *exit_status: `--help` and `--version` were answered, or the usage was bad and a
  * message printed. */
 bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands, int *exit_status);

@@ -330,7 +330,7 @@ int bis_cmd_envmap(int argc, char **argv)
          .kind = BIS_OPTION_COUNT, .value = &o.width, .lo = 1, .hi = 2 * BIS_IMAGE_MAX_SIDE},
         {.name = "levels", .argument = "N", .help = "levels of intensity (8)", .kind = BIS_OPTION_COUNT, .value = &o.levels, .lo = 1, .hi = 254},
         {.name = "areaexponent", .argument = "B", .help = "importance goes with min(0.01 sr, a region's solid angle) to the power of B (0.15)",
-         .kind = BIS_OPTION_REAL, .value = &o.area_exponent, .lo = 0, .hi = 100},
+         .kind = BIS_OPTION_REAL, .value = &o.area_exponent, .lo = 0, .hi = BIS_AREA_EXPONENT_MAX},
         {.help = "what to write"},
         {.name = "json", .help = "print JSON instead of text", .kind = BIS_OPTION_FLAG, .value = &o.json},
         {.name = "out", .argument = "F", .help = "write pictures: NAME.png makes NAME-map.png, NAME-levels.png, NAME-regions.png and "

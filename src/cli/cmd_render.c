@@ -11,6 +11,7 @@
 
 #include "tools/auto/auto.h"
 #include "cli.h"
+#include "progress.h"
 #include "tools/describe.h"
 
 #include <float.h>
@@ -28,7 +29,7 @@ typedef struct resolution {
 /* What the command line says; has_ tells whether it does. */
 typedef struct render_options {
     bis_texts outfiles, as_printed;
-    const char *stats, *integrator, *proposal, *accelerator, *layers;
+    const char *stats, *integrator, *proposal, *accelerator, *layers, *learn;
     bool quiet, plan, no_jitter, adaptive;
     bool has_candidates, has_shadowrays, has_samples, has_spp, has_seed, has_resolution, has_crop, has_exposure;
     uint64_t candidates, shadowrays, samples, spp, seed, threads;
@@ -89,6 +90,7 @@ static bool read_crop(void *value, const char *text)
 
 static const char *const proposals[] = {"em", "brdf", "mix", "choose", "product", NULL};
 static const char *const accelerators[] = {"grid", "embree", NULL};
+static const char *const switches[] = {"on", "off", NULL};
 
 enum { MAX_INTEGRATORS = 16 };
 
@@ -128,6 +130,9 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
          .kind = BIS_OPTION_COUNT, .value = &o->samples, .given = &o->has_samples, .lo = 1, .hi = 1 << 24},
         {.name = "proposal", .argument = "P", .help = "rejection: em, brdf or choose; sir: em, brdf, mix or product",
          .kind = BIS_OPTION_NAME, .value = &o->proposal, .names = proposals},
+        {.name = "learn", .argument = "on|off", .help = "sir with proposal product: go where earlier passes saw "
+            "light arrive",
+         .kind = BIS_OPTION_NAME, .value = &o->learn, .names = switches},
         {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT, .value = &o->seed,
          .given = &o->has_seed, .hi = 0x1p53},
         {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME, .value = &o->accelerator,
@@ -147,10 +152,12 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
         {.help = "how long (whichever comes first; default: the scene's pixelsamples)"},
         {.name = "spp", .argument = "N", .help = "camera samples in each pixel", .kind = BIS_OPTION_COUNT, .value = &o->spp,
          .given = &o->has_spp, .lo = 1, .hi = 1e9},
-        {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; ends within one pass",
-         .kind = BIS_OPTION_REAL, .value = &o->seconds, .above = true, .hi = 1e8},
-        {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E",
-         .kind = BIS_OPTION_REAL, .value = &o->error, .above = true, .hi = 10},
+        {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; "
+            "ends within one pass; also 10s, 2min, 1.5h",
+         .kind = BIS_OPTION_SECONDS, .value = &o->seconds, .above = true, .hi = 1e8},
+        {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E, as "
+            "in 0.05 or 5%",
+         .kind = BIS_OPTION_SHARE, .value = &o->error, .above = true, .hi = 10},
         {.name = "adaptive", .help = "camera samples go where the error is, by tiles of 16 x 16 pixels; --spp is then their mean, rounded up "
          "to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o->adaptive},
     };
@@ -215,7 +222,7 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
 {
     bis_settings *s = &d->settings;
 
-    if (o->integrator || o->has_candidates || o->has_shadowrays || o->has_samples || o->proposal) {
+    if (o->integrator || o->has_candidates || o->has_shadowrays || o->has_samples || o->proposal || o->learn) {
         bis_scene_drop_exceptions(d, "the command line", diag);
     }
     if (o->integrator && strcmp(o->integrator, s->integrator->name) != 0) {
@@ -229,6 +236,13 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
     if (applies(s, "shadowrays", o->has_shadowrays, diag)) s->shadowrays = (uint32_t)o->shadowrays;
     if (applies(s, "samples", o->has_samples, diag)) s->samples = (uint32_t)o->samples;
     if (applies(s, "proposal", o->proposal != NULL, diag)) s->proposal = proposal_of(o->proposal);
+    if (applies(s, "learn", o->learn != NULL, diag)) {
+        s->learn = strcmp(o->learn, "on") == 0;
+        if (s->learn && s->proposal != BIS_PROPOSAL_PRODUCT) {
+            bis_warn(diag, bis_cli_loc, "--learn has no effect on proposal \"%s\", only on \"product\"",
+                bis_proposal_name(s->proposal));
+        }
+    }
     bis_settings_leave_open(s);
     bis_status status = switch_errata(s, &o->as_printed, diag);
     for (int i = 0; i < d->exceptions.n; i++) d->exceptions.settings[i].as_printed = s->as_printed;
@@ -445,12 +459,9 @@ static bis_status write_stats(const char *path, const bis_stats *stats, bis_diag
 
 static void print_progress(const bis_progress *p, void *user)
 {
+    char text[BIS_PROGRESS_TEXT];
     (void)user;
-    fprintf(stderr, "\rpass %u", p->passes_done + 1);
-    if (p->passes_total) fprintf(stderr, " of %u", p->passes_total);
-    fprintf(stderr, ", %.0f%%", 100 * p->share);
-    if (isfinite(p->seconds_left)) fprintf(stderr, ", %.0f s left", ceil(p->seconds_left));
-    fputs("   \033[K", stderr);
+    fprintf(stderr, "\r%s   \033[K", bis_progress_text(text, p));
 }
 
 /* Said early, after the pilot, so that nobody waits for what cannot come: an error that another budget will cut off, or
@@ -466,7 +477,8 @@ static void print_forecast(const bis_forecast *f, void *user)
     else if (o->spp && f->spp > (double)o->spp) end = "--spp ends it before";
     else if (!(f->seconds > late)) return;
     fprintf(stderr, "%sbis: warning: --error %g would take about %s and %.3g camera samples a pixel; %s (the error is at most %.2g so far)\n",
-            isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, duration(time, f->seconds), f->spp, end, f->error);
+            isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, bis_progress_duration(time, f->seconds), f->spp, end,
+            f->error);
 }
 
 /* The second signal of a kind finds the default action again, and kills. */

@@ -68,11 +68,12 @@ static bool read_options(trade_options *o, int argc, char **argv, const char **s
         {.name = "resume", .help = "go on with the measurement in the folder, by its plan", .kind = BIS_OPTION_FLAG, .value = &o->resume},
         {.name = "quiet", .help = "no progress and no warnings", .kind = BIS_OPTION_FLAG, .value = &o->quiet},
         {.help = "how long"},
-        {.name = "time", .argument = "SECONDS", .help = "for everything (150); size, passes and seeds follow from it", .kind = BIS_OPTION_REAL, .value = &o->seconds,
+        {.name = "time", .argument = "SECONDS", .help = "for everything (150); size, passes and seeds follow from "
+            "it", .kind = BIS_OPTION_SECONDS, .value = &o->seconds,
          .given = &o->has_seconds, .above = true, .hi = 1e7},
         {.name = "quick", .help = "a shorter table of settings, in 30 s", .kind = BIS_OPTION_FLAG, .value = &o->quick},
         {.name = "error", .argument = "E", .help = "the relative RMSE of a final picture (0.05): measure until there; an error right after the pilot where that is out "
-         "of reach", .kind = BIS_OPTION_REAL, .value = &o->error, .given = &o->has_error, .above = true, .hi = 10},
+         "of reach", .kind = BIS_OPTION_SHARE, .value = &o->error, .given = &o->has_error, .above = true, .hi = 10},
         {.name = "seeds", .argument = "N", .help = "renders of each setting and budget (2, 3 or 5, by the time)", .kind = BIS_OPTION_COUNT, .value = &o->seeds,
          .given = &o->has_seeds, .lo = 1, .hi = BIS_TRADE_SEEDS},
         {.name = "passes", .argument = "N", .help = "budgets of 1, 2, 4 ... up to N passes for every setting, instead of what the time allows", .kind = BIS_OPTION_COUNT,
@@ -120,14 +121,15 @@ static bis_status check_resume(const trade_options *o, bis_diag *diag)
 static bis_status check_integrators(const trade_options *o, bis_diag *diag)
 {
     static const char *const names[] = {"em", "brdf", "mis", "rejection", "sir"};
+    enum { N = sizeof names / sizeof *names };
     bis_status status = BIS_OK;
 
     for (int i = 0; i < o->integrators.n; i++) {
         const char *name = o->integrators.text[i];
         bool known = false;
-        for (int k = 0; k < 5; k++) known |= strcmp(name, names[k]) == 0;
+        for (int k = 0; k < N; k++) known |= strcmp(name, names[k]) == 0;
         if (known) continue;
-        const char *near = bis_nearest_name(name, names, 5);
+        const char *near = bis_nearest_name(name, names, N);
         status = bis_error(diag, BIS_INPUT, bis_cli_loc, "--integrator %s: must be em, brdf, mis, rejection or sir%s%s%s", name, near ? " (did you mean \"" : "",
                            near ? near : "", near ? "\"?)" : "");
     }

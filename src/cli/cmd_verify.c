@@ -48,7 +48,7 @@ static void print_table(const bis_verify *v)
         printf("  %s%s%s\n", verdict_of(t), *t->note ? ": " : "", t->note);
     }
     printf("\n%zu tests, %zu failed, %zu skipped. %zu of them are statistical: each fails below p = %.3g, so that all together\n"
-           "raise a false alarm once in %.0f runs (Sidak). The others fail above their threshold.\n",
+           "raise a false alarm at most once in %.0f runs (Sidak). The others fail above their threshold.\n",
            v->n, v->n_failed, v->n_skipped, v->n_statistical, v->threshold, 1 / BIS_VERIFY_ALPHA);
     printf("seed %llu\n%s\n", (unsigned long long)v->seed, v->n_failed ? "FAILED" : "passed");
 }

@@ -1,4 +1,4 @@
-/* help: `bis help`: the commands and topics, one of them, or the whole as a man page.
+/* help: `bis help`: the commands and topics, one of them, a name that a topic explains, or the whole as a man page.
  *
  * A command's options live in a table on the stack of the command itself, beside the variables that they set. So this
  * file does not read them, but runs the command with `--help` (or `--help=man`) and nothing else: what is printed here,
@@ -8,10 +8,11 @@
 #include "bis/base/file.h"
 #include "bis/base/status.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { MAX_NAMES = 32 };
+enum { MAX_NAMES = 256, MAX_TERM = 32 };
 
 const char bis_help_intro[] =
     "bis renders scenes in a subset of the pbrt format, lit directly by an environment map. It is the reference implementation of the thesis "
@@ -75,19 +76,88 @@ static int overview(void)
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) printf("  %-11s  %s\n", c->name, c->help);
     printf("\ntopics:\n");
     for (const bis_topic *t = bis_topics; t->name; t++) printf("  %-11s  %s\n", t->name, t->summary);
-    printf("\n`bis COMMAND --help` lists a command's options, `bis help TOPIC` explains.\n\n");
+    printf("\n`bis COMMAND --help` lists a command's options, `bis help TOPIC` explains,\n"
+           "`bis help sir` looks up a name.\n\n");
     return run_help_of(&bis_subcommands[0]);
+}
+
+/* A name as it stands in the topics: "sir", "areaexponent", ".exr", "--spp". */
+static bool is_of_name(char c) { return isalnum((unsigned char)c) || c == '-' || c == '_' || c == '.'; }
+
+/* The next name in *at, its length in *n, and *at behind it; NULL: there is none. */
+static const char *next_name(const char **at, size_t *n)
+{
+    const char *name = *at;
+
+    while (*name && !is_of_name(*name)) name++;
+    *n = 0;
+    while (name[*n] && is_of_name(name[*n])) ++*n;
+    *at = name + *n;
+    return *n ? name : NULL;
+}
+
+/* Does an entry explain name? In a term all words are names; in a text those are that a parenthesis with the default or
+ * the range follows, as in "candidates (800)". */
+static bool explains(const bis_help_entry *e, const char *name)
+{
+    const size_t length = strlen(name);
+    const char *found, *at;
+    size_t n;
+
+    if (!e->term || !e->text) return false;
+    for (at = e->term; (found = next_name(&at, &n)) != NULL;) {
+        const size_t dashes = *name == '-' ? 0 : strspn(found, "-");
+        if (n - dashes == length && strncmp(found + dashes, name, length) == 0) return true;
+    }
+    for (at = e->text; (found = next_name(&at, &n)) != NULL;) {
+        if (n == length && strncmp(found, name, n) == 0 && strncmp(at, " (", 2) == 0) return true;
+    }
+    return false;
+}
+
+/* `bis help sir`: what the topics say of an integrator, directive, parameter, option or layer. Returns whether they
+ * do. */
+static bool print_entries_of(const char *name)
+{
+    bool found = false;
+
+    for (const bis_topic *t = bis_topics; t->name; t++) {
+        bool is_first = true;
+        for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+            if (!explains(e, name)) continue;
+            if (is_first) printf("%sfrom `bis help %s`:\n\n", found ? "\n" : "", t->name);
+            bis_cli_print_entry(stdout, e->term, e->text);
+            is_first = false;
+            found = true;
+        }
+    }
+    return found;
 }
 
 static int unknown(const char *name)
 {
+    static char words[MAX_NAMES][MAX_TERM];
     const char *names[MAX_NAMES];
-    size_t n = 0;
+    size_t n = 0, n_words = 0, length;
 
     for (const bis_subcommand *c = bis_subcommands; c->name && n < MAX_NAMES; c++) names[n++] = c->name;
     for (const bis_topic *t = bis_topics; t->name && n < MAX_NAMES; t++) names[n++] = t->name;
-    const char *near = bis_nearest_name(name, names, n);
-    fprintf(stderr, "bis: error: no command or topic \"%s\"%s%s%s; `bis help` lists them\n", name, near ? " (did you mean \"" : "",
+    const size_t n_own = n;
+    for (const bis_topic *t = bis_topics; t->name && n < MAX_NAMES; t++) {
+        for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+            if (!e->term || !e->text) continue;
+            const char *found;
+            for (const char *at = e->term; n < MAX_NAMES && (found = next_name(&at, &length)) != NULL;) {
+                snprintf(words[n_words], MAX_TERM, "%.*s", (int)length, found);
+                names[n++] = words[n_words++];
+            }
+        }
+    }
+    /* "integrator" is nearer to the directive Integrator than to the topic, but who asks for help wants the topic. */
+    const char *near = bis_nearest_name(name, names, n_own);
+    if (!near) near = bis_nearest_name(name, names, n);
+    fprintf(stderr, "bis: error: no command, topic or name \"%s\"%s%s%s; `bis help` lists commands and topics\n",
+        name, near ? " (did you mean \"" : "",
             near ? near : "", near ? "\"?)" : "");
     return BIS_EXIT_USAGE;
 }
@@ -101,8 +171,9 @@ int bis_cmd_help(int argc, char **argv)
     };
     const bis_command command = {
         .name = "help",
-        .usage = "help [COMMAND | TOPIC]",
-        .summary = "what the commands and topics are; the options of a command; a topic",
+        .usage = "help [COMMAND | TOPIC | NAME]",
+        .summary = "what the commands and topics are; the options of a command; a topic; what an integrator, "
+            "parameter or directive is",
         .options = options,
         .n_options = sizeof options / sizeof *options,
         .max_operands = 1,
@@ -117,7 +188,7 @@ int bis_cmd_help(int argc, char **argv)
     const bis_subcommand *c = bis_subcommand_find(operand[0]);
     if (c) return run_help_of(c);
     const bis_topic *t = find_topic(operand[0]);
-    if (!t) return unknown(operand[0]);
-    print_topic(t);
+    if (t) print_topic(t);
+    else if (!print_entries_of(operand[0])) return unknown(operand[0]);
     return bis_cli_finish(BIS_EXIT_DONE);
 }

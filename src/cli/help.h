@@ -33,7 +33,7 @@ extern const char bis_help_intro[];
 /* NULL: no such command. */
 const bis_subcommand *bis_subcommand_find(const char *name);
 
-/* `bis help`, `bis help COMMAND`, `bis help TOPIC`, `bis help --man`. */
+/* `bis help`, `bis help COMMAND`, `bis help TOPIC`, `bis help NAME`, `bis help --man`. */
 int bis_cmd_help(int argc, char **argv);
 
 /* The whole page, man(7); and a command's part of it, which the command prints on `--help=man`. */

@@ -135,10 +135,11 @@ int bis_man_page(void)
     fputs(".SH NAME\nbis \\- render direct light from environment maps\n", out);
     fputs(".SH SYNOPSIS\n\\fBbis\\fR [\\fBrender\\fR] [\\fIoptions\\fR] \\fISCENE\\fR\n.br\n"
           "\\fBbis\\fR \\fICOMMAND\\fR [\\fIoptions\\fR] \\fIoperands\\fR\n.br\n"
-          "\\fBbis help\\fR [\\fICOMMAND\\fR | \\fITOPIC\\fR]\n.SH DESCRIPTION\n", out);
+          "\\fBbis help\\fR [\\fICOMMAND\\fR | \\fITOPIC\\fR | \\fINAME\\fR]\n.SH DESCRIPTION\n", out);
     put_paragraph(out, bis_help_intro, strlen(bis_help_intro));
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) put_entry(out, c->name, c->help);
-    fputs(".SH COMMANDS\nEvery command knows \\fB\\-\\-help\\fR and \\fB\\-\\-version\\fR.\n", out);
+    fputs(".SH COMMANDS\nEvery command knows \\fB\\-\\-help\\fR (\\fB\\-h\\fR) and \\fB\\-\\-version\\fR "
+        "(\\fB\\-V\\fR).\n", out);
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
         int exit_status = c->run(1, arguments);
         if (exit_status) return exit_status;

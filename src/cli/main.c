@@ -2,8 +2,23 @@
 #include "help.h"
 
 #include <signal.h>
+#include "bis/base/status.h"
+
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
+
+/* `bis rendr scene.txt`: a word that is no file but nearly a command. NULL: it may be a scene. */
+static const char *nearest_command(const char *word)
+{
+    enum { MOST_COMMANDS = 16 };
+    const char *names[MOST_COMMANDS];
+    size_t n = 0;
+
+    if (word[0] == '-' || access(word, F_OK) == 0) return NULL;
+    for (const bis_subcommand *c = bis_subcommands; c->name && n < MOST_COMMANDS; c++) names[n++] = c->name;
+    return bis_nearest_name(word, names, n);
+}
 
 int main(int argc, char **argv)
 {
@@ -12,12 +27,18 @@ int main(int argc, char **argv)
         fprintf(stderr, "bis: error: no scene; usage: bis [render] [options] SCENE, `bis --help` tells more\n");
         return BIS_EXIT_USAGE;
     }
-    if (strcmp(argv[1], "--help") == 0) return bis_cmd_help(argc - 2, argv + 2);
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) return bis_cmd_help(argc - 2, argv + 2);
     if (strcmp(argv[1], "version") == 0) {
         bis_cli_version(stdout);
         return bis_cli_finish(BIS_EXIT_DONE);
     }
     const bis_subcommand *command = bis_subcommand_find(argv[1]);
     if (command) return command->run(argc - 2, argv + 2);
+    const char *near = nearest_command(argv[1]);
+    if (near) {
+        fprintf(stderr, "bis: error: no command and no scene \"%s\" (did you mean \"bis %s\"?); `bis help` lists "
+                        "the commands\n", argv[1], near);
+        return BIS_EXIT_USAGE;
+    }
     return bis_cmd_render(argc - 1, argv + 1);
 }

@@ -48,6 +48,10 @@ static bis_status refuse_unknown(const image_input *in)
     const unsigned char *d = in->data;
     if (in->size == 0) return bis_image_refuse(in, BIS_INPUT, "the file is empty");
     if (in->size < 4) return bis_image_refuse(in, BIS_INPUT, "its %zu bytes are too few for an image", in->size);
+    const bool is_png = memcmp(d, "\x89PNG", 4) == 0, is_jpeg = memcmp(d, "\xff\xd8\xff", 3) == 0;
+    if (is_png || is_jpeg)
+        return bis_image_refuse(in, BIS_INPUT, "it is a %s: 8 bits for a screen, no radiance; take an .exr, .pfm or "
+                                ".hdr (`bis SCENE --outfile NAME.exr` writes one)", is_png ? "PNG" : "JPEG");
     return bis_image_refuse(in, BIS_INPUT, "it begins with the bytes %02x %02x %02x %02x, must be a Radiance .hdr (#?), "
                             "OpenEXR (76 2f 31 01) or PFM (PF, Pf)", d[0], d[1], d[2], d[3]);
 }

@@ -62,6 +62,11 @@ static double scale_of(const bis_picture *picture)
     return weights > 0 ? key / exp(sum / weights) : 1;
 }
 
+double bis_png_exposure(const bis_picture *picture)
+{
+    return picture->has_exposure ? picture->exposure : log2(scale_of(picture));
+}
+
 /* The sRGB curve (IEC 61966-2-1), rounded to 8 bit. */
 static unsigned char to_srgb(double v)
 {

@@ -7,6 +7,10 @@
 
 #include <stdio.h>
 
+/* bis_png_exposure returns the logarithm to base 2 of what radiance is multiplied by before it becomes sRGB: the
+ * picture's own exposure where it has one, else what takes its log-average, weighted by channel "A", to middle grey. */
+double bis_png_exposure(const bis_picture *picture);
+
 /* Errors: BIS_NOMEM, BIS_IO. */
 bis_status bis_png_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
 

@@ -8,8 +8,37 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "scene/scene_peek.h"
 
 #include <string.h>
+
+/* A map or a page in place of a scene gets one line, not one for each of its words. */
+static bool is_stranger(bis_parser *p, const char *path, bis_loc at)
+{
+    char word[128], instead[512];
+    bis_stranger_kind kind;
+    const char *what = bis_scene_peek_stranger(path, &kind);
+
+    if (!what) return false;
+    bis_printable(word, path, strlen(path));
+    switch (kind) {
+    case BIS_STRANGER_MAP:
+        snprintf(instead, sizeof instead, "try `bis envmap %s` or `bis verify %s`; a scene names it in LightSource "
+                 "\"infinite\" \"string filename\"", word, word);
+        break;
+    case BIS_STRANGER_PLY:
+    case BIS_STRANGER_OBJ:
+        snprintf(instead, sizeof instead, "a scene names it in Shape \"%s\" \"string filename\"",
+                 kind == BIS_STRANGER_PLY ? "plymesh" : "objmesh");
+        break;
+    case BIS_STRANGER_OTHER:
+        snprintf(instead, sizeof instead, "a scene is text in pbrt's format (`bis help scene`), such as scene.txt");
+        break;
+    }
+    if (at.file) bis_parser_error(p, at, "\"%s\" is %s, no part of a scene: %s", word, what, instead);
+    else bis_parser_error(p, (bis_loc){p->desc->files[0], 0, 0}, "this is %s, no scene: %s", what, instead);
+    return true;
+}
 
 /* The name is looked at, not taken: the next token to be taken is the included file's first. */
 static void directive_include(bis_parser *p, bis_loc at)
@@ -21,6 +50,11 @@ static void directive_include(bis_parser *p, bis_loc at)
         return;
     }
     char *path = bis_parser_path(p, p->name_at, bis_parser_text(p, p->name));
+    if (path && is_stranger(p, path, p->name_at)) {
+        bis_free(path);
+        bis_parser_advance(p);
+        return;
+    }
     const char *name = path ? bis_scene_desc_add_file(p->desc, path) : NULL;
     if (path && !name) bis_parser_nomem(p, at);
     bis_status status = name ? bis_lexer_push(&p->lexer, name, p->name_at) : BIS_OK;
@@ -216,7 +250,8 @@ bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *dia
     p->desc = desc;
     p->diag = p->lexer.diag = diag;
     p->now.ctm = bis_xform_identity();
-    status = bis_lexer_push(&p->lexer, desc->files[0], (bis_loc){0});
+    is_stranger(p, desc->files[0], (bis_loc){0});
+    status = p->status ? p->status : bis_lexer_push(&p->lexer, desc->files[0], (bis_loc){0});
     if (status) goto done;
     bis_parser_advance(p);
     while (!p->stop) next_directive(p);

@@ -14,6 +14,7 @@
 #include <string.h>
 
 static const bis_interval unit = {0, 1, false, false};
+static const bis_interval anything = {-HUGE_VAL, HUGE_VAL, false, false};
 static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
 
 /* ---- LightSource ---- */
@@ -53,6 +54,19 @@ static void light_radiance(bis_parser *p, bis_light_desc *light)
     }
 }
 
+/* pbrt-v4's "illuminance", of a surface that faces up, is in lux; without units of photometry it can only mislead.
+ * What is not above 0 means "not given", there as here. */
+static void light_illuminance(bis_parser *p)
+{
+    double lux = -1;
+
+    if (!bis_params_float(p, "illuminance", &lux, anything) || lux <= 0) return;
+    bis_parser_error(p, bis_params_at(p, "illuminance"),
+                     "pbrt-v4's \"illuminance\" (of a surface that faces up, in lux) is not modelled, because bis has "
+                     "no units of photometry: remove it, and give what the radiance is multiplied by as "
+                     "\"float scale\" (of a constant light of 1: illuminance / pi)");
+}
+
 static void light_map(bis_parser *p, bis_light_desc *light)
 {
     static const char *const mappings[] = {"latlong", "angular"};
@@ -64,7 +78,7 @@ static void light_map(bis_parser *p, bis_light_desc *light)
     light->angular = light->has_mapping && i == 1;
     bis_params_uint32(p, "width", &width, 2, BIS_IMAGE_MAX_SIDE);
     light->width = (int)width;
-    bis_params_float(p, "areaexponent", &light->area_exponent, (bis_interval){0, 10, false, false});
+    bis_params_float(p, "areaexponent", &light->area_exponent, (bis_interval){0, BIS_AREA_EXPONENT_MAX, false, false});
     bis_params_uint32(p, "levels", &levels, 1, 254);
     light->levels = (int)levels;
     light->has_table_kind = bis_params_choice(p, "sampler", &i, tables, BIS_COUNT(tables));
@@ -107,6 +121,7 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     light_filename(p, &light);
     light_radiance(p, &light);
     light_map(p, &light);
+    light_illuminance(p);
     bis_params_bool(p, "visible", &light.visible);
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     bis_params_end(p, "LightSource", "infinite");

@@ -1,6 +1,8 @@
 /* scene_peek: searches the first 64 kB of a file for the words that tell its size. Nothing is allocated. */
 #include "scene_peek.h"
 
+#include "bis/base/file.h"
+
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -85,6 +87,58 @@ bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces)
     head h;
     return read_head(&h, path) && starts_with(&h, "ply", 3) && number_after(&h, "element vertex ", n_vertices) &&
            number_after(&h, "element face ", n_faces);
+}
+
+typedef struct stranger {
+    const char *mark, *what;
+    bis_stranger_kind kind;
+} stranger;
+
+static const stranger by_bytes[] = {
+    {"#?RADIANCE", "a Radiance map", BIS_STRANGER_MAP},
+    {"#?RGBE", "a Radiance map", BIS_STRANGER_MAP},
+    {"\x76\x2f\x31\x01", "an OpenEXR image", BIS_STRANGER_MAP},
+    {"PF\n", "a PFM image", BIS_STRANGER_MAP},
+    {"Pf\n", "a PFM image", BIS_STRANGER_MAP},
+    {"ply\n", "a PLY mesh", BIS_STRANGER_PLY},
+    {"ply\r", "a PLY mesh", BIS_STRANGER_PLY},
+    {"\x89PNG", "a PNG picture", BIS_STRANGER_OTHER},
+    {"\xff\xd8\xff", "a JPEG picture", BIS_STRANGER_OTHER},
+    {"\x7f" "ELF", "a program", BIS_STRANGER_OTHER},
+    {"%PDF", "a PDF document", BIS_STRANGER_OTHER},
+    {"<", "a page or scene in XML or HTML", BIS_STRANGER_OTHER},
+    {"{", "a file in JSON", BIS_STRANGER_OTHER},
+};
+
+static const stranger by_ending[] = {
+    {".md", "a page in Markdown", BIS_STRANGER_OTHER},
+    {".obj", "a Wavefront mesh", BIS_STRANGER_OBJ},
+    {".mtl", "the materials of a Wavefront mesh", BIS_STRANGER_OTHER},
+    {".c", "a program's source", BIS_STRANGER_OTHER},
+    {".h", "a program's source", BIS_STRANGER_OTHER},
+    {".sh", "a script", BIS_STRANGER_OTHER},
+    {".csv", "a table", BIS_STRANGER_OTHER},
+};
+
+const char *bis_scene_peek_stranger(const char *path, bis_stranger_kind *kind)
+{
+    struct stat st;
+    char ending[8];
+    head h;
+
+    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode)) return NULL; /* a pipe can be read once only */
+    if (!read_head(&h, path)) return NULL;
+    bis_path_extension(ending, path);
+    const stranger *found = NULL;
+    for (size_t i = 0; i < sizeof by_bytes / sizeof *by_bytes && !found; i++) {
+        if (starts_with(&h, by_bytes[i].mark, strlen(by_bytes[i].mark))) found = &by_bytes[i];
+    }
+    for (size_t i = 0; i < sizeof by_ending / sizeof *by_ending && !found; i++) {
+        if (strcmp(ending, by_ending[i].mark) == 0) found = &by_ending[i];
+    }
+    if (!found) return NULL;
+    *kind = found->kind;
+    return found->what;
 }
 
 size_t bis_scene_peek_bytes(const char *path)

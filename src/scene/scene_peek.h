@@ -1,5 +1,6 @@
-/* scene_peek: how large is what a file holds, by a look at its first bytes. For plan.c, which loads nothing. A wrong or
- * strange file gives false; the loaders will say why. */
+/* scene_peek: what a file holds and how large that is, by a look at its first bytes. For plan.c, which loads nothing,
+ * and for the parser, which is given a map or a mesh now and then. A wrong or strange file gives false; the loaders
+ * will say why. */
 #ifndef BIS_SCENE_PEEK_H
 #define BIS_SCENE_PEEK_H
 
@@ -11,6 +12,18 @@ bool bis_scene_peek_image(const char *path, long *width, long *height);
 
 /* .ply: what the header claims. */
 bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces);
+
+typedef enum bis_stranger_kind {
+    BIS_STRANGER_MAP,
+    BIS_STRANGER_PLY,
+    BIS_STRANGER_OBJ,
+    BIS_STRANGER_OTHER
+} bis_stranger_kind;
+
+/* bis_scene_peek_stranger tells whether the file at path is surely no scene, by its first bytes or its ending. It
+ * returns what the file is, "a Radiance map", and sets *kind to what can be done with it. NULL: it may be a scene, or
+ * it is no regular file, or it cannot be read. */
+const char *bis_scene_peek_stranger(const char *path, bis_stranger_kind *kind);
 
 /* Of the whole file; 0: unknown. */
 size_t bis_scene_peek_bytes(const char *path);

@@ -23,6 +23,7 @@
 #include <float.h>
 #include <sys/mman.h>
 
+/* [grid-packed] */
 enum { LANES = BIS_GRID_LANES, LOOK = 16 /* slabs */ };
 
 static inline BIS_INLINE double smaller(double a, double b) { return a < b ? a : b; }
@@ -382,3 +383,4 @@ bis_status bis_grid_pack(bis_grid *g, int n_threads, bis_diag *diag)
     }
     return BIS_OK;
 }
+/* [end] */

@@ -34,8 +34,8 @@ void bis_as_printed_colours(bis_candidate *c, uint32_t M, double W)
 
 double bis_as_printed_weights(const bis_settings *s, bis_candidate *x, double W, const bis_point *pt)
 {
-    if (s->as_printed & BIS_E23) W = printed_weights(x, s->candidates, s->proposal, pt);
-    if (s->as_printed & BIS_E6) bis_as_printed_colours(x, s->candidates, W);
+    if (W > 0 && s->as_printed & BIS_E23) W = printed_weights(x, s->candidates, s->proposal, pt);
+    if (W > 0 && s->as_printed & BIS_E6) bis_as_printed_colours(x, s->candidates, W);
     return W;
 }
 

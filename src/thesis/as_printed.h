@@ -6,7 +6,7 @@
 #include "bis/thesis/integrator.h"
 
 /* bis_as_printed_weights changes the candidates x[M] of sir by E23 and E6, as far as s has these switches. W: the sum of
- * the weights as drawn. It returns the new sum. */
+ * the weights as drawn; where it is 0 nothing changes. It returns the new sum. */
 double bis_as_printed_weights(const bis_settings *s, bis_candidate *x, double W, const bis_point *pt);
 
 /* bis_as_printed_colours (E6) gives each candidate of c[M] the colour of the whole, so that eq. 4.6 becomes an RGB L_ns

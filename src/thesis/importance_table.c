@@ -112,6 +112,7 @@ void bis_table_clear(bis_table *t)
 }
 
 /* bis_alias_pick for short columns. */
+/* [pick-column] */
 static size_t pick_column(const bis_table *t, size_t y, double u)
 {
     const double *prob = t->prob + y * t->width;
@@ -119,6 +120,7 @@ static size_t pick_column(const bis_table *t, size_t y, double u)
     const size_t x = (size_t)scaled;
     return scaled - (double)x < prob[x] ? x : t->alias[y * t->width + x];
 }
+/* [end] */
 
 /* [two-passes] */
 bis_drawn bis_table_draw(const bis_table *t, const double u[4])

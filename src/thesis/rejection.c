@@ -98,13 +98,17 @@ static rgbd fall_back(const bis_settings *s, const bis_point *pt, bis_stream *st
 
     pt->counters->fallbacks++;
     if (s->fallback == BIS_FALLBACK_UNOCCLUDED || s->as_printed & BIS_E29) return bis_candidates_unoccluded(x, M);
+    /* [fall-back-resample] */
     if (s->fallback == BIS_FALLBACK_RESAMPLE) {
         bis_candidates_resample(scratch->chosen, N, x, M, W, s->resampling, stream);
         return bis_candidates_trace(pt, x, scratch->chosen, N, Zhat / N);
     }
+    /* [end] */
+    /* [fall-back-subset] */
     uint32_t A = positive(scratch->chosen, x, M), n = A < N ? A : N;
     draw_without_replacement(scratch->chosen, A, n, stream);
     return bis_candidates_trace(pt, x, scratch->chosen, n, Zhat / n);
+    /* [end] */
 }
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)

@@ -13,6 +13,8 @@
  * Variance (E31): about Var(Zhat) Vbar^2 + L_ns^2 Var(V)/N; where nothing is shadowed, only the first term.
  * Cost: M candidates, at most N rays (repeats are traced once). A renderer may run the same estimator for all candidates
  * of a point at once (src/beyond/batch.c); this file is what that is tested against. */
+#include "sir.h"
+
 #include "bis/thesis/errata.h"
 #include "as_printed.h"
 #include "candidates.h"
@@ -29,22 +31,31 @@ static void scratch_needs(const bis_settings *s, bis_needs *need)
     need->n_chosen = s->shadowrays;
 }
 
-static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+rgbd bis_sir_estimate(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch,
+                      double *sum_of_weights)
 {
     const uint32_t M = s->candidates, N = s->shadowrays;
     bis_candidate *x = scratch->candidates;
+    const double other_Zhat = s->as_printed & BIS_E21 ? bis_as_printed_Zhat(s, pt, stream, scratch) : 0;
 
-    const double drawn = bis_candidates_draw(x, M, s->proposal, s->stratify, scratch->sets, pt, stream);
-    if (drawn <= 0) return (rgb){0, 0, 0};
-    const double W = s->as_printed ? bis_as_printed_weights(s, x, drawn, pt) : drawn; /* E6, E23 */
+    double W = bis_candidates_draw(x, M, s->proposal, s->stratify, scratch->sets, pt, stream);
+    if (s->as_printed) W = bis_as_printed_weights(s, x, W, pt); /* E6, E23 */
+    *sum_of_weights = W;
+    if (W <= 0) return (rgbd){0, 0, 0};
 
     /* [sir-estimate] */
     bis_candidates_resample(scratch->chosen, N, x, M, W, s->resampling, stream);
     double Zhat = W / M;
     rgbd L = bis_candidates_trace(pt, x, scratch->chosen, N, Zhat / N);
     /* [end] */
-    if (s->as_printed & BIS_E21) L = rgbd_scale(L, bis_as_printed_Zhat(s, pt, stream, scratch) / Zhat);
-    return rgbd_round(L);
+    return s->as_printed & BIS_E21 ? rgbd_scale(L, other_Zhat / Zhat) : L;
+}
+
+static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    double W;
+
+    return rgbd_round(bis_sir_estimate(s, pt, stream, scratch, &W));
 }
 
 const bis_integrator bis_sir = {"sir", "unbiased for every M, N >= 1", light_needs, scratch_needs, Lo};

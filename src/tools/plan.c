@@ -8,6 +8,7 @@
 #include "scene/scene_peek.h"
 
 #include "bis/scene/scene.h"
+#include "tools/describe.h"
 
 #include <inttypes.h>
 
@@ -39,7 +40,7 @@ static void print_settings(const bis_settings *s, FILE *out)
     }
     fprintf(out, "%s:", i->name);
     if (i == &bis_exact) fprintf(out, " perpatch %" PRIu32, s->perpatch);
-    if (i == &bis_em || i == &bis_brdf || i == &bis_mis) fprintf(out, " samples %" PRIu32, s->samples);
+    if (bis_integrator_uses(i, "samples")) fprintf(out, " samples %" PRIu32, s->samples);
     if (i == &bis_sir || i == &bis_rejection || i == &bis_unoccluded)
         fprintf(out, " candidates %" PRIu32, s->candidates);
     if (i == &bis_sir || i == &bis_rejection)

@@ -1,4 +1,9 @@
 /* "Pre-inverting C" (E10): what the guide says, without a search. The plain sum. */
+/* loses: each_u_gives_the_item_whose_interval_holds_it */
+/* loses: a_large_table_is_searched_as_by_hand */
+/* loses: items_are_drawn_with_their_probabilities */
+/* loses: the_remainder_tells_where_u_lies_in_the_interval */
+/* loses: many_small_items_after_a_large_one_do_not_vanish */
 /* [cdf-sum] */
 static double accumulate(double *c, const double *f, size_t n, weight_scale s)
 {

@@ -1,4 +1,7 @@
 /* Uniform in theta instead of in its cosine: directions crowd at the poles. */
+/* loses: directions_are_uniform_in_solid_angle */
+/* loses: directions_are_drawn_from_alias_tables */
+/* loses: directions_are_drawn_from_cdfs */
 /* [patch] */
 void bis_envmap_circle(const bis_envmap *em, int y, double u2, double *sin_theta, double *cos_theta)
 {

@@ -1,4 +1,6 @@
 /* The counts are forgotten in the weight: these still sum to 1, so the mean is right, and the noise is not. */
+/* loses: the_noise_is_that_of_the_balance_heuristic */
+/* loses: the_noise_is_that_of_the_power_heuristic */
 /* [mis-weight] */
 static double weight(bis_heuristic heuristic, double own, double other)
 {

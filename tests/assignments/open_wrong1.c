@@ -1,4 +1,7 @@
 /* The cosine for all: a density, and the one that is drawn, but noisy; the bound is still the other one's. */
+/* loses: the_bound_of_rejection_holds */
+/* loses: it_is_less_noisy_than_the_cosine */
+/* loses: it_is_nearly_as_good_as_visible_normals */
 /* [facet-density] */
 static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 {

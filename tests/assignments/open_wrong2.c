@@ -1,4 +1,6 @@
 /* The two lobes are drawn equally often, while the density takes p_specular for the lobe's share. */
+/* loses: samples_have_the_density */
+/* loses: the_albedo_comes_out_of_the_samples */
 /* [facet-sample] */
 static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {

@@ -1,4 +1,8 @@
 /* n where eq. 3.16 has n + 1, and a sine from the rounded cosine. */
+/* loses: the_lobe_is_drawn_by_eq_3_16 */
+/* loses: narrow_lobes_keep_their_precision */
+/* loses: samples_have_the_density */
+/* loses: the_albedo_comes_out_of_the_samples */
 /* [phong-lobe] */
 static double lobe_direction(vec3 *wi, double n, double u1, double u2)
 {

@@ -1,4 +1,6 @@
 /* What falls below the horizon is thrown away, although the density counts it (E34). */
+/* loses: samples_have_the_density */
+/* loses: the_albedo_comes_out_of_the_samples */
 /* [phong-sample] */
 static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {

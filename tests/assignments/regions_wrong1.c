@@ -1,4 +1,7 @@
 /* The map taken for a flat picture: its edges do not touch, nor do the pixels of a pole. */
+/* loses: left_and_right_edges_touch */
+/* loses: all_pixels_of_a_pole_touch */
+/* loses: solid_angles_are_summed */
 /* [bfs] */
 static void flood(search *s, uint32_t start, uint32_t label)
 {

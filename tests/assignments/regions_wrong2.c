@@ -1,4 +1,10 @@
 /* Eight neighbours, by recursion, the queue unused; the brightest pixel falls into a level of its own. */
+/* loses: darkest_brightest_black_and_constant_have_their_levels */
+/* loses: neighbours_of_a_level_are_one_region */
+/* loses: corners_do_not_touch */
+/* loses: all_pixels_of_a_pole_touch */
+/* loses: solid_angles_are_summed */
+/* loses: a_large_map_needs_no_deep_recursion */
 /* [level] */
 uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
 {

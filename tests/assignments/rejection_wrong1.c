@@ -1,4 +1,6 @@
 /* The mean over the traced ones, times B/M: how many were accepted is lost. */
+/* loses: many_rays_are_right */
+/* loses: fewer_rays_than_accepted_are_right */
     /* [rejection-estimate] */
     uint32_t n = A < N ? A : N;
     draw_without_replacement(scratch->chosen, A, n, stream);

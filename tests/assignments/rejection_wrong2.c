@@ -1,4 +1,7 @@
 /* Accepting ends when there are enough to trace (E22), and the first N are traced; the larger bound is preferred. */
+/* loses: candidates_of_the_brdf_are_accepted_with_probability_w_over_B */
+/* loses: the_smaller_bound_is_chosen_more_often */
+/* loses: fewer_rays_than_accepted_are_right */
 /* [choose] */
 static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_stream *stream)
 {

@@ -1,11 +1,11 @@
 /* Assignment sir: src/thesis/candidates.c and src/thesis/sir.c, one candidate after the other ("vectorize" is off: src/beyond/batch.c, the fast double, has no part in
- * it). Weights by the textbooks' formulas, choices by hand, means against brute force (tests/lit.h). Statistical tests: 30, at 1e-5 each. */
+ * it). Weights by the textbooks' formulas, choices by hand, means against brute force, and rays counted (tests/lit.h): not even the
+ * right mean counts where more are cast than N. Statistical tests: 23. */
 #include "mark.h"
 
 #include "bis/thesis/phong.h"
 #include "thesis/candidates.h"
 
-static const double ALPHA = 1e-5;
 static const char *const hint = "L = (Zhat/N) sum of F/phat V over the chosen, Zhat = W/M: the mean weight of these very candidates.";
 
 static vec3 tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
@@ -27,7 +27,7 @@ static bis_stream stream_of(uint64_t run, bis_sampler *sampler)
 {
     bis_stream stream;
 
-    *sampler = (bis_sampler){.kind = BIS_SAMPLER_RANDOM, .seed = 9, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
+    *sampler = (bis_sampler){.kind = BIS_SAMPLER_RANDOM, .seed = mark_seed(9), .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
     bis_stream_init(&stream, sampler, run, 0);
     return stream;
 }
@@ -62,6 +62,7 @@ static void check_weights(bis_proposal proposal, double beta, const char *what)
                   "cos Le summed over RGB)/q,", what, i, acos(fmin(1, cosine)) * 180 / PI);
         mark_near(rgbd_sum(c[i].C), c[i].w, 0, 1e-9, "%s: C.r + C.g + C.b of candidate %d", what, i);
         mark_near(c[i].C.r, f.r * (double)Le.r * cosine / q, 0, 1e-3, "%s: C.r of candidate %d", what, i);
+        mark_near(c[i].C.g, f.g * (double)Le.g * cosine / q, 0, 1e-3, "%s: C.g of candidate %d", what, i);
         lit_ones++;
     }
     if (lit_ones < M / 8) {
@@ -127,20 +128,43 @@ static void choose(double *count, uint32_t N, bis_resampling kind, uint32_t runs
     }
 }
 
+/* A W that is too large, as rounding can make it by an ulp: what marks lie beyond the sum belong to the last one with a weight. */
+static void check_last_marks(bis_resampling kind)
+{
+    enum { N = 8 };
+    bis_candidate c[M10] = {{.w = 0}};
+    bis_sampler sampler;
+    uint32_t chosen[N];
+    double W = 0;
+
+    for (int i = 0; i < M10; i++) W += c[i].w = weights[i];
+    for (uint32_t run = 0; run < 100; run++) {
+        bis_stream stream = stream_of(run, &sampler);
+        for (uint32_t j = 0; j < N; j++) chosen[j] = UINT32_MAX;
+        bis_candidates_resample(chosen, N, c, M10, 2 * W, kind, &stream);
+        for (uint32_t j = 0; j < N; j++) {
+            if (chosen[j] < M10 && weights[chosen[j]] > 0) continue;
+            mark_wrong("choice %u is %u (-1: none was made), where its mark lies beyond all weights, as rounding may put it: it must be the last "
+                       "one that has a weight, 7", j, (unsigned)chosen[j]);
+        }
+    }
+}
+
 static void check_choice(bis_resampling kind, const char *what)
 {
     enum { RUNS = 20000, N = 5 };
     double count[M10] = {0}, expected[M10], W = 0;
     stat_moments square = {0};
 
+    check_last_marks(kind);
     choose(count, N, kind, RUNS, &square);
     for (int i = 0; i < M10; i++) W += weights[i];
     for (int i = 0; i < M10; i++) expected[i] = weights[i] / W * RUNS * N;
     /* systematic choices vary less than independent ones, which a chi-square test takes for granted: it errs on the safe side */
-    mark_fit(count, expected, M10, ALPHA, what, "Candidate i owns the marks between the running sums before and "
+    mark_fit(count, expected, M10, MARK_ALPHA, what, "Candidate i owns the marks between the running sums before and "
              "after w_i.");
     if (kind == BIS_RESAMPLING_MULTINOMIAL) {
-        mark_mean(&square, N * (3 / W) * (1 - 3 / W), ALPHA, "multinomial: the square of how far the count of "
+        mark_mean(&square, N * (3 / W) * (1 - 3 / W), MARK_ALPHA, "multinomial: the square of how far the count of "
                   "candidate 3 is from its mean", "N independent marks: bis_marks_next gives them in order.");
     }
 }
@@ -150,13 +174,26 @@ static void multinomial_choices_are_independent(void) { check_choice(BIS_RESAMPL
 
 /* ---- the estimate ---- */
 
+/* N rays at most, whatever M: they are what is dear. */
+static void check_rays(lit *l, const bis_settings *s, const char *what)
+{
+    const uint32_t most = s->shadowrays < s->candidates ? s->shadowrays : s->candidates;
+    const uint64_t rays = lit_most_rays(l, s, 500, mark_seed(5));
+
+    if (rays > most) {
+        mark_wrong("%s: an estimate casts %u shadow rays, must be %u at most: N of the candidates are chosen, and only they are traced", what,
+                   (unsigned)rays, most);
+    }
+}
+
 static void check(bis_settings s, lit_hidden hidden, uint32_t runs, const char *what)
 {
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
     lit l;
 
     lit_init(&l, light, glossy(), tilted(), 40, hidden);
-    mark_estimates(&l, &s, runs, 2, ALPHA, what, hint);
+    check_rays(&l, &s, what);
+    mark_estimates(&l, &s, runs, mark_seed(2), MARK_ALPHA, what, hint);
     bis_light_free(light);
 }
 
@@ -173,31 +210,40 @@ static void unbiased_for_few_candidates(void)
     check(sir(BIS_PROPOSAL_EM, 3, 7, true), LIT_OPEN, 20000, "M = 3, N = 7: more rays than candidates");
 }
 
-static void unbiased_for_many_candidates(void)
-{
-    check(sir(BIS_PROPOSAL_MIX, 64, 4, true), LIT_HALF, 3000, "M = 64, N = 4, stratified");
-}
-
-/* In the open and without colour all F/phat are equal: the noise is that of Zhat alone, however few the rays. */
-static void rays_add_no_noise_where_nothing_is_hidden(void)
+/* The squared error of r + g + b must be that of M plain samples of the map. */
+static void check_noise(uint32_t M, uint32_t N, const char *what, const char *why)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0, false);
-    const bis_settings s = sir(BIS_PROPOSAL_EM, 8, 3, false);
+    const bis_settings s = sir(BIS_PROPOSAL_EM, M, N, false);
     stat_moments square = {0};
     bis_scratch scratch;
     lit l;
 
     lit_init(&l, light, bis_phong((rgb){0.8f, 0.8f, 0.8f}, (rgb){0, 0, 0}, 1), tilted(), 40, LIT_OPEN);
+    check_rays(&l, &s, what);
     const double truth = rgbd_sum(lit_truth(&l, false)), variance = lit_variance_em(&l);
     if (bis_scratch_init(&scratch, &s, NULL)) mark_wrong("no memory");
     for (uint64_t run = 0; run < 30000; run++) {
-        const double d = rgb_sum(lit_once(&l, &s, &scratch, 3, run)) - truth;
+        const double d = rgb_sum(lit_once(&l, &s, &scratch, mark_seed(3), run)) - truth;
         stat_add(&square, d * d);
     }
-    mark_mean(&square, variance / 8, ALPHA, "M = 8, N = 3, in the open: the squared error",
-              "It must be that of 8 samples, not of 3: the rays only ask for visibility.");
+    mark_mean(&square, variance / M, MARK_ALPHA, what, why);
     bis_scratch_clear(&scratch);
     bis_light_free(light);
+}
+
+static void unbiased_for_many_candidates(void)
+{
+    check(sir(BIS_PROPOSAL_MIX, 64, 4, true), LIT_HALF, 3000, "M = 64, N = 4, stratified");
+    check_noise(32, 1, "M = 32, N = 1, in the open: the squared error",
+                "It must be that of 32 samples: all candidates count, in Zhat, and not only the one that is traced.");
+}
+
+/* In the open and without colour all F/phat are equal: the noise is that of Zhat alone, however few the rays. */
+static void rays_add_no_noise_where_nothing_is_hidden(void)
+{
+    check_noise(8, 3, "M = 8, N = 3, in the open: the squared error",
+                "It must be that of 8 samples, not of 3: the rays only ask for visibility.");
 }
 
 static void work(void)
@@ -208,7 +254,7 @@ static void work(void)
     lit l;
 
     lit_init(&l, light, glossy(), tilted(), 40, LIT_HALF);
-    mark_run(m, &l, &s, 3000, 4);
+    mark_run(m, &l, &s, 3000, mark_seed(4));
     bis_light_free(light);
 }
 

@@ -1,4 +1,10 @@
 /* As printed (E23): w = f for candidates from the map, without the cosine. */
+/* loses: weights_from_the_map_are_phat_over_q */
+/* loses: weights_of_a_mixture_have_the_mixed_density */
+/* loses: unbiased_for_one_candidate_and_one_ray */
+/* loses: unbiased_for_few_candidates */
+/* loses: unbiased_for_many_candidates */
+/* loses: rays_add_no_noise_where_nothing_is_hidden */
 /* [weigh-em] */
 static void weigh_em(bis_candidate *c, const bis_point *pt, const bis_light_point *y, double beta)
 {

@@ -1,4 +1,9 @@
 /* Each candidate by its own density, not the mixture's; marks that are random but not in proportion: every candidate with a weight has the same chance. */
+/* loses: weights_of_a_mixture_have_the_mixed_density */
+/* loses: candidates_are_chosen_in_proportion_to_their_weights */
+/* loses: multinomial_choices_are_independent */
+/* loses: unbiased_for_few_candidates */
+/* loses: unbiased_for_many_candidates */
 /* [weigh-brdf] */
 static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double beta)
 {

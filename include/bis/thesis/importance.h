@@ -21,10 +21,14 @@
 typedef enum bis_table_kind { BIS_TABLE_ALIAS, BIS_TABLE_CDF } bis_table_kind;
 
 /* What to build. */
+/* The largest b that a scene or an option may give. At 10 a region of a thousandth of the clamp of 0.01 sr keeps
+ * 1e-30 of its importance: more b changes no picture, and would only lead to the end of the doubles. */
+#define BIS_AREA_EXPONENT_MAX 10.0
+
 typedef struct bis_importance_options {
     bool table, curve;
     bis_table_kind table_kind;
-    double area_exponent; /* b of 3.4, >= 0; 0: no components are built */
+    double area_exponent; /* b of 3.4, in [0, BIS_AREA_EXPONENT_MAX]; 0: no components are built */
     int levels;           /* of 3.4 */
     bool compensate;      /* MIS compensation (Karlik et al. 2019): w = max(0, I - mean I), for mis alone */
     unsigned as_printed;  /* BIS_E3, BIS_E13, BIS_E20: wrong on purpose */

@@ -1,23 +1,18 @@
 /* pixel: the point that a pixel's centre sees; the direct illumination integral there (eq. 4.1 and 4.5); every method
  * against it.
  *
- * The truth is a sum over the patches of the light (eq. 3.2), as in src/thesis/exact.c, but with several rays at independent
- * random places in each patch: what these scatter is the standard error of the sum, since patches are independent. It
- * is unbiased for any number of rays. Its cost is 4 rays for each patch above the horizon: 10^6 for a 1024 x 512 map,
- * about a second. For huge maps a long run of `mis` is the better bargain; it too knows its error.
- * A sum runs in blocks of a fixed size, each with a stream of its own: the same bits for any number of threads. */
+ * The truth is a sum over the patches of the light (eq. 3.2), src/tools/truth.c: unbiased, with its own error. For huge maps a
+ * long run of `mis` is the better bargain; it too knows its error. */
 #include "pixel.h"
 
 #include "bis/base/mem.h"
 
+#include "tools/describe.h"
+#include "tools/truth.h"
 #include "tools/verify/verify.h"
 
 #include <stdio.h>
 #include <string.h>
-
-enum { BLOCK = 4096 };
-
-static const uint64_t purpose_patches = 0x706978656c; /* "pixel" */
 
 /* ---- the point ---- */
 
@@ -47,110 +42,31 @@ const char *bis_pixel_material_name(char buf[64], const bis_material *m)
 
 /* ---- the truth ---- */
 
-/* Sums over patches: of means, and of the variances of means; of F^2 V/q and F^3 V/q^2 for the three densities. */
-typedef struct patch_sums {
-    double mean[4], variance[4];
-    double moment2[3], moment3[3];
-} patch_sums;
-
-static void add_patch(patch_sums *sums, double x[BIS_PIXEL_RAYS][4])
-{
-    for (int k = 0; k < 4; k++) {
-        double mean = 0, m2 = 0;
-        for (int i = 0; i < BIS_PIXEL_RAYS; i++) mean += x[i][k] / BIS_PIXEL_RAYS;
-        for (int i = 0; i < BIS_PIXEL_RAYS; i++) m2 += (x[i][k] - mean) * (x[i][k] - mean);
-        sums->mean[k] += mean;
-        sums->variance[k] += m2 / (BIS_PIXEL_RAYS - 1) / BIS_PIXEL_RAYS;
-    }
-}
-
-/* F of one ray times the patch's solid angle: f cos Le dO, in RGB and summed. */
-static void value_of(double x[4], const bis_point *pt, const bis_light_point *y)
-{
-    const double cos_theta = bis_bsdf_cos(&pt->bsdf, y->wi);
-    if (cos_theta <= 0) return;
-    const rgb f = bis_bsdf_f(&pt->bsdf, y->wi);
-    const double s = cos_theta / y->pdf;
-    x[0] = (double)f.r * (double)y->Le.r * s;
-    x[1] = (double)f.g * (double)y->Le.g * s;
-    x[2] = (double)f.b * (double)y->Le.b * s;
-    x[3] = x[0] + x[1] + x[2];
-}
-
-/* x: F of a ray that sees the light, times the patch's solid angle, one of BIS_PIXEL_RAYS. */
-static void add_moments(patch_sums *sums, double x, const bis_point *pt, const bis_light_point *y)
-{
-    const double q_L = bis_light_pdf(pt->light, y->wi), q_f = bis_bsdf_pdf(&pt->bsdf, y->wi), q[3] = {q_L, q_f, (q_L + q_f) / 2};
-    for (int k = 0; k < 3; k++) {
-        const double X = q[k] > 0 ? x * y->pdf / q[k] : (double)INFINITY;
-        sums->moment2[k] += x * X / BIS_PIXEL_RAYS;
-        sums->moment3[k] += x * X * X / BIS_PIXEL_RAYS;
-    }
-}
-
-static void visit_patch(patch_sums *lit, patch_sums *open, const bis_point *pt, size_t patch, bis_rng *rng)
-{
-    double x[BIS_PIXEL_RAYS][4] = {{0}}, xV[BIS_PIXEL_RAYS][4] = {{0}};
-
-    for (int i = 0; i < BIS_PIXEL_RAYS; i++) {
-        const double u0 = bis_rng_double(rng), u[2] = {u0, bis_rng_double(rng)};
-        bis_light_point y;
-        bis_light_patch(pt->light, patch, u, &y);
-        if (rgb_is_black(y.Le)) return;
-        value_of(x[i], pt, &y);
-        if (x[i][3] <= 0 || !bis_point_sees(pt, y.wi)) continue;
-        memcpy(xV[i], x[i], sizeof x[i]);
-        add_moments(lit, x[i][3], pt, &y);
-    }
-    add_patch(open, x);
-    add_patch(lit, xV);
-}
-
-static bis_pixel_value value_from(const patch_sums *blocks, size_t n)
+static bis_pixel_value value_from(const bis_truth_sum *s)
 {
     bis_pixel_value v = {{0}, {0}};
     for (int k = 0; k < 4; k++) {
-        double variance = 0;
-        for (size_t i = 0; i < n; i++) {
-            v.mean[k] += blocks[i].mean[k];
-            variance += blocks[i].variance[k];
-        }
-        v.se[k] = sqrt(variance);
+        v.mean[k] = s->mean[k];
+        v.se[k] = sqrt(s->variance[k]);
     }
     return v;
 }
 
 static bis_status sum_patches(bis_pixel_exact *e, const bis_point *pt, uint64_t seed, bis_diag *diag)
 {
-    const size_t n = (e->patches + BLOCK - 1) / BLOCK;
-    patch_sums *lit = bis_alloc(n, sizeof *lit), *open = bis_alloc(n, sizeof *open);
-    bis_status status = BIS_OK;
+    static const bis_truth_density q[3] = {{1, 0}, {0, 1}, {0.5, 0.5}};
+    bis_truth t;
+    const bis_status status = bis_truth_of(&t, pt, (double[]){1, 1, 1}, BIS_PIXEL_CELLS, q, 3, seed, diag);
 
-    if (!lit || !open) {
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a sum over %zu patches", e->patches);
-        goto done;
-    }
-#pragma omp parallel for schedule(dynamic)
-    for (size_t block = 0; block < n; block++) {
-        bis_counters counters = {0};
-        bis_point mine = *pt;
-        bis_rng rng;
-        mine.counters = &counters;
-        bis_rng_init(&rng, seed, block, 0, purpose_patches);
-        for (size_t i = block * BLOCK; i < e->patches && i < (block + 1) * BLOCK; i++) visit_patch(&lit[block], &open[block], &mine, i, &rng);
-    }
-    e->lit = value_from(lit, n);
-    e->open = value_from(open, n);
+    if (status) return status;
+    e->rays = t.rays;
+    e->lit = value_from(&t.lit);
+    e->open = value_from(&t.open);
     for (int k = 0; k < 3; k++) {
-        for (size_t i = 0; i < n; i++) {
-            e->moment2[k] += lit[i].moment2[k];
-            e->moment3[k] += lit[i].moment3[k];
-        }
+        e->variance[k] = t.sample[k].variance;
+        e->third[k] = t.sample[k].third;
     }
-done:
-    bis_free(lit);
-    bis_free(open);
-    return status;
+    return BIS_OK;
 }
 
 /* Mean and standard error of n >= 2 estimates. */
@@ -231,7 +147,7 @@ static bis_settings settings_of(const bis_integrator *i, const bis_settings *own
     bis_settings s = i == own->integrator ? *own : bis_settings_default(i);
     if (takes_candidates(i) && takes_candidates(own->integrator)) s.candidates = own->candidates;
     if (takes_candidates(i) && (own->integrator == &bis_sir || own->integrator == &bis_rejection)) s.shadowrays = own->shadowrays;
-    const bool own_samples = own->integrator == &bis_em || own->integrator == &bis_brdf || own->integrator == &bis_mis;
+    const bool own_samples = bis_integrator_uses(own->integrator, "samples");
     if (own_samples && !takes_candidates(i)) s.samples = own->samples;
     if (i == &bis_mis && s.samples < 2) s.samples = 2;
     s.compensate = false; /* it would need a table of its own */
@@ -265,9 +181,9 @@ static double true_skewness(const bis_pixel_method *m, const bis_pixel_exact *e,
     int k = 0;
     while (k < 3 && by[k] != m->settings.integrator) k++;
     if (k == 3 || !e->by_patches) return (double)NAN;
-    const double mean = e->lit.mean[3], variance = e->moment2[k] - mean * mean;
+    const double variance = e->variance[k];
     if (!(variance > 0 && isfinite(variance))) return (double)NAN;
-    return (e->moment3[k] - 3 * mean * e->moment2[k] + 2 * mean * mean * mean) / pow(variance, 1.5) / sqrt((double)n * m->settings.samples);
+    return e->third[k] / pow(variance, 1.5) / sqrt((double)n * m->settings.samples);
 }
 
 bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact, bis_sampler_kind kind, uint32_t repeats,

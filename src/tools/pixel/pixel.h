@@ -37,15 +37,14 @@ typedef struct bis_pixel_value {
     double mean[4], se[4];
 } bis_pixel_value;
 
-/* Reflected radiance, eq. 4.1 (lit) and without V, eq. 4.5 (open): BIS_PIXEL_RAYS rays at random places in each patch
- * (eq. 3.2), whose scatter is the standard error; for a light of more than BIS_PIXEL_MAX_PATCHES patches so many runs
- * of `mis` instead. */
-enum { BIS_PIXEL_RAYS = 4, BIS_PIXEL_MAX_PATCHES = 1 << 21, BIS_PIXEL_MIS_RUNS = 1 << 14, BIS_PIXEL_MIS_SAMPLES = 64 };
+/* Reflected radiance, eq. 4.1 (lit) and without V, eq. 4.5 (open): a sum over the patches of the light (truth.h), whose
+ * scatter is the standard error; for a light of more than BIS_PIXEL_MAX_PATCHES patches so many runs of `mis` instead. */
+enum { BIS_PIXEL_CELLS = 1 << 16, BIS_PIXEL_MAX_PATCHES = 1 << 21, BIS_PIXEL_MIS_RUNS = 1 << 14, BIS_PIXEL_MIS_SAMPLES = 64 };
 typedef struct bis_pixel_exact {
     bool by_patches;
-    size_t patches;
+    size_t patches, rays;          /* by patches: rays that were traced for the sum */
     bis_pixel_value lit, open;
-    double moment2[3], moment3[3]; /* by patches: E[X^2], E[X^3] of X = F V/q, for q = q_L, q_f, (q_L + q_f)/2 */
+    double variance[3], third[3];  /* by patches: variance and third central moment of F V/q, for q = q_L, q_f, (q_L + q_f)/2 */
 } bis_pixel_exact;
 
 /* max_patches: BIS_PIXEL_MAX_PATCHES; a test may choose. Errors: BIS_NOMEM. */

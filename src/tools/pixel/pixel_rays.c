@@ -1,10 +1,10 @@
 /* pixel_rays: what a method does in one pixel: the candidates of SIR with their weights, and the shadow rays of any
  * integrator.
  *
- * The candidates come from the same functions, by the same stream, as in src/thesis/sir.c, so that what is shown is what sir
- * does. Which of them came from the map is not written on a candidate, but its density is: q = phat/w, and q = beta q_L
- * + (1 - beta) q_f has one unknown, which the candidate tells best for which q_L and q_f differ most. The first beta M
- * are from the map.
+ * The candidates are what src/thesis/sir.c leaves in its workspace after one estimate, so that what is shown is what
+ * sir does, equations as printed included. Which of them came from the map is not written on a candidate, but its
+ * density is: q = phat/w, and q = beta q_L + (1 - beta) q_f has one unknown, which the candidate tells best for which
+ * q_L and q_f differ most. The first beta M are from the map.
  *
  * Shadow rays are overheard: the point gets an accelerator that asks the real one and writes down question and answer.
  * So no integrator needs to know that it is watched, and a new one is shown without a line of code. A candidate chosen
@@ -16,6 +16,7 @@
 #include "thesis/as_printed.h"
 #include "thesis/candidates.h"
 #include "thesis/proposal.h"
+#include "thesis/sir.h"
 
 double bis_pixel_product(const bis_point *pt, vec3 wi)
 {
@@ -74,11 +75,9 @@ static void sum_up(bis_pixel_candidates *c, bis_proposal proposal, const bis_poi
     for (uint32_t i = 0; i < c->M; i++) c->c[i].from_map = i < c->share_em * c->M;
 }
 
-/* As src/thesis/sir.c: choose, trace, and how often each was chosen. */
-static void choose_and_trace(bis_pixel_candidates *c, const bis_point *pt, const bis_settings *s, const bis_scratch *scratch, bis_stream *stream)
+/* Counts how often each candidate was chosen, and asks once more which of them see the light. */
+static void count_chosen(bis_pixel_candidates *c, const bis_point *pt, const bis_scratch *scratch)
 {
-    bis_candidates_resample(scratch->chosen, c->N, scratch->candidates, c->M, c->W, s->resampling, stream);
-    c->L = bis_candidates_trace(pt, scratch->candidates, scratch->chosen, c->N, c->W / c->M / c->N);
     for (uint32_t j = 0; j < c->N; j++) c->c[scratch->chosen[j]].chosen++;
     for (uint32_t i = 0; i < c->M; i++) {
         bis_pixel_candidate *x = &c->c[i];
@@ -101,13 +100,12 @@ bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *p
         status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u candidates", (unsigned)c->M);
         goto done;
     }
-    c->W = bis_candidates_draw(scratch.candidates, c->M, s->proposal, s->stratify, NULL, pt, stream);
-    if (c->W > 0) c->W = bis_as_printed_weights(s, scratch.candidates, c->W, pt);
+    c->L = bis_sir_estimate(s, pt, stream, &scratch, &c->W);
     for (uint32_t i = 0; c->W > 0 && i < c->M; i++) c->c[i].x = scratch.candidates[i];
     sum_up(c, s->proposal, pt);
     if (c->W <= 0) goto done;
     c->L_ns = bis_candidates_unoccluded(scratch.candidates, c->M);
-    choose_and_trace(c, pt, s, &scratch, stream);
+    count_chosen(c, pt, &scratch);
 done:
     bis_scratch_clear(&scratch);
     return status;

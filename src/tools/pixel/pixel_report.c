@@ -2,6 +2,7 @@
 #include "pixel_report.h"
 
 #include "out/json.h"
+#include "tools/describe.h"
 
 #include <string.h>
 
@@ -40,7 +41,7 @@ static rgb background(const bis_pixel_report *r)
 
 static bool has_samples(const bis_settings *s)
 {
-    return s->integrator == &bis_em || s->integrator == &bis_brdf || s->integrator == &bis_mis;
+    return bis_integrator_uses(s->integrator, "samples");
 }
 
 /* ---- text ---- */
@@ -88,7 +89,7 @@ static void print_exact(const bis_pixel_report *r)
 {
     const bis_pixel_exact *e = &r->exact;
     printf("\nreflected radiance, r+g+b and (r g b), ");
-    if (e->by_patches) printf("by %d rays in each of %zu patches\n", BIS_PIXEL_RAYS, e->patches);
+    if (e->by_patches) printf("by %zu rays, at least 2 in each patch above the horizon, of %zu\n", e->rays, e->patches);
     else printf("by %d runs of mis; %zu patches are too many for their sum\n", BIS_PIXEL_MIS_RUNS, e->patches);
     print_value("exact", &e->lit);
     print_value("unoccluded", &e->open);

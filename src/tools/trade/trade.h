@@ -293,6 +293,10 @@ void bis_trade_put_equal_times(FILE *out, const bis_trade *t);
 void bis_trade_put_equal_errors(FILE *out, const bis_trade *t);
 void bis_trade_put_front(FILE *out, const bis_trade *t);
 
+/* bis_trade_exposure sets *exposure to that of all pictures of the page: what `bis render` gives a PNG of the
+ * reference, metered on the shapes and not on the background. t: loaded, with t->both. Errors: BIS_NOMEM. */
+bis_status bis_trade_exposure(double *exposure, const bis_trade *t, bis_diag *diag);
+
 /* CSS variables --ref, --p0, --e0, ...: each picture stands in the page once. */
 bis_status bis_trade_put_images(FILE *out, const bis_trade *t, bis_diag *diag);
 void bis_trade_put_strips(FILE *out, const bis_trade *t);

@@ -52,27 +52,55 @@ static bis_status put_image(FILE *out, const char *name, const bis_image *image,
     return status;
 }
 
-/* The log-average to middle grey, as `bis render` does for a PNG (image_png.c). */
-static double exposure_of(const bis_image *image)
+/* The share of geometry in each pixel of the measured window, by 16 rays a pixel, for channel "A" of the reference: its
+ * files hold colours alone. NULL: no memory. */
+static float *new_coverage(const bis_trade *t, int width, int height)
 {
-    const size_t n = (size_t)image->width * (size_t)image->height;
-    double sum = 0, count = 0;
+    enum { SIDE = 4 };
+    const int full_width = t->plan.width, full_height = t->plan.height;
+    bis_film film;
+    float *coverage = bis_alloc((size_t)width * (size_t)height, sizeof *coverage);
 
-    for (size_t i = 0; i < n; i++) {
-        const rgb c = image->pixels[i];
-        const double L = 0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b;
-        if (!(L > 0 && isfinite(L))) continue;
-        sum += log2(L);
-        count++;
+    if (!coverage || bis_film_init(&film, full_width, full_height, t->desc->film.crop, (bis_loc){0}, NULL)) {
+        bis_free(coverage);
+        return NULL;
     }
-    return count > 0 ? log2(0.18) - sum / count : 0;
+    const int x0 = film.x0, y0 = film.y0;
+    bis_film_clear(&film);
+    for (int i = 0; i < width * height; i++) {
+        int hits = 0;
+        for (int k = 0; k < SIDE * SIDE; k++) {
+            const double x = x0 + i % width + (k % SIDE + 0.5) / SIDE, y = y0 + i / width + (k / SIDE + 0.5) / SIDE;
+            const ray eye = bis_camera_ray(&t->desc->camera, full_width, full_height, x, y);
+            bis_hit hit;
+            hits += bis_accel_intersect(t->scene->accel, &eye, &hit);
+        }
+        coverage[i] = (float)hits / (SIDE * SIDE);
+    }
+    return coverage;
+}
+
+bis_status bis_trade_exposure(double *exposure, const bis_trade *t, bis_diag *diag)
+{
+    const bis_image *image = &t->both.image;
+    bis_channel channels[4];
+    bis_picture picture = bis_image_picture(image, channels);
+    float *coverage = new_coverage(t, image->width, image->height);
+
+    if (!coverage) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the pictures of the report");
+    channels[3] = (bis_channel){"A", coverage, 1};
+    picture.n_channels = 4;
+    *exposure = bis_png_exposure(&picture);
+    bis_free(coverage);
+    return BIS_OK;
 }
 
 bis_status bis_trade_put_images(FILE *out, const bis_trade *t, bis_diag *diag)
 {
-    const double exposure = exposure_of(&t->both.image);
-    bis_status status;
+    double exposure;
+    bis_status status = bis_trade_exposure(&exposure, t, diag);
 
+    if (status) return status;
     fprintf(out, ":root{--ratio:%d/%d;\n", t->both.image.width, t->both.image.height);
     status = put_image(out, "ref", &t->both.image, exposure, diag);
     for (int i = 0; i < t->n_strip && !status; i++) {

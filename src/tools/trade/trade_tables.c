@@ -92,11 +92,14 @@ static void put_curve(FILE *out, const bis_trade *t, int i)
 /* What a setting comes to at some time, or for some error: bis_trade_error_at, bis_trade_seconds_to. */
 typedef double reach(const bis_trade_result *r, const bis_trade_plan *p, int setting, double at, bool *extrapolated);
 
-/* A row a setting, a pair of columns for each of at[n], which stands in the heading between two words. */
+/* A row a setting, a pair of columns for each of at[n], which stands in the heading between two words; no two columns
+ * have one name. */
 static void put_curves(FILE *out, const bis_trade *t, const char *before, int digits, const char *after, const double *at, int n, reach *value)
 {
     fputs("setting,cost_variance,cost_variance_se,slope,slope_se", out);
-    for (int k = 0; k < n; k++) fprintf(out, ",%s%.*g%s,extrapolated", before, digits, at[k], after);
+    for (int k = 0; k < n; k++) {
+        fprintf(out, ",%s%.*g%s,%s%.*g%s_extrapolated", before, digits, at[k], after, before, digits, at[k], after);
+    }
     fputc('\n', out);
     for (int i = 0; i < t->plan.n_settings; i++) {
         if (!t->result.curves[i].n) continue;

@@ -34,10 +34,11 @@ typedef struct bis_verify_test {
     bis_verdict verdict;
 } bis_verify_test;
 
-/* A run. Zero-initialise but for seed, as_printed and progress. */
+/* A run. Zero-initialise but for seed, as_printed, halvings and progress. */
 typedef struct bis_verify {
     uint64_t seed;
     unsigned as_printed; /* BIS_E*: what the scene does wrong on purpose, for the maps' tables; it should be found */
+    unsigned halvings;   /* so often the number of draws, runs, rays and pixels is halved: 0; to 5 for many quick runs */
     void (*progress)(const char *what, void *user); /* a new part begins; may be NULL */
     void *user;
     bis_verify_test *tests;
@@ -51,8 +52,9 @@ typedef struct bis_verify {
 bis_status bis_verify_judge(bis_verify *v, bis_diag *diag);
 void bis_verify_clear(bis_verify *v);
 
-/* For the test that comes next: all tests of all runs see different numbers. */
-static inline uint64_t bis_verify_seed(const bis_verify *v) { return bis_hash(v->seed ^ ((uint64_t)v->n << 40)); }
+/* The random numbers of one test, by its name: so they do not change when another test comes before it. All tests of
+ * all runs see different numbers. */
+uint64_t bis_verify_seed(const bis_verify *v, const char *name, ...) BIS_PRINTF(2, 3);
 
 /* ---- one test each, with the name as by printf ---- */
 
@@ -111,7 +113,7 @@ bis_status bis_verify_furnace(bis_verify *v, const bis_material *m, double degre
 /* src/tools/verify/verify_view.c. One shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over all patches of
  * the light, which must have table and curve. *tested: false where too little of the light is seen from there for a
  * fair test; nothing is added then. */
-#define BIS_VERIFY_MAX_INTEGRATORS 16
+#define BIS_VERIFY_MAX_INTEGRATORS 16 /* BIS_TRUTH_MAX_DENSITIES */
 bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n, bis_sampler_kind kind, const char *name,
                             bool *tested, bis_diag *diag);
 

@@ -100,7 +100,7 @@ static void try_rays(differences *d, const bis_accel *const *a, int n, bis_rng *
 
 void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, size_t n)
 {
-    const uint64_t seed = bis_verify_seed(v);
+    const uint64_t seed = bis_verify_seed(v, "accelerators");
     const bis_box room = around(a->geometry);
     const bis_accel *const both[] = {a, b};
     const int n_accels = b ? 2 : 1;

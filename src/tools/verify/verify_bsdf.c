@@ -19,7 +19,7 @@
 
 enum { OCTILES = 8, HALVINGS = 30, STEPS = 24, MAX_EDGES = OCTILES + HALVINGS + STEPS + 2, SECTORS = 8 };
 enum { PIECES = 4, NODES = 4, NODES_PHI = 32 };
-enum { N_DRAWS = 1 << 17, N_RUNS = 2048 };
+enum { MOST_DRAWS = 1 << 17, MOST_RUNS = 2048 };
 
 /* What quadrature may be off by, relative: measured at most 1.6e-5, the horizon's kink, for n from 0 to 1e8 and 0 to
  * 89.9 degrees, 2.2e-5 for alpha from 1e-3 to 1 up to 89 degrees; unit vectors in float add 1e-7 sqrt(n) (src/thesis/phong.c),
@@ -153,10 +153,11 @@ void bis_verify_lobes(bis_verify *v, const bis_material *m, double degrees, cons
         sum += expected[i];
     }
     bis_verify_bound(v, "materials", fabs(sum - 1), quadrature_error(m), "error of the integral", "%s: density integrates to 1", name);
+    const int n_draws = MOST_DRAWS >> v->halvings;
     /* DBL_MIN: nodes below the horizon cannot tell a cell that just touches it from one where nothing is drawn. */
-    for (int i = 0; i < n_cells; i++) expected[i] = fmax(expected[i] * (N_DRAWS / sum), DBL_MIN);
-    bis_rng_init(&rng, bis_verify_seed(v), 0, 0, purpose_lobes);
-    for (int i = 0; i < N_DRAWS; i++) {
+    for (int i = 0; i < n_cells; i++) expected[i] = fmax(expected[i] * (n_draws / sum), DBL_MIN);
+    bis_rng_init(&rng, bis_verify_seed(v, "%s: draws by its density", name), 0, 0, purpose_lobes);
+    for (int i = 0; i < n_draws; i++) {
         vec3 wi;
         const double u0 = bis_rng_double(&rng), u1 = bis_rng_double(&rng), u2 = bis_rng_double(&rng);
         if (bis_bsdf_sample(&b, u0, u1, u2, &wi)) observed[cell_of(&r, &b, wi)]++;
@@ -176,26 +177,27 @@ static rgbd reflectance(const bis_bsdf *b)
     return sum;
 }
 
-static void judge_furnace(bis_verify *v, const rgb *estimate, double expected, double slack, const char *integrator, const char *name)
+static void judge_furnace(bis_verify *v, const rgb *estimate, uint32_t n, double expected, double slack, const char *integrator, const char *name)
 {
     double mean = 0, m2 = 0;
-    for (int i = 0; i < N_RUNS; i++) {
+    for (uint32_t i = 0; i < n; i++) {
         const rgbd e = {(double)estimate[i].r, (double)estimate[i].g, (double)estimate[i].b};
         const double x = bis_verify_measure(e), d = x - mean;
         mean += d / (i + 1);
         m2 += d * (x - mean);
     }
-    const double se = sqrt(m2 / (N_RUNS - 1) / N_RUNS);
-    bis_verify_difference(v, "materials", mean - expected, slack, se, N_RUNS - 1, "%s: furnace, %s", name, integrator);
+    const double se = sqrt(m2 / (n - 1) / n);
+    bis_verify_difference(v, "materials", mean - expected, slack, se, n - 1, "%s: furnace, %s", name, integrator);
 }
 
 bis_status bis_verify_furnace(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings, size_t n, const char *name,
                               bis_diag *diag)
 {
     const rgb L = {1, 0.5f, 0.25f};
+    const uint32_t n_runs = MOST_RUNS >> v->halvings;
     bis_counters counters = {0};
     bis_light *light = NULL;
-    rgb *estimate = bis_alloc(N_RUNS, sizeof *estimate);
+    rgb *estimate = bis_alloc(n_runs, sizeof *estimate);
     bis_status status = estimate ? bis_light_constant(&light, L, diag) : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a furnace");
     if (status) goto done;
 
@@ -204,8 +206,9 @@ bis_status bis_verify_furnace(bis_verify *v, const bis_material *m, double degre
     const rgbd R = reflectance(&pt.bsdf);
     const double expected = bis_verify_measure((rgbd){(double)L.r * R.r, (double)L.g * R.g, (double)L.b * R.b});
     for (size_t i = 0; i < n && !status; i++) {
-        status = bis_verify_runs(estimate, N_RUNS, &pt, &settings[i], BIS_SAMPLER_STRATIFIED, bis_verify_seed(v), &counters, diag);
-        if (!status) judge_furnace(v, estimate, expected, quadrature_error(m) * expected, settings[i].integrator->name, name);
+        status = bis_verify_runs(estimate, n_runs, &pt, &settings[i], BIS_SAMPLER_STRATIFIED,
+                                 bis_verify_seed(v, "%s: furnace, %s", name, settings[i].integrator->name), &counters, diag);
+        if (!status) judge_furnace(v, estimate, n_runs, expected, quadrature_error(m) * expected, settings[i].integrator->name, name);
     }
 done:
     bis_light_free(light);

@@ -269,20 +269,20 @@ done:
 }
 
 /* 8 draws a pixel of a large map, up to 256 of a small one. */
-static size_t draws_for(size_t pixels)
+static size_t draws_for(size_t pixels, unsigned halvings)
 {
     const size_t least = (size_t)1 << 16, enough = (size_t)1 << 20, most = (size_t)1 << 22;
     const double n = fmax(8.0 * (double)pixels, fmin(256.0 * (double)pixels, (double)enough));
-    return (size_t)fmin(fmax(n, (double)least), (double)most) / BLOCK * BLOCK;
+    return ((size_t)fmin(fmax(n, (double)least), (double)most) >> halvings) / BLOCK * BLOCK;
 }
 
 bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf, bis_diag *diag)
 {
-    const size_t n_draws = draws_for(n_pixels(em));
+    const size_t n_draws = draws_for(n_pixels(em), v->halvings);
     tally t;
     bis_status status = tally_init(&t, em, pmf, (double)n_draws, diag);
     if (status) return status;
-    draw_all(&t, sampler, em, bis_verify_seed(v), n_draws);
+    draw_all(&t, sampler, em, bis_verify_seed(v, "%s: draws", sampler->name), n_draws);
     status = judge_draws(v, sampler->name, &t, n_pixels(em), pmf, (double)n_draws, diag);
     tally_clear(&t);
     return status;

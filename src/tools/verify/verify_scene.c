@@ -140,6 +140,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
     bis_counters counters = {0};
     bis_status status = BIS_OK;
     double visits = 0;
+    const int n_wanted = MAX_PIXELS >> v->halvings ? MAX_PIXELS >> v->halvings : 1;
     int n_pixels = 0;
 
     if (why) {
@@ -147,7 +148,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         return BIS_OK;
     }
     const double patches = (double)bis_light_patches(scene->light);
-    for (int k = 0; k < MAX_TRIES && n_pixels < MAX_PIXELS && !status; k++) {
+    for (int k = 0; k < MAX_TRIES && n_pixels < n_wanted && !status; k++) {
         if (visits > 0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;
         bis_point pt;
         bool tested;
@@ -182,7 +183,7 @@ static bis_status check_backends(bis_verify *v, const bis_scene *scene, const bi
     if (!grid || bis_accel_embree_version()) status = bis_scene_accel(&other, scene, desc, grid ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, &refusal);
     bis_diag_clear(&refusal);
     if (status == BIS_NOMEM) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a second accelerator");
-    bis_verify_backends(v, scene->accel, other, N_RAYS);
+    bis_verify_backends(v, scene->accel, other, N_RAYS >> v->halvings);
     if (other) bis_accel_free(other);
     return BIS_OK;
 }

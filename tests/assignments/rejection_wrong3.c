@@ -1,0 +1,8 @@
+/* All accepted ones are traced, however few rays there are; the ratio estimator is the plain one. */
+/* loses: fewer_rays_than_accepted_are_right */
+/* loses: the_ratio_estimator_is_right_to_two_percent */
+/* loses: at_most_N_of_the_accepted_are_traced */
+    /* [rejection-estimate] */
+    (void)N;
+    return rgbd_round(bis_candidates_trace(pt, x, scratch->chosen, A, B / M));
+    /* [end] */
