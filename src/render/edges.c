@@ -20,6 +20,7 @@ typedef struct corner {
     vec3 n;
 } corner;
 
+/* The corner (x, y) of the full picture's pixels. */
 static corner look_at(double x, double y, const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc)
 {
     const ray eye = bis_camera_ray(&desc->camera, film->full_width, film->full_height, x, y);
@@ -37,11 +38,11 @@ static bool differ(const corner *a, const corner *b)
     return a->hit && (a->material != b->material || dot(a->n, b->n) < 0.5);
 }
 
-unsigned char *bis_edges_find(const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc, int n_threads)
+unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_scene *scene, const bis_scene_desc *desc, int n_threads)
 {
-    const int across = film->width + 1, down = film->height + 1;
+    const int width = area.x1 - area.x0, height = area.y1 - area.y0, across = width + 1, down = height + 1;
     corner *c = bis_alloc((size_t)across * (size_t)down, sizeof *c);
-    unsigned char *edge = bis_alloc((size_t)film->width * (size_t)film->height, sizeof *edge);
+    unsigned char *edge = bis_alloc((size_t)width * (size_t)height, sizeof *edge);
 
     if (!c || !edge) {
         bis_free(c);
@@ -51,12 +52,12 @@ unsigned char *bis_edges_find(const bis_film *film, const bis_scene *scene, cons
     (void)n_threads; /* a compiler without OpenMP has one thread */
 #pragma omp parallel for schedule(dynamic, 8) num_threads(n_threads)
     for (int y = 0; y < down; y++) {
-        for (int x = 0; x < across; x++) c[y * (ptrdiff_t)across + x] = look_at(film->x0 + x, film->y0 + y, film, scene, desc);
+        for (int x = 0; x < across; x++) c[y * (ptrdiff_t)across + x] = look_at(area.x0 + x, area.y0 + y, film, scene, desc);
     }
-    for (int y = 0; y < film->height; y++) {
-        for (int x = 0; x < film->width; x++) {
+    for (int y = 0; y < height; y++) {
+        for (int x = 0; x < width; x++) {
             const corner *a = &c[y * (ptrdiff_t)across + x], *b = a + across;
-            edge[y * (ptrdiff_t)film->width + x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) || differ(b, b + 1) || differ(a, b + 1) || differ(a + 1, b);
+            edge[y * (ptrdiff_t)width + x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) || differ(b, b + 1) || differ(a, b + 1) || differ(a + 1, b);
         }
     }
     bis_free(c);
