@@ -506,6 +506,33 @@ static void a_signal_keeps_what_was_measured_and_resume_goes_on(void **state)
     clear_table(&t);
 }
 
+/* Before anything new: no advice, and the folder as it was. */
+static void a_signal_right_after_resume_leaves_everything_as_it_was(void **state)
+{
+    (void)state;
+    static volatile sig_atomic_t flag = 1;
+    const char *const integrators[] = {"mis"};
+    const bis_trade_options o = {.scene = SCENE, .folder = DIR "/own", .seconds = 4, .resume = true, .n_threads = 1, .integrators = integrators, .interrupted = &flag};
+    bis_trade t = {.n_runs = 0};
+    bis_diag diag = {0};
+    bool interrupted;
+    assert_int_equal(bis_trade_measure(&t, &o, &interrupted, &diag), BIS_OK);
+    assert_true(interrupted && !t.is_reported && t.n_runs > 0);
+    bis_trade_clear(&t);
+    bis_diag_clear(&diag);
+
+    program_run r;
+    assert_int_equal(system("cp -r " DIR "/own " DIR "/soon"), 0);
+    pid_t pid = program_start("trade " SCENE " --resume --nthreads 1 --output " DIR "/soon");
+    program_wait_for_handler(pid, SIGINT);
+    kill(pid, SIGINT);
+    program_finish(&r, pid);
+    assert_int_equal(r.exit_status, 130);
+    assert_null(strstr(r.output, "(null)"));
+    if (!r.output[0]) assert_non_null(strstr(r.messages, "interrupted before anything new was measured"));
+    assert_int_equal(system("cmp -s " DIR "/own/runs.csv " DIR "/soon/runs.csv"), 0);
+}
+
 /* During the pilot: nothing to keep, and the folder goes. */
 static void a_signal_before_the_first_run_says_that_nothing_was_measured(void **state)
 {
@@ -658,6 +685,85 @@ static void a_folder_of_another_scene_or_a_damaged_one_is_told(void **state)
     assert_non_null(strstr(r.messages, "plan.txt:3:1"));
 }
 
+/* Each field of plan.txt and runs.csv, outside its range: the file and line are named, and nothing is lost. */
+static void every_field_of_the_folder_is_checked(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *edit, *says; /* a script for sed */
+    } cases[] = {
+        {"plan.txt:s/^fingerprint ./fingerprint x/", "plan.txt:1:1"},
+        {"plan.txt:s/^fingerprint .*/fingerprint 12/", "plan.txt:1:1"},
+        {"plan.txt:s/^full .*/full 0 16/", "plan.txt:2:1"},
+        {"plan.txt:s/^full .*/full 24.5 16/", "plan.txt:2:1"},
+        {"plan.txt:s/^full .*/full 24 16 3/", "plan.txt:2:1"},
+        {"plan.txt:s/^full .*/full 24 99999/", "plan.txt:2:1"},
+        {"plan.txt:s/^full /f /", "plan.txt:2:1"},
+        {"plan.txt:s/^size .*/size 32768 32768/", "plan.txt:3:1"},
+        {"plan.txt:s/^size .*/size 24/", "plan.txt:3:1"},
+        {"plan.txt:s/^seeds .*/seeds 0/", "plan.txt:4:1"},
+        {"plan.txt:s/^seeds .*/seeds 17/", "plan.txt:4:1"},
+        {"plan.txt:s/^seeds .*/seeds nan/", "plan.txt:4:1"},
+        {"plan.txt:s/^seed .*/seed abc/", "plan.txt:5:1"},
+        {"plan.txt:s/^seed .*/seed -1/", "plan.txt:5:1"},
+        {"plan.txt:s/^seed .*/seed 1e30/", "plan.txt:5:1"},
+        {"plan.txt:s/^seed .*/seed 1.5/", "plan.txt:5:1"},
+        {"plan.txt:s/^seed .*/seed 7x/", "plan.txt:5:1"},
+        {"plan.txt:s/^run_seconds .*/run_seconds 0/", "plan.txt:6:1"},
+        {"plan.txt:s/^run_seconds .*/run_seconds inf/", "plan.txt:6:1"},
+        {"plan.txt:s/^given .*/given 2/", "plan.txt:7:1"},
+        {"plan.txt:s/^given .*/given/", "plan.txt:7:1"},
+        {"plan.txt:8s/^reference 0 [0-9]*/reference 0 0/", "plan.txt:8:1"},
+        {"plan.txt:8s/^reference 0/reference 2/", "plan.txt:8:1"},
+        {"plan.txt:8s/mis [0-9]*$/sir 64\\/4/", "plan.txt:8:1"}, /* a sir must not judge sir */
+        {"plan.txt:8s/mis [0-9]*$/nobody/", "plan.txt:8:1"},
+        {"plan.txt:9s/^reference 1/reference 0/", "plan.txt:9:1"},
+        {"plan.txt:10s/^setting [0-9]*/setting 22/", "plan.txt:10:1"},
+        {"plan.txt:10s/^setting [0-9]* [^ ]*/setting 3 0/", "plan.txt:10:1"},
+        {"plan.txt:10s/^\\(setting [^ ]* [^ ]*\\) [^ ]*/\\1 -1/", "plan.txt:10:1"},
+        {"plan.txt:10s/^\\(setting [^ ]* [^ ]* [^ ]*\\) [^ ]*/\\1 -1/", "plan.txt:10:1"},
+        {"plan.txt:10s/^\\(setting [^ ]* [^ ]* [^ ]*\\) [^ ]*/\\1 x/", "plan.txt:10:1"},
+        {"plan.txt:10p", "plan.txt:11:1"},
+        {"plan.txt:2p", "plan.txt:3:1"},
+        {"plan.txt:/^seed /d", "no"},
+        {"plan.txt:/^given /d", "\"given\""},
+        {"plan.txt:/^setting /d", "\"setting\""},
+        {"plan.txt:/^reference 0/d", "\"reference 0\""}, /* once status 0 with nothing measured */
+        {"plan.txt:/^reference/d", "\"reference "},
+        {"runs.csv:1s/seed/sead/", "runs.csv:1:1"},
+        {"runs.csv:2s/^[^,]*/nobody/", "runs.csv:2:1"},
+        {"runs.csv:2s/^\\([^,]*\\),[^,]*/\\1,3/", "its passes"},
+        {"runs.csv:2s/^\\([^,]*\\),[^,]*/\\1,8/", "its passes"},
+        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{2\\}\\)[^,]*/\\13/", "its replicate"},
+        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{3\\}\\)[^,]*/\\1-1/", "its seed"},
+        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{3\\}\\)[^,]*/\\11.5/", "its seed"},
+        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{4\\}\\)[^,]*/\\1nan/", "its seconds"},
+        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{5\\}\\)[^,]*/\\11e30/", "its camera_rays"},
+        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{6\\}\\)[^,]*/\\1x/", "its shadow_rays"},
+        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{7\\}\\)[^,]*/\\1/", "its candidates"},
+        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{8\\}\\)[^,]*/\\1-2/", "its rmse"},
+        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{9\\}\\)[^,]*/\\1inf/", "its relmse"},
+        {"runs.csv:2s/^\\(\\([^,]*,\\)\\{10\\}\\)[^,]*/\\1nan/", "its bias"},
+        {"runs.csv:2s/$/,5/", "its relmse_both"},
+        {"runs.csv:2p", "runs.csv:3:1"},
+    };
+    char name[16], command[512];
+    program_run r;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const char *script = strchr(cases[i].edit, ':') + 1;
+        snprintf(name, sizeof name, "%.*s", (int)(script - 1 - cases[i].edit), cases[i].edit);
+        snprintf(command, sizeof command, "rm -rf %s/field && cp -r %s/own %s/field && sed -i '%s' %s/field/%s && ! cmp -s %s/own/%s %s/field/%s", DIR, DIR, DIR, script, DIR,
+                 name, DIR, name, DIR, name);
+        assert_int_equal(system(command), 0);
+        const int files = program_count_files(DIR "/field");
+        program_runf(&r, "trade " SCENE " --resume --nthreads 1 --output " DIR "/field");
+        if (r.exit_status != 2 || !strstr(r.messages, cases[i].says) || strstr(r.messages, "(null)") || r.output[0]) {
+            fail_msg("%s: %d\n%s%s", cases[i].edit, r.exit_status, r.output, r.messages);
+        }
+        assert_int_equal(program_count_files(DIR "/field"), files);
+    }
+}
+
 static void a_scene_without_light_or_surface_has_nothing_to_trade(void **state)
 {
     (void)state;
@@ -722,6 +828,7 @@ int main(void)
         cmocka_unit_test(lost_runs_are_measured_again_and_are_the_same),
         cmocka_unit_test(a_finished_measurement_resumes_to_itself),
         cmocka_unit_test(a_signal_keeps_what_was_measured_and_resume_goes_on),
+        cmocka_unit_test(a_signal_right_after_resume_leaves_everything_as_it_was),
         cmocka_unit_test(a_signal_before_the_first_run_says_that_nothing_was_measured),
         cmocka_unit_test(the_page_is_well_formed_and_needs_nothing_else),
         cmocka_unit_test(the_checker_of_pages_can_fail),
@@ -729,6 +836,7 @@ int main(void)
         cmocka_unit_test(bad_input_is_told_and_nothing_is_lost),
         cmocka_unit_test(a_folder_with_other_things_is_left_alone),
         cmocka_unit_test(a_folder_of_another_scene_or_a_damaged_one_is_told),
+        cmocka_unit_test(every_field_of_the_folder_is_checked),
         cmocka_unit_test(a_scene_without_light_or_surface_has_nothing_to_trade),
         cmocka_unit_test(a_constant_light_is_measured_too),
         cmocka_unit_test(a_full_disk_is_told),

@@ -179,14 +179,16 @@ static bis_status measure(bis_trade *t, bis_diag *diag)
     if (status || (bis_trade_interrupted(t) && !t->o.resume)) return status;
     if (t->o.resume) status = bis_trade_read_runs(t, diag);
     if (!status) status = bis_trade_make_references(t, diag);
-    if (status || !references_are_ready(t)) return status;
+    if (status || !references_are_ready(t)) return status; /* interrupted: a plan without them is none */
     status = run_sweep(t, diag);
     if (status) return status;
     status = bis_trade_summarise(t, diag);
     if (!status) status = bis_trade_time_advice(t, diag);
     if (!status) status = bis_trade_make_pictures(t, diag);
     if (!status) status = bis_trade_write_tables(t, diag);
-    return status ? status : bis_trade_write_report(t, diag);
+    if (!status) status = bis_trade_write_report(t, diag);
+    t->is_reported = !status;
+    return status;
 }
 
 bis_status bis_trade_measure(bis_trade *t, const bis_trade_options *o, bool *interrupted, bis_diag *diag)

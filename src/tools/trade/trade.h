@@ -27,6 +27,7 @@ enum {
     BIS_TRADE_SETTINGS = 40,  /* at most */
     BIS_TRADE_LEVELS = 21,    /* budgets of 1 ... 2^20 passes */
     BIS_TRADE_SEEDS = 16,     /* at most */
+    BIS_TRADE_MOST_PASSES = 1 << 22, /* of a replicate of a reference: four times the longest budget */
     BIS_TRADE_NAME = 48,
     BIS_TRADE_LIGHTS = 6,
     BIS_TRADE_REPLICATES = 8, /* independent renders behind a reference: where its standard error comes from */
@@ -173,6 +174,7 @@ typedef struct bis_trade {
     uint64_t nonfinite;
     bool made_folder;     /* it was not there before */
     bool is_complete;     /* every run of the plan was measured */
+    bool is_reported;     /* the tables and the page were written from what is in runs and result */
 } bis_trade;
 
 /* The whole measurement, into o->folder. t is zero-initialised; bis_trade_clear it. *interrupted: by the signal flag,
@@ -188,6 +190,9 @@ int bis_trade_find_setting(const bis_trade_plan *plan, const char *name);
 
 /* Which reference judges this setting: 0, by mis, or 1, by sir. Never one of its own family. */
 int bis_trade_judge_of(const bis_trade_setting *s);
+
+/* May it make reference 0 (a mis) or 1 (a sir)? trade_plan.c */
+bool bis_trade_may_be_reference(const bis_trade_setting *s, int which);
 
 /* As text: what differs from the defaults, for a scene file; and options for the command line, "" where it has none. */
 void bis_trade_scene_text(char text[256], const bis_trade_setting *s, double scenes_b);

@@ -20,19 +20,19 @@ static const double pilot_share = 0.08, sweep_share = 0.56, reference_share = 0.
 static const double short_curve = 0.25;     /* of r, for settings that are not the best of their integrator */
 static const double too_slow = 4;           /* a setting whose single pass takes so many r is left out */
 
-static const char *const reference_settings[] = {"mis 16", "mis 64", "sir 64/4", "sir 256/16"};
+static const char *const reference_settings[2][2] = {{"mis 16", "mis 64"}, {"sir 64/4", "sir 256/16"}};
 
 /* ---- the pilot ---- */
 
-static bool may_be_reference(const bis_trade_setting *s)
+bool bis_trade_may_be_reference(const bis_trade_setting *s, int which)
 {
-    for (int i = 0; i < 4; i++) {
-        if (strcmp(s->name, reference_settings[i]) == 0) return true;
+    for (int i = 0; i < 2; i++) {
+        if (strcmp(s->name, reference_settings[which][i]) == 0) return true;
     }
     return false;
 }
 
-static bool is_piloted(const bis_trade_setting *s) { return s->is_swept || may_be_reference(s); }
+static bool is_piloted(const bis_trade_setting *s) { return s->is_swept || bis_trade_may_be_reference(s, 0) || bis_trade_may_be_reference(s, 1); }
 
 static double crop_area(const bis_trade *t)
 {
@@ -211,7 +211,6 @@ static void choose_size(bis_trade *t, double seconds)
 
 static void choose_references(bis_trade *t, double seconds)
 {
-    static const char *const makers[2] = {"mis", "sir"};
     bis_trade_plan *plan = &t->plan;
     bool needed[2] = {false, false};
 
@@ -221,11 +220,11 @@ static void choose_references(bis_trade *t, double seconds)
         if (plan->is_given || !needed[k]) continue;
         for (int i = 0; i < plan->n_settings; i++) {
             const bis_trade_setting *s = &plan->settings[i];
-            if (!may_be_reference(s) || strcmp(s->settings.integrator->name, makers[k]) != 0) continue;
+            if (!bis_trade_may_be_reference(s, k)) continue;
             if (plan->reference[k] < 0 || is_better(s, &plan->settings[plan->reference[k]])) plan->reference[k] = i;
         }
         const double share = seconds / (needed[0] + needed[1]) / BIS_TRADE_REPLICATES;
-        plan->reference_passes[k] = (uint32_t)fmin(fmax(share / plan->settings[plan->reference[k]].pass_seconds, 1), 1 << 20);
+        plan->reference_passes[k] = (uint32_t)fmin(fmax(share / plan->settings[plan->reference[k]].pass_seconds, 1), BIS_TRADE_MOST_PASSES);
         if (t->o.passes) plan->reference_passes[k] = 4 * t->o.passes;
     }
 }
