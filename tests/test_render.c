@@ -161,6 +161,40 @@ static void what_learns_renders_whole_tiles_and_says_so(void **state)
     }
 }
 
+/* Of each k x k pixels the one in the middle, with edge samples and in a crop as well. */
+static void a_thin_film_holds_the_bits_of_its_pixels_in_the_picture(void **state)
+{
+    (void)state;
+    const double crops[2][4] = {{0, 1, 0, 1}, {0.3, 0.9, 0.2, 0.7}};
+    for (int i = 0; i < 12; i++) {
+        const int k = 2 + i % 4;
+        const bis_render_options options = {.budget = {.spp = 3}, .n_threads = 1 + i % 3};
+        world w;
+        bis_film all, some;
+        bis_render_result result;
+        int met = 0;
+        make_world(&w, i % 2 ? &bis_sir : &bis_mis);
+        w.desc.edge_samples = i < 6 ? 1 : 4;
+        render(&all, &result, &w, crops[i % 2], &options);
+        assert_int_equal(bis_film_init_thin(&some, WIDTH, HEIGHT, crops[i % 2], k, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &some, &w.scene, &w.desc, &options, NULL), BIS_OK);
+        for (int y = 0; y < all.height; y++) {
+            for (int x = 0; x < all.width; x++) {
+                if ((all.x0 + x) % k != k / 2 || (all.y0 + y) % k != k / 2) continue;
+                const size_t there = (size_t)(y * all.width + x), here = (size_t)met++;
+                assert_memory_equal(some.sum + 3 * here, all.sum + 3 * there, 3 * sizeof *all.sum);
+                assert_memory_equal(some.sum_squares + 3 * here, all.sum_squares + 3 * there, 3 * sizeof *all.sum);
+            }
+        }
+        assert_int_equal(met, some.width * some.height);
+        bis_film_clear(&all);
+        bis_film_clear(&some);
+        clear_world(&w);
+    }
+    bis_film none;
+    assert_int_equal(bis_film_init_thin(&none, WIDTH, HEIGHT, (double[4]){0, 0.02, 0, 1}, 5, (bis_loc){0}, NULL), BIS_INPUT);
+}
+
 /* Each pass is a function of its number: 5 passes are 3 and then two more. */
 static void more_passes_begin_with_the_same_passes(void **state)
 {
@@ -557,6 +591,7 @@ int main(void)
         cmocka_unit_test(a_crop_holds_the_same_bits_as_the_full_picture),
         cmocka_unit_test(a_crop_of_a_picture_that_learns_holds_its_bits),
         cmocka_unit_test(what_learns_renders_whole_tiles_and_says_so),
+        cmocka_unit_test(a_thin_film_holds_the_bits_of_its_pixels_in_the_picture),
         cmocka_unit_test(more_passes_begin_with_the_same_passes),
         cmocka_unit_test(another_seed_gives_other_noise),
         cmocka_unit_test(an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39),

@@ -12,30 +12,43 @@
 #include <assert.h>
 #include <math.h>
 
-/* pbrt's rounding: neighbouring crops (0,0.3) and (0.3,1) meet without overlap or gap. */
-bis_rect bis_film_crop(int full_width, int full_height, const double crop[4])
+/* How many pixels of a thin film lie before pixel `at` of the picture: ceil((at - k/2) / k), none below 0. */
+static int thin(int at, int step) { return at <= step / 2 ? 0 : (at - step / 2 + step - 1) / step; }
+
+/* One side of the crop, pbrt's rounding: neighbouring crops (0,0.3) and (0.3,1) meet without overlap or gap. */
+static void crop_side(int full, double lo, double hi, int step, int *first, int *n)
 {
-    return (bis_rect){(int)ceil(full_width * crop[0]), (int)ceil(full_height * crop[2]), (int)ceil(full_width * crop[1]), (int)ceil(full_height * crop[3])};
+    *first = thin((int)ceil(full * lo), step);
+    *n = thin((int)ceil(full * hi), step) - *first;
+}
+
+bis_film bis_film_place(int width, int height, const double crop[4], int step)
+{
+    bis_film f = {.full_width = thin(width, step), .full_height = thin(height, step), .step = step, .picture_width = width, .picture_height = height};
+    crop_side(width, crop[0], crop[1], step, &f.x0, &f.width);
+    crop_side(height, crop[2], crop[3], step, &f.y0, &f.height);
+    return f;
 }
 
 bis_status bis_film_init(bis_film *f, int full_width, int full_height, const double crop[4], bis_loc at, bis_diag *diag)
 {
-    bis_film film = {.full_width = full_width, .full_height = full_height};
+    return bis_film_init_thin(f, full_width, full_height, crop, 1, at, diag);
+}
+
+bis_status bis_film_init_thin(bis_film *f, int width, int height, const double crop[4], int step, bis_loc at, bis_diag *diag)
+{
     *f = (bis_film){0};
+    assert(step >= 1);
 
     for (int i = 0; i < 4; i++) {
         if (!(crop[i] >= 0 && crop[i] <= 1)) {
             return bis_error(diag, BIS_INPUT, at, "the crop window holds %g; x0, x1, y0, y1 must lie in [0, 1]", crop[i]);
         }
     }
-    const bis_rect r = bis_film_crop(full_width, full_height, crop);
-    film.x0 = r.x0;
-    film.y0 = r.y0;
-    film.width = r.x1 - r.x0;
-    film.height = r.y1 - r.y0;
+    bis_film film = bis_film_place(width, height, crop, step);
     if (film.width <= 0 || film.height <= 0) {
-        return bis_error(diag, BIS_INPUT, at, "the crop window %g, %g, %g, %g holds no pixel of %d x %d; it reads x0, x1, y0, y1 with x0 < x1, y0 < y1",
-                         crop[0], crop[1], crop[2], crop[3], full_width, full_height);
+        return bis_error(diag, BIS_INPUT, at, "the crop window %g, %g, %g, %g holds no pixel of %d x %d%s; it reads x0, x1, y0, y1 with x0 < x1, y0 < y1",
+                         crop[0], crop[1], crop[2], crop[3], width, height, step > 1 ? " that a thin film has" : "");
     }
 
     size_t n = (size_t)film.width * (size_t)film.height;

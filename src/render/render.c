@@ -179,7 +179,7 @@ static rgb metered(const render *r, worker *w, const bis_point *pt, bis_stream *
     return L;
 }
 
-/* Camera sample `index` of pixel (x, y); *hits counts those that hit. A ray that escapes sees the map. values: for the
+/* Camera sample `index` of the film's pixel (x, y); *hits counts those that hit. A ray that escapes sees the map. values: for the
  * layers, or NULL. */
 static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler, int x, int y, uint32_t index, uint32_t *hits, float *values)
 {
@@ -190,10 +190,12 @@ static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler,
     bis_hit hit;
     rgb L;
 
-    bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->full_width + (uint64_t)x, index);
+    x = x * f->step + f->step / 2; /* of the picture */
+    y = y * f->step + f->step / 2;
+    bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);
     if (r->desc->pixel_jitter) bis_stream_camera(&stream, u);
     for (int i = 0; i < 2 && r->options->footprint > 0; i++) u[i] = 0.5 + (u[i] - 0.5) * r->options->footprint;
-    ray eye = bis_camera_ray(&r->desc->camera, f->full_width, f->full_height, x + u[0], y + u[1]);
+    ray eye = bis_camera_ray(&r->desc->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);
     w->counters.camera_rays++;
     if (bis_accel_intersect(r->scene->accel, &eye, &hit)) {
         const bis_point pt = surface_point(r, w, &eye, hit.prim);
@@ -464,7 +466,7 @@ static bis_status find_edges(render *r, bis_diag *diag)
     bis_sampler_set_spp(&r->edge_sampler, r->desc->sampler.spp * r->desc->edge_samples);
     r->edge = bis_edges_find(r->film, r->area, r->scene, r->desc, r->n_threads);
     if (!r->edge) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);
-    r->counters.camera_rays += (uint64_t)(width + 1) * (uint64_t)(height + 1);
+    r->counters.camera_rays += bis_edges_rays(r->film, r->area);
     return BIS_OK;
 }
 

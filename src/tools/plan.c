@@ -106,8 +106,7 @@ static bool learns(const bis_scene_desc *d)
 
 static void print_tiles(const bis_scene_desc *d, FILE *out)
 {
-    const bis_rect crop = bis_film_crop(d->film.width, d->film.height, d->film.crop);
-    const bis_film f = {.full_width = d->film.width, .full_height = d->film.height, .x0 = crop.x0, .y0 = crop.y0, .width = crop.x1 - crop.x0, .height = crop.y1 - crop.y0};
+    const bis_film f = bis_film_place(d->film.width, d->film.height, d->film.crop, 1);
     int across;
 
     if (f.width <= 0 || f.height <= 0 || !learns(d)) return;

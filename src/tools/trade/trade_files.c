@@ -111,8 +111,8 @@ bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag)
     if (!status) status = bis_outfile_open(&file, bis_trade_path(path, t, "plan.txt"), diag);
     if (status) return status;
     FILE *out = bis_outfile_stream(file);
-    fprintf(out, "fingerprint %016llx\nfull %d %d\nsize %d %d\nseeds %d\nseed %llu\n", (unsigned long long)p->fingerprint, p->full_width, p->full_height,
-            p->width, p->height, p->n_seeds, (unsigned long long)p->seed);
+    fprintf(out, "fingerprint %016llx\nfull %d %d\nstep %d\nsize %d %d\nseeds %d\nseed %llu\n", (unsigned long long)p->fingerprint, p->full_width, p->full_height,
+            p->step, p->width, p->height, p->n_seeds, (unsigned long long)p->seed);
     fprintf(out, "run_seconds %s\ngiven %d\n", bis_format_double(a, p->run_seconds), p->is_given);
     for (int k = 0; k < 2; k++) {
         if (p->reference[k] >= 0) fprintf(out, "reference %d %u %s\n", k, (unsigned)p->reference_passes[k], p->settings[p->reference[k]].name);
@@ -169,6 +169,15 @@ static bool read_fingerprint(const char **s, uint64_t *hash)
     return true;
 }
 
+/* Are width and height those of the thin film? */
+static bool is_size_of(const bis_trade_plan *p)
+{
+    static const double whole[4] = {0, 1, 0, 1};
+    if (p->full_width < 1 || p->step < 1) return false;
+    const bis_film f = bis_film_place(p->full_width, p->full_height, whole, p->step);
+    return p->width == f.width && p->height == f.height;
+}
+
 static bool read_reference_line(const char **s, bis_trade_plan *p)
 {
     int k, passes;
@@ -201,14 +210,15 @@ static bool read_setting_line(const char **s, bis_trade_plan *p)
 }
 
 /* The lines of a plan. */
-enum { FINGERPRINT, FULL, SIZE, SEEDS, SEED, RUN_SECONDS, GIVEN, REFERENCE, SETTING, N_WORDS };
+enum { FINGERPRINT, FULL, STEP, SIZE, SEEDS, SEED, RUN_SECONDS, GIVEN, REFERENCE, SETTING, N_WORDS };
 
 static const struct {
     const char *word, *rule;
 } lines_of_plan[N_WORDS] = {
     [FINGERPRINT] = {"fingerprint", "16 digits 0-9, a-f"},
     [FULL] = {"full", "width and height in pixels, from 1 to 32768"},
-    [SIZE] = {"size", "width and height in pixels, no more than those of \"full\", which stands before"},
+    [STEP] = {"step", "a number from 1 to 32768"},
+    [SIZE] = {"size", "width and height in pixels, those of \"full\" divided by \"step\", which stand before"},
     [SEEDS] = {"seeds", "a number from 1 to 16"},
     [SEED] = {"seed", "a whole number from 0 to 2^53"},
     [RUN_SECONDS] = {"run_seconds", "a number above 0, at most 1e9"},
@@ -226,7 +236,8 @@ static bool read_fields(const char **s, int word, bis_trade_plan *p, uint64_t *h
     switch (word) {
     case FINGERPRINT: return read_fingerprint(s, hash);
     case FULL: return read_size(s, &p->full_width, &p->full_height);
-    case SIZE: return read_size(s, &p->width, &p->height) && p->width <= p->full_width && p->height <= p->full_height;
+    case STEP: return read_count(s, 1, BIS_IMAGE_MAX_SIDE, &p->step);
+    case SIZE: return read_size(s, &p->width, &p->height) && is_size_of(p);
     case SEEDS: return read_count(s, 1, BIS_TRADE_SEEDS, &p->n_seeds);
     case SEED: return read_whole(s, 0x1p53, &p->seed);
     case RUN_SECONDS: return (p->run_seconds = read_number(s, 0, 1e9)) > 0;
@@ -281,12 +292,19 @@ static bis_status open_lines(lines *l, const char *path, bis_diag *diag)
     return status;
 }
 
-/* Is all there that the sweep needs? */
-static bis_status check_plan(const bis_trade_plan *p, const int seen[N_WORDS], bis_loc at, bis_diag *diag)
+/* Is all there that the sweep needs, and no more pixels than a plan has? */
+static bis_status check_plan(const bis_trade *t, const int seen[N_WORDS], bis_loc at, bis_diag *diag)
 {
+    const bis_trade_plan *p = &t->plan;
+
     for (int word = 0; word < N_WORDS; word++) {
         if (seen[word] || word == REFERENCE) continue;
         return bis_error(diag, BIS_INPUT, at, "a plan has a line \"%s\", and this one has none; the file is damaged, measure into a new folder", lines_of_plan[word].word);
+    }
+    const bis_film film = bis_trade_film(t, p->step);
+    if (film.width < 1 || film.height < 1 || (double)film.width * film.height > 4.0 * BIS_TRADE_MOST_PIXELS) {
+        return bis_error(diag, BIS_INPUT, at, "by \"full\" and \"step\" %d x %d pixels are to be measured, must be at least 1 and at most %d; the file is damaged, measure "
+                         "into a new folder", film.width, film.height, 4 * BIS_TRADE_MOST_PIXELS);
     }
     for (int i = 0; i < p->n_settings && !p->is_given; i++) {
         const bis_trade_setting *s = &p->settings[i];
@@ -318,7 +336,7 @@ bis_status bis_trade_read_plan(bis_trade *t, bis_diag *diag)
         return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0}, "this measurement is of another scene than \"%s\" as it is now, or by another version of bis; measure "
                          "into a new folder", t->o.scene);
     }
-    return status ? status : check_plan(p, seen, (bis_loc){path, 0, 0}, diag);
+    return status ? status : check_plan(t, seen, (bis_loc){path, 0, 0}, diag);
 }
 
 /* ---- runs ---- */
