@@ -43,7 +43,7 @@ echo "| --- | --- | --- | --- | --- | --- | --- |"
 for original in "$@"; do
     base=$(basename "$original" .txt)
     file=$(scene "$original")
-    rm -rf "$dir/$base-trade"
+    rm -rf "${dir:?}/$base-trade"
     "$B"/bis trade --quiet --quick --integrator sir --passes 8 --seeds 2 --nthreads 1 --resolution $size --time $seconds --error $final --output "$dir/$base-trade" "$file" >"$dir/$base.said" || exit 1
     for advice in final good preview; do
         line=$(grep "^$advice" "$dir/$base.said") || continue
@@ -63,8 +63,7 @@ for original in "$@"; do
             render $base-$advice "$file" $setting --spp $passes
             ;;
         esac
-        truth=$("$B"/trade_truth 3 "$dir/$base-final-1.exr" "$dir/$base-final-2.exr" "$dir/$base-final-3.exr" \
-            "$dir/$base-$advice-1.exr" "$dir/$base-$advice-2.exr" "$dir/$base-$advice-3.exr") || exit 1
+        truth=$("$B"/trade_truth 2 "$dir/$base-final-1.exr" "$dir/$base-final-2.exr" "$dir/$base-$advice-1.exr" "$dir/$base-$advice-2.exr") || exit 1
         echo "$base|$advice|$setting|$passes|$promised|${truth% *}" |
             awk -F'|' '{ printf "| %s | %s | `%s` | %d | %.1f %% | %.1f %% | %+.0f %% |\n", $1, $2, $3, $4, 100 * $5, 100 * $6, 100 * ($5 / $6 - 1) }'
     done

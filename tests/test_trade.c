@@ -482,6 +482,89 @@ static void a_product_that_learns_has_a_row_of_its_own(void **state)
     }
 }
 
+/* ---- what is advised ---- */
+
+/* A setting that is advised twice is timed once: a pass of it takes as long in either. Twins: the seconds of the whole, and
+ * those of another setting. */
+static void the_seconds_of_a_setting_are_those_of_its_passes(void **state)
+{
+    (void)state;
+    bis_trade_advice all[3] = {{.setting = 4, .passes = 5, .seconds = 10}, {.setting = 2, .passes = 3, .seconds = 99}, {.setting = 4, .passes = 20, .seconds = 1}};
+    assert_false(bis_trade_take_known_seconds(all, 0));
+    assert_false(bis_trade_take_known_seconds(all, 1));
+    assert_true(all[1].seconds == 99);
+    assert_true(bis_trade_take_known_seconds(all, 2));
+    assert_true(is_near(all[2].seconds, 40)); /* 2 s a pass */
+}
+
+/* left, top of the k-th frame in the reference, in percent. */
+static void frame_at(double at[2], const char *page, int k)
+{
+    char mark[64];
+    snprintf(mark, sizeof mark, "<i class=\"frame crop%d\" style=\"left:", k);
+    const char *found = strstr(page, mark);
+    assert_non_null(found);
+    assert_int_equal(sscanf(found + strlen(mark), "%lf%%;top:%lf%%", &at[0], &at[1]), 2);
+}
+
+/* The page enlarges two parts of a quarter of the sides each, not one of them twice. */
+static void the_enlarged_parts_do_not_overlap(void **state)
+{
+    (void)state;
+    static const char *const pages[] = {DIR "/own/report.html", DIR "/given/report.html"};
+    for (int i = 0; i < 2; i++) {
+        unsigned char *page;
+        size_t size;
+        double a[2], b[2];
+        assert_int_equal(bis_file_read(&page, &size, pages[i], (bis_loc){0}, NULL), BIS_OK);
+        frame_at(a, (const char *)page, 0);
+        frame_at(b, (const char *)page, 1);
+        assert_true(fabs(a[0] - b[0]) > 24.9 || fabs(a[1] - b[1]) > 24.9); /* printed with two digits */
+        bis_free(page);
+    }
+}
+
+/* An advice is measured with its own passes: `bis render` with its command has the error that was promised, as far as two
+ * renders tell: here within a quarter. The picture is small enough to be measured whole, so that this is about passes alone
+ * (the scatter of relMSE over 384 pixels x 3 and seeds: some 10%). Twin: the command with a quarter of the passes. */
+static double error_of_command(const char *options, unsigned long passes, const bis_image *reference)
+{
+    double sum = 0;
+    for (int k = 0; k < 4; k++) {
+        program_run r;
+        bis_image a;
+        bis_comparison c;
+        program_expect(&r, 0, SCENE " %s --spp %lu --seed %d --quiet --outfile " DIR "/advised.exr", options, passes, 900 + k);
+        read_image(&a, DIR "/advised.exr");
+        assert_int_equal(bis_compare(&c, &a, reference, NULL), BIS_OK);
+        bis_image_clear(&a);
+        sum += c.relmse / 4;
+    }
+    return sqrt(sum);
+}
+
+static void what_is_promised_comes_out(void **state)
+{
+    (void)state;
+    program_run r;
+    bis_image reference;
+    program_expect(&r, 0, SCENE " --integrator mis --samples 64 --spp 256 --seed 99 --outfile " DIR "/truth.exr");
+    program_expect(&r, 0, "trade " SCENE " --nthreads 1 --time 4 --passes 4 --seeds 2 --error 0.04 --integrator em --reference " DIR "/truth.exr --output " DIR "/promise");
+    read_image(&reference, DIR "/truth.exr");
+    const char *line = strstr(r.output, "final picture");
+    assert_non_null(line);
+    const char *options = strstr(line, "--integrator"), *spp = strstr(line, "--spp ");
+    assert_true(options && spp && options < spp); /* em's own options suffice */
+    char text[128];
+    snprintf(text, sizeof text, "%.*s", (int)(spp - options), options);
+    const unsigned long passes = strtoul(spp + 6, NULL, 10);
+    assert_true(passes >= 8);
+    const double error = error_of_command(text, passes, &reference);
+    if (fabs(error / 0.04 - 1) > 0.25) fail_msg("%s--spp %lu: %g", text, passes, error);
+    assert_true(error_of_command(text, passes / 4, &reference) > 1.25 * 0.04);
+    bis_image_clear(&reference);
+}
+
 /* ---- interruption ---- */
 
 /* All that is not time. */
@@ -871,6 +954,9 @@ int main(void)
         cmocka_unit_test(a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_recommended),
         cmocka_unit_test(the_line_for_a_scene_file_is_the_setting),
         cmocka_unit_test(a_product_that_learns_has_a_row_of_its_own),
+        cmocka_unit_test(the_seconds_of_a_setting_are_those_of_its_passes),
+        cmocka_unit_test(the_enlarged_parts_do_not_overlap),
+        cmocka_unit_test(what_is_promised_comes_out),
         cmocka_unit_test(lost_runs_are_measured_again_and_are_the_same),
         cmocka_unit_test(a_finished_measurement_resumes_to_itself),
         cmocka_unit_test(a_signal_keeps_what_was_measured_and_resume_goes_on),

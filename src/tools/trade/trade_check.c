@@ -6,12 +6,13 @@
  * setting is rendered with the advised passes, in the pixels of the sweep, with seeds of its own, as often as
  * `check_share` of the time allows. Its noise, as a run's, says how many passes are right; when these are others by more
  * than `close_enough`, they are measured in turn. Where even one such render takes too long, it gets the passes that
- * there is time for, and the rest is the root law's, which is said. */
+ * there is time for, and the rest is the root law's, which is said. With --passes, which asks for no clock, there are two
+ * renders of the advised passes, up to 64 times those of the longest budget, however long they take. */
 #include "trade.h"
 
 #include "bis/tools/compare.h"
 
-enum { MOST_RENDERS = 8, MOST_TURNS = 4 };
+enum { MOST_RENDERS = 8, MOST_TURNS = 4, RENDERS_BY_PASSES = 2, MOST_BUDGETS = 64 };
 
 static const double check_share = 0.03;   /* of the time, for each advice */
 static const double close_enough = 1.15;  /* in passes: 7% in error */
@@ -36,7 +37,9 @@ static bis_status measure(double *variance, bis_trade *t, const check *c, const 
     double sum = 0;
     int n = 0;
 
-    for (; n < MOST_RENDERS && !status && !bis_trade_interrupted(t) && (n == 0 || left(c) > each); n++) {
+    const int least = t->o.passes ? RENDERS_BY_PASSES : 1;
+
+    for (; n < MOST_RENDERS && !status && !bis_trade_interrupted(t) && (n < least || (!t->o.passes && left(c) > each)); n++) {
         bis_image image = {0};
         bis_render_result result;
         bis_comparison both;
@@ -57,8 +60,9 @@ static bis_status check_advice(bis_trade_advice *a, bis_trade *t, check *c, bis_
     const double a_pass = t->result.curves[a->setting].pass_seconds, full_pass = a->seconds / a->passes;
     bis_status status = BIS_OK;
 
-    for (c->turn = 0; c->turn < MOST_TURNS && !status && (c->turn == 0 || left(c) > 0); c->turn++) {
-        const uint32_t measured = (uint32_t)fmax(1, fmin(a->passes, left(c) / a_pass));
+    for (c->turn = 0; c->turn < MOST_TURNS && !status && (c->turn == 0 || t->o.passes || left(c) > 0); c->turn++) {
+        const double most = t->o.passes ? (double)MOST_BUDGETS * t->o.passes : left(c) / a_pass;
+        const uint32_t measured = (uint32_t)fmax(1, fmin(a->passes, most));
         double variance;
         status = measure(&variance, t, c, s, measured, measured * a_pass, diag);
         if (status || !(variance > 0)) break; /* the references are too short to tell: the curve's word stands */
