@@ -35,7 +35,7 @@ CHOSEN  := $(if $(T),$(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$
 SUPPORT := $(patsubst %.c,$B/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
 # Programs beside bis: the generator of data/, the benchmarks, the check that integrators agree.
 DATA_SRC := $(wildcard scripts/make_data.c scripts/model_*.c scripts/map_*.c)
-TOOLS    := $(patsubst scripts/%.c,$B/%,$(wildcard scripts/bench_*.c scripts/agree.c scripts/budget_truth.c scripts/verify_alarms.c))
+TOOLS    := $(patsubst scripts/%.c,$B/%,$(wildcard scripts/bench_*.c scripts/agree.c scripts/budget_truth.c scripts/trade_truth.c scripts/verify_alarms.c))
 STAMP    := data/models/.made
 
 SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow

@@ -29,7 +29,7 @@ static void edges_are_where_the_picture_is_half_background(void **state)
     make_world(&w, &place);
     bis_scene_set_spp(&w.desc, 256);
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 256}});
-    unsigned char *edge = bis_edges_find(&film, &w.scene, &w.desc, 2);
+    unsigned char *edge = bis_edges_find(&film, (bis_rect){0, 0, WIDTH, HEIGHT}, &w.scene, &w.desc, 2);
     assert_non_null(edge);
     for (int i = 0; i < WIDTH * HEIGHT; i++, n++) {
         const double share = (double)film.hits[i] / 256;

@@ -51,6 +51,30 @@ static void crop_is_rounded_as_pbrt_does(void **state)
     bis_film_clear(&f);
 }
 
+/* Every pixel of every crop of 13 x 7 lies in one tile of the crop, and that is the picture's: which pixels share one
+ * depends on their places in the picture alone. */
+static void the_tiles_of_a_crop_are_those_of_its_picture(void **state)
+{
+    enum { W = 13, H = 7, SIDE = 4 };
+    (void)state;
+    for (int i = 0; i < W * W * H * H; i++) {
+        const bis_rect r = {i % W, i / W % H, i / (W * H) % W + 1, i / (W * H * W) + 1};
+        const bis_film f = {.full_width = W, .full_height = H, .x0 = r.x0, .y0 = r.y0, .width = r.x1 - r.x0, .height = r.y1 - r.y0};
+        int across, met = 0;
+        if (f.width <= 0 || f.height <= 0) continue;
+        const int n = bis_film_tiles(&f, SIDE, &across);
+        for (int t = 0; t < n; t++) {
+            const bis_rect all = bis_film_tile(&f, SIDE, t), part = bis_film_tile_of_crop(&f, SIDE, t);
+            assert_true(all.x0 % SIDE == 0 && all.y0 % SIDE == 0 && (all.x1 == all.x0 + SIDE || all.x1 == W) && (all.y1 == all.y0 + SIDE || all.y1 == H));
+            assert_true(part.x0 == fmax(all.x0, r.x0) && part.x1 == fmin(all.x1, r.x1) && part.y0 == fmax(all.y0, r.y0) && part.y1 == fmin(all.y1, r.y1));
+            assert_true(part.x1 > part.x0 && part.y1 > part.y0);
+            met += (part.x1 - part.x0) * (part.y1 - part.y0);
+            if (t >= across) assert_true(bis_film_tile(&f, SIDE, t - across).y1 == all.y0);
+        }
+        assert_int_equal(met, f.width * f.height);
+    }
+}
+
 static void a_crop_without_pixels_or_outside_is_refused(void **state)
 {
     (void)state;
@@ -259,6 +283,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(neighbouring_crops_share_no_pixel_and_leave_no_gap),
         cmocka_unit_test(crop_is_rounded_as_pbrt_does),
+        cmocka_unit_test(the_tiles_of_a_crop_are_those_of_its_picture),
         cmocka_unit_test(a_crop_without_pixels_or_outside_is_refused),
         cmocka_unit_test(pixels_are_means_and_alpha_the_share_of_hits),
         cmocka_unit_test(a_film_without_passes_is_black),

@@ -72,26 +72,131 @@ static void any_number_of_threads_gives_the_same_bits_and_counts(void **state)
     }
 }
 
+static void assert_part_of(const bis_film *part, const bis_film *full)
+{
+    for (int y = 0; y < part->height; y++) {
+        const size_t there = (size_t)(y + part->y0) * WIDTH + (size_t)part->x0, here = (size_t)(y * part->width);
+        assert_memory_equal(part->sum + 3 * here, full->sum + 3 * there, 3 * (size_t)part->width * sizeof *part->sum);
+        assert_memory_equal(part->sum_squares + 3 * here, full->sum_squares + 3 * there, 3 * (size_t)part->width * sizeof *part->sum_squares);
+        assert_memory_equal(part->hits + here, full->hits + there, (size_t)part->width * sizeof *part->hits);
+    }
+}
+
+/* Pixels [x0, x1) x [y0, y1). */
+static void render_part(bis_film *film, bis_render_result *result, const world *w, const int at[4], const bis_render_options *options)
+{
+    const int side[4] = {WIDTH, WIDTH, HEIGHT, HEIGHT};
+    double crop[4];
+    for (int i = 0; i < 4; i++) crop[i] = at[i] == 0 || at[i] == side[i] ? at[i] / side[i] : (at[i] - 0.5) / side[i]; /* rounded up */
+    render(film, result, w, crop, options);
+    assert_true(film->x0 == at[0] && film->x0 + film->width == at[1] && film->y0 == at[2] && film->y0 + film->height == at[3]);
+}
+
+/* Along tiles of 16 pixels and across them, single pixels, at each border. */
+static const int parts[][4] = {{11, 30, 5, 19}, {16, 32, 0, 16}, {0, 16, 16, 21}, {17, 18, 9, 10}, {36, 37, 20, 21}, {0, 1, 0, 21}, {30, 37, 0, 3}, {0, 37, 15, 17}};
+
+static void assert_crops_are_parts(world *w, uint32_t spp)
+{
+    const int threads[] = {1, 2, 3, 7};
+    bis_film full, part;
+    bis_render_result result;
+
+    render(&full, &result, w, whole, &(bis_render_options){.budget = {.spp = spp}});
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        render_part(&part, &result, w, parts[i], &(bis_render_options){.budget = {.spp = spp}, .n_threads = threads[i % 4]});
+        assert_part_of(&part, &full);
+        bis_film_clear(&part);
+    }
+    bis_film_clear(&full);
+}
+
 static void a_crop_holds_the_same_bits_as_the_full_picture(void **state)
 {
     (void)state;
-    world w;
-    make_world(&w, &bis_sir);
-    const bis_render_options options = {.budget = {.spp = 3}};
-    const double crop[4] = {0.3, 0.8, 0.25, 0.9};
-    bis_film full, part;
-    bis_render_result result;
-    render(&full, &result, &w, whole, &options);
-    render(&part, &result, &w, crop, &options);
-    assert_true(part.width < full.width && part.x0 > 0 && part.y0 > 0);
-    for (int y = 0; y < part.height; y++) {
-        size_t there = (size_t)(y + part.y0) * WIDTH + (size_t)part.x0, here = (size_t)(y * part.width);
-        assert_memory_equal(part.sum + 3 * here, full.sum + 3 * there, 3 * (size_t)part.width * sizeof *part.sum);
-        assert_memory_equal(part.hits + here, full.hits + there, (size_t)part.width * sizeof *part.hits);
+    for (int i = 0; bis_integrators[i]; i++) {
+        world w;
+        make_world(&w, bis_integrators[i]);
+        w.desc.edge_samples = 1 + (uint32_t)i % 2 * 3;
+        assert_crops_are_parts(&w, 3);
+        clear_world(&w);
     }
-    bis_film_clear(&full);
-    bis_film_clear(&part);
-    clear_world(&w);
+}
+
+/* What a tile has learned comes from all its pixels, those beside the crop as well. Twin: without `learn` other bits. */
+static void a_crop_of_a_picture_that_learns_holds_its_bits(void **state)
+{
+    (void)state;
+    for (uint32_t edge_samples = 1; edge_samples <= 4; edge_samples += 3) {
+        world w;
+        bis_film learned, plain;
+        bis_render_result result;
+        make_world(&w, &bis_sir);
+        w.desc.settings.proposal = BIS_PROPOSAL_PRODUCT;
+        w.desc.settings.candidates = 64;
+        w.desc.edge_samples = edge_samples;
+        for (int learn = 0; learn < 2; learn++) {
+            w.desc.settings.learn = learn;
+            assert_crops_are_parts(&w, 6);
+            render(learn ? &learned : &plain, &result, &w, whole, &(bis_render_options){.budget = {.spp = 6}});
+        }
+        assert_memory_not_equal(learned.sum, plain.sum, 3 * WIDTH * HEIGHT * sizeof *plain.sum);
+        bis_film_clear(&learned);
+        bis_film_clear(&plain);
+        clear_world(&w);
+    }
+}
+
+/* With it, what stands beside the crop in its tiles is rendered, too, and counted: 7 x 3 pixels at the right border are
+ * in two tiles, of 16 and of 5 columns. Without, the crop alone. */
+static void what_learns_renders_whole_tiles_and_says_so(void **state)
+{
+    (void)state;
+    for (int learn = 0; learn < 2; learn++) {
+        world w;
+        bis_film part;
+        bis_render_result result;
+        make_world(&w, &bis_sir);
+        w.desc.settings.proposal = BIS_PROPOSAL_PRODUCT;
+        w.desc.settings.learn = learn;
+        render_part(&part, &result, &w, (const int[4]){30, 37, 0, 3}, &(bis_render_options){.budget = {.spp = 5}});
+        assert_int_equal(result.counters.camera_rays, 5 * (learn ? (16 + 5) * 16 : 7 * 3));
+        bis_film_clear(&part);
+        clear_world(&w);
+    }
+}
+
+/* Of each k x k pixels the one in the middle, with edge samples and in a crop as well. */
+static void a_thin_film_holds_the_bits_of_its_pixels_in_the_picture(void **state)
+{
+    (void)state;
+    const double crops[2][4] = {{0, 1, 0, 1}, {0.3, 0.9, 0.2, 0.7}};
+    for (int i = 0; i < 12; i++) {
+        const int k = 2 + i % 4;
+        const bis_render_options options = {.budget = {.spp = 3}, .n_threads = 1 + i % 3};
+        world w;
+        bis_film all, some;
+        bis_render_result result;
+        int met = 0;
+        make_world(&w, i % 2 ? &bis_sir : &bis_mis);
+        w.desc.edge_samples = i < 6 ? 1 : 4;
+        render(&all, &result, &w, crops[i % 2], &options);
+        assert_int_equal(bis_film_init_thin(&some, WIDTH, HEIGHT, crops[i % 2], k, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &some, &w.scene, &w.desc, &options, NULL), BIS_OK);
+        for (int y = 0; y < all.height; y++) {
+            for (int x = 0; x < all.width; x++) {
+                if ((all.x0 + x) % k != k / 2 || (all.y0 + y) % k != k / 2) continue;
+                const size_t there = (size_t)(y * all.width + x), here = (size_t)met++;
+                assert_memory_equal(some.sum + 3 * here, all.sum + 3 * there, 3 * sizeof *all.sum);
+                assert_memory_equal(some.sum_squares + 3 * here, all.sum_squares + 3 * there, 3 * sizeof *all.sum);
+            }
+        }
+        assert_int_equal(met, some.width * some.height);
+        bis_film_clear(&all);
+        bis_film_clear(&some);
+        clear_world(&w);
+    }
+    bis_film none;
+    assert_int_equal(bis_film_init_thin(&none, WIDTH, HEIGHT, (double[4]){0, 0.02, 0, 1}, 5, (bis_loc){0}, NULL), BIS_INPUT);
 }
 
 /* Each pass is a function of its number: 5 passes are 3 and then two more. */
@@ -579,6 +684,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_number_of_threads_gives_the_same_bits_and_counts),
         cmocka_unit_test(a_crop_holds_the_same_bits_as_the_full_picture),
+        cmocka_unit_test(a_crop_of_a_picture_that_learns_holds_its_bits),
+        cmocka_unit_test(what_learns_renders_whole_tiles_and_says_so),
+        cmocka_unit_test(a_thin_film_holds_the_bits_of_its_pixels_in_the_picture),
         cmocka_unit_test(more_passes_begin_with_the_same_passes),
         cmocka_unit_test(another_seed_gives_other_noise),
         cmocka_unit_test(an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39),

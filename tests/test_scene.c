@@ -294,6 +294,27 @@ static void the_plan_says_what_is_built_and_how_large_it_is(void **state)
                                       "\nbuild        accelerator grid, density 2.5\n", NULL});
 }
 
+/* 1280 x 720 pixels; the 80 x 45 of the crop begin at (640, 360), in the middle of a row of tiles. */
+static void the_plan_says_what_a_crop_costs_that_learns(void **state)
+{
+    static const char line[] = "\ncrop         80 x 64 pixels are rendered for its 80 x 45, whole tiles of 16 x 16: \"learn\" is by tiles\n";
+    static const char part[] = "Film \"rgb\" \"integer xresolution\" 1280 \"integer yresolution\" 720 \"float cropwindow\" [ 0.5 0.5625 0.5 0.5625 ]\n";
+    static const char *const learns[] = {"Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true",
+                                         "Integrator \"sir\" \"string proposal\" \"product\"",
+                                         "Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true Sampler \"random\" \"bool adaptive\" true"};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        char before[512];
+        snprintf(before, sizeof before, "%s%s", part, learns[i]);
+        built b = describe(before, MAP "Shape \"sphere\"");
+        char *text = plan(&b);
+        assert_true((strstr(text, line) != NULL) == (i == 0));
+        assert_true((strstr(text, "\ncrop ") != NULL) == (i == 0));
+        free(text);
+        clear(&b);
+    }
+}
+
 /* The plan and the build draw the same conclusions. */
 static void the_plan_agrees_with_the_build(void **state)
 {
@@ -352,6 +373,7 @@ int main(void)
         cmocka_unit_test(when_the_kth_allocation_fails_the_build_fails_cleanly),
         cmocka_unit_test(the_plan_says_what_is_left_out_and_why),
         cmocka_unit_test(the_plan_says_what_is_built_and_how_large_it_is),
+        cmocka_unit_test(the_plan_says_what_a_crop_costs_that_learns),
         cmocka_unit_test(the_plan_agrees_with_the_build),
         cmocka_unit_test(image_sizes_are_read_from_headers),
     };

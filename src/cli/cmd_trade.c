@@ -204,8 +204,9 @@ static int run(const trade_options *o, const char *scene, const char *folder, bi
     const bis_status status = bis_trade_measure(&t, &options, &interrupted, diag);
     if (show) fputs("\r\033[K", stderr);
     if (t.nonfinite) bis_warn(diag, bis_cli_loc, "%llu estimates were not finite and count as black (docs/envelope.md)", (unsigned long long)t.nonfinite);
-    if (!status && t.n_runs) print_summary(&t);
-    if (!status && interrupted && !t.n_runs) bis_warn(diag, bis_cli_loc, "interrupted before the first run: there is no table and no page");
+    if (t.is_reported) print_summary(&t);
+    if (!status && !t.is_reported && t.n_runs) bis_warn(diag, bis_cli_loc, "interrupted before anything new was measured: %s is as it was, with %zu of %zu runs", folder, t.n_runs, bis_trade_planned_runs(&t.plan));
+    if (!status && !t.is_reported && !t.n_runs) bis_warn(diag, bis_cli_loc, "interrupted before the first run: there is no table and no page");
     bis_trade_clear(&t);
     const int exit_status = bis_cli_exit_status(status);
     return interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status;

@@ -27,8 +27,8 @@
 
 bis_status bis_adapt_init(bis_adapt *a, const bis_film *f, int tile, bis_diag *diag)
 {
-    *a = (bis_adapt){.tile = tile, .tiles_x = (f->width + tile - 1) / tile};
-    a->n_tiles = a->tiles_x * ((f->height + tile - 1) / tile);
+    *a = (bis_adapt){.tile = tile};
+    a->n_tiles = bis_film_tiles(f, tile, &a->tiles_x);
     a->samples = bis_alloc((size_t)a->n_tiles, sizeof *a->samples);
     a->inverse = bis_alloc((size_t)a->n_tiles, sizeof *a->inverse);
     a->noise = bis_alloc((size_t)a->n_tiles, sizeof *a->noise);
@@ -49,12 +49,10 @@ void bis_adapt_clear(bis_adapt *a)
     *a = (bis_adapt){0};
 }
 
-static int least(int a, int b) { return a < b ? a : b; }
-
 static double pixels_of(const bis_adapt *a, const bis_film *f, int t)
 {
-    int x0 = t % a->tiles_x * a->tile, y0 = t / a->tiles_x * a->tile;
-    return (double)least(a->tile, f->width - x0) * least(a->tile, f->height - y0);
+    const bis_rect r = bis_film_tile_of_crop(f, a->tile, t);
+    return (double)(r.x1 - r.x0) * (r.y1 - r.y0);
 }
 
 /* The film knows the relative variance of each pixel's mean over n passes, sum of v/m over n^2. */

@@ -10,7 +10,7 @@ enum {
     BIS_ADAPT_PILOT = 2    /* passes before the first choice, all pixels alike */
 };
 
-/* tile: side in pixels; tiles stand in reading order. */
+/* tile: side in pixels; tiles are those of bis_film_tiles. */
 typedef struct bis_adapt {
     int tile, tiles_x, n_tiles;
     uint32_t *samples; /* samples[n_tiles]: of a pixel, in the pass to come or under way */

@@ -22,7 +22,7 @@ typedef struct corner {
 
 static corner look_at(double x, double y, const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc)
 {
-    const ray eye = bis_camera_ray(&desc->camera, film->full_width, film->full_height, x, y);
+    const ray eye = bis_camera_ray(&desc->camera, film->picture_width, film->picture_height, x, y);
     bis_hit hit;
     bis_surface s;
 
@@ -31,17 +31,34 @@ static corner look_at(double x, double y, const bis_film *film, const bis_scene 
     return (corner){true, (int)s.material, s.n};
 }
 
+/* Neighbours share corners, but not in a thin film: corner 2 i + k is then the k-th of pixel i. */
+static int corners_a_pixel(const bis_film *film) { return film->step > 1 ? 2 : 1; }
+static int corners_of(const bis_film *film, int n) { return film->step > 1 ? 2 * n : n + 1; }
+
+/* Where the i-th corner stands in the picture, along one side; first: the area's first pixel. */
+static double place_of(const bis_film *film, int first, int i)
+{
+    const int n = corners_a_pixel(film);
+    return (first + i / n) * film->step + film->step / 2 + i % n;
+}
+
+uint64_t bis_edges_rays(const bis_film *film, bis_rect area)
+{
+    return (uint64_t)corners_of(film, area.x1 - area.x0) * (uint64_t)corners_of(film, area.y1 - area.y0);
+}
+
 static bool differ(const corner *a, const corner *b)
 {
     if (a->hit != b->hit) return true;
     return a->hit && (a->material != b->material || dot(a->n, b->n) < 0.5);
 }
 
-unsigned char *bis_edges_find(const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc, int n_threads)
+unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_scene *scene, const bis_scene_desc *desc, int n_threads)
 {
-    const int across = film->width + 1, down = film->height + 1;
+    const int width = area.x1 - area.x0, height = area.y1 - area.y0, n = corners_a_pixel(film);
+    const int across = corners_of(film, width), down = corners_of(film, height);
     corner *c = bis_alloc((size_t)across * (size_t)down, sizeof *c);
-    unsigned char *edge = bis_alloc((size_t)film->width * (size_t)film->height, sizeof *edge);
+    unsigned char *edge = bis_alloc((size_t)width * (size_t)height, sizeof *edge);
 
     if (!c || !edge) {
         bis_free(c);
@@ -51,12 +68,12 @@ unsigned char *bis_edges_find(const bis_film *film, const bis_scene *scene, cons
     (void)n_threads; /* a compiler without OpenMP has one thread */
 #pragma omp parallel for schedule(dynamic, 8) num_threads(n_threads)
     for (int y = 0; y < down; y++) {
-        for (int x = 0; x < across; x++) c[y * (ptrdiff_t)across + x] = look_at(film->x0 + x, film->y0 + y, film, scene, desc);
+        for (int x = 0; x < across; x++) c[y * (ptrdiff_t)across + x] = look_at(place_of(film, area.x0, x), place_of(film, area.y0, y), film, scene, desc);
     }
-    for (int y = 0; y < film->height; y++) {
-        for (int x = 0; x < film->width; x++) {
-            const corner *a = &c[y * (ptrdiff_t)across + x], *b = a + across;
-            edge[y * (ptrdiff_t)film->width + x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) || differ(b, b + 1) || differ(a, b + 1) || differ(a + 1, b);
+    for (int y = 0; y < height; y++) {
+        for (int x = 0; x < width; x++) {
+            const corner *a = &c[n * y * (ptrdiff_t)across + n * x], *b = a + across;
+            edge[y * (ptrdiff_t)width + x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) || differ(b, b + 1) || differ(a, b + 1) || differ(a + 1, b);
         }
     }
     bis_free(c);

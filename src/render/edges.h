@@ -5,8 +5,11 @@
 #include "bis/render/film.h"
 #include "bis/scene/scene.h"
 
-/* edge[height][width] of the film's crop: 1 where the picture changes abruptly between the pixel's corners. One ray a
- * pixel. bis_free it. NULL: no memory. */
-unsigned char *bis_edges_find(const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc, int n_threads);
+/* edge[height][width] of the area, pixels of the film's full picture: 1 where the picture changes abruptly between the pixel's corners. One ray a
+ * pixel, four with a thin film. bis_free it. NULL: no memory. */
+unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_scene *scene, const bis_scene_desc *desc, int n_threads);
+
+/* How many rays that takes. */
+uint64_t bis_edges_rays(const bis_film *film, bis_rect area);
 
 #endif

@@ -12,29 +12,43 @@
 #include <assert.h>
 #include <math.h>
 
+/* How many pixels of a thin film lie before pixel `at` of the picture: ceil((at - k/2) / k), none below 0. */
+static int thin(int at, int step) { return at <= step / 2 ? 0 : (at - step / 2 + step - 1) / step; }
+
 /* One side of the crop, pbrt's rounding: neighbouring crops (0,0.3) and (0.3,1) meet without overlap or gap. */
-static void crop_side(int full, double lo, double hi, int *first, int *n)
+static void crop_side(int full, double lo, double hi, int step, int *first, int *n)
 {
-    int a = (int)ceil(full * lo), b = (int)ceil(full * hi);
-    *first = a;
-    *n = b - a;
+    *first = thin((int)ceil(full * lo), step);
+    *n = thin((int)ceil(full * hi), step) - *first;
+}
+
+bis_film bis_film_place(int width, int height, const double crop[4], int step)
+{
+    bis_film f = {.full_width = thin(width, step), .full_height = thin(height, step), .step = step, .picture_width = width, .picture_height = height};
+    crop_side(width, crop[0], crop[1], step, &f.x0, &f.width);
+    crop_side(height, crop[2], crop[3], step, &f.y0, &f.height);
+    return f;
 }
 
 bis_status bis_film_init(bis_film *f, int full_width, int full_height, const double crop[4], bis_loc at, bis_diag *diag)
 {
-    bis_film film = {.full_width = full_width, .full_height = full_height};
+    return bis_film_init_thin(f, full_width, full_height, crop, 1, at, diag);
+}
+
+bis_status bis_film_init_thin(bis_film *f, int width, int height, const double crop[4], int step, bis_loc at, bis_diag *diag)
+{
     *f = (bis_film){0};
+    assert(step >= 1);
 
     for (int i = 0; i < 4; i++) {
         if (!(crop[i] >= 0 && crop[i] <= 1)) {
             return bis_error(diag, BIS_INPUT, at, "the crop window holds %g; x0, x1, y0, y1 must lie in [0, 1]", crop[i]);
         }
     }
-    crop_side(full_width, crop[0], crop[1], &film.x0, &film.width);
-    crop_side(full_height, crop[2], crop[3], &film.y0, &film.height);
+    bis_film film = bis_film_place(width, height, crop, step);
     if (film.width <= 0 || film.height <= 0) {
-        return bis_error(diag, BIS_INPUT, at, "the crop window %g, %g, %g, %g holds no pixel of %d x %d; it reads x0, x1, y0, y1 with x0 < x1, y0 < y1",
-                         crop[0], crop[1], crop[2], crop[3], full_width, full_height);
+        return bis_error(diag, BIS_INPUT, at, "the crop window %g, %g, %g, %g holds no pixel of %d x %d%s; it reads x0, x1, y0, y1 with x0 < x1, y0 < y1",
+                         crop[0], crop[1], crop[2], crop[3], width, height, step > 1 ? " that a thin film has" : "");
     }
 
     size_t n = (size_t)film.width * (size_t)film.height;
@@ -59,6 +73,34 @@ void bis_film_clear(bis_film *f)
     bis_layers_clear(&f->layers);
     *f = (bis_film){0};
 }
+
+/* ---- tiles ---- */
+
+int bis_film_tiles(const bis_film *f, int side, int *across)
+{
+    const int down = (f->y0 + f->height - 1) / side - f->y0 / side + 1;
+    *across = (f->x0 + f->width - 1) / side - f->x0 / side + 1;
+    return *across * down;
+}
+
+static int lesser(int a, int b) { return a < b ? a : b; }
+static int greater(int a, int b) { return a > b ? a : b; }
+
+bis_rect bis_film_tile(const bis_film *f, int side, int t)
+{
+    int across;
+    bis_film_tiles(f, side, &across);
+    const int x0 = (f->x0 / side + t % across) * side, y0 = (f->y0 / side + t / across) * side;
+    return (bis_rect){x0, y0, lesser(x0 + side, f->full_width), lesser(y0 + side, f->full_height)};
+}
+
+bis_rect bis_film_tile_of_crop(const bis_film *f, int side, int t)
+{
+    const bis_rect all = bis_film_tile(f, side, t);
+    return (bis_rect){greater(all.x0, f->x0), greater(all.y0, f->y0), lesser(all.x1, f->x0 + f->width), lesser(all.y1, f->y0 + f->height)};
+}
+
+/* ---- passes ---- */
 
 void bis_film_add(bis_film *f, int x, int y, rgb L, double hit)
 {
@@ -119,14 +161,16 @@ static double floor_of(const bis_film *f)
 
 void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
 {
-    const int tiles_x = (f->width + tile - 1) / tile, tiles_y = (f->height + tile - 1) / tile;
+    int across;
+    const int n = bis_film_tiles(f, tile, &across);
     const double floor = floor_of(f);
 
     assert(f->passes > 1);
-    for (int t = 0; t < tiles_x * tiles_y; t++) errors[t] = 0;
-    for (int y = 0; floor > 0 && y < f->height; y++) {
-        for (int x = 0; x < f->width; x++) {
-            errors[y / tile * tiles_x + x / tile] += pixel_error(f, (size_t)y * (size_t)f->width + (size_t)x, floor);
+    for (int t = 0; t < n; t++) {
+        const bis_rect r = bis_film_tile_of_crop(f, tile, t);
+        errors[t] = 0;
+        for (int y = r.y0; floor > 0 && y < r.y1; y++) {
+            for (int x = r.x0; x < r.x1; x++) errors[t] += pixel_error(f, (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0), floor);
         }
     }
 }

@@ -6,6 +6,10 @@
  * that end a pass is kept aside (16 bytes a pixel) and added to the film when it is complete; an abandoned one leaves
  * no trace, not even in the counters. The values of layers, where some are asked for, go the same way.
  *
+ * A pixel of a crop gets what it gets in the full picture. Where a pixel learns from its neighbours (visibility.h), all
+ * pixels of its tile are rendered, and those beside the crop are dropped: up to 15 columns and rows on each side.
+ * Adaptive sampling weighs each tile against the whole picture, of which a crop knows nothing: there it does not hold.
+ *
  * Budgets are looked at between passes. For time: another pass is begun if one of mean length still fits, so a render
  * ends at most one pass early. For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6,
  * ... and, from 20 on, each time their number has grown by a twentieth: an unneeded 5% of passes at most, and a number
@@ -33,7 +37,7 @@
 #include <omp.h>
 #endif
 
-enum { TILE = 16, MIN_ERROR_PASSES = 4 };
+enum { TILE = BIS_RENDER_TILE, MIN_ERROR_PASSES = 4 };
 
 /* Of the random numbers that are seeds: beyond all purposes of sampler.c. */
 static const uint64_t PURPOSE_PASS = (uint64_t)4 << 32;
@@ -75,13 +79,15 @@ typedef struct render {
     worker *workers;
     method methods[MAX_METHODS];
     int n_methods;
-    unsigned char *edge;       /* edge[height][width] of the crop, see edges.h; NULL: all pixels are alike */
+    bis_rect area;             /* what is rendered: the crop, or all of its tiles */
+    unsigned char *edge;       /* edge[][] of the area, see edges.h; NULL: all pixels are alike */
     bis_sampler edge_sampler;  /* all camera samples of an edge pixel */
     int n_threads;
     sample *pass;       /* pass[height][width] of the crop */
     float *pass_layers; /* pass_layers[height][width][film->layers.n_values]: the same of the layers, NULL where there are none */
     bis_xform to_camera;
-    int tiles_x, tiles_y;
+    int n_tiles;      /* bis_film_tiles */
+    bool whole_tiles; /* of which pixels beside the crop are rendered as well */
     uint32_t most_passes; /* of budget.spp; 0: not limited by it */
     double start, last_report;
     double rmse, rmse_upper; /* as last estimated; NAN: not yet */
@@ -176,7 +182,7 @@ static rgb metered(const render *r, worker *w, const bis_point *pt, bis_stream *
     return L;
 }
 
-/* Camera sample `index` of pixel (x, y); *hits counts those that hit. A ray that escapes sees the map. values: for the
+/* Camera sample `index` of the film's pixel (x, y); *hits counts those that hit. A ray that escapes sees the map. values: for the
  * layers, or NULL. */
 static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler, int x, int y, uint64_t index, uint32_t *hits, float *values)
 {
@@ -187,10 +193,12 @@ static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler,
     bis_hit hit;
     rgb L;
 
-    bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->full_width + (uint64_t)x, index);
+    x = x * f->step + f->step / 2; /* of the picture */
+    y = y * f->step + f->step / 2;
+    bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);
     if (r->desc->pixel_jitter) bis_stream_camera(&stream, u);
     for (int i = 0; i < 2 && r->options->footprint > 0; i++) u[i] = 0.5 + (u[i] - 0.5) * r->options->footprint;
-    ray eye = bis_camera_ray(&r->desc->camera, f->full_width, f->full_height, x + u[0], y + u[1]);
+    ray eye = bis_camera_ray(&r->desc->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);
     w->counters.camera_rays++;
     if (bis_accel_intersect(r->scene->accel, &eye, &hit)) {
         const bis_point pt = surface_point(r, w, &eye, hit.prim);
@@ -239,7 +247,11 @@ static bis_sampler sampler_of_pass(const render *r, uint32_t pass, uint32_t n)
     return s;
 }
 
-/* Tile number t in reading order. The flag is looked at for each pixel: one of `exact` under a large map takes a tenth
+static bis_rect tile_of(const render *r, int t) { return r->whole_tiles ? bis_film_tile(r->film, TILE, t) : bis_film_tile_of_crop(r->film, TILE, t); }
+
+static size_t index_in(bis_rect area, int x, int y) { return (size_t)(y - area.y0) * (size_t)(area.x1 - area.x0) + (size_t)(x - area.x0); }
+
+/* Tile number t. The flag is looked at for each pixel: one of `exact` under a large map takes a tenth
  * of a second. */
 static void render_tile(const render *r, worker *w, int t, uint32_t pass)
 {
@@ -247,8 +259,7 @@ static void render_tile(const render *r, worker *w, int t, uint32_t pass)
     const uint32_t n = r->adapt.n_tiles ? r->adapt.samples[t] : 1, edge_n = r->edge ? n * r->desc->edge_samples : n;
     const bis_sampler sampler = r->independent ? sampler_of_pass(r, pass, n) : r->desc->sampler;
     const bis_sampler edge_sampler = r->independent ? sampler_of_pass(r, pass, edge_n) : r->edge_sampler;
-    int x0 = t % r->tiles_x * TILE, y0 = t / r->tiles_x * TILE;
-    int x1 = x0 + TILE < f->width ? x0 + TILE : f->width, y1 = y0 + TILE < f->height ? y0 + TILE : f->height;
+    const bis_rect tile = tile_of(r, t);
 
     for (int m = 0; m < r->n_methods; m++) {
         const method *of = &r->methods[m];
@@ -256,16 +267,18 @@ static void render_tile(const render *r, worker *w, int t, uint32_t pass)
         bis_visibility_factors(w->fast[m].visible, of->clusters.n, &of->visibility, (size_t)t);
         w->fast[m].counted = of->visibility.counted[t];
     }
-    for (int y = y0; y < y1; y++) {
-        for (int x = x0; x < x1; x++) {
+    for (int y = tile.y0; y < tile.y1; y++) {
+        for (int x = tile.x0; x < tile.x1; x++) {
             if (interrupted(r)) return;
-            size_t i = (size_t)y * (size_t)f->width + (size_t)x;
-            float *values = layers_at(r, i);
+            const bool in_crop = x >= f->x0 && x < f->x0 + f->width && y >= f->y0 && y < f->y0 + f->height;
+            const size_t i = in_crop ? (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0) : 0;
+            float *values = in_crop ? layers_at(r, i) : NULL;
             if (values) memset(values, 0, (size_t)f->layers.n_values * sizeof *values);
-            const bool edge = r->edge && r->edge[i];
+            const bool edge = r->edge && r->edge[index_in(r->area, x, y)];
             const uint32_t samples = edge ? edge_n : n; /* 64 x 1024 at most */
             const uint64_t first = r->independent ? 0 : (uint64_t)pass * samples;
-            r->pass[i] = pixel_sample(r, w, edge ? &edge_sampler : &sampler, f->x0 + x, f->y0 + y, first, samples, values);
+            const sample s = pixel_sample(r, w, edge ? &edge_sampler : &sampler, x, y, first, samples, values);
+            if (in_crop) r->pass[i] = s;
         }
     }
 }
@@ -297,19 +310,18 @@ static void fill(const render *r, method *of)
 /* False: interrupted, not all pixels were done. */
 static bool render_pass(render *r)
 {
-    const int n_tiles = r->tiles_x * r->tiles_y;
     int n_done = 0;
 
     for (int i = 0; i < r->n_threads; i++) r->workers[i].counters = (bis_counters){0};
     for (int m = 0; m < r->n_methods; m++) fill(r, &r->methods[m]);
 #pragma omp parallel for schedule(dynamic) num_threads(r->n_threads)
-    for (int t = 0; t < n_tiles; t++) {
+    for (int t = 0; t < r->n_tiles; t++) {
         worker *w = &r->workers[this_thread()];
         int done;
         render_tile(r, w, t, r->passes);
 #pragma omp atomic capture
         done = ++n_done;
-        if (this_thread() == 0 && bis_clock_now() - r->last_report > seconds_between_reports) report(r, (double)done / n_tiles);
+        if (this_thread() == 0 && bis_clock_now() - r->last_report > seconds_between_reports) report(r, (double)done / r->n_tiles);
     }
     return !interrupted(r);
 }
@@ -432,7 +444,7 @@ static bis_status make_pool(render *r, int m, bis_diag *diag)
     if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK; /* nothing to draw: black, or all of it compensated away */
     if (needs.n_pool) status = bis_pool_init(&of->pool, needs.n_pool, needs.batch, diag);
     if (!status && needs.clusters) status = bis_clusters_init(&of->clusters, light, of->settings->candidates, diag);
-    if (!status && needs.visibility) status = bis_visibility_init(&of->visibility, (size_t)r->tiles_x * (size_t)r->tiles_y, diag);
+    if (!status && needs.visibility) status = bis_visibility_init(&of->visibility, (size_t)r->n_tiles, diag);
     for (int i = 0; !status && i < r->n_threads; i++) {
         worker *w = &r->workers[i];
         bis_fast *f = &w->fast[m];
@@ -448,17 +460,25 @@ static bis_status make_pool(render *r, int m, bis_diag *diag)
     return status;
 }
 
+/* After make_pool, which knows who learns. */
+static void find_area(render *r)
+{
+    for (int m = 0; m < r->n_methods; m++) r->whole_tiles |= r->methods[m].visibility.n_tiles > 0 && !r->desc->adaptive;
+    const bis_rect first = tile_of(r, 0), last = tile_of(r, r->n_tiles - 1);
+    r->area = (bis_rect){first.x0, first.y0, last.x1, last.y1};
+}
+
 /* Where they are asked for, camera rays are not all the same, and there is something to see. */
 static bis_status find_edges(render *r, bis_diag *diag)
 {
-    const bis_film *f = r->film;
+    const int width = r->area.x1 - r->area.x0, height = r->area.y1 - r->area.y0;
 
     if (r->desc->edge_samples <= 1 || !r->desc->pixel_jitter || !r->scene->accel) return BIS_OK;
     r->edge_sampler = r->desc->sampler;
     bis_sampler_set_spp(&r->edge_sampler, (uint64_t)r->desc->sampler.spp * r->desc->edge_samples);
-    r->edge = bis_edges_find(f, r->scene, r->desc, r->n_threads);
-    if (!r->edge) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", f->width, f->height);
-    r->counters.camera_rays += (uint64_t)(f->width + 1) * (uint64_t)(f->height + 1);
+    r->edge = bis_edges_find(r->film, r->area, r->scene, r->desc, r->n_threads);
+    if (!r->edge) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);
+    r->counters.camera_rays += bis_edges_rays(r->film, r->area);
     return BIS_OK;
 }
 
@@ -488,20 +508,21 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
         .independent = options->budget.error > 0 || desc->adaptive,
         .n_threads = bis_render_threads(options),
         .to_camera = bis_xform_inverse(&desc->camera.to_world),
-        .tiles_x = (film->width + TILE - 1) / TILE,
-        .tiles_y = (film->height + TILE - 1) / TILE,
         .rmse = (double)NAN,
         .rmse_upper = (double)NAN,
     };
     bis_status status;
+    int across;
 
     *result = (bis_render_result){.relative_rmse = (double)NAN, .error_bound = (double)NAN};
     assert(film->passes == 0);
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)desc->sampler.spp;
     r.most_passes = desc->adaptive ? r.budget.spp / BIS_ADAPT_SAMPLES + (r.budget.spp % BIS_ADAPT_SAMPLES > 0) : r.budget.spp;
+    r.n_tiles = bis_film_tiles(film, TILE, &across);
     status = make_workers(&r, diag);
     for (int m = 0; m < r.n_methods && !status; m++)
         if (r.methods[m].settings) status = make_pool(&r, m, diag);
+    find_area(&r);
     if (!status) status = make_pass(&r, diag);
     if (!status && desc->adaptive) status = bis_adapt_init(&r.adapt, film, TILE, diag);
     r.start = r.last_report = bis_clock_now();

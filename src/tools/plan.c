@@ -2,11 +2,13 @@
  *
  * It draws the same conclusions as scene.c from the description alone. Each line starts with what it is about, so that
  * a script finds it: "light", "geometry" and so on describe, "build" and "skip" decide. */
+#include "beyond/batch.h"
 #include "bis/base/file.h"
 #include "bis/thesis/importance.h"
 #include "bis/base/mem.h"
 #include "scene/scene_peek.h"
 
+#include "bis/render/render.h"
 #include "bis/scene/scene.h"
 #include "tools/describe.h"
 
@@ -88,6 +90,32 @@ static void print_view(const bis_scene_desc *d, FILE *out)
     if (s->kind == BIS_SAMPLER_STRATIFIED) fprintf(out, " (%" PRIu64 " x %" PRIu64 ")", s->xsamples, s->ysamples);
     fprintf(out, ", seed %" PRIu64 "%s%s\n", s->seed, d->pixel_jitter ? "" : ", all through the pixel's centre",
             d->adaptive ? ", adaptive" : "");
+}
+
+/* Does some surface learn from its neighbours in the picture? As render.c decides. */
+static bool learns(const bis_scene_desc *d)
+{
+    bool any = false;
+    for (int m = 0; m <= d->exceptions.n && d->n_shapes && d->light.filename; m++) {
+        const bis_settings *s = bis_scene_settings(d, m);
+        if (!bis_scene_uses_method(d, m) || s->integrator == &bis_auto) continue;
+        any |= bis_fast_needs_of(s).visibility;
+    }
+    return any && !d->adaptive;
+}
+
+static void print_tiles(const bis_scene_desc *d, FILE *out)
+{
+    const bis_film f = bis_film_place(d->film.width, d->film.height, d->film.crop, 1);
+    int across;
+
+    if (f.width <= 0 || f.height <= 0 || !learns(d)) return;
+    const int n = bis_film_tiles(&f, BIS_RENDER_TILE, &across);
+    const bis_rect first = bis_film_tile(&f, BIS_RENDER_TILE, 0), last = bis_film_tile(&f, BIS_RENDER_TILE, n - 1);
+    const int width = last.x1 - first.x0, height = last.y1 - first.y0;
+    if (width == f.width && height == f.height) return;
+    fprintf(out, "crop         %d x %d pixels are rendered for its %d x %d, whole tiles of %d x %d: \"learn\" is by tiles\n", width, height, f.width, f.height,
+            (int)BIS_RENDER_TILE, (int)BIS_RENDER_TILE);
 }
 
 /* Bytes a pixel: sums, their squares and hits; the pass under way; and 8 + 4 for each value of a layer. */
@@ -297,5 +325,6 @@ void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
     print_geometry(desc, out);
     print_lobes(desc, out);
     print_accel(desc, out);
+    print_tiles(desc, out);
     print_film(desc, out);
 }

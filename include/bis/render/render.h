@@ -8,6 +8,8 @@
 #include <signal.h>
 #include <stdbool.h>
 
+enum { BIS_RENDER_TILE = 16 }; /* side, in pixels, of what threads take, of what learns together, and of adaptive sampling's choices */
+
 /* Whichever comes first ends the render; one pass is always completed. All three 0: desc->sampler.spp passes. */
 typedef struct bis_budget {
     uint32_t spp;     /* camera samples a pixel; 0: not limited by spp */

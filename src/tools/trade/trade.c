@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const double pictures_share = 0.14; /* of the time, kept back for the pictures and the page */
+static const double pictures_share = 0.2; /* of the time, kept back for the advice, the pictures and the page */
 static const double seconds_between_writes = 1;
 
 static uint64_t seed_of(const bis_trade_plan *plan, int setting, int level, int replicate)
@@ -32,7 +32,7 @@ static bis_status measure_run(bis_trade *t, int setting, int level, int replicat
     bis_comparison c, both;
     bis_render_result result;
 
-    bis_status status = bis_trade_render(t, s, t->plan.width, t->plan.height, (uint32_t)1 << level, run.seed, &image, &result, diag);
+    bis_status status = bis_trade_render(t, s, t->plan.step, (uint32_t)1 << level, run.seed, &image, &result, diag);
     *complete = !status && !result.interrupted;
     if (*complete) status = bis_compare(&c, &image, &t->references[bis_trade_judge_of(s)].image, diag);
     if (!status && *complete) status = bis_compare(&both, &image, &t->both.image, diag);
@@ -121,27 +121,26 @@ static bis_status run_sweep(bis_trade *t, bis_diag *diag)
 static bis_status read_reference(bis_image *small, const bis_trade *t, bis_diag *diag)
 {
     bis_image *full = small;
-    bis_film film;
+    const bis_film film = bis_trade_film(t, 1);
     bis_status status = bis_image_read(full, t->o.reference, (bis_loc){0}, diag);
 
-    if (!status) status = bis_film_init(&film, t->desc->film.width, t->desc->film.height, t->desc->film.crop, (bis_loc){0}, diag);
     if (status) return status;
     if (full->width != film.width || full->height != film.height) {
         status = bis_error(diag, BIS_INPUT, (bis_loc){t->o.reference, 0, 0}, "the reference has %d x %d pixels, the scene's picture has %d x %d; give --resolution %dx%d, or a "
                            "reference of the scene's size", full->width, full->height, film.width, film.height, full->width, full->height);
     }
-    bis_film_clear(&film);
     return status;
 }
 
-/* The given reference, brought to the size of the plan, stays in the folder. */
+/* The pixels of the given reference that the plan has, stays in the folder. */
 static bis_status keep_reference(const bis_trade *t, const bis_image *full, bis_diag *diag)
 {
+    const bis_film all = bis_trade_film(t, 1), some = bis_trade_film(t, t->plan.step);
     char path[4096];
     bis_image small;
 
     bis_status status = bis_trade_make_folder(t, "references", diag);
-    if (!status) status = bis_trade_shrink(&small, full, t->plan.full_width / t->plan.width, diag);
+    if (!status) status = bis_trade_thin(&small, full, &all, &some, diag);
     if (status) return status;
     status = bis_image_save(&small, bis_trade_path(path, t, "references/given.exr"), diag);
     bis_image_clear(&small);
@@ -153,6 +152,8 @@ static bis_status make_plan(bis_trade *t, bis_diag *diag)
     bis_image given = {0};
     bis_status status = BIS_OK;
 
+    t->plan.full_width = t->desc->film.width;
+    t->plan.full_height = t->desc->film.height;
     if (t->o.reference) status = read_reference(&given, t, diag);
     if (!status) status = bis_trade_make_plan(t, t->o.reference ? &given : NULL, diag);
     if (!status && t->o.reference && !bis_trade_interrupted(t)) status = keep_reference(t, &given, diag);
@@ -180,14 +181,17 @@ static bis_status measure(bis_trade *t, bis_diag *diag)
     if (status || (bis_trade_interrupted(t) && !t->o.resume)) return status;
     if (t->o.resume) status = bis_trade_read_runs(t, diag);
     if (!status) status = bis_trade_make_references(t, diag);
-    if (status || !references_are_ready(t)) return status;
+    if (status || !references_are_ready(t)) return status; /* interrupted: a plan without them is none */
     status = run_sweep(t, diag);
     if (status) return status;
     status = bis_trade_summarise(t, diag);
+    if (!status) status = bis_trade_check_advice(t, diag);
     if (!status) status = bis_trade_time_advice(t, diag);
     if (!status) status = bis_trade_make_pictures(t, diag);
     if (!status) status = bis_trade_write_tables(t, diag);
-    return status ? status : bis_trade_write_report(t, diag);
+    if (!status) status = bis_trade_write_report(t, diag);
+    t->is_reported = !status;
+    return status;
 }
 
 bis_status bis_trade_measure(bis_trade *t, const bis_trade_options *o, bool *interrupted, bis_diag *diag)

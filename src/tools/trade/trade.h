@@ -27,8 +27,10 @@ enum {
     BIS_TRADE_SETTINGS = 40,  /* at most */
     BIS_TRADE_LEVELS = 21,    /* budgets of 1 ... 2^20 passes */
     BIS_TRADE_SEEDS = 16,     /* at most */
+    BIS_TRADE_MOST_PASSES = 1 << 22, /* of a replicate of a reference: four times the longest budget */
     BIS_TRADE_NAME = 48,
     BIS_TRADE_LIGHTS = 6,
+    BIS_TRADE_MOST_PIXELS = 90000, /* of the thin film in the mean: a step is a whole number, up to 2.25 times as many */
     BIS_TRADE_REPLICATES = 8, /* independent renders behind a reference: where its standard error comes from */
     BIS_TRADE_STRIP = 8       /* pictures in the report */
 };
@@ -50,7 +52,7 @@ typedef struct bis_trade_setting {
 typedef struct bis_trade_plan {
     uint64_t fingerprint;           /* of the scene's text */
     int full_width, full_height;    /* as the scene asks for */
-    int width, height;              /* as measured: the same view, fewer pixels */
+    int step, width, height;        /* as measured: of each step x step pixels one, width x height of them (bis_film_init_thin) */
     int n_seeds;
     uint64_t seed;
     double run_seconds;             /* of the longest runs: the time of the equal-time pictures */
@@ -118,7 +120,7 @@ typedef struct bis_trade_advice {
     uint32_t passes;
     double seconds;           /* expected for the full picture */
     double expected_error;
-    bool is_extrapolated;
+    bool is_extrapolated;     /* there are more passes than were measured */
 } bis_trade_advice;
 
 enum { BIS_TRADE_ADVICE = 3 };
@@ -173,6 +175,7 @@ typedef struct bis_trade {
     uint64_t nonfinite;
     bool made_folder;     /* it was not there before */
     bool is_complete;     /* every run of the plan was measured */
+    bool is_reported;     /* the tables and the page were written from what is in runs and result */
 } bis_trade;
 
 /* The whole measurement, into o->folder. t is zero-initialised; bis_trade_clear it. *interrupted: by the signal flag,
@@ -189,6 +192,9 @@ int bis_trade_find_setting(const bis_trade_plan *plan, const char *name);
 /* Which reference judges this setting: 0, by mis, or 1, by sir. Never one of its own family. */
 int bis_trade_judge_of(const bis_trade_setting *s);
 
+/* May it make reference 0 (a mis) or 1 (a sir)? trade_plan.c */
+bool bis_trade_may_be_reference(const bis_trade_setting *s, int which);
+
 /* As text: what differs from the defaults, for a scene file; and options for the command line, "" where it has none. */
 void bis_trade_scene_text(char text[256], const bis_trade_setting *s, double scenes_b);
 void bis_trade_option_text(char text[128], const bis_trade_setting *s, double scenes_b);
@@ -202,9 +208,12 @@ void bis_trade_tell(const bis_trade *t, const char *what, double share, double s
 bis_status bis_trade_load(bis_trade *t, bis_diag *diag);
 void bis_trade_unload(bis_trade *t);
 
-/* Render `passes` of width x height; image (may be NULL) is cleared by the caller, *relative_rmse (may be NULL) from
+/* The film that is measured, of each step x step pixels one; step 0: a film of one pixel that sees all. */
+bis_film bis_trade_film(const bis_trade *t, int step);
+
+/* Render `passes` into it; image (may be NULL) is cleared by the caller, *relative_rmse (may be NULL) from
  * the passes' scatter. An interrupted render leaves result->passes < passes. */
-bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int width, int height, uint32_t passes, uint64_t seed, bis_image *image,
+bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed, bis_image *image,
                             bis_render_result *result, bis_diag *diag);
 
 /* --- trade_plan.c --- */
@@ -233,8 +242,8 @@ bis_status bis_trade_add_run(bis_trade *t, const bis_trade_run *run, bis_diag *d
 /* Read what references/ holds, render what it lacks. Interrupted: is_ready stays false where replicates are missing. */
 bis_status bis_trade_make_references(bis_trade *t, bis_diag *diag);
 
-/* The given one, of the full picture's size, averaged to the sweep's: exact, since pixels are boxes. */
-bis_status bis_trade_shrink(bis_image *out, const bis_image *full, int factor, bis_diag *diag);
+/* Of a given one, of the size of film `all`, the pixels that the thin film `some` of the same picture has. */
+bis_status bis_trade_thin(bis_image *out, const bis_image *full, const bis_film *all, const bis_film *some, bis_diag *diag);
 
 /* --- trade_stats.c, trade_advice.c --- */
 
@@ -252,7 +261,7 @@ int bis_trade_best_of(const bis_trade *t, const char *integrator);
  * many. */
 int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP]);
 
-void bis_trade_advise(bis_trade *t); /* seconds by the sweep's small picture */
+void bis_trade_advise(bis_trade *t); /* seconds by the sweep's thin film */
 
 /* Columns of the two tables: each at most so many, ascending; returns how many. */
 enum { BIS_TRADE_COLUMNS = 6 };
@@ -268,10 +277,18 @@ bis_status bis_trade_write_tables(const bis_trade *t, bis_diag *diag);
 /* Equal-time pictures of the best setting of each integrator: read from pictures/ or rendered. */
 bis_status bis_trade_make_pictures(bis_trade *t, bis_diag *diag);
 
+/* --- trade_check.c --- */
+
+/* Replaces the advice's passes and errors by such as were measured with that many passes, as far as there is time. */
+bis_status bis_trade_check_advice(bis_trade *t, bis_diag *diag);
+
 /* --- trade_seconds.c --- */
 
 /* Replaces the advice's seconds, which are the sweep's times the pixels, by better ones. */
 bis_status bis_trade_time_advice(bis_trade *t, bis_diag *diag);
+
+/* An earlier advice takes the same setting: seconds from that one's, as many for each pass. False: there is none. */
+bool bis_trade_take_known_seconds(bis_trade_advice *all, int i);
 
 /* --- trade_report.c and its parts: all print HTML --- */
 

@@ -111,8 +111,8 @@ bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag)
     if (!status) status = bis_outfile_open(&file, bis_trade_path(path, t, "plan.txt"), diag);
     if (status) return status;
     FILE *out = bis_outfile_stream(file);
-    fprintf(out, "fingerprint %016llx\nfull %d %d\nsize %d %d\nseeds %d\nseed %llu\n", (unsigned long long)p->fingerprint, p->full_width, p->full_height,
-            p->width, p->height, p->n_seeds, (unsigned long long)p->seed);
+    fprintf(out, "fingerprint %016llx\nfull %d %d\nstep %d\nsize %d %d\nseeds %d\nseed %llu\n", (unsigned long long)p->fingerprint, p->full_width, p->full_height,
+            p->step, p->width, p->height, p->n_seeds, (unsigned long long)p->seed);
     fprintf(out, "run_seconds %s\ngiven %d\n", bis_format_double(a, p->run_seconds), p->is_given);
     for (int k = 0; k < 2; k++) {
         if (p->reference[k] >= 0) fprintf(out, "reference %d %u %s\n", k, (unsigned)p->reference_passes[k], p->settings[p->reference[k]].name);
@@ -125,69 +125,144 @@ bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag)
     return bis_outfile_commit(file, diag);
 }
 
-/* A number in [lo, hi] and the blank behind it; NAN when there is none. */
+/* A number in [lo, hi] and the blank or comma behind it; NAN when there is none. */
 static double read_number(const char **s, double lo, double hi)
 {
     const char *end;
     double v = bis_parse_double(*s, &end);
-    if (end == *s || !(v >= lo && v <= hi)) return (double)NAN;
-    *s = end + (*end == ' ' || *end == ',');
+    if (end == *s || !(v >= lo && v <= hi) || (*end && *end != ' ' && *end != ',')) return (double)NAN;
+    *s = end + (*end != '\0');
     return v;
+}
+
+/* A whole number in [0, most], most <= 2^63, beyond which doubles are not whole. */
+static bool read_whole(const char **s, double most, uint64_t *value)
+{
+    const double v = read_number(s, 0, most);
+    if (!(v == floor(v))) return false; /* NAN as well */
+    *value = (uint64_t)v;
+    return true;
 }
 
 static bool read_count(const char **s, int lo, int hi, int *value)
 {
-    const double v = read_number(s, lo, hi);
-    if (!(v == floor(v))) return false;
+    uint64_t v;
+    if (!read_whole(s, hi, &v) || v < (uint64_t)lo) return false;
     *value = (int)v;
     return true;
 }
 
-static bool read_reference_line(bis_trade_plan *p, const char *s)
+static bool read_size(const char **s, int *width, int *height)
 {
-    int k, passes;
-    if (!read_count(&s, 0, 1, &k) || !read_count(&s, 1, 1 << 30, &passes)) return false;
-    p->reference[k] = bis_trade_find_setting(p, s);
-    p->reference_passes[k] = (uint32_t)passes;
-    return p->reference[k] >= 0;
+    return read_count(s, 1, BIS_IMAGE_MAX_SIDE, width) && read_count(s, 1, BIS_IMAGE_MAX_SIDE, height);
 }
 
-static bool read_setting_line(bis_trade_plan *p, const char *s)
+static bool read_fingerprint(const char **s, uint64_t *hash)
+{
+    static const char digits[] = "0123456789abcdef";
+    *hash = 0;
+    for (int i = 0; i < 16; i++, ++*s) {
+        const char *digit = **s ? strchr(digits, **s) : NULL;
+        if (!digit) return false;
+        *hash = *hash << 4 | (uint64_t)(digit - digits);
+    }
+    return true;
+}
+
+/* Are width and height those of the thin film? */
+static bool is_size_of(const bis_trade_plan *p)
+{
+    static const double whole[4] = {0, 1, 0, 1};
+    if (p->full_width < 1 || p->step < 1) return false;
+    const bis_film f = bis_film_place(p->full_width, p->full_height, whole, p->step);
+    return p->width == f.width && p->height == f.height;
+}
+
+static bool read_reference_line(const char **s, bis_trade_plan *p)
+{
+    int k, passes;
+    if (!read_count(s, 0, 1, &k) || !read_count(s, 1, BIS_TRADE_MOST_PASSES, &passes) || p->reference[k] >= 0) return false;
+    const int i = bis_trade_find_setting(p, *s);
+    if (i < 0 || !bis_trade_may_be_reference(&p->settings[i], k)) return false;
+    p->reference[k] = i;
+    p->reference_passes[k] = (uint32_t)passes;
+    *s += strlen(*s);
+    return true;
+}
+
+static bool read_setting_line(const char **s, bis_trade_plan *p)
 {
     int levels;
     const char *end;
 
-    if (!read_count(&s, 0, BIS_TRADE_LEVELS, &levels)) return false;
-    const double seconds = read_number(&s, 0, 1e9), fill = read_number(&s, 0, 1e9), relmse = bis_parse_double(s, &end);
-    if (!(seconds > 0) || isnan(fill) || *end != ' ') return false;
+    if (!read_count(s, 0, BIS_TRADE_LEVELS, &levels)) return false;
+    const double seconds = read_number(s, 0, 1e9), fill = read_number(s, 0, 1e9), relmse = bis_parse_double(*s, &end);
+    if (!(seconds > 0) || isnan(fill) || end == *s || relmse < 0 || isinf(relmse) || *end != ' ') return false; /* relmse may be NAN: not known */
     const int i = bis_trade_find_setting(p, end + 1);
-    if (i < 0) return false;
+    if (i < 0 || p->settings[i].is_swept) return false;
     p->settings[i].is_swept = true;
     p->settings[i].levels = levels;
     p->settings[i].pass_seconds = seconds;
     p->settings[i].fill_seconds = fill;
     p->settings[i].pass_relmse = relmse;
+    *s = end + 1 + strlen(end + 1);
     return true;
 }
 
-static bool read_plan_line(bis_trade_plan *p, const char *line, uint64_t *hash)
+/* The lines of a plan. */
+enum { FINGERPRINT, FULL, STEP, SIZE, SEEDS, SEED, RUN_SECONDS, GIVEN, REFERENCE, SETTING, N_WORDS };
+
+static const struct {
+    const char *word, *rule;
+} lines_of_plan[N_WORDS] = {
+    [FINGERPRINT] = {"fingerprint", "16 digits 0-9, a-f"},
+    [FULL] = {"full", "width and height in pixels, from 1 to 32768"},
+    [STEP] = {"step", "a number from 1 to 32768"},
+    [SIZE] = {"size", "width and height in pixels, those of \"full\" divided by \"step\", which stand before"},
+    [SEEDS] = {"seeds", "a number from 1 to 16"},
+    [SEED] = {"seed", "a whole number from 0 to 2^53"},
+    [RUN_SECONDS] = {"run_seconds", "a number above 0, at most 1e9"},
+    [GIVEN] = {"given", "0 or 1"},
+    [REFERENCE] = {"reference", "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the name of a setting that may be one"},
+    [SETTING] = {"setting", "levels from 0 to 21, seconds of a pass above 0, of its fill, relMSE of a pass, and the name of a setting, once"},
+};
+
+_Static_assert(BIS_IMAGE_MAX_SIDE == 32768 && BIS_TRADE_SEEDS == 16 && BIS_TRADE_LEVELS == 21 && BIS_TRADE_MOST_PASSES == 4194304, "the rules above name these");
+
+static bool read_fields(const char **s, int word, bis_trade_plan *p, uint64_t *hash)
 {
-    const char *s = strchr(line, ' ');
     int given;
 
-    if (!s) return false;
-    const size_t n = (size_t)(s++ - line);
-    if (strncmp(line, "fingerprint", n) == 0) return (*hash = strtoull(s, NULL, 16)) != 0;
-    if (strncmp(line, "full", n) == 0) return read_count(&s, 1, BIS_IMAGE_MAX_SIDE, &p->full_width) && read_count(&s, 1, BIS_IMAGE_MAX_SIDE, &p->full_height);
-    if (strncmp(line, "size", n) == 0) return read_count(&s, 1, BIS_IMAGE_MAX_SIDE, &p->width) && read_count(&s, 1, BIS_IMAGE_MAX_SIDE, &p->height);
-    if (strncmp(line, "seeds", n) == 0 && n == 5) return read_count(&s, 1, BIS_TRADE_SEEDS, &p->n_seeds);
-    if (strncmp(line, "seed", n) == 0) return (p->seed = (uint64_t)read_number(&s, 0, 0x1p53)) <= (uint64_t)1 << 53;
-    if (strncmp(line, "run_seconds", n) == 0) return (p->run_seconds = read_number(&s, 0, 1e9)) > 0;
-    if (strncmp(line, "reference", n) == 0) return read_reference_line(p, s);
-    if (strncmp(line, "setting", n) == 0) return read_setting_line(p, s);
-    if (strncmp(line, "given", n) != 0 || !read_count(&s, 0, 1, &given)) return false;
+    switch (word) {
+    case FINGERPRINT: return read_fingerprint(s, hash);
+    case FULL: return read_size(s, &p->full_width, &p->full_height);
+    case STEP: return read_count(s, 1, BIS_IMAGE_MAX_SIDE, &p->step);
+    case SIZE: return read_size(s, &p->width, &p->height) && is_size_of(p);
+    case SEEDS: return read_count(s, 1, BIS_TRADE_SEEDS, &p->n_seeds);
+    case SEED: return read_whole(s, 0x1p53, &p->seed);
+    case RUN_SECONDS: return (p->run_seconds = read_number(s, 0, 1e9)) > 0;
+    case REFERENCE: return read_reference_line(s, p);
+    case SETTING: return read_setting_line(s, p);
+    default: break;
+    }
+    if (!read_count(s, 0, 1, &given)) return false;
     p->is_given = given;
     return true;
+}
+
+/* seen[word] counts its lines; all but the last two stand once. */
+static bis_status read_plan_line(bis_trade_plan *p, const char *line, bis_loc at, int seen[N_WORDS], uint64_t *hash, bis_diag *diag)
+{
+    static const char damaged[] = "the file is damaged, measure into a new folder";
+    const size_t n = strcspn(line, " ");
+    int word = 0;
+
+    while (word < N_WORDS && (strlen(lines_of_plan[word].word) != n || strncmp(line, lines_of_plan[word].word, n) != 0)) word++;
+    if (word == N_WORDS) return bis_error(diag, BIS_INPUT, at, "\"%s\" is no line of a plan; %s", line, damaged);
+    if (seen[word]++ && word < REFERENCE) return bis_error(diag, BIS_INPUT, at, "\"%s\" is the second line of its kind; %s", line, damaged);
+    const char *s = line + n + (line[n] == ' ');
+    if (read_fields(&s, word, p, hash) && !*s) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, at, "\"%s\": behind \"%s\" must stand %s; %s", line, lines_of_plan[word].word, lines_of_plan[word].rule, damaged);
 }
 
 /* Lines of a file, each ended by a zero. next_line: NULL at the end. */
@@ -217,10 +292,35 @@ static bis_status open_lines(lines *l, const char *path, bis_diag *diag)
     return status;
 }
 
+/* Is all there that the sweep needs, and no more pixels than a plan has? */
+static bis_status check_plan(const bis_trade *t, const int seen[N_WORDS], bis_loc at, bis_diag *diag)
+{
+    const bis_trade_plan *p = &t->plan;
+
+    for (int word = 0; word < N_WORDS; word++) {
+        if (seen[word] || word == REFERENCE) continue;
+        return bis_error(diag, BIS_INPUT, at, "a plan has a line \"%s\", and this one has none; the file is damaged, measure into a new folder", lines_of_plan[word].word);
+    }
+    const bis_film film = bis_trade_film(t, p->step);
+    if (film.width < 1 || film.height < 1 || (double)film.width * film.height > 4.0 * BIS_TRADE_MOST_PIXELS) {
+        return bis_error(diag, BIS_INPUT, at, "by \"full\" and \"step\" %d x %d pixels are to be measured, must be at least 1 and at most %d; the file is damaged, measure "
+                         "into a new folder", film.width, film.height, 4 * BIS_TRADE_MOST_PIXELS);
+    }
+    for (int i = 0; i < p->n_settings && !p->is_given; i++) {
+        const bis_trade_setting *s = &p->settings[i];
+        const int k = bis_trade_judge_of(s);
+        if (!s->is_swept || !s->levels || p->reference[k] >= 0) continue;
+        return bis_error(diag, BIS_INPUT, at, "\"%s\" is to be measured, and the line \"reference %d\" that says what it is compared with is missing; the file is damaged, "
+                         "measure into a new folder", s->name, k);
+    }
+    return BIS_OK;
+}
+
 bis_status bis_trade_read_plan(bis_trade *t, bis_diag *diag)
 {
     bis_trade_plan *p = &t->plan;
     uint64_t theirs = 0;
+    int seen[N_WORDS] = {0};
     char path[4096];
     lines l;
 
@@ -230,19 +330,13 @@ bis_status bis_trade_read_plan(bis_trade *t, bis_diag *diag)
     if (status) return status;
     p->reference[0] = p->reference[1] = -1;
     for (int i = 0; i < p->n_settings; i++) p->settings[i].is_swept = false;
-    for (char *line; (line = next_line(&l)) != NULL && !status;) {
-        if (read_plan_line(p, line, &theirs)) continue;
-        status = bis_error(diag, BIS_INPUT, (bis_loc){path, l.number, 1}, "\"%s\" is no line of a plan; the file is damaged, measure into a new folder", line);
-    }
+    for (char *line; !status && (line = next_line(&l)) != NULL;) status = read_plan_line(p, line, (bis_loc){path, l.number, 1}, seen, &theirs, diag);
     bis_free(l.data);
-    if (!status && theirs != p->fingerprint) {
-        status = bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0}, "this measurement is of another scene than \"%s\" as it is now, or by another version of bis; measure "
-                           "into a new folder", t->o.scene);
+    if (!status && seen[FINGERPRINT] && theirs != p->fingerprint) {
+        return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0}, "this measurement is of another scene than \"%s\" as it is now, or by another version of bis; measure "
+                         "into a new folder", t->o.scene);
     }
-    if (!status && (p->width < 1 || p->n_seeds < 1 || !(p->run_seconds > 0))) {
-        status = bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0}, "the plan has no size, seeds or run_seconds; the file is damaged, measure into a new folder");
-    }
-    return status;
+    return status ? status : check_plan(t, seen, (bis_loc){path, 0, 0}, diag);
 }
 
 /* ---- runs ---- */
@@ -274,33 +368,34 @@ bis_status bis_trade_write_runs(const bis_trade *t, bis_diag *diag)
     return bis_outfile_commit(file, diag);
 }
 
-static bool read_run(bis_trade_run *r, const bis_trade_plan *p, char *line)
+/* NULL, or the name of the first column that holds no such thing. */
+static const char *read_run(bis_trade_run *r, const bis_trade_plan *p, char *line)
 {
+    const double most = 0x1p63;
     char *comma = strchr(line, ',');
     int passes;
 
-    if (!comma) return false;
+    if (!comma) return "setting";
     *comma = '\0';
     const char *s = comma + 1;
     r->setting = bis_trade_find_setting(p, line);
     *comma = ',';
-    if (r->setting < 0 || !read_count(&s, 1, 1 << (BIS_TRADE_LEVELS - 1), &passes) || (passes & (passes - 1)) != 0) return false;
+    if (r->setting < 0 || !p->settings[r->setting].is_swept) return "setting";
+    if (!read_count(&s, 1, 1 << (BIS_TRADE_LEVELS - 1), &passes) || (passes & (passes - 1)) != 0) return "passes";
     r->level = ilogb(passes);
-    if (r->level >= p->settings[r->setting].levels || !read_count(&s, 1, p->n_seeds, &r->replicate)) return false;
+    if (r->level >= p->settings[r->setting].levels) return "passes";
+    if (!read_count(&s, 1, p->n_seeds, &r->replicate)) return "replicate";
     r->replicate--;
-    const double most = 0x1p63, seed = read_number(&s, 0, 0x1p53), seconds = read_number(&s, 0, 1e12), camera = read_number(&s, 0, most);
-    const double shadow = read_number(&s, 0, most), candidates = read_number(&s, 0, most);
-    r->rmse = read_number(&s, 0, DBL_MAX);
-    r->relmse = read_number(&s, 0, DBL_MAX);
-    r->bias = read_number(&s, -DBL_MAX, DBL_MAX);
-    r->relmse_both = read_number(&s, 0, DBL_MAX);
-    if (isnan(seed + seconds + camera + shadow + candidates + r->rmse + r->relmse + r->bias + r->relmse_both) || *s) return false;
-    r->seed = (uint64_t)seed;
-    r->seconds = seconds;
-    r->camera_rays = (uint64_t)camera;
-    r->shadow_rays = (uint64_t)shadow;
-    r->candidates = (uint64_t)candidates;
-    return true;
+    if (!read_whole(&s, 0x1p53, &r->seed)) return "seed";
+    if (isnan(r->seconds = read_number(&s, 0, 1e12))) return "seconds";
+    if (!read_whole(&s, most, &r->camera_rays)) return "camera_rays";
+    if (!read_whole(&s, most, &r->shadow_rays)) return "shadow_rays";
+    if (!read_whole(&s, most, &r->candidates)) return "candidates";
+    if (isnan(r->rmse = read_number(&s, 0, DBL_MAX))) return "rmse";
+    if (isnan(r->relmse = read_number(&s, 0, DBL_MAX))) return "relmse";
+    if (isnan(r->bias = read_number(&s, -DBL_MAX, DBL_MAX))) return "bias";
+    if (isnan(r->relmse_both = read_number(&s, 0, DBL_MAX)) || *s) return "relmse_both";
+    return NULL;
 }
 
 bool bis_trade_has_run(const bis_trade *t, int setting, int level, int replicate)
@@ -337,9 +432,11 @@ bis_status bis_trade_read_runs(bis_trade *t, bis_diag *diag)
     if (!header || strcmp(header, runs_header) != 0) status = bis_error(diag, BIS_INPUT, (bis_loc){path, 1, 1}, "the first line must be \"%s\"", runs_header);
     for (char *line; !status && (line = next_line(&l)) != NULL;) {
         bis_trade_run run;
-        if (read_run(&run, &t->plan, line) && !bis_trade_has_run(t, run.setting, run.level, run.replicate)) status = bis_trade_add_run(t, &run, diag);
-        else status = bis_error(diag, BIS_INPUT, (bis_loc){path, l.number, 1},
-                                "\"%s\" is no run of plan.txt, or the second of its kind; remove the line and it is measured again", line);
+        const bis_loc at = {path, l.number, 1};
+        const char *wrong = read_run(&run, &t->plan, line);
+        if (wrong) status = bis_error(diag, BIS_INPUT, at, "\"%s\" is no run of plan.txt, by its %s; remove the line and it is measured again", line, wrong);
+        else if (bis_trade_has_run(t, run.setting, run.level, run.replicate)) status = bis_error(diag, BIS_INPUT, at, "\"%s\" is the second of its kind; remove one of them", line);
+        else status = bis_trade_add_run(t, &run, diag);
     }
     bis_free(l.data);
     return status;

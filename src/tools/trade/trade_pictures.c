@@ -81,7 +81,7 @@ static bis_status make_picture(bis_trade_picture *p, bis_trade *t, bool *complet
         status = bis_image_read(&p->image, path, (bis_loc){0}, diag);
     } else {
         if (bis_trade_interrupted(t)) return BIS_OK;
-        status = bis_trade_render(t, s, t->plan.width, t->plan.height, p->passes, seed_of(&t->plan, p->setting), &p->image, &result, diag);
+        status = bis_trade_render(t, s, t->plan.step, p->passes, seed_of(&t->plan, p->setting), &p->image, &result, diag);
         *complete = !status && !result.interrupted;
         if (*complete) status = bis_image_save(&p->image, path, diag);
         p->seconds = result.seconds;

@@ -1,55 +1,56 @@
 /* trade_plan: how many pixels, passes and seeds fit into the time?
  *
- * A pilot renders each setting at 64 x 48 pixels or so: what a pixel of a pass costs, c, and what scatter it leaves, v.
+ * A small picture is not a large one made small: its pixels are larger, more of them hold an edge, and each is noisier
+ * (scene.txt: 12% at 98 x 74 where 800 x 600 have 8%). So what is measured is a thin film: of each k x k pixels of the
+ * full picture one, at its size, with its random numbers.
+ * A pilot renders each setting with 3072 pixels or so: what a pixel of a pass costs, c, and what scatter it leaves, v.
  * What is planned from it:
  *   - the setting of least c v of each integrator, and the scene's own, get budgets of up to r seconds; the others r/4:
  *   cost x variance hardly
  *     changes along a curve, so a short one says nearly as much;
  *   - so few pixels that the middle one of the longer curves has some 8 passes, four budgets, at its end;
- *   - r such that all runs fill 56% of what is left of the time; the references get 22%, the pictures 6%, a pass of the
- *   full picture with what is advised as much (trade_seconds.c), and the rest is for surprises.
+ *   - r such that all runs fill 50% of what is left of the time; the references get 22%, the pictures 6%, a pass of the
+ *   full picture with what is advised as much (trade_seconds.c), as its error does (trade_check.c), and the rest is for
+ *   surprises.
  * With --passes all of them get that many instead, however long that takes, and only the pixels depend on the clock, if
  * there are more than LEAST_PIXELS. */
 #include "trade.h"
 
 #include <string.h>
 
-enum { PILOT_PIXELS = 3072, LEAST_PIXELS = 4800, MOST_PIXELS = 90000, MIDDLE_PASSES = 8, MOST_PILOT_PASSES = 256 };
+enum { PILOT_PIXELS = 3072, LEAST_PIXELS = 4800, MIDDLE_PASSES = 8, MOST_PILOT_PASSES = 256 };
 
-static const double pilot_share = 0.08, sweep_share = 0.56, reference_share = 0.22;
+static const double pilot_share = 0.08, sweep_share = 0.5, reference_share = 0.22;
 static const double short_curve = 0.25;     /* of r, for settings that are not the best of their integrator */
 static const double too_slow = 4;           /* a setting whose single pass takes so many r is left out */
 
-static const char *const reference_settings[] = {"mis 16", "mis 64", "sir 64/4", "sir 256/16"};
+static const char *const reference_settings[2][2] = {{"mis 16", "mis 64"}, {"sir 64/4", "sir 256/16"}};
 
 /* ---- the pilot ---- */
 
-static bool may_be_reference(const bis_trade_setting *s)
+bool bis_trade_may_be_reference(const bis_trade_setting *s, int which)
 {
-    for (int i = 0; i < 4; i++) {
-        if (strcmp(s->name, reference_settings[i]) == 0) return true;
+    for (int i = 0; i < 2; i++) {
+        if (strcmp(s->name, reference_settings[which][i]) == 0) return true;
     }
     return false;
 }
 
-static bool is_piloted(const bis_trade_setting *s) { return s->is_swept || may_be_reference(s); }
+static bool is_piloted(const bis_trade_setting *s) { return s->is_swept || bis_trade_may_be_reference(s, 0) || bis_trade_may_be_reference(s, 1); }
 
-static double crop_area(const bis_trade *t)
+static double pixels_of(const bis_trade *t, int step)
 {
-    const double *c = t->desc->film.crop;
-    return (c[1] - c[0]) * (c[3] - c[2]);
+    const bis_film f = bis_trade_film(t, step);
+    return (double)f.width * f.height;
 }
 
-/* The full picture with about `pixels` in its crop, the same view; never more than it has. */
-static void shrunk_size(const bis_trade *t, double pixels, int *width, int *height)
+/* The thin film with about `pixels` in its crop; never more than that has, and one of each row and column at least. */
+static int step_for(const bis_trade *t, double pixels)
 {
-    const bis_film_desc *f = &t->desc->film;
-    const double scale = fmin(1, sqrt(pixels / (crop_area(t) * f->width * f->height)));
-    *width = (int)fmax(1, round(f->width * scale));
-    *height = (int)fmax(1, round(f->height * scale));
+    const bis_film all = bis_trade_film(t, 1);
+    const double step = round(sqrt(pixels_of(t, 1) / pixels));
+    return (int)fmax(1, fmin(step, fmin(all.width, all.height)));
 }
-
-static double pixels_of(const bis_trade *t, int width, int height) { return fmax(1, crop_area(t) * width * height); }
 
 /* What a pass costs whatever its size: that of a single pixel. */
 static bis_status pilot_fill(bis_trade *t, bis_trade_setting *s, bis_diag *diag)
@@ -57,7 +58,7 @@ static bis_status pilot_fill(bis_trade *t, bis_trade_setting *s, bis_diag *diag)
     enum { PASSES = 4 };
     bis_render_result result;
 
-    bis_status status = bis_trade_render(t, s, 1, 1, PASSES, t->o.seed, NULL, &result, diag);
+    bis_status status = bis_trade_render(t, s, 0, PASSES, t->o.seed, NULL, &result, diag);
     s->fill_seconds = result.seconds / PASSES;
     return status;
 }
@@ -67,16 +68,15 @@ static bis_status pilot_fill(bis_trade *t, bis_trade_setting *s, bis_diag *diag)
 static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double seconds, bis_diag *diag)
 {
     bis_render_result result;
-    int width, height;
+    const int step = step_for(t, PILOT_PIXELS);
+    const double pixels = pixels_of(t, step);
 
-    shrunk_size(t, PILOT_PIXELS, &width, &height);
-    const double pixels = pixels_of(t, width, height);
-    bis_status status = bis_trade_render(t, s, width, height, 1, t->o.seed, NULL, &result, diag);
+    bis_status status = bis_trade_render(t, s, step, 1, t->o.seed, NULL, &result, diag);
     if (status || result.interrupted) return status;
     s->pass_seconds = result.seconds / pixels;
     s->pass_relmse = (double)NAN;
     const uint32_t passes = (uint32_t)fmin(fmax(seconds / result.seconds, 2), MOST_PILOT_PASSES);
-    status = bis_trade_render(t, s, width, height, passes, t->o.seed + 1, NULL, &result, diag);
+    status = bis_trade_render(t, s, step, passes, t->o.seed + 1, NULL, &result, diag);
     if (status || result.interrupted) return status;
     s->pass_seconds = result.seconds / pixels / passes;
     s->pass_relmse = result.relative_rmse * result.relative_rmse * passes;
@@ -174,44 +174,23 @@ static double middle_cost(const bis_trade_plan *plan)
 
 /* ---- the size ---- */
 
-/* Blocks of factor x factor pixels of a given reference must fit: the smallest common divisor that makes the picture
- * small enough, else the largest. */
-static int block_of(const bis_trade *t, double pixels)
-{
-    const bis_film_desc *f = &t->desc->film;
-    int best = 1;
-
-    if (crop_area(t) < 1) return 1;
-    for (int k = 2; k <= f->width && k <= f->height; k++) {
-        if (f->width % k || f->height % k || (double)(f->width / k) * (f->height / k) < LEAST_PIXELS) continue;
-        best = k;
-        if ((double)(f->width / k) * (f->height / k) <= pixels) break;
-    }
-    return (double)f->width * f->height <= pixels ? 1 : best;
-}
-
 static void choose_size(bis_trade *t, double seconds)
 {
     bis_trade_plan *plan = &t->plan;
     const double a_pixel = sweep_seconds(t, MIDDLE_PASSES * middle_cost(plan)); /* seconds that each pixel adds to the sweep */
-    const double pixels = fmin(fmax(seconds / a_pixel, LEAST_PIXELS), MOST_PIXELS);
+    const double pixels = fmin(fmax(seconds / a_pixel, LEAST_PIXELS), BIS_TRADE_MOST_PIXELS);
 
-    plan->full_width = t->desc->film.width;
-    plan->full_height = t->desc->film.height;
-    shrunk_size(t, pixels, &plan->width, &plan->height);
-    if (plan->is_given) {
-        const int block = block_of(t, pixels);
-        plan->width = plan->full_width / block;
-        plan->height = plan->full_height / block;
-    }
-    for (int i = 0; i < plan->n_settings; i++) plan->settings[i].pass_seconds *= pixels_of(t, plan->width, plan->height);
+    plan->step = step_for(t, pixels);
+    const bis_film film = bis_trade_film(t, plan->step);
+    plan->width = film.full_width;
+    plan->height = film.full_height;
+    for (int i = 0; i < plan->n_settings; i++) plan->settings[i].pass_seconds *= pixels_of(t, plan->step);
 }
 
 /* ---- references ---- */
 
 static void choose_references(bis_trade *t, double seconds)
 {
-    static const char *const makers[2] = {"mis", "sir"};
     bis_trade_plan *plan = &t->plan;
     bool needed[2] = {false, false};
 
@@ -221,11 +200,11 @@ static void choose_references(bis_trade *t, double seconds)
         if (plan->is_given || !needed[k]) continue;
         for (int i = 0; i < plan->n_settings; i++) {
             const bis_trade_setting *s = &plan->settings[i];
-            if (!may_be_reference(s) || strcmp(s->settings.integrator->name, makers[k]) != 0) continue;
+            if (!bis_trade_may_be_reference(s, k)) continue;
             if (plan->reference[k] < 0 || is_better(s, &plan->settings[plan->reference[k]])) plan->reference[k] = i;
         }
         const double share = seconds / (needed[0] + needed[1]) / BIS_TRADE_REPLICATES;
-        plan->reference_passes[k] = (uint32_t)fmin(fmax(share / plan->settings[plan->reference[k]].pass_seconds, 1), 1 << 20);
+        plan->reference_passes[k] = (uint32_t)fmin(fmax(share / plan->settings[plan->reference[k]].pass_seconds, 1), BIS_TRADE_MOST_PASSES);
         if (t->o.passes) plan->reference_passes[k] = 4 * t->o.passes;
     }
 }
@@ -256,7 +235,7 @@ static bis_status check_error(const bis_trade *t, bis_diag *diag)
     double seconds = HUGE_VAL;
     int best = 0;
 
-    if (t->o.error <= 0) return BIS_OK;
+    if (t->o.error <= 0 || t->o.passes) return BIS_OK;
     for (int i = 0; i < plan->n_settings; i++) {
         const bis_trade_setting *s = &plan->settings[i];
         const double it = fmax(1, s->pass_relmse / (t->o.error * t->o.error)) * s->pass_seconds;

@@ -188,7 +188,7 @@ static void draw_label(const plot *p, const label *l)
     if (p->by_rays || isnan(c->slope)) return;
     fprintf(p->out, "<text class=\"note\" x=\"%d\" y=\"%.1f\">slope %s%.2f", WIDTH - RIGHT + 12, l->y + 14, c->slope < 0 ? "&#8722;" : "",
             fabs(c->slope));
-    if (!isnan(c->slope_se)) fprintf(p->out, " &#177; %.2f", c->slope_se);
+    if (c->slope_se >= 0.005) fprintf(p->out, " &#177; %.2f", c->slope_se);
     fputs("</text>", p->out);
 }
 

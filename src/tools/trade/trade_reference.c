@@ -79,7 +79,7 @@ static bis_status render_replicate(bis_image *image, bis_trade *t, int which, in
 {
     const bis_trade_setting *s = &t->plan.settings[t->plan.reference[which]];
     bis_render_result result;
-    bis_status status = bis_trade_render(t, s, t->plan.width, t->plan.height, t->plan.reference_passes[which], seed_of(t, which, replicate), image, &result, diag);
+    bis_status status = bis_trade_render(t, s, t->plan.step, t->plan.reference_passes[which], seed_of(t, which, replicate), image, &result, diag);
 
     *complete = !status && !result.interrupted;
     return *complete ? bis_image_save(image, path, diag) : status;
@@ -87,14 +87,11 @@ static bis_status render_replicate(bis_image *image, bis_trade *t, int which, in
 
 static bis_status check_size(const bis_trade *t, const bis_image *image, const char *path, bis_diag *diag)
 {
-    bis_film film;
-    bis_status status = bis_film_init(&film, t->plan.width, t->plan.height, t->desc->film.crop, (bis_loc){0}, diag);
-    if (status) return status;
-    const int width = film.width, height = film.height;
-    bis_film_clear(&film);
-    if (image->width == width && image->height == height) return BIS_OK;
+    const bis_film film = bis_trade_film(t, t->plan.step);
+
+    if (image->width == film.width && image->height == film.height) return BIS_OK;
     return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0}, "%d x %d pixels, must have the %d x %d of plan.txt; remove it and it is made again", image->width,
-                     image->height, width, height);
+                     image->height, film.width, film.height);
 }
 
 static bis_status make_reference(bis_trade *t, int which, bis_diag *diag)
@@ -169,19 +166,16 @@ bis_status bis_trade_make_references(bis_trade *t, bis_diag *diag)
     return status ? status : combine_both(t, diag);
 }
 
-bis_status bis_trade_shrink(bis_image *out, const bis_image *full, int factor, bis_diag *diag)
+bis_status bis_trade_thin(bis_image *out, const bis_image *full, const bis_film *all, const bis_film *some, bis_diag *diag)
 {
-    bis_status status = bis_image_init(out, full->width / factor, full->height / factor, diag);
-    if (status) return status;
-    for (int y = 0; y < out->height; y++) {
-        for (int x = 0; x < out->width; x++) {
-            double sum[3] = {0, 0, 0};
-            for (int i = 0; i < factor * factor; i++) {
-                const rgb c = full->pixels[(size_t)(y * factor + i / factor) * (size_t)full->width + (size_t)(x * factor + i % factor)];
-                for (int k = 0; k < 3; k++) sum[k] += channel(c, k) / (factor * factor);
-            }
-            for (int k = 0; k < 3; k++) set_channel(&out->pixels[(size_t)y * (size_t)out->width + (size_t)x], k, sum[k]);
+    const int k = some->step;
+    bis_status status = bis_image_init(out, some->width, some->height, diag);
+
+    for (int y = 0; y < some->height && !status; y++) {
+        for (int x = 0; x < some->width; x++) {
+            const int there_x = (some->x0 + x) * k + k / 2 - all->x0, there_y = (some->y0 + y) * k + k / 2 - all->y0;
+            out->pixels[(size_t)y * (size_t)out->width + (size_t)x] = full->pixels[(size_t)there_y * (size_t)full->width + (size_t)there_x];
         }
     }
-    return BIS_OK;
+    return status;
 }

@@ -129,9 +129,16 @@ static void put_method(FILE *out, const bis_trade *t)
     char longest[24];
 
     fputs("<h2>How it was measured</h2><p>Everything here can be made again: <code>runs.csv</code> has each run with its seed.</p>\n<dl>\n", out);
-    fprintf(out, "<dt>picture</dt><dd>%d &#215; %d pixels for a scene of %d &#215; %d: the same view, so each pixel is as noisy; "
-            "times of the advice are scaled to the full picture.</dd>\n",
-            t->plan.width, t->plan.height, t->plan.full_width, t->plan.full_height);
+    if (t->plan.step == 1) {
+        fprintf(out, "<dt>picture</dt><dd>all %d &#215; %d pixels of the scene.</dd>\n", t->plan.full_width, t->plan.full_height);
+    } else {
+        fprintf(out, "<dt>picture</dt><dd>%d &#215; %d pixels of the scene&#39;s %d &#215; %d: of each %d &#215; %d the one in the middle, as large and as noisy as it is "
+                "in the full picture. (A small picture of the whole would have larger pixels, with more edges in each, and more noise.) Hence the jagged outlines below. "
+                "Only what learns from its neighbours does better in the full picture, where they are nearer.</dd>\n",
+                t->plan.width, t->plan.height, t->plan.full_width, t->plan.full_height, t->plan.step, t->plan.step);
+    }
+    fputs("<dt>advice</dt><dd>Its error was measured with its own number of passes, in these pixels; with &#8220;extrapolated&#8221;, with fewer, and scaled by the root of their "
+          "number. Its seconds are those of a pass of the full picture, or of as many of its pixels as there was time for, on this machine as it was loaded then.</dd>\n", out);
     fprintf(out, "<dt>runs</dt><dd>%zu of %zu: each setting with 1, 2, 4, ... passes up to %s, %d seed%s each, on %d thread%s.</dd>\n", t->n_runs,
             bis_trade_planned_runs(&t->plan), bis_trade_duration(longest, t->plan.run_seconds), t->plan.n_seeds, t->plan.n_seeds == 1 ? "" : "s", t->n_threads,
             t->n_threads == 1 ? "" : "s");

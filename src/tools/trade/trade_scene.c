@@ -120,13 +120,21 @@ static bis_status image_of(bis_image *image, const bis_film *film, bis_diag *dia
     return status;
 }
 
-bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int width, int height, uint32_t passes, uint64_t seed, bis_image *image,
+bis_film bis_trade_film(const bis_trade *t, int step)
+{
+    static const double whole[4] = {0, 1, 0, 1};
+    const bis_trade_plan *p = &t->plan;
+    return step ? bis_film_place(p->full_width, p->full_height, t->desc->film.crop, step) : bis_film_place(1, 1, whole, 1);
+}
+
+bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed, bis_image *image,
                             bis_render_result *result, bis_diag *diag)
 {
+    static const double whole[4] = {0, 1, 0, 1};
+    const bis_film place = bis_trade_film(t, step);
     bis_film film;
     bis_scene view = *t->scene;
     bis_light *light = light_for(t, s);
-    const double whole[4] = {0, 1, 0, 1}; /* a single pixel has no parts */
     const bis_render_options options = {.budget = {.spp = passes}, .n_threads = t->o.n_threads, .interrupted = t->o.interrupted};
 
     if (image) *image = (bis_image){0};
@@ -134,7 +142,7 @@ bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int width,
     t->desc->settings = s->settings;
     t->desc->sampler.seed = seed;
     bis_scene_set_spp(t->desc, passes);
-    bis_status status = bis_film_init(&film, width, height, width * height == 1 ? whole : t->desc->film.crop, (bis_loc){0}, diag);
+    bis_status status = bis_film_init_thin(&film, place.picture_width, place.picture_height, step ? t->desc->film.crop : whole, place.step, (bis_loc){0}, diag);
     if (!status) status = bis_render(result, &film, &view, t->desc, &options, diag);
     if (!status && image) status = image_of(image, &film, diag);
     t->n_threads = result->n_threads;

@@ -1,45 +1,45 @@
 /* trade_seconds: how long what is advised takes for the full picture.
  *
- * A pixel of a small picture costs more than one of a large one: pools and clusters are made for every pass, whatever
+ * A pixel of a thin film costs more than one of the full picture: pools and clusters are made for every pass, whatever
  * its size, and thousands of pixels share what each of the map's pieces costs to fetch. On scene.txt the sweep's 100 x 75
- * pixels said 93 s for what took 39. So a pass of each advised setting is rendered at the full size, or at one that takes
- * `timing_share` of the measurement's time and leaves little to extrapolate. */
+ * pixels said 93 s for what took 39. So a pass of each advised setting is rendered at the full size, or of as many of its
+ * pixels as take `timing_share` of the measurement's time, which leaves little to extrapolate. */
 #include "trade.h"
 
 /* Each of the advised settings takes so much of the time for a pass. */
 static const double timing_share = 0.02;
 
-/* The full picture, or as much smaller as its pass is to take less. */
-static void timing_size(const bis_trade *t, double pass, int *width, int *height)
-{
-    const double scale = fmin(1, sqrt(timing_share * t->o.seconds / pass));
+/* 1, the full picture, or as much thinner as its pass is to take less. */
+static int timing_step(const bis_trade *t, double pass) { return (int)fmax(1, ceil(sqrt(pass / (timing_share * t->o.seconds)))); }
 
-    *width = (int)fmax(1, round(t->plan.full_width * scale));
-    *height = (int)fmax(1, round(t->plan.full_height * scale));
+static double pixels_of(const bis_trade *t, int step)
+{
+    const bis_film f = bis_trade_film(t, step);
+    return (double)f.width * f.height;
 }
 
 static bis_status time_advice(bis_trade_advice *a, bis_trade *t, bis_diag *diag)
 {
     const bis_trade_setting *s = &t->plan.settings[a->setting];
+    const int step = timing_step(t, a->seconds / a->passes);
     bis_render_result result;
-    int width, height;
 
-    timing_size(t, a->seconds / a->passes, &width, &height);
-    if (width <= t->plan.width) return BIS_OK; /* the sweep knows as much */
-    bis_status status = bis_trade_render(t, s, width, height, 1, t->o.seed, NULL, &result, diag);
+    if (step >= t->plan.step) return BIS_OK; /* the sweep knows as much */
+    bis_status status = bis_trade_render(t, s, step, 1, t->o.seed, NULL, &result, diag);
     if (status || result.interrupted) return status;
-    const double pixels = (double)t->plan.full_width * t->plan.full_height / ((double)width * height), fill = fmin(s->fill_seconds, result.seconds);
+    const double pixels = pixels_of(t, 1) / pixels_of(t, step), fill = fmin(s->fill_seconds, result.seconds);
     a->seconds = a->passes * (fill + (result.seconds - fill) * pixels);
     return BIS_OK;
 }
 
-/* The earlier advice that takes the same setting, or NULL. */
-static const bis_trade_advice *same_before(const bis_trade_advice *all, int i)
+bool bis_trade_take_known_seconds(bis_trade_advice *all, int i)
 {
     for (int k = 0; k < i; k++) {
-        if (all[k].setting == all[i].setting) return &all[k];
+        if (all[k].setting != all[i].setting) continue;
+        all[i].seconds = all[i].passes * (all[k].seconds / all[k].passes);
+        return true;
     }
-    return NULL;
+    return false;
 }
 
 bis_status bis_trade_time_advice(bis_trade *t, bis_diag *diag)
@@ -49,13 +49,8 @@ bis_status bis_trade_time_advice(bis_trade *t, bis_diag *diag)
     for (int i = 0; i < BIS_TRADE_ADVICE && !status && !bis_trade_interrupted(t); i++) {
         bis_trade_advice *a = &t->result.advice[i];
         if (a->setting < 0) continue;
-        const bis_trade_advice *known = same_before(t->result.advice, i);
-        if (known) {
-            a->seconds = a->passes * (known->seconds / known->passes);
-            continue;
-        }
         bis_trade_tell(t, "seconds of the full picture", (double)i / BIS_TRADE_ADVICE, (double)NAN);
-        status = time_advice(a, t, diag);
+        if (!bis_trade_take_known_seconds(t->result.advice, i)) status = time_advice(a, t, diag);
     }
     return status;
 }

@@ -7,12 +7,15 @@
  * smaller is better. The bias is the mean over seeds of the mean difference; its standard error comes from the seeds
  * and the reference. Pixels of a run share their candidates, so their scatter within one run would say too little.
  * A slope is fitted to each seed by least squares, log error over log seconds: -1/2 for independent samples; its
- * standard error is that of the seeds. */
+ * standard error is that of the seeds, and not known from fewer than three. */
 #include "trade.h"
 
 #include "bis/base/mem.h"
 
-enum { LEAST_BUDGETS = 3 }; /* for a slope */
+enum {
+    LEAST_BUDGETS = 3, /* for a slope */
+    LEAST_SLOPES = 3   /* for its standard error: two slopes are often alike by chance, and would claim to be sure */
+};
 
 /* ---- sums over seeds ---- */
 
@@ -158,7 +161,7 @@ static void follow_curve(bis_trade *t, int setting)
     c->cost_variance = mean_of(&cost);
     c->cost_variance_se = se_of(&cost);
     c->slope = slope.n ? mean_of(&slope) : (double)NAN;
-    c->slope_se = slope.n ? se_of(&slope) : (double)NAN;
+    c->slope_se = slope.n >= LEAST_SLOPES ? se_of(&slope) : (double)NAN;
     const bis_trade_point *last = &t->result.points[c->first + c->n - 1];
     c->pass_seconds = last->seconds / last->passes;
 }
