@@ -215,7 +215,7 @@ static int look(const char *ours, const char *path, const char *prints)
         printf("%s\n", text);
         status = 4;
     }
-    FILE *out = prints && fopen(prints, "w") : NULL;
+    FILE *out = prints && status == 0 ? fopen(prints, "w") : NULL;
     if (out) {
         uint64_t *p;
         const size_t n = tokens_prints(&f, &template, &p);
