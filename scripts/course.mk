@@ -21,7 +21,7 @@ $B/grade: $(GRADER)
 	$(LINK) -lm
 $(if $(wildcard tests/assignments),test: $B/grade)
 
-grade: $(SUPPORT) $(LIB) $B/grade
+grade: $(SUPPORT) $(LIB) $B/grade $B/src/cli/main.o
 	@sh scripts/grade.sh "$(A)" "$(DEST)"
 
 JOBS ?= 2

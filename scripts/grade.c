@@ -1,13 +1,13 @@
 /* grade: what scripts/grade.sh has done by a program without a student's code in it: compile in a sandbox, judge the claims, compare speeds, read hand-ins.
  *     grade sandbox                                        the sandbox that works here: "bwrap", or "none"
- *     grade run [-d DIR] [-r PATH]... [-w PATH]... -- CMD  run CMD in DIR; it may read PATHs (-r) and write there (-w)
- *     grade claims [-a] [-s SECRET]... [-c SECONDS] [-k MARKS] PROGRAM OURS
+ *     grade run [-d DIR] [-c SECONDS] [-r PATH]... [-w PATH]... -- CMD    run CMD in DIR; it may read PATHs (-r) and write there (-w)
+ *     grade claims [-a] [-s SECRET]... [-k MARKS] PROGRAM OURS
  *                                     a line a claim of OURS, which names them: "ok" or "wrong", points, name, message, with tabs between. -a: PROGRAM
  *                                     is sanitized; -k: only what MARKS, such lines, has as ok. A second secret is tried where a claim is wrong by the first
  *     grade speed [-s SECRET] PROGRAM OURS                 how many times OURS's time PROGRAM takes
  *     grade look TEMPLATE FILE [PRINTS]                    status 3: something of ours is changed; 4: something is refused. Hashes for `alike` go to PRINTS
  *     grade alike SHARE BLANK FILE...                      lines "I J PERCENT" for pairs of PRINTS (counted from 1) that share so much of what BLANK has not
- * BIS_SANDBOX says which sandbox (bwrap, none). All that runs has an empty environment, no terminal, and limits of time, memory and files. */
+ * BIS_SANDBOX says which sandbox (bwrap, none); BIS_CLAIM_SECONDS is kept. All that runs has an empty environment, no terminal, and limits of time, memory and files. */
 #include "mark_run.h"
 #include "tokens.h"
 
@@ -63,12 +63,14 @@ static size_t sandbox(const char **words, const options *o)
 /* PATH alone stays of the environment. */
 static void poor_environment(void)
 {
-    char path[4096], box[16], scratch[4096];
+    char path[4096], box[16], scratch[4096], seconds[32];
 
     snprintf(path, sizeof path, "%s", getenv("PATH") ? getenv("PATH") : "/usr/bin:/bin");
     snprintf(box, sizeof box, "%s", has_bwrap() ? "bwrap" : "none");
     snprintf(scratch, sizeof scratch, "%s", !has_bwrap() && getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp");
+    snprintf(seconds, sizeof seconds, "%s", getenv("BIS_CLAIM_SECONDS") ? getenv("BIS_CLAIM_SECONDS") : "20");
     clearenv();
+    setenv("BIS_CLAIM_SECONDS", seconds, 1);
     setenv("PATH", path, 1);
     setenv("BIS_SANDBOX", box, 1);
     setenv("TMPDIR", scratch, 1);
@@ -81,11 +83,15 @@ static void poor_environment(void)
 
 static int run(options *o, char **given)
 {
-    static const box_limits limits = {.cpu = 20, .wall = 60, .memory = (size_t)3 << 30, .file = 64 << 20};
+    box_limits limits = {.cpu = 15, .wall = 45, .memory = (size_t)1 << 30, .file = 64 << 20};
     static box_end end;
     const char *words[MAX_WORDS];
     size_t n = sandbox(words, o);
 
+    if (o->cpu > 0) {
+        limits.cpu = limits.wall = o->cpu;
+        limits.memory = (size_t)4 << 30;
+    }
     while (*given && n + 1 < MAX_WORDS) words[n++] = *given++;
     words[n] = NULL;
     if (!has_bwrap() && o->folder && chdir(o->folder) != 0) return 1;
@@ -120,10 +126,9 @@ static void judge(mark_outcome *result, const char *program, const options *give
 
     o.read[o.n_read++] = program;
     words[sandbox(words, &o)] = NULL;
-    if (o.cpu > 0) {
-        limits.cpu = o.cpu;
-        limits.wall = 5 + 3 * o.cpu;
-    }
+    if (o.cpu > 0) limits.cpu = o.cpu;
+    if (o.sanitized) limits.cpu *= 3;
+    limits.wall = 5 + 3 * limits.cpu;
     limits.memory = o.sanitized ? 0 : (size_t)4 << 30;
     mark_judge(result, &(mark_order){.before = words, .program = program, .claim = claim, .secret = secret, .limits = limits});
     for (char *c = result->text; *c; c++) {
@@ -168,15 +173,14 @@ static int claims(options *o, const char *program, const char *ours)
     return 0;
 }
 
-/* The least processor times, taken in turn until neither has fallen by 2 % in four rounds: what else the machine does adds to a time, and never
- * takes from it. Who takes more than 6 times our time, or 20 s in all, is not asked for ever. */
+/* The least processor times, taken in turn until neither has fallen by 2 % for three rounds, or ten where the ratio is near to a limit of the points:
+ * what else the machine does adds to a time, and never takes from it. Who takes more than 6 times our time, or 20 s in all, is not asked for ever. */
 static int speed(const options *o, const char *program, const char *ours)
 {
-    double least[2] = {HUGE_VAL, HUGE_VAL}, sum = 0;
+    double least[2] = {HUGE_VAL, HUGE_VAL}, sum = 0, ratio = 0;
     int quiet = 0;
 
-    for (int round = 0; round < 40 && quiet < 4; round++) {
-        if (round >= 3 && (sum > 20 || least[0] > 6 * least[1])) break;
+    for (int round = 0; round < 60; round++) {
         quiet++;
         for (int who = 0; who < 2; who++) {
             static mark_outcome result;
@@ -186,8 +190,11 @@ static int speed(const options *o, const char *program, const char *ours)
             sum += result.seconds;
             least[who] = fmin(least[who], result.seconds);
         }
+        ratio = least[0] / least[1];
+        const bool near = (ratio > 1.2 && ratio < 2) || (ratio > 2.5 && ratio < 3.7);
+        if (quiet >= (near ? 10 : 3) || (round >= 3 && (sum > 20 || ratio > 6))) break;
     }
-    printf("%.2f\n", least[0] / least[1]);
+    printf("%.2f\n", ratio);
     return 0;
 }
 

@@ -80,8 +80,12 @@ collect() {
     elif [ -f "$given/src/$file" ] && [ ! -L "$given/src/$file" ] && [ ! -L "$given/src" ] && [ ! -L "$given/src/${file%/*}" ]; then
         cp "$given/src/$file" "$to" && echo x >"$work/found"
     else
-        find "$given/" -type f -name "$base" -size -2049 -exec sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found" {} \;
-        [ -s "$work/found" ] || find "$given/" -type f -size -2049 -exec sh scripts/grade_marks.sh "$file" {} "$to" "$work/found" \;
+        for pattern in "*/src/$file" "*/$base"; do
+            [ -s "$work/found" ] || run timeout 60 find "$given/" -type f -path "$pattern" -size -2049 \
+                -exec sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found" {} \; 2>/dev/null
+        done
+        [ -s "$work/found" ] || run timeout 60 find "$given/" -type f -name '*.c' -size -2049 \
+            -exec sh scripts/grade_marks.sh "$file" {} "$to" "$work/found" \; 2>/dev/null
     fi
     chmod u+rw "$to" 2>/dev/null
     n=$(wc -l <"$work/found")
@@ -172,7 +176,7 @@ link_it() {
 
 grade_tests() {
     # shellcheck disable=SC2086
-    run "$tool" claims $secrets -c "${BIS_CLAIM_SECONDS:-6}" "$work/mine" "$shop/ours" >"$work/marks"
+    run "$tool" claims $secrets "$work/mine" "$shop/ours" >"$work/marks"
     while IFS='	' read -r verdict points claim message; do
         got=0
         [ "$verdict" = ok ] && got=$points
@@ -185,7 +189,7 @@ grade_speed() {
         line 0 10 speed "measured once all tests pass"
         return
     fi
-    if run "$tool" speed -c 20 -s "$(head -n 1 "$shop/secrets")" "$work/mine" "$shop/ours" >"$work/ratio"; then
+    if run "$tool" speed -s "$(head -n 1 "$shop/secrets")" "$work/mine" "$shop/ours" >"$work/ratio"; then
         ratio=$(cat "$work/ratio")
         line "$(awk -v r="$ratio" 'BEGIN { print r <= 1.5 ? 10 : r <= 3 ? 5 : 0 }')" 10 speed "$ratio times our time"
     else
@@ -213,7 +217,7 @@ grade_memory() {
         return
     fi
     # shellcheck disable=SC2086
-    run "$tool" claims -a $secrets -k "$work/marks" -c "${BIS_CLAIM_SECONDS:-20}" "$work/clean" "$shop/ours" >"$work/clean.marks"
+    run "$tool" claims -a $secrets -k "$work/marks" "$work/clean" "$shop/ours" >"$work/clean.marks"
     found=$(awk -F '\t' '$1 == "wrong" { print $3 ": " $4; exit }' "$work/clean.marks")
     if [ -z "$found" ]; then
         points=$(awk -F '\t' '$1 == "ok" { got += $2 } END { print int(got / 8) }' "$work/marks")
@@ -221,6 +225,22 @@ grade_memory() {
     else
         line 0 10 "clean memory" "$(echo "$found" | sed 's/ *==[=0-9]*== */ /g; s/   */ /g' | cut -c1-300)"
     fi
+}
+
+# bis trade with the student's material and with ours: both pages are put into FOLDER for a look; no points, since a machine at work is no judge.
+trade_pages() {
+    [ "$name" = open ] && [ -f "$work/marks" ] && ! grep -q '^wrong' "$work/marks" || return
+    for who in mine ours; do
+        objects=""
+        [ $who = mine ] && while IFS= read -r file; do objects="$objects $work/objects/$file.o"; done <"$shop/files"
+        # shellcheck disable=SC2086
+        $BIS_LINK -o "$work/bis-$who" "$BIS_BUILD/src/cli/main.o" $objects ${BIS_OBJECTS##* } $BIS_LIBS || return
+        run "$tool" run -c 120 -r "$work/bis-$who" -r "$PWD/data/scenes" -w "$work/kept" -- "$work/bis-$who" trade --quick --time 60 --quiet \
+            --integrator brdf --integrator sir --output "$work/kept/trade-$who" "$PWD/data/scenes/microfacet.txt" >"$work/messages" || return
+        rm -rf "$given/trade-$who"
+        cp -R "$work/kept/trade-$who" "$given/trade-$who" || return
+    done
+    echo "compare $given/trade-mine/report.html with $given/trade-ours/report.html"
 }
 
 nothing() { # every criterion, with the reason at the first
@@ -277,8 +297,7 @@ awk -F '\t' -v name="$name" '
     { got += $1; all += $2; if ($1 > $2 || $1 < 0) bad = 1; printf "%3d of %3d  %s%s\n", $1, $2, $3, $4 == "" ? "" : ": " $4 }
     END { printf "%3d of %3d  %s\n", got, all, name; exit bad || got > 100 || all > 100 }' "$result/lines" || fail "the points do not add up"
 sed '/^$/d; s/^/remark: /' "$work/remarks"
-[ -z "$BIS_RESULT" ] || exit 0
-[ -d "$given" ] || exit 0
+if [ -n "$BIS_RESULT" ] || [ ! -d "$given" ]; then exit 0; fi
 awk -F '\t' -v name="$name" -v warnings="$warnings" '
     function quoted(s) {
         gsub(/\\/, "\\\\", s)
@@ -292,4 +311,5 @@ awk -F '\t' -v name="$name" -v warnings="$warnings" '
     END { printf "{\n  \"assignment\": %s,\n  \"points\": %d,\n  \"of\": %d,\n  \"warnings\": %d,\n  \"remarks\": [%s],\n  \"criteria\": [%s\n  ]\n}\n", quoted(name), got, all, warnings, remarks, criteria }' \
     "$result/lines" "$work/remarks" >"$work/grade.json" && rm -rf "$given/grade.json" && cp "$work/grade.json" "$given/grade.json" || exit 1
 echo "as JSON: $given/grade.json"
+trade_pages
 exit 0

@@ -32,11 +32,14 @@ trap 'end 130' INT
 trap 'end 143' TERM
 trap 'end 129' HUP
 
-export BIS_SHOP="$work/shop" TMPDIR="$work"
-sh scripts/grade_shop.sh "$name" "$BIS_SHOP" &
-children=$!
-wait $children || fail "nothing can be marked"
-children=""
+export TMPDIR="$work"
+if [ -z "$BIS_SHOP" ]; then
+    export BIS_SHOP="$work/shop"
+    sh scripts/grade_shop.sh "$name" "$BIS_SHOP" &
+    children=$!
+    wait $children || fail "nothing can be marked"
+    children=""
+fi
 [ "$(cat "$BIS_SHOP/sandbox")" = bwrap ] ||
     echo "no sandbox (bwrap, of the package bubblewrap) works here: what is handed in runs with your rights, filtered (docs/assignments/README.md)"
 
@@ -87,7 +90,7 @@ while [ $i -lt "$n" ]; do
     [ -f "$work/$i/prints" ] || : >"$work/$i/prints"
     set -- "$@" "$work/$i/prints"
 done
-"$BIS_BUILD/grade" alike "${BIS_ALIKE:-0.6}" "$BIS_SHOP/blank.prints" "$@" | sort -k3,3nr -k1,1n -k2,2n >"$work/alike"
+"$BIS_BUILD/grade" alike 0.5 "$BIS_SHOP/blank.prints" "$@" | sort -k3,3nr -k1,1n -k2,2n >"$work/alike"
 {
     awk -F '\t' '{ print "C\t" $2 "\t" $3 }' "$BIS_SHOP/ours.marks"
     printf 'C\t10\tspeed\nC\t10\tclean memory\n'

@@ -15,6 +15,8 @@
 #include <time.h>
 #include <unistd.h>
 
+enum { MOST_PRINTED = 1 << 20 };
+
 static volatile sig_atomic_t running; /* the process group to end with us */
 
 static void end_all(int number)
@@ -75,16 +77,20 @@ static _Noreturn void become(const box_limits *l, char *const words[], int outpu
     _exit(127);
 }
 
-static void read_output(box_end *end, int fd)
+/* What is too much for the buffer is read, too, lest its writer wait; beyond a million bytes the writer gets SIGPIPE. */
+static void read_output(box_end *end, int *fd)
 {
     char chunk[4096];
     ssize_t got;
 
-    while ((got = read(fd, chunk, sizeof chunk)) > 0) { /* what is too much is read, too, lest its writer wait */
+    while (*fd >= 0 && (got = read(*fd, chunk, sizeof chunk)) > 0) {
         const size_t room = sizeof end->output - 1 - end->n, taken = (size_t)got < room ? (size_t)got : room;
         memcpy(end->output + end->n, chunk, taken);
         end->n += taken;
-        if (taken == 0) break;
+        end->printed += (size_t)got;
+        if (end->printed < MOST_PRINTED) continue;
+        close(*fd);
+        *fd = -1;
     }
     end->output[end->n] = '\0';
 }
@@ -136,18 +142,18 @@ bool box_run(box_end *end, const box_limits *limits, char *const words[], int ch
             waitpid(child, &end->status, 0);
             break;
         }
-        const bool quiet = poll(fds, 2, 2) <= 0;
-        if (fds[0].revents) read_output(end, ends[0]);
+        poll(fds, 2, 2);
+        if (fds[0].revents) read_output(end, &ends[0]);
         if (fds[1].revents & POLLIN) hear(state);
         for (int i = 0; i < 2; i++) {
             if (fds[i].revents & POLLHUP && !(fds[i].revents & POLLIN)) fds[i].fd = -1; /* nothing will come */
         }
-        if (!quiet && end->n == sizeof end->output - 1) nanosleep(&(struct timespec){0, 1000000}, NULL); /* a flood */
+        if (ends[0] < 0) fds[0].fd = -1;
     }
     kill_the_rest(child);
     running = 0;
-    read_output(end, ends[0]);
+    read_output(end, &ends[0]);
     if (channel && !end->late) hear(state);
-    close(ends[0]);
+    if (ends[0] >= 0) close(ends[0]);
     return true;
 }

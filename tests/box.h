@@ -17,7 +17,7 @@ typedef struct box_limits {
 typedef struct box_end {
     bool late;         /* the clock ended it */
     int status;        /* as of waitpid */
-    size_t n;          /* bytes in output */
+    size_t n, printed; /* bytes in output; bytes that came */
     char output[8192]; /* the beginning of what came on standard output and standard error, then '\0' */
 } box_end;
 

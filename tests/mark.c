@@ -225,19 +225,6 @@ static int run_claims(const char *program, const mark_claim *claims, size_t n)
     return failed;
 }
 
-static int grade(const char *program, const mark_claim *claims, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        mark_outcome o;
-        mark_judge(&o, &(mark_order){.program = program, .claim = i, .limits = mark_limits()});
-        for (char *c = o.text; *c; c++) {
-            if (*c < ' ' || *c > '~') *c = ' ';
-        }
-        printf("%s\t%d\t%s\t%s\n", o.verdict == MARK_HOLDS ? "ok" : "wrong", claims[i].points, claims[i].name, o.verdict == MARK_HOLDS ? "" : o.text);
-    }
-    return 0;
-}
-
 int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void))
 {
     const char *how = argc > 1 ? argv[1] : "";
@@ -252,6 +239,5 @@ int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*
         return 0;
     }
     box_end_with_us();
-    if (strcmp(how, "--grade") == 0) return grade(argv[0], claims, n);
     return run_claims(argv[0], claims, n);
 }

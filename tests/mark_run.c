@@ -68,6 +68,7 @@ static void hear(void *state)
 
 static const char *why_it_ended(const box_end *end, const talk *t)
 {
+    if (end->printed >= 1 << 20) return "it printed a million bytes";
     if (end->late) return "no answer, and little work either: does it wait for something?";
     if (WIFSIGNALED(end->status)) {
         const int number = WTERMSIG(end->status);
