@@ -128,7 +128,7 @@ static void judge(mark_outcome *result, const char *program, const options *give
     words[sandbox(words, &o)] = NULL;
     if (o.cpu > 0) limits.cpu = o.cpu;
     if (o.sanitized) limits.cpu *= 3;
-    limits.wall = 5 + 3 * limits.cpu;
+    limits.wall = 3 * limits.cpu + fmin(5, 10 * limits.cpu);
     limits.memory = o.sanitized ? 0 : (size_t)4 << 30;
     mark_judge(result, &(mark_order){.before = words, .program = program, .claim = claim, .secret = secret, .limits = limits});
     for (char *c = result->text; *c; c++) {

@@ -2,7 +2,7 @@
 # make: hand-ins of a class for the assignment alias, as tests/test_assignments.c and who works on the marking needs them: right, wrong, empty, copied,
 # hostile, as files and as folders.
 #     tests/handed_in/make.sh FOLDER [N]          N: at least so many; the right and wrong ones come again, renamed
-# From the root. The names say what they are: right*, wrong*, copy*, nothing*, attack* (worth nothing), odd* (names and places; right).
+# From the root. The names say what they are: right*, wrong*, copy*, nothing*, attack* (worth nothing), odd* (names, places and forms; 2 and 3 are blank, the others right).
 to=$1
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -53,8 +53,8 @@ ln -s "$PWD/src/thesis" "$to/nothing7, a link inside/src/thesis"
 # ---- odd names and places ----
 mkdir -p "$to/odd1, Jürgen Groß/Abgabe 1 (final)/src"
 cp "$to/right1.c" "$to/odd1, Jürgen Groß/Abgabe 1 (final)/src/alias.c"
-cp "$to/right2.c" "$to/odd2, \"quoted\" & <b>it's; \$(touch x) \`touch x\`.c"
-cp "$to/right3.c" "$to/odd3,
+cp "$to/nothing1.c" "$to/odd2, \"quoted\" & <b>it's; \$(touch x) \`touch x\`.c"
+cp "$to/nothing1.c" "$to/odd3,
 two lines.txt"
 sed 's/$/\r/' "$to/right4.c" >"$to/-odd4, lines as in DOS.c"
 cp "$to/right4.c" "$to/=odd5.c"
