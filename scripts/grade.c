@@ -1,13 +1,14 @@
-/* grade: what scripts/grade.sh has done by a program without a student's code in it: compile in a sandbox, judge the claims, compare speeds, read hand-ins.
- *     grade sandbox                                        the sandbox that works here: "bwrap", or "none"
- *     grade run [-d DIR] [-c SECONDS] [-r PATH]... [-w PATH]... -- CMD    run CMD in DIR; it may read PATHs (-r) and write there (-w)
- *     grade claims [-a] [-s SECRET]... [-k MARKS] PROGRAM OURS
- *                                     a line a claim of OURS, which names them: "ok" or "wrong", points, name, message, with tabs between. -a: PROGRAM
- *                                     is sanitized; -k: only what MARKS, such lines, has as ok. A second secret is tried where a claim is wrong by the first
- *     grade speed [-s SECRET] PROGRAM OURS                 how many times OURS's time PROGRAM takes
- *     grade look TEMPLATE FILE [PRINTS]                    status 3: something of ours is changed; 4: something is refused. Hashes for `alike` go to PRINTS
- *     grade alike SHARE BLANK FILE...                      lines "I J PERCENT" for pairs of PRINTS (counted from 1) that share so much of what BLANK has not
- * BIS_SANDBOX says which sandbox (bwrap, none); BIS_CLAIM_SECONDS is kept. All that runs has an empty environment, no terminal, and limits of time, memory and files. */
+/* grade: what scripts/grade.sh has done by a program without a student's code in it: compile in a sandbox, judge the
+ * claims, compare speeds, read hand-ins. grade sandbox                                        the sandbox that works
+ * here: "bwrap", or "none" grade run [-d DIR] [-c SECONDS] [-r PATH]... [-w PATH]... -- CMD    run CMD in DIR; it may
+ * read PATHs (-r) and write there (-w) grade claims [-a] [-s SECRET]... [-k MARKS] PROGRAM OURS a line a claim of OURS,
+ * which names them: "ok" or "wrong", points, name, message, with tabs between. -a: PROGRAM is sanitized; -k: only what
+ * MARKS, such lines, has as ok. A second secret is tried where a claim is wrong by the first grade speed [-s SECRET]
+ * PROGRAM OURS                 how many times OURS's time PROGRAM takes grade look TEMPLATE FILE [PRINTS] status 3:
+ * something of ours is changed; 4: something is refused. Hashes for `alike` go to PRINTS grade alike SHARE BLANK
+ * FILE...                      lines "I J PERCENT" for pairs of PRINTS (counted from 1) that share so much of what
+ * BLANK has not BIS_SANDBOX says which sandbox (bwrap, none); BIS_CLAIM_SECONDS is kept. All that runs has an empty
+ * environment, no terminal, and limits of time, memory and files. */
 #include "mark_run.h"
 #include "tokens.h"
 
@@ -37,17 +38,50 @@ static bool has_bwrap(void)
     return chosen && strcmp(chosen, "bwrap") == 0;
 }
 
-/* The words of the sandbox: the system's programs and libraries, o->read and o->write at their places, nothing else; no network, other processes, rights. */
+/* The words of the sandbox: the system's programs and libraries, o->read and o->write at their places, nothing else; no
+ * network, other processes, rights. */
 static size_t sandbox(const char **words, const options *o)
 {
-    static const char *const base[] = {"bwrap", "--unshare-all", "--die-with-parent", "--new-session", "--cap-drop", "ALL", "--ro-bind", "/usr", "/usr",
-        "--ro-bind-try", "/bin", "/bin", "--ro-bind-try", "/lib", "/lib", "--ro-bind-try", "/lib32", "/lib32", "--ro-bind-try", "/lib64", "/lib64",
-        "--ro-bind-try", "/etc/ld.so.cache", "/etc/ld.so.cache", "--ro-bind-try", "/etc/alternatives", "/etc/alternatives", "--proc", "/proc", "--dev", "/dev",
-        "--size", "67108864", "--tmpfs", "/tmp"};
+    static const char *const base[] = {"bwrap",
+                                       "--unshare-all",
+                                       "--die-with-parent",
+                                       "--new-session",
+                                       "--cap-drop",
+                                       "ALL",
+                                       "--ro-bind",
+                                       "/usr",
+                                       "/usr",
+                                       "--ro-bind-try",
+                                       "/bin",
+                                       "/bin",
+                                       "--ro-bind-try",
+                                       "/lib",
+                                       "/lib",
+                                       "--ro-bind-try",
+                                       "/lib32",
+                                       "/lib32",
+                                       "--ro-bind-try",
+                                       "/lib64",
+                                       "/lib64",
+                                       "--ro-bind-try",
+                                       "/etc/ld.so.cache",
+                                       "/etc/ld.so.cache",
+                                       "--ro-bind-try",
+                                       "/etc/alternatives",
+                                       "/etc/alternatives",
+                                       "--proc",
+                                       "/proc",
+                                       "--dev",
+                                       "/dev",
+                                       "--size",
+                                       "67108864",
+                                       "--tmpfs",
+                                       "/tmp"};
     size_t n = 0;
 
     if (!has_bwrap()) return 0;
-    for (size_t i = 0; i < sizeof base / sizeof *base; i++) words[n++] = base[i];
+    for (size_t i = 0; i < sizeof base / sizeof *base; i++)
+        words[n++] = base[i];
     for (size_t i = 0; i < o->n_read + o->n_write; i++) {
         const bool reads = i < o->n_read;
         words[n++] = reads ? "--ro-bind" : "--bind";
@@ -92,7 +126,8 @@ static int run(options *o, char **given)
         limits.cpu = limits.wall = o->cpu;
         limits.memory = (size_t)4 << 30;
     }
-    while (*given && n + 1 < MAX_WORDS) words[n++] = *given++;
+    while (*given && n + 1 < MAX_WORDS)
+        words[n++] = *given++;
     words[n] = NULL;
     if (!has_bwrap() && o->folder && chdir(o->folder) != 0) return 1;
     if (!box_run(&end, &limits, (char *const *)(uintptr_t)words, NULL, NULL, NULL)) return 1;
@@ -111,7 +146,8 @@ static int find_sandbox(void)
     size_t n = sandbox(words, &o);
     words[n++] = "true";
     words[n] = NULL;
-    const bool ran = box_run(&end, &(box_limits){.cpu = 5, .wall = 5, .file = 1 << 20}, (char *const *)(uintptr_t)words, NULL, NULL, NULL);
+    const bool ran = box_run(&end, &(box_limits){.cpu = 5, .wall = 5, .file = 1 << 20}, (char *const *)(uintptr_t)words,
+                             NULL, NULL, NULL);
     puts(ran && !end.late && WIFEXITED(end.status) && WEXITSTATUS(end.status) == 0 ? "bwrap" : "none");
     return 0;
 }
@@ -130,7 +166,8 @@ static void judge(mark_outcome *result, const char *program, const options *give
     if (o.sanitized) limits.cpu *= 3;
     limits.wall = 3 * limits.cpu + fmin(5, 10 * limits.cpu);
     limits.memory = o.sanitized ? 0 : (size_t)4 << 30;
-    mark_judge(result, &(mark_order){.before = words, .program = program, .claim = claim, .secret = secret, .limits = limits});
+    mark_judge(result,
+               &(mark_order){.before = words, .program = program, .claim = claim, .secret = secret, .limits = limits});
     for (char *c = result->text; *c; c++) {
         if (*c < ' ' || *c > '~') *c = ' '; /* one line, and valid in JSON, whatever the student prints */
     }
@@ -165,7 +202,8 @@ static int claims(options *o, const char *program, const char *ours)
         /* who has let two of them run out of time will not get all of it for the others */
         died += result.verdict == MARK_DIED && strstr(result.text, "no answer");
         if (died == 2 && o->cpu > 1) o->cpu = 1;
-        printf("%s\t%d\t%s\t%s\n", result.verdict == MARK_HOLDS ? "ok" : "wrong", points, name, result.verdict == MARK_HOLDS ? "" : result.text);
+        printf("%s\t%d\t%s\t%s\n", result.verdict == MARK_HOLDS ? "ok" : "wrong", points, name,
+               result.verdict == MARK_HOLDS ? "" : result.text);
         fflush(stdout);
     }
     pclose(list);
@@ -173,8 +211,9 @@ static int claims(options *o, const char *program, const char *ours)
     return 0;
 }
 
-/* The least processor times, taken in turn until neither has fallen by 2 % for three rounds, or ten where the ratio is near to a limit of the points:
- * what else the machine does adds to a time, and never takes from it. Who takes more than 6 times our time, or 20 s in all, is not asked for ever. */
+/* The least processor times, taken in turn until neither has fallen by 2 % for three rounds, or ten where the ratio is
+ * near to a limit of the points: what else the machine does adds to a time, and never takes from it. Who takes more
+ * than 6 times our time, or 20 s in all, is not asked for ever. */
 static int speed(const options *o, const char *program, const char *ours)
 {
     double least[2] = {HUGE_VAL, HUGE_VAL}, sum = 0, ratio = 0;
@@ -226,7 +265,8 @@ static int look(const char *ours, const char *path, const char *prints)
     if (out) {
         uint64_t *p;
         const size_t n = tokens_prints(&f, &template, &p);
-        for (size_t i = 0; i < n; i++) fprintf(out, "%016llx\n", (unsigned long long)p[i]);
+        for (size_t i = 0; i < n; i++)
+            fprintf(out, "%016llx\n", (unsigned long long)p[i]);
         free(p);
         fclose(out);
     }
@@ -247,7 +287,10 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static bool holds(const print_set *s, uint64_t p) { return s->n > 0 && bsearch(&p, s->p, s->n, sizeof p, by_value); }
+static bool holds(const print_set *s, uint64_t p)
+{
+    return s->n > 0 && bsearch(&p, s->p, s->n, sizeof p, by_value);
+}
 
 /* Without those of `template`. */
 static print_set read_prints(const char *path, const print_set *template)
@@ -284,17 +327,20 @@ static int alike(double share, const char *blank, char **paths, int n)
     print_set *sets = calloc((size_t)n + 1, sizeof *sets);
 
     if (!sets) return 1;
-    for (int i = 0; i < n; i++) sets[i] = read_prints(paths[i], &template);
+    for (int i = 0; i < n; i++)
+        sets[i] = read_prints(paths[i], &template);
     for (int i = 0; i < n; i++) {
         for (int k = i + 1; k < n && sets[i].n >= FEWEST; k++) {
             size_t both = 0;
             if (sets[k].n < FEWEST) continue;
-            for (size_t j = 0; j < sets[i].n; j++) both += holds(&sets[k], sets[i].p[j]);
+            for (size_t j = 0; j < sets[i].n; j++)
+                both += holds(&sets[k], sets[i].p[j]);
             const double jaccard = (double)both / (double)(sets[i].n + sets[k].n - both);
             if (jaccard >= share) printf("%d %d %.0f\n", i + 1, k + 1, 100 * jaccard);
         }
     }
-    for (int i = 0; i < n; i++) free(sets[i].p);
+    for (int i = 0; i < n; i++)
+        free(sets[i].p);
     free(sets);
     free(template.p);
     return 0;
@@ -309,14 +355,22 @@ int main(int argc, char **argv)
     const char *mode = argv[1];
     argc--, argv++;
     while ((c = getopt(argc, argv, "+ad:r:w:s:c:k:")) != -1) {
-        if (c == 'a') o.sanitized = true;
-        else if (c == 'd') o.folder = optarg;
-        else if (c == 'r' && o.n_read < 12) o.read[o.n_read++] = optarg;
-        else if (c == 'w' && o.n_write < 12) o.write[o.n_write++] = optarg;
-        else if (c == 's' && o.n_secrets < 2) o.secrets[o.n_secrets++] = strtoull(optarg, NULL, 16);
-        else if (c == 'c') o.cpu = strtod(optarg, NULL);
-        else if (c == 'k') o.marks = optarg;
-        else return 2;
+        if (c == 'a')
+            o.sanitized = true;
+        else if (c == 'd')
+            o.folder = optarg;
+        else if (c == 'r' && o.n_read < 12)
+            o.read[o.n_read++] = optarg;
+        else if (c == 'w' && o.n_write < 12)
+            o.write[o.n_write++] = optarg;
+        else if (c == 's' && o.n_secrets < 2)
+            o.secrets[o.n_secrets++] = strtoull(optarg, NULL, 16);
+        else if (c == 'c')
+            o.cpu = strtod(optarg, NULL);
+        else if (c == 'k')
+            o.marks = optarg;
+        else
+            return 2;
     }
     argv += optind, argc -= optind;
     if (strcmp(mode, "look") == 0 && argc >= 2) return look(argv[0], argv[1], argc > 2 ? argv[2] : NULL);

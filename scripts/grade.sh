@@ -1,11 +1,14 @@
 #!/bin/sh
 # grade: the points of a handed-in assignment, one line a criterion, and as JSON in FOLDER/grade.json.
 #     scripts/grade.sh NAME FOLDER             (make grade A=NAME DEST=FOLDER)
-# FOLDER is a starter kit, or has the files under study in any depth. Nothing else is taken from it. 100 points: 80 for the tests; 10 for speed, once all
-# tests pass: at most 1.5 times our time (5: at most 3 times); the same share of 10 as of the 80, where what passes does so under the address, leak and
+# FOLDER is a starter kit, or has the files under study in any depth. Nothing else is taken from it. 100 points: 80
+# for the tests; 10 for speed, once all
+# tests pass: at most 1.5 times our time (5: at most 3 times); the same share of 10 as of the 80, where what passes
+# does so under the address, leak and
 # undefined-behaviour sanitizers, too. Without these there are 90.
 # From the root, with what scripts/course.mk exports. Exit status 0 when there is a grade, whatever it is.
-# For a class: BIS_SHOP, the folder of scripts/grade_shop.sh; BIS_RESULT, where "lines" (points, of how many, criterion, remark) and "prints" go.
+# For a class: BIS_SHOP, the folder of scripts/grade_shop.sh; BIS_RESULT, where "lines" (points, of how many,
+# criterion, remark) and "prints" go.
 name=$1
 given=$2
 fail() {
@@ -13,7 +16,8 @@ fail() {
     exit 1
 }
 
-[ -d tests/assignments ] || fail "this is a starter kit; it is marked by the project that it comes from. make test shows the tests"
+[ -d tests/assignments ] ||
+    fail "this is a starter kit; it is marked by the project that it comes from. make test shows the tests"
 if [ -z "$name" ] || [ -z "$given" ]; then fail "say which, and whose: make grade A=alias DEST=../alias"; fi
 case $name in *[!a-z0-9]*) fail "there is no assignment \"$name\"" ;; esac
 [ -f "tests/assignments/${name}_blank.c" ] || fail "there is no assignment \"$name\""
@@ -45,7 +49,8 @@ if [ -z "$BIS_SHOP" ]; then
     BIS_SHOP=$work/shop
     run sh scripts/grade_shop.sh "$name" "$BIS_SHOP" || exit 1
     [ "$(cat "$BIS_SHOP/sandbox")" = bwrap ] ||
-        echo "no sandbox (bwrap, of the package bubblewrap) works here: what is handed in runs with your rights, filtered (docs/assignments/README.md)"
+        echo "no sandbox (bwrap, of the package bubblewrap) works here: what is handed in runs with your rights," \
+            "filtered (docs/assignments/README.md)"
 fi
 shop=$BIS_SHOP
 export BIS_SANDBOX="$(cat "$shop/sandbox")" TMPDIR="$work"
@@ -66,7 +71,8 @@ remark() {
     echo >>"$work/remarks"
 }
 
-# Their FILE below $work/src: of a kit, src/FILE; else the one file of that name in any depth; else the one that has the marks of our file.
+# Their FILE below $work/src: of a kit, src/FILE; else the one file of that name in any depth; else the one that has
+# the marks of our file.
 collect() {
     file=$1
     base=${file##*/}
@@ -77,7 +83,8 @@ collect() {
         remark "a link is not followed"
     elif [ -f "$given" ]; then
         of_marks "$given" "$file" || [ "$(wc -l <"$shop/files")" -eq 1 ] && cp "$given" "$to" && echo x >"$work/found"
-    elif [ -f "$given/src/$file" ] && [ ! -L "$given/src/$file" ] && [ ! -L "$given/src" ] && [ ! -L "$given/src/${file%/*}" ]; then
+    elif [ -f "$given/src/$file" ] && [ ! -L "$given/src/$file" ] && [ ! -L "$given/src" ] &&
+        [ ! -L "$given/src/${file%/*}" ]; then
         cp "$given/src/$file" "$to" && echo x >"$work/found"
     else
         for pattern in "*/src/$file" "*/$base"; do
@@ -100,7 +107,8 @@ of_marks() {
     [ -s "$work/marks-found" ]
 }
 
-# Is FILE such that it may be compiled? What is ours in it stays ours: else what stands between the marks is put into our own file.
+# Is FILE such that it may be compiled? What is ours in it stays ours: else what stands between the marks is put
+# into our own file.
 read_it() {
     file=$1
     said=$("$tool" look "$shop/ours-src/$file" "$work/src/$file" "$work/kept/$file.prints")
@@ -131,7 +139,8 @@ compile() {
         $BIS_COMPILE -iquote "src/${file%/*}" "$@" -c -o "$object" "$work/src/$file"
 }
 
-# An object defines what ours does, and nothing else; uses what ours does, the plain part of the C library, and helpers; runs nothing by itself.
+# An object defines what ours does, and nothing else; uses what ours does, the plain part of the C library, and
+# helpers; runs nothing by itself.
 look_at_object() {
     file=$1
     object=$work/objects/$file.o
@@ -145,11 +154,15 @@ look_at_object() {
         NR == FNR { ok[$1]; next }
         $2 != "U" && $2 != "w" || $1 in ok { next }
         { name = $1; sub(/^__/, "", name); sub(/_chk$/, "", name) }
-        name ~ /^(mem(cpy|move|set|cmp)|str(len|n?cmp|n?cpy|n?cat|chr)|malloc|calloc|realloc|free|aligned_alloc|qsort|bsearch|l?l?abs|abort|exit|rand|srand)$/ { next }
-        name ~ /^(v?f?printf|v?snprintf|puts|putchar|f?putc|fputs|fwrite|fflush|stdout|stderr|perror|errno_location|assert_fail|bcmp|stack_chk_fail)$/ { next }
+        name ~ /^(mem(cpy|move|set|cmp)|str(len|n?cmp|n?cpy|n?cat|chr))$/ { next }
+        name ~ /^(malloc|calloc|realloc|free|aligned_alloc)$/ { next }
+        name ~ /^(qsort|bsearch|l?l?abs|abort|exit|rand|srand|errno_location|assert_fail|bcmp|stack_chk_fail)$/ { next }
+        name ~ /^(v?f?printf|v?snprintf|puts|putchar|f?putc|fputs|fwrite|fflush|stdout|stderr|perror)$/ { next }
         name ~ /^_?(GLOBAL_OFFSET_TABLE_|mulsc3|muldc3|divsc3|divdc3)$/ { next }
-        name ~ /^(a?(cos|sin|tan)h?|sincos|exp2?|expm1|exp10|log|log2|log10|log1p|logb|ilogb|pow|sqrt|cbrt|hypot|erfc?|[tl]gamma|ceil|floor|trunc|l?l?r(ound|int)|nearbyint)[fl]?$/ { next }
-        name ~ /^(fmod|remainder|remquo|fabs|fmax|fmin|fdim|fma|frexp|ldexp|modf|scalbl?n|copysign|nan|nextafter|nexttoward|atan2|round|rint)[fl]?$/ { next }
+        name ~ /^(a?(cos|sin|tan)h?|sincos|atan2|exp|exp2|expm1|exp10|log|log2|log10|log1p|logb|ilogb)[fl]?$/ { next }
+        name ~ /^(pow|sqrt|cbrt|hypot|erfc?|[tl]gamma|ceil|floor|trunc|(l?l)?r(ound|int)|nearbyint)[fl]?$/ { next }
+        name ~ /^(fmod|remainder|remquo|fabs|fmax|fmin|fdim|fma|frexp|ldexp|modf|scalbl?n|copysign)[fl]?$/ { next }
+        name ~ /^(nan|nextafter|nexttoward)[fl]?$/ { next }
         { print $1 }' "$shop/allowed" -)
     for word in $used; do
         where=$(grep -nw -m 1 -e "$word" "$work/src/$file" | cut -d: -f1)
@@ -171,7 +184,8 @@ link_it() {
     objects=""
     while IFS= read -r file; do objects="$objects $work/objects/$prefix$file.o"; done <"$shop/files"
     # shellcheck disable=SC2086
-    run $BIS_LINK "$@" -Wl,-z,relro,-z,now -o "$program" "$claims" $objects ${BIS_OBJECTS% *} "$shop/lib.a" $BIS_LIBS >>"$work/messages" 2>&1
+    run $BIS_LINK "$@" -Wl,-z,relro,-z,now -o "$program" "$claims" $objects \
+        ${BIS_OBJECTS% *} "$shop/lib.a" $BIS_LIBS >>"$work/messages" 2>&1
 }
 
 grade_tests() {
@@ -227,7 +241,8 @@ grade_memory() {
     fi
 }
 
-# bis trade with the student's material and with ours: both pages are put into FOLDER for a look; no points, since a machine at work is no judge.
+# bis trade with the student's material and with ours: both pages are put into FOLDER for a look; no points, since a
+# machine at work is no judge.
 trade_pages() {
     [ "$name" = open ] && [ -f "$work/marks" ] && ! grep -q '^wrong' "$work/marks" || return
     for who in mine ours; do
@@ -235,8 +250,12 @@ trade_pages() {
         [ $who = mine ] && while IFS= read -r file; do objects="$objects $work/objects/$file.o"; done <"$shop/files"
         # shellcheck disable=SC2086
         $BIS_LINK -o "$work/bis-$who" "$BIS_BUILD/src/cli/main.o" $objects ${BIS_OBJECTS##* } $BIS_LIBS || return
-        run "$tool" run -c 120 -r "$work/bis-$who" -r "$PWD/data/scenes" -w "$work/kept" -- "$work/bis-$who" trade --quick --time 60 --quiet \
-            --integrator brdf --integrator sir --output "$work/kept/trade-$who" "$PWD/data/scenes/microfacet.txt" >"$work/messages" || return
+        run "$tool" run -c 120 -r "$work/bis-$who" -r "$PWD/data" -w "$work/kept" -- \
+            "$work/bis-$who" trade --quick --time 60 --quiet --integrator brdf --integrator sir \
+            --output "$work/kept/trade-$who" "$PWD/data/scenes/microfacet.txt" >"$work/messages" || {
+            sed 5q "$work/messages" >&2
+            return
+        }
         rm -rf "$given/trade-$who"
         cp -R "$work/kept/trade-$who" "$given/trade-$who" || return
     done
@@ -272,7 +291,8 @@ grade() {
     : >"$work/messages"
     while IFS= read -r file; do
         if ! compile "$file" "" >>"$work/messages"; then
-            remark "it does not compile: $(sed "s|$work/src/||g" "$work/messages" | grep -m 1 'error\|stopped' | cut -c1-300)"
+            first=$(sed "s|$work/src/||g" "$work/messages" | grep -m 1 'error\|stopped' | cut -c1-300)
+            remark "it does not compile: $first"
             [ -n "$BIS_RESULT" ] || sed "s|$work/src/|src/|g" "$work/messages" >&2
             nothing "it does not compile"
             return
@@ -280,7 +300,11 @@ grade() {
         look_at_object "$file" || { nothing "refused"; return; }
     done <"$shop/files"
     warnings=$(grep -c 'warning:' "$work/messages")
-    link_it mine "$shop/claims.o" "" || { remark "it does not link: $(grep -m 1 'undefined\|multiple' "$work/messages" | cut -c1-300)"; nothing "it does not link"; return; }
+    if ! link_it mine "$shop/claims.o" ""; then
+        remark "it does not link: $(grep -m 1 'undefined\|multiple' "$work/messages" | cut -c1-300)"
+        nothing "it does not link"
+        return
+    fi
     grade_tests
     grade_speed
     grade_memory
@@ -294,8 +318,10 @@ grade
 
 # The table is ours, and so is the sum: more than it says is nobody's.
 awk -F '\t' -v name="$name" '
-    { got += $1; all += $2; if ($1 > $2 || $1 < 0) bad = 1; printf "%3d of %3d  %s%s\n", $1, $2, $3, $4 == "" ? "" : ": " $4 }
-    END { printf "%3d of %3d  %s\n", got, all, name; exit bad || got > 100 || all > 100 }' "$result/lines" || fail "the points do not add up"
+    { got += $1; all += $2; if ($1 > $2 || $1 < 0) bad = 1 }
+    { printf "%3d of %3d  %s%s\n", $1, $2, $3, $4 == "" ? "" : ": " $4 }
+    END { printf "%3d of %3d  %s\n", got, all, name; exit bad || got > 100 || all > 100 }' "$result/lines" ||
+    fail "the points do not add up"
 sed '/^$/d; s/^/remark: /' "$work/remarks"
 if [ -n "$BIS_RESULT" ] || [ ! -d "$given" ]; then exit 0; fi
 awk -F '\t' -v name="$name" -v warnings="$warnings" '
@@ -307,9 +333,13 @@ awk -F '\t' -v name="$name" -v warnings="$warnings" '
     }
     FILENAME == ARGV[2] { if ($0 != "") remarks = remarks (remarks == "" ? "" : ", ") quoted($0); next }
     { got += $1; all += $2
-      criteria = criteria sprintf("%s\n    {\"criterion\": %s, \"points\": %d, \"of\": %d, \"remark\": %s}", FNR > 1 ? "," : "", quoted($3), $1, $2, quoted($4)) }
-    END { printf "{\n  \"assignment\": %s,\n  \"points\": %d,\n  \"of\": %d,\n  \"warnings\": %d,\n  \"remarks\": [%s],\n  \"criteria\": [%s\n  ]\n}\n", quoted(name), got, all, warnings, remarks, criteria }' \
-    "$result/lines" "$work/remarks" >"$work/grade.json" && rm -rf "$given/grade.json" && cp "$work/grade.json" "$given/grade.json" || exit 1
+      criteria = criteria sprintf("%s\n    {\"criterion\": %s, \"points\": %d, \"of\": %d, \"remark\": %s}",
+                                  FNR > 1 ? "," : "", quoted($3), $1, $2, quoted($4)) }
+    END {
+        printf "{\n  \"assignment\": %s,\n  \"points\": %d,\n  \"of\": %d,\n", quoted(name), got, all
+        printf "  \"warnings\": %d,\n  \"remarks\": [%s],\n  \"criteria\": [%s\n  ]\n}\n", warnings, remarks, criteria
+    }' "$result/lines" "$work/remarks" >"$work/grade.json" &&
+    rm -rf "$given/grade.json" && cp "$work/grade.json" "$given/grade.json" || exit 1
 echo "as JSON: $given/grade.json"
 trade_pages
 exit 0

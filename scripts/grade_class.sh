@@ -1,7 +1,9 @@
 #!/bin/sh
-# grade_class: the points of a class, as FROM.NAME.csv and FROM.NAME.html beside FROM, and the pairs that are alike beyond what was given out.
+# grade_class: the points of a class, as FROM.NAME.csv and FROM.NAME.html beside FROM, and the pairs that are alike
+# beyond what was given out.
 #     scripts/grade_class.sh NAME FROM JOBS            (make grade-class A=NAME FROM=handed-in/ [JOBS=2])
-# Every entry of FROM is a student's: a starter kit, a folder with the file in any depth, or the file itself, of any name. What goes wrong with one is a
+# Every entry of FROM is a student's: a starter kit, a folder with the file in any depth, or the file itself, of any
+# name. What goes wrong with one is a
 # remark in the table, and the next is marked.
 name=$1
 from=${2%/}
@@ -12,7 +14,9 @@ fail() {
 }
 
 [ -d tests/assignments ] || fail "this is a starter kit; it is marked by the project that it comes from"
-if [ -z "$name" ] || [ -z "$from" ]; then fail "say which, and where they are: make grade-class A=alias FROM=handed-in/"; fi
+if [ -z "$name" ] || [ -z "$from" ]; then
+    fail "say which, and where they are: make grade-class A=alias FROM=handed-in/"
+fi
 case $name in *[!a-z0-9]*) fail "there is no assignment \"$name\"" ;; esac
 [ -f "tests/assignments/${name}_blank.c" ] || fail "there is no assignment \"$name\""
 [ -d "$from" ] || fail "$from is no folder"
@@ -41,7 +45,8 @@ if [ -z "$BIS_SHOP" ]; then
     children=""
 fi
 [ "$(cat "$BIS_SHOP/sandbox")" = bwrap ] ||
-    echo "no sandbox (bwrap, of the package bubblewrap) works here: what is handed in runs with your rights, filtered (docs/assignments/README.md)"
+    echo "no sandbox (bwrap, of the package bubblewrap) works here: what is handed in runs with your rights," \
+        "filtered (docs/assignments/README.md)"
 
 n=0
 for entry in "$from"/*; do
@@ -49,7 +54,8 @@ for entry in "$from"/*; do
     n=$((n + 1))
     mkdir "$work/$n" || exit 1
     printf '%s' "$entry" >"$work/$n/path"
-    printf '%s\n' "${entry##*/}" | awk 'NR > 1 { printf "\\n" } { gsub(/[\001-\037]/, "?"); printf "%s", $0 }' >"$work/$n/name"
+    printf '%s\n' "${entry##*/}" |
+        awk 'NR > 1 { printf "\\n" } { gsub(/[\001-\037]/, "?"); printf "%s", $0 }' >"$work/$n/name"
 done
 [ "$n" -gt 0 ] || fail "$from is empty"
 
@@ -70,7 +76,8 @@ worker() {
             : >"$work/$i/lines"
         }
         one=""
-        printf '%s of %s: %s: %s\n' "$i" "$n" "$(cat "$work/$i/name")" "$(awk -F '\t' '{ got += $1 } END { print got + 0 }' "$work/$i/lines")"
+        points=$(awk -F '\t' '{ got += $1 } END { print got + 0 }' "$work/$i/lines")
+        printf '%s of %s: %s: %s\n' "$i" "$n" "$(cat "$work/$i/name")" "$points"
     done
 }
 while [ "$jobs" -gt 0 ]; do
@@ -104,7 +111,8 @@ done
     tr ' ' '\t' <"$work/alike" | sed 's/^/A\t/'
 } >"$work/all"
 for kind in csv html; do
-    awk -v assignment="$name" -v kind=$kind -f scripts/grade_table.awk "$work/all" >"$work/table.$kind" && cp "$work/table.$kind" "$from.$name.$kind" || exit 1
+    awk -v assignment="$name" -v kind=$kind -f scripts/grade_table.awk "$work/all" >"$work/table.$kind" &&
+        cp "$work/table.$kind" "$from.$name.$kind" || exit 1
 done
 awk -v kind=text -f scripts/grade_table.awk "$work/all"
 echo "$n marked: $from.$name.csv, $from.$name.html"

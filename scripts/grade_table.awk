@@ -1,5 +1,6 @@
 # grade_table: the table of a class, from the lines of scripts/grade_class.sh. kind: csv; html; text, the pairs alone.
-#     C points criterion      N name      R remark      L points of criterion message      A i j percent       (with tabs between)
+#     C points criterion      N name      R remark      L points of criterion message      A i j percent
+#     (with tabs between)
 function csv(s) {
     if (s ~ /^[=+\-@]/) s = "'" s # a formula, to a spreadsheet
     gsub(/"/, "\"\"", s)
@@ -33,21 +34,25 @@ END {
         }
     } else if (kind == "html") {
         print "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" assignment "</title>"
-        print "<style>body{font:14px sans-serif}table{border-collapse:collapse;margin:1em 0}td,th{border:1px solid #bbb;padding:.2em .5em;vertical-align:top}"
-        print "th{text-align:left}td.n{text-align:right}td.r{max-width:60em;overflow-wrap:anywhere}</style></head><body>"
+        print "<style>body{font:14px sans-serif}table{border-collapse:collapse;margin:1em 0}"
+        print "td,th{border:1px solid #bbb;padding:.2em .5em;vertical-align:top}"
+        print "th{text-align:left}td.n{text-align:right}"
+        print "td.r{max-width:60em;overflow-wrap:anywhere}</style></head><body>"
         print "<h1>" assignment "</h1>\n<table><tr><th>student</th><th>points of " all "</th>"
         for (c = 1; c <= n_criteria; c++) printf "<th>%s (%d)</th>", html(criterion[c]), of[c]
         print "<th>remarks</th></tr>"
         for (i = 1; i <= n; i++) {
             printf "<tr><td>%s</td><td class=\"n\">%d</td>", html(name[i]), sum[i]
-            for (c = 1; c <= n_criteria; c++) printf "<td class=\"n\" title=\"%s\">%d</td>", html(message[i, c]), points[i, c]
+            for (c = 1; c <= n_criteria; c++) printf "<td class=\"n\" title=\"%s\">%d</td>",
+                html(message[i, c]), points[i, c]
             printf "<td class=\"r\">%s</td></tr>\n", html(remarks[i])
         }
         print "</table>"
         print "<h2>Alike beyond what was given out</h2>"
         print n_pairs ? "<table><tr><th>student</th><th>student</th><th>in common</th></tr>" : "<p>None.</p>"
         for (p = 1; p <= n_pairs; p++)
-            printf "<tr><td>%s</td><td>%s</td><td class=\"n\">%d %%</td></tr>\n", html(name[first[p]]), html(name[second[p]]), share[p]
+            printf "<tr><td>%s</td><td>%s</td><td class=\"n\">%d %%</td></tr>\n",
+                html(name[first[p]]), html(name[second[p]]), share[p]
         if (n_pairs) print "</table>"
         print "</body></html>"
     } else {

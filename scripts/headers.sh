@@ -1,5 +1,6 @@
 #!/bin/sh
-# headers: what a hand-in may include and no line more: include/ and the headers of src/ and of the tests' helpers, in FOLDER.
+# headers: what a hand-in may include and no line more: include/ and the headers of src/ and of the tests' helpers,
+# in FOLDER.
 #     scripts/headers.sh FOLDER
 mkdir -p "$1" || exit 1
 cp -Rp include "$1" || exit 1

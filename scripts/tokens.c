@@ -8,15 +8,22 @@
 
 /* ---- lexer ---- */
 
-static bool is(const token *t, const char *text) { return t->n == strlen(text) && memcmp(t->text, text, t->n) == 0; }
-static bool same(const token *a, const token *b) { return a->kind == b->kind && a->n == b->n && memcmp(a->text, b->text, a->n) == 0; }
+static bool is(const token *t, const char *text)
+{
+    return t->n == strlen(text) && memcmp(t->text, text, t->n) == 0;
+}
+static bool same(const token *a, const token *b)
+{
+    return a->kind == b->kind && a->n == b->n && memcmp(a->text, b->text, a->n) == 0;
+}
 
 static void set_fault(token_file *f, unsigned line, const char *what)
 {
     if (!f->fault[0]) snprintf(f->fault, sizeof f->fault, "line %u: %s", line, what);
 }
 
-/* The file without its continued lines (the compiler takes blanks after the backslash, too), and the line of each byte. */
+/* The file without its continued lines (the compiler takes blanks after the backslash, too), and the line of each byte.
+ */
 static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
 {
     char *text = malloc(n + 2);
@@ -27,7 +34,8 @@ static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
     for (size_t i = 0; i < n; i++) {
         if (raw[i] == '\\') {
             size_t j = i + 1;
-            while (j < n && (raw[j] == ' ' || raw[j] == '\t' || raw[j] == '\r')) j++;
+            while (j < n && (raw[j] == ' ' || raw[j] == '\t' || raw[j] == '\r'))
+                j++;
             if (j < n && raw[j] == '\n') {
                 i = j;
                 line++;
@@ -93,7 +101,10 @@ static void quoted(lexer *x)
     add(x, TOKEN_STRING, begin);
 }
 
-static bool is_word(char c) { return isalnum((unsigned char)c) || c == '_' || c == '$' || (unsigned char)c >= 128; }
+static bool is_word(char c)
+{
+    return isalnum((unsigned char)c) || c == '_' || c == '$' || (unsigned char)c >= 128;
+}
 
 static void word(lexer *x)
 {
@@ -103,7 +114,8 @@ static void word(lexer *x)
     x->at++;
     for (;; x->at++) {
         const char c = x->text[x->at];
-        if (is_word(c) || (number && (c == '.' || ((c == '+' || c == '-') && strchr("eEpP", x->text[x->at - 1]))))) continue;
+        if (is_word(c) || (number && (c == '.' || ((c == '+' || c == '-') && strchr("eEpP", x->text[x->at - 1])))))
+            continue;
         break;
     }
     add(x, number ? TOKEN_NUMBER : TOKEN_NAME, begin);
@@ -111,8 +123,9 @@ static void word(lexer *x)
 
 static void mark(lexer *x)
 {
-    static const char *const long_ones[] = {"...", "<<=", ">>=", "->", "++", "--", "<<", ">>", "<=", ">=", "==", "!=", "&&", "||", "+=", "-=", "*=", "/=",
-                                            "%=", "&=", "|=", "^=", "##", "%:", "<%", "<:"};
+    static const char *const long_ones[] = {
+        "...", "<<=", ">>=", "->", "++", "--", "<<", ">>", "<=", ">=", "==", "!=", "&&",
+        "||",  "+=",  "-=",  "*=", "/=", "%=", "&=", "|=", "^=", "##", "%:", "<%", "<:"};
     const size_t begin = x->at;
     size_t n = 1;
 
@@ -141,15 +154,22 @@ static void lex(lexer *x)
             x->at_line_start = true;
             continue;
         }
-        if (isspace((unsigned char)*c)) x->at++;
-        else if (c[0] == '/' && c[1] == '*') comment(x);
-        else if (c[0] == '/' && c[1] == '/') x->at += strcspn(c, "\n");
-        else blank = false;
+        if (isspace((unsigned char)*c))
+            x->at++;
+        else if (c[0] == '/' && c[1] == '*')
+            comment(x);
+        else if (c[0] == '/' && c[1] == '/')
+            x->at += strcspn(c, "\n");
+        else
+            blank = false;
         if (blank) continue;
         if (c[0] == '?' && c[1] == '?') set_fault(x->f, x->lines[x->at], "two question marks, which may be a trigraph");
-        if (*c == '"' || *c == '\'') quoted(x);
-        else if (is_word(*c) || (*c == '.' && isdigit((unsigned char)c[1]))) word(x);
-        else mark(x);
+        if (*c == '"' || *c == '\'')
+            quoted(x);
+        else if (is_word(*c) || (*c == '.' && isdigit((unsigned char)c[1])))
+            word(x);
+        else
+            mark(x);
         x->at_line_start = false;
     }
     if (x->in_directive) add(x, TOKEN_LINE_END, x->at);
@@ -208,9 +228,12 @@ bool tokens_read(token_file *f, const char *path, bool is_template)
     unsigned *lines = raw ? malloc((n + 2) * sizeof *lines) : NULL;
 
     *f = (token_file){0};
-    if (!lines) snprintf(f->fault, sizeof f->fault, "it cannot be read");
-    else if (n > TOKEN_BYTES) snprintf(f->fault, sizeof f->fault, "it has more than a million bytes");
-    else if (memchr(raw, '\0', n)) snprintf(f->fault, sizeof f->fault, "it is no text");
+    if (!lines)
+        snprintf(f->fault, sizeof f->fault, "it cannot be read");
+    else if (n > TOKEN_BYTES)
+        snprintf(f->fault, sizeof f->fault, "it has more than a million bytes");
+    else if (memchr(raw, '\0', n))
+        snprintf(f->fault, sizeof f->fault, "it is no text");
     if (!f->fault[0]) f->text = unfold(raw, n, lines, &length);
     if (f->text) {
         f->tokens = calloc(length + 8, sizeof *f->tokens);
@@ -235,7 +258,8 @@ void tokens_clear(token_file *f)
 
 /* ---- what is theirs ---- */
 
-/* The tokens t[0..n) of theirs against an item of ours, whose holes take the shortest run that lets the rest follow; the last hole all but the rest. */
+/* The tokens t[0..n) of theirs against an item of ours, whose holes take the shortest run that lets the rest follow;
+ * the last hole all but the rest. */
 static bool fits(token *t, size_t n, const token *ours, size_t n_ours)
 {
     for (; n_ours > 0 && ours->kind != TOKEN_HOLE; t++, n--, ours++, n_ours--) {
@@ -244,14 +268,18 @@ static bool fits(token *t, size_t n, const token *ours, size_t n_ours)
     if (n_ours == 0) return n == 0;
     for (size_t skip = 0; skip <= n; skip++) {
         if (fits(t + skip, n - skip, ours + 1, n_ours - 1)) {
-            for (size_t i = 0; i < skip; i++) t[i].theirs = true;
+            for (size_t i = 0; i < skip; i++)
+                t[i].theirs = true;
             return true;
         }
     }
     return false;
 }
 
-static bool is_hole(const token_file *f, const token_item *item) { return item->end == item->begin + 1 && f->tokens[item->begin].kind == TOKEN_HOLE; }
+static bool is_hole(const token_file *f, const token_item *item)
+{
+    return item->end == item->begin + 1 && f->tokens[item->begin].kind == TOKEN_HOLE;
+}
 
 bool tokens_compare(token_file *f, const token_file *template, unsigned *line)
 {
@@ -260,17 +288,21 @@ bool tokens_compare(token_file *f, const token_file *template, unsigned *line)
 
     for (size_t k = 0; k < f->n_items; k++) {
         const token_item theirs = f->items[k];
-        while (next < template->n_items && is_hole(template, &template->items[next])) next++;
+        while (next < template->n_items && is_hole(template, &template->items[next]))
+            next++;
         if (next < template->n_items) {
             const token_item ours = template->items[next];
-            if (fits(f->tokens + theirs.begin, theirs.end - theirs.begin, template->tokens + ours.begin, ours.end - ours.begin)) {
+            if (fits(f->tokens + theirs.begin, theirs.end - theirs.begin, template->tokens + ours.begin,
+                     ours.end - ours.begin)) {
                 next++;
                 continue;
             }
         }
-        for (size_t i = theirs.begin; i < theirs.end; i++) f->tokens[i].theirs = true;
+        for (size_t i = theirs.begin; i < theirs.end; i++)
+            f->tokens[i].theirs = true;
     }
-    while (next < template->n_items && is_hole(template, &template->items[next])) next++;
+    while (next < template->n_items && is_hole(template, &template->items[next]))
+        next++;
     same_so_far = next == template->n_items;
     if (!same_so_far) *line = template->tokens[template->items[next].begin].line;
     return same_so_far;
@@ -297,22 +329,29 @@ static bool has_name(const token_file *template, const token *t)
     return false;
 }
 
-static bool begins(const token *t, const char *with) { return t->n >= strlen(with) && memcmp(t->text, with, strlen(with)) == 0; }
+static bool begins(const token *t, const char *with)
+{
+    return t->n >= strlen(with) && memcmp(t->text, with, strlen(with)) == 0;
+}
 
 /* After #include: a name of the C library, or one of ours, which stay within the folders of headers. */
 static bool may_include(const token *t)
 {
     if (t->kind == TOKEN_STRING) {
         const char *end = t->text + t->n - 1;
-        return t->n > 4 && t->text[1] != '/' && memcmp(end - 2, ".h", 2) == 0 && !memmem(t->text, t->n, "..", 2) && !memmem(t->text, t->n, "\\", 1);
+        return t->n > 4 && t->text[1] != '/' && memcmp(end - 2, ".h", 2) == 0 && !memmem(t->text, t->n, "..", 2) &&
+               !memmem(t->text, t->n, "\\", 1);
     }
     if (!is(t, "<")) return false;
     if (is(t + 1, "bis")) {
-        for (t++; t->kind == TOKEN_NAME || is(t, "/"); t++) continue;
+        for (t++; t->kind == TOKEN_NAME || is(t, "/"); t++)
+            continue;
         return is(t, ".") && is(t + 1, "h") && is(t + 2, ">");
     }
-    return among(t + 1, "assert complex ctype errno fenv float inttypes iso646 limits math stdalign stdarg stdbool stddef stdint stdio stdlib stdnoreturn "
-                        "string tgmath") && is(t + 2, ".") && is(t + 3, "h") && is(t + 4, ">");
+    return among(t + 1, "assert complex ctype errno fenv float inttypes iso646 limits math stdalign stdarg stdbool "
+                        "stddef stdint stdio stdlib stdnoreturn "
+                        "string tgmath") &&
+           is(t + 2, ".") && is(t + 3, "h") && is(t + 4, ">");
 }
 
 /* __attribute__((noinline)) and the like, which change nothing that is computed. */
@@ -327,7 +366,8 @@ static bool is_refused_name(const token *t)
     if (among(t, "asm _Pragma")) return true;
     if (is_plain_attribute(t)) return false;
     if (!begins(t, "__")) return false;
-    return !among(t, "__func__ __FILE__ __LINE__ __restrict __builtin_ctz __builtin_ctzl __builtin_ctzll __builtin_clz __builtin_clzl __builtin_clzll "
+    return !among(t, "__func__ __FILE__ __LINE__ __restrict __builtin_ctz __builtin_ctzl __builtin_ctzll __builtin_clz "
+                     "__builtin_clzl __builtin_clzll "
                      "__builtin_popcount __builtin_expect __builtin_fma __builtin_sqrt");
 }
 
@@ -336,17 +376,22 @@ static bool is_refused(const token_file *f, const token_file *template, size_t i
     const token *t = &f->tokens[i];
 
     switch (t->kind) {
-    case TOKEN_NAME: return is_refused_name(t);
-    case TOKEN_MARK: return among(t, "## %: <% <: \\ @ ` #") || (is(t, "[") && i + 1 < f->n && is(t + 1, "["));
+    case TOKEN_NAME:
+        return is_refused_name(t);
+    case TOKEN_MARK:
+        return among(t, "## %: <% <: \\ @ ` #") || (is(t, "[") && i + 1 < f->n && is(t + 1, "["));
     case TOKEN_DIRECTIVE:
         if (is(t + 1, "include")) return !may_include(t + 2);
         if (is(t + 1, "pragma")) return !is(t + 2, "omp");
         if (!is(t + 1, "define")) return true;
         /* a macro of theirs renames nothing of ours and no word of the language */
         return t[2].kind != TOKEN_NAME || t[2].text[0] == '_' || has_name(template, t + 2) ||
-               among(t + 2, "auto break case char const continue default do double else enum extern float for goto if inline int long register restrict "
-                            "return short signed sizeof static struct switch typedef union unsigned void volatile while bool true false NULL");
-    default: return false;
+               among(t + 2, "auto break case char const continue default do double else enum extern float for goto if "
+                            "inline int long register restrict "
+                            "return short signed sizeof static struct switch typedef union unsigned void volatile "
+                            "while bool true false NULL");
+    default:
+        return false;
     }
 }
 
@@ -367,20 +412,24 @@ const char *tokens_refuse(const token_file *f, const token_file *template, char 
 
 static uint64_t hash(uint64_t h, const char *text, size_t n)
 {
-    for (size_t i = 0; i < n; i++) h = (h ^ (unsigned char)text[i]) * 0x100000001b3;
+    for (size_t i = 0; i < n; i++)
+        h = (h ^ (unsigned char)text[i]) * 0x100000001b3;
     return h ^ h >> 29;
 }
 
-/* A name keeps its letters where it cannot be changed: a word of the language, a member, a function of ours that is called. */
+/* A name keeps its letters where it cannot be changed: a word of the language, a member, a function of ours that is
+ * called. */
 static uint64_t meaning(const token_file *f, const token_file *template, size_t i)
 {
     const token *t = &f->tokens[i];
 
     if (t->kind == TOKEN_STRING) return 1;
     if (t->kind != TOKEN_NAME) return hash(2, t->text, t->n);
-    const bool fixed = among(t, "break case char const continue default do double else enum float for goto if int long return short signed sizeof static "
+    const bool fixed = among(t, "break case char const continue default do double else enum float for goto if int long "
+                                "return short signed sizeof static "
                                 "struct switch typedef union unsigned void while bool size_t uint32_t uint64_t") ||
-                       (i > 0 && (is(t - 1, ".") || is(t - 1, "->"))) || (i + 1 < f->n && is(t + 1, "(") && has_name(template, t));
+                       (i > 0 && (is(t - 1, ".") || is(t - 1, "->"))) ||
+                       (i + 1 < f->n && is(t + 1, "(") && has_name(template, t));
     return fixed ? hash(3, t->text, t->n) : 4;
 }
 
@@ -408,7 +457,8 @@ size_t tokens_prints(const token_file *f, const token_file *template, uint64_t *
             window[length++ % TOKEN_RUN] = meaning(f, template, i);
             if (length < TOKEN_RUN) continue;
             uint64_t h = 5;
-            for (size_t j = 0; j < TOKEN_RUN; j++) h = hash(h, (const char *)&window[(length + j) % TOKEN_RUN], sizeof *window);
+            for (size_t j = 0; j < TOKEN_RUN; j++)
+                h = hash(h, (const char *)&window[(length + j) % TOKEN_RUN], sizeof *window);
             p[n++] = h;
         }
     }

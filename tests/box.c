@@ -52,7 +52,8 @@ static void limit(int resource, double value)
 
 static _Noreturn void become(const box_limits *l, char *const words[], int output, int channel)
 {
-    const struct rlimit cpu = {(rlim_t)(l->cpu + 0.999), (rlim_t)(l->cpu + 0.999) + 1}; /* SIGXCPU, a second later SIGKILL */
+    const struct rlimit cpu = {(rlim_t)(l->cpu + 0.999),
+                               (rlim_t)(l->cpu + 0.999) + 1}; /* SIGXCPU, a second later SIGKILL */
     const int nothing = open("/dev/null", O_RDONLY);
 
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -64,9 +65,12 @@ static _Noreturn void become(const box_limits *l, char *const words[], int outpu
     dup2(nothing, STDIN_FILENO);
     dup2(output, STDOUT_FILENO);
     dup2(output, STDERR_FILENO);
-    if (channel < 0) close(BOX_CHANNEL);
-    else if (channel != BOX_CHANNEL) dup2(channel, BOX_CHANNEL);
-    for (int fd = BOX_CHANNEL + 1; fd < 256; fd++) close(fd);
+    if (channel < 0)
+        close(BOX_CHANNEL);
+    else if (channel != BOX_CHANNEL)
+        dup2(channel, BOX_CHANNEL);
+    for (int fd = BOX_CHANNEL + 1; fd < 256; fd++)
+        close(fd);
     setrlimit(RLIMIT_CPU, &cpu);
     limit(RLIMIT_CORE, 0);
     limit(RLIMIT_FSIZE, (double)l->file);
@@ -77,7 +81,8 @@ static _Noreturn void become(const box_limits *l, char *const words[], int outpu
     _exit(127);
 }
 
-/* What is too much for the buffer is read, too, lest its writer wait; beyond a million bytes the writer gets SIGPIPE. */
+/* What is too much for the buffer is read, too, lest its writer wait; beyond a million bytes the writer gets SIGPIPE.
+ */
 static void read_output(box_end *end, int *fd)
 {
     char chunk[4096];
@@ -109,12 +114,14 @@ static void kill_the_rest(pid_t group)
             }
             fclose(f);
         }
-        while ((pid = waitpid(-1, NULL, n ? 0 : WNOHANG)) > 0) n = 0;
+        while ((pid = waitpid(-1, NULL, n ? 0 : WNOHANG)) > 0)
+            n = 0;
         if (pid < 0) return; /* ECHILD */
     }
 }
 
-bool box_run(box_end *end, const box_limits *limits, char *const words[], int channel[2], void (*hear)(void *state), void *state)
+bool box_run(box_end *end, const box_limits *limits, char *const words[], int channel[2], void (*hear)(void *state),
+             void *state)
 {
     int ends[2];
 

@@ -33,9 +33,15 @@ typedef struct job {
 static mark_greeting greeting;
 static int channel = -1;
 
-uint64_t mark_seed(uint64_t kit) { return greeting.secret ? mark_mix(greeting.secret + mark_mix(kit)) >> 11 : kit; }
+uint64_t mark_seed(uint64_t kit)
+{
+    return greeting.secret ? mark_mix(greeting.secret + mark_mix(kit)) >> 11 : kit;
+}
 
-size_t mark_size(size_t kit) { return greeting.secret ? kit + mark_mix(greeting.secret ^ mark_mix(kit)) % (kit / 4 + 1) : kit; }
+size_t mark_size(size_t kit)
+{
+    return greeting.secret ? kit + mark_mix(greeting.secret ^ mark_mix(kit)) % (kit / 4 + 1) : kit;
+}
 
 static void tell(mark_message *m)
 {
@@ -71,7 +77,8 @@ void mark_near(double value, double expected, double absolute, double relative, 
     mark_wrong("%s is %.9g, must be %.9g", name, value, expected);
 }
 
-void mark_fit(const double *observed, const double *expected, size_t n, double alpha, const char *what, const char *hint)
+void mark_fit(const double *observed, const double *expected, size_t n, double alpha, const char *what,
+              const char *hint)
 {
     const stat_result r = stat_chi_square(observed, expected, n, alpha);
     size_t worst = 0;
@@ -79,19 +86,22 @@ void mark_fit(const double *observed, const double *expected, size_t n, double a
     if (!r.rejected) return;
     for (size_t i = 0; i < n; i++) {
         const double here = (observed[i] - expected[i]) * (observed[i] - expected[i]) / fmax(expected[i], 1);
-        const double there = (observed[worst] - expected[worst]) * (observed[worst] - expected[worst]) / fmax(expected[worst], 1);
+        const double there =
+            (observed[worst] - expected[worst]) * (observed[worst] - expected[worst]) / fmax(expected[worst], 1);
         if (here > there) worst = i;
     }
-    mark_wrong("%s: not drawn with the right probabilities (chi-square test, p = %.2g). The worst of %zu cells is number %zu: drawn %.0f times, "
-               "expected %.1f. %s", what, r.p, n, worst, observed[worst], expected[worst], hint);
+    mark_wrong("%s: not drawn with the right probabilities (chi-square test, p = %.2g). The worst of %zu cells is "
+               "number %zu: drawn %.0f times, "
+               "expected %.1f. %s",
+               what, r.p, n, worst, observed[worst], expected[worst], hint);
 }
 
 void mark_mean(const stat_moments *m, double expected, double alpha, const char *what, const char *hint)
 {
     if (!isfinite(m->mean)) mark_wrong("%s: the mean is not a finite number. A division by 0?", what);
     if (stat_mean(m, expected, alpha).rejected) {
-        mark_wrong("%s: the mean of %.0f estimates is %.6g +- %.2g, must be %.6g. %s", what, m->n, m->mean, sqrt(stat_variance(m) / m->n), expected,
-                   hint);
+        mark_wrong("%s: the mean of %.0f estimates is %.6g +- %.2g, must be %.6g. %s", what, m->n, m->mean,
+                   sqrt(stat_variance(m) / m->n), expected, hint);
     }
 }
 
@@ -99,11 +109,14 @@ void mark_run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, u
 {
     bis_scratch scratch;
 
-    for (int i = 0; i < 4; i++) m[i] = (stat_moments){0};
+    for (int i = 0; i < 4; i++)
+        m[i] = (stat_moments){0};
     if (bis_scratch_init(&scratch, s, NULL)) mark_wrong("no memory for the test itself");
     for (uint32_t run = 0; run < runs; run++) {
         const rgb L = lit_once(l, s, &scratch, seed, run);
-        if (!rgb_is_finite(L)) mark_wrong("estimate %u is (%g %g %g): not finite. A division by 0?", run, (double)L.r, (double)L.g, (double)L.b);
+        if (!rgb_is_finite(L))
+            mark_wrong("estimate %u is (%g %g %g): not finite. A division by 0?", run, (double)L.r, (double)L.g,
+                       (double)L.b);
         stat_add(&m[0], (double)L.r);
         stat_add(&m[1], (double)L.g);
         stat_add(&m[2], (double)L.b);
@@ -112,7 +125,8 @@ void mark_run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, u
     bis_scratch_clear(&scratch);
 }
 
-void mark_estimates(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed, double alpha, const char *what, const char *hint)
+void mark_estimates(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed, double alpha, const char *what,
+                    const char *hint)
 {
     static const char *const channels[] = {"red", "green", "blue"};
     const rgbd truth = lit_truth(l, true);
@@ -131,25 +145,50 @@ void mark_estimates(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed,
 
 extern void __asan_init(void) __attribute__((weak));
 
-/* When it is graded, a claim starts no process, opens no file and no connection, and touches no other process. Where the system has no such filter,
- * or the sanitizers are at work, which need what it forbids, that is left to the sandbox. Threads are allowed, clone3 is not known: its flags are out of reach. */
+/* When it is graded, a claim starts no process, opens no file and no connection, and touches no other process. Where
+ * the system has no such filter, or the sanitizers are at work, which need what it forbids, that is left to the
+ * sandbox. Threads are allowed, clone3 is not known: its flags are out of reach. */
 static void give_up_rights(void)
 {
 #if defined(SYS_open) && defined(SYS_fork) && defined(__x86_64__) || defined(__aarch64__)
-#define REFUSE(call, code) BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 1), BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | (code))
+#define REFUSE(call, code)                                                                                             \
+    BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 1), BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | (code))
     struct sock_filter rules[] = {
         BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, nr)),
 #ifdef __x86_64__
-        BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, 0x40000000, 0, 1), BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM), /* the x32 numbers */
-        REFUSE(SYS_open, EACCES), REFUSE(SYS_creat, EACCES), REFUSE(SYS_fork, EPERM), REFUSE(SYS_vfork, EPERM),
-        REFUSE(SYS_unlink, EPERM), REFUSE(SYS_rename, EPERM), REFUSE(SYS_mkdir, EPERM), REFUSE(SYS_link, EPERM), REFUSE(SYS_symlink, EPERM),
+        BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, 0x40000000, 0, 1),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM), /* the x32 numbers */
+        REFUSE(SYS_open, EACCES),
+        REFUSE(SYS_creat, EACCES),
+        REFUSE(SYS_fork, EPERM),
+        REFUSE(SYS_vfork, EPERM),
+        REFUSE(SYS_unlink, EPERM),
+        REFUSE(SYS_rename, EPERM),
+        REFUSE(SYS_mkdir, EPERM),
+        REFUSE(SYS_link, EPERM),
+        REFUSE(SYS_symlink, EPERM),
         REFUSE(SYS_chmod, EPERM),
 #endif
-        REFUSE(SYS_openat, EACCES), REFUSE(437 /* openat2 */, EACCES), REFUSE(SYS_execve, EPERM), REFUSE(SYS_execveat, EPERM),
-        REFUSE(SYS_ptrace, EPERM), REFUSE(SYS_process_vm_readv, EPERM), REFUSE(SYS_process_vm_writev, EPERM), REFUSE(SYS_kill, EPERM),
-        REFUSE(SYS_socket, EPERM), REFUSE(SYS_connect, EPERM), REFUSE(SYS_unlinkat, EPERM), REFUSE(SYS_renameat, EPERM),
-        REFUSE(SYS_renameat2, EPERM), REFUSE(SYS_mkdirat, EPERM), REFUSE(SYS_linkat, EPERM), REFUSE(SYS_symlinkat, EPERM),
-        REFUSE(SYS_fchmodat, EPERM), REFUSE(SYS_truncate, EPERM), REFUSE(425 /* io_uring_setup */, ENOSYS), REFUSE(435 /* clone3 */, ENOSYS),
+        REFUSE(SYS_openat, EACCES),
+        REFUSE(437 /* openat2 */, EACCES),
+        REFUSE(SYS_execve, EPERM),
+        REFUSE(SYS_execveat, EPERM),
+        REFUSE(SYS_ptrace, EPERM),
+        REFUSE(SYS_process_vm_readv, EPERM),
+        REFUSE(SYS_process_vm_writev, EPERM),
+        REFUSE(SYS_kill, EPERM),
+        REFUSE(SYS_socket, EPERM),
+        REFUSE(SYS_connect, EPERM),
+        REFUSE(SYS_unlinkat, EPERM),
+        REFUSE(SYS_renameat, EPERM),
+        REFUSE(SYS_renameat2, EPERM),
+        REFUSE(SYS_mkdirat, EPERM),
+        REFUSE(SYS_linkat, EPERM),
+        REFUSE(SYS_symlinkat, EPERM),
+        REFUSE(SYS_fchmodat, EPERM),
+        REFUSE(SYS_truncate, EPERM),
+        REFUSE(425 /* io_uring_setup */, ENOSYS),
+        REFUSE(435 /* clone3 */, ENOSYS),
         BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clone, 0, 3),
         BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(struct seccomp_data, args[0])),
         BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, CLONE_THREAD, 1, 0),
@@ -235,7 +274,8 @@ int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*
     }
     if (argc == 3 && strcmp(how, "--work") == 0) return check_and_prove(work);
     if (strcmp(how, "--list") == 0) {
-        for (size_t i = 0; i < n; i++) printf("%d\t%s\n", claims[i].points, claims[i].name);
+        for (size_t i = 0; i < n; i++)
+            printf("%d\t%s\n", claims[i].points, claims[i].name);
         return 0;
     }
     box_end_with_us();

@@ -17,7 +17,10 @@ uint64_t mark_mix(uint64_t x)
     return x ^ x >> 31;
 }
 
-uint64_t mark_proof(uint64_t key, uint64_t number) { return mark_mix(mark_mix(key) + number); }
+uint64_t mark_proof(uint64_t key, uint64_t number)
+{
+    return mark_mix(mark_mix(key) + number);
+}
 
 uint64_t mark_random(void)
 {
@@ -73,9 +76,9 @@ static const char *why_it_ended(const box_end *end, const talk *t)
     if (WIFSIGNALED(end->status)) {
         const int number = WTERMSIG(end->status);
         return number == SIGXCPU || number == SIGKILL ? "no answer in the time allowed: a loop without end?"
-               : number == SIGSEGV ? "it crashed (segmentation fault): an index out of its range?"
-               : number == SIGABRT ? "it was aborted: an assertion failed, see there what it demands"
-                                   : strsignal(number);
+               : number == SIGSEGV                    ? "it crashed (segmentation fault): an index out of its range?"
+               : number == SIGABRT                    ? "it was aborted: an assertion failed, see there what it demands"
+                                                      : strsignal(number);
     }
     /* A sandbox says 128 + signal. */
     const int status = WEXITSTATUS(end->status);
@@ -97,7 +100,8 @@ void mark_judge(mark_outcome *o, const mark_order *order)
 
     *o = (mark_outcome){.verdict = MARK_DIED};
     snprintf(number, sizeof number, "%zu", order->claim);
-    for (const char *const *word = order->before; word && *word && n < 60; word++) words[n++] = *word;
+    for (const char *const *word = order->before; word && *word && n < 60; word++)
+        words[n++] = *word;
     words[n++] = order->program;
     words[n++] = order->claim == MARK_WORK ? "--work" : "--claim";
     words[n++] = number;
@@ -116,8 +120,12 @@ void mark_judge(mark_outcome *o, const mark_order *order)
         return;
     }
     const char *why = t.wrong ? NULL : why_it_ended(&end, &t);
-    if (t.wrong) o->verdict = MARK_WRONG;
-    else o->text[0] = '\0';
-    if (end.n) snprintf(o->text + strlen(o->text), sizeof o->text - strlen(o->text), "%s%.2000s", t.wrong ? "\nIt printed: " : "", end.output);
+    if (t.wrong)
+        o->verdict = MARK_WRONG;
+    else
+        o->text[0] = '\0';
+    if (end.n)
+        snprintf(o->text + strlen(o->text), sizeof o->text - strlen(o->text), "%s%.2000s",
+                 t.wrong ? "\nIt printed: " : "", end.output);
     if (why) snprintf(o->text + strlen(o->text), sizeof o->text - strlen(o->text), "%s%s", end.n ? "\n" : "", why);
 }

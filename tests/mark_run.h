@@ -1,8 +1,10 @@
-/* mark_run: one claim of a program of claims (tests/mark.h), judged from outside, by a process that has no student's code in it.
+/* mark_run: one claim of a program of claims (tests/mark.h), judged from outside, by a process that has no student's
+ * code in it.
  *
- * The claim's process holds a socket. On it come, first, the secret of the run (which hidden seeds and sizes are made of) and a key. It answers when the
- * check has returned, is given a random number then, and must send the number that the two make (mark_proof). A process that ends before its check
- * does cannot. Whatever it prints is a remark at most. */
+ * The claim's process holds a socket. On it come, first, the secret of the run (which hidden seeds and sizes are made
+ * of) and a key. It answers when the check has returned, is given a random number then, and must send the number that
+ * the two make (mark_proof). A process that ends before its check does cannot. Whatever it prints is a remark at most.
+ */
 #ifndef TESTS_MARK_RUN_H
 #define TESTS_MARK_RUN_H
 
@@ -13,8 +15,8 @@
 typedef struct mark_order {
     const char *const *before; /* the words of a sandbox, up to a NULL; NULL: none */
     const char *program;
-    size_t claim;     /* its number, or MARK_WORK: the load whose time is compared */
-    uint64_t secret;  /* 0: seeds and sizes of the starter kit */
+    size_t claim;    /* its number, or MARK_WORK: the load whose time is compared */
+    uint64_t secret; /* 0: seeds and sizes of the starter kit */
     box_limits limits;
 } mark_order;
 
@@ -34,7 +36,9 @@ void mark_judge(mark_outcome *o, const mark_order *order);
 box_limits mark_limits(void);
 
 /* What both ends of the socket know. */
-typedef struct mark_greeting { uint64_t secret, key; } mark_greeting;
+typedef struct mark_greeting {
+    uint64_t secret, key;
+} mark_greeting;
 typedef struct mark_message {
     enum { MARK_SAYS_DONE = 1, MARK_SAYS_WRONG, MARK_SAYS_PROOF } kind;
     double seconds;
