@@ -1,4 +1,4 @@
-# bis: make, make test [T=alias], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make install, make uninstall, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
+# bis: make, make test [T=alias], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make install, make uninstall, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
 CFLAGS  ?= -O2 -g

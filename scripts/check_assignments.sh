@@ -23,16 +23,16 @@ mark() {
     objects=""
     mkdir -p "$folder/$1" || exit 1
     if [ "$1" != original ]; then
-        files=$(sh scripts/splice.sh "tests/assignments/${name}_$1.c" "$folder/$1") || exit 1
+        sh scripts/headers.sh "$folder/$1" || exit 1
+        files=$(sh scripts/splice.sh "tests/assignments/${name}_$1.c" "$folder/$1/src") || exit 1
         for file in $files; do
-            # shellcheck disable=SC2086
-            $BIS_COMPILE -Werror "-Isrc/$(dirname "$file")" -c -o "$folder/$1/$file.o" "$folder/$1/$file" || say "the $1 one does not compile without warnings"
-            objects="$objects $folder/$1/$file.o"
+            $BIS_COMPILE -Werror -c -o "$folder/$1/src/$file.o" "$folder/$1/src/$file" || say "the $1 one does not compile without warnings"
+            objects="$objects $folder/$1/src/$file.o"
         done
     fi
     # shellcheck disable=SC2086
     $BIS_LINK -o "$folder/$1/marks" "$folder/claims.o" $objects $BIS_OBJECTS $BIS_LIBS || say "the $1 one does not link"
-    "$folder/$1/marks" --grade >"$folder/$1.marks" || say "the marks of the $1 one do not come to an end"
+    "$BIS_BUILD/grade" claims "$folder/$1/marks" "$folder/original/marks" >"$folder/$1.marks" || say "the marks of the $1 one do not come to an end"
 }
 
 prove() {
@@ -59,7 +59,12 @@ prove() {
     done
 }
 
-(prove && echo "$name: as it should be") >"$folder/verdict" 2>&1
+# Ours holds by hidden seeds and sizes, too: those of one secret, always the same.
+prove_hidden() {
+    "$BIS_BUILD/grade" claims -s 1d5e1f "$folder/original/marks" "$folder/original/marks" >"$folder/hidden.marks" && ! grep '^wrong' "$folder/hidden.marks"
+}
+
+(prove && prove_hidden && echo "$name: as it should be") >"$folder/verdict" 2>&1
 status=$?
 cat "$folder/verdict"
 exit $status

@@ -1,18 +1,29 @@
 # The course's assignments: docs/assignments/README.md. Included by the Makefile.
-#   make assignment A=alias DEST=dir     a starter kit
-#   make grade DEST=dir                  the points of what was made of it
-.PHONY: assignment grade
+#   make assignment A=alias DEST=dir                      a starter kit
+#   make grade A=alias DEST=dir                           the points of what was made of it
+#   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class
+.PHONY: assignment grade grade-class
 
 # How to compile a file more and link it before the library: for scripts/grade.sh and scripts/check_assignments.sh.
-test grade: export BIS_BUILD = $B
-test grade: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests
-test grade: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
-test grade: export BIS_OBJECTS = $(SUPPORT) $(LIB)
-test grade: export BIS_LIBS = $(LIBS) -lcmocka
-test grade: export BIS_SANITIZE = -O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)
+test grade grade-class: export BIS_BUILD = $B
+test grade grade-class: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests
+test grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
+test grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
+test grade grade-class: export BIS_LIBS = $(LIBS) -lcmocka
+test grade grade-class: export BIS_SANITIZE = -O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)
 
 assignment:
 	@sh scripts/assignment.sh "$(A)" "$(DEST)"
 
-grade: $(SUPPORT) $(LIB) $B/src/cli/main.o
-	@sh scripts/grade.sh "$(DEST)"
+GRADER := $B/scripts/grade.o $B/scripts/tokens.o $B/tests/box.o $B/tests/mark_run.o
+$B/scripts/grade.o: OURS += -Itests
+$B/grade: $(GRADER)
+	$(LINK) -lm
+$(if $(wildcard tests/assignments),test: $B/grade)
+
+grade: $(SUPPORT) $(LIB) $B/grade $B/src/cli/main.o
+	@sh scripts/grade.sh "$(A)" "$(DEST)"
+
+JOBS ?= 2
+grade-class: $(SUPPORT) $(LIB) $B/grade
+	@sh scripts/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)"

@@ -7,7 +7,7 @@ function name_of(line) {
     return line
 }
 { name = name_of($0) }
-NR == FNR {
+FILENAME == ARGV[1] {
     if (name == "end") inside = ""
     else if (name != "") { inside = name; has[name] = 1 }
     else if (inside != "") body[inside] = body[inside] $0 "\n"

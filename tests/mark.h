@@ -1,10 +1,9 @@
 /* mark: tests that mark an assignment (docs/assignments/). One program an assignment: claims, each worth some points.
  *
- * The code under test is a student's, and may crash, loop or leak. So each claim runs in a process of its own, with 20 s of CPU
- * time (BIS_CLAIM_SECONDS overrides); what it dies of becomes a message. A claim holds when its function returns.
- *     PROGRAM              as cmocka tests
- *     PROGRAM --grade      a line a claim: "ok" or "wrong", points, name, message, with tabs between
- *     PROGRAM --work       the least of some times in seconds that `work` took, a standard load for a comparison of speeds */
+ * The code under test is a student's, and may crash, loop or leak. So each claim runs in a process of its own
+ * (tests/mark_run.h); what it dies of becomes a message. A claim holds when its function returns. PROGRAM as cmocka
+ * tests, with the kit's seeds and sizes PROGRAM --list       a line a claim: points, a tab, name. No student's code
+ * runs PROGRAM --claim K, PROGRAM --work K: started by mark_judge alone */
 #ifndef TESTS_MARK_H
 #define TESTS_MARK_H
 
@@ -20,6 +19,12 @@ typedef struct mark_claim {
     void (*check)(void);
 } mark_claim;
 
+/* What a claim draws with, and how large it is. In the kit and in `make test` they are `kit`. When a hand-in is graded
+ * they come from a secret of the run, so that no answer can be prepared: any seed below 2^53, and any size from kit to
+ * kit + kit/4. */
+uint64_t mark_seed(uint64_t kit);
+size_t mark_size(size_t kit);
+
 /* The points of all claims sum to 80: the other 20 are for speed and for clean memory (scripts/grade.sh). */
 int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void));
 
@@ -32,17 +37,22 @@ size_t mark_size(size_t kit);
 /* The claim does not hold. In words that a student understands: what was asked, what came, where to look. */
 _Noreturn void mark_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* The same for something that must be near: the larger of the two tolerances counts. what is a format, as in "the solid angle of row %d". */
-void mark_near(double value, double expected, double absolute, double relative, const char *what, ...) __attribute__((format(printf, 5, 6)));
+/* The same for something that must be near: the larger of the two tolerances counts. what is a format, as in "the solid
+ * angle of row %d". */
+void mark_near(double value, double expected, double absolute, double relative, const char *what, ...)
+    __attribute__((format(printf, 5, 6)));
 
 /* Counts against expected counts by a chi-square test. hint: what such a difference usually comes from. */
-void mark_fit(const double *observed, const double *expected, size_t n, double alpha, const char *what, const char *hint);
+void mark_fit(const double *observed, const double *expected, size_t n, double alpha, const char *what,
+              const char *hint);
 
 /* Does this mean, of independent values, differ from what is expected by more than chance? */
 void mark_mean(const stat_moments *m, double expected, double alpha, const char *what, const char *hint);
 
-/* `runs` estimates at a point (tests/lit.h), each channel against the truth by brute force. A NaN or infinity ends the claim. */
-void mark_estimates(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed, double alpha, const char *what, const char *hint);
+/* `runs` estimates at a point (tests/lit.h), each channel against the truth by brute force. A NaN or infinity ends the
+ * claim. */
+void mark_estimates(lit *l, const bis_settings *s, uint32_t runs, uint64_t seed, double alpha, const char *what,
+                    const char *hint);
 
 /* The moments of such estimates, r, g, b, r + g + b. */
 void mark_run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, uint64_t seed);

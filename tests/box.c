@@ -1,0 +1,166 @@
+/* box: fork, limits, exec; then poll the pipe, the channel and the clock until the child has ended. */
+#include "box.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { MOST_PRINTED = 1 << 20 };
+
+static volatile sig_atomic_t running; /* the process group to end with us */
+
+static void end_all(int number)
+{
+    if (running) kill(-(pid_t)running, SIGKILL);
+    _exit(128 + number);
+}
+
+void box_end_with_us(void)
+{
+    const struct sigaction action = {.sa_handler = end_all};
+
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGHUP, &action, NULL);
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+}
+
+static double now(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void limit(int resource, double value)
+{
+    const struct rlimit both = {(rlim_t)value, (rlim_t)value};
+
+    setrlimit(resource, &both);
+}
+
+static _Noreturn void become(const box_limits *l, char *const words[], int output, int channel)
+{
+    const struct rlimit cpu = {(rlim_t)(l->cpu + 0.999),
+                               (rlim_t)(l->cpu + 0.999) + 1}; /* SIGXCPU, a second later SIGKILL */
+    const int nothing = open("/dev/null", O_RDONLY);
+
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    setsid();
+    signal(SIGINT, SIG_DFL);
+    signal(SIGTERM, SIG_DFL);
+    signal(SIGHUP, SIG_DFL);
+    signal(SIGQUIT, SIG_DFL);
+    dup2(nothing, STDIN_FILENO);
+    dup2(output, STDOUT_FILENO);
+    dup2(output, STDERR_FILENO);
+    if (channel < 0)
+        close(BOX_CHANNEL);
+    else if (channel != BOX_CHANNEL)
+        dup2(channel, BOX_CHANNEL);
+    for (int fd = BOX_CHANNEL + 1; fd < 256; fd++)
+        close(fd);
+    setrlimit(RLIMIT_CPU, &cpu);
+    limit(RLIMIT_CORE, 0);
+    limit(RLIMIT_FSIZE, (double)l->file);
+    limit(RLIMIT_NOFILE, 256);
+    if (l->memory) limit(RLIMIT_AS, (double)l->memory);
+    execvp(words[0], words);
+    fprintf(stderr, "cannot run %s: %s\n", words[0], strerror(errno));
+    _exit(127);
+}
+
+/* What is too much for the buffer is read, too, lest its writer wait; beyond a million bytes the writer gets SIGPIPE.
+ */
+static void read_output(box_end *end, int *fd)
+{
+    char chunk[4096];
+    ssize_t got;
+
+    while (*fd >= 0 && (got = read(*fd, chunk, sizeof chunk)) > 0) {
+        const size_t room = sizeof end->output - 1 - end->n, taken = (size_t)got < room ? (size_t)got : room;
+        memcpy(end->output + end->n, chunk, taken);
+        end->n += taken;
+        end->printed += (size_t)got;
+        if (end->printed < MOST_PRINTED) continue;
+        close(*fd);
+        *fd = -1;
+    }
+    end->output[end->n] = '\0';
+}
+
+/* The subreaper inherits every orphan: kill and collect until none is left. */
+static void kill_the_rest(pid_t group)
+{
+    kill(-group, SIGKILL);
+    for (int round = 0; round < 1000; round++) {
+        FILE *f = fopen("/proc/thread-self/children", "r");
+        int pid, n = 0;
+        if (f) {
+            while (fscanf(f, "%d", &pid) == 1) {
+                kill(pid, SIGKILL);
+                n++;
+            }
+            fclose(f);
+        }
+        while ((pid = waitpid(-1, NULL, n ? 0 : WNOHANG)) > 0)
+            n = 0;
+        if (pid < 0) return; /* ECHILD */
+    }
+}
+
+bool box_run(box_end *end, const box_limits *limits, char *const words[], int channel[2], void (*hear)(void *state),
+             void *state)
+{
+    int ends[2];
+
+    *end = (box_end){0};
+    if (pipe2(ends, O_CLOEXEC) != 0) return false;
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
+    fflush(NULL);
+    const double begin = now();
+    const pid_t child = fork();
+    if (child == 0) become(limits, words, ends[1], channel ? channel[1] : -1);
+    close(ends[1]);
+    if (channel) close(channel[1]);
+    if (child < 0) {
+        close(ends[0]);
+        return false;
+    }
+    running = child;
+    fcntl(ends[0], F_SETFL, O_NONBLOCK);
+    struct pollfd fds[] = {{ends[0], POLLIN, 0}, {channel ? channel[0] : -1, POLLIN, 0}};
+    while (waitpid(child, &end->status, WNOHANG) == 0) {
+        if (now() - begin > limits->wall) {
+            end->late = true;
+            kill(-child, SIGKILL);
+            kill(child, SIGKILL);
+            waitpid(child, &end->status, 0);
+            break;
+        }
+        poll(fds, 2, 2);
+        if (fds[0].revents) read_output(end, &ends[0]);
+        if (fds[1].revents & POLLIN) hear(state);
+        for (int i = 0; i < 2; i++) {
+            if (fds[i].revents & POLLHUP && !(fds[i].revents & POLLIN)) fds[i].fd = -1; /* nothing will come */
+        }
+        if (ends[0] < 0) fds[0].fd = -1;
+    }
+    kill_the_rest(child);
+    running = 0;
+    read_output(end, &ends[0]);
+    if (channel && !end->late) hear(state);
+    if (ends[0] >= 0) close(ends[0]);
+    return true;
+}
