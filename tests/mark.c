@@ -50,26 +50,6 @@ static void tell(mark_message *m)
 
 /* ---- for the claims ---- */
 
-/* 0 in a kit: what the kit says counts. */
-static uint64_t salt(void)
-{
-    const char *given = getenv("BIS_MARK_SALT");
-
-    return given ? strtoull(given, NULL, 10) : 0;
-}
-
-/* The finalizer of splitmix64: near seeds give far results. */
-static uint64_t scrambled(uint64_t x)
-{
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return x ^ x >> 31;
-}
-
-uint64_t mark_seed(uint64_t kit) { return salt() ? scrambled(kit + salt() * 0x9e3779b97f4a7c15u) : kit; }
-
-size_t mark_size(size_t kit) { return salt() ? kit + (size_t)(scrambled(kit + salt() * 0x9e3779b97f4a7c15u) % (kit / 4 + 1)) : kit; }
-
 _Noreturn void mark_wrong(const char *format, ...)
 {
     static mark_message m = {.kind = MARK_SAYS_WRONG};
