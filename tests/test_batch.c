@@ -3,6 +3,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/base/stats.h"
+#include "beyond/blocks.h"
 #include "lit.h"
 
 #include <setjmp.h>
@@ -198,6 +199,39 @@ static void marks_at_the_ends_fall_on_the_first_and_on_the_last_positive_lane(vo
                 assert_int_equal(b.accel.rays, 1);
             }
             close_bench(&b);
+        }
+    }
+}
+
+/* Rounding may take a mark to the end of all weights. No mark is lost: told a sum twice as large, so that half of the marks lie beyond
+ * the end, N are chosen all the same, and the last positive lane has those. */
+static void marks_beyond_the_end_fall_on_the_last_positive_lane(void **state)
+{
+    static const uint32_t Ns[] = {1, 2, 7, 40};
+
+    (void)state;
+    for (int way = 0; way < 2; way++) {
+        for (int c = 0; c < 4; c++) {
+            const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = 1, .spp = 1, .xsamples = 1, .ysamples = 1};
+            bis_blocks b;
+            uint32_t n = 0, last = 0, all_last = 0;
+            assert_true(bis_blocks_init(&b, 48, Ns[c]));
+            for (uint64_t run = 0; run < 100; run++) {
+                bis_stream stream = {.sampler = &sampler, .rng = rng_with(mark((uint32_t)run, 100), 1)};
+                for (int i = 0; i < 48; i++) b.w[i] = i % 3 == 1 && i < 40 ? (float)(1 + i % 5) : 0; /* the last positive one is 37 */
+                const double W = bis_blocks_sum(&b, 48);
+                bis_blocks_choose(&b, Ns[c], 2 * W, way ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC, &stream);
+                n = last = 0;
+                for (uint32_t k = 0; k < b.n_chosen; k++) {
+                    assert_true(b.times[k] > 0 && b.w[b.lane[k]] > 0 && (k == 0 || b.lane[k] > b.lane[k - 1]));
+                    n += b.times[k];
+                    if (b.lane[k] == 37) last += b.times[k];
+                }
+                assert_int_equal(n, Ns[c]);
+                all_last += last;
+            }
+            assert_true(all_last >= 30 * Ns[c]); /* half of all, and its own share */
+            bis_blocks_clear(&b);
         }
     }
 }
@@ -465,6 +499,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lanes_are_chosen_exactly_in_proportion_to_their_weights),
         cmocka_unit_test(marks_at_the_ends_fall_on_the_first_and_on_the_last_positive_lane),
+        cmocka_unit_test(marks_beyond_the_end_fall_on_the_last_positive_lane),
         cmocka_unit_test(one_positive_lane_gets_every_mark_and_one_ray),
         cmocka_unit_test(a_black_set_gives_0_and_no_ray),
         cmocka_unit_test(a_black_material_and_an_eye_below_the_horizon_give_0),

@@ -15,6 +15,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <time.h>
 
 /* --- an integrator of our own
  * ---------------------------------------------------------------------------------------- */
@@ -132,6 +133,62 @@ static void another_seed_gives_other_noise(void **state)
     clear_world(&w);
 }
 
+/* An integrator whose colours are a direction of the pool and one of a cluster. */
+static void drawn_scratch(const bis_settings *s, bis_scratch *need)
+{
+    (void)s;
+    need->n_pool = 8;
+    need->wants_clusters = true;
+}
+
+static rgb drawn_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s;
+    (void)pt;
+    (void)stream;
+    return (rgb){bis_pool_set(scratch->pool, 3)[5].wi.x + 2, scratch->clusters->y[70].wi.y + 2, 1};
+}
+
+/* What is drawn once a pass is drawn anew in every pass, as a function of its number: passes with the same directions would share
+ * their noise, and no number of passes would end it. */
+static void each_pass_has_a_pool_and_clusters_of_its_own(void **state)
+{
+    (void)state;
+    const bis_integrator drawn = {"drawn", "", no_light_needs, drawn_scratch, drawn_Lo};
+    world w;
+    bis_film film;
+    bis_render_result result;
+    bis_pool pool;
+    bis_clusters clusters;
+    double sum[2] = {0, 0};
+    float last[2] = {0, 0};
+    make_world(&w, &drawn);
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
+    assert_int_equal(bis_pool_init(&pool, 8, false, NULL), BIS_OK);
+    assert_int_equal(bis_clusters_init(&clusters, w.scene.light, w.desc.settings.candidates, NULL), BIS_OK);
+    for (uint32_t pass = 0; pass < 3; pass++) {
+        bis_pool_fill(&pool, w.scene.light, w.desc.sampler.seed, pass, 1);
+        bis_clusters_fill(&clusters, w.scene.light, w.desc.sampler.seed, pass, 1);
+        const float now[2] = {bis_pool_set(&pool, 3)[5].wi.x + 2, clusters.y[70].wi.y + 2};
+        for (int k = 0; k < 2; k++) {
+            assert_true(now[k] != last[k]);
+            sum[k] += (double)now[k];
+            last[k] = now[k];
+        }
+    }
+    int n = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+        if (film.hits[i] < 3) continue;
+        n++;
+        assert_true(film.sum[3 * i] == sum[0] && film.sum[3 * i + 1] == sum[1]);
+    }
+    assert_true(n > 100);
+    bis_pool_clear(&pool);
+    bis_clusters_clear(&clusters);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
 /* --- interruption
  * -------------------------------------------------------------------------------------------------- */
 
@@ -234,6 +291,32 @@ static void the_shortest_time_still_completes_one_pass_E39(void **state)
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.seconds = 1e-9}});
     assert_int_equal(result.passes, 1);
     assert_false(result.interrupted);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+/* As noise, after a rest. */
+static rgb slow_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 60000000}, NULL);
+    return noise_Lo(s, pt, stream, scratch);
+}
+
+/* One pixel, which rests for 60 ms in each pass: of 100 ms one pass is left when the first is done, and 40 are too few. A slow machine
+ * changes nothing: passes never take less than they rest. */
+static void no_pass_begins_that_would_not_fit_into_the_time(void **state)
+{
+    (void)state;
+    const bis_integrator slow = {"slow", "", no_light_needs, no_scratch, slow_Lo};
+    const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
+    world w;
+    bis_film film;
+    bis_render_result result;
+    make_world(&w, &slow);
+    render(&film, &result, &w, pixel, &(bis_render_options){.budget = {.seconds = 0.1}, .n_threads = 1});
+    assert_true(film.width == 1 && film.height == 1 && film.hits[0] == 1);
+    assert_int_equal(result.passes, 1);
+    assert_true(result.seconds >= 0.06 && !result.interrupted);
     bis_film_clear(&film);
     clear_world(&w);
 }
@@ -486,10 +569,12 @@ int main(void)
         cmocka_unit_test(a_crop_holds_the_same_bits_as_the_full_picture),
         cmocka_unit_test(more_passes_begin_with_the_same_passes),
         cmocka_unit_test(another_seed_gives_other_noise),
+        cmocka_unit_test(each_pass_has_a_pool_and_clusters_of_its_own),
         cmocka_unit_test(an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39),
         cmocka_unit_test(an_interrupted_first_pass_leaves_the_rest_black),
         cmocka_unit_test(spp_is_the_number_of_passes_and_of_camera_rays),
         cmocka_unit_test(the_shortest_time_still_completes_one_pass_E39),
+        cmocka_unit_test(no_pass_begins_that_would_not_fit_into_the_time),
         cmocka_unit_test(an_error_budget_ends_when_the_bound_holds_and_not_before),
         cmocka_unit_test(an_error_budget_takes_four_passes_at_least_and_spp_at_most),
         cmocka_unit_test(progress_grows_to_the_whole_budget),

@@ -18,6 +18,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
 const bis_loc bis_cli_loc = {"bis", 0, 0};
 
 enum { HELP_WIDTH = 80, HELP_INDENT = 26, MAX_OPTIONS = 64 };
@@ -377,4 +381,13 @@ bis_status bis_cli_check_writable(const char *path, bis_diag *diag)
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder, strerror(errno));
     }
     return BIS_OK;
+}
+
+void bis_cli_use_threads(uint64_t n)
+{
+#ifdef _OPENMP
+    if (n) omp_set_num_threads((int)n);
+#else
+    (void)n;
+#endif
 }
