@@ -250,6 +250,35 @@ static void one_positive_lane_gets_every_mark_and_one_ray(void **state)
     }
 }
 
+/* A workspace that has served another point gives the same bits as a new one: shares of M from map and BRDF change from point to point,
+ * and blocks of lanes are filled to other ends. */
+static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
+{
+    static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX};
+    static const double exponents[] = {1, 5000, 10, 300, 50, 100000, 3, 1000};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        const bis_settings s = sir(proposals[i % 3], i < 3 ? 40 : 250, 7, true);
+        bis_scratch used, fresh;
+        bis_pool pool = {0}, same = {0};
+        new_scratch(&used, &pool, &s);
+        if (pool.n_sets) bis_pool_fill(&pool, light, SEED, 0, 1);
+        for (uint64_t k = 0; k < 32; k++) {
+            lit l;
+            lit_init(&l, light, bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.6f, 0.6f, 0.4f}, exponents[k % 8]), normalize((vec3){0.3f, 0.1f, 1}), k % 3 ? 30 : 75, LIT_OPEN);
+            new_scratch(&fresh, &same, &s);
+            if (same.n_sets) bis_pool_fill(&same, light, SEED, 0, 1);
+            const rgb a = lit_once(&l, &s, &used, SEED, k), b = lit_once(&l, &s, &fresh, SEED, k);
+            assert_memory_equal(&a, &b, sizeof a);
+            clear(&fresh, &same);
+        }
+        clear(&used, &pool);
+    }
+    bis_light_free(light);
+}
+
 static void a_black_set_gives_0_and_no_ray(void **state)
 {
     float w[LANES] = {0};
@@ -501,6 +530,7 @@ int main(void)
         cmocka_unit_test(marks_at_the_ends_fall_on_the_first_and_on_the_last_positive_lane),
         cmocka_unit_test(marks_beyond_the_end_fall_on_the_last_positive_lane),
         cmocka_unit_test(one_positive_lane_gets_every_mark_and_one_ray),
+        cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(a_black_set_gives_0_and_no_ray),
         cmocka_unit_test(a_black_material_and_an_eye_below_the_horizon_give_0),
         cmocka_unit_test(side_by_side_the_same_candidates_are_chosen_as_one_by_one),

@@ -226,6 +226,38 @@ static bis_settings product(uint32_t M, uint32_t N, bool learn)
     return s;
 }
 
+/* A thread's workspace serves point after point, of other materials, of which other shares of M come from the map: what one point has
+ * left there changes no bit of the next. */
+static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
+{
+    static const uint32_t Ms[] = {16, 40, 64, 250};
+    static const double exponents[] = {1, 5000, 10, 300, 50, 100000, 3, 1000};
+
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    for (int i = 0; i < 4; i++) {
+        const bis_settings s = product(Ms[i], 5, false);
+        bis_scratch used, fresh;
+        bis_clusters c;
+        assert_int_equal(bis_clusters_init(&c, light, Ms[i], NULL), BIS_OK);
+        bis_clusters_fill(&c, light, SEED, 0, 1);
+        assert_int_equal(bis_scratch_init(&used, &s, NULL), BIS_OK);
+        used.clusters = &c;
+        for (uint64_t k = 0; k < 64; k++) {
+            lit l;
+            lit_init(&l, light, bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.6f, 0.6f, 0.4f}, exponents[k % 8]), tilted(), k % 3 ? 30 : 75, LIT_OPEN);
+            assert_int_equal(bis_scratch_init(&fresh, &s, NULL), BIS_OK);
+            fresh.clusters = &c;
+            const rgb a = lit_once(&l, &s, &used, SEED, k), b = lit_once(&l, &s, &fresh, SEED, k);
+            assert_memory_equal(&a, &b, sizeof a);
+            bis_scratch_clear(&fresh);
+        }
+        bis_scratch_clear(&used);
+        bis_clusters_clear(&c);
+    }
+    bis_light_free(light);
+}
+
 static void product_is_unbiased_with_and_without_learned_visibility(void **state)
 {
     static const uint32_t Ms[] = {16, 17, 64, 256};
@@ -335,6 +367,7 @@ int main(void)
         cmocka_unit_test(no_cluster_is_larger_than_its_share_of_the_sphere),
         cmocka_unit_test(a_cluster_s_directions_lie_in_it_and_in_its_cone),
         cmocka_unit_test(reach_bounds_the_product_over_every_cluster),
+        cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(product_is_unbiased_with_and_without_learned_visibility),
         cmocka_unit_test(twins_with_a_wrong_density_or_a_bound_of_0_are_found),
         cmocka_unit_test(factors_follow_what_was_seen_in_the_passes_before),

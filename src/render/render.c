@@ -378,7 +378,7 @@ static void render_passes(render *r, bis_render_result *result)
     } while (complete && budget_left(r, &next_check));
     if (r->passes == 0) keep_pass(r); /* rather an unfinished pass than nothing */
     result->seconds = bis_clock_now() - r->start;
-    result->interrupted = !complete || (interrupted(r) && !(r->most_passes && r->passes >= r->most_passes));
+    result->interrupted = interrupted(r) && !(r->most_passes && r->passes >= r->most_passes); /* too late: nothing was missing */
     report(r, 0);
 }
 
