@@ -18,7 +18,8 @@ __attribute__((constructor)) static void choose_tests(void)
     if (getenv("BIS_TEST")) cmocka_set_test_filter(getenv("BIS_TEST"));
 }
 
-/* After main and after what the program gave to atexit. A child that a test has forked ends with _exit and is not asked. */
+/* After main and after what the program gave to atexit. A child that a test has forked ends with _exit and is not
+ * asked. */
 __attribute__((destructor)) static void find_leaks(void)
 {
     if (bis_mem_live() == 0) return;

@@ -629,8 +629,8 @@ static void memory_is_at_most_150_bytes_a_triangle_in_all(void **state)
     bis_geometry_clear(&g);
 }
 
-/* A ray is open at both ends: what lies exactly at tmax is not on it, what lies an ulp before is. A square and a unit ball, both met
- * at t = 4 without any rounding. */
+/* A ray is open at both ends: what lies exactly at tmax is not on it, what lies an ulp before is. A square and a unit
+ * ball, both met at t = 4 without any rounding. */
 static void what_lies_at_the_end_of_a_ray_is_not_on_it(void **state)
 {
     (void)state;
@@ -645,7 +645,8 @@ static void what_lies_at_the_end_of_a_ray_is_not_on_it(void **state)
         m.index = bis_alloc(6, sizeof *m.index);
         memcpy(m.p, corners, sizeof corners);
         memcpy(m.index, index, sizeof index);
-        assert_int_equal(ball ? bis_geometry_add_quadric(&g, &q, NULL) : bis_geometry_add_mesh(&g, &m, &identity, 0, NULL), BIS_OK);
+        assert_int_equal(ball ? bis_geometry_add_quadric(&g, &q, NULL) : bis_geometry_add_mesh(&g, &m, &identity, 0,
+            NULL), BIS_OK);
         bis_mesh_clear(&m);
         backends b = make_backends(&g);
         for (int i = 0; i < b.n; i++) {

@@ -325,8 +325,8 @@ static void a_constant_light_is_rendered_with_what_needs_no_map(void **state)
     clear_world(&w);
 }
 
-/* The relMSE of a pass by another road: the scatter of `spp` passes of the whole picture, over the square of its own mean and the floor
- * of SPEC 5; pixels and channels that show a surface. */
+/* The relMSE of a pass by another road: the scatter of `spp` passes of the whole picture, over the square of its own
+ * mean and the floor of SPEC 5; pixels and channels that show a surface. */
 static double variance_of_a_pass(world *w, const bis_settings *settings, uint32_t spp)
 {
     bis_film film;
@@ -351,9 +351,9 @@ static double variance_of_a_pass(world *w, const bis_settings *settings, uint32_
     return sum / (double)n;
 }
 
-/* In the geometric mean over what was tried, above 3/4: that, or a half, is what four or two replicates give whose scatter is divided by
- * their number, which would also favour what has had less of them. (About 0.9 comes out: the most noisy cell is forgiven.) Rays through
- * pixels' middles and independent samples: passes are independent. */
+/* In the geometric mean over what was tried, above 3/4: that, or a half, is what four or two replicates give whose
+ * scatter is divided by their number, which would also favour what has had less of them. (About 0.9 comes out: the
+ * most noisy cell is forgiven.) Rays through pixels' middles and independent samples: passes are independent. */
 static void the_variance_that_is_measured_is_that_of_a_pass(void **state)
 {
     (void)state;

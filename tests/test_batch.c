@@ -203,8 +203,8 @@ static void marks_at_the_ends_fall_on_the_first_and_on_the_last_positive_lane(vo
     }
 }
 
-/* Rounding may take a mark to the end of all weights. No mark is lost: told a sum twice as large, so that half of the marks lie beyond
- * the end, N are chosen all the same, and the last positive lane has those. */
+/* Rounding may take a mark to the end of all weights. No mark is lost: told a sum twice as large, so that half of the
+ * marks lie beyond the end, N are chosen all the same, and the last positive lane has those. */
 static void marks_beyond_the_end_fall_on_the_last_positive_lane(void **state)
 {
     static const uint32_t Ns[] = {1, 2, 7, 40};
@@ -218,9 +218,11 @@ static void marks_beyond_the_end_fall_on_the_last_positive_lane(void **state)
             assert_true(bis_blocks_init(&b, 48, Ns[c]));
             for (uint64_t run = 0; run < 100; run++) {
                 bis_stream stream = {.sampler = &sampler, .rng = rng_with(mark((uint32_t)run, 100), 1)};
-                for (int i = 0; i < 48; i++) b.w[i] = i % 3 == 1 && i < 40 ? (float)(1 + i % 5) : 0; /* the last positive one is 37 */
+                /* the last positive one is 37 */
+                for (int i = 0; i < 48; i++) b.w[i] = i % 3 == 1 && i < 40 ? (float)(1 + i % 5) : 0;
                 const double W = bis_blocks_sum(&b, 48);
-                bis_blocks_choose(&b, Ns[c], 2 * W, way ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC, &stream);
+                bis_blocks_choose(&b, Ns[c], 2 * W, way ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC,
+                    &stream);
                 n = last = 0;
                 for (uint32_t k = 0; k < b.n_chosen; k++) {
                     assert_true(b.times[k] > 0 && b.w[b.lane[k]] > 0 && (k == 0 || b.lane[k] > b.lane[k - 1]));
@@ -250,8 +252,8 @@ static void one_positive_lane_gets_every_mark_and_one_ray(void **state)
     }
 }
 
-/* A workspace that has served another point gives the same bits as a new one: shares of M from map and BRDF change from point to point,
- * and blocks of lanes are filled to other ends. */
+/* A workspace that has served another point gives the same bits as a new one: shares of M from map and BRDF change
+ * from point to point, and blocks of lanes are filled to other ends. */
 static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
 {
     static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX};
@@ -267,7 +269,8 @@ static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
         if (pool.n_sets) bis_pool_fill(&pool, light, SEED, 0, 1);
         for (uint64_t k = 0; k < 32; k++) {
             lit l;
-            lit_init(&l, light, bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.6f, 0.6f, 0.4f}, exponents[k % 8]), normalize((vec3){0.3f, 0.1f, 1}), k % 3 ? 30 : 75, LIT_OPEN);
+            lit_init(&l, light, bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.6f, 0.6f, 0.4f}, exponents[k % 8]),
+                normalize((vec3){0.3f, 0.1f, 1}), k % 3 ? 30 : 75, LIT_OPEN);
             new_scratch(&fresh, &same, &s);
             if (same.n_sets) bis_pool_fill(&same, light, SEED, 0, 1);
             const rgb a = lit_once(&l, &s, &used, SEED, k), b = lit_once(&l, &s, &fresh, SEED, k);

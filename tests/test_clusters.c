@@ -50,8 +50,9 @@ static void clusters_share_the_curve_and_none_is_empty(void **state)
     }
 }
 
-/* Where inside its pixel a direction lies: its two places are independent, so that half of all lie in the two quarters of the diagonal,
- * wherever each of them has its middle, since the azimuth is even. Other passes have other directions. The twin takes one number for both. */
+/* Where inside its pixel a direction lies: its two places are independent, so that half of all lie in the two quarters
+ * of the diagonal, wherever each of them has its middle, since the azimuth is even. Other passes have other
+ * directions. The twin takes one number for both. */
 static void directions_fill_their_pixels_and_are_drawn_anew_in_each_pass(void **state)
 {
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
@@ -68,7 +69,8 @@ static void directions_fill_their_pixels_and_are_drawn_anew_in_each_pass(void **
         first = c.y[0].wi;
         for (uint32_t i = 0; i < c.n * BIS_CLUSTER_DIRECTIONS; i++, n++) {
             const vec3 wi = c.y[i].wi;
-            const double turns = atan2((double)wi.y, (double)wi.x) / (2 * PI), x = (turns < 0 ? turns + 1 : turns) * em->width,
+            const double turns = atan2((double)wi.y, (double)wi.x) / (2 * PI),
+                x = (turns < 0 ? turns + 1 : turns) * em->width,
                          y = acos(fmax(-1, fmin(1, (double)wi.z))) / PI * em->height;
             diagonal += (x - floor(x) < 0.5) == (y - floor(y) < 0.5);
         }
@@ -80,9 +82,10 @@ static void directions_fill_their_pixels_and_are_drawn_anew_in_each_pass(void **
     bis_light_free(light);
 }
 
-/* Each cluster is compact, so that one cone describes it: K of them would share the sphere evenly, and a piece of the curve is cut when
- * it has a K-th of the sphere, which one tile of 4 x 4 pixels may exceed. Where the map has light everywhere; the dark half has a hundredth
- * of the importance, and cut by importance alone it would be one or two pieces. */
+/* Each cluster is compact, so that one cone describes it: K of them would share the sphere evenly, and a piece of the
+ * curve is cut when it has a K-th of the sphere, which one tile of 4 x 4 pixels may exceed. Where the map has light
+ * everywhere; the dark half has a hundredth of the importance, and cut by importance alone it would be one or two
+ * pieces. */
 static void no_cluster_is_larger_than_its_share_of_the_sphere(void **state)
 {
     const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .levels = 8, .to_world = bis_xform_identity()};
@@ -226,8 +229,8 @@ static bis_settings product(uint32_t M, uint32_t N, bool learn)
     return s;
 }
 
-/* A thread's workspace serves point after point, of other materials, of which other shares of M come from the map: what one point has
- * left there changes no bit of the next. */
+/* A thread's workspace serves point after point, of other materials, of which other shares of M come from the map:
+ * what one point has left there changes no bit of the next. */
 static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
 {
     static const uint32_t Ms[] = {16, 40, 64, 250};
@@ -245,7 +248,8 @@ static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
         used.clusters = &c;
         for (uint64_t k = 0; k < 64; k++) {
             lit l;
-            lit_init(&l, light, bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.6f, 0.6f, 0.4f}, exponents[k % 8]), tilted(), k % 3 ? 30 : 75, LIT_OPEN);
+            lit_init(&l, light, bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.6f, 0.6f, 0.4f}, exponents[k % 8]),
+                tilted(), k % 3 ? 30 : 75, LIT_OPEN);
             assert_int_equal(bis_scratch_init(&fresh, &s, NULL), BIS_OK);
             fresh.clusters = &c;
             const rgb a = lit_once(&l, &s, &used, SEED, k), b = lit_once(&l, &s, &fresh, SEED, k);

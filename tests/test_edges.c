@@ -44,8 +44,8 @@ static void edges_are_where_the_picture_is_half_background(void **state)
     clear_world(&w);
 }
 
-/* A roof of two planes, z = |x| tan(angle/2), seen head on: normals differ by `angle`, and the ridge crosses the middle column of pixels
- * alone. Materials as given. Returns how many pixels are edges, -1 if any is elsewhere. */
+/* A roof of two planes, z = |x| tan(angle/2), seen head on: normals differ by `angle`, and the ridge crosses the
+ * middle column of pixels alone. Materials as given. Returns how many pixels are edges, -1 if any is elsewhere. */
 static int count_ridge(double angle_deg, int left, int right)
 {
     const float far = 90, z = (float)(90 * tan(angle_deg * PI / 360));
@@ -66,10 +66,12 @@ static int count_ridge(double angle_deg, int left, int right)
         m.index = bis_alloc(6, sizeof *m.index);
         memcpy(m.p, corners, sizeof corners);
         memcpy(m.index, index, sizeof index);
-        assert_int_equal(bis_geometry_add_mesh(&w.scene.geometry, &m, &identity, (uint32_t)(side ? right : left), NULL), BIS_OK);
+        assert_int_equal(bis_geometry_add_mesh(&w.scene.geometry, &m, &identity, (uint32_t)(side ? right : left),
+            NULL), BIS_OK);
         bis_mesh_clear(&m);
     }
-    assert_int_equal(bis_accel_new(&w.scene.accel, &w.scene.geometry, &(bis_accel_options){.kind = BIS_ACCEL_GRID}, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&w.scene.accel, &w.scene.geometry, &(bis_accel_options){.kind = BIS_ACCEL_GRID},
+        NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
     unsigned char *edge = bis_edges_find(&film, &w.scene, &w.desc, 1);
     assert_non_null(edge);

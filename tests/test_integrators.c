@@ -680,9 +680,9 @@ static void scratch_without_memory_is_an_error(void **state)
 
 /* ---- the weights of mis ---- */
 
-/* Under a constant light 1 a white diffuse surface's two samples are C = 1 by the BRDF and 4c by the map (uniform on the sphere), c the
- * cosine, and the ratio of their densities is 4c: so the estimate's second moment is two integrals over c. `power`: 2 or 1, eq. 4.3 as a
- * power or a balance heuristic. */
+/* Under a constant light 1 a white diffuse surface's two samples are C = 1 by the BRDF and 4c by the map (uniform on
+ * the sphere), c the cosine, and the ratio of their densities is 4c: so the estimate's second moment is two integrals
+ * over c. `power`: 2 or 1, eq. 4.3 as a power or a balance heuristic. */
 static double second_moment_of_mis(int power)
 {
     enum { STEPS = 10000 };

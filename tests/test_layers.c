@@ -253,8 +253,9 @@ static void unoccluded_is_L_ns_and_visibility_is_L_over_L_ns(void **state)
     }
 }
 
-/* Where a pixel is half sky. The integrator `place` returns p + 10 and the sky is black, so the film's own colours say what depth is:
- * the mean over the samples that hit. Albedo and normal are means over all samples: the columns at the left see only the floor. */
+/* Where a pixel is half sky. The integrator `place` returns p + 10 and the sky is black, so the film's own colours say
+ * what depth is: the mean over the samples that hit. Albedo and normal are means over all samples: the columns at the
+ * left see only the floor. */
 static void in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples(void **state)
 {
     (void)state;
@@ -267,7 +268,8 @@ static void in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples(
     bis_scene_set_spp(&w.desc, 16);
     render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 16}});
     float *planes = new_planes(&f);
-    const float *z = plane_of(&f, "Z", planes), *up = plane_of(&f, "Ns.Y", planes), *green = plane_of(&f, "Albedo.G", planes);
+    const float *z = plane_of(&f, "Z", planes), *up = plane_of(&f, "Ns.Y", planes), *green = plane_of(&f, "Albedo.G",
+        planes);
     for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
         const double hits = f.hits[i], share = hits / 16;
         if (hits == 0) continue;
@@ -282,8 +284,9 @@ static void in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples(
     clear_world(&w);
 }
 
-/* A diffuse square whose shading normals lean by 60 degrees, under a constant light: by the BRDF's samples every estimate of L_ns
- * is Kd itself, whatever lies below the geometric surface; L lacks what does, and V is what is left: (1 + cos 60)/2 of the cosine. */
+/* A diffuse square whose shading normals lean by 60 degrees, under a constant light: by the BRDF's samples every
+ * estimate of L_ns is Kd itself, whatever lies below the geometric surface; L lacks what does, and V is what is left:
+ * (1 + cos 60)/2 of the cosine. */
 static void unoccluded_has_no_surface_below_which_it_is_dark(void **state)
 {
     (void)state;
@@ -307,18 +310,22 @@ static void unoccluded_has_no_surface_below_which_it_is_dark(void **state)
     for (int i = 0; i < 4; i++) m.n[i] = vec3_from(sqrt(0.75), 0, -0.5);
     assert_int_equal(bis_geometry_add_mesh(&w.scene.geometry, &m, &identity, 0, NULL), BIS_OK);
     bis_mesh_clear(&m);
-    assert_int_equal(bis_accel_new(&w.scene.accel, &w.scene.geometry, &(bis_accel_options){.kind = BIS_ACCEL_GRID}, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&w.scene.accel, &w.scene.geometry, &(bis_accel_options){.kind = BIS_ACCEL_GRID},
+        NULL), BIS_OK);
     assert_int_equal(bis_light_constant(&w.scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
-    render_layers(&f, &result, &w, (double[4]){0.45, 0.55, 0.4, 0.6}, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 200}});
+    render_layers(&f, &result, &w, (double[4]){0.45, 0.55, 0.4, 0.6}, BIS_LAYERS_ALL,
+        &(bis_render_options){.budget = {.spp = 200}});
     float *planes = new_planes(&f);
-    const float *red = plane_of(&f, "unoccluded.R", planes), *blue = plane_of(&f, "unoccluded.B", planes), *V = plane_of(&f, "visibility.Y", planes);
+    const float *red = plane_of(&f, "unoccluded.R", planes), *blue = plane_of(&f, "unoccluded.B", planes),
+        *V = plane_of(&f, "visibility.Y", planes);
     const int n = f.width * f.height;
     double mean = 0;
     for (int i = 0; i < n; i++) {
         assert_true(fabs((double)red[i] - 0.5) < 1e-5 && fabs((double)blue[i] - 0.125) < 1e-5);
         mean += (double)V[i] / n;
     }
-    /* n 200 passes of 4 independent samples of a yes or no of probability 3/4: 7 standard deviations, stratified or not */
+    /* n 200 passes of 4 independent samples of a yes or no of probability 3/4: 7 standard deviations, stratified or
+     * not */
     assert_true(n >= 12 && fabs(mean - 0.75) < 7 * sqrt(0.75 * 0.25 / (n * 800.0)));
     bis_free(planes);
     bis_film_clear(&f);

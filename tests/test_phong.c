@@ -497,8 +497,8 @@ static void bounds_hold_and_are_reached_head_on_E27(void **state)
 
 /* ---- zero is a value ---- */
 
-/* A unit vector of floats is unit to sqrt(3)/2 of their rounding, 2^-25 for values below 1, times sqrt(3) again for its length: 5.2e-8.
- * Mirrored without being normalised again, n and wo that are off by that much make it up to five times as much. */
+/* Rounded to floats, each component of a unit vector is off by 2^-25 at most, its length by sqrt(3) of that: less than
+ * 2^-24. Mirrored and not normalised again, n and wo that are off by as much make it up to five times that. */
 static void the_mirror_direction_is_as_unit_as_floats_can_be(void **state)
 {
     const bis_material m = bis_phong(grey(0.5), grey(0.5), 50);
@@ -507,7 +507,8 @@ static void the_mirror_direction_is_as_unit_as_floats_can_be(void **state)
     (void)state;
     bis_rng_init(&rng, SEED, 77, 0, 0);
     for (int i = 0; i < 3000; i++) {
-        const vec3 n = bis_warp_sphere(bis_rng_double(&rng), bis_rng_double(&rng)), wo = bis_warp_sphere(bis_rng_double(&rng), bis_rng_double(&rng));
+        const vec3 n = bis_warp_sphere(bis_rng_double(&rng), bis_rng_double(&rng)),
+            wo = bis_warp_sphere(bis_rng_double(&rng), bis_rng_double(&rng));
         const double x = (double)n.x * (double)wo.x + (double)n.y * (double)wo.y + (double)n.z * (double)wo.z;
         bis_bsdf b;
         bis_bsdf_init(&b, &m, n, wo);

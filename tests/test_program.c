@@ -628,9 +628,12 @@ static void compare_prints_the_same_figures_as_text_and_json(void **state)
     read_image(&a, DIR "/ca.exr");
     read_image(&b, DIR "/cb.pfm");
     assert_int_equal(bis_compare(&c, &a, &b, NULL), BIS_OK);
-    const struct { const char *key; double value; } figures[] = {{"mean_a", c.mean_a}, {"mean_b", c.mean_b}, {"bias", c.bias},
-        {"bias_se", c.bias_se}, {"rmse", c.rmse}, {"relmse", c.relmse}, {"max_abs", c.max_abs}, {"pixels", (double)c.pixels}, {"nonfinite", 0}};
-    for (int i = 0; i < 9; i++) assert_true(atof(json_value(value, sizeof value, json.output, figures[i].key)) == figures[i].value);
+    const struct { const char *key; double value; } figures[] = {{"mean_a", c.mean_a}, {"mean_b", c.mean_b}, {"bias",
+        c.bias},
+        {"bias_se", c.bias_se}, {"rmse", c.rmse}, {"relmse", c.relmse}, {"max_abs", c.max_abs}, {"pixels",
+            (double)c.pixels}, {"nonfinite", 0}};
+    for (int i = 0; i < 9; i++) assert_true(atof(json_value(value, sizeof value, json.output,
+        figures[i].key)) == figures[i].value);
     bis_image_clear(&a);
     bis_image_clear(&b);
 }
@@ -652,8 +655,8 @@ static void nothing_to_compare_is_no_success(void **state)
     assert_string_equal(json_value(value, sizeof value, r.output, "pixels"), "0");
 }
 
-/* libgomp tells the size of each team that it forms. A map, a mesh, both accelerators, all with N threads where the system's default is
- * another number. */
+/* libgomp tells the size of each team that it forms. A map, a mesh, both accelerators, all with N threads where the
+ * system's default is another number. */
 static void nthreads_holds_for_everything(void **state)
 {
     static const char *const accelerators[] = {"grid", "embree"};
@@ -666,7 +669,8 @@ static void nthreads_holds_for_everything(void **state)
     setenv("OMP_NUM_THREADS", "5", 1);
     for (int a = 0; a < (bis_accel_embree_version() ? 2 : 1); a++) {
         program_expect(&r, 0, SCENE " --nthreads 3 --accelerator %s --outfile " DIR "/n.exr", accelerators[a]);
-        for (const char *at = r.messages; (at = strstr(at, "a team of ")); at++, n_teams++) assert_int_equal(atoi(at + 10), 3);
+        for (const char *at = r.messages; (at = strstr(at, "a team of ")); at++,
+            n_teams++) assert_int_equal(atoi(at + 10), 3);
     }
 #ifdef _OPENMP
     assert_true(n_teams > 0);

@@ -137,8 +137,9 @@ static void mean_acceptance_is_L_ns_over_B_E27(void **state)
     }
 }
 
-/* "choose" takes each proposal with a probability as the other's bound. So the mean share of accepted candidates is that of both, L_ns/B,
- * in these shares. The twin prefers the larger bound: there the share is 2 L_ns/(B_em + B_brdf). */
+/* "choose" takes each proposal with a probability as the other's bound. So the mean share of accepted candidates is
+ * that of both, L_ns/B, in these shares. The twin prefers the larger bound: there the share is 2 L_ns/(B_em + B_brdf).
+ * */
 static void choose_prefers_the_smaller_bound_by_the_acceptance_that_comes_out(void **state)
 {
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);

@@ -149,8 +149,8 @@ static rgb drawn_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stre
     return (rgb){bis_pool_set(scratch->pool, 3)[5].wi.x + 2, scratch->clusters->y[70].wi.y + 2, 1};
 }
 
-/* What is drawn once a pass is drawn anew in every pass, as a function of its number: passes with the same directions would share
- * their noise, and no number of passes would end it. */
+/* What is drawn once a pass is drawn anew in every pass, as a function of its number: passes with the same directions
+ * would share their noise, and no number of passes would end it. */
 static void each_pass_has_a_pool_and_clusters_of_its_own(void **state)
 {
     (void)state;
@@ -302,8 +302,8 @@ static rgb slow_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
     return noise_Lo(s, pt, stream, scratch);
 }
 
-/* One pixel, which rests for 60 ms in each pass: of 100 ms one pass is left when the first is done, and 40 are too few. A slow machine
- * changes nothing: passes never take less than they rest. */
+/* One pixel, which rests for 60 ms in each pass: of 100 ms one pass is left when the first is done, and 40 are too
+ * few. A slow machine changes nothing: passes never take less than they rest. */
 static void no_pass_begins_that_would_not_fit_into_the_time(void **state)
 {
     (void)state;

@@ -105,7 +105,8 @@ extern const bis_loc bis_cli_loc;
  * hours of rendering; the write itself is checked again. */
 bis_status bis_cli_check_writable(const char *path, bis_diag *diag);
 
-/* --nthreads: from now on n threads wherever nobody says how many, as for the tables of a map. 0: as many as there are. */
+/* --nthreads: from now on n threads wherever nobody says how many, as for the tables of a map. 0: as many as there
+ * are. */
 void bis_cli_use_threads(uint64_t n);
 
 /* The commands: arguments behind the command's name, exit status out. */

@@ -378,7 +378,8 @@ static void render_passes(render *r, bis_render_result *result)
     } while (complete && budget_left(r, &next_check));
     if (r->passes == 0) keep_pass(r); /* rather an unfinished pass than nothing */
     result->seconds = bis_clock_now() - r->start;
-    result->interrupted = interrupted(r) && !(r->most_passes && r->passes >= r->most_passes); /* too late: nothing was missing */
+    /* where all passes are done, it came too late */
+    result->interrupted = interrupted(r) && !(r->most_passes && r->passes >= r->most_passes);
     report(r, 0);
 }
 
