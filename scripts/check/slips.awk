@@ -1,7 +1,8 @@
 # slips: every small slip that a file of C can have, one a line. scripts/check/mutants draws from them.
 #     awk -v file=NAME -f slips.awk FILE
-# Prints, separated by tabs: NAME, line, offset in bytes, bytes that go, "in" a function or "out", what comes in their place.
-# Left alone: text in quotes, asserts (a weaker one is no fault), directives but for the values of #define, sizes of 16 and more in brackets.
+# Prints, separated by tabs: NAME, line, offset in bytes, bytes that go, "in" a function or "out", what comes instead.
+# Left alone: text in quotes, asserts (a weaker one is no fault), directives but for the values of #define, sizes of 16
+# and more in brackets.
 
 function add(offset, token) {
     T[++n] = token; L[n] = NR; P[n] = offset
@@ -14,8 +15,8 @@ function add(offset, token) {
     line = $0; col = 1; size = length(line)
     if (!comment && (continued || line ~ /^[ \t]*#/)) {
         continued = line ~ /\\$/
-        if (line ~ /^#define [A-Za-z_0-9]+ / && !continued) { match(line, /^#define [A-Za-z_0-9]+ /); col = RLENGTH + 1; add(begin, "#") }
-        else col = size + 1
+        col = size + 1
+        if (!continued && match(line, /^#define [A-Za-z_0-9]+ /)) { col = RLENGTH + 1; add(begin, "#") }
     }
     while (col <= size) {
         rest = substr(line, col)
@@ -26,10 +27,7 @@ function add(offset, token) {
         }
         if (match(rest, /^[ \t]+/)) { col += RLENGTH; continue }
         if (rest ~ /^\/\*/) { comment = 1; col += 2; continue }
-        if (!match(rest, /^"([^"\\]|\\.)*"/) && !match(rest, /^'([^'\\]|\\.)+'/) && !match(rest, /^[A-Za-z_][A-Za-z_0-9]*/) &&
-            !match(rest, /^(0[xX][0-9a-fA-F]*\.?[0-9a-fA-F]*([pP][-+]?[0-9]+)?|([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?)[uUlLfF]*/) &&
-            !match(rest, /^(<<=|>>=|\.\.\.)/) && !match(rest, /^(->|\+\+|--|<<|>>|<=|>=|==|!=|&&|\|\||[-+*\/%&|^]=)/))
-            RLENGTH = 1
+        if (!match(rest, text) && !match(rest, word) && !match(rest, number) && !match(rest, operator)) RLENGTH = 1
         add(begin + col - 1, substr(rest, 1, RLENGTH))
         col += RLENGTH
     }
@@ -37,13 +35,13 @@ function add(offset, token) {
     all = all line "\n"
 }
 
-function text(i, j) {   # tokens i to j as they stand, on one line
+function words(i, j) {  # tokens i to j as they stand, on one line
     s = substr(all, P[i] + 1, P[j] + length(T[j]) - P[i])
     gsub(/[ \t\n]+/, " ", s)
     return s
 }
 function slip(i, j, new) {
-    print file "\t" L[i] "\t" P[i] "\t" (j < i ? 0 : P[j] + length(T[j]) - P[i]) "\t" (inside[i] ? "in" : "out") "\t" new
+    print file, L[i], P[i], j < i ? 0 : P[j] + length(T[j]) - P[i], inside[i] ? "in" : "out", new
 }
 function is_word(t) { return t ~ /^[A-Za-z_]/ && !(t in keyword) }
 function is_operand(t) { return t ~ /^[A-Za-z_0-9.)"']/ && !(t in keyword) || t == "]" }
@@ -58,8 +56,8 @@ function swap_arguments(i,    k, from, to, old_from, old_to) {     # of the call
     for (k = from; k <= M[i]; k++) {
         if (T[k] == "," || k == M[i]) {
             to = k - 1
-            if (old_to && text(old_from, old_to) != text(from, to))
-                slip(old_from, to, text(from, to) ", " text(old_from, old_to))
+            if (old_to && words(old_from, old_to) != words(from, to))
+                slip(old_from, to, words(from, to) ", " words(old_from, old_to))
             old_from = from; old_to = to; from = k + 1
         } else if (k in M) k = M[k]
     }
@@ -67,10 +65,17 @@ function swap_arguments(i,    k, from, to, old_from, old_to) {     # of the call
 
 BEGIN {
     OFS = "\t"
-    split("if for while switch return case else do sizeof goto break continue const static struct enum union typedef default", list, " ")
+    text = "^(\"([^\"\\\\]|\\\\.)*\"|'([^'\\\\]|\\\\.)+')"
+    word = "^[A-Za-z_][A-Za-z_0-9]*"
+    number = "^(0[xX][0-9a-fA-F]*\\.?[0-9a-fA-F]*([pP][-+]?[0-9]+)?|" \
+             "([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)?)[uUlLfF]*"
+    operator = "^(<<=|>>=|\\.\\.\\.|->|\\+\\+|--|<<|>>|<=|>=|==|!=|&&|\\|\\||[-+*/%&|^]=)"
+    split("if for while switch return case else do sizeof goto break continue " \
+          "const static struct enum union typedef default", list, " ")
     for (i in list) keyword[list[i]] = 1
-    m = split("+ -|- +|* /|/ *|% /|< <=|< >|<= <|<= >|> >=|> <|>= >|>= <|== !=|!= ==|&& OR|OR &&|& OR1|OR1 &|^ &|<< >>|>> <<|" \
-              "+= -=|+= =|-= +=|-= =|*= /=|*= =|/= *=|/= =|OR= &=|OR= =|&= OR=|<<= >>=|>>= <<=|++ --|-- ++", list, "|")
+    m = split("+ -|- +|* /|/ *|% /|< <=|< >|<= <|<= >|> >=|> <|>= >|>= <|== !=|!= ==|&& OR|OR &&|& OR1|OR1 &|^ &|" \
+              "<< >>|>> <<|+= -=|+= =|-= +=|-= =|*= /=|*= =|/= *=|/= =|OR= &=|OR= =|&= OR=|<<= >>=|>>= <<=|++ --|-- ++",
+              list, "|")
     for (i = 1; i <= m; i++) {
         split(list[i], w, " ")
         for (j = 1; j <= 2; j++) { sub(/^OR$/, "||", w[j]); sub(/^OR1$/, "|", w[j]); sub(/^OR=$/, "|=", w[j]) }
@@ -113,7 +118,7 @@ END {
         if (!inside[i]) continue
 
         # conditions, bounds of loops, returned values
-        if ((t == "if" || t == "while") && T[i + 1] == "(") slip(i + 1, M[i + 1], "(!" text(i + 1, M[i + 1]) ")")
+        if ((t == "if" || t == "while") && T[i + 1] == "(") slip(i + 1, M[i + 1], "(!" words(i + 1, M[i + 1]) ")")
         if (t == "for" && T[i + 1] == "(") {
             j = up_to(up_to(i + 2) + 1)
             for (k = i + 2; k < j; k++) if (T[k] ~ /^<=?$/) break
@@ -121,12 +126,13 @@ END {
         }
         if (t == "return" && T[i + 1] != ";") {
             j = up_to(i + 1) - 1
-            if (text(i + 1, j) !~ /^(0|true|false)$/) { slip(i + 1, j, "0"); slip(i + 1, j, "!(" text(i + 1, j) ")") }
+            if (words(i + 1, j) !~ /^(0|true|false)$/) { slip(i + 1, j, "0"); slip(i + 1, j, "!(" words(i + 1, j) ")") }
         }
 
         # statements
         if (t == "break" || t == "continue") slip(i, i, "")
-        if (before ~ /^([;{})]|else)$/ && (is_word(t) && T[i + 1] ~ /^([(=.[]|->|\+\+|--|[-+*\/%&|^]=|<<=|>>=)$/ || t ~ /^(\*|\+\+|--)$/))
+        if (before ~ /^([;{})]|else)$/ &&
+            (is_word(t) && T[i + 1] ~ /^([(=.[]|->|\+\+|--|[-+*\/%&|^]=|<<=|>>=)$/ || t ~ /^(\*|\+\+|--)$/))
             slip(i, up_to(i) - 1, "")
 
         # arguments
