@@ -83,6 +83,7 @@ void program_finish(program_run *run, pid_t pid)
     read_text(run->output, sizeof run->output, out_path);
     read_text(run->messages, sizeof run->messages, err_path);
     if (run->exit_status == 127) fail_msg("no program at $BIS_PROGRAM or build/release/bis");
+    if (strstr(run->messages, "error in bis itself")) fail_msg("%s", run->messages); /* whatever the test is about */
 }
 
 pid_t program_start(const char *arguments) { return start(0, arguments); }

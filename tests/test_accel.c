@@ -629,6 +629,41 @@ static void memory_is_at_most_150_bytes_a_triangle_in_all(void **state)
     bis_geometry_clear(&g);
 }
 
+/* A ray is open at both ends: what lies exactly at tmax is not on it, what lies an ulp before is. A square and a unit
+ * ball, both met at t = 4 without any rounding. */
+static void what_lies_at_the_end_of_a_ray_is_not_on_it(void **state)
+{
+    (void)state;
+    for (int ball = 0; ball < 2; ball++) {
+        const vec3 corners[4] = {{-2, -2, 1}, {3, -2, 1}, {3, 3, 1}, {-2, 3, 1}};
+        const uint32_t index[6] = {0, 1, 2, 0, 2, 3};
+        const bis_xform identity = bis_xform_identity();
+        const bis_quadric q = {.kind = BIS_SPHERE, .radius = 1, .to_world = identity};
+        bis_geometry g = {0};
+        bis_mesh m = {.n_vertices = 4, .n_triangles = 2};
+        m.p = bis_alloc(4, sizeof *m.p);
+        m.index = bis_alloc(6, sizeof *m.index);
+        memcpy(m.p, corners, sizeof corners);
+        memcpy(m.index, index, sizeof index);
+        assert_int_equal(ball ? bis_geometry_add_quadric(&g, &q, NULL) : bis_geometry_add_mesh(&g, &m, &identity, 0,
+            NULL), BIS_OK);
+        bis_mesh_clear(&m);
+        backends b = make_backends(&g);
+        for (int i = 0; i < b.n; i++) {
+            const float tmax[] = {nextafterf(4, 0), 4, nextafterf(4, 5), INFINITY};
+            for (int k = 0; k < 4; k++) {
+                const ray r = {{0, 0, 5}, {0, 0, -1}, tmax[k]};
+                bis_hit hit;
+                assert_int_equal(bis_accel_occluded(b.a[i], &r), k >= 2);
+                assert_int_equal(bis_accel_intersect(b.a[i], &r, &hit), k >= 2);
+                if (k >= 2) assert_true(hit.t == 4);
+            }
+        }
+        free_backends(&b);
+        bis_geometry_clear(&g);
+    }
+}
+
 static void an_empty_scene_is_never_hit(void **state)
 {
     const ray r = {{0, 0, 0}, {0, 0, 1}, INFINITY};
@@ -711,6 +746,7 @@ int main(void)
         cmocka_unit_test(the_number_of_threads_changes_no_bit_of_the_grid),
         cmocka_unit_test(the_backends_agree_on_the_dragon_but_for_ties),
         cmocka_unit_test(memory_is_at_most_150_bytes_a_triangle_in_all),
+        cmocka_unit_test(what_lies_at_the_end_of_a_ray_is_not_on_it),
         cmocka_unit_test(an_empty_scene_is_never_hit),
         cmocka_unit_test(without_embree_the_message_names_the_way_out),
         cmocka_unit_test(any_allocation_may_fail),

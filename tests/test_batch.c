@@ -5,6 +5,7 @@
 #include "bis/thesis/phong.h"
 #include "bis/base/stats.h"
 #include "bis/thesis/errata.h"
+#include "beyond/blocks.h"
 #include "lit.h"
 
 #include <setjmp.h>
@@ -222,6 +223,41 @@ static void marks_at_the_ends_fall_on_the_first_and_on_the_last_positive_lane(vo
     }
 }
 
+/* Rounding may take a mark to the end of all weights. No mark is lost: told a sum twice as large, so that half of the
+ * marks lie beyond the end, N are chosen all the same, and the last positive lane has those. */
+static void marks_beyond_the_end_fall_on_the_last_positive_lane(void **state)
+{
+    static const uint32_t Ns[] = {1, 2, 7, 40};
+
+    (void)state;
+    for (int way = 0; way < 2; way++) {
+        for (int c = 0; c < 4; c++) {
+            const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = 1, .spp = 1, .xsamples = 1, .ysamples = 1};
+            bis_blocks b;
+            uint32_t n = 0, last = 0, all_last = 0;
+            assert_true(bis_blocks_init(&b, 48, Ns[c]));
+            for (uint64_t run = 0; run < 100; run++) {
+                bis_stream stream = {.sampler = &sampler, .rng = rng_with(mark((uint32_t)run, 100), 1)};
+                /* the last positive one is 37 */
+                for (int i = 0; i < 48; i++) b.w[i] = i % 3 == 1 && i < 40 ? (float)(1 + i % 5) : 0;
+                const double W = bis_blocks_sum(&b, 48);
+                bis_blocks_choose(&b, Ns[c], 2 * W, way ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC,
+                    &stream);
+                n = last = 0;
+                for (uint32_t k = 0; k < b.n_chosen; k++) {
+                    assert_true(b.times[k] > 0 && b.w[b.lane[k]] > 0 && (k == 0 || b.lane[k] > b.lane[k - 1]));
+                    n += b.times[k];
+                    if (b.lane[k] == 37) last += b.times[k];
+                }
+                assert_int_equal(n, Ns[c]);
+                all_last += last;
+            }
+            assert_true(all_last >= 30 * Ns[c]); /* half of all, and its own share */
+            bis_blocks_clear(&b);
+        }
+    }
+}
+
 static void one_positive_lane_gets_every_mark_and_one_ray(void **state)
 {
     (void)state;
@@ -234,6 +270,36 @@ static void one_positive_lane_gets_every_mark_and_one_ray(void **state)
         assert_int_equal(b.accel.rays, 1);
         close_bench(&b);
     }
+}
+
+/* A workspace that has served another point gives the same bits as a new one: shares of M from map and BRDF change
+ * from point to point, and blocks of lanes are filled to other ends. */
+static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
+{
+    static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX};
+    static const double exponents[] = {1, 5000, 10, 300, 50, 100000, 3, 1000};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        const bis_settings s = sir(proposals[i % 3], i < 3 ? 40 : 250, 7, true);
+        workspace used = {.fast = {NULL}}, fresh;
+        bis_pool pool = {0}, same = {0};
+        new_workspace(&used, &pool, &s);
+        if (pool.n_sets) bis_pool_fill(&pool, light, SEED, 0, 1);
+        for (uint64_t k = 0; k < 32; k++) {
+            lit l;
+            lit_init(&l, light, bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.6f, 0.6f, 0.4f}, exponents[k % 8]),
+                normalize((vec3){0.3f, 0.1f, 1}), k % 3 ? 30 : 75, LIT_OPEN);
+            new_workspace(&fresh, &same, &s);
+            if (same.n_sets) bis_pool_fill(&same, light, SEED, 0, 1);
+            const rgb a = lit_once(&l, &s, &used.scratch, SEED, k), b = lit_once(&l, &s, &fresh.scratch, SEED, k);
+            assert_memory_equal(&a, &b, sizeof a);
+            clear(&fresh, &same);
+        }
+        clear(&used, &pool);
+    }
+    bis_light_free(light);
 }
 
 static void a_black_set_gives_0_and_no_ray(void **state)
@@ -487,7 +553,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lanes_are_chosen_exactly_in_proportion_to_their_weights),
         cmocka_unit_test(marks_at_the_ends_fall_on_the_first_and_on_the_last_positive_lane),
+        cmocka_unit_test(marks_beyond_the_end_fall_on_the_last_positive_lane),
         cmocka_unit_test(one_positive_lane_gets_every_mark_and_one_ray),
+        cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(a_black_set_gives_0_and_no_ray),
         cmocka_unit_test(a_black_material_and_an_eye_below_the_horizon_give_0),
         cmocka_unit_test(side_by_side_the_same_candidates_are_chosen_as_one_by_one),

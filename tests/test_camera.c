@@ -135,6 +135,23 @@ static void extreme_fields_of_view_keep_their_precision(void **state)
     }
 }
 
+/* A camera-to-world matrix scaled by 1e-170 or 1e170: its squares leave the range of a double, its directions stay. */
+static void scales_whose_squares_overflow_or_vanish_change_no_direction(void **state)
+{
+    static const double scales[] = {1e-300, 1e-170, 1e-141, 1e-139, 1e139, 1e141, 1e170, 1e300};
+
+    (void)state;
+    for (size_t k = 0; k < sizeof scales / sizeof *scales; k++) {
+        const bis_camera plain = {.fov_deg = 50, .to_world = bis_xform_identity()};
+        bis_camera scaled = plain;
+        for (int i = 0; i < 3; i++) scaled.to_world.m[i][i] = scales[k];
+        for (int x = 0; x <= 8; x++) {
+            const vec3 d = bis_camera_ray(&plain, 8, 8, x, 3).d;
+            assert_vec3(bis_camera_ray(&scaled, 8, 8, x, 3).d, (double)d.x, (double)d.y, (double)d.z);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -146,6 +163,7 @@ int main(void)
         cmocka_unit_test(a_screen_window_replaces_the_films_shape),
         cmocka_unit_test(frame_aspect_replaces_width_by_height),
         cmocka_unit_test(orthographic_rays_are_parallel_and_start_on_the_screen),
+        cmocka_unit_test(scales_whose_squares_overflow_or_vanish_change_no_direction),
         cmocka_unit_test(extreme_fields_of_view_keep_their_precision),
     };
     return cmocka_run_group_tests_name("camera", tests, NULL, NULL);

@@ -10,6 +10,7 @@
 #include "bis/base/stats.h"
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/importance.h"
+#include "bis/scene/light_load.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +21,7 @@
 
 enum { SEED = 71, RUNS = 200, PER_FILL = 20 };
 
-static double alpha(void) { return bis_stats_sidak(1e-3, 4 * 4 * 2 * 4 + 4); }
+static double alpha(void) { return bis_stats_sidak(1e-3, 4 * 4 * 2 * 4 + 5); }
 
 static vec3 tilted(void) { return normalize((vec3){0.3f, 0.1f, 1}); }
 
@@ -51,6 +52,66 @@ static void clusters_share_the_curve_and_none_is_empty(void **state)
         bis_clusters_clear(&c);
         bis_light_free(light);
     }
+}
+
+/* Where inside its pixel a direction lies: its two places are independent, so that half of all lie in the two quarters
+ * of the diagonal, wherever each of them has its middle, since the azimuth is even. Other passes have other
+ * directions. The twin takes one number for both. */
+static void directions_fill_their_pixels_and_are_drawn_anew_in_each_pass(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
+    const bis_envmap *em = bis_light_envmap(light);
+    bis_clusters c;
+    vec3 first = {0, 0, 0};
+    double diagonal = 0, n = 0;
+
+    (void)state;
+    assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
+    for (uint32_t pass = 0; pass < 4; pass++) {
+        bis_clusters_fill(&c, light, SEED, pass, 1);
+        assert_true(pass == 0 || c.y[0].wi.x != first.x || c.y[0].wi.y != first.y);
+        first = c.y[0].wi;
+        for (uint32_t i = 0; i < c.n * BIS_CLUSTER_DIRECTIONS; i++, n++) {
+            const vec3 wi = c.y[i].wi;
+            const double turns = atan2((double)wi.y, (double)wi.x) / (2 * PI),
+                x = (turns < 0 ? turns + 1 : turns) * em->width,
+                         y = acos(fmax(-1, fmin(1, (double)wi.z))) / PI * em->height;
+            diagonal += (x - floor(x) < 0.5) == (y - floor(y) < 0.5);
+        }
+    }
+    /* one binomial, in the normal approximation: n is thousands */
+    const double z = (diagonal - n / 2) / sqrt(n / 4);
+    assert_true(n > 4000 && bis_stats_normal_p(z) > alpha());
+    bis_clusters_clear(&c);
+    bis_light_free(light);
+}
+
+/* Each cluster is compact, so that one cone describes it: K of them would share the sphere evenly, and a piece of the
+ * curve is cut when it has a K-th of the sphere, which one tile of 4 x 4 pixels may exceed. Where the map has light
+ * everywhere; the dark half has a hundredth of the importance, and cut by importance alone it would be one or two
+ * pieces. */
+static void no_cluster_is_larger_than_its_share_of_the_sphere(void **state)
+{
+    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .levels = 8, .to_world = bis_xform_identity()};
+    bis_image image;
+    bis_envmap map;
+    bis_light *light;
+    bis_clusters c;
+
+    (void)state;
+    assert_int_equal(bis_image_init(&image, 128, 64, NULL), BIS_OK);
+    for (int i = 0; i < 128 * 64; i++) image.pixels[i] = i % 128 < 64 ? grey(100) : grey(1);
+    assert_int_equal(bis_envmap_from_latlong(&map, &image, NULL), BIS_OK);
+    assert_int_equal(bis_light_from_envmap(&light, &map, &desc, BIS_NEED_CURVE, NULL), BIS_OK);
+    assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
+    const bis_envmap *em = bis_light_envmap(light);
+    double *angle = bis_alloc(c.n, sizeof *angle), most = 0;
+    for (uint32_t p = 0; p < 128 * 64; p++) angle[bis_cluster_of_pixel(&c, p)] += em->row_solid_angle[p / 128];
+    for (uint32_t k = 0; k < c.n; k++) most = fmax(most, angle[k]);
+    assert_true(most < 4 * PI / BIS_CLUSTERS + 16 * em->row_solid_angle[31]);
+    bis_free(angle);
+    bis_clusters_clear(&c);
+    bis_light_free(light);
 }
 
 static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
@@ -176,6 +237,46 @@ static bis_settings product(uint32_t M, uint32_t N, bool learn)
     return s;
 }
 
+/* A thread's workspace serves point after point, of other materials, of which other shares of M come from the map:
+ * what one point has left there changes no bit of the next. */
+static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
+{
+    static const uint32_t Ms[] = {16, 40, 64, 250};
+    static const double exponents[] = {1, 5000, 10, 300, 50, 100000, 3, 1000};
+
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    for (int i = 0; i < 4; i++) {
+        const bis_settings s = product(Ms[i], 5, false);
+        bis_scratch used, fresh;
+        bis_fast used_fast, fresh_fast;
+        bis_clusters c;
+        assert_int_equal(bis_clusters_init(&c, light, Ms[i], NULL), BIS_OK);
+        bis_clusters_fill(&c, light, SEED, 0, 1);
+        assert_int_equal(bis_scratch_init(&used, &s, NULL), BIS_OK);
+        assert_int_equal(bis_fast_init(&used_fast, &s, NULL), BIS_OK);
+        used_fast.clusters = &c;
+        used.fast = &used_fast;
+        for (uint64_t k = 0; k < 64; k++) {
+            lit l;
+            lit_init(&l, light, bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.6f, 0.6f, 0.4f}, exponents[k % 8]),
+                tilted(), k % 3 ? 30 : 75, LIT_OPEN);
+            assert_int_equal(bis_scratch_init(&fresh, &s, NULL), BIS_OK);
+            assert_int_equal(bis_fast_init(&fresh_fast, &s, NULL), BIS_OK);
+            fresh_fast.clusters = &c;
+            fresh.fast = &fresh_fast;
+            const rgb a = lit_once(&l, &s, &used, SEED, k), b = lit_once(&l, &s, &fresh, SEED, k);
+            assert_memory_equal(&a, &b, sizeof a);
+            bis_scratch_clear(&fresh);
+            bis_fast_clear(&fresh_fast);
+        }
+        bis_scratch_clear(&used);
+        bis_fast_clear(&used_fast);
+        bis_clusters_clear(&c);
+    }
+    bis_light_free(light);
+}
+
 static void product_is_unbiased_with_and_without_learned_visibility(void **state)
 {
     static const uint32_t Ms[] = {16, 17, 64, 256};
@@ -281,8 +382,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clusters_share_the_curve_and_none_is_empty),
+        cmocka_unit_test(directions_fill_their_pixels_and_are_drawn_anew_in_each_pass),
+        cmocka_unit_test(no_cluster_is_larger_than_its_share_of_the_sphere),
         cmocka_unit_test(a_cluster_s_directions_lie_in_it_and_in_its_cone),
         cmocka_unit_test(reach_bounds_the_product_over_every_cluster),
+        cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(product_is_unbiased_with_and_without_learned_visibility),
         cmocka_unit_test(twins_with_a_wrong_density_or_a_bound_of_0_are_found),
         cmocka_unit_test(factors_follow_what_was_seen_in_the_passes_before),

@@ -44,6 +44,57 @@ static void edges_are_where_the_picture_is_half_background(void **state)
     clear_world(&w);
 }
 
+/* A roof of two planes, z = |x| tan(angle/2), seen head on: normals differ by `angle`, and the ridge crosses the
+ * middle column of pixels alone. Materials as given. Returns how many pixels are edges, -1 if any is elsewhere. */
+static int count_ridge(double angle_deg, int left, int right)
+{
+    const float far = 90, z = (float)(90 * tan(angle_deg * PI / 360));
+    const bis_xform identity = bis_xform_identity();
+    world w, empty = {0};
+    bis_film film;
+    int n = 0;
+
+    make_world(&w, &place);
+    clear_world(&w);
+    w.scene = empty.scene;
+    for (int side = 0; side < 2; side++) {
+        const float x = side ? far : -far;
+        const vec3 corners[4] = {{0, -far, 0}, {0, far, 0}, {x, far, z}, {x, -far, z}};
+        const uint32_t index[6] = {0, 1, 2, 0, 2, 3};
+        bis_mesh m = {.n_vertices = 4, .n_triangles = 2};
+        m.p = bis_alloc(4, sizeof *m.p);
+        m.index = bis_alloc(6, sizeof *m.index);
+        memcpy(m.p, corners, sizeof corners);
+        memcpy(m.index, index, sizeof index);
+        assert_int_equal(bis_geometry_add_mesh(&w.scene.geometry, &m, &identity, (uint32_t)(side ? right : left),
+            NULL), BIS_OK);
+        bis_mesh_clear(&m);
+    }
+    assert_int_equal(bis_accel_new(&w.scene.accel, &w.scene.geometry, &(bis_accel_options){.kind = BIS_ACCEL_GRID},
+        NULL), BIS_OK);
+    assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
+    unsigned char *edge = bis_edges_find(&film, (bis_rect){0, 0, WIDTH, HEIGHT}, &w.scene, &w.desc, 1);
+    assert_non_null(edge);
+    for (int i = 0; i < WIDTH * HEIGHT && n >= 0; i++)
+        if (edge[i]) n = i % WIDTH == WIDTH / 2 ? n + 1 : -1;
+    bis_free(edge);
+    bis_film_clear(&film);
+    clear_world(&w);
+    return n;
+}
+
+/* "normals more than 60 degrees apart", "other materials": on both sides of the bound. */
+static void ridges_are_edges_from_60_degrees_on_and_borders_of_materials_always(void **state)
+{
+    (void)state;
+    assert_int_equal(count_ridge(58, 0, 0), 0);
+    assert_int_equal(count_ridge(62, 0, 0), HEIGHT);
+    assert_int_equal(count_ridge(85, 1, 1), HEIGHT);
+    assert_int_equal(count_ridge(0, 0, 0), 0);
+    assert_int_equal(count_ridge(0, 0, 1), HEIGHT);
+    assert_int_equal(count_ridge(20, 1, 0), HEIGHT);
+}
+
 /* Mean over the picture of one render: with edge samples it estimates the same number. */
 static void mean_is_the_same_and_its_scatter_less(void **state)
 {
@@ -144,6 +195,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(camera_samples_times_edge_samples_may_pass_32_bits),
         cmocka_unit_test(edges_are_where_the_picture_is_half_background),
+        cmocka_unit_test(ridges_are_edges_from_60_degrees_on_and_borders_of_materials_always),
         cmocka_unit_test(mean_is_the_same_and_its_scatter_less),
         cmocka_unit_test(bits_do_not_depend_on_threads_and_one_is_none),
     };

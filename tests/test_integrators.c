@@ -678,9 +678,59 @@ static void scratch_without_memory_is_an_error(void **state)
     bis_diag_clear(&diag);
 }
 
+/* ---- the weights of mis ---- */
+
+/* Under a constant light 1 a white diffuse surface's two samples are C = 1 by the BRDF and 4c by the map (uniform on
+ * the sphere), c the cosine, and the ratio of their densities is 4c: so the estimate's second moment is two integrals
+ * over c. `power`: 2 or 1, eq. 4.3 as a power or a balance heuristic. */
+static double second_moment_of_mis(int power)
+{
+    enum { STEPS = 10000 };
+    double em = 0, em2 = 0, brdf = 0, brdf2 = 0;
+
+    for (int i = 0; i < STEPS; i++) {
+        const double c = (i + 0.5) / STEPS, of_em = 1 / (1 + pow(4 * c, power)), of_brdf = 1 - of_em;
+        em += 0.5 * 4 * c * of_em / STEPS; /* half of the sphere is above the horizon */
+        em2 += 0.5 * pow(4 * c * of_em, 2) / STEPS;
+        brdf += 2 * c * of_brdf / STEPS; /* the cosine's own density */
+        brdf2 += 2 * c * of_brdf * of_brdf / STEPS;
+    }
+    return em2 + brdf2 + 2 * em * brdf;
+}
+
+static void mis_scatters_as_the_weights_of_its_heuristic_say(void **state)
+{
+    static const bis_heuristic heuristics[] = {BIS_HEURISTIC_BALANCE, BIS_HEURISTIC_POWER};
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false); /* red is 1 */
+
+    (void)state;
+    for (int h = 0; h < 2; h++) {
+        bis_settings s = bis_settings_default(&bis_mis);
+        bis_scratch scratch;
+        stat_moments squares = {0}, mean = {0};
+        lit l;
+        s.samples = 2;
+        s.heuristic = heuristics[h];
+        lit_init(&l, light, bis_phong(grey(1), grey(0), 1), tilted(), 40, LIT_OPEN);
+        l.kind = BIS_SAMPLER_RANDOM;
+        assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+        for (uint64_t run = 0; run < 40000; run++) {
+            const double red = (double)lit_once(&l, &s, &scratch, SEED, run).r;
+            stat_add(&mean, red);
+            stat_add(&squares, red * red);
+        }
+        stat_assert_mean("mis_mean", SEED, &mean, 1, alpha());
+        stat_assert_mean("mis_squares", SEED, &squares, second_moment_of_mis(h + 1), alpha());
+        stat_assert_not_mean("mis_other_squares", SEED, &squares, second_moment_of_mis(2 - h), alpha());
+        bis_scratch_clear(&scratch);
+    }
+    bis_light_free(light);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mis_scatters_as_the_weights_of_its_heuristic_say),
         cmocka_unit_test(em_and_brdf_are_unbiased),
         cmocka_unit_test(mis_is_unbiased_for_each_heuristic_and_split),
         cmocka_unit_test(compensated_mis_is_unbiased),

@@ -1,6 +1,7 @@
 /* layers: what a film carries beside its colours is what its name says, and costs only those who ask. Family-wise
  * significance of the statistical tests: 0.01. */
 #include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
 
@@ -109,7 +110,11 @@ static void asking_for_layers_changes_no_bit_of_the_picture_and_no_count(void **
         bis_film plain, layered;
         bis_render_result a, b;
         make_world(&w, i < 0 ? &bis_sir : bis_integrators[i]);
-        if (i < 0) w.desc.settings.proposal = BIS_PROPOSAL_PRODUCT; /* which learns from pass to pass */
+        if (i < 0) { /* learns from pass to pass: from the picture's own rays alone */
+            w.desc.settings.proposal = BIS_PROPOSAL_PRODUCT;
+            w.desc.settings.candidates = 64;
+            w.desc.settings.learn = true;
+        }
         render(&plain, &a, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
         render_layers(&layered, &b, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 3}});
         assert_same_bits(&plain, &layered);
@@ -246,6 +251,85 @@ static void unoccluded_is_L_ns_and_visibility_is_L_over_L_ns(void **state)
         bis_film_clear(&open);
         clear_world(&w);
     }
+}
+
+/* Where a pixel is half sky. The integrator `place` returns p + 10 and the sky is black, so the film's own colours say
+ * what depth is: the mean over the samples that hit. Albedo and normal are means over all samples: the columns at the
+ * left see only the floor. */
+static void in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples(void **state)
+{
+    (void)state;
+    world w;
+    bis_film f;
+    bis_render_result result;
+    int n_mixed = 0;
+    make_world(&w, &place);
+    w.desc.light.visible = false;
+    bis_scene_set_spp(&w.desc, 16);
+    render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 16}});
+    float *planes = new_planes(&f);
+    const float *z = plane_of(&f, "Z", planes), *up = plane_of(&f, "Ns.Y", planes), *green = plane_of(&f, "Albedo.G",
+        planes);
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+        const double hits = f.hits[i], share = hits / 16;
+        if (hits == 0) continue;
+        assert_true(fabs((double)z[i] - (f.sum[3 * i + 2] / hits - 10 + 3)) < 1e-5); /* the camera stands at z = -3 */
+        if (i % WIDTH >= 4) continue;
+        assert_true(fabs((double)up[i] - share) < 1e-6 && fabs((double)green[i] - share * (0.4 + 0.2)) < 1e-6);
+        n_mixed += hits < 16;
+    }
+    assert_true(n_mixed >= 3);
+    bis_free(planes);
+    bis_film_clear(&f);
+    clear_world(&w);
+}
+
+/* A diffuse square whose shading normals lean by 60 degrees, under a constant light: by the BRDF's samples every
+ * estimate of L_ns is Kd itself, whatever lies below the geometric surface; L lacks what does, and V is what is left:
+ * (1 + cos 60)/2 of the cosine. */
+static void unoccluded_has_no_surface_below_which_it_is_dark(void **state)
+{
+    (void)state;
+    const vec3 corners[4] = {{-9, -9, 0.3f}, {9, -9, 0.3f}, {9, 9, 0.3f}, {-9, 9, 0.3f}};
+    const uint32_t index[6] = {0, 2, 1, 0, 3, 2};
+    const bis_xform identity = bis_xform_identity();
+    bis_mesh m = {.n_vertices = 4, .n_triangles = 2};
+    world w, empty = {0};
+    bis_film f;
+    bis_render_result result;
+
+    make_world(&w, &bis_brdf);
+    clear_world(&w);
+    w.scene = empty.scene;
+    w.materials[0] = bis_phong((rgb){0.5f, 0.25f, 0.125f}, (rgb){0, 0, 0}, 1);
+    m.p = bis_alloc(4, sizeof *m.p);
+    m.n = bis_alloc(4, sizeof *m.n);
+    m.index = bis_alloc(6, sizeof *m.index);
+    memcpy(m.p, corners, sizeof corners);
+    memcpy(m.index, index, sizeof index);
+    for (int i = 0; i < 4; i++) m.n[i] = vec3_from(sqrt(0.75), 0, -0.5);
+    assert_int_equal(bis_geometry_add_mesh(&w.scene.geometry, &m, &identity, 0, NULL), BIS_OK);
+    bis_mesh_clear(&m);
+    assert_int_equal(bis_accel_new(&w.scene.accel, &w.scene.geometry, &(bis_accel_options){.kind = BIS_ACCEL_GRID},
+        NULL), BIS_OK);
+    assert_int_equal(bis_light_constant(&w.scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
+    render_layers(&f, &result, &w, (double[4]){0.45, 0.55, 0.4, 0.6}, BIS_LAYERS_ALL,
+        &(bis_render_options){.budget = {.spp = 200}});
+    float *planes = new_planes(&f);
+    const float *red = plane_of(&f, "unoccluded.R", planes), *blue = plane_of(&f, "unoccluded.B", planes),
+        *V = plane_of(&f, "visibility.Y", planes);
+    const int n = f.width * f.height;
+    double mean = 0;
+    for (int i = 0; i < n; i++) {
+        assert_true(fabs((double)red[i] - 0.5) < 1e-5 && fabs((double)blue[i] - 0.125) < 1e-5);
+        mean += (double)V[i] / n;
+    }
+    /* n 200 passes of 4 independent samples of a yes or no of probability 3/4: 7 standard deviations, stratified or
+     * not */
+    assert_true(n >= 12 && fabs(mean - 0.75) < 7 * sqrt(0.75 * 0.25 / (n * 800.0)));
+    bis_free(planes);
+    bis_film_clear(&f);
+    clear_world(&w);
 }
 
 /* --- error bars
@@ -387,6 +471,8 @@ int main(void)
         cmocka_unit_test(depth_normal_and_albedo_are_those_of_the_floor),
         cmocka_unit_test(normals_and_depths_turn_with_the_camera),
         cmocka_unit_test(unoccluded_is_L_ns_and_visibility_is_L_over_L_ns),
+        cmocka_unit_test(in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples),
+        cmocka_unit_test(unoccluded_has_no_surface_below_which_it_is_dark),
         cmocka_unit_test(error_bars_are_what_the_formulas_give_by_hand),
         cmocka_unit_test(intervals_cover_93_to_97_percent_of_pixels_from_four_passes_on),
         cmocka_unit_test(intervals_cover_93_to_97_percent_of_a_rendered_picture),

@@ -137,9 +137,28 @@ static void the_kth_allocation_fails_once_and_all_are_counted(void **state)
     bis_free(q);
 }
 
+static void blocks_that_live_are_counted(void **state)
+{
+    (void)state;
+    const long before = bis_mem_live();
+    void *small = bis_alloc(3, 5), *large = bis_alloc(1 << 20, 1), *empty = bis_alloc(0, 8);
+    char *copy = bis_strdup("copy");
+    assert_int_equal(bis_mem_live() - before, 4);
+    small = bis_realloc(small, 100, 5); /* one goes, one comes */
+    assert_null(bis_alloc(SIZE_MAX, 2));
+    bis_free(NULL);
+    assert_int_equal(bis_mem_live() - before, 4);
+    bis_free(small);
+    bis_free(large);
+    bis_free(empty);
+    bis_free(copy);
+    assert_int_equal(bis_mem_live(), before);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(blocks_that_live_are_counted),
         cmocka_unit_test(every_block_is_aligned_and_zero_to_its_last_byte),
         cmocka_unit_test(nothing_can_be_asked_for),
         cmocka_unit_test(a_size_that_overflows_is_refused),

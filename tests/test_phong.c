@@ -497,6 +497,28 @@ static void bounds_hold_and_are_reached_head_on_E27(void **state)
 
 /* ---- zero is a value ---- */
 
+/* Rounded to floats, each component of a unit vector is off by 2^-25 at most, its length by sqrt(3) of that: less than
+ * 2^-24. Mirrored and not normalised again, n and wo that are off by as much make it up to five times that. */
+static void the_mirror_direction_is_as_unit_as_floats_can_be(void **state)
+{
+    const bis_material m = bis_phong(grey(0.5), grey(0.5), 50);
+    bis_rng rng;
+
+    (void)state;
+    bis_rng_init(&rng, SEED, 77, 0, 0);
+    for (int i = 0; i < 3000; i++) {
+        const vec3 n = bis_warp_sphere(bis_rng_double(&rng), bis_rng_double(&rng)),
+            wo = bis_warp_sphere(bis_rng_double(&rng), bis_rng_double(&rng));
+        const double x = (double)n.x * (double)wo.x + (double)n.y * (double)wo.y + (double)n.z * (double)wo.z;
+        bis_bsdf b;
+        bis_bsdf_init(&b, &m, n, wo);
+        const double r[3] = {(double)b.r.x, (double)b.r.y, (double)b.r.z};
+        assert_true(fabs(sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]) - 1) < 0x1p-24);
+        assert_near(r[0], 2 * x * (double)n.x - (double)wo.x, 4e-7);
+        assert_near(r[2], 2 * x * (double)n.z - (double)wo.z, 4e-7);
+    }
+}
+
 static void black_material_and_hidden_surface_draw_nothing(void **state)
 {
     bis_material black = bis_phong(grey(0), grey(0), 50), lit = bis_phong(grey(0.5), grey(0.5), 50);
@@ -583,6 +605,7 @@ int main(void)
         cmocka_unit_test(f_is_eq_3_14_and_reciprocal),
         cmocka_unit_test(f_and_density_at_once_have_the_same_bits),
         cmocka_unit_test(bounds_hold_and_are_reached_head_on_E27),
+        cmocka_unit_test(the_mirror_direction_is_as_unit_as_floats_can_be),
         cmocka_unit_test(black_material_and_hidden_surface_draw_nothing),
         cmocka_unit_test(no_lobe_that_reflects_has_probability_0),
         cmocka_unit_test(reflectance_below_1e_20_is_black),

@@ -773,6 +773,53 @@ static void the_command_writes_tables_that_sum_to_what_it_says(void **state)
     for (int i = 1; i < t.n_rows; i++) assert_true(atof(field(buf, &t, i, "product")) > 0);
 }
 
+/* The surface of pixel (6, 3) faces the eye: n, wo and the mirrored direction are all z, and the material's density is
+ * a formula of z: half of it is a lobe of exponent 30, since Ks and Kd have the same sum. */
+static double density_of_the_brdf(double z) { return z > 0 ? 0.5 * 31 / (2 * PI) * pow(z, 30) + 0.5 * z / PI : 0; }
+
+/* Each column holds what its name says: directions are unit and have their angles, q_brdf is the formula above, q the
+ * mixture of q_map and q_brdf by the share that is told, and the weight the product over q. The line "seen" is exact
+ * over unoccluded. */
+static void each_column_of_the_tables_is_what_it_is_called(void **state)
+{
+    (void)state;
+    static program_run r;
+    static table t;
+    char buf[128], line[64];
+    int n = 0;
+    start();
+    write_scene(SCENE, map_light,
+        "Shape \"trianglemesh\" \"point3 P\" [-1.9 -9 1  -1.9 9 1  -1.9 9 9  -1.9 -9 9] \"integer indices\" [0 1 2  0 2 3]\n"); /* a wall */
+    program_expect(&r, 0, "pixel --json --repeats 20 --output " DIR "/out " SCENE " 6 3");
+    const double beta = json_real(r.output, "candidates.share_of_map"), seen = json_real(r.output,
+        "exact.sum") / json_real(r.output, "unoccluded.sum");
+    assert_true(seen > 0.1 && seen < 0.95 && fabs(beta - 0.5) > 0.01); /* else the checks below could not tell */
+    for (int k = 0; k < 2; k++) {
+        read_table(&t, k ? DIR "/out/rays.csv" : DIR "/out/candidates.csv");
+        for (int i = 1; i < t.n_rows; i++) {
+            if (!*field(buf, &t, i, "x")) continue;
+            const double x = atof(buf), y = atof(field(buf, &t, i, "y")), z = atof(field(buf, &t, i, "z")),
+                theta = atof(field(buf, &t, i, "theta_deg")),
+                         phi = atof(field(buf, &t, i, "phi_deg")), q_map = atof(field(buf, &t, i, "q_map")),
+                             q_brdf = atof(field(buf, &t, i, "q_brdf"));
+            assert_near(x * x + y * y + z * z, 1, 1e-6);
+            assert_near(cos(theta * PI / 180), z, 1e-6);
+            assert_near(sin(theta * PI / 180) * cos(phi * PI / 180), x, 1e-6);
+            assert_near(sin(theta * PI / 180) * sin(phi * PI / 180), y, 1e-6);
+            assert_near(q_brdf, density_of_the_brdf(z), 1e-5 * (1 + q_brdf));
+            n++;
+            if (k) continue;
+            const double q = atof(field(buf, &t, i, "q")), product = atof(field(buf, &t, i, "product"));
+            assert_near(q / (beta * q_map + (1 - beta) * q_brdf), 1, 1e-5);
+            assert_near(atof(field(buf, &t, i, "weight")) * q / product, 1, 1e-5);
+        }
+    }
+    assert_true(n > 200);
+    program_expect(&r, 0, "pixel --repeats 20 --output " DIR "/out " SCENE " 6 3");
+    snprintf(line, sizeof line, "seen        %.2f %%\n", 100 * seen);
+    assert_non_null(strstr(r.output, line));
+}
+
 static void the_command_names_what_is_hit(void **state)
 {
     (void)state;
@@ -906,6 +953,7 @@ int main(void)
         cmocka_unit_test(plots_of_a_constant_light_and_of_darkness_are_drawn),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(the_command_writes_tables_that_sum_to_what_it_says),
+        cmocka_unit_test(each_column_of_the_tables_is_what_it_is_called),
         cmocka_unit_test(the_command_names_what_is_hit),
         cmocka_unit_test(a_pixel_where_nothing_is_reflected_gets_a_clear_answer),
         cmocka_unit_test(wrong_places_and_options_are_refused),

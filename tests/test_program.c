@@ -1,5 +1,6 @@
 /* The program itself: options in, files and exit status out, SPEC 5. The scene is made here; what is looked at is read
  * back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
+#include "bis/shape/accel.h"
 #include "bis/tools/compare.h"
 #include "bis/files/image_file.h"
 
@@ -877,6 +878,63 @@ static void compare_prints_the_same_figures_as_text_and_json(void **state)
         n++;
     }
     assert_int_equal(n, 9);
+
+    /* each key has the figure of that name */
+    bis_image a, b;
+    bis_comparison c;
+    read_image(&a, DIR "/ca.exr");
+    read_image(&b, DIR "/cb.pfm");
+    assert_int_equal(bis_compare(&c, &a, &b, NULL), BIS_OK);
+    const struct { const char *key; double value; } figures[] = {{"mean_a", c.mean_a}, {"mean_b", c.mean_b}, {"bias",
+        c.bias},
+        {"bias_se", c.bias_se}, {"rmse", c.rmse}, {"relmse", c.relmse}, {"max_abs", c.max_abs}, {"pixels",
+            (double)c.pixels}, {"nonfinite", 0}};
+    for (int i = 0; i < 9; i++) assert_true(atof(json_value(value, sizeof value, json.output,
+        figures[i].key)) == figures[i].value);
+    bis_image_clear(&a);
+    bis_image_clear(&b);
+}
+
+/* Not one pixel can be compared: relmse is NaN, which is within no tolerance. */
+static void nothing_to_compare_is_no_success(void **state)
+{
+    (void)state;
+    program_run r;
+    char value[64];
+    bis_image image;
+    assert_int_equal(bis_image_init(&image, 3, 2, NULL), BIS_OK);
+    for (int i = 0; i < 6; i++) image.pixels[i] = (rgb){NAN, 1, 1};
+    assert_int_equal(bis_image_save(&image, DIR "/nan.pfm", NULL), BIS_OK);
+    bis_image_clear(&image);
+    program_expect(&r, 1, "compare --json --tolerance 1e300 " DIR "/nan.pfm " DIR "/nan.pfm");
+    assert_string_equal(json_value(value, sizeof value, r.output, "relmse"), "null");
+    assert_string_equal(json_value(value, sizeof value, r.output, "nonfinite"), "6");
+    assert_string_equal(json_value(value, sizeof value, r.output, "pixels"), "0");
+}
+
+/* libgomp tells the size of each team that it forms. A map, a mesh, both accelerators, all with N threads where the
+ * system's default is another number. */
+static void nthreads_holds_for_everything(void **state)
+{
+    static const char *const accelerators[] = {"grid", "embree"};
+    program_run r;
+    int n_teams = 0;
+
+    (void)state;
+    setenv("OMP_DISPLAY_AFFINITY", "true", 1);
+    setenv("OMP_AFFINITY_FORMAT", "a team of %N", 1);
+    setenv("OMP_NUM_THREADS", "5", 1);
+    for (int a = 0; a < (bis_accel_embree_version() ? 2 : 1); a++) {
+        program_expect(&r, 0, SCENE " --nthreads 3 --accelerator %s --outfile " DIR "/n.exr", accelerators[a]);
+        for (const char *at = r.messages; (at = strstr(at, "a team of ")); at++,
+            n_teams++) assert_int_equal(atoi(at + 10), 3);
+    }
+#ifdef _OPENMP
+    assert_true(n_teams > 0);
+#endif
+    unsetenv("OMP_DISPLAY_AFFINITY");
+    unsetenv("OMP_AFFINITY_FORMAT");
+    unsetenv("OMP_NUM_THREADS");
 }
 
 static void compare_judges_by_a_tolerance_and_by_size(void **state)
@@ -936,6 +994,8 @@ int main(void)
         cmocka_unit_test(a_render_ends_with_one_line_about_what_was_written),
         cmocka_unit_test(help_and_version_are_complete_and_fit_80_columns),
         cmocka_unit_test(compare_prints_the_same_figures_as_text_and_json),
+        cmocka_unit_test(nothing_to_compare_is_no_success),
+        cmocka_unit_test(nthreads_holds_for_everything),
         cmocka_unit_test(compare_judges_by_a_tolerance_and_by_size),
     };
     return cmocka_run_group_tests(tests, setup, NULL);

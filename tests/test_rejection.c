@@ -138,6 +138,33 @@ static void mean_acceptance_is_L_ns_over_B_E27(void **state)
     }
 }
 
+/* "choose" takes each proposal with a probability as the other's bound. So the mean share of accepted candidates is
+ * that of both, L_ns/B, in these shares. The twin prefers the larger bound: there the share is 2 L_ns/(B_em + B_brdf).
+ * */
+static void choose_prefers_the_smaller_bound_by_the_acceptance_that_comes_out(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    const bis_settings s = rejection(BIS_PROPOSAL_CHOOSE, 8, 4, BIS_ESTIMATOR_PLAIN);
+    stat_moments accepted = {0};
+    bis_scratch scratch;
+    lit l;
+
+    (void)state;
+    lit_init(&l, light, bis_phong(grey(0.2), grey(0.8), 20), tilted(), 40, LIT_OPEN);
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    for (uint64_t run = 0; run < 30000; run++) {
+        const uint64_t before = l.counters.accepted;
+        lit_once(&l, &s, &scratch, SEED, run);
+        stat_add(&accepted, (double)(l.counters.accepted - before) / 8);
+    }
+    const double L_ns = rgbd_sum(lit_truth(&l, false)), em = bis_candidates_bound(&l.pt, BIS_PROPOSAL_EM),
+                 brdf = bis_candidates_bound(&l.pt, BIS_PROPOSAL_BRDF);
+    stat_assert_mean("choose", SEED, &accepted, L_ns * (brdf / em + em / brdf) / (em + brdf), alpha());
+    stat_assert_not_mean("choose_larger", SEED, &accepted, 2 * L_ns / (em + brdf), alpha());
+    bis_scratch_clear(&scratch);
+    bis_light_free(light);
+}
+
 /* A map that is black but for one pixel (x, y) of 128 x 64. *solid_angle: its size. */
 static bis_light *one_texel_sun(int x, int y, double *solid_angle)
 {
@@ -326,6 +353,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(accepted_directions_have_the_product_density_eq_4_4),
         cmocka_unit_test(mean_acceptance_is_L_ns_over_B_E27),
+        cmocka_unit_test(choose_prefers_the_smaller_bound_by_the_acceptance_that_comes_out),
         cmocka_unit_test(expected_M_on_a_one_texel_sun_is_pi_over_its_projected_solid_angle_E28),
         cmocka_unit_test(at_most_N_of_the_accepted_are_traced_each_once),
         cmocka_unit_test(stopping_at_the_Nth_acceptance_is_biased_E22),

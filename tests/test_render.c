@@ -6,6 +6,7 @@
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
 
+#include "beyond/batch.h"
 #include "stat.h"
 #include "world.h"
 
@@ -19,6 +20,7 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
+#include <time.h>
 
 /* --- an integrator of our own
  * ---------------------------------------------------------------------------------------- */
@@ -241,6 +243,115 @@ static void another_seed_gives_other_noise(void **state)
     clear_world(&w);
 }
 
+/* An integrator whose colour is a direction of the pool. */
+static void drawn_scratch(const bis_settings *s, bis_needs *need)
+{
+    (void)s;
+    need->n_set = 8;
+}
+
+static rgb drawn_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s;
+    (void)pt;
+    (void)stream;
+    return (rgb){bis_pool_set(scratch->fast->pool, 3)[5].wi.x + 2, 1, 1};
+}
+
+/* What is drawn once a pass is drawn anew in every pass, as a function of its number: passes with the same directions
+ * would share their noise, and no number of passes would end it. */
+static void each_pass_has_a_pool_of_its_own(void **state)
+{
+    (void)state;
+    const bis_integrator drawn = {"drawn", "", no_light_needs, drawn_scratch, drawn_Lo};
+    world w;
+    bis_film film;
+    bis_render_result result;
+    bis_pool pool;
+    double sum = 0;
+    float last = 0;
+    make_world(&w, &drawn);
+    render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
+    assert_int_equal(bis_pool_init(&pool, 8, false, NULL), BIS_OK);
+    for (uint32_t pass = 0; pass < 3; pass++) {
+        bis_pool_fill(&pool, w.scene.light, w.desc.sampler.seed, pass, 1);
+        const float now = bis_pool_set(&pool, 3)[5].wi.x + 2;
+        assert_true(now != last);
+        sum += (double)now;
+        last = now;
+    }
+    int n = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+        if (film.hits[i] < 3) continue;
+        n++;
+        assert_true(film.sum[3 * i] == sum);
+    }
+    assert_true(n > 100);
+    bis_pool_clear(&pool);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+/* An accelerator that writes down where shadow rays go. */
+enum { MOST_RAYS = 20000 };
+typedef struct listener {
+    bis_accel accel;
+    bis_accel *inner;
+    vec3 *d;
+    uint32_t *n;
+} listener;
+
+static bool listening_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    return bis_accel_intersect(((const listener *)a)->inner, r, hit);
+}
+
+static bool listening_occluded(const bis_accel *a, const ray *r)
+{
+    const listener *l = (const listener *)a;
+
+    assert_true(*l->n < MOST_RAYS);
+    l->d[(*l->n)++] = r->d;
+    return bis_accel_occluded(l->inner, r);
+}
+
+/* The clusters of proposal "product" hold the directions that a pass can trace. Directions are continuous, so two passes
+ * have none in common; with the clusters of the pass before they would have most. */
+static void each_pass_has_clusters_of_its_own(void **state)
+{
+    (void)state;
+    static const bis_accel_ops ops = {.name = "listener", .intersect = listening_intersect, .occluded = listening_occluded};
+    static vec3 d[2][MOST_RAYS];
+    uint32_t n[2] = {0, 0}, shared = 0;
+    world w;
+    make_world(&w, &bis_sir);
+    w.desc.settings.proposal = BIS_PROPOSAL_PRODUCT;
+    w.desc.settings.candidates = 16;
+    w.desc.settings.shadowrays = 4;
+    bis_accel *const inner = w.scene.accel;
+    for (uint32_t k = 0; k < 2; k++) { /* one pass, then two: the first is the same */
+        listener l = {{&ops, &w.scene.geometry}, inner, d[k], &n[k]};
+        bis_film film;
+        bis_render_result result;
+        w.scene.accel = &l.accel;
+        render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = k + 1}, .n_threads = 1});
+        bis_film_clear(&film);
+    }
+    w.scene.accel = inner;
+    assert_true(n[0] > 100 && n[1] > n[0] + 100);
+    assert_memory_equal(d[0], d[1], n[0] * sizeof(vec3));
+    for (uint32_t i = n[0]; i < n[1]; i++) {
+        for (uint32_t k = 0; k < n[0]; k++) {
+            if (d[1][i].x == d[1][k].x && d[1][i].y == d[1][k].y) {
+                shared++;
+                break;
+            }
+        }
+    }
+    assert_int_equal(shared, 0);
+    clear_world(&w);
+}
+
 /* --- interruption
  * -------------------------------------------------------------------------------------------------- */
 
@@ -333,6 +444,32 @@ static void the_shortest_time_still_completes_one_pass_E39(void **state)
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.seconds = 1e-9}});
     assert_int_equal(result.passes, 1);
     assert_false(result.interrupted);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
+/* As noise, after a rest. */
+static rgb slow_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 60000000}, NULL);
+    return noise_Lo(s, pt, stream, scratch);
+}
+
+/* One pixel, which rests for 60 ms in each pass: of 100 ms one pass is left when the first is done, and 40 are too
+ * few. A slow machine changes nothing: passes never take less than they rest. */
+static void no_pass_begins_that_would_not_fit_into_the_time(void **state)
+{
+    (void)state;
+    const bis_integrator slow = {"slow", "", no_light_needs, no_scratch, slow_Lo};
+    const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
+    world w;
+    bis_film film;
+    bis_render_result result;
+    make_world(&w, &slow);
+    render(&film, &result, &w, pixel, &(bis_render_options){.budget = {.seconds = 0.1}, .n_threads = 1});
+    assert_true(film.width == 1 && film.height == 1 && film.hits[0] == 1);
+    assert_int_equal(result.passes, 1);
+    assert_true(result.seconds >= 0.06 && !result.interrupted);
     bis_film_clear(&film);
     clear_world(&w);
 }
@@ -689,10 +826,13 @@ int main(void)
         cmocka_unit_test(a_thin_film_holds_the_bits_of_its_pixels_in_the_picture),
         cmocka_unit_test(more_passes_begin_with_the_same_passes),
         cmocka_unit_test(another_seed_gives_other_noise),
+        cmocka_unit_test(each_pass_has_a_pool_of_its_own),
+        cmocka_unit_test(each_pass_has_clusters_of_its_own),
         cmocka_unit_test(an_interrupted_render_holds_its_complete_passes_and_nothing_else_E39),
         cmocka_unit_test(an_interrupted_first_pass_leaves_nothing),
         cmocka_unit_test(spp_is_the_number_of_passes_and_of_camera_rays),
         cmocka_unit_test(the_shortest_time_still_completes_one_pass_E39),
+        cmocka_unit_test(no_pass_begins_that_would_not_fit_into_the_time),
         cmocka_unit_test(an_error_budget_ends_when_the_bound_holds_and_not_before),
         cmocka_unit_test(an_error_budget_takes_four_passes_at_least_and_spp_at_most),
         cmocka_unit_test(progress_grows_to_the_whole_budget),

@@ -23,8 +23,8 @@ typedef struct header {
     size_t bytes;
 } header;
 
-/* The library's only mutable globals: see bis_mem_fail_at and bis_mem_failures. */
-static atomic_long fail_at, count, failures;
+/* The library's only mutable globals: see bis_mem_fail_at, bis_mem_failures and bis_mem_live. */
+static atomic_long fail_at, count, failures, live;
 
 void bis_mem_fail_at(long k)
 {
@@ -34,6 +34,7 @@ void bis_mem_fail_at(long k)
 
 long bis_mem_count(void) { return atomic_load(&count); }
 long bis_mem_failures(void) { return atomic_load(&failures); }
+long bis_mem_live(void) { return atomic_load(&live); }
 
 static void *failed(void)
 {
@@ -56,6 +57,7 @@ static void *place(void *base, size_t bytes)
     if (shift < sizeof(header)) shift += ALIGNMENT;
     void *p = (char *)base + shift;
     *header_of(p) = (header){base, bytes};
+    atomic_fetch_add(&live, 1);
     return p;
 }
 
@@ -101,5 +103,7 @@ char *bis_strdup(const char *s) { return bis_strndup(s, strlen(s)); }
 
 void bis_free(void *p)
 {
-    if (p) free(header_of(p)->base);
+    if (!p) return;
+    free(header_of(p)->base);
+    atomic_fetch_sub(&live, 1);
 }

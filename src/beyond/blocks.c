@@ -149,7 +149,8 @@ static void choose_multinomial(bis_blocks *b, uint32_t N, double W, bis_stream *
         }
         S = end;
     }
-    for (; used < N; used++) choose(b, lane); /* a mark that rounding took to the end of all */
+    for (lane = b->n - 1; b->w[lane] <= 0;) lane--; /* marks that rounding took to the end of all: 1 - 2^-54 is 1 */
+    for (; used < N; used++) choose(b, lane);
 }
 
 void bis_blocks_choose(bis_blocks *b, uint32_t N, double W, bis_resampling resampling, bis_stream *stream)

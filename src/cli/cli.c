@@ -18,6 +18,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
 const bis_loc bis_cli_loc = {"bis", 0, 0};
 
 enum { HELP_WIDTH = 80, HELP_INDENT = 26, MAX_OPTIONS = 64 };
@@ -448,4 +452,13 @@ bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, co
         }
     }
     return BIS_OK;
+}
+
+void bis_cli_use_threads(uint64_t n)
+{
+#ifdef _OPENMP
+    if (n) omp_set_num_threads((int)n);
+#else
+    (void)n;
+#endif
 }

@@ -112,6 +112,10 @@ bis_status bis_cli_check_writable(const char *path, bis_diag *diag);
  * would be lost. A pipe, a device or "-" may stand for several. Errors: BIS_INPUT. */
 bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, const char *const *outputs, size_t n_outputs, bis_diag *diag);
 
+/* --nthreads: from now on n threads wherever nobody says how many, as for the tables of a map. 0: as many as there
+ * are. */
+void bis_cli_use_threads(uint64_t n);
+
 /* The commands: arguments behind the command's name, exit status out. */
 int bis_cmd_render(int argc, char **argv);
 int bis_cmd_trade(int argc, char **argv);

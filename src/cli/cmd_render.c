@@ -280,6 +280,7 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
         return bis_error(diag, BIS_INPUT, bis_cli_loc, "accelerator \"embree\" is not built in; use \"grid\", or build with Embree installed");
     }
     if (o->threads) d->accel.n_threads = (int)o->threads;
+    bis_cli_use_threads(o->threads);
     if (o->has_resolution) {
         d->film.width = o->resolution.width;
         d->film.height = o->resolution.height;

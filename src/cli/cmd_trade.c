@@ -220,6 +220,7 @@ int bis_cmd_trade(int argc, char **argv)
     int exit_status;
 
     if (!read_options(&o, argc, argv, &scene, &exit_status)) return exit_status;
+    bis_cli_use_threads(o.threads);
     char *folder = o.output ? bis_strdup(o.output) : default_folder(scene);
     bis_status status = folder ? check_resume(&o, &diag) : bis_error(&diag, BIS_NOMEM, bis_cli_loc, "no memory");
     if (!status) status = check_integrators(&o, &diag);

@@ -1,9 +1,10 @@
 /* main: which command? `bis SCENE` renders. */
 #include "help.h"
 
-#include <signal.h>
+#include "bis/base/mem.h"
 #include "bis/base/status.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -20,7 +21,7 @@ static const char *nearest_command(const char *word)
     return bis_nearest_name(word, names, n);
 }
 
-int main(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     signal(SIGXFSZ, SIG_IGN); /* where files are limited in size, writing fails with a message instead of killing */
     if (argc < 2) {
@@ -41,4 +42,16 @@ int main(int argc, char **argv)
         return BIS_EXIT_USAGE;
     }
     return bis_cmd_render(argc - 1, argv + 1);
+}
+
+int main(int argc, char **argv)
+{
+    const int status = run(argc, argv);
+
+    /* A mistake of ours, which harms nobody now: it is said, not aborted for, because the picture is safe. */
+    if (bis_mem_live() != 0) {
+        fprintf(stderr, "bis: error in bis itself: %ld blocks of memory were not freed; please report it\n",
+                bis_mem_live());
+    }
+    return status;
 }

@@ -392,7 +392,8 @@ static void render_passes(render *r, bis_render_result *result)
         }
     } while (complete && budget_left(r, &next_check));
     result->seconds = bis_clock_now() - r->start;
-    result->interrupted = !complete || (interrupted(r) && !(r->most_passes && r->passes >= r->most_passes));
+    /* where all passes are done, it came too late */
+    result->interrupted = interrupted(r) && !(r->most_passes && r->passes >= r->most_passes);
     report(r, 0);
 }
 

@@ -31,4 +31,8 @@ long bis_mem_count(void);
  * why it gave up. */
 long bis_mem_failures(void);
 
+/* The blocks that are not freed yet. 0 when a program ends: every test program checks that (tests/every.c), and bis
+ * itself. */
+long bis_mem_live(void);
+
 #endif
