@@ -9,7 +9,7 @@
 #include "cli.h"
 
 #include "bis/base/file.h"
-#include "help.h"
+#include "man.h"
 
 #include <errno.h>
 #include <math.h>

@@ -14,7 +14,7 @@
 
 enum { MAX_NAMES = 256, MAX_TERM = 32 };
 
-const char bis_help_intro[] =
+static const char intro[] =
     "bis renders scenes in a subset of the pbrt format, lit directly by an environment map. It is the reference implementation of the thesis "
     "\"Bidirectional Importance Sampling for Illumination from Environment Maps\": candidates are drawn where the map or the BRDF is bright, and the "
     "few that matter in the product of both are traced. Pictures are EXR, PNG, PFM or HDR.";
@@ -71,7 +71,7 @@ static void print_topic(const bis_topic *t)
 static int overview(void)
 {
     printf("usage: bis [render] [options] SCENE\n");
-    bis_cli_print_text(stdout, bis_help_intro);
+    bis_cli_print_text(stdout, intro);
     printf("\ncommands:\n");
     for (const bis_subcommand *c = bis_subcommands; c->name; c++) printf("  %-11s  %s\n", c->name, c->help);
     printf("\ntopics:\n");
@@ -183,7 +183,7 @@ int bis_cmd_help(int argc, char **argv)
     int n, exit_status;
 
     if (!bis_cli_parse(&command, argc, argv, operand, &n, &exit_status)) return exit_status;
-    if (man) return bis_man_page();
+    if (man) return bis_man_page(bis_subcommands, intro);
     if (n == 0) return overview();
     const bis_subcommand *c = bis_subcommand_find(operand[0]);
     if (c) return run_help_of(c);

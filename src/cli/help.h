@@ -27,17 +27,14 @@ typedef struct bis_topic {
 extern const bis_subcommand bis_subcommands[];
 extern const bis_topic bis_topics[];
 
-/* Three sentences: what is bis? */
-extern const char bis_help_intro[];
-
 /* NULL: no such command. */
 const bis_subcommand *bis_subcommand_find(const char *name);
 
 /* `bis help`, `bis help COMMAND`, `bis help TOPIC`, `bis help NAME`, `bis help --man`. */
 int bis_cmd_help(int argc, char **argv);
 
-/* The whole page, man(7); and a command's part of it, which the command prints on `--help=man`. */
-int bis_man_page(void);
-void bis_man_command(const bis_command *c, FILE *out);
+/* bis_man_page prints the whole page for man(1): the intro, the commands (ended by a NULL name), the topics. It returns the
+ * exit status. */
+int bis_man_page(const bis_subcommand *commands, const char *intro);
 
 #endif
