@@ -100,7 +100,7 @@ $(STAMP): $(DATA_SRC) $(wildcard scripts/m*.h) | $B/bis-data
 
 # Every test program, or those whose name holds T; from here, where they find data/ and the program itself.
 test: $(CHOSEN) $B/bis $B/bis-data $(STAMP)
-	@sh scripts/check_layers.sh
+	@sh scripts/check_layers.sh && sh scripts/check_circles.sh $B
 	@BIS_PROGRAM=$B/bis sh scripts/run_tests.sh $(CHOSEN)
 
 # With the slow cases: maps of 16384 x 8192, tables of 1e8 items, grids of 1e8 cells. Minutes and 8 GB more.

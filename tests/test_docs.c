@@ -281,6 +281,29 @@ static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
     }
 }
 
+/* Two objects that take a function of each other, and a third beside them. */
+static void files_that_need_each_other_are_found(void **state)
+{
+    (void)state;
+    const char *const folder = "build/circles";
+    char command[1024], text[1024] = "";
+    for (int twin = 0; twin < 2; twin++) {
+        snprintf(command, sizeof command,
+                 "rm -rf %s && mkdir -p %s/src/a %s/src/b && cd %s/src && "
+                 "echo 'int bis_b(void); int bis_a(void); int bis_a(void) { return bis_b(); }' > a/a.c && "
+                 "echo 'int bis_a(void); int bis_b(void); int bis_b(void) { return %s; }' > b/b.c && "
+                 "echo 'int bis_a(void); int main(void) { return bis_a(); }' > b/c.c && "
+                 "for f in a/a b/b b/c; do cc -c -o $f.o $f.c || exit 1; done",
+                 folder, folder, folder, folder, twin ? "bis_a()" : "1");
+        if (shell(command) != 0) skip();
+        assert_int_equal(shell("sh scripts/check_circles.sh build/circles > build/circles.out"), twin);
+        FILE *f = fopen("build/circles.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(strstr(text, "a/a.c") && strstr(text, "b/b.c") && !strstr(text, "b/c.c"), twin);
+    }
+}
+
 /* --- errata
  * -------------------------------------------------------------------------------------------------------- */
 
@@ -362,6 +385,7 @@ int main(void)
         cmocka_unit_test(each_run_of_the_tests_has_a_root_of_its_own),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
+        cmocka_unit_test(files_that_need_each_other_are_found),
         cmocka_unit_test(every_item_of_the_errata_has_a_test_named_after_it_and_a_twin),
         cmocka_unit_test(an_item_without_its_test_or_its_twin_is_found),
     };
