@@ -1,8 +1,8 @@
 /* microfacet: a rough mirror of tiny facets with the GGX distribution, over a diffuse base. The thesis does not have
  * it: its only model is Phong's.
  *
- *       f = F D G2 / (4 cos theta_i cos theta_o) + 28/(23 pi) Kd (1 - Ks) A(cos theta_i) A(cos theta_o)
- *       A(c) = 1 - (1 - c/2)^5
+ *     f = F D G2 / (4 cos theta_i cos theta_o) + 28/(23 pi) Kd (1 - Ks) A(cos theta_i) A(cos theta_o)
+ *     A(c) = 1 - (1 - c/2)^5
  *
  * D is that of Walter et al. 2007. G2 is the height-correlated masking and shadowing of Smith (Heitz 2014). F = Ks +
  * (1 - Ks)(1 - cos theta_d)^5 (Schlick 1994). The base is that of Ashikhmin and Shirley 2000; with it, no Kd and Ks

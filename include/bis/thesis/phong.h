@@ -1,6 +1,6 @@
 /* phong: the energy-preserving Phong model. Source: thesis 3.5, eq. 3.14 to 3.17.
  *
- *       f(wi, wo) = Ks (n+1)/(2 pi) max(0, cos alpha)^n + Kd/pi
+ *     f(wi, wo) = Ks (n+1)/(2 pi) max(0, cos alpha)^n + Kd/pi
  *
  * alpha is the angle between wi and the mirror direction, which is wo mirrored about the normal. Directions are drawn
  * from a mixture of a lobe about the mirror direction (eq. 3.15, 3.16) and a cosine hemisphere about the normal
