@@ -1,4 +1,4 @@
-/* cli: options from a table, SPEC 5.
+/* cli: options from a table, docs/command-line.md.
  *
  * One table per command says everything about an option once: its name, its argument, its range, its help. Reading,
  * checking, the suggestion after a slip ("did you mean") and `--help` all come from it, so none can go out of step with

@@ -22,7 +22,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* Exit statuses, SPEC 5. */
+/* Exit statuses, docs/command-line.md. */
 enum { BIS_EXIT_DONE = 0, BIS_EXIT_FAILED = 1, BIS_EXIT_USAGE = 2, BIS_EXIT_INTERRUPTED = 130 };
 
 typedef enum bis_option_kind {

@@ -21,7 +21,7 @@ typedef struct envmap_options {
 
 /* ---- the report ---- */
 
-/* Polar angle and azimuth of SPEC's lat-long, in degrees. */
+/* Polar angle and azimuth of a lat-long map (bis/thesis/envmap.h), in degrees. */
 static double theta_deg(vec3 w) { return atan2(hypot((double)w.x, (double)w.y), (double)w.z) * 180 / PI; }
 
 static double phi_deg(vec3 w)

@@ -3,7 +3,7 @@
  * Which pixels: the first part that is not deep and has R, G, B, or Y (luminance, perhaps with chroma RY, BY), at the
  * top or in a layer ("diffuse.R"): see choose_channels. A single R, G or B is refused: grey and "the others are 0" are
  * both in use.
- * The data window is the whole map (SPEC 1), of tiled files the finest level; half, float and uint become float.
+ * The data window is the whole map, of tiled files the finest level; half, float and uint become float.
  *
  * Bad files: Core checks the header against the file's size; we check, before we allocate, that the window's sides are
  * sane, that the table of chunks fits into the file, and that the file is not shorter than its compression could ever

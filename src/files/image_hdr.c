@@ -2,7 +2,7 @@
  *
  * Layout: a line "#?NAME", lines VARIABLE=value, an empty line, the resolution line ("-Y 512 +X 1024": scanlines from
  * the top, each from the left), then the scanlines, each flat, in the old or in the new run-length encoding.
- * value = mantissa * 2^(exponent - 136), black where the exponent is 0 (SPEC 1), divided by the product of all EXPOSURE
+ * value = mantissa * 2^(exponent - 136), black where the exponent is 0, divided by the product of all EXPOSURE
  * lines and, per channel, by that of all COLORCORR lines: both are factors that somebody has multiplied the radiance
  * by.
  *

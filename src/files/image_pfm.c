@@ -2,7 +2,7 @@
  * then the rows from the bottom up as raw floats.
  *
  * The scale's sign tells the byte order (negative: the low byte first); its size means "units" to some programs and
- * nothing to most, so that it is ignored, as SPEC 1 says. Exactly one white space ends the header, and what follows
+ * nothing to most, so that it is ignored. Exactly one white space ends the header, and what follows
  * must be as long as width and height promise: that is held against the file's size before anything is allocated. We
  * write colour, low byte first. Source: P. Debevec's description of the format for HDR Shop. */
 #include "image_pfm.h"

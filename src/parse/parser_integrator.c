@@ -1,4 +1,4 @@
-/* parser_integrator: Integrator (SPEC 3) and Sampler.
+/* parser_integrator: Integrator and Sampler (docs/scene-format.md).
  *
  * Each integrator has its own parameters; one that belongs to another is unknown here, because a scene that gives
  * `candidates` to "em" does not mean what it says. One Integrator counts for all materials, up to three more for those

@@ -46,7 +46,8 @@ double bis_as_printed_Zhat(const bis_settings *s, const bis_point *pt, const bis
     bis_stream others;
 
     bis_stream_init(&others, stream->sampler, ~stream->pixel, stream->sample);
-    return bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->sets, pt, &others) /
+    return bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->sets, pt,
+                               &others) /
            s->candidates;
 }
 

@@ -117,10 +117,12 @@ unsigned bis_scene_light_needs(const bis_scene_desc *d);
  * is NULL. */
 void bis_scene_drop_exceptions(bis_scene_desc *d, const char *what, bis_diag *diag);
 
+/* The number of a material that no shape uses. */
+#define BIS_NO_NUMBER UINT32_MAX
+
 /* bis_scene_number_materials gives numbers to the materials: materials with different values get different numbers,
  * from 0, in the order in which shapes first use them. (*number)[n_materials] comes from bis_alloc; BIS_NO_NUMBER
  * means that no shape uses the material. Cost: n log n. Errors: BIS_NOMEM. */
-#define BIS_NO_NUMBER UINT32_MAX
 bis_status bis_scene_number_materials(uint32_t **number, uint32_t *n_numbers, const bis_scene_desc *d, bis_diag *diag);
 
 typedef struct bis_scene_seconds {

@@ -42,8 +42,10 @@ const char *bis_erratum_nearest(const char *name);
 /* bis_erratum_reaches returns whether the switch can change anything that this integrator computes. */
 bool bis_erratum_reaches(const bis_erratum *e, const char *integrator);
 
-/* bis_errata_text writes the names of a set into buf, separated by blanks: "E6 E20". Returns buf. */
+/* The size of a buffer that holds every text of bis_errata_text. */
 enum { BIS_ERRATA_TEXT = 64 };
+
+/* bis_errata_text writes the names of a set into buf, separated by blanks: "E6 E20". Returns buf. */
 const char *bis_errata_text(char buf[BIS_ERRATA_TEXT], unsigned set);
 
 #endif
