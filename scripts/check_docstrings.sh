@@ -42,15 +42,16 @@ if grep -rnIw SPEC src include tests scripts 2>/dev/null | grep -v '^scripts/che
 fi
 
 # Folders of src with lines over 120 columns, and how many.
-known=${known-'src/cli 152 src/render 40 src/files 63 src/scene 21 src/base 6 src/tools 476 src/out 4 src/shape 33 src/parse 12 src/beyond 34'}
+known=${known-'src/render 40 src/tools 469'}
 # shellcheck disable=SC2046
-awk -v known="$known" '
+LC_ALL=C awk -v known="$known" '
     BEGIN { n = split(known, k); for (i = 1; i < n; i += 2) allowed[k[i]] = k[i + 1] }
-    length($0) > 120 {
+    { line = $0; gsub(/[\200-\277]/, "", line) } # bytes that only continue a character
+    length(line) > 120 {
         split(FILENAME, part, "/")
         folder = part[1] "/" part[2]
         count[folder]++
-        if (count[folder] > allowed[folder]) { printf "%s:%d: %d columns, at most 120 are allowed\n", FILENAME, FNR, length($0); bad = 1 }
+        if (count[folder] > allowed[folder]) { printf "%s:%d: %d columns, at most 120 are allowed\n", FILENAME, FNR, length(line); bad = 1 }
     }
     END { exit bad }' $(find src include -name '*.[ch]' | sort) || bad=1
 exit $bad
