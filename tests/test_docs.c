@@ -243,44 +243,6 @@ static void a_section_without_a_task_or_its_answer_is_found(void **state)
     }
 }
 
-/* --- layers
- * -------------------------------------------------------------------------------------------------------- */
-
-static void arrows_only_go_down(void **state)
-{
-    (void)state;
-    assert_int_equal(shell("sh scripts/check_layers.sh > build/test_docs.out"), 0);
-}
-
-/* The twin: a fresh tree with one file that looks up, and one in a folder that nobody gave a row. */
-static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
-{
-    (void)state;
-    const struct { const char *name, *text, *message; } cases[] = {
-        {"thesis/sir.c", "#include \"bis/base/vec.h\"\n", NULL},
-        {"thesis/sir.c", "#include \"bis/base/vec.h\"\n#include \"bis/scene/scene.h\"\n",
-         "src/thesis/sir.c:2: thesis may not include \"bis/scene/scene.h\""},
-        {"base/file.c", "#  include \"shape/grid.h\"\n", "src/base/file.c:1: base may not include \"shape/grid.h\""},
-        {"tools/trade/trade.c", "#include \"bis/thesis/envmap.h\"\n#include \"trade.h\"\n", NULL},
-        {"tools/trade/trade.c", "#include \"cli/cli.h\"\n", "src/tools/trade/trade.c:1: tools may not include \"cli/cli.h\""},
-        {"quux/quux.c", "", "src/quux/quux.c: folder \"quux\" has no line"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char path[256], text[1024] = "", command[512];
-        snprintf(path, sizeof path, "build/layers/src/%s", cases[i].name);
-        snprintf(command, sizeof command, "rm -rf build/layers && mkdir -p $(dirname %s) build/layers/include/bis/base", path);
-        assert_int_equal(shell(command), 0);
-        program_write_file("build/layers/include/bis/base/vec.h", "");
-        program_write_file(path, *cases[i].text ? cases[i].text : "\n");
-        int status = shell("sh scripts/check_layers.sh build/layers > build/layers.out");
-        FILE *f = fopen("build/layers.out", "r");
-        text[fread(text, 1, sizeof text - 1, f)] = '\0';
-        fclose(f);
-        assert_int_equal(status, cases[i].message != NULL);
-        if (cases[i].message) assert_ptr_equal(strstr(text, cases[i].message), text);
-    }
-}
-
 /* --- docstrings
  * ----------------------------------------------------------------------------------------------------- */
 
@@ -315,6 +277,44 @@ static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(voi
         program_write_file("build/docstrings/src/base/x.c", cases[i].source);
         int status = shell("known= sh scripts/check_docstrings.sh build/docstrings > build/docstrings.out");
         FILE *f = fopen("build/docstrings.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message) assert_ptr_equal(strstr(text, cases[i].message), text);
+    }
+}
+
+/* --- layers
+ * -------------------------------------------------------------------------------------------------------- */
+
+static void arrows_only_go_down(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check_layers.sh > build/test_docs.out"), 0);
+}
+
+/* The twin: a fresh tree with one file that looks up, and one in a folder that nobody gave a row. */
+static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
+{
+    (void)state;
+    const struct { const char *name, *text, *message; } cases[] = {
+        {"thesis/sir.c", "#include \"bis/base/vec.h\"\n", NULL},
+        {"thesis/sir.c", "#include \"bis/base/vec.h\"\n#include \"bis/scene/scene.h\"\n",
+         "src/thesis/sir.c:2: thesis may not include \"bis/scene/scene.h\""},
+        {"base/file.c", "#  include \"shape/grid.h\"\n", "src/base/file.c:1: base may not include \"shape/grid.h\""},
+        {"tools/trade/trade.c", "#include \"bis/thesis/envmap.h\"\n#include \"trade.h\"\n", NULL},
+        {"tools/trade/trade.c", "#include \"cli/cli.h\"\n", "src/tools/trade/trade.c:1: tools may not include \"cli/cli.h\""},
+        {"quux/quux.c", "", "src/quux/quux.c: folder \"quux\" has no line"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[256], text[1024] = "", command[512];
+        snprintf(path, sizeof path, "build/layers/src/%s", cases[i].name);
+        snprintf(command, sizeof command, "rm -rf build/layers && mkdir -p $(dirname %s) build/layers/include/bis/base", path);
+        assert_int_equal(shell(command), 0);
+        program_write_file("build/layers/include/bis/base/vec.h", "");
+        program_write_file(path, *cases[i].text ? cases[i].text : "\n");
+        int status = shell("sh scripts/check_layers.sh build/layers > build/layers.out");
+        FILE *f = fopen("build/layers.out", "r");
         text[fread(text, 1, sizeof text - 1, f)] = '\0';
         fclose(f);
         assert_int_equal(status, cases[i].message != NULL);
@@ -400,11 +400,11 @@ int main(void)
         cmocka_unit_test(a_fragment_that_is_gone_or_differs_is_found),
         cmocka_unit_test(every_equation_of_the_guide_stands_in_the_files_it_names),
         cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
+        cmocka_unit_test(each_public_function_has_a_docstring_that_begins_with_its_name),
+        cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
         cmocka_unit_test(each_run_of_the_tests_has_a_root_of_its_own),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
-        cmocka_unit_test(each_public_function_has_a_docstring_that_begins_with_its_name),
-        cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
         cmocka_unit_test(every_item_of_the_errata_has_a_test_named_after_it_and_a_twin),
         cmocka_unit_test(an_item_without_its_test_or_its_twin_is_found),
     };

@@ -79,8 +79,7 @@ static void put_notes(FILE *out, const char *notes)
         } else if (*notes == ' ') {
             put_line(out, notes, n);
         } else {
-            while (notes[n] == '\n' && notes[n + 1] && !isspace((unsigned char)notes[n + 1]))
-                n += 1 + strcspn(notes + n + 1, "\n");
+            while (notes[n] == '\n' && notes[n + 1] && !isspace((unsigned char)notes[n + 1])) n += 1 + strcspn(notes + n + 1, "\n");
             put_paragraph(out, notes, n);
         }
         notes += n + (notes[n] == '\n');
