@@ -7,7 +7,7 @@
  * thread, processor seconds.
  *
  * A setting's time to any given error is its cost x variance: seconds of a pass of the full picture times relMSE
- * (SPEC 5, over the pixels that show a surface) of a pass. Variance is the scatter of SEEDS renders of the scene's
+ * (docs/budgets.md, over the pixels that show a surface) of a pass. Variance is the scatter of SEEDS renders of the scene's
  * own spp, relative to the mean of everything that was rendered, each method by the inverse of its error: all are
  * unbiased. Cost at full size is fill + (full pixels)/(pixels) (time - fill), fill the time of a picture of one
  * pixel: pools and clusters cost the same at any size.

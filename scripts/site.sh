@@ -38,7 +38,7 @@ source() {
     } >"$out/$1.html" || exit 1
 }
 
-for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs -name '*.md' 2>/dev/null); do page "$md"; done
+for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs src -name '*.md' 2>/dev/null); do page "$md"; done
 for png in bis.png $(find docs -name '*.png'); do
     [ -f "$png" ] && mkdir -p "$out/$(dirname "$png")" && cp "$png" "$out/$png"
 done

@@ -1,4 +1,4 @@
-/* compare: SPEC 5's figures, by hand, by the formulas written out, and at the edges. */
+/* compare: the figures of docs/command-line.md, "bis compare", by hand, by the formulas written out, and at the edges. */
 #include "bis/tools/compare.h"
 #include "bis/thesis/rng.h"
 

@@ -122,7 +122,7 @@ static void links_of_the_pages_lead_to_files(void **state)
     (void)state;
     const char *pages[] = {"README.md", "docs/command-line.md", "docs/architecture.md", "docs/integrators.md", "docs/scene-format.md",
                            "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md", "docs/budgets.md", "docs/pixel.md",
-                           "docs/guide.md", "docs/theory.md", "CONTRIBUTING.md", "CHANGELOG.md"};
+                           "docs/guide.md", "docs/theory.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
         char text[1 << 16], path[1024];
         FILE *f = fopen(pages[i], "r");
@@ -240,6 +240,47 @@ static void a_section_without_a_task_or_its_answer_is_found(void **state)
         fclose(f);
         if (status != (cases[i].message != NULL)) fail_msg("case %zu: status %d, %s", i, status, text);
         if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+    }
+}
+
+/* --- docstrings
+ * ----------------------------------------------------------------------------------------------------- */
+
+static void each_public_function_has_a_docstring_that_begins_with_its_name(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check_docstrings.sh > build/test_docs.out"), 0);
+}
+
+#define COLUMNS_50 "12345678901234567890123456789012345678901234567890"
+
+/* The twin: a fresh tree with one public header, and one file of src. */
+static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(void **state)
+{
+    (void)state;
+    const struct { const char *header, *source, *message; } cases[] = {
+        {"/* f does it. */\nint f(int x);\n", "\n", NULL},
+        {"/* f, and g, too, for more than\n * one. */\nint f(int x);\nstatic inline int g(void)\n{\n    return f(1);\n}\n", "\n", NULL},
+        {"/* g does it. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: the comment above f does not begin with its name"},
+        {"/* Does it. */\nint *f(int x,\n       int y);\n", "\n", "include/bis/base/x.h:2: the comment above f"},
+        {"/* f2 does it. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: the comment above f"},
+        {"/* f does it. */\nint f(int x);\n\nint g(int x);\n", "\n", "include/bis/base/x.h:4: the comment above g"},
+        {"/* f does it. */\ntypedef int t;\nint f(int x);\n", "\n", "include/bis/base/x.h:3: the comment above f"},
+        {"/* f does it. */\nint f(int x);\n", "/* As SP" "EC 5. */\n", "src/base/x.c:1:/* As SP" "EC 5. */"},
+        {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "12345678901234 */\n", NULL},
+        {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "123456789012345 */\n", "src/base/x.c:1: 121 columns"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024] = "";
+        assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings/include/bis/base docstrings/src/base"), 0);
+        program_write_file("build/docstrings/include/bis/base/x.h", cases[i].header);
+        program_write_file("build/docstrings/src/base/x.c", cases[i].source);
+        int status = shell("known= sh scripts/check_docstrings.sh build/docstrings > build/docstrings.out");
+        FILE *f = fopen("build/docstrings.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message) assert_ptr_equal(strstr(text, cases[i].message), text);
     }
 }
 
@@ -382,6 +423,8 @@ int main(void)
         cmocka_unit_test(a_fragment_that_is_gone_or_differs_is_found),
         cmocka_unit_test(every_equation_of_the_guide_stands_in_the_files_it_names),
         cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
+        cmocka_unit_test(each_public_function_has_a_docstring_that_begins_with_its_name),
+        cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
         cmocka_unit_test(each_run_of_the_tests_has_a_root_of_its_own),
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),

@@ -402,7 +402,7 @@ static bis_image probe_new(int side)
     return image;
 }
 
-/* SPEC 1's formula, and the pixel's centre on the disc. */
+/* The formula of Debevec's light probes, and the pixel's centre on the disc. */
 static vec3 probe_direction(int side, int x, int y, double *r)
 {
     const double right = (2 * x + 1.0) / side - 1, up = 1 - (2 * y + 1.0) / side;

@@ -38,7 +38,7 @@ static bis_importance *importance_of(const bis_envmap *em, bis_importance_option
     return im;
 }
 
-/* ---- what should be drawn, by SPEC 1 and 4 ---- */
+/* ---- what should be drawn, by thesis 3.3 and 3.4 ---- */
 
 /* P of each pixel in long double: I dO min(0.01, A)^b / sum, A from the regions' labels. */
 static double *expected_pmf(const bis_envmap *em, double b, bool compensate)

@@ -1,4 +1,4 @@
-/* parser: SPEC 2 by examples. Bad scenes lie in tests/bad/NAME.txt beside the exact messages NAME.expect; good ones in
+/* parser: docs/scene-format.md by examples. Bad scenes lie in tests/bad/NAME.txt beside the exact messages NAME.expect; good ones in
  * tests/scenes and in docs/scene-format.md. */
 #include "bis/base/file.h"
 #include "bis/base/mem.h"

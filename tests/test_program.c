@@ -1,4 +1,4 @@
-/* The program itself: options in, files and exit status out, SPEC 5. The scene is made here; what is looked at is read
+/* The program itself: options in, files and exit status out, docs/command-line.md. The scene is made here; what is looked at is read
  * back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
 #include "bis/shape/accel.h"
 #include "bis/tools/compare.h"
@@ -381,7 +381,7 @@ static void a_time_budget_renders_for_a_while_and_says_how_much(void **state)
     assert_string_equal(json_value(value, sizeof value, r.output, "spp"), "1");
 }
 
-/* SPEC 1: the energy before and after is printed. A probe of constant radiance 1: 3 x 4 pi, whatever its corners
+/* The energy before and after is printed. A probe of constant radiance 1: 3 x 4 pi, whatever its corners
  * hold. */
 static void a_light_probe_tells_its_energy_before_and_after(void **state)
 {

@@ -145,7 +145,8 @@ static int follow_links(char target[PATH_MAX], const char *path)
     if (reason) return reason;
     memcpy(target, path, strlen(path) + 1);
     for (int i = 0; i <= MOST_LINKS && !reason; i++) {
-        if (lstat(target, &info)) return errno == ENAMETOOLONG || errno == ELOOP ? errno : 0; /* else it is new, or making it says why not */
+        /* else it is new, or making it says why not */
+        if (lstat(target, &info)) return errno == ENAMETOOLONG || errno == ELOOP ? errno : 0;
         if (!S_ISLNK(info.st_mode)) return 0;
         reason = follow_link(target);
     }
@@ -155,10 +156,14 @@ static int follow_links(char target[PATH_MAX], const char *path)
 bis_status bis_file_target(char target[PATH_MAX], const char *path, bis_diag *diag)
 {
     const int reason = follow_links(target, path);
-    return reason ? bis_error(diag, BIS_IO, (bis_loc){path, 0, 0}, "cannot write \"%s\": %s", path, strerror(reason)) : BIS_OK;
+    return reason ? bis_error(diag, BIS_IO, (bis_loc){path, 0, 0}, "cannot write \"%s\": %s", path, strerror(reason))
+                  : BIS_OK;
 }
 
-static bool is_same_inode(const struct stat *a, const struct stat *b) { return a->st_dev == b->st_dev && a->st_ino == b->st_ino; }
+static bool is_same_inode(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
 
 bool bis_file_is_same(const char *a, const char *b)
 {
@@ -200,7 +205,8 @@ static void choose_name_beside(char *temp, size_t room, const char *path)
 {
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now);
-    snprintf(temp, room, "%.*s.bis-%lx-%lx", (int)folder_length(path), path, (unsigned long)getpid(), (unsigned long)now.tv_nsec);
+    snprintf(temp, room, "%.*s.bis-%lx-%lx", (int)folder_length(path), path, (unsigned long)getpid(),
+             (unsigned long)now.tv_nsec);
 }
 
 static size_t room_beside(const char *path) { return folder_length(path) + sizeof ".bis-" + 2 * 16 + 1; }

@@ -1,8 +1,9 @@
 /* stats: the incomplete gamma function, of which the chi-square tail is a special case.
  *
  * Both of its classical expansions share the factor x^a e^-x / Gamma(a), and each converges where the other does not:
- *   below the mode, x < a + 1, the series    P = x^a e^-x / Gamma(a) * sum over k of x^k / (a (a+1) ... (a+k)),  Q = 1 - P;
- *   above it, the continued fraction         Q = x^a e^-x / Gamma(a) * 1/(x+1-a - 1(1-a)/(x+3-a - 2(2-a)/(x+5-a - ...))).
+ *   below the mode, x < a + 1, the series    P = x^a e^-x / Gamma(a) * sum over k of x^k / (a (a+1) ... (a+k)),  Q =
+ *   1 - P; above it, the continued fraction         Q = x^a e^-x / Gamma(a) * 1/(x+1-a - 1(1-a)/(x+3-a -
+ *   2(2-a)/(x+5-a - ...))).
  * Near x = a either takes some 10 sqrt(a) terms, elsewhere a dozen. Source: Abramowitz and Stegun 6.5.29 and 6.5.31
  * (the latter's even part), summed by the modified Lentz method (Thompson and Barnett 1986). */
 #include "bis/base/stats.h"

@@ -48,21 +48,27 @@ bis_fast_needs bis_fast_needs_of(const bis_settings *s)
     const bool is_sir = s->integrator == &bis_sir || s->integrator == &bis_auto, product = is_sir && wants_product(s);
     const bool batch = is_sir && s->vectorize && !s->as_printed && s->candidates >= SMALLEST && (n_pool > 0 || product);
 
-    return (bis_fast_needs){.n_pool = n_pool, .batch = batch, .clusters = batch && product, .visibility = batch && product && s->learn};
+    return (bis_fast_needs){
+        .n_pool = n_pool, .batch = batch, .clusters = batch && product, .visibility = batch && product && s->learn};
 }
 
 bis_Lo *bis_fast_Lo(const bis_settings *s) { return bis_fast_needs_of(s).batch ? bis_batch_Lo : s->integrator->Lo; }
 
 /* For brdf, u1, u2, traced. */
-static size_t floats_needed(uint32_t m, uint32_t n) { return (BIS_LANES_ARRAYS + 2) * (size_t)m + BIS_LANES_ARRAYS * (size_t)n; }
+static size_t floats_needed(uint32_t m, uint32_t n)
+{
+    return (BIS_LANES_ARRAYS + 2) * (size_t)m + BIS_LANES_ARRAYS * (size_t)n;
+}
 
 size_t bis_fast_bytes(const bis_settings *s)
 {
     if (!bis_fast_needs_of(s).batch) return 0;
     const uint32_t m = bis_lanes_round_up(s->candidates), N = s->shadowrays, n = bis_lanes_round_up(N);
-    const size_t arrays = floats_needed(m, n) * sizeof(float) + m * sizeof(uint32_t) + N * (sizeof(uint32_t) + sizeof(vec3) + sizeof(bool));
+    const size_t arrays = floats_needed(m, n) * sizeof(float) + m * sizeof(uint32_t) +
+                          N * (sizeof(uint32_t) + sizeof(vec3) + sizeof(bool));
 
-    return sizeof(bis_batch) + arrays + bis_blocks_bytes(2 * m, N) + (wants_product(s) ? bis_product_bytes(s->candidates) : 0);
+    return sizeof(bis_batch) + arrays + bis_blocks_bytes(2 * m, N) +
+           (wants_product(s) ? bis_product_bytes(s->candidates) : 0);
 }
 
 static void batch_free(bis_batch *b)
@@ -108,7 +114,8 @@ bis_status bis_fast_init(bis_fast *f, const bis_settings *s, bis_diag *diag)
     if (!bis_fast_needs_of(s).batch) return BIS_OK;
     f->batch = batch_new(s);
     if (f->batch) return BIS_OK;
-    return bis_error(diag, BIS_NOMEM, (bis_loc){NULL, 0, 0}, "no memory for a thread's %u candidates and %u chosen ones; fewer of them need less",
+    return bis_error(diag, BIS_NOMEM, (bis_loc){NULL, 0, 0},
+                     "no memory for a thread's %u candidates and %u chosen ones; fewer of them need less",
                      (unsigned)s->candidates, (unsigned)s->shadowrays);
 }
 
@@ -121,14 +128,16 @@ void bis_fast_clear(bis_fast *f)
 
 static bool fits(const bis_point *pt, const bis_fast *f)
 {
-    return f && f->batch && (f->clusters || f->pool) && bis_bsdf_lanes_of(pt->bsdf.material->model) && !bis_bsdf_is_black(&pt->bsdf);
+    return f && f->batch && (f->clusters || f->pool) && bis_bsdf_lanes_of(pt->bsdf.material->model) &&
+           !bis_bsdf_is_black(&pt->bsdf);
 }
 
 /* ---- candidates and their weights ---- */
 
 /* From the map: a set of the pool. Where the BRDF takes n_brdf of the M, so many of the set, evenly spread, are left
  * out: their weights become 0. Returns the unit of the weights. */
-static double weigh_set(bis_batch *b, const bis_lanes *set, const bis_mixture *m, const bis_point *pt, bis_stream *stream)
+static double weigh_set(bis_batch *b, const bis_lanes *set, const bis_mixture *m, const bis_point *pt,
+                        bis_stream *stream)
 {
     const uint32_t M = m->n_em + m->n_brdf, phase = (uint32_t)(bis_rng_u64(&stream->rng) >> 32);
     const double unit = bis_bsdf_lanes_of(pt->bsdf.material->model)->weigh(b->weights.w, &pt->bsdf, set, M, m->beta);
@@ -138,7 +147,8 @@ static double weigh_set(bis_batch *b, const bis_lanes *set, const bis_mixture *m
 }
 
 /* From the BRDF. With a product, the density that it would have drawn them with stands in the place of q_L. */
-static void weigh_brdf(bis_batch *b, float *w, const bis_mixture *m, const bis_clusters *clusters, const bis_point *pt, bis_stream *stream)
+static void weigh_brdf(bis_batch *b, float *w, const bis_mixture *m, const bis_clusters *clusters, const bis_point *pt,
+                       bis_stream *stream)
 {
     const bis_bsdf_lanes *lanes = bis_bsdf_lanes_of(pt->bsdf.material->model);
 
@@ -242,7 +252,8 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     pt->counters->candidates += M;
     if (clusters) {
         n_map = m.n_em;
-        if (!bis_product_weigh(&b->product, clusters, f->visible, pt)) return (rgb){0, 0, 0}; /* nothing of the map is above the horizon */
+        /* nothing of the map is above the horizon */
+        if (!bis_product_weigh(&b->product, clusters, f->visible, pt)) return (rgb){0, 0, 0};
         bis_product_draw(&b->product, clusters, n_map, stream);
         map = b->product.y;
         unit = bis_bsdf_lanes_of(pt->bsdf.material->model)->weigh(b->weights.w, &pt->bsdf, &map, n_map, m.beta);

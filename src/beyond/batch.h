@@ -1,6 +1,6 @@
-/* batch: sir.c for all candidates of a point at once, and what a thread needs beyond the thesis: the directions that all
- * points of a pass share (pool, clusters), and the visibility that earlier passes have learned. The choice between this
- * and sir.c is made once, when a render is set up. */
+/* batch: sir.c for all candidates of a point at once, and what a thread needs beyond the thesis: the directions that
+ * all points of a pass share (pool, clusters), and the visibility that earlier passes have learned. The choice
+ * between this and sir.c is made once, when a render is set up. */
 #ifndef BIS_BATCH_H
 #define BIS_BATCH_H
 
@@ -23,7 +23,7 @@ typedef struct bis_fast {
     bis_batch *batch;             /* its own; NULL: candidates one by one */
     const bis_pool *pool;         /* borrowed; NULL: none */
     const bis_clusters *clusters; /* borrowed; NULL: none, proposal "product" is then "mix" */
-    float *visible;    /* its own, visible[clusters->n, whole blocks]: g of bis/beyond/visibility.h for the tile at hand;
+    float *visible; /* its own, visible[clusters->n, whole blocks]: g of bis/beyond/visibility.h for the tile at hand;
                           NULL: nothing is learned */
     bis_seen *counted; /* borrowed, counted[BIS_VISIBILITY_PARTS]: of the tile at hand; NULL: do not count */
 } bis_fast;
@@ -38,13 +38,13 @@ void bis_fast_clear(bis_fast *f);
 /* bis_fast_bytes returns the bytes of that workspace. */
 size_t bis_fast_bytes(const bis_settings *s);
 
-/* bis_fast_Lo returns the function that renders with these settings: bis_batch_Lo where the vector path can be used, else
- * the integrator's own. */
+/* bis_fast_Lo returns the function that renders with these settings: bis_batch_Lo where the vector path can be used,
+ * else the integrator's own. */
 typedef rgb bis_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch);
 bis_Lo *bis_fast_Lo(const bis_settings *s);
 
-/* bis_batch_Lo returns one estimate, as bis_sir.Lo does. It calls bis_sir.Lo where the point does not fit: scratch->fast
- * has no directions, the material has no vector code, or nothing is reflected. */
+/* bis_batch_Lo returns one estimate, as bis_sir.Lo does. It calls bis_sir.Lo where the point does not fit:
+ * scratch->fast has no directions, the material has no vector code, or nothing is reflected. */
 rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch);
 
 #endif

@@ -18,7 +18,8 @@ enum { DIRECTIONS = BIS_CLUSTER_DIRECTIONS };
 bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M, bis_diag *diag)
 {
     const bis_importance *im = bis_light_importance(light);
-    const uint32_t K = M < 32 ? 64 : M < BIS_CLUSTERS / 2 ? 2 * M : BIS_CLUSTERS; /* weighing them should not cost more than the candidates do */
+    /* weighing them should not cost more than the candidates do */
+    const uint32_t K = M < 32 ? 64 : M < BIS_CLUSTERS / 2 ? 2 * M : BIS_CLUSTERS;
     bis_status status;
 
     *c = (bis_clusters){.width = (uint32_t)bis_light_envmap(light)->width};
@@ -37,7 +38,8 @@ bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M
 done:
     if (!status) return BIS_OK;
     bis_clusters_clear(c);
-    return bis_error(diag, status, (bis_loc){0}, "no memory for the clusters of the environment map; proposal \"mix\" needs none");
+    return bis_error(diag, status, (bis_loc){0},
+                     "no memory for the clusters of the environment map; proposal \"mix\" needs none");
 }
 
 void bis_clusters_clear(bis_clusters *c)
@@ -53,7 +55,8 @@ size_t bis_clusters_bytes(const bis_clusters *c)
 {
     if (!c->n) return 0;
     const size_t rows = ((size_t)c->width + 2 * c->side - 1) / (2 * c->side); /* maps are about twice as wide as high */
-    return c->n * (DIRECTIONS * sizeof *c->y + sizeof *c->t + (BIS_LANES_ARRAYS + 1) * sizeof(float)) + rows * c->columns * sizeof *c->of_tile;
+    return c->n * (DIRECTIONS * sizeof *c->y + sizeof *c->t + (BIS_LANES_ARRAYS + 1) * sizeof(float)) +
+           rows * c->columns * sizeof *c->of_tile;
 }
 
 /* A direction of density below FLT_MIN is drawn once in 10^37; it counts as dark. */

@@ -39,7 +39,8 @@ static inline uint32_t parity_above(uint32_t x)
 static inline float unit_float(uint32_t bits24) { return (float)(int32_t)bits24 * 0x1p-24f; }
 
 /* many: i rest would not fit 31 bits. */
-static inline BIS_INLINE void points_as(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t key1, uint32_t key2, const bool many)
+static inline BIS_INLINE void points_as(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t key1, uint32_t key2,
+                                        const bool many)
 {
     const uint32_t cells = 1u << 24, last = cells - 1, whole = cells / n, rest = cells % n;
     const float inverse = 1 / (float)n, size = (float)cells * inverse;

@@ -23,7 +23,8 @@ static void find(const vec3 axis[3], float columns, float rows, uint32_t *pixel,
         const float v = l.x[i] * ay.x + l.y[i] * ay.y + l.z[i] * ay.z;
         const float w = l.x[i] * az.x + l.y[i] * az.y + l.z[i] * az.z;
         const float phi = bis_lanes_atan2(v, u), theta = bis_lanes_atan2(sqrtf(u * u + v * v), w);
-        const int32_t east = (int32_t)(phi * per_column), west = last_column + (int32_t)(phi * per_column); /* west: rounded towards 0 from below */
+        /* west: rounded towards 0 from below */
+        const int32_t east = (int32_t)(phi * per_column), west = last_column + (int32_t)(phi * per_column);
         int32_t x = phi < 0 ? west : east, row = (int32_t)(theta * per_row);
 
         x = x > last_column ? last_column : x; /* phi just below pi, rounded up; theta = pi belongs to the last row */

@@ -29,7 +29,10 @@ static constants constants_of(const bis_bsdf *b, double *unit)
     const double peak = (m->exponent + 1) * (INV_PI / 2);
     const double Ks[3] = {(double)m->Ks.r * peak, (double)m->Ks.g * peak, (double)m->Ks.b * peak};
     const double Kd[3] = {(double)m->Kd.r * INV_PI, (double)m->Kd.g * INV_PI, (double)m->Kd.b * INV_PI};
-    constants c = {.n = b->local.z, .r = b->r, .exponent = (float)fmin(m->exponent, (double)FLT_MAX), .has_lobe = b->p_specular > 0};
+    constants c = {.n = b->local.z,
+                   .r = b->r,
+                   .exponent = (float)fmin(m->exponent, (double)FLT_MAX),
+                   .has_lobe = b->p_specular > 0};
 
     *unit = fmax(fmax(fmax(Ks[0], Ks[1]), Ks[2]), fmax(fmax(Kd[0], Kd[1]), Kd[2]));
     for (int i = 0; i < 3; i++) {
@@ -54,8 +57,8 @@ static inline BIS_INLINE float power(const constants *c, float x, float y, float
 
 /* ---- weights: phat/q, eq. 4.9 ---- */
 
-static inline BIS_INLINE void weigh_as(float *w, const constants *c, const bis_lanes *y, uint32_t n, float em, float brdf,
-                                                           const bool has_lobe, const bool mixed)
+static inline BIS_INLINE void weigh_as(float *w, const constants *c, const bis_lanes *y, uint32_t n, float em,
+                                       float brdf, const bool has_lobe, const bool mixed)
 {
     const constants k = *c;
     const bis_lanes l = *y;
@@ -73,7 +76,8 @@ static inline BIS_INLINE void weigh_as(float *w, const constants *c, const bis_l
         }
         if (mixed) q += brdf * (k.pdf_lobe * p + k.pdf_base * bis_lanes_choose(cos_theta > 0, cos_theta, 0));
         const float phat = cos_theta * (fr * l.r[i] + fg * l.g[i] + fb * l.b[i]);
-        w[i] = bis_lanes_choose(cos_theta > 0, phat / bis_lanes_choose(q > 0, q, 1), 0); /* q = 0: a black pixel, outside the lobe; phat is 0, too */
+        /* q = 0: a black pixel, outside the lobe; phat is 0, too */
+        w[i] = bis_lanes_choose(cos_theta > 0, phat / bis_lanes_choose(q > 0, q, 1), 0);
     }
 }
 
@@ -158,7 +162,8 @@ static void reach_lanes(float *w, const constants *c, const bis_lanes *cone, con
         const float cos_alpha = largest_cosine(k.r, l.x[i], l.y[i], l.z[i], l.q_L[i], sine[i]);
         const float x = bis_lanes_choose(cos_alpha > 0x1p-20f, 1 - cos_alpha, 1 - 0x1p-20f);
         const float p = bis_lanes_exp(k.exponent * bis_lanes_log1m(x));
-        const float phat = (k.base[0] + k.lobe[0] * p) * l.r[i] + (k.base[1] + k.lobe[1] * p) * l.g[i] + (k.base[2] + k.lobe[2] * p) * l.b[i];
+        const float phat = (k.base[0] + k.lobe[0] * p) * l.r[i] + (k.base[1] + k.lobe[1] * p) * l.g[i] +
+                           (k.base[2] + k.lobe[2] * p) * l.b[i];
 
         w[i] = bis_lanes_choose(cos_theta > 0, cos_theta * phat, 0);
     }
@@ -191,16 +196,21 @@ static void sample_lanes(const bis_lanes *y, const draws *d, const float *u1, co
     for (uint32_t i = 0; i < n; i++) {
         const bool specular = u1[i] < k.p;
         const float stretched = bis_lanes_choose(specular, u1[i] * inverse_p, (u1[i] - k.p) * inverse_rest);
-        const float u = bis_lanes_choose(stretched < 0x1.fffffep-1f, stretched, 0x1.fffffep-1f); /* the quotient may round up to 1 */
+        /* the quotient may round up to 1 */
+        const float u = bis_lanes_choose(stretched < 0x1.fffffep-1f, stretched, 0x1.fffffep-1f);
         const float one_minus_cos = bis_lanes_1mexp(bis_lanes_log1m(u) * k.inverse_n1);
-        const float sine2 = bis_lanes_choose(specular, one_minus_cos * (2 - one_minus_cos), u), sine = sqrtf(sine2), cosine = sqrtf(1 - u);
+        const float sine2 = bis_lanes_choose(specular, one_minus_cos * (2 - one_minus_cos), u), sine = sqrtf(sine2),
+                    cosine = sqrtf(1 - u);
         float s, c;
 
         bis_lanes_sincos2pi(u2[i], &s, &c);
         const float a = sine * c, b = sine * s, h = bis_lanes_choose(specular, 1 - one_minus_cos, cosine);
-        const float x1 = a * k.lobe.x.x + b * k.lobe.y.x + h * k.lobe.z.x, x2 = a * k.local.x.x + b * k.local.y.x + h * k.local.z.x;
-        const float y1 = a * k.lobe.x.y + b * k.lobe.y.y + h * k.lobe.z.y, y2 = a * k.local.x.y + b * k.local.y.y + h * k.local.z.y;
-        const float z1 = a * k.lobe.x.z + b * k.lobe.y.z + h * k.lobe.z.z, z2 = a * k.local.x.z + b * k.local.y.z + h * k.local.z.z;
+        const float x1 = a * k.lobe.x.x + b * k.lobe.y.x + h * k.lobe.z.x,
+                    x2 = a * k.local.x.x + b * k.local.y.x + h * k.local.z.x;
+        const float y1 = a * k.lobe.x.y + b * k.lobe.y.y + h * k.lobe.z.y,
+                    y2 = a * k.local.x.y + b * k.local.y.y + h * k.local.z.y;
+        const float z1 = a * k.lobe.x.z + b * k.lobe.y.z + h * k.lobe.z.z,
+                    z2 = a * k.local.x.z + b * k.local.y.z + h * k.local.z.z;
 
         l.x[i] = bis_lanes_choose(specular, x1, x2);
         l.y[i] = bis_lanes_choose(specular, y1, y2);

@@ -35,7 +35,8 @@ bis_status bis_pool_init(bis_pool *p, uint32_t M, bool lanes, bis_diag *diag)
     if (lanes) p->lanes = bis_alloc((size_t)p->n_sets * BIS_LANES_ARRAYS * bis_lanes_round_up(M), sizeof *p->lanes);
     if (p->y && (p->lanes || !lanes)) return BIS_OK;
     bis_pool_clear(p);
-    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d sets of %u candidates; fewer candidates need less", MAX_SETS, (unsigned)M);
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0},
+                     "no memory for %d sets of %u candidates; fewer candidates need less", MAX_SETS, (unsigned)M);
 }
 
 void bis_pool_clear(bis_pool *p)

@@ -40,7 +40,8 @@ void bis_product_clear(bis_product *p)
 
 size_t bis_product_bytes(uint32_t M)
 {
-    return bis_lanes_round_up(M) * (BIS_LANES_ARRAYS * sizeof(float) + sizeof(uint16_t)) + bis_blocks_bytes(most_clusters(), M);
+    return bis_lanes_round_up(M) * (BIS_LANES_ARRAYS * sizeof(float) + sizeof(uint16_t)) +
+           bis_blocks_bytes(most_clusters(), M);
 }
 
 BIS_LANES
@@ -84,7 +85,8 @@ void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, bis_str
         random = bis_hash(random + k);
         /* evenly spread: from a random phase, every (D/times)-th, in 2^-16 of a direction */
         for (uint32_t m = 0; m < times; m++, i++) {
-            put(&p->y, i, &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
+            put(&p->y, i,
+                &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
             p->cluster[i] = (uint16_t)k;
         }
     }

@@ -16,7 +16,8 @@ bis_status bis_visibility_init(bis_visibility *v, size_t n_tiles, bis_diag *diag
     v->counted = bis_alloc(n_tiles, sizeof *v->counted);
     if (v->known && v->counted) return BIS_OK;
     bis_visibility_clear(v);
-    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility learned in %zu tiles; \"bool learn\" false needs none", n_tiles);
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0},
+                     "no memory for the visibility learned in %zu tiles; \"bool learn\" false needs none", n_tiles);
 }
 
 void bis_visibility_clear(bis_visibility *v)
@@ -34,7 +35,8 @@ void bis_visibility_factors(float *g, uint32_t n, const bis_visibility *v, size_
     const bis_seen *known = v->known[tile];
     float of_part[PARTS];
 
-    for (int i = 0; i < PARTS; i++) of_part[i] = (float)sqrt((known[i].seen + 2.0) / (known[i].rays + 2.0) + floor_of_v);
+    for (int i = 0; i < PARTS; i++)
+        of_part[i] = (float)sqrt((known[i].seen + 2.0) / (known[i].rays + 2.0) + floor_of_v);
     for (uint32_t k = 0; k < n; k++) g[k] = of_part[bis_visibility_part(k, n)];
 }
 

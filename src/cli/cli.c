@@ -1,4 +1,4 @@
-/* cli: options from a table, SPEC 5.
+/* cli: options from a table, docs/command-line.md.
  *
  * One table per command says everything about an option once: its name, its argument, its range, its help. Reading,
  * checking, the suggestion after a slip ("did you mean") and `--help` all come from it, so none can go out of step with
@@ -139,8 +139,8 @@ static bool read_share(const bis_option *o, const char *text, bis_diag *diag)
     if (!u) return false;
     *(double *)o->value = v;
     if (v > 1 && *u->name == '\0') {
-        bis_warn(diag, bis_cli_loc, "--%s %s is %g %%: did you mean --%s %s%%, which is %g? If not, write %g%%", o->name,
-                 text, 100 * v, o->name, text, v / 100, 100 * v);
+        bis_warn(diag, bis_cli_loc, "--%s %s is %g %%: did you mean --%s %s%%, which is %g? If not, write %g%%",
+                 o->name, text, 100 * v, o->name, text, v / 100, 100 * v);
     }
     return true;
 }
@@ -190,10 +190,12 @@ static bis_status read_name(const bis_option *o, const char *text, bis_diag *dia
     }
     const char *near = bis_nearest_name(text, o->names, n);
     if (near) {
-        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s: no such thing as \"%s\" (did you mean \"%s\"?); it is one of %s", o->name,
-                         text, near, list);
+        return bis_error(diag, BIS_INPUT, bis_cli_loc,
+                         "--%s: no such thing as \"%s\" (did you mean \"%s\"?); it is one of %s", o->name, text, near,
+                         list);
     }
-    return bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s: no such thing as \"%s\"; it is one of %s", o->name, text, list);
+    return bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s: no such thing as \"%s\"; it is one of %s", o->name, text,
+                     list);
 }
 
 static bis_status read_text(const bis_option *o, const char *text, bis_diag *diag)
@@ -259,7 +261,8 @@ static bis_status unknown_option(const bis_command *c, const char *name, size_t 
     if (near) {
         return bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"--%s\" (did you mean \"--%s\"?)", word, near);
     }
-    return bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"--%s\"; `bis %s --help` lists them", word, c->name);
+    return bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"--%s\"; `bis %s --help` lists them", word,
+                     c->name);
 }
 
 /* One option at argv[i], "--name" or "--name=value"; returns how many arguments it took. *is_unknown is set where the
@@ -296,7 +299,8 @@ static int read_option(const bis_command *c, int argc, char **argv, int i, bool 
     return 2;
 }
 
-static void read_arguments(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands, bis_diag *diag)
+static void read_arguments(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands,
+                           bis_diag *diag)
 {
     bool options_over = false, has_unknown = false;
     int n = 0;
@@ -326,7 +330,8 @@ static void read_arguments(const bis_command *c, int argc, char **argv, const ch
     *n_operands = n;
 }
 
-bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands, int *exit_status)
+bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands,
+                   int *exit_status)
 {
     bis_diag diag = {0};
 
@@ -416,13 +421,15 @@ bis_status bis_cli_check_writable(const char *path, bis_diag *diag)
     const char *slash = strrchr(target, '/');
     if (slash) snprintf(folder, sizeof folder, "%.*s", slash == target ? 1 : (int)(slash - target), target);
     if (stat(folder, &st) != 0) {
-        return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder, strerror(errno));
+        return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder,
+                         strerror(errno));
     }
     if (!S_ISDIR(st.st_mode)) {
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: \"%s\" is not a folder", path, folder);
     }
     if (access(folder, W_OK | X_OK) != 0) {
-        return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder, strerror(errno));
+        return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder,
+                         strerror(errno));
     }
     status = bis_outfile_open(&file, path, diag); /* the surest test is to do it */
     if (!status) bis_outfile_abort(file);
@@ -436,19 +443,22 @@ static bool is_lost_when_written(const char *path)
     return strcmp(path, "-") != 0 && (stat(path, &st) != 0 || S_ISREG(st.st_mode));
 }
 
-bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, const char *const *outputs, size_t n_outputs, bis_diag *diag)
+bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, const char *const *outputs,
+                                  size_t n_outputs, bis_diag *diag)
 {
     for (size_t i = 0; i < n_outputs; i++) {
         if (!is_lost_when_written(outputs[i])) continue;
         for (size_t k = 0; k < n_inputs; k++) {
             if (!bis_file_is_same(outputs[i], inputs[k])) continue;
-            return bis_error(diag, BIS_INPUT, bis_cli_loc, "output \"%s\" would replace \"%s\", which is read; give the output another name",
+            return bis_error(diag, BIS_INPUT, bis_cli_loc,
+                             "output \"%s\" would replace \"%s\", which is read; give the output another name",
                              outputs[i], inputs[k]);
         }
         for (size_t k = 0; k < i; k++) {
             if (!bis_file_is_same(outputs[i], outputs[k])) continue;
-            return bis_error(diag, BIS_INPUT, bis_cli_loc, "outputs \"%s\" and \"%s\" are one file; give one of them another name",
-                             outputs[k], outputs[i]);
+            return bis_error(diag, BIS_INPUT, bis_cli_loc,
+                             "outputs \"%s\" and \"%s\" are one file; give one of them another name", outputs[k],
+                             outputs[i]);
         }
     }
     return BIS_OK;

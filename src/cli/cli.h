@@ -22,7 +22,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* Exit statuses, SPEC 5. */
+/* Exit statuses, docs/command-line.md. */
 enum { BIS_EXIT_DONE = 0, BIS_EXIT_FAILED = 1, BIS_EXIT_USAGE = 2, BIS_EXIT_INTERRUPTED = 130 };
 
 typedef enum bis_option_kind {
@@ -75,7 +75,8 @@ typedef struct bis_command {
  * it may be that option's value. `-h` is `--help`, `-V` is `--version`.
  * False: the command is over with *exit_status: `--help` and `--version` were answered, or the usage was bad and a
  * message printed. */
-bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands, int *exit_status);
+bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands,
+                   int *exit_status);
 
 /* A command from its arguments to its exit status: parse, run the body (exit status out), print its messages, finish.
  * `options` is what the table of options writes to. At most BIS_CLI_MAX_OPERANDS operands. */
@@ -110,7 +111,8 @@ bis_status bis_cli_check_writable(const char *path, bis_diag *diag);
 
 /* bis_cli_check_distinct: refuse, before any work, an output that is one of the inputs or another output: what it holds
  * would be lost. A pipe, a device or "-" may stand for several. Errors: BIS_INPUT. */
-bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, const char *const *outputs, size_t n_outputs, bis_diag *diag);
+bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, const char *const *outputs,
+                                  size_t n_outputs, bis_diag *diag);
 
 /* --nthreads: from now on n threads wherever nobody says how many, as for the tables of a map. 0: as many as there
  * are. */

@@ -59,7 +59,8 @@ static bis_status write_difference(const char *path, const bis_image *a, const b
 static bis_status check_output(const char *path, bis_diag *diag)
 {
     if (!bis_image_can_write(path)) {
-        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--diff \"%s\": the ending must be .exr, .pfm, .hdr or .png", path);
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--diff \"%s\": the ending must be .exr, .pfm, .hdr or .png",
+                         path);
     }
     return bis_cli_check_writable(path, diag);
 }
@@ -99,14 +100,18 @@ done:
 int bis_cmd_compare(int argc, char **argv)
 {
     compare_options o = {0};
+    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "options"},
-        {.name = "json", .help = "print JSON instead of lines of \"key value\"", .kind = BIS_OPTION_FLAG, .value = &o.json},
-        {.name = "tolerance", .argument = "T", .help = "exit with status 1 where relmse exceeds T", .kind = BIS_OPTION_REAL,
-         .value = &o.tolerance, .given = &o.has_tolerance, .hi = (double)INFINITY},
-        {.name = "diff", .argument = "F", .help = "write the relative difference in false colours: black, blue, red, yellow, white from "
-         "1e-3 to 10 on a logarithmic scale; magenta: not finite", .kind = BIS_OPTION_TEXT, .value = &o.diff},
+        {.name = "json", .help = "print JSON instead of lines of \"key value\"", .kind = BIS_OPTION_FLAG,
+         .value = &o.json},
+        {.name = "tolerance", .argument = "T", .help = "exit with status 1 where relmse exceeds T",
+         .kind = BIS_OPTION_REAL, .value = &o.tolerance, .given = &o.has_tolerance, .hi = (double)INFINITY},
+        {.name = "diff", .argument = "F",
+         .help = "write the relative difference in false colours: black, blue, red, yellow, white from 1e-3 to 10 on "
+                 "a logarithmic scale; magenta: not finite", .kind = BIS_OPTION_TEXT, .value = &o.diff},
     };
+    /* clang-format on */
     const bis_command command = {
         .name = "compare",
         .usage = "compare [options] A B",

@@ -21,7 +21,7 @@ typedef struct envmap_options {
 
 /* ---- the report ---- */
 
-/* Polar angle and azimuth of SPEC's lat-long, in degrees. */
+/* Polar angle and azimuth of a lat-long map (bis/thesis/envmap.h), in degrees. */
 static double theta_deg(vec3 w) { return atan2(hypot((double)w.x, (double)w.y), (double)w.z) * 180 / PI; }
 
 static double phi_deg(vec3 w)
@@ -42,7 +42,8 @@ static void print_levels(const bis_survey *s)
     printf("\nlevel       from         to    pixels    sphere     power   regions\n");
     for (int k = 0; k < s->n_levels; k++) {
         const bis_survey_level *l = &s->level[k];
-        printf("%5d %10.4g %10.4g %9zu %8.4f%% %8.4f%% %9u\n", k, l->least, l->most, l->pixels, 100 * l->sphere, 100 * l->power, l->regions);
+        printf("%5d %10.4g %10.4g %9zu %8.4f%% %8.4f%% %9u\n", k, l->least, l->most, l->pixels, 100 * l->sphere,
+               100 * l->power, l->regions);
     }
 }
 
@@ -53,8 +54,8 @@ static void print_largest(const bis_survey *s)
         const bis_survey_region *r = &s->largest[k];
         printf("%6d %5d %8.4f%% %10.4g sr", k + 1, r->level, 100 * r->power, r->solid_angle);
         if (has_direction(r->direction)) {
-            printf(" %6.1f %6.1f   (%.3f %.3f %.3f)\n", theta_deg(r->direction), phi_deg(r->direction), (double)r->direction.x,
-                   (double)r->direction.y, (double)r->direction.z);
+            printf(" %6.1f %6.1f   (%.3f %.3f %.3f)\n", theta_deg(r->direction), phi_deg(r->direction),
+                   (double)r->direction.x, (double)r->direction.y, (double)r->direction.z);
         } else {
             printf("  on all sides\n");
         }
@@ -63,23 +64,27 @@ static void print_largest(const bis_survey *s)
 
 static void print_text(const char *path, const bis_survey *s, const bis_envmap *em, bool angular, size_t bytes)
 {
-    printf("map         %s, %d x %d, %s\n", path, em->width, em->height, angular ? "resampled from angular" : "latlong");
+    printf("map         %s, %d x %d, %s\n", path, em->width, em->height,
+           angular ? "resampled from angular" : "latlong");
     if (angular) {
-        printf("power       %.6g before, %.6g after resampling (%+.3f%%)\n", em->angular_power_before, em->angular_power_after,
+        printf("power       %.6g before, %.6g after resampling (%+.3f%%)\n", em->angular_power_before,
+               em->angular_power_after,
                em->angular_power_before > 0 ? 100 * (em->angular_power_after / em->angular_power_before - 1) : 0);
     }
-    printf("intensity   min %.4g, median %.4g, mean %.4g, max %.4g (r+g+b; min: of the pixels that are not black)\n", s->least, s->median,
-           s->mean, s->most);
+    printf("intensity   min %.4g, median %.4g, mean %.4g, max %.4g (r+g+b; min: of the pixels that are not black)\n",
+           s->least, s->median, s->mean, s->most);
     printf("mean        %.4g %.4g %.4g (red, green, blue)\n", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
     printf("power       %.6g (r+g+b integrated over the sphere)\n", s->power);
-    printf("bad values  %zu NaN, %zu infinite, %zu negative, set to 0\n", em->defects.n_nan, em->defects.n_infinite, em->defects.n_negative);
+    printf("bad values  %zu NaN, %zu infinite, %zu negative, set to 0\n", em->defects.n_nan, em->defects.n_infinite,
+           em->defects.n_negative);
     printf("black       %.4g%% of the sphere\n", 100 * s->black);
     if (s->power > 0) {
         const vec3 w = pixel_direction(em, s->peak);
         printf("contrast    %.4g : 1\n", s->most / s->least);
         printf("brightest   0.1%% of the sphere holds %.2f%% of the power\n", 100 * s->brightest);
-        printf("peak        pixel (%zu, %zu), theta %.1f, phi %.1f degrees, direction (%.3f %.3f %.3f)\n", s->peak % (size_t)em->width,
-               s->peak / (size_t)em->width, theta_deg(w), phi_deg(w), (double)w.x, (double)w.y, (double)w.z);
+        printf("peak        pixel (%zu, %zu), theta %.1f, phi %.1f degrees, direction (%.3f %.3f %.3f)\n",
+               s->peak % (size_t)em->width, s->peak / (size_t)em->width, theta_deg(w), phi_deg(w), (double)w.x,
+               (double)w.y, (double)w.z);
     }
     printf("regions     %u in %d level%s\n", s->n_regions, s->n_levels, s->n_levels == 1 ? "" : "s");
     printf("table       %.1f bytes a pixel beyond the map\n", (double)bytes / ((double)em->width * em->height));
@@ -199,7 +204,8 @@ static const char *picture_path(char path[4096], const char *out, const char *wh
 }
 
 /* The map itself takes the exposure of its own log-average. */
-static bis_status write_pictures(const envmap_options *o, const char *out, const bis_light *light, const bis_regions *regions, bis_diag *diag)
+static bis_status write_pictures(const envmap_options *o, const char *out, const bis_light *light,
+                                 const bis_regions *regions, bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(light);
     const bis_image map = {em->width, em->height, em->pixels};
@@ -208,9 +214,10 @@ static bis_status write_pictures(const envmap_options *o, const char *out, const
     bis_status status = bis_image_save(&map, picture_path(path, out, "map"), diag);
     for (int k = 0; k < 3 && !status; k++) {
         static const char *const what[] = {"levels", "regions", "importance"};
-        status = k == 0   ? bis_survey_levels_picture(&image, em, (int)o->levels, diag)
-                 : k == 1 ? bis_survey_regions_picture(&image, em, regions, diag)
-                          : bis_survey_importance_picture(&image, em, bis_light_importance(light), (int)o->samples, diag);
+        status = k == 0 ? bis_survey_levels_picture(&image, em, (int)o->levels, diag)
+                 : k == 1
+                     ? bis_survey_regions_picture(&image, em, regions, diag)
+                     : bis_survey_importance_picture(&image, em, bis_light_importance(light), (int)o->samples, diag);
         if (status) break;
         status = bis_image_save_colours(&image, picture_path(path, out, what[k]), diag);
         bis_image_clear(&image);
@@ -232,7 +239,8 @@ static bool find_out(char out[4096], const envmap_options *o, const char *map, b
         bis_error(diag, BIS_INPUT, bis_cli_loc, "--out and --outdir exclude each other");
         return false;
     }
-    const int length = o->out ? snprintf(out, 4096, "%s", o->out) : snprintf(out, 4096, "%s/%.*s.png", o->outdir, stem, name);
+    const int length =
+        o->out ? snprintf(out, 4096, "%s", o->out) : snprintf(out, 4096, "%s/%.*s.png", o->outdir, stem, name);
     if (length > 4000) {
         bis_error(diag, BIS_INPUT, bis_cli_loc, "--out: the name is longer than 4000 bytes");
         return false;
@@ -267,7 +275,8 @@ static bis_light_desc describe(const envmap_options *o, char *path)
     };
 }
 
-static bis_status survey(const envmap_options *o, const char *path, const char *out, const bis_light *light, bool angular, bis_diag *diag)
+static bis_status survey(const envmap_options *o, const char *path, const char *out, const bis_light *light,
+                         bool angular, bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(light);
     bis_survey s;
@@ -322,24 +331,31 @@ int bis_cmd_envmap(int argc, char **argv)
 {
     static const char *const mappings[] = {"latlong", "angular", NULL};
     envmap_options o = {.levels = 8, .samples = 300, .area_exponent = 0.15};
+    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what to read"},
-        {.name = "mapping", .argument = "M", .help = "latlong (the default) or angular, a light probe; a square map must say which",
+        {.name = "mapping", .argument = "M",
+         .help = "latlong (the default) or angular, a light probe; a square map must say which",
          .kind = BIS_OPTION_NAME, .value = &o.mapping, .names = mappings},
-        {.name = "width", .argument = "N", .help = "of the lat-long map that an angular one is resampled to (default: twice its own)",
+        {.name = "width", .argument = "N",
+         .help = "of the lat-long map that an angular one is resampled to (default: twice its own)",
          .kind = BIS_OPTION_COUNT, .value = &o.width, .lo = 1, .hi = 2 * BIS_IMAGE_MAX_SIDE},
-        {.name = "levels", .argument = "N", .help = "levels of intensity (8)", .kind = BIS_OPTION_COUNT, .value = &o.levels, .lo = 1, .hi = 254},
-        {.name = "areaexponent", .argument = "B", .help = "importance goes with min(0.01 sr, a region's solid angle) to the power of B (0.15)",
+        {.name = "levels", .argument = "N", .help = "levels of intensity (8)", .kind = BIS_OPTION_COUNT,
+         .value = &o.levels, .lo = 1, .hi = 254},
+        {.name = "areaexponent", .argument = "B",
+         .help = "importance goes with min(0.01 sr, a region's solid angle) to the power of B (0.15)",
          .kind = BIS_OPTION_REAL, .value = &o.area_exponent, .lo = 0, .hi = BIS_AREA_EXPONENT_MAX},
         {.help = "what to write"},
         {.name = "json", .help = "print JSON instead of text", .kind = BIS_OPTION_FLAG, .value = &o.json},
-        {.name = "out", .argument = "F", .help = "write pictures: NAME.png makes NAME-map.png, NAME-levels.png, NAME-regions.png and "
-         "NAME-importance.png; also .exr, .pfm, .hdr", .kind = BIS_OPTION_TEXT, .value = &o.out},
-        {.name = "outdir", .argument = "D", .help = "the same into folder D, by the map's own name, as PNG", .kind = BIS_OPTION_TEXT,
-         .value = &o.outdir},
-        {.name = "samples", .argument = "N", .help = "directions drawn as dots on the importance (300)", .kind = BIS_OPTION_COUNT,
-         .value = &o.samples, .hi = 1000000},
+        {.name = "out", .argument = "F",
+         .help = "write pictures: NAME.png makes NAME-map.png, NAME-levels.png, NAME-regions.png and "
+                 "NAME-importance.png; also .exr, .pfm, .hdr", .kind = BIS_OPTION_TEXT, .value = &o.out},
+        {.name = "outdir", .argument = "D", .help = "the same into folder D, by the map's own name, as PNG",
+         .kind = BIS_OPTION_TEXT, .value = &o.outdir},
+        {.name = "samples", .argument = "N", .help = "directions drawn as dots on the importance (300)",
+         .kind = BIS_OPTION_COUNT, .value = &o.samples, .hi = 1000000},
     };
+    /* clang-format on */
     const bis_command command = {
         .name = "envmap",
         .usage = "envmap [options] MAP",

@@ -40,8 +40,9 @@ static bis_status read_places(int place[2], const char *const text[2], const bis
     bis_status status = BIS_OK;
     for (int i = 0; i < 2; i++) {
         if (read_place(&place[i], text[i]) && place[i] < limit[i]) continue;
-        status = bis_error(diag, BIS_INPUT, bis_cli_loc, "%c is \"%s\", must be an integer in [0, %d]: the film of the scene has %d x %d pixels", "XY"[i],
-                           text[i], limit[i] - 1, film->width, film->height);
+        status = bis_error(diag, BIS_INPUT, bis_cli_loc,
+                           "%c is \"%s\", must be an integer in [0, %d]: the film of the scene has %d x %d pixels",
+                           "XY"[i], text[i], limit[i] - 1, film->width, film->height);
     }
     return status;
 }
@@ -55,24 +56,29 @@ static bis_status override_settings(bis_settings *s, const pixel_options *o, bis
     return bis_settings_check(s, bis_cli_loc, diag);
 }
 
-/* The product's candidates come from clusters of the map that a render prepares once a pass; at one point there are none. */
+/* The product's candidates come from clusters of the map that a render prepares once a pass; at one point there are
+ * none. */
 static void leave_the_product(bis_settings *own, const pixel_options *o, bis_diag *diag)
 {
     if (own->integrator != &bis_sir || own->proposal != BIS_PROPOSAL_PRODUCT) return;
     own->proposal = BIS_PROPOSAL_MIX;
-    if (!o->proposal) bis_warn(diag, bis_cli_loc, "proposal \"product\" is shown as \"mix\": at a single point there are no clusters to draw from");
+    if (!o->proposal)
+        bis_warn(diag, bis_cli_loc,
+                 "proposal \"product\" is shown as \"mix\": at a single point there are no clusters to draw from");
 }
 
 /* All methods take the command line's numbers. */
-static bis_status make_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], size_t *n, const bis_settings *own, const pixel_options *o,
-                               bis_diag *diag)
+static bis_status make_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], size_t *n, const bis_settings *own,
+                               const pixel_options *o, bis_diag *diag)
 {
     bis_status status = BIS_OK;
     *n = bis_pixel_methods(list, own);
     for (size_t i = 0; i < *n && !status; i++) {
         bis_settings *s = &list[i].settings;
         if (o->proposal && (s->integrator == &bis_sir || s->integrator == &bis_unoccluded)) {
-            s->proposal = strcmp(o->proposal, "em") == 0 ? BIS_PROPOSAL_EM : strcmp(o->proposal, "brdf") == 0 ? BIS_PROPOSAL_BRDF : BIS_PROPOSAL_MIX;
+            s->proposal = strcmp(o->proposal, "em") == 0     ? BIS_PROPOSAL_EM
+                          : strcmp(o->proposal, "brdf") == 0 ? BIS_PROPOSAL_BRDF
+                                                             : BIS_PROPOSAL_MIX;
         }
         status = override_settings(s, o, diag);
     }
@@ -89,14 +95,17 @@ static uint32_t runs_to_show(const bis_settings *s)
     return rays >= 150 ? 1 : (150 + rays - 1) / rays;
 }
 
-static bis_status ask_methods(bis_pixel_report *r, const pixel_options *o, const bis_sampler *sampler, uint64_t pixel, bis_diag *diag)
+static bis_status ask_methods(bis_pixel_report *r, const pixel_options *o, const bis_sampler *sampler, uint64_t pixel,
+                              bis_diag *diag)
 {
     bis_status status = BIS_OK;
     for (size_t i = 0; i < r->n_methods && !status; i++) {
         bis_pixel_method *m = &r->methods[i];
-        status = bis_pixel_method_run(m, &r->pt, &r->exact, sampler->kind, (uint32_t)o->repeats, bis_hash(sampler->seed ^ ((i + 2) << 40)), diag);
+        status = bis_pixel_method_run(m, &r->pt, &r->exact, sampler->kind, (uint32_t)o->repeats,
+                                      bis_hash(sampler->seed ^ ((i + 2) << 40)), diag);
         if (!status && !m->is_open) {
-            status = bis_pixel_rays_record(&r->rays[i], &r->pt, &m->settings, sampler, pixel, runs_to_show(&m->settings), diag);
+            status = bis_pixel_rays_record(&r->rays[i], &r->pt, &m->settings, sampler, pixel,
+                                           runs_to_show(&m->settings), diag);
         }
     }
     return status;
@@ -115,7 +124,8 @@ static bis_status ask(bis_pixel_report *r, const pixel_options *o, const bis_sce
     const uint64_t pixel = (uint64_t)r->y * (uint64_t)desc->film.width + (uint64_t)r->x;
     bis_stream stream;
 
-    bis_status status = bis_pixel_exact_of(&r->exact, &r->pt, BIS_PIXEL_MAX_PATCHES, bis_hash(sampler->seed ^ ((uint64_t)1 << 40)), diag);
+    bis_status status = bis_pixel_exact_of(&r->exact, &r->pt, BIS_PIXEL_MAX_PATCHES,
+                                           bis_hash(sampler->seed ^ ((uint64_t)1 << 40)), diag);
     if (!status) status = ask_methods(r, o, sampler, pixel, diag);
     if (status) return status;
     bis_stream_init(&stream, sampler, pixel, 0);
@@ -130,14 +140,17 @@ static bis_status make_folder(const char *path, bis_diag *diag)
     if (mkdir(path, 0777) == 0) return BIS_OK;
     const int reason = errno;
     if (reason == EEXIST && stat(path, &st) == 0 && S_ISDIR(st.st_mode)) return BIS_OK;
-    if (reason == EEXIST) return bis_error(diag, BIS_IO, bis_cli_loc, "--output \"%s\": it is there already, and is no folder", path);
-    return bis_error(diag, BIS_IO, bis_cli_loc, "--output \"%s\": the folder cannot be made: %s", path, strerror(reason));
+    if (reason == EEXIST)
+        return bis_error(diag, BIS_IO, bis_cli_loc, "--output \"%s\": it is there already, and is no folder", path);
+    return bis_error(diag, BIS_IO, bis_cli_loc, "--output \"%s\": the folder cannot be made: %s", path,
+                     strerror(reason));
 }
 
 static bis_status check_files(const char *folder, bis_diag *diag)
 {
     char path[PATH_MAX];
-    if (snprintf(path, sizeof path, "%s/methods.csv", folder) < (int)sizeof path) return bis_cli_check_writable(path, diag);
+    if (snprintf(path, sizeof path, "%s/methods.csv", folder) < (int)sizeof path)
+        return bis_cli_check_writable(path, diag);
     return bis_error(diag, BIS_IO, bis_cli_loc, "--output \"%s\": the name is too long", folder);
 }
 
@@ -160,7 +173,8 @@ static const char *why_nothing(const bis_pixel_report *r)
 {
     if (!r->is_hit) return "no surface: the camera looks past all shapes";
     if (bis_light_is_black(r->scene->light)) return "no light: the scene has none, or a black one";
-    if (rgb_is_black(r->hit.material->Kd) && rgb_is_black(r->hit.material->Ks)) return "no reflection: the material is black";
+    if (rgb_is_black(r->hit.material->Kd) && rgb_is_black(r->hit.material->Ks))
+        return "no reflection: the material is black";
     if (bis_bsdf_is_black(&r->pt.bsdf)) return "no reflection: the eye lies below the horizon of the shading normal";
     return NULL;
 }
@@ -220,29 +234,33 @@ int bis_cmd_pixel(int argc, char **argv)
 {
     static const char *const proposals[] = {"em", "brdf", "mix", NULL};
     pixel_options o = {.repeats = 2000};
+    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what to write"},
-        {.name = "output", .argument = "DIR", .help = "the folder for pictures and CSV files, made where it is missing (pixel_X_Y)",
-         .kind = BIS_OPTION_TEXT, .value = &o.output},
+        {.name = "output", .argument = "DIR",
+         .help = "the folder for pictures and CSV files, made where it is missing (pixel_X_Y)", .kind = BIS_OPTION_TEXT,
+         .value = &o.output},
         {.name = "json", .help = "print JSON instead of text", .kind = BIS_OPTION_FLAG, .value = &o.json},
         {.help = "what to compute (these override the scene file, for all methods)"},
-        {.name = "candidates", .argument = "M", .help = "rejection, sir, unoccluded: candidates", .kind = BIS_OPTION_COUNT, .value = &o.candidates,
-         .given = &o.has_candidates, .lo = 1, .hi = 1 << 20},
-        {.name = "shadowrays", .argument = "N", .help = "rejection, sir: candidates that are shadow-tested", .kind = BIS_OPTION_COUNT,
-         .value = &o.shadowrays, .given = &o.has_shadowrays, .lo = 1, .hi = 1 << 20},
-        {.name = "samples", .argument = "N", .help = "em, brdf, mis: light samples, at least 2", .kind = BIS_OPTION_COUNT, .value = &o.samples,
-         .given = &o.has_samples, .lo = 2, .hi = 1 << 20},
-        {.name = "proposal", .argument = "P", .help = "sir, unoccluded: em, brdf or mix", .kind = BIS_OPTION_NAME, .value = &o.proposal,
-         .names = proposals},
-        {.name = "repeats", .argument = "R", .help = "estimates by each method, for its mean and its error (2000)", .kind = BIS_OPTION_COUNT,
-         .value = &o.repeats, .lo = 2, .hi = 1e8},
-        {.name = "seed", .argument = "N", .help = "of the random numbers (the scene's)", .kind = BIS_OPTION_COUNT, .value = &o.seed,
-         .given = &o.has_seed, .hi = 0x1p53},
+        {.name = "candidates", .argument = "M", .help = "rejection, sir, unoccluded: candidates",
+         .kind = BIS_OPTION_COUNT, .value = &o.candidates, .given = &o.has_candidates, .lo = 1, .hi = 1 << 20},
+        {.name = "shadowrays", .argument = "N", .help = "rejection, sir: candidates that are shadow-tested",
+         .kind = BIS_OPTION_COUNT, .value = &o.shadowrays, .given = &o.has_shadowrays, .lo = 1, .hi = 1 << 20},
+        {.name = "samples", .argument = "N", .help = "em, brdf, mis: light samples, at least 2",
+         .kind = BIS_OPTION_COUNT, .value = &o.samples, .given = &o.has_samples, .lo = 2, .hi = 1 << 20},
+        {.name = "proposal", .argument = "P", .help = "sir, unoccluded: em, brdf or mix", .kind = BIS_OPTION_NAME,
+         .value = &o.proposal, .names = proposals},
+        {.name = "repeats", .argument = "R", .help = "estimates by each method, for its mean and its error (2000)",
+         .kind = BIS_OPTION_COUNT, .value = &o.repeats, .lo = 2, .hi = 1e8},
+        {.name = "seed", .argument = "N", .help = "of the random numbers (the scene's)", .kind = BIS_OPTION_COUNT,
+         .value = &o.seed, .given = &o.has_seed, .hi = 0x1p53},
     };
+    /* clang-format on */
     const bis_command command = {
         .name = "pixel",
         .usage = "pixel [options] SCENE X Y",
-        .summary = "everything about one pixel: the hit, the exact integral, every method against it; candidates, weights and samples, with plots",
+        .summary = "everything about one pixel: the hit, the exact integral, every method against it; candidates, "
+                   "weights and samples, with plots",
         .options = options,
         .n_options = sizeof options / sizeof *options,
         .min_operands = 3,

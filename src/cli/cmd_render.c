@@ -105,24 +105,32 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
     }
     integrators[n_integrators] = bis_auto.name;
 
+    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "output"},
-        {.name = "outfile", .argument = "F", .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated "
-         "(default: the filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o->outfiles},
-        {.name = "layers", .argument = "L,...", .help = "what an EXR carries beside R, G, B, A: stderr, interval, samples, shadowrays, candidates, "
-         "unoccluded, visibility, albedo, normal, depth; all; none", .kind = BIS_OPTION_TEXT, .value = &o->layers},
+        {.name = "outfile", .argument = "F",
+         .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated (default: the "
+                 "filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o->outfiles},
+        {.name = "layers", .argument = "L,...",
+         .help = "what an EXR carries beside R, G, B, A: stderr, interval, samples, shadowrays, candidates, "
+                 "unoccluded, visibility, albedo, normal, depth; all; none", .kind = BIS_OPTION_TEXT,
+         .value = &o->layers},
         {.name = "stats", .argument = "F", .help = "write figures about the run to F as JSON; \"-\": standard output",
          .kind = BIS_OPTION_TEXT, .value = &o->stats},
-        {.name = "exposure", .argument = "EV", .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)",
-         .kind = BIS_OPTION_REAL, .value = &o->exposure, .given = &o->has_exposure, .lo = -100, .hi = 100},
-        {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG, .value = &o->quiet},
+        {.name = "exposure", .argument = "EV",
+         .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)", .kind = BIS_OPTION_REAL,
+         .value = &o->exposure, .given = &o->has_exposure, .lo = -100, .hi = 100},
+        {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG,
+         .value = &o->quiet},
         {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
          .kind = BIS_OPTION_FLAG, .value = &o->plan},
 
         {.help = "what to render (these override the scene file)"},
-        {.name = "integrator", .argument = "NAME", .help = "em, brdf, mis, rejection, sir, exact, unoccluded, or auto: a pilot chooses",
-         .kind = BIS_OPTION_NAME, .value = &o->integrator, .names = integrators},
-        {.name = "candidates", .argument = "M", .help = "rejection, sir, unoccluded: candidates for each camera sample; sir, 0: a pilot chooses",
+        {.name = "integrator", .argument = "NAME",
+         .help = "em, brdf, mis, rejection, sir, exact, unoccluded, or auto: a pilot chooses", .kind = BIS_OPTION_NAME,
+         .value = &o->integrator, .names = integrators},
+        {.name = "candidates", .argument = "M",
+         .help = "rejection, sir, unoccluded: candidates for each camera sample; sir, 0: a pilot chooses",
          .kind = BIS_OPTION_COUNT, .value = &o->candidates, .given = &o->has_candidates, .lo = 0, .hi = 1 << 24},
         {.name = "shadowrays", .argument = "N", .help = "rejection, sir: candidates that are shadow-tested",
          .kind = BIS_OPTION_COUNT, .value = &o->shadowrays, .given = &o->has_shadowrays, .lo = 1, .hi = 1 << 24},
@@ -133,34 +141,42 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
         {.name = "learn", .argument = "on|off", .help = "sir with proposal product: go where earlier passes saw "
             "light arrive",
          .kind = BIS_OPTION_NAME, .value = &o->learn, .names = switches},
-        {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT, .value = &o->seed,
-         .given = &o->has_seed, .hi = 0x1p53},
-        {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME, .value = &o->accelerator,
-         .names = accelerators},
+        {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT,
+         .value = &o->seed, .given = &o->has_seed, .hi = 0x1p53},
+        {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME,
+         .value = &o->accelerator, .names = accelerators},
         {.name = "resolution", .argument = "WxH", .help = "size of the full picture in pixels", .kind = BIS_OPTION_OWN,
-         .value = &o->resolution, .given = &o->has_resolution, .read = read_resolution, .rule = "WxH with sides in [1, 32768], as in 640x480"},
-        {.name = "cropwindow", .argument = "x0,x1,y0,y1", .help = "render this part alone, in shares of the full picture; pixels are the same as those of "
-         "the full picture. An EXR keeps the full display window, other formats hold the crop", .kind = BIS_OPTION_OWN, .value = o->crop,
-         .given = &o->has_crop, .read = read_crop, .rule = "x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
-        {.name = "as-printed", .argument = "E", .help = "follow the thesis to the letter where docs/errata.md departs from it, as in E6: a wrong picture, "
-         "to see why; may be repeated; \"list\" prints all", .kind = BIS_OPTION_LIST, .value = &o->as_printed},
-        {.name = "disable-pixel-jitter", .help = "camera rays through pixel centres", .kind = BIS_OPTION_FLAG, .value = &o->no_jitter},
-        {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor); pictures do not depend on it",
+         .value = &o->resolution, .given = &o->has_resolution, .read = read_resolution,
+         .rule = "WxH with sides in [1, 32768], as in 640x480"},
+        {.name = "cropwindow", .argument = "x0,x1,y0,y1",
+         .help = "render this part alone, in shares of the full picture; pixels are the same as those of the full "
+                 "picture. An EXR keeps the full display window, other formats hold the crop", .kind = BIS_OPTION_OWN,
+         .value = o->crop, .given = &o->has_crop, .read = read_crop,
+         .rule = "x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
+        {.name = "as-printed", .argument = "E",
+         .help = "follow the thesis to the letter where docs/errata.md departs from it, as in E6: a wrong picture, to "
+                 "see why; may be repeated; \"list\" prints all", .kind = BIS_OPTION_LIST, .value = &o->as_printed},
+        {.name = "disable-pixel-jitter", .help = "camera rays through pixel centres", .kind = BIS_OPTION_FLAG,
+         .value = &o->no_jitter},
+        {.name = "nthreads", .argument = "N",
+         .help = "threads (default: one for each processor); pictures do not depend on it",
          /* where the system gives fewer, OpenMP's runtime says so and exits with 1: it has no way to ask */
          .kind = BIS_OPTION_COUNT, .value = &o->threads, .lo = 1, .hi = 1024},
 
         {.help = "how long (whichever comes first; default: the scene's pixelsamples)"},
-        {.name = "spp", .argument = "N", .help = "camera samples in each pixel", .kind = BIS_OPTION_COUNT, .value = &o->spp,
-         .given = &o->has_spp, .lo = 1, .hi = 1e9},
+        {.name = "spp", .argument = "N", .help = "camera samples in each pixel", .kind = BIS_OPTION_COUNT,
+         .value = &o->spp, .given = &o->has_spp, .lo = 1, .hi = 1e9},
         {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; "
             "ends within one pass; also 10s, 2min, 1.5h",
          .kind = BIS_OPTION_SECONDS, .value = &o->seconds, .above = true, .hi = 1e8},
         {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E, as "
             "in 0.05 or 5%",
          .kind = BIS_OPTION_SHARE, .value = &o->error, .above = true, .hi = 10},
-        {.name = "adaptive", .help = "camera samples go where the error is, by tiles of 16 x 16 pixels; --spp is then their mean, rounded up "
-         "to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o->adaptive},
+        {.name = "adaptive",
+         .help = "camera samples go where the error is, by tiles of 16 x 16 pixels; --spp is then their mean, rounded "
+                 "up to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o->adaptive},
     };
+    /* clang-format on */
     const bis_command command = {
         .name = "render",
         .usage = "[render] [options] SCENE",
@@ -207,13 +223,16 @@ static bis_status switch_errata(bis_settings *s, const bis_texts *names, bis_dia
             continue;
         }
         const char *near = bis_erratum_nearest(names->text[i]);
-        bis_status status = bis_error(diag, BIS_INPUT, bis_cli_loc, "--as-printed: no erratum \"%s\" can be switched%s%s%s; `bis --as-printed list` lists them",
-                                      names->text[i], near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
+        bis_status status =
+            bis_error(diag, BIS_INPUT, bis_cli_loc,
+                      "--as-printed: no erratum \"%s\" can be switched%s%s%s; `bis --as-printed list` lists them",
+                      names->text[i], near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
         if (!first) first = status;
     }
     for (const bis_erratum *e = bis_errata; e->name; e++) {
         if (!(s->as_printed & e->flag) || bis_erratum_reaches(e, s->integrator->name)) continue;
-        bis_warn(diag, bis_cli_loc, "%s as printed has no effect on integrator \"%s\", only on: %s", e->name, s->integrator->name, e->integrators);
+        bis_warn(diag, bis_cli_loc, "%s as printed has no effect on integrator \"%s\", only on: %s", e->name,
+                 s->integrator->name, e->integrators);
     }
     return first;
 }
@@ -261,7 +280,8 @@ static bis_status read_layers(unsigned *set, const char *list, bis_diag *diag)
         snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : sizeof name - 1), list);
         if (bis_layers_include(set, name)) continue;
         const char *near = bis_layer_nearest(name);
-        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--layers: there is no layer \"%s\"%s%s%s; `bis --help` lists them", name,
+        return bis_error(diag, BIS_INPUT, bis_cli_loc,
+                         "--layers: there is no layer \"%s\"%s%s%s; `bis --help` lists them", name,
                          near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
     }
     return BIS_OK;
@@ -277,7 +297,8 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
     if (o->has_seed) d->sampler.seed = o->seed;
     if (o->accelerator) d->accel.kind = strcmp(o->accelerator, "grid") == 0 ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
     if (d->accel.kind == BIS_ACCEL_EMBREE && !bis_accel_embree_version()) {
-        return bis_error(diag, BIS_INPUT, bis_cli_loc, "accelerator \"embree\" is not built in; use \"grid\", or build with Embree installed");
+        return bis_error(diag, BIS_INPUT, bis_cli_loc,
+                         "accelerator \"embree\" is not built in; use \"grid\", or build with Embree installed");
     }
     if (o->threads) d->accel.n_threads = (int)o->threads;
     bis_cli_use_threads(o->threads);
@@ -307,8 +328,10 @@ static bis_status check_outputs(const render_options *o, bis_diag *diag)
 
     for (int i = 0; i < o->outfiles.n; i++) {
         const char *path = o->outfiles.text[i];
-        bis_status status = bis_image_can_write(path) ? bis_cli_check_writable(path, diag)
-                          : bis_error(diag, BIS_INPUT, bis_cli_loc, "output file \"%s\": the ending must be .exr, .pfm, .hdr or .png", path);
+        bis_status status = bis_image_can_write(path)
+                                ? bis_cli_check_writable(path, diag)
+                                : bis_error(diag, BIS_INPUT, bis_cli_loc,
+                                            "output file \"%s\": the ending must be .exr, .pfm, .hdr or .png", path);
         if (!first) first = status;
     }
     if (o->stats && strcmp(o->stats, "-") != 0 && !is_stream(o->stats)) {
@@ -346,26 +369,31 @@ static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, b
     for (int i = 0; i < outfiles->n; i++) {
         if (strcmp(bis_path_extension(ending, outfiles->text[i]), ".exr") == 0) return;
     }
-    if (film->layers) bis_warn(diag, bis_cli_loc, "layers go into an .exr, and no output file is one: they will be lost");
+    if (film->layers)
+        bis_warn(diag, bis_cli_loc, "layers go into an .exr, and no output file is one: they will be lost");
 }
 
 /* The picture's own channels, then those of layers. *planes: what the latter point into, to be freed. Error bars that
  * cannot be are missed aloud. */
-static bis_status list_channels(bis_channel *channels, int *n, float **planes, const bis_film *f, const float *rgba, bis_diag *diag)
+static bis_status list_channels(bis_channel *channels, int *n, float **planes, const bis_film *f, const float *rgba,
+                                bis_diag *diag)
 {
     static const char *const names[4] = {"R", "G", "B", "A"};
 
     for (int i = 0; i < 4; i++) channels[i] = (bis_channel){names[i], rgba + i, 4};
     const int n_layers = bis_film_layers(f, channels + 4, NULL);
     *n = 4 + n_layers;
-    if (f->passes < 2 && (bis_layers_has(&f->layers, BIS_LAYER_STDERR) || bis_layers_has(&f->layers, BIS_LAYER_INTERVAL))) {
-        bis_warn(diag, bis_cli_loc, "one pass has no scatter: layers \"stderr\" and \"interval\" are left out; take --spp 2 or more");
+    if (f->passes < 2 &&
+        (bis_layers_has(&f->layers, BIS_LAYER_STDERR) || bis_layers_has(&f->layers, BIS_LAYER_INTERVAL))) {
+        bis_warn(diag, bis_cli_loc,
+                 "one pass has no scatter: layers \"stderr\" and \"interval\" are left out; take --spp 2 or more");
     }
     if (n_layers == 0) return BIS_OK;
     *planes = bis_alloc((size_t)f->width * (size_t)f->height, (size_t)n_layers * sizeof **planes);
     if (!*planes) {
         *n = 4; /* rather the picture alone than nothing */
-        return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d layer channels of %d x %d pixels", n_layers, f->width, f->height);
+        return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d layer channels of %d x %d pixels",
+                         n_layers, f->width, f->height);
     }
     bis_film_layers(f, channels + 4, *planes);
     return BIS_OK;
@@ -387,10 +415,12 @@ static void print_result(const bis_texts *written, const bis_stats *stats)
     const bis_render_result *r = stats->result;
     char seconds[32];
 
-    if (r->interrupted) fprintf(stderr, "bis: interrupted after %u pass%s; wrote", r->passes, r->passes == 1 ? "" : "es");
+    if (r->interrupted)
+        fprintf(stderr, "bis: interrupted after %u pass%s; wrote", r->passes, r->passes == 1 ? "" : "es");
     else fputs("bis: wrote", stderr);
     for (int i = 0; i < written->n; i++) fprintf(stderr, "%s %s", i ? "," : "", written->text[i]);
-    fprintf(stderr, ": %d x %d pixels, %u pass%s", stats->film->width, stats->film->height, r->passes, r->passes == 1 ? "" : "es");
+    fprintf(stderr, ": %d x %d pixels, %u pass%s", stats->film->width, stats->film->height, r->passes,
+            r->passes == 1 ? "" : "es");
     if (r->spp != r->passes) fprintf(stderr, " of %d camera samples a pixel", (int)(r->spp / r->passes));
     fprintf(stderr, ", %s, ", duration(seconds, r->seconds));
     if (isnan(r->relative_rmse)) fputs("error unknown (one pass)\n", stderr);
@@ -477,7 +507,9 @@ static void print_forecast(const bis_forecast *f, void *user)
     if (o->seconds > 0 && f->seconds > o->seconds) end = "--time ends it before";
     else if (o->spp && f->spp > (double)o->spp) end = "--spp ends it before";
     else if (!(f->seconds > late)) return;
-    fprintf(stderr, "%sbis: warning: --error %g would take about %s and %.3g camera samples a pixel; %s (the error is at most %.2g so far)\n",
+    fprintf(stderr,
+            "%sbis: warning: --error %g would take about %s and %.3g camera samples a pixel; %s (the error is at most "
+            "%.2g so far)\n",
             isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, bis_progress_duration(time, f->seconds), f->spp, end,
             f->error);
 }
@@ -492,7 +524,8 @@ static void catch_signals(void)
 }
 
 /* Where the choice is left to us: a pilot first; desc->settings becomes what it chose, and is told. */
-static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc, const bis_render_options *options, bool quiet, bis_diag *diag)
+static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc,
+                         const bis_render_options *options, bool quiet, bis_diag *diag)
 {
     char line[BIS_MAX_LINE];
     bis_status status = bis_auto_choose(choice, scene, desc, options, diag);
@@ -503,12 +536,14 @@ static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_sc
     choice->exceptions = (bis_exceptions){.n = 0};
     if (quiet) return BIS_OK;
     if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice, desc));
-    else fprintf(stderr, "bis: note: auto: nothing to choose, %s\n", signal_caught ? "interrupted" : "no surface or no light");
+    else
+        fprintf(stderr, "bis: note: auto: nothing to choose, %s\n",
+                signal_caught ? "interrupted" : "no surface or no light");
     return BIS_OK;
 }
 
-static bis_status render(bis_render_result *result, bis_film *film, bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc, render_options *o,
-                         bis_diag *diag)
+static bis_status render(bis_render_result *result, bis_film *film, bis_auto_report *choice, const bis_scene *scene,
+                         bis_scene_desc *desc, render_options *o, bis_diag *diag)
 {
     bool show = !o->quiet && isatty(STDERR_FILENO);
     bis_render_options options = {
@@ -520,18 +555,24 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
         .user = o,
     };
     catch_signals();
-    bis_status status = bis_auto_is_wanted(&desc->settings) ? choose(choice, scene, desc, &options, o->quiet, diag) : BIS_OK;
+    bis_status status =
+        bis_auto_is_wanted(&desc->settings) ? choose(choice, scene, desc, &options, o->quiet, diag) : BIS_OK;
     /* the pilot's time is the user's: 0 would be no limit */
     if (o->seconds > 0) options.budget.seconds = fmax(o->seconds - choice->seconds, DBL_MIN);
     if (!status) status = bis_render(result, film, scene, desc, &options, diag);
     if (show) fputs("\r\033[K", stderr);
     if (!status && o->error > 0 && !(result->error_bound <= o->error)) {
-        if (isnan(result->error_bound)) bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown, %u pass is too few", o->error, result->passes);
-        else bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is at most %.3g after %u passes", o->error, result->error_bound, result->passes);
+        if (isnan(result->error_bound))
+            bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown, %u pass is too few",
+                     o->error, result->passes);
+        else
+            bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is at most %.3g after %u passes",
+                     o->error, result->error_bound, result->passes);
     }
     if (!status && result->counters.nonfinite) {
         bis_warn(diag, bis_cli_loc,
-                 "%llu estimates were not finite and count as black: the picture is too dark. A light near the largest float, 3.4e38, needs a "
+                 "%llu estimates were not finite and count as black: the picture is too dark. A light near the largest "
+                 "float, 3.4e38, needs a "
                  "smaller \"scale\" (docs/envelope.md); with any other light this is a defect, please report it",
                  (unsigned long long)result->counters.nonfinite);
     }
@@ -543,8 +584,9 @@ static void note_resampling(const bis_light *light)
 {
     const bis_envmap *em = bis_light_envmap(light);
     if (!em || !(em->angular_power_before > 0)) return;
-    fprintf(stderr, "bis: note: angular map resampled to %d x %d; integral of r+g+b %g before, %g after (%+.3f%%)\n", em->width, em->height,
-            em->angular_power_before, em->angular_power_after, 100 * (em->angular_power_after / em->angular_power_before - 1));
+    fprintf(stderr, "bis: note: angular map resampled to %d x %d; integral of r+g+b %g before, %g after (%+.3f%%)\n",
+            em->width, em->height, em->angular_power_before, em->angular_power_after,
+            100 * (em->angular_power_after / em->angular_power_before - 1));
 }
 
 /* From scene to files; *interrupted: a signal came. */
@@ -572,7 +614,8 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     status = render(&result, &film, &choice, scene, desc, o, diag);
     if (status) goto done;
     *interrupted = signal_caught;
-    if (result.passes == 0) { /* an older picture is worth more than a black one; said also when quiet, as an error is */
+    /* an older picture is worth more than a black one; said also when quiet, as an error is */
+    if (result.passes == 0) {
         fputs("bis: interrupted before the first pass was complete: nothing was written\n", stderr);
         goto done;
     }

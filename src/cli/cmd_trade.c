@@ -61,32 +61,46 @@ static bool read_size(void *value, const char *text)
 
 static bool read_options(trade_options *o, int argc, char **argv, const char **scene, int *exit_status)
 {
+    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what is written"},
-        {.name = "output", .argument = "DIR", .help = "folder for tables, pictures and report.html (default: the scene's name with -trade, in the working folder); new, empty, or "
-         "with --resume", .kind = BIS_OPTION_TEXT, .value = &o->output},
-        {.name = "resume", .help = "go on with the measurement in the folder, by its plan", .kind = BIS_OPTION_FLAG, .value = &o->resume},
+        {.name = "output", .argument = "DIR",
+         .help = "folder for tables, pictures and report.html (default: the scene's name with -trade, in the working "
+                 "folder); new, empty, or with --resume", .kind = BIS_OPTION_TEXT, .value = &o->output},
+        {.name = "resume", .help = "go on with the measurement in the folder, by its plan", .kind = BIS_OPTION_FLAG,
+         .value = &o->resume},
         {.name = "quiet", .help = "no progress and no warnings", .kind = BIS_OPTION_FLAG, .value = &o->quiet},
         {.help = "how long"},
         {.name = "time", .argument = "SECONDS", .help = "for everything (150); size, passes and seeds follow from "
             "it", .kind = BIS_OPTION_SECONDS, .value = &o->seconds,
          .given = &o->has_seconds, .above = true, .hi = 1e7},
         {.name = "quick", .help = "a shorter table of settings, in 30 s", .kind = BIS_OPTION_FLAG, .value = &o->quick},
-        {.name = "error", .argument = "E", .help = "the relative RMSE of a final picture (0.05): measure until there; an error right after the pilot where that is out "
-         "of reach", .kind = BIS_OPTION_SHARE, .value = &o->error, .given = &o->has_error, .above = true, .hi = 10},
-        {.name = "seeds", .argument = "N", .help = "renders of each setting and budget (2, 3 or 5, by the time)", .kind = BIS_OPTION_COUNT, .value = &o->seeds,
-         .given = &o->has_seeds, .lo = 1, .hi = BIS_TRADE_SEEDS},
-        {.name = "passes", .argument = "N", .help = "budgets of 1, 2, 4 ... up to N passes for every setting, instead of what the time allows", .kind = BIS_OPTION_COUNT,
-         .value = &o->passes, .given = &o->has_passes, .lo = 1, .hi = 1 << (BIS_TRADE_LEVELS - 1)},
+        {.name = "error", .argument = "E",
+         .help = "the relative RMSE of a final picture (0.05): measure until there; an error right after the pilot "
+                 "where that is out of reach", .kind = BIS_OPTION_SHARE, .value = &o->error, .given = &o->has_error,
+         .above = true, .hi = 10},
+        {.name = "seeds", .argument = "N", .help = "renders of each setting and budget (2, 3 or 5, by the time)",
+         .kind = BIS_OPTION_COUNT, .value = &o->seeds, .given = &o->has_seeds, .lo = 1, .hi = BIS_TRADE_SEEDS},
+        {.name = "passes", .argument = "N",
+         .help = "budgets of 1, 2, 4 ... up to N passes for every setting, instead of what the time allows",
+         .kind = BIS_OPTION_COUNT, .value = &o->passes, .given = &o->has_passes, .lo = 1,
+         .hi = 1 << (BIS_TRADE_LEVELS - 1)},
         {.help = "what is measured"},
-        {.name = "integrator", .argument = "NAME", .help = "em, brdf, mis, rejection or sir alone; may be repeated", .kind = BIS_OPTION_LIST, .value = &o->integrators},
-        {.name = "reference", .argument = "F", .help = "compare with this picture (.exr, .pfm, .hdr) of the scene's size, instead of rendering references", .kind = BIS_OPTION_TEXT,
-         .value = &o->reference},
-        {.name = "resolution", .argument = "WxH", .help = "size of the full picture; measured is a smaller one of the same view", .kind = BIS_OPTION_OWN, .value = o->size,
-         .given = &o->has_size, .read = read_size, .rule = "WxH with sides in [1, 32768], as in 640x480"},
-        {.name = "seed", .argument = "N", .help = "other random numbers (1)", .kind = BIS_OPTION_COUNT, .value = &o->seed, .given = &o->has_seed, .hi = 0x1p53},
-        {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor)", .kind = BIS_OPTION_COUNT, .value = &o->threads, .lo = 1, .hi = 1024},
+        {.name = "integrator", .argument = "NAME", .help = "em, brdf, mis, rejection or sir alone; may be repeated",
+         .kind = BIS_OPTION_LIST, .value = &o->integrators},
+        {.name = "reference", .argument = "F",
+         .help = "compare with this picture (.exr, .pfm, .hdr) of the scene's size, instead of rendering references",
+         .kind = BIS_OPTION_TEXT, .value = &o->reference},
+        {.name = "resolution", .argument = "WxH",
+         .help = "size of the full picture; measured is a smaller one of the same view", .kind = BIS_OPTION_OWN,
+         .value = o->size, .given = &o->has_size, .read = read_size,
+         .rule = "WxH with sides in [1, 32768], as in 640x480"},
+        {.name = "seed", .argument = "N", .help = "other random numbers (1)", .kind = BIS_OPTION_COUNT,
+         .value = &o->seed, .given = &o->has_seed, .hi = 0x1p53},
+        {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor)",
+         .kind = BIS_OPTION_COUNT, .value = &o->threads, .lo = 1, .hi = 1024},
     };
+    /* clang-format on */
     const bis_command command = {
         .name = "trade",
         .usage = "trade [options] SCENE",
@@ -106,7 +120,8 @@ static bool read_options(trade_options *o, int argc, char **argv, const char **s
 /* The plan of a measurement stays as it is. */
 static bis_status check_resume(const trade_options *o, bis_diag *diag)
 {
-    static const char why[] = "--resume goes on by the plan in the folder, which %s would change; leave it out, or measure into another folder";
+    static const char why[] = "--resume goes on by the plan in the folder, which %s would change; leave it out, or "
+                              "measure into another folder";
     if (!o->resume) return BIS_OK;
     if (o->quick) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--quick");
     if (o->has_seeds) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--seeds");
@@ -130,8 +145,9 @@ static bis_status check_integrators(const trade_options *o, bis_diag *diag)
         for (int k = 0; k < N; k++) known |= strcmp(name, names[k]) == 0;
         if (known) continue;
         const char *near = bis_nearest_name(name, names, N);
-        status = bis_error(diag, BIS_INPUT, bis_cli_loc, "--integrator %s: must be em, brdf, mis, rejection or sir%s%s%s", name, near ? " (did you mean \"" : "",
-                           near ? near : "", near ? "\"?)" : "");
+        status =
+            bis_error(diag, BIS_INPUT, bis_cli_loc, "--integrator %s: must be em, brdf, mis, rejection or sir%s%s%s",
+                      name, near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
     }
     return status;
 }
@@ -169,8 +185,8 @@ static void print_summary(const bis_trade *t)
         const bis_trade_setting *s = &t->plan.settings[a->setting];
         bis_trade_option_text(text, s, t->desc->light.area_exponent);
         if (!text[0]) bis_trade_scene_text(text, s, t->desc->light.area_exponent);
-        printf("%-14s error %-5s %s%-8s %s --spp %u\n", a->purpose, bis_trade_percent(error, a->expected_error), a->is_extrapolated ? "~" : " ",
-               bis_trade_duration(time, a->seconds), text, (unsigned)a->passes);
+        printf("%-14s error %-5s %s%-8s %s --spp %u\n", a->purpose, bis_trade_percent(error, a->expected_error),
+               a->is_extrapolated ? "~" : " ", bis_trade_duration(time, a->seconds), text, (unsigned)a->passes);
     }
     printf("%zu of %zu runs in %s/report.html\n", t->n_runs, bis_trade_planned_runs(&t->plan), t->o.folder);
 }
@@ -203,10 +219,16 @@ static int run(const trade_options *o, const char *scene, const char *folder, bi
     catch_signals();
     const bis_status status = bis_trade_measure(&t, &options, &interrupted, diag);
     if (show) fputs("\r\033[K", stderr);
-    if (t.nonfinite) bis_warn(diag, bis_cli_loc, "%llu estimates were not finite and count as black (docs/envelope.md)", (unsigned long long)t.nonfinite);
+    if (t.nonfinite)
+        bis_warn(diag, bis_cli_loc, "%llu estimates were not finite and count as black (docs/envelope.md)",
+                 (unsigned long long)t.nonfinite);
     if (t.is_reported) print_summary(&t);
-    if (!status && !t.is_reported && t.n_runs) bis_warn(diag, bis_cli_loc, "interrupted before anything new was measured: %s is as it was, with %zu of %zu runs", folder, t.n_runs, bis_trade_planned_runs(&t.plan));
-    if (!status && !t.is_reported && !t.n_runs) bis_warn(diag, bis_cli_loc, "interrupted before the first run: there is no table and no page");
+    if (!status && !t.is_reported && t.n_runs)
+        bis_warn(diag, bis_cli_loc,
+                 "interrupted before anything new was measured: %s is as it was, with %zu of %zu runs", folder,
+                 t.n_runs, bis_trade_planned_runs(&t.plan));
+    if (!status && !t.is_reported && !t.n_runs)
+        bis_warn(diag, bis_cli_loc, "interrupted before the first run: there is no table and no page");
     bis_trade_clear(&t);
     const int exit_status = bis_cli_exit_status(status);
     return interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status;

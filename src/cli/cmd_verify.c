@@ -23,7 +23,8 @@ typedef struct verify_options {
 
 static const char *verdict_of(const bis_verify_test *t)
 {
-    static const char *const words[] = {[BIS_VERDICT_PASSED] = "passed", [BIS_VERDICT_FAILED] = "FAILED", [BIS_VERDICT_SKIPPED] = "skipped"};
+    static const char *const words[] = {
+        [BIS_VERDICT_PASSED] = "passed", [BIS_VERDICT_FAILED] = "FAILED", [BIS_VERDICT_SKIPPED] = "skipped"};
     return words[t->verdict];
 }
 
@@ -39,7 +40,8 @@ static void print_table(const bis_verify *v)
     const char *group = "";
     for (size_t i = 0; i < v->n; i++) {
         const bis_verify_test *t = &v->tests[i];
-        if (strcmp(group, t->group) != 0) printf("%s%-46s  statistic          p  threshold  verdict\n", i ? "\n" : "", t->group);
+        if (strcmp(group, t->group) != 0)
+            printf("%s%-46s  statistic          p  threshold  verdict\n", i ? "\n" : "", t->group);
         group = t->group;
         printf("  %-44s", t->name);
         print_number(t->statistic);
@@ -47,7 +49,8 @@ static void print_table(const bis_verify *v)
         print_number(t->threshold);
         printf("  %s%s%s\n", verdict_of(t), *t->note ? ": " : "", t->note);
     }
-    printf("\n%zu tests, %zu failed, %zu skipped. %zu of them are statistical: each fails below p = %.3g, so that all together\n"
+    printf("\n%zu tests, %zu failed, %zu skipped. %zu of them are statistical: each fails below p = %.3g, so that all "
+           "together\n"
            "raise a false alarm at most once in %.0f runs (Sidak). The others fail above their threshold.\n",
            v->n, v->n_failed, v->n_skipped, v->n_statistical, v->threshold, 1 / BIS_VERIFY_ALPHA);
     printf("seed %llu\n%s\n", (unsigned long long)v->seed, v->n_failed ? "FAILED" : "passed");
@@ -179,14 +182,18 @@ int bis_cmd_verify(int argc, char **argv)
 {
     static const char *const mappings[] = {"latlong", "angular", NULL};
     verify_options o = {.seed = 1};
+    /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what to verify"},
-        {.name = "mapping", .argument = "M", .help = "of a map: latlong (the default) or angular, a light probe; a square map must say which",
+        {.name = "mapping", .argument = "M",
+         .help = "of a map: latlong (the default) or angular, a light probe; a square map must say which",
          .kind = BIS_OPTION_NAME, .value = &o.mapping, .names = mappings},
-        {.name = "seed", .argument = "N", .help = "of the random numbers (1)", .kind = BIS_OPTION_COUNT, .value = &o.seed, .hi = 0x1p53},
+        {.name = "seed", .argument = "N", .help = "of the random numbers (1)", .kind = BIS_OPTION_COUNT,
+         .value = &o.seed, .hi = 0x1p53},
         {.help = "what to write"},
         {.name = "json", .help = "print JSON instead of a table", .kind = BIS_OPTION_FLAG, .value = &o.json},
     };
+    /* clang-format on */
     const bis_command command = {
         .name = "verify",
         .usage = "verify [options] SCENE | MAP",

@@ -6,8 +6,10 @@
 #include "help.h"
 
 static const bis_help_entry scene[] = {
-    {NULL, "A scene says how it is looked at, then WorldBegin, then what there is. # begins a comment. Parameters are \"type name\" value, as in \"float "
-           "fov\" 45. A parameter or directive that nobody knows is an error, what pbrt has and bis leaves out a warning or an error that says so."},
+    {NULL, "A scene says how it is looked at, then WorldBegin, then what there is. # begins a comment. Parameters are "
+           "\"type name\" value, as in \"float "
+           "fov\" 45. A parameter or directive that nobody knows is an error, what pbrt has and bis leaves out a "
+           "warning or an error that says so."},
     {"Camera \"perspective\" \"float fov\" 45", NULL},
     {"Sampler \"sobol\" \"integer pixelsamples\" 64", NULL},
     {"Integrator \"sir\" \"integer candidates\" 256", NULL},
@@ -16,65 +18,85 @@ static const bis_help_entry scene[] = {
     {"Material \"phong\" \"rgb Kd\" [0.1 0.1 0.2] \"float Ks\" 0.6", NULL},
     {"Shape \"plymesh\" \"string filename\" \"dragon.ply\"", NULL},
     {NULL, "Anywhere:"},
-    {"Identity, Translate, Scale, Rotate, LookAt, Transform, ConcatTransform", "act on the current transformation, from the right. The world is left-handed"},
+    {"Identity, Translate, Scale, Rotate, LookAt, Transform, ConcatTransform",
+     "act on the current transformation, from the right. The world is left-handed"},
     {"CoordinateSystem, CoordSysTransform", "remember the transformation by a name; go back to it"},
     {"Include \"file\"", "go on reading there"},
     {NULL, "Before WorldBegin:"},
     {"Camera", "\"perspective\" or \"orthographic\": fov (90), screenwindow, frameaspectratio; lensradius must be 0"},
-    {"Film", "\"rgb\": xresolution (1280), yresolution (720), filename (bis.exr), cropwindow (0 1 0 1), layers (see output)"},
-    {"Sampler", "\"stratified\" (the default), \"sobol\", \"halton\", \"random\" or \"independent\": pixelsamples (16), seed (0), adaptive (false), "
+    {"Film",
+     "\"rgb\": xresolution (1280), yresolution (720), filename (bis.exr), cropwindow (0 1 0 1), layers (see output)"},
+    {"Sampler", "\"stratified\" (the default), \"sobol\", \"halton\", \"random\" or \"independent\": pixelsamples "
+                "(16), seed (0), adaptive (false), "
                 "edgesamples (1; more on outlines); stratified: xsamples, ysamples (4), jitter (true)"},
     {"Integrator", "see integrators"},
-    {"Accelerator", "\"embree\" (the default where it is built in) or \"grid\": density, cells per primitive (2; 8 where triangles span many cells)"},
+    {"Accelerator", "\"embree\" (the default where it is built in) or \"grid\": density, cells per primitive (2; 8 "
+                    "where triangles span many cells)"},
     {"Option", "\"bool disablepixeljitter\" (false); \"string asprinted\" (see errata)"},
     {NULL, "After WorldBegin:"},
     {"LightSource", "see lights"},
     {"Material, MakeNamedMaterial, NamedMaterial", "see materials"},
-    {"Shape", "\"plymesh\" and \"objmesh\": filename, smooth (false); \"trianglemesh\": P, indices, N; \"sphere\": radius (1); \"disk\": radius (1), height (0)"},
+    {"Shape", "\"plymesh\" and \"objmesh\": filename, smooth (false); \"trianglemesh\": P, indices, N; \"sphere\": "
+              "radius (1); \"disk\": radius (1), height (0)"},
     {"ObjectBegin, ObjectEnd, ObjectInstance", "shapes that are kept by a name, and shown by it"},
-    {"AttributeBegin, AttributeEnd, TransformBegin, TransformEnd", "save and restore transformation and material; the transformation alone"},
+    {"AttributeBegin, AttributeEnd, TransformBegin, TransformEnd",
+     "save and restore transformation and material; the transformation alone"},
     {NULL, NULL},
 };
 
 static const bis_help_entry integrators[] = {
-    {NULL, "Integrator \"NAME\" in a scene, --integrator NAME on the command line. Counts are per camera sample; defaults in parentheses, the first of several "
+    {NULL, "Integrator \"NAME\" in a scene, --integrator NAME on the command line. Counts are per camera sample; "
+           "defaults in parentheses, the first of several "
            "names is the default."},
     {"em", "directions from the map's importance. samples (16), stratify (false). Unbiased"},
     {"brdf", "directions from the BRDF. samples (16). Unbiased"},
-    {"mis", "both, combined by a heuristic. samples (16, at least 2), heuristic (balance, power), split (0.5, the map's share), compensate (false), stratify (false). "
+    {"mis", "both, combined by a heuristic. samples (16, at least 2), heuristic (balance, power), split (0.5, the "
+            "map's share), compensate (false), stratify (false). "
             "Unbiased"},
-    {"rejection", "candidates, accepted in proportion to the product of map and BRDF (thesis 4.3). candidates (800), shadowrays (15), proposal (choose, em, brdf), "
-                  "estimator (ratio, plain), fallback (resample, subset, unoccluded). Unbiased with estimator plain; ratio has a bias of O(1/M)"},
-    {"sir", "the default: candidates, of which a few are resampled in proportion to the product (thesis 4.4). candidates (800; 0: a pilot chooses), shadowrays (15), "
-            "proposal (mix, em, brdf, product), resampling (systematic, multinomial), stratify (true), learn (false; product: go where light was seen to arrive), vectorize "
+    {"rejection", "candidates, accepted in proportion to the product of map and BRDF (thesis 4.3). candidates (800), "
+                  "shadowrays (15), proposal (choose, em, brdf), "
+                  "estimator (ratio, plain), fallback (resample, subset, unoccluded). Unbiased with estimator plain; "
+                  "ratio has a bias of O(1/M)"},
+    {"sir", "the default: candidates, of which a few are resampled in proportion to the product (thesis 4.4). "
+            "candidates (800; 0: a pilot chooses), shadowrays (15), "
+            "proposal (mix, em, brdf, product), resampling (systematic, multinomial), stratify (true), learn (false; "
+            "product: go where light was seen to arrive), vectorize "
             "(true). Unbiased, for every M and N"},
     {"exact", "every lit pixel of the map: ground truth for small maps. perpatch (1)"},
     {"unoccluded", "candidates (800), and no shadow rays: it leaves out all shadows"},
-    {"auto", "a pilot tries the methods on the scene itself, and the render goes on with the best, for some materials perhaps with another"},
-    {"material", "with any integrator but the first: it counts for the materials of these numbers alone, as in \"integer material\" [0 2]; --plan lists them"},
-    {NULL, "The words mean: em, from the environment map; mix, half of the candidates from each; choose, one or the other by the material; product, by clusters of "
+    {"auto", "a pilot tries the methods on the scene itself, and the render goes on with the best, for some materials "
+             "perhaps with another"},
+    {"material", "with any integrator but the first: it counts for the materials of these numbers alone, as in "
+                 "\"integer material\" [0 2]; --plan lists them"},
+    {NULL, "The words mean: em, from the environment map; mix, half of the candidates from each; choose, one or the "
+           "other by the material; product, by clusters of "
            "the map after the BRDF's value there. `bis trade SCENE` measures which is best for a scene."},
     {NULL, NULL},
 };
 
 static const bis_help_entry materials[] = {
-    {NULL, "Colours are \"rgb Kd\" [r g b] or \"float Kd\" x, in [0, 1]; defaults in parentheses. Until a Material comes, all is \"diffuse\" 0.5."},
+    {NULL, "Colours are \"rgb Kd\" [r g b] or \"float Kd\" x, in [0, 1]; defaults in parentheses. Until a Material "
+           "comes, all is \"diffuse\" 0.5."},
     {"phong", "the thesis's energy-preserving model (eq. 3.14). Kd (0.5), Ks (0), exponent (50, >= 0)"},
-    {"microfacet", "GGX facets over a diffuse base. Kd (0), Ks (0.9, the reflectance head on: a metal's colour, 0.04 for plastic), roughness (0.5, in [0.01, 1]; "
+    {"microfacet", "GGX facets over a diffuse base. Kd (0), Ks (0.9, the reflectance head on: a metal's colour, 0.04 "
+                   "for plastic), roughness (0.5, in [0.01, 1]; "
                    "the lobe's alpha is its square)"},
     {"diffuse, matte", "reflectance, or Kd (0.5)"},
-    {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. There are no textures."},
+    {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. "
+           "There are no textures."},
     {NULL, NULL},
 };
 
 static const bis_help_entry lights[] = {
-    {NULL, "LightSource \"infinite\", at most one: an environment map, or a constant from all around. In its own frame z is up, the map's top row; the transformation at "
+    {NULL, "LightSource \"infinite\", at most one: an environment map, or a constant from all around. In its own frame "
+           "z is up, the map's top row; the transformation at "
            "its place, a rotation, turns it into the world."},
     {"filename", "the map: .hdr, .exr or .pfm; none: a constant (mapname is the same)"},
     {"L, scale", "radiance of a constant (1 1 1); what a map is multiplied by (1)"},
     {"mapping", "latlong, or angular: a light probe. A square map must say which"},
     {"width", "of the lat-long map that a probe is resampled to (twice the probe's)"},
-    {"areaexponent", "b of thesis 3.4 (0.15, in [0, 10]): how far small bright sources give up samples to large ones; 0: not at all. Never changes the mean"},
+    {"areaexponent", "b of thesis 3.4 (0.15, in [0, 10]): how far small bright sources give up samples to large ones; "
+                     "0: not at all. Never changes the mean"},
     {"levels", "of intensity, thesis 3.4 (8, in [1, 254])"},
     {"sampler", "alias, or cdf (the default with the samplers sobol and halton). Never changes the mean"},
     {"visible", "false: camera rays that hit nothing see black (true)"},
@@ -83,7 +105,8 @@ static const bis_help_entry lights[] = {
 };
 
 static const bis_help_entry output[] = {
-    {NULL, "The ending of --outfile, or of the Film's filename, tells the format. A file is written beside its name, then renamed."},
+    {NULL, "The ending of --outfile, or of the Film's filename, tells the format. A file is written beside its name, "
+           "then renamed."},
     {".exr", "float32 R, G, B, A and layers; the header holds scene, integrator, parameters, seed, seconds and error"},
     {".pfm, .hdr", "R, G, B"},
     {".png", "sRGB of 8 bits, without a tone curve; --exposure EV multiplies by 2^EV"},
@@ -92,7 +115,8 @@ static const bis_help_entry output[] = {
     {"samples, shadowrays, candidates", "what a pixel took"},
     {"unoccluded, visibility", "the light without shadows (eq. 4.5), and the share that arrives"},
     {"albedo, normal, depth", "of what is seen"},
-    {NULL, "--stats F writes time, rays, memory, parameters and the estimated error as JSON. Standard output carries results alone, messages go to standard error as "
+    {NULL, "--stats F writes time, rays, memory, parameters and the estimated error as JSON. Standard output carries "
+           "results alone, messages go to standard error as "
            "FILE:LINE:COLUMN: error: WHAT."},
     {NULL, "Exit status:"},
     {"0", "done"},
@@ -103,27 +127,34 @@ static const bis_help_entry output[] = {
 };
 
 static const bis_help_entry budgets[] = {
-    {NULL, "A pass is one camera sample of every pixel. Budgets are looked at between passes; whichever is used up first ends the render. Without any, the scene's "
+    {NULL, "A pass is one camera sample of every pixel. Budgets are looked at between passes; whichever is used up "
+           "first ends the render. Without any, the scene's "
            "pixelsamples count."},
     {"--spp N", "N passes"},
     {"--time SECONDS", "of rendering alone, as in 10, 10s, 2min, 1.5h; ends within a pass of it"},
-    {"--error E", "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%; says after four passes what it will cost"},
-    {"--adaptive", "camera samples go where the error is, by tiles of 16 x 16 pixels; a pass is then four of them in the mean"},
-    {NULL, "Ctrl-C ends a render soon: the passes that are complete are written, and the exit status is 130. The picture depends on the scene, the seed and the number "
+    {"--error E", "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%; says after four "
+                  "passes what it will cost"},
+    {"--adaptive",
+     "camera samples go where the error is, by tiles of 16 x 16 pixels; a pass is then four of them in the mean"},
+    {NULL, "Ctrl-C ends a render soon: the passes that are complete are written, and the exit status is 130. The "
+           "picture depends on the scene, the seed and the number "
            "of passes, never on the number of threads."},
     {NULL, NULL},
 };
 
 static const bis_help_entry errata[] = {
-    {NULL, "Some equations of the thesis are misprinted. bis computes what is right, but can follow them as printed, to see what that does to the picture. The list is "
+    {NULL, "Some equations of the thesis are misprinted. bis computes what is right, but can follow them as printed, "
+           "to see what that does to the picture. The list is "
            "printed by"},
     {"bis --as-printed list", NULL},
-    {NULL, "with the section, the integrators concerned and what one sees. In a scene: Option \"string asprinted\" [\"E6\" \"E20\"]."},
+    {NULL, "with the section, the integrators concerned and what one sees. In a scene: Option \"string asprinted\" "
+           "[\"E6\" \"E20\"]."},
     {NULL, NULL},
 };
 
 static const bis_help_entry examples[] = {
-    {NULL, "The default picture; a good one after ten seconds, with figures as JSON; a part of it, until its relative error is below 5%:"},
+    {NULL, "The default picture; a good one after ten seconds, with figures as JSON; a part of it, until its relative "
+           "error is below 5%:"},
     {"bis scene.txt", NULL},
     {"bis scene.txt --time 10 --outfile clean.exr --outfile clean.png --stats -", NULL},
     {"bis scene.txt --error .05 --cropwindow 0.4,0.6,0.3,0.6 --outfile crop.exr", NULL},

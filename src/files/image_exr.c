@@ -3,7 +3,7 @@
  * Which pixels: the first part that is not deep and has R, G, B, or Y (luminance, perhaps with chroma RY, BY), at the
  * top or in a layer ("diffuse.R"): see choose_channels. A single R, G or B is refused: grey and "the others are 0" are
  * both in use.
- * The data window is the whole map (SPEC 1), of tiled files the finest level; half, float and uint become float.
+ * The data window is the whole map, of tiled files the finest level; half, float and uint become float.
  *
  * Bad files: Core checks the header against the file's size; we check, before we allocate, that the window's sides are
  * sane, that the table of chunks fits into the file, and that the file is not shorter than its compression could ever
@@ -87,7 +87,8 @@ static bis_status refuse(const exr_input *source, exr_result_t code)
 
 /* ---- which channels ---- */
 
-static const exr_attr_chlist_entry_t *find_channel(const exr_attr_chlist_t *list, const char *prefix, int n, const char *name)
+static const exr_attr_chlist_entry_t *find_channel(const exr_attr_chlist_t *list, const char *prefix, int n,
+                                                   const char *name)
 {
     for (int i = 0; i < list->num_channels; i++) {
         const char *s = list->entries[i].name.str;
@@ -98,7 +99,8 @@ static const exr_attr_chlist_entry_t *find_channel(const exr_attr_chlist_t *list
 
 static bool has_colour(const exr_attr_chlist_t *list, const char *prefix, int n)
 {
-    return find_channel(list, prefix, n, "R") && find_channel(list, prefix, n, "G") && find_channel(list, prefix, n, "B");
+    return find_channel(list, prefix, n, "R") && find_channel(list, prefix, n, "G") &&
+           find_channel(list, prefix, n, "B");
 }
 
 static bool has_luminance(const exr_attr_chlist_t *list, const char *prefix, int n)
@@ -167,16 +169,20 @@ static bis_status choose_part(exr_choice *c, exr_const_context_t file, const exr
         if (!deep && choose_channels(c, list)) break;
     }
     if (c->part < n_parts) {
-        if (n_parts > 1) bis_image_remark(source->in, "part %d of %d is read, the others are ignored", c->part + 1, n_parts);
+        if (n_parts > 1)
+            bis_image_remark(source->in, "part %d of %d is read, the others are ignored", c->part + 1, n_parts);
         if (c->prefix_length)
-            bis_image_remark(source->in, "it has no R, G, B at the top; layer \"%.*s\" is read", c->prefix_length - 1, c->prefix);
+            bis_image_remark(source->in, "it has no R, G, B at the top; layer \"%.*s\" is read", c->prefix_length - 1,
+                             c->prefix);
         return BIS_OK;
     }
     if (n_deep == n_parts)
-        return bis_image_refuse(source->in, BIS_INPUT, "it holds deep data alone (many samples a pixel); flatten it first");
+        return bis_image_refuse(source->in, BIS_INPUT,
+                                "it holds deep data alone (many samples a pixel); flatten it first");
     char names[200];
     list_channels(names, sizeof names, file, n_parts);
-    return bis_image_refuse(source->in, BIS_INPUT, "its channels are %s, must be R, G and B, or Y, perhaps in a layer", names);
+    return bis_image_refuse(source->in, BIS_INPUT, "its channels are %s, must be R, G and B, or Y, perhaps in a layer",
+                            names);
 }
 
 /* What the header says about the colours that we do not act upon. */
@@ -194,7 +200,8 @@ static void remark_on_colours(exr_const_context_t file, int part, const image_in
         bool same = true;
         for (int i = 0; i < 8; i++)
             same &= fabsf(found[i] - rec709[i]) <= half_digit;
-        if (!same) bis_image_remark(in, "its chromaticities are not those of Rec. 709; the values are taken as they are");
+        if (!same)
+            bis_image_remark(in, "its chromaticities are not those of Rec. 709; the values are taken as they are");
     }
     if (!exr_get_attribute_by_name(file, part, "envmap", &a) && !exr_attr_get_envmap(file, part, "envmap", &shape) &&
         shape == EXR_ENVMAP_CUBE)
@@ -239,8 +246,8 @@ static bis_status check_sampling(const exr_choice *c, const exr_attr_chlist_t *l
     for (int i = 0; i < (c->colour ? 3 : 1); i++) {
         const exr_attr_chlist_entry_t *channel = find_channel(list, c->prefix, c->prefix_length, names[i]);
         if (channel->x_sampling != 1 || channel->y_sampling != 1)
-            return bis_image_refuse(in, BIS_INPUT, "its channel %s has a sampling of %d x %d, must be 1 x 1", channel->name.str,
-                                    channel->x_sampling, channel->y_sampling);
+            return bis_image_refuse(in, BIS_INPUT, "its channel %s has a sampling of %d x %d, must be 1 x 1",
+                                    channel->name.str, channel->x_sampling, channel->y_sampling);
     }
     return BIS_OK;
 }
@@ -260,7 +267,9 @@ static bool says_window(const image_input *in, const exr_attr_box2i_t *w)
     while ((p = memmem(p, (size_t)(end - p), words, sizeof words)) != NULL) {
         p += sizeof words;
         if (end - p < 16) return false;
-        if (int_at(p) == w->min.x && int_at(p + 4) == w->min.y && int_at(p + 8) == w->max.x && int_at(p + 12) == w->max.y) return true;
+        if (int_at(p) == w->min.x && int_at(p + 4) == w->min.y && int_at(p + 8) == w->max.x &&
+            int_at(p + 12) == w->max.y)
+            return true;
     }
     return false;
 }
@@ -279,16 +288,20 @@ static bis_status make_image(bis_image *image, exr_choice *c, exr_const_context_
 
     long long width = (long long)c->window.max.x - c->window.min.x + 1;
     long long height = (long long)c->window.max.y - c->window.min.y + 1;
-    bool sane = width >= 1 && height >= 1 && width <= BIS_IMAGE_MAX_SIDE && height <= BIS_IMAGE_MAX_SIDE; /* _make complains */
+    /* _make complains */
+    bool sane = width >= 1 && height >= 1 && width <= BIS_IMAGE_MAX_SIDE && height <= BIS_IMAGE_MAX_SIDE;
     size_t size = source->in->size;
     bis_status status = check_sampling(c, list, source->in);
     if (status) return status;
     if (sane && (n_chunks < 1 || (uint64_t)n_chunks > size / 8))
-        return bis_image_refuse(source->in, BIS_INPUT, "its %d chunks need a table of 8 bytes each, but the file has %zu bytes",
-                                n_chunks, size);
+        return bis_image_refuse(source->in, BIS_INPUT,
+                                "its %d chunks need a table of 8 bytes each, but the file has %zu bytes", n_chunks,
+                                size);
     if (sane && least_bytes(list, (uint64_t)width, (uint64_t)height) / best_ratio(c->compression) > size)
-        return bis_image_refuse(source->in, BIS_INPUT, "%lld x %lld pixels cannot be in %zu bytes (the file is cut off or "
-                                "damaged)", width, height, size);
+        return bis_image_refuse(source->in, BIS_INPUT,
+                                "%lld x %lld pixels cannot be in %zu bytes (the file is cut off or "
+                                "damaged)",
+                                width, height, size);
     return bis_image_make(image, source->in, width, height);
 }
 
@@ -320,7 +333,8 @@ static int offset_of(const char *name, const exr_choice *c)
 static exr_result_t make_unwanted(exr_walk *w, const exr_chunk_info_t *chunk)
 {
     int n_wanted = 0;
-    for (int i = 0; i < w->pipe.channel_count; i++) n_wanted += offset_of(w->pipe.channels[i].channel_name, w->choice) >= 0;
+    for (int i = 0; i < w->pipe.channel_count; i++)
+        n_wanted += offset_of(w->pipe.channels[i].channel_name, w->choice) >= 0;
     if (w->unwanted || w->pipe.channel_count > 4 || n_wanted == w->pipe.channel_count) return EXR_ERR_SUCCESS;
     w->unwanted = bis_alloc((size_t)chunk->width * (size_t)chunk->height, sizeof *w->unwanted);
     return w->unwanted ? EXR_ERR_SUCCESS : EXR_ERR_OUT_OF_MEMORY;
@@ -412,8 +426,10 @@ static bis_status read_pixels(bis_image *image, const exr_choice *c, exr_const_c
     if (code == EXR_ERR_FEATURE_NOT_IMPLEMENTED) {
         if (c->part == 0 && c->prefix_length == 0)
             return bis_exr_read_rgba(image, source->in, c->window.min.x, c->window.min.y);
-        return bis_image_refuse(source->in, BIS_INPUT, "%s is only read at the top of a file's first part; save it with ZIP "
-                                "compression as R, G, B", c->chroma ? "luminance with chroma" : "DWA compression");
+        return bis_image_refuse(source->in, BIS_INPUT,
+                                "%s is only read at the top of a file's first part; save it with ZIP "
+                                "compression as R, G, B",
+                                c->chroma ? "luminance with chroma" : "DWA compression");
     }
     if (code) return refuse(source, code);
     if (!c->colour) spread_luminance(image);

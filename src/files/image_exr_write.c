@@ -24,8 +24,8 @@ typedef struct exr_output {
     int disk_error; /* errno of the first write that failed, or 0 */
 } exr_output;
 
-static int64_t write_bytes(exr_const_context_t context, void *user_data, const void *buffer, uint64_t n, uint64_t offset,
-                           exr_stream_error_func_ptr_t complain)
+static int64_t write_bytes(exr_const_context_t context, void *user_data, const void *buffer, uint64_t n,
+                           uint64_t offset, exr_stream_error_func_ptr_t complain)
 {
     exr_output *out = user_data;
     (void)context; /* whoever complains here, waits for ever: see image_exr_core.c */
@@ -72,7 +72,8 @@ static exr_result_t describe(exr_context_t file, const bis_picture *p)
         code = exr_add_channel(file, part, p->channels[i].name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     for (int i = 0; i < p->n_attributes && !code; i++) {
         const bis_attribute *a = &p->attributes[i];
-        code = a->text ? exr_attr_set_string(file, part, a->name, a->text) : exr_attr_set_double(file, part, a->name, a->number);
+        code = a->text ? exr_attr_set_string(file, part, a->name, a->text)
+                       : exr_attr_set_double(file, part, a->name, a->number);
     }
     return code ? code : exr_write_header(file);
 }
@@ -87,7 +88,8 @@ static const bis_channel *find_channel(const bis_picture *p, const char *name)
 /* Called when a chunk is compressed and not yet written. */
 static exr_result_t mend_size(exr_encode_pipeline_t *pipe)
 {
-    if (pipe->compressed_bytes == pipe->packed_bytes) memcpy(pipe->compressed_buffer, pipe->packed_buffer, pipe->packed_bytes);
+    if (pipe->compressed_bytes == pipe->packed_bytes)
+        memcpy(pipe->compressed_buffer, pipe->packed_buffer, pipe->packed_bytes);
     return EXR_ERR_SUCCESS;
 }
 
@@ -131,8 +133,10 @@ bis_status bis_exr_write(FILE *stream, const bis_picture *picture, const char *p
     exr_context_t file = NULL;
     for (int i = 0; i < picture->n_attributes; i++)
         if (is_reserved(picture->attributes[i].name))
-            return bis_error(diag, BIS_INPUT, at, "cannot write \"%s\": OpenEXR reserves the attribute \"%s\"; a prefix makes it "
-                             "ours (\"bis:%s\")", path, picture->attributes[i].name, picture->attributes[i].name);
+            return bis_error(diag, BIS_INPUT, at,
+                             "cannot write \"%s\": OpenEXR reserves the attribute \"%s\"; a prefix makes it "
+                             "ours (\"bis:%s\")",
+                             path, picture->attributes[i].name, picture->attributes[i].name);
     exr_context_initializer_t init = bis_exr_context(&out);
     init.write_fn = write_bytes;
     init.zip_level = 4;

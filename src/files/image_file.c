@@ -52,8 +52,10 @@ static bis_status refuse_unknown(const image_input *in)
     if (is_png || is_jpeg)
         return bis_image_refuse(in, BIS_INPUT, "it is a %s: 8 bits for a screen, no radiance; take an .exr, .pfm or "
                                 ".hdr (`bis SCENE --outfile NAME.exr` writes one)", is_png ? "PNG" : "JPEG");
-    return bis_image_refuse(in, BIS_INPUT, "it begins with the bytes %02x %02x %02x %02x, must be a Radiance .hdr (#?), "
-                            "OpenEXR (76 2f 31 01) or PFM (PF, Pf)", d[0], d[1], d[2], d[3]);
+    return bis_image_refuse(in, BIS_INPUT,
+                            "it begins with the bytes %02x %02x %02x %02x, must be a Radiance .hdr (#?), "
+                            "OpenEXR (76 2f 31 01) or PFM (PF, Pf)",
+                            d[0], d[1], d[2], d[3]);
 }
 
 bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag)
@@ -92,8 +94,10 @@ bis_status bis_image_write(const char *path, const bis_picture *picture, bis_dia
 
     assert(picture->width >= 1 && picture->height >= 1 && picture->n_channels >= 3);
     if (!writer)
-        return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0}, "cannot write \"%s\": its ending must be .exr, .pfm, .hdr or "
-                         ".png", path);
+        return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0},
+                         "cannot write \"%s\": its ending must be .exr, .pfm, .hdr or "
+                         ".png",
+                         path);
     bis_status status = writer->check ? writer->check(picture, path, diag) : BIS_OK;
     if (!status) status = bis_outfile_open(&out, path, diag);
     if (status) return status;

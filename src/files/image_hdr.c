@@ -2,7 +2,7 @@
  *
  * Layout: a line "#?NAME", lines VARIABLE=value, an empty line, the resolution line ("-Y 512 +X 1024": scanlines from
  * the top, each from the left), then the scanlines, each flat, in the old or in the new run-length encoding.
- * value = mantissa * 2^(exponent - 136), black where the exponent is 0 (SPEC 1), divided by the product of all EXPOSURE
+ * value = mantissa * 2^(exponent - 136), black where the exponent is 0, divided by the product of all EXPOSURE
  * lines and, per channel, by that of all COLORCORR lines: both are factors that somebody has multiplied the radiance
  * by.
  *
@@ -65,7 +65,8 @@ static bis_status take_factor(hdr_header *h, const char *name, int n, const char
         good = h->exposure[i] > 0 && isfinite(h->exposure[i]);
     }
     if (good) return BIS_OK;
-    return bis_image_refuse(in, BIS_INPUT, "%s is \"%.*s\", must be %s above 0, as must be the product of all such lines", name,
+    return bis_image_refuse(in, BIS_INPUT,
+                            "%s is \"%.*s\", must be %s above 0, as must be the product of all such lines", name,
                             (int)(line_end - s < 60 ? line_end - s : 60), s, n == 1 ? "a number" : "three numbers");
 }
 
@@ -80,7 +81,8 @@ static bis_status take_format(hdr_header *h, const char *s, const char *line_end
         return BIS_OK;
     }
     return bis_image_refuse(in, BIS_INPUT, "its FORMAT is \"%.*s\", must be %s%s", length, s, rgbe,
-                            length > 4 && !memcmp(s + length - 4, "xyze", 4) ? " (ra_xyze -r converts XYZ to RGB)" : "");
+                            length > 4 && !memcmp(s + length - 4, "xyze", 4) ? " (ra_xyze -r converts XYZ to RGB)"
+                                                                             : "");
 }
 
 /* Are these the primaries of Radiance or of Rec. 709? They are printed with three or four digits: within half a unit of
@@ -150,8 +152,10 @@ static bis_status take_resolution(hdr_header *h, const char *line, const char *l
     good = good && parse_axis(&fast, &fast_negative, &h->length, &s) && slow != fast;
     while (good && (*s == ' ' || *s == '\r')) s++;
     if (!good || s != line_end)
-        return bis_image_refuse(in, BIS_INPUT, "its resolution line is \"%.*s\", must be like \"-Y 512 +X 1024\", with sides "
-                                "from 1 to %d", (int)(line_end - line < 60 ? line_end - line : 60), line, BIS_IMAGE_MAX_SIDE);
+        return bis_image_refuse(in, BIS_INPUT,
+                                "its resolution line is \"%.*s\", must be like \"-Y 512 +X 1024\", with sides "
+                                "from 1 to %d",
+                                (int)(line_end - line < 60 ? line_end - line : 60), line, BIS_IMAGE_MAX_SIDE);
     h->columns = slow == 'X';
     h->flip_x = h->columns ? slow_negative : fast_negative;
     h->flip_y = !(h->columns ? fast_negative : slow_negative); /* our rows run downwards: -Y */
@@ -324,8 +328,10 @@ bis_status bis_hdr_read(bis_image *image, const image_input *in)
     if (!h.has_format) bis_image_remark(in, "it has no FORMAT line; 32-bit_rle_rgbe is assumed");
     size_t needed = (size_t)h.n * smallest_scanline(h.length);
     if (in->size - h.data < needed) {
-        status = bis_image_refuse(in, BIS_INPUT, "%d scanlines of %d pixels need %zu bytes or more, but %zu follow the header "
-                                  "(the file is cut off)", h.n, h.length, needed, in->size - h.data);
+        status = bis_image_refuse(in, BIS_INPUT,
+                                  "%d scanlines of %d pixels need %zu bytes or more, but %zu follow the header "
+                                  "(the file is cut off)",
+                                  h.n, h.length, needed, in->size - h.data);
         goto done;
     }
     status = bis_image_make(image, in, h.columns ? h.n : h.length, h.columns ? h.length : h.n);
@@ -380,9 +386,10 @@ bis_status bis_hdr_check(const bis_picture *picture, const char *path, bis_diag 
         rgbe pixel;
         load_pixel(v, picture, i);
         if (!encode(pixel, v))
-            return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0}, "cannot write \"%s\": pixel (%zu, %zu) is (%g, %g, %g), but "
-                             "an .hdr holds values from 0 to 1.69e38 only (.exr and .pfm hold any)", path, i % width, i / width,
-                             v[0], v[1], v[2]);
+            return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0},
+                             "cannot write \"%s\": pixel (%zu, %zu) is (%g, %g, %g), but "
+                             "an .hdr holds values from 0 to 1.69e38 only (.exr and .pfm hold any)",
+                             path, i % width, i / width, v[0], v[1], v[2]);
     }
     return BIS_OK;
 }

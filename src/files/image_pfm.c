@@ -2,7 +2,7 @@
  * then the rows from the bottom up as raw floats.
  *
  * The scale's sign tells the byte order (negative: the low byte first); its size means "units" to some programs and
- * nothing to most, so that it is ignored, as SPEC 1 says. Exactly one white space ends the header, and what follows
+ * nothing to most, so that it is ignored. Exactly one white space ends the header, and what follows
  * must be as long as width and height promise: that is held against the file's size before anything is allocated. We
  * write colour, low byte first. Source: P. Debevec's description of the format for HDR Shop. */
 #include "image_pfm.h"
@@ -54,7 +54,8 @@ static bis_status parse_header(pfm_header *h, const image_input *in)
     const char *end;
     double scale = bis_parse_double((const char *)p, &end);
     if (end == (const char *)p || !isfinite(scale) || scale == 0 || !is_space((unsigned char)*end))
-        return bis_image_refuse(in, BIS_INPUT, "the PFM header's scale must be a number other than 0 and one white space "
+        return bis_image_refuse(in, BIS_INPUT,
+                                "the PFM header's scale must be a number other than 0 and one white space "
                                 "(its sign is the byte order: -1 for the low byte first)");
     h->low_byte_first = scale < 0;
     h->data = (size_t)(end + 1 - (const char *)in->data);
@@ -76,7 +77,8 @@ static void read_row(rgb *row, const unsigned char *p, const pfm_header *h)
     for (int x = 0; x < h->width; x++, p += 4 * h->channels) {
         float r = load_float(p, h->low_byte_first);
         bool grey = h->channels == 1;
-        row[x] = (rgb){r, grey ? r : load_float(p + 4, h->low_byte_first), grey ? r : load_float(p + 8, h->low_byte_first)};
+        row[x] =
+            (rgb){r, grey ? r : load_float(p + 4, h->low_byte_first), grey ? r : load_float(p + 8, h->low_byte_first)};
     }
 }
 
@@ -89,8 +91,10 @@ bis_status bis_pfm_read(bis_image *image, const image_input *in)
     size_t row = 4 * (size_t)h.channels * (size_t)h.width;
     size_t promised = row * (size_t)h.height, found = in->size - h.data; /* at most 12 * 2^30: fits */
     if (found != promised)
-        return bis_image_refuse(in, BIS_INPUT, "%d x %d pixels of %d bytes are %zu bytes, but %zu follow the header (which "
-                                "ends at byte %zu)", h.width, h.height, 4 * h.channels, promised, found, h.data);
+        return bis_image_refuse(in, BIS_INPUT,
+                                "%d x %d pixels of %d bytes are %zu bytes, but %zu follow the header (which "
+                                "ends at byte %zu)",
+                                h.width, h.height, 4 * h.channels, promised, found, h.data);
     status = bis_image_make(image, in, h.width, h.height);
     if (status) return status;
     for (int y = 0; y < h.height; y++)

@@ -30,7 +30,8 @@ typedef struct reader {
     size_t n_v, n_vn;           /* of the whole file */
     size_t seen_v, seen_vn;     /* so far: negative indices count from here */
     vec3 *normals;              /* normals[n_vn], as in the file */
-    uint32_t *first_vn;         /* first_vn[n_v]: the normal of vertex v's own pair, or FREE; NULL: no normals in the file */
+    /* first_vn[n_v]: the normal of vertex v's own pair, or FREE; NULL: no normals in the file */
+    uint32_t *first_vn;
     pair *table;                /* further pairs; a power of 2, at most half full */
     size_t table_size, n_pairs;
     bool any_normal;            /* does a face use one? */
@@ -94,11 +95,12 @@ static bis_status take_vec3(reader *r, const char *what, double v[3])
     for (int i = 0; i < 3; i++) {
         const char *stop;
         skip_blanks(r);
-        if (is_line_end(r)) return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%s\" has %d numbers, must have 3", what, i);
+        if (is_line_end(r))
+            return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%s\" has %d numbers, must have 3", what, i);
         v[i] = bis_parse_double((const char *)r->p, &stop);
         if (stop == (const char *)r->p || ((unsigned char)*stop > ' ' && *stop != '\\')) {
-            return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%.*s\" in \"%s\" is no number", word_length(r), (const char *)r->p,
-                                   what);
+            return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%.*s\" in \"%s\" is no number", word_length(r),
+                                   (const char *)r->p, what);
         }
         r->p = (const unsigned char *)stop;
     }
@@ -116,7 +118,8 @@ static bis_status read_vertex(reader *r)
     if (status) return status;
     for (int i = 0; i < 3; i++) {
         if (fits_float(v[i])) continue;
-        return bis_mesh_refuse(&r->in, line, BIS_INPUT, "the vertex has %c = %g, must be a finite float", "xyz"[i], v[i]);
+        return bis_mesh_refuse(&r->in, line, BIS_INPUT, "the vertex has %c = %g, must be a finite float", "xyz"[i],
+                               v[i]);
     }
     r->mesh->p[r->seen_v++] = vec3_from(v[0], v[1], v[2]);
     return BIS_OK;
@@ -142,7 +145,8 @@ static bis_status read_normal(reader *r)
 
 static size_t hash(uint32_t v, uint32_t vn)
 {
-    uint64_t h = ((uint64_t)v << 32 | vn) * 0x9e3779b97f4a7c15; /* Knuth's multiplicative hashing, 2^64 / golden ratio */
+    /* Knuth's multiplicative hashing, 2^64 / golden ratio */
+    uint64_t h = ((uint64_t)v << 32 | vn) * 0x9e3779b97f4a7c15;
     return (size_t)(h ^ h >> 29);
 }
 
@@ -191,7 +195,8 @@ static bis_status find_vertex(reader *r, uint32_t v, uint32_t vn, uint32_t *vert
     if (2 * r->n_pairs >= r->table_size && !grow_table(r)) return no_memory(r);
     pair *p = find_pair(r->table, r->table_size, v, vn);
     if (p->vertex == FREE) {
-        if (m->n_vertices >= UINT32_MAX - 1) return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "more than 2^32 - 2 vertices");
+        if (m->n_vertices >= UINT32_MAX - 1)
+            return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "more than 2^32 - 2 vertices");
         vec3 *grown = bis_grow(m->p, &r->capacity_vertices, m->n_vertices + 1, sizeof *grown);
         if (!grown) return no_memory(r);
         m->p = grown;
@@ -219,8 +224,9 @@ static bis_status take_index(reader *r, const char *what, size_t total, size_t s
     if (p == r->p) return BIS_OK;
     const int length = (int)(p - r->p) < 32 ? (int)(p - r->p) : 32;
     if (n == 0 || n > (negative ? seen : total)) {
-        return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "the face has the index %.*s, but there are %zu \"%s\"%s", length,
-                               (const char *)r->p, negative ? seen : total, what, negative ? " up to here" : "");
+        return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "the face has the index %.*s, but there are %zu \"%s\"%s",
+                               length, (const char *)r->p, negative ? seen : total, what,
+                               negative ? " up to here" : "");
     }
     *index = negative ? seen - n : n - 1;
     r->p = p;
@@ -236,7 +242,8 @@ static bis_status take_corner(reader *r, uint32_t *vertex)
 
     if (!status && v != SIZE_MAX && r->p < r->end && *r->p == '/') {
         r->p++;
-        while (r->p < r->end && (*r->p == '-' || (*r->p >= '0' && *r->p <= '9'))) r->p++; /* vt, which we have no use for */
+        /* vt, which we have no use for */
+        while (r->p < r->end && (*r->p == '-' || (*r->p >= '0' && *r->p <= '9'))) r->p++;
         if (r->p < r->end && *r->p == '/') {
             r->p++;
             status = take_index(r, "vn", r->n_vn, r->seen_vn, &vn);
@@ -294,7 +301,8 @@ static bis_status allocate(reader *r)
     bis_mesh *m = r->mesh;
 
     if (r->n_v >= UINT32_MAX - 1 || r->n_vn >= UINT32_MAX - 1) {
-        return bis_mesh_refuse(&r->in, 0, BIS_INPUT, "%zu vertices and %zu normals, must be below 2^32 - 2", r->n_v, r->n_vn);
+        return bis_mesh_refuse(&r->in, 0, BIS_INPUT, "%zu vertices and %zu normals, must be below 2^32 - 2", r->n_v,
+                               r->n_vn);
     }
     m->n_vertices = r->capacity_vertices = r->n_v;
     m->p = bis_alloc(r->n_v, sizeof *m->p);
@@ -337,16 +345,19 @@ static bis_status finish_vertices(reader *r)
         if (r->first_vn[i] != FREE && r->first_vn[i] != NONE) m->n[i] = r->normals[r->first_vn[i] - 1];
     }
     for (size_t i = 0; i < r->table_size; i++) {
-        if (r->table[i].vertex != FREE && r->table[i].vn != NONE) m->n[r->table[i].vertex] = r->normals[r->table[i].vn - 1];
+        if (r->table[i].vertex != FREE && r->table[i].vn != NONE)
+            m->n[r->table[i].vertex] = r->normals[r->table[i].vn - 1];
     }
     return BIS_OK;
 }
 
 static void report(const reader *r)
 {
-    if (r->n_too_small > 0) bis_mesh_remark(&r->in, "%zu faces have fewer than 3 vertices and are left out", r->n_too_small);
+    if (r->n_too_small > 0)
+        bis_mesh_remark(&r->in, "%zu faces have fewer than 3 vertices and are left out", r->n_too_small);
     if (r->n_bad_normals > 0) {
-        bis_mesh_remark(&r->in, "%zu vertex normals are not finite: the faces' normals are used there", r->n_bad_normals);
+        bis_mesh_remark(&r->in, "%zu vertex normals are not finite: the faces' normals are used there",
+                        r->n_bad_normals);
     }
 }
 

@@ -79,7 +79,8 @@ static double decode(const unsigned char *p, ply_type type, bool big)
 
 static bis_status cut_off(const reader *r, const ply_element *e, size_t row)
 {
-    return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the file ends in %.*s %zu of %zu", e->name.length, e->name.text, row, e->count);
+    return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the file ends in %.*s %zu of %zu", e->name.length, e->name.text, row,
+                           e->count);
 }
 
 /* The next number of the file. e and row are for the message. */
@@ -100,7 +101,8 @@ static bis_status take(reader *r, ply_type type, const ply_element *e, size_t ro
     int length = 0;
     while (length < 32 && start[length] > ' ') length++;
     return bis_mesh_refuse(r->in, bis_mesh_line(r->in, (const unsigned char *)start), BIS_INPUT,
-                           "\"%.*s\" where a number of %.*s %zu should stand", length, start, e->name.length, e->name.text, row);
+                           "\"%.*s\" where a number of %.*s %zu should stand", length, start, e->name.length,
+                           e->name.text, row);
 }
 
 /* A list's count. */
@@ -111,8 +113,8 @@ static bis_status take_count(reader *r, const ply_property *p, const ply_element
 
     if (status) return status;
     if (!(v >= 0 && v <= (double)UINT32_MAX && v == floor(v))) {
-        return bis_mesh_refuse(r->in, 0, BIS_INPUT, "%.*s %zu: the list \"%.*s\" has %g items", e->name.length, e->name.text, row,
-                               p->name.length, p->name.text, v);
+        return bis_mesh_refuse(r->in, 0, BIS_INPUT, "%.*s %zu: the list \"%.*s\" has %g items", e->name.length,
+                               e->name.text, row, p->name.length, p->name.text, v);
     }
     *count = (size_t)v;
     return BIS_OK;
@@ -158,7 +160,8 @@ static void find_roles(const ply_header *h, const ply_element *e, size_t propert
     }
 }
 
-static bis_status take_vertex(reader *r, const ply_element *e, size_t row, const size_t property[N_ROLES], double v[N_ROLES])
+static bis_status take_vertex(reader *r, const ply_element *e, size_t row, const size_t property[N_ROLES],
+                              double v[N_ROLES])
 {
     for (size_t i = 0; i < e->n_properties; i++) {
         const ply_property *p = &r->header->properties[e->first_property + i];
@@ -176,7 +179,8 @@ static bis_status store_vertex(reader *r, size_t row, const double v[N_ROLES])
 {
     for (int i = X; i <= Z; i++) {
         if (fits_float(v[i])) continue;
-        return bis_mesh_refuse(r->in, 0, BIS_INPUT, "vertex %zu has %s = %g, must be a finite float", row, role_names[i], v[i]);
+        return bis_mesh_refuse(r->in, 0, BIS_INPUT, "vertex %zu has %s = %g, must be a finite float", row,
+                               role_names[i], v[i]);
     }
     r->mesh->p[row] = vec3_from(v[X], v[Y], v[Z]);
     if (!r->mesh->n) return BIS_OK;
@@ -212,12 +216,14 @@ static bis_status read_vertices(reader *r, const ply_element *e)
     if (m->p) return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the element \"vertex\" occurs twice");
     find_roles(r->header, e, property);
     for (int i = X; i <= Z; i++) {
-        if (property[i] == SIZE_MAX) return bis_mesh_refuse(r->in, 0, BIS_INPUT, "a vertex has no property \"%s\"", role_names[i]);
+        if (property[i] == SIZE_MAX)
+            return bis_mesh_refuse(r->in, 0, BIS_INPUT, "a vertex has no property \"%s\"", role_names[i]);
     }
     const bool normals = property[NX] != SIZE_MAX && property[NY] != SIZE_MAX && property[NZ] != SIZE_MAX;
     m->p = bis_alloc(e->count, sizeof *m->p);
     if (normals) m->n = bis_alloc(e->count, sizeof *m->n);
-    if (!m->p || (normals && !m->n)) return bis_mesh_refuse(r->in, 0, BIS_NOMEM, "no memory for %zu vertices", e->count);
+    if (!m->p || (normals && !m->n))
+        return bis_mesh_refuse(r->in, 0, BIS_NOMEM, "no memory for %zu vertices", e->count);
     m->n_vertices = e->count;
     for (size_t row = copy_plain_vertices(r, e); row < e->count; row++) {
         double v[N_ROLES];
@@ -233,8 +239,8 @@ static bis_status read_vertices(reader *r, const ply_element *e)
 
 static bis_status bad_index(const reader *r, const ply_element *e, size_t row, double v)
 {
-    return bis_mesh_refuse(r->in, 0, BIS_INPUT, "%.*s %zu has the index %.15g, but there are %zu vertices", e->name.length, e->name.text,
-                           row, v, r->n_vertices);
+    return bis_mesh_refuse(r->in, 0, BIS_INPUT, "%.*s %zu has the index %.15g, but there are %zu vertices",
+                           e->name.length, e->name.text, row, v, r->n_vertices);
 }
 
 static bis_status take_index(reader *r, const ply_property *p, const ply_element *e, size_t row, double *v)
@@ -321,7 +327,8 @@ static size_t find_indices(const ply_header *h, const ply_element *e)
 {
     for (size_t i = 0; i < e->n_properties; i++) {
         const ply_property *p = &h->properties[e->first_property + i];
-        if (ply_is_list(p) && (ply_word_is(p->name, "vertex_indices") || ply_word_is(p->name, "vertex_index"))) return i;
+        if (ply_is_list(p) && (ply_word_is(p->name, "vertex_indices") || ply_word_is(p->name, "vertex_index")))
+            return i;
     }
     return e->n_properties;
 }
@@ -332,8 +339,8 @@ static bis_status read_faces(reader *r, const ply_element *e, bool strips)
     size_t row = 0;
 
     if (list == e->n_properties) {
-        return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the element \"%.*s\" has no list \"vertex_indices\"", e->name.length,
-                               e->name.text);
+        return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the element \"%.*s\" has no list \"vertex_indices\"",
+                               e->name.length, e->name.text);
     }
     if (!strips && !r->mesh->index) {
         r->mesh->index = bis_alloc(e->count, 3 * sizeof *r->mesh->index);
@@ -344,7 +351,9 @@ static bis_status read_faces(reader *r, const ply_element *e, bool strips)
     for (; row < e->count; row++) {
         for (size_t i = 0; i < e->n_properties; i++) {
             const ply_property *p = &r->header->properties[e->first_property + i];
-            bis_status status = i != list ? skip_property(r, p, e, row) : strips ? read_strip(r, p, e, row) : read_polygon(r, p, e, row);
+            bis_status status = i != list ? skip_property(r, p, e, row)
+                                : strips  ? read_strip(r, p, e, row)
+                                          : read_polygon(r, p, e, row);
             if (status) return status;
         }
         end_row(r);
@@ -369,10 +378,12 @@ static bis_status skip_element(reader *r, const ply_element *e)
 
 static bis_status read_element(reader *r, const ply_element *e)
 {
-    const size_t least = bis_ply_least_row(r->header, e), left = (size_t)(r->end - r->p) + 1; /* the last white space may lack */
+    /* the last white space may lack */
+    const size_t least = bis_ply_least_row(r->header, e), left = (size_t)(r->end - r->p) + 1;
 
     if (least > 0 && e->count > left / least) {
-        return bis_mesh_refuse(r->in, 0, BIS_INPUT, "%zu rows of \"%.*s\" of at least %zu bytes each, but the file has %zu bytes left",
+        return bis_mesh_refuse(r->in, 0, BIS_INPUT,
+                               "%zu rows of \"%.*s\" of at least %zu bytes each, but the file has %zu bytes left",
                                e->count, e->name.length, e->name.text, least, left - 1);
     }
     if (e->count == 0) return BIS_OK;
@@ -394,11 +405,14 @@ static bis_status count_vertices(reader *r)
 static void report(const reader *r)
 {
     if (r->n_long_lines > 0) {
-        bis_mesh_remark(r->in, "%zu lines hold more numbers than the header says: the rest of them is skipped", r->n_long_lines);
+        bis_mesh_remark(r->in, "%zu lines hold more numbers than the header says: the rest of them is skipped",
+                        r->n_long_lines);
     }
-    if (r->n_too_small > 0) bis_mesh_remark(r->in, "%zu faces have fewer than 3 vertices and are left out", r->n_too_small);
+    if (r->n_too_small > 0)
+        bis_mesh_remark(r->in, "%zu faces have fewer than 3 vertices and are left out", r->n_too_small);
     if (r->n_bad_normals > 0) {
-        bis_mesh_remark(r->in, "%zu vertex normals are not finite: the faces' normals are used there", r->n_bad_normals);
+        bis_mesh_remark(r->in, "%zu vertex normals are not finite: the faces' normals are used there",
+                        r->n_bad_normals);
     }
 }
 

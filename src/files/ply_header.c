@@ -44,9 +44,9 @@ static void split_line(line *l, const unsigned char **p, const unsigned char *en
 
 static ply_type parse_type(ply_word w)
 {
-    static const char *const names[][2] = {{"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"}, {"ushort", "uint16"},
-                                           {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"},
-                                           {"double", "float64"}};
+    static const char *const names[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                           {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                           {"float", "float32"}, {"double", "float64"}};
 
     for (int i = 0; i < PLY_NO_TYPE; i++) {
         if (ply_word_is(w, names[i][0]) || ply_word_is(w, names[i][1])) return (ply_type)i;
@@ -89,7 +89,8 @@ static bis_status read_element(ply_header *h, const line *l, const mesh_input *i
     ply_element e = {.first_property = h->n_properties};
 
     if (l->n != 3 || !parse_count(l->words[2], &e.count)) {
-        return bis_mesh_refuse(in, l->number, BIS_INPUT, "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
+        return bis_mesh_refuse(in, l->number, BIS_INPUT,
+                               "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
     }
     e.name = l->words[1];
     ply_element *elements = bis_grow(h->elements, &h->capacity_elements, h->n_elements + 1, sizeof e);
@@ -115,8 +116,9 @@ static bis_status read_property(ply_header *h, const line *l, const mesh_input *
     const bool bad_count = list && p.count_type >= PLY_F32;
     if (bad_count || p.type == PLY_NO_TYPE) {
         const ply_word w = l->words[bad_count ? 2 : l->n - 2];
-        return bis_mesh_refuse(in, l->number, BIS_INPUT, "\"%.*s\" is no type%s: char, uchar, short, ushort, int, uint%s", w.length,
-                               w.text, bad_count ? " of a list's count" : "", bad_count ? "" : ", float, double");
+        return bis_mesh_refuse(in, l->number, BIS_INPUT,
+                               "\"%.*s\" is no type%s: char, uchar, short, ushort, int, uint%s", w.length, w.text,
+                               bad_count ? " of a list's count" : "", bad_count ? "" : ", float, double");
     }
     ply_property *properties = bis_grow(h->properties, &h->capacity_properties, h->n_properties + 1, sizeof p);
     if (!properties) return no_memory(in);
@@ -163,7 +165,8 @@ bis_status bis_ply_header_read(ply_header *h, const mesh_input *in)
         if (l.n == 0) continue;
         if (ply_word_is(l.words[0], "end_header")) {
             h->body = next_line(p, end, cr_alone);
-            if (h->format == PLY_NO_FORMAT) return bis_mesh_refuse(in, 0, BIS_INPUT, "the header has no line \"format\"");
+            if (h->format == PLY_NO_FORMAT)
+                return bis_mesh_refuse(in, 0, BIS_INPUT, "the header has no line \"format\"");
             return BIS_OK;
         }
         bis_status status = read_line(h, &l, in);

@@ -196,7 +196,8 @@ static void add_parabola(outline *o, const double a[2], const double c[2], const
     double last[2] = {a[0], a[1]};
     for (int i = 1; i <= STEPS; i++) {
         const double t = (double)i / STEPS, s = 1 - t;
-        const double p[2] = {s * s * a[0] + 2 * s * t * c[0] + t * t * b[0], s * s * a[1] + 2 * s * t * c[1] + t * t * b[1]};
+        const double p[2] = {s * s * a[0] + 2 * s * t * c[0] + t * t * b[0],
+                             s * s * a[1] + 2 * s * t * c[1] + t * t * b[1]};
         add_segment(o, last, p);
         memcpy(last, p, sizeof last);
     }
@@ -260,7 +261,8 @@ static double text_on(bis_image *image, double x, double y, double size, double 
         outline_of(&o, *text);
         const double unit = (lift != 0 ? 0.7 : 1) * size / CAPITAL, base = y - lift;
         for (size_t k = 0; k < o.n; k++) {
-            o.s[k] = (segment){x + unit * o.s[k].x0, base - unit * o.s[k].y0, x + unit * o.s[k].x1, base - unit * o.s[k].y1};
+            o.s[k] =
+                (segment){x + unit * o.s[k].x0, base - unit * o.s[k].y0, x + unit * o.s[k].x1, base - unit * o.s[k].y1};
         }
         if (image) draw_segments(image, o.s, o.n, pen, colour);
         x += unit * (o.width + GAP_HALVES / 2.0);
@@ -275,7 +277,10 @@ double bis_canvas_text(bis_image *image, double x, double y, double size, rgb co
     return text_on(image, x, y, size, pen_of(size), colour, text);
 }
 
-double bis_canvas_text_width(double size, const char *text) { return text_on(NULL, 0, 0, size, 0, (rgb){0, 0, 0}, text); }
+double bis_canvas_text_width(double size, const char *text)
+{
+    return text_on(NULL, 0, 0, size, 0, (rgb){0, 0, 0}, text);
+}
 
 void bis_canvas_text_right(bis_image *image, double x, double y, double size, rgb colour, const char *text)
 {

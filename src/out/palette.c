@@ -8,7 +8,8 @@ rgb bis_palette_srgb(double r, double g, double b) { return rgb_from(to_linear(r
 rgb bis_palette_heat(double t)
 {
     static const double stops[][3] = {
-        {0.05, 0.03, 0.20}, {0.25, 0.07, 0.43}, {0.53, 0.13, 0.42}, {0.80, 0.24, 0.30}, {0.95, 0.47, 0.12}, {0.98, 0.76, 0.22}, {1.0, 0.99, 0.80},
+        {0.05, 0.03, 0.20}, {0.25, 0.07, 0.43}, {0.53, 0.13, 0.42}, {0.80, 0.24, 0.30},
+        {0.95, 0.47, 0.12}, {0.98, 0.76, 0.22}, {1.0, 0.99, 0.80},
     };
     enum { LAST = sizeof stops / sizeof *stops - 1 };
     const double place = fmin(fmax(t, 0), 1) * LAST;

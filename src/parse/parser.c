@@ -1,4 +1,4 @@
-/* parser: from a scene file to a bis_scene_desc, SPEC 2.
+/* parser: from a scene file to a bis_scene_desc, docs/scene-format.md.
  *
  * A table names every directive with the half of the scene where it may stand and the function that reads it; a second
  * table names pbrt's directives that bis does not model, so that the answer to them is more than "unknown". After a

@@ -1,9 +1,9 @@
-/* parser_integrator: Integrator (SPEC 3) and Sampler.
+/* parser_integrator: Integrator and Sampler (docs/scene-format.md).
  *
  * Each integrator has its own parameters; one that belongs to another is unknown here, because a scene that gives
  * `candidates` to "em" does not mean what it says. One Integrator counts for all materials, up to three more for those
- * that they name by number (scene_materials.c); the numbers are known when the last shape is. pbrt's integrators and samplers are replaced, with a warning, by
- * what comes nearest. */
+ * that they name by number (scene_materials.c); the numbers are known when the last shape is. pbrt's integrators and
+ * samplers are replaced, with a warning, by what comes nearest. */
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "parser.h"
@@ -80,7 +80,8 @@ static bis_settings read_settings(bis_parser *p, const bis_integrator *integrato
     s.as_printed = p->desc->settings.as_printed; /* an Option's, not an integrator's */
     const unsigned params = params_of(integrator);
     if (params & SAMPLES) bis_params_uint32(p, "samples", &s.samples, 1, MAX_COUNT);
-    if (params & CANDIDATES) bis_params_uint32(p, "candidates", &s.candidates, integrator == &bis_sir ? 0 : 1, MAX_COUNT);
+    if (params & CANDIDATES)
+        bis_params_uint32(p, "candidates", &s.candidates, integrator == &bis_sir ? 0 : 1, MAX_COUNT);
     if (params & SHADOWRAYS) bis_params_uint32(p, "shadowrays", &s.shadowrays, 1, MAX_COUNT);
     if (params & PERPATCH) bis_params_uint32(p, "perpatch", &s.perpatch, 1, MAX_COUNT);
     if (params & MIS) read_mis(p, &s);
@@ -113,7 +114,9 @@ static bool read_numbers(bis_parser *p, const bis_param *param, int exception)
     for (size_t i = 0; i < param->n; i++) {
         const double v = p->params.numbers[param->first + i];
         if (!(v >= 0 && v < (double)UINT32_MAX && v == floor(v))) {
-            bis_parser_error(p, param->at, "\"material\" holds %s: must be the number of a material, from 0 (bis --plan lists them)", bis_format_double(buf, v));
+            bis_parser_error(p, param->at,
+                             "\"material\" holds %s: must be the number of a material, from 0 (bis --plan lists them)",
+                             bis_format_double(buf, v));
             bis_free(numbers);
             return false;
         }
@@ -133,11 +136,17 @@ static void except_materials(bis_parser *p, const bis_integrator *integrator)
 
     if (!param) return;
     if (!p->seen[BIS_SINGLE_INTEGRATOR].line) {
-        bis_parser_error(p, param->at, "\"material\" in the first Integrator: one without must come before it, for all other materials");
+        bis_parser_error(
+            p, param->at,
+            "\"material\" in the first Integrator: one without must come before it, for all other materials");
     } else if (s.integrator == &bis_auto || p->desc->settings.integrator == &bis_auto) {
-        bis_parser_error(p, param->at, "\"material\" and \"auto\": a pilot chooses for every material by itself; give \"auto\" alone, or fixed integrators alone");
+        bis_parser_error(p, param->at,
+                         "\"material\" and \"auto\": a pilot chooses for every material by itself; give \"auto\" "
+                         "alone, or fixed integrators alone");
     } else if (e->n == BIS_MAX_EXCEPTIONS) {
-        bis_parser_error(p, param->at, "more than %d Integrators with \"material\": one may hold several, as in [0 3 4]", BIS_MAX_EXCEPTIONS);
+        bis_parser_error(p, param->at,
+                         "more than %d Integrators with \"material\": one may hold several, as in [0 3 4]",
+                         BIS_MAX_EXCEPTIONS);
     } else if (read_numbers(p, param, e->n)) {
         e->settings[e->n] = s;
         e->loc[e->n++] = p->name_at;
@@ -194,11 +203,14 @@ static void check_numbers(bis_parser *p, const uint32_t *class_of, uint32_t n_cl
         for (size_t k = 0; k < p->excepted[i].n; k++) {
             const uint32_t number = p->excepted[i].numbers[k];
             if (number >= n_classes) {
-                bis_parser_error(p, e->loc[i], "\"material\" holds %u: the shapes use %u different materials, numbered from 0 (bis --plan lists them)",
+                bis_parser_error(p, e->loc[i],
+                                 "\"material\" holds %u: the shapes use %u different materials, numbered from 0 (bis "
+                                 "--plan lists them)",
                                  (unsigned)number, (unsigned)n_classes);
             } else if (owner[number]) {
                 const bis_loc first = e->loc[owner[number] - 1];
-                bis_parser_error(p, e->loc[i], "\"material\" holds %u, which has an Integrator already, that of %s:%d", (unsigned)number, first.file, first.line);
+                bis_parser_error(p, e->loc[i], "\"material\" holds %u, which has an Integrator already, that of %s:%d",
+                                 (unsigned)number, first.file, first.line);
             } else {
                 owner[number] = i + 1;
             }
@@ -218,10 +230,14 @@ static void check_compensation(bis_parser *p)
     for (int i = 0; i <= d->exceptions.n; i++) {
         const bis_settings *s = bis_scene_settings(d, i);
         const unsigned needs = s->integrator->light_needs(s);
-        if (!bis_scene_uses_method(d, i) || !(needs & (BIS_NEED_TABLE | BIS_NEED_CURVE)) || needs & BIS_NEED_COMPENSATED) continue;
+        if (!bis_scene_uses_method(d, i) || !(needs & (BIS_NEED_TABLE | BIS_NEED_CURVE)) ||
+            needs & BIS_NEED_COMPENSATED)
+            continue;
         bis_parser_error(p, i ? d->exceptions.loc[i - 1] : d->integrator_loc,
-                         "integrator \"%s\" draws from the map, whose table another Integrator of this scene has compensated for \"mis\": give \"compensate\" to all "
-                         "that draw from the map, or to none", s->integrator->name);
+                         "integrator \"%s\" draws from the map, whose table another Integrator of this scene has "
+                         "compensated for \"mis\": give \"compensate\" to all "
+                         "that draw from the map, or to none",
+                         s->integrator->name);
     }
 }
 

@@ -86,8 +86,8 @@ static void film_layers(bis_parser *p, bis_film_desc *film)
     for (size_t i = 0; param && i < param->n; i++) {
         const char *name = bis_parser_text(p, p->params.strings[param->first + i]);
         if (bis_layers_include(&film->layers, name)) continue;
-        bis_parser_error(p, param->at, "\"layers\" is \"%s\": there is no such layer%s", bis_printable(word, name, strlen(name)),
-                         bis_parser_hint(hint, bis_layer_nearest(name)));
+        bis_parser_error(p, param->at, "\"layers\" is \"%s\": there is no such layer%s",
+                         bis_printable(word, name, strlen(name)), bis_parser_hint(hint, bis_layer_nearest(name)));
     }
 }
 
@@ -217,7 +217,8 @@ void bis_directive_option(bis_parser *p, bis_loc at)
     for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
         if (!bis_params_has(p, ignored[i])) continue;
         if (bis_parser_once(p, "Option"))
-            bis_warn(p->diag, at, "Option \"%s\" is ignored, like all but \"disablepixeljitter\" and \"asprinted\"", ignored[i]);
+            bis_warn(p->diag, at, "Option \"%s\" is ignored, like all but \"disablepixeljitter\" and \"asprinted\"",
+                     ignored[i]);
         bis_params_skip(p, &ignored[i], 1);
     }
     bis_params_end(p, "Option", NULL);

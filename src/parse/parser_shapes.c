@@ -1,4 +1,4 @@
-/* parser_shapes: Shape, SPEC 2.
+/* parser_shapes: Shape, docs/scene-format.md, "Shape".
  *
  * Files are only looked for, not read: bis_scene_build reads each of them once, however many shapes and instances name
  * it. The numbers of a "trianglemesh" are checked against one another here, where the place is known. */

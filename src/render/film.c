@@ -4,7 +4,7 @@
  * double: a million passes of float radiance add up without loss that matters (2^-53 a step), and squares of FLT_MAX do
  * not overflow.
  * 56 bytes a pixel. Source of the error estimate: docs/errata.md E32 (errors come from whole, independent replicates:
- * the passes), the measure itself is relMSE of SPEC 5. */
+ * the passes), the measure itself is relMSE of docs/budgets.md, "Error". */
 #include "bis/render/film.h"
 
 #include "bis/base/mem.h"

@@ -15,10 +15,11 @@ static const struct {
     const char *name;
     int n_values;
 } layers[BIS_N_LAYERS] = {
-    [BIS_LAYER_STDERR] = {"stderr", 0},         [BIS_LAYER_INTERVAL] = {"interval", 0},     [BIS_LAYER_SAMPLES] = {"samples", 1},
-    [BIS_LAYER_SHADOWRAYS] = {"shadowrays", 1}, [BIS_LAYER_CANDIDATES] = {"candidates", 1}, [BIS_LAYER_UNOCCLUDED] = {"unoccluded", 3},
-    [BIS_LAYER_VISIBILITY] = {"visibility", 2}, [BIS_LAYER_ALBEDO] = {"albedo", 3},         [BIS_LAYER_NORMAL] = {"normal", 3},
-    [BIS_LAYER_DEPTH] = {"depth", 1},
+    [BIS_LAYER_STDERR] = {"stderr", 0},         [BIS_LAYER_INTERVAL] = {"interval", 0},
+    [BIS_LAYER_SAMPLES] = {"samples", 1},       [BIS_LAYER_SHADOWRAYS] = {"shadowrays", 1},
+    [BIS_LAYER_CANDIDATES] = {"candidates", 1}, [BIS_LAYER_UNOCCLUDED] = {"unoccluded", 3},
+    [BIS_LAYER_VISIBILITY] = {"visibility", 2}, [BIS_LAYER_ALBEDO] = {"albedo", 3},
+    [BIS_LAYER_NORMAL] = {"normal", 3},         [BIS_LAYER_DEPTH] = {"depth", 1},
 };
 
 const char *bis_layer_name(bis_layer layer) { return layers[layer].name; }
@@ -58,7 +59,8 @@ bis_status bis_layers_init(bis_layers *l, unsigned asked, size_t n_pixels, bis_d
     l->sum = bis_alloc(n_pixels, (size_t)l->n_values * sizeof *l->sum);
     if (l->sum) return BIS_OK;
     *l = (bis_layers){0};
-    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the layers of %zu pixels; fewer layers need less", n_pixels);
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the layers of %zu pixels; fewer layers need less",
+                     n_pixels);
 }
 
 void bis_layers_clear(bis_layers *l)

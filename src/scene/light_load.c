@@ -1,5 +1,5 @@
-/* light_load: from a scene's description to a light: which mapping the file has, what is wrong with its values, what the
- * description multiplies it by. The light itself (thesis 3.1) knows pixels and a frame, no files. */
+/* light_load: from a scene's description to a light: which mapping the file has, what is wrong with its values, what
+ * the description multiplies it by. The light itself (thesis 3.1) knows pixels and a frame, no files. */
 #include "bis/scene/light_load.h"
 
 #include "bis/base/clock.h"
@@ -19,20 +19,24 @@ static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_
         used += (size_t)snprintf(list + used, sizeof list - used, "%s%zu %s", used ? ", " : "", counts[i], kinds[i]);
     }
     if (used == 0) return;
-    bis_warn(diag, at, "\"%s\": bad channel values set to 0: %s; the first is %c of pixel (%d, %d); they cover %.3g%% of the sphere",
-             filename, list, d->first_channel, d->first_x, d->first_y, 100 * d->solid_angle / (4 * PI));
+    bis_warn(
+        diag, at,
+        "\"%s\": bad channel values set to 0: %s; the first is %c of pixel (%d, %d); they cover %.3g%% of the sphere",
+        filename, list, d->first_channel, d->first_x, d->first_y, 100 * d->solid_angle / (4 * PI));
 }
 
 static bis_status make_envmap(bis_envmap *em, bis_image *image, const bis_light_desc *desc, bis_diag *diag)
 {
     if (desc->angular) {
         if (image->width == image->height) return bis_envmap_from_angular(em, image, desc->width, diag);
-        return bis_error(diag, BIS_INPUT, desc->loc, "\"%s\" is %d x %d; an angular map must be square (\"latlong\" maps are 2:1)",
-                         desc->filename, image->width, image->height);
+        return bis_error(diag, BIS_INPUT, desc->loc,
+                         "\"%s\" is %d x %d; an angular map must be square (\"latlong\" maps are 2:1)", desc->filename,
+                         image->width, image->height);
     }
     if (image->width == image->height && !desc->has_mapping) {
         return bis_error(diag, BIS_INPUT, desc->loc,
-                         "\"%s\" is square, %d x %d: give its mapping, \"angular\" for a light probe, or \"latlong\" if that is meant "
+                         "\"%s\" is square, %d x %d: give its mapping, \"angular\" for a light probe, or \"latlong\" "
+                         "if that is meant "
                          "(pbrt-v4's equal-area mapping is not supported: convert such maps to latlong first)",
                          desc->filename, image->width, image->height);
     }
@@ -44,19 +48,21 @@ static bis_status scale_envmap(bis_envmap *em, const bis_light_desc *desc, bis_d
     const rgb scale = rgb_scale(desc->L, desc->scale);
     if (rgb_is_finite(scale) && !bis_envmap_scale(em, scale, NULL)) return BIS_OK;
     return bis_error(diag, BIS_INPUT, desc->loc,
-                     "\"%s\" times \"L\" (%g %g %g) and \"scale\" %g exceeds the largest float; choose a smaller scale", desc->filename,
-                     (double)desc->L.r, (double)desc->L.g, (double)desc->L.b, desc->scale);
+                     "\"%s\" times \"L\" (%g %g %g) and \"scale\" %g exceeds the largest float; choose a smaller scale",
+                     desc->filename, (double)desc->L.r, (double)desc->L.g, (double)desc->L.b, desc->scale);
 }
 
 static bis_status new_constant(bis_light **out, const bis_light_desc *desc, bis_diag *diag)
 {
     const rgb L = rgb_scale(desc->L, desc->scale);
     if (rgb_is_finite(L)) return bis_light_constant(out, L, diag);
-    return bis_error(diag, BIS_INPUT, desc->loc, "\"L\" (%g %g %g) times \"scale\" %g exceeds the largest float; choose a smaller scale",
+    return bis_error(diag, BIS_INPUT, desc->loc,
+                     "\"L\" (%g %g %g) times \"scale\" %g exceeds the largest float; choose a smaller scale",
                      (double)desc->L.r, (double)desc->L.g, (double)desc->L.b, desc->scale);
 }
 
-bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs, bis_diag *diag)
+bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs,
+                                 bis_diag *diag)
 {
     const bool draws = needs & (BIS_NEED_TABLE | BIS_NEED_CURVE);
     const bis_importance_options importance = {
@@ -74,13 +80,15 @@ bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_ligh
         return bis_light_new(out, em, &desc->to_world, draws ? &importance : NULL, diag);
     }
     bis_envmap_clear(em);
-    return bis_error(diag, BIS_INPUT, desc->loc,
-                     "the current transformation stretches or shears the environment light (by more than %g); it must be a "
-                     "rotation or a reflection: put LightSource before any Scale, or between AttributeBegin and AttributeEnd",
-                     BIS_XFORM_FRAME_TOLERANCE);
+    return bis_error(
+        diag, BIS_INPUT, desc->loc,
+        "the current transformation stretches or shears the environment light (by more than %g); it must be a "
+        "rotation or a reflection: put LightSource before any Scale, or between AttributeBegin and AttributeEnd",
+        BIS_XFORM_FRAME_TOLERANCE);
 }
 
-bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs, bis_diag *diag)
+bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs,
+                                bis_diag *diag)
 {
     const bis_loc at = desc->loc.file ? desc->loc : (bis_loc){desc->filename, 0, 0};
     bis_envmap em = {0};
@@ -94,11 +102,13 @@ bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_lig
     if (!status) status = bis_light_from_envmap(out, &em, desc, needs, diag);
     bis_envmap_clear(&em);
     if (status) return status;
-    if (bis_light_is_black(*out)) bis_warn(diag, at, "\"%s\" gives no light: none of its pixels is positive", desc->filename);
+    if (bis_light_is_black(*out))
+        bis_warn(diag, at, "\"%s\" gives no light: none of its pixels is positive", desc->filename);
     return BIS_OK;
 }
 
-bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag)
+bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2],
+                          bis_diag *diag)
 {
     const double start = bis_clock_now();
     bis_image image = {0};

@@ -133,14 +133,16 @@ static bis_status find_eyes(bis_box *eyes, const bis_scene_desc *desc, bis_diag 
     for (int i = 0; i < 6; i++) {
         if (!(fabs(b[i]) <= (double)FLT_MAX)) {
             return bis_error(diag, BIS_INPUT, (bis_loc){desc->path, 0, 0},
-                             "the camera stands at %c = %g, beyond the largest float, %g: scale the scene", 'x' + i % 3, b[i], (double)FLT_MAX);
+                             "the camera stands at %c = %g, beyond the largest float, %g: scale the scene", 'x' + i % 3,
+                             b[i], (double)FLT_MAX);
         }
     }
     *eyes = (bis_box){vec3_from(b[0], b[1], b[2]), vec3_from(b[3], b[4], b[5])};
     return BIS_OK;
 }
 
-bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind, bis_diag *diag)
+bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind,
+                           bis_diag *diag)
 {
     bis_accel_options options = desc->accel;
     bis_box eyes;

@@ -1,7 +1,7 @@
 /* scene_desc: a scene as described: what it is when its file says nothing, how it grows, how it is freed.
  *
- * The defaults are those of SPEC 2 and 3 and, where they are silent, pbrt-v4's: a perspective camera at the origin that
- * looks along +z, a grey diffuse material. */
+ * The defaults are those of docs/scene-format.md and, where it is silent, pbrt-v4's: a perspective camera at the
+ * origin that looks along +z, a grey diffuse material. */
 #include "scene_desc.h"
 
 #include "base/grow.h"

@@ -4,7 +4,8 @@
 
 #include "bis/scene/scene.h"
 
-/* bis_scene_desc_new returns the description of a scene whose file `path` says nothing: all defaults. NULL: no memory. */
+/* bis_scene_desc_new returns the description of a scene whose file `path` says nothing: all defaults. NULL: no
+ * memory. */
 bis_scene_desc *bis_scene_desc_new(const char *path);
 
 /* bis_scene_desc_add_shape appends a copy of *shape. False: no memory. */

@@ -43,7 +43,9 @@ unsigned bis_scene_light_needs(const bis_scene_desc *d)
 void bis_scene_drop_exceptions(bis_scene_desc *d, const char *what, bis_diag *diag)
 {
     if (!d->exceptions.n) return;
-    if (what) bis_warn(diag, d->exceptions.loc[0], "%s takes one integrator for all materials: those for single materials are left out", what);
+    if (what)
+        bis_warn(diag, d->exceptions.loc[0],
+                 "%s takes one integrator for all materials: those for single materials are left out", what);
     bis_free(d->exceptions.of_material);
     d->exceptions = (bis_exceptions){.n = 0};
 }
@@ -74,7 +76,10 @@ static int order_materials(const bis_material *a, const bis_material *b)
     return c ? c : order(a->alpha, b->alpha);
 }
 
-static int order_entries(const void *a, const void *b) { return order_materials(&((const entry *)a)->material, &((const entry *)b)->material); }
+static int order_entries(const void *a, const void *b)
+{
+    return order_materials(&((const entry *)a)->material, &((const entry *)b)->material);
+}
 
 bis_status bis_scene_number_materials(uint32_t **number, uint32_t *n_numbers, const bis_scene_desc *d, bis_diag *diag)
 {

@@ -22,7 +22,8 @@ static bis_box reach(const bis_geometry *g, const bis_box *eyes)
 /* What Embree cannot do with this scene; "" if there is nothing. */
 static void embree_limit(char text[200], const bis_box *b)
 {
-    const double lo[3] = {(double)b->lo.x, (double)b->lo.y, (double)b->lo.z}, hi[3] = {(double)b->hi.x, (double)b->hi.y, (double)b->hi.z};
+    const double lo[3] = {(double)b->lo.x, (double)b->lo.y, (double)b->lo.z},
+                 hi[3] = {(double)b->hi.x, (double)b->hi.y, (double)b->hi.z};
     int most = 0, far = 0;
 
     for (int c = 1; c < 3; c++) {
@@ -35,10 +36,11 @@ static void embree_limit(char text[200], const bis_box *b)
         snprintf(text, 200, "the scene or its camera reaches to %c = %g, and Embree works up to %g", 'x' + far,
                  hi[far] > -lo[far] ? hi[far] : lo[far], BIS_EMBREE_FAR);
     } else if (size > BIS_EMBREE_MOST) {
-        snprintf(text, 200, "the scene and its camera measure %g along %c, and Embree loses triangles beyond %g", size, 'x' + most,
-                 BIS_EMBREE_MOST);
+        snprintf(text, 200, "the scene and its camera measure %g along %c, and Embree loses triangles beyond %g", size,
+                 'x' + most, BIS_EMBREE_MOST);
     } else if (size > 0 && size < BIS_EMBREE_LEAST) { /* of size 0 there is nothing to see */
-        snprintf(text, 200, "the scene and its camera measure %g, and Embree loses triangles below %g", size, BIS_EMBREE_LEAST);
+        snprintf(text, 200, "the scene and its camera measure %g, and Embree loses triangles below %g", size,
+                 BIS_EMBREE_LEAST);
     }
 }
 
@@ -55,10 +57,12 @@ bis_status bis_accel_new(bis_accel **out, const bis_geometry *g, const bis_accel
         embree_limit(limit, &all);
     }
     if (limit[0] && !by_default) {
-        return bis_error(diag, BIS_INPUT, (bis_loc){0}, "%s: scale the scene, or use the accelerator \"grid\" (--accelerator grid)", limit);
+        return bis_error(diag, BIS_INPUT, (bis_loc){0},
+                         "%s: scale the scene, or use the accelerator \"grid\" (--accelerator grid)", limit);
     }
     if (limit[0]) bis_warn(diag, (bis_loc){0}, "%s: the grid is used instead", limit);
-    if ((embree && !limit[0]) || options->kind == BIS_ACCEL_EMBREE) return bis_embree_new(out, g, options->n_threads, diag);
+    if ((embree && !limit[0]) || options->kind == BIS_ACCEL_EMBREE)
+        return bis_embree_new(out, g, options->n_threads, diag);
     return bis_grid_new(out, g, options->density, options->n_threads, diag);
 }
 

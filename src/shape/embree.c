@@ -9,10 +9,11 @@
  * - t comes from the same double test as the grid's (src/shape/triangle.h), not from Embree's float one.
  * Limits (accel.h; accel.c refuses what lies beyond). Embree takes no ray and no vertex beyond its FLT_LARGE, 1.844e18
  * (kernels of 3.13 and 4): a vertex is left out without a word, a ray fails an assertion. Long before, its float test
- * overflows: with no coordinate difference beyond D, 2 (v - o).(e x f) is at most 2 * 3 D * 2 D^2 = 12 D^3, finite for D
- * up to 3.05e12; what is infinite is no hit. A triangle of size d at a distance D gives D d^2, which is 0 in floats below
- * 1e-45 and has all its digits from 1e-38 on: in a scene of 1e-10 that is so for d > 1e-14, a ten thousandth of it.
- * The source compiles against Embree 3 and 4, whose queries take other arguments. Cost: O(n log n) build. */
+ * overflows: with no coordinate difference beyond D, 2 (v - o).(e x f) is at most 2 * 3 D * 2 D^2 = 12 D^3, finite
+ * for D up to 3.05e12; what is infinite is no hit. A triangle of size d at a distance D gives D d^2, which is 0 in
+ * floats below 1e-45 and has all its digits from 1e-38 on: in a scene of 1e-10 that is so for d > 1e-14, a ten
+ * thousandth of it. The source compiles against Embree 3 and 4, whose queries take other arguments. Cost: O(n log n)
+ * build. */
 #include "embree.h"
 
 #ifndef BIS_EMBREE
@@ -22,9 +23,10 @@ bis_status bis_embree_new(bis_accel **out, const bis_geometry *g, int n_threads,
     (void)g;
     (void)n_threads;
     *out = NULL;
-    return bis_error(diag, BIS_INPUT, (bis_loc){0},
-                     "this program was built without Embree: use the accelerator \"grid\" (--accelerator grid), or install "
-                     "libembree-dev and build again");
+    return bis_error(
+        diag, BIS_INPUT, (bis_loc){0},
+        "this program was built without Embree: use the accelerator \"grid\" (--accelerator grid), or install "
+        "libembree-dev and build again");
 }
 
 const char *bis_accel_embree_version(void) { return NULL; }
@@ -206,8 +208,14 @@ static void quadric_occluded(const struct RTCOccludedFunctionNArguments *args)
     for (unsigned i = 0; i < N; i++) {
         if (!args->valid[i]) continue;
         float *f = (float *)args->ray + i, t;
-        const struct RTCRay query = {.org_x = f[ORG_X * N], .org_y = f[ORG_Y * N], .org_z = f[ORG_Z * N], .tnear = f[TNEAR * N],
-                                     .dir_x = f[DIR_X * N], .dir_y = f[DIR_Y * N], .dir_z = f[DIR_Z * N], .tfar = f[TFAR * N]};
+        const struct RTCRay query = {.org_x = f[ORG_X * N],
+                                     .org_y = f[ORG_Y * N],
+                                     .org_z = f[ORG_Z * N],
+                                     .tnear = f[TNEAR * N],
+                                     .dir_x = f[DIR_X * N],
+                                     .dir_y = f[DIR_Y * N],
+                                     .dir_z = f[DIR_Z * N],
+                                     .tfar = f[TFAR * N]};
         if (quadric_hit(args->geometryUserPtr, args->primID, &query, &t)) f[TFAR * N] = -INFINITY;
     }
 }
@@ -230,7 +238,8 @@ static bis_status check_device(RTCDevice device, bis_diag *diag)
     case RTC_ERROR_NONE:
         return BIS_OK;
     case RTC_ERROR_OUT_OF_MEMORY:
-        return bis_error(diag, BIS_NOMEM, nowhere, "no memory for Embree's hierarchy; the accelerator \"grid\" needs less");
+        return bis_error(diag, BIS_NOMEM, nowhere,
+                         "no memory for Embree's hierarchy; the accelerator \"grid\" needs less");
     case RTC_ERROR_UNSUPPORTED_CPU:
         return bis_error(diag, BIS_INPUT, nowhere,
                          "Embree does not support this processor: use the accelerator \"grid\" (--accelerator grid)");
@@ -281,7 +290,8 @@ static void attach_triangles(const bis_embree *embree)
     const uint32_t *index = embree->index ? embree->index : g->index;
     RTCGeometry triangles = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
 
-    rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, g->p, 0, sizeof *g->p, g->n_vertices);
+    rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, g->p, 0, sizeof *g->p,
+                               g->n_vertices);
     rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, index, 0, 3 * sizeof *index,
                                g->n_triangles);
     attach(embree, triangles, TRIANGLES);

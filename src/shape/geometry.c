@@ -104,13 +104,14 @@ static bis_status check_mesh(const bis_geometry *g, const bis_mesh *m, bis_diag 
                          g->n_vertices, m->n_vertices);
     }
     if (m->n_triangles >= UINT32_MAX - bis_geometry_primitives(g)) {
-        return bis_error(diag, BIS_INPUT, nowhere, "%zu and %zu triangles: a scene may have at most 2^32 - 2 primitives",
+        return bis_error(diag, BIS_INPUT, nowhere,
+                         "%zu and %zu triangles: a scene may have at most 2^32 - 2 primitives",
                          bis_geometry_primitives(g), m->n_triangles);
     }
     for (size_t i = 0; i < 3 * m->n_triangles; i++) {
         if (m->index[i] >= m->n_vertices) {
-            return bis_error(diag, BIS_INPUT, nowhere, "triangle %zu has index %u, but the mesh has %zu vertices", i / 3,
-                             m->index[i], m->n_vertices);
+            return bis_error(diag, BIS_INPUT, nowhere, "triangle %zu has index %u, but the mesh has %zu vertices",
+                             i / 3, m->index[i], m->n_vertices);
         }
     }
     return BIS_OK;

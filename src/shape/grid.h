@@ -27,12 +27,15 @@ typedef float bis_grid_block[9][BIS_GRID_LANES];
 typedef struct bis_grid {
     bis_accel base;
     double lo[3], hi[3], cell[3], inv_cell[3]; /* the box, a cell's size, 1 / size */
-    int n[3];                                  /* cells along each axis; cell (i, j, k) is number (k n[1] + j) n[0] + i */
+    /* cells along each axis; cell (i, j, k) is number (k n[1] + j) n[0] + i */
+    int n[3];
     size_t n_cells;
-    uint32_t *offsets;                         /* offsets[n_cells + 1]: cell c holds items[offsets[c] ... offsets[c+1] - 1] */
+    /* offsets[n_cells + 1]: cell c holds items[offsets[c] ... offsets[c+1] - 1] */
+    uint32_t *offsets;
     uint32_t *items;                           /* primitives, ascending in each cell */
     uint64_t *occupied;                        /* one bit a cell: is there any item? Empty space costs an L2 access */
-    bis_grid_block *blocks;                    /* block b: the triangles of items 8 b ... 8 b + 7; NULL: the grid is not packed */
+    /* block b: the triangles of items 8 b ... 8 b + 7; NULL: the grid is not packed */
+    bis_grid_block *blocks;
     float *reach;                              /* no vertex of block b is farther from its first one, along any axis */
     uint32_t *near[3];                         /* for the packed walk: see grid_packed.c */
 } bis_grid;
@@ -59,7 +62,8 @@ bis_status bis_grid_new(bis_accel **out, const bis_geometry *g, double density, 
 bool bis_grid_intersect(const bis_accel *a, const ray *r, bis_hit *hit);
 bool bis_grid_occluded(const bis_accel *a, const ray *r);
 
-/* The fast one, src/shape/grid_packed.c: for packed grids. What packing would take and its doing: at most 2^31 - 1 cells. */
+/* The fast one, src/shape/grid_packed.c: for packed grids. What packing would take and its doing: at most 2^31 - 1
+ * cells. */
 bool bis_grid_packed_intersect(const bis_accel *a, const ray *r, bis_hit *hit);
 bool bis_grid_packed_occluded(const bis_accel *a, const ray *r);
 size_t bis_grid_packed_bytes(size_t n_cells, size_t n_items);

@@ -336,8 +336,9 @@ static bis_status sort_into_cells(const build *b, double target, bis_diag *diag)
     fill_items(b);
     return BIS_OK;
 no_memory:
-    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a grid of %d x %d x %d cells; a smaller density needs less",
-                     g->n[0], g->n[1], g->n[2]);
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0},
+                     "no memory for a grid of %d x %d x %d cells; a smaller density needs less", g->n[0], g->n[1],
+                     g->n[2]);
 }
 
 static size_t bytes(const bis_accel *a)
@@ -365,15 +366,19 @@ static void free_grid(bis_accel *a)
 
 static const bis_accel_ops plain_ops = {
     .name = "grid", .intersect = bis_grid_intersect, .occluded = bis_grid_occluded, .bytes = bytes, .free = free_grid};
-static const bis_accel_ops packed_ops = {
-    .name = "grid", .intersect = bis_grid_packed_intersect, .occluded = bis_grid_packed_occluded, .bytes = bytes, .free = free_grid};
+static const bis_accel_ops packed_ops = {.name = "grid",
+                                         .intersect = bis_grid_packed_intersect,
+                                         .occluded = bis_grid_packed_occluded,
+                                         .bytes = bytes,
+                                         .free = free_grid};
 
 /* May the grid be packed? Where mesh and grid stay below 150 bytes a primitive, or 300 if the density was asked for; a
  * free 64k items. */
 static bool may_pack(const bis_grid *g, bool asked)
 {
     const size_t n_items = g->offsets[g->n_cells], free_items = 65536;
-    const size_t all = bis_geometry_bytes(g->base.geometry) + bytes(&g->base) + bis_grid_packed_bytes(g->n_cells, n_items);
+    const size_t all =
+        bis_geometry_bytes(g->base.geometry) + bytes(&g->base) + bis_grid_packed_bytes(g->n_cells, n_items);
 
     if (g->n_cells > INT32_MAX) return false;
     return n_items <= free_items || all <= (asked ? 300 : 150) * bis_geometry_primitives(g->base.geometry);

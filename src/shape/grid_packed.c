@@ -353,7 +353,8 @@ size_t bis_grid_packed_bytes(size_t n_cells, size_t n_items)
 static void advise_large_pages(void *p, size_t bytes)
 {
 #ifdef MADV_HUGEPAGE
-    const uintptr_t page = 4096, first = ((uintptr_t)p + page - 1) & ~(page - 1), end = ((uintptr_t)p + bytes) & ~(page - 1);
+    const uintptr_t page = 4096, first = ((uintptr_t)p + page - 1) & ~(page - 1),
+                    end = ((uintptr_t)p + bytes) & ~(page - 1);
     if (end > first) (void)madvise((void *)first, end - first, MADV_HUGEPAGE); /* advice: it may fail */
 #else
     (void)p;
@@ -372,7 +373,8 @@ bis_status bis_grid_pack(bis_grid *g, int n_threads, bis_diag *diag)
     g->reach = bis_alloc(n_blocks(n_items), sizeof *g->reach);
     for (int m = 0; m < 3; m++) g->near[m] = bis_alloc(n_words(g->n_cells), sizeof *g->near[m]);
     if (!g->blocks || !g->reach || !g->near[0] || !g->near[1] || !g->near[2]) {
-        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the triangles of a grid; a smaller density needs less");
+        return bis_error(diag, BIS_NOMEM, (bis_loc){0},
+                         "no memory for the triangles of a grid; a smaller density needs less");
     }
 #pragma omp parallel num_threads(n_threads)
     {

@@ -59,7 +59,8 @@ static inline bool meets(const bis_grid *g, uint32_t prim, const sheared_ray *s,
         *t = (double)rounded;
         return *t <= best;
     }
-    for (size_t i = 0; i < 3; i++) memcpy(v + 3 * i, &geometry->p[geometry->index[3 * (size_t)prim + i]], 3 * sizeof *v);
+    for (size_t i = 0; i < 3; i++)
+        memcpy(v + 3 * i, &geometry->p[geometry->index[3 * (size_t)prim + i]], 3 * sizeof *v);
     return shear_hit(s, r, v, best, t);
 }
 

@@ -33,13 +33,13 @@ static void weights(const vec3 v[3], const ray *r, double b[3])
     for (int i = 0; i < 3; i++) b[i] = sum > 0 ? b[i] / sum : 1.0 / 3;
 }
 
-/* p_error, per component c. The true p is the point of the triangle with exactly the weights b. A shadow ray that starts
- * beyond p_error must be on the outer side of the plane for every test that it can meet. All of them ask the same, the
- * sign of t = T / (d.n) with T = a.n, a = v_0 - o, n = e x f, e = v_1 - v_0, f = v_2 - v_0: the grids in double
- * (plane_is_ahead; the packed one's floats only rule out by weights), Embree in float, for one ray, packets and streams
- * alike (its watertight test, RTC_SCENE_FLAG_ROBUST). T's sign is what the start decides. That of d.n is lost in a tilted
- * plane for directions within the error of n, some 8 u |e||f| / |n| radians, as it is in ng, which is rounded; no start
- * helps there, and of the light they bring the square of that angle. The parts:
+/* p_error, per component c. The true p is the point of the triangle with exactly the weights b. A shadow ray that
+ * starts beyond p_error must be on the outer side of the plane for every test that it can meet. All of them ask the
+ * same, the sign of t = T / (d.n) with T = a.n, a = v_0 - o, n = e x f, e = v_1 - v_0, f = v_2 - v_0: the grids in
+ * double (plane_is_ahead; the packed one's floats only rule out by weights), Embree in float, for one ray, packets
+ * and streams alike (its watertight test, RTC_SCENE_FLAG_ROBUST). T's sign is what the start decides. That of d.n is
+ * lost in a tilted plane for directions within the error of n, some 8 u |e||f| / |n| radians, as it is in ng, which
+ * is rounded; no start helps there, and of the light they bring the square of that angle. The parts:
  * - rounding p to float costs half an ulp, at most 2^-24 |p_c|, or half the smallest denormal;
  * - sum b_i v_ic in double: 3 products, 2 sums, sum b = 1 within 3 roundings: at most 8 * 2^-53 max |v_ic|; 2^-48 max
  *   |v_ic| is 4 times that;
@@ -48,16 +48,16 @@ static void weights(const vec3 v[3], const ray *r, double b[3])
  *     by at most u tilt, tilt = sum_c |n_c| extent_c / |n|;
  *   . e and f are rounded once and multiplied: 3 u sums, sums = sum_c |a_c| (|e||f| terms of n_c) / |n|;
  *   . the difference that makes n_c, the product with a_c, two sums: 4 u t_a.
- *   t_a is below both tilt and sums. So tilt + 3 sums + 4 t_a <= 2 tilt + 6 sums, and u (2 tilt + 6 sums) is taken, with
- *   Embree's u = 2^-24; double's is 2^-53. Embree may take n_c from another pair of edges, where its products are
- *   smaller; |n_c| + 2 such a product bound these, so that 6 t_a could come on top if all roundings had one sign.
+ *   t_a is below both tilt and sums. So tilt + 3 sums + 4 t_a <= 2 tilt + 6 sums, and u (2 tilt + 6 sums) is taken,
+ *   with Embree's u = 2^-24; double's is 2^-53. Embree may take n_c from another pair of edges, where its products
+ *   are smaller; |n_c| + 2 such a product bound these, so that 6 t_a could come on top if all roundings had one sign.
  *   Measured over 4e7 rays it needs at most 0.21 of the bound.
  * Every part of T is a product with a coordinate difference along an axis and n along the same axis (or the two that
  * make n_c): in a plane across an axis both are 0 or exact, whatever the plane's size and the ray's direction, so that
- * rounding p is the whole error. A test that mixes the axes, as the sheared one does, would need 2^-53 of the size there.
- * For a scan's small triangles T is negligible, but a tilted floor of size 1000 seen at p = (1, 1, 1) needs it. It is a
- * distance along ng, so it enters as distance * |ng_c|. No more than the triangle's largest extent: the plane of a needle
- * for which the bound is longer than that is not known to floats, and the ray shall stay near. */
+ * rounding p is the whole error. A test that mixes the axes, as the sheared one does, would need 2^-53 of the size
+ * there. For a scan's small triangles T is negligible, but a tilted floor of size 1000 seen at p = (1, 1, 1) needs
+ * it. It is a distance along ng, so it enters as distance * |ng_c|. No more than the triangle's largest extent: the
+ * plane of a needle for which the bound is longer than that is not known to floats, and the ray shall stay near. */
 static vec3 triangle_error(const vec3 v[3], vec3 p, const double n[3], double n_size)
 {
     const double x[3][3] = {{(double)v[0].x, (double)v[0].y, (double)v[0].z},
@@ -124,7 +124,8 @@ static void triangle_surface(const bis_geometry *g, uint32_t prim, const ray *r,
                      b[0] * (double)v[0].y + b[1] * (double)v[1].y + b[2] * (double)v[2].y,
                      b[0] * (double)v[0].z + b[1] * (double)v[1].z + b[2] * (double)v[2].z);
     area_vector(v, n);
-    double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]); /* > 0: no accelerator reports a triangle without area */
+    /* > 0: no accelerator reports a triangle without area */
+    double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     s->p_error = triangle_error(v, s->p, n, size);
     vec3 face = vec3_from(n[0] / size, n[1] / size, n[2] / size);
     s->n = g->n ? shading_normal(g, index, b, face) : face;

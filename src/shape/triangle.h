@@ -45,7 +45,8 @@ static inline sheared_ray shear_ray(const ray *r)
 
 /* Does the line meet the triangle v[9] = a, b, c? Then e[3] are a, b and c's weights times det (all of one sign, or 0),
  * *z the ray parameter times det. No for a triangle seen edge-on (det = 0). */
-static inline __attribute__((always_inline)) bool shear_test(const sheared_ray *s, const float v[9], double e[3], double *det, double *z)
+static inline __attribute__((always_inline)) bool shear_test(const sheared_ray *s, const float v[9], double e[3],
+                                                             double *det, double *z)
 {
     double az = (double)v[s->kz] - s->o[s->kz];
     double bz = (double)v[3 + s->kz] - s->o[s->kz];
@@ -102,7 +103,8 @@ static inline bool all_ahead(const sheared_ray *s, const float v[9])
 }
 
 /* Does the ray meet triangle v at a t in (0, best], whose float lies in (0, tmax)? s: the ray r, sheared. */
-static inline __attribute__((always_inline)) bool shear_hit(const sheared_ray *s, const ray *r, const float v[9], double best, double *t)
+static inline __attribute__((always_inline)) bool shear_hit(const sheared_ray *s, const ray *r, const float v[9],
+                                                            double best, double *t)
 {
     double e[3], det, z;
     float rounded;

@@ -1,18 +1,21 @@
-/* alias: Walker's method with Vose's linear-time tables, thesis 3.2.2, figure 3.4 and appendix A.
+/* alias: Walker's method with Vose's linear-time tables. Source: thesis 3.2.2, figure 3.4 and appendix A (Walker
+ * 1977; Vose 1991, "A Linear Algorithm for Generating Random Numbers with a Given Distribution").
  *
- * Draw the histogram of N P_0, ..., N P_{N-1} and a horizontal line at 1, the average. What stands out above the line
- * is chopped off and fills the bins that end below it; each bin is filled by one donor, its alias:
+ * Draw the histogram of N P_0, ..., N P_{N-1} and a horizontal line at 1, the average. The parts above the line are
+ * cut off and fill the bins that end below it. One donor, the alias, fills each bin:
  *
  *     bin j:   [ j: prob_j | alias_j: 1 - prob_j ]          x = frac(u N) < prob_j ? j : alias_j,  j = floor(u N)
  *
- * Invariant of the build: at any time, item i has left to give (or lacks) what prob[i] shows above (below) 1; all that
- * was chopped off has its place; so the implied pmf of the tables is P, up to rounding.
+ * Invariant of the build: at any time, what prob[i] has above 1 is what item i must still give, and what it has below
+ * 1 is what bin i still lacks. Every part that was cut off has a place. The pmf that the finished tables imply is
+ * therefore P, up to rounding.
  *
- * Departures from appendix A, each tested: the weights are copied and scaled by N / sum, the thesis compares raw
- * weights with 1/N (docs/errata.md E13); `frac < prob`, where the thesis has `u - i > prob` and so returns an item of
- * probability 0 when the fraction is 0 (E14); leftovers (E15); alias_i = i to begin with, and a sum of 0 means "nothing
- * to draw" (E16).
- * Source: Walker 1977; Vose 1991, "A Linear Algorithm for Generating Random Numbers with a Given Distribution". */
+ * Departures from appendix A; a test covers each of them:
+ *   - The weights are copied and scaled by N / sum. The thesis compares raw weights with 1/N (docs/errata.md E13).
+ *   - An item is kept if `frac < prob`. The thesis tests `u - i > prob`, which returns an item of probability 0 when
+ *     the fraction is 0 (E14).
+ *   - Items that rounding leaves over are settled (E15).
+ *   - alias_i starts as i, and a sum of 0 means "nothing to draw" (E16). */
 #include "bis/thesis/alias.h"
 #include "bis/base/mem.h"
 #include "weights.h"
@@ -20,7 +23,7 @@
 #include <assert.h>
 #include <math.h>
 
-/* Sum by halves: the error grows with log n, not with n. */
+/* Returns the sum of w[n]. It adds by halves, because the error then grows with log n and not with n. */
 static double pairwise_sum(const double *w, size_t n)
 {
     if (n > 32) return pairwise_sum(w, n / 2) + pairwise_sum(w + n / 2, n - n / 2);
@@ -30,7 +33,7 @@ static double pairwise_sum(const double *w, size_t n)
     return sum;
 }
 
-/* prob[i] = N P_i. Returns the sum of the weights as given. */
+/* Sets prob[i] = N P_i. Returns the sum of the given weights. */
 static double normalise(double *prob, const double *w, size_t n)
 {
     weight_scale s = weight_scale_of(w, n);
@@ -44,8 +47,8 @@ static double normalise(double *prob, const double *w, size_t n)
     return ldexp(sum, s.exponent);
 }
 
-/* Appendix A's two vectors share one array, since they hold each item at most once: `small` is items[0 .. n_small - 1]
- * and grows up, `large` is items[n - n_large .. n - 1] and grows down. */
+/* The two vectors of appendix A share one array, because together they hold each item at most once. `small` is
+ * items[0 .. n_small - 1] and grows up; `large` is items[n - n_large .. n - 1] and grows down. */
 typedef struct stacks {
     uint32_t *items;
     size_t n, n_small, n_large;
@@ -56,8 +59,9 @@ static void push_small(stacks *s, uint32_t i) { s->items[s->n_small++] = i; }
 static uint32_t top_large(const stacks *s) { return s->items[s->n - s->n_large]; }
 static uint32_t pop_large(stacks *s) { return s->items[s->n - s->n_large--]; }
 
-/* "Classify the normalized weights as being either large (> 1/N) or small (<= 1/N)." Both ends are written and one
- * count goes up, so that there is no branch to mispredict; what is written in vain lies on a free place. */
+/* "Classify the normalized weights as being either large (> 1/N) or small (<= 1/N)." The loop writes the item to both
+ * ends and then increases one count, because a branch would often be mispredicted. The other copy lies on a free
+ * place. */
 static stacks classify(const double *prob, uint32_t *work, size_t n)
 {
     stacks s = {work, n, 0, 0};
@@ -79,14 +83,14 @@ static void assign_aliases(double *prob, uint32_t *alias, stacks *s)
 
         prob[lg] -= 1 - prob[sm]; /* lg gives what bin sm lacks ... */
         alias[sm] = lg;           /* ... and bin sm is full */
-        if (prob[lg] <= 1) push_small(s, pop_large(s)); /* lg has nothing left to give: its own bin lacks now */
+        if (prob[lg] <= 1) push_small(s, pop_large(s)); /* lg has nothing left to give: now its own bin lacks */
     }
 }
 /* [end] */
 
-/* Rounding empties one stack before the other. Computed exactly, all that is left would stand at the line: 1, as
- * appendix A has it. Where rounding were as large as a whole bin, as in float tables, an item of weight 0 could be
- * among them, and must not be drawn: its bin goes to the largest item (docs/errata.md E15). */
+/* Rounding empties one stack before the other. In exact arithmetic all items that remain would have 1, so they get 1,
+ * as in appendix A. If rounding were as large as a whole bin, as in float tables, an item of weight 0 could remain.
+ * It must not be drawn, so its bin goes to the largest item (docs/errata.md E15). */
 static void settle_leftovers(double *prob, uint32_t *alias, stacks *s, uint32_t largest)
 {
     while (s->n_large > 0)
@@ -100,7 +104,7 @@ static void settle_leftovers(double *prob, uint32_t *alias, stacks *s, uint32_t 
     }
 }
 
-/* prob[i] = N P_i in, the tables out. */
+/* Turns prob[i] = N P_i into the tables. */
 static void build_from(double *prob, uint32_t *alias, uint32_t *work, size_t n)
 {
     uint32_t largest = 0;
@@ -162,8 +166,8 @@ void bis_alias_clear(bis_alias *a)
     *a = (bis_alias){0};
 }
 
-/* u N < N, after rounding too: u <= 1 - 2^-53, and N 2^-53 is more than half the distance to the next double below N
- * (all of it when N is a power of two). x - j is exact. */
+/* u N < N also after rounding: u <= 1 - 2^-53, and N 2^-53 is more than half the distance from N to the next double
+ * below (or all of this distance, if N is a power of two). x - j is exact. */
 /* [alias-sample] */
 size_t bis_alias_pick(const double *prob, const uint32_t *alias, size_t n, double u)
 {

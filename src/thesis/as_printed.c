@@ -1,18 +1,20 @@
-/* as_printed: the equations of chapters 3 and 4 as they are printed, where following them to the letter gives another
- * picture. docs/errata.md tells what is wrong with each. E3, E13 and E20 concern the map's importance and stand there. */
+/* as_printed: those equations of chapters 3 and 4 that give another picture if the code follows them as printed.
+ * docs/errata.md explains what is wrong with each. E3, E13 and E20 are not here: they concern the map's importance
+ * and stand in its files. */
 #include "bis/thesis/errata.h"
 #include "as_printed.h"
 
 #include "candidates.h"
 #include "proposal.h"
 
-/* E23: w = f_r for candidates from the map, without the cosine; w = L for those from the BRDF, as if q_f were f cos over
- * Kd + Ks. For a mixture nothing is printed: unchanged. */
+/* E23. Candidates from the map get w = f_r, without the cosine. Candidates from the BRDF get w = L, as if q_f were f
+ * cos over Kd + Ks. The thesis prints no weight for a mixture, so that remains unchanged. */
 static double printed_weights(bis_candidate *c, uint32_t M, bis_proposal proposal, const bis_point *pt)
 {
     const bis_material *m = pt->bsdf.material;
     const rgb albedo = rgb_add(m->Kd, m->Ks);
-    const bool from_map = proposal == BIS_PROPOSAL_EM, from_brdf = proposal == BIS_PROPOSAL_BRDF || (!from_map && bis_light_is_constant(pt->light));
+    const bool from_map = proposal == BIS_PROPOSAL_EM,
+               from_brdf = proposal == BIS_PROPOSAL_BRDF || (!from_map && bis_light_is_constant(pt->light));
     double W = 0;
 
     for (uint32_t i = 0; i < M; i++) {
@@ -44,7 +46,9 @@ double bis_as_printed_Zhat(const bis_settings *s, const bis_point *pt, const bis
     bis_stream others;
 
     bis_stream_init(&others, stream->sampler, ~stream->pixel, stream->sample);
-    return bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->sets, pt, &others) / s->candidates;
+    return bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->sets, pt,
+                               &others) /
+           s->candidates;
 }
 
 double bis_as_printed_bound(const bis_point *pt, bis_proposal proposal, double L_ns)

@@ -1,14 +1,15 @@
-/* brdf: importance sampling from the BRDF, thesis 3.5 and the estimator L_{N,f} of 4.1.
+/* brdf: importance sampling from the BRDF. Source: thesis 3.5 and the estimator L_{N,f} of 4.1.
  *
  *     L = (1/N) sum_j f(wi_j, wo) cos theta_j Le(wi_j) V(wi_j) / q_f(wi_j),     wi_j ~ q_f
  *
- * The thesis cancels f cos/q_f against the albedo. That would need directions drawn from f cos itself (eq. 3.17;
- * normalised, eq. 4.3), for which there is no analytical method; what is drawn is the mixture of the lobes, and its
- * density is what F is divided by (docs/errata.md E23).
- * Directions of a lobe that dips below the horizon contribute 0 and count (E34).
- * Unbiased for every N >= 1. Noise: that of Le V, the map's contrast undivided: good for narrow lobes under smooth
- * skies, hopeless for a diffuse surface under a small sun. Cost: N draws, at most N shadow rays; nothing is built for
- * the light. */
+ * The thesis cancels f cos/q_f against the albedo. This would need directions drawn from f cos itself (eq. 3.17;
+ * normalised: eq. 4.3), and no analytical method draws them. The directions are drawn from the mixture of the lobes,
+ * and F is divided by the density of this mixture (docs/errata.md E23). A lobe may reach below the horizon. Its
+ * directions there contribute 0 and count (E34).
+ *
+ * The estimate is unbiased for every N >= 1. Its noise is that of Le V, because the map's contrast is not divided
+ * out: it is good for narrow lobes under smooth skies and hopeless for a diffuse surface under a small sun. Cost: N
+ * draws and at most N shadow rays; nothing is built for the light. */
 #include "bis/thesis/errata.h"
 #include "as_printed.h"
 #include "proposal.h"
@@ -41,7 +42,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
         double q, cos_theta = bis_bsdf_cos(bsdf, wi);
         if (cos_theta <= 0) continue;
         rgb f = bis_bsdf_f_pdf(bsdf, wi, &q);
-        if (q <= 0) continue; /* where the lobe underflows: f = 0 there, too */
+        if (q <= 0) continue; /* the lobe underflows: f = 0 here, too */
         rgbd C = bis_estimate(f, bis_light_Le(pt->light, wi), cos_theta, q);
         if (rgbd_sum(C) > 0 && bis_point_sees(pt, wi)) sum = rgbd_add(sum, C);
     }

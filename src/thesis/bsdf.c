@@ -1,5 +1,5 @@
-/* bsdf: the frame at a shading point, and whether anything is reflected there at all. What depends on the model is
- * behind its functions. */
+/* bsdf: prepares the frame at a shading point, and answers whether anything is reflected there. All else depends on
+ * the model and stands behind the model's functions. */
 #include "bis/thesis/bsdf.h"
 
 void bis_bsdf_init(bis_bsdf *b, const bis_material *m, vec3 n, vec3 wo)

@@ -1,26 +1,27 @@
-/* candidates: draw M, weigh, resample N, trace: the steps of thesis 4.4.
+/* candidates: draw M, weigh, resample N, trace. These are the steps of thesis 4.4.
  *
- * Proposal. q is q_L, q_f, or their mixture  q = beta q_L + (1 - beta) q_f  with beta = M_em/M, whichever of the two a candidate came from
- * (docs/errata.md E26): under it no weight exceeds min(phat/(beta q_L), phat/((1-beta) q_f)), so that neither a sun nor
- * a narrow lobe spoils it. beta may depend on the material and the light, known before anything is drawn, never on what
- * was drawn (share_of_brdf).
+ * Proposal. q is q_L, q_f, or their mixture q = beta q_L + (1 - beta) q_f with beta = M_em/M. A candidate of a
+ * mixture has this density, whichever of the two it came from (docs/errata.md E26). No weight then exceeds
+ * min(phat/(beta q_L), phat/((1-beta) q_f)), so neither a sun nor a narrow lobe spoils the estimate. beta may depend
+ * on the material and the light, which are known before anything is drawn (share_of_brdf). It must never depend on
+ * what was drawn.
  *
- * Weight. w = phat/q with phat = F.r + F.g + F.b, F = f cos Le (E23: w = f or w = L, as printed, forgets the cosine and
- * what q_f really is).
+ * Weight. w = phat/q with phat = F.r + F.g + F.b and F = f cos Le. The printed weights w = f and w = L forget the
+ * cosine and the true q_f (E23).
  *
- * Order. Stratified candidates from the map are one in each equal part of the importance along a space-filling curve,
- * those from the BRDF one in each equal part of a Hilbert curve over (u1, u2). Neighbours in the array are then
- * neighbours in direction, and N equally spaced marks over the running sum of weights hit all parts of the product
- * evenly. Only both together pay: 1.2 to 4 times less squared error at N = 15.
+ * Order. Stratified candidates from the map take one direction in each equal part of the importance along a
+ * space-filling curve. Those from the BRDF take one in each equal part of a Hilbert curve over (u1, u2). Neighbours
+ * in the array are then neighbours in direction, and N equally spaced marks over the running sum of weights reach all
+ * parts of the product evenly. Only stratified candidates and equally spaced marks together pay: the squared error at
+ * N = 15 is 1.2 to 4 times smaller.
  *
- * Sets. The stratified directions from the map may come from sets that all pixels of a pass share: 10 times cheaper than
- * drawing them, and equal in everything but the luck that pixels with the same set share. candidates_from_em draws them
- * for this point alone.
+ * Sets. The stratified directions from the map may come from sets that all pixels of a pass share. This is 10 times
+ * cheaper than drawing them. The estimate has the same distribution, but pixels with the same set share their luck.
+ * candidates_from_em draws directions for this point alone.
  *
- * Unbiased: each candidate's density is q by itself (or, stratified, the candidates' densities average to q), so
- * E[(1/M) sum w V] is right; and resampling chooses candidate i for N w_i/W of the marks in the mean, whatever the
- * scheme, so E[(W/M) (1/N) sum V
- * | candidates] = (1/M) sum w V. */
+ * Unbiased. The density of each candidate is q (if stratified, the densities of the candidates average to q), so
+ * E[(1/M) sum w V] is right. Resampling gives candidate i on average N w_i/W of the marks, whatever the scheme, so
+ * E[(W/M) (1/N) sum V | candidates] = (1/M) sum w V. */
 #include "candidates.h"
 
 #include "proposal.h"
@@ -36,15 +37,22 @@ double bis_candidates_bound(const bis_point *pt, bis_proposal proposal)
     return bis_bsdf_max_ratio(&pt->bsdf) * bis_light_max_intensity(pt->light);
 }
 
-/* The BRDF's share of a mix. The thesis's own measure (4.3): the smaller a proposal's bound, the larger its share (of
- * the squares: variances); under a smooth sky the BRDF gets nearly all. Under a sun it would get nothing, although the
- * rest of the map needs it
- * where the lobe is narrow: of M candidates spread evenly over the sphere, k = M/(4 pi q_f(R)) would fall into the lobe
- * about R, and where these are few the BRDF gets up to half. Any share is unbiased; with this one the error of
- * independent candidates stays within 1.4 times that of the better proposal alone (tests/test_sir.c, E26), and at n =
- * 50 under a church 6 % of M = 800 are as good as half of them, at half the time.
- * The product's candidates find the lobe by themselves, down to the size of a cluster: a BRDF's share as if there were
- * 64 times as many. */
+/* Returns the BRDF's share of a mixture.
+ *
+ * The thesis's own measure (4.3) compares the proposals' bounds: the smaller a bound, the larger the share. Here the
+ * shares go by the squares of the bounds, because these compare variances. Under a smooth sky the BRDF gets nearly
+ * everything.
+ *
+ * Under a sun it would get nothing, although the rest of the map needs it if the lobe is narrow. Of M candidates
+ * spread evenly over the sphere, k = M/(4 pi q_f(R)) would fall into the lobe about R. If k is small, the BRDF
+ * therefore gets up to half.
+ *
+ * Every share is unbiased. With this one, the error of independent candidates stays within 1.4 times that of the
+ * better proposal alone (tests/test_sir.c, E26). At n = 50 under a church, 6 % of M = 800 are as good as half of
+ * them, at half the time.
+ *
+ * The candidates of the product find the lobe by themselves, down to the size of a cluster. The BRDF's share is then
+ * as if there were 64 times as many candidates. */
 static double share_of_brdf(uint32_t M, bis_proposal proposal, const bis_point *pt)
 {
     double c_em = bis_candidates_bound(pt, BIS_PROPOSAL_EM), c_brdf = bis_candidates_bound(pt, BIS_PROPOSAL_BRDF);
@@ -54,9 +62,10 @@ static double share_of_brdf(uint32_t M, bis_proposal proposal, const bis_point *
     return fmax(1 / (1 + r * r), pt->bsdf.p_specular / 2 / (1 + k));
 }
 
-/* Who draws how many. Under a constant light q_f alone is the product, nearly. A specular lobe always gets a candidate
- * (but beside a product, which needs none: a single one costs as much as a block), a diffuse surface none where its
- * share rounds to 0. M = 1 cannot be divided: its technique is drawn, with the same density of the mixture. */
+/* Under a constant light q_f alone is nearly the product, so all candidates come from the BRDF. A specular lobe
+ * always gets at least one candidate, except with the product: it needs none, and a single one would cost as much as
+ * a whole block. A diffuse surface gets none if its share rounds to 0. M = 1 cannot be divided: its technique is
+ * drawn at random, and the density is that of the mixture. */
 bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bis_stream *stream)
 {
     const bis_mixture em = {M, 0, 1}, brdf = {0, M, 0};
@@ -90,8 +99,8 @@ uint32_t bis_candidates_set_needs(const bis_settings *s)
 
 /* ---- the numbers behind a candidate ---- */
 
-/* One of n independent points. A single one is the set of one that plain importance sampling would use: M = N = 1 must
- * be the same, bit for bit (E24). */
+/* Stores one of n independent points. If n = 1, it is the set of one point that plain importance sampling uses,
+ * because M = N = 1 must give the same bits (E24). */
 static void independent_point(double u[2], bis_stream *stream, unsigned dim, uint32_t n)
 {
     if (n == 1) {
@@ -105,7 +114,8 @@ static void independent_point(double u[2], bis_stream *stream, unsigned dim, uin
     u[1] = bis_stream_random(stream);
 }
 
-static bool draw_em(bis_light_point *y, const bis_light *light, bis_stream *stream, uint32_t i, uint32_t n, bool stratify)
+static bool draw_em(bis_light_point *y, const bis_light *light, bis_stream *stream, uint32_t i, uint32_t n,
+                    bool stratify)
 {
     double u[2];
 
@@ -133,7 +143,7 @@ static bool draw_brdf(vec3 *wi, const bis_bsdf *bsdf, bis_stream *stream, uint32
 
 /* ---- the weights ---- */
 
-/* A direction from the map: q_L came with it; q_f is computed only where it is mixed in. */
+/* Weighs a direction from the map. q_L came with it; q_f is computed only for a mixture. */
 /* [weigh-em] */
 static void weigh_em(bis_candidate *c, const bis_point *pt, const bis_light_point *y, double beta)
 {
@@ -154,7 +164,7 @@ static void weigh_em(bis_candidate *c, const bis_point *pt, const bis_light_poin
 }
 /* [end] */
 
-/* A direction from the BRDF: its radiance is looked up, and q_L where it is mixed in. */
+/* Weighs a direction from the BRDF. Its radiance is looked up, and q_L, too, for a mixture. */
 /* [weigh-brdf] */
 static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double beta)
 {
@@ -162,7 +172,7 @@ static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double be
 
     if (cos_theta <= 0) return;
     rgb f = bis_bsdf_f_pdf(&pt->bsdf, wi, &q);
-    if (q <= 0) return; /* where the lobe underflows: f = 0 there, too */
+    if (q <= 0) return; /* the lobe underflows: f = 0 here, too */
     rgb Le;
     if (beta > 0) {
         double q_L;
@@ -177,8 +187,9 @@ static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double be
 }
 /* [end] */
 
-/* n of the M directions of a set: n_brdf = M - n of them, evenly spread, are left out. */
-static void candidates_from_set(bis_candidate *c, const bis_mixture *m, const bis_sets *sets, const bis_point *pt, bis_stream *stream)
+/* Takes n_em of the M directions of a set. The n_brdf = M - n_em directions that are left out are evenly spread. */
+static void candidates_from_set(bis_candidate *c, const bis_mixture *m, const bis_sets *sets, const bis_point *pt,
+                                bis_stream *stream)
 {
     const bis_light_point *set = sets->choose(sets, stream);
     const uint32_t M = m->n_em + m->n_brdf;
@@ -195,7 +206,8 @@ static void candidates_from_set(bis_candidate *c, const bis_mixture *m, const bi
     }
 }
 
-static void candidates_from_em(bis_candidate *c, uint32_t n, double beta, bool stratify, const bis_point *pt, bis_stream *stream)
+static void candidates_from_em(bis_candidate *c, uint32_t n, double beta, bool stratify, const bis_point *pt,
+                               bis_stream *stream)
 {
     for (uint32_t i = 0; i < n; i++) {
         bis_light_point y;
@@ -204,7 +216,8 @@ static void candidates_from_em(bis_candidate *c, uint32_t n, double beta, bool s
     }
 }
 
-static void candidates_from_brdf(bis_candidate *c, uint32_t n, double beta, bool stratify, const bis_point *pt, bis_stream *stream)
+static void candidates_from_brdf(bis_candidate *c, uint32_t n, double beta, bool stratify, const bis_point *pt,
+                                 bis_stream *stream)
 {
     for (uint32_t i = 0; i < n; i++) {
         vec3 wi;
@@ -213,8 +226,8 @@ static void candidates_from_brdf(bis_candidate *c, uint32_t n, double beta, bool
     }
 }
 
-double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_sets *sets, const bis_point *pt,
-                           bis_stream *stream)
+double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_sets *sets,
+                           const bis_point *pt, bis_stream *stream)
 {
     double W = 0;
 
@@ -234,10 +247,12 @@ double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, 
 
 /* ---- resampling ---- */
 
-/* A walk along the running sum S of the weights, the same sum in the same order that made W. A mark at 1 would lie at
- * W, which no S exceeds: it belongs to the last candidate with a positive weight, never to the last of all. */
+/* Walks along the running sum S of the weights: the same sum in the same order that made W. A mark that rounds to 1
+ * would lie at W, which no S exceeds. It belongs to the last candidate with a positive weight, which need not be the
+ * last of all. */
 /* [resample] */
-void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W, bis_resampling resampling, bis_stream *stream)
+void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W,
+                             bis_resampling resampling, bis_stream *stream)
 {
     bis_marks marks = bis_marks_start(resampling, N, stream);
     uint32_t j = 0, last = 0;
@@ -260,8 +275,8 @@ void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *
 
 /* ---- the estimate ---- */
 
-/* F/phat = C/w. Z/w comes first: with M = N = 1 it is w/w = 1, and what remains is C, plain importance sampling
- * (E24). */
+/* F/phat = C/w. Z/w is computed first: with M = N = 1 it is w/w = 1, and C remains, which is plain importance
+ * sampling (E24). */
 /* [trace] */
 rgbd bis_candidates_trace(const bis_point *pt, const bis_candidate *c, const uint32_t *chosen, uint32_t N, double Z)
 {

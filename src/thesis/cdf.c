@@ -1,14 +1,15 @@
-/* cdf: the transformation method for discrete distributions, thesis 3.2.2, "Discrete Distributions".
+/* cdf: the transformation method for discrete distributions. Source: thesis 3.2.2, "Discrete Distributions".
  *
  *     p[i] = f[i] / sum of f            C[0] = 0,  C[i+1] = C[i] + p[i],  C[N] = 1
  *     x = the index i with C[i] <= u < C[i+1]
  *
- * The thesis writes C as an inclusive sum over a reused index; with the exclusive one the search is right at u = 0 and
- * never returns an item of weight 0, whose interval is empty (docs/errata.md E8).
- * Its two hints for speed become one guide table: "use floor(u N) as a starting point" and "pre-inverting C". The table
- * holds the inverse of C at equidistant u, and the search goes on from there, so that no probability is rounded to a
- * multiple of 1/N (E10). Expected cost O(1), since the N steps of C fall into at least N/4 guide cells; worst case
- * O(log N). */
+ * The thesis writes C as an inclusive sum over a reused index. With the exclusive sum the search is right at u = 0,
+ * and it never returns an item of weight 0, because the interval of such an item is empty (docs/errata.md E8).
+ *
+ * The thesis gives two hints for speed: "use floor(u N) as a starting point" and "pre-inverting C". Here one guide
+ * table does both. It holds the inverse of C at equidistant u, and the search continues from there, so no probability
+ * is rounded to a multiple of 1/N (E10). The expected cost is O(1), because the N steps of C fall into at least N/4
+ * guide cells; the worst case is O(log N). */
 #include "bis/thesis/cdf.h"
 #include "bis/base/mem.h"
 #include "weights.h"
@@ -17,9 +18,10 @@
 #include <float.h>
 #include <math.h>
 
-/* C[i+1] = C[i] + f[i], scaled but not yet normalised; returns C[N]. What each addition rounds off is kept in `low`
- * (Neumaier 1974): or a million small items after a large one would vanish one by one. C stays monotone: an f that
- * changes `sum` is far above all errors of `low`, and one that does not can only raise `low`. */
+/* Computes C[i+1] = C[i] + f[i], scaled but not yet normalised, and returns C[N]. `low` collects what each addition
+ * rounds off (Neumaier 1974), because a million small items after a large one would otherwise vanish one by one. C
+ * stays monotone: an f that changes `sum` is far larger than all errors of `low`, and an f that does not change `sum`
+ * can only raise `low`. */
 /* [cdf-sum] */
 static double accumulate(double *c, const double *f, size_t n, weight_scale s)
 {
@@ -35,7 +37,7 @@ static double accumulate(double *c, const double *f, size_t n, weight_scale s)
 }
 /* [end] */
 
-/* Inverse of C at u = g / n_guide, by one walk along C. At u = 1: the last item that can be drawn. */
+/* Stores the inverse of C at u = g / n_guide, by one walk along C. At u = 1 it is the last item that can be drawn. */
 static void fill_guide(uint32_t *guide, size_t n_guide, const double *c, size_t n)
 {
     size_t last = n - 1, i = 0;
@@ -56,7 +58,7 @@ bis_status bis_cdf_init(bis_cdf *c, const double *w, size_t n, bis_diag *diag)
     *c = (bis_cdf){.n = n};
     assert(n <= UINT32_MAX);
     if (scale.half1 == 0) return BIS_OK;
-    for (c->n_guide = 1; 4 * c->n_guide <= n;) /* 10 bytes an item at most: a row of a map may have no more */
+    for (c->n_guide = 1; 4 * c->n_guide <= n;) /* at most 10 bytes an item: a row of a map may not take more */
         c->n_guide *= 2;
     c->c = bis_alloc(n + 1, sizeof *c->c);
     c->guide = bis_alloc(c->n_guide + 1, sizeof *c->guide);

@@ -1,11 +1,11 @@
-/* curve: Hilbert's curve without a loop over its levels, and its kin on rectangles.
+/* curve: Hilbert's curve without a loop over its levels, and a curve of the same kind on rectangles.
  *
- * Hilbert 1891, as a machine: the base-4 digits of t, from the top, say which quadrant comes next. Digit d = 2 a + b
- * (bits a, b) visits (x, y) = (a, a xor b): up, right, down. Within quadrant 0 the curve is mirrored at the diagonal
- * (x and y swap), within quadrant 3 at the other one (swap, and both complemented). Swap and complement commute, so at
- * each level the state is just the parity of the swaps (d = 0 or 3) and complements (d = 3) of the digits above it: two
- * prefix parities, which a word computes for all its levels at once in log2(32) steps (the trick: Warren 2012,
- * "Hacker's Delight", chapter 16). */
+ * Hilbert's curve (1891) as a machine: the base-4 digits of t, from the top, select the next quadrant. Digit d = 2 a
+ * + b (bits a, b) visits (x, y) = (a, a xor b): up, right, down. Within quadrant 0 the curve is mirrored at the
+ * diagonal (x and y are swapped); within quadrant 3 it is mirrored at the other diagonal (swapped and both
+ * complemented). Swap and complement commute. The state at a level is therefore only the parity of the swaps (d = 0
+ * or 3) and the parity of the complements (d = 3) of the digits above. These are two prefix parities, and log2(32)
+ * word operations compute them for all levels at once (Warren 2012, "Hacker's Delight", chapter 16). */
 #include "bis/thesis/curve.h"
 
 #include <assert.h>
@@ -13,7 +13,7 @@
 
 enum { LEVELS = 26 };
 
-/* Every second bit of x, bits 0, 2, 4, ..., side by side. */
+/* Returns every second bit of x (bits 0, 2, 4, ...), side by side. */
 static uint32_t even_bits(uint64_t x)
 {
     x &= 0x5555555555555555u;
@@ -24,7 +24,7 @@ static uint32_t even_bits(uint64_t x)
     return (uint32_t)(x | x >> 16);
 }
 
-/* Bit k of the result: parity of the bits of x above k. */
+/* Bit k of the result is the parity of the bits of x above k. */
 static uint32_t parity_above(uint32_t x)
 {
     x >>= 1;
@@ -50,10 +50,11 @@ void bis_curve_hilbert(double t, double u[2])
 
 /* ---- rectangles ----
  *
- * A block is a corner cell and two sides; its curve enters at the corner and leaves at the far end of the first side.
- * Halves of a block are blocks again: a long one is cut in two along its first side; else the curve goes up the second
- * side, along the first, and down again. Cuts are made at even lengths where that is possible, so that the ends meet
- * (Cerveny 2018, "gilbert"). Depth of recursion: one side halves each time, at most 2 * 32. */
+ * A block is a corner cell and two sides. Its curve enters at the corner and leaves at the far end of the first side.
+ * The parts of a block are blocks again. A long block is cut in two along its first side. Any other block is cut in
+ * three: the curve goes up the second side, along the first, and down again. Cuts are made at even lengths where this
+ * is possible, so that the ends meet (Cerveny 2018, "gilbert"). One side halves at each level, so the depth of the
+ * recursion is at most 2 * 32. */
 
 typedef struct cell {
     int32_t x, y;
@@ -72,7 +73,7 @@ static int32_t sign(int32_t x) { return (x > 0) - (x < 0); }
 static cell unit(cell side) { return (cell){sign(side.x), sign(side.y)}; }
 static int32_t cells_in(cell side) { return side.x + side.y < 0 ? -side.x - side.y : side.x + side.y; }
 
-/* About half of side, at an even number of cells unless the side is too short. */
+/* Returns about half of side: an even number of cells unless the side is too short. */
 static cell half(cell side)
 {
     int32_t n = cells_in(side) / 2;

@@ -1,15 +1,15 @@
-/* em: importance sampling from the environment map, thesis 3.3 and the estimator L_{N,L} of 4.1.
+/* em: importance sampling from the environment map. Source: thesis 3.3 and the estimator L_{N,L} of 4.1.
  *
  *     L = (1/N) sum_j f(wi_j, wo) cos theta_j Le(wi_j) V(wi_j) / q_L(wi_j),     wi_j ~ q_L
  *
- * which is eq. 3.4 for the integral of eq. 4.1, read as eq. 3.3 with p = q_L (eq. 4.2) and the integrand over p for f.
- * The thesis cancels Le/q_L against the integral of the map. We do not: q_L is the density of a table whose entries may
- * be area-weighted (3.4), and Le has three channels where q_L has one, so F is divided by the density that the
- * direction was really drawn with (docs/errata.md E5, E20). q_L covers the whole sphere: a direction below the horizon
- * contributes 0 and counts (E1).
- * Unbiased for every N >= 1. Noise: the map's contrast is divided out, what remains is that of f cos V: good for
- * diffuse surfaces.
- * Cost: N draws, at most N shadow rays. */
+ * This is eq. 3.4 for the integral of eq. 4.1, read as eq. 3.3 with p = q_L (eq. 4.2) and the integrand over p for f.
+ * The thesis cancels Le/q_L against the integral of the map. We do not: q_L is the density of a table whose entries
+ * may be area-weighted (3.4), and Le has three channels where q_L has one. F is therefore divided by the density with
+ * which the direction was really drawn (docs/errata.md E5, E20). q_L covers the whole sphere. A direction below the
+ * horizon contributes 0 and counts (E1).
+ *
+ * The estimate is unbiased for every N >= 1. Its noise is that of f cos V, because the map's contrast is divided out:
+ * it is good for diffuse surfaces. Cost: N draws and at most N shadow rays. */
 #include "proposal.h"
 
 static unsigned light_needs(const bis_settings *s)
@@ -33,7 +33,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     /* [em-sum] */
     for (uint32_t j = 0; j < N; j++) {
         bis_light_point y;
-        if (!bis_em_sample(&y, &samples, j, pt->light, stream)) break; /* no light at all */
+        if (!bis_em_sample(&y, &samples, j, pt->light, stream)) break; /* there is no light */
 
         double cos_theta = bis_bsdf_cos(bsdf, y.wi);
         if (cos_theta <= 0) continue;

@@ -1,14 +1,14 @@
-/* envmap: the sphere of eq. 3.2, cut into W x H patches of constant radiance (thesis 3.1).
+/* envmap: the sphere of eq. 3.2, divided into W x H patches of constant radiance (thesis 3.1).
  *
- * Everything follows from one choice (docs/errata.md E2): a pixel is not a point light but the patch between two
- * meridians and two circles of latitude. On the sphere z is uniform (Archimedes), so a patch of row j has the solid
- * angle (2 pi / W)(cos t_j - cos t_{j+1}), and a direction uniform in it has phi uniform between the meridians and
- * cos(theta) uniform between the circles. No sin(theta) is divided by anywhere, so nothing happens at the poles.
+ * Everything follows from one choice (docs/errata.md E2): a pixel is not a point light. It is the patch between two
+ * meridians and two circles of latitude. On the sphere z is uniform (Archimedes). A patch of row j therefore has the
+ * solid angle (2 pi / W)(cos t_j - cos t_{j+1}). A direction that is uniform in it has phi uniform between the
+ * meridians and cos(theta) uniform between the circles. Nothing is divided by sin(theta), so the poles need no
+ * special case.
  *
- * Numbers: cos t_j - cos t_{j+1} cancels at the poles (in float, 8192 rows: 19% wrong); the same thing is 2 sin(mid)
- * sin(half). sin(theta) = sqrt(1 - cos^2) cancels there, too; we keep h = 1 - |cos(theta)| instead, and sin^2 = h (2 -
- * h).
- * Cost: O(W H) to clean, O(1) for everything else. */
+ * Numbers: cos t_j - cos t_{j+1} cancels at the poles (in float with 8192 rows it is 19% wrong). The same number is 2
+ * sin(mid) sin(half), which does not cancel. sin(theta) = sqrt(1 - cos^2) cancels there, too. We keep h = 1 -
+ * |cos(theta)| instead, and sin^2 = h (2 - h). Cost: O(W H) to clean, O(1) for everything else. */
 #include "bis/thesis/envmap.h"
 
 #include "bis/base/mem.h"
@@ -18,7 +18,8 @@
 #include <assert.h>
 #include <float.h>
 
-/* The polar angle pi j / n by its distance from the nearer pole: exact symmetry, full precision at both. */
+/* sin and cos of the polar angle pi j / n, computed from the distance to the nearer pole. They are exactly symmetric
+ * and have full precision at both poles. */
 static double sin_polar(double j, int n) { return sin(PI * fmin(j, n - j) / n); }
 
 static double cos_polar(double j, int n)
@@ -118,7 +119,7 @@ bis_status bis_envmap_scale(bis_envmap *em, rgb scale, bis_diag *diag)
         most = (rgb){fmaxf(most.r, c.r), fmaxf(most.g, c.g), fmaxf(most.b, c.b)};
     }
     const rgb scaled = rgb_mul(most, scale);
-    if (!rgb_is_finite(scaled)) { /* before anything is changed: the map stays usable */
+    if (!rgb_is_finite(scaled)) { /* before anything is changed, so that the map stays usable */
         return bis_error(diag, BIS_INPUT, (bis_loc){0},
                          "the largest radiance of the map, (%g %g %g), times (%g %g %g) exceeds the largest float, %g; "
                          "choose a smaller scale",
@@ -135,14 +136,14 @@ size_t bis_envmap_pixel(const bis_envmap *em, vec3 w_local)
     const double x = (double)w_local.x, y = (double)w_local.y, z = (double)w_local.z;
     const double phi = atan2(y, x), theta = atan2(sqrt(x * x + y * y), z);
 
-    /* West of the seam (phi < 0) columns are counted from the right end. Adding 2 pi instead would round phi = -1e-17 to 2 pi,
-     * column W. |phi| of floats is at least 2^-149, so the count is at least 1. */
+    /* West of the seam (phi < 0) columns are counted from the right end, because adding 2 pi would round phi = -1e-17
+     * to 2 pi, which is column W. |phi| of floats is at least 2^-149, so the count is at least 1. */
     const double turns = phi / (2 * PI) * em->width;
     const int column = phi >= 0 ? (int)turns : em->width - (int)ceil(-turns);
     const int row = (int)(theta / PI * em->height);
     assert(column >= 0 && column < em->width);
 
-    /* theta = pi alone gives row H: the south pole itself belongs to the last row. */
+    /* Only theta = pi gives row H: the south pole itself belongs to the last row. */
     return (size_t)(row < em->height ? row : em->height - 1) * (size_t)em->width + (size_t)column;
 }
 /* [end] */
@@ -150,7 +151,8 @@ size_t bis_envmap_pixel(const bis_envmap *em, vec3 w_local)
 /* [patch] */
 void bis_envmap_circle(const bis_envmap *em, int y, double u2, double *sin_theta, double *cos_theta)
 {
-    /* From the nearer pole: its side's edge cosines, 1 at the pole. 1 - near is exact (Sterbenz) where it is small. */
+    /* From the nearer pole: the cosines of its side's edges, 1 at the pole. Where 1 - near is small, it is exact
+     * (Sterbenz). */
     const bool north = 2 * y < em->height;
     const double near = north ? em->cos_edge[y] : -em->cos_edge[y + 1];
     const double far = north ? em->cos_edge[y + 1] : -em->cos_edge[y];

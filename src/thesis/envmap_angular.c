@@ -1,16 +1,19 @@
-/* envmap_angular: Debevec's light probes, resampled once to a lat-long map (SPEC 1).
+/* envmap_angular: resamples one of Debevec's light probes once to a lat-long map (docs/scene-format.md,
+ * "LightSource").
  *
  * The pixel at polar position (r, a) of the disc (r = 1 at the rim, a from image right, counter-clockwise) is the
  * direction (-cos(pi r), -sin(pi r) cos a, sin(pi r) sin a). The disc's area element r dr da is sin(pi r) pi dr da on
- * the sphere: a pixel of area (2/side)^2 subtends pi^2 sin(pi r)/(pi r) (2/side)^2.
+ * the sphere. A pixel of area (2/side)^2 therefore subtends pi^2 sin(pi r)/(pi r) (2/side)^2.
  *
- * Each lat-long patch becomes the mean of k x k directions, evenly spread over its solid angle, each looked up in the
- * nearest probe pixel. Gathering leaves no holes and keeps a constant probe constant, which pouring the probe's pixels
- * into the patches does not; its weak spot is a lamp of a few pixels, whose area it only counts by the samples that
- * happen to fall on it. With n samples on a pixel that count is off by about n^(-3/4). So: k such that a pixel at the
- * centre gets about 64 samples, and in the patches around a pixel that alone holds more than a thousandth of the
- * probe's energy (at most 1000 pixels) 16 times as many each way.
- * Cost: O(W H k^2) on all threads; the result does not depend on their number. */
+ * Each lat-long patch becomes the mean of k x k directions that are evenly spread over its solid angle. Each
+ * direction is looked up in the nearest probe pixel. Gathering in this way leaves no holes and keeps a constant probe
+ * constant; distributing the probe's pixels over the patches does neither. Its weak point is a lamp of a few pixels,
+ * because the lamp's area is measured only by the number of samples that fall on it. With n samples on a pixel, this
+ * number is wrong by about n^(-3/4). Therefore k is such that a pixel at the centre gets about 64 samples. A pixel
+ * that alone holds more than a thousandth of the probe's energy (there are at most 1000) gets 16 times as many in
+ * each direction, in the patches around it.
+ *
+ * Cost: O(W H k^2) on all threads. The result does not depend on their number. */
 #include "bis/thesis/envmap.h"
 
 #include "bis/base/mem.h"
@@ -19,7 +22,7 @@
 
 #include <assert.h>
 
-enum { FINER = 16 };              /* each way, where the brightest pixels are */
+enum { FINER = 16 };              /* in each direction, at the brightest pixels */
 #define BRIGHT_SHARE 1e-3         /* of the energy, in one probe pixel */
 
 typedef struct probe {
@@ -27,7 +30,8 @@ typedef struct probe {
     int side;
 } probe;
 
-/* The centre of pixel (x, y) on the disc: q[0] to the right, q[1] up, the rim at |q| = 1; fractional x, y are fine. */
+/* Stores the centre of pixel (x, y) on the disc: q[0] to the right, q[1] up, |q| = 1 at the rim. x and y may be
+ * fractional. */
 static void disc_position(int side, double x, double y, double q[2])
 {
     q[0] = 2 * (x + 0.5) / side - 1;
@@ -41,7 +45,7 @@ static bool in_disc(int side, int x, int y)
     return q[0] * q[0] + q[1] * q[1] <= 1;
 }
 
-/* pi^2 sinc(pi r) dA, see above. */
+/* Returns pi^2 sinc(pi r) dA, see above. */
 static double pixel_solid_angle(int side, int x, int y)
 {
     double q[2];
@@ -59,7 +63,7 @@ static vec3 disc_to_direction(const double q[2])
     return vec3_from(-cos(PI * r), -s * q[0], s * q[1]);
 }
 
-/* The probe pixel that sees direction (x, y, z). */
+/* Returns the radiance of the probe pixel that sees direction (x, y, z). */
 static rgb probe_lookup(const probe *p, double x, double y, double z)
 {
     const double h = sqrt(y * y + z * z);
@@ -70,10 +74,11 @@ static rgb probe_lookup(const probe *p, double x, double y, double z)
         if (column == p->side) column--; /* the rim itself */
         if (row == p->side) row--;
 
-        /* All points of a pixel are within half a diagonal, sqrt(2)/side, of its centre. A rim pixel whose centre lies
-         * outside is ignored; its neighbour inwards speaks for it. */
+        /* All points of a pixel lie within half a diagonal, sqrt(2)/side, of its centre. A rim pixel whose centre
+         * lies outside the disc is ignored; its neighbour towards the centre is used instead. */
         const double surely_inside = 1 - sqrt(2) / p->side;
-        if (r < surely_inside || in_disc(p->side, column, row)) return p->pixels[(size_t)row * (size_t)p->side + (size_t)column];
+        if (r < surely_inside || in_disc(p->side, column, row))
+            return p->pixels[(size_t)row * (size_t)p->side + (size_t)column];
         r -= sqrt(2) / p->side;
     }
 }
@@ -97,7 +102,7 @@ static rgb gather_patch(const bis_envmap *em, const probe *p, int x, int y, int 
     return rgb_from(sum[0] / n, sum[1] / n, sum[2] / n);
 }
 
-/* Copy the image without its bad values. Returns the integral of the intensity over the disc's pixels. */
+/* Copies the image without its bad values. Returns the integral of the intensity over the disc's pixels. */
 static double clean_probe(probe *p, const bis_image *image, bis_envmap_defects *defects)
 {
     double power = 0;
@@ -113,7 +118,8 @@ static double clean_probe(probe *p, const bis_image *image, bis_envmap_defects *
     return power;
 }
 
-/* Mark the patches that pixel (x, y) and a margin of half a pixel around it fall on, by points 1/8 pixel apart. */
+/* Marks the patches that pixel (x, y), with a margin of half a pixel around it, falls on. It tests points that are
+ * 1/8 pixel apart. */
 static void mark_patches(const bis_envmap *em, unsigned char *fine, int side, int x, int y)
 {
     for (int i = -8; i <= 8; i++) {
@@ -131,7 +137,8 @@ static void mark_bright(const bis_envmap *em, unsigned char *fine, const probe *
         for (int x = 0; x < p->side; x++) {
             if (!in_disc(p->side, x, y)) continue;
             const double intensity = rgb_sum(p->pixels[(size_t)y * (size_t)p->side + (size_t)x]);
-            if (intensity * pixel_solid_angle(p->side, x, y) > BRIGHT_SHARE * power) mark_patches(em, fine, p->side, x, y);
+            if (intensity * pixel_solid_angle(p->side, x, y) > BRIGHT_SHARE * power)
+                mark_patches(em, fine, p->side, x, y);
         }
     }
 }
@@ -140,8 +147,9 @@ bis_status bis_envmap_from_angular(bis_envmap *em, const bis_image *image, int w
 {
     *em = (bis_envmap){0};
     if (image->width != image->height) {
-        return bis_error(diag, BIS_INPUT, (bis_loc){0}, "an angular map must be square, this one is %d x %d; is it a \"latlong\" map?",
-                         image->width, image->height);
+        return bis_error(diag, BIS_INPUT, (bis_loc){0},
+                         "an angular map must be square, this one is %d x %d; is it a \"latlong\" map?", image->width,
+                         image->height);
     }
     assert(width >= 0);
     const int side = image->width;
@@ -155,14 +163,16 @@ bis_status bis_envmap_from_angular(bis_envmap *em, const bis_image *image, int w
     bis_status status = bis_envmap_init_rows(em, width, height, diag);
     if (status) goto done;
     if (!p.pixels || !fine || !em->pixels) {
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for an angular map of %d x %d and its lat-long of %d x %d", side,
-                           side, width, height);
+        status =
+            bis_error(diag, BIS_NOMEM, (bis_loc){0},
+                      "no memory for an angular map of %d x %d and its lat-long of %d x %d", side, side, width, height);
         goto done;
     }
     em->angular_power_before = clean_probe(&p, image, &em->defects);
     mark_bright(em, fine, &p, em->angular_power_before);
 
-    /* A patch on the equator is side/width pixels of the disc's centre wide: 8 samples to such a pixel each way. */
+    /* A patch on the equator is side/width pixels wide at the disc's centre: such a pixel gets 8 samples in each
+     * direction. */
     const int k = side >= width / 4 ? (8 * side + width - 1) / width : 2;
 #pragma omp parallel for schedule(dynamic)
     for (int y = 0; y < height; y++) {

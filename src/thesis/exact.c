@@ -1,12 +1,13 @@
-/* exact: eq. 3.2 as it stands, thesis 3.1: the sphere is a set of patches of constant radiance, and every lit one is
- * visited.
+/* exact: eq. 3.2 as it stands. Source: thesis 3.1. The sphere is a set of patches of constant radiance, and every lit
+ * patch is visited.
  *
- *     L = sum_i Le_i sum_k f(wi_ik, wo) cos theta_ik V(wi_ik) dOmega_i / K,     wi_ik uniform in patch i, k < K = perpatch
+ *     L = sum_i Le_i sum_k f(wi_ik, wo) cos theta_ik V(wi_ik) dOmega_i / K,
+ *     wi_ik uniform in patch i, k < K = perpatch
  *
- * Inside a patch f, cos and V vary, so one ray at its centre would be biased, and a shadow's edge would come out in
- * steps (docs/errata.md E2); a ray anywhere in it is not. Unbiased for every K >= 1; its noise is that inside single
- * patches, far below all others'.
- * Cost: K rays for every lit patch above the horizon: ground truth for small maps. */
+ * Inside a patch f, cos and V vary. One ray at the centre of each patch would therefore be biased, and the edge of a
+ * shadow would show steps (docs/errata.md E2). A ray at a random place in the patch is unbiased, for every K >= 1.
+ * The only noise is that inside single patches, which is far below that of all other integrators. Cost: K rays for
+ * every lit patch above the horizon: ground truth for small maps. */
 #include "proposal.h"
 
 #include "bis/thesis/curve.h"
@@ -23,7 +24,7 @@ static void scratch_needs(const bis_settings *s, bis_needs *need)
     (void)need;
 }
 
-/* The sum over k for patch i: one point in each K-th of a Hilbert curve through the patch. */
+/* Returns the sum over k for patch i. It takes one point in each K-th part of a Hilbert curve through the patch. */
 static rgbd patch(const bis_point *pt, size_t i, uint32_t K, bis_stream *stream)
 {
     rgbd sum = {0, 0, 0};
@@ -49,8 +50,10 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
 
     (void)scratch;
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
-    for (size_t i = 0, n = bis_light_patches(pt->light); i < n; i++) sum = rgbd_add(sum, patch(pt, i, s->perpatch, stream));
+    for (size_t i = 0, n = bis_light_patches(pt->light); i < n; i++)
+        sum = rgbd_add(sum, patch(pt, i, s->perpatch, stream));
     return rgbd_round(sum);
 }
 
-const bis_integrator bis_exact = {"exact", "unbiased: every lit patch, noise only inside patches", light_needs, scratch_needs, Lo};
+const bis_integrator bis_exact = {"exact", "unbiased: every lit patch, noise only inside patches", light_needs,
+                                  scratch_needs, Lo};

@@ -1,17 +1,17 @@
-/* importance: the density by which directions are drawn from an environment map, thesis 3.3 with the area weighting of
- * 3.4.
+/* importance: the density with which directions are drawn from an environment map. Source: thesis 3.3 with the area
+ * weighting of 3.4.
  *
- * A pixel weighs w per steradian: its intensity I = r+g+b (3.3 step 1), times min(0.01 sr, A_k)^b where b > 0, A_k the
- * solid angle of its component (3.4, docs/errata.md E17). It is drawn with probability P = w dO / sum of all (E3), a
- * direction in it uniformly by solid angle (E2), hence with density
+ * A pixel has the weight w per steradian: its intensity I = r+g+b (3.3, step 1), times min(0.01 sr, A_k)^b if b > 0,
+ * where A_k is the solid angle of its component (3.4, docs/errata.md E17). It is drawn with probability P = w dO /
+ * sum over all pixels (E3), and a direction in it is uniform by solid angle (E2). The density is therefore
  *
  *     q = P / dO = w / sum.
  *
- * Area weighting changes where we look, never what we see: whatever w is, as long as it is positive where the map is,
- * estimators that divide by this q are right (E20). So the only thing to keep is that q is exactly what is drawn; tests
- * compare both to 1e-8.
+ * Area weighting changes which directions are drawn, never the result: estimators that divide by this q are right for
+ * every w that is positive where the map is positive (E20). All that matters is that q is exactly the density of what
+ * is drawn. Tests compare the two to 1e-8.
  *
- * Nothing but the area factors is stored of w. Cost: O(W H); draws O(1). */
+ * Of w only the area factors are stored. Cost: O(W H) to build, O(1) to draw. */
 #include "bis/thesis/importance.h"
 
 #include "bis/base/mem.h"
@@ -33,7 +33,7 @@ struct bis_importance {
 static size_t n_pixels(const bis_envmap *em) { return (size_t)em->width * (size_t)em->height; }
 
 /* [area] */
-/* The factor of thesis 3.4 for every lit pixel. */
+/* Computes the factor of thesis 3.4 for every lit pixel. */
 static bis_status find_area_factors(bis_weights *w, int levels, double b, bis_diag *diag)
 {
     bis_regions regions;
@@ -41,17 +41,18 @@ static bis_status find_area_factors(bis_weights *w, int levels, double b, bis_di
     if (status) return status;
     w->area = bis_alloc(n_pixels(w->em), sizeof *w->area);
     if (!w->area) {
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the area factors of a %d x %d map", w->em->width,
-                           w->em->height);
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the area factors of a %d x %d map",
+                           w->em->width, w->em->height);
         goto done;
     }
-    double *factor = regions.solid_angle; /* one turned into the other, in place */
+    double *factor = regions.solid_angle; /* the factors replace the solid angles in place */
 #pragma omp parallel for
     for (uint32_t k = 0; k < regions.n; k++) factor[k] = bis_area_factor(regions.solid_angle[k], b);
 #pragma omp parallel for
     for (size_t i = 0; i < n_pixels(w->em); i++) {
         if (regions.label[i] == BIS_REGION_NONE) continue;
-        /* FLT_TRUE_MIN: an absurd b (4 and more) underflows; a lit pixel must stay possible, and any positive weight is right */
+        /* FLT_TRUE_MIN: an absurd b (4 and more) underflows. A lit pixel must stay possible, and any positive weight
+         * is right */
         w->area[i] = fmaxf((float)factor[regions.label[i]], FLT_TRUE_MIN);
     }
 done:
@@ -60,9 +61,9 @@ done:
 }
 /* [end] */
 
-/* MIS compensation (Karlik et al. 2019): what lies below the mean is left to the BRDF's samples. Of a map that nowhere
- * exceeds its mean by more than the rounding of the sum that made it (n additions, each 2^-53), nothing would be left:
- * it is drawn uncompensated. */
+/* MIS compensation (Karlik et al. 2019): what lies below the mean is left to the BRDF's samples. If no pixel exceeds
+ * the mean by more than the rounding of its sum (n additions, each 2^-53), nothing would be left to draw, so such a
+ * map is drawn uncompensated. */
 static double mean_to_subtract(const bis_envmap *em)
 {
     const double mean = bis_envmap_power(em) / (4 * PI);
@@ -70,7 +71,7 @@ static double mean_to_subtract(const bis_envmap *em)
     return bis_envmap_max_intensity(em) - mean > rounding ? mean : 0;
 }
 
-/* Sums over the rows, then over the sphere, in this order whatever the number of threads. */
+/* Sums over the rows, then over the sphere. The order does not depend on the number of threads. */
 static void sum_rows(bis_importance *im, double *row_weight)
 {
     const bis_envmap *em = im->weights.em;
@@ -88,8 +89,9 @@ static void sum_rows(bis_importance *im, double *row_weight)
     }
 }
 
-/* The largest I/q = sum * I/w. Without compensation I/w is 1, or 1/area. The four roundings of I * area / sum, of the
- * caller's I/q and of ours are below 2^-53 each: a factor 1 + 8 * 2^-53 makes it a bound of what is computed, too. */
+/* Returns the largest I/q = sum * I/w. Without compensation I/w is 1 or 1/area. There are four roundings: of I *
+ * area, of its division by sum, of the caller's I/q and of this function. Each is below 2^-53, and the factor 1 + 8 *
+ * 2^-53 makes the result a bound of the computed numbers, too. */
 static double find_max_ratio(const bis_importance *im)
 {
     const bis_weights *w = &im->weights;
@@ -102,7 +104,8 @@ static double find_max_ratio(const bis_importance *im)
     return im->total / least_area * (1 + 4 * DBL_EPSILON);
 }
 
-/* As printed (E20): drawn with the area factors, by the tables that are made, but weighed as if without. */
+/* As printed (E20): directions are drawn with the area factors, by the tables that exist already, but weighed as if
+ * there were none. */
 static void forget_area_factors(bis_importance *im, double *row_weight)
 {
     bis_free(im->weights.area);
@@ -111,7 +114,8 @@ static void forget_area_factors(bis_importance *im, double *row_weight)
     im->max_ratio = find_max_ratio(im);
 }
 
-bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const bis_importance_options *options, bis_diag *diag)
+bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const bis_importance_options *options,
+                              bis_diag *diag)
 {
     bis_status status = BIS_OK;
     double *row_weight = bis_alloc((size_t)em->height, sizeof *row_weight);
@@ -197,7 +201,8 @@ double bis_importance_pdf(const bis_importance *im, vec3 w_local)
     return bis_importance_pdf_pixel(im, bis_envmap_pixel(im->weights.em, w_local));
 }
 
-bis_status bis_importance_cut(const bis_importance *im, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile, uint32_t *side)
+bis_status bis_importance_cut(const bis_importance *im, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile,
+                              uint32_t *side)
 {
     assert(im->has_curve && im->total > 0);
     *side = im->trail.side;

@@ -1,14 +1,15 @@
-/* importance_curve: drawing a pixel by one number, along a curve that visits all lit pixels.
+/* importance_curve: draws a pixel by one number, along a curve that visits all lit pixels.
  *
- * Neighbours on the curve (bis/curve.h) are neighbours in the map, so N equal steps of s are N compact pieces of the
- * map of equal importance.
- * One stratified set of numbers then fills the map evenly in both dimensions, for any N, which two passes cannot do;
- * chapter 4's systematic resampling walks along the same curve.
+ * Neighbours on the curve (bis/thesis/curve.h) are neighbours in the map. N equal steps of s are therefore N compact
+ * pieces of the map with equal importance. One stratified set of numbers then fills the map evenly in both
+ * dimensions, for every N; two passes cannot do this. The systematic resampling of chapter 4 walks along the same
+ * curve.
  *
- * The curve visits tiles of 4 x 4 pixels, each read like a page: as compact, and the order costs 4 bytes a tile. Maps
- * below 2^16 pixels, where a tile is a large piece, are visited pixel by pixel. The CDF is over pixels, so that a draw
- * costs one search by the guide and touches three or four cache lines; a CDF over tiles with a scan of the 16 weights
- * needs 1 byte a pixel and took six times as long.
+ * The curve visits tiles of 4 x 4 pixels, and each tile is read like a page. This is as compact, and the order costs
+ * only 4 bytes a tile. A map below 2^16 pixels is visited pixel by pixel, because there a tile is a large piece of
+ * the map. The CDF is over pixels. A draw then costs one search with the guide and touches three or four cache lines.
+ * A CDF over tiles with a scan of the 16 weights would need 1 byte a pixel, but it took six times as long.
+ *
  * Build O(W H), draw O(1). Monotone in s. */
 #include "bis/thesis/curve.h"
 #include "bis/base/mem.h"
@@ -18,7 +19,7 @@
 
 static const size_t tiled_from = 1 << 16; /* pixels */
 
-/* The tiles in the curve's order. */
+/* Finds the tiles in the order of the curve. */
 static bis_status find_tiles(bis_trail *t, const bis_envmap *em)
 {
     const uint32_t width = (uint32_t)em->width, height = (uint32_t)em->height;
@@ -36,8 +37,8 @@ static bis_status find_tiles(bis_trail *t, const bis_envmap *em)
     return BIS_OK;
 }
 
-/* Weight times solid angle of the pixels of tile i, cell by cell; what lies beyond the map's right or lower edge stays
- * 0. */
+/* Stores weight times solid angle of the pixels of tile i, cell by cell. Cells beyond the map's right or lower edge
+ * stay 0. */
 static void weigh_tile(double *weight, const bis_trail *t, size_t i, const bis_weights *w)
 {
     const size_t width = (size_t)w->em->width, height = (size_t)w->em->height;
@@ -68,8 +69,8 @@ bis_status bis_trail_init(bis_trail *t, const bis_weights *w, bis_diag *diag)
     if (!status) status = sum_pixels(t, w);
     if (!status) return BIS_OK;
     bis_trail_clear(t);
-    return bis_error(diag, status, (bis_loc){0}, "no memory for the curve through a %d x %d environment map", w->em->width,
-                     w->em->height);
+    return bis_error(diag, status, (bis_loc){0}, "no memory for the curve through a %d x %d environment map",
+                     w->em->width, w->em->height);
 }
 
 void bis_trail_clear(bis_trail *t)
@@ -88,22 +89,25 @@ size_t bis_trail_draw(const bis_trail *t, size_t width, double s)
 
 size_t bis_trail_bytes(const bis_trail *t) { return t->n_tiles * sizeof *t->tile + bis_cdf_bytes(&t->pixels); }
 
-/* Solid angle of tile i. */
+/* Returns the solid angle of tile i. */
 static double tile_solid_angle(const bis_trail *t, size_t i, const bis_envmap *em)
 {
     const size_t x0 = t->tile[i] % (size_t)em->width, y0 = t->tile[i] / (size_t)em->width;
     const size_t columns = (size_t)em->width - x0 < t->side ? (size_t)em->width - x0 : t->side;
     double sum = 0;
 
-    for (size_t y = y0; y < (size_t)em->height && y < y0 + t->side; y++) sum += (double)columns * em->row_solid_angle[y];
+    for (size_t y = y0; y < (size_t)em->height && y < y0 + t->side; y++)
+        sum += (double)columns * em->row_solid_angle[y];
     return sum;
 }
 
-bis_status bis_trail_cut(const bis_trail *trail, const bis_envmap *em, uint32_t K, uint32_t *n, double **t, uint16_t **of_tile)
+bis_status bis_trail_cut(const bis_trail *trail, const bis_envmap *em, uint32_t K, uint32_t *n, double **t,
+                         uint16_t **of_tile)
 {
-    const size_t width = (size_t)em->width, side = trail->side, cells = side * side, columns = (width + side - 1) / side;
+    const size_t width = (size_t)em->width, side = trail->side, cells = side * side,
+                 columns = (width + side - 1) / side;
     const double *c = trail->pixels.c;
-    double sphere = 0; /* of the piece at hand */
+    double sphere = 0; /* solid angle of the current piece */
     uint32_t k = 0;
 
     assert(2 * (uint64_t)K + 2 <= UINT16_MAX);
@@ -115,7 +119,7 @@ bis_status bis_trail_cut(const bis_trail *trail, const bis_envmap *em, uint32_t 
         const double end = c[(i + 1) * cells];
         (*of_tile)[y / side * columns + x / side] = (uint16_t)k;
         sphere += tile_solid_angle(trail, i, em);
-        /* never without importance, in the piece or in the rest */
+        /* Neither this piece nor the rest may be without importance. */
         if (end > (*t)[k] && end < 1 && ((end - (*t)[k]) * K >= 1 || sphere * K >= 4 * PI)) {
             (*t)[++k] = end;
             sphere = 0;

@@ -1,12 +1,12 @@
-/* importance_table: drawing a pixel in two passes, thesis 3.3 and figure 3.5: first a scanline by the sum of its
- * pixels' importances, m(y) of eq. 3.10, then a pixel of it by c(x|y) of eq. 3.11.
+/* importance_table: draws a pixel in two passes. Source: thesis 3.3 and figure 3.5. The first pass draws a scanline
+ * by the sum of its pixels' importances, m(y) of eq. 3.10; the second draws a pixel of it by c(x|y) of eq. 3.11.
  *
- * Each pass is one discrete distribution, by Vose's alias method (3.2.2, appendix A) or by inverting a CDF (eq. 3.12).
- * The sums are of intensity times solid angle, not the printed averages of intensity (docs/errata.md E3).
+ * Each pass is one discrete distribution, by Vose's alias method (3.2.2, appendix A) or by inverting a CDF (eq.
+ * 3.12). The sums are of intensity times solid angle and not the printed averages of intensity (docs/errata.md E3).
  *
- * An alias table costs O(1) whatever the map, but scatters neighbouring numbers. CDFs keep their order: u[0] and u[1]
- * are used up to the place inside the pixel, so that stratified and low-discrepancy points stay so on the sphere (E12).
- * Build: O(W H), rows in parallel; a row's table depends on nothing but the row. */
+ * An alias table costs O(1) whatever the map, but it scatters neighbouring numbers. CDFs keep the order of the
+ * numbers: the remainders of u[0] and u[1] give the place inside the pixel, so stratified and low-discrepancy points
+ * stay so on the sphere (E12). Build: O(W H), rows in parallel. A row's table depends only on the row. */
 #include "bis/base/mem.h"
 #include "bis/base/image.h"
 #include "importance_parts.h"
@@ -14,13 +14,13 @@
 #include <assert.h>
 #include <stdatomic.h>
 
-/* Importance of row y's pixels, up to the row's own solid angle, which is the same for all of them. */
+/* Stores the importance of row y's pixels per steradian. The solid angle is the same for all of them and cancels. */
 static void row_weights(const bis_weights *w, size_t y, size_t width, double *out)
 {
     for (size_t x = 0; x < width; x++) out[x] = bis_weight(w, y * width + x);
 }
 
-/* From normalised weights, or as printed from raw ones (docs/errata.md E13). */
+/* Returns the builder from normalised weights or, as printed, from raw ones (docs/errata.md E13). */
 static bis_alias_builder *alias_builder(const bis_weights *w)
 {
     if (w->as_printed & BIS_E13) return bis_alias_build_raw;
@@ -35,7 +35,7 @@ static void build_alias_row(bis_table *t, const bis_weights *w, size_t y, uint32
     for (size_t x = 0; x < t->width; x++) t->alias[y * t->width + x] = (uint16_t)alias[x];
 }
 
-/* All rows, on all threads, each with a scratch of its own. */
+/* Builds all rows on all threads; each thread has its own scratch. */
 static bis_status build_alias_rows(bis_table *t, const bis_weights *w)
 {
     atomic_bool failed = false;
@@ -89,10 +89,11 @@ static bis_status init_cdf(bis_table *t, const bis_weights *w, const double *row
     return status ? status : build_cdf_rows(t, w, row_weight);
 }
 
-bis_status bis_table_init(bis_table *t, const bis_weights *w, const double *row_weight, bis_table_kind kind, bis_diag *diag)
+bis_status bis_table_init(bis_table *t, const bis_weights *w, const double *row_weight, bis_table_kind kind,
+                          bis_diag *diag)
 {
     *t = (bis_table){.kind = kind, .width = (size_t)w->em->width, .height = (size_t)w->em->height};
-    assert(t->width <= (size_t)UINT16_MAX + 1); /* twice BIS_IMAGE_MAX_SIDE at most: an angular map's resampling */
+    assert(t->width <= (size_t)UINT16_MAX + 1); /* at most twice BIS_IMAGE_MAX_SIDE: the resampling of an angular map */
     const bis_status status = kind == BIS_TABLE_ALIAS ? init_alias(t, w, row_weight) : init_cdf(t, w, row_weight);
     if (!status) return BIS_OK;
     bis_table_clear(t);
@@ -111,7 +112,7 @@ void bis_table_clear(bis_table *t)
     *t = (bis_table){0};
 }
 
-/* bis_alias_pick for short columns. */
+/* Does the same as bis_alias_pick, for short columns. */
 /* [pick-column] */
 static size_t pick_column(const bis_table *t, size_t y, double u)
 {

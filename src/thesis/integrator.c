@@ -1,11 +1,12 @@
-/* integrator: which estimators there are, the defaults and limits of their parameters, and a thread's workspace. */
+/* integrator: the list of estimators, the defaults and limits of their parameters, and a thread's workspace. */
 #include "bis/thesis/integrator.h"
 
 #include "bis/base/mem.h"
 
 #include <string.h>
 
-const bis_integrator *const bis_integrators[] = {&bis_em, &bis_brdf, &bis_mis, &bis_rejection, &bis_sir, &bis_exact, &bis_unoccluded, NULL};
+const bis_integrator *const bis_integrators[] = {&bis_em,  &bis_brdf,  &bis_mis,        &bis_rejection,
+                                                 &bis_sir, &bis_exact, &bis_unoccluded, NULL};
 
 const bis_integrator *bis_integrator_find(const char *name)
 {
@@ -46,31 +47,38 @@ void bis_settings_leave_open(bis_settings *s)
 
 const char *bis_proposal_name(bis_proposal p)
 {
-    static const char *const names[] = {
-        [BIS_PROPOSAL_EM] = "em", [BIS_PROPOSAL_BRDF] = "brdf", [BIS_PROPOSAL_MIX] = "mix", [BIS_PROPOSAL_CHOOSE] = "choose",
-        [BIS_PROPOSAL_PRODUCT] = "product"};
+    static const char *const names[] = {[BIS_PROPOSAL_EM] = "em",
+                                        [BIS_PROPOSAL_BRDF] = "brdf",
+                                        [BIS_PROPOSAL_MIX] = "mix",
+                                        [BIS_PROPOSAL_CHOOSE] = "choose",
+                                        [BIS_PROPOSAL_PRODUCT] = "product"};
 
     return names[p];
 }
 
 /* ---- limits ---- */
 
-static bis_status check_count(uint32_t value, const char *name, const char *what, const bis_settings *s, bis_loc at, bis_diag *diag)
+static bis_status check_count(uint32_t value, const char *name, const char *what, const bis_settings *s, bis_loc at,
+                              bis_diag *diag)
 {
     if (value >= 1) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, at, "\"%s\" is 0: integrator \"%s\" needs at least 1 %s", name, s->integrator->name, what);
+    return bis_error(diag, BIS_INPUT, at, "\"%s\" is 0: integrator \"%s\" needs at least 1 %s", name,
+                     s->integrator->name, what);
 }
 
 static bis_status check_mis(const bis_settings *s, bis_loc at, bis_diag *diag)
 {
     if (s->samples < 2) {
         return bis_error(diag, BIS_INPUT, at,
-                         "\"samples\" is %u: integrator \"mis\" divides them between map and BRDF and needs at least 2 (for a single one take "
+                         "\"samples\" is %u: integrator \"mis\" divides them between map and BRDF and needs at least 2 "
+                         "(for a single one take "
                          "\"em\" or \"brdf\")",
                          (unsigned)s->samples);
     }
     if (s->split >= 0 && s->split <= 1) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, at, "\"split\" is %g: the share of samples from the map must be in [0, 1] (0.5 is the default)", s->split);
+    return bis_error(diag, BIS_INPUT, at,
+                     "\"split\" is %g: the share of samples from the map must be in [0, 1] (0.5 is the default)",
+                     s->split);
 }
 
 static bis_status check_proposal(const bis_settings *s, bis_loc at, bis_diag *diag)
@@ -80,7 +88,10 @@ static bis_status check_proposal(const bis_settings *s, bis_loc at, bis_diag *di
 
     if (s->proposal != foreign && (s->proposal != BIS_PROPOSAL_PRODUCT || s->integrator == &bis_sir)) return BIS_OK;
     return bis_error(diag, BIS_INPUT, at, "\"proposal\" is \"%s\": integrator \"%s\" takes \"em\", \"brdf\"%s",
-                     bis_proposal_name(s->proposal), s->integrator->name, rejects ? " or \"choose\"" : s->integrator == &bis_sir ? ", \"mix\" or \"product\"" : " or \"mix\"");
+                     bis_proposal_name(s->proposal), s->integrator->name,
+                     rejects                     ? " or \"choose\""
+                     : s->integrator == &bis_sir ? ", \"mix\" or \"product\""
+                                                 : " or \"mix\"");
 }
 
 bis_status bis_settings_check(const bis_settings *s, bis_loc at, bis_diag *diag)
@@ -93,7 +104,8 @@ bis_status bis_settings_check(const bis_settings *s, bis_loc at, bis_diag *diag)
     if (i == &bis_exact) return check_count(s->perpatch, "perpatch", "ray in a patch", s, at, diag);
 
     bis_status status = check_count(s->candidates, "candidates", "candidate", s, at, diag);
-    bis_status rays = i == &bis_unoccluded ? BIS_OK : check_count(s->shadowrays, "shadowrays", "shadow ray", s, at, diag);
+    bis_status rays =
+        i == &bis_unoccluded ? BIS_OK : check_count(s->shadowrays, "shadowrays", "shadow ray", s, at, diag);
     bis_status proposal = check_proposal(s, at, diag);
     return status ? status : rays ? rays : proposal;
 }
@@ -120,8 +132,10 @@ bis_status bis_scratch_init(bis_scratch *scratch, const bis_settings *s, bis_dia
     if (scratch->candidates && scratch->u && scratch->chosen) return BIS_OK;
     bis_scratch_clear(scratch);
     return bis_error(diag, BIS_NOMEM, (bis_loc){NULL, 0, 0},
-                     "no memory for a thread's %u candidates, %u chosen ones and %u sample points of integrator \"%s\"; fewer of them need less",
-                     (unsigned)need.n_candidates, (unsigned)need.n_chosen, (unsigned)need.n_points, s->integrator->name);
+                     "no memory for a thread's %u candidates, %u chosen ones and %u sample points of integrator "
+                     "\"%s\"; fewer of them need less",
+                     (unsigned)need.n_candidates, (unsigned)need.n_chosen, (unsigned)need.n_points,
+                     s->integrator->name);
 }
 
 void bis_scratch_clear(bis_scratch *scratch)
@@ -136,7 +150,8 @@ size_t bis_scratch_bytes(const bis_settings *s)
 {
     const bis_needs need = needs_of(s);
 
-    return need.n_candidates * sizeof(bis_candidate) + need.n_points * sizeof(double[2]) + need.n_chosen * sizeof(uint32_t);
+    return need.n_candidates * sizeof(bis_candidate) + need.n_points * sizeof(double[2]) +
+           need.n_chosen * sizeof(uint32_t);
 }
 
 /* ---- auto ---- */
@@ -148,4 +163,5 @@ static rgb auto_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
     return bis_sir.Lo(s, pt, stream, scratch);
 }
 
-const bis_integrator bis_auto = {"auto", "that of the method which a pilot chooses: unbiased", auto_light_needs, auto_scratch_needs, auto_Lo};
+const bis_integrator bis_auto = {"auto", "that of the method which a pilot chooses: unbiased", auto_light_needs,
+                                 auto_scratch_needs, auto_Lo};

@@ -1,12 +1,13 @@
-/* light: the illumination as an integrator sees it: directions and densities in world space, thesis 3.1.
+/* light: the illumination as an integrator sees it: directions and densities in world space. Source: thesis 3.1.
  *
- * Either a constant, for which nothing is built and directions are uniform over the sphere, or a map with its
- * importance (3.3, 3.4), turned by the rotation or reflection that stood where the scene declared it. The rotation
- * preserves solid angles, so densities pass through unchanged. It is kept in double and made exactly orthonormal: the
- * inverse is the transpose.
+ * A light is a constant or a map. For a constant nothing is built, and directions are uniform over the sphere. A map
+ * comes with its importance (3.3, 3.4) and is turned by the rotation or reflection that stood where the scene
+ * declared it. A rotation preserves solid angles, so densities do not change. It is kept in double and made exactly
+ * orthonormal, because its inverse is then its transpose.
  *
- * What is drawn carries the radiance of the pixel that was drawn, not of the one that the rounded direction looks up
- * to: these differ for one direction in about 10^5 of a 4096 x 2048 map, next to a pixel's edge. */
+ * A drawn direction carries the radiance of the pixel that was drawn, and not that of the pixel that the rounded
+ * direction looks up. The two pixels differ for about one direction in 10^5 of a 4096 x 2048 map, next to a pixel's
+ * edge. */
 #include "bis/thesis/light.h"
 
 #include "bis/thesis/curve.h"
@@ -19,12 +20,12 @@
 #include <assert.h>
 #include <float.h>
 
-/* Of a constant, for eq. 3.2: equal steps of z and of phi, patches of equal solid angle. */
+/* The patches of a constant for eq. 3.2: equal steps of z and of phi, so patches of equal solid angle. */
 enum { PATCHES_X = 512, PATCHES_Y = 256 };
 
 struct bis_light {
     bool is_constant;
-    rgb L;                      /* of a constant */
+    rgb L;                      /* radiance of a constant */
     bis_envmap em;
     bis_importance *importance; /* NULL: nothing was needed */
     double rotation[3][3];      /* local to world, column by column: rotation[i] is the image of axis i */
@@ -51,8 +52,8 @@ static vec3 to_map_frame(const bis_light *light, vec3 w)
 
 /* ---- making one ---- */
 
-bis_status bis_light_new(bis_light **out, bis_envmap *em, const bis_xform *to_world, const bis_importance_options *importance,
-                         bis_diag *diag)
+bis_status bis_light_new(bis_light **out, bis_envmap *em, const bis_xform *to_world,
+                         const bis_importance_options *importance, bis_diag *diag)
 {
     const bis_xform rotation = bis_xform_rotation(to_world);
     bis_status status = BIS_OK;
@@ -103,7 +104,7 @@ rgb bis_light_Le(const bis_light *light, vec3 wi)
     return light->is_constant ? light->L : bis_envmap_Le(&light->em, to_map_frame(light, wi));
 }
 
-/* A constant, drawn at the square's point (u1, u2). */
+/* Draws from a constant at the point (u1, u2) of the square. */
 static bool constant_point(const bis_light *light, double u1, double u2, bis_light_point *s)
 {
     *s = (bis_light_point){bis_warp_sphere(u1, u2), light->L, 1 / (4 * PI)};
@@ -129,7 +130,7 @@ bool bis_light_sample_curve(const bis_light *light, double t, const double u[2],
 {
     if (light->is_constant) {
         double q[2];
-        bis_curve_hilbert(t, q); /* and the place in the curve's last cell, 2^-26 wide */
+        bis_curve_hilbert(t, q); /* u is the place in the curve's last cell, which is 2^-26 wide */
         return constant_point(light, q[0] + u[0] * 0x1p-26, q[1] + u[1] * 0x1p-26, s);
     }
     assert(light->importance);
@@ -162,7 +163,7 @@ double bis_light_mean(const bis_light *light) { return light->power / (4 * PI); 
 
 double bis_light_max_ratio(const bis_light *light)
 {
-    /* The caller divides I by the rounded 1/(4 pi): a factor 1 + 8 * 2^-53 covers these roundings and ours. */
+    /* The caller divides I by the rounded 1/(4 pi). The factor 1 + 8 * 2^-53 covers these roundings and ours. */
     if (light->is_constant) return light->max_intensity * (4 * PI) * (1 + 4 * DBL_EPSILON);
     assert(light->importance);
     return bis_importance_max_ratio(light->importance);

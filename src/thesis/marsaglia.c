@@ -3,9 +3,9 @@
  *
  *     P = {0.1, 0.2, 0.4, 0.3}    L = {0, 1, 1, 2, 2, 2, 2, 3, 3, 3}    x = L[floor(u |L|)]
  *
- * |L| is the least common denominator of P: the sum of the weights once their greatest common divisor is cancelled.
- * {1/2953, 2952/2953} needs 2953 elements (docs/errata.md E11), two irrational numbers cannot be done: the reason why
- * the alias method was invented. L is sorted, so the probability of i is the length of its run over |L|. */
+ * |L| is the least common denominator of P: the sum of the weights after their greatest common divisor is cancelled.
+ * {1/2953, 2952/2953} needs 2953 elements (docs/errata.md E11), and two irrational numbers have no list at all. The
+ * alias method was invented for this reason. L is sorted, so the probability of i is the length of its run over |L|. */
 #include "bis/thesis/marsaglia.h"
 #include "bis/base/mem.h"
 
@@ -25,7 +25,7 @@ bis_status bis_marsaglia_init(bis_marsaglia *m, const uint64_t *w, size_t n, bis
 {
     const bis_loc nowhere = {0};
     uint64_t divisor = 0;
-    double length = 0; /* a double: the sum of the weights may exceed 2^64 */
+    double length = 0; /* a double, because the sum of the weights may exceed 2^64 */
     size_t k = 0;
 
     *m = (bis_marsaglia){.n = n};
@@ -62,7 +62,7 @@ size_t bis_marsaglia_sample(const bis_marsaglia *m, double u)
     return m->list[(size_t)(u * (double)m->length)]; /* below length: see src/thesis/alias.c */
 }
 
-/* Where the run of the first item >= i begins in L. */
+/* Returns where the run of the first item >= i begins in L. */
 static size_t run_begin(const bis_marsaglia *m, size_t i)
 {
     size_t low = 0, high = m->length;

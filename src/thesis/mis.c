@@ -1,23 +1,24 @@
-/* mis: multiple importance sampling (Veach and Guibas 1995), the rival of chapter 5.
+/* mis: multiple importance sampling (Veach and Guibas 1995), which chapter 5 compares with.
  *
- * Of N samples, n_em come from the map and n_brdf = N - n_em from the BRDF. Each is worth F/(n_i q_i), times a weight
- * that depends on how well the other technique would have found the same direction; the weights of the two add up to 1
- * for every direction:
+ * Of N samples, n_em come from the map and n_brdf = N - n_em from the BRDF. Each contributes F/(n_i q_i), times a
+ * weight. The weight says how well this technique finds the direction, compared with the other technique. For every
+ * direction the weights of the two add up to 1:
  *
  *     L = sum_i sum_j  h_i(wi_ij) F(wi_ij) V(wi_ij) / (n_i q_i(wi_ij)),
  *     h_i = n_i q_i / sum_k n_k q_k  (balance)    or    (n_i q_i)^2 / sum_k (n_k q_k)^2  (power).
  *
- * `compensate` makes the map's share sharper: q_em is built from max(0, Le - mean) (Karlik et al. 2019), and is 0 over
- * the dark parts, where the BRDF's samples then have all the weight.
- * Unbiased for every N >= 2 and split, compensated or not. Cost: N draws with two densities each, at most N shadow
- * rays. */
+ * `compensate` concentrates the map's samples on its bright parts: q_em is built from max(0, Le - mean) (Karlik et
+ * al. 2019). It is 0 over the dark parts, where the BRDF's samples then have all the weight.
+ *
+ * The estimate is unbiased for every N >= 2 and every split, compensated or not. Cost: N draws with two densities
+ * each, and at most N shadow rays. */
 #include "proposal.h"
 
 static uint32_t samples_em(const bis_settings *s)
 {
     double n = round(s->split * (double)s->samples);
 
-    return (uint32_t)fmin(fmax(n, 1), (double)s->samples - 1); /* both techniques, always: SPEC 3 */
+    return (uint32_t)fmin(fmax(n, 1), (double)s->samples - 1); /* each technique gets at least one sample */
 }
 
 static unsigned light_needs(const bis_settings *s)
@@ -33,8 +34,8 @@ static void scratch_needs(const bis_settings *s, bis_needs *need)
     bis_em_samples_scratch_needs(n_em, s, need);
 }
 
-/* h of the technique with n q = own against the other's. By their ratio: squares could underflow, and Inf is a fair
- * ratio. */
+/* Returns h of the technique with n q = own against the other technique. It works with their ratio, because squares
+ * could underflow; a ratio of Inf is correct. */
 /* [mis-weight] */
 static double weight(bis_heuristic heuristic, double own, double other)
 {
@@ -45,7 +46,8 @@ static double weight(bis_heuristic heuristic, double own, double other)
 /* [end] */
 
 /* [mis-em] */
-static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, uint32_t n_em, uint32_t n_brdf)
+static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, uint32_t n_em,
+                   uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
     rgbd sum = {0, 0, 0};
@@ -53,7 +55,8 @@ static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *strea
     const bis_em_samples samples = bis_em_samples_start(n_em, s, stream, scratch);
     for (uint32_t j = 0; j < n_em; j++) {
         bis_light_point y;
-        if (!bis_em_sample(&y, &samples, j, pt->light, stream)) break; /* nothing (left) to draw from: the BRDF's samples do it all */
+        /* there is no light, or compensation left nothing: the BRDF's samples do everything */
+        if (!bis_em_sample(&y, &samples, j, pt->light, stream)) break;
 
         double q_brdf, cos_theta = bis_bsdf_cos(bsdf, y.wi);
         if (cos_theta <= 0) continue;
@@ -67,7 +70,8 @@ static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *strea
 /* [end] */
 
 /* [mis-brdf] */
-static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2], uint32_t n_em, uint32_t n_brdf)
+static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2], uint32_t n_em,
+                     uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
     rgbd sum = {0, 0, 0};
@@ -80,7 +84,7 @@ static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *str
         double q_brdf, cos_theta = bis_bsdf_cos(bsdf, wi);
         if (cos_theta <= 0) continue;
         rgb f = bis_bsdf_f_pdf(bsdf, wi, &q_brdf);
-        if (q_brdf <= 0) continue; /* where the lobe underflows: f = 0 there, too */
+        if (q_brdf <= 0) continue; /* the lobe underflows: f = 0 here, too */
         double q_em;
         rgb Le = bis_light_Le_pdf(pt->light, wi, &q_em);
         rgbd C = bis_estimate(f, Le, cos_theta, (double)n_brdf * q_brdf);

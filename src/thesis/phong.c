@@ -1,33 +1,36 @@
-/* phong: the energy-preserving Phong model, thesis 3.5.
+/* phong: the energy-preserving Phong model. Source: thesis 3.5.
  *
- * A specular lobe about the mirror direction R and a diffuse term (eq. 3.14). Its product with the cosine (eq. 3.17)
- * cannot be sampled analytically, so a direction is drawn from one of two densities that can: the lobe's own (eq. 3.15,
- * drawn by eq. 3.16), or the cosine about the normal. Which of the two is chosen at random by Ks : Kd, and the density
- * of what comes out is that of the mixture,
+ * The model is a specular lobe about the mirror direction R and a diffuse term (eq. 3.14). Its product with the
+ * cosine (eq. 3.17) cannot be sampled analytically. A direction is therefore drawn from one of two densities that
+ * can: that of the lobe (eq. 3.15, drawn by eq. 3.16), or the cosine about the normal. One of the two is chosen at
+ * random by Ks : Kd. The density of the direction is that of the mixture, whichever lobe it came from (docs/errata.md
+ * E35):
  *
- *     q_mix(wi) = p_s (n+1)/(2 pi) max(0, cos alpha)^n + p_d max(0, cos theta)/pi,     p_s + p_d = 1,
+ *     q_mix(wi) = p_s (n+1)/(2 pi) max(0, cos alpha)^n + p_d max(0, cos theta)/pi,     p_s + p_d = 1.
  *
- * whichever lobe it came from (docs/errata.md E35). Neither reflects all that arrives, as eq. 3.13 would have it (E33).
- * Part of the lobe may lie below the horizon: those directions are returned, have f = 0 and count, else the mean would
- * be too high (E34: +64 % at 85 degrees, n = 10).
+ * Neither lobe reflects all light that arrives, as eq. 3.13 would have it (E33). Part of the specular lobe may lie
+ * below the horizon. Its directions there are returned, have f = 0 and count, because the mean would otherwise be too
+ * high (E34: +64 % at 85 degrees, n = 10).
  *
- * Precision, for n from 0 to 1e8 (E36): everything in double, and never through cos alpha itself, which sits next to 1
- * where n is large:
- * |R - wi|^2 / 2 = 1 - cos alpha is free of cancellation. Unit vectors held in float limit what is left to about 1e-7
- * (1 + sqrt(n)).
- * Cost: one log1p and one exp for f, for the density, or for both together; none where Ks = 0. */
+ * Precision for n from 0 to 1e8 (E36): everything is in double. cos alpha itself is never used, because it is next to
+ * 1 where n is large. 1 - cos alpha = |R - wi|^2 / 2 has no cancellation. Unit vectors in float limit the relative
+ * error of the power to about 1e-7 (1 + sqrt(n)).
+ *
+ * Cost: one log1p and one exp for f, for the density, or for both together; none if Ks = 0. */
 #include "bis/thesis/phong.h"
 
 #include "bis/thesis/warp.h"
 
-/* max(0, cos alpha)^n. With x = 1 - cos alpha, cos^n = exp(n log1p(-x)). */
+/* Computes max(0, cos alpha)^n. With x = 1 - cos alpha, cos^n = exp(n log1p(-x)). */
 double bis_phong_power(vec3 a, vec3 b, double n)
 {
-    const double log_min = -708; /* just above log(DBL_MIN) = -708.4: denormals are slow, and what they would add is below 1e-300 */
+    /* just above log(DBL_MIN) = -708.4, because denormals are slow and would add less than 1e-300 */
+    const double log_min = -708;
     double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
     double one_minus_cos = (x * x + y * y + z * z) / 2;
 
-    if (one_minus_cos >= 1) return 0; /* max(0, ...): also stops the NaN of fractional n; at the horizon 0^0 = 0 */
+    /* max(0, ...): this also avoids the NaN of a fractional n; at the horizon 0^0 = 0 */
+    if (one_minus_cos >= 1) return 0;
     double log_power = n * log1p(-one_minus_cos);
     return log_power < log_min ? 0 : exp(log_power);
 }
@@ -38,9 +41,9 @@ double bis_phong_lobe_pdf(vec3 axis, vec3 wi, double n)
     return (n + 1) * (INV_PI / 2) * bis_phong_power(axis, wi, n);
 }
 
-/* Eq. 3.16: cos theta = (1 - u1)^(1/(n+1)), phi = 2 pi u2; returns log cos theta. sqrt(1 - cos^2) would cancel near the
- * axis (in float, at n = 1e5, 7 % of all samples are off by more than 1 %); (1 - cos)(1 + cos) with 1 - cos from expm1
- * does not. */
+/* Draws by eq. 3.16: cos theta = (1 - u1)^(1/(n+1)), phi = 2 pi u2. Returns log cos theta. sqrt(1 - cos^2) would
+ * cancel near the axis (in float at n = 1e5, 7 % of all samples are wrong by more than 1 %). (1 - cos)(1 + cos) with
+ * 1 - cos from expm1 does not cancel. */
 /* [phong-lobe] */
 static double lobe_direction(vec3 *wi, double n, double u1, double u2)
 {
@@ -61,9 +64,9 @@ void bis_phong_lobe_sample(vec3 *wi, double *pdf, double n, double u1, double u2
     *pdf = (n + 1) * (INV_PI / 2) * exp(n * log_cos); /* eq. 3.15 */
 }
 
-/* The lobe's axis R, and the probability of the specular lobe: Ks / (Ks + Kd), means over RGB (E35). Any positive
- * probabilities would be unbiased, 0 for a lobe that reflects would not: so p_s stays below 1, by the smallest step,
- * while Kd is not black. */
+/* Sets the lobe's axis R and the probability of the specular lobe: Ks / (Ks + Kd), means over RGB (E35). Any positive
+ * probabilities would be unbiased, but 0 for a lobe that reflects would not. p_s therefore stays below 1, by the
+ * smallest step, if Kd is not black. */
 static void init(bis_bsdf *b)
 {
     const bis_material *m = b->material;
@@ -76,8 +79,8 @@ static void init(bis_bsdf *b)
     if (b->p_specular == 1 && Kd > 0) b->p_specular = 1 - 0x1p-53;
 }
 
-/* Eq. 3.14 and q_mix: both hold the lobe (n+1)/(2 pi) cos^n alpha. Alpha between wi and R is the thesis's theta between
- * wo and the mirrored wi. */
+/* Computes eq. 3.14 and q_mix, because both contain the lobe (n+1)/(2 pi) cos^n alpha. alpha, between wi and R,
+ * equals the thesis's theta between wo and the mirrored wi. */
 /* [phong-density] */
 static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 {
@@ -87,13 +90,14 @@ static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 
     *pdf = b->p_specular * lobe + (1 - b->p_specular) * bis_warp_cosine_pdf(cos_theta);
     if (cos_theta <= 0 || bis_bsdf_cos(b, b->wo) <= 0) return (rgb){0, 0, 0};
-    return rgb_from((double)m->Ks.r * lobe + (double)m->Kd.r * INV_PI, (double)m->Ks.g * lobe + (double)m->Kd.g * INV_PI,
+    return rgb_from((double)m->Ks.r * lobe + (double)m->Kd.r * INV_PI,
+                    (double)m->Ks.g * lobe + (double)m->Kd.g * INV_PI,
                     (double)m->Ks.b * lobe + (double)m->Kd.b * INV_PI);
 }
 /* [end] */
 
-/* "Deciding which term to sample from is made randomly in order to remain unbiased" (3.5); then from the pole of eq.
- * 3.16 into the lobe's frame. */
+/* "Deciding which term to sample from is made randomly in order to remain unbiased" (3.5). The direction about the
+ * pole of eq. 3.16 is then turned into the lobe's frame. */
 /* [phong-sample] */
 static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {
@@ -111,23 +115,24 @@ static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 }
 /* [end] */
 
-/* The bounds of rejection (E27). Both are products of two cosines or of a cosine and f, and vectors of float are unit
- * to 2^-23 only: a cosine may reach (1 + 2^-23)^2, which these 2^-21 contain together with the rounding of f to
- * float. */
+/* The slack of rejection's bounds (E27). Both bounds are products of two cosines, or of a cosine and f. Float vectors
+ * are unit only to 2^-23, so a cosine may reach (1 + 2^-23)^2. 2^-21 contains this and the rounding of f to float. */
 static const double unit_slack = 1 + 0x1p-21;
 
-/* max f cos <= Ks (n+1)/(2 pi) + Kd/pi: each factor at its own maximum. */
+/* Returns max f cos <= Ks (n+1)/(2 pi) + Kd/pi: each factor at its own maximum. */
 static double max_f_cos(const bis_bsdf *b)
 {
     const bis_material *m = b->material;
     double lobe = (m->exponent + 1) * (INV_PI / 2);
-    rgb bound = rgb_from((double)m->Ks.r * lobe + (double)m->Kd.r * INV_PI, (double)m->Ks.g * lobe + (double)m->Kd.g * INV_PI,
-                         (double)m->Ks.b * lobe + (double)m->Kd.b * INV_PI);
+    rgb bound =
+        rgb_from((double)m->Ks.r * lobe + (double)m->Kd.r * INV_PI, (double)m->Ks.g * lobe + (double)m->Kd.g * INV_PI,
+                 (double)m->Ks.b * lobe + (double)m->Kd.b * INV_PI);
 
     return rgb_max(bound) * unit_slack;
 }
 
-/* max f cos / q_mix: a ratio of sums is at most the largest ratio of their terms, Ks cos/p_s and Kd/p_d. */
+/* Returns a bound of max f cos / q_mix: a ratio of sums is at most the largest ratio of their terms, Ks cos/p_s and
+ * Kd/p_d. */
 static double max_ratio(const bis_bsdf *b)
 {
     const bis_material *m = b->material;
@@ -139,8 +144,8 @@ static double max_ratio(const bis_bsdf *b)
 
 const bis_bsdf_model bis_phong_model = {"phong", init, sample, f_pdf, max_f_cos, max_ratio, false};
 
-/* What reflects less than 2^-67 is black. Else f of a direction that was drawn, at least Ks 2^-53/(2 pi) by eq. 3.16,
- * could be a denormal float, and its rounding exceed the bounds above. */
+/* Returns k with 0 for each channel below 2^-67. A direction that was drawn has an f of at least Ks 2^-53/(2 pi) by
+ * eq. 3.16. With a smaller Ks this could be a denormal float, whose rounding could exceed the bounds above. */
 static rgb visible(rgb k)
 {
     const float least = 0x1p-67f;

@@ -1,4 +1,4 @@
-/* point: shadow rays of one point, in groups. */
+/* point: traces the shadow rays of one point in groups. */
 #include "bis/thesis/point.h"
 
 enum { GROUP = 64 };

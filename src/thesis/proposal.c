@@ -1,4 +1,4 @@
-/* proposal: one direction from the map or from the BRDF. */
+/* proposal: draws one direction from the map or from the BRDF. */
 #include "proposal.h"
 
 #include "bis/thesis/curve.h"
@@ -33,7 +33,8 @@ bis_em_samples bis_em_samples_start(uint32_t n, const bis_settings *s, bis_strea
     return samples;
 }
 
-bool bis_em_sample(bis_light_point *y, const bis_em_samples *samples, uint32_t j, const bis_light *light, bis_stream *stream)
+bool bis_em_sample(bis_light_point *y, const bis_em_samples *samples, uint32_t j, const bis_light *light,
+                   bis_stream *stream)
 {
     double u[2];
 

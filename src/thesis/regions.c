@@ -1,13 +1,14 @@
 /* regions: the light sources of a map, as in thesis 3.4 and figure 3.6.
  *
- * Three steps, each linear: (1) every pixel gets a level, equal bins of the logarithm of its intensity; (2) a
- * breadth-first search from each pixel that has no label yet gives one to its whole component; (3) the solid angles of
- * the pixels are summed by label. A pixel enters the queue once, so one array as long as the map serves all searches.
+ * There are three steps, and each is linear. (1) Every pixel gets a level: equal bins of the logarithm of its
+ * intensity. (2) A breadth-first search from each pixel without a label gives one label to its whole component. (3)
+ * The solid angles of the pixels are summed by label. A pixel enters the queue once, so one array of the map's size
+ * serves all searches.
  *
- * On the sphere the left and right edges of the map touch, and so do all pixels of the first row, at the pole, and all
- * of the last (docs/errata.md E19; "the pixel opposite" would depend on whether W is even). Visiting a whole row from
- * each of its pixels would cost W^2: instead the first pixel of a level that a search meets there enqueues all of that
- * level, and the level is crossed off. */
+ * On the sphere the left and right edges of the map touch. All pixels of the first row also touch, at the pole, and
+ * likewise all of the last row (docs/errata.md E19; "the pixel opposite" would depend on whether W is even). To visit
+ * a whole row from each of its pixels would cost W^2. Instead, the first pixel of a level that a search meets in such
+ * a row enqueues all pixels of this level in the row, and the level is then done for this row. */
 #include "bis/thesis/regions.h"
 
 #include "bis/base/mem.h"
@@ -38,11 +39,11 @@ uint8_t bis_level_of_intensity(const bis_levels *l, double intensity)
 }
 /* [end] */
 
-/* One search and all that it needs. */
+/* The state of one search. */
 typedef struct search {
     const uint8_t *level; /* level[height * width] */
     uint32_t *label;
-    uint32_t *queue; /* queue[height * width], each pixel once */
+    uint32_t *queue; /* queue[height * width]: each pixel enters once */
     size_t head, tail;
     uint32_t width, height;
     bool first_row_done[BIS_LEVEL_NONE], last_row_done[BIS_LEVEL_NONE]; /* by level */
@@ -93,11 +94,12 @@ static void find_levels(uint8_t *level, const bis_envmap *em, int levels)
 #pragma omp parallel for
     for (int y = 0; y < em->height; y++) {
         const size_t row = (size_t)y * (size_t)em->width;
-        for (size_t i = row; i < row + (size_t)em->width; i++) level[i] = bis_level_of_intensity(&l, rgb_sum(em->pixels[i]));
+        for (size_t i = row; i < row + (size_t)em->width; i++)
+            level[i] = bis_level_of_intensity(&l, rgb_sum(em->pixels[i]));
     }
 }
 
-/* Solid angle and level of each component, once their number is known. */
+/* Computes the solid angle and the level of each component, after their number is known. */
 static bis_status sum_up(bis_regions *r, const bis_envmap *em, const uint8_t *level, bis_diag *diag)
 {
     r->solid_angle = bis_alloc(r->n, sizeof *r->solid_angle);
@@ -124,12 +126,17 @@ bis_status bis_regions_init(bis_regions *r, const bis_envmap *em, int levels, bi
     uint32_t *queue = bis_alloc(n, sizeof *queue);
     *r = (bis_regions){.label = bis_alloc(n, sizeof *r->label)};
     if (!level || !queue || !r->label) {
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the regions of a %d x %d map", em->width, em->height);
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the regions of a %d x %d map", em->width,
+                           em->height);
         goto done;
     }
     find_levels(level, em, levels);
     for (size_t i = 0; i < n; i++) r->label[i] = BIS_REGION_NONE;
-    search s = {.level = level, .label = r->label, .queue = queue, .width = (uint32_t)em->width, .height = (uint32_t)em->height};
+    search s = {.level = level,
+                .label = r->label,
+                .queue = queue,
+                .width = (uint32_t)em->width,
+                .height = (uint32_t)em->height};
     for (uint32_t i = 0; i < n; i++) {
         if (level[i] != BIS_LEVEL_NONE && r->label[i] == BIS_REGION_NONE) flood(&s, i, r->n++);
     }

@@ -1,25 +1,27 @@
-/* rejection: sample generation through rejection, thesis 4.3.
+/* rejection: sample generation through rejection. Source: thesis 4.3.
  *
  * A candidate drawn from q is accepted with probability phat/(B q) = w/B, where B bounds phat/q over all directions
- * (figure 4.3); what is accepted is distributed as the product p (eq. 4.4), and at most N of it are traced. Two bounds
- * (figure 4.4):
+ * (figure 4.3). The accepted candidates are distributed as the product p (eq. 4.4), and at most N of them are traced.
+ * There are two bounds (figure 4.4):
  *
- *     from the map:   phat/q_L <= max f cos * max I/q_L   = c_em       from the BRDF:  phat/q_f <= max f cos/q_f * max I   = c_brdf
+ *     from the map:   phat/q_L <= max f cos * max I/q_L  = c_em
+ *     from the BRDF:  phat/q_f <= max f cos/q_f * max I  = c_brdf
  *
- * (I = Le.r + Le.g + Le.b; docs/errata.md E27: L_ns is not needed). "choose" takes one of the two for all M candidates
- * of a point, the smaller bound with higher probability: P(em) = c_brdf/(c_em + c_brdf).
+ * with I = Le.r + Le.g + Le.b (docs/errata.md E27: L_ns is not needed). "choose" takes one of the two for all M
+ * candidates of a point. The smaller bound has the higher probability: P(em) = c_brdf/(c_em + c_brdf).
  *
- * M is fixed and the number A of accepted candidates falls as it may. (Drawing until N are accepted, as 4.3 reads,
- * overestimates: E22.)
- *   plain:  L = (B/M)(A/n) sum over the n = min(A, N) traced of F/phat V.  Unbiased for every M, N >= 1: a candidate is accepted with w/B and,
- *           if so, traced with n/A, so its expected contribution is (1/M) w F/phat V = (1/M) F/q V. A = 0 is part of
- *           the mean.
- *   ratio:  L = Zhat/n sum F/phat V, Zhat = W/M from all candidates (eq. 4.7, 4.6).  Biased by O(1/M): Zhat and the choice are not
- *           independent. When nothing is accepted: "resample" the same candidates by SIR (default: no further bias),
- *           "subset" of the candidates, or
- *           "unoccluded", as printed: it adds light in the shadows of narrow lobes (E29). The last two are biased.
- * Cost: M candidates, at most N rays; how many are accepted is Zhat/B of M: one in thousands under a contrasty map
- * (E28). */
+ * M is fixed, and the number A of accepted candidates is random. If candidates were drawn until N are accepted, as
+ * 4.3 reads, the estimate would be too high (E22). There are two estimators over the n = min(A, N) traced candidates:
+ *   - plain:  L = (B/M)(A/n) sum F/phat V. It is unbiased for every M, N >= 1: a candidate is accepted with probability
+ *     w/B and then traced with probability n/A, so its expected contribution is (1/M) w F/phat V = (1/M) F/q V. The
+ *     case A = 0 is part of the mean.
+ *   - ratio:  L = Zhat/n sum F/phat V, with Zhat = W/M from all candidates (eq. 4.7, 4.6). Its bias is O(1/M), because
+ *     Zhat and the choice are not independent. If nothing is accepted, there are three fallbacks: "resample" the same
+ *     candidates by SIR (default: no further bias), trace a "subset" of the candidates, or take the "unoccluded" value,
+ *     as printed, which adds light in the shadows of narrow lobes (E29). The last two are biased.
+ *
+ * Cost: M candidates and at most N rays. On average Zhat/B of the M are accepted: one in thousands under a contrasty
+ * map (E28). */
 #include "bis/thesis/errata.h"
 #include "as_printed.h"
 #include "candidates.h"
@@ -47,7 +49,7 @@ static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_strea
 }
 /* [end] */
 
-/* Accept each candidate with probability w/B, or 1 where B is no bound. Returns A. */
+/* Accepts each candidate with probability w/B, or 1 if B is no bound. Returns A. */
 /* [accept] */
 static uint32_t accept(uint32_t *chosen, const bis_candidate *x, const bis_settings *s, double B, bis_stream *stream)
 {
@@ -61,7 +63,7 @@ static uint32_t accept(uint32_t *chosen, const bis_candidate *x, const bis_setti
 }
 /* [end] */
 
-/* Move n of chosen[A], drawn without replacement, to the front (Fisher and Yates 1938). */
+/* Moves n of chosen[A], drawn without replacement, to the front (Fisher and Yates 1938). */
 static void draw_without_replacement(uint32_t *chosen, uint32_t A, uint32_t n, bis_stream *stream)
 {
     for (uint32_t j = 0; j < n; j++) {
@@ -89,7 +91,7 @@ static uint32_t positive(uint32_t *chosen, const bis_candidate *x, uint32_t M)
     return n;
 }
 
-/* The ratio estimator when nothing was accepted. W > 0. */
+/* Returns the ratio estimate when nothing was accepted. W > 0. */
 static rgbd fall_back(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, double W)
 {
     const uint32_t M = s->candidates, N = s->shadowrays;
@@ -132,15 +134,18 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
         W = sum_of_weights(x, M);
     }
     pt->counters->accepted += A;
-    if (A == 0) return s->estimator == BIS_ESTIMATOR_PLAIN ? (rgb){0, 0, 0} : rgbd_round(fall_back(s, pt, stream, scratch, W));
+    if (A == 0)
+        return s->estimator == BIS_ESTIMATOR_PLAIN ? (rgb){0, 0, 0} : rgbd_round(fall_back(s, pt, stream, scratch, W));
 
     /* [rejection-estimate] */
     uint32_t n = A < N ? A : N;
     draw_without_replacement(scratch->chosen, A, n, stream);
-    double Z = s->estimator == BIS_ESTIMATOR_PLAIN ? B / M * A : W / M; /* plain: B A/M in place of Zhat, which it estimates */
+    /* plain: B A/M takes the place of Zhat, which it estimates */
+    double Z = s->estimator == BIS_ESTIMATOR_PLAIN ? B / M * A : W / M;
     return rgbd_round(bis_candidates_trace(pt, x, scratch->chosen, n, Z / n));
     /* [end] */
 }
 
 const bis_integrator bis_rejection = {
-    "rejection", "\"plain\": unbiased; \"ratio\": bias O(1/M), more with fallback \"subset\" or \"unoccluded\"", light_needs, scratch_needs, Lo};
+    "rejection", "\"plain\": unbiased; \"ratio\": bias O(1/M), more with fallback \"subset\" or \"unoccluded\"",
+    light_needs, scratch_needs, Lo};

@@ -1,5 +1,5 @@
-/* resample: N marks over the running sum of the weights (thesis 4.4). Shared by candidates.c and batch.c, which walk
- * along different sums. */
+/* resample: N marks over the running sum of the weights (thesis 4.4). candidates.c and src/beyond/batch.c share it,
+ * because they walk along different sums. */
 #ifndef BIS_RESAMPLE_H
 #define BIS_RESAMPLE_H
 
@@ -14,6 +14,7 @@ typedef struct bis_marks {
     double log_rest; /* multinomial: log(1 - mark) */
 } bis_marks;
 
+/* bis_marks_start prepares N marks. */
 static inline bis_marks bis_marks_start(bis_resampling kind, uint32_t N, bis_stream *stream)
 {
     bis_marks m = {.kind = kind, .N = N};
@@ -22,9 +23,9 @@ static inline bis_marks bis_marks_start(bis_resampling kind, uint32_t N, bis_str
     return m;
 }
 
-/* Systematic: one number for all. Multinomial: the order statistics of N independent uniforms, made in order (Bentley
- * and Saxe 1980): of the N - j that lie above mark t, the smallest leaves a fraction (1-u)^(1/(N-j)) of 1 - t above
- * itself. */
+/* bis_marks_next returns the next mark. Systematic: one random number serves all marks. Multinomial: the marks are
+ * the order statistics of N independent uniform numbers, made in ascending order (Bentley and Saxe 1980). Of the N -
+ * j numbers above mark t, the smallest leaves a fraction (1-u)^(1/(N-j)) of 1 - t above itself. */
 static inline double bis_marks_next(bis_marks *m, bis_stream *stream)
 {
     uint32_t j = m->j++;

@@ -1,18 +1,22 @@
 /* sampler: point sets as functions of (seed, pixel, sample, dimension).
  *
- * Every set has a stream of random numbers, keyed by (seed, pixel, sample, dim), and every sequence a key, (seed,
- * pixel, dim), which its sets share. The kinds:
- *   stratified   Hilbert's curve cut into n equal pieces, a random point in each (Hilbert: any n will do)
- *   sobol        digits of the index in base 2, reversed, and the same after a triangular matrix: a (0,2)-sequence, i.e.
- *                each aligned block of 2^k points has one point in each of the 2^k boxes of any shape 2^-i x 2^-(k-i)
- *   halton       digits of the index reversed in base 2 and in base 3
- * Owen scrambling (Owen 1995) permutes each digit at random, in a way that depends on all digits above it: the nets
- * stay nets, each point becomes uniform, and two sequences with different keys independent. For base 2 the permutations
- * come from a hash in which a bit is changed by lower bits only, applied to the reversed number (Laine and Karras 2011,
- * with the constants of Vegdahl 2021); for base 3 digit by digit.
- * Two scrambled copies of one sequence would still be paired point by point: the first bit of one would tell the first
- * bit of the other for ever. So each dimension pair visits its sequence in an order of its own (Burley 2020).
- * Cost per point: stratified and sobol about 15 ns, halton 10 ns and 3 for each base-3 digit. */
+ * Every set has its own stream of random numbers, keyed by (seed, pixel, sample, dim). Every sequence has a key
+ * (seed, pixel, dim) that its sets share. The kinds:
+ *   stratified   Hilbert's curve, cut into n equal pieces, with a random point in each (Hilbert: any n is possible)
+ *   sobol        the digits of the index in base 2, reversed, and the same after a triangular matrix. This is a
+ *                (0,2)-sequence: each aligned block of 2^k points has one point in each of the 2^k boxes of any shape
+ *                2^-i x 2^-(k-i)
+ *   halton       the digits of the index, reversed in base 2 and in base 3
+ *
+ * Owen scrambling (Owen 1995) permutes each digit at random, in a way that depends on all digits above it. The nets
+ * stay nets, each point becomes uniform, and two sequences with different keys become independent. For base 2 the
+ * permutations come from a hash in which only lower bits change a bit, applied to the reversed number (Laine and
+ * Karras 2011, with the constants of Vegdahl 2021). For base 3 the permutation is digit by digit.
+ *
+ * Two scrambled copies of one sequence would still be paired point by point: the first bit of one would always
+ * determine the first bit of the other. Each dimension pair therefore visits its sequence in an order of its own
+ * (Burley 2020). Cost per point: about 15 ns for stratified and sobol; 10 ns for halton, and 3 ns for each base-3
+ * digit. */
 #include "bis/thesis/sampler.h"
 #include "bis/thesis/curve.h"
 
@@ -20,19 +24,20 @@
 #include <float.h>
 #include <math.h>
 
-/* Purposes of random streams; 0 is the integrators' own. Sets and sequences add their dim. */
+/* The purposes of random streams; 0 is that of the integrators. Sets and sequences add their dim. */
 static const uint64_t PURPOSE_CAMERA = (uint64_t)1 << 32;
 static const uint64_t PURPOSE_SET = (uint64_t)2 << 32;
 static const uint64_t PURPOSE_SEQUENCE = (uint64_t)3 << 32;
 
-/* The camera's dimension among the sequences: no integrator counts as far. */
+/* The camera's dimension among the sequences. No integrator numbers its dimensions so high. */
 enum { CAMERA_DIM = 0x7fffffff };
 
 /* ---- orders ---- */
 
-/* Image of i under a pseudo-random permutation of 0, ..., n - 1: a Feistel network on the least number of bits that
- * hold n - 1, repeated until the result is below n (fewer than two times on average). The tiny networks are the bad
- * ones: after 4 rounds, orders of 5 cells are off by 10 %, after 12 by nothing that a million orders show. */
+/* Returns the image of i under a pseudo-random permutation of 0, ..., n - 1: a Feistel network on the least number of
+ * bits that hold n - 1, repeated until the result is below n (fewer than two times on average). The smallest networks
+ * are the worst: after 4 rounds, orders of 5 cells are off by 10 %; after 12 rounds, a million orders show no
+ * deviation. */
 static uint64_t permuted(uint64_t i, uint64_t n, uint64_t key)
 {
     enum { ROUNDS = 12 };
@@ -62,8 +67,8 @@ static uint32_t reversed(uint32_t x)
     return x << 16 | x >> 16;
 }
 
-/* Owen's scrambling of a number whose digits stand in reversed order. Each line is a bijection, and passes information
- * from lower bits to higher ones only (a product with an even number is one shift ahead). */
+/* Applies Owen's scrambling to a number whose digits stand in reversed order. Each line is a bijection and passes
+ * information only from lower bits to higher ones (a product with an even number is shifted by at least one bit). */
 static uint32_t scrambled(uint32_t x, uint32_t key)
 {
     x ^= x * 0x3d20adeau;
@@ -74,9 +79,9 @@ static uint32_t scrambled(uint32_t x, uint32_t key)
     return x;
 }
 
-/* The second dimension of Sobol's sequence, in reversed order as the first one, which is the index itself. Its matrix
- * is Pascal's triangle modulo 2: bit j of the result is the sum of all bits k of x with k a superset of j as sets of
- * binary digits (Lucas), and so it is summed digit by digit. */
+/* Returns the second dimension of Sobol's sequence, in reversed order like the first one, which is the index itself.
+ * Its matrix is Pascal's triangle modulo 2: bit j of the result is the sum of all bits k of x with k a superset of j
+ * as sets of binary digits (Lucas). The sum is therefore made digit by digit. */
 static uint32_t sobol2(uint32_t x)
 {
     x ^= x >> 1 & 0x55555555u;
@@ -86,7 +91,7 @@ static uint32_t sobol2(uint32_t x)
     return x ^ x >> 16;
 }
 
-/* 32 digits, and 21 random ones behind them. */
+/* Returns 32 digits with 21 random ones after them. */
 static double with_random_tail(uint32_t x, uint64_t random)
 {
     return (double)((uint64_t)x << 21 | (random & 0x1fffff)) * 0x1p-53;
@@ -96,7 +101,8 @@ static void sobol_points(bis_rng *sequence, bis_rng *random, uint64_t first, uin
 {
     uint64_t key = bis_rng_u64(sequence), order = bis_rng_u64(sequence);
     for (uint32_t i = 0; i < n; i++) {
-        uint64_t epoch = bis_hash((first + i) >> 32), tail = bis_rng_u64(random); /* after 2^32 points, a new sequence */
+        uint64_t epoch = bis_hash((first + i) >> 32),
+                 tail = bis_rng_u64(random); /* after 2^32 points, a new sequence */
         uint64_t k = key ^ epoch;
         uint32_t index = reversed(scrambled(reversed((uint32_t)(first + i)), (uint32_t)(order ^ epoch)));
         u[i][0] = with_random_tail(reversed(scrambled(index, (uint32_t)k)), tail);
@@ -106,8 +112,8 @@ static void sobol_points(bis_rng *sequence, bis_rng *random, uint64_t first, uin
 
 /* ---- base 3 ---- */
 
-/* index, its digits reversed in base 3 and permuted by one of the six permutations d -> a + b d (mod 3), b = 1 or 2,
- * chosen by the digits above; behind `depth` digits, `rest`. */
+/* Returns index with its digits reversed in base 3 and permuted. Each digit gets one of the six permutations d -> a +
+ * b d (mod 3), b = 1 or 2; the digits above choose which. `rest` follows after `depth` digits. */
 static double scrambled_base3(uint32_t index, int depth, uint64_t key, double rest)
 {
     uint64_t above = 1, value = 0, cells = 1; /* above: 1, then the digits, so that no two prefixes are the same */
@@ -120,10 +126,10 @@ static double scrambled_base3(uint32_t index, int depth, uint64_t key, double re
         cells *= 3;
     }
     double u = ((double)value + rest) / (double)cells;
-    return u < 1 ? u : 1 - DBL_EPSILON / 2; /* the sum rounds up to the next integer when rest is nearly 1 */
+    return u < 1 ? u : 1 - DBL_EPSILON / 2; /* the sum rounds up to the next integer if rest is nearly 1 */
 }
 
-/* Digits that number `count` points. */
+/* Returns how many base-3 digits number `count` points. */
 static int base3_digits(uint64_t count)
 {
     int digits = 0;
@@ -147,13 +153,14 @@ static void halton_points(bis_rng *sequence, bis_rng *random, uint64_t first, ui
 
 /* ---- stratified, random ---- */
 
-/* Point i lies on the i-th n-th of Hilbert's curve, whose last cells are 2^-26 wide: random within them. */
+/* Point i lies on the i-th of n equal parts of Hilbert's curve. It is random within the curve's last cell, which is
+ * 2^-26 wide. */
 static void stratified_points(bis_rng *random, uint32_t n, double (*u)[2])
 {
     for (uint32_t i = 0; i < n; i++) {
         double t = ((double)i + bis_rng_double(random)) / n;
         uint64_t tail = bis_rng_u64(random);
-        bis_curve_hilbert(t < 1 ? t : 1 - DBL_EPSILON / 2, u[i]); /* the sum may round up to n, an ulp away */
+        bis_curve_hilbert(t < 1 ? t : 1 - DBL_EPSILON / 2, u[i]); /* the sum may round up to n if it is an ulp away */
         u[i][0] += (double)(tail & 0x7ffffff) * 0x1p-53;
         u[i][1] += (double)(tail >> 32 & 0x7ffffff) * 0x1p-53;
     }
@@ -169,7 +176,7 @@ static void random_points(bis_rng *random, uint32_t n, double (*u)[2])
 
 /* ---- streams ---- */
 
-/* The divisor of n nearest to its square root from below. */
+/* Returns the divisor of n that is nearest to its square root from below. */
 static uint64_t square_divisor(uint64_t n)
 {
     uint64_t d = (uint64_t)sqrt((double)n);
@@ -190,7 +197,8 @@ void bis_stream_init(bis_stream *s, const bis_sampler *sampler, uint64_t pixel, 
     bis_rng_init(&s->rng, sampler->seed, pixel, sample, 0);
 }
 
-/* What all samples of a pixel share in dimension pair dim, and in `round` 0, 1, ... of spp samples each. */
+/* Returns the numbers that all samples of a pixel share in dimension pair dim, in `round` 0, 1, ... of spp samples
+ * each. */
 static bis_rng sequence_of(const bis_stream *s, unsigned dim, uint64_t round)
 {
     bis_rng r;
@@ -198,14 +206,14 @@ static bis_rng sequence_of(const bis_stream *s, unsigned dim, uint64_t round)
     return r;
 }
 
-/* This sample's place in the halton sequence of dim. Bases 2 and 3 have no common order of digits that could be
- * scrambled; instead, the spp samples take their turns at random. */
+/* Returns this sample's place in the halton sequence of dim. Bases 2 and 3 have no common order of digits that could
+ * be scrambled. Instead, the spp samples of a round take their places in a random order. */
 static uint64_t halton_turn(const bis_stream *s, unsigned dim)
 {
     uint64_t spp = s->sampler->spp, round = s->sample / spp, turn = s->sample % spp;
     if (dim == CAMERA_DIM) return s->sample;
     bis_rng order = sequence_of(s, dim, round);
-    order.counter = 2; /* 0 and 1 are the scramblings' */
+    order.counter = 2; /* 0 and 1 belong to the scramblings */
     return round * spp + permuted(turn, spp, bis_rng_u64(&order));
 }
 
@@ -223,8 +231,8 @@ void bis_stream_points(bis_stream *s, unsigned dim, uint32_t n, double (*u)[2])
     }
 }
 
-/* A jittered point in one of xsamples x ysamples cells; the cells are visited in a random order, a new one each
- * round. */
+/* Stores a jittered point in one of xsamples x ysamples cells. The cells are visited in a random order, which is new
+ * in each round. */
 static void stratified_camera(const bis_stream *s, double u[2])
 {
     const bis_sampler *p = s->sampler;

@@ -1,18 +1,20 @@
-/* sir: sampling-importance resampling, thesis 4.4, the default.
+/* sir: sampling-importance resampling, the default. Source: thesis 4.4.
  *
- * M candidates from a proposal q, each with its weight w = phat/q; N of them are drawn in proportion to w and only
- * these are traced:
+ * M candidates x_i are drawn from a proposal q, each with its weight w_i = phat/q. N of them, y_j, are drawn with
+ * probability w_i / sum w, and only these are traced:
  *
- *     L = (Zhat/N) sum_{j<=N} F(y_j)/phat(y_j) V(y_j),     Zhat = (1/M) sum_{i<=M} w_i,     y_j from x_1..x_M with probability w_i / sum w
+ *     L = (Zhat/N) sum_{j<=N} F(y_j)/phat(y_j) V(y_j),     Zhat = (1/M) sum_{i<=M} w_i
  *
- * which is eq. 4.6 with L_ns estimated from the same candidates, in RGB (docs/errata.md E6). All the noise of light and
- * material is left to the cheap candidates, the rays see only that of V.
- * Unbiased for every M >= 1 and N >= 1, not only in the limit (E21), because E[Zhat V(y) | x] = (1/M) sum w_i V(x_i);
- * with L_ns from anywhere else it is not. M = N = 1 is plain importance sampling, as the thesis says (E24). No positive
- * weight: 0, part of the mean (E25).
- * Variance (E31): about Var(Zhat) Vbar^2 + L_ns^2 Var(V)/N; where nothing is shadowed, only the first term.
- * Cost: M candidates, at most N rays (repeats are traced once). A renderer may run the same estimator for all candidates
- * of a point at once (src/beyond/batch.c); this file is what that is tested against. */
+ * This is eq. 4.6 with L_ns estimated from the same candidates, in RGB (docs/errata.md E6). The cheap candidates
+ * carry all the noise of light and material; the rays carry only that of V.
+ *
+ * The estimate is unbiased for every M >= 1 and N >= 1, not only in the limit (E21), because E[Zhat V(y) | x] = (1/M)
+ * sum w_i V(x_i). With L_ns from any other source it is biased. M = N = 1 is plain importance sampling, as the thesis
+ * says (E24). If no weight is positive, the estimate is 0, which is part of the mean (E25).
+ *
+ * Variance (E31): about Var(Zhat) Vbar^2 + L_ns^2 Var(V)/N. Where nothing is shadowed, only the first term remains.
+ * Cost: M candidates and at most N rays (repeats are traced once). A renderer may run the same estimator for all
+ * candidates of a point at once (src/beyond/batch.c); tests compare it with this file. */
 #include "sir.h"
 
 #include "bis/thesis/errata.h"

@@ -1,9 +1,9 @@
-/* unoccluded: L_ns of eq. 4.5 alone: the candidates of SIR, their mean, no shadow rays.
+/* unoccluded: L_ns of eq. 4.5 alone: the mean of SIR's candidates, without shadow rays.
  *
  *     L = (1/M) sum_j F(wi_j)/q(wi_j)
  *
- * Unbiased for L_ns, hence biased upwards for L wherever something is in shadow: for looking at a scene, and at the
- * first term of SIR's variance (docs/errata.md E31). Cost: M candidates. */
+ * The estimate is unbiased for L_ns. It is therefore too high for L wherever something is in shadow. It serves to
+ * look at a scene, and at the first term of SIR's variance (docs/errata.md E31). Cost: M candidates. */
 #include "candidates.h"
 
 static unsigned light_needs(const bis_settings *s)
@@ -19,10 +19,12 @@ static void scratch_needs(const bis_settings *s, bis_needs *need)
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    double W = bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->sets, pt, stream);
+    double W =
+        bis_candidates_draw(scratch->candidates, s->candidates, s->proposal, s->stratify, scratch->sets, pt, stream);
 
     if (W <= 0) return (rgb){0, 0, 0};
     return rgbd_round(bis_candidates_unoccluded(scratch->candidates, s->candidates));
 }
 
-const bis_integrator bis_unoccluded = {"unoccluded", "biased: without shadows; unbiased for L_ns", light_needs, scratch_needs, Lo};
+const bis_integrator bis_unoccluded = {"unoccluded", "biased: without shadows; unbiased for L_ns", light_needs,
+                                       scratch_needs, Lo};

@@ -1,5 +1,5 @@
-/* warp: see each function. Computed in double; the sines come from products that do not cancel: sqrt(1 - z^2) near z =
- * 1 would lose half its digits. */
+/* warp: the maps of bis/thesis/warp.h, computed in double. The sines come from products that do not cancel, because
+ * sqrt(1 - z^2) near z = 1 would lose half its digits. */
 #include "bis/thesis/warp.h"
 
 vec3 bis_warp_sphere(double u1, double u2)
@@ -9,9 +9,9 @@ vec3 bis_warp_sphere(double u1, double u2)
     return vec3_from(sin_theta * cos(phi), sin_theta * sin(phi), 1 - 2 * u1);
 }
 
-/* Squares about the centre become circles about the centre: radius r = max(|a|, |b|), angle in proportion along the
- * side. one_minus_r is 1 - r without rounding: 1 - |2u - 1| = 2 min(u, 1 - u). Source: Shirley and Chiu 1997, "A Low
- * Distortion Map Between Disk and Square". */
+/* Maps squares about the centre to circles about the centre: the radius is r = max(|a|, |b|), and the angle is in
+ * proportion to the place along the side. one_minus_r is 1 - r without rounding: 1 - |2u - 1| = 2 min(u, 1 - u).
+ * Source: Shirley and Chiu 1997, "A Low Distortion Map Between Disk and Square". */
 static void concentric(double d[2], double *r, double *one_minus_r, double u1, double u2)
 {
     double a = 2 * u1 - 1, b = 2 * u2 - 1, phi;
@@ -23,7 +23,7 @@ static void concentric(double d[2], double *r, double *one_minus_r, double u1, d
     } else {
         *r = b;
         *one_minus_r = 2 * fmin(u2, 1 - u2);
-        phi = b == 0 ? 0 : PI / 2 - PI / 4 * (a / b); /* b = 0: the centre, which has no angle */
+        phi = b == 0 ? 0 : PI / 2 - PI / 4 * (a / b); /* b = 0 is the centre, which has no angle */
     }
     d[0] = *r * cos(phi);
     d[1] = *r * sin(phi);

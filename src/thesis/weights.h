@@ -1,7 +1,7 @@
-/* weights: how cdf and alias bring any weights, 1e-300 or 1e300, into reach of a sum that cannot overflow. Private to
- * these.
+/* weights: scaling of weights, so that cdf and alias can sum any of them, 1e-300 or 1e300, without overflow. Only
+ * these two modules include it.
  *
- * The largest weight is scaled into [1/2, 1) by a power of two, which rounds nothing. */
+ * A power of two scales the largest weight into [1/2, 1). This rounds nothing. */
 #ifndef BIS_WEIGHTS_H
 #define BIS_WEIGHTS_H
 
@@ -9,8 +9,8 @@
 #include <math.h>
 #include <stddef.h>
 
-/* A weight times half1 times half2; two factors, because 2^1074, for the least double, is none. Both 0 when all weights
- * are. */
+/* A scaled weight is the weight times half1 times half2. There are two factors, because one factor for the least
+ * double would be 2^1074, which is no double. Both are 0 if all weights are 0. */
 typedef struct weight_scale {
     double half1, half2;
     int exponent; /* half1 * half2 = 2^-exponent */

@@ -1,4 +1,4 @@
-/* compare: figures that say how far image a is from reference b, SPEC 5.
+/* compare: figures that say how far image a is from reference b: docs/command-line.md, "bis compare".
  *
  * relMSE divides each squared difference by b^2 + m^2/100, m the reference's mean: dark and bright pixels weigh alike,
  * black ones do not divide by zero (a tenth of the mean is where "dark" ends). A pixel with a NaN or infinity in either

@@ -13,7 +13,7 @@
 #include <string.h>
 #include <sys/resource.h>
 
-/* SPEC 3: parameters in the order of the documentation. */
+/* Parameters in the order of docs/scene-format.md, "Integrator". */
 static const struct {
     const bis_integrator *integrator;
     const char *parameters[BIS_MAX_PARAMETERS + 1];

@@ -13,21 +13,22 @@
 
 enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 12, BIS_MAX_LINE = 512 };
 
-/* Has this integrator the parameter of SPEC 3 with that name ("candidates")? */
+/* Has this integrator the parameter with that name ("candidates"; docs/scene-format.md, "Integrator")? */
 bool bis_integrator_uses(const bis_integrator *integrator, const char *parameter);
 
-/* The parameters that the integrator reads, in the order of SPEC 3; returns their number. Texts are static. */
+/* The parameters that the integrator reads, in the order of docs/scene-format.md; returns their number. Texts are
+ * static. */
 int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MAX_PARAMETERS]);
 
 /* The same as a scene file would say it: Integrator "sir" "integer candidates" 256 ... */
 const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s);
 
-/* A line for each Integrator of the description from `first` on (0: the general one, 1: the exceptions alone), with "\n"
- * between; by bis_alloc. NULL: no memory. */
+/* A line for each Integrator of the description from `first` on (0: the general one, 1: the exceptions alone), with
+ * "\n" between; by bis_alloc. NULL: no memory. */
 char *bis_describe_integrators(const bis_scene_desc *d, int first);
 
-/* What auto has chosen, and how much longer one setting for all materials and the best of each other method would take to
- * the same error, in one line. The report must have a choice, d have been given it. */
+/* What auto has chosen, and how much longer one setting for all materials and the best of each other method would
+ * take to the same error, in one line. The report must have a choice, d have been given it. */
 const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r, const bis_scene_desc *d);
 
 /* Everything that --stats tells. seconds.write and .total are those so far. */
@@ -43,11 +44,11 @@ typedef struct bis_stats {
 } bis_stats;
 
 /* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), adaptive (where it is),
- * exceptions (their lines, where there are some), bis:auto (all lines for a scene, where auto chose), spp, seed, render_seconds, estimated_relative_rmse (where
- * known), bis:version ("version" alone is reserved by OpenEXR). */
+ * exceptions (their lines, where there are some), bis:auto (all lines for a scene, where auto chose), spp, seed,
+ * render_seconds, estimated_relative_rmse (where known), bis:version ("version" alone is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 
-/* The JSON of --stats, keys as SPEC 5; what does not apply is null. */
+/* The JSON of --stats, keys as docs/command-line.md; what does not apply is null. */
 void bis_stats_print(const bis_stats *s, FILE *out);
 
 #endif

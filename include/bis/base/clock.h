@@ -1,10 +1,11 @@
-/* clock: seconds on a clock that nobody sets, and those that this thread has worked. For durations: their zeros mean
- * nothing. */
+/* clock: a monotonic clock, and the processor time of a thread. Both are for durations: only differences of two
+ * readings have a meaning. */
 #ifndef BIS_CLOCK_H
 #define BIS_CLOCK_H
 
 #include <time.h>
 
+/* bis_clock_now returns the seconds of a monotonic clock that nobody sets. */
 static inline double bis_clock_now(void)
 {
     struct timespec t;
@@ -12,7 +13,8 @@ static inline double bis_clock_now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Waiting does not count, nor do other threads. A call of the system: half a microsecond. */
+/* bis_clock_processor returns the seconds of processor time that this thread has used. Waiting does not count, nor do
+ * other threads. One reading is a system call and costs half a microsecond. */
 static inline double bis_clock_processor(void)
 {
     struct timespec t;

@@ -1,18 +1,19 @@
-/* clones: one function compiled for several processors, so that a plain loop runs as wide vectors where there are any.
+/* clones: one function compiled for several processors, so that a plain loop uses the widest vectors of the machine.
  *
  * BIS_LANES before a static function makes a clone for AVX-512, one for AVX2 and one for any processor. The loader
  * chooses when the program starts. BIS_INLINE before a function copies it into every clone. */
 #ifndef BIS_CLONES_H
 #define BIS_CLONES_H
 
-/* Clones need an indirect function of glibc's loader. Sanitizers instrument the function that chooses, and it runs
- * before they are ready. For static functions only: clang 14 gives an exported one another name than its callers in other
- * files know. */
-#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && \
-    !defined(BIS_ONE_CLONE)
+/* Clones need an indirect function of glibc's loader. They are off under the sanitizers, because a sanitizer
+ * instruments the function that chooses, and that function runs before the sanitizer is ready. They are for static
+ * functions only, because clang 14 gives an exported clone a name that its callers in other files do not know. */
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__) && !defined(BIS_ONE_CLONE)
 #if !defined(__has_feature)
 #define BIS_LANES __attribute__((target_clones("avx512f", "avx2", "default")))
-#elif !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer) && !__has_feature(undefined_behavior_sanitizer)
+#elif !__has_feature(address_sanitizer) && !__has_feature(thread_sanitizer) && \
+    !__has_feature(undefined_behavior_sanitizer)
 #define BIS_LANES __attribute__((target_clones("avx512f", "avx2", "default")))
 #endif
 #endif
@@ -20,7 +21,8 @@
 #define BIS_LANES
 #endif
 
-/* Into every clone, before it is made: a loop with a call in it is no vector. */
+/* Copies the function into every clone before the clone is compiled, because a loop that contains a call cannot
+ * become a vector loop. */
 #define BIS_INLINE __attribute__((always_inline))
 
 #endif

@@ -1,4 +1,4 @@
-/* image: RGB pixels in linear radiance, in memory. Files of them are read and written by bis/files/image_file.h. */
+/* image: RGB pixels in memory, in linear radiance. bis/files/image_file.h reads and writes them as files. */
 #ifndef BIS_IMAGE_H
 #define BIS_IMAGE_H
 
@@ -7,24 +7,24 @@
 
 #include <stddef.h>
 
-/* pixels[height][width], row 0 at the top. Values are as in the file: NaN, infinite or negative ones included. */
+/* pixels[height][width], row 0 at the top. The values are those of the file: they may be NaN, infinite or negative. */
 typedef struct bis_image {
     int width, height;
     rgb *pixels;
 } bis_image;
 
-/* The largest side we accept; 2^15 squared pixels of 12 bytes are 12 GiB. Nothing is allocated before a header's size
- * has been held against this and against the file's size. */
+/* The largest side that is accepted. 2^15 squared pixels of 12 bytes are 12 GiB. A reader allocates only after it has
+ * compared the size in the header with this limit and with the size of the file. */
 #define BIS_IMAGE_MAX_SIDE 32768
 
 /* bis_image_init allocates width x height black pixels. Errors: BIS_INPUT (a side below 1 or above
- * BIS_IMAGE_MAX_SIDE), BIS_NOMEM; *image is then empty. */
+ * BIS_IMAGE_MAX_SIDE), BIS_NOMEM. *image is then empty. */
 bis_status bis_image_init(bis_image *image, int width, int height, bis_diag *diag);
 
-/* bis_image_clear frees the pixels; the image is then empty. */
+/* bis_image_clear frees the pixels. *image is empty afterwards. */
 void bis_image_clear(bis_image *image);
 
-/* One plane to be written: pixels data[(y * width + x) * stride]. */
+/* One plane to be written. Pixel (x, y) is data[(y * width + x) * stride]. */
 typedef struct bis_channel {
     const char *name; /* "R", "G", "B", "A", "stderr.R", ... */
     const float *data;

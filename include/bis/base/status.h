@@ -1,7 +1,8 @@
-/* status: one type that carries every complaint from the byte where it arose to the line that the user reads.
+/* status: the one type that carries an error from the byte where it arose to the line that the user reads.
  *
- * Library code never prints, exits or aborts. A function that can fail returns a bis_status, and appends a message to
- * the caller's bis_diag, which is a list because a parser goes on after the first mistake. Only the cli prints it. */
+ * Library code never prints, exits or aborts. A function that can fail returns a bis_status and appends a message to
+ * the caller's bis_diag. This is a list, because a parser continues after the first mistake. Only the command line
+ * prints it. */
 #ifndef BIS_STATUS_H
 #define BIS_STATUS_H
 
@@ -10,23 +11,25 @@
 
 typedef enum bis_status {
     BIS_OK,
-    BIS_IO,    /* the disk's fault: cannot open, read, write, rename; the cli exits with 1 */
-    BIS_NOMEM, /* no memory; the cli exits with 1 */
-    BIS_INPUT  /* the input's fault: syntax, range, damaged file; the cli exits with 2 for scenes, see SPEC 5 */
+    BIS_IO,    /* a failure of the disk: cannot open, read, write or rename; the program exits with 1 */
+    BIS_NOMEM, /* no memory; the program exits with 1 */
+    /* a mistake in the input: syntax, range, a damaged file; the program exits with 2 for scenes
+     * (docs/command-line.md) */
+    BIS_INPUT
 } bis_status;
 
-/* A place in a file. line and column count from 1; line 0: the whole file; file NULL: no file at all. */
+/* A place in a file. line and column count from 1. line 0 means the whole file, file NULL no file at all. */
 typedef struct bis_loc {
     const char *file;
     int line, column;
 } bis_loc;
 
 typedef struct bis_message {
-    bool is_error; /* else a warning */
+    bool is_error; /* false: a warning */
     char *text;    /* "FILE:LINE:COLUMN: error: ..." without a newline; owned by the list */
 } bis_message;
 
-/* Zero-initialise ({0}) before use, bis_diag_clear after. */
+/* A list of messages. Initialise it with {0} and release it with bis_diag_clear. */
 typedef struct bis_diag {
     bis_message *messages;
     size_t n, capacity;
@@ -36,18 +39,19 @@ typedef struct bis_diag {
 
 #define BIS_PRINTF(fmt_index, first) __attribute__((format(printf, fmt_index, first)))
 
-/* Add "FILE:LINE:COLUMN: error: MESSAGE" to diag (may be NULL) and return code: `return bis_error(...)`.
+/* bis_error adds "FILE:LINE:COLUMN: error: MESSAGE" to diag (may be NULL) and returns code: `return bis_error(...)`.
  * A good message names the thing, the value, the rule and the way out. */
 bis_status bis_error(bis_diag *diag, bis_status code, bis_loc at, const char *fmt, ...) BIS_PRINTF(4, 5);
 
-/* Add "FILE:LINE:COLUMN: warning: MESSAGE" to diag (may be NULL). */
+/* bis_warn adds "FILE:LINE:COLUMN: warning: MESSAGE" to diag (may be NULL). */
 void bis_warn(bis_diag *diag, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
 
-/* Free all messages; diag is empty and usable afterwards. NULL is fine. */
+/* bis_diag_clear frees all messages; diag may be NULL. diag is empty and usable afterwards. */
 void bis_diag_clear(bis_diag *diag);
 
-/* The name in names[0..n-1] nearest to word (edit distance at most a third of its length, at least 1), or NULL: for
- * `did you mean "X"?`. Case is ignored. */
+/* bis_nearest_name returns the name in names[0..n-1] that is nearest to word, or NULL, for messages like `did you
+ * mean "X"?`. The edit distance is at most a third of the length of word, but at least 1 is allowed. Case is
+ * ignored. */
 const char *bis_nearest_name(const char *word, const char *const *names, size_t n);
 
 #endif

@@ -1,14 +1,14 @@
-/* lanes: many directions at once, as arrays that the compiler turns into vectors.
+/* lanes: many directions at once, in arrays that the compiler turns into vectors.
  *
- * A candidate costs some 25 ns one by one, most of it in the power of the lobe; eight or sixteen side by side cost 1 to
- * 2 ns each. What it takes:
- * structures of arrays, in float; loops without calls or branches; polynomials for log and exp; and BIS_LANES, which
- * has a function compiled for AVX-512, for AVX2 and for any processor, and chooses when the program starts. No
- * intrinsics, no -ffast-math: each loop is plain C and the same formula as in the plain module beside it (phong_lanes.c
- * : phong.c), which stays its reference and its oracle in the tests.
+ * One candidate alone costs about 25 ns, most of it in the power of the lobe. Eight or sixteen candidates side by
+ * side cost 1 to 2 ns each. This needs structures of float arrays, loops without calls or branches, polynomials for
+ * log and exp, and BIS_LANES: it compiles a function for AVX-512, for AVX2 and for any processor, and the program
+ * chooses when it starts. There are no intrinsics and no -ffast-math. Each loop is plain C with the same formula as
+ * the plain module beside it (phong_lanes.c beside phong.c). The plain module is the reference of the loop in the
+ * tests.
  *
- * The bits do not depend on the processor: every operation is IEEE's, none is fused (-ffp-contract=off), and sums have
- * a fixed order. */
+ * The bits do not depend on the processor: every operation is IEEE's, none is fused (-ffp-contract=off), and sums
+ * have a fixed order. */
 #ifndef BIS_LANES_H
 #define BIS_LANES_H
 
@@ -18,27 +18,32 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Lanes come in blocks of so many: arrays hold a whole number of blocks, and what fills the last one has Le = 0. */
+/* Lanes come in blocks of this size. Arrays hold a whole number of blocks, and lanes that only fill the last block
+ * have Le = 0. */
 enum { BIS_LANES_BLOCK = 16 };
 
+/* bis_lanes_blocks returns the number of blocks that hold n lanes, bis_lanes_round_up the number of lanes in these
+ * blocks. */
 static inline uint32_t bis_lanes_blocks(uint32_t n) { return (n + BIS_LANES_BLOCK - 1) / BIS_LANES_BLOCK; }
 static inline uint32_t bis_lanes_round_up(uint32_t n) { return bis_lanes_blocks(n) * BIS_LANES_BLOCK; }
 
-/* Directions towards the light: wi = (x, y, z), unit, world space; radiance from there over the light's mean radiance,
- * which keeps it within a float's range whatever the map's unit; the light's density in 1/sr. Each array 64-byte
- * aligned. */
+/* Directions towards the light. x, y, z: the unit direction wi in world space. r, g, b: the radiance from there over
+ * the light's mean radiance; this quotient fits into a float whatever the map's unit is. q_L: the light's density in
+ * 1/sr. Each array is aligned to 64 bytes. */
 typedef struct bis_lanes {
     float *x, *y, *z, *r, *g, *b, *q_L;
 } bis_lanes;
 
 enum { BIS_LANES_ARRAYS = 7 };
 
-/* The seven arrays of n lanes (a whole number of blocks) in memory[BIS_LANES_ARRAYS * n]. */
+/* bis_lanes_in returns the seven arrays of n lanes (a whole number of blocks) in memory[BIS_LANES_ARRAYS * n]. */
 static inline bis_lanes bis_lanes_in(float *memory, uint32_t n)
 {
-    return (bis_lanes){memory, memory + n, memory + 2 * (size_t)n, memory + 3 * (size_t)n, memory + 4 * (size_t)n, memory + 5 * (size_t)n, memory + 6 * (size_t)n};
+    return (bis_lanes){memory, memory + n, memory + 2 * (size_t)n, memory + 3 * (size_t)n,
+                       memory + 4 * (size_t)n, memory + 5 * (size_t)n, memory + 6 * (size_t)n};
 }
 
+/* bis_float_of_bits returns the float with these bits. */
 static inline BIS_INLINE float bis_float_of_bits(int32_t i)
 {
     float f;
@@ -46,6 +51,7 @@ static inline BIS_INLINE float bis_float_of_bits(int32_t i)
     return f;
 }
 
+/* bis_bits_of_float returns the bits of a float. */
 static inline BIS_INLINE int32_t bis_bits_of_float(float f)
 {
     int32_t i;
@@ -53,16 +59,18 @@ static inline BIS_INLINE int32_t bis_bits_of_float(float f)
     return i;
 }
 
-/* yes ? a : b without a branch, which gcc makes of ?: where it can save work on one side, and then has no vector. */
+/* bis_lanes_choose returns yes ? a : b without a branch. gcc makes a branch of ?: if this can save work on one side,
+ * and then the loop does not become a vector loop. */
 static inline BIS_INLINE float bis_lanes_choose(int yes, float a, float b)
 {
     const int32_t mask = -(int32_t)yes;
     return bis_float_of_bits((bis_bits_of_float(a) & mask) | (bis_bits_of_float(b) & ~mask));
 }
 
-/* log(1 - x) for 0 <= x < 1, relative error below 2^-22 (x near 0 included: that is why the argument is x and not 1 -
- * x). 1 - x = 2^e (1 + d) with 1 + d between sqrt(1/2) and sqrt(2); where e = 0, d is -x itself, before 1 - x was
- * rounded. log(1+d) = d - d^2/2 + d^3 P(d), P by interpolation at Chebyshev's nodes, degree 7: 2e-8. */
+/* bis_lanes_log1m returns log(1 - x) for 0 <= x < 1 with a relative error below 2^-22, also for x near 0; for this
+ * reason the argument is x and not 1 - x. 1 - x = 2^e (1 + d) with 1 + d between sqrt(1/2) and sqrt(2). If e = 0, d
+ * is -x itself, before 1 - x was rounded. log(1+d) = d - d^2/2 + d^3 P(d), where P interpolates at Chebyshev's nodes
+ * with degree 7 and error 2e-8. */
 static inline BIS_INLINE float bis_lanes_log1m(float x)
 {
     int32_t bits = bis_bits_of_float(1 - x) - 0x3f3504f3; /* of sqrt(1/2) */
@@ -79,16 +87,18 @@ static inline BIS_INLINE float bis_lanes_log1m(float x)
     p = p * d - 2.500030642e-01f;
     p = p * d + 3.333333073e-01f;
     float dd = d * d, k = (float)e;
-    return k * 0.693359375f + (d + (dd * (d * p - 0.5f) - k * 2.12194440e-4f)); /* ln 2 in two parts: k times the first is exact */
+    /* ln 2 in two parts: k times the first is exact */
+    return k * 0.693359375f + (d + (dd * (d * p - 0.5f) - k * 2.12194440e-4f));
 }
 
-/* exp(y) - 1 and exp(y) for y <= 0: e^y = 2^k e^r, |r| <= ln(2)/2, e^r - 1 = r + r^2 P(r), degree 4: 1e-8. Below 2^-64,
- * which stands for everything smaller: a float's denormals are slow, and a weight must not be 0 where the exact one is
- * not. */
+/* The parts of exp(y). e^y = 2^k e^r with |r| <= ln(2)/2, and em1 = e^r - 1. */
 typedef struct bis_lanes_power {
     float two_k, em1; /* e^y = two_k (1 + em1) */
 } bis_lanes_power;
 
+/* bis_lanes_exp_parts returns the parts of exp(y) for y <= 0. e^r - 1 = r + r^2 P(r), where P has degree 4 and error
+ * 1e-8. Results below 2^-64 are replaced by 2^-64, because a float's denormals are slow, and because a weight must
+ * not be 0 where the exact one is not. */
 static inline BIS_INLINE bis_lanes_power bis_lanes_exp_parts(float y)
 {
     y = bis_lanes_choose(y < -44.361420f, -44.361420f, y); /* 64 ln 2 */
@@ -103,21 +113,22 @@ static inline BIS_INLINE bis_lanes_power bis_lanes_exp_parts(float y)
     return (bis_lanes_power){bis_float_of_bits((k + 127) << 23), r + r * r * p};
 }
 
+/* bis_lanes_exp returns e^y for y <= 0. */
 static inline BIS_INLINE float bis_lanes_exp(float y)
 {
     bis_lanes_power e = bis_lanes_exp_parts(y);
     return e.two_k + e.two_k * e.em1;
 }
 
-/* 1 - e^y without cancellation: where k = 0, two_k - 1 is 0 exactly. */
+/* bis_lanes_1mexp returns 1 - e^y for y <= 0 without cancellation: if k = 0, two_k - 1 is exactly 0. */
 static inline BIS_INLINE float bis_lanes_1mexp(float y)
 {
     bis_lanes_power e = bis_lanes_exp_parts(y);
     return (1 - e.two_k) - e.two_k * e.em1;
 }
 
-/* sin and cos of 2 pi u, 0 <= u < 1, absolute error below 2^-22: the nearest quarter turn, and what is left of it, at
- * most pi/4, by polynomials, 1e-8. */
+/* bis_lanes_sincos2pi stores sin and cos of 2 pi u, 0 <= u < 1, with an absolute error below 2^-22. It takes the
+ * nearest quarter turn; the rest, at most pi/4, goes through polynomials with error 1e-8. */
 static inline BIS_INLINE void bis_lanes_sincos2pi(float u, float *sine, float *cosine)
 {
     int32_t quarter = (int32_t)(4 * u + 0.5f);
@@ -130,8 +141,8 @@ static inline BIS_INLINE void bis_lanes_sincos2pi(float u, float *sine, float *c
     *cosine = bis_lanes_choose((quarter + 1) >> 1 & 1, -b, b);
 }
 
-/* atan2(y, x) in [-pi, pi], absolute error below 4e-7. atan(a)/a for 0 <= a <= 1 by a polynomial in a^2, degree 9:
- * 2e-9. */
+/* bis_lanes_atan2 returns atan2(y, x) in [-pi, pi] with an absolute error below 4e-7. atan(a)/a for 0 <= a <= 1 is a
+ * polynomial in a^2 of degree 9 with error 2e-9. */
 static inline BIS_INLINE float bis_lanes_atan2(float y, float x)
 {
     float ax = bis_lanes_choose(x < 0, -x, x), ay = bis_lanes_choose(y < 0, -y, y);
@@ -154,8 +165,9 @@ static inline BIS_INLINE float bis_lanes_atan2(float y, float x)
     return bis_lanes_choose(y < 0, -a, a);
 }
 
-/* n stratified points, one in each n-th of Hilbert's curve over the unit square, in its order, as a function of key:
- * u1[n], u2[n] and on to the end of their last block. 24 bits each. */
+/* bis_lanes_points stores n stratified points, one in each n-th part of Hilbert's curve over the unit square, in the
+ * order of the curve, as a function of key. It writes u1[n] and u2[n] to the end of their last blocks. The numbers
+ * have 24 bits. */
 void bis_lanes_points(float *u1, float *u2, uint32_t n, uint64_t key);
 
 #endif

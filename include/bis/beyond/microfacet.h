@@ -1,27 +1,27 @@
-/* microfacet: a rough mirror of tiny facets with the GGX distribution, over a diffuse base. Not in the thesis, which
- * knows Phong's model alone.
+/* microfacet: a rough mirror of tiny facets with the GGX distribution, over a diffuse base. The thesis does not have
+ * it: its only model is Phong's.
  *
  *     f = F D G2 / (4 cos theta_i cos theta_o) + 28/(23 pi) Kd (1 - Ks) A(cos theta_i) A(cos theta_o)
  *     A(c) = 1 - (1 - c/2)^5
  *
- * D of Walter et al. 2007, G2 the height-correlated masking and shadowing of Smith (Heitz 2014),
- * F = Ks + (1 - Ks)(1 - cos theta_d)^5 (Schlick 1994), the base of Ashikhmin and Shirley 2000, under which no Kd and Ks
- * in [0,1] reflects more than it receives.
- * Sampled as a mixture of the mirror directions of visible facets (Heitz 2018; Dupuy and Benyoub 2023) and a cosine
- * hemisphere. */
+ * D is that of Walter et al. 2007. G2 is the height-correlated masking and shadowing of Smith (Heitz 2014). F = Ks +
+ * (1 - Ks)(1 - cos theta_d)^5 (Schlick 1994). The base is that of Ashikhmin and Shirley 2000; with it, no Kd and Ks
+ * in [0,1] reflect more light than arrives. Directions are drawn from a mixture of the mirror directions of visible
+ * facets (Heitz 2018; Dupuy and Benyoub 2023) and a cosine hemisphere. */
 #ifndef BIS_MICROFACET_H
 #define BIS_MICROFACET_H
 
 #include "bis/thesis/bsdf.h"
 
-/* Smoother than this, unit vectors in float do not resolve the lobe. */
+/* The smallest roughness. Unit vectors in float do not resolve the lobe of a smoother surface. */
 #define BIS_MICROFACET_MIN_ROUGHNESS 0.01
 
 extern const bis_bsdf_model bis_microfacet_model;
 
-/* Ks (reflectance head on), Kd in [0,1] per channel; a channel with Ks = 0 has no lobe, and what is below 2^-67 = 7e-21
- * counts as 0. roughness in [BIS_MICROFACET_MIN_ROUGHNESS, 1]: alpha = roughness^2 (Burley 2012), steps of which look
- * even. */
+/* bis_microfacet returns a microfacet material. Ks (reflectance at normal incidence) and Kd are in [0,1] per channel;
+ * a channel with Ks = 0 has no lobe, and a value below 2^-67 = 7e-21 counts as 0. roughness is in
+ * [BIS_MICROFACET_MIN_ROUGHNESS, 1]. alpha = roughness^2 (Burley 2012), because equal steps of roughness then look
+ * equal. */
 bis_material bis_microfacet(rgb Kd, rgb Ks, double roughness);
 
 #endif

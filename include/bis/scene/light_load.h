@@ -1,4 +1,4 @@
-/* light_load: a light from what a scene says of it: the description, the file, its warnings. */
+/* light_load: makes a light from its description in a scene: it reads the file, checks it and warns. */
 #ifndef BIS_LIGHT_LOAD_H
 #define BIS_LIGHT_LOAD_H
 
@@ -11,34 +11,37 @@
 /* A light as LightSource "infinite" describes it (docs/scene-format.md). */
 typedef struct bis_light_desc {
     char *filename;      /* NULL: constant; resolved path, owned */
-    rgb L;               /* radiance of a constant, multiplier of a map */
+    rgb L;               /* radiance of a constant; factor of a map */
     double scale;
-    bool angular;        /* mapping "angular", else "latlong" */
-    bool has_mapping;    /* said in the scene: a square map without it is an error */
-    int width;           /* of an angular map's resampling; 0: twice the probe's */
-    double area_exponent; /* b, 0.15 */
-    int levels;          /* 8 */
-    bool has_table_kind; /* sampler "alias" / "cdf" said in the scene, else by the pixel sampler's kind */
+    bool angular;        /* mapping "angular"; false: "latlong" */
+    bool has_mapping;    /* the scene gives the mapping; a square map without it is an error */
+    int width;           /* of the map that an angular map is resampled to; 0: twice the probe's width */
+    double area_exponent; /* b of thesis 3.4; default 0.15 */
+    int levels;          /* of thesis 3.4; default 8 */
+    bool has_table_kind; /* the scene gives sampler "alias" or "cdf"; otherwise the kind of the pixel sampler decides */
     bis_table_kind table_kind;
-    unsigned as_printed; /* BIS_E* of the importance; set by the scene from its settings */
-    bool visible;        /* to camera rays */
+    unsigned as_printed; /* BIS_E* of the importance; the scene copies them from its settings */
+    bool visible;        /* camera rays see the light */
     bis_xform to_world;  /* a rotation or reflection */
-    bis_loc loc;         /* of the directive */
+    bis_loc loc;         /* the place of the directive */
 } bis_light_desc;
 
-/* bis_light_load reads the map's file, if there is one, and builds what `needs` (BIS_NEED_*) asks for. Warnings: bad
- * values with their share of solid angle, no light. Errors: those of bis_image_read and bis_light_from_image.
- * seconds (may be NULL): out, [0] reading, [1] building. */
-bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2], bis_diag *diag);
+/* bis_light_load reads the map's file, if there is one, and builds what `needs` (BIS_NEED_*) asks for. seconds (may
+ * be NULL) receives the time for reading in [0] and for building in [1]. Warnings: bad values with their share of
+ * solid angle; no light. Errors: those of bis_image_read and bis_light_from_image. */
+bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2],
+                          bis_diag *diag);
 
 /* bis_light_from_image does the same with an image that was read already. It takes over the image, which is empty
  * afterwards, on failure too. desc->filename names the image in messages. Errors: BIS_INPUT (a square map without
  * mapping, an angular map that is not square, a frame that is no rotation or reflection, a scale that overflows),
  * BIS_NOMEM. */
-bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs, bis_diag *diag);
+bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs,
+                                bis_diag *diag);
 
-/* bis_light_from_envmap does the same with a map; em is taken over. desc gives area_exponent, levels, table_kind,
- * as_printed, to_world and loc. Errors: BIS_INPUT (the frame), BIS_NOMEM. */
-bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs, bis_diag *diag);
+/* bis_light_from_envmap does the same with a map. It takes over em. It reads area_exponent, levels, table_kind,
+ * as_printed, to_world and loc of desc. Errors: BIS_INPUT (the frame), BIS_NOMEM. */
+bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs,
+                                 bis_diag *diag);
 
 #endif

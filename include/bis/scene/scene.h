@@ -1,6 +1,6 @@
-/* scene: what was described (bis_scene_desc, filled by the parser and overridden by the command line), and the same
- * built and ready to be asked (bis_scene). Building looks at what the integrator requires and makes that and no more;
- * bis_scene_plan says what and why. */
+/* scene: the description of a scene (bis_scene_desc), which the parser fills and the command line changes, and the
+ * same scene built (bis_scene). Building looks at what the integrator needs and makes only that. bis_scene_plan
+ * prints what is built and why. */
 #ifndef BIS_SCENE_H
 #define BIS_SCENE_H
 
@@ -15,18 +15,24 @@
 
 #include <stdio.h>
 
-typedef enum bis_shape_kind { BIS_SHAPE_PLY, BIS_SHAPE_OBJ, BIS_SHAPE_TRIANGLES, BIS_SHAPE_SPHERE, BIS_SHAPE_DISK } bis_shape_kind;
+typedef enum bis_shape_kind {
+    BIS_SHAPE_PLY,
+    BIS_SHAPE_OBJ,
+    BIS_SHAPE_TRIANGLES,
+    BIS_SHAPE_SPHERE,
+    BIS_SHAPE_DISK
+} bis_shape_kind;
 
-/* A mesh that shapes use: read once, however many shapes and instances use it. */
+/* A mesh of a file or of the scene. It is read once, however many shapes and instances use it. */
 typedef struct bis_mesh_desc {
     bis_shape_kind kind; /* PLY, OBJ, TRIANGLES */
     char *filename;      /* PLY, OBJ: resolved path */
-    bool smooth;         /* invent vertex normals where the file has none */
+    bool smooth;         /* compute vertex normals if the file has none */
     bis_mesh mesh;       /* TRIANGLES */
-    bis_loc loc;         /* of the file's name, or of the directive */
+    bis_loc loc;         /* the place of the file's name, or of the directive */
 } bis_mesh_desc;
 
-/* One shape in the world. An instance of an object is a shape like any other, with a transformation of its own. */
+/* One shape in the world. An instance of an object is a shape like any other, with its own transformation. */
 typedef struct bis_shape_desc {
     bis_shape_kind kind;
     uint32_t mesh;         /* PLY, OBJ, TRIANGLES: index into meshes */
@@ -38,9 +44,9 @@ typedef struct bis_shape_desc {
 
 typedef struct bis_film_desc {
     int width, height;
-    char *filename; /* as written; relative to the working directory, like pbrt */
+    char *filename; /* as written; relative to the working directory, as in pbrt */
     double crop[4]; /* x0, x1, y0, y1 */
-    unsigned layers; /* a set of bis/layers.h */
+    unsigned layers; /* a set of bis/scene/layers.h */
 } bis_film_desc;
 
 enum { BIS_MAX_EXCEPTIONS = 3 };
@@ -50,7 +56,8 @@ typedef struct bis_exceptions {
     int n;
     bis_settings settings[BIS_MAX_EXCEPTIONS];
     bis_loc loc[BIS_MAX_EXCEPTIONS];
-    unsigned char *of_material; /* of_material[n_materials]: 0: as the rest, k: settings[k - 1]; NULL where n is 0; owned */
+    /* of_material[n_materials]: 0: the settings of the rest; k: settings[k - 1]. NULL if n is 0; owned */
+    unsigned char *of_material;
 } bis_exceptions;
 
 typedef struct bis_scene_desc {
@@ -59,12 +66,15 @@ typedef struct bis_scene_desc {
     bis_film_desc film;
     bis_sampler sampler;
     bool pixel_jitter;
-    bool adaptive; /* passes of several camera samples, more where the error is */
-    uint32_t edge_samples; /* camera samples in a pass where an outline crosses the pixel (src/render/edges.h); 0 or 1: as everywhere */
+    bool adaptive; /* a pass takes several camera samples, more where the error is larger */
+    /* camera samples of a pass in a pixel that an outline crosses (src/render/edges.h); 0, 1: as in other pixels */
+    uint32_t edge_samples;
     bis_settings settings;     /* of all materials but the exceptions */
     bis_exceptions exceptions;
     bis_loc integrator_loc;
-    unsigned light_needs; /* BIS_NEED_*: what to build of the light, for who asks more of it than one integrator; 0: what the integrators need */
+    /* BIS_NEED_*: what to build of the light, for a caller that needs more of it than one integrator does; 0: what
+     * the integrators need */
+    unsigned light_needs;
     bis_accel_options accel;
     bool has_light;
     bis_light_desc light;
@@ -74,36 +84,45 @@ typedef struct bis_scene_desc {
     size_t n_meshes, capacity_meshes;
     bis_shape_desc *shapes;
     size_t n_shapes, capacity_shapes;
-    char **files; /* names that bis_locs point into; owned */
+    char **files; /* the names that bis_locs point to; owned */
     size_t n_files, capacity_files;
 } bis_scene_desc;
 
-/* Read a scene file. Errors go to diag, several in one go; the status is that of the first. A desc is only handed out
- * without errors. seconds: none of this builds anything. */
+/* bis_scene_parse reads a scene file. It continues after a mistake: diag receives all errors, and the status is that
+ * of the first. *out is NULL if there was an error. It loads neither meshes nor maps. */
 bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *diag);
+
+/* bis_scene_desc_free frees a description; NULL is allowed. */
 void bis_scene_desc_free(bis_scene_desc *d);
 
-/* spp >= 1 camera samples a pixel; the stratified sampler gets the most square xsamples x ysamples = spp. For the
- * parser and the command line. */
+/* bis_scene_set_spp sets the number of camera samples per pixel, spp >= 1. The stratified sampler gets the most
+ * square xsamples x ysamples = spp. For the parser and the command line. */
 void bis_scene_set_spp(bis_scene_desc *d, uint32_t spp);
 
-/* Methods: 0 is desc->settings, k the exception k - 1. */
+/* bis_scene_settings returns the settings of a method: method 0 is desc->settings, method k is the exception k - 1. */
 const bis_settings *bis_scene_settings(const bis_scene_desc *d, int method);
+
+/* bis_scene_method_of returns the method of a material. */
 int bis_scene_method_of(const bis_scene_desc *d, uint32_t material);
 
-/* Does a shape have it? Without exceptions: yes. */
+/* bis_scene_uses_method returns whether any shape has a material with this method. Without exceptions, method 0
+ * counts as used even if there is no shape. */
 bool bis_scene_uses_method(const bis_scene_desc *d, int method);
 
-/* BIS_NEED_* of all methods in use. */
+/* bis_scene_light_needs returns BIS_NEED_* of all methods in use. */
 unsigned bis_scene_light_needs(const bis_scene_desc *d);
 
-/* All materials by desc->settings from now on, for who renders with settings of his own; with a warning, unless what
- * ("bis trade", say) is NULL. Nothing happens where there are no exceptions. */
+/* bis_scene_drop_exceptions gives desc->settings to all materials, for a caller that renders with its own settings.
+ * It does nothing if there are no exceptions. It warns in the name of `what` ("bis trade", for example) unless this
+ * is NULL. */
 void bis_scene_drop_exceptions(bis_scene_desc *d, const char *what, bis_diag *diag);
 
-/* Materials have numbers: different ones (by value) in the order in which shapes first use them, from 0.
- * (*number)[n_materials], by bis_alloc; BIS_NO_NUMBER: no shape uses it. Cost: n log n. Errors: BIS_NOMEM. */
+/* The number of a material that no shape uses. */
 #define BIS_NO_NUMBER UINT32_MAX
+
+/* bis_scene_number_materials gives numbers to the materials: materials with different values get different numbers,
+ * from 0, in the order in which shapes first use them. (*number)[n_materials] comes from bis_alloc; BIS_NO_NUMBER
+ * means that no shape uses the material. Cost: n log n. Errors: BIS_NOMEM. */
 bis_status bis_scene_number_materials(uint32_t **number, uint32_t *n_numbers, const bis_scene_desc *d, bis_diag *diag);
 
 typedef struct bis_scene_seconds {
@@ -114,25 +133,28 @@ typedef struct bis_scene {
     bis_geometry geometry;
     bis_accel *accel; /* NULL: no geometry */
     bis_light *light; /* a black constant where the scene has none */
-    size_t *shape_end; /* shape_end[n_shapes]: triangles of the shapes up to and including this one */
+    size_t *shape_end; /* shape_end[n_shapes]: the number of triangles of all shapes up to and including this one */
     bis_scene_seconds seconds;
 } bis_scene;
 
-/* Load meshes and map, build what desc's settings need. desc is borrowed for the life of the scene. Errors: those of the
- * loaders and of bis_scene_accel. */
+/* bis_scene_build loads the meshes and the map and builds what desc's settings need. desc is borrowed for the life of
+ * the scene. Errors: those of the loaders and of bis_scene_accel. */
 bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag *diag);
+
+/* bis_scene_free frees the scene; NULL is allowed. */
 void bis_scene_free(bis_scene *s);
 
-/* An accelerator over the scene's geometry, of this kind, for desc's camera: as bis_scene_build makes it. Errors: those
- * of bis_accel_new; a camera that stands beyond the largest float (BIS_INPUT). */
-bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind, bis_diag *diag);
+/* bis_scene_accel makes an accelerator of this kind over the scene's geometry, for desc's camera, as bis_scene_build
+ * does. Errors: those of bis_accel_new; BIS_INPUT if the camera stands beyond the largest float. */
+bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind,
+                           bis_diag *diag);
 
-/* The shape (an index into desc->shapes) that primitive prim of the geometry belongs to; *part: its triangle there,
- * from 0; 0 for a sphere or disk. */
+/* bis_scene_shape_of returns the shape (an index into desc->shapes) that primitive `prim` of the geometry belongs to.
+ * *part receives the triangle in this shape, from 0; for a sphere or disk it is 0. */
 size_t bis_scene_shape_of(const bis_scene *s, const bis_scene_desc *desc, uint32_t prim, size_t *part);
 
-/* Print what the scene requires, what will be built for it, what is left out, and why. Loads nothing: sizes come from
- * the files' headers where cheap. */
+/* bis_scene_plan prints what the scene requires, what will be built for it, what is left out, and why. It loads
+ * nothing: where this is cheap, sizes come from the headers of the files. */
 void bis_scene_plan(const bis_scene_desc *desc, FILE *out);
 
 #endif

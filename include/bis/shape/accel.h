@@ -1,5 +1,5 @@
-/* accel: does a ray hit anything, and what first? One interface, two backends: the voxel grid of the thesis
- * (src/shape/grid.h), Embree (src/shape/embree.h). */
+/* accel: does a ray hit anything, and what does it hit first? One interface with two backends: the voxel grid of the
+ * thesis (src/shape/grid.h) and Embree (src/shape/embree.h). */
 #ifndef BIS_ACCEL_H
 #define BIS_ACCEL_H
 
@@ -12,66 +12,76 @@
 
 typedef struct bis_accel bis_accel;
 typedef struct bis_geometry bis_geometry; /* bis/shape/geometry.h */
-typedef struct bis_box bis_box;           /* there, too */
+typedef struct bis_box bis_box;           /* bis/shape/geometry.h */
 
 typedef enum bis_accel_kind { BIS_ACCEL_DEFAULT, BIS_ACCEL_GRID, BIS_ACCEL_EMBREE } bis_accel_kind;
 
 #define BIS_NO_PRIM UINT32_MAX
 
 typedef struct bis_hit {
-    float t;       /* of o + t d */
-    uint32_t prim; /* primitive of the geometry */
+    float t;       /* the hit is at o + t d */
+    uint32_t prim; /* the primitive of the geometry */
 } bis_hit;
 
-/* A backend. Functions must not allocate nor change the accel: threads share it. */
+/* A backend. Its functions must neither allocate nor change the accelerator, because threads share it. */
 typedef struct bis_accel_ops {
     const char *name;
     bool (*intersect)(const bis_accel *a, const ray *r, bis_hit *hit);
     bool (*occluded)(const bis_accel *a, const ray *r);
     size_t (*bytes)(const bis_accel *a);
     void (*free)(bis_accel *a);
-    void (*occluded_many)(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded); /* NULL: one by one */
+    /* NULL: one ray at a time */
+    void (*occluded_many)(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded);
 } bis_accel_ops;
 
-/* Backends embed this as their first member. */
+/* Backends embed this struct as their first member. */
 struct bis_accel {
     const bis_accel_ops *ops;
     const bis_geometry *geometry;
 };
 
 typedef struct bis_accel_options {
-    bis_accel_kind kind;  /* DEFAULT: Embree where built in, else the grid */
-    double density;       /* grid: cells per primitive; 0: the documented default */
-    int n_threads;        /* for building; 0: all */
-    const bis_box *eyes;  /* where rays start that start on no surface: the camera; NULL: none */
+    bis_accel_kind kind;  /* DEFAULT: Embree if it is built in, else the grid */
+    double density;       /* grid: cells per primitive; 0: the default (docs/scene-format.md, "Accelerator") */
+    int n_threads;        /* threads for building; 0: all */
+    const bis_box *eyes;  /* box of the places where rays start that start on no surface (the camera); NULL: none */
 } bis_accel_options;
 
-/* What Embree can do, in floats: no coordinate of the geometry or of a ray's start beyond BIS_EMBREE_FAR; from
- * BIS_EMBREE_LEAST to BIS_EMBREE_MOST from end to end (src/shape/embree.c derives them). */
+/* The limits of Embree, in floats. No coordinate of the geometry or of a ray's start may exceed BIS_EMBREE_FAR. The
+ * extent of the geometry must lie between BIS_EMBREE_LEAST and BIS_EMBREE_MOST. src/shape/embree.c derives these
+ * limits. */
 #define BIS_EMBREE_FAR 1.8e18
 #define BIS_EMBREE_MOST 3e12
 #define BIS_EMBREE_LEAST 1e-10
 
-/* g is borrowed for the life of the result and must have at least one primitive. Where Embree is only the default and
- * cannot do this geometry, a warning says so and the grid is built. Errors: BIS_INPUT (Embree asked for but not built
- * in, or not able: the message names the value, the limit and the way out), BIS_NOMEM. */
+/* bis_accel_new builds an accelerator for g. g is borrowed for the life of the result and must have at least one
+ * primitive. If Embree is only the default and cannot hold this geometry, a warning says so and the grid is built.
+ * Errors: BIS_INPUT (Embree was requested, but is not built in or cannot hold the geometry; the message names the
+ * value, the limit and the way out), BIS_NOMEM. */
 bis_status bis_accel_new(bis_accel **out, const bis_geometry *g, const bis_accel_options *options, bis_diag *diag);
+
+/* bis_accel_free frees the accelerator; NULL is allowed. */
 void bis_accel_free(bis_accel *a);
 
-/* Is Embree built in? Its version as text ("3.13.5"), or NULL. */
+/* bis_accel_embree_version returns the version of Embree as text ("3.13.5"), or NULL if Embree is not built in. */
 const char *bis_accel_embree_version(void);
 
-/* The nearest hit in (0, r->tmax), both sides of a surface. NULL accel: an empty scene. */
+/* bis_accel_intersect finds the nearest hit in (0, r->tmax), on either side of a surface. Returns false if there is
+ * none. a = NULL is an empty scene. */
 static inline bool bis_accel_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
 {
     return a && a->ops->intersect(a, r, hit);
 }
-/* Any hit in (0, r->tmax)? */
+/* bis_accel_occluded returns whether anything is hit in (0, r->tmax). */
 static inline bool bis_accel_occluded(const bis_accel *a, const ray *r) { return a && a->ops->occluded(a, r); }
-/* The same for n rays from o without end, directions d[n]: occluded[n]. May be faster than one by one. */
+/* bis_accel_occluded_many stores in occluded[n] whether n rays from o in directions d[n] hit anything. The rays have
+ * no end. It may be faster than n calls of bis_accel_occluded. */
 void bis_accel_occluded_many(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded);
 
+/* bis_accel_name returns the name of the backend, "none" for an empty scene. */
 static inline const char *bis_accel_name(const bis_accel *a) { return a ? a->ops->name : "none"; }
+
+/* bis_accel_bytes returns the bytes that the accelerator takes. */
 static inline size_t bis_accel_bytes(const bis_accel *a) { return a ? a->ops->bytes(a) : 0; }
 
 #endif

@@ -1,5 +1,6 @@
-/* bsdf: the material at one point seen from one direction: f, sample, pdf. Integrators know this interface alone; the
- * models (phong.h, microfacet.h) plug in behind it by a const struct of functions. */
+/* bsdf: the material at one point, seen from one direction. It answers three questions: f, a sample, the density of
+ * that sample. Integrators know only this interface. The models (phong.h, microfacet.h) stand behind it, each as a
+ * const struct of functions. */
 #ifndef BIS_BSDF_H
 #define BIS_BSDF_H
 
@@ -9,26 +10,28 @@
 
 typedef struct bis_bsdf_model bis_bsdf_model;
 
-/* A material, constant over a surface. Ks, Kd in [0,1] per channel; what a model has no use for is 0. */
+/* A material, constant over a surface. Ks and Kd are in [0,1] per channel. A field that the model does not use is 0. */
 typedef struct bis_material {
     const bis_bsdf_model *model;
     rgb Kd, Ks;
-    double exponent; /* phong: finite, >= 0 */
+    double exponent; /* phong: the exponent n, finite, >= 0 */
     double alpha;    /* microfacet: in [1e-4, 1] */
 } bis_material;
 
-/* The material at a point, for one wo: what is the same for all wi is computed once. */
+/* The material at a point for one direction wo. What is the same for all wi is computed once and stored here. */
 typedef struct bis_bsdf {
     const bis_material *material;
-    frame local;       /* z = shading normal, on wo's side as far as smooth normals allow */
+    frame local;       /* z is the shading normal. It is on wo's side, unless smooth normals turn it away */
     vec3 wo;
-    vec3 r;            /* wo mirrored about the normal: where the specular lobe is, phong's axis */
+    vec3 r;            /* wo mirrored about the normal: the axis of phong's specular lobe */
     frame lobe;        /* z = r */
-    double p_specular; /* probability of drawing from the specular lobe: sample does so where u0 < p_specular (docs/errata.md E35) */
+    /* the probability of drawing from the specular lobe, which `sample` does if u0 < p_specular (docs/errata.md E35) */
+    double p_specular;
 } bis_bsdf;
 
-/* All functions of a model. wi, wo unit, world space, away from the surface. f and the density of `sample` come from one
- * function: they share the lobe's power, the dearest part of both. */
+/* The functions of a model. wi and wo are unit vectors in world space that point away from the surface. One function
+ * computes f and the density of `sample`, because both need the power of the lobe, which is the most expensive part
+ * of each. */
 struct bis_bsdf_model {
     const char *name;
     void (*init)(bis_bsdf *b);
@@ -36,20 +39,23 @@ struct bis_bsdf_model {
     rgb (*f_pdf)(const bis_bsdf *b, vec3 wi, double *pdf);
     double (*max_f_cos)(const bis_bsdf *b);
     double (*max_ratio)(const bis_bsdf *b);
-    bool of_half_vector; /* the lobe is a bump over the half vector, about the normal; else over wi, about r. For quadrature (src/tools/verify/verify_bsdf.c) */
+    /* true if the lobe is a bump over the half vector, about the normal; false if it is a bump over wi, about r. Only
+     * quadrature asks (src/tools/verify/verify_bsdf.c) */
+    bool of_half_vector;
 };
 
-/* n: unit shading normal, wo: unit. */
+/* bis_bsdf_init prepares *b for material m and direction wo. n is the shading normal. n and wo are unit vectors in
+ * world space; m is borrowed for the life of *b. */
 void bis_bsdf_init(bis_bsdf *b, const bis_material *m, vec3 n, vec3 wo);
 
-/* Nothing is reflected, whatever the light: Ks = Kd = 0, or wo lies below the shading horizon. No candidates are
- * needed. */
+/* bis_bsdf_is_black returns whether nothing is reflected, whatever the light: Ks = Kd = 0, or wo lies below the
+ * shading horizon. Such a point needs no candidates. */
 bool bis_bsdf_is_black(const bis_bsdf *b);
 
-/* Cosine of wi about the shading normal; may be negative. */
+/* bis_bsdf_cos returns the cosine between wi and the shading normal. It may be negative. */
 static inline double bis_bsdf_cos(const bis_bsdf *b, vec3 wi) { return dot(b->local.z, wi); }
 
-/* f(wi, wo) in 1/sr, without the cosine; 0 where wi or wo lies below the shading horizon. */
+/* bis_bsdf_f returns f(wi, wo) in 1/sr, without the cosine. It is 0 if wi or wo lies below the shading horizon. */
 static inline rgb bis_bsdf_f(const bis_bsdf *b, vec3 wi)
 {
     double pdf;
@@ -58,16 +64,17 @@ static inline rgb bis_bsdf_f(const bis_bsdf *b, vec3 wi)
     return b->material->model->f_pdf(b, wi, &pdf);
 }
 
-/* Draw wi: u0 picks the lobe, u1, u2 the place in it. Directions below the horizon are returned, too: their f is 0 and
- * they count (docs/errata.md E1, E34).
- * False: black, nothing drawn. The density is bis_bsdf_pdf(b, *wi). */
+/* bis_bsdf_sample draws a direction *wi with the density bis_bsdf_pdf(b, *wi). u0, u1 and u2 are uniform in [0,1) and
+ * independent: u0 selects the lobe, u1 and u2 the place in it. Directions below the horizon are returned, too: their
+ * f is 0, and an estimator must count them (docs/errata.md E1, E34). Returns false if the material is black; *wi is
+ * then not set. */
 static inline bool bis_bsdf_sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {
     return b->material->model->sample(b, u0, u1, u2, wi);
 }
 
-/* Density of bis_bsdf_sample in 1/sr, the mixture of the lobes; it integrates to 1 over the sphere, directions below
- * the horizon included. */
+/* bis_bsdf_pdf returns the density of bis_bsdf_sample at wi in 1/sr. It is a mixture of the densities of the lobes.
+ * It integrates to 1 over the whole sphere, which includes directions below the horizon. */
 static inline double bis_bsdf_pdf(const bis_bsdf *b, vec3 wi)
 {
     double pdf;
@@ -76,15 +83,18 @@ static inline double bis_bsdf_pdf(const bis_bsdf *b, vec3 wi)
     return pdf;
 }
 
-/* Both at once, for the price of one. The same bits as one by one. */
+/* bis_bsdf_f_pdf returns f and stores the density in *pdf, for the price of one of them. The bits are the same as
+ * from bis_bsdf_f and bis_bsdf_pdf. */
 static inline rgb bis_bsdf_f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 {
     return b->material->model->f_pdf(b, wi, pdf);
 }
 
-/* An upper bound of max over channels and wi of f cos (rejection, E27), and one of max over channels and wi of f cos /
- * pdf. */
+/* bis_bsdf_max_f_cos returns an upper bound of f cos over all channels and all wi, in 1/sr. Rejection uses it
+ * (docs/errata.md E27). */
 static inline double bis_bsdf_max_f_cos(const bis_bsdf *b) { return b->material->model->max_f_cos(b); }
+
+/* bis_bsdf_max_ratio returns an upper bound of f cos / pdf over all channels and all wi. */
 static inline double bis_bsdf_max_ratio(const bis_bsdf *b) { return b->material->model->max_ratio(b); }
 
 #endif

@@ -1,10 +1,13 @@
-/* cdf: sampling a discrete distribution by inverting its cumulative distribution function, thesis 3.2.2.
+/* cdf: sampling a discrete distribution by inverting its cumulative distribution function. Source: thesis 3.2.2.
  *
- * C[0] = 0, C[i+1] = C[i] + w[i] in double (compensated), normalised so that C[n] = 1 exactly; an index is found as the
- * largest i with C[i] <= u, so that an item of weight 0 is never returned (docs/errata.md E8). A guide table (Chen and
- * Asau 1974) makes the expected search O(1): it only tells where to start, so it rounds no probability (E10).
- * Monotone in u: stratified and low-discrepancy numbers keep their structure, which the alias method destroys (E12).
- * Build O(n), sample O(1) expected; 8 bytes an item and 4 a guide entry. */
+ * C[0] = 0 and C[i+1] = C[i] + w[i], summed in double with compensation and normalised so that C[n] = 1 exactly. The
+ * index of u is the largest i with C[i] <= u, because then an item of weight 0 is never returned (docs/errata.md E8).
+ * A guide table (Chen and Asau 1974) makes the expected search O(1). It only says where the search starts, so it
+ * rounds no probability (E10).
+ *
+ * The index is monotone in u. Stratified and low-discrepancy numbers therefore keep their structure, which the alias
+ * method destroys (E12). Building costs O(n), sampling O(1) expected. A table takes 8 bytes an item and 4 bytes a
+ * guide entry. */
 #ifndef BIS_CDF_H
 #define BIS_CDF_H
 
@@ -15,23 +18,31 @@
 
 typedef struct bis_cdf {
     size_t n;
-    double total;    /* sum of the weights as given; 0: nothing can be drawn; infinite where it exceeds DBL_MAX, which harms nothing */
+    /* the sum of the given weights. 0: nothing can be drawn. Infinite if the sum exceeds DBL_MAX; the table is right
+     * even then */
+    double total;
     double *c;       /* c[n + 1], c[0] = 0, c[n] = 1 */
-    uint32_t *guide; /* guide[g] = index of u = g / n_guide; guide[n_guide] = last item of positive probability */
-    size_t n_guide;  /* a power of two, so that u n_guide is exact */
+    uint32_t *guide; /* guide[g]: the index of u = g / n_guide. guide[n_guide]: the last item of positive probability */
+    size_t n_guide;  /* a power of two, because u n_guide is then exact */
 } bis_cdf;
 
-/* w[n], each finite and >= 0 (asserted), n < 2^32. Copies what it needs. total = 0 is legal: "no light".
- * Errors: BIS_NOMEM, *c is cleared. */
+/* bis_cdf_init builds the table for the weights w[n] and copies what it needs. Each weight must be finite and >= 0
+ * (asserted), and n < 2^32. A total of 0 is legal: it means "no light", and nothing can be drawn. Errors: BIS_NOMEM.
+ * *c is then empty. */
 bis_status bis_cdf_init(bis_cdf *c, const double *w, size_t n, bis_diag *diag);
+
+/* bis_cdf_clear frees the table. *c is empty afterwards. */
 void bis_cdf_clear(bis_cdf *c);
 
-/* u in [0,1). *remainder (may be NULL): where u lies between C[i] and C[i+1], uniform in [0,1) given i; it has
- * 53 + log2(pmf(i)) good bits. total must be > 0. */
+/* bis_cdf_sample returns an item, drawn with its probability. u is uniform in [0,1). *remainder (may be NULL)
+ * receives the place of u between C[i] and C[i+1]: given i, it is uniform in [0,1) and has 53 + log2(pmf(i)) good
+ * bits. c->total must be > 0. */
 size_t bis_cdf_sample(const bis_cdf *c, double u, double *remainder);
 
-/* Probability of item i. */
+/* bis_cdf_pmf returns the probability of item i, which is < n. */
 double bis_cdf_pmf(const bis_cdf *c, size_t i);
+
+/* bis_cdf_bytes returns the bytes that the table takes. */
 size_t bis_cdf_bytes(const bis_cdf *c);
 
 #endif

@@ -1,9 +1,9 @@
-/* errata: the thesis's equations as they are printed, one switch each. `bis` departs from the thesis where
- * docs/errata.md says so; these departures can be undone one by one (`--as-printed E6`), to see what the printed
- * equation does to a picture.
+/* errata: switches for the thesis's equations as they are printed. `bis` departs from the thesis in the items of
+ * docs/errata.md. Ten of these departures can be undone one by one (`--as-printed E6`). The picture then shows the
+ * effect of the printed equation.
  *
- * A set of switches is an unsigned, 0 for the right picture. It is read where the code meets the equation: grep for
- * BIS_E6. */
+ * A set of switches is an unsigned; 0 gives the right picture. The code reads a switch where it meets the equation:
+ * search for BIS_E6. */
 #ifndef BIS_ERRATA_H
 #define BIS_ERRATA_H
 
@@ -26,24 +26,26 @@ typedef struct bis_erratum {
     const char *name; /* "E6", as in docs/errata.md */
     unsigned flag;
     const char *section;     /* of the thesis */
-    const char *integrators; /* that meet the equation, separated by blanks */
-    const char *effect;      /* on the picture, a phrase */
+    const char *integrators; /* the integrators that use the equation, separated by blanks */
+    const char *effect;      /* the effect on the picture, a phrase */
 } bis_erratum;
 
-/* All that can be switched, in the order of their numbers, ended by a name of NULL. */
+/* All switches in the order of their numbers. The name NULL ends the list. */
 extern const bis_erratum bis_errata[];
 
-/* NULL: no switch of that name. */
+/* bis_erratum_find returns the switch with this name ("E6"), or NULL if there is none. */
 const bis_erratum *bis_erratum_find(const char *name);
 
-/* The name most like a misspelt one, or NULL. */
+/* bis_erratum_nearest returns the name that is most like the misspelt `name`, or NULL. */
 const char *bis_erratum_nearest(const char *name);
 
-/* Can the switch change anything that this integrator computes? */
+/* bis_erratum_reaches returns whether the switch can change anything that this integrator computes. */
 bool bis_erratum_reaches(const bis_erratum *e, const char *integrator);
 
-/* The names of a set, separated by blanks: "E6 E20". Returns buf. */
+/* The size of a buffer that holds every text of bis_errata_text. */
 enum { BIS_ERRATA_TEXT = 64 };
+
+/* bis_errata_text writes the names of a set into buf, separated by blanks: "E6 E20". Returns buf. */
 const char *bis_errata_text(char buf[BIS_ERRATA_TEXT], unsigned set);
 
 #endif

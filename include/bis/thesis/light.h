@@ -1,5 +1,5 @@
-/* light: what shines from infinity, in world space: an environment map or a constant. An integrator asks it for Le, a
- * sample, a density, and never learns which of the two it is, nor where the pixels came from. */
+/* light: the light that comes from infinity, in world space: an environment map or a constant. An integrator asks it
+ * for Le, a sample and a density. It never learns which of the two the light is, nor where the pixels came from. */
 #ifndef BIS_LIGHT_H
 #define BIS_LIGHT_H
 
@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What an integrator needs of the light; the scene builds that and no more. */
+/* What an integrator needs of the light. The scene builds only that. */
 enum {
     BIS_NEED_TABLE = 1,     /* bis_light_sample */
     BIS_NEED_CURVE = 2,     /* bis_light_sample_curve */
@@ -18,13 +18,13 @@ enum {
 
 typedef struct bis_light bis_light;
 
-/* bis/thesis/envmap.h, bis/thesis/importance.h and bis/base/xform.h: for those who make a light. */
+/* Types of bis/thesis/envmap.h, bis/thesis/importance.h and bis/base/xform.h, for callers that make a light. */
 typedef struct bis_envmap bis_envmap;
 typedef struct bis_importance bis_importance;
 typedef struct bis_importance_options bis_importance_options;
 typedef struct bis_xform bis_xform;
 
-/* Direction towards the light, its radiance from there, its density. */
+/* A direction towards the light, the radiance from there, and the density of drawing it in 1/sr. */
 typedef struct bis_light_point {
     vec3 wi;
     rgb Le;
@@ -32,54 +32,76 @@ typedef struct bis_light_point {
 } bis_light_point;
 
 /* bis_light_new makes a light of a map. It takes over em, which is empty afterwards, on failure too. to_world is the
- * map's frame in the world: a rotation or reflection, to BIS_XFORM_FRAME_TOLERANCE; it is made exactly orthonormal.
- * importance: what to build for drawing directions; NULL: nothing, the light can then only be looked up.
- * Errors: BIS_NOMEM. */
-bis_status bis_light_new(bis_light **out, bis_envmap *em, const bis_xform *to_world, const bis_importance_options *importance,
-                         bis_diag *diag);
+ * map's frame in the world: a rotation or reflection, to BIS_XFORM_FRAME_TOLERANCE; the light makes it exactly
+ * orthonormal. `importance` says what to build for drawing directions. If it is NULL, nothing is built, and the light
+ * can only be looked up. Errors: BIS_NOMEM. */
+bis_status bis_light_new(bis_light **out, bis_envmap *em, const bis_xform *to_world,
+                         const bis_importance_options *importance, bis_diag *diag);
 
-/* bis_light_constant makes a light of the same radiance L from everywhere; L finite and >= 0. Errors: BIS_NOMEM. */
+/* bis_light_constant makes a light with the same radiance L from all directions. L is finite and >= 0. Errors:
+ * BIS_NOMEM. */
 bis_status bis_light_constant(bis_light **out, rgb L, bis_diag *diag);
+
+/* bis_light_free frees the light; NULL is allowed. */
 void bis_light_free(bis_light *light);
 
-/* Radiance that arrives from unit world direction wi. */
+/* bis_light_Le returns the radiance that arrives from wi, a unit direction in world space. */
 rgb bis_light_Le(const bis_light *light, vec3 wi);
 
-/* Draw a direction by the light's importance over the whole sphere (docs/errata.md E1). u as bis_importance_sample.
- * False: no light. A constant: uniform over the sphere by u[0] and u[1] alone. */
+/* bis_light_sample draws a direction by the light's importance over the whole sphere (docs/errata.md E1). u[4] are
+ * the numbers of bis_importance_sample. A constant draws uniformly over the sphere, by u[0] and u[1] alone. Returns
+ * false if there is no light; *s is then not set. Needs BIS_NEED_TABLE. */
 bool bis_light_sample(const bis_light *light, const double u[4], bis_light_point *s);
+
+/* bis_light_sample_curve draws the direction at position t of the map's curve, as bis_importance_sample_curve does.
+ * Returns false if there is no light. Needs BIS_NEED_CURVE. */
 bool bis_light_sample_curve(const bis_light *light, double t, const double u[2], bis_light_point *s);
+
+/* bis_light_pdf returns the density in 1/sr of drawing the unit direction wi. */
 double bis_light_pdf(const bis_light *light, vec3 wi);
 
-/* Radiance and density at once: one lookup instead of two, the same bits. */
+/* bis_light_Le_pdf returns the radiance and stores the density in *pdf. It needs one look-up instead of two and gives
+ * the same bits. */
 rgb bis_light_Le_pdf(const bis_light *light, vec3 wi, double *pdf);
 
-/* Mean radiance over the sphere, r+g+b. */
+/* bis_light_mean returns the mean of r+g+b over the sphere. */
 double bis_light_mean(const bis_light *light);
 
-/* Bounds for rejection: the largest I/pdf, and the largest I, I = r+g+b. */
+/* bis_light_max_ratio returns the largest I/pdf over the sphere, I = r+g+b. Rejection uses it as a bound. */
 double bis_light_max_ratio(const bis_light *light);
+
+/* bis_light_max_intensity returns the largest I = r+g+b over the sphere. Rejection uses it as a bound. */
 double bis_light_max_intensity(const bis_light *light);
 
-/* Integral of r+g+b over the sphere. */
+/* bis_light_power returns the integral of r+g+b over the sphere. */
 double bis_light_power(const bis_light *light);
 
-/* The patches of eq. 3.2: pixels of a map, 512 x 256 of equal solid angle of a constant. */
+/* bis_light_patches returns the number of patches of eq. 3.2: the pixels of a map, or 512 x 256 patches of equal
+ * solid angle of a constant. */
 size_t bis_light_patches(const bis_light *light);
 
-/* A direction uniform in patch i at u, its radiance, and the patch's solid angle (s->pdf = 1 / solid angle). */
+/* bis_light_patch stores in *s a direction of patch i, its radiance, and s->pdf = 1 / solid angle of the patch. If
+ * u[2] is uniform in [0,1)^2, the direction is uniform by solid angle in the patch. */
 void bis_light_patch(const bis_light *light, size_t i, const double u[2], bis_light_point *s);
 
+/* bis_light_is_constant returns whether the light is a constant and not a map. */
 bool bis_light_is_constant(const bis_light *light);
+
+/* bis_light_is_black returns whether the radiance is 0 everywhere. */
 bool bis_light_is_black(const bis_light *light);
 
-/* bis_light_axes gives the axes of the map in the world, unit vectors: what its x, y and z axes are turned to. Not of a
- * constant. */
+/* bis_light_axes stores in axis[3] the x, y and z axes of the map as unit vectors in world space. The light must be a
+ * map. */
 void bis_light_axes(const bis_light *light, vec3 axis[3]);
 
-/* NULL for a constant. For pictures, `bis envmap` and reports, not for integrators. */
+/* bis_light_envmap returns the map, or NULL for a constant. For pictures, `bis envmap` and reports, not for
+ * integrators. */
 const bis_envmap *bis_light_envmap(const bis_light *light);
+
+/* bis_light_importance returns what was built for drawing directions, or NULL if nothing was. Not for integrators. */
 const bis_importance *bis_light_importance(const bis_light *light);
+
+/* bis_light_bytes returns the bytes that the light takes. */
 size_t bis_light_bytes(const bis_light *light);
 
 #endif

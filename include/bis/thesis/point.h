@@ -1,4 +1,4 @@
-/* point: all that an integrator may know of the point it shades. */
+/* point: all that an integrator may know of the point that it shades. */
 #ifndef BIS_POINT_H
 #define BIS_POINT_H
 
@@ -8,16 +8,17 @@
 
 #include <stdint.h>
 
-/* What was done, counted per thread and added up in the end (docs/errata.md E30). */
+/* What was done. Each thread counts its own; the numbers are added up in the end (docs/errata.md E30). */
 typedef struct bis_counters {
     uint64_t camera_rays, shadow_rays, candidates, accepted, fallbacks;
-    uint64_t nonfinite; /* estimates that were NaN or infinite: a defect, counted where it reaches the film */
+    /* estimates that were NaN or infinite. This is a defect, and it is counted where the estimate reaches the film */
+    uint64_t nonfinite;
 } bis_counters;
 
-/* Directions are unit, world space, away from the surface. */
+/* The point that is shaded. Directions are unit vectors in world space that point away from the surface. */
 typedef struct bis_point {
-    vec3 p, n, ng;  /* position; shading and geometric normal, turned to wo's side */
-    vec3 origin;    /* p, moved out of the surface by its error bound: where shadow rays start */
+    vec3 p, n, ng;  /* position; shading and geometric normal, both on wo's side */
+    vec3 origin;    /* p moved out of the surface by its error bound; shadow rays start here */
     vec3 wo;        /* towards the eye */
     bis_bsdf bsdf;  /* f, sample, pdf */
     const bis_light *light;
@@ -25,8 +26,8 @@ typedef struct bis_point {
     bis_counters *counters;
 } bis_point;
 
-/* V of eq. 4.1: 1 where the light along wi is seen. No ray is cast (nor counted) below the geometric surface, where V =
- * 0. */
+/* bis_point_sees returns V of eq. 4.1: true if no surface hides the light in direction wi. Below the geometric
+ * surface V is 0, and no ray is cast or counted. */
 static inline bool bis_point_sees(const bis_point *pt, vec3 wi)
 {
     if (dot(pt->ng, wi) <= 0) return false;
@@ -35,7 +36,8 @@ static inline bool bis_point_sees(const bis_point *pt, vec3 wi)
     return !bis_accel_occluded(pt->accel, &r);
 }
 
-/* The same for n directions: sees[n]. Rays that share their origin are cheaper together. */
+/* bis_point_sees_many stores V of the n directions wi[n] in sees[n]. It counts the same rays as n calls of
+ * bis_point_sees, but it is faster, because the rays share their origin. */
 void bis_point_sees_many(const bis_point *pt, const vec3 *wi, uint32_t n, bool *sees);
 
 #endif

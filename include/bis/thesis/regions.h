@@ -1,9 +1,10 @@
-/* regions: which pixels make up a light source, thesis 3.4 and figure 3.6, SPEC 4.
+/* regions: which pixels together make up one light source. Source: thesis 3.4 and figure 3.6.
  *
- * Intensities are quantised into equal bins of their logarithm; components of equal level are found by breadth-first
- * search over 4 neighbours, the left and right edges joined, and all pixels of equal level in the top row neighbours of
- * one another, likewise in the bottom row (they touch at the pole; docs/errata.md E18, E19). Linear in the number of
- * pixels; a queue of our own, no recursion. */
+ * Intensities are quantised into equal bins of their logarithm, the levels. A component is a connected set of pixels
+ * of equal level. Breadth-first search finds it over 4 neighbours; the left and right edges of the map are joined.
+ * All pixels of equal level in the top row are neighbours of one another, because they touch at the pole; likewise in
+ * the bottom row (docs/errata.md E18, E19). The cost is linear in the number of pixels. The search keeps its own
+ * queue and does not recurse. */
 #ifndef BIS_REGIONS_H
 #define BIS_REGIONS_H
 
@@ -14,36 +15,42 @@
 #define BIS_REGION_NONE UINT32_MAX /* a black pixel */
 #define BIS_LEVEL_NONE UINT8_MAX
 
-/* The area of a small light, thesis 3.4: above this many sr the area no longer counts. In steradians (E17). */
+/* The area of a small light in thesis 3.4. A component larger than this keeps the importance of one of this area. In
+ * steradians (docs/errata.md E17). */
 #define BIS_AREA_CLAMP 0.01
 
 typedef struct bis_regions {
-    uint32_t *label;     /* label[height * width]: the pixel's component or BIS_REGION_NONE */
-    uint32_t n;          /* components */
+    uint32_t *label;     /* label[height * width]: the component of each pixel, or BIS_REGION_NONE */
+    uint32_t n;          /* number of components */
     double *solid_angle; /* solid_angle[n], sr */
     uint8_t *level;      /* level[n] */
 } bis_regions;
 
-/* bin = min(levels - 1, floor(levels log(I/Imin) / log(Imax/Imin))) over positive intensities; Imin = Imax: one
- * level. */
+/* The levels of a map: level(I) = min(levels - 1, floor(levels log(I/Imin) / log(Imax/Imin))) over the positive
+ * intensities. If Imin = Imax, there is one level. */
 typedef struct bis_levels {
     int n;
-    double least;     /* the smallest positive intensity; by the ratio I/least, levels do not change with the exposure */
+    double least;     /* the smallest positive intensity; levels depend on I/least and so not on the exposure */
     double log_range; /* log(Imax/Imin); 0: one level */
 } bis_levels;
 
+/* bis_levels_of returns the levels of a map. `levels` is their number, in [1, 254]. A black map has no level: no
+ * pixel has a positive intensity. */
 bis_levels bis_levels_of(const bis_envmap *em, int levels);
 
-/* The level of an intensity, BIS_LEVEL_NONE for 0. */
+/* bis_level_of_intensity returns the level of an intensity, and BIS_LEVEL_NONE for 0. */
 uint8_t bis_level_of_intensity(const bis_levels *l, double intensity);
 
-/* levels in [1, 254]. Errors: BIS_NOMEM. Peak memory 9 bytes a pixel (label, queue, level), 4 a pixel after it. */
+/* bis_regions_init finds the components of a map. `levels` is in [1, 254]. Memory: 9 bytes a pixel at the peak
+ * (label, queue, level), 4 bytes a pixel afterwards. Errors: BIS_NOMEM. */
 bis_status bis_regions_init(bis_regions *r, const bis_envmap *em, int levels, bis_diag *diag);
+
+/* bis_regions_clear frees the components. *r is empty afterwards. */
 void bis_regions_clear(bis_regions *r);
 
-/* min(0.01 sr, solid angle)^b, the factor of thesis 3.4 by which a component's pixels gain or lose importance, divided
- * by 0.01^b: a constant factor cancels, and so the factor is 1 for large lights and in (0, 1] for any b that does not
- * underflow. */
+/* bis_area_factor returns the factor of thesis 3.4 for the pixels of a component: min(0.01 sr, solid_angle)^b,
+ * divided by 0.01^b. The constant divisor cancels in all probabilities. With it, the factor is 1 for large lights,
+ * and in (0, 1] for every b that does not underflow. */
 double bis_area_factor(double solid_angle, double b);
 
 #endif

@@ -17,7 +17,7 @@ typedef struct bis_auto_tried {
     int replicates;   /* that it took part in: the more, the longer it was among the best */
     double fill;      /* processor seconds of a pass, however small the picture: once for all groups that have these settings */
     double cost[BIS_AUTO_MOST_GROUPS];     /* those that the group's points add to a pass of the full picture */
-    double variance[BIS_AUTO_MOST_GROUPS]; /* the group's part in the relMSE (SPEC 5) of a pass */
+    double variance[BIS_AUTO_MOST_GROUPS]; /* the group's part in the relMSE (docs/budgets.md) of a pass */
 } bis_auto_tried;
 
 typedef struct bis_auto_report {

@@ -1,26 +1,26 @@
 /* auto_pilot: replicates, and what they tell of cost and variance.
  *
- * A replicate of a setting is a render of the pilot's film (every k-th pixel: bis_render with a footprint of 1/k) of one
- * or two passes, with a seed that all settings share: the same camera rays.
+ * A replicate of a setting is a render of the pilot's film (every k-th pixel: bis_render with a footprint of 1/k) of
+ * one or two passes, with a seed that all settings share: the same camera rays.
  *
  * Where materials are judged by themselves, the render tells what time it spent on the points of each group
  * (bis_render_options.meter); what is left is what all have in common, camera rays and the like. Each pixel's noise
- * counts for the group that the pixel shows most. So one render with one setting for all tells of all groups at once, at
- * the price of reading the clock. (To render each group alone, the rest black, would take the camera rays and the pools
- * once for each: twice the time.)
+ * counts for the group that the pixel shows most. So one render with one setting for all tells of all groups at once,
+ * at the price of reading the clock. (To render each group alone, the rest black, would take the camera rays and the
+ * pools once for each: twice the time.)
  *
  * Cost: processor seconds, the least of the replicates, since whatever disturbs only adds. What a pass costs at any
- * size (pools, clusters) is told apart by a picture of one pixel, its fill; the rest of the time is in proportion to the
- * pixels.
+ * size (pools, clusters) is told apart by a picture of one pixel, its fill; the rest of the time is in proportion to
+ * the pixels.
  *
- * Variance: relMSE of SPEC 5 over the pixels that show a surface, the scatter of the replicates in place of the
- * error, and in place of the reference the mean of all that was rendered, weighted by 1/variance (a median would
- * come out too low where most methods miss a highlight, and blame those that find it). Of the pixels' values the
- * mean is taken in nine cells, and of these the mean, with the largest replaced by the second largest: one firefly
- * in the pilot is forgiven, two are not. (The median of the cells, more robust, forgives so many that a method
- * which makes nothing but fireflies looks like the best: nine times too long on data/scenes/glossy-row.txt. To
- * reject a good method for its bad luck costs far less.) Two passes in a replicate know what a stratified camera makes
- * of the noise of the pixel's area, or half of it. */
+ * Variance: relMSE of docs/budgets.md over the pixels that show a surface, the scatter of the replicates in place of
+ * the error, and in place of the reference the mean of all that was rendered, weighted by 1/variance (a median would
+ * come out too low where most methods miss a highlight, and blame those that find it). Of the pixels' values the mean
+ * is taken in nine cells, and of these the mean, with the largest replaced by the second largest: one firefly in the
+ * pilot is forgiven, two are not. (The median of the cells, more robust, forgives so many that a method which makes
+ * nothing but fireflies looks like the best: nine times too long on data/scenes/glossy-row.txt. To reject a good
+ * method for its bad luck costs far less.) Two passes in a replicate know what a stratified camera makes of the noise
+ * of the pixel's area, or half of it. */
 #include "auto_pilot.h"
 
 #include "bis/base/clock.h"
@@ -219,7 +219,8 @@ static int ascending(const void *a, const void *b)
 
 static int group_of(const bis_auto_pilot *p, size_t pixel) { return p->shows ? p->shows[pixel] : 0; }
 
-/* The mean of all that was rendered, each setting weighted by 1/variance as known so far; 0 where it cannot be judged. */
+/* The mean of all that was rendered, each setting weighted by 1/variance as known so far; 0 where it cannot be
+ * judged. */
 static void make_picture(bis_auto_pilot *p)
 {
     const bis_auto_report *r = p->report;
