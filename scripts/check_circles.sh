@@ -6,6 +6,8 @@ build=$1
 arrows=$(mktemp) || exit 1
 trap 'rm -f "$arrows"' EXIT
 find "$build/src" -name '*.o' | sort | while IFS= read -r object; do
+    source=${object#"$build/"}
+    [ -f "${source%.o}.c" ] || [ -f "${object%.o}.c" ] || continue # of a file that is no more
     nm "$object" | awk -v file="${object#"$build/src/"}" '
         NF == 3 && $2 ~ /^[TDRBVWi]$/ { print "has", $3, file }
         NF == 2 && $1 == "U" { print "needs", $2, file }'

@@ -330,7 +330,7 @@ static void a_constant_light_is_rendered_with_what_needs_no_map(void **state)
 }
 
 /* The relMSE of a pass by another road: the scatter of `spp` passes of the whole picture, over the square of its own
- * mean and the floor of SPEC 5; pixels and channels that show a surface. */
+ * mean and the floor that docs/command-line.md (compare) gives; pixels and channels that show a surface. */
 static double variance_of_a_pass(world *w, const bis_settings *settings, uint32_t spp)
 {
     bis_film film;

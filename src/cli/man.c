@@ -1,6 +1,6 @@
-/* man: a command's options as a part of the page for man(1), in the few requests of man(7) that every formatter knows: TH,
- * SH, SS, TP, PP, nf. Whatever troff reads as its own is escaped, hyphens too, so that an option can be copied from the
- * page into a shell. */
+/* man: a command's options as a part of the page for man(1), in the few requests of man(7) that every formatter knows:
+ * TH, SH, SS, TP, PP, nf. Whatever troff reads as its own is escaped, hyphens too, so that an option can be copied from
+ * the page into a shell. */
 #include "man.h"
 
 #include <ctype.h>
@@ -74,7 +74,8 @@ static void put_notes(FILE *out, const char *notes)
         } else if (*notes == ' ') {
             bis_man_line(out, notes, n);
         } else {
-            while (notes[n] == '\n' && notes[n + 1] && !isspace((unsigned char)notes[n + 1])) n += 1 + strcspn(notes + n + 1, "\n");
+            while (notes[n] == '\n' && notes[n + 1] && !isspace((unsigned char)notes[n + 1]))
+                n += 1 + strcspn(notes + n + 1, "\n");
             bis_man_paragraph(out, notes, n);
         }
         notes += n + (notes[n] == '\n');
