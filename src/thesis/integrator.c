@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-const bis_integrator *const bis_integrators[] = {&bis_em,  &bis_brdf,  &bis_mis,        &bis_rejection,
+const bis_integrator *const bis_integrators[] = {&bis_em, &bis_brdf, &bis_mis, &bis_rejection,
                                                  &bis_sir, &bis_exact, &bis_unoccluded, NULL};
 
 const bis_integrator *bis_integrator_find(const char *name)
