@@ -70,7 +70,7 @@ static void right_maps_pass(void **state)
     for (uint64_t seed = 0; seed < SEEDS; seed++) {
         bis_envmap em = map_random(64, 32, 6, 0.2, seed);
         for (int k = 0; k < 2; k++) {
-            bis_verify v = {.seed = seed};
+            bis_verify v = {.seed = seed, .halvings = 1};
             assert_int_equal(bis_verify_map(&v, &em, 0.15 * k, 8, NULL), BIS_OK);
             assert_int_equal(v.n, 14);
             assert_accepted(&v);
@@ -223,7 +223,7 @@ static void wrong_samplers_of_a_map_are_rejected(void **state)
     for (size_t i = 0; i < sizeof samplers / sizeof *samplers; i++) {
         for (uint64_t seed = 0; seed < SEEDS; seed++) {
             const bis_verify_sampler sampler = {samplers[i].name, samplers[i].draw, &self};
-            bis_verify v = {.seed = seed};
+            bis_verify v = {.seed = seed, .halvings = 1};
             assert_int_equal(bis_verify_draws(&v, &sampler, &em, pmf, NULL), BIS_OK);
             if (samplers[i].right) assert_accepted(&v);
             else if (failures(&v) == 0) fail_msg("%s was accepted, seed %u", samplers[i].name, (unsigned)seed);
@@ -357,7 +357,7 @@ static void right_integrators_pass(void **state)
         bool tested;
         lit_init(&l, light, glossy(&bis_phong_model, 50), normalize(vec3_from(0.2, -0.3, 0.8)), 40, hidden[i]);
         for (uint64_t seed = 0; seed < (i == 0 ? SEEDS : 1); seed++) {
-            bis_verify v = {.seed = seed};
+            bis_verify v = {.seed = seed, .halvings = 1};
             assert_int_equal(bis_verify_point(&v, &l.pt, all_settings(), 7, BIS_SAMPLER_SOBOL, "right", &tested, NULL), BIS_OK);
             assert_true(tested);
             assert_int_equal(v.n, 7);
@@ -472,7 +472,7 @@ static void wrong_integrators_are_rejected(void **state)
         bis_settings s = bis_settings_default(wrong[i].from);
         s.integrator = &forged;
         for (uint64_t seed = 0; seed < SEEDS; seed++) {
-            bis_verify v = {.seed = seed};
+            bis_verify v = {.seed = seed, .halvings = 1};
             assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
             if (failures(&v) == 0) fail_msg("wrong integrator %zu was accepted", i);
         }
@@ -565,32 +565,31 @@ static double mean_by_E27(const place *x, size_t n, double f_max)
 
 /* How many percent more than right a setting gives, and what docs/proof.md says that verify finds in 99 of 100 runs: the
  * reference's error and z + 2.4 = 6.2 standard errors, of 2^14 runs. Both in shares of the truth. */
-static double bias_of(double *least_found, const lit *l, const bis_settings *s, double truth)
+static double bias_of(double *least_found, const lit *l, const bis_settings *s, const bis_truth *t, double truth)
 {
     enum { RUNS = 1 << 14 };
     rgb *estimate = bis_alloc(RUNS, sizeof *estimate);
     bis_verify_moments m = {0};
     bis_counters counters = {0};
-    bis_truth t;
     assert_int_equal(bis_verify_runs(estimate, RUNS, &l->pt, s, BIS_SAMPLER_RANDOM, 77, &counters, NULL), BIS_OK);
     for (int i = 0; i < RUNS; i++) bis_verify_add(&m, bis_verify_measure((rgbd){(double)estimate[i].r, (double)estimate[i].g, (double)estimate[i].b}));
     bis_free(estimate);
-    assert_int_equal(bis_truth_of(&t, &l->pt, (double[]){4, 2, 1}, 1 << 15, NULL, 0, 1, NULL), BIS_OK);
-    *least_found = (bis_truth_bound(&t.lit, 1e-7) + 6.2 * sqrt(m.m2) / RUNS) / truth;
+    *least_found = (bis_truth_bound(&t->lit, 1e-7) + 6.2 * sqrt(m.m2) / RUNS) / truth;
     return m.mean / truth - 1;
 }
 
-/* Candidates from the map, independent: with the default, stratified ones from the mixture, E21 is off by 0.2 % at M = 16 and
- * nobody can see it. M 16 is far from "without end": the last column is what that may matter. */
+/* Candidates from the map, independent: with the default, stratified ones from the mixture, E21's mean over 20000 runs was
+ * right to 0.3 % at M = 16, and no run can see that. The last column: what a finite M may matter for E6 and E27. */
 static void the_thesis_as_printed_is_rejected(void **state)
 {
     (void)state;
     const struct { const char *name; unsigned flag; const bis_integrator *integrator; lit_map map; uint32_t M; double tolerance; } printed[] = {
         {"E21", BIS_E21, &bis_sir, LIT_SMOOTH, 16, 0}, {"E21", BIS_E21, &bis_sir, LIT_SMOOTH, 4, 0}, {"E6", BIS_E6, &bis_sir, LIT_RED_BLUE, 64, 0.1},
-        {"E23", BIS_E23, &bis_sir, LIT_SMOOTH, 16, 0}, {"E27", BIS_E27, &bis_rejection, LIT_SMOOTH, 200, 0.05}};
+        {"E23", BIS_E23, &bis_sir, LIT_SMOOTH, 16, 0}, {"E27", BIS_E27, &bis_rejection, LIT_SMOOTH, 64, 0.05}};
     for (size_t i = 0; i < sizeof printed / sizeof *printed; i++) {
         bis_light *light = lit_new_light(printed[i].map, 1, 0, false);
         bis_settings s = bis_settings_default(printed[i].integrator);
+        bis_truth reference;
         double least_found;
         place *x;
         lit l;
@@ -603,12 +602,13 @@ static void the_thesis_as_printed_is_rejected(void **state)
         s.proposal = BIS_PROPOSAL_EM;
         s.stratify = false;
         s.estimator = BIS_ESTIMATOR_PLAIN;
-        assert_true(fabs(bias_of(&least_found, &l, &s, truth)) < least_found); /* ours is right */
+        assert_int_equal(bis_truth_of(&reference, &l.pt, (double[]){4, 2, 1}, 1 << 15, NULL, 0, 1, NULL), BIS_OK);
+        assert_true(fabs(bias_of(&least_found, &l, &s, &reference, truth)) < least_found); /* ours is right */
         s.as_printed = printed[i].flag;
         const double f_max = bis_bsdf_max_f_cos(&l.pt.bsdf) / 0.8;
         const double mean = s.as_printed == BIS_E21 ? mean_by_E21(x, n, M) : s.as_printed == BIS_E6 ? mean_by_E6(x, n)
                           : s.as_printed == BIS_E23 ? mean_by_E23(x, n) : mean_by_E27(x, n, f_max);
-        const double expected = mean / truth - 1, bias = bias_of(&least_found, &l, &s, truth);
+        const double expected = mean / truth - 1, bias = bias_of(&least_found, &l, &s, &reference, truth);
         print_message("  %s, M %g: %+.1f %% by quadrature, %+.1f %% in 16384 runs, found from %.1f %%\n", printed[i].name, M, 100 * expected, 100 * bias,
                       100 * least_found);
         assert_true(fabs(expected) > least_found);
@@ -1028,11 +1028,11 @@ static void a_scene_that_is_wrong_on_purpose_fails(void **state)
         snprintf(options, sizeof options, "%sOption \"string asprinted\" \"%s\"\nIntegrator \"%s\" \"integer candidates\" %d \"integer shadowrays\" 2\n",
                  one_pixel, errata[i], i == 2 ? "rejection" : "sir", i == 2 ? 100 : 8);
         write_scene("wrong.txt", options);
-        if (i == 0) {
+        if (i == 0) { /* full draws */
             program_expect(&r, 1, "verify " DIR "/wrong.txt");
             assert_non_null(strstr(r.output, "FAILED"));
         } else {
-            bis_verify v = {.seed = 1};
+            bis_verify v = {.seed = 1, .halvings = 1};
             verify_file(&v, DIR "/wrong.txt");
             if (failures(&v) == 0) fail_msg("%s was accepted", errata[i]);
         }
@@ -1043,27 +1043,22 @@ static void a_scene_that_is_wrong_on_purpose_fails(void **state)
 static void a_pixel_is_looked_at_once(void **state)
 {
     (void)state;
-    static const char *const films[] = {one_pixel, "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2\n"};
-    for (int i = 0; i < 2; i++) {
-        bis_verify v = {.seed = 1, .halvings = 1}; /* three pixels are wanted */
-        size_t in_view = 0;
-        write_scene("small.txt", films[i]);
-        verify_file(&v, DIR "/small.txt");
-        for (size_t k = 0; k < v.n; k++) {
-            in_view += strcmp(v.tests[k].group, "view") == 0;
-            for (size_t j = 0; j < k; j++) assert_string_not_equal(v.tests[j].name, v.tests[k].name);
-        }
-        assert_int_equal(in_view, i == 0 ? 7 : 14); /* of four pixels, two see a surface */
-        assert_accepted(&v);
+    bis_verify v = {.seed = 1, .halvings = 1}; /* three pixels are wanted */
+    size_t in_view = 0;
+    write_scene("small.txt", "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2\n");
+    verify_file(&v, DIR "/small.txt");
+    for (size_t k = 0; k < v.n; k++) {
+        in_view += strcmp(v.tests[k].group, "view") == 0;
+        for (size_t j = 0; j < k; j++) assert_string_not_equal(v.tests[j].name, v.tests[k].name);
     }
+    assert_int_equal(in_view, 14); /* of four pixels, two see a surface in the light */
+    assert_accepted(&v);
 }
 
 static void our_own_files_pass(void **state)
 {
     (void)state;
     static const char *const paths[] = {"data/scenes/figure-5.3.txt", "data/scenes/louvres.txt"};
-    program_run r;
-    program_expect(&r, 0, "verify data/maps/lamps.hdr");
     for (int i = 0; i < 2; i++) {
         bis_verify v = {.seed = 3, .halvings = 4};
         verify_file(&v, paths[i]);
