@@ -720,8 +720,7 @@ static size_t verified_failures(const bis_material *m, double degrees)
     bis_verify v = {.seed = SEED};
     size_t n;
 
-    bis_verify_lobes(&v, m, degrees, "microfacet");
-    assert_int_equal(bis_verify_furnace(&v, m, degrees, s, 1, "microfacet", NULL), BIS_OK);
+    assert_int_equal(bis_verify_material(&v, m, degrees, s, 1, "microfacet", NULL), BIS_OK);
     assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
     n = v.n_failed;
     bis_verify_clear(&v);

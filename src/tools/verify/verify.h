@@ -67,10 +67,25 @@ void bis_verify_bound(bis_verify *v, const char *group, double value, double lim
 void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n, const char *name, ...)
     BIS_PRINTF(6, 7);
 
-/* Is a difference, beyond `slack` that rounding or quadrature may have, explained by its standard error? Student's t
- * with dof degrees of freedom. */
-void bis_verify_difference(bis_verify *v, const char *group, double difference, double slack, double se, double dof, const char *name, ...)
-    BIS_PRINTF(7, 8);
+/* Runs of an estimator. */
+typedef struct bis_verify_moments {
+    double n, mean, m2, m3; /* sums of squares and cubes about the mean */
+} bis_verify_moments;
+
+void bis_verify_add(bis_verify_moments *m, double x);
+
+/* bis_verify_skewness returns the skewness of the mean of these runs, 0 where they do not scatter. */
+double bis_verify_skewness(const bis_verify_moments *m);
+
+/* bis_verify_t returns a bound of the probability that a mean of so many runs lies |z| or more of its own standard errors
+ * from what is right; dof: runs less one, or INFINITY where the standard error is known. skewness: of the mean. Never
+ * larger for a larger |z|. Beyond BIS_VERIFY_MOST_SKEWNESS no z is enough for a verdict. */
+double bis_verify_t(double z, double dof, double skewness);
+#define BIS_VERIFY_MOST_SKEWNESS 0.15
+
+/* Is the mean of these runs `expected`, but for `slack` that rounding or quadrature may have? By bis_verify_t. */
+void bis_verify_mean(bis_verify *v, const char *group, const bis_verify_moments *runs, double expected, double slack, const char *name, ...)
+    BIS_PRINTF(6, 7);
 
 /* Any p, or a bound of it. */
 void bis_verify_p(bis_verify *v, const char *group, double statistic, double p, const char *note, const char *name, ...) BIS_PRINTF(6, 7);
@@ -104,11 +119,10 @@ bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind
 /* Drawn directions by pixel, and by 4 x 4 cells inside the pixels. */
 bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf, bis_diag *diag);
 
-/* src/tools/verify/verify_bsdf.c. One material seen at an angle to the normal: its density integrates to 1, its sampler draws by it;
- * under a constant light the integrators (n of them) give what quadrature gives. */
-void bis_verify_lobes(bis_verify *v, const bis_material *m, double degrees, const char *name);
-bis_status bis_verify_furnace(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings, size_t n, const char *name,
-                              bis_diag *diag);
+/* src/tools/verify/verify_bsdf.c. One material seen at an angle to the normal: its density integrates to 1, its sampler
+ * draws by it; under a constant light the integrators (n of them) give what quadrature gives. */
+bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings, size_t n, const char *name,
+                               bis_diag *diag);
 
 /* src/tools/verify/verify_view.c. One shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over all patches of
  * the light, which must have table and curve. *tested: false where too little of the light is seen from there for a

@@ -5,12 +5,14 @@
  * ray leaves it, as a renderer's does (bis_surface_offset), to a random direction of the outer side: it must not meet what
  * it left. Where backends differ, or `occluded` differs from `intersect`, and for a share of all rays, a search over all
  * primitives decides (verify_oracle.c), which knows where rounding leaves either answer right. What is wrong then must be 0.
- * Cost: four queries and a search of the share, MAX_TESTS tests of primitives in all. */
+ * The share is larger for a backend that is alone, because nobody else can contradict it.
+ * Cost: eight queries for each ray and its shadow ray, and the searches: twice TESTS_OF_TWO or TESTS_OF_ONE tests of
+ * primitives, and those of the rays where answers differ. */
 #include "verify.h"
 
 #include <stdio.h>
 
-enum { MAX_TESTS = 1 << 24, LEAST_SEARCHES = 64 };
+enum { TESTS_OF_ONE = 1 << 24, TESTS_OF_TWO = 1 << 21, LEAST_OF_ONE = 64, LEAST_OF_TWO = 4 };
 
 static const uint64_t purpose_rays = (uint64_t)0x79 << 40;
 
@@ -98,13 +100,20 @@ static void try_rays(differences *d, const bis_accel *const *a, int n, bis_rng *
     judge(d, a, n, &shadow, sphere ? BIS_NO_PRIM : prim, search);
 }
 
+/* How many rays are searched although the answers agree. */
+static size_t searches_of(const bis_verify *v, size_t primitives, int n_accels)
+{
+    const size_t tests = n_accels > 1 ? TESTS_OF_TWO : TESTS_OF_ONE, least = n_accels > 1 ? LEAST_OF_TWO : LEAST_OF_ONE;
+    return (tests / primitives > least ? tests / primitives : least) >> v->halvings;
+}
+
 void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, size_t n)
 {
     const uint64_t seed = bis_verify_seed(v, "accelerators");
     const bis_box room = around(a->geometry);
     const bis_accel *const both[] = {a, b};
     const int n_accels = b ? 2 : 1;
-    const size_t fit = MAX_TESTS / bis_geometry_primitives(a->geometry), searches = fit > LEAST_SEARCHES ? fit : LEAST_SEARCHES;
+    const size_t searches = searches_of(v, bis_geometry_primitives(a->geometry), n_accels);
     size_t wrong = 0, explained = 0, searched = 0, on_surfaces = 0;
     char note[120];
 

@@ -62,11 +62,11 @@ static rings rings_of(const bis_material *m)
 
 static const frame *axes(const bis_bsdf *b) { return b->material->model->of_half_vector ? &b->local : &b->lobe; }
 
-/* wi at (t, phi); returns d wi / (dt dphi), 0 where no wi is. */
-static double direction(vec3 *wi, const bis_bsdf *b, double t, double phi)
+/* wi at t and at phi of this cosine and sine; returns d wi / (dt dphi), 0 where no wi is. */
+static double direction(vec3 *wi, const bis_bsdf *b, double t, double cosine, double sine)
 {
     const frame *f = axes(b);
-    const double sin_alpha = sqrt(t * (2 - t)), x = sin_alpha * cos(phi), y = sin_alpha * sin(phi), z = 1 - t;
+    const double sin_alpha = sqrt(t * (2 - t)), x = sin_alpha * cosine, y = sin_alpha * sine, z = 1 - t;
     const double d[3] = {x * (double)f->x.x + y * (double)f->y.x + z * (double)f->z.x,
                          x * (double)f->x.y + y * (double)f->y.y + z * (double)f->z.y,
                          x * (double)f->x.z + y * (double)f->y.z + z * (double)f->z.z};
@@ -91,23 +91,36 @@ static void add_node(integrals *sum, const bis_bsdf *b, vec3 wi, double weight)
     sum->f_cos = rgbd_add(sum->f_cos, (rgbd){weight * c * (double)f.r, weight * c * (double)f.g, weight * c * (double)f.b});
 }
 
-/* Over t0 <= t < t1 in one sector: Gauss's rule in t on PIECES equal pieces, midpoints in phi. */
-static integrals integrate_cell(const bis_bsdf *b, double t0, double t1, int sector)
+/* A lobe's cells: cell[ring * SECTORS + sector]. */
+typedef struct cells {
+    rings r;
+    int n;
+    integrals cell[MAX_EDGES * SECTORS];
+} cells;
+
+/* The integrals over all cells: Gauss's rule in t on PIECES equal pieces, midpoints in phi. */
+static void integrate(cells *c, const bis_bsdf *b)
 {
     static const double x[NODES] = {-0.86113631159405257522, -0.33998104358485626480, 0.33998104358485626480, 0.86113631159405257522};
     static const double w[NODES] = {0.34785484513745385737, 0.65214515486254614263, 0.65214515486254614263, 0.34785484513745385737};
-    const double h = (t1 - t0) / PIECES, dphi = 2 * PI / SECTORS / NODES_PHI;
-    integrals sum = {0};
-    for (int i = 0; i < PIECES * NODES; i++) {
-        const double t = t0 + h * (i / NODES + (1 + x[i % NODES]) / 2);
-        for (int k = 0; k < NODES_PHI; k++) {
-            const double phi = dphi * (sector * NODES_PHI + k + 0.5);
+    const double dphi = 2 * PI / SECTORS / NODES_PHI;
+    double cosine[SECTORS * NODES_PHI], sine[SECTORS * NODES_PHI];
+
+    *c = (cells){.r = rings_of(b->material)};
+    c->n = (c->r.n - 1) * SECTORS;
+    for (int k = 0; k < SECTORS * NODES_PHI; k++) {
+        cosine[k] = cos(dphi * (k + 0.5));
+        sine[k] = sin(dphi * (k + 0.5));
+    }
+    for (int i = 0; i < (c->r.n - 1) * PIECES * NODES; i++) {
+        const int ring = i / (PIECES * NODES), piece = i / NODES % PIECES;
+        const double h = (c->r.t[ring + 1] - c->r.t[ring]) / PIECES, t = c->r.t[ring] + h * (piece + (1 + x[i % NODES]) / 2);
+        for (int k = 0; k < SECTORS * NODES_PHI; k++) {
             vec3 wi;
-            const double area = direction(&wi, b, t, phi);
-            if (area > 0) add_node(&sum, b, wi, w[i % NODES] / 2 * h * dphi * area);
+            const double area = direction(&wi, b, t, cosine[k], sine[k]);
+            if (area > 0) add_node(&c->cell[ring * SECTORS + k / NODES_PHI], b, wi, w[i % NODES] / 2 * h * dphi * area);
         }
     }
-    return sum;
 }
 
 /* The cell of a drawn direction. */
@@ -139,59 +152,29 @@ static vec3 wo_at(double degrees)
     return normalize(vec3_from(0.6 * sin(a), 0.8 * sin(a), cos(a)));
 }
 
-void bis_verify_lobes(bis_verify *v, const bis_material *m, double degrees, const char *name)
+static void check_lobes(bis_verify *v, const bis_bsdf *b, const cells *c, const char *name)
 {
     double expected[MAX_EDGES * SECTORS], observed[MAX_EDGES * SECTORS] = {0}, sum = 0;
-    const rings r = rings_of(m);
-    const int n_cells = (r.n - 1) * SECTORS;
-    bis_bsdf b;
     bis_rng rng;
 
-    bis_bsdf_init(&b, m, (vec3){0, 0, 1}, wo_at(degrees));
-    for (int i = 0; i < n_cells; i++) {
-        expected[i] = integrate_cell(&b, r.t[i / SECTORS], r.t[i / SECTORS + 1], i % SECTORS).pdf;
-        sum += expected[i];
-    }
-    bis_verify_bound(v, "materials", fabs(sum - 1), quadrature_error(m), "error of the integral", "%s: density integrates to 1", name);
+    for (int i = 0; i < c->n; i++) sum += c->cell[i].pdf;
+    bis_verify_bound(v, "materials", fabs(sum - 1), quadrature_error(b->material), "error of the integral", "%s: density integrates to 1", name);
     const int n_draws = MOST_DRAWS >> v->halvings;
     /* DBL_MIN: nodes below the horizon cannot tell a cell that just touches it from one where nothing is drawn. */
-    for (int i = 0; i < n_cells; i++) expected[i] = fmax(expected[i] * (n_draws / sum), DBL_MIN);
+    for (int i = 0; i < c->n; i++) expected[i] = fmax(c->cell[i].pdf * (n_draws / sum), DBL_MIN);
     bis_rng_init(&rng, bis_verify_seed(v, "%s: draws by its density", name), 0, 0, purpose_lobes);
     for (int i = 0; i < n_draws; i++) {
         vec3 wi;
         const double u0 = bis_rng_double(&rng), u1 = bis_rng_double(&rng), u2 = bis_rng_double(&rng);
-        if (bis_bsdf_sample(&b, u0, u1, u2, &wi)) observed[cell_of(&r, &b, wi)]++;
+        if (bis_bsdf_sample(b, u0, u1, u2, &wi)) observed[cell_of(&c->r, b, wi)]++;
     }
-    bis_verify_fit(v, "materials", observed, expected, (size_t)n_cells, "%s: draws by its density", name);
+    bis_verify_fit(v, "materials", observed, expected, (size_t)c->n, "%s: draws by its density", name);
 }
 
 /* ---- the furnace ---- */
 
-static rgbd reflectance(const bis_bsdf *b)
-{
-    const rings r = rings_of(b->material);
-    rgbd sum = {0, 0, 0};
-    for (int i = 0; i < (r.n - 1) * SECTORS; i++) {
-        sum = rgbd_add(sum, integrate_cell(b, r.t[i / SECTORS], r.t[i / SECTORS + 1], i % SECTORS).f_cos);
-    }
-    return sum;
-}
-
-static void judge_furnace(bis_verify *v, const rgb *estimate, uint32_t n, double expected, double slack, const char *integrator, const char *name)
-{
-    double mean = 0, m2 = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        const rgbd e = {(double)estimate[i].r, (double)estimate[i].g, (double)estimate[i].b};
-        const double x = bis_verify_measure(e), d = x - mean;
-        mean += d / (i + 1);
-        m2 += d * (x - mean);
-    }
-    const double se = sqrt(m2 / (n - 1) / n);
-    bis_verify_difference(v, "materials", mean - expected, slack, se, n - 1, "%s: furnace, %s", name, integrator);
-}
-
-bis_status bis_verify_furnace(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings, size_t n, const char *name,
-                              bis_diag *diag)
+static bis_status check_furnace(bis_verify *v, const bis_bsdf *b, const cells *c, const bis_settings *settings, size_t n, const char *name,
+                                bis_diag *diag)
 {
     const rgb L = {1, 0.5f, 0.25f};
     const uint32_t n_runs = MOST_RUNS >> v->halvings;
@@ -201,17 +184,34 @@ bis_status bis_verify_furnace(bis_verify *v, const bis_material *m, double degre
     bis_status status = estimate ? bis_light_constant(&light, L, diag) : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a furnace");
     if (status) goto done;
 
-    bis_point pt = {.n = {0, 0, 1}, .ng = {0, 0, 1}, .wo = wo_at(degrees), .light = light, .counters = &counters};
-    bis_bsdf_init(&pt.bsdf, m, pt.n, pt.wo);
-    const rgbd R = reflectance(&pt.bsdf);
+    const bis_point pt = {.n = {0, 0, 1}, .ng = {0, 0, 1}, .wo = b->wo, .light = light, .counters = &counters, .bsdf = *b};
+    rgbd R = {0, 0, 0};
+    for (int i = 0; i < c->n; i++) R = rgbd_add(R, c->cell[i].f_cos);
     const double expected = bis_verify_measure((rgbd){(double)L.r * R.r, (double)L.g * R.g, (double)L.b * R.b});
     for (size_t i = 0; i < n && !status; i++) {
+        const char *integrator = settings[i].integrator->name;
+        bis_verify_moments runs = {0};
         status = bis_verify_runs(estimate, n_runs, &pt, &settings[i], BIS_SAMPLER_STRATIFIED,
-                                 bis_verify_seed(v, "%s: furnace, %s", name, settings[i].integrator->name), &counters, diag);
-        if (!status) judge_furnace(v, estimate, n_runs, expected, quadrature_error(m) * expected, settings[i].integrator->name, name);
+                                 bis_verify_seed(v, "%s: furnace, %s", name, integrator), &counters, diag);
+        for (uint32_t run = 0; run < n_runs && !status; run++) {
+            bis_verify_add(&runs, bis_verify_measure((rgbd){(double)estimate[run].r, (double)estimate[run].g, (double)estimate[run].b}));
+        }
+        if (!status) bis_verify_mean(v, "materials", &runs, expected, quadrature_error(b->material) * expected, "%s: furnace, %s", name, integrator);
     }
 done:
     bis_light_free(light);
     bis_free(estimate);
     return status;
+}
+
+bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings, size_t n, const char *name,
+                               bis_diag *diag)
+{
+    bis_bsdf b;
+    cells c;
+
+    bis_bsdf_init(&b, m, (vec3){0, 0, 1}, wo_at(degrees));
+    integrate(&c, &b);
+    check_lobes(v, &b, &c, name);
+    return check_furnace(v, &b, &c, settings, n, name, diag);
 }

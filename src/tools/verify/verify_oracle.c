@@ -45,7 +45,7 @@ static double edge_weight(const double a[3], const double b[3], const double d[3
 static sight inside(const double v[3][3], const double d[3])
 {
     double w[3], error[3], sum = 0;
-    bool some_more = false, some_less = false, sure = true;
+    bool some_more = false, some_less = false, all_more = true, all_less = true;
 
     for (int i = 0; i < 3; i++) {
         w[i] = edge_weight(v[i], v[(i + 1) % 3], d, &error[i]);
@@ -54,9 +54,10 @@ static sight inside(const double v[3][3], const double d[3])
     for (int i = 0; i < 3; i++) {
         some_more |= w[i] > error[i] + 2 * u * sum;
         some_less |= w[i] < -error[i] - 2 * u * sum;
-        sure &= fabs(w[i]) > error[i];
+        all_more &= w[i] > error[i];
+        all_less &= w[i] < -error[i];
     }
-    return some_more && some_less ? MISSED : sure ? MET : DOUBTFUL;
+    return some_more && some_less ? MISSED : all_more || all_less ? MET : DOUBTFUL;
 }
 
 /* Where is it met? *t to within *error, as far as that is known; *t may be infinite. left: the ray starts from it, on the

@@ -7,9 +7,8 @@
  * Student's t tells that chance where a mean is normally distributed, and under a sun that of BRDF sampling is not: with 3
  * expected hits, a run of bad luck is 5 standard errors away. So the reference also tells variance, skewness and largest
  * value of the single samples F/q, q being the density of the estimator, as if they were independent.
- *   For a mean of skewness s, t's tails at z standard errors are off by exp(|s| z^3/3), to first order (Hall 1987): p is
- *   multiplied by that, 3 at z = 4 for s = 0.05. A skewness that the runs tell counts as well, and where no other is known
- *   it may be 0.3.
+ *   A small skewness s of the mean enlarges p (bis_verify_t). A skewness that the runs tell counts as well, and where no
+ *   other is known it may be BIS_VERIFY_MOST_SKEWNESS.
  *   For |s| beyond that, Bernstein's inequality bounds p, which holds for any bounded variables, and finds less (1927):
  *   P(|mean - mu| >= e) <= 2 exp(-n e^2 / (2 E[X^2] + 2 B e/3)), 0 <= X <= B.
  *   Where the density is not known, the test is skipped with a word. */
@@ -27,7 +26,7 @@
 
 enum { LEAST_ACCEPTED = 1000, CELLS = 1 << 15 /* the reference is good to 2e-3 of what were there without shadows */ };
 
-static const double most_skewness = 0.05, most_seen_skewness = 0.3;
+static const double most_skewness = 0.05; /* where Bernstein's inequality can take over */
 static const double least_seen = 0.03;  /* of the light: below, a handful of rays decides, and no test is fair */
 static const double most_unknown = 0.05; /* of the reference: beyond, it judges nobody */
 static const double chance = 1e-7;      /* that a reference is farther off than it says */
@@ -87,27 +86,11 @@ static sampling sampling_of(const bis_settings *s, bool constant)
     return (sampling){s->proposal == BIS_PROPOSAL_EM ? (bis_truth_density){1, 0} : (bis_truth_density){0.5, 0.5}, s->candidates};
 }
 
-/* ---- means ---- */
-
-typedef struct moments {
-    double n, mean, m2, m3; /* sums of squares and cubes about the mean */
-} moments;
-
-static void add_value(moments *m, double x)
-{
-    const double d = x - m->mean, before = m->n++, step = d / m->n;
-    m->mean += step;
-    m->m3 += d * step * step * before * (before - 1) - 3 * step * m->m2;
-    m->m2 += d * step * before;
-}
-
-static double skewness_of(const moments *m) { return m->m2 > 0 ? m->m3 / pow(m->m2, 1.5) : 0; }
-
 /* ---- one integrator ---- */
 
 typedef struct comparison {
     const char *name, *integrator;
-    const moments *runs;
+    const bis_verify_moments *runs;
     const bis_truth_sum *truth;
     const bis_truth_moments *sample; /* NULL: not known */
     double n;                        /* samples in a run */
@@ -134,8 +117,7 @@ static void judge_by_t(bis_verify *v, const comparison *c, double skewness)
 {
     const double n = c->runs->n, e = excess_of(c), known = c->deviation;
     const double z = e == 0 ? 0 : e / (isnan(known) ? sqrt(c->runs->m2 / (n - 1) / n) : known / sqrt(n));
-    const double p = z == 0 ? 1 : isnan(known) ? bis_stats_student_p(z, n - 1) : bis_stats_normal_p(z);
-    put(v, c, z, p > 0 ? fmin(1, p * exp(fabs(skewness) * fabs(z * z * z) / 3)) : 0, "");
+    put(v, c, z, z == 0 ? 1 : bis_verify_t(z, isnan(known) ? n - 1 : (double)INFINITY, skewness), "");
 }
 
 static void judge_by_bernstein(bis_verify *v, const comparison *c)
@@ -152,7 +134,7 @@ static void judge(bis_verify *v, const comparison *c)
 {
     const bool is_known = c->sample && c->sample->variance > 0;
     const double given = is_known ? c->sample->third / pow(c->sample->variance, 1.5) / sqrt(c->n * c->runs->n) : 0;
-    const double skewness = fmax(fabs(given), isnan(c->deviation) ? fabs(skewness_of(c->runs)) : 0);
+    const double skewness = fmax(fabs(given), isnan(c->deviation) ? fabs(bis_verify_skewness(c->runs)) : 0);
 
     if (isnan(c->runs->mean)) {
         bis_verify_p(v, "view", c->runs->mean, 0, "not a number", "%s: %s", c->name, c->integrator);
@@ -160,7 +142,7 @@ static void judge(bis_verify *v, const comparison *c)
         char why[120];
         snprintf(why, sizeof why, "only %llu of its candidates were accepted: too few to judge", (unsigned long long)c->accepted);
         skip(v, c, why);
-    } else if (skewness <= (is_known ? most_skewness : most_seen_skewness)) {
+    } else if (skewness <= (is_known ? most_skewness : BIS_VERIFY_MOST_SKEWNESS)) {
         judge_by_t(v, c, skewness);
     } else if (strcmp(c->integrator, "sir") == 0) {
         skip(v, c, "a few candidates outweigh all others here: too few runs to judge");
@@ -188,12 +170,12 @@ static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings
     const uint32_t n = runs_for(s, truth->patches, v->halvings);
     rgb *estimate = bis_alloc(n, sizeof *estimate);
     bis_counters counters = {0};
-    moments runs = {0};
+    bis_verify_moments runs = {0};
 
     if (!estimate) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u runs", (unsigned)n);
     bis_status status = bis_verify_runs(estimate, n, pt, s, kind, bis_verify_seed(v, "%s: %s", name, s->integrator->name), &counters, diag);
     for (uint32_t run = 0; run < n; run++) {
-        add_value(&runs, bis_verify_measure((rgbd){(double)estimate[run].r, (double)estimate[run].g, (double)estimate[run].b}));
+        bis_verify_add(&runs, bis_verify_measure((rgbd){(double)estimate[run].r, (double)estimate[run].g, (double)estimate[run].b}));
     }
     bis_free(estimate);
     if (status) return status;
