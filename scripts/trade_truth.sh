@@ -68,8 +68,11 @@ for original in "$@"; do
             ;;
         esac
         render "1 2" $base-$advice "$advised" $options --spp $passes
-        test $advice = final && render 9 $base-long "$advised" $options --spp $((4 * passes)) && mv "$dir/$base-long-9.exr" "$dir/$base-long-1.exr"
-        truth=$("$B"/trade_truth 1 "$dir/$base-long-1.exr" "$dir/$base-$advice-1.exr" "$dir/$base-$advice-2.exr") || exit 1
+        if test $advice = final; then
+            render 9 $base-long "$advised" $options --spp $((4 * passes))
+        fi
+        one=$dir/$base-$advice-1.exr two=$dir/$base-$advice-2.exr
+        truth=$("$B"/trade_truth 1 "$dir/$base-long-9.exr" "$one" "$two") || exit 1
         echo "$base|$advice|$setting|$passes|$promised|${truth% *}" |
             awk -F'|' '{ printf "| %s | %s | `%s` | %d | %.1f %% | %.1f %% | %+.0f %% |\n", $1, $2, $3, $4, 100 * $5, 100 * $6, 100 * ($5 / $6 - 1) }'
     done

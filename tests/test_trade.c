@@ -572,7 +572,8 @@ static void the_enlarged_parts_do_not_overlap(void **state)
 }
 
 /* Three renders of two pixels, by hand: variances 1 and 3, means 5 and 2. A reference without noise stands in the
- * denominator alone (m = 5). Of one as noisy as the renders' mean, which has a third of their scatter, half is taken. */
+ * denominator alone (m = 5). Of one as noisy as the renders' mean, which has a third of their scatter, half is
+ * taken. */
 static void the_scatter_of_renders_is_their_variance(void **state)
 {
     (void)state;
@@ -588,7 +589,8 @@ static void the_scatter_of_renders_is_their_variance(void **state)
     }
     assert_true(is_near(bis_trade_scatter(images, 3, &reference), (1 / (49 + 0.25) + 3 / (9 + 0.25)) / 2));
     reference.relmse = (1 / (25 + 0.1225) + 3 / (4 + 0.1225)) / 2 / 3; /* m = 3.5 */
-    assert_true(is_near(bis_trade_scatter(images, 3, &reference), (1 / (36 + 0.180625) + 3 / (6.25 + 0.180625)) / 2)); /* b = 6, 2.5 */
+    const double mixed = (1 / (36 + 0.180625) + 3 / (6.25 + 0.180625)) / 2; /* b = 6, 2.5 */
+    assert_true(is_near(bis_trade_scatter(images, 3, &reference), mixed));
     for (int k = 0; k < 3; k++) bis_image_clear(&images[k]);
     bis_image_clear(&reference.image);
 }
@@ -601,7 +603,8 @@ static double error_of_command(unsigned passes, const bis_image *reference)
         program_run r;
         bis_image a;
         bis_comparison c;
-        program_expect(&r, 0, SCENE " --integrator em --samples 16 --spp %u --seed %d --quiet --outfile " DIR "/advised.exr", passes, 900 + k);
+        program_expect(&r, 0, SCENE " --integrator em --samples 16 --spp %u --seed %d --outfile " DIR "/advised.exr",
+                       passes, 900 + k);
         read_image(&a, DIR "/advised.exr");
         assert_int_equal(bis_compare(&c, &a, reference, NULL), BIS_OK);
         bis_image_clear(&a);
@@ -610,8 +613,8 @@ static double error_of_command(unsigned passes, const bis_image *reference)
     return sqrt(sum);
 }
 
-/* Advised are passes whose grid is square or nearly so, and for a reason: 13, a grid of 1 x 13, leave more noise than 12,
- * 3 x 4 (twice as much; beyond 1.5 times by chance less than once in 10^6, by the scatter of the four seeds). */
+/* Advised are passes whose grid is square or nearly so, and for a reason: 13, a grid of 1 x 13, leave more noise than
+ * 12, 3 x 4 (twice as much; beyond 1.5 times by chance less than once in 10^6, by the scatter of the four seeds). */
 static void passes_are_advised_that_make_a_square_grid(void **state)
 {
     (void)state;
@@ -620,7 +623,8 @@ static void passes_are_advised_that_make_a_square_grid(void **state)
     bis_scene_desc desc = {.sampler = {.kind = BIS_SAMPLER_STRATIFIED}};
     const bis_trade t = {.desc = &desc};
     bis_image truth;
-    for (size_t i = 0; i < sizeof good / sizeof *good; i++) assert_int_equal(bis_trade_square_passes(&t, least[i]), good[i]);
+    const size_t n = sizeof good / sizeof *good;
+    for (size_t i = 0; i < n; i++) assert_int_equal(bis_trade_square_passes(&t, least[i]), good[i]);
     assert_int_equal(bis_trade_square_passes(&t, 12.01), 16);
     desc.sampler.kind = BIS_SAMPLER_SOBOL;
     assert_int_equal(bis_trade_square_passes(&t, 13), 13);
@@ -629,9 +633,10 @@ static void passes_are_advised_that_make_a_square_grid(void **state)
     bis_image_clear(&truth);
 }
 
-/* A curve's word, here four times or a quarter of what is right, is replaced by what the advised passes leave: the error
- * that is promised comes out within a quarter. (relMSE of four renders of 1152 values: some 5%.) The reference, of 4
- * passes, is noisier than what it judges, and must not spoil it. Twin: the same command with a quarter of the passes. */
+/* A curve's word, here four times or a quarter of what is right, is replaced by what the advised passes leave: the
+ * error that is promised comes out within a quarter. (relMSE of four renders of 1152 values: some 5%.) The reference,
+ * of 4 passes, is noisier than what it judges, and must not spoil it. Twin: the same command with a quarter of the
+ * passes. */
 static void what_is_promised_comes_out(void **state)
 {
     (void)state;
@@ -640,7 +645,7 @@ static void what_is_promised_comes_out(void **state)
     bis_image truth;
     read_image(&truth, DIR "/truth.exr");
     for (int i = 0; i < 2; i++) {
-        bis_trade t = {.o = {.scene = SCENE, .folder = DIR, .passes = 4, .n_threads = 1, .seed = 3}, .plan = {.seed = 3, .step = 1}};
+        bis_trade t = {.o = {.scene = SCENE, .folder = DIR, .passes = 4, .n_threads = 1}, .plan = {.step = 1}};
         bis_render_result result;
         assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
         t.plan.full_width = t.plan.width = 24;
@@ -652,13 +657,18 @@ static void what_is_promised_comes_out(void **state)
         t.both.relmse = reference.relmse;
         assert_true(reference.relmse > error * error);
         for (int k = 0; k < BIS_TRADE_ADVICE; k++) t.result.advice[k].setting = -1;
-        t.result.advice[2] = (bis_trade_advice){.setting = em, .error = error, .passes = said[i], .seconds = 3.0 * said[i]};
+        t.result.advice[2] = (bis_trade_advice){.setting = em, .error = error, .passes = said[i]};
+        t.result.advice[2].seconds = 3.0 * said[i];
         t.result.curves[em].pass_seconds = 0.5;
         assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
         const bis_trade_advice *a = &t.result.advice[2];
         const double measured = error_of_command(a->passes, &truth);
-        if (fabs(a->expected_error / measured - 1) > 0.25) fail_msg("%u passes: %g for %g", a->passes, measured, a->expected_error);
-        if (a->expected_error > error || a->is_extrapolated) fail_msg("from %u: %u passes, %g, %g s", said[i], a->passes, a->expected_error, a->seconds);
+        if (fabs(a->expected_error / measured - 1) > 0.25) {
+            fail_msg("%u passes: %g for %g", a->passes, measured, a->expected_error);
+        }
+        if (a->expected_error > error || a->is_extrapolated) {
+            fail_msg("from %u: %u passes, %g", said[i], a->passes, a->expected_error);
+        }
         assert_true(is_near(a->seconds, 3.0 * a->passes));
         assert_true(error_of_command(a->passes / 4, &truth) > 1.25 * error);
         bis_trade_clear(&t);
@@ -985,15 +995,17 @@ static void every_field_of_the_folder_is_checked(void **state)
         const char *script = strchr(cases[i].edit, ':') + 1;
         bis_diag diag = {0};
         snprintf(name, sizeof name, "%.*s", (int)(script - 1 - cases[i].edit), cases[i].edit);
-        snprintf(command, sizeof command, "cd " DIR "/field && cp ../own/plan.txt ../own/runs.csv . && sed -i '%s' %s && ! cmp -s %s ../own/%s", script,
-                 name, name, name);
+        snprintf(command, sizeof command, "cd " DIR "/field && cp ../own/plan.txt ../own/runs.csv . && sed -i '%s' "
+                 "%s && ! cmp -s %s ../own/%s", script, name, name, name);
         assert_int_equal(system(command), 0);
         t.plan = empty;
         t.n_runs = 0;
         bis_status status = bis_trade_read_plan(&t, &diag);
         if (!status) status = bis_trade_read_runs(&t, &diag);
         const char *text = diag.n ? diag.messages[diag.n - 1].text : "";
-        if (status != BIS_INPUT || !strstr(text, cases[i].says) || strstr(text, "(null)")) fail_msg("%s: %d\n%s", cases[i].edit, status, text);
+        if (status != BIS_INPUT || !strstr(text, cases[i].says) || strstr(text, "(null)")) {
+            fail_msg("%s: %d\n%s", cases[i].edit, status, text);
+        }
         bis_diag_clear(&diag);
     }
     t.plan = empty;

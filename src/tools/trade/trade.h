@@ -262,9 +262,9 @@ int bis_trade_best_of(const bis_trade *t, const char *integrator);
  * many. */
 int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP]);
 
-/* bis_trade_square_passes returns the least number of passes >= least, in [1, 1e9], that the scene's sampler uses well. A
- * stratified one divides the pixel into the most square grid of so many cells: n x n and n x (n + 1) are good. 13 = 1 x 13
- * leaves twice the relMSE of 12 = 3 x 4 where a picture has many edges (tests/test_trade.c). */
+/* bis_trade_square_passes returns the least number of passes >= least, in [1, 1e9], that the scene's sampler uses
+ * well. A stratified one divides the pixel into the most square grid of so many cells: n x n and n x (n + 1) are
+ * good. 13 = 1 x 13 leaves twice the relMSE of 12 = 3 x 4 where a picture has many edges (tests/test_trade.c). */
 uint32_t bis_trade_square_passes(const bis_trade *t, double least);
 
 void bis_trade_advise(bis_trade *t); /* seconds by the sweep's thin film */
@@ -289,9 +289,9 @@ bis_status bis_trade_make_pictures(bis_trade *t, bis_diag *diag);
 bis_status bis_trade_check_advice(bis_trade *t, bis_diag *diag);
 
 /* bis_trade_scatter returns the relMSE of one of n >= 2 renders that differ in their seeds alone: in each pixel and
- * channel their variance (over n - 1), divided by b^2 + m^2/100 as in bis_compare. b is the mean of the reference and of
- * the renders, weighted by 1/variance; with relmse = 0 the reference alone. m is the mean of b. All have one size. What
- * noise is left in b makes the result biased, by terms of the order of b's own relMSE. */
+ * channel their variance (over n - 1), divided by b^2 + m^2/100 as in bis_compare. b is the mean of the reference and
+ * of the renders, weighted by 1/variance; with relmse = 0 the reference alone. m is the mean of b. All have one size.
+ * What noise is left in b makes the result biased, by terms of the order of b's own relMSE. */
 double bis_trade_scatter(const bis_image *images, int n, const bis_trade_reference *reference);
 
 /* --- trade_seconds.c --- */

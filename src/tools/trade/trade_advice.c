@@ -1,12 +1,12 @@
 /* trade_advice: what to use. Errors at a time, times to an error, the best of each integrator, and three
  * recommendations.
  *
- * Between two budgets of a curve log error is linear in log seconds; beyond the last one an unbiased method goes on by
- * the root law, error ~ seconds^-1/2 (errata.md E9), which is said wherever such a figure is shown. A biased one has a
- * floor that nobody has seen: no figure. Below one pass there is no picture. For the advice passes are counted, since a
- * render has whole ones, on a square grid: the fewest that reach the error by cost x variance, of whatever setting needs
- * the least time for them, standard error added, in the full picture. Half of a pixel's value will do for a preview, and
- * 5% for the eye. */
+ * Between two budgets of a curve log error is linear in log seconds; beyond the last one an unbiased method goes on
+ * by the root law, error ~ seconds^-1/2 (errata.md E9), which is said wherever such a figure is shown. A biased one
+ * has a floor that nobody has seen: no figure. Below one pass there is no picture. For the advice passes are counted,
+ * since a render has whole ones, on a square grid: the fewest that reach the error by cost x variance, of whatever
+ * setting needs the least time for them, standard error added, in the full picture. Half of a pixel's value will do
+ * for a preview, and 5% for the eye. */
 #include "trade.h"
 
 #include <string.h>

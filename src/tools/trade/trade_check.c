@@ -1,20 +1,19 @@
 /* trade_check: what error does the advised number of passes really leave?
  *
- * The advice comes from the mean cost x variance of a curve's budgets, most of them far shorter than what is advised. The
- * root law that leads from there to the advice is that of independent samples. A stratified camera does better: at an
- * edge the error falls faster, and what the short budgets say is too much. So the advised setting is rendered with the
- * advised passes, in the pixels of the sweep, with seeds of its own: twice, and more often while there is time. The
- * scatter of these renders is the error, since only unbiased settings are advised. (Their distance from the references is
- * not used: these are often noisier than what is advised, and what was left after their share had been subtracted was up
- * to half too large on scene.txt.)
- * relMSE divides by the square of the right pixel, which nobody has. A noisy stand-in is too dark in most pixels, and what
- * is divided by its square comes out too large: twice the error with a reference of 4 passes. So it is the mean of the
- * references and these renders, weighted by 1/variance.
+ * The advice comes from the mean cost x variance of a curve's budgets, most of them far shorter than what is advised.
+ * The root law that leads from there to the advice is that of independent samples. A stratified camera does better:
+ * at an edge the error falls faster, and what the short budgets say is too much. So the advised setting is rendered
+ * with the advised passes, in the pixels of the sweep, with seeds of its own: twice, and more often while there is
+ * time. The scatter of these renders is the error, since only unbiased settings are advised. (Their distance from the
+ * references is not used: these are often noisier than what is advised, and what was left after their share had been
+ * subtracted was up to half too large on scene.txt.) relMSE divides by the square of the right pixel, which nobody
+ * has. A noisy stand-in is too dark in most pixels, and what is divided by its square comes out too large: twice the
+ * error with a reference of 4 passes. So it is the mean of the references and these renders, weighted by 1/variance.
  * The scatter says how many passes are right. When these are others by more than `close_enough`, they are rendered in
- * turn. Where two such renders take too long, they get the passes that there is time for, and the rest is the root law's,
- * which is said. Time that one advice does not need is the next one's. With --passes, which asks for no clock, there are
- * as many renders as one replicate of a reference has passes, two at least, of at most 64 times the passes of the longest
- * budget, however long they take. */
+ * turn. Where two such renders take too long, they get the passes that there is time for, and the rest is the root
+ * law's, which is said. Time that one advice does not need is the next one's. With --passes, which asks for no clock,
+ * there are as many renders as one replicate of a reference has passes, two at least, of at most 64 times the passes
+ * of the longest budget, however long they take. */
 #include "trade.h"
 
 #include "bis/base/mem.h"
@@ -81,8 +80,8 @@ double bis_trade_scatter(const bis_image *images, int n, const bis_trade_referen
 }
 
 /* *variance: the scatter of renders of `passes`, times passes; NAN: fewer than two were complete. */
-static bis_status measure(double *variance, bis_trade *t, const check *c, const bis_trade_setting *s, uint32_t passes, double each,
-                          bis_diag *diag)
+static bis_status measure(double *variance, bis_trade *t, const check *c, const bis_trade_setting *s, uint32_t passes,
+                          double each, bis_diag *diag)
 {
     bis_image images[MOST_RENDERS] = {{0}};
     bis_status status = BIS_OK;
@@ -91,7 +90,8 @@ static bis_status measure(double *variance, bis_trade *t, const check *c, const 
 
     while (!status && complete && goes_on(t, c, n, passes, each)) {
         bis_render_result result;
-        status = bis_trade_render(t, s, t->plan.step, passes, seed_of(t, c->advice, c->turn, n), &images[n], &result, diag);
+        const uint64_t seed = seed_of(t, c->advice, c->turn, n);
+        status = bis_trade_render(t, s, t->plan.step, passes, seed, &images[n], &result, diag);
         complete = !status && !result.interrupted;
         n += complete;
     }
@@ -110,14 +110,16 @@ static bis_status check_advice(bis_trade_advice *a, bis_trade *t, check *c, bis_
 
     for (c->turn = 0; c->turn < MOST_TURNS && !status && (c->turn == 0 || t->o.passes || left(c) > 0); c->turn++) {
         const double most = t->o.passes ? (double)MOST_BUDGETS * t->o.passes : left(c) / (LEAST_RENDERS * a_pass);
-        const uint32_t measured = a->passes <= most ? a->passes : bis_trade_square_passes(t, fmax(1, most / close_enough));
+        const uint32_t fitting = bis_trade_square_passes(t, fmax(1, most / close_enough));
+        const uint32_t measured = a->passes <= most ? a->passes : fitting;
         double variance;
         status = measure(&variance, t, c, s, measured, measured * a_pass, diag);
         if (status || !(variance > 0)) break; /* interrupted, or without noise: the curve's word stands */
         uint32_t needed = bis_trade_square_passes(t, variance / (a->error * a->error));
         if (needed > measured) too_few = measured;
         else enough = measured, enough_variance = variance;
-        if (needed <= too_few || (enough && needed > enough)) { /* what was measured with one says that another will do */
+        if (needed <= too_few || (enough && needed > enough)) {
+            /* one measured number says that another, measured before, will do, or will not */
             needed = enough;
             variance = enough_variance;
         }

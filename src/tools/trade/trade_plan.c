@@ -24,7 +24,8 @@ static const double pilot_share = 0.08, sweep_share = 0.5, reference_share = 0.2
 static const double short_curve = 0.25;     /* of r, for settings that are not the best of their integrator */
 static const double too_slow = 4;           /* a setting whose single pass takes so many r is left out */
 
-static const char *const reference_settings[2][3] = {{"mis 16", "mis 64", ""}, {"sir 64/4", "sir 256/16", "sir 256/16 product"}};
+static const char *const reference_settings[2][3] = {
+    {"mis 16", "mis 64", ""}, {"sir 64/4", "sir 256/16", "sir 256/16 product"}};
 
 /* ---- the pilot ---- */
 
