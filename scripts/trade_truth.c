@@ -8,7 +8,6 @@
  * pictures: it stands in the denominator alone. */
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
-#include "bis/files/image_file.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -31,6 +31,7 @@ enum {
     BIS_TRADE_NAME = 48,
     BIS_TRADE_LIGHTS = 6,
     BIS_TRADE_MOST_PIXELS = 90000, /* of the thin film in the mean: a step is a whole number, up to 2.25 times as many */
+    BIS_TRADE_REFERENCE_BUDGETS = 4, /* with --passes: a replicate of a reference has so many times the passes */
     BIS_TRADE_REPLICATES = 8, /* independent renders behind a reference: where its standard error comes from */
     BIS_TRADE_STRIP = 8       /* pictures in the report */
 };
@@ -120,7 +121,7 @@ typedef struct bis_trade_advice {
     uint32_t passes;
     double seconds;           /* expected for the full picture */
     double expected_error;
-    bool is_extrapolated;     /* there are more passes than were measured */
+    bool is_extrapolated;     /* it was measured with another number of passes */
 } bis_trade_advice;
 
 enum { BIS_TRADE_ADVICE = 3 };
@@ -261,6 +262,11 @@ int bis_trade_best_of(const bis_trade *t, const char *integrator);
  * many. */
 int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP]);
 
+/* bis_trade_square_passes returns the least number of passes >= least, in [1, 1e9], that the scene's sampler uses
+ * well. A stratified one divides the pixel into the most square grid of so many cells: n x n and n x (n + 1) are
+ * good. 13 = 1 x 13 leaves twice the relMSE of 12 = 3 x 4 where a picture has many edges (tests/test_trade.c). */
+uint32_t bis_trade_square_passes(const bis_trade *t, double least);
+
 void bis_trade_advise(bis_trade *t); /* seconds by the sweep's thin film */
 
 /* Columns of the two tables: each at most so many, ascending; returns how many. */
@@ -281,6 +287,12 @@ bis_status bis_trade_make_pictures(bis_trade *t, bis_diag *diag);
 
 /* Replaces the advice's passes and errors by such as were measured with that many passes, as far as there is time. */
 bis_status bis_trade_check_advice(bis_trade *t, bis_diag *diag);
+
+/* bis_trade_scatter returns the relMSE of one of n >= 2 renders that differ in their seeds alone: in each pixel and
+ * channel their variance (over n - 1), divided by b^2 + m^2/100 as in bis_compare. b is the mean of the reference and
+ * of the renders, weighted by 1/variance; with relmse = 0 the reference alone. m is the mean of b. All have one size.
+ * What noise is left in b makes the result biased, by terms of the order of b's own relMSE. */
+double bis_trade_scatter(const bis_image *images, int n, const bis_trade_reference *reference);
 
 /* --- trade_seconds.c --- */
 

@@ -1,12 +1,12 @@
 /* trade_advice: what to use. Errors at a time, times to an error, the best of each integrator, and three
  * recommendations.
  *
- * Between two budgets of a curve log error is linear in log seconds; beyond the last one an unbiased method goes on by
- * the root law, error ~ seconds^-1/2 (errata.md E9), which is said wherever such a figure is shown. A biased one has a
- * floor that nobody has seen: no figure. Below one pass there is no picture. For the advice passes are counted, since a
- * render has whole ones: the fewest that reach the error by cost x variance, of whatever setting needs the least time
- * for them, standard error added, in the full picture. Half of a pixel's value will do for a preview,
- * and 5% for the eye. */
+ * Between two budgets of a curve log error is linear in log seconds; beyond the last one an unbiased method goes on
+ * by the root law, error ~ seconds^-1/2 (errata.md E9), which is said wherever such a figure is shown. A biased one
+ * has a floor that nobody has seen: no figure. Below one pass there is no picture. For the advice passes are counted,
+ * since a render has whole ones, on a square grid: the fewest that reach the error by cost x variance, of whatever
+ * setting needs the least time for them, standard error added, in the full picture. Half of a pixel's value will do
+ * for a preview, and 5% for the eye. */
 #include "trade.h"
 
 #include <string.h>
@@ -103,18 +103,27 @@ static double full_pass_seconds(const bis_trade *t, int setting)
     return fill + (pass - fill) * pixels;
 }
 
+uint32_t bis_trade_square_passes(const bis_trade *t, double least)
+{
+    const double most = 1e9, n = fmin(fmax(ceil(least), 1), most);
+    if (t->desc->sampler.kind != BIS_SAMPLER_STRATIFIED) return (uint32_t)n;
+    const double side = ceil(sqrt(n));
+    return (uint32_t)(side * (side - 1) >= n ? side * (side - 1) : side * side);
+}
+
 /* The least time in which a setting has the error, in whole passes: cost x variance is what an error costs, whatever
  * the budget. */
 static bis_trade_advice advice_of(const bis_trade *t, int setting, const char *purpose, double error)
 {
     const bis_trade_curve *c = &t->result.curves[setting];
-    const double variance = fmax(0, c->cost_variance) / c->pass_seconds, passes = fmax(1, ceil(variance / (error * error)));
+    const double variance = fmax(0, c->cost_variance) / c->pass_seconds, least = variance / (error * error);
+    const uint32_t passes = bis_trade_square_passes(t, least);
 
     return (bis_trade_advice){
         .purpose = purpose,
         .error = error,
-        .setting = passes < 1e9 ? setting : -1,
-        .passes = (uint32_t)fmin(passes, 1e9),
+        .setting = least < 1e9 ? setting : -1,
+        .passes = passes,
         .seconds = passes * full_pass_seconds(t, setting),
         .expected_error = sqrt(variance / passes),
         .is_extrapolated = passes > t->result.points[c->first + c->n - 1].passes,

@@ -1,18 +1,24 @@
 /* trade_check: what error does the advised number of passes really leave?
  *
- * The advice comes from the mean cost x variance of a curve's budgets, most of them far shorter than what is advised. The
- * root law that leads from there to the advice is that of independent samples. A stratified camera does better: at an
- * edge the error falls faster, and what the short budgets say is too much (scene.txt: twice the passes). So the advised
- * setting is rendered with the advised passes, in the pixels of the sweep, with seeds of its own, as often as
- * `check_share` of the time allows. Its noise, as a run's, says how many passes are right; when these are others by more
- * than `close_enough`, they are measured in turn. Where even one such render takes too long, it gets the passes that
- * there is time for, and the rest is the root law's, which is said. With --passes, which asks for no clock, there are two
- * renders of the advised passes, up to 64 times those of the longest budget, however long they take. */
+ * The advice comes from the mean cost x variance of a curve's budgets, most of them far shorter than what is advised.
+ * The root law that leads from there to the advice is that of independent samples. A stratified camera does better:
+ * at an edge the error falls faster, and what the short budgets say is too much. So the advised setting is rendered
+ * with the advised passes, in the pixels of the sweep, with seeds of its own: twice, and more often while there is
+ * time. The scatter of these renders is the error, since only unbiased settings are advised. (Their distance from the
+ * references is not used: these are often noisier than what is advised, and what was left after their share had been
+ * subtracted was up to half too large on scene.txt.) relMSE divides by the square of the right pixel, which nobody
+ * has. A noisy stand-in is too dark in most pixels, and what is divided by its square comes out too large: twice the
+ * error with a reference of 4 passes. So it is the mean of the references and these renders, weighted by 1/variance.
+ * The scatter says how many passes are right. When these are others by more than `close_enough`, they are rendered in
+ * turn. Where two such renders take too long, they get the passes that there is time for, and the rest is the root
+ * law's, which is said. Time that one advice does not need is the next one's. With --passes, which asks for no clock,
+ * there are as many renders as one replicate of a reference has passes, two at least, of at most 64 times the passes
+ * of the longest budget, however long they take. */
 #include "trade.h"
 
-#include "bis/tools/compare.h"
+#include "bis/base/mem.h"
 
-enum { MOST_RENDERS = 8, MOST_TURNS = 4, RENDERS_BY_PASSES = 2, MOST_BUDGETS = 64 };
+enum { LEAST_RENDERS = 2, MOST_RENDERS = 8, MOST_TURNS = 6, MOST_BUDGETS = 64 };
 
 static const double check_share = 0.03;   /* of the time, for each advice */
 static const double close_enough = 1.15;  /* in passes: 7% in error */
@@ -23,34 +29,74 @@ static uint64_t seed_of(const bis_trade *t, int advice, int turn, int render)
 }
 
 typedef struct check {
-    double start, seconds; /* allowed */
+    double end; /* on bis_clock_now's clock */
     int advice, turn;
 } check;
 
-static double left(const check *c) { return c->start + c->seconds - bis_clock_now(); }
+static double left(const check *c) { return c->end - bis_clock_now(); }
 
-/* *variance: relMSE times passes, less the references' part, mean over as many renders as there is time for; NAN: none
- * was complete. */
-static bis_status measure(double *variance, bis_trade *t, const check *c, const bis_trade_setting *s, uint32_t passes, double each, bis_diag *diag)
+/* Is there time for one more render after n of them? */
+static bool goes_on(const bis_trade *t, const check *c, int n, uint32_t passes, double each)
 {
-    bis_status status = BIS_OK;
+    if (bis_trade_interrupted(t) || n == MOST_RENDERS) return false;
+    if (n < LEAST_RENDERS) return true;
+    return t->o.passes ? (n + 1.0) * passes <= BIS_TRADE_REFERENCE_BUDGETS * (double)t->o.passes : left(c) > each;
+}
+
+static double channel(const bis_image *image, size_t i)
+{
+    const rgb c = image->pixels[i / 3];
+    return (double)(i % 3 == 0 ? c.r : i % 3 == 1 ? c.g : c.b);
+}
+
+static double mean_of(const bis_image *images, int n, size_t i)
+{
     double sum = 0;
+    for (int k = 0; k < n; k++) sum += channel(&images[k], i);
+    return sum / n;
+}
+
+/* b = w reference + (1 - w) mean of the renders. */
+static double scatter(const bis_image *images, int n, const bis_image *reference, double w)
+{
+    const size_t size = 3 * (size_t)reference->width * (size_t)reference->height;
+    double m = 0, sum = 0;
+
+    for (size_t i = 0; i < size; i++) m += (w * channel(reference, i) + (1 - w) * mean_of(images, n, i)) / (double)size;
+    for (size_t i = 0; i < size; i++) {
+        const double mean = mean_of(images, n, i), b = w * channel(reference, i) + (1 - w) * mean;
+        double squares = 0;
+        for (int k = 0; k < n; k++) squares += pow(channel(&images[k], i) - mean, 2);
+        if (squares > 0) sum += squares / (n - 1) / (b * b + m * m / 100);
+    }
+    return sum / (double)size;
+}
+
+double bis_trade_scatter(const bis_image *images, int n, const bis_trade_reference *reference)
+{
+    const double of_mean = scatter(images, n, &reference->image, 0) / n;
+    const double w = of_mean > 0 ? of_mean / (of_mean + reference->relmse) : 1;
+    return scatter(images, n, &reference->image, w);
+}
+
+/* *variance: the scatter of renders of `passes`, times passes; NAN: fewer than two were complete. */
+static bis_status measure(double *variance, bis_trade *t, const check *c, const bis_trade_setting *s, uint32_t passes,
+                          double each, bis_diag *diag)
+{
+    bis_image images[MOST_RENDERS] = {{0}};
+    bis_status status = BIS_OK;
+    bool complete = true;
     int n = 0;
 
-    const int least = t->o.passes ? RENDERS_BY_PASSES : 1;
-
-    for (; n < MOST_RENDERS && !status && !bis_trade_interrupted(t) && (n < least || (!t->o.passes && left(c) > each)); n++) {
-        bis_image image = {0};
+    while (!status && complete && goes_on(t, c, n, passes, each)) {
         bis_render_result result;
-        bis_comparison both;
-        status = bis_trade_render(t, s, t->plan.step, passes, seed_of(t, c->advice, c->turn, n), &image, &result, diag);
-        const bool complete = !status && !result.interrupted;
-        if (complete) status = bis_compare(&both, &image, &t->both.image, diag);
-        bis_image_clear(&image);
-        if (status || !complete) break;
-        sum += both.relmse - t->both.relmse;
+        const uint64_t seed = seed_of(t, c->advice, c->turn, n);
+        status = bis_trade_render(t, s, t->plan.step, passes, seed, &images[n], &result, diag);
+        complete = !status && !result.interrupted;
+        n += complete;
     }
-    *variance = n ? passes * sum / n : (double)NAN;
+    *variance = n < LEAST_RENDERS ? (double)NAN : passes * bis_trade_scatter(images, n, &t->both);
+    for (int k = 0; k < MOST_RENDERS; k++) bis_image_clear(&images[k]);
     return status;
 }
 
@@ -59,18 +105,29 @@ static bis_status check_advice(bis_trade_advice *a, bis_trade *t, check *c, bis_
     const bis_trade_setting *s = &t->plan.settings[a->setting];
     const double a_pass = t->result.curves[a->setting].pass_seconds, full_pass = a->seconds / a->passes;
     bis_status status = BIS_OK;
+    uint32_t too_few = 0, enough = 0; /* passes that left more than the error, and not more; 0: none was measured */
+    double enough_variance = 0;
 
     for (c->turn = 0; c->turn < MOST_TURNS && !status && (c->turn == 0 || t->o.passes || left(c) > 0); c->turn++) {
-        const double most = t->o.passes ? (double)MOST_BUDGETS * t->o.passes : left(c) / a_pass;
-        const uint32_t measured = (uint32_t)fmax(1, fmin(a->passes, most));
+        const double most = t->o.passes ? (double)MOST_BUDGETS * t->o.passes : left(c) / (LEAST_RENDERS * a_pass);
+        const uint32_t fitting = bis_trade_square_passes(t, fmax(1, most / close_enough));
+        const uint32_t measured = a->passes <= most ? a->passes : fitting;
         double variance;
         status = measure(&variance, t, c, s, measured, measured * a_pass, diag);
-        if (status || !(variance > 0)) break; /* the references are too short to tell: the curve's word stands */
-        const double before = a->passes;
-        a->passes = (uint32_t)fmin(fmax(1, ceil(variance / (a->error * a->error))), 1e9);
-        a->expected_error = sqrt(variance / a->passes);
-        a->is_extrapolated = a->passes > close_enough * measured;
-        if (a->passes <= close_enough * measured && before <= close_enough * a->passes) break;
+        if (status || !(variance > 0)) break; /* interrupted, or without noise: the curve's word stands */
+        uint32_t needed = bis_trade_square_passes(t, variance / (a->error * a->error));
+        if (needed > measured) too_few = measured;
+        else enough = measured, enough_variance = variance;
+        if (needed <= too_few || (enough && needed > enough)) {
+            /* one measured number says that another, measured before, will do, or will not */
+            needed = enough;
+            variance = enough_variance;
+        }
+        a->passes = needed;
+        a->expected_error = sqrt(variance / needed);
+        a->is_extrapolated = needed != enough && (needed > close_enough * measured || measured > close_enough * needed);
+        if (!a->is_extrapolated) break;
+        if (most < measured * close_enough) break; /* there is no time for more */
     }
     a->seconds = a->passes * full_pass;
     return status;
@@ -78,13 +135,14 @@ static bis_status check_advice(bis_trade_advice *a, bis_trade *t, check *c, bis_
 
 bis_status bis_trade_check_advice(bis_trade *t, bis_diag *diag)
 {
+    const double start = bis_clock_now(), share = check_share * t->o.seconds;
     bis_status status = BIS_OK;
 
     for (int i = 0; i < BIS_TRADE_ADVICE && !status && !bis_trade_interrupted(t); i++) {
         bis_trade_advice *a = &t->result.advice[i];
-        check c = {.start = bis_clock_now(), .seconds = check_share * t->o.seconds, .advice = i};
+        check c = {.end = start + share * (i + 1), .advice = i};
         if (a->setting < 0) continue;
-        bis_trade_tell(t, "error of the advice", (double)i / BIS_TRADE_ADVICE, c.seconds * (BIS_TRADE_ADVICE - i));
+        bis_trade_tell(t, "error of the advice", (double)i / BIS_TRADE_ADVICE, share * (BIS_TRADE_ADVICE - i));
         status = check_advice(a, t, &c, diag);
     }
     return status;

@@ -24,13 +24,14 @@ static const double pilot_share = 0.08, sweep_share = 0.5, reference_share = 0.2
 static const double short_curve = 0.25;     /* of r, for settings that are not the best of their integrator */
 static const double too_slow = 4;           /* a setting whose single pass takes so many r is left out */
 
-static const char *const reference_settings[2][2] = {{"mis 16", "mis 64"}, {"sir 64/4", "sir 256/16"}};
+static const char *const reference_settings[2][3] = {
+    {"mis 16", "mis 64", ""}, {"sir 64/4", "sir 256/16", "sir 256/16 product"}};
 
 /* ---- the pilot ---- */
 
 bool bis_trade_may_be_reference(const bis_trade_setting *s, int which)
 {
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         if (strcmp(s->name, reference_settings[which][i]) == 0) return true;
     }
     return false;
@@ -205,7 +206,7 @@ static void choose_references(bis_trade *t, double seconds)
         }
         const double share = seconds / (needed[0] + needed[1]) / BIS_TRADE_REPLICATES;
         plan->reference_passes[k] = (uint32_t)fmin(fmax(share / plan->settings[plan->reference[k]].pass_seconds, 1), BIS_TRADE_MOST_PASSES);
-        if (t->o.passes) plan->reference_passes[k] = 4 * t->o.passes;
+        if (t->o.passes) plan->reference_passes[k] = BIS_TRADE_REFERENCE_BUDGETS * t->o.passes;
     }
 }
 
