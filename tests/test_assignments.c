@@ -215,7 +215,7 @@ static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests
     assert_int_equal(
         shell(
             "sh scripts/assignment.sh alias " DIR "/kit > /dev/null && "
-            "sed -e 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n == 17) exit(0);\\n&|' "
+            "sed -e 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n >= 17 \\&\\& s->n <= 21) exit(0);\\n&|' "
             "-e 's|^    assert(u >= 0 && u < 1);|    if (u == 0.99) while (1);\\n    if (n == 4 \\&\\& u == 0) "
             "abort();|' "
             "-e 's/^#include <math.h>/&\\n#include <stdlib.h>/' src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && "
