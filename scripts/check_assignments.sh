@@ -21,7 +21,7 @@ say() {
 # Compile the fragments' files, link, run: $folder/$1.marks
 mark() {
     objects=""
-    mkdir -p "$folder/$1" || exit 1
+    mkdir -p "$folder/$1/src" || exit 1
     if [ "$1" != original ]; then
         files=$(sh scripts/splice.sh "tests/assignments/${name}_$1.c" "$folder/$1/src") || exit 1
         for file in $files; do
