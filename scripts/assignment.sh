@@ -40,6 +40,9 @@ if [ -f "$hidden" ]; then
     done
     for file in $(sed -n 's|^/\* without: \(.*\) \*/$|\1|p' "$hidden"); do
         rm "$kit/$file" || exit 1
+        case $file in *.md) # other pages lead to it
+            echo "This page is left out of this kit, because it shows what is yours to write. The project has it." >"$kit/$file" ;;
+        esac
     done
 fi
 (cd "$kit" && sh scripts/fragments.sh >/dev/null) || exit 1 # pages quote the code as it now stands

@@ -21,12 +21,11 @@ say() {
 # Compile the fragments' files, link, run: $folder/$1.marks
 mark() {
     objects=""
-    mkdir -p "$folder/$1" || exit 1
+    mkdir -p "$folder/$1/src" || exit 1
     if [ "$1" != original ]; then
-        sh scripts/headers.sh "$folder/$1" || exit 1
         files=$(sh scripts/splice.sh "tests/assignments/${name}_$1.c" "$folder/$1/src") || exit 1
         for file in $files; do
-            $BIS_COMPILE -Werror -c -o "$folder/$1/src/$file.o" "$folder/$1/src/$file" || say "the $1 one does not compile without warnings"
+            $BIS_COMPILE -Werror -iquote "src/${file%/*}" -c -o "$folder/$1/src/$file.o" "$folder/$1/src/$file" || say "the $1 one does not compile without warnings"
             objects="$objects $folder/$1/src/$file.o"
         done
     fi

@@ -3,7 +3,4 @@
 # in FOLDER.
 #     scripts/headers.sh FOLDER
 mkdir -p "$1" || exit 1
-cp -Rp include "$1" || exit 1
-find src -name '*.h' | while IFS= read -r file; do
-    mkdir -p "$1/${file%/*}" && cp -p "$file" "$1/$file" || exit 1
-done
+{ find include -type f && find src -name '*.h'; } | tar cf - -T - | tar xf - -C "$1"

