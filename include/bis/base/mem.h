@@ -38,8 +38,8 @@ long bis_mem_count(void);
  * a library that allocates through this module and does not say why it gave up. */
 long bis_mem_failures(void);
 
-/* The blocks that are not freed yet. 0 when a program ends: every test program checks that (tests/every.c), and bis
- * itself. */
+/* bis_mem_live returns the number of blocks that are not freed yet. It is 0 when a program ends: every test program
+ * checks that (tests/every.c), and so does bis itself. */
 long bis_mem_live(void);
 
 #endif
