@@ -55,8 +55,9 @@ static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *strea
     const bis_em_samples samples = bis_em_samples_start(n_em, s, stream, scratch);
     for (uint32_t j = 0; j < n_em; j++) {
         bis_light_point y;
-        /* there is no light, or compensation left nothing: the BRDF's samples do everything */
-        if (!bis_em_sample(&y, &samples, j, pt->light, stream)) break;
+        /* false: there is no light, or compensation left nothing; the BRDF's samples do everything */
+        const bool drawn = bis_em_sample(&y, &samples, j, pt->light, stream);
+        if (!drawn) break;
 
         double q_brdf, cos_theta = bis_bsdf_cos(bsdf, y.wi);
         if (cos_theta <= 0) continue;
