@@ -14,7 +14,8 @@ static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double be
 }
 /* [end] */
 /* [resample] */
-void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W, bis_resampling resampling, bis_stream *stream)
+void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W,
+                             bis_resampling resampling, bis_stream *stream)
 {
     /* Yours to write: chosen[N], in proportion to the weights. Of use: bis_marks_start, bis_marks_next, N marks in [0,1), ascending. Here the first candidate
      * with a weight is chosen N times, which keeps the program alive. */

@@ -19,7 +19,8 @@ static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double be
 }
 /* [end] */
 /* [resample] */
-void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W, bis_resampling resampling, bis_stream *stream)
+void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W,
+                             bis_resampling resampling, bis_stream *stream)
 {
     bis_marks marks = bis_marks_start(resampling, N, stream);
     uint32_t n = 0, j = 0;

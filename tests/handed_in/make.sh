@@ -39,7 +39,7 @@ whole() { # NAME
 for k in 1 2 3 4; do hand_in tests/handed_in/right$k.c right$k.c; done
 cp src/thesis/alias.c "$to/right5.c"
 sed 's|^#include <math.h>|&\n#include <stdlib.h>\n\nstatic double half_of(double x);|
-     s|^/\* prob\[i\] = N P_i\. Returns.*|static double half_of(double x) { return abs(1) * x / 2; }\
+     s|^/\* Sets prob\[i\] = N P_i\. Returns.*|static double half_of(double x) { return abs(1) * x / 2; }\
 #define TWICE(x) ((x) + (x))|
      s|prob\[lg\] -= 1 - prob\[sm\];|prob[lg] -= TWICE(half_of(1 - prob[sm]));|' \
     src/thesis/alias.c >"$to/right6, with a helper and an include outside of the marks.c"
