@@ -57,8 +57,10 @@ has trade "--integrator uniform --samples " "$root/bis" trade --quiet --time 2 -
 has verify "uniform .*passed" "$root/bis" verify "$root/scene.txt"
 
 for test in "$@"; do
+    [ -f "$BIS_BUILD/tests/$test.o" ] || $BIS_COMPILE -Itests -c -o "$root/$test.o" "tests/$test.c" || say "$test does not compile"
+    [ -f "$root/$test.o" ] || cp "$BIS_BUILD/tests/$test.o" "$root/$test.o"
     # shellcheck disable=SC2086
-    $BIS_LINK -o "$root/$test" "$BIS_BUILD/tests/$test.o" $objects $BIS_OBJECTS $BIS_LIBS || say "$test does not link"
+    $BIS_LINK -o "$root/$test" "$root/$test.o" $objects $BIS_OBJECTS $BIS_LIBS || say "$test does not link"
     BIS_PROGRAM=$root/bis "$root/$test" >"$root/$test.txt" 2>&1 || say "$test fails: $(grep -m 1 'ERROR' "$root/$test.txt")"
 done
 echo "extending: as it should be"
