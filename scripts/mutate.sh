@@ -240,8 +240,8 @@ exit
 # + x ^= x >> 2 & 0x33333331u;
 #
 # * sampler test_sampler : both jitters of a camera sample are one
-# - (cell / p->xsamples + place[1])
-# + (cell / p->xsamples + place[0])
+# - (cell / p->xsamples) + place[1])
+# + (cell / p->xsamples) + place[0])
 #
 # * curve test_curve : the curve does not turn
 # - uint32_t x = a ^ (swap & b) ^ complement;
@@ -296,11 +296,11 @@ exit
 # + size > 10 * BIS_EMBREE_MOST
 #
 # * verify_oracle test_verify : no doubt at an edge
-# - return some_more && some_less ? MISSED : sure ? MET : DOUBTFUL;
+# - return some_more && some_less ? MISSED : all_more || all_less ? MET : DOUBTFUL;
 # + return some_more && some_less ? MISSED : MET;
 #
 # * verify_oracle test_verify : everything is in doubt
-# - return some_more && some_less ? MISSED : sure ? MET : DOUBTFUL;
+# - return some_more && some_less ? MISSED : all_more || all_less ? MET : DOUBTFUL;
 # + return some_more && some_less ? MISSED : DOUBTFUL;
 #
 # * verify_accel test_verify : shadow rays do not start beyond the error
