@@ -1,5 +1,5 @@
 #!/bin/sh
-# check_circles: no two files of src/ need each other, not even by way of others. Judged by the symbols of their objects.
+# check_circles: no two files of src/ need each other, not even by way of others. The symbols of their objects tell.
 #     scripts/check_circles.sh BUILD          BUILD/src holds the objects
 # Prints each circle and exits with 1.
 build=$1
@@ -16,11 +16,13 @@ done | awk '
     $1 == "needs" { n++; name[n] = $2; user[n] = $3 }
     END {
         for (i = 1; i <= n; i++) {
-            if (name[i] in home && home[name[i]] != user[i] && !seen[user[i], home[name[i]]]++) print user[i], home[name[i]]
+            if (!(name[i] in home) || home[name[i]] == user[i]) continue
+            if (!seen[user[i], home[name[i]]]++) print user[i], home[name[i]]
         }
     }' >"$arrows"
 [ -s "$arrows" ] || { echo "check_circles: no objects in $build/src"; exit 1; }
-tsort "$arrows" 2>&1 >/dev/null | sed 's/^tsort: .*loop:$/check_circles: these need each other:/; s/^tsort: /    /; s/\.o$/.c/' | tee "$arrows.found"
+tsort "$arrows" 2>&1 >/dev/null |
+    sed 's/^tsort: .*loop:$/check_circles: these need each other:/; s/^tsort: /    /; s/\.o$/.c/' | tee "$arrows.found"
 [ ! -s "$arrows.found" ]; status=$?
 rm -f "$arrows.found"
 exit $status

@@ -5,7 +5,7 @@
 # Exit status 1 when a test failed, a program died or hung (TEST_SECONDS, default 600), or there was nothing to run.
 #
 # Programs find everything from the root of the project and make their files below build/. Each run gives them a root of
-# its own, build/run.XXXXXX, a copy of all that is here (20 MB, 0.1 s) but for build/, so that two runs never meet. It is
+# its own, build/run.XXXXXX, a copy of all that is here (20 MB, half a second) but for build/, so that two runs never meet. It is
 # removed after success, kept and named after a failure. A program that is called by hand works in build/ itself.
 # Threads that wait for each other go to sleep: where the machine has other work, spinning took a program from 6 s to 132.
 export OMP_WAIT_POLICY="${OMP_WAIT_POLICY:-passive}"

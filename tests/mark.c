@@ -268,7 +268,8 @@ static int run_claims(const char *program, const mark_claim *claims, size_t n)
 
 int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void))
 {
-    every_finds_leaks = false; /* a student's leak costs the points for clean memory, which the sanitizer judges, and no others */
+    /* A student's leak costs the points for clean memory, which the sanitizer judges, and no others. */
+    every_finds_leaks = false;
     const char *how = argc > 1 ? argv[1] : "";
 
     if (argc == 3 && strcmp(how, "--claim") == 0) {
