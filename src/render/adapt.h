@@ -1,4 +1,4 @@
-/* adapt: how many camera samples each tile of the picture gets in the next pass. For src/render/render.c. */
+/* adapt: how many camera samples each tile of the picture gets in the next pass. For the files of src/render. */
 #ifndef BIS_ADAPT_H
 #define BIS_ADAPT_H
 

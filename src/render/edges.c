@@ -3,7 +3,7 @@
  * A pixel that is half background has more noise from the place of its camera samples than from all its shadow rays: on
  * a small picture of the dragon, 3 % of the pixels hold 80 % of a diffuse surface's error at 12 rays a camera sample.
  * So a ray goes through every pixel's corner. Where one corner sees the background and another a surface, other
- * materials, or normals more than 60 degrees apart, render.c takes edgesamples camera samples in each pass instead of
+ * materials, or normals more than 60 degrees apart, pass.c takes edgesamples camera samples in each pass instead of
  * one.
  * Unbiased: how many samples a pixel gets is settled before the first of them, by rays through fixed points. What slips
  * between four corners gets one sample a pass, as everything else. */
@@ -53,7 +53,8 @@ static bool differ(const corner *a, const corner *b)
     return a->hit && (a->material != b->material || dot(a->n, b->n) < 0.5);
 }
 
-unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_scene *scene, const bis_scene_desc *desc, int n_threads)
+unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_scene *scene, const bis_scene_desc *desc,
+                              int n_threads)
 {
     const int width = area.x1 - area.x0, height = area.y1 - area.y0, n = corners_a_pixel(film);
     const int across = corners_of(film, width), down = corners_of(film, height);
@@ -68,12 +69,15 @@ unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_sce
     (void)n_threads; /* a compiler without OpenMP has one thread */
 #pragma omp parallel for schedule(dynamic, 8) num_threads(n_threads)
     for (int y = 0; y < down; y++) {
-        for (int x = 0; x < across; x++) c[y * (ptrdiff_t)across + x] = look_at(place_of(film, area.x0, x), place_of(film, area.y0, y), film, scene, desc);
+        for (int x = 0; x < across; x++)
+            c[y * (ptrdiff_t)across + x] =
+                look_at(place_of(film, area.x0, x), place_of(film, area.y0, y), film, scene, desc);
     }
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {
             const corner *a = &c[n * y * (ptrdiff_t)across + n * x], *b = a + across;
-            edge[y * (ptrdiff_t)width + x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) || differ(b, b + 1) || differ(a, b + 1) || differ(a + 1, b);
+            edge[y * (ptrdiff_t)width + x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) ||
+                                             differ(b, b + 1) || differ(a, b + 1) || differ(a + 1, b);
         }
     }
     bis_free(c);

@@ -24,7 +24,11 @@ static void crop_side(int full, double lo, double hi, int step, int *first, int 
 
 bis_film bis_film_place(int width, int height, const double crop[4], int step)
 {
-    bis_film f = {.full_width = thin(width, step), .full_height = thin(height, step), .step = step, .picture_width = width, .picture_height = height};
+    bis_film f = {.full_width = thin(width, step),
+                  .full_height = thin(height, step),
+                  .step = step,
+                  .picture_width = width,
+                  .picture_height = height};
     crop_side(width, crop[0], crop[1], step, &f.x0, &f.width);
     crop_side(height, crop[2], crop[3], step, &f.y0, &f.height);
     return f;
@@ -35,20 +39,24 @@ bis_status bis_film_init(bis_film *f, int full_width, int full_height, const dou
     return bis_film_init_thin(f, full_width, full_height, crop, 1, at, diag);
 }
 
-bis_status bis_film_init_thin(bis_film *f, int width, int height, const double crop[4], int step, bis_loc at, bis_diag *diag)
+bis_status bis_film_init_thin(bis_film *f, int width, int height, const double crop[4], int step, bis_loc at,
+                              bis_diag *diag)
 {
     *f = (bis_film){0};
     assert(step >= 1);
 
     for (int i = 0; i < 4; i++) {
         if (!(crop[i] >= 0 && crop[i] <= 1)) {
-            return bis_error(diag, BIS_INPUT, at, "the crop window holds %g; x0, x1, y0, y1 must lie in [0, 1]", crop[i]);
+            return bis_error(diag, BIS_INPUT, at, "the crop window holds %g; x0, x1, y0, y1 must lie in [0, 1]",
+                             crop[i]);
         }
     }
     bis_film film = bis_film_place(width, height, crop, step);
     if (film.width <= 0 || film.height <= 0) {
-        return bis_error(diag, BIS_INPUT, at, "the crop window %g, %g, %g, %g holds no pixel of %d x %d%s; it reads x0, x1, y0, y1 with x0 < x1, y0 < y1",
-                         crop[0], crop[1], crop[2], crop[3], width, height, step > 1 ? " that a thin film has" : "");
+        return bis_error(
+            diag, BIS_INPUT, at,
+            "the crop window %g, %g, %g, %g holds no pixel of %d x %d%s; it reads x0, x1, y0, y1 with x0 < x1, y0 < y1",
+            crop[0], crop[1], crop[2], crop[3], width, height, step > 1 ? " that a thin film has" : "");
     }
 
     size_t n = (size_t)film.width * (size_t)film.height;
@@ -56,7 +64,8 @@ bis_status bis_film_init_thin(bis_film *f, int width, int height, const double c
     film.sum_squares = bis_alloc(n, 3 * sizeof *film.sum_squares);
     film.hits = bis_alloc(n, sizeof *film.hits);
     if (!film.sum || !film.sum_squares || !film.hits) {
-        const bis_status status = bis_error(diag, BIS_NOMEM, at, "no memory for a picture of %d x %d pixels", film.width, film.height);
+        const bis_status status =
+            bis_error(diag, BIS_NOMEM, at, "no memory for a picture of %d x %d pixels", film.width, film.height);
         bis_film_clear(&film);
         return status;
     }
@@ -97,7 +106,8 @@ bis_rect bis_film_tile(const bis_film *f, int side, int t)
 bis_rect bis_film_tile_of_crop(const bis_film *f, int side, int t)
 {
     const bis_rect all = bis_film_tile(f, side, t);
-    return (bis_rect){greater(all.x0, f->x0), greater(all.y0, f->y0), lesser(all.x1, f->x0 + f->width), lesser(all.y1, f->y0 + f->height)};
+    return (bis_rect){greater(all.x0, f->x0), greater(all.y0, f->y0), lesser(all.x1, f->x0 + f->width),
+                      lesser(all.y1, f->y0 + f->height)};
 }
 
 /* ---- passes ---- */
@@ -127,11 +137,11 @@ void bis_film_resolve(const bis_film *f, float *rgba)
     }
 }
 
-/* The expected (a-b)^2 / (b^2 + m^2/100) of one pixel, mean over its channels: the variance of each channel's mean, that
- * of one pass over n (eq. 3.9), in place of (a-b)^2. In place of b^2 there are two: mean^2, which holds that variance as
- * well, so that a lone bright sample hides behind its own brightness (scene.txt at 4 passes: estimate 0.35, truth 0.70);
- * and mean^2 less the variance, right in expectation, but 0 just there, as if the pixel were black. Their geometric mean
- * serves both: noise that is small beside the mean does not see it. */
+/* The expected (a-b)^2 / (b^2 + m^2/100) of one pixel, mean over its channels: the variance of each channel's mean,
+ * that of one pass over n (eq. 3.9), in place of (a-b)^2. In place of b^2 there are two: mean^2, which holds that
+ * variance as well, so that a lone bright sample hides behind its own brightness (scene.txt at 4 passes: estimate 0.35,
+ * truth 0.70); and mean^2 less the variance, right in expectation, but 0 just there, as if the pixel were black. Their
+ * geometric mean serves both: noise that is small beside the mean does not see it. */
 static double pixel_error(const bis_film *f, size_t i, double floor)
 {
     double n = f->passes, total = 0;
@@ -170,7 +180,8 @@ void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
         const bis_rect r = bis_film_tile_of_crop(f, tile, t);
         errors[t] = 0;
         for (int y = r.y0; floor > 0 && y < r.y1; y++) {
-            for (int x = r.x0; x < r.x1; x++) errors[t] += pixel_error(f, (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0), floor);
+            for (int x = r.x0; x < r.x1; x++)
+                errors[t] += pixel_error(f, (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0), floor);
         }
     }
 }
@@ -211,5 +222,7 @@ double bis_film_relative_rmse(const bis_film *f, double *upper)
 
 size_t bis_film_bytes(const bis_film *f)
 {
-    return (size_t)f->width * (size_t)f->height * (3 * sizeof *f->sum + 3 * sizeof *f->sum_squares + sizeof *f->hits + (size_t)f->layers.n_values * sizeof *f->layers.sum);
+    return (size_t)f->width * (size_t)f->height *
+           (3 * sizeof *f->sum + 3 * sizeof *f->sum_squares + sizeof *f->hits +
+            (size_t)f->layers.n_values * sizeof *f->layers.sum);
 }

@@ -20,7 +20,8 @@ static float *place(float *values, const bis_layers *l, bis_layer layer)
     return l->first[layer] < 0 ? NULL : values + l->first[layer];
 }
 
-static rgb unoccluded(const bis_settings *settings, bis_Lo *Lo, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+static rgb unoccluded(const bis_settings *settings, bis_Lo *Lo, const bis_point *pt, bis_stream *stream,
+                      bis_scratch *scratch)
 {
     bis_counters ignored = {0};
     bis_point open = *pt;
@@ -62,8 +63,8 @@ bool bis_gather_surface(float *values, const bis_layers *layers, const bis_setti
         put_rgb(normal, (rgb){n.x, n.y, n.z});
     }
     if (depth) *depth += bis_xform_point(to_camera, pt->p).z;
-    return gather_light(place(values, layers, BIS_LAYER_UNOCCLUDED), place(values, layers, BIS_LAYER_VISIBILITY), settings, Lo, pt,
-                        &stream, scratch, L);
+    return gather_light(place(values, layers, BIS_LAYER_UNOCCLUDED), place(values, layers, BIS_LAYER_VISIBILITY),
+                        settings, Lo, pt, &stream, scratch, L);
 }
 
 void bis_gather_counts(float *values, const bis_layers *layers, const bis_counters *before, const bis_counters *after)

@@ -1,4 +1,4 @@
-/* gather: what layers want to know of one camera sample. For src/render/render.c. */
+/* gather: what layers want to know of one camera sample. For the files of src/render. */
 #ifndef BIS_GATHER_H
 #define BIS_GATHER_H
 
@@ -9,7 +9,8 @@
 /* The surface that was hit: add to values[layers->n_values], which begin as zeros. Lo, stream and scratch: as the
  * integrator had them when it made L of pt; scratch is used again. False: an L_ns that is not finite, left out. */
 bool bis_gather_surface(float *values, const bis_layers *layers, const bis_settings *settings, bis_Lo *Lo,
-                        const bis_xform *to_camera, const bis_point *pt, bis_stream stream, bis_scratch *scratch, rgb L);
+                        const bis_xform *to_camera, const bis_point *pt, bis_stream stream, bis_scratch *scratch,
+                        rgb L);
 
 /* What was counted meanwhile. */
 void bis_gather_counts(float *values, const bis_layers *layers, const bis_counters *before, const bis_counters *after);

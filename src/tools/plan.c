@@ -92,7 +92,7 @@ static void print_view(const bis_scene_desc *d, FILE *out)
             d->adaptive ? ", adaptive" : "");
 }
 
-/* Does some surface learn from its neighbours in the picture? As render.c decides. */
+/* Does some surface learn from its neighbours in the picture? As src/render/workspace.c decides. */
 static bool learns(const bis_scene_desc *d)
 {
     bool any = false;

@@ -12,7 +12,7 @@
 
 /* A film covers the pixels [x0, x0 + width) x [y0, y0 + height) of the full image. A thin film holds one pixel of
  * each k x k pixels of a picture: its pixel (x, y) is pixel (k x + k/2, k y + k/2) of the picture, and it receives
- * the same values bit for bit (except for methods that learn, see src/render/render.c). A thin film therefore shows
+ * the same values bit for bit (except for methods that learn, see src/render/pass.c). A thin film therefore shows
  * the noise of a large picture in a part of the time. */
 typedef struct bis_film {
     int full_width, full_height;

@@ -1,0 +1,20 @@
+/* pass: from a camera sample to the film: one pass over all tiles. For render.c. */
+#ifndef BIS_PASS_H
+#define BIS_PASS_H
+
+#include "workspace.h"
+
+/* Called between tiles by one thread, with the share of the pass that is done. */
+typedef void bis_pass_progress(double share, void *user);
+
+/* bis_pass_render renders pass number `pass` and keeps it aside in *w. It returns false if it was interrupted: some
+ * pixels were then not done. */
+bool bis_pass_render(bis_workspace *w, uint32_t pass, bis_pass_progress *progress, void *user);
+
+/* bis_pass_keep adds the pass under way to the film and its counters to *sum, and lets visibility learn from it. */
+void bis_pass_keep(bis_workspace *w, bis_counters *sum);
+
+/* bis_pass_interrupted returns true once the flag of the options is set. */
+bool bis_pass_interrupted(const bis_workspace *w);
+
+#endif

@@ -1,0 +1,182 @@
+/* workspace: what the threads of a render work with. A scene pays for what its settings use alone: no pool, clusters or
+ * learned visibility is made for settings that no material has. */
+#include "workspace.h"
+
+#include "bis/base/mem.h"
+#include "edges.h"
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+int bis_render_threads(const bis_render_options *options)
+{
+#ifdef _OPENMP
+    return options->n_threads > 0 ? options->n_threads : omp_get_max_threads();
+#else
+    (void)options;
+    return 1;
+#endif
+}
+
+bis_rect bis_workspace_tile(const bis_workspace *w, int t)
+{
+    return w->whole_tiles ? bis_film_tile(w->film, BIS_RENDER_TILE, t)
+                          : bis_film_tile_of_crop(w->film, BIS_RENDER_TILE, t);
+}
+
+float *bis_workspace_layers(const bis_workspace *w, size_t i)
+{
+    return w->pass_layers ? w->pass_layers + i * (size_t)w->film->layers.n_values : NULL;
+}
+
+static bis_status make_workers(bis_workspace *w, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+
+    w->workers = bis_alloc((size_t)w->n_threads, sizeof *w->workers);
+    if (!w->workers) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d threads", w->n_threads);
+    w->n_methods = 1 + w->desc->exceptions.n;
+    for (int m = 0; m < w->n_methods; m++) {
+        const bis_settings *settings = bis_scene_settings(w->desc, m);
+        if (!bis_scene_uses_method(w->desc, m)) continue;
+        w->methods[m].settings = settings;
+        w->methods[m].Lo = bis_fast_Lo(settings);
+        for (int i = 0; i < w->n_threads && !status; i++) {
+            bis_worker *worker = &w->workers[i];
+            status = bis_scratch_init(&worker->scratch[m], settings, diag);
+            if (!status) status = bis_fast_init(&worker->fast[m], settings, diag);
+            worker->scratch[m].fast = &worker->fast[m];
+        }
+    }
+    return status;
+}
+
+/* Directions drawn once a pass, a pool or clusters, where the integrator asks for them, the light has a curve to draw
+ * them along, and there is a surface to light. */
+static bis_status make_pool(bis_workspace *w, int m, bis_diag *diag)
+{
+    const bis_light *light = w->scene->light;
+    bis_method *of = &w->methods[m];
+    const bis_fast_needs needs = bis_fast_needs_of(of->settings);
+    bis_light_point any;
+    bis_status status = BIS_OK;
+
+    if ((needs.n_pool == 0 && !needs.clusters) || !w->scene->accel || bis_light_is_constant(light)) return BIS_OK;
+    /* nothing to draw: the light is black, or all of it is compensated away */
+    if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK;
+    if (needs.n_pool) status = bis_pool_init(&of->pool, needs.n_pool, needs.batch, diag);
+    if (!status && needs.clusters) status = bis_clusters_init(&of->clusters, light, of->settings->candidates, diag);
+    if (!status && needs.visibility) status = bis_visibility_init(&of->visibility, (size_t)w->n_tiles, diag);
+    for (int i = 0; !status && i < w->n_threads; i++) {
+        bis_worker *worker = &w->workers[i];
+        bis_fast *f = &worker->fast[m];
+        if (needs.n_pool) {
+            worker->scratch[m].sets = &of->pool.sets;
+            f->pool = &of->pool;
+        }
+        if (needs.clusters) f->clusters = &of->clusters;
+        if (!needs.visibility) continue;
+        f->visible = bis_alloc(bis_lanes_round_up(of->clusters.n), sizeof *f->visible);
+        if (f->visible) continue;
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility of %u clusters",
+                           (unsigned)of->clusters.n);
+    }
+    return status;
+}
+
+/* After make_pool, which knows who learns. */
+static void find_area(bis_workspace *w)
+{
+    for (int m = 0; m < w->n_methods; m++) {
+        w->whole_tiles |= w->methods[m].visibility.n_tiles > 0 && !w->desc->adaptive;
+    }
+    const bis_rect first = bis_workspace_tile(w, 0), last = bis_workspace_tile(w, w->n_tiles - 1);
+    w->area = (bis_rect){first.x0, first.y0, last.x1, last.y1};
+}
+
+static bis_status make_pass(bis_workspace *w, bis_diag *diag)
+{
+    const bis_film *f = w->film;
+    const size_t n = (size_t)f->width * (size_t)f->height, n_values = (size_t)f->layers.n_values;
+
+    w->pass = bis_alloc(n, sizeof *w->pass);
+    if (w->pass && n_values) w->pass_layers = bis_alloc(n, n_values * sizeof *w->pass_layers);
+    if (w->pass && (w->pass_layers || !n_values)) return BIS_OK;
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", f->width, f->height);
+}
+
+bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
+                              const bis_render_options *options, bis_diag *diag)
+{
+    bis_status status;
+    int across;
+
+    *w = (bis_workspace){
+        .scene = scene,
+        .desc = desc,
+        .options = options,
+        .film = film,
+        .to_camera = bis_xform_inverse(&desc->camera.to_world),
+        .independent = options->budget.error > 0 || desc->adaptive,
+        .n_threads = bis_render_threads(options),
+        .n_tiles = bis_film_tiles(film, BIS_RENDER_TILE, &across),
+    };
+    status = make_workers(w, diag);
+    for (int m = 0; m < w->n_methods && !status; m++) {
+        if (w->methods[m].settings) status = make_pool(w, m, diag);
+    }
+    find_area(w);
+    if (!status) status = make_pass(w, diag);
+    if (!status && desc->adaptive) status = bis_adapt_init(&w->adapt, film, BIS_RENDER_TILE, diag);
+    return status;
+}
+
+bis_status bis_workspace_find_edges(bis_workspace *w, uint64_t *n_rays, bis_diag *diag)
+{
+    const int width = w->area.x1 - w->area.x0, height = w->area.y1 - w->area.y0;
+
+    *n_rays = 0;
+    if (w->desc->edge_samples <= 1 || !w->desc->pixel_jitter || !w->scene->accel) return BIS_OK;
+    w->edge_sampler = w->desc->sampler;
+    bis_sampler_set_spp(&w->edge_sampler, (uint64_t)w->desc->sampler.spp * w->desc->edge_samples);
+    w->edge = bis_edges_find(w->film, w->area, w->scene, w->desc, w->n_threads);
+    if (!w->edge)
+        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);
+    *n_rays = bis_edges_rays(w->film, w->area);
+    return BIS_OK;
+}
+
+size_t bis_workspace_bytes(const bis_workspace *w)
+{
+    const size_t pixel = sizeof *w->pass + (size_t)w->film->layers.n_values * sizeof *w->pass_layers;
+    const size_t n_pixels = (size_t)w->film->width * (size_t)w->film->height;
+    size_t methods = 0;
+
+    for (int m = 0; m < w->n_methods; m++) {
+        const bis_method *of = &w->methods[m];
+        if (!of->settings) continue;
+        methods += bis_pool_bytes(&of->pool) + bis_clusters_bytes(&of->clusters) +
+                   bis_visibility_bytes(&of->visibility) +
+                   (size_t)w->n_threads * (bis_scratch_bytes(of->settings) + bis_fast_bytes(of->settings));
+    }
+    return methods + bis_adapt_bytes(&w->adapt) + (size_t)w->n_threads * sizeof *w->workers + n_pixels * pixel;
+}
+
+void bis_workspace_clear(bis_workspace *w)
+{
+    for (int m = 0; m < w->n_methods; m++) {
+        for (int i = 0; i < w->n_threads; i++) {
+            bis_scratch_clear(&w->workers[i].scratch[m]);
+            bis_fast_clear(&w->workers[i].fast[m]);
+        }
+        bis_pool_clear(&w->methods[m].pool);
+        bis_clusters_clear(&w->methods[m].clusters);
+        bis_visibility_clear(&w->methods[m].visibility);
+    }
+    bis_adapt_clear(&w->adapt);
+    bis_free(w->workers);
+    bis_free(w->pass);
+    bis_free(w->pass_layers);
+    bis_free(w->edge);
+}

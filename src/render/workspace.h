@@ -1,0 +1,79 @@
+/* workspace: what the threads of a render work with: the pools and clusters that all points of a pass share, scratch
+ * for each thread, room for the pass under way. Made once, when a render is set up. For render.c and pass.c. */
+#ifndef BIS_WORKSPACE_H
+#define BIS_WORKSPACE_H
+
+#include "bis/render/render.h"
+
+#include "adapt.h"
+#include "beyond/batch.h"
+
+#include <stdalign.h>
+
+enum { BIS_MAX_METHODS = 1 + BIS_MAX_EXCEPTIONS };
+
+/* What one thread has for itself; a cache line of its own, because its counters change with every ray. */
+typedef struct bis_worker {
+    alignas(64) bis_counters counters; /* of this pass */
+    bis_scratch scratch[BIS_MAX_METHODS];
+    bis_fast fast[BIS_MAX_METHODS];
+} bis_worker;
+
+/* Settings of some materials, and what all threads share for them. */
+typedef struct bis_method {
+    const bis_settings *settings; /* NULL: no material has them, nothing is made */
+    bis_Lo *Lo;                   /* the integrator's own, or the vector path */
+    bis_pool pool;                /* M = 0: none */
+    bis_clusters clusters;        /* n = 0: none */
+    bis_visibility visibility;    /* n_tiles = 0: none */
+} bis_method;
+
+/* What a pass makes of a pixel, kept until the pass is complete: the mean of its camera samples. */
+typedef struct bis_pixel_mean {
+    rgb L;
+    float hit; /* the share that hit geometry */
+} bis_pixel_mean;
+
+typedef struct bis_workspace {
+    const bis_scene *scene;
+    const bis_scene_desc *desc;
+    const bis_render_options *options;
+    bis_film *film;
+    bis_xform to_camera;
+    bool independent; /* each pass has a seed of its own */
+    bis_adapt adapt;  /* n_tiles = 0: every pass is one camera sample */
+
+    int n_threads;
+    bis_worker *workers; /* workers[n_threads] */
+    bis_method methods[BIS_MAX_METHODS];
+    int n_methods;
+
+    int n_tiles;              /* bis_film_tiles */
+    bool whole_tiles;         /* pixels of a tile beside the crop are rendered as well */
+    bis_rect area;            /* what is rendered: the crop, or all of its tiles */
+    unsigned char *edge;      /* edge[][] of the area, see edges.h; NULL: all pixels are alike */
+    bis_sampler edge_sampler; /* of all camera samples of an edge pixel */
+    bis_pixel_mean *pass;     /* pass[height][width] of the crop */
+    float *pass_layers;       /* pass_layers[height][width][film->layers.n_values]; NULL: no layers */
+} bis_workspace;
+
+/* bis_workspace_init makes all of *w but the edges. What is passed is borrowed. Errors: BIS_NOMEM; *w can then be
+ * cleared. */
+bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
+                              const bis_render_options *options, bis_diag *diag);
+void bis_workspace_clear(bis_workspace *w);
+
+/* bis_workspace_find_edges traces the rays of edges.h, where edge samples are asked for, camera rays are not all the
+ * same, and there is something to see; *n_rays is their number. Errors: BIS_NOMEM. */
+bis_status bis_workspace_find_edges(bis_workspace *w, uint64_t *n_rays, bis_diag *diag);
+
+/* bis_workspace_tile returns tile t as it is rendered: whole, or cut by the crop. */
+bis_rect bis_workspace_tile(const bis_workspace *w, int t);
+
+/* bis_workspace_layers returns the values of the layers of pixel i of the pass under way; NULL: there are no layers. */
+float *bis_workspace_layers(const bis_workspace *w, size_t i);
+
+/* bis_workspace_bytes returns the bytes of *w, without the film and the edges. */
+size_t bis_workspace_bytes(const bis_workspace *w);
+
+#endif
