@@ -1,4 +1,4 @@
-# bis: make, make test [T=alias], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make install, make uninstall, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
+# bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make install, make uninstall, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
 CFLAGS  ?= -O2 -g
@@ -30,12 +30,15 @@ LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng) $(if $(EMBR
 
 SRC     := $(filter-out src/cli/main.c,$(wildcard src/*/*.c src/*/*/*.c))
 LIB     := $B/libbis.a
-TESTS   := $(patsubst tests/%.c,$B/tests/%,$(wildcard tests/test_*.c))
-CHOSEN  := $(if $(T),$(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),$(TESTS))
-SUPPORT := $(patsubst %.c,$B/%.o,$(filter-out $(wildcard tests/test_*.c),$(wildcard tests/*.c)))
+# tests/LAYER/test_NAME.c becomes $B/tests/test_NAME: a test's name is unique. A starter kit has its one test in tests/ itself.
+TEST_SRC := $(wildcard tests/test_*.c tests/*/test_*.c)
+program  = $(patsubst %.c,$B/tests/%,$(notdir $(1)))
+TESTS   := $(call program,$(TEST_SRC))
+CHOSEN  := $(sort $(call program,$(if $(T),$(filter tests/$(T)/%,$(TEST_SRC)))) $(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t)))
+SUPPORT := $(patsubst %.c,$B/%.o,$(wildcard tests/support/*.c))
 # Programs beside bis: the generator of data/, the benchmarks, the check that integrators agree.
-DATA_SRC := $(wildcard scripts/make_data.c scripts/model_*.c scripts/map_*.c)
-TOOLS    := $(patsubst scripts/%.c,$B/%,$(wildcard scripts/bench_*.c scripts/agree.c scripts/budget_truth.c scripts/trade_truth.c scripts/verify_alarms.c))
+DATA_SRC := $(wildcard data/generate/*.c)
+TOOLS    := $(patsubst scripts/bench/%.c,$B/%,$(filter-out scripts/bench/measure.c,$(wildcard scripts/bench/*.c)))
 STAMP    := data/models/.made
 
 SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
@@ -68,15 +71,17 @@ $B/bis: $B/src/cli/main.o $(LIB)
 	$(LINK) $(LIBS)
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
-$B/bench_error $B/bench_cost $B/bench_scale: $B/scripts/measure.o
-$B/figures: $B/scripts/figures.o $B/scripts/figures_plots.o $B/scripts/measure.o $(LIB)
+$B/bench_error $B/bench_cost $B/bench_scale: $B/scripts/bench/measure.o
+$B/figures: $B/scripts/figures/figures.o $B/scripts/figures/figures_plots.o $B/scripts/bench/measure.o $(LIB)
 	$(LINK) $(LIBS)
-$B/errata_plots: $(patsubst %.c,$B/%.o,$(wildcard scripts/errata_*.c)) $(LIB)
+$B/errata_plots: $(patsubst %.c,$B/%.o,$(wildcard scripts/figures/errata_*.c)) $(LIB)
 	$(LINK) $(LIBS)
-$(TOOLS): $B/%: $B/scripts/%.o $(LIB)
+$(TOOLS): $B/%: $B/scripts/bench/%.o $(LIB)
 	$(LINK) $(LIBS)
-$B/tests/%: $B/tests/%.o $(SUPPORT) $(LIB)
+$(foreach t,$(TEST_SRC),$(eval $(call program,$t): $(t:%.c=$B/%.o)))
+$(TESTS): $(SUPPORT) $(LIB)
 	$(LINK) $(LIBS) -lcmocka
+$B/tests/%.o: OURS += -Itests/support
 
 $(LIB): $(SRC:%.c=$B/%.o)
 	$(call say,AR,$@)
@@ -89,19 +94,19 @@ $B/%.o: %.c $B/.flags
 	$Q$(CC) $(CFLAGS) $(OURS) -MMD -MP -c -o $@ $<
 
 compile_commands.json: FORCE
-	@sh scripts/compile_commands.sh '$(subst ','\'',$(CC) $(CFLAGS) $(OURS))' $(SRC) src/cli/main.c $(wildcard tests/*.c scripts/*.c) >$@
+	@sh scripts/check/compile_commands.sh '$(subst ','\'',$(CC) $(CFLAGS) $(OURS) -Itests/support)' $(ALL_C) >$@
 
 # data/models and data/maps, made anew when the generator's own sources change.
 data: $(STAMP)
-$(STAMP): $(DATA_SRC) $(wildcard scripts/m*.h) | $B/bis-data
+$(STAMP): $(DATA_SRC) $(wildcard data/generate/*.h) | $B/bis-data
 	$(call say,DATA,data/)
 	$Q$B/bis-data data
 	@touch $@
 
-# Every test program, or those whose name holds T; from here, where they find data/ and the program itself.
+# Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and the program itself.
 test: $(CHOSEN) $B/bis $B/bis-data $(STAMP)
-	@sh scripts/check_layers.sh && sh scripts/check_circles.sh $B
-	@BIS_PROGRAM=$B/bis sh scripts/run_tests.sh $(CHOSEN)
+	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B
+	@BIS_PROGRAM=$B/bis sh scripts/check/run_tests.sh $(CHOSEN)
 
 # With the slow cases: maps of 16384 x 8192, tables of 1e8 items, grids of 1e8 cells. Minutes and 8 GB more.
 test-long:
@@ -109,16 +114,16 @@ test-long:
 
 # README and docs/ as a static site with MathML, in build/docs. pandoc makes it; who reads the .md files needs none of it.
 docs:
-	@sh scripts/site.sh build/docs
+	@sh scripts/site/site.sh build/docs
 
 # The page of bis trade and the site in a headless Chromium, where there is one; no part of `make test`.
 test-browser: $B/bis $(STAMP)
-	@sh scripts/test_browser.sh $B/bis $B/browser
+	@sh scripts/check/test_browser.sh $B/bis $B/browser
 
 # docs/envelope.md anew, slow cases included: its introduction as it stands, then what the tests measure.
 ENVELOPE := $(filter $B/tests/test_envelope_%,$(TESTS))
 envelope: $(ENVELOPE)
-	@sh scripts/envelope.sh $(ENVELOPE)
+	@sh scripts/check/envelope.sh $(ENVELOPE)
 
 # Its own build folder: never mixes with, nor replaces, the release binary.
 asan:
@@ -129,25 +134,25 @@ FUZZ_SECONDS ?= 60
 fuzz:
 	$(MAKE) VARIANT=fuzz CC=clang EMBREE=0 CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=fuzzer-no-link,$(SANITIZE)" fuzz-run
 fuzz-run: $(FUZZERS) $(SEEDERS)
-	@sh scripts/fuzz.sh $B $(FUZZ_SECONDS) $(FUZZ)
+	@sh scripts/check/fuzz.sh $B $(FUZZ_SECONDS) $(FUZZ)
 $(FUZZERS): $B/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/input.o $(LIB)
 	$(LINK) -fsanitize=fuzzer $(LIBS)
 
 # Lines and branches of src/ that the tests reach, file by file.
 coverage:
 	$(MAKE) VARIANT=coverage CFLAGS="-O1 -g --coverage" test
-	@sh scripts/coverage.sh build/coverage
+	@sh scripts/check/coverage.sh build/coverage
 
 # The thesis's figures again, in build/figures (docs/results.md): our own model and maps, or those of BIS_SHARED where it is set.
 figures: $B/bis $B/figures $(STAMP)
-	@sh scripts/figures.sh $B
+	@sh scripts/figures/figures.sh $B
 
 bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
-	@sh scripts/bench.sh $B
+	@sh scripts/bench/bench.sh $B
 
 # Time and memory against the size of everything, up to 1e7 triangles and a 16384 x 8192 map: half an hour, 8 GB, 1 GB of disk.
 bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
-	@sh scripts/bench_scale.sh $B
+	@sh scripts/bench/bench_scale.sh $B
 
 install: $B/bis
 	install -d $(DESTDIR)$(PREFIX)/bin
@@ -162,8 +167,8 @@ uninstall:
 clean:
 	rm -rf build bis compile_commands.json data/models data/maps
 
-include scripts/course.mk
+include scripts/course/course.mk
 # Every source whose object is kept: named here, because make deletes an object that only a chain of rules mentions.
-ALL_C   := $(SRC) src/cli/main.c $(wildcard tests/*.c tests/fuzz/*.c scripts/*.c)
+ALL_C   := $(SRC) src/cli/main.c $(TEST_SRC) $(wildcard tests/support/*.c tests/fuzz/*.c scripts/*/*.c data/generate/*.c)
 .SECONDARY: $(ALL_C:%.c=$B/%.o)
 -include $(ALL_C:%.c=$B/%.d)

@@ -11,5 +11,6 @@ $(SHARED)/libbis.so: $(SRC:%.c=$B/%.o)
 	$(CC) $(CFLAGS) $(OPENMP) -shared -Wl,-soname,libbis.so -o $@ $^ $(LIBS)
 $(SHARED)/bis: $B/src/cli/main.o | $(SHARED)/libbis.so
 	$(CC) $(CFLAGS) $(OPENMP) -Wl,-rpath,'$$ORIGIN' -o $@ $^ $(SHARED)/libbis.so $(LIBS)
-$(SHARED)/%: $B/tests/%.o $(SUPPORT) | $(SHARED)/libbis.so
+$(foreach t,$(TEST_SRC),$(eval $(SHARED)/$(basename $(notdir $t)): $(t:%.c=$B/%.o)))
+$(TESTS:$B/tests/%=$(SHARED)/%): $(SUPPORT) | $(SHARED)/libbis.so
 	$(CC) $(CFLAGS) $(OPENMP) -Wl,-rpath,'$$ORIGIN' -o $@ $^ $(SHARED)/libbis.so $(LIBS) -lcmocka

@@ -4,7 +4,7 @@
  * What float costs. The lobe's power has a relative error below 2^-20 (1 + |log power|), plus n 2^-22/cos
  * where cos alpha is small, and never falls below 2^-64 (bis/lanes.h). The same power stands in the weight that a
  * candidate is chosen by and in what the estimate divides by, so no bias comes of it but this error of f itself: 1e-6
- * in the middle of the lobe, 2e-5 where it has fallen to 1e-9 of its peak (tests/test_phong_lanes.c).
+ * in the middle of the lobe, 2e-5 where it has fallen to 1e-9 of its peak (tests/beyond/test_phong_lanes.c).
  * Reflectances are divided by the largest of them: a material of reflectance 1e-40 would leave a float's range. */
 #include "phong_lanes.h"
 

@@ -1,8 +1,8 @@
 /* help_topics: what a user wants to look up without a browser. The pages in docs/ explain; this reminds of names,
  * defaults and ranges.
  *
- * tests/test_help.c reads docs/scene-format.md and the program's own lists: a name, parameter or layer that is missing
- * here fails there. */
+ * tests/cli/test_help.c reads docs/scene-format.md and the program's own lists: a name, parameter or layer that is
+ * missing here fails there. */
 #include "help.h"
 
 static const bis_help_entry scene[] = {

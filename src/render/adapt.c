@@ -10,8 +10,8 @@
  * - m >= 1, so that there is such a mean in every pass;
  * - every pass weighs as much as any other in each pixel, whatever its m. (Weighing samples alike instead, which looks
  * natural, gives more weight to passes that were
- *   asked for because earlier ones came out bright: a correlation, hence a bias; Kirk and Arvo 1991. tests/test_adapt.c
- *   shows it.)
+ *   asked for because earlier ones came out bright: a correlation, hence a bias; Kirk and Arvo 1991.
+ *   tests/render/test_adapt.c shows it.)
  * And passes stay what error estimates want: replicates whose errors are uncorrelated. Their variances differ, but the
  * scatter of their means over n (n - 1) estimates the variance of the whole without bias all the same: E sum (x_p -
  * x)^2 = (1 - 1/n) sum var(x_p).

@@ -196,8 +196,8 @@ void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
  * The bound is R plus 1.645 (the 95% point of a normal) times the root of the sum. But with few passes R is too low
  * where noise is skewed: pixels whose mean came out low show little scatter, and are weighed most. The loss falls with
  * 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every third pixel: true errors above the bound
- * in 2.6, 3.3, 2.8% of 2000 renders at 4, 16, 64 passes, without it in 16% at 4 (tests/test_film.c). The bound knows
- * nothing of lights that no pass has found yet. */
+ * in 2.6, 3.3, 2.8% of 2000 renders at 4, 16, 64 passes, without it in 16% at 4 (tests/render/test_film.c). The bound
+ * knows nothing of lights that no pass has found yet. */
 double bis_film_relative_rmse(const bis_film *f, double *upper)
 {
     size_t n = (size_t)f->width * (size_t)f->height;

@@ -1,5 +1,5 @@
 /* grid_packed: the fast walk, beside the plain one of grid_walk.c: the same triangle test, bit by bit the same answers
- * (tests/test_accel.c), in half of the time or less. What makes the difference:
+ * (tests/shape/test_accel.c), in half of the time or less. What makes the difference:
  * - Eight at a time: the triangles of the items lie in blocks of eight, coordinate by coordinate, in the order of the
  *   cells. A loop that the compiler turns into vectors of float rules most of a block out; the few that it cannot are
  *   tested by the plain code, in double. Blocks do not begin with cells: what a cell shares its block with is tested,

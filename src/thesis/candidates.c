@@ -48,7 +48,7 @@ double bis_candidates_bound(const bis_point *pt, bis_proposal proposal)
  * therefore gets up to half.
  *
  * Every share is unbiased. With this one, the error of independent candidates stays within 1.4 times that of the
- * better proposal alone (tests/test_sir.c, E26). At n = 50 under a church, 6 % of M = 800 are as good as half of
+ * better proposal alone (tests/thesis/test_sir.c, E26). At n = 50 under a church, 6 % of M = 800 are as good as half of
  * them, at half the time.
  *
  * The candidates of the product find the lobe by themselves, down to the size of a cluster. The BRDF's share is then

@@ -39,7 +39,7 @@ long bis_mem_count(void);
 long bis_mem_failures(void);
 
 /* bis_mem_live returns the number of blocks that are not freed yet. It is 0 when a program ends: every test program
- * checks that (tests/every.c), and so does bis itself. */
+ * checks that (tests/support/every.c), and so does bis itself. */
 long bis_mem_live(void);
 
 #endif

@@ -13,8 +13,8 @@
  *
  * A scan over lambda would find it, but for the fills: pools and clusters of a setting are made once for all groups that
  * have it, a cost that is no sum over groups. There are at most four groups with some fifteen settings: all 50,000
- * combinations are tried, in some milliseconds. tests/test_auto.c compares with the scan over lambda where nothing is
- * shared. */
+ * combinations are tried, in some milliseconds. tests/tools/test_auto.c compares with the scan over lambda where
+ * nothing is shared. */
 #include "auto_choose.h"
 
 #include <assert.h>

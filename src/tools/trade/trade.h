@@ -264,7 +264,7 @@ int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP]);
 
 /* bis_trade_square_passes returns the least number of passes >= least, in [1, 1e9], that the scene's sampler uses
  * well. A stratified one divides the pixel into the most square grid of so many cells: n x n and n x (n + 1) are
- * good. 13 = 1 x 13 leaves twice the relMSE of 12 = 3 x 4 where a picture has many edges (tests/test_trade.c). */
+ * good. 13 = 1 x 13 leaves twice the relMSE of 12 = 3 x 4 where a picture has many edges (tests/tools/test_trade.c). */
 uint32_t bis_trade_square_passes(const bis_trade *t, double least);
 
 void bis_trade_advise(bis_trade *t); /* seconds by the sweep's thin film */

@@ -3,7 +3,7 @@
  * Geometry and accelerator serve every integrator. The map is built with all that any of them needs, once for each b,
  * and once more where mis wants it compensated: a setting then renders with a shallow copy of the scene that has its
  * light. What else a light holds changes no bit of what an integrator draws from it, so the picture is the one that
- * `bis render` makes with the same setting, passes and seed (tests/test_trade.c). */
+ * `bis render` makes with the same setting, passes and seed (tests/tools/test_trade.c). */
 #include "trade.h"
 
 #include "bis/base/mem.h"

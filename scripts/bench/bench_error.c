@@ -1,0 +1,202 @@
+/* bench_error: what error at what time? One thread, in this process, against a reference (scripts/bench/measure.h).
+ *
+ *     bench_error reference SECONDS SCENE      make the four materials' references, so that nothing else has to wait for them
+ *     bench_error equal SECONDS SCENE          the settings `contest`, N tuned to 20 us a shaded pixel
+ *     bench_error resample SECONDS SCENE       the settings `resamplers` as they are
+ *     bench_error reach SECONDS SCENE          seconds until relMSE 1e-2 and 1e-3 with the settings `reach`, by doubled passes
+ *
+ * SCENE is a template (measure.h), SECONDS what its references may take. Output: lines of words for
+ * scripts/bench/bench_table.awk.
+ *
+ * Equal time. N is found by the clock alone, with seeds that measure nothing, before any error is known: the seconds of
+ * the render phase, camera rays and film included, per pixel that shows geometry. Then five fresh seeds. Each setting
+ * is as it stands here, for every scene and material. */
+#include "measure.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The contest; `@` is tuned. `ours` is what the table judges, `mix` stands beside it, the others are rivals. It was
+ * chosen by five seeds of all pairs; those that measure here (FIRST_SEED and on) are others. */
+static const measure_setting contest[] = {
+    {"mis-iid", "Sampler \"random\" Integrator \"mis\" \"integer samples\" @"},
+    {"mis-50", "Sampler \"sobol\" Integrator \"mis\" \"integer samples\" @ \"bool stratify\" true"},
+    {"mis-90", "Sampler \"sobol\" Integrator \"mis\" \"integer samples\" @ \"float split\" 0.9 \"bool stratify\" true"},
+    {"em", "Sampler \"sobol\" Integrator \"em\" \"integer samples\" @ \"bool stratify\" true"},
+    {"brdf", "Sampler \"sobol\" Integrator \"brdf\" \"integer samples\" @"},
+    {"mix", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 1600 \"integer shadowrays\" @"},
+    {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 256 \"integer shadowrays\" @ \"string proposal\" \"product\""},
+};
+
+/* Both levers together against none, at the same M and N. */
+static const measure_setting resamplers[] = {
+    {"independent", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 50 "
+                    "\"bool stratify\" false \"string resampling\" \"multinomial\""},
+    {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 50"},
+};
+
+/* One camera sample, antialiased, per material. Most of the error is at edges and in highlights smaller than a pixel:
+ * few rays a camera sample, and many of these. */
+#define CAMERA_SAMPLE(edges, M, N) \
+    {"ours", "Sampler \"sobol\" \"integer edgesamples\" " edges " Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true " \
+             "\"integer candidates\" " M " \"integer shadowrays\" " N}
+static const measure_setting reach[MEASURE_MATERIALS] = {CAMERA_SAMPLE("4", "32", "12"), CAMERA_SAMPLE("3", "40", "9"), CAMERA_SAMPLE("4", "32", "12"),
+                                                         CAMERA_SAMPLE("4", "32", "12")};
+
+enum { SEEDS = 5, FIRST_SEED = 21, PILOT_SEED = 101, MIN_N = 2, MAX_N = 4096, N_CONTEST = sizeof contest / sizeof *contest, N_RESAMPLERS = 2 };
+static const double us_per_pixel = 20;
+
+typedef struct job {
+    const char *scene; /* template */
+    measure_reference ref[MEASURE_MATERIALS];
+    bis_film film;
+} job;
+
+static bis_scene_desc *parse(const job *j, const measure_setting *s, unsigned N, int material)
+{
+    return measure_parse(j->scene, s->text, N, measure_materials[material].text);
+}
+
+/* ---- the clock ---- */
+
+/* The smaller of two renders. */
+static double time_of(job *j, const bis_scene *scene, const measure_setting *s, unsigned N, int material)
+{
+    bis_scene_desc *desc = parse(j, s, N, material);
+    double best = (double)INFINITY;
+
+    for (int i = 0; i < 2; i++) best = fmin(best, measure_render(&j->film, scene, desc, PILOT_SEED, 1, 1, NULL));
+    bis_scene_desc_free(desc);
+    return 1e6 * best / (double)measure_shaded(&j->film);
+}
+
+/* Time is nearly linear in N: from the cost at MIN_N and the last N, the next; at most four times the last, since
+ * repeats that are traced once bend the line. */
+static unsigned tune(job *j, const bis_scene *scene, const measure_setting *s, int material, unsigned guess)
+{
+    const double t0 = time_of(j, scene, s, MIN_N, material);
+    unsigned N = guess;
+
+    for (int i = 0; i < 4; i++) {
+        double t = time_of(j, scene, s, N, material);
+        if (fabs(t / us_per_pixel - 1) < 0.03) break;
+        double next = t > t0 ? MIN_N + (N - MIN_N) * (us_per_pixel - t0) / (t - t0) : 4.0 * N;
+        N = (unsigned)round(fmax(MIN_N, fmin(fmin(next, 4.0 * N), MAX_N)));
+    }
+    return N;
+}
+
+/* ---- errors ---- */
+
+/* One line: scene setting material N us error own-error-of-the-reference trimmed seed-by-seed. */
+static void measure_seeds(job *j, const bis_scene *scene, const measure_setting *s, unsigned N, int material)
+{
+    bis_scene_desc *desc = parse(j, s, N, material);
+    const char *slash = strrchr(j->scene, '/');
+    measure_error e[SEEDS];
+    double seconds = (double)INFINITY, mean = 0, trimmed = 0;
+
+    for (int i = 0; i < SEEDS; i++) {
+        seconds = fmin(seconds, measure_render(&j->film, scene, desc, FIRST_SEED + (uint64_t)i, 1, 1, NULL));
+        e[i] = measure_relmse(&j->film, &j->ref[material], false);
+        mean += e[i].mean / SEEDS;
+        trimmed += e[i].trimmed / SEEDS;
+    }
+    printf("%s %s %s %u %.2f %.3e %.1e %.3e", slash ? slash + 1 : j->scene, measure_materials[material].name, s->name, N,
+           1e6 * seconds / (double)measure_shaded(&j->film), mean, j->ref[material].error, trimmed);
+    for (int i = 0; i < SEEDS; i++) printf(" %.3e", e[i].mean);
+    printf("\n");
+    fflush(stdout);
+    bis_scene_desc_free(desc);
+}
+
+static void compare_settings(job *j, const measure_setting *settings, int n, bool tuned)
+{
+    for (int i = 0; i < n; i++) {
+        unsigned N = 32;
+        bis_scene_desc *desc = parse(j, &settings[i], N, 0);
+        bis_scene *scene = measure_build(desc);
+        for (int material = 0; material < MEASURE_MATERIALS; material++) {
+            if (tuned) N = tune(j, scene, &settings[i], material, N > MIN_N ? N : 32);
+            measure_seeds(j, scene, &settings[i], N, material);
+        }
+        bis_scene_free(scene);
+        bis_scene_desc_free(desc);
+    }
+}
+
+/* ---- seconds to an error ---- */
+
+/* log time is linear in log error between two passes' numbers; below the first, time is that of the first. */
+static double interpolate(const double *error, const double *seconds, int n, double target)
+{
+    for (int i = 0; i < n; i++) {
+        if (error[i] > target) continue;
+        if (i == 0) return seconds[0];
+        double t = log(error[i - 1] / target) / log(error[i - 1] / error[i]);
+        return seconds[i - 1] * pow(seconds[i] / seconds[i - 1], t);
+    }
+    return (double)INFINITY;
+}
+
+/* One line: scene setting material own-error-of-the-reference, seconds to 1e-2 and to 1e-3. Each number of passes is a
+ * render of its own; three seeds while they are short. */
+static void reach_error(job *j, int material)
+{
+    enum { MAX_DOUBLINGS = 12 };
+    bis_scene_desc *desc = parse(j, &reach[material], 0, material);
+    bis_scene *scene = measure_build(desc);
+    double error[MAX_DOUBLINGS] = {0}, seconds[MAX_DOUBLINGS];
+    int n = 0;
+
+    do {
+        int seeds = n > 0 && seconds[n - 1] > 1 ? 1 : 3;
+        seconds[n] = (double)INFINITY;
+        for (int i = 0; i < seeds; i++) {
+            seconds[n] = fmin(seconds[n], measure_render(&j->film, scene, desc, 1 + (uint64_t)i, 1u << n, 1, NULL));
+            error[n] += measure_relmse(&j->film, &j->ref[material], true).mean / seeds;
+        }
+        error[n] = fmax(error[n] - j->ref[material].error, 1e-6); /* the two errors are independent: their squares add */
+        fprintf(stderr, "%s %d spp %.3f s relMSE %.2e\n", measure_materials[material].name, 1 << n, seconds[n], error[n]);
+        n++;
+    } while (n < MAX_DOUBLINGS && error[n - 1] > 1e-3 && seconds[n - 1] < 20);
+    printf("%s %s %.1e %.3f %.3f\n", measure_materials[material].name, reach[material].name, j->ref[material].error,
+           interpolate(error, seconds, n, 1e-2), interpolate(error, seconds, n, 1e-3));
+    fflush(stdout);
+    bis_scene_free(scene);
+    bis_scene_desc_free(desc);
+}
+
+/* ---- */
+
+static void print_reference(const job *j, int material)
+{
+    const measure_reference *r = &j->ref[material];
+    const char *slash = strrchr(j->scene, '/');
+
+    printf("%s %s %.1e %.2f %+.4f %g\n", slash ? slash + 1 : j->scene, measure_materials[material].name, r->error, r->disagree, r->difference, r->seconds);
+    fflush(stdout);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 4) {
+        fprintf(stderr, "usage: bench_error reference|equal|resample|reach SECONDS SCENE\n");
+        return 2;
+    }
+    const char *what = argv[1];
+    job j = {.scene = argv[3]};
+
+    for (int m = 0; m < MEASURE_MATERIALS; m++) {
+        j.ref[m] = measure_reference_get(j.scene, measure_materials[m].text, atof(argv[2]));
+        if (strcmp(what, "reference") == 0) print_reference(&j, m);
+    }
+    if (strcmp(what, "equal") == 0) compare_settings(&j, contest, N_CONTEST, true);
+    if (strcmp(what, "resample") == 0) compare_settings(&j, resamplers, N_RESAMPLERS, false);
+    for (int m = 0; strcmp(what, "reach") == 0 && m < MEASURE_MATERIALS; m++) reach_error(&j, m);
+    for (int m = 0; m < MEASURE_MATERIALS; m++) measure_reference_free(&j.ref[m]);
+    bis_film_clear(&j.film);
+    return 0;
+}

@@ -1,0 +1,57 @@
+#!/bin/sh
+# check_docstrings: what a reader may expect of a source file.
+#   - Each function of a public header (include/bis) has a comment above it that begins with the function's name. One comment
+#     may serve several functions that follow one another without an empty line, if it names the first of them.
+#   - No line of src, include, tests and scripts refers to the SPEC: it is not in the repository. Name the page and the heading.
+#   - No line of src and include has more than 120 columns. Folders where some still have are listed below with their number;
+#     the list may only get shorter.
+#     scripts/check/check_docstrings.sh [ROOT]          ROOT holds include, src, tests and scripts; default: here
+cd "${1:-.}" || exit 1
+bad=0
+
+# shellcheck disable=SC2046
+awk '
+    # The name of the function that a line at column 0 declares, or "".
+    function declares(line) {
+        if (line !~ /^[A-Za-z_]/ || line ~ /^(typedef|struct|enum|union|extern|return)[ {]/) return ""
+        sub(/__attribute__.*/, "", line)
+        if (line ~ /^bis_alias_builder [a-z_]+;/) { sub(/^bis_alias_builder /, "", line); sub(/;.*/, "", line); return line }
+        if (!match(line, /[A-Za-z_0-9]+\(/)) return ""
+        return RSTART > 1 ? substr(line, RSTART, RLENGTH - 1) : ""
+    }
+    FNR == 1 { comment = ""; open = served = 0 }
+    open { comment = comment " " $0; if (/\*\//) open = 0; next }
+    /^\/\*/ { comment = $0; served = 0; if (!/\*\//) open = 1; next }
+    /^$/ { if (served) comment = ""; served = 0; next }
+    {
+        name = declares($0)
+        if (name == "") { if (/^[A-Za-z_#]/) comment = ""; next }
+        functions++
+        if (served) next
+        text = comment
+        gsub(/^\/\*+ */, "", text)
+        if (text !~ "^" name "[ ,(]") { printf "%s:%d: the comment above %s does not begin with its name\n", FILENAME, FNR, name; bad = 1 }
+        served = 1
+    }
+    END { if (!functions) print "include/bis: no functions"; exit bad || !functions }
+' $(find include/bis -name '*.h' | sort) || bad=1
+
+if grep -rnIw SPEC src include tests scripts 2>/dev/null | grep -v '^scripts/check/check_docstrings.sh:'; then
+    echo "the SPEC is not in the repository: name the page of docs and its heading"
+    bad=1
+fi
+
+# Folders of src with lines over 120 columns, and how many.
+known=${known-'src/cli 4 src/tools 476'}
+# shellcheck disable=SC2046
+LC_ALL=C awk -v known="$known" '
+    BEGIN { n = split(known, k); for (i = 1; i < n; i += 2) allowed[k[i]] = k[i + 1] }
+    { line = $0; gsub(/[\200-\277]/, "", line) } # bytes that only continue a character
+    length(line) > 120 {
+        split(FILENAME, part, "/")
+        folder = part[1] "/" part[2]
+        count[folder]++
+        if (count[folder] > allowed[folder]) { printf "%s:%d: %d columns, at most 120 are allowed\n", FILENAME, FNR, length(line); bad = 1 }
+    }
+    END { exit bad }' $(find src include -name '*.[ch]' | sort) || bad=1
+exit $bad

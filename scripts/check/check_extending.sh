@@ -1,0 +1,66 @@
+#!/bin/sh
+# check_extending: does docs/extending.md say all that a new integrator needs? The page's example is taken from the page: the
+# file that follows "<!-- tests/whole/uniform.c -->", and the changes in its ```diff blocks. They go into a copy of the
+# sources; only what changed is compiled, and linked before the present library; then the program has one integrator more.
+#     scripts/check/check_extending.sh [TEST...]          TEST: programs of tests/ to be linked and run with it, too
+# EXTENDING_PAGE: another page.
+# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link (scripts/course/course.mk).
+# The copy is $BIS_BUILD/extending. Exit status 1, and a line that says why, where anything fails.
+root=$BIS_BUILD/extending
+say() {
+    echo "extending: $*"
+    exit 1
+}
+
+rm -rf "$root" && mkdir -p "$root" && cp -R src include docs scripts "$root" || exit 1
+awk -v root="$root" '
+    /^<!-- tests\/whole\/uniform\.c/ { file = root "/src/beyond/uniform.c"; next }
+    /^```diff$/ { file = root "/page.diff"; inside = 1; next }
+    /^```c$/ && file { inside = 1; next }
+    /^```$/ { if (inside) file = ""; inside = 0; next }
+    inside && file { print >file }' "${EXTENDING_PAGE:-docs/extending.md}"
+test -s "$root/src/beyond/uniform.c" && test -s "$root/page.diff" || say "the page has no example"
+patch -s -p1 -d "$root" <"$root/page.diff" >"$root/patch.txt" 2>&1 || say "the changes on the page do not fit the sources: $(head -3 "$root/patch.txt")"
+sh scripts/check/check_layers.sh "$root" || say "it is no layer of ours"
+
+objects=""
+for file in src/beyond/uniform.c $(sed -n 's|^+++ b/\(src/.*\.c\)$|\1|p' "$root/page.diff"); do
+    object=$(echo "$file" | tr / _).o
+    (cd "$root" && $BIS_COMPILE -Werror -c -o "$object" "$file") || say "$file does not compile without warnings"
+    objects="$objects $root/$object"
+done
+# shellcheck disable=SC2086
+$BIS_LINK -o "$root/bis" "$BIS_BUILD/src/cli/main.o" $objects "$BIS_BUILD/libbis.a" $BIS_LIBS || say "the program does not link"
+
+# has NAME TEXT COMMAND...: the command ends well and prints that text.
+has() {
+    name=$1 text=$2
+    shift 2
+    "$@" >"$root/$name.txt" 2>&1 || say "$name: $(tail -1 "$root/$name.txt")"
+    grep -q -e "$text" "$root/$name.txt" || say "$name has no \"$text\""
+}
+cat >"$root/scene.txt" <<END
+Film "rgb" "integer xresolution" 16 "integer yresolution" 12
+Camera "perspective" "float fov" 60
+Integrator "uniform" "integer samples" 8
+WorldBegin
+LightSource "infinite" "rgb L" [1 2 3]
+Material "phong" "rgb Kd" [.5 .4 .3] "rgb Ks" [.2 .2 .2] "float exponent" 5
+AttributeBegin Translate 0 0 4 Shape "sphere" AttributeEnd
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]
+END
+has help "uniform  *directions uniform" "$root/bis" help integrators
+has plan "uniform: samples 8" "$root/bis" --plan "$root/scene.txt"
+has render "\"integrator\": \"uniform\"" "$root/bis" --quiet --spp 1 --stats - --outfile "$root/out.exr" "$root/scene.txt"
+has pixel "^uniform  *8 " "$root/bis" pixel --repeats 50 --output "$root/pixel" "$root/scene.txt" 8 9
+has trade "--integrator uniform --samples " "$root/bis" trade --quiet --time 2 --passes 1 --seeds 2 --integrator uniform --output "$root/trade" --resolution 16x12 "$root/scene.txt"
+has verify "uniform .*passed" "$root/bis" verify "$root/scene.txt"
+
+for test in "$@"; do
+    source=$(find tests -name "$test.c")
+    cp "$BIS_BUILD/${source%.c}.o" "$root/$test.o" 2>/dev/null || $BIS_COMPILE -c -o "$root/$test.o" "$source" || say "$test does not compile"
+    # shellcheck disable=SC2086
+    $BIS_LINK -o "$root/$test" "$root/$test.o" $objects $BIS_OBJECTS $BIS_LIBS || say "$test does not link"
+    BIS_PROGRAM=$root/bis "$root/$test" >"$root/$test.txt" 2>&1 || say "$test fails: $(grep -m 1 'ERROR' "$root/$test.txt")"
+done
+echo "extending: as it should be"

@@ -1,0 +1,37 @@
+#!/bin/sh
+# fuzz: runs libFuzzer's targets, one after the other (make fuzz calls it).
+#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr ply obj; default: all
+# What a target begins with: files that the tests make, tests/data/bad, tests/data/scenes, tests/data/regression and
+# data/scenes; what it finds new on the way stays in build/fuzz/corpus/NAME for the next run. A finding is left in
+# build/fuzz/found; exit status 1 then.
+build=$1 seconds=$2
+shift 2
+[ $# -gt 0 ] || set -- scene hdr pfm exr ply obj
+work=build/fuzz
+export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
+mkdir -p $work/made $work/found
+for test in image image_hdr image_pfm image_exr ply obj; do
+    [ -e $work/made/.$test ] || BIS_SEEDS=$work/made "$build/tests/test_$test" >$work/seeds.log 2>&1 || { cat $work/seeds.log; exit 1; }
+    touch $work/made/.$test
+done
+status=0
+for name in "$@"; do
+    seeds=$work/seeds/$name
+    mkdir -p $seeds $work/corpus/$name
+    case $name in
+    scene) cp tests/data/bad/*.txt tests/data/scenes/*.txt data/scenes/*.txt $seeds ;;
+    *) cp $work/made/*."$name" $seeds 2>/dev/null ;;
+    esac
+    cp tests/data/regression/*."$name" $seeds 2>/dev/null
+    echo "==== fuzz_$name: $(ls $seeds | wc -l) seeds, $(ls $work/corpus/$name | wc -l) from runs before, $seconds s"
+    # Words of the seeds that are text: what a parser compares with.
+    cat $seeds/* | LC_ALL=C grep -aoE '"[a-zA-Z0-9 ]+"|[A-Za-z]{2,30}=?' | tr -d '"' | sort -u | sed 's/.*/"&"/' >$work/$name.dict
+    "$build/fuzz_$name" -dict=$work/$name.dict -max_total_time="$seconds" -max_len=16384 -timeout=20 -rss_limit_mb=3072 -print_final_stats=1 \
+        -artifact_prefix=$work/found/$name- $work/corpus/$name $seeds >$work/$name.log 2>&1 || {
+        status=1
+        grep -E 'ERROR|runtime error|does not hold|SUMMARY|Test unit written' $work/$name.log
+    }
+    grep -E 'number_of_executed_units|peak_rss_mb|slowest_unit' $work/$name.log
+    grep -E ' cov: ' $work/$name.log | tail -n 1
+done
+exit $status

@@ -1,0 +1,456 @@
+#!/bin/sh
+# mutate: changes one thing in a copy of src/ and runs the tests of that module, which must then fail; again for every mutation below.
+#     scripts/check/mutate.sh [WORD]          only the mutations whose file or reason holds WORD
+# A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/; .c is understood), "- the text as it stands",
+# "+ the text instead", an empty one. The first place where the text stands is changed. The copy is build/mutants; objects
+# are made once and only what a mutation touches is made anew.
+# Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some ten minutes: no part of make test.
+copy=build/mutants
+word=$1
+log=$copy/log
+rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data
+mkdir -p $copy
+make -s data && cp -Rp include src tests scripts data Makefile $copy || exit 1
+
+mutations() {
+    sed '1,/^# MUTATIONS$/d' "$0" | sed 's/^# \{0,1\}//'
+}
+
+# make, in the copy: quiet, plain -O1; with the program, which some tests run. $1...: targets.
+build() {
+    make -s -C $copy VARIANT=mutant CFLAGS=-O1 build/mutant/bis "$@" >$log 2>&1
+}
+
+# All tests of these names; fails if one of them does, dies or hangs (TEST_SECONDS, default 300). On success, prints nothing.
+run() {
+    for t in "$@"; do
+        (cd $copy && BIS_PROGRAM=build/mutant/bis timeout "${TEST_SECONDS:-300}" build/mutant/tests/"$t" >>log 2>&1) || { culprit=$t; return 1; }
+    done
+}
+
+tests=$(mutations | sed -n 's/^\* [^ ]* \([^:]*\) :.*/\1/p' | tr ' ' '\n' | sort -u)
+targets=$(for t in $tests; do echo "build/mutant/tests/$t"; done)
+# shellcheck disable=SC2086
+build -j2 $targets || { cat $log; exit 1; }
+# shellcheck disable=SC2086
+run $tests || { echo "mutate: $culprit fails without any mutation"; exit 1; }
+
+n=0 bad=0
+mutations >$copy/list
+while IFS= read -r head; do
+    case $head in "* "*) ;; *) continue ;; esac
+    IFS= read -r old
+    IFS= read -r new
+    what=${head#* : }
+    head=${head%% : *}
+    # shellcheck disable=SC2086
+    set -- ${head#??}
+    case $1 in *.h) file=$1 ;; *) file=$1.c ;; esac
+    file=$(find src -name "$file")
+    shift
+    case "$file $what" in *"$word"*) ;; *) continue ;; esac
+    n=$((n + 1))
+    cp -p $copy/"$file" $copy/original
+    OLD=${old#??} NEW=${new#??} awk '
+        !done && (i = index($0, ENVIRON["OLD"])) { $0 = substr($0, 1, i - 1) ENVIRON["NEW"] substr($0, i + length(ENVIRON["OLD"])); done = 1 }
+        { print }
+        END { exit !done }' $copy/original >$copy/"$file"
+    if [ $? -ne 0 ]; then
+        verdict="DOES NOT APPLY"
+    else
+        targets=$(for t in "$@"; do echo "build/mutant/tests/$t"; done)
+        touch $copy/"$file"
+        # shellcheck disable=SC2086
+        if ! build $targets; then
+            verdict="DOES NOT COMPILE"
+        elif run "$@"; then
+            verdict=SURVIVED
+        else
+            name=$(sed -n 's/^\[  FAILED  \] \([a-zA-Z_0-9]*\)$/\1/p' $log | head -n 1)
+            verdict="caught: $culprit ${name:-(it died)}"
+        fi
+    fi
+    case $verdict in caught*) ;; *) bad=$((bad + 1)) ;; esac
+    printf '%2d  %-22s %-62s %s\n' $n "$file" "$what" "$verdict"
+    cp $copy/original $copy/"$file"
+done <$copy/list
+echo "mutate: $n mutations, $((n - bad)) caught, $bad not"
+[ $n -gt 0 ] && [ $bad -eq 0 ]
+exit
+
+# MUTATIONS
+# * phong test_phong : eq. 3.16 with n+2 for n+1
+# - log1p(-u1) / (n + 1)
+# + log1p(-u1) / (n + 2)
+#
+# * phong test_phong : the lobe's density without its +1 (eq. 3.15)
+# - return (n + 1) * (INV_PI / 2) * bis_phong_power
+# + return n * (INV_PI / 2) * bis_phong_power
+#
+# * phong test_phong : max(0, cos) forgotten: the lobe's back shines
+# - if (one_minus_cos >= 1) return 0;
+# + if (one_minus_cos > 2) return 0;
+#
+# * phong test_phong : the mixture's density counts the diffuse lobe whole
+# - (1 - b->p_specular) * bis_warp_cosine_pdf(cos_theta)
+# + bis_warp_cosine_pdf(cos_theta)
+#
+# * phong test_phong : rejection's bound is the smaller of two
+# - return fmax(specular, diffuse) * unit_slack;
+# + return fmin(specular, diffuse) * unit_slack;
+#
+# * microfacet test_microfacet : facets drawn without the stretched view: all of them, not the visible
+# - h[0] = a * (sin_theta * cos(phi) + v[0]);
+# + h[0] = a * (sin_theta * cos(phi));
+#
+# * microfacet test_microfacet : separable instead of height-correlated shadowing
+# - const double specular = D / (2 * (c_i * S_o + c_o * stretched(a, c_i)));
+# + const double specular = D / ((c_o + S_o) * (c_i + stretched(a, c_i)));
+#
+# * microfacet test_microfacet : a facet that lies face down reflects
+# - if (s_z <= 0)
+# + if (s_z <= -2)
+#
+# * microfacet test_microfacet : rejection's bound with Fresnel's term head on
+# - blend(b->material, fmax(0, least_cos_d - 0x1p-23), 1, 0)
+# + blend(b->material, 1, 1, 0)
+#
+# * warp test_warp : the concentric map's angle doubled
+# - PI / 2 - PI / 4 * (a / b)
+# + PI / 2 - PI / 2 * (a / b)
+#
+# * warp test_warp : a uniform disc lifted without the root
+# - sqrt(one_minus_r * (1 + fabs(r)))
+# + one_minus_r * (1 + fabs(r))
+#
+# * cdf test_cdf : < for <=: an item of weight 0 can be drawn
+# - if (c->c[middle] <= u)
+# + if (c->c[middle] < u)
+#
+# * cdf test_cdf : the remainder is not divided by the item's own width
+# - / (c->c[i + 1] - c->c[i]);
+# + / c->c[i + 1];
+#
+# * alias test_alias : the giver loses what the taker had, not what it lacked
+# - prob[lg] -= 1 - prob[sm];
+# + prob[lg] -= prob[sm];
+#
+# * alias test_alias : own and alias swapped
+# - < prob[j] ? j : alias[j]
+# + < prob[j] ? alias[j] : j
+#
+# * alias test_alias : who has less than a share left still gives
+# - if (prob[lg] <= 1) push_small
+# + if (prob[lg] <= 0.5) push_small
+#
+# * marsaglia test_marsaglia : the list's last element is never drawn
+# - u * (double)m->length
+# + u * (double)(m->length - 1)
+#
+# * envmap test_envmap : solid angle at a row's edge, not its middle
+# - sin_polar(y + 0.5, height) * sin_half
+# + sin_polar(y, height) * sin_half
+#
+# * envmap test_envmap : the south pole belongs to a row beyond the last
+# - (row < em->height ? row : em->height - 1)
+# + row
+#
+# * envmap test_envmap : rows of the southern half upside-down inside
+# - (north ? u2 : 1 - u2)
+# + u2
+#
+# * envmap test_envmap : all directions of a pixel have its middle's azimuth
+# - 2 * PI * (x + u1) / em->width
+# + 2 * PI * (x + 0.5) / em->width
+#
+# * regions test_regions : a region ends at the seam
+# - x > 0 ? pixel - 1 : pixel + (width - 1)
+# + x > 0 ? pixel - 1 : pixel
+#
+# * regions test_regions : no upper limit to the area factor (3.4)
+# - pow(fmin(1, solid_angle / BIS_AREA_CLAMP), b)
+# + pow(solid_angle / BIS_AREA_CLAMP, b)
+#
+# * importance_table test_importance : a random number used twice
+# - d.u[0] = u[2];
+# + d.u[0] = u[1];
+#
+# * importance_table test_importance : the first row's aliases in all rows
+# - t->alias[y * t->width + x];
+# + t->alias[x];
+#
+# * importance_curve test_importance : solid angle forgotten along the curve
+# - * bis_row_measure(w, y0 + y);
+# + * 1;
+#
+# * importance test_importance : solid angle forgotten in the rows' sums
+# - row_weight[y] *= bis_row_measure(&im->weights, (size_t)y);
+# + ;
+#
+# * light test_light : the density is asked for in the world's frame
+# - return bis_importance_pdf(light->importance, to_map_frame(light, wi));
+# + return bis_importance_pdf(light->importance, wi);
+#
+# * em test_integrators : N+1 for N
+# - 1 / (double)N));
+# + 1 / (double)(N + 1)));
+#
+# * brdf test_integrators : visibility forgotten
+# - rgbd_sum(C) > 0 && bis_point_sees(pt, wi)
+# + rgbd_sum(C) > 0
+#
+# * mis test_integrators : the map's number of samples missing in a weight
+# - (double)n_em * q_em)));
+# + q_em)));
+#
+# * exact test_integrators : one point of K counts as all
+# - (double)K * y.pdf); /*
+# + y.pdf); /*
+#
+# * sir test_sir test_integrators : the normaliser is W/N
+# - double Zhat = W / M;
+# + double Zhat = W / N;
+#
+# * resample.h test_sir : order statistics with the wrong exponent
+# - / (double)(m->N - j);
+# + / (double)m->N;
+#
+# * candidates test_sir test_integrators : the mixture's density has the map's part alone
+# - q = beta * q + (1 - beta) * q_f;
+# + q = beta * q;
+#
+# * candidates test_sir test_integrators : a candidate chosen k times counts once
+# - (double)k * (Z / y->w)
+# + Z / y->w
+#
+# * rejection test_rejection : the plain estimator forgets how many were accepted
+# - B / M * A : W / M
+# + B / M : W / M
+#
+# * rejection test_rejection : accepted twice as often, capped at 1
+# - bis_stream_random(stream) * B < x[i].w
+# + bis_stream_random(stream) * B / 2 < x[i].w
+#
+# * rng test_rng : the sample's number does not reach the key
+# - key = bis_hash(key + sample);
+# + key = bis_hash(key);
+#
+# * sampler test_sampler : a bit lost in Sobol's second matrix
+# - x ^= x >> 2 & 0x33333333u;
+# + x ^= x >> 2 & 0x33333331u;
+#
+# * sampler test_sampler : both jitters of a camera sample are one
+# - (cell / p->xsamples) + place[1])
+# + (cell / p->xsamples) + place[0])
+#
+# * curve test_curve : the curve does not turn
+# - uint32_t x = a ^ (swap & b) ^ complement;
+# + uint32_t x = a ^ complement;
+#
+# * stats test_stats : Stirling's second coefficient
+# - 1.0 / 360
+# + 1.0 / 300
+#
+# * camera test_camera : twice the field of view
+# - (PI / 360)
+# + (PI / 180)
+#
+# * xform test_xform : the inverse of a product in the product's order
+# - multiply(t.inv, (const double(*)[4])b->inv, (const double(*)[4])a->inv);
+# + multiply(t.inv, (const double(*)[4])a->inv, (const double(*)[4])b->inv);
+#
+# * quadric test_geometry test_accel : the far root first
+# - t[0] = fmin(c / k, k / a);
+# + t[0] = fmax(c / k, k / a);
+#
+# * grid_walk test_accel : the walk ends one cell early
+# - d > 0 ? n - 1 - i : i};
+# + d > 0 ? n - 2 - i : i};
+#
+# * grid_walk test_accel : the first wall ahead of a ray that goes back
+# - (d > 0 ? i + 1 : i) * g->cell[a]
+# + (i + 1) * g->cell[a]
+#
+# * surface test_geometry : the hit's error bound without the plane's part
+# - double distance = fmin(0x1p-23 * tilt + 6 * 0x1p-24 * sums, size);
+# + double distance = fmin(0 * (tilt + sums), size);
+#
+# * surface test_leaving : the hit's error bound without the rounding to float
+# - e[c] = 0x1p-24 * fabs(at[c]) + 0.5
+# + e[c] = 0 * fabs(at[c]) + 0.5
+#
+# * surface test_leaving : an offset a thousand times too long
+# - double distance = fmin(0x1p-23 * tilt + 6 * 0x1p-24 * sums, size);
+# + double distance = fmin(0x1p-13 * tilt + 6 * 0x1p-24 * sums, size);
+#
+# * triangle.h test_leaving test_two_accelerators : the sign of t by sheared coordinates alone
+# - return all_ahead(s, v) || plane_is_ahead(r, v);
+# + return true;
+#
+# * triangle.h test_leaving : what lies in the origin's plane is ahead
+# - return (height > 0 && descent > 0) || (height < 0 && descent < 0);
+# + return height != 0 && descent != 0;
+#
+# * accel test_reach : Embree is trusted ten times farther
+# - size > BIS_EMBREE_MOST
+# + size > 10 * BIS_EMBREE_MOST
+#
+# * verify_oracle test_verify : no doubt at an edge
+# - return some_more && some_less ? MISSED : all_more || all_less ? MET : DOUBTFUL;
+# + return some_more && some_less ? MISSED : MET;
+#
+# * verify_oracle test_verify : everything is in doubt
+# - return some_more && some_less ? MISSED : all_more || all_less ? MET : DOUBTFUL;
+# + return some_more && some_less ? MISSED : DOUBTFUL;
+#
+# * verify_accel test_verify : shadow rays do not start beyond the error
+# - const ray shadow = {bis_surface_offset(&s), w, INFINITY};
+# + const ray shadow = {add(s.p, w), w, INFINITY};
+#
+# * film test_film : the variance of a pass, not of the mean
+# - (n - 1) / n;
+# + (n - 1);
+#
+# * compare test_compare : the standard error of the bias without its root of n
+# - sqrt(scatter / (n - 1) / n)
+# + sqrt(scatter / (n - 1))
+#
+# * image_hdr test_image_hdr : RGBE's bias is 128 + 8
+# - ldexp(1, e - 136) / exposure[k]
+# + ldexp(1, e - 128) / exposure[k]
+#
+# * image_exr test_image_exr : unwanted channels get no place (OpenEXRCore)
+# - w->pipe.channel_count > 4 ||
+# + w->pipe.channel_count > 0 ||
+#
+# * ply test_ply : strips do not turn
+# - {last[turned], last[!turned], current}
+# + {last[0], last[1], current}
+#
+# * ply test_ply : the short cut checks two of three indices
+# - || v[2] >= r->n_vertices) break;
+# + ) break;
+#
+# * obj test_obj : indices beyond the last vertex pass
+# - if (n == 0 || n > (negative ? seen : total)) {
+# + if (n == 0 || n > total + 1) {
+#
+# * lexer test_lexer : 1e999 is a number
+# - if (!isfinite(t->number)) return
+# + if (t->number != t->number) return
+#
+# * mem test_mem : the product of sizes may overflow
+# - (size && n > (PTRDIFF_MAX - room) / size)
+# + (size && n > PTRDIFF_MAX - room)
+#
+# * image_exr test_image_exr : lack of memory is taken for damage
+# - bis_status status = lacks_memory(source) ? BIS_NOMEM : BIS_INPUT;
+# + bis_status status = BIS_INPUT;
+#
+# * image_exr test_regression : a header's damage is passed over
+# - if (!code && source.cause == EXR_ERR_ATTR_SIZE_MISMATCH) code = source.cause;
+# + ;
+#
+# * image_exr test_regression : a data window that the file does not have is taken
+# - if (!says_window(source->in, &c->window)) return
+# + if (!says_window(source->in, &c->window) && false) return
+#
+# * image_exr_write test_image_exr : a chunk that ZIP leaves as long as it was is stored in ZIP's form
+# - pipe->compressed_bytes == pipe->packed_bytes
+# + pipe->compressed_bytes > pipe->packed_bytes
+#
+# * batch test_batch : the normaliser divides by M + 1
+# - const double Zhat = W / M * unit * mean;
+# + const double Zhat = W / (M + 1) * unit * mean;
+#
+# * batch test_batch test_clusters : what learned visibility multiplied is not divided out
+# - b->weights.times[k] / (double)b->traced.q_L[k]
+# + b->weights.times[k]
+#
+# * batch test_batch : candidates left out for the BRDF's keep their weights
+# - b->weights.w[bis_one_of_set(j, m->n_brdf, M, phase)] = 0;
+# + (void)phase;
+#
+# * batch test_batch test_clusters : the mixture's density takes the map's for the product's
+# - b->brdf.q_L[i] *= (float)bis_product_scale(&b->product, clusters, b->pixel[i]);
+# + b->brdf.q_L[i] *= 1;
+#
+# * batch test_batch : the pool's unit is forgotten: weights and result in different ones
+# - const rgbd sum = trace(b, pt);
+# + const rgbd sum = rgbd_scale(trace(b, pt), unit > 0 ? 1 / unit : 1);
+#
+# * product test_clusters test_batch : a candidate's density is the map's, whatever its cluster got
+# - &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
+# + &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], 1);
+#
+# * product test_clusters test_batch : always a cluster's first directions
+# - random = bis_hash(random + k);
+# + random = 0;
+#
+# * clusters test_clusters : directions from the first half of each cluster alone
+# - c->t[k] + bis_cluster_share(c, k) * bis_stratum(
+# + c->t[k] + 0.5 * bis_cluster_share(c, k) * bis_stratum(
+#
+# * clusters test_clusters : a cone half as wide as its directions lie
+# - for (int i = 0; i < DIRECTIONS; i++) least = fmin(least, dot(axis, y[i].wi));
+# + for (int i = 0; i < DIRECTIONS / 8; i++) least = fmin(least, dot(axis, y[i].wi));
+#
+# * visibility test_clusters test_batch : what was counted counts again in every later pass
+# - v->counted[t][i] = (bis_seen){0, 0};
+# + ;
+#
+# * phong_lanes test_phong_lanes : the mixture's density without the cosine lobe
+# - brdf * (k.pdf_lobe * p + k.pdf_base * bis_lanes_choose(cos_theta > 0, cos_theta, 0));
+# + brdf * (k.pdf_lobe * p);
+#
+# * phong_lanes test_phong_lanes : eq. 3.16 with n+2 for n+1, in vectors
+# - (float)(1 / (b->material->exponent + 1))};
+# + (float)(1 / (b->material->exponent + 2))};
+#
+# * phong_lanes test_clusters : the lobe's largest cosine over a cone is that of its axis
+# - const float most = c * cosine + s * sine + 0x1p-20f;
+# + const float most = c + 0x1p-20f;
+#
+# * phong_lanes test_phong_lanes : a colour's shares forget the lobe
+# - const float g = (k.base[1] + k.lobe[1] * p) * l.g[i];
+# + const float g = k.base[1] * l.g[i];
+#
+# * lanes test_lanes : random numbers of the first coordinate serve the second too
+# - u2[i] = unit_float(y << 12 | (place & 0xfffu));
+# + u2[i] = unit_float(y << 12 | place >> 20);
+#
+# * lanes test_lanes : strata that end a cell early
+# - whole = cells / n, rest = cells % n;
+# + whole = cells / n, rest = 0;
+#
+# * blocks test_batch : systematic marks without their random offset
+# - choose_systematic(b, N, W, bis_stream_random(stream));
+# + choose_systematic(b, N, W, 0.5 + 0 * bis_stream_random(stream));
+#
+# * blocks test_batch : a block's sum without its last four weights
+# - for (int i = 0; i < 4; i++) c[i] = a[i] + a[i + 4];
+# + for (int i = 0; i < 4; i++) c[i] = a[i];
+#
+# * adapt test_adapt : a pass of many samples is taken for as noisy as one of few
+# - a->inverse[t] += 1.0 / a->samples[t];
+# + a->inverse[t] += 1.0 / BIS_ADAPT_SAMPLES;
+#
+# * edges test_edges : an outline against the background is no edge
+# - if (a->hit != b->hit) return true;
+# + if (a->hit != b->hit) return false;
+#
+# * film_layers test_layers : the interval is a normal one, however few passes
+# - static double student_975(double dof)
+# + static double student_975(double dof) { return 1.96 + 0 * dof; } static double unused(double dof) __attribute__((unused)); static double unused(double dof)
+#
+# * auto_fit test_auto : the rays' noise falls as that of independent ones
+# - return 1 / (N * sqrt(N));
+# + return 1 / (double)N;
+#
+# * trade_stats test_trade : the reference's noise counts as the method's
+# - p.noise = mean_of(&both) - t->both.relmse;
+# + p.noise = mean_of(&both);
+#
+# * trade_reference test_trade : the noisier reference gets the larger weight
+# - b->relmse > 0 ? b->relmse / (a->relmse + b->relmse) : 0.5;
+# + b->relmse > 0 ? a->relmse / (a->relmse + b->relmse) : 0.5;

@@ -1,0 +1,69 @@
+#!/bin/sh
+# check_assignments: does each assignment mark as it should? With the blanks, every claim fails; with our own bodies, every one holds; each of the
+# typical wrong solutions (NAME_wrong1.c, NAME_wrong2.c ...) is worth some of the points, and fails the claims that its line "loses:" names. Only the modules under study are compiled, and linked before the present library.
+#     scripts/course/check_assignments.sh [NAME...]        (default: all)
+# From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link (scripts/course/course.mk). Reports go to
+# $BIS_BUILD/assignments/NAME/. Exit status 1 if anything is not as it should.
+root=$BIS_BUILD/assignments
+if [ $# -ne 1 ]; then
+    [ $# -gt 0 ] || set -- $(ls tests/course | sed -n 's/_blank\.c$//p')
+    printf '%s\n' "$@" | xargs -P 2 -n 1 sh "$0"
+    exit
+fi
+name=$1
+folder=$root/$name
+mkdir -p "$folder" || exit 1
+say() {
+    echo "$name: $*"
+    exit 1
+}
+
+# Compile the fragments' files, link, run: $folder/$1.marks
+mark() {
+    objects=""
+    mkdir -p "$folder/$1/src" || exit 1
+    if [ "$1" != original ]; then
+        files=$(sh scripts/course/splice.sh "tests/course/${name}_$1.c" "$folder/$1/src") || exit 1
+        for file in $files; do
+            $BIS_COMPILE -Werror -iquote "src/${file%/*}" -c -o "$folder/$1/src/$file.o" "$folder/$1/src/$file" || say "the $1 one does not compile without warnings"
+            objects="$objects $folder/$1/src/$file.o"
+        done
+    fi
+    # shellcheck disable=SC2086
+    $BIS_LINK -o "$folder/$1/marks" "$folder/claims.o" $objects $BIS_OBJECTS $BIS_LIBS || say "the $1 one does not link"
+    "$BIS_BUILD/grade" claims "$folder/$1/marks" "$folder/original/marks" >"$folder/$1.marks" || say "the marks of the $1 one do not come to an end"
+}
+
+prove() {
+    $BIS_COMPILE -Werror -c -o "$folder/claims.o" "tests/course/$name.c" || say "its tests do not compile"
+    wrong=$(ls tests/course | sed -n "s/^${name}_\(wrong[0-9]*\)\.c\$/\1/p")
+    for variant in original blank $wrong; do
+        mark $variant
+        loses=$(sed -n 's|^/\* loses: \(.*\) \*/$|\1|p' "tests/course/${name}_$variant.c" 2>/dev/null | paste -sd ' ')
+        awk -F '\t' -v name="$name" -v variant=$variant -v loses="$loses" '
+            { n++; all += $2 }
+            $1 == "ok" { right++; points += $2 }
+            $1 != "ok" { lost = lost (lost == "" ? "" : " ") $3 }
+            $1 == "ok" && variant == "blank" { printf "%s: the blank one passes %s\n", name, $3 }
+            $1 != "ok" && variant == "original" { printf "%s: ours fails %s: %s\n", name, $3, $4 }
+            $1 != "ok" && $4 == "" { printf "%s: no message of %s\n", name, $3; bad = 1 }
+            END {
+                printf "%s: %s: %d of %d points, %d of %d claims\n", name, variant, points, all, right, n
+                if (all != 80) { printf "%s: the points of its claims sum to %d, must be 80\n", name, all; bad = 1 }
+                if (variant == "original" && right < n || variant == "blank" && right > 0) bad = 1
+                if (variant ~ /wrong/ && (right == 0 || right == n)) { printf "%s: %s is to be worth some of the points\n", name, variant; bad = 1 }
+                if (variant ~ /wrong/ && lost != loses) { printf "%s: %s loses: %s; must lose: %s\n", name, variant, lost, loses; bad = 1 }
+                exit bad
+            }' "$folder/$variant.marks" || exit 1
+    done
+}
+
+# Ours holds by hidden seeds and sizes, too: those of one secret, always the same.
+prove_hidden() {
+    "$BIS_BUILD/grade" claims -s 1d5e1f "$folder/original/marks" "$folder/original/marks" >"$folder/hidden.marks" && ! grep '^wrong' "$folder/hidden.marks"
+}
+
+(prove && prove_hidden && echo "$name: as it should be") >"$folder/verdict" 2>&1
+status=$?
+cat "$folder/verdict"
+exit $status

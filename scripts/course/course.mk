@@ -1,0 +1,30 @@
+# The course's assignments: docs/assignments/README.md. Included by the Makefile.
+#   make assignment A=alias DEST=dir                      a starter kit
+#   make grade A=alias DEST=dir                           the points of what was made of it
+#   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class
+.PHONY: assignment grade grade-class
+
+# How to compile a file more and link it before the library: for scripts/course/grade.sh and
+# scripts/course/check_assignments.sh.
+test grade grade-class: export BIS_BUILD = $B
+test grade grade-class: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests/support
+test grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
+test grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
+test grade grade-class: export BIS_LIBS = $(LIBS) -lcmocka
+test grade grade-class: export BIS_SANITIZE = -O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)
+
+assignment:
+	@sh scripts/course/assignment.sh "$(A)" "$(DEST)"
+
+GRADER := $B/scripts/course/grade.o $B/scripts/course/tokens.o $B/tests/support/box.o $B/tests/support/mark_run.o
+$B/scripts/course/grade.o: OURS += -Itests/support
+$B/grade: $(GRADER)
+	$(LINK) -lm
+$(if $(wildcard tests/course),test: $B/grade)
+
+grade: $(SUPPORT) $(LIB) $B/grade $B/src/cli/main.o
+	@sh scripts/course/grade.sh "$(A)" "$(DEST)"
+
+JOBS ?= 2
+grade-class: $(SUPPORT) $(LIB) $B/grade
+	@sh scripts/course/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)"

@@ -1,0 +1,119 @@
+#!/bin/sh
+# grade_class: the points of a class, as FROM.NAME.csv and FROM.NAME.html beside FROM, and the pairs that are alike
+# beyond what was given out.
+#     scripts/course/grade_class.sh NAME FROM JOBS            (make grade-class A=NAME FROM=handed-in/ [JOBS=2])
+# Every entry of FROM is a student's: a starter kit, a folder with the file in any depth, or the file itself, of any
+# name. What goes wrong with one is a
+# remark in the table, and the next is marked.
+name=$1
+from=${2%/}
+jobs=${3:-2}
+fail() {
+    echo "make grade-class: $*" >&2
+    exit 1
+}
+
+[ -d tests/course ] || fail "this is a starter kit; it is marked by the project that it comes from"
+if [ -z "$name" ] || [ -z "$from" ]; then
+    fail "say which, and where they are: make grade-class A=alias FROM=handed-in/"
+fi
+case $name in *[!a-z0-9]*) fail "there is no assignment \"$name\"" ;; esac
+[ -f "tests/course/${name}_blank.c" ] || fail "there is no assignment \"$name\""
+[ -d "$from" ] || fail "$from is no folder"
+case $jobs in "" | *[!0-9]* | 0) fail "JOBS is a number from 1 on" ;; esac
+
+work=$(mktemp -d "${TMPDIR:-/tmp}/grade-class.XXXXXX") || exit 1
+children=""
+end() {
+    trap - EXIT INT TERM HUP
+    # shellcheck disable=SC2086
+    [ -z "$children" ] || { kill $children; wait; } 2>/dev/null
+    rm -rf "$work"
+    exit "$1"
+}
+trap 'end $?' EXIT
+trap 'end 130' INT
+trap 'end 143' TERM
+trap 'end 129' HUP
+
+export TMPDIR="$work"
+if [ -z "$BIS_SHOP" ]; then
+    export BIS_SHOP="$work/shop"
+    sh scripts/course/grade_shop.sh "$name" "$BIS_SHOP" &
+    children=$!
+    wait $children || fail "nothing can be marked"
+    children=""
+fi
+[ "$(cat "$BIS_SHOP/sandbox")" = bwrap ] ||
+    echo "no sandbox (bwrap, of the package bubblewrap) works here: what is handed in runs with your rights," \
+        "filtered (docs/assignments/README.md)"
+
+n=0
+for entry in "$from"/*; do
+    [ -e "$entry" ] || [ -L "$entry" ] || continue
+    n=$((n + 1))
+    mkdir "$work/$n" || exit 1
+    printf '%s' "$entry" >"$work/$n/path"
+    printf '%s\n' "${entry##*/}" |
+        awk 'NR > 1 { printf "\\n" } { gsub(/[\001-\037]/, "?"); printf "%s", $0 }' >"$work/$n/name"
+done
+[ "$n" -gt 0 ] || fail "$from is empty"
+
+# The next that nobody has taken, until there is none.
+worker() {
+    one=""
+    trap '[ -z "$one" ] || kill "$one"; wait; exit 143' TERM
+    trap - EXIT
+    i=0
+    while [ $i -lt "$n" ]; do
+        i=$((i + 1))
+        mkdir "$work/$i/taken" 2>/dev/null || continue
+        path=$(cat "$work/$i/path" && echo x)
+        BIS_RESULT="$work/$i" sh scripts/course/grade.sh "$name" "${path%x}" >"$work/$i/said" 2>&1 &
+        one=$!
+        wait "$one" || {
+            printf 'it could not be marked: %s\n' "$(tail -n 1 "$work/$i/said")" >"$work/$i/remarks"
+            : >"$work/$i/lines"
+        }
+        one=""
+        points=$(awk -F '\t' '{ got += $1 } END { print got + 0 }' "$work/$i/lines")
+        printf '%s of %s: %s: %s\n' "$i" "$n" "$(cat "$work/$i/name")" "$points"
+    done
+}
+while [ "$jobs" -gt 0 ]; do
+    worker &
+    children="$children $!"
+    jobs=$((jobs - 1))
+done
+# shellcheck disable=SC2086
+wait $children
+children=""
+
+# Everything as lines of one file for the tables.
+i=0
+set --
+while [ $i -lt "$n" ]; do
+    i=$((i + 1))
+    [ -f "$work/$i/prints" ] || : >"$work/$i/prints"
+    set -- "$@" "$work/$i/prints"
+done
+"$BIS_BUILD/grade" alike 0.5 "$BIS_SHOP/blank.prints" "$@" | sort -k3,3nr -k1,1n -k2,2n >"$work/alike"
+{
+    awk -F '\t' '{ print "C\t" $2 "\t" $3 }' "$BIS_SHOP/ours.marks"
+    printf 'C\t10\tspeed\nC\t10\tclean memory\n'
+    i=0
+    while [ $i -lt "$n" ]; do
+        i=$((i + 1))
+        printf 'N\t%s\n' "$(tr '\t' ' ' <"$work/$i/name")"
+        sed '/^$/d; s/^/R\t/' "$work/$i/remarks" 2>/dev/null
+        sed 's/^/L\t/' "$work/$i/lines"
+    done
+    tr ' ' '\t' <"$work/alike" | sed 's/^/A\t/'
+} >"$work/all"
+for kind in csv html; do
+    awk -v assignment="$name" -v kind=$kind -f scripts/course/grade_table.awk "$work/all" >"$work/table.$kind" &&
+        cp "$work/table.$kind" "$from.$name.$kind" || exit 1
+done
+awk -v kind=text -f scripts/course/grade_table.awk "$work/all"
+echo "$n marked: $from.$name.csv, $from.$name.html"
+exit 0

@@ -1,0 +1,79 @@
+#!/bin/sh
+# grade_shop: all that the marking of an assignment needs and that no hand-in changes, made once for one student or
+# a class (scripts/course/grade.sh).
+#     scripts/course/grade_shop.sh NAME FOLDER
+# From the root, with what scripts/course/course.mk exports. In FOLDER, which is an absolute path:
+#     files        the files under study, below src/         sandbox   "bwrap" or "none"         secrets  two
+#     numbers, by both of which ours is right
+#     headers/     all that a hand-in may include            lib.a     the library without ours of these files
+#     claims.o clean.o   the claims, plain and sanitized     ours      their program with our own code
+#     ours.marks    its marks
+#     refer/FILE.defined  what an object must define         allowed   what any may use besides what ours does
+#     blank.prints  of the files as they are given out
+name=$1
+shop=$2
+fail() {
+    echo "make grade: $*" >&2
+    exit 1
+}
+
+mkdir -p "$shop/blank" "$shop/ours-src" "$shop/refer" || exit 1
+sh scripts/course/splice.sh "tests/course/${name}_blank.c" "$shop/blank" >"$shop/files" || exit 1
+sh scripts/course/headers.sh "$shop/headers" || exit 1
+
+sandbox=${BIS_SANDBOX:-$("$BIS_BUILD/grade" sandbox)}
+compile() { # SOURCE OBJECT FLAGS...: as a hand-in is
+    source=$1
+    object=$2
+    shift 2
+    # shellcheck disable=SC2086
+    BIS_SANDBOX=$sandbox "$BIS_BUILD/grade" run -d "$shop/headers" -r "$shop/headers" -r "${source%/*}" \
+        -w "${object%/*}" -- $BIS_COMPILE -iquote "src/$folder" "$@" -c -o "$object" "$source"
+}
+while IFS= read -r file; do
+    folder=${file%/*}
+    mkdir -p "$shop/ours-src/$folder" "$shop/refer/$folder"
+    cp "src/$file" "$shop/ours-src/$file" || exit 1
+    if ! compile "$shop/ours-src/$file" "$shop/refer/$file.o" >"$shop/messages"; then
+        [ "$sandbox" = none ] && fail "our own src/$file does not compile: $(cat "$shop/messages")"
+        sandbox=none # a compiler that the sandbox does not hold
+        compile "$shop/ours-src/$file" "$shop/refer/$file.o" >"$shop/messages" ||
+            fail "our own src/$file does not compile: $(cat "$shop/messages")"
+    fi
+    nm -P -g "$shop/refer/$file.o" | awk '$2 != "U" && $2 != "w" { print $1 }' | sort >"$shop/refer/$file.defined"
+    nm -P -g "$shop/refer/$file.o" | awk '$2 == "U" { print $1 }' >>"$shop/allowed"
+    "$BIS_BUILD/grade" look "$shop/ours-src/$file" "$shop/blank/$file" "$shop/prints" >/dev/null ||
+        fail "what is blank in src/$file would be refused"
+    cat "$shop/prints" >>"$shop/blank.prints"
+done <"$shop/files"
+echo "$sandbox" >"$shop/sandbox"
+export BIS_SANDBOX="$sandbox"
+
+# What of the library may be used: memory, messages, random numbers, warps.
+for object in "$BIS_BUILD"/src/base/*.o "$BIS_BUILD/src/thesis/rng.o" "$BIS_BUILD/src/thesis/warp.o"; do
+    nm -P -g "$object" | awk '$2 != "U" && $2 != "w" { print $1 }'
+done >>"$shop/allowed"
+
+# shellcheck disable=SC2086
+cp "${BIS_OBJECTS##* }" "$shop/lib.a" && $BIS_COMPILE -c -o "$shop/claims.o" "tests/course/$name.c" || exit 1
+# shellcheck disable=SC2086
+$BIS_LINK -o "$shop/ours" "$shop/claims.o" $BIS_OBJECTS $BIS_LIBS || exit 1
+ar d "$shop/lib.a" $(sed 's|.*/||; s|\.c$|.o|' "$shop/files") || exit 1
+# shellcheck disable=SC2086
+if $BIS_COMPILE $BIS_SANITIZE -c -o "$shop/clean.o" "tests/course/$name.c" 2>/dev/null; then
+    $BIS_LINK $BIS_SANITIZE -o "$shop/ours-clean" "$shop/clean.o" $BIS_OBJECTS $BIS_LIBS 2>/dev/null ||
+        rm "$shop/clean.o"
+fi
+
+# A secret that our own code is right by. Statistical tests have a level; 1 secret in 1000 may be an unlucky one.
+: >"$shop/secrets"
+for try in 1 2 3 4 5 6; do
+    [ "$(wc -l <"$shop/secrets")" -lt 2 ] || break
+    secret=$(od -A n -N 8 -t x8 /dev/urandom | tr -d ' ')
+    [ -z "$BIS_GRADE_SECRET" ] || secret=$(printf '%x' $((0x$BIS_GRADE_SECRET + try)))
+    "$BIS_BUILD/grade" claims -s "$secret" "$shop/ours" "$shop/ours" >"$shop/ours.marks" || exit 1
+    grep -q '^wrong' "$shop/ours.marks" || echo "$secret" >>"$shop/secrets"
+done
+[ -s "$shop/secrets" ] || fail "our own code fails: $(grep '^wrong' "$shop/ours.marks")"
+awk -F '\t' '{ all += $2 } END { exit all != 80 }' "$shop/ours.marks" ||
+    fail "the points of tests/course/$name.c do not sum to 80"

@@ -1,0 +1,62 @@
+# grade_table: the table of a class, from the lines of scripts/course/grade_class.sh. kind: csv; html; text, the pairs
+# alone.
+#     C points criterion      N name      R remark      L points of criterion message      A i j percent
+#     (with tabs between)
+function csv(s) {
+    if (s ~ /^[=+\-@]/) s = "'" s # a formula, to a spreadsheet
+    gsub(/"/, "\"\"", s)
+    return "\"" s "\""
+}
+function html(s) {
+    gsub(/&/, "\\&amp;", s)
+    gsub(/</, "\\&lt;", s)
+    gsub(/>/, "\\&gt;", s)
+    gsub(/"/, "\\&quot;", s)
+    gsub(/'/, "\\&#39;", s)
+    return s
+}
+function note(i, s) { remarks[i] = remarks[i] (remarks[i] == "" ? "" : "; ") s }
+BEGIN { FS = "\t" }
+$1 == "C" { of[++n_criteria] = $2; criterion[n_criteria] = $3; all += $2 }
+$1 == "N" { name[++n] = $2; k = 0 }
+$1 == "R" { note(n, $2) }
+$1 == "L" { points[n, ++k] = $2; sum[n] += $2; message[n, k] = $5; if ($5 != "") note(n, $4 ": " $5) }
+$1 == "A" { n_pairs++; first[n_pairs] = $2; second[n_pairs] = $3; share[n_pairs] = $4
+            note($2, $4 " % like " name[$3]); note($3, $4 " % like " name[$2]) }
+END {
+    if (kind == "csv") {
+        printf "student,points"
+        for (c = 1; c <= n_criteria; c++) printf ",%s", csv(criterion[c] " (" of[c] ")")
+        printf ",remarks\r\n"
+        for (i = 1; i <= n; i++) {
+            printf "%s,%d", csv(name[i]), sum[i]
+            for (c = 1; c <= n_criteria; c++) printf ",%d", points[i, c]
+            printf ",%s\r\n", csv(remarks[i])
+        }
+    } else if (kind == "html") {
+        print "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" assignment "</title>"
+        print "<style>body{font:14px sans-serif}table{border-collapse:collapse;margin:1em 0}"
+        print "td,th{border:1px solid #bbb;padding:.2em .5em;vertical-align:top}"
+        print "th{text-align:left}td.n{text-align:right}"
+        print "td.r{max-width:60em;overflow-wrap:anywhere}</style></head><body>"
+        print "<h1>" assignment "</h1>\n<table><tr><th>student</th><th>points of " all "</th>"
+        for (c = 1; c <= n_criteria; c++) printf "<th>%s (%d)</th>", html(criterion[c]), of[c]
+        print "<th>remarks</th></tr>"
+        for (i = 1; i <= n; i++) {
+            printf "<tr><td>%s</td><td class=\"n\">%d</td>", html(name[i]), sum[i]
+            for (c = 1; c <= n_criteria; c++) printf "<td class=\"n\" title=\"%s\">%d</td>",
+                html(message[i, c]), points[i, c]
+            printf "<td class=\"r\">%s</td></tr>\n", html(remarks[i])
+        }
+        print "</table>"
+        print "<h2>Alike beyond what was given out</h2>"
+        print n_pairs ? "<table><tr><th>student</th><th>student</th><th>in common</th></tr>" : "<p>None.</p>"
+        for (p = 1; p <= n_pairs; p++)
+            printf "<tr><td>%s</td><td>%s</td><td class=\"n\">%d %%</td></tr>\n",
+                html(name[first[p]]), html(name[second[p]]), share[p]
+        if (n_pairs) print "</table>"
+        print "</body></html>"
+    } else {
+        for (p = 1; p <= n_pairs; p++) printf "alike, %d %%: %s, %s\n", share[p], name[first[p]], name[second[p]]
+    }
+}

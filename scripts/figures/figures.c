@@ -1,0 +1,463 @@
+/* figures: chapter 5 of the thesis, rendered and measured again; its other figures are in figures_plots.c. For
+ * scripts/figures/figures.sh (make figures).
+ *
+ *     figures plots FOLDER                           figures 3.3, 3.4, 3.8, 3.9, 4.3 to 4.5
+ *     figures chapter5 SECONDS FOLDER FIGURE SCENE   the table `figures` below says what FIGURE is; SCENE is a template
+ * (measure.h)
+ *     figures price SECONDS SCENE                    prices and noise of candidates and rays, and what M/N should be,
+ * for each material
+ *
+ * SECONDS: processor time for a reference, made once. Each picture of chapter 5 has three rows. "as printed": the
+ * thesis's numbers of samples. "equal time": N such that all take what the first method takes with the thesis's number
+ * (em, mis in 5.7 and 5.8), M/N as in the thesis: em's 12 seconds are the yardstick between the machines of then and
+ * now. "equal rays": N such that all trace as many shadow rays as the thesis's N, M as in the thesis. 5.9, sir against
+ * the converged picture, has the first row alone. Below each picture stands its relative error in false colours.
+ * FIGURE-time.png has a few columns of the row of equal time, for docs/results.md.
+ *
+ * Time is processor time of one thread, the smallest over the seeds; error is measure.h's, the mean over the seeds.
+ * Lines of words go to standard output:
+ *     FIGURE row method N M us-per-shaded-pixel rays-per-shaded-pixel relMSE trimmed reference's-own */
+#include "figures.h"
+#include "../bench/measure.h"
+
+#include "bis/base/mem.h"
+#include "bis/files/image_file.h"
+
+#include "out/canvas.h"
+#include "out/palette.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* %u once: N; twice: M, N. */
+typedef struct method {
+    const char *name, *text;
+    double M; /* in units of the figure's M; 0: has none */
+} method;
+
+enum { EM, BRDF, MIS, MIS_STRATIFIED, MIS_TODAY, REJECTION, PRINTED, PRINTED_BRDF, OURS, PRODUCT, N_METHODS };
+
+static const method methods[N_METHODS] = {
+    {"em", "Integrator \"em\" \"integer samples\" %u", 0},
+    {"brdf", "Integrator \"brdf\" \"integer samples\" %u", 0},
+    {"mis", "Integrator \"mis\" \"integer samples\" %u", 0},
+    {"mis-strat", "Integrator \"mis\" \"integer samples\" %u \"bool stratify\" true", 0},
+    {"mis-today", "Integrator \"mis\" \"integer samples\" %u \"bool stratify\" true \"bool compensate\" true", 0},
+    {"rejection", "Integrator \"rejection\" \"integer candidates\" %u \"integer shadowrays\" %u", 1},
+    {"sir-thesis", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"em\" \"string resampling\" \"multinomial\" "
+                   "\"bool stratify\" false \"bool vectorize\" false", 1},
+    {"sir-brdf", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"brdf\" \"string resampling\" \"multinomial\" "
+                 "\"bool stratify\" false \"bool vectorize\" false", 1},
+    {"sir", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u", 1},
+    {"product", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"product\"", 0.32},
+};
+
+typedef struct figure {
+    const char *name, *material, *title;
+    unsigned em, brdf, M, N, methods;
+} figure;
+
+/* Sets of methods; the first of a set is the yardstick of equal time. */
+#define SET(m) (1u << (m))
+#define SIMPLE (SET(EM) | SET(BRDF) | SET(MIS_TODAY) | SET(REJECTION) | SET(PRINTED) | SET(OURS) | SET(PRODUCT))
+#define COMBINED (SET(MIS) | SET(MIS_STRATIFIED) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS) | SET(PRODUCT))
+#define PHONG(ks, kd, n) "\"float Ks\" " #ks " \"float Kd\" " #kd " \"float exponent\" " #n
+
+enum { AS_PRINTED, EQUAL_TIME, EQUAL_RAYS, ROWS, SEEDS = 4 };
+static const char *const row_names[ROWS] = {"printed", "time", "rays"};
+
+static const figure figures[] = {
+    {"5.1", PHONG(1, 0, 10), "5.1: ks 1, kd 0, n 10", 100, 75, 800, 15, SIMPLE | SET(PRINTED_BRDF)},
+    {"5.2", PHONG(1, 0, 50), "5.2: ks 1, kd 0, n 50", 100, 75, 800, 15, SIMPLE | SET(PRINTED_BRDF)},
+    {"5.3", PHONG(.5, .5, 50), "5.3: ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, SIMPLE},
+    {"5.4", PHONG(.5, .5, 50), "5.4: another map; ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, SIMPLE},
+    {"5.5", PHONG(0, 1, 1), "5.5: diffuse", 100, 75, 800, 25, SIMPLE},
+    {"5.6", PHONG(.5, .5, 50), "5.6: unzoomed; ks 0.5, kd 0.5, n 50", 110, 80, 900, 13, SET(EM) | SET(BRDF) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS) | SET(PRODUCT)},
+    {"5.7-n10", PHONG(.5, .5, 10), "5.7, top: ks 0.5, kd 0.5, n 10", 100, 75, 800, 15, COMBINED},
+    {"5.7-n50", PHONG(.5, .5, 50), "5.7, bottom: ks 0.5, kd 0.5, n 50", 100, 75, 800, 15, COMBINED},
+    {"5.8", PHONG(1, 0, 50), "5.8: ks 1, kd 0, n 50", 100, 75, 800, 15, COMBINED | SET(PRINTED_BRDF)},
+    {"5.9", PHONG(.5, .5, 50), "5.9: ks 0.5, kd 0.5, n 50", 100, 75, 3000, 150, SET(PRINTED) | SET(OURS) | SET(PRODUCT)},
+};
+
+static int n_rows(const figure *fig) { return fig->methods & (SET(EM) | SET(MIS)) ? ROWS : 1; }
+
+/* ---- sheets ---- */
+
+rgb figures_ink(void) { return bis_palette_srgb(0.12, 0.13, 0.16); }
+rgb figures_faint(void) { return bis_palette_srgb(0.45, 0.47, 0.52); }
+
+bis_image figures_paper(int width, int height)
+{
+    bis_image image;
+    bis_diag diag = {0};
+
+    measure_check(bis_image_init(&image, width, height, &diag), &diag);
+    bis_canvas_box(&image, 0, 0, width, height, bis_palette_srgb(1, 1, 1));
+    return image;
+}
+
+void figures_save(bis_image *image, const char *folder, const char *name)
+{
+    const float *first = &image->pixels[0].r;
+    const bis_channel channels[3] = {{"R", first, 3}, {"G", first + 1, 3}, {"B", first + 2, 3}};
+    const bis_picture picture = {.width = image->width, .height = image->height, .full_width = image->width, .full_height = image->height,
+                                 .channels = channels, .n_channels = 3, .has_exposure = true};
+    bis_diag diag = {0};
+    char path[1024];
+
+    snprintf(path, sizeof path, "%s/%s.png", folder, name);
+    measure_check(bis_image_write(path, &picture, &diag), &diag);
+    bis_image_clear(image);
+}
+
+enum { GAP = 6, HEAD = 58, LINE = 44, FOOT = 10 };
+
+/* One method's column is as wide as the picture; a row is the picture, its error, and two lines of text. */
+typedef struct sheet {
+    bis_image image;
+    int width, height; /* of a picture, in the sheet's pixels */
+    int zoom;          /* by which small pictures are enlarged, for the words above them to fit */
+    double exposure;
+} sheet;
+
+static sheet sheet_new(const figure *fig, const measure_reference *ref, const bis_film *film)
+{
+    int columns = 1;
+    double mean = 0;
+    size_t n = (size_t)ref->width * (size_t)ref->height;
+
+    for (int m = 0; m < N_METHODS; m++) columns += (fig->methods & SET(m)) != 0;
+    for (size_t i = 0; i < n; i++) mean += film->hits[i] > 0 ? ref->L[3 * i] + ref->L[3 * i + 1] + ref->L[3 * i + 2] : 0;
+    mean /= 3 * (double)measure_shaded(film);
+    const int zoom = ref->width < 150 ? 2 : 1;
+    sheet s = {.width = zoom * ref->width, .height = zoom * ref->height, .zoom = zoom, .exposure = mean > 0 ? 0.2 / mean : 1};
+    s.image = figures_paper(GAP + columns * (s.width + GAP), HEAD + n_rows(fig) * (2 * s.height + LINE + GAP) + FOOT);
+    return s;
+}
+
+/* False colours of a relative error: 0.01 or less is dark, 10 or more pale. */
+static double heat_of(double error) { return error > 0 ? (log10(error) + 2) / 3 : 0; }
+
+static void sheet_scale(sheet *s, int x, int y)
+{
+    enum { WIDTH = 16, HEIGHT = 150 };
+    static const double ticks[] = {0.01, 0.1, 1, 10};
+
+    bis_canvas_text(&s->image, x, y + 12, 8, figures_faint(), "relative error");
+    for (int i = 0; i < HEIGHT; i++) bis_canvas_box(&s->image, x, y + 30 + i, WIDTH, 1, bis_palette_heat(1 - (i + 0.5) / HEIGHT));
+    for (int i = 0; i < 4; i++) {
+        const double at = y + 30 + HEIGHT * (1 - heat_of(ticks[i]));
+        char text[16];
+        snprintf(text, sizeof text, "%g", ticks[i]);
+        bis_canvas_line(&s->image, x + WIDTH, at, x + WIDTH + 4, at, 1, figures_faint());
+        bis_canvas_text(&s->image, x + WIDTH + 9, at + 4, 8, figures_faint(), text);
+    }
+}
+
+/* A picture at (x, y): that of `L`, or, where `against` is given, its relative error. */
+static void sheet_put(sheet *s, int x, int y, const double *L, double share, const double *against)
+{
+    for (int j = 0; j < s->height; j++) {
+        for (int i = 0; i < s->width; i++) {
+            const int at = 3 * (j / s->zoom * (s->width / s->zoom) + i / s->zoom);
+            const double *a = L + at, *b = against ? against + at : NULL;
+            rgb colour;
+            if (b) {
+                double difference = 0, truth = 0;
+                for (int c = 0; c < 3; c++) difference += fabs(a[c] * share - b[c]), truth += fabs(b[c]);
+                colour = bis_palette_heat(heat_of(difference / fmax(truth, 0.003 / s->exposure)));
+            } else {
+                double v[3];
+                for (int c = 0; c < 3; c++) v[c] = fmin(1, a[c] * share * s->exposure);
+                colour = rgb_from(v[0], v[1], v[2]);
+            }
+            bis_canvas_blend(&s->image, x + i, y + j, colour, 1);
+        }
+    }
+}
+
+static int row_top(const sheet *s, int row) { return HEAD + row * (2 * s->height + LINE + GAP); }
+
+/* ---- one method at one setting ---- */
+
+typedef struct trial {
+    unsigned N, M;
+    double us, rays;
+    measure_error error;
+} trial;
+
+typedef struct job {
+    const char *scene;
+    const figure *fig;
+    measure_reference ref;
+    bis_film film;
+    bis_scene *built; /* for the method under way */
+    sheet sheet;
+    double yardstick, us_camera; /* us a shaded pixel */
+} job;
+
+static bis_scene_desc *parse(const char *scene, const char *material, const method *m, unsigned N, unsigned M)
+{
+    char text[512];
+
+    if (m->M > 0) snprintf(text, sizeof text, m->text, M, N);
+    else snprintf(text, sizeof text, m->text, N);
+    return measure_parse(scene, text, 0, material);
+}
+
+/* What the method needs is built whatever M, N and material are. */
+static bis_scene *build(const char *scene, const char *material, const method *m)
+{
+    bis_scene_desc *desc = parse(scene, material, m, 2, 2);
+    bis_scene *built = measure_build(desc);
+
+    bis_scene_desc_free(desc);
+    return built;
+}
+
+/* Several seeds: the least time, the mean error; the film is the last seed's. */
+static trial run(bis_film *film, const bis_scene *built, const char *scene, const char *material, const measure_reference *ref, const method *m, unsigned N, unsigned M, int seeds)
+{
+    bis_scene_desc *desc = parse(scene, material, m, N, M);
+    trial t = {.N = N, .M = M, .us = (double)INFINITY};
+
+    for (int i = 0; i < seeds; i++) {
+        bis_render_result result;
+        t.us = fmin(t.us, measure_render(film, built, desc, 1 + (uint64_t)i, 1, 1, &result));
+        const measure_error e = measure_relmse(film, ref, false);
+        t.error.mean += e.mean / seeds;
+        t.error.trimmed += e.trimmed / seeds;
+        t.rays += (double)result.counters.shadow_rays / seeds;
+    }
+    t.us *= 1e6 / (double)measure_shaded(film);
+    t.rays /= (double)measure_shaded(film);
+    bis_scene_desc_free(desc);
+    return t;
+}
+
+static trial run_method(job *j, int m, unsigned N, unsigned M, int seeds)
+{
+    return run(&j->film, j->built, j->scene, j->fig->material, &j->ref, &methods[m], N, M, seeds);
+}
+
+/* ---- rows ---- */
+
+static unsigned printed_N(const figure *fig, int m) { return m == BRDF ? fig->brdf : m < REJECTION ? fig->em : fig->N; }
+static unsigned printed_M(const figure *fig, int m) { return (unsigned)lround(methods[m].M * fig->M); }
+
+static unsigned at_least_two(double N) { return N < 2 ? 2 : N > 20000 ? 20000 : (unsigned)lround(N); }
+
+/* Seconds are about linear in N while M/N is kept: two steps from what was printed, each corrected by the clock. */
+static unsigned tune(job *j, int m, const trial *printed)
+{
+    const double ratio = methods[m].M * j->fig->M / j->fig->N;
+    double N = printed->N, us = printed->us;
+
+    for (int i = 0; i < 2 && fabs(us / j->yardstick - 1) > 0.04; i++) {
+        N = at_least_two(N * fmin(8, (j->yardstick - j->us_camera) / fmax(us - j->us_camera, 1e-3 * us)));
+        us = run_method(j, m, (unsigned)N, (unsigned)lround(ratio * N), 1).us;
+    }
+    return at_least_two(N * (j->yardstick - j->us_camera) / fmax(us - j->us_camera, 1e-3 * us));
+}
+
+/* A candidate that is chosen twice is traced once, and rejection accepts so many of M and no more: rays may lag behind
+ * N. */
+static unsigned tune_rays(job *j, int m, const trial *printed)
+{
+    const unsigned M = printed_M(j->fig, m);
+    double N = printed->N, rays = printed->rays;
+
+    for (int i = 0; i < 2 && fabs(rays / j->fig->N - 1) > 0.03; i++) {
+        N = fmin(M ? M : 20000, at_least_two(N * j->fig->N / rays));
+        rays = run_method(j, m, (unsigned)N, M, 1).rays;
+    }
+    return (unsigned)N;
+}
+
+static void show(job *j, int row, int column, int m, const trial *t)
+{
+    const int x = GAP + (column + 1) * (j->sheet.width + GAP), y = row_top(&j->sheet, row);
+    char text[96];
+
+    printf("%s %s %s %u %u %.2f %.2f %.3e %.3e %.1e\n", j->fig->name, row_names[row], methods[m].name, t->N, t->M, t->us, t->rays, t->error.mean, t->error.trimmed,
+           j->ref.error);
+    fflush(stdout);
+    sheet_put(&j->sheet, x, y + LINE, j->film.sum, 1.0 / j->film.passes, NULL);
+    sheet_put(&j->sheet, x, y + LINE + j->sheet.height, j->film.sum, 1.0 / j->film.passes, j->ref.L);
+    if (t->M) snprintf(text, sizeof text, "%s %u/%u", methods[m].name, t->N, t->M);
+    else snprintf(text, sizeof text, "%s %u", methods[m].name, t->N);
+    bis_canvas_text(&j->sheet.image, x, y + 16, 9, figures_ink(), text);
+    snprintf(text, sizeof text, t->error.mean < 10 ? "%.3g us, %.3g rays, %.2g" : "%.3g us, %.3g rays, %.0f", t->us, t->rays, t->error.mean);
+    bis_canvas_text(&j->sheet.image, x, y + 34, 7, figures_faint(), text);
+}
+
+static void show_reference(job *j)
+{
+    static const char *const words[ROWS] = {"as printed", "equal time", "equal rays"};
+
+    bis_canvas_text(&j->sheet.image, GAP, 24, 13, figures_ink(), j->fig->title);
+    bis_canvas_text(&j->sheet.image, GAP, 46, 8, figures_faint(), "us and rays a shaded pixel, relMSE; below each picture, its error");
+    for (int row = 0; row < n_rows(j->fig); row++) {
+        const int y = row_top(&j->sheet, row);
+        bis_canvas_text(&j->sheet.image, GAP, y + 16, 10, figures_ink(), words[row]);
+        bis_canvas_text(&j->sheet.image, GAP, y + 34, 7, figures_faint(), "converged");
+        sheet_put(&j->sheet, GAP, y + LINE, j->ref.L, 1, NULL);
+        sheet_scale(&j->sheet, GAP, y + LINE + j->sheet.height + GAP);
+    }
+}
+
+/* Camera rays and film: a black material. */
+static double camera_us(bis_film *film, const char *scene, const measure_reference *ref)
+{
+    const char *black = measure_materials[MEASURE_MATERIALS].text;
+    bis_scene *built = build(scene, black, &methods[EM]);
+    const trial t = run(film, built, scene, black, ref, &methods[EM], 1, 0, 3);
+
+    bis_scene_free(built);
+    return t.us;
+}
+
+static void show_method(job *j, int m, int column)
+{
+    const figure *fig = j->fig;
+    trial printed, t;
+
+    j->built = build(j->scene, fig->material, &methods[m]);
+    printed = run_method(j, m, printed_N(fig, m), printed_M(fig, m), SEEDS);
+    if (column == 0) j->yardstick = printed.us;
+    show(j, AS_PRINTED, column, m, &printed);
+    if (n_rows(fig) > 1) {
+        unsigned N = tune(j, m, &printed);
+        t = run_method(j, m, N, (unsigned)lround(methods[m].M * fig->M / fig->N * N), SEEDS);
+        show(j, EQUAL_TIME, column, m, &t);
+        N = tune_rays(j, m, &printed);
+        t = run_method(j, m, N, printed_M(fig, m), SEEDS);
+        show(j, EQUAL_RAYS, column, m, &t);
+    }
+    bis_scene_free(j->built);
+}
+
+static void copy_column(bis_image *to, int to_x, const bis_image *from, int x, int y, int width, int height)
+{
+    for (int i = 0; i < height; i++) {
+        memcpy(to->pixels + (size_t)i * (size_t)to->width + to_x, from->pixels + (size_t)(y + i) * (size_t)from->width + x, (size_t)width * sizeof *to->pixels);
+    }
+}
+
+/* The row of equal time once more, in five columns at most. */
+static void save_strip(const job *j, const char *folder)
+{
+    const unsigned wanted = SET(EM) | SET(MIS) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS);
+    const int step = j->sheet.width + GAP, top = row_top(&j->sheet, EQUAL_TIME), height = LINE + 2 * j->sheet.height;
+    int columns = 1, from = step, to = step;
+    char name[32];
+
+    for (int m = 0; m < N_METHODS; m++) columns += (j->fig->methods & wanted & SET(m)) != 0;
+    bis_image strip = figures_paper(GAP + columns * step, height + FOOT);
+    copy_column(&strip, 0, &j->sheet.image, 0, top, step, height);
+    for (int m = 0; m < N_METHODS; m++) {
+        if (!(j->fig->methods & SET(m))) continue;
+        if (wanted & SET(m)) copy_column(&strip, to, &j->sheet.image, from, top, step, height), to += step;
+        from += step;
+    }
+    snprintf(name, sizeof name, "%s-time", j->fig->name);
+    figures_save(&strip, folder, name);
+}
+
+static void chapter5(const figure *fig, const char *scene, double seconds, const char *folder)
+{
+    job j = {.scene = scene, .fig = fig, .ref = measure_reference_get(scene, fig->material, seconds)};
+    int column = 0;
+
+    j.us_camera = camera_us(&j.film, scene, &j.ref);
+    j.sheet = sheet_new(fig, &j.ref, &j.film);
+    show_reference(&j);
+    for (int m = 0; m < N_METHODS; m++) {
+        if (fig->methods & SET(m)) show_method(&j, m, column++);
+    }
+    if (n_rows(fig) > 1) save_strip(&j, folder);
+    figures_save(&j.sheet.image, folder, fig->name);
+    bis_film_clear(&j.film);
+    measure_reference_free(&j.ref);
+}
+
+/* ---- prices ---- */
+
+enum { N_M = 3, N_N = 3, GRID = N_M * N_N };
+
+/* y = p x + q z by least squares of relative errors, both at least 0. */
+static void fit(double *p, double *q, const double *x, const double *z, const double *y, int n)
+{
+    double xx = 0, xz = 0, zz = 0, x1 = 0, z1 = 0;
+
+    for (int i = 0; i < n; i++) {
+        const double a = x[i] / y[i], b = z[i] / y[i];
+        xx += a * a, xz += a * b, zz += b * b, x1 += a, z1 += b;
+    }
+    const double det = xx * zz - xz * xz;
+    *p = (x1 * zz - z1 * xz) / det;
+    *q = (z1 * xx - x1 * xz) / det;
+    if (*p < 0) *p = 0, *q = z1 / zz;
+    if (*q < 0) *q = 0, *p = x1 / xx;
+}
+
+/* price MATERIAL METHOD ns_candidate ns_ray A B M:N relMSE*us-at-15/800 relMSE*us-at-best */
+static void price(bis_film *film, const bis_scene *built, const char *scene, const measure_setting *material, const measure_reference *ref, const method *m, double us_camera, int seeds)
+{
+    static const unsigned Ms[N_M] = {64, 256, 1024}, Ns[N_N] = {4, 16, 64};
+    double one_M[GRID], one_N[GRID], M[GRID], rays[GRID], us[GRID], e[GRID], A, B, candidate, per_ray;
+
+    for (int i = 0; i < GRID; i++) {
+        const trial t = run(film, built, scene, material->text, ref, m, Ns[i % N_N], Ms[i / N_N], seeds);
+        one_M[i] = 1.0 / t.M, one_N[i] = 1.0 / t.N;
+        M[i] = t.M, rays[i] = t.rays, us[i] = t.us - us_camera, e[i] = t.error.mean - ref->error;
+    }
+    fit(&A, &B, one_M, one_N, e, GRID);
+    fit(&candidate, &per_ray, M, rays, us, GRID);
+    const double share = rays[GRID - 1] / Ns[N_N - 1], c_N = per_ray * share, best = pow(sqrt(A * candidate) + sqrt(B * c_N), 2);
+    const double fixed = (A / 800 + B / 15) * (800 * candidate + 15 * c_N);
+    printf("price %s %s %.2f %.1f %.3g %.3g %.3g %.3g %.3g\n", material->name, m->name, 1e3 * candidate, 1e3 * per_ray, A, B, sqrt(A * c_N / (B * candidate)), fixed, best);
+    fflush(stdout);
+}
+
+static void prices(const char *scene, double seconds)
+{
+    static const int which[] = {PRINTED, OURS, PRODUCT};
+    bis_film film = {0};
+
+    for (int i = 0; i < MEASURE_MATERIALS; i++) {
+        const measure_setting *material = &measure_materials[i];
+        measure_reference ref = measure_reference_get(scene, material->text, seconds);
+        const double us_camera = camera_us(&film, scene, &ref);
+        for (int k = 0; k < 3; k++) {
+            bis_scene *built = build(scene, material->text, &methods[which[k]]);
+            price(&film, built, scene, material, &ref, &methods[which[k]], us_camera, which[k] == PRINTED ? 2 : 8);
+            bis_scene_free(built);
+        }
+        measure_reference_free(&ref);
+    }
+    bis_film_clear(&film);
+}
+
+/* ---- */
+
+int main(int argc, char **argv)
+{
+    if (argc == 3 && strcmp(argv[1], "plots") == 0) {
+        figures_plots(argv[2]);
+        return 0;
+    }
+    if (argc == 4 && strcmp(argv[1], "price") == 0) {
+        prices(argv[3], atof(argv[2]));
+        return 0;
+    }
+    for (size_t i = 0; argc == 6 && strcmp(argv[1], "chapter5") == 0 && i < sizeof figures / sizeof *figures; i++) {
+        if (strcmp(figures[i].name, argv[4]) != 0) continue;
+        chapter5(&figures[i], argv[5], atof(argv[2]), argv[3]);
+        return 0;
+    }
+    fprintf(stderr, "usage: figures plots FOLDER | chapter5 SECONDS FOLDER FIGURE SCENE | price SECONDS SCENE\n");
+    return 2;
+}

@@ -1,0 +1,50 @@
+#!/bin/sh
+# site: README and docs/ as a static site with MathML, and the files that they link to, readable in any browser
+# without a network.
+#     scripts/site/site.sh FOLDER            (`make docs`; from the root)
+# pandoc turns the pages, scripts/site/site.lua their links; sources are wrapped as they stand. Needs nothing at view
+# time.
+out=$1
+if ! command -v pandoc >/dev/null; then
+    echo "make docs: no pandoc here, and it is what typesets the pages: apt-get install pandoc (as root), or" >&2
+    echo "           https://pandoc.org; the .md files read well without" >&2
+    exit 1
+fi
+rm -rf "$out"
+mkdir -p "$out/docs" || exit 1
+cp scripts/site/site.css "$out/site.css" || exit 1
+
+# page FILE.md: its html, README.md as index.html
+page() {
+    html=$out/$(echo "$1" | sed 's|README\.md$|index.html|; s|\.md$|.html|')
+    up=$(dirname "$1" | sed 's|^\.$||; s|[^/][^/]*|..|g; s|$|/|; s|^/$||')
+    mkdir -p "$(dirname "$html")"
+    {
+        printf '<nav><a href="%sindex.html">bis</a>' "$up"
+        for name in guide theory errata results; do printf ' · <a href="%sdocs/%s.html">%s</a>' "$up" $name $name; done
+        printf ' · <a href="%sdocs/assignments/index.html">assignments</a></nav>\n\n' "$up"
+        cat "$1"
+    } |
+        pandoc -f gfm+tex_math_dollars -t html5 --mathml -s --no-highlight --lua-filter=scripts/site/site.lua \
+            -c "${up}site.css" -M title= -M pagetitle="bis: $(sed -n 's/^# //p' "$1" | head -1)" -o "$html" || exit 1
+}
+
+# source FILE: its text, escaped
+source() {
+    mkdir -p "$out/$(dirname "$1")"
+    {
+        printf '<!DOCTYPE html>\n<html><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>%s</title></head>\n<body><pre>' "$1"
+        sed 's/&/\&amp;/g; s/</\&lt;/g' "$1"
+        printf '</pre></body></html>\n'
+    } >"$out/$1.html" || exit 1
+}
+
+for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs src -name '*.md' 2>/dev/null); do page "$md"; done
+for png in bis.png $(find docs -name '*.png'); do
+    [ -f "$png" ] && mkdir -p "$out/$(dirname "$png")" && cp "$png" "$out/$png"
+done
+sources=$(find src include tests scripts data/scenes data/generate -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.txt')
+for file in LICENSE CITATION.cff Makefile scene.txt $sources; do
+    [ -f "$file" ] && source "$file"
+done
+echo "make docs: $out/index.html"

@@ -1,9 +1,0 @@
-/* clone_avx2_phong_lanes: see clones.h. */
-#define BIS_ONE_CLONE
-#define bis_phong_lanes avx2_phong_lanes
-#include "bis/beyond/lanes.h"
-#if defined(__x86_64__)
-#undef BIS_LANES
-#define BIS_LANES __attribute__((target("avx2")))
-#endif
-#include "../src/beyond/phong_lanes.c"

@@ -1,0 +1,454 @@
+/* assignments: each of them marks as it should (scripts/course/check_assignments.sh: blank, ours, two wrong solutions);
+ * a starter kit is the project but for its blanks; a grade adds up. The library and objects of the present build are
+ * used: make test says which. */
+#include "json_check.h"
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+
+#define DIR "build/test_assignments"
+#define SHOP "build/test_assignments_shop"
+#define GRADE "BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade.sh alias"
+
+static const char *const names[] = {"cdf", "alias",     "envmap", "regions", "phong",
+                                    "mis", "rejection", "sir",    "grid",    "open"};
+enum { N_NAMES = sizeof names / sizeof *names };
+
+static int shell(const char *command)
+{
+    fflush(stdout);
+    int status = system(command);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+static char *contents(const char *path)
+{
+    static char text[1 << 16];
+    FILE *f = fopen(path, "r");
+
+    if (!f) return NULL;
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    return text;
+}
+
+static void assert_has(const char *text, const char *what)
+{
+    if (!text || !strstr(text, what)) fail_msg("no \"%s\" in: %s", what, text ? text : "(nothing)");
+}
+
+static void clean_folder(void)
+{
+    assert_int_equal(shell("rm -rf " DIR), 0);
+    program_folder(DIR);
+}
+
+static void need_a_compiler(void)
+{
+    if (getenv("BIS_COMPILE")) return;
+    print_message("run by make test, which tells how to compile\n");
+    skip();
+}
+
+/* All at once, two at a time; the tests below read what it found. */
+static int prove(void **state)
+{
+    (void)state;
+    if (getenv("BIS_COMPILE")) {
+        shell("rm -rf \"$BIS_BUILD/assignments\"; sh scripts/course/check_assignments.sh > /dev/null 2>&1");
+        shell("rm -rf " SHOP "; sh scripts/course/grade_shop.sh alias \"$PWD/" SHOP "\"");
+    }
+    return 0;
+}
+
+static void blank_fails_ours_passes_and_wrong_ones_get_part_marks(void **state)
+{
+    char path[1024], proved[64];
+
+    need_a_compiler();
+    snprintf(path, sizeof path, "%s/assignments/%s/verdict", getenv("BIS_BUILD"), (const char *)*state);
+    snprintf(proved, sizeof proved, "%s: as it should be", (const char *)*state);
+    assert_has(contents(path), proved);
+}
+
+static void each_has_its_handout_and_its_line_for_the_teacher(void **state)
+{
+    char handout[128], reference[128];
+
+    (void)state;
+    for (int i = 0; i < N_NAMES; i++) {
+        snprintf(handout, sizeof handout, "docs/assignments/%s.md", names[i]);
+        snprintf(reference, sizeof reference, "](%s.md)", names[i]);
+        assert_true(program_exists(handout));
+        assert_has(contents("docs/assignments/README.md"), reference);
+        const char *text = contents(handout);
+        const char *parts[] = {"**Time**", "**Thesis**",          "## What you learn", "## What to write",
+                               "## Hints", "## How it is marked", "## A stretch"};
+        for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
+            if (!strstr(text, parts[k])) fail_msg("%s has no \"%s\"", handout, parts[k]);
+        }
+        char command[256]; /* rows "| 10 + 5 | for what |": 80 for the tests, 10 for speed, 10 for memory */
+        snprintf(command, sizeof command,
+                 "awk -F '|' '/^[|] *[0-9]/ { n = split($2, a, \"+\"); for (i = 1; i <= n; i++) all += a[i] } "
+                 "END { exit all != 100 }' %s", handout);
+        if (shell(command) != 0) fail_msg("the points in %s do not sum to 100", handout);
+    }
+    assert_int_equal(shell("ls tests/course | sed -n 's/_blank\\.c$//p' > build/test_assignments.out"), 0);
+    int n = 0;
+    for (const char *c = contents("build/test_assignments.out"); *c; c++)
+        n += *c == '\n';
+    assert_int_equal(n, N_NAMES); /* none that is not proved above */
+}
+
+static void a_kit_is_the_project_but_for_its_blanks(void **state)
+{
+    (void)state;
+    clean_folder();
+    for (int i = 0; i < N_NAMES; i++) {
+        char command[1024];
+        snprintf(command, sizeof command,
+                 "rm -rf " DIR "/kit; sh scripts/course/assignment.sh %s " DIR "/kit > " DIR "/out && "
+                 "diff -rq include " DIR "/kit/include && cmp Makefile " DIR "/kit/Makefile && "
+                 "diff -rq src " DIR "/kit/src | sed 's|^Files \\(.*\\) and .*|\\1|;s|^Only in \\(.*\\): |\\1/|' | sort > " DIR "/differ",
+                 names[i]);
+        assert_int_equal(shell(command), 0);
+        /* What is handed in, what is hidden, and what the kit does without. */
+        snprintf(command, sizeof command,
+                 "{ sed -n '2,$p' " DIR "/kit/assignment; h=tests/course/%s_hidden.c; mkdir " DIR "/spliced; "
+                 "[ ! -f $h ] || { sh scripts/course/splice.sh $h " DIR "/spliced | sed 's|^|src/|'; "
+                 "for f in $(sed -n 's|^/\\* without: \\(.*\\) \\*/$|\\1|p' $h); do test ! -e " DIR "/kit/$f && echo $f; done; }; } | "
+                 "grep ^src/ | sort -u | diff - " DIR "/differ && rm -r " DIR "/spliced", names[i]);
+        assert_int_equal(shell(command), 0);
+        snprintf(command, sizeof command,
+                 "cmp docs/assignments/%s.md " DIR "/kit/ASSIGNMENT.md && cmp tests/course/%s.c " DIR
+                 "/kit/tests/test_assignment.c",
+                 names[i], names[i]);
+        assert_int_equal(shell(command), 0);
+        assert_int_equal(shell("test \"$(ls " DIR "/kit/tests/test_*)\" = " DIR
+                               "/kit/tests/test_assignment.c && test ! -e " DIR "/kit/tests/course"),
+                         0);
+        /* no page and no script quotes a line that is blank now */
+        assert_int_equal(shell("diff -r src " DIR
+                               "/kit/src | sed -n 's/^< *//p' | awk 'length > 30 && !/^(for|return bis_error) ?\\(/' > " DIR
+                               "/secret && test -s " DIR "/secret && "
+                               "! grep -rIF -f " DIR "/secret " DIR "/kit/docs " DIR "/kit/scripts " DIR
+                               "/kit/include " DIR "/kit/README.md"),
+                         0);
+    }
+}
+
+/* Where the kit of sir draws N of the M: in the student's file, and nowhere else. */
+static void the_kit_of_sir_has_no_other_copy_of_its_answer(void **state)
+{
+    (void)state;
+    clean_folder();
+    assert_int_equal(shell("sh scripts/course/assignment.sh sir " DIR "/kit > " DIR "/out && "
+                           "! grep -rE 'bis_candidates_trace\\(.*Zhat|bis_blocks_choose' " DIR "/kit/src " DIR "/kit/docs " DIR "/kit/scripts"), 0);
+}
+
+static void what_cannot_be_made_is_refused_with_the_way_out(void **state)
+{
+    (void)state;
+    clean_folder();
+    assert_int_equal(shell("sh scripts/course/assignment.sh 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), "make assignment A=alias DEST=");
+    assert_int_equal(shell("sh scripts/course/assignment.sh quux " DIR "/kit 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), "there is no assignment \"quux\" (there are: alias cdf");
+    assert_int_equal(shell("sh scripts/course/assignment.sh alias . 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), ". exists and is not empty");
+    assert_int_equal(shell("sh scripts/course/grade.sh alias 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), "make grade A=alias DEST=");
+    assert_int_equal(shell("sh scripts/course/grade.sh ../alias " DIR " 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), "there is no assignment \"../alias\"");
+    assert_int_equal(shell("sh scripts/course/grade_class.sh alias " DIR "/none 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), "is no folder");
+    assert_int_equal(shell("sh scripts/course/grade_class.sh alias " DIR " 0 2> " DIR "/err"), 1);
+    assert_has(contents(DIR "/err"), "JOBS is a number");
+}
+
+static void an_untouched_kit_is_worth_nothing(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(
+        shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && " GRADE " " DIR "/kit > " DIR "/out"), 0);
+    assert_has(contents(DIR "/out"), "\n  0 of 100  alias\n");
+    assert_has(contents(DIR "/kit/grade.json"),
+               "\"points\": 0,\n  \"of\": 100,\n  \"warnings\": 0,\n  \"remarks\": [],");
+    assert_true(json_is_valid(contents(DIR "/kit/grade.json")));
+}
+
+/* Ours, but for ten doubles that nobody frees. */
+static void a_right_solution_that_leaks_loses_the_points_for_memory_alone(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    if (strstr(getenv("BIS_COMPILE"), "-fsanitize")) {
+        print_message("all claims are compiled with a sanitizer here, and each would find the leak\n");
+        skip();
+    }
+    clean_folder();
+    assert_int_equal(shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && "
+                           "sed 's|^    while (s->n_large > 0 && s->n_small > 0) {|    double *waste = bis_alloc(10, "
+                           "sizeof *waste);\\n    if (waste) waste[s->n % 10] = 1;\\n&|' "
+                           "src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && " GRADE " " DIR "/kit > " DIR
+                           "/out"),
+                     0);
+    assert_has(contents(DIR "/out"), " 20 of  20  every_table_gives_the_weights\n");
+    assert_has(contents(DIR "/out"), "times our time\n");
+    assert_has(contents(DIR "/out"), "  0 of  10  clean memory: ");
+    assert_true(json_is_valid(contents(DIR "/kit/grade.json")));
+}
+
+/* A loop, a crash and an exit, each in one claim; a test and a header of the student's own, which nobody asked for. */
+static void what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests_change_nothing(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(
+        shell(
+            "sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && "
+            "sed -e 's|^    while (s->n_large > 0 && s->n_small > 0) {|    if (s->n >= 17 \\&\\& s->n <= 21) exit(0);\\n&|' "
+            "-e 's|^    assert(u >= 0 && u < 1);|    if (u == 0.99) while (1);\\n    if (n == 4 \\&\\& u == 0) "
+            "abort();|' "
+            "-e 's/^#include <math.h>/&\\n#include <stdlib.h>/' src/thesis/alias.c > " DIR "/kit/src/thesis/alias.c && "
+            "echo 'int main(void) { return 0; }' > " DIR "/kit/tests/test_assignment.c && mkdir " DIR "/kit/src/bis && "
+            "echo '#error not ours' > " DIR "/kit/src/bis/alias.h && BIS_CLAIM_SECONDS=1 " GRADE " " DIR "/kit > " DIR
+            "/out"),
+        0);
+    assert_has(contents(DIR "/out"),
+               "  0 of  20  every_table_gives_the_weights: it ended before the test did: a call of exit?\n");
+    assert_has(
+        contents(DIR "/out"),
+        "  0 of  15  the_bin_and_the_coin_come_from_one_u: no answer in the time allowed: a loop without end?\n");
+    assert_has(contents(DIR "/out"),
+               "  0 of  10  an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0: it was aborted");
+    assert_has(contents(DIR "/out"), "\n 39 of 100  alias\n");
+    assert_has(contents(DIR "/out"), "  4 of  10  clean memory: in the share of the tests that pass\n");
+}
+
+static void what_does_not_compile_is_worth_nothing(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("sh scripts/course/assignment.sh alias " DIR "/kit > /dev/null && echo 'int x = ;' >> " DIR
+                           "/kit/src/thesis/alias.c && "
+                           "" GRADE " " DIR "/kit > " DIR "/out 2> /dev/null"),
+                     0);
+    assert_has(contents(DIR "/out"), "  0 of 100  alias\n");
+}
+
+/* The seeds and sizes of a claim: the kit's without a secret, others with one. */
+static void hidden_seeds_and_sizes_are_the_kits_without_a_secret_alone(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    program_write_file(
+        DIR "/claims.c",
+        "#include \"mark.h\"\n"
+        "static void sizes(void) { for (size_t k = 0; k < 1000; k++) { size_t n = mark_size(k); if (n < k || n > k + k "
+        "/ 4) mark_wrong(\"size %zu\", n); } }\n"
+        "static void show(void) { mark_wrong(\"%llu %zu.\", (unsigned long long)mark_seed(7), mark_size(1000000)); }\n"
+        "static void work(void) {}\n"
+        "int main(int argc, char **argv) { const mark_claim c[] = {{\"sizes\", 1, sizes}, {\"show\", 2, show}}; return "
+        "mark_main(argc, argv, c, 2, work); }\n");
+    assert_int_equal(shell("cd " DIR " && mkdir seeds && P=\"$OLDPWD\" && cd \"$P\" && $BIS_COMPILE -c -o " DIR
+                           "/claims.o " DIR "/claims.c && "
+                           "$BIS_LINK -o " DIR "/claims " DIR "/claims.o $BIS_OBJECTS $BIS_LIBS && for s in 0 1 2; do "
+                           "BIS_SANDBOX=none \"$BIS_BUILD/grade\" claims -s $s " DIR "/claims " DIR "/claims > " DIR
+                           "/seeds/$s || exit 1; done"),
+                     0);
+    assert_string_equal(contents(DIR "/seeds/0"), "ok\t1\tsizes\t\nwrong\t2\tshow\t7 1000000.\n");
+    assert_int_equal(
+        shell("cd " DIR "/seeds && grep -q '^ok.*sizes' 1 && grep -q '^ok.*sizes' 2 && cat 0 1 2 | tr -c '0-9\\n' ' ' "
+                        "| awk 'NF == 3 { if (s[$2]++ || n[$3]++) exit 1; k++ } END { exit k != 3 }'"),
+        0);
+}
+
+/* What the scan refuses, linked all the same: no claim holds, and none waits for a process that is left behind. */
+static void without_the_scan_ends_and_prints_prove_nothing(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("sh tests/course/handed_in/make.sh " DIR
+                           "/in && printf 'ok\\t\\nleft\\nleft\\nok\\t\\nok\\t\\nleft\\n' > " DIR "/three"),
+                     0);
+    static const char *const attacks[] = {"_exit", "atexit", "exit", "constructor 80", "fork", "sleep"};
+    for (size_t i = 0; i < sizeof attacks / sizeof *attacks; i++) {
+        char command[2048];
+        snprintf(command, sizeof command,
+                 "$BIS_COMPILE -w -iquote src/thesis -c -o " DIR "/attack.o '" DIR "/in/attack %s.c' && "
+                 "$BIS_LINK -o " DIR "/attack " SHOP "/claims.o " DIR "/attack.o ${BIS_OBJECTS%% *} " SHOP
+                 "/lib.a $BIS_LIBS && "
+                 "for box in none $(cat " SHOP
+                 "/sandbox); do BIS_CLAIM_SECONDS=0.1 BIS_SANDBOX=$box \"$BIS_BUILD/grade\" claims -k " DIR "/three "
+                 "-s 1 \"$PWD/" DIR "/attack\" " SHOP "/ours; done > " DIR "/out",
+                 attacks[i]);
+        assert_int_equal(shell(command), 0);
+        const char *text = contents(DIR "/out");
+        assert_has(text, "wrong\t15\tfigure_3_4_comes_out");
+        if (strncmp(text, "ok\t", 3) == 0 || strstr(text, "\nok\t")) fail_msg("%s: %s", attacks[i], text);
+    }
+}
+
+static void what_is_left_behind_is_ended(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    for (int i = 0; i < 2; i++) { /* the sleepers keep the pipe; one has left its group */
+        char command[512];
+        snprintf(command, sizeof command,
+                 "BIS_SANDBOX=%s \"$BIS_BUILD/grade\" run -- sh -c 'sleep 31415926 & setsid sleep 31415926 & echo "
+                 "started' > " DIR "/out",
+                 i ? "none" : "$(cat " SHOP "/sandbox)");
+        assert_int_equal(shell(command), 0);
+        assert_has(contents(DIR "/out"), "started");
+        assert_int_equal(shell("n=0; while grep -lsa '3141592[6]' /proc/[0-9]*/cmdline > " DIR
+                               "/left; do n=$((n + 1)); [ $n -lt 100 ] || exit 1; sleep 0.1; done"),
+                         0);
+    }
+}
+
+/* Points of `student` in the table of DIR/in. */
+static int points_of(const char *student)
+{
+    char start[300];
+
+    snprintf(start, sizeof start, "\n\"%s\",", student);
+    const char *row = strstr(contents(DIR "/in.alias.csv"), start);
+    if (!row) fail_msg("no row of %s", student);
+    return (int)strtol(row + strlen(start), NULL, 10);
+}
+
+/* Right, wrong, empty, copied and hostile ones (tests/course/handed_in/make.sh), but for some that take long to
+ * fail. */
+static void a_class_is_marked_whatever_is_handed_in(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("mkdir " DIR "/tmp && sh tests/course/handed_in/make.sh " DIR "/in && cd " DIR
+                           "/in && rm right[1345]* =odd5* odd6* wrong2* copy*right1* *?bomb* *memory* *flood* *loop*"),
+                     0);
+    assert_int_equal(shell("TMPDIR=\"$PWD/" DIR "/tmp\" BIS_SHOP=\"$PWD/" SHOP
+                           "\" BIS_CLAIM_SECONDS=1 sh scripts/course/grade_class.sh alias " DIR "/in/ 2 > " DIR "/out 2>&1"),
+                     0);
+    assert_int_equal(shell("test -z \"$(ls -A " DIR "/tmp)\" && ! ls | grep '^x$'"), 0);
+
+    /* whatever is no solution is worth nothing, and there is a row for each */
+    assert_int_equal(shell("ls -d " DIR "/in/attack* " DIR "/in/nothing* | wc -l > " DIR "/n && "
+                           "grep -c '^\"\\(attack\\|nothing\\)[^\"]*\",0,0,0,0,0,0,0,0,0,' " DIR
+                           "/in.alias.csv | diff -w " DIR "/n -"),
+                     0);
+    assert_true(points_of("wrong1.c") >= 25 && points_of("wrong1.c") < 90);
+    const char *right[] = {"right2.c",
+                           "right6, with a helper and an include outside of the marks.c",
+                           "odd1, Jürgen Groß",
+                           "'-odd4, lines as in DOS.c",
+                           "odd7, changed outside of the marks.c",
+                           "copy of right2.c"};
+    for (size_t i = 0; i < sizeof right / sizeof *right; i++) {
+        if (points_of(right[i]) < 90)
+            fail_msg("%s: %d", right[i], points_of(right[i])); /* 10 are for speed, which a test cannot know */
+        assert_true(points_of(right[i]) <= 100);
+    }
+    assert_int_equal(points_of("odd2, \"\"quoted\"\" & <b>it's; $(touch x) `touch x`.c"),
+                     0); /* nothing, of odd names */
+    assert_int_equal(points_of("odd3,\\ntwo lines.txt"), 0);
+    assert_has(contents(DIR "/out"), "100 %: copy of right2.c, right2.c\n");
+    assert_null(strstr(contents(DIR "/out"), ": right2.c, right6")); /* written by two */
+    const char *page = contents(DIR "/in.alias.html");
+    assert_has(page, "odd2, &quot;quoted&quot; &amp; &lt;b&gt;it&#39;s; $(touch x) `touch x`.c");
+    assert_null(strstr(page, "<b>"));
+}
+
+/* Nine right solutions, of which no two are alike, though four are the obvious one; and a copy of each, with its
+ * letters changed and its functions in another order. */
+static void a_copy_is_found_and_who_wrote_alone_is_not(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(
+        shell(
+            "for k in 1 2 3 4 5 6 7 8 9; do f=" DIR
+            "/$k.c; if [ $k -eq 9 ]; then sed -n '/\\[alias-build\\]/,/\\[end\\]/p; /\\[alias-sample\\]/,/\\[end\\]/p' "
+            "src/thesis/alias.c > $f; else "
+            "cp tests/course/handed_in/right$k.c $f; fi; "
+            "awk '/alias-sample/ { later = 1 } { if (later) print; else first = first $0 \"\\n\" } END { printf "
+            "\"%s\", first }' $f | "
+            "sed 's/\\<u\\>/v/g; s/^ *//' > " DIR "/copy$k.c; "
+            "for who in $k copy$k; do mkdir " DIR "/$who && sh scripts/course/splice.sh " DIR "/$who.c " DIR
+            "/$who > /dev/null && "
+            "\"$BIS_BUILD/grade\" look src/thesis/alias.c " DIR "/$who/thesis/alias.c " DIR
+            "/$who.prints || exit 1; done; done; cd " DIR " && "
+            "P=\"[1-9].prints copy[1-9].prints\" && case $BIS_BUILD in /*) ;; *) BIS_BUILD=../../$BIS_BUILD ;; esac && "
+            "\"$BIS_BUILD/grade\" alike 0.3 ../../" SHOP "/blank.prints $P > pairs && cat pairs >&2 && awk '$2 != $1 + "
+                                                         "9 || $3 < 60 { exit 1 } END { exit NR != 9 }' pairs"),
+        0);
+}
+
+static void a_class_that_is_stopped_leaves_nothing_behind(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("mkdir " DIR "/tmp && sh tests/course/handed_in/make.sh " DIR "/all && mkdir " DIR "/in && cp " DIR
+                           "/all/*loop.c " DIR "/in && cd \"$PWD\" && "
+                           "{ TMPDIR=\"$PWD/" DIR "/tmp\" BIS_SHOP=\"$PWD/" SHOP
+                           "\" sh scripts/course/grade_class.sh alias " DIR "/in > " DIR "/out 2>&1 & } ; p=$!; "
+                           "until ls " DIR "/tmp/*/*/marks > /dev/null 2>&1; do kill -0 $p || exit 3; sleep 0.05; "
+                                           "done; kill $p; wait $p; test $? -eq 143 && test -z \"$(ls -A " DIR
+                           "/tmp)\""),
+                     0);
+    assert_int_equal(shell("n=0; while grep -lsa 'test_assignments/[t]mp' /proc/[0-9]*/cmdline > " DIR
+                           "/left; do n=$((n + 1)); [ $n -lt 100 ] || exit 1; sleep 0.1; done"),
+                     0);
+}
+
+int main(void)
+{
+    struct CMUnitTest tests[N_NAMES + 14];
+    char labels[N_NAMES][96];
+
+    for (int i = 0; i < N_NAMES; i++) {
+        snprintf(labels[i], sizeof labels[i], "blank_fails_ours_passes_and_wrong_ones_get_part_marks: %s", names[i]);
+        tests[i] =
+            (struct CMUnitTest){.name = labels[i], .test_func = blank_fails_ours_passes_and_wrong_ones_get_part_marks};
+        tests[i].initial_state = (void *)(uintptr_t)names[i];
+    }
+    const struct CMUnitTest others[] = {
+        cmocka_unit_test(each_has_its_handout_and_its_line_for_the_teacher),
+        cmocka_unit_test(a_kit_is_the_project_but_for_its_blanks),
+        cmocka_unit_test(the_kit_of_sir_has_no_other_copy_of_its_answer),
+        cmocka_unit_test(what_cannot_be_made_is_refused_with_the_way_out),
+        cmocka_unit_test(an_untouched_kit_is_worth_nothing),
+        cmocka_unit_test(a_right_solution_that_leaks_loses_the_points_for_memory_alone),
+        cmocka_unit_test(what_ends_badly_costs_the_claim_that_it_happens_in_and_changed_tests_change_nothing),
+        cmocka_unit_test(what_does_not_compile_is_worth_nothing),
+        cmocka_unit_test(hidden_seeds_and_sizes_are_the_kits_without_a_secret_alone),
+        cmocka_unit_test(without_the_scan_ends_and_prints_prove_nothing),
+        cmocka_unit_test(what_is_left_behind_is_ended),
+        cmocka_unit_test(a_class_is_marked_whatever_is_handed_in),
+        cmocka_unit_test(a_copy_is_found_and_who_wrote_alone_is_not),
+        cmocka_unit_test(a_class_that_is_stopped_leaves_nothing_behind),
+    };
+    memcpy(tests + N_NAMES, others, sizeof others);
+    return cmocka_run_group_tests(tests, prove, NULL);
+}

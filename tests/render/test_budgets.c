@@ -1,0 +1,212 @@
+/* budgets: --error keeps its word, estimates come from independent passes, and what cannot be reached is said early.
+ * The full experiment is scripts/bench/budget_truth.sh, its table in docs/budgets.md; this is a short one. */
+#include "bis/base/mem.h"
+
+#include "world.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+
+/* Some of floor, ball and sky: 11 x 9 pixels. */
+static const double part[4] = {0.35, 0.65, 0.25, 0.65};
+
+/* make_world with dull surfaces: em under a lobe of n = 100 is a case of heavy tails, which docs/budgets.md lists. */
+static void make_dull_world(world *w, const bis_integrator *integrator)
+{
+    make_world(w, integrator);
+    for (int i = 0; i < 2; i++) w->materials[i].Ks = (rgb){0};
+}
+
+/* Root of relMSE of f against a reference of the same crop. */
+static double true_error(const bis_film *f, const bis_film *reference)
+{
+    const size_t n = 3 * (size_t)f->width * (size_t)f->height;
+    double mean = 0, sum = 0;
+    for (size_t i = 0; i < n; i++) mean += reference->sum[i] / reference->passes / (double)n;
+    for (size_t i = 0; i < n; i++) {
+        double b = reference->sum[i] / reference->passes, d = f->sum[i] / f->passes - b;
+        sum += d * d / (b * b + mean * mean / 100);
+    }
+    return sqrt(sum / (double)n);
+}
+
+static void reference_of(bis_film *reference, world *w, uint32_t spp)
+{
+    bis_render_result result;
+    const uint64_t seed = w->desc.sampler.seed;
+    w->desc.sampler.seed = 12345;
+    bis_scene_set_spp(&w->desc, spp);
+    render(reference, &result, w, part, &(bis_render_options){.budget = {.spp = spp}});
+    bis_scene_set_spp(&w->desc, 4);
+    w->desc.sampler.seed = seed;
+}
+
+/* --- the error budget
+ * ---------------------------------------------------------------------------------------------- */
+
+typedef struct tally {
+    int runs, kept, more, wasted, twin_kept; /* twin: E is what the estimate itself, without its bound, comes to in the end */
+    double spp;
+} tally;
+
+static void run(tally *t, const world *w, const bis_film *reference, double E)
+{
+    bis_film f;
+    bis_render_result result;
+    render(&f, &result, w, part, &(bis_render_options){.budget = {.error = E}, .n_threads = 1});
+    double error = true_error(&f, reference);
+    bool more = result.passes > 4;
+    t->runs++;
+    t->kept += error <= E;
+    t->more += more;
+    t->wasted += more && error < E / 2;
+    t->twin_kept += error <= 0.9 * result.relative_rmse;
+    t->spp += (double)result.spp;
+    bis_film_clear(&f);
+}
+
+/* In 9 of 10 runs at least the true error is within the budget, and below half of it in 1 of 10 at most: three
+ * integrators, plain and adaptive, three budgets. */
+static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
+{
+    (void)state;
+    const bis_integrator *const integrators[3] = {&bis_sir, &bis_em, &bis_mis};
+    const double E[3] = {0.05, 0.07, 0.1};
+    for (int adaptive = 0; adaptive < 2; adaptive++) {
+        tally t = {0};
+        for (int i = 0; i < 3; i++) {
+            world w;
+            bis_film reference;
+            make_dull_world(&w, integrators[i]);
+            reference_of(&reference, &w, 3000);
+            w.desc.adaptive = adaptive;
+            for (uint64_t seed = 1; seed <= 21; seed++) {
+                w.desc.sampler.seed = seed;
+                run(&t, &w, &reference, E[seed % 3]);
+            }
+            bis_film_clear(&reference);
+            clear_world(&w);
+        }
+        if (10 * t.kept < 9 * t.runs || 10 * t.wasted > t.more || t.more < t.runs / 2) {
+            fail_msg("adaptive %d: kept in %d of %d, %d wasted of %d that needed more than the minimum; %g camera samples in the mean", adaptive, t.kept, t.runs, t.wasted, t.more,
+                     t.spp / t.runs);
+        }
+        assert_true(10 * t.twin_kept < 9 * t.runs); /* the bound is needed */
+    }
+}
+
+/* `place` has no noise, so that all error is at edges and slopes within a pixel. There the stratified camera samples of
+ * one set are far from independent. */
+static void only_independent_passes_tell_their_error(void **state)
+{
+    (void)state;
+    world w;
+    bis_film reference, f;
+    bis_render_result result;
+    double dependent[2] = {0}, independent[2] = {0}; /* squares of estimates, of true errors */
+    enum { RUNS = 40 };
+    make_world(&w, &place);
+    reference_of(&reference, &w, 4096);
+    bis_scene_set_spp(&w.desc, 64);
+    for (uint64_t seed = 1; seed <= RUNS; seed++) {
+        w.desc.sampler.seed = seed;
+        render(&f, &result, &w, part, &(bis_render_options){.budget = {.spp = 64}, .n_threads = 1});
+        dependent[0] += pow(result.relative_rmse, 2);
+        dependent[1] += pow(true_error(&f, &reference), 2);
+        bis_film_clear(&f);
+        render(&f, &result, &w, part, &(bis_render_options){.budget = {.spp = 64, .error = 1e-9}, .n_threads = 1});
+        independent[0] += pow(result.relative_rmse, 2);
+        independent[1] += pow(true_error(&f, &reference), 2);
+        bis_film_clear(&f);
+    }
+    const double right = sqrt(independent[0] / independent[1]), wrong = sqrt(dependent[0] / dependent[1]);
+    if (!(fabs(right - 1) < 0.1 && wrong > 1.5)) fail_msg("estimate over truth: %g where passes are independent, %g where not", right, wrong);
+    bis_film_clear(&reference);
+    clear_world(&w);
+}
+
+/* --- forecasts
+ * ----------------------------------------------------------------------------------------------------- */
+
+typedef struct forecasts {
+    int n;
+    bis_forecast last;
+} forecasts;
+
+static void keep_forecast(const bis_forecast *f, void *user)
+{
+    forecasts *k = user;
+    k->n++;
+    k->last = *f;
+}
+
+static void the_pilot_forecasts_what_an_error_will_take(void **state)
+{
+    (void)state;
+    for (int adaptive = 0; adaptive < 2; adaptive++) {
+        world w;
+        bis_film f;
+        bis_render_result result;
+        forecasts k = {0};
+        make_dull_world(&w, &bis_em);
+        w.desc.adaptive = adaptive;
+        bis_render_options options = {.budget = {.error = 0.05}, .forecast = keep_forecast, .user = &k};
+        render(&f, &result, &w, part, &options);
+        assert_int_equal(k.n, 1);
+        /* From 4 passes, with their own correction for being few: within a factor of 3. */
+        assert_true(k.last.spp > (double)result.spp / 3 && k.last.spp < 3 * (double)result.spp);
+        assert_true(k.last.error > 0.05 && k.last.seconds > 0);
+        bis_film_clear(&f);
+
+        options.budget = (bis_budget){.error = 1e-9, .spp = 20}; /* out of reach: said, and the other budget ends it */
+        k.n = 0;
+        render(&f, &result, &w, part, &options);
+        assert_int_equal(k.n, 1);
+        assert_true(k.last.spp > 1e9);
+        assert_int_equal(result.spp, 20);
+        assert_true(result.error_bound > 1e-9);
+        bis_film_clear(&f);
+
+        options.budget = (bis_budget){.error = 10}; /* the pilot is enough: nothing to say */
+        k.n = 0;
+        render(&f, &result, &w, part, &options);
+        assert_int_equal(k.n, 0);
+        assert_int_equal(result.passes, 4);
+        bis_film_clear(&f);
+        clear_world(&w);
+    }
+}
+
+/* A render that ends by its error is the same as one of so many samples, with an error out of reach. */
+static void a_render_by_error_can_be_repeated_by_its_number_of_samples(void **state)
+{
+    (void)state;
+    world w;
+    bis_film by_error, by_spp;
+    bis_render_result a, b;
+    make_world(&w, &bis_mis);
+    render(&by_error, &a, &w, part, &(bis_render_options){.budget = {.error = 0.1}});
+    render(&by_spp, &b, &w, part, &(bis_render_options){.budget = {.error = 1e-9, .spp = (uint32_t)a.spp}, .n_threads = 3});
+    assert_same_bits(&by_error, &by_spp);
+    assert_true(a.error_bound <= 0.1 && a.error_bound > a.relative_rmse);
+    bis_film_clear(&by_error);
+    bis_film_clear(&by_spp);
+    clear_world(&w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_true_error_is_within_the_budget_and_not_far_below),
+        cmocka_unit_test(only_independent_passes_tell_their_error),
+        cmocka_unit_test(the_pilot_forecasts_what_an_error_will_take),
+        cmocka_unit_test(a_render_by_error_can_be_repeated_by_its_number_of_samples),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

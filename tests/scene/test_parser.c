@@ -1,0 +1,692 @@
+/* parser: docs/scene-format.md by examples. Bad scenes lie in tests/data/bad/NAME.txt beside the exact messages NAME.expect; good ones in
+ * tests/data/scenes and in docs/scene-format.md. */
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "bis/scene/scene.h"
+#include "image_help.h"
+#include "parse/parser.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+#include <dirent.h>
+#include <locale.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BAD "tests/data/bad/"
+
+/* ---- help ---- */
+
+/* Parse this text; the description and diag are the caller's. */
+static bis_status parse_text(bis_scene_desc **d, bis_diag *diag, const char *text)
+{
+    const char *path = scratch("scene.txt");
+    *diag = (bis_diag){0};
+    store(path, text, strlen(text));
+    return bis_scene_parse(d, path, diag);
+}
+
+static bis_scene_desc *good(const char *text)
+{
+    bis_diag diag;
+    bis_scene_desc *d;
+    bis_status status = parse_text(&d, &diag, text);
+    for (size_t i = 0; i < diag.n && status; i++) print_error("%s\n", diag.messages[i].text);
+    bis_diag_clear(&diag);
+    assert_int_equal(status, BIS_OK);
+    return d;
+}
+
+/* before, WorldBegin with a light, after */
+static bis_scene_desc *good_scene(const char *before, const char *after)
+{
+    char text[4096];
+    snprintf(text, sizeof text, "%s\nWorldBegin\nLightSource \"infinite\"\n%s\n", before, after);
+    return good(text);
+}
+
+/* All messages, a line each, without every "tests/data/bad/". */
+static char *messages(const bis_diag *diag)
+{
+    size_t n = 1;
+    for (size_t i = 0; i < diag->n; i++) n += strlen(diag->messages[i].text) + 1;
+    char *all = calloc(n, 1), *out = all;
+    for (size_t i = 0; i < diag->n; i++) {
+        for (const char *s = diag->messages[i].text; *s;) {
+            if (strncmp(s, BAD, strlen(BAD)) == 0) s += strlen(BAD);
+            else *out++ = *s++;
+        }
+        *out++ = '\n';
+    }
+    return all;
+}
+
+static bool ends_with(const char *s, const char *end)
+{
+    return strlen(s) > strlen(end) && strcmp(s + strlen(s) - strlen(end), end) == 0;
+}
+
+/* ---- bad scenes ---- */
+
+static void check_bad(const char *name)
+{
+    char path[512], expect_path[512];
+    unsigned char *expect;
+    size_t size;
+    bis_diag diag = {0};
+    bis_scene_desc *d;
+
+    snprintf(path, sizeof path, BAD "%s", name);
+    snprintf(expect_path, sizeof expect_path, BAD "%.*s.expect", (int)(strlen(name) - strlen(".txt")), name);
+    assert_int_equal(bis_file_read(&expect, &size, expect_path, (bis_loc){0}, NULL), BIS_OK);
+    bis_status status = bis_scene_parse(&d, path, &diag);
+    char *got = messages(&diag);
+    if (strcmp(got, (const char *)expect)) print_error("%s\nexpected: %sgot:      %s", name, (const char *)expect, got);
+    assert_string_equal(got, (const char *)expect);
+    assert_int_equal(status, diag.n_errors ? BIS_INPUT : BIS_OK); /* some give warnings alone */
+    assert_true((d == NULL) == (diag.n_errors > 0));
+    free(got);
+    bis_free(expect);
+    bis_scene_desc_free(d);
+    bis_diag_clear(&diag);
+}
+
+static void bad_scenes_give_exactly_the_messages_beside_them(void **state)
+{
+    int n = 0;
+    DIR *folder = opendir(BAD);
+    (void)state;
+    assert_non_null(folder);
+    for (struct dirent *e = readdir(folder); e; e = readdir(folder)) {
+        if (!ends_with(e->d_name, ".txt")) continue;
+        check_bad(e->d_name);
+        n++;
+    }
+    closedir(folder);
+    assert_true(n >= 190);
+}
+
+static void a_bad_scene_without_a_list_for_messages_fails_all_the_same(void **state)
+{
+    bis_scene_desc *d;
+    (void)state;
+    assert_int_equal(bis_scene_parse(&d, BAD "syntax-several-errors.txt", NULL), BIS_INPUT);
+    assert_null(d);
+}
+
+static void a_scene_that_cannot_be_read_is_the_disks_fault(void **state)
+{
+    bis_scene_desc *d;
+    bis_diag diag = {0};
+    (void)state;
+    assert_int_equal(bis_scene_parse(&d, "build/no-such-scene.txt", &diag), BIS_IO);
+    assert_int_equal(bis_scene_parse(&d, "tests", &diag), BIS_IO);
+    assert_int_equal(diag.n_errors, 2);
+    bis_diag_clear(&diag);
+}
+
+/* ---- defaults and parameters ---- */
+
+static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)
+{
+    bis_diag diag;
+    bis_scene_desc *d;
+    (void)state;
+    assert_int_equal(parse_text(&d, &diag, "WorldBegin"), BIS_OK);
+    assert_int_equal(diag.n, 1); /* the warning "no light" */
+    assert_non_null(strstr(diag.messages[0].text, "no light"));
+    assert_false(d->has_light);
+    assert_int_equal(d->film.width, 1280);
+    assert_int_equal(d->film.height, 720);
+    assert_string_equal(d->film.filename, "bis.exr");
+    assert_true(d->film.crop[0] == 0 && d->film.crop[1] == 1 && d->film.crop[2] == 0 && d->film.crop[3] == 1);
+    assert_true(!d->camera.orthographic && d->camera.fov_deg == 90 && !d->camera.has_screen);
+    assert_int_equal(d->sampler.kind, BIS_SAMPLER_STRATIFIED);
+    assert_int_equal(d->sampler.spp, 16);
+    assert_int_equal(d->sampler.xsamples, 4);
+    assert_true(d->sampler.jitter && d->sampler.seed == 0 && d->pixel_jitter);
+    assert_ptr_equal(d->settings.integrator, &bis_sir);
+    assert_int_equal(d->accel.kind, BIS_ACCEL_DEFAULT);
+    assert_int_equal(d->n_shapes, 0);
+    bis_scene_desc_free(d);
+    bis_diag_clear(&diag);
+}
+
+static void a_light_without_parameters_has_the_defaults_of_the_contract(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("", "");
+    const bis_light_desc *l = &d->light;
+    assert_true(d->has_light && l->visible && !l->filename && !l->angular && !l->has_mapping && !l->has_table_kind);
+    assert_true(l->L.r == 1 && l->L.g == 1 && l->L.b == 1 && l->scale == 1 && l->area_exponent == 0.15 &&
+                l->levels == 8);
+    assert_int_equal(l->loc.line, 3);
+    bis_scene_desc_free(d);
+}
+
+static void materials_have_the_defaults_of_the_contract(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("", "Shape \"sphere\" Material \"phong\" Shape \"sphere\" Material \"diffuse\" Shape \"disk\"");
+    for (size_t i = 0; i < 3; i++) {
+        const bis_material *m = &d->materials[d->shapes[i].material];
+        assert_true(m->Kd.r == 0.5f && m->Kd.g == 0.5f && m->Kd.b == 0.5f && rgb_is_black(m->Ks));
+    }
+    assert_true(d->materials[d->shapes[1].material].exponent == 50);
+    assert_true(d->shapes[0].radius == 1 && d->shapes[2].radius == 1 && d->shapes[2].height == 0);
+    bis_scene_desc_free(d);
+}
+
+/* Figure 5.5 by its text (ks = 1, kd = 0.1) would reflect more than arrives; by its caption (ks = 0, kd = 1) it does
+ * not. */
+static void coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38(void **state)
+{
+    static const char *const scenes[] = {
+        "WorldBegin LightSource \"infinite\" Material \"phong\" \"float Ks\" 0 \"float Kd\" 1 Shape \"sphere\"",
+        "WorldBegin LightSource \"infinite\" Material \"phong\" \"float Ks\" 1 \"float Kd\" 0.1 Shape \"sphere\""};
+    (void)state;
+    for (size_t i = 0; i < 2; i++) {
+        bis_diag diag;
+        bis_scene_desc *d;
+        assert_int_equal(parse_text(&d, &diag, scenes[i]), BIS_OK);
+        assert_int_equal(diag.n, i);
+        if (i == 1) assert_non_null(strstr(diag.messages[0].text, "Kd + Ks"));
+        bis_scene_desc_free(d);
+        bis_diag_clear(&diag);
+    }
+}
+
+static void every_parameter_before_the_world_arrives(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene(
+        "Camera \"orthographic\" \"float screenwindow\" [-2 2 -1.5 1.5] \"float frameaspectratio\" 2 \"float lensradius\" 0\n"
+        "Film \"rgb\" \"integer xresolution\" 640 \"integer yresolution\" [480] \"string filename\" \"a b.exr\" "
+        "\"float cropwindow\" [.25 .75 0 .5]\n"
+        "PixelFilter \"box\"\n"
+        "Sampler \"stratified\" \"integer xsamples\" 3 \"integer ysamples\" 5 \"bool jitter\" false \"integer seed\" 9007199254740991\n"
+        "Integrator \"rejection\" \"integer candidates\" 7 \"integer shadowrays\" 3 \"string proposal\" \"brdf\" "
+        "\"string estimator\" \"plain\" \"string fallback\" \"subset\"\n"
+        "Accelerator \"grid\" \"float density\" 2.5\n"
+        "Option \"bool disablepixeljitter\" true\n"
+        "ColorSpace \"srgb\" MediumInterface \"\" \"\" MediumInterface \"\"\n",
+        "");
+    assert_true(d->camera.orthographic && d->camera.has_screen && d->camera.screen[0] == -2 &&
+                d->camera.screen[3] == 1.5);
+    assert_true(d->camera.frame_aspect == 2);
+    assert_int_equal(d->film.width, 640);
+    assert_int_equal(d->film.height, 480);
+    assert_string_equal(d->film.filename, "a b.exr");
+    assert_true(d->film.crop[0] == 0.25 && d->film.crop[1] == 0.75 && d->film.crop[2] == 0 && d->film.crop[3] == 0.5);
+    assert_int_equal(d->sampler.xsamples, 3);
+    assert_int_equal(d->sampler.ysamples, 5);
+    assert_int_equal(d->sampler.spp, 15);
+    assert_true(!d->sampler.jitter && d->sampler.seed == (UINT64_C(1) << 53) - 1);
+    const bis_settings *s = &d->settings;
+    assert_ptr_equal(s->integrator, &bis_rejection);
+    assert_true(s->candidates == 7 && s->shadowrays == 3 && s->proposal == BIS_PROPOSAL_BRDF &&
+                s->estimator == BIS_ESTIMATOR_PLAIN && s->fallback == BIS_FALLBACK_SUBSET);
+    assert_int_equal(d->accel.kind, BIS_ACCEL_GRID);
+    assert_true(d->accel.density == 2.5);
+    assert_false(d->pixel_jitter);
+    bis_scene_desc_free(d);
+}
+
+static void every_parameter_of_the_other_integrators_arrives(void **state)
+{
+    bis_scene_desc *d;
+    (void)state;
+    d = good_scene("Integrator \"mis\" \"integer samples\" 9 \"string heuristic\" \"power\" \"float split\" .25 \"bool compensate\" true", "");
+    assert_true(d->settings.integrator == &bis_mis && d->settings.samples == 9 &&
+                d->settings.heuristic == BIS_HEURISTIC_POWER &&
+                d->settings.split == 0.25 && d->settings.compensate);
+    bis_scene_desc_free(d);
+    d = good_scene("Integrator \"sir\" \"integer candidates\" 5 \"integer shadowrays\" 2 \"string proposal\" \"em\" "
+                   "\"string resampling\" \"multinomial\" \"bool stratify\" \"false\"", "");
+    assert_true(d->settings.integrator == &bis_sir && d->settings.candidates == 5 && d->settings.shadowrays == 2 &&
+                d->settings.proposal == BIS_PROPOSAL_EM && d->settings.resampling == BIS_RESAMPLING_MULTINOMIAL && !d->settings.stratify);
+    bis_scene_desc_free(d);
+    d = good_scene("Integrator \"exact\" \"integer perpatch\" 4", "");
+    assert_true(d->settings.integrator == &bis_exact && d->settings.perpatch == 4);
+    bis_scene_desc_free(d);
+    d = good_scene("Integrator \"em\" \"integer samples\" 3", "");
+    assert_true(d->settings.integrator == &bis_em && d->settings.samples == 3);
+    bis_scene_desc_free(d);
+    d = good_scene("Integrator \"brdf\" \"integer samples\" 1", "");
+    assert_true(d->settings.integrator == &bis_brdf && d->settings.samples == 1);
+    bis_scene_desc_free(d);
+    d = good_scene("Integrator \"unoccluded\" \"integer candidates\" 11", "");
+    assert_true(d->settings.integrator == &bis_unoccluded && d->settings.candidates == 11);
+    bis_scene_desc_free(d);
+}
+
+static void every_parameter_of_a_light_arrives(void **state)
+{
+    char text[1024];
+    (void)state;
+    store(scratch("map.pfm"), "x", 1);
+    const char *name = strrchr(scratch("map.pfm"), '/') + 1;
+    snprintf(text, sizeof text,
+             "WorldBegin LightSource \"infinite\" \"string filename\" \"%s\" \"rgb L\" [1 2 3] \"float scale\" 4 "
+             "\"string mapping\" \"angular\" \"integer width\" 100 \"float areaexponent\" 0 \"integer levels\" 5 \"string sampler\" \"cdf\" "
+             "\"bool visible\" false", name);
+    bis_scene_desc *d = good(text);
+    const bis_light_desc *l = &d->light;
+    assert_string_equal(l->filename, scratch("map.pfm")); /* relative to the scene's folder */
+    assert_true(l->L.r == 1 && l->L.g == 2 && l->L.b == 3 && l->scale == 4 && l->has_mapping && l->angular &&
+                l->width == 100);
+    assert_true(l->area_exponent == 0 && l->levels == 5 && l->has_table_kind && l->table_kind == BIS_TABLE_CDF &&
+                !l->visible);
+    bis_scene_desc_free(d);
+}
+
+static void spp_alone_is_divided_as_squarely_as_possible(void **state)
+{
+    static const struct {
+        uint32_t spp, x, y;
+    } cases[] = {{1, 1, 1}, {2, 2, 1}, {7, 7, 1}, {8, 4, 2}, {12, 4, 3}, {16, 4, 4}, {100, 10, 10}, {72, 9, 8},
+                 {999983, 999983, 1}, {1000000000, 32000, 31250}};
+    (void)state;
+    for (size_t i = 0; i < BIS_COUNT(cases); i++) {
+        char text[128];
+        snprintf(text, sizeof text, "Sampler \"stratified\" \"integer pixelsamples\" %u", cases[i].spp);
+        bis_scene_desc *d = good_scene(text, "");
+        assert_int_equal(d->sampler.spp, cases[i].spp);
+        assert_int_equal(d->sampler.xsamples, cases[i].x);
+        assert_int_equal(d->sampler.ysamples, cases[i].y);
+        bis_scene_desc_free(d);
+    }
+}
+
+static void a_directive_given_again_starts_from_the_defaults(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("Film \"rgb\" \"integer xresolution\" 10 \"string filename\" \"a.exr\"\n"
+                                   "Film \"rgb\" \"integer yresolution\" 20\n"
+                                   "Sampler \"random\" \"integer seed\" 3\nSampler \"random\"\n"
+                                   "Integrator \"sir\" \"integer candidates\" 5\nIntegrator \"sir\"", "");
+    assert_int_equal(d->film.width, 1280);
+    assert_int_equal(d->film.height, 20);
+    assert_string_equal(d->film.filename, "bis.exr");
+    assert_true(d->sampler.seed == 0);
+    assert_int_equal(d->settings.candidates, bis_settings_default(&bis_sir).candidates);
+    bis_scene_desc_free(d);
+}
+
+/* ---- transformations and blocks ---- */
+
+/* Where object-space (1, 2, 3) of shape i ends. */
+static void assert_moves(const bis_scene_desc *d, size_t i, double x, double y, double z)
+{
+    vec3 p = bis_xform_point(&d->shapes[i].to_world, (vec3){1, 2, 3});
+    assert_true(fabs((double)p.x - x) < 1e-5 && fabs((double)p.y - y) < 1e-5 && fabs((double)p.z - z) < 1e-5);
+}
+
+static void transformations_multiply_from_the_right(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("Translate 100 100 100", /* the camera's: forgotten at WorldBegin */
+                                   "Translate 10 0 0 Scale 2 3 4 Shape \"sphere\"\n"
+                                   "Identity Rotate 90 0 0 1 Shape \"sphere\"\n"
+                                   "Transform [1 0 0 0 0 1 0 0 0 0 1 0 5 6 7 1] Shape \"sphere\"\n"
+                                   "ConcatTransform 2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1 Shape \"sphere\"\n"
+                                   "CoordinateSystem \"here\" Identity CoordSysTransform \"here\" Shape \"sphere\"\n"
+                                   "CoordSysTransform \"world\" Shape \"sphere\"\n"
+                                   "LookAt 0 0 5 0 0 0 0 1 0 Shape \"sphere\"");
+    assert_moves(d, 0, 12, 6, 12);
+    assert_moves(d, 1, -2, 1, 3);
+    assert_moves(d, 2, 6, 8, 10);
+    assert_moves(d, 3, 7, 10, 13);
+    assert_moves(d, 4, 7, 10, 13);
+    assert_moves(d, 5, 1, 2, 3);
+    assert_moves(d, 6, -1, 2, 2); /* x turned round, z from the eye */
+    bis_scene_desc_free(d);
+}
+
+static void the_coordinate_system_camera_maps_camera_space_to_the_world(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("Translate 0 0 5 Camera \"perspective\"",
+                                   "CoordSysTransform \"camera\" Shape \"sphere\"");
+    assert_moves(d, 0, 1, 2, -2);
+    assert_true(d->camera.to_world.m[2][3] == -5);
+    bis_scene_desc_free(d);
+}
+
+static void blocks_restore_what_they_saved(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("", "Material \"diffuse\" \"rgb reflectance\" [1 0 0] Translate 1 0 0\n"
+                                       "AttributeBegin Material \"diffuse\" Translate 1 0 0 Shape \"sphere\"\n"
+                                       "  TransformBegin Translate 5 0 0 Material \"phong\" Shape \"sphere\" TransformEnd Shape \"sphere\"\n"
+                                       "AttributeEnd Shape \"sphere\"");
+    assert_moves(d, 0, 3, 2, 3);
+    assert_moves(d, 1, 8, 2, 3);
+    assert_moves(d, 2, 3, 2, 3);
+    assert_moves(d, 3, 2, 2, 3);
+    assert_int_equal(d->shapes[1].material, d->shapes[2].material); /* TransformEnd restores no material */
+    assert_true(d->shapes[0].material != d->shapes[1].material);
+    assert_true(d->materials[d->shapes[3].material].Kd.r == 1);
+    bis_scene_desc_free(d);
+}
+
+static void instances_put_their_transformation_before_the_objects(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("", "Translate 1 0 0\n"
+                                       "ObjectBegin \"o\" Scale 2 2 2 Material \"phong\" Shape \"sphere\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] ObjectEnd\n"
+                                       "Translate 0 10 0 ObjectInstance \"o\" ObjectInstance \"o\" Shape \"sphere\"");
+    assert_int_equal(d->n_shapes, 5);
+    assert_moves(d, 0, 1 + 1 + 2, 10 + 4, 6);
+    assert_moves(d, 3, 1 + 1 + 2, 10 + 4, 6);
+    assert_moves(d, 4, 1 + 1, 10 + 2, 3); /* ObjectEnd restored the CTM */
+    assert_int_equal(d->n_meshes, 1);
+    assert_int_equal(d->shapes[1].mesh, d->shapes[3].mesh);
+    assert_true(d->shapes[0].material != d->shapes[4].material);
+    bis_scene_desc_free(d);
+}
+
+static void a_file_named_by_many_shapes_is_one_mesh(void **state)
+{
+    (void)state;
+    store(scratch("m.ply"), "x", 1);
+    char text[1024];
+    const char *name = strrchr(scratch("m.ply"), '/') + 1;
+    snprintf(text, sizeof text,
+             "Shape \"plymesh\" \"string filename\" \"%s\" Shape \"plymesh\" \"string filename\" [\"%s\"]\n"
+             "Shape \"plymesh\" \"string filename\" \"%s\" \"bool smooth\" true \"float alpha\" 0 \"texture shadowalpha\" \"t\" \"point2 uv\" [0 0]", name, name, name);
+    bis_scene_desc *d = good_scene("", text);
+    assert_int_equal(d->n_shapes, 3);
+    assert_int_equal(d->n_meshes, 2);
+    assert_int_equal(d->shapes[0].mesh, d->shapes[1].mesh);
+    assert_true(d->meshes[d->shapes[2].mesh].smooth && !d->meshes[d->shapes[0].mesh].smooth);
+    bis_scene_desc_free(d);
+}
+
+static void a_named_material_may_be_used_before_it_is_made(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("", "NamedMaterial \"m\" Shape \"sphere\" MakeNamedMaterial \"m\" \"string type\" \"matte\" \"color Kd\" [1 0 0]");
+    assert_true(d->materials[d->shapes[0].material].Kd.r == 1);
+    bis_scene_desc_free(d);
+}
+
+static void triangles_arrive_with_points_indices_and_normals(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("", "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0 7 8 9] \"integer indices\" [0 1 2 3 2 1]\n"
+                                       " \"normal N\" [0 0 1 0 0 1 0 0 1 1 0 0] \"vector S\" [1 0 0]\n"
+                                       "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+    const bis_mesh *m = &d->meshes[0].mesh;
+    assert_int_equal(m->n_vertices, 4);
+    assert_int_equal(m->n_triangles, 2);
+    assert_true(m->p[3].x == 7 && m->p[3].y == 8 && m->p[3].z == 9 && m->n[3].x == 1 && m->n[0].z == 1);
+    assert_int_equal(m->index[3], 3);
+    assert_int_equal(d->meshes[1].mesh.n_triangles, 1); /* three points are a triangle */
+    assert_int_equal(d->meshes[1].mesh.index[2], 2);
+    assert_null(d->meshes[1].mesh.n);
+    bis_scene_desc_free(d);
+}
+
+/* ---- the light's frame ---- */
+
+static void a_light_frame_may_be_rotated_and_mirrored_and_is_made_exactly_orthonormal(void **state)
+{
+    (void)state;
+    /* 30 degrees about z to three digits, mirrored in x, moved */
+    bis_scene_desc *d = good("WorldBegin Translate 5 5 5 Scale -1 1 1 ConcatTransform [.866 .5 0 0 -.5 .866 0 0 0 0 1 0 0 0 0 1] LightSource \"infinite\"");
+    const bis_xform *t = &d->light.to_world;
+    assert_true(bis_xform_is_orthonormal(t, 4 * 0x1p-52));
+    assert_true(fabs(t->m[0][0] + sqrt(0.75)) < 1e-3 && fabs(t->m[1][0] - 0.5) < 1e-3 && t->m[0][3] == 0);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) assert_true(t->inv[i][j] == t->m[j][i]);
+    bis_scene_desc_free(d);
+}
+
+/* ---- pbrt ---- */
+
+static void assert_same_xform(const bis_xform *a, const bis_xform *b)
+{
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) assert_true(fabs(a->m[i][j] - b->m[i][j]) < 1e-14);
+}
+
+static void a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no_message(void **state)
+{
+    bis_scene_desc *a, *b;
+    bis_diag diag = {0};
+    (void)state;
+    assert_int_equal(bis_scene_parse(&a, "tests/data/scenes/pbrt-v3.txt", &diag), BIS_OK);
+    assert_int_equal(bis_scene_parse(&b, "tests/data/scenes/pbrt-v4.txt", &diag), BIS_OK);
+    assert_int_equal(diag.n, 0);
+    assert_same_xform(&a->camera.to_world, &b->camera.to_world);
+    assert_same_xform(&a->light.to_world, &b->light.to_world);
+    assert_true(a->light.scale == b->light.scale && a->camera.fov_deg == b->camera.fov_deg);
+    assert_string_equal(a->light.filename, b->light.filename);
+    assert_int_equal(a->film.width, b->film.width);
+    assert_int_equal(a->sampler.spp, b->sampler.spp);
+    assert_int_equal(a->n_shapes, 4);
+    assert_int_equal(b->n_shapes, 4);
+    for (size_t i = 0; i < 4; i++) {
+        const bis_material *m = &a->materials[a->shapes[i].material], *n = &b->materials[b->shapes[i].material];
+        assert_int_equal(a->shapes[i].kind, b->shapes[i].kind);
+        assert_same_xform(&a->shapes[i].to_world, &b->shapes[i].to_world);
+        assert_true(m->Kd.r == n->Kd.r && m->Kd.b == n->Kd.b && m->Ks.g == n->Ks.g && m->exponent == n->exponent);
+    }
+    bis_scene_desc_free(a);
+    bis_scene_desc_free(b);
+}
+
+/* ---- robustness ---- */
+
+static void when_the_kth_allocation_fails_the_parse_fails_cleanly(void **state)
+{
+    static const char *const scenes[] = {"tests/data/scenes/pbrt-v3.txt", "tests/data/scenes/pbrt-v4.txt",
+                                         BAD "syntax-several-errors.txt"};
+    (void)state;
+    for (size_t i = 0; i < BIS_COUNT(scenes); i++) {
+        bool ended = false;
+        for (long k = 1; !ended; k++) {
+            bis_scene_desc *d;
+            bis_diag diag = {0};
+            bis_mem_fail_at(k);
+            bis_status status = bis_scene_parse(&d, scenes[i], &diag);
+            ended = bis_mem_count() < k;
+            bis_mem_fail_at(0);
+            /* a message lost for lack of memory is no failure of the parse */
+            assert_true((d == NULL) == (status != BIS_OK));
+            if (status) assert_true(diag.n_errors > 0);
+            bis_scene_desc_free(d);
+            bis_diag_clear(&diag);
+            assert_true(k < 10000);
+        }
+    }
+}
+
+static void a_german_locale_changes_no_number(void **state)
+{
+    (void)state;
+    if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "de_DE.utf8")) {
+        print_message("skipped: no locale de_DE.UTF-8 here\n");
+        skip();
+    }
+    bis_scene_desc *d = good_scene("Camera \"perspective\" \"float fov\" 45.5", "");
+    setlocale(LC_ALL, "C");
+    assert_true(d->camera.fov_deg == 45.5);
+    bis_scene_desc_free(d);
+}
+
+/* Any byte changed, left out or doubled: a status, and no crash, hang or leak (the sanitizers watch). */
+static void damaged_scenes_are_survived(void **state)
+{
+    unsigned char *text;
+    size_t size;
+    unsigned x = 1;
+    (void)state;
+    assert_int_equal(bis_file_read(&text, &size, "tests/data/scenes/pbrt-v3.txt", (bis_loc){0}, NULL), BIS_OK);
+    char *damaged = calloc(size + 2, 1);
+    for (int round = 0; round < 2000; round++) {
+        memcpy(damaged, text, size);
+        size_t n = size;
+        for (int i = 0; i < 1 + round % 4; i++) {
+            size_t at = (x = x * 1664525u + 1013904223u) % size;
+            unsigned how = (x >> 13) % 4;
+            if (how == 0) damaged[at] = (char)(x >> 24);
+            if (how == 1) damaged[at] = "[]\"#-. 9e\\"[(x >> 20) % 10];
+            if (how == 2) n = at;
+            const size_t gap = (x >> 24) % 32 % (size - at);
+            if (how == 3) memmove(damaged + at, damaged + at + gap, size - at - gap);
+        }
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        store(scratch("damaged.txt"), damaged, n);
+        bis_status status = bis_scene_parse(&d, scratch("damaged.txt"), &diag);
+        assert_true((status == BIS_OK) == (d != NULL));
+        bis_scene_desc_free(d);
+        bis_diag_clear(&diag);
+    }
+    free(damaged);
+    bis_free(text);
+}
+
+/* A text repeated n times between head and tail, parsed; returns the first message, in buf. */
+static const char *repeated(char buf[256], const char *head, const char *unit, size_t n, const char *tail)
+{
+    const size_t length = strlen(unit);
+    char *text = malloc(strlen(head) + n * length + strlen(tail) + 1), *out = text;
+    out += sprintf(out, "%s", head);
+    for (size_t i = 0; i < n; i++, out += length) memcpy(out, unit, length);
+    strcpy(out, tail);
+    bis_scene_desc *d;
+    bis_diag diag;
+    parse_text(&d, &diag, text);
+    snprintf(buf, 256, "%s", diag.n ? diag.messages[0].text : "");
+    bis_scene_desc_free(d);
+    bis_diag_clear(&diag);
+    free(text);
+    return buf;
+}
+
+static void limits_are_errors_and_not_exhausted_memory(void **state)
+{
+    char buf[256];
+    (void)state;
+    assert_non_null(strstr(repeated(buf, "WorldBegin ", "AttributeBegin ", 100000, ""),
+                           "blocks nest deeper than 4096"));
+    /* 1000 shapes a thousand times, and that a thousand times */
+    char *objects = malloc(200000);
+    char *out = objects + sprintf(objects, "WorldBegin ObjectBegin \"o\" ");
+    for (int i = 0; i < 5000; i++) out += sprintf(out, "Shape \"sphere\" ");
+    strcpy(out, "ObjectEnd ");
+    assert_non_null(strstr(repeated(buf, objects, "ObjectInstance \"o\" ", 2000, ""), "more than 1048576 shapes"));
+    free(objects);
+}
+
+/* Each file includes the next one twice: 2^40 files in all. */
+static void includes_that_double_are_stopped(void **state)
+{
+    char first[128];
+    bis_scene_desc *d;
+    bis_diag diag = {0};
+    (void)state;
+    snprintf(first, sizeof first, "%s", scratch("double0.txt"));
+    for (int i = 0; i < 40; i++) {
+        char name[32], text[256];
+        snprintf(name, sizeof name, "double%d.txt", i + 1);
+        const char *next = strrchr(scratch(name), '/') + 1;
+        int n = snprintf(text, sizeof text, "Include \"%s\" Include \"%s\"", next, next);
+        snprintf(name, sizeof name, "double%d.txt", i);
+        store(scratch(name), text, i < 39 ? (size_t)n : 0);
+    }
+    assert_int_equal(bis_scene_parse(&d, first, &diag), BIS_INPUT);
+    assert_non_null(strstr(diag.messages[0].text, "more than 100000 Includes"));
+    bis_diag_clear(&diag);
+}
+
+/* ---- the user's reference ---- */
+
+/* Every block that is fenced as ```pbrt in docs/scene-format.md. One without WorldBegin is a part: it is tried on both
+ * sides of one. */
+static void check_example(const char *text, size_t n)
+{
+    char scene[8192];
+    bis_scene_desc *d;
+    bis_diag diag = {0};
+    const char *part = memmem(text, n, "WorldBegin", 10) ? "%.*s" : memmem(text, n, "# in the world", 14) ? "WorldBegin\n%.*s\n" : "%.*s\nWorldBegin\n";
+    assert_true(n + 64 < sizeof scene);
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+    snprintf(scene, sizeof scene, part, (int)n, text);
+#pragma GCC diagnostic pop
+    store("build/scratch/example.txt", scene, strlen(scene));
+    bis_status status = bis_scene_parse(&d, "build/scratch/example.txt", &diag);
+    for (size_t i = 0; i < diag.n && status; i++) print_error("%s\n%.*s", diag.messages[i].text, (int)n, text);
+    assert_int_equal(status, BIS_OK);
+    bis_scene_desc_free(d);
+    bis_diag_clear(&diag);
+}
+
+static void every_example_of_the_reference_is_a_scene(void **state)
+{
+    static const char fence[] = "```pbrt\n";
+    unsigned char *page;
+    size_t size;
+    int n = 0;
+    (void)state;
+    assert_int_equal(bis_file_read(&page, &size, "docs/scene-format.md", (bis_loc){0}, NULL), BIS_OK);
+    /* the files that the examples name */
+    static const char *const names[] = {"map.exr", "probe.hdr", "dragon.ply", "teapot.obj", "materials.txt"};
+    scratch("x");
+    for (size_t i = 0; i < BIS_COUNT(names); i++) {
+        char path[64];
+        snprintf(path, sizeof path, "build/scratch/%s", names[i]);
+        store(path, "# nothing\n", 10);
+    }
+    for (const char *at = strstr((const char *)page, fence); at; at = strstr(at, fence)) {
+        at += strlen(fence);
+        const char *end = strstr(at, "```");
+        assert_non_null(end);
+        check_example(at, (size_t)(end - at));
+        at = end;
+        n++;
+    }
+    assert_true(n >= 20);
+    bis_free(page);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bad_scenes_give_exactly_the_messages_beside_them),
+        cmocka_unit_test(a_bad_scene_without_a_list_for_messages_fails_all_the_same),
+        cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
+        cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract_E39),
+        cmocka_unit_test(a_light_without_parameters_has_the_defaults_of_the_contract),
+        cmocka_unit_test(materials_have_the_defaults_of_the_contract),
+        cmocka_unit_test(coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38),
+        cmocka_unit_test(every_parameter_before_the_world_arrives),
+        cmocka_unit_test(every_parameter_of_the_other_integrators_arrives),
+        cmocka_unit_test(every_parameter_of_a_light_arrives),
+        cmocka_unit_test(spp_alone_is_divided_as_squarely_as_possible),
+        cmocka_unit_test(a_directive_given_again_starts_from_the_defaults),
+        cmocka_unit_test(transformations_multiply_from_the_right),
+        cmocka_unit_test(the_coordinate_system_camera_maps_camera_space_to_the_world),
+        cmocka_unit_test(blocks_restore_what_they_saved),
+        cmocka_unit_test(instances_put_their_transformation_before_the_objects),
+        cmocka_unit_test(a_file_named_by_many_shapes_is_one_mesh),
+        cmocka_unit_test(a_named_material_may_be_used_before_it_is_made),
+        cmocka_unit_test(triangles_arrive_with_points_indices_and_normals),
+        cmocka_unit_test(a_light_frame_may_be_rotated_and_mirrored_and_is_made_exactly_orthonormal),
+        cmocka_unit_test(a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no_message),
+        cmocka_unit_test(when_the_kth_allocation_fails_the_parse_fails_cleanly),
+        cmocka_unit_test(a_german_locale_changes_no_number),
+        cmocka_unit_test(damaged_scenes_are_survived),
+        cmocka_unit_test(limits_are_errors_and_not_exhausted_memory),
+        cmocka_unit_test(includes_that_double_are_stopped),
+        cmocka_unit_test(every_example_of_the_reference_is_a_scene),
+    };
+    return cmocka_run_group_tests_name("parser", tests, NULL, scratch_remove);
+}

@@ -1,0 +1,381 @@
+/* scene: what is built of a description, and what is not. */
+#include "bis/scene/scene.h"
+
+#include "bis/base/mem.h"
+#include "image_help.h"
+#include "scene/scene_peek.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define SCENES "../../tests/data/scenes/" /* from build/scratch */
+
+/* ---- help ---- */
+
+typedef struct built {
+    bis_scene_desc *desc;
+    bis_scene *scene;
+    bis_diag diag;
+} built;
+
+static built describe(const char *before, const char *after)
+{
+    built b = {0};
+    char text[4096];
+    int n = snprintf(text, sizeof text, "%s\nWorldBegin\n%s\n", before, after);
+    store(scratch("scene.txt"), text, (size_t)n);
+    bis_status status = bis_scene_parse(&b.desc, scratch("scene.txt"), &b.diag);
+    for (size_t i = 0; i < b.diag.n && status; i++) print_error("%s\n", b.diag.messages[i].text);
+    assert_int_equal(status, BIS_OK);
+    return b;
+}
+
+static built build(const char *before, const char *after)
+{
+    built b = describe(before, after);
+    bis_status status = bis_scene_build(&b.scene, b.desc, &b.diag);
+    for (size_t i = 0; i < b.diag.n && status; i++) print_error("%s\n", b.diag.messages[i].text);
+    assert_int_equal(status, BIS_OK);
+    return b;
+}
+
+static void clear(built *b)
+{
+    bis_scene_free(b->scene);
+    bis_scene_desc_free(b->desc);
+    bis_diag_clear(&b->diag);
+}
+
+#define TETRAHEDRON "Shape \"plymesh\" \"string filename\" \"" SCENES "tetrahedron.ply\"\n"
+#define SQUARE "Shape \"objmesh\" \"string filename\" \"" SCENES "square.obj\"\n"
+#define MAP "LightSource \"infinite\" \"string filename\" \"" SCENES "map.pfm\"\n"
+#define MAP_B0 "LightSource \"infinite\" \"float areaexponent\" 0 \"string filename\" \"" SCENES "map.pfm\"\n"
+
+static bool hits(const bis_scene *s, double x, double y, double z, double dx, double dy, double dz, float *t)
+{
+    ray r = {vec3_from(x, y, z), vec3_from(dx, dy, dz), INFINITY};
+    bis_hit hit;
+    if (!bis_accel_intersect(s->accel, &r, &hit)) return false;
+    *t = hit.t;
+    return true;
+}
+
+/* ---- geometry ---- */
+
+static void every_kind_of_shape_is_built(void **state)
+{
+    (void)state;
+    built b = build("", MAP TETRAHEDRON SQUARE "Shape \"sphere\" Shape \"disk\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+    assert_int_equal(b.scene->geometry.n_triangles, 4 + 2 + 1);
+    assert_int_equal(b.scene->geometry.n_quadrics, 2);
+    assert_non_null(b.scene->accel);
+    assert_non_null(b.scene->light);
+    assert_true(b.scene->seconds.load > 0 && b.scene->seconds.accel > 0 && b.scene->seconds.envmap >= 0);
+    clear(&b);
+}
+
+static void instances_share_a_mesh_and_stand_where_they_were_put(void **state)
+{
+    (void)state;
+    built b = build("", MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd\n"
+                            "ObjectInstance \"o\" Translate 10 0 0 ObjectInstance \"o\" Translate 10 0 0 Scale 2 2 2 ObjectInstance \"o\"");
+    float t = 0;
+    assert_int_equal(b.desc->n_meshes, 1);
+    /* also the first, whose identity would let its mesh be moved away */
+    assert_int_equal(b.scene->geometry.n_triangles, 12);
+    for (int i = 0; i < 3; i++) {
+        assert_true(hits(b.scene, 10 * i + 0.2, 0.2, -1, 0, 0, 1, &t));
+        assert_true(fabs((double)t - 1) < 1e-6);
+    }
+    assert_true(hits(b.scene, 21.5, 0.2, -1, 0, 0, 1, &t)); /* only the doubled one is as wide */
+    assert_false(hits(b.scene, 11.5, 0.2, -1, 0, 0, 1, &t));
+    clear(&b);
+}
+
+static void an_object_without_instance_is_not_built(void **state)
+{
+    (void)state;
+    built b = build("", MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd Shape \"sphere\"");
+    assert_int_equal(b.scene->geometry.n_triangles, 0);
+    assert_int_equal(b.scene->geometry.n_quadrics, 1);
+    clear(&b);
+}
+
+static void the_description_survives_the_build(void **state)
+{
+    (void)state;
+    built b = build("", MAP "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+    assert_int_equal(b.desc->meshes[0].mesh.n_triangles, 1); /* borrowed, not moved */
+    assert_non_null(b.desc->meshes[0].mesh.p);
+    bis_scene *again;
+    assert_int_equal(bis_scene_build(&again, b.desc, &b.diag), BIS_OK);
+    assert_int_equal(again->geometry.n_triangles, 1);
+    bis_scene_free(again);
+    clear(&b);
+}
+
+static void smooth_makes_normals_only_when_asked(void **state)
+{
+    (void)state;
+    built b = build("", MAP TETRAHEDRON);
+    assert_null(b.scene->geometry.n);
+    clear(&b);
+    b = build("", MAP "Shape \"plymesh\" \"bool smooth\" true \"string filename\" \"" SCENES "tetrahedron.ply\"");
+    assert_non_null(b.scene->geometry.n);
+    clear(&b);
+}
+
+static void a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_name(void **state)
+{
+    bis_scene *s = (bis_scene *)1;
+    (void)state;
+    store(scratch("gone.ply"), "ply\nnonsense", 12);
+    char text[512];
+    const char *name = strrchr(scratch("gone.ply"), '/') + 1;
+    snprintf(text, sizeof text, MAP "Shape \"plymesh\" \"string filename\" \"%s\"", name);
+    built b = describe("", text);
+    assert_int_equal(bis_scene_build(&s, b.desc, &b.diag), BIS_INPUT);
+    assert_null(s);
+    unlink(scratch("gone.ply"));
+    assert_int_equal(bis_scene_build(&s, b.desc, &b.diag), BIS_IO);
+    assert_null(s);
+    assert_non_null(strstr(b.diag.messages[b.diag.n - 1].text, "scene.txt:4:17: error: "));
+    clear(&b);
+}
+
+/* ---- only what is required ---- */
+
+static void without_geometry_there_is_neither_accelerator_nor_table(void **state)
+{
+    (void)state;
+    built b = build("Integrator \"em\"", MAP);
+    assert_null(b.scene->accel);
+    assert_null(bis_light_importance(b.scene->light));
+    assert_non_null(bis_light_envmap(b.scene->light)); /* the camera sees it */
+    clear(&b);
+}
+
+static void without_a_light_it_is_black(void **state)
+{
+    (void)state;
+    built b = build("", "Shape \"sphere\"");
+    assert_true(bis_light_is_black(b.scene->light));
+    assert_true(bis_light_is_constant(b.scene->light));
+    clear(&b);
+}
+
+static void a_constant_light_builds_no_table(void **state)
+{
+    (void)state;
+    built b = build("Integrator \"em\"",
+                    "LightSource \"infinite\" \"rgb L\" [1 2 3] \"float scale\" 2 Shape \"sphere\"");
+    assert_null(bis_light_importance(b.scene->light));
+    rgb Le = bis_light_Le(b.scene->light, (vec3){0, 0, 1});
+    assert_true(Le.r == 2 && Le.g == 4 && Le.b == 6);
+    clear(&b);
+}
+
+static void an_integrator_that_never_draws_from_the_map_builds_no_table(void **state)
+{
+    (void)state;
+    built b = build("Integrator \"brdf\"", MAP "Shape \"sphere\"");
+    assert_null(bis_light_importance(b.scene->light));
+    clear(&b);
+    b = build("Integrator \"em\"", MAP "Shape \"sphere\"");
+    assert_non_null(bis_light_importance(b.scene->light));
+    clear(&b);
+}
+
+/* ---- the light's frame ---- */
+
+/* map.pfm: 4 x 2, radiance (1 + x, 2, 3 + row from the bottom). In the light's frame z is up; Rotate -90 about x turns
+ * it to +y. */
+static void the_map_is_turned_by_the_transformation_at_its_place(void **state)
+{
+    (void)state;
+    built b = build("", "AttributeBegin Rotate -90 1 0 0 " MAP "AttributeEnd");
+    const bis_light *l = b.scene->light;
+    assert_true(bis_light_Le(l, (vec3){0, 1, 0}).b == 4);  /* top row: the file's last */
+    assert_true(bis_light_Le(l, (vec3){0, -1, 0}).b == 3);
+    /* phi = 45 degrees of the light's frame, x = 0 of 4, is (1, 0, -1): y of the light becomes -z of the world */
+    assert_true(bis_light_Le(l, normalize((vec3){1, 0.1f, -1})).r == 1);
+    assert_true(bis_light_Le(l, normalize((vec3){-1, 0.1f, -1})).r == 2);
+    clear(&b);
+}
+
+/* ---- memory ---- */
+
+static void when_the_kth_allocation_fails_the_build_fails_cleanly(void **state)
+{
+    (void)state;
+    built b = describe("Accelerator \"grid\"\nIntegrator \"sir\" \"string proposal\" \"em\"",
+                       MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" " SQUARE
+                           "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] Shape \"sphere\"");
+    bool ended = false;
+    for (long k = 1; !ended; k++) {
+        bis_scene *s;
+        bis_diag diag = {0};
+        bis_mem_fail_at(k);
+        bis_status status = bis_scene_build(&s, b.desc, &diag);
+        ended = bis_mem_count() < k;
+        bis_mem_fail_at(0);
+        assert_true((s == NULL) == (status != BIS_OK));
+        if (status) {
+            assert_int_equal(status, BIS_NOMEM);
+            assert_true(diag.n_errors > 0);
+        }
+        bis_scene_free(s);
+        bis_diag_clear(&diag);
+        assert_true(k < 10000);
+    }
+    clear(&b);
+}
+
+/* ---- plan ---- */
+
+static char *plan(const built *b)
+{
+    char *text = NULL;
+    size_t n;
+    FILE *out = open_memstream(&text, &n);
+    bis_scene_plan(b->desc, out);
+    fclose(out);
+    return text;
+}
+
+static void assert_plan(const char *before, const char *after, const char *const *lines)
+{
+    built b = describe(before, after);
+    char *text = plan(&b);
+    for (; *lines; lines++) {
+        if (!strstr(text, *lines)) print_error("no \"%s\" in\n%s", *lines, text);
+        assert_non_null(strstr(text, *lines));
+    }
+    free(text);
+    clear(&b);
+}
+
+static void the_plan_says_what_is_left_out_and_why(void **state)
+{
+    (void)state;
+    assert_plan("", MAP, (const char *const[]){"\nskip         accelerator: there is no geometry\n",
+                                               "\nskip         light table: there is no geometry to light\n", NULL});
+    assert_plan("", "LightSource \"infinite\" Shape \"sphere\"",
+                (const char *const[]){"\nlight        constant\n",
+                                      "\nskip         light table: a constant light is drawn from without tables\n",
+                                      "\nskip         specular candidates: Ks is 0 in 1 of 1 materials\n", NULL});
+    assert_plan("", "Shape \"sphere\"", (const char *const[]){"\nlight        none: the picture will be black\n",
+                                                              "\nskip         light table: there is no light\n", NULL});
+    assert_plan("Integrator \"brdf\"", MAP "Shape \"sphere\"",
+                (const char *const[]){"\nskip         light table: this integrator, so set, draws nothing from the map\n", NULL});
+    assert_plan("Integrator \"em\"", MAP_B0 "Material \"phong\" \"float Kd\" 0 \"float Ks\" 1 Shape \"sphere\"",
+                (const char *const[]){"\nskip         light components: areaexponent is 0\n",
+                                      "\nskip         diffuse candidates: Kd is 0 in 1 of 1 materials\n", NULL});
+    assert_plan("", MAP "ObjectBegin \"o\" " TETRAHEDRON "ObjectEnd Shape \"sphere\"",
+                (const char *const[]){"tetrahedron.ply: no shape or instance uses it\n", NULL});
+}
+
+static void the_plan_says_what_is_built_and_how_large_it_is(void **state)
+{
+    (void)state;
+    assert_plan("Integrator \"em\" \"integer samples\" 3\nAccelerator \"grid\" \"float density\" 2.5\nSampler \"sobol\"",
+                MAP TETRAHEDRON TETRAHEDRON SQUARE,
+                (const char *const[]){"\nintegrator   em: samples 3, stratify false\n", "\nclaim        ",
+                                      "\nsampler      sobol, 16 camera samples a pixel, seed 0\n",
+                                      "map.pfm, latlong, 4 x 2: 0.0 MB of pixels\n", "\nbuild        light table, CDFs: at most 0.0 MB\n",
+                                      "\nbuild        light components, 8 levels, areaexponent 0.15\n",
+                                      "tetrahedron.ply, 4 vertices, 4 faces, read once for 2 shapes\n", "square.obj, a file of",
+                                      "\nbuild        accelerator grid, density 2.5\n", NULL});
+}
+
+/* 1280 x 720 pixels; the 80 x 45 of the crop begin at (640, 360), in the middle of a row of tiles. */
+static void the_plan_says_what_a_crop_costs_that_learns(void **state)
+{
+    static const char line[] = "\ncrop         80 x 64 pixels are rendered for its 80 x 45, whole tiles of 16 x 16: \"learn\" is by tiles\n";
+    static const char part[] = "Film \"rgb\" \"integer xresolution\" 1280 \"integer yresolution\" 720 \"float cropwindow\" [ 0.5 0.5625 0.5 0.5625 ]\n";
+    static const char *const learns[] = {"Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true",
+                                         "Integrator \"sir\" \"string proposal\" \"product\"",
+                                         "Integrator \"sir\" \"string proposal\" \"product\" \"bool learn\" true Sampler \"random\" \"bool adaptive\" true"};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        char before[512];
+        snprintf(before, sizeof before, "%s%s", part, learns[i]);
+        built b = describe(before, MAP "Shape \"sphere\"");
+        char *text = plan(&b);
+        assert_true((strstr(text, line) != NULL) == (i == 0));
+        assert_true((strstr(text, "\ncrop ") != NULL) == (i == 0));
+        free(text);
+        clear(&b);
+    }
+}
+
+/* The plan and the build draw the same conclusions. */
+static void the_plan_agrees_with_the_build(void **state)
+{
+    static const char *const integrators[] = {"em", "brdf", "mis", "rejection", "sir", "exact", "unoccluded"};
+    static const char *const worlds[] = {MAP, MAP "Shape \"sphere\"", "LightSource \"infinite\" Shape \"disk\"",
+                                         "Shape \"sphere\"", ""};
+    (void)state;
+    for (size_t i = 0; i < 7; i++)
+        for (size_t j = 0; j < 5; j++) {
+            char before[64];
+            snprintf(before, sizeof before, "Integrator \"%s\"", integrators[i]);
+            built b = build(before, worlds[j]);
+            char *text = plan(&b);
+            const bool table = strstr(text, "\nbuild        light table") || strstr(text, "\nbuild        light curve");
+            assert_true(table == (bis_light_importance(b.scene->light) != NULL));
+            assert_true((strstr(text, "\nbuild        accelerator") != NULL) == (b.scene->accel != NULL));
+            free(text);
+            clear(&b);
+        }
+}
+
+static void image_sizes_are_read_from_headers(void **state)
+{
+    static const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 512 +X 1024\n";
+    static const char exr[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\xff\xff\xff\xff\0\0\0\0\x0e\0\0\0\x04\0\0";
+    long w, h;
+    (void)state;
+    store(scratch("a.hdr"), hdr, sizeof hdr - 1);
+    assert_true(bis_scene_peek_image(scratch("a.hdr"), &w, &h) && w == 1024 && h == 512);
+    store(scratch("a.exr"), exr, sizeof exr);
+    assert_true(bis_scene_peek_image(scratch("a.exr"), &w, &h) && w == 16 && h == 5);
+    store(scratch("a.exr"), exr, sizeof exr - 2);
+    assert_false(bis_scene_peek_image(scratch("a.exr"), &w, &h));
+    store(scratch("a.pfm"), "PF\n3 7\n-1\n", 10);
+    assert_true(bis_scene_peek_image(scratch("a.pfm"), &w, &h) && w == 3 && h == 7);
+    store(scratch("a.pfm"), "", 0);
+    assert_false(bis_scene_peek_image(scratch("a.pfm"), &w, &h));
+    assert_false(bis_scene_peek_image("build", &w, &h));
+    assert_int_equal(bis_scene_peek_bytes("build/no-such-file"), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_kind_of_shape_is_built),
+        cmocka_unit_test(instances_share_a_mesh_and_stand_where_they_were_put),
+        cmocka_unit_test(an_object_without_instance_is_not_built),
+        cmocka_unit_test(the_description_survives_the_build),
+        cmocka_unit_test(smooth_makes_normals_only_when_asked),
+        cmocka_unit_test(a_mesh_that_vanishes_or_is_damaged_after_parsing_is_an_error_at_its_name),
+        cmocka_unit_test(without_geometry_there_is_neither_accelerator_nor_table),
+        cmocka_unit_test(without_a_light_it_is_black),
+        cmocka_unit_test(a_constant_light_builds_no_table),
+        cmocka_unit_test(an_integrator_that_never_draws_from_the_map_builds_no_table),
+        cmocka_unit_test(the_map_is_turned_by_the_transformation_at_its_place),
+        cmocka_unit_test(when_the_kth_allocation_fails_the_build_fails_cleanly),
+        cmocka_unit_test(the_plan_says_what_is_left_out_and_why),
+        cmocka_unit_test(the_plan_says_what_is_built_and_how_large_it_is),
+        cmocka_unit_test(the_plan_says_what_a_crop_costs_that_learns),
+        cmocka_unit_test(the_plan_agrees_with_the_build),
+        cmocka_unit_test(image_sizes_are_read_from_headers),
+    };
+    return cmocka_run_group_tests_name("scene", tests, NULL, scratch_remove);
+}

@@ -1,0 +1,436 @@
+/* What the README and docs tell users to type works: every `./bis ...` line of their code blocks is run, small and
+ * short, in a folder that looks like the repository's root. And the layers that README draws are those of the code,
+ * the items of the errata have their tests, pasted code is that of the source, equations stand where the guide says;
+ * each check can fail. */
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define DIR "build/test_docs"
+
+static int shell(const char *command)
+{
+    fflush(stdout);
+    int status = system(command);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+/* A stand-in for the root: the scene and data of the repository, `bis` the program under test. */
+static void make_root(void)
+{
+    char here[2048], target[4096];
+    const char *program = getenv("BIS_PROGRAM");
+    program_folder(DIR);
+    assert_non_null(getcwd(here, sizeof here));
+    const char *names[] = {"scene.txt", "data"};
+    for (int i = 0; i < 2; i++) {
+        char link[64];
+        snprintf(target, sizeof target, "%s/%s", here, names[i]);
+        snprintf(link, sizeof link, DIR "/%s", names[i]);
+        assert_int_equal(symlink(target, link), 0);
+    }
+    if (!program || !*program) program = "build/release/bis";
+    snprintf(target, sizeof target, "%s%s%s", program[0] == '/' ? "" : here, program[0] == '/' ? "" : "/", program);
+    assert_int_equal(symlink(target, DIR "/bis"), 0);
+}
+
+/* The last line of a page that could be run ends in `&& ./bis scene.txt`: what stands before is the set-up. */
+static const char *find_program(const char *line)
+{
+    const char *at = strstr(line, "./bis ");
+    return at && (at == line || strncmp(at - 3, "&& ", 3) == 0) ? at : NULL;
+}
+
+static bool renders(const char *command)
+{
+    static const char *const others[] = {"./bis compare", "./bis envmap", "./bis pixel", "./bis help"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        if (strncmp(command, others[i], strlen(others[i])) == 0) return false;
+    }
+    return !strstr(command, "--plan");
+}
+
+/* Small and short. */
+static const char *shortened(const char *command)
+{
+    if (renders(command)) return " --resolution 20x15 --spp 1 --quiet";
+    return strncmp(command, "./bis pixel", 11) == 0 ? " --repeats 2" : "";
+}
+
+enum { MOST_COMMANDS = 64 };
+
+/* Runs the commands on a page, each once; returns the number of different ones. */
+static int run_commands_of(const char *page)
+{
+    static char ran[MOST_COMMANDS][1024];
+    char line[1024], command[2048];
+    bool in_code = false;
+    int n = 0;
+    FILE *f = fopen(page, "r");
+    assert_non_null(f);
+    while (fgets(line, sizeof line, f)) {
+        line[strcspn(line, "\n")] = '\0';
+        if (strncmp(line, "```", 3) == 0) in_code = !in_code;
+        const char *bis = in_code ? find_program(line) : NULL;
+        if (!bis) continue;
+        int before = 0;
+        while (before < n && strcmp(ran[before], bis) != 0) before++;
+        if (before < n) continue;
+        assert_true(n < MOST_COMMANDS);
+        snprintf(ran[n], sizeof ran[n], "%s", bis);
+        snprintf(command, sizeof command, "cd " DIR " && %s%s > out 2> err", bis, shortened(bis));
+        int status = shell(command);
+        if (status != 0) fail_msg("%s: `%s` exits with %d", page, command, status);
+        n++;
+    }
+    fclose(f);
+    return n;
+}
+
+static void every_command_of_the_readme_works(void **state)
+{
+    (void)state;
+    make_root();
+    assert_true(run_commands_of("README.md") >= 5);
+    assert_true(program_exists(DIR "/bis.png")); /* the first command */
+}
+
+/* What a "Do" box of the guide asks for can be done. */
+static void every_command_of_the_guide_works(void **state)
+{
+    (void)state;
+    make_root();
+    assert_true(run_commands_of("docs/guide.md") >= 12);
+    assert_true(program_exists(DIR "/pixel_350_300/samples.png") && program_exists(DIR "/sky-importance.png"));
+}
+
+/* No link of a page leads nowhere. */
+static void links_of_the_pages_lead_to_files(void **state)
+{
+    (void)state;
+    const char *pages[] = {"README.md", "docs/command-line.md", "docs/architecture.md", "docs/integrators.md", "docs/scene-format.md",
+                           "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md", "docs/budgets.md", "docs/pixel.md",
+                           "docs/guide.md", "docs/theory.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
+    for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
+        char text[1 << 16], path[1024];
+        FILE *f = fopen(pages[i], "r");
+        assert_non_null(f);
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        for (const char *at = strstr(text, "]("); at; at = strstr(at + 1, "](")) {
+            size_t n = strcspn(at + 2, ")#");
+            if (n == 0 || strncmp(at + 2, "http", 4) == 0) continue;
+            const char *slash = strrchr(pages[i], '/');
+            snprintf(path, sizeof path, "%.*s%.*s", slash ? (int)(slash - pages[i] + 1) : 0, pages[i], (int)n, at + 2);
+            if (!program_exists(path)) fail_msg("%s: no %s", pages[i], path);
+        }
+    }
+}
+
+/* --- the guide
+ * ------------------------------------------------------------------------------------------------------ */
+
+static void code_on_the_pages_is_what_the_compiler_sees(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check/fragments.sh --check"), 0);
+}
+
+/* The twins: a fresh root with one page. */
+static void a_fragment_that_is_gone_or_differs_is_found(void **state)
+{
+    (void)state;
+    const char *right = "Text.\n\n<!-- src/a.c [add] -->\n```c\n    return a + b;\n```\n\n```c\nfree();\n```\n";
+    const struct { const char *page, *source, *message; } cases[] = {
+        {right, "{\n    /* [add] */\n    return a + b;\n    /* [end] */\n}\n", NULL},
+        {right, "{\n    /* [add] */\n    return b + a;\n    /* [end] */\n}\n", "docs/page.md: code differs"},
+        {right, "{\n    /* [sum] */\n    return a + b;\n    /* [end] */\n}\n", "docs/page.md:3: src/a.c has no fragment [add]"},
+        {right, "{\n    /* [add] */\n    return a + b;\n}\n", "docs/page.md:3: src/a.c has no fragment [add]"},
+        {"<!-- src/a.c [add] -->\nText.\n", "/* [add] */\nint a;\n/* [end] */\n", "docs/page.md:2: the block of code is missing"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static char text[4096];
+        assert_int_equal(shell("cd build && rm -rf fragments && mkdir -p fragments/docs fragments/src && echo > fragments/README.md"), 0);
+        program_write_file("build/fragments/docs/page.md", cases[i].page);
+        program_write_file("build/fragments/src/a.c", cases[i].source);
+        int status = shell("sh scripts/check/fragments.sh --check build/fragments > build/fragments.out 2>&1");
+        FILE *f = fopen("build/fragments.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+    }
+}
+
+static void every_equation_of_the_guide_stands_in_the_files_it_names(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check/check_guide.sh"), 0);
+}
+
+static void an_equation_that_a_file_does_not_name_is_found(void **state)
+{
+    (void)state;
+    static const char others[] = "| 3.17 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, 3.14, 3.15, 3.16 | |\n"
+                                 "| 4.1 | 4.2, 4.3, 4.4, 4.5, 4.6, 4.7, 4.8, 4.9 | [`src/a.c`](../src/a.c) |\n";
+    static const char sections[] = "## 3.1 A\n*Do:* x\n<details>\ny\n</details>\n"
+                                   "## 4.1 B\n*Do:* x\n<details>\ny\n</details>\n## 5 C\n";
+    const char *page = "| 3.1 | light | [`src/a.c`](../src/a.c) `add` |\n";
+    const struct { const char *page, *source, *message; } cases[] = {
+        {page, "/* see eq. 3.1, eq. 4.1 */ int add(void);\n", NULL},
+        {page, "/* the sum: thesis eq.\n * 3.1. eq. 4.1 */ int add(void);\n", NULL},
+        {page, "/* see eq. 3.16, eq. 4.1 */ int add(void);\n", "docs/guide.md:1: src/a.c never says eq. 3.1"},
+        {page, "/* see eq. 3.1, eq. 4.1 */ int sum(void);\n", "docs/guide.md:1: src/a.c has no add"},
+        {"", "/* see eq. 3.1, eq. 4.1 */\n", "docs/guide.md: eq. 3.1 is not in the table"},
+        {"Nothing.\n", "", "docs/guide.md: no table of equations"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static char text[4096];
+        assert_int_equal(shell("cd build && rm -rf guide_check && mkdir -p guide_check/docs guide_check/src"), 0);
+        char table[2048]; /* the table first: messages say line 1 */
+        snprintf(table, sizeof table, "%s%s%s", cases[i].page, cases[i].source[0] ? others : "", sections);
+        program_write_file("build/guide_check/docs/guide.md", table);
+        program_write_file("build/guide_check/src/a.c", cases[i].source);
+        int status = shell("sh scripts/check/check_guide.sh build/guide_check > build/guide_check.out");
+        FILE *f = fopen("build/guide_check.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+    }
+}
+
+/* The twin of "every section of chapters 3 and 4 has something to do", which the check of equations above does, too. */
+static void a_section_without_a_task_or_its_answer_is_found(void **state)
+{
+    (void)state;
+    static const char table[] = "## 5 C\n| 3.1 | 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 3.10, 3.11, 3.12, 3.13, "
+                                "3.14, 3.15, 3.16, 3.17 | [`src/a.c`](../src/a.c) |\n"
+                                "| 4.1 | 4.2, 4.3, 4.4, 4.5, 4.6, 4.7, 4.8, 4.9 | [`src/a.c`](../src/a.c) |\n";
+    const char *box = "*Do:* x\n\n<details>\ny\n</details>\n";
+    const struct { const char *first, *second, *message; } cases[] = {
+        {box, box, NULL},
+        {"Text.\n", box, "docs/guide.md:1: section 3.2.1 has no *Do:*"},
+        {box, "Text.\n<details>\n</details>\n", "section 4.4 has no *Do:*"},
+        {box, "*Do:* x\n", "section 4.4 hides no answer in <details> below its *Do:*"},
+        {"<details>\ny\n</details>\n*Do:* x\n", box, "section 3.2.1 hides no answer in <details> below its *Do:*"},
+        {box, "*Do:* x\n<details>\ny\n", "section 4.4 does not close its <details>"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static char text[4096], page[2048];
+        assert_int_equal(shell("cd build && rm -rf guide_check && mkdir -p guide_check/docs guide_check/src"), 0);
+        snprintf(page, sizeof page, "## 3.2.1 A\n%s## 4.4 B\n%s%s", cases[i].first, cases[i].second, table);
+        program_write_file("build/guide_check/docs/guide.md", page);
+        program_write_file("build/guide_check/src/a.c", "/* see eq. 3.1, eq. 4.1 */\n");
+        int status = shell("sh scripts/check/check_guide.sh build/guide_check > build/guide_check.out");
+        FILE *f = fopen("build/guide_check.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        if (status != (cases[i].message != NULL)) fail_msg("case %zu: status %d, %s", i, status, text);
+        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+    }
+}
+
+/* --- docstrings
+ * ----------------------------------------------------------------------------------------------------- */
+
+static void each_public_function_has_a_docstring_that_begins_with_its_name(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check/check_docstrings.sh > build/test_docs.out"), 0);
+}
+
+#define COLUMNS_50 "12345678901234567890123456789012345678901234567890"
+
+/* The twin: a fresh tree with one public header, and one file of src. */
+static void a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found(void **state)
+{
+    (void)state;
+    const struct { const char *header, *source, *message; } cases[] = {
+        {"/* f does it. */\nint f(int x);\n", "\n", NULL},
+        {"/* f, and g, too, for more than\n * one. */\nint f(int x);\nstatic inline int g(void)\n{\n    return f(1);\n}\n", "\n", NULL},
+        {"/* g does it. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: the comment above f does not begin with its name"},
+        {"/* Does it. */\nint *f(int x,\n       int y);\n", "\n", "include/bis/base/x.h:2: the comment above f"},
+        {"/* f2 does it. */\nint f(int x);\n", "\n", "include/bis/base/x.h:2: the comment above f"},
+        {"/* f does it. */\nint f(int x);\n\nint g(int x);\n", "\n", "include/bis/base/x.h:4: the comment above g"},
+        {"/* f does it. */\ntypedef int t;\nint f(int x);\n", "\n", "include/bis/base/x.h:3: the comment above f"},
+        {"/* f does it. */\nint f(int x);\n", "/* As SP" "EC 5. */\n", "src/base/x.c:1:/* As SP" "EC 5. */"},
+        {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "12345678901234 */\n", NULL},
+        {"/* f does it. */\nint f(int x);\n", "/* " COLUMNS_50 COLUMNS_50 "123456789012345 */\n", "src/base/x.c:1: 121 columns"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024] = "";
+        assert_int_equal(shell("cd build && rm -rf docstrings && mkdir -p docstrings/include/bis/base docstrings/src/base"), 0);
+        program_write_file("build/docstrings/include/bis/base/x.h", cases[i].header);
+        program_write_file("build/docstrings/src/base/x.c", cases[i].source);
+        int status = shell("known= sh scripts/check/check_docstrings.sh build/docstrings > build/docstrings.out");
+        FILE *f = fopen("build/docstrings.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message) assert_ptr_equal(strstr(text, cases[i].message), text);
+    }
+}
+
+/* --- layers
+ * -------------------------------------------------------------------------------------------------------- */
+
+static void arrows_only_go_down(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check/check_layers.sh > build/test_docs.out"), 0);
+}
+
+/* The twin: a fresh tree with one file that looks up, and one in a folder that nobody gave a row. */
+static void an_include_that_goes_up_or_a_stranger_is_found(void **state)
+{
+    (void)state;
+    const struct { const char *name, *text, *message; } cases[] = {
+        {"thesis/sir.c", "#include \"bis/base/vec.h\"\n", NULL},
+        {"thesis/sir.c", "#include \"bis/base/vec.h\"\n#include \"bis/scene/scene.h\"\n",
+         "src/thesis/sir.c:2: thesis may not include \"bis/scene/scene.h\""},
+        {"base/file.c", "#  include \"shape/grid.h\"\n", "src/base/file.c:1: base may not include \"shape/grid.h\""},
+        {"tools/trade/trade.c", "#include \"bis/thesis/envmap.h\"\n#include \"trade.h\"\n", NULL},
+        {"tools/trade/trade.c", "#include \"cli/cli.h\"\n", "src/tools/trade/trade.c:1: tools may not include \"cli/cli.h\""},
+        {"quux/quux.c", "", "src/quux/quux.c: folder \"quux\" has no line"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[256], text[1024] = "", command[512];
+        snprintf(path, sizeof path, "build/layers/src/%s", cases[i].name);
+        snprintf(command, sizeof command, "rm -rf build/layers && mkdir -p $(dirname %s) build/layers/include/bis/base", path);
+        assert_int_equal(shell(command), 0);
+        program_write_file("build/layers/include/bis/base/vec.h", "");
+        program_write_file(path, *cases[i].text ? cases[i].text : "\n");
+        int status = shell("sh scripts/check/check_layers.sh build/layers > build/layers.out");
+        FILE *f = fopen("build/layers.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message) assert_ptr_equal(strstr(text, cases[i].message), text);
+    }
+}
+
+/* Two objects that take a function of each other, and a third beside them. */
+static void files_that_need_each_other_are_found(void **state)
+{
+    (void)state;
+    const char *const folder = "build/circles";
+    char command[1024], text[1024] = "";
+    for (int twin = 0; twin < 2; twin++) {
+        snprintf(command, sizeof command,
+                 "rm -rf %s && mkdir -p %s/src/a %s/src/b && cd %s/src && "
+                 "echo 'int bis_b(void); int bis_a(void); int bis_a(void) { return bis_b(); }' > a/a.c && "
+                 "echo 'int bis_a(void); int bis_b(void); int bis_b(void) { return %s; }' > b/b.c && "
+                 "echo 'int bis_a(void); int main(void) { return bis_a(); }' > b/c.c && "
+                 "for f in a/a b/b b/c; do cc -c -o $f.o $f.c || exit 1; done",
+                 folder, folder, folder, folder, twin ? "bis_a()" : "1");
+        if (shell(command) != 0) skip();
+        assert_int_equal(shell("sh scripts/check/check_circles.sh build/circles > build/circles.out"), twin);
+        FILE *f = fopen("build/circles.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(strstr(text, "a/a.c") && strstr(text, "b/b.c") && !strstr(text, "b/c.c"), twin);
+    }
+}
+
+/* --- errata
+ * -------------------------------------------------------------------------------------------------------- */
+
+static void every_item_of_the_errata_has_a_test_named_after_it_and_a_twin(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check/check_errata.sh"), 0);
+}
+
+#define ITEMS "**E1. One** (3.1). Text.\n\n**E2. Two.** Text.\n\n| item | right | as printed | twin |\n| --- | --- |\n"
+#define ROW1 "| E1 | `one_E1` | the same | the other way |\n"
+#define ROW2 "| E2 | `E2_is_right`<br>`two_E2` | `E2_fails` | half of it |\n"
+#define LACK "cmocka_unit_test(one_E1),\ncmocka_unit_test(two_E2),\ncmocka_unit_test(E2_fails),\n"
+#define TESTS LACK "cmocka_unit_test_setup(E2_is_right, up),\n"
+
+static void an_item_without_its_test_or_its_twin_is_found(void **state)
+{
+    (void)state;
+    const struct { const char *page, *tests, *message; } cases[] = {
+        {ITEMS ROW1 ROW2, TESTS, NULL},
+        {ITEMS ROW1 ROW2, TESTS "cmocka_unit_test(grows_by_1e12_E1_E2),\n", NULL},
+        {ITEMS ROW1, TESTS, "docs/errata.md: E2 has 0 rows in the table of tests"},
+        {ITEMS ROW1 ROW1 ROW2, TESTS, "docs/errata.md: E1 has 2 rows"},
+        {ITEMS ROW1 ROW2 "| E3 | `one_E1` | the same | x |\n", TESTS, "docs/errata.md: a row for E3, which is no item"},
+        {ITEMS ROW1 ROW2, LACK, "docs/errata.md: E2: no test E2_is_right"},
+        {ITEMS ROW1 "| E2 | `one_E1` | the same | x |\n", TESTS, "docs/errata.md: E2: one_E1 is not named after it"},
+        {ITEMS ROW1 "| E2 | | `E2_fails` | x |\n", TESTS, "docs/errata.md: E2 has no test"},
+        {ITEMS ROW1 "| E2 | `two_E2` | | x |\n", TESTS, "docs/errata.md: E2 has no twin"},
+        {ITEMS ROW1 "| E2 | `two_E2` | none | |\n", TESTS, "docs/errata.md: E2: what is the twin"},
+        {ITEMS ROW1 ROW2, TESTS "cmocka_unit_test(wrong_E3_too),\n", "tests/test_x.c: wrong_E3_too: E3 is no item"},
+        {"**E2. Two.** Text.\n", TESTS, "docs/errata.md: E2 follows E0"},
+        {"\n", TESTS, "docs/errata.md: no items"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static char text[4096];
+        assert_int_equal(shell("cd build && rm -rf errata_check && mkdir -p errata_check/docs errata_check/tests"), 0);
+        program_write_file("build/errata_check/docs/errata.md", cases[i].page);
+        program_write_file("build/errata_check/tests/test_x.c", cases[i].tests);
+        int status = shell("sh scripts/check/check_errata.sh build/errata_check > build/errata_check.out");
+        FILE *f = fopen("build/errata_check.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+    }
+}
+
+/* Programs for scripts/check/run_tests.sh: both find the project's files and leave one of their own; one fails. */
+static void each_run_of_the_tests_has_a_root_of_its_own(void **state)
+{
+    (void)state;
+    static const char good[] = "#!/bin/sh\npwd; test -f README.md && test -f tests/support/program.h && test ! -e build/mine && echo x > build/mine\n";
+    program_folder("build/test_runs");
+    program_write_file("build/test_runs/good", good);
+    program_write_file("build/test_runs/bad", "#!/bin/sh\necho x > build/mine; exit 1\n");
+    assert_int_equal(shell("chmod 755 build/test_runs/good build/test_runs/bad"), 0);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/good build/test_runs/good > build/test_runs/out"), 1); /* the second finds what the first left */
+        assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f $folder/mine && rm -r ${folder%/build}"), 0);
+        assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/good > build/test_runs/out"), 0); /* and this run does not */
+        assert_int_equal(shell("test ! -e $(sed -n 2p build/test_runs/out)"), 0);
+    }
+    assert_int_equal(shell("sh scripts/check/run_tests.sh build/test_runs/bad > build/test_runs/out"), 1);
+    assert_int_equal(shell("folder=$(sed -n 's/.*what they wrote is in //p' build/test_runs/out) && test -f $folder/mine && rm -r ${folder%/build}"), 0);
+    assert_false(program_exists("build/mine"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_command_of_the_readme_works),
+        cmocka_unit_test(every_command_of_the_guide_works),
+        cmocka_unit_test(a_section_without_a_task_or_its_answer_is_found),
+        cmocka_unit_test(links_of_the_pages_lead_to_files),
+        cmocka_unit_test(code_on_the_pages_is_what_the_compiler_sees),
+        cmocka_unit_test(a_fragment_that_is_gone_or_differs_is_found),
+        cmocka_unit_test(every_equation_of_the_guide_stands_in_the_files_it_names),
+        cmocka_unit_test(an_equation_that_a_file_does_not_name_is_found),
+        cmocka_unit_test(each_public_function_has_a_docstring_that_begins_with_its_name),
+        cmocka_unit_test(a_wrong_docstring_a_reference_to_nothing_or_a_long_line_is_found),
+        cmocka_unit_test(each_run_of_the_tests_has_a_root_of_its_own),
+        cmocka_unit_test(arrows_only_go_down),
+        cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
+        cmocka_unit_test(files_that_need_each_other_are_found),
+        cmocka_unit_test(every_item_of_the_errata_has_a_test_named_after_it_and_a_twin),
+        cmocka_unit_test(an_item_without_its_test_or_its_twin_is_found),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
