@@ -1,18 +1,20 @@
 /* stats and tests/stat: the judges are judged. References of Q: mpmath, 40 digits, rounded to 17; tables of Abramowitz
- * and Stegun (26.8); closed forms. Statistical tests here: at most 8, family-wise significance 0.01. */
+ * and Stegun (26.8); closed forms. Family-wise significance 0.01. */
 #include "bis/base/stats.h"
 #include "bis/thesis/rng.h"
 #include "stat.h"
 
+#include <errno.h>
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
-static double alpha(void) { return bis_stats_sidak(0.01, 8); }
+static double alpha(void) { return stat_level(0.01, 3); }
 
 static void assert_relative(double v, double expected, double tolerance)
 {
@@ -154,14 +156,15 @@ static void an_excess_of_5_percent_is_found_with_99_percent_power(void **state)
     double observed[CELLS], expected[CELLS];
     int found = 0, found_smaller = 0;
     const int runs = 1000;
+    const double level = bis_stats_sidak(0.01, 8); /* the one that 5.2 % belongs to */
     /* sum of p e^2 = excess^2 (1/p0 + 1/p1) */
-    const double p0 = 0.6208, p1 = p0 / 4, least = stat_least_error(DRAWS, 23, alpha(), 0.99) / sqrt(1 / p0 + 1 / p1);
+    const double p0 = 0.6208, p1 = p0 / 4, least = stat_least_error(DRAWS, 23, level, 0.99) / sqrt(1 / p0 + 1 / p1);
     assert_true(fabs(least - 0.052) < 0.002);
     for (int k = 0; k < runs; k++) {
         draw_histogram(observed, expected, 9000 + (uint64_t)k, 0.052);
-        found += stat_chi_square(observed, expected, CELLS, alpha()).rejected;
+        found += stat_chi_square(observed, expected, CELLS, level).rejected;
         draw_histogram(observed, expected, 9000 + (uint64_t)k, 0.01);
-        found_smaller += stat_chi_square(observed, expected, CELLS, alpha()).rejected;
+        found_smaller += stat_chi_square(observed, expected, CELLS, level).rejected;
     }
     assert_true(found >= 980); /* 990 expected, standard error 3 */
     assert_true(found_smaller < 100);
@@ -224,9 +227,28 @@ static void a_constant_must_equal_its_mean(void **state)
     stat_assert_not_mean("stats_constant", 0, &m, 0.7 + 1e-9, alpha());
 }
 
-int main(void)
+/* This program itself, which judges three p-values, runs again and judges one. It comes first among the tests, because
+ * each run begins the program's file in build/power anew. */
+static void a_program_that_judges_another_number_than_it_tells_fails(void **state)
 {
+    char command[1024];
+
+    (void)state;
+    assert_int_equal(system("mkdir -p build"), 0);
+    snprintf(command, sizeof command, "%s 'a_constant*' >build/test_stats.out 2>&1", program_invocation_name);
+    assert_int_not_equal(system(command), 0);
+    assert_int_equal(system("grep -q '1 p-values were judged, and stat_level was told 3: write 1$' build/test_stats.out"), 0);
+    /* the twin: one test was asked for, and nobody promises the rest */
+    snprintf(command, sizeof command, "BIS_TEST='a_constant*' %s >build/test_stats.out 2>&1", program_invocation_name);
+    assert_int_equal(system(command), 0);
+}
+
+/* test_stats TEST: only the tests of that name, with no word to the count of p-values. */
+int main(int argc, char **argv)
+{
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_program_that_judges_another_number_than_it_tells_fails),
         cmocka_unit_test(gamma_q_agrees_with_published_values_to_1e_13_sqrt_a),
         cmocka_unit_test(gamma_q_has_its_closed_forms),
         cmocka_unit_test(gamma_q_has_its_limits),

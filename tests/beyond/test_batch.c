@@ -3,7 +3,6 @@
 #include "beyond/batch.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
-#include "bis/base/stats.h"
 #include "bis/thesis/errata.h"
 #include "beyond/blocks.h"
 #include "lit.h"
@@ -18,7 +17,7 @@
 enum { SEED = 60221 };
 
 /* means: 24 combinations x 2 x 4 channels, and 2 twins */
-static double alpha(void) { return bis_stats_sidak(1e-3, 24 * 2 * 4 + 2); }
+static double alpha(void) { return stat_level(1e-3, 24 * 2 * 4); }
 
 static bis_settings sir(bis_proposal proposal, uint32_t M, uint32_t N, bool vectorize)
 {

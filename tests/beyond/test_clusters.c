@@ -21,7 +21,7 @@
 
 enum { SEED = 71, RUNS = 200, PER_FILL = 20 };
 
-static double alpha(void) { return bis_stats_sidak(1e-3, 4 * 4 * 2 * 4 + 5); }
+static double alpha(void) { return stat_level(1e-3, 4 * 4 * 2 * 4 + 1); }
 
 static vec3 tilted(void) { return normalize((vec3){0.3f, 0.1f, 1}); }
 
@@ -81,6 +81,7 @@ static void directions_fill_their_pixels_and_are_drawn_anew_in_each_pass(void **
     }
     /* one binomial, in the normal approximation: n is thousands */
     const double z = (diagonal - n / 2) / sqrt(n / 4);
+    stat_judges(1);
     assert_true(n > 4000 && bis_stats_normal_p(z) > alpha());
     bis_clusters_clear(&c);
     bis_light_free(light);

@@ -5,7 +5,6 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/rng.h"
 #include "bis/scene/scene.h"
-#include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
 #include "tools/verify/verify.h"
 
@@ -27,7 +26,7 @@ static const double roughnesses[] = {0.01, 0.03, 0.1, 0.3, 0.55, 0.8, 1};
 /* facets 7 x 4, mixture 3 x 3, furnace 4 x 5, and 11 twins */
 static double alpha(void)
 {
-    return bis_stats_sidak(1e-3, 68);
+    return stat_level(1e-3, 57);
 }
 
 static void assert_near(double a, double b, double tolerance)

@@ -5,7 +5,6 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
-#include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
 #include "clones.h"
 #include "stat.h"
@@ -25,7 +24,7 @@ static const double exponents[] = {0, 1, 2.5, 10, 50, 1e3, 1e5, 1e6, 1e8};
 enum { N_EXPONENTS = sizeof exponents / sizeof *exponents, N_DRAWN = 8 /* those that are drawn */ };
 
 /* draws: 8 exponents x 3 shares of the lobe, and 3 twins */
-static double alpha(void) { return bis_stats_sidak(1e-3, 8 * 3 + 3); }
+static double alpha(void) { return stat_level(1e-3, 8 * 3); }
 
 static bis_lanes new_lanes(uint32_t n) { return bis_lanes_in(bis_alloc(BIS_LANES_ARRAYS * (size_t)n, sizeof(float)), n); }
 static void free_lanes(const bis_lanes *l) { bis_free(l->x); }

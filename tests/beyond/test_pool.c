@@ -4,7 +4,6 @@
 #include "bis/thesis/phong.h"
 #include "lit.h"
 
-#include "bis/base/stats.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,7 +15,7 @@
 
 enum { SEED = 8154, RUNS = 400, PER_POOL = 25 };
 
-static double alpha(void) { return bis_stats_sidak(1e-3, 4 + 4 * 12 + 4); }
+static double alpha(void) { return stat_level(1e-3, 1 + 4 * 12); }
 
 static vec3 tilted(void) { return normalize((vec3){0.3f, 0.1f, 1}); }
 

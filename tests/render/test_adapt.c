@@ -3,7 +3,6 @@
 #include "render/adapt.h"
 
 #include "bis/thesis/rng.h"
-#include "bis/base/stats.h"
 
 #include "stat.h"
 #include "world.h"
@@ -109,6 +108,8 @@ static void without_noise_every_tile_gets_one_sample_and_a_lone_noisy_one_no_mor
 
 enum { SIDE = 4, TRIALS = 20000, MOST_PASSES = 8 };
 
+static double alpha(void) { return stat_level(0.01, MOST_PASSES + 2); }
+
 typedef struct means {
     stat_moments adaptive[MOST_PASSES + 1]; /* after so many passes */
     stat_moments alike;                     /* twin: each sample weighs as much as any other */
@@ -160,12 +161,11 @@ static void trial(means *m, uint64_t seed)
 static void every_number_of_passes_is_unbiased_and_natural_weights_are_not(void **state)
 {
     (void)state;
-    const double alpha = bis_stats_sidak(0.01, MOST_PASSES + 2);
     means m = {0};
     for (uint64_t seed = 1; seed <= TRIALS; seed++) trial(&m, seed);
-    for (int pass = 1; pass <= MOST_PASSES; pass++) stat_assert_mean("adaptive_passes", SEED, &m.adaptive[pass], 1, alpha);
-    stat_assert_not_mean("samples_weighed_alike", SEED, &m.alike, 1, alpha);
-    stat_assert_not_mean("stopped_by_own_estimate", SEED, &m.stopped, 1, alpha);
+    for (int pass = 1; pass <= MOST_PASSES; pass++) stat_assert_mean("adaptive_passes", SEED, &m.adaptive[pass], 1, alpha());
+    stat_assert_not_mean("samples_weighed_alike", SEED, &m.alike, 1, alpha());
+    stat_assert_not_mean("stopped_by_own_estimate", SEED, &m.stopped, 1, alpha());
 }
 
 /* The scatter of the passes estimates the variance of their mean although each has another: pixel by pixel, over many
@@ -191,7 +191,7 @@ static void scatter_of_unequal_passes_estimates_the_variance_of_their_mean(void 
         bis_adapt_clear(&a);
         bis_film_clear(&f);
     }
-    stat_assert_mean("squared_error_less_estimate", SEED, &error, 0, bis_stats_sidak(0.01, 1));
+    stat_assert_mean("squared_error_less_estimate", SEED, &error, 0, alpha());
     assert_true(estimate.mean > 0);
 }
 
@@ -246,7 +246,7 @@ static void an_adaptive_render_is_unbiased(void **state)
         rays += result.counters.camera_rays;
         bis_film_clear(&f);
     }
-    stat_assert_mean("adaptive_render", SEED, &m, 0.5, bis_stats_sidak(0.01, 1));
+    stat_assert_mean("adaptive_render", SEED, &m, 0.5, alpha());
     assert_true(rays < 150 * 16 * WIDTH * HEIGHT); /* not all tiles were alike */
     clear_world(&w);
 }

@@ -1,4 +1,5 @@
-/* edges: where outlines cross pixels, and what more camera samples there do. Family-wise significance 1e-3. */
+/* edges: where outlines cross pixels, and what more camera samples there do. Significance of the one statistical test:
+ * 1e-3. */
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
 #include "render/edges.h"
@@ -14,7 +15,7 @@
 
 #include <cmocka.h>
 
-static double alpha(void) { return bis_stats_sidak(1e-3, 3); }
+static double alpha(void) { return stat_level(1e-3, 1); }
 
 /* A pixel is an edge where some of many rays through it see the background and others the ball or the floor, but for
  * what slips between corners. */
@@ -133,6 +134,7 @@ static void mean_is_the_same_and_its_scatter_less(void **state)
     /* Welch: the difference of two means over its standard error, some 70 degrees of freedom */
     const double se = sqrt(stat_variance(&more) / RUNS + stat_variance(&longer) / 40);
     const double p = bis_stats_student_p((more.mean - longer.mean) / se, 70);
+    stat_judges(1);
     assert_true(p > alpha());
     assert_true(stat_variance(&more) < stat_variance(&plain));
     /* twin: an estimate that counts an edge's samples as if each were a pass of its own would be far off: the edges'

@@ -322,7 +322,7 @@ static stat_moments errors_of(const bis_settings *a, const bis_settings *b, bool
 static void each_material_of_a_mixed_picture_is_unbiased(void **state)
 {
     (void)state;
-    const double alpha = -expm1(log1p(-0.01) / 4);
+    const double alpha = stat_level(0.01, 2);
     const bis_settings a = sir_product(), b = mis_stratified(), open = bis_settings_default(&bis_unoccluded);
     stat_moments m = errors_of(&a, &b, false);
     stat_assert_mean("mixed_floor", 100, &m, 1, alpha);

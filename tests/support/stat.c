@@ -8,6 +8,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -196,6 +197,36 @@ static void write_power(const char *name, const char *test, double n, stat_resul
     fclose(f);
 }
 
+/* ---- the family: as many p-values as it was told ---- */
+
+static int told, judged;
+static pid_t program;
+
+double stat_level(double significance, int m)
+{
+    if (told && told != m) fail_msg("stat_level: %d p-values, and %d before: a program has one family", m, told);
+    told = m;
+    return bis_stats_sidak(significance, m);
+}
+
+void stat_judges(int n) { judged += n; }
+
+/* Not in children that a test has forked; not where a test failed, because it may have judged less. */
+static void check_family(int status, void *unused)
+{
+    (void)unused;
+    if (status != 0 || getpid() != program || getenv("BIS_TEST") || told == judged) return;
+    fprintf(stderr, "stat: %d p-values were judged, and stat_level was told %d: write %d\n", judged, told, judged);
+    fflush(NULL);
+    _exit(1);
+}
+
+__attribute__((constructor)) static void watch_family(void)
+{
+    program = getpid();
+    on_exit(check_family, NULL);
+}
+
 /* ---- assertions ---- */
 
 static void write_histograms(const char *name, const double *observed, const double *expected, size_t n)
@@ -223,6 +254,7 @@ static void judge_fit(const char *name, uint64_t seed, const double *observed, c
                       double alpha, bool must_be_rejected)
 {
     stat_result r = stat_chi_square(observed, expected, n, alpha);
+    if (!must_be_rejected) stat_judges(1);
     if (r.rejected == must_be_rejected) {
         double total = 0;
         for (size_t i = 0; i < n; i++) total += observed[i];
@@ -249,6 +281,7 @@ static void judge_mean(const char *name, uint64_t seed, const stat_moments *m, d
                        bool must_be_rejected)
 {
     stat_result r = stat_mean(m, expected, alpha);
+    if (!must_be_rejected) stat_judges(1);
     if (r.rejected == must_be_rejected) {
         double error = sqrt(stat_variance(m) / m->n);
         if (!r.rejected && error > 0 && expected != 0)

@@ -1,8 +1,8 @@
 /* stat: how our tests judge samplers and estimators. Shared by all test files; p-values from bis/stats.h.
  *
- * A test file states its family-wise significance once and runs each of its m statistical tests at
- * bis_stats_sidak(alpha, m). For every claim there is a twin: a plausible wrong implementation that the same check must
- * reject (stat_assert_no_fit, stat_assert_not_mean).
+ * A test file states its family-wise significance and the number m of its statistical tests once, in stat_level. That
+ * number is counted: the program fails at its end if it judged another. For every claim there is a twin: a plausible
+ * wrong implementation that the same check must reject (stat_assert_no_fit, stat_assert_not_mean); twins do not count.
  * A failure prints statistic, degrees of freedom, p, alpha and seed; both histograms go to build/histograms/NAME.csv.
  * What holds leaves a line in build/power/PROGRAM.txt: the smallest error that this test finds with 99 % power
  * (docs/proof.md). */
@@ -18,6 +18,16 @@ typedef struct stat_result {
     bool rejected;
     const char *why; /* in words */
 } stat_result;
+
+/* stat_level returns the level of each of the m statistical tests of this program, by Sidak, so that a right program
+ * fails with probability `significance` at most. m is the number of p-values that it judges: too large an m costs power,
+ * too small an m breaks the promise. A program has one m. When it ends, after tests that all passed and without BIS_TEST
+ * (which leaves tests out), it fails if m is not the number that stat_assert_fit, stat_assert_mean and stat_judges have
+ * counted, and says which number to write. */
+double stat_level(double significance, int m);
+
+/* stat_judges counts n p-values that the caller judges without an assertion of stat, or would judge if it did not skip. */
+void stat_judges(int n);
 
 /* Pearson's chi-square test of observed counts against expected counts (not probabilities), n cells each. Cells that
  * expect fewer than 5 are pooled; what is left at the end joins the last pool. Rejects also: a hit in a cell that

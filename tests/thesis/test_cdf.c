@@ -1,9 +1,8 @@
 /* cdf: thesis 3.2.2 by its definition: the index with C[i] <= u < C[i+1], found by a linear search, is the other road.
- * Statistical tests: 5; family-wise significance 0.01. */
+ * Family-wise significance 0.01. */
 #include "bis/thesis/cdf.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
-#include "bis/base/stats.h"
 #include "stat.h"
 
 #include <float.h>
@@ -14,7 +13,7 @@
 
 #include <cmocka.h>
 
-static double alpha(void) { return bis_stats_sidak(0.01, 5); }
+static double alpha(void) { return stat_level(0.01, 3); }
 static const double LAST_U = 1 - 0x1p-53;
 
 /* Each C is off by half an ulp of its own, of the sum and of the quotient; a pmf is a difference of two. */

@@ -9,7 +9,6 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
-#include "bis/base/stats.h"
 #include "bis/thesis/importance.h"
 #include "bis/base/image.h"
 #include "thesis/candidates.h"
@@ -27,7 +26,7 @@
 #define SEED 83u
 
 /* 24 of candidates, 32 of narrow lobes, 6 accepted, 6 + 1 from probes, 3 of p-values. */
-static double alpha(void) { return bis_stats_sidak(1e-3, 72); }
+static double alpha(void) { return stat_level(1e-3, 72); }
 
 static vec3 tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
 

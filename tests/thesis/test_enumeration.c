@@ -1,7 +1,6 @@
 /* Estimators against their exact laws, enumerated on a map of 8 pixels (tests/support/tiny.h): where SIR's rays go at M
  * = 1, 2, 3 and how that approaches p; the mean of every estimator, unbiased or not; its variance (docs/errata.md E31).
  * Family-wise significance 1e-3. */
-#include "bis/base/stats.h"
 #include "thesis/candidates.h"
 #include "tiny.h"
 
@@ -17,7 +16,7 @@
 #define SEED 71u
 
 /* 24 + 11 laws; 4 moments of 18 + 27 + 9 settings; 9 + 6 variances. */
-static double alpha(void) { return bis_stats_sidak(1e-3, 24 + 11 + 4 * 54 + 15); }
+static double alpha(void) { return stat_level(1e-3, 24 + 11 + 4 * 54 + 15); }
 
 static bis_settings settings_of(const bis_integrator *integrator, bis_proposal proposal, uint32_t M, uint32_t N)
 {

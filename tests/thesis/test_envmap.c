@@ -4,7 +4,6 @@
 
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
-#include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
 #include "bis/files/image_file.h"
 #include "map_help.h"
@@ -20,7 +19,7 @@
 #include <cmocka.h>
 
 /* Eight statistical tests in this file, a false alarm of any of them once in 1000. */
-static double alpha(void) { return bis_stats_sidak(1e-3, 8); }
+static double alpha(void) { return stat_level(1e-3, 8); }
 
 static bis_rng rng_of(uint64_t seed)
 {

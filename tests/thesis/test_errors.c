@@ -16,7 +16,7 @@
 #define SEED 61u
 
 /* The furnace: 9 integrators at 4 angles; when to stop: 1. */
-static double alpha(void) { return bis_stats_sidak(1e-3, 37); }
+static double alpha(void) { return stat_level(1e-3, 37); }
 
 static vec3 tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
 

@@ -5,7 +5,6 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/regions.h"
 #include "bis/thesis/rng.h"
-#include "bis/base/stats.h"
 #include "bis/files/image_file.h"
 #include "map_help.h"
 #include "stat.h"
@@ -24,7 +23,7 @@
 #include <cmocka.h>
 
 /* Fifteen statistical tests in this file, a false alarm of any of them once in 1000. */
-static double alpha(void) { return bis_stats_sidak(1e-3, 15); }
+static double alpha(void) { return stat_level(1e-3, 9); }
 
 static bis_importance_options both(bis_table_kind kind, double b)
 {

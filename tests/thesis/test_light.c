@@ -4,7 +4,6 @@
 
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
-#include "bis/base/stats.h"
 #include "bis/files/image_file.h"
 #include "map_help.h"
 #include "stat.h"
@@ -21,7 +20,7 @@
 #include <cmocka.h>
 
 /* Four statistical tests in this file, a false alarm of any of them once in 1000. */
-static double alpha(void) { return bis_stats_sidak(1e-3, 4); }
+static double alpha(void) { return stat_level(1e-3, 4); }
 
 static bis_light_desc desc_of(bis_xform to_world)
 {

@@ -3,7 +3,6 @@
  * Family-wise significance of this file 1e-3; each statistical test runs at Sidak's share of it. */
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
-#include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
 
 #include "stat.h"
@@ -22,7 +21,7 @@ enum { N_EXPONENTS = sizeof exponents / sizeof *exponents };
 /* lobe 8, mixture 8, furnace 4 x 5, and as many twins as below */
 static double alpha(void)
 {
-    return bis_stats_sidak(1e-3, 60);
+    return stat_level(1e-3, 37);
 }
 
 static rgb grey(double v)

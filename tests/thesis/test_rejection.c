@@ -2,7 +2,6 @@
  * biased by. The unbiased settings are also in test_integrators.c. Family-wise significance 1e-3. */
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
-#include "bis/base/stats.h"
 #include "bis/scene/light_load.h"
 #include "thesis/candidates.h"
 
@@ -18,7 +17,7 @@
 
 static double alpha(void)
 {
-    return bis_stats_sidak(1e-3, 40);
+    return stat_level(1e-3, 14);
 }
 
 static vec3 tilted(void)

@@ -1,9 +1,8 @@
 /* sampler: each point is uniform by itself, each set is as even as its kind promises, and different sets are
  * independent.
- * Statistical tests: 48 at most; family-wise significance 0.01. */
+ * Family-wise significance 0.01. */
 #include "bis/thesis/curve.h"
 #include "bis/thesis/sampler.h"
-#include "bis/base/stats.h"
 #include "stat.h"
 
 #include <math.h>
@@ -15,7 +14,7 @@
 
 enum { KINDS = 4, GRID = 16, CELLS = GRID * GRID, MAX_POINTS = 4096 };
 
-static double alpha(void) { return bis_stats_sidak(0.01, 48); }
+static double alpha(void) { return stat_level(0.01, 34); }
 
 static bis_sampler sampler_of(bis_sampler_kind kind, uint32_t xsamples, uint32_t ysamples)
 {

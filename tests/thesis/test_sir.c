@@ -18,7 +18,7 @@
 
 static double alpha(void)
 {
-    return bis_stats_sidak(1e-3, 80);
+    return stat_level(1e-3, 24);
 }
 
 static vec3 tilted(void)

@@ -1,7 +1,6 @@
 /* warp: each shape is hit with its stated density. Histograms over cells whose measure is known in closed form; the
- * numbers come from a fixed-seed rng. Statistical tests: 6; family-wise significance 0.01. */
+ * numbers come from a fixed-seed rng. Family-wise significance 0.01. */
 #include "bis/thesis/rng.h"
-#include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
 #include "stat.h"
 
@@ -12,7 +11,7 @@
 
 enum { RINGS = 16, SECTORS = 24, CELLS = RINGS * SECTORS, DRAWS = 1 << 20 };
 
-static double alpha(void) { return bis_stats_sidak(0.01, 6); }
+static double alpha(void) { return stat_level(0.01, 3); }
 
 /* A shape draws a point and says how far out it lies, as the share of the whole that lies further in (in [0,1], uniform
  * if the shape is right), and its azimuth. */

@@ -12,6 +12,7 @@
 #include "lit.h"
 #include "map_help.h"
 #include "program.h"
+#include "stat.h"
 #include "tools/verify/verify.h"
 
 #include <setjmp.h>
@@ -23,9 +24,16 @@
 #include <cmocka.h>
 #include <png.h>
 
-enum { STATISTICAL_TESTS = 40 };
+/* All but exact; rejection twice, by either estimator. */
+static size_t n_methods(void)
+{
+    size_t n = 0;
+    while (bis_integrators[n]) n++;
+    return n;
+}
 
-static double alpha(void) { return bis_stats_sidak(5e-3, STATISTICAL_TESTS); }
+/* Twelve times four channels against brute force, a chi-square test of both tails, a mean of each method. */
+static double alpha(void) { return stat_level(5e-3, 12 * 4 + 2 + (int)n_methods()); }
 
 static bis_material glossy(void) { return bis_phong((rgb){0.3f, 0.2f, 0.4f}, (rgb){0.5f, 0.6f, 0.4f}, 20); }
 static vec3 slanted(void) { return normalize((vec3){0.3f, -0.4f, 0.8f}); }
@@ -45,6 +53,12 @@ static double p_of(const bis_pixel_value *v, rgbd truth, double slack)
     return least;
 }
 
+static void assert_agrees(const bis_pixel_value *v, rgbd truth)
+{
+    stat_judges(4);
+    assert_true(p_of(v, truth, 1e-4) > alpha());
+}
+
 static void exact_is_what_brute_force_gives(void **state)
 {
     (void)state;
@@ -57,8 +71,8 @@ static void exact_is_what_brute_force_gives(void **state)
         assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
         assert_true(e.by_patches);
         const rgbd seen = lit_truth(&l, true), open = lit_truth(&l, false);
-        assert_true(p_of(&e.lit, seen, 1e-4) > alpha());
-        assert_true(p_of(&e.open, open, 1e-4) > alpha());
+        assert_agrees(&e.lit, seen);
+        assert_agrees(&e.open, open);
         if (maps[i] == LIT_SMOOTH || maps[i] == LIT_CONSTANT) assert_true(p_of(&e.lit, open, 1e-4) < alpha()); /* the twin: shadows forgotten */
         assert_true(e.lit.se[3] < 0.01 * e.lit.mean[3]);
         bis_light_free(light);
@@ -74,8 +88,8 @@ static void a_long_mis_stands_in_for_huge_maps(void **state)
     bis_pixel_exact e;
     assert_int_equal(bis_pixel_exact_of(&e, &l.pt, 100, 2, NULL), BIS_OK);
     assert_false(e.by_patches);
-    assert_true(p_of(&e.lit, lit_truth(&l, true), 1e-4) > alpha());
-    assert_true(p_of(&e.open, lit_truth(&l, false), 1e-4) > alpha());
+    assert_agrees(&e.lit, lit_truth(&l, true));
+    assert_agrees(&e.open, lit_truth(&l, false));
     assert_true(e.lit.se[3] < 0.01 * e.lit.mean[3]);
     bis_light_free(light);
 }
@@ -93,7 +107,7 @@ static void what_the_surface_itself_hides_is_hidden_and_in_L_ns(void **state)
     for (int i = 0; i < 2; i++) {
         bis_pixel_exact e;
         assert_int_equal(bis_pixel_exact_of(&e, &l.pt, i ? 0 : BIS_PIXEL_MAX_PATCHES, 3, NULL), BIS_OK);
-        assert_true(p_of(&e.open, all, 1e-4) > alpha());
+        assert_agrees(&e.open, all);
         assert_true(e.lit.mean[3] < 0.95 * e.open.mean[3]);
     }
     bis_light_free(light);
@@ -118,6 +132,7 @@ static void the_standard_error_of_exact_is_honest(void **state)
     }
     for (int i = 0; i < SEEDS; i++) sum += (x[i] - mean) * (x[i] - mean) / (se[i] * se[i]);
     const double p = bis_stats_chi_square_p(sum, SEEDS - 1), q = bis_stats_chi_square_p(sum / 4, SEEDS - 1);
+    stat_judges(2);
     if (p <= alpha() || p >= 1 - alpha()) fail_msg("p = %g", p);
     assert_true(q > 1 - alpha()); /* the twin: standard errors of one ray, not of the mean of four */
     bis_light_free(light);
@@ -141,14 +156,6 @@ static void exact_has_the_same_bits_for_any_number_of_threads(void **state)
 
 /* ---- the methods ---- */
 
-/* All but exact; rejection twice, by either estimator. */
-static size_t n_methods(void)
-{
-    size_t n = 0;
-    while (bis_integrators[n]) n++;
-    return n;
-}
-
 static void methods_agree_with_exact_and_a_wrong_one_does_not(void **state)
 {
     (void)state;
@@ -170,6 +177,7 @@ static void methods_agree_with_exact_and_a_wrong_one_does_not(void **state)
         if (by_candidates) assert_int_equal(m->settings.candidates, 100);
         if (strcmp(m->name, "rejection ratio") == 0) m->settings.candidates = 10000; /* its bias is O(1/M) */
         assert_int_equal(bis_pixel_method_run(m, &l.pt, &e, BIS_SAMPLER_STRATIFIED, 1000, 70 + i, NULL), BIS_OK);
+        stat_judges(1);
         if (bis_stats_normal_p(m->z) <= alpha()) fail_msg("%s: z = %g", m->name, m->z);
         assert_true(m->error > 0 && m->error < 3);
         assert_true(m->is_open ? m->rays == 0 : m->rays > 0);

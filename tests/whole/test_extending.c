@@ -4,7 +4,6 @@
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
-#include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
 #include "bis/thesis/envmap.h"
 #include "bis/base/image.h"
@@ -28,7 +27,7 @@
 /* 2 integrators, 4 points, 3 channels; 2 twins */
 static double alpha(void)
 {
-    return bis_stats_sidak(1e-3, 26);
+    return stat_level(1e-3, 24);
 }
 
 static vec3 tilted(void)

@@ -4,6 +4,7 @@
  * with a third road, too: the sheared triangle test of the grid alone, which shadows floors at 0, is the twin and must be
  * rejected. Without Embree the plain grid takes its place. */
 #include "bis/base/stats.h"
+#include "stat.h"
 #include "bis/render/render.h"
 #include "bis/scene/scene.h"
 #include "shape/triangle.h"
@@ -89,7 +90,7 @@ static void every_scene_has_one_picture(void **state)
 {
     char path[MOST_SCENES][256];
     const int n = find_scenes(path);
-    const double alpha = bis_stats_sidak(ALPHA, n);
+    const double alpha = stat_level(ALPHA, n);
     (void)state;
     assert_true(n >= 24);
     for (int i = 0; i < n; i++) {
@@ -105,6 +106,7 @@ static void every_scene_has_one_picture(void **state)
         s->accel = second;
         render(other, s, d);
         const double z = z_of(one, other, &pixels), p = bis_stats_normal_p(z);
+        stat_judges(1);
         if (pixels) print_message("%s: %d pixels differ, z = %.2f\n", path[i], pixels, z);
         if (p < alpha) fail_msg("%s: %s and %s differ, z = %g, p = %g", path[i], bis_accel_name(first), bis_accel_name(second), z, p);
         bis_accel_free(first);
