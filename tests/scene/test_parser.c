@@ -180,6 +180,16 @@ static void materials_have_the_defaults_of_the_contract(void **state)
     bis_scene_desc_free(d);
 }
 
+static void whole_quadrics_may_say_that_they_are_whole(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("", "Shape \"sphere\" \"float radius\" 2 \"float zmin\" -2 \"float zmax\" 5 \"float phimax\" 360 "
+                                       "Shape \"disk\" \"float innerradius\" 0 \"float phimax\" 360 \"float height\" 3");
+    assert_int_equal(d->n_shapes, 2);
+    assert_true(d->shapes[0].radius == 2 && d->shapes[1].radius == 1 && d->shapes[1].height == 3);
+    bis_scene_desc_free(d);
+}
+
 /* Figure 5.5 by its text (ks = 1, kd = 0.1) would reflect more than arrives; by its caption (ks = 0, kd = 1) it does
  * not. */
 static void coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38(void **state)
@@ -666,6 +676,7 @@ int main(void)
         cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract_E39),
         cmocka_unit_test(a_light_without_parameters_has_the_defaults_of_the_contract),
         cmocka_unit_test(materials_have_the_defaults_of_the_contract),
+        cmocka_unit_test(whole_quadrics_may_say_that_they_are_whole),
         cmocka_unit_test(coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38),
         cmocka_unit_test(every_parameter_before_the_world_arrives),
         cmocka_unit_test(every_parameter_of_the_other_integrators_arrives),
