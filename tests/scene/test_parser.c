@@ -155,6 +155,16 @@ static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)
     bis_diag_clear(&diag);
 }
 
+static void a_film_without_parameters_has_the_defaults_of_no_film(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("Film \"rgb\"", "");
+    const bis_film_desc *f = &d->film;
+    assert_true(f->width == 1280 && f->height == 720 && strcmp(f->filename, "bis.exr") == 0 && f->layers == 0);
+    assert_true(f->crop[0] == 0 && f->crop[1] == 1 && f->crop[2] == 0 && f->crop[3] == 1);
+    bis_scene_desc_free(d);
+}
+
 static void a_light_without_parameters_has_the_defaults_of_the_contract(void **state)
 {
     (void)state;
@@ -674,6 +684,7 @@ int main(void)
         cmocka_unit_test(a_bad_scene_without_a_list_for_messages_fails_all_the_same),
         cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
         cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract_E39),
+        cmocka_unit_test(a_film_without_parameters_has_the_defaults_of_no_film),
         cmocka_unit_test(a_light_without_parameters_has_the_defaults_of_the_contract),
         cmocka_unit_test(materials_have_the_defaults_of_the_contract),
         cmocka_unit_test(whole_quadrics_may_say_that_they_are_whole),
