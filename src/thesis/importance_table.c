@@ -170,7 +170,7 @@ bis_status bis_table_implied_pmf(const bis_table *t, double *pmf, bis_diag *diag
             bis_alias_implied_pmf(&view, row);
         } else {
             rows[y] = bis_cdf_pmf(&t->row_cdf, y);
-            for (size_t x = 0; x < t->width; x++) row[x] = rows[y] > 0 ? bis_cdf_pmf(&t->columns[y], x) : 0;
+            for (size_t x = 0; x < t->width; x++) row[x] = bis_cdf_pmf(&t->columns[y], x);
         }
         for (size_t x = 0; x < t->width; x++) row[x] = rows[y] > 0 ? row[x] * rows[y] : 0;
     }

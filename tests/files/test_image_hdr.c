@@ -89,6 +89,7 @@ static void the_magic_may_name_any_program(void **state)
     read_pixel(&v, "#?RGBE\nFORMAT=32-bit_rle_rgbe\n", 1, 2, 3, 136, NULL);
     assert_true(v.r == 1 && v.g == 2 && v.b == 3);
     read_pixel(&v, "#?ANYTHING else\n# a comment\nFORMAT=32-bit_rle_rgbe\n", 1, 2, 3, 136, NULL);
+    read_pixel(&v, "#?RGBE\nFORMAT= \t32-bit_rle_rgbe  \r\n", 1, 2, 3, 136, NULL); /* blanks around the value */
     assert_true(v.r == 1 && v.g == 2 && v.b == 3);
 }
 

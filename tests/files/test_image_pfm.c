@@ -73,6 +73,24 @@ static void any_float_comes_back_bit_by_bit(void **state)
     bis_image_clear(&back);
 }
 
+static void every_digit_of_a_size_is_read(void **state)
+{
+    (void)state;
+    for (int side = 10; side < 20; side++) {
+        bytes file = {0};
+        bis_image image;
+        char header[32];
+        snprintf(header, sizeof header, "Pf\n1 %d\n-1\n", side);
+        put_text(&file, header);
+        for (int i = 0; i < side; i++) put_float(&file, 1);
+        store(scratch("side.pfm"), file.data, file.n);
+        expect_image(&image, scratch("side.pfm"), NULL);
+        assert_int_equal(image.height, side);
+        bis_image_clear(&image);
+        bytes_clear(&file);
+    }
+}
+
 static void expect_bad(const char *text, size_t n, const char *message)
 {
     bytes file = {0};
@@ -120,6 +138,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(colour_and_grey_of_both_byte_orders_run_from_the_bottom_row_up),
         cmocka_unit_test(any_float_comes_back_bit_by_bit),
+        cmocka_unit_test(every_digit_of_a_size_is_read),
         cmocka_unit_test(a_bad_header_is_refused),
         cmocka_unit_test(the_length_must_be_exactly_that_of_the_pixels),
         cmocka_unit_test(no_damage_leads_out_of_the_file),

@@ -155,6 +155,16 @@ static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)
     bis_diag_clear(&diag);
 }
 
+static void a_film_without_parameters_has_the_defaults_of_no_film(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("Film \"rgb\"", "");
+    const bis_film_desc *f = &d->film;
+    assert_true(f->width == 1280 && f->height == 720 && strcmp(f->filename, "bis.exr") == 0 && f->layers == 0);
+    assert_true(f->crop[0] == 0 && f->crop[1] == 1 && f->crop[2] == 0 && f->crop[3] == 1);
+    bis_scene_desc_free(d);
+}
+
 static void a_light_without_parameters_has_the_defaults_of_the_contract(void **state)
 {
     (void)state;
@@ -177,6 +187,16 @@ static void materials_have_the_defaults_of_the_contract(void **state)
     }
     assert_true(d->materials[d->shapes[1].material].exponent == 50);
     assert_true(d->shapes[0].radius == 1 && d->shapes[2].radius == 1 && d->shapes[2].height == 0);
+    bis_scene_desc_free(d);
+}
+
+static void whole_quadrics_may_say_that_they_are_whole(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("", "Shape \"sphere\" \"float radius\" 2 \"float zmin\" -2 \"float zmax\" 5 \"float phimax\" 360 "
+                                       "Shape \"disk\" \"float innerradius\" 0 \"float phimax\" 360 \"float height\" 3");
+    assert_int_equal(d->n_shapes, 2);
+    assert_true(d->shapes[0].radius == 2 && d->shapes[1].radius == 1 && d->shapes[1].height == 3);
     bis_scene_desc_free(d);
 }
 
@@ -664,8 +684,10 @@ int main(void)
         cmocka_unit_test(a_bad_scene_without_a_list_for_messages_fails_all_the_same),
         cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
         cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract_E39),
+        cmocka_unit_test(a_film_without_parameters_has_the_defaults_of_no_film),
         cmocka_unit_test(a_light_without_parameters_has_the_defaults_of_the_contract),
         cmocka_unit_test(materials_have_the_defaults_of_the_contract),
+        cmocka_unit_test(whole_quadrics_may_say_that_they_are_whole),
         cmocka_unit_test(coefficients_of_figure_5_5_s_text_are_warned_of_and_its_captions_are_not_E38),
         cmocka_unit_test(every_parameter_before_the_world_arrives),
         cmocka_unit_test(every_parameter_of_the_other_integrators_arrives),

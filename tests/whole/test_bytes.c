@@ -1,0 +1,217 @@
+/* What a module says that it takes (`--plan`, `--stats`) is what the C library gave it.
+ *
+ * The other road is malloc's own account: bytes in use before and after. Beyond what is asked for, a block costs at most
+ * 128 bytes of header and alignment (mem.c), 64 + 16 of malloc's alignment and header, and, where the kernel gives it,
+ * the rest of a page. */
+#include "bis/base/mem.h"
+#include "bis/beyond/clusters.h"
+#include "bis/beyond/pool.h"
+#include "bis/beyond/visibility.h"
+#include "bis/render/film.h"
+#include "bis/shape/accel.h"
+#include "bis/thesis/alias.h"
+#include "bis/thesis/cdf.h"
+#include "beyond/batch.h"
+#include "bis/scene/light_load.h"
+#include "lit.h"
+#include "map_help.h"
+#include "render/adapt.h"
+
+#include <malloc.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
+enum { MALLOC_COUNTS = 0 };
+static size_t in_use(void) { return 0; }
+#else
+enum { MALLOC_COUNTS = 1 };
+static size_t in_use(void)
+{
+    const struct mallinfo2 m = mallinfo2();
+    return m.uordblks + m.hblkhd;
+}
+#endif
+
+typedef struct account {
+    size_t bytes;
+    long blocks;
+} account;
+
+static account begin(void) { return (account){in_use(), bis_mem_live()}; }
+
+/* Whether `said` bytes were taken since `before`, in the blocks that are live now and were not then. */
+static bool is_true(account before, size_t said)
+{
+    if (!MALLOC_COUNTS) skip();
+    const size_t taken = in_use() - before.bytes, blocks = (size_t)(bis_mem_live() - before.blocks);
+    const size_t page = 4096, most = said + blocks * (128 + 64 + 16) + (taken > 131072 ? blocks * page : 0);
+
+    if (taken >= said && taken <= most) return true;
+    print_message("said %zu bytes, taken %zu in %zu blocks\n", said, taken, blocks);
+    return false;
+}
+
+static void expect(account before, size_t said) { assert_true(is_true(before, said)); }
+
+static void malloc_sees_a_block_of_ours_and_the_account_can_fail(void **state)
+{
+    (void)state;
+    const account before = begin();
+    void *p = bis_alloc(1000, 8);
+    assert_true(is_true(before, 8000));
+    assert_false(is_true(before, 8200));
+    assert_false(is_true(before, 7800));
+    bis_free(p);
+    assert_true(is_true(before, 0));
+}
+
+static void tables_of_weights(void **state)
+{
+    enum { N = 5000 };
+    static double weights[N];
+    bis_alias alias;
+    bis_cdf cdf;
+
+    (void)state;
+    for (int i = 0; i < N; i++) weights[i] = 1 + i % 7;
+    account before = begin();
+    assert_int_equal(bis_alias_init(&alias, weights, N, NULL), BIS_OK);
+    expect(before, bis_alias_bytes(&alias));
+    bis_alias_clear(&alias);
+
+    before = begin();
+    assert_int_equal(bis_cdf_init(&cdf, weights, N, NULL), BIS_OK);
+    expect(before, bis_cdf_bytes(&cdf));
+    bis_cdf_clear(&cdf);
+}
+
+/* Maps of three sizes, with both kinds of table, with and without area weighting and the curve. */
+static void a_light_with_its_map_and_tables(void **state)
+{
+    static const int sides[] = {10, 67, 128};
+    static const unsigned needs[] = {0, BIS_NEED_TABLE, BIS_NEED_CURVE, BIS_NEED_TABLE | BIS_NEED_CURVE};
+
+    (void)state;
+    bis_light_free(lit_new_light(LIT_SPOTTY, 1, 0.15, false)); /* threads are made once, with memory of their own */
+    for (size_t i = 0; i < 3; i++)
+        for (size_t k = 0; k < 4; k++)
+            for (int kind = 0; kind < 4; kind++) {
+                const bis_light_desc desc = {
+                    .L = {1, 1, 1},
+                    .scale = 1,
+                    .levels = 8,
+                    .area_exponent = kind & 1 ? 0.15 : 0,
+                    .has_table_kind = true,
+                    .table_kind = kind & 2 ? BIS_TABLE_CDF : BIS_TABLE_ALIAS,
+                    .to_world = bis_xform_identity(),
+                };
+                bis_light *light;
+                const account before = begin();
+                bis_envmap em = map_random(2 * sides[i], sides[i], 3, 0.1, 7);
+                assert_int_equal(bis_light_from_envmap(&light, &em, &desc, needs[k], NULL), BIS_OK);
+                expect(before, bis_light_bytes(light));
+                bis_light_free(light);
+            }
+}
+
+static void what_the_points_of_a_pass_share(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+
+    (void)state;
+    for (uint32_t M = 9; M <= 260; M += 251) {
+        bis_clusters clusters;
+        bis_visibility visibility;
+        account before = begin();
+        assert_int_equal(bis_clusters_init(&clusters, light, M, NULL), BIS_OK);
+        expect(before, bis_clusters_bytes(&clusters));
+        bis_clusters_clear(&clusters);
+
+        before = begin();
+        assert_int_equal(bis_visibility_init(&visibility, M, NULL), BIS_OK);
+        expect(before, bis_visibility_bytes(&visibility));
+        bis_visibility_clear(&visibility);
+
+        for (int batch = 0; batch < 2; batch++) {
+            bis_pool pool;
+            before = begin();
+            assert_int_equal(bis_pool_init(&pool, M, batch, NULL), BIS_OK);
+            expect(before, bis_pool_bytes(&pool));
+            bis_pool_clear(&pool);
+        }
+    }
+    bis_light_free(light);
+}
+
+static void what_a_thread_has(void **state)
+{
+    (void)state;
+    for (int i = 0; bis_integrators[i]; i++)
+        for (uint32_t M = 8; M <= 300; M += 97)
+            for (int proposal = BIS_PROPOSAL_EM; proposal <= BIS_PROPOSAL_PRODUCT; proposal++) {
+                bis_settings s = bis_settings_default(bis_integrators[i]);
+                bis_scratch scratch;
+                bis_fast fast;
+                s.candidates = M;
+                s.shadowrays = s.samples = M / 3;
+                s.proposal = (bis_proposal)proposal;
+                account before = begin();
+                assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+                expect(before, bis_scratch_bytes(&s));
+                bis_scratch_clear(&scratch);
+                before = begin();
+                assert_int_equal(bis_fast_init(&fast, &s, NULL), BIS_OK);
+                expect(before, bis_fast_bytes(&s));
+                bis_fast_clear(&fast);
+            }
+}
+
+static void a_film_its_layers_and_its_tiles(void **state)
+{
+    const double crop[4] = {0.1, 0.9, 0, 1};
+
+    (void)state;
+    for (unsigned layers = 0; layers < 2; layers++) {
+        bis_film film;
+        bis_adapt adapt;
+        account before = begin();
+        assert_int_equal(bis_film_init(&film, 310, 170, crop, (bis_loc){0}, NULL), BIS_OK);
+        if (layers) assert_int_equal(bis_film_want(&film, ~0u, NULL), BIS_OK);
+        expect(before, bis_film_bytes(&film));
+        before = begin();
+        assert_int_equal(bis_adapt_init(&adapt, &film, 16, NULL), BIS_OK);
+        expect(before, bis_adapt_bytes(&adapt));
+        bis_adapt_clear(&adapt);
+        bis_film_clear(&film);
+    }
+}
+
+/* malloc counts what it keeps aside for reuse as in use; it must keep nothing. It reads this once, at the start. */
+static void start_again_without_caches(char **argv)
+{
+    if (getenv("GLIBC_TUNABLES")) return;
+    setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0:glibc.malloc.mxfast=0", 1);
+    execv("/proc/self/exe", argv);
+}
+
+int main(int argc, char **argv)
+{
+    (void)argc;
+    if (MALLOC_COUNTS) start_again_without_caches(argv);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(malloc_sees_a_block_of_ours_and_the_account_can_fail),
+        cmocka_unit_test(tables_of_weights),
+        cmocka_unit_test(a_light_with_its_map_and_tables),
+        cmocka_unit_test(what_the_points_of_a_pass_share),
+        cmocka_unit_test(what_a_thread_has),
+        cmocka_unit_test(a_film_its_layers_and_its_tiles),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
