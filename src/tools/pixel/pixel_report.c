@@ -41,7 +41,7 @@ static rgb background(const bis_pixel_report *r)
 
 static bool has_samples(const bis_settings *s)
 {
-    return bis_integrator_uses(s->integrator, "samples");
+    return bis_parameter_of(s->integrator, "samples") != NULL;
 }
 
 /* ---- text ---- */
@@ -247,7 +247,7 @@ static void json_method(bis_json *j, const bis_pixel_method *m)
     bis_json_number(j, "skewness", m->skewness);
     bis_json_number(j, "relative_error", m->error);
     bis_json_number(j, "rays", m->rays);
-    bis_json_number(j, "accepted", m->settings.integrator == &bis_rejection ? m->accepted : (double)NAN);
+    bis_json_number(j, "accepted", bis_parameter_of(m->settings.integrator, "estimator") ? m->accepted : (double)NAN);
     bis_json_close(j);
 }
 
