@@ -127,25 +127,6 @@ static void add_counters(bis_counters *sum, const bis_counters *c)
 /* --- one camera sample
  * --------------------------------------------------------------------------------------------- */
 
-/* Where the ray meets primitive prim. */
-static bis_point surface_point(const render *r, worker *w, const ray *eye, uint32_t prim)
-{
-    bis_surface s;
-    bis_geometry_surface(&r->scene->geometry, prim, eye, &s);
-    bis_point pt = {
-        .p = s.p,
-        .n = s.n,
-        .ng = s.ng,
-        .origin = bis_surface_offset(&s),
-        .wo = neg(eye->d),
-        .light = r->scene->light,
-        .accel = r->scene->accel,
-        .counters = &w->counters,
-    };
-    bis_bsdf_init(&pt.bsdf, &r->desc->materials[s.material], pt.n, pt.wo);
-    return pt;
-}
-
 /* A NaN or infinity must not reach the film. */
 static rgb finite_or_black(worker *w, rgb L)
 {
@@ -154,12 +135,10 @@ static rgb finite_or_black(worker *w, rgb L)
     return (rgb){0};
 }
 
-static uint32_t material_of(const render *r, const bis_point *pt) { return (uint32_t)(pt->bsdf.material - r->desc->materials); }
-
 /* Light reflected towards the eye, eq. 3.1; what layers want to know is added to values, unless NULL. */
 static rgb reflected(const render *r, worker *w, const bis_point *pt, bis_stream *stream, float *values)
 {
-    const int m = bis_scene_method_of(r->desc, material_of(r, pt));
+    const int m = bis_scene_method_of(r->desc, bis_scene_material_of(r->desc, pt));
     const bis_settings *settings = r->methods[m].settings;
     bis_scratch *scratch = &w->scratch[m];
     const bis_stream before = *stream;
@@ -173,7 +152,7 @@ static rgb reflected(const render *r, worker *w, const bis_point *pt, bis_stream
 static rgb metered(const render *r, worker *w, const bis_point *pt, bis_stream *stream, float *values)
 {
     const bis_meter *m = r->options->meter;
-    const unsigned char g = m->group[material_of(r, pt)];
+    const unsigned char g = m->group[bis_scene_material_of(r->desc, pt)];
     const double start = bis_clock_processor();
     const rgb L = reflected(r, w, pt, stream, values);
 
@@ -190,7 +169,7 @@ static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler,
     const bis_counters before = w->counters;
     double u[2] = {0.5, 0.5};
     bis_stream stream;
-    bis_hit hit;
+    bis_point pt;
     rgb L;
 
     x = x * f->step + f->step / 2; /* of the picture */
@@ -198,10 +177,9 @@ static rgb camera_sample(const render *r, worker *w, const bis_sampler *sampler,
     bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);
     if (r->desc->pixel_jitter) bis_stream_camera(&stream, u);
     for (int i = 0; i < 2 && r->options->footprint > 0; i++) u[i] = 0.5 + (u[i] - 0.5) * r->options->footprint;
-    ray eye = bis_camera_ray(&r->desc->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);
+    const ray eye = bis_camera_ray(&r->desc->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);
     w->counters.camera_rays++;
-    if (bis_accel_intersect(r->scene->accel, &eye, &hit)) {
-        const bis_point pt = surface_point(r, w, &eye, hit.prim);
+    if (bis_scene_point(&pt, r->scene, r->desc, eye, &w->counters, NULL)) {
         ++*hits;
         L = r->options->meter ? metered(r, w, &pt, &stream, values) : reflected(r, w, &pt, &stream, values);
     } else {

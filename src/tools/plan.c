@@ -253,8 +253,8 @@ static void print_materials(const bis_scene_desc *d, FILE *out)
         fprintf(out, "material     %" PRIu32 ": %s", k, m->model->name);
         print_colour("Kd", m->Kd, out);
         print_colour("Ks", m->Ks, out);
-        if (m->exponent > 0) fprintf(out, ", exponent %s", bis_format_double(buf, m->exponent));
-        if (m->alpha > 0) fprintf(out, ", roughness %s", bis_format_double(buf, sqrt(m->alpha)));
+        const bis_bsdf_width w = m->model->width(m);
+        if (w.scene_value > 0) fprintf(out, ", %s %s", w.scene_name, bis_format_double(buf, w.scene_value));
         fprintf(out, "; %zu shape%s", shapes[k], shapes[k] == 1 ? "" : "s");
         if (method) fprintf(out, "; exception %d, %s", method, bis_scene_settings(d, method)->integrator->name);
         fputc('\n', out);

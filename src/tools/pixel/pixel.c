@@ -19,24 +19,19 @@
 bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
                     bis_counters *counters)
 {
-    bis_surface s;
     bis_hit h;
 
     *eye = bis_camera_ray(&desc->camera, desc->film.width, desc->film.height, x + 0.5, y + 0.5);
-    if (!bis_accel_intersect(scene->accel, eye, &h)) return false;
-    bis_geometry_surface(&scene->geometry, h.prim, eye, &s);
-    *hit = (bis_pixel_hit){.t = (double)h.t, .material = &desc->materials[s.material], .material_index = s.material};
+    if (!bis_scene_point(pt, scene, desc, *eye, counters, &h)) return false;
+    *hit = (bis_pixel_hit){.t = (double)h.t, .material = pt->bsdf.material, .material_index = bis_scene_material_of(desc, pt)};
     hit->shape = bis_scene_shape_of(scene, desc, h.prim, &hit->part);
-    *pt = (bis_point){.p = s.p, .n = s.n, .ng = s.ng, .origin = bis_surface_offset(&s), .wo = neg(eye->d), .light = scene->light,
-                      .accel = scene->accel, .counters = counters};
-    bis_bsdf_init(&pt->bsdf, hit->material, pt->n, pt->wo);
     return true;
 }
 
 const char *bis_pixel_material_name(char buf[64], const bis_material *m)
 {
-    const bool facets = m->alpha > 0;
-    snprintf(buf, 64, "%s, %s %.6g", m->model->name, facets ? "alpha" : "exponent", facets ? m->alpha : m->exponent);
+    const bis_bsdf_width w = m->model->width(m);
+    snprintf(buf, 64, "%s, %s %.6g", m->model->name, w.name, w.value);
     return buf;
 }
 
