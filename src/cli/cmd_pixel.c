@@ -90,8 +90,7 @@ static bis_status make_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], siz
 /* Enough estimates for some 150 dots. */
 static uint32_t runs_to_show(const bis_settings *s)
 {
-    const bool by_candidates = s->integrator == &bis_sir || s->integrator == &bis_rejection;
-    const uint32_t rays = by_candidates ? s->shadowrays : s->samples;
+    const uint32_t rays = bis_parameter_of(s->integrator, "shadowrays") ? s->shadowrays : s->samples;
     return rays >= 150 ? 1 : (150 + rays - 1) / rays;
 }
 

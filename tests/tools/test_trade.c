@@ -504,8 +504,7 @@ static void the_line_for_a_scene_file_is_the_setting(void **state)
     bis_trade_clear(&t);
 }
 
-/* What learns is another method than what does not: it has a row of its own, is not mistaken for the scene's, and has
- * no options for `bis render`. */
+/* What learns is another method than what does not: it has a row of its own, and is not mistaken for the scene's. */
 static void a_product_that_learns_has_a_row_of_its_own(void **state)
 {
     (void)state;
@@ -524,6 +523,9 @@ static void a_product_that_learns_has_a_row_of_its_own(void **state)
         bis_trade_option_text(text, &t.plan.settings[plain], t.desc->light.area_exponent);
         assert_string_equal(text, "--integrator sir --candidates 256 --shadowrays 16 --proposal product");
         bis_trade_option_text(text, &t.plan.settings[learned], t.desc->light.area_exponent);
+        assert_string_equal(text, "--integrator sir --candidates 256 --shadowrays 16 --proposal product --learn on");
+        const int independent = bis_trade_find_setting(&t.plan, "sir 256/16 independent"); /* resampling has no option */
+        bis_trade_option_text(text, &t.plan.settings[independent], t.desc->light.area_exponent);
         assert_string_equal(text, "");
         bis_trade_clear(&t);
     }

@@ -48,7 +48,7 @@ static void write_methods(FILE *f, const bis_pixel_report *r)
         put(f, m->skewness);
         put(f, m->error);
         put(f, m->rays);
-        put(f, m->settings.integrator == &bis_rejection ? m->accepted : (double)NAN);
+        put(f, bis_parameter_of(m->settings.integrator, "estimator") ? m->accepted : (double)NAN);
         fputc('\n', f);
     }
 }

@@ -190,6 +190,9 @@ void bis_trade_clear(bis_trade *t);
 void bis_trade_list_settings(bis_trade *t, bool small_map);
 int bis_trade_find_setting(const bis_trade_plan *plan, const char *name);
 
+/* Is it compared? `exact` and `unoccluded` are not, because one is a reference and the other leaves the shadows out; nor is `auto`. */
+bool bis_trade_is_rival(const bis_integrator *i);
+
 /* Which reference judges this setting: 0, by mis, or 1, by sir. Never one of its own family. */
 int bis_trade_judge_of(const bis_trade_setting *s);
 
