@@ -1,0 +1,54 @@
+/* markup: entities (HTML 4, XML 1.0) and base64 (RFC 4648). */
+#include "markup.h"
+
+#include "base/text.h"
+#include "files/image_png.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void bis_markup_text(FILE *out, const char *text, size_t n)
+{
+    for (const char *end = text + n; text < end;) {
+        const size_t length = bis_utf8_length(text, end);
+        if (*text == '&') fputs("&amp;", out);
+        else if (*text == '<') fputs("&lt;", out);
+        else if (*text == '>') fputs("&gt;", out);
+        else if (*text == '"') fputs("&quot;", out);
+        else if (*text == '\'') fputs("&#39;", out);
+        else if (length == 0 || (unsigned char)*text < 0x20 || *text == 0x7f) fputs("\xef\xbf\xbd", out);
+        else fwrite(text, 1, length, out);
+        text += length ? length : 1;
+    }
+}
+
+static void put_base64(FILE *out, const unsigned char *data, size_t n)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < n; i += 3) {
+        const unsigned second = i + 1 < n ? data[i + 1] : 0, third = i + 2 < n ? data[i + 2] : 0;
+        const unsigned v = (unsigned)data[i] << 16 | second << 8 | third;
+        fputc(digits[v >> 18], out);
+        fputc(digits[v >> 12 & 63], out);
+        fputc(i + 1 < n ? digits[v >> 6 & 63] : '=', out);
+        fputc(i + 2 < n ? digits[v & 63] : '=', out);
+    }
+}
+
+bis_status bis_markup_png(FILE *out, const bis_image *image, double exposure, bis_diag *diag)
+{
+    bis_channel channels[3];
+    bis_picture picture = bis_image_picture(image, channels);
+    char *data = NULL;
+    size_t n = 0;
+    FILE *memory = open_memstream(&data, &n);
+
+    picture.has_exposure = true;
+    picture.exposure = exposure;
+    bis_status status = memory ? bis_png_write(memory, &picture, "picture", diag) : BIS_NOMEM;
+    if (memory && fclose(memory) != 0 && !status) status = BIS_NOMEM;
+    if (!memory || !data) bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a picture of the page");
+    if (!status) fputs("data:image/png;base64,", out), put_base64(out, (const unsigned char *)data, n);
+    free(data); /* the C library's, not ours */
+    return status;
+}
