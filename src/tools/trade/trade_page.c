@@ -9,26 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- words ---- */
-
-/* "1 seed", "4 seeds". */
-static void say_count(bis_json *j, const char *key, int n, const char *what)
-{
-    bis_trade_say(j, key, "%d %s%s", n, what, n == 1 ? "" : "s");
-}
-
-static void say_duration(bis_json *j, const char *key, double seconds)
-{
-    char text[24];
-    bis_json_text(j, key, bis_trade_duration(text, seconds));
-}
-
-static void say_percent(bis_json *j, const char *key, double v)
-{
-    char text[24];
-    bis_json_text(j, key, bis_trade_percent(text, v));
-}
-
 /* ---- advice ---- */
 
 /* Each "--name value" is an item of its own, and stays on one line. */
@@ -37,7 +17,9 @@ static void put_options(bis_json *j, const char *options)
     for (const char *at = options; *at;) {
         const char *next = strstr(at + 1, " --");
         const int n = next ? (int)(next - at) : (int)strlen(at);
-        bis_trade_say(j, NULL, "%.*s", n, at);
+        char option[64];
+        snprintf(option, sizeof option, "%.*s", n, at);
+        bis_json_text(j, NULL, option);
         at += next ? n + 1 : n;
     }
 }
@@ -47,46 +29,42 @@ static void put_recipe(bis_json *j, const bis_trade *t, const bis_trade_advice *
 {
     const bis_trade_setting *s = &t->plan.settings[a->setting];
     const double scenes_b = t->desc->light.area_exponent;
-    char options[128], text[256];
+    char options[128], text[256], spp[24];
 
+    snprintf(spp, sizeof spp, "--spp %u", (unsigned)a->passes);
     bis_trade_option_text(options, s, scenes_b);
     bis_trade_scene_text(text, s, scenes_b);
     bis_json_text(j, "line", options[0] ? "" : text);
     bis_json_text(j, "scene", t->o.scene);
     bis_json_open(j, "options", '[');
     put_options(j, options);
-    bis_trade_say(j, NULL, "--spp %u", (unsigned)a->passes);
+    put_options(j, spp);
     bis_json_close(j);
 }
 
 static void put_advice(bis_json *j, const bis_trade *t, const bis_trade_advice *a)
 {
     bis_json_open(j, NULL, '{');
-    bis_json_text(j, "purpose", a->purpose);
-    if (a->setting < 0) {
-        bis_json_text(j, "method", "");
-        bis_json_close(j);
-        return;
-    }
-    const bis_trade_setting *s = &t->plan.settings[a->setting];
-    const bis_settings *v = &s->settings;
-    const char *space = strchr(s->name, ' '), *variant = space ? strchr(space + 1, ' ') : NULL;
+    bis_trade_say(j, "purpose=%s; method=%s", a->purpose,
+                  a->setting < 0 ? "" : t->plan.settings[a->setting].settings.integrator->name);
+    if (a->setting >= 0) {
+        const bis_trade_setting *s = &t->plan.settings[a->setting];
+        const bis_settings *v = &s->settings;
+        const bool by_candidates = v->integrator == &bis_sir || v->integrator == &bis_rejection;
+        const unsigned rays = by_candidates ? v->shadowrays : v->samples;
+        const char *space = strchr(s->name, ' '), *variant = space ? strchr(space + 1, ' ') : NULL;
+        char time[24], error[24], candidates[48] = "";
 
-    bis_json_text(j, "method", v->integrator->name);
-    bis_json_bool(j, "extrapolated", a->is_extrapolated);
-    say_duration(j, "time", a->seconds);
-    say_percent(j, "error", a->expected_error);
-    if (v->integrator == &bis_sir || v->integrator == &bis_rejection) {
-        bis_trade_say(j, "amounts", "%u candidates and %u shadow ray%s", (unsigned)v->candidates,
-                      (unsigned)v->shadowrays, v->shadowrays == 1 ? "" : "s");
-    } else {
-        say_count(j, "amounts", (int)v->samples, "light sample");
+        if (by_candidates) snprintf(candidates, sizeof candidates, "%u candidates and ", (unsigned)v->candidates);
+        bis_json_bool(j, "extrapolated", a->is_extrapolated);
+        bis_trade_say(j, "time=%s; error=%s; size=%d × %d", bis_trade_duration(time, a->seconds),
+                      bis_trade_percent(error, a->expected_error), t->plan.full_width, t->plan.full_height);
+        bis_trade_say(j, "amounts=%s%u %s%s", candidates, rays, by_candidates ? "shadow ray" : "light sample",
+                      rays == 1 ? "" : "s");
+        bis_trade_say(j, "variant=%s%s%s", variant ? " (" : "", variant ? variant + 1 : "", variant ? ")" : "");
+        bis_trade_say(j, "samples=%u sample%s", (unsigned)a->passes, a->passes == 1 ? "" : "s");
+        put_recipe(j, t, a);
     }
-    if (variant) bis_trade_say(j, "variant", " (%s)", variant + 1);
-    else bis_json_text(j, "variant", "");
-    say_count(j, "samples", (int)a->passes, "sample");
-    bis_trade_say(j, "size", "%d × %d", t->plan.full_width, t->plan.full_height);
-    put_recipe(j, t, a);
     bis_json_close(j);
 }
 
@@ -107,30 +85,23 @@ static int by_cost(const bis_trade *t, int order[BIS_TRADE_SETTINGS])
     return n;
 }
 
-/* Length in percent of the longest, on a logarithmic scale that begins at half the best; to a tenth. */
+/* Length in percent of the longest, on a logarithmic scale that begins at half the best. */
 static double length_of(double v, double best, double worst)
 {
-    return round(1000 * log(2 * v / best) / log(2 * worst / best)) / 10;
+    return 100 * log(2 * v / best) / log(2 * worst / best);
 }
 
 static void put_bar(bis_json *j, const bis_trade_setting *s, const bis_trade_curve *c, double best, double worst)
 {
-    const double v = c->cost_variance, se = c->cost_variance_se;
-    const double low = fmax(v - se, best / 2), high = fmin(v + se, worst), left = length_of(low, best, worst);
+    const double v = c->cost_variance, se = c->cost_variance_se, low = fmax(v - se, best / 2);
+    const double high = fmin(v + se, worst), left = length_of(low, best, worst);
 
     bis_json_open(j, NULL, '{');
     bis_trade_put_name(j, s);
-    bis_json_text(j, "class", s->is_biased ? " biased" : "");
-    bis_json_number(j, "length", v > 0 ? fmax(length_of(v, best, worst), 0) : 0);
-    if (se > 0 && high > low) {
-        bis_json_open(j, "whisker", '{');
-        bis_json_number(j, "left", left);
-        bis_trade_say(j, "width", "%.1f", length_of(high, best, worst) - left);
-        bis_json_close(j);
-    } else {
-        bis_json_null(j, "whisker");
-    }
-    bis_trade_say(j, "times", "%.*f", v / best < 9.95 ? 1 : 0, v / best);
+    bis_trade_say(j, "class=%s; length=%.1f; times=%.*f", s->is_biased ? " biased" : "",
+                  v > 0 ? fmax(length_of(v, best, worst), 0) : 0, v / best < 9.95 ? 1 : 0, v / best);
+    if (!(se > 0 && high > low)) bis_json_null(j, "whisker");
+    else bis_trade_say_all(j, "whisker", "left=%.1f; width=%.1f", left, length_of(high, best, worst) - left);
     bis_json_close(j);
 }
 
@@ -180,26 +151,11 @@ static void put_cell(bis_json *j, const table *b, int setting, double at)
     bool extrapolated;
     char text[24];
     const double v = b->value(&b->t->result, &b->t->plan, setting, at, &extrapolated);
+    const double share = v > 0 ? 1 - log2(v / least_in(b, at)) / 2 : 1;
 
-    bis_json_open(j, NULL, '{');
-    if (isnan(v)) {
-        bis_json_text(j, "text", "");
-    } else {
-        const double share = v > 0 ? 1 - log2(v / least_in(b, at)) / 2 : 1;
-        bis_trade_say(j, "strength", "%.0f", 100 * fmin(fmax(share, 0), 1));
-        bis_trade_say(j, "text", "%s%s", extrapolated ? "~" : "", b->say(text, v));
-    }
-    bis_json_close(j);
-}
-
-static bool is_head(const bis_trade *t, int setting)
-{
-    int heads[BIS_TRADE_STRIP];
-    const int n = bis_trade_heads(t, heads);
-    for (int i = 0; i < n; i++) {
-        if (heads[i] == setting) return true;
-    }
-    return false;
+    if (isnan(v)) bis_trade_say_all(j, NULL, "text=");
+    else bis_trade_say_all(j, NULL, "strength=%.0f; text=%s%s", 100 * fmin(fmax(share, 0), 1), extrapolated ? "~" : "",
+                           b->say(text, v));
 }
 
 /* The best of each integrator, or all of them. */
@@ -211,13 +167,13 @@ static void put_version(bis_json *j, const table *b, bool all)
 
     bis_json_open(j, NULL, '{');
     bis_json_bool(j, "all", all);
-    bis_json_text(j, "corner", b->corner);
+    bis_trade_say(j, "corner=%s", b->corner);
     bis_json_open(j, "columns", '[');
     for (int k = 0; k < b->n; k++) bis_json_text(j, NULL, b->say_column(text, b->at[k]));
     bis_json_close(j);
     bis_json_open(j, "rows", '[');
     for (int i = 0; i < n_rows; i++) {
-        if (!all && !is_head(b->t, order[i])) continue;
+        if (!all && !bis_trade_is_head(b->t, order[i])) continue;
         bis_json_open(j, NULL, '{');
         bis_trade_put_name(j, &b->t->plan.settings[order[i]]);
         bis_json_open(j, "cells", '[');
@@ -260,7 +216,7 @@ static void put_tables(bis_json *j, const bis_trade *t)
 
 static void put_front(bis_json *j, const bis_trade *t)
 {
-    char error[24], bias[24], se[24];
+    char time[24], error[24], bias[24], se[24];
 
     bis_json_open(j, "front", '[');
     for (const bis_trade_point *p = NULL; (p = bis_trade_next_on_front(&t->result, p));) {
@@ -268,11 +224,9 @@ static void put_front(bis_json *j, const bis_trade *t)
         const double mean = t->references[bis_trade_judge_of(s)].mean;
         bis_json_open(j, NULL, '{');
         bis_trade_put_name(j, s);
-        bis_json_count(j, "passes", p->passes);
-        say_duration(j, "time", p->seconds);
-        bis_json_text(j, "error",
+        bis_trade_say(j, "passes=%u; time=%s; error=%s", (unsigned)p->passes, bis_trade_duration(time, p->seconds),
                       p->noise > 0 ? bis_trade_percent(error, sqrt(p->noise)) : "below the reference's");
-        bis_trade_say(j, "bias", "%s%s%s%s", p->bias < 0 ? "−" : "+", bis_trade_percent(bias, fabs(p->bias) / mean),
+        bis_trade_say(j, "bias=%s%s%s%s", p->bias < 0 ? "−" : "+", bis_trade_percent(bias, fabs(p->bias) / mean),
                       p->bias_se > 0 ? " ± " : "", p->bias_se > 0 ? bis_trade_percent(se, p->bias_se / mean) : "");
         bis_json_close(j);
     }
@@ -284,22 +238,20 @@ static void put_front(bis_json *j, const bis_trade *t)
 static void put_reference(bis_json *j, const bis_trade *t, int k, const char *judged)
 {
     const bis_trade_reference *ref = &t->references[k];
+    char se[24], noise[24];
 
     if (t->plan.reference[k] < 0 || !ref->is_ready) return;
-    bis_json_open(j, NULL, '{');
-    bis_json_text(j, "judged", judged);
-    bis_json_text(j, "name", t->plan.settings[t->plan.reference[k]].name);
-    bis_json_count(j, "renders", BIS_TRADE_REPLICATES);
-    bis_json_count(j, "passes", t->plan.reference_passes[k]);
-    bis_trade_say(j, "mean", "%.5g", ref->mean);
-    say_percent(j, "se", ref->mean > 0 ? ref->se / ref->mean : 0);
-    say_percent(j, "noise", sqrt(ref->relmse));
-    bis_json_close(j);
+    bis_trade_say_all(j, NULL, "judged=%s; name=%s; renders=%d; passes=%u; mean=%.5g; se=%s; noise=%s", judged,
+                      t->plan.settings[t->plan.reference[k]].name, (int)BIS_TRADE_REPLICATES,
+                      (unsigned)t->plan.reference_passes[k], ref->mean,
+                      bis_trade_percent(se, ref->mean > 0 ? ref->se / ref->mean : 0),
+                      bis_trade_percent(noise, sqrt(ref->relmse)));
 }
 
 static void put_references(bis_json *j, const bis_trade *t)
 {
     const bis_trade_reference *a = &t->references[0], *b = &t->references[1];
+    const bool agree = !t->plan.is_given && a->is_ready && b->is_ready && a->mean > 0;
     char difference[24], se[24];
 
     bis_json_open(j, "references", '[');
@@ -307,13 +259,10 @@ static void put_references(bis_json *j, const bis_trade *t)
     put_reference(j, t, 1, "em, brdf and mis");
     bis_json_close(j);
     bis_json_bool(j, "given", t->plan.is_given);
-    say_percent(j, "noise", sqrt(t->both.relmse));
-    if (t->plan.is_given || !a->is_ready || !b->is_ready || !(a->mean > 0)) {
-        bis_json_null(j, "agreement");
-        return;
-    }
-    bis_trade_say(j, "agreement", "%s ± %s", bis_trade_percent(difference, fabs(a->mean - b->mean) / a->mean),
-                  bis_trade_percent(se, hypot(a->se, b->se) / a->mean));
+    bis_trade_say(j, "noise=%s", bis_trade_percent(difference, sqrt(t->both.relmse)));
+    if (!agree) bis_json_null(j, "agreement");
+    else bis_trade_say(j, "agreement=%s ± %s", bis_trade_percent(difference, fabs(a->mean - b->mean) / a->mean),
+                       bis_trade_percent(se, hypot(a->se, b->se) / a->mean));
 }
 
 static void put_left_out(bis_json *j, const bis_trade *t)
@@ -333,17 +282,17 @@ static void put_left_out(bis_json *j, const bis_trade *t)
 
 static void put_method(bis_json *j, const bis_trade *t)
 {
-    bis_json_bool(j, "thin", t->plan.step > 1);
-    bis_json_count(j, "width", (uint64_t)t->plan.width);
-    bis_json_count(j, "height", (uint64_t)t->plan.height);
-    bis_trade_say(j, "full", "%d × %d", t->plan.full_width, t->plan.full_height);
-    bis_trade_say(j, "of_each", "%d × %d", t->plan.step, t->plan.step);
-    say_duration(j, "longest", t->plan.run_seconds);
-    say_count(j, "seeds", t->plan.n_seeds, "seed");
-    say_count(j, "threads", t->n_threads, "thread");
+    const bis_trade_plan *plan = &t->plan;
+    char longest[24];
+
+    bis_json_bool(j, "thin", plan->step > 1);
+    bis_trade_say(j, "width=%d; height=%d; full=%d × %d; of_each=%d × %d", plan->width, plan->height, plan->full_width,
+                  plan->full_height, plan->step, plan->step);
+    bis_trade_say(j, "longest=%s; seeds=%d seed%s; threads=%d thread%s; version=%s",
+                  bis_trade_duration(longest, plan->run_seconds), plan->n_seeds, plan->n_seeds == 1 ? "" : "s",
+                  t->n_threads, t->n_threads == 1 ? "" : "s", BIS_VERSION);
     put_references(j, t);
     put_left_out(j, t);
-    bis_json_text(j, "version", BIS_VERSION);
 }
 
 /* ---- the page ---- */
@@ -357,8 +306,7 @@ static bis_status put_values(FILE *out, const bis_trade *t, bis_diag *diag)
     bis_json_bool(&j, "example", false);
     bis_json_text(&j, "title", slash ? slash + 1 : t->o.scene);
     bis_json_bool(&j, "incomplete", !t->is_complete);
-    bis_json_count(&j, "runs", t->n_runs);
-    bis_json_count(&j, "planned", bis_trade_planned_runs(&t->plan));
+    bis_trade_say(&j, "runs=%zu; planned=%zu", t->n_runs, bis_trade_planned_runs(&t->plan));
     bis_json_open(&j, "advice", '[');
     for (int i = 0; i < BIS_TRADE_ADVICE; i++) put_advice(&j, t, &t->result.advice[i]);
     bis_json_close(&j);

@@ -7,7 +7,6 @@
  * numbers below are those of its picture. */
 #include "trade_page.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { LEFT = 62, RIGHT = 628, TOP = 14, BOTTOM = 420, LABEL = 30 };
@@ -38,9 +37,6 @@ static double x_of(const plot *p, const bis_trade_point *q)
 
 static double y_of(const bis_trade_point *q) { return sqrt(q->noise); }
 static bool is_shown(const bis_trade_point *q) { return q->noise > 0 && q->seconds > 0; }
-
-/* A place, to a tenth of the picture's unit. */
-static void put(const plot *p, const char *key, double v) { bis_json_number(p->j, key, round(10 * v) / 10); }
 
 /* ---- axes ---- */
 
@@ -85,33 +81,25 @@ static void put_ticks(const plot *p, bool is_y)
     for (int i = 3 * (int)floor(log10(a->lo)); i < 3 * (int)ceil(log10(a->hi)) + 3; i++) {
         const double v = steps[(i % 3 + 3) % 3] * pow(10, floor(i / 3.0));
         if (v < a->lo || v > a->hi) continue;
-        bis_json_open(p->j, NULL, '{');
-        put(p, "at", place(a, v));
-        if (is_y) put(p, "text_at", place(a, v) + 4);
-        bis_json_text(p->j, "text", all || i % 3 == 0 ? tick_text(text, p, is_y, v) : "");
-        bis_json_close(p->j);
+        bis_trade_say_all(p->j, NULL, "at=%.1f; text_at=%.1f; text=%s", place(a, v), place(a, v) + 4,
+                          all || i % 3 == 0 ? tick_text(text, p, is_y, v) : "");
     }
     bis_json_close(p->j);
 }
 
 /* ---- curves ---- */
 
-/* "x,y x,y": add a point to a list of them. */
-static void add_point(FILE *list, const plot *p, const bis_trade_point *q)
-{
-    fprintf(list, " %.1f,%.1f", place(&p->x, x_of(p, q)), place(&p->y, y_of(q)));
-}
+/* "x,y x,y" */
+typedef struct points {
+    char text[BIS_TRADE_SETTINGS * BIS_TRADE_LEVELS * 24];
+    size_t n;
+} points;
 
-static void put_line(const plot *p, const bis_trade_curve *c)
+static void add_point(points *list, const plot *p, const bis_trade_point *q)
 {
-    char text[BIS_TRADE_LEVELS * 24] = "";
-    FILE *list = fmemopen(text, sizeof text, "w");
-
-    for (int i = 0; list && i < c->n; i++) {
-        if (is_shown(&p->t->result.points[c->first + i])) add_point(list, p, &p->t->result.points[c->first + i]);
-    }
-    if (list) fclose(list);
-    bis_json_text(p->j, "points", text);
+    if (!is_shown(q)) return;
+    list->n += (size_t)snprintf(list->text + list->n, sizeof list->text - list->n, " %.1f,%.1f",
+                                place(&p->x, x_of(p, q)), place(&p->y, y_of(q)));
 }
 
 static const char *shape_of(const char *integrator)
@@ -127,15 +115,12 @@ static const char *shape_of(const char *integrator)
 static void put_bar(const plot *p, const bis_trade_point *q)
 {
     const double y = y_of(q), half = q->noise_se / (2 * y);
-    if (!(half > 0)) {
+    if (half > 0) {
+        bis_trade_say_all(p->j, "bar", "x=%.1f; top=%.1f; bottom=%.1f", place(&p->x, x_of(p, q)),
+                          place(&p->y, fmin(y + half, p->y.hi)), place(&p->y, fmax(y - half, p->y.lo)));
+    } else {
         bis_json_null(p->j, "bar");
-        return;
     }
-    bis_json_open(p->j, "bar", '{');
-    put(p, "x", place(&p->x, x_of(p, q)));
-    put(p, "top", place(&p->y, fmin(y + half, p->y.hi)));
-    put(p, "bottom", y - half > p->y.lo ? place(&p->y, y - half) : p->y.from);
-    bis_json_close(p->j);
 }
 
 static void put_mark(const plot *p, const bis_trade_setting *s, const bis_trade_point *q)
@@ -144,11 +129,9 @@ static void put_mark(const plot *p, const bis_trade_setting *s, const bis_trade_
 
     bis_json_open(p->j, NULL, '{');
     put_bar(p, q);
-    bis_trade_say(p->j, "title", "%s, %u pass%s: %s in %s", s->name, (unsigned)q->passes, q->passes == 1 ? "" : "es",
-                  bis_trade_percent(error, y_of(q)), bis_trade_duration(time, q->seconds));
-    put(p, "x", place(&p->x, x_of(p, q)));
-    put(p, "y", place(&p->y, y_of(q)));
-    bis_json_text(p->j, "shape", shape_of(s->settings.integrator->name));
+    bis_trade_say(p->j, "title=%s, %u pass%s: %s in %s; x=%.1f; y=%.1f; shape=%s", s->name, (unsigned)q->passes,
+                  q->passes == 1 ? "" : "es", bis_trade_percent(error, y_of(q)), bis_trade_duration(time, q->seconds),
+                  place(&p->x, x_of(p, q)), place(&p->y, y_of(q)), shape_of(s->settings.integrator->name));
     bis_json_close(p->j);
 }
 
@@ -156,33 +139,27 @@ static void put_curve(const plot *p, int setting)
 {
     const bis_trade_setting *s = &p->t->plan.settings[setting];
     const bis_trade_curve *c = &p->t->result.curves[setting];
+    const bis_trade_point *q = p->t->result.points + c->first;
+    points line = {.n = 0};
 
     bis_json_open(p->j, NULL, '{');
     bis_trade_put_name(p->j, s);
-    put_line(p, c);
+    for (int i = 0; i < c->n; i++) add_point(&line, p, &q[i]);
+    bis_json_text(p->j, "points", line.text);
     bis_json_open(p->j, "marks", '[');
     for (int i = 0; i < c->n; i++) {
-        if (is_shown(&p->t->result.points[c->first + i])) put_mark(p, s, &p->t->result.points[c->first + i]);
+        if (is_shown(&q[i])) put_mark(p, s, &q[i]);
     }
     bis_json_close(p->j);
     bis_json_close(p->j);
-}
-
-static bool is_among(const int *heads, int n, int setting)
-{
-    for (int i = 0; i < n; i++) {
-        if (heads[i] == setting) return true;
-    }
-    return false;
 }
 
 /* The heads, or all others that were measured. */
-static void put_curves(const plot *p, const int *heads, int n, bool major)
+static void put_curves(const plot *p, bool major)
 {
     bis_json_open(p->j, major ? "major" : "minor", '[');
-    for (int i = 0; major && i < n; i++) put_curve(p, heads[i]);
-    for (int i = 0; !major && i < p->t->plan.n_settings; i++) {
-        if (p->t->result.curves[i].n && !is_among(heads, n, i)) put_curve(p, i);
+    for (int i = 0; i < p->t->plan.n_settings; i++) {
+        if (p->t->result.curves[i].n && bis_trade_is_head(p->t, i) == major) put_curve(p, i);
     }
     bis_json_close(p->j);
 }
@@ -195,9 +172,10 @@ typedef struct label {
 } label;
 
 /* Names stand at the right, in the order of the ends, LABEL apart. */
-static int place_labels(const plot *p, label *labels, const int *heads, int n)
+static int place_labels(const plot *p, label *labels)
 {
-    int count = 0;
+    int heads[BIS_TRADE_STRIP], count = 0;
+    const int n = bis_trade_heads(p->t, heads);
     for (int i = 0; i < n; i++) {
         const bis_trade_curve *c = &p->t->result.curves[heads[i]];
         const bis_trade_point *q = &p->t->result.points[c->first + c->n - 1];
@@ -212,10 +190,10 @@ static int place_labels(const plot *p, label *labels, const int *heads, int n)
     return count;
 }
 
-static void put_labels(const plot *p, const int *heads, int n)
+static void put_labels(const plot *p)
 {
     label labels[BIS_TRADE_STRIP];
-    const int count = place_labels(p, labels, heads, n);
+    const int count = place_labels(p, labels);
 
     bis_json_open(p->j, "labels", '[');
     for (int i = 0; i < count; i++) {
@@ -224,10 +202,9 @@ static void put_labels(const plot *p, const int *heads, int n)
         if (c->slope_se >= 0.005) snprintf(se, sizeof se, " ± %.2f", c->slope_se);
         bis_json_open(p->j, NULL, '{');
         bis_trade_put_name(p->j, &p->t->plan.settings[labels[i].setting]);
-        put(p, "y", labels[i].y + 1);
-        put(p, "slope_at", labels[i].y + 14);
+        bis_trade_say(p->j, "y=%.1f; slope_at=%.1f", labels[i].y + 1, labels[i].y + 14);
         if (p->by_rays || isnan(c->slope)) bis_json_null(p->j, "slope");
-        else bis_trade_say(p->j, "slope", "%s%.2f%s", c->slope < 0 ? "−" : "", fabs(c->slope), se);
+        else bis_trade_say(p->j, "slope=%s%.2f%s", c->slope < 0 ? "−" : "", fabs(c->slope), se);
         bis_json_close(p->j);
     }
     bis_json_close(p->j);
@@ -239,14 +216,11 @@ static void put_labels(const plot *p, const int *heads, int n)
  * time. */
 static void put_front(const plot *p)
 {
-    char text[BIS_TRADE_SETTINGS * BIS_TRADE_LEVELS * 24] = "";
-    FILE *list = fmemopen(text, sizeof text, "w");
-
-    for (const bis_trade_point *q = NULL; list && !p->by_rays && (q = bis_trade_next_on_front(&p->t->result, q));) {
-        if (is_shown(q)) add_point(list, p, q);
+    points line = {.n = 0};
+    for (const bis_trade_point *q = NULL; !p->by_rays && (q = bis_trade_next_on_front(&p->t->result, q));) {
+        add_point(&line, p, q);
     }
-    if (list) fclose(list);
-    bis_json_text(p->j, "front", text);
+    bis_json_text(p->j, "front", line.text);
 }
 
 /* A family of lines of slope -1/2, a factor 4 in error apart. */
@@ -259,12 +233,8 @@ static void put_laws(const plot *p)
         const double y0 = p->y.hi * pow(4, e), y1 = y0 * sqrt(x0 / x1);
         if (y0 <= p->y.lo || y1 >= p->y.hi) continue;
         const double from_y = fmin(y0, p->y.hi), to_y = fmax(y1, p->y.lo);
-        bis_json_open(p->j, NULL, '{');
-        put(p, "x0", place(&p->x, x0 * pow(y0 / from_y, 2)));
-        put(p, "y0", place(&p->y, from_y));
-        put(p, "x1", place(&p->x, x0 * pow(y0 / to_y, 2)));
-        put(p, "y1", place(&p->y, to_y));
-        bis_json_close(p->j);
+        bis_trade_say_all(p->j, NULL, "x0=%.1f; y0=%.1f; x1=%.1f; y1=%.1f", place(&p->x, x0 * pow(y0 / from_y, 2)),
+                          place(&p->y, from_y), place(&p->x, x0 * pow(y0 / to_y, 2)), place(&p->y, to_y));
     }
     bis_json_close(p->j);
 }
@@ -273,22 +243,14 @@ static void put_laws(const plot *p)
 static void put_floor(const plot *p)
 {
     const double floor = sqrt(p->t->both.relmse);
-    if (!(floor > p->y.lo && floor < p->y.hi)) {
-        bis_json_null(p->j, "floor");
-        return;
-    }
-    bis_json_open(p->j, "floor", '{');
-    put(p, "at", place(&p->y, floor));
-    put(p, "text_at", place(&p->y, floor) - 5);
-    bis_json_close(p->j);
+    const double y = place(&p->y, floor);
+    if (floor > p->y.lo && floor < p->y.hi) bis_trade_say_all(p->j, "floor", "at=%.1f; text_at=%.1f", y, y - 5);
+    else bis_json_null(p->j, "floor");
 }
 
 void bis_trade_put_plot(bis_json *j, const bis_trade *t, bool by_rays)
 {
     plot p = {.j = j, .t = t, .by_rays = by_rays};
-    int heads[BIS_TRADE_STRIP];
-    const int n = bis_trade_heads(t, heads);
-
     find_axes(&p);
     bis_json_open(j, NULL, '{');
     bis_json_bool(j, "time", !by_rays);
@@ -303,10 +265,10 @@ void bis_trade_put_plot(bis_json *j, const bis_trade *t, bool by_rays)
     put_ticks(&p, false);
     put_ticks(&p, true);
     put_floor(&p);
-    put_curves(&p, heads, n, false);
+    put_curves(&p, false);
     put_front(&p);
-    put_curves(&p, heads, n, true);
-    put_labels(&p, heads, n);
+    put_curves(&p, true);
+    put_labels(&p);
     bis_json_close(j);
     bis_json_close(j);
 }

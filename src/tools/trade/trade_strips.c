@@ -104,7 +104,7 @@ bis_status bis_trade_put_pictures(bis_json *j, const bis_trade *t, bis_diag *dia
     bis_status status = bis_trade_exposure(&exposure, t, diag);
 
     if (status) return status;
-    bis_trade_say(j, "ratio", "%d/%d", t->both.image.width, t->both.image.height);
+    bis_trade_say(j, "ratio=%d/%d", t->both.image.width, t->both.image.height);
     bis_json_open(j, "pictures", '[');
     status = put_picture(j, "ref", &t->both.image, exposure, diag);
     for (int i = 0; i < t->n_strip && !status; i++) status = put_pair(j, t, i, exposure, diag);
@@ -175,14 +175,9 @@ static void put_crops(bis_json *j, const char *name, const bis_image *image, con
 {
     bis_json_open(j, "crops", '[');
     for (int k = 0; k < N_CROPS; k++) {
-        bis_json_open(j, NULL, '{');
-        bis_json_count(j, "number", (uint64_t)k);
-        bis_trade_say(j, "left", "%.2f", 100.0 * crops[k].x / image->width);
-        bis_trade_say(j, "top", "%.2f", 100.0 * crops[k].y / image->height);
-        bis_json_text(j, "picture", name);
-        bis_trade_say(j, "x", "%.2f", share(crops[k].x, image->width));
-        bis_trade_say(j, "y", "%.2f", share(crops[k].y, image->height));
-        bis_json_close(j);
+        bis_trade_say_all(j, NULL, "number=%d; left=%.2f; top=%.2f; picture=%s; x=%.2f; y=%.2f", k,
+                          100.0 * crops[k].x / image->width, 100.0 * crops[k].y / image->height, name,
+                          share(crops[k].x, image->width), share(crops[k].y, image->height));
     }
     bis_json_close(j);
 }
@@ -196,12 +191,10 @@ static void put_shot(bis_json *j, const bis_trade *t, int i, const window crops[
     snprintf(name, sizeof name, "p%d", i);
     bis_json_open(j, NULL, '{');
     bis_trade_put_name(j, s);
-    bis_trade_say(j, "made", "%u pass%s, %s%s", (unsigned)p->passes, p->passes == 1 ? "" : "es",
+    bis_trade_say(j, "made=%u pass%s, %s%s", (unsigned)p->passes, p->passes == 1 ? "" : "es",
                   bis_trade_duration(time, p->seconds), s->is_biased ? ", biased" : "");
-    bis_json_text(j, "picture", name);
+    bis_trade_say(j, "picture=%s; errors=e%d; error=%s", name, i, bis_trade_percent(error, sqrt(p->relmse)));
     put_crops(j, name, &p->image, crops);
-    bis_trade_say(j, "errors", "e%d", i);
-    bis_json_text(j, "error", bis_trade_percent(error, sqrt(p->relmse)));
     bis_json_close(j);
 }
 
@@ -214,16 +207,12 @@ static void put_slider(bis_json *j, const bis_trade *t)
         if (t->strip[i].relmse > t->strip[worst].relmse) worst = i;
         if (t->strip[i].relmse < t->strip[best].relmse) best = i;
     }
-    if (worst == best) bis_json_text(j, "left", "ref");
-    else bis_trade_say(j, "left", "p%d", worst);
-    bis_trade_say(j, "right", "p%d", best);
+    if (worst == best) bis_trade_say(j, "left=ref; right=p%d", best);
+    else bis_trade_say(j, "left=p%d; right=p%d", worst, best);
     bis_json_open(j, "choice", '[');
-    for (int i = -1; i < t->n_strip; i++) {
-        bis_json_open(j, NULL, '{');
-        if (i < 0) bis_json_text(j, "picture", "ref");
-        else bis_trade_say(j, "picture", "p%d", i);
-        bis_json_text(j, "name", i < 0 ? "reference" : t->plan.settings[t->strip[i].setting].name);
-        bis_json_close(j);
+    bis_trade_say_all(j, NULL, "picture=ref; name=reference");
+    for (int i = 0; i < t->n_strip; i++) {
+        bis_trade_say_all(j, NULL, "picture=p%d; name=%s", i, t->plan.settings[t->strip[i].setting].name);
     }
     bis_json_close(j);
 }
@@ -239,9 +228,8 @@ void bis_trade_put_strip(bis_json *j, const bis_trade *t)
     }
     find_crops(t, crops);
     bis_json_open(j, "strip", '{');
-    bis_json_text(j, "time", bis_trade_duration(time, t->plan.run_seconds));
-    bis_json_text(j, "made", t->plan.is_given ? "as given" : "the mean of both");
-    bis_json_text(j, "reference", "ref");
+    bis_trade_say(j, "time=%s; reference=ref; made=%s", bis_trade_duration(time, t->plan.run_seconds),
+                  t->plan.is_given ? "as given" : "the mean of both");
     put_crops(j, "ref", &t->both.image, crops);
     bis_json_open(j, "shots", '[');
     for (int i = 0; i < t->n_strip; i++) put_shot(j, t, i, crops);

@@ -23,21 +23,42 @@ const char *bis_trade_percent(char buf[24], double v)
     return buf;
 }
 
-void bis_trade_say(bis_json *j, const char *key, const char *format, ...)
+/* "a=1; b=x" as members. */
+static void put_members(bis_json *j, const char *format, va_list args)
 {
-    char text[256];
-    va_list args;
+    char text[768];
 
-    va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
+    for (char *at = text, *next; at; at = next) {
+        char *value = strchr(at, '=');
+        next = strstr(at, "; ");
+        if (next) *next = '\0', next += 2;
+        *value = '\0';
+        bis_json_text(j, at, value + 1);
+    }
+}
+
+void bis_trade_say(bis_json *j, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    put_members(j, format, args);
     va_end(args);
-    bis_json_text(j, key, text);
+}
+
+void bis_trade_say_all(bis_json *j, const char *key, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    bis_json_open(j, key, '{');
+    put_members(j, format, args);
+    bis_json_close(j);
+    va_end(args);
 }
 
 void bis_trade_put_name(bis_json *j, const bis_trade_setting *s)
 {
-    bis_json_text(j, "method", s->settings.integrator->name);
-    bis_json_text(j, "name", s->name);
+    bis_trade_say(j, "method=%s; name=%s", s->settings.integrator->name, s->name);
     bis_json_open(j, "notes", '[');
     if (s->is_scenes && !strstr(s->name, "own")) bis_json_text(j, NULL, "the scene's");
     if (s->is_biased) bis_json_text(j, NULL, "biased");
@@ -52,4 +73,13 @@ const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const 
         if (p->on_front && (!last || p->seconds > last->seconds) && (!next || p->seconds < next->seconds)) next = p;
     }
     return next;
+}
+
+bool bis_trade_is_head(const bis_trade *t, int setting)
+{
+    int heads[BIS_TRADE_STRIP];
+    for (int i = bis_trade_heads(t, heads) - 1; i >= 0; i--) {
+        if (heads[i] == setting) return true;
+    }
+    return false;
 }
