@@ -143,17 +143,14 @@ static void a_picture_in_the_page_is_that_of_the_file(void **state)
     for (int width = 1; width < 40; width++) {
         bis_image image;
         unsigned char *file, here[1024];
-        char *text = NULL;
-        size_t n, size;
+        size_t size;
         assert_int_equal(bis_image_init(&image, width, 1, NULL), BIS_OK);
         for (int i = 0; i < width; i++) image.pixels[i] = (rgb){0.01f * (float)(i * i * 37 % 101), 0.5f, 0.02f * (float)i};
-        FILE *out = open_memstream(&text, &n);
-        assert_int_equal(bis_markup_png(out, &image, 0, NULL), BIS_OK);
-        fclose(out);
+        char *text = bis_markup_png(&image, 0, NULL);
         assert_int_equal(bis_image_save_colours(&image, "build/test_template.png", NULL), BIS_OK);
         assert_int_equal(bis_file_read(&file, &size, "build/test_template.png", (bis_loc){0}, NULL), BIS_OK);
         assert_int_equal(strncmp(text, "data:image/png;base64,", 22), 0);
-        assert_int_equal((n - 22) % 4, 0);
+        assert_int_equal((strlen(text) - 22) % 4, 0);
         assert_int_equal(decoded(here, text + 22), size);
         assert_memory_equal(here, file, size);
         paddings |= 1u << size % 3;

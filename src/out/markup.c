@@ -35,20 +35,23 @@ static void put_base64(FILE *out, const unsigned char *data, size_t n)
     }
 }
 
-bis_status bis_markup_png(FILE *out, const bis_image *image, double exposure, bis_diag *diag)
+char *bis_markup_png(const bis_image *image, double exposure, bis_diag *diag)
 {
     bis_channel channels[3];
     bis_picture picture = bis_image_picture(image, channels);
-    char *data = NULL;
-    size_t n = 0;
-    FILE *memory = open_memstream(&data, &n);
+    char *png = NULL, *text = NULL;
+    size_t n = 0, n_text = 0;
+    FILE *binary = open_memstream(&png, &n), *base64 = open_memstream(&text, &n_text);
 
     picture.has_exposure = true;
     picture.exposure = exposure;
-    bis_status status = memory ? bis_png_write(memory, &picture, "picture", diag) : BIS_NOMEM;
-    if (memory && fclose(memory) != 0 && !status) status = BIS_NOMEM;
-    if (!memory || !data) bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a picture of the page");
-    if (!status) fputs("data:image/png;base64,", out), put_base64(out, (const unsigned char *)data, n);
-    free(data); /* the C library's, not ours */
-    return status;
+    bool ok = binary && base64 && bis_png_write(binary, &picture, "picture", NULL) == BIS_OK;
+    ok = (!binary || fclose(binary) == 0) && ok;
+    if (ok) fputs("data:image/png;base64,", base64), put_base64(base64, (const unsigned char *)png, n);
+    ok = (!base64 || fclose(base64) == 0) && ok;
+    free(png);
+    if (ok) return text;
+    free(text);
+    bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a picture of %d x %d", image->width, image->height);
+    return NULL;
 }

@@ -11,8 +11,8 @@
  * character become U+FFFD, because a file's name may have any byte. */
 void bis_markup_text(FILE *out, const char *text, size_t n);
 
-/* bis_markup_png prints image as the address "data:image/png;base64,...". Radiance is multiplied by 2^exposure; with 0
- * the colours appear as they are. Errors: BIS_NOMEM. */
-bis_status bis_markup_png(FILE *out, const bis_image *image, double exposure, bis_diag *diag);
+/* bis_markup_png returns image as the address "data:image/png;base64,...", to be freed by free(). Radiance is
+ * multiplied by 2^exposure; with 0 the colours appear as they are. NULL: no memory, as diag says. */
+char *bis_markup_png(const bis_image *image, double exposure, bis_diag *diag);
 
 #endif

@@ -4,6 +4,7 @@
 #include "markup.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Of a font without serifs, capitals are about .72 of its size high. */
@@ -132,11 +133,12 @@ void bis_svg_text_on(FILE *svg, double x, double y, double size, bis_svg_end_at 
 bis_status bis_svg_picture(FILE *svg, const char *name, double width, double height, const bis_image *image,
                            bis_diag *diag)
 {
+    char *png = bis_markup_png(image, 0, diag);
+    if (!png) return BIS_NOMEM;
     fprintf(svg, "<defs><image id=\"%s\" width=\"%g\" height=\"%g\" preserveAspectRatio=\"none\" "
-            "style=\"image-rendering:pixelated\" href=\"", name, width, height);
-    const bis_status status = bis_markup_png(svg, image, 0, diag);
-    fputs("\"/></defs>\n", svg);
-    return status;
+            "style=\"image-rendering:pixelated\" href=\"%s\"/></defs>\n", name, width, height, png);
+    free(png);
+    return BIS_OK;
 }
 
 void bis_svg_show(FILE *svg, const char *name, double x, double y)

@@ -40,12 +40,6 @@ static bool is_shown(const bis_trade_point *q) { return q->noise > 0 && q->secon
 
 /* ---- axes ---- */
 
-static void widen(axis *a, double v)
-{
-    a->lo = fmin(a->lo, v);
-    a->hi = fmax(a->hi, v);
-}
-
 static void find_axes(plot *p)
 {
     const bis_trade_result *r = &p->t->result;
@@ -54,8 +48,9 @@ static void find_axes(plot *p)
     p->y = (axis){1e300, 0, BOTTOM, TOP};
     for (int i = 0; i < r->n_points; i++) {
         if (!is_shown(&r->points[i])) continue;
-        widen(&p->x, x_of(p, &r->points[i]));
-        widen(&p->y, y_of(&r->points[i]));
+        const double x = x_of(p, &r->points[i]), y = y_of(&r->points[i]);
+        p->x = (axis){fmin(p->x.lo, x), fmax(p->x.hi, x), LEFT, RIGHT};
+        p->y = (axis){fmin(p->y.lo, y), fmax(p->y.hi, y), BOTTOM, TOP};
     }
     p->x.lo /= 1.25, p->x.hi *= 1.25;
     p->y.lo /= 1.2, p->y.hi *= 1.2;
