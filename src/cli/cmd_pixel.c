@@ -265,8 +265,8 @@ int bis_cmd_pixel(int argc, char **argv)
         .min_operands = 3,
         .max_operands = 3,
         .notes = "X counts from the left, Y from the top, both from 0, in the scene's film. The\n"
-                 "ray goes through the pixel's centre. The folder gets densities.png (figure 4.1\n"
-                 "of the thesis: map, BRDF, product), samples.png (figure 4.2: the shadow rays of\n"
+                 "ray goes through the pixel's centre. The folder gets densities.svg (figure 4.1\n"
+                 "of the thesis: map, BRDF, product), samples.svg (figure 4.2: the shadow rays of\n"
                  "each method), methods.csv, candidates.csv and rays.csv.\n",
     };
     return bis_cli_run(&command, argc, argv, pixel, &o);

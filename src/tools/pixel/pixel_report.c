@@ -158,7 +158,7 @@ void bis_pixel_print_text(const bis_pixel_report *r)
     print_exact(r);
     print_methods(r);
     print_candidates(r);
-    printf("\nwritten     %s/densities.png samples.png methods.csv candidates.csv rays.csv\n", r->folder);
+    printf("\nwritten     %s/densities.svg samples.svg methods.csv candidates.csv rays.csv\n", r->folder);
 }
 
 /* ---- JSON ---- */
