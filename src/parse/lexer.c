@@ -4,6 +4,7 @@
  * file's content: nothing is copied. The column of a token costs O(1): bytes since the line's start less those that
  * continue a UTF-8 character, which can only stand in strings and comments and are counted there. A scene of ten
  * million numbers is as fast as bis_parse_double. */
+#include "base/text.h"
 #include "lexer.h"
 
 #include "bis/base/file.h"
@@ -19,22 +20,6 @@
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
-static bool continues_character(char c) { return ((unsigned char)c & 0xc0) == 0x80; }
-
-/* Bytes of the well-formed UTF-8 character at s, 0: ill-formed (RFC 3629: no overlong forms, no surrogates). */
-static size_t utf8_length(const char *s, const char *end)
-{
-    const unsigned char c = (unsigned char)s[0];
-    if (c < 0x80) return 1;
-    size_t n = c >= 0xc2 && c <= 0xdf ? 2 : c >= 0xe0 && c <= 0xef ? 3 : c >= 0xf0 && c <= 0xf4 ? 4 : 0;
-    if (!n || (size_t)(end - s) < n) return 0;
-    for (size_t i = 1; i < n; i++)
-        if (!continues_character(s[i])) return 0;
-    const unsigned char d = (unsigned char)s[1];
-    const bool overlong = (c == 0xe0 && d < 0xa0) || (c == 0xf0 && d < 0x90);
-    const bool surrogate = c == 0xed && d > 0x9f, too_large = c == 0xf4 && d > 0x8f;
-    return overlong || surrogate || too_large ? 0 : n;
-}
 
 static bis_loc place(const bis_source *s, const char *at)
 {
@@ -54,7 +39,7 @@ static void skip_space(bis_source *s)
     while (s->next < s->end) {
         char c = *s->next;
         if (c == '#') {
-            while (s->next < s->end && *s->next != '\n') s->n_continuation += continues_character(*s->next++);
+            while (s->next < s->end && *s->next != '\n') s->n_continuation += bis_utf8_continues(*s->next++);
         } else if (is_space(c)) {
             s->next++;
             if (c == '\n') new_line(s);
@@ -77,7 +62,7 @@ static bis_token_kind bad_bare(bis_lexer *l, bis_source *s, bis_token *t, const 
     char buf[128];
     t->length = (size_t)(bare_end(s) - t->text);
     s->next = t->text + t->length;
-    for (size_t i = 0; i < t->length; i++) s->n_continuation += continues_character(t->text[i]);
+    for (size_t i = 0; i < t->length; i++) s->n_continuation += bis_utf8_continues(t->text[i]);
     bis_error(l->diag, BIS_INPUT, t->at, "%s \"%s\"", what, bis_printable(buf, t->text, t->length));
     return BIS_TOKEN_BAD;
 }
@@ -121,7 +106,7 @@ static const char *scan_string(bis_source *s, const char **at)
 {
     const char *wrong = NULL;
     for (s->next++; s->next < s->end && *s->next != '\n' && *s->next != '"';) {
-        size_t n = utf8_length(s->next, s->end);
+        size_t n = bis_utf8_length(s->next, s->end);
         const char *problem = NULL;
         if (!n) problem = "a string is not UTF-8 text: convert the file, for example with iconv";
         if (*s->next == '\0') problem = "a zero byte in a string";
@@ -147,7 +132,7 @@ static bis_token_kind string(bis_lexer *l, bis_source *s, bis_token *t)
     if (wrong) {
         bis_source there = *s; /* the characters up to the fault */
         there.n_continuation = before;
-        for (const char *p = t->text; p < at; p++) there.n_continuation += continues_character(*p);
+        for (const char *p = t->text; p < at; p++) there.n_continuation += bis_utf8_continues(*p);
         if (s->next < s->end && *s->next == '"') s->next++;
         bis_error(l->diag, BIS_INPUT, place(&there, at), "%s", wrong);
         return BIS_TOKEN_BAD;
@@ -165,7 +150,7 @@ static bis_token_kind stray(bis_lexer *l, bis_source *s, bis_token *t)
     /* One complaint for a run of such bytes: a binary file is full of them. */
     while (s->next < s->end && !is_space(*s->next) && !is_letter(*s->next) && !is_digit(*s->next) && *s->next != '"' &&
            *s->next != '[' && *s->next != ']' && *s->next != '#') {
-        s->n_continuation += continues_character(*s->next);
+        s->n_continuation += bis_utf8_continues(*s->next);
         s->next++;
     }
     t->length = (size_t)(s->next - start);
@@ -212,9 +197,9 @@ size_t bis_token_unescape(char *s, const bis_token *t)
 const char *bis_printable(char buf[128], const char *text, size_t length)
 {
     size_t n = length < 100 ? length : 100;
-    while (n < length && n > 0 && continues_character(text[n])) n--;
+    while (n < length && n > 0 && bis_utf8_continues(text[n])) n--;
     for (size_t i = 0; i < n;) {
-        size_t k = utf8_length(text + i, text + n);
+        size_t k = bis_utf8_length(text + i, text + n);
         bool printable = k && ((unsigned char)text[i] >= ' ') && text[i] != 0x7f;
         if (!printable) k = 1;
         for (size_t j = 0; j < k; j++) buf[i + j] = printable ? text[i + j] : '?';
