@@ -5,23 +5,16 @@
 
 #include "bis/base/status.h"
 #include "grow.h"
+#include "text.h"
 
 #include <string.h>
 
 #define NEAREST_LIMIT 1000 /* an edit distance costs about a microsecond */
 
-/* FNV-1a (Fowler, Noll, Vo). */
-static uint64_t hash(const char *s)
-{
-    uint64_t h = 14695981039346656037u;
-    for (; *s; s++) h = (h ^ (unsigned char)*s) * 1099511628211u;
-    return h;
-}
-
 /* The slot that holds the name, or the free one where it belongs. */
 static size_t probe(const bis_names *t, const char *name)
 {
-    size_t i = (size_t)hash(name) & (t->n_slots - 1);
+    size_t i = (size_t)bis_fnv1a(BIS_FNV1A, name, strlen(name)) & (t->n_slots - 1);
     while (t->slots[i] && strcmp(t->names[t->slots[i] - 1], name) != 0) i = (i + 1) & (t->n_slots - 1);
     return i;
 }

@@ -3,7 +3,7 @@
  * A message is formatted when it is made, because the words it is made of (a token, a file's name) may be gone when it
  * is printed. Where memory is too short for a message the message is lost, but counted: n_errors stays true. */
 #include "bis/base/status.h"
-#include "bis/base/mem.h"
+#include "grow.h"
 
 #include <stdarg.h>
 #include <stdint.h>
@@ -41,13 +41,9 @@ static char *format_message(bis_loc at, const char *kind, const char *fmt, va_li
 
 static bool make_room(bis_diag *diag)
 {
-    if (diag->n < diag->capacity) return true;
-    size_t capacity = diag->capacity ? 2 * diag->capacity : 8;
-    bis_message *messages = bis_realloc(diag->messages, capacity, sizeof *messages);
-    if (!messages) return false;
-    diag->messages = messages;
-    diag->capacity = capacity;
-    return true;
+    bis_message *messages = bis_grow(diag->messages, &diag->capacity, diag->n + 1, sizeof *messages);
+    if (messages) diag->messages = messages;
+    return messages != NULL;
 }
 
 static void append(bis_diag *diag, bool is_error, bis_loc at, const char *fmt, va_list args) BIS_PRINTF(4, 0);

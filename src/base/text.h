@@ -1,11 +1,25 @@
-/* text: what is a character of a file's text or of a name. */
+/* text: what strings are asked that is not about one file format: UTF-8, appending, a hash. */
 #ifndef BIS_TEXT_H
 #define BIS_TEXT_H
 
-#include <stddef.h>
+#include "bis/base/status.h"
 
-/* bis_utf8_length returns the number of bytes of the well-formed UTF-8 sequence at s, which ends before end > s, and 0
- * if there is none (RFC 3629: no overlong form, no surrogate, at most U+10FFFF). */
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* bis_utf8_continues returns whether a byte continues a UTF-8 character. */
+static inline bool bis_utf8_continues(char c) { return ((unsigned char)c & 0xc0) == 0x80; }
+
+/* bis_utf8_length returns the number of bytes of the UTF-8 character at s, before end; 0 if it is ill-formed (RFC 3629:
+ * no overlong forms, no surrogates, at most U+10FFFF). */
 size_t bis_utf8_length(const char *s, const char *end);
+
+/* bis_append appends to the text in buf[size]. What does not fit is cut off. */
+void bis_append(char *buf, size_t size, const char *fmt, ...) BIS_PRINTF(3, 4);
+
+/* bis_fnv1a returns the hash h (BIS_FNV1A at first) after n more bytes. Source: FNV-1a of Fowler, Noll, Vo. */
+#define BIS_FNV1A UINT64_C(0xcbf29ce484222325)
+uint64_t bis_fnv1a(uint64_t h, const void *bytes, size_t n);
 
 #endif

@@ -464,6 +464,22 @@ bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, co
     return BIS_OK;
 }
 
+volatile sig_atomic_t bis_cli_signal;
+
+static void catch_signal(int number)
+{
+    (void)number;
+    bis_cli_signal = 1;
+}
+
+void bis_cli_catch_signals(void)
+{
+    const struct sigaction action = {.sa_handler = catch_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGHUP, &action, NULL);
+}
+
 void bis_cli_use_threads(uint64_t n)
 {
 #ifdef _OPENMP

@@ -19,6 +19,7 @@
 
 #include "bis/base/status.h"
 
+#include <signal.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -117,6 +118,13 @@ bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, co
 /* --nthreads: from now on n threads wherever nobody says how many, as for the tables of a map. 0: as many as there
  * are. */
 void bis_cli_use_threads(uint64_t n);
+
+/* Set by the first SIGINT, SIGTERM or SIGHUP after bis_cli_catch_signals; render threads read it. */
+extern volatile sig_atomic_t bis_cli_signal;
+
+/* bis_cli_catch_signals lets those signals set bis_cli_signal. The second one of a kind finds the default action again,
+ * and kills. */
+void bis_cli_catch_signals(void);
 
 /* The commands: arguments behind the command's name, exit status out. */
 int bis_cmd_render(int argc, char **argv);

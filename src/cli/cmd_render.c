@@ -3,6 +3,7 @@
  * Whatever can be known to fail is tried before the rendering: options, the endings and folders of the output files,
  * the scene. Ctrl-C (and SIGTERM, SIGHUP) during the rendering ends it soon; the complete passes are written, if there
  * are any, and the exit status is 130. A second one kills. */
+#include "base/text.h"
 #include "bis/base/clock.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
@@ -18,7 +19,6 @@
 #include <assert.h>
 #include <float.h>
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -40,15 +40,6 @@ typedef struct render_options {
     double crop[4];
     double seconds, error, exposure;
 } render_options;
-
-/* Set by the signal handler, read by the render threads: the one thing that a handler may touch. */
-static volatile sig_atomic_t signal_caught;
-
-static void catch_signal(int number)
-{
-    (void)number;
-    signal_caught = 1;
-}
 
 /* --- options
  * ------------------------------------------------------------------------------------------------------- */
@@ -99,17 +90,15 @@ enum { MAX_INTEGRATORS = 16, MAX_OPTIONS = 48 };
 static bool read_options(render_options *o, int argc, char **argv, const char **scene, int *exit_status)
 {
     const char *integrators[MAX_INTEGRATORS + 1] = {0};
-    char integrator_help[256];
-    size_t length = 0;
+    char integrator_help[256] = "";
     int i = 0;
 
-    for (; bis_integrators[i] && i < MAX_INTEGRATORS - 1 && length < sizeof integrator_help; i++) {
+    for (; bis_integrators[i] && i < MAX_INTEGRATORS - 1; i++) {
         integrators[i] = bis_integrators[i]->name;
-        length += (size_t)snprintf(integrator_help + length, sizeof integrator_help - length, "%s, ", integrators[i]);
+        bis_append(integrator_help, sizeof integrator_help, "%s, ", integrators[i]);
     }
     integrators[i] = bis_auto.name;
-    if (length < sizeof integrator_help)
-        snprintf(integrator_help + length, sizeof integrator_help - length, "or auto: a pilot chooses");
+    bis_append(integrator_help, sizeof integrator_help, "or auto: a pilot chooses");
 
     /* clang-format off: the rows are broken by hand */
     const bis_option before[] = {
@@ -378,16 +367,6 @@ static bis_status list_channels(bis_channel *channels, int *n, float **planes, c
     return BIS_OK;
 }
 
-static const char *duration(char buf[32], double seconds)
-{
-    if (seconds < 10) snprintf(buf, 32, "%.2g s", seconds);
-    else if (seconds < 120) snprintf(buf, 32, "%.0f s", seconds);
-    else if (seconds < 7200) snprintf(buf, 32, "%.0f min", seconds / 60);
-    else if (seconds < 172800) snprintf(buf, 32, "%.1f h", seconds / 3600);
-    else snprintf(buf, 32, "%.3g days", seconds / 86400);
-    return buf;
-}
-
 /* What stands on the disk now, for who sees no progress: one line. */
 static void print_result(const bis_texts *written, const bis_stats *stats)
 {
@@ -401,7 +380,7 @@ static void print_result(const bis_texts *written, const bis_stats *stats)
     fprintf(stderr, ": %d x %d pixels, %u pass%s", stats->film->width, stats->film->height, r->passes,
             r->passes == 1 ? "" : "es");
     if (r->spp != r->passes) fprintf(stderr, " of %d camera samples a pixel", (int)(r->spp / r->passes));
-    fprintf(stderr, ", %s, ", duration(seconds, r->seconds));
+    fprintf(stderr, ", %s, ", bis_progress_duration(seconds, r->seconds));
     if (isnan(r->relative_rmse)) fputs("error unknown (one pass)\n", stderr);
     else fprintf(stderr, "error about %.2g%%\n", 100 * r->relative_rmse);
 }
@@ -493,15 +472,6 @@ static void print_forecast(const bis_forecast *f, void *user)
             f->error);
 }
 
-/* The second signal of a kind finds the default action again, and kills. */
-static void catch_signals(void)
-{
-    const struct sigaction action = {.sa_handler = catch_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    sigaction(SIGHUP, &action, NULL);
-}
-
 /* Where the choice is left to us: a pilot first; desc->settings becomes what it chose, and is told. */
 static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc,
                          const bis_render_options *options, bool quiet, bis_diag *diag)
@@ -517,7 +487,7 @@ static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_sc
     if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice, desc));
     else
         fprintf(stderr, "bis: note: auto: nothing to choose, %s\n",
-                signal_caught ? "interrupted" : "no surface or no light");
+                bis_cli_signal ? "interrupted" : "no surface or no light");
     return BIS_OK;
 }
 
@@ -528,12 +498,12 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     bis_render_options options = {
         .budget = {.spp = (uint32_t)o->spp, .seconds = o->seconds, .error = o->error},
         .n_threads = (int)o->threads,
-        .interrupted = &signal_caught,
+        .interrupted = &bis_cli_signal,
         .progress = show ? print_progress : NULL,
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
     };
-    catch_signals();
+    bis_cli_catch_signals();
     bis_status status =
         bis_auto_is_wanted(&desc->settings) ? choose(choice, scene, desc, &options, o->quiet, diag) : BIS_OK;
     /* the pilot's time is the user's: 0 would be no limit */
@@ -592,7 +562,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     if (!o->quiet) note_resampling(scene->light);
     status = render(&result, &film, &choice, scene, desc, o, diag);
     if (status) goto done;
-    *interrupted = signal_caught;
+    *interrupted = bis_cli_signal;
     /* an older picture is worth more than a black one; said also when quiet, as an error is */
     if (result.passes == 0) {
         fputs("bis: interrupted before the first pass was complete: nothing was written\n", stderr);
@@ -617,7 +587,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
         bis_status other = write_stats(o->stats, &stats, diag);
         if (!status) status = other;
     }
-    *interrupted = signal_caught;
+    *interrupted = bis_cli_signal;
     if (!o->quiet && written.n) print_result(&written, &stats);
 done:
     bis_auto_report_clear(&choice);

@@ -5,6 +5,7 @@
  * the exit status is 130. A second one kills, and loses a second of measurements at most. */
 #include "tools/trade/trade.h"
 
+#include "base/text.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 
@@ -25,22 +26,6 @@ typedef struct trade_options {
     uint64_t seed, seeds, passes, threads;
     int size[2];
 } trade_options;
-
-static volatile sig_atomic_t signal_caught;
-
-static void catch_signal(int number)
-{
-    (void)number;
-    signal_caught = 1;
-}
-
-static void catch_signals(void)
-{
-    const struct sigaction action = {.sa_handler = catch_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    sigaction(SIGHUP, &action, NULL);
-}
 
 /* ---- options ---- */
 
@@ -138,13 +123,12 @@ static bis_status check_integrators(const trade_options *o, bis_diag *diag)
     const char *names[32];
     char list[256] = "";
     bis_status status = BIS_OK;
-    size_t n = 0, length = 0;
+    size_t n = 0;
 
     for (const bis_integrator *const *i = bis_integrators; *i; i++)
         if (bis_trade_is_rival(*i)) names[n++] = (*i)->name;
-    for (size_t i = 0; i < n && length < sizeof list; i++)
-        length += (size_t)snprintf(list + length, sizeof list - length, "%s%s", i == 0 ? "" : i + 1 < n ? ", " : " or ",
-                                   names[i]);
+    for (size_t i = 0; i < n; i++)
+        bis_append(list, sizeof list, "%s%s", i == 0 ? "" : i + 1 < n ? ", " : " or ", names[i]);
     for (int i = 0; i < o->integrators.n; i++) {
         const bis_integrator *known = bis_integrator_find(o->integrators.text[i]);
         if (known && bis_trade_is_rival(known)) continue;
@@ -213,13 +197,13 @@ static int run(const trade_options *o, const char *scene, const char *folder, bi
         .n_threads = (int)o->threads,
         .integrators = o->integrators.text,
         .n_integrators = o->integrators.n,
-        .interrupted = &signal_caught,
+        .interrupted = &bis_cli_signal,
         .progress = show ? print_progress : NULL,
     };
     bis_trade t = {.n_runs = 0};
     bool interrupted;
 
-    catch_signals();
+    bis_cli_catch_signals();
     const bis_status status = bis_trade_measure(&t, &options, &interrupted, diag);
     if (show) fputs("\r\033[K", stderr);
     if (t.nonfinite)

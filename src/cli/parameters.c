@@ -1,23 +1,12 @@
 /* parameters: the table of bis/thesis/settings.h as options and as help. No parameter is known here by its name. */
 #include "parameters.h"
 
+#include "base/text.h"
+
 #include <assert.h>
 #include <ctype.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-static void append(char *buf, size_t size, const char *fmt, ...) BIS_PRINTF(3, 4);
-static void append(char *buf, size_t size, const char *fmt, ...)
-{
-    const size_t used = strlen(buf);
-    va_list args;
-
-    va_start(args, fmt);
-    vsnprintf(buf + used, size - used, fmt, args);
-    va_end(args);
-    assert(strlen(buf) + 1 < size); /* the table is a constant: it fits or it does not */
-}
 
 /* ---- words ---- */
 
@@ -31,13 +20,13 @@ const char *bis_parameter_words(char buf[BIS_PARAMETER_WORDS], const char *name)
     for (const bis_integrator *const *i = bis_integrators; *i; i++) {
         const bis_parameter *p = bis_parameter_of(*i, name);
         if (!p) continue;
-        if (p->type == BIS_PARAMETER_CHOICE)
-            append(buf, BIS_PARAMETER_WORDS, "%s%s: %s", *buf ? "; " : "", (*i)->name, bis_parameter_list(list, p, ""));
-        else append(buf, BIS_PARAMETER_WORDS, "%s%s", *buf ? ", " : "", (*i)->name);
-        if (p->or_auto) append(note, sizeof note, "; %s, %s", (*i)->name, p->note);
+        const bool is_choice = p->type == BIS_PARAMETER_CHOICE;
+        bis_append(buf, BIS_PARAMETER_WORDS, "%s%s", !*buf ? "" : is_choice ? "; " : ", ", (*i)->name);
+        if (is_choice) bis_append(buf, BIS_PARAMETER_WORDS, ": %s", bis_parameter_list(list, p, ""));
+        if (p->or_auto) bis_append(note, sizeof note, "; %s, %s", (*i)->name, p->note);
     }
     for (first = bis_parameters; strcmp(first->name, name) != 0;) first++;
-    if (first->type != BIS_PARAMETER_CHOICE) append(buf, BIS_PARAMETER_WORDS, ": %s%s", first->words, note);
+    if (first->type != BIS_PARAMETER_CHOICE) bis_append(buf, BIS_PARAMETER_WORDS, ": %s%s", first->words, note);
     return buf;
 }
 
@@ -46,11 +35,11 @@ static void append_default(char *buf, const bis_parameter *p)
 {
     char number[32];
 
-    append(buf, BIS_INTEGRATOR_WORDS, "%s (%s", p->name, bis_parameter_text(number, p, p->usual));
+    bis_append(buf, BIS_INTEGRATOR_WORDS, "%s (%s", p->name, bis_parameter_text(number, p, p->usual));
     for (unsigned v = 0; p->type == BIS_PARAMETER_CHOICE && p->choices >> v; v++)
-        if (p->choices >> v & 1 && v != p->usual) append(buf, BIS_INTEGRATOR_WORDS, ", %s", p->names[v]);
-    if (p->note) append(buf, BIS_INTEGRATOR_WORDS, "; %s", p->note);
-    append(buf, BIS_INTEGRATOR_WORDS, ")");
+        if (p->choices >> v & 1 && v != p->usual) bis_append(buf, BIS_INTEGRATOR_WORDS, ", %s", p->names[v]);
+    if (p->note) bis_append(buf, BIS_INTEGRATOR_WORDS, "; %s", p->note);
+    bis_append(buf, BIS_INTEGRATOR_WORDS, ")");
 }
 
 const char *bis_integrator_words(char buf[BIS_INTEGRATOR_WORDS], const bis_integrator *integrator)
@@ -58,12 +47,12 @@ const char *bis_integrator_words(char buf[BIS_INTEGRATOR_WORDS], const bis_integ
     const char *between = ". ";
 
     *buf = '\0';
-    append(buf, BIS_INTEGRATOR_WORDS, "%s", integrator->words);
+    bis_append(buf, BIS_INTEGRATOR_WORDS, "%s", integrator->words);
     for (const bis_parameter *p = NULL; (p = bis_parameter_next(integrator, p)) != NULL; between = ", ") {
-        append(buf, BIS_INTEGRATOR_WORDS, "%s", between);
+        bis_append(buf, BIS_INTEGRATOR_WORDS, "%s", between);
         append_default(buf, p);
     }
-    append(buf, BIS_INTEGRATOR_WORDS, ". %c%s", toupper((unsigned char)*integrator->claim), integrator->claim + 1);
+    bis_append(buf, BIS_INTEGRATOR_WORDS, ". %c%s", toupper((unsigned char)*integrator->claim), integrator->claim + 1);
     return buf;
 }
 

@@ -6,7 +6,8 @@
 
 const char *bis_progress_duration(char buf[BIS_PROGRESS_DURATION], double seconds)
 {
-    if (seconds < 120) snprintf(buf, BIS_PROGRESS_DURATION, "%.0f s", seconds);
+    if (seconds < 10) snprintf(buf, BIS_PROGRESS_DURATION, "%.2g s", seconds);
+    else if (seconds < 120) snprintf(buf, BIS_PROGRESS_DURATION, "%.0f s", seconds);
     else if (seconds < 7200) snprintf(buf, BIS_PROGRESS_DURATION, "%.0f min", seconds / 60);
     else if (seconds < 172800) snprintf(buf, BIS_PROGRESS_DURATION, "%.1f h", seconds / 3600);
     else snprintf(buf, BIS_PROGRESS_DURATION, "%.3g days", seconds / 86400);

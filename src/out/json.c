@@ -1,19 +1,21 @@
 /* json: a writer that keeps the commas and braces (RFC 8259), so that every --stats and --json is valid whatever a file
  * is called. */
+#include "base/text.h"
 #include "json.h"
 
 #include "bis/base/file.h"
-#include "base/text.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
-static void print_string(FILE *out, const char *s)
+static void print_string(FILE *out, const char *text)
 {
+    const char *s = text, *end = text + strlen(text);
+
     fputc('"', out);
     while (*s) {
-        const size_t n = bis_utf8_length(s, s + strnlen(s, 4));
+        const size_t n = bis_utf8_length(s, end);
         if (n == 0) {
             fputs("\\ufffd", out);
             s++;

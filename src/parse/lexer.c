@@ -4,11 +4,11 @@
  * file's content: nothing is copied. The column of a token costs O(1): bytes since the line's start less those that
  * continue a UTF-8 character, which can only stand in strings and comments and are counted there. A scene of ten
  * million numbers is as fast as bis_parse_double. */
+#include "base/text.h"
 #include "lexer.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "base/text.h"
 
 #include <limits.h>
 #include <math.h>
@@ -20,7 +20,6 @@
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
-static bool continues_character(char c) { return ((unsigned char)c & 0xc0) == 0x80; }
 
 static bis_loc place(const bis_source *s, const char *at)
 {
@@ -40,7 +39,7 @@ static void skip_space(bis_source *s)
     while (s->next < s->end) {
         char c = *s->next;
         if (c == '#') {
-            while (s->next < s->end && *s->next != '\n') s->n_continuation += continues_character(*s->next++);
+            while (s->next < s->end && *s->next != '\n') s->n_continuation += bis_utf8_continues(*s->next++);
         } else if (is_space(c)) {
             s->next++;
             if (c == '\n') new_line(s);
@@ -63,7 +62,7 @@ static bis_token_kind bad_bare(bis_lexer *l, bis_source *s, bis_token *t, const 
     char buf[128];
     t->length = (size_t)(bare_end(s) - t->text);
     s->next = t->text + t->length;
-    for (size_t i = 0; i < t->length; i++) s->n_continuation += continues_character(t->text[i]);
+    for (size_t i = 0; i < t->length; i++) s->n_continuation += bis_utf8_continues(t->text[i]);
     bis_error(l->diag, BIS_INPUT, t->at, "%s \"%s\"", what, bis_printable(buf, t->text, t->length));
     return BIS_TOKEN_BAD;
 }
@@ -133,7 +132,7 @@ static bis_token_kind string(bis_lexer *l, bis_source *s, bis_token *t)
     if (wrong) {
         bis_source there = *s; /* the characters up to the fault */
         there.n_continuation = before;
-        for (const char *p = t->text; p < at; p++) there.n_continuation += continues_character(*p);
+        for (const char *p = t->text; p < at; p++) there.n_continuation += bis_utf8_continues(*p);
         if (s->next < s->end && *s->next == '"') s->next++;
         bis_error(l->diag, BIS_INPUT, place(&there, at), "%s", wrong);
         return BIS_TOKEN_BAD;
@@ -151,7 +150,7 @@ static bis_token_kind stray(bis_lexer *l, bis_source *s, bis_token *t)
     /* One complaint for a run of such bytes: a binary file is full of them. */
     while (s->next < s->end && !is_space(*s->next) && !is_letter(*s->next) && !is_digit(*s->next) && *s->next != '"' &&
            *s->next != '[' && *s->next != ']' && *s->next != '#') {
-        s->n_continuation += continues_character(*s->next);
+        s->n_continuation += bis_utf8_continues(*s->next);
         s->next++;
     }
     t->length = (size_t)(s->next - start);
@@ -198,7 +197,7 @@ size_t bis_token_unescape(char *s, const bis_token *t)
 const char *bis_printable(char buf[128], const char *text, size_t length)
 {
     size_t n = length < 100 ? length : 100;
-    while (n < length && n > 0 && continues_character(text[n])) n--;
+    while (n < length && n > 0 && bis_utf8_continues(text[n])) n--;
     for (size_t i = 0; i < n;) {
         size_t k = bis_utf8_length(text + i, text + n);
         bool printable = k && ((unsigned char)text[i] >= ' ') && text[i] != 0x7f;

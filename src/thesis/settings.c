@@ -2,10 +2,10 @@
  * the parameters that it reads; a new parameter is a row here and a field of bis_settings. */
 #include "bis/thesis/settings.h"
 
+#include "base/text.h"
 #include "bis/base/file.h"
 #include "bis/thesis/integrator.h"
 
-#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -136,13 +136,11 @@ const char *bis_parameter_text(char buf[32], const bis_parameter *p, double v)
 
 const char *bis_parameter_list(char buf[128], const bis_parameter *p, const char *quote)
 {
-    size_t n = 0;
-
+    *buf = '\0';
     for (unsigned v = 0, left = p->choices; left; left &= ~(1u << v++)) {
         if (!(left >> v & 1)) continue;
         const char *between = left == p->choices ? "" : left >> v == 1 ? " or " : ", ";
-        n += (size_t)snprintf(buf + n, 128 - n, "%s%s%s%s", between, quote, p->names[v], quote);
-        assert(n < 128);
+        bis_append(buf, 128, "%s%s%s%s", between, quote, p->names[v], quote);
     }
     return buf;
 }

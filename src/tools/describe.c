@@ -5,11 +5,11 @@
 #include "bis/base/mem.h"
 #include "bis/base/version.h"
 #include "bis/files/image_file.h"
+#include "base/text.h"
 #include "out/json.h"
 
 #include <assert.h>
 #include <math.h>
-#include <stdarg.h>
 #include <string.h>
 #include <sys/resource.h>
 
@@ -32,17 +32,6 @@ int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MA
     return n;
 }
 
-/* Appends to a line that has room, by the table's own measure; what a longer one would lose is lost. */
-static void append(char line[BIS_MAX_LINE], const char *fmt, ...)
-{
-    const size_t used = strlen(line);
-    va_list args;
-
-    va_start(args, fmt);
-    vsnprintf(line + used, BIS_MAX_LINE - used, fmt, args);
-    va_end(args);
-}
-
 const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bool all)
 {
     static const char *const types[] = {[BIS_PARAMETER_COUNT] = "integer", [BIS_PARAMETER_FRACTION] = "float",
@@ -50,12 +39,12 @@ const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bo
     char buf[32];
 
     *line = '\0';
-    append(line, "Integrator \"%s\"", s->integrator->name);
+    bis_append(line, BIS_MAX_LINE, "Integrator \"%s\"", s->integrator->name);
     for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL;) {
         const double v = bis_parameter_get(p, s);
         const char *quote = p->type == BIS_PARAMETER_CHOICE ? "\"" : "";
         if (!all && p->type != BIS_PARAMETER_COUNT && v == p->usual) continue;
-        append(line, " \"%s %s\" %s%s%s", types[p->type], p->name, quote, bis_parameter_text(buf, p, v), quote);
+        bis_append(line, BIS_MAX_LINE, " \"%s %s\" %s%s%s", types[p->type], p->name, quote, bis_parameter_text(buf, p, v), quote);
     }
     return line;
 }
@@ -169,8 +158,8 @@ static double best_uniform(const bis_auto_report *r, const bis_settings *method)
 static void append_settings(char line[BIS_MAX_LINE], const bis_settings *s)
 {
     if (bis_parameter_of(s->integrator, "candidates"))
-        append(line, "%s, %s, %u candidates, %u shadow rays", s->integrator->name, proposal_of(s), (unsigned)s->candidates, (unsigned)s->shadowrays);
-    else append(line, "%s, %u samples", s->integrator->name, (unsigned)s->samples);
+        bis_append(line, BIS_MAX_LINE, "%s, %s, %u candidates, %u shadow rays", s->integrator->name, proposal_of(s), (unsigned)s->candidates, (unsigned)s->shadowrays);
+    else bis_append(line, BIS_MAX_LINE, "%s, %u samples", s->integrator->name, (unsigned)s->samples);
 }
 
 /* "; for material 1, 4: sir, ...", or, where there are many, "; for 12 materials: ...". */
@@ -185,13 +174,13 @@ static void append_exceptions(char line[BIS_MAX_LINE], const bis_scene_desc *d)
         const char *separator = "; for material ";
         int count = 0;
         for (uint32_t k = 0; k < n && has; k++) count += has[k];
-        if (count > MANY) append(line, "; for %d materials", count);
+        if (count > MANY) bis_append(line, BIS_MAX_LINE, "; for %d materials", count);
         for (uint32_t k = 0; k < n && has && count <= MANY; k++) {
             if (!has[k]) continue;
-            append(line, "%s%u", separator, (unsigned)k);
+            bis_append(line, BIS_MAX_LINE, "%s%u", separator, (unsigned)k);
             separator = ", ";
         }
-        append(line, ": ");
+        bis_append(line, BIS_MAX_LINE, ": ");
         append_settings(line, bis_scene_settings(d, i));
         bis_free(has);
     }
@@ -207,20 +196,20 @@ const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *
     append_settings(line, &d->settings);
     append_exceptions(line, d);
     if (d->exceptions.n && chosen > 0) {
-        append(line, "%sone setting for all %.2f", separator, best_uniform(r, NULL) / chosen);
+        bis_append(line, BIS_MAX_LINE, "%sone setting for all %.2f", separator, best_uniform(r, NULL) / chosen);
         separator = ", ";
     }
     for (int i = 0, n = 0; i < r->n_tried && chosen > 0; i++) {
         const bis_settings *s = &r->tried[i].settings;
         const double own = uniform_product(r, i);
         if (same_method(s, &d->settings) || !isfinite(own) || own > best_uniform(r, s)) continue;
-        append(line, "%s%s%s%s%s %.2g", separator, n++ ? "" : "the best of ", s->integrator->name, *proposal_of(s) ? " " : "",
+        bis_append(line, BIS_MAX_LINE, "%s%s%s%s%s %.2g", separator, n++ ? "" : "the best of ", s->integrator->name, *proposal_of(s) ? " " : "",
                proposal_of(s), own / chosen);
         separator = ", ";
     }
-    append(line, "%s (pilot: %d settings", *separator == ',' ? " times as long" : "", r->n_tried);
-    if (r->n_groups > 1) append(line, " of %d groups of materials", r->n_groups);
-    append(line, ", %.2g s)", r->seconds);
+    bis_append(line, BIS_MAX_LINE, "%s (pilot: %d settings", *separator == ',' ? " times as long" : "", r->n_tried);
+    if (r->n_groups > 1) bis_append(line, BIS_MAX_LINE, " of %d groups of materials", r->n_groups);
+    bis_append(line, BIS_MAX_LINE, ", %.2g s)", r->seconds);
     return line;
 }
 

@@ -26,7 +26,7 @@ typedef struct bis_light_desc {
     bis_loc loc;         /* the place of the directive */
 } bis_light_desc;
 
-/* bis_light_desc_default returns the light that a LightSource without parameters describes: a constant of radiance 1. */
+/* bis_light_desc_default returns what a LightSource without parameters describes: a constant of radiance 1. */
 bis_light_desc bis_light_desc_default(void);
 
 /* bis_light_load reads the map's file, if there is one, and builds what `needs` (BIS_NEED_*) asks for. seconds (may

@@ -153,8 +153,8 @@ void bis_scene_free(bis_scene *s);
 bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind,
                            bis_diag *diag);
 
-/* bis_scene_point finds the surface that the camera ray `eye` meets first and stores it in *pt, with desc's material and
- * with wo = -eye.d. Rays traced from *pt are counted in *counters; this one is not. *hit (may be NULL) receives the
+/* bis_scene_point finds the surface that the camera ray `eye` meets first and stores it in *pt, with desc's material
+ * and with wo = -eye.d. Rays traced from *pt are counted in *counters; this one is not. *hit (may be NULL) receives the
  * distance and the primitive. Returns false if the ray meets nothing. */
 bool bis_scene_point(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, bis_counters *counters,
                      bis_hit *hit);

@@ -11,7 +11,7 @@
  * several times is traced, and written down, once. */
 #include "pixel.h"
 
-#include "bis/base/mem.h"
+#include "base/grow.h"
 
 #include "thesis/as_printed.h"
 #include "thesis/candidates.h"
@@ -127,23 +127,15 @@ typedef struct listener {
     bool *no_memory;
 } listener;
 
-static bool make_room(bis_pixel_rays *r)
-{
-    if (r->n < r->capacity) return true;
-    const size_t capacity = r->capacity ? 2 * r->capacity : 64;
-    bis_pixel_ray *more = bis_realloc(r->ray, capacity, sizeof *more);
-    if (!more) return false;
-    r->ray = more;
-    r->capacity = capacity;
-    return true;
-}
-
 static bool listen(const bis_accel *a, const ray *r)
 {
     const listener *l = (const listener *)a;
     const bool occluded = bis_accel_occluded(l->real, r);
-    if (!make_room(l->rays)) *l->no_memory = true;
-    else l->rays->ray[l->rays->n++] = (bis_pixel_ray){.wi = r->d, .run = l->run, .seen = !occluded};
+    bis_pixel_ray *more = bis_grow(l->rays->ray, &l->rays->capacity, l->rays->n + 1, sizeof *more);
+    if (more) {
+        more[l->rays->n++] = (bis_pixel_ray){.wi = r->d, .run = l->run, .seen = !occluded};
+        l->rays->ray = more;
+    } else *l->no_memory = true;
     return occluded;
 }
 

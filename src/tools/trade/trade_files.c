@@ -6,8 +6,9 @@
  * to one version of bis, which its fingerprint tells. */
 #include "trade.h"
 
+#include "base/grow.h"
+#include "base/text.h"
 #include "bis/base/file.h"
-#include "bis/base/mem.h"
 #include "bis/base/version.h"
 
 #include <dirent.h>
@@ -83,18 +84,16 @@ bis_status bis_trade_make_folder(const bis_trade *t, const char *name, bis_diag 
  * into. */
 static bis_status fingerprint(uint64_t *hash, const bis_trade *t, bis_diag *diag)
 {
-    uint64_t h = 0xcbf29ce484222325u;
+    uint64_t h = bis_fnv1a(BIS_FNV1A, BIS_VERSION, strlen(BIS_VERSION));
 
-    for (const char *c = BIS_VERSION; *c; c++) h = (h ^ (unsigned char)*c) * 0x100000001b3u;
-    for (int i = 0; i < t->plan.n_settings; i++) {
-        for (const char *c = t->plan.settings[i].name; *c; c++) h = (h ^ (unsigned char)*c) * 0x100000001b3u;
-    }
+    for (int i = 0; i < t->plan.n_settings; i++)
+        h = bis_fnv1a(h, t->plan.settings[i].name, strlen(t->plan.settings[i].name));
     for (size_t i = 0; i < t->desc->n_files; i++) {
         unsigned char *data;
         size_t size;
         bis_status status = bis_file_read(&data, &size, t->desc->files[i], (bis_loc){0}, diag);
         if (status) return status;
-        for (size_t k = 0; k < size; k++) h = (h ^ data[k]) * 0x100000001b3u;
+        h = bis_fnv1a(h, data, size);
         bis_free(data);
     }
     *hash = h;
@@ -409,13 +408,9 @@ bool bis_trade_has_run(const bis_trade *t, int setting, int level, int replicate
 
 bis_status bis_trade_add_run(bis_trade *t, const bis_trade_run *run, bis_diag *diag)
 {
-    if (t->n_runs == t->capacity_runs) {
-        const size_t capacity = t->capacity_runs ? 2 * t->capacity_runs : 256;
-        bis_trade_run *grown = bis_realloc(t->runs, capacity, sizeof *grown);
-        if (!grown) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %zu runs", capacity);
-        t->runs = grown;
-        t->capacity_runs = capacity;
-    }
+    bis_trade_run *runs = bis_grow(t->runs, &t->capacity_runs, t->n_runs + 1, sizeof *runs);
+    if (!runs) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %zu runs", t->n_runs + 1);
+    t->runs = runs;
     t->runs[t->n_runs++] = *run;
     return BIS_OK;
 }

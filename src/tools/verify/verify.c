@@ -6,7 +6,8 @@
  * accused. */
 #include "verify.h"
 
-#include "bis/base/mem.h"
+#include "base/grow.h"
+#include "base/text.h"
 #include "bis/base/stats.h"
 
 #include <stdarg.h>
@@ -20,16 +21,12 @@ static const double least_expected = 5;
 /* Room for one more, or NULL, which bis_verify_judge reports. */
 static bis_verify_test *append(bis_verify *v, const char *group, const char *name, va_list arguments)
 {
-    if (v->n == v->capacity) {
-        const size_t capacity = v->capacity ? 2 * v->capacity : 64;
-        bis_verify_test *tests = bis_realloc(v->tests, capacity, sizeof *tests);
-        if (!tests) {
-            v->no_memory = true;
-            return NULL;
-        }
-        v->tests = tests;
-        v->capacity = capacity;
+    bis_verify_test *tests = bis_grow(v->tests, &v->capacity, v->n + 1, sizeof *tests);
+    if (!tests) {
+        v->no_memory = true;
+        return NULL;
     }
+    v->tests = tests;
     bis_verify_test *t = &v->tests[v->n++];
     *t = (bis_verify_test){.group = group, .statistic = (double)NAN, .p = (double)NAN, .threshold = (double)NAN};
     vsnprintf(t->name, sizeof t->name, name, arguments);
@@ -82,14 +79,12 @@ void bis_verify_skip(bis_verify *v, const char *group, const char *why, const ch
 uint64_t bis_verify_seed(const bis_verify *v, const char *name, ...)
 {
     char text[160];
-    uint64_t hash = 0xcbf29ce484222325u;
     va_list arguments;
 
     va_start(arguments, name);
     vsnprintf(text, sizeof text, name, arguments);
     va_end(arguments);
-    for (const char *c = text; *c; c++) hash = (hash ^ (unsigned char)*c) * 0x100000001b3u;
-    return bis_hash(bis_hash(hash) ^ v->seed);
+    return bis_hash(bis_hash(bis_fnv1a(BIS_FNV1A, text, strlen(text))) ^ v->seed);
 }
 
 /* ---- chi-square ---- */
