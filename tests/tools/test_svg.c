@@ -5,6 +5,8 @@
 #include "out/palette.h"
 #include "out/svg.h"
 
+#include "bis/base/mem.h"
+
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -128,6 +130,31 @@ static void a_drawing_is_well_formed_and_holds_its_pictures(void **state)
     bis_image_clear(&image);
 }
 
+static void every_allocation_of_a_picture_may_fail(void **state)
+{
+    (void)state;
+    bis_image image;
+    bis_status status = BIS_NOMEM;
+    long k = 0;
+    assert_int_equal(bis_image_init(&image, 300, 200, NULL), BIS_OK);
+    while (status) {
+        bis_diag diag = {0};
+        FILE *svg = open_paper();
+        bis_mem_fail_at(++k);
+        status = bis_svg_picture(svg, "map", 30, 20, &image, &diag);
+        const bool failed = bis_mem_count() >= k;
+        bis_mem_fail_at(0);
+        fclose(paper);
+        assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
+        assert_int_equal(diag.n_errors + diag.n_lost, failed);
+        assert_int_equal(html_count(drawn, "<image"), !failed);
+        free(drawn);
+        bis_diag_clear(&diag);
+    }
+    assert_true(k > 3);
+    bis_image_clear(&image);
+}
+
 static void hotter_is_lighter(void **state)
 {
     (void)state;
@@ -152,6 +179,7 @@ int main(void)
         cmocka_unit_test(text_stands_where_it_is_put),
         cmocka_unit_test(exponents_are_raised_and_indices_lowered_to_the_next_blank),
         cmocka_unit_test(a_drawing_is_well_formed_and_holds_its_pictures),
+        cmocka_unit_test(every_allocation_of_a_picture_may_fail),
         cmocka_unit_test(hotter_is_lighter),
     };
     return cmocka_run_group_tests_name("svg", tests, NULL, NULL);

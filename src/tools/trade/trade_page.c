@@ -297,6 +297,17 @@ static void put_method(bis_json *j, const bis_trade *t)
 
 /* ---- the page ---- */
 
+static void put_results(bis_json *j, const bis_trade *t)
+{
+    bis_json_open(j, "plots", '[');
+    for (int by_rays = 0; by_rays < 2; by_rays++) bis_trade_put_plot(j, t, by_rays);
+    bis_json_close(j);
+    put_bars(j, t);
+    bis_trade_put_strip(j, t);
+    put_tables(j, t);
+    put_front(j, t);
+}
+
 static bis_status put_values(FILE *out, const bis_trade *t, bis_diag *diag)
 {
     bis_json j = {.out = out};
@@ -311,13 +322,7 @@ static bis_status put_values(FILE *out, const bis_trade *t, bis_diag *diag)
     for (int i = 0; i < BIS_TRADE_ADVICE; i++) put_advice(&j, t, &t->result.advice[i]);
     bis_json_close(&j);
     bis_json_bool(&j, "measured", t->result.n_points > 0);
-    bis_json_open(&j, "plots", '[');
-    for (int by_rays = 0; by_rays < 2; by_rays++) bis_trade_put_plot(&j, t, by_rays);
-    bis_json_close(&j);
-    put_bars(&j, t);
-    bis_trade_put_strip(&j, t);
-    put_tables(&j, t);
-    put_front(&j, t);
+    if (t->result.n_points > 0) put_results(&j, t);
     put_method(&j, t);
     const bis_status status = bis_trade_put_pictures(&j, t, diag);
     bis_json_close(&j);
