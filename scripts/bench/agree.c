@@ -191,7 +191,6 @@ static int test_scene(const char *path, const options *o, double alpha_each)
     int failures = 0;
 
     if (bis_scene_parse(&desc, path, &diag)) goto fail;
-    bis_scene_drop_exceptions(desc, NULL, NULL);
     desc->pixel_jitter = false;
     desc->film.width = o->width;
     desc->film.height = o->height;

@@ -1,6 +1,6 @@
 /* bench_auto: is what Integrator "auto" chooses as good as the best of a sweep? For scripts/bench/bench_auto.sh.
  *
- *     bench_auto PIXELS SCENE [SPP [one]]
+ *     bench_auto PIXELS SCENE [SPP]
  *
  * Renders about PIXELS of the scene's pixels, every k-th, with each of the fixed settings of `table`, then lets auto
  * choose seven times (seven seeds, each pilot as for the whole picture) and renders with what it has chosen. One
@@ -43,7 +43,6 @@ enum { N_TABLE = sizeof table / sizeof *table };
 
 typedef struct measured {
     bis_settings settings;
-    bis_exceptions exceptions;
     double *mean[SEEDS]; /* [pixels][3] */
     double seconds;      /* of a pass at full size */
     double relmse;       /* of a pass */
@@ -56,7 +55,6 @@ typedef struct job {
     int full_width, full_height, width, height;
     double footprint;
     uint32_t spp; /* of the render that the choice is for */
-    bool one;     /* all materials are taken for one */
     bool *shaded; /* [pixels]: shows a surface */
     measured of[MOST];
     int n;
@@ -90,7 +88,7 @@ static double render(job *j, bis_film *film, int width, int height, uint64_t see
     return clock_now() - start;
 }
 
-static void measure(job *j, bis_settings settings, bis_exceptions exceptions)
+static void measure(job *j, bis_settings settings)
 {
     measured *m = &j->of[j->n++];
     bis_film film = {0};
@@ -98,7 +96,6 @@ static void measure(job *j, bis_settings settings, bis_exceptions exceptions)
     double fill = (double)INFINITY, all = (double)INFINITY;
 
     m->settings = j->desc->settings = settings;
-    m->exceptions = j->desc->exceptions = exceptions;
     for (int i = 0; i < SEEDS; i++) {
         fill = fmin(fill, render(j, &film, 1, 1, 1, 1));
         all = fmin(all, render(j, &film, j->width, j->height, 1000 + (uint64_t)i, spp));
@@ -109,7 +106,6 @@ static void measure(job *j, bis_settings settings, bis_exceptions exceptions)
     }
     const double scale = (double)j->full_width * j->full_height / ((double)j->width * j->height);
     m->seconds = fill + fmax(0, all / spp - fill) * scale;
-    j->desc->exceptions = (bis_exceptions){.n = 0};
     bis_film_clear(&film);
 }
 
@@ -165,17 +161,9 @@ static bis_auto_report choose(job *j, uint64_t seed, double *seconds)
     j->desc->film.height = j->full_height;
     j->desc->settings = bis_settings_default(&bis_auto);
     j->desc->sampler.seed = seed;
-    bis_shape_desc *shapes = j->desc->shapes, *alike = bis_alloc(j->desc->n_shapes, sizeof *alike);
-    for (size_t i = 0; i < j->desc->n_shapes; i++) {
-        alike[i] = shapes[i];
-        if (j->one) alike[i].material = shapes[0].material;
-    }
-    j->desc->shapes = alike; /* the scene itself is built */
     const double start = clock_now();
     check(bis_auto_choose(&report, j->scene, j->desc, &options, &diag), &diag);
     *seconds = clock_now() - start;
-    j->desc->shapes = shapes;
-    bis_free(alike);
     j->desc->film = shrunk;
     return report;
 }
@@ -199,20 +187,12 @@ static bool same_settings(const bis_settings *a, const bis_settings *b)
     return a->integrator != &bis_sir || (a->candidates == b->candidates && a->proposal == b->proposal && a->learn == b->learn);
 }
 
-static bool same(const job *j, const measured *m, const bis_settings *s, const bis_exceptions *e)
-{
-    if (!same_settings(&m->settings, s) || m->exceptions.n != e->n) return false;
-    for (int i = 0; i < e->n; i++)
-        if (!same_settings(&m->exceptions.settings[i], &e->settings[i])) return false;
-    return !e->n || memcmp(m->exceptions.of_material, e->of_material, j->desc->n_materials) == 0;
-}
-
 /* What was measured already is not measured again. */
-static int find_or_measure(job *j, const bis_settings *s, const bis_exceptions *e)
+static int find_or_measure(job *j, const bis_settings *s)
 {
     int i = 0;
-    while (i < j->n && !same(j, &j->of[i], s, e)) i++;
-    if (i == j->n) measure(j, *s, *e);
+    while (i < j->n && !same_settings(&j->of[i].settings, s)) i++;
+    if (i == j->n) measure(j, *s);
     return i;
 }
 
@@ -222,22 +202,12 @@ static void print_method(const bis_settings *s)
     printf(" %s %u %u", !sir ? s->integrator->name : s->learn ? "learn" : bis_proposal_name(s->proposal), sir ? (unsigned)s->candidates : 0, (unsigned)s->shadowrays);
 }
 
-/* Exceptions stand behind the general method. */
-static void print_methods(const measured *m)
-{
-    print_method(&m->settings);
-    for (int i = 0; i < m->exceptions.n; i++) {
-        printf(" +");
-        print_method(&m->exceptions.settings[i]);
-    }
-}
-
 static void print_setting(const job *j, int i, double best)
 {
     const measured *m = &j->of[i];
 
     printf("setting %s", j->name);
-    print_methods(m);
+    print_method(&m->settings);
     printf(" %.2f %.3e %.3e %.2f\n", 1e6 * m->seconds / ((double)j->full_width * j->full_height), m->relmse, product(m), product(m) / best);
 }
 
@@ -254,31 +224,29 @@ int main(int argc, char **argv)
     int chosen[CHOICES];
     double pilot[CHOICES], to_best[CHOICES], to_mis[CHOICES], best = (double)INFINITY, mis = (double)INFINITY, mis_seconds[CHOICES];
 
-    if (argc < 3 || argc > 5) {
-        fprintf(stderr, "usage: bench_auto PIXELS SCENE [SPP [one]]\n");
+    if (argc < 3 || argc > 4) {
+        fprintf(stderr, "usage: bench_auto PIXELS SCENE [SPP]\n");
         return 2;
     }
     j.name = strrchr(argv[2], '/') ? strrchr(argv[2], '/') + 1 : argv[2];
     check(bis_scene_parse(&j.desc, argv[2], &diag), &diag);
     j.spp = argc > 3 ? (uint32_t)strtoul(argv[3], NULL, 10) : (uint32_t)j.desc->sampler.spp;
-    j.one = argc > 4;
     j.full_width = j.desc->film.width;
     j.full_height = j.desc->film.height;
     j.footprint = fmin(1, sqrt(atof(argv[1]) / ((double)j.full_width * j.full_height)));
     j.width = (int)round(j.footprint * j.full_width);
     j.height = (int)round(j.footprint * j.full_height);
     j.shaded = bis_alloc((size_t)j.width * (size_t)j.height, sizeof *j.shaded);
-    bis_scene_drop_exceptions(j.desc, NULL, NULL);
     j.desc->settings = bis_settings_default(&bis_auto);
     check(bis_scene_build(&j.scene, j.desc, &diag), &diag);
 
     for (size_t i = 0; i < N_TABLE; i++) {
         const bis_settings s = settings_of(table[i].name, table[i].M, table[i].N);
-        measure(&j, s, (bis_exceptions){.n = 0});
+        measure(&j, s);
     }
     for (int i = 0; i < CHOICES; i++) {
-        bis_auto_report r = choose(&j, 1 + (uint64_t)i, &pilot[i]); /* not cleared: what was measured borrows its materials */
-        chosen[i] = find_or_measure(&j, &r.settings, &r.exceptions);
+        const bis_auto_report r = choose(&j, 1 + (uint64_t)i, &pilot[i]);
+        chosen[i] = find_or_measure(&j, &r.settings);
     }
     judge(&j);
     for (int i = 0; i < N_TABLE; i++) {
@@ -296,7 +264,7 @@ int main(int argc, char **argv)
         to_best[i] = time / (best / error);
         to_mis[i] = time / mis_seconds[i];
         printf("choice %s", j.name);
-        print_methods(m);
+        print_method(&m->settings);
         printf(" pilot %.2f to-best %.2f to-mis %.2f\n", pilot[i], to_best[i], to_mis[i]);
     }
     qsort(to_best, CHOICES, sizeof *to_best, ascending);

@@ -96,7 +96,6 @@ int main(int argc, char **argv)
         bis_scene *scene = NULL;
         bis_diag diag = {0};
         if (bis_scene_parse(&desc, argv[i], &diag)) return 1;
-        bis_scene_drop_exceptions(desc, "verify_alarms", &diag);
         desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
         if (printed) desc->settings.as_printed = BIS_E6 | BIS_E21;
         if (shrink_map(desc, width, map) || bis_scene_build(&scene, desc, &diag)) return 1;

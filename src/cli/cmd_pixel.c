@@ -211,7 +211,6 @@ static int pixel(const void *options, const char *const *operand, bis_diag *diag
     status = bis_scene_parse(&desc, operand[0], diag);
     if (!status) status = read_places(place, operand + 1, &desc->film, diag);
     if (status) goto done;
-    bis_scene_drop_exceptions(desc, "bis pixel", diag);
     if (o->has_seed) desc->sampler.seed = o->seed;
     leave_the_product(&desc->settings, o, diag);
     status = make_methods(r->methods, &r->n_methods, &desc->settings, o, diag);

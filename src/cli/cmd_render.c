@@ -215,8 +215,6 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
 {
     bis_settings *s = &d->settings;
 
-    if (o->integrator || bis_parameter_given(o->parameters, NULL))
-        bis_scene_drop_exceptions(d, "the command line", diag);
     if (o->integrator && strcmp(o->integrator, s->integrator->name) != 0) {
         const unsigned as_printed = s->as_printed;
         *s = bis_settings_default(bis_integrator_find(o->integrator));
@@ -232,7 +230,6 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
                  bis_proposal_name(s->proposal));
     bis_settings_leave_open(s);
     bis_status status = switch_errata(s, &o->as_printed, diag);
-    for (int i = 0; i < d->exceptions.n; i++) d->exceptions.settings[i].as_printed = s->as_printed;
     return status ? status : bis_settings_check(s, bis_cli_loc, diag);
 }
 
@@ -481,10 +478,8 @@ static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_sc
 
     if (status) return status;
     desc->settings = choice->settings;
-    desc->exceptions = choice->exceptions;
-    choice->exceptions = (bis_exceptions){.n = 0};
     if (quiet) return BIS_OK;
-    if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice, desc));
+    if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice));
     else
         fprintf(stderr, "bis: note: auto: nothing to choose, %s\n",
                 bis_cli_signal ? "interrupted" : "no surface or no light");
@@ -546,9 +541,8 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     bis_film film = {0};
     bis_render_result result;
     bis_texts written = {.n = 0};
-    bis_auto_report choice = {.n_groups = 1};
+    bis_auto_report choice = {.is_chosen = false};
     const bool chooses = bis_auto_is_wanted(&desc->settings);
-    char *lines = NULL, *exceptions = NULL;
     bis_status status;
 
     status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, bis_cli_loc, diag);
@@ -571,11 +565,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
 
     bis_stats stats = {.desc = desc, .scene = scene, .film = &film, .result = &result, .seconds = scene->seconds,
                        .choice = chooses ? &choice : NULL};
-    lines = bis_describe_integrators(desc, 0);
-    exceptions = bis_describe_integrators(desc, 1);
-    if (!lines || !exceptions) bis_warn(diag, bis_cli_loc, "no memory to tell in the picture how it was made");
-    stats.lines = lines ? lines : "";
-    stats.exceptions = exceptions ? exceptions : "";
+    bis_describe_line(stats.line, &desc->settings, true);
     bis_errata_text(stats.as_printed, desc->settings.as_printed);
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;
@@ -590,9 +580,6 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     *interrupted = bis_cli_signal;
     if (!o->quiet && written.n) print_result(&written, &stats);
 done:
-    bis_auto_report_clear(&choice);
-    bis_free(lines);
-    bis_free(exceptions);
     bis_film_clear(&film);
     bis_scene_free(scene);
     return status;

@@ -136,7 +136,6 @@ static int verify_scene(bis_verify *v, const verify_options *o, const char *path
     bis_verify_begin(v, "reading the scene");
     bis_status status = bis_scene_parse(&desc, path, diag);
     if (status) return bis_cli_exit_status(status);
-    bis_scene_drop_exceptions(desc, "bis verify", diag);
     desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     status = bis_scene_build(&scene, desc, diag);
     if (!status) status = bis_verify_scene(v, scene, desc, &desc->settings, diag);

@@ -54,8 +54,6 @@ static const bis_help_entry integrators[] = {
            "defaults in parentheses, the first of several "
            "names is the default."},
     {bis_help_of_integrators, NULL},
-    {"material", "with any integrator but the first: it counts for the materials of these numbers alone, as in "
-                 "\"integer material\" [0 2]; --plan lists them"},
     {NULL, "The parameters:"},
     {bis_help_of_parameters, NULL},
     {NULL, "The words mean: em, from the environment map; mix, half of the candidates from each; choose, one or the "

@@ -128,11 +128,6 @@ typedef struct bis_parser {
     bis_xform *systems;
     size_t n_systems, capacity_systems;
 
-    struct {
-        uint32_t *numbers;
-        size_t n;
-    } excepted[BIS_MAX_EXCEPTIONS]; /* by desc->exceptions: the materials, as they were written */
-
     const char *warned[BIS_MAX_PARAMS]; /* names that have had their one warning */
     size_t n_warned;
 } bis_parser;
@@ -242,8 +237,6 @@ bis_directive bis_directive_camera, bis_directive_film, bis_directive_filter, bi
 
 /* parser_integrator.c */
 bis_directive bis_directive_integrator, bis_directive_sampler;
-void bis_parser_check_integrators(bis_parser *p); /* the scene is read, without an error */
-void bis_parser_clear_excepted(bis_parser *p);
 
 /* parser_blocks.c */
 bis_directive bis_directive_attribute_begin, bis_directive_attribute_end, bis_directive_transform_begin,

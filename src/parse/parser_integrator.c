@@ -1,11 +1,9 @@
 /* parser_integrator: Integrator and Sampler (docs/scene-format.md).
  *
  * Each integrator has its own parameters; one that belongs to another is unknown here, because a scene that gives
- * `candidates` to "em" does not mean what it says. One Integrator counts for all materials, up to three more for those
- * that they name by number (scene_materials.c); the numbers are known when the last shape is. pbrt's integrators and
- * samplers are replaced, with a warning, by what comes nearest. */
+ * `candidates` to "em" does not mean what it says. pbrt's integrators and samplers are replaced, with a warning, by
+ * what comes nearest. */
 #include "bis/base/file.h"
-#include "bis/base/mem.h"
 #include "parser.h"
 
 #include <assert.h>
@@ -63,67 +61,6 @@ static bis_settings read_settings(bis_parser *p, const bis_integrator *integrato
     return s;
 }
 
-void bis_parser_clear_excepted(bis_parser *p)
-{
-    for (int i = 0; i < BIS_MAX_EXCEPTIONS; i++) {
-        bis_free(p->excepted[i].numbers);
-        p->excepted[i].numbers = NULL;
-        p->excepted[i].n = 0;
-    }
-}
-
-/* The numbers, as they stand; what they mean is known when the scene has been read. */
-static bool read_numbers(bis_parser *p, const bis_param *param, int exception)
-{
-    char buf[32];
-    uint32_t *numbers = bis_alloc(param->n, sizeof *numbers);
-
-    if (!numbers) {
-        bis_parser_nomem(p, param->at);
-        return false;
-    }
-    for (size_t i = 0; i < param->n; i++) {
-        const double v = p->params.numbers[param->first + i];
-        if (!(v >= 0 && v < (double)UINT32_MAX && v == floor(v))) {
-            bis_parser_error(p, param->at,
-                             "\"material\" holds %s: must be the number of a material, from 0 (bis --plan lists them)",
-                             bis_format_double(buf, v));
-            bis_free(numbers);
-            return false;
-        }
-        numbers[i] = (uint32_t)v;
-    }
-    p->excepted[exception].numbers = numbers;
-    p->excepted[exception].n = param->n;
-    return true;
-}
-
-/* An Integrator with "material" counts for these alone. */
-static void except_materials(bis_parser *p, const bis_integrator *integrator)
-{
-    bis_exceptions *e = &p->desc->exceptions;
-    const bis_param *param = bis_params_take(p, "material", BIS_TYPE_INTEGER, 0);
-    const bis_settings s = read_settings(p, integrator);
-
-    if (!param) return;
-    if (!p->seen[BIS_SINGLE_INTEGRATOR].line) {
-        bis_parser_error(
-            p, param->at,
-            "\"material\" in the first Integrator: one without must come before it, for all other materials");
-    } else if (s.integrator == &bis_auto || p->desc->settings.integrator == &bis_auto) {
-        bis_parser_error(p, param->at,
-                         "\"material\" and \"auto\": a pilot chooses for every material by itself; give \"auto\" "
-                         "alone, or fixed integrators alone");
-    } else if (e->n == BIS_MAX_EXCEPTIONS) {
-        bis_parser_error(p, param->at,
-                         "more than %d Integrators with \"material\": one may hold several, as in [0 3 4]",
-                         BIS_MAX_EXCEPTIONS);
-    } else if (read_numbers(p, param, e->n)) {
-        e->settings[e->n] = s;
-        e->loc[e->n++] = p->name_at;
-    }
-}
-
 void bis_directive_integrator(bis_parser *p, bis_loc at)
 {
     static const char *const pbrt[] = {
@@ -142,14 +79,7 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
     const bis_choice *chosen = bis_parser_choose(p, "Integrator", bis_parser_text(p, p->name), p->name_at, choices, n);
     if (!chosen) return;
     const bis_integrator *integrator = bis_integrator_find(chosen->name);
-    if (integrator && bis_params_has(p, "material")) {
-        except_materials(p, integrator);
-        bis_params_end(p, "Integrator", chosen->name);
-        return;
-    }
     bis_parser_single(p, BIS_SINGLE_INTEGRATOR, "Integrator", at);
-    bis_parser_clear_excepted(p);
-    bis_scene_drop_exceptions(p->desc, NULL, NULL);
     p->desc->integrator_loc = p->name_at;
     if (!integrator) {
         bis_warn(p->diag, p->name_at,
@@ -162,74 +92,6 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
     }
     p->desc->settings = read_settings(p, integrator);
     bis_params_end(p, "Integrator", chosen->name);
-}
-
-/* ---- which material has which ---- */
-
-static void check_numbers(bis_parser *p, const uint32_t *class_of, uint32_t n_classes)
-{
-    bis_exceptions *e = &p->desc->exceptions;
-    int *owner = bis_alloc(n_classes, sizeof *owner); /* of a number: its exception, from 1 */
-
-    e->of_material = bis_alloc(p->desc->n_materials, sizeof *e->of_material);
-    if (!owner || !e->of_material) bis_parser_nomem(p, e->loc[0]);
-    for (int i = 0; i < e->n && owner && e->of_material; i++) {
-        for (size_t k = 0; k < p->excepted[i].n; k++) {
-            const uint32_t number = p->excepted[i].numbers[k];
-            if (number >= n_classes) {
-                bis_parser_error(p, e->loc[i],
-                                 "\"material\" holds %u: the shapes use %u different materials, numbered from 0 (bis "
-                                 "--plan lists them)",
-                                 (unsigned)number, (unsigned)n_classes);
-            } else if (owner[number]) {
-                const bis_loc first = e->loc[owner[number] - 1];
-                bis_parser_error(p, e->loc[i], "\"material\" holds %u, which has an Integrator already, that of %s:%d",
-                                 (unsigned)number, first.file, first.line);
-            } else {
-                owner[number] = i + 1;
-            }
-        }
-    }
-    for (size_t i = 0; owner && e->of_material && i < p->desc->n_materials; i++)
-        if (class_of[i] != BIS_NO_NUMBER) e->of_material[i] = (unsigned char)owner[class_of[i]];
-    bis_free(owner);
-}
-
-/* Compensated tables are made for mis alone: whoever else drew from them would miss the light that they leave out. */
-static void check_compensation(bis_parser *p)
-{
-    const bis_scene_desc *d = p->desc;
-
-    if (!(bis_scene_light_needs(d) & BIS_NEED_COMPENSATED)) return;
-    for (int i = 0; i <= d->exceptions.n; i++) {
-        const bis_settings *s = bis_scene_settings(d, i);
-        const unsigned needs = s->integrator->light_needs(s);
-        if (!bis_scene_uses_method(d, i) || !(needs & (BIS_NEED_TABLE | BIS_NEED_CURVE)) ||
-            needs & BIS_NEED_COMPENSATED)
-            continue;
-        bis_parser_error(p, i ? d->exceptions.loc[i - 1] : d->integrator_loc,
-                         "integrator \"%s\" draws from the map, whose table another Integrator of this scene has "
-                         "compensated for \"mis\": give \"compensate\" to all "
-                         "that draw from the map, or to none",
-                         s->integrator->name);
-    }
-}
-
-void bis_parser_check_integrators(bis_parser *p)
-{
-    bis_exceptions *e = &p->desc->exceptions;
-    uint32_t *class_of, n_classes;
-
-    bis_parser_note(p, bis_settings_check(&p->desc->settings, p->desc->integrator_loc, p->diag));
-    if (!e->n) return;
-    for (int i = 0; i < e->n; i++) {
-        e->settings[i].as_printed = p->desc->settings.as_printed; /* an Option may come later than they do */
-        bis_parser_note(p, bis_settings_check(&e->settings[i], e->loc[i], p->diag));
-    }
-    bis_parser_note(p, bis_scene_number_materials(&class_of, &n_classes, p->desc, p->diag));
-    if (class_of) check_numbers(p, class_of, n_classes);
-    bis_free(class_of);
-    if (!p->status) check_compensation(p);
 }
 
 /* ---- Sampler ---- */

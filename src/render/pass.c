@@ -11,7 +11,6 @@
  * pixels of its tile are rendered, and those beside the crop are dropped: up to 15 columns and rows on each side. */
 #include "pass.h"
 
-#include "bis/base/clock.h"
 #include "gather.h"
 
 #include <string.h>
@@ -50,29 +49,15 @@ static rgb finite_or_black(bis_worker *me, rgb L)
 /* Light reflected towards the eye, eq. 3.1. Adds to values what the layers show of it, unless values is NULL. */
 static rgb reflected(const bis_workspace *w, bis_worker *me, const bis_point *pt, bis_stream *stream, float *values)
 {
-    const int m = bis_scene_method_of(w->desc, bis_scene_material_of(w->desc, pt));
-    const bis_settings *settings = w->methods[m].settings;
-    bis_Lo *Lo = w->methods[m].Lo;
-    bis_scratch *scratch = &me->scratch[m];
+    const bis_settings *settings = &w->desc->settings;
     const bis_stream before = *stream;
     rgb L = {0};
 
-    if (!bis_bsdf_is_black(&pt->bsdf)) L = finite_or_black(me, Lo(settings, pt, stream, scratch));
-    if (values && !bis_gather_surface(values, &w->film->layers, settings, Lo, &w->to_camera, pt, before, scratch, L)) {
+    if (!bis_bsdf_is_black(&pt->bsdf)) L = finite_or_black(me, w->Lo(settings, pt, stream, &me->scratch));
+    if (values && !bis_gather_surface(values, &w->film->layers, settings, w->Lo, &w->to_camera, pt, before,
+                                      &me->scratch, L)) {
         me->counters.nonfinite++;
     }
-    return L;
-}
-
-static rgb metered(const bis_workspace *w, bis_worker *me, const bis_point *pt, bis_stream *stream, float *values)
-{
-    const bis_meter *m = w->options->meter;
-    const unsigned char g = m->group[bis_scene_material_of(w->desc, pt)];
-    const double start = bis_clock_processor();
-    const rgb L = reflected(w, me, pt, stream, values);
-
-    m->seconds[g] += bis_clock_processor() - start;
-    m->points[g]++;
     return L;
 }
 
@@ -97,7 +82,7 @@ static rgb camera_sample(const bis_workspace *w, bis_worker *me, const bis_sampl
     me->counters.camera_rays++;
     if (bis_scene_point(&pt, w->scene, w->desc, eye, &me->counters, NULL)) {
         ++*hits;
-        L = w->options->meter ? metered(w, me, &pt, &stream, values) : reflected(w, me, &pt, &stream, values);
+        L = reflected(w, me, &pt, &stream, values);
     } else {
         L = finite_or_black(me, w->desc->light.visible ? bis_light_Le(w->scene->light, eye.d) : (rgb){0});
     }
@@ -152,11 +137,9 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, uint32_t 
     const bis_sampler edge_sampler = w->independent ? sampler_of_pass(w, pass, edge_n) : w->edge_sampler;
     const bis_rect tile = bis_workspace_tile(w, t);
 
-    for (int m = 0; m < w->n_methods; m++) {
-        const bis_method *of = &w->methods[m];
-        if (!of->visibility.n_tiles) continue;
-        bis_visibility_factors(me->fast[m].visible, of->clusters.n, &of->visibility, (size_t)t);
-        me->fast[m].counted = of->visibility.counted[t];
+    if (w->visibility.n_tiles) {
+        bis_visibility_factors(me->fast.visible, w->clusters.n, &w->visibility, (size_t)t);
+        me->fast.counted = w->visibility.counted[t];
     }
     for (int y = tile.y0; y < tile.y1; y++) {
         for (int x = tile.x0; x < tile.x1; x++) {
@@ -175,20 +158,14 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, uint32_t 
     }
 }
 
-/* Two methods may draw the same directions: they serve different points, as one pool serves many. */
-static void fill(const bis_workspace *w, bis_method *of, uint32_t pass)
-{
-    const uint64_t seed = w->desc->sampler.seed;
-    if (of->clusters.n) bis_clusters_fill(&of->clusters, w->scene->light, seed, pass, w->n_threads);
-    if (of->pool.M) bis_pool_fill(&of->pool, w->scene->light, seed, pass, w->n_threads);
-}
-
 bool bis_pass_render(bis_workspace *w, uint32_t pass, bis_pass_progress *progress, void *user)
 {
+    const uint64_t seed = w->desc->sampler.seed;
     int n_done = 0;
 
     for (int i = 0; i < w->n_threads; i++) w->workers[i].counters = (bis_counters){0};
-    for (int m = 0; m < w->n_methods; m++) fill(w, &w->methods[m], pass);
+    if (w->clusters.n) bis_clusters_fill(&w->clusters, w->scene->light, seed, pass, w->n_threads);
+    if (w->pool.M) bis_pool_fill(&w->pool, w->scene->light, seed, pass, w->n_threads);
 #pragma omp parallel for schedule(dynamic) num_threads(w->n_threads)
     for (int t = 0; t < w->n_tiles; t++) {
         bis_worker *me = &w->workers[this_thread()];
@@ -224,7 +201,7 @@ void bis_pass_keep(bis_workspace *w, bis_counters *sum)
         }
     }
     for (int i = 0; i < w->n_threads; i++) add_counters(sum, &w->workers[i].counters);
-    for (int m = 0; m < w->n_methods; m++) bis_visibility_learn(&w->methods[m].visibility, w->n_threads);
+    bis_visibility_learn(&w->visibility, w->n_threads);
     f->passes++;
 }
 

@@ -1,5 +1,5 @@
-/* workspace: what the threads of a render work with. A scene pays for what its settings use alone: no pool, clusters or
- * learned visibility is made for settings that no material has. */
+/* workspace: what the threads of a render work with. A scene pays only for what its settings use: without
+ * a need for them there are no pool, no clusters and no learned visibility. */
 #include "workspace.h"
 
 #include "bis/base/mem.h"
@@ -32,65 +32,56 @@ float *bis_workspace_layers(const bis_workspace *w, size_t i)
 
 static bis_status make_workers(bis_workspace *w, bis_diag *diag)
 {
+    const bis_settings *settings = &w->desc->settings;
     bis_status status = BIS_OK;
 
     w->workers = bis_alloc((size_t)w->n_threads, sizeof *w->workers);
     if (!w->workers) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d threads", w->n_threads);
-    w->n_methods = 1 + w->desc->exceptions.n;
-    for (int m = 0; m < w->n_methods; m++) {
-        const bis_settings *settings = bis_scene_settings(w->desc, m);
-        if (!bis_scene_uses_method(w->desc, m)) continue;
-        w->methods[m].settings = settings;
-        w->methods[m].Lo = bis_fast_Lo(settings);
-        for (int i = 0; i < w->n_threads && !status; i++) {
-            bis_worker *worker = &w->workers[i];
-            status = bis_scratch_init(&worker->scratch[m], settings, diag);
-            if (!status) status = bis_fast_init(&worker->fast[m], settings, diag);
-            worker->scratch[m].fast = &worker->fast[m];
-        }
+    w->Lo = bis_fast_Lo(settings);
+    for (int i = 0; i < w->n_threads && !status; i++) {
+        bis_worker *worker = &w->workers[i];
+        status = bis_scratch_init(&worker->scratch, settings, diag);
+        if (!status) status = bis_fast_init(&worker->fast, settings, diag);
+        worker->scratch.fast = &worker->fast;
     }
     return status;
 }
 
 /* Directions drawn once a pass, a pool or clusters, where the integrator asks for them, the light has a curve to draw
  * them along, and there is a surface to light. */
-static bis_status make_pool(bis_workspace *w, int m, bis_diag *diag)
+static bis_status make_pool(bis_workspace *w, bis_diag *diag)
 {
     const bis_light *light = w->scene->light;
-    bis_method *of = &w->methods[m];
-    const bis_fast_needs needs = bis_fast_needs_of(of->settings);
+    const bis_fast_needs needs = bis_fast_needs_of(&w->desc->settings);
     bis_light_point any;
     bis_status status = BIS_OK;
 
     if ((needs.n_pool == 0 && !needs.clusters) || !w->scene->accel || bis_light_is_constant(light)) return BIS_OK;
     /* nothing to draw: the light is black, or all of it is compensated away */
     if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK;
-    if (needs.n_pool) status = bis_pool_init(&of->pool, needs.n_pool, needs.batch, diag);
-    if (!status && needs.clusters) status = bis_clusters_init(&of->clusters, light, of->settings->candidates, diag);
-    if (!status && needs.visibility) status = bis_visibility_init(&of->visibility, (size_t)w->n_tiles, diag);
+    if (needs.n_pool) status = bis_pool_init(&w->pool, needs.n_pool, needs.batch, diag);
+    if (!status && needs.clusters) status = bis_clusters_init(&w->clusters, light, w->desc->settings.candidates, diag);
+    if (!status && needs.visibility) status = bis_visibility_init(&w->visibility, (size_t)w->n_tiles, diag);
     for (int i = 0; !status && i < w->n_threads; i++) {
         bis_worker *worker = &w->workers[i];
-        bis_fast *f = &worker->fast[m];
         if (needs.n_pool) {
-            worker->scratch[m].sets = &of->pool.sets;
-            f->pool = &of->pool;
+            worker->scratch.sets = &w->pool.sets;
+            worker->fast.pool = &w->pool;
         }
-        if (needs.clusters) f->clusters = &of->clusters;
+        if (needs.clusters) worker->fast.clusters = &w->clusters;
         if (!needs.visibility) continue;
-        f->visible = bis_alloc(bis_lanes_round_up(of->clusters.n), sizeof *f->visible);
-        if (f->visible) continue;
+        worker->fast.visible = bis_alloc(bis_lanes_round_up(w->clusters.n), sizeof *worker->fast.visible);
+        if (worker->fast.visible) continue;
         status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility of %u clusters",
-                           (unsigned)of->clusters.n);
+                           (unsigned)w->clusters.n);
     }
     return status;
 }
 
-/* After make_pool, which knows who learns. */
+/* After make_pool, which knows whether visibility is learned. */
 static void find_area(bis_workspace *w)
 {
-    for (int m = 0; m < w->n_methods; m++) {
-        w->whole_tiles |= w->methods[m].visibility.n_tiles > 0 && !w->desc->adaptive;
-    }
+    w->whole_tiles = w->visibility.n_tiles > 0 && !w->desc->adaptive;
     const bis_rect first = bis_workspace_tile(w, 0), last = bis_workspace_tile(w, w->n_tiles - 1);
     w->area = (bis_rect){first.x0, first.y0, last.x1, last.y1};
 }
@@ -123,9 +114,7 @@ bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene 
         .n_tiles = bis_film_tiles(film, BIS_RENDER_TILE, &across),
     };
     status = make_workers(w, diag);
-    for (int m = 0; m < w->n_methods && !status; m++) {
-        if (w->methods[m].settings) status = make_pool(w, m, diag);
-    }
+    if (!status) status = make_pool(w, diag);
     find_area(w);
     if (!status) status = make_pass(w, diag);
     if (!status && desc->adaptive) status = bis_adapt_init(&w->adapt, film, BIS_RENDER_TILE, diag);
@@ -151,29 +140,22 @@ size_t bis_workspace_bytes(const bis_workspace *w)
 {
     const size_t pixel = sizeof *w->pass + (size_t)w->film->layers.n_values * sizeof *w->pass_layers;
     const size_t n_pixels = (size_t)w->film->width * (size_t)w->film->height;
-    size_t methods = 0;
+    const bis_settings *settings = &w->desc->settings;
+    const size_t thread = sizeof *w->workers + bis_scratch_bytes(settings) + bis_fast_bytes(settings);
 
-    for (int m = 0; m < w->n_methods; m++) {
-        const bis_method *of = &w->methods[m];
-        if (!of->settings) continue;
-        methods += bis_pool_bytes(&of->pool) + bis_clusters_bytes(&of->clusters) +
-                   bis_visibility_bytes(&of->visibility) +
-                   (size_t)w->n_threads * (bis_scratch_bytes(of->settings) + bis_fast_bytes(of->settings));
-    }
-    return methods + bis_adapt_bytes(&w->adapt) + (size_t)w->n_threads * sizeof *w->workers + n_pixels * pixel;
+    return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_visibility_bytes(&w->visibility) +
+           bis_adapt_bytes(&w->adapt) + (size_t)w->n_threads * thread + n_pixels * pixel;
 }
 
 void bis_workspace_clear(bis_workspace *w)
 {
-    for (int m = 0; m < w->n_methods; m++) {
-        for (int i = 0; i < w->n_threads; i++) {
-            bis_scratch_clear(&w->workers[i].scratch[m]);
-            bis_fast_clear(&w->workers[i].fast[m]);
-        }
-        bis_pool_clear(&w->methods[m].pool);
-        bis_clusters_clear(&w->methods[m].clusters);
-        bis_visibility_clear(&w->methods[m].visibility);
+    for (int i = 0; i < w->n_threads && w->workers; i++) {
+        bis_scratch_clear(&w->workers[i].scratch);
+        bis_fast_clear(&w->workers[i].fast);
     }
+    bis_pool_clear(&w->pool);
+    bis_clusters_clear(&w->clusters);
+    bis_visibility_clear(&w->visibility);
     bis_adapt_clear(&w->adapt);
     bis_free(w->workers);
     bis_free(w->pass);

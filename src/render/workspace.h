@@ -10,23 +10,12 @@
 
 #include <stdalign.h>
 
-enum { BIS_MAX_METHODS = 1 + BIS_MAX_EXCEPTIONS };
-
 /* What one thread has for itself; a cache line of its own, because its counters change with every ray. */
 typedef struct bis_worker {
     alignas(64) bis_counters counters; /* of this pass */
-    bis_scratch scratch[BIS_MAX_METHODS];
-    bis_fast fast[BIS_MAX_METHODS];
+    bis_scratch scratch;
+    bis_fast fast;
 } bis_worker;
-
-/* Settings of some materials, and what all threads share for them. */
-typedef struct bis_method {
-    const bis_settings *settings; /* NULL: no material has them, nothing is made */
-    bis_Lo *Lo;                   /* the integrator's own, or the vector path */
-    bis_pool pool;                /* M = 0: none */
-    bis_clusters clusters;        /* n = 0: none */
-    bis_visibility visibility;    /* n_tiles = 0: none */
-} bis_method;
 
 /* What a pass makes of a pixel, kept until the pass is complete: the mean of its camera samples. */
 typedef struct bis_pixel_mean {
@@ -45,8 +34,10 @@ typedef struct bis_workspace {
 
     int n_threads;
     bis_worker *workers; /* workers[n_threads] */
-    bis_method methods[BIS_MAX_METHODS];
-    int n_methods;
+    bis_Lo *Lo;               /* the integrator's own, or the vector path */
+    bis_pool pool;            /* M = 0: none */
+    bis_clusters clusters;    /* n = 0: none */
+    bis_visibility visibility; /* n_tiles = 0: none */
 
     int n_tiles;              /* bis_film_tiles */
     bool whole_tiles;         /* pixels of a tile beside the crop are rendered as well */

@@ -108,7 +108,8 @@ done:
 static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
 {
     const bool seen = bis_geometry_primitives(&s->geometry) > 0;
-    const unsigned asked = desc->light_needs ? desc->light_needs : bis_scene_light_needs(desc);
+    const unsigned own = desc->settings.integrator->light_needs(&desc->settings);
+    const unsigned asked = desc->light_needs ? desc->light_needs : own;
     const unsigned needs = seen ? asked : 0;
     double seconds[2] = {0, 0};
     bis_light_desc light = desc->light;

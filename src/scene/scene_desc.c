@@ -61,7 +61,6 @@ void bis_scene_desc_free(bis_scene_desc *d)
     bis_free(d->shapes);
     bis_free(d->files);
     bis_free(d->materials);
-    bis_free(d->exceptions.of_material);
     bis_free(d->light.filename);
     bis_free(d->film.filename);
     bis_free(d->path);

@@ -1,56 +1,13 @@
-/* scene_materials: which material is rendered with which settings.
+/* scene_materials: the numbers of materials.
  *
- * One Integrator is the rule; a scene may name exceptions by the numbers of materials. A number stands for what the
- * surface does, not for the directive that said so: materials of equal values have one number, however often they are
- * written, and one that no shape uses has none. Numbers follow the shapes, because these are what one sees. */
+ * A number stands for what the surface does, not for the directive that said so: materials of equal values have one
+ * number, however often they are written, and one that no shape uses has none. Numbers follow the shapes, because these
+ * are what one sees. */
 #include "bis/scene/scene.h"
 
 #include "bis/base/mem.h"
 
-#include <assert.h>
 #include <stdlib.h>
-
-const bis_settings *bis_scene_settings(const bis_scene_desc *d, int method)
-{
-    assert(method >= 0 && method <= d->exceptions.n);
-    return method ? &d->exceptions.settings[method - 1] : &d->settings;
-}
-
-int bis_scene_method_of(const bis_scene_desc *d, uint32_t material)
-{
-    return d->exceptions.n ? d->exceptions.of_material[material] : 0;
-}
-
-bool bis_scene_uses_method(const bis_scene_desc *d, int method)
-{
-    if (!d->exceptions.n) return method == 0;
-    for (size_t i = 0; i < d->n_shapes; i++)
-        if (bis_scene_method_of(d, d->shapes[i].material) == method) return true;
-    return false;
-}
-
-unsigned bis_scene_light_needs(const bis_scene_desc *d)
-{
-    unsigned needs = 0;
-
-    for (int i = 0; i <= d->exceptions.n; i++) {
-        const bis_settings *s = bis_scene_settings(d, i);
-        if (bis_scene_uses_method(d, i)) needs |= s->integrator->light_needs(s);
-    }
-    return needs;
-}
-
-void bis_scene_drop_exceptions(bis_scene_desc *d, const char *what, bis_diag *diag)
-{
-    if (!d->exceptions.n) return;
-    if (what)
-        bis_warn(diag, d->exceptions.loc[0],
-                 "%s takes one integrator for all materials: those for single materials are left out", what);
-    bis_free(d->exceptions.of_material);
-    d->exceptions = (bis_exceptions){.n = 0};
-}
-
-/* ---- numbers ---- */
 
 typedef struct entry {
     bis_material material;

@@ -44,74 +44,10 @@ const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bo
         const double v = bis_parameter_get(p, s);
         const char *quote = p->type == BIS_PARAMETER_CHOICE ? "\"" : "";
         if (!all && p->type != BIS_PARAMETER_COUNT && v == p->usual) continue;
-        bis_append(line, BIS_MAX_LINE, " \"%s %s\" %s%s%s", types[p->type], p->name, quote, bis_parameter_text(buf, p, v), quote);
+        bis_append(line, BIS_MAX_LINE, " \"%s %s\" %s%s%s", types[p->type], p->name, quote,
+                   bis_parameter_text(buf, p, v), quote);
     }
     return line;
-}
-
-/* `text` grown by more, or NULL; takes over text. */
-static char *joined(char *text, const char *more)
-{
-    const size_t n = text ? strlen(text) : 0, m = strlen(more);
-    char *longer = bis_realloc(text, n + m + 1, 1);
-
-    if (!longer) {
-        bis_free(text);
-        return NULL;
-    }
-    memcpy(longer + n, more, m + 1);
-    return longer;
-}
-
-/* has[n], by bis_alloc: the numbers of materials with that method. NULL: no memory. */
-static bool *numbers_of(const bis_scene_desc *d, int method, const uint32_t *number, uint32_t n)
-{
-    bool *has = bis_alloc(n, sizeof *has);
-
-    for (size_t i = 0; i < d->n_shapes && has; i++)
-        if (bis_scene_method_of(d, d->shapes[i].material) == method) has[number[d->shapes[i].material]] = true;
-    return has;
-}
-
-/* ` "integer material" [1 4]`: the numbers of all materials of that method. */
-static char *with_materials(char *text, const bis_scene_desc *d, int method, const uint32_t *number, uint32_t n)
-{
-    bool *has = numbers_of(d, method, number, n);
-    const char *separator = "";
-    char word[24];
-
-    if (!has) {
-        bis_free(text);
-        return NULL;
-    }
-    text = joined(text, " \"integer material\" [");
-    for (uint32_t k = 0; k < n && text; k++) {
-        if (!has[k]) continue;
-        snprintf(word, sizeof word, "%s%u", separator, (unsigned)k);
-        text = joined(text, word);
-        separator = " ";
-    }
-    bis_free(has);
-    return text ? joined(text, "]") : NULL;
-}
-
-char *bis_describe_integrators(const bis_scene_desc *d, int first)
-{
-    char line[BIS_MAX_LINE], *text = joined(NULL, "");
-    uint32_t *number = NULL, n = 0;
-
-    if (d->exceptions.n && bis_scene_number_materials(&number, &n, d, NULL)) goto fail;
-    for (int i = first; i <= d->exceptions.n && text; i++) {
-        if (i && !bis_scene_uses_method(d, i)) continue;
-        if (*text) text = joined(text, "\n");
-        if (text) text = joined(text, bis_describe_line(line, bis_scene_settings(d, i), true));
-        if (text && i) text = with_materials(text, d, i, number, n);
-    }
-    bis_free(number);
-    return text;
-fail:
-    bis_free(text);
-    return NULL;
 }
 
 /* "product": what tells methods of one integrator apart, or "". */
@@ -125,91 +61,43 @@ static bool same_method(const bis_settings *a, const bis_settings *b)
     return a->integrator == b->integrator && strcmp(proposal_of(a), proposal_of(b)) == 0;
 }
 
-/* Cost x variance with the i-th setting for all; infinity: it is not for all. */
-static double uniform_product(const bis_auto_report *r, int i)
-{
-    return bis_auto_suits(r, BIS_AUTO_ALL, i) ? bis_auto_cost_of_all(r, i) * bis_auto_variance_of_all(r, i) : (double)INFINITY;
-}
+static double product(const bis_auto_report *r, int i) { return bis_auto_cost_of(r, i) * r->tried[i].variance; }
 
-static double chosen_product(const bis_auto_report *r)
-{
-    double cost = r->common, variance = 0;
-
-    for (int g = 0; g < r->n_groups; g++) {
-        const bis_auto_tried *t = &r->tried[r->chosen[g]];
-        bool is_new = true;
-        for (int h = 0; h < g; h++) is_new &= r->chosen[h] != r->chosen[g];
-        cost += t->cost[g] + (is_new ? t->fill : 0);
-        variance += t->variance[g];
-    }
-    return cost * variance;
-}
-
-/* The best of a method (NULL: of all) for all materials. */
-static double best_uniform(const bis_auto_report *r, const bis_settings *method)
+/* The best of a method. */
+static double best_product(const bis_auto_report *r, const bis_settings *method)
 {
     double least = (double)INFINITY;
 
     for (int i = 0; i < r->n_tried; i++)
-        if (!method || same_method(&r->tried[i].settings, method)) least = fmin(least, uniform_product(r, i));
+        if (same_method(&r->tried[i].settings, method)) least = fmin(least, product(r, i));
     return least;
 }
 
 static void append_settings(char line[BIS_MAX_LINE], const bis_settings *s)
 {
     if (bis_parameter_of(s->integrator, "candidates"))
-        bis_append(line, BIS_MAX_LINE, "%s, %s, %u candidates, %u shadow rays", s->integrator->name, proposal_of(s), (unsigned)s->candidates, (unsigned)s->shadowrays);
+        bis_append(line, BIS_MAX_LINE, "%s, %s, %u candidates, %u shadow rays", s->integrator->name, proposal_of(s),
+                   (unsigned)s->candidates, (unsigned)s->shadowrays);
     else bis_append(line, BIS_MAX_LINE, "%s, %u samples", s->integrator->name, (unsigned)s->samples);
 }
 
-/* "; for material 1, 4: sir, ...", or, where there are many, "; for 12 materials: ...". */
-static void append_exceptions(char line[BIS_MAX_LINE], const bis_scene_desc *d)
+const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r)
 {
-    enum { MANY = 6 };
-    uint32_t *number = NULL, n = 0;
-
-    if (!d->exceptions.n || bis_scene_number_materials(&number, &n, d, NULL)) return;
-    for (int i = 1; i <= d->exceptions.n; i++) {
-        bool *has = numbers_of(d, i, number, n);
-        const char *separator = "; for material ";
-        int count = 0;
-        for (uint32_t k = 0; k < n && has; k++) count += has[k];
-        if (count > MANY) bis_append(line, BIS_MAX_LINE, "; for %d materials", count);
-        for (uint32_t k = 0; k < n && has && count <= MANY; k++) {
-            if (!has[k]) continue;
-            bis_append(line, BIS_MAX_LINE, "%s%u", separator, (unsigned)k);
-            separator = ", ";
-        }
-        bis_append(line, BIS_MAX_LINE, ": ");
-        append_settings(line, bis_scene_settings(d, i));
-        bis_free(has);
-    }
-    bis_free(number);
-}
-
-const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r, const bis_scene_desc *d)
-{
-    const double chosen = chosen_product(r);
-    const char *separator = "; to the same error ";
+    const double chosen = product(r, r->chosen);
+    const char *separator = "; to the same error the best of ";
 
     *line = '\0';
-    append_settings(line, &d->settings);
-    append_exceptions(line, d);
-    if (d->exceptions.n && chosen > 0) {
-        bis_append(line, BIS_MAX_LINE, "%sone setting for all %.2f", separator, best_uniform(r, NULL) / chosen);
-        separator = ", ";
-    }
-    for (int i = 0, n = 0; i < r->n_tried && chosen > 0; i++) {
+    append_settings(line, &r->settings);
+    for (int i = 0; i < r->n_tried && chosen > 0; i++) {
         const bis_settings *s = &r->tried[i].settings;
-        const double own = uniform_product(r, i);
-        if (same_method(s, &d->settings) || !isfinite(own) || own > best_uniform(r, s)) continue;
-        bis_append(line, BIS_MAX_LINE, "%s%s%s%s%s %.2g", separator, n++ ? "" : "the best of ", s->integrator->name, *proposal_of(s) ? " " : "",
-               proposal_of(s), own / chosen);
+        const double own = product(r, i);
+        if (same_method(s, &r->settings) || own > best_product(r, s)) continue;
+        bis_append(line, BIS_MAX_LINE, "%s%s%s%s %.2g", separator, s->integrator->name, *proposal_of(s) ? " " : "",
+                   proposal_of(s), own / chosen);
         separator = ", ";
     }
-    bis_append(line, BIS_MAX_LINE, "%s (pilot: %d settings", *separator == ',' ? " times as long" : "", r->n_tried);
-    if (r->n_groups > 1) bis_append(line, BIS_MAX_LINE, " of %d groups of materials", r->n_groups);
-    bis_append(line, BIS_MAX_LINE, ", %.2g s)", r->seconds);
+    bis_append(line, BIS_MAX_LINE, "%s (pilot: %d settings, %.2g s)", *separator == ',' ? " times as long" : "",
+               r->n_tried, r->seconds);
     return line;
 }
 
@@ -224,8 +112,7 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     if (*s->as_printed) attributes[n++] = (bis_attribute){"asprinted", s->as_printed, 0};
     if (s->desc->edge_samples > 1) attributes[n++] = (bis_attribute){"edgesamples", NULL, s->desc->edge_samples};
     if (s->desc->adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
-    if (*s->exceptions) attributes[n++] = (bis_attribute){"exceptions", s->exceptions, 0};
-    if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->lines, 0};
+    if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->line, 0};
     attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
@@ -286,29 +173,6 @@ static void print_memory(bis_json *j, const bis_stats *s)
     bis_json_close(j);
 }
 
-/* A group of materials: their numbers, its part in what was tried, its choice. */
-static void print_group(bis_json *j, const bis_scene_desc *d, const bis_auto_report *r, int g)
-{
-    char line[BIS_MAX_LINE];
-    uint32_t *number, n;
-
-    bis_json_open(j, NULL, '{');
-    bis_json_number(j, "share", r->share[g]);
-    if (!bis_scene_number_materials(&number, &n, d, NULL)) {
-        bis_json_open(j, "materials", '[');
-        for (size_t i = 0, next = 0; i < d->n_shapes; i++) { /* numbers come in the order of shapes */
-            const uint32_t m = d->shapes[i].material;
-            if (number[m] != next) continue;
-            if (r->group[m] == g) bis_json_count(j, NULL, next);
-            next++;
-        }
-        bis_json_close(j);
-    }
-    bis_free(number);
-    if (r->is_chosen) bis_json_text(j, "chosen", bis_describe_line(line, &r->tried[r->chosen[g]].settings, true));
-    bis_json_close(j);
-}
-
 static void print_tried(bis_json *j, const bis_auto_report *r, int i)
 {
     const bis_auto_tried *t = &r->tried[i];
@@ -317,17 +181,9 @@ static void print_tried(bis_json *j, const bis_auto_report *r, int i)
     bis_json_open(j, NULL, '{');
     bis_json_text(j, "line", bis_describe_line(line, &t->settings, true));
     bis_json_count(j, "replicates", (uint64_t)t->replicates);
-    bis_json_number(j, "pass_seconds", bis_auto_cost_of_all(r, i));
-    bis_json_number(j, "pass_relmse", bis_auto_variance_of_all(r, i));
-    bis_json_number(j, "product", uniform_product(r, i));
-    if (r->n_groups > 1) {
-        bis_json_open(j, "group_seconds", '[');
-        for (int g = 0; g < r->n_groups; g++) bis_json_number(j, NULL, t->cost[g]);
-        bis_json_close(j);
-        bis_json_open(j, "group_relmse", '[');
-        for (int g = 0; g < r->n_groups; g++) bis_json_number(j, NULL, t->variance[g]);
-        bis_json_close(j);
-    }
+    bis_json_number(j, "pass_seconds", bis_auto_cost_of(r, i));
+    bis_json_number(j, "pass_relmse", t->variance);
+    bis_json_number(j, "product", product(r, i));
     bis_json_close(j);
 }
 
@@ -338,16 +194,11 @@ static void print_choice(bis_json *j, const bis_stats *s)
 
     if (!r) return;
     bis_json_open(j, "auto", '{');
-    bis_json_text(j, "chosen", s->lines);
+    bis_json_text(j, "chosen", s->line);
     bis_json_number(j, "seconds", r->seconds);
     bis_json_count(j, "width", (uint64_t)r->width);
     bis_json_count(j, "height", (uint64_t)r->height);
     bis_json_count(j, "passes", (uint64_t)r->passes);
-    if (r->n_groups > 1) {
-        bis_json_open(j, "groups", '[');
-        for (int g = 0; g < r->n_groups; g++) print_group(j, s->desc, r, g);
-        bis_json_close(j);
-    }
     bis_json_open(j, "tried", '[');
     for (int i = 0; i < r->n_tried; i++) print_tried(j, r, i);
     bis_json_close(j);
@@ -369,7 +220,6 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     print_parameter(&j, settings, "candidates");
     print_parameter(&j, settings, "shadowrays");
     print_parameter(&j, settings, "samples");
-    if (*s->exceptions) bis_json_text(&j, "exceptions", s->exceptions);
     bis_json_count(&j, "spp", r->spp);
     bis_json_count(&j, "seed", s->desc->sampler.seed);
     bis_json_count(&j, "threads", (uint64_t)r->n_threads);

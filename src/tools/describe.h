@@ -21,13 +21,9 @@ int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MA
  * else counts and what differs. */
 const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bool all);
 
-/* A line for each Integrator of the description from `first` on (0: the general one, 1: the exceptions alone), with
- * "\n" between; by bis_alloc. NULL: no memory. */
-char *bis_describe_integrators(const bis_scene_desc *d, int first);
-
-/* What auto has chosen, and how much longer one setting for all materials and the best of each other method would
- * take to the same error, in one line. The report must have a choice, d have been given it. */
-const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r, const bis_scene_desc *d);
+/* bis_describe_choice writes one line: what auto has chosen, and how much longer the best of each other method would take
+ * to the same error. The report must have a choice. */
+const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r);
 
 /* Everything that --stats tells. seconds.write and .total are those so far. */
 typedef struct bis_stats {
@@ -38,11 +34,11 @@ typedef struct bis_stats {
     bis_scene_seconds seconds;
     char as_printed[BIS_ERRATA_TEXT]; /* of the settings, by bis_errata_text */
     const bis_auto_report *choice;    /* NULL: nothing was to choose */
-    const char *lines, *exceptions;   /* by bis_describe_integrators, all and the exceptions alone */
+    char line[BIS_MAX_LINE];          /* of the Integrator, by bis_describe_line */
 } bis_stats;
 
 /* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), adaptive (where it is),
- * exceptions (their lines, where there are some), bis:auto (all lines for a scene, where auto chose), spp, seed,
+ * bis:auto (the line for a scene, where auto chose), spp, seed,
  * render_seconds, estimated_relative_rmse (where known), bis:version ("version" alone is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 

@@ -46,10 +46,6 @@ static void print_integrators(const bis_scene_desc *d, FILE *out)
 
     fputs("integrator   ", out);
     print_settings(s, out);
-    for (int i = 1; i <= d->exceptions.n; i++) {
-        fprintf(out, "exception    %d%s, ", i, bis_scene_uses_method(d, i) ? "" : " (no material)");
-        print_settings(bis_scene_settings(d, i), out);
-    }
     for (const bis_erratum *e = bis_errata; e->name; e++) {
         if (s->as_printed & e->flag) fprintf(out, "as printed   %s (%s): %s\n", e->name, e->section, e->effect);
     }
@@ -74,13 +70,8 @@ static void print_view(const bis_scene_desc *d, FILE *out)
 /* Does some surface learn from its neighbours in the picture? As src/render/workspace.c decides. */
 static bool learns(const bis_scene_desc *d)
 {
-    bool any = false;
-    for (int m = 0; m <= d->exceptions.n && d->n_shapes && d->light.filename; m++) {
-        const bis_settings *s = bis_scene_settings(d, m);
-        if (!bis_scene_uses_method(d, m) || s->integrator == &bis_auto) continue;
-        any |= bis_fast_needs_of(s).visibility;
-    }
-    return any && !d->adaptive;
+    if (!d->n_shapes || !d->light.filename || d->adaptive || d->settings.integrator == &bis_auto) return false;
+    return bis_fast_needs_of(&d->settings).visibility;
 }
 
 static void print_tiles(const bis_scene_desc *d, FILE *out)
@@ -200,7 +191,7 @@ static const char *why_no_drawing(const bis_scene_desc *d, unsigned needs)
 static void print_drawing(const bis_scene_desc *d, FILE *out)
 {
     const bis_light_desc *light = &d->light;
-    const unsigned needs = bis_scene_light_needs(d);
+    const unsigned needs = d->settings.integrator->light_needs(&d->settings);
     const char *why = why_no_drawing(d, needs);
     const bool cdf = light->has_table_kind ? light->table_kind == BIS_TABLE_CDF
                                            : bis_sampler_is_low_discrepancy(d->sampler.kind);
@@ -235,7 +226,7 @@ static void print_colour(const char *name, rgb c, FILE *out)
     if (c.g != c.r || c.b != c.r) fprintf(out, " %s %s", bis_format_float(g, c.g), bis_format_float(b, c.b));
 }
 
-/* By number, as "integer material" of an Integrator means them. */
+/* By number, see src/scene/scene_materials.c. */
 static void print_materials(const bis_scene_desc *d, FILE *out)
 {
     uint32_t *number, n = 0;
@@ -248,7 +239,6 @@ static void print_materials(const bis_scene_desc *d, FILE *out)
     }
     for (uint32_t k = 0; k < n && shapes && first; k++) {
         const bis_material *m = &d->materials[first[k]];
-        const int method = bis_scene_method_of(d, (uint32_t)first[k]);
         char buf[32];
         fprintf(out, "material     %" PRIu32 ": %s", k, m->model->name);
         print_colour("Kd", m->Kd, out);
@@ -256,7 +246,6 @@ static void print_materials(const bis_scene_desc *d, FILE *out)
         const bis_bsdf_width w = m->model->width(m);
         if (w.scene_value > 0) fprintf(out, ", %s %s", w.scene_name, bis_format_double(buf, w.scene_value));
         fprintf(out, "; %zu shape%s", shapes[k], shapes[k] == 1 ? "" : "s");
-        if (method) fprintf(out, "; exception %d, %s", method, bis_scene_settings(d, method)->integrator->name);
         fputc('\n', out);
     }
     bis_free(shapes);

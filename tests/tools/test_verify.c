@@ -987,7 +987,6 @@ static void verify_file(bis_verify *v, const char *path)
     bis_scene *scene = NULL;
     bis_diag diag = {0};
     if (bis_scene_parse(&desc, path, &diag)) fail_msg("%s", path);
-    bis_scene_drop_exceptions(desc, "verify", &diag);
     desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     assert_int_equal(bis_scene_build(&scene, desc, &diag), BIS_OK);
     assert_int_equal(bis_verify_scene(v, scene, desc, &desc->settings, &diag), BIS_OK);

@@ -30,7 +30,6 @@ static void load(bis_scene_desc **d, bis_scene **s, const char *path)
     bis_diag diag = {0};
 
     if (bis_scene_parse(d, path, &diag)) fail_msg("%s", diag.messages[0].text);
-    bis_scene_drop_exceptions(*d, NULL, NULL);
     (*d)->settings = (bis_settings){.integrator = &bis_brdf, .samples = 4};
     (*d)->film.width = WIDTH;
     (*d)->film.height = HEIGHT;

@@ -33,22 +33,12 @@ typedef struct bis_forecast {
     double spp, seconds;
 } bis_forecast;
 
-/* Measures the processor time of shading by groups of materials: seconds[g] grows by the time spent on the materials
- * of group g, points[g] by the number of shaded points. The clock is read twice per point; half of this overhead is
- * included. */
-typedef struct bis_meter {
-    const unsigned char *group; /* group[desc->n_materials] */
-    double *seconds;
-    uint64_t *points;
-} bis_meter;
-
 typedef struct bis_render_options {
     bis_budget budget;
     int n_threads;                             /* 0: all threads */
     /* share of a pixel's width, about its centre, that camera rays pass through; 0: the whole width. With 1/k, a film
      * that is k times smaller sees every k-th pixel */
     double footprint;
-    bis_meter *meter;                          /* needs n_threads = 1; NULL: nothing is measured */
     const volatile sig_atomic_t *interrupted;  /* set by a signal handler: the render stops soon; NULL: never */
     void (*progress)(const bis_progress *p, void *user); /* called by one thread, a few times a second; may be NULL */
     /* called once, unless the pilot is enough or there is no error budget; may be NULL */

@@ -53,17 +53,6 @@ typedef struct bis_film_desc {
 extern const bis_film_desc bis_film_default;
 #define BIS_FILM_FILENAME "bis.exr"
 
-enum { BIS_MAX_EXCEPTIONS = 3 };
-
-/* Materials that are rendered with other settings than the rest. */
-typedef struct bis_exceptions {
-    int n;
-    bis_settings settings[BIS_MAX_EXCEPTIONS];
-    bis_loc loc[BIS_MAX_EXCEPTIONS];
-    /* of_material[n_materials]: 0: the settings of the rest; k: settings[k - 1]. NULL if n is 0; owned */
-    unsigned char *of_material;
-} bis_exceptions;
-
 typedef struct bis_scene_desc {
     char *path;
     bis_camera camera;
@@ -73,8 +62,7 @@ typedef struct bis_scene_desc {
     bool adaptive; /* a pass takes several camera samples, more where the error is larger */
     /* camera samples of a pass in a pixel that an outline crosses (src/render/edges.h); 0, 1: as in other pixels */
     uint32_t edge_samples;
-    bis_settings settings;     /* of all materials but the exceptions */
-    bis_exceptions exceptions;
+    bis_settings settings;
     bis_loc integrator_loc;
     /* BIS_NEED_*: what to build of the light, for a caller that needs more of it than one integrator does; 0: what
      * the integrators need */
@@ -102,24 +90,6 @@ void bis_scene_desc_free(bis_scene_desc *d);
 /* bis_scene_set_spp sets the number of camera samples per pixel, spp >= 1. The stratified sampler gets the most
  * square xsamples x ysamples = spp. For the parser and the command line. */
 void bis_scene_set_spp(bis_scene_desc *d, uint32_t spp);
-
-/* bis_scene_settings returns the settings of a method: method 0 is desc->settings, method k is the exception k - 1. */
-const bis_settings *bis_scene_settings(const bis_scene_desc *d, int method);
-
-/* bis_scene_method_of returns the method of a material. */
-int bis_scene_method_of(const bis_scene_desc *d, uint32_t material);
-
-/* bis_scene_uses_method returns whether any shape has a material with this method. Without exceptions, method 0
- * counts as used even if there is no shape. */
-bool bis_scene_uses_method(const bis_scene_desc *d, int method);
-
-/* bis_scene_light_needs returns BIS_NEED_* of all methods in use. */
-unsigned bis_scene_light_needs(const bis_scene_desc *d);
-
-/* bis_scene_drop_exceptions gives desc->settings to all materials, for a caller that renders with its own settings.
- * It does nothing if there are no exceptions. It warns in the name of `what` ("bis trade", for example) unless this
- * is NULL. */
-void bis_scene_drop_exceptions(bis_scene_desc *d, const char *what, bis_diag *diag);
 
 /* The number of a material that no shape uses. */
 #define BIS_NO_NUMBER UINT32_MAX

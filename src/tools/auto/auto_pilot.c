@@ -3,12 +3,6 @@
  * A replicate of a setting is a render of the pilot's film (every k-th pixel: bis_render with a footprint of 1/k) of
  * one or two passes, with a seed that all settings share: the same camera rays.
  *
- * Where materials are judged by themselves, the render tells what time it spent on the points of each group
- * (bis_render_options.meter); what is left is what all have in common, camera rays and the like. Each pixel's noise
- * counts for the group that the pixel shows most. So one render with one setting for all tells of all groups at once,
- * at the price of reading the clock. (To render each group alone, the rest black, would take the camera rays and the
- * pools once for each: twice the time.)
- *
  * Cost: processor seconds, the least of the replicates, since whatever disturbs only adds. What a pass costs at any
  * size (pools, clusters) is told apart by a picture of one pixel, its fill; the rest of the time is in proportion to
  * the pixels.
@@ -32,7 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CELLS = BIS_AUTO_CELLS, MOST_GROUPS = BIS_AUTO_MOST_GROUPS };
+enum { CELLS = 9 };
 
 static const uint64_t purpose_pilot = 0x70696c6f74; /* "pilot" */
 
@@ -42,28 +36,19 @@ bis_status bis_auto_no_memory(const bis_scene_desc *desc, bis_diag *diag)
                      "no memory for the pilot of integrator \"auto\"; a fixed integrator needs none");
 }
 
-bool bis_auto_suits(const bis_auto_report *r, int g, int i)
-{
-    const unsigned all = (1u << r->n_groups) - 1, wanted = g == BIS_AUTO_ALL ? all : 1u << g;
-
-    return (r->tried[i].groups & wanted) == wanted;
-}
-
 bool bis_auto_is_interrupted(const bis_auto_pilot *p) { return p->options.interrupted && *p->options.interrupted; }
 
 /* ---- one replicate ---- */
 
 /* Into *film, which is initialised here; *seconds: lowered to what this took. No diag: several threads do this. */
-static bis_status render(bis_film *film, double *seconds, const bis_auto_pilot *p, const bis_scene_desc *desc, bis_meter *meter)
+static bis_status render(bis_film *film, double *seconds, const bis_auto_pilot *p, const bis_scene_desc *desc)
 {
     const bis_film_desc *f = &desc->film;
-    bis_render_options options = p->options;
     bis_render_result result;
     bis_status status = bis_film_init(film, f->width, f->height, f->crop, (bis_loc){0}, NULL);
     const double start = bis_clock_processor();
 
-    options.meter = meter;
-    if (!status) status = bis_render(&result, film, p->scene, desc, &options, NULL);
+    if (!status) status = bis_render(&result, film, p->scene, desc, &p->options, NULL);
     *seconds = fmin(*seconds, bis_clock_processor() - start);
     return status;
 }
@@ -74,24 +59,9 @@ static bis_status render_one_pixel(double *seconds, const bis_auto_pilot *p, con
     bis_film film;
 
     small.film = (bis_film_desc){.width = 1, .height = 1, .crop = {0, 1, 0, 1}};
-    bis_status status = render(&film, seconds, p, &small, NULL);
+    bis_status status = render(&film, seconds, p, &small);
     bis_film_clear(&film);
     return status;
-}
-
-/* What the meter has read, without what its readings took. The points of a group are the same number in all replicates
- * of a seed, nearly: the least time is of the least disturbed. */
-static void keep_times(bis_auto_trial *t, double seconds, const double *shading, const uint64_t *points, const bis_auto_pilot *p)
-{
-    if (p->report->n_groups == 1) {
-        t->seconds = fmin(t->seconds, seconds);
-        return;
-    }
-    for (int g = 0; g < p->report->n_groups; g++) {
-        seconds -= 2 * p->reading * (double)points[g];
-        t->shading[g] = fmin(t->shading[g], fmax(0, shading[g] - p->reading * (double)points[g]));
-    }
-    t->seconds = fmin(t->seconds, fmax(0, seconds));
 }
 
 static bis_status replicate(bis_auto_pilot *p, int i)
@@ -99,9 +69,7 @@ static bis_status replicate(bis_auto_pilot *p, int i)
     bis_auto_tried *tried = &p->report->tried[i];
     bis_auto_trial *t = &p->trials[i];
     bis_scene_desc desc = p->desc;
-    double seconds = (double)INFINITY, shading[MOST_GROUPS] = {0};
-    uint64_t points[MOST_GROUPS] = {0};
-    bis_meter meter = {p->report->group, shading, points};
+    double seconds = (double)INFINITY;
     bis_film film;
     bis_rng rng;
 
@@ -109,10 +77,10 @@ static bis_status replicate(bis_auto_pilot *p, int i)
     bis_rng_init(&rng, p->desc.sampler.seed, (uint64_t)tried->replicates, 0, purpose_pilot);
     desc.sampler.seed = bis_rng_u64(&rng);
     desc.settings = tried->settings;
-    bis_status status = render(&film, &seconds, p, &desc, p->report->n_groups > 1 ? &meter : NULL);
+    bis_status status = render(&film, &seconds, p, &desc);
     if (!status && tried->replicates < BIS_AUTO_REPLICATES / 2) status = render_one_pixel(&t->fill, p, &desc);
     if (status || bis_auto_is_interrupted(p)) goto done;
-    keep_times(t, seconds, shading, points, p);
+    t->seconds = fmin(t->seconds, seconds);
     for (size_t k = 0; k < 3 * p->n_pixels; k++) {
         const double x = film.sum[k] / p->passes;
         t->sum[k] += x;
@@ -146,45 +114,24 @@ bis_status bis_auto_pilot_run(bis_auto_pilot *p, bis_diag *diag)
 
 /* ---- what is tried ---- */
 
-bis_status bis_auto_pilot_add(bis_auto_pilot *p, int family, unsigned groups, const bis_settings *s, int wanted, bis_diag *diag)
+bis_status bis_auto_pilot_add(bis_auto_pilot *p, int family, const bis_settings *s, int wanted, bis_diag *diag)
 {
     const int i = p->report->n_tried;
     bis_auto_trial *t = &p->trials[i];
 
     assert(i < BIS_AUTO_MOST_TRIED);
     *t = (bis_auto_trial){.family = family, .wanted = wanted, .seconds = (double)INFINITY, .fill = (double)INFINITY};
-    for (int g = 0; g < MOST_GROUPS; g++) t->shading[g] = (double)INFINITY;
     t->sum = bis_alloc(3 * p->n_pixels, sizeof *t->sum);
     t->squares = bis_alloc(3 * p->n_pixels, sizeof *t->squares);
-    p->report->tried[i] = (bis_auto_tried){.settings = *s, .groups = groups};
+    p->report->tried[i] = (bis_auto_tried){.settings = *s};
     p->report->n_tried++;
     return t->sum && t->squares ? BIS_OK : bis_auto_no_memory(&p->desc, diag);
 }
 
-/* Seconds that one reading of the clock takes. */
-static double time_a_reading(void)
+static bool is_diffuse(const bis_scene_desc *d)
 {
-    enum { BATCHES = 5, READINGS = 100 };
-    double least = (double)INFINITY;
-
-    for (int k = 0; k < BATCHES; k++) {
-        const double start = bis_clock_processor();
-        double end = start;
-        for (int i = 0; i < READINGS; i++) end = bis_clock_processor();
-        least = fmin(least, (end - start) / READINGS);
-    }
-    return least;
-}
-
-/* Is the group all diffuse? */
-static bool is_diffuse(const bis_auto_pilot *p, int g)
-{
-    const bis_scene_desc *d = &p->desc;
-
-    for (size_t i = 0; i < d->n_shapes; i++) {
-        const uint32_t m = d->shapes[i].material;
-        if (p->report->group[m] == g && !rgb_is_black(d->materials[m].Ks)) return false;
-    }
+    for (size_t i = 0; i < d->n_shapes; i++)
+        if (!rgb_is_black(d->materials[d->shapes[i].material].Ks)) return false;
     return true;
 }
 
@@ -193,8 +140,7 @@ bis_status bis_auto_pilot_start(bis_auto_pilot *p, bis_diag *diag)
     p->picture = bis_alloc(3 * p->n_pixels, sizeof *p->picture);
     p->shaded = bis_alloc(p->n_pixels, sizeof *p->shaded);
     if (!p->picture || !p->shaded) return bis_auto_no_memory(&p->desc, diag);
-    for (int g = 0; g < p->report->n_groups; g++) p->diffuse[g] = is_diffuse(p, g);
-    if (p->report->n_groups > 1) p->reading = time_a_reading();
+    p->is_diffuse = is_diffuse(&p->desc);
     return BIS_OK;
 }
 
@@ -202,7 +148,6 @@ void bis_auto_pilot_clear(bis_auto_pilot *p)
 {
     bis_free(p->picture);
     bis_free(p->shaded);
-    bis_free(p->shows);
     for (int i = 0; i < BIS_AUTO_MOST_TRIED; i++) {
         bis_free(p->trials[i].sum);
         bis_free(p->trials[i].squares);
@@ -217,28 +162,21 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static int group_of(const bis_auto_pilot *p, size_t pixel) { return p->shows ? p->shows[pixel] : 0; }
-
-/* The mean of all that was rendered, each setting weighted by 1/variance as known so far; 0 where it cannot be
- * judged. */
+/* The mean of all that was rendered, each setting weighted by 1/variance as known so far. */
 static void make_picture(bis_auto_pilot *p)
 {
     const bis_auto_report *r = p->report;
-    double weight[MOST_GROUPS][BIS_AUTO_MOST_TRIED] = {{0}};
+    double weight[BIS_AUTO_MOST_TRIED], total = 0;
 
-    for (int g = 0; g < r->n_groups; g++) {
-        double total = 0;
-        for (int i = 0; i < r->n_tried; i++) {
-            const bis_auto_tried *t = &r->tried[i];
-            if (bis_auto_suits(r, g, i)) weight[g][i] = t->variance[g] > 0 ? t->replicates / t->variance[g] : t->replicates;
-            total += weight[g][i];
-        }
-        for (int i = 0; i < r->n_tried; i++) weight[g][i] /= total * r->tried[i].replicates;
+    for (int i = 0; i < r->n_tried; i++) {
+        const bis_auto_tried *t = &r->tried[i];
+        weight[i] = t->variance > 0 ? t->replicates / t->variance : t->replicates;
+        total += weight[i];
     }
+    for (int i = 0; i < r->n_tried; i++) weight[i] /= total * r->tried[i].replicates;
     for (size_t k = 0; k < 3 * p->n_pixels; k++) {
-        const double *w = weight[group_of(p, k / 3)];
         p->picture[k] = 0;
-        for (int i = 0; i < r->n_tried; i++) p->picture[k] += w[i] * p->trials[i].sum[k];
+        for (int i = 0; i < r->n_tried; i++) p->picture[k] += weight[i] * p->trials[i].sum[k];
     }
 }
 
@@ -266,66 +204,43 @@ static double forgiving_mean(double *cell, int n)
     return sum / n;
 }
 
-static void measure_variances(bis_auto_pilot *p, int i, double floor)
+static void measure_variance(bis_auto_pilot *p, int i, double floor)
 {
     const double n = p->report->tried[i].replicates;
-    bis_auto_trial *t = &p->trials[i];
-    double cell[MOST_GROUPS][CELLS] = {{0}};
-    size_t members[MOST_GROUPS][CELLS] = {{0}}, of_group[MOST_GROUPS] = {0}, all = 0;
+    const bis_auto_trial *t = &p->trials[i];
+    double cell[CELLS] = {0};
+    size_t members[CELLS] = {0};
+    int filled = 0;
 
     for (size_t k = 0; k < 3 * p->n_pixels; k++) {
         if (!p->shaded[k / 3]) continue;
         const size_t c = bis_hash(k / 3) % CELLS;
-        const int g = group_of(p, k / 3);
         /* fmax: rounding, where all are equal */
         const double scatter = fmax(0, t->squares[k] - t->sum[k] * t->sum[k] / n) / (n - 1);
-        members[g][c]++;
-        of_group[g]++;
-        all++;
+        members[c]++;
         /* without a floor all is black */
-        if (scatter > 0) cell[g][c] += scatter / (p->picture[k] * p->picture[k] + floor);
+        if (scatter > 0) cell[c] += scatter / (p->picture[k] * p->picture[k] + floor);
     }
-    memcpy(t->cell, cell, sizeof t->cell);
-    for (int g = 0; g < p->report->n_groups; g++) {
-        int filled = 0;
-        for (int c = 0; c < CELLS; c++)
-            if (members[g][c]) cell[g][filled++] = cell[g][c] / (double)members[g][c];
-        p->report->tried[i].variance[g] = filled ? p->passes * forgiving_mean(cell[g], filled) * (double)of_group[g] / (double)all : 0;
-    }
-}
-
-/* Camera rays and the like are the same for all settings: the least of all that was left. */
-static void measure_costs(bis_auto_pilot *p)
-{
-    bis_auto_report *r = p->report;
-    double common = (double)INFINITY;
-
-    for (int i = 0; i < r->n_tried; i++) {
-        const bis_auto_trial *t = &p->trials[i];
-        bis_auto_tried *tried = &r->tried[i];
-        double rest = t->seconds - t->fill;
-        tried->fill = t->fill / p->passes;
-        for (int g = 0; g < r->n_groups && r->n_groups > 1; g++) {
-            tried->cost[g] = t->shading[g] * p->scale / p->passes;
-            rest -= t->shading[g];
-        }
-        if (r->n_groups == 1) tried->cost[0] = fmax(0, rest) * p->scale / p->passes;
-        else common = fmin(common, fmax(0, rest));
-    }
-    r->common = r->n_groups > 1 ? common * p->scale / p->passes : 0;
+    for (int c = 0; c < CELLS; c++)
+        if (members[c]) cell[filled++] = cell[c] / (double)members[c];
+    p->report->tried[i].variance = filled ? p->passes * forgiving_mean(cell, filled) : 0;
 }
 
 /* Variances and weights follow from each other; three turns settle both. */
 void bis_auto_pilot_measure(bis_auto_pilot *p)
 {
     enum { TURNS = 3 };
+    bis_auto_report *r = p->report;
 
-    measure_costs(p);
-    for (int i = 0; i < p->report->n_tried; i++)
-        for (int g = 0; g < p->report->n_groups; g++) p->report->tried[i].variance[g] = 0;
+    for (int i = 0; i < r->n_tried; i++) {
+        const bis_auto_trial *t = &p->trials[i];
+        r->tried[i].fill = t->fill / p->passes;
+        r->tried[i].cost = fmax(0, t->seconds - t->fill) * p->scale / p->passes;
+        r->tried[i].variance = 0;
+    }
     for (int turn = 0; turn < TURNS; turn++) {
         make_picture(p);
         const double floor = floor_of(p);
-        for (int i = 0; i < p->report->n_tried; i++) measure_variances(p, i, floor);
+        for (int i = 0; i < r->n_tried; i++) measure_variance(p, i, floor);
     }
 }

@@ -68,7 +68,6 @@ bis_status bis_trade_load(bis_trade *t, bis_diag *diag)
     bis_trade_tell(t, "reading the scene", (double)NAN, (double)NAN);
     bis_status status = bis_scene_parse(&t->desc, t->o.scene, diag);
     if (status) return status;
-    bis_scene_drop_exceptions(t->desc, "bis trade", diag);
     if (t->o.n_threads) t->desc->accel.n_threads = t->o.n_threads;
     if (t->o.width) {
         t->desc->film.width = t->o.width;

@@ -1,0 +1,101 @@
+/* Materials have numbers by their values, in the order of the shapes, and --plan lists them. */
+#include "bis/base/mem.h"
+#include "bis/scene/scene.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
+
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define DIR "build/test_materials"
+
+/* --- numbers
+ * ------------------------------------------------------------------------------------------------------- */
+
+static void materials_are_numbered_by_value_in_the_order_of_the_shapes(void **state)
+{
+    (void)state;
+    const rgb grey = {0.5f, 0.5f, 0.5f}, red = {0.5f, 0.1f, 0.1f}, black = {0, 0, 0};
+    bis_material materials[] = {bis_phong(grey, black, 50), bis_phong(red, black, 50), bis_phong(red, grey, 50), bis_phong(red, black, 50), bis_phong(red, grey, 51)};
+    bis_shape_desc shapes[] = {{.material = 2}, {.material = 3}, {.material = 2}, {.material = 1}, {.material = 4}};
+    const bis_scene_desc d = {.materials = materials, .n_materials = 5, .shapes = shapes, .n_shapes = 5};
+    uint32_t *number, n;
+    assert_int_equal(bis_scene_number_materials(&number, &n, &d, NULL), BIS_OK);
+    assert_int_equal(n, 3);
+    assert_true(number[0] == BIS_NO_NUMBER);
+    assert_int_equal(number[2], 0);
+    assert_int_equal(number[3], 1);
+    assert_int_equal(number[1], 1);
+    assert_int_equal(number[4], 2);
+    bis_free(number);
+}
+
+/* The other road: comparing each with each. */
+static void numbers_are_those_that_comparing_all_pairs_gives(void **state)
+{
+    (void)state;
+    enum { N = 60, SHAPES = 200 };
+    bis_material materials[N];
+    bis_shape_desc shapes[SHAPES];
+    bis_rng rng;
+    bis_rng_init(&rng, 3, 0, 0, 0);
+    for (int i = 0; i < N; i++) {
+        const float kd = (float)bis_rng_below(&rng, 3) / 4, ks = (float)bis_rng_below(&rng, 3) / 4;
+        materials[i] = bis_phong((rgb){kd, 0, kd}, (rgb){0, ks, 0}, (double)bis_rng_below(&rng, 2));
+    }
+    for (int i = 0; i < SHAPES; i++) shapes[i] = (bis_shape_desc){.material = (uint32_t)bis_rng_below(&rng, N)};
+    const bis_scene_desc d = {.materials = materials, .n_materials = N, .shapes = shapes, .n_shapes = SHAPES};
+    uint32_t *number, n, expected = 0;
+    assert_int_equal(bis_scene_number_materials(&number, &n, &d, NULL), BIS_OK);
+    for (int i = 0; i < SHAPES; i++) {
+        const bis_material *m = &materials[shapes[i].material];
+        int k = 0;
+        while (k < i) {
+            const bis_material *other = &materials[shapes[k].material];
+            if (rgb_sum(m->Kd) == rgb_sum(other->Kd) && rgb_sum(m->Ks) == rgb_sum(other->Ks) && m->exponent == other->exponent) break;
+            k++;
+        }
+        assert_int_equal(number[shapes[i].material], k < i ? number[shapes[k].material] : expected++);
+    }
+    assert_int_equal(n, expected);
+    bis_free(number);
+}
+
+/* --- the program
+ * --------------------------------------------------------------------------------------------------- */
+
+static void the_plan_lists_materials_by_number(void **state)
+{
+    (void)state;
+    program_run r;
+    program_write_file(DIR "/a.txt", "WorldBegin LightSource \"infinite\"\n"
+                       "Material \"phong\" \"float Ks\" 0.5 \"float Kd\" 0.4 \"float exponent\" 40\nShape \"sphere\"\n"
+                       "Material \"diffuse\"\nShape \"disk\"\nShape \"disk\"\n"
+                       "Material \"microfacet\" \"float roughness\" 0.25 \"rgb Ks\" [0.9 0.8 0.5]\nShape \"sphere\"\n"
+                       "Material \"phong\" \"float Ks\" 0.5 \"float Kd\" 0.4 \"float exponent\" 40\nShape \"disk\"\n");
+    program_expect(&r, 0, DIR "/a.txt --plan");
+    assert_non_null(strstr(r.output, "material     0: phong, Kd 0.4, Ks 0.5, exponent 40; 2 shapes\n"
+                                     "material     1: phong, Kd 0.5, Ks 0, exponent 50; 2 shapes\n"
+                                     "material     2: microfacet, Kd 0, Ks 0.9 0.8 0.5, roughness 0.25; 1 shape\n"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(materials_are_numbered_by_value_in_the_order_of_the_shapes),
+        cmocka_unit_test(numbers_are_those_that_comparing_all_pairs_gives),
+        cmocka_unit_test(the_plan_lists_materials_by_number),
+    };
+    program_folder(DIR);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
