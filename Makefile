@@ -29,6 +29,7 @@ OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng) $(if $
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) -lm
 
 SRC     := $(filter-out src/cli/main.c,$(wildcard src/*/*.c src/*/*/*.c))
+OBJ     := $(SRC:%.c=$B/%.o) $B/src/tools/trade/page.o
 LIB     := $B/libbis.a
 # tests/LAYER/test_NAME.c becomes $B/tests/test_NAME: a test's name is unique. A starter kit has its one test in tests/ itself.
 TEST_SRC := $(wildcard tests/test_*.c tests/*/test_*.c)
@@ -83,7 +84,7 @@ $(TESTS): $(SUPPORT) $(LIB)
 	$(LINK) $(LIBS) -lcmocka
 $B/tests/%.o: OURS += -Itests/support
 
-$(LIB): $(SRC:%.c=$B/%.o)
+$(LIB): $(OBJ)
 	$(call say,AR,$@)
 	@rm -f $@
 	$Q$(AR) rcs $@ $^
@@ -92,6 +93,12 @@ $B/%.o: %.c $B/.flags
 	@mkdir -p $(@D)
 	$(call say,CC,$<)
 	$Q$(CC) $(CFLAGS) $(OURS) -MMD -MP -c -o $@ $<
+
+# The page of bis trade, as the string bis_trade_page: a line of the file is a line of C.
+$B/src/tools/trade/page.o: src/tools/trade/page.html $B/.flags
+	@mkdir -p $(@D)
+	$(call say,CC,$<)
+	$Q{ echo 'const char bis_trade_page[] ='; sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $<; echo ';'; } | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
 
 compile_commands.json: FORCE
 	@sh scripts/check/compile_commands.sh '$(subst ','\'',$(CC) $(CFLAGS) $(OURS) -Itests/support)' $(ALL_C) >$@

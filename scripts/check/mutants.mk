@@ -6,7 +6,7 @@ SHARED := $B/shared
 OTHERS := $(patsubst %,$B/tests/test_%,assignments data docs figures)
 .PHONY: shared
 shared: $(SHARED)/libbis.so $(SHARED)/bis $(patsubst $B/tests/%,$(SHARED)/%,$(filter-out $(OTHERS),$(TESTS)))
-$(SHARED)/libbis.so: $(SRC:%.c=$B/%.o)
+$(SHARED)/libbis.so: $(OBJ)
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(OPENMP) -shared -Wl,-soname,libbis.so -o $@ $^ $(LIBS)
 $(SHARED)/bis: $B/src/cli/main.o | $(SHARED)/libbis.so

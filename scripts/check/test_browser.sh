@@ -3,7 +3,7 @@
 # test`.
 #     scripts/check/test_browser.sh BIS FOLDER
 # Measures a small scene into FOLDER, opens report.html#selftest in a headless Chromium without network, and reads what
-# the page's script says of itself (src/tools/trade/trade_style.c): it draws, the slider's cut moves, the choice of a picture works,
+# the page's script says of itself (src/tools/trade/page.html): it draws, the slider's cut moves, the choice of a picture works,
 # nothing was fetched. Then two screenshots, wide and narrow, must not be blank. And a twin: the page without its script
 # must fail. Without a Chromium it says so and exits with 0.
 bis=$1

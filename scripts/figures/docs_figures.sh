@@ -1,26 +1,28 @@
 #!/bin/sh
-# docs_figures: every picture that README and docs show, made again: docs/figures/*.png.
+# docs_figures: every picture that README and docs show, made again: docs/figures/*.svg and *.png.
 #     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, map, pixel, thesis, errata, plots,
 #                                                          results (default: all)
 #     scripts/figures/docs_figures.sh --list                       the files
 # From the root, after make bis data and, for thesis and results, make build/release/figures, for plots (of the errata
 # without a switch) make build/release/errata_plots. What is timed differs from run to run, and so does its picture.
-# bis writes PNG of 24 bits; where ImageMagick's convert is there, 256 colours make less than half of that, and none
-# above 300 KB.
+# Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (pixel, results): librsvg's rsvg-convert
+# draws these. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
+# and none above 300 KB.
 set -eu
 unset BIS_SHARED # our own model and maps
 plots="E1 E2 E4 E5 E8 E9 E10 E11 E12 E14 E15 E17 E18 E19 E24 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37" # errata that have no switch
 if [ "${1:-}" = --list ]; then
     for name in chess microfacet map-importance map-levels map-regions pixel-densities pixel-samples \
-        thesis-3.3 thesis-3.4 thesis-3.8 thesis-3.9 thesis-4.3 thesis-4.4 \
-        results-4.5 results-5.2 results-5.5 results-5.8; do
+        results-5.2 results-5.5 results-5.8; do
         echo $name.png
     done
+    for name in 3.3 3.4 3.8 3.9 4.3 4.4; do echo thesis-$name.svg; done
+    echo results-4.5.svg
     for item in E3 E6 E13 E20 E21 E22 E23 E27 E29 E34; do
         echo errata-$item-printed.png
         echo errata-$item-right.png
     done
-    for item in $plots; do echo errata-$item.png; done
+    for item in $plots; do echo errata-$item.svg; done
     exit
 fi
 build=${1:?BUILD_DIR, as build/release}
@@ -30,10 +32,23 @@ out=docs/figures
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
 
-# keep FILE NAME [DITHER]: into docs/figures; without dither where areas are flat
+# copy FILE.svg NAME: into docs/figures
+copy() {
+    cp "$1" "$out/$2.svg"
+    echo "$out/$2.svg"
+}
+
+# keep FILE NAME [DITHER]: into docs/figures as PNG; without dither where areas are flat
 keep() {
+    case $1 in
+    *.svg)
+        rsvg-convert "$1" -o "$tmp/drawn.png"
+        shift
+        set -- "$tmp/drawn.png" "$@"
+        ;;
+    esac
     if command -v convert >/dev/null; then
-        convert "$1" -strip -treedepth 8 -dither "${3:-None}" -colors 256 "PNG8:$out/$2.png"
+        convert "$1" -strip -treedepth 8 -dither "${3:-None}" -colors 192 "PNG8:$out/$2.png"
     else
         cp "$1" "$out/$2.png"
     fi
@@ -59,13 +74,13 @@ for picture; do
         ;;
     pixel)
         "$build/bis" pixel scene.txt 350 300 --candidates 400 --shadowrays 15 --output "$tmp/pixel" >/dev/null
-        keep "$tmp/pixel/densities.png" pixel-densities
-        keep "$tmp/pixel/samples.png" pixel-samples
+        keep "$tmp/pixel/densities.svg" pixel-densities
+        keep "$tmp/pixel/samples.svg" pixel-samples
         ;;
     thesis)
         for figure in 3.3 3.4 3.8 3.9 4.3 4.4; do
             sh scripts/figures/figures.sh "$build" $figure >/dev/null
-            keep build/figures/$figure.png thesis-$figure
+            copy build/figures/$figure.svg thesis-$figure
         done
         ;;
     errata)
@@ -73,12 +88,12 @@ for picture; do
         ;;
     plots)
         "$build/errata_plots" "$tmp" $plots
-        for item in $plots; do keep "$tmp/errata-$item.png" errata-$item; done
+        for item in $plots; do copy "$tmp/errata-$item.svg" errata-$item; done
         ;;
     results)
         sh scripts/figures/figures.sh "$build" 4.5 5.2 5.5 5.8 >/dev/null
-        keep build/figures/4.5.png results-4.5
-        for figure in 5.2 5.5 5.8; do keep build/figures/$figure-time.png results-$figure; done
+        copy build/figures/4.5.svg results-4.5
+        for figure in 5.2 5.5 5.8; do keep build/figures/$figure-time.svg results-$figure; done
         ;;
     *)
         echo "docs_figures.sh: no picture \"$picture\" among chess, microfacet, map, pixel, thesis, errata, plots, results" >&2

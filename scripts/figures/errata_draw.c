@@ -1,7 +1,7 @@
-/* errata_draw: axes, lines and words on a canvas, for the pictures of docs/errata.md. */
+/* errata_draw: axes, lines and words of a drawing, for the pictures of docs/errata.md. */
 #include "errata_plots.h"
 
-#include "out/canvas.h"
+#include "out/svg.h"
 #include "out/palette.h"
 
 #include <stdarg.h>
@@ -16,17 +16,17 @@ rgb errata_printed(void) { return bis_palette_srgb(0.85, 0.38, 0.04); }
 rgb errata_right(void) { return bis_palette_srgb(0.13, 0.36, 0.72); }
 rgb errata_grey(double v) { return bis_palette_srgb(v, v, v); }
 
-void errata_heads(bis_image *im, const char *printed, const char *right)
+void errata_heads(FILE *svg, const char *printed, const char *right)
 {
     const double quarter = ERRATA_WIDTH / 4.0;
 
-    bis_canvas_text_middle(im, quarter, 16, 9, errata_printed(), "as printed");
-    bis_canvas_text_middle(im, 3 * quarter, 16, 9, errata_right(), "right");
-    if (printed) bis_canvas_text_middle(im, quarter, 31, letters, errata_faint(), printed);
-    if (right) bis_canvas_text_middle(im, 3 * quarter, 31, letters, errata_faint(), right);
+    bis_svg_text(svg, quarter, 16, 9, BIS_SVG_MIDDLE, errata_printed(), "as printed");
+    bis_svg_text(svg, 3 * quarter, 16, 9, BIS_SVG_MIDDLE, errata_right(), "right");
+    if (printed) bis_svg_text(svg, quarter, 31, letters, BIS_SVG_MIDDLE, errata_faint(), printed);
+    if (right) bis_svg_text(svg, 3 * quarter, 31, letters, BIS_SVG_MIDDLE, errata_faint(), right);
 }
 
-void errata_say(bis_image *im, double x, double y, rgb colour, const char *format, ...)
+void errata_say(FILE *svg, double x, double y, rgb colour, const char *format, ...)
 {
     char text[160];
     va_list args;
@@ -34,10 +34,10 @@ void errata_say(bis_image *im, double x, double y, rgb colour, const char *forma
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    bis_canvas_text(im, x, y, letters, colour, text);
+    bis_svg_text(svg, x, y, letters, BIS_SVG_LEFT, colour, text);
 }
 
-void errata_say_middle(bis_image *im, double x, double y, rgb colour, const char *format, ...)
+void errata_say_middle(FILE *svg, double x, double y, rgb colour, const char *format, ...)
 {
     char text[160];
     va_list args;
@@ -45,12 +45,31 @@ void errata_say_middle(bis_image *im, double x, double y, rgb colour, const char
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    bis_canvas_text_middle(im, x, y, letters, colour, text);
+    bis_svg_text(svg, x, y, letters, BIS_SVG_MIDDLE, colour, text);
 }
 
-errata_plane errata_plane_over(bis_image *im, double x0, double x1, double y0, double y1)
+bis_image errata_field(int width, int height)
 {
-    return (errata_plane){im, 46, 30, ERRATA_WIDTH - 66, ERRATA_HEIGHT - 66, x0, x1, y0, y1, false, false};
+    bis_image field;
+
+    errata_check(bis_image_init(&field, width, height, NULL));
+    for (int i = 0; i < width * height; i++) field.pixels[i] = errata_grey(1);
+    return field;
+}
+
+void errata_show(FILE *svg, int x, int y, bis_image *field)
+{
+    char name[32];
+
+    snprintf(name, sizeof name, "at-%d-%d", x, y);
+    errata_check(bis_svg_picture(svg, name, field->width, field->height, field, NULL));
+    bis_svg_show(svg, name, x, y);
+    bis_image_clear(field);
+}
+
+errata_plane errata_plane_over(FILE *svg, double x0, double x1, double y0, double y1)
+{
+    return (errata_plane){svg, 46, 30, ERRATA_WIDTH - 66, ERRATA_HEIGHT - 66, x0, x1, y0, y1, false, false};
 }
 
 static double share(double v, double v0, double v1, bool in_log)
@@ -85,17 +104,17 @@ void errata_axes(const errata_plane *p, const char *x_name, const char *x_ticks,
     double v;
 
     while (next_tick(&x_ticks, &v, text)) {
-        bis_canvas_line(p->im, errata_x(p, v), p->y, errata_x(p, v), bottom, 1, errata_grey(0.9));
-        bis_canvas_text_middle(p->im, errata_x(p, v), bottom + 14, letters, errata_faint(), text);
+        bis_svg_line(p->svg, errata_x(p, v), p->y, errata_x(p, v), bottom, 1, errata_grey(0.9));
+        bis_svg_text(p->svg, errata_x(p, v), bottom + 14, letters, BIS_SVG_MIDDLE, errata_faint(), text);
     }
     while (next_tick(&y_ticks, &v, text)) {
-        bis_canvas_line(p->im, p->x, errata_y(p, v), p->x + p->w, errata_y(p, v), 1, errata_grey(0.9));
-        bis_canvas_text_right(p->im, p->x - 5, errata_y(p, v) + 4, letters, errata_faint(), text);
+        bis_svg_line(p->svg, p->x, errata_y(p, v), p->x + p->w, errata_y(p, v), 1, errata_grey(0.9));
+        bis_svg_text(p->svg, p->x - 5, errata_y(p, v) + 4, letters, BIS_SVG_RIGHT, errata_faint(), text);
     }
-    bis_canvas_line(p->im, p->x, bottom, p->x + p->w, bottom, 1.2, errata_ink());
-    bis_canvas_line(p->im, p->x, p->y, p->x, bottom, 1.2, errata_ink());
-    bis_canvas_text_right(p->im, p->x + p->w, bottom + 29, letters, errata_ink(), x_name);
-    bis_canvas_text(p->im, 6, p->y - 12, letters, errata_ink(), y_name);
+    bis_svg_line(p->svg, p->x, bottom, p->x + p->w, bottom, 1.2, errata_ink());
+    bis_svg_line(p->svg, p->x, p->y, p->x, bottom, 1.2, errata_ink());
+    bis_svg_text(p->svg, p->x + p->w, bottom + 29, letters, BIS_SVG_RIGHT, errata_ink(), x_name);
+    bis_svg_text(p->svg, 6, p->y - 12, letters, BIS_SVG_LEFT, errata_ink(), y_name);
 }
 
 void errata_line(const errata_plane *p, const double *x, const double *y, int n, rgb colour)
@@ -107,13 +126,13 @@ void errata_line(const errata_plane *p, const double *x, const double *y, int n,
             const double top = (p->y - ya) / (yb - ya), bottom = (p->y + p->h - ya) / (yb - ya);
             a = fmax(0, fmin(top, bottom)), b = fmin(1, fmax(top, bottom));
         }
-        if (a < b) bis_canvas_line(p->im, xa + a * (xb - xa), ya + a * (yb - ya), xa + b * (xb - xa), ya + b * (yb - ya), 2, colour);
+        if (a < b) bis_svg_line(p->svg, xa + a * (xb - xa), ya + a * (yb - ya), xa + b * (xb - xa), ya + b * (yb - ya), 2, colour);
     }
 }
 
 void errata_dots(const errata_plane *p, const double *x, const double *y, int n, rgb colour)
 {
     for (int i = 0; i < n; i++) {
-        if (y[i] >= p->y0 && y[i] <= p->y1) bis_canvas_disc(p->im, errata_x(p, x[i]), errata_y(p, y[i]), 3, colour);
+        if (y[i] >= p->y0 && y[i] <= p->y1) bis_svg_disc(p->svg, errata_x(p, x[i]), errata_y(p, y[i]), 3, colour);
     }
 }

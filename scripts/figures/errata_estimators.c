@@ -4,7 +4,7 @@
 
 #include "bis/thesis/phong.h"
 
-#include "out/canvas.h"
+#include "out/svg.h"
 #include "thesis/candidates.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }
@@ -45,11 +45,11 @@ static rgb uniform(int x, int y, int width, int height)
 
 /* ---- E9: error against N ---- */
 
-void errata_E9(bis_image *im)
+void errata_E9(FILE *svg)
 {
     enum { N = 6 };
     bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
-    errata_plane p = errata_plane_over(im, 1, 1024, 1e-3, 3);
+    errata_plane p = errata_plane_over(svg, 1, 1024, 1e-3, 3);
     double n[N], error[N], root[N], printed[N];
     errata_spot s;
 
@@ -67,19 +67,19 @@ void errata_E9(bis_image *im)
     errata_line(&p, n, printed, N, errata_printed());
     errata_line(&p, n, root, N, errata_right());
     errata_dots(&p, n, error, N, errata_right());
-    errata_say(im, 60, 180, errata_printed(), "as printed: N^-2");
-    errata_say(im, 250, 60, errata_right(), "right: N^-1/2, dots: measured");
+    errata_say(svg, 60, 180, errata_printed(), "as printed: N^-2");
+    errata_say(svg, 250, 60, errata_right(), "right: N^-1/2, dots: measured");
     bis_light_free(light);
 }
 
 /* ---- E24: which f, and where w stands ---- */
 
-void errata_E24(bis_image *im)
+void errata_E24(FILE *svg)
 {
     enum { TILTS = 17, DRAWS = 40000 };
     bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
     const bis_settings sir = settings(&bis_sir, 16, 4, BIS_PROPOSAL_EM);
-    errata_plane p = errata_plane_over(im, 0, 160, 0, 2);
+    errata_plane p = errata_plane_over(svg, 0, 160, 0, 2);
     double degrees[TILTS], ours[TILTS], over[TILTS] = {0}, times[TILTS] = {0};
 
     for (int i = 0; i < TILTS; i++) {
@@ -103,19 +103,19 @@ void errata_E24(bis_image *im)
     errata_line(&p, degrees, times, TILTS, errata_printed());
     errata_line(&p, degrees, ours, TILTS, errata_right());
     errata_dots(&p, degrees, ours, TILTS, errata_right());
-    errata_say(im, 60, 60, errata_right(), "right: F w/phat, resampled");
-    errata_say(im, 250, errata_y(&p, times[9]) + 28, errata_printed(), "eq. 4.9 with the f of eq. 4.8: F w");
-    errata_say(im, 150, errata_y(&p, over[9]) - 8, errata_printed(), "the line before it: F/(w q)");
+    errata_say(svg, 60, 60, errata_right(), "right: F w/phat, resampled");
+    errata_say(svg, 250, errata_y(&p, times[9]) + 28, errata_printed(), "eq. 4.9 with the f of eq. 4.8: F w");
+    errata_say(svg, 150, errata_y(&p, over[9]) - 8, errata_printed(), "the line before it: F/(w q)");
     bis_light_free(light);
 }
 
 /* ---- E25: sets without weight ---- */
 
-void errata_E25(bis_image *im)
+void errata_E25(FILE *svg)
 {
     enum { N = 8, RUNS = 40000 };
     bis_light *light = errata_light(64, 32, uniform, BIS_TABLE_ALIAS);
-    errata_plane p = errata_plane_over(im, 0.5, N + 0.5, 0, 2.2);
+    errata_plane p = errata_plane_over(svg, 0.5, N + 0.5, 0, 2.2);
     double M[N], ours[N], left_out[N];
     bis_scratch scratch;
     errata_spot s;
@@ -144,8 +144,8 @@ void errata_E25(bis_image *im)
     errata_dots(&p, M, left_out, N, errata_printed());
     errata_line(&p, M, ours, N, errata_right());
     errata_dots(&p, M, ours, N, errata_right());
-    errata_say(im, 130, 70, errata_printed(), "0/0 as printed; such sets left out of the mean: 1/(1 - 2^-M)");
-    errata_say(im, 130, 140, errata_right(), "right: they count as 0");
+    errata_say(svg, 130, 70, errata_printed(), "0/0 as printed; such sets left out of the mean: 1/(1 - 2^-M)");
+    errata_say(svg, 130, 140, errata_right(), "right: they count as 0");
     bis_light_free(light);
 }
 
@@ -177,13 +177,13 @@ static double error_of_candidates(const bis_point *pt, double beta, double M)
     return sqrt((square - beta * from_L * from_L - (1 - beta) * from_f * from_f) / M) / mean;
 }
 
-void errata_E26(bis_image *im)
+void errata_E26(FILE *svg)
 {
     enum { N = 9 };
     enum { M = 256 };
     bis_light *light = errata_light(128, 64, sun_and_sky, BIS_TABLE_ALIAS);
     const bis_settings sir = settings(&bis_sir, M, 15, BIS_PROPOSAL_MIX);
-    errata_plane p = errata_plane_over(im, 1, 1e4, 1e-3, 30);
+    errata_plane p = errata_plane_over(svg, 1, 1e4, 1e-3, 30);
     double n[N], error[3][N], measured[N];
     errata_spot s;
 
@@ -199,9 +199,9 @@ void errata_E26(bis_image *im)
     errata_axes(&p, "exponent n", "1 1e1 1e2 1e3 1e4", "relative error, 15 rays of 256 candidates, sun and sky", "1e-3 1e-2 1e-1 1 1e1");
     for (int k = 0; k < 3; k++) errata_line(&p, n, error[k], N, k == 2 ? errata_right() : errata_printed());
     errata_dots(&p, n, measured, N, errata_right());
-    errata_say(im, 60, 180, errata_right(), "right: from both; dots: measured");
-    errata_say(im, 345, 90, errata_printed(), "from the map");
-    errata_say(im, 60, 48, errata_printed(), "from the BRDF");
+    errata_say(svg, 60, 180, errata_right(), "right: from both; dots: measured");
+    errata_say(svg, 345, 90, errata_printed(), "from the map");
+    errata_say(svg, 60, 48, errata_printed(), "from the BRDF");
     bis_light_free(light);
 }
 
@@ -215,7 +215,7 @@ static rgb one_sun(int x, int y, int width, int height)
     return grey(x == SUN_X && y == SUN_Y ? 1 : 0);
 }
 
-void errata_E28(bis_image *im)
+void errata_E28(FILE *svg)
 {
     enum { N = 8, RUNS = 4000, M = 800 };
     bis_light *light = errata_light(MAP_WIDTH, MAP_HEIGHT, one_sun, BIS_TABLE_ALIAS);
@@ -224,7 +224,7 @@ void errata_E28(bis_image *im)
     const frame about_sun = frame_about(sun);
     const double solid_angle = em->row_solid_angle[SUN_Y];
     const bis_settings s = settings(&bis_rejection, M, 15, BIS_PROPOSAL_BRDF);
-    errata_plane p = errata_plane_over(im, 0, 90, 100, 1e5);
+    errata_plane p = errata_plane_over(svg, 0, 90, 100, 1e5);
     double degrees[N], measured[N], derived[N], printed[N];
 
     for (int i = 0; i < N; i++) {
@@ -241,19 +241,19 @@ void errata_E28(bis_image *im)
     errata_line(&p, degrees, printed, N, errata_printed());
     errata_line(&p, degrees, derived, N, errata_right());
     errata_dots(&p, degrees, measured, N, errata_right());
-    errata_say(im, 80, 157, errata_printed(), "as printed: 1/dOmega = %.0f", printed[0]);
-    errata_say(im, 80, 90, errata_right(), "right: pi/(cos dOmega); dots: measured");
+    errata_say(svg, 80, 157, errata_printed(), "as printed: 1/dOmega = %.0f", printed[0]);
+    errata_say(svg, 80, 90, errata_right(), "right: pi/(cos dOmega); dots: measured");
     bis_light_free(light);
 }
 
 /* ---- E30: how many are accepted ---- */
 
-void errata_E30(bis_image *im)
+void errata_E30(FILE *svg)
 {
     enum { N = 9, RUNS = 3000 };
     bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
     const bis_settings s = settings(&bis_rejection, 800, 15, BIS_PROPOSAL_EM);
-    errata_plane p = errata_plane_over(im, 1, 1e4, 0.01, 1000);
+    errata_plane p = errata_plane_over(svg, 1, 1e4, 0.01, 1000);
     double n[N], accepted[N], printed[N];
 
     for (int i = 0; i < N; i++) {
@@ -269,20 +269,20 @@ void errata_E30(bis_image *im)
     errata_line(&p, n, printed, N, errata_printed());
     errata_line(&p, n, accepted, N, errata_right());
     errata_dots(&p, n, accepted, N, errata_right());
-    errata_say(im, 310, errata_y(&p, 15) - 6, errata_printed(), "as printed: 15 of 800");
-    errata_say(im, 60, 170, errata_right(), "measured: %.0f to %.2g", accepted[0], accepted[N - 1]);
+    errata_say(svg, 310, errata_y(&p, 15) - 6, errata_printed(), "as printed: 15 of 800");
+    errata_say(svg, 60, 170, errata_right(), "measured: %.0f to %.2g", accepted[0], accepted[N - 1]);
     bis_light_free(light);
 }
 
 /* ---- E31: the second term ---- */
 
-void errata_E31(bis_image *im)
+void errata_E31(FILE *svg)
 {
     enum { K = 9, M = 64, RUNS = 20000 };
     bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
     const bis_material m = bis_phong(grey(0.8), grey(0), 1);
     const bis_settings one = settings(&bis_sir, 1, 1, BIS_PROPOSAL_EM);
-    errata_plane p = errata_plane_over(im, 1, 256, 1e-3, 3);
+    errata_plane p = errata_plane_over(svg, 1, 256, 1e-3, 3);
     double N[K], measured[K], both[K], printed[K];
     errata_spot open, s;
 
@@ -303,9 +303,9 @@ void errata_E31(bis_image *im)
     errata_line(&p, N, printed, K, errata_printed());
     errata_line(&p, N, both, K, errata_right());
     errata_dots(&p, N, measured, K, errata_right());
-    errata_say(im, 60, 180, errata_printed(), "as printed: that of the rays, L`ns^2  var(V)/N");
-    errata_say(im, 160, 60, errata_right(), "right: plus that of the candidates; dots: measured");
-    errata_say(im, 160, 76, errata_right(), "at N = 256 it is %.0f times as printed", measured[K - 1] / printed[K - 1]);
+    errata_say(svg, 60, 180, errata_printed(), "as printed: that of the rays, L`ns^2  var(V)/N");
+    errata_say(svg, 160, 60, errata_right(), "right: plus that of the candidates; dots: measured");
+    errata_say(svg, 160, 76, errata_right(), "at N = 256 it is %.0f times as printed", measured[K - 1] / printed[K - 1]);
     bis_light_free(light);
 }
 
@@ -356,11 +356,11 @@ static void replicates(double *x, errata_spot *s, uint64_t run)
     bis_scratch_clear(&scratch);
 }
 
-static void intervals(bis_image *im, int left, errata_spot *s, double truth, bool shared)
+static void intervals(FILE *svg, int left, errata_spot *s, double truth, bool shared)
 {
     enum { SHOWN = 36, SETS = 4000 };
     const rgb hit = shared ? errata_printed() : errata_right(), miss = errata_ink();
-    const errata_plane p = {im, left, 42, 216, 160, -1, SHOWN, 0, 2 * truth, false, false};
+    const errata_plane p = {svg, left, 42, 216, 160, -1, SHOWN, 0, 2 * truth, false, false};
     int held = 0;
 
     for (int k = 0; k < SETS; k++) {
@@ -373,15 +373,15 @@ static void intervals(bis_image *im, int left, errata_spot *s, double truth, boo
         const bool holds = fabs(mean - truth) <= half;
         held += holds;
         if (k >= SHOWN) continue;
-        bis_canvas_line(im, errata_x(&p, k), errata_y(&p, fmax(0, mean - half)), errata_x(&p, k), errata_y(&p, fmin(2 * truth, mean + half)), 2,
+        bis_svg_line(svg, errata_x(&p, k), errata_y(&p, fmax(0, mean - half)), errata_x(&p, k), errata_y(&p, fmin(2 * truth, mean + half)), 2,
                         holds ? hit : miss);
         errata_dots(&p, &(double){k}, &mean, 1, holds ? hit : miss);
     }
-    bis_canvas_line(im, p.x, errata_y(&p, truth), p.x + p.w, errata_y(&p, truth), 1, errata_ink());
-    errata_say_middle(im, left + p.w / 2, 222, hit, "%.1f %% of %d hold the truth", 100.0 * held / SETS, SETS);
+    bis_svg_line(svg, p.x, errata_y(&p, truth), p.x + p.w, errata_y(&p, truth), 1, errata_ink());
+    errata_say_middle(svg, left + p.w / 2, 222, hit, "%.1f %% of %d hold the truth", 100.0 * held / SETS, SETS);
 }
 
-void errata_E32(bis_image *im)
+void errata_E32(FILE *svg)
 {
     bis_light *light = errata_light(64, 32, smooth, BIS_TABLE_ALIAS);
     const bis_settings sir = settings(&bis_sir, SET, 4, BIS_PROPOSAL_MIX);
@@ -389,8 +389,8 @@ void errata_E32(bis_image *im)
 
     errata_spot_init(&s, light, bis_phong(grey(0.6), grey(0.3), 5), up, 40, true);
     const double truth = errata_run(&s, &sir, 400000).mean;
-    errata_heads(im, "95 % from 16 rays of one set", "95 % from 16 sets of one ray");
-    intervals(im, 12, &s, truth, true);
-    intervals(im, 252, &s, truth, false);
+    errata_heads(svg, "95 % from 16 rays of one set", "95 % from 16 sets of one ray");
+    intervals(svg, 12, &s, truth, true);
+    intervals(svg, 252, &s, truth, false);
     bis_light_free(light);
 }

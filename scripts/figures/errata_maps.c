@@ -5,7 +5,7 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/regions.h"
 
-#include "out/canvas.h"
+#include "out/svg.h"
 #include "out/palette.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }
@@ -24,11 +24,11 @@ static rgb upper_half(int x, int y, int width, int height)
     return grey(y < height / 2 ? 1 : 0);
 }
 
-void errata_E1(bis_image *im)
+void errata_E1(FILE *svg)
 {
     enum { TILTS = 18, DRAWS = 40000 };
     bis_light *sky = errata_light(64, 32, upper_half, BIS_TABLE_ALIAS);
-    errata_plane p = errata_plane_over(im, 0, 180, 0, 1.3);
+    errata_plane p = errata_plane_over(svg, 0, 180, 0, 1.3);
     bis_settings em = bis_settings_default(&bis_em);
     double degrees[TILTS], ours[TILTS], printed[TILTS];
 
@@ -58,8 +58,8 @@ void errata_E1(bis_image *im)
     errata_line(&p, degrees, ours, TILTS, errata_right());
     errata_dots(&p, degrees, printed, TILTS, errata_printed());
     errata_dots(&p, degrees, ours, TILTS, errata_right());
-    errata_say(im, 225, 50, errata_printed(), "as printed: below the horizon, not counted");
-    errata_say(im, 60, 180, errata_right(), "right: (1 + cos tilt)/2");
+    errata_say(svg, 225, 50, errata_printed(), "as printed: below the horizon, not counted");
+    errata_say(svg, 60, 180, errata_right(), "right: (1 + cos tilt)/2");
     bis_light_free(sky);
 }
 
@@ -74,12 +74,13 @@ static rgb window(int x, int y, int width, int height)
 
 /* A square of side 0.6 hovers at height 1; how much of the window is seen from each place of the floor, by side^2
  * directions a pixel of the map. */
-static void shadow(bis_image *im, int left, const bis_envmap *em, int side)
+static void shadow(FILE *svg, int left, const bis_envmap *em, int side)
 {
     enum { SIZE = 190, TOP = 42, MAX = 6 * 64 };
     vec3 w[MAX];
     double weight[MAX], all = 0;
     int n = 0;
+    bis_image field = errata_field(SIZE, SIZE);
 
     for (int y = 3; y < 5; y++) {
         for (int x = 3; x < 6; x++) {
@@ -98,19 +99,20 @@ static void shadow(bis_image *im, int left, const bis_envmap *em, int side)
                 const double dx = x + (double)w[k].x / (double)w[k].z - 0.65, dy = y + (double)w[k].y / (double)w[k].z - 0.76;
                 if (fabs(dx) > 0.3 || fabs(dy) > 0.3) E += weight[k];
             }
-            bis_canvas_box(im, left + px, TOP + py, 1, 1, rgb_scale(bis_palette_srgb(1, 0.97, 0.9), E / all));
+            field.pixels[py * SIZE + px] = rgb_scale(bis_palette_srgb(1, 0.97, 0.9), E / all);
         }
     }
+    errata_show(svg, left, TOP, &field);
 }
 
-void errata_E2(bis_image *im)
+void errata_E2(FILE *svg)
 {
     bis_envmap em;
 
     errata_map(&em, 32, 16, window);
-    errata_heads(im, "6 lit pixels are 6 point lights", "6 lit pixels are 6 patches");
-    shadow(im, 25, &em, 1);
-    shadow(im, 265, &em, 8);
+    errata_heads(svg, "6 lit pixels are 6 point lights", "6 lit pixels are 6 patches");
+    shadow(svg, 25, &em, 1);
+    shadow(svg, 265, &em, 8);
     bis_envmap_clear(&em);
 }
 
@@ -141,19 +143,22 @@ static double bilinear(double x, double y)
 
 static double nearest(double x, double y) { return floor(x) == LIT_X && floor(y) == LIT_Y; }
 
-static void lit_pixel(bis_image *im, int left, const bis_light *light, double (*look_up)(double x, double y), rgb colour)
+static void lit_pixel(FILE *svg, int left, const bis_light *light, double (*look_up)(double x, double y), rgb colour)
 {
     enum { DRAWS = 100000, SHOWN = 120, TOP = 38, SIZE = ZOOM * AROUND };
     const double x0 = LIT_X - AROUND / 2, y0 = LIT_Y - AROUND / 2;
     double found = 0, u[4], x, y;
+    bis_image field = errata_field(SIZE, SIZE);
     bis_rng r;
 
-    for (int j = 0; j < SIZE; j++)
-        for (int i = 0; i < SIZE; i++)
-            bis_canvas_box(im, left + i, TOP + j, 1, 1, bis_palette_heat(0.95 * sqrt(look_up(x0 + (i + 0.5) / ZOOM, y0 + (j + 0.5) / ZOOM))));
+    for (int i = 0; i < SIZE * SIZE; i++) {
+        const double L = look_up(x0 + (i % SIZE + 0.5) / ZOOM, y0 + ((int)(i / SIZE) + 0.5) / ZOOM);
+        field.pixels[i] = bis_palette_heat(0.95 * sqrt(L));
+    }
+    errata_show(svg, left, TOP, &field);
     for (int k = 0; k <= AROUND; k++) {
-        bis_canvas_line(im, left + ZOOM * k, TOP, left + ZOOM * k, TOP + SIZE, 1, errata_grey(0.4));
-        bis_canvas_line(im, left, TOP + ZOOM * k, left + SIZE, TOP + ZOOM * k, 1, errata_grey(0.4));
+        bis_svg_line(svg, left + ZOOM * k, TOP, left + ZOOM * k, TOP + SIZE, 1, errata_grey(0.4));
+        bis_svg_line(svg, left, TOP + ZOOM * k, left + SIZE, TOP + ZOOM * k, 1, errata_grey(0.4));
     }
     bis_rng_init(&r, ERRATA_SEED, 0, 0, 0);
     for (int k = 0; k < DRAWS; k++) {
@@ -162,18 +167,18 @@ static void lit_pixel(bis_image *im, int left, const bis_light *light, double (*
         bis_light_sample(light, u, &s);
         place_in_map(&x, &y, s.wi);
         found += look_up(x, y) / s.pdf / DRAWS;
-        if (k < SHOWN) bis_canvas_disc(im, left + ZOOM * (x - x0), TOP + ZOOM * (y - y0), 1.5, errata_ink());
+        if (k < SHOWN) bis_svg_disc(svg, left + ZOOM * (x - x0), TOP + ZOOM * (y - y0), 1.5, errata_ink());
     }
-    errata_say_middle(im, left + SIZE / 2.0, 234, colour, "found: %.2f %% of the flux", 300 * found / bis_light_power(light));
+    errata_say_middle(svg, left + SIZE / 2.0, 234, colour, "found: %.2f %% of the flux", 300 * found / bis_light_power(light));
 }
 
-void errata_E4(bis_image *im)
+void errata_E4(FILE *svg)
 {
     bis_light *light = errata_light(64, 32, one_lit, BIS_TABLE_ALIAS);
 
-    errata_heads(im, "bilinear look-up", "nearest pixel");
-    lit_pixel(im, 30, light, bilinear, errata_printed());
-    lit_pixel(im, 270, light, nearest, errata_right());
+    errata_heads(svg, "bilinear look-up", "nearest pixel");
+    lit_pixel(svg, 30, light, bilinear, errata_printed());
+    lit_pixel(svg, 270, light, nearest, errata_right());
     bis_light_free(light);
 }
 
@@ -188,11 +193,14 @@ static rgb red_blue(int x, int y, int width, int height)
 
 enum { BALL_DRAWS = 4096 };
 
-static void ball(bis_image *im, double x, double y, double radius, const bis_light_point *s, const rgb *value)
+static void ball(FILE *svg, int x, int y, int radius, const bis_light_point *s, const rgb *value)
 {
-    for (int j = (int)-radius; j <= radius; j++) {
-        for (int i = (int)-radius; i <= radius; i++) {
-            const double a = i / radius, b = -j / radius, c = 1 - a * a - b * b;
+    const int side = 2 * radius + 1;
+    bis_image field = errata_field(side, side);
+
+    for (int j = -radius; j <= radius; j++) {
+        for (int i = -radius; i <= radius; i++) {
+            const double a = (double)i / radius, b = -(double)j / radius, c = 1 - a * a - b * b;
             rgbd L = {0, 0, 0};
             if (c <= 0) continue;
             const vec3 n = vec3_from(a, sqrt(c), b);
@@ -200,12 +208,13 @@ static void ball(bis_image *im, double x, double y, double radius, const bis_lig
                 const double share = fmax(0, dot(n, s[k].wi)) / PI / BALL_DRAWS;
                 L = rgbd_add(L, (rgbd){(double)value[k].r * share, (double)value[k].g * share, (double)value[k].b * share});
             }
-            bis_canvas_box(im, (int)x + i, (int)y + j, 1, 1, rgbd_round(L));
+            field.pixels[(j + radius) * side + i + radius] = rgbd_round(L);
         }
     }
+    errata_show(svg, x - radius, y - radius, &field);
 }
 
-void errata_E5(bis_image *im)
+void errata_E5(FILE *svg)
 {
     static bis_light_point s[BALL_DRAWS];
     static rgb ours[BALL_DRAWS], printed[BALL_DRAWS];
@@ -220,20 +229,20 @@ void errata_E5(bis_image *im)
         ours[k] = rgb_scale(s[k].Le, 1 / s[k].pdf); /* F_rgb/q */
         printed[k] = grey(power / 3);               /* L/q cancelled: the same for all */
     }
-    errata_heads(im, "L/q is one number", "L is red, green, blue");
-    ball(im, 120, 136, 92, s, printed);
-    ball(im, 360, 136, 92, s, ours);
+    errata_heads(svg, "L/q is one number", "L is red, green, blue");
+    ball(svg, 120, 136, 92, s, printed);
+    ball(svg, 360, 136, 92, s, ours);
     bis_light_free(light);
 }
 
 /* ---- E17: what area a light's importance is multiplied with ---- */
 
-void errata_E17(bis_image *im)
+void errata_E17(FILE *svg)
 {
     enum { N = 101 };
     const double b = 0.15, pixel = 2 * PI / 512 * 2 * sin(PI / 512); /* 512 x 256, at the equator */
     double A[N], ours[N], unlimited[N], of_sphere[N], own[N];
-    errata_plane p = errata_plane_over(im, 1e-5, 10, 0.2, 2.8);
+    errata_plane p = errata_plane_over(svg, 1e-5, 10, 0.2, 2.8);
 
     for (int i = 0; i < N; i++) {
         A[i] = 1e-5 * pow(10, 6.0 * i / (N - 1));
@@ -248,11 +257,11 @@ void errata_E17(bis_image *im)
     errata_line(&p, A, of_sphere, N, errata_printed());
     errata_line(&p, A, own, N, errata_printed());
     errata_line(&p, A, ours, N, errata_right());
-    errata_say(im, 60, 50, errata_printed(), "as printed, three readings; b = %.2f", b);
-    errata_say(im, 350, 60, errata_printed(), "no limit");
-    errata_say(im, 365, errata_y(&p, of_sphere[N - 1]) + 13, errata_printed(), "0.01 of the sphere");
-    errata_say(im, 330, errata_y(&p, own[N - 1]) - 6, errata_printed(), "the pixel's own dOmega");
-    errata_say(im, 260, errata_y(&p, 1) + 13, errata_right(), "right: min(0.01 sr, A)^b");
+    errata_say(svg, 60, 50, errata_printed(), "as printed, three readings; b = %.2f", b);
+    errata_say(svg, 350, 60, errata_printed(), "no limit");
+    errata_say(svg, 365, errata_y(&p, of_sphere[N - 1]) + 13, errata_printed(), "0.01 of the sphere");
+    errata_say(svg, 330, errata_y(&p, own[N - 1]) - 6, errata_printed(), "the pixel's own dOmega");
+    errata_say(svg, 260, errata_y(&p, 1) + 13, errata_right(), "right: min(0.01 sr, A)^b");
 }
 
 /* ---- E18: levels of a sky, as it is and in another exposure ---- */
@@ -272,9 +281,10 @@ enum { LEVELS = 8 };
 
 static int level_by_log_1_plus_I(double I, double most) { return (int)fmin(LEVELS - 1, floor(LEVELS * log1p(I) / log1p(most))); }
 
-static void levels(bis_image *im, int left, int top, errata_paint *paint, bool as_printed)
+static void levels(FILE *svg, int left, int top, errata_paint *paint, bool as_printed)
 {
     enum { WIDTH = 170, HEIGHT = 85 };
+    bis_image field = errata_field(WIDTH, HEIGHT);
     bis_envmap em;
     int used[LEVELS] = {0}, n = 0;
 
@@ -284,23 +294,24 @@ static void levels(bis_image *im, int left, int top, errata_paint *paint, bool a
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         const double I = rgb_sum(em.pixels[i]);
         const int level = as_printed ? level_by_log_1_plus_I(I, most) : bis_level_of_intensity(&scale, I);
-        bis_canvas_box(im, left + i % WIDTH, top + i / WIDTH, 1, 1, bis_palette_heat((level + 0.5) / LEVELS));
+        field.pixels[i] = bis_palette_heat((level + 0.5) / LEVELS);
         used[level] = 1;
     }
+    errata_show(svg, left, top, &field);
     for (int k = 0; k < LEVELS; k++) n += used[k];
-    errata_say(im, left + WIDTH + 5, top + 40, errata_ink(), "%d of", n);
-    errata_say(im, left + WIDTH + 5, top + 54, errata_ink(), "%d levels", LEVELS);
+    errata_say(svg, left + WIDTH + 5, top + 40, errata_ink(), "%d of", n);
+    errata_say(svg, left + WIDTH + 5, top + 54, errata_ink(), "%d levels", LEVELS);
     bis_envmap_clear(&em);
 }
 
-void errata_E18(bis_image *im)
+void errata_E18(FILE *svg)
 {
-    errata_heads(im, "nothing said of the steps: log(1 + I)", "equal steps of log I");
+    errata_heads(svg, "nothing said of the steps: log(1 + I)", "equal steps of log I");
     for (int k = 0; k < 2; k++) {
-        levels(im, k ? 245 : 5, 42, sky, k == 0);
-        levels(im, k ? 245 : 5, 142, dim_sky, k == 0);
+        levels(svg, k ? 245 : 5, 42, sky, k == 0);
+        levels(svg, k ? 245 : 5, 142, dim_sky, k == 0);
     }
-    errata_say_middle(im, ERRATA_WIDTH / 2.0, 237, errata_faint(), "above: a sky; below: the same, exposed 1000 times shorter");
+    errata_say_middle(svg, ERRATA_WIDTH / 2.0, 237, errata_faint(), "above: a sky; below: the same, exposed 1000 times shorter");
 }
 
 /* ---- E19: a sun on the seam ---- */
@@ -321,7 +332,7 @@ static rgb sun_before_the_end(int x, int y, int width, int height)
     return x == width - 1 ? grey(0) : sun_on_the_seam(x, y, width - 1, height);
 }
 
-static void seam(bis_image *im, int left, errata_paint *paint, int width, rgb colour)
+static void seam(FILE *svg, int left, errata_paint *paint, int width, rgb colour)
 {
     enum { CELL = 15, ACROSS = 14, DOWN = 10, TOP = 40 };
     bis_regions regions;
@@ -340,20 +351,20 @@ static void seam(bis_image *im, int left, errata_paint *paint, int width, rgb co
             const uint32_t label = regions.label[y * width + x];
             const bool is_sun = regions.solid_angle[label] < 1;
             if (is_sun && first == BIS_REGION_NONE) first = label;
-            bis_canvas_box(im, left + CELL * i, TOP + CELL * j, CELL - 1, CELL - 1,
+            bis_svg_box(svg, left + CELL * i, TOP + CELL * j, CELL - 1, CELL - 1,
                            !is_sun ? errata_grey(0.85) : label == first ? colour : rgb_add(rgb_scale(colour, 0.35), grey(0.3)));
         }
     }
-    bis_canvas_line(im, left + CELL * ACROSS / 2.0 - 0.5, TOP - 6, left + CELL * ACROSS / 2.0 - 0.5, TOP + CELL * DOWN + 6, 2, errata_ink());
-    errata_say_middle(im, left + CELL * ACROSS / 2.0, TOP + CELL * DOWN + 20, colour, n == 1 ? "%d light of %.4f sr" : "%d lights of %.4f sr", n, A);
-    errata_say_middle(im, left + CELL * ACROSS / 2.0, TOP + CELL * DOWN + 36, colour, "importance x %.3f", bis_area_factor(A, b));
+    bis_svg_line(svg, left + CELL * ACROSS / 2.0 - 0.5, TOP - 6, left + CELL * ACROSS / 2.0 - 0.5, TOP + CELL * DOWN + 6, 2, errata_ink());
+    errata_say_middle(svg, left + CELL * ACROSS / 2.0, TOP + CELL * DOWN + 20, colour, n == 1 ? "%d light of %.4f sr" : "%d lights of %.4f sr", n, A);
+    errata_say_middle(svg, left + CELL * ACROSS / 2.0, TOP + CELL * DOWN + 36, colour, "importance x %.3f", bis_area_factor(A, b));
     bis_regions_clear(&regions);
     bis_envmap_clear(&em);
 }
 
-void errata_E19(bis_image *im)
+void errata_E19(FILE *svg)
 {
-    errata_heads(im, "the map ends at its edge", "its edges are joined");
-    seam(im, 15, sun_before_the_end, SEAM_W + 1, errata_printed());
-    seam(im, 255, sun_on_the_seam, SEAM_W, errata_right());
+    errata_heads(svg, "the map ends at its edge", "its edges are joined");
+    seam(svg, 15, sun_before_the_end, SEAM_W + 1, errata_printed());
+    seam(svg, 255, sun_on_the_seam, SEAM_W, errata_right());
 }

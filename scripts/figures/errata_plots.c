@@ -1,13 +1,13 @@
-/* errata_plots: pictures of docs/errata.md for the items that have no switch: FOLDER/errata-E1.png, ...
+/* errata_plots: pictures of docs/errata.md for the items that have no switch: FOLDER/errata-E1.svg, ...
  *
  *     errata_plots FOLDER [E1...]        (default: all, some ten seconds)
  *
  * Seeds are fixed: the same pictures every time. The items that have a switch are rendered, by
  * scripts/figures/errata_figures.sh. */
-#include "bis/files/image_file.h"
+#include "bis/base/file.h"
 #include "errata_plots.h"
 
-#include "out/canvas.h"
+#include "out/svg.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -27,20 +27,15 @@ enum { N_ITEMS = sizeof items / sizeof *items };
 
 static void make(const struct item *item, const char *folder)
 {
-    bis_image im;
+    bis_outfile *file;
     char path[1024];
 
-    errata_check(bis_image_init(&im, ERRATA_WIDTH, ERRATA_HEIGHT, NULL));
-    bis_canvas_box(&im, 0, 0, ERRATA_WIDTH, ERRATA_HEIGHT, errata_grey(1));
-    item->draw(&im);
-
-    const float *first = &im.pixels[0].r;
-    const bis_channel channels[3] = {{"R", first, 3}, {"G", first + 1, 3}, {"B", first + 2, 3}};
-    const bis_picture picture = {.width = im.width, .height = im.height, .full_width = im.width, .full_height = im.height,
-                                 .channels = channels, .n_channels = 3, .has_exposure = true};
-    snprintf(path, sizeof path, "%s/errata-%s.png", folder, item->name);
-    errata_check(bis_image_write(path, &picture, NULL));
-    bis_image_clear(&im);
+    snprintf(path, sizeof path, "%s/errata-%s.svg", folder, item->name);
+    errata_check(bis_outfile_open(&file, path, NULL));
+    bis_svg_begin(bis_outfile_stream(file), ERRATA_WIDTH, ERRATA_HEIGHT);
+    item->draw(bis_outfile_stream(file));
+    bis_svg_end(bis_outfile_stream(file));
+    errata_check(bis_outfile_commit(file, NULL));
 }
 
 int main(int argc, char **argv)

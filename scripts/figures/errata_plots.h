@@ -9,6 +9,8 @@
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/importance.h"
 
+#include <stdio.h>
+
 enum { ERRATA_WIDTH = 480, ERRATA_HEIGHT = 240, ERRATA_SEED = 34 };
 
 /* ---- drawing (scripts/figures/errata_draw.c) ---- */
@@ -20,21 +22,25 @@ rgb errata_right(void);   /* blue: right */
 rgb errata_grey(double v); /* as it appears, 0 to 1 */
 
 /* "as printed" and "right" over two halves of the picture, each with a line of its own below them (may be NULL). */
-void errata_heads(bis_image *im, const char *printed, const char *right);
+void errata_heads(FILE *svg, const char *printed, const char *right);
+
+/* White pixels, to be filled; shown with their upper left corner at (x, y), and freed. */
+bis_image errata_field(int width, int height);
+void errata_show(FILE *svg, int x, int y, bis_image *field);
 
 /* printf on a picture, with its left end or its middle at x. */
-void errata_say(bis_image *im, double x, double y, rgb colour, const char *format, ...) __attribute__((format(printf, 5, 6)));
-void errata_say_middle(bis_image *im, double x, double y, rgb colour, const char *format, ...) __attribute__((format(printf, 5, 6)));
+void errata_say(FILE *svg, double x, double y, rgb colour, const char *format, ...) __attribute__((format(printf, 5, 6)));
+void errata_say_middle(FILE *svg, double x, double y, rgb colour, const char *format, ...) __attribute__((format(printf, 5, 6)));
 
 /* A plane with axes: the box of pixels (x, y, w, h) shows [x0, x1] x [y0, y1], in logarithms where asked for. */
 typedef struct errata_plane {
-    bis_image *im;
+    FILE *svg;
     double x, y, w, h, x0, x1, y0, y1;
     bool log_x, log_y;
 } errata_plane;
 
 /* Nearly the whole picture, with room for a line of words above; linear. */
-errata_plane errata_plane_over(bis_image *im, double x0, double x1, double y0, double y1);
+errata_plane errata_plane_over(FILE *svg, double x0, double x1, double y0, double y1);
 
 /* Axes with ticks, as in "1 10 1e2" (1e2 is written 10^2), and a name each. */
 void errata_axes(const errata_plane *p, const char *x_name, const char *x_ticks, const char *y_name, const char *y_ticks);
@@ -74,7 +80,7 @@ void errata_check(bis_status status);
 
 /* ---- the items ---- */
 
-typedef void errata_plot(bis_image *im);
+typedef void errata_plot(FILE *svg);
 
 errata_plot errata_E1, errata_E2, errata_E4, errata_E5, errata_E17, errata_E18, errata_E19;           /* errata_maps.c */
 errata_plot errata_E8, errata_E10, errata_E11, errata_E12, errata_E14, errata_E15;                                /* errata_tables.c */

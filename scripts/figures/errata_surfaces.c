@@ -5,7 +5,7 @@
 #include "bis/shape/geometry.h"
 #include "bis/base/xform.h"
 
-#include "out/canvas.h"
+#include "out/svg.h"
 #include "out/palette.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }
@@ -30,11 +30,11 @@ static double integral_of_f(const bis_bsdf *b, bool with_cosine)
     return 2 * sum * (PI / 2 / ROWS) * (PI / COLUMNS); /* both sides of the plane of incidence */
 }
 
-void errata_E33(bis_image *im)
+void errata_E33(FILE *svg)
 {
     enum { N = 45 };
     const bis_material diffuse = bis_phong(grey(1), grey(0), 1), glossy = bis_phong(grey(0), grey(1), 10);
-    errata_plane p = errata_plane_over(im, 0, 90, 0, 2.2);
+    errata_plane p = errata_plane_over(svg, 0, 90, 0, 2.2);
     double degrees[N], value[4][N];
 
     for (int i = 0; i < N; i++) {
@@ -47,19 +47,19 @@ void errata_E33(bis_image *im)
     }
     errata_axes(&p, "angle of wo to the normal, degrees", "0 30 60 90", "reflected under L = 1 (cannot be above 1)", "0 0.5 1 1.5 2");
     for (int k = 0; k < 4; k++) errata_line(&p, degrees, value[k], N, k % 2 ? errata_right() : errata_printed());
-    errata_say(im, 150, 60, errata_printed(), "eq. 3.13 as printed, diffuse: %.3f", value[0][0]);
-    errata_say(im, 56, 106, errata_right(), "right, diffuse: %.3f", value[1][0]);
-    errata_say(im, 215, 106, errata_printed(), "as printed, lobe of n = 10: %.3f", value[2][0]);
-    errata_say(im, 56, 180, errata_right(), "right, lobe of n = 10: %.3f = 11/12", value[3][0]);
+    errata_say(svg, 150, 60, errata_printed(), "eq. 3.13 as printed, diffuse: %.3f", value[0][0]);
+    errata_say(svg, 56, 106, errata_right(), "right, diffuse: %.3f", value[1][0]);
+    errata_say(svg, 215, 106, errata_printed(), "as printed, lobe of n = 10: %.3f", value[2][0]);
+    errata_say(svg, 56, 180, errata_right(), "right, lobe of n = 10: %.3f = 11/12", value[3][0]);
 }
 
 /* ---- E35: the two lobes ---- */
 
-void errata_E35(bis_image *im)
+void errata_E35(FILE *svg)
 {
     enum { BINS = 30, DRAWS = 200000, FINE = 20, COLUMNS = 180 };
     const bis_material m = bis_phong(grey(0.5), grey(0.5), 50);
-    errata_plane p = errata_plane_over(im, 0, 90, 0, 0.036);
+    errata_plane p = errata_plane_over(svg, 0, 90, 0, 0.036);
     double degrees[BINS], ours[BINS] = {0}, printed[BINS] = {0}, density[BINS] = {0};
     bis_bsdf b;
     bis_rng r;
@@ -85,9 +85,9 @@ void errata_E35(bis_image *im)
     errata_line(&p, degrees, density, BINS, errata_ink());
     errata_dots(&p, degrees, printed, BINS, errata_printed());
     errata_dots(&p, degrees, ours, BINS, errata_right());
-    errata_say(im, 300, 60, errata_ink(), "line: density of the mixture");
-    errata_say(im, 300, 76, errata_right(), "right: diffuse by cosine");
-    errata_say(im, 300, 92, errata_printed(), "nothing printed: uniform, say");
+    errata_say(svg, 300, 60, errata_ink(), "line: density of the mixture");
+    errata_say(svg, 300, 76, errata_right(), "right: diffuse by cosine");
+    errata_say(svg, 300, 92, errata_printed(), "nothing printed: uniform, say");
 }
 
 /* ---- E36: large exponents, float and double ---- */
@@ -123,10 +123,10 @@ static void errors_of_exponent(double n, double of_mean[2], double of_pdf[2])
     }
 }
 
-void errata_E36(bis_image *im)
+void errata_E36(FILE *svg)
 {
     enum { N = 22 };
-    errata_plane p = errata_plane_over(im, 1, 1e8, 1e-12, 10);
+    errata_plane p = errata_plane_over(svg, 1, 1e8, 1e-12, 10);
     double n[N], mean[2][N], pdf[2][N];
 
     for (int i = 0; i < N; i++) {
@@ -141,16 +141,17 @@ void errata_E36(bis_image *im)
         errata_line(&p, n, pdf[k], N, k ? errata_right() : errata_printed());
         errata_dots(&p, n, mean[k], N, k ? errata_right() : errata_printed());
     }
-    errata_say(im, 60, 48, errata_printed(), "the obvious forms, in float");
-    errata_say(im, 330, 152, errata_right(), "right: expm1 and log1p");
+    errata_say(svg, 60, 48, errata_printed(), "the obvious forms, in float");
+    errata_say(svg, 330, 152, errata_right(), "right: expm1 and log1p");
 }
 
 /* ---- E37: a ball that must not shadow itself ---- */
 
-static void sunlit_ball(bis_image *im, int left, const bis_accel *a, bool offset)
+static void sunlit_ball(FILE *svg, int left, const bis_accel *a, bool offset)
 {
     enum { SIZE = 180, TOP = 40 };
     const vec3 sun = normalize(vec3_from(-0.75, 0.45, -0.5));
+    bis_image field = errata_field(SIZE, SIZE);
     int lit = 0, lost = 0;
 
     for (int y = 0; y < SIZE; y++) {
@@ -168,14 +169,15 @@ static void sunlit_ball(bis_image *im, int left, const bis_accel *a, bool offset
                 lost += c > 0 && !sees;
                 colour = grey(0.03 + (sees ? 0.9 * c : 0));
             }
-            bis_canvas_box(im, left + x, TOP + y, 1, 1, colour);
+            field.pixels[y * SIZE + x] = colour;
         }
     }
-    errata_say_middle(im, left + SIZE / 2.0, 234, offset ? errata_right() : errata_printed(), "%.1f %% of the lit side in its own shadow",
+    errata_show(svg, left, TOP, &field);
+    errata_say_middle(svg, left + SIZE / 2.0, 234, offset ? errata_right() : errata_printed(), "%.1f %% of the lit side in its own shadow",
                       100.0 * lost / lit);
 }
 
-void errata_E37(bis_image *im)
+void errata_E37(FILE *svg)
 {
     const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(3, 3, 3), 0};
     bis_geometry g = {0};
@@ -183,9 +185,9 @@ void errata_E37(bis_image *im)
 
     errata_check(bis_geometry_add_quadric(&g, &q, NULL));
     errata_check(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL));
-    errata_heads(im, "shadow rays start at the point", "and beyond its error bound");
-    sunlit_ball(im, 30, a, false);
-    sunlit_ball(im, 270, a, true);
+    errata_heads(svg, "shadow rays start at the point", "and beyond its error bound");
+    sunlit_ball(svg, 30, a, false);
+    sunlit_ball(svg, 270, a, true);
     bis_accel_free(a);
     bis_geometry_clear(&g);
 }

@@ -6,27 +6,27 @@
 #include "bis/thesis/cdf.h"
 #include "bis/base/mem.h"
 
-#include "out/canvas.h"
+#include "out/svg.h"
 
 #include <string.h>
 
 /* ---- E8: P = {0.1, 0.2, 0.4, 0.3} from the CDF ---- */
 
-static void bars(bis_image *im, double x, const double *drawn, const double *wanted, int first, int n, rgb colour)
+static void bars(FILE *svg, double x, const double *drawn, const double *wanted, int first, int n, rgb colour)
 {
     const double base = 200, scale = 255;
 
     for (int i = 0; i < n; i++) {
         const int left = (int)x + 42 * i, height = (int)lround(scale * drawn[i]), line = (int)(base - scale * wanted[i]);
-        bis_canvas_box(im, left, (int)base - height, 32, height, colour);
-        bis_canvas_line(im, left - 3, line, left + 35, line, 2, errata_ink());
-        errata_say_middle(im, left + 16, base + 15, errata_faint(), "%d", first + i);
-        errata_say_middle(im, left + 16, fmin(line, base - height) - 6, errata_ink(), "%.3f", drawn[i]);
+        bis_svg_box(svg, left, (int)base - height, 32, height, colour);
+        bis_svg_line(svg, left - 3, line, left + 35, line, 2, errata_ink());
+        errata_say_middle(svg, left + 16, base + 15, errata_faint(), "%d", first + i);
+        errata_say_middle(svg, left + 16, fmin(line, base - height) - 6, errata_ink(), "%.3f", drawn[i]);
     }
-    bis_canvas_line(im, x - 6, base, x + 42 * n, base, 1.2, errata_ink());
+    bis_svg_line(svg, x - 6, base, x + 42 * n, base, 1.2, errata_ink());
 }
 
-void errata_E8(bis_image *im)
+void errata_E8(FILE *svg)
 {
     enum { DRAWS = 100000 };
     static const double P[4] = {0.1, 0.2, 0.4, 0.3}, wanted_printed[5] = {0, 0.1, 0.2, 0.4, 0.3};
@@ -46,19 +46,19 @@ void errata_E8(bis_image *im)
         ours[bis_cdf_sample(&cdf, u, NULL)] += 1.0 / DRAWS;
     }
     bis_cdf_clear(&cdf);
-    errata_heads(im, "items 1 to 4, and a 0 that is none", "items 0 to 3");
-    bars(im, 18, printed, wanted_printed, 0, 5, errata_printed());
-    bars(im, 276, ours, P, 0, 4, errata_right());
-    errata_say_middle(im, ERRATA_WIDTH / 2.0, 232, errata_faint(), "bars: share of 100,000 draws; lines: P");
+    errata_heads(svg, "items 1 to 4, and a 0 that is none", "items 0 to 3");
+    bars(svg, 18, printed, wanted_printed, 0, 5, errata_printed());
+    bars(svg, 276, ours, P, 0, 4, errata_right());
+    errata_say_middle(svg, ERRATA_WIDTH / 2.0, 232, errata_faint(), "bars: share of 100,000 draws; lines: P");
 }
 
 /* ---- E10: the inverse of C, tabulated ---- */
 
-void errata_E10(bis_image *im)
+void errata_E10(FILE *svg)
 {
     enum { N = 64 };
     double w[N], rank[N], ours[N], printed[N] = {0};
-    errata_plane p = errata_plane_over(im, 0, N, 1e-6, 1);
+    errata_plane p = errata_plane_over(svg, 0, N, 1e-6, 1);
     int lost = 0;
     bis_cdf cdf;
 
@@ -76,15 +76,15 @@ void errata_E10(bis_image *im)
     errata_line(&p, rank, ours, N, errata_right());
     errata_dots(&p, rank, printed, N, errata_printed());
     for (int i = 0; i < N; i++)
-        if (printed[i] == 0) bis_canvas_disc(im, errata_x(&p, rank[i]), errata_y(&p, p.y0), 3, errata_printed());
-    errata_say(im, 60, 48, errata_printed(), "as printed: multiples of 1/64,");
-    errata_say(im, 60, 62, errata_printed(), "%d of 64 items are never drawn", lost);
-    errata_say(im, 60, 80, errata_right(), "right: it only tells where to start");
+        if (printed[i] == 0) bis_svg_disc(svg, errata_x(&p, rank[i]), errata_y(&p, p.y0), 3, errata_printed());
+    errata_say(svg, 60, 48, errata_printed(), "as printed: multiples of 1/64,");
+    errata_say(svg, 60, 62, errata_printed(), "%d of 64 items are never drawn", lost);
+    errata_say(svg, 60, 80, errata_right(), "right: it only tells where to start");
 }
 
 /* ---- E11: prob of those who give ---- */
 
-void errata_E11(bis_image *im)
+void errata_E11(FILE *svg)
 {
     enum { N = 3 };
     static const double P[N] = {0.1, 0.45, 0.45};
@@ -97,10 +97,10 @@ void errata_E11(bis_image *im)
         if (P[i] > 1.0 / N) a.prob[i] = 1;
     bis_alias_implied_pmf(&a, printed);
     bis_alias_clear(&a);
-    errata_heads(im, "prob = 1 for all above 1/N", "a giver may fall below 1/N");
-    bars(im, 60, printed, P, 0, N, errata_printed());
-    bars(im, 300, ours, P, 0, N, errata_right());
-    errata_say_middle(im, ERRATA_WIDTH / 2.0, 232, errata_faint(), "bars: probability that the tables imply; lines: P");
+    errata_heads(svg, "prob = 1 for all above 1/N", "a giver may fall below 1/N");
+    bars(svg, 60, printed, P, 0, N, errata_printed());
+    bars(svg, 300, ours, P, 0, N, errata_right());
+    errata_say_middle(svg, ERRATA_WIDTH / 2.0, 232, errata_faint(), "bars: probability that the tables imply; lines: P");
 }
 
 /* ---- E12: Sobol' points through both tables ---- */
@@ -161,31 +161,34 @@ static double relative_error(const bis_light *light, uint32_t n)
     return sqrt(square - mean * mean) / mean;
 }
 
-static void map_with_points(bis_image *im, int left, const bis_light *light, uint32_t n, rgb colour)
+static void map_with_points(FILE *svg, int left, const bis_light *light, uint32_t n, rgb colour)
 {
     enum { WIDTH = 220, HEIGHT = 110, TOP = 50 };
+    bis_image field = errata_field(WIDTH, HEIGHT);
     double u[1024][4];
 
-    for (int y = 0; y < HEIGHT; y++)
-        for (int x = 0; x < WIDTH; x++) bis_canvas_box(im, left + x, TOP + y, 1, 1, errata_grey(0.55 + 0.14 * (double)glow(x, y, WIDTH, HEIGHT).r));
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        field.pixels[i] = errata_grey(0.55 + 0.14 * (double)glow(i % WIDTH, i / WIDTH, WIDTH, HEIGHT).r);
+    }
+    errata_show(svg, left, TOP, &field);
     sobol(u, n, 0);
     for (uint32_t i = 0; i < n; i++) {
         bis_light_point y;
         bis_light_sample(light, u[i], &y);
         const double phi = atan2((double)y.wi.y, (double)y.wi.x), theta = acos((double)y.wi.z);
-        bis_canvas_disc(im, left + WIDTH * (phi < 0 ? phi + 2 * PI : phi) / (2 * PI), TOP + HEIGHT * theta / PI, 1.5, colour);
+        bis_svg_disc(svg, left + WIDTH * (phi < 0 ? phi + 2 * PI : phi) / (2 * PI), TOP + HEIGHT * theta / PI, 1.5, colour);
     }
-    errata_say_middle(im, left + WIDTH / 2.0, TOP + HEIGHT + 20, colour, "error with 512 points: %.2f %%", 100 * relative_error(light, 512));
-    errata_say_middle(im, left + WIDTH / 2.0, TOP + HEIGHT + 36, colour, "with 4096: %.3f %%", 100 * relative_error(light, 4096));
+    errata_say_middle(svg, left + WIDTH / 2.0, TOP + HEIGHT + 20, colour, "error with 512 points: %.2f %%", 100 * relative_error(light, 512));
+    errata_say_middle(svg, left + WIDTH / 2.0, TOP + HEIGHT + 36, colour, "with 4096: %.3f %%", 100 * relative_error(light, 4096));
 }
 
-void errata_E12(bis_image *im)
+void errata_E12(FILE *svg)
 {
     bis_light *alias = errata_light(64, 32, glow, BIS_TABLE_ALIAS), *cdf = errata_light(64, 32, glow, BIS_TABLE_CDF);
 
-    errata_heads(im, "512 Sobol' points, alias tables", "512 Sobol' points, CDFs");
-    map_with_points(im, 10, alias, 512, errata_printed());
-    map_with_points(im, 250, cdf, 512, errata_right());
+    errata_heads(svg, "512 Sobol' points, alias tables", "512 Sobol' points, CDFs");
+    map_with_points(svg, 10, alias, 512, errata_printed());
+    map_with_points(svg, 250, cdf, 512, errata_right());
     bis_light_free(alias);
     bis_light_free(cdf);
 }
@@ -209,11 +212,11 @@ static void black_items(double *printed, double *ours, const bis_alias *a, int b
     *ours = ldexp((double)n_ours, 1 - bits);
 }
 
-void errata_E14(bis_image *im)
+void errata_E14(FILE *svg)
 {
     enum { LOG_N = 12, LEFT = 12 };
     double w[1 << LOG_N], left[LEFT], printed[LEFT], ours[LEFT];
-    errata_plane p = errata_plane_over(im, 0, LEFT, 1e-5, 1);
+    errata_plane p = errata_plane_over(svg, 0, LEFT, 1e-5, 1);
     bis_alias a;
 
     for (int i = 0; i < 1 << LOG_N; i++) w[i] = i % 2;
@@ -223,14 +226,14 @@ void errata_E14(bis_image *im)
     for (int k = 0; k < LEFT; k++) {
         left[k] = k + 1;
         black_items(&printed[k], &ours[k], &a, LOG_N + k + 1);
-        if (ours[k] == 0) bis_canvas_disc(im, errata_x(&p, left[k]), errata_y(&p, p.y0), 3, errata_right());
+        if (ours[k] == 0) bis_svg_disc(svg, errata_x(&p, left[k]), errata_y(&p, p.y0), 3, errata_right());
     }
     bis_alias_clear(&a);
     errata_line(&p, left, printed, LEFT, errata_printed());
     errata_dots(&p, left, printed, LEFT, errata_printed());
     errata_dots(&p, left, ours, LEFT, errata_right());
-    errata_say(im, 210, 70, errata_printed(), "as printed: u - i > prob");
-    errata_say(im, 110, 192, errata_right(), "right: frac < prob, none");
+    errata_say(svg, 210, 70, errata_printed(), "as printed: u - i > prob");
+    errata_say(svg, 110, 192, errata_right(), "right: frac < prob, none");
 }
 
 /* ---- E15: what is left over ---- */
@@ -282,14 +285,14 @@ static double worst_by_bin(double worst[BINS], const bis_alias *a, const double 
     return most;
 }
 
-void errata_E15(bis_image *im)
+void errata_E15(FILE *svg)
 {
     enum { N = 65536 };
     double *w = bis_alloc(N, sizeof *w), *prob = bis_alloc(N, sizeof *prob), sum = 0;
     double at[BINS], ours[BINS], printed[BINS];
     uint32_t *alias = bis_alloc(3 * N, sizeof *alias);
     float *single = bis_alloc(N, sizeof *single);
-    errata_plane p = errata_plane_over(im, 1e-6, 100, 1e-16, 1e4);
+    errata_plane p = errata_plane_over(svg, 1e-6, 100, 1e-16, 1e4);
     bis_alias right;
     bis_rng r;
 
@@ -310,8 +313,8 @@ void errata_E15(bis_image *im)
                 "worst relative error of P", "1e-16 1e-12 1e-8 1e-4 1 1e4");
     errata_line(&p, at, printed, BINS, errata_printed());
     errata_line(&p, at, ours, BINS, errata_right());
-    errata_say(im, 180, 18, errata_printed(), "as printed, in float: one item %.0f times too often", printed_most);
-    errata_say(im, 110, 150, errata_right(), "right, in double: up to %.1g", ours_most);
+    errata_say(svg, 180, 18, errata_printed(), "as printed, in float: one item %.0f times too often", printed_most);
+    errata_say(svg, 110, 150, errata_right(), "right, in double: up to %.1g", ours_most);
     bis_alias_clear(&right);
     bis_free(w);
     bis_free(prob);

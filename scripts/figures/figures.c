@@ -23,7 +23,7 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
-#include "out/canvas.h"
+#include "out/svg.h"
 #include "out/palette.h"
 
 #include <math.h>
@@ -63,6 +63,7 @@ typedef struct figure {
 #define SET(m) (1u << (m))
 #define SIMPLE (SET(EM) | SET(BRDF) | SET(MIS_TODAY) | SET(REJECTION) | SET(PRINTED) | SET(OURS) | SET(PRODUCT))
 #define COMBINED (SET(MIS) | SET(MIS_STRATIFIED) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS) | SET(PRODUCT))
+#define IN_STRIP (SET(EM) | SET(MIS) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS))
 #define PHONG(ks, kd, n) "\"float Ks\" " #ks " \"float Kd\" " #kd " \"float exponent\" " #n
 
 enum { AS_PRINTED, EQUAL_TIME, EQUAL_RAYS, ROWS, SEEDS = 4 };
@@ -88,94 +89,108 @@ static int n_rows(const figure *fig) { return fig->methods & (SET(EM) | SET(MIS)
 rgb figures_ink(void) { return bis_palette_srgb(0.12, 0.13, 0.16); }
 rgb figures_faint(void) { return bis_palette_srgb(0.45, 0.47, 0.52); }
 
-bis_image figures_paper(int width, int height)
+FILE *figures_paper(const char *folder, const char *name, int width, int height)
 {
-    bis_image image;
-    bis_diag diag = {0};
-
-    measure_check(bis_image_init(&image, width, height, &diag), &diag);
-    bis_canvas_box(&image, 0, 0, width, height, bis_palette_srgb(1, 1, 1));
-    return image;
-}
-
-void figures_save(bis_image *image, const char *folder, const char *name)
-{
-    const float *first = &image->pixels[0].r;
-    const bis_channel channels[3] = {{"R", first, 3}, {"G", first + 1, 3}, {"B", first + 2, 3}};
-    const bis_picture picture = {.width = image->width, .height = image->height, .full_width = image->width, .full_height = image->height,
-                                 .channels = channels, .n_channels = 3, .has_exposure = true};
-    bis_diag diag = {0};
     char path[1024];
 
-    snprintf(path, sizeof path, "%s/%s.png", folder, name);
-    measure_check(bis_image_write(path, &picture, &diag), &diag);
-    bis_image_clear(image);
+    snprintf(path, sizeof path, "%s/%s.svg", folder, name);
+    FILE *svg = fopen(path, "w");
+    if (!svg) {
+        perror(path);
+        exit(1);
+    }
+    bis_svg_begin(svg, width, height);
+    return svg;
+}
+
+void figures_save(FILE *svg)
+{
+    bis_svg_end(svg);
+    if (fclose(svg) == 0) return;
+    perror("figures");
+    exit(1);
 }
 
 enum { GAP = 6, HEAD = 58, LINE = 44, FOOT = 10 };
 
-/* One method's column is as wide as the picture; a row is the picture, its error, and two lines of text. */
+/* One method's column is as wide as the picture; a row is the picture, its error, and two lines of text. The strip is
+ * the row of equal time once more, in five columns at most; NULL where there is none. */
 typedef struct sheet {
-    bis_image image;
+    FILE *svg, *strip;
+    int strip_x;       /* of its next column */
+    int n_pictures;    /* their names' numbers */
     int width, height; /* of a picture, in the sheet's pixels */
     int zoom;          /* by which small pictures are enlarged, for the words above them to fit */
     double exposure;
 } sheet;
 
-static sheet sheet_new(const figure *fig, const measure_reference *ref, const bis_film *film)
+static sheet sheet_new(const figure *fig, const char *folder, const measure_reference *ref, const bis_film *film)
 {
-    int columns = 1;
+    int columns = 1, strip_columns = 1;
     double mean = 0;
     size_t n = (size_t)ref->width * (size_t)ref->height;
+    char name[32];
 
-    for (int m = 0; m < N_METHODS; m++) columns += (fig->methods & SET(m)) != 0;
+    for (int m = 0; m < N_METHODS; m++) {
+        columns += (fig->methods & SET(m)) != 0;
+        strip_columns += (fig->methods & IN_STRIP & SET(m)) != 0;
+    }
     for (size_t i = 0; i < n; i++) mean += film->hits[i] > 0 ? ref->L[3 * i] + ref->L[3 * i + 1] + ref->L[3 * i + 2] : 0;
     mean /= 3 * (double)measure_shaded(film);
-    const int zoom = ref->width < 150 ? 2 : 1;
+    const int zoom = ref->width < 150 ? 2 : 1, rows = n_rows(fig);
     sheet s = {.width = zoom * ref->width, .height = zoom * ref->height, .zoom = zoom, .exposure = mean > 0 ? 0.2 / mean : 1};
-    s.image = figures_paper(GAP + columns * (s.width + GAP), HEAD + n_rows(fig) * (2 * s.height + LINE + GAP) + FOOT);
+    s.svg = figures_paper(folder, fig->name, GAP + columns * (s.width + GAP), HEAD + rows * (2 * s.height + LINE + GAP) + FOOT);
+    s.strip_x = GAP + s.width + GAP;
+    snprintf(name, sizeof name, "%s-time", fig->name);
+    if (rows > 1) s.strip = figures_paper(folder, name, GAP + strip_columns * (s.width + GAP), LINE + 2 * s.height + FOOT);
     return s;
 }
 
 /* False colours of a relative error: 0.01 or less is dark, 10 or more pale. */
 static double heat_of(double error) { return error > 0 ? (log10(error) + 2) / 3 : 0; }
 
-static void sheet_scale(sheet *s, int x, int y)
+static void draw_scale(FILE *svg, int x, int y)
 {
     enum { WIDTH = 16, HEIGHT = 150 };
     static const double ticks[] = {0.01, 0.1, 1, 10};
 
-    bis_canvas_text(&s->image, x, y + 12, 8, figures_faint(), "relative error");
-    for (int i = 0; i < HEIGHT; i++) bis_canvas_box(&s->image, x, y + 30 + i, WIDTH, 1, bis_palette_heat(1 - (i + 0.5) / HEIGHT));
+    bis_svg_text(svg, x, y + 12, 8, BIS_SVG_LEFT, figures_faint(), "relative error");
+    for (int i = 0; i < HEIGHT; i += 2) bis_svg_box(svg, x, y + 30 + i, WIDTH, 2, bis_palette_heat(1 - (i + 1.0) / HEIGHT));
     for (int i = 0; i < 4; i++) {
         const double at = y + 30 + HEIGHT * (1 - heat_of(ticks[i]));
         char text[16];
         snprintf(text, sizeof text, "%g", ticks[i]);
-        bis_canvas_line(&s->image, x + WIDTH, at, x + WIDTH + 4, at, 1, figures_faint());
-        bis_canvas_text(&s->image, x + WIDTH + 9, at + 4, 8, figures_faint(), text);
+        bis_svg_line(svg, x + WIDTH, at, x + WIDTH + 4, at, 1, figures_faint());
+        bis_svg_text(svg, x + WIDTH + 9, at + 4, 8, BIS_SVG_LEFT, figures_faint(), text);
     }
 }
 
-/* A picture at (x, y): that of `L`, or, where `against` is given, its relative error. */
-static void sheet_put(sheet *s, int x, int y, const double *L, double share, const double *against)
+/* The colour of a pixel: that of `a`, or, where `b` is given, that of its relative error. */
+static rgb colour_of_pixel(const sheet *s, const double *a, double share, const double *b)
 {
-    for (int j = 0; j < s->height; j++) {
-        for (int i = 0; i < s->width; i++) {
-            const int at = 3 * (j / s->zoom * (s->width / s->zoom) + i / s->zoom);
-            const double *a = L + at, *b = against ? against + at : NULL;
-            rgb colour;
-            if (b) {
-                double difference = 0, truth = 0;
-                for (int c = 0; c < 3; c++) difference += fabs(a[c] * share - b[c]), truth += fabs(b[c]);
-                colour = bis_palette_heat(heat_of(difference / fmax(truth, 0.003 / s->exposure)));
-            } else {
-                double v[3];
-                for (int c = 0; c < 3; c++) v[c] = fmin(1, a[c] * share * s->exposure);
-                colour = rgb_from(v[0], v[1], v[2]);
-            }
-            bis_canvas_blend(&s->image, x + i, y + j, colour, 1);
-        }
+    double difference = 0, truth = 0, v[3];
+
+    for (int c = 0; c < 3; c++) v[c] = fmin(1, a[c] * share * s->exposure);
+    if (!b) return rgb_from(v[0], v[1], v[2]);
+    for (int c = 0; c < 3; c++) difference += fabs(a[c] * share - b[c]), truth += fabs(b[c]);
+    return bis_palette_heat(heat_of(difference / fmax(truth, 0.003 / s->exposure)));
+}
+
+/* A picture at (x, y): that of `L`, or, where `against` is given, its relative error. */
+static void put_picture(sheet *s, FILE *svg, int x, int y, const double *L, double share, const double *against)
+{
+    bis_diag diag = {0};
+    bis_image image;
+    char name[32];
+
+    measure_check(bis_image_init(&image, s->width / s->zoom, s->height / s->zoom, &diag), &diag);
+    for (int i = 0; i < image.width * image.height; i++) {
+        image.pixels[i] = colour_of_pixel(s, L + 3 * i, share, against ? against + 3 * i : NULL);
     }
+    snprintf(name, sizeof name, "p%d", s->n_pictures++);
+    measure_check(bis_svg_picture(svg, name, s->width, s->height, &image, &diag), &diag);
+    bis_svg_show(svg, name, x, y);
+    bis_image_clear(&image);
 }
 
 static int row_top(const sheet *s, int row) { return HEAD + row * (2 * s->height + LINE + GAP); }
@@ -276,36 +291,52 @@ static unsigned tune_rays(job *j, int m, const trial *printed)
     return (unsigned)N;
 }
 
+/* A method's column of a row whose upper left corner is (x, y). */
+static void draw_trial(job *j, FILE *svg, int x, int y, int m, const trial *t)
+{
+    char text[96];
+
+    put_picture(&j->sheet, svg, x, y + LINE, j->film.sum, 1.0 / j->film.passes, NULL);
+    put_picture(&j->sheet, svg, x, y + LINE + j->sheet.height, j->film.sum, 1.0 / j->film.passes, j->ref.L);
+    if (t->M) snprintf(text, sizeof text, "%s %u/%u", methods[m].name, t->N, t->M);
+    else snprintf(text, sizeof text, "%s %u", methods[m].name, t->N);
+    bis_svg_text(svg, x, y + 16, 9, BIS_SVG_LEFT, figures_ink(), text);
+    snprintf(text, sizeof text, t->error.mean < 10 ? "%.3g us, %.3g rays, %.2g" : "%.3g us, %.3g rays, %.0f", t->us, t->rays, t->error.mean);
+    bis_svg_text(svg, x, y + 34, 7, BIS_SVG_LEFT, figures_faint(), text);
+}
+
 static void show(job *j, int row, int column, int m, const trial *t)
 {
-    const int x = GAP + (column + 1) * (j->sheet.width + GAP), y = row_top(&j->sheet, row);
-    char text[96];
+    sheet *s = &j->sheet;
 
     printf("%s %s %s %u %u %.2f %.2f %.3e %.3e %.1e\n", j->fig->name, row_names[row], methods[m].name, t->N, t->M, t->us, t->rays, t->error.mean, t->error.trimmed,
            j->ref.error);
     fflush(stdout);
-    sheet_put(&j->sheet, x, y + LINE, j->film.sum, 1.0 / j->film.passes, NULL);
-    sheet_put(&j->sheet, x, y + LINE + j->sheet.height, j->film.sum, 1.0 / j->film.passes, j->ref.L);
-    if (t->M) snprintf(text, sizeof text, "%s %u/%u", methods[m].name, t->N, t->M);
-    else snprintf(text, sizeof text, "%s %u", methods[m].name, t->N);
-    bis_canvas_text(&j->sheet.image, x, y + 16, 9, figures_ink(), text);
-    snprintf(text, sizeof text, t->error.mean < 10 ? "%.3g us, %.3g rays, %.2g" : "%.3g us, %.3g rays, %.0f", t->us, t->rays, t->error.mean);
-    bis_canvas_text(&j->sheet.image, x, y + 34, 7, figures_faint(), text);
+    draw_trial(j, s->svg, GAP + (column + 1) * (s->width + GAP), row_top(s, row), m, t);
+    if (row != EQUAL_TIME || !(IN_STRIP & SET(m))) return;
+    draw_trial(j, s->strip, s->strip_x, 0, m, t);
+    s->strip_x += s->width + GAP;
+}
+
+/* The first column of a row that begins at y. */
+static void draw_reference(job *j, FILE *svg, int row, int y)
+{
+    static const char *const words[ROWS] = {"as printed", "equal time", "equal rays"};
+
+    bis_svg_text(svg, GAP, y + 16, 10, BIS_SVG_LEFT, figures_ink(), words[row]);
+    bis_svg_text(svg, GAP, y + 34, 7, BIS_SVG_LEFT, figures_faint(), "converged");
+    put_picture(&j->sheet, svg, GAP, y + LINE, j->ref.L, 1, NULL);
+    draw_scale(svg, GAP, y + LINE + j->sheet.height + GAP);
 }
 
 static void show_reference(job *j)
 {
-    static const char *const words[ROWS] = {"as printed", "equal time", "equal rays"};
+    FILE *svg = j->sheet.svg;
 
-    bis_canvas_text(&j->sheet.image, GAP, 24, 13, figures_ink(), j->fig->title);
-    bis_canvas_text(&j->sheet.image, GAP, 46, 8, figures_faint(), "us and rays a shaded pixel, relMSE; below each picture, its error");
-    for (int row = 0; row < n_rows(j->fig); row++) {
-        const int y = row_top(&j->sheet, row);
-        bis_canvas_text(&j->sheet.image, GAP, y + 16, 10, figures_ink(), words[row]);
-        bis_canvas_text(&j->sheet.image, GAP, y + 34, 7, figures_faint(), "converged");
-        sheet_put(&j->sheet, GAP, y + LINE, j->ref.L, 1, NULL);
-        sheet_scale(&j->sheet, GAP, y + LINE + j->sheet.height + GAP);
-    }
+    bis_svg_text(svg, GAP, 24, 13, BIS_SVG_LEFT, figures_ink(), j->fig->title);
+    bis_svg_text(svg, GAP, 46, 8, BIS_SVG_LEFT, figures_faint(), "us and rays a shaded pixel, relMSE; below each picture, its error");
+    for (int row = 0; row < n_rows(j->fig); row++) draw_reference(j, svg, row, row_top(&j->sheet, row));
+    if (j->sheet.strip) draw_reference(j, j->sheet.strip, EQUAL_TIME, 0);
 }
 
 /* Camera rays and film: a black material. */
@@ -339,46 +370,19 @@ static void show_method(job *j, int m, int column)
     bis_scene_free(j->built);
 }
 
-static void copy_column(bis_image *to, int to_x, const bis_image *from, int x, int y, int width, int height)
-{
-    for (int i = 0; i < height; i++) {
-        memcpy(to->pixels + (size_t)i * (size_t)to->width + to_x, from->pixels + (size_t)(y + i) * (size_t)from->width + x, (size_t)width * sizeof *to->pixels);
-    }
-}
-
-/* The row of equal time once more, in five columns at most. */
-static void save_strip(const job *j, const char *folder)
-{
-    const unsigned wanted = SET(EM) | SET(MIS) | SET(MIS_TODAY) | SET(PRINTED) | SET(OURS);
-    const int step = j->sheet.width + GAP, top = row_top(&j->sheet, EQUAL_TIME), height = LINE + 2 * j->sheet.height;
-    int columns = 1, from = step, to = step;
-    char name[32];
-
-    for (int m = 0; m < N_METHODS; m++) columns += (j->fig->methods & wanted & SET(m)) != 0;
-    bis_image strip = figures_paper(GAP + columns * step, height + FOOT);
-    copy_column(&strip, 0, &j->sheet.image, 0, top, step, height);
-    for (int m = 0; m < N_METHODS; m++) {
-        if (!(j->fig->methods & SET(m))) continue;
-        if (wanted & SET(m)) copy_column(&strip, to, &j->sheet.image, from, top, step, height), to += step;
-        from += step;
-    }
-    snprintf(name, sizeof name, "%s-time", j->fig->name);
-    figures_save(&strip, folder, name);
-}
-
 static void chapter5(const figure *fig, const char *scene, double seconds, const char *folder)
 {
     job j = {.scene = scene, .fig = fig, .ref = measure_reference_get(scene, fig->material, seconds)};
     int column = 0;
 
     j.us_camera = camera_us(&j.film, scene, &j.ref);
-    j.sheet = sheet_new(fig, &j.ref, &j.film);
+    j.sheet = sheet_new(fig, folder, &j.ref, &j.film);
     show_reference(&j);
     for (int m = 0; m < N_METHODS; m++) {
         if (fig->methods & SET(m)) show_method(&j, m, column++);
     }
-    if (n_rows(fig) > 1) save_strip(&j, folder);
-    figures_save(&j.sheet.image, folder, fig->name);
+    if (j.sheet.strip) figures_save(j.sheet.strip);
+    figures_save(j.sheet.svg);
     bis_film_clear(&j.film);
     measure_reference_free(&j.ref);
 }

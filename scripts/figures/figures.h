@@ -5,14 +5,16 @@
 
 #include "bis/base/image.h"
 
+#include <stdio.h>
+
 rgb figures_ink(void);
 rgb figures_faint(void);
 
-/* White paper; and write it as it looks, under its name in folder. */
-bis_image figures_paper(int width, int height);
-void figures_save(bis_image *image, const char *folder, const char *name);
+/* White paper, to be folder/name.svg; and what is drawn on it becomes that file. */
+FILE *figures_paper(const char *folder, const char *name, int width, int height);
+void figures_save(FILE *svg);
 
-/* Figures 3.3, 3.4, 3.8, 3.9, 4.3, 4.4 and 4.5 as 3.3.png, ... : drawn by the library's own tables, samplers and
+/* Figures 3.3, 3.4, 3.8, 3.9, 4.3, 4.4 and 4.5 as 3.3.svg, ... : drawn by the library's own tables, samplers and
  * densities. */
 void figures_plots(const char *folder);
 

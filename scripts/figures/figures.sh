@@ -87,8 +87,8 @@ pixel() {
     sed -e 's/@integrator/Integrator "sir" "integer candidates" 800 "integer shadowrays" 15/' \
         -e 's/@material/"float Ks" 1 "float Kd" 0 "float exponent" 50/' "$out/hall.scene" > "$out/pixel.txt"
     "$build/bis" pixel "$out/pixel.txt" "$column" "$row" --repeats 200 --output "$out/pixel" > "$out/4.1.part"
-    cp "$out/pixel/densities.png" "$out/4.1.png"
-    cp "$out/pixel/samples.png" "$out/4.2.png"
+    cp "$out/pixel/densities.svg" "$out/4.1.svg"
+    cp "$out/pixel/samples.svg" "$out/4.2.svg"
     mv "$out/4.1.part" "$out/4.1.txt"
 }
 

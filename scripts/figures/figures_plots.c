@@ -9,7 +9,7 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 
-#include "out/canvas.h"
+#include "out/svg.h"
 #include "out/palette.h"
 
 #include <math.h>
@@ -30,70 +30,70 @@ static rgb light(rgb c) { return rgb_add(rgb_scale(c, 0.35), rgb_from(0.65, 0.65
 enum { ITEMS = 4 };
 static const double P[ITEMS] = {0.1, 0.2, 0.4, 0.3};
 
-static void number(bis_image *im, double x, double y, double size, rgb colour, const char *format, double v)
+static void number(FILE *svg, double x, double y, double size, rgb colour, const char *format, double v)
 {
     char text[64];
 
     snprintf(text, sizeof text, format, v);
-    bis_canvas_text_middle(im, x, y, size, colour, text);
+    bis_svg_text(svg, x, y, size, BIS_SVG_MIDDLE, colour, text);
 }
 
-static void bars(bis_image *im, int x0, int y0, double scale)
+static void bars(FILE *svg, int x0, int y0, double scale)
 {
     for (int i = 0; i < ITEMS; i++) {
         const int h = (int)(P[i] * scale);
-        bis_canvas_box(im, x0 + 60 * i, y0 - h, 48, h, colour_of(i));
-        number(im, x0 + 60 * i + 24, y0 - h - 8, 11, figures_ink(), "%.1f", P[i]);
-        number(im, x0 + 60 * i + 24, y0 + 20, 11, figures_ink(), "%.0f", i);
+        bis_svg_box(svg, x0 + 60 * i, y0 - h, 48, h, colour_of(i));
+        number(svg, x0 + 60 * i + 24, y0 - h - 6, 11, figures_ink(), "%.1f", P[i]);
+        number(svg, x0 + 60 * i + 24, y0 + 20, 11, figures_ink(), "%.0f", i);
     }
-    bis_canvas_line(im, x0 - 10, y0, x0 + 60 * ITEMS, y0, 1.5, figures_ink());
+    bis_svg_line(svg, x0 - 10, y0, x0 + 60 * ITEMS, y0, 1.5, figures_ink());
 }
 
 static void marsaglia(const char *folder)
 {
     static const uint64_t w[ITEMS] = {1, 2, 4, 3};
-    bis_image im = figures_paper(720, 260);
+    FILE *svg = figures_paper(folder, "3.3", 720, 260);
     bis_marsaglia m;
     bis_diag diag = {0};
 
     measure_check(bis_marsaglia_init(&m, w, ITEMS, &diag), &diag);
-    bis_canvas_text(&im, 30, 30, 12, figures_ink(), "P");
-    bars(&im, 40, 215, 380);
-    bis_canvas_text(&im, 330, 30, 12, figures_ink(), "L: one integer in [1, 10] is one look-up");
+    bis_svg_text(svg, 30, 30, 12, BIS_SVG_LEFT, figures_ink(), "P");
+    bars(svg, 40, 215, 380);
+    bis_svg_text(svg, 330, 30, 12, BIS_SVG_LEFT, figures_ink(), "L: one integer in [1, 10] is one look-up");
     for (size_t i = 0; i < m.length; i++) {
         const int x = 330 + 37 * (int)i;
-        bis_canvas_box(&im, x, 110, 33, 60, colour_of((int)m.list[i]));
-        number(&im, x + 16.5, 147, 14, bis_palette_srgb(1, 1, 1), "%.0f", m.list[i]);
-        number(&im, x + 16.5, 192, 10, figures_faint(), "%.0f", (double)i + 1);
+        bis_svg_box(svg, x, 110, 33, 60, colour_of((int)m.list[i]));
+        number(svg, x + 16.5, 147, 14, bis_palette_srgb(1, 1, 1), "%.0f", m.list[i]);
+        number(svg, x + 16.5, 192, 10, figures_faint(), "%.0f", (double)i + 1);
     }
     bis_marsaglia_clear(&m);
-    figures_save(&im, folder, "3.3");
+    figures_save(svg);
 }
 
 static void alias(const char *folder)
 {
-    bis_image im = figures_paper(660, 290);
+    FILE *svg = figures_paper(folder, "3.4", 660, 290);
     bis_alias a;
     bis_diag diag = {0};
     const int y0 = 240;
     const double scale = 440; /* no number touches the line */
 
     measure_check(bis_alias_init(&a, P, ITEMS, &diag), &diag);
-    bis_canvas_text(&im, 30, 30, 12, figures_ink(), "P and the cutoff 1/N");
-    bars(&im, 40, y0, scale);
-    bis_canvas_line(&im, 30, y0 - 0.25 * scale, 280, y0 - 0.25 * scale, 1.5, figures_faint());
-    bis_canvas_text(&im, 286, y0 - 0.25 * scale + 4, 10, figures_faint(), "1/N");
-    bis_canvas_text(&im, 360, 30, 12, figures_ink(), "prob (full) and alias (light)");
+    bis_svg_text(svg, 30, 30, 12, BIS_SVG_LEFT, figures_ink(), "P and the cutoff 1/N");
+    bars(svg, 40, y0, scale);
+    bis_svg_line(svg, 30, y0 - 0.25 * scale, 280, y0 - 0.25 * scale, 1.5, figures_faint());
+    bis_svg_text(svg, 286, y0 - 0.25 * scale + 4, 10, BIS_SVG_LEFT, figures_faint(), "1/N");
+    bis_svg_text(svg, 360, 30, 12, BIS_SVG_LEFT, figures_ink(), "prob (full) and alias (light)");
     for (int i = 0; i < ITEMS; i++) {
         const int x = 370 + 66 * i, full = 160, h = (int)lround(full * a.prob[i]);
-        if (h < full) bis_canvas_box(&im, x, y0 - full, 56, full - h, light(colour_of((int)a.alias[i])));
-        bis_canvas_box(&im, x, y0 - h, 56, h, colour_of(i));
-        number(&im, x + 28, y0 - h / 2.0 + 5, 11, bis_palette_srgb(1, 1, 1), "%.1f", a.prob[i]);
-        if (h < full) number(&im, x + 28, y0 - full + (full - h) / 2.0 + 5, 13, figures_ink(), "%.0f", a.alias[i]);
-        number(&im, x + 28, y0 + 20, 11, figures_ink(), "%.0f", i);
+        if (h < full) bis_svg_box(svg, x, y0 - full, 56, full - h, light(colour_of((int)a.alias[i])));
+        bis_svg_box(svg, x, y0 - h, 56, h, colour_of(i));
+        number(svg, x + 28, y0 - h / 2.0 + 5, 11, bis_palette_srgb(1, 1, 1), "%.1f", a.prob[i]);
+        if (h < full) number(svg, x + 28, y0 - full + (full - h) / 2.0 + 5, 13, figures_ink(), "%.0f", a.alias[i]);
+        number(svg, x + 28, y0 + 20, 11, figures_ink(), "%.0f", i);
     }
     bis_alias_clear(&a);
-    figures_save(&im, folder, "3.4");
+    figures_save(svg);
 }
 
 /* ---- 3.8, 3.9: Phong ---- */
@@ -103,55 +103,56 @@ static const vec3 up = {0, 0, 1};
 static vec3 in_plane(double angle) { return vec3_from(sin(angle), 0, cos(angle)); }
 
 /* f over the angle, in the plane of incidence, as a polar curve of largest radius 150. */
-static void lobe(bis_image *im, double x, double y, double ks, double kd, double n, rgb colour, double scale)
+static void lobe(FILE *svg, double x, double y, double ks, double kd, double n, rgb colour, double scale)
 {
+    enum { N = 720 };
     const bis_material m = bis_phong(rgb_from(kd, kd, kd), rgb_from(ks, ks, ks), n);
-    double x1 = x, y1 = y;
+    double px[N + 1], py[N + 1];
     bis_bsdf b;
 
     bis_bsdf_init(&b, &m, up, in_plane(-PI / 4));
-    for (int i = 0; i <= 720; i++) {
-        const double angle = -PI / 2 + PI * i / 720;
-        const double r = scale * (double)bis_bsdf_f(&b, in_plane(angle)).r, x2 = x + r * sin(angle), y2 = y - r * cos(angle);
-        bis_canvas_line(im, x1, y1, x2, y2, 2, colour);
-        x1 = x2, y1 = y2;
+    for (int i = 0; i <= N; i++) {
+        const double angle = -PI / 2 + PI * i / N, r = scale * (double)bis_bsdf_f(&b, in_plane(angle)).r;
+        px[i] = x + r * sin(angle);
+        py[i] = y - r * cos(angle);
     }
+    bis_svg_curve(svg, px, py, N + 1, 2, colour);
 }
 
-static void surface_with_axes(bis_image *im, double x, double y, double length)
+static void surface_with_axes(FILE *svg, double x, double y, double length)
 {
     const double d = length * sqrt(0.5);
 
-    bis_canvas_line(im, x - length, y, x + length, y, 2, figures_ink());
-    bis_canvas_line(im, x, y, x, y - length, 1, figures_faint());
-    bis_canvas_line(im, x, y, x - d, y - d, 1, figures_faint());
-    bis_canvas_line(im, x, y, x + d, y - d, 1, figures_faint());
-    bis_canvas_text(im, x - 4, y - length - 6, 11, figures_faint(), "n");
-    bis_canvas_text_right(im, x - d - 4, y - d, 11, figures_faint(), "eye");
-    bis_canvas_text(im, x + 1.08 * d, y - 1.08 * d + 4, 11, figures_faint(), "R");
+    bis_svg_line(svg, x - length, y, x + length, y, 2, figures_ink());
+    bis_svg_line(svg, x, y, x, y - length, 1, figures_faint());
+    bis_svg_line(svg, x, y, x - d, y - d, 1, figures_faint());
+    bis_svg_line(svg, x, y, x + d, y - d, 1, figures_faint());
+    bis_svg_text(svg, x - 4, y - length - 6, 11, BIS_SVG_LEFT, figures_faint(), "n");
+    bis_svg_text(svg, x - d - 4, y - d, 11, BIS_SVG_RIGHT, figures_faint(), "eye");
+    bis_svg_text(svg, x + 1.08 * d, y - 1.08 * d + 4, 11, BIS_SVG_LEFT, figures_faint(), "R");
 }
 
 static void phong(const char *folder)
 {
     static const double n[3] = {5, 10, 20};
-    bis_image im = figures_paper(560, 330);
+    FILE *svg = figures_paper(folder, "3.8", 560, 330);
     const double scale = 240 / (21 / (2 * PI));
 
-    surface_with_axes(&im, 240, 290, 210);
-    lobe(&im, 240, 290, 0, 1, 0, colour_of(0), scale);
-    bis_canvas_text(&im, 420, 60, 11, colour_of(0), "diffuse: 1/pi");
+    surface_with_axes(svg, 240, 290, 210);
+    lobe(svg, 240, 290, 0, 1, 0, colour_of(0), scale);
+    bis_svg_text(svg, 420, 60, 11, BIS_SVG_LEFT, colour_of(0), "diffuse: 1/pi");
     for (int i = 0; i < 3; i++) {
         char text[32];
-        lobe(&im, 240, 290, 1, 0, n[i], colour_of(i + 1), scale);
+        lobe(svg, 240, 290, 1, 0, n[i], colour_of(i + 1), scale);
         snprintf(text, sizeof text, "specular, n = %.0f", n[i]);
-        bis_canvas_text(&im, 420, 82 + 22 * i, 11, colour_of(i + 1), text);
+        bis_svg_text(svg, 420, 82 + 22 * i, 11, BIS_SVG_LEFT, colour_of(i + 1), text);
     }
-    figures_save(&im, folder, "3.8");
+    figures_save(svg);
 }
 
 /* Directions that the material draws, from above; those below the horizon are outside the circle's half of space
  * and counted. */
-static void draws(bis_image *im, double x, double y, double ks, double kd, const char *title)
+static void draws(FILE *svg, double x, double y, double ks, double kd, const char *title)
 {
     enum { N = 300, RADIUS = 120 };
     const bis_material m = bis_phong(rgb_from(kd, kd, kd), rgb_from(ks, ks, ks), 50);
@@ -162,8 +163,8 @@ static void draws(bis_image *im, double x, double y, double ks, double kd, const
 
     bis_bsdf_init(&b, &m, up, in_plane(-PI / 4));
     bis_rng_init(&r, 1, 0, 0, 0);
-    bis_canvas_ring(im, x, y, RADIUS, 1.5, figures_ink());
-    bis_canvas_disc(im, x, y, 2.5, figures_ink());
+    bis_svg_ring(svg, x, y, RADIUS, 1.5, figures_ink());
+    bis_svg_disc(svg, x, y, 2.5, figures_ink());
     for (int i = 0; i < N; i++) {
         const double u0 = bis_rng_double(&r), u1 = bis_rng_double(&r), u2 = bis_rng_double(&r);
         const bool is_specular = u0 < b.p_specular;
@@ -171,21 +172,21 @@ static void draws(bis_image *im, double x, double y, double ks, double kd, const
         if (!bis_bsdf_sample(&b, u0, u1, u2, &wi)) continue;
         specular += is_specular;
         below += wi.z <= 0;
-        if (wi.z > 0) bis_canvas_disc(im, x + RADIUS * (double)wi.x, y - RADIUS * (double)wi.y, 2.2, colour_of(is_specular ? 3 : 0));
+        if (wi.z > 0) bis_svg_disc(svg, x + RADIUS * (double)wi.x, y - RADIUS * (double)wi.y, 2.2, colour_of(is_specular ? 3 : 0));
     }
-    bis_canvas_text_middle(im, x, 32, 12, figures_ink(), title);
+    bis_svg_text(svg, x, 32, 12, BIS_SVG_MIDDLE, figures_ink(), title);
     snprintf(text, sizeof text, "%d specular, %d diffuse, %d below", specular, N - specular, below);
-    bis_canvas_text_middle(im, x, 312, 9, figures_faint(), text);
+    bis_svg_text(svg, x, 312, 9, BIS_SVG_MIDDLE, figures_faint(), text);
 }
 
 static void phong_draws(const char *folder)
 {
-    bis_image im = figures_paper(840, 330);
+    FILE *svg = figures_paper(folder, "3.9", 840, 330);
 
-    draws(&im, 145, 170, 0, 1, "diffuse");
-    draws(&im, 420, 170, 1, 0, "specular, n = 50");
-    draws(&im, 695, 170, 0.5, 0.5, "k`s = k`d = 0.5");
-    figures_save(&im, folder, "3.9");
+    draws(svg, 145, 170, 0, 1, "diffuse");
+    draws(svg, 420, 170, 1, 0, "specular, n = 50");
+    draws(svg, 695, 170, 0.5, 0.5, "k`s = k`d = 0.5");
+    figures_save(svg);
 }
 
 /* ---- 4.3 to 4.5: one dimension, x in [0,1) ---- */
@@ -232,21 +233,21 @@ static double inverse(curve *f, double u)
     return 1;
 }
 
-static void plot(bis_image *im, curve *f, double factor, double top, double thickness, rgb colour)
+static void plot(FILE *svg, curve *f, double factor, double top, double thickness, rgb colour)
 {
-    double last = f(0);
+    double x[W + 1], y[W + 1];
 
-    for (int i = 1; i <= W; i++) {
-        const double y = f((double)i / W);
-        bis_canvas_line(im, X0 + i - 1, Y0 - H * last * factor / top, X0 + i, Y0 - H * y * factor / top, thickness, colour);
-        last = y;
+    for (int i = 0; i <= W; i++) {
+        x[i] = X0 + i;
+        y[i] = Y0 - H * f((double)i / W) * factor / top;
     }
+    bis_svg_curve(svg, x, y, W + 1, thickness, colour);
 }
 
-static void axis(bis_image *im) { bis_canvas_line(im, X0, Y0, X0 + W, Y0, 1.5, figures_ink()); }
+static void axis(FILE *svg) { bis_svg_line(svg, X0, Y0, X0 + W, Y0, 1.5, figures_ink()); }
 
 /* Candidates from f, accepted with probability product/(bound f). Returns the share that is. */
-static double reject(bis_image *im, curve *f, double bound, double top, int n)
+static double reject(FILE *svg, curve *f, double bound, double top, int n)
 {
     int accepted = 0;
     bis_rng r;
@@ -256,7 +257,7 @@ static double reject(bis_image *im, curve *f, double bound, double top, int n)
         const double x = inverse(f, bis_rng_double(&r)), y = bis_rng_double(&r) * bound * f(x);
         const bool accept = y < product(x);
         accepted += accept;
-        bis_canvas_disc(im, X0 + W * x, Y0 - H * y / top, 2, accept ? colour_of(2) : lighter(colour_of(3)));
+        bis_svg_disc(svg, X0 + W * x, Y0 - H * y / top, 2, accept ? colour_of(2) : lighter(colour_of(3)));
     }
     return (double)accepted / n;
 }
@@ -264,43 +265,43 @@ static double reject(bis_image *im, curve *f, double bound, double top, int n)
 static void rejection(const char *folder)
 {
     enum { N = 500 };
-    bis_image im = figures_paper(720, 350);
-    const double bound = maximum(brdf), top = 1.05 * bound * maximum(map_light), rate = reject(&im, map_light, bound, top, N);
+    FILE *svg = figures_paper(folder, "4.3", 720, 350);
+    const double bound = maximum(brdf), top = 1.05 * bound * maximum(map_light), rate = reject(svg, map_light, bound, top, N);
     char text[128];
 
-    plot(&im, map_light, bound, top, 2, figures_faint());
-    plot(&im, product, 1, top, 2.5, colour_of(2));
-    axis(&im);
-    bis_canvas_text(&im, X0, 24, 11, figures_faint(), "c q(x)");
-    bis_canvas_text(&im, X0 + 60, 24, 11, colour_of(2), "p(x)");
+    plot(svg, map_light, bound, top, 2, figures_faint());
+    plot(svg, product, 1, top, 2.5, colour_of(2));
+    axis(svg);
+    bis_svg_text(svg, X0, 24, 11, BIS_SVG_LEFT, figures_faint(), "c q(x)");
+    bis_svg_text(svg, X0 + 60, 24, 11, BIS_SVG_LEFT, colour_of(2), "p(x)");
     snprintf(text, sizeof text, "%.0f%% of %d candidates accepted; integrated: %.0f%%", 100 * rate, N, 100 * integral(product) / (bound * integral(map_light)));
-    bis_canvas_text(&im, X0 + 120, 24, 11, figures_ink(), text);
-    figures_save(&im, folder, "4.3");
+    bis_svg_text(svg, X0 + 120, 24, 11, BIS_SVG_LEFT, figures_ink(), text);
+    figures_save(svg);
 }
 
 static void bounds(const char *folder)
 {
-    bis_image im = figures_paper(720, 350);
+    FILE *svg = figures_paper(folder, "4.4", 720, 350);
     const double f_max = maximum(brdf), L_max = maximum(map_light), top = 1.02 * fmax(f_max * L_max, L_max * f_max), p = integral(product);
     char text[128];
 
-    plot(&im, brdf, L_max, top, 2, colour_of(3));
-    plot(&im, map_light, f_max, top, 2, colour_of(0));
-    plot(&im, product, 1, top, 2.5, colour_of(2));
-    axis(&im);
+    plot(svg, brdf, L_max, top, 2, colour_of(3));
+    plot(svg, map_light, f_max, top, 2, colour_of(0));
+    plot(svg, product, 1, top, 2.5, colour_of(2));
+    axis(svg);
     snprintf(text, sizeof text, "L`max f: %.0f%% accepted", 100 * p / (L_max * integral(brdf)));
-    bis_canvas_text(&im, X0, 24, 11, colour_of(3), text);
+    bis_svg_text(svg, X0, 24, 11, BIS_SVG_LEFT, colour_of(3), text);
     snprintf(text, sizeof text, "f`max L: %.0f%% accepted", 100 * p / (f_max * integral(map_light)));
-    bis_canvas_text(&im, X0 + 230, 24, 11, colour_of(0), text);
-    bis_canvas_text(&im, X0 + 460, 24, 11, colour_of(2), "f L");
-    figures_save(&im, folder, "4.4");
+    bis_svg_text(svg, X0 + 230, 24, 11, BIS_SVG_LEFT, colour_of(0), text);
+    bis_svg_text(svg, X0 + 460, 24, 11, BIS_SVG_LEFT, colour_of(2), "f L");
+    figures_save(svg);
 }
 
 /* M from the BRDF, the area of a disc by its weight L; N = 6 marks on the running sum of the weights. */
 static void resampling(const char *folder)
 {
     enum { M = 40, N = 6 };
-    bis_image im = figures_paper(720, 350);
+    FILE *svg = figures_paper(folder, "4.5", 720, 350);
     const double top = 1.02 * fmax(maximum(product), 1);
     double x[M], w[M], sum = 0, at = 0;
     int chosen = 0;
@@ -312,23 +313,23 @@ static void resampling(const char *folder)
         w[i] = map_light(x[i]);
         sum += w[i];
     }
-    plot(&im, brdf, 1, top, 2, figures_faint());
-    plot(&im, product, 1, top, 2.5, colour_of(2));
-    axis(&im);
+    plot(svg, brdf, 1, top, 2, figures_faint());
+    plot(svg, product, 1, top, 2.5, colour_of(2));
+    axis(svg);
     double mark = bis_rng_double(&r) * sum / N;
     for (int i = 0; i < M; i++) {
         int times = 0;
         for (at += w[i]; mark < at; mark += sum / N) times++;
         chosen += times;
-        bis_canvas_disc(&im, X0 + W * x[i], Y0 + 20, 2.2 * sqrt(w[i]), times ? colour_of(3) : colour_of(0));
-        if (times) bis_canvas_line(&im, X0 + W * x[i], Y0 + 12, X0 + W * x[i], Y0 - H * product(x[i]) / top, 1.5, colour_of(3));
+        bis_svg_disc(svg, X0 + W * x[i], Y0 + 20, 2.2 * sqrt(w[i]), times ? colour_of(3) : colour_of(0));
+        if (times) bis_svg_line(svg, X0 + W * x[i], Y0 + 12, X0 + W * x[i], Y0 - H * product(x[i]) / top, 1.5, colour_of(3));
     }
     char text[128];
     snprintf(text, sizeof text, "%d candidates from q`f, areas by weight; %d chosen for rays", M, chosen);
-    bis_canvas_text(&im, X0, 24, 11, figures_ink(), text);
-    bis_canvas_text(&im, X0 + 480, 24, 11, figures_faint(), "q`f");
-    bis_canvas_text(&im, X0 + 530, 24, 11, colour_of(2), "f L");
-    figures_save(&im, folder, "4.5");
+    bis_svg_text(svg, X0, 24, 11, BIS_SVG_LEFT, figures_ink(), text);
+    bis_svg_text(svg, X0 + 480, 24, 11, BIS_SVG_LEFT, figures_faint(), "q`f");
+    bis_svg_text(svg, X0 + 530, 24, 11, BIS_SVG_LEFT, colour_of(2), "f L");
+    figures_save(svg);
 }
 
 void figures_plots(const char *folder)

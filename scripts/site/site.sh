@@ -40,8 +40,8 @@ source() {
 }
 
 for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs src -name '*.md' 2>/dev/null); do page "$md"; done
-for png in bis.png $(find docs -name '*.png'); do
-    [ -f "$png" ] && mkdir -p "$out/$(dirname "$png")" && cp "$png" "$out/$png"
+for picture in bis.png $(find docs -name '*.png' -o -name '*.svg'); do
+    [ -f "$picture" ] && mkdir -p "$out/$(dirname "$picture")" && cp "$picture" "$out/$picture"
 done
 sources=$(find src include tests scripts data/scenes data/generate -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.txt')
 for file in LICENSE CITATION.cff Makefile scene.txt $sources; do

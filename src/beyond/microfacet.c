@@ -206,13 +206,19 @@ static double max_ratio(const bis_bsdf *b)
 }
 /* [end] */
 
+static bis_bsdf_width width(const bis_material *m)
+{
+    return (bis_bsdf_width){"alpha", "roughness", m->alpha, sqrt(m->alpha)};
+}
+
 const bis_bsdf_model bis_microfacet_model = {.name = "microfacet",
                                              .init = init,
                                              .sample = sample,
                                              .f_pdf = f_pdf,
                                              .max_f_cos = max_f_cos,
                                              .max_ratio = max_ratio,
-                                             .of_half_vector = true};
+                                             .of_half_vector = true,
+                                             .width = width};
 
 /* As Phong's: what reflects less than 2^-67 is black. */
 static bool is_visible(double k)

@@ -261,18 +261,16 @@ static bool find_out(char out[4096], const envmap_options *o, const char *map, b
 
 static bis_light_desc describe(const envmap_options *o, char *path)
 {
-    return (bis_light_desc){
-        .filename = path,
-        .L = {1, 1, 1},
-        .scale = 1,
-        .angular = o->mapping && strcmp(o->mapping, "angular") == 0,
-        .has_mapping = o->mapping != NULL,
-        .width = (int)o->width,
-        .area_exponent = o->area_exponent,
-        .levels = (int)o->levels,
-        .to_world = bis_xform_identity(),
-        .loc = {path, 0, 0},
-    };
+    bis_light_desc light = bis_light_desc_default();
+
+    light.filename = path;
+    light.angular = o->mapping && strcmp(o->mapping, "angular") == 0;
+    light.has_mapping = o->mapping != NULL;
+    light.width = (int)o->width;
+    light.area_exponent = o->area_exponent;
+    light.levels = (int)o->levels;
+    light.loc = (bis_loc){path, 0, 0};
+    return light;
 }
 
 static bis_status survey(const envmap_options *o, const char *path, const char *out, const bis_light *light,
@@ -330,7 +328,7 @@ done:
 int bis_cmd_envmap(int argc, char **argv)
 {
     static const char *const mappings[] = {"latlong", "angular", NULL};
-    envmap_options o = {.levels = 8, .samples = 300, .area_exponent = 0.15};
+    envmap_options o = {.levels = BIS_LEVELS, .samples = 300, .area_exponent = BIS_AREA_EXPONENT};
     /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what to read"},
@@ -341,7 +339,7 @@ int bis_cmd_envmap(int argc, char **argv)
          .help = "of the lat-long map that an angular one is resampled to (default: twice its own)",
          .kind = BIS_OPTION_COUNT, .value = &o.width, .lo = 1, .hi = 2 * BIS_IMAGE_MAX_SIDE},
         {.name = "levels", .argument = "N", .help = "levels of intensity (8)", .kind = BIS_OPTION_COUNT,
-         .value = &o.levels, .lo = 1, .hi = 254},
+         .value = &o.levels, .lo = 1, .hi = BIS_LEVELS_MAX},
         {.name = "areaexponent", .argument = "B",
          .help = "importance goes with min(0.01 sr, a region's solid angle) to the power of B (0.15)",
          .kind = BIS_OPTION_REAL, .value = &o.area_exponent, .lo = 0, .hi = BIS_AREA_EXPONENT_MAX},

@@ -90,8 +90,7 @@ static bis_status make_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], siz
 /* Enough estimates for some 150 dots. */
 static uint32_t runs_to_show(const bis_settings *s)
 {
-    const bool by_candidates = s->integrator == &bis_sir || s->integrator == &bis_rejection;
-    const uint32_t rays = by_candidates ? s->shadowrays : s->samples;
+    const uint32_t rays = bis_parameter_of(s->integrator, "shadowrays") ? s->shadowrays : s->samples;
     return rays >= 150 ? 1 : (150 + rays - 1) / rays;
 }
 
@@ -266,8 +265,8 @@ int bis_cmd_pixel(int argc, char **argv)
         .min_operands = 3,
         .max_operands = 3,
         .notes = "X counts from the left, Y from the top, both from 0, in the scene's film. The\n"
-                 "ray goes through the pixel's centre. The folder gets densities.png (figure 4.1\n"
-                 "of the thesis: map, BRDF, product), samples.png (figure 4.2: the shadow rays of\n"
+                 "ray goes through the pixel's centre. The folder gets densities.svg (figure 4.1\n"
+                 "of the thesis: map, BRDF, product), samples.svg (figure 4.2: the shadow rays of\n"
                  "each method), methods.csv, candidates.csv and rays.csv.\n",
     };
     return bis_cli_run(&command, argc, argv, pixel, &o);

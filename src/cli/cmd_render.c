@@ -11,9 +11,11 @@
 
 #include "tools/auto/auto.h"
 #include "cli.h"
+#include "parameters.h"
 #include "progress.h"
 #include "tools/describe.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <signal.h>
@@ -29,10 +31,11 @@ typedef struct resolution {
 /* What the command line says; has_ tells whether it does. */
 typedef struct render_options {
     bis_texts outfiles, as_printed;
-    const char *stats, *integrator, *proposal, *accelerator, *layers, *learn;
+    const char *stats, *integrator, *accelerator, *layers;
+    bis_parameter_option parameters[BIS_PARAMETER_OPTIONS];
     bool quiet, plan, no_jitter, adaptive;
-    bool has_candidates, has_shadowrays, has_samples, has_spp, has_seed, has_resolution, has_crop, has_exposure;
-    uint64_t candidates, shadowrays, samples, spp, seed, threads;
+    bool has_spp, has_seed, has_resolution, has_crop, has_exposure;
+    uint64_t spp, seed, threads;
     resolution resolution;
     double crop[4];
     double seconds, error, exposure;
@@ -88,25 +91,28 @@ static bool read_crop(void *value, const char *text)
     return true;
 }
 
-static const char *const proposals[] = {"em", "brdf", "mix", "choose", "product", NULL};
 static const char *const accelerators[] = {"grid", "embree", NULL};
-static const char *const switches[] = {"on", "off", NULL};
 
-enum { MAX_INTEGRATORS = 16 };
+enum { MAX_INTEGRATORS = 16, MAX_OPTIONS = 48 };
 
 /* The table behind reading, range checks and --help. False: the command is over with *exit_status. */
 static bool read_options(render_options *o, int argc, char **argv, const char **scene, int *exit_status)
 {
     const char *integrators[MAX_INTEGRATORS + 1] = {0};
-    int n_integrators = 0;
-    while (bis_integrators[n_integrators] && n_integrators < MAX_INTEGRATORS - 1) {
-        integrators[n_integrators] = bis_integrators[n_integrators]->name;
-        n_integrators++;
+    char integrator_help[256];
+    size_t length = 0;
+    int i = 0;
+
+    for (; bis_integrators[i] && i < MAX_INTEGRATORS - 1 && length < sizeof integrator_help; i++) {
+        integrators[i] = bis_integrators[i]->name;
+        length += (size_t)snprintf(integrator_help + length, sizeof integrator_help - length, "%s, ", integrators[i]);
     }
-    integrators[n_integrators] = bis_auto.name;
+    integrators[i] = bis_auto.name;
+    if (length < sizeof integrator_help)
+        snprintf(integrator_help + length, sizeof integrator_help - length, "or auto: a pilot chooses");
 
     /* clang-format off: the rows are broken by hand */
-    const bis_option options[] = {
+    const bis_option before[] = {
         {.help = "output"},
         {.name = "outfile", .argument = "F",
          .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated (default: the "
@@ -127,20 +133,9 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
 
         {.help = "what to render (these override the scene file)"},
         {.name = "integrator", .argument = "NAME",
-         .help = "em, brdf, mis, rejection, sir, exact, unoccluded, or auto: a pilot chooses", .kind = BIS_OPTION_NAME,
-         .value = &o->integrator, .names = integrators},
-        {.name = "candidates", .argument = "M",
-         .help = "rejection, sir, unoccluded: candidates for each camera sample; sir, 0: a pilot chooses",
-         .kind = BIS_OPTION_COUNT, .value = &o->candidates, .given = &o->has_candidates, .lo = 0, .hi = 1 << 24},
-        {.name = "shadowrays", .argument = "N", .help = "rejection, sir: candidates that are shadow-tested",
-         .kind = BIS_OPTION_COUNT, .value = &o->shadowrays, .given = &o->has_shadowrays, .lo = 1, .hi = 1 << 24},
-        {.name = "samples", .argument = "N", .help = "em, brdf, mis: light samples for each camera sample",
-         .kind = BIS_OPTION_COUNT, .value = &o->samples, .given = &o->has_samples, .lo = 1, .hi = 1 << 24},
-        {.name = "proposal", .argument = "P", .help = "rejection: em, brdf or choose; sir: em, brdf, mix or product",
-         .kind = BIS_OPTION_NAME, .value = &o->proposal, .names = proposals},
-        {.name = "learn", .argument = "on|off", .help = "sir with proposal product: go where earlier passes saw "
-            "light arrive",
-         .kind = BIS_OPTION_NAME, .value = &o->learn, .names = switches},
+         .help = integrator_help, .kind = BIS_OPTION_NAME, .value = &o->integrator, .names = integrators},
+    };
+    const bis_option behind[] = {
         {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT,
          .value = &o->seed, .given = &o->has_seed, .hi = 0x1p53},
         {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME,
@@ -177,12 +172,18 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
                  "up to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o->adaptive},
     };
     /* clang-format on */
+    bis_option options[MAX_OPTIONS];
+    size_t n_options = sizeof before / sizeof *before;
+    memcpy(options, before, sizeof before);
+    bis_parameter_options(options, &n_options, o->parameters);
+    assert(n_options + sizeof behind / sizeof *behind <= MAX_OPTIONS);
+    memcpy(options + n_options, behind, sizeof behind);
     const bis_command command = {
         .name = "render",
         .usage = "[render] [options] SCENE",
         .summary = "render a scene",
         .options = options,
-        .n_options = sizeof options / sizeof *options,
+        .n_options = n_options + sizeof behind / sizeof *behind,
         .min_operands = 1,
         .max_operands = 1,
         .notes = "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
@@ -194,22 +195,6 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
 
 /* --- the command line over the scene
  * ------------------------------------------------------------------------------- */
-
-static bis_proposal proposal_of(const char *name)
-{
-    int i = 0;
-    while (strcmp(name, bis_proposal_name((bis_proposal)i)) != 0) i++; /* `proposals` holds no other names */
-    return (bis_proposal)i;
-}
-
-/* An option that this integrator does not read is a slip worth a word, but harmless: scripts loop over integrators. */
-static bool applies(const bis_settings *s, const char *option, bool given, bis_diag *diag)
-{
-    if (!given) return false;
-    if (bis_integrator_uses(s->integrator, option)) return true;
-    bis_warn(diag, bis_cli_loc, "--%s has no effect on integrator \"%s\"", option, s->integrator->name);
-    return false;
-}
 
 /* The errata to render as printed: those of the scene and of the command line. */
 static bis_status switch_errata(bis_settings *s, const bis_texts *names, bis_diag *diag)
@@ -241,27 +226,21 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
 {
     bis_settings *s = &d->settings;
 
-    if (o->integrator || o->has_candidates || o->has_shadowrays || o->has_samples || o->proposal || o->learn) {
+    if (o->integrator || bis_parameter_given(o->parameters, NULL))
         bis_scene_drop_exceptions(d, "the command line", diag);
-    }
     if (o->integrator && strcmp(o->integrator, s->integrator->name) != 0) {
         const unsigned as_printed = s->as_printed;
         *s = bis_settings_default(bis_integrator_find(o->integrator));
         s->as_printed = as_printed;
         d->integrator_loc = bis_cli_loc;
     }
-    if (s->only_sir && o->has_candidates) s->integrator = &bis_sir; /* the scene left open what the command line says */
-    if (applies(s, "candidates", o->has_candidates, diag)) s->candidates = (uint32_t)o->candidates;
-    if (applies(s, "shadowrays", o->has_shadowrays, diag)) s->shadowrays = (uint32_t)o->shadowrays;
-    if (applies(s, "samples", o->has_samples, diag)) s->samples = (uint32_t)o->samples;
-    if (applies(s, "proposal", o->proposal != NULL, diag)) s->proposal = proposal_of(o->proposal);
-    if (applies(s, "learn", o->learn != NULL, diag)) {
-        s->learn = strcmp(o->learn, "on") == 0;
-        if (s->learn && s->proposal != BIS_PROPOSAL_PRODUCT) {
-            bis_warn(diag, bis_cli_loc, "--learn has no effect on proposal \"%s\", only on \"product\"",
-                bis_proposal_name(s->proposal));
-        }
-    }
+    /* the scene left open what the command line says */
+    if (s->only_sir && bis_parameter_given(o->parameters, "candidates")) s->integrator = &bis_sir;
+    bis_parameter_override(s, o->parameters, diag);
+    if (bis_parameter_given(o->parameters, "learn") && s->learn && s->proposal != BIS_PROPOSAL_PRODUCT &&
+        bis_parameter_of(s->integrator, "learn"))
+        bis_warn(diag, bis_cli_loc, "--learn has no effect on proposal \"%s\", only on \"product\"",
+                 bis_proposal_name(s->proposal));
     bis_settings_leave_open(s);
     bis_status status = switch_errata(s, &o->as_printed, diag);
     for (int i = 0; i < d->exceptions.n; i++) d->exceptions.settings[i].as_printed = s->as_printed;

@@ -135,19 +135,22 @@ static bis_status check_resume(const trade_options *o, bis_diag *diag)
 
 static bis_status check_integrators(const trade_options *o, bis_diag *diag)
 {
-    static const char *const names[] = {"em", "brdf", "mis", "rejection", "sir"};
-    enum { N = sizeof names / sizeof *names };
+    const char *names[32];
+    char list[256] = "";
     bis_status status = BIS_OK;
+    size_t n = 0, length = 0;
 
+    for (const bis_integrator *const *i = bis_integrators; *i; i++)
+        if (bis_trade_is_rival(*i)) names[n++] = (*i)->name;
+    for (size_t i = 0; i < n && length < sizeof list; i++)
+        length += (size_t)snprintf(list + length, sizeof list - length, "%s%s", i == 0 ? "" : i + 1 < n ? ", " : " or ",
+                                   names[i]);
     for (int i = 0; i < o->integrators.n; i++) {
-        const char *name = o->integrators.text[i];
-        bool known = false;
-        for (int k = 0; k < N; k++) known |= strcmp(name, names[k]) == 0;
-        if (known) continue;
-        const char *near = bis_nearest_name(name, names, N);
-        status =
-            bis_error(diag, BIS_INPUT, bis_cli_loc, "--integrator %s: must be em, brdf, mis, rejection or sir%s%s%s",
-                      name, near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
+        const bis_integrator *known = bis_integrator_find(o->integrators.text[i]);
+        if (known && bis_trade_is_rival(known)) continue;
+        const char *near = bis_nearest_name(o->integrators.text[i], names, n);
+        status = bis_error(diag, BIS_INPUT, bis_cli_loc, "--integrator %s: must be %s%s%s%s", o->integrators.text[i],
+                           list, near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
     }
     return status;
 }

@@ -111,17 +111,11 @@ static int verify_map(bis_verify *v, const verify_options *o, const char *map, b
         bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
         return exit_status;
     }
-    const bis_light_desc desc = {
-        .filename = path,
-        .L = {1, 1, 1},
-        .scale = 1,
-        .angular = o->mapping && strcmp(o->mapping, "angular") == 0,
-        .has_mapping = o->mapping != NULL,
-        .area_exponent = 0.15,
-        .levels = 8,
-        .to_world = bis_xform_identity(),
-        .loc = {path, 0, 0},
-    };
+    bis_light_desc desc = bis_light_desc_default();
+    desc.filename = path;
+    desc.angular = o->mapping && strcmp(o->mapping, "angular") == 0;
+    desc.has_mapping = o->mapping != NULL;
+    desc.loc = (bis_loc){path, 0, 0};
     if (bis_image_read(&image, path, (bis_loc){0}, diag)) goto done;
     status = bis_light_from_image(&light, &image, &desc, 0, diag);
     if (!status) status = bis_verify_map(v, bis_light_envmap(light), desc.area_exponent, desc.levels, diag);

@@ -55,9 +55,11 @@ static int run_help_of(const bis_subcommand *c)
 
 static void print_topic(const bis_topic *t)
 {
+    bis_help_page page;
+
     printf("%s: %s\n", t->name, t->summary);
     bool after_line = false;
-    for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+    for (const bis_help_entry *e = bis_help_open(&page, t); e->term || e->text; e++) {
         const bool is_line = !e->text;
         if (!e->term || is_line != after_line) putchar('\n');
         after_line = is_line;
@@ -119,11 +121,12 @@ static bool explains(const bis_help_entry *e, const char *name)
  * do. */
 static bool print_entries_of(const char *name)
 {
+    bis_help_page page;
     bool found = false;
 
     for (const bis_topic *t = bis_topics; t->name; t++) {
         bool is_first = true;
-        for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+        for (const bis_help_entry *e = bis_help_open(&page, t); e->term || e->text; e++) {
             if (!explains(e, name)) continue;
             if (is_first) printf("%sfrom `bis help %s`:\n\n", found ? "\n" : "", t->name);
             bis_cli_print_entry(stdout, e->term, e->text);
@@ -137,6 +140,7 @@ static bool print_entries_of(const char *name)
 static int unknown(const char *name)
 {
     static char words[MAX_NAMES][MAX_TERM];
+    bis_help_page page;
     const char *names[MAX_NAMES];
     size_t n = 0, n_words = 0, length;
 
@@ -144,7 +148,7 @@ static int unknown(const char *name)
     for (const bis_topic *t = bis_topics; t->name && n < MAX_NAMES; t++) names[n++] = t->name;
     const size_t n_own = n;
     for (const bis_topic *t = bis_topics; t->name && n < MAX_NAMES; t++) {
-        for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+        for (const bis_help_entry *e = bis_help_open(&page, t); e->term || e->text; e++) {
             if (!e->term || !e->text) continue;
             const char *found;
             for (const char *at = e->term; n < MAX_NAMES && (found = next_name(&at, &length)) != NULL;) {

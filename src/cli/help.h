@@ -5,6 +5,7 @@
 #define BIS_HELP_H
 
 #include "cli.h"
+#include "parameters.h"
 
 typedef struct bis_subcommand {
     const char *name;
@@ -18,6 +19,9 @@ typedef struct bis_help_entry {
     const char *term, *text;
 } bis_help_entry;
 
+/* Terms that stand for an entry for each integrator and for each parameter; bis_help_open makes their texts. */
+extern const char bis_help_of_integrators[], bis_help_of_parameters[];
+
 typedef struct bis_topic {
     const char *name, *summary;
     const bis_help_entry *entries; /* ended by two NULLs */
@@ -26,6 +30,16 @@ typedef struct bis_topic {
 /* All of them, in the order of the man page; each list is ended by a NULL name. The first command renders. */
 extern const bis_subcommand bis_subcommands[];
 extern const bis_topic bis_topics[];
+
+/* A topic's entries with those of the integrators in place. */
+enum { BIS_HELP_ENTRIES = 64 };
+typedef struct bis_help_page {
+    bis_help_entry entries[BIS_HELP_ENTRIES + 1]; /* ended by two NULLs */
+    char text[BIS_HELP_ENTRIES][BIS_INTEGRATOR_WORDS];
+} bis_help_page;
+
+/* bis_help_open fills the page with t's entries and returns the first. */
+const bis_help_entry *bis_help_open(bis_help_page *page, const bis_topic *t);
 
 /* NULL: no such command. */
 const bis_subcommand *bis_subcommand_find(const char *name);

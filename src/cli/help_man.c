@@ -11,12 +11,14 @@
 
 static void put_topic(FILE *out, const bis_topic *t)
 {
+    bis_help_page page;
+
     fputs(".SH ", out);
     for (const char *c = t->name; *c; c++) fputc(toupper((unsigned char)*c), out);
     fputc('\n', out);
     bis_man_paragraph(out, t->summary, strlen(t->summary));
     bool after_line = false;
-    for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+    for (const bis_help_entry *e = bis_help_open(&page, t); e->term || e->text; e++) {
         const bool is_line = !e->text;
         if (!e->term || (is_line && !after_line)) fputs(".PP\n", out);
         after_line = is_line;

@@ -5,6 +5,11 @@
  * missing here fails there. */
 #include "help.h"
 
+#include <assert.h>
+#include <stdio.h>
+
+const char bis_help_of_integrators[] = "", bis_help_of_parameters[] = "";
+
 static const bis_help_entry scene[] = {
     {NULL, "A scene says how it is looked at, then WorldBegin, then what there is. # begins a comment. Parameters are "
            "\"type name\" value, as in \"float "
@@ -48,26 +53,11 @@ static const bis_help_entry integrators[] = {
     {NULL, "Integrator \"NAME\" in a scene, --integrator NAME on the command line. Counts are per camera sample; "
            "defaults in parentheses, the first of several "
            "names is the default."},
-    {"em", "directions from the map's importance. samples (16), stratify (false). Unbiased"},
-    {"brdf", "directions from the BRDF. samples (16). Unbiased"},
-    {"mis", "both, combined by a heuristic. samples (16, at least 2), heuristic (balance, power), split (0.5, the "
-            "map's share), compensate (false), stratify (false). "
-            "Unbiased"},
-    {"rejection", "candidates, accepted in proportion to the product of map and BRDF (thesis 4.3). candidates (800), "
-                  "shadowrays (15), proposal (choose, em, brdf), "
-                  "estimator (ratio, plain), fallback (resample, subset, unoccluded). Unbiased with estimator plain; "
-                  "ratio has a bias of O(1/M)"},
-    {"sir", "the default: candidates, of which a few are resampled in proportion to the product (thesis 4.4). "
-            "candidates (800; 0: a pilot chooses), shadowrays (15), "
-            "proposal (mix, em, brdf, product), resampling (systematic, multinomial), stratify (true), learn (false; "
-            "product: go where light was seen to arrive), vectorize "
-            "(true). Unbiased, for every M and N"},
-    {"exact", "every lit pixel of the map: ground truth for small maps. perpatch (1)"},
-    {"unoccluded", "candidates (800), and no shadow rays: it leaves out all shadows"},
-    {"auto", "a pilot tries the methods on the scene itself, and the render goes on with the best, for some materials "
-             "perhaps with another"},
+    {bis_help_of_integrators, NULL},
     {"material", "with any integrator but the first: it counts for the materials of these numbers alone, as in "
                  "\"integer material\" [0 2]; --plan lists them"},
+    {NULL, "The parameters:"},
+    {bis_help_of_parameters, NULL},
     {NULL, "The words mean: em, from the environment map; mix, half of the candidates from each; choose, one or the "
            "other by the material; product, by clusters of "
            "the map after the BRDF's value there. `bis trade SCENE` measures which is best for a scene."},
@@ -183,3 +173,41 @@ const bis_topic bis_topics[] = {
     {"examples", "command lines to begin with", examples},
     {NULL, NULL, NULL},
 };
+
+static void add_entry(bis_help_page *page, size_t *n, bis_help_entry e)
+{
+    assert(*n < BIS_HELP_ENTRIES);
+    page->entries[(*n)++] = e;
+}
+
+static void add_integrators(bis_help_page *page, size_t *n)
+{
+    for (const bis_integrator *const *i = bis_integrators; *i; i++)
+        add_entry(page, n, (bis_help_entry){(*i)->name, bis_integrator_words(page->text[*n], *i)});
+    add_entry(page, n, (bis_help_entry){bis_auto.name, bis_integrator_words(page->text[*n], &bis_auto)});
+}
+
+static void add_parameters(bis_help_page *page, size_t *n)
+{
+    for (const bis_parameter *p = bis_parameters; p->name; p++) {
+        char words[BIS_PARAMETER_WORDS], *text = page->text[*n];
+        if (!p->words) continue;
+        bis_parameter_words(words, p->name);
+        if (p->type == BIS_PARAMETER_CHOICE) snprintf(text, sizeof page->text[0], "%s; %s", p->words, words);
+        else snprintf(text, sizeof page->text[0], "%s", words);
+        add_entry(page, n, (bis_help_entry){p->name, text});
+    }
+}
+
+const bis_help_entry *bis_help_open(bis_help_page *page, const bis_topic *t)
+{
+    size_t n = 0;
+
+    for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+        if (e->term == bis_help_of_integrators) add_integrators(page, &n);
+        else if (e->term == bis_help_of_parameters) add_parameters(page, &n);
+        else add_entry(page, &n, *e);
+    }
+    page->entries[n] = (bis_help_entry){NULL, NULL};
+    return page->entries;
+}

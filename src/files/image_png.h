@@ -1,5 +1,5 @@
 /* image_png: 8 bit sRGB pictures to look at, written by libpng. For src/files/image_file.c, and
- * src/tools/trade/trade_strips.c, whose pictures stand in a page. */
+ * src/tools/trade/trade_strips.c and src/out/markup.c, whose pictures stand in a page. */
 #ifndef BIS_IMAGE_PNG_H
 #define BIS_IMAGE_PNG_H
 

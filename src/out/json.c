@@ -3,40 +3,26 @@
 #include "json.h"
 
 #include "bis/base/file.h"
+#include "base/text.h"
 
 #include <assert.h>
 #include <math.h>
+#include <string.h>
 
-/* Length of the well-formed UTF-8 sequence at s, 0 when there is none (RFC 3629: no overlong forms, no surrogates, at
- * most U+10FFFF). */
-static int utf8_length(const unsigned char *s)
+static void print_string(FILE *out, const char *s)
 {
-    if (s[0] < 0x80) return 1;
-    int n = s[0] >= 0xc2 && s[0] <= 0xdf ? 2 : (s[0] & 0xf0) == 0xe0 ? 3 : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
-    for (int i = 1; i < n; i++) {
-        if ((s[i] & 0xc0) != 0x80) return 0;
-    }
-    bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
-    bool beyond = (s[0] == 0xed && s[1] >= 0xa0) || (s[0] == 0xf4 && s[1] >= 0x90);
-    return overlong || beyond ? 0 : n;
-}
-
-static void print_string(FILE *out, const char *text)
-{
-    const unsigned char *s = (const unsigned char *)text;
-
     fputc('"', out);
     while (*s) {
-        int n = utf8_length(s);
+        const size_t n = bis_utf8_length(s, s + strnlen(s, 4));
         if (n == 0) {
             fputs("\\ufffd", out);
             s++;
         } else if (*s == '"' || *s == '\\') {
             fprintf(out, "\\%c", *s++);
-        } else if (*s < 0x20 || *s == 0x7f) {
-            fprintf(out, "\\u%04x", *s++);
+        } else if ((unsigned char)*s < 0x20 || *s == 0x7f) {
+            fprintf(out, "\\u%04x", (unsigned)*s++);
         } else {
-            fwrite(s, 1, (size_t)n, out);
+            fwrite(s, 1, n, out);
             s += n;
         }
     }

@@ -8,6 +8,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "base/text.h"
 
 #include <limits.h>
 #include <math.h>
@@ -20,21 +21,6 @@ static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
 static bool continues_character(char c) { return ((unsigned char)c & 0xc0) == 0x80; }
-
-/* Bytes of the well-formed UTF-8 character at s, 0: ill-formed (RFC 3629: no overlong forms, no surrogates). */
-static size_t utf8_length(const char *s, const char *end)
-{
-    const unsigned char c = (unsigned char)s[0];
-    if (c < 0x80) return 1;
-    size_t n = c >= 0xc2 && c <= 0xdf ? 2 : c >= 0xe0 && c <= 0xef ? 3 : c >= 0xf0 && c <= 0xf4 ? 4 : 0;
-    if (!n || (size_t)(end - s) < n) return 0;
-    for (size_t i = 1; i < n; i++)
-        if (!continues_character(s[i])) return 0;
-    const unsigned char d = (unsigned char)s[1];
-    const bool overlong = (c == 0xe0 && d < 0xa0) || (c == 0xf0 && d < 0x90);
-    const bool surrogate = c == 0xed && d > 0x9f, too_large = c == 0xf4 && d > 0x8f;
-    return overlong || surrogate || too_large ? 0 : n;
-}
 
 static bis_loc place(const bis_source *s, const char *at)
 {
@@ -121,7 +107,7 @@ static const char *scan_string(bis_source *s, const char **at)
 {
     const char *wrong = NULL;
     for (s->next++; s->next < s->end && *s->next != '\n' && *s->next != '"';) {
-        size_t n = utf8_length(s->next, s->end);
+        size_t n = bis_utf8_length(s->next, s->end);
         const char *problem = NULL;
         if (!n) problem = "a string is not UTF-8 text: convert the file, for example with iconv";
         if (*s->next == '\0') problem = "a zero byte in a string";
@@ -214,7 +200,7 @@ const char *bis_printable(char buf[128], const char *text, size_t length)
     size_t n = length < 100 ? length : 100;
     while (n < length && n > 0 && continues_character(text[n])) n--;
     for (size_t i = 0; i < n;) {
-        size_t k = utf8_length(text + i, text + n);
+        size_t k = bis_utf8_length(text + i, text + n);
         bool printable = k && ((unsigned char)text[i] >= ' ') && text[i] != 0x7f;
         if (!printable) k = 1;
         for (size_t j = 0; j < k; j++) buf[i + j] = printable ? text[i + j] : '?';

@@ -8,86 +8,57 @@
 #include "bis/base/mem.h"
 #include "parser.h"
 
-#define MAX_COUNT (1u << 24) /* candidates and rays a camera sample: each thread holds them */
+#include <assert.h>
+
 #define MAX_SPP 1000000000u
 
 /* ---- Integrator ---- */
 
-/* The parameters that an integrator has, as bits. */
-enum { SAMPLES = 1, CANDIDATES = 2, SHADOWRAYS = 4, MIS = 8, REJECTION = 16, SIR = 32, PERPATCH = 64, STRATIFY = 128 };
+enum { MAX_INTEGRATORS = 32 };
 
-static const struct {
-    const bis_integrator *integrator;
-    unsigned params;
-} owns[] = {
-    {&bis_em, SAMPLES | STRATIFY},
-    {&bis_brdf, SAMPLES},
-    {&bis_mis, SAMPLES | MIS | STRATIFY},
-    {&bis_rejection, CANDIDATES | SHADOWRAYS | REJECTION},
-    {&bis_sir, CANDIDATES | SHADOWRAYS | SIR | STRATIFY},
-    {&bis_exact, PERPATCH},
-    {&bis_unoccluded, CANDIDATES},
-    {&bis_auto, 0},
-};
-
-static unsigned params_of(const bis_integrator *integrator)
+static void read_choice(bis_parser *p, const bis_parameter *parameter, bis_settings *s)
 {
-    for (size_t i = 0; i < BIS_COUNT(owns); i++)
-        if (owns[i].integrator == integrator) return owns[i].params;
-    return 0;
+    const char *names[BIS_MAX_CHOICES];
+    unsigned values[BIS_MAX_CHOICES];
+    size_t n = 0;
+    int i;
+
+    for (unsigned v = 0; v < BIS_MAX_CHOICES; v++) {
+        if (!(parameter->choices >> v & 1)) continue;
+        names[n] = parameter->names[v];
+        values[n++] = v;
+    }
+    if (bis_params_choice(p, parameter->name, &i, names, n)) bis_parameter_set(parameter, s, values[i]);
 }
 
-static void read_mis(bis_parser *p, bis_settings *s)
+static void read_parameter(bis_parser *p, const bis_parameter *parameter, bis_settings *s)
 {
-    static const char *const heuristics[] = {"balance", "power"};
-    static const bis_heuristic values[] = {BIS_HEURISTIC_BALANCE, BIS_HEURISTIC_POWER};
-    int i;
-    if (bis_params_choice(p, "heuristic", &i, heuristics, BIS_COUNT(heuristics))) s->heuristic = values[i];
-    bis_params_float(p, "split", &s->split, (bis_interval){0, 1, false, false});
-    bis_params_bool(p, "compensate", &s->compensate);
-}
+    const bis_interval range = {parameter->lo, parameter->hi, false, false};
+    uint32_t count;
+    double fraction;
+    bool is;
 
-static void read_rejection(bis_parser *p, bis_settings *s)
-{
-    static const char *const proposals[] = {"em", "brdf", "choose"};
-    static const bis_proposal proposal[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_CHOOSE};
-    static const char *const estimators[] = {"ratio", "plain"};
-    static const bis_estimator estimator[] = {BIS_ESTIMATOR_RATIO, BIS_ESTIMATOR_PLAIN};
-    static const char *const fallbacks[] = {"resample", "subset", "unoccluded"};
-    static const bis_fallback fallback[] = {BIS_FALLBACK_RESAMPLE, BIS_FALLBACK_SUBSET, BIS_FALLBACK_UNOCCLUDED};
-    int i;
-    if (bis_params_choice(p, "proposal", &i, proposals, BIS_COUNT(proposals))) s->proposal = proposal[i];
-    if (bis_params_choice(p, "estimator", &i, estimators, BIS_COUNT(estimators))) s->estimator = estimator[i];
-    if (bis_params_choice(p, "fallback", &i, fallbacks, BIS_COUNT(fallbacks))) s->fallback = fallback[i];
-}
-
-static void read_sir(bis_parser *p, bis_settings *s)
-{
-    static const char *const proposals[] = {"em", "brdf", "mix", "product"};
-    static const bis_proposal proposal[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX, BIS_PROPOSAL_PRODUCT};
-    static const char *const resamplings[] = {"systematic", "multinomial"};
-    static const bis_resampling resampling[] = {BIS_RESAMPLING_SYSTEMATIC, BIS_RESAMPLING_MULTINOMIAL};
-    int i;
-    if (bis_params_choice(p, "proposal", &i, proposals, BIS_COUNT(proposals))) s->proposal = proposal[i];
-    if (bis_params_choice(p, "resampling", &i, resamplings, BIS_COUNT(resamplings))) s->resampling = resampling[i];
-    bis_params_bool(p, "learn", &s->learn);
-    bis_params_bool(p, "vectorize", &s->vectorize);
+    switch (parameter->type) {
+    case BIS_PARAMETER_COUNT: /* where lo is 2, bis_settings_check says why */
+        if (bis_params_uint32(p, parameter->name, &count, parameter->or_auto ? 0 : 1, (uint32_t)parameter->hi))
+            bis_parameter_set(parameter, s, count);
+        break;
+    case BIS_PARAMETER_FRACTION:
+        if (bis_params_float(p, parameter->name, &fraction, range)) bis_parameter_set(parameter, s, fraction);
+        break;
+    case BIS_PARAMETER_BOOL:
+        if (bis_params_bool(p, parameter->name, &is)) bis_parameter_set(parameter, s, is);
+        break;
+    case BIS_PARAMETER_CHOICE: read_choice(p, parameter, s); break;
+    }
 }
 
 static bis_settings read_settings(bis_parser *p, const bis_integrator *integrator)
 {
     bis_settings s = bis_settings_default(integrator);
+
     s.as_printed = p->desc->settings.as_printed; /* an Option's, not an integrator's */
-    const unsigned params = params_of(integrator);
-    if (params & SAMPLES) bis_params_uint32(p, "samples", &s.samples, 1, MAX_COUNT);
-    if (params & CANDIDATES)
-        bis_params_uint32(p, "candidates", &s.candidates, integrator == &bis_sir ? 0 : 1, MAX_COUNT);
-    if (params & SHADOWRAYS) bis_params_uint32(p, "shadowrays", &s.shadowrays, 1, MAX_COUNT);
-    if (params & PERPATCH) bis_params_uint32(p, "perpatch", &s.perpatch, 1, MAX_COUNT);
-    if (params & MIS) read_mis(p, &s);
-    if (params & REJECTION) read_rejection(p, &s);
-    if (params & SIR) read_sir(p, &s);
-    if (params & STRATIFY) bis_params_bool(p, "stratify", &s.stratify);
+    for (const bis_parameter *q = NULL; (q = bis_parameter_next(integrator, q)) != NULL;) read_parameter(p, q, &s);
     bis_settings_leave_open(&s);
     return s;
 }
@@ -160,16 +131,19 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
         "lightpath", "randomwalk", "ambientocclusion", "function", "photonmap", "exphotonmap",    "igi",
         "irradiancecache", "simplepath", "simplevolpath",
     };
-    bis_choice choices[BIS_COUNT(pbrt) + BIS_COUNT(owns)];
+    bis_choice choices[BIS_COUNT(pbrt) + MAX_INTEGRATORS];
     size_t n = 0;
 
-    for (size_t i = 0; i < BIS_COUNT(owns); i++) choices[n++] = (bis_choice){owns[i].integrator->name, (int)i};
+    for (; bis_integrators[n]; n++) choices[n] = (bis_choice){bis_integrators[n]->name, 0};
+    assert(n < MAX_INTEGRATORS);
+    choices[n++] = (bis_choice){bis_auto.name, 0};
     for (size_t i = 0; i < BIS_COUNT(pbrt); i++) choices[n++] = (bis_choice){pbrt[i], BIS_REPLACED};
     if (!bis_parser_name(p, "Integrator") || !bis_params_read(p)) return;
     const bis_choice *chosen = bis_parser_choose(p, "Integrator", bis_parser_text(p, p->name), p->name_at, choices, n);
     if (!chosen) return;
-    if (chosen->value != BIS_REPLACED && bis_params_has(p, "material")) {
-        except_materials(p, owns[chosen->value].integrator);
+    const bis_integrator *integrator = bis_integrator_find(chosen->name);
+    if (integrator && bis_params_has(p, "material")) {
+        except_materials(p, integrator);
         bis_params_end(p, "Integrator", chosen->name);
         return;
     }
@@ -177,7 +151,7 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
     bis_parser_clear_excepted(p);
     bis_scene_drop_exceptions(p->desc, NULL, NULL);
     p->desc->integrator_loc = p->name_at;
-    if (chosen->value == BIS_REPLACED) {
+    if (!integrator) {
         bis_warn(p->diag, p->name_at,
                  "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\"; its parameters are ignored",
                  chosen->name, bis_sir.name);
@@ -186,7 +160,7 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
         p->desc->settings.as_printed = as_printed;
         return;
     }
-    p->desc->settings = read_settings(p, owns[chosen->value].integrator);
+    p->desc->settings = read_settings(p, integrator);
     bis_params_end(p, "Integrator", chosen->name);
 }
 

@@ -115,9 +115,10 @@ void bis_directive_film(bis_parser *p, bis_loc at)
     if (!bis_parser_choose(p, "Film", type, p->name_at, films, BIS_COUNT(films))) return;
     bis_parser_single(p, BIS_SINGLE_FILM, "Film", at);
 
-    bis_film_desc film = {.width = 1280, .height = 720, .filename = p->desc->film.filename, .crop = {0, 1, 0, 1}};
-    uint32_t width = 1280, height = 720;
-    const char *filename = "bis.exr";
+    bis_film_desc film = bis_film_default;
+    uint32_t width = (uint32_t)film.width, height = (uint32_t)film.height;
+    const char *filename = BIS_FILM_FILENAME;
+    film.filename = p->desc->film.filename;
     bis_params_uint32(p, "xresolution", &width, 1, BIS_IMAGE_MAX_SIDE);
     bis_params_uint32(p, "yresolution", &height, 1, BIS_IMAGE_MAX_SIDE);
     if (bis_params_string(p, "filename", &filename) && !*filename)

@@ -72,14 +72,14 @@ static void light_map(bis_parser *p, bis_light_desc *light)
     static const char *const mappings[] = {"latlong", "angular"};
     static const char *const tables[] = {"alias", "cdf"};
     static const bis_table_kind table[] = {BIS_TABLE_ALIAS, BIS_TABLE_CDF};
-    uint32_t width = 0, levels = 8;
+    uint32_t width = 0, levels = BIS_LEVELS;
     int i;
     light->has_mapping = bis_params_choice(p, "mapping", &i, mappings, BIS_COUNT(mappings));
     light->angular = light->has_mapping && i == 1;
     bis_params_uint32(p, "width", &width, 2, BIS_IMAGE_MAX_SIDE);
     light->width = (int)width;
     bis_params_float(p, "areaexponent", &light->area_exponent, (bis_interval){0, BIS_AREA_EXPONENT_MAX, false, false});
-    bis_params_uint32(p, "levels", &levels, 1, 254);
+    bis_params_uint32(p, "levels", &levels, 1, BIS_LEVELS_MAX);
     light->levels = (int)levels;
     light->has_table_kind = bis_params_choice(p, "sampler", &i, tables, BIS_COUNT(tables));
     if (light->has_table_kind) light->table_kind = table[i];
@@ -116,8 +116,9 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     const char *type = bis_parser_text(p, p->name);
     if (!bis_parser_choose(p, "LightSource", type, p->name_at, lights, BIS_COUNT(lights))) return;
     if (!light_may_stand(p, at)) return;
-    bis_light_desc light = {.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true, .loc = at,
-                            .to_world = bis_xform_rotation(&p->now.ctm)};
+    bis_light_desc light = bis_light_desc_default();
+    light.loc = at;
+    light.to_world = bis_xform_rotation(&p->now.ctm);
     light_filename(p, &light);
     light_radiance(p, &light);
     light_map(p, &light);

@@ -16,19 +16,17 @@
 /* What a corner sees. */
 typedef struct corner {
     bool hit;
-    int material;
+    uint32_t material;
     vec3 n;
 } corner;
 
 static corner look_at(double x, double y, const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc)
 {
     const ray eye = bis_camera_ray(&desc->camera, film->picture_width, film->picture_height, x, y);
-    bis_hit hit;
-    bis_surface s;
+    bis_point pt;
 
-    if (!bis_accel_intersect(scene->accel, &eye, &hit)) return (corner){.hit = false};
-    bis_geometry_surface(&scene->geometry, hit.prim, &eye, &s);
-    return (corner){true, (int)s.material, s.n};
+    if (!bis_scene_point(&pt, scene, desc, eye, NULL, NULL)) return (corner){.hit = false};
+    return (corner){true, bis_scene_material_of(desc, &pt), pt.n};
 }
 
 /* Neighbours share corners, but not in a thin film: corner 2 i + k is then the k-th of pixel i. */

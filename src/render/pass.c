@@ -39,25 +39,6 @@ bool bis_pass_interrupted(const bis_workspace *w)
 
 /* --- one camera sample -------------------------------------------------------------------------------------------- */
 
-/* Where the ray meets primitive prim. */
-static bis_point surface_point(const bis_workspace *w, bis_worker *me, const ray *eye, uint32_t prim)
-{
-    bis_surface s;
-    bis_geometry_surface(&w->scene->geometry, prim, eye, &s);
-    bis_point pt = {
-        .p = s.p,
-        .n = s.n,
-        .ng = s.ng,
-        .origin = bis_surface_offset(&s),
-        .wo = neg(eye->d),
-        .light = w->scene->light,
-        .accel = w->scene->accel,
-        .counters = &me->counters,
-    };
-    bis_bsdf_init(&pt.bsdf, &w->desc->materials[s.material], pt.n, pt.wo);
-    return pt;
-}
-
 /* A NaN or infinity must not reach the film. */
 static rgb finite_or_black(bis_worker *me, rgb L)
 {
@@ -66,15 +47,10 @@ static rgb finite_or_black(bis_worker *me, rgb L)
     return (rgb){0};
 }
 
-static uint32_t material_of(const bis_workspace *w, const bis_point *pt)
-{
-    return (uint32_t)(pt->bsdf.material - w->desc->materials);
-}
-
 /* Light reflected towards the eye, eq. 3.1. Adds to values what the layers show of it, unless values is NULL. */
 static rgb reflected(const bis_workspace *w, bis_worker *me, const bis_point *pt, bis_stream *stream, float *values)
 {
-    const int m = bis_scene_method_of(w->desc, material_of(w, pt));
+    const int m = bis_scene_method_of(w->desc, bis_scene_material_of(w->desc, pt));
     const bis_settings *settings = w->methods[m].settings;
     bis_Lo *Lo = w->methods[m].Lo;
     bis_scratch *scratch = &me->scratch[m];
@@ -91,7 +67,7 @@ static rgb reflected(const bis_workspace *w, bis_worker *me, const bis_point *pt
 static rgb metered(const bis_workspace *w, bis_worker *me, const bis_point *pt, bis_stream *stream, float *values)
 {
     const bis_meter *m = w->options->meter;
-    const unsigned char g = m->group[material_of(w, pt)];
+    const unsigned char g = m->group[bis_scene_material_of(w->desc, pt)];
     const double start = bis_clock_processor();
     const rgb L = reflected(w, me, pt, stream, values);
 
@@ -109,7 +85,7 @@ static rgb camera_sample(const bis_workspace *w, bis_worker *me, const bis_sampl
     const bis_counters before = me->counters;
     double u[2] = {0.5, 0.5};
     bis_stream stream;
-    bis_hit hit;
+    bis_point pt;
     rgb L;
 
     x = x * f->step + f->step / 2; /* of the picture */
@@ -117,10 +93,9 @@ static rgb camera_sample(const bis_workspace *w, bis_worker *me, const bis_sampl
     bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);
     if (w->desc->pixel_jitter) bis_stream_camera(&stream, u);
     for (int i = 0; i < 2 && w->options->footprint > 0; i++) u[i] = 0.5 + (u[i] - 0.5) * w->options->footprint;
-    ray eye = bis_camera_ray(&w->desc->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);
+    const ray eye = bis_camera_ray(&w->desc->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);
     me->counters.camera_rays++;
-    if (bis_accel_intersect(w->scene->accel, &eye, &hit)) {
-        const bis_point pt = surface_point(w, me, &eye, hit.prim);
+    if (bis_scene_point(&pt, w->scene, w->desc, eye, &me->counters, NULL)) {
         ++*hits;
         L = w->options->meter ? metered(w, me, &pt, &stream, values) : reflected(w, me, &pt, &stream, values);
     } else {

@@ -107,6 +107,12 @@ bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_lig
     return BIS_OK;
 }
 
+bis_light_desc bis_light_desc_default(void)
+{
+    return (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .area_exponent = BIS_AREA_EXPONENT, .levels = BIS_LEVELS,
+                            .visible = true, .to_world = bis_xform_identity()};
+}
+
 bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2],
                           bis_diag *diag)
 {

@@ -194,6 +194,29 @@ void bis_scene_free(bis_scene *s)
     bis_free(s);
 }
 
+bool bis_scene_point(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, bis_counters *counters,
+                     bis_hit *hit)
+{
+    bis_surface at;
+    bis_hit first;
+
+    if (!bis_accel_intersect(s->accel, &eye, &first)) return false;
+    if (hit) *hit = first;
+    bis_geometry_surface(&s->geometry, first.prim, &eye, &at);
+    *pt = (bis_point){
+        .p = at.p,
+        .n = at.n,
+        .ng = at.ng,
+        .origin = bis_surface_offset(&at),
+        .wo = neg(eye.d),
+        .light = s->light,
+        .accel = s->accel,
+        .counters = counters,
+    };
+    bis_bsdf_init(&pt->bsdf, &desc->materials[at.material], pt->n, pt->wo);
+    return true;
+}
+
 /* Spheres and disks come behind all triangles, in the order of the shapes. */
 static size_t quadric_shape(const bis_scene_desc *desc, size_t number)
 {

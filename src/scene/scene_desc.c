@@ -11,6 +11,8 @@
 
 #include <string.h>
 
+const bis_film_desc bis_film_default = {.width = 1280, .height = 720, .crop = {0, 1, 0, 1}};
+
 static bool set_text(char **out, const char *s) { return (*out = bis_strdup(s)) != NULL; }
 
 static bool add_default_material(bis_scene_desc *d)
@@ -32,14 +34,13 @@ bis_scene_desc *bis_scene_desc_new(const char *path)
     bis_scene_desc *d = bis_alloc(1, sizeof *d);
     if (!d) return NULL;
     d->camera = (bis_camera){.fov_deg = 90, .to_world = bis_xform_identity()};
-    d->film = (bis_film_desc){.width = 1280, .height = 720, .crop = {0, 1, 0, 1}};
+    d->film = bis_film_default;
     d->sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .jitter = true};
     bis_scene_set_spp(d, 16);
     d->pixel_jitter = true;
     d->settings = bis_settings_default(&bis_sir);
-    d->light = (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true,
-                                .to_world = bis_xform_identity()};
-    if (!set_text(&d->path, path) || !set_text(&d->film.filename, "bis.exr") || !add_default_material(d) ||
+    d->light = bis_light_desc_default();
+    if (!set_text(&d->path, path) || !set_text(&d->film.filename, BIS_FILM_FILENAME) || !add_default_material(d) ||
         !add_own_name(d)) {
         bis_scene_desc_free(d);
         return NULL;

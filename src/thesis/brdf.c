@@ -50,4 +50,11 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     /* [end] */
 }
 
-const bis_integrator bis_brdf = {"brdf", "unbiased", light_needs, scratch_needs, Lo};
+const bis_integrator bis_brdf = {
+    .name = "brdf",
+    .words = "directions from the BRDF",
+    .claim = "unbiased",
+    .light_needs = light_needs,
+    .scratch_needs = scratch_needs,
+    .Lo = Lo,
+};

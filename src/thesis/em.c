@@ -44,4 +44,11 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     /* [end] */
 }
 
-const bis_integrator bis_em = {"em", "unbiased", light_needs, scratch_needs, Lo};
+const bis_integrator bis_em = {
+    .name = "em",
+    .words = "directions from the map's importance",
+    .claim = "unbiased",
+    .light_needs = light_needs,
+    .scratch_needs = scratch_needs,
+    .Lo = Lo,
+};

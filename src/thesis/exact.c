@@ -55,5 +55,11 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     return rgbd_round(sum);
 }
 
-const bis_integrator bis_exact = {"exact", "unbiased: every lit patch, noise only inside patches", light_needs,
-                                  scratch_needs, Lo};
+const bis_integrator bis_exact = {
+    .name = "exact",
+    .words = "every lit pixel of the map: ground truth for small maps",
+    .claim = "unbiased: every lit patch, noise only inside patches",
+    .light_needs = light_needs,
+    .scratch_needs = scratch_needs,
+    .Lo = Lo,
+};

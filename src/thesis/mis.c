@@ -106,4 +106,11 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     return rgbd_round(rgbd_add(from_em, from_brdf));
 }
 
-const bis_integrator bis_mis = {"mis", "unbiased", light_needs, scratch_needs, Lo};
+const bis_integrator bis_mis = {
+    .name = "mis",
+    .words = "both, combined by a heuristic",
+    .claim = "unbiased",
+    .light_needs = light_needs,
+    .scratch_needs = scratch_needs,
+    .Lo = Lo,
+};

@@ -142,7 +142,12 @@ static double max_ratio(const bis_bsdf *b)
     return fmax(specular, diffuse) * unit_slack;
 }
 
-const bis_bsdf_model bis_phong_model = {"phong", init, sample, f_pdf, max_f_cos, max_ratio, false};
+static bis_bsdf_width width(const bis_material *m)
+{
+    return (bis_bsdf_width){"exponent", "exponent", m->exponent, m->exponent};
+}
+
+const bis_bsdf_model bis_phong_model = {"phong", init, sample, f_pdf, max_f_cos, max_ratio, false, width};
 
 /* Returns k with 0 for each channel below 2^-67. A direction that was drawn has an f of at least Ks 2^-53/(2 pi) by
  * eq. 3.16. With a smaller Ks this could be a denormal float, whose rounding could exceed the bounds above. */

@@ -147,5 +147,10 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
 }
 
 const bis_integrator bis_rejection = {
-    "rejection", "\"plain\": unbiased; \"ratio\": bias O(1/M), more with fallback \"subset\" or \"unoccluded\"",
-    light_needs, scratch_needs, Lo};
+    .name = "rejection",
+    .words = "candidates, accepted in proportion to the product of map and BRDF (thesis 4.3)",
+    .claim = "\"plain\": unbiased; \"ratio\": bias O(1/M), more with fallback \"subset\" or \"unoccluded\"",
+    .light_needs = light_needs,
+    .scratch_needs = scratch_needs,
+    .Lo = Lo,
+};

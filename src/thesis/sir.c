@@ -60,4 +60,11 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     return rgbd_round(bis_sir_estimate(s, pt, stream, scratch, &W));
 }
 
-const bis_integrator bis_sir = {"sir", "unbiased for every M, N >= 1", light_needs, scratch_needs, Lo};
+const bis_integrator bis_sir = {
+    .name = "sir",
+    .words = "the default: candidates, of which a few are resampled in proportion to the product (thesis 4.4)",
+    .claim = "unbiased for every M, N >= 1",
+    .light_needs = light_needs,
+    .scratch_needs = scratch_needs,
+    .Lo = Lo,
+};

@@ -26,5 +26,12 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     return rgbd_round(bis_candidates_unoccluded(scratch->candidates, s->candidates));
 }
 
-const bis_integrator bis_unoccluded = {"unoccluded", "biased: without shadows; unbiased for L_ns", light_needs,
-                                       scratch_needs, Lo};
+const bis_integrator bis_unoccluded = {
+    .name = "unoccluded",
+    .words = "candidates, and no shadow rays: it leaves out all shadows",
+    .claim = "biased: without shadows; unbiased for L_ns",
+    .without_shadows = true,
+    .light_needs = light_needs,
+    .scratch_needs = scratch_needs,
+    .Lo = Lo,
+};

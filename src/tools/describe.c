@@ -1,5 +1,4 @@
-/* describe: one table says which integrator has which parameters; EXR attributes, --stats and the warning about an
- * option without effect all read it. */
+/* describe: settings and figures as attributes of an EXR, as lines of a scene and as the JSON of --stats. */
 #include "describe.h"
 
 #include "bis/base/file.h"
@@ -8,77 +7,28 @@
 #include "bis/files/image_file.h"
 #include "out/json.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
 #include <sys/resource.h>
 
-/* Parameters in the order of docs/scene-format.md, "Integrator". */
-static const struct {
-    const bis_integrator *integrator;
-    const char *parameters[BIS_MAX_PARAMETERS + 1];
-} table[] = {
-    {&bis_em, {"samples", "stratify"}},
-    {&bis_brdf, {"samples"}},
-    {&bis_mis, {"samples", "heuristic", "split", "compensate", "stratify"}},
-    {&bis_rejection, {"candidates", "shadowrays", "proposal", "estimator", "fallback"}},
-    {&bis_sir, {"candidates", "shadowrays", "proposal", "resampling", "stratify", "learn", "vectorize"}},
-    {&bis_exact, {"perpatch"}},
-    {&bis_unoccluded, {"candidates"}},
-};
-
-static const char *const *parameters_of(const bis_integrator *integrator)
+static bis_attribute attribute(const bis_parameter *p, const bis_settings *s)
 {
-    static const char *const none[] = {NULL};
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        if (table[i].integrator == integrator) return table[i].parameters;
-    }
-    return none;
-}
+    const double v = bis_parameter_get(p, s);
+    const bool is_number = p->type == BIS_PARAMETER_COUNT || p->type == BIS_PARAMETER_FRACTION;
 
-bool bis_integrator_uses(const bis_integrator *integrator, const char *parameter)
-{
-    for (const char *const *p = parameters_of(integrator); *p; p++) {
-        if (strcmp(*p, parameter) == 0) return true;
-    }
-    return false;
-}
-
-static const char *truth(bool b) { return b ? "true" : "false"; }
-
-static const char *fallback_name(bis_fallback f)
-{
-    if (f == BIS_FALLBACK_RESAMPLE) return "resample";
-    return f == BIS_FALLBACK_SUBSET ? "subset" : "unoccluded";
-}
-
-static bis_attribute parameter(const bis_settings *s, const char *name)
-{
-    const bis_attribute all[] = {
-        {"samples", NULL, s->samples},
-        {"candidates", NULL, s->candidates},
-        {"shadowrays", NULL, s->shadowrays},
-        {"perpatch", NULL, s->perpatch},
-        {"proposal", bis_proposal_name(s->proposal), 0},
-        {"heuristic", s->heuristic == BIS_HEURISTIC_POWER ? "power" : "balance", 0},
-        {"resampling", s->resampling == BIS_RESAMPLING_MULTINOMIAL ? "multinomial" : "systematic", 0},
-        {"estimator", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio", 0},
-        {"fallback", fallback_name(s->fallback), 0},
-        {"split", NULL, s->split},
-        {"compensate", truth(s->compensate), 0},
-        {"stratify", truth(s->stratify), 0},
-        {"learn", truth(s->learn), 0},
-        {"vectorize", truth(s->vectorize), 0},
-    };
-    size_t i = 0;
-    while (strcmp(all[i].name, name) != 0) i++; /* the table above names no other */
-    return all[i];
+    return (bis_attribute){p->name, is_number ? NULL : bis_parameter_text(NULL, p, v), is_number ? v : 0};
 }
 
 int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MAX_PARAMETERS])
 {
     int n = 0;
-    for (const char *const *p = parameters_of(s->integrator); *p; p++) parameters[n++] = parameter(s, *p);
+
+    for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL;) {
+        assert(n < BIS_MAX_PARAMETERS);
+        parameters[n++] = attribute(p, s);
+    }
     return n;
 }
 
@@ -93,19 +43,19 @@ static void append(char line[BIS_MAX_LINE], const char *fmt, ...)
     va_end(args);
 }
 
-const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s)
+const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bool all)
 {
-    bis_attribute parameters[BIS_MAX_PARAMETERS];
-    const int n = bis_describe_settings(s, parameters);
+    static const char *const types[] = {[BIS_PARAMETER_COUNT] = "integer", [BIS_PARAMETER_FRACTION] = "float",
+                                        [BIS_PARAMETER_BOOL] = "bool", [BIS_PARAMETER_CHOICE] = "string"};
+    char buf[32];
 
     *line = '\0';
     append(line, "Integrator \"%s\"", s->integrator->name);
-    for (int i = 0; i < n; i++) {
-        const bis_attribute *a = &parameters[i];
-        char number[32];
-        if (!a->text) append(line, " \"%s %s\" %s", strcmp(a->name, "split") == 0 ? "float" : "integer", a->name, bis_format_double(number, a->number));
-        else if (strcmp(a->text, "true") == 0 || strcmp(a->text, "false") == 0) append(line, " \"bool %s\" %s", a->name, a->text);
-        else append(line, " \"string %s\" \"%s\"", a->name, a->text);
+    for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL;) {
+        const double v = bis_parameter_get(p, s);
+        const char *quote = p->type == BIS_PARAMETER_CHOICE ? "\"" : "";
+        if (!all && p->type != BIS_PARAMETER_COUNT && v == p->usual) continue;
+        append(line, " \"%s %s\" %s%s%s", types[p->type], p->name, quote, bis_parameter_text(buf, p, v), quote);
     }
     return line;
 }
@@ -165,7 +115,7 @@ char *bis_describe_integrators(const bis_scene_desc *d, int first)
     for (int i = first; i <= d->exceptions.n && text; i++) {
         if (i && !bis_scene_uses_method(d, i)) continue;
         if (*text) text = joined(text, "\n");
-        if (text) text = joined(text, bis_describe_line(line, bis_scene_settings(d, i)));
+        if (text) text = joined(text, bis_describe_line(line, bis_scene_settings(d, i), true));
         if (text && i) text = with_materials(text, d, i, number, n);
     }
     bis_free(number);
@@ -175,10 +125,15 @@ fail:
     return NULL;
 }
 
-/* "mis", "sir product": what tells methods apart. */
+/* "product": what tells methods of one integrator apart, or "". */
+static const char *proposal_of(const bis_settings *s)
+{
+    return bis_parameter_of(s->integrator, "proposal") ? bis_proposal_name(s->proposal) : "";
+}
+
 static bool same_method(const bis_settings *a, const bis_settings *b)
 {
-    return a->integrator == b->integrator && (a->integrator != &bis_sir || a->proposal == b->proposal);
+    return a->integrator == b->integrator && strcmp(proposal_of(a), proposal_of(b)) == 0;
 }
 
 /* Cost x variance with the i-th setting for all; infinity: it is not for all. */
@@ -213,8 +168,8 @@ static double best_uniform(const bis_auto_report *r, const bis_settings *method)
 
 static void append_settings(char line[BIS_MAX_LINE], const bis_settings *s)
 {
-    if (s->integrator == &bis_sir)
-        append(line, "sir, %s, %u candidates, %u shadow rays", bis_proposal_name(s->proposal), (unsigned)s->candidates, (unsigned)s->shadowrays);
+    if (bis_parameter_of(s->integrator, "candidates"))
+        append(line, "%s, %s, %u candidates, %u shadow rays", s->integrator->name, proposal_of(s), (unsigned)s->candidates, (unsigned)s->shadowrays);
     else append(line, "%s, %u samples", s->integrator->name, (unsigned)s->samples);
 }
 
@@ -259,8 +214,8 @@ const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *
         const bis_settings *s = &r->tried[i].settings;
         const double own = uniform_product(r, i);
         if (same_method(s, &d->settings) || !isfinite(own) || own > best_uniform(r, s)) continue;
-        append(line, "%s%s%s%s%s %.2g", separator, n++ ? "" : "the best of ", s->integrator->name, s->integrator == &bis_sir ? " " : "",
-               s->integrator == &bis_sir ? bis_proposal_name(s->proposal) : "", own / chosen);
+        append(line, "%s%s%s%s%s %.2g", separator, n++ ? "" : "the best of ", s->integrator->name, *proposal_of(s) ? " " : "",
+               proposal_of(s), own / chosen);
         separator = ", ";
     }
     append(line, "%s (pilot: %d settings", *separator == ',' ? " times as long" : "", r->n_tried);
@@ -296,15 +251,11 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
 /* A parameter of the integrator, null where it has none of that name. */
 static void print_parameter(bis_json *j, const bis_settings *s, const char *name)
 {
-    if (!bis_integrator_uses(s->integrator, name)) {
-        bis_json_null(j, name);
-        return;
-    }
-    bis_attribute a = parameter(s, name);
-    if (a.text)
-        bis_json_text(j, name, a.text);
-    else
-        bis_json_number(j, name, a.number);
+    const bis_parameter *p = bis_parameter_of(s->integrator, name);
+    const bis_attribute a = p ? attribute(p, s) : (bis_attribute){name, NULL, (double)NAN};
+
+    if (a.text) bis_json_text(j, name, a.text);
+    else bis_json_number(j, name, a.number);
 }
 
 static void print_count(bis_json *j, const char *key, bool applies, uint64_t v)
@@ -365,7 +316,7 @@ static void print_group(bis_json *j, const bis_scene_desc *d, const bis_auto_rep
         bis_json_close(j);
     }
     bis_free(number);
-    if (r->is_chosen) bis_json_text(j, "chosen", bis_describe_line(line, &r->tried[r->chosen[g]].settings));
+    if (r->is_chosen) bis_json_text(j, "chosen", bis_describe_line(line, &r->tried[r->chosen[g]].settings, true));
     bis_json_close(j);
 }
 
@@ -375,7 +326,7 @@ static void print_tried(bis_json *j, const bis_auto_report *r, int i)
     char line[BIS_MAX_LINE];
 
     bis_json_open(j, NULL, '{');
-    bis_json_text(j, "line", bis_describe_line(line, &t->settings));
+    bis_json_text(j, "line", bis_describe_line(line, &t->settings, true));
     bis_json_count(j, "replicates", (uint64_t)t->replicates);
     bis_json_number(j, "pass_seconds", bis_auto_cost_of_all(r, i));
     bis_json_number(j, "pass_relmse", bis_auto_variance_of_all(r, i));
@@ -418,7 +369,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
 {
     const bis_settings *settings = &s->desc->settings;
     const bis_render_result *r = s->result;
-    bool rejects = settings->integrator == &bis_rejection;
+    const bool rejects = bis_parameter_of(settings->integrator, "estimator") != NULL;
     bis_json j = {.out = out};
 
     bis_json_open(&j, NULL, '{');

@@ -13,15 +13,13 @@
 
 enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 12, BIS_MAX_LINE = 512 };
 
-/* Has this integrator the parameter with that name ("candidates"; docs/scene-format.md, "Integrator")? */
-bool bis_integrator_uses(const bis_integrator *integrator, const char *parameter);
-
 /* The parameters that the integrator reads, in the order of docs/scene-format.md; returns their number. Texts are
  * static. */
 int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MAX_PARAMETERS]);
 
-/* The same as a scene file would say it: Integrator "sir" "integer candidates" 256 ... */
-const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s);
+/* The same as a scene file would say it: Integrator "sir" "integer candidates" 256 ... all: what has its default, too;
+ * else counts and what differs. */
+const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bool all);
 
 /* A line for each Integrator of the description from `first` on (0: the general one, 1: the exceptions alone), with
  * "\n" between; by bis_alloc. NULL: no memory. */

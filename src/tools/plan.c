@@ -25,40 +25,19 @@ static const char *megabytes(char buf[32], double bytes)
 
 /* ---- what is described ---- */
 
-static const char *truth(bool b) { return b ? "true" : "false"; }
-
 static void print_settings(const bis_settings *s, FILE *out)
 {
-    static const char *const fallbacks[] = {[BIS_FALLBACK_RESAMPLE] = "resample",
-                                            [BIS_FALLBACK_SUBSET] = "subset",
-                                            [BIS_FALLBACK_UNOCCLUDED] = "unoccluded"};
-    const bis_integrator *i = s->integrator;
-    char split[32];
+    const char *between = " ";
+    char buf[32];
 
-    if (i == &bis_auto) {
-        fprintf(out, "auto: a pilot will choose among %s\nclaim        %s\n",
-                s->only_sir ? "sir's proposals, M and N" : "mis, sir (proposal, M and N), and em or brdf where they are safe", i->claim);
-        return;
-    }
-    fprintf(out, "%s:", i->name);
-    if (i == &bis_exact) fprintf(out, " perpatch %" PRIu32, s->perpatch);
-    if (bis_integrator_uses(i, "samples")) fprintf(out, " samples %" PRIu32, s->samples);
-    if (i == &bis_sir || i == &bis_rejection || i == &bis_unoccluded)
-        fprintf(out, " candidates %" PRIu32, s->candidates);
-    if (i == &bis_sir || i == &bis_rejection)
-        fprintf(out, ", shadowrays %" PRIu32 ", proposal %s", s->shadowrays, bis_proposal_name(s->proposal));
-    if (i == &bis_mis)
-        fprintf(out, ", heuristic %s, split %s, compensate %s",
-                s->heuristic == BIS_HEURISTIC_POWER ? "power" : "balance",
-                bis_format_double(split, s->split), truth(s->compensate));
-    if (i == &bis_sir)
-        fprintf(out, ", resampling %s, learn %s, vectorize %s", s->resampling == BIS_RESAMPLING_MULTINOMIAL ? "multinomial" : "systematic",
-                truth(s->learn), truth(s->vectorize));
-    if (i == &bis_sir || i == &bis_em || i == &bis_mis) fprintf(out, ", stratify %s", truth(s->stratify));
-    if (i == &bis_rejection)
-        fprintf(out, ", estimator %s, fallback %s", s->estimator == BIS_ESTIMATOR_PLAIN ? "plain" : "ratio",
-                fallbacks[s->fallback]);
-    fprintf(out, "\nclaim        %s\n", i->claim);
+    if (s->integrator == &bis_auto) {
+        fprintf(out, "auto: a pilot will choose among %s",
+                s->only_sir ? "sir's proposals, M and N"
+                            : "mis, sir (proposal, M and N), and em or brdf where they are safe");
+    } else fprintf(out, "%s:", s->integrator->name);
+    for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->integrator, p)) != NULL; between = ", ")
+        fprintf(out, "%s%s %s", between, p->name, bis_parameter_text(buf, p, bis_parameter_get(p, s)));
+    fprintf(out, "\nclaim        %s\n", s->integrator->claim);
 }
 
 static void print_integrators(const bis_scene_desc *d, FILE *out)
@@ -274,8 +253,8 @@ static void print_materials(const bis_scene_desc *d, FILE *out)
         fprintf(out, "material     %" PRIu32 ": %s", k, m->model->name);
         print_colour("Kd", m->Kd, out);
         print_colour("Ks", m->Ks, out);
-        if (m->exponent > 0) fprintf(out, ", exponent %s", bis_format_double(buf, m->exponent));
-        if (m->alpha > 0) fprintf(out, ", roughness %s", bis_format_double(buf, sqrt(m->alpha)));
+        const bis_bsdf_width w = m->model->width(m);
+        if (w.scene_value > 0) fprintf(out, ", %s %s", w.scene_name, bis_format_double(buf, w.scene_value));
         fprintf(out, "; %zu shape%s", shapes[k], shapes[k] == 1 ? "" : "s");
         if (method) fprintf(out, "; exception %d, %s", method, bis_scene_settings(d, method)->integrator->name);
         fputc('\n', out);

@@ -35,7 +35,8 @@ static rgb fuse_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
     return noise_Lo(s, pt, stream, scratch);
 }
 
-static const bis_integrator fused = {"fused", "", no_light_needs, no_scratch, fuse_Lo};
+static const bis_integrator fused = {.name = "fused", .light_needs = no_light_needs,
+                                     .scratch_needs = no_scratch, .Lo = fuse_Lo};
 
 /* --- same bits
  * ----------------------------------------------------------------------------------------------------- */
@@ -262,7 +263,8 @@ static rgb drawn_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stre
 static void each_pass_has_a_pool_of_its_own(void **state)
 {
     (void)state;
-    const bis_integrator drawn = {"drawn", "", no_light_needs, drawn_scratch, drawn_Lo};
+    const bis_integrator drawn = {.name = "drawn", .light_needs = no_light_needs,
+                                  .scratch_needs = drawn_scratch, .Lo = drawn_Lo};
     world w;
     bis_film film;
     bis_render_result result;
@@ -459,7 +461,7 @@ static rgb slow_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
 static void no_pass_begins_that_would_not_fit_into_the_time(void **state)
 {
     (void)state;
-    const bis_integrator slow = {"slow", "", no_light_needs, no_scratch, slow_Lo};
+    const bis_integrator slow = {.name = "slow", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = slow_Lo};
     const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
     world w;
     bis_film film;

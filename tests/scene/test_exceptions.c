@@ -133,8 +133,10 @@ static rgb zero_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
     return (rgb){0, 0, 0};
 }
 
-static const bis_integrator one = {"one", "", no_light_needs, no_scratch, one_Lo};
-static const bis_integrator zero = {"zero", "", no_light_needs, no_scratch, zero_Lo};
+static const bis_integrator one = {.name = "one", .light_needs = no_light_needs,
+                                   .scratch_needs = no_scratch, .Lo = one_Lo};
+static const bis_integrator zero = {.name = "zero", .light_needs = no_light_needs,
+                                    .scratch_needs = no_scratch, .Lo = zero_Lo};
 
 /* sum > 0 where a camera sample of the same seed meets material m. */
 static void render_places(bis_film *film, int m)

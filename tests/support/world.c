@@ -175,6 +175,8 @@ static rgb sick_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
     return (rgb){1, u < 0.125 ? NAN : u < 0.25 ? INFINITY : 1, 1};
 }
 
-const bis_integrator noise = {"noise", "", no_light_needs, no_scratch, noise_Lo};
-const bis_integrator place = {"place", "", no_light_needs, no_scratch, place_Lo};
-const bis_integrator sick = {"sick", "", no_light_needs, no_scratch, sick_Lo};
+const bis_integrator noise = {.name = "noise", .light_needs = no_light_needs,
+                              .scratch_needs = no_scratch, .Lo = noise_Lo};
+const bis_integrator place = {.name = "place", .light_needs = no_light_needs,
+                              .scratch_needs = no_scratch, .Lo = place_Lo};
+const bis_integrator sick = {.name = "sick", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = sick_Lo};

@@ -3,14 +3,17 @@
  * Statistical tests: 5e-3 for all of this file together. */
 #include "tools/pixel/pixel.h"
 
+#include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/base/stats.h"
 #include "bis/files/image_file.h"
 #include "bis/scene/light_load.h"
+#include "html_check.h"
 #include "json_check.h"
 #include "lit.h"
 #include "map_help.h"
+#include "out/palette.h"
 #include "program.h"
 #include "stat.h"
 #include "tools/verify/verify.h"
@@ -526,16 +529,54 @@ static void scenery_clear(scenery *s)
     bis_light_free(s->light);
 }
 
+/* The two drawings as texts, to be freed. */
+static bis_status draw(char *text[2], const bis_pixel_figure *figure)
+{
+    size_t n;
+    FILE *out[2] = {open_memstream(&text[0], &n), open_memstream(&text[1], &n)};
+    const bis_status status = bis_pixel_figures(out[0], out[1], figure, NULL);
+    for (int i = 0; i < 2; i++) fclose(out[i]);
+    return status;
+}
+
+/* What a picture inside a drawing shows, linear. It is base64 of a PNG (RFC 4648). */
+static void read_picture(bis_image *image, const char *drawing, const char *name)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char mark[64];
+    snprintf(mark, sizeof mark, "<image id=\"%s\"", name);
+    const char *at = strstr(drawing, mark);
+    assert_non_null(at);
+    at = strstr(at, "base64,") + 7;
+    unsigned char *file = malloc(strlen(at)), *rows;
+    size_t n = 0;
+    unsigned long bits = 0;
+    for (size_t i = 0; strchr(digits, at[i]); i++) {
+        bits = bits << 6 | (unsigned long)(strchr(digits, at[i]) - digits);
+        if (i % 4 > 0) file[n++] = (unsigned char)(bits >> (6 - 2 * (i % 4)));
+    }
+    png_image png = {.version = PNG_IMAGE_VERSION};
+    assert_true(png_image_begin_read_from_memory(&png, file, n));
+    png.format = PNG_FORMAT_RGB;
+    rows = malloc(PNG_IMAGE_SIZE(png));
+    assert_true(png_image_finish_read(&png, NULL, rows, 0, NULL));
+    assert_int_equal(bis_image_init(image, (int)png.width, (int)png.height, NULL), BIS_OK);
+    for (size_t i = 0; i < (size_t)png.width * png.height; i++) {
+        image->pixels[i] = bis_palette_srgb(rows[3 * i] / 255.0, rows[3 * i + 1] / 255.0, rows[3 * i + 2] / 255.0);
+    }
+    free(rows);
+    free(file);
+}
+
 static double luminance(rgb c) { return 0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b; }
 
-/* The mean lightness of a panel's upper left ... lower right part; panels lie in two columns. */
-static double lightness(const bis_image *page, int column, int row, double x0, double x1, double y0, double y1)
+/* The mean lightness of a panel's upper left ... lower right part. */
+static double lightness(const bis_image *panel, double x0, double x1, double y0, double y1)
 {
-    enum { LEFT = 56, TOP = 110, STEP_X = BIS_PIXEL_PLOT_WIDTH + 64, STEP_Y = BIS_PIXEL_PLOT_HEIGHT + 70 };
     double sum = 0, n = 0;
     for (int y = (int)(y0 * BIS_PIXEL_PLOT_HEIGHT); y < (int)(y1 * BIS_PIXEL_PLOT_HEIGHT); y++) {
         for (int x = (int)(x0 * BIS_PIXEL_PLOT_WIDTH); x < (int)(x1 * BIS_PIXEL_PLOT_WIDTH); x++) {
-            sum += luminance(page->pixels[(TOP + row * STEP_Y + y) * page->width + LEFT + column * STEP_X + x]);
+            sum += luminance(panel->pixels[y * panel->width + x]);
             n++;
         }
     }
@@ -546,24 +587,38 @@ static void plots_show_map_brdf_product_and_shadow(void **state)
 {
     (void)state;
     scenery s;
-    bis_image densities, samples;
+    static const char *const names[] = {"map", "brdf", "product", "seen"};
+    char *text[2], why[200], page[64];
+    bis_image panel[4];
     assert_int_equal(scenery_init(&s, LIT_SMOOTH, LIT_HALF), BIS_OK);
-    assert_int_equal(bis_pixel_figures(&densities, &samples, &s.figure, NULL), BIS_OK);
-    assert_true(densities.width == samples.width && densities.height < samples.height);
-    for (int i = 0; i < densities.width * densities.height; i++) {
-        assert_true(rgb_is_finite(densities.pixels[i]) && densities.pixels[i].r >= 0 && rgb_max(densities.pixels[i]) <= 1.0001);
+    assert_int_equal(draw(text, &s.figure), BIS_OK);
+    for (int i = 0; i < 2; i++) {
+        char *whole = malloc(strlen(text[i]) + 16);
+        sprintf(whole, "<!DOCTYPE html>%s", text[i]); /* the checker of pages knows no XML declaration */
+        if (!html_is_well_formed(whole, why, sizeof why)) fail_msg("%s", why);
+        free(whole);
     }
+    for (int i = 0; i < 4; i++) {
+        read_picture(&panel[i], text[0], names[i]);
+        assert_int_equal(panel[i].width, BIS_PIXEL_PLOT_WIDTH);
+        assert_int_equal(panel[i].height, BIS_PIXEL_PLOT_HEIGHT);
+        snprintf(page, sizeof page, "<use href=\"#%s\" x=\"%d\" y=\"%d\"/>", names[i], 56 + i % 2 * (BIS_PIXEL_PLOT_WIDTH + 64),
+                 110 + i / 2 * (BIS_PIXEL_PLOT_HEIGHT + 70));
+        assert_int_equal(html_count(text[0], page), 1); /* in two columns */
+    }
+    assert_int_equal(html_count(text[1], "<image "), 1); /* one ground for all panels */
+    assert_true(html_count(text[1], "<use href=\"#product\"") > 4);
     /* the map shines from everywhere, the BRDF reflects only from above its horizon, and y > 0, the left half, is
      * hidden */
-    assert_true(lightness(&densities, 0, 0, 0, 1, 0.9, 1) > 0.02);
-    assert_true(lightness(&densities, 1, 0, 0, 1, 0.9, 1) < 0.005);
-    assert_true(lightness(&densities, 1, 0, 0, 1, 0.1, 0.3) > 0.02);
-    assert_true(lightness(&densities, 0, 1, 0, 1, 0.9, 1) < 0.005);
-    assert_true(lightness(&densities, 0, 1, 0.05, 0.45, 0.1, 0.3) > 0.02);
-    assert_true(lightness(&densities, 1, 1, 0.05, 0.45, 0.1, 0.3) < 0.5 * lightness(&densities, 0, 1, 0.05, 0.45, 0.1, 0.3));
-    assert_near(lightness(&densities, 1, 1, 0.6, 0.7, 0.3, 0.5), lightness(&densities, 0, 1, 0.6, 0.7, 0.3, 0.5), 1e-9);
-    bis_image_clear(&densities);
-    bis_image_clear(&samples);
+    assert_true(lightness(&panel[0], 0, 1, 0.9, 1) > 0.02);
+    assert_true(lightness(&panel[1], 0, 1, 0.9, 1) < 0.005);
+    assert_true(lightness(&panel[1], 0, 1, 0.1, 0.3) > 0.02);
+    assert_true(lightness(&panel[2], 0, 1, 0.9, 1) < 0.005);
+    assert_true(lightness(&panel[2], 0.05, 0.45, 0.1, 0.3) > 0.02);
+    assert_true(lightness(&panel[3], 0.05, 0.45, 0.1, 0.3) < 0.5 * lightness(&panel[2], 0.05, 0.45, 0.1, 0.3));
+    assert_near(lightness(&panel[3], 0.6, 0.7, 0.3, 0.5), lightness(&panel[2], 0.6, 0.7, 0.3, 0.5), 1e-9);
+    for (int i = 0; i < 4; i++) bis_image_clear(&panel[i]);
+    for (int i = 0; i < 2; i++) free(text[i]);
     scenery_clear(&s);
 }
 
@@ -573,11 +628,13 @@ static void plots_of_a_constant_light_and_of_darkness_are_drawn(void **state)
     const lit_map maps[] = {LIT_CONSTANT, LIT_BELOW};
     for (int i = 0; i < 2; i++) {
         scenery s;
-        bis_image densities, samples;
+        char *text[2];
         assert_int_equal(scenery_init(&s, maps[i], LIT_ALL), BIS_OK);
-        assert_int_equal(bis_pixel_figures(&densities, &samples, &s.figure, NULL), BIS_OK);
-        bis_image_clear(&densities);
-        bis_image_clear(&samples);
+        assert_int_equal(draw(text, &s.figure), BIS_OK);
+        for (int k = 0; k < 2; k++) {
+            assert_true(!strstr(text[k], "nan") && !strstr(text[k], "inf"));
+            free(text[k]);
+        }
         scenery_clear(&s);
     }
 }
@@ -597,21 +654,20 @@ static void every_allocation_may_fail(void **state)
             bis_pixel_rays r = {0};
             bis_pixel_exact e;
             bis_pixel_method m = s.methods[0];
-            bis_image densities = {0}, samples = {0};
+            char *text[2] = {NULL, NULL};
             bis_stream_init(&stream, &sampler, 0, 0);
             bis_mem_fail_at(k);
             if (what == 0) status = bis_pixel_exact_of(&e, &s.l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL);
             else if (what == 1) status = bis_pixel_candidates_draw(&c, &s.l.pt, &sir, &stream, NULL);
             else if (what == 2) status = bis_pixel_rays_record(&r, &s.l.pt, &sir, &sampler, 0, 20, NULL);
             else if (what == 3) status = bis_pixel_method_run(&m, &s.l.pt, &s.exact, BIS_SAMPLER_RANDOM, 4, 1, NULL);
-            else status = bis_pixel_figures(&densities, &samples, &s.figure, NULL);
+            else status = draw(text, &s.figure);
             const bool failed = bis_mem_count() >= k;
             bis_mem_fail_at(0);
             assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
             bis_pixel_candidates_clear(&c);
             bis_pixel_rays_clear(&r);
-            bis_image_clear(&densities);
-            bis_image_clear(&samples);
+            for (int i = 0; i < 2; i++) free(text[i]);
             assert_true(k < 100);
         }
     }
@@ -723,15 +779,18 @@ static double sum_of(const table *t, const char *column)
     return sum;
 }
 
-static void assert_png(const char *path, int width)
+static void assert_drawing(const char *path, const char *picture)
 {
-    png_image png = {.version = PNG_IMAGE_VERSION};
-    assert_true(png_image_begin_read_from_file(&png, path));
-    assert_int_equal(png.width, width);
-    assert_int_equal(png.format, PNG_FORMAT_RGB);
-    unsigned char *rows = malloc(PNG_IMAGE_SIZE(png));
-    assert_true(png_image_finish_read(&png, NULL, rows, 0, NULL));
-    free(rows);
+    unsigned char *text;
+    size_t size;
+    bis_image image;
+    assert_int_equal(bis_file_read(&text, &size, path, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(strncmp((const char *)text, "<svg xmlns=", 11), 0);
+    assert_non_null(strstr((const char *)text, "</svg>\n"));
+    assert_non_null(strstr((const char *)text, "Pixel (3, 2) of scene.txt"));
+    read_picture(&image, (const char *)text, picture);
+    bis_image_clear(&image);
+    bis_free(text);
 }
 
 static void the_command_writes_tables_that_sum_to_what_it_says(void **state)
@@ -745,8 +804,8 @@ static void the_command_writes_tables_that_sum_to_what_it_says(void **state)
     program_expect(&r, 0, "pixel --json --repeats 50 --output " DIR "/out " SCENE " 3 2");
     assert_string_equal(r.messages, "");
     assert_true(json_is_valid(r.output));
-    assert_png(DIR "/out/densities.png", 1696);
-    assert_png(DIR "/out/samples.png", 1696);
+    assert_drawing(DIR "/out/densities.svg", "map");
+    assert_drawing(DIR "/out/samples.svg", "product");
     assert_int_equal(program_count_files(DIR "/out"), 5);
 
     read_table(&t, DIR "/out/candidates.csv");

@@ -1,7 +1,7 @@
 /* `bis trade`: its figures against others' arithmetic (bis render and bis compare for a run, sums of this file for the
  * tables, replicates read back for the references), its folder through interruption and --resume, its page through a
  * checker that is itself checked, and bad input. */
-#include "tools/trade/trade.h"
+#include "tools/trade/trade_page.h"
 
 #include "bis/tools/compare.h"
 #include "bis/base/file.h"
@@ -504,8 +504,7 @@ static void the_line_for_a_scene_file_is_the_setting(void **state)
     bis_trade_clear(&t);
 }
 
-/* What learns is another method than what does not: it has a row of its own, is not mistaken for the scene's, and has
- * no options for `bis render`. */
+/* What learns is another method than what does not: it has a row of its own, and is not mistaken for the scene's. */
 static void a_product_that_learns_has_a_row_of_its_own(void **state)
 {
     (void)state;
@@ -524,6 +523,9 @@ static void a_product_that_learns_has_a_row_of_its_own(void **state)
         bis_trade_option_text(text, &t.plan.settings[plain], t.desc->light.area_exponent);
         assert_string_equal(text, "--integrator sir --candidates 256 --shadowrays 16 --proposal product");
         bis_trade_option_text(text, &t.plan.settings[learned], t.desc->light.area_exponent);
+        assert_string_equal(text, "--integrator sir --candidates 256 --shadowrays 16 --proposal product --learn on");
+        const int independent = bis_trade_find_setting(&t.plan, "sir 256/16 independent"); /* resampling has no option */
+        bis_trade_option_text(text, &t.plan.settings[independent], t.desc->light.area_exponent);
         assert_string_equal(text, "");
         bis_trade_clear(&t);
     }
@@ -816,7 +818,7 @@ static void the_page_is_well_formed_and_needs_nothing_else(void **state)
         assert_int_equal(html_count(page, "id=\"cut\""), 1);
         assert_true(html_count(page, "<tr>") > 20);
         static const char *const no_figures[] = {" nan", ">nan", "-nan", "nan%", "nan ", ">inf", " inf ", "inf%"}; /* none of them in base64 */
-        for (int k = 0; k < 8; k++) assert_int_equal(html_count(page, no_figures[k]) - html_count(bis_trade_style, no_figures[k]), 0);
+        for (int k = 0; k < 8; k++) assert_int_equal(html_count(page, no_figures[k]) - html_count(bis_trade_page, no_figures[k]), 0);
         bis_free(page);
     }
 }
@@ -834,6 +836,33 @@ static void the_checker_of_pages_can_fail(void **state)
     for (size_t i = 0; i < sizeof broken / sizeof *broken; i++) assert_false(html_is_well_formed(broken[i], why, sizeof why));
     for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++) assert_false(html_is_self_contained(foreign[i], why, sizeof why));
     assert_true(html_is_self_contained("url(data:image/png;base64,AAAA)", why, sizeof why));
+}
+
+/* Each hole and section of page.html has its value in one of the sources: of these tests' measurements no one fills
+ * all of them. */
+static void every_name_of_the_page_is_written_by_a_source(void **state)
+{
+    (void)state;
+    static const char *const marks[] = {"[[", "each "};
+    int n = 0;
+    assert_int_equal(system("cat src/tools/trade/trade_page.c src/tools/trade/trade_plot.c src/tools/trade/trade_strips.c "
+                            "src/tools/trade/trade_words.c > " DIR "/sources"), 0);
+    char *sources = read_page(DIR "/sources");
+    for (int m = 0; m < 2; m++) {
+        for (const char *at = bis_trade_page; (at = strstr(at, marks[m]));) {
+            char alone[40], first[40], later[40];
+            at += strlen(marks[m]);
+            const int length = (int)strspn(at, "abcdefghijklmnopqrstuvwxyz0123456789_");
+            if (length == 0 || !strchr("|-*", at[length])) continue; /* the item itself; a word of the text */
+            snprintf(alone, sizeof alone, "\"%.*s\"", length, at);
+            snprintf(first, sizeof first, "\"%.*s=", length, at);
+            snprintf(later, sizeof later, "; %.*s=", length, at);
+            if (!strstr(sources, alone) && !strstr(sources, first) && !strstr(sources, later)) fail_msg("page.html: no source writes %s", alone);
+            n++;
+        }
+    }
+    assert_true(n > 100);
+    bis_free(sources);
 }
 
 static void odd_names_do_not_break_the_page(void **state)
@@ -1088,6 +1117,7 @@ int main(void)
         cmocka_unit_test(a_signal_before_the_first_run_says_that_nothing_was_measured),
         cmocka_unit_test(the_page_is_well_formed_and_needs_nothing_else),
         cmocka_unit_test(the_checker_of_pages_can_fail),
+        cmocka_unit_test(every_name_of_the_page_is_written_by_a_source),
         cmocka_unit_test(odd_names_do_not_break_the_page),
         cmocka_unit_test(bad_input_is_told_and_nothing_is_lost),
         cmocka_unit_test(a_folder_with_other_things_is_left_alone),

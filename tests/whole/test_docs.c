@@ -113,7 +113,7 @@ static void every_command_of_the_guide_works(void **state)
     (void)state;
     make_root();
     assert_true(run_commands_of("docs/guide.md") >= 12);
-    assert_true(program_exists(DIR "/pixel_350_300/samples.png") && program_exists(DIR "/sky-importance.png"));
+    assert_true(program_exists(DIR "/pixel_350_300/samples.svg") && program_exists(DIR "/sky-importance.png"));
 }
 
 /* No link of a page leads nowhere. */

@@ -30,4 +30,11 @@ static rgb uniform_Lo(const bis_settings *s, const bis_point *pt, bis_stream *st
     return rgbd_round(rgbd_scale(sum, 1 / (double)s->samples));
 }
 
-const bis_integrator bis_uniform = {"uniform", "unbiased", uniform_light_needs, uniform_scratch_needs, uniform_Lo};
+const bis_integrator bis_uniform = {
+    .name = "uniform",
+    .words = "directions uniform over the sphere",
+    .claim = "unbiased",
+    .light_needs = uniform_light_needs,
+    .scratch_needs = uniform_scratch_needs,
+    .Lo = uniform_Lo,
+};

@@ -16,8 +16,8 @@ typedef struct bis_light_desc {
     bool angular;        /* mapping "angular"; false: "latlong" */
     bool has_mapping;    /* the scene gives the mapping; a square map without it is an error */
     int width;           /* of the map that an angular map is resampled to; 0: twice the probe's width */
-    double area_exponent; /* b of thesis 3.4; default 0.15 */
-    int levels;          /* of thesis 3.4; default 8 */
+    double area_exponent; /* b of thesis 3.4; default BIS_AREA_EXPONENT */
+    int levels;          /* of thesis 3.4; default BIS_LEVELS */
     bool has_table_kind; /* the scene gives sampler "alias" or "cdf"; otherwise the kind of the pixel sampler decides */
     bis_table_kind table_kind;
     unsigned as_printed; /* BIS_E* of the importance; the scene copies them from its settings */
@@ -25,6 +25,9 @@ typedef struct bis_light_desc {
     bis_xform to_world;  /* a rotation or reflection */
     bis_loc loc;         /* the place of the directive */
 } bis_light_desc;
+
+/* bis_light_desc_default returns the light that a LightSource without parameters describes: a constant of radiance 1. */
+bis_light_desc bis_light_desc_default(void);
 
 /* bis_light_load reads the map's file, if there is one, and builds what `needs` (BIS_NEED_*) asks for. seconds (may
  * be NULL) receives the time for reading in [0] and for building in [1]. Warnings: bad values with their share of

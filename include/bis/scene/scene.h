@@ -49,6 +49,10 @@ typedef struct bis_film_desc {
     unsigned layers; /* a set of bis/scene/layers.h */
 } bis_film_desc;
 
+/* The film of a scene that says nothing of it, but for its filename. */
+extern const bis_film_desc bis_film_default;
+#define BIS_FILM_FILENAME "bis.exr"
+
 enum { BIS_MAX_EXCEPTIONS = 3 };
 
 /* Materials that are rendered with other settings than the rest. */
@@ -148,6 +152,18 @@ void bis_scene_free(bis_scene *s);
  * does. Errors: those of bis_accel_new; BIS_INPUT if the camera stands beyond the largest float. */
 bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind,
                            bis_diag *diag);
+
+/* bis_scene_point finds the surface that the camera ray `eye` meets first and stores it in *pt, with desc's material and
+ * with wo = -eye.d. Rays traced from *pt are counted in *counters; this one is not. *hit (may be NULL) receives the
+ * distance and the primitive. Returns false if the ray meets nothing. */
+bool bis_scene_point(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, bis_counters *counters,
+                     bis_hit *hit);
+
+/* bis_scene_material_of returns the material of a point, an index into desc->materials. */
+static inline uint32_t bis_scene_material_of(const bis_scene_desc *desc, const bis_point *pt)
+{
+    return (uint32_t)(pt->bsdf.material - desc->materials);
+}
 
 /* bis_scene_shape_of returns the shape (an index into desc->shapes) that primitive `prim` of the geometry belongs to.
  * *part receives the triangle in this shape, from 0; for a sphere or disk it is 0. */

@@ -29,6 +29,12 @@ typedef struct bis_bsdf {
     double p_specular;
 } bis_bsdf;
 
+/* What the width of a material's lobe depends on: the name and value in formulas, and those in scenes. */
+typedef struct bis_bsdf_width {
+    const char *name, *scene_name;
+    double value, scene_value;
+} bis_bsdf_width;
+
 /* The functions of a model. wi and wo are unit vectors in world space that point away from the surface. One function
  * computes f and the density of `sample`, because both need the power of the lobe, which is the most expensive part
  * of each. */
@@ -42,6 +48,8 @@ struct bis_bsdf_model {
     /* true if the lobe is a bump over the half vector, about the normal; false if it is a bump over wi, about r. Only
      * quadrature asks (src/tools/verify/verify_bsdf.c) */
     bool of_half_vector;
+    /* for --plan, `bis pixel` and `bis verify`, which describe materials */
+    bis_bsdf_width (*width)(const bis_material *m);
 };
 
 /* bis_bsdf_init prepares *b for material m and direction wo. n is the shading normal. n and wo are unit vectors in

@@ -23,6 +23,10 @@ typedef enum bis_table_kind { BIS_TABLE_ALIAS, BIS_TABLE_CDF } bis_table_kind;
 /* The largest b that a scene or an option may give. At b = 10, a region of a thousandth of the clamp of 0.01 sr keeps
  * 1e-30 of its importance. A larger b would change no picture and could underflow a double. */
 #define BIS_AREA_EXPONENT_MAX 10.0
+#define BIS_AREA_EXPONENT 0.15 /* the default */
+
+/* The number of levels of thesis 3.4: the default and the largest. */
+enum { BIS_LEVELS = 8, BIS_LEVELS_MAX = 254 };
 
 /* What to build. */
 typedef struct bis_importance_options {

@@ -6,44 +6,9 @@
 
 #include "bis/thesis/point.h"
 #include "bis/thesis/sampler.h"
+#include "bis/thesis/settings.h"
 
 #include <stdint.h>
-
-typedef enum bis_proposal {
-    BIS_PROPOSAL_EM,
-    BIS_PROPOSAL_BRDF,
-    BIS_PROPOSAL_MIX,
-    BIS_PROPOSAL_CHOOSE,
-    BIS_PROPOSAL_PRODUCT
-} bis_proposal;
-
-typedef enum bis_heuristic { BIS_HEURISTIC_BALANCE, BIS_HEURISTIC_POWER } bis_heuristic;
-typedef enum bis_resampling { BIS_RESAMPLING_SYSTEMATIC, BIS_RESAMPLING_MULTINOMIAL } bis_resampling;
-typedef enum bis_estimator { BIS_ESTIMATOR_RATIO, BIS_ESTIMATOR_PLAIN } bis_estimator;
-typedef enum bis_fallback { BIS_FALLBACK_RESAMPLE, BIS_FALLBACK_SUBSET, BIS_FALLBACK_UNOCCLUDED } bis_fallback;
-
-typedef struct bis_integrator bis_integrator;
-
-/* The parameters of all integrators (docs/scene-format.md, "Integrator"). Each integrator reads its own. */
-typedef struct bis_settings {
-    const bis_integrator *integrator;
-    uint32_t samples;    /* em, brdf, mis: N, >= 1 */
-    uint32_t candidates; /* rejection, sir, unoccluded: M, >= 1 */
-    uint32_t shadowrays; /* rejection, sir: N, >= 1 */
-    uint32_t perpatch;   /* exact: rays in a patch, >= 1 */
-    bis_proposal proposal;
-    bis_heuristic heuristic;
-    bis_resampling resampling;
-    bis_estimator estimator;
-    bis_fallback fallback;
-    double split;    /* mis: the share of the samples that the EM gets */
-    bool compensate; /* mis */
-    bool stratify;   /* em, mis, sir: take the map's samples along its curve */
-    bool learn;      /* sir with proposal "product": use the visibility that earlier passes measured */
-    bool vectorize;  /* sir: compute many candidates at once where possible (src/beyond/batch.c) */
-    bool only_sir;   /* auto: choose only among the settings of sir */
-    unsigned as_printed; /* all: BIS_E* of bis/thesis/errata.h, the equations to follow as printed; 0: none */
-} bis_settings;
 
 /* A candidate direction of chapter 4. It is drawn, then weighed, and a shadow ray is traced for it if it is chosen. C
  * is its value in plain importance sampling (eq. 4.8). The sum of C's channels is w = phat/q, the weight of eq. 4.9;
@@ -78,7 +43,9 @@ typedef struct bis_scratch {
 
 struct bis_integrator {
     const char *name;
-    const char *claim; /* "unbiased", or how and when it is biased; --plan and the docs show it */
+    const char *words; /* what it does, in a line of `bis help` */
+    const char *claim; /* "unbiased", or how and when it is biased; --plan, `bis help` and the docs show it */
+    bool without_shadows; /* it estimates L_ns (eq. 4.5) */
 
     /* light_needs returns what the integrator needs of the light, a set of BIS_NEED_*. scratch_needs adds what it
      * needs of the workspace; *need is zero before the call. */
@@ -88,32 +55,6 @@ struct bis_integrator {
     /* Lo returns one estimate of the radiance that is reflected at pt towards pt->wo. */
     rgb (*Lo)(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch);
 };
-
-extern const bis_integrator bis_em, bis_brdf, bis_mis, bis_rejection, bis_sir, bis_exact, bis_unoccluded;
-
-/* A placeholder and not an estimator: src/tools/auto/auto.c replaces it with the integrator that it selects. If
- * nobody has replaced it, it behaves like sir with default settings. It is not in the list below. */
-extern const bis_integrator bis_auto;
-
-/* All integrators. NULL ends the list. */
-extern const bis_integrator *const bis_integrators[];
-
-/* bis_integrator_find returns the integrator with this name, or NULL if there is none. It also finds "auto". */
-const bis_integrator *bis_integrator_find(const char *name);
-
-/* bis_settings_default returns the default settings of one integrator (docs/scene-format.md, "Integrator"). */
-bis_settings bis_settings_default(const bis_integrator *integrator);
-
-/* bis_settings_leave_open changes sir with 0 candidates into auto that chooses only among the settings of sir. Other
- * settings stay as they are. For the parser and the command line. */
-void bis_settings_leave_open(bis_settings *s);
-
-/* bis_settings_check returns whether the values are allowed. `at` is the place that messages name. Errors: BIS_INPUT.
- * Example: mis with N = 1 is an error, and its message names em and brdf. */
-bis_status bis_settings_check(const bis_settings *s, bis_loc at, bis_diag *diag);
-
-/* bis_proposal_name returns "em", "brdf", "mix", "choose" or "product". */
-const char *bis_proposal_name(bis_proposal p);
 
 /* bis_scratch_init allocates what the integrator of s needs. Errors: BIS_NOMEM. */
 bis_status bis_scratch_init(bis_scratch *scratch, const bis_settings *s, bis_diag *diag);

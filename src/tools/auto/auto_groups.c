@@ -116,14 +116,9 @@ static void look(uint32_t *met, const uint32_t *number, const bis_film *f, const
     for (int y = f->y0; y < f->y0 + f->height; y++) {
         for (int x = f->x0; x < f->x0 + f->width; x++) {
             const ray eye = bis_camera_ray(&desc->camera, f->full_width, f->full_height, x + 0.5, y + 0.5);
-            bis_hit hit;
-            bis_surface s;
-            *met = BIS_NO_NUMBER;
-            if (bis_accel_intersect(scene->accel, &eye, &hit)) {
-                bis_geometry_surface(&scene->geometry, hit.prim, &eye, &s);
-                *met = number[s.material];
-            }
-            met++;
+            bis_point pt;
+            const bool is_met = bis_scene_point(&pt, scene, desc, eye, NULL, NULL);
+            *met++ = is_met ? number[bis_scene_material_of(desc, &pt)] : BIS_NO_NUMBER;
         }
     }
 }

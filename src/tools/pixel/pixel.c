@@ -19,24 +19,19 @@
 bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
                     bis_counters *counters)
 {
-    bis_surface s;
     bis_hit h;
 
     *eye = bis_camera_ray(&desc->camera, desc->film.width, desc->film.height, x + 0.5, y + 0.5);
-    if (!bis_accel_intersect(scene->accel, eye, &h)) return false;
-    bis_geometry_surface(&scene->geometry, h.prim, eye, &s);
-    *hit = (bis_pixel_hit){.t = (double)h.t, .material = &desc->materials[s.material], .material_index = s.material};
+    if (!bis_scene_point(pt, scene, desc, *eye, counters, &h)) return false;
+    *hit = (bis_pixel_hit){.t = (double)h.t, .material = pt->bsdf.material, .material_index = bis_scene_material_of(desc, pt)};
     hit->shape = bis_scene_shape_of(scene, desc, h.prim, &hit->part);
-    *pt = (bis_point){.p = s.p, .n = s.n, .ng = s.ng, .origin = bis_surface_offset(&s), .wo = neg(eye->d), .light = scene->light,
-                      .accel = scene->accel, .counters = counters};
-    bis_bsdf_init(&pt->bsdf, hit->material, pt->n, pt->wo);
     return true;
 }
 
 const char *bis_pixel_material_name(char buf[64], const bis_material *m)
 {
-    const bool facets = m->alpha > 0;
-    snprintf(buf, 64, "%s, %s %.6g", m->model->name, facets ? "alpha" : "exponent", facets ? m->alpha : m->exponent);
+    const bis_bsdf_width w = m->model->width(m);
+    snprintf(buf, 64, "%s, %s %.6g", m->model->name, w.name, w.value);
     return buf;
 }
 
@@ -138,18 +133,16 @@ bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t ma
 
 /* ---- the methods ---- */
 
-static bool takes_candidates(const bis_integrator *i) { return i == &bis_rejection || i == &bis_sir || i == &bis_unoccluded; }
 
 /* The defaults, with M, N and samples of the scene's own integrator where that has them: what is compared has equal
  * means. */
 static bis_settings settings_of(const bis_integrator *i, const bis_settings *own)
 {
     bis_settings s = i == own->integrator ? *own : bis_settings_default(i);
-    if (takes_candidates(i) && takes_candidates(own->integrator)) s.candidates = own->candidates;
-    if (takes_candidates(i) && (own->integrator == &bis_sir || own->integrator == &bis_rejection)) s.shadowrays = own->shadowrays;
-    const bool own_samples = bis_integrator_uses(own->integrator, "samples");
-    if (own_samples && !takes_candidates(i)) s.samples = own->samples;
-    if (i == &bis_mis && s.samples < 2) s.samples = 2;
+    for (const bis_parameter *p = NULL; (p = bis_parameter_next(i, p)) != NULL;) {
+        const bis_parameter *same = bis_parameter_of(own->integrator, p->name);
+        if (p->type == BIS_PARAMETER_COUNT && same) bis_parameter_set(p, &s, fmax(bis_parameter_get(same, own), p->lo));
+    }
     s.compensate = false; /* it would need a table of its own */
     s.as_printed = own->as_printed;
     return s;
@@ -162,14 +155,14 @@ size_t bis_pixel_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], const bis
         const bis_integrator *in = bis_integrators[i];
         if (in == &bis_exact) continue;
         bis_pixel_method *m = &list[n++];
-        *m = (bis_pixel_method){.settings = settings_of(in, own), .is_open = in == &bis_unoccluded};
+        *m = (bis_pixel_method){.settings = settings_of(in, own), .is_open = in->without_shadows};
         snprintf(m->name, sizeof m->name, "%s", in->name);
-        if (in != &bis_rejection) continue;
+        if (!bis_parameter_of(in, "estimator")) continue;
         list[n] = *m;
         m->settings.estimator = BIS_ESTIMATOR_RATIO;
         list[n++].settings.estimator = BIS_ESTIMATOR_PLAIN;
-        snprintf(m->name, sizeof m->name, "rejection ratio");
-        snprintf(m[1].name, sizeof m[1].name, "rejection plain");
+        snprintf(m->name, sizeof m->name, "%s ratio", in->name);
+        snprintf(m[1].name, sizeof m[1].name, "%s plain", in->name);
     }
     return n;
 }

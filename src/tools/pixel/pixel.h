@@ -145,9 +145,9 @@ typedef struct bis_pixel_figure {
     size_t n_methods;
 } bis_pixel_figure;
 
-/* Figure 4.1: the densities q_L (eq. 4.2), q_f (4.3), their product p (4.4), and what of it is seen. Figure 4.2: the
- * shadow rays of the methods on the product. To be shown without any exposure. Errors: BIS_NOMEM. */
+/* bis_pixel_figures writes two SVG drawings. Figure 4.1: the densities q_L (eq. 4.2), q_f (4.3), their product p (4.4),
+ * and what of it is seen. Figure 4.2: the shadow rays of the methods on the product. Errors: BIS_NOMEM. */
 enum { BIS_PIXEL_PLOT_WIDTH = 720, BIS_PIXEL_PLOT_HEIGHT = 360 };
-bis_status bis_pixel_figures(bis_image *densities, bis_image *samples, const bis_pixel_figure *figure, bis_diag *diag);
+bis_status bis_pixel_figures(FILE *densities, FILE *samples, const bis_pixel_figure *figure, bis_diag *diag);
 
 #endif

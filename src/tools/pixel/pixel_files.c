@@ -1,9 +1,8 @@
-/* pixel_files: the folder of `bis pixel`: two pictures and three tables (RFC 4180: commas, a header, an empty field for
+/* pixel_files: the folder of `bis pixel`: two drawings and three tables (RFC 4180: commas, a header, an empty field for
  * what is not known). */
 #include "pixel_report.h"
 
 #include "bis/base/file.h"
-#include "bis/files/image_file.h"
 
 #include <string.h>
 
@@ -48,7 +47,7 @@ static void write_methods(FILE *f, const bis_pixel_report *r)
         put(f, m->skewness);
         put(f, m->error);
         put(f, m->rays);
-        put(f, m->settings.integrator == &bis_rejection ? m->accepted : (double)NAN);
+        put(f, bis_parameter_of(m->settings.integrator, "estimator") ? m->accepted : (double)NAN);
         fputc('\n', f);
     }
 }
@@ -94,25 +93,24 @@ static bis_status path_of(char path[MAX_PATH], const bis_pixel_report *r, const 
     return bis_error(diag, BIS_IO, (bis_loc){0}, "\"%s\": the name of the folder is too long", r->folder);
 }
 
-static bis_status write_table(const bis_pixel_report *r, const char *name, void (*write)(FILE *f, const bis_pixel_report *r), bis_diag *diag)
+static bis_status open_file(bis_outfile **out, const bis_pixel_report *r, const char *name, bis_diag *diag)
 {
     char path[MAX_PATH];
+    const bis_status status = path_of(path, r, name, diag);
+    return status ? status : bis_outfile_open(out, path, diag);
+}
+
+static bis_status write_table(const bis_pixel_report *r, const char *name,
+                              void (*write)(FILE *f, const bis_pixel_report *r), bis_diag *diag)
+{
     bis_outfile *out;
-    bis_status status = path_of(path, r, name, diag);
-    if (!status) status = bis_outfile_open(&out, path, diag);
+    const bis_status status = open_file(&out, r, name, diag);
     if (status) return status;
     write(bis_outfile_stream(out), r);
     return bis_outfile_commit(out, diag);
 }
 
 /* ---- pictures ---- */
-
-static bis_status write_picture(const bis_pixel_report *r, const char *name, const bis_image *image, bis_diag *diag)
-{
-    char path[MAX_PATH];
-    const bis_status status = path_of(path, r, name, diag);
-    return status ? status : bis_image_save_colours(image, path, diag);
-}
 
 static const char *file_name(const char *path)
 {
@@ -125,10 +123,10 @@ static bis_status write_pictures(const bis_pixel_report *r, bis_diag *diag)
     const bis_material *m = r->hit.material;
     const char *map = r->desc->light.filename ? file_name(r->desc->light.filename) : "a constant light";
     char title[160], subtitle[240], material[64];
-    bis_image densities, samples;
 
     snprintf(title, sizeof title, "Pixel (%d, %d) of %.80s", r->x, r->y, file_name(r->desc->path));
-    snprintf(subtitle, sizeof subtitle, "under %.80s; %s, Ks %.3g, Kd %.3g (means of r, g, b), seen at %.1f degrees", map,
+    snprintf(subtitle, sizeof subtitle,
+             "under %.80s; %s, Ks %.3g, Kd %.3g (means of r, g, b), seen at %.1f degrees", map,
              bis_pixel_material_name(material, m), rgb_sum(m->Ks) / 3, rgb_sum(m->Kd) / 3,
              atan2(length(cross(r->pt.n, r->pt.wo)), dot(r->pt.n, r->pt.wo)) * 180 / PI);
     const bis_pixel_figure figure = {
@@ -142,12 +140,19 @@ static bis_status write_pictures(const bis_pixel_report *r, bis_diag *diag)
         .rays = r->rays,
         .n_methods = r->n_methods,
     };
-    bis_status status = bis_pixel_figures(&densities, &samples, &figure, diag);
-    if (status) return status;
-    status = write_picture(r, "densities.png", &densities, diag);
-    if (!status) status = write_picture(r, "samples.png", &samples, diag);
-    bis_image_clear(&densities);
-    bis_image_clear(&samples);
+    bis_outfile *densities = NULL, *samples = NULL;
+    bis_status status = open_file(&densities, r, "densities.svg", diag);
+    if (!status) status = open_file(&samples, r, "samples.svg", diag);
+    if (!status) {
+        status = bis_pixel_figures(bis_outfile_stream(densities), bis_outfile_stream(samples), &figure, diag);
+    }
+    if (!status) {
+        status = bis_outfile_commit(densities, diag);
+        densities = NULL;
+    }
+    if (!status) return bis_outfile_commit(samples, diag);
+    bis_outfile_abort(densities);
+    bis_outfile_abort(samples);
     return status;
 }
 

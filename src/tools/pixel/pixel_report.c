@@ -41,7 +41,7 @@ static rgb background(const bis_pixel_report *r)
 
 static bool has_samples(const bis_settings *s)
 {
-    return bis_integrator_uses(s->integrator, "samples");
+    return bis_parameter_of(s->integrator, "samples") != NULL;
 }
 
 /* ---- text ---- */
@@ -158,7 +158,7 @@ void bis_pixel_print_text(const bis_pixel_report *r)
     print_exact(r);
     print_methods(r);
     print_candidates(r);
-    printf("\nwritten     %s/densities.png samples.png methods.csv candidates.csv rays.csv\n", r->folder);
+    printf("\nwritten     %s/densities.svg samples.svg methods.csv candidates.csv rays.csv\n", r->folder);
 }
 
 /* ---- JSON ---- */
@@ -194,13 +194,13 @@ static void json_hit(bis_json *j, const bis_pixel_report *r)
     json_vector(j, "wo", r->pt.wo);
     json_vector(j, "mirrored", r->pt.bsdf.r);
     bis_json_number(j, "cos_wo", dot(r->pt.n, r->pt.wo));
-    const bool facets = r->hit.material->alpha > 0;
+    const bis_bsdf_width w = r->hit.material->model->width(r->hit.material);
     bis_json_open(j, "material", '{');
     bis_json_text(j, "model", r->hit.material->model->name);
     json_colour(j, "Kd", r->hit.material->Kd);
     json_colour(j, "Ks", r->hit.material->Ks);
-    bis_json_number(j, "exponent", facets ? (double)NAN : r->hit.material->exponent);
-    bis_json_number(j, "alpha", facets ? r->hit.material->alpha : (double)NAN);
+    bis_json_number(j, "exponent", strcmp(w.name, "exponent") == 0 ? w.value : (double)NAN);
+    bis_json_number(j, "alpha", strcmp(w.name, "alpha") == 0 ? w.value : (double)NAN);
     bis_json_number(j, "p_specular", r->pt.bsdf.p_specular);
     bis_json_close(j);
     bis_json_close(j);
@@ -247,7 +247,7 @@ static void json_method(bis_json *j, const bis_pixel_method *m)
     bis_json_number(j, "skewness", m->skewness);
     bis_json_number(j, "relative_error", m->error);
     bis_json_number(j, "rays", m->rays);
-    bis_json_number(j, "accepted", m->settings.integrator == &bis_rejection ? m->accepted : (double)NAN);
+    bis_json_number(j, "accepted", bis_parameter_of(m->settings.integrator, "estimator") ? m->accepted : (double)NAN);
     bis_json_close(j);
 }
 

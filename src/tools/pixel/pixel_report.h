@@ -26,7 +26,7 @@ void bis_pixel_report_clear(bis_pixel_report *r); /* NULL is fine */
 void bis_pixel_print_text(const bis_pixel_report *r);
 void bis_pixel_print_json(const bis_pixel_report *r);
 
-/* densities.png, samples.png, methods.csv, candidates.csv, rays.csv. Errors: BIS_IO, BIS_NOMEM. */
+/* densities.svg, samples.svg, methods.csv, candidates.csv, rays.csv. Errors: BIS_IO, BIS_NOMEM. */
 bis_status bis_pixel_write_files(const bis_pixel_report *r, bis_diag *diag);
 
 #endif

@@ -1,5 +1,5 @@
-/* trade: what does a scene cost with which method, and how far is the picture from right? For src/tools/trade/trade_*.c and
- * src/cli/cmd_trade.c alone.
+/* trade: what does a scene cost with which method, and how far is the picture from right? For
+ * src/tools/trade/trade_*.c and src/cli/cmd_trade.c alone.
  *
  * A sweep is a table of settings (integrator, M, N, proposal, b, ...) x budgets of 1, 2, 4, ... passes x seeds. Each of
  * these runs is a render of its own, the one that `bis render --spp --seed` would make, compared with a reference that
@@ -30,7 +30,7 @@ enum {
     BIS_TRADE_MOST_PASSES = 1 << 22, /* of a replicate of a reference: four times the longest budget */
     BIS_TRADE_NAME = 48,
     BIS_TRADE_LIGHTS = 6,
-    BIS_TRADE_MOST_PIXELS = 90000, /* of the thin film in the mean: a step is a whole number, up to 2.25 times as many */
+    BIS_TRADE_MOST_PIXELS = 90000, /* of the thin film in the mean; a step is a whole number: up to 2.25 times as many */
     BIS_TRADE_REFERENCE_BUDGETS = 4, /* with --passes: a replicate of a reference has so many times the passes */
     BIS_TRADE_REPLICATES = 8, /* independent renders behind a reference: where its standard error comes from */
     BIS_TRADE_STRIP = 8       /* pictures in the report */
@@ -53,11 +53,11 @@ typedef struct bis_trade_setting {
 typedef struct bis_trade_plan {
     uint64_t fingerprint;           /* of the scene's text */
     int full_width, full_height;    /* as the scene asks for */
-    int step, width, height;        /* as measured: of each step x step pixels one, width x height of them (bis_film_init_thin) */
+    int step, width, height;        /* as measured: of each step x step pixels one (bis_film_init_thin) */
     int n_seeds;
     uint64_t seed;
     double run_seconds;             /* of the longest runs: the time of the equal-time pictures */
-    int reference[2];               /* settings that make the references, a mis and a sir; -1: that one is given or not needed */
+    int reference[2];               /* settings of the references, a mis and a sir; -1: given or not needed */
     uint32_t reference_passes[2];   /* of each replicate */
     bool is_given;                  /* --reference: references/given.exr */
     bis_trade_setting settings[BIS_TRADE_SETTINGS];
@@ -98,7 +98,7 @@ typedef struct bis_trade_point {
     double seconds;                /* median */
     double camera_rays, shadow_rays, candidates;
     double rmse, relmse, relmse_se;
-    double noise;                  /* relmse from both references' mean, without their share; may be <= 0 where they are too short */
+    double noise;                  /* relmse from both references' mean, less their share; <= 0: they are too short */
     double noise_se;               /* NAN: one seed */
     double bias, bias_se;          /* NAN: one seed */
     double cost_variance;          /* seconds * noise */
@@ -149,7 +149,8 @@ typedef struct bis_trade_options {
     const char *const *integrators; /* the only ones to sweep */
     int n_integrators;    /* 0: all */
     const volatile sig_atomic_t *interrupted;
-    void (*progress)(const char *what, double share, double seconds_left, void *user); /* may be NULL; seconds_left may be NAN */
+    /* may be NULL; seconds_left may be NAN */
+    void (*progress)(const char *what, double share, double seconds_left, void *user);
     void *user;
 } bis_trade_options;
 
@@ -190,6 +191,9 @@ void bis_trade_clear(bis_trade *t);
 void bis_trade_list_settings(bis_trade *t, bool small_map);
 int bis_trade_find_setting(const bis_trade_plan *plan, const char *name);
 
+/* Is it compared? `exact` and `unoccluded` are not, because one is a reference and the other leaves the shadows out; nor is `auto`. */
+bool bis_trade_is_rival(const bis_integrator *i);
+
 /* Which reference judges this setting: 0, by mis, or 1, by sir. Never one of its own family. */
 int bis_trade_judge_of(const bis_trade_setting *s);
 
@@ -214,8 +218,8 @@ bis_film bis_trade_film(const bis_trade *t, int step);
 
 /* Render `passes` into it; image (may be NULL) is cleared by the caller, *relative_rmse (may be NULL) from
  * the passes' scatter. An interrupted render leaves result->passes < passes. */
-bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed, bis_image *image,
-                            bis_render_result *result, bis_diag *diag);
+bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed,
+                            bis_image *image, bis_render_result *result, bis_diag *diag);
 
 /* --- trade_plan.c --- */
 
@@ -244,7 +248,8 @@ bis_status bis_trade_add_run(bis_trade *t, const bis_trade_run *run, bis_diag *d
 bis_status bis_trade_make_references(bis_trade *t, bis_diag *diag);
 
 /* Of a given one, of the size of film `all`, the pixels that the thin film `some` of the same picture has. */
-bis_status bis_trade_thin(bis_image *out, const bis_image *full, const bis_film *all, const bis_film *some, bis_diag *diag);
+bis_status bis_trade_thin(bis_image *out, const bis_image *full, const bis_film *all, const bis_film *some,
+                          bis_diag *diag);
 
 /* --- trade_stats.c, trade_advice.c --- */
 
@@ -252,8 +257,10 @@ bis_status bis_trade_summarise(bis_trade *t, bis_diag *diag);
 
 /* By interpolation between budgets in log-log; beyond the longest by the root law, *extrapolated; NAN below one pass or
  * for a biased setting beyond its measurements. */
-double bis_trade_error_at(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double seconds, bool *extrapolated);
-double bis_trade_seconds_to(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double error, bool *extrapolated);
+double bis_trade_error_at(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double seconds,
+                          bool *extrapolated);
+double bis_trade_seconds_to(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double error,
+                            bool *extrapolated);
 
 /* The setting of an integrator with the least cost x variance, its standard error added; NULL: of all that are
  * unbiased. -1: none was measured. */
@@ -302,34 +309,20 @@ bis_status bis_trade_time_advice(bis_trade *t, bis_diag *diag);
 /* An earlier advice takes the same setting: seconds from that one's, as many for each pass. False: there is none. */
 bool bis_trade_take_known_seconds(bis_trade_advice *all, int i);
 
-/* --- trade_report.c and its parts: all print HTML --- */
+/* --- trade_page.c; its parts are in trade_page.h --- */
 
 bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag);
 
-/* Text with &, <, >, quotes and what is no UTF-8 made harmless. */
-void bis_trade_put_text(FILE *out, const char *text);
+/* --- trade_words.c --- */
 
 /* "0.32 s", "4.1 min", "2.1 h"; "12%", "3.4%". */
 const char *bis_trade_duration(char buf[24], double seconds);
 const char *bis_trade_percent(char buf[24], double v);
 
-/* Error over time, or over rays for each pixel, as an SVG. */
-void bis_trade_plot(FILE *out, const bis_trade *t, bool by_rays);
-
-/* Bars of cost x variance; the two tables. */
-void bis_trade_put_costs(FILE *out, const bis_trade *t);
-void bis_trade_put_equal_times(FILE *out, const bis_trade *t);
-void bis_trade_put_equal_errors(FILE *out, const bis_trade *t);
-void bis_trade_put_front(FILE *out, const bis_trade *t);
+/* --- trade_strips.c --- */
 
 /* bis_trade_exposure sets *exposure to that of all pictures of the page: what `bis render` gives a PNG of the
  * reference, metered on the shapes and not on the background. t: loaded, with t->both. Errors: BIS_NOMEM. */
 bis_status bis_trade_exposure(double *exposure, const bis_trade *t, bis_diag *diag);
-
-/* CSS variables --ref, --p0, --e0, ...: each picture stands in the page once. */
-bis_status bis_trade_put_images(FILE *out, const bis_trade *t, bis_diag *diag);
-void bis_trade_put_strips(FILE *out, const bis_trade *t);
-void bis_trade_put_slider(FILE *out, const bis_trade *t);
-extern const char bis_trade_style[], bis_trade_script[];
 
 #endif

@@ -2,10 +2,11 @@
  *
  * One table. Rows differ from the first of their integrator in one thing, so that what is compared is that thing: N, then M, then the proposal, the
  * stratification, b. The thesis's own setting, 15 of 800, is there for rejection and SIR. A new option of an integrator that changes cost or
- * variance wants a row here. */
+ * variance wants a row here; a new integrator without one is swept with its defaults. */
 #include "trade.h"
 
 #include "bis/base/file.h"
+#include "tools/describe.h"
 
 #include <string.h>
 
@@ -70,6 +71,12 @@ static double b_of(const recipe *r)
     return bis_parse_double(r->variant + 2, &end);
 }
 
+static bool has(const bis_settings *s, const char *parameter) { return bis_parameter_of(s->integrator, parameter) != NULL; }
+static bool is_biased(const bis_settings *s) { return has(s, "estimator") && s->estimator == BIS_ESTIMATOR_RATIO; }
+
+/* N: what a setting spends on rays. */
+static uint32_t rays_of(const bis_settings *s) { return has(s, "shadowrays") ? s->shadowrays : s->samples; }
+
 static bis_trade_setting setting_of(const recipe *r, double scenes_b)
 {
     bis_trade_setting s = {.settings = bis_settings_default(bis_integrator_find(r->integrator)), .area_exponent = scenes_b, .is_swept = true};
@@ -92,29 +99,31 @@ static bis_trade_setting setting_of(const recipe *r, double scenes_b)
         s.settings.resampling = BIS_RESAMPLING_MULTINOMIAL;
     }
     if (is_of_b(r)) s.area_exponent = b_of(r);
-    s.is_biased = s.settings.integrator == &bis_rejection && s.settings.estimator == BIS_ESTIMATOR_RATIO;
+    s.is_biased = is_biased(&s.settings);
     return s;
 }
 
-/* What a setting reads of the settings is the same. */
 static bool equal_settings(const bis_trade_setting *x, const bis_trade_setting *y)
 {
-    const bis_settings *a = &x->settings, *b = &y->settings;
-    const bool by_candidates = a->integrator == &bis_sir || a->integrator == &bis_rejection;
-
-    if (a->integrator != b->integrator || x->area_exponent != y->area_exponent) return false;
-    if (by_candidates) {
-        const bool counts = a->candidates == b->candidates && a->shadowrays == b->shadowrays && a->proposal == b->proposal;
-        if (a->integrator == &bis_rejection) return counts && a->estimator == b->estimator && a->fallback == b->fallback;
-        return counts && a->resampling == b->resampling && a->stratify == b->stratify && a->learn == b->learn && a->vectorize == b->vectorize;
-    }
-    if (a->samples != b->samples || (a->integrator != &bis_brdf && a->stratify != b->stratify)) return false;
-    return a->integrator != &bis_mis || (a->heuristic == b->heuristic && a->split == b->split && a->compensate == b->compensate);
+    return x->area_exponent == y->area_exponent && bis_settings_equal(&x->settings, &y->settings);
 }
 
-/* `exact` and `unoccluded` are no rivals: one is a reference, the other leaves the shadows out; `auto`
- * is none of itself. */
-static bool is_rival(const bis_integrator *i) { return i != &bis_exact && i != &bis_unoccluded && i != &bis_auto; }
+bool bis_trade_is_rival(const bis_integrator *i)
+{
+    return bis_parameter_of(i, "shadowrays") || bis_parameter_of(i, "samples");
+}
+
+/* An integrator without a row is compared with its defaults. */
+static void add_newcomers(bis_trade *t)
+{
+    for (const bis_integrator *const *i = bis_integrators; *i; i++) {
+        const bis_settings usual = bis_settings_default(*i);
+        const recipe r = {(*i)->name, has(&usual, "candidates") ? usual.candidates : 0, rays_of(&usual), "", true};
+        int k = 0;
+        while (k < N_RECIPES && strcmp(recipes[k].integrator, (*i)->name) != 0) k++;
+        if (k == N_RECIPES && bis_trade_is_rival(*i)) t->plan.settings[t->plan.n_settings++] = setting_of(&r, t->desc->light.area_exponent);
+    }
+}
 
 static void add_scenes_own(bis_trade *t)
 {
@@ -122,16 +131,15 @@ static void add_scenes_own(bis_trade *t)
     bis_trade_setting own = {.settings = t->desc->settings, .area_exponent = t->desc->light.area_exponent, .is_scenes = true, .is_swept = true};
 
     own.settings.as_printed = 0;
-    if (!is_rival(own.settings.integrator)) return;
-    own.is_biased = own.settings.integrator == &bis_rejection && own.settings.estimator == BIS_ESTIMATOR_RATIO;
+    if (!bis_trade_is_rival(own.settings.integrator)) return;
+    own.is_biased = is_biased(&own.settings);
     for (int i = 0; i < plan->n_settings; i++) {
         if (!equal_settings(&plan->settings[i], &own)) continue;
         plan->settings[i].is_scenes = true;
         return;
     }
-    const bool by_candidates = own.settings.integrator == &bis_sir || own.settings.integrator == &bis_rejection;
-    const recipe r = {own.settings.integrator->name, by_candidates ? own.settings.candidates : 0,
-                      by_candidates ? own.settings.shadowrays : own.settings.samples, "scene's own", true};
+    const recipe r = {own.settings.integrator->name, has(&own.settings, "candidates") ? own.settings.candidates : 0,
+                      rays_of(&own.settings), "scene's own", true};
     name_setting(&own, &r);
     plan->settings[plan->n_settings++] = own;
 }
@@ -162,6 +170,7 @@ void bis_trade_list_settings(bis_trade *t, bool small_map)
         s.is_swept = !t->o.quick || recipes[i].quick;
         plan->settings[plan->n_settings++] = s;
     }
+    add_newcomers(t);
     add_scenes_own(t);
     for (int i = 0; i < plan->n_settings; i++) {
         bis_trade_setting *s = &plan->settings[i];
@@ -179,54 +188,32 @@ int bis_trade_find_setting(const bis_trade_plan *plan, const char *name)
 
 int bis_trade_judge_of(const bis_trade_setting *s)
 {
-    return s->settings.integrator == &bis_sir || s->settings.integrator == &bis_rejection ? 0 : 1;
+    return has(&s->settings, "shadowrays") ? 0 : 1;
 }
 
 /* ---- as text ---- */
 
 void bis_trade_scene_text(char text[256], const bis_trade_setting *s, double scenes_b)
 {
-    const bis_settings *v = &s->settings;
-    const bis_settings usual = bis_settings_default(v->integrator);
-    const bool by_candidates = v->integrator == &bis_sir || v->integrator == &bis_rejection;
-    char number[32];
-    int n = snprintf(text, 256, "Integrator \"%s\"", v->integrator->name);
+    char line[BIS_MAX_LINE], b[32];
 
-    if (by_candidates) {
-        n += snprintf(text + n, 256 - (size_t)n, " \"integer candidates\" %u \"integer shadowrays\" %u", (unsigned)v->candidates, (unsigned)v->shadowrays);
-        if (v->proposal != usual.proposal) n += snprintf(text + n, 256 - (size_t)n, " \"string proposal\" \"%s\"", bis_proposal_name(v->proposal));
-    } else {
-        n += snprintf(text + n, 256 - (size_t)n, " \"integer samples\" %u", (unsigned)v->samples);
-    }
-    if (v->stratify != usual.stratify) n += snprintf(text + n, 256 - (size_t)n, " \"bool stratify\" %s", v->stratify ? "true" : "false");
-    if (v->integrator == &bis_sir && v->learn) n += snprintf(text + n, 256 - (size_t)n, " \"bool learn\" true");
-    if (v->vectorize != usual.vectorize) n += snprintf(text + n, 256 - (size_t)n, " \"bool vectorize\" false");
-    if (v->integrator == &bis_sir && v->resampling != usual.resampling) n += snprintf(text + n, 256 - (size_t)n, " \"string resampling\" \"multinomial\"");
-    if (v->integrator == &bis_rejection && v->estimator != usual.estimator) n += snprintf(text + n, 256 - (size_t)n, " \"string estimator\" \"plain\"");
-    if (v->integrator == &bis_mis && v->heuristic != usual.heuristic) n += snprintf(text + n, 256 - (size_t)n, " \"string heuristic\" \"power\"");
-    if (v->integrator == &bis_mis && v->split != usual.split) n += snprintf(text + n, 256 - (size_t)n, " \"float split\" %s", bis_format_double(number, v->split));
-    if (v->integrator == &bis_mis && v->compensate) n += snprintf(text + n, 256 - (size_t)n, " \"bool compensate\" true");
-    if (s->area_exponent != scenes_b) snprintf(text + n, 256 - (size_t)n, "; in LightSource: \"float areaexponent\" %s", bis_format_double(number, s->area_exponent));
+    bis_describe_line(line, &s->settings, false);
+    if (s->area_exponent == scenes_b) snprintf(text, 256, "%.255s", line);
+    else snprintf(text, 256, "%.199s; in LightSource: \"float areaexponent\" %s", line, bis_format_double(b, s->area_exponent));
 }
 
 void bis_trade_option_text(char text[128], const bis_trade_setting *s, double scenes_b)
 {
-    const bis_settings *v = &s->settings;
-    bis_settings plain = bis_settings_default(v->integrator);
-    const bool by_candidates = v->integrator == &bis_sir || v->integrator == &bis_rejection;
+    int n = snprintf(text, 128, "--integrator %s", s->settings.integrator->name);
+    bool is_reachable = s->area_exponent == scenes_b;
 
-    plain.candidates = v->candidates;
-    plain.shadowrays = v->shadowrays;
-    plain.samples = v->samples;
-    plain.proposal = v->proposal;
-    const bis_trade_setting reachable = {.settings = plain, .area_exponent = scenes_b};
-    text[0] = '\0';
-    if (!equal_settings(&reachable, s)) return;
-    int n = snprintf(text, 128, "--integrator %s", v->integrator->name);
-    if (!by_candidates) {
-        snprintf(text + n, 128 - (size_t)n, " --samples %u", (unsigned)v->samples);
-        return;
+    for (const bis_parameter *p = NULL; (p = bis_parameter_next(s->settings.integrator, p)) != NULL;) {
+        const double v = bis_parameter_get(p, &s->settings);
+        char buf[32];
+        if (p->type != BIS_PARAMETER_COUNT && v == p->usual) continue;
+        is_reachable &= p->is_option;
+        const char *value = p->type == BIS_PARAMETER_BOOL ? (v > 0 ? "on" : "off") : bis_parameter_text(buf, p, v);
+        if (n < 128) n += snprintf(text + n, 128 - (size_t)n, " --%s %s", p->name, value);
     }
-    n += snprintf(text + n, 128 - (size_t)n, " --candidates %u --shadowrays %u", (unsigned)v->candidates, (unsigned)v->shadowrays);
-    if (v->proposal != bis_settings_default(v->integrator).proposal) snprintf(text + n, 128 - (size_t)n, " --proposal %s", bis_proposal_name(v->proposal));
+    if (!is_reachable) text[0] = '\0';
 }

@@ -4,53 +4,19 @@
  * element with that background. All have one exposure, from the reference, so that what differs is the method. Crops
  * are windows of a quarter of the picture's sides: the one in which the methods err most, and the next that does not
  * overlap it. Errors are those of `bis compare --diff`. */
-#include "trade.h"
+#include "trade_page.h"
 
 #include "bis/tools/compare.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "files/image_png.h"
+#include "out/markup.h"
 
 #include <stdlib.h>
 
 enum { CROP = 4, N_CROPS = 2 }; /* a crop is 1/CROP of the sides */
 
-/* ---- data URIs ---- */
-
-static void put_base64(FILE *out, const unsigned char *data, size_t n)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < n; i += 3) {
-        const unsigned v = (unsigned)data[i] << 16 | (i + 1 < n ? (unsigned)data[i + 1] << 8 : 0) | (i + 2 < n ? (unsigned)data[i + 2] : 0);
-        fputc(digits[v >> 18], out);
-        fputc(digits[v >> 12 & 63], out);
-        fputc(i + 1 < n ? digits[v >> 6 & 63] : '=', out);
-        fputc(i + 2 < n ? digits[v & 63] : '=', out);
-    }
-}
-
-/* "--NAME:url(data:image/png;base64,...);" */
-static bis_status put_image(FILE *out, const char *name, const bis_image *image, double exposure, bis_diag *diag)
-{
-    bis_channel channels[3];
-    bis_picture picture = bis_image_picture(image, channels);
-    char *data = NULL;
-    size_t n = 0;
-    FILE *memory = open_memstream(&data, &n);
-
-    picture.has_exposure = true;
-    picture.exposure = exposure;
-    if (!memory) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the pictures of the report");
-    bis_status status = bis_png_write(memory, &picture, "report.html", diag);
-    if (fclose(memory) != 0 && !status) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the pictures of the report");
-    if (!status) {
-        fprintf(out, "--%s:url(data:image/png;base64,", name);
-        put_base64(out, (const unsigned char *)data, n);
-        fputs(");\n", out);
-    }
-    free(data); /* the C library's, not ours */
-    return status;
-}
+/* ---- exposure ---- */
 
 /* The share of geometry in each pixel of the measured window, by 16 rays a pixel, for channel "A" of the reference: its
  * files hold colours alone. NULL: no memory. */
@@ -95,27 +61,48 @@ bis_status bis_trade_exposure(double *exposure, const bis_trade *t, bis_diag *di
     return BIS_OK;
 }
 
-bis_status bis_trade_put_images(FILE *out, const bis_trade *t, bis_diag *diag)
+/* ---- pictures ---- */
+
+static bis_status put_picture(bis_json *j, const char *name, const bis_image *image, double exposure, bis_diag *diag)
+{
+    char *png = bis_markup_png(image, exposure, diag);
+
+    if (!png) return BIS_NOMEM;
+    bis_json_open(j, NULL, '{');
+    bis_json_text(j, "name", name);
+    bis_json_text(j, "png", png);
+    bis_json_close(j);
+    free(png);
+    return BIS_OK;
+}
+
+/* Picture i of the strip and its error. */
+static bis_status put_pair(bis_json *j, const bis_trade *t, int i, double exposure, bis_diag *diag)
+{
+    bis_image error;
+    char name[16];
+
+    snprintf(name, sizeof name, "p%d", i);
+    bis_status status = put_picture(j, name, &t->strip[i].image, exposure, diag);
+    if (!status) status = bis_compare_picture(&error, &t->strip[i].image, &t->both.image, diag);
+    if (status) return status;
+    snprintf(name, sizeof name, "e%d", i);
+    status = put_picture(j, name, &error, 0, diag);
+    bis_image_clear(&error);
+    return status;
+}
+
+bis_status bis_trade_put_pictures(bis_json *j, const bis_trade *t, bis_diag *diag)
 {
     double exposure;
     bis_status status = bis_trade_exposure(&exposure, t, diag);
 
     if (status) return status;
-    fprintf(out, ":root{--ratio:%d/%d;\n", t->both.image.width, t->both.image.height);
-    status = put_image(out, "ref", &t->both.image, exposure, diag);
-    for (int i = 0; i < t->n_strip && !status; i++) {
-        const bis_trade_picture *p = &t->strip[i];
-        bis_image error;
-        char name[16];
-        snprintf(name, sizeof name, "p%d", i);
-        status = put_image(out, name, &p->image, exposure, diag);
-        if (!status) status = bis_compare_picture(&error, &p->image, &t->both.image, diag);
-        if (status) break;
-        snprintf(name, sizeof name, "e%d", i);
-        status = put_image(out, name, &error, 0, diag);
-        bis_image_clear(&error);
-    }
-    fputs("}\n", out);
+    bis_trade_say(j, "ratio=%d/%d", t->both.image.width, t->both.image.height);
+    bis_json_open(j, "pictures", '[');
+    status = put_picture(j, "ref", &t->both.image, exposure, diag);
+    for (int i = 0; i < t->n_strip && !status; i++) status = put_pair(j, t, i, exposure, diag);
+    bis_json_close(j);
     return status;
 }
 
@@ -142,7 +129,10 @@ static double error_in(const bis_trade *t, window w, int width, int height)
     return sum;
 }
 
-static bool overlap(window a, window b, int width, int height) { return abs(a.x - b.x) < width && abs(a.y - b.y) < height; }
+static bool overlap(window a, window b, int width, int height)
+{
+    return abs(a.x - b.x) < width && abs(a.y - b.y) < height;
+}
 
 static void find_crops(const bis_trade *t, window crops[N_CROPS])
 {
@@ -165,6 +155,8 @@ static void find_crops(const bis_trade *t, window crops[N_CROPS])
     }
 }
 
+/* ---- the strip ---- */
+
 /* Where a window lies, in percent as CSS counts for backgrounds: of what is left beside it. */
 static double share(int at, int full)
 {
@@ -172,80 +164,36 @@ static double share(int at, int full)
     return left > 0 ? 100.0 * at / left : 0;
 }
 
-/* ---- strips ---- */
-
-static void put_crops(FILE *out, const char *name, const bis_image *image, const window crops[N_CROPS])
+/* Frames in the whole picture, and the enlarged parts of picture `name`. */
+static void put_crops(bis_json *j, const char *name, const bis_image *image, const window crops[N_CROPS])
 {
-    fputs("<div class=\"crops\">", out);
+    bis_json_open(j, "crops", '[');
     for (int k = 0; k < N_CROPS; k++) {
-        fprintf(out, "<div class=\"pic crop crop%d\" style=\"background-image:var(--%s);background-position:%.2f%% %.2f%%\"></div>", k, name,
-                share(crops[k].x, image->width), share(crops[k].y, image->height));
+        bis_trade_say_all(j, NULL, "number=%d; left=%.2f; top=%.2f; picture=%s; x=%.2f; y=%.2f", k,
+                          100.0 * crops[k].x / image->width, 100.0 * crops[k].y / image->height, name,
+                          share(crops[k].x, image->width), share(crops[k].y, image->height));
     }
-    fputs("</div>", out);
+    bis_json_close(j);
 }
 
-static void put_frames(FILE *out, const bis_image *image, const window crops[N_CROPS])
-{
-    for (int k = 0; k < N_CROPS; k++) {
-        fprintf(out, "<i class=\"frame crop%d\" style=\"left:%.2f%%;top:%.2f%%\"></i>", k, 100.0 * crops[k].x / image->width, 100.0 * crops[k].y / image->height);
-    }
-}
-
-static void put_truth(FILE *out, const bis_trade *t, const window crops[N_CROPS])
-{
-    fputs("<figure class=\"shot\"><figcaption><b>reference</b><span>", out);
-    if (t->plan.is_given) fputs("as given", out);
-    else fputs("the mean of both", out);
-    fputs("</span></figcaption><div class=\"pic\" role=\"img\" aria-label=\"reference\" style=\"background-image:var(--ref)\">", out);
-    put_frames(out, &t->both.image, crops);
-    fputs("</div>", out);
-    put_crops(out, "ref", &t->both.image, crops);
-    fputs("<div class=\"scale\"><span>error of each pixel</span><i></i><div><span>0.1%</span><span>1%</span><span>10%</span><span>1</span><span>10</span></div></div>"
-          "</figure>\n", out);
-}
-
-static void put_shot(FILE *out, const bis_trade *t, int i, const window crops[N_CROPS])
+static void put_shot(bis_json *j, const bis_trade *t, int i, const window crops[N_CROPS])
 {
     const bis_trade_picture *p = &t->strip[i];
     const bis_trade_setting *s = &t->plan.settings[p->setting];
     char name[16], time[24], error[24];
 
     snprintf(name, sizeof name, "p%d", i);
-    fprintf(out, "<figure class=\"shot k-%s\"><figcaption><b>", s->settings.integrator->name);
-    bis_trade_put_text(out, s->name);
-    fprintf(out, "</b><span>%u pass%s, %s%s</span></figcaption>", (unsigned)p->passes, p->passes == 1 ? "" : "es", bis_trade_duration(time, p->seconds),
-            s->is_biased ? ", biased" : "");
-    fprintf(out, "<div class=\"pic\" role=\"img\" aria-label=\"%s\" style=\"background-image:var(--%s)\"></div>", s->settings.integrator->name, name);
-    put_crops(out, name, &p->image, crops);
-    fprintf(out, "<div class=\"pic\" role=\"img\" aria-label=\"error of %s\" style=\"background-image:var(--e%d)\"></div>", s->settings.integrator->name, i);
-    fprintf(out, "<p class=\"figure\">error <b>%s</b></p></figure>\n", bis_trade_percent(error, sqrt(p->relmse)));
+    bis_json_open(j, NULL, '{');
+    bis_trade_put_name(j, s);
+    bis_trade_say(j, "made=%u pass%s, %s%s", (unsigned)p->passes, p->passes == 1 ? "" : "es",
+                  bis_trade_duration(time, p->seconds), s->is_biased ? ", biased" : "");
+    bis_trade_say(j, "picture=%s; errors=e%d; error=%s", name, i, bis_trade_percent(error, sqrt(p->relmse)));
+    put_crops(j, name, &p->image, crops);
+    bis_json_close(j);
 }
 
-void bis_trade_put_strips(FILE *out, const bis_trade *t)
-{
-    window crops[N_CROPS];
-
-    find_crops(t, crops);
-    fputs("<div class=\"strip\">\n", out);
-    put_truth(out, t, crops);
-    for (int i = 0; i < t->n_strip; i++) put_shot(out, t, i, crops);
-    fputs("</div>\n", out);
-}
-
-/* ---- the slider ---- */
-
-static void put_options(FILE *out, const bis_trade *t, int chosen)
-{
-    fprintf(out, "<option value=\"ref\"%s>reference</option>", chosen < 0 ? " selected=\"selected\"" : "");
-    for (int i = 0; i < t->n_strip; i++) {
-        fprintf(out, "<option value=\"p%d\"%s>", i, chosen == i ? " selected=\"selected\"" : "");
-        bis_trade_put_text(out, t->plan.settings[t->strip[i].setting].name);
-        fputs("</option>", out);
-    }
-}
-
-/* The worst against the best, to begin with. */
-void bis_trade_put_slider(FILE *out, const bis_trade *t)
+/* The slider begins with the worst at its left and the best at its right. */
+static void put_slider(bis_json *j, const bis_trade *t)
 {
     int worst = 0, best = 0;
 
@@ -253,14 +201,33 @@ void bis_trade_put_slider(FILE *out, const bis_trade *t)
         if (t->strip[i].relmse > t->strip[worst].relmse) worst = i;
         if (t->strip[i].relmse < t->strip[best].relmse) best = i;
     }
-    if (worst == best) worst = -1;
-    fputs("<div class=\"choose\"><label>left <select id=\"left\">", out);
-    put_options(out, t, worst);
-    fputs("</select></label><label>right <select id=\"right\">", out);
-    put_options(out, t, best);
-    fputs("</select></label></div>\n<div class=\"pair\" id=\"pair\">", out);
-    fprintf(out, "<div class=\"pic\" id=\"under\" style=\"background-image:var(--p%d)\"></div>", best);
-    if (worst < 0) fputs("<div class=\"pic\" id=\"over\" style=\"background-image:var(--ref)\"></div>", out);
-    else fprintf(out, "<div class=\"pic\" id=\"over\" style=\"background-image:var(--p%d)\"></div>", worst);
-    fputs("<i class=\"cut\"></i><input id=\"cut\" type=\"range\" min=\"0\" max=\"100\" step=\"0.5\" value=\"50\" aria-label=\"where the left picture ends\"/></div>\n", out);
+    if (worst == best) bis_trade_say(j, "left=ref; right=p%d", best);
+    else bis_trade_say(j, "left=p%d; right=p%d", worst, best);
+    bis_json_open(j, "choice", '[');
+    bis_trade_say_all(j, NULL, "picture=ref; name=reference");
+    for (int i = 0; i < t->n_strip; i++) {
+        bis_trade_say_all(j, NULL, "picture=p%d; name=%s", i, t->plan.settings[t->strip[i].setting].name);
+    }
+    bis_json_close(j);
+}
+
+void bis_trade_put_strip(bis_json *j, const bis_trade *t)
+{
+    window crops[N_CROPS];
+    char time[24];
+
+    if (t->n_strip == 0) {
+        bis_json_null(j, "strip");
+        return;
+    }
+    find_crops(t, crops);
+    bis_json_open(j, "strip", '{');
+    bis_trade_say(j, "time=%s; reference=ref; made=%s", bis_trade_duration(time, t->plan.run_seconds),
+                  t->plan.is_given ? "as given" : "the mean of both");
+    put_crops(j, "ref", &t->both.image, crops);
+    bis_json_open(j, "shots", '[');
+    for (int i = 0; i < t->n_strip; i++) put_shot(j, t, i, crops);
+    bis_json_close(j);
+    put_slider(j, t);
+    bis_json_close(j);
 }

@@ -19,22 +19,16 @@ static void put(FILE *out, double v)
     put_number(out, v);
 }
 
-static const char *proposal_of(const bis_settings *s)
-{
-    return s->integrator == &bis_sir || s->integrator == &bis_rejection ? bis_proposal_name(s->proposal) : "";
-}
-
-/* "candidates,shadowrays,samples,proposal,areaexponent", a comma before each: empty where the integrator has no such
- * thing. */
+/* A comma before each; empty where the integrator has no such thing. */
 static void put_parameters(FILE *out, const bis_trade_setting *s)
 {
-    const bis_settings *v = &s->settings;
-    const bool by_candidates = v->integrator == &bis_sir || v->integrator == &bis_rejection;
+    static const char *const names[] = {"candidates", "shadowrays", "samples", "proposal"};
+    char buf[32];
 
-    put(out, by_candidates ? v->candidates : (double)NAN);
-    put(out, by_candidates ? v->shadowrays : (double)NAN);
-    put(out, by_candidates ? (double)NAN : v->samples);
-    fprintf(out, ",%s", proposal_of(v));
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const bis_parameter *p = bis_parameter_of(s->settings.integrator, names[i]);
+        fprintf(out, ",%s", p ? bis_parameter_text(buf, p, bis_parameter_get(p, &s->settings)) : "");
+    }
     put(out, s->area_exponent);
 }
 

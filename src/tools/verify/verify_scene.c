@@ -59,8 +59,8 @@ static bis_status check_material(bis_verify *v, const bis_material *m, size_t nu
         return BIS_OK;
     }
     for (size_t i = 0; i < sizeof degrees / sizeof *degrees && !status; i++) {
-        const bool facets = m->model == &bis_microfacet_model;
-        snprintf(name, sizeof name, "%zu, %s %g, %g degrees", number, facets ? "alpha" : "n", facets ? m->alpha : m->exponent, degrees[i]);
+        const bis_bsdf_width w = m->model->width(m); /* the exponent is n, as in the thesis; the name is a seed, too */
+        snprintf(name, sizeof name, "%zu, %s %g, %g degrees", number, strcmp(w.name, "exponent") == 0 ? "n" : w.name, w.value, degrees[i]);
         status = bis_verify_material(v, m, degrees[i], furnace, sizeof furnace / sizeof *furnace, name, diag);
     }
     return status;
@@ -122,14 +122,7 @@ static bool is_known(int x, int y, int (*known)[2], int n)
 static bool find_point(bis_point *pt, const bis_scene *scene, const bis_scene_desc *desc, int x, int y, bis_counters *counters)
 {
     const ray eye = bis_camera_ray(&desc->camera, desc->film.width, desc->film.height, x + 0.5, y + 0.5);
-    bis_surface s;
-    bis_hit hit;
-    if (!bis_accel_intersect(scene->accel, &eye, &hit)) return false;
-    bis_geometry_surface(&scene->geometry, hit.prim, &eye, &s);
-    *pt = (bis_point){.p = s.p, .n = s.n, .ng = s.ng, .origin = bis_surface_offset(&s), .wo = neg(eye.d), .light = scene->light,
-                      .accel = scene->accel, .counters = counters};
-    bis_bsdf_init(&pt->bsdf, &desc->materials[s.material], pt->n, pt->wo);
-    return !bis_bsdf_is_black(&pt->bsdf);
+    return bis_scene_point(pt, scene, desc, eye, counters, NULL) && !bis_bsdf_is_black(&pt->bsdf);
 }
 
 static const char *why_no_view(const bis_scene *scene)

@@ -22,7 +22,6 @@
 #include <assert.h>
 #include <stdatomic.h>
 #include <stdio.h>
-#include <string.h>
 
 enum { LEAST_ACCEPTED = 1000, CELLS = 1 << 15 /* the reference is good to 2e-3 of what were there without shadows */ };
 
@@ -77,11 +76,11 @@ typedef struct sampling {
 
 static sampling sampling_of(const bis_settings *s, bool constant)
 {
-    const char *name = s->integrator->name;
-    if (strcmp(name, "em") == 0) return (sampling){{1, 0}, s->samples};
-    if (strcmp(name, "brdf") == 0) return (sampling){{0, 1}, s->samples};
-    if (strcmp(name, "mis") == 0) return (sampling){{s->split, 1 - s->split}, s->samples};
-    if (strcmp(name, "sir") != 0 && strcmp(name, "unoccluded") != 0) return (sampling){{0, 0}, 0};
+    const bis_integrator *i = s->integrator;
+    if (i == &bis_em) return (sampling){{1, 0}, s->samples};
+    if (i == &bis_brdf) return (sampling){{0, 1}, s->samples};
+    if (i == &bis_mis) return (sampling){{s->split, 1 - s->split}, s->samples};
+    if (i != &bis_sir && i != &bis_unoccluded) return (sampling){{0, 0}, 0};
     if (s->proposal == BIS_PROPOSAL_BRDF || constant) return (sampling){{0, 1}, s->candidates};
     return (sampling){s->proposal == BIS_PROPOSAL_EM ? (bis_truth_density){1, 0} : (bis_truth_density){0.5, 0.5}, s->candidates};
 }
@@ -89,7 +88,8 @@ static sampling sampling_of(const bis_settings *s, bool constant)
 /* ---- one integrator ---- */
 
 typedef struct comparison {
-    const char *name, *integrator;
+    const char *name;
+    const bis_integrator *integrator;
     const bis_verify_moments *runs;
     const bis_truth_sum *truth;
     const bis_truth_moments *sample; /* NULL: not known */
@@ -110,7 +110,7 @@ static void put(bis_verify *v, const comparison *c, double z, double p, const ch
 {
     char note[120];
     snprintf(note, sizeof note, "z; %ssum over patches +- %.1g %%", what, 100 * bis_truth_bound(c->truth, chance) / c->truth->mean[3]);
-    bis_verify_p(v, "view", z, p + chance, note, "%s: %s", c->name, c->integrator);
+    bis_verify_p(v, "view", z, p + chance, note, "%s: %s", c->name, c->integrator->name);
 }
 
 static void judge_by_t(bis_verify *v, const comparison *c, double skewness)
@@ -128,7 +128,7 @@ static void judge_by_bernstein(bis_verify *v, const comparison *c)
     put(v, c, e / sqrt(second / n), 2 * exp(-n * e * e / (2 * second + 2 * B * fabs(e) / 3)), "rare and bright: p bounded by Bernstein's inequality; ");
 }
 
-static void skip(bis_verify *v, const comparison *c, const char *why) { bis_verify_skip(v, "view", why, "%s: %s", c->name, c->integrator); }
+static void skip(bis_verify *v, const comparison *c, const char *why) { bis_verify_skip(v, "view", why, "%s: %s", c->name, c->integrator->name); }
 
 static void judge(bis_verify *v, const comparison *c)
 {
@@ -137,14 +137,14 @@ static void judge(bis_verify *v, const comparison *c)
     const double skewness = fmax(fabs(given), isnan(c->deviation) ? fabs(bis_verify_skewness(c->runs)) : 0);
 
     if (isnan(c->runs->mean)) {
-        bis_verify_p(v, "view", c->runs->mean, 0, "not a number", "%s: %s", c->name, c->integrator);
-    } else if (strcmp(c->integrator, "rejection") == 0 && c->accepted < LEAST_ACCEPTED) {
+        bis_verify_p(v, "view", c->runs->mean, 0, "not a number", "%s: %s", c->name, c->integrator->name);
+    } else if (bis_parameter_of(c->integrator, "estimator") && c->accepted < LEAST_ACCEPTED) {
         char why[120];
         snprintf(why, sizeof why, "only %llu of its candidates were accepted: too few to judge", (unsigned long long)c->accepted);
         skip(v, c, why);
     } else if (skewness <= (is_known ? most_skewness : BIS_VERIFY_MOST_SKEWNESS)) {
         judge_by_t(v, c, skewness);
-    } else if (strcmp(c->integrator, "sir") == 0) {
+    } else if (bis_parameter_of(c->integrator, "resampling")) {
         skip(v, c, "a few candidates outweigh all others here: too few runs to judge");
     } else if (!is_known) {
         skip(v, c, "a few runs outweigh all others here: too few to judge");
@@ -156,9 +156,8 @@ static void judge(bis_verify *v, const comparison *c)
 /* As many runs as take about as long as those of the others. */
 static uint32_t runs_for(const bis_settings *s, size_t patches, unsigned halvings)
 {
-    const char *name = s->integrator->name;
-    if (strcmp(name, "exact") == 0) return (uint32_t)fmin(fmax(ceil((double)(1 << 18 >> halvings) / (double)patches), 2), 1 << 12);
-    const bool by_candidates = strcmp(name, "sir") == 0 || strcmp(name, "rejection") == 0 || strcmp(name, "unoccluded") == 0;
+    if (bis_parameter_of(s->integrator, "perpatch")) return (uint32_t)fmin(fmax(ceil((double)(1 << 18 >> halvings) / (double)patches), 2), 1 << 12);
+    const bool by_candidates = bis_parameter_of(s->integrator, "candidates") != NULL;
     const double cost = by_candidates ? s->candidates + 8.0 * s->shadowrays : 8.0 * s->samples;
     return (uint32_t)fmin(fmax(round((1 << 21 >> halvings) / cost), 64), 1 << 14);
 }
@@ -166,7 +165,7 @@ static uint32_t runs_for(const bis_settings *s, size_t patches, unsigned halving
 static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings *s, const bis_truth_moments *sample, double n_sample,
                           const bis_truth *truth, bis_sampler_kind kind, const char *name, bis_diag *diag)
 {
-    const bool is_exact = strcmp(s->integrator->name, "exact") == 0;
+    const bool is_exact = bis_parameter_of(s->integrator, "perpatch") != NULL;
     const uint32_t n = runs_for(s, truth->patches, v->halvings);
     rgb *estimate = bis_alloc(n, sizeof *estimate);
     bis_counters counters = {0};
@@ -184,9 +183,9 @@ static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings
     const bis_truth_sum one_ray = {.variance = {0, 0, 0, fmax(0, truth->one_ray.variance)}, .most = 2 * truth->lit.most};
     const comparison c = {
         .name = name,
-        .integrator = s->integrator->name,
+        .integrator = s->integrator,
         .runs = &runs,
-        .truth = strcmp(s->integrator->name, "unoccluded") == 0 ? &truth->open : &truth->lit,
+        .truth = s->integrator->without_shadows ? &truth->open : &truth->lit,
         .sample = is_exact ? &truth->one_ray : sample,
         .n = is_exact ? 1 : n_sample,
         .deviation = is_exact ? bis_truth_deviation(&one_ray, chance) : (double)NAN,

@@ -1,0 +1,124 @@
+/* settings: the table of parameters says of every integrator what a scene may say, and nothing twice. */
+#include "bis/scene/scene.h"
+#include "tools/describe.h"
+
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <string.h>
+
+#define SCENE "build/test_settings.txt"
+
+static bool is_in_range(const bis_parameter *p, double v)
+{
+    if (p->type == BIS_PARAMETER_CHOICE) return p->choices >> (unsigned)v & 1;
+    return v >= p->lo && v <= p->hi;
+}
+
+/* Some value of the row that is not v. */
+static double another(const bis_parameter *p, double v)
+{
+    if (p->type == BIS_PARAMETER_COUNT) return v + 1;
+    if (p->type == BIS_PARAMETER_FRACTION) return (p->lo + 3 * p->hi) / 4;
+    for (unsigned k = 0;; k++)
+        if (k != v && is_in_range(p, k)) return k;
+}
+
+static void every_row_has_a_default_in_its_range_and_a_reader(void **state)
+{
+    (void)state;
+    for (const bis_parameter *p = bis_parameters; p->name; p++) {
+        if (!is_in_range(p, p->usual)) fail_msg("%s: its default is out of its range", p->name);
+        if (!p->readers[0]) fail_msg("%s: nobody reads it", p->name);
+        const bis_parameter *first = bis_parameters;
+        while (strcmp(first->name, p->name) != 0) first++;
+        if (!first->words || (p != first && p->words)) fail_msg("%s: the first row of a name has the words", p->name);
+        if (first->type != p->type || first->offset != p->offset) fail_msg("%s: two rows, two fields", p->name);
+    }
+}
+
+static void no_integrator_reads_two_rows_of_one_name(void **state)
+{
+    (void)state;
+    for (const bis_integrator *const *i = bis_integrators; *i; i++) {
+        int n = 0;
+        for (const bis_parameter *p = NULL; (p = bis_parameter_next(*i, p)) != NULL; n++)
+            assert_ptr_equal(bis_parameter_of(*i, p->name), p);
+        assert_true(n <= BIS_MAX_PARAMETERS);
+        assert_null(bis_parameter_of(*i, "nonsense"));
+    }
+    assert_null(bis_parameter_next(&bis_auto, NULL));
+}
+
+/* Each field is changed alone, through the table; a scene's line of these settings is parsed, and is the same settings.
+ * The twin: the default settings are not the same. */
+static void every_parameter_is_told_and_read_back(void **state)
+{
+    int n = 0;
+
+    (void)state;
+    for (const bis_integrator *const *i = bis_integrators; *i; i++) {
+        const bis_settings usual = bis_settings_default(*i);
+        for (const bis_parameter *p = NULL; (p = bis_parameter_next(*i, p)) != NULL; n++) {
+            bis_settings s = usual;
+            bis_scene_desc *d;
+            char line[BIS_MAX_LINE], scene[BIS_MAX_LINE + 32];
+            const double v = another(p, bis_parameter_get(p, &s));
+            bis_parameter_set(p, &s, v);
+            assert_true(bis_parameter_get(p, &s) == v);
+            for (int all = 0; all < 2; all++) {
+                snprintf(scene, sizeof scene, "%s\nWorldBegin\n", bis_describe_line(line, &s, all));
+                program_write_file(SCENE, scene);
+                if (bis_scene_parse(&d, SCENE, NULL)) fail_msg("not read: %s", line);
+                if (!bis_settings_equal(&d->settings, &s)) fail_msg("read as something else: %s", line);
+                assert_false(bis_settings_equal(&d->settings, &usual));
+                bis_scene_desc_free(d);
+            }
+        }
+    }
+    assert_int_equal(n, 22); /* the pairs of integrator and parameter in docs/scene-format.md */
+}
+
+/* The page: `integer NAME` (DEFAULT), `bool NAME` (DEFAULT), `string NAME` `"DEFAULT"`, in the integrator's row. */
+static void defaults_are_those_of_the_page(void **state)
+{
+    static char page[1 << 17];
+    FILE *f = fopen("docs/scene-format.md", "r");
+
+    (void)state;
+    assert_non_null(f);
+    page[fread(page, 1, sizeof page - 1, f)] = '\0';
+    fclose(f);
+    for (const bis_integrator *const *i = bis_integrators; *i; i++) {
+        char start[64], told[128], buf[32];
+        snprintf(start, sizeof start, "\n| `\"%s\"`", (*i)->name);
+        char *row = strstr(strstr(page, "\n### Integrator"), start);
+        assert_non_null(row);
+        char *end = strchr(row + 1, '\n');
+        *end = '\0';
+        for (const bis_parameter *p = NULL; (p = bis_parameter_next(*i, p)) != NULL;) {
+            const char *usual = bis_parameter_text(buf, p, p->usual);
+            if (p->type == BIS_PARAMETER_CHOICE) snprintf(told, sizeof told, "`string %s` `\"%s\"`", p->name, usual);
+            else snprintf(told, sizeof told, " %s` (%s)", p->name, usual);
+            if (!strstr(row, told)) fail_msg("%s: no %s in its row", (*i)->name, told);
+        }
+        *end = '\n';
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_row_has_a_default_in_its_range_and_a_reader),
+        cmocka_unit_test(no_integrator_reads_two_rows_of_one_name),
+        cmocka_unit_test(every_parameter_is_told_and_read_back),
+        cmocka_unit_test(defaults_are_those_of_the_page),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
