@@ -536,6 +536,20 @@ static void bounds_hold_and_are_nearly_reached_E27(void **state)
 
 /* ---- zero is a value; extremes ---- */
 
+/* Seen from above, a rough coat that reflects a thousandth at most leaves the base, whose maximum is at the normal. */
+static void bounds_of_a_base_alone_are_reached_at_the_normal(void **state)
+{
+    const bis_material m = bis_microfacet((rgb){0.1f, 0.8f, 0.3f}, grey(0), 1);
+    bis_bsdf b;
+    double pdf;
+
+    (void)state;
+    seen_from(&b, &m, 0);
+    const double f = rgb_max(bis_bsdf_f_pdf(&b, b.wo, &pdf));
+    assert_true(f > 0.99 * bis_bsdf_max_f_cos(&b));
+    assert_true(f / pdf > 0.9 * bis_bsdf_max_ratio(&b));
+}
+
 static void black_material_and_hidden_surface_draw_nothing(void **state)
 {
     const bis_material black = bis_microfacet(grey(0), grey(0), 0.5), shiny = bis_microfacet(grey(0.5), grey(0.5), 0.5);
@@ -756,6 +770,7 @@ int main(void)
         cmocka_unit_test(no_reflectances_reflect_more_than_is_received),
         cmocka_unit_test(furnace_agrees_with_quadrature_to_grazing),
         cmocka_unit_test(bounds_hold_and_are_nearly_reached_E27),
+        cmocka_unit_test(bounds_of_a_base_alone_are_reached_at_the_normal),
         cmocka_unit_test(black_material_and_hidden_surface_draw_nothing),
         cmocka_unit_test(no_lobe_that_reflects_has_probability_0),
         cmocka_unit_test(what_reflects_below_1e_20_is_black),

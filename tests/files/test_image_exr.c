@@ -16,6 +16,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -515,6 +517,21 @@ static void luminance_with_chroma_is_colour(void **state)
     }
 }
 
+/* The older interface reads these; what it says of a file that ends too early is passed on. */
+static void luminance_with_chroma_that_ends_too_early_is_refused(void **state)
+{
+    (void)state;
+    write_by_imf(scratch("imf.exr"), IMF_WRITE_YC, IMF_NO_COMPRESSION, 0, 0);
+    struct stat s;
+    assert_int_equal(stat(scratch("imf.exr"), &s), 0);
+    assert_int_equal(truncate(scratch("imf.exr"), s.st_size - 100), 0);
+    bis_image image;
+    bis_diag diag = {0};
+    assert_int_equal(bis_image_read(&image, scratch("imf.exr"), (bis_loc){0}, &diag), BIS_INPUT);
+    assert_true(diag.n_errors == 1 && strstr(diag.messages[diag.n - 1].text, "imf.exr"));
+    bis_diag_clear(&diag);
+}
+
 static void what_only_the_older_interface_reads_must_be_at_the_top_of_the_first_part(void **state)
 {
     (void)state;
@@ -815,6 +832,7 @@ int main(void)
         cmocka_unit_test(every_compression_that_core_knows_is_read_in_scanlines_and_tiles),
         cmocka_unit_test(dwa_is_read_to_its_own_precision),
         cmocka_unit_test(luminance_with_chroma_is_colour),
+        cmocka_unit_test(luminance_with_chroma_that_ends_too_early_is_refused),
         cmocka_unit_test(what_only_the_older_interface_reads_must_be_at_the_top_of_the_first_part),
         cmocka_unit_test(a_huge_window_in_a_short_file_is_refused_before_it_is_allocated),
         cmocka_unit_test(no_damage_leads_out_of_the_file),

@@ -124,6 +124,27 @@ static void smooth_normals_are_weighted_by_angle_not_by_triangles(void **state)
     bis_mesh_clear(&m);
 }
 
+/* A mesh that only says so: it is refused before anything of it is read. */
+static void more_than_an_index_can_count_is_refused(void **state)
+{
+    const bis_xform identity = bis_xform_identity();
+    bis_geometry g = {0};
+    bis_mesh m = triangle_mesh((vec3){1, 0, 0}, (vec3){5, 0, 0}, (vec3){0, 1, 0});
+    bis_mesh many = {.n_triangles = UINT32_MAX - 1}, large = {.n_vertices = (size_t)UINT32_MAX - 2};
+    bis_diag diag = {0};
+    (void)state;
+    add_mesh(&g, &m, NULL, 0);
+    assert_int_equal(bis_geometry_add_mesh(&g, &many, &identity, 0, &diag), BIS_INPUT);
+    assert_int_equal(bis_geometry_add_mesh(&g, &large, &identity, 0, &diag), BIS_INPUT);
+    assert_string_equal(diag.messages[0].text,
+                        "error: 1 and 4294967294 triangles: a scene may have at most 2^32 - 2 primitives");
+    assert_string_equal(diag.messages[1].text,
+                        "error: 3 and 4294967293 vertices: a scene may have at most 2^32 - 1");
+    assert_int_equal(bis_geometry_primitives(&g), 1);
+    bis_geometry_clear(&g);
+    bis_diag_clear(&diag);
+}
+
 static void what_does_not_fit_into_a_float_or_an_index_is_refused(void **state)
 {
     const bis_xform identity = bis_xform_identity(), huge = bis_xform_scale(1e38, 1, 1);
@@ -725,6 +746,7 @@ int main(void)
         cmocka_unit_test(a_material_is_found_by_its_range),
         cmocka_unit_test(normals_of_one_mesh_leave_those_without_at_zero_whatever_the_order),
         cmocka_unit_test(smooth_normals_are_weighted_by_angle_not_by_triangles),
+        cmocka_unit_test(more_than_an_index_can_count_is_refused),
         cmocka_unit_test(what_does_not_fit_into_a_float_or_an_index_is_refused),
         cmocka_unit_test(any_allocation_may_fail),
         cmocka_unit_test(a_quadrics_box_holds_it_and_is_tight),
