@@ -107,7 +107,7 @@ void bis_parameter_options(bis_option *options, size_t *n, bis_parameter_option 
 bool bis_parameter_given(const bis_parameter_option values[BIS_PARAMETER_OPTIONS], const char *name)
 {
     for (int i = 0; i < BIS_PARAMETER_OPTIONS && values[i].parameter; i++)
-        if (values[i].given && (!name || strcmp(values[i].parameter->name, name) == 0)) return true;
+        if (values[i].given && strcmp(values[i].parameter->name, name) == 0) return true;
     return false;
 }
 

@@ -22,7 +22,7 @@ typedef struct bis_parameter_option {
  * gives. */
 void bis_parameter_options(bis_option *options, size_t *n, bis_parameter_option values[BIS_PARAMETER_OPTIONS]);
 
-/* bis_parameter_given returns whether the user gave the option with this name, or any if name is NULL. */
+/* bis_parameter_given returns whether the user gave the option with this name. */
 bool bis_parameter_given(const bis_parameter_option values[BIS_PARAMETER_OPTIONS], const char *name);
 
 /* bis_parameter_override sets what the user gave. It warns of options that the integrator does not read. */
