@@ -75,6 +75,23 @@ static void normal_p_is_two_sided_and_never_0_in_reach(void **state)
     assert_true(bis_stats_normal_p(37) > 0);
 }
 
+/* Closed forms for 1, 2 and 4 degrees of freedom; tables for others; the normal law for very many. */
+static void student_p_has_its_closed_forms_and_agrees_with_the_tables(void **state)
+{
+    static const double table[][3] = {{2.228139, 10, 0.05}, {3.169273, 10, 0.01}, {2.042272, 30, 0.05}, {1.475884, 5, 0.2}};
+    (void)state;
+    for (double t = 1e-3; t < 1e4; t *= 1.7) {
+        const double q = 1 + t * t / 4;
+        assert_relative(bis_stats_student_p(t, 1), 0.63661977236758134308 * atan(1 / t), 1e-13);
+        assert_relative(bis_stats_student_p(-t, 2), 2 / (2 + t * t + t * sqrt(2 + t * t)), 1e-12);
+        if (t < 10) assert_relative(bis_stats_student_p(t, 4), 1 - 0.75 * t / sqrt(q) * (1 - t * t / (12 * q)), 1e-9);
+    }
+    for (size_t i = 0; i < 4; i++) assert_relative(bis_stats_student_p(table[i][0], table[i][1]), table[i][2], 1e-5);
+    for (double t = 0.1; t < 5; t += 0.3) /* they differ by about t^4/(4 dof), at most 2e-5 */
+        assert_relative(bis_stats_student_p(t, 1e7), bis_stats_normal_p(t), 3e-5);
+    assert_true(bis_stats_student_p(0, 7) == 1 && bis_stats_student_p(INFINITY, 3) == 0);
+}
+
 static void sidak_gives_back_the_family(void **state)
 {
     (void)state;
@@ -254,6 +271,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(gamma_q_has_its_limits),
         cmocka_unit_test(chi_square_p_agrees_with_the_tables),
         cmocka_unit_test(normal_p_is_two_sided_and_never_0_in_reach),
+        cmocka_unit_test(student_p_has_its_closed_forms_and_agrees_with_the_tables),
         cmocka_unit_test(sidak_gives_back_the_family),
         cmocka_unit_test(p_values_of_a_right_histogram_are_uniform),
         cmocka_unit_test(power_agrees_with_reference_noncentralities),

@@ -160,6 +160,26 @@ static void any_regular_matrix_is_inverted(void **state)
     assert_true(inverse_error(&t) == 0);
 }
 
+/* The last row of an affine matrix is 0 0 0 1, and then that of its inverse is, to the bit; that of another is not. */
+static void the_inverse_of_an_affine_matrix_is_affine_and_that_of_another_is_not(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        double v[16] = {1.1, 0.2, 0.3, 0, -0.4, 0.7, 0.1, 0, 0.3, -0.9, 1.3, 0, 7, -5, 3, 1};
+        bis_xform t;
+        if (k < 3) v[4 * k + 3] = 0.01;
+        assert_true(bis_xform_from_columns(&t, v));
+        const bool is_affine = t.inv[3][0] == 0 && t.inv[3][1] == 0 && t.inv[3][2] == 0 && t.inv[3][3] == 1;
+        assert_int_equal(is_affine, k == 3);
+        for (int i = 0; i < 4; i++)
+            for (int j = 0; j < 4; j++) {
+                double sum = 0;
+                for (int l = 0; l < 4; l++) sum += t.m[i][l] * t.inv[l][j];
+                assert_true(fabs(sum - (i == j)) < 1e-13);
+            }
+    }
+}
+
 static void singular_and_non_finite_matrices_are_refused(void **state)
 {
     (void)state;
@@ -208,6 +228,7 @@ int main(void)
         cmocka_unit_test(an_impossible_camera_is_refused),
         cmocka_unit_test(sixteen_numbers_are_read_column_by_column),
         cmocka_unit_test(any_regular_matrix_is_inverted),
+        cmocka_unit_test(the_inverse_of_an_affine_matrix_is_affine_and_that_of_another_is_not),
         cmocka_unit_test(singular_and_non_finite_matrices_are_refused),
         cmocka_unit_test(compose_applies_the_right_one_first),
         cmocka_unit_test(only_rotations_and_reflections_are_orthonormal),

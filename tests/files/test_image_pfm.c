@@ -73,6 +73,20 @@ static void any_float_comes_back_bit_by_bit(void **state)
     bis_image_clear(&back);
 }
 
+static void the_largest_side_is_read(void **state)
+{
+    (void)state;
+    bytes file = {0};
+    bis_image image;
+    put_text(&file, "Pf\n32768 1\n-1\n");
+    for (int i = 0; i < 32768; i++) put_float(&file, (float)i);
+    store(scratch("side.pfm"), file.data, file.n);
+    expect_image(&image, scratch("side.pfm"), NULL);
+    assert_true(image.width == 32768 && image.pixels[32767].g == 32767);
+    bis_image_clear(&image);
+    bytes_clear(&file);
+}
+
 static void every_digit_of_a_size_is_read(void **state)
 {
     (void)state;
@@ -138,6 +152,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(colour_and_grey_of_both_byte_orders_run_from_the_bottom_row_up),
         cmocka_unit_test(any_float_comes_back_bit_by_bit),
+        cmocka_unit_test(the_largest_side_is_read),
         cmocka_unit_test(every_digit_of_a_size_is_read),
         cmocka_unit_test(a_bad_header_is_refused),
         cmocka_unit_test(the_length_must_be_exactly_that_of_the_pixels),
