@@ -10,6 +10,7 @@
 #include "bis/base/stats.h"
 #include "bis/thesis/warp.h"
 #include "clones.h"
+#include "lit.h"
 #include "stat.h"
 
 #include <float.h>
@@ -450,6 +451,40 @@ static void pixels_are_those_of_envmap_within_a_microradian_of_their_edges(void 
     assert_true(farthest(&em, straight, off, N, &differ) > 1e-6);
 }
 
+/* Radiance and density of each direction as one asks for them one by one; what fills the last block is black and may be
+ * divided by. */
+static void a_look_at_the_light_gives_each_direction_its_radiance_and_density(void **state)
+{
+    enum { N = 37, ROOM = 48 };
+    bis_light *light = lit_new_light(LIT_SPOTTY, 3, 0.15, false);
+    const double unit = bis_light_mean(light);
+    float *memory = bis_alloc(BIS_LANES_ARRAYS * ROOM, sizeof *memory);
+    uint32_t *pixel = bis_alloc(ROOM, sizeof *pixel);
+    const bis_lanes l = bis_lanes_in(memory, ROOM);
+    bis_rng r;
+
+    (void)state;
+    bis_rng_init(&r, SEED, 5, 0, 4);
+    for (uint32_t i = 0; i < ROOM; i++) {
+        const vec3 w = bis_warp_sphere(bis_rng_double(&r), bis_rng_double(&r));
+        l.x[i] = w.x, l.y[i] = w.y, l.z[i] = w.z;
+        l.r[i] = l.g[i] = l.b[i] = l.q_L[i] = NAN;
+    }
+    bis_light_look(light, &l, pixel, N);
+    for (uint32_t i = 0; i < N; i++) {
+        const vec3 w = {l.x[i], l.y[i], l.z[i]};
+        const rgb L = bis_light_Le(light, w);
+        assert_true(fabs((double)l.r[i] * unit - (double)L.r) <= 1e-6 * (double)L.r && fabs((double)l.g[i] * unit - (double)L.g) <= 1e-6 * (double)L.g &&
+                    fabs((double)l.b[i] * unit - (double)L.b) <= 1e-6 * (double)L.b);
+        const double pdf = bis_light_pdf(light, w);
+        assert_true(fabs((double)l.q_L[i] - pdf) <= 1e-6 * pdf);
+    }
+    for (uint32_t i = N; i < ROOM; i++) assert_true(l.r[i] == 0 && l.g[i] == 0 && l.b[i] == 0 && l.q_L[i] == 1);
+    bis_free(memory);
+    bis_free(pixel);
+    bis_light_free(light);
+}
+
 /* ---- the same bits ---- */
 
 static void points_and_pixels_have_the_same_bits_on_every_processor(void **state)
@@ -527,6 +562,7 @@ int main(void)
         cmocka_unit_test(points_are_a_function_of_the_key_and_fill_the_last_block_and_no_more),
         cmocka_unit_test(points_are_uniform_in_the_square_and_inside_the_last_cells),
         cmocka_unit_test(every_cell_is_drawn_as_often_as_any_other),
+        cmocka_unit_test(a_look_at_the_light_gives_each_direction_its_radiance_and_density),
         cmocka_unit_test(pixels_are_those_of_envmap_within_a_microradian_of_their_edges),
         cmocka_unit_test(points_and_pixels_have_the_same_bits_on_every_processor),
     };

@@ -548,6 +548,11 @@ static void bounds_of_a_base_alone_are_reached_at_the_normal(void **state)
     const double f = rgb_max(bis_bsdf_f_pdf(&b, b.wo, &pdf));
     assert_true(f > 0.99 * bis_bsdf_max_f_cos(&b));
     assert_true(f / pdf > 0.9 * bis_bsdf_max_ratio(&b));
+
+    /* a dark metal has no base: F is 0.05 at the normal and, at 90 degrees to it, 0.052 at most */
+    const bis_material dark = bis_microfacet(grey(0), grey(0.05), 0.1);
+    seen_from(&b, &dark, 0);
+    assert_true(b.p_specular == 1 && bis_bsdf_max_ratio(&b) > 0.05 && bis_bsdf_max_ratio(&b) < 0.053);
 }
 
 static void black_material_and_hidden_surface_draw_nothing(void **state)

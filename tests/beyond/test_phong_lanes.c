@@ -211,6 +211,61 @@ static void below_the_horizon_weights_are_0_and_nothing_is_ever_nan(void **state
     free_lanes(&l);
 }
 
+/* ---- bounds over cones ---- */
+
+static double angle(vec3 a, vec3 b) { return acos(fmax(-1, fmin(1, (double)dot(a, b)))); }
+
+/* By angles, in double: a cone's direction nearest to an axis is nearer by its half angle. The bound is the product of
+ * two such maxima. It may be too large by what is added to the cosines (2^-20) and by the errors of float, and too small
+ * by the latter alone; a cone that lies below the horizon has 0. */
+static void what_reaches_a_cone_is_bounded_by_its_nearest_directions(void **state)
+{
+    static const double exponent = 20;
+    const bis_material m = bis_phong((rgb){0.3f, 0.3f, 0.3f}, (rgb){0.5f, 0.5f, 0.5f}, exponent);
+    const double lobe = (double)m.Ks.r * (exponent + 1) / (2 * PI), base = (double)m.Kd.r / PI;
+    const bis_lanes l = new_lanes(N);
+    float *sine = bis_alloc(N, sizeof *sine), *w = bis_alloc(N, sizeof *w);
+    int n_below = 0, n_within = 0, n_judged = 0;
+    bis_rng r;
+    bis_bsdf b;
+
+    (void)state;
+    seen_from(&b, &m, 40);
+    bis_rng_init(&r, SEED, 99, 0, 0);
+    for (uint32_t i = 0; i < N; i++) {
+        const double z = 2 * bis_rng_double(&r) - 1, phi = 2 * PI * bis_rng_double(&r), s = sqrt(1 - z * z);
+        const double half = i % 5 == 0 ? 0 : 1.2 * bis_rng_double(&r);
+        l.x[i] = (float)(s * cos(phi)), l.y[i] = (float)(s * sin(phi)), l.z[i] = (float)z;
+        l.r[i] = 0.5f, l.g[i] = 0.25f, l.b[i] = 0.25f;
+        l.q_L[i] = (float)cos(half);
+        sine[i] = (float)sin(half);
+    }
+    bis_phong_lanes.reach(w, &b, &l, sine, N);
+    for (uint32_t i = 0; i < N; i++) {
+        const vec3 axis = direction(&l, i);
+        const double half = atan2((double)sine[i], (double)l.q_L[i]);
+        const double theta = angle(b.local.z, axis) - half, alpha = angle(b.r, axis) - half;
+        if (theta > PI / 2 + 1e-5) {
+            assert_true(w[i] == 0);
+            n_below++;
+            continue;
+        }
+        if (theta > PI / 2 - 1e-3) continue;
+        const double cos_theta = cos(fmax(0, theta)), cos_alpha = alpha > PI / 2 ? 0 : cos(fmax(0, alpha));
+        const double power = pow(cos_alpha, exponent), expected = cos_theta * (base + lobe * power) / fmax(lobe, base);
+        const double unit = 0x1p-20, of_alpha = power < 1e-9 ? 0 : exponent * unit / cos_alpha + unit * -log(power);
+        const double slack = unit / cos_theta + of_alpha + 4 * unit + 1e-8;
+        if (!((double)w[i] > expected * (1 - 4 * unit - of_alpha) && (double)w[i] < expected * (1 + 2 * slack)))
+            fail_msg("cone %u: %g, expected %g", (unsigned)i, (double)w[i], expected);
+        n_within += alpha < 0;
+        n_judged++;
+    }
+    assert_true(n_below > N / 10 && n_within > N / 100 && n_judged > N / 3);
+    bis_free(sine);
+    bis_free(w);
+    free_lanes(&l);
+}
+
 /* ---- colours ---- */
 
 static void colours_are_F_over_phat_and_sum_to_1(void **state)
@@ -401,6 +456,7 @@ int main(void)
         cmocka_unit_test(weights_are_those_of_phong_within_the_stated_error),
         cmocka_unit_test(an_exponent_that_is_off_by_1e_5_is_found),
         cmocka_unit_test(below_the_horizon_weights_are_0_and_nothing_is_ever_nan),
+        cmocka_unit_test(what_reaches_a_cone_is_bounded_by_its_nearest_directions),
         cmocka_unit_test(colours_are_F_over_phat_and_sum_to_1),
         cmocka_unit_test(draws_have_the_density_of_the_mixture),
         cmocka_unit_test(draws_of_the_lobe_are_those_of_phong_at_the_ends_of_the_square),
