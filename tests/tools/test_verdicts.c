@@ -1,0 +1,535 @@
+/* What `bis verify` reports, by hand: each field of each test, the counts in the notes, the bounds, the text and the JSON.
+ * That it accepts what is right and rejects what is wrong is in test_verify. */
+#include "tools/verify/verify.h"
+
+#include "bis/base/mem.h"
+#include "bis/base/stats.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/files/image_file.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
+#include "json_check.h"
+#include "lit.h"
+#include "map_help.h"
+#include "mesh_help.h"
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define DIR "build/test_verdicts"
+
+/* NAN: it must be no number. */
+static void assert_figure(double found, double expected, const char *what)
+{
+    const bool same = isnan(expected) ? isnan(found) : found == expected || fabs(found - expected) <= 1e-9 * fabs(expected);
+    if (!same) fail_msg("%s is %.17g, not %.17g", what, found, expected);
+}
+
+typedef struct expected_test {
+    const char *name, *note;
+    double statistic, dof, p, threshold;
+    bis_verdict verdict;
+} expected_test;
+
+static void assert_test(const bis_verify_test *t, const char *group, const expected_test *e)
+{
+    assert_string_equal(t->group, group);
+    assert_string_equal(t->name, e->name);
+    assert_string_equal(t->note, e->note);
+    assert_figure(t->statistic, e->statistic, e->name);
+    assert_figure(t->dof, e->dof, e->name);
+    assert_figure(t->p, e->p, e->name);
+    assert_figure(t->threshold, e->threshold, e->name);
+    if (t->verdict != e->verdict) fail_msg("%s: verdict %d", e->name, (int)t->verdict);
+}
+
+/* ---- the list ---- */
+
+static void a_test_has_the_fields_that_were_handed_in(void **state)
+{
+    (void)state;
+    const double limit = 1 - pow(0.99, 1 / 5.0), no = (double)NAN;
+    const expected_test expected[] = {
+        {"at its limit", "n1", 0.5, 0, no, 0.5, BIS_VERDICT_PASSED},
+        {"above", "n2", 0.5000001, 0, no, 0.5, BIS_VERDICT_FAILED},
+        {"nothing", "n3", 0, 0, no, 0, BIS_VERDICT_PASSED},
+        {"negative", "n4", -1e-300, 0, no, 0.5, BIS_VERDICT_FAILED},
+        {"no number", "n5", no, 0, no, 0.5, BIS_VERDICT_FAILED},
+        {"left out 7", "why", no, 0, no, no, BIS_VERDICT_SKIPPED},
+        {"p 1", "n6", 3, 0, 1, limit, BIS_VERDICT_PASSED},
+        {"p at its limit", "n7", 4, 0, limit, limit, BIS_VERDICT_PASSED},
+        {"p below", "n8", 5, 0, 0.0019, limit, BIS_VERDICT_FAILED},
+        {"p above 1", "n9", 6, 0, 1, limit, BIS_VERDICT_PASSED},
+        {"p no number", "n10", 7, 0, 0, limit, BIS_VERDICT_FAILED},
+    };
+    bis_verify v = {.seed = 1};
+    bis_verify_bound(&v, "g", 0.5, 0.5, "n1", "at its %s", "limit");
+    bis_verify_bound(&v, "g", 0.5000001, 0.5, "n2", "above");
+    bis_verify_bound(&v, "g", 0, 0, "n3", "nothing");
+    bis_verify_bound(&v, "g", -1e-300, 0.5, "n4", "negative");
+    bis_verify_bound(&v, "g", no, 0.5, "n5", "no number");
+    bis_verify_skip(&v, "g", "why", "left out %d", 7);
+    bis_verify_p(&v, "g", 3, 1, "n6", "p 1");
+    bis_verify_p(&v, "g", 4, bis_stats_sidak(0.01, 5), "n7", "p at its limit");
+    bis_verify_p(&v, "g", 5, 0.0019, "n8", "p below");
+    bis_verify_p(&v, "g", 6, 1 + 1e-7, "n9", "p above 1");
+    bis_verify_p(&v, "g", 7, no, "n10", "p no number");
+    for (int turn = 0; turn < 2; turn++) { /* judged twice, the counts are the same */
+        assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+        assert_int_equal(v.n, 11);
+        for (int i = 0; i < 11; i++) assert_test(&v.tests[i], "g", &expected[i]);
+        assert_int_equal(v.n_statistical, 5);
+        assert_int_equal(v.n_failed, 5);
+        assert_int_equal(v.n_skipped, 1);
+        assert_figure(v.threshold, limit, "threshold");
+    }
+    for (int i = 0; i < 200; i++) bis_verify_bound(&v, "h", i, 200, "", "%d", i); /* the list grows and keeps what it has */
+    assert_test(&v.tests[0], "g", &expected[0]);
+    assert_int_equal(v.n, 211);
+    for (int i = 0; i < 200; i++) assert_true(atoi(v.tests[11 + i].name) == i && v.tests[11 + i].statistic == i);
+    bis_verify_clear(&v);
+    assert_true(v.n == 0 && !v.tests && v.seed == 1);
+}
+
+static void without_a_p_value_the_threshold_is_that_of_one(void **state)
+{
+    (void)state;
+    bis_verify v = {.seed = 1};
+    assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+    assert_true(v.threshold == 0.01 && v.n_statistical == 0 && v.n_failed == 0 && v.n_skipped == 0);
+}
+
+/* The published values of FNV-1a for "a" and "foobar". */
+static void a_tests_seed_is_made_of_its_name_and_the_runs(void **state)
+{
+    (void)state;
+    const bis_verify v = {.seed = 0}, w = {.seed = 5};
+    assert_true(bis_verify_seed(&v, "a") == bis_hash(bis_hash(0xaf63dc4c8601ec8cu)));
+    assert_true(bis_verify_seed(&w, "foo%s", "bar") == bis_hash(bis_hash(0x85944171f73967e8u) ^ 5));
+}
+
+static int parts;
+static void count_part(const char *what, void *user)
+{
+    assert_string_equal(what, "a part");
+    assert_ptr_equal(user, &parts);
+    parts++;
+}
+
+static void a_part_that_begins_is_told(void **state)
+{
+    (void)state;
+    bis_verify v = {.seed = 3, .as_printed = 1, .halvings = 2, .progress = count_part, .user = &parts}, quiet = {.seed = 1};
+    bis_verify_begin(&v, "a part");
+    bis_verify_begin(&quiet, "a part");
+    bis_verify_clear(&v); /* what was asked for stays */
+    assert_true(v.seed == 3 && v.as_printed == 1 && v.halvings == 2 && v.user == &parts);
+    bis_verify_begin(&v, "a part");
+    assert_int_equal(parts, 2);
+}
+
+/* ---- counts ---- */
+
+/* Expected 2 2 2 | 5 | 4 and 1: the pools are 6, 5, 5 and the last rest of 1 joins the last: 6, 5, 6. */
+static void cells_are_pooled_in_order_and_the_rest_joins_the_last(void **state)
+{
+    (void)state;
+    const double expected[] = {2, 2, 2, 5, 4, 1, 1}, observed[] = {1, 2, 6, 5, 1, 1, 1}, none[] = {0, 0, 0, 0, 0, 0, 0};
+    const double zero[] = {0, 6, 6}, hits[] = {2, 5, 5}, one_more[] = {2, 6, 4};
+    const double no_number[] = {6, (double)NAN, 6}, three[] = {6, 6, 6}, few[] = {1, 2};
+    bis_verify v = {.seed = 1};
+    bis_verify_fit(&v, "g", observed, expected, 7, "pools");
+    bis_verify_fit(&v, "g", none, expected, 7, "nothing drawn");
+    bis_verify_fit(&v, "g", hits, zero, 3, "impossible");
+    bis_verify_fit(&v, "g", one_more, three, 3, "three");
+    bis_verify_fit(&v, "g", three, no_number, 3, "no number");
+    bis_verify_fit(&v, "g", few, few, 2, "one pool");
+    assert_string_equal(v.tests[0].note, "chi-square, 2 degrees of freedom");
+    assert_figure(v.tests[0].statistic, 9 / 6.0 + 0 + 9 / 6.0, "pools");
+    assert_true(v.tests[0].dof == 2);
+    assert_figure(v.tests[1].statistic, 17, "nothing drawn"); /* (0 - E)^2/E = E */
+    assert_string_equal(v.tests[2].note, "chi-square; 2 draws fell where nothing can be drawn");
+    assert_true(v.tests[2].p == 0 && v.tests[2].dof == 1);
+    /* the impossible ones are in the first pool */
+    assert_figure(v.tests[2].statistic, 1 / 6.0 + 1 / 6.0, "impossible");
+    assert_figure(v.tests[3].statistic, 16 / 6.0 + 0 + 4 / 6.0, "three");
+    assert_string_equal(v.tests[4].note, "chi-square; an expected count is not a number");
+    assert_true(v.tests[4].p == 0 && isnan(v.tests[4].statistic));
+    assert_true(v.tests[5].p == 1 && v.tests[5].dof == 0 && v.tests[5].statistic == 0);
+    assert_string_equal(v.tests[5].note, "chi-square, 0 degrees of freedom");
+    bis_verify_clear(&v);
+}
+
+/* The density of the shifted gamma distribution with these cumulants, summed by Simpson's rule from the statistic on, in
+ * place of a gamma function. Two cells of 5: 1, 2 + 2/5 - 6/10, 8 + 2 (22/5 + 1/25). */
+static double tail_of_gamma(double statistic, double k1, double k2, double k3)
+{
+    enum { STEPS = 200000 };
+    const double shape = 4 * k2 * k2 * k2 / (k3 * k3), scale = k3 / (2 * k2), shift = k1 - shape * scale;
+    const double from = (statistic - shift) / scale, to = from + 60, h = (to - from) / STEPS;
+    double sum = 0;
+    for (int i = 0; i <= STEPS; i++) {
+        const double x = from + i * h, weight = i == 0 || i == STEPS ? 1 : i % 2 ? 4 : 2;
+        sum += weight * exp((shape - 1) * log(x) - x - lgamma(shape));
+    }
+    return sum * h / 3;
+}
+
+static void p_is_the_tail_of_a_shifted_gamma_distribution(void **state)
+{
+    (void)state;
+    const double two[] = {5, 5}, off[] = {9, 1}, four[] = {6, 10, 20, 50}, off_four[] = {10, 8, 27, 41};
+    double sum = 0;
+    bis_verify v = {.seed = 1};
+    bis_verify_fit(&v, "g", off, two, 2, "two");
+    bis_verify_fit(&v, "g", off_four, four, 4, "four");
+    assert_near(v.tests[0].p / tail_of_gamma(32 / 5.0, 1, 2 + 2 / 5.0 - 6 / 10.0, 8 + 2 * (22 / 5.0 + 1 / 25.0)), 1, 1e-6);
+    double k2 = 6, k3 = 24;
+    for (int i = 0; i < 4; i++) {
+        k2 += 1 / four[i];
+        k3 += 22 / four[i] + 1 / (four[i] * four[i]);
+        sum += (off_four[i] - four[i]) * (off_four[i] - four[i]) / four[i];
+    }
+    assert_near(v.tests[1].p / tail_of_gamma(sum, 3, k2 - 22 / 86.0, k3), 1, 1e-6); /* 22 = 4^2 + 2 4 - 2 of 86 draws */
+    bis_verify_clear(&v);
+}
+
+/* ---- means ---- */
+
+static void moments_are_the_sums_about_the_mean(void **state)
+{
+    (void)state;
+    const double x[] = {1, 2, 4, 8, -3, 8.5};
+    double mean = 0, m2 = 0, m3 = 0;
+    bis_verify_moments m = {0}, still = {0};
+    for (int i = 0; i < 6; i++) {
+        bis_verify_add(&m, x[i]);
+        bis_verify_add(&still, 2);
+        mean += x[i] / 6;
+    }
+    for (int i = 0; i < 6; i++) {
+        m2 += pow(x[i] - mean, 2);
+        m3 += pow(x[i] - mean, 3);
+    }
+    assert_figure(m.n, 6, "n");
+    assert_figure(m.mean, mean, "mean");
+    assert_figure(m.m2, m2, "m2");
+    assert_figure(m.m3, m3, "m3");
+    /* of one variable: sqrt(n) m3/m2^1.5; of a mean of n: a root of n less */
+    assert_figure(bis_verify_skewness(&m), m3 / (m2 * sqrt(m2)), "skewness");
+    assert_true(bis_verify_skewness(&still) == 0 && still.mean == 2 && still.m2 == 0);
+}
+
+/* 1 2 3: the mean 2 has the standard error 1/sqrt 3; t of 2 degrees of freedom has the tails 1 - |t|/sqrt(2 + t^2). */
+static void a_mean_is_judged_by_what_is_beyond_its_slack(void **state)
+{
+    (void)state;
+    const double z = 0.75 * sqrt(3), p = 1 - z / sqrt(2 + z * z), no = (double)NAN, all = (double)INFINITY;
+    const expected_test expected[] = {
+        {"above", "z", z, 2, p, no, BIS_VERDICT_PASSED},
+        {"below", "z", -z, 2, p, no, BIS_VERDICT_PASSED},
+        {"within", "z; equal up to rounding and quadrature", 0, 0, 1, no, BIS_VERDICT_PASSED},
+        {"no scatter", "z", all, 2, 0, no, BIS_VERDICT_PASSED},
+        {"no scatter and right", "z; equal up to rounding and quadrature", 0, 0, 1, no, BIS_VERDICT_PASSED},
+        {"not a number", "not a number", no, 0, 0, no, BIS_VERDICT_PASSED},
+        {"not a number expected", "not a number", no, 0, 0, no, BIS_VERDICT_PASSED},
+        {"without an error", "not a number", -2, 0, 0, no, BIS_VERDICT_PASSED}};
+    bis_verify v = {.seed = 1};
+    bis_verify_moments m = {0}, still = {0}, sick = {0}, one = {0};
+    for (int i = 1; i <= 3; i++) {
+        bis_verify_add(&m, i);
+        bis_verify_add(&still, 2);
+        bis_verify_add(&sick, i == 2 ? no : i);
+    }
+    bis_verify_add(&one, 1);
+    bis_verify_mean(&v, "g", &m, 1, 0.25, "above");
+    bis_verify_mean(&v, "g", &m, 3, 0.25, "below");
+    bis_verify_mean(&v, "g", &m, 1, 1, "within");
+    bis_verify_mean(&v, "g", &still, 1, 0.25, "no scatter");
+    bis_verify_mean(&v, "g", &still, 2, 0, "no scatter and right");
+    bis_verify_mean(&v, "g", &sick, 2, 0, "not a number");
+    bis_verify_mean(&v, "g", &m, no, 0, "not a number expected");
+    bis_verify_mean(&v, "g", &one, 3, 0, "without an error"); /* one run has no scatter */
+    for (int i = 0; i < 8; i++) assert_test(&v.tests[i], "g", &expected[i]);
+    bis_verify_clear(&v);
+}
+
+/* Within 1/s the bound is the normal tail, by erfc, times exp(s z^3/3). It falls up to the z at which s z (1 + z^2/dof) = 1 -
+ * 1/dof: with dof = infinity at 1/s, with s = 0.1 and dof = 11 at z = 4.05977, the root of 0.1 z + 0.1 z^3/11 = 10/11. */
+static void the_bound_of_a_skewed_mean_is_that_of_the_page(void **state)
+{
+    (void)state;
+    const double all = (double)INFINITY;
+    for (double z = 0.5; z < 10; z += 0.5) {
+        const double x = fmin(z, 10), p = fmin(1, erfc(x / sqrt(2)) * exp(0.1 * x * x * x / 3));
+        assert_near(bis_verify_t(z, all, 0.1) / p, 1, 1e-9);
+        assert_near(bis_verify_t(-z, all, -0.1) / p, 1, 1e-9);
+    }
+    assert_near(bis_verify_t(30, all, 0.1) / (erfc(10 / sqrt(2)) * exp(100 / 3.0)), 1, 1e-9);
+    double root = 4;
+    for (int i = 0; i < 50; i++) root = root - (0.1 * root + 0.1 * root * root * root / 11 - 10 / 11.0) / (0.1 + 0.3 * root * root / 11);
+    assert_near(bis_verify_t(9, 11, 0.1), bis_stats_student_p(root, 11) * exp(0.1 * root * root * root / 3), 1e-12);
+    assert_near(bis_verify_t(3, 11, 0), bis_stats_student_p(3, 11), 0);
+}
+
+/* ---- maps ---- */
+
+/* A map of 4 x 2: the names, limits and degrees of freedom of all tests. 2^16 draws: each of the 6 pixels that are not black
+ * is a cell and, 16 times, a group of its own. */
+static void the_tests_of_a_map_have_limits_by_hand(void **state)
+{
+    (void)state;
+    const double eps = 0x1p-52, ulp = 0x1p-63, no = (double)NAN;
+    const struct { const char *name; double limit; int dof; const char *note; } expected[] = {
+        {"solid angles sum to 4 pi", 10 * eps, 0, "relative error of their sum"},
+        {"solid angles are differences of cosines", 8 * eps + 4 * ulp, 0, "largest relative error of a row"},
+        {"alias: density as defined", 22 * eps, 0, "largest relative error of q dO against w dO / sum"},
+        {"alias: density integrates to 1", 22 * eps, 0, "error of the integral"},
+        {"alias: table gives that density", 1e-8, 0, "largest relative error of a pixel's probability against q dO"},
+        {"alias: draws by pixel", no, 5, "chi-square, 5 degrees of freedom"},
+        {"alias: draws in 4 x 4 cells inside pixels", no, 95, "chi-square, 95 degrees of freedom"},
+        {"cdf: density as defined", 22 * eps, 0, "largest relative error of q dO against w dO / sum"},
+        {"cdf: density integrates to 1", 22 * eps, 0, "error of the integral"},
+        {"cdf: table gives that density", 1e-8, 0, "largest relative error of a pixel's probability against q dO"},
+        {"cdf: draws by pixel", no, 5, "chi-square, 5 degrees of freedom"},
+        {"cdf: draws in 4 x 4 cells inside pixels", no, 95, "chi-square, 95 degrees of freedom"},
+        {"curve: draws by pixel", no, 5, "chi-square, 5 degrees of freedom"},
+        {"curve: draws in 4 x 4 cells inside pixels", no, 95, "chi-square, 95 degrees of freedom"},
+    };
+    bis_envmap em = map_new(4, 2);
+    for (int i = 0; i < 8; i++) em.pixels[i] = (rgb){i == 1 || i == 3 ? 0 : 1 + (float)i, 1, 0};
+    em.pixels[1] = em.pixels[3] = (rgb){0, 0, 0};
+    bis_verify v = {.seed = 1};
+    assert_int_equal(bis_verify_map(&v, &em, 0.15, 8, NULL), BIS_OK);
+    assert_int_equal(v.n, 14);
+    for (int i = 0; i < 14; i++) {
+        const bis_verify_test *t = &v.tests[i];
+        assert_string_equal(t->group, "map");
+        assert_string_equal(t->name, expected[i].name);
+        assert_string_equal(t->note, expected[i].note);
+        assert_figure(t->threshold, expected[i].limit, t->name);
+        assert_true(t->dof == expected[i].dof && isnan(t->p) == !isnan(expected[i].limit));
+    }
+    bis_verify_clear(&v);
+    bis_envmap_clear(&em);
+    bis_envmap dark = map_new(4, 2);
+    bis_verify none = {.seed = 1};
+    assert_int_equal(bis_verify_map(&none, &dark, 0.15, 8, NULL), BIS_OK);
+    assert_int_equal(none.n, 3);
+    const expected_test skipped = {"alias, cdf, curve", "the map gives no light, nothing can be drawn from it", no, 0, no, no, BIS_VERDICT_SKIPPED};
+    assert_test(&none.tests[2], "map", &skipped);
+    bis_verify_clear(&none);
+    bis_envmap_clear(&dark);
+}
+
+/* Solid angles of 3 rows at the poles' circles 60 and 120 degrees: pi/2 1/2, 1, 1/2 a pixel. One row is wrong by a thousandth. */
+static void an_error_of_a_thousandth_is_told_as_such(void **state)
+{
+    (void)state;
+    bis_envmap em = map_new(4, 3);
+    bis_verify v = {.seed = 1};
+    assert_near(em.row_solid_angle[1], PI / 2, 1e-12);
+    em.row_solid_angle[1] *= 1 - 1e-3;
+    bis_verify_solid_angles(&v, &em);
+    assert_near(v.tests[0].statistic, 5e-4, 1e-9); /* the row is half of the sphere */
+    assert_near(v.tests[1].statistic, 1e-3, 1e-9);
+    assert_figure(v.tests[0].threshold, 11 * 0x1p-52, "the sum's limit");
+    assert_figure(v.tests[1].threshold, 8 * 0x1p-52 + 8 * 0x1p-63, "a row's limit"); /* 1 - cos 60 degrees = 1/2 */
+    bis_verify_clear(&v);
+    bis_envmap_clear(&em);
+}
+
+/* w by hand: 0.5 and 1 and 2 of one solid angle, and components smaller and larger than 0.01 sr. In 64 x 64 pixels, row 32, a
+ * pixel is 0.00481 sr. */
+static void the_definition_of_the_density_is_that_by_hand(void **state)
+{
+    (void)state;
+    enum { W = 64, H = 64, N = W * H };
+    static double pmf[N];
+    bool has_light;
+    bis_envmap em = map_new(W, H);
+    rgb *const row = em.pixels + 32 * W;
+    row[3] = (rgb){1, 0, 0};                                        /* one pixel, level 0 */
+    row[10] = row[11] = row[12] = (rgb){0, 1000, 0};                /* three, 0.0144 sr */
+    const double one = em.row_solid_angle[32], factor = pow(one / 0.01, 0.5);
+    assert_true(one < 0.005 && 3 * one > 0.01);
+    assert_int_equal(bis_verify_definition(pmf, &has_light, &em, 0.5, 2, NULL), BIS_OK);
+    assert_true(has_light);
+    const double sum = factor + 3000;
+    for (int i = 0; i < N; i++) {
+        const double expected = i == 32 * W + 3 ? factor / sum : i >= 32 * W + 10 && i <= 32 * W + 12 ? 1000 / sum : 0;
+        assert_near(pmf[i], expected, 1e-7 * expected); /* the factor is kept as a float */
+    }
+    assert_int_equal(bis_verify_definition(pmf, &has_light, &em, 0, 2, NULL), BIS_OK);
+    assert_near(pmf[32 * W + 3], 1 / 3001.0, 1e-15);
+    bis_envmap_clear(&em);
+    bis_envmap dark = map_new(W, H);
+    assert_int_equal(bis_verify_definition(pmf, &has_light, &dark, 0.5, 2, NULL), BIS_OK);
+    assert_false(has_light);
+    bis_envmap_clear(&dark);
+}
+
+static bool draw_nothing(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    (void)self;
+    (void)rng;
+    *s = (bis_map_sample){.pixel = 0};
+    return false;
+}
+
+static bool draw_outside(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    (void)self;
+    (void)rng;
+    *s = (bis_map_sample){.pixel = 0, .w_local = {0, 0, -1}}; /* the other pole */
+    return true;
+}
+
+/* How many draws, from the note: 256 a pixel, 2^16 at least, 2^20 until 8 a pixel are more. */
+static void the_number_of_draws_follows_the_pixels(void **state)
+{
+    (void)state;
+    static const struct { int width, height; unsigned halvings, draws; } cases[] = {
+        {1, 1, 0, 1 << 16}, {16, 16, 0, 1 << 16}, {32, 16, 0, 1 << 17}, {64, 32, 0, 1 << 19}, {128, 64, 0, 1 << 20},
+        {128, 64, 3, 1 << 17}, {512, 512, 2, 1 << 19}, {1024, 512, 5, 1 << 17}, {1024, 1024, 5, 1 << 17}, {40, 10, 0, 6 << 14}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_envmap em = map_new(cases[i].width, cases[i].height);
+        double *pmf = bis_alloc(map_n(&em), sizeof *pmf);
+        for (size_t k = 0; k < map_n(&em); k++) pmf[k] = 1 / (double)map_n(&em);
+        for (int outside = 0; outside < 2; outside++) {
+            const bis_verify_sampler sampler = {"s", outside ? draw_outside : draw_nothing, NULL};
+            char note[120];
+            bis_verify v = {.seed = 1, .halvings = cases[i].halvings};
+            if (outside && cases[i].height == 1) continue;
+            assert_int_equal(bis_verify_draws(&v, &sampler, &em, pmf, NULL), BIS_OK);
+            snprintf(note, sizeof note, "chi-square; %u draws fell where nothing can be drawn", cases[i].draws);
+            assert_string_equal(v.tests[0].name, "s: draws by pixel");
+            assert_string_equal(v.tests[0].note, note);
+            bis_verify_clear(&v);
+        }
+        bis_free(pmf);
+        bis_envmap_clear(&em);
+    }
+}
+
+/* ---- materials ---- */
+
+static bool sample_nothing(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
+{
+    (void)b;
+    (void)u0;
+    (void)u1;
+    (void)u2;
+    (void)wi;
+    return false;
+}
+
+static double radiance_of_furnace;
+
+static rgb Lo_furnace(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s;
+    (void)pt;
+    (void)stream;
+    (void)scratch;
+    return rgb_from(radiance_of_furnace, 0, 0);
+}
+
+/* Where nothing is drawn the statistic is the number of draws. The furnace of Kd (0.5, 0.25, 0.75) under (1, 0.5, 0.25) gives
+ * 4 0.5 + 2 0.125 + 0.1875 = 2.4375, good to 5e-5 of it: what is off by a little more is seen, by a little less is not. */
+static void a_materials_limits_draws_and_furnace_are_those_by_hand(void **state)
+{
+    (void)state;
+    bis_bsdf_model blind = bis_phong_model;
+    bis_integrator forged = bis_brdf;
+    bis_settings s = bis_settings_default(&bis_brdf);
+    blind.sample = sample_nothing;
+    forged.Lo = Lo_furnace;
+    s.integrator = &forged;
+    bis_material m = bis_phong((rgb){0.5f, 0.25f, 0.75f}, (rgb){0, 0, 0}, 0);
+    m.model = &blind;
+    for (int k = 0; k < 4; k++) {
+        static const double off[] = {4e-5, 6e-5, -4e-5, -6e-5};
+        bis_verify v = {.seed = 1, .halvings = 2};
+        radiance_of_furnace = 2.4375 / 4 * (1 + off[k]);
+        assert_int_equal(bis_verify_material(&v, &m, 45, &s, 1, "m", NULL), BIS_OK);
+        assert_int_equal(v.n, 3);
+        assert_string_equal(v.tests[0].name, "m: density integrates to 1");
+        assert_string_equal(v.tests[0].note, "error of the integral");
+        assert_figure(v.tests[0].threshold, 5e-5, "the limit of n = 0");
+        assert_true(v.tests[0].verdict == BIS_VERDICT_PASSED);
+        assert_string_equal(v.tests[1].name, "m: draws by its density");
+        assert_near(v.tests[1].statistic, 1 << 15, 1e-6);
+        assert_string_equal(v.tests[2].name, "m: furnace, brdf");
+        assert_string_equal(v.tests[2].note, k % 2 ? "z" : "z; equal up to rounding and quadrature");
+        assert_true(k % 2 ? v.tests[2].p == 0 && v.tests[2].dof == 511 && (v.tests[2].statistic > 0) == (k == 1) : v.tests[2].p == 1);
+        for (int i = 0; i < 3; i++) assert_string_equal(v.tests[i].group, "materials");
+        bis_verify_clear(&v);
+    }
+    const struct { bis_material m; double limit; } limits[] = {
+        {bis_phong(grey(0.5), grey(0.4), 1e4), 5e-5 + 1e-5}, {bis_microfacet(grey(0.5), grey(0.4), sqrt(0.01)), 5e-5 + 1e-6}};
+    for (int i = 0; i < 2; i++) {
+        bis_verify v = {.seed = 1, .halvings = 4};
+        assert_int_equal(bis_verify_material(&v, &limits[i].m, 45, &s, 0, "m", NULL), BIS_OK);
+        assert_int_equal(v.n, 2);
+        assert_figure(v.tests[0].threshold, limits[i].limit, "the limit of a lobe");
+        bis_verify_clear(&v);
+    }
+}
+
+/* ---- the view ---- */
+
+/* 2^11 draws over 8 candidates and a ray for 8: 128 runs. */
+static void too_few_accepted_candidates_are_counted(void **state)
+{
+    (void)state;
+    enum { RUNS = 128 };
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_settings s = bis_settings_default(&bis_rejection);
+    bis_verify v = {.seed = 1, .halvings = 10};
+    bis_counters counters = {0};
+    rgb estimate[RUNS];
+    char note[120];
+    bool tested;
+    lit l;
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0.2), 5), (vec3){0, 0, 1}, 40, LIT_OPEN);
+    s.candidates = 8;
+    s.shadowrays = 1;
+    assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_int_equal(bis_verify_runs(estimate, RUNS, &l.pt, &s, BIS_SAMPLER_RANDOM, bis_verify_seed(&v, "p: rejection"), &counters, NULL), BIS_OK);
+    assert_true(tested && v.n == 1 && counters.accepted > 50 && counters.accepted < 1000);
+    snprintf(note, sizeof note, "only %u of its candidates were accepted: too few to judge", (unsigned)counters.accepted);
+    const expected_test expected = {"p: rejection", note, (double)NAN, 0, (double)NAN, (double)NAN, BIS_VERDICT_SKIPPED};
+    assert_test(&v.tests[0], "view", &expected);
+    assert_int_equal(counters.shadow_rays, RUNS);
+    bis_verify_clear(&v);
+    bis_light_free(light);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_test_has_the_fields_that_were_handed_in),
+        cmocka_unit_test(without_a_p_value_the_threshold_is_that_of_one),
+        cmocka_unit_test(a_tests_seed_is_made_of_its_name_and_the_runs),
+        cmocka_unit_test(a_part_that_begins_is_told),
+        cmocka_unit_test(cells_are_pooled_in_order_and_the_rest_joins_the_last),
+        cmocka_unit_test(p_is_the_tail_of_a_shifted_gamma_distribution),
+        cmocka_unit_test(moments_are_the_sums_about_the_mean),
+        cmocka_unit_test(a_mean_is_judged_by_what_is_beyond_its_slack),
+        cmocka_unit_test(the_bound_of_a_skewed_mean_is_that_of_the_page),
+        cmocka_unit_test(the_tests_of_a_map_have_limits_by_hand),
+        cmocka_unit_test(an_error_of_a_thousandth_is_told_as_such),
+        cmocka_unit_test(the_definition_of_the_density_is_that_by_hand),
+        cmocka_unit_test(the_number_of_draws_follows_the_pixels),
+        cmocka_unit_test(a_materials_limits_draws_and_furnace_are_those_by_hand),
+        cmocka_unit_test(too_few_accepted_candidates_are_counted),
+    };
+    return cmocka_run_group_tests_name("verdicts", tests, NULL, NULL);
+}
