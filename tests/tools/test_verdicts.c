@@ -14,6 +14,12 @@
 #include "mesh_help.h"
 #include "program.h"
 
+#ifdef _OPENMP
+#include <omp.h>
+#else
+#define omp_set_num_threads(n)
+#endif
+
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -512,6 +518,293 @@ static void too_few_accepted_candidates_are_counted(void **state)
     bis_light_free(light);
 }
 
+/* ---- accelerators ---- */
+
+/* What the rays were, and how many answers they got. One thread asks, so they come in order. */
+enum { MOST_RAYS = 8192 };
+typedef struct witness {
+    bis_accel accel;
+    const bis_accel *right;
+    double far;          /* a hit is told at so many times its distance */
+    ray rays[MOST_RAYS]; /* that start beside the surface */
+    bool met[MOST_RAYS];
+    int n, n_shadow;
+} witness;
+
+/* The surface is in the plane z = 0, and shadow rays start within 1e-5 of it. */
+static bool witness_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    witness *w = (witness *)(uintptr_t)a;
+    const bool met = bis_accel_intersect(w->right, r, hit);
+    if (met) hit->t = (float)((double)hit->t * w->far);
+    if (fabs((double)r->o.z) < 1e-5) {
+        w->n_shadow++;
+    } else {
+        assert_true(w->n < MOST_RAYS);
+        w->rays[w->n] = *r;
+        w->met[w->n++] = met;
+    }
+    return met;
+}
+
+static bool witness_occluded(const bis_accel *a, const ray *r) { return bis_accel_occluded(((const witness *)a)->right, r); }
+
+static const bis_accel_ops witnessed = {.name = "witness", .intersect = witness_intersect, .occluded = witness_occluded};
+
+/* Where the line of r crosses z = 0; both triangles lie there. */
+static bool crosses(const ray *r, double x0, double x1, double y0, double y1, double slack)
+{
+    const double t = -(double)r->o.z / (double)r->d.z, x = (double)r->o.x + t * (double)r->d.x, y = (double)r->o.y + t * (double)r->d.y;
+    return t > 0 && x >= x0 - slack && x <= x1 + slack && y >= y0 - slack && y <= y1 + slack;
+}
+
+static int met_among(const witness *w, int n)
+{
+    int met = 0;
+    for (int i = 0; i < n && i < w->n; i++) met += w->met[i];
+    return met;
+}
+
+static void assert_note(const bis_verify_test *t, int rays, int surfaces, int searched, int grazing, const char *name)
+{
+    char note[120];
+    snprintf(note, sizeof note, "wrong of %d rays and %d from surfaces, %d of them searched; %d more graze an edge", rays, surfaces, searched, grazing);
+    assert_string_equal(t->note, note);
+    assert_string_equal(t->name, name);
+    assert_string_equal(t->group, "accelerators");
+    assert_true(t->threshold == 0 && t->dof == 0);
+}
+
+/* A triangle of 2 x 1, and one of 0.02 x 0.02 in its corner beyond: a box of 2 x 1 x 0 with a margin of 0.1 sqrt 5. */
+static void the_rays_are_where_the_page_says_and_are_counted(void **state)
+{
+    (void)state;
+    enum { N = 6000 };
+    static witness a, b;
+    const bis_xform here = bis_xform_identity();
+    const float corner[6][2] = {{0, 0}, {2, 0}, {0, 1}, {2, 1}, {1.98f, 1}, {2, 0.98f}};
+    bis_geometry g = {0};
+    bis_accel *grid;
+    bis_mesh m = new_mesh(6, 2);
+    for (uint32_t i = 0; i < 6; i++) {
+        m.p[i] = (vec3){corner[i][0], corner[i][1], 0};
+        m.index[i] = i;
+    }
+    assert_int_equal(bis_geometry_add_mesh(&g, &m, &here, 0, NULL), BIS_OK);
+    bis_mesh_clear(&m);
+    assert_int_equal(bis_accel_new(&grid, &g, &(bis_accel_options){.kind = BIS_ACCEL_GRID}, NULL), BIS_OK);
+    omp_set_num_threads(1);
+
+    /* one backend: 2^24 tests of two triangles are more than all rays; 2^24/2/2^20 = 8 of them with 20 halvings */
+    for (int halvings = 0; halvings <= 20; halvings += 20) {
+        bis_verify v = {.seed = 4, .halvings = (unsigned)halvings};
+        a = (witness){.accel = {&witnessed, &g}, .right = grid, .far = 1};
+        bis_verify_backends(&v, &a.accel, NULL, N);
+        assert_int_equal(a.n, N);
+        const int hits = met_among(&a, N), searched = halvings ? 8 + met_among(&a, 8) : N + hits;
+        assert_int_equal(a.n_shadow, hits);
+        assert_note(&v.tests[0], N, hits, searched, 0, "witness sees what a search sees");
+        assert_true(v.tests[0].statistic == 0);
+        bis_verify_clear(&v);
+    }
+
+    double lo[3] = {9, 9, 9}, hi[3] = {-9, -9, -9}, sum[3] = {0};
+    const double margin = 0.1 * sqrt(5), least[3] = {-margin, -margin, -margin}, most[3] = {2 + margin, 1 + margin, margin};
+    int into_small = 0;
+    for (int i = 0; i < N; i++) {
+        const double o[3] = {(double)a.rays[i].o.x, (double)a.rays[i].o.y, (double)a.rays[i].o.z};
+        for (int c = 0; c < 3; c++) {
+            lo[c] = fmin(lo[c], o[c]);
+            hi[c] = fmax(hi[c], o[c]);
+            sum[c] += o[c] / N;
+        }
+        assert_near((double)length(a.rays[i].d), 1, 1e-6);
+        if (fabs(o[2]) > 0.01 && !crosses(&a.rays[i], 0, 2, 0, 1, 1e-3)) fail_msg("ray %d passes the scene", i);
+        into_small += crosses(&a.rays[i], 1.98, 2, 0.98, 1, 1e-4);
+    }
+    for (int c = 0; c < 3; c++) { /* 6000 uniform numbers: an end is missed by a thousandth of the range, the mean by 5 standard errors */
+        const double range = most[c] - least[c];
+        assert_true(lo[c] >= least[c] - 1e-6 && lo[c] < least[c] + 3e-3 * range && hi[c] <= most[c] + 1e-6 && hi[c] > most[c] - 3e-3 * range);
+        assert_near(sum[c], (least[c] + most[c]) / 2, 5 * range / sqrt(12.0 * N));
+    }
+    assert_near((double)into_small / N, 0.25, 5 * sqrt(0.25 * 0.75 / N) + 2e-3); /* half of the rays, half of the triangles */
+
+    /* two: 2^21/2/2^18 = 4 are searched, and all that differ. Farther by 1.2e-7 is rounding, by a half is wrong. */
+    for (int wrong = 0; wrong < 3; wrong++) {
+        bis_verify v = {.seed = 4, .halvings = 18};
+        a = (witness){.accel = {&witnessed, &g}, .right = grid, .far = 1};
+        b = (witness){.accel = {&witnessed, &g}, .right = grid, .far = wrong == 2 ? 1.5 : wrong == 1 ? 1 + 1.2e-7 : 1};
+        bis_verify_backends(&v, &a.accel, &b.accel, N);
+        const int hits = met_among(&a, N), first = 4 + met_among(&a, 4);
+        int differ = 0, new = 0;
+        for (int i = 0; i < N; i++) {
+            bis_hit hit;
+            if (!a.met[i]) continue;
+            assert_true(bis_accel_intersect(grid, &a.rays[i], &hit));
+            const bool other = (float)((double)hit.t * b.far) != hit.t;
+            differ += other;
+            new += other && i >= 4;
+        }
+        assert_true(b.n == N && b.n_shadow == hits && (differ > 0) == (wrong > 0));
+        assert_note(&v.tests[0], N, hits, first + new, wrong == 1 ? differ : 0, "witness and witness see the same");
+        assert_true(v.tests[0].statistic == (wrong == 2 ? differ : 0));
+        bis_verify_clear(&v);
+    }
+    bis_accel_free(grid);
+    bis_geometry_clear(&g);
+}
+
+/* ---- a scene ---- */
+
+static void verify_text(bis_verify *v, const char *text)
+{
+    bis_scene_desc *desc = NULL;
+    bis_scene *scene = NULL;
+    program_write_file(DIR "/scene.txt", text);
+    assert_int_equal(bis_scene_parse(&desc, DIR "/scene.txt", NULL), BIS_OK);
+    desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+    assert_int_equal(bis_scene_build(&scene, desc, NULL), BIS_OK);
+    assert_int_equal(bis_verify_scene(v, scene, desc, &desc->settings, NULL), BIS_OK);
+    bis_scene_free(scene);
+    bis_scene_desc_free(desc);
+}
+
+/* Black, too narrow, one that two shapes have, and what comes after 24. */
+static void materials_are_numbered_and_what_is_left_out_is_said(void **state)
+{
+    (void)state;
+    const double no = (double)NAN;
+    char text[8192] = "WorldBegin\n";
+    static const char *const black = "Material \"diffuse\" \"float reflectance\" 0 Shape \"sphere\"\n";
+    bis_verify v = {.seed = 1, .halvings = 9};
+    size_t n = strlen(text);
+    n += (size_t)snprintf(text + n, sizeof text - n, "%s", black);
+    n += (size_t)snprintf(text + n, sizeof text - n, "Material \"phong\" \"float Kd\" 0 \"float Ks\" 0.5 \"float exponent\" 2e8 Shape \"sphere\"\n%s", black);
+    for (int i = 0; i < 23; i++) /* 25 materials in all: each its own exponent, beyond what floats resolve */
+        n += (size_t)snprintf(text + n, sizeof text - n, "Material \"phong\" \"float Kd\" 0 \"float Ks\" 0.5 \"float exponent\" %d00000000 Shape \"sphere\"\n", i + 3);
+    verify_text(&v, text);
+    const expected_test first = {"1", "it is black: nothing is drawn", no, 0, no, no, BIS_VERDICT_SKIPPED};
+    const expected_test second = {"2, n 2e+08", "unit vectors in float cannot resolve exponents beyond 1e8", no, 0, no, no, BIS_VERDICT_SKIPPED};
+    const expected_test last = {"24, n 2.4e+09", second.note, no, 0, no, no, BIS_VERDICT_SKIPPED};
+    const expected_test many = {"25 and on", "too many: only the first are looked at", no, 0, no, no, BIS_VERDICT_SKIPPED};
+    const expected_test dark = {"all integrators", "there is no light", no, 0, no, no, BIS_VERDICT_SKIPPED};
+    assert_true(v.n == 28);
+    assert_string_equal(v.tests[0].group, "map");
+    assert_test(&v.tests[1], "materials", &first);
+    assert_test(&v.tests[2], "materials", &second);
+    assert_test(&v.tests[24], "materials", &last);
+    assert_test(&v.tests[25], "materials", &many);
+    assert_test(&v.tests[26], "view", &dark);
+    assert_string_equal(v.tests[27].group, "accelerators");
+    bis_verify_clear(&v);
+
+    v = (bis_verify){.seed = 1, .halvings = 9};
+    verify_text(&v, "WorldBegin Material \"microfacet\" \"float roughness\" 0.5 Shape \"sphere\"\n"
+                    "Material \"phong\" \"float exponent\" 7 Shape \"sphere\"");
+    static const char *const names[] = {
+        "1, alpha 0.25, 0 degrees", "1, alpha 0.25, 45 degrees", "1, alpha 0.25, 75 degrees", "1, alpha 0.25, 89 degrees",
+        "2, n 7, 0 degrees", "2, n 7, 45 degrees", "2, n 7, 75 degrees", "2, n 7, 89 degrees"};
+    static const char *const what[] = {"density integrates to 1", "draws by its density", "furnace, brdf", "furnace, sir"};
+    for (int i = 0; i < 32; i++) {
+        char name[128];
+        snprintf(name, sizeof name, "%s: %s", names[i / 4], what[i % 4]);
+        assert_string_equal(v.tests[1 + i].name, name);
+    }
+    bis_verify_clear(&v);
+}
+
+/* ---- the command ---- */
+
+/* Nothing applies: all of the report by hand. */
+static void an_empty_scene_has_a_report_by_hand(void **state)
+{
+    (void)state;
+    static const char table[] =
+        "map                                             statistic          p  threshold  verdict\n"
+        "  alias, cdf, curve                                     -          -          -  skipped: the light is a constant, there is no map\n"
+        "\n"
+        "view                                            statistic          p  threshold  verdict\n"
+        "  all integrators                                       -          -          -  skipped: there is no geometry\n"
+        "\n"
+        "accelerators                                    statistic          p  threshold  verdict\n"
+        "  grid and embree                                       -          -          -  skipped: there is no geometry\n"
+        "\n"
+        "3 tests, 0 failed, 3 skipped. 0 of them are statistical: each fails below p = 0.01, so that all together\n"
+        "raise a false alarm at most once in 100 runs (Sidak). The others fail above their threshold.\n"
+        "seed 9\n"
+        "passed\n";
+#define SKIPPED(group, name, note) \
+    "    {\n      \"group\": \"" group "\",\n      \"name\": \"" name "\",\n      \"verdict\": \"skipped\",\n" \
+    "      \"statistic\": null,\n      \"dof\": null,\n      \"p\": null,\n      \"threshold\": null,\n      \"note\": \"" note "\"\n    }"
+    static const char json[] =
+        "{\n  \"file\": \"" DIR "/empty.txt\",\n  \"seed\": 1,\n  \"significance\": 0.01,\n  \"statistical\": 0,\n  \"corrected\": 0.01,\n"
+        "  \"failed\": 0,\n  \"skipped\": 3,\n  \"passed\": true,\n  \"tests\": [\n"
+        SKIPPED("map", "alias, cdf, curve", "the light is a constant, there is no map") ",\n"
+        SKIPPED("view", "all integrators", "there is no geometry") ",\n"
+        SKIPPED("accelerators", "grid and embree", "there is no geometry") "\n  ]\n}\n";
+    program_run r;
+    program_write_file(DIR "/empty.txt", "WorldBegin LightSource \"infinite\"\n");
+    program_expect(&r, 0, "verify " DIR "/empty.txt --seed 9");
+    assert_string_equal(r.output, table);
+    assert_string_equal(r.messages, "");
+    program_expect(&r, 0, "verify --json " DIR "/empty.txt");
+    assert_string_equal(r.output, json);
+    program_expect(&r, 0, "verify --mapping latlong " DIR "/empty.txt");
+    assert_string_equal(r.messages, "bis: warning: --mapping has no effect on a scene: its LightSource says it\n");
+}
+
+/* Text and JSON of a map tell the same, and what the library tells. */
+static void text_and_json_of_a_map_tell_the_same(void **state)
+{
+    (void)state;
+    program_run text, json;
+    char value[256], line[256], p[16], dof[16];
+    bis_envmap em = map_random(8, 4, 2, 0.1, 3);
+    const bis_image image = {8, 4, em.pixels};
+    assert_int_equal(bis_image_save(&image, DIR "/map.PFM", NULL), BIS_OK);
+    program_expect(&text, 0, "verify " DIR "/map.PFM --seed 3");
+    program_expect(&json, 0, "verify --json " DIR "/map.PFM --seed 3");
+    bis_verify v = {.seed = 3};
+    assert_int_equal(bis_verify_map(&v, &em, 0.15, 8, NULL), BIS_OK);
+    assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+    assert_true(json_number(json.output, "seed") == 3 && json_number(json.output, "statistical") == 6);
+    assert_figure(json_number(json.output, "corrected"), 1 - pow(0.99, 1 / 6.0), "corrected");
+    assert_non_null(strstr(text.output, "14 tests, 0 failed, 0 skipped. 6 of them are statistical: each fails below p = 0.00167, so "));
+    for (int i = 0; i < 14; i++) {
+        const bis_verify_test *t = &v.tests[i];
+        const struct { const char *key; double value; } figures[] = {{"statistic", t->statistic}, {"dof", t->dof > 0 ? t->dof : (double)NAN},
+                                                                      {"p", t->p}, {"threshold", t->threshold}};
+        for (int k = 0; k < 4; k++) {
+            snprintf(line, sizeof line, "tests.%d.%s", i, figures[k].key);
+            assert_figure(json_number(json.output, line), figures[k].value, line);
+        }
+        snprintf(line, sizeof line, "tests.%d.verdict", i);
+        assert_string_equal(json_value(value, sizeof value, json.output, line), "\"passed\"");
+        if (isnan(t->p)) snprintf(p, sizeof p, "%10s", "-");
+        else snprintf(p, sizeof p, "%10.3g", t->p);
+        snprintf(dof, sizeof dof, "%10.3g", t->threshold);
+        snprintf(line, sizeof line, "\n  %-44s %10.3g %s %s  passed: %s\n", t->name, t->statistic, p, dof, t->note);
+        if (!strstr(text.output, line)) fail_msg("no %s in %s", line, text.output);
+    }
+    bis_verify_clear(&v);
+    bis_envmap_clear(&em);
+}
+
+static void options_end_where_they_say(void **state)
+{
+    (void)state;
+    static const struct { const char *arguments; int exit_status; const char *message; } cases[] = {
+        {"--seed 0 " DIR "/no.hdr", 1, "no.hdr"}, {"--seed 9007199254740992 " DIR "/no.exr", 1, "no.exr"},
+        {"--seed 9007199254740993 " DIR "/no.pfm", 2, "[0, 9007199254740992]"}, {"--mapping cube " DIR "/no.hdr", 2, "latlong, angular"},
+        {"--mapping angular " DIR "/no.hdr", 1, "no.hdr"}, {DIR "/no.txt", 1, "no.txt"}, {"a.hdr b.hdr", 2, "too many operands: 2"},
+        {DIR "/.hdr", 1, ".hdr"}};
+    program_run r;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_expect(&r, cases[i].exit_status, "verify %s", cases[i].arguments);
+        if (!strstr(r.messages, cases[i].message)) fail_msg("verify %s: %s", cases[i].arguments, r.messages);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -530,6 +823,12 @@ int main(void)
         cmocka_unit_test(the_number_of_draws_follows_the_pixels),
         cmocka_unit_test(a_materials_limits_draws_and_furnace_are_those_by_hand),
         cmocka_unit_test(too_few_accepted_candidates_are_counted),
+        cmocka_unit_test(the_rays_are_where_the_page_says_and_are_counted),
+        cmocka_unit_test(materials_are_numbered_and_what_is_left_out_is_said),
+        cmocka_unit_test(an_empty_scene_has_a_report_by_hand),
+        cmocka_unit_test(text_and_json_of_a_map_tell_the_same),
+        cmocka_unit_test(options_end_where_they_say),
     };
+    program_folder(DIR);
     return cmocka_run_group_tests_name("verdicts", tests, NULL, NULL);
 }
