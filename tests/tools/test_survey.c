@@ -421,13 +421,12 @@ static void pictures_of_a_map_by_hand_have_the_colours_by_hand(void **state)
     bis_image_clear(&image);
 }
 
-/* One dot, in a corner of 300 rows, a lamp that outshines all: within a radius of 1.5 pixels it is bright, within 2.4 the
- * rest is dimmed to 0.3, across the seam, not across the pole. */
-static void a_dot_has_a_rim_and_goes_around_the_seam(void **state)
+/* One dot, in a corner, a lamp that outshines all. Of `rows` rows a radius is rows/200 pixels: within it is bright, within 1.6
+ * of it the rest is dimmed to 0.3, across the seam, not across the pole. */
+static void assert_dot(int rows, double radius)
 {
-    (void)state;
-    enum { W = 40, H = 300 };
-    bis_envmap em = map_new(W, H);
+    enum { W = 40 };
+    bis_envmap em = map_new(W, rows);
     bis_importance *im;
     bis_image plain, dotted;
     const bis_importance_options options = {.table = true, .levels = 8};
@@ -437,17 +436,25 @@ static void a_dot_has_a_rim_and_goes_around_the_seam(void **state)
     assert_int_equal(bis_survey_importance_picture(&plain, &em, im, 0, NULL), BIS_OK);
     assert_int_equal(bis_survey_importance_picture(&dotted, &em, im, 1, NULL), BIS_OK);
     const rgb bright = bis_palette_srgb(0.55, 1, 0.95);
-    for (int y = 0; y < H; y++) {
+    for (int y = 0; y < rows; y++) {
         for (int x = 0; x < W; x++) {
-            const int dx = x < W / 2 ? x : W - x, d2 = dx * dx + y * y, i = y * W + x;
-            const rgb expected = d2 <= 1.5 * 1.5 ? bright : d2 <= 2.4 * 2.4 ? rgb_scale(plain.pixels[i], 0.3) : plain.pixels[i];
-            assert_colour(dotted.pixels[i], expected);
+            const int dx = x < W / 2 ? x : W - x, i = y * W + x;
+            const double d = sqrt(dx * dx + y * y) / radius;
+            assert_colour(dotted.pixels[i], d <= 1 ? bright : d <= 1.6 ? rgb_scale(plain.pixels[i], 0.3) : plain.pixels[i]);
         }
     }
     bis_image_clear(&plain);
     bis_image_clear(&dotted);
     bis_importance_free(im);
     bis_envmap_clear(&em);
+}
+
+static void a_dot_has_a_rim_and_goes_around_the_seam(void **state)
+{
+    (void)state;
+    assert_dot(20, 0.5);
+    assert_dot(300, 1.5);
+    assert_dot(450, 2.25);
 }
 
 /* The least and the greatest value of each option is taken (the map is missing: status 1), the next is not. */
