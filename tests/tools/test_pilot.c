@@ -57,6 +57,8 @@ static void the_pilots_size_follows_what_is_to_come(void **state)
         /* one sample a pixel: one pass, 8e6 are 3.2e5 in 36, 8889 pixels, k = 30 */
         {4000, 2000, 1, whole, {0}, false, 133, 67, 1},
         {4000, 2000, 5, whole, {.spp = 1}, false, 133, 67, 1},
+        /* two: two passes, 6e5 in 72, 8333 pixels, k = sqrt 960 */
+        {4000, 2000, 2, whole, {0}, false, 129, 65, 2},
         /* never larger than the picture */
         {30, 20, 1, whole, {0}, false, 30, 20, 1},
     };
