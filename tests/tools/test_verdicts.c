@@ -654,6 +654,85 @@ static void the_rays_are_where_the_page_says_and_are_counted(void **state)
     bis_geometry_clear(&g);
 }
 
+/* ---- the search ---- */
+
+typedef struct sighting {
+    vec3 o, d;
+    double t;          /* the right answer; infinite: none is met */
+    bool doubtful;     /* either answer is right */
+} sighting;
+
+/* Right: that there is a hit at t, with `occluded`; wrong: another distance, one answer without the other, a miss. */
+static void assert_sightings(const bis_geometry *g, uint32_t left, const sighting *s, size_t n)
+{
+    const double none = (double)INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        const ray r = {s[i].o, s[i].d, INFINITY};
+        const bool meets = isfinite(s[i].t), either = s[i].doubtful;
+        const bis_verify_answer answers[6] = {{s[i].t, meets}, {s[i].t, !meets}, {none, false}, {none, true}, {meets ? s[i].t * 1.001 : 1, true}, {meets ? s[i].t * 0.999 : 2, true}};
+        const bool expected[6] = {true, either, !meets || either, either, false, false};
+        for (int k = 0; k < 6; k++) {
+            bool right[1];
+            bis_verify_search(right, g, &r, left, &answers[k], 1);
+            if (right[0] != expected[k]) fail_msg("ray %zu: answer %d is called %s", i, k, right[0] ? "right" : "wrong");
+        }
+    }
+}
+
+/* A disk of radius 2 at height 0.5 and a sphere of radius 0.5, both twice as large and moved: the disk is at x = 10, z = 1 and 4 wide,
+ * the sphere about (0, 0, 0). */
+static void a_search_knows_disks_and_spheres(void **state)
+{
+    (void)state;
+    const double none = (double)INFINITY;
+    const bis_xform away = bis_xform_translate(10, 0, 0), twice = bis_xform_scale(2, 2, 2);
+    const bis_quadric disk = {.kind = BIS_DISK, .radius = 2, .height = 0.5, .to_world = bis_xform_compose(&away, &twice)};
+    const bis_quadric sphere = {.kind = BIS_SPHERE, .radius = 0.5, .to_world = twice};
+    bis_geometry g = {0};
+    assert_int_equal(bis_geometry_add_quadric(&g, &disk, NULL), BIS_OK);
+    assert_int_equal(bis_geometry_add_quadric(&g, &sphere, NULL), BIS_OK);
+    const sighting s[] = {
+        {{10, 0, 4}, {0, 0, -1}, 3, false},      {{13.5f, 0, 4}, {0, 0, -1}, 3, false},  {{14.5f, 0, 4}, {0, 0, -1}, none, false},
+        {{10, 4, 4}, {0, 0, -1}, 3, true},       {{10, 4.001f, 4}, {0, 0, -1}, none, false}, {{10, 3.999f, 4}, {0, 0, -1}, 3, false},
+        {{10, 0, 4}, {0, 0, 1}, none, false},    {{10, 0, -2}, {0, 0, 1}, 3, false},     {{10, 0, 0.5f}, {0, 0, -1}, none, false},
+        {{10, 0, 1}, {1, 0, 0}, none, false},
+        {{0, 0, 4}, {0, 0, -1}, 3, false},       {{0, 0, 4}, {0, 0, 1}, none, false},    {{0, 0, 0}, {0, 0, 1}, 1, false},
+        {{0.6f, 0, 5}, {0, 0, -1}, 4.2, false},  {{0, 0.6f, 0}, {0, 0, -1}, 0.8, false}, {{1, 0, 4}, {0, 0, -1}, 4, true},
+        {{1.001f, 0, 4}, {0, 0, -1}, none, false}, {{0, 0, -0.5f}, {0, 0, -1}, 0.5, false},
+        /* through the sphere and then to the disk's side: the nearer one */
+        {{-4, 0, 0}, {1, 0, 0}, 3, false}};
+    assert_sightings(&g, BIS_NO_PRIM, s, sizeof s / sizeof *s);
+    /* the disk is left: it is not met again, the sphere is */
+    const sighting from_disk[] = {{{10, 0, 4}, {0, 0, -1}, none, false}, {{0, 0, 4}, {0, 0, -1}, 3, false}};
+    assert_sightings(&g, 0, from_disk, 2);
+    bis_geometry_clear(&g);
+}
+
+/* Two triangles, one behind the other, of 2 x 2 at z = 0 and z = -1; what is met is the nearer one. */
+static void a_search_finds_the_nearest_triangle(void **state)
+{
+    (void)state;
+    const double none = (double)INFINITY;
+    const bis_xform here = bis_xform_identity();
+    const float corner[6][3] = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, -1}, {2, 0, -1}, {0, 2, -1}};
+    bis_geometry g = {0};
+    bis_mesh m = new_mesh(6, 2);
+    for (uint32_t i = 0; i < 6; i++) {
+        m.p[i] = (vec3){corner[i][0], corner[i][1], corner[i][2]};
+        m.index[i] = i;
+    }
+    assert_int_equal(bis_geometry_add_mesh(&g, &m, &here, 0, NULL), BIS_OK);
+    bis_mesh_clear(&m);
+    const sighting s[] = {{{0.5f, 0.5f, 2}, {0, 0, -1}, 2, false}, {{0.5f, 0.5f, -0.5f}, {0, 0, -1}, 0.5, false}, {{0.5f, 0.5f, -0.5f}, {0, 0, 1}, 0.5, false},
+                          {{0.5f, 0.5f, 1}, {0, 0, 1}, none, false}, {{1.5f, 1.5f, 1}, {0, 0, -1}, none, false}, {{-0.5f, 0.5f, 1}, {0, 0, -1}, none, false},
+                          {{0.5f, -0.5f, 1}, {0, 0, -1}, none, false}};
+    assert_sightings(&g, BIS_NO_PRIM, s, sizeof s / sizeof *s);
+    /* the first is left: the second is met through it */
+    const sighting left[] = {{{0.5f, 0.5f, 2}, {0, 0, -1}, 3, false}, {{0.5f, 0.5f, -2}, {0, 0, 1}, 1, false}};
+    assert_sightings(&g, 0, left, 2);
+    bis_geometry_clear(&g);
+}
+
 /* ---- a scene ---- */
 
 static void verify_text(bis_verify *v, const char *text)
@@ -790,6 +869,20 @@ static void text_and_json_of_a_map_tell_the_same(void **state)
     bis_envmap_clear(&em);
 }
 
+/* A name of five characters may be a map's, the ending alone is none: then --mapping has no effect. */
+static void an_ending_makes_a_map(void **state)
+{
+    (void)state;
+    static const struct { const char *name; bool is_map; } cases[] = {{"0.hdr", true}, {"0.EXR", true}, {"0.pfm", true}, {".hdr", false},
+                                                                      {"0.png", false}, {"hdr", false}, {"0.hdr.txt", false}};
+    program_run r;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_runf(&r, "verify --mapping latlong %s", cases[i].name); /* none of them is there */
+        assert_int_equal(r.exit_status, 1);
+        assert_true((strstr(r.messages, "--mapping has no effect on a scene") == NULL) == cases[i].is_map);
+    }
+}
+
 static void options_end_where_they_say(void **state)
 {
     (void)state;
@@ -824,9 +917,12 @@ int main(void)
         cmocka_unit_test(a_materials_limits_draws_and_furnace_are_those_by_hand),
         cmocka_unit_test(too_few_accepted_candidates_are_counted),
         cmocka_unit_test(the_rays_are_where_the_page_says_and_are_counted),
+        cmocka_unit_test(a_search_knows_disks_and_spheres),
+        cmocka_unit_test(a_search_finds_the_nearest_triangle),
         cmocka_unit_test(materials_are_numbered_and_what_is_left_out_is_said),
         cmocka_unit_test(an_empty_scene_has_a_report_by_hand),
         cmocka_unit_test(text_and_json_of_a_map_tell_the_same),
+        cmocka_unit_test(an_ending_makes_a_map),
         cmocka_unit_test(options_end_where_they_say),
     };
     program_folder(DIR);
