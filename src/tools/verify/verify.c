@@ -117,11 +117,11 @@ static void count_last(pools *p)
     p->n++;
 }
 
-/* k > 1 cells. */
+/* k > 1 cells that expect 5 or more of n draws. The second cumulant is then at least (2k - 2)(1 - 1/n) > 0, because the
+ * sum of 1/E is at least k^2/n. */
 static double p_of(const pools *p)
 {
     const double k = p->n, k2 = p->cumulant[0] - 2 - (k * k + 2 * k - 2) / p->draws, k3 = p->cumulant[1] - 8;
-    if (!(k2 > 0)) return 1; /* fewer draws than cells: nothing can be told */
     const double a = k3 / (4 * k2), dof = k2 / (2 * a * a), shift = k - 1 - a * dof;
     return bis_stats_chi_square_p(fmax(0, (p->statistic - shift) / a), dof);
 }
