@@ -82,6 +82,88 @@ static void the_pilots_size_follows_what_is_to_come(void **state)
     }
 }
 
+/* ---- what it tries ---- */
+
+typedef struct attempt {
+    const bis_integrator *integrator;
+    bis_proposal proposal; /* of sir */
+    uint32_t M, N;
+    unsigned groups;
+} attempt;
+
+/* What a setting of one group is judged by: mis and em may hide a quarter more. */
+static double judged(const bis_auto_report *r, int i)
+{
+    const bis_integrator *const it = r->tried[i].settings.integrator;
+    return bis_auto_cost_of_all(r, i) * bis_auto_variance_of_all(r, i) * (it == &bis_mis || it == &bis_em ? 1.25 : 1);
+}
+
+/* A picture of 8 x 6 pixels. The list by hand, then what the fit proposes: within limits, four times each. */
+static void assert_tries(world *w, double seconds, const attempt *list, int n)
+{
+    const bis_render_options options = {.budget = {.seconds = seconds}, .n_threads = 2};
+    bis_auto_report r;
+    w->desc.film = (bis_film_desc){.width = 8, .height = 6, .crop = {0, 1, 0, 1}};
+    assert_int_equal(bis_auto_choose(&r, &w->scene, &w->desc, &options, NULL), BIS_OK);
+    assert_true(r.is_chosen && r.width == 8 && r.height == 6 && r.n_tried >= n && r.n_tried <= n + 5 + 4);
+    if (seconds < 1) assert_int_equal(r.n_tried, n);
+    for (int i = 0; i < r.n_tried; i++) {
+        const bis_auto_tried *t = &r.tried[i];
+        const bis_settings *s = &t->settings;
+        assert_true(s->samples == s->shadowrays && (s->integrator == &bis_sir || s->stratify) && !s->only_sir);
+        if (i < n) {
+            assert_true(s->integrator == list[i].integrator && s->shadowrays == list[i].N && t->groups == list[i].groups);
+            if (s->integrator == &bis_sir) assert_true(s->proposal == list[i].proposal && s->candidates == list[i].M);
+            assert_true(t->replicates == 2 || (t->replicates == 4 && seconds > 1));
+        } else {
+            const bool product = s->proposal == BIS_PROPOSAL_PRODUCT;
+            assert_int_equal(t->replicates, 4);
+            assert_in_range(s->shadowrays, 2, 64);
+            if (s->integrator == &bis_sir) assert_in_range(s->candidates, product ? 16 : 32, product ? 512 : 2048);
+            for (int k = 0; k < i && r.n_groups == 1; k++) { /* not what is known already */
+                const bis_settings *o = &r.tried[k].settings;
+                assert_false(o->integrator == s->integrator && o->proposal == s->proposal && o->shadowrays == s->shadowrays &&
+                             (s->integrator != &bis_sir || o->candidates == s->candidates));
+            }
+        }
+        if (r.n_groups == 1) assert_true(judged(&r, r.chosen[0]) <= judged(&r, i));
+    }
+    assert_memory_equal(&r.settings, &r.tried[r.chosen[r.n_groups > 1 && r.share[1] > r.share[0]]].settings, sizeof r.settings);
+    bis_auto_report_clear(&r);
+}
+
+static void the_lists_of_a_pilot_are_those_by_hand(void **state)
+{
+    (void)state;
+    const bis_proposal mix = BIS_PROPOSAL_MIX, product = BIS_PROPOSAL_PRODUCT;
+    const attempt glossy[] = {{&bis_mis, mix, 0, 6, 1}, {&bis_mis, mix, 0, 32, 1}, {&bis_sir, mix, 64, 4, 1}, {&bis_sir, mix, 64, 20, 1},
+                              {&bis_sir, mix, 256, 8, 1}, {&bis_sir, product, 32, 4, 1}, {&bis_sir, product, 64, 16, 1}, {&bis_sir, product, 192, 6, 1}};
+    const attempt short_list[] = {{&bis_mis, mix, 0, 16, 1}, {&bis_sir, mix, 64, 16, 1}, {&bis_sir, product, 64, 16, 1}};
+    const attempt diffuse[] = {{&bis_em, mix, 0, 32, 1}, {&bis_mis, mix, 0, 16, 1}, {&bis_sir, mix, 64, 16, 1}, {&bis_sir, product, 64, 16, 1}};
+    const attempt constant[] = {{&bis_brdf, mix, 0, 8, 1}, {&bis_mis, mix, 0, 16, 1}, {&bis_sir, mix, 64, 16, 1}};
+    const attempt two[] = {{&bis_em, mix, 0, 8, 1}, {&bis_em, mix, 0, 48, 1}, {&bis_mis, mix, 0, 6, 3}, {&bis_mis, mix, 0, 32, 3},
+                           {&bis_sir, mix, 64, 4, 3}, {&bis_sir, mix, 64, 20, 3}, {&bis_sir, mix, 256, 8, 3}, {&bis_sir, product, 32, 4, 3},
+                           {&bis_sir, product, 64, 16, 3}, {&bis_sir, product, 192, 6, 3}};
+    world w;
+    make_world(&w, &bis_auto);
+    w.materials[1] = w.materials[0];
+    assert_tries(&w, 1000, glossy, 8);
+    assert_tries(&w, 0.1, short_list, 3);
+    w.desc.settings.only_sir = true;
+    assert_tries(&w, 0.1, short_list + 1, 2);
+    w.desc.settings.only_sir = false;
+    w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
+    assert_tries(&w, 0.1, diffuse, 4);
+    w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.9f, 0.9f}, 5000);
+    assert_tries(&w, 1000, two, 10);
+    bis_light *const map = w.scene.light;
+    assert_int_equal(bis_light_constant(&w.scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
+    assert_tries(&w, 0.1, constant, 3);
+    bis_light_free(w.scene.light);
+    w.scene.light = map;
+    clear_world(&w);
+}
+
 /* ---- cost and variance ---- */
 
 enum { MOST_PIXELS = 64 };
@@ -484,6 +566,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_pilots_size_follows_what_is_to_come),
+        cmocka_unit_test(the_lists_of_a_pilot_are_those_by_hand),
         cmocka_unit_test(the_variance_of_three_pixels_is_that_by_hand),
         cmocka_unit_test(a_cell_is_the_mean_of_its_pixels),
         cmocka_unit_test(variances_and_weights_follow_from_each_other),

@@ -792,6 +792,36 @@ static void materials_are_numbered_and_what_is_left_out_is_said(void **state)
     bis_verify_clear(&v);
 }
 
+/* The first pixel of the lattice is the middle of the film, or of its crop window; the second is 0.5 + 0.75487766625 and 0.5 +
+ * 0.56984029100 of it, less 1. All integrators in their order, by the scene's own numbers or the default. */
+static void the_pixels_of_a_view_are_those_of_the_lattice(void **state)
+{
+    (void)state;
+    static const char *const integrators[] = {"em", "brdf", "mis", "rejection", "sir", "exact", "unoccluded"};
+    static const struct { const char *film, *pixels[3]; unsigned halvings; int n; } cases[] = {
+        {"", {"(12, 8)"}, 9, 1},
+        {"\"float cropwindow\" [0.25 1 0.125 0.875]", {"(15, 8)"}, 2, 1},
+        {"", {"(12, 8)", "(6, 1)", "(0, 10)"}, 1, 3}}; /* 6 halved is 3; twice the steps: 0.00976, 0.63968 */
+    for (int c = 0; c < 3; c++) {
+        char text[1024];
+        int n = 0;
+        bis_verify v = {.seed = 1, .halvings = cases[c].halvings};
+        snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 %s\nWorldBegin\n"
+                 "LightSource \"infinite\"\nMaterial \"diffuse\" Translate 0 0 4 Shape \"disk\" \"float radius\" 100\n", cases[c].film);
+        verify_text(&v, text);
+        for (size_t i = 0; i < v.n; i++) {
+            char name[64];
+            if (strcmp(v.tests[i].group, "view") != 0) continue;
+            assert_true(n < 7 * cases[c].n);
+            snprintf(name, sizeof name, "pixel %s: %s", cases[c].pixels[n / 7], integrators[n % 7]);
+            assert_string_equal(v.tests[i].name, name);
+            n++;
+        }
+        assert_int_equal(n, 7 * cases[c].n);
+        bis_verify_clear(&v);
+    }
+}
+
 /* ---- the command ---- */
 
 /* Nothing applies: all of the report by hand. */
@@ -920,6 +950,7 @@ int main(void)
         cmocka_unit_test(a_search_knows_disks_and_spheres),
         cmocka_unit_test(a_search_finds_the_nearest_triangle),
         cmocka_unit_test(materials_are_numbered_and_what_is_left_out_is_said),
+        cmocka_unit_test(the_pixels_of_a_view_are_those_of_the_lattice),
         cmocka_unit_test(an_empty_scene_has_a_report_by_hand),
         cmocka_unit_test(text_and_json_of_a_map_tell_the_same),
         cmocka_unit_test(an_ending_makes_a_map),
