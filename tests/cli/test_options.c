@@ -1,9 +1,12 @@
 /* Every option where its range ends: the least and the greatest value are taken, the next is not; what the plan then says. Help,
  * man page and comparison by hand, to the last blank. */
 #include "cli/cli.h"
+#include "cli/help.h"
 #include "cli/man.h"
 #include "cli/progress.h"
+#include "bis/base/version.h"
 #include "bis/files/image_file.h"
+#include "bis/shape/accel.h"
 #include "bis/thesis/errata.h"
 #include "json_check.h"
 #include "program.h"
@@ -250,6 +253,140 @@ static void man_page_by_hand(void **state)
     free(text);
 }
 
+/* Words with one blank between; a line that begins with a full stop, a request of troff, is left out where `is_man`, and its
+ * escapes are undone. */
+static void squeeze(char *to, size_t size, const char *text, bool is_man)
+{
+    size_t n = 0;
+    bool begins = true;
+    for (const char *c = text; *c && n + 2 < size; c++) {
+        if (is_man && begins && *c == '.') {
+            c += strcspn(c, "\n");
+            if (!*c) break;
+        }
+        begins = *c == '\n';
+        if (is_man && *c == '\\') {
+            static const char *const escapes[][2] = {{"&", ""}, {"-", "-"}, {"e", "\\"}, {"(aq", "'"}, {"(ga", "`"}, {"(ha", "^"}, {"(ti", "~"}, {"fB", ""}, {"fR", ""}, {"fI", ""}};
+            size_t k = 0;
+            while (k < 10 && strncmp(c + 1, escapes[k][0], strlen(escapes[k][0])) != 0) k++;
+            assert_true(k < 10);
+            if (escapes[k][1][0]) to[n++] = escapes[k][1][0];
+            c += strlen(escapes[k][0]);
+        } else if (*c == ' ' || *c == '\n') {
+            if (n && to[n - 1] != ' ') to[n++] = ' ';
+        } else {
+            to[n++] = *c;
+        }
+    }
+    while (n && to[n - 1] == ' ') n--;
+    to[n] = '\0';
+}
+
+/* All entries of a topic, one behind the other. */
+static void words_of(char *words, size_t size, const bis_topic *t)
+{
+    static char text[1 << 15];
+    size_t n = 0;
+    *text = '\0';
+    for (const bis_help_entry *e = t->entries; e->term || e->text; e++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s %s ", e->term ? e->term : "", e->text ? e->text : "");
+    assert_true(n < sizeof text - 1);
+    squeeze(words, size, text, false);
+}
+
+static int kind_of(const char *line)
+{
+    const size_t indent = strspn(line, " ");
+    return indent == 0 ? 0 : indent == 4 ? 4 : 2; /* a paragraph, a line of a scene, an entry or its text */
+}
+
+/* Title, entries in their order, nothing else, in `help` and in the man page. Between blank lines is one kind of line; a
+ * paragraph may head entries. */
+static void a_topic_is_printed_whole(void **state)
+{
+    (void)state;
+    static char words[1 << 15], found[1 << 15], man_words[1 << 17], title[256];
+    static program_run r, man;
+    program_expect(&man, 0, "help --man");
+    for (const bis_topic *t = bis_topics; t->name; t++) {
+        program_expect(&r, 0, "help %s", t->name);
+        snprintf(title, sizeof title, "%s: %s", t->name, t->summary);
+        squeeze(words, sizeof words, title, false);
+        const size_t n = strlen(words);
+        words[n] = ' ';
+        words_of(words + n + 1, sizeof words - n - 1, t);
+        squeeze(found, sizeof found, r.output, false);
+        assert_string_equal(found, words);
+        const char *line = strchr(r.output, '\n') + 1;
+        for (int last = -1; *line; line += strcspn(line, "\n"), line += *line == '\n') {
+            const int kind = *line == '\n' ? -1 : kind_of(line);
+            if (kind >= 0 && last >= 0 && kind != last && !(last == 0 && kind == 2)) fail_msg("help %s: no blank line before \"%.40s\"", t->name, line);
+            assert_false(kind < 0 && (last < 0 && line != strchr(r.output, '\n') + 1)); /* never two */
+            last = kind;
+        }
+        /* its section of the page, without heading and summary */
+        char heading[64];
+        snprintf(heading, sizeof heading, "\n.SH %s\n", t->name);
+        for (char *c = heading + 5; *c; c++) *c = (char)(*c >= 'a' && *c <= 'z' ? *c - 32 : *c);
+        char *part = strstr(man.output, heading);
+        assert_non_null(part);
+        part += strlen(heading);
+        char *end = strstr(part, "\n.SH ");
+        const size_t length = end ? (size_t)(end - part) + 1 : strlen(part);
+        char *copy = malloc(length + 1);
+        memcpy(copy, part, length);
+        copy[length] = '\0';
+        squeeze(man_words, sizeof man_words, copy, true);
+        free(copy);
+        snprintf(found, sizeof found, "%s %.*s", t->summary, (int)(sizeof found - 300), words + n + 1);
+        assert_string_equal(man_words, found);
+    }
+}
+
+/* Every word of a term explains itself: its entry is printed whole, and so are all others that have the word. */
+static void every_name_of_a_term_is_looked_up(void **state)
+{
+    (void)state;
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+    static char entry[8192], words[8192], found[1 << 16];
+    static program_run r;
+    for (const bis_topic *t = bis_topics; t->name; t++) {
+        for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+            char name[64];
+            const char *at = e->term ? e->term + strcspn(e->term, letters) : "";
+            const size_t n = strspn(at, letters);
+            if (!e->term || !e->text || n == 0) continue;
+            snprintf(name, sizeof name, "%.*s", (int)n, at);
+            bool is_topic = bis_subcommand_find(name) != NULL;
+            for (const bis_topic *k = bis_topics; k->name; k++) is_topic |= strcmp(k->name, name) == 0;
+            if (is_topic || strncmp(name, "--", 2) == 0) continue;
+            program_expect(&r, 0, "help %s", name);
+            snprintf(entry, sizeof entry, "%s %s", e->term, e->text);
+            squeeze(words, sizeof words, entry, false);
+            squeeze(found, sizeof found, r.output, false);
+            if (!strstr(found, words)) fail_msg("help %s: no \"%s\"", name, words);
+        }
+    }
+}
+
+/* Its six lines; one accelerator is the default. */
+static void the_version_has_six_lines(void **state)
+{
+    (void)state;
+    static const char *const begins[] = {"bis " BIS_VERSION "\n", "accelerators: grid", "Embree: ", "OpenEXR: ", "libpng: ", "threads: "};
+    program_run r;
+    char line[128];
+    const char *const embree = bis_accel_embree_version(), *at = r.output;
+    program_expect(&r, 0, "version");
+    for (int i = 0; i < 6; i++) {
+        assert_int_equal(strncmp(at, begins[i], strlen(begins[i])), 0);
+        at += strcspn(at, "\n") + 1;
+    }
+    assert_true(*at == '\0');
+    snprintf(line, sizeof line, "\naccelerators: grid%s\nEmbree: %s\n", embree ? ", embree (default)" : " (default)", embree ? embree : "not built in");
+    assert_non_null(strstr(r.output, line));
+}
+
 static void durations_change_their_unit_where_they_should(void **state)
 {
     (void)state;
@@ -339,6 +476,9 @@ int main(void)
         cmocka_unit_test(the_list_of_errata_has_them_all),
         cmocka_unit_test(help_by_hand),
         cmocka_unit_test(man_page_by_hand),
+        cmocka_unit_test(a_topic_is_printed_whole),
+        cmocka_unit_test(every_name_of_a_term_is_looked_up),
+        cmocka_unit_test(the_version_has_six_lines),
         cmocka_unit_test(durations_change_their_unit_where_they_should),
         cmocka_unit_test(a_comparison_by_hand),
     };
