@@ -369,6 +369,40 @@ static void every_name_of_a_term_is_looked_up(void **state)
     }
 }
 
+/* With its dashes an option alone is meant; a part of a name is no name. */
+static void an_option_is_looked_up_with_its_dashes_and_whole(void **state)
+{
+    (void)state;
+    program_run with, without;
+    program_expect(&with, 0, "help -- --spp");
+    program_expect(&without, 0, "help spp");
+    assert_non_null(strstr(with.output, "\n  --spp N"));
+    assert_string_equal(with.output, without.output);
+    program_expect(&without, 2, "help sp");
+    assert_non_null(strstr(without.messages, "no command, topic or name \"sp\""));
+    program_expect(&without, 2, "help -- --sp");
+}
+
+/* Of one integrator: what to use for a preview, a good picture and a final one; by which setting is for the clock to say. */
+static void a_trade_ends_with_three_recommendations(void **state)
+{
+    (void)state;
+    static const char *const purposes[] = {"preview        error ", "good picture   error ", "final picture  error "};
+    program_run r;
+    assert_int_equal(system("rm -rf " DIR "/trade"), 0);
+    program_expect(&r, 0, "trade " SCENE " --output " DIR "/trade --integrator em --passes 2 --seeds 1 --time 20 --error 60%% --nthreads 1 --quiet");
+    const char *line = r.output;
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(strncmp(line, purposes[i], strlen(purposes[i])), 0);
+        const char *const setting = strstr(line, " --integrator em --samples ");
+        assert_true(setting && setting < strchr(line, '\n'));
+        line = strchr(line, '\n') + 1;
+    }
+    int done, planned, used = 0;
+    assert_int_equal(sscanf(line, "%d of %d runs in " DIR "/trade/report.html\n%n", &done, &planned, &used), 2);
+    assert_true(done == planned && line[used] == '\0');
+}
+
 /* Its six lines; one accelerator is the default. */
 static void the_version_has_six_lines(void **state)
 {
@@ -478,6 +512,8 @@ int main(void)
         cmocka_unit_test(man_page_by_hand),
         cmocka_unit_test(a_topic_is_printed_whole),
         cmocka_unit_test(every_name_of_a_term_is_looked_up),
+        cmocka_unit_test(an_option_is_looked_up_with_its_dashes_and_whole),
+        cmocka_unit_test(a_trade_ends_with_three_recommendations),
         cmocka_unit_test(the_version_has_six_lines),
         cmocka_unit_test(durations_change_their_unit_where_they_should),
         cmocka_unit_test(a_comparison_by_hand),

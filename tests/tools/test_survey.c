@@ -515,5 +515,6 @@ int main(void)
         cmocka_unit_test(options_end_where_they_say),
         cmocka_unit_test(every_allocation_may_fail),
     };
+    program_folder(DIR);
     return cmocka_run_group_tests_name("survey", tests, NULL, NULL);
 }

@@ -22,6 +22,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -381,6 +382,27 @@ static void the_definition_of_the_density_is_that_by_hand(void **state)
     bis_envmap_clear(&dark);
 }
 
+/* Without memory for the regions: no density at all. */
+static void a_definition_without_memory_is_none(void **state)
+{
+    (void)state;
+    double pmf[8], right[8];
+    bool has_light;
+    bis_envmap em = map_random(4, 2, 2, 0, 1);
+    assert_int_equal(bis_verify_definition(right, &has_light, &em, 0.15, 8, NULL), BIS_OK);
+    bis_status status = BIS_NOMEM;
+    long k = 0;
+    while (status) {
+        bis_mem_fail_at(++k);
+        status = bis_verify_definition(pmf, &has_light, &em, 0.15, 8, NULL);
+        bis_mem_fail_at(0);
+        assert_true(status == BIS_OK || status == BIS_NOMEM);
+    }
+    assert_in_range(k, 4, 20); /* labels, levels, a queue at least */
+    assert_memory_equal(pmf, right, sizeof pmf);
+    bis_envmap_clear(&em);
+}
+
 static bool draw_nothing(const void *self, bis_rng *rng, bis_map_sample *s)
 {
     (void)self;
@@ -515,6 +537,49 @@ static void too_few_accepted_candidates_are_counted(void **state)
     assert_test(&v.tests[0], "view", &expected);
     assert_int_equal(counters.shadow_rays, RUNS);
     bis_verify_clear(&v);
+    bis_light_free(light);
+}
+
+static atomic_uint n_estimates;
+
+static rgb Lo_counted(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s;
+    (void)pt;
+    (void)stream;
+    (void)scratch;
+    n_estimates++;
+    return (rgb){1, 1, 1};
+}
+
+/* As many runs as 2^21 candidates and eighths of rays are, 64 to 2^14; `exact`: 2^18 patches, 2 to 2^12 runs. The map has 128 x 64
+ * patches, a constant light fewer. */
+static void the_number_of_runs_follows_the_cost(void **state)
+{
+    (void)state;
+    static const struct { const bis_integrator *of; uint32_t samples, M, N; unsigned halvings, runs; } cases[] = {
+        {&bis_em, 16, 1, 1, 0, 1 << 14}, {&bis_em, 64, 1, 1, 0, 1 << 12}, {&bis_brdf, 64, 1, 1, 2, 1 << 10}, {&bis_mis, 1 << 12, 1, 1, 0, 64},
+        {&bis_em, 1 << 13, 1, 1, 0, 64}, {&bis_sir, 1, 800, 15, 0, 2280}, {&bis_rejection, 1, 1000, 3, 1, 1 << 10}, {&bis_unoccluded, 1, 240, 2, 0, 1 << 13},
+        {&bis_sir, 1, 100000, 3, 0, 64}, {&bis_sir, 1, 2, 1, 0, 1 << 14}, {&bis_exact, 1, 1, 1, 0, 32}, {&bis_exact, 1, 1, 1, 3, 4}, {&bis_exact, 1, 1, 1, 6, 2}};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_integrator counted = *cases[i].of;
+        bis_settings s = bis_settings_default(cases[i].of);
+        bis_verify v = {.seed = 1, .halvings = cases[i].halvings};
+        bool tested;
+        lit l;
+        counted.Lo = Lo_counted;
+        s.integrator = &counted;
+        s.samples = cases[i].samples;
+        s.candidates = cases[i].M;
+        s.shadowrays = cases[i].N;
+        lit_init(&l, light, bis_phong(grey(0.5), grey(0), 1), (vec3){0, 0, 1}, 40, LIT_OPEN);
+        n_estimates = 0;
+        assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+        assert_true(tested);
+        if (n_estimates != cases[i].runs) fail_msg("%s, case %zu: %u runs", counted.name, i, (unsigned)n_estimates);
+        bis_verify_clear(&v);
+    }
     bis_light_free(light);
 }
 
@@ -943,9 +1008,11 @@ int main(void)
         cmocka_unit_test(the_tests_of_a_map_have_limits_by_hand),
         cmocka_unit_test(an_error_of_a_thousandth_is_told_as_such),
         cmocka_unit_test(the_definition_of_the_density_is_that_by_hand),
+        cmocka_unit_test(a_definition_without_memory_is_none),
         cmocka_unit_test(the_number_of_draws_follows_the_pixels),
         cmocka_unit_test(a_materials_limits_draws_and_furnace_are_those_by_hand),
         cmocka_unit_test(too_few_accepted_candidates_are_counted),
+        cmocka_unit_test(the_number_of_runs_follows_the_cost),
         cmocka_unit_test(the_rays_are_where_the_page_says_and_are_counted),
         cmocka_unit_test(a_search_knows_disks_and_spheres),
         cmocka_unit_test(a_search_finds_the_nearest_triangle),
