@@ -491,6 +491,26 @@ static void no_other_coefficients_fit_better(void **state)
     }
 }
 
+/* One place tells one coefficient, two places tell two, however often they were measured. */
+static void what_cannot_be_told_apart_is_0(void **state)
+{
+    (void)state;
+    bis_rng rng;
+    bis_rng_init(&rng, 33, 0, 0, 0);
+    for (int k = 0; k < 2000; k++) {
+        const int n = 1 + k % 6, places = 1 + k % 2;
+        bis_auto_measured m[6], at[2];
+        for (int i = 0; i < 2; i++) at[i] = (bis_auto_measured){32 + (uint32_t)bis_rng_below(&rng, 200), 2 + (uint32_t)bis_rng_below(&rng, 60), 0, 0};
+        for (int i = 0; i < n; i++) {
+            m[i] = at[i % places];
+            m[i].cost = 1 + bis_rng_double(&rng);
+            m[i].variance = 1 + bis_rng_double(&rng);
+        }
+        const bis_auto_model fits[2] = {bis_auto_fit_cost(m, n), bis_auto_fit_variance(m, n)};
+        for (int f = 0; f < 2; f++) assert_in_range((fits[f].constant > 0) + (fits[f].by_M > 0) + (fits[f].by_N > 0), 1, places);
+    }
+}
+
 /* By hand, N fixed: M = sqrt(by_M c0/(cM v0)) = sqrt(8 2/(0.01 1)) = 40, rounded, within the limits. */
 static void the_best_M_is_that_of_the_formula_within_its_limits(void **state)
 {
@@ -643,6 +663,7 @@ int main(void)
         cmocka_unit_test(costs_are_what_the_clock_says_by_hand),
         cmocka_unit_test(a_pilot_runs_as_often_as_was_wanted),
         cmocka_unit_test(no_other_coefficients_fit_better),
+        cmocka_unit_test(what_cannot_be_told_apart_is_0),
         cmocka_unit_test(the_best_M_is_that_of_the_formula_within_its_limits),
         cmocka_unit_test(the_best_combination_is_that_of_brute_force),
         cmocka_unit_test(neighbours_are_merged_by_what_it_widens),
