@@ -546,10 +546,9 @@ static rgb Lo_counted(const bis_settings *s, const bis_point *pt, bis_stream *st
 {
     (void)s;
     (void)pt;
-    (void)stream;
     (void)scratch;
     n_estimates++;
-    return (rgb){1, 1, 1};
+    return rgb_from(bis_stream_random(stream), 1, 1);
 }
 
 /* As many runs as 2^21 candidates and eighths of rays are, 64 to 2^14; `exact`: 2^18 patches, 2 to 2^12 runs. The map has 128 x 64
