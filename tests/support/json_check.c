@@ -1,7 +1,9 @@
 /* json_check: recursive descent; every function returns the place behind what it read, NULL when it was not there. */
 #include "json_check.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { MAX_DEPTH = 64 };
@@ -104,11 +106,25 @@ static const char *find_member(const char *s, const char *key, size_t length, ch
     return NULL;
 }
 
+/* The k-th value, from 0, of the array at s, or NULL. */
+static const char *find_item(const char *s, size_t k)
+{
+    s = skip(skip(s) + 1);
+    for (size_t i = 0; *s != ']'; i++) {
+        if (i == k) return s;
+        s = skip(value(s, 0));
+        if (*s == ',') s = skip(s + 1);
+    }
+    return NULL;
+}
+
 static const char *find(const char *text, const char *path)
 {
     while (text && *path) {
+        const char *whole = find_member(text, path, strlen(path), NULL, 0); /* a last key may hold a dot */
+        if (whole) return whole;
         size_t n = strcspn(path, ".");
-        text = find_member(text, path, n, NULL, 0);
+        text = *skip(text) == '[' ? find_item(text, strtoul(path, NULL, 10)) : find_member(text, path, n, NULL, 0);
         path += n;
         if (*path == '.') path++;
     }
@@ -121,6 +137,14 @@ const char *json_keys(char *buf, size_t size, const char *text, const char *path
     buf[0] = '\0';
     if (object) find_member(object, NULL, 0, buf, size);
     return buf;
+}
+
+double json_number(const char *text, const char *path)
+{
+    char buf[64], *end;
+    const double v = strtod(json_value(buf, sizeof buf, text, path), &end);
+
+    return *buf && !*end ? v : (double)NAN;
 }
 
 const char *json_value(char *buf, size_t size, const char *text, const char *path)

@@ -13,7 +13,11 @@ bool json_is_valid(const char *text);
  * in buf. */
 const char *json_keys(char *buf, size_t size, const char *text, const char *path);
 
-/* The raw text of the value at the dotted path ("rays.shadow"): `12`, `"abc"`, `null`; "" when there is none. */
+/* The raw text of the value at the dotted path ("rays.shadow", "levels.2.pixels": the third of a list): `12`, `"abc"`,
+ * `null`; "" when there is none. */
 const char *json_value(char *buf, size_t size, const char *text, const char *path);
+
+/* The number there, NAN when there is none. */
+double json_number(const char *text, const char *path);
 
 #endif

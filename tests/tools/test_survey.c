@@ -4,11 +4,14 @@
 
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
+#include "out/palette.h"
+#include "json_check.h"
 #include "map_help.h"
 #include "program.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -199,6 +202,283 @@ static void the_command_reports_draws_and_refuses(void **state)
     bis_envmap_clear(&em);
 }
 
+/* ---- a map of 4 x 2 pixels by hand ---- */
+
+/* Every pixel is pi/2 sr. r+g+b: 3 0 1 0 above, 3 3 16 3 below; what is 0 was bad: in all 3 negative, 2 infinite values,
+ * and a NaN in the pixel below the first bad one. Four levels, 1 to 2 to 4 to 8 to 16. */
+static bis_image map_by_hand(rgb pixels[8])
+{
+    const rgb values[8] = {{1, 1, 1}, {-1, -2, -3}, {1, 0, 0},          {INFINITY, INFINITY, 0},
+                           {0, 3, 0}, {NAN, 2, 1},  {8, 6, 2}, {0, 0, 3}};
+    memcpy(pixels, values, sizeof values);
+    return (bis_image){4, 2, pixels};
+}
+
+/* Level 1 is one region: it holds together over the seam. Its centre: pixels 0 and 4 cancel but for x and y, so do 5 and 7:
+ * (2a, 2a, -1), a = sqrt(3/8); its length is 2. */
+static void a_map_by_hand_has_the_report_by_hand(void **state)
+{
+    (void)state;
+    static const char above[] =
+        "map         " DIR "/hand.pfm, 4 x 2, latlong\n"
+        "intensity   min 1, median 3, mean 3.625, max 16 (r+g+b; min: of the pixels that are not black)\n"
+        "mean        1.25 1.5 0.875 (red, green, blue)\n"
+        "power       45.5531 (r+g+b integrated over the sphere)\n"
+        "bad values  1 NaN, 2 infinite, 3 negative, set to 0\n"
+        "black       25% of the sphere\n"
+        "contrast    16 : 1\n"
+        "brightest   0.1% of the sphere holds 0.44% of the power\n"
+        "peak        pixel (2, 1), theta 120.0, phi 225.0 degrees, direction (-0.612 -0.612 -0.500)\n"
+        "regions     3 in 4 levels\n"
+        "table       ";
+    static const char below[] =
+        "\nlevel       from         to    pixels    sphere     power   regions\n"
+        "    0          1          2         1  12.5000%   3.4483%         1\n"
+        "    1          2          4         4  50.0000%  41.3793%         1\n"
+        "    2          4          8         0   0.0000%   0.0000%         0\n"
+        "    3          8         16         1  12.5000%  55.1724%         1\n"
+        "\nregions with most power\n"
+        "  rank level     power   solid angle  theta    phi   direction\n"
+        "     1     3  55.1724%      1.571 sr  120.0  225.0   (-0.612 -0.612 -0.500)\n"
+        "     2     1  41.3793%      6.283 sr  120.0   45.0   (0.612 0.612 -0.500)\n"
+        "     3     0   3.4483%      1.571 sr   60.0  225.0   (-0.612 -0.612 0.500)\n";
+    program_run text, json;
+    rgb pixels[8];
+    const bis_image image = map_by_hand(pixels);
+    assert_int_equal(bis_image_save(&image, DIR "/hand.pfm", NULL), BIS_OK);
+    program_expect(&text, 0, "envmap " DIR "/hand.pfm --levels 4");
+    program_expect(&json, 0, "envmap " DIR "/hand.pfm --levels 4 --json");
+    assert_string_equal(text.messages, json.messages);
+
+    double bytes;
+    assert_int_equal(strncmp(text.output, above, sizeof above - 1), 0);
+    assert_int_equal(sscanf(text.output + sizeof above - 1, "%lf bytes a pixel beyond the map\n", &bytes), 1);
+    assert_near(json_number(json.output, "table_bytes") / 8, bytes, 0.0501);
+    assert_true(bytes >= 8); /* an alias table has a share and an index at least */
+    assert_string_equal(strstr(text.output, "beyond the map\n") + 15, below);
+
+    const double a = sqrt(3 / 8.0), sr = PI / 2;
+    const struct { const char *path; double value; } numbers[] = {
+        {"width", 4}, {"height", 2}, {"min", 1}, {"median", 3}, {"mean", 3.625}, {"max", 16}, {"contrast", 16},
+        {"mean_rgb.0", 1.25}, {"mean_rgb.1", 1.5}, {"mean_rgb.2", 0.875}, {"power", 29 * sr}, {"black_share", 0.25},
+        {"brightest_0.1_percent", 0.001 * 8 * 16 / 29}, {"peak.x", 2}, {"peak.y", 1}, {"peak.direction.theta_deg", 120},
+        {"peak.direction.phi_deg", 225}, {"peak.direction.x", -a}, {"peak.direction.y", -a}, {"peak.direction.z", -0.5},
+        {"bad_values.nan", 1}, {"bad_values.infinite", 2}, {"bad_values.negative", 3}, {"bad_values.sphere_share", 3 / 8.0},
+        {"regions", 3},
+        {"levels.0.from", 1}, {"levels.0.to", 2}, {"levels.0.pixels", 1}, {"levels.0.sphere_share", 1 / 8.0},
+        {"levels.0.power_share", 1 / 29.0}, {"levels.0.regions", 1},
+        {"levels.1.from", 2}, {"levels.1.to", 4}, {"levels.1.pixels", 4}, {"levels.1.sphere_share", 0.5},
+        {"levels.1.power_share", 12 / 29.0}, {"levels.1.regions", 1},
+        {"levels.2.from", 4}, {"levels.2.to", 8}, {"levels.2.pixels", 0}, {"levels.2.sphere_share", 0},
+        {"levels.2.power_share", 0}, {"levels.2.regions", 0},
+        {"levels.3.from", 8}, {"levels.3.to", 16}, {"levels.3.pixels", 1}, {"levels.3.sphere_share", 1 / 8.0},
+        {"levels.3.power_share", 16 / 29.0}, {"levels.3.regions", 1},
+        {"largest_regions.0.level", 3}, {"largest_regions.0.power_share", 16 / 29.0}, {"largest_regions.0.solid_angle", sr},
+        {"largest_regions.0.direction.theta_deg", 120}, {"largest_regions.0.direction.phi_deg", 225},
+        {"largest_regions.1.level", 1}, {"largest_regions.1.power_share", 12 / 29.0}, {"largest_regions.1.solid_angle", 4 * sr},
+        {"largest_regions.1.direction.theta_deg", 120}, {"largest_regions.1.direction.phi_deg", 45},
+        {"largest_regions.1.direction.x", a}, {"largest_regions.1.direction.y", a}, {"largest_regions.1.direction.z", -0.5},
+        {"largest_regions.2.level", 0}, {"largest_regions.2.power_share", 1 / 29.0}, {"largest_regions.2.solid_angle", sr},
+        {"largest_regions.2.direction.theta_deg", 60}, {"largest_regions.2.direction.phi_deg", 225},
+    };
+    char value[64];
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        const double found = json_number(json.output, numbers[i].path), expected = numbers[i].value;
+        if (!(fabs(found - expected) <= 3e-7 * fabs(expected))) fail_msg("%s is %.17g", numbers[i].path, found); /* directions are floats */
+    }
+    static const char *const none[] = {"levels.4", "largest_regions.3", "mean_rgb.3"};
+    for (int i = 0; i < 3; i++) assert_string_equal(json_value(value, sizeof value, json.output, none[i]), "");
+    assert_string_equal(json_value(value, sizeof value, json.output, "map"), "\"" DIR "/hand.pfm\"");
+    assert_string_equal(json_value(value, sizeof value, json.output, "mapping"), "\"latlong\"");
+    assert_string_equal(json_value(value, sizeof value, json.output, "angular_power_before"), "null");
+    assert_string_equal(json_value(value, sizeof value, json.output, "angular_power_after"), "null");
+}
+
+/* Black: no peak, no contrast, no levels; of one colour: a region on all sides. */
+static void a_black_map_and_a_plain_one_have_short_reports(void **state)
+{
+    (void)state;
+    program_run r;
+    char value[64];
+    rgb black[8] = {{0, 0, 0}}, plain[8];
+    const bis_image dark = {4, 2, black}, same_all_over = {4, 2, plain};
+    for (int i = 0; i < 8; i++) plain[i] = (rgb){1, 2, 4};
+    assert_int_equal(bis_image_save(&dark, DIR "/black.pfm", NULL), BIS_OK);
+    assert_int_equal(bis_image_save(&same_all_over, DIR "/plain.pfm", NULL), BIS_OK);
+
+    program_expect(&r, 0, "envmap " DIR "/black.pfm");
+    const char *const end = strstr(r.output, "regions     0 in 0 levels\ntable       ");
+    assert_non_null(end);
+    assert_non_null(strstr(r.output, "intensity   min 0, median 0, mean 0, max 0 (r+g+b; min: of the pixels that are not black)\n"));
+    assert_non_null(strstr(r.output, "black       100% of the sphere\nregions"));
+    assert_string_equal(strstr(end, " beyond the map"), " beyond the map\n");
+    program_expect(&r, 0, "envmap --json " DIR "/black.pfm");
+    static const char *const nulls[] = {"peak", "contrast"};
+    for (int i = 0; i < 2; i++) assert_string_equal(json_value(value, sizeof value, r.output, nulls[i]), "null");
+    assert_near(json_number(r.output, "black_share"), 1, 1e-12);
+    assert_true(json_number(r.output, "brightest_0.1_percent") == 0);
+    assert_string_equal(json_value(value, sizeof value, r.output, "levels"), "[]");
+
+    program_expect(&r, 0, "envmap " DIR "/plain.pfm");
+    assert_non_null(strstr(r.output, "regions     1 in 1 level\n"));
+    assert_non_null(strstr(r.output, "     1     0 100.0000%      12.57 sr  on all sides\n"));
+    program_expect(&r, 0, "envmap --json " DIR "/plain.pfm");
+    assert_string_equal(json_value(value, sizeof value, r.output, "largest_regions.0.direction"), "null");
+    assert_string_equal(json_value(value, sizeof value, r.output, "levels.1"), "");
+}
+
+/* The library's own resampling is tested elsewhere; here that the report tells its figures, and each its own. */
+static void the_report_of_a_probe_has_its_power_before_and_after(void **state)
+{
+    (void)state;
+    enum { N = 8 };
+    program_run r;
+    char value[64], line[256];
+    bis_image probe;
+    bis_envmap em;
+    assert_int_equal(bis_image_init(&probe, N, N, NULL), BIS_OK);
+    for (int i = 0; i < N * N; i++) probe.pixels[i] = (rgb){(float)(i * 37 % 23), (float)(i % N), 1};
+    assert_int_equal(bis_image_save(&probe, DIR "/power.pfm", NULL), BIS_OK);
+    for (int width = 0; width <= 6; width += 6) {
+        char option[32] = "";
+        if (width) snprintf(option, sizeof option, " --width %d", width);
+        assert_int_equal(bis_envmap_from_angular(&em, &probe, width, NULL), BIS_OK);
+        const double before = em.angular_power_before, after = em.angular_power_after;
+        bis_envmap_clear(&em);
+        assert_true(before > 1 && fabs(after / before - 1) > 1e-6);
+        program_expect(&r, 0, "envmap --mapping angular --json " DIR "/power.pfm%s", option);
+        assert_near(json_number(r.output, "angular_power_before") / before, 1, 1e-12);
+        assert_near(json_number(r.output, "angular_power_after") / after, 1, 1e-12);
+        assert_near(json_number(r.output, "power") / after, 1, 1e-12);
+        assert_true(json_number(r.output, "width") == (width ? width : 2 * N) && json_number(r.output, "height") == (width ? width / 2 : N));
+        assert_string_equal(json_value(value, sizeof value, r.output, "mapping"), "\"angular\"");
+        program_expect(&r, 0, "envmap --mapping angular " DIR "/power.pfm%s", option);
+        snprintf(line, sizeof line, "%d x %d, resampled from angular\npower       %.6g before, %.6g after resampling (%+.3f%%)\nintensity ",
+                 width ? width : 2 * N, width ? width / 2 : N, before, after, 100 * (after / before - 1));
+        if (!strstr(r.output, line)) fail_msg("no %s in %s", line, r.output);
+    }
+    bis_image_clear(&probe);
+}
+
+/* ---- pictures by hand ---- */
+
+static void assert_colour(rgb c, rgb expected)
+{
+    assert_near((double)c.r, (double)expected.r, 1e-6);
+    assert_near((double)c.g, (double)expected.g, 1e-6);
+    assert_near((double)c.b, (double)expected.b, 1e-6);
+}
+
+static void read_picture(bis_image *image, const char *path)
+{
+    bis_diag diag = {0};
+    if (bis_image_read(image, path, (bis_loc){0}, &diag)) fail_msg("%s", path);
+    bis_diag_clear(&diag);
+    assert_true(image->width == 4 && image->height == 2);
+}
+
+/* The map by hand: its regions are, in reading order, of levels 1, 0 and 3; their hues 0, 0.618 and 0.236 turns, their
+ * saturations 0.75 - 0.45 h, values 0.25 + 0.75 h, h = 1/3, 0, 1. In sixths of a turn 0.618 is 3.708, between cyan and blue:
+ * least, least + what is left, most; 0.236 is 1.416, between yellow and green. All regions are larger than a small light:
+ * importance is as intensity is, and the heat of log 3 over log 16. */
+static void pictures_of_a_map_by_hand_have_the_colours_by_hand(void **state)
+{
+    (void)state;
+    static const struct { const char *options, *name; } ways[] = {
+        {"--out " DIR "/by.hand.pfm", "by.hand"}, {"--out " DIR "/by.v2/hand.pfm", "by.v2/hand"}};
+    program_run r;
+    rgb pixels[8];
+    const bis_image map = map_by_hand(pixels);
+    const double g = 0.6180339887498949, blue = 6 * g - 3, green = 6 * (2 * g - 1) - 1;
+    const rgb black = {0, 0, 0}, of_1 = bis_palette_srgb(0.5, 0.2, 0.2), of_3 = bis_palette_srgb(0.7 + 0.3 * (1 - green), 1, 0.7),
+              of_0 = bis_palette_srgb(0.0625, 0.0625 + (1 - blue) * 0.1875, 0.25);
+    const rgb regions[8] = {of_1, black, of_0, black, of_1, of_1, of_3, of_1};
+    const double level[8] = {1, -1, 0, -1, 1, 1, 3, 1}, q = log(3) / log(16), heat[8] = {q, -1, 0, -1, q, q, 1, q};
+    program_folder(DIR "/by.v2");
+    assert_int_equal(bis_image_save(&map, DIR "/hand.pfm", NULL), BIS_OK);
+    for (int w = 0; w < 2; w++) {
+        static const char *const what[] = {"map", "levels", "regions", "importance"};
+        program_expect(&r, 0, "envmap --levels 4 --samples 0 " DIR "/hand.pfm %s", ways[w].options);
+        for (int k = 0; k < 4; k++) {
+            char path[256];
+            bis_image image;
+            snprintf(path, sizeof path, DIR "/%s-%s.pfm", ways[w].name, what[k]);
+            read_picture(&image, path);
+            for (int i = 0; i < 8; i++) {
+                const rgb good = rgb_is_finite(pixels[i]) && pixels[i].r >= 0 ? pixels[i] : (rgb){0, pixels[i].g > 0 && i == 5 ? 2 : 0, i == 5 ? 1 : 0};
+                if (k == 0) assert_colour(image.pixels[i], good);
+                if (k == 1) assert_colour(image.pixels[i], level[i] < 0 ? black : bis_palette_heat(level[i] / 3));
+                if (k == 2) assert_colour(image.pixels[i], regions[i]);
+                if (k == 3) assert_colour(image.pixels[i], heat[i] < 0 ? black : bis_palette_heat(heat[i]));
+            }
+            bis_image_clear(&image);
+        }
+    }
+    program_expect(&r, 0, "envmap --levels 1 --samples 0 " DIR "/hand.pfm --out " DIR "/one.pfm");
+    bis_image image;
+    read_picture(&image, DIR "/one-levels.pfm");
+    for (int i = 0; i < 8; i++) assert_colour(image.pixels[i], heat[i] < 0 ? black : bis_palette_heat(0));
+    bis_image_clear(&image);
+}
+
+/* One dot, in a corner, a lamp that outshines all. Of `rows` rows a radius is rows/200 pixels: within it is bright, within 1.6
+ * of it the rest is dimmed to 0.3, across the seam, not across the pole. */
+static void assert_dot(int rows, double radius)
+{
+    enum { W = 40 };
+    bis_envmap em = map_new(W, rows);
+    bis_importance *im;
+    bis_image plain, dotted;
+    const bis_importance_options options = {.table = true, .levels = 8};
+    for (size_t i = 0; i < map_n(&em); i++) em.pixels[i] = (rgb){1e-9f, 0, 0};
+    em.pixels[0] = (rgb){1e12f, 0, 0};
+    assert_int_equal(bis_importance_new(&im, &em, &options, NULL), BIS_OK);
+    assert_int_equal(bis_survey_importance_picture(&plain, &em, im, 0, NULL), BIS_OK);
+    assert_int_equal(bis_survey_importance_picture(&dotted, &em, im, 1, NULL), BIS_OK);
+    const rgb bright = bis_palette_srgb(0.55, 1, 0.95);
+    for (int y = 0; y < rows; y++) {
+        for (int x = 0; x < W; x++) {
+            const int dx = x < W / 2 ? x : W - x, i = y * W + x;
+            const double d = sqrt(dx * dx + y * y) / radius;
+            assert_colour(dotted.pixels[i], d <= 1 ? bright : d <= 1.6 ? rgb_scale(plain.pixels[i], 0.3) : plain.pixels[i]);
+        }
+    }
+    bis_image_clear(&plain);
+    bis_image_clear(&dotted);
+    bis_importance_free(im);
+    bis_envmap_clear(&em);
+}
+
+static void a_dot_has_a_rim_and_goes_around_the_seam(void **state)
+{
+    (void)state;
+    assert_dot(20, 0.5);
+    assert_dot(300, 1.5);
+    assert_dot(450, 2.25);
+}
+
+/* The least and the greatest value of each option is taken (the map is missing: status 1), the next is not. */
+static void options_end_where_they_say(void **state)
+{
+    (void)state;
+    static const struct { const char *option; bool taken; } cases[] = {
+        {"--width 1", true}, {"--width 65536", true}, {"--width 0", false}, {"--width 65537", false},
+        {"--levels 1", true}, {"--levels 254", true}, {"--levels 0", false}, {"--levels 255", false},
+        {"--areaexponent 0", true}, {"--areaexponent 10", true}, {"--areaexponent -1e-9", false}, {"--areaexponent 10.001", false},
+        {"--samples 0", true}, {"--samples 1000000", true}, {"--samples 1000001", false},
+        {"--mapping latlong", true}, {"--mapping angular", true}, {"--mapping sphere", false},
+    };
+    program_run r;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_expect(&r, cases[i].taken ? 1 : 2, "envmap " DIR "/missing.hdr %s", cases[i].option);
+        assert_true((strstr(r.messages, "missing.hdr") != NULL) == cases[i].taken);
+    }
+    program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.gif");
+    assert_string_equal(r.messages, "bis: error: --out \"" DIR "/x.gif\": the ending must be .exr, .pfm, .hdr or .png\n");
+    program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.png --outdir " DIR);
+    assert_string_equal(r.messages, "bis: error: --out and --outdir exclude each other\n");
+}
+
 static void every_allocation_may_fail(void **state)
 {
     (void)state;
@@ -227,7 +507,14 @@ int main(void)
         cmocka_unit_test(constant_and_black_maps_have_plain_surveys),
         cmocka_unit_test(pictures_show_levels_regions_and_importance),
         cmocka_unit_test(the_command_reports_draws_and_refuses),
+        cmocka_unit_test(a_map_by_hand_has_the_report_by_hand),
+        cmocka_unit_test(a_black_map_and_a_plain_one_have_short_reports),
+        cmocka_unit_test(the_report_of_a_probe_has_its_power_before_and_after),
+        cmocka_unit_test(pictures_of_a_map_by_hand_have_the_colours_by_hand),
+        cmocka_unit_test(a_dot_has_a_rim_and_goes_around_the_seam),
+        cmocka_unit_test(options_end_where_they_say),
         cmocka_unit_test(every_allocation_may_fail),
     };
+    program_folder(DIR);
     return cmocka_run_group_tests_name("survey", tests, NULL, NULL);
 }

@@ -53,7 +53,7 @@ static const double share_of_time = 0.04;
 static const double least_samples = 1.5e5, most_samples = 6e5;
 
 /* And of the short list, which chooses among three at settings that are good everywhere. */
-static const double share_of_time_quick = 0.015, least_samples_quick = 8e3, most_samples_quick = 6e4;
+static const double share_of_time_quick = 0.015, least_samples_quick = 8e3;
 
 /* About how many replicates of how many settings there will be, and camera samples a second where time is all that
  * is known. */
@@ -307,7 +307,7 @@ static bis_status make_pilot(bis_auto_pilot *p, const bis_scene_desc *desc, cons
                              bis_diag *diag)
 {
     const double to_come = samples_to_come(desc, options), samples = fmin(most_samples, share_of_time * to_come);
-    const double quick = fmin(most_samples_quick, fmax(least_samples_quick, share_of_time_quick * to_come));
+    const double quick = fmax(least_samples_quick, share_of_time_quick * to_come);
     /* where passes are independent, one camera sample knows nothing of the next */
     const bool independent = desc->adaptive || options->budget.error > 0;
     const uint64_t spp = options->budget.spp ? options->budget.spp : desc->sampler.spp;

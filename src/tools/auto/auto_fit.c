@@ -31,7 +31,7 @@ enum { UNKNOWNS = 3, MOST_ROWS = 32 };
  * apart. */
 static bool solve(double p[UNKNOWNS], const double rows[][UNKNOWNS], int n, unsigned free)
 {
-    double a[UNKNOWNS][UNKNOWNS + 1] = {{0}};
+    double a[UNKNOWNS][UNKNOWNS + 1] = {{0}}, diagonal[UNKNOWNS];
 
     for (int i = 0; i < UNKNOWNS; i++) {
         const bool is_free = free >> i & 1;
@@ -41,12 +41,12 @@ static bool solve(double p[UNKNOWNS], const double rows[][UNKNOWNS], int n, unsi
         }
         if (!is_free) a[i][i] = 1;
     }
+    for (int i = 0; i < UNKNOWNS; i++) diagonal[i] = a[i][i];
     for (int i = 0; i < UNKNOWNS; i++) {
-        const double diagonal = a[i][i];
+        /* By Schwarz, what elimination leaves of a diagonal is 0 where its column depends on those before: then
+         * but for rounding, some 1e-16 of it. */
+        if (!(a[i][i] > 1e-12 * diagonal[i])) return false;
         for (int j = i + 1; j < UNKNOWNS; j++) {
-            /* By Schwarz, what elimination leaves of a diagonal is 0 where its column depends on those before: then
-             * but for rounding, some 1e-16 of it. */
-            if (!(a[i][i] > 1e-12 * diagonal)) return false;
             const double factor = a[j][i] / a[i][i];
             for (int k = i; k <= UNKNOWNS; k++) a[j][k] -= factor * a[i][k];
         }

@@ -112,11 +112,11 @@ static void count_last(pools *p)
     p->n++;
 }
 
-/* k > 1 cells. */
+/* k > 1 cells that expect 5 or more of n draws. The second cumulant is then at least (2k - 2)(1 - 1/n) > 0, because the
+ * sum of 1/E is at least k^2/n. */
 static double p_of(const pools *p)
 {
     const double k = p->n, k2 = p->cumulant[0] - 2 - (k * k + 2 * k - 2) / p->draws, k3 = p->cumulant[1] - 8;
-    if (!(k2 > 0)) return 1; /* fewer draws than cells: nothing can be told */
     const double a = k3 / (4 * k2), dof = k2 / (2 * a * a), shift = k - 1 - a * dof;
     return bis_stats_chi_square_p(fmax(0, (p->statistic - shift) / a), dof);
 }
@@ -184,9 +184,8 @@ double bis_verify_skewness(const bis_verify_moments *m) { return m->m2 > 0 ? m->
  * to itself: p(z) <= density(z) (dof + z^2)/((dof - 1) z), because 1 <= u/z below its integral. The factor grows by s z^2. */
 static double falls_up_to(double s, double dof)
 {
-    double lo = 0, hi = 1 / s;
-
     if (s == 0) return (double)INFINITY;
+    double lo = 0, hi = 1 / s;
     for (int i = 0; i < 64; i++) {
         const double z = (lo + hi) / 2;
         if (s * z * (1 + z * z / dof) <= 1 - 1 / dof) lo = z;
@@ -214,15 +213,17 @@ void bis_verify_mean(bis_verify *v, const char *group, const bis_verify_moments 
     va_end(arguments);
     if (!t) return;
 
-    const double dof = runs->n - 1, se = sqrt(runs->m2 / dof / runs->n), difference = runs->mean - expected;
+    const double dof = runs->n - 1, se = dof > 0 ? sqrt(runs->m2 / dof / runs->n) : (double)NAN;
+    const double difference = runs->mean - expected;
     const double excess = copysign(fmax(0, fabs(difference) - slack), difference), skewness = bis_verify_skewness(runs);
     if (isnan(difference) || isnan(se)) {
         set_p(t, difference, 0, "not a number");
     } else if (excess == 0) {
         set_p(t, 0, 1, "z; equal up to rounding and quadrature");
     } else {
+        const double z = se > 0 ? excess / se : copysign((double)INFINITY, excess);
         t->dof = dof;
-        set_p(t, excess / se, se > 0 && dof > 0 ? bis_verify_t(excess / se, dof, skewness) : 0, "z");
+        set_p(t, z, se > 0 ? bis_verify_t(z, dof, skewness) : 0, "z");
     }
 }
 

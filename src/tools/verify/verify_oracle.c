@@ -123,9 +123,9 @@ static sight see_quadric(const bis_quadric *q, const ray *r, double *t, double *
     }
     const long double A = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], slack = doubt * size;
     if (q->kind == BIS_DISK) {
+        if (d[2] == 0) return MISSED;
         const long double height = (long double)q->height - o[2], root = height / d[2];
         const long double x = o[0] + root * d[0], y = o[1] + root * d[1], rim = sqrtl(x * x + y * y) - R;
-        if (d[2] == 0) return MISSED;
         *t = (double)root;
         *error = (double)(slack / fabsl(d[2])) + fabs(*t) * 4 * u;
         const long double blur = slack * (1 + sqrtl(A) / fabsl(d[2]));

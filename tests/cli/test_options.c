@@ -1,0 +1,524 @@
+/* Every option where its range ends: the least and the greatest value are taken, the next is not; what the plan then says. Help,
+ * man page and comparison by hand, to the last blank. */
+#include "cli/cli.h"
+#include "cli/help.h"
+#include "cli/man.h"
+#include "cli/progress.h"
+#include "bis/base/version.h"
+#include "bis/files/image_file.h"
+#include "bis/shape/accel.h"
+#include "bis/thesis/errata.h"
+#include "json_check.h"
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DIR "build/test_options"
+#define SCENE DIR "/scene.txt"
+#define MISSING DIR "/missing.txt"
+
+/* ---- ranges ---- */
+
+/* `bis --plan`: a line of the plan, or, where it is refused, a part of the message. */
+static void render_takes_what_is_in_range(void **state)
+{
+    (void)state;
+    static const struct { const char *options; int exit_status; const char *says; } cases[] = {
+        {"", 0, "\nfilm         24 x 16, cropwindow 0 1 0 1, to " DIR "/film.exr\n"},
+        {"--spp 1", 0, "\nsampler      stratified, 1 camera samples a pixel (1 x 1), seed 0\n"},
+        {"--spp 6", 0, " 6 camera samples a pixel (3 x 2), seed 0\n"},
+        {"--spp 1000000000", 0, " 1000000000 camera samples"},
+        {"--spp 1000000001", 2, "--spp is \"1000000001\", must be an integer in [1, 1000000000]"},
+        {"--seed 0", 0, ", seed 0\n"},
+        {"--seed 9007199254740992", 0, ", seed 9007199254740992\n"},
+        {"--candidates 0", 0, "\nintegrator   auto: a pilot will choose among sir's proposals, M and N\n"},
+        {"--candidates 1", 0, "\nintegrator   sir: candidates 1, shadowrays 2, proposal mix"},
+        {"--candidates 16777216", 0, "sir: candidates 16777216, "},
+        {"--candidates 16777217", 2, "--candidates is \"16777217\", must be an integer in [0, 16777216]"},
+        {"--candidates 99 --shadowrays 1", 0, "candidates 99, shadowrays 1, "},
+        {"--candidates 16777216 --shadowrays 16777216", 0, ", shadowrays 16777216, "},
+        {"--shadowrays 16777217", 2, "--shadowrays is \"16777217\", must be an integer in [1, 16777216]"},
+        {"--integrator em --samples 1", 0, "\nintegrator   em: samples 1, stratify false\n"},
+        {"--integrator brdf --samples 16777216", 0, "\nintegrator   brdf: samples 16777216\n"},
+        {"--integrator brdf --samples 16777217", 2, "--samples is \"16777217\", must be an integer in [1, 16777216]"},
+        {"--integrator exact", 0, "\nintegrator   exact: perpatch 1\n"},
+        {"--integrator unoccluded --candidates 5", 0, "\nintegrator   unoccluded: candidates 5\n"},
+        {"--integrator auto", 0, "auto: a pilot will choose among mis, sir (proposal, M and N), and em or brdf where they are safe\n"},
+        {"--integrator rejection --proposal choose --candidates 50", 0, "rejection: candidates 50, shadowrays 15, proposal choose, estimator ratio, fallback "},
+        {"--proposal em", 0, "proposal em, "}, {"--proposal brdf", 0, "proposal brdf, "}, {"--proposal product", 0, "proposal product, "},
+        {"--proposal product --learn on", 0, "learn true, "}, {"--proposal product --learn off", 0, "learn false, "},
+        {"--accelerator grid", 0, "\nbuild        accelerator grid, default density\n"},
+        {"--nthreads 1", 0, "scene        "}, {"--nthreads 1024", 0, "scene        "},
+        {"--resolution 1x1", 0, "\nfilm         1 x 1, "}, {"--resolution 32768x32768", 0, "\nfilm         32768 x 32768, "},
+        {"--resolution 32769x1", 2, "--resolution is \"32769x1\", must be WxH with sides in [1, 32768], as in 640x480"},
+        {"--resolution 1x32769", 2, "--resolution is"}, {"--resolution 0x1", 2, "--resolution is"}, {"--resolution 1x0", 2, "--resolution is"},
+        {"--resolution 1x1x", 2, "--resolution is"}, {"--resolution +1x1", 2, "--resolution is"}, {"--resolution 1X1", 2, "--resolution is"},
+        {"--resolution 1x", 2, "--resolution is"}, {"--resolution 12x34", 0, "\nfilm         12 x 34, "},
+        {"--cropwindow 0.25,0.75,0.5,1", 0, "cropwindow 0.25 0.75 0.5 1, "}, {"--cropwindow 0,1,0,1", 0, "cropwindow 0 1 0 1, "},
+        {"--cropwindow 0,1.0001,0,1", 2, "--cropwindow is \"0,1.0001,0,1\", must be x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
+        {"--cropwindow -0.1,1,0,1", 2, "--cropwindow is"}, {"--cropwindow 0.5,0.5,0,1", 2, "--cropwindow is"},
+        {"--cropwindow 0,1,0.5,0.5", 2, "--cropwindow is"}, {"--cropwindow 0,1,0.6,0.5", 2, "--cropwindow is"},
+        {"--cropwindow 0,1,0,1,", 2, "--cropwindow is"}, {"--cropwindow 0,1,0,", 2, "--cropwindow is"}, {"--cropwindow 0,1,0,nan", 2, "--cropwindow is"},
+        {"--time 1e-300", 0, "scene        "}, {"--time 1e8", 0, "scene        "}, {"--time 100000001", 2, "(0, 100000000]"}, {"--time 27778h", 2, "(0, 100000000]"},
+        {"--error 1e-300", 0, "scene        "}, {"--error 1000%", 0, "scene        "}, {"--error 10.01", 2, "in (0, 10]"},
+        {"--exposure -100", 0, "scene        "}, {"--exposure 100", 0, "scene        "}, {"--exposure 100.1", 2, "in [-100, 100]"}, {"--exposure -100.1", 2, "in [-100, 100]"},
+        {"--adaptive", 0, ", seed 0, adaptive\n"}, {"--disable-pixel-jitter", 0, ", seed 0, all through the pixel's centre\n"},
+        {"--layers none", 0, "\nskip         layers: none is asked for\n"}, {"--layers depth,albedo", 0, "\nbuild        layers albedo depth: about "},
+        {"--layers all", 0, "\nbuild        layers stderr interval samples shadowrays candidates unoccluded visibility albedo normal depth: about "},
+        {"--as-printed E6 --as-printed E20", 0, "\nas printed   E20 ("}, {"--as-printed E7", 2, "--as-printed: no erratum \"E7\" can be switched"},
+        {"--as-printed E66", 2, "(did you mean \"E6\"?); `bis --as-printed list` lists them"},
+    };
+    program_run r;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_expect(&r, cases[i].exit_status, "--plan " SCENE " %s", cases[i].options);
+        const char *const text = cases[i].exit_status ? r.messages : r.output;
+        if (!strstr(text, cases[i].says)) fail_msg("%s: no \"%s\" in %s", cases[i].options, cases[i].says, text);
+        if (cases[i].exit_status) assert_string_equal(r.output, "");
+    }
+}
+
+/* The scene is missing, status 1, where the options are good. */
+static void the_other_commands_take_what_is_in_range(void **state)
+{
+    (void)state;
+    static const struct { const char *arguments; int exit_status; const char *says; } cases[] = {
+        {"pixel " MISSING " 1 1 --candidates 1", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --candidates 1048576", 1, "missing.txt"},
+        {"pixel " MISSING " 1 1 --candidates 0", 2, "[1, 1048576]"}, {"pixel " MISSING " 1 1 --candidates 1048577", 2, "[1, 1048576]"},
+        {"pixel " MISSING " 1 1 --shadowrays 1", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --shadowrays 1048576", 1, "missing.txt"},
+        {"pixel " MISSING " 1 1 --shadowrays 0", 2, "[1, 1048576]"}, {"pixel " MISSING " 1 1 --shadowrays 1048577", 2, "[1, 1048576]"},
+        {"pixel " MISSING " 1 1 --samples 2", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --samples 1048576", 1, "missing.txt"},
+        {"pixel " MISSING " 1 1 --samples 1", 2, "[2, 1048576]"}, {"pixel " MISSING " 1 1 --samples 1048577", 2, "[2, 1048576]"},
+        {"pixel " MISSING " 1 1 --repeats 2", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --repeats 100000000", 1, "missing.txt"},
+        {"pixel " MISSING " 1 1 --repeats 1", 2, "[2, 100000000]"}, {"pixel " MISSING " 1 1 --repeats 100000001", 2, "[2, 100000000]"},
+        {"pixel " MISSING " 1 1 --seed 9007199254740992", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --proposal product", 2, "em, brdf, mix"},
+        {"pixel " MISSING " 1", 2, "too few operands: 2 given"}, {"pixel " MISSING " 1 1 1", 2, "too many operands: 4 given"},
+        {"pixel " SCENE " 24 0", 2, "bis: error: X is \"24\", must be an integer in [0, 23]: the film of the scene has 24 x 16 pixels\n"},
+        {"pixel " SCENE " 0 16", 2, "bis: error: Y is \"16\", must be an integer in [0, 15]: the film of the scene has 24 x 16 pixels\n"},
+        {"pixel " SCENE " -- -1 0", 2, "X is \"-1\""}, {"pixel " SCENE " 1.5 0", 2, "X is \"1.5\""}, {"pixel " SCENE " 99999999999999999999 0", 2, "X is "},
+        {"pixel " SCENE " 4294967296 0", 2, "X is "}, {"pixel " SCENE " 0x1 0", 2, "X is "},
+        {"trade " MISSING " --time 1e7", 1, "missing.txt"}, {"trade " MISSING " --time 10000001", 2, "(0, 10000000]"},
+        {"trade " MISSING " --error 10 --quiet", 1, "missing.txt"}, {"trade " MISSING " --error 10.5", 2, "(0, 10]"},
+        {"trade " MISSING " --seeds 1", 1, "missing.txt"}, {"trade " MISSING " --seeds 16", 1, "missing.txt"},
+        {"trade " MISSING " --seeds 0", 2, "[1, 16]"}, {"trade " MISSING " --seeds 17", 2, "[1, 16]"},
+        {"trade " MISSING " --passes 1", 1, "missing.txt"}, {"trade " MISSING " --passes 1048576", 1, "missing.txt"},
+        {"trade " MISSING " --passes 0", 2, "[1, 1048576]"}, {"trade " MISSING " --passes 1048577", 2, "[1, 1048576]"},
+        {"trade " MISSING " --resolution 32768x1", 1, "missing.txt"}, {"trade " MISSING " --resolution 32769x1", 2, "WxH with sides in [1, 32768]"},
+        {"trade " MISSING " --resolution 1x32769", 2, "WxH"}, {"trade " MISSING " --resolution 1x0", 2, "WxH"}, {"trade " MISSING " --resolution 1.5x2", 2, "WxH"},
+        {"trade " MISSING " --resolution 1x2x", 2, "WxH"}, {"trade " MISSING " --resolution 2", 2, "WxH"},
+        {"trade " MISSING " --nthreads 1024", 1, "missing.txt"}, {"trade " MISSING " --nthreads 1025", 2, "[1, 1024]"},
+        {"trade " MISSING " --nthreads 0", 2, "[1, 1024]"}, {"trade " MISSING " --seed 9007199254740992", 1, "missing.txt"},
+        {"trade " MISSING " --integrator em --integrator sir", 1, "missing.txt"},
+        {"trade " MISSING " --integrator sri", 2, "--integrator sri: must be em, brdf, mis, rejection or sir (did you mean \"sir\"?)\n"},
+        {"trade " MISSING " --integrator exact", 2, "--integrator exact: must be em, brdf, mis, rejection or sir\n"},
+        {"compare " MISSING " " MISSING " --tolerance 0", 1, "missing.txt"}, {"compare " MISSING " " MISSING " --tolerance 1.7e308", 1, "missing.txt"},
+        {"compare " MISSING " " MISSING " --tolerance -1e-300", 2, "a number >= 0"},
+        {"compare " MISSING, 2, "too few operands: 1 given; usage: bis compare [options] A B\n"}, {"envmap", 2, "too few operands: 0 given"},
+        {"help --man", 0, NULL}, {"help help", 0, NULL},
+    };
+    program_run r;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_expect(&r, cases[i].exit_status, "%s", cases[i].arguments);
+        if (cases[i].says && !strstr(r.messages, cases[i].says)) fail_msg("%s: no \"%s\" in %s", cases[i].arguments, cases[i].says, r.messages);
+    }
+}
+
+/* Each option that the plan in the folder has. */
+static void resuming_takes_no_option_of_the_plan(void **state)
+{
+    (void)state;
+    static const char *const options[] = {"--quick", "--seeds 2", "--passes 4", "--seed 3", "--resolution 4x4", "--reference a.exr", "--integrator em"};
+    program_run r;
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+        char expected[256];
+        snprintf(expected, sizeof expected, "bis: error: --resume goes on by the plan in the folder, which %.*s would change; leave it out, or measure into another "
+                 "folder\n", (int)strcspn(options[i], " "), options[i]);
+        program_expect(&r, 2, "trade --resume " MISSING " %s", options[i]);
+        assert_string_equal(r.messages, expected);
+    }
+    program_expect(&r, 1, "trade --resume " MISSING " --time 3 --nthreads 2 --quiet");
+}
+
+static void an_option_stands_64_times_at_most(void **state)
+{
+    (void)state;
+    char arguments[4096] = "--plan " SCENE;
+    program_run r;
+    for (int i = 0; i < 65; i++) {
+        const size_t n = strlen(arguments);
+        if (i == 64) program_expect(&r, 0, "%s", arguments);
+        snprintf(arguments + n, sizeof arguments - n, " --outfile=" DIR "/%d.exr", i);
+    }
+    program_expect(&r, 2, "%s", arguments);
+    assert_string_equal(r.messages, "bis: error: --outfile stands here more than 64 times\n");
+}
+
+static void the_list_of_errata_has_them_all(void **state)
+{
+    (void)state;
+    program_run r;
+    char line[1024];
+    size_t used = 0;
+    program_expect(&r, 0, "--as-printed list");
+    for (const bis_erratum *e = bis_errata; e->name; e++) {
+        snprintf(line, sizeof line, "%-4s thesis %s; integrators: %s\n     %s\n", e->name, e->section, e->integrators, e->effect);
+        assert_int_equal(strncmp(r.output + used, line, strlen(line)), 0);
+        used += strlen(line);
+    }
+    assert_int_equal(strlen(r.output), used);
+    program_run again;
+    program_expect(&again, 0, "render --as-printed=list");
+    assert_string_equal(again.output, r.output);
+}
+
+/* ---- help and man page of a command by hand ---- */
+
+#define A52 "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
+#define BLANKS26 "                          "
+
+/* The term has 24 columns, or a line of its own; the text those from 27 to 80. */
+static const bis_option options_by_hand[] = {
+    {.help = "the first"},
+    {.name = "flag", .help = "a flag - it isn't ^ or ~ or `", .kind = BIS_OPTION_FLAG},
+    {.name = "abcdefghijklmnopqr", .argument = "N", .help = A52 " b c", .kind = BIS_OPTION_COUNT},
+    {.help = "the .second"},
+    {.name = "abcdefghijklmnopqrs", .argument = "N", .help = A52 "a b", .kind = BIS_OPTION_COUNT},
+};
+static const bis_command command_by_hand = {
+    .name = "test", .usage = "test [options] A-B", .summary = "a .command that does\\nothing", .options = options_by_hand, .n_options = 5,
+    .notes = "First line\nsecond line.\n\n  code 'x' -y\nThe last\nones.\n"};
+
+static void help_by_hand(void **state)
+{
+    (void)state;
+    static const char expected[] =
+        "usage: bis test [options] A-B\n"
+        "a .command that does\\nothing\n"
+        "\nthe first:\n"
+        "  --flag                  a flag - it isn't ^ or ~ or `\n"
+        "  --abcdefghijklmnopqr N  " A52 " b\n" BLANKS26 "c\n"
+        "\nthe .second:\n"
+        "  --abcdefghijklmnopqrs N\n" BLANKS26 A52 "a\n" BLANKS26 "b\n"
+        "\nabout bis:\n"
+        "  -h, --help              this text\n"
+        "  -V, --version           version, accelerators and libraries\n"
+        "\nFirst line\nsecond line.\n\n  code 'x' -y\nThe last\nones.\n";
+    char *text = NULL;
+    size_t n;
+    FILE *out = open_memstream(&text, &n);
+    bis_cli_help(&command_by_hand, out);
+    fclose(out);
+    assert_string_equal(text, expected);
+    free(text);
+    out = open_memstream(&text, &n);
+    bis_cli_print_text(out, A52 " aaaaaaaaaaaaaaaaaaaaaaaaaaa " A52 " aaaaaaaaaaaaaaaaaaaaaaaaaaaa  b"); /* 52 + 1 + 27 are 80, 52 + 1 + 28 are not */
+    fclose(out);
+    assert_string_equal(text, A52 " aaaaaaaaaaaaaaaaaaaaaaaaaaa\n" A52 "\naaaaaaaaaaaaaaaaaaaaaaaaaaaa b\n");
+    free(text);
+}
+
+static void man_page_by_hand(void **state)
+{
+    (void)state;
+    static const char expected[] =
+        ".SS bis test [options] A\\-B\n"
+        "a \\&.command that does\\enothing\n"
+        ".PP\n\\fIthe first\\fR\n"
+        ".TP\n\\fB\\-\\-flag\\fR\na flag \\- it isn\\(aqt \\(ha or \\(ti or \\(ga\n"
+        ".TP\n\\fB\\-\\-abcdefghijklmnopqr N\\fR\n" A52 " b c\n"
+        ".PP\n\\fIthe .second\\fR\n"
+        ".TP\n\\fB\\-\\-abcdefghijklmnopqrs N\\fR\n" A52 "a b\n"
+        ".PP\nFirst line second line.\n.PP\n.nf\n  code \\(aqx\\(aq \\-y\n.fi\nThe last ones.\n";
+    char *text = NULL;
+    size_t n;
+    FILE *out = open_memstream(&text, &n);
+    bis_man_command(&command_by_hand, out);
+    fclose(out);
+    assert_string_equal(text, expected);
+    free(text);
+    /* 52 + 1 + 23 are the 76 columns of a line of the source, 52 + 1 + 24 are not */
+    static const char words[] = A52 " aaaaaaaaaaaaaaaaaaaaaaa\n" A52 "  aaaaaaaaaaaaaaaaaaaaaaaa .b not this";
+    out = open_memstream(&text, &n);
+    bis_man_paragraph(out, words, sizeof words - 1 - 9);
+    fclose(out);
+    assert_string_equal(text, A52 " aaaaaaaaaaaaaaaaaaaaaaa\n" A52 "\naaaaaaaaaaaaaaaaaaaaaaaa \\&.b\n");
+    free(text);
+}
+
+/* Words with one blank between; a line that begins with a full stop, a request of troff, is left out where `is_man`, and its
+ * escapes are undone. */
+static void squeeze(char *to, size_t size, const char *text, bool is_man)
+{
+    size_t n = 0;
+    bool begins = true;
+    for (const char *c = text; *c && n + 2 < size; c++) {
+        if (is_man && begins && *c == '.') {
+            c += strcspn(c, "\n");
+            if (!*c) break;
+        }
+        begins = *c == '\n';
+        if (is_man && *c == '\\') {
+            static const char *const escapes[][2] = {{"&", ""}, {"-", "-"}, {"e", "\\"}, {"(aq", "'"}, {"(ga", "`"}, {"(ha", "^"}, {"(ti", "~"}, {"fB", ""}, {"fR", ""}, {"fI", ""}};
+            size_t k = 0;
+            while (k < 10 && strncmp(c + 1, escapes[k][0], strlen(escapes[k][0])) != 0) k++;
+            assert_true(k < 10);
+            if (escapes[k][1][0]) to[n++] = escapes[k][1][0];
+            c += strlen(escapes[k][0]);
+        } else if (*c == ' ' || *c == '\n') {
+            if (n && to[n - 1] != ' ') to[n++] = ' ';
+        } else {
+            to[n++] = *c;
+        }
+    }
+    while (n && to[n - 1] == ' ') n--;
+    to[n] = '\0';
+}
+
+/* All entries of a topic, one behind the other. */
+static void words_of(char *words, size_t size, const bis_topic *t)
+{
+    static char text[1 << 15];
+    size_t n = 0;
+    *text = '\0';
+    for (const bis_help_entry *e = t->entries; e->term || e->text; e++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s %s ", e->term ? e->term : "", e->text ? e->text : "");
+    assert_true(n < sizeof text - 1);
+    squeeze(words, size, text, false);
+}
+
+static int kind_of(const char *line)
+{
+    const size_t indent = strspn(line, " ");
+    return indent == 0 ? 0 : indent == 4 ? 4 : 2; /* a paragraph, a line of a scene, an entry or its text */
+}
+
+/* Title, entries in their order, nothing else, in `help` and in the man page. Between blank lines is one kind of line; a
+ * paragraph may head entries. */
+static void a_topic_is_printed_whole(void **state)
+{
+    (void)state;
+    static char words[1 << 15], found[1 << 15], man_words[1 << 17], title[256];
+    static program_run r, man;
+    program_expect(&man, 0, "help --man");
+    for (const bis_topic *t = bis_topics; t->name; t++) {
+        program_expect(&r, 0, "help %s", t->name);
+        snprintf(title, sizeof title, "%s: %s", t->name, t->summary);
+        squeeze(words, sizeof words, title, false);
+        const size_t n = strlen(words);
+        words[n] = ' ';
+        words_of(words + n + 1, sizeof words - n - 1, t);
+        squeeze(found, sizeof found, r.output, false);
+        assert_string_equal(found, words);
+        const char *line = strchr(r.output, '\n') + 1;
+        for (int last = -1; *line; line += strcspn(line, "\n"), line += *line == '\n') {
+            const int kind = *line == '\n' ? -1 : kind_of(line);
+            if (kind >= 0 && last >= 0 && kind != last && !(last == 0 && kind == 2)) fail_msg("help %s: no blank line before \"%.40s\"", t->name, line);
+            assert_false(kind < 0 && (last < 0 && line != strchr(r.output, '\n') + 1)); /* never two */
+            last = kind;
+        }
+        /* its section of the page, without heading and summary */
+        char heading[64];
+        snprintf(heading, sizeof heading, "\n.SH %s\n", t->name);
+        for (char *c = heading + 5; *c; c++) *c = (char)(*c >= 'a' && *c <= 'z' ? *c - 32 : *c);
+        char *part = strstr(man.output, heading);
+        assert_non_null(part);
+        part += strlen(heading);
+        char *end = strstr(part, "\n.SH ");
+        const size_t length = end ? (size_t)(end - part) + 1 : strlen(part);
+        char *copy = malloc(length + 1);
+        memcpy(copy, part, length);
+        copy[length] = '\0';
+        squeeze(man_words, sizeof man_words, copy, true);
+        free(copy);
+        snprintf(found, sizeof found, "%s %.*s", t->summary, (int)(sizeof found - 300), words + n + 1);
+        assert_string_equal(man_words, found);
+    }
+}
+
+/* Every word of a term explains itself: its entry is printed whole, and so are all others that have the word. */
+static void every_name_of_a_term_is_looked_up(void **state)
+{
+    (void)state;
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+    static char entry[8192], words[8192], found[1 << 16];
+    static program_run r;
+    for (const bis_topic *t = bis_topics; t->name; t++) {
+        for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+            char name[64];
+            const char *at = e->term ? e->term + strcspn(e->term, letters) : "";
+            const size_t n = strspn(at, letters);
+            if (!e->term || !e->text || n == 0) continue;
+            snprintf(name, sizeof name, "%.*s", (int)n, at);
+            bool is_topic = bis_subcommand_find(name) != NULL;
+            for (const bis_topic *k = bis_topics; k->name; k++) is_topic |= strcmp(k->name, name) == 0;
+            if (is_topic || strncmp(name, "--", 2) == 0) continue;
+            program_expect(&r, 0, "help %s", name);
+            snprintf(entry, sizeof entry, "%s %s", e->term, e->text);
+            squeeze(words, sizeof words, entry, false);
+            squeeze(found, sizeof found, r.output, false);
+            if (!strstr(found, words)) fail_msg("help %s: no \"%s\"", name, words);
+        }
+    }
+}
+
+/* With its dashes an option alone is meant; a part of a name is no name. */
+static void an_option_is_looked_up_with_its_dashes_and_whole(void **state)
+{
+    (void)state;
+    program_run with, without;
+    program_expect(&with, 0, "help -- --spp");
+    program_expect(&without, 0, "help spp");
+    assert_non_null(strstr(with.output, "\n  --spp N"));
+    assert_string_equal(with.output, without.output);
+    program_expect(&without, 2, "help sp");
+    assert_non_null(strstr(without.messages, "no command, topic or name \"sp\""));
+    program_expect(&without, 2, "help -- --sp");
+}
+
+/* Of one integrator: what to use for a preview, a good picture and a final one; by which setting is for the clock to say. */
+static void a_trade_ends_with_three_recommendations(void **state)
+{
+    (void)state;
+    static const char *const purposes[] = {"preview        error ", "good picture   error ", "final picture  error "};
+    program_run r;
+    assert_int_equal(system("rm -rf " DIR "/trade"), 0);
+    program_expect(&r, 0, "trade " SCENE " --output " DIR "/trade --integrator em --passes 2 --seeds 1 --time 20 --error 60%% --nthreads 1 --quiet");
+    const char *line = r.output;
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(strncmp(line, purposes[i], strlen(purposes[i])), 0);
+        const char *const setting = strstr(line, " --integrator em --samples ");
+        assert_true(setting && setting < strchr(line, '\n'));
+        line = strchr(line, '\n') + 1;
+    }
+    int done, planned, used = 0;
+    assert_int_equal(sscanf(line, "%d of %d runs in " DIR "/trade/report.html\n%n", &done, &planned, &used), 2);
+    assert_true(done == planned && line[used] == '\0');
+}
+
+/* Its six lines; one accelerator is the default. */
+static void the_version_has_six_lines(void **state)
+{
+    (void)state;
+    static const char *const begins[] = {"bis " BIS_VERSION "\n", "accelerators: grid", "Embree: ", "OpenEXR: ", "libpng: ", "threads: "};
+    program_run r;
+    char line[128];
+    const char *const embree = bis_accel_embree_version(), *at = r.output;
+    program_expect(&r, 0, "version");
+    for (int i = 0; i < 6; i++) {
+        assert_int_equal(strncmp(at, begins[i], strlen(begins[i])), 0);
+        at += strcspn(at, "\n") + 1;
+    }
+    assert_true(*at == '\0');
+    snprintf(line, sizeof line, "\naccelerators: grid%s\nEmbree: %s\n", embree ? ", embree (default)" : " (default)", embree ? embree : "not built in");
+    assert_non_null(strstr(r.output, line));
+}
+
+static void durations_change_their_unit_where_they_should(void **state)
+{
+    (void)state;
+    static const struct { double seconds; const char *text; } cases[] = {
+        {0, "0 s"}, {119.4, "119 s"}, {120, "2 min"}, {7199, "120 min"}, {7200, "2.0 h"}, {172799, "48.0 h"}, {172800, "2 days"}, {1e6, "11.6 days"}};
+    char text[BIS_PROGRESS_DURATION];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) assert_string_equal(bis_progress_duration(text, cases[i].seconds), cases[i].text);
+}
+
+/* ---- compare by hand ---- */
+
+static void save(const char *path, const rgb *pixels, int n)
+{
+    rgb copy[8];
+    memcpy(copy, pixels, (size_t)n * sizeof *pixels);
+    const bis_image image = {n, 1, copy};
+    assert_int_equal(bis_image_save(&image, path, NULL), BIS_OK);
+}
+
+/* a less b is 1 0 0 | 0 -2 2 | 2 2 -1; the fourth is not finite. Means 3 and 23/9; relMSE of b's values, with m^2/100. */
+static void a_comparison_by_hand(void **state)
+{
+    (void)state;
+    const rgb a[4] = {{2, 1, 1}, {3, 2, 4}, {6, 6, 2}, {NAN, 1, 1}}, b[4] = {{1, 1, 1}, {3, 4, 2}, {4, 4, 3}, {1, 1, 1}};
+    static const char *const keys[] = {"mean_a", "mean_b", "bias", "bias_se", "rmse", "relmse", "max_abs", "pixels", "nonfinite"};
+    const double m = 23 / 9.0, f = m * m / 100, d[3] = {1 / 3.0, 0, 1}, mean = 4 / 9.0;
+    const double scatter = pow(d[0] - mean, 2) + pow(d[1] - mean, 2) + pow(d[2] - mean, 2);
+    const double expected[] = {3, m, mean, sqrt(scatter / 2 / 3), sqrt((1 + 4 + 4 + 4 + 4 + 1) / 9.0),
+                               (1 / (1 + f) + 4 / (16 + f) + 4 / (4 + f) + 8 / (16 + f) + 1 / (9 + f)) / 9, 2, 3, 1};
+    program_run text, json;
+    char line[64], exact[64], order[128];
+    save(DIR "/a.pfm", a, 4);
+    save(DIR "/b.pfm", b, 4);
+    program_expect(&text, 0, "compare " DIR "/a.pfm " DIR "/b.pfm");
+    program_expect(&json, 0, "compare --json " DIR "/a.pfm " DIR "/b.pfm");
+    const char *at = text.output;
+    for (int i = 0; i < 9; i++) {
+        char *end;
+        assert_int_equal(strncmp(at, keys[i], strlen(keys[i])), 0);
+        at += strlen(keys[i]);
+        assert_true(*at == ' ');
+        const double found = strtod(at + 1, &end);
+        if (!(fabs(found - expected[i]) <= 1e-12 * expected[i])) fail_msg("%s is %.17g, not %.17g", keys[i], found, expected[i]);
+        assert_true(*end == '\n' && json_number(json.output, keys[i]) == found);
+        at = end + 1;
+    }
+    assert_string_equal(at, "");
+    assert_string_equal(json_keys(order, sizeof order, json.output, ""), "mean_a mean_b bias bias_se rmse relmse max_abs pixels nonfinite ");
+
+    /* a tolerance that is reached, and one that is one step below */
+    json_value(exact, sizeof exact, json.output, "relmse");
+    program_expect(&text, 0, "compare --tolerance %s " DIR "/a.pfm " DIR "/b.pfm", exact);
+    snprintf(line, sizeof line, "%.17g", nextafter(strtod(exact, NULL), 0));
+    program_expect(&text, 1, "compare --tolerance %s " DIR "/a.pfm " DIR "/b.pfm", line);
+
+    /* one pixel has no scatter */
+    save(DIR "/a1.pfm", a, 1);
+    save(DIR "/b1.pfm", b, 1);
+    program_expect(&text, 0, "compare " DIR "/a1.pfm " DIR "/b1.pfm");
+    assert_non_null(strstr(text.output, "\nbias_se nan\nrmse "));
+    assert_non_null(strstr(text.output, "\nmax_abs 1\npixels 1\nnonfinite 0\n"));
+
+    /* the difference: 0 where equal; of b = 1 all over, (a - 1)/sqrt(1.01) = 0.1 is red; magenta */
+    const rgb one[3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, off[3] = {{1, 1, 1}, {1.1004988f, 1.1004988f, 1.1004988f}, {INFINITY, 1, 1}};
+    const rgb colours[3] = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}};
+    bis_image picture;
+    save(DIR "/a3.pfm", off, 3);
+    save(DIR "/b3.pfm", one, 3);
+    program_expect(&text, 0, "compare " DIR "/a3.pfm " DIR "/b3.pfm --diff " DIR "/d.pfm");
+    assert_int_equal(bis_image_read(&picture, DIR "/d.pfm", (bis_loc){0}, NULL), BIS_OK);
+    for (int i = 0; i < 3; i++) {
+        assert_true(fabsf(picture.pixels[i].r - colours[i].r) < 1e-3f && fabsf(picture.pixels[i].g - colours[i].g) < 1e-3f &&
+                    fabsf(picture.pixels[i].b - colours[i].b) < 1e-3f);
+    }
+    bis_image_clear(&picture);
+    program_expect(&text, 2, "compare " DIR "/a3.pfm " DIR "/b3.pfm --diff " DIR "/d.txt");
+    assert_string_equal(text.messages, "bis: error: --diff \"" DIR "/d.txt\": the ending must be .exr, .pfm, .hdr or .png\n");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(render_takes_what_is_in_range),
+        cmocka_unit_test(the_other_commands_take_what_is_in_range),
+        cmocka_unit_test(resuming_takes_no_option_of_the_plan),
+        cmocka_unit_test(an_option_stands_64_times_at_most),
+        cmocka_unit_test(the_list_of_errata_has_them_all),
+        cmocka_unit_test(help_by_hand),
+        cmocka_unit_test(man_page_by_hand),
+        cmocka_unit_test(a_topic_is_printed_whole),
+        cmocka_unit_test(every_name_of_a_term_is_looked_up),
+        cmocka_unit_test(an_option_is_looked_up_with_its_dashes_and_whole),
+        cmocka_unit_test(a_trade_ends_with_three_recommendations),
+        cmocka_unit_test(the_version_has_six_lines),
+        cmocka_unit_test(durations_change_their_unit_where_they_should),
+        cmocka_unit_test(a_comparison_by_hand),
+    };
+    program_folder(DIR);
+    program_write_scene(DIR, "");
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,673 @@
+/* The figures of auto's pilot by hand: how large it is, what its replicates tell of cost and variance, the fit to them, and
+ * groups of materials. How all of it chooses is in test_auto. */
+#include "tools/auto/auto.h"
+#include "tools/auto/auto_choose.h"
+#include "tools/auto/auto_fit.h"
+#include "tools/auto/auto_pilot.h"
+
+#include "bis/base/mem.h"
+#include "bis/thesis/phong.h"
+#include "bis/thesis/rng.h"
+
+#include "world.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+static void assert_close(double found, double expected)
+{
+    if (!(found == expected || fabs(found - expected) <= 1e-12 * fabs(expected))) fail_msg("%.17g is not %.17g", found, expected);
+}
+
+/* ---- its size ---- */
+
+/* An interrupted pilot has a film and has rendered nothing. In all, so many camera samples: 4% of those to come or of 2e5 a
+ * second, at most 6e5, in 36 renders of 1 or 2 passes; where these are below 1.5e5, 1.5%, at least 8000, in 6 renders of one
+ * pass. The film is the picture's, k times smaller. */
+static void the_pilots_size_follows_what_is_to_come(void **state)
+{
+    (void)state;
+    const double part[4] = {0, 0.5, 0.2, 0.6};
+    const struct { int width, height; uint32_t scene_spp; const double *crop; bis_budget budget; bool adaptive; int small_width, small_height, passes; } cases[] = {
+        /* 2e6 to come: 3e4 samples are 5000 pixels, k = 10 */
+        {1000, 500, 4, whole, {0}, false, 100, 50, 1},
+        {1000, 500, 9, whole, {.spp = 4}, false, 100, 50, 1},
+        /* 0.2 of it, 4e5: 8000, 1333 pixels, k = sqrt 75: 115 x 58, of which columns 0 to 57 and rows 12 to 34 */
+        {1000, 500, 4, part, {0}, false, 58, 23, 1},
+        /* 1e7: 4e5 in 72 passes are 5556 pixels, k = sqrt 90 */
+        {1000, 500, 4, whole, {.spp = 20}, false, 105, 53, 2},
+        /* 5e7: 6e5, 8333 pixels, k = sqrt 60 */
+        {1000, 500, 4, whole, {.spp = 100}, false, 129, 65, 2},
+        /* 10 s are 2e6, 20 s 4e6: 1.6e5, 2222 pixels, k = 15 */
+        {1000, 500, 4, whole, {.seconds = 10}, false, 100, 50, 1},
+        {1000, 500, 4, whole, {.seconds = 20}, false, 67, 33, 2},
+        /* whichever is less: 1e6 are 15000, 2500 pixels, k = sqrt 200 */
+        {1000, 500, 4, whole, {.spp = 2, .seconds = 20}, false, 71, 35, 1},
+        {1000, 500, 4, whole, {.spp = 100, .seconds = 20}, false, 67, 33, 2},
+        /* independent passes: one, of 4444 pixels, k = sqrt 112.5 */
+        {1000, 500, 4, whole, {.seconds = 20, .error = 0.1}, false, 94, 47, 1},
+        {1000, 500, 4, whole, {.seconds = 20}, true, 94, 47, 1},
+        /* one sample a pixel: one pass, 8e6 are 3.2e5 in 36, 8889 pixels, k = 30 */
+        {4000, 2000, 1, whole, {0}, false, 133, 67, 1},
+        {4000, 2000, 5, whole, {.spp = 1}, false, 133, 67, 1},
+        /* two: two passes, 6e5 in 72, 8333 pixels, k = sqrt 960 */
+        {4000, 2000, 2, whole, {0}, false, 129, 65, 2},
+        /* never larger than the picture */
+        {30, 20, 1, whole, {0}, false, 30, 20, 1},
+    };
+    volatile sig_atomic_t interrupted = 1;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const bis_render_options options = {.budget = cases[i].budget, .n_threads = 1, .interrupted = &interrupted};
+        bis_auto_report r;
+        world w;
+        make_world(&w, &bis_auto);
+        w.desc.film.width = cases[i].width;
+        w.desc.film.height = cases[i].height;
+        w.desc.adaptive = cases[i].adaptive;
+        memcpy(w.desc.film.crop, cases[i].crop, sizeof w.desc.film.crop);
+        bis_scene_set_spp(&w.desc, cases[i].scene_spp);
+        assert_int_equal(bis_auto_choose(&r, &w.scene, &w.desc, &options, NULL), BIS_OK);
+        if (r.width != cases[i].small_width || r.height != cases[i].small_height || r.passes != cases[i].passes)
+            fail_msg("case %zu: %d x %d, %d passes", i, r.width, r.height, r.passes);
+        assert_true(!r.is_chosen && r.n_tried == 0 && r.settings.integrator == &bis_sir);
+        bis_auto_report_clear(&r);
+        clear_world(&w);
+    }
+}
+
+/* ---- what it tries ---- */
+
+typedef struct attempt {
+    const bis_integrator *integrator;
+    bis_proposal proposal; /* of sir */
+    uint32_t M, N;
+    unsigned groups;
+} attempt;
+
+/* What a setting of one group is judged by: mis and em may hide a quarter more. */
+static double judged(const bis_auto_report *r, int i)
+{
+    const bis_integrator *const it = r->tried[i].settings.integrator;
+    return bis_auto_cost_of_all(r, i) * bis_auto_variance_of_all(r, i) * (it == &bis_mis || it == &bis_em ? 1.25 : 1);
+}
+
+/* A picture of 8 x 6 pixels. The list by hand, then what the fit proposes: within limits, four times each. */
+static void assert_tries(world *w, double seconds, const attempt *list, int n)
+{
+    const bis_render_options options = {.budget = {.seconds = seconds}, .n_threads = 2};
+    bis_auto_report r;
+    w->desc.film = (bis_film_desc){.width = 8, .height = 6, .crop = {0, 1, 0, 1}};
+    assert_int_equal(bis_auto_choose(&r, &w->scene, &w->desc, &options, NULL), BIS_OK);
+    assert_true(r.is_chosen && r.width == 8 && r.height == 6 && r.n_tried >= n && r.n_tried <= n + 5 + 4);
+    if (seconds < 1) assert_int_equal(r.n_tried, n);
+    for (int i = 0; i < r.n_tried; i++) {
+        const bis_auto_tried *t = &r.tried[i];
+        const bis_settings *s = &t->settings;
+        assert_true(s->samples == s->shadowrays && (s->integrator == &bis_sir || s->stratify) && !s->only_sir);
+        if (i < n) {
+            assert_true(s->integrator == list[i].integrator && s->shadowrays == list[i].N && t->groups == list[i].groups);
+            if (s->integrator == &bis_sir) assert_true(s->proposal == list[i].proposal && s->candidates == list[i].M);
+            assert_true(t->replicates == 2 || (t->replicates == 4 && seconds > 1));
+        } else {
+            const bool product = s->proposal == BIS_PROPOSAL_PRODUCT;
+            assert_int_equal(t->replicates, 4);
+            assert_in_range(s->shadowrays, 2, 64);
+            if (s->integrator == &bis_sir) assert_in_range(s->candidates, product ? 16 : 32, product ? 512 : 2048);
+            for (int k = 0; k < i && r.n_groups == 1; k++) { /* not what is known already */
+                const bis_settings *o = &r.tried[k].settings;
+                assert_false(o->integrator == s->integrator && o->proposal == s->proposal && o->shadowrays == s->shadowrays &&
+                             (s->integrator != &bis_sir || o->candidates == s->candidates));
+            }
+        }
+        if (r.n_groups == 1) assert_true(judged(&r, r.chosen[0]) <= judged(&r, i));
+    }
+    assert_memory_equal(&r.settings, &r.tried[r.chosen[r.n_groups > 1 && r.share[1] > r.share[0]]].settings, sizeof r.settings);
+    bis_auto_report_clear(&r);
+}
+
+static void the_lists_of_a_pilot_are_those_by_hand(void **state)
+{
+    (void)state;
+    const bis_proposal mix = BIS_PROPOSAL_MIX, product = BIS_PROPOSAL_PRODUCT;
+    const attempt glossy[] = {{&bis_mis, mix, 0, 6, 1}, {&bis_mis, mix, 0, 32, 1}, {&bis_sir, mix, 64, 4, 1}, {&bis_sir, mix, 64, 20, 1},
+                              {&bis_sir, mix, 256, 8, 1}, {&bis_sir, product, 32, 4, 1}, {&bis_sir, product, 64, 16, 1}, {&bis_sir, product, 192, 6, 1}};
+    const attempt short_list[] = {{&bis_mis, mix, 0, 16, 1}, {&bis_sir, mix, 64, 16, 1}, {&bis_sir, product, 64, 16, 1}};
+    const attempt diffuse[] = {{&bis_em, mix, 0, 32, 1}, {&bis_mis, mix, 0, 16, 1}, {&bis_sir, mix, 64, 16, 1}, {&bis_sir, product, 64, 16, 1}};
+    const attempt constant[] = {{&bis_brdf, mix, 0, 8, 1}, {&bis_mis, mix, 0, 16, 1}, {&bis_sir, mix, 64, 16, 1}};
+    const attempt two[] = {{&bis_em, mix, 0, 8, 1}, {&bis_em, mix, 0, 48, 1}, {&bis_mis, mix, 0, 6, 3}, {&bis_mis, mix, 0, 32, 3},
+                           {&bis_sir, mix, 64, 4, 3}, {&bis_sir, mix, 64, 20, 3}, {&bis_sir, mix, 256, 8, 3}, {&bis_sir, product, 32, 4, 3},
+                           {&bis_sir, product, 64, 16, 3}, {&bis_sir, product, 192, 6, 3}};
+    world w;
+    make_world(&w, &bis_auto);
+    w.materials[1] = w.materials[0];
+    assert_tries(&w, 1000, glossy, 8);
+    assert_tries(&w, 0.1, short_list, 3);
+    w.desc.settings.only_sir = true;
+    assert_tries(&w, 0.1, short_list + 1, 2);
+    w.desc.settings.only_sir = false;
+    w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
+    assert_tries(&w, 0.1, diffuse, 4);
+    w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.9f, 0.9f}, 5000);
+    assert_tries(&w, 1000, two, 10);
+    bis_light *const map = w.scene.light;
+    assert_int_equal(bis_light_constant(&w.scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
+    assert_tries(&w, 0.1, constant, 3);
+    bis_light_free(w.scene.light);
+    w.scene.light = map;
+    clear_world(&w);
+}
+
+/* A clock that counts rays, as in test_auto: the same work is the same choice. */
+static bool counts_work;
+static _Thread_local long worked; /* ns */
+
+int clock_gettime(clockid_t id, struct timespec *t); /* in place of the C library's */
+
+int clock_gettime(clockid_t id, struct timespec *t)
+{
+    if (!counts_work || id != CLOCK_THREAD_CPUTIME_ID) return (int)syscall(SYS_clock_gettime, id, t);
+    worked += 10;
+    *t = (struct timespec){worked / 1000000000, worked % 1000000000};
+    return 0;
+}
+
+typedef struct counting_accel {
+    bis_accel base;
+    bis_accel *inner;
+} counting_accel;
+
+static bool counting_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    worked += 1000;
+    return bis_accel_intersect(((const counting_accel *)a)->inner, r, hit);
+}
+
+static bool counting_occluded(const bis_accel *a, const ray *r)
+{
+    worked += 1000;
+    return bis_accel_occluded(((const counting_accel *)a)->inner, r);
+}
+
+static const bis_accel_ops counting = {.name = "counting", .intersect = counting_intersect, .occluded = counting_occluded};
+
+/* Of some pilots, mis or em would win by less than a quarter, and does not. */
+static void what_may_hide_a_quarter_must_win_by_more(void **state)
+{
+    (void)state;
+    int decided = 0;
+    for (uint64_t seed = 1; seed <= 20; seed++) {
+        const bis_render_options options = {.budget = {.seconds = 0.1}, .n_threads = 2};
+        bis_auto_report r;
+        world w;
+        make_world(&w, &bis_auto);
+        w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, seed % 3 ? (rgb){0.2f, 0.2f, 0.2f} : (rgb){0, 0, 0}, 3);
+        w.desc.film = (bis_film_desc){.width = 12, .height = 9, .crop = {0, 1, 0, 1}};
+        w.desc.sampler.seed = seed;
+        counting_accel accel = {{&counting, w.scene.accel->geometry}, w.scene.accel};
+        w.scene.accel = &accel.base;
+        counts_work = true;
+        assert_int_equal(bis_auto_choose(&r, &w.scene, &w.desc, &options, NULL), BIS_OK);
+        counts_work = false;
+        w.scene.accel = accel.inner;
+        assert_true(r.n_groups == 1 && r.is_chosen);
+        int best = 0, plain = 0;
+        for (int i = 1; i < r.n_tried; i++) {
+            if (judged(&r, i) < judged(&r, best)) best = i;
+            if (bis_auto_cost_of_all(&r, i) * bis_auto_variance_of_all(&r, i) < bis_auto_cost_of_all(&r, plain) * bis_auto_variance_of_all(&r, plain)) plain = i;
+        }
+        assert_int_equal(r.chosen[0], best);
+        decided += best != plain;
+        bis_auto_report_clear(&r);
+        clear_world(&w);
+    }
+    if (decided < 2) fail_msg("it decided in %d pilots only", decided);
+}
+
+/* ---- cost and variance ---- */
+
+enum { MOST_PIXELS = 64 };
+
+/* A pilot without a scene: replicates come by hand. */
+static void make_pilot(bis_auto_pilot *p, bis_auto_report *r, size_t n_pixels, int n_groups, uint32_t passes)
+{
+    *r = (bis_auto_report){.n_groups = n_groups};
+    *p = (bis_auto_pilot){.report = r, .n_pixels = n_pixels, .passes = passes, .scale = 1};
+    p->picture = bis_alloc(3 * n_pixels, sizeof *p->picture);
+    p->shaded = bis_alloc(n_pixels, sizeof *p->shaded);
+    for (size_t k = 0; k < n_pixels; k++) p->shaded[k] = true;
+    if (n_groups > 1) p->shows = bis_alloc(n_pixels, sizeof *p->shows);
+}
+
+static int add_trial(bis_auto_pilot *p, unsigned groups)
+{
+    const bis_settings s = bis_settings_default(&bis_mis);
+    assert_int_equal(bis_auto_pilot_add(p, 3, groups, &s, 2, NULL), BIS_OK);
+    const bis_auto_trial *t = &p->trials[p->report->n_tried - 1];
+    assert_true(t->family == 3 && t->wanted == 2 && isinf(t->seconds) && isinf(t->fill) && isinf(t->shading[3]) && t->sum[0] == 0);
+    return p->report->n_tried - 1;
+}
+
+/* What one replicate saw of a pixel, grey. */
+static void see(bis_auto_pilot *p, int i, size_t pixel, double x)
+{
+    for (size_t k = 3 * pixel; k < 3 * pixel + 3; k++) {
+        p->trials[i].sum[k] += x;
+        p->trials[i].squares[k] += x * x;
+    }
+}
+
+static size_t cell_of(size_t pixel) { return bis_hash(pixel) % BIS_AUTO_CELLS; }
+
+/* The first pixels that lie in n different cells. */
+static void find_pixels(size_t *pixel, int n)
+{
+    int found = 0;
+    for (size_t k = 0; k < MOST_PIXELS && found < n; k++) {
+        bool is_new = true;
+        for (int i = 0; i < found; i++) is_new &= cell_of(pixel[i]) != cell_of(k);
+        if (is_new) pixel[found++] = k;
+    }
+    assert_int_equal(found, n);
+}
+
+/* Three cells of one pixel each, means 2, 5, 10 and scatters 2, 2, 8 of two replicates; m = 17/3. The largest, 2/(4 + m^2/100),
+ * is lowered to the second. */
+static void the_variance_of_three_pixels_is_that_by_hand(void **state)
+{
+    (void)state;
+    size_t pixel[3];
+    bis_auto_pilot p;
+    bis_auto_report r;
+    find_pixels(pixel, 3);
+    make_pilot(&p, &r, MOST_PIXELS, 1, 2);
+    memset(p.shaded, 0, MOST_PIXELS * sizeof *p.shaded);
+    for (int i = 0; i < 3; i++) p.shaded[pixel[i]] = true;
+    const int i = add_trial(&p, 1);
+    const double x[3][2] = {{1, 3}, {4, 6}, {8, 12}}, floor = 289 / 900.0;
+    for (int n = 0; n < 2; n++) {
+        for (int k = 0; k < 3; k++) see(&p, i, pixel[k], x[k][n]);
+        see(&p, i, pixel[2] + 1, 1000.0 * n); /* shows no surface: it does not count */
+    }
+    r.tried[i].replicates = 2;
+    p.trials[i].seconds = 3;
+    p.trials[i].fill = 1;
+    p.scale = 5;
+    bis_auto_pilot_measure(&p);
+    assert_close(r.tried[i].variance[0], 2 * (2 / (25 + floor) + 2 * 8 / (100 + floor)) / 3);
+    for (int k = 0; k < 3; k++) { /* nothing is forgiven in the cells; three channels */
+        assert_close(p.trials[i].cell[0][cell_of(pixel[k])], 3 * (k == 2 ? 8 : 2) / (pow(x[k][0] + x[k][1], 2) / 4 + floor));
+        assert_close(p.picture[3 * pixel[k] + 1], (x[k][0] + x[k][1]) / 2);
+    }
+    assert_close(r.tried[i].cost[0], (3 - 1) * 5 / 2.0);
+    assert_close(r.tried[i].fill, 0.5);
+    assert_true(r.common == 0);
+    bis_auto_pilot_clear(&p);
+}
+
+/* Four replicates 1 2 4 5 of a pixel scatter by 10/3. Five pixels share two cells: a cell's value is its mean. */
+static void a_cell_is_the_mean_of_its_pixels(void **state)
+{
+    (void)state;
+    size_t pixel[2], n[2] = {0, 0};
+    bis_auto_pilot p;
+    bis_auto_report r;
+    find_pixels(pixel, 2);
+    make_pilot(&p, &r, MOST_PIXELS, 1, 1);
+    const int i = add_trial(&p, 1);
+    const double x[4] = {1, 2, 4, 5};
+    for (size_t k = 0; k < MOST_PIXELS; k++) {
+        const int c = cell_of(k) == cell_of(pixel[0]) ? 0 : cell_of(k) == cell_of(pixel[1]) ? 1 : -1;
+        p.shaded[k] = c >= 0 && n[c] < (c ? 2 : 3);
+        if (!p.shaded[k]) continue;
+        for (int j = 0; j < 4; j++) see(&p, i, k, n[c] == 0 ? x[j] : 3); /* the first of each cell is noisy; all have the mean 3 */
+        n[c]++;
+    }
+    assert_true(n[0] == 3 && n[1] == 2);
+    r.tried[i].replicates = 4;
+    bis_auto_pilot_measure(&p);
+    /* 10/3 over 9.09, of 3 and of 2 pixels; the larger one is lowered */
+    assert_close(r.tried[i].variance[0], 10 / 3.0 / 9.09 / 3);
+    bis_auto_pilot_clear(&p);
+}
+
+/* Pixel 0 shows the first group, pixel 1 the second. a scatters nowhere, b scatters by 8 about 3, c may be chosen for the second
+ * group alone. The picture is the mean by replicates/variance (where that is 0, by replicates), three times over. */
+static void variances_and_weights_follow_from_each_other(void **state)
+{
+    (void)state;
+    bis_auto_pilot p;
+    bis_auto_report r;
+    make_pilot(&p, &r, 2, 2, 1);
+    p.shows[1] = 1;
+    const int a = add_trial(&p, 3), b = add_trial(&p, 3), c = add_trial(&p, 2);
+    for (int n = 0; n < 2; n++) {
+        for (size_t k = 0; k < 2; k++) {
+            see(&p, a, k, 2);
+            see(&p, b, k, n ? 5 : 1);
+            see(&p, c, k, n ? 8 : 4);
+            see(&p, c, k, 6); /* a third replicate would be half as noisy: the scatter of 4 8 6 6 is 8/3 */
+        }
+    }
+    r.tried[a].replicates = r.tried[b].replicates = 2;
+    r.tried[c].replicates = 4;
+    bis_auto_pilot_measure(&p);
+
+    double v_b[2] = {0, 0}, v_c = 0, picture[2] = {0, 0};
+    for (int turn = 0; turn < 3; turn++) {
+        const double w0 = turn ? 2 / v_b[0] : 2, w1 = turn ? 2 / v_b[1] : 2, w2 = turn ? 4 / v_c : 4;
+        picture[0] = (2 * 2.0 + w0 * 3) / (2 + w0);
+        picture[1] = (2 * 2.0 + w1 * 3 + w2 * 6) / (2 + w1 + w2);
+        const double mean = (picture[0] + picture[1]) / 2, floor = mean * mean / 100;
+        for (int g = 0; g < 2; g++) v_b[g] = 8 / (picture[g] * picture[g] + floor) / 2; /* half of the pixels */
+        v_c = 8 / 3.0 / (picture[1] * picture[1] + floor) / 2;
+    }
+    for (int g = 0; g < 2; g++) {
+        assert_true(r.tried[a].variance[g] == 0);
+        assert_close(p.picture[3 * g], picture[g]);
+        assert_close(r.tried[b].variance[g], v_b[g]);
+    }
+    assert_close(r.tried[c].variance[1], v_c);
+    bis_auto_pilot_clear(&p);
+}
+
+/* With two groups: shading by the meter; in common is the least that is left of any setting. */
+static void costs_are_what_the_clock_says_by_hand(void **state)
+{
+    (void)state;
+    bis_auto_pilot p;
+    bis_auto_report r;
+    make_pilot(&p, &r, 2, 2, 2);
+    p.shows[1] = 1;
+    p.scale = 10;
+    for (int i = 0; i < 2; i++) {
+        add_trial(&p, 3);
+        r.tried[i].replicates = 2;
+        for (size_t k = 0; k < 4; k++) see(&p, i, k % 2, 1);
+    }
+    p.trials[0].seconds = 10, p.trials[0].fill = 1, p.trials[0].shading[0] = 2, p.trials[0].shading[1] = 4;  /* 3 left */
+    p.trials[1].seconds = 12, p.trials[1].fill = 3, p.trials[1].shading[0] = 5, p.trials[1].shading[1] = 2;  /* 2 left */
+    bis_auto_pilot_measure(&p);
+    assert_close(r.common, 2 * 10 / 2.0);
+    const double cost[2][2] = {{10, 20}, {25, 10}}, fill[2] = {0.5, 1.5};
+    for (int i = 0; i < 2; i++) {
+        assert_close(r.tried[i].fill, fill[i]);
+        for (int g = 0; g < 2; g++) assert_close(r.tried[i].cost[g], cost[i][g]);
+        assert_close(bis_auto_cost_of_all(&r, i), 10 + fill[i] + cost[i][0] + cost[i][1]);
+        assert_true(r.tried[i].variance[0] == 0 && r.tried[i].variance[1] == 0);
+    }
+    p.trials[1].seconds = 5; /* less than its parts: nothing is negative */
+    bis_auto_pilot_measure(&p);
+    assert_true(r.common == 0);
+    bis_auto_pilot_clear(&p);
+}
+
+static void a_pilot_runs_as_often_as_was_wanted(void **state)
+{
+    (void)state;
+    bis_auto_pilot p;
+    bis_auto_report r;
+    world w;
+    make_world(&w, &bis_auto);
+    w.desc.film = (bis_film_desc){.width = 8, .height = 6, .crop = {0, 1, 0, 1}};
+    bis_scene_set_spp(&w.desc, 1);
+    r = (bis_auto_report){.n_groups = 1, .group = (unsigned char[]){0, 0}};
+    p = (bis_auto_pilot){.scene = &w.scene, .desc = w.desc, .report = &r, .n_pixels = 48, .passes = 1, .scale = 1, .n_threads = 2,
+                         .options = {.budget = {.spp = 1}, .n_threads = 1}};
+    assert_int_equal(bis_auto_pilot_start(&p, NULL), BIS_OK);
+    assert_false(p.diffuse[0]);
+    for (int i = 0; i < 2; i++) {
+        bis_settings s = bis_settings_default(&bis_mis);
+        s.samples = 2;
+        assert_int_equal(bis_auto_pilot_add(&p, 2, 1, &s, 3 - i, NULL), BIS_OK);
+    }
+    assert_int_equal(bis_auto_pilot_run(&p, NULL), BIS_OK);
+    assert_true(r.tried[0].replicates == 3 && r.tried[1].replicates == 2 && p.trials[0].wanted == 0);
+    assert_true(isfinite(p.trials[0].seconds) && isfinite(p.trials[0].fill) && p.trials[0].seconds > 0);
+    /* the same seeds for all settings: after two more replicates of the second, one less and one more */
+    p.trials[1].wanted = 1;
+    assert_int_equal(bis_auto_pilot_run(&p, NULL), BIS_OK);
+    assert_memory_equal(p.trials[0].sum, p.trials[1].sum, 3 * 48 * sizeof *p.trials[0].sum);
+    assert_memory_equal(p.trials[0].squares, p.trials[1].squares, 3 * 48 * sizeof *p.trials[0].sum);
+    int scatters = 0;
+    for (size_t k = 0; k < 3 * 48; k++) scatters += p.trials[0].squares[k] > p.trials[0].sum[k] * p.trials[0].sum[k] / 3 * (1 + 1e-9);
+    assert_true(scatters > 20); /* each replicate has a seed of its own */
+    bis_auto_pilot_clear(&p);
+    clear_world(&w);
+}
+
+/* ---- the fit ---- */
+
+static double misfit(const bis_auto_measured *m, int n, const double p[3], bool of_cost)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) {
+        const double M = m[i].M, N = m[i].N;
+        const double model = of_cost ? p[0] + p[1] * M + p[2] * N : p[0] + (M > 0 ? p[1] / M : 0) + p[2] / pow(N, 1.5);
+        sum += pow(model / (of_cost ? m[i].cost : m[i].variance) - 1, 2);
+    }
+    return sum;
+}
+
+/* Of 1 to 8 noisy measurements: no other coefficients that are not negative misfit less, neither near nor far. */
+static void no_other_coefficients_fit_better(void **state)
+{
+    (void)state;
+    bis_rng rng;
+    bis_rng_init(&rng, 31, 0, 0, 0);
+    for (int k = 0; k < 300; k++) {
+        bis_auto_measured m[8];
+        const int n = 1 + k % 8;
+        for (int i = 0; i < n; i++) {
+            const uint32_t M = k % 3 ? 1u << (4 + bis_rng_below(&rng, 5)) : 0, N = 2 + (uint32_t)bis_rng_below(&rng, 30);
+            const double off = exp(bis_rng_double(&rng) - 0.5), more = exp(bis_rng_double(&rng) - 0.5);
+            m[i] = (bis_auto_measured){M, N, (1.5 + 0.004 * M + 0.07 * N) * off, (0.03 + (M ? 1.2 / M : 0) + 0.4 / pow(N, 1.5)) * more};
+        }
+        const bis_auto_model fits[2] = {bis_auto_fit_variance(m, n), bis_auto_fit_cost(m, n)};
+        for (int of_cost = 0; of_cost < 2; of_cost++) {
+            const double best[3] = {fits[of_cost].constant, fits[of_cost].by_M, fits[of_cost].by_N}, least = misfit(m, n, best, of_cost);
+            if (k % 3 == 0) assert_true(best[1] == 0);
+            for (int j = 0; j < 200; j++) {
+                double p[3];
+                for (int c = 0; c < 3; c++) {
+                    const double near = best[c] * exp(0.02 * (bis_rng_double(&rng) - 0.5)), far = bis_rng_double(&rng) < 0.3 ? 0 : pow(10, 4 * bis_rng_double(&rng) - 3);
+                    p[c] = j % 2 ? near : bis_rng_double(&rng) < 0.5 ? best[c] : far;
+                }
+                if (!(misfit(m, n, p, of_cost) >= least * (1 - 1e-9) - 1e-20)) fail_msg("%d measurements: %g below %g", n, misfit(m, n, p, of_cost), least);
+            }
+        }
+        assert_close(bis_auto_cost(&fits[1], 64, 9), fits[1].constant + 64 * fits[1].by_M + 9 * fits[1].by_N);
+        assert_close(bis_auto_variance(&fits[0], 64, 9), fits[0].constant + fits[0].by_M / 64 + fits[0].by_N / 27);
+        assert_close(bis_auto_variance(&fits[0], 0, 4), fits[0].constant + fits[0].by_N / 8);
+    }
+}
+
+/* One place tells one coefficient, two places tell two, however often they were measured. */
+static void what_cannot_be_told_apart_is_0(void **state)
+{
+    (void)state;
+    bis_rng rng;
+    bis_rng_init(&rng, 33, 0, 0, 0);
+    for (int k = 0; k < 2000; k++) {
+        const int n = 1 + k % 6, places = 1 + k % 2;
+        bis_auto_measured m[6], at[2];
+        for (int i = 0; i < 2; i++) at[i] = (bis_auto_measured){32 + (uint32_t)bis_rng_below(&rng, 200), 2 + (uint32_t)bis_rng_below(&rng, 60), 0, 0};
+        for (int i = 0; i < n; i++) {
+            m[i] = at[i % places];
+            m[i].cost = 1 + bis_rng_double(&rng);
+            m[i].variance = 1 + bis_rng_double(&rng);
+        }
+        const bis_auto_model fits[2] = {bis_auto_fit_cost(m, n), bis_auto_fit_variance(m, n)};
+        for (int f = 0; f < 2; f++) assert_in_range((fits[f].constant > 0) + (fits[f].by_M > 0) + (fits[f].by_N > 0), 1, places);
+    }
+}
+
+/* By hand, N fixed: M = sqrt(by_M c0/(cM v0)) = sqrt(8 2/(0.01 1)) = 40, rounded, within the limits. */
+static void the_best_M_is_that_of_the_formula_within_its_limits(void **state)
+{
+    (void)state;
+    const bis_auto_model cost = {1, 0.01, 0.25}, variance = {0.875, 8, 1}; /* with N = 4: c0 = 2, v0 = 1 */
+    const struct { bis_auto_model cost, variance; bis_auto_limits limits; uint32_t M, N; } cases[] = {
+        {cost, variance, {1, 1000, 4, 4}, 40, 4},    {cost, variance, {50, 1000, 4, 4}, 50, 4}, {cost, variance, {1, 30, 4, 4}, 30, 4},
+        {cost, {0.875, 0, 1}, {5, 30, 4, 4}, 5, 4},  {{1, 0, 0.25}, variance, {5, 30, 4, 4}, 30, 4}, {cost, {0, 8, 0}, {5, 30, 4, 4}, 30, 4},
+        {cost, variance, {0, 0, 4, 4}, 0, 4},        {{1, 0, 1}, {1, 0, 0}, {0, 0, 3, 9}, 0, 3}, {{1, 0, 0}, {0, 0, 1}, {0, 0, 3, 9}, 0, 9}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        uint32_t M, N;
+        bis_auto_best(&M, &N, &cases[i].cost, &cases[i].variance, &cases[i].limits);
+        if (M != cases[i].M || N != cases[i].N) fail_msg("case %zu: %u, %u", i, (unsigned)M, (unsigned)N);
+    }
+}
+
+/* ---- combinations ---- */
+
+enum { OFFERS = 4 };
+
+/* All of them, one after the other; a fill once for each id. */
+static void the_best_combination_is_that_of_brute_force(void **state)
+{
+    (void)state;
+    bis_rng rng;
+    bis_rng_init(&rng, 41, 0, 0, 0);
+    for (int k = 0; k < 300; k++) {
+        const int n_groups = 1 + k % 4, n[4] = {1 + k % 3, 4, 2 + k % 2, 1 + k % 4};
+        bis_auto_offer offers[4][OFFERS];
+        const bis_auto_offer *lists[4] = {offers[0], offers[1], offers[2], offers[3]};
+        double fill[OFFERS];
+        int chosen[4] = {-1, -1, -1, -1}, total = 1;
+        for (int i = 0; i < OFFERS; i++) fill[i] = bis_rng_double(&rng);
+        for (int g = 0; g < 4; g++)
+            for (int i = 0; i < OFFERS; i++) offers[g][i] = (bis_auto_offer){i, fill[i], bis_rng_double(&rng), bis_rng_double(&rng)};
+        const double base = bis_rng_double(&rng), found = bis_auto_combine(chosen, lists, n, n_groups, base, 1.2);
+        double least = (double)INFINITY;
+        int best = -1, code = 0;
+        for (int g = 0; g < n_groups; g++) total *= n[g];
+        for (int c = 0; c < total; c++) {
+            double cost = base, variance = 0;
+            unsigned used = 0;
+            for (int g = 0, rest = c; g < n_groups; rest /= n[g++]) {
+                cost += offers[g][rest % n[g]].cost;
+                variance += offers[g][rest % n[g]].variance;
+                used |= 1u << rest % n[g];
+            }
+            double product = 1 / 1.2;
+            for (int i = 0; i < OFFERS; i++)
+                if (used >> i & 1) {
+                    cost += fill[i];
+                    product *= 1.2;
+                }
+            product *= cost * variance;
+            if (product < least) {
+                least = product;
+                best = c;
+            }
+        }
+        for (int g = n_groups - 1; g >= 0; g--) code = code * n[g] + chosen[g];
+        assert_int_equal(code, best);
+        assert_true(fabs(found / least - 1) < 1e-12);
+    }
+}
+
+/* ---- groups ---- */
+
+static void assert_merged(int n, const double *key, const double *weight, const int *group)
+{
+    bis_auto_kind kinds[8];
+    for (int i = 0; i < n; i++) kinds[i] = (bis_auto_kind){.key = key[i], .weight = weight[i], .group = 99};
+    assert_int_equal(bis_auto_merge(kinds, n), group[n - 1] + 1);
+    for (int i = 0; i < n; i++) assert_int_equal(kinds[i].group, group[i]);
+}
+
+static void neighbours_are_merged_by_what_it_widens(void **state)
+{
+    (void)state;
+    const double one[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+    /* a distance of 0.7, a share of 0.03 */
+    assert_merged(2, (double[]){0, 0.69}, one, (int[]){0, 0});
+    assert_merged(2, (double[]){0, 0.71}, one, (int[]){0, 1});
+    assert_merged(2, (double[]){0, 5}, (double[]){2.9, 97.1}, (int[]){0, 0});
+    assert_merged(2, (double[]){0, 5}, (double[]){3.1, 96.9}, (int[]){0, 1});
+    /* five: w1 w2/(w1 + w2) d^2 is 1/2 for the first two, 0.72 for the next; with ten times their weight 5 */
+    assert_merged(5, (double[]){0, 1, 3, 4.2, 7}, one, (int[]){0, 0, 1, 2, 3});
+    assert_merged(5, (double[]){0, 1, 3, 4.2, 7}, (double[]){10, 10, 1, 1, 1}, (int[]){0, 1, 2, 2, 3});
+    /* the mean goes by weight: of 0 and 0.5 it is 0.05, or 0.45, from which 1.1 is nearer than 0.7 */
+    assert_merged(3, (double[]){0, 0.5, 1.1}, (double[]){9, 1, 9}, (int[]){0, 0, 1});
+    assert_merged(3, (double[]){0, 0.5, 1.1}, (double[]){1, 9, 9}, (int[]){0, 0, 0});
+    assert_merged(1, (double[]){4}, one, (int[]){0});
+}
+
+/* Paper and steel of which a third, unused material is like none: who is seen in each pixel's centre, by asking again. */
+static void groups_and_their_shares_are_those_of_the_pixels_centres(void **state)
+{
+    (void)state;
+    enum { W = 24, H = 14 };
+    unsigned char group[3] = {9, 9, 9}, *shows;
+    bis_material materials[3];
+    double share[BIS_AUTO_MOST_GROUPS];
+    int n_groups, met[2] = {0, 0};
+    bis_film film;
+    world w;
+    make_world(&w, &bis_auto);
+    materials[0] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
+    materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.9f, 0.9f}, 5000);
+    materials[2] = materials[1];
+    w.desc.materials = materials;
+    w.desc.n_materials = 3;
+    for (int swapped = 0; swapped < 2; swapped++) {
+        if (swapped) { /* the steel one comes first now: groups go by narrowness, not by number */
+            const bis_material m = materials[0];
+            materials[0] = materials[1];
+            materials[1] = m;
+        }
+        assert_int_equal(bis_film_init(&film, W, H, whole, (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_auto_group(group, &n_groups, share, &shows, &film, &w.scene, &w.desc, NULL), BIS_OK);
+        assert_int_equal(n_groups, 2);
+        assert_true(group[0] == swapped && group[1] == !swapped);
+        met[0] = met[1] = 0;
+        uint32_t seen[W * H];
+        for (int i = 0; i < W * H; i++) {
+            const ray eye = bis_camera_ray(&w.desc.camera, W, H, i % W + 0.5, i / W + 0.5);
+            bis_hit hit;
+            seen[i] = bis_accel_intersect(w.scene.accel, &eye, &hit) ? hit.prim >= 2 : 9; /* two triangles are the floor */
+            if (seen[i] < 2) met[group[seen[i]]]++;
+        }
+        assert_true(met[0] > 20 && met[1] > 20 && met[0] != met[1]);
+        const int largest = met[1] > met[0];
+        for (int g = 0; g < 2; g++) assert_close(share[g], met[g] / (double)(met[0] + met[1]));
+        assert_true(share[2] == 0 && share[3] == 0);
+        for (int i = 0; i < W * H; i++) assert_int_equal(shows[i], seen[i] < 2 ? group[seen[i]] : largest);
+        assert_int_equal(group[2], largest); /* no shape has it */
+        bis_free(shows);
+        bis_film_clear(&film);
+    }
+    clear_world(&w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_pilots_size_follows_what_is_to_come),
+        cmocka_unit_test(the_lists_of_a_pilot_are_those_by_hand),
+        cmocka_unit_test(what_may_hide_a_quarter_must_win_by_more),
+        cmocka_unit_test(the_variance_of_three_pixels_is_that_by_hand),
+        cmocka_unit_test(a_cell_is_the_mean_of_its_pixels),
+        cmocka_unit_test(variances_and_weights_follow_from_each_other),
+        cmocka_unit_test(costs_are_what_the_clock_says_by_hand),
+        cmocka_unit_test(a_pilot_runs_as_often_as_was_wanted),
+        cmocka_unit_test(no_other_coefficients_fit_better),
+        cmocka_unit_test(what_cannot_be_told_apart_is_0),
+        cmocka_unit_test(the_best_M_is_that_of_the_formula_within_its_limits),
+        cmocka_unit_test(the_best_combination_is_that_of_brute_force),
+        cmocka_unit_test(neighbours_are_merged_by_what_it_widens),
+        cmocka_unit_test(groups_and_their_shares_are_those_of_the_pixels_centres),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
