@@ -2,7 +2,7 @@
 #     awk -v file=NAME -f slips.awk FILE
 # Prints, separated by tabs: NAME, line, offset in bytes, bytes that go, "in" a function or "out", what comes instead.
 # Left alone: text in quotes, asserts (a weaker one is no fault), directives but for the values of #define, sizes of 16
-# and more in brackets.
+# and more in brackets, arguments that may change places (fmax, dot, bis_alloc, equality by strcmp).
 
 function add(offset, token) {
     T[++n] = token; L[n] = NR; P[n] = offset
@@ -51,7 +51,7 @@ function up_to(i) {     # the semicolon that ends what begins at token i
 }
 
 function swap_arguments(i,    k, from, to, old_from, old_to) {     # of the call whose "(" is token i
-    if (M[i] == i + 1) return
+    if (M[i] == i + 1 || T[i - 1] ~ /^(fmax|fmin|hypot|strcmp|dot|dot3|bis_alloc)$/) return
     from = i + 1; old_to = 0
     for (k = from; k <= M[i]; k++) {
         if (T[k] == "," || k == M[i]) {
