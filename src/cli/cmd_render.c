@@ -14,14 +14,13 @@
 #include "cli.h"
 #include "parameters.h"
 #include "progress.h"
-#include "tools/describe.h"
+#include "render_files.h"
 
 #include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 typedef struct resolution {
@@ -30,15 +29,16 @@ typedef struct resolution {
 
 /* What the command line says; has_ tells whether it does. */
 typedef struct render_options {
-    bis_texts outfiles, as_printed;
-    const char *stats, *integrator, *accelerator, *layers;
+    bis_render_files files;
+    bis_texts as_printed;
+    const char *integrator, *accelerator, *layers;
     bis_parameter_option parameters[BIS_PARAMETER_OPTIONS];
     bool quiet, plan, no_jitter, adaptive;
-    bool has_spp, has_seed, has_resolution, has_crop, has_exposure;
+    bool has_spp, has_seed, has_resolution, has_crop;
     uint64_t spp, seed, threads;
     resolution resolution;
     double crop[4];
-    double seconds, error, exposure;
+    double seconds, error;
 } render_options;
 
 /* --- options
@@ -105,16 +105,16 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
         {.help = "output"},
         {.name = "outfile", .argument = "F",
          .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated (default: the "
-                 "filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o->outfiles},
+                 "filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o->files.pictures},
         {.name = "layers", .argument = "L,...",
          .help = "what an EXR carries beside R, G, B, A: stderr, interval, samples, shadowrays, candidates, "
                  "unoccluded, visibility, albedo, normal, depth; all; none", .kind = BIS_OPTION_TEXT,
          .value = &o->layers},
         {.name = "stats", .argument = "F", .help = "write figures about the run to F as JSON; \"-\": standard output",
-         .kind = BIS_OPTION_TEXT, .value = &o->stats},
+         .kind = BIS_OPTION_TEXT, .value = &o->files.stats},
         {.name = "exposure", .argument = "EV",
          .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)", .kind = BIS_OPTION_REAL,
-         .value = &o->exposure, .given = &o->has_exposure, .lo = -100, .hi = 100},
+         .value = &o->files.exposure, .given = &o->files.has_exposure, .lo = -100, .hi = 100},
         {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG,
          .value = &o->quiet},
         {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
@@ -277,169 +277,6 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
     return BIS_OK;
 }
 
-/* --- output
- * -------------------------------------------------------------------------------------------------------- */
-
-/* A pipe or a device is written to directly, since it cannot be replaced by a renamed file. */
-static bool is_stream(const char *path)
-{
-    struct stat st;
-    return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
-}
-
-static bis_status check_outputs(const render_options *o, bis_diag *diag)
-{
-    bis_status first = BIS_OK;
-
-    for (int i = 0; i < o->outfiles.n; i++) {
-        const char *path = o->outfiles.text[i];
-        bis_status status = bis_image_can_write(path)
-                                ? bis_cli_check_writable(path, diag)
-                                : bis_error(diag, BIS_INPUT, bis_cli_loc,
-                                            "output file \"%s\": the ending must be .exr, .pfm, .hdr or .png", path);
-        if (!first) first = status;
-    }
-    if (o->stats && strcmp(o->stats, "-") != 0 && !is_stream(o->stats)) {
-        bis_status status = bis_cli_check_writable(o->stats, diag);
-        if (!first) first = status;
-    }
-    return first;
-}
-
-/* What is read is known now, so that nothing of it is written over. */
-static bis_status check_distinct(const render_options *o, const bis_scene_desc *desc, bis_diag *diag)
-{
-    const size_t n_inputs = desc->n_files + desc->n_meshes + 1;
-    const char **inputs = bis_alloc(n_inputs, sizeof *inputs), *outputs[BIS_MAX_TEXTS + 1];
-    size_t n = 0, n_outputs = 0;
-
-    if (!inputs) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory for the names of %zu files", n_inputs);
-    for (size_t i = 0; i < desc->n_files; i++) inputs[n++] = desc->files[i];
-    for (size_t i = 0; i < desc->n_meshes; i++) {
-        if (desc->meshes[i].filename) inputs[n++] = desc->meshes[i].filename;
-    }
-    if (desc->light.filename) inputs[n++] = desc->light.filename;
-    for (int i = 0; i < o->outfiles.n; i++) outputs[n_outputs++] = o->outfiles.text[i];
-    if (o->stats) outputs[n_outputs++] = o->stats;
-    const bis_status status = bis_cli_check_distinct(inputs, n, outputs, n_outputs, diag);
-    bis_free(inputs);
-    return status;
-}
-
-/* Layers need an EXR to go to. */
-static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, bis_diag *diag)
-{
-    char ending[8];
-
-    for (int i = 0; i < outfiles->n; i++) {
-        if (strcmp(bis_path_extension(ending, outfiles->text[i]), ".exr") == 0) return;
-    }
-    if (film->layers)
-        bis_warn(diag, bis_cli_loc, "layers go into an .exr, and no output file is one: they will be lost");
-}
-
-/* The picture's own channels, then those of layers. *planes: what the latter point into, to be freed. Error bars that
- * cannot be are missed aloud. */
-static bis_status list_channels(bis_channel *channels, int *n, float **planes, const bis_film *f, const float *rgba,
-                                bis_diag *diag)
-{
-    static const char *const names[4] = {"R", "G", "B", "A"};
-
-    for (int i = 0; i < 4; i++) channels[i] = (bis_channel){names[i], rgba + i, 4};
-    const int n_layers = bis_film_layers(f, channels + 4, NULL);
-    *n = 4 + n_layers;
-    if (f->passes < 2 &&
-        (bis_layers_has(&f->layers, BIS_LAYER_STDERR) || bis_layers_has(&f->layers, BIS_LAYER_INTERVAL))) {
-        bis_warn(diag, bis_cli_loc,
-                 "one pass has no scatter: layers \"stderr\" and \"interval\" are left out; take --spp 2 or more");
-    }
-    if (n_layers == 0) return BIS_OK;
-    *planes = bis_alloc((size_t)f->width * (size_t)f->height, (size_t)n_layers * sizeof **planes);
-    if (!*planes) {
-        *n = 4; /* rather the picture alone than nothing */
-        return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d layer channels of %d x %d pixels",
-                         n_layers, f->width, f->height);
-    }
-    bis_film_layers(f, channels + 4, *planes);
-    return BIS_OK;
-}
-
-/* What stands on the disk now, for who sees no progress: one line. */
-static void print_result(const bis_texts *written, const bis_stats *stats)
-{
-    const bis_render_result *r = stats->result;
-    char seconds[32];
-
-    if (r->interrupted)
-        fprintf(stderr, "bis: interrupted after %u pass%s; wrote", r->passes, r->passes == 1 ? "" : "es");
-    else fputs("bis: wrote", stderr);
-    for (int i = 0; i < written->n; i++) fprintf(stderr, "%s %s", i ? "," : "", written->text[i]);
-    fprintf(stderr, ": %d x %d pixels, %u pass%s", stats->film->width, stats->film->height, r->passes,
-            r->passes == 1 ? "" : "es");
-    if (r->spp != r->passes) fprintf(stderr, " of %d camera samples a pixel", (int)(r->spp / r->passes));
-    fprintf(stderr, ", %s, ", bis_progress_duration(seconds, r->seconds));
-    if (isnan(r->relative_rmse)) fputs("error unknown (one pass)\n", stderr);
-    else fprintf(stderr, "error about %.2g%%\n", 100 * r->relative_rmse);
-}
-
-/* All files are tried, even when one fails: hours of rendering should end up somewhere. */
-static bis_status write_pictures(bis_texts *written, const render_options *o, const bis_stats *stats, bis_diag *diag)
-{
-    const bis_film *f = stats->film;
-    float *rgba = bis_alloc((size_t)f->width * (size_t)f->height, 4 * sizeof *rgba);
-    if (!rgba) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d x %d pixels", f->width, f->height);
-    bis_film_resolve(f, rgba);
-
-    bis_channel channels[4 + BIS_FILM_MAX_CHANNELS];
-    float *planes = NULL;
-    int n_channels;
-    bis_status first = list_channels(channels, &n_channels, &planes, f, rgba, diag);
-    bis_attribute attributes[BIS_MAX_ATTRIBUTES];
-    const bis_picture picture = {
-        .width = f->width,
-        .height = f->height,
-        .x0 = f->x0,
-        .y0 = f->y0,
-        .full_width = f->full_width,
-        .full_height = f->full_height,
-        .channels = channels,
-        .n_channels = n_channels,
-        .attributes = attributes,
-        .n_attributes = bis_describe_picture(stats, attributes),
-        .has_exposure = o->has_exposure,
-        .exposure = o->exposure,
-    };
-    for (int i = 0; i < o->outfiles.n; i++) {
-        bis_status status = bis_image_write(o->outfiles.text[i], &picture, diag);
-        if (!status) written->text[written->n++] = o->outfiles.text[i];
-        if (!first) first = status;
-    }
-    bis_free(planes);
-    bis_free(rgba);
-    return first;
-}
-
-static bis_status write_stats(const char *path, const bis_stats *stats, bis_diag *diag)
-{
-    if (strcmp(path, "-") == 0) {
-        bis_stats_print(stats, stdout); /* bis_cli_finish looks for errors */
-        return BIS_OK;
-    }
-    if (is_stream(path)) {
-        FILE *out = fopen(path, "w");
-        if (!out) return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written", path);
-        bis_stats_print(stats, out);
-        bool failed = ferror(out) != 0;
-        failed |= fclose(out) != 0;
-        return failed ? bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written", path) : BIS_OK;
-    }
-    bis_outfile *file;
-    bis_status status = bis_outfile_open(&file, path, diag);
-    if (status) return status;
-    bis_stats_print(stats, bis_outfile_stream(file));
-    return bis_outfile_commit(file, diag);
-}
-
 /* --- rendering
  * ----------------------------------------------------------------------------------------------------- */
 
@@ -548,7 +385,6 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, bis_cli_loc, diag);
     if (!status) status = bis_film_want(&film, desc->film.layers, diag);
     if (status) goto done;
-    check_layers(&desc->film, &o->outfiles, diag);
     status = bis_scene_build(&scene, desc, diag);
     if (status) goto done;
     bis_cli_print_diag(diag, o->quiet); /* warnings, before the wait */
@@ -570,15 +406,13 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;
     double before = bis_clock_now();
-    status = write_pictures(&written, o, &stats, diag);
+    status = bis_render_files_write_pictures(&written, &o->files, &stats, diag);
     stats.seconds.write = bis_clock_now() - before;
     stats.seconds.total = bis_clock_now() - start;
-    if (o->stats) {
-        bis_status other = write_stats(o->stats, &stats, diag);
-        if (!status) status = other;
-    }
+    const bis_status other = bis_render_files_write_stats(&o->files, &stats, diag);
+    if (!status) status = other;
     *interrupted = bis_cli_signal;
-    if (!o->quiet && written.n) print_result(&written, &stats);
+    if (!o->quiet && written.n) bis_render_files_print_result(&written, &stats);
 done:
     bis_film_clear(&film);
     bis_scene_free(scene);
@@ -617,7 +451,7 @@ int bis_cmd_render(int argc, char **argv)
         return bis_cli_finish(BIS_EXIT_DONE);
     }
     if (!read_options(&o, argc, argv, &path, &exit_status)) return exit_status;
-    bis_status status = check_outputs(&o, &diag);
+    bis_status status = bis_render_files_check(&o.files, &diag);
     if (status) goto done;
     status = bis_scene_parse(&desc, path, &diag);
     if (status) goto done;
@@ -628,12 +462,12 @@ int bis_cmd_render(int argc, char **argv)
         bis_scene_plan(desc, stdout);
         goto done;
     }
-    if (o.outfiles.n == 0) {
-        o.outfiles.text[o.outfiles.n++] = desc->film.filename;
-        status = check_outputs(&o, &diag);
+    if (o.files.pictures.n == 0) {
+        o.files.pictures.text[o.files.pictures.n++] = desc->film.filename;
+        status = bis_render_files_check(&o.files, &diag);
         if (status) goto done;
     }
-    status = check_distinct(&o, desc, &diag);
+    status = bis_render_files_check_distinct(&o.files, desc, &diag);
     if (status) goto done;
     status = run(&o, desc, start, parse_seconds, &interrupted, &diag);
 done:

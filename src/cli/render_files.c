@@ -1,0 +1,173 @@
+/* render_files: the files that `bis render` writes. Whatever can be known to fail is found before the render: the
+ * endings and folders of the outputs, an output that would replace what is read. */
+#include "render_files.h"
+
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "progress.h"
+
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* A pipe or a device is written to directly, since it cannot be replaced by a renamed file. */
+static bool is_stream(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+}
+
+bis_status bis_render_files_check(const bis_render_files *files, bis_diag *diag)
+{
+    bis_status first = BIS_OK;
+
+    for (int i = 0; i < files->pictures.n; i++) {
+        const char *path = files->pictures.text[i];
+        bis_status status = bis_image_can_write(path)
+                                ? bis_cli_check_writable(path, diag)
+                                : bis_error(diag, BIS_INPUT, bis_cli_loc,
+                                            "output file \"%s\": the ending must be .exr, .pfm, .hdr or .png", path);
+        if (!first) first = status;
+    }
+    if (files->stats && strcmp(files->stats, "-") != 0 && !is_stream(files->stats)) {
+        bis_status status = bis_cli_check_writable(files->stats, diag);
+        if (!first) first = status;
+    }
+    return first;
+}
+
+/* Layers need an EXR to go to. */
+static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, bis_diag *diag)
+{
+    char ending[8];
+
+    for (int i = 0; i < outfiles->n; i++) {
+        if (strcmp(bis_path_extension(ending, outfiles->text[i]), ".exr") == 0) return;
+    }
+    if (film->layers)
+        bis_warn(diag, bis_cli_loc, "layers go into an .exr, and no output file is one: they will be lost");
+}
+
+bis_status bis_render_files_check_distinct(const bis_render_files *files, const bis_scene_desc *desc, bis_diag *diag)
+{
+    const size_t n_inputs = desc->n_files + desc->n_meshes + 1;
+    const char **inputs = bis_alloc(n_inputs, sizeof *inputs), *outputs[BIS_MAX_TEXTS + 1];
+    size_t n = 0, n_outputs = 0;
+
+    if (!inputs) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory for the names of %zu files", n_inputs);
+    for (size_t i = 0; i < desc->n_files; i++) inputs[n++] = desc->files[i];
+    for (size_t i = 0; i < desc->n_meshes; i++) {
+        if (desc->meshes[i].filename) inputs[n++] = desc->meshes[i].filename;
+    }
+    if (desc->light.filename) inputs[n++] = desc->light.filename;
+    for (int i = 0; i < files->pictures.n; i++) outputs[n_outputs++] = files->pictures.text[i];
+    if (files->stats) outputs[n_outputs++] = files->stats;
+    check_layers(&desc->film, &files->pictures, diag);
+    const bis_status status = bis_cli_check_distinct(inputs, n, outputs, n_outputs, diag);
+    bis_free(inputs);
+    return status;
+}
+
+/* Lists the picture's own channels, then those of the layers. The layers' channels point into *planes; the caller frees
+ * it. Warns if error bars were asked for and cannot be computed. */
+static bis_status list_channels(bis_channel *channels, int *n, float **planes, const bis_film *f, const float *rgba,
+                                bis_diag *diag)
+{
+    static const char *const names[4] = {"R", "G", "B", "A"};
+
+    for (int i = 0; i < 4; i++) channels[i] = (bis_channel){names[i], rgba + i, 4};
+    const int n_layers = bis_film_layers(f, channels + 4, NULL);
+    *n = 4 + n_layers;
+    if (f->passes < 2 &&
+        (bis_layers_has(&f->layers, BIS_LAYER_STDERR) || bis_layers_has(&f->layers, BIS_LAYER_INTERVAL))) {
+        bis_warn(diag, bis_cli_loc,
+                 "one pass has no scatter: layers \"stderr\" and \"interval\" are left out; take --spp 2 or more");
+    }
+    if (n_layers == 0) return BIS_OK;
+    *planes = bis_alloc((size_t)f->width * (size_t)f->height, (size_t)n_layers * sizeof **planes);
+    if (!*planes) {
+        *n = 4; /* rather the picture alone than nothing */
+        return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d layer channels of %d x %d pixels",
+                         n_layers, f->width, f->height);
+    }
+    bis_film_layers(f, channels + 4, *planes);
+    return BIS_OK;
+}
+
+void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats)
+{
+    const bis_render_result *r = stats->result;
+    char seconds[32];
+
+    if (r->interrupted)
+        fprintf(stderr, "bis: interrupted after %u pass%s; wrote", r->passes, r->passes == 1 ? "" : "es");
+    else fputs("bis: wrote", stderr);
+    for (int i = 0; i < written->n; i++) fprintf(stderr, "%s %s", i ? "," : "", written->text[i]);
+    fprintf(stderr, ": %d x %d pixels, %u pass%s", stats->film->width, stats->film->height, r->passes,
+            r->passes == 1 ? "" : "es");
+    if (r->spp != r->passes) fprintf(stderr, " of %d camera samples a pixel", (int)(r->spp / r->passes));
+    fprintf(stderr, ", %s, ", bis_progress_duration(seconds, r->seconds));
+    if (isnan(r->relative_rmse)) fputs("error unknown (one pass)\n", stderr);
+    else fprintf(stderr, "error about %.2g%%\n", 100 * r->relative_rmse);
+}
+
+bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_files *files, const bis_stats *stats,
+                                           bis_diag *diag)
+{
+    const bis_film *f = stats->film;
+    float *rgba = bis_alloc((size_t)f->width * (size_t)f->height, 4 * sizeof *rgba);
+    if (!rgba) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory to write %d x %d pixels", f->width, f->height);
+    bis_film_resolve(f, rgba);
+
+    bis_channel channels[4 + BIS_FILM_MAX_CHANNELS];
+    float *planes = NULL;
+    int n_channels;
+    bis_status first = list_channels(channels, &n_channels, &planes, f, rgba, diag);
+    bis_attribute attributes[BIS_MAX_ATTRIBUTES];
+    const bis_picture picture = {
+        .width = f->width,
+        .height = f->height,
+        .x0 = f->x0,
+        .y0 = f->y0,
+        .full_width = f->full_width,
+        .full_height = f->full_height,
+        .channels = channels,
+        .n_channels = n_channels,
+        .attributes = attributes,
+        .n_attributes = bis_describe_picture(stats, attributes),
+        .has_exposure = files->has_exposure,
+        .exposure = files->exposure,
+    };
+    for (int i = 0; i < files->pictures.n; i++) {
+        bis_status status = bis_image_write(files->pictures.text[i], &picture, diag);
+        if (!status) written->text[written->n++] = files->pictures.text[i];
+        if (!first) first = status;
+    }
+    bis_free(planes);
+    bis_free(rgba);
+    return first;
+}
+
+bis_status bis_render_files_write_stats(const bis_render_files *files, const bis_stats *stats, bis_diag *diag)
+{
+    const char *path = files->stats;
+
+    if (!path) return BIS_OK;
+    if (strcmp(path, "-") == 0) {
+        bis_stats_print(stats, stdout); /* bis_cli_finish looks for errors */
+        return BIS_OK;
+    }
+    if (is_stream(path)) {
+        FILE *out = fopen(path, "w");
+        if (!out) return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written", path);
+        bis_stats_print(stats, out);
+        bool failed = ferror(out) != 0;
+        failed |= fclose(out) != 0;
+        return failed ? bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written", path) : BIS_OK;
+    }
+    bis_outfile *file;
+    bis_status status = bis_outfile_open(&file, path, diag);
+    if (status) return status;
+    bis_stats_print(stats, bis_outfile_stream(file));
+    return bis_outfile_commit(file, diag);
+}

@@ -1,0 +1,34 @@
+/* render_files: the files that `bis render` writes: checked before the render, written after it. */
+#ifndef BIS_RENDER_FILES_H
+#define BIS_RENDER_FILES_H
+
+#include "cli.h"
+#include "tools/describe.h"
+
+typedef struct bis_render_files {
+    bis_texts pictures; /* paths; the ending tells the format */
+    const char *stats;  /* path of the JSON, "-": standard output; NULL: none */
+    bool has_exposure;
+    double exposure; /* of a PNG, in stops */
+} bis_render_files;
+
+/* bis_render_files_check tries whether all files can be written. Errors: BIS_INPUT for an unknown ending, those of
+ * bis_cli_check_writable. */
+bis_status bis_render_files_check(const bis_render_files *files, bis_diag *diag);
+
+/* bis_render_files_check_distinct refuses an output that is the scene, one of its meshes, its map, or another output.
+ * It warns if layers are asked for and no picture is an .exr. Errors: BIS_INPUT, BIS_NOMEM. */
+bis_status bis_render_files_check_distinct(const bis_render_files *files, const bis_scene_desc *desc, bis_diag *diag);
+
+/* bis_render_files_write_pictures writes all pictures. It tries each file even if one fails, because hours of rendering
+ * should end up somewhere; *written receives the paths that were written, the status is that of the first failure. */
+bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_files *files, const bis_stats *stats,
+                                           bis_diag *diag);
+
+/* bis_render_files_write_stats writes the JSON of --stats, if it is asked for. Errors: BIS_IO. */
+bis_status bis_render_files_write_stats(const bis_render_files *files, const bis_stats *stats, bis_diag *diag);
+
+/* bis_render_files_print_result prints one line to standard error: what was written, passes, time and error. */
+void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats);
+
+#endif
