@@ -14,10 +14,11 @@
 
 enum { MAX_NAMES = 256, MAX_TERM = 32 };
 
-static const char intro[] =
-    "bis renders scenes in a subset of the pbrt format, lit directly by an environment map. It is the reference implementation of the thesis "
-    "\"Bidirectional Importance Sampling for Illumination from Environment Maps\": candidates are drawn where the map or the BRDF is bright, and the "
-    "few that matter in the product of both are traced. Pictures are EXR, PNG, PFM or HDR.";
+static const char intro[] = "bis renders scenes in a subset of the pbrt format, lit directly by an environment map. It "
+                            "is the reference implementation of the thesis "
+                            "\"Bidirectional Importance Sampling for Illumination from Environment Maps\": candidates "
+                            "are drawn where the map or the BRDF is bright, and the "
+                            "few that matter in the product of both are traced. Pictures are EXR, PNG, PFM or HDR.";
 
 const bis_subcommand bis_subcommands[] = {
     {"render", bis_cmd_render, "render a scene; the word \"render\" may be left out"},

@@ -47,8 +47,8 @@ const bis_subcommand *bis_subcommand_find(const char *name);
 /* `bis help`, `bis help COMMAND`, `bis help TOPIC`, `bis help NAME`, `bis help --man`. */
 int bis_cmd_help(int argc, char **argv);
 
-/* bis_man_page prints the whole page for man(1): the intro, the commands (ended by a NULL name), the topics. It returns the
- * exit status. */
+/* bis_man_page prints the whole page for man(1): the intro, the commands (ended by a NULL name), the topics. It returns
+ * the exit status. */
 int bis_man_page(const bis_subcommand *commands, const char *intro);
 
 #endif

@@ -1,6 +1,7 @@
 /* help_man: the tables of help as a page for man(1).
  *
- * No text here is the page's own but the headings. The date of .TH is left empty: the same source makes the same page. */
+ * No text here is the page's own but the headings. The date of .TH is left empty: the same source makes the same page.
+ */
 #include "help.h"
 #include "man.h"
 

@@ -10,7 +10,8 @@
 static bis_status same_size(const bis_image *a, const bis_image *b, bis_diag *diag)
 {
     if (a->width == b->width && a->height == b->height) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, (bis_loc){0}, "images of %d x %d and %d x %d pixels cannot be compared; sizes must be equal", a->width,
+    return bis_error(diag, BIS_INPUT, (bis_loc){0},
+                     "images of %d x %d and %d x %d pixels cannot be compared; sizes must be equal", a->width,
                      a->height, b->width, b->height);
 }
 

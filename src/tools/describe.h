@@ -21,8 +21,8 @@ int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MA
  * else counts and what differs. */
 const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bool all);
 
-/* bis_describe_choice writes one line: what auto has chosen, and how much longer the best of each other method would take
- * to the same error. The report must have a choice. */
+/* bis_describe_choice writes one line: what auto has chosen, and how much longer the best of each other method would
+ * take to the same error. The report must have a choice. */
 const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r);
 
 /* Everything that --stats tells. seconds.write and .total are those so far. */

@@ -84,15 +84,17 @@ static void print_tiles(const bis_scene_desc *d, FILE *out)
     const bis_rect first = bis_film_tile(&f, BIS_RENDER_TILE, 0), last = bis_film_tile(&f, BIS_RENDER_TILE, n - 1);
     const int width = last.x1 - first.x0, height = last.y1 - first.y0;
     if (width == f.width && height == f.height) return;
-    fprintf(out, "crop         %d x %d pixels are rendered for its %d x %d, whole tiles of %d x %d: \"learn\" is by tiles\n", width, height, f.width, f.height,
-            (int)BIS_RENDER_TILE, (int)BIS_RENDER_TILE);
+    fprintf(out,
+            "crop         %d x %d pixels are rendered for its %d x %d, whole tiles of %d x %d: \"learn\" is by tiles\n",
+            width, height, f.width, f.height, (int)BIS_RENDER_TILE, (int)BIS_RENDER_TILE);
 }
 
 /* Bytes a pixel: sums, their squares and hits; the pass under way; and 8 + 4 for each value of a layer. */
 static void print_film(const bis_scene_desc *d, FILE *out)
 {
     enum { FILM_BYTES = 56, PASS_BYTES = 16, VALUE_BYTES = 12 };
-    const double pixels = (double)d->film.width * d->film.height * (d->film.crop[1] - d->film.crop[0]) * (d->film.crop[3] - d->film.crop[2]);
+    const double pixels = (double)d->film.width * d->film.height * (d->film.crop[1] - d->film.crop[0]) *
+                          (d->film.crop[3] - d->film.crop[2]);
     char buf[32];
     int n = 0;
 

@@ -2,15 +2,14 @@
  *
  * With a fixed number of rays in each patch, what these scatter is no measure of the error: where a bright patch is
  * hidden by a tenth, four rays see all of it two times in three, and seem to know it exactly. So a patch is cut in
- * four, and again, until no ray can add more than B/2 to the sum, whatever V is. B comes from the bounds of F alone, not
- * from rays. Then for S = sum of Y_j, independent, 0 <= Y_j <= M:
- *   Bernstein (1927):        P(|S - E S| >= s sqrt(2 l) + M l/3) <= 2 exp(-l),        s^2 = sum of Var Y_j;
- *   s is not known, but the two rays of a cell are alike: Q = sum over cells of (Y - Y')^2 has E Q = s^2. Its terms are
- *   independent, not negative, and E (Y - Y')^4 <= M^2 E (Y - Y')^2, so (Maurer 2003, theorem 2.1)
- *                            P(s^2 - Q >= e) <= exp(-e^2 / (2 M^2 s^2)), or
- *                            P(s >= sqrt(Q + M^2 l/2) + M sqrt(l/2)) <= exp(-l).
- * With l = log(3/chance) both hold but for that chance. Nothing is normal here, and no scatter of 0 promises an error
- * of 0: M l remains, 40 M at a chance of 1e-7. (Maurer and Pontil 2009 call such a bound an empirical Bernstein bound.)
+ * four, and again, until no ray can add more than B/2 to the sum, whatever V is. B comes from the bounds of F alone,
+ * not from rays. Then for S = sum of Y_j, independent, 0 <= Y_j <= M: Bernstein (1927):        P(|S - E S| >= s sqrt(2
+ * l) + M l/3) <= 2 exp(-l),        s^2 = sum of Var Y_j; s is not known, but the two rays of a cell are alike: Q = sum
+ * over cells of (Y - Y')^2 has E Q = s^2. Its terms are independent, not negative, and E (Y - Y')^4 <= M^2 E (Y -
+ * Y')^2, so (Maurer 2003, theorem 2.1) P(s^2 - Q >= e) <= exp(-e^2 / (2 M^2 s^2)), or P(s >= sqrt(Q + M^2 l/2) + M
+ * sqrt(l/2)) <= exp(-l). With l = log(3/chance) both hold but for that chance. Nothing is normal here, and no scatter
+ * of 0 promises an error of 0: M l remains, 40 M at a chance of 1e-7. (Maurer and Pontil 2009 call such a bound an
+ * empirical Bernstein bound.)
  *
  * The bound of F in a cell: Le is constant in a patch, f cos is smooth but for its lobe, which lies about r. Where r is
  * within three radii of the cell's centre, it is the material's own max f cos. Elsewhere the lobe falls off from r, its
@@ -68,7 +67,8 @@ static double bound_of(const question *k, const cell *c)
 
     for (int i = 0; i < 5; i++) {
         double F[4];
-        bis_light_patch(k->pt->light, c->patch, (double[]){c->x + c->size * place[i][0], c->y + c->size * place[i][1]}, &y);
+        bis_light_patch(k->pt->light, c->patch, (double[]){c->x + c->size * place[i][0], c->y + c->size * place[i][1]},
+                        &y);
         if (i == 0) centre = y.wi;
         radius = fmax(radius, distance(centre, y.wi));
         const double cos_theta = bis_bsdf_cos(b, y.wi);
@@ -225,7 +225,8 @@ static double visit_all(bis_truth *t, block *blocks, const question *k, bool wit
         own.pt = &mine;
         bis_rng_init(&rng, seed, i, 0, purpose_truth);
         blocks[i] = (block){.bounds = 0};
-        for (size_t p = i * size; p < n && p < (i + 1) * size; p++) visit_patch(&blocks[i], &own, p, with_rays ? &rng : NULL);
+        for (size_t p = i * size; p < n && p < (i + 1) * size; p++)
+            visit_patch(&blocks[i], &own, p, with_rays ? &rng : NULL);
     }
     for (size_t i = 0; i < n_blocks; i++) add_block(t, &bounds, &blocks[i]);
     return bounds;
@@ -238,8 +239,8 @@ static void centre(bis_truth_moments *m, double mean)
     m->variance -= mean * mean;
 }
 
-bis_status bis_truth_of(bis_truth *t, const bis_point *pt, const double weight[3], uint32_t cells, const bis_truth_density *q, size_t n,
-                        uint64_t seed, bis_diag *diag)
+bis_status bis_truth_of(bis_truth *t, const bis_point *pt, const double weight[3], uint32_t cells,
+                        const bis_truth_density *q, size_t n, uint64_t seed, bis_diag *diag)
 {
     question k = {pt, weight, q, n, bis_bsdf_max_f_cos(&pt->bsdf), INFINITY};
     block *blocks = bis_alloc(MOST_BLOCKS, sizeof *blocks);
@@ -247,8 +248,8 @@ bis_status bis_truth_of(bis_truth *t, const bis_point *pt, const double weight[3
     assert(n <= BIS_TRUTH_MAX_DENSITIES);
     *t = (bis_truth){.patches = bis_light_patches(pt->light)};
     if (!blocks) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a sum over %zu patches", t->patches);
-    /* B from the bounds of whole patches; where these are far too large, for a lobe narrower than a patch, say, from those
-     * of the cells that it made, and so on. */
+    /* B from the bounds of whole patches; where these are far too large, for a lobe narrower than a patch, say, from
+     * those of the cells that it made, and so on. */
     double bounds = visit_all(t, blocks, &k, false, 0), before = INFINITY;
     for (int pass = 0; pass < MAX_PASSES && bounds < before / 2; pass++) {
         k.B = bounds / cells;

@@ -24,8 +24,8 @@ typedef struct bis_truth_sum {
     double mean[4], variance[4], most;
 } bis_truth_sum;
 
-/* What one sample of an estimator is, in the weighted sum: variance and third central moment, and the largest value that
- * was met. */
+/* What one sample of an estimator is, in the weighted sum: variance and third central moment, and the largest value
+ * that was met. */
 typedef struct bis_truth_moments {
     double variance, third, most;
 } bis_truth_moments;
@@ -34,17 +34,18 @@ enum { BIS_TRUTH_MAX_DENSITIES = 16 };
 typedef struct bis_truth {
     bis_truth_sum lit, open;       /* eq. 4.1, and without V, eq. 4.5 */
     bis_truth_moments one_ray;     /* of a sum with one ray in each patch: `exact` */
-    bis_truth_moments sample[BIS_TRUTH_MAX_DENSITIES]; /* of F V/q for the densities asked for; infinite where q is 0 and F V is not */
-    double worst;                  /* the largest value of a ray over what it may have in its cell; above 1: `most` was raised to it */
+    bis_truth_moments sample[BIS_TRUTH_MAX_DENSITIES]; /* of F V/q for the densities asked for; infinite where q is 0
+                                                          and F V is not */
+    double worst; /* the largest value of a ray over what it may have in its cell; above 1: `most` was raised to it */
     size_t patches, rays;
 } bis_truth;
 
-/* Sums over all patches. weight: of red, green, blue, >= 0. cells: no ray adds more than about a (cells)-th of what were
- * there without shadows; there are so many cells to four times as many, and all patches. q[n]: n <= BIS_TRUTH_MAX_DENSITIES; the light must have its
- * table where from_map is not 0. The result does not depend on the number of threads. Cost: 15 values of F and 2 rays
- * for each of these. Errors: BIS_NOMEM. */
-bis_status bis_truth_of(bis_truth *t, const bis_point *pt, const double weight[3], uint32_t cells, const bis_truth_density *q, size_t n,
-                        uint64_t seed, bis_diag *diag);
+/* Sums over all patches. weight: of red, green, blue, >= 0. cells: no ray adds more than about a (cells)-th of what
+ * were there without shadows; there are so many cells to four times as many, and all patches. q[n]: n <=
+ * BIS_TRUTH_MAX_DENSITIES; the light must have its table where from_map is not 0. The result does not depend on the
+ * number of threads. Cost: 15 values of F and 2 rays for each of these. Errors: BIS_NOMEM. */
+bis_status bis_truth_of(bis_truth *t, const bis_point *pt, const double weight[3], uint32_t cells,
+                        const bis_truth_density *q, size_t n, uint64_t seed, bis_diag *diag);
 
 /* e such that |mean[3] - what it should be| > e has at most that chance, 0 < chance < 1, over the seeds. */
 double bis_truth_bound(const bis_truth_sum *s, double chance);

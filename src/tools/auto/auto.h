@@ -35,9 +35,9 @@ double bis_auto_cost_of(const bis_auto_report *r, int i);
 /* bis_auto_is_wanted returns whether the choice is left to the program. */
 bool bis_auto_is_wanted(const bis_settings *s);
 
-/* bis_auto_narrowness returns how narrowly a material reflects, seen at 45 degrees under a uniform sky: 1/Omega, Omega =
- * (int p)^2 / int p^2 with p = f cos. For a lobe of constant p, Omega is its solid angle in steradians. A black material
- * has 0. */
+/* bis_auto_narrowness returns how narrowly a material reflects, seen at 45 degrees under a uniform sky: 1/Omega, Omega
+ * = (int p)^2 / int p^2 with p = f cos. For a lobe of constant p, Omega is its solid angle in steradians. A black
+ * material has 0. */
 double bis_auto_narrowness(const bis_material *m);
 
 /* bis_auto_choose chooses the settings to render desc with: *report receives them, or desc->settings where these leave

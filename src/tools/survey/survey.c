@@ -154,11 +154,13 @@ static void rank_regions(bis_survey *s, const bis_envmap *em, const bis_regions 
     size_t i = 0;
     for (int y = 0; y < em->height; y++) {
         for (int x = 0; x < em->width; x++, i++) {
-            if (regions->label[i] != BIS_REGION_NONE) power[regions->label[i]] += rgb_sum(em->pixels[i]) * em->row_solid_angle[y];
+            if (regions->label[i] != BIS_REGION_NONE)
+                power[regions->label[i]] += rgb_sum(em->pixels[i]) * em->row_solid_angle[y];
         }
     }
     for (uint32_t k = 0; k < regions->n; k++) {
-        insert_largest(s, (bis_survey_region){k, regions->level[k], regions->solid_angle[k], power[k] / s->power, {0, 0, 0}});
+        insert_largest(
+            s, (bis_survey_region){k, regions->level[k], regions->solid_angle[k], power[k] / s->power, {0, 0, 0}});
     }
     find_centres(s, em, regions);
 }

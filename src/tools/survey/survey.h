@@ -48,6 +48,7 @@ bis_status bis_survey_levels_picture(bis_image *out, const bis_envmap *em, int l
 bis_status bis_survey_regions_picture(bis_image *out, const bis_envmap *em, const bis_regions *regions, bis_diag *diag);
 
 /* The density q of each pixel on a logarithmic scale, and n_samples directions drawn by it as dots (figure 3.5). */
-bis_status bis_survey_importance_picture(bis_image *out, const bis_envmap *em, const bis_importance *im, int n_samples, bis_diag *diag);
+bis_status bis_survey_importance_picture(bis_image *out, const bis_envmap *em, const bis_importance *im, int n_samples,
+                                         bis_diag *diag);
 
 #endif

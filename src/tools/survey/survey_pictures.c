@@ -64,7 +64,8 @@ static void draw_dot(bis_image *out, size_t pixel)
     }
 }
 
-bis_status bis_survey_importance_picture(bis_image *out, const bis_envmap *em, const bis_importance *im, int n_samples, bis_diag *diag)
+bis_status bis_survey_importance_picture(bis_image *out, const bis_envmap *em, const bis_importance *im, int n_samples,
+                                         bis_diag *diag)
 {
     const bis_status status = bis_image_init(out, em->width, em->height, diag);
     if (status) return status;

@@ -35,7 +35,8 @@ static bis_verify_test *append(bis_verify *v, const char *group, const char *nam
 
 static void set_note(bis_verify_test *t, const char *note) { snprintf(t->note, sizeof t->note, "%s", note); }
 
-void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name, ...)
+void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name,
+                      ...)
 {
     va_list arguments;
     va_start(arguments, name);
@@ -90,9 +91,10 @@ uint64_t bis_verify_seed(const bis_verify *v, const char *name, ...)
 /* ---- chi-square ---- */
 
 /* Where cells expect 5, the statistic scatters more than chi-square, and its tail is longer: a half more often
- * below p = 0.01 where a few cells have the most draws. (O - E)^2/E of a Poisson variable has the cumulants 1, 2 + 1/E, 8 + 22/E + 1/E^2; that the counts sum to n
- * takes 1, 2 + (k^2 + 2k - 2)/n, 8 off their sums (the second exactly: Haldane 1937; the third but for k/n). A gamma distribution
- * with these three cumulants, shifted, gives p (Pearson's type III). */
+ * below p = 0.01 where a few cells have the most draws. (O - E)^2/E of a Poisson variable has the cumulants 1, 2 + 1/E,
+ * 8 + 22/E + 1/E^2; that the counts sum to n takes 1, 2 + (k^2 + 2k - 2)/n, 8 off their sums (the second exactly:
+ * Haldane 1937; the third but for k/n). A gamma distribution with these three cumulants, shifted, gives p (Pearson's
+ * type III). */
 typedef struct pools {
     double observed, expected;           /* the open pool */
     double last_observed, last_expected; /* the last closed one, not yet in the statistic: it takes what is left over */
@@ -139,7 +141,8 @@ static void close_pools(pools *p)
     count_last(p);
 }
 
-void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n, const char *name, ...)
+void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n,
+                    const char *name, ...)
 {
     va_list arguments;
     va_start(arguments, name);
@@ -180,8 +183,9 @@ void bis_verify_add(bis_verify_moments *m, double x)
 
 double bis_verify_skewness(const bis_verify_moments *m) { return m->m2 > 0 ? m->m3 / pow(m->m2, 1.5) : 0; }
 
-/* The largest z up to which the bound of bis_verify_t falls. The tail of t falls by at least (dof - 1) z/(dof + z^2), relative
- * to itself: p(z) <= density(z) (dof + z^2)/((dof - 1) z), because 1 <= u/z below its integral. The factor grows by s z^2. */
+/* The largest z up to which the bound of bis_verify_t falls. The tail of t falls by at least (dof - 1) z/(dof + z^2),
+ * relative to itself: p(z) <= density(z) (dof + z^2)/((dof - 1) z), because 1 <= u/z below its integral. The factor
+ * grows by s z^2. */
 static double falls_up_to(double s, double dof)
 {
     if (s == 0) return (double)INFINITY;
@@ -194,10 +198,10 @@ static double falls_up_to(double s, double dof)
     return lo;
 }
 
-/* Student's t tells the chance where a mean is normally distributed. For a mean of skewness s, its tails at z are off by
- * exp(|s| z^3/3), to first order (Hall 1987): 3 at z = 4 for s = 0.05. The factor grows faster than the tail falls beyond
- * z = 1/|s|, or somewhat before for few runs; but what is farther is not likelier, so the bound there holds beyond it,
- * too. At s = 0.15 that is 8e-5, about the threshold of a test among 100. */
+/* Student's t tells the chance where a mean is normally distributed. For a mean of skewness s, its tails at z are off
+ * by exp(|s| z^3/3), to first order (Hall 1987): 3 at z = 4 for s = 0.05. The factor grows faster than the tail falls
+ * beyond z = 1/|s|, or somewhat before for few runs; but what is farther is not likelier, so the bound there holds
+ * beyond it, too. At s = 0.15 that is 8e-5, about the threshold of a test among 100. */
 double bis_verify_t(double z, double dof, double skewness)
 {
     const double s = fabs(skewness), x = fmin(fabs(z), falls_up_to(s, dof));
@@ -205,7 +209,8 @@ double bis_verify_t(double z, double dof, double skewness)
     return p > 0 ? fmin(1, p * exp(s * x * x * x / 3)) : 0;
 }
 
-void bis_verify_mean(bis_verify *v, const char *group, const bis_verify_moments *runs, double expected, double slack, const char *name, ...)
+void bis_verify_mean(bis_verify *v, const char *group, const bis_verify_moments *runs, double expected, double slack,
+                     const char *name, ...)
 {
     va_list arguments;
     va_start(arguments, name);
@@ -255,5 +260,9 @@ bis_status bis_verify_judge(bis_verify *v, bis_diag *diag)
 void bis_verify_clear(bis_verify *v)
 {
     bis_free(v->tests);
-    *v = (bis_verify){.seed = v->seed, .as_printed = v->as_printed, .halvings = v->halvings, .progress = v->progress, .user = v->user};
+    *v = (bis_verify){.seed = v->seed,
+                      .as_printed = v->as_printed,
+                      .halvings = v->halvings,
+                      .progress = v->progress,
+                      .user = v->user};
 }

@@ -6,8 +6,8 @@
  * probability BIS_VERIFY_ALPHA.
  *
  * What a check asks of a sampler, a material or an integrator, it asks through a struct of functions: so a test can
- * hand in a wrong one and see it rejected (tests/tools/test_verify.c). Nothing here prints; src/cli/cmd_verify.c does. Results do
- * not depend on the number of threads.
+ * hand in a wrong one and see it rejected (tests/tools/test_verify.c). Nothing here prints; src/cli/cmd_verify.c does.
+ * Results do not depend on the number of threads.
  *
  *     bis_verify v = {.seed = 1};
  *     status = bis_verify_map(&v, em, 0.15, 8, diag);
@@ -38,7 +38,7 @@ typedef struct bis_verify_test {
 typedef struct bis_verify {
     uint64_t seed;
     unsigned as_printed; /* BIS_E*: what the scene does wrong on purpose, for the maps' tables; it should be found */
-    unsigned halvings;   /* so often the number of draws, runs, rays and pixels is halved: 0; to 5 for many quick runs */
+    unsigned halvings; /* so often the number of draws, runs, rays and pixels is halved: 0; to 5 for many quick runs */
     void (*progress)(const char *what, void *user); /* a new part begins; may be NULL */
     void *user;
     bis_verify_test *tests;
@@ -59,13 +59,13 @@ uint64_t bis_verify_seed(const bis_verify *v, const char *name, ...) BIS_PRINTF(
 /* ---- one test each, with the name as by printf ---- */
 
 /* 0 <= value <= limit. */
-void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name, ...)
-    BIS_PRINTF(6, 7);
+void bis_verify_bound(bis_verify *v, const char *group, double value, double limit, const char *note, const char *name,
+                      ...) BIS_PRINTF(6, 7);
 
 /* Pearson's chi-square of counts: cells that expect fewer than 5 are pooled in order, the rest joins the last pool; a
  * hit in a cell that expects 0 rejects. */
-void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n, const char *name, ...)
-    BIS_PRINTF(6, 7);
+void bis_verify_fit(bis_verify *v, const char *group, const double *observed, const double *expected, size_t n,
+                    const char *name, ...) BIS_PRINTF(6, 7);
 
 /* Runs of an estimator. */
 typedef struct bis_verify_moments {
@@ -77,18 +77,19 @@ void bis_verify_add(bis_verify_moments *m, double x);
 /* bis_verify_skewness returns the skewness of the mean of these runs, 0 where they do not scatter. */
 double bis_verify_skewness(const bis_verify_moments *m);
 
-/* bis_verify_t returns a bound of the probability that a mean of so many runs lies |z| or more of its own standard errors
- * from what is right; dof: runs less one, or INFINITY where the standard error is known. skewness: of the mean. Never
- * larger for a larger |z|. Beyond BIS_VERIFY_MOST_SKEWNESS no z is enough for a verdict. */
+/* bis_verify_t returns a bound of the probability that a mean of so many runs lies |z| or more of its own standard
+ * errors from what is right; dof: runs less one, or INFINITY where the standard error is known. skewness: of the mean.
+ * Never larger for a larger |z|. Beyond BIS_VERIFY_MOST_SKEWNESS no z is enough for a verdict. */
 double bis_verify_t(double z, double dof, double skewness);
 #define BIS_VERIFY_MOST_SKEWNESS 0.15
 
 /* Is the mean of these runs `expected`, but for `slack` that rounding or quadrature may have? By bis_verify_t. */
-void bis_verify_mean(bis_verify *v, const char *group, const bis_verify_moments *runs, double expected, double slack, const char *name, ...)
-    BIS_PRINTF(6, 7);
+void bis_verify_mean(bis_verify *v, const char *group, const bis_verify_moments *runs, double expected, double slack,
+                     const char *name, ...) BIS_PRINTF(6, 7);
 
 /* Any p, or a bound of it. */
-void bis_verify_p(bis_verify *v, const char *group, double statistic, double p, const char *note, const char *name, ...) BIS_PRINTF(6, 7);
+void bis_verify_p(bis_verify *v, const char *group, double statistic, double p, const char *note, const char *name, ...)
+    BIS_PRINTF(6, 7);
 
 void bis_verify_skip(bis_verify *v, const char *group, const char *why, const char *name, ...) BIS_PRINTF(4, 5);
 
@@ -109,45 +110,48 @@ bis_status bis_verify_map(bis_verify *v, const bis_envmap *em, double area_expon
 void bis_verify_solid_angles(bis_verify *v, const bis_envmap *em);
 
 /* pmf[height * width] by definition, w dO / sum: from pixels and regions alone. False: no light. */
-bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, double area_exponent, int levels, bis_diag *diag);
+bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, double area_exponent, int levels,
+                                 bis_diag *diag);
 
 /* Its density is the definition's and integrates to 1; its table (name: "alias", "cdf") gives each pixel the
  * probability that the density claims. */
-bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im, const bis_envmap *em,
-                                 const double *pmf, bis_diag *diag);
+bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
+                                 const bis_envmap *em, const double *pmf, bis_diag *diag);
 
 /* Drawn directions by pixel, and by 4 x 4 cells inside the pixels. */
-bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf, bis_diag *diag);
+bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf,
+                            bis_diag *diag);
 
 /* src/tools/verify/verify_bsdf.c. One material seen at an angle to the normal: its density integrates to 1, its sampler
  * draws by it; under a constant light the integrators (n of them) give what quadrature gives. */
-bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings, size_t n, const char *name,
-                               bis_diag *diag);
+bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings,
+                               size_t n, const char *name, bis_diag *diag);
 
-/* src/tools/verify/verify_view.c. One shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over all patches of
- * the light, which must have table and curve. *tested: false where too little of the light is seen from there for a
- * fair test; nothing is added then. */
+/* src/tools/verify/verify_view.c. One shading point by n <= BIS_VERIFY_MAX_INTEGRATORS integrators against a sum over
+ * all patches of the light, which must have table and curve. *tested: false where too little of the light is seen from
+ * there for a fair test; nothing is added then. */
 #define BIS_VERIFY_MAX_INTEGRATORS 16 /* BIS_TRUTH_MAX_DENSITIES */
-bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n, bis_sampler_kind kind, const char *name,
-                            bool *tested, bis_diag *diag);
+bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n,
+                            bis_sampler_kind kind, const char *name, bool *tested, bis_diag *diag);
 
 /* Estimates of reflected radiance at pt, estimate[n], on all threads: the r-th from the stream of (seed, pixel = r).
  * counters: shadow rays, accepted candidates and fallbacks are added to it. */
-bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind, uint64_t seed,
-                           bis_counters *counters, bis_diag *diag);
+bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind,
+                           uint64_t seed, bis_counters *counters, bis_diag *diag);
 
 /* One number for a colour, to be tested: 4r + 2g + b, so that an exchange of channels is seen. */
 static inline double bis_verify_measure(rgbd c) { return 4 * c.r + 2 * c.g + c.b; }
 
-/* src/tools/verify/verify_oracle.c. What an accelerator says of a ray: the distance to the nearest hit, infinite for none,
- * and whether there is any. Which of n answers are right, within the rounding of floats? By a search over all primitives
- * but `left`, which the ray starts from by bis_surface_offset (a triangle or a disk; BIS_NO_PRIM: none). */
+/* src/tools/verify/verify_oracle.c. What an accelerator says of a ray: the distance to the nearest hit, infinite for
+ * none, and whether there is any. Which of n answers are right, within the rounding of floats? By a search over all
+ * primitives but `left`, which the ray starts from by bis_surface_offset (a triangle or a disk; BIS_NO_PRIM: none). */
 enum { BIS_VERIFY_ANSWERS = 2 };
 typedef struct bis_verify_answer {
     double t;
     bool occluded;
 } bis_verify_answer;
-void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32_t left, const bis_verify_answer *answer, int n);
+void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32_t left,
+                       const bis_verify_answer *answer, int n);
 
 /* src/tools/verify/verify_accel.c. One backend (b NULL) or two of the same geometry by n random rays, and as many from
  * the surfaces that they meet. */
@@ -158,6 +162,7 @@ void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, 
 #define BIS_VERIFY_LIGHT_NEEDS (BIS_NEED_TABLE | BIS_NEED_CURVE)
 
 /* src/tools/verify/verify_scene.c. Whatever applies of the above. */
-bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *settings, bis_diag *diag);
+bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc,
+                            const bis_settings *settings, bis_diag *diag);
 
 #endif

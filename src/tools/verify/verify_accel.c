@@ -1,12 +1,12 @@
 /* verify_accel: do the accelerators see what is there?
  *
  * Rays start anywhere in and around the scene; half of them run towards a point of its box, half towards one in that of
- * a random primitive, so that small parts are looked at as often as large ones. Where such a ray meets a surface, a shadow
- * ray leaves it, as a renderer's does (bis_surface_offset), to a random direction of the outer side: it must not meet what
- * it left. Where backends differ, or `occluded` differs from `intersect`, and for a share of all rays, a search over all
- * primitives decides (verify_oracle.c), which knows where rounding leaves either answer right. What is wrong then must be 0.
- * The share is larger for a backend that is alone, because nobody else can contradict it.
- * Cost: eight queries for each ray and its shadow ray, and the searches: twice TESTS_OF_TWO or TESTS_OF_ONE tests of
+ * a random primitive, so that small parts are looked at as often as large ones. Where such a ray meets a surface, a
+ * shadow ray leaves it, as a renderer's does (bis_surface_offset), to a random direction of the outer side: it must not
+ * meet what it left. Where backends differ, or `occluded` differs from `intersect`, and for a share of all rays, a
+ * search over all primitives decides (verify_oracle.c), which knows where rounding leaves either answer right. What is
+ * wrong then must be 0. The share is larger for a backend that is alone, because nobody else can contradict it. Cost:
+ * eight queries for each ray and its shadow ray, and the searches: twice TESTS_OF_TWO or TESTS_OF_ONE tests of
  * primitives, and those of the rays where answers differ. */
 #include "verify.h"
 
@@ -19,7 +19,8 @@ static const uint64_t purpose_rays = (uint64_t)0x79 << 40;
 static vec3 point_in(const bis_box *b, bis_rng *rng)
 {
     const double x = bis_rng_double(rng), y = bis_rng_double(rng), z = bis_rng_double(rng);
-    return vec3_from((double)b->lo.x + x * ((double)b->hi.x - (double)b->lo.x), (double)b->lo.y + y * ((double)b->hi.y - (double)b->lo.y),
+    return vec3_from((double)b->lo.x + x * ((double)b->hi.x - (double)b->lo.x),
+                     (double)b->lo.y + y * ((double)b->hi.y - (double)b->lo.y),
                      (double)b->lo.z + z * ((double)b->hi.z - (double)b->lo.z));
 }
 
@@ -68,7 +69,8 @@ static uint32_t judge(differences *d, const bis_accel *const *a, int n, const ra
 
     for (int i = 0; i < n; i++) {
         answer[i] = ask(a[i], r, &prim[i]);
-        differ |= answer[i].t != answer[0].t || answer[i].occluded != isfinite(answer[i].t) || (left != BIS_NO_PRIM && prim[i] == left);
+        differ |= answer[i].t != answer[0].t || answer[i].occluded != isfinite(answer[i].t) ||
+                  (left != BIS_NO_PRIM && prim[i] == left);
     }
     if (!differ && !search) return prim[0];
     bis_verify_search(right, a[0]->geometry, r, left, answer, n);
@@ -96,7 +98,8 @@ static void try_rays(differences *d, const bis_accel *const *a, int n, bis_rng *
     if (dot(w, s.ng) < 0x1p-20) return; /* ng is a float's: nearer to the plane a direction has no side */
     const ray shadow = {bis_surface_offset(&s), w, INFINITY};
     d->on_surfaces++;
-    const bool sphere = prim >= g->n_triangles && g->quadrics[prim - g->n_triangles].kind == BIS_SPHERE; /* its inside is met again */
+    const bool sphere =
+        prim >= g->n_triangles && g->quadrics[prim - g->n_triangles].kind == BIS_SPHERE; /* its inside is met again */
     judge(d, a, n, &shadow, sphere ? BIS_NO_PRIM : prim, search);
 }
 
@@ -128,10 +131,11 @@ void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, 
         searched += d.searched;
         on_surfaces += d.on_surfaces;
     }
-    snprintf(note, sizeof note, "wrong of %zu rays and %zu from surfaces, %zu of them searched; %zu more graze an edge", n, on_surfaces,
-             searched, explained);
+    snprintf(note, sizeof note, "wrong of %zu rays and %zu from surfaces, %zu of them searched; %zu more graze an edge",
+             n, on_surfaces, searched, explained);
     if (b) {
-        bis_verify_bound(v, "accelerators", (double)wrong, 0, note, "%s and %s see the same", bis_accel_name(a), bis_accel_name(b));
+        bis_verify_bound(v, "accelerators", (double)wrong, 0, note, "%s and %s see the same", bis_accel_name(a),
+                         bis_accel_name(b));
     } else {
         bis_verify_bound(v, "accelerators", (double)wrong, 0, note, "%s sees what a search sees", bis_accel_name(a));
     }

@@ -22,8 +22,8 @@ enum { PIECES = 4, NODES = 4, NODES_PHI = 32 };
 enum { MOST_DRAWS = 1 << 17, MOST_RUNS = 2048 };
 
 /* What quadrature may be off by, relative: measured at most 1.6e-5, the horizon's kink, for n from 0 to 1e8 and 0 to
- * 89.9 degrees, 2.2e-5 for alpha from 1e-3 to 1 up to 89 degrees; unit vectors in float add 1e-7 sqrt(n) (src/thesis/phong.c),
- * or 1e-8/alpha (3.3e-5 in all at 1e-4 and 89 degrees). */
+ * 89.9 degrees, 2.2e-5 for alpha from 1e-3 to 1 up to 89 degrees; unit vectors in float add 1e-7 sqrt(n)
+ * (src/thesis/phong.c), or 1e-8/alpha (3.3e-5 in all at 1e-4 and 89 degrees). */
 static double quadrature_error(const bis_material *m)
 {
     return 5e-5 + (m->model->of_half_vector ? 1e-8 / m->alpha : 1e-7 * sqrt(m->exponent));
@@ -73,7 +73,8 @@ static double direction(vec3 *wi, const bis_bsdf *b, double t, double cosine, do
     const double cos_d = d[0] * (double)b->wo.x + d[1] * (double)b->wo.y + d[2] * (double)b->wo.z;
     const bool half = b->material->model->of_half_vector;
     const double k = 2 * cos_d;
-    *wi = half ? vec3_from(k * d[0] - (double)b->wo.x, k * d[1] - (double)b->wo.y, k * d[2] - (double)b->wo.z) : vec3_from(d[0], d[1], d[2]);
+    *wi = half ? vec3_from(k * d[0] - (double)b->wo.x, k * d[1] - (double)b->wo.y, k * d[2] - (double)b->wo.z)
+               : vec3_from(d[0], d[1], d[2]);
     return half ? 4 * fmax(0, cos_d) : 1;
 }
 
@@ -88,7 +89,8 @@ static void add_node(integrals *sum, const bis_bsdf *b, vec3 wi, double weight)
     double pdf;
     const rgb f = bis_bsdf_f_pdf(b, wi, &pdf);
     sum->pdf += weight * pdf;
-    sum->f_cos = rgbd_add(sum->f_cos, (rgbd){weight * c * (double)f.r, weight * c * (double)f.g, weight * c * (double)f.b});
+    sum->f_cos =
+        rgbd_add(sum->f_cos, (rgbd){weight * c * (double)f.r, weight * c * (double)f.g, weight * c * (double)f.b});
 }
 
 /* A lobe's cells: cell[ring * SECTORS + sector]. */
@@ -101,8 +103,10 @@ typedef struct cells {
 /* The integrals over all cells: Gauss's rule in t on PIECES equal pieces, midpoints in phi. */
 static void integrate(cells *c, const bis_bsdf *b)
 {
-    static const double x[NODES] = {-0.86113631159405257522, -0.33998104358485626480, 0.33998104358485626480, 0.86113631159405257522};
-    static const double w[NODES] = {0.34785484513745385737, 0.65214515486254614263, 0.65214515486254614263, 0.34785484513745385737};
+    static const double x[NODES] = {-0.86113631159405257522, -0.33998104358485626480, 0.33998104358485626480,
+                                    0.86113631159405257522};
+    static const double w[NODES] = {0.34785484513745385737, 0.65214515486254614263, 0.65214515486254614263,
+                                    0.34785484513745385737};
     const double dphi = 2 * PI / SECTORS / NODES_PHI;
     double cosine[SECTORS * NODES_PHI], sine[SECTORS * NODES_PHI];
 
@@ -114,7 +118,8 @@ static void integrate(cells *c, const bis_bsdf *b)
     }
     for (int i = 0; i < (c->r.n - 1) * PIECES * NODES; i++) {
         const int ring = i / (PIECES * NODES), piece = i / NODES % PIECES;
-        const double h = (c->r.t[ring + 1] - c->r.t[ring]) / PIECES, t = c->r.t[ring] + h * (piece + (1 + x[i % NODES]) / 2);
+        const double h = (c->r.t[ring + 1] - c->r.t[ring]) / PIECES,
+                     t = c->r.t[ring] + h * (piece + (1 + x[i % NODES]) / 2);
         for (int k = 0; k < SECTORS * NODES_PHI; k++) {
             vec3 wi;
             const double area = direction(&wi, b, t, cosine[k], sine[k]);
@@ -133,7 +138,8 @@ static int cell_of(const rings *r, const bis_bsdf *b, vec3 wi)
         const double norm = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
         for (int i = 0; i < 3; i++) d[i] = s[i] / norm;
     }
-    const double x = d[0] - (double)f->z.x, y = d[1] - (double)f->z.y, z = d[2] - (double)f->z.z, t = (x * x + y * y + z * z) / 2;
+    const double x = d[0] - (double)f->z.x, y = d[1] - (double)f->z.y, z = d[2] - (double)f->z.z,
+                 t = (x * x + y * y + z * z) / 2;
     const double phi = atan2(d[0] * (double)f->y.x + d[1] * (double)f->y.y + d[2] * (double)f->y.z,
                              d[0] * (double)f->x.x + d[1] * (double)f->x.y + d[2] * (double)f->x.z);
     const int sector = (int)floor((phi < 0 ? phi + 2 * PI : phi) / (2 * PI) * SECTORS) % SECTORS;
@@ -158,7 +164,8 @@ static void check_lobes(bis_verify *v, const bis_bsdf *b, const cells *c, const 
     bis_rng rng;
 
     for (int i = 0; i < c->n; i++) sum += c->cell[i].pdf;
-    bis_verify_bound(v, "materials", fabs(sum - 1), quadrature_error(b->material), "error of the integral", "%s: density integrates to 1", name);
+    bis_verify_bound(v, "materials", fabs(sum - 1), quadrature_error(b->material), "error of the integral",
+                     "%s: density integrates to 1", name);
     const int n_draws = MOST_DRAWS >> v->halvings;
     /* DBL_MIN: nodes below the horizon cannot tell a cell that just touches it from one where nothing is drawn. */
     for (int i = 0; i < c->n; i++) expected[i] = fmax(c->cell[i].pdf * (n_draws / sum), DBL_MIN);
@@ -173,18 +180,20 @@ static void check_lobes(bis_verify *v, const bis_bsdf *b, const cells *c, const 
 
 /* ---- the furnace ---- */
 
-static bis_status check_furnace(bis_verify *v, const bis_bsdf *b, const cells *c, const bis_settings *settings, size_t n, const char *name,
-                                bis_diag *diag)
+static bis_status check_furnace(bis_verify *v, const bis_bsdf *b, const cells *c, const bis_settings *settings,
+                                size_t n, const char *name, bis_diag *diag)
 {
     const rgb L = {1, 0.5f, 0.25f};
     const uint32_t n_runs = MOST_RUNS >> v->halvings;
     bis_counters counters = {0};
     bis_light *light = NULL;
     rgb *estimate = bis_alloc(n_runs, sizeof *estimate);
-    bis_status status = estimate ? bis_light_constant(&light, L, diag) : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a furnace");
+    bis_status status = estimate ? bis_light_constant(&light, L, diag)
+                                 : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a furnace");
     if (status) goto done;
 
-    const bis_point pt = {.n = {0, 0, 1}, .ng = {0, 0, 1}, .wo = b->wo, .light = light, .counters = &counters, .bsdf = *b};
+    const bis_point pt = {
+        .n = {0, 0, 1}, .ng = {0, 0, 1}, .wo = b->wo, .light = light, .counters = &counters, .bsdf = *b};
     rgbd R = {0, 0, 0};
     for (int i = 0; i < c->n; i++) R = rgbd_add(R, c->cell[i].f_cos);
     const double expected = bis_verify_measure((rgbd){(double)L.r * R.r, (double)L.g * R.g, (double)L.b * R.b});
@@ -194,9 +203,12 @@ static bis_status check_furnace(bis_verify *v, const bis_bsdf *b, const cells *c
         status = bis_verify_runs(estimate, n_runs, &pt, &settings[i], BIS_SAMPLER_STRATIFIED,
                                  bis_verify_seed(v, "%s: furnace, %s", name, integrator), &counters, diag);
         for (uint32_t run = 0; run < n_runs && !status; run++) {
-            bis_verify_add(&runs, bis_verify_measure((rgbd){(double)estimate[run].r, (double)estimate[run].g, (double)estimate[run].b}));
+            bis_verify_add(&runs, bis_verify_measure((rgbd){(double)estimate[run].r, (double)estimate[run].g,
+                                                            (double)estimate[run].b}));
         }
-        if (!status) bis_verify_mean(v, "materials", &runs, expected, quadrature_error(b->material) * expected, "%s: furnace, %s", name, integrator);
+        if (!status)
+            bis_verify_mean(v, "materials", &runs, expected, quadrature_error(b->material) * expected,
+                            "%s: furnace, %s", name, integrator);
     }
 done:
     bis_light_free(light);
@@ -204,8 +216,8 @@ done:
     return status;
 }
 
-bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings, size_t n, const char *name,
-                               bis_diag *diag)
+bis_status bis_verify_material(bis_verify *v, const bis_material *m, double degrees, const bis_settings *settings,
+                               size_t n, const char *name, bis_diag *diag)
 {
     bis_bsdf b;
     cells c;

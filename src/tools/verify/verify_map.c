@@ -38,9 +38,11 @@ void bis_verify_solid_angles(bis_verify *v, const bis_envmap *em)
     }
     /* H additions, a few roundings in each term; the difference of cosines loses what the first row's is smaller than
      * 1. */
-    bis_verify_bound(v, "map", fabs(sum / (4 * PI) - 1), (H + 8) * DBL_EPSILON, "relative error of their sum", "solid angles sum to 4 pi");
+    bis_verify_bound(v, "map", fabs(sum / (4 * PI) - 1), (H + 8) * DBL_EPSILON, "relative error of their sum",
+                     "solid angles sum to 4 pi");
     const double cancelled = (double)(4 * LDBL_EPSILON / (1 - cosl(pi / H)));
-    bis_verify_bound(v, "map", worst, 8 * DBL_EPSILON + cancelled, "largest relative error of a row", "solid angles are differences of cosines");
+    bis_verify_bound(v, "map", worst, 8 * DBL_EPSILON + cancelled, "largest relative error of a row",
+                     "solid angles are differences of cosines");
 }
 
 /* ---- 2. the density ---- */
@@ -60,7 +62,8 @@ static bis_status weigh(double *w, const bis_envmap *em, double area_exponent, i
     return BIS_OK;
 }
 
-bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, double area_exponent, int levels, bis_diag *diag)
+bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, double area_exponent, int levels,
+                                 bis_diag *diag)
 {
     long double sum = 0;
     const bis_status status = weigh(pmf, em, area_exponent, levels, diag);
@@ -74,7 +77,8 @@ bis_status bis_verify_definition(double *pmf, bool *lit, const bis_envmap *em, d
 /* |a/b - 1|; 0 where both are 0. */
 static double relative(double a, double b) { return a == b ? 0 : fabs(a - b) / b; }
 
-static void check_density(bis_verify *v, const char *name, const bis_importance *im, const bis_envmap *em, const double *pmf)
+static void check_density(bis_verify *v, const char *name, const bis_importance *im, const bis_envmap *em,
+                          const double *pmf)
 {
     const size_t width = (size_t)em->width;
     long double integral = 0;
@@ -86,8 +90,10 @@ static void check_density(bis_verify *v, const char *name, const bis_importance 
         worst = fmax(worst, pmf[i] < 1e-290 ? (q > 0) != (pmf[i] > 0) : relative(q * solid_angle(em, i), pmf[i]));
     }
     const double rounding = (em->width + em->height + 16) * DBL_EPSILON; /* of the library's sum, row by row */
-    bis_verify_bound(v, "map", worst, rounding, "largest relative error of q dO against w dO / sum", "%s: density as defined", name);
-    bis_verify_bound(v, "map", fabs((double)integral - 1), rounding, "error of the integral", "%s: density integrates to 1", name);
+    bis_verify_bound(v, "map", worst, rounding, "largest relative error of q dO against w dO / sum",
+                     "%s: density as defined", name);
+    bis_verify_bound(v, "map", fabs((double)integral - 1), rounding, "error of the integral",
+                     "%s: density integrates to 1", name);
 }
 
 /* ---- 3. the table ---- */
@@ -101,8 +107,8 @@ static double sum_of(const double *row, size_t width)
 
 /* A step of a CDF is good to 2^-52 only, however small it is, and the steps of a row and of a column in it are
  * multiplied. */
-static void check_table(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im, const bis_envmap *em,
-                        const double *implied)
+static void check_table(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
+                        const bis_envmap *em, const double *implied)
 {
     const size_t width = (size_t)em->width;
     double worst = 0;
@@ -120,15 +126,18 @@ static void check_table(bis_verify *v, const char *name, bis_table_kind kind, co
             }
         }
     }
-    bis_verify_bound(v, "map", worst, 1e-8, "largest relative error of a pixel's probability against q dO", "%s: table gives that density", name);
+    bis_verify_bound(v, "map", worst, 1e-8, "largest relative error of a pixel's probability against q dO",
+                     "%s: table gives that density", name);
 }
 
-bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im, const bis_envmap *em,
-                                 const double *pmf, bis_diag *diag)
+bis_status bis_verify_importance(bis_verify *v, const char *name, bis_table_kind kind, const bis_importance *im,
+                                 const bis_envmap *em, const double *pmf, bis_diag *diag)
 {
     double *implied = bis_alloc(n_pixels(em), sizeof *implied);
     bis_status status;
-    if (!implied) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory to verify the table of a %d x %d map", em->width, em->height);
+    if (!implied)
+        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory to verify the table of a %d x %d map", em->width,
+                         em->height);
     status = bis_importance_implied_pmf(im, implied, diag);
     if (!status) {
         check_density(v, name, im, em, pmf);
@@ -184,7 +193,8 @@ static bis_status tally_init(tally *t, const bis_envmap *em, const double *pmf, 
     return BIS_OK;
 no_memory:
     tally_clear(t);
-    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory to count draws from a %d x %d map", em->width, em->height);
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory to count draws from a %d x %d map", em->width,
+                     em->height);
 }
 
 /* The cell of a place u in [0, 1), which a direction of three floats misses by `margin` at most; -1: outside by
@@ -241,7 +251,8 @@ static void draw_all(tally *t, const bis_verify_sampler *sampler, const bis_envm
 }
 
 /* Both histograms; the last cell is for what must not happen. */
-static bis_status judge_draws(bis_verify *v, const char *name, const tally *t, size_t n, const double *pmf, double n_draws, bis_diag *diag)
+static bis_status judge_draws(bis_verify *v, const char *name, const tally *t, size_t n, const double *pmf,
+                              double n_draws, bis_diag *diag)
 {
     const size_t n_places = t->n_groups * CELLS2, most = (n > n_places ? n : n_places) + 1;
     double *observed = bis_alloc(most, sizeof *observed), *expected = bis_alloc(most, sizeof *expected);
@@ -276,7 +287,8 @@ static size_t draws_for(size_t pixels, unsigned halvings)
     return ((size_t)fmin(fmax(n, (double)least), (double)most) >> halvings) / BLOCK * BLOCK;
 }
 
-bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf, bis_diag *diag)
+bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf,
+                            bis_diag *diag)
 {
     const size_t n_draws = draws_for(n_pixels(em), v->halvings);
     tally t;
@@ -304,8 +316,8 @@ static bool draw_curve(const void *self, bis_rng *rng, bis_map_sample *s)
 }
 
 /* One way of drawing, built, checked and freed. */
-static bis_status check_way(bis_verify *v, const char *name, const bis_importance_options *options, const bis_envmap *em, const double *pmf,
-                            bis_diag *diag)
+static bis_status check_way(bis_verify *v, const char *name, const bis_importance_options *options,
+                            const bis_envmap *em, const double *pmf, bis_diag *diag)
 {
     bis_importance *im;
     bis_status status = bis_importance_new(&im, em, options, diag);
@@ -324,14 +336,20 @@ bis_status bis_verify_map(bis_verify *v, const bis_envmap *em, double area_expon
     double *pmf = bis_alloc(n_pixels(em), sizeof *pmf);
     bool lit;
 
-    if (!pmf) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory to verify a %d x %d map", em->width, em->height);
+    if (!pmf)
+        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory to verify a %d x %d map", em->width, em->height);
     bis_verify_begin(v, "the map");
     bis_verify_solid_angles(v, em);
     bis_status status = bis_verify_definition(pmf, &lit, em, area_exponent, levels, diag);
-    if (!status && !lit) bis_verify_skip(v, "map", "the map gives no light, nothing can be drawn from it", "alias, cdf, curve");
+    if (!status && !lit)
+        bis_verify_skip(v, "map", "the map gives no light, nothing can be drawn from it", "alias, cdf, curve");
     for (size_t i = 0; !status && lit && i < sizeof ways / sizeof *ways; i++) {
-        const bis_importance_options options = {.table = !ways[i].curve, .curve = ways[i].curve, .table_kind = ways[i].kind,
-                                                .area_exponent = area_exponent, .levels = levels, .as_printed = v->as_printed};
+        const bis_importance_options options = {.table = !ways[i].curve,
+                                                .curve = ways[i].curve,
+                                                .table_kind = ways[i].kind,
+                                                .area_exponent = area_exponent,
+                                                .levels = levels,
+                                                .as_printed = v->as_printed};
         bis_verify_begin(v, ways[i].name);
         status = check_way(v, ways[i].name, &options, em, pmf, diag);
     }

@@ -1,18 +1,19 @@
 /* verify_oracle: what does a ray meet? By a search over all primitives, in double, with the error that an accelerator
- * may make: so each primitive is surely met, surely missed, or in doubt. Nothing is shared with the accelerators: another
- * test (Pluecker's, by volumes), no cells, no boxes.
+ * may make: so each primitive is surely met, surely missed, or in doubt. Nothing is shared with the accelerators:
+ * another test (Pluecker's, by volumes), no cells, no boxes.
  *
- * The grazing rule. An accelerator may be wrong where its own arithmetic cannot know better. The weakest is Embree's, in
- * float; the grids' double lies within its bounds. With u = 2^-24, v_i the vertices less the ray's origin, D its direction,
- * m_c = |v_2c| + |v_0c|:
- * - Embree's weight of an edge is U = D.((v_2 - v_0) x (v_2 + v_0)). Each v errs by u of itself, difference and sum by u
- *   again: 2 u m_c. A product of two such: (2 + 2 + 1) u m_c m_c'; n's component from two: 12 u m_c m_c'; times D, and two
- *   sums: |error of U| <= 18 u sum_c |D_c| m_c' m_c''.
+ * The grazing rule. An accelerator may be wrong where its own arithmetic cannot know better. The weakest is Embree's,
+ * in float; the grids' double lies within its bounds. With u = 2^-24, v_i the vertices less the ray's origin, D its
+ * direction, m_c = |v_2c| + |v_0c|:
+ * - Embree's weight of an edge is U = D.((v_2 - v_0) x (v_2 + v_0)). Each v errs by u of itself, difference and sum by
+ * u again: 2 u m_c. A product of two such: (2 + 2 + 1) u m_c m_c'; n's component from two: 12 u m_c m_c'; times D, and
+ * two sums: |error of U| <= 18 u sum_c |D_c| m_c' m_c''.
  * - It counts weights as inside to 2 u |U + V + W| on the wrong side.
  * - The sign of t is that of T = v_0.n and of D.n, n = e x f. With V_c the largest |v_ic|, an edge errs by u (2 V_c +
  *   |e_c|). The plane moves with its vertices and edges, u (1 + 2 + 1) V_c along c; products and sums are those of
- *   surface.c (triangle_error), u (3 + 10) sums at most: error of T <= u (4 sum |n_c| V_c + 13 sum |v_0c| terms_c), terms_c
- *   the sizes of the two products that make n_c. That of D.n: its edges' errors times the other edge, and 6 u terms_c.
+ *   surface.c (triangle_error), u (3 + 10) sums at most: error of T <= u (4 sum |n_c| V_c + 13 sum |v_0c| terms_c),
+ * terms_c the sizes of the two products that make n_c. That of D.n: its edges' errors times the other edge, and 6 u
+ * terms_c.
  * - Where a primitive is in doubt, either answer is right. Distances may differ by T's error over D.n. */
 #include "verify.h"
 
@@ -60,8 +61,8 @@ static sight inside(const double v[3][3], const double d[3])
     return some_more && some_less ? MISSED : all_more || all_less ? MET : DOUBTFUL;
 }
 
-/* Where is it met? *t to within *error, as far as that is known; *t may be infinite. left: the ray starts from it, on the
- * side that it goes to, and beyond what T may err: it is not met, unless D.n has no sign. */
+/* Where is it met? *t to within *error, as far as that is known; *t may be infinite. left: the ray starts from it, on
+ * the side that it goes to, and beyond what T may err: it is not met, unless D.n has no sign. */
 static sight see_triangle(const vec3 p[3], const ray *r, bool left, double *t, double *error)
 {
     const double d[3] = {(double)r->d.x, (double)r->d.y, (double)r->d.z};
@@ -88,7 +89,9 @@ static sight see_triangle(const vec3 p[3], const ray *r, bool left, double *t, d
         const double largest_j = fmax(fabs(v[0][j]), fmax(fabs(v[1][j]), fabs(v[2][j])));
         const double largest_c = fmax(fabs(v[0][c]), fmax(fabs(v[1][c]), fabs(v[2][c])));
         height_error += u * (4 * fabs(n[c]) * largest_c + 13 * fabs(v[0][c]) * terms);
-        descent_error += u * fabs(d[c]) * (2 * largest_i * (fabs(f[j]) + fabs(e[j])) + 2 * largest_j * (fabs(f[i]) + fabs(e[i])) + 8 * terms);
+        descent_error +=
+            u * fabs(d[c]) *
+            (2 * largest_i * (fabs(f[j]) + fabs(e[j])) + 2 * largest_j * (fabs(f[i]) + fabs(e[i])) + 8 * terms);
     }
     const double height = dot3(v[0], n), descent = dot3(n, d);
     *t = height / descent;
@@ -106,7 +109,8 @@ static sight see_triangle(const vec3 p[3], const ray *r, bool left, double *t, d
 static sight see_quadric(const bis_quadric *q, const ray *r, double *t, double *error)
 {
     const double (*inv)[4] = q->to_world.inv;
-    const double wo[3] = {(double)r->o.x, (double)r->o.y, (double)r->o.z}, wd[3] = {(double)r->d.x, (double)r->d.y, (double)r->d.z};
+    const double wo[3] = {(double)r->o.x, (double)r->o.y, (double)r->o.z},
+                 wd[3] = {(double)r->d.x, (double)r->d.y, (double)r->d.z};
     long double o[3], d[3], size = (long double)q->radius + fabsl((long double)q->height);
     const long double R = (long double)q->radius, doubt = 0x1p-40L;
 
@@ -138,7 +142,8 @@ static sight see_quadric(const bis_quadric *q, const ray *r, double *t, double *
     const long double f[3] = {o[0] + B * d[0], o[1] + B * d[1], o[2] + B * d[2]};
     const long double D = R * R - (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]), blur = 4 * size * slack;
     if (D < -blur) return MISSED;
-    const long double half = sqrtl(fmaxl(D, 0) / A), spread = sqrtl((fabsl(D) + blur) / A) - sqrtl(fmaxl(D - blur, 0) / A) + slack / sqrtl(A);
+    const long double half = sqrtl(fmaxl(D, 0) / A),
+                      spread = sqrtl((fabsl(D) + blur) / A) - sqrtl(fmaxl(D - blur, 0) / A) + slack / sqrtl(A);
     for (int i = -1; i <= 1; i += 2) {
         const long double root = B + i * half;
         *t = (double)root;
@@ -149,7 +154,8 @@ static sight see_quadric(const bis_quadric *q, const ray *r, double *t, double *
     return MISSED;
 }
 
-void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32_t left, const bis_verify_answer *answer, int n)
+void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32_t left,
+                       const bis_verify_answer *answer, int n)
 {
     double nearest = (double)INFINITY; /* of what is surely met, its error included */
     bool any = false, known[BIS_VERIFY_ANSWERS] = {false};
@@ -172,6 +178,7 @@ void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32
     }
     for (int i = 0; i < n; i++) {
         const bool met = isfinite(answer[i].t);
-        right[i] = (met ? known[i] && answer[i].t <= nearest : isinf(nearest)) && (answer[i].occluded ? any : isinf(nearest));
+        right[i] =
+            (met ? known[i] && answer[i].t <= nearest : isinf(nearest)) && (answer[i].occluded ? any : isinf(nearest));
     }
 }

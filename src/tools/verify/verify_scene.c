@@ -14,15 +14,22 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MAX_MATERIALS = 24, MAX_PIXELS = 6, MAX_TRIES = 4096, N_RAYS = 100000, MAX_PATCHES = 1 << 24, PATCH_VISITS = 1 << 25 };
+enum {
+    MAX_MATERIALS = 24,
+    MAX_PIXELS = 6,
+    MAX_TRIES = 4096,
+    N_RAYS = 100000,
+    MAX_PATCHES = 1 << 24,
+    PATCH_VISITS = 1 << 25
+};
 enum { VISITS_OF_A_PIXEL = 6, MAX_CANDIDATES = 4096, MAX_SHADOWRAYS = 1024, MAX_SAMPLES = 4096 };
 
 /* ---- materials ---- */
 
 static bool equal_materials(const bis_material *a, const bis_material *b)
 {
-    return a->model == b->model && memcmp(&a->Kd, &b->Kd, sizeof a->Kd) == 0 && memcmp(&a->Ks, &b->Ks, sizeof a->Ks) == 0 &&
-           a->exponent == b->exponent && a->alpha == b->alpha;
+    return a->model == b->model && memcmp(&a->Kd, &b->Kd, sizeof a->Kd) == 0 &&
+           memcmp(&a->Ks, &b->Ks, sizeof a->Ks) == 0 && a->exponent == b->exponent && a->alpha == b->alpha;
 }
 
 /* Those that shapes have, each once, in the order of the scene. Returns their number, beyond MAX_MATERIALS too. */
@@ -55,12 +62,14 @@ static bis_status check_material(bis_verify *v, const bis_material *m, size_t nu
         return BIS_OK;
     }
     if (m->exponent > 1e8) {
-        bis_verify_skip(v, "materials", "unit vectors in float cannot resolve exponents beyond 1e8", "%zu, n %g", number, m->exponent);
+        bis_verify_skip(v, "materials", "unit vectors in float cannot resolve exponents beyond 1e8", "%zu, n %g",
+                        number, m->exponent);
         return BIS_OK;
     }
     for (size_t i = 0; i < sizeof degrees / sizeof *degrees && !status; i++) {
         const bis_bsdf_width w = m->model->width(m); /* the exponent is n, as in the thesis; the name is a seed, too */
-        snprintf(name, sizeof name, "%zu, %s %g, %g degrees", number, strcmp(w.name, "exponent") == 0 ? "n" : w.name, w.value, degrees[i]);
+        snprintf(name, sizeof name, "%zu, %s %g, %g degrees", number, strcmp(w.name, "exponent") == 0 ? "n" : w.name,
+                 w.value, degrees[i]);
         status = bis_verify_material(v, m, degrees[i], furnace, sizeof furnace / sizeof *furnace, name, diag);
     }
     return status;
@@ -73,8 +82,10 @@ static bis_status check_materials(bis_verify *v, const bis_scene_desc *desc, bis
     bis_status status = BIS_OK;
 
     bis_verify_begin(v, "materials");
-    for (size_t i = 0; i < n && i < MAX_MATERIALS && !status; i++) status = check_material(v, materials[i], i + 1, diag);
-    if (n > MAX_MATERIALS) bis_verify_skip(v, "materials", "too many: only the first are looked at", "%d and on", MAX_MATERIALS + 1);
+    for (size_t i = 0; i < n && i < MAX_MATERIALS && !status; i++)
+        status = check_material(v, materials[i], i + 1, diag);
+    if (n > MAX_MATERIALS)
+        bis_verify_skip(v, "materials", "too many: only the first are looked at", "%d and on", MAX_MATERIALS + 1);
     return status;
 }
 
@@ -119,7 +130,8 @@ static bool is_known(int x, int y, int (*known)[2], int n)
 }
 
 /* False: nothing is hit, or it is black. */
-static bool find_point(bis_point *pt, const bis_scene *scene, const bis_scene_desc *desc, int x, int y, bis_counters *counters)
+static bool find_point(bis_point *pt, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
+                       bis_counters *counters)
 {
     const ray eye = bis_camera_ray(&desc->camera, desc->film.width, desc->film.height, x + 0.5, y + 0.5);
     return bis_scene_point(pt, scene, desc, eye, counters, NULL) && !bis_bsdf_is_black(&pt->bsdf);
@@ -129,11 +141,13 @@ static const char *why_no_view(const bis_scene *scene)
 {
     if (!scene->accel) return "there is no geometry";
     if (bis_light_is_black(scene->light)) return "there is no light";
-    if (bis_light_patches(scene->light) > MAX_PATCHES) return "the map is too large for the exact sum; resample it to 4096 x 2048";
+    if (bis_light_patches(scene->light) > MAX_PATCHES)
+        return "the map is too large for the exact sum; resample it to 4096 x 2048";
     return NULL;
 }
 
-static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *own, bis_diag *diag)
+static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *own,
+                             bis_diag *diag)
 {
     const char *why = why_no_view(scene);
     bis_settings settings[BIS_VERIFY_MAX_INTEGRATORS];
@@ -166,7 +180,8 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         known[n_pixels][1] = y;
         n_pixels += tested;
     }
-    if (!status && n_pixels == 0) bis_verify_skip(v, "view", "no pixel was found that sees a surface in the light", "all integrators");
+    if (!status && n_pixels == 0)
+        bis_verify_skip(v, "view", "no pixel was found that sees a surface in the light", "all integrators");
     return status;
 }
 
@@ -184,7 +199,8 @@ static bis_status check_backends(bis_verify *v, const bis_scene *scene, const bi
     bis_accel *other = NULL;
     bis_status status = BIS_OK;
     /* Embree may not be built in, or the scene be beyond its limits: then the grid is looked at alone */
-    if (!grid || bis_accel_embree_version()) status = bis_scene_accel(&other, scene, desc, grid ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, &refusal);
+    if (!grid || bis_accel_embree_version())
+        status = bis_scene_accel(&other, scene, desc, grid ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, &refusal);
     bis_diag_clear(&refusal);
     if (status == BIS_NOMEM) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a second accelerator");
     bis_verify_backends(v, scene->accel, other, N_RAYS >> v->halvings);
@@ -192,7 +208,8 @@ static bis_status check_backends(bis_verify *v, const bis_scene *scene, const bi
     return BIS_OK;
 }
 
-bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *settings, bis_diag *diag)
+bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc,
+                            const bis_settings *settings, bis_diag *diag)
 {
     bis_status status = BIS_OK;
     v->as_printed = settings->as_printed;

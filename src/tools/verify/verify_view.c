@@ -4,13 +4,12 @@
  * integrator's mean over many runs may differ from it by e and by what its own scatter explains: p is the chance of the
  * rest of the difference, plus 1e-7.
  *
- * Student's t tells that chance where a mean is normally distributed, and under a sun that of BRDF sampling is not: with 3
- * expected hits, a run of bad luck is 5 standard errors away. So the reference also tells variance, skewness and largest
- * value of the single samples F/q, q being the density of the estimator, as if they were independent.
- *   A small skewness s of the mean enlarges p (bis_verify_t). A skewness that the runs tell counts as well, and where no
- *   other is known it may be BIS_VERIFY_MOST_SKEWNESS.
- *   For |s| beyond that, Bernstein's inequality bounds p, which holds for any bounded variables, and finds less (1927):
- *   P(|mean - mu| >= e) <= 2 exp(-n e^2 / (2 E[X^2] + 2 B e/3)), 0 <= X <= B.
+ * Student's t tells that chance where a mean is normally distributed, and under a sun that of BRDF sampling is not:
+ * with 3 expected hits, a run of bad luck is 5 standard errors away. So the reference also tells variance, skewness and
+ * largest value of the single samples F/q, q being the density of the estimator, as if they were independent. A small
+ * skewness s of the mean enlarges p (bis_verify_t). A skewness that the runs tell counts as well, and where no other is
+ * known it may be BIS_VERIFY_MOST_SKEWNESS. For |s| beyond that, Bernstein's inequality bounds p, which holds for any
+ * bounded variables, and finds less (1927): P(|mean - mu| >= e) <= 2 exp(-n e^2 / (2 E[X^2] + 2 B e/3)), 0 <= X <= B.
  *   Where the density is not known, the test is skipped with a word. */
 #include "verify.h"
 
@@ -33,8 +32,8 @@ static const double weight[3] = {4, 2, 1}; /* bis_verify_measure */
 
 /* ---- many runs ---- */
 
-bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind, uint64_t seed,
-                           bis_counters *counters, bis_diag *diag)
+bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind,
+                           uint64_t seed, bis_counters *counters, bis_diag *diag)
 {
     const bis_sampler sampler = {.kind = kind, .seed = seed, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
     atomic_bool failed = false;
@@ -82,7 +81,8 @@ static sampling sampling_of(const bis_settings *s, bool constant)
     if (i == &bis_mis) return (sampling){{s->split, 1 - s->split}, s->samples};
     if (i != &bis_sir && i != &bis_unoccluded) return (sampling){{0, 0}, 0};
     if (s->proposal == BIS_PROPOSAL_BRDF || constant) return (sampling){{0, 1}, s->candidates};
-    return (sampling){s->proposal == BIS_PROPOSAL_EM ? (bis_truth_density){1, 0} : (bis_truth_density){0.5, 0.5}, s->candidates};
+    return (sampling){s->proposal == BIS_PROPOSAL_EM ? (bis_truth_density){1, 0} : (bis_truth_density){0.5, 0.5},
+                      s->candidates};
 }
 
 /* ---- one integrator ---- */
@@ -99,17 +99,20 @@ typedef struct comparison {
     bool draws_independent;          /* the samples of a run, given their strata */
 } comparison;
 
-/* What neither rounding nor the reference's error explains. Runs are rounded to float, unit vectors are unit to 1e-7. */
+/* What neither rounding nor the reference's error explains. Runs are rounded to float, unit vectors are unit to 1e-7.
+ */
 static double excess_of(const comparison *c)
 {
     const double difference = c->runs->mean - c->truth->mean[3];
-    return copysign(fmax(0, fabs(difference) - 2e-6 * fabs(c->truth->mean[3]) - bis_truth_bound(c->truth, chance)), difference);
+    return copysign(fmax(0, fabs(difference) - 2e-6 * fabs(c->truth->mean[3]) - bis_truth_bound(c->truth, chance)),
+                    difference);
 }
 
 static void put(bis_verify *v, const comparison *c, double z, double p, const char *what)
 {
     char note[120];
-    snprintf(note, sizeof note, "z; %ssum over patches +- %.1g %%", what, 100 * bis_truth_bound(c->truth, chance) / c->truth->mean[3]);
+    snprintf(note, sizeof note, "z; %ssum over patches +- %.1g %%", what,
+             100 * bis_truth_bound(c->truth, chance) / c->truth->mean[3]);
     bis_verify_p(v, "view", z, p + chance, note, "%s: %s", c->name, c->integrator->name);
 }
 
@@ -123,12 +126,17 @@ static void judge_by_t(bis_verify *v, const comparison *c, double skewness)
 static void judge_by_bernstein(bis_verify *v, const comparison *c)
 {
     /* Places inside patches are random: the largest F/q may be missed by some, the sum of squares by little. */
-    const double B = 2 * c->sample->most * (c->draws_independent ? 1 : c->n), mu = c->truth->mean[3], n = c->n * c->runs->n;
+    const double B = 2 * c->sample->most * (c->draws_independent ? 1 : c->n), mu = c->truth->mean[3],
+                 n = c->n * c->runs->n;
     const double second = 1.1 * (c->sample->variance + mu * mu), e = excess_of(c);
-    put(v, c, e / sqrt(second / n), 2 * exp(-n * e * e / (2 * second + 2 * B * fabs(e) / 3)), "rare and bright: p bounded by Bernstein's inequality; ");
+    put(v, c, e / sqrt(second / n), 2 * exp(-n * e * e / (2 * second + 2 * B * fabs(e) / 3)),
+        "rare and bright: p bounded by Bernstein's inequality; ");
 }
 
-static void skip(bis_verify *v, const comparison *c, const char *why) { bis_verify_skip(v, "view", why, "%s: %s", c->name, c->integrator->name); }
+static void skip(bis_verify *v, const comparison *c, const char *why)
+{
+    bis_verify_skip(v, "view", why, "%s: %s", c->name, c->integrator->name);
+}
 
 static void judge(bis_verify *v, const comparison *c)
 {
@@ -140,7 +148,8 @@ static void judge(bis_verify *v, const comparison *c)
         bis_verify_p(v, "view", c->runs->mean, 0, "not a number", "%s: %s", c->name, c->integrator->name);
     } else if (bis_parameter_of(c->integrator, "estimator") && c->accepted < LEAST_ACCEPTED) {
         char why[120];
-        snprintf(why, sizeof why, "only %llu of its candidates were accepted: too few to judge", (unsigned long long)c->accepted);
+        snprintf(why, sizeof why, "only %llu of its candidates were accepted: too few to judge",
+                 (unsigned long long)c->accepted);
         skip(v, c, why);
     } else if (skewness <= (is_known ? most_skewness : BIS_VERIFY_MOST_SKEWNESS)) {
         judge_by_t(v, c, skewness);
@@ -156,14 +165,16 @@ static void judge(bis_verify *v, const comparison *c)
 /* As many runs as take about as long as those of the others. */
 static uint32_t runs_for(const bis_settings *s, size_t patches, unsigned halvings)
 {
-    if (bis_parameter_of(s->integrator, "perpatch")) return (uint32_t)fmin(fmax(ceil((double)(1 << 18 >> halvings) / (double)patches), 2), 1 << 12);
+    if (bis_parameter_of(s->integrator, "perpatch"))
+        return (uint32_t)fmin(fmax(ceil((double)(1 << 18 >> halvings) / (double)patches), 2), 1 << 12);
     const bool by_candidates = bis_parameter_of(s->integrator, "candidates") != NULL;
     const double cost = by_candidates ? s->candidates + 8.0 * s->shadowrays : 8.0 * s->samples;
     return (uint32_t)fmin(fmax(round((1 << 21 >> halvings) / cost), 64), 1 << 14);
 }
 
-static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings *s, const bis_truth_moments *sample, double n_sample,
-                          const bis_truth *truth, bis_sampler_kind kind, const char *name, bis_diag *diag)
+static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings *s, const bis_truth_moments *sample,
+                          double n_sample, const bis_truth *truth, bis_sampler_kind kind, const char *name,
+                          bis_diag *diag)
 {
     const bool is_exact = bis_parameter_of(s->integrator, "perpatch") != NULL;
     const uint32_t n = runs_for(s, truth->patches, v->halvings);
@@ -172,15 +183,18 @@ static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings
     bis_verify_moments runs = {0};
 
     if (!estimate) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u runs", (unsigned)n);
-    bis_status status = bis_verify_runs(estimate, n, pt, s, kind, bis_verify_seed(v, "%s: %s", name, s->integrator->name), &counters, diag);
+    bis_status status = bis_verify_runs(estimate, n, pt, s, kind,
+                                        bis_verify_seed(v, "%s: %s", name, s->integrator->name), &counters, diag);
     for (uint32_t run = 0; run < n; run++) {
-        bis_verify_add(&runs, bis_verify_measure((rgbd){(double)estimate[run].r, (double)estimate[run].g, (double)estimate[run].b}));
+        bis_verify_add(&runs, bis_verify_measure(
+                                  (rgbd){(double)estimate[run].r, (double)estimate[run].g, (double)estimate[run].b}));
     }
     bis_free(estimate);
     if (status) return status;
     /* `exact` has few runs, and its variance is that of one ray in each patch. That is known from pairs, as the
      * reference's own is, and with the same bound: no patch that is one cell adds more than its bound. */
-    const bis_truth_sum one_ray = {.variance = {0, 0, 0, fmax(0, truth->one_ray.variance)}, .most = 2 * truth->lit.most};
+    const bis_truth_sum one_ray = {.variance = {0, 0, 0, fmax(0, truth->one_ray.variance)},
+                                   .most = 2 * truth->lit.most};
     const comparison c = {
         .name = name,
         .integrator = s->integrator,
@@ -196,8 +210,8 @@ static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings
     return BIS_OK;
 }
 
-bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n, bis_sampler_kind kind, const char *name,
-                            bool *tested, bis_diag *diag)
+bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settings *settings, size_t n,
+                            bis_sampler_kind kind, const char *name, bool *tested, bis_diag *diag)
 {
     bis_truth_density q[BIS_TRUTH_MAX_DENSITIES];
     double n_sample[BIS_TRUTH_MAX_DENSITIES];
@@ -211,12 +225,14 @@ bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settin
         assert(n_known < BIS_TRUTH_MAX_DENSITIES || s.n == 0);
         if (s.n > 0) q[n_known++] = s.q;
     }
-    bis_status status = bis_truth_of(&truth, pt, weight, CELLS >> v->halvings / 2, q, n_known, bis_verify_seed(v, "%s: reference", name), diag);
+    bis_status status = bis_truth_of(&truth, pt, weight, CELLS >> v->halvings / 2, q, n_known,
+                                     bis_verify_seed(v, "%s: reference", name), diag);
     if (status || !(truth.lit.mean[3] > least_seen * truth.open.mean[3])) return status;
     *tested = true;
     const double unknown = bis_truth_bound(&truth.lit, chance) / truth.lit.mean[3];
     if (!(unknown <= most_unknown)) {
-        bis_verify_skip(v, "view", "the sum over patches is known too badly: the lobe is too narrow", "%s: all integrators", name);
+        bis_verify_skip(v, "view", "the sum over patches is known too badly: the lobe is too narrow",
+                        "%s: all integrators", name);
         return BIS_OK;
     }
     for (size_t i = 0, known = 0; i < n && !status; i++) {
