@@ -55,7 +55,6 @@ static rgb auto_Lo(const bis_settings *s, const bis_point *pt, bis_stream *strea
 }
 
 const bis_integrator bis_auto = {.name = "auto",
-    .words = "a pilot tries the methods on the scene itself, and the render goes on with the best, for some "
-             "materials perhaps with another",
+    .words = "a pilot tries the methods on the scene itself, and the render goes on with the best",
     .claim = "that of the method which a pilot chooses: unbiased",
     .light_needs = auto_light_needs, .scratch_needs = auto_scratch_needs, .Lo = auto_Lo};

@@ -282,13 +282,14 @@ static void squeeze(char *to, size_t size, const char *text, bool is_man)
     to[n] = '\0';
 }
 
-/* All entries of a topic, one behind the other. */
+/* All entries of a topic, one behind the other, with those of the integrators and parameters in place. */
 static void words_of(char *words, size_t size, const bis_topic *t)
 {
     static char text[1 << 15];
+    static bis_help_page page;
     size_t n = 0;
     *text = '\0';
-    for (const bis_help_entry *e = t->entries; e->term || e->text; e++)
+    for (const bis_help_entry *e = bis_help_open(&page, t); e->term || e->text; e++)
         n += (size_t)snprintf(text + n, sizeof text - n, "%s %s ", e->term ? e->term : "", e->text ? e->text : "");
     assert_true(n < sizeof text - 1);
     squeeze(words, size, text, false);
@@ -350,8 +351,9 @@ static void every_name_of_a_term_is_looked_up(void **state)
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
     static char entry[8192], words[8192], found[1 << 16];
     static program_run r;
+    static bis_help_page page;
     for (const bis_topic *t = bis_topics; t->name; t++) {
-        for (const bis_help_entry *e = t->entries; e->term || e->text; e++) {
+        for (const bis_help_entry *e = bis_help_open(&page, t); e->term || e->text; e++) {
             char name[64];
             const char *at = e->term ? e->term + strcspn(e->term, letters) : "";
             const size_t n = strspn(at, letters);

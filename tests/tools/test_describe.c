@@ -61,159 +61,88 @@ static void a_line_names_every_parameter_and_its_type(void **state)
     bis_attribute parameters[BIS_MAX_PARAMETERS];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         s.integrator = other.integrator = cases[i].integrator;
-        assert_string_equal(bis_describe_line(line, &s), cases[i].line);
-        assert_string_equal(bis_describe_line(line, &other), cases[i].other);
+        assert_string_equal(bis_describe_line(line, &s, true), cases[i].line);
+        assert_string_equal(bis_describe_line(line, &other, true), cases[i].other);
         assert_int_equal(bis_describe_settings(&s, parameters), cases[i].n);
         for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
             char word[32];
             snprintf(word, sizeof word, " %s\" ", names[k]);
-            assert_true(bis_integrator_uses(cases[i].integrator, names[k]) == (strstr(cases[i].line, word) != NULL));
+            assert_true((bis_parameter_of(cases[i].integrator, names[k]) != NULL) == (strstr(cases[i].line, word) != NULL));
         }
     }
     s.integrator = &bis_rejection;
     s.fallback = BIS_FALLBACK_UNOCCLUDED;
-    assert_non_null(strstr(bis_describe_line(line, &s), "\"string fallback\" \"unoccluded\""));
+    assert_non_null(strstr(bis_describe_line(line, &s, true), "\"string fallback\" \"unoccluded\""));
 }
 
-/* ---- exceptions ---- */
-
-/* Shapes of the materials 0 1 2 1 3; 2 and 0 are the same: the numbers are 0 1 0 1 2. Material 4 is nobody's. */
-enum { N_MATERIALS = 5 };
-typedef struct small_world {
-    bis_scene_desc desc;
-    bis_material materials[12];
-    bis_shape_desc shapes[12];
-    unsigned char of_material[12];
-} small_world;
-
-static void make_small_world(small_world *w)
-{
-    *w = (small_world){.desc = {.n_shapes = 5, .n_materials = N_MATERIALS, .path = (char *)(uintptr_t)"a/scene.txt"}};
-    const uint32_t of[5] = {0, 1, 2, 1, 3};
-    for (int i = 0; i < N_MATERIALS; i++) w->materials[i] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.25f, 0.25f, 0.25f}, i == 2 ? 1 : i + 1);
-    for (int i = 0; i < 5; i++) w->shapes[i] = (bis_shape_desc){.kind = BIS_SHAPE_SPHERE, .material = of[i]};
-    w->desc.materials = w->materials;
-    w->desc.shapes = w->shapes;
-    w->desc.settings = settings(&bis_em, 0, 8);
-    w->desc.exceptions.of_material = w->of_material;
-}
-
-static void exceptions_have_lines_with_their_materials(void **state)
+/* Counts always; of the rest what is not the default of this integrator. */
+static void a_short_line_leaves_out_what_has_its_default(void **state)
 {
     (void)state;
-    small_world w;
-    make_small_world(&w);
-    char *text = bis_describe_integrators(&w.desc, 0);
-    assert_string_equal(text, "Integrator \"em\" \"integer samples\" 8 \"bool stratify\" false");
-    bis_free(text);
-    text = bis_describe_integrators(&w.desc, 1);
-    assert_string_equal(text, "");
-    bis_free(text);
-
-    w.desc.exceptions.n = 3;
-    w.desc.exceptions.settings[0] = settings(&bis_brdf, 0, 3);
-    w.desc.exceptions.settings[1] = settings(&bis_unoccluded, 20, 0);
-    w.desc.exceptions.settings[2] = settings(&bis_exact, 0, 0);
-    w.of_material[0] = w.of_material[2] = w.of_material[3] = 1;
-    w.of_material[4] = 2; /* of nobody: no line */
-    w.of_material[1] = 3;
-    text = bis_describe_integrators(&w.desc, 0); /* no material is left for the general one, which has its line all the same */
-    assert_string_equal(text, "Integrator \"em\" \"integer samples\" 8 \"bool stratify\" false\n"
-                              "Integrator \"brdf\" \"integer samples\" 3 \"integer material\" [0 2]\n"
-                              "Integrator \"exact\" \"integer perpatch\" 1 \"integer material\" [1]");
-    bis_free(text);
-    text = bis_describe_integrators(&w.desc, 1);
-    assert_string_equal(text, "Integrator \"brdf\" \"integer samples\" 3 \"integer material\" [0 2]\n"
-                              "Integrator \"exact\" \"integer perpatch\" 1 \"integer material\" [1]");
-    bis_free(text);
-    for (long k = 1;; k++) { /* no memory: no text, and nothing is lost */
-        bis_mem_fail_at(k);
-        text = bis_describe_integrators(&w.desc, 0);
-        bis_mem_fail_at(0);
-        if (text) break;
-        assert_in_range(k, 1, 100);
-    }
-    bis_free(text);
+    char line[BIS_MAX_LINE];
+    bis_settings s = settings(&bis_sir, 800, 15);
+    assert_string_equal(bis_describe_line(line, &s, false), "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15");
+    s.stratify = false;
+    s.proposal = BIS_PROPOSAL_PRODUCT;
+    assert_string_equal(bis_describe_line(line, &s, false),
+                        "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15 \"string proposal\" \"product\" \"bool stratify\" false");
+    s = settings(&bis_mis, 0, 6);
+    assert_string_equal(bis_describe_line(line, &s, false), "Integrator \"mis\" \"integer samples\" 6");
+    s.stratify = true; /* here it is the other way round */
+    s.split = 0.25;
+    assert_string_equal(bis_describe_line(line, &s, false), "Integrator \"mis\" \"integer samples\" 6 \"float split\" 0.25 \"bool stratify\" true");
 }
 
 /* ---- auto's choice ---- */
 
-/* Fill, costs and variances of two groups; what a pass of the picture costs beside is 1. With one setting for all:
- *   0 sir mix:     (1 + 0.1 + 1 + 2)   (3 + 4)   = 28.7
- *   1 mis:         (1 + 0.2 + 0.5 + 3) (4 + 2)   = 28.2
- *   2 em:          for the first group alone
- *   3 sir mix:     (1 + 0.1 + 2 + 4)   (1 + 2)   = 21.3
- *   4 sir product: (1 + 0.4 + 1 + 1)   (2 + 3)   = 17 */
-static void make_report(bis_auto_report *r, unsigned char *group)
+static bis_scene_desc small_scene(void)
 {
-    *r = (bis_auto_report){.is_chosen = true, .n_groups = 2, .group = group, .share = {0.75, 0.25}, .n_tried = 5, .common = 1,
-                           .width = 30, .height = 20, .passes = 2, .seconds = 0.5};
-    r->tried[0] = (bis_auto_tried){settings(&bis_sir, 64, 4), 3, 4, 0.1, {1, 2}, {3, 4}};
-    r->tried[1] = (bis_auto_tried){settings(&bis_mis, 0, 6), 3, 2, 0.2, {0.5, 3}, {4, 2}};
-    r->tried[2] = (bis_auto_tried){settings(&bis_em, 0, 8), 1, 3, 0.2, {0.2, 0.3}, {0.1, 0.1}};
-    r->tried[3] = (bis_auto_tried){settings(&bis_sir, 64, 20), 3, 4, 0.1, {2, 4}, {1, 2}};
-    r->tried[4] = (bis_auto_tried){settings(&bis_sir, 64, 16), 3, 4, 0.4, {1, 1}, {2, 3}};
-    r->tried[4].settings.proposal = BIS_PROPOSAL_PRODUCT;
+    return (bis_scene_desc){.path = (char *)(uintptr_t)"a/scene.txt", .settings = settings(&bis_em, 0, 8)};
 }
 
-static void sums_over_groups_are_those_by_hand(void **state)
+/* Fill, cost and variance:
+ *   0 sir mix:     (0.1 + 4)    7 = 28.7
+ *   1 mis:         (0.2 + 4.5)  6 = 28.2
+ *   2 em:          (0.2 + 1.5) 20 = 34
+ *   3 sir mix:     (0.1 + 7)    3 = 21.3
+ *   4 sir product: (0.4 + 3)    5 = 17 */
+static void make_report(bis_auto_report *r)
 {
-    (void)state;
-    unsigned char group[N_MATERIALS] = {0};
-    bis_auto_report r;
-    make_report(&r, group);
-    const double cost[5] = {4.1, 4.7, 1.7, 7.1, 3.4}, variance[5] = {7, 6, 0.2, 3, 5};
-    for (int i = 0; i < 5; i++) {
-        assert_true(fabs(bis_auto_cost_of_all(&r, i) - cost[i]) < 1e-12 && fabs(bis_auto_variance_of_all(&r, i) - variance[i]) < 1e-12);
-        assert_true(bis_auto_suits(&r, 0, i) && bis_auto_suits(&r, 1, i) == (i != 2) && bis_auto_suits(&r, BIS_AUTO_ALL, i) == (i != 2));
-    }
+    *r = (bis_auto_report){.is_chosen = true, .chosen = 4, .n_tried = 5, .width = 30, .height = 20, .passes = 2, .seconds = 0.5};
+    r->tried[0] = (bis_auto_tried){settings(&bis_sir, 64, 4), 4, 0.1, 4, 7};
+    r->tried[1] = (bis_auto_tried){settings(&bis_mis, 0, 6), 2, 0.2, 4.5, 6};
+    r->tried[2] = (bis_auto_tried){settings(&bis_em, 0, 8), 3, 0.2, 1.5, 20};
+    r->tried[3] = (bis_auto_tried){settings(&bis_sir, 64, 20), 4, 0.1, 7, 3};
+    r->tried[4] = (bis_auto_tried){settings(&bis_sir, 64, 16), 4, 0.4, 3, 5};
+    r->tried[4].settings.proposal = BIS_PROPOSAL_PRODUCT;
+    r->settings = r->tried[4].settings;
 }
 
 static void the_line_of_the_choice_is_that_by_hand(void **state)
 {
     (void)state;
-    unsigned char group[12] = {0};
     char line[BIS_MAX_LINE];
     bis_auto_report r;
-    small_world w;
-    make_small_world(&w);
-    make_report(&r, group);
+    make_report(&r);
 
-    /* one setting for all: its fill counts once */
-    r.chosen[0] = r.chosen[1] = 4;
-    w.desc.settings = r.tried[4].settings;
-    assert_string_equal(bis_describe_choice(line, &r, &w.desc),
-                        "sir, product, 64 candidates, 16 shadow rays; to the same error the best of mis 1.7, sir mix 1.3 times as long "
-                        "(pilot: 5 settings of 2 groups of materials, 0.5 s)");
-    /* em for the first, product for the second: (1 + 0.2 + 0.2 + 0.4 + 1) (0.1 + 3) = 8.68 */
-    r.chosen[0] = 2;
-    w.desc.settings = r.tried[2].settings;
-    w.desc.exceptions.n = 1;
-    w.desc.exceptions.settings[0] = r.tried[4].settings;
-    w.of_material[1] = w.of_material[3] = 1;
-    assert_string_equal(bis_describe_choice(line, &r, &w.desc),
-                        "em, 8 samples; for material 1, 2: sir, product, 64 candidates, 16 shadow rays; to the same error one setting for "
-                        "all 1.96, the best of mis 3.2, sir mix 2.5, sir product 2 times as long (pilot: 5 settings of 2 groups of materials, 0.5 s)");
+    /* 28.2/17 = 1.66, 34/17 = 2, 21.3/17 = 1.25 */
+    assert_string_equal(bis_describe_choice(line, &r),
+                        "sir, product, 64 candidates, 16 shadow rays; to the same error the best of mis 1.7, em 2, sir mix 1.3 times as long "
+                        "(pilot: 5 settings, 0.5 s)");
+    /* em takes 1.7 x 5 = 8.5: 28.2/8.5 = 3.32, 21.3/8.5 = 2.51, 17/8.5 = 2 */
+    r.chosen = 2;
+    r.settings = r.tried[2].settings;
+    r.tried[2].variance = 5;
+    assert_string_equal(bis_describe_choice(line, &r),
+                        "em, 8 samples; to the same error the best of mis 3.3, sir mix 2.5, sir product 2 times as long (pilot: 5 settings, 0.5 s)");
     /* without any noise there is nothing to compare */
-    for (int i = 0; i < 5; i++) r.tried[i].variance[0] = r.tried[i].variance[1] = 0;
-    w.desc.exceptions.n = 0;
-    assert_string_equal(bis_describe_choice(line, &r, &w.desc), "em, 8 samples (pilot: 5 settings of 2 groups of materials, 0.5 s)");
-    r.n_groups = 1;
+    for (int i = 0; i < 5; i++) r.tried[i].variance = 0;
+    assert_string_equal(bis_describe_choice(line, &r), "em, 8 samples (pilot: 5 settings, 0.5 s)");
+    r.tried[0] = r.tried[2];
+    r.chosen = 0;
     r.n_tried = 1;
     r.seconds = 0.0123;
-    assert_string_equal(bis_describe_choice(line, &r, &w.desc), "em, 8 samples (pilot: 1 settings, 0.012 s)");
-
-    /* six materials are named, seven are counted */
-    w.desc.exceptions.n = 1;
-    w.desc.n_materials = w.desc.n_shapes = 8;
-    for (uint32_t i = 0; i < 8; i++) {
-        w.materials[i] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.25f, 0.25f, 0.25f}, i + 1);
-        w.shapes[i] = (bis_shape_desc){.kind = BIS_SHAPE_SPHERE, .material = i};
-        w.of_material[i] = i >= 2;
-    }
-    assert_non_null(strstr(bis_describe_choice(line, &r, &w.desc), "em, 8 samples; for material 2, 3, 4, 5, 6, 7: sir, product, "));
-    w.of_material[1] = 1;
-    assert_non_null(strstr(bis_describe_choice(line, &r, &w.desc), "em, 8 samples; for 7 materials: sir, product, "));
+    assert_string_equal(bis_describe_choice(line, &r), "em, 8 samples (pilot: 1 settings, 0.012 s)");
 }
 
 /* ---- figures about the run ---- */
@@ -234,40 +163,30 @@ static void the_stats_are_those_by_hand(void **state)
     (void)state;
     static const char before[] =
         "{\n  \"version\": \"" BIS_VERSION "\",\n  \"scene\": \"a/scene.txt\",\n  \"integrator\": \"rejection\",\n  \"proposal\": \"choose\",\n"
-        "  \"candidates\": 31,\n  \"shadowrays\": 6,\n  \"samples\": null,\n  \"exceptions\": \"lines of exceptions\",\n  \"spp\": 12,\n"
+        "  \"candidates\": 31,\n  \"shadowrays\": 6,\n  \"samples\": null,\n  \"spp\": 12,\n"
         "  \"seed\": 34,\n  \"threads\": 5,\n  \"accelerator\": null,\n  \"triangles\": 0,\n  \"width\": 7,\n  \"height\": 3,\n"
         "  \"seconds\": {\n    \"parse\": 1,\n    \"load\": 2,\n    \"envmap\": 3,\n    \"accel\": 4,\n    \"render\": 5,\n    \"write\": 6,\n"
         "    \"total\": 7\n  },\n  \"rays\": {\n    \"camera\": 101,\n    \"shadow\": 102\n  },\n  \"candidates_drawn\": 103,\n"
         "  \"accepted\": 104,\n  \"fallbacks\": 105,\n";
     static const char of_auto[] =
-        "  \"auto\": {\n    \"chosen\": \"all lines\",\n    \"seconds\": 0.5,\n    \"width\": 30,\n    \"height\": 20,\n    \"passes\": 2,\n"
-        "    \"groups\": [\n"
-        "      {\n        \"share\": 0.75,\n        \"materials\": [\n          0,\n          2\n        ],\n"
-        "        \"chosen\": \"Integrator \\\"em\\\" \\\"integer samples\\\" 8 \\\"bool stratify\\\" false\"\n      },\n"
-        "      {\n        \"share\": 0.25,\n        \"materials\": [\n          1\n        ],\n"
-        "        \"chosen\": \"Integrator \\\"mis\\\" \\\"integer samples\\\" 6 \\\"string heuristic\\\" \\\"balance\\\" \\\"float split\\\" 0.5 \\\"bool compensate\\\" false "
-        "\\\"bool stratify\\\" false\"\n      }\n    ],\n    \"tried\": [\n";
+        "  \"auto\": {\n    \"chosen\": \"the line\",\n    \"seconds\": 0.5,\n    \"width\": 30,\n    \"height\": 20,\n    \"passes\": 2,\n"
+        "    \"tried\": [\n";
     /* 7 x 3 pixels of 3 sums, 3 sums of squares and hits, doubles all; and the workspace of 1000 */
     static const char after[] = "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2176\n  },\n"
                                 "  \"estimated_relative_rmse\": 0.125,\n  \"interrupted\": true\n}\n";
-    unsigned char group[N_MATERIALS] = {0, 1, 0, 0, 1};
     bis_auto_report r;
-    small_world w;
+    bis_scene_desc desc = small_scene();
     bis_scene scene = {.accel = NULL};
     bis_film film;
     const bis_render_result result = {.counters = {101, 102, 103, 104, 105, 0}, .seconds = 5, .relative_rmse = 0.125, .error_bound = 0.25,
                                       .interrupted = true, .spp = 12, .passes = 3, .n_threads = 5, .bytes = 1000};
-    make_small_world(&w);
-    make_report(&r, group);
-    r.chosen[0] = 2;
-    r.chosen[1] = 1;
-    w.desc.settings = settings(&bis_rejection, 31, 6);
-    w.desc.settings.proposal = BIS_PROPOSAL_CHOOSE;
-    w.desc.sampler.seed = 34;
+    make_report(&r);
+    desc.settings = settings(&bis_rejection, 31, 6);
+    desc.settings.proposal = BIS_PROPOSAL_CHOOSE;
+    desc.sampler.seed = 34;
     assert_int_equal(bis_light_constant(&scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, 7, 3, (double[]){0, 1, 0, 1}, (bis_loc){0}, NULL), BIS_OK);
-    bis_stats s = {.desc = &w.desc, .scene = &scene, .film = &film, .result = &result, .seconds = {1, 2, 3, 4, 5, 6, 7}, .lines = "all lines",
-                   .exceptions = "lines of exceptions"};
+    bis_stats s = {.desc = &desc, .scene = &scene, .film = &film, .result = &result, .seconds = {1, 2, 3, 4, 5, 6, 7}, .line = "the line"};
 
     char *text = stats_of(&s), *rest = strstr(text, "  \"peak_memory_bytes\": ");
     assert_non_null(rest);
@@ -287,40 +206,32 @@ static void the_stats_are_those_by_hand(void **state)
     free(text);
 
     s.choice = &r;
-    s.exceptions = "";
     text = stats_of(&s);
-    assert_null(strstr(text, "\"exceptions\""));
     assert_non_null(strstr(text, "\"fallbacks\": 105,\n  \"auto\""));
     rest = strstr(text, "  \"auto\"");
     if (strncmp(rest, of_auto, strlen(of_auto)) != 0) fail_msg("%s", rest);
     const struct { const char *path; double value; } figures[] = {
         {"auto.tried.0.replicates", 4}, {"auto.tried.0.pass_seconds", 4.1}, {"auto.tried.0.pass_relmse", 7}, {"auto.tried.0.product", 28.7},
         {"auto.tried.1.replicates", 2}, {"auto.tried.1.pass_seconds", 4.7}, {"auto.tried.1.pass_relmse", 6}, {"auto.tried.1.product", 28.2},
-        {"auto.tried.1.group_seconds.0", 0.5}, {"auto.tried.1.group_seconds.1", 3}, {"auto.tried.1.group_relmse.0", 4},
-        {"auto.tried.1.group_relmse.1", 2}, {"auto.tried.2.pass_seconds", 1.7}, {"auto.tried.2.product", (double)NAN},
-        {"auto.tried.4.pass_seconds", 3.4}, {"auto.tried.4.product", 17}, {"auto.tried.4.group_relmse.1", 3}, {"auto.tried.5.product", (double)NAN},
-        {"auto.tried.1.group_relmse.2", (double)NAN}};
+        {"auto.tried.2.replicates", 3}, {"auto.tried.2.pass_seconds", 1.7}, {"auto.tried.2.product", 34}, {"auto.tried.3.pass_relmse", 3},
+        {"auto.tried.4.pass_seconds", 3.4}, {"auto.tried.4.product", 17}, {"auto.tried.5.product", (double)NAN}};
     for (size_t i = 0; i < sizeof figures / sizeof *figures; i++) {
         const double found = json_number(text, figures[i].path);
         if (!(fabs(found - figures[i].value) < 1e-12) && !(isnan(found) && isnan(figures[i].value))) fail_msg("%s is %g", figures[i].path, found);
     }
     char value[256];
-    assert_string_equal(json_value(value, sizeof value, text, "auto.tried.2.product"), "null");
     assert_string_equal(json_value(value, sizeof value, text, "auto.tried.2.line"),
                         "\"Integrator \\\"em\\\" \\\"integer samples\\\" 8 \\\"bool stratify\\\" false\"");
     free(text);
 
-    /* one group, nothing chosen; other integrators */
-    r.n_groups = 1;
-    w.desc.settings = settings(&bis_exact, 1, 1);
+    /* other integrators */
+    desc.settings = settings(&bis_exact, 1, 1);
     text = stats_of(&s);
     assert_string_equal(json_value(value, sizeof value, text, "candidates_drawn"), "null");
     assert_string_equal(json_value(value, sizeof value, text, "accepted"), "null");
-    assert_string_equal(json_value(value, sizeof value, text, "auto.groups"), "");
-    assert_string_equal(json_value(value, sizeof value, text, "auto.tried.0.group_seconds"), "");
     free(text);
-    w.desc.settings = settings(&bis_rejection, 31, 6);
-    w.desc.settings.estimator = BIS_ESTIMATOR_PLAIN;
+    desc.settings = settings(&bis_rejection, 31, 6);
+    desc.settings.estimator = BIS_ESTIMATOR_PLAIN;
     text = stats_of(&s);
     assert_string_equal(json_value(value, sizeof value, text, "accepted"), "104");
     assert_string_equal(json_value(value, sizeof value, text, "fallbacks"), "null");
@@ -345,25 +256,23 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     (void)state;
     bis_attribute attributes[BIS_MAX_ATTRIBUTES];
     char text[1024];
-    small_world w;
-    bis_auto_report r = {.n_groups = 1};
+    bis_scene_desc desc = small_scene();
+    bis_auto_report r = {0};
     bis_render_result result = {.seconds = 5.5, .relative_rmse = (double)NAN, .spp = 12};
-    make_small_world(&w);
-    w.desc.sampler.seed = 34;
-    w.desc.edge_samples = 1;
-    bis_stats s = {.desc = &w.desc, .result = &result, .lines = "all", .exceptions = ""};
+    desc.sampler.seed = 34;
+    desc.edge_samples = 1;
+    bis_stats s = {.desc = &desc, .result = &result, .line = "all"};
     int n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
                         "scene=a/scene.txt integrator=em samples=8 stratify=false spp=12 seed=34 render_seconds=5.5 bis:version=" BIS_VERSION " ");
     result.relative_rmse = 0.25;
-    w.desc.edge_samples = 2;
-    w.desc.adaptive = true;
+    desc.edge_samples = 2;
+    desc.adaptive = true;
     s.choice = &r;
-    s.exceptions = "others";
     snprintf(s.as_printed, sizeof s.as_printed, "E6 E20");
     n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
-                        "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 adaptive=true exceptions=others "
+                        "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 adaptive=true "
                         "bis:auto=all spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:version=" BIS_VERSION " ");
 }
 
@@ -399,7 +308,6 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
         "  \"string layers\" [\"albedo\" \"normal\" \"depth\"]\n"
         "Camera \"perspective\" \"float fov\" 50\nSampler \"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 2 \"bool adaptive\" true \"integer seed\" 7\n"
         "Integrator \"mis\" \"integer samples\" 12 \"float split\" 0.25 \"bool compensate\" true \"string heuristic\" \"power\"\n"
-        "Integrator \"brdf\" \"integer samples\" 3 \"integer material\" 1\n"
         "Option \"string asprinted\" \"E6\" Option \"bool disablepixeljitter\" true\nAccelerator \"grid\"\nWorldBegin\n"
         "LightSource \"infinite\" \"string filename\" \"map.pfm\" \"bool visible\" false\n"
         "Material \"phong\" \"rgb Kd\" [0.5 0.25 0.125] \"float Ks\" 0 \"float exponent\" 3\nShape \"sphere\" Shape \"disk\"\n"
@@ -419,8 +327,6 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
              "sampler      stratified, 8 camera samples a pixel (4 x 2), seed 7, all through the pixel's centre, adaptive\n"
              "integrator   mis: samples 12, heuristic power, split 0.25, compensate true, stratify false\n"
              "claim        %s\n"
-             "exception    1, brdf: samples 3\n"
-             "claim        %s\n"
              "as printed   E6 (%s): %s\n"
              "light        map " DIR "/map.pfm, latlong, 8 x 4: 0.0 MB of pixels\n"
              "light        not visible to camera rays\n"
@@ -433,14 +339,14 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
              "skip         mesh " DIR "/unused.obj: no shape or instance uses it\n"
              "materials    3 in use\n"
              "material     0: phong, Kd 0.5 0.25 0.125, Ks 0, exponent 3; 2 shapes\n"
-             "material     1: phong, Kd 0, Ks 0.5, exponent 9; 3 shapes; exception 1, brdf\n"
+             "material     1: phong, Kd 0, Ks 0.5, exponent 9; 3 shapes\n"
              "material     2: microfacet, Kd 0.1, Ks 0.2, roughness 0.5; 1 shape\n"
              "skip         diffuse candidates: Kd is 0 in 1 of 3 materials\n"
              "skip         specular candidates: Ks is 0 in 1 of 3 materials\n"
              "build        accelerator grid, default density\n"
              "build        film: about 0.4 MB\n"
              "build        layers albedo normal depth: about 0.4 MB\n",
-             bis_mis.claim, bis_brdf.claim, e6->section, e6->effect);
+             bis_mis.claim, e6->section, e6->effect);
     assert_plan(scene, expected);
 }
 
@@ -522,8 +428,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_line_names_every_parameter_and_its_type),
-        cmocka_unit_test(exceptions_have_lines_with_their_materials),
-        cmocka_unit_test(sums_over_groups_are_those_by_hand),
+        cmocka_unit_test(a_short_line_leaves_out_what_has_its_default),
         cmocka_unit_test(the_line_of_the_choice_is_that_by_hand),
         cmocka_unit_test(the_stats_are_those_by_hand),
         cmocka_unit_test(a_pictures_attributes_are_those_by_hand),

@@ -1,7 +1,6 @@
-/* The figures of auto's pilot by hand: how large it is, what its replicates tell of cost and variance, the fit to them, and
- * groups of materials. How all of it chooses is in test_auto. */
+/* The figures of auto's pilot by hand: how large it is, what its replicates tell of cost and variance, and the fit to
+ * them. How all of it chooses is in test_auto. */
 #include "tools/auto/auto.h"
-#include "tools/auto/auto_choose.h"
 #include "tools/auto/auto_fit.h"
 #include "tools/auto/auto_pilot.h"
 
@@ -80,7 +79,6 @@ static void the_pilots_size_follows_what_is_to_come(void **state)
         if (r.width != cases[i].small_width || r.height != cases[i].small_height || r.passes != cases[i].passes)
             fail_msg("case %zu: %d x %d, %d passes", i, r.width, r.height, r.passes);
         assert_true(!r.is_chosen && r.n_tried == 0 && r.settings.integrator == &bis_sir);
-        bis_auto_report_clear(&r);
         clear_world(&w);
     }
 }
@@ -91,31 +89,31 @@ typedef struct attempt {
     const bis_integrator *integrator;
     bis_proposal proposal; /* of sir */
     uint32_t M, N;
-    unsigned groups;
 } attempt;
 
-/* What a setting of one group is judged by: mis and em may hide a quarter more. */
+/* What a setting is judged by: mis and em may hide a quarter more. */
 static double judged(const bis_auto_report *r, int i)
 {
     const bis_integrator *const it = r->tried[i].settings.integrator;
-    return bis_auto_cost_of_all(r, i) * bis_auto_variance_of_all(r, i) * (it == &bis_mis || it == &bis_em ? 1.25 : 1);
+    return bis_auto_cost_of(r, i) * r->tried[i].variance * (it == &bis_mis || it == &bis_em ? 1.25 : 1);
 }
 
-/* A picture of 8 x 6 pixels. The list by hand, then what the fit proposes: within limits, four times each. */
+/* A picture of 8 x 6 pixels. The list by hand, then what the fit proposes: within limits, four times each, at most one of a
+ * family. There are at most four families, because em and brdf exclude each other. */
 static void assert_tries(world *w, double seconds, const attempt *list, int n)
 {
     const bis_render_options options = {.budget = {.seconds = seconds}, .n_threads = 2};
     bis_auto_report r;
     w->desc.film = (bis_film_desc){.width = 8, .height = 6, .crop = {0, 1, 0, 1}};
     assert_int_equal(bis_auto_choose(&r, &w->scene, &w->desc, &options, NULL), BIS_OK);
-    assert_true(r.is_chosen && r.width == 8 && r.height == 6 && r.n_tried >= n && r.n_tried <= n + 5 + 4);
+    assert_true(r.is_chosen && r.width == 8 && r.height == 6 && r.n_tried >= n && r.n_tried <= n + 4);
     if (seconds < 1) assert_int_equal(r.n_tried, n);
     for (int i = 0; i < r.n_tried; i++) {
         const bis_auto_tried *t = &r.tried[i];
         const bis_settings *s = &t->settings;
         assert_true(s->samples == s->shadowrays && (s->integrator == &bis_sir || s->stratify) && !s->only_sir);
         if (i < n) {
-            assert_true(s->integrator == list[i].integrator && s->shadowrays == list[i].N && t->groups == list[i].groups);
+            assert_true(s->integrator == list[i].integrator && s->shadowrays == list[i].N);
             if (s->integrator == &bis_sir) assert_true(s->proposal == list[i].proposal && s->candidates == list[i].M);
             assert_true(t->replicates == 2 || (t->replicates == 4 && seconds > 1));
         } else {
@@ -123,30 +121,28 @@ static void assert_tries(world *w, double seconds, const attempt *list, int n)
             assert_int_equal(t->replicates, 4);
             assert_in_range(s->shadowrays, 2, 64);
             if (s->integrator == &bis_sir) assert_in_range(s->candidates, product ? 16 : 32, product ? 512 : 2048);
-            for (int k = 0; k < i && r.n_groups == 1; k++) { /* not what is known already */
+            for (int k = 0; k < i; k++) { /* not what is known already */
                 const bis_settings *o = &r.tried[k].settings;
                 assert_false(o->integrator == s->integrator && o->proposal == s->proposal && o->shadowrays == s->shadowrays &&
                              (s->integrator != &bis_sir || o->candidates == s->candidates));
             }
         }
-        if (r.n_groups == 1) assert_true(judged(&r, r.chosen[0]) <= judged(&r, i));
+        assert_true(judged(&r, r.chosen) <= judged(&r, i));
     }
-    assert_memory_equal(&r.settings, &r.tried[r.chosen[r.n_groups > 1 && r.share[1] > r.share[0]]].settings, sizeof r.settings);
-    bis_auto_report_clear(&r);
+    assert_memory_equal(&r.settings, &r.tried[r.chosen].settings, sizeof r.settings);
 }
 
 static void the_lists_of_a_pilot_are_those_by_hand(void **state)
 {
     (void)state;
     const bis_proposal mix = BIS_PROPOSAL_MIX, product = BIS_PROPOSAL_PRODUCT;
-    const attempt glossy[] = {{&bis_mis, mix, 0, 6, 1}, {&bis_mis, mix, 0, 32, 1}, {&bis_sir, mix, 64, 4, 1}, {&bis_sir, mix, 64, 20, 1},
-                              {&bis_sir, mix, 256, 8, 1}, {&bis_sir, product, 32, 4, 1}, {&bis_sir, product, 64, 16, 1}, {&bis_sir, product, 192, 6, 1}};
-    const attempt short_list[] = {{&bis_mis, mix, 0, 16, 1}, {&bis_sir, mix, 64, 16, 1}, {&bis_sir, product, 64, 16, 1}};
-    const attempt diffuse[] = {{&bis_em, mix, 0, 32, 1}, {&bis_mis, mix, 0, 16, 1}, {&bis_sir, mix, 64, 16, 1}, {&bis_sir, product, 64, 16, 1}};
-    const attempt constant[] = {{&bis_brdf, mix, 0, 8, 1}, {&bis_mis, mix, 0, 16, 1}, {&bis_sir, mix, 64, 16, 1}};
-    const attempt two[] = {{&bis_em, mix, 0, 8, 1}, {&bis_em, mix, 0, 48, 1}, {&bis_mis, mix, 0, 6, 3}, {&bis_mis, mix, 0, 32, 3},
-                           {&bis_sir, mix, 64, 4, 3}, {&bis_sir, mix, 64, 20, 3}, {&bis_sir, mix, 256, 8, 3}, {&bis_sir, product, 32, 4, 3},
-                           {&bis_sir, product, 64, 16, 3}, {&bis_sir, product, 192, 6, 3}};
+    const attempt glossy[] = {{&bis_mis, mix, 0, 6}, {&bis_mis, mix, 0, 32}, {&bis_sir, mix, 64, 4}, {&bis_sir, mix, 64, 20},
+                              {&bis_sir, mix, 256, 8}, {&bis_sir, product, 32, 4}, {&bis_sir, product, 64, 16}, {&bis_sir, product, 192, 6}};
+    const attempt short_list[] = {{&bis_mis, mix, 0, 16}, {&bis_sir, mix, 64, 16}, {&bis_sir, product, 64, 16}};
+    const attempt diffuse[] = {{&bis_em, mix, 0, 8}, {&bis_em, mix, 0, 48}, {&bis_mis, mix, 0, 6}, {&bis_mis, mix, 0, 32}, {&bis_sir, mix, 64, 4},
+                               {&bis_sir, mix, 64, 20}, {&bis_sir, mix, 256, 8}, {&bis_sir, product, 32, 4}, {&bis_sir, product, 64, 16}, {&bis_sir, product, 192, 6}};
+    const attempt short_diffuse[] = {{&bis_em, mix, 0, 32}, {&bis_mis, mix, 0, 16}, {&bis_sir, mix, 64, 16}, {&bis_sir, product, 64, 16}};
+    const attempt constant[] = {{&bis_brdf, mix, 0, 8}, {&bis_mis, mix, 0, 16}, {&bis_sir, mix, 64, 16}};
     world w;
     make_world(&w, &bis_auto);
     w.materials[1] = w.materials[0];
@@ -156,9 +152,10 @@ static void the_lists_of_a_pilot_are_those_by_hand(void **state)
     assert_tries(&w, 0.1, short_list + 1, 2);
     w.desc.settings.only_sir = false;
     w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
-    assert_tries(&w, 0.1, diffuse, 4);
-    w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.9f, 0.9f}, 5000);
-    assert_tries(&w, 1000, two, 10);
+    assert_tries(&w, 0.1, short_diffuse, 4);
+    assert_tries(&w, 1000, diffuse, 10);
+    w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.9f, 0.9f}, 5000); /* em is for diffuse surfaces alone, and the floor is not narrow */
+    assert_tries(&w, 0.1, short_list, 3);
     bis_light *const map = w.scene.light;
     assert_int_equal(bis_light_constant(&w.scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
     assert_tries(&w, 0.1, constant, 3);
@@ -219,15 +216,14 @@ static void what_may_hide_a_quarter_must_win_by_more(void **state)
         assert_int_equal(bis_auto_choose(&r, &w.scene, &w.desc, &options, NULL), BIS_OK);
         counts_work = false;
         w.scene.accel = accel.inner;
-        assert_true(r.n_groups == 1 && r.is_chosen);
+        assert_true(r.is_chosen);
         int best = 0, plain = 0;
         for (int i = 1; i < r.n_tried; i++) {
             if (judged(&r, i) < judged(&r, best)) best = i;
-            if (bis_auto_cost_of_all(&r, i) * bis_auto_variance_of_all(&r, i) < bis_auto_cost_of_all(&r, plain) * bis_auto_variance_of_all(&r, plain)) plain = i;
+            if (bis_auto_cost_of(&r, i) * r.tried[i].variance < bis_auto_cost_of(&r, plain) * r.tried[plain].variance) plain = i;
         }
-        assert_int_equal(r.chosen[0], best);
+        assert_int_equal(r.chosen, best);
         decided += best != plain;
-        bis_auto_report_clear(&r);
         clear_world(&w);
     }
     if (decided < 2) fail_msg("it decided in %d pilots only", decided);
@@ -235,25 +231,24 @@ static void what_may_hide_a_quarter_must_win_by_more(void **state)
 
 /* ---- cost and variance ---- */
 
-enum { MOST_PIXELS = 64 };
+enum { MOST_PIXELS = 64, CELLS = 9 };
 
 /* A pilot without a scene: replicates come by hand. */
-static void make_pilot(bis_auto_pilot *p, bis_auto_report *r, size_t n_pixels, int n_groups, uint32_t passes)
+static void make_pilot(bis_auto_pilot *p, bis_auto_report *r, size_t n_pixels, uint32_t passes)
 {
-    *r = (bis_auto_report){.n_groups = n_groups};
+    *r = (bis_auto_report){0};
     *p = (bis_auto_pilot){.report = r, .n_pixels = n_pixels, .passes = passes, .scale = 1};
     p->picture = bis_alloc(3 * n_pixels, sizeof *p->picture);
     p->shaded = bis_alloc(n_pixels, sizeof *p->shaded);
     for (size_t k = 0; k < n_pixels; k++) p->shaded[k] = true;
-    if (n_groups > 1) p->shows = bis_alloc(n_pixels, sizeof *p->shows);
 }
 
-static int add_trial(bis_auto_pilot *p, unsigned groups)
+static int add_trial(bis_auto_pilot *p)
 {
     const bis_settings s = bis_settings_default(&bis_mis);
-    assert_int_equal(bis_auto_pilot_add(p, 3, groups, &s, 2, NULL), BIS_OK);
+    assert_int_equal(bis_auto_pilot_add(p, 3, &s, 2, NULL), BIS_OK);
     const bis_auto_trial *t = &p->trials[p->report->n_tried - 1];
-    assert_true(t->family == 3 && t->wanted == 2 && isinf(t->seconds) && isinf(t->fill) && isinf(t->shading[3]) && t->sum[0] == 0);
+    assert_true(t->family == 3 && t->wanted == 2 && isinf(t->seconds) && isinf(t->fill) && t->sum[0] == 0);
     return p->report->n_tried - 1;
 }
 
@@ -266,7 +261,7 @@ static void see(bis_auto_pilot *p, int i, size_t pixel, double x)
     }
 }
 
-static size_t cell_of(size_t pixel) { return bis_hash(pixel) % BIS_AUTO_CELLS; }
+static size_t cell_of(size_t pixel) { return bis_hash(pixel) % CELLS; }
 
 /* The first pixels that lie in n different cells. */
 static void find_pixels(size_t *pixel, int n)
@@ -289,10 +284,10 @@ static void the_variance_of_three_pixels_is_that_by_hand(void **state)
     bis_auto_pilot p;
     bis_auto_report r;
     find_pixels(pixel, 3);
-    make_pilot(&p, &r, MOST_PIXELS, 1, 2);
+    make_pilot(&p, &r, MOST_PIXELS, 2);
     memset(p.shaded, 0, MOST_PIXELS * sizeof *p.shaded);
     for (int i = 0; i < 3; i++) p.shaded[pixel[i]] = true;
-    const int i = add_trial(&p, 1);
+    const int i = add_trial(&p);
     const double x[3][2] = {{1, 3}, {4, 6}, {8, 12}}, floor = 289 / 900.0;
     for (int n = 0; n < 2; n++) {
         for (int k = 0; k < 3; k++) see(&p, i, pixel[k], x[k][n]);
@@ -303,14 +298,10 @@ static void the_variance_of_three_pixels_is_that_by_hand(void **state)
     p.trials[i].fill = 1;
     p.scale = 5;
     bis_auto_pilot_measure(&p);
-    assert_close(r.tried[i].variance[0], 2 * (2 / (25 + floor) + 2 * 8 / (100 + floor)) / 3);
-    for (int k = 0; k < 3; k++) { /* nothing is forgiven in the cells; three channels */
-        assert_close(p.trials[i].cell[0][cell_of(pixel[k])], 3 * (k == 2 ? 8 : 2) / (pow(x[k][0] + x[k][1], 2) / 4 + floor));
-        assert_close(p.picture[3 * pixel[k] + 1], (x[k][0] + x[k][1]) / 2);
-    }
-    assert_close(r.tried[i].cost[0], (3 - 1) * 5 / 2.0);
+    assert_close(r.tried[i].variance, 2 * (2 / (25 + floor) + 2 * 8 / (100 + floor)) / 3);
+    for (int k = 0; k < 3; k++) assert_close(p.picture[3 * pixel[k] + 1], (x[k][0] + x[k][1]) / 2);
+    assert_close(r.tried[i].cost, (3 - 1) * 5 / 2.0);
     assert_close(r.tried[i].fill, 0.5);
-    assert_true(r.common == 0);
     bis_auto_pilot_clear(&p);
 }
 
@@ -322,8 +313,8 @@ static void a_cell_is_the_mean_of_its_pixels(void **state)
     bis_auto_pilot p;
     bis_auto_report r;
     find_pixels(pixel, 2);
-    make_pilot(&p, &r, MOST_PIXELS, 1, 1);
-    const int i = add_trial(&p, 1);
+    make_pilot(&p, &r, MOST_PIXELS, 1);
+    const int i = add_trial(&p);
     const double x[4] = {1, 2, 4, 5};
     for (size_t k = 0; k < MOST_PIXELS; k++) {
         const int c = cell_of(k) == cell_of(pixel[0]) ? 0 : cell_of(k) == cell_of(pixel[1]) ? 1 : -1;
@@ -336,78 +327,78 @@ static void a_cell_is_the_mean_of_its_pixels(void **state)
     r.tried[i].replicates = 4;
     bis_auto_pilot_measure(&p);
     /* 10/3 over 9.09, of 3 and of 2 pixels; the larger one is lowered */
-    assert_close(r.tried[i].variance[0], 10 / 3.0 / 9.09 / 3);
+    assert_close(r.tried[i].variance, 10 / 3.0 / 9.09 / 3);
     bis_auto_pilot_clear(&p);
 }
 
-/* Pixel 0 shows the first group, pixel 1 the second. a scatters nowhere, b scatters by 8 about 3, c may be chosen for the second
- * group alone. The picture is the mean by replicates/variance (where that is 0, by replicates), three times over. */
+/* Two pixels in two cells. a scatters nowhere, b by 8 in both, about 3 and about 5, c by 8/3. The picture is the mean by
+ * replicates/variance (where that is 0, by replicates), three times over. The variance is that of the brighter pixel's cell,
+ * because it is the lower one and the other is lowered to it. */
 static void variances_and_weights_follow_from_each_other(void **state)
 {
     (void)state;
+    size_t pixel[2];
     bis_auto_pilot p;
     bis_auto_report r;
-    make_pilot(&p, &r, 2, 2, 1);
-    p.shows[1] = 1;
-    const int a = add_trial(&p, 3), b = add_trial(&p, 3), c = add_trial(&p, 2);
+    find_pixels(pixel, 2);
+    make_pilot(&p, &r, MOST_PIXELS, 1);
+    for (size_t k = 0; k < MOST_PIXELS; k++) p.shaded[k] = k == pixel[0] || k == pixel[1];
+    const int a = add_trial(&p), b = add_trial(&p), c = add_trial(&p);
     for (int n = 0; n < 2; n++) {
-        for (size_t k = 0; k < 2; k++) {
-            see(&p, a, k, 2);
-            see(&p, b, k, n ? 5 : 1);
-            see(&p, c, k, n ? 8 : 4);
-            see(&p, c, k, 6); /* a third replicate would be half as noisy: the scatter of 4 8 6 6 is 8/3 */
+        for (int k = 0; k < 2; k++) {
+            see(&p, a, pixel[k], 2);
+            see(&p, b, pixel[k], 2 * k + (n ? 5 : 1));
+            see(&p, c, pixel[k], n ? 8 : 4);
+            see(&p, c, pixel[k], 6); /* 4 8 6 6 */
         }
     }
     r.tried[a].replicates = r.tried[b].replicates = 2;
     r.tried[c].replicates = 4;
     bis_auto_pilot_measure(&p);
 
-    double v_b[2] = {0, 0}, v_c = 0, picture[2] = {0, 0};
+    double v_b = 0, v_c = 0, picture[2] = {0, 0};
     for (int turn = 0; turn < 3; turn++) {
-        const double w0 = turn ? 2 / v_b[0] : 2, w1 = turn ? 2 / v_b[1] : 2, w2 = turn ? 4 / v_c : 4;
-        picture[0] = (2 * 2.0 + w0 * 3) / (2 + w0);
-        picture[1] = (2 * 2.0 + w1 * 3 + w2 * 6) / (2 + w1 + w2);
-        const double mean = (picture[0] + picture[1]) / 2, floor = mean * mean / 100;
-        for (int g = 0; g < 2; g++) v_b[g] = 8 / (picture[g] * picture[g] + floor) / 2; /* half of the pixels */
-        v_c = 8 / 3.0 / (picture[1] * picture[1] + floor) / 2;
+        const double w_b = turn ? 2 / v_b : 2, w_c = turn ? 4 / v_c : 4;
+        for (int k = 0; k < 2; k++) picture[k] = (2 * 2 + w_b * (3 + 2 * k) + w_c * 6) / (2 + w_b + w_c);
+        const double mean = (picture[0] + picture[1]) / 2, reference = picture[1] * picture[1] + mean * mean / 100;
+        v_b = 8 / reference;
+        v_c = 8 / 3.0 / reference;
     }
-    for (int g = 0; g < 2; g++) {
-        assert_true(r.tried[a].variance[g] == 0);
-        assert_close(p.picture[3 * g], picture[g]);
-        assert_close(r.tried[b].variance[g], v_b[g]);
-    }
-    assert_close(r.tried[c].variance[1], v_c);
+    assert_true(picture[1] > picture[0]);
+    for (int k = 0; k < 2; k++) assert_close(p.picture[3 * pixel[k]], picture[k]);
+    assert_true(r.tried[a].variance == 0);
+    assert_close(r.tried[b].variance, v_b);
+    assert_close(r.tried[c].variance, v_c);
     bis_auto_pilot_clear(&p);
 }
 
-/* With two groups: shading by the meter; in common is the least that is left of any setting. */
+/* Two passes, a tenth of the pixels: the fill is halved, what is left five times as much. */
 static void costs_are_what_the_clock_says_by_hand(void **state)
 {
     (void)state;
     bis_auto_pilot p;
     bis_auto_report r;
-    make_pilot(&p, &r, 2, 2, 2);
-    p.shows[1] = 1;
+    make_pilot(&p, &r, 2, 2);
     p.scale = 10;
     for (int i = 0; i < 2; i++) {
-        add_trial(&p, 3);
+        add_trial(&p);
         r.tried[i].replicates = 2;
         for (size_t k = 0; k < 4; k++) see(&p, i, k % 2, 1);
     }
-    p.trials[0].seconds = 10, p.trials[0].fill = 1, p.trials[0].shading[0] = 2, p.trials[0].shading[1] = 4;  /* 3 left */
-    p.trials[1].seconds = 12, p.trials[1].fill = 3, p.trials[1].shading[0] = 5, p.trials[1].shading[1] = 2;  /* 2 left */
+    p.trials[0].seconds = 10, p.trials[0].fill = 1; /* 9 left */
+    p.trials[1].seconds = 13, p.trials[1].fill = 3; /* 10 left */
     bis_auto_pilot_measure(&p);
-    assert_close(r.common, 2 * 10 / 2.0);
-    const double cost[2][2] = {{10, 20}, {25, 10}}, fill[2] = {0.5, 1.5};
+    const double cost[2] = {45, 50}, fill[2] = {0.5, 1.5};
     for (int i = 0; i < 2; i++) {
         assert_close(r.tried[i].fill, fill[i]);
-        for (int g = 0; g < 2; g++) assert_close(r.tried[i].cost[g], cost[i][g]);
-        assert_close(bis_auto_cost_of_all(&r, i), 10 + fill[i] + cost[i][0] + cost[i][1]);
-        assert_true(r.tried[i].variance[0] == 0 && r.tried[i].variance[1] == 0);
+        assert_close(r.tried[i].cost, cost[i]);
+        assert_close(bis_auto_cost_of(&r, i), fill[i] + cost[i]);
+        assert_true(r.tried[i].variance == 0);
     }
-    p.trials[1].seconds = 5; /* less than its parts: nothing is negative */
+    p.trials[1].seconds = 2; /* less than its fill: nothing is negative */
     bis_auto_pilot_measure(&p);
-    assert_true(r.common == 0);
+    assert_true(r.tried[1].cost == 0);
+    assert_close(bis_auto_cost_of(&r, 1), 1.5);
     bis_auto_pilot_clear(&p);
 }
 
@@ -420,15 +411,15 @@ static void a_pilot_runs_as_often_as_was_wanted(void **state)
     make_world(&w, &bis_auto);
     w.desc.film = (bis_film_desc){.width = 8, .height = 6, .crop = {0, 1, 0, 1}};
     bis_scene_set_spp(&w.desc, 1);
-    r = (bis_auto_report){.n_groups = 1, .group = (unsigned char[]){0, 0}};
+    r = (bis_auto_report){0};
     p = (bis_auto_pilot){.scene = &w.scene, .desc = w.desc, .report = &r, .n_pixels = 48, .passes = 1, .scale = 1, .n_threads = 2,
                          .options = {.budget = {.spp = 1}, .n_threads = 1}};
     assert_int_equal(bis_auto_pilot_start(&p, NULL), BIS_OK);
-    assert_false(p.diffuse[0]);
+    assert_false(p.is_diffuse);
     for (int i = 0; i < 2; i++) {
         bis_settings s = bis_settings_default(&bis_mis);
         s.samples = 2;
-        assert_int_equal(bis_auto_pilot_add(&p, 2, 1, &s, 3 - i, NULL), BIS_OK);
+        assert_int_equal(bis_auto_pilot_add(&p, 2, &s, 3 - i, NULL), BIS_OK);
     }
     assert_int_equal(bis_auto_pilot_run(&p, NULL), BIS_OK);
     assert_true(r.tried[0].replicates == 3 && r.tried[1].replicates == 2 && p.trials[0].wanted == 0);
@@ -527,130 +518,6 @@ static void the_best_M_is_that_of_the_formula_within_its_limits(void **state)
     }
 }
 
-/* ---- combinations ---- */
-
-enum { OFFERS = 4 };
-
-/* All of them, one after the other; a fill once for each id. */
-static void the_best_combination_is_that_of_brute_force(void **state)
-{
-    (void)state;
-    bis_rng rng;
-    bis_rng_init(&rng, 41, 0, 0, 0);
-    for (int k = 0; k < 300; k++) {
-        const int n_groups = 1 + k % 4, n[4] = {1 + k % 3, 4, 2 + k % 2, 1 + k % 4};
-        bis_auto_offer offers[4][OFFERS];
-        const bis_auto_offer *lists[4] = {offers[0], offers[1], offers[2], offers[3]};
-        double fill[OFFERS];
-        int chosen[4] = {-1, -1, -1, -1}, total = 1;
-        for (int i = 0; i < OFFERS; i++) fill[i] = bis_rng_double(&rng);
-        for (int g = 0; g < 4; g++)
-            for (int i = 0; i < OFFERS; i++) offers[g][i] = (bis_auto_offer){i, fill[i], bis_rng_double(&rng), bis_rng_double(&rng)};
-        const double base = bis_rng_double(&rng), found = bis_auto_combine(chosen, lists, n, n_groups, base, 1.2);
-        double least = (double)INFINITY;
-        int best = -1, code = 0;
-        for (int g = 0; g < n_groups; g++) total *= n[g];
-        for (int c = 0; c < total; c++) {
-            double cost = base, variance = 0;
-            unsigned used = 0;
-            for (int g = 0, rest = c; g < n_groups; rest /= n[g++]) {
-                cost += offers[g][rest % n[g]].cost;
-                variance += offers[g][rest % n[g]].variance;
-                used |= 1u << rest % n[g];
-            }
-            double product = 1 / 1.2;
-            for (int i = 0; i < OFFERS; i++)
-                if (used >> i & 1) {
-                    cost += fill[i];
-                    product *= 1.2;
-                }
-            product *= cost * variance;
-            if (product < least) {
-                least = product;
-                best = c;
-            }
-        }
-        for (int g = n_groups - 1; g >= 0; g--) code = code * n[g] + chosen[g];
-        assert_int_equal(code, best);
-        assert_true(fabs(found / least - 1) < 1e-12);
-    }
-}
-
-/* ---- groups ---- */
-
-static void assert_merged(int n, const double *key, const double *weight, const int *group)
-{
-    bis_auto_kind kinds[8];
-    for (int i = 0; i < n; i++) kinds[i] = (bis_auto_kind){.key = key[i], .weight = weight[i], .group = 99};
-    assert_int_equal(bis_auto_merge(kinds, n), group[n - 1] + 1);
-    for (int i = 0; i < n; i++) assert_int_equal(kinds[i].group, group[i]);
-}
-
-static void neighbours_are_merged_by_what_it_widens(void **state)
-{
-    (void)state;
-    const double one[8] = {1, 1, 1, 1, 1, 1, 1, 1};
-    /* a distance of 0.7, a share of 0.03 */
-    assert_merged(2, (double[]){0, 0.69}, one, (int[]){0, 0});
-    assert_merged(2, (double[]){0, 0.71}, one, (int[]){0, 1});
-    assert_merged(2, (double[]){0, 5}, (double[]){2.9, 97.1}, (int[]){0, 0});
-    assert_merged(2, (double[]){0, 5}, (double[]){3.1, 96.9}, (int[]){0, 1});
-    /* five: w1 w2/(w1 + w2) d^2 is 1/2 for the first two, 0.72 for the next; with ten times their weight 5 */
-    assert_merged(5, (double[]){0, 1, 3, 4.2, 7}, one, (int[]){0, 0, 1, 2, 3});
-    assert_merged(5, (double[]){0, 1, 3, 4.2, 7}, (double[]){10, 10, 1, 1, 1}, (int[]){0, 1, 2, 2, 3});
-    /* the mean goes by weight: of 0 and 0.5 it is 0.05, or 0.45, from which 1.1 is nearer than 0.7 */
-    assert_merged(3, (double[]){0, 0.5, 1.1}, (double[]){9, 1, 9}, (int[]){0, 0, 1});
-    assert_merged(3, (double[]){0, 0.5, 1.1}, (double[]){1, 9, 9}, (int[]){0, 0, 0});
-    assert_merged(1, (double[]){4}, one, (int[]){0});
-}
-
-/* Paper and steel of which a third, unused material is like none: who is seen in each pixel's centre, by asking again. */
-static void groups_and_their_shares_are_those_of_the_pixels_centres(void **state)
-{
-    (void)state;
-    enum { W = 24, H = 14 };
-    unsigned char group[3] = {9, 9, 9}, *shows;
-    bis_material materials[3];
-    double share[BIS_AUTO_MOST_GROUPS];
-    int n_groups, met[2] = {0, 0};
-    bis_film film;
-    world w;
-    make_world(&w, &bis_auto);
-    materials[0] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
-    materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.9f, 0.9f}, 5000);
-    materials[2] = materials[1];
-    w.desc.materials = materials;
-    w.desc.n_materials = 3;
-    for (int swapped = 0; swapped < 2; swapped++) {
-        if (swapped) { /* the steel one comes first now: groups go by narrowness, not by number */
-            const bis_material m = materials[0];
-            materials[0] = materials[1];
-            materials[1] = m;
-        }
-        assert_int_equal(bis_film_init(&film, W, H, whole, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_auto_group(group, &n_groups, share, &shows, &film, &w.scene, &w.desc, NULL), BIS_OK);
-        assert_int_equal(n_groups, 2);
-        assert_true(group[0] == swapped && group[1] == !swapped);
-        met[0] = met[1] = 0;
-        uint32_t seen[W * H];
-        for (int i = 0; i < W * H; i++) {
-            const ray eye = bis_camera_ray(&w.desc.camera, W, H, i % W + 0.5, i / W + 0.5);
-            bis_hit hit;
-            seen[i] = bis_accel_intersect(w.scene.accel, &eye, &hit) ? hit.prim >= 2 : 9; /* two triangles are the floor */
-            if (seen[i] < 2) met[group[seen[i]]]++;
-        }
-        assert_true(met[0] > 20 && met[1] > 20 && met[0] != met[1]);
-        const int largest = met[1] > met[0];
-        for (int g = 0; g < 2; g++) assert_close(share[g], met[g] / (double)(met[0] + met[1]));
-        assert_true(share[2] == 0 && share[3] == 0);
-        for (int i = 0; i < W * H; i++) assert_int_equal(shows[i], seen[i] < 2 ? group[seen[i]] : largest);
-        assert_int_equal(group[2], largest); /* no shape has it */
-        bis_free(shows);
-        bis_film_clear(&film);
-    }
-    clear_world(&w);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -665,9 +532,6 @@ int main(void)
         cmocka_unit_test(no_other_coefficients_fit_better),
         cmocka_unit_test(what_cannot_be_told_apart_is_0),
         cmocka_unit_test(the_best_M_is_that_of_the_formula_within_its_limits),
-        cmocka_unit_test(the_best_combination_is_that_of_brute_force),
-        cmocka_unit_test(neighbours_are_merged_by_what_it_widens),
-        cmocka_unit_test(groups_and_their_shares_are_those_of_the_pixels_centres),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

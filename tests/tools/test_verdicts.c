@@ -551,8 +551,28 @@ static rgb Lo_counted(const bis_settings *s, const bis_point *pt, bis_stream *st
     return rgb_from(bis_stream_random(stream), 1, 1);
 }
 
+/* The message of the allocation for the runs says how many there are to be. */
+static unsigned runs_that_find_no_room(const bis_point *pt, const bis_settings *s, unsigned halvings)
+{
+    for (long k = 1;; k++) {
+        bis_verify v = {.seed = 1, .halvings = halvings};
+        bis_diag diag = {0};
+        bool tested;
+        unsigned n = 0;
+        bis_mem_fail_at(k);
+        const bis_status status = bis_verify_point(&v, pt, s, 1, BIS_SAMPLER_RANDOM, "p", &tested, &diag);
+        bis_mem_fail_at(0);
+        assert_int_equal(status, BIS_NOMEM); /* so k comes to the runs before all has room */
+        if (diag.n_errors) sscanf(diag.messages[0].text, "error: no memory for %u runs", &n);
+        bis_diag_clear(&diag);
+        bis_verify_clear(&v);
+        if (n) return n;
+    }
+}
+
 /* As many runs as 2^21 candidates and eighths of rays are, 64 to 2^14; `exact`: 2^18 patches, 2 to 2^12 runs. The map has 128 x 64
- * patches, a constant light fewer. */
+ * patches, a constant light fewer. A copy that counts reads no parameter of the table, because the table knows integrators by
+ * their address: it is taken for one with samples. */
 static void the_number_of_runs_follows_the_cost(void **state)
 {
     (void)state;
@@ -567,12 +587,15 @@ static void the_number_of_runs_follows_the_cost(void **state)
         bis_verify v = {.seed = 1, .halvings = cases[i].halvings};
         bool tested;
         lit l;
-        counted.Lo = Lo_counted;
-        s.integrator = &counted;
         s.samples = cases[i].samples;
         s.candidates = cases[i].M;
         s.shadowrays = cases[i].N;
         lit_init(&l, light, bis_phong(grey(0.5), grey(0), 1), (vec3){0, 0, 1}, 40, LIT_OPEN);
+        const unsigned n = runs_that_find_no_room(&l.pt, &s, cases[i].halvings);
+        if (n != cases[i].runs) fail_msg("%s, case %zu: room for %u runs", counted.name, i, n);
+        if (!bis_parameter_of(cases[i].of, "samples")) continue;
+        counted.Lo = Lo_counted;
+        s.integrator = &counted;
         n_estimates = 0;
         assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
         assert_true(tested);
