@@ -94,7 +94,7 @@ static void make_small_world(small_world *w)
     for (int i = 0; i < 5; i++) w->shapes[i] = (bis_shape_desc){.kind = BIS_SHAPE_SPHERE, .material = of[i]};
     w->desc.materials = w->materials;
     w->desc.shapes = w->shapes;
-    w->desc.settings = settings(&bis_em, 0, 8);
+    w->desc.view.settings = settings(&bis_em, 0, 8);
     w->desc.exceptions.of_material = w->of_material;
 }
 
@@ -181,13 +181,13 @@ static void the_line_of_the_choice_is_that_by_hand(void **state)
 
     /* one setting for all: its fill counts once */
     r.chosen[0] = r.chosen[1] = 4;
-    w.desc.settings = r.tried[4].settings;
+    w.desc.view.settings = r.tried[4].settings;
     assert_string_equal(bis_describe_choice(line, &r, &w.desc),
                         "sir, product, 64 candidates, 16 shadow rays; to the same error the best of mis 1.7, sir mix 1.3 times as long "
                         "(pilot: 5 settings of 2 groups of materials, 0.5 s)");
     /* em for the first, product for the second: (1 + 0.2 + 0.2 + 0.4 + 1) (0.1 + 3) = 8.68 */
     r.chosen[0] = 2;
-    w.desc.settings = r.tried[2].settings;
+    w.desc.view.settings = r.tried[2].settings;
     w.desc.exceptions.n = 1;
     w.desc.exceptions.settings[0] = r.tried[4].settings;
     w.of_material[1] = w.of_material[3] = 1;
@@ -261,9 +261,9 @@ static void the_stats_are_those_by_hand(void **state)
     make_report(&r, group);
     r.chosen[0] = 2;
     r.chosen[1] = 1;
-    w.desc.settings = settings(&bis_rejection, 31, 6);
-    w.desc.settings.proposal = BIS_PROPOSAL_CHOOSE;
-    w.desc.sampler.seed = 34;
+    w.desc.view.settings = settings(&bis_rejection, 31, 6);
+    w.desc.view.settings.proposal = BIS_PROPOSAL_CHOOSE;
+    w.desc.view.sampler.seed = 34;
     assert_int_equal(bis_light_constant(&scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, 7, 3, (double[]){0, 1, 0, 1}, (bis_loc){0}, NULL), BIS_OK);
     bis_stats s = {.desc = &w.desc, .scene = &scene, .film = &film, .result = &result, .seconds = {1, 2, 3, 4, 5, 6, 7}, .lines = "all lines",
@@ -312,15 +312,15 @@ static void the_stats_are_those_by_hand(void **state)
 
     /* one group, nothing chosen; other integrators */
     r.n_groups = 1;
-    w.desc.settings = settings(&bis_exact, 1, 1);
+    w.desc.view.settings = settings(&bis_exact, 1, 1);
     text = stats_of(&s);
     assert_string_equal(json_value(value, sizeof value, text, "candidates_drawn"), "null");
     assert_string_equal(json_value(value, sizeof value, text, "accepted"), "null");
     assert_string_equal(json_value(value, sizeof value, text, "auto.groups"), "");
     assert_string_equal(json_value(value, sizeof value, text, "auto.tried.0.group_seconds"), "");
     free(text);
-    w.desc.settings = settings(&bis_rejection, 31, 6);
-    w.desc.settings.estimator = BIS_ESTIMATOR_PLAIN;
+    w.desc.view.settings = settings(&bis_rejection, 31, 6);
+    w.desc.view.settings.estimator = BIS_ESTIMATOR_PLAIN;
     text = stats_of(&s);
     assert_string_equal(json_value(value, sizeof value, text, "accepted"), "104");
     assert_string_equal(json_value(value, sizeof value, text, "fallbacks"), "null");
@@ -349,15 +349,15 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     bis_auto_report r = {.n_groups = 1};
     bis_render_result result = {.seconds = 5.5, .relative_rmse = (double)NAN, .spp = 12};
     make_small_world(&w);
-    w.desc.sampler.seed = 34;
-    w.desc.edge_samples = 1;
+    w.desc.view.sampler.seed = 34;
+    w.desc.view.edge_samples = 1;
     bis_stats s = {.desc = &w.desc, .result = &result, .lines = "all", .exceptions = ""};
     int n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
                         "scene=a/scene.txt integrator=em samples=8 stratify=false spp=12 seed=34 render_seconds=5.5 bis:version=" BIS_VERSION " ");
     result.relative_rmse = 0.25;
-    w.desc.edge_samples = 2;
-    w.desc.adaptive = true;
+    w.desc.view.edge_samples = 2;
+    w.desc.view.adaptive = true;
     s.choice = &r;
     s.exceptions = "others";
     snprintf(s.as_printed, sizeof s.as_printed, "E6 E20");
