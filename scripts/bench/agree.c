@@ -124,11 +124,11 @@ static bis_status measure(estimate *e, bis_scene_desc *desc, const candidate *c,
     double value[VALUES], m2[VALUES] = {0};
     bis_status status = bis_scene_build(&scene, desc, diag);
     if (status) goto done;
-    status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, (bis_loc){0}, diag);
+    status = bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, diag);
     if (status) goto done;
     memset(e, 0, sizeof *e);
     if (c) {
-        bool sampled = desc->settings.integrator == &bis_em || desc->settings.integrator == &bis_brdf || desc->settings.integrator == &bis_mis;
+        bool sampled = desc->view.settings.integrator == &bis_em || desc->view.settings.integrator == &bis_brdf || desc->view.settings.integrator == &bis_mis;
         e->bound = largest_sample(scene, desc, c);
         for (int cell = 0; cell < CELLS; cell++)
             e->samples[cell] = (double)(film.width * film.height) / (cell ? TILES * TILES : 1) * replicates * spp * (sampled ? SAMPLES : CANDIDATES_M);
@@ -136,10 +136,10 @@ static bis_status measure(estimate *e, bis_scene_desc *desc, const candidate *c,
     for (unsigned r = 0; r < replicates; r++) {
         bis_render_options ro = {.budget.spp = spp};
         bis_render_result result;
-        desc->sampler.seed = seed + r;
+        desc->view.sampler.seed = seed + r;
         bis_film_clear(&film);
-        status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, (bis_loc){0}, diag);
-        if (!status) status = bis_render(&result, &film, scene, desc, &ro, diag);
+        status = bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, diag);
+        if (!status) status = bis_render(&result, &film, scene, desc, &desc->view, &ro, diag);
         if (status) goto done;
         cell_means(&film, value);
         for (int i = 0; i < VALUES; i++) {
@@ -169,7 +169,7 @@ static void configure(bis_scene_desc *desc, const candidate *c)
     s.samples = SAMPLES;
     s.candidates = CANDIDATES_M;
     s.shadowrays = 8;
-    desc->settings = s;
+    desc->view.settings = s;
 }
 
 /* Welch's t-test of one value; both exact (se 0, as where all is background): they must be equal to rounding of the
@@ -191,15 +191,15 @@ static int test_scene(const char *path, const options *o, double alpha_each)
     int failures = 0;
 
     if (bis_scene_parse(&desc, path, &diag)) goto fail;
-    desc->pixel_jitter = false;
-    desc->film.width = o->width;
-    desc->film.height = o->height;
-    desc->film.crop[0] = desc->film.crop[2] = 0;
-    desc->film.crop[1] = desc->film.crop[3] = 1;
+    desc->view.pixel_jitter = false;
+    desc->view.film.width = o->width;
+    desc->view.film.height = o->height;
+    desc->view.film.crop[0] = desc->view.film.crop[2] = 0;
+    desc->view.film.crop[1] = desc->view.film.crop[3] = 1;
 
     bool exact = strcmp(o->reference, "exact") == 0;
-    desc->settings = bis_settings_default(bis_integrator_find(o->reference));
-    desc->settings.samples = 1024;
+    desc->view.settings = bis_settings_default(bis_integrator_find(o->reference));
+    desc->view.settings.samples = 1024;
     if (measure(&reference, desc, NULL, o->reference_replicates, 1000, exact ? 1 : 16, &diag)) goto fail;
     printf("%s  mean %.5g %.5g %.5g +- %.1e (%s)\n", path, reference.mean[0], reference.mean[1], reference.mean[2], reference.se[0], o->reference);
     fflush(stdout);

@@ -80,11 +80,11 @@ static double render(job *j, bis_film *film, int width, int height, uint64_t see
     bis_diag diag = {0};
     bis_render_result result;
 
-    j->desc->sampler.seed = seed;
+    j->desc->view.sampler.seed = seed;
     bis_film_clear(film);
-    check(bis_film_init(film, width, height, j->desc->film.crop, (bis_loc){0}, &diag), &diag);
+    check(bis_film_init(film, width, height, j->desc->view.film.crop, (bis_loc){0}, &diag), &diag);
     double start = clock_now();
-    check(bis_render(&result, film, j->scene, j->desc, &options, &diag), &diag);
+    check(bis_render(&result, film, j->scene, j->desc, &j->desc->view, &options, &diag), &diag);
     return clock_now() - start;
 }
 
@@ -92,10 +92,10 @@ static void measure(job *j, bis_settings settings)
 {
     measured *m = &j->of[j->n++];
     bis_film film = {0};
-    const uint32_t spp = (uint32_t)j->desc->sampler.spp;
+    const uint32_t spp = (uint32_t)j->desc->view.sampler.spp;
     double fill = (double)INFINITY, all = (double)INFINITY;
 
-    m->settings = j->desc->settings = settings;
+    m->settings = j->desc->view.settings = settings;
     for (int i = 0; i < SEEDS; i++) {
         fill = fmin(fill, render(j, &film, 1, 1, 1, 1));
         all = fmin(all, render(j, &film, j->width, j->height, 1000 + (uint64_t)i, spp));
@@ -140,7 +140,7 @@ static void judge(job *j)
                 for (int s = 0; s < SEEDS; s++) v += (j->of[i].mean[s][k] - own) * (j->of[i].mean[s][k] - own) / (SEEDS - 1);
                 sum += v / (mean[k] * mean[k] + m * m / 100);
             }
-            j->of[i].relmse = sum / (double)shaded * (double)j->desc->sampler.spp;
+            j->of[i].relmse = sum / (double)shaded * (double)j->desc->view.sampler.spp;
         }
     }
     bis_free(mean);
@@ -155,16 +155,16 @@ static bis_auto_report choose(job *j, uint64_t seed, double *seconds)
     const bis_render_options options = {.budget = {.spp = j->spp}, .n_threads = 1};
     bis_diag diag = {0};
     bis_auto_report report;
-    bis_film_desc shrunk = j->desc->film;
+    bis_film_desc shrunk = j->desc->view.film;
 
-    j->desc->film.width = j->full_width;
-    j->desc->film.height = j->full_height;
-    j->desc->settings = bis_settings_default(&bis_auto);
-    j->desc->sampler.seed = seed;
+    j->desc->view.film.width = j->full_width;
+    j->desc->view.film.height = j->full_height;
+    j->desc->view.settings = bis_settings_default(&bis_auto);
+    j->desc->view.sampler.seed = seed;
     const double start = clock_now();
     check(bis_auto_choose(&report, j->scene, j->desc, &options, &diag), &diag);
     *seconds = clock_now() - start;
-    j->desc->film = shrunk;
+    j->desc->view.film = shrunk;
     return report;
 }
 
@@ -230,14 +230,14 @@ int main(int argc, char **argv)
     }
     j.name = strrchr(argv[2], '/') ? strrchr(argv[2], '/') + 1 : argv[2];
     check(bis_scene_parse(&j.desc, argv[2], &diag), &diag);
-    j.spp = argc > 3 ? (uint32_t)strtoul(argv[3], NULL, 10) : (uint32_t)j.desc->sampler.spp;
-    j.full_width = j.desc->film.width;
-    j.full_height = j.desc->film.height;
+    j.spp = argc > 3 ? (uint32_t)strtoul(argv[3], NULL, 10) : (uint32_t)j.desc->view.sampler.spp;
+    j.full_width = j.desc->view.film.width;
+    j.full_height = j.desc->view.film.height;
     j.footprint = fmin(1, sqrt(atof(argv[1]) / ((double)j.full_width * j.full_height)));
     j.width = (int)round(j.footprint * j.full_width);
     j.height = (int)round(j.footprint * j.full_height);
     j.shaded = bis_alloc((size_t)j.width * (size_t)j.height, sizeof *j.shaded);
-    j.desc->settings = bis_settings_default(&bis_auto);
+    j.desc->view.settings = bis_settings_default(&bis_auto);
     check(bis_scene_build(&j.scene, j.desc, &diag), &diag);
 
     for (size_t i = 0; i < N_TABLE; i++) {

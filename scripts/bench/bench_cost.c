@@ -53,7 +53,7 @@ static const bis_accel_ops recorder_ops = {
 static double best_of(int repeats, bis_film *film, const bis_scene *scene, bis_scene_desc *desc, int threads, bis_render_result *result)
 {
     double best = (double)INFINITY;
-    uint32_t spp = (uint32_t)desc->sampler.spp;
+    uint32_t spp = (uint32_t)desc->view.sampler.spp;
 
     for (int i = 0; i < repeats; i++) best = fmin(best, measure_render(film, scene, desc, 1, spp, threads, result));
     return best;
@@ -93,9 +93,9 @@ static double candidate_ns(bis_film *film, bis_scene *const *scene, const char *
 
     for (int k = FEW; k <= MANY; k += 2) {
         bis_scene_desc *desc = measure_parse(path, sir[k].text, 0, material);
-        desc->film.width *= scale;
-        desc->film.height *= scale;
-        bis_scene_set_spp(desc, 1);
+        desc->view.film.width *= scale;
+        desc->view.film.height *= scale;
+        bis_sampler_set_spp(&desc->view.sampler, 1);
         t[k] = best_of(scale == 1 ? REPEATS : 2, film, scene[k], desc, 1, &result[k]);
         bis_scene_desc_free(desc);
     }
@@ -111,8 +111,8 @@ static void cost(bis_film *film, bis_scene *const *scene, const char *path, int 
     bis_scene_desc *black = measure_parse(path, "Integrator \"em\" \"integer samples\" 1", 0, measure_materials[MEASURE_MATERIALS].text);
     bis_render_result result;
 
-    bis_scene_set_spp(desc, 1);
-    bis_scene_set_spp(black, 1);
+    bis_sampler_set_spp(&desc->view.sampler, 1);
+    bis_sampler_set_spp(&black->view.sampler, 1);
     double camera = best_of(REPEATS, film, scene[MEDIUM], black, 1, NULL);
     double all = best_of(REPEATS, film, scene[MEDIUM], desc, 1, &result);
     const double rays = (double)result.counters.shadow_rays, pixels = (double)measure_shaded(film);

@@ -30,7 +30,7 @@ static bis_scene_desc *parse(const char *path, const char *accelerator)
 
     desc->accel.kind = grid ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
     desc->accel.n_threads = 1;
-    bis_scene_set_spp(desc, 1);
+    bis_sampler_set_spp(&desc->view.sampler, 1);
     return desc;
 }
 
@@ -43,7 +43,7 @@ static void print(const char *what, const char *accelerator, double x, double va
 static double render_seconds(const bis_scene *scene, bis_scene_desc *desc)
 {
     bis_film film = {0};
-    const uint32_t spp = (uint32_t)desc->sampler.spp;
+    const uint32_t spp = (uint32_t)desc->view.sampler.spp;
     double best = measure_render(&film, scene, desc, 1, spp, 1, NULL);
 
     if (best < 2) best = fmin(best, measure_render(&film, scene, desc, 1, spp, 1, NULL));
@@ -57,28 +57,28 @@ static void sweep(const char *path, const char *accelerator)
 {
     bis_scene_desc *desc = parse(path, accelerator);
     bis_scene *scene = measure_build(desc);
-    const bis_settings settings = desc->settings;
-    const int width = desc->film.width, height = desc->film.height;
+    const bis_settings settings = desc->view.settings;
+    const int width = desc->view.film.width, height = desc->view.film.height;
 
     for (uint32_t M = 50; M <= 12800; M *= 2) {
-        desc->settings.candidates = M;
+        desc->view.settings.candidates = M;
         print("candidates", accelerator, M, render_seconds(scene, desc));
     }
-    desc->settings = settings;
+    desc->view.settings = settings;
     for (uint32_t N = 1; N <= 1024; N *= 2) {
-        desc->settings.shadowrays = N;
+        desc->view.settings.shadowrays = N;
         print("shadowrays", accelerator, N, render_seconds(scene, desc));
     }
-    desc->settings = settings;
+    desc->view.settings = settings;
     for (uint32_t spp = 1; spp <= 32; spp *= 2) {
-        bis_scene_set_spp(desc, spp);
+        bis_sampler_set_spp(&desc->view.sampler, spp);
         print("passes", accelerator, spp, render_seconds(scene, desc));
     }
-    bis_scene_set_spp(desc, 1);
+    bis_sampler_set_spp(&desc->view.sampler, 1);
     for (int k = 1; k <= 16; k *= 2) {
-        desc->film.width = width * k / 4;
-        desc->film.height = height * k / 4;
-        print("pixels", accelerator, (double)desc->film.width * desc->film.height, render_seconds(scene, desc));
+        desc->view.film.width = width * k / 4;
+        desc->view.film.height = height * k / 4;
+        print("pixels", accelerator, (double)desc->view.film.width * desc->view.film.height, render_seconds(scene, desc));
     }
     bis_scene_free(scene);
     bis_scene_desc_free(desc);

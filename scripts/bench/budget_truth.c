@@ -117,10 +117,10 @@ static bis_status render_runs(tally *sum, const truth *t, bis_scene_desc *desc, 
     for (unsigned i = 0; i < runs && !status; i++) {
         bis_film film;
         bis_render_result result;
-        desc->sampler.seed = i + 1;
-        status = bis_film_init(&film, t->width, t->height, desc->film.crop, (bis_loc){0}, diag);
+        desc->view.sampler.seed = i + 1;
+        status = bis_film_init(&film, t->width, t->height, desc->view.film.crop, (bis_loc){0}, diag);
         if (status) break;
-        status = bis_render(&result, &film, scene, desc, &options, diag);
+        status = bis_render(&result, &film, scene, desc, &desc->view, &options, diag);
         if (!status) count(sum, t, &film, &result, E, sum->d + i * t->n);
         bis_film_clear(&film);
     }
@@ -210,9 +210,9 @@ int main(int argc, char **argv)
     bis_status status = read_truth(&t, argv + 4, &diag);
     if (!status) status = bis_scene_parse(&desc, argv[6], &diag);
     if (status) goto done;
-    desc->film.width = t.width;
-    desc->film.height = t.height;
-    desc->adaptive = adaptive;
+    desc->view.film.width = t.width;
+    desc->view.film.height = t.height;
+    desc->view.adaptive = adaptive;
     sum.d = bis_alloc(runs * t.n, sizeof *sum.d);
     status = sum.d ? render_runs(&sum, &t, desc, E, runs, &diag) : BIS_NOMEM;
     if (!status) print_row(argv[1], &sum, &t, E, runs);

@@ -121,12 +121,12 @@ double measure_render(bis_film *film, const bis_scene *scene, bis_scene_desc *de
 
     if (!result) result = &own;
 
-    desc->sampler.seed = seed;
-    bis_scene_set_spp(desc, spp);
+    desc->view.sampler.seed = seed;
+    bis_sampler_set_spp(&desc->view.sampler, spp);
     bis_film_clear(film);
-    measure_check(bis_film_init(film, desc->film.width, desc->film.height, desc->film.crop, (bis_loc){0}, &diag), &diag);
+    measure_check(bis_film_init(film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, (bis_loc){0}, &diag), &diag);
     double start = measure_clock();
-    measure_check(bis_render(result, film, scene, desc, &options, &diag), &diag);
+    measure_check(bis_render(result, film, scene, desc, &desc->view, &options, &diag), &diag);
     double cpu = measure_clock() - start;
     bis_diag_clear(&diag);
     return cpu;
@@ -310,7 +310,7 @@ static measure_reference make_reference(const char *path, const char *material, 
         bis_scene_desc *desc = measure_parse(path, reference_methods[i].text, 0, material);
         bis_scene *scene = measure_build(desc);
         h[i] = render_halves(&film, scene, desc, reference_seed + 2 * (uint64_t)i, seconds / 4);
-        antialiased = desc->pixel_jitter;
+        antialiased = desc->view.pixel_jitter;
         bis_scene_free(scene);
         bis_scene_desc_free(desc);
     }

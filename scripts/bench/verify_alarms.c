@@ -97,9 +97,9 @@ int main(int argc, char **argv)
         bis_diag diag = {0};
         if (bis_scene_parse(&desc, argv[i], &diag)) return 1;
         desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
-        if (printed) desc->settings.as_printed = BIS_E6 | BIS_E21;
+        if (printed) desc->view.settings.as_printed = BIS_E6 | BIS_E21;
         if (shrink_map(desc, width, map) || bis_scene_build(&scene, desc, &diag)) return 1;
-        run_all(scene, desc, basename(argv[i]), halvings, first, runs, &desc->settings);
+        run_all(scene, desc, basename(argv[i]), halvings, first, runs, &desc->view.settings);
         bis_scene_free(scene);
         bis_scene_desc_free(desc);
     }

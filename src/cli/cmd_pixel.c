@@ -119,8 +119,8 @@ static const bis_settings *settings_of_sir(const bis_pixel_report *r)
 
 static bis_status ask(bis_pixel_report *r, const pixel_options *o, const bis_scene_desc *desc, bis_diag *diag)
 {
-    const bis_sampler *sampler = &desc->sampler;
-    const uint64_t pixel = (uint64_t)r->y * (uint64_t)desc->film.width + (uint64_t)r->x;
+    const bis_sampler *sampler = &desc->view.sampler;
+    const uint64_t pixel = (uint64_t)r->y * (uint64_t)desc->view.film.width + (uint64_t)r->x;
     bis_stream stream;
 
     bis_status status = bis_pixel_exact_of(&r->exact, &r->pt, BIS_PIXEL_MAX_PATCHES,
@@ -209,11 +209,11 @@ static int pixel(const void *options, const char *const *operand, bis_diag *diag
         goto done;
     }
     status = bis_scene_parse(&desc, operand[0], diag);
-    if (!status) status = read_places(place, operand + 1, &desc->film, diag);
+    if (!status) status = read_places(place, operand + 1, &desc->view.film, diag);
     if (status) goto done;
-    if (o->has_seed) desc->sampler.seed = o->seed;
-    leave_the_product(&desc->settings, o, diag);
-    status = make_methods(r->methods, &r->n_methods, &desc->settings, o, diag);
+    if (o->has_seed) desc->view.sampler.seed = o->seed;
+    leave_the_product(&desc->view.settings, o, diag);
+    status = make_methods(r->methods, &r->n_methods, &desc->view.settings, o, diag);
     if (status) goto done;
     snprintf(folder, sizeof folder, "pixel_%d_%d", place[0], place[1]);
     r->x = place[0];

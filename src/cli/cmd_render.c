@@ -213,7 +213,7 @@ static bis_status switch_errata(bis_settings *s, const bis_texts *names, bis_dia
 
 static bis_status override_settings(bis_scene_desc *d, const render_options *o, bis_diag *diag)
 {
-    bis_settings *s = &d->settings;
+    bis_settings *s = &d->view.settings;
 
     if (o->integrator && strcmp(o->integrator, s->integrator->name) != 0) {
         const unsigned as_printed = s->as_printed;
@@ -255,11 +255,11 @@ static bis_status read_layers(unsigned *set, const char *list, bis_diag *diag)
 static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag *diag)
 {
     bis_status status = override_settings(d, o, diag);
-    if (!status && o->layers) status = read_layers(&d->film.layers, o->layers, diag);
+    if (!status && o->layers) status = read_layers(&d->view.film.layers, o->layers, diag);
     if (status) return status;
 
-    if (o->has_spp) bis_scene_set_spp(d, (uint32_t)o->spp);
-    if (o->has_seed) d->sampler.seed = o->seed;
+    if (o->has_spp) bis_sampler_set_spp(&d->view.sampler, (uint32_t)o->spp);
+    if (o->has_seed) d->view.sampler.seed = o->seed;
     if (o->accelerator) d->accel.kind = strcmp(o->accelerator, "grid") == 0 ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
     if (d->accel.kind == BIS_ACCEL_EMBREE && !bis_accel_embree_version()) {
         return bis_error(diag, BIS_INPUT, bis_cli_loc,
@@ -268,12 +268,12 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
     if (o->threads) d->accel.n_threads = (int)o->threads;
     bis_cli_use_threads(o->threads);
     if (o->has_resolution) {
-        d->film.width = o->resolution.width;
-        d->film.height = o->resolution.height;
+        d->view.film.width = o->resolution.width;
+        d->view.film.height = o->resolution.height;
     }
-    if (o->has_crop) memcpy(d->film.crop, o->crop, sizeof o->crop);
-    if (o->no_jitter) d->pixel_jitter = false;
-    if (o->adaptive) d->adaptive = true;
+    if (o->has_crop) memcpy(d->view.film.crop, o->crop, sizeof o->crop);
+    if (o->no_jitter) d->view.pixel_jitter = false;
+    if (o->adaptive) d->view.adaptive = true;
     return BIS_OK;
 }
 
@@ -306,7 +306,7 @@ static void print_forecast(const bis_forecast *f, void *user)
             f->error);
 }
 
-/* Where the choice is left to us: a pilot first; desc->settings becomes what it chose, and is told. */
+/* Where the choice is left to us: a pilot first; desc->view.settings becomes what it chose, and is told. */
 static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc,
                          const bis_render_options *options, bool quiet, bis_diag *diag)
 {
@@ -314,7 +314,7 @@ static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_sc
     bis_status status = bis_auto_choose(choice, scene, desc, options, diag);
 
     if (status) return status;
-    desc->settings = choice->settings;
+    desc->view.settings = choice->settings;
     if (quiet) return BIS_OK;
     if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice));
     else
@@ -337,10 +337,10 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     };
     bis_cli_catch_signals();
     bis_status status =
-        bis_auto_is_wanted(&desc->settings) ? choose(choice, scene, desc, &options, o->quiet, diag) : BIS_OK;
+        bis_auto_is_wanted(&desc->view.settings) ? choose(choice, scene, desc, &options, o->quiet, diag) : BIS_OK;
     /* the pilot's time is the user's: 0 would be no limit */
     if (o->seconds > 0) options.budget.seconds = fmax(o->seconds - choice->seconds, DBL_MIN);
-    if (!status) status = bis_render(result, film, scene, desc, &options, diag);
+    if (!status) status = bis_render(result, film, scene, desc, &desc->view, &options, diag);
     if (show) fputs("\r\033[K", stderr);
     if (!status && o->error > 0 && !(result->error_bound <= o->error)) {
         if (isnan(result->error_bound))
@@ -379,11 +379,11 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     bis_render_result result;
     bis_texts written = {.n = 0};
     bis_auto_report choice = {.is_chosen = false};
-    const bool chooses = bis_auto_is_wanted(&desc->settings);
+    const bool chooses = bis_auto_is_wanted(&desc->view.settings);
     bis_status status;
 
-    status = bis_film_init(&film, desc->film.width, desc->film.height, desc->film.crop, bis_cli_loc, diag);
-    if (!status) status = bis_film_want(&film, desc->film.layers, diag);
+    status = bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, bis_cli_loc, diag);
+    if (!status) status = bis_film_want(&film, desc->view.film.layers, diag);
     if (status) goto done;
     status = bis_scene_build(&scene, desc, diag);
     if (status) goto done;
@@ -401,8 +401,8 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
 
     bis_stats stats = {.desc = desc, .scene = scene, .film = &film, .result = &result, .seconds = scene->seconds,
                        .choice = chooses ? &choice : NULL};
-    bis_describe_line(stats.line, &desc->settings, true);
-    bis_errata_text(stats.as_printed, desc->settings.as_printed);
+    bis_describe_line(stats.line, &desc->view.settings, true);
+    bis_errata_text(stats.as_printed, desc->view.settings.as_printed);
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;
     double before = bis_clock_now();
@@ -463,7 +463,7 @@ int bis_cmd_render(int argc, char **argv)
         goto done;
     }
     if (o.files.pictures.n == 0) {
-        o.files.pictures.text[o.files.pictures.n++] = desc->film.filename;
+        o.files.pictures.text[o.files.pictures.n++] = desc->outfile;
         status = bis_render_files_check(&o.files, &diag);
         if (status) goto done;
     }

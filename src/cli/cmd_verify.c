@@ -138,7 +138,7 @@ static int verify_scene(bis_verify *v, const verify_options *o, const char *path
     if (status) return bis_cli_exit_status(status);
     desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     status = bis_scene_build(&scene, desc, diag);
-    if (!status) status = bis_verify_scene(v, scene, desc, &desc->settings, diag);
+    if (!status) status = bis_verify_scene(v, scene, desc, &desc->view.settings, diag);
     bis_scene_free(scene);
     bis_scene_desc_free(desc);
     return bis_cli_exit_status(status);

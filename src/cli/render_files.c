@@ -62,7 +62,7 @@ bis_status bis_render_files_check_distinct(const bis_render_files *files, const 
     if (desc->light.filename) inputs[n++] = desc->light.filename;
     for (int i = 0; i < files->pictures.n; i++) outputs[n_outputs++] = files->pictures.text[i];
     if (files->stats) outputs[n_outputs++] = files->stats;
-    check_layers(&desc->film, &files->pictures, diag);
+    check_layers(&desc->view.film, &files->pictures, diag);
     const bis_status status = bis_cli_check_distinct(inputs, n, outputs, n_outputs, diag);
     bis_free(inputs);
     return status;

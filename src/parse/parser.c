@@ -214,7 +214,7 @@ static void check_whole(bis_parser *p)
     if (!p->in_world)
         bis_parser_error(p, p->token.at, "the scene has no WorldBegin");
     if (p->status) return;
-    bis_parser_note(p, bis_settings_check(&p->desc->settings, p->desc->integrator_loc, p->diag));
+    bis_parser_note(p, bis_settings_check(&p->desc->view.settings, p->desc->integrator_loc, p->diag));
     if (!p->desc->has_light)
         bis_warn(p->diag, (bis_loc){p->desc->files[0], 0, 0},
                  "no light: the scene has no LightSource and will be black");

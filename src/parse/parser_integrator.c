@@ -55,7 +55,7 @@ static bis_settings read_settings(bis_parser *p, const bis_integrator *integrato
 {
     bis_settings s = bis_settings_default(integrator);
 
-    s.as_printed = p->desc->settings.as_printed; /* an Option's, not an integrator's */
+    s.as_printed = p->desc->view.settings.as_printed; /* an Option's, not an integrator's */
     for (const bis_parameter *q = NULL; (q = bis_parameter_next(integrator, q)) != NULL;) read_parameter(p, q, &s);
     bis_settings_leave_open(&s);
     return s;
@@ -85,12 +85,12 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
         bis_warn(p->diag, p->name_at,
                  "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\"; its parameters are ignored",
                  chosen->name, bis_sir.name);
-        const unsigned as_printed = p->desc->settings.as_printed;
-        p->desc->settings = bis_settings_default(&bis_sir);
-        p->desc->settings.as_printed = as_printed;
+        const unsigned as_printed = p->desc->view.settings.as_printed;
+        p->desc->view.settings = bis_settings_default(&bis_sir);
+        p->desc->view.settings.as_printed = as_printed;
         return;
     }
-    p->desc->settings = read_settings(p, integrator);
+    p->desc->view.settings = read_settings(p, integrator);
     bis_params_end(p, "Integrator", chosen->name);
 }
 
@@ -142,14 +142,14 @@ void bis_directive_sampler(bis_parser *p, bis_loc at)
     if (replaced) bis_warn(p->diag, p->name_at, "Sampler \"%s\" is replaced by \"sobol\"", chosen->name);
 
     const bool has_spp = bis_params_uint32(p, "pixelsamples", &spp, 1, MAX_SPP);
-    bis_sampler *s = &p->desc->sampler;
+    bis_sampler *s = &p->desc->view.sampler;
     *s = (bis_sampler){.kind = replaced ? BIS_SAMPLER_SOBOL : (bis_sampler_kind)chosen->value, .jitter = true};
-    bis_scene_set_spp(p->desc, spp);
+    bis_sampler_set_spp(&p->desc->view.sampler, spp);
     bis_params_integer(p, "seed", &s->seed, 0, (UINT64_C(1) << 53) - 1);
-    p->desc->adaptive = false;
-    bis_params_bool(p, "adaptive", &p->desc->adaptive);
-    p->desc->edge_samples = 1;
-    bis_params_uint32(p, "edgesamples", &p->desc->edge_samples, 1, 1024);
+    p->desc->view.adaptive = false;
+    bis_params_bool(p, "adaptive", &p->desc->view.adaptive);
+    p->desc->view.edge_samples = 1;
+    bis_params_uint32(p, "edgesamples", &p->desc->view.edge_samples, 1, 1024);
     if (s->kind == BIS_SAMPLER_STRATIFIED) read_stratified(p, s, has_spp);
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     if (!replaced) bis_params_end(p, "Sampler", chosen->name);

@@ -60,7 +60,7 @@ void bis_directive_camera(bis_parser *p, bis_loc at)
     camera_screen(p, &c);
     camera_lens(p);
     bis_params_end(p, "Camera", chosen->name);
-    p->desc->camera = c;
+    p->desc->view.camera = c;
     bis_parser_name_system(p, "camera", &c.to_world, at);
 }
 
@@ -118,7 +118,6 @@ void bis_directive_film(bis_parser *p, bis_loc at)
     bis_film_desc film = bis_film_default;
     uint32_t width = (uint32_t)film.width, height = (uint32_t)film.height;
     const char *filename = BIS_FILM_FILENAME;
-    film.filename = p->desc->film.filename;
     bis_params_uint32(p, "xresolution", &width, 1, BIS_IMAGE_MAX_SIDE);
     bis_params_uint32(p, "yresolution", &height, 1, BIS_IMAGE_MAX_SIDE);
     if (bis_params_string(p, "filename", &filename) && !*filename)
@@ -128,9 +127,9 @@ void bis_directive_film(bis_parser *p, bis_loc at)
     film_crop(p, &film);
     film_layers(p, &film);
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
-    set_text(p, &film.filename, filename, at);
+    set_text(p, &p->desc->outfile, filename, at);
     bis_params_end(p, "Film", type);
-    p->desc->film = film;
+    p->desc->view.film = film;
 }
 
 /* ---- PixelFilter ---- */
@@ -195,7 +194,7 @@ static void option_as_printed(bis_parser *p)
     for (size_t i = 0; param && i < param->n; i++) {
         const char *name = bis_parser_text(p, p->params.strings[param->first + i]);
         const bis_erratum *e = bis_erratum_find(name);
-        if (e) p->desc->settings.as_printed |= e->flag;
+        if (e) p->desc->view.settings.as_printed |= e->flag;
         else
             bis_parser_error(p, param->at, "\"asprinted\" is \"%s\": no erratum of that name can be switched%s",
                              bis_printable(word, name, strlen(name)), bis_parser_hint(hint, bis_erratum_nearest(name)));
@@ -213,7 +212,7 @@ void bis_directive_option(bis_parser *p, bis_loc at)
     bis_params_start(p);
     if (p->lost || !bis_params_read(p)) return;
     bool disable;
-    if (bis_params_bool(p, "disablepixeljitter", &disable)) p->desc->pixel_jitter = !disable;
+    if (bis_params_bool(p, "disablepixeljitter", &disable)) p->desc->view.pixel_jitter = !disable;
     option_as_printed(p);
     for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
         if (!bis_params_has(p, ignored[i])) continue;

@@ -20,9 +20,10 @@ typedef struct corner {
     vec3 n;
 } corner;
 
-static corner look_at(double x, double y, const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc)
+static corner look_at(double x, double y, const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
+                      const bis_view *view)
 {
-    const ray eye = bis_camera_ray(&desc->camera, film->picture_width, film->picture_height, x, y);
+    const ray eye = bis_camera_ray(&view->camera, film->picture_width, film->picture_height, x, y);
     bis_point pt;
 
     if (!bis_scene_point(&pt, scene, desc, eye, NULL, NULL)) return (corner){.hit = false};
@@ -52,7 +53,7 @@ static bool differ(const corner *a, const corner *b)
 }
 
 unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_scene *scene, const bis_scene_desc *desc,
-                              int n_threads)
+                              const bis_view *view, int n_threads)
 {
     const int width = area.x1 - area.x0, height = area.y1 - area.y0, n = corners_a_pixel(film);
     const int across = corners_of(film, width), down = corners_of(film, height);
@@ -69,7 +70,7 @@ unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_sce
     for (int y = 0; y < down; y++) {
         for (int x = 0; x < across; x++)
             c[y * (ptrdiff_t)across + x] =
-                look_at(place_of(film, area.x0, x), place_of(film, area.y0, y), film, scene, desc);
+                look_at(place_of(film, area.x0, x), place_of(film, area.y0, y), film, scene, desc, view);
     }
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {

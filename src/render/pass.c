@@ -49,7 +49,7 @@ static rgb finite_or_black(bis_worker *me, rgb L)
 /* Light reflected towards the eye, eq. 3.1. Adds to values what the layers show of it, unless values is NULL. */
 static rgb reflected(const bis_workspace *w, bis_worker *me, const bis_point *pt, bis_stream *stream, float *values)
 {
-    const bis_settings *settings = &w->desc->settings;
+    const bis_settings *settings = &w->view->settings;
     const bis_stream before = *stream;
     rgb L = {0};
 
@@ -76,9 +76,9 @@ static rgb camera_sample(const bis_workspace *w, bis_worker *me, const bis_sampl
     x = x * f->step + f->step / 2; /* of the picture */
     y = y * f->step + f->step / 2;
     bis_stream_init(&stream, sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);
-    if (w->desc->pixel_jitter) bis_stream_camera(&stream, u);
+    if (w->view->pixel_jitter) bis_stream_camera(&stream, u);
     for (int i = 0; i < 2 && w->options->footprint > 0; i++) u[i] = 0.5 + (u[i] - 0.5) * w->options->footprint;
-    const ray eye = bis_camera_ray(&w->desc->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);
+    const ray eye = bis_camera_ray(&w->view->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);
     me->counters.camera_rays++;
     if (bis_scene_point(&pt, w->scene, w->desc, eye, &me->counters, NULL)) {
         ++*hits;
@@ -113,7 +113,7 @@ static bis_pixel_mean pixel_sample(const bis_workspace *w, bis_worker *me, const
 /* The sampler of a pass that is independent of all others: n camera samples with a seed of their own. */
 static bis_sampler sampler_of_pass(const bis_workspace *w, uint32_t pass, uint32_t n)
 {
-    bis_sampler s = w->desc->sampler;
+    bis_sampler s = w->view->sampler;
     bis_rng rng;
 
     bis_rng_init(&rng, s.seed, pass, 0, PURPOSE_PASS);
@@ -132,8 +132,8 @@ static size_t index_in(bis_rect area, int x, int y)
 static void render_tile(const bis_workspace *w, bis_worker *me, int t, uint32_t pass)
 {
     const bis_film *f = w->film;
-    const uint32_t n = w->adapt.n_tiles ? w->adapt.samples[t] : 1, edge_n = w->edge ? n * w->desc->edge_samples : n;
-    const bis_sampler sampler = w->independent ? sampler_of_pass(w, pass, n) : w->desc->sampler;
+    const uint32_t n = w->adapt.n_tiles ? w->adapt.samples[t] : 1, edge_n = w->edge ? n * w->view->edge_samples : n;
+    const bis_sampler sampler = w->independent ? sampler_of_pass(w, pass, n) : w->view->sampler;
     const bis_sampler edge_sampler = w->independent ? sampler_of_pass(w, pass, edge_n) : w->edge_sampler;
     const bis_rect tile = bis_workspace_tile(w, t);
 
@@ -160,7 +160,7 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, uint32_t 
 
 bool bis_pass_render(bis_workspace *w, uint32_t pass, bis_pass_progress *progress, void *user)
 {
-    const uint64_t seed = w->desc->sampler.seed;
+    const uint64_t seed = w->view->sampler.seed;
     int n_done = 0;
 
     for (int i = 0; i < w->n_threads; i++) w->workers[i].counters = (bis_counters){0};

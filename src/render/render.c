@@ -115,17 +115,17 @@ static void render_passes(render *r, bis_render_result *result)
 }
 
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                      const bis_render_options *options, bis_diag *diag)
+                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     render r = {.budget = options->budget, .rmse = (double)NAN, .rmse_upper = (double)NAN};
     uint64_t edge_rays;
 
     *result = (bis_render_result){.relative_rmse = (double)NAN, .error_bound = (double)NAN};
     assert(film->passes == 0);
-    if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)desc->sampler.spp;
+    if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
     r.most_passes = r.budget.spp;
-    if (desc->adaptive) r.most_passes = r.budget.spp / BIS_ADAPT_SAMPLES + (r.budget.spp % BIS_ADAPT_SAMPLES > 0);
-    bis_status status = bis_workspace_init(&r.work, film, scene, desc, options, diag);
+    if (view->adaptive) r.most_passes = r.budget.spp / BIS_ADAPT_SAMPLES + (r.budget.spp % BIS_ADAPT_SAMPLES > 0);
+    bis_status status = bis_workspace_init(&r.work, film, scene, desc, view, options, diag);
     r.start = r.last_report = bis_clock_now();
     if (!status) status = bis_workspace_find_edges(&r.work, &edge_rays, diag);
     if (!status) {
@@ -134,7 +134,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
         result->counters = r.counters;
         result->relative_rmse = bis_film_relative_rmse(film, &result->error_bound);
         result->passes = r.passes;
-        result->spp = desc->adaptive ? (uint64_t)r.passes * BIS_ADAPT_SAMPLES : r.passes;
+        result->spp = view->adaptive ? (uint64_t)r.passes * BIS_ADAPT_SAMPLES : r.passes;
         result->n_threads = r.work.n_threads;
         result->bytes = bis_workspace_bytes(&r.work);
     }

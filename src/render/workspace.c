@@ -32,7 +32,7 @@ float *bis_workspace_layers(const bis_workspace *w, size_t i)
 
 static bis_status make_workers(bis_workspace *w, bis_diag *diag)
 {
-    const bis_settings *settings = &w->desc->settings;
+    const bis_settings *settings = &w->view->settings;
     bis_status status = BIS_OK;
 
     w->workers = bis_alloc((size_t)w->n_threads, sizeof *w->workers);
@@ -52,7 +52,7 @@ static bis_status make_workers(bis_workspace *w, bis_diag *diag)
 static bis_status make_pool(bis_workspace *w, bis_diag *diag)
 {
     const bis_light *light = w->scene->light;
-    const bis_fast_needs needs = bis_fast_needs_of(&w->desc->settings);
+    const bis_fast_needs needs = bis_fast_needs_of(&w->view->settings);
     bis_light_point any;
     bis_status status = BIS_OK;
 
@@ -60,7 +60,7 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
     /* nothing to draw: the light is black, or all of it is compensated away */
     if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK;
     if (needs.n_pool) status = bis_pool_init(&w->pool, needs.n_pool, needs.batch, diag);
-    if (!status && needs.clusters) status = bis_clusters_init(&w->clusters, light, w->desc->settings.candidates, diag);
+    if (!status && needs.clusters) status = bis_clusters_init(&w->clusters, light, w->view->settings.candidates, diag);
     if (!status && needs.visibility) status = bis_visibility_init(&w->visibility, (size_t)w->n_tiles, diag);
     for (int i = 0; !status && i < w->n_threads; i++) {
         bis_worker *worker = &w->workers[i];
@@ -81,7 +81,7 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
 /* After make_pool, which knows whether visibility is learned. */
 static void find_area(bis_workspace *w)
 {
-    w->whole_tiles = w->visibility.n_tiles > 0 && !w->desc->adaptive;
+    w->whole_tiles = w->visibility.n_tiles > 0 && !w->view->adaptive;
     const bis_rect first = bis_workspace_tile(w, 0), last = bis_workspace_tile(w, w->n_tiles - 1);
     w->area = (bis_rect){first.x0, first.y0, last.x1, last.y1};
 }
@@ -98,7 +98,7 @@ static bis_status make_pass(bis_workspace *w, bis_diag *diag)
 }
 
 bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                              const bis_render_options *options, bis_diag *diag)
+                              const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     bis_status status;
     int across;
@@ -106,10 +106,11 @@ bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene 
     *w = (bis_workspace){
         .scene = scene,
         .desc = desc,
+        .view = view,
         .options = options,
         .film = film,
-        .to_camera = bis_xform_inverse(&desc->camera.to_world),
-        .independent = options->budget.error > 0 || desc->adaptive,
+        .to_camera = bis_xform_inverse(&view->camera.to_world),
+        .independent = options->budget.error > 0 || view->adaptive,
         .n_threads = bis_render_threads(options),
         .n_tiles = bis_film_tiles(film, BIS_RENDER_TILE, &across),
     };
@@ -117,7 +118,7 @@ bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene 
     if (!status) status = make_pool(w, diag);
     find_area(w);
     if (!status) status = make_pass(w, diag);
-    if (!status && desc->adaptive) status = bis_adapt_init(&w->adapt, film, BIS_RENDER_TILE, diag);
+    if (!status && view->adaptive) status = bis_adapt_init(&w->adapt, film, BIS_RENDER_TILE, diag);
     return status;
 }
 
@@ -126,10 +127,10 @@ bis_status bis_workspace_find_edges(bis_workspace *w, uint64_t *n_rays, bis_diag
     const int width = w->area.x1 - w->area.x0, height = w->area.y1 - w->area.y0;
 
     *n_rays = 0;
-    if (w->desc->edge_samples <= 1 || !w->desc->pixel_jitter || !w->scene->accel) return BIS_OK;
-    w->edge_sampler = w->desc->sampler;
-    bis_sampler_set_spp(&w->edge_sampler, (uint64_t)w->desc->sampler.spp * w->desc->edge_samples);
-    w->edge = bis_edges_find(w->film, w->area, w->scene, w->desc, w->n_threads);
+    if (w->view->edge_samples <= 1 || !w->view->pixel_jitter || !w->scene->accel) return BIS_OK;
+    w->edge_sampler = w->view->sampler;
+    bis_sampler_set_spp(&w->edge_sampler, (uint64_t)w->view->sampler.spp * w->view->edge_samples);
+    w->edge = bis_edges_find(w->film, w->area, w->scene, w->desc, w->view, w->n_threads);
     if (!w->edge)
         return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);
     *n_rays = bis_edges_rays(w->film, w->area);
@@ -140,7 +141,7 @@ size_t bis_workspace_bytes(const bis_workspace *w)
 {
     const size_t pixel = sizeof *w->pass + (size_t)w->film->layers.n_values * sizeof *w->pass_layers;
     const size_t n_pixels = (size_t)w->film->width * (size_t)w->film->height;
-    const bis_settings *settings = &w->desc->settings;
+    const bis_settings *settings = &w->view->settings;
     const size_t thread = sizeof *w->workers + bis_scratch_bytes(settings) + bis_fast_bytes(settings);
 
     return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_visibility_bytes(&w->visibility) +

@@ -26,6 +26,7 @@ typedef struct bis_pixel_mean {
 typedef struct bis_workspace {
     const bis_scene *scene;
     const bis_scene_desc *desc;
+    const bis_view *view;
     const bis_render_options *options;
     bis_film *film;
     bis_xform to_camera;
@@ -51,7 +52,7 @@ typedef struct bis_workspace {
 /* bis_workspace_init makes all of *w but the edges. What is passed is borrowed. Errors: BIS_NOMEM; *w can then be
  * cleared. */
 bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                              const bis_render_options *options, bis_diag *diag);
+                              const bis_view *view, const bis_render_options *options, bis_diag *diag);
 void bis_workspace_clear(bis_workspace *w);
 
 /* bis_workspace_find_edges traces the rays of edges.h, where edge samples are asked for, camera rays are not all the

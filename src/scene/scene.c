@@ -108,7 +108,7 @@ done:
 static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
 {
     const bool seen = bis_geometry_primitives(&s->geometry) > 0;
-    const unsigned own = desc->settings.integrator->light_needs(&desc->settings);
+    const unsigned own = desc->view.settings.integrator->light_needs(&desc->view.settings);
     const unsigned asked = desc->light_needs ? desc->light_needs : own;
     const unsigned needs = seen ? asked : 0;
     double seconds[2] = {0, 0};
@@ -117,8 +117,8 @@ static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, bis_diag 
     if (!desc->has_light) return bis_light_constant(&s->light, (rgb){0, 0, 0}, diag);
     /* inversion keeps the structure of low-discrepancy points, the alias method destroys it (docs/errata.md E12) */
     if (!light.has_table_kind)
-        light.table_kind = bis_sampler_is_low_discrepancy(desc->sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
-    light.as_printed = desc->settings.as_printed;
+        light.table_kind = bis_sampler_is_low_discrepancy(desc->view.sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+    light.as_printed = desc->view.settings.as_printed;
     bis_status status = bis_light_load(&s->light, &light, needs, seconds, diag);
     s->seconds.load += seconds[0];
     s->seconds.envmap = seconds[1];
@@ -130,7 +130,7 @@ static bis_status find_eyes(bis_box *eyes, const bis_scene_desc *desc, bis_diag 
 {
     double b[6];
 
-    bis_camera_eyes(&desc->camera, desc->film.width, desc->film.height, b);
+    bis_camera_eyes(&desc->view.camera, desc->view.film.width, desc->view.film.height, b);
     for (int i = 0; i < 6; i++) {
         if (!(fabs(b[i]) <= (double)FLT_MAX)) {
             return bis_error(diag, BIS_INPUT, (bis_loc){desc->path, 0, 0},

@@ -33,14 +33,14 @@ bis_scene_desc *bis_scene_desc_new(const char *path)
 {
     bis_scene_desc *d = bis_alloc(1, sizeof *d);
     if (!d) return NULL;
-    d->camera = (bis_camera){.fov_deg = 90, .to_world = bis_xform_identity()};
-    d->film = bis_film_default;
-    d->sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .jitter = true};
-    bis_scene_set_spp(d, 16);
-    d->pixel_jitter = true;
-    d->settings = bis_settings_default(&bis_sir);
+    d->view.camera = (bis_camera){.fov_deg = 90, .to_world = bis_xform_identity()};
+    d->view.film = bis_film_default;
+    d->view.sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .jitter = true};
+    bis_sampler_set_spp(&d->view.sampler, 16);
+    d->view.pixel_jitter = true;
+    d->view.settings = bis_settings_default(&bis_sir);
     d->light = bis_light_desc_default();
-    if (!set_text(&d->path, path) || !set_text(&d->film.filename, BIS_FILM_FILENAME) || !add_default_material(d) ||
+    if (!set_text(&d->path, path) || !set_text(&d->outfile, BIS_FILM_FILENAME) || !add_default_material(d) ||
         !add_own_name(d)) {
         bis_scene_desc_free(d);
         return NULL;
@@ -62,7 +62,7 @@ void bis_scene_desc_free(bis_scene_desc *d)
     bis_free(d->files);
     bis_free(d->materials);
     bis_free(d->light.filename);
-    bis_free(d->film.filename);
+    bis_free(d->outfile);
     bis_free(d->path);
     bis_free(d);
 }
@@ -86,5 +86,3 @@ bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape)
     d->shapes[d->n_shapes++] = *shape;
     return true;
 }
-
-void bis_scene_set_spp(bis_scene_desc *d, uint32_t spp) { bis_sampler_set_spp(&d->sampler, spp); }

@@ -107,14 +107,14 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     int n = 0;
 
     attributes[n++] = (bis_attribute){"scene", s->desc->path, 0};
-    attributes[n++] = (bis_attribute){"integrator", s->desc->settings.integrator->name, 0};
-    n += bis_describe_settings(&s->desc->settings, attributes + n);
+    attributes[n++] = (bis_attribute){"integrator", s->desc->view.settings.integrator->name, 0};
+    n += bis_describe_settings(&s->desc->view.settings, attributes + n);
     if (*s->as_printed) attributes[n++] = (bis_attribute){"asprinted", s->as_printed, 0};
-    if (s->desc->edge_samples > 1) attributes[n++] = (bis_attribute){"edgesamples", NULL, s->desc->edge_samples};
-    if (s->desc->adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
+    if (s->desc->view.edge_samples > 1) attributes[n++] = (bis_attribute){"edgesamples", NULL, s->desc->view.edge_samples};
+    if (s->desc->view.adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
     if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->line, 0};
     attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
-    attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->sampler.seed};
+    attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->view.sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
     if (!isnan(r->relative_rmse)) attributes[n++] = (bis_attribute){"estimated_relative_rmse", NULL, r->relative_rmse};
     attributes[n++] = (bis_attribute){"bis:version", BIS_VERSION, 0};
@@ -207,7 +207,7 @@ static void print_choice(bis_json *j, const bis_stats *s)
 
 void bis_stats_print(const bis_stats *s, FILE *out)
 {
-    const bis_settings *settings = &s->desc->settings;
+    const bis_settings *settings = &s->desc->view.settings;
     const bis_render_result *r = s->result;
     const bool rejects = bis_parameter_of(settings->integrator, "estimator") != NULL;
     bis_json j = {.out = out};
@@ -221,7 +221,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     print_parameter(&j, settings, "shadowrays");
     print_parameter(&j, settings, "samples");
     bis_json_count(&j, "spp", r->spp);
-    bis_json_count(&j, "seed", s->desc->sampler.seed);
+    bis_json_count(&j, "seed", s->desc->view.sampler.seed);
     bis_json_count(&j, "threads", (uint64_t)r->n_threads);
     bis_json_text(&j, "accelerator", s->scene->accel ? bis_accel_name(s->scene->accel) : NULL);
     bis_json_count(&j, "triangles", s->scene->geometry.n_triangles);

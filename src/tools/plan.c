@@ -42,7 +42,7 @@ static void print_settings(const bis_settings *s, FILE *out)
 
 static void print_integrators(const bis_scene_desc *d, FILE *out)
 {
-    const bis_settings *s = &d->settings;
+    const bis_settings *s = &d->view.settings;
 
     fputs("integrator   ", out);
     print_settings(s, out);
@@ -54,29 +54,29 @@ static void print_integrators(const bis_scene_desc *d, FILE *out)
 static void print_view(const bis_scene_desc *d, FILE *out)
 {
     char a[32], c[4][32];
-    const bis_sampler *s = &d->sampler;
-    for (int i = 0; i < 4; i++) bis_format_double(c[i], d->film.crop[i]);
+    const bis_sampler *s = &d->view.sampler;
+    for (int i = 0; i < 4; i++) bis_format_double(c[i], d->view.film.crop[i]);
     fprintf(out, "scene        %s\n", d->path);
-    fprintf(out, "film         %d x %d, cropwindow %s %s %s %s, to %s\n", d->film.width, d->film.height, c[0], c[1],
-            c[2], c[3], d->film.filename);
-    if (d->camera.orthographic) fprintf(out, "camera       orthographic\n");
-    else fprintf(out, "camera       perspective, fov %s\n", bis_format_double(a, d->camera.fov_deg));
+    fprintf(out, "film         %d x %d, cropwindow %s %s %s %s, to %s\n", d->view.film.width, d->view.film.height, c[0], c[1],
+            c[2], c[3], d->outfile);
+    if (d->view.camera.orthographic) fprintf(out, "camera       orthographic\n");
+    else fprintf(out, "camera       perspective, fov %s\n", bis_format_double(a, d->view.camera.fov_deg));
     fprintf(out, "sampler      %s, %" PRIu64 " camera samples a pixel", bis_sampler_name(s->kind), s->spp);
     if (s->kind == BIS_SAMPLER_STRATIFIED) fprintf(out, " (%" PRIu64 " x %" PRIu64 ")", s->xsamples, s->ysamples);
-    fprintf(out, ", seed %" PRIu64 "%s%s\n", s->seed, d->pixel_jitter ? "" : ", all through the pixel's centre",
-            d->adaptive ? ", adaptive" : "");
+    fprintf(out, ", seed %" PRIu64 "%s%s\n", s->seed, d->view.pixel_jitter ? "" : ", all through the pixel's centre",
+            d->view.adaptive ? ", adaptive" : "");
 }
 
 /* Does some surface learn from its neighbours in the picture? As src/render/workspace.c decides. */
 static bool learns(const bis_scene_desc *d)
 {
-    if (!d->n_shapes || !d->light.filename || d->adaptive || d->settings.integrator == &bis_auto) return false;
-    return bis_fast_needs_of(&d->settings).visibility;
+    if (!d->n_shapes || !d->light.filename || d->view.adaptive || d->view.settings.integrator == &bis_auto) return false;
+    return bis_fast_needs_of(&d->view.settings).visibility;
 }
 
 static void print_tiles(const bis_scene_desc *d, FILE *out)
 {
-    const bis_film f = bis_film_place(d->film.width, d->film.height, d->film.crop, 1);
+    const bis_film f = bis_film_place(d->view.film.width, d->view.film.height, d->view.film.crop, 1);
     int across;
 
     if (f.width <= 0 || f.height <= 0 || !learns(d)) return;
@@ -93,19 +93,19 @@ static void print_tiles(const bis_scene_desc *d, FILE *out)
 static void print_film(const bis_scene_desc *d, FILE *out)
 {
     enum { FILM_BYTES = 56, PASS_BYTES = 16, VALUE_BYTES = 12 };
-    const double pixels = (double)d->film.width * d->film.height * (d->film.crop[1] - d->film.crop[0]) *
-                          (d->film.crop[3] - d->film.crop[2]);
+    const double pixels = (double)d->view.film.width * d->view.film.height * (d->view.film.crop[1] - d->view.film.crop[0]) *
+                          (d->view.film.crop[3] - d->view.film.crop[2]);
     char buf[32];
     int n = 0;
 
     fprintf(out, "build        film: about %s\n", megabytes(buf, pixels * (FILM_BYTES + PASS_BYTES)));
-    if (!d->film.layers) {
+    if (!d->view.film.layers) {
         fprintf(out, "skip         layers: none is asked for\n");
         return;
     }
     fputs("build        layers", out);
     for (int i = 0; i < BIS_N_LAYERS; i++) {
-        if (!(d->film.layers >> i & 1)) continue;
+        if (!(d->view.film.layers >> i & 1)) continue;
         fprintf(out, " %s", bis_layer_name((bis_layer)i));
         n += bis_layer_values((bis_layer)i);
     }
@@ -193,10 +193,10 @@ static const char *why_no_drawing(const bis_scene_desc *d, unsigned needs)
 static void print_drawing(const bis_scene_desc *d, FILE *out)
 {
     const bis_light_desc *light = &d->light;
-    const unsigned needs = d->settings.integrator->light_needs(&d->settings);
+    const unsigned needs = d->view.settings.integrator->light_needs(&d->view.settings);
     const char *why = why_no_drawing(d, needs);
     const bool cdf = light->has_table_kind ? light->table_kind == BIS_TABLE_CDF
-                                           : bis_sampler_is_low_discrepancy(d->sampler.kind);
+                                           : bis_sampler_is_low_discrepancy(d->view.sampler.kind);
     char size[32] = "", bound[64] = "";
     long w, h;
 

@@ -47,7 +47,7 @@ static bool is_small(const bis_scene_desc *d)
 static void shoot(const bis_scene *s, const bis_scene_desc *d)
 {
     for (int i = 0; i < 9; i++) {
-        const ray r = bis_camera_ray(&d->camera, 3, 3, i % 3 + 0.5, i / 3 + 0.5);
+        const ray r = bis_camera_ray(&d->view.camera, 3, 3, i % 3 + 0.5, i / 3 + 0.5);
         bis_hit hit;
         bis_surface at;
         if (!bis_accel_intersect(s->accel, &r, &hit)) continue;

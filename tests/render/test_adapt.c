@@ -205,7 +205,7 @@ static void an_adaptive_render_has_the_same_bits_for_any_number_of_threads(void 
     bis_film one, many;
     bis_render_result a, b;
     make_world(&w, &bis_sir);
-    w.desc.adaptive = true;
+    w.desc.view.adaptive = true;
     render_layers(&one, &a, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 22}, .n_threads = 1});
     render_layers(&many, &b, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 24}, .n_threads = 5});
     assert_int_equal(one.passes, 6); /* 22 camera samples, rounded up to passes of 4 */
@@ -228,13 +228,13 @@ static void an_adaptive_render_is_unbiased(void **state)
     stat_moments m = {0};
     uint64_t rays = 0;
     make_world(&w, &noise);
-    w.desc.adaptive = true;
-    w.desc.pixel_jitter = false;
+    w.desc.view.adaptive = true;
+    w.desc.view.pixel_jitter = false;
     w.desc.light.visible = false;
     for (uint64_t seed = 1; seed <= 150; seed++) {
         bis_film f;
         bis_render_result result;
-        w.desc.sampler.seed = seed;
+        w.desc.view.sampler.seed = seed;
         render(&f, &result, &w, whole, &(bis_render_options){.budget = {.spp = 16}});
         double sum = 0, hits = 0;
         for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
@@ -256,7 +256,7 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
     (void)state;
     world w;
     make_world(&w, &noise);
-    w.desc.adaptive = true;
+    w.desc.view.adaptive = true;
     assert_true(first_k_without_failure(&w, 0) > 10);
     clear_world(&w);
 }

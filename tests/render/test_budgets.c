@@ -39,12 +39,12 @@ static double true_error(const bis_film *f, const bis_film *reference)
 static void reference_of(bis_film *reference, world *w, uint32_t spp)
 {
     bis_render_result result;
-    const uint64_t seed = w->desc.sampler.seed;
-    w->desc.sampler.seed = 12345;
-    bis_scene_set_spp(&w->desc, spp);
+    const uint64_t seed = w->desc.view.sampler.seed;
+    w->desc.view.sampler.seed = 12345;
+    bis_sampler_set_spp(&w->desc.view.sampler, spp);
     render(reference, &result, w, part, &(bis_render_options){.budget = {.spp = spp}});
-    bis_scene_set_spp(&w->desc, 4);
-    w->desc.sampler.seed = seed;
+    bis_sampler_set_spp(&w->desc.view.sampler, 4);
+    w->desc.view.sampler.seed = seed;
 }
 
 /* --- the error budget
@@ -85,9 +85,9 @@ static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
             bis_film reference;
             make_dull_world(&w, integrators[i]);
             reference_of(&reference, &w, 3000);
-            w.desc.adaptive = adaptive;
+            w.desc.view.adaptive = adaptive;
             for (uint64_t seed = 1; seed <= 21; seed++) {
-                w.desc.sampler.seed = seed;
+                w.desc.view.sampler.seed = seed;
                 run(&t, &w, &reference, E[seed % 3]);
             }
             bis_film_clear(&reference);
@@ -113,9 +113,9 @@ static void only_independent_passes_tell_their_error(void **state)
     enum { RUNS = 40 };
     make_world(&w, &place);
     reference_of(&reference, &w, 4096);
-    bis_scene_set_spp(&w.desc, 64);
+    bis_sampler_set_spp(&w.desc.view.sampler, 64);
     for (uint64_t seed = 1; seed <= RUNS; seed++) {
-        w.desc.sampler.seed = seed;
+        w.desc.view.sampler.seed = seed;
         render(&f, &result, &w, part, &(bis_render_options){.budget = {.spp = 64}, .n_threads = 1});
         dependent[0] += pow(result.relative_rmse, 2);
         dependent[1] += pow(true_error(&f, &reference), 2);
@@ -155,7 +155,7 @@ static void the_pilot_forecasts_what_an_error_will_take(void **state)
         bis_render_result result;
         forecasts k = {0};
         make_dull_world(&w, &bis_em);
-        w.desc.adaptive = adaptive;
+        w.desc.view.adaptive = adaptive;
         bis_render_options options = {.budget = {.error = 0.05}, .forecast = keep_forecast, .user = &k};
         render(&f, &result, &w, part, &options);
         assert_int_equal(k.n, 1);

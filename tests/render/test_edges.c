@@ -28,9 +28,9 @@ static void edges_are_where_the_picture_is_half_background(void **state)
 
     (void)state;
     make_world(&w, &place);
-    bis_scene_set_spp(&w.desc, 256);
+    bis_sampler_set_spp(&w.desc.view.sampler, 256);
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 256}});
-    unsigned char *edge = bis_edges_find(&film, (bis_rect){0, 0, WIDTH, HEIGHT}, &w.scene, &w.desc, 2);
+    unsigned char *edge = bis_edges_find(&film, (bis_rect){0, 0, WIDTH, HEIGHT}, &w.scene, &w.desc, &w.desc.view, 2);
     assert_non_null(edge);
     for (int i = 0; i < WIDTH * HEIGHT; i++, n++) {
         const double share = (double)film.hits[i] / 256;
@@ -74,7 +74,7 @@ static int count_ridge(double angle_deg, int left, int right)
     assert_int_equal(bis_accel_new(&w.scene.accel, &w.scene.geometry, &(bis_accel_options){.kind = BIS_ACCEL_GRID},
         NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
-    unsigned char *edge = bis_edges_find(&film, (bis_rect){0, 0, WIDTH, HEIGHT}, &w.scene, &w.desc, 1);
+    unsigned char *edge = bis_edges_find(&film, (bis_rect){0, 0, WIDTH, HEIGHT}, &w.scene, &w.desc, &w.desc.view, 1);
     assert_non_null(edge);
     for (int i = 0; i < WIDTH * HEIGHT && n >= 0; i++)
         if (edge[i]) n = i % WIDTH == WIDTH / 2 ? n + 1 : -1;
@@ -106,26 +106,26 @@ static void mean_is_the_same_and_its_scatter_less(void **state)
     (void)state;
     make_world(&w, &bis_sir);
     for (int k = 0; k < 2; k++) {
-        w.desc.edge_samples = k ? 6 : 1;
+        w.desc.view.edge_samples = k ? 6 : 1;
         for (uint64_t run = 0; run < RUNS; run++) {
             bis_film film;
             bis_render_result result;
             double sum = 0;
-            w.desc.sampler.seed = 1000 + run;
-            bis_scene_set_spp(&w.desc, 2);
+            w.desc.view.sampler.seed = 1000 + run;
+            bis_sampler_set_spp(&w.desc.view.sampler, 2);
             render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 2}});
             for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) sum += film.sum[i] / film.passes / (3 * WIDTH * HEIGHT);
             stat_add(k ? &more : &plain, sum);
             bis_film_clear(&film);
         }
     }
-    w.desc.edge_samples = 1;
+    w.desc.view.edge_samples = 1;
     for (uint64_t run = 0; run < 40; run++) {
         bis_film film;
         bis_render_result result;
         double sum = 0;
-        w.desc.sampler.seed = run;
-        bis_scene_set_spp(&w.desc, 8);
+        w.desc.view.sampler.seed = run;
+        bis_sampler_set_spp(&w.desc.view.sampler, 8);
         render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 8}});
         for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) sum += film.sum[i] / film.passes / (3 * WIDTH * HEIGHT);
         stat_add(&longer, sum);
@@ -151,17 +151,17 @@ static void bits_do_not_depend_on_threads_and_one_is_none(void **state)
 
     (void)state;
     make_world(&w, &bis_sir);
-    w.desc.edge_samples = 5;
+    w.desc.view.edge_samples = 5;
     render(&a, &ra, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 1});
     render(&b, &rb, &w, whole, &(bis_render_options){.budget = {.spp = 3}, .n_threads = 3});
     assert_same_bits(&a, &b);
     assert_true(ra.counters.camera_rays == rb.counters.camera_rays && ra.counters.camera_rays > (WIDTH + 1) * (HEIGHT + 1) + 3 * WIDTH * HEIGHT);
     bis_film_clear(&b);
-    w.desc.pixel_jitter = false; /* all rays through the centre: nothing to find */
+    w.desc.view.pixel_jitter = false; /* all rays through the centre: nothing to find */
     render(&b, &rb, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
     assert_true(rb.counters.camera_rays == 3 * WIDTH * HEIGHT);
     bis_film_clear(&a);
-    w.desc.edge_samples = 1;
+    w.desc.view.edge_samples = 1;
     render(&a, &ra, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
     assert_same_bits(&a, &b);
     bis_film_clear(&a);
@@ -181,10 +181,10 @@ static void camera_samples_times_edge_samples_may_pass_32_bits(void **state)
     for (int i = 0; i < 3; i++) {
         bis_film film;
         bis_render_result result;
-        bis_scene_set_spp(&w.desc, spps[i]);
-        w.desc.edge_samples = 8;
+        bis_sampler_set_spp(&w.desc.view.sampler, spps[i]);
+        w.desc.view.edge_samples = 8;
         assert_int_equal(bis_film_init(&film, 8, 6, whole, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &(bis_render_options){.budget = {.spp = 2}}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view, &(bis_render_options){.budget = {.spp = 2}}, NULL), BIS_OK);
         assert_int_equal(result.passes, 2);
         assert_in_range(result.counters.camera_rays, 2 * 48 + 7 * 9 + 1, 2 * 8 * 48 + 7 * 9); /* outlines are found by 9 x 7 rays */
         bis_film_clear(&film);

@@ -49,7 +49,7 @@ static void any_number_of_threads_gives_the_same_bits_and_counts(void **state)
     for (int i = 0; bis_integrators[i]; i++) {
         world w;
         make_world(&w, bis_integrators[i]);
-        w.desc.sampler.kind = kinds[i % 4];
+        w.desc.view.sampler.kind = kinds[i % 4];
         bis_film first = {0};
         bis_render_result one;
         for (int t = 0; t < 4; t++) {
@@ -118,7 +118,7 @@ static void a_crop_holds_the_same_bits_as_the_full_picture(void **state)
     for (int i = 0; bis_integrators[i]; i++) {
         world w;
         make_world(&w, bis_integrators[i]);
-        w.desc.edge_samples = 1 + (uint32_t)i % 2 * 3;
+        w.desc.view.edge_samples = 1 + (uint32_t)i % 2 * 3;
         assert_crops_are_parts(&w, 3);
         clear_world(&w);
     }
@@ -133,11 +133,11 @@ static void a_crop_of_a_picture_that_learns_holds_its_bits(void **state)
         bis_film learned, plain;
         bis_render_result result;
         make_world(&w, &bis_sir);
-        w.desc.settings.proposal = BIS_PROPOSAL_PRODUCT;
-        w.desc.settings.candidates = 64;
-        w.desc.edge_samples = edge_samples;
+        w.desc.view.settings.proposal = BIS_PROPOSAL_PRODUCT;
+        w.desc.view.settings.candidates = 64;
+        w.desc.view.edge_samples = edge_samples;
         for (int learn = 0; learn < 2; learn++) {
-            w.desc.settings.learn = learn;
+            w.desc.view.settings.learn = learn;
             assert_crops_are_parts(&w, 6);
             render(learn ? &learned : &plain, &result, &w, whole, &(bis_render_options){.budget = {.spp = 6}});
         }
@@ -158,8 +158,8 @@ static void what_learns_renders_whole_tiles_and_says_so(void **state)
         bis_film part;
         bis_render_result result;
         make_world(&w, &bis_sir);
-        w.desc.settings.proposal = BIS_PROPOSAL_PRODUCT;
-        w.desc.settings.learn = learn;
+        w.desc.view.settings.proposal = BIS_PROPOSAL_PRODUCT;
+        w.desc.view.settings.learn = learn;
         render_part(&part, &result, &w, (const int[4]){30, 37, 0, 3}, &(bis_render_options){.budget = {.spp = 5}});
         assert_int_equal(result.counters.camera_rays, 5 * (learn ? (16 + 5) * 16 : 7 * 3));
         bis_film_clear(&part);
@@ -180,10 +180,10 @@ static void a_thin_film_holds_the_bits_of_its_pixels_in_the_picture(void **state
         bis_render_result result;
         int met = 0;
         make_world(&w, i % 2 ? &bis_sir : &bis_mis);
-        w.desc.edge_samples = i < 6 ? 1 : 4;
+        w.desc.view.edge_samples = i < 6 ? 1 : 4;
         render(&all, &result, &w, crops[i % 2], &options);
         assert_int_equal(bis_film_init_thin(&some, WIDTH, HEIGHT, crops[i % 2], k, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_render(&result, &some, &w.scene, &w.desc, &options, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &some, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
         for (int y = 0; y < all.height; y++) {
             for (int x = 0; x < all.width; x++) {
                 if ((all.x0 + x) % k != k / 2 || (all.y0 + y) % k != k / 2) continue;
@@ -209,7 +209,7 @@ static void more_passes_begin_with_the_same_passes(void **state)
     make_world(&w, &noise);
     bis_film three, five;
     bis_render_result result;
-    bis_scene_set_spp(&w.desc, 64); /* within one set of cells */
+    bis_sampler_set_spp(&w.desc.view.sampler, 64); /* within one set of cells */
     render(&three, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
     render(&five, &result, &w, whole, &(bis_render_options){.budget = {.spp = 5}});
     for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) {
@@ -229,7 +229,7 @@ static void another_seed_gives_other_noise(void **state)
     bis_film a, b;
     bis_render_result result;
     render(&a, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
-    w.desc.sampler.seed = 2;
+    w.desc.view.sampler.seed = 2;
     render(&b, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
     int equal = 0, hit = 0;
     for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
@@ -275,7 +275,7 @@ static void each_pass_has_a_pool_of_its_own(void **state)
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
     assert_int_equal(bis_pool_init(&pool, 8, false, NULL), BIS_OK);
     for (uint32_t pass = 0; pass < 3; pass++) {
-        bis_pool_fill(&pool, w.scene.light, w.desc.sampler.seed, pass, 1);
+        bis_pool_fill(&pool, w.scene.light, w.desc.view.sampler.seed, pass, 1);
         const float now = bis_pool_set(&pool, 3)[5].wi.x + 2;
         assert_true(now != last);
         sum += (double)now;
@@ -326,9 +326,9 @@ static void each_pass_has_clusters_of_its_own(void **state)
     uint32_t n[2] = {0, 0}, shared = 0;
     world w;
     make_world(&w, &bis_sir);
-    w.desc.settings.proposal = BIS_PROPOSAL_PRODUCT;
-    w.desc.settings.candidates = 16;
-    w.desc.settings.shadowrays = 4;
+    w.desc.view.settings.proposal = BIS_PROPOSAL_PRODUCT;
+    w.desc.view.settings.candidates = 16;
+    w.desc.view.settings.shadowrays = 4;
     bis_accel *const inner = w.scene.accel;
     for (uint32_t k = 0; k < 2; k++) { /* one pass, then two: the first is the same */
         listener l = {{&ops, &w.scene.geometry}, inner, d[k], &n[k]};
@@ -425,7 +425,7 @@ static void spp_is_the_number_of_passes_and_of_camera_rays(void **state)
         bis_film film;
         bis_render_result result;
         render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = spp}});
-        uint64_t expected = spp ? spp : w.desc.sampler.spp; /* no budget at all: the scene's */
+        uint64_t expected = spp ? spp : w.desc.view.sampler.spp; /* no budget at all: the scene's */
         assert_int_equal(film.passes, expected);
         assert_int_equal(result.passes, expected);
         assert_int_equal(result.counters.camera_rays, expected * WIDTH * HEIGHT);
@@ -480,7 +480,7 @@ static void an_error_budget_ends_when_the_bound_holds_and_not_before(void **stat
     (void)state;
     world w;
     make_world(&w, &noise);
-    w.desc.pixel_jitter = false;
+    w.desc.view.pixel_jitter = false;
     bis_film film, shorter;
     bis_render_result result, other;
     const double error = 0.05;
@@ -504,13 +504,13 @@ static void an_error_budget_takes_four_passes_at_least_and_spp_at_most(void **st
     (void)state;
     world w;
     make_world(&w, &place);
-    w.desc.pixel_jitter = false; /* no scatter at all: the estimate is 0 from the second pass on */
+    w.desc.view.pixel_jitter = false; /* no scatter at all: the estimate is 0 from the second pass on */
     bis_film film;
     bis_render_result result;
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.error = 0.1}});
     assert_int_equal(result.passes, 4);
     bis_film_clear(&film);
-    w.desc.settings = bis_settings_default(&noise);
+    w.desc.view.settings = bis_settings_default(&noise);
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.error = 1e-6, .spp = 7}});
     assert_int_equal(result.passes, 7);
     bis_film_clear(&film);
@@ -567,15 +567,15 @@ static void make_wall(world *w)
     w->materials[0] = bis_phong((rgb){1, 1, 1}, (rgb){0, 0, 0}, 1);
     w->desc.materials = w->materials;
     w->desc.n_materials = 1;
-    w->desc.camera = (bis_camera){.fov_deg = 90, .to_world = bis_xform_translate(0, 0, -2)};
-    w->desc.sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .seed = 1, .jitter = true};
-    w->desc.settings = bis_settings_default(&bis_sir);
-    w->desc.settings.proposal = BIS_PROPOSAL_BRDF;
-    w->desc.settings.candidates = 800;
-    w->desc.settings.shadowrays = 15;
+    w->desc.view.camera = (bis_camera){.fov_deg = 90, .to_world = bis_xform_translate(0, 0, -2)};
+    w->desc.view.sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .seed = 1, .jitter = true};
+    w->desc.view.settings = bis_settings_default(&bis_sir);
+    w->desc.view.settings.proposal = BIS_PROPOSAL_BRDF;
+    w->desc.view.settings.candidates = 800;
+    w->desc.view.settings.shadowrays = 15;
     w->desc.has_light = true;
     w->desc.light = (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .visible = true, .to_world = bis_xform_identity()};
-    bis_scene_set_spp(&w->desc, 1);
+    bis_sampler_set_spp(&w->desc.view.sampler, 1);
     assert_int_equal(bis_geometry_add_mesh(&w->scene.geometry, &m, &identity, 0, NULL), BIS_OK);
     bis_mesh_clear(&m);
     assert_int_equal(bis_accel_new(&w->scene.accel, &w->scene.geometry, &accel, NULL), BIS_OK);
@@ -594,7 +594,7 @@ static void counters_equal_hand_counts_on_two_triangles_and_15_rays_a_pixel_is_r
     bis_render_result result;
     assert_int_equal(bis_film_init(&film, W, H, whole, (bis_loc){0}, NULL), BIS_OK);
     const bis_render_options options = {.budget = {.spp = PASSES}};
-    assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &options, NULL), BIS_OK);
+    assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
     assert_int_equal(result.counters.camera_rays, PASSES * W * H);
     assert_int_equal(result.counters.candidates, 800 * HITS);
     assert_int_equal(result.counters.shadow_rays, 15 * HITS);
@@ -612,14 +612,14 @@ static void escaped_rays_see_the_map_where_it_is_visible(void **state)
     (void)state;
     world w;
     make_world(&w, &place);
-    w.desc.pixel_jitter = false;
+    w.desc.view.pixel_jitter = false;
     for (int visible = 0; visible < 2; visible++) {
         bis_film film;
         bis_render_result result;
         w.desc.light.visible = visible;
         render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 2}});
         for (int x = 0; x < WIDTH; x++) {
-            ray r = bis_camera_ray(&w.desc.camera, WIDTH, HEIGHT, x + 0.5, 0.5);
+            ray r = bis_camera_ray(&w.desc.view.camera, WIDTH, HEIGHT, x + 0.5, 0.5);
             rgb Le = visible ? bis_light_Le(w.scene.light, r.d) : (rgb){0};
             assert_int_equal(film.hits[x], 0);
             assert_true(film.sum[3 * x] == 2 * (double)Le.r && film.sum[3 * x + 1] == 2 * (double)Le.g);
@@ -634,14 +634,14 @@ static void without_jitter_rays_pass_through_pixel_centres(void **state)
     (void)state;
     world w;
     make_world(&w, &place);
-    w.desc.pixel_jitter = false;
+    w.desc.view.pixel_jitter = false;
     bis_film film;
     bis_render_result result;
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
     /* The lowest row sees the floor y = -1 where its rays say so. */
     for (int x = 0; x < WIDTH; x++) {
         size_t i = (size_t)((HEIGHT - 1) * WIDTH + x);
-        ray r = bis_camera_ray(&w.desc.camera, WIDTH, HEIGHT, x + 0.5, HEIGHT - 0.5);
+        ray r = bis_camera_ray(&w.desc.view.camera, WIDTH, HEIGHT, x + 0.5, HEIGHT - 0.5);
         double t = (-1 - (double)r.o.y) / (double)r.d.y;
         assert_true(fabs(film.sum[3 * i] - 10 - t * (double)r.d.x) < 1e-5);
         assert_true(fabs(film.sum[3 * i + 2] - 10 - ((double)r.o.z + t * (double)r.d.z)) < 1e-5);
@@ -699,7 +699,7 @@ static void rendering_allocates_nothing(void **state)
         bis_render_result result;
         assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
         bis_mem_fail_at(0); /* starts the count */
-        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &(bis_render_options){.budget = {.spp = i ? 6 : 1}, .n_threads = 2}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view, &(bis_render_options){.budget = {.spp = i ? 6 : 1}, .n_threads = 2}, NULL), BIS_OK);
         counts[i] = bis_mem_count();
         bis_film_clear(&film);
     }
@@ -772,10 +772,10 @@ static void means_of_picture(double mean[N_DENORMAL_SEEDS], world *w, float firs
     for (int seed = 0; seed < N_DENORMAL_SEEDS; seed++) {
         bis_film film;
         bis_render_result result;
-        w->desc.sampler.seed = 100 + (uint64_t)seed;
+        w->desc.view.sampler.seed = 100 + (uint64_t)seed;
         assert_int_equal(bis_film_init(&film, 12, 8, whole, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_render(&result, &film, &w->scene, &w->desc, &(bis_render_options){.budget = {.spp = 2}}, NULL), BIS_OK);
-        if (result.counters.nonfinite) fail_msg("%s: %d estimates are not finite", w->desc.settings.integrator->name, (int)result.counters.nonfinite);
+        assert_int_equal(bis_render(&result, &film, &w->scene, &w->desc, &w->desc.view, &(bis_render_options){.budget = {.spp = 2}}, NULL), BIS_OK);
+        if (result.counters.nonfinite) fail_msg("%s: %d estimates are not finite", w->desc.view.settings.integrator->name, (int)result.counters.nonfinite);
         mean[seed] = 0;
         for (int i = 0; i < 3 * 12 * 8; i++) mean[seed] += film.sum[i] / (double)first;
         bis_film_clear(&film);
@@ -802,7 +802,7 @@ static void lit_denormals_leave_every_estimate_finite_and_the_means_right(void *
         means_of_picture(exact, &w, firsts[map]);
         for (int i = 0; i < n_ways; i++) {
             stat_moments difference = {0}, twin = {0};
-            w.desc.settings = ways[i];
+            w.desc.view.settings = ways[i];
             means_of_picture(mean, &w, firsts[map]);
             for (int k = 0; k < N_DENORMAL_SEEDS; k++) {
                 stat_add(&difference, mean[k] - exact[k]);

@@ -111,9 +111,9 @@ static void asking_for_layers_changes_no_bit_of_the_picture_and_no_count(void **
         bis_render_result a, b;
         make_world(&w, i < 0 ? &bis_sir : bis_integrators[i]);
         if (i < 0) { /* learns from pass to pass: from the picture's own rays alone */
-            w.desc.settings.proposal = BIS_PROPOSAL_PRODUCT;
-            w.desc.settings.candidates = 64;
-            w.desc.settings.learn = true;
+            w.desc.view.settings.proposal = BIS_PROPOSAL_PRODUCT;
+            w.desc.view.settings.candidates = 64;
+            w.desc.view.settings.learn = true;
         }
         render(&plain, &a, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
         render_layers(&layered, &b, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 3}});
@@ -171,14 +171,14 @@ static void depth_normal_and_albedo_are_those_of_the_floor(void **state)
     bis_film f;
     bis_render_result result;
     make_world(&w, &noise);
-    w.desc.pixel_jitter = false;
+    w.desc.view.pixel_jitter = false;
     render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 2}});
     float *planes = new_planes(&f);
     const float *z = plane_of(&f, "Z", planes), *up = plane_of(&f, "Ns.Y", planes), *red = plane_of(&f, "Albedo.R", planes),
                 *blue = plane_of(&f, "Albedo.B", planes);
     for (int x = 0; x < WIDTH; x++) {
         size_t i = (size_t)((HEIGHT - 1) * WIDTH + x);
-        ray r = bis_camera_ray(&w.desc.camera, WIDTH, HEIGHT, x + 0.5, HEIGHT - 0.5);
+        ray r = bis_camera_ray(&w.desc.view.camera, WIDTH, HEIGHT, x + 0.5, HEIGHT - 0.5);
         double t = (-1 - (double)r.o.y) / (double)r.d.y;
         assert_true(fabs((double)z[i] - t * (double)r.d.z) < 1e-5);
         assert_true(up[i] == 1);
@@ -200,9 +200,9 @@ static void normals_and_depths_turn_with_the_camera(void **state)
     bis_render_result result;
     bis_xform look;
     make_world(&w, &noise);
-    w.desc.pixel_jitter = false;
+    w.desc.view.pixel_jitter = false;
     assert_true(bis_xform_look_at(&look, (double[3]){4, 3, -2}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}));
-    w.desc.camera.to_world = bis_xform_inverse(&look);
+    w.desc.view.camera.to_world = bis_xform_inverse(&look);
     render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 1}});
     float *planes = new_planes(&f);
     size_t centre = (HEIGHT / 2) * WIDTH + WIDTH / 2;
@@ -227,12 +227,12 @@ static void unoccluded_is_L_ns_and_visibility_is_L_over_L_ns(void **state)
         const uint32_t spp = all[i] == &bis_exact ? 2 : 40;
         make_world(&w, all[i]);
         w.desc.light.visible = false;
-        w.desc.pixel_jitter = false;
-        w.desc.settings.samples = 16;
+        w.desc.view.pixel_jitter = false;
+        w.desc.view.settings.samples = 16;
         render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = spp}});
-        w.desc.settings = bis_settings_default(&bis_unoccluded);
-        w.desc.settings.candidates = 64;
-        w.desc.sampler.seed = 7;
+        w.desc.view.settings = bis_settings_default(&bis_unoccluded);
+        w.desc.view.settings.candidates = 64;
+        w.desc.view.sampler.seed = 7;
         render(&open, &result, &w, whole, &(bis_render_options){.budget = {.spp = 20}});
         float *planes = new_planes(&f);
         const float *L_ns = plane_of(&f, "unoccluded.G", planes), *V = plane_of(&f, "visibility.Y", planes);
@@ -265,7 +265,7 @@ static void in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples(
     int n_mixed = 0;
     make_world(&w, &place);
     w.desc.light.visible = false;
-    bis_scene_set_spp(&w.desc, 16);
+    bis_sampler_set_spp(&w.desc.view.sampler, 16);
     render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 16}});
     float *planes = new_planes(&f);
     const float *z = plane_of(&f, "Z", planes), *up = plane_of(&f, "Ns.Y", planes), *green = plane_of(&f, "Albedo.G",
@@ -417,13 +417,13 @@ static void intervals_cover_93_to_97_percent_of_a_rendered_picture(void **state)
     const double one_sided = 1.6955 / 2.0395; /* Student's t, 31 degrees of freedom */
     double all = 0, inside = 0, inside_twin = 0;
     make_world(&w, &bis_sir);
-    w.desc.sampler.kind = BIS_SAMPLER_RANDOM;
-    w.desc.pixel_jitter = false;
-    w.desc.settings.shadowrays = 8;
-    w.desc.sampler.seed = 1000;
+    w.desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
+    w.desc.view.pixel_jitter = false;
+    w.desc.view.settings.shadowrays = 8;
+    w.desc.view.sampler.seed = 1000;
     render(&truth, &result, &w, crop, &(bis_render_options){.budget = {.spp = 3000}});
     for (uint64_t seed = 1; seed <= 30; seed++) {
-        w.desc.sampler.seed = seed;
+        w.desc.view.sampler.seed = seed;
         render_layers(&f, &result, &w, crop, 1u << BIS_LAYER_INTERVAL, &(bis_render_options){.budget = {.spp = 32}});
         float *planes = new_planes(&f);
         bis_channel channels[BIS_FILM_MAX_CHANNELS];

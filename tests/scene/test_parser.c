@@ -139,16 +139,16 @@ static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)
     assert_int_equal(diag.n, 1); /* the warning "no light" */
     assert_non_null(strstr(diag.messages[0].text, "no light"));
     assert_false(d->has_light);
-    assert_int_equal(d->film.width, 1280);
-    assert_int_equal(d->film.height, 720);
-    assert_string_equal(d->film.filename, "bis.exr");
-    assert_true(d->film.crop[0] == 0 && d->film.crop[1] == 1 && d->film.crop[2] == 0 && d->film.crop[3] == 1);
-    assert_true(!d->camera.orthographic && d->camera.fov_deg == 90 && !d->camera.has_screen);
-    assert_int_equal(d->sampler.kind, BIS_SAMPLER_STRATIFIED);
-    assert_int_equal(d->sampler.spp, 16);
-    assert_int_equal(d->sampler.xsamples, 4);
-    assert_true(d->sampler.jitter && d->sampler.seed == 0 && d->pixel_jitter);
-    assert_ptr_equal(d->settings.integrator, &bis_sir);
+    assert_int_equal(d->view.film.width, 1280);
+    assert_int_equal(d->view.film.height, 720);
+    assert_string_equal(d->outfile, "bis.exr");
+    assert_true(d->view.film.crop[0] == 0 && d->view.film.crop[1] == 1 && d->view.film.crop[2] == 0 && d->view.film.crop[3] == 1);
+    assert_true(!d->view.camera.orthographic && d->view.camera.fov_deg == 90 && !d->view.camera.has_screen);
+    assert_int_equal(d->view.sampler.kind, BIS_SAMPLER_STRATIFIED);
+    assert_int_equal(d->view.sampler.spp, 16);
+    assert_int_equal(d->view.sampler.xsamples, 4);
+    assert_true(d->view.sampler.jitter && d->view.sampler.seed == 0 && d->view.pixel_jitter);
+    assert_ptr_equal(d->view.settings.integrator, &bis_sir);
     assert_int_equal(d->accel.kind, BIS_ACCEL_DEFAULT);
     assert_int_equal(d->n_shapes, 0);
     bis_scene_desc_free(d);
@@ -159,8 +159,8 @@ static void a_film_without_parameters_has_the_defaults_of_no_film(void **state)
 {
     (void)state;
     bis_scene_desc *d = good_scene("Film \"rgb\"", "");
-    const bis_film_desc *f = &d->film;
-    assert_true(f->width == 1280 && f->height == 720 && strcmp(f->filename, "bis.exr") == 0 && f->layers == 0);
+    const bis_film_desc *f = &d->view.film;
+    assert_true(f->width == 1280 && f->height == 720 && strcmp(d->outfile, "bis.exr") == 0 && f->layers == 0);
     assert_true(f->crop[0] == 0 && f->crop[1] == 1 && f->crop[2] == 0 && f->crop[3] == 1);
     bis_scene_desc_free(d);
 }
@@ -234,24 +234,24 @@ static void every_parameter_before_the_world_arrives(void **state)
         "Option \"bool disablepixeljitter\" true\n"
         "ColorSpace \"srgb\" MediumInterface \"\" \"\" MediumInterface \"\"\n",
         "");
-    assert_true(d->camera.orthographic && d->camera.has_screen && d->camera.screen[0] == -2 &&
-                d->camera.screen[3] == 1.5);
-    assert_true(d->camera.frame_aspect == 2);
-    assert_int_equal(d->film.width, 640);
-    assert_int_equal(d->film.height, 480);
-    assert_string_equal(d->film.filename, "a b.exr");
-    assert_true(d->film.crop[0] == 0.25 && d->film.crop[1] == 0.75 && d->film.crop[2] == 0 && d->film.crop[3] == 0.5);
-    assert_int_equal(d->sampler.xsamples, 3);
-    assert_int_equal(d->sampler.ysamples, 5);
-    assert_int_equal(d->sampler.spp, 15);
-    assert_true(!d->sampler.jitter && d->sampler.seed == (UINT64_C(1) << 53) - 1);
-    const bis_settings *s = &d->settings;
+    assert_true(d->view.camera.orthographic && d->view.camera.has_screen && d->view.camera.screen[0] == -2 &&
+                d->view.camera.screen[3] == 1.5);
+    assert_true(d->view.camera.frame_aspect == 2);
+    assert_int_equal(d->view.film.width, 640);
+    assert_int_equal(d->view.film.height, 480);
+    assert_string_equal(d->outfile, "a b.exr");
+    assert_true(d->view.film.crop[0] == 0.25 && d->view.film.crop[1] == 0.75 && d->view.film.crop[2] == 0 && d->view.film.crop[3] == 0.5);
+    assert_int_equal(d->view.sampler.xsamples, 3);
+    assert_int_equal(d->view.sampler.ysamples, 5);
+    assert_int_equal(d->view.sampler.spp, 15);
+    assert_true(!d->view.sampler.jitter && d->view.sampler.seed == (UINT64_C(1) << 53) - 1);
+    const bis_settings *s = &d->view.settings;
     assert_ptr_equal(s->integrator, &bis_rejection);
     assert_true(s->candidates == 7 && s->shadowrays == 3 && s->proposal == BIS_PROPOSAL_BRDF &&
                 s->estimator == BIS_ESTIMATOR_PLAIN && s->fallback == BIS_FALLBACK_SUBSET);
     assert_int_equal(d->accel.kind, BIS_ACCEL_GRID);
     assert_true(d->accel.density == 2.5);
-    assert_false(d->pixel_jitter);
+    assert_false(d->view.pixel_jitter);
     bis_scene_desc_free(d);
 }
 
@@ -260,26 +260,26 @@ static void every_parameter_of_the_other_integrators_arrives(void **state)
     bis_scene_desc *d;
     (void)state;
     d = good_scene("Integrator \"mis\" \"integer samples\" 9 \"string heuristic\" \"power\" \"float split\" .25 \"bool compensate\" true", "");
-    assert_true(d->settings.integrator == &bis_mis && d->settings.samples == 9 &&
-                d->settings.heuristic == BIS_HEURISTIC_POWER &&
-                d->settings.split == 0.25 && d->settings.compensate);
+    assert_true(d->view.settings.integrator == &bis_mis && d->view.settings.samples == 9 &&
+                d->view.settings.heuristic == BIS_HEURISTIC_POWER &&
+                d->view.settings.split == 0.25 && d->view.settings.compensate);
     bis_scene_desc_free(d);
     d = good_scene("Integrator \"sir\" \"integer candidates\" 5 \"integer shadowrays\" 2 \"string proposal\" \"em\" "
                    "\"string resampling\" \"multinomial\" \"bool stratify\" \"false\"", "");
-    assert_true(d->settings.integrator == &bis_sir && d->settings.candidates == 5 && d->settings.shadowrays == 2 &&
-                d->settings.proposal == BIS_PROPOSAL_EM && d->settings.resampling == BIS_RESAMPLING_MULTINOMIAL && !d->settings.stratify);
+    assert_true(d->view.settings.integrator == &bis_sir && d->view.settings.candidates == 5 && d->view.settings.shadowrays == 2 &&
+                d->view.settings.proposal == BIS_PROPOSAL_EM && d->view.settings.resampling == BIS_RESAMPLING_MULTINOMIAL && !d->view.settings.stratify);
     bis_scene_desc_free(d);
     d = good_scene("Integrator \"exact\" \"integer perpatch\" 4", "");
-    assert_true(d->settings.integrator == &bis_exact && d->settings.perpatch == 4);
+    assert_true(d->view.settings.integrator == &bis_exact && d->view.settings.perpatch == 4);
     bis_scene_desc_free(d);
     d = good_scene("Integrator \"em\" \"integer samples\" 3", "");
-    assert_true(d->settings.integrator == &bis_em && d->settings.samples == 3);
+    assert_true(d->view.settings.integrator == &bis_em && d->view.settings.samples == 3);
     bis_scene_desc_free(d);
     d = good_scene("Integrator \"brdf\" \"integer samples\" 1", "");
-    assert_true(d->settings.integrator == &bis_brdf && d->settings.samples == 1);
+    assert_true(d->view.settings.integrator == &bis_brdf && d->view.settings.samples == 1);
     bis_scene_desc_free(d);
     d = good_scene("Integrator \"unoccluded\" \"integer candidates\" 11", "");
-    assert_true(d->settings.integrator == &bis_unoccluded && d->settings.candidates == 11);
+    assert_true(d->view.settings.integrator == &bis_unoccluded && d->view.settings.candidates == 11);
     bis_scene_desc_free(d);
 }
 
@@ -314,9 +314,9 @@ static void spp_alone_is_divided_as_squarely_as_possible(void **state)
         char text[128];
         snprintf(text, sizeof text, "Sampler \"stratified\" \"integer pixelsamples\" %u", cases[i].spp);
         bis_scene_desc *d = good_scene(text, "");
-        assert_int_equal(d->sampler.spp, cases[i].spp);
-        assert_int_equal(d->sampler.xsamples, cases[i].x);
-        assert_int_equal(d->sampler.ysamples, cases[i].y);
+        assert_int_equal(d->view.sampler.spp, cases[i].spp);
+        assert_int_equal(d->view.sampler.xsamples, cases[i].x);
+        assert_int_equal(d->view.sampler.ysamples, cases[i].y);
         bis_scene_desc_free(d);
     }
 }
@@ -328,11 +328,11 @@ static void a_directive_given_again_starts_from_the_defaults(void **state)
                                    "Film \"rgb\" \"integer yresolution\" 20\n"
                                    "Sampler \"random\" \"integer seed\" 3\nSampler \"random\"\n"
                                    "Integrator \"sir\" \"integer candidates\" 5\nIntegrator \"sir\"", "");
-    assert_int_equal(d->film.width, 1280);
-    assert_int_equal(d->film.height, 20);
-    assert_string_equal(d->film.filename, "bis.exr");
-    assert_true(d->sampler.seed == 0);
-    assert_int_equal(d->settings.candidates, bis_settings_default(&bis_sir).candidates);
+    assert_int_equal(d->view.film.width, 1280);
+    assert_int_equal(d->view.film.height, 20);
+    assert_string_equal(d->outfile, "bis.exr");
+    assert_true(d->view.sampler.seed == 0);
+    assert_int_equal(d->view.settings.candidates, bis_settings_default(&bis_sir).candidates);
     bis_scene_desc_free(d);
 }
 
@@ -372,7 +372,7 @@ static void the_coordinate_system_camera_maps_camera_space_to_the_world(void **s
     bis_scene_desc *d = good_scene("Translate 0 0 5 Camera \"perspective\"",
                                    "CoordSysTransform \"camera\" Shape \"sphere\"");
     assert_moves(d, 0, 1, 2, -2);
-    assert_true(d->camera.to_world.m[2][3] == -5);
+    assert_true(d->view.camera.to_world.m[2][3] == -5);
     bis_scene_desc_free(d);
 }
 
@@ -482,12 +482,12 @@ static void a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no
     assert_int_equal(bis_scene_parse(&a, "tests/data/scenes/pbrt-v3.txt", &diag), BIS_OK);
     assert_int_equal(bis_scene_parse(&b, "tests/data/scenes/pbrt-v4.txt", &diag), BIS_OK);
     assert_int_equal(diag.n, 0);
-    assert_same_xform(&a->camera.to_world, &b->camera.to_world);
+    assert_same_xform(&a->view.camera.to_world, &b->view.camera.to_world);
     assert_same_xform(&a->light.to_world, &b->light.to_world);
-    assert_true(a->light.scale == b->light.scale && a->camera.fov_deg == b->camera.fov_deg);
+    assert_true(a->light.scale == b->light.scale && a->view.camera.fov_deg == b->view.camera.fov_deg);
     assert_string_equal(a->light.filename, b->light.filename);
-    assert_int_equal(a->film.width, b->film.width);
-    assert_int_equal(a->sampler.spp, b->sampler.spp);
+    assert_int_equal(a->view.film.width, b->view.film.width);
+    assert_int_equal(a->view.sampler.spp, b->view.sampler.spp);
     assert_int_equal(a->n_shapes, 4);
     assert_int_equal(b->n_shapes, 4);
     for (size_t i = 0; i < 4; i++) {
@@ -535,7 +535,7 @@ static void a_german_locale_changes_no_number(void **state)
     }
     bis_scene_desc *d = good_scene("Camera \"perspective\" \"float fov\" 45.5", "");
     setlocale(LC_ALL, "C");
-    assert_true(d->camera.fov_deg == 45.5);
+    assert_true(d->view.camera.fov_deg == 45.5);
     bis_scene_desc_free(d);
 }
 

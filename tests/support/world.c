@@ -58,14 +58,14 @@ void make_world(world *w, const bis_integrator *integrator)
     w->shapes[1] = (bis_shape_desc){.kind = BIS_SHAPE_SPHERE, .material = 1};
     d->shapes = w->shapes;
     d->n_shapes = 2;
-    d->camera = (bis_camera){.fov_deg = 60, .to_world = bis_xform_translate(0, 0, -3)};
-    d->sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .seed = 1, .jitter = true};
-    bis_scene_set_spp(d, 4);
-    d->pixel_jitter = true;
-    d->settings = bis_settings_default(integrator);
-    d->settings.candidates = 24;
-    d->settings.shadowrays = 3;
-    d->settings.samples = 4;
+    d->view.camera = (bis_camera){.fov_deg = 60, .to_world = bis_xform_translate(0, 0, -3)};
+    d->view.sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .seed = 1, .jitter = true};
+    bis_sampler_set_spp(&d->view.sampler, 4);
+    d->view.pixel_jitter = true;
+    d->view.settings = bis_settings_default(integrator);
+    d->view.settings.candidates = 24;
+    d->view.settings.shadowrays = 3;
+    d->view.settings.samples = 4;
     d->has_light = true;
     d->light = (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .area_exponent = 0.15, .levels = 8, .visible = true, .to_world = bis_xform_identity()};
 
@@ -90,14 +90,14 @@ const double whole[4] = {0, 1, 0, 1};
 void render(bis_film *film, bis_render_result *result, const world *w, const double crop[4], const bis_render_options *options)
 {
     assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, crop, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_render(result, film, &w->scene, &w->desc, options, NULL), BIS_OK);
+    assert_int_equal(bis_render(result, film, &w->scene, &w->desc, &w->desc.view, options, NULL), BIS_OK);
 }
 
 void render_layers(bis_film *film, bis_render_result *result, const world *w, const double crop[4], unsigned layers, const bis_render_options *options)
 {
     assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, crop, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_film_want(film, layers, NULL), BIS_OK);
-    assert_int_equal(bis_render(result, film, &w->scene, &w->desc, options, NULL), BIS_OK);
+    assert_int_equal(bis_render(result, film, &w->scene, &w->desc, &w->desc.view, options, NULL), BIS_OK);
 }
 
 long first_k_without_failure(const world *w, unsigned layers)
@@ -109,7 +109,7 @@ long first_k_without_failure(const world *w, unsigned layers)
         bis_mem_fail_at(k);
         bis_status status = bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, &diag);
         if (!status && layers) status = bis_film_want(&film, layers, &diag);
-        if (!status) status = bis_render(&result, &film, &w->scene, &w->desc, &(bis_render_options){.budget = {.spp = 1}, .n_threads = 2}, &diag);
+        if (!status) status = bis_render(&result, &film, &w->scene, &w->desc, &w->desc.view, &(bis_render_options){.budget = {.spp = 1}, .n_threads = 2}, &diag);
         bis_mem_fail_at(0);
         bis_film_clear(&film);
         const size_t n_errors = diag.n_errors;

@@ -470,13 +470,13 @@ static double render_small(const char *path, unsigned as_printed, rgb pixels[20 
 
     if (bis_scene_parse(&desc, path, &diag)) fail_msg("%s", diag.messages[0].text);
     assert_int_equal(diag.n, 0);
-    assert_int_equal(desc->settings.as_printed, 0); /* right, unless the user asks otherwise */
-    desc->settings.as_printed = as_printed;
-    desc->film.width = 20;
-    desc->film.height = 15;
-    assert_int_equal(bis_film_init(&film, 20, 15, desc->film.crop, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(desc->view.settings.as_printed, 0); /* right, unless the user asks otherwise */
+    desc->view.settings.as_printed = as_printed;
+    desc->view.film.width = 20;
+    desc->view.film.height = 15;
+    assert_int_equal(bis_film_init(&film, 20, 15, desc->view.film.crop, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_scene_build(&scene, desc, &diag), BIS_OK);
-    assert_int_equal(bis_render(&result, &film, scene, desc, &options, NULL), BIS_OK);
+    assert_int_equal(bis_render(&result, &film, scene, desc, &desc->view, &options, NULL), BIS_OK);
     assert_int_equal(result.counters.nonfinite, 0);
     bis_film_resolve(&film, rgba);
     for (int i = 0; i < 20 * 15; i++) {
@@ -530,7 +530,7 @@ static void an_option_of_the_scene_outlives_the_integrator_and_may_be_a_list(voi
         bis_scene_desc *desc;
         program_write_file(DIR "/scene.txt", texts[i]);
         assert_int_equal(bis_scene_parse(&desc, DIR "/scene.txt", &diag), BIS_OK);
-        assert_int_equal(desc->settings.as_printed, BIS_E3 | BIS_E6 | BIS_E21);
+        assert_int_equal(desc->view.settings.as_printed, BIS_E3 | BIS_E6 | BIS_E21);
         bis_scene_desc_free(desc);
         bis_diag_clear(&diag);
     }

@@ -76,8 +76,8 @@ static void every_parameter_is_told_and_read_back(void **state)
                 snprintf(scene, sizeof scene, "%s\nWorldBegin\n", bis_describe_line(line, &s, all));
                 program_write_file(SCENE, scene);
                 if (bis_scene_parse(&d, SCENE, NULL)) fail_msg("not read: %s", line);
-                if (!bis_settings_equal(&d->settings, &s)) fail_msg("read as something else: %s", line);
-                assert_false(bis_settings_equal(&d->settings, &usual));
+                if (!bis_settings_equal(&d->view.settings, &s)) fail_msg("read as something else: %s", line);
+                assert_false(bis_settings_equal(&d->view.settings, &usual));
                 bis_scene_desc_free(d);
             }
         }

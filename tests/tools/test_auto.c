@@ -146,9 +146,9 @@ static void at_the_best_candidates_have_the_same_share_of_time_and_of_variance(v
 static void make_auto_world(world *w)
 {
     make_world(w, &bis_auto);
-    w->desc.film.width = WIDTH;
-    w->desc.film.height = HEIGHT;
-    memcpy(w->desc.film.crop, whole, sizeof whole);
+    w->desc.view.film.width = WIDTH;
+    w->desc.view.film.height = HEIGHT;
+    memcpy(w->desc.view.film.crop, whole, sizeof whole);
 }
 
 static void choose(bis_auto_report *r, const world *w, const bis_render_options *options)
@@ -250,10 +250,10 @@ static void among_sirs_settings_alone_nothing_else_is_tried(void **state)
     bis_auto_report r;
     world w;
     make_auto_world(&w);
-    w.desc.settings = bis_settings_default(&bis_sir);
-    w.desc.settings.candidates = 0;
-    bis_settings_leave_open(&w.desc.settings);
-    assert_true(bis_auto_is_wanted(&w.desc.settings));
+    w.desc.view.settings = bis_settings_default(&bis_sir);
+    w.desc.view.settings.candidates = 0;
+    bis_settings_leave_open(&w.desc.view.settings);
+    assert_true(bis_auto_is_wanted(&w.desc.view.settings));
     choose(&r, &w, &options);
     for (int i = 0; i < r.n_tried; i++) assert_ptr_equal(r.tried[i].settings.integrator, &bis_sir);
     assert_true(r.settings.candidates > 0);
@@ -267,9 +267,9 @@ static void a_fixed_integrator_is_left_as_it_is(void **state)
     bis_auto_report r;
     world w;
     make_auto_world(&w);
-    w.desc.settings = bis_settings_default(&bis_mis);
+    w.desc.view.settings = bis_settings_default(&bis_mis);
     choose(&r, &w, &options);
-    assert_memory_equal(&r.settings, &w.desc.settings, sizeof r.settings);
+    assert_memory_equal(&r.settings, &w.desc.view.settings, sizeof r.settings);
     assert_int_equal(r.n_tried, 0);
     clear_world(&w);
 }
@@ -325,7 +325,7 @@ static double variance_of_a_pass(world *w, const bis_settings *settings, uint32_
     double mean = 0, sum = 0;
     size_t n = 0;
 
-    w->desc.settings = *settings;
+    w->desc.view.settings = *settings;
     render(&film, &result, w, whole, &(bis_render_options){.budget = {.spp = spp}});
     for (size_t k = 0; k < 3 * WIDTH * HEIGHT; k++) {
         if (film.hits[k / 3] == 0) continue;
@@ -355,8 +355,8 @@ static void the_variance_that_is_measured_is_that_of_a_pass(void **state)
     int n = 0;
     make_auto_world(&w);
     w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.4f, 0.3f}, (rgb){0.2f, 0.2f, 0.2f}, 5);
-    w.desc.pixel_jitter = false;
-    w.desc.sampler.kind = BIS_SAMPLER_RANDOM;
+    w.desc.view.pixel_jitter = false;
+    w.desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
     choose(&r, &w, &options);
     for (int i = 0; i < r.n_tried; i++) {
         if (r.tried[i].settings.shadowrays > 16) continue; /* for the time it takes */
@@ -396,9 +396,9 @@ static void a_thin_crop_is_chosen_for_too(void **state)
     bis_auto_report r;
     world w;
     make_auto_world(&w);
-    w.desc.film.width = 30000;
-    w.desc.film.height = 100;
-    memcpy(w.desc.film.crop, strip, sizeof strip);
+    w.desc.view.film.width = 30000;
+    w.desc.view.film.height = 100;
+    memcpy(w.desc.view.film.crop, strip, sizeof strip);
     choose(&r, &w, &options);
     assert_true(r.is_chosen);
     clear_world(&w);
@@ -500,7 +500,7 @@ static double rays_of_a_pass(world *w, const bis_settings *settings, uint32_t sp
     bis_film film;
     bis_render_result result;
 
-    w->desc.settings = *settings;
+    w->desc.view.settings = *settings;
     render(&film, &result, w, whole, &(bis_render_options){.budget = {.spp = spp}});
     bis_film_clear(&film);
     return (double)(result.counters.camera_rays + result.counters.shadow_rays) / spp;
@@ -539,9 +539,9 @@ static void a_footprint_of_nearly_nothing_is_the_centre_of_the_pixel(void **stat
     bis_film centre, small, all;
     bis_render_result result;
     make_world(&w, &place);
-    w.desc.pixel_jitter = false;
+    w.desc.view.pixel_jitter = false;
     render(&centre, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
-    w.desc.pixel_jitter = true;
+    w.desc.view.pixel_jitter = true;
     render(&small, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}, .footprint = 0x1p-20});
     render(&all, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
     double with = 0, without = 0;

@@ -97,7 +97,7 @@ static void a_short_line_leaves_out_what_has_its_default(void **state)
 
 static bis_scene_desc small_scene(void)
 {
-    return (bis_scene_desc){.path = (char *)(uintptr_t)"a/scene.txt", .settings = settings(&bis_em, 0, 8)};
+    return (bis_scene_desc){.path = (char *)(uintptr_t)"a/scene.txt", .view.settings = settings(&bis_em, 0, 8)};
 }
 
 /* Fill, cost and variance:
@@ -181,9 +181,9 @@ static void the_stats_are_those_by_hand(void **state)
     const bis_render_result result = {.counters = {101, 102, 103, 104, 105, 0}, .seconds = 5, .relative_rmse = 0.125, .error_bound = 0.25,
                                       .interrupted = true, .spp = 12, .passes = 3, .n_threads = 5, .bytes = 1000};
     make_report(&r);
-    desc.settings = settings(&bis_rejection, 31, 6);
-    desc.settings.proposal = BIS_PROPOSAL_CHOOSE;
-    desc.sampler.seed = 34;
+    desc.view.settings = settings(&bis_rejection, 31, 6);
+    desc.view.settings.proposal = BIS_PROPOSAL_CHOOSE;
+    desc.view.sampler.seed = 34;
     assert_int_equal(bis_light_constant(&scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, 7, 3, (double[]){0, 1, 0, 1}, (bis_loc){0}, NULL), BIS_OK);
     bis_stats s = {.desc = &desc, .scene = &scene, .film = &film, .result = &result, .seconds = {1, 2, 3, 4, 5, 6, 7}, .line = "the line"};
@@ -225,13 +225,13 @@ static void the_stats_are_those_by_hand(void **state)
     free(text);
 
     /* other integrators */
-    desc.settings = settings(&bis_exact, 1, 1);
+    desc.view.settings = settings(&bis_exact, 1, 1);
     text = stats_of(&s);
     assert_string_equal(json_value(value, sizeof value, text, "candidates_drawn"), "null");
     assert_string_equal(json_value(value, sizeof value, text, "accepted"), "null");
     free(text);
-    desc.settings = settings(&bis_rejection, 31, 6);
-    desc.settings.estimator = BIS_ESTIMATOR_PLAIN;
+    desc.view.settings = settings(&bis_rejection, 31, 6);
+    desc.view.settings.estimator = BIS_ESTIMATOR_PLAIN;
     text = stats_of(&s);
     assert_string_equal(json_value(value, sizeof value, text, "accepted"), "104");
     assert_string_equal(json_value(value, sizeof value, text, "fallbacks"), "null");
@@ -259,15 +259,15 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     bis_scene_desc desc = small_scene();
     bis_auto_report r = {0};
     bis_render_result result = {.seconds = 5.5, .relative_rmse = (double)NAN, .spp = 12};
-    desc.sampler.seed = 34;
-    desc.edge_samples = 1;
+    desc.view.sampler.seed = 34;
+    desc.view.edge_samples = 1;
     bis_stats s = {.desc = &desc, .result = &result, .line = "all"};
     int n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
                         "scene=a/scene.txt integrator=em samples=8 stratify=false spp=12 seed=34 render_seconds=5.5 bis:version=" BIS_VERSION " ");
     result.relative_rmse = 0.25;
-    desc.edge_samples = 2;
-    desc.adaptive = true;
+    desc.view.edge_samples = 2;
+    desc.view.adaptive = true;
     s.choice = &r;
     snprintf(s.as_printed, sizeof s.as_printed, "E6 E20");
     n = bis_describe_picture(&s, attributes);

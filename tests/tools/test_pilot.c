@@ -70,11 +70,11 @@ static void the_pilots_size_follows_what_is_to_come(void **state)
         bis_auto_report r;
         world w;
         make_world(&w, &bis_auto);
-        w.desc.film.width = cases[i].width;
-        w.desc.film.height = cases[i].height;
-        w.desc.adaptive = cases[i].adaptive;
-        memcpy(w.desc.film.crop, cases[i].crop, sizeof w.desc.film.crop);
-        bis_scene_set_spp(&w.desc, cases[i].scene_spp);
+        w.desc.view.film.width = cases[i].width;
+        w.desc.view.film.height = cases[i].height;
+        w.desc.view.adaptive = cases[i].adaptive;
+        memcpy(w.desc.view.film.crop, cases[i].crop, sizeof w.desc.view.film.crop);
+        bis_sampler_set_spp(&w.desc.view.sampler, cases[i].scene_spp);
         assert_int_equal(bis_auto_choose(&r, &w.scene, &w.desc, &options, NULL), BIS_OK);
         if (r.width != cases[i].small_width || r.height != cases[i].small_height || r.passes != cases[i].passes)
             fail_msg("case %zu: %d x %d, %d passes", i, r.width, r.height, r.passes);
@@ -104,7 +104,7 @@ static void assert_tries(world *w, double seconds, const attempt *list, int n)
 {
     const bis_render_options options = {.budget = {.seconds = seconds}, .n_threads = 2};
     bis_auto_report r;
-    w->desc.film = (bis_film_desc){.width = 8, .height = 6, .crop = {0, 1, 0, 1}};
+    w->desc.view.film = (bis_film_desc){.width = 8, .height = 6, .crop = {0, 1, 0, 1}};
     assert_int_equal(bis_auto_choose(&r, &w->scene, &w->desc, &options, NULL), BIS_OK);
     assert_true(r.is_chosen && r.width == 8 && r.height == 6 && r.n_tried >= n && r.n_tried <= n + 4);
     if (seconds < 1) assert_int_equal(r.n_tried, n);
@@ -148,9 +148,9 @@ static void the_lists_of_a_pilot_are_those_by_hand(void **state)
     w.materials[1] = w.materials[0];
     assert_tries(&w, 1000, glossy, 8);
     assert_tries(&w, 0.1, short_list, 3);
-    w.desc.settings.only_sir = true;
+    w.desc.view.settings.only_sir = true;
     assert_tries(&w, 0.1, short_list + 1, 2);
-    w.desc.settings.only_sir = false;
+    w.desc.view.settings.only_sir = false;
     w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
     assert_tries(&w, 0.1, short_diffuse, 4);
     assert_tries(&w, 1000, diffuse, 10);
@@ -208,8 +208,8 @@ static void what_may_hide_a_quarter_must_win_by_more(void **state)
         world w;
         make_world(&w, &bis_auto);
         w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, seed % 3 ? (rgb){0.2f, 0.2f, 0.2f} : (rgb){0, 0, 0}, 3);
-        w.desc.film = (bis_film_desc){.width = 12, .height = 9, .crop = {0, 1, 0, 1}};
-        w.desc.sampler.seed = seed;
+        w.desc.view.film = (bis_film_desc){.width = 12, .height = 9, .crop = {0, 1, 0, 1}};
+        w.desc.view.sampler.seed = seed;
         counting_accel accel = {{&counting, w.scene.accel->geometry}, w.scene.accel};
         w.scene.accel = &accel.base;
         counts_work = true;
@@ -409,10 +409,10 @@ static void a_pilot_runs_as_often_as_was_wanted(void **state)
     bis_auto_report r;
     world w;
     make_world(&w, &bis_auto);
-    w.desc.film = (bis_film_desc){.width = 8, .height = 6, .crop = {0, 1, 0, 1}};
-    bis_scene_set_spp(&w.desc, 1);
+    w.desc.view.film = (bis_film_desc){.width = 8, .height = 6, .crop = {0, 1, 0, 1}};
+    bis_sampler_set_spp(&w.desc.view.sampler, 1);
     r = (bis_auto_report){0};
-    p = (bis_auto_pilot){.scene = &w.scene, .desc = w.desc, .report = &r, .n_pixels = 48, .passes = 1, .scale = 1, .n_threads = 2,
+    p = (bis_auto_pilot){.scene = &w.scene, .desc = &w.desc, .view = w.desc.view, .report = &r, .n_pixels = 48, .passes = 1, .scale = 1, .n_threads = 2,
                          .options = {.budget = {.spp = 1}, .n_threads = 1}};
     assert_int_equal(bis_auto_pilot_start(&p, NULL), BIS_OK);
     assert_false(p.is_diffuse);

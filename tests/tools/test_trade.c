@@ -234,8 +234,8 @@ static void the_pages_exposure_is_that_of_bis_render(void **state)
     float rgba[4 * N];
     assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, 24, 16, whole, (bis_loc){0}, NULL), BIS_OK);
-    bis_scene_set_spp(t.desc, 16);
-    assert_int_equal(bis_render(&result, &film, t.scene, t.desc, &options, NULL), BIS_OK);
+    bis_sampler_set_spp(&t.desc->view.sampler, 16);
+    assert_int_equal(bis_render(&result, &film, t.scene, t.desc, &t.desc->view, &options, NULL), BIS_OK);
     bis_film_resolve(&film, rgba);
     assert_int_equal(bis_image_init(&t.both.image, 24, 16, NULL), BIS_OK);
     for (int i = 0; i < N; i++) t.both.image.pixels[i] = (rgb){rgba[4 * i], rgba[4 * i + 1], rgba[4 * i + 2]};
@@ -489,7 +489,7 @@ static void the_line_for_a_scene_file_is_the_setting(void **state)
         program_write_file(DIR "/line.txt", scene);
         if (bis_scene_parse(&desc, DIR "/line.txt", &diag)) fail_msg("%s: %s", text, diag.n ? diag.messages[0].text : "?");
         bis_diag_clear(&diag);
-        const bis_settings *a = &desc->settings, *b = &s->settings;
+        const bis_settings *a = &desc->view.settings, *b = &s->settings;
         assert_ptr_equal(a->integrator, b->integrator);
         const bool by_candidates = a->integrator == &bis_sir || a->integrator == &bis_rejection;
         if (by_candidates) assert_true(a->candidates == b->candidates && a->shadowrays == b->shadowrays && a->proposal == b->proposal);
@@ -622,13 +622,13 @@ static void passes_are_advised_that_make_a_square_grid(void **state)
     (void)state;
     static const unsigned least[] = {0, 1, 2, 3, 4, 5, 7, 9, 10, 13, 17, 21, 150, 157, 169, 1000000},
                           good[] = {1, 1, 2, 4, 4, 6, 9, 9, 12, 16, 20, 25, 156, 169, 169, 1000000};
-    bis_scene_desc desc = {.sampler = {.kind = BIS_SAMPLER_STRATIFIED}};
+    bis_scene_desc desc = {.view.sampler = {.kind = BIS_SAMPLER_STRATIFIED}};
     const bis_trade t = {.desc = &desc};
     bis_image truth;
     const size_t n = sizeof good / sizeof *good;
     for (size_t i = 0; i < n; i++) assert_int_equal(bis_trade_square_passes(&t, least[i]), good[i]);
     assert_int_equal(bis_trade_square_passes(&t, 12.01), 16);
-    desc.sampler.kind = BIS_SAMPLER_SOBOL;
+    desc.view.sampler.kind = BIS_SAMPLER_SOBOL;
     assert_int_equal(bis_trade_square_passes(&t, 13), 13);
     read_image(&truth, DIR "/truth.exr");
     assert_true(error_of_command(13, &truth) > sqrt(1.5) * error_of_command(12, &truth));

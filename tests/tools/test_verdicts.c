@@ -830,7 +830,7 @@ static void verify_text(bis_verify *v, const char *text)
     assert_int_equal(bis_scene_parse(&desc, DIR "/scene.txt", NULL), BIS_OK);
     desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     assert_int_equal(bis_scene_build(&scene, desc, NULL), BIS_OK);
-    assert_int_equal(bis_verify_scene(v, scene, desc, &desc->settings, NULL), BIS_OK);
+    assert_int_equal(bis_verify_scene(v, scene, desc, &desc->view.settings, NULL), BIS_OK);
     bis_scene_free(scene);
     bis_scene_desc_free(desc);
 }

@@ -989,7 +989,7 @@ static void verify_file(bis_verify *v, const char *path)
     if (bis_scene_parse(&desc, path, &diag)) fail_msg("%s", path);
     desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     assert_int_equal(bis_scene_build(&scene, desc, &diag), BIS_OK);
-    assert_int_equal(bis_verify_scene(v, scene, desc, &desc->settings, &diag), BIS_OK);
+    assert_int_equal(bis_verify_scene(v, scene, desc, &desc->view.settings, &diag), BIS_OK);
     bis_scene_free(scene);
     bis_scene_desc_free(desc);
     bis_diag_clear(&diag);

@@ -30,13 +30,13 @@ static void load(bis_scene_desc **d, bis_scene **s, const char *path)
     bis_diag diag = {0};
 
     if (bis_scene_parse(d, path, &diag)) fail_msg("%s", diag.messages[0].text);
-    (*d)->settings = (bis_settings){.integrator = &bis_brdf, .samples = 4};
-    (*d)->film.width = WIDTH;
-    (*d)->film.height = HEIGHT;
-    (*d)->adaptive = false;
-    (*d)->edge_samples = 0;
+    (*d)->view.settings = (bis_settings){.integrator = &bis_brdf, .samples = 4};
+    (*d)->view.film.width = WIDTH;
+    (*d)->view.film.height = HEIGHT;
+    (*d)->view.adaptive = false;
+    (*d)->view.edge_samples = 0;
     (*d)->accel.kind = BIS_ACCEL_GRID;
-    bis_scene_set_spp(*d, 1);
+    bis_sampler_set_spp(&(*d)->view.sampler, 1);
     if (bis_scene_build(s, *d, &diag)) fail_msg("%s", diag.messages[0].text);
     bis_diag_clear(&diag);
 }
@@ -48,7 +48,7 @@ static void render(double sum[WIDTH * HEIGHT], const bis_scene *s, const bis_sce
     bis_render_result result;
 
     assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_render(&result, &film, s, d, &(bis_render_options){.budget = {.spp = 1}}, NULL), BIS_OK);
+    assert_int_equal(bis_render(&result, &film, s, d, &d->view, &(bis_render_options){.budget = {.spp = 1}}, NULL), BIS_OK);
     for (int i = 0; i < WIDTH * HEIGHT; i++) sum[i] = film.sum[3 * i] + film.sum[3 * i + 1] + film.sum[3 * i + 2];
     bis_film_clear(&film);
 }

@@ -12,7 +12,7 @@
 enum { BIS_RENDER_TILE = 16 };
 
 /* The limit that is reached first ends the render. One pass is always completed. If all three are 0,
- * desc->sampler.spp passes are rendered. */
+ * view->sampler.spp passes are rendered. */
 typedef struct bis_budget {
     uint32_t spp;     /* camera samples per pixel; 0: no limit */
     double seconds;   /* seconds of the render phase; 0: no limit */
@@ -62,9 +62,10 @@ typedef struct bis_render_result {
 /* bis_render_threads returns the number of threads that these options use. */
 int bis_render_threads(const bis_render_options *options);
 
-/* bis_render renders into film, which the caller has initialised. The bits of the film depend on desc and on the
- * number of passes, never on threads or time. *result receives what was done. Errors: BIS_NOMEM. */
+/* bis_render renders into film, which the caller has initialised. view says what is seen and how; it may
+ * differ from desc->view, but scene must have been built for what its settings need. The bits of the film depend on desc,
+ * view and the number of passes, never on threads or time. *result receives what was done. Errors: BIS_NOMEM. */
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                      const bis_render_options *options, bis_diag *diag);
+                      const bis_view *view, const bis_render_options *options, bis_diag *diag);
 
 #endif

@@ -44,17 +44,16 @@ typedef struct bis_shape_desc {
 
 typedef struct bis_film_desc {
     int width, height;
-    char *filename; /* as written; relative to the working directory, as in pbrt */
     double crop[4]; /* x0, x1, y0, y1 */
     unsigned layers; /* a set of bis/scene/layers.h */
 } bis_film_desc;
 
-/* The film of a scene that says nothing of it, but for its filename. */
+/* The film of a scene that says nothing of it, and the name of its picture. */
 extern const bis_film_desc bis_film_default;
 #define BIS_FILM_FILENAME "bis.exr"
 
-typedef struct bis_scene_desc {
-    char *path;
+/* What one wants to see of a scene, and how: a plain value that owns nothing, made to be copied and changed. */
+typedef struct bis_view {
     bis_camera camera;
     bis_film_desc film;
     bis_sampler sampler;
@@ -63,9 +62,16 @@ typedef struct bis_scene_desc {
     /* camera samples of a pass in a pixel that an outline crosses (src/render/edges.h); 0, 1: as in other pixels */
     uint32_t edge_samples;
     bis_settings settings;
+} bis_view;
+
+/* A scene as its file describes it. It owns what its pointers point to: never copy it by =. */
+typedef struct bis_scene_desc {
+    char *path;
+    bis_view view; /* the file's own */
+    char *outfile; /* of its Film, as written; relative to the working directory, as in pbrt */
     bis_loc integrator_loc;
     /* BIS_NEED_*: what to build of the light, for a caller that needs more of it than one integrator does; 0: what
-     * the integrators need */
+     * the integrator needs */
     unsigned light_needs;
     bis_accel_options accel;
     bool has_light;
@@ -86,10 +92,6 @@ bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *dia
 
 /* bis_scene_desc_free frees a description; NULL is allowed. */
 void bis_scene_desc_free(bis_scene_desc *d);
-
-/* bis_scene_set_spp sets the number of camera samples per pixel, spp >= 1. The stratified sampler gets the most
- * square xsamples x ysamples = spp. For the parser and the command line. */
-void bis_scene_set_spp(bis_scene_desc *d, uint32_t spp);
 
 /* The number of a material that no shape uses. */
 #define BIS_NO_NUMBER UINT32_MAX

@@ -168,7 +168,7 @@ static bool is_narrow(const bis_scene_desc *d)
 
 static bis_status try_first(bis_auto_pilot *p, bis_diag *diag)
 {
-    const bool narrow = p->is_quick && is_narrow(&p->desc);
+    const bool narrow = p->is_quick && is_narrow(p->desc);
     bis_status status = BIS_OK;
 
     for (int f = 0; f < N_FAMILIES; f++) {
@@ -269,7 +269,7 @@ static double pixels_of(const bis_film_desc *f)
 /* Camera samples of the whole render, as far as the budget tells; without an --spp, as many as the scene asks for. */
 static double samples_to_come(const bis_scene_desc *desc, const bis_render_options *o)
 {
-    const double by_spp = pixels_of(&desc->film) * (double)(o->budget.spp ? o->budget.spp : desc->sampler.spp);
+    const double by_spp = pixels_of(&desc->view.film) * (double)(o->budget.spp ? o->budget.spp : desc->view.sampler.spp);
 
     if (!(o->budget.seconds > 0)) return by_spp;
     const double by_time = o->budget.seconds * samples_a_second;
@@ -281,7 +281,7 @@ static double samples_to_come(const bis_scene_desc *desc, const bis_render_optio
 static bis_status make_film(bis_film *film, bis_auto_pilot *p, const bis_scene_desc *desc, double pixels,
                             bis_diag *diag)
 {
-    const bis_film_desc *f = &desc->film;
+    const bis_film_desc *f = &desc->view.film;
     const double k = fmax(1, sqrt(pixels_of(f) / pixels));
     const int width = (int)fmax(1, round(f->width / k)), height = (int)fmax(1, round(f->height / k));
 
@@ -290,8 +290,8 @@ static bis_status make_film(bis_film *film, bis_auto_pilot *p, const bis_scene_d
     bis_status status = bis_film_init(film, width, height, f->crop, (bis_loc){0}, NULL);
     if (status == BIS_NOMEM) return bis_auto_no_memory(desc, diag);
     if (status == BIS_OK) {
-        p->desc.film.width = width;
-        p->desc.film.height = height;
+        p->view.film.width = width;
+        p->view.film.height = height;
     } else {
         p->options.footprint = 0;
         p->scale = 1;
@@ -309,16 +309,16 @@ static bis_status make_pilot(bis_auto_pilot *p, const bis_scene_desc *desc, cons
     const double to_come = samples_to_come(desc, options), samples = fmin(most_samples, share_of_time * to_come);
     const double quick = fmax(least_samples_quick, share_of_time_quick * to_come);
     /* where passes are independent, one camera sample knows nothing of the next */
-    const bool independent = desc->adaptive || options->budget.error > 0;
-    const uint64_t spp = options->budget.spp ? options->budget.spp : desc->sampler.spp;
+    const bool independent = desc->view.adaptive || options->budget.error > 0;
+    const uint64_t spp = options->budget.spp ? options->budget.spp : desc->view.sampler.spp;
     bis_auto_report *r = p->report;
     bis_film film;
 
     p->is_quick = samples < least_samples;
     p->passes = independent || p->is_quick || spp < MOST_PASSES ? 1 : MOST_PASSES;
-    p->desc.adaptive = false;
-    p->desc.film.layers = 0;
-    bis_scene_set_spp(&p->desc, p->passes);
+    p->view.adaptive = false;
+    p->view.film.layers = 0;
+    bis_sampler_set_spp(&p->view.sampler, p->passes);
     const double pixels = p->is_quick ? quick / expected_renders_quick : samples / (expected_renders * p->passes);
     bis_status status = make_film(&film, p, desc, pixels, diag);
     bis_film_clear(&film);
@@ -343,15 +343,16 @@ bis_status bis_auto_choose(bis_auto_report *report, const bis_scene *scene, cons
     bis_auto_pilot *p = NULL;
     bis_status status;
 
-    *report = (bis_auto_report){.settings = desc->settings};
-    if (!bis_auto_is_wanted(&desc->settings)) return BIS_OK;
+    *report = (bis_auto_report){.settings = desc->view.settings};
+    if (!bis_auto_is_wanted(&desc->view.settings)) return BIS_OK;
     report->settings.integrator = &bis_sir; /* its defaults, until something better is known */
     if (!scene->accel || bis_light_is_black(scene->light)) return BIS_OK;
     p = bis_alloc(1, sizeof *p);
     if (!p) return bis_auto_no_memory(desc, diag);
     p->scene = scene;
-    p->desc = *desc;
-    p->base = desc->settings;
+    p->desc = desc;
+    p->view = desc->view;
+    p->base = desc->view.settings;
     p->report = report;
     status = make_pilot(p, desc, options, diag);
     if (!status && !bis_auto_is_interrupted(p)) status = run_rounds(p, diag);

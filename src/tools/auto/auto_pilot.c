@@ -41,21 +41,21 @@ bool bis_auto_is_interrupted(const bis_auto_pilot *p) { return p->options.interr
 /* ---- one replicate ---- */
 
 /* Into *film, which is initialised here; *seconds: lowered to what this took. No diag: several threads do this. */
-static bis_status render(bis_film *film, double *seconds, const bis_auto_pilot *p, const bis_scene_desc *desc)
+static bis_status render(bis_film *film, double *seconds, const bis_auto_pilot *p, const bis_view *view)
 {
-    const bis_film_desc *f = &desc->film;
+    const bis_film_desc *f = &view->film;
     bis_render_result result;
     bis_status status = bis_film_init(film, f->width, f->height, f->crop, (bis_loc){0}, NULL);
     const double start = bis_clock_processor();
 
-    if (!status) status = bis_render(&result, film, p->scene, desc, &p->options, NULL);
+    if (!status) status = bis_render(&result, film, p->scene, p->desc, view, &p->options, NULL);
     *seconds = fmin(*seconds, bis_clock_processor() - start);
     return status;
 }
 
-static bis_status render_one_pixel(double *seconds, const bis_auto_pilot *p, const bis_scene_desc *desc)
+static bis_status render_one_pixel(double *seconds, const bis_auto_pilot *p, const bis_view *view)
 {
-    bis_scene_desc small = *desc;
+    bis_view small = *view;
     bis_film film;
 
     small.film = (bis_film_desc){.width = 1, .height = 1, .crop = {0, 1, 0, 1}};
@@ -68,17 +68,17 @@ static bis_status replicate(bis_auto_pilot *p, int i)
 {
     bis_auto_tried *tried = &p->report->tried[i];
     bis_auto_trial *t = &p->trials[i];
-    bis_scene_desc desc = p->desc;
+    bis_view view = p->view;
     double seconds = (double)INFINITY;
     bis_film film;
     bis_rng rng;
 
     /* The same camera rays with all settings: what they do to pixels is no difference. */
-    bis_rng_init(&rng, p->desc.sampler.seed, (uint64_t)tried->replicates, 0, purpose_pilot);
-    desc.sampler.seed = bis_rng_u64(&rng);
-    desc.settings = tried->settings;
-    bis_status status = render(&film, &seconds, p, &desc);
-    if (!status && tried->replicates < BIS_AUTO_REPLICATES / 2) status = render_one_pixel(&t->fill, p, &desc);
+    bis_rng_init(&rng, p->view.sampler.seed, (uint64_t)tried->replicates, 0, purpose_pilot);
+    view.sampler.seed = bis_rng_u64(&rng);
+    view.settings = tried->settings;
+    bis_status status = render(&film, &seconds, p, &view);
+    if (!status && tried->replicates < BIS_AUTO_REPLICATES / 2) status = render_one_pixel(&t->fill, p, &view);
     if (status || bis_auto_is_interrupted(p)) goto done;
     t->seconds = fmin(t->seconds, seconds);
     for (size_t k = 0; k < 3 * p->n_pixels; k++) {
@@ -108,7 +108,7 @@ bis_status bis_auto_pilot_run(bis_auto_pilot *p, bis_diag *diag)
         }
     }
     for (int i = 0; i < n; i++)
-        if (p->trials[i].status) return bis_auto_no_memory(&p->desc, diag);
+        if (p->trials[i].status) return bis_auto_no_memory(p->desc, diag);
     return BIS_OK;
 }
 
@@ -125,7 +125,7 @@ bis_status bis_auto_pilot_add(bis_auto_pilot *p, int family, const bis_settings 
     t->squares = bis_alloc(3 * p->n_pixels, sizeof *t->squares);
     p->report->tried[i] = (bis_auto_tried){.settings = *s};
     p->report->n_tried++;
-    return t->sum && t->squares ? BIS_OK : bis_auto_no_memory(&p->desc, diag);
+    return t->sum && t->squares ? BIS_OK : bis_auto_no_memory(p->desc, diag);
 }
 
 static bool is_diffuse(const bis_scene_desc *d)
@@ -139,8 +139,8 @@ bis_status bis_auto_pilot_start(bis_auto_pilot *p, bis_diag *diag)
 {
     p->picture = bis_alloc(3 * p->n_pixels, sizeof *p->picture);
     p->shaded = bis_alloc(p->n_pixels, sizeof *p->shaded);
-    if (!p->picture || !p->shaded) return bis_auto_no_memory(&p->desc, diag);
-    p->is_diffuse = is_diffuse(&p->desc);
+    if (!p->picture || !p->shaded) return bis_auto_no_memory(p->desc, diag);
+    p->is_diffuse = is_diffuse(p->desc);
     return BIS_OK;
 }
 

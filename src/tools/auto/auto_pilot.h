@@ -18,7 +18,8 @@ typedef struct bis_auto_trial {
 
 typedef struct bis_auto_pilot {
     const bis_scene *scene;
-    bis_scene_desc desc; /* a shallow copy, with the pilot's film and sampler; each replicate makes its own of it */
+    const bis_scene_desc *desc;
+    bis_view view; /* with the pilot's film and sampler; each replicate changes a copy */
     bis_settings base;   /* what was asked for */
     bis_render_options options;
     int n_threads;

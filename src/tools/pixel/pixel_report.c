@@ -147,7 +147,7 @@ static void print_candidates(const bis_pixel_report *r)
 
 void bis_pixel_print_text(const bis_pixel_report *r)
 {
-    printf("pixel       (%d, %d) of %d x %d, %s\n", r->x, r->y, r->desc->film.width, r->desc->film.height, r->desc->path);
+    printf("pixel       (%d, %d) of %d x %d, %s\n", r->x, r->y, r->desc->view.film.width, r->desc->view.film.height, r->desc->path);
     if (r->is_hit) print_hit(r);
     if (r->why_nothing) {
         const rgb L = r->is_hit ? (rgb){0, 0, 0} : background(r);
@@ -276,9 +276,9 @@ void bis_pixel_print_json(const bis_pixel_report *r)
     bis_json_text(&j, "scene", r->desc->path);
     bis_json_count(&j, "x", (uint64_t)r->x);
     bis_json_count(&j, "y", (uint64_t)r->y);
-    bis_json_count(&j, "width", (uint64_t)r->desc->film.width);
-    bis_json_count(&j, "height", (uint64_t)r->desc->film.height);
-    bis_json_count(&j, "seed", r->desc->sampler.seed);
+    bis_json_count(&j, "width", (uint64_t)r->desc->view.film.width);
+    bis_json_count(&j, "height", (uint64_t)r->desc->view.film.height);
+    bis_json_count(&j, "seed", r->desc->view.sampler.seed);
     json_hit(&j, r);
     bis_json_text(&j, "nothing", r->why_nothing);
     if (r->why_nothing) {

@@ -152,8 +152,8 @@ static bis_status make_plan(bis_trade *t, bis_diag *diag)
     bis_image given = {0};
     bis_status status = BIS_OK;
 
-    t->plan.full_width = t->desc->film.width;
-    t->plan.full_height = t->desc->film.height;
+    t->plan.full_width = t->desc->view.film.width;
+    t->plan.full_height = t->desc->view.film.height;
     if (t->o.reference) status = read_reference(&given, t, diag);
     if (!status) status = bis_trade_make_plan(t, t->o.reference ? &given : NULL, diag);
     if (!status && t->o.reference && !bis_trade_interrupted(t)) status = keep_reference(t, &given, diag);

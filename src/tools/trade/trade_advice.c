@@ -106,7 +106,7 @@ static double full_pass_seconds(const bis_trade *t, int setting)
 uint32_t bis_trade_square_passes(const bis_trade *t, double least)
 {
     const double most = 1e9, n = fmin(fmax(ceil(least), 1), most);
-    if (t->desc->sampler.kind != BIS_SAMPLER_STRATIFIED) return (uint32_t)n;
+    if (t->desc->view.sampler.kind != BIS_SAMPLER_STRATIFIED) return (uint32_t)n;
     const double side = ceil(sqrt(n));
     return (uint32_t)(side * (side - 1) >= n ? side * (side - 1) : side * side);
 }

@@ -35,7 +35,7 @@ static bis_status add_light(bis_trade *t, const bis_trade_setting *s, bis_diag *
     const unsigned needs = all_needs | (s->settings.compensate ? BIS_NEED_COMPENSATED : 0);
     bis_light *made;
 
-    if (!light.has_table_kind) light.table_kind = bis_sampler_is_low_discrepancy(t->desc->sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+    if (!light.has_table_kind) light.table_kind = bis_sampler_is_low_discrepancy(t->desc->view.sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
     light.area_exponent = s->area_exponent;
     bis_status status = bis_light_load(&made, &light, needs, NULL, NULL); /* its warnings were given with the scene's own */
     if (status) return bis_error(diag, status, (bis_loc){0}, "cannot build \"%s\" once more for setting \"%s\"", light.filename, s->name);
@@ -70,17 +70,17 @@ bis_status bis_trade_load(bis_trade *t, bis_diag *diag)
     if (status) return status;
     if (t->o.n_threads) t->desc->accel.n_threads = t->o.n_threads;
     if (t->o.width) {
-        t->desc->film.width = t->o.width;
-        t->desc->film.height = t->o.height;
+        t->desc->view.film.width = t->o.width;
+        t->desc->view.film.height = t->o.height;
     }
-    if (t->desc->settings.as_printed) {
+    if (t->desc->view.settings.as_printed) {
         bis_warn(diag, t->desc->integrator_loc, "Option \"asprinted\" is left out: the methods are measured as they should be");
     }
-    const unsigned as_printed = t->desc->settings.as_printed;
-    t->desc->settings.as_printed = 0;
+    const unsigned as_printed = t->desc->view.settings.as_printed;
+    t->desc->view.settings.as_printed = 0;
     t->desc->light_needs = all_needs;
     status = bis_scene_build(&t->scene, t->desc, diag);
-    t->desc->settings.as_printed = as_printed;
+    t->desc->view.settings.as_printed = as_printed;
     if (status) return status;
     if (!t->scene->accel || bis_light_is_black(t->scene->light)) {
         return bis_error(diag, BIS_INPUT, (bis_loc){t->desc->path, 0, 0}, "the scene has no %s: every method gives the same picture at once, and there is "
@@ -123,7 +123,7 @@ bis_film bis_trade_film(const bis_trade *t, int step)
 {
     static const double whole[4] = {0, 1, 0, 1};
     const bis_trade_plan *p = &t->plan;
-    return step ? bis_film_place(p->full_width, p->full_height, t->desc->film.crop, step) : bis_film_place(1, 1, whole, 1);
+    return step ? bis_film_place(p->full_width, p->full_height, t->desc->view.film.crop, step) : bis_film_place(1, 1, whole, 1);
 }
 
 bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed, bis_image *image,
@@ -138,11 +138,11 @@ bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, 
 
     if (image) *image = (bis_image){0};
     if (light) view.light = light; /* a constant one is the same for all b */
-    t->desc->settings = s->settings;
-    t->desc->sampler.seed = seed;
-    bis_scene_set_spp(t->desc, passes);
-    bis_status status = bis_film_init_thin(&film, place.picture_width, place.picture_height, step ? t->desc->film.crop : whole, place.step, (bis_loc){0}, diag);
-    if (!status) status = bis_render(result, &film, &view, t->desc, &options, diag);
+    t->desc->view.settings = s->settings;
+    t->desc->view.sampler.seed = seed;
+    bis_sampler_set_spp(&t->desc->view.sampler, passes);
+    bis_status status = bis_film_init_thin(&film, place.picture_width, place.picture_height, step ? t->desc->view.film.crop : whole, place.step, (bis_loc){0}, diag);
+    if (!status) status = bis_render(result, &film, &view, t->desc, &t->desc->view, &options, diag);
     if (!status && image) status = image_of(image, &film, diag);
     t->n_threads = result->n_threads;
     t->nonfinite += result->counters.nonfinite;

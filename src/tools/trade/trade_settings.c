@@ -128,7 +128,7 @@ static void add_newcomers(bis_trade *t)
 static void add_scenes_own(bis_trade *t)
 {
     bis_trade_plan *plan = &t->plan;
-    bis_trade_setting own = {.settings = t->desc->settings, .area_exponent = t->desc->light.area_exponent, .is_scenes = true, .is_swept = true};
+    bis_trade_setting own = {.settings = t->desc->view.settings, .area_exponent = t->desc->light.area_exponent, .is_scenes = true, .is_swept = true};
 
     own.settings.as_printed = 0;
     if (!bis_trade_is_rival(own.settings.integrator)) return;

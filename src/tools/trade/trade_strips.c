@@ -27,7 +27,7 @@ static float *new_coverage(const bis_trade *t, int width, int height)
     bis_film film;
     float *coverage = bis_alloc((size_t)width * (size_t)height, sizeof *coverage);
 
-    if (!coverage || bis_film_init(&film, full_width, full_height, t->desc->film.crop, (bis_loc){0}, NULL)) {
+    if (!coverage || bis_film_init(&film, full_width, full_height, t->desc->view.film.crop, (bis_loc){0}, NULL)) {
         bis_free(coverage);
         return NULL;
     }
@@ -37,7 +37,7 @@ static float *new_coverage(const bis_trade *t, int width, int height)
         int hits = 0;
         for (int k = 0; k < SIDE * SIDE; k++) {
             const double x = x0 + i % width + (k % SIDE + 0.5) / SIDE, y = y0 + i / width + (k / SIDE + 0.5) / SIDE;
-            const ray eye = bis_camera_ray(&t->desc->camera, full_width, full_height, x, y);
+            const ray eye = bis_camera_ray(&t->desc->view.camera, full_width, full_height, x, y);
             bis_hit hit;
             hits += bis_accel_intersect(t->scene->accel, &eye, &hit);
         }

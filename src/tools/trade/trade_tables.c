@@ -35,8 +35,9 @@ static void put_parameters(FILE *out, const bis_trade_setting *s)
 static void put_point(FILE *out, const bis_trade *t, const bis_trade_point *p)
 {
     const bis_trade_setting *s = &t->plan.settings[p->setting];
-    const double values[] = {p->passes, p->n, p->seconds, p->camera_rays, p->shadow_rays, p->candidates, p->rmse, p->relmse, p->relmse_se,
-                             p->noise, p->bias, p->bias_se, p->cost_variance};
+    const double values[] = {p->passes,     p->n,       p->seconds,      p->camera_rays, p->shadow_rays,
+                             p->candidates, p->rmse,    p->relmse,       p->relmse_se,   p->noise,
+                             p->bias,       p->bias_se, p->cost_variance};
 
     fprintf(out, "%s,%s", s->name, s->settings.integrator->name);
     put_parameters(out, s);
@@ -44,7 +45,8 @@ static void put_point(FILE *out, const bis_trade *t, const bis_trade_point *p)
     fprintf(out, ",%d\n", p->on_front);
 }
 
-static const char points_header[] = "setting,integrator,candidates,shadowrays,samples,proposal,areaexponent,passes,seeds,seconds,camera_rays,shadow_rays,"
+static const char points_header[] = "setting,integrator,candidates,shadowrays,samples,proposal,areaexponent,passes,"
+                                    "seeds,seconds,camera_rays,shadow_rays,"
                                     "candidates_drawn,rmse,relmse,relmse_se,noise,bias,bias_se,cost_variance,pareto\n";
 
 static void put_trade(FILE *out, const bis_trade *t)
@@ -88,7 +90,8 @@ typedef double reach(const bis_trade_result *r, const bis_trade_plan *p, int set
 
 /* A row a setting, a pair of columns for each of at[n], which stands in the heading between two words; no two columns
  * have one name. */
-static void put_curves(FILE *out, const bis_trade *t, const char *before, int digits, const char *after, const double *at, int n, reach *value)
+static void put_curves(FILE *out, const bis_trade *t, const char *before, int digits, const char *after,
+                       const double *at, int n, reach *value)
 {
     fputs("setting,cost_variance,cost_variance_se,slope,slope_se", out);
     for (int k = 0; k < n; k++) {
@@ -123,7 +126,8 @@ static void put_equal_error(FILE *out, const bis_trade *t)
     put_curves(out, t, "seconds_to_", 6, "", error, n, bis_trade_seconds_to);
 }
 
-static bis_status write_table(const bis_trade *t, const char *name, void (*put_rows)(FILE *, const bis_trade *), bis_diag *diag)
+static bis_status write_table(const bis_trade *t, const char *name, void (*put_rows)(FILE *, const bis_trade *),
+                              bis_diag *diag)
 {
     char path[4096];
     bis_outfile *file;
@@ -139,7 +143,10 @@ bis_status bis_trade_write_tables(const bis_trade *t, bis_diag *diag)
     static const struct {
         const char *name;
         void (*put_rows)(FILE *, const bis_trade *);
-    } tables[] = {{"trade.csv", put_trade}, {"pareto.csv", put_pareto}, {"equal_time.csv", put_equal_time}, {"equal_error.csv", put_equal_error}};
+    } tables[] = {{"trade.csv", put_trade},
+                  {"pareto.csv", put_pareto},
+                  {"equal_time.csv", put_equal_time},
+                  {"equal_error.csv", put_equal_error}};
     bis_status status = BIS_OK;
 
     for (int i = 0; i < 4 && !status; i++) status = write_table(t, tables[i].name, tables[i].put_rows, diag);

@@ -133,7 +133,7 @@ static bool is_known(int x, int y, int (*known)[2], int n)
 static bool find_point(bis_point *pt, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
                        bis_counters *counters)
 {
-    const ray eye = bis_camera_ray(&desc->camera, desc->film.width, desc->film.height, x + 0.5, y + 0.5);
+    const ray eye = bis_camera_ray(&desc->view.camera, desc->view.film.width, desc->view.film.height, x + 0.5, y + 0.5);
     return bis_scene_point(pt, scene, desc, eye, counters, NULL) && !bis_bsdf_is_black(&pt->bsdf);
 }
 
@@ -169,12 +169,12 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         bool tested;
         int x, y;
         char name[64];
-        pixel_of(&x, &y, k, &desc->film);
+        pixel_of(&x, &y, k, &desc->view.film);
         if (is_known(x, y, known, n_pixels)) continue;
         if (!find_point(&pt, scene, desc, x, y, &counters)) continue;
         snprintf(name, sizeof name, "pixel (%d, %d)", x, y);
         bis_verify_begin(v, name);
-        status = bis_verify_point(v, &pt, settings, n, desc->sampler.kind, name, &tested, diag);
+        status = bis_verify_point(v, &pt, settings, n, desc->view.sampler.kind, name, &tested, diag);
         visits += VISITS_OF_A_PIXEL * patches;
         known[n_pixels][0] = x;
         known[n_pixels][1] = y;
