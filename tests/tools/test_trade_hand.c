@@ -1,0 +1,617 @@
+/* `bis trade` by hand: a sweep whose runs stand in this file. What follows from them, points, curves, the front, advice,
+ * tables, plots and page, was worked out on paper; so were a plan from a pilot's figures and the words for a damaged
+ * folder. One small measurement is resumed, for its order and its progress. */
+#include "tools/trade/trade_page.h"
+
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "bis/files/image_file.h"
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define DIR "build/test_trade_hand"
+
+static int setup(void **state)
+{
+    (void)state;
+    program_folder(DIR);
+    program_write_scene(DIR, "");
+    return 0;
+}
+
+static void assert_near(double a, double b)
+{
+    if (!(fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b))) && !(isnan(a) && isnan(b))) fail_msg("%.17g is not %.17g", a, b);
+}
+
+/* ---- the sweep ---- */
+
+enum { EM, MIS, MIS_LONG, SIR, REJECTION, BRDF, N_SETTINGS };
+
+static void add_setting(bis_trade *t, const char *name, const bis_integrator *integrator, int levels)
+{
+    bis_trade_setting *s = &t->plan.settings[t->plan.n_settings++];
+    *s = (bis_trade_setting){.settings = bis_settings_default(integrator), .area_exponent = 1, .is_swept = true, .levels = levels};
+    snprintf(s->name, sizeof s->name, "%s", name);
+}
+
+/* One run of each of n seeds, the last first: a mean over them does not depend on their order, and a median must sort. */
+static void add_runs(bis_trade *t, int setting, int level, int n, const double *seconds, const double *noise)
+{
+    static const double rmse[] = {3, 4, 5}, relmse[] = {0.1, 0.2, 0.6}, bias[] = {-0.1, 0.2, 0.2};
+    for (int k = n - 1; k >= 0; k--) {
+        const uint64_t passes = (uint64_t)(k + 1) << level;
+        const bis_trade_run run = {setting, level, k, 77, seconds[k], 100 * passes, 10 * passes, 1000 * passes, rmse[k],
+                                   relmse[k], bias[k], noise[k] + 1 / 64.0};
+        assert_int_equal(bis_trade_add_run(t, &run, NULL), BIS_OK);
+    }
+}
+
+/* The references add 1/64 to a relMSE. em keeps the root law, with seeds of unlike noise and speed. mis is twice as good
+ * for twice the time, until it goes below what the references can tell. sir is the best by its mean alone: one of its
+ * seeds was far worse. A brdf was too slow. */
+static void forge(bis_trade *t)
+{
+    static const double unlike[] = {1.5, 1, 2}, steps[] = {0.25, 0.0625, 1 / 64.0, 1 / 512.0};
+    *t = (bis_trade){.desc = bis_alloc(1, sizeof(bis_scene_desc)), .n_threads = 2, .o = {.scene = "a/hand.txt", .folder = DIR}};
+    assert_non_null(t->desc);
+    t->desc->film.crop[1] = t->desc->film.crop[3] = 1;
+    t->desc->light.area_exponent = 1;
+    t->plan = (bis_trade_plan){.n_seeds = 3, .full_width = 8, .full_height = 4, .step = 2, .width = 4, .height = 2, .run_seconds = 4,
+                               .reference = {MIS_LONG, SIR}, .reference_passes = {5, 7}};
+    add_setting(t, "em 16", &bis_em, 3);
+    add_setting(t, "mis 16", &bis_mis, 4);
+    add_setting(t, "mis 64", &bis_mis, 1);
+    add_setting(t, "sir 64/4", &bis_sir, 1);
+    add_setting(t, "rejection 100/8", &bis_rejection, 2);
+    add_setting(t, "brdf 16", &bis_brdf, 0);
+    t->plan.settings[MIS_LONG].is_scenes = t->plan.settings[REJECTION].is_biased = true;
+    t->plan.settings[MIS_LONG].settings.samples = 64;
+    t->plan.settings[SIR].settings.candidates = 64;
+    t->plan.settings[SIR].settings.shadowrays = 4;
+    t->plan.settings[SIR].fill_seconds = 0.2;
+    t->plan.settings[BRDF].pass_seconds = 30;
+    t->both = (bis_trade_reference){.relmse = 1 / 64.0, .mean = 0.5, .is_ready = true};
+    t->references[0] = (bis_trade_reference){.relmse = 0.04, .mean = 0.5, .se = 0.03, .is_ready = true};
+    t->references[1] = (bis_trade_reference){.relmse = 0.0225, .mean = 0.51, .se = 0.04, .is_ready = true};
+    assert_int_equal(bis_image_init(&t->both.image, 4, 2, NULL), BIS_OK);
+    for (int level = 0; level < 3; level++) {
+        double s[3], v[3];
+        for (int k = 0; k < 3; k++) s[k] = unlike[k] * exp2(level), v[k] = 0.25 * (k + 1) / exp2(level);
+        add_runs(t, EM, level, 3, s, v);
+    }
+    for (int level = 0; level < 4; level++) {
+        const double s = exp2(level), v = steps[level];
+        add_runs(t, MIS, level, 3, (double[]){s, s, s}, (double[]){v, v, v});
+    }
+    add_runs(t, MIS_LONG, 0, 1, (double[]){3}, (double[]){0.0625});
+    add_runs(t, SIR, 0, 3, (double[]){1, 1, 1}, (double[]){0.01, 0.01, 0.13});
+    add_runs(t, REJECTION, 0, 2, (double[]){0.5, 0.5}, (double[]){0.04, 0.04});
+    add_runs(t, REJECTION, 1, 2, (double[]){1, 1}, (double[]){0.04, 0.04});
+    assert_int_equal(bis_trade_summarise(t, NULL), BIS_OK);
+}
+
+static void clear(bis_trade *t)
+{
+    if (!t->scene) bis_free(t->desc), t->desc = NULL;
+    bis_trade_clear(t);
+}
+
+/* ---- points and curves ---- */
+
+static void points_are_means_and_medians_of_their_seeds(void **state)
+{
+    (void)state;
+    bis_trade t;
+    forge(&t);
+    static const struct {
+        int setting, level, n;
+        double seconds, noise, noise_se;
+        bool on_front;
+    } expected[] = {
+        {EM, 0, 3, 1.5, 0.5, 0.25 / 1.7320508075688772, false}, /* of 0.25, 0.5, 0.75 the deviation is 0.25 */
+        {EM, 1, 3, 3, 0.25, 0.125 / 1.7320508075688772, false},
+        {EM, 2, 3, 6, 0.125, 0.0625 / 1.7320508075688772, false},
+        {MIS, 0, 3, 1, 0.25, 0, false},
+        {MIS, 1, 3, 2, 0.0625, 0, false},
+        {MIS, 2, 3, 4, 1 / 64.0, 0, true},
+        {MIS, 3, 3, 8, 1 / 512.0, 0, true},
+        {MIS_LONG, 0, 1, 3, 0.0625, (double)NAN, false},
+        {SIR, 0, 3, 1, 0.05, 0.04, false}, /* sqrt((2 x 0.04^2 + 0.08^2)/2/3) */
+        {REJECTION, 0, 2, 0.5, 0.04, 0, true},
+        {REJECTION, 1, 2, 1, 0.04, 0, false}, /* as right as the one before, later */
+    };
+    assert_int_equal(t.result.n_points, sizeof expected / sizeof *expected);
+    for (int i = 0; i < t.result.n_points; i++) {
+        const bis_trade_point *p = &t.result.points[i];
+        const double passes = exp2(p->level), n = expected[i].n, each = passes * (n + 1) / 2; /* of 1 ... n passes */
+        assert_true(p->setting == expected[i].setting && p->level == expected[i].level && p->n == expected[i].n);
+        assert_true(p->passes == passes && p->on_front == expected[i].on_front);
+        assert_near(p->seconds, expected[i].seconds);
+        assert_near(p->noise, expected[i].noise);
+        if (expected[i].noise_se > 0) assert_near(p->noise_se, expected[i].noise_se);
+        else assert_true(n == 1 ? isnan(p->noise_se) : fabs(p->noise_se) < 1e-15);
+        assert_near(p->cost_variance, expected[i].seconds * expected[i].noise);
+        assert_true(p->camera_rays == 100 * each && p->shadow_rays == 10 * each && p->candidates == 1000 * each);
+        const double se = p->setting == SIR || p->setting == REJECTION ? 0.03 : 0.04; /* of the reference by the other */
+        assert_near(p->rmse, n == 3 ? sqrt(50 / 3.0) : n == 2 ? sqrt(12.5) : 3);
+        assert_near(p->relmse, n == 3 ? 0.3 : n == 2 ? 0.15 : 0.1);
+        assert_near(p->relmse_se, n == 3 ? sqrt(0.14 / 6) : n == 2 ? 0.05 : (double)NAN);
+        assert_near(p->bias, n == 3 ? 0.1 : n == 2 ? 0.05 : -0.1);
+        assert_near(p->bias_se, n == 3 ? hypot(0.1, se) : n == 2 ? hypot(0.15, se) : (double)NAN);
+    }
+    clear(&t);
+}
+
+/* A seed's cost is that of its budgets, weighted by their passes. em: seconds x noise is 0.25 x 1.5, 2, 6 for the three.
+ * mis: (1 x 1/4 + 2 x 2/16 + 4 x 4/64 + 8 x 8/512)/15; each budget but the last, which the references hide, is half the
+ * error for twice the time. */
+static void curves_are_weighted_by_passes_and_leave_out_what_is_hidden(void **state)
+{
+    (void)state;
+    bis_trade t;
+    forge(&t);
+    static const struct {
+        int first, n;
+        double cost, se, slope, pass;
+    } expected[] = {{0, 3, 0.25 * 9.5 / 3, 0.25 * 1.4240006242195884, -0.5, 1.5}, {3, 4, 0.875 / 15, 0, -1, 1}, {7, 1, 0.1875, (double)NAN, (double)NAN, 3},
+                    {8, 1, 0.05, 0.04, (double)NAN, 1}, {9, 2, 0.1 / 3, 0, (double)NAN, 0.5}};
+    for (int i = 0; i < 5; i++) {
+        const bis_trade_curve *c = &t.result.curves[i];
+        assert_true(c->first == expected[i].first && c->n == expected[i].n);
+        assert_near(c->cost_variance, expected[i].cost);
+        if (expected[i].se == 0) assert_true(c->cost_variance_se < 1e-15);
+        else assert_near(c->cost_variance_se, expected[i].se);
+        assert_near(c->slope, expected[i].slope);
+        assert_true(isnan(expected[i].slope) ? isnan(c->slope_se) : c->slope_se < 1e-12);
+        assert_near(c->pass_seconds, expected[i].pass);
+    }
+    assert_int_equal(t.result.curves[BRDF].n, 0);
+    clear(&t);
+}
+
+/* Two equal points hide neither the other; all come in the order of time. */
+static void equal_points_are_both_on_the_front(void **state)
+{
+    (void)state;
+    bis_trade t;
+    forge(&t);
+    t.n_runs = 0;
+    bis_free(t.result.points);
+    t.result = (bis_trade_result){0};
+    add_runs(&t, EM, 0, 1, (double[]){2}, (double[]){0.5});
+    add_runs(&t, MIS, 0, 1, (double[]){1}, (double[]){1});
+    add_runs(&t, SIR, 0, 1, (double[]){2}, (double[]){0.5});
+    assert_int_equal(bis_trade_summarise(&t, NULL), BIS_OK);
+    static const int order[] = {MIS, EM, SIR};
+    int n = 0;
+    for (const bis_trade_point *p = NULL; (p = bis_trade_next_on_front(&t.result, p));) assert_int_equal(p->setting, order[n++]);
+    assert_int_equal(n, 3);
+    clear(&t);
+}
+
+/* ---- advice ---- */
+
+static void errors_at_a_time_and_times_to_an_error_lie_on_lines_between_the_budgets(void **state)
+{
+    (void)state;
+    const double end = sqrt(1 / 512.0), none = (double)NAN;
+    const struct {
+        int setting;
+        double at, value;
+        bool extrapolated;
+    } errors[] = {{MIS, 0.99, none, false}, {MIS, 1, 0.5, false}, {MIS, 1.6, 0.5 / 1.6, false}, {MIS, 3, 0.5 / 3, false}, /* error x time is 0.5 */
+                  {MIS, 4, 0.125, false}, {MIS, sqrt(32.0), sqrt(0.125 * end), false}, {MIS, 8, end, false}, {MIS, 32, end / 2, true},
+                  {MIS, 512, end / 8, true}, {MIS, 513, none, true}, {MIS_LONG, 3, 0.25, false}, {MIS_LONG, 12, 0.125, true},
+                  {REJECTION, 0.7, 0.2, false}, {REJECTION, 1, 0.2, false}, {REJECTION, 1.01, none, true}, {BRDF, 1, none, false}},
+      times[] = {{MIS, 0.6, 1, false}, {MIS, 0.5, 1, false}, {MIS, 0.3, 0.5 / 0.3, false}, {MIS, 0.2, 2.5, false}, {MIS, 0.125, 4, false},
+                 {MIS, sqrt(0.125 * end), sqrt(32.0), false}, {MIS, end / 2, 32, true}, {MIS, end / 7.9, 8 * 7.9 * 7.9, true},
+                 {MIS, end / 8.1, none, true}, {EM, 0.25, 12, true}, {REJECTION, 0.2, 0.5, false}, {REJECTION, 0.1, none, true},
+                 {BRDF, 1, none, false}};
+    bis_trade t;
+    bool extrapolated;
+    forge(&t);
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
+        extrapolated = !errors[i].extrapolated;
+        assert_near(bis_trade_error_at(&t.result, &t.plan, errors[i].setting, errors[i].at, &extrapolated), errors[i].value);
+        assert_int_equal(extrapolated, errors[i].extrapolated);
+    }
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+        extrapolated = !times[i].extrapolated;
+        assert_near(bis_trade_seconds_to(&t.result, &t.plan, times[i].setting, times[i].at, &extrapolated), times[i].value);
+        assert_int_equal(extrapolated, times[i].extrapolated);
+    }
+    t.result.points[4].noise = -0.001; /* without a logarithm: the budget before */
+    assert_near(bis_trade_error_at(&t.result, &t.plan, MIS, 1.5, &extrapolated), 0.5);
+    clear(&t);
+}
+
+static void the_best_counts_its_standard_error_and_no_bias(void **state)
+{
+    (void)state;
+    bis_trade t;
+    int heads[BIS_TRADE_STRIP];
+    forge(&t);
+    assert_int_equal(t.result.best, MIS); /* sir: 0.05 + 0.04; rejection is biased */
+    assert_int_equal(bis_trade_best_of(&t, "rejection"), REJECTION);
+    assert_int_equal(bis_trade_best_of(&t, "mis"), MIS);
+    assert_int_equal(bis_trade_best_of(&t, "brdf"), -1);
+    assert_int_equal(bis_trade_heads(&t, heads), 5); /* mis 64 is the scene's own */
+    for (int i = 0; i < 5; i++) assert_int_equal(heads[i], i);
+    t.plan.settings[MIS_LONG].is_scenes = false;
+    assert_int_equal(bis_trade_heads(&t, heads), 4);
+    assert_true(heads[2] == SIR && !bis_trade_is_head(&t, MIS_LONG) && bis_trade_is_head(&t, REJECTION));
+
+    /* mis 16, 0.875/15 a second of the film, 4 times that many pixels: 0.05 wants 23.3 passes of 4 s. sir has 0.05, 20
+     * passes of 0.2 + 0.8 x 4 s: less, but not with its doubt, 1.8 times. */
+    static const unsigned passes[] = {1, 3, 24};
+    static const double errors[] = {0.5, 0.15, 0.05};
+    static const char *const purposes[] = {"preview", "good picture", "final picture"};
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
+        const bis_trade_advice *a = &t.result.advice[i];
+        assert_string_equal(a->purpose, purposes[i]);
+        assert_true(a->setting == MIS && a->passes == passes[i] && a->error == errors[i] && a->is_extrapolated == (i == 2));
+        assert_near(a->seconds, 4.0 * passes[i]);
+        assert_near(a->expected_error, sqrt(0.875 / 15 / passes[i]));
+    }
+    t.result.curves[SIR].cost_variance_se = 0;
+    t.o.error = 0.2;
+    bis_trade_advise(&t);
+    assert_true(t.result.best == SIR && t.result.advice[0].error == 0.5 && t.result.advice[1].error == 0.2);
+    assert_true(t.result.advice[2].setting == SIR && t.result.advice[2].passes == 2 && t.result.advice[2].error == 0.2);
+    assert_near(t.result.advice[2].seconds, 6.8);
+    t.o.error = 1e-6; /* 5e10 passes */
+    bis_trade_advise(&t);
+    assert_int_equal(t.result.advice[2].setting, -1);
+    clear(&t);
+}
+
+static void no_more_heads_than_the_strip_has_places(void **state)
+{
+    (void)state;
+    bis_trade t = {.n_runs = 0};
+    int heads[BIS_TRADE_STRIP + 1] = {0};
+    for (int i = 0; i < BIS_TRADE_STRIP + 2; i++) {
+        add_setting(&t, "em 16", &bis_em, 1);
+        t.plan.settings[i].is_scenes = true;
+        t.result.curves[i].n = 1;
+    }
+    heads[BIS_TRADE_STRIP] = 99;
+    assert_int_equal(bis_trade_heads(&t, heads), BIS_TRADE_STRIP);
+    assert_int_equal(heads[BIS_TRADE_STRIP], 99);
+}
+
+static void columns_are_halves_of_the_longest_run_and_round_errors(void **state)
+{
+    (void)state;
+    static const double halves[] = {0.5, 1, 2, 4}, rounded[] = {0.02, 0.03, 0.05, 0.1, 0.15, 0.2}; /* from sqrt(1/512)/4 = 0.011 on */
+    bis_trade t;
+    double v[BIS_TRADE_COLUMNS];
+    forge(&t);
+    assert_int_equal(bis_trade_times(&t, v), 4);
+    for (int i = 0; i < 4; i++) assert_near(v[i], halves[i]);
+    assert_int_equal(bis_trade_errors(&t, v), 6);
+    for (int i = 0; i < 6; i++) assert_near(v[i], rounded[i]);
+    for (int i = 0; i < t.result.n_points; i++) t.result.points[i].noise = 4 * 4 * 0.03 * 0.03; /* a quarter of it is 3% */
+    assert_int_equal(bis_trade_errors(&t, v), 6);
+    assert_near(v[0], 0.03);
+    clear(&t);
+}
+
+/* ---- words ---- */
+
+static void durations_and_percents_change_their_unit_in_time(void **state)
+{
+    (void)state;
+    static const struct {
+        double v;
+        const char *text;
+    } times[] = {{0.0042, "4.2 ms"}, {0.0994, "99 ms"}, {0.0996, "0.1 s"}, {0.32, "0.32 s"}, {9.94, "9.9 s"}, {9.96, "10 s"}, {99.4, "99 s"},
+                 {99.6, "1.7 min"}, {596, "9.9 min"}, {600, "10 min"}, {5399, "90 min"}, {5400, "1.5 h"}, {48 * 3600 - 1, "48.0 h"},
+                 {48 * 3600, "2 days"}, {864000, "10 days"}},
+      shares[] = {{0.00123, "0.12%"}, {0.034, "3.4%"}, {0.0994, "9.9%"}, {0.0996, "10%"}, {1.234, "123%"}};
+    char text[24];
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) assert_string_equal(bis_trade_duration(text, times[i].v), times[i].text);
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) assert_string_equal(bis_trade_percent(text, shares[i].v), shares[i].text);
+}
+
+/* ---- tables ---- */
+
+static char *read_text(const char *path)
+{
+    unsigned char *text;
+    size_t size;
+    assert_int_equal(bis_file_read(&text, &size, path, (bis_loc){0}, NULL), BIS_OK);
+    return (char *)text;
+}
+
+/* Cell by cell; numbers to 9 digits. */
+static void assert_rows(const char *file, const char *expected)
+{
+    char path[256], *text;
+    snprintf(path, sizeof path, DIR "/%s", file);
+    text = read_text(path);
+    const char *a = text, *b = expected;
+    while (*a || *b) {
+        const char *end_a, *end_b;
+        const int n = (int)strcspn(a, ",\n"), m = (int)strcspn(b, ",\n");
+        const double x = bis_parse_double(a, &end_a), y = bis_parse_double(b, &end_b);
+        const bool numbers = n && m && end_a == a + n && end_b == b + m;
+        const bool same = numbers ? fabs(x - y) <= 1e-9 * fabs(y) + 1e-12 : n == m && strncmp(a, b, (size_t)n) == 0;
+        if (!same || a[n] != b[m]) fail_msg("%s: \"%.*s\" must be \"%.*s\"", file, (int)strcspn(a, "\n"), a, (int)strcspn(b, "\n"), b);
+        a += n + (a[n] != '\0');
+        b += m + (b[m] != '\0');
+    }
+    bis_free(text);
+}
+
+#define POINTS "setting,integrator,candidates,shadowrays,samples,proposal,areaexponent,passes,seeds,seconds,camera_rays,shadow_rays," \
+    "candidates_drawn,rmse,relmse,relmse_se,noise,bias,bias_se,cost_variance,pareto\n"
+#define OF_3 "4.08248290464,0.3,0.152752523165"
+#define OF_2 "3.53553390593,0.15,0.05"
+
+static void tables_have_each_figure_in_its_column(void **state)
+{
+    (void)state;
+    bis_trade t;
+    forge(&t);
+    assert_int_equal(bis_trade_write_tables(&t, NULL), BIS_OK);
+    assert_rows("trade.csv", POINTS
+                "em 16,em,,,16,,1,1,3,1.5,200,20,2000," OF_3 ",0.5,0.1,0.107703296143,0.75,0\n"
+                "em 16,em,,,16,,1,2,3,3,400,40,4000," OF_3 ",0.25,0.1,0.107703296143,0.75,0\n"
+                "em 16,em,,,16,,1,4,3,6,800,80,8000," OF_3 ",0.125,0.1,0.107703296143,0.75,0\n"
+                "mis 16,mis,,,16,,1,1,3,1,200,20,2000," OF_3 ",0.25,0.1,0.107703296143,0.25,0\n"
+                "mis 16,mis,,,16,,1,2,3,2,400,40,4000," OF_3 ",0.0625,0.1,0.107703296143,0.125,0\n"
+                "mis 16,mis,,,16,,1,4,3,4,800,80,8000," OF_3 ",0.015625,0.1,0.107703296143,0.0625,1\n"
+                "mis 16,mis,,,16,,1,8,3,8,1600,160,16000," OF_3 ",0.001953125,0.1,0.107703296143,0.015625,1\n"
+                "mis 64,mis,,,64,,1,1,1,3,100,10,1000,3,0.1,,0.0625,-0.1,,0.1875,0\n"
+                "sir 64/4,sir,64,4,,mix,1,1,3,1,200,20,2000," OF_3 ",0.05,0.1,0.104403065090,0.05,0\n"
+                "rejection 100/8,rejection,800,15,,choose,1,1,2,0.5,150,15,1500," OF_2 ",0.04,0.05,0.152970585408,0.02,1\n"
+                "rejection 100/8,rejection,800,15,,choose,1,2,2,1,300,30,3000," OF_2 ",0.04,0.05,0.152970585408,0.04,0\n");
+    assert_rows("pareto.csv", POINTS
+                "rejection 100/8,rejection,800,15,,choose,1,1,2,0.5,150,15,1500," OF_2 ",0.04,0.05,0.152970585408,0.02,1\n"
+                "mis 16,mis,,,16,,1,4,3,4,800,80,8000," OF_3 ",0.015625,0.1,0.107703296143,0.0625,1\n"
+                "mis 16,mis,,,16,,1,8,3,8,1600,160,16000," OF_3 ",0.001953125,0.1,0.107703296143,0.015625,1\n");
+    assert_rows("equal_time.csv", "setting,cost_variance,cost_variance_se,slope,slope_se,error_at_0.5s,error_at_0.5s_extrapolated,error_at_1s,"
+                "error_at_1s_extrapolated,error_at_2s,error_at_2s_extrapolated,error_at_4s,error_at_4s_extrapolated\n"
+                "em 16,0.791666666667,0.356000156055,-0.5,0,,0,,0,0.612372435696,0,0.433012701892,0\n" /* sqrt(0.75/time) */
+                "mis 16,0.0583333333333,0,-1,0,,0,0.5,0,0.25,0,0.125,0\n"
+                "mis 64,0.1875,,,,,0,,0,,0,0.216506350946,1\n" /* sqrt(0.1875/4) */
+                "sir 64/4,0.05,0.04,,,,0,0.22360679775,0,0.158113883008,1,0.111803398875,1\n"
+                "rejection 100/8,0.0333333333333,0,,,0.2,0,0.2,0,,1,,1\n");
+    t.result.points[6].noise = 0.0064; /* 8%: columns from 2% on */
+    assert_int_equal(bis_trade_write_tables(&t, NULL), BIS_OK);
+    assert_rows("equal_error.csv", "setting,cost_variance,cost_variance_se,slope,slope_se,seconds_to_0.02,seconds_to_0.02_extrapolated,seconds_to_0.03,"
+                "seconds_to_0.03_extrapolated,seconds_to_0.05,seconds_to_0.05_extrapolated,seconds_to_0.1,seconds_to_0.1_extrapolated,"
+                "seconds_to_0.15,seconds_to_0.15_extrapolated,seconds_to_0.2,seconds_to_0.2_extrapolated\n"
+                "em 16,0.791666666667,0.356000156055,-0.5,0,,1,,1,300,1,75,1,33.3333333333,1,18.75,1\n" /* 0.75/error^2, at most 64 x 6 */
+                "mis 16,0.0583333333333,0,-1,0,128,1,56.8888888889,1,20.48,1,5.65685424949,0,3.33333333333,0,2.5,0\n" /* 10% is half way from 12.5% to 8% */
+                "mis 64,0.1875,,,,,1,,1,75,1,18.75,1,8.33333333333,1,4.6875,1\n"
+                "sir 64/4,0.05,0.04,,,,1,55.5555555556,1,20,1,5,1,2.22222222222,1,1.25,1\n"
+                "rejection 100/8,0.0333333333333,0,,,,1,,1,,1,,1,,1,0.5,0\n");
+    clear(&t);
+}
+
+/* ---- the page's values ---- */
+
+/* The values without line breaks and indentation. t keeps the plan, and gets the scene of DIR for its exposure. */
+static char *values_of(bis_trade *t)
+{
+    const bis_trade_plan plan = t->plan;
+    char *text;
+    size_t n;
+    t->o.scene = DIR "/scene.txt";
+    bis_free(t->desc);
+    assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
+    t->o.scene = "a/hand.txt";
+    t->plan = plan;
+    for (int i = 0; i < plan.n_settings; i++) t->plan.settings[i].area_exponent = t->desc->light.area_exponent + (i == SIR);
+    FILE *out = open_memstream(&text, &n);
+    assert_int_equal(bis_trade_put_values(out, t, NULL), BIS_OK);
+    fclose(out);
+    char *to = text;
+    for (const char *at = text; *at; at++) {
+        if (*at == '\n') at += strspn(at + 1, " ");
+        else *to++ = *at;
+    }
+    *to = '\0';
+    return text;
+}
+
+/* Each stands in the text behind the one before; a ` is a quotation mark. */
+static void assert_in_order(const char *text, const char *const *parts)
+{
+    for (; *parts; parts++) {
+        char part[8192] = "";
+        for (size_t i = 0; (*parts)[i]; i++) part[i] = (*parts)[i] == '`' ? '"' : (*parts)[i];
+        const char *at = strstr(text, part);
+        if (!at) fail_msg("\"%s\" is not in\n%.6000s", part, text);
+        text = at + strlen(part);
+    }
+}
+
+/* The strip's methods err most at the lower right corner, both of them; one has a firefly, which counts as half. What
+ * errs beside the corner is in no window that leaves the first alone. */
+static void make_strip(bis_trade *t)
+{
+    bis_image_clear(&t->both.image);
+    for (int k = 0; k < 3; k++) {
+        bis_image *image = k == 2 ? &t->both.image : &t->strip[k].image;
+        assert_int_equal(bis_image_init(image, 16, 8, NULL), BIS_OK);
+        for (int i = 0; i < 16 * 8; i++) image->pixels[i] = (rgb){1, 1, 1};
+        if (k == 2) break;
+        image->pixels[7 * 16 + 15] = (rgb){9, 9, 9};
+        image->pixels[6 * 16 + 13] = (rgb){1.5f, 1.5f, 1.5f};
+    }
+    t->strip[0].image.pixels[3 * 16 + 5] = (rgb){1e6f, 1e6f, 1e6f};
+    t->strip[0].setting = REJECTION, t->strip[0].passes = 8, t->strip[0].seconds = 3.9, t->strip[0].relmse = 0.04;
+    t->strip[1].setting = MIS, t->strip[1].passes = 1, t->strip[1].seconds = 4.1, t->strip[1].relmse = 0.0025;
+    t->n_strip = 2;
+}
+
+/* Axes: 0.5 ... 8 s are 0.4 ... 10 s, a ratio of 25, from 62 to 628; errors sqrt(1/512) ... sqrt(1/2), a ratio of 16, are
+ * one of 23.04 from 420 up to 14. So 2 s are in the middle, 345; sqrt(1/512) is 406 log 1.2/log 23.04 above 420. Bars
+ * are se/(2 error) long, either way. Rays for each pixel: 110 for a pass (1, 1.5 or 2 of them by the seeds) of 128
+ * pixels. Bars: log(2 v/best)/log(2 worst/best). Strength of a cell: 1 - log4 of what it is over the column's best. */
+static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
+{
+    (void)state;
+    bis_trade t;
+    forge(&t);
+    t.plan.settings[MIS].is_scenes = true;
+    t.plan.settings[MIS_LONG].is_scenes = false;
+    t.result.curves[EM].slope_se = 0.02;
+    t.result.advice[0].setting = -1;
+    t.result.advice[1] = (bis_trade_advice){"good picture", 0.15, SIR, 3, 10.2, 0.13, false};
+    make_strip(&t);
+    char *text = values_of(&t);
+    static const char *const parts[] = {
+        "{`example`: false,`title`: `hand.txt`,`incomplete`: true,`runs`: `29`,`planned`: `33`,"
+        "`advice`: [{`purpose`: `preview`,`method`: ``},{`purpose`: `good picture`,`method`: `sir`,"
+        "`extrapolated`: false,`time`: `10 s`,`error`: `13%`,`size`: `8 × 4`,"
+        "`amounts`: `64 candidates and 4 shadow rays`,`variant`: ``,`samples`: `3 samples`,"
+        "`line`: `Integrator \\`sir\\` \\`integer candidates\\` 64 "
+        "\\`integer shadowrays\\` 4; in LightSource: \\`float areaexponent\\` 1.15`,`scene`: `a/hand.txt`,"
+        "`options`: [`--spp 3`]},{`purpose`: `final picture`,`method`: `mis`,`extrapolated`: true,`time`: `96 s`,"
+        "`error`: `4.9%`,`size`: `8 × 4`,`amounts`: `16 light samples`,`variant`: ``,`samples`: `24 samples`,"
+        "`line`: ``,`scene`: `a/hand.txt`,`options`: [`--integrator mis`,`--samples 16`,`--spp 24`]}],"
+        "`measured`: true,`plots`: [{`time`: true,`axes`: {`over`: `render time`,`laws`: [{`x0`: `62.0`,"
+        "`y0`: `372.8`,`x1`: `190.2`,`y1`: `420.0`},{`x0`: `62.0`,`y0`: `193.4`,`x1`: `628.0`,`y1`: `401.7`},"
+        "{`x0`: `62.0`,`y0`: `14.0`,`x1`: `628.0`,`y1`: `222.3`},{`x0`: `549.5`,`y0`: `14.0`,`x1`: `628.0`,"
+        "`y1`: `42.9`}],`x_ticks`: [{`at`: `101.2`,`text_at`: `105.2`,`text`: `0.5 s`},{`at`: `223.1`,"
+        "`text_at`: `227.1`,`text`: `1 s`},{`at`: `345.0`,`text_at`: `349.0`,`text`: `2 s`},{`at`: `506.1`,"
+        "`text_at`: `510.1`,`text`: `5 s`},{`at`: `628.0`,`text_at`: `632.0`,`text`: `10 s`}],"
+        "`y_ticks`: [{`at`: `380.4`,`text_at`: `384.4`,`text`: `5%`},{`at`: `290.7`,`text_at`: `294.7`,"
+        "`text`: `10%`},{`at`: `201.0`,`text_at`: `205.0`,`text`: `20%`},{`at`: `82.4`,`text_at`: `86.4`,"
+        "`text`: `50%`}],`floor`: {`at`: `261.9`,`text_at`: `256.9`},`minor`: [{`method`: `mis`,`name`: `mis 64`,"
+        "`notes`: [],`points`: ` 416.3,172.1`,`marks`: [{`bar`: null,`title`: `mis 64, 1 pass: 25% in 3 s`,"
+        "`x`: `416.3`,`y`: `172.1`,`shape`: `m0 -5l5 5l-5 5l-5 -5z`}]}],`front`: ` 101.2,201.0 466.9,261.9 588.8,"
+        "396.4`,`major`: [{`method`: `em`,`name`: `em 16`,`notes`: [],`points`: ` 294.4,37.6 416.3,82.4 538.2,"
+        "127.3`,`marks`: [{`bar`: {`x`: `294.4`,`top`: `20.1`,`bottom`: `57.8`},`title`: `em 16,"
+        " 1 pass: 71% in 1.5 s`,`x`: `294.4`,`y`: `37.6`,`shape`: `m0 -5.5l5 9h-10z`},{`bar`: {`x`: `416.3`,"
+        "`top`: `65.0`,`bottom`: `102.6`},`title`: `em 16, 2 passes: 50% in 3 s`,`x`: `416.3`,`y`: `82.4`,"
+        "`shape`: `m0 -5.5l5 9h-10z`},{`bar`: {`x`: `538.2`,`top`: `109.8`,`bottom`: `147.5`},`title`: `em 16,"
+        " 4 passes: 35% in 6 s`,`x`: `538.2`,`y`: `127.3`,`shape`: `m0 -5.5l5 9h-10z`}]},{`method`: `mis`,"
+        "`name`: `mis 16`,`notes`: [`the scene's`],`points`: ` 223.1,82.4 345.0,172.1 466.9,261.9 588.8,396.4`,"
+        "`marks`: [{`bar`: null,`title`: `mis 16, 1 pass: 50% in 1 s`,`x`: `223.1`,`y`: `82.4`,"
+        "`shape`: `m0 -5l5 5l-5 5l-5 -5z`},{`bar`: null,`title`: `mis 16, 2 passes: 25% in 2 s`,`x`: `345.0`,"
+        "`y`: `172.1`,`shape`: `m0 -5l5 5l-5 5l-5 -5z`},{`bar`: null,`title`: `mis 16, 4 passes: 12% in 4 s`,"
+        "`x`: `466.9`,`y`: `261.9`,`shape`: `m0 -5l5 5l-5 5l-5 -5z`},{`bar`: null,`title`: `mis 16,"
+        " 8 passes: 4.4% in 8 s`,`x`: `588.8`,`y`: `396.4`,`shape`: `m0 -5l5 5l-5 5l-5 -5z`}]},{`method`: `sir`,"
+        "`name`: `sir 64/4`,`notes`: [],`points`: ` 223.1,186.6`,`marks`: [{`bar`: {`x`: `223.1`,`top`: `143.0`,"
+        "`bottom`: `252.7`},`title`: `sir 64/4, 1 pass: 22% in 1 s`,`x`: `223.1`,`y`: `186.6`,"
+        "`shape`: `m-4.3 0a4.3 4.3 0 1 0 8.6 0a4.3 4.3 0 1 0 -8.6 0`}]},{`method`: `rejection`,"
+        "`name`: `rejection 100/8`,`notes`: [`biased`],`points`: ` 101.2,201.0 223.1,201.0`,"
+        "`marks`: [{`bar`: null,`title`: `rejection 100/8, 1 pass: 20% in 0.5 s`,`x`: `101.2`,`y`: `201.0`,"
+        "`shape`: `m0 5.5l5 -9h-10z`},{`bar`: null,`title`: `rejection 100/8, 2 passes: 20% in 1 s`,`x`: `223.1`,"
+        "`y`: `201.0`,`shape`: `m0 5.5l5 -9h-10z`}]}],`labels`: [{`method`: `em`,`name`: `em 16`,`notes`: [],"
+        "`y`: `128.3`,`slope_at`: `141.3`,`slope`: `−0.50 ± 0.02`},{`method`: `sir`,`name`: `sir 64/4`,"
+        "`notes`: [],`y`: `187.6`,`slope_at`: `200.6`,`slope`: null},{`method`: `rejection`,"
+        "`name`: `rejection 100/8`,`notes`: [`biased`],`y`: `217.6`,`slope_at`: `230.6`,`slope`: null},"
+        "{`method`: `mis`,`name`: `mis 16`,`notes`: [`the scene's`],`y`: `397.4`,`slope_at`: `410.4`,"
+        "`slope`: `−1.00`}]}},{`time`: false",
+        "`over`: `rays for each pixel`,`laws`: [{`x0`: `62.0`,`y0`: `372.8`,`x1`: `190.2`,`y1`: `420.0`},"
+        "{`x0`: `62.0`,`y0`: `193.4`,`x1`: `628.0`,`y1`: `401.7`},{`x0`: `62.0`,`y0`: `14.0`,`x1`: `628.0`,"
+        "`y1`: `222.3`},{`x0`: `549.5`,`y0`: `14.0`,`x1`: `628.0`,`y1`: `42.9`}],`x_ticks`: [{`at`: `127.9`,"
+        "`text_at`: `131.9`,`text`: `1`},{`at`: `249.8`,`text_at`: `253.8`,`text`: `2`},{`at`: `410.9`,"
+        "`text_at`: `414.9`,`text`: `5`},{`at`: `532.8`,`text_at`: `536.8`,`text`: `10`}],",
+        "`points`: ` 101.2,172.1`",
+        "`front`: ``,`major`",
+        "`points`: ` 223.1,37.6 345.0,82.4 466.9,127.3`",
+        "`points`: ` 223.1,82.4 345.0,172.1 466.9,261.9 588.8,396.4`",
+        "`points`: ` 223.1,186.6`",
+        "`points`: ` 172.5,201.0 294.4,201.0`",
+        "`y`: `128.3`,`slope_at`: `141.3`,`slope`: null",
+        "`slope`: null}]}}],",
+        "`bars`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`class`: ` biased`,"
+        "`length`: `18.0`,`times`: `1.0`,`whisker`: null},{`method`: `sir`,`name`: `sir 64/4`,`notes`: [],"
+        "`class`: ``,`length`: `28.5`,`times`: `1.5`,`whisker`: {`left`: `0.0`,`width`: `43.7`}},"
+        "{`method`: `mis`,`name`: `mis 16`,`notes`: [`the scene's`],`class`: ``,`length`: `32.4`,",
+        "{`method`: `mis`,`name`: `mis 64`,`notes`: [],`class`: ``,`length`: `62.7`,`times`: `5.6`,"
+        "`whisker`: null},{`method`: `em`,`name`: `em 16`,`notes`: [],`class`: ``,`length`: `100.0`,"
+        "`times`: `24`,`whisker`: {`left`: `84.5`,`width`: `15.5`}}],",
+        "`strip`: {`time`: `4 s`,`reference`: `ref`,`made`: `the mean of both`,`crops`: [{`number`: `0`,"
+        "`left`: `75.00`,`top`: `75.00`,`picture`: `ref`,`x`: `100.00`,`y`: `100.00`},{`number`: `1`,"
+        "`left`: `12.50`,`top`: `25.00`,`picture`: `ref`,`x`: `16.67`,`y`: `33.33`}],"
+        "`shots`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`made`: `8 passes, 3.9 s,"
+        " biased`,`picture`: `p0`,`errors`: `e0`,`error`: `20%`,`crops`: [{`number`: `0`,`left`: `75.00`,"
+        "`top`: `75.00`,`picture`: `p0`,`x`: `100.00`,`y`: `100.00`},{`number`: `1`,`left`: `12.50`,"
+        "`top`: `25.00`,`picture`: `p0`,`x`: `16.67`,`y`: `33.33`}]},{`method`: `mis`,`name`: `mis 16`,"
+        "`notes`: [`the scene's`],`made`: `1 pass, 4.1 s`,`picture`: `p1`,`errors`: `e1`,`error`: `5%`,"
+        "`crops`: [{`number`: `0`,`left`: `75.00`,`top`: `75.00`,`picture`: `p1`,`x`: `100.00`,`y`: `100.00`},"
+        "{`number`: `1`,`left`: `12.50`,`top`: `25.00`,`picture`: `p1`,`x`: `16.67`,`y`: `33.33`}]}],"
+        "`left`: `p0`,`right`: `p1`,`choice`: [{`picture`: `ref`,`name`: `reference`},{`picture`: `p0`,"
+        "`name`: `rejection 100/8`},{`picture`: `p1`,`name`: `mis 16`}]},",
+        "`tables`: [{`time`: true,`versions`: [{`all`: false,`corner`: `error after`,`columns`: [`0.5 s`,`1 s`,"
+        "`2 s`,`4 s`],`rows`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],"
+        "`cells`: [{`strength`: `100`,`text`: `20%`},{`strength`: `100`,`text`: `20%`},{`text`: ``},"
+        "{`text`: ``}]},{`method`: `sir`,`name`: `sir 64/4`,`notes`: [],`cells`: [{`text`: ``},{`strength`: `92`,"
+        "`text`: `22%`},{`strength`: `100`,`text`: `~16%`},{`strength`: `100`,`text`: `~11%`}]},{`method`: `mis`,"
+        "`name`: `mis 16`,`notes`: [`the scene's`],`cells`: [{`text`: ``},{`strength`: `34`,`text`: `50%`},"
+        "{`strength`: `67`,`text`: `25%`},{`strength`: `92`,`text`: `12%`}]},{`method`: `em`,`name`: `em 16`,"
+        "`notes`: [],`cells`: [{`text`: ``},{`text`: ``},{`strength`: `2`,`text`: `61%`},{`strength`: `2`,"
+        "`text`: `43%`}]}]},",
+        "{`all`: true,`corner`: `error after`",
+        "`mis 64`",
+        "`text`: `~22%`",
+        "{`all`: false,`corner`: `time to an error of`,`columns`: [`20%`,`15%`,`10%`,`5%`,`3%`,`2%`],"
+        "`rows`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],"
+        "`cells`: [{`strength`: `100`,`text`: `0.5 s`},{`text`: ``},{`text`: ``},{`text`: ``},{`text`: ``},"
+        "{`text`: ``}]},{`method`: `sir`,`name`: `sir 64/4`,`notes`: [],`cells`: [{`strength`: `34`,"
+        "`text`: `~1.2 s`},{`strength`: `100`,`text`: `~2.2 s`},{`strength`: `95`,`text`: `~5 s`},"
+        "{`strength`: `28`,`text`: `~20 s`},{`strength`: `16`,`text`: `~56 s`},{`text`: ``}]},{`method`: `mis`,"
+        "`name`: `mis 16`,`notes`: [`the scene's`],`cells`: [{`strength`: `0`,`text`: `2.5 s`},{`strength`: `71`,"
+        "`text`: `3.3 s`},{`strength`: `100`,`text`: `4.6 s`},{`strength`: `100`,`text`: `7.4 s`},"
+        "{`strength`: `100`,`text`: `~17 s`},{`strength`: `100`,`text`: `~39 s`}]},{`method`: `em`,"
+        "`name`: `em 16`,`notes`: [],`cells`: [{`strength`: `0`,`text`: `~19 s`},{`strength`: `0`,"
+        "`text`: `~33 s`},{`strength`: `0`,`text`: `~75 s`},{`strength`: `0`,`text`: `~5.0 min`},{`text`: ``},"
+        "{`text`: ``}]}]},",
+        "{`all`: true,`corner`: `time to an error of`",
+        "`mis 64`",
+        "`front`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`passes`: `1`,"
+        "`time`: `0.5 s`,`error`: `20%`,`bias`: `+10% ± 31%`},{`method`: `mis`,`name`: `mis 16`,"
+        "`notes`: [`the scene's`],`passes`: `4`,`time`: `4 s`,`error`: `12%`,`bias`: `+20% ± 21%`},"
+        "{`method`: `mis`,`name`: `mis 16`,`notes`: [`the scene's`],`passes`: `8`,`time`: `8 s`,`error`: `4.4%`,"
+        "`bias`: `+20% ± 21%`}],`thin`: true,`width`: `4`,`height`: `2`,`full`: `8 × 4`,`of_each`: `2 × 2`,"
+        "`longest`: `4 s`,`seeds`: `3 seeds`,`threads`: `2 threads`,",
+        "`references`: [{`judged`: `sir and rejection`,`name`: `mis 64`,`renders`: `8`,`passes`: `5`,"
+        "`mean`: `0.5`,`se`: `6%`,`noise`: `20%`},{`judged`: `em, brdf and mis`,`name`: `sir 64/4`,"
+        "`renders`: `8`,`passes`: `7`,`mean`: `0.51`,`se`: `7.8%`,`noise`: `15%`}],`given`: false,`noise`: `12%`,"
+        "`agreement`: `2% ± 10%`,`left_out`: `brdf 16 (30 s a pass)`,",
+        "`ratio`: `16/8`,`pictures`: [{`name`: `ref`,`png`: `",
+        "`},{`name`: `p0`,`png`: `",
+        "`},{`name`: `e0`,`png`: `",
+        "`},{`name`: `p1`,`png`: `",
+        "`},{`name`: `e1`,`png`: `",
+        NULL};
+    assert_in_order(text, parts);
+    free(text);
+    clear(&t);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_are_means_and_medians_of_their_seeds),
+        cmocka_unit_test(curves_are_weighted_by_passes_and_leave_out_what_is_hidden),
+        cmocka_unit_test(equal_points_are_both_on_the_front),
+        cmocka_unit_test(errors_at_a_time_and_times_to_an_error_lie_on_lines_between_the_budgets),
+        cmocka_unit_test(the_best_counts_its_standard_error_and_no_bias),
+        cmocka_unit_test(no_more_heads_than_the_strip_has_places),
+        cmocka_unit_test(columns_are_halves_of_the_longest_run_and_round_errors),
+        cmocka_unit_test(durations_and_percents_change_their_unit_in_time),
+        cmocka_unit_test(tables_have_each_figure_in_its_column),
+        cmocka_unit_test(the_page_says_and_shows_what_follows_from_the_runs),
+    };
+    return cmocka_run_group_tests_name("trade by hand", tests, setup, NULL);
+}
