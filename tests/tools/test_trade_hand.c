@@ -24,6 +24,7 @@
 static int setup(void **state)
 {
     (void)state;
+    assert_int_equal(system("rm -rf " DIR), 0); /* its folders, too */
     program_folder(DIR);
     program_write_scene(DIR, "");
     return 0;
@@ -599,6 +600,434 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
     clear(&t);
 }
 
+/* Names at the right that would leave the picture are pushed up, LABEL = 30 apart; where nothing has noise there is no
+ * plot. */
+static void names_stay_in_the_picture_and_nothing_makes_no_plot(void **state)
+{
+    (void)state;
+    static const char *const pushed[] = {"`labels`", "`em 16`", "`y`: `319.0`", "`mis 16`", "`y`: `349.0`", "`sir 64/4`",
+                                         "`y`: `379.0`", "`rejection", "`y`: `409.0`", NULL},
+        *const none[] = {"`time`: true,", "`axes`: null", NULL};
+    static const int ends[] = {2, 6, 8, 10};
+    for (int i = 0; i < 2; i++) {
+        bis_trade t;
+        char *text;
+        size_t n;
+        bis_json j = {.out = open_memstream(&text, &n)};
+        forge(&t);
+        t.plan.settings[MIS_LONG].is_scenes = false;
+        if (i) for (int k = 0; k < t.result.n_points; k++) t.result.points[k].noise = 0;
+        else for (int k = 0; k < 4; k++) t.result.points[ends[k]].noise = 1 / 512.0;
+        bis_json_open(&j, NULL, '[');
+        bis_trade_put_plot(&j, &t, false);
+        bis_json_close(&j);
+        fclose(j.out);
+        assert_in_order(text, i ? none : pushed);
+        free(text);
+        clear(&t);
+    }
+}
+
+/* ---- the plan ---- */
+
+/* cost: seconds of a pixel; the scatter of a pass is what makes the best of an integrator. */
+static void add_piloted(bis_trade *t, const char *name, const bis_integrator *integrator, double cost, double relmse)
+{
+    add_setting(t, name, integrator, 99);
+    t->plan.settings[t->plan.n_settings - 1].pass_seconds = cost;
+    t->plan.settings[t->plan.n_settings - 1].pass_relmse = relmse;
+}
+
+enum { P_EM, P_MIS, P_MIS_LONG, P_MIS_DEAR, P_MIS_SLOW, P_SIR_LARGE, P_SIR, P_REJECTION, N_PILOTED };
+
+/* Microseconds: the best have 1, 2, 4 and 8. */
+static void pilot(bis_trade *t, bis_scene_desc *desc)
+{
+    *t = (bis_trade){.desc = desc, .o = {.seconds = 10}, .plan = {.full_width = 480, .full_height = 320, .n_seeds = 2}};
+    *desc = (bis_scene_desc){.film = {.crop = {0, 1, 0, 1}}};
+    add_piloted(t, "em 16", &bis_em, 1e-6, 0.5);
+    add_piloted(t, "mis 16", &bis_mis, 2e-6, 0.125);
+    add_piloted(t, "mis 64", &bis_mis, 4e-6, 0.1);
+    add_piloted(t, "mis 16 power", &bis_mis, 16e-6, 0.1);
+    add_piloted(t, "mis 16 compensated", &bis_mis, 64e-6, 0.1);
+    add_piloted(t, "sir 256/16", &bis_sir, 1e-6, (double)NAN);
+    add_piloted(t, "sir 64/4", &bis_sir, 4e-6, 0.0625);
+    add_piloted(t, "rejection 100/8", &bis_rejection, 8e-6, 0.01);
+    t->plan.settings[P_SIR_LARGE].is_swept = false; /* a candidate for the reference alone */
+    t->plan.settings[P_REJECTION].is_biased = true;
+}
+
+static void assert_levels(const bis_trade *t, const int *levels)
+{
+    for (int i = 0; i < t->plan.n_settings; i++) {
+        if (t->plan.settings[i].levels != levels[i]) fail_msg("%s: %d", t->plan.settings[i].name, t->plan.settings[i].levels);
+    }
+}
+
+/* The middle one of the long curves (1, 2, 4, 8 microseconds) gets 8 passes, 16 microseconds a pixel: 16, 8, 4 and 2
+ * passes, 5, 4, 3 and 2 budgets. Of the short ones mis 64 and mis 16 power, with a quarter of that, get one, the last
+ * none: twice (31 x 1 + 15 x 2 + 7 x 4 + 3 x 8 + 4 + 16) = 266 microseconds. Half of 10.64 s are 20000 such pixels;
+ * every third one is nearest, 160 x 107. Then runs may take until a further budget would come, at 2^4.5 passes of em.
+ * A replicate gets 22% of the time over 2 x 8: 0.1463 s. */
+static void a_plan_fills_half_of_the_time(void **state)
+{
+    (void)state;
+    static const int levels[] = {5, 4, 1, 1, 0, 0, 3, 2};
+    bis_scene_desc desc;
+    bis_trade t;
+    const bis_trade_plan *p = &t.plan;
+    pilot(&t, &desc);
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), BIS_OK);
+    assert_true(p->step == 3 && p->width == 160 && p->height == 107);
+    assert_levels(&t, levels);
+    assert_near(p->settings[P_SIR].pass_seconds, 4e-6 * 160 * 107);
+    assert_near(p->run_seconds, 1e-6 * 160 * 107 * exp2(4.5));
+    assert_true(p->reference[0] == P_MIS && p->reference[1] == P_SIR);
+    assert_true(p->reference_passes[0] == 4 && p->reference_passes[1] == 2); /* of 0.0342 s, of 0.0685 s */
+    assert_int_equal(bis_trade_planned_runs(p), 2 * 16);
+    assert_near(bis_trade_planned_seconds(p, P_SIR, 2), 16e-6 * 160 * 107);
+
+    pilot(&t, &desc); /* one integrator: its references are all the time's; the scene's own gets the long curve, too */
+    for (int i = 0; i < N_PILOTED; i++) t.plan.settings[i].is_swept = i == P_MIS || i == P_MIS_LONG;
+    t.plan.settings[P_MIS_LONG].is_scenes = true;
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), BIS_OK);
+    assert_true(p->reference[0] == -1 && p->reference[1] == P_SIR);
+    assert_true(p->settings[P_MIS].levels == p->settings[P_MIS_LONG].levels + 1);
+    assert_true(p->reference_passes[1] == (uint32_t)(0.22 * 10.64 / 8 / p->settings[P_SIR].pass_seconds));
+
+    pilot(&t, &desc); /* a given reference */
+    t.plan.is_given = true;
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), BIS_OK);
+    assert_true(p->reference[0] == -1 && p->reference[1] == -1);
+}
+
+/* With --passes 11: 1, 2, 4, 8 of each. Twice 15 x 99 microseconds; 4.7 s/(2970 microseconds) are 1582 pixels, at least
+ * 4800 are taken: of 153600 every 5.66th, the sixth. */
+static void a_plan_with_passes_has_as_many_of_each(void **state)
+{
+    (void)state;
+    static const int levels[] = {4, 4, 4, 4, 4, 0, 4, 4};
+    bis_scene_desc desc;
+    bis_trade t;
+    pilot(&t, &desc);
+    t.o.passes = 11;
+    t.o.error = 1e-9; /* out of reach; but a user who counts passes knows that */
+    assert_int_equal(bis_trade_fit_plan(&t, 9.4, NULL), BIS_OK);
+    assert_true(t.plan.step == 6 && t.plan.width == 80 && t.plan.height == 53);
+    assert_levels(&t, levels);
+    assert_near(t.plan.run_seconds, 8 * 64e-6 * 80 * 53);
+    assert_true(t.plan.reference_passes[0] == 44 && t.plan.reference_passes[1] == 44);
+}
+
+/* What is biased is not the best, however little it costs: a quarter of the time. All 60 x 60 pixels are fewer than
+ * wanted; 31 + 7 passes of 0.0036 s fit into 0.2 s, 63 + 15 do not. */
+static void a_biased_setting_gets_the_short_curve(void **state)
+{
+    (void)state;
+    bis_scene_desc desc;
+    bis_trade t;
+    pilot(&t, &desc);
+    t.plan.n_settings = 0;
+    t.plan.n_seeds = 1;
+    t.plan.is_given = true;
+    t.plan.full_width = t.plan.full_height = 60;
+    add_piloted(&t, "rejection ratio", &bis_rejection, 1e-6, 0.01);
+    add_piloted(&t, "rejection plain", &bis_rejection, 1e-6, 1);
+    t.plan.settings[0].is_biased = true;
+    assert_int_equal(bis_trade_fit_plan(&t, 0.4, NULL), BIS_OK);
+    assert_levels(&t, (int[]){3, 5});
+    assert_true(t.plan.step == 1 && t.plan.width == 60);
+    assert_near(t.plan.run_seconds, 0.0036 * exp2(4.5));
+}
+
+/* 80 x 53 pixels at least; a pass of each of the best for two seeds: 30 microseconds a pixel, 0.1272 s. */
+static void a_plan_without_time_is_refused(void **state)
+{
+    (void)state;
+    bis_scene_desc desc;
+    bis_trade t;
+    for (int i = 0; i < 2; i++) {
+        bis_diag diag = {0};
+        pilot(&t, &desc);
+        t.start = bis_clock_now();
+        assert_int_equal(bis_trade_fit_plan(&t, i ? 0.2546 : 0.2542, &diag), i ? BIS_OK : BIS_INPUT);
+        if (!i) assert_non_null(strstr(diag.messages[0].text, "error: 10 s are too few: a single pass of the best setting of each integrator, "
+                                                              "80 x 53 pixels and 2 seeds, wants about "));
+        bis_diag_clear(&diag);
+    }
+}
+
+/* mis 16 has 12.5% of noise a pass of 0.03424 s: 5% want 50 passes, 1.712 s. sir as much, but later in the table. Runs
+ * get 0.3874 s, and twice that is forgiven: 0.0743 = sqrt(0.125 0.03424/(2 x 0.3874)) can be reached. */
+static void an_error_out_of_reach_is_refused(void **state)
+{
+    (void)state;
+    bis_scene_desc desc;
+    bis_trade t;
+    bis_diag diag = {0};
+    pilot(&t, &desc);
+    t.o.error = 0.05;
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, &diag), BIS_INPUT);
+    assert_non_null(strstr(diag.messages[0].text, "error: a relative error of 0.05 is out of reach: by the pilot \"mis 16\", the best, needs about 1.7 s for one "
+                           "picture of 160 x 107 pixels, and in 10 s of measurement a run gets 0.39 s. Give --error 0.11 or more, or --time for "
+                           "about 44 s"));
+    bis_diag_clear(&diag);
+    for (int i = 0; i < 2; i++) {
+        pilot(&t, &desc);
+        t.o.error = i ? 0.0745 : 0.0742;
+        assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), i ? BIS_OK : BIS_INPUT);
+    }
+}
+
+/* ---- the folder ---- */
+
+#define RUNS "setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,bias,relmse_both\n"
+static const char plan_text[] = "full 24 16\nstep 4\nsize 6 4\nseeds 1\nseed 5\nrun_seconds 2.5\ngiven 0\n"
+                                "reference 0 3 mis 16\nreference 1 4194304 sir 64/4\n"
+                                "setting 2 1 0.25 nan em 16\nsetting 1 4 0 0.125 sir 64/4\n";
+
+/* The scene of DIR with a plan of two settings. */
+static void load(bis_trade *t)
+{
+    *t = (bis_trade){.o = {.scene = DIR "/scene.txt", .folder = DIR "/folder", .n_threads = 1, .seconds = 1e6, .error = 0.9}};
+    assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
+}
+
+static void plan_two(bis_trade *t)
+{
+    bis_trade_plan *p = &t->plan;
+    for (int i = 0; i < p->n_settings; i++) p->settings[i].is_swept = false, p->settings[i].levels = 0;
+    const int em = bis_trade_find_setting(p, "em 16"), mis = bis_trade_find_setting(p, "mis 16"), sir = bis_trade_find_setting(p, "sir 64/4");
+    p->full_width = 24, p->full_height = 16, p->step = 4, p->width = 6, p->height = 4;
+    p->n_seeds = 1, p->seed = 5, p->run_seconds = 2.5;
+    p->reference[0] = mis, p->reference_passes[0] = 3, p->reference[1] = sir, p->reference_passes[1] = 1 << 22;
+    bis_trade_setting *a = &p->settings[em], *b = &p->settings[sir];
+    a->is_swept = b->is_swept = true;
+    a->levels = 2, a->pass_seconds = 1, a->fill_seconds = 0.25, a->pass_relmse = (double)NAN;
+    b->levels = 1, b->pass_seconds = 4, b->fill_seconds = 0, b->pass_relmse = 0.125;
+}
+
+static void plan_and_runs_are_written_and_read_back(void **state)
+{
+    (void)state;
+    bis_trade t, u;
+    char *text;
+    unsigned long long print;
+    load(&t);
+    plan_two(&t);
+    assert_int_equal(mkdir(DIR "/folder", 0777), 0);
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    const int em = bis_trade_find_setting(&t.plan, "em 16"), sir = bis_trade_find_setting(&t.plan, "sir 64/4");
+    const bis_trade_run runs[] = {{sir, 0, 0, 9, 4.5, 1, 2, 3, 0.5, 0.25, -0.125, 0.75}, {em, 1, 0, 8, 2, 10, 20, 30, 1, 2, 3, 4},
+                                  {em, 0, 0, (uint64_t)1 << 53, 1, 11, 21, 31, 5, 6, 7, 8}};
+    for (int i = 0; i < 3; i++) assert_int_equal(bis_trade_add_run(&t, &runs[i], NULL), BIS_OK);
+    assert_int_equal(bis_trade_write_runs(&t, NULL), BIS_OK);
+    text = read_text(DIR "/folder/plan.txt");
+    assert_int_equal(sscanf(text, "fingerprint %16llx\n", &print), 1);
+    assert_true(print == t.plan.fingerprint && text[28] == '\n');
+    assert_string_equal(text + 29, plan_text);
+    bis_free(text);
+    text = read_text(DIR "/folder/runs.csv");
+    assert_string_equal(text, RUNS "em 16,1,1,9007199254740992,1,11,21,31,5,6,7,8\nem 16,2,1,8,2,10,20,30,1,2,3,4\n"
+                        "sir 64/4,1,1,9,4.5,1,2,3,0.5,0.25,-0.125,0.75\n"); /* in the order of settings, passes, seeds */
+    bis_free(text);
+    load(&u);
+    assert_int_equal(bis_trade_read_plan(&u, NULL), BIS_OK);
+    assert_int_equal(bis_trade_read_runs(&u, NULL), BIS_OK);
+    const bis_trade_plan *p = &t.plan, *q = &u.plan;
+    assert_true(p->fingerprint == q->fingerprint && q->full_width == 24 && q->full_height == 16 && q->step == 4 && q->width == 6 && q->height == 4);
+    assert_true(q->n_seeds == 1 && q->seed == 5 && q->run_seconds == 2.5 && !q->is_given);
+    assert_memory_equal(p->reference, q->reference, sizeof p->reference);
+    assert_memory_equal(p->reference_passes, q->reference_passes, sizeof p->reference_passes);
+    for (int i = 0; i < p->n_settings; i++) {
+        const bis_trade_setting *a = &p->settings[i], *b = &q->settings[i];
+        assert_true(a->is_swept == b->is_swept && a->levels == b->levels && a->pass_seconds == b->pass_seconds);
+        assert_true(a->fill_seconds == b->fill_seconds && (a->pass_relmse == b->pass_relmse || (i == em && isnan(b->pass_relmse))));
+    }
+    assert_int_equal(u.n_runs, 3);
+    for (int i = 0; i < 3; i++) {
+        const bis_trade_run *a = &runs[2 - i], *b = bis_trade_find_run(&u, a->setting, a->level, a->replicate);
+        assert_ptr_equal(b, &u.runs[i]);
+        assert_true(a->seed == b->seed && a->seconds == b->seconds && a->rmse == b->rmse && a->relmse == b->relmse && a->bias == b->bias);
+        assert_true(a->camera_rays == b->camera_rays && a->shadow_rays == b->shadow_rays && a->candidates == b->candidates);
+        assert_true(a->relmse_both == b->relmse_both);
+    }
+    bis_trade_clear(&t);
+    bis_trade_clear(&u);
+}
+
+/* A line of the folder above replaced by another: the whole message, with its place. "" for plan.txt's line: a file
+ * without it. */
+static void each_damage_has_its_place_and_its_words(void **state)
+{
+    (void)state;
+    static const char damaged[] = "; the file is damaged, measure into a new folder";
+    static const struct {
+        const char *file;
+        int line;
+        const char *with, *at, *says;
+    } cases[] = {
+        {"plan.txt", 1, "fingerprint 0123456789abcdef", "", "this measurement is of another scene than \"" DIR "/scene.txt\" as it is now, or by "
+            "another version of bis; measure into a new folder"},
+        {"plan.txt", 1, "fingerprint 0123456789abcdeg", ":1:1", "\"fingerprint 0123456789abcdeg\": behind \"fingerprint\" must stand 16 digits 0-9, a-f%"},
+        {"plan.txt", 2, "full 32769 16", ":2:1", "\"full 32769 16\": behind \"full\" must stand width and height in pixels, from 1 to 32768%"},
+        {"plan.txt", 3, "step 32769", ":3:1", "\"step 32769\": behind \"step\" must stand a number from 1 to 32768%"},
+        {"plan.txt", 4, "size 6 5", ":4:1", "\"size 6 5\": behind \"size\" must stand width and height in pixels, those of \"full\" divided by \"step\", "
+            "which stand before%"},
+        {"plan.txt", 5, "seeds 17", ":5:1", "\"seeds 17\": behind \"seeds\" must stand a number from 1 to 16%"},
+        {"plan.txt", 6, "seed 9007199254740994", ":6:1", "\"seed 9007199254740994\": behind \"seed\" must stand a whole number from 0 to 2^53%"},
+        {"plan.txt", 7, "run_seconds 1.1e9", ":7:1", "\"run_seconds 1.1e9\": behind \"run_seconds\" must stand a number above 0, at most 1e9%"},
+        {"plan.txt", 8, "given 2", ":8:1", "\"given 2\": behind \"given\" must stand 0 or 1%"},
+        {"plan.txt", 8, "given 0\ngiven 0", ":9:1", "\"given 0\" is the second line of its kind%"},
+        {"plan.txt", 8, "given", ":8:1", "\"given\": behind \"given\" must stand 0 or 1%"},
+        {"plan.txt", 8, "give 0", ":8:1", "\"give 0\" is no line of a plan%"},
+        {"plan.txt", 9, "reference 0 4194305 mis 16", ":9:1", "\"reference 0 4194305 mis 16\": behind \"reference\" must stand 0 (by a mis) or 1 (by a sir), "
+            "each once, passes from 1 to 4194304, and the name of a setting that may be one%"},
+        {"plan.txt", 9, "reference 0 3 em 16", ":9:1", "\"reference 0 3 em 16\": behind \"reference\" must stand 0 (by a mis) or 1 (by a sir), each once, "
+            "passes from 1 to 4194304, and the name of a setting that may be one%"},
+        {"plan.txt", 10, "", "", "\"em 16\" is to be measured, and the line \"reference 1\" that says what it is compared with is missing%"},
+        {"plan.txt", 9, "", "", "\"sir 64/4\" is to be measured, and the line \"reference 0\" that says what it is compared with is missing%"},
+        {"plan.txt", 11, "setting 22 1 0.25 nan em 16", ":11:1", "\"setting 22 1 0.25 nan em 16\": behind \"setting\" must stand levels from 0 to 21, seconds of "
+            "a pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
+        {"plan.txt", 11, "setting 2 1 0.25 inf em 16", ":11:1", "\"setting 2 1 0.25 inf em 16\": behind \"setting\" must stand levels from 0 to 21, seconds of a "
+            "pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
+        {"plan.txt", 7, "", "", "a plan has a line \"run_seconds\", and this one has none%"},
+        {"runs.csv", 1, "setting", ":1:1", "the first line must be \"setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,bias,"
+            "relmse_both\""},
+        {"runs.csv", 3, "em 16,1,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,1,1,1,1,1,1,1,1,1,1,1\" is the second of its kind; remove one of them"},
+        {"runs.csv", 3, "em 16,4,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,4,1,1,1,1,1,1,1,1,1,1\" is no run of plan.txt, by its passes; remove the line and it "
+            "is measured again"},
+        {"runs.csv", 4, "mis 16,1,1,1,1,1,1,1,1,1,1,1", ":4:1", "\"mis 16,1,1,1,1,1,1,1,1,1,1,1\" is no run of plan.txt, by its setting; remove the line and it "
+            "is measured again"},
+        {"runs.csv", 4, "sir 64/4", ":4:1", "\"sir 64/4\" is no run of plan.txt, by its setting; remove the line and it is measured again"},
+    };
+    char *texts[2] = {read_text(DIR "/folder/plan.txt"), read_text(DIR "/folder/runs.csv")};
+    bis_trade t;
+    load(&t);
+    const bis_trade_plan fresh = t.plan;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const bool of_runs = cases[i].file[0] == 'r';
+        char damage[2048], path[64], expected[1024];
+        const char *from = texts[of_runs];
+        int n = 0;
+        for (int line = 1; line < cases[i].line; line++) from = strchr(from, '\n') + 1;
+        n = snprintf(damage, sizeof damage, "%.*s%s%s", (int)(from - texts[of_runs]), texts[of_runs], cases[i].with, *cases[i].with ? "\n" : "");
+        snprintf(damage + n, sizeof damage - (size_t)n, "%s", strchr(from, '\n') + 1);
+        for (int k = 0; k < 2; k++) program_write_file(k ? DIR "/folder/runs.csv" : DIR "/folder/plan.txt", k == of_runs ? damage : texts[k]);
+        snprintf(path, sizeof path, DIR "/folder/%s", cases[i].file);
+        const int length = (int)strcspn(cases[i].says, "%");
+        snprintf(expected, sizeof expected, "%s%s: error: %.*s%s", path, cases[i].at, length, cases[i].says, cases[i].says[length] ? damaged : "");
+        t.plan = fresh;
+        t.n_runs = 0;
+        bis_diag diag = {0};
+        bis_status status = bis_trade_read_plan(&t, &diag);
+        if (!status) status = bis_trade_read_runs(&t, &diag);
+        assert_int_equal(status, BIS_INPUT);
+        assert_int_equal(diag.n, 1);
+        assert_string_equal(diag.messages[0].text, expected);
+        bis_diag_clear(&diag);
+    }
+    bis_free(texts[0]);
+    bis_free(texts[1]);
+    bis_trade_clear(&t);
+}
+
+/* ---- resumed ---- */
+
+typedef struct told {
+    char what[40];
+    double share, left;
+} told;
+
+typedef struct diary {
+    told entry[64];
+    int n;
+} diary;
+
+static void note(const char *what, double share, double left, void *user)
+{
+    diary *d = user;
+    assert_true(d->n < 64);
+    told *e = &d->entry[d->n++];
+    snprintf(e->what, sizeof e->what, "%s", what);
+    e->share = share;
+    e->left = left;
+}
+
+/* A plan of 1 + 2 and 4 + 8 seconds, of which the em of 1 is there: the rest is 14 seconds, by rounds of one budget. */
+static void the_rest_is_measured_in_rounds_and_told(void **state)
+{
+    (void)state;
+    static const char *const what[] = {"run 2 of 4", "run 3 of 4", "run 4 of 4", "error of the advice"};
+    static const double share[] = {0, 4 / 14.0, 6 / 14.0, 0};
+    diary d = {.n = 0};
+    bis_image grey;
+    bis_trade t;
+    bool interrupted;
+    load(&t);
+    plan_two(&t);
+    t.plan.is_given = true;
+    t.plan.run_seconds = 1e-4;
+    t.plan.settings[bis_trade_find_setting(&t.plan, "sir 64/4")].levels = 2;
+    t.plan.reference[0] = t.plan.reference[1] = -1;
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    bis_trade_clear(&t);
+    assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
+    for (int i = 0; i < 24; i++) grey.pixels[i] = (rgb){0.5f, 0.5f, 0.5f};
+    assert_int_equal(mkdir(DIR "/folder/references", 0777), 0);
+    assert_int_equal(bis_image_save(&grey, DIR "/folder/references/given.exr", NULL), BIS_OK);
+    bis_image_clear(&grey);
+    program_write_file(DIR "/folder/runs.csv", RUNS "em 16,1,1,7,0.5,11,21,31,0.5,0.25,0.125,0.25\n");
+    const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/folder", .seconds = 1e6, .error = 0.9, .n_threads = 1, .resume = true,
+                                 .progress = note, .user = &d};
+    assert_int_equal(bis_trade_measure(&t, &o, &interrupted, NULL), BIS_OK);
+    assert_true(t.is_complete && t.is_reported && !interrupted && t.n_runs == 4);
+    int first = 0;
+    while (first < d.n && strncmp(d.entry[first].what, "run ", 4) != 0) first++; /* behind the scene and its maps */
+    for (int i = 0; i < 4; i++) {
+        assert_string_equal(d.entry[first + i].what, what[i]);
+        assert_near(d.entry[first + i].share, share[i]);
+    }
+    assert_near(d.entry[first].left, 14); /* as planned, before anything was made */
+    /* of 14 planned seconds 4, then 6, took far less than a second: 10 x spent/4 are left, 8 x spent/6 */
+    assert_true(d.entry[first + 1].left > 0 && d.entry[first + 1].left < 10 && d.entry[first + 2].left > 0 && d.entry[first + 2].left < 8);
+    int parts[3] = {0};
+    for (int i = first + 3; i < d.n; i++) {
+        static const char *const later[] = {"error of the advice", "seconds of the full picture", "pictures"};
+        for (int k = 0; k < 3; k++) {
+            if (strcmp(d.entry[i].what, later[k]) != 0) continue;
+            if (k < 2) assert_near(d.entry[i].share, parts[k] / 3.0);
+            parts[k]++;
+        }
+    }
+    assert_true(parts[2] == 2); /* em and sir */
+    for (size_t i = 0; i < t.n_runs; i++) assert_true(t.runs[i].seed == 7 || t.runs[i].seconds < 100);
+    bis_trade_clear(&t);
+}
+
+/* A pass of the full picture is rendered where the sweep's film was thinner, here in 24 x 16 pixels in far less than the
+ * thousands of seconds that were said, and a setting that is advised twice has the seconds of a pass in both. Of a pass
+ * of 1.7 x 10^5 s every third pixel would take 2% of 10^6 s; of 2 x 10^5 every fourth, and the sweep knows as much. */
+static void seconds_are_those_of_a_pass_of_the_full_picture(void **state)
+{
+    (void)state;
+    static const double pass[] = {1e4, 1e4, 1.7e5, 2e5};
+    for (int i = 0; i < 4; i++) {
+        bis_trade t;
+        load(&t);
+        plan_two(&t);
+        if (i == 0) t.plan.step = 1;
+        const int em = bis_trade_find_setting(&t.plan, "em 16");
+        t.result.advice[0].setting = -1;
+        t.result.advice[1] = (bis_trade_advice){.setting = em, .passes = 2, .seconds = 2 * pass[i]};
+        t.result.advice[2] = (bis_trade_advice){.setting = em, .passes = 6, .seconds = 1};
+        assert_int_equal(bis_trade_time_advice(&t, NULL), BIS_OK);
+        assert_true(i == 0 || i == 3 ? t.result.advice[1].seconds == 2 * pass[i] : t.result.advice[1].seconds < 1e3);
+        assert_near(t.result.advice[2].seconds, 3 * t.result.advice[1].seconds);
+        bis_trade_clear(&t);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -612,6 +1041,16 @@ int main(void)
         cmocka_unit_test(durations_and_percents_change_their_unit_in_time),
         cmocka_unit_test(tables_have_each_figure_in_its_column),
         cmocka_unit_test(the_page_says_and_shows_what_follows_from_the_runs),
+        cmocka_unit_test(names_stay_in_the_picture_and_nothing_makes_no_plot),
+        cmocka_unit_test(a_plan_fills_half_of_the_time),
+        cmocka_unit_test(a_plan_with_passes_has_as_many_of_each),
+        cmocka_unit_test(a_biased_setting_gets_the_short_curve),
+        cmocka_unit_test(a_plan_without_time_is_refused),
+        cmocka_unit_test(an_error_out_of_reach_is_refused),
+        cmocka_unit_test(plan_and_runs_are_written_and_read_back),
+        cmocka_unit_test(each_damage_has_its_place_and_its_words),
+        cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
+        cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
     };
     return cmocka_run_group_tests_name("trade by hand", tests, setup, NULL);
 }
