@@ -360,7 +360,7 @@ static void panels_have_the_densities_in_the_lights_frame(void **state)
     for (int k = 0; k < 5; k++) { /* the ground of the samples is the product in grey */
         bis_image panel;
         picture_in(&panel, text[k == 4], names[k < 4 ? k : 2]);
-        for (int y = 3; y < 360; y += y >= 175 && y < 184 ? 1 : 8) {
+        for (int y = 0; y < 360; y += y >= 176 && y < 184 ? 1 : y == 352 ? 7 : 8) {
             for (int x = 5; x < 720; x += 50) {
                 const double cosine = fmax(cos(PI * (y + 0.5) / 360), 0), product = 0.5 * cosine / PI / 12;
                 const double q[] = {1 / (4 * PI), cosine / PI, product, x > 180 && x < 540 ? product : 0};
