@@ -1,6 +1,6 @@
-/* `bis trade` by hand: a sweep whose runs stand in this file. What follows from them, points, curves, the front, advice,
- * tables, plots and page, was worked out on paper; so were a plan from a pilot's figures and the words for a damaged
- * folder. One small measurement is resumed, for its order and its progress. */
+/* `bis trade` by hand: a sweep whose runs stand in this file. What follows from them, points, curves, the front,
+ * advice, tables, plots and page, was worked out on paper; so were a plan from a pilot's figures and the words for a
+ * damaged folder. One small measurement is resumed, for its order and its progress. */
 #include "tools/trade/trade_page.h"
 
 #include "bis/base/file.h"
@@ -35,7 +35,8 @@ static int setup(void **state)
 
 static void assert_near(double a, double b)
 {
-    if (!(fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b))) && !(isnan(a) && isnan(b))) fail_msg("%.17g is not %.17g", a, b);
+    if (!(fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b))) && !(isnan(a) && isnan(b))) fail_msg("%.17g is not %.17g", a,
+        b);
 }
 
 /* ---- the sweep ---- */
@@ -45,11 +46,13 @@ enum { EM, MIS, MIS_LONG, SIR, REJECTION, BRDF, N_SETTINGS };
 static void add_setting(bis_trade *t, const char *name, const bis_integrator *integrator, int levels)
 {
     bis_trade_setting *s = &t->plan.settings[t->plan.n_settings++];
-    *s = (bis_trade_setting){.settings = bis_settings_default(integrator), .area_exponent = 1, .is_swept = true, .levels = levels};
+    *s = (bis_trade_setting){.settings = bis_settings_default(integrator), .area_exponent = 1, .is_swept = true,
+        .levels = levels};
     snprintf(s->name, sizeof s->name, "%s", name);
 }
 
-/* One run of each of n seeds, the last first: a mean over them does not depend on their order, and a median must sort. */
+/* One run of each of n seeds, the last first: a mean over them does not depend on their order, and a median must
+ * sort. */
 static void add_runs(bis_trade *t, int setting, int level, int n, const double *seconds, const double *noise)
 {
     static const double rmse[] = {3, 4, 5}, relmse[] = {0.1, 0.2, 0.6}, bias[] = {-0.1, 0.2, 0.2};
@@ -61,17 +64,19 @@ static void add_runs(bis_trade *t, int setting, int level, int n, const double *
     }
 }
 
-/* The references add 1/64 to a relMSE. em keeps the root law, with seeds of unlike noise and speed. mis is twice as good
- * for twice the time, until it goes below what the references can tell. sir is the best by its mean alone: one of its
- * seeds was far worse. A brdf was too slow. */
+/* The references add 1/64 to a relMSE. em keeps the root law, with seeds of unlike noise and speed. mis is twice as
+ * good for twice the time, until it goes below what the references can tell. sir is the best by its mean alone: one of
+ * its seeds was far worse. A brdf was too slow. */
 static void forge(bis_trade *t)
 {
     static const double unlike[] = {1.5, 1, 2}, steps[] = {0.25, 0.0625, 1 / 64.0, 1 / 512.0};
-    *t = (bis_trade){.desc = bis_alloc(1, sizeof(bis_scene_desc)), .n_threads = 2, .o = {.scene = "a/hand.txt", .folder = DIR}};
+    *t = (bis_trade){.desc = bis_alloc(1, sizeof(bis_scene_desc)), .n_threads = 2, .o = {.scene = "a/hand.txt",
+        .folder = DIR}};
     assert_non_null(t->desc);
     t->desc->film.crop[1] = t->desc->film.crop[3] = 1;
     t->desc->light.area_exponent = 1;
-    t->plan = (bis_trade_plan){.n_seeds = 3, .full_width = 8, .full_height = 4, .step = 2, .width = 4, .height = 2, .run_seconds = 4,
+    t->plan = (bis_trade_plan){.n_seeds = 3, .full_width = 8, .full_height = 4, .step = 2, .width = 4, .height = 2,
+        .run_seconds = 4,
                                .reference = {MIS_LONG, SIR}, .reference_passes = {5, 7}};
     add_setting(t, "em 16", &bis_em, 3);
     add_setting(t, "mis 16", &bis_mis, 4);
@@ -147,7 +152,8 @@ static void points_are_means_and_medians_of_their_seeds(void **state)
         else assert_true(n == 1 ? isnan(p->noise_se) : fabs(p->noise_se) < 1e-15);
         assert_near(p->cost_variance, expected[i].seconds * expected[i].noise);
         assert_true(p->camera_rays == 100 * each && p->shadow_rays == 10 * each && p->candidates == 1000 * each);
-        const double se = p->setting == SIR || p->setting == REJECTION ? 0.03 : 0.04; /* of the reference by the other */
+        const double se = p->setting == SIR || p->setting == REJECTION ? 0.03 : 0.04;
+            /* of the reference by the other */
         assert_near(p->rmse, n == 3 ? sqrt(50 / 3.0) : n == 2 ? sqrt(12.5) : 3);
         assert_near(p->relmse, n == 3 ? 0.3 : n == 2 ? 0.15 : 0.1);
         assert_near(p->relmse_se, n == 3 ? sqrt(0.14 / 6) : n == 2 ? 0.05 : (double)NAN);
@@ -157,9 +163,9 @@ static void points_are_means_and_medians_of_their_seeds(void **state)
     clear(&t);
 }
 
-/* A seed's cost is that of its budgets, weighted by their passes. em: seconds x noise is 0.25 x 1.5, 2, 6 for the three.
- * mis: (1 x 1/4 + 2 x 2/16 + 4 x 4/64 + 8 x 8/512)/15; each budget but the last, which the references hide, is half the
- * error for twice the time. */
+/* A seed's cost is that of its budgets, weighted by their passes. em: seconds x noise is 0.25 x 1.5, 2, 6 for the
+ * three. mis: (1 x 1/4 + 2 x 2/16 + 4 x 4/64 + 8 x 8/512)/15; each budget but the last, which the references hide, is
+ * half the error for twice the time. */
 static void curves_are_weighted_by_passes_and_leave_out_what_is_hidden(void **state)
 {
     (void)state;
@@ -168,7 +174,8 @@ static void curves_are_weighted_by_passes_and_leave_out_what_is_hidden(void **st
     static const struct {
         int first, n;
         double cost, se, slope, pass;
-    } expected[] = {{0, 3, 0.25 * 9.5 / 3, 0.25 * 1.4240006242195884, -0.5, 1.5}, {3, 4, 0.875 / 15, 0, -1, 1}, {7, 1, 0.1875, (double)NAN, (double)NAN, 3},
+    } expected[] = {{0, 3, 0.25 * 9.5 / 3, 0.25 * 1.4240006242195884, -0.5, 1.5}, {3, 4, 0.875 / 15, 0, -1, 1}, {7, 1,
+        0.1875, (double)NAN, (double)NAN, 3},
                     {8, 1, 0.05, 0.04, (double)NAN, 1}, {9, 2, 0.1 / 3, 0, (double)NAN, 0.5}};
     for (int i = 0; i < 5; i++) {
         const bis_trade_curve *c = &t.result.curves[i];
@@ -182,8 +189,8 @@ static void curves_are_weighted_by_passes_and_leave_out_what_is_hidden(void **st
     }
     assert_int_equal(t.result.curves[BRDF].n, 0);
 
-    /* an error that is seen, and a clock that did not tick: the slope is that of the other three, 2, 4, 8 s and errors of
-     * 2^-2, 2^-3, 2^-3.5 */
+    /* an error that is seen, and a clock that did not tick: the slope is that of the other three, 2, 4, 8 s and errors
+     * of 2^-2, 2^-3, 2^-3.5 */
     for (size_t i = 0; i < t.n_runs; i++) {
         bis_trade_run *r = &t.runs[i];
         if (r->setting == MIS && r->level == 0) r->seconds = 0;
@@ -211,7 +218,8 @@ static void equal_points_are_both_on_the_front(void **state)
     assert_int_equal(bis_trade_summarise(&t, NULL), BIS_OK);
     static const int order[] = {MIS, EM, SIR};
     int n = 0;
-    for (const bis_trade_point *p = NULL; (p = bis_trade_next_on_front(&t.result, p));) assert_int_equal(p->setting, order[n++]);
+    for (const bis_trade_point *p = NULL; (p = bis_trade_next_on_front(&t.result, p));) assert_int_equal(p->setting,
+        order[n++]);
     assert_int_equal(n, 3);
     clear(&t);
 }
@@ -226,25 +234,34 @@ static void errors_at_a_time_and_times_to_an_error_lie_on_lines_between_the_budg
         int setting;
         double at, value;
         bool extrapolated;
-    } errors[] = {{MIS, 0.99, none, false}, {MIS, 1, 0.5, false}, {MIS, 1.6, 0.5 / 1.6, false}, {MIS, 3, 0.5 / 3, false}, /* error x time is 0.5 */
-                  {MIS, 4, 0.125, false}, {MIS, sqrt(32.0), sqrt(0.125 * end), false}, {MIS, 8, end, false}, {MIS, 32, end / 2, true},
-                  {MIS, 512, end / 8, true}, {MIS, 513, none, true}, {MIS_LONG, 3, 0.25, false}, {MIS_LONG, 12, 0.125, true},
-                  {REJECTION, 0.7, 0.2, false}, {REJECTION, 1, 0.2, false}, {REJECTION, 1.01, none, true}, {BRDF, 1, none, false}},
-      times[] = {{MIS, 0.6, 1, false}, {MIS, 0.5, 1, false}, {MIS, 0.3, 0.5 / 0.3, false}, {MIS, 0.2, 2.5, false}, {MIS, 0.125, 4, false},
-                 {MIS, sqrt(0.125 * end), sqrt(32.0), false}, {MIS, end / 2, 32, true}, {MIS, end / 7.9, 8 * 7.9 * 7.9, true},
-                 {MIS, end / 8.1, none, true}, {EM, 0.25, 12, true}, {REJECTION, 0.2, 0.5, false}, {REJECTION, 0.1, none, true},
+    } errors[] = {{MIS, 0.99, none, false}, {MIS, 1, 0.5, false}, {MIS, 1.6, 0.5 / 1.6, false}, {MIS, 3, 0.5 / 3,
+        false}, /* error x time is 0.5 */
+                  {MIS, 4, 0.125, false}, {MIS, sqrt(32.0), sqrt(0.125 * end), false}, {MIS, 8, end, false}, {MIS, 32,
+                      end / 2, true},
+                  {MIS, 512, end / 8, true}, {MIS, 513, none, true}, {MIS_LONG, 3, 0.25, false}, {MIS_LONG, 12, 0.125,
+                      true},
+                  {REJECTION, 0.7, 0.2, false}, {REJECTION, 1, 0.2, false}, {REJECTION, 1.01, none, true}, {BRDF, 1,
+                      none, false}},
+      times[] = {{MIS, 0.6, 1, false}, {MIS, 0.5, 1, false}, {MIS, 0.3, 0.5 / 0.3, false}, {MIS, 0.2, 2.5, false},
+          {MIS, 0.125, 4, false},
+                 {MIS, sqrt(0.125 * end), sqrt(32.0), false}, {MIS, end / 2, 32, true}, {MIS, end / 7.9,
+                     8 * 7.9 * 7.9, true},
+                 {MIS, end / 8.1, none, true}, {EM, 0.25, 12, true}, {REJECTION, 0.2, 0.5, false}, {REJECTION, 0.1,
+                     none, true},
                  {BRDF, 1, none, false}};
     bis_trade t;
     bool extrapolated;
     forge(&t);
     for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
         extrapolated = !errors[i].extrapolated;
-        assert_near(bis_trade_error_at(&t.result, &t.plan, errors[i].setting, errors[i].at, &extrapolated), errors[i].value);
+        assert_near(bis_trade_error_at(&t.result, &t.plan, errors[i].setting, errors[i].at, &extrapolated),
+            errors[i].value);
         assert_int_equal(extrapolated, errors[i].extrapolated);
     }
     for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
         extrapolated = !times[i].extrapolated;
-        assert_near(bis_trade_seconds_to(&t.result, &t.plan, times[i].setting, times[i].at, &extrapolated), times[i].value);
+        assert_near(bis_trade_seconds_to(&t.result, &t.plan, times[i].setting, times[i].at, &extrapolated),
+            times[i].value);
         assert_int_equal(extrapolated, times[i].extrapolated);
     }
     t.result.points[4].noise = -0.001; /* without a logarithm: the budget before */
@@ -276,7 +293,8 @@ static void the_best_counts_its_standard_error_and_no_bias(void **state)
     for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
         const bis_trade_advice *a = &t.result.advice[i];
         assert_string_equal(a->purpose, purposes[i]);
-        assert_true(a->setting == MIS && a->passes == passes[i] && a->error == errors[i] && a->is_extrapolated == (i == 2));
+        assert_true(a->setting == MIS && a->passes == passes[i] && a->error == errors[i] &&
+            a->is_extrapolated == (i == 2));
         assert_near(a->seconds, 4.0 * passes[i]);
         assert_near(a->expected_error, sqrt(0.875 / 15 / passes[i]));
     }
@@ -310,7 +328,8 @@ static void no_more_heads_than_the_strip_has_places(void **state)
 static void columns_are_halves_of_the_longest_run_and_round_errors(void **state)
 {
     (void)state;
-    static const double halves[] = {0.5, 1, 2, 4}, rounded[] = {0.02, 0.03, 0.05, 0.1, 0.15, 0.2}; /* from sqrt(1/512)/4 = 0.011 on */
+    static const double halves[] = {0.5, 1, 2, 4}, rounded[] = {0.02, 0.03, 0.05, 0.1, 0.15, 0.2};
+        /* from sqrt(1/512)/4 = 0.011 on */
     bis_trade t;
     double v[BIS_TRADE_COLUMNS];
     forge(&t);
@@ -318,7 +337,8 @@ static void columns_are_halves_of_the_longest_run_and_round_errors(void **state)
     for (int i = 0; i < 4; i++) assert_near(v[i], halves[i]);
     assert_int_equal(bis_trade_errors(&t, v), 6);
     for (int i = 0; i < 6; i++) assert_near(v[i], rounded[i]);
-    for (int i = 0; i < t.result.n_points; i++) t.result.points[i].noise = 4 * 4 * 0.03 * 0.03; /* a quarter of it is 3% */
+    for (int i = 0; i < t.result.n_points; i++) t.result.points[i].noise = 4 * 4 * 0.03 * 0.03;
+        /* a quarter of it is 3% */
     assert_int_equal(bis_trade_errors(&t, v), 6);
     assert_near(v[0], 0.03);
     clear(&t);
@@ -332,13 +352,17 @@ static void durations_and_percents_change_their_unit_in_time(void **state)
     static const struct {
         double v;
         const char *text;
-    } times[] = {{0.0042, "4.2 ms"}, {0.0994, "99 ms"}, {0.0996, "0.1 s"}, {0.32, "0.32 s"}, {9.94, "9.9 s"}, {9.96, "10 s"}, {99.4, "99 s"},
-                 {99.6, "1.7 min"}, {596, "9.9 min"}, {600, "10 min"}, {5399, "90 min"}, {5400, "1.5 h"}, {48 * 3600 - 1, "48.0 h"},
+    } times[] = {{0.0042, "4.2 ms"}, {0.0994, "99 ms"}, {0.0996, "0.1 s"}, {0.32, "0.32 s"}, {9.94, "9.9 s"}, {9.96,
+        "10 s"}, {99.4, "99 s"},
+                 {99.6, "1.7 min"}, {596, "9.9 min"}, {600, "10 min"}, {5399, "90 min"}, {5400, "1.5 h"},
+                     {48 * 3600 - 1, "48.0 h"},
                  {48 * 3600, "2 days"}, {864000, "10 days"}},
       shares[] = {{0.00123, "0.12%"}, {0.034, "3.4%"}, {0.0994, "9.9%"}, {0.0996, "10%"}, {1.234, "123%"}};
     char text[24];
-    for (size_t i = 0; i < sizeof times / sizeof *times; i++) assert_string_equal(bis_trade_duration(text, times[i].v), times[i].text);
-    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) assert_string_equal(bis_trade_percent(text, shares[i].v), shares[i].text);
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) assert_string_equal(bis_trade_duration(text,
+        times[i].v), times[i].text);
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) assert_string_equal(bis_trade_percent(text,
+        shares[i].v), shares[i].text);
 }
 
 /* ---- tables ---- */
@@ -364,15 +388,18 @@ static void assert_rows(const char *file, const char *expected)
         const double x = bis_parse_double(a, &end_a), y = bis_parse_double(b, &end_b);
         const bool numbers = n && m && end_a == a + n && end_b == b + m;
         const bool same = numbers ? fabs(x - y) <= 1e-9 * fabs(y) + 1e-12 : n == m && strncmp(a, b, (size_t)n) == 0;
-        if (!same || a[n] != b[m]) fail_msg("%s: \"%.*s\" must be \"%.*s\"", file, (int)strcspn(a, "\n"), a, (int)strcspn(b, "\n"), b);
+        if (!same || a[n] != b[m]) fail_msg("%s: \"%.*s\" must be \"%.*s\"", file, (int)strcspn(a, "\n"), a,
+            (int)strcspn(b, "\n"), b);
         a += n + (a[n] != '\0');
         b += m + (b[m] != '\0');
     }
     bis_free(text);
 }
 
-#define POINTS "setting,integrator,candidates,shadowrays,samples,proposal,areaexponent,passes,seeds,seconds,camera_rays,shadow_rays," \
+#define POINTS "setting,integrator,candidates,shadowrays,samples,proposal,areaexponent,passes,seeds,seconds," \
+    "camera_rays,shadow_rays," \
     "candidates_drawn,rmse,relmse,relmse_se,noise,bias,bias_se,cost_variance,pareto\n"
+#define REJECTION_ROW "rejection 100/8,rejection,800,15,,choose,1,"
 #define OF_3 "4.08248290464,0.3,0.152752523165"
 #define OF_2 "3.53553390593,0.15,0.05"
 
@@ -392,26 +419,33 @@ static void tables_have_each_figure_in_its_column(void **state)
                 "mis 16,mis,,,16,,1,8,3,8,1600,160,16000," OF_3 ",0.001953125,0.1,0.107703296143,0.015625,1\n"
                 "mis 64,mis,,,64,,1,1,1,3,100,10,1000,3,0.1,,0.0625,-0.1,,0.1875,0\n"
                 "sir 64/4,sir,64,4,,mix,1,1,3,1,200,20,2000," OF_3 ",0.05,0.1,0.104403065090,0.05,0\n"
-                "rejection 100/8,rejection,800,15,,choose,1,1,2,0.5,150,15,1500," OF_2 ",0.04,0.05,0.152970585408,0.02,1\n"
-                "rejection 100/8,rejection,800,15,,choose,1,2,2,1,300,30,3000," OF_2 ",0.04,0.05,0.152970585408,0.04,0\n");
+                REJECTION_ROW "1,2,0.5,150,15,1500," OF_2 ",0.04,0.05,0.152970585408,0.02,1\n"
+                REJECTION_ROW "2,2,1,300,30,3000," OF_2 ",0.04,0.05,0.152970585408,0.04,0\n");
     assert_rows("pareto.csv", POINTS
-                "rejection 100/8,rejection,800,15,,choose,1,1,2,0.5,150,15,1500," OF_2 ",0.04,0.05,0.152970585408,0.02,1\n"
+                REJECTION_ROW "1,2,0.5,150,15,1500," OF_2 ",0.04,0.05,0.152970585408,0.02,1\n"
                 "mis 16,mis,,,16,,1,4,3,4,800,80,8000," OF_3 ",0.015625,0.1,0.107703296143,0.0625,1\n"
                 "mis 16,mis,,,16,,1,8,3,8,1600,160,16000," OF_3 ",0.001953125,0.1,0.107703296143,0.015625,1\n");
-    assert_rows("equal_time.csv", "setting,cost_variance,cost_variance_se,slope,slope_se,error_at_0.5s,error_at_0.5s_extrapolated,error_at_1s,"
+    assert_rows("equal_time.csv", "setting,cost_variance,cost_variance_se,slope,slope_se,"
+                "error_at_0.5s,error_at_0.5s_extrapolated,error_at_1s,"
                 "error_at_1s_extrapolated,error_at_2s,error_at_2s_extrapolated,error_at_4s,error_at_4s_extrapolated\n"
-                "em 16,0.791666666667,0.356000156055,-0.5,0,,0,,0,0.612372435696,0,0.433012701892,0\n" /* sqrt(0.75/time) */
+                "em 16,0.791666666667,0.356000156055,-0.5,0,,0,,0,0.612372435696,0,0.433012701892,0\n"
+                /* sqrt(0.75/time) */
                 "mis 16,0.0583333333333,0,-1,0,,0,0.5,0,0.25,0,0.125,0\n"
-                "mis 64,0.1875,,,,,0,,0,,0,0.216506350946,1\n" /* sqrt(0.1875/4) */
+                "mis 64,0.1875,,,,,0,,0,,0,0.216506350946,1\n"
+                /* sqrt(0.1875/4) */
                 "sir 64/4,0.05,0.04,,,,0,0.22360679775,0,0.158113883008,1,0.111803398875,1\n"
                 "rejection 100/8,0.0333333333333,0,,,0.2,0,0.2,0,,1,,1\n");
     t.result.points[6].noise = 0.0064; /* 8%: columns from 2% on */
     assert_int_equal(bis_trade_write_tables(&t, NULL), BIS_OK);
-    assert_rows("equal_error.csv", "setting,cost_variance,cost_variance_se,slope,slope_se,seconds_to_0.02,seconds_to_0.02_extrapolated,seconds_to_0.03,"
-                "seconds_to_0.03_extrapolated,seconds_to_0.05,seconds_to_0.05_extrapolated,seconds_to_0.1,seconds_to_0.1_extrapolated,"
+    assert_rows("equal_error.csv", "setting,cost_variance,cost_variance_se,slope,slope_se,"
+                "seconds_to_0.02,seconds_to_0.02_extrapolated,seconds_to_0.03,"
+                "seconds_to_0.03_extrapolated,seconds_to_0.05,seconds_to_0.05_extrapolated,"
+                "seconds_to_0.1,seconds_to_0.1_extrapolated,"
                 "seconds_to_0.15,seconds_to_0.15_extrapolated,seconds_to_0.2,seconds_to_0.2_extrapolated\n"
-                "em 16,0.791666666667,0.356000156055,-0.5,0,,1,,1,300,1,75,1,33.3333333333,1,18.75,1\n" /* 0.75/error^2, at most 64 x 6 */
-                "mis 16,0.0583333333333,0,-1,0,128,1,56.8888888889,1,20.48,1,5.65685424949,0,3.33333333333,0,2.5,0\n" /* 10% is half way from 12.5% to 8% */
+                "em 16,0.791666666667,0.356000156055,-0.5,0,,1,,1,300,1,75,1,33.3333333333,1,18.75,1\n"
+                /* 0.75/error^2, at most 64 x 6 */
+                "mis 16,0.0583333333333,0,-1,0,128,1,56.8888888889,1,20.48,1,5.65685424949,0,3.33333333333,0,2.5,0\n"
+                /* 10% is half way from 12.5% to 8% */
                 "mis 64,0.1875,,,,,1,,1,75,1,18.75,1,8.33333333333,1,4.6875,1\n"
                 "sir 64/4,0.05,0.04,,,,1,55.5555555556,1,20,1,5,1,2.22222222222,1,1.25,1\n"
                 "rejection 100/8,0.0333333333333,0,,,,1,,1,,1,,1,,1,0.5,0\n");
@@ -431,7 +465,9 @@ static char *values_of(bis_trade *t)
     assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
     t->o.scene = "a/hand.txt";
     t->plan = plan;
-    for (int i = 0; i < plan.n_settings; i++) t->plan.settings[i].area_exponent = t->desc->light.area_exponent + (i == SIR);
+    for (int i = 0; i < plan.n_settings; i++) {
+        t->plan.settings[i].area_exponent = t->desc->light.area_exponent + (i == SIR);
+    }
     FILE *out = open_memstream(&text, &n);
     assert_int_equal(bis_trade_put_values(out, t, NULL), BIS_OK);
     fclose(out);
@@ -475,7 +511,8 @@ static void make_strip(bis_trade *t)
     t->n_strip = 2;
 }
 
-/* Picture e1 is that of `bis compare --diff` for picture p1 against the reference; the other way round it is another. */
+/* Picture e1 is that of `bis compare --diff` for picture p1 against the reference; the other way round it is
+ * another. */
 static void assert_error_picture(const bis_trade *t, const char *text)
 {
     char *drawing = malloc(strlen(text));
@@ -489,7 +526,8 @@ static void assert_error_picture(const bis_trade *t, const char *text)
     for (int k = 0; k < 2; k++) {
         const bis_image *a = &t->strip[1].image, *b = &t->both.image;
         assert_int_equal(bis_compare_picture(&right[k], k ? b : a, k ? a : b, NULL), BIS_OK);
-        for (int i = 0; i < 16 * 8; i++) off[k] = fmax(off[k], fabs(rgb_sum(image.pixels[i]) - rgb_sum(right[k].pixels[i])));
+        for (int i = 0; i < 16 * 8; i++) off[k] = fmax(off[k],
+            fabs(rgb_sum(image.pixels[i]) - rgb_sum(right[k].pixels[i])));
         bis_image_clear(&right[k]);
     }
     assert_true(off[0] < 0.03 && off[1] > 0.3); /* three bytes of sRGB, 0.009 each */
@@ -497,9 +535,9 @@ static void assert_error_picture(const bis_trade *t, const char *text)
     free(drawing);
 }
 
-/* Axes: 0.5 ... 8 s are 0.4 ... 10 s, a ratio of 25, from 62 to 628; errors sqrt(1/512) ... sqrt(1/2), a ratio of 16, are
- * one of 23.04 from 420 up to 14. So 2 s are in the middle, 345; sqrt(1/512) is 406 log 1.2/log 23.04 above 420. Bars
- * are se/(2 error) long, either way. Rays for each pixel: 110 for a pass (1, 1.5 or 2 of them by the seeds) of 128
+/* Axes: 0.5 ... 8 s are 0.4 ... 10 s, a ratio of 25, from 62 to 628; errors sqrt(1/512) ... sqrt(1/2), a ratio of 16,
+ * are one of 23.04 from 420 up to 14. So 2 s are in the middle, 345; sqrt(1/512) is 406 log 1.2/log 23.04 above 420.
+ * Bars are se/(2 error) long, either way. Rays for each pixel: 110 for a pass (1, 1.5 or 2 of them by the seeds) of 128
  * pixels. Bars: log(2 v/best)/log(2 worst/best). Strength of a cell: 1 - log4 of what it is over the column's best. */
 static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
 {
@@ -645,7 +683,8 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
 static void names_stay_in_the_picture_and_nothing_makes_no_plot(void **state)
 {
     (void)state;
-    static const char *const pushed[] = {"`labels`", "`em 16`", "`y`: `319.0`", "`mis 16`", "`y`: `349.0`", "`sir 64/4`",
+    static const char *const pushed[] = {"`labels`", "`em 16`", "`y`: `319.0`", "`mis 16`", "`y`: `349.0`",
+        "`sir 64/4`",
                                          "`y`: `379.0`", "`rejection", "`y`: `409.0`", NULL},
         *const none[] = {"`time`: true,", "`axes`: null", NULL};
     static const int ends[] = {2, 6, 8, 10};
@@ -700,7 +739,8 @@ static void pilot(bis_trade *t, bis_scene_desc *desc)
 static void assert_levels(const bis_trade *t, const int *levels)
 {
     for (int i = 0; i < t->plan.n_settings; i++) {
-        if (t->plan.settings[i].levels != levels[i]) fail_msg("%s: %d", t->plan.settings[i].name, t->plan.settings[i].levels);
+        if (t->plan.settings[i].levels != levels[i]) fail_msg("%s: %d", t->plan.settings[i].name,
+            t->plan.settings[i].levels);
     }
 }
 
@@ -791,7 +831,8 @@ static void a_plan_without_time_is_refused(void **state)
         pilot(&t, &desc);
         t.start = bis_clock_now();
         assert_int_equal(bis_trade_fit_plan(&t, i ? 0.2546 : 0.2542, &diag), i ? BIS_OK : BIS_INPUT);
-        if (!i) assert_non_null(strstr(diag.messages[0].text, "error: 10 s are too few: a single pass of the best setting of each integrator, "
+        if (!i) assert_non_null(strstr(diag.messages[0].text, "error: 10 s are too few: a single pass of the best "
+            "setting of each integrator, "
                                                               "80 x 53 pixels and 2 seeds, wants about "));
         bis_diag_clear(&diag);
     }
@@ -808,8 +849,10 @@ static void an_error_out_of_reach_is_refused(void **state)
     pilot(&t, &desc);
     t.o.error = 0.05;
     assert_int_equal(bis_trade_fit_plan(&t, 10.64, &diag), BIS_INPUT);
-    assert_non_null(strstr(diag.messages[0].text, "error: a relative error of 0.05 is out of reach: by the pilot \"mis 16\", the best, needs about 1.7 s for one "
-                           "picture of 160 x 107 pixels, and in 10 s of measurement a run gets 0.39 s. Give --error 0.11 or more, or --time for "
+    assert_non_null(strstr(diag.messages[0].text, "error: a relative error of 0.05 is out of reach: by the pilot "
+        "\"mis 16\", the best, needs about 1.7 s for one "
+                           "picture of 160 x 107 pixels, and in 10 s of measurement a run gets 0.39 s. Give --error "
+                               "0.11 or more, or --time for "
                            "about 44 s"));
     bis_diag_clear(&diag);
     for (int i = 0; i < 2; i++) {
@@ -845,12 +888,17 @@ static void note(const char *what, double share, double left, void *user)
 static void the_table_of_settings_is_this(void **state)
 {
     (void)state;
-    static const char all[] = "em 4, em 16, em 64, em 16 stratified, em 16 b=0, em 16 b=0.5, brdf 4, brdf 16, brdf 64, mis 4, mis 16, mis 64, mis 16 stratified, "
-        "mis 16 power, mis 16 compensated, rejection 100/8, rejection 800/15, rejection 800/15 plain, sir 16/1, sir 64/1, sir 64/4, sir 256/4, sir 256/16, "
-        "sir 1024/16, sir 800/15, sir 256/16 em, sir 256/16 brdf, sir 256/16 product, sir 256/16 product learned, sir 256/16 independent, "
+    static const char all[] = "em 4, em 16, em 64, em 16 stratified, em 16 b=0, em 16 b=0.5, brdf 4, brdf 16, brdf "
+        "64, mis 4, mis 16, mis 64, mis 16 stratified, "
+        "mis 16 power, mis 16 compensated, rejection 100/8, rejection 800/15, rejection 800/15 plain, sir 16/1, sir "
+            "64/1, sir 64/4, sir 256/4, sir 256/16, "
+        "sir 1024/16, sir 800/15, sir 256/16 em, sir 256/16 brdf, sir 256/16 product, sir 256/16 product learned, "
+            "sir 256/16 independent, "
         "sir 256/16 one by one, sir 256/16 b=0, sir 256/16 b=0.5, sir 20/2 scene's own, ",
-        quick[] = "em 16, em 16 stratified, brdf 16, mis 16, mis 64, mis 16 stratified, mis 16 compensated, rejection 100/8, sir 64/4, sir 256/16, sir 800/15, "
-        "sir 256/16 product, sir 256/16 product learned, sir 20/2 scene's own, ", of_em[] = "em 4, em 16, em 64, em 16 stratified, em 16 b=0, em 16 b=0.5, ";
+        quick[] = "em 16, em 16 stratified, brdf 16, mis 16, mis 64, mis 16 stratified, mis 16 compensated, "
+            "rejection 100/8, sir 64/4, sir 256/16, sir 800/15, "
+        "sir 256/16 product, sir 256/16 product learned, sir 20/2 scene's own, ",
+            of_em[] = "em 4, em 16, em 64, em 16 stratified, em 16 b=0, em 16 b=0.5, ";
     const char *const em[] = {"em"};
     for (int i = 0; i < 3; i++) {
         char swept[2048] = "";
@@ -882,7 +930,8 @@ static void the_pilot_tells_how_far_it_is(void **state)
     (void)state;
     const char *const em[] = {"em"};
     diary d = {.n = 0};
-    bis_trade t = {.o = {.scene = DIR "/scene.txt", .integrators = em, .n_integrators = 1, .seconds = 0.01, .passes = 1, .seed = 9, .n_threads = 1,
+    bis_trade t = {.o = {.scene = DIR "/scene.txt", .integrators = em, .n_integrators = 1, .seconds = 0.01,
+        .passes = 1, .seed = 9, .n_threads = 1,
                          .progress = note, .user = &d}, .plan = {.full_width = 24, .full_height = 16}};
     assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
     int first = d.n;
@@ -890,7 +939,8 @@ static void the_pilot_tells_how_far_it_is(void **state)
     assert_int_equal(bis_trade_make_plan(&t, NULL), BIS_OK);
     assert_int_equal(d.n, first + 11);
     for (int i = 0; i < 11; i++) assert_near(d.entry[first + i].share, i / 11.0);
-    assert_true(t.plan.seed == 9 && t.plan.n_seeds == 3 && !t.plan.is_given && t.plan.reference[0] == -1 && t.plan.reference[1] >= 0);
+    assert_true(t.plan.seed == 9 && t.plan.n_seeds == 3 && !t.plan.is_given && t.plan.reference[0] == -1 &&
+        t.plan.reference[1] >= 0);
     for (int i = 0; i < t.plan.n_settings; i++) {
         const bis_trade_setting *s = &t.plan.settings[i];
         assert_int_equal(s->levels, s->is_swept);
@@ -910,7 +960,8 @@ static const char plan_text[] = "full 24 16\nstep 4\nsize 6 4\nseeds 1\nseed 5\n
 /* The scene of DIR with a plan of two settings. */
 static void load(bis_trade *t)
 {
-    *t = (bis_trade){.o = {.scene = DIR "/scene.txt", .folder = DIR "/folder", .n_threads = 1, .seconds = 1e6, .error = 0.9}};
+    *t = (bis_trade){.o = {.scene = DIR "/scene.txt", .folder = DIR "/folder", .n_threads = 1, .seconds = 1e6,
+        .error = 0.9}};
     assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
 }
 
@@ -918,7 +969,8 @@ static void plan_two(bis_trade *t)
 {
     bis_trade_plan *p = &t->plan;
     for (int i = 0; i < p->n_settings; i++) p->settings[i].is_swept = false, p->settings[i].levels = 0;
-    const int em = bis_trade_find_setting(p, "em 16"), mis = bis_trade_find_setting(p, "mis 16"), sir = bis_trade_find_setting(p, "sir 64/4");
+    const int em = bis_trade_find_setting(p, "em 16"), mis = bis_trade_find_setting(p, "mis 16"),
+        sir = bis_trade_find_setting(p, "sir 64/4");
     p->full_width = 24, p->full_height = 16, p->step = 4, p->width = 6, p->height = 4;
     p->n_seeds = 1, p->seed = 5, p->run_seconds = 2.5;
     p->reference[0] = mis, p->reference_passes[0] = 3, p->reference[1] = sir, p->reference_passes[1] = 1 << 22;
@@ -959,7 +1011,8 @@ static void plan_and_runs_are_written_and_read_back(void **state)
     assert_int_equal(mkdir(DIR "/folder", 0777), 0);
     assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
     const int em = bis_trade_find_setting(&t.plan, "em 16"), sir = bis_trade_find_setting(&t.plan, "sir 64/4");
-    const bis_trade_run runs[] = {{sir, 0, 0, 9, 4.5, 1, 2, 3, 0.5, 0.25, -0.125, 0.75}, {em, 1, 0, 8, 2, 10, 20, 30, 1, 2, 3, 4},
+    const bis_trade_run runs[] = {{sir, 0, 0, 9, 4.5, 1, 2, 3, 0.5, 0.25, -0.125, 0.75}, {em, 1, 0, 8, 2, 10, 20, 30,
+        1, 2, 3, 4},
                                   {em, 0, 0, (uint64_t)1 << 53, 1, 11, 21, 31, 5, 6, 7, 8}};
     for (int i = 0; i < 3; i++) assert_int_equal(bis_trade_add_run(&t, &runs[i], NULL), BIS_OK);
     assert_int_equal(bis_trade_write_runs(&t, NULL), BIS_OK);
@@ -971,27 +1024,32 @@ static void plan_and_runs_are_written_and_read_back(void **state)
     assert_true(print == fingerprint_of(&t.plan));
     text = read_text(DIR "/folder/runs.csv");
     assert_string_equal(text, RUNS "em 16,1,1,9007199254740992,1,11,21,31,5,6,7,8\nem 16,2,1,8,2,10,20,30,1,2,3,4\n"
-                        "sir 64/4,1,1,9,4.5,1,2,3,0.5,0.25,-0.125,0.75\n"); /* in the order of settings, passes, seeds */
+                        "sir 64/4,1,1,9,4.5,1,2,3,0.5,0.25,-0.125,0.75\n");
+                            /* in the order of settings, passes, seeds */
     bis_free(text);
     load(&u);
     assert_int_equal(bis_trade_read_plan(&u, NULL), BIS_OK);
     assert_int_equal(bis_trade_read_runs(&u, NULL), BIS_OK);
     const bis_trade_plan *p = &t.plan, *q = &u.plan;
-    assert_true(p->fingerprint == q->fingerprint && q->full_width == 24 && q->full_height == 16 && q->step == 4 && q->width == 6 && q->height == 4);
+    assert_true(p->fingerprint == q->fingerprint && q->full_width == 24 && q->full_height == 16 && q->step == 4 &&
+        q->width == 6 && q->height == 4);
     assert_true(q->n_seeds == 1 && q->seed == 5 && q->run_seconds == 2.5 && !q->is_given);
     assert_memory_equal(p->reference, q->reference, sizeof p->reference);
     assert_memory_equal(p->reference_passes, q->reference_passes, sizeof p->reference_passes);
     for (int i = 0; i < p->n_settings; i++) {
         const bis_trade_setting *a = &p->settings[i], *b = &q->settings[i];
         assert_true(a->is_swept == b->is_swept && a->levels == b->levels && a->pass_seconds == b->pass_seconds);
-        assert_true(a->fill_seconds == b->fill_seconds && (a->pass_relmse == b->pass_relmse || (i == em && isnan(b->pass_relmse))));
+        assert_true(a->fill_seconds == b->fill_seconds && (a->pass_relmse == b->pass_relmse || (i == em &&
+            isnan(b->pass_relmse))));
     }
     assert_int_equal(u.n_runs, 3);
     for (int i = 0; i < 3; i++) {
         const bis_trade_run *a = &runs[2 - i], *b = bis_trade_find_run(&u, a->setting, a->level, a->replicate);
         assert_ptr_equal(b, &u.runs[i]);
-        assert_true(a->seed == b->seed && a->seconds == b->seconds && a->rmse == b->rmse && a->relmse == b->relmse && a->bias == b->bias);
-        assert_true(a->camera_rays == b->camera_rays && a->shadow_rays == b->shadow_rays && a->candidates == b->candidates);
+        assert_true(a->seed == b->seed && a->seconds == b->seconds && a->rmse == b->rmse && a->relmse == b->relmse &&
+            a->bias == b->bias);
+        assert_true(a->camera_rays == b->camera_rays && a->shadow_rays == b->shadow_rays &&
+            a->candidates == b->candidates);
         assert_true(a->relmse_both == b->relmse_both);
     }
     bis_trade_clear(&t);
@@ -1009,39 +1067,57 @@ static void each_damage_has_its_place_and_its_words(void **state)
         int line;
         const char *with, *at, *says;
     } cases[] = {
-        {"plan.txt", 1, "fingerprint 0123456789abcdef", "", "this measurement is of another scene than \"" DIR "/scene.txt\" as it is now, or by "
+        {"plan.txt", 1, "fingerprint 0123456789abcdef", "",
+            "this measurement is of another scene than \"" DIR "/scene.txt\" as it is now, or by "
             "another version of bis; measure into a new folder"},
-        {"plan.txt", 1, "fingerprint 0123456789abcdeg", ":1:1", "\"fingerprint 0123456789abcdeg\": behind \"fingerprint\" must stand 16 digits 0-9, a-f%"},
-        {"plan.txt", 2, "full 32769 16", ":2:1", "\"full 32769 16\": behind \"full\" must stand width and height in pixels, from 1 to 32768%"},
+        {"plan.txt", 1, "fingerprint 0123456789abcdeg", ":1:1",
+            "\"fingerprint 0123456789abcdeg\": behind \"fingerprint\" must stand 16 digits 0-9, a-f%"},
+        {"plan.txt", 2, "full 32769 16", ":2:1", "\"full 32769 16\": behind \"full\" must stand width and height in "
+            "pixels, from 1 to 32768%"},
         {"plan.txt", 3, "step 32769", ":3:1", "\"step 32769\": behind \"step\" must stand a number from 1 to 32768%"},
-        {"plan.txt", 4, "size 6 5", ":4:1", "\"size 6 5\": behind \"size\" must stand width and height in pixels, those of \"full\" divided by \"step\", "
+        {"plan.txt", 4, "size 6 5", ":4:1", "\"size 6 5\": behind \"size\" must stand width and height in pixels, "
+            "those of \"full\" divided by \"step\", "
             "which stand before%"},
         {"plan.txt", 5, "seeds 17", ":5:1", "\"seeds 17\": behind \"seeds\" must stand a number from 1 to 16%"},
-        {"plan.txt", 6, "seed 9007199254740994", ":6:1", "\"seed 9007199254740994\": behind \"seed\" must stand a whole number from 0 to 2^53%"},
-        {"plan.txt", 7, "run_seconds 1.1e9", ":7:1", "\"run_seconds 1.1e9\": behind \"run_seconds\" must stand a number above 0, at most 1e9%"},
+        {"plan.txt", 6, "seed 9007199254740994", ":6:1", "\"seed 9007199254740994\": behind \"seed\" must stand a "
+            "whole number from 0 to 2^53%"},
+        {"plan.txt", 7, "run_seconds 1.1e9", ":7:1", "\"run_seconds 1.1e9\": behind \"run_seconds\" must stand a "
+            "number above 0, at most 1e9%"},
         {"plan.txt", 8, "given 2", ":8:1", "\"given 2\": behind \"given\" must stand 0 or 1%"},
         {"plan.txt", 8, "given 0\ngiven 0", ":9:1", "\"given 0\" is the second line of its kind%"},
         {"plan.txt", 8, "given", ":8:1", "\"given\": behind \"given\" must stand 0 or 1%"},
         {"plan.txt", 8, "give 0", ":8:1", "\"give 0\" is no line of a plan%"},
-        {"plan.txt", 9, "reference 0 4194305 mis 16", ":9:1", "\"reference 0 4194305 mis 16\": behind \"reference\" must stand 0 (by a mis) or 1 (by a sir), "
+        {"plan.txt", 9, "reference 0 4194305 mis 16", ":9:1", "\"reference 0 4194305 mis 16\": behind \"reference\" "
+            "must stand 0 (by a mis) or 1 (by a sir), "
             "each once, passes from 1 to 4194304, and the name of a setting that may be one%"},
-        {"plan.txt", 9, "reference 0 3 em 16", ":9:1", "\"reference 0 3 em 16\": behind \"reference\" must stand 0 (by a mis) or 1 (by a sir), each once, "
+        {"plan.txt", 9, "reference 0 3 em 16", ":9:1", "\"reference 0 3 em 16\": behind \"reference\" must stand 0 "
+            "(by a mis) or 1 (by a sir), each once, "
             "passes from 1 to 4194304, and the name of a setting that may be one%"},
-        {"plan.txt", 10, "", "", "\"em 16\" is to be measured, and the line \"reference 1\" that says what it is compared with is missing%"},
-        {"plan.txt", 9, "", "", "\"sir 64/4\" is to be measured, and the line \"reference 0\" that says what it is compared with is missing%"},
-        {"plan.txt", 11, "setting 22 1 0.25 nan em 16", ":11:1", "\"setting 22 1 0.25 nan em 16\": behind \"setting\" must stand levels from 0 to 21, seconds of "
+        {"plan.txt", 10, "", "", "\"em 16\" is to be measured, and the line \"reference 1\" that says what it is "
+            "compared with is missing%"},
+        {"plan.txt", 9, "", "", "\"sir 64/4\" is to be measured, and the line \"reference 0\" that says what it is "
+            "compared with is missing%"},
+        {"plan.txt", 11, "setting 22 1 0.25 nan em 16", ":11:1",
+            "\"setting 22 1 0.25 nan em 16\": behind \"setting\" must stand levels from 0 to 21, seconds of "
             "a pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
-        {"plan.txt", 11, "setting 2 1 0.25 inf em 16", ":11:1", "\"setting 2 1 0.25 inf em 16\": behind \"setting\" must stand levels from 0 to 21, seconds of a "
+        {"plan.txt", 11, "setting 2 1 0.25 inf em 16", ":11:1", "\"setting 2 1 0.25 inf em 16\": behind \"setting\" "
+            "must stand levels from 0 to 21, seconds of a "
             "pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
         {"plan.txt", 7, "", "", "a plan has a line \"run_seconds\", and this one has none%"},
-        {"runs.csv", 1, "setting", ":1:1", "the first line must be \"setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,bias,"
+        {"runs.csv", 1, "setting", ":1:1",
+            "the first line must be \"setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,"
+            "rmse,relmse,bias,"
             "relmse_both\""},
-        {"runs.csv", 3, "em 16,1,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,1,1,1,1,1,1,1,1,1,1,1\" is the second of its kind; remove one of them"},
-        {"runs.csv", 3, "em 16,4,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,4,1,1,1,1,1,1,1,1,1,1\" is no run of plan.txt, by its passes; remove the line and it "
+        {"runs.csv", 3, "em 16,1,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,1,1,1,1,1,1,1,1,1,1,1\" is the second of its "
+            "kind; remove one of them"},
+        {"runs.csv", 3, "em 16,4,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,4,1,1,1,1,1,1,1,1,1,1\" is no run of "
+            "plan.txt, by its passes; remove the line and it "
             "is measured again"},
-        {"runs.csv", 4, "mis 16,1,1,1,1,1,1,1,1,1,1,1", ":4:1", "\"mis 16,1,1,1,1,1,1,1,1,1,1,1\" is no run of plan.txt, by its setting; remove the line and it "
+        {"runs.csv", 4, "mis 16,1,1,1,1,1,1,1,1,1,1,1", ":4:1", "\"mis 16,1,1,1,1,1,1,1,1,1,1,1\" is no run of "
+            "plan.txt, by its setting; remove the line and it "
             "is measured again"},
-        {"runs.csv", 4, "sir 64/4", ":4:1", "\"sir 64/4\" is no run of plan.txt, by its setting; remove the line and it is measured again"},
+        {"runs.csv", 4, "sir 64/4", ":4:1", "\"sir 64/4\" is no run of plan.txt, by its setting; remove the line and "
+            "it is measured again"},
     };
     char *texts[2] = {read_text(DIR "/folder/plan.txt"), read_text(DIR "/folder/runs.csv")};
     bis_trade t;
@@ -1053,12 +1129,15 @@ static void each_damage_has_its_place_and_its_words(void **state)
         const char *from = texts[of_runs];
         int n = 0;
         for (int line = 1; line < cases[i].line; line++) from = strchr(from, '\n') + 1;
-        n = snprintf(damage, sizeof damage, "%.*s%s%s", (int)(from - texts[of_runs]), texts[of_runs], cases[i].with, *cases[i].with ? "\n" : "");
+        n = snprintf(damage, sizeof damage, "%.*s%s%s", (int)(from - texts[of_runs]), texts[of_runs], cases[i].with,
+            *cases[i].with ? "\n" : "");
         snprintf(damage + n, sizeof damage - (size_t)n, "%s", strchr(from, '\n') + 1);
-        for (int k = 0; k < 2; k++) program_write_file(k ? DIR "/folder/runs.csv" : DIR "/folder/plan.txt", k == of_runs ? damage : texts[k]);
+        for (int k = 0; k < 2; k++) program_write_file(k ? DIR "/folder/runs.csv" : DIR "/folder/plan.txt",
+            k == of_runs ? damage : texts[k]);
         snprintf(path, sizeof path, DIR "/folder/%s", cases[i].file);
         const int length = (int)strcspn(cases[i].says, "%");
-        snprintf(expected, sizeof expected, "%s%s: error: %.*s%s", path, cases[i].at, length, cases[i].says, cases[i].says[length] ? damaged : "");
+        snprintf(expected, sizeof expected, "%s%s: error: %.*s%s", path, cases[i].at, length, cases[i].says,
+            cases[i].says[length] ? damaged : "");
         t.plan = fresh;
         t.n_runs = 0;
         bis_diag diag = {0};
@@ -1100,7 +1179,8 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     assert_int_equal(bis_image_save(&grey, DIR "/folder/references/given.exr", NULL), BIS_OK);
     bis_image_clear(&grey);
     program_write_file(DIR "/folder/runs.csv", RUNS "em 16,1,1,7,0.5,11,21,31,0.5,0.25,0.125,0.25\n");
-    const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/folder", .seconds = 1e6, .error = 0.9, .n_threads = 1, .resume = true,
+    const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/folder", .seconds = 1e6, .error = 0.9,
+        .n_threads = 1, .resume = true,
                                  .progress = note, .user = &d};
     assert_int_equal(bis_trade_measure(&t, &o, &interrupted, NULL), BIS_OK);
     assert_true(t.is_complete && t.is_reported && !interrupted && t.n_runs == 4);
@@ -1112,7 +1192,8 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     }
     assert_near(d.entry[first].left, 14); /* as planned, before anything was made */
     /* of 14 planned seconds 4, then 6, took far less than a second: 10 x spent/4 are left, 8 x spent/6 */
-    assert_true(d.entry[first + 1].left > 0 && d.entry[first + 1].left < 10 && d.entry[first + 2].left > 0 && d.entry[first + 2].left < 8);
+    assert_true(d.entry[first + 1].left > 0 && d.entry[first + 1].left < 10 && d.entry[first + 2].left > 0 &&
+        d.entry[first + 2].left < 8);
     int parts[3] = {0};
     for (int i = first + 3; i < d.n; i++) {
         static const char *const later[] = {"error of the advice", "seconds of the full picture", "pictures"};
@@ -1128,7 +1209,8 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     assert_string_equal(d.entry[0].what, "reading the scene");
     assert_string_equal(d.entry[first - 1].what, "building the map's importance");
     assert_true(t.references[0].mean == 0.5 && t.both.mean == 0.5 && t.references[1].is_ready);
-    for (int i = 0; i < BIS_TRADE_ADVICE; i++) assert_true(!t.result.advice[i].is_extrapolated && t.result.advice[i].passes > 0);
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) assert_true(!t.result.advice[i].is_extrapolated &&
+        t.result.advice[i].passes > 0);
     bis_trade_clear(&t);
 
     /* of 10 seconds two are for the page: a run of 8 is not begun */
@@ -1143,9 +1225,10 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     bis_trade_clear(&t);
 }
 
-/* A pass of the full picture is rendered where the sweep's film was thinner, here in 24 x 16 pixels in far less than the
- * thousands of seconds that were said, and a setting that is advised twice has the seconds of a pass in both. Of a pass
- * of 1.7 x 10^5 s every third pixel would take 2% of 10^6 s; of 2 x 10^5 every fourth, and the sweep knows as much. */
+/* A pass of the full picture is rendered where the sweep's film was thinner, here in 24 x 16 pixels in far less than
+ * the thousands of seconds that were said, and a setting that is advised twice has the seconds of a pass in both. Of a
+ * pass of 1.7 x 10^5 s every third pixel would take 2% of 10^6 s; of 2 x 10^5 every fourth, and the sweep knows as
+ * much. */
 static void seconds_are_those_of_a_pass_of_the_full_picture(void **state)
 {
     (void)state;
