@@ -13,7 +13,7 @@
 #include "json_check.h"
 #include "lit.h"
 #include "map_help.h"
-#include "out/palette.h"
+#include "picture_help.h"
 #include "program.h"
 #include "stat.h"
 #include "tools/verify/verify.h"
@@ -25,7 +25,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-#include <png.h>
 
 /* All but exact; rejection twice, by either estimator. */
 static size_t n_methods(void)
@@ -539,35 +538,6 @@ static bis_status draw(char *text[2], const bis_pixel_figure *figure)
     return status;
 }
 
-/* What a picture inside a drawing shows, linear. It is base64 of a PNG (RFC 4648). */
-static void read_picture(bis_image *image, const char *drawing, const char *name)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char mark[64];
-    snprintf(mark, sizeof mark, "<image id=\"%s\"", name);
-    const char *at = strstr(drawing, mark);
-    assert_non_null(at);
-    at = strstr(at, "base64,") + 7;
-    unsigned char *file = malloc(strlen(at)), *rows;
-    size_t n = 0;
-    unsigned long bits = 0;
-    for (size_t i = 0; strchr(digits, at[i]); i++) {
-        bits = bits << 6 | (unsigned long)(strchr(digits, at[i]) - digits);
-        if (i % 4 > 0) file[n++] = (unsigned char)(bits >> (6 - 2 * (i % 4)));
-    }
-    png_image png = {.version = PNG_IMAGE_VERSION};
-    assert_true(png_image_begin_read_from_memory(&png, file, n));
-    png.format = PNG_FORMAT_RGB;
-    rows = malloc(PNG_IMAGE_SIZE(png));
-    assert_true(png_image_finish_read(&png, NULL, rows, 0, NULL));
-    assert_int_equal(bis_image_init(image, (int)png.width, (int)png.height, NULL), BIS_OK);
-    for (size_t i = 0; i < (size_t)png.width * png.height; i++) {
-        image->pixels[i] = bis_palette_srgb(rows[3 * i] / 255.0, rows[3 * i + 1] / 255.0, rows[3 * i + 2] / 255.0);
-    }
-    free(rows);
-    free(file);
-}
-
 static double luminance(rgb c) { return 0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b; }
 
 /* The mean lightness of a panel's upper left ... lower right part. */
@@ -599,7 +569,7 @@ static void plots_show_map_brdf_product_and_shadow(void **state)
         free(whole);
     }
     for (int i = 0; i < 4; i++) {
-        read_picture(&panel[i], text[0], names[i]);
+        picture_in(&panel[i], text[0], names[i]);
         assert_int_equal(panel[i].width, BIS_PIXEL_PLOT_WIDTH);
         assert_int_equal(panel[i].height, BIS_PIXEL_PLOT_HEIGHT);
         snprintf(page, sizeof page, "<use href=\"#%s\" x=\"%d\" y=\"%d\"/>", names[i], 56 + i % 2 * (BIS_PIXEL_PLOT_WIDTH + 64),
@@ -789,7 +759,7 @@ static void assert_drawing(const char *path, const char *picture)
     assert_int_equal(strncmp((const char *)text, "<svg xmlns=", 11), 0);
     assert_non_null(strstr((const char *)text, "</svg>\n"));
     assert_non_null(strstr((const char *)text, "Pixel (3, 2) of scene.txt"));
-    read_picture(&image, (const char *)text, picture);
+    picture_in(&image, (const char *)text, picture);
     bis_image_clear(&image);
     bis_free(text);
 }

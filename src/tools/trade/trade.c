@@ -83,7 +83,7 @@ static bis_status sweep_round(bis_trade *t, sweep *w, int level, int replicate, 
 
     for (int i = 0; i < t->plan.n_settings; i++) {
         bool complete;
-        if (level >= t->plan.settings[i].levels || bis_trade_has_run(t, i, level, replicate)) continue;
+        if (level >= t->plan.settings[i].levels || bis_trade_find_run(t, i, level, replicate)) continue;
         if (!t->o.passes && bis_clock_now() + bis_trade_planned_seconds(&t->plan, i, level) > deadline) {
             w->is_over = true;
             return BIS_OK;
@@ -155,7 +155,7 @@ static bis_status make_plan(bis_trade *t, bis_diag *diag)
     t->plan.full_width = t->desc->view.film.width;
     t->plan.full_height = t->desc->view.film.height;
     if (t->o.reference) status = read_reference(&given, t, diag);
-    if (!status) status = bis_trade_make_plan(t, t->o.reference ? &given : NULL, diag);
+    if (!status) status = bis_trade_make_plan(t, diag);
     if (!status && t->o.reference && !bis_trade_interrupted(t)) status = keep_reference(t, &given, diag);
     if (!status && !bis_trade_interrupted(t)) status = bis_trade_write_plan(t, diag);
     bis_image_clear(&given);

@@ -223,7 +223,11 @@ bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, 
 
 /* --- trade_plan.c --- */
 
-bis_status bis_trade_make_plan(bis_trade *t, const bis_image *given, bis_diag *diag);
+bis_status bis_trade_make_plan(bis_trade *t, bis_diag *diag);
+
+/* bis_trade_fit_plan fits the plan to `left` seconds: its size, levels, run_seconds and references, from what the pilot
+ * found: pass_seconds of a pixel, which become those of a pass, and pass_relmse. Errors: BIS_INPUT. */
+bis_status bis_trade_fit_plan(bis_trade *t, double left, bis_diag *diag);
 size_t bis_trade_planned_runs(const bis_trade_plan *plan);
 double bis_trade_planned_seconds(const bis_trade_plan *plan, int setting, int level);
 
@@ -239,7 +243,8 @@ bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag);
 bis_status bis_trade_read_plan(bis_trade *t, bis_diag *diag);
 bis_status bis_trade_write_runs(const bis_trade *t, bis_diag *diag);
 bis_status bis_trade_read_runs(bis_trade *t, bis_diag *diag);
-bool bis_trade_has_run(const bis_trade *t, int setting, int level, int replicate);
+/* bis_trade_find_run returns the run of these, or NULL. */
+const bis_trade_run *bis_trade_find_run(const bis_trade *t, int setting, int level, int replicate);
 bis_status bis_trade_add_run(bis_trade *t, const bis_trade_run *run, bis_diag *diag);
 
 /* --- trade_reference.c --- */
@@ -318,6 +323,10 @@ bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag);
 /* "0.32 s", "4.1 min", "2.1 h"; "12%", "3.4%". */
 const char *bis_trade_duration(char buf[24], double seconds);
 const char *bis_trade_percent(char buf[24], double v);
+
+/* bis_trade_next_on_front returns the point of the Pareto front that is next in time after last (NULL: the first), or
+ * NULL. Of equal ones both come. */
+const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const bis_trade_point *last);
 
 /* --- trade_strips.c --- */
 

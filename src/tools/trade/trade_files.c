@@ -397,13 +397,13 @@ static const char *read_run(bis_trade_run *r, const bis_trade_plan *p, char *lin
     return NULL;
 }
 
-bool bis_trade_has_run(const bis_trade *t, int setting, int level, int replicate)
+const bis_trade_run *bis_trade_find_run(const bis_trade *t, int setting, int level, int replicate)
 {
     for (size_t i = 0; i < t->n_runs; i++) {
         const bis_trade_run *r = &t->runs[i];
-        if (r->setting == setting && r->level == level && r->replicate == replicate) return true;
+        if (r->setting == setting && r->level == level && r->replicate == replicate) return r;
     }
-    return false;
+    return NULL;
 }
 
 bis_status bis_trade_add_run(bis_trade *t, const bis_trade_run *run, bis_diag *diag)
@@ -430,7 +430,7 @@ bis_status bis_trade_read_runs(bis_trade *t, bis_diag *diag)
         const bis_loc at = {path, l.number, 1};
         const char *wrong = read_run(&run, &t->plan, line);
         if (wrong) status = bis_error(diag, BIS_INPUT, at, "\"%s\" is no run of plan.txt, by its %s; remove the line and it is measured again", line, wrong);
-        else if (bis_trade_has_run(t, run.setting, run.level, run.replicate)) status = bis_error(diag, BIS_INPUT, at, "\"%s\" is the second of its kind; remove one of them", line);
+        else if (bis_trade_find_run(t, run.setting, run.level, run.replicate)) status = bis_error(diag, BIS_INPUT, at, "\"%s\" is the second of its kind; remove one of them", line);
         else status = bis_trade_add_run(t, &run, diag);
     }
     bis_free(l.data);

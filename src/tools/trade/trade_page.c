@@ -308,7 +308,7 @@ static void put_results(bis_json *j, const bis_trade *t)
     put_front(j, t);
 }
 
-static bis_status put_values(FILE *out, const bis_trade *t, bis_diag *diag)
+bis_status bis_trade_put_values(FILE *out, const bis_trade *t, bis_diag *diag)
 {
     bis_json j = {.out = out};
     const char *slash = strrchr(t->o.scene, '/');
@@ -337,7 +337,7 @@ bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag)
     FILE *memory = open_memstream(&values, &n);
 
     if (!memory) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the report");
-    bis_status status = put_values(memory, t, diag);
+    bis_status status = bis_trade_put_values(memory, t, diag);
     if (fclose(memory) != 0 && !status) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the report");
     if (!status) status = bis_outfile_open(&file, bis_trade_path(path, t, "report.html"), diag);
     if (!status) {

@@ -9,6 +9,11 @@
 /* page.html, as make puts it into the program. */
 extern const char bis_trade_page[];
 
+/* --- trade_page.c --- */
+
+/* bis_trade_put_values writes all values of the page, an object. Errors: BIS_NOMEM. */
+bis_status bis_trade_put_values(FILE *out, const bis_trade *t, bis_diag *diag);
+
 /* --- trade_words.c, with bis_trade_duration and bis_trade_percent of trade.h --- */
 
 /* bis_trade_say writes members as texts: "x=%.1f; y=%s" becomes "x": "1.0", "y": "...". format is printf's; all of it
@@ -18,10 +23,6 @@ void bis_trade_say_all(bis_json *j, const char *key, const char *format, ...) BI
 
 /* bis_trade_put_name writes the members that name a setting: "method", "name", and "notes", a list of what it is. */
 void bis_trade_put_name(bis_json *j, const bis_trade_setting *s);
-
-/* bis_trade_next_on_front returns the point of the Pareto front that is next in time after last (NULL: the first), or
- * NULL. */
-const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const bis_trade_point *last);
 
 /* bis_trade_is_head returns whether setting is one of bis_trade_heads. */
 bool bis_trade_is_head(const bis_trade *t, int setting);

@@ -270,18 +270,13 @@ static int seeds_for(const bis_trade_options *o)
     return o->seconds >= 600 ? 5 : 3;
 }
 
-bis_status bis_trade_make_plan(bis_trade *t, const bis_image *given, bis_diag *diag)
+bis_status bis_trade_fit_plan(bis_trade *t, double left, bis_diag *diag)
 {
     bis_trade_plan *plan = &t->plan;
+    const double sweep = sweep_share * left;
 
-    plan->is_given = given != NULL;
-    plan->seed = t->o.seed;
-    plan->n_seeds = seeds_for(&t->o);
-    bis_status status = run_pilot(t, diag);
-    if (status || bis_trade_interrupted(t)) return status;
-    const double left = fmax(t->o.seconds - (bis_clock_now() - t->start), 0.1 * t->o.seconds), sweep = sweep_share * left;
     choose_size(t, sweep);
-    status = check_time(t, sweep, diag);
+    bis_status status = check_time(t, sweep, diag);
     if (status) return status;
     plan->run_seconds = longest_run(t, sweep);
     double longest = 0;
@@ -292,4 +287,14 @@ bis_status bis_trade_make_plan(bis_trade *t, const bis_image *given, bis_diag *d
     if (t->o.passes) plan->run_seconds = longest;
     choose_references(t, reference_share * left);
     return check_error(t, diag);
+}
+
+bis_status bis_trade_make_plan(bis_trade *t, bis_diag *diag)
+{
+    t->plan.is_given = t->o.reference != NULL;
+    t->plan.seed = t->o.seed;
+    t->plan.n_seeds = seeds_for(&t->o);
+    const bis_status status = run_pilot(t, diag);
+    if (status || bis_trade_interrupted(t)) return status;
+    return bis_trade_fit_plan(t, fmax(t->o.seconds - (bis_clock_now() - t->start), 0.1 * t->o.seconds), diag);
 }

@@ -111,15 +111,6 @@ static void find_front(bis_trade_result *r)
 
 /* ---- curves ---- */
 
-static const bis_trade_run *find_run(const bis_trade *t, int setting, int level, int replicate)
-{
-    for (size_t i = 0; i < t->n_runs; i++) {
-        const bis_trade_run *r = &t->runs[i];
-        if (r->setting == setting && r->level == level && r->replicate == replicate) return r;
-    }
-    return NULL;
-}
-
 /* Of one seed: seconds x noise, mean over its budgets weighted by their passes, since a rare bright sample upsets a
  * short run most; slope of log error over log seconds, NAN where there are too few budgets. Points that the reference's
  * noise all but hides tell nothing of a slope. */
@@ -129,7 +120,7 @@ static bool follow_seed(const bis_trade *t, int setting, int replicate, double *
     double passes = 0, cost = 0, fitted = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
 
     for (int level = 0; level < t->plan.settings[setting].levels; level++) {
-        const bis_trade_run *r = find_run(t, setting, level, replicate);
+        const bis_trade_run *r = bis_trade_find_run(t, setting, level, replicate);
         if (!r) continue;
         passes += exp2(level);
         cost += exp2(level) * r->seconds * (r->relmse_both - floor);

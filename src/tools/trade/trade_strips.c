@@ -23,21 +23,15 @@ enum { CROP = 4, N_CROPS = 2 }; /* a crop is 1/CROP of the sides */
 static float *new_coverage(const bis_trade *t, int width, int height)
 {
     enum { SIDE = 4 };
-    const int full_width = t->plan.width, full_height = t->plan.height;
-    bis_film film;
+    const bis_film film = bis_film_place(t->plan.width, t->plan.height, t->desc->view.film.crop, 1);
     float *coverage = bis_alloc((size_t)width * (size_t)height, sizeof *coverage);
 
-    if (!coverage || bis_film_init(&film, full_width, full_height, t->desc->view.film.crop, (bis_loc){0}, NULL)) {
-        bis_free(coverage);
-        return NULL;
-    }
-    const int x0 = film.x0, y0 = film.y0;
-    bis_film_clear(&film);
-    for (int i = 0; i < width * height; i++) {
+    for (int i = 0; coverage && i < width * height; i++) {
         int hits = 0;
         for (int k = 0; k < SIDE * SIDE; k++) {
-            const double x = x0 + i % width + (k % SIDE + 0.5) / SIDE, y = y0 + i / width + (k / SIDE + 0.5) / SIDE;
-            const ray eye = bis_camera_ray(&t->desc->view.camera, full_width, full_height, x, y);
+            const double x = film.x0 + i % width + (k % SIDE + 0.5) / SIDE;
+            const double y = film.y0 + i / width + (k / SIDE + 0.5) / SIDE;
+            const ray eye = bis_camera_ray(&t->desc->view.camera, film.full_width, film.full_height, x, y);
             bis_hit hit;
             hits += bis_accel_intersect(t->scene->accel, &eye, &hit);
         }

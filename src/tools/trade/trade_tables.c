@@ -58,21 +58,8 @@ static void put_trade(FILE *out, const bis_trade *t)
 /* In the order of time. */
 static void put_pareto(FILE *out, const bis_trade *t)
 {
-    const bis_trade_result *r = &t->result;
-    const bis_trade_point *last = NULL;
-
     fputs(points_header, out);
-    for (;;) {
-        const bis_trade_point *next = NULL;
-        for (int i = 0; i < r->n_points; i++) {
-            const bis_trade_point *p = &r->points[i];
-            const bool is_later = !last || p->seconds > last->seconds || (p->seconds == last->seconds && p > last);
-            if (p->on_front && is_later && (!next || p->seconds < next->seconds)) next = p;
-        }
-        if (!next) return;
-        put_point(out, t, next);
-        last = next;
-    }
+    for (const bis_trade_point *p = NULL; (p = bis_trade_next_on_front(&t->result, p));) put_point(out, t, p);
 }
 
 static void put_curve(FILE *out, const bis_trade *t, int i)

@@ -70,7 +70,8 @@ const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const 
     const bis_trade_point *next = NULL;
     for (int i = 0; i < r->n_points; i++) {
         const bis_trade_point *p = &r->points[i];
-        if (p->on_front && (!last || p->seconds > last->seconds) && (!next || p->seconds < next->seconds)) next = p;
+        const bool is_later = !last || p->seconds > last->seconds || (p->seconds == last->seconds && p > last);
+        if (p->on_front && is_later && (!next || p->seconds < next->seconds)) next = p;
     }
     return next;
 }

@@ -1,0 +1,1279 @@
+/* `bis trade` by hand: a sweep whose runs stand in this file. What follows from them, points, curves, the front,
+ * advice, tables, plots and page, was worked out on paper; so were a plan from a pilot's figures and the words for a
+ * damaged folder. One small measurement is resumed, for its order and its progress. */
+#include "tools/trade/trade_page.h"
+
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "bis/base/version.h"
+#include "bis/files/image_file.h"
+#include "picture_help.h"
+#include "program.h"
+#include "bis/tools/compare.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define DIR "build/test_trade_hand"
+
+static int setup(void **state)
+{
+    (void)state;
+    assert_int_equal(system("rm -rf " DIR), 0); /* its folders, too */
+    program_folder(DIR);
+    program_write_scene(DIR, "");
+    return 0;
+}
+
+static void assert_near(double a, double b)
+{
+    if (!(fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b))) && !(isnan(a) && isnan(b))) fail_msg("%.17g is not %.17g", a,
+        b);
+}
+
+/* ---- the sweep ---- */
+
+enum { EM, MIS, MIS_LONG, SIR, REJECTION, BRDF, N_SETTINGS };
+
+static void add_setting(bis_trade *t, const char *name, const bis_integrator *integrator, int levels)
+{
+    bis_trade_setting *s = &t->plan.settings[t->plan.n_settings++];
+    *s = (bis_trade_setting){.settings = bis_settings_default(integrator), .area_exponent = 1, .is_swept = true,
+        .levels = levels};
+    snprintf(s->name, sizeof s->name, "%s", name);
+}
+
+/* One run of each of n seeds, the last first: a mean over them does not depend on their order, and a median must
+ * sort. */
+static void add_runs(bis_trade *t, int setting, int level, int n, const double *seconds, const double *noise)
+{
+    static const double rmse[] = {3, 4, 5}, relmse[] = {0.1, 0.2, 0.6}, bias[] = {-0.1, 0.2, 0.2};
+    for (int k = n - 1; k >= 0; k--) {
+        const uint64_t passes = (uint64_t)(k + 1) << level;
+        const bis_trade_run run = {setting, level, k, 77, seconds[k], 100 * passes, 10 * passes, 1000 * passes, rmse[k],
+                                   relmse[k], bias[k], noise[k] + 1 / 64.0};
+        assert_int_equal(bis_trade_add_run(t, &run, NULL), BIS_OK);
+    }
+}
+
+/* The references add 1/64 to a relMSE. em keeps the root law, with seeds of unlike noise and speed. mis is twice as
+ * good for twice the time, until it goes below what the references can tell. sir is the best by its mean alone: one of
+ * its seeds was far worse. A brdf was too slow. */
+static void forge(bis_trade *t)
+{
+    static const double unlike[] = {1.5, 1, 2}, steps[] = {0.25, 0.0625, 1 / 64.0, 1 / 512.0};
+    *t = (bis_trade){.desc = bis_alloc(1, sizeof(bis_scene_desc)), .n_threads = 2, .o = {.scene = "a/hand.txt",
+        .folder = DIR}};
+    assert_non_null(t->desc);
+    t->desc->view.film.crop[1] = t->desc->view.film.crop[3] = 1;
+    t->desc->light.area_exponent = 1;
+    t->plan = (bis_trade_plan){.n_seeds = 3, .full_width = 8, .full_height = 4, .step = 2, .width = 4, .height = 2,
+        .run_seconds = 4,
+                               .reference = {MIS_LONG, SIR}, .reference_passes = {5, 7}};
+    add_setting(t, "em 16", &bis_em, 3);
+    add_setting(t, "mis 16", &bis_mis, 4);
+    add_setting(t, "mis 64", &bis_mis, 1);
+    add_setting(t, "sir 64/4", &bis_sir, 1);
+    add_setting(t, "rejection 100/8", &bis_rejection, 2);
+    add_setting(t, "brdf 16", &bis_brdf, 0);
+    t->plan.settings[MIS_LONG].is_scenes = t->plan.settings[REJECTION].is_biased = true;
+    t->plan.settings[MIS_LONG].settings.samples = 64;
+    t->plan.settings[SIR].settings.candidates = 64;
+    t->plan.settings[SIR].settings.shadowrays = 4;
+    t->plan.settings[SIR].fill_seconds = 0.2;
+    t->plan.settings[BRDF].pass_seconds = 30;
+    t->both = (bis_trade_reference){.relmse = 1 / 64.0, .mean = 0.5, .is_ready = true};
+    t->references[0] = (bis_trade_reference){.relmse = 0.04, .mean = 0.5, .se = 0.03, .is_ready = true};
+    t->references[1] = (bis_trade_reference){.relmse = 0.0225, .mean = 0.51, .se = 0.04, .is_ready = true};
+    assert_int_equal(bis_image_init(&t->both.image, 4, 2, NULL), BIS_OK);
+    for (int level = 0; level < 3; level++) {
+        double s[3], v[3];
+        for (int k = 0; k < 3; k++) s[k] = unlike[k] * exp2(level), v[k] = 0.25 * (k + 1) / exp2(level);
+        add_runs(t, EM, level, 3, s, v);
+    }
+    for (int level = 0; level < 4; level++) {
+        const double s = exp2(level), v = steps[level];
+        add_runs(t, MIS, level, 3, (double[]){s, s, s}, (double[]){v, v, v});
+    }
+    add_runs(t, MIS_LONG, 0, 1, (double[]){3}, (double[]){0.0625});
+    add_runs(t, SIR, 0, 3, (double[]){1, 1, 1}, (double[]){0.01, 0.01, 0.13});
+    add_runs(t, REJECTION, 0, 2, (double[]){0.5, 0.5}, (double[]){0.04, 0.04});
+    add_runs(t, REJECTION, 1, 2, (double[]){1, 1}, (double[]){0.04, 0.04});
+    assert_int_equal(bis_trade_summarise(t, NULL), BIS_OK);
+}
+
+static void clear(bis_trade *t)
+{
+    if (!t->scene) bis_free(t->desc), t->desc = NULL;
+    bis_trade_clear(t);
+}
+
+/* ---- points and curves ---- */
+
+static void points_are_means_and_medians_of_their_seeds(void **state)
+{
+    (void)state;
+    bis_trade t;
+    forge(&t);
+    static const struct {
+        int setting, level, n;
+        double seconds, noise, noise_se;
+        bool on_front;
+    } expected[] = {
+        {EM, 0, 3, 1.5, 0.5, 0.25 / 1.7320508075688772, false}, /* of 0.25, 0.5, 0.75 the deviation is 0.25 */
+        {EM, 1, 3, 3, 0.25, 0.125 / 1.7320508075688772, false},
+        {EM, 2, 3, 6, 0.125, 0.0625 / 1.7320508075688772, false},
+        {MIS, 0, 3, 1, 0.25, 0, false},
+        {MIS, 1, 3, 2, 0.0625, 0, false},
+        {MIS, 2, 3, 4, 1 / 64.0, 0, true},
+        {MIS, 3, 3, 8, 1 / 512.0, 0, true},
+        {MIS_LONG, 0, 1, 3, 0.0625, (double)NAN, false},
+        {SIR, 0, 3, 1, 0.05, 0.04, false}, /* sqrt((2 x 0.04^2 + 0.08^2)/2/3) */
+        {REJECTION, 0, 2, 0.5, 0.04, 0, true},
+        {REJECTION, 1, 2, 1, 0.04, 0, false}, /* as right as the one before, later */
+    };
+    assert_int_equal(t.result.n_points, sizeof expected / sizeof *expected);
+    for (int i = 0; i < t.result.n_points; i++) {
+        const bis_trade_point *p = &t.result.points[i];
+        const double passes = exp2(p->level), n = expected[i].n, each = passes * (n + 1) / 2; /* of 1 ... n passes */
+        assert_true(p->setting == expected[i].setting && p->level == expected[i].level && p->n == expected[i].n);
+        assert_true(p->passes == passes && p->on_front == expected[i].on_front);
+        assert_near(p->seconds, expected[i].seconds);
+        assert_near(p->noise, expected[i].noise);
+        if (expected[i].noise_se > 0) assert_near(p->noise_se, expected[i].noise_se);
+        else assert_true(n == 1 ? isnan(p->noise_se) : fabs(p->noise_se) < 1e-15);
+        assert_near(p->cost_variance, expected[i].seconds * expected[i].noise);
+        assert_true(p->camera_rays == 100 * each && p->shadow_rays == 10 * each && p->candidates == 1000 * each);
+        const double se = p->setting == SIR || p->setting == REJECTION ? 0.03 : 0.04;
+            /* of the reference by the other */
+        assert_near(p->rmse, n == 3 ? sqrt(50 / 3.0) : n == 2 ? sqrt(12.5) : 3);
+        assert_near(p->relmse, n == 3 ? 0.3 : n == 2 ? 0.15 : 0.1);
+        assert_near(p->relmse_se, n == 3 ? sqrt(0.14 / 6) : n == 2 ? 0.05 : (double)NAN);
+        assert_near(p->bias, n == 3 ? 0.1 : n == 2 ? 0.05 : -0.1);
+        assert_near(p->bias_se, n == 3 ? hypot(0.1, se) : n == 2 ? hypot(0.15, se) : (double)NAN);
+    }
+    clear(&t);
+}
+
+/* A seed's cost is that of its budgets, weighted by their passes. em: seconds x noise is 0.25 x 1.5, 2, 6 for the
+ * three. mis: (1 x 1/4 + 2 x 2/16 + 4 x 4/64 + 8 x 8/512)/15; each budget but the last, which the references hide, is
+ * half the error for twice the time. */
+static void curves_are_weighted_by_passes_and_leave_out_what_is_hidden(void **state)
+{
+    (void)state;
+    bis_trade t;
+    forge(&t);
+    static const struct {
+        int first, n;
+        double cost, se, slope, pass;
+    } expected[] = {{0, 3, 0.25 * 9.5 / 3, 0.25 * 1.4240006242195884, -0.5, 1.5}, {3, 4, 0.875 / 15, 0, -1, 1}, {7, 1,
+        0.1875, (double)NAN, (double)NAN, 3},
+                    {8, 1, 0.05, 0.04, (double)NAN, 1}, {9, 2, 0.1 / 3, 0, (double)NAN, 0.5}};
+    for (int i = 0; i < 5; i++) {
+        const bis_trade_curve *c = &t.result.curves[i];
+        assert_true(c->first == expected[i].first && c->n == expected[i].n);
+        assert_near(c->cost_variance, expected[i].cost);
+        if (expected[i].se == 0) assert_true(c->cost_variance_se < 1e-15);
+        else assert_near(c->cost_variance_se, expected[i].se);
+        assert_near(c->slope, expected[i].slope);
+        assert_true(isnan(expected[i].slope) ? isnan(c->slope_se) : c->slope_se < 1e-12);
+        assert_near(c->pass_seconds, expected[i].pass);
+    }
+    assert_int_equal(t.result.curves[BRDF].n, 0);
+
+    /* an error that is seen, and a clock that did not tick: the slope is that of the other three, 2, 4, 8 s and errors
+     * of 2^-2, 2^-3, 2^-3.5 */
+    for (size_t i = 0; i < t.n_runs; i++) {
+        bis_trade_run *r = &t.runs[i];
+        if (r->setting == MIS && r->level == 0) r->seconds = 0;
+        if (r->setting == MIS && r->level == 3) r->relmse_both = 1 / 64.0 + 1 / 128.0;
+    }
+    bis_free(t.result.points);
+    t.result = (bis_trade_result){0};
+    assert_int_equal(bis_trade_summarise(&t, NULL), BIS_OK);
+    assert_near(t.result.curves[MIS].slope, -0.75);
+    clear(&t);
+}
+
+/* Two equal points hide neither the other; all come in the order of time. */
+static void equal_points_are_both_on_the_front(void **state)
+{
+    (void)state;
+    bis_trade t;
+    forge(&t);
+    t.n_runs = 0;
+    bis_free(t.result.points);
+    t.result = (bis_trade_result){0};
+    add_runs(&t, EM, 0, 1, (double[]){2}, (double[]){0.5});
+    add_runs(&t, MIS, 0, 1, (double[]){1}, (double[]){1});
+    add_runs(&t, SIR, 0, 1, (double[]){2}, (double[]){0.5});
+    assert_int_equal(bis_trade_summarise(&t, NULL), BIS_OK);
+    static const int order[] = {MIS, EM, SIR};
+    int n = 0;
+    for (const bis_trade_point *p = NULL; (p = bis_trade_next_on_front(&t.result, p));) assert_int_equal(p->setting,
+        order[n++]);
+    assert_int_equal(n, 3);
+    clear(&t);
+}
+
+/* ---- advice ---- */
+
+static void errors_at_a_time_and_times_to_an_error_lie_on_lines_between_the_budgets(void **state)
+{
+    (void)state;
+    const double end = sqrt(1 / 512.0), none = (double)NAN;
+    const struct {
+        int setting;
+        double at, value;
+        bool extrapolated;
+    } errors[] = {{MIS, 0.99, none, false}, {MIS, 1, 0.5, false}, {MIS, 1.6, 0.5 / 1.6, false}, {MIS, 3, 0.5 / 3,
+        false}, /* error x time is 0.5 */
+                  {MIS, 4, 0.125, false}, {MIS, sqrt(32.0), sqrt(0.125 * end), false}, {MIS, 8, end, false}, {MIS, 32,
+                      end / 2, true},
+                  {MIS, 512, end / 8, true}, {MIS, 513, none, true}, {MIS_LONG, 3, 0.25, false}, {MIS_LONG, 12, 0.125,
+                      true},
+                  {REJECTION, 0.7, 0.2, false}, {REJECTION, 1, 0.2, false}, {REJECTION, 1.01, none, true}, {BRDF, 1,
+                      none, false}},
+      times[] = {{MIS, 0.6, 1, false}, {MIS, 0.5, 1, false}, {MIS, 0.3, 0.5 / 0.3, false}, {MIS, 0.2, 2.5, false},
+          {MIS, 0.125, 4, false},
+                 {MIS, sqrt(0.125 * end), sqrt(32.0), false}, {MIS, end / 2, 32, true}, {MIS, end / 7.9,
+                     8 * 7.9 * 7.9, true},
+                 {MIS, end / 8.1, none, true}, {EM, 0.25, 12, true}, {REJECTION, 0.2, 0.5, false}, {REJECTION, 0.1,
+                     none, true},
+                 {BRDF, 1, none, false}};
+    bis_trade t;
+    bool extrapolated;
+    forge(&t);
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
+        extrapolated = !errors[i].extrapolated;
+        assert_near(bis_trade_error_at(&t.result, &t.plan, errors[i].setting, errors[i].at, &extrapolated),
+            errors[i].value);
+        assert_int_equal(extrapolated, errors[i].extrapolated);
+    }
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+        extrapolated = !times[i].extrapolated;
+        assert_near(bis_trade_seconds_to(&t.result, &t.plan, times[i].setting, times[i].at, &extrapolated),
+            times[i].value);
+        assert_int_equal(extrapolated, times[i].extrapolated);
+    }
+    t.result.points[4].noise = -0.001; /* without a logarithm: the budget before */
+    assert_near(bis_trade_error_at(&t.result, &t.plan, MIS, 1.5, &extrapolated), 0.5);
+    clear(&t);
+}
+
+static void the_best_counts_its_standard_error_and_no_bias(void **state)
+{
+    (void)state;
+    bis_trade t;
+    int heads[BIS_TRADE_STRIP];
+    forge(&t);
+    assert_int_equal(t.result.best, MIS); /* sir: 0.05 + 0.04; rejection is biased */
+    assert_int_equal(bis_trade_best_of(&t, "rejection"), REJECTION);
+    assert_int_equal(bis_trade_best_of(&t, "mis"), MIS);
+    assert_int_equal(bis_trade_best_of(&t, "brdf"), -1);
+    assert_int_equal(bis_trade_heads(&t, heads), 5); /* mis 64 is the scene's own */
+    for (int i = 0; i < 5; i++) assert_int_equal(heads[i], i);
+    t.plan.settings[MIS_LONG].is_scenes = false;
+    assert_int_equal(bis_trade_heads(&t, heads), 4);
+    assert_true(heads[2] == SIR && !bis_trade_is_head(&t, MIS_LONG) && bis_trade_is_head(&t, REJECTION));
+
+    /* mis 16, 0.875/15 a second of the film, 4 times that many pixels: 0.05 wants 23.3 passes of 4 s. sir has 0.05, 20
+     * passes of 0.2 + 0.8 x 4 s: less, but not with its doubt, 1.8 times. */
+    static const unsigned passes[] = {1, 3, 24};
+    static const double errors[] = {0.5, 0.15, 0.05};
+    static const char *const purposes[] = {"preview", "good picture", "final picture"};
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
+        const bis_trade_advice *a = &t.result.advice[i];
+        assert_string_equal(a->purpose, purposes[i]);
+        assert_true(a->setting == MIS && a->passes == passes[i] && a->error == errors[i] &&
+            a->is_extrapolated == (i == 2));
+        assert_near(a->seconds, 4.0 * passes[i]);
+        assert_near(a->expected_error, sqrt(0.875 / 15 / passes[i]));
+    }
+    t.result.curves[SIR].cost_variance_se = 0;
+    t.o.error = 0.2;
+    bis_trade_advise(&t);
+    assert_true(t.result.best == SIR && t.result.advice[0].error == 0.5 && t.result.advice[1].error == 0.2);
+    assert_true(t.result.advice[2].setting == SIR && t.result.advice[2].passes == 2 && t.result.advice[2].error == 0.2);
+    assert_near(t.result.advice[2].seconds, 6.8);
+    t.o.error = 1e-6; /* 5e10 passes */
+    bis_trade_advise(&t);
+    assert_int_equal(t.result.advice[2].setting, -1);
+    clear(&t);
+}
+
+static void no_more_heads_than_the_strip_has_places(void **state)
+{
+    (void)state;
+    bis_trade t = {.n_runs = 0};
+    int heads[BIS_TRADE_STRIP + 1] = {0};
+    for (int i = 0; i < BIS_TRADE_STRIP + 2; i++) {
+        add_setting(&t, "em 16", &bis_em, 1);
+        t.plan.settings[i].is_scenes = true;
+        t.result.curves[i].n = 1;
+    }
+    heads[BIS_TRADE_STRIP] = 99;
+    assert_int_equal(bis_trade_heads(&t, heads), BIS_TRADE_STRIP);
+    assert_int_equal(heads[BIS_TRADE_STRIP], 99);
+}
+
+static void columns_are_halves_of_the_longest_run_and_round_errors(void **state)
+{
+    (void)state;
+    static const double halves[] = {0.5, 1, 2, 4}, rounded[] = {0.02, 0.03, 0.05, 0.1, 0.15, 0.2};
+        /* from sqrt(1/512)/4 = 0.011 on */
+    bis_trade t;
+    double v[BIS_TRADE_COLUMNS];
+    forge(&t);
+    assert_int_equal(bis_trade_times(&t, v), 4);
+    for (int i = 0; i < 4; i++) assert_near(v[i], halves[i]);
+    assert_int_equal(bis_trade_errors(&t, v), 6);
+    for (int i = 0; i < 6; i++) assert_near(v[i], rounded[i]);
+    for (int i = 0; i < t.result.n_points; i++) t.result.points[i].noise = 4 * 4 * 0.03 * 0.03;
+        /* a quarter of it is 3% */
+    assert_int_equal(bis_trade_errors(&t, v), 6);
+    assert_near(v[0], 0.03);
+    clear(&t);
+}
+
+/* ---- words ---- */
+
+static void durations_and_percents_change_their_unit_in_time(void **state)
+{
+    (void)state;
+    static const struct {
+        double v;
+        const char *text;
+    } times[] = {{0.0042, "4.2 ms"}, {0.0994, "99 ms"}, {0.0996, "0.1 s"}, {0.32, "0.32 s"}, {9.94, "9.9 s"}, {9.96,
+        "10 s"}, {99.4, "99 s"},
+                 {99.6, "1.7 min"}, {596, "9.9 min"}, {600, "10 min"}, {5399, "90 min"}, {5400, "1.5 h"},
+                     {48 * 3600 - 1, "48.0 h"},
+                 {48 * 3600, "2 days"}, {864000, "10 days"}},
+      shares[] = {{0.00123, "0.12%"}, {0.034, "3.4%"}, {0.0994, "9.9%"}, {0.0996, "10%"}, {1.234, "123%"}};
+    char text[24];
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) assert_string_equal(bis_trade_duration(text,
+        times[i].v), times[i].text);
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) assert_string_equal(bis_trade_percent(text,
+        shares[i].v), shares[i].text);
+}
+
+/* ---- tables ---- */
+
+static char *read_text(const char *path)
+{
+    static unsigned char *text; /* static: as in values_of */
+    size_t size;
+    assert_int_equal(bis_file_read(&text, &size, path, (bis_loc){0}, NULL), BIS_OK);
+    return (char *)text;
+}
+
+/* Cell by cell; numbers to 9 digits. */
+static void assert_rows(const char *file, const char *expected)
+{
+    char path[256], *text;
+    snprintf(path, sizeof path, DIR "/%s", file);
+    text = read_text(path);
+    const char *a = text, *b = expected;
+    while (*a || *b) {
+        const char *end_a, *end_b;
+        const int n = (int)strcspn(a, ",\n"), m = (int)strcspn(b, ",\n");
+        const double x = bis_parse_double(a, &end_a), y = bis_parse_double(b, &end_b);
+        const bool numbers = n && m && end_a == a + n && end_b == b + m;
+        const bool same = numbers ? fabs(x - y) <= 1e-9 * fabs(y) + 1e-12 : n == m && strncmp(a, b, (size_t)n) == 0;
+        if (!same || a[n] != b[m]) fail_msg("%s: \"%.*s\" must be \"%.*s\"", file, (int)strcspn(a, "\n"), a,
+            (int)strcspn(b, "\n"), b);
+        a += n + (a[n] != '\0');
+        b += m + (b[m] != '\0');
+    }
+    bis_free(text);
+}
+
+#define POINTS "setting,integrator,candidates,shadowrays,samples,proposal,areaexponent,passes,seeds,seconds," \
+    "camera_rays,shadow_rays," \
+    "candidates_drawn,rmse,relmse,relmse_se,noise,bias,bias_se,cost_variance,pareto\n"
+#define REJECTION_ROW "rejection 100/8,rejection,800,15,,choose,1,"
+#define OF_3 "4.08248290464,0.3,0.152752523165"
+#define OF_2 "3.53553390593,0.15,0.05"
+
+static void tables_have_each_figure_in_its_column(void **state)
+{
+    (void)state;
+    bis_trade t;
+    forge(&t);
+    assert_int_equal(bis_trade_write_tables(&t, NULL), BIS_OK);
+    assert_rows("trade.csv", POINTS
+                "em 16,em,,,16,,1,1,3,1.5,200,20,2000," OF_3 ",0.5,0.1,0.107703296143,0.75,0\n"
+                "em 16,em,,,16,,1,2,3,3,400,40,4000," OF_3 ",0.25,0.1,0.107703296143,0.75,0\n"
+                "em 16,em,,,16,,1,4,3,6,800,80,8000," OF_3 ",0.125,0.1,0.107703296143,0.75,0\n"
+                "mis 16,mis,,,16,,1,1,3,1,200,20,2000," OF_3 ",0.25,0.1,0.107703296143,0.25,0\n"
+                "mis 16,mis,,,16,,1,2,3,2,400,40,4000," OF_3 ",0.0625,0.1,0.107703296143,0.125,0\n"
+                "mis 16,mis,,,16,,1,4,3,4,800,80,8000," OF_3 ",0.015625,0.1,0.107703296143,0.0625,1\n"
+                "mis 16,mis,,,16,,1,8,3,8,1600,160,16000," OF_3 ",0.001953125,0.1,0.107703296143,0.015625,1\n"
+                "mis 64,mis,,,64,,1,1,1,3,100,10,1000,3,0.1,,0.0625,-0.1,,0.1875,0\n"
+                "sir 64/4,sir,64,4,,mix,1,1,3,1,200,20,2000," OF_3 ",0.05,0.1,0.104403065090,0.05,0\n"
+                REJECTION_ROW "1,2,0.5,150,15,1500," OF_2 ",0.04,0.05,0.152970585408,0.02,1\n"
+                REJECTION_ROW "2,2,1,300,30,3000," OF_2 ",0.04,0.05,0.152970585408,0.04,0\n");
+    assert_rows("pareto.csv", POINTS
+                REJECTION_ROW "1,2,0.5,150,15,1500," OF_2 ",0.04,0.05,0.152970585408,0.02,1\n"
+                "mis 16,mis,,,16,,1,4,3,4,800,80,8000," OF_3 ",0.015625,0.1,0.107703296143,0.0625,1\n"
+                "mis 16,mis,,,16,,1,8,3,8,1600,160,16000," OF_3 ",0.001953125,0.1,0.107703296143,0.015625,1\n");
+    assert_rows("equal_time.csv", "setting,cost_variance,cost_variance_se,slope,slope_se,"
+                "error_at_0.5s,error_at_0.5s_extrapolated,error_at_1s,"
+                "error_at_1s_extrapolated,error_at_2s,error_at_2s_extrapolated,error_at_4s,error_at_4s_extrapolated\n"
+                "em 16,0.791666666667,0.356000156055,-0.5,0,,0,,0,0.612372435696,0,0.433012701892,0\n"
+                /* sqrt(0.75/time) */
+                "mis 16,0.0583333333333,0,-1,0,,0,0.5,0,0.25,0,0.125,0\n"
+                "mis 64,0.1875,,,,,0,,0,,0,0.216506350946,1\n"
+                /* sqrt(0.1875/4) */
+                "sir 64/4,0.05,0.04,,,,0,0.22360679775,0,0.158113883008,1,0.111803398875,1\n"
+                "rejection 100/8,0.0333333333333,0,,,0.2,0,0.2,0,,1,,1\n");
+    t.result.points[6].noise = 0.0064; /* 8%: columns from 2% on */
+    assert_int_equal(bis_trade_write_tables(&t, NULL), BIS_OK);
+    assert_rows("equal_error.csv", "setting,cost_variance,cost_variance_se,slope,slope_se,"
+                "seconds_to_0.02,seconds_to_0.02_extrapolated,seconds_to_0.03,"
+                "seconds_to_0.03_extrapolated,seconds_to_0.05,seconds_to_0.05_extrapolated,"
+                "seconds_to_0.1,seconds_to_0.1_extrapolated,"
+                "seconds_to_0.15,seconds_to_0.15_extrapolated,seconds_to_0.2,seconds_to_0.2_extrapolated\n"
+                "em 16,0.791666666667,0.356000156055,-0.5,0,,1,,1,300,1,75,1,33.3333333333,1,18.75,1\n"
+                /* 0.75/error^2, at most 64 x 6 */
+                "mis 16,0.0583333333333,0,-1,0,128,1,56.8888888889,1,20.48,1,5.65685424949,0,3.33333333333,0,2.5,0\n"
+                /* 10% is half way from 12.5% to 8% */
+                "mis 64,0.1875,,,,,1,,1,75,1,18.75,1,8.33333333333,1,4.6875,1\n"
+                "sir 64/4,0.05,0.04,,,,1,55.5555555556,1,20,1,5,1,2.22222222222,1,1.25,1\n"
+                "rejection 100/8,0.0333333333333,0,,,,1,,1,,1,,1,,1,0.5,0\n");
+    clear(&t);
+}
+
+/* ---- the page's values ---- */
+
+/* The values without line breaks and indentation. t keeps the plan, and gets the scene of DIR for its exposure. */
+static char *values_of(bis_trade *t)
+{
+    const bis_trade_plan plan = t->plan;
+    static char *text; /* static: gcc 12 takes what strstr finds in it for a pointer to this pointer */
+    size_t n;
+    t->o.scene = DIR "/scene.txt";
+    bis_free(t->desc);
+    assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
+    t->o.scene = "a/hand.txt";
+    t->plan = plan;
+    for (int i = 0; i < plan.n_settings; i++) {
+        t->plan.settings[i].area_exponent = t->desc->light.area_exponent + (i == SIR);
+    }
+    FILE *out = open_memstream(&text, &n);
+    assert_int_equal(bis_trade_put_values(out, t, NULL), BIS_OK);
+    fclose(out);
+    char *to = text;
+    for (const char *at = text; *at; at++) {
+        if (*at == '\n') at += strspn(at + 1, " ");
+        else *to++ = *at;
+    }
+    *to = '\0';
+    return text;
+}
+
+/* Each stands in the text behind the one before; a ` is a quotation mark. */
+static void assert_in_order(const char *text, const char *const *parts)
+{
+    for (; *parts; parts++) {
+        char part[8192] = "";
+        for (size_t i = 0; (*parts)[i]; i++) part[i] = (*parts)[i] == '`' ? '"' : (*parts)[i];
+        const char *at = strstr(text, part);
+        if (!at) fail_msg("\"%s\" is not in\n%.6000s", part, text);
+        text = at + strlen(part);
+    }
+}
+
+/* The strip's methods err most at the lower right corner, both of them; one has a firefly, which counts as half. What
+ * errs beside the corner is in no window that leaves the first alone. */
+static void make_strip(bis_trade *t)
+{
+    bis_image_clear(&t->both.image);
+    for (int k = 0; k < 3; k++) {
+        bis_image *image = k == 2 ? &t->both.image : &t->strip[k].image;
+        assert_int_equal(bis_image_init(image, 16, 8, NULL), BIS_OK);
+        for (int i = 0; i < 16 * 8; i++) image->pixels[i] = (rgb){1, 1, 1};
+        if (k == 2) break;
+        image->pixels[7 * 16 + 15] = (rgb){9, 9, 9};
+        image->pixels[6 * 16 + 13] = (rgb){1.5f, 1.5f, 1.5f};
+    }
+    t->strip[0].image.pixels[3 * 16 + 5] = (rgb){1e6f, 1e6f, 1e6f};
+    t->strip[0].setting = REJECTION, t->strip[0].passes = 8, t->strip[0].seconds = 3.9, t->strip[0].relmse = 0.04;
+    t->strip[1].setting = MIS, t->strip[1].passes = 1, t->strip[1].seconds = 4.1, t->strip[1].relmse = 0.0025;
+    t->n_strip = 2;
+}
+
+/* Picture e1 is that of `bis compare --diff` for picture p1 against the reference; the other way round it is
+ * another. */
+static void assert_error_picture(const bis_trade *t, const char *text)
+{
+    char *drawing = malloc(strlen(text));
+    bis_image image, right[2];
+    const char *at = strstr(text, "\"name\": \"e1\",\"png\": \"");
+    double off[2] = {0};
+    assert_non_null(at);
+    sprintf(drawing, "<image id=\"e1\" %s", at + 23);
+    picture_in(&image, drawing, "e1");
+    assert_true(image.width == 16 && image.height == 8);
+    for (int k = 0; k < 2; k++) {
+        const bis_image *a = &t->strip[1].image, *b = &t->both.image;
+        assert_int_equal(bis_compare_picture(&right[k], k ? b : a, k ? a : b, NULL), BIS_OK);
+        for (int i = 0; i < 16 * 8; i++) off[k] = fmax(off[k],
+            fabs(rgb_sum(image.pixels[i]) - rgb_sum(right[k].pixels[i])));
+        bis_image_clear(&right[k]);
+    }
+    assert_true(off[0] < 0.03 && off[1] > 0.3); /* three bytes of sRGB, 0.009 each */
+    bis_image_clear(&image);
+    free(drawing);
+}
+
+/* Axes: 0.5 ... 8 s are 0.4 ... 10 s, a ratio of 25, from 62 to 628; errors sqrt(1/512) ... sqrt(1/2), a ratio of 16,
+ * are one of 23.04 from 420 up to 14. So 2 s are in the middle, 345; sqrt(1/512) is 406 log 1.2/log 23.04 above 420.
+ * Bars are se/(2 error) long, either way. Rays for each pixel: 110 for a pass (1, 1.5 or 2 of them by the seeds) of 128
+ * pixels. Bars: log(2 v/best)/log(2 worst/best). Strength of a cell: 1 - log4 of what it is over the column's best. */
+static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
+{
+    (void)state;
+    bis_trade t;
+    forge(&t);
+    t.plan.settings[MIS].is_scenes = true;
+    t.plan.settings[MIS_LONG].is_scenes = false;
+    t.result.curves[EM].slope_se = 0.02;
+    t.result.advice[0].setting = -1;
+    t.result.advice[1] = (bis_trade_advice){"good picture", 0.15, SIR, 3, 10.2, 0.13, false};
+    add_setting(&t, "brdf 64", &bis_brdf, 0);
+    t.plan.settings[BRDF + 1].pass_seconds = 90;
+    make_strip(&t);
+    char *text = values_of(&t);
+    static const char *const parts[] = {
+        "{`example`: false,`title`: `hand.txt`,`incomplete`: true,`runs`: `29`,`planned`: `33`,"
+        "`advice`: [{`purpose`: `preview`,`method`: ``},{`purpose`: `good picture`,`method`: `sir`,"
+        "`extrapolated`: false,`time`: `10 s`,`error`: `13%`,`size`: `8 × 4`,"
+        "`amounts`: `64 candidates and 4 shadow rays`,`variant`: ``,`samples`: `3 samples`,"
+        "`line`: `Integrator \\`sir\\` \\`integer candidates\\` 64 "
+        "\\`integer shadowrays\\` 4; in LightSource: \\`float areaexponent\\` 1.15`,`scene`: `a/hand.txt`,"
+        "`options`: [`--spp 3`]},{`purpose`: `final picture`,`method`: `mis`,`extrapolated`: true,`time`: `96 s`,"
+        "`error`: `4.9%`,`size`: `8 × 4`,`amounts`: `16 light samples`,`variant`: ``,`samples`: `24 samples`,"
+        "`line`: ``,`scene`: `a/hand.txt`,`options`: [`--integrator mis`,`--samples 16`,`--spp 24`]}],"
+        "`measured`: true,`plots`: [{`time`: true,`axes`: {`over`: `render time`,`laws`: [{`x0`: `62.0`,"
+        "`y0`: `372.8`,`x1`: `190.2`,`y1`: `420.0`},{`x0`: `62.0`,`y0`: `193.4`,`x1`: `628.0`,`y1`: `401.7`},"
+        "{`x0`: `62.0`,`y0`: `14.0`,`x1`: `628.0`,`y1`: `222.3`},{`x0`: `549.5`,`y0`: `14.0`,`x1`: `628.0`,"
+        "`y1`: `42.9`}],`x_ticks`: [{`at`: `101.2`,`text_at`: `105.2`,`text`: `0.5 s`},{`at`: `223.1`,"
+        "`text_at`: `227.1`,`text`: `1 s`},{`at`: `345.0`,`text_at`: `349.0`,`text`: `2 s`},{`at`: `506.1`,"
+        "`text_at`: `510.1`,`text`: `5 s`},{`at`: `628.0`,`text_at`: `632.0`,`text`: `10 s`}],"
+        "`y_ticks`: [{`at`: `380.4`,`text_at`: `384.4`,`text`: `5%`},{`at`: `290.7`,`text_at`: `294.7`,"
+        "`text`: `10%`},{`at`: `201.0`,`text_at`: `205.0`,`text`: `20%`},{`at`: `82.4`,`text_at`: `86.4`,"
+        "`text`: `50%`}],`floor`: {`at`: `261.9`,`text_at`: `256.9`},`minor`: [{`method`: `mis`,`name`: `mis 64`,"
+        "`notes`: [],`points`: ` 416.3,172.1`,`marks`: [{`bar`: null,`title`: `mis 64, 1 pass: 25% in 3 s`,"
+        "`x`: `416.3`,`y`: `172.1`,`shape`: `m0 -5l5 5l-5 5l-5 -5z`}]}],`front`: ` 101.2,201.0 466.9,261.9 588.8,"
+        "396.4`,`major`: [{`method`: `em`,`name`: `em 16`,`notes`: [],`points`: ` 294.4,37.6 416.3,82.4 538.2,"
+        "127.3`,`marks`: [{`bar`: {`x`: `294.4`,`top`: `20.1`,`bottom`: `57.8`},`title`: `em 16,"
+        " 1 pass: 71% in 1.5 s`,`x`: `294.4`,`y`: `37.6`,`shape`: `m0 -5.5l5 9h-10z`},{`bar`: {`x`: `416.3`,"
+        "`top`: `65.0`,`bottom`: `102.6`},`title`: `em 16, 2 passes: 50% in 3 s`,`x`: `416.3`,`y`: `82.4`,"
+        "`shape`: `m0 -5.5l5 9h-10z`},{`bar`: {`x`: `538.2`,`top`: `109.8`,`bottom`: `147.5`},`title`: `em 16,"
+        " 4 passes: 35% in 6 s`,`x`: `538.2`,`y`: `127.3`,`shape`: `m0 -5.5l5 9h-10z`}]},{`method`: `mis`,"
+        "`name`: `mis 16`,`notes`: [`the scene's`],`points`: ` 223.1,82.4 345.0,172.1 466.9,261.9 588.8,396.4`,"
+        "`marks`: [{`bar`: null,`title`: `mis 16, 1 pass: 50% in 1 s`,`x`: `223.1`,`y`: `82.4`,"
+        "`shape`: `m0 -5l5 5l-5 5l-5 -5z`},{`bar`: null,`title`: `mis 16, 2 passes: 25% in 2 s`,`x`: `345.0`,"
+        "`y`: `172.1`,`shape`: `m0 -5l5 5l-5 5l-5 -5z`},{`bar`: null,`title`: `mis 16, 4 passes: 12% in 4 s`,"
+        "`x`: `466.9`,`y`: `261.9`,`shape`: `m0 -5l5 5l-5 5l-5 -5z`},{`bar`: null,`title`: `mis 16,"
+        " 8 passes: 4.4% in 8 s`,`x`: `588.8`,`y`: `396.4`,`shape`: `m0 -5l5 5l-5 5l-5 -5z`}]},{`method`: `sir`,"
+        "`name`: `sir 64/4`,`notes`: [],`points`: ` 223.1,186.6`,`marks`: [{`bar`: {`x`: `223.1`,`top`: `143.0`,"
+        "`bottom`: `252.7`},`title`: `sir 64/4, 1 pass: 22% in 1 s`,`x`: `223.1`,`y`: `186.6`,"
+        "`shape`: `m-4.3 0a4.3 4.3 0 1 0 8.6 0a4.3 4.3 0 1 0 -8.6 0`}]},{`method`: `rejection`,"
+        "`name`: `rejection 100/8`,`notes`: [`biased`],`points`: ` 101.2,201.0 223.1,201.0`,"
+        "`marks`: [{`bar`: null,`title`: `rejection 100/8, 1 pass: 20% in 0.5 s`,`x`: `101.2`,`y`: `201.0`,"
+        "`shape`: `m0 5.5l5 -9h-10z`},{`bar`: null,`title`: `rejection 100/8, 2 passes: 20% in 1 s`,`x`: `223.1`,"
+        "`y`: `201.0`,`shape`: `m0 5.5l5 -9h-10z`}]}],`labels`: [{`method`: `em`,`name`: `em 16`,`notes`: [],"
+        "`y`: `128.3`,`slope_at`: `141.3`,`slope`: `−0.50 ± 0.02`},{`method`: `sir`,`name`: `sir 64/4`,"
+        "`notes`: [],`y`: `187.6`,`slope_at`: `200.6`,`slope`: null},{`method`: `rejection`,"
+        "`name`: `rejection 100/8`,`notes`: [`biased`],`y`: `217.6`,`slope_at`: `230.6`,`slope`: null},"
+        "{`method`: `mis`,`name`: `mis 16`,`notes`: [`the scene's`],`y`: `397.4`,`slope_at`: `410.4`,"
+        "`slope`: `−1.00`}]}},{`time`: false",
+        "`over`: `rays for each pixel`,`laws`: [{`x0`: `62.0`,`y0`: `372.8`,`x1`: `190.2`,`y1`: `420.0`},"
+        "{`x0`: `62.0`,`y0`: `193.4`,`x1`: `628.0`,`y1`: `401.7`},{`x0`: `62.0`,`y0`: `14.0`,`x1`: `628.0`,"
+        "`y1`: `222.3`},{`x0`: `549.5`,`y0`: `14.0`,`x1`: `628.0`,`y1`: `42.9`}],`x_ticks`: [{`at`: `127.9`,"
+        "`text_at`: `131.9`,`text`: `1`},{`at`: `249.8`,`text_at`: `253.8`,`text`: `2`},{`at`: `410.9`,"
+        "`text_at`: `414.9`,`text`: `5`},{`at`: `532.8`,`text_at`: `536.8`,`text`: `10`}],",
+        "`points`: ` 101.2,172.1`",
+        "`front`: ``,`major`",
+        "`points`: ` 223.1,37.6 345.0,82.4 466.9,127.3`",
+        "`points`: ` 223.1,82.4 345.0,172.1 466.9,261.9 588.8,396.4`",
+        "`points`: ` 223.1,186.6`",
+        "`points`: ` 172.5,201.0 294.4,201.0`",
+        "`y`: `128.3`,`slope_at`: `141.3`,`slope`: null",
+        "`slope`: null}]}}],",
+        "`bars`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`class`: ` biased`,"
+        "`length`: `18.0`,`times`: `1.0`,`whisker`: null},{`method`: `sir`,`name`: `sir 64/4`,`notes`: [],"
+        "`class`: ``,`length`: `28.5`,`times`: `1.5`,`whisker`: {`left`: `0.0`,`width`: `43.7`}},"
+        "{`method`: `mis`,`name`: `mis 16`,`notes`: [`the scene's`],`class`: ``,`length`: `32.4`,",
+        "{`method`: `mis`,`name`: `mis 64`,`notes`: [],`class`: ``,`length`: `62.7`,`times`: `5.6`,"
+        "`whisker`: null},{`method`: `em`,`name`: `em 16`,`notes`: [],`class`: ``,`length`: `100.0`,"
+        "`times`: `24`,`whisker`: {`left`: `84.5`,`width`: `15.5`}}],",
+        "`strip`: {`time`: `4 s`,`reference`: `ref`,`made`: `the mean of both`,`crops`: [{`number`: `0`,"
+        "`left`: `75.00`,`top`: `75.00`,`picture`: `ref`,`x`: `100.00`,`y`: `100.00`},{`number`: `1`,"
+        "`left`: `12.50`,`top`: `25.00`,`picture`: `ref`,`x`: `16.67`,`y`: `33.33`}],"
+        "`shots`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`made`: `8 passes, 3.9 s,"
+        " biased`,`picture`: `p0`,`errors`: `e0`,`error`: `20%`,`crops`: [{`number`: `0`,`left`: `75.00`,"
+        "`top`: `75.00`,`picture`: `p0`,`x`: `100.00`,`y`: `100.00`},{`number`: `1`,`left`: `12.50`,"
+        "`top`: `25.00`,`picture`: `p0`,`x`: `16.67`,`y`: `33.33`}]},{`method`: `mis`,`name`: `mis 16`,"
+        "`notes`: [`the scene's`],`made`: `1 pass, 4.1 s`,`picture`: `p1`,`errors`: `e1`,`error`: `5%`,"
+        "`crops`: [{`number`: `0`,`left`: `75.00`,`top`: `75.00`,`picture`: `p1`,`x`: `100.00`,`y`: `100.00`},"
+        "{`number`: `1`,`left`: `12.50`,`top`: `25.00`,`picture`: `p1`,`x`: `16.67`,`y`: `33.33`}]}],"
+        "`left`: `p0`,`right`: `p1`,`choice`: [{`picture`: `ref`,`name`: `reference`},{`picture`: `p0`,"
+        "`name`: `rejection 100/8`},{`picture`: `p1`,`name`: `mis 16`}]},",
+        "`tables`: [{`time`: true,`versions`: [{`all`: false,`corner`: `error after`,`columns`: [`0.5 s`,`1 s`,"
+        "`2 s`,`4 s`],`rows`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],"
+        "`cells`: [{`strength`: `100`,`text`: `20%`},{`strength`: `100`,`text`: `20%`},{`text`: ``},"
+        "{`text`: ``}]},{`method`: `sir`,`name`: `sir 64/4`,`notes`: [],`cells`: [{`text`: ``},{`strength`: `92`,"
+        "`text`: `22%`},{`strength`: `100`,`text`: `~16%`},{`strength`: `100`,`text`: `~11%`}]},{`method`: `mis`,"
+        "`name`: `mis 16`,`notes`: [`the scene's`],`cells`: [{`text`: ``},{`strength`: `34`,`text`: `50%`},"
+        "{`strength`: `67`,`text`: `25%`},{`strength`: `92`,`text`: `12%`}]},{`method`: `em`,`name`: `em 16`,"
+        "`notes`: [],`cells`: [{`text`: ``},{`text`: ``},{`strength`: `2`,`text`: `61%`},{`strength`: `2`,"
+        "`text`: `43%`}]}]},",
+        "{`all`: true,`corner`: `error after`",
+        "`mis 64`",
+        "`text`: `~22%`",
+        "{`all`: false,`corner`: `time to an error of`,`columns`: [`20%`,`15%`,`10%`,`5%`,`3%`,`2%`],"
+        "`rows`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],"
+        "`cells`: [{`strength`: `100`,`text`: `0.5 s`},{`text`: ``},{`text`: ``},{`text`: ``},{`text`: ``},"
+        "{`text`: ``}]},{`method`: `sir`,`name`: `sir 64/4`,`notes`: [],`cells`: [{`strength`: `34`,"
+        "`text`: `~1.2 s`},{`strength`: `100`,`text`: `~2.2 s`},{`strength`: `95`,`text`: `~5 s`},"
+        "{`strength`: `28`,`text`: `~20 s`},{`strength`: `16`,`text`: `~56 s`},{`text`: ``}]},{`method`: `mis`,"
+        "`name`: `mis 16`,`notes`: [`the scene's`],`cells`: [{`strength`: `0`,`text`: `2.5 s`},{`strength`: `71`,"
+        "`text`: `3.3 s`},{`strength`: `100`,`text`: `4.6 s`},{`strength`: `100`,`text`: `7.4 s`},"
+        "{`strength`: `100`,`text`: `~17 s`},{`strength`: `100`,`text`: `~39 s`}]},{`method`: `em`,"
+        "`name`: `em 16`,`notes`: [],`cells`: [{`strength`: `0`,`text`: `~19 s`},{`strength`: `0`,"
+        "`text`: `~33 s`},{`strength`: `0`,`text`: `~75 s`},{`strength`: `0`,`text`: `~5.0 min`},{`text`: ``},"
+        "{`text`: ``}]}]},",
+        "{`all`: true,`corner`: `time to an error of`",
+        "`mis 64`",
+        "`front`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`passes`: `1`,"
+        "`time`: `0.5 s`,`error`: `20%`,`bias`: `+10% ± 31%`},{`method`: `mis`,`name`: `mis 16`,"
+        "`notes`: [`the scene's`],`passes`: `4`,`time`: `4 s`,`error`: `12%`,`bias`: `+20% ± 21%`},"
+        "{`method`: `mis`,`name`: `mis 16`,`notes`: [`the scene's`],`passes`: `8`,`time`: `8 s`,`error`: `4.4%`,"
+        "`bias`: `+20% ± 21%`}],`thin`: true,`width`: `4`,`height`: `2`,`full`: `8 × 4`,`of_each`: `2 × 2`,"
+        "`longest`: `4 s`,`seeds`: `3 seeds`,`threads`: `2 threads`,",
+        "`references`: [{`judged`: `sir and rejection`,`name`: `mis 64`,`renders`: `8`,`passes`: `5`,"
+        "`mean`: `0.5`,`se`: `6%`,`noise`: `20%`},{`judged`: `em, brdf and mis`,`name`: `sir 64/4`,"
+        "`renders`: `8`,`passes`: `7`,`mean`: `0.51`,`se`: `7.8%`,`noise`: `15%`}],`given`: false,`noise`: `12%`,"
+        "`agreement`: `2% ± 10%`,`left_out`: `brdf 16 (30 s a pass), brdf 64 (90 s a pass)`,",
+        "`ratio`: `16/8`,`pictures`: [{`name`: `ref`,`png`: `",
+        "`},{`name`: `p0`,`png`: `",
+        "`},{`name`: `e0`,`png`: `",
+        "`},{`name`: `p1`,`png`: `",
+        "`},{`name`: `e1`,`png`: `",
+        NULL};
+    assert_in_order(text, parts);
+    assert_error_picture(&t, text);
+    free(text);
+    clear(&t);
+}
+
+/* Names at the right that would leave the picture are pushed up, LABEL = 30 apart; where nothing has noise there is no
+ * plot. */
+static void names_stay_in_the_picture_and_nothing_makes_no_plot(void **state)
+{
+    (void)state;
+    static const char *const pushed[] = {"`labels`", "`em 16`", "`y`: `319.0`", "`mis 16`", "`y`: `349.0`",
+        "`sir 64/4`",
+                                         "`y`: `379.0`", "`rejection", "`y`: `409.0`", NULL},
+        *const none[] = {"`time`: true,", "`axes`: null", NULL};
+    static const int ends[] = {2, 6, 8, 10};
+    for (int i = 0; i < 2; i++) {
+        bis_trade t;
+        char *text;
+        size_t n;
+        bis_json j = {.out = open_memstream(&text, &n)};
+        forge(&t);
+        t.plan.settings[MIS_LONG].is_scenes = false;
+        if (i) for (int k = 0; k < t.result.n_points; k++) t.result.points[k].noise = 0;
+        else for (int k = 0; k < 4; k++) t.result.points[ends[k]].noise = 1 / 512.0;
+        bis_json_open(&j, NULL, '[');
+        bis_trade_put_plot(&j, &t, false);
+        bis_json_close(&j);
+        fclose(j.out);
+        assert_in_order(text, i ? none : pushed);
+        free(text);
+        clear(&t);
+    }
+}
+
+/* ---- the plan ---- */
+
+/* cost: seconds of a pixel; the scatter of a pass is what makes the best of an integrator. */
+static void add_piloted(bis_trade *t, const char *name, const bis_integrator *integrator, double cost, double relmse)
+{
+    add_setting(t, name, integrator, 99);
+    t->plan.settings[t->plan.n_settings - 1].pass_seconds = cost;
+    t->plan.settings[t->plan.n_settings - 1].pass_relmse = relmse;
+}
+
+enum { P_REJECTION, P_EM, P_SIR_LARGE, P_SIR, P_MIS, P_MIS_LONG, P_MIS_DEAR, P_MIS_SLOW, N_PILOTED };
+
+/* Microseconds: the best have 8, 1, 4 and 2. */
+static void pilot(bis_trade *t, bis_scene_desc *desc)
+{
+    *t = (bis_trade){.desc = desc, .o = {.seconds = 10}, .plan = {.full_width = 480, .full_height = 320, .n_seeds = 2}};
+    *desc = (bis_scene_desc){.view.film = {.crop = {0, 1, 0, 1}}};
+    add_piloted(t, "rejection 100/8", &bis_rejection, 8e-6, 0.01);
+    add_piloted(t, "em 16", &bis_em, 1e-6, 0.5);
+    add_piloted(t, "sir 256/16", &bis_sir, 1e-6, (double)NAN);
+    add_piloted(t, "sir 64/4", &bis_sir, 4e-6, 0.07);
+    add_piloted(t, "mis 16", &bis_mis, 2e-6, 0.125);
+    add_piloted(t, "mis 64", &bis_mis, 4e-6, 0.1);
+    add_piloted(t, "mis 16 power", &bis_mis, 16e-6, 0.1);
+    add_piloted(t, "mis 16 compensated", &bis_mis, 64e-6, 0.1);
+    t->plan.settings[P_SIR_LARGE].is_swept = false; /* a candidate for the reference alone */
+    t->plan.settings[P_REJECTION].is_biased = true;
+}
+
+static void assert_levels(const bis_trade *t, const int *levels)
+{
+    for (int i = 0; i < t->plan.n_settings; i++) {
+        if (t->plan.settings[i].levels != levels[i]) fail_msg("%s: %d", t->plan.settings[i].name,
+            t->plan.settings[i].levels);
+    }
+}
+
+/* The middle one of the long curves (1, 2, 4, 8 microseconds) gets 8 passes, 16 microseconds a pixel: 16, 8, 4 and 2
+ * passes, 5, 4, 3 and 2 budgets. Of the short ones mis 64 and mis 16 power, with a quarter of that, get one, the last
+ * none: twice (31 x 1 + 15 x 2 + 7 x 4 + 3 x 8 + 4 + 16) = 266 microseconds. Half of 10.64 s are 20000 such pixels;
+ * every third one is nearest, 160 x 107. Then runs may take until a further budget would come, at 2^4.5 passes of em.
+ * A replicate gets 22% of the time over 2 x 8: 0.1463 s. */
+static void a_plan_fills_half_of_the_time(void **state)
+{
+    (void)state;
+    static const int levels[] = {2, 5, 0, 3, 4, 1, 1, 0};
+    bis_scene_desc desc;
+    bis_trade t;
+    const bis_trade_plan *p = &t.plan;
+    pilot(&t, &desc);
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), BIS_OK);
+    assert_true(p->step == 3 && p->width == 160 && p->height == 107);
+    assert_levels(&t, levels);
+    assert_near(p->settings[P_SIR].pass_seconds, 4e-6 * 160 * 107);
+    assert_near(p->run_seconds, 1e-6 * 160 * 107 * exp2(4.5));
+    assert_true(p->reference[0] == P_MIS && p->reference[1] == P_SIR);
+    assert_true(p->reference_passes[0] == 4 && p->reference_passes[1] == 2); /* of 0.0342 s, of 0.0685 s */
+    assert_int_equal(bis_trade_planned_runs(p), 2 * 16);
+    assert_near(bis_trade_planned_seconds(p, P_SIR, 2), 16e-6 * 160 * 107);
+
+    pilot(&t, &desc); /* one integrator: its references are all the time's; the scene's own gets the long curve, too */
+    for (int i = 0; i < N_PILOTED; i++) t.plan.settings[i].is_swept = i == P_MIS || i == P_MIS_LONG;
+    t.plan.settings[P_MIS_LONG].is_scenes = true;
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), BIS_OK);
+    assert_true(p->reference[0] == -1 && p->reference[1] == P_SIR);
+    assert_true(p->settings[P_MIS].levels == p->settings[P_MIS_LONG].levels + 1);
+    assert_true(p->reference_passes[1] == (uint32_t)(0.22 * 10.64 / 8 / p->settings[P_SIR].pass_seconds));
+
+    pilot(&t, &desc); /* a given reference */
+    t.plan.is_given = true;
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), BIS_OK);
+    assert_true(p->reference[0] == -1 && p->reference[1] == -1);
+}
+
+/* With --passes 11: 1, 2, 4, 8 of each. Twice 15 x 99 microseconds; 4.7 s/(2970 microseconds) are 1582 pixels, at least
+ * 4800 are taken: of 153600 every 5.66th, the sixth. */
+static void a_plan_with_passes_has_as_many_of_each(void **state)
+{
+    (void)state;
+    static const int levels[] = {4, 4, 0, 4, 4, 4, 4, 4};
+    bis_scene_desc desc;
+    bis_trade t;
+    pilot(&t, &desc);
+    t.o.passes = 11;
+    t.o.error = 1e-9; /* out of reach; but a user who counts passes knows that */
+    assert_int_equal(bis_trade_fit_plan(&t, 9.4, NULL), BIS_OK);
+    assert_true(t.plan.step == 6 && t.plan.width == 80 && t.plan.height == 53);
+    assert_levels(&t, levels);
+    assert_near(t.plan.run_seconds, 8 * 64e-6 * 80 * 53);
+    assert_true(t.plan.reference_passes[0] == 44 && t.plan.reference_passes[1] == 44);
+}
+
+/* What is biased is not the best, however little it costs: a quarter of the time. All 60 x 60 pixels are fewer than
+ * wanted; 31 + 7 passes of 0.0036 s fit into 0.2 s, 63 + 15 do not. */
+static void a_biased_setting_gets_the_short_curve(void **state)
+{
+    (void)state;
+    bis_scene_desc desc;
+    bis_trade t;
+    pilot(&t, &desc);
+    t.plan.n_settings = 0;
+    t.plan.n_seeds = 1;
+    t.plan.is_given = true;
+    t.plan.full_width = t.plan.full_height = 60;
+    add_piloted(&t, "rejection ratio", &bis_rejection, 1e-6, 0.01);
+    add_piloted(&t, "rejection plain", &bis_rejection, 1e-6, 1);
+    t.plan.settings[0].is_biased = true;
+    assert_int_equal(bis_trade_fit_plan(&t, 0.4, NULL), BIS_OK);
+    assert_levels(&t, (int[]){3, 5});
+    assert_true(t.plan.step == 1 && t.plan.width == 60);
+    assert_near(t.plan.run_seconds, 0.0036 * exp2(4.5));
+}
+
+/* 80 x 53 pixels at least; a pass of each of the best for two seeds: 30 microseconds a pixel, 0.1272 s. */
+static void a_plan_without_time_is_refused(void **state)
+{
+    (void)state;
+    bis_scene_desc desc;
+    bis_trade t;
+    for (int i = 0; i < 2; i++) {
+        bis_diag diag = {0};
+        pilot(&t, &desc);
+        t.start = bis_clock_now();
+        assert_int_equal(bis_trade_fit_plan(&t, i ? 0.2546 : 0.2542, &diag), i ? BIS_OK : BIS_INPUT);
+        if (!i) assert_non_null(strstr(diag.messages[0].text, "error: 10 s are too few: a single pass of the best "
+            "setting of each integrator, "
+                                                              "80 x 53 pixels and 2 seeds, wants about "));
+        bis_diag_clear(&diag);
+    }
+}
+
+/* mis 16 has 12.5% of noise a pass of 0.03424 s: 5% want 50 passes, 1.712 s; sir wants more. Runs
+ * get 0.3874 s, and twice that is forgiven: 0.0743 = sqrt(0.125 0.03424/(2 x 0.3874)) can be reached. */
+static void an_error_out_of_reach_is_refused(void **state)
+{
+    (void)state;
+    bis_scene_desc desc;
+    bis_trade t;
+    bis_diag diag = {0};
+    pilot(&t, &desc);
+    t.o.error = 0.05;
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, &diag), BIS_INPUT);
+    assert_non_null(strstr(diag.messages[0].text, "error: a relative error of 0.05 is out of reach: by the pilot "
+        "\"mis 16\", the best, needs about 1.7 s for one "
+                           "picture of 160 x 107 pixels, and in 10 s of measurement a run gets 0.39 s. Give --error "
+                               "0.11 or more, or --time for "
+                           "about 44 s"));
+    bis_diag_clear(&diag);
+    for (int i = 0; i < 2; i++) {
+        pilot(&t, &desc);
+        t.o.error = i ? 0.0745 : 0.0742;
+        assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), i ? BIS_OK : BIS_INPUT);
+    }
+}
+
+/* ---- the settings and their pilot ---- */
+
+typedef struct told {
+    char what[40];
+    double share, left;
+} told;
+
+typedef struct diary {
+    told entry[64];
+    int n;
+} diary;
+
+static void note(const char *what, double share, double left, void *user)
+{
+    diary *d = user;
+    assert_true(d->n < 64);
+    told *e = &d->entry[d->n++];
+    snprintf(e->what, sizeof e->what, "%s", what);
+    e->share = share;
+    e->left = left;
+}
+
+/* Of a scene with a map and a setting of its own; those of --quick. */
+static void the_table_of_settings_is_this(void **state)
+{
+    (void)state;
+    static const char all[] = "em 4, em 16, em 64, em 16 stratified, em 16 b=0, em 16 b=0.5, brdf 4, brdf 16, brdf "
+        "64, mis 4, mis 16, mis 64, mis 16 stratified, "
+        "mis 16 power, mis 16 compensated, rejection 100/8, rejection 800/15, rejection 800/15 plain, sir 16/1, sir "
+            "64/1, sir 64/4, sir 256/4, sir 256/16, "
+        "sir 1024/16, sir 800/15, sir 256/16 em, sir 256/16 brdf, sir 256/16 product, sir 256/16 product learned, "
+            "sir 256/16 independent, "
+        "sir 256/16 one by one, sir 256/16 b=0, sir 256/16 b=0.5, sir 20/2 scene's own, ",
+        quick[] = "em 16, em 16 stratified, brdf 16, mis 16, mis 64, mis 16 stratified, mis 16 compensated, "
+            "rejection 100/8, sir 64/4, sir 256/16, sir 800/15, "
+        "sir 256/16 product, sir 256/16 product learned, sir 20/2 scene's own, ",
+            of_em[] = "em 4, em 16, em 64, em 16 stratified, em 16 b=0, em 16 b=0.5, ";
+    const char *const em[] = {"em"};
+    for (int i = 0; i < 3; i++) {
+        char swept[2048] = "";
+        bis_trade t = {.o = {.scene = DIR "/scene.txt", .quick = i == 1, .integrators = em, .n_integrators = i == 2}};
+        assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+        for (int k = 0; k < t.plan.n_settings; k++) {
+            const bis_trade_setting *s = &t.plan.settings[k];
+            if (s->is_swept) snprintf(swept + strlen(swept), sizeof swept - strlen(swept), "%s, ", s->name);
+            const char *b = strstr(s->name, "b=");
+            assert_near(s->area_exponent, b ? atof(b + 2) : t.desc->light.area_exponent);
+            assert_int_equal(s->is_scenes, strstr(s->name, "own") != NULL);
+            assert_int_equal(s->is_biased, s->settings.integrator == &bis_rejection && !strstr(s->name, "plain"));
+            assert_int_equal(bis_trade_judge_of(s), s->name[0] != 's' && s->name[0] != 'r');
+        }
+        assert_string_equal(swept, i == 0 ? all : i == 1 ? quick : of_em);
+        bis_trade_clear(&t);
+    }
+    bis_trade t = {.o = {.scene = DIR "/scene.txt"}}; /* a map too large to build others of it */
+    assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+    const int n = t.plan.n_settings;
+    bis_trade_list_settings(&t, false);
+    assert_int_equal(t.plan.n_settings, n - 5); /* 4 of b, 1 compensated */
+    bis_trade_clear(&t);
+}
+
+/* Each that is swept or may be a reference is piloted: six em and five others. */
+static void the_pilot_tells_how_far_it_is(void **state)
+{
+    (void)state;
+    const char *const em[] = {"em"};
+    diary d = {.n = 0};
+    bis_trade t = {.o = {.scene = DIR "/scene.txt", .integrators = em, .n_integrators = 1, .seconds = 0.01,
+        .passes = 1, .seed = 9, .n_threads = 1,
+                         .progress = note, .user = &d}, .plan = {.full_width = 24, .full_height = 16}};
+    assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+    int first = d.n;
+    t.start = bis_clock_now();
+    assert_int_equal(bis_trade_make_plan(&t, NULL), BIS_OK);
+    assert_int_equal(d.n, first + 11);
+    for (int i = 0; i < 11; i++) assert_near(d.entry[first + i].share, i / 11.0);
+    assert_true(t.plan.seed == 9 && t.plan.n_seeds == 3 && !t.plan.is_given && t.plan.reference[0] == -1 &&
+        t.plan.reference[1] >= 0);
+    for (int i = 0; i < t.plan.n_settings; i++) {
+        const bis_trade_setting *s = &t.plan.settings[i];
+        assert_int_equal(s->levels, s->is_swept);
+        const bool piloted = s->is_swept || bis_trade_may_be_reference(s, 0) || bis_trade_may_be_reference(s, 1);
+        assert_int_equal(s->pass_seconds > 0 && s->fill_seconds > 0 && s->pass_relmse > 0, piloted);
+    }
+    bis_trade_clear(&t);
+}
+
+/* ---- the folder ---- */
+
+#define RUNS "setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,bias,relmse_both\n"
+static const char plan_text[] = "full 24 16\nstep 4\nsize 6 4\nseeds 1\nseed 5\nrun_seconds 2.5\ngiven 0\n"
+                                "reference 0 3 mis 16\nreference 1 4194304 sir 64/4\n"
+                                "setting 2 1 0.25 nan em 16\nsetting 1 4 0 0.125 sir 64/4\n";
+
+/* The scene of DIR with a plan of two settings. */
+static void load(bis_trade *t)
+{
+    *t = (bis_trade){.o = {.scene = DIR "/scene.txt", .folder = DIR "/folder", .n_threads = 1, .seconds = 1e6,
+        .error = 0.9}};
+    assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
+}
+
+static void plan_two(bis_trade *t)
+{
+    bis_trade_plan *p = &t->plan;
+    for (int i = 0; i < p->n_settings; i++) p->settings[i].is_swept = false, p->settings[i].levels = 0;
+    const int em = bis_trade_find_setting(p, "em 16"), mis = bis_trade_find_setting(p, "mis 16"),
+        sir = bis_trade_find_setting(p, "sir 64/4");
+    p->full_width = 24, p->full_height = 16, p->step = 4, p->width = 6, p->height = 4;
+    p->n_seeds = 1, p->seed = 5, p->run_seconds = 2.5;
+    p->reference[0] = mis, p->reference_passes[0] = 3, p->reference[1] = sir, p->reference_passes[1] = 1 << 22;
+    bis_trade_setting *a = &p->settings[em], *b = &p->settings[sir];
+    a->is_swept = b->is_swept = true;
+    a->levels = 2, a->pass_seconds = 1, a->fill_seconds = 0.25, a->pass_relmse = (double)NAN;
+    b->levels = 1, b->pass_seconds = 4, b->fill_seconds = 0, b->pass_relmse = 0.125;
+}
+
+/* FNV-1a, 64 bits. */
+static uint64_t fnv(const char *text)
+{
+    uint64_t h = 14695981039346656037u;
+    for (; *text; text++) h = (h ^ (unsigned char)*text) * 1099511628211u;
+    return h;
+}
+
+/* Of the version, the names and the scene's text, one behind the other. */
+static uint64_t fingerprint_of(const bis_trade_plan *p)
+{
+    char all[8192], *scene = read_text(DIR "/scene.txt");
+    int n = snprintf(all, sizeof all, "%s", BIS_VERSION);
+    for (int i = 0; i < p->n_settings; i++) n += snprintf(all + n, sizeof all - (size_t)n, "%s", p->settings[i].name);
+    snprintf(all + n, sizeof all - (size_t)n, "%s", scene);
+    bis_free(scene);
+    assert_true(fnv("a") == 0xaf63dc4c8601ec8c && fnv("foobar") == 0x85944171f73967e8); /* its authors' */
+    return fnv(all);
+}
+
+static void plan_and_runs_are_written_and_read_back(void **state)
+{
+    (void)state;
+    bis_trade t, u;
+    char *text;
+    unsigned long long print;
+    load(&t);
+    plan_two(&t);
+    assert_int_equal(mkdir(DIR "/folder", 0777), 0);
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    const int em = bis_trade_find_setting(&t.plan, "em 16"), sir = bis_trade_find_setting(&t.plan, "sir 64/4");
+    const bis_trade_run runs[] = {{sir, 0, 0, 9, 4.5, 1, 2, 3, 0.5, 0.25, -0.125, 0.75}, {em, 1, 0, 8, 2, 10, 20, 30,
+        1, 2, 3, 4},
+                                  {em, 0, 0, (uint64_t)1 << 53, 1, 11, 21, 31, 5, 6, 7, 8}};
+    for (int i = 0; i < 3; i++) assert_int_equal(bis_trade_add_run(&t, &runs[i], NULL), BIS_OK);
+    assert_int_equal(bis_trade_write_runs(&t, NULL), BIS_OK);
+    text = read_text(DIR "/folder/plan.txt");
+    assert_int_equal(sscanf(text, "fingerprint %16llx\n", &print), 1);
+    assert_true(print == t.plan.fingerprint && text[28] == '\n');
+    assert_string_equal(text + 29, plan_text);
+    bis_free(text);
+    assert_true(print == fingerprint_of(&t.plan));
+    text = read_text(DIR "/folder/runs.csv");
+    assert_string_equal(text, RUNS "em 16,1,1,9007199254740992,1,11,21,31,5,6,7,8\nem 16,2,1,8,2,10,20,30,1,2,3,4\n"
+                        "sir 64/4,1,1,9,4.5,1,2,3,0.5,0.25,-0.125,0.75\n");
+                            /* in the order of settings, passes, seeds */
+    bis_free(text);
+    load(&u);
+    assert_int_equal(bis_trade_read_plan(&u, NULL), BIS_OK);
+    assert_int_equal(bis_trade_read_runs(&u, NULL), BIS_OK);
+    const bis_trade_plan *p = &t.plan, *q = &u.plan;
+    assert_true(p->fingerprint == q->fingerprint && q->full_width == 24 && q->full_height == 16 && q->step == 4 &&
+        q->width == 6 && q->height == 4);
+    assert_true(q->n_seeds == 1 && q->seed == 5 && q->run_seconds == 2.5 && !q->is_given);
+    assert_memory_equal(p->reference, q->reference, sizeof p->reference);
+    assert_memory_equal(p->reference_passes, q->reference_passes, sizeof p->reference_passes);
+    for (int i = 0; i < p->n_settings; i++) {
+        const bis_trade_setting *a = &p->settings[i], *b = &q->settings[i];
+        assert_true(a->is_swept == b->is_swept && a->levels == b->levels && a->pass_seconds == b->pass_seconds);
+        assert_true(a->fill_seconds == b->fill_seconds && (a->pass_relmse == b->pass_relmse || (i == em &&
+            isnan(b->pass_relmse))));
+    }
+    assert_int_equal(u.n_runs, 3);
+    for (int i = 0; i < 3; i++) {
+        const bis_trade_run *a = &runs[2 - i], *b = bis_trade_find_run(&u, a->setting, a->level, a->replicate);
+        assert_ptr_equal(b, &u.runs[i]);
+        assert_true(a->seed == b->seed && a->seconds == b->seconds && a->rmse == b->rmse && a->relmse == b->relmse &&
+            a->bias == b->bias);
+        assert_true(a->camera_rays == b->camera_rays && a->shadow_rays == b->shadow_rays &&
+            a->candidates == b->candidates);
+        assert_true(a->relmse_both == b->relmse_both);
+    }
+    bis_trade_clear(&t);
+    bis_trade_clear(&u);
+}
+
+/* A line of the folder above replaced by another: the whole message, with its place. "" for plan.txt's line: a file
+ * without it. */
+static void each_damage_has_its_place_and_its_words(void **state)
+{
+    (void)state;
+    static const char damaged[] = "; the file is damaged, measure into a new folder";
+    static const struct {
+        const char *file;
+        int line;
+        const char *with, *at, *says;
+    } cases[] = {
+        {"plan.txt", 1, "fingerprint 0123456789abcdef", "",
+            "this measurement is of another scene than \"" DIR "/scene.txt\" as it is now, or by "
+            "another version of bis; measure into a new folder"},
+        {"plan.txt", 1, "fingerprint 0123456789abcdeg", ":1:1",
+            "\"fingerprint 0123456789abcdeg\": behind \"fingerprint\" must stand 16 digits 0-9, a-f%"},
+        {"plan.txt", 2, "full 32769 16", ":2:1", "\"full 32769 16\": behind \"full\" must stand width and height in "
+            "pixels, from 1 to 32768%"},
+        {"plan.txt", 3, "step 32769", ":3:1", "\"step 32769\": behind \"step\" must stand a number from 1 to 32768%"},
+        {"plan.txt", 4, "size 6 5", ":4:1", "\"size 6 5\": behind \"size\" must stand width and height in pixels, "
+            "those of \"full\" divided by \"step\", "
+            "which stand before%"},
+        {"plan.txt", 5, "seeds 17", ":5:1", "\"seeds 17\": behind \"seeds\" must stand a number from 1 to 16%"},
+        {"plan.txt", 6, "seed 9007199254740994", ":6:1", "\"seed 9007199254740994\": behind \"seed\" must stand a "
+            "whole number from 0 to 2^53%"},
+        {"plan.txt", 7, "run_seconds 1.1e9", ":7:1", "\"run_seconds 1.1e9\": behind \"run_seconds\" must stand a "
+            "number above 0, at most 1e9%"},
+        {"plan.txt", 8, "given 2", ":8:1", "\"given 2\": behind \"given\" must stand 0 or 1%"},
+        {"plan.txt", 8, "given 0\ngiven 0", ":9:1", "\"given 0\" is the second line of its kind%"},
+        {"plan.txt", 8, "given", ":8:1", "\"given\": behind \"given\" must stand 0 or 1%"},
+        {"plan.txt", 8, "give 0", ":8:1", "\"give 0\" is no line of a plan%"},
+        {"plan.txt", 9, "reference 0 4194305 mis 16", ":9:1", "\"reference 0 4194305 mis 16\": behind \"reference\" "
+            "must stand 0 (by a mis) or 1 (by a sir), "
+            "each once, passes from 1 to 4194304, and the name of a setting that may be one%"},
+        {"plan.txt", 9, "reference 0 3 em 16", ":9:1", "\"reference 0 3 em 16\": behind \"reference\" must stand 0 "
+            "(by a mis) or 1 (by a sir), each once, "
+            "passes from 1 to 4194304, and the name of a setting that may be one%"},
+        {"plan.txt", 10, "", "", "\"em 16\" is to be measured, and the line \"reference 1\" that says what it is "
+            "compared with is missing%"},
+        {"plan.txt", 9, "", "", "\"sir 64/4\" is to be measured, and the line \"reference 0\" that says what it is "
+            "compared with is missing%"},
+        {"plan.txt", 11, "setting 22 1 0.25 nan em 16", ":11:1",
+            "\"setting 22 1 0.25 nan em 16\": behind \"setting\" must stand levels from 0 to 21, seconds of "
+            "a pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
+        {"plan.txt", 11, "setting 2 1 0.25 inf em 16", ":11:1", "\"setting 2 1 0.25 inf em 16\": behind \"setting\" "
+            "must stand levels from 0 to 21, seconds of a "
+            "pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
+        {"plan.txt", 7, "", "", "a plan has a line \"run_seconds\", and this one has none%"},
+        {"runs.csv", 1, "setting", ":1:1",
+            "the first line must be \"setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,"
+            "rmse,relmse,bias,"
+            "relmse_both\""},
+        {"runs.csv", 3, "em 16,1,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,1,1,1,1,1,1,1,1,1,1,1\" is the second of its "
+            "kind; remove one of them"},
+        {"runs.csv", 3, "em 16,4,1,1,1,1,1,1,1,1,1,1", ":3:1", "\"em 16,4,1,1,1,1,1,1,1,1,1,1\" is no run of "
+            "plan.txt, by its passes; remove the line and it "
+            "is measured again"},
+        {"runs.csv", 4, "mis 16,1,1,1,1,1,1,1,1,1,1,1", ":4:1", "\"mis 16,1,1,1,1,1,1,1,1,1,1,1\" is no run of "
+            "plan.txt, by its setting; remove the line and it "
+            "is measured again"},
+        {"runs.csv", 4, "sir 64/4", ":4:1", "\"sir 64/4\" is no run of plan.txt, by its setting; remove the line and "
+            "it is measured again"},
+    };
+    char *texts[2] = {read_text(DIR "/folder/plan.txt"), read_text(DIR "/folder/runs.csv")};
+    bis_trade t;
+    load(&t);
+    const bis_trade_plan fresh = t.plan;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const bool of_runs = cases[i].file[0] == 'r';
+        char damage[2048], path[64], expected[1024];
+        const char *from = texts[of_runs];
+        int n = 0;
+        for (int line = 1; line < cases[i].line; line++) from = strchr(from, '\n') + 1;
+        n = snprintf(damage, sizeof damage, "%.*s%s%s", (int)(from - texts[of_runs]), texts[of_runs], cases[i].with,
+            *cases[i].with ? "\n" : "");
+        snprintf(damage + n, sizeof damage - (size_t)n, "%s", strchr(from, '\n') + 1);
+        for (int k = 0; k < 2; k++) program_write_file(k ? DIR "/folder/runs.csv" : DIR "/folder/plan.txt",
+            k == of_runs ? damage : texts[k]);
+        snprintf(path, sizeof path, DIR "/folder/%s", cases[i].file);
+        const int length = (int)strcspn(cases[i].says, "%");
+        snprintf(expected, sizeof expected, "%s%s: error: %.*s%s", path, cases[i].at, length, cases[i].says,
+            cases[i].says[length] ? damaged : "");
+        t.plan = fresh;
+        t.n_runs = 0;
+        bis_diag diag = {0};
+        bis_status status = bis_trade_read_plan(&t, &diag);
+        if (!status) status = bis_trade_read_runs(&t, &diag);
+        assert_int_equal(status, BIS_INPUT);
+        assert_int_equal(diag.n, 1);
+        assert_string_equal(diag.messages[0].text, expected);
+        bis_diag_clear(&diag);
+    }
+    bis_free(texts[0]);
+    bis_free(texts[1]);
+    bis_trade_clear(&t);
+}
+
+/* ---- resumed ---- */
+
+/* A plan of 1 + 2 and 4 + 8 seconds, of which the em of 1 is there: the rest is 14 seconds, by rounds of one budget. */
+static void the_rest_is_measured_in_rounds_and_told(void **state)
+{
+    (void)state;
+    static const char *const what[] = {"run 2 of 4", "run 3 of 4", "run 4 of 4", "error of the advice"};
+    static const double share[] = {0, 4 / 14.0, 6 / 14.0, 0};
+    diary d = {.n = 0};
+    bis_image grey;
+    bis_trade t;
+    bool interrupted;
+    load(&t);
+    plan_two(&t);
+    t.plan.is_given = true;
+    t.plan.run_seconds = 1e-4;
+    t.plan.settings[bis_trade_find_setting(&t.plan, "sir 64/4")].levels = 2;
+    t.plan.reference[0] = t.plan.reference[1] = -1;
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    bis_trade_clear(&t);
+    assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
+    for (int i = 0; i < 24; i++) grey.pixels[i] = (rgb){0.5f, 0.5f, 0.5f};
+    assert_int_equal(mkdir(DIR "/folder/references", 0777), 0);
+    assert_int_equal(bis_image_save(&grey, DIR "/folder/references/given.exr", NULL), BIS_OK);
+    bis_image_clear(&grey);
+    program_write_file(DIR "/folder/runs.csv", RUNS "em 16,1,1,7,0.5,11,21,31,0.5,0.25,0.125,0.25\n");
+    const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/folder", .seconds = 1e6, .error = 0.9,
+        .n_threads = 1, .resume = true,
+                                 .progress = note, .user = &d};
+    assert_int_equal(bis_trade_measure(&t, &o, &interrupted, NULL), BIS_OK);
+    assert_true(t.is_complete && t.is_reported && !interrupted && t.n_runs == 4);
+    int first = 0;
+    while (first < d.n && strncmp(d.entry[first].what, "run ", 4) != 0) first++; /* behind the scene and its maps */
+    for (int i = 0; i < 4; i++) {
+        assert_string_equal(d.entry[first + i].what, what[i]);
+        assert_near(d.entry[first + i].share, share[i]);
+    }
+    assert_near(d.entry[first].left, 14); /* as planned, before anything was made */
+    /* of 14 planned seconds 4, then 6, took far less than a second: 10 x spent/4 are left, 8 x spent/6 */
+    assert_true(d.entry[first + 1].left > 0 && d.entry[first + 1].left < 10 && d.entry[first + 2].left > 0 &&
+        d.entry[first + 2].left < 8);
+    int parts[3] = {0};
+    for (int i = first + 3; i < d.n; i++) {
+        static const char *const later[] = {"error of the advice", "seconds of the full picture", "pictures"};
+        for (int k = 0; k < 3; k++) {
+            if (strcmp(d.entry[i].what, later[k]) != 0) continue;
+            assert_near(d.entry[i].share, parts[k] / (k < 2 ? 3.0 : 2.0));
+            if (k == 0) assert_near(d.entry[i].left, 3e4 * (3 - parts[k]));
+            if (k == 2) assert_near(d.entry[i].left, 1e-4 * (2 - parts[k]));
+            parts[k]++;
+        }
+    }
+    assert_true(parts[0] == 3 && parts[1] == 3 && parts[2] == 2); /* em and sir */
+    assert_string_equal(d.entry[0].what, "reading the scene");
+    assert_string_equal(d.entry[first - 1].what, "building the map's importance");
+    assert_true(t.references[0].mean == 0.5 && t.both.mean == 0.5 && t.references[1].is_ready);
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) assert_true(!t.result.advice[i].is_extrapolated &&
+        t.result.advice[i].passes > 0);
+    bis_trade_clear(&t);
+
+    /* of 10 seconds two are for the page: a run of 8 is not begun */
+    char *runs = read_text(DIR "/folder/runs.csv");
+    strstr(runs, "sir 64/4,2,")[0] = '\0';
+    program_write_file(DIR "/folder/runs.csv", runs);
+    bis_free(runs);
+    bis_trade_options brief = o;
+    brief.seconds = 10;
+    assert_int_equal(bis_trade_measure(&t, &brief, &interrupted, NULL), BIS_OK);
+    assert_true(!t.is_complete && t.is_reported && t.n_runs == 3);
+    bis_trade_clear(&t);
+}
+
+/* A pass of the full picture is rendered where the sweep's film was thinner, here in 24 x 16 pixels in far less than
+ * the thousands of seconds that were said, and a setting that is advised twice has the seconds of a pass in both. Of a
+ * pass of 1.7 x 10^5 s every third pixel would take 2% of 10^6 s; of 2 x 10^5 every fourth, and the sweep knows as
+ * much. */
+static void seconds_are_those_of_a_pass_of_the_full_picture(void **state)
+{
+    (void)state;
+    static const double pass[] = {1e4, 1e4, 1.7e5, 2e5};
+    for (int i = 0; i < 4; i++) {
+        bis_trade t;
+        load(&t);
+        plan_two(&t);
+        if (i == 0) t.plan.step = 1;
+        const int em = bis_trade_find_setting(&t.plan, "em 16");
+        t.result.advice[0].setting = -1;
+        t.result.advice[1] = (bis_trade_advice){.setting = em, .passes = 2, .seconds = 2 * pass[i]};
+        t.result.advice[2] = (bis_trade_advice){.setting = em, .passes = 6, .seconds = 1};
+        assert_int_equal(bis_trade_time_advice(&t, NULL), BIS_OK);
+        assert_true(i == 0 || i == 3 ? t.result.advice[1].seconds == 2 * pass[i] : t.result.advice[1].seconds < 1e3);
+        assert_near(t.result.advice[2].seconds, 3 * t.result.advice[1].seconds);
+        bis_trade_clear(&t);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_are_means_and_medians_of_their_seeds),
+        cmocka_unit_test(curves_are_weighted_by_passes_and_leave_out_what_is_hidden),
+        cmocka_unit_test(equal_points_are_both_on_the_front),
+        cmocka_unit_test(errors_at_a_time_and_times_to_an_error_lie_on_lines_between_the_budgets),
+        cmocka_unit_test(the_best_counts_its_standard_error_and_no_bias),
+        cmocka_unit_test(no_more_heads_than_the_strip_has_places),
+        cmocka_unit_test(columns_are_halves_of_the_longest_run_and_round_errors),
+        cmocka_unit_test(durations_and_percents_change_their_unit_in_time),
+        cmocka_unit_test(tables_have_each_figure_in_its_column),
+        cmocka_unit_test(the_page_says_and_shows_what_follows_from_the_runs),
+        cmocka_unit_test(names_stay_in_the_picture_and_nothing_makes_no_plot),
+        cmocka_unit_test(a_plan_fills_half_of_the_time),
+        cmocka_unit_test(a_plan_with_passes_has_as_many_of_each),
+        cmocka_unit_test(a_biased_setting_gets_the_short_curve),
+        cmocka_unit_test(a_plan_without_time_is_refused),
+        cmocka_unit_test(an_error_out_of_reach_is_refused),
+        cmocka_unit_test(the_table_of_settings_is_this),
+        cmocka_unit_test(the_pilot_tells_how_far_it_is),
+        cmocka_unit_test(plan_and_runs_are_written_and_read_back),
+        cmocka_unit_test(each_damage_has_its_place_and_its_words),
+        cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
+        cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
+    };
+    return cmocka_run_group_tests_name("trade by hand", tests, setup, NULL);
+}
