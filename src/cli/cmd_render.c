@@ -382,7 +382,8 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     const bool chooses = bis_auto_is_wanted(&desc->view.settings);
     bis_status status;
 
-    status = bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, bis_cli_loc, diag);
+    status =
+        bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, bis_cli_loc, diag);
     if (!status) status = bis_film_want(&film, desc->view.film.layers, diag);
     if (status) goto done;
     status = bis_scene_build(&scene, desc, diag);

@@ -110,7 +110,8 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     attributes[n++] = (bis_attribute){"integrator", s->desc->view.settings.integrator->name, 0};
     n += bis_describe_settings(&s->desc->view.settings, attributes + n);
     if (*s->as_printed) attributes[n++] = (bis_attribute){"asprinted", s->as_printed, 0};
-    if (s->desc->view.edge_samples > 1) attributes[n++] = (bis_attribute){"edgesamples", NULL, s->desc->view.edge_samples};
+    if (s->desc->view.edge_samples > 1)
+        attributes[n++] = (bis_attribute){"edgesamples", NULL, s->desc->view.edge_samples};
     if (s->desc->view.adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
     if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->line, 0};
     attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};

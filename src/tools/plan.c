@@ -57,8 +57,8 @@ static void print_view(const bis_scene_desc *d, FILE *out)
     const bis_sampler *s = &d->view.sampler;
     for (int i = 0; i < 4; i++) bis_format_double(c[i], d->view.film.crop[i]);
     fprintf(out, "scene        %s\n", d->path);
-    fprintf(out, "film         %d x %d, cropwindow %s %s %s %s, to %s\n", d->view.film.width, d->view.film.height, c[0], c[1],
-            c[2], c[3], d->outfile);
+    fprintf(out, "film         %d x %d, cropwindow %s %s %s %s, to %s\n", d->view.film.width, d->view.film.height, c[0],
+            c[1], c[2], c[3], d->outfile);
     if (d->view.camera.orthographic) fprintf(out, "camera       orthographic\n");
     else fprintf(out, "camera       perspective, fov %s\n", bis_format_double(a, d->view.camera.fov_deg));
     fprintf(out, "sampler      %s, %" PRIu64 " camera samples a pixel", bis_sampler_name(s->kind), s->spp);
@@ -70,7 +70,8 @@ static void print_view(const bis_scene_desc *d, FILE *out)
 /* Does some surface learn from its neighbours in the picture? As src/render/workspace.c decides. */
 static bool learns(const bis_scene_desc *d)
 {
-    if (!d->n_shapes || !d->light.filename || d->view.adaptive || d->view.settings.integrator == &bis_auto) return false;
+    if (!d->n_shapes || !d->light.filename || d->view.adaptive || d->view.settings.integrator == &bis_auto)
+        return false;
     return bis_fast_needs_of(&d->view.settings).visibility;
 }
 
@@ -93,8 +94,8 @@ static void print_tiles(const bis_scene_desc *d, FILE *out)
 static void print_film(const bis_scene_desc *d, FILE *out)
 {
     enum { FILM_BYTES = 56, PASS_BYTES = 16, VALUE_BYTES = 12 };
-    const double pixels = (double)d->view.film.width * d->view.film.height * (d->view.film.crop[1] - d->view.film.crop[0]) *
-                          (d->view.film.crop[3] - d->view.film.crop[2]);
+    const double pixels = (double)d->view.film.width * d->view.film.height *
+                          (d->view.film.crop[1] - d->view.film.crop[0]) * (d->view.film.crop[3] - d->view.film.crop[2]);
     char buf[32];
     int n = 0;
 

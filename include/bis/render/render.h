@@ -63,8 +63,8 @@ typedef struct bis_render_result {
 int bis_render_threads(const bis_render_options *options);
 
 /* bis_render renders into film, which the caller has initialised. view says what is seen and how; it may
- * differ from desc->view, but scene must have been built for what its settings need. The bits of the film depend on desc,
- * view and the number of passes, never on threads or time. *result receives what was done. Errors: BIS_NOMEM. */
+ * differ from desc->view, but scene must have been built for what its settings need. The bits of the film depend on
+ * desc, view and the number of passes, never on threads or time. *result receives what was done. Errors: BIS_NOMEM. */
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                       const bis_view *view, const bis_render_options *options, bis_diag *diag);
 

@@ -269,7 +269,8 @@ static double pixels_of(const bis_film_desc *f)
 /* Camera samples of the whole render, as far as the budget tells; without an --spp, as many as the scene asks for. */
 static double samples_to_come(const bis_scene_desc *desc, const bis_render_options *o)
 {
-    const double by_spp = pixels_of(&desc->view.film) * (double)(o->budget.spp ? o->budget.spp : desc->view.sampler.spp);
+    const double by_spp =
+        pixels_of(&desc->view.film) * (double)(o->budget.spp ? o->budget.spp : desc->view.sampler.spp);
 
     if (!(o->budget.seconds > 0)) return by_spp;
     const double by_time = o->budget.seconds * samples_a_second;

@@ -40,8 +40,8 @@ bool bis_auto_is_wanted(const bis_settings *s);
  * material has 0. */
 double bis_auto_narrowness(const bis_material *m);
 
-/* bis_auto_choose chooses the settings to render desc with: *report receives them, or desc->view.settings where these leave
- * nothing open. scene is built for desc; options are those of the render to come: budget, threads, interrupted.
+/* bis_auto_choose chooses the settings to render desc with: *report receives them, or desc->view.settings where these
+ * leave nothing open. scene is built for desc; options are those of the render to come: budget, threads, interrupted.
  * The pilot has other random numbers than the render. What it chooses does not depend on the render's, so an unbiased
  * method stays unbiased. But it depends on the clock: to make the same picture again, give the chosen settings.
  * Errors: BIS_NOMEM. */

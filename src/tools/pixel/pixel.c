@@ -1,8 +1,8 @@
 /* pixel: the point that a pixel's centre sees; the direct illumination integral there (eq. 4.1 and 4.5); every method
  * against it.
  *
- * The truth is a sum over the patches of the light (eq. 3.2), src/tools/truth.c: unbiased, with its own error. For huge maps a
- * long run of `mis` is the better bargain; it too knows its error. */
+ * The truth is a sum over the patches of the light (eq. 3.2), src/tools/truth.c: unbiased, with its own error. For huge
+ * maps a long run of `mis` is the better bargain; it too knows its error. */
 #include "pixel.h"
 
 #include "bis/base/mem.h"
@@ -16,14 +16,15 @@
 
 /* ---- the point ---- */
 
-bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
-                    bis_counters *counters)
+bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc,
+                    int x, int y, bis_counters *counters)
 {
     bis_hit h;
 
     *eye = bis_camera_ray(&desc->view.camera, desc->view.film.width, desc->view.film.height, x + 0.5, y + 0.5);
     if (!bis_scene_point(pt, scene, desc, *eye, counters, &h)) return false;
-    *hit = (bis_pixel_hit){.t = (double)h.t, .material = pt->bsdf.material, .material_index = bis_scene_material_of(desc, pt)};
+    *hit = (bis_pixel_hit){
+        .t = (double)h.t, .material = pt->bsdf.material, .material_index = bis_scene_material_of(desc, pt)};
     hit->shape = bis_scene_shape_of(scene, desc, h.prim, &hit->part);
     return true;
 }
@@ -71,7 +72,8 @@ static bis_pixel_value value_of_runs(const rgb *estimate, uint32_t n)
     for (int k = 0; k < 4; k++) {
         double mean = 0, m2 = 0;
         for (uint32_t i = 0; i < n; i++) {
-            const double c[4] = {(double)estimate[i].r, (double)estimate[i].g, (double)estimate[i].b, rgb_sum(estimate[i])};
+            const double c[4] = {(double)estimate[i].r, (double)estimate[i].g, (double)estimate[i].b,
+                                 rgb_sum(estimate[i])};
             const double d = c[k] - mean;
             mean += d / (i + 1);
             m2 += d * (c[k] - mean);
@@ -91,8 +93,8 @@ static double skewness_of_runs(const rgb *estimate, uint32_t n, const bis_pixel_
     return sum / n / sqrt(n);
 }
 
-static bis_status run_many(bis_pixel_value *v, double *skewness, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind, uint32_t n,
-                           uint64_t seed, bis_counters *counters, bis_diag *diag)
+static bis_status run_many(bis_pixel_value *v, double *skewness, const bis_point *pt, const bis_settings *s,
+                           bis_sampler_kind kind, uint32_t n, uint64_t seed, bis_counters *counters, bis_diag *diag)
 {
     rgb *estimate = bis_alloc(n, sizeof *estimate);
     if (!estimate) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u estimates", (unsigned)n);
@@ -113,7 +115,8 @@ static bis_point without_shadows(const bis_point *pt)
     return open;
 }
 
-bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t max_patches, uint64_t seed, bis_diag *diag)
+bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t max_patches, uint64_t seed,
+                              bis_diag *diag)
 {
     *e = (bis_pixel_exact){.by_patches = true, .patches = bis_light_patches(pt->light)};
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return BIS_OK;
@@ -124,9 +127,11 @@ bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t ma
     bis_counters counters = {0};
     mis.samples = BIS_PIXEL_MIS_SAMPLES;
     e->by_patches = false;
-    bis_status status = run_many(&e->lit, NULL, pt, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed), &counters, diag);
+    bis_status status =
+        run_many(&e->lit, NULL, pt, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed), &counters, diag);
     if (!status) {
-        status = run_many(&e->open, NULL, &open, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed + 1), &counters, diag);
+        status = run_many(&e->open, NULL, &open, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed + 1),
+                          &counters, diag);
     }
     return status;
 }
@@ -179,8 +184,8 @@ static double true_skewness(const bis_pixel_method *m, const bis_pixel_exact *e,
     return e->third[k] / pow(variance, 1.5) / sqrt((double)n * m->settings.samples);
 }
 
-bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact, bis_sampler_kind kind, uint32_t repeats,
-                                uint64_t seed, bis_diag *diag)
+bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact,
+                                bis_sampler_kind kind, uint32_t repeats, uint64_t seed, bis_diag *diag)
 {
     const bis_pixel_value *truth = m->is_open ? &exact->open : &exact->lit;
     bis_counters counters = {0};

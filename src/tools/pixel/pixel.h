@@ -26,8 +26,8 @@ typedef struct bis_pixel_hit {
 
 /* The point that the ray through the centre of pixel (x, y) meets, as an integrator sees it. False: it meets no
  * surface. The scene must have been built with BIS_VERIFY_LIGHT_NEEDS (verify.h); counters are borrowed by pt. */
-bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
-                    bis_counters *counters);
+bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene *scene, const bis_scene_desc *desc,
+                    int x, int y, bis_counters *counters);
 
 /* "phong, exponent 50", "microfacet, alpha 0.1". Returns buf. */
 const char *bis_pixel_material_name(char buf[64], const bis_material *m);
@@ -38,17 +38,25 @@ typedef struct bis_pixel_value {
 } bis_pixel_value;
 
 /* Reflected radiance, eq. 4.1 (lit) and without V, eq. 4.5 (open): a sum over the patches of the light (truth.h), whose
- * scatter is the standard error; for a light of more than BIS_PIXEL_MAX_PATCHES patches so many runs of `mis` instead. */
-enum { BIS_PIXEL_CELLS = 1 << 16, BIS_PIXEL_MAX_PATCHES = 1 << 21, BIS_PIXEL_MIS_RUNS = 1 << 14, BIS_PIXEL_MIS_SAMPLES = 64 };
+ * scatter is the standard error; for a light of more than BIS_PIXEL_MAX_PATCHES patches so many runs of `mis` instead.
+ */
+enum {
+    BIS_PIXEL_CELLS = 1 << 16,
+    BIS_PIXEL_MAX_PATCHES = 1 << 21,
+    BIS_PIXEL_MIS_RUNS = 1 << 14,
+    BIS_PIXEL_MIS_SAMPLES = 64
+};
 typedef struct bis_pixel_exact {
     bool by_patches;
     size_t patches, rays;          /* by patches: rays that were traced for the sum */
     bis_pixel_value lit, open;
-    double variance[3], third[3];  /* by patches: variance and third central moment of F V/q, for q = q_L, q_f, (q_L + q_f)/2 */
+    double variance[3],
+        third[3]; /* by patches: variance and third central moment of F V/q, for q = q_L, q_f, (q_L + q_f)/2 */
 } bis_pixel_exact;
 
 /* max_patches: BIS_PIXEL_MAX_PATCHES; a test may choose. Errors: BIS_NOMEM. */
-bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t max_patches, uint64_t seed, bis_diag *diag);
+bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t max_patches, uint64_t seed,
+                              bis_diag *diag);
 
 /* One method, run many times. */
 typedef struct bis_pixel_method {
@@ -57,10 +65,13 @@ typedef struct bis_pixel_method {
     uint32_t repeats;
     bool is_open;          /* estimates L_ns: `unoccluded` */
     bis_pixel_value L;
-    double error;          /* root mean square difference of one estimate from the truth, both of r+g+b, over the truth; NAN for a truth of 0 */
+    double error; /* root mean square difference of one estimate from the truth, both of r+g+b, over the truth; NAN for
+                     a truth of 0 */
     double z;              /* (mean - truth) of r+g+b over both standard errors; NAN where neither scatters */
-    double skewness;       /* of the mean, from its own estimates: z is that of a normal distribution only where it is well below 0.1 */
-    double true_skewness;  /* the same for em, brdf, mis as if all samples were independent, from the sum over patches; else NAN */
+    double skewness; /* of the mean, from its own estimates: z is that of a normal distribution only where it is well
+                        below 0.1 */
+    double true_skewness;  /* the same for em, brdf, mis as if all samples were independent, from the sum over patches;
+                              else NAN */
     double rays, accepted; /* shadow rays and accepted candidates in the mean of one estimate */
 } bis_pixel_method;
 
@@ -69,8 +80,8 @@ enum { BIS_PIXEL_MAX_METHODS = 12 };
 size_t bis_pixel_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], const bis_settings *own);
 
 /* repeats >= 2. Fills all from L on. Errors: BIS_NOMEM. */
-bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact, bis_sampler_kind kind, uint32_t repeats,
-                                uint64_t seed, bis_diag *diag);
+bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const bis_pixel_exact *exact,
+                                bis_sampler_kind kind, uint32_t repeats, uint64_t seed, bis_diag *diag);
 
 /* ---- src/tools/pixel/pixel_rays.c: what a method does ---- */
 
@@ -92,13 +103,15 @@ typedef struct bis_pixel_candidates {
     double ess;             /* effective sample size, (sum w)^2 / sum w^2; 0 when all weights are */
     double largest;         /* the largest share of one candidate in W */
     double share_em;        /* beta: the map's share of the mixture q; NAN where it cannot be told (M = 1, no weight) */
-    uint32_t positive, distinct, seen; /* candidates with a weight; candidates chosen; of the N choices those that see the light */
+    uint32_t positive, distinct,
+        seen;               /* candidates with a weight; candidates chosen; of the N choices those that see the light */
     rgbd L, L_ns;           /* the estimate, and that of eq. 4.5 */
 } bis_pixel_candidates;
 
 /* Draw, weigh, choose and trace as `sir` with settings s does, by its stream; without the renderer's shared pool.
  * Errors: BIS_NOMEM. */
-bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *pt, const bis_settings *s, bis_stream *stream, bis_diag *diag);
+bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *pt, const bis_settings *s,
+                                     bis_stream *stream, bis_diag *diag);
 void bis_pixel_candidates_clear(bis_pixel_candidates *c);
 
 /* A shadow ray that an integrator cast. */
@@ -117,8 +130,8 @@ typedef struct bis_pixel_rays {
 /* The shadow rays of camera samples 0 ... runs - 1 of a pixel, found by an accelerator that writes down what it is
  * asked: true for any integrator.
  * Errors: BIS_NOMEM. */
-bis_status bis_pixel_rays_record(bis_pixel_rays *r, const bis_point *pt, const bis_settings *s, const bis_sampler *sampler, uint64_t pixel,
-                                 uint32_t runs, bis_diag *diag);
+bis_status bis_pixel_rays_record(bis_pixel_rays *r, const bis_point *pt, const bis_settings *s,
+                                 const bis_sampler *sampler, uint64_t pixel, uint32_t runs, bis_diag *diag);
 void bis_pixel_rays_clear(bis_pixel_rays *r);
 
 /* f cos Le towards wi, r+g+b: phat of the thesis. */

@@ -88,7 +88,8 @@ static void count_chosen(bis_pixel_candidates *c, const bis_point *pt, const bis
     }
 }
 
-bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *pt, const bis_settings *s, bis_stream *stream, bis_diag *diag)
+bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *pt, const bis_settings *s,
+                                     bis_stream *stream, bis_diag *diag)
 {
     bis_scratch scratch;
     bis_status status = bis_scratch_init(&scratch, s, diag);
@@ -139,8 +140,8 @@ static bool listen(const bis_accel *a, const ray *r)
     return occluded;
 }
 
-bis_status bis_pixel_rays_record(bis_pixel_rays *r, const bis_point *pt, const bis_settings *s, const bis_sampler *sampler, uint64_t pixel,
-                                 uint32_t runs, bis_diag *diag)
+bis_status bis_pixel_rays_record(bis_pixel_rays *r, const bis_point *pt, const bis_settings *s,
+                                 const bis_sampler *sampler, uint64_t pixel, uint32_t runs, bis_diag *diag)
 {
     static const bis_accel_ops ops = {.name = "listener", .occluded = listen};
     bool no_memory = false;
@@ -158,7 +159,9 @@ bis_status bis_pixel_rays_record(bis_pixel_rays *r, const bis_point *pt, const b
         s->integrator->Lo(s, &watched, &stream, &scratch);
     }
     bis_scratch_clear(&scratch);
-    return no_memory ? bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the shadow rays of %u estimates", (unsigned)runs) : BIS_OK;
+    return no_memory ? bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the shadow rays of %u estimates",
+                                 (unsigned)runs)
+                     : BIS_OK;
 }
 
 void bis_pixel_rays_clear(bis_pixel_rays *r)

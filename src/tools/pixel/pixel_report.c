@@ -15,8 +15,11 @@ void bis_pixel_report_clear(bis_pixel_report *r)
 
 static const char *kind_of(const bis_shape_desc *s)
 {
-    static const char *const kinds[] = {[BIS_SHAPE_PLY] = "plymesh", [BIS_SHAPE_OBJ] = "objmesh", [BIS_SHAPE_TRIANGLES] = "trianglemesh",
-                                        [BIS_SHAPE_SPHERE] = "sphere", [BIS_SHAPE_DISK] = "disk"};
+    static const char *const kinds[] = {[BIS_SHAPE_PLY] = "plymesh",
+                                        [BIS_SHAPE_OBJ] = "objmesh",
+                                        [BIS_SHAPE_TRIANGLES] = "trianglemesh",
+                                        [BIS_SHAPE_SPHERE] = "sphere",
+                                        [BIS_SHAPE_DISK] = "disk"};
     return kinds[s->kind];
 }
 
@@ -46,7 +49,8 @@ static bool has_samples(const bis_settings *s)
 
 /* ---- text ---- */
 
-static const double too_skew = 0.1; /* beyond, tails at 3 standard errors are off by more than exp(0.1 3^3/6), a factor of 1.6 */
+static const double too_skew =
+    0.1; /* beyond, tails at 3 standard errors are off by more than exp(0.1 3^3/6), a factor of 1.6 */
 
 static void print_vector(const char *name, vec3 v, const bis_pixel_report *r, bool direction)
 {
@@ -75,8 +79,9 @@ static void print_hit(const bis_pixel_report *r)
     if (memcmp(&r->pt.n, &r->pt.ng, sizeof r->pt.n) != 0) print_vector("of the face", r->pt.ng, r, true);
     print_vector("to the eye", r->pt.wo, r, true);
     print_vector("mirrored", r->pt.bsdf.r, r, true);
-    printf("material    %s, Kd (%.4g %.4g %.4g), Ks (%.4g %.4g %.4g); seen at %.2f degrees\n", bis_pixel_material_name(material, m),
-           (double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b, (double)m->Ks.r, (double)m->Ks.g, (double)m->Ks.b,
+    printf("material    %s, Kd (%.4g %.4g %.4g), Ks (%.4g %.4g %.4g); seen at %.2f degrees\n",
+           bis_pixel_material_name(material, m), (double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b, (double)m->Ks.r,
+           (double)m->Ks.g, (double)m->Ks.b,
            atan2(length(cross(r->pt.n, r->pt.wo)), dot(r->pt.n, r->pt.wo)) * 180 / PI);
 }
 
@@ -109,7 +114,8 @@ static bool is_too_skew(const bis_pixel_method *m)
 
 static void print_methods(const bis_pixel_report *r)
 {
-    printf("\n%-16s %9s %11s %10s %8s %8s %12s %8s\n", "method", "draws", "mean", "+-", "of exact", "z", "error of one", "rays");
+    printf("\n%-16s %9s %11s %10s %8s %8s %12s %8s\n", "method", "draws", "mean", "+-", "of exact", "z", "error of one",
+           "rays");
     for (size_t i = 0; i < r->n_methods; i++) {
         const bis_pixel_method *m = &r->methods[i];
         const double truth = (m->is_open ? &r->exact.open : &r->exact.lit)->mean[3];
@@ -125,9 +131,13 @@ static void print_methods(const bis_pixel_report *r)
         print_percent(m->error);
         printf(" %8.4g\n", m->rays);
     }
-    printf("Means of %u estimates; z: the difference from exact (unoccluded: from that) in standard errors; error of one: the\n"
-           "root mean square difference of a single estimate from exact; rays: cast by one. z with a ?: rare and bright estimates\n"
-           "make the mean too skew for its standard error, which misses what has not been hit: ask for more --repeats.\n", (unsigned)r->methods[0].repeats);
+    printf(
+        "Means of %u estimates; z: the difference from exact (unoccluded: from that) in standard errors; error of one: "
+        "the\n"
+        "root mean square difference of a single estimate from exact; rays: cast by one. z with a ?: rare and bright "
+        "estimates\n"
+        "make the mean too skew for its standard error, which misses what has not been hit: ask for more --repeats.\n",
+        (unsigned)r->methods[0].repeats);
 }
 
 static void print_candidates(const bis_pixel_report *r)
@@ -135,24 +145,27 @@ static void print_candidates(const bis_pixel_report *r)
     const bis_pixel_candidates *c = &r->candidates;
     printf("\none estimate by sir\n");
     printf("candidates  %u drawn", (unsigned)c->M);
-    if (isfinite(c->share_em)) printf(", %.0f from the map, %.0f from the BRDF", c->share_em * c->M, (1 - c->share_em) * c->M);
+    if (isfinite(c->share_em))
+        printf(", %.0f from the map, %.0f from the BRDF", c->share_em * c->M, (1 - c->share_em) * c->M);
     printf("; %u weigh something\n", (unsigned)c->positive);
     if (c->W <= 0) return;
-    printf("weights     sum %.6g, mean %.6g (estimates %.6g); the largest is %.3g %% of all\n", c->W, c->W / c->M, r->exact.open.mean[3],
-           100 * c->largest);
+    printf("weights     sum %.6g, mean %.6g (estimates %.6g); the largest is %.3g %% of all\n", c->W, c->W / c->M,
+           r->exact.open.mean[3], 100 * c->largest);
     printf("effective   sample size %.4g = (sum w)^2 / sum w^2\n", c->ess);
-    printf("chosen      %u rays at %u candidates, %u of them see the light\n", (unsigned)c->N, (unsigned)c->distinct, (unsigned)c->seen);
+    printf("chosen      %u rays at %u candidates, %u of them see the light\n", (unsigned)c->N, (unsigned)c->distinct,
+           (unsigned)c->seen);
     printf("estimate    %.6g   (%.6g %.6g %.6g)\n", rgbd_sum(c->L), c->L.r, c->L.g, c->L.b);
 }
 
 void bis_pixel_print_text(const bis_pixel_report *r)
 {
-    printf("pixel       (%d, %d) of %d x %d, %s\n", r->x, r->y, r->desc->view.film.width, r->desc->view.film.height, r->desc->path);
+    printf("pixel       (%d, %d) of %d x %d, %s\n", r->x, r->y, r->desc->view.film.width, r->desc->view.film.height,
+           r->desc->path);
     if (r->is_hit) print_hit(r);
     if (r->why_nothing) {
         const rgb L = r->is_hit ? (rgb){0, 0, 0} : background(r);
-        printf("nothing     %s\nradiance    (%.6g %.6g %.6g)%s\n", r->why_nothing, (double)L.r, (double)L.g, (double)L.b,
-               r->is_hit ? "" : ", the light's own");
+        printf("nothing     %s\nradiance    (%.6g %.6g %.6g)%s\n", r->why_nothing, (double)L.r, (double)L.g,
+               (double)L.b, r->is_hit ? "" : ", the light's own");
         return;
     }
     print_exact(r);
@@ -172,8 +185,14 @@ static void json_triple(bis_json *j, const char *key, double x, double y, double
     bis_json_close(j);
 }
 
-static void json_vector(bis_json *j, const char *key, vec3 v) { json_triple(j, key, (double)v.x, (double)v.y, (double)v.z); }
-static void json_colour(bis_json *j, const char *key, rgb c) { json_triple(j, key, (double)c.r, (double)c.g, (double)c.b); }
+static void json_vector(bis_json *j, const char *key, vec3 v)
+{
+    json_triple(j, key, (double)v.x, (double)v.y, (double)v.z);
+}
+static void json_colour(bis_json *j, const char *key, rgb c)
+{
+    json_triple(j, key, (double)c.r, (double)c.g, (double)c.b);
+}
 
 static void json_hit(bis_json *j, const bis_pixel_report *r)
 {

@@ -27,7 +27,10 @@ static uint64_t seed_of(const bis_trade_plan *plan, int setting, int level, int 
 static bis_status measure_run(bis_trade *t, int setting, int level, int replicate, bool *complete, bis_diag *diag)
 {
     const bis_trade_setting *s = &t->plan.settings[setting];
-    bis_trade_run run = {.setting = setting, .level = level, .replicate = replicate, .seed = seed_of(&t->plan, setting, level, replicate)};
+    bis_trade_run run = {.setting = setting,
+                         .level = level,
+                         .replicate = replicate,
+                         .seed = seed_of(&t->plan, setting, level, replicate)};
     bis_image image = {0};
     bis_comparison c, both;
     bis_render_result result;
@@ -56,9 +59,11 @@ static double planned_left(const bis_trade *t)
 {
     double sum = 0;
     for (int i = 0; i < t->plan.n_settings; i++) {
-        for (int level = 0; level < t->plan.settings[i].levels; level++) sum += t->plan.n_seeds * bis_trade_planned_seconds(&t->plan, i, level);
+        for (int level = 0; level < t->plan.settings[i].levels; level++)
+            sum += t->plan.n_seeds * bis_trade_planned_seconds(&t->plan, i, level);
     }
-    for (size_t i = 0; i < t->n_runs; i++) sum -= bis_trade_planned_seconds(&t->plan, t->runs[i].setting, t->runs[i].level);
+    for (size_t i = 0; i < t->n_runs; i++)
+        sum -= bis_trade_planned_seconds(&t->plan, t->runs[i].setting, t->runs[i].level);
     return fmax(sum, 0);
 }
 
@@ -126,8 +131,11 @@ static bis_status read_reference(bis_image *small, const bis_trade *t, bis_diag 
 
     if (status) return status;
     if (full->width != film.width || full->height != film.height) {
-        status = bis_error(diag, BIS_INPUT, (bis_loc){t->o.reference, 0, 0}, "the reference has %d x %d pixels, the scene's picture has %d x %d; give --resolution %dx%d, or a "
-                           "reference of the scene's size", full->width, full->height, film.width, film.height, full->width, full->height);
+        status = bis_error(
+            diag, BIS_INPUT, (bis_loc){t->o.reference, 0, 0},
+            "the reference has %d x %d pixels, the scene's picture has %d x %d; give --resolution %dx%d, or a "
+            "reference of the scene's size",
+            full->width, full->height, film.width, film.height, full->width, full->height);
     }
     return status;
 }

@@ -24,16 +24,17 @@
 #include <stdio.h>
 
 enum {
-    BIS_TRADE_SETTINGS = 40,  /* at most */
-    BIS_TRADE_LEVELS = 21,    /* budgets of 1 ... 2^20 passes */
-    BIS_TRADE_SEEDS = 16,     /* at most */
+    BIS_TRADE_SETTINGS = 40,         /* at most */
+    BIS_TRADE_LEVELS = 21,           /* budgets of 1 ... 2^20 passes */
+    BIS_TRADE_SEEDS = 16,            /* at most */
     BIS_TRADE_MOST_PASSES = 1 << 22, /* of a replicate of a reference: four times the longest budget */
     BIS_TRADE_NAME = 48,
     BIS_TRADE_LIGHTS = 6,
-    BIS_TRADE_MOST_PIXELS = 90000, /* of the thin film in the mean; a step is a whole number: up to 2.25 times as many */
+    BIS_TRADE_MOST_PIXELS =
+        90000, /* of the thin film in the mean; a step is a whole number: up to 2.25 times as many */
     BIS_TRADE_REFERENCE_BUDGETS = 4, /* with --passes: a replicate of a reference has so many times the passes */
-    BIS_TRADE_REPLICATES = 8, /* independent renders behind a reference: where its standard error comes from */
-    BIS_TRADE_STRIP = 8       /* pictures in the report */
+    BIS_TRADE_REPLICATES = 8,        /* independent renders behind a reference: where its standard error comes from */
+    BIS_TRADE_STRIP = 8              /* pictures in the report */
 };
 
 /* ---- what is swept ---- */
@@ -191,7 +192,8 @@ void bis_trade_clear(bis_trade *t);
 void bis_trade_list_settings(bis_trade *t, bool small_map);
 int bis_trade_find_setting(const bis_trade_plan *plan, const char *name);
 
-/* Is it compared? `exact` and `unoccluded` are not, because one is a reference and the other leaves the shadows out; nor is `auto`. */
+/* Is it compared? `exact` and `unoccluded` are not, because one is a reference and the other leaves the shadows out;
+ * nor is `auto`. */
 bool bis_trade_is_rival(const bis_integrator *i);
 
 /* Which reference judges this setting: 0, by mis, or 1, by sir. Never one of its own family. */

@@ -25,7 +25,8 @@ static double between(double xa, double ya, double xb, double yb, double at)
 
 static double error_of(const bis_trade_point *p) { return sqrt(fmax(0, p->noise)); }
 
-double bis_trade_error_at(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double seconds, bool *extrapolated)
+double bis_trade_error_at(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double seconds,
+                          bool *extrapolated)
 {
     const bis_trade_curve *c = &r->curves[setting];
     const bis_trade_point *p = r->points + c->first;
@@ -33,7 +34,8 @@ double bis_trade_error_at(const bis_trade_result *r, const bis_trade_plan *plan,
     *extrapolated = false;
     if (c->n == 0 || seconds < p[0].seconds) return (double)NAN;
     for (int i = 0; i + 1 < c->n; i++) {
-        if (seconds < p[i + 1].seconds) return between(p[i].seconds, error_of(&p[i]), p[i + 1].seconds, error_of(&p[i + 1]), seconds);
+        if (seconds < p[i + 1].seconds)
+            return between(p[i].seconds, error_of(&p[i]), p[i + 1].seconds, error_of(&p[i + 1]), seconds);
     }
     const double factor = seconds / p[c->n - 1].seconds;
     *extrapolated = factor > 1;
@@ -41,7 +43,8 @@ double bis_trade_error_at(const bis_trade_result *r, const bis_trade_plan *plan,
     return error_of(&p[c->n - 1]) / sqrt(factor);
 }
 
-double bis_trade_seconds_to(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double error, bool *extrapolated)
+double bis_trade_seconds_to(const bis_trade_result *r, const bis_trade_plan *plan, int setting, double error,
+                            bool *extrapolated)
 {
     const bis_trade_curve *c = &r->curves[setting];
     const bis_trade_point *p = r->points + c->first;
@@ -86,7 +89,8 @@ int bis_trade_heads(const bis_trade *t, int setting[BIS_TRADE_STRIP])
     int n = 0;
     for (int i = 0; i < t->plan.n_settings && n < BIS_TRADE_STRIP; i++) {
         const bis_trade_setting *s = &t->plan.settings[i];
-        if (is_measured(t, i) && (s->is_scenes || bis_trade_best_of(t, s->settings.integrator->name) == i)) setting[n++] = i;
+        if (is_measured(t, i) && (s->is_scenes || bis_trade_best_of(t, s->settings.integrator->name) == i))
+            setting[n++] = i;
     }
     return n;
 }
@@ -138,7 +142,8 @@ static bis_trade_advice advise_for(const bis_trade *t, const char *purpose, doub
     for (int i = 0; i < t->plan.n_settings; i++) {
         if (!is_measured(t, i) || t->plan.settings[i].is_biased) continue;
         const bis_trade_advice a = advice_of(t, i, purpose, error);
-        const double doubt = t->result.curves[i].cost_variance > 0 ? rank_of(t, i) / t->result.curves[i].cost_variance : 1;
+        const double doubt =
+            t->result.curves[i].cost_variance > 0 ? rank_of(t, i) / t->result.curves[i].cost_variance : 1;
         if (a.setting < 0 || (best.setting >= 0 && a.seconds * doubt >= least)) continue;
         best = a;
         least = a.seconds * doubt;

@@ -25,7 +25,8 @@ static const double close_enough = 1.15;  /* in passes: 7% in error */
 
 static uint64_t seed_of(const bis_trade *t, int advice, int turn, int render)
 {
-    return bis_hash(bis_hash(t->plan.seed + 3) + (uint64_t)((advice * MOST_TURNS + turn) * MOST_RENDERS + render)) >> 11;
+    return bis_hash(bis_hash(t->plan.seed + 3) + (uint64_t)((advice * MOST_TURNS + turn) * MOST_RENDERS + render)) >>
+           11;
 }
 
 typedef struct check {

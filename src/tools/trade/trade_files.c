@@ -19,7 +19,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char runs_header[] = "setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,bias,relmse_both";
+static const char runs_header[] =
+    "setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,rmse,relmse,bias,relmse_both";
 
 const char *bis_trade_path(char buf[4096], const bis_trade *t, const char *name)
 {
@@ -40,7 +41,9 @@ static bis_status first_entry(char name[256], const char *folder, bis_diag *diag
     DIR *d = opendir(folder);
 
     name[0] = '\0';
-    if (!d) return bis_error(diag, errno == ENOTDIR ? BIS_INPUT : BIS_IO, (bis_loc){folder, 0, 0}, "\"%s\" is no folder that can be read: %s", folder, strerror(errno));
+    if (!d)
+        return bis_error(diag, errno == ENOTDIR ? BIS_INPUT : BIS_IO, (bis_loc){folder, 0, 0},
+                         "\"%s\" is no folder that can be read: %s", folder, strerror(errno));
     for (const struct dirent *e; (e = readdir(d)) != NULL && !name[0];) {
         if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0) snprintf(name, 256, "%s", e->d_name);
     }
@@ -53,22 +56,28 @@ bis_status bis_trade_check_folder(bis_trade *t, bis_diag *diag)
     const char *folder = t->o.folder;
     char name[256], path[4096];
 
-    if (strlen(folder) > 3800) return bis_error(diag, BIS_INPUT, (bis_loc){0}, "--output has a name of %zu bytes; take a shorter one", strlen(folder));
+    if (strlen(folder) > 3800)
+        return bis_error(diag, BIS_INPUT, (bis_loc){0}, "--output has a name of %zu bytes; take a shorter one",
+                         strlen(folder));
     t->made_folder = mkdir(folder, 0777) == 0;
     if (!t->made_folder && errno != EEXIST) return cannot_make(folder, diag);
     bis_status status = first_entry(name, folder, diag);
     if (status) return status;
     if (!name[0]) {
-        if (t->o.resume) bis_warn(diag, (bis_loc){folder, 0, 0}, "there is no measurement to go on with; a new one begins");
+        if (t->o.resume)
+            bis_warn(diag, (bis_loc){folder, 0, 0}, "there is no measurement to go on with; a new one begins");
         t->o.resume = false;
         return BIS_OK;
     }
     if (access(bis_trade_path(path, t, "plan.txt"), F_OK) != 0) {
-        return bis_error(diag, BIS_INPUT, (bis_loc){folder, 0, 0}, "\"%s\" holds other things (\"%s\") and no plan.txt of `bis trade`; name a new or empty folder by --output",
-                         folder, name);
+        return bis_error(
+            diag, BIS_INPUT, (bis_loc){folder, 0, 0},
+            "\"%s\" holds other things (\"%s\") and no plan.txt of `bis trade`; name a new or empty folder by --output",
+            folder, name);
     }
     if (t->o.resume) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, (bis_loc){folder, 0, 0}, "\"%s\" holds a measurement; --resume goes on with it, --output names another folder", folder);
+    return bis_error(diag, BIS_INPUT, (bis_loc){folder, 0, 0},
+                     "\"%s\" holds a measurement; --resume goes on with it, --output names another folder", folder);
 }
 
 bis_status bis_trade_make_folder(const bis_trade *t, const char *name, bis_diag *diag)
@@ -110,16 +119,20 @@ bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag)
     if (!status) status = bis_outfile_open(&file, bis_trade_path(path, t, "plan.txt"), diag);
     if (status) return status;
     FILE *out = bis_outfile_stream(file);
-    fprintf(out, "fingerprint %016llx\nfull %d %d\nstep %d\nsize %d %d\nseeds %d\nseed %llu\n", (unsigned long long)p->fingerprint, p->full_width, p->full_height,
-            p->step, p->width, p->height, p->n_seeds, (unsigned long long)p->seed);
+    fprintf(out, "fingerprint %016llx\nfull %d %d\nstep %d\nsize %d %d\nseeds %d\nseed %llu\n",
+            (unsigned long long)p->fingerprint, p->full_width, p->full_height, p->step, p->width, p->height, p->n_seeds,
+            (unsigned long long)p->seed);
     fprintf(out, "run_seconds %s\ngiven %d\n", bis_format_double(a, p->run_seconds), p->is_given);
     for (int k = 0; k < 2; k++) {
-        if (p->reference[k] >= 0) fprintf(out, "reference %d %u %s\n", k, (unsigned)p->reference_passes[k], p->settings[p->reference[k]].name);
+        if (p->reference[k] >= 0)
+            fprintf(out, "reference %d %u %s\n", k, (unsigned)p->reference_passes[k],
+                    p->settings[p->reference[k]].name);
     }
     for (int i = 0; i < p->n_settings; i++) {
         const bis_trade_setting *s = &p->settings[i];
         if (!s->is_swept) continue;
-        fprintf(out, "setting %d %s %s %s %s\n", s->levels, bis_format_double(a, s->pass_seconds), bis_format_double(b, s->fill_seconds), bis_format_double(c, s->pass_relmse), s->name);
+        fprintf(out, "setting %d %s %s %s %s\n", s->levels, bis_format_double(a, s->pass_seconds),
+                bis_format_double(b, s->fill_seconds), bis_format_double(c, s->pass_relmse), s->name);
     }
     return bis_outfile_commit(file, diag);
 }
@@ -180,7 +193,8 @@ static bool is_size_of(const bis_trade_plan *p)
 static bool read_reference_line(const char **s, bis_trade_plan *p)
 {
     int k, passes;
-    if (!read_count(s, 0, 1, &k) || !read_count(s, 1, BIS_TRADE_MOST_PASSES, &passes) || p->reference[k] >= 0) return false;
+    if (!read_count(s, 0, 1, &k) || !read_count(s, 1, BIS_TRADE_MOST_PASSES, &passes) || p->reference[k] >= 0)
+        return false;
     const int i = bis_trade_find_setting(p, *s);
     if (i < 0 || !bis_trade_may_be_reference(&p->settings[i], k)) return false;
     p->reference[k] = i;
@@ -196,7 +210,8 @@ static bool read_setting_line(const char **s, bis_trade_plan *p)
 
     if (!read_count(s, 0, BIS_TRADE_LEVELS, &levels)) return false;
     const double seconds = read_number(s, 0, 1e9), fill = read_number(s, 0, 1e9), relmse = bis_parse_double(*s, &end);
-    if (!(seconds > 0) || isnan(fill) || end == *s || relmse < 0 || isinf(relmse) || *end != ' ') return false; /* relmse may be NAN: not known */
+    if (!(seconds > 0) || isnan(fill) || end == *s || relmse < 0 || isinf(relmse) || *end != ' ')
+        return false; /* relmse may be NAN: not known */
     const int i = bis_trade_find_setting(p, end + 1);
     if (i < 0 || p->settings[i].is_swept) return false;
     p->settings[i].is_swept = true;
@@ -222,11 +237,15 @@ static const struct {
     [SEED] = {"seed", "a whole number from 0 to 2^53"},
     [RUN_SECONDS] = {"run_seconds", "a number above 0, at most 1e9"},
     [GIVEN] = {"given", "0 or 1"},
-    [REFERENCE] = {"reference", "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the name of a setting that may be one"},
-    [SETTING] = {"setting", "levels from 0 to 21, seconds of a pass above 0, of its fill, relMSE of a pass, and the name of a setting, once"},
+    [REFERENCE] = {"reference", "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the name of a "
+                                "setting that may be one"},
+    [SETTING] = {"setting", "levels from 0 to 21, seconds of a pass above 0, of its fill, relMSE of a pass, and the "
+                            "name of a setting, once"},
 };
 
-_Static_assert(BIS_IMAGE_MAX_SIDE == 32768 && BIS_TRADE_SEEDS == 16 && BIS_TRADE_LEVELS == 21 && BIS_TRADE_MOST_PASSES == 4194304, "the rules above name these");
+_Static_assert(BIS_IMAGE_MAX_SIDE == 32768 && BIS_TRADE_SEEDS == 16 && BIS_TRADE_LEVELS == 21 &&
+                   BIS_TRADE_MOST_PASSES == 4194304,
+               "the rules above name these");
 
 static bool read_fields(const char **s, int word, bis_trade_plan *p, uint64_t *hash)
 {
@@ -250,18 +269,22 @@ static bool read_fields(const char **s, int word, bis_trade_plan *p, uint64_t *h
 }
 
 /* seen[word] counts its lines; all but the last two stand once. */
-static bis_status read_plan_line(bis_trade_plan *p, const char *line, bis_loc at, int seen[N_WORDS], uint64_t *hash, bis_diag *diag)
+static bis_status read_plan_line(bis_trade_plan *p, const char *line, bis_loc at, int seen[N_WORDS], uint64_t *hash,
+                                 bis_diag *diag)
 {
     static const char damaged[] = "the file is damaged, measure into a new folder";
     const size_t n = strcspn(line, " ");
     int word = 0;
 
-    while (word < N_WORDS && (strlen(lines_of_plan[word].word) != n || strncmp(line, lines_of_plan[word].word, n) != 0)) word++;
+    while (word < N_WORDS && (strlen(lines_of_plan[word].word) != n || strncmp(line, lines_of_plan[word].word, n) != 0))
+        word++;
     if (word == N_WORDS) return bis_error(diag, BIS_INPUT, at, "\"%s\" is no line of a plan; %s", line, damaged);
-    if (seen[word]++ && word < REFERENCE) return bis_error(diag, BIS_INPUT, at, "\"%s\" is the second line of its kind; %s", line, damaged);
+    if (seen[word]++ && word < REFERENCE)
+        return bis_error(diag, BIS_INPUT, at, "\"%s\" is the second line of its kind; %s", line, damaged);
     const char *s = line + n + (line[n] == ' ');
     if (read_fields(&s, word, p, hash) && !*s) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, at, "\"%s\": behind \"%s\" must stand %s; %s", line, lines_of_plan[word].word, lines_of_plan[word].rule, damaged);
+    return bis_error(diag, BIS_INPUT, at, "\"%s\": behind \"%s\" must stand %s; %s", line, lines_of_plan[word].word,
+                     lines_of_plan[word].rule, damaged);
 }
 
 /* Lines of a file, each ended by a zero. next_line: NULL at the end. */
@@ -298,19 +321,28 @@ static bis_status check_plan(const bis_trade *t, const int seen[N_WORDS], bis_lo
 
     for (int word = 0; word < N_WORDS; word++) {
         if (seen[word] || word == REFERENCE) continue;
-        return bis_error(diag, BIS_INPUT, at, "a plan has a line \"%s\", and this one has none; the file is damaged, measure into a new folder", lines_of_plan[word].word);
+        return bis_error(
+            diag, BIS_INPUT, at,
+            "a plan has a line \"%s\", and this one has none; the file is damaged, measure into a new folder",
+            lines_of_plan[word].word);
     }
     const bis_film film = bis_trade_film(t, p->step);
     if (film.width < 1 || film.height < 1 || (double)film.width * film.height > 4.0 * BIS_TRADE_MOST_PIXELS) {
-        return bis_error(diag, BIS_INPUT, at, "by \"full\" and \"step\" %d x %d pixels are to be measured, must be at least 1 and at most %d; the file is damaged, measure "
-                         "into a new folder", film.width, film.height, 4 * BIS_TRADE_MOST_PIXELS);
+        return bis_error(diag, BIS_INPUT, at,
+                         "by \"full\" and \"step\" %d x %d pixels are to be measured, must be at least 1 and at most "
+                         "%d; the file is damaged, measure "
+                         "into a new folder",
+                         film.width, film.height, 4 * BIS_TRADE_MOST_PIXELS);
     }
     for (int i = 0; i < p->n_settings && !p->is_given; i++) {
         const bis_trade_setting *s = &p->settings[i];
         const int k = bis_trade_judge_of(s);
         if (!s->is_swept || !s->levels || p->reference[k] >= 0) continue;
-        return bis_error(diag, BIS_INPUT, at, "\"%s\" is to be measured, and the line \"reference %d\" that says what it is compared with is missing; the file is damaged, "
-                         "measure into a new folder", s->name, k);
+        return bis_error(diag, BIS_INPUT, at,
+                         "\"%s\" is to be measured, and the line \"reference %d\" that says what it is compared with "
+                         "is missing; the file is damaged, "
+                         "measure into a new folder",
+                         s->name, k);
     }
     return BIS_OK;
 }
@@ -329,11 +361,15 @@ bis_status bis_trade_read_plan(bis_trade *t, bis_diag *diag)
     if (status) return status;
     p->reference[0] = p->reference[1] = -1;
     for (int i = 0; i < p->n_settings; i++) p->settings[i].is_swept = false;
-    for (char *line; !status && (line = next_line(&l)) != NULL;) status = read_plan_line(p, line, (bis_loc){path, l.number, 1}, seen, &theirs, diag);
+    for (char *line; !status && (line = next_line(&l)) != NULL;)
+        status = read_plan_line(p, line, (bis_loc){path, l.number, 1}, seen, &theirs, diag);
     bis_free(l.data);
     if (!status && seen[FINGERPRINT] && theirs != p->fingerprint) {
-        return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0}, "this measurement is of another scene than \"%s\" as it is now, or by another version of bis; measure "
-                         "into a new folder", t->o.scene);
+        return bis_error(
+            diag, BIS_INPUT, (bis_loc){path, 0, 0},
+            "this measurement is of another scene than \"%s\" as it is now, or by another version of bis; measure "
+            "into a new folder",
+            t->o.scene);
     }
     return status ? status : check_plan(t, seen, (bis_loc){path, 0, 0}, diag);
 }
@@ -360,8 +396,9 @@ bis_status bis_trade_write_runs(const bis_trade *t, bis_diag *diag)
         const bis_trade_run *r = &t->runs[i];
         const double values[5] = {r->seconds, r->rmse, r->relmse, r->bias, r->relmse_both};
         for (int k = 0; k < 5; k++) bis_format_double(text[k], values[k]);
-        fprintf(bis_outfile_stream(file), "%s,%lu,%d,%llu,%s,%llu,%llu,%llu,%s,%s,%s,%s\n", t->plan.settings[r->setting].name, 1ul << r->level, r->replicate + 1,
-                (unsigned long long)r->seed, text[0], (unsigned long long)r->camera_rays, (unsigned long long)r->shadow_rays,
+        fprintf(bis_outfile_stream(file), "%s,%lu,%d,%llu,%s,%llu,%llu,%llu,%s,%s,%s,%s\n",
+                t->plan.settings[r->setting].name, 1ul << r->level, r->replicate + 1, (unsigned long long)r->seed,
+                text[0], (unsigned long long)r->camera_rays, (unsigned long long)r->shadow_rays,
                 (unsigned long long)r->candidates, text[1], text[2], text[3], text[4]);
     }
     return bis_outfile_commit(file, diag);
@@ -424,13 +461,18 @@ bis_status bis_trade_read_runs(bis_trade *t, bis_diag *diag)
     bis_status status = open_lines(&l, path, diag);
     if (status) return status;
     const char *header = next_line(&l);
-    if (!header || strcmp(header, runs_header) != 0) status = bis_error(diag, BIS_INPUT, (bis_loc){path, 1, 1}, "the first line must be \"%s\"", runs_header);
+    if (!header || strcmp(header, runs_header) != 0)
+        status = bis_error(diag, BIS_INPUT, (bis_loc){path, 1, 1}, "the first line must be \"%s\"", runs_header);
     for (char *line; !status && (line = next_line(&l)) != NULL;) {
         bis_trade_run run;
         const bis_loc at = {path, l.number, 1};
         const char *wrong = read_run(&run, &t->plan, line);
-        if (wrong) status = bis_error(diag, BIS_INPUT, at, "\"%s\" is no run of plan.txt, by its %s; remove the line and it is measured again", line, wrong);
-        else if (bis_trade_find_run(t, run.setting, run.level, run.replicate)) status = bis_error(diag, BIS_INPUT, at, "\"%s\" is the second of its kind; remove one of them", line);
+        if (wrong)
+            status = bis_error(diag, BIS_INPUT, at,
+                               "\"%s\" is no run of plan.txt, by its %s; remove the line and it is measured again",
+                               line, wrong);
+        else if (bis_trade_find_run(t, run.setting, run.level, run.replicate))
+            status = bis_error(diag, BIS_INPUT, at, "\"%s\" is the second of its kind; remove one of them", line);
         else status = bis_trade_add_run(t, &run, diag);
     }
     bis_free(l.data);

@@ -21,7 +21,10 @@ static const char *file_of(char name[32], int setting)
     return name;
 }
 
-static uint64_t seed_of(const bis_trade_plan *plan, int setting) { return bis_hash(bis_hash(plan->seed + 2) + (uint64_t)setting) >> 11; }
+static uint64_t seed_of(const bis_trade_plan *plan, int setting)
+{
+    return bis_hash(bis_hash(plan->seed + 2) + (uint64_t)setting) >> 11;
+}
 
 static uint32_t passes_of(const bis_trade *t, int setting)
 {
@@ -57,8 +60,8 @@ static bis_status write_list(const bis_trade *t, bis_diag *diag)
     fprintf(bis_outfile_stream(file), "%s\n", header);
     for (int i = 0; i < t->n_strip; i++) {
         const bis_trade_picture *p = &t->strip[i];
-        fprintf(bis_outfile_stream(file), "%s,%u,%s,%s,%s\n", t->plan.settings[p->setting].name, (unsigned)p->passes, bis_format_double(a, p->seconds),
-                bis_format_double(b, p->relmse), file_of(name, p->setting));
+        fprintf(bis_outfile_stream(file), "%s,%u,%s,%s,%s\n", t->plan.settings[p->setting].name, (unsigned)p->passes,
+                bis_format_double(a, p->seconds), bis_format_double(b, p->relmse), file_of(name, p->setting));
     }
     return bis_outfile_commit(file, diag);
 }
@@ -81,7 +84,8 @@ static bis_status make_picture(bis_trade_picture *p, bis_trade *t, bool *complet
         status = bis_image_read(&p->image, path, (bis_loc){0}, diag);
     } else {
         if (bis_trade_interrupted(t)) return BIS_OK;
-        status = bis_trade_render(t, s, t->plan.step, p->passes, seed_of(&t->plan, p->setting), &p->image, &result, diag);
+        status =
+            bis_trade_render(t, s, t->plan.step, p->passes, seed_of(&t->plan, p->setting), &p->image, &result, diag);
         *complete = !status && !result.interrupted;
         if (*complete) status = bis_image_save(&p->image, path, diag);
         p->seconds = result.seconds;

@@ -37,7 +37,10 @@ bool bis_trade_may_be_reference(const bis_trade_setting *s, int which)
     return false;
 }
 
-static bool is_piloted(const bis_trade_setting *s) { return s->is_swept || bis_trade_may_be_reference(s, 0) || bis_trade_may_be_reference(s, 1); }
+static bool is_piloted(const bis_trade_setting *s)
+{
+    return s->is_swept || bis_trade_may_be_reference(s, 0) || bis_trade_may_be_reference(s, 1);
+}
 
 static double pixels_of(const bis_trade *t, int step)
 {
@@ -178,7 +181,8 @@ static double middle_cost(const bis_trade_plan *plan)
 static void choose_size(bis_trade *t, double seconds)
 {
     bis_trade_plan *plan = &t->plan;
-    const double a_pixel = sweep_seconds(t, MIDDLE_PASSES * middle_cost(plan)); /* seconds that each pixel adds to the sweep */
+    const double a_pixel =
+        sweep_seconds(t, MIDDLE_PASSES * middle_cost(plan)); /* seconds that each pixel adds to the sweep */
     const double pixels = fmin(fmax(seconds / a_pixel, LEAST_PIXELS), BIS_TRADE_MOST_PIXELS);
 
     plan->step = step_for(t, pixels);
@@ -195,7 +199,8 @@ static void choose_references(bis_trade *t, double seconds)
     bis_trade_plan *plan = &t->plan;
     bool needed[2] = {false, false};
 
-    for (int i = 0; i < plan->n_settings; i++) needed[bis_trade_judge_of(&plan->settings[i])] |= plan->settings[i].is_swept;
+    for (int i = 0; i < plan->n_settings; i++)
+        needed[bis_trade_judge_of(&plan->settings[i])] |= plan->settings[i].is_swept;
     for (int k = 0; k < 2; k++) {
         plan->reference[k] = -1;
         if (plan->is_given || !needed[k]) continue;
@@ -205,7 +210,8 @@ static void choose_references(bis_trade *t, double seconds)
             if (plan->reference[k] < 0 || is_better(s, &plan->settings[plan->reference[k]])) plan->reference[k] = i;
         }
         const double share = seconds / (needed[0] + needed[1]) / BIS_TRADE_REPLICATES;
-        plan->reference_passes[k] = (uint32_t)fmin(fmax(share / plan->settings[plan->reference[k]].pass_seconds, 1), BIS_TRADE_MOST_PASSES);
+        plan->reference_passes[k] =
+            (uint32_t)fmin(fmax(share / plan->settings[plan->reference[k]].pass_seconds, 1), BIS_TRADE_MOST_PASSES);
         if (t->o.passes) plan->reference_passes[k] = BIS_TRADE_REFERENCE_BUDGETS * t->o.passes;
     }
 }
@@ -219,13 +225,16 @@ static bis_status check_time(const bis_trade *t, double seconds, bis_diag *diag)
     double least = 0;
 
     for (int i = 0; i < t->plan.n_settings; i++) {
-        if (t->plan.settings[i].is_swept && gets_long_curve(&t->plan, i)) least += t->plan.n_seeds * t->plan.settings[i].pass_seconds;
+        if (t->plan.settings[i].is_swept && gets_long_curve(&t->plan, i))
+            least += t->plan.n_seeds * t->plan.settings[i].pass_seconds;
     }
     if (least <= seconds || t->o.passes) return BIS_OK;
     bis_trade_duration(need, 1.2 * (least / sweep_share + bis_clock_now() - t->start));
-    return bis_error(diag, BIS_INPUT, (bis_loc){0}, "%g s are too few: a single pass of the best setting of each integrator, %d x %d pixels and %d seeds, "
-                     "wants about %s in all; give --time more than that, or name fewer integrators by --integrator",
-                     t->o.seconds, t->plan.width, t->plan.height, t->plan.n_seeds, need);
+    return bis_error(
+        diag, BIS_INPUT, (bis_loc){0},
+        "%g s are too few: a single pass of the best setting of each integrator, %d x %d pixels and %d seeds, "
+        "wants about %s in all; give --time more than that, or name fewer integrators by --integrator",
+        t->o.seconds, t->plan.width, t->plan.height, t->plan.n_seeds, need);
 }
 
 /* The best of the pilot in one run of the sweep. */
@@ -248,10 +257,13 @@ static bis_status check_error(const bis_trade *t, bis_diag *diag)
     if (seconds <= slack * plan->run_seconds) return BIS_OK;
     bis_trade_duration(need, seconds);
     bis_trade_duration(whole, t->o.seconds * seconds / plan->run_seconds);
-    return bis_error(diag, BIS_INPUT, (bis_loc){0}, "a relative error of %g is out of reach: by the pilot \"%s\", the best, needs about %s for one picture of %d x %d "
-                     "pixels, and in %g s of measurement a run gets %.2g s. Give --error %.2g or more, or --time for about %s",
-                     t->o.error, plan->settings[best].name, need, plan->width, plan->height, t->o.seconds, plan->run_seconds,
-                     t->o.error * sqrt(seconds / plan->run_seconds), whole);
+    return bis_error(
+        diag, BIS_INPUT, (bis_loc){0},
+        "a relative error of %g is out of reach: by the pilot \"%s\", the best, needs about %s for one picture of %d x "
+        "%d "
+        "pixels, and in %g s of measurement a run gets %.2g s. Give --error %.2g or more, or --time for about %s",
+        t->o.error, plan->settings[best].name, need, plan->width, plan->height, t->o.seconds, plan->run_seconds,
+        t->o.error * sqrt(seconds / plan->run_seconds), whole);
 }
 
 size_t bis_trade_planned_runs(const bis_trade_plan *plan)
@@ -261,7 +273,10 @@ size_t bis_trade_planned_runs(const bis_trade_plan *plan)
     return n;
 }
 
-double bis_trade_planned_seconds(const bis_trade_plan *plan, int setting, int level) { return plan->settings[setting].pass_seconds * exp2(level); }
+double bis_trade_planned_seconds(const bis_trade_plan *plan, int setting, int level)
+{
+    return plan->settings[setting].pass_seconds * exp2(level);
+}
 
 static int seeds_for(const bis_trade_options *o)
 {
@@ -282,7 +297,8 @@ bis_status bis_trade_fit_plan(bis_trade *t, double left, bis_diag *diag)
     double longest = 0;
     for (int i = 0; i < plan->n_settings; i++) {
         plan->settings[i].levels = levels_of(t, i, plan->run_seconds);
-        if (plan->settings[i].levels) longest = fmax(longest, bis_trade_planned_seconds(plan, i, plan->settings[i].levels - 1));
+        if (plan->settings[i].levels)
+            longest = fmax(longest, bis_trade_planned_seconds(plan, i, plan->settings[i].levels - 1));
     }
     if (t->o.passes) plan->run_seconds = longest;
     choose_references(t, reference_share * left);

@@ -75,11 +75,13 @@ static void combine(bis_trade_reference *ref, const bis_image *replicates)
 
 /* ---- making it ---- */
 
-static bis_status render_replicate(bis_image *image, bis_trade *t, int which, int replicate, const char *path, bool *complete, bis_diag *diag)
+static bis_status render_replicate(bis_image *image, bis_trade *t, int which, int replicate, const char *path,
+                                   bool *complete, bis_diag *diag)
 {
     const bis_trade_setting *s = &t->plan.settings[t->plan.reference[which]];
     bis_render_result result;
-    bis_status status = bis_trade_render(t, s, t->plan.step, t->plan.reference_passes[which], seed_of(t, which, replicate), image, &result, diag);
+    bis_status status = bis_trade_render(t, s, t->plan.step, t->plan.reference_passes[which],
+                                         seed_of(t, which, replicate), image, &result, diag);
 
     *complete = !status && !result.interrupted;
     return *complete ? bis_image_save(image, path, diag) : status;
@@ -90,7 +92,8 @@ static bis_status check_size(const bis_trade *t, const bis_image *image, const c
     const bis_film film = bis_trade_film(t, t->plan.step);
 
     if (image->width == film.width && image->height == film.height) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0}, "%d x %d pixels, must have the %d x %d of plan.txt; remove it and it is made again", image->width,
+    return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0},
+                     "%d x %d pixels, must have the %d x %d of plan.txt; remove it and it is made again", image->width,
                      image->height, film.width, film.height);
 }
 
@@ -105,7 +108,8 @@ static bis_status make_reference(bis_trade *t, int which, bis_diag *diag)
     for (int r = 0; r < BIS_TRADE_REPLICATES && complete && !status; r++) {
         const double pass = t->plan.settings[t->plan.reference[which]].pass_seconds * t->plan.reference_passes[which];
         path_of(path, t, which, r);
-        bis_trade_tell(t, which ? "reference by sir" : "reference by mis", (double)r / BIS_TRADE_REPLICATES, pass * (BIS_TRADE_REPLICATES - r));
+        bis_trade_tell(t, which ? "reference by sir" : "reference by mis", (double)r / BIS_TRADE_REPLICATES,
+                       pass * (BIS_TRADE_REPLICATES - r));
         if (access(path, F_OK) == 0) status = bis_image_read(&replicates[r], path, (bis_loc){0}, diag);
         else status = render_replicate(&replicates[r], t, which, r, path, &complete, diag);
         if (!status && complete) status = check_size(t, &replicates[r], path, diag);
@@ -129,7 +133,8 @@ static bis_status combine_both(bis_trade *t, bis_diag *diag)
     const double w = !b->is_ready ? 1 : !a->is_ready ? 0 : b->relmse > 0 ? b->relmse / (a->relmse + b->relmse) : 0.5;
     for (size_t i = 0; i < (size_t)one->image.width * (size_t)one->image.height; i++) {
         for (int k = 0; k < 3; k++) {
-            const double from_a = w > 0 ? w * channel(a->image.pixels[i], k) : 0, from_b = w < 1 ? (1 - w) * channel(b->image.pixels[i], k) : 0;
+            const double from_a = w > 0 ? w * channel(a->image.pixels[i], k) : 0,
+                         from_b = w < 1 ? (1 - w) * channel(b->image.pixels[i], k) : 0;
             set_channel(&both->image.pixels[i], k, from_a + from_b);
         }
     }
@@ -166,7 +171,8 @@ bis_status bis_trade_make_references(bis_trade *t, bis_diag *diag)
     return status ? status : combine_both(t, diag);
 }
 
-bis_status bis_trade_thin(bis_image *out, const bis_image *full, const bis_film *all, const bis_film *some, bis_diag *diag)
+bis_status bis_trade_thin(bis_image *out, const bis_image *full, const bis_film *all, const bis_film *some,
+                          bis_diag *diag)
 {
     const int k = some->step;
     bis_status status = bis_image_init(out, some->width, some->height, diag);
@@ -174,7 +180,8 @@ bis_status bis_trade_thin(bis_image *out, const bis_image *full, const bis_film 
     for (int y = 0; y < some->height && !status; y++) {
         for (int x = 0; x < some->width; x++) {
             const int there_x = (some->x0 + x) * k + k / 2 - all->x0, there_y = (some->y0 + y) * k + k / 2 - all->y0;
-            out->pixels[(size_t)y * (size_t)out->width + (size_t)x] = full->pixels[(size_t)there_y * (size_t)full->width + (size_t)there_x];
+            out->pixels[(size_t)y * (size_t)out->width + (size_t)x] =
+                full->pixels[(size_t)there_y * (size_t)full->width + (size_t)there_x];
         }
     }
     return status;

@@ -24,7 +24,8 @@ enum { MANY_PIXELS = 1 << 24 }; /* a map of 8192 x 2048: each further importance
 static bis_light *light_for(const bis_trade *t, const bis_trade_setting *s)
 {
     for (int i = 0; i < t->n_lights; i++) {
-        if (t->lights[i].b == s->area_exponent && t->lights[i].compensated == s->settings.compensate) return t->lights[i].light;
+        if (t->lights[i].b == s->area_exponent && t->lights[i].compensated == s->settings.compensate)
+            return t->lights[i].light;
     }
     return NULL;
 }
@@ -35,10 +36,14 @@ static bis_status add_light(bis_trade *t, const bis_trade_setting *s, bis_diag *
     const unsigned needs = all_needs | (s->settings.compensate ? BIS_NEED_COMPENSATED : 0);
     bis_light *made;
 
-    if (!light.has_table_kind) light.table_kind = bis_sampler_is_low_discrepancy(t->desc->view.sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+    if (!light.has_table_kind)
+        light.table_kind = bis_sampler_is_low_discrepancy(t->desc->view.sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
     light.area_exponent = s->area_exponent;
-    bis_status status = bis_light_load(&made, &light, needs, NULL, NULL); /* its warnings were given with the scene's own */
-    if (status) return bis_error(diag, status, (bis_loc){0}, "cannot build \"%s\" once more for setting \"%s\"", light.filename, s->name);
+    bis_status status =
+        bis_light_load(&made, &light, needs, NULL, NULL); /* its warnings were given with the scene's own */
+    if (status)
+        return bis_error(diag, status, (bis_loc){0}, "cannot build \"%s\" once more for setting \"%s\"", light.filename,
+                         s->name);
     t->lights[t->n_lights].b = s->area_exponent;
     t->lights[t->n_lights].compensated = s->settings.compensate;
     t->lights[t->n_lights++].light = made;
@@ -74,7 +79,8 @@ bis_status bis_trade_load(bis_trade *t, bis_diag *diag)
         t->desc->view.film.height = t->o.height;
     }
     if (t->desc->view.settings.as_printed) {
-        bis_warn(diag, t->desc->integrator_loc, "Option \"asprinted\" is left out: the methods are measured as they should be");
+        bis_warn(diag, t->desc->integrator_loc,
+                 "Option \"asprinted\" is left out: the methods are measured as they should be");
     }
     const unsigned as_printed = t->desc->view.settings.as_printed;
     t->desc->view.settings.as_printed = 0;
@@ -83,12 +89,16 @@ bis_status bis_trade_load(bis_trade *t, bis_diag *diag)
     t->desc->view.settings.as_printed = as_printed;
     if (status) return status;
     if (!t->scene->accel || bis_light_is_black(t->scene->light)) {
-        return bis_error(diag, BIS_INPUT, (bis_loc){t->desc->path, 0, 0}, "the scene has no %s: every method gives the same picture at once, and there is "
-                         "nothing to trade", t->scene->accel ? "light" : "surface");
+        return bis_error(diag, BIS_INPUT, (bis_loc){t->desc->path, 0, 0},
+                         "the scene has no %s: every method gives the same picture at once, and there is "
+                         "nothing to trade",
+                         t->scene->accel ? "light" : "surface");
     }
     const bis_envmap *em = bis_light_is_constant(t->scene->light) ? NULL : bis_light_envmap(t->scene->light);
     const bool small_map = em && (size_t)em->width * (size_t)em->height <= MANY_PIXELS;
-    if (em && !small_map) bis_warn(diag, (bis_loc){0}, "the map has more than 2^24 pixels: other values of b and compensation are left out");
+    if (em && !small_map)
+        bis_warn(diag, (bis_loc){0},
+                 "the map has more than 2^24 pixels: other values of b and compensation are left out");
     bis_trade_list_settings(t, small_map);
     return add_lights(t, diag);
 }
@@ -109,8 +119,9 @@ static bis_status image_of(bis_image *image, const bis_film *film, bis_diag *dia
 {
     const size_t n = (size_t)film->width * (size_t)film->height;
     float *rgba = bis_alloc(n, 4 * sizeof *rgba);
-    bis_status status = rgba ? bis_image_init(image, film->width, film->height, diag)
-                             : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d x %d pixels", film->width, film->height);
+    bis_status status =
+        rgba ? bis_image_init(image, film->width, film->height, diag)
+             : bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d x %d pixels", film->width, film->height);
     if (!status) {
         bis_film_resolve(film, rgba);
         for (size_t i = 0; i < n; i++) image->pixels[i] = (rgb){rgba[4 * i], rgba[4 * i + 1], rgba[4 * i + 2]};
@@ -123,25 +134,28 @@ bis_film bis_trade_film(const bis_trade *t, int step)
 {
     static const double whole[4] = {0, 1, 0, 1};
     const bis_trade_plan *p = &t->plan;
-    return step ? bis_film_place(p->full_width, p->full_height, t->desc->view.film.crop, step) : bis_film_place(1, 1, whole, 1);
+    return step ? bis_film_place(p->full_width, p->full_height, t->desc->view.film.crop, step)
+                : bis_film_place(1, 1, whole, 1);
 }
 
-bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed, bis_image *image,
-                            bis_render_result *result, bis_diag *diag)
+bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed,
+                            bis_image *image, bis_render_result *result, bis_diag *diag)
 {
     static const double whole[4] = {0, 1, 0, 1};
     const bis_film place = bis_trade_film(t, step);
     bis_film film;
     bis_scene view = *t->scene;
     bis_light *light = light_for(t, s);
-    const bis_render_options options = {.budget = {.spp = passes}, .n_threads = t->o.n_threads, .interrupted = t->o.interrupted};
+    const bis_render_options options = {
+        .budget = {.spp = passes}, .n_threads = t->o.n_threads, .interrupted = t->o.interrupted};
 
     if (image) *image = (bis_image){0};
     if (light) view.light = light; /* a constant one is the same for all b */
     t->desc->view.settings = s->settings;
     t->desc->view.sampler.seed = seed;
     bis_sampler_set_spp(&t->desc->view.sampler, passes);
-    bis_status status = bis_film_init_thin(&film, place.picture_width, place.picture_height, step ? t->desc->view.film.crop : whole, place.step, (bis_loc){0}, diag);
+    bis_status status = bis_film_init_thin(&film, place.picture_width, place.picture_height,
+                                           step ? t->desc->view.film.crop : whole, place.step, (bis_loc){0}, diag);
     if (!status) status = bis_render(result, &film, &view, t->desc, &t->desc->view, &options, diag);
     if (!status && image) status = image_of(image, &film, diag);
     t->n_threads = result->n_threads;

@@ -1,16 +1,19 @@
 /* trade_seconds: how long what is advised takes for the full picture.
  *
  * A pixel of a thin film costs more than one of the full picture: pools and clusters are made for every pass, whatever
- * its size, and thousands of pixels share what each of the map's pieces costs to fetch. On scene.txt the sweep's 100 x 75
- * pixels said 93 s for what took 39. So a pass of each advised setting is rendered at the full size, or of as many of its
- * pixels as take `timing_share` of the measurement's time, which leaves little to extrapolate. */
+ * its size, and thousands of pixels share what each of the map's pieces costs to fetch. On scene.txt the sweep's 100 x
+ * 75 pixels said 93 s for what took 39. So a pass of each advised setting is rendered at the full size, or of as many
+ * of its pixels as take `timing_share` of the measurement's time, which leaves little to extrapolate. */
 #include "trade.h"
 
 /* Each of the advised settings takes so much of the time for a pass. */
 static const double timing_share = 0.02;
 
 /* 1, the full picture, or as much thinner as its pass is to take less. */
-static int timing_step(const bis_trade *t, double pass) { return (int)fmax(1, ceil(sqrt(pass / (timing_share * t->o.seconds)))); }
+static int timing_step(const bis_trade *t, double pass)
+{
+    return (int)fmax(1, ceil(sqrt(pass / (timing_share * t->o.seconds))));
+}
 
 static double pixels_of(const bis_trade *t, int step)
 {

@@ -1,8 +1,9 @@
 /* trade_settings: the settings that `bis trade` sweeps, in words and as they stand in a scene file.
  *
- * One table. Rows differ from the first of their integrator in one thing, so that what is compared is that thing: N, then M, then the proposal, the
- * stratification, b. The thesis's own setting, 15 of 800, is there for rejection and SIR. A new option of an integrator that changes cost or
- * variance wants a row here; a new integrator without one is swept with its defaults. */
+ * One table. Rows differ from the first of their integrator in one thing, so that what is compared is that thing: N,
+ * then M, then the proposal, the stratification, b. The thesis's own setting, 15 of 800, is there for rejection and
+ * SIR. A new option of an integrator that changes cost or variance wants a row here; a new integrator without one is
+ * swept with its defaults. */
 #include "trade.h"
 
 #include "bis/base/file.h"
@@ -71,7 +72,10 @@ static double b_of(const recipe *r)
     return bis_parse_double(r->variant + 2, &end);
 }
 
-static bool has(const bis_settings *s, const char *parameter) { return bis_parameter_of(s->integrator, parameter) != NULL; }
+static bool has(const bis_settings *s, const char *parameter)
+{
+    return bis_parameter_of(s->integrator, parameter) != NULL;
+}
 static bool is_biased(const bis_settings *s) { return has(s, "estimator") && s->estimator == BIS_ESTIMATOR_RATIO; }
 
 /* N: what a setting spends on rays. */
@@ -79,7 +83,9 @@ static uint32_t rays_of(const bis_settings *s) { return has(s, "shadowrays") ? s
 
 static bis_trade_setting setting_of(const recipe *r, double scenes_b)
 {
-    bis_trade_setting s = {.settings = bis_settings_default(bis_integrator_find(r->integrator)), .area_exponent = scenes_b, .is_swept = true};
+    bis_trade_setting s = {.settings = bis_settings_default(bis_integrator_find(r->integrator)),
+                           .area_exponent = scenes_b,
+                           .is_swept = true};
 
     name_setting(&s, r);
     s.settings.samples = r->N;
@@ -121,14 +127,18 @@ static void add_newcomers(bis_trade *t)
         const recipe r = {(*i)->name, has(&usual, "candidates") ? usual.candidates : 0, rays_of(&usual), "", true};
         int k = 0;
         while (k < N_RECIPES && strcmp(recipes[k].integrator, (*i)->name) != 0) k++;
-        if (k == N_RECIPES && bis_trade_is_rival(*i)) t->plan.settings[t->plan.n_settings++] = setting_of(&r, t->desc->light.area_exponent);
+        if (k == N_RECIPES && bis_trade_is_rival(*i))
+            t->plan.settings[t->plan.n_settings++] = setting_of(&r, t->desc->light.area_exponent);
     }
 }
 
 static void add_scenes_own(bis_trade *t)
 {
     bis_trade_plan *plan = &t->plan;
-    bis_trade_setting own = {.settings = t->desc->view.settings, .area_exponent = t->desc->light.area_exponent, .is_scenes = true, .is_swept = true};
+    bis_trade_setting own = {.settings = t->desc->view.settings,
+                             .area_exponent = t->desc->light.area_exponent,
+                             .is_scenes = true,
+                             .is_swept = true};
 
     own.settings.as_printed = 0;
     if (!bis_trade_is_rival(own.settings.integrator)) return;
@@ -144,7 +154,8 @@ static void add_scenes_own(bis_trade *t)
     plan->settings[plan->n_settings++] = own;
 }
 
-/* b and compensation are about the map's importance: nothing of that in a constant light, and too much memory for another in a huge map. */
+/* b and compensation are about the map's importance: nothing of that in a constant light, and too much memory for
+ * another in a huge map. */
 static bool fits_light(const bis_trade *t, const recipe *r, bool small_map)
 {
     if (!is_of_b(r) && !is_variant(r, "compensated")) return true;
@@ -199,7 +210,9 @@ void bis_trade_scene_text(char text[256], const bis_trade_setting *s, double sce
 
     bis_describe_line(line, &s->settings, false);
     if (s->area_exponent == scenes_b) snprintf(text, 256, "%.255s", line);
-    else snprintf(text, 256, "%.199s; in LightSource: \"float areaexponent\" %s", line, bis_format_double(b, s->area_exponent));
+    else
+        snprintf(text, 256, "%.199s; in LightSource: \"float areaexponent\" %s", line,
+                 bis_format_double(b, s->area_exponent));
 }
 
 void bis_trade_option_text(char text[128], const bis_trade_setting *s, double scenes_b)

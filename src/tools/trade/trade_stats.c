@@ -2,12 +2,12 @@
  *
  * A point is a setting at one budget: the mean over its seeds, and their scatter. Seconds are a median, since what
  * disturbs a clock only ever adds. relMSE = the error of the run + that of the reference, which are independent: of the
- * relMSE from both references' mean their own share, known from their replicates, is subtracted, and what is left is called noise. cost x variance =
- * seconds x noise hardly changes along the curve of an unbiased method (errata.md E9), and is what an error costs:
- * smaller is better. The bias is the mean over seeds of the mean difference; its standard error comes from the seeds
- * and the reference. Pixels of a run share their candidates, so their scatter within one run would say too little.
- * A slope is fitted to each seed by least squares, log error over log seconds: -1/2 for independent samples; its
- * standard error is that of the seeds, and not known from fewer than three. */
+ * relMSE from both references' mean their own share, known from their replicates, is subtracted, and what is left is
+ * called noise. cost x variance = seconds x noise hardly changes along the curve of an unbiased method (errata.md E9),
+ * and is what an error costs: smaller is better. The bias is the mean over seeds of the mean difference; its standard
+ * error comes from the seeds and the reference. Pixels of a run share their candidates, so their scatter within one run
+ * would say too little. A slope is fitted to each seed by least squares, log error over log seconds: -1/2 for
+ * independent samples; its standard error is that of the seeds, and not known from fewer than three. */
 #include "trade.h"
 
 #include "bis/base/mem.h"
@@ -103,7 +103,8 @@ static void find_front(bis_trade_result *r)
         p->on_front = true;
         for (int k = 0; k < r->n_points && p->on_front; k++) {
             const bis_trade_point *q = &r->points[k];
-            const bool as_good = q->seconds <= p->seconds && q->noise <= p->noise, better = q->seconds < p->seconds || q->noise < p->noise;
+            const bool as_good = q->seconds <= p->seconds && q->noise <= p->noise,
+                       better = q->seconds < p->seconds || q->noise < p->noise;
             if (as_good && better) p->on_front = false;
         }
     }
