@@ -29,6 +29,19 @@ void bis_append(char *buf, size_t size, const char *fmt, ...)
     va_end(args);
 }
 
+const char *bis_duration(char buf[BIS_DURATION], double seconds)
+{
+    const size_t n = BIS_DURATION;
+
+    if (seconds > 0 && seconds < 0.0995) snprintf(buf, n, "%.2g ms", 1e3 * seconds);
+    else if (seconds < 9.95) snprintf(buf, n, "%.2g s", seconds);
+    else if (seconds < 99.5) snprintf(buf, n, "%.0f s", seconds);
+    else if (seconds < 5400) snprintf(buf, n, "%.*f min", seconds < 597 ? 1 : 0, seconds / 60);
+    else if (seconds < 48 * 3600) snprintf(buf, n, "%.1f h", seconds / 3600);
+    else snprintf(buf, n, "%.3g days", seconds / 86400);
+    return buf;
+}
+
 uint64_t bis_fnv1a(uint64_t h, const void *bytes, size_t n)
 {
     const unsigned char *byte = bytes;

@@ -302,7 +302,7 @@ static void print_forecast(const bis_forecast *f, void *user)
     fprintf(stderr,
             "%sbis: warning: --error %g would take about %s and %.3g camera samples a pixel; %s (the error is at most "
             "%.2g so far)\n",
-            isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, bis_progress_duration(time, f->seconds), f->spp, end,
+            isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, bis_duration(time, f->seconds), f->spp, end,
             f->error);
 }
 

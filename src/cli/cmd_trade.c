@@ -157,7 +157,7 @@ static void print_progress(const char *what, double share, double seconds_left, 
     (void)user;
     fprintf(stderr, "\r%s", what);
     if (share >= 0) fprintf(stderr, ", %.0f%%", 100 * share);
-    if (isfinite(seconds_left)) fprintf(stderr, ", %s left", bis_trade_duration(left, seconds_left));
+    if (isfinite(seconds_left)) fprintf(stderr, ", %s left", bis_duration(left, seconds_left));
     fputs("   \033[K", stderr);
 }
 
@@ -173,7 +173,7 @@ static void print_summary(const bis_trade *t)
         bis_trade_option_text(text, s, t->desc->light.area_exponent);
         if (!text[0]) bis_trade_scene_text(text, s, t->desc->light.area_exponent);
         printf("%-14s error %-5s %s%-8s %s --spp %u\n", a->purpose, bis_trade_percent(error, a->expected_error),
-               a->is_extrapolated ? "~" : " ", bis_trade_duration(time, a->seconds), text, (unsigned)a->passes);
+               a->is_extrapolated ? "~" : " ", bis_duration(time, a->seconds), text, (unsigned)a->passes);
     }
     printf("%zu of %zu runs in %s/report.html\n", t->n_runs, bis_trade_planned_runs(&t->plan), t->o.folder);
 }

@@ -1,5 +1,6 @@
 /* render_files: the files that `bis render` writes. Whatever can be known to fail is found before the render: the
  * endings and folders of the outputs, an output that would replace what is read. */
+#include "base/text.h"
 #include "render_files.h"
 
 #include "bis/base/file.h"
@@ -106,7 +107,7 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
     fprintf(stderr, ": %d x %d pixels, %u pass%s", stats->film->width, stats->film->height, r->passes,
             r->passes == 1 ? "" : "es");
     if (r->spp != r->passes) fprintf(stderr, " of %d camera samples a pixel", (int)(r->spp / r->passes));
-    fprintf(stderr, ", %s, ", bis_progress_duration(seconds, r->seconds));
+    fprintf(stderr, ", %s, ", bis_duration(seconds, r->seconds));
     if (isnan(r->relative_rmse)) fputs("error unknown (one pass)\n", stderr);
     else fprintf(stderr, "error about %.2g%%\n", 100 * r->relative_rmse);
 }

@@ -260,8 +260,8 @@ static void progress_counts_to_the_last_pass_and_tells_minutes(void **state)
         {{0, 12, 0, 0, unknown}, "pass 1 of 12, 0%"},
         {{11, 12, 0.92, 5, 0.3}, "pass 12 of 12, 92%, 1 s left"},
         {{12, 12, 1, 5, 0}, "pass 12 of 12, 100%, 0 s left"},
-        {{3, 0, 0.25, 20, 379.2}, "pass 4, 25%, 6 min left"},
-        {{3, 0, 0.25, 20, 119}, "pass 4, 25%, 119 s left"},
+        {{3, 0, 0.25, 20, 379.2}, "pass 4, 25%, 6.3 min left"},
+        {{3, 0, 0.25, 20, 119}, "pass 4, 25%, 2.0 min left"},
         {{3, 4000000000u, 0, 20, 9000}, "pass 4 of 4000000000, 0%, 2.5 h left"},
         {{3, 4000000000u, 0, 20, 1e6}, "pass 4 of 4000000000, 0%, 11.6 days left"},
     };

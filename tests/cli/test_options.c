@@ -1,5 +1,6 @@
 /* Every option where its range ends: the least and the greatest value are taken, the next is not; what the plan then says. Help,
  * man page and comparison by hand, to the last blank. */
+#include "base/text.h"
 #include "cli/cli.h"
 #include "cli/help.h"
 #include "cli/man.h"
@@ -427,9 +428,9 @@ static void durations_change_their_unit_where_they_should(void **state)
 {
     (void)state;
     static const struct { double seconds; const char *text; } cases[] = {
-        {0, "0 s"}, {119.4, "119 s"}, {120, "2 min"}, {7199, "120 min"}, {7200, "2.0 h"}, {172799, "48.0 h"}, {172800, "2 days"}, {1e6, "11.6 days"}};
-    char text[BIS_PROGRESS_DURATION];
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) assert_string_equal(bis_progress_duration(text, cases[i].seconds), cases[i].text);
+        {0, "0 s"}, {99.4, "99 s"}, {120, "2.0 min"}, {5399, "90 min"}, {5400, "1.5 h"}, {172799, "48.0 h"}, {172800, "2 days"}, {1e6, "11.6 days"}};
+    char text[BIS_DURATION];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) assert_string_equal(bis_duration(text, cases[i].seconds), cases[i].text);
 }
 
 /* ---- compare by hand ---- */

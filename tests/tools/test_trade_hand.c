@@ -1,6 +1,7 @@
 /* `bis trade` by hand: a sweep whose runs stand in this file. What follows from them, points, curves, the front,
  * advice, tables, plots and page, was worked out on paper; so were a plan from a pilot's figures and the words for a
  * damaged folder. One small measurement is resumed, for its order and its progress. */
+#include "base/text.h"
 #include "tools/trade/trade_page.h"
 
 #include "bis/base/file.h"
@@ -359,7 +360,7 @@ static void durations_and_percents_change_their_unit_in_time(void **state)
                  {48 * 3600, "2 days"}, {864000, "10 days"}},
       shares[] = {{0.00123, "0.12%"}, {0.034, "3.4%"}, {0.0994, "9.9%"}, {0.0996, "10%"}, {1.234, "123%"}};
     char text[24];
-    for (size_t i = 0; i < sizeof times / sizeof *times; i++) assert_string_equal(bis_trade_duration(text,
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) assert_string_equal(bis_duration(text,
         times[i].v), times[i].text);
     for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) assert_string_equal(bis_trade_percent(text,
         shares[i].v), shares[i].text);

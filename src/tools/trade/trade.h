@@ -322,8 +322,7 @@ bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag);
 
 /* --- trade_words.c --- */
 
-/* "0.32 s", "4.1 min", "2.1 h"; "12%", "3.4%". */
-const char *bis_trade_duration(char buf[24], double seconds);
+/* bis_trade_percent writes a share to buf as "12%" or "3.4%" and returns it. */
 const char *bis_trade_percent(char buf[24], double v);
 
 /* bis_trade_next_on_front returns the point of the Pareto front that is next in time after last (NULL: the first), or

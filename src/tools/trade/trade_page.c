@@ -1,5 +1,6 @@
 /* trade_page: report.html. All that it says of this measurement is one JSON object, written here member by member in
  * the order of the page; page.html has the words, the looks and the places, and out/template.h puts both together. */
+#include "base/text.h"
 #include "trade_page.h"
 
 #include "bis/base/file.h"
@@ -57,7 +58,7 @@ static void put_advice(bis_json *j, const bis_trade *t, const bis_trade_advice *
 
         if (by_candidates) snprintf(candidates, sizeof candidates, "%u candidates and ", (unsigned)v->candidates);
         bis_json_bool(j, "extrapolated", a->is_extrapolated);
-        bis_trade_say(j, "time=%s; error=%s; size=%d × %d", bis_trade_duration(time, a->seconds),
+        bis_trade_say(j, "time=%s; error=%s; size=%d × %d", bis_duration(time, a->seconds),
                       bis_trade_percent(error, a->expected_error), t->plan.full_width, t->plan.full_height);
         bis_trade_say(j, "amounts=%s%u %s%s", candidates, rays, by_candidates ? "shadow ray" : "light sample",
                       rays == 1 ? "" : "s");
@@ -198,9 +199,9 @@ static void put_table(bis_json *j, const table *b)
 
 static void put_tables(bis_json *j, const bis_trade *t)
 {
-    table times = {t, true, "error after", {0}, 0, bis_trade_error_at, bis_trade_duration, bis_trade_percent};
+    table times = {t, true, "error after", {0}, 0, bis_trade_error_at, bis_duration, bis_trade_percent};
     table errors = {t, false, "time to an error of", {0}, 0, bis_trade_seconds_to, bis_trade_percent,
-                    bis_trade_duration};
+                    bis_duration};
     double ascending[BIS_TRADE_COLUMNS];
 
     times.n = bis_trade_times(t, times.at);
@@ -224,7 +225,7 @@ static void put_front(bis_json *j, const bis_trade *t)
         const double mean = t->references[bis_trade_judge_of(s)].mean;
         bis_json_open(j, NULL, '{');
         bis_trade_put_name(j, s);
-        bis_trade_say(j, "passes=%u; time=%s; error=%s", (unsigned)p->passes, bis_trade_duration(time, p->seconds),
+        bis_trade_say(j, "passes=%u; time=%s; error=%s", (unsigned)p->passes, bis_duration(time, p->seconds),
                       p->noise > 0 ? bis_trade_percent(error, sqrt(p->noise)) : "below the reference's");
         bis_trade_say(j, "bias=%s%s%s%s", p->bias < 0 ? "−" : "+", bis_trade_percent(bias, fabs(p->bias) / mean),
                       p->bias_se > 0 ? " ± " : "", p->bias_se > 0 ? bis_trade_percent(se, p->bias_se / mean) : "");
@@ -275,7 +276,7 @@ static void put_left_out(bis_json *j, const bis_trade *t)
         char time[24];
         if (!s->is_swept || s->levels) continue;
         n += (size_t)snprintf(list + n, sizeof list - n, "%s%s (%s a pass)", n ? ", " : "", s->name,
-                              bis_trade_duration(time, s->pass_seconds));
+                              bis_duration(time, s->pass_seconds));
     }
     bis_json_text(j, "left_out", list);
 }
@@ -289,7 +290,7 @@ static void put_method(bis_json *j, const bis_trade *t)
     bis_trade_say(j, "width=%d; height=%d; full=%d × %d; of_each=%d × %d", plan->width, plan->height, plan->full_width,
                   plan->full_height, plan->step, plan->step);
     bis_trade_say(j, "longest=%s; seeds=%d seed%s; threads=%d thread%s; version=%s",
-                  bis_trade_duration(longest, plan->run_seconds), plan->n_seeds, plan->n_seeds == 1 ? "" : "s",
+                  bis_duration(longest, plan->run_seconds), plan->n_seeds, plan->n_seeds == 1 ? "" : "s",
                   t->n_threads, t->n_threads == 1 ? "" : "s", BIS_VERSION);
     put_references(j, t);
     put_left_out(j, t);

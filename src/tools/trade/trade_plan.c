@@ -14,6 +14,7 @@
  *   surprises.
  * With --passes all of them get that many instead, however long that takes, and only the pixels depend on the clock, if
  * there are more than LEAST_PIXELS. */
+#include "base/text.h"
 #include "trade.h"
 
 #include <string.h>
@@ -229,7 +230,7 @@ static bis_status check_time(const bis_trade *t, double seconds, bis_diag *diag)
             least += t->plan.n_seeds * t->plan.settings[i].pass_seconds;
     }
     if (least <= seconds || t->o.passes) return BIS_OK;
-    bis_trade_duration(need, 1.2 * (least / sweep_share + bis_clock_now() - t->start));
+    bis_duration(need, 1.2 * (least / sweep_share + bis_clock_now() - t->start));
     return bis_error(
         diag, BIS_INPUT, (bis_loc){0},
         "%g s are too few: a single pass of the best setting of each integrator, %d x %d pixels and %d seeds, "
@@ -255,8 +256,8 @@ static bis_status check_error(const bis_trade *t, bis_diag *diag)
     }
     const double slack = 2; /* budgets are doubled, and a pilot is short */
     if (seconds <= slack * plan->run_seconds) return BIS_OK;
-    bis_trade_duration(need, seconds);
-    bis_trade_duration(whole, t->o.seconds * seconds / plan->run_seconds);
+    bis_duration(need, seconds);
+    bis_duration(whole, t->o.seconds * seconds / plan->run_seconds);
     return bis_error(
         diag, BIS_INPUT, (bis_loc){0},
         "a relative error of %g is out of reach: by the pilot \"%s\", the best, needs about %s for one picture of %d x "

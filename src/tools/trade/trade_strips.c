@@ -4,6 +4,7 @@
  * element with that background. All have one exposure, from the reference, so that what differs is the method. Crops
  * are windows of a quarter of the picture's sides: the one in which the methods err most, and the next that does not
  * overlap it. Errors are those of `bis compare --diff`. */
+#include "base/text.h"
 #include "trade_page.h"
 
 #include "bis/tools/compare.h"
@@ -180,7 +181,7 @@ static void put_shot(bis_json *j, const bis_trade *t, int i, const window crops[
     bis_json_open(j, NULL, '{');
     bis_trade_put_name(j, s);
     bis_trade_say(j, "made=%u pass%s, %s%s", (unsigned)p->passes, p->passes == 1 ? "" : "es",
-                  bis_trade_duration(time, p->seconds), s->is_biased ? ", biased" : "");
+                  bis_duration(time, p->seconds), s->is_biased ? ", biased" : "");
     bis_trade_say(j, "picture=%s; errors=e%d; error=%s", name, i, bis_trade_percent(error, sqrt(p->relmse)));
     put_crops(j, name, &p->image, crops);
     bis_json_close(j);
@@ -216,7 +217,7 @@ void bis_trade_put_strip(bis_json *j, const bis_trade *t)
     }
     find_crops(t, crops);
     bis_json_open(j, "strip", '{');
-    bis_trade_say(j, "time=%s; reference=ref; made=%s", bis_trade_duration(time, t->plan.run_seconds),
+    bis_trade_say(j, "time=%s; reference=ref; made=%s", bis_duration(time, t->plan.run_seconds),
                   t->plan.is_given ? "as given" : "the mean of both");
     put_crops(j, "ref", &t->both.image, crops);
     bis_json_open(j, "shots", '[');

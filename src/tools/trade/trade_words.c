@@ -4,17 +4,6 @@
 #include <stdarg.h>
 #include <string.h>
 
-const char *bis_trade_duration(char buf[24], double seconds)
-{
-    if (seconds < 0.0995) snprintf(buf, 24, "%.2g ms", 1e3 * seconds);
-    else if (seconds < 9.95) snprintf(buf, 24, "%.2g s", seconds);
-    else if (seconds < 99.5) snprintf(buf, 24, "%.0f s", seconds);
-    else if (seconds < 5400) snprintf(buf, 24, "%.*f min", seconds < 597 ? 1 : 0, seconds / 60);
-    else if (seconds < 48 * 3600) snprintf(buf, 24, "%.1f h", seconds / 3600);
-    else snprintf(buf, 24, "%.3g days", seconds / 86400);
-    return buf;
-}
-
 const char *bis_trade_percent(char buf[24], double v)
 {
     const double p = 100 * v;
