@@ -180,6 +180,12 @@ static void a_new_file_has_the_mode_that_the_umask_leaves(void **state)
     umask(before);
     assert_int_equal(stat(DIR_NAME "/mode", &info), 0);
     assert_int_equal(info.st_mode & 0777, 0640);
+    before = umask(0);
+    assert_int_equal(bis_outfile_open(&f, DIR_NAME "/open", NULL), BIS_OK);
+    assert_int_equal(bis_outfile_commit(f, NULL), BIS_OK);
+    umask(before);
+    assert_int_equal(stat(DIR_NAME "/open", &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0666);
 }
 
 static void abort_leaves_the_old_file_and_nothing_else(void **state)
