@@ -176,7 +176,7 @@ static bis_status draw_density(FILE *page, const char *name, const densities *d,
 
     if (status) return status;
     for (int i = 0; i < PLACES; i++) {
-        const double q = (double)d->of[which][i], t = q > 0 ? 1 + (log10(q) - top) / DECADES : -1;
+        const double t = 1 + (log10((double)d->of[which][i]) - top) / DECADES; /* of 0: below all */
         const double share = horizon_at(d->cos_theta, i % WIDTH, i / WIDTH);
         image.pixels[i] = rgb_add(rgb_scale(t >= 0 ? colour(t) : night(), 1 - share), rgb_scale(line, share));
     }
