@@ -28,7 +28,6 @@ static void find(const vec3 axis[3], float columns, float rows, uint32_t *pixel,
         int32_t x = phi < 0 ? west : east, row = (int32_t)(theta * per_row);
 
         x = x > last_column ? last_column : x; /* phi just below pi, rounded up; theta = pi belongs to the last row */
-        x = x < 0 ? 0 : x;
         row = row > last_row ? last_row : row;
         pixel[i] = (uint32_t)(row * width + x);
     }

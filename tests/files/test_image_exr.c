@@ -36,6 +36,8 @@ typedef struct part_spec {
     int tile; /* 0: scanlines; else the side of a tile */
     bool decreasing;
     const char *type, *name; /* NULL: not written */
+    const float *chromaticities; /* chromaticities[8]; NULL: not written */
+    int envmap; /* 1 + the attribute's value; 0: not written */
 } part_spec;
 
 /* Whole numbers that a half holds exactly, all different: at (x, y) of the window, from its upper left corner. */
@@ -136,6 +138,12 @@ static void put_header(bytes *b, const part_spec *p)
         put_int(&value, 0, 1);
         put_attribute(b, "tiles", "tiledesc", &value);
     }
+    if (p->chromaticities) {
+        value.n = 0;
+        for (int i = 0; i < 8; i++) put_float(&value, p->chromaticities[i]);
+        put_attribute(b, "chromaticities", "chromaticities", &value);
+    }
+    if (p->envmap) put_int_attribute(b, "envmap", "envmap", p->envmap - 1, 1);
     put_text_attribute(b, "type", p->type);
     put_text_attribute(b, "name", p->name);
     if (p->type) put_int_attribute(b, "chunkCount", "int", n_chunks_of(p), 4);
@@ -253,6 +261,32 @@ static void half_float_and_uint_are_read_among_channels_that_nobody_wants(void *
                 const part_spec part = {.channels = channels, .n_channels = 6, .width = 7, .height = 5};
                 expect_channels(&part, 1, 0, (const int[3]){4, 2, 1}, NULL);
             }
+}
+
+/* Rec. 709 to three digits is what is assumed; a third digit that is off, in any place, is remarked upon. So is a cube map,
+ * but not a latlong one. */
+static void colours_and_shapes_that_are_not_acted_upon_are_remarked(void **state)
+{
+    (void)state;
+    for (int k = -2; k < 8 + 2; k++) {
+        float c[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.313f, 0.3291f};
+        if (k >= 0 && k < 8) c[k] += 0.001f;
+        const part_spec part = {.channels = plain, .n_channels = 3, .width = 3, .height = 2,
+                                .chromaticities = k == -2 ? NULL : c, .envmap = k < 8 ? 0 : k == 8 ? 1 : 2};
+        const char *const expected = k >= 0 && k < 8 ? "its chromaticities are not those of Rec. 709" :
+                                     k == 9          ? "it is a cube map, which we do not unfold" : NULL;
+        bytes file = {0};
+        bis_image image;
+        bis_diag diag = {0};
+        put_file(&file, &part, 1);
+        store(scratch("remark.exr"), file.data, file.n);
+        assert_int_equal(bis_image_read(&image, scratch("remark.exr"), (bis_loc){0}, &diag), BIS_OK);
+        assert_int_equal(diag.n, expected ? 1 : 0);
+        if (expected) assert_non_null(strstr(diag.messages[0].text, expected));
+        bis_image_clear(&image);
+        bis_diag_clear(&diag);
+        bytes_clear(&file);
+    }
 }
 
 static void the_data_window_is_the_whole_map_wherever_it_lies(void **state)
@@ -817,6 +851,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(half_float_and_uint_are_read_among_channels_that_nobody_wants),
+        cmocka_unit_test(colours_and_shapes_that_are_not_acted_upon_are_remarked),
         cmocka_unit_test(the_data_window_is_the_whole_map_wherever_it_lies),
         cmocka_unit_test(tiles_of_any_side_fill_the_map),
         cmocka_unit_test(one_pixel_is_a_map),
