@@ -59,7 +59,7 @@ static void every_kind_of_token_has_its_line_and_column(void **state)
 
 static void columns_count_characters_and_not_bytes(void **state)
 {
-    static const char text[] = "\"\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\" a # \xc3\xa9\n b";
+    static const char text[] = "\"\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\" a # \xc3\xa9\n b \"\xc3\xa9\xc3\xa9\" \"\xc3\xa9\" c";
     bis_lexer l;
     bis_diag diag;
     (void)state;
@@ -67,6 +67,9 @@ static void columns_count_characters_and_not_bytes(void **state)
     assert_token(&l, BIS_TOKEN_STRING, NULL, 1, 1);
     assert_token(&l, BIS_TOKEN_WORD, "a", 1, 7);
     assert_token(&l, BIS_TOKEN_WORD, "b", 2, 2);
+    assert_token(&l, BIS_TOKEN_STRING, NULL, 2, 4);
+    assert_token(&l, BIS_TOKEN_STRING, NULL, 2, 9);
+    assert_token(&l, BIS_TOKEN_WORD, "c", 2, 13);
     done(&l, &diag, 0);
 }
 
