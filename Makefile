@@ -31,6 +31,8 @@ LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng) $(if $(EMBR
 SRC     := $(filter-out src/cli/main.c,$(wildcard src/*/*.c src/*/*/*.c))
 OBJ     := $(SRC:%.c=$B/%.o) $B/src/tools/trade/page.o
 LIB     := $B/libbis.a
+# A format is a literal, so that the compiler sees whether the arguments fit.
+$(SRC:%.c=$B/%.o): OURS += -Wformat=2
 # tests/LAYER/test_NAME.c becomes $B/tests/test_NAME: a test's name is unique. A starter kit has its one test in tests/ itself.
 TEST_SRC := $(wildcard tests/test_*.c tests/*/test_*.c)
 program  = $(patsubst %.c,$B/tests/%,$(notdir $(1)))

@@ -707,6 +707,19 @@ static void lost_runs_are_measured_again_and_are_the_same(void **state)
     assert_int_equal(system("cmp -s " DIR "/own/plan.txt " DIR "/lost/plan.txt"), 0);
 }
 
+static void a_reference_of_another_size_is_named(void **state)
+{
+    (void)state;
+    program_run r;
+    assert_int_equal(system("cp -r " DIR "/own " DIR "/sized && rm " DIR "/sized/report.html"), 0);
+    program_expect(&r, 0, SCENE " --resolution 5x4 --spp 1 --quiet --outfile " DIR "/sized/references/sir-3.exr");
+    program_expect(&r, 2, "trade " SCENE " --resume --nthreads 1 --output " DIR "/sized");
+    assert_non_null(strstr(r.messages, DIR "/sized/references/sir-3.exr: error: 5 x 4 pixels, must have the "));
+    assert_non_null(strstr(r.messages, " of plan.txt; remove it and it is made again\n"));
+    assert_int_equal(system("rm " DIR "/sized/references/sir-3.exr"), 0);
+    program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/sized");
+}
+
 static void a_finished_measurement_resumes_to_itself(void **state)
 {
     (void)state;
@@ -1111,6 +1124,7 @@ int main(void)
         cmocka_unit_test(passes_are_advised_that_make_a_square_grid),
         cmocka_unit_test(what_is_promised_comes_out),
         cmocka_unit_test(lost_runs_are_measured_again_and_are_the_same),
+        cmocka_unit_test(a_reference_of_another_size_is_named),
         cmocka_unit_test(a_finished_measurement_resumes_to_itself),
         cmocka_unit_test(a_signal_keeps_what_was_measured_and_resume_goes_on),
         cmocka_unit_test(a_signal_right_after_resume_leaves_everything_as_it_was),
