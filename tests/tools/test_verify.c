@@ -482,6 +482,29 @@ static void wrong_integrators_are_rejected(void **state)
     bis_light_free(light);
 }
 
+/* One small lamp, seen at 84 degrees: a few of brdf's samples outweigh all others, so that p is bounded by Bernstein's
+ * inequality. The right one passes; the one that draws again below the horizon, hence too often above it, does not. */
+static void what_is_rare_and_bright_is_judged_too(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0.15, false);
+    lit l;
+    bool tested;
+    const bis_material m = bis_phong((rgb){0.05f, 0.05f, 0.05f}, (rgb){0.9f, 0.9f, 0.9f}, 10);
+    lit_init(&l, light, m, normalize(vec3_from(0.2, -0.3, 0.8)), 84, LIT_OPEN);
+    for (int wrong = 0; wrong < 2; wrong++)
+        for (uint64_t seed = 3; seed < 6; seed++) {
+            bis_settings s = bis_settings_default(&bis_brdf);
+            bis_verify v = {.seed = seed, .halvings = 1};
+            if (wrong) s.as_printed = BIS_E34;
+            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "lamp", &tested, NULL), BIS_OK);
+            assert_true(tested && v.n == 1 && strstr(v.tests[0].note, "Bernstein"));
+            assert_int_equal(wrong, v.tests[0].p < 1e-5);
+            bis_verify_clear(&v);
+        }
+    bis_light_free(light);
+}
+
 /* ---- the thesis as printed: biases known by quadrature ---- */
 
 /* What a candidate from the map may be: one of 4 places in each pixel. */
@@ -1129,6 +1152,7 @@ int main(void)
         cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
         cmocka_unit_test(wrong_integrators_are_rejected),
+        cmocka_unit_test(what_is_rare_and_bright_is_judged_too),
         cmocka_unit_test(the_thesis_as_printed_is_rejected),
         cmocka_unit_test(a_backend_that_loses_rays_is_rejected),
         cmocka_unit_test(a_floor_that_shadows_itself_is_found_with_one_backend),
