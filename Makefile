@@ -37,7 +37,7 @@ $(SRC:%.c=$B/%.o): OURS += -Wformat=2
 TEST_SRC := $(wildcard tests/test_*.c tests/*/test_*.c)
 program  = $(patsubst %.c,$B/tests/%,$(notdir $(1)))
 TESTS   := $(call program,$(TEST_SRC))
-CHOSEN  := $(sort $(call program,$(if $(T),$(filter tests/$(T)/%,$(TEST_SRC)))) $(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t)))
+CHOSEN  := $(if $(T),$(sort $(call program,$(filter tests/$(T)/%,$(TEST_SRC))) $(foreach t,$(TESTS),$(if $(findstring $(T),$(notdir $t)),$t))),$(TESTS))
 SUPPORT := $(patsubst %.c,$B/%.o,$(wildcard tests/support/*.c))
 # Programs beside bis: the generator of data/, the benchmarks, the check that integrators agree.
 DATA_SRC := $(wildcard data/generate/*.c)

@@ -412,9 +412,31 @@ static void each_run_of_the_tests_has_a_root_of_its_own(void **state)
     assert_false(program_exists("build/mine"));
 }
 
+/* `make test` runs every test program; T names a folder or a part of a name. `make -n` tells what would run. */
+static void make_test_chooses_the_programs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *choice, *files;
+    } cases[] = {{"", "tests/*/test_*.c"}, {"T=shape", "tests/shape/test_*.c"}, {"T=film", "tests/*/test_*film*.c"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char command[512];
+        snprintf(command, sizeof command, "ls %s | sed 's,.*/,,; s,[.]c$,,' | sort > build/test_choice.expected", cases[i].files);
+        assert_int_equal(shell(command), 0);
+        snprintf(command, sizeof command,
+                 "env -u MAKEFLAGS -u MFLAGS -u T make -n test %s | grep run_tests[.]sh | tr ' ' '\\n' | sed -n 's,.*/tests/test_,test_,p' | "
+                 "sort > build/test_choice",
+                 cases[i].choice);
+        assert_int_equal(shell(command), 0);
+        assert_int_equal(shell("test -s build/test_choice && diff build/test_choice.expected build/test_choice"), 0);
+    }
+    assert_int_not_equal(shell("env -u MAKEFLAGS -u MFLAGS -u T sh scripts/check/run_tests.sh > build/test_choice"), 0); /* nothing chosen is no success */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(make_test_chooses_the_programs),
         cmocka_unit_test(every_command_of_the_readme_works),
         cmocka_unit_test(every_command_of_the_guide_works),
         cmocka_unit_test(a_section_without_a_task_or_its_answer_is_found),
