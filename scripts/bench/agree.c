@@ -87,8 +87,8 @@ static void cell_means(const bis_film *film, double value[VALUES])
             const double *sum = film->sum + 3 * ((size_t)y * (size_t)film->width + (size_t)x);
             pixels[0]++, pixels[cell]++;
             for (int c = 0; c < CHANNELS; c++) {
-                value[c] += sum[c] / film->passes;
-                value[cell * CHANNELS + c] += sum[c] / film->passes;
+                value[c] += sum[c] / film->weight;
+                value[cell * CHANNELS + c] += sum[c] / film->weight;
             }
         }
     for (int i = 0; i < VALUES; i++) value[i] /= pixels[i / CHANNELS] > 0 ? pixels[i / CHANNELS] : 1;

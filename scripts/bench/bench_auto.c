@@ -101,7 +101,7 @@ static void measure(job *j, bis_settings settings)
         all = fmin(all, render(j, &film, j->width, j->height, 1000 + (uint64_t)i, spp));
         const size_t n = 3 * (size_t)film.width * (size_t)film.height;
         m->mean[i] = bis_alloc(n, sizeof(double));
-        for (size_t k = 0; k < n; k++) m->mean[i][k] = film.sum[k] / film.passes;
+        for (size_t k = 0; k < n; k++) m->mean[i][k] = film.sum[k] / film.weight;
         for (size_t k = 0; k < n / 3; k++) j->shaded[k] |= film.hits[k] > 0;
     }
     const double scale = (double)j->full_width * j->full_height / ((double)j->width * j->height);

@@ -97,7 +97,7 @@ static void count(tally *sum, const truth *t, const bis_film *f, const bis_rende
     double squares = 0;
 
     for (size_t i = 0; i < t->n; i++) {
-        d[i] = (f->sum[i] / f->passes - t->value[i]) / t->scale[i];
+        d[i] = (f->sum[i] / f->weight - t->value[i]) / t->scale[i];
         squares += d[i] * d[i];
     }
     const double error = sqrt(squares / (double)t->n);

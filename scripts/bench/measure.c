@@ -194,7 +194,7 @@ static double *means(const bis_film *film)
     double *L = bis_alloc(n, sizeof *L);
 
     if (!L) give_up("no memory for", "a picture");
-    for (size_t i = 0; i < n; i++) L[i] = film->sum[i] / film->passes;
+    for (size_t i = 0; i < n; i++) L[i] = film->sum[i] / film->weight;
     return L;
 }
 

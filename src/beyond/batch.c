@@ -33,8 +33,6 @@ struct bis_batch {
     bis_product product; /* proposal "product" alone */
     bis_lanes traced;   /* [N]: what was chosen; q_L: what its weight was multiplied by beyond phat/q */
     uint32_t *cluster;  /* [N] */
-    vec3 *wi;
-    bool *sees;
     float *floats;      /* what holds all the float arrays */
 };
 
@@ -65,7 +63,7 @@ size_t bis_fast_bytes(const bis_settings *s)
     if (!bis_fast_needs_of(s).batch) return 0;
     const uint32_t m = bis_lanes_round_up(s->candidates), N = s->shadowrays, n = bis_lanes_round_up(N);
     const size_t arrays = floats_needed(m, n) * sizeof(float) + m * sizeof(uint32_t) +
-                          N * (sizeof(uint32_t) + sizeof(vec3) + sizeof(bool));
+                          N * sizeof(uint32_t);
 
     return sizeof(bis_batch) + arrays + bis_blocks_bytes(2 * m, N) +
            (wants_product(s) ? bis_product_bytes(s->candidates) : 0);
@@ -79,8 +77,6 @@ static void batch_free(bis_batch *b)
     bis_free(b->floats);
     bis_free(b->pixel);
     bis_free(b->cluster);
-    bis_free(b->wi);
-    bis_free(b->sees);
     bis_free(b);
 }
 
@@ -95,9 +91,7 @@ static bis_batch *batch_new(const bis_settings *s)
     b->floats = bis_alloc(floats_needed(m, n), sizeof *b->floats);
     b->pixel = bis_alloc(m, sizeof *b->pixel);
     b->cluster = bis_alloc(N, sizeof *b->cluster);
-    b->wi = bis_alloc(N, sizeof *b->wi);
-    b->sees = bis_alloc(N, sizeof *b->sees);
-    if (!blocks || !product || !b->floats || !b->pixel || !b->cluster || !b->wi || !b->sees) {
+    if (!blocks || !product || !b->floats || !b->pixel || !b->cluster) {
         batch_free(b);
         return NULL;
     }
@@ -181,13 +175,13 @@ static void find_clusters(bis_batch *b, uint32_t first_brdf, const float *visibl
     }
 }
 
-static void count_visibility(const bis_batch *b, uint32_t n_clusters, bis_seen *counted)
+/* Where the k-th of what was chosen is to be counted if light arrives; NULL: nowhere. Counts the ray itself. */
+static uint32_t *count_ray(const bis_batch *b, uint32_t k, const bis_fast *f)
 {
-    for (uint32_t k = 0; k < b->weights.n_chosen; k++) {
-        bis_seen *part = &counted[bis_visibility_part(b->cluster[k], n_clusters)];
-        part->rays++;
-        part->seen += b->sees[k];
-    }
+    if (!f->visible || !f->counted) return NULL;
+    bis_seen *part = &f->counted[bis_visibility_part(b->cluster[k], f->clusters->n)];
+    part->rays++;
+    return &part->seen;
 }
 
 /* ---- rays ---- */
@@ -212,23 +206,22 @@ static void gather(bis_batch *b, const bis_lanes *map, uint32_t first_brdf)
         const bool brdf = i >= first_brdf;
         copy_lane(&b->traced, k, brdf ? &b->brdf : map, brdf ? i - first_brdf : i);
         b->traced.q_L[k] = 1;
-        b->wi[k] = (vec3){b->traced.x[k], b->traced.y[k], b->traced.z[k]};
     }
     for (uint32_t k = n; k < bis_lanes_round_up(n); k++) b->traced.r[k] = b->traced.g[k] = b->traced.b[k] = 0;
 }
 
-/* The sum of F/phat V over the marks. */
-static rgbd trace(bis_batch *b, const bis_point *pt)
+/* The sum of Z F/phat V over the marks. */
+static rgbd trace(bis_batch *b, const bis_point *pt, double Z, const bis_fast *f)
 {
     const uint32_t n = b->weights.n_chosen;
+    const bis_lanes *y = &b->traced;
     rgbd sum = {0, 0, 0};
 
-    bis_bsdf_lanes_of(pt->bsdf.material->model)->colour(&pt->bsdf, &b->traced, n);
-    bis_point_sees_many(pt, b->wi, n, b->sees);
+    bis_bsdf_lanes_of(pt->bsdf.material->model)->colour(&pt->bsdf, y, n);
     for (uint32_t k = 0; k < n; k++) {
-        if (!b->sees[k]) continue;
-        const rgbd colour = {(double)b->traced.r[k], (double)b->traced.g[k], (double)b->traced.b[k]};
-        sum = rgbd_add(sum, rgbd_scale(colour, b->weights.times[k] / (double)b->traced.q_L[k]));
+        const rgbd colour = {(double)y->r[k], (double)y->g[k], (double)y->b[k]};
+        const rgbd C = rgbd_scale(colour, Z * b->weights.times[k] / (double)y->q_L[k]);
+        bis_point_add(&sum, pt, (vec3){y->x[k], y->y[k], y->z[k]}, C, count_ray(b, k, f));
     }
     return sum;
 }
@@ -272,8 +265,6 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     gather(b, &map, first_brdf);
     if (f->visible) find_clusters(b, first_brdf, f->visible);
     const double Zhat = W / M * unit * mean;
-    const rgbd sum = trace(b, pt);
-    if (f->visible && f->counted) count_visibility(b, clusters->n, f->counted);
-    return rgbd_round(rgbd_scale(sum, Zhat / N));
+    return rgbd_round(trace(b, pt, Zhat / N, f));
 }
 /* [end] */

@@ -1,6 +1,7 @@
 /* film: sums, sums of squares, and what they say about the error.
  *
- * A picture is the mean over passes; a pass adds one value to every pixel, so one count serves all pixels. Sums are
+ * A picture is the mean over passes; a pass adds one value to every pixel, so one weight serves all pixels: the pass's
+ * number of camera samples, settled before it is rendered. Sums are
  * double: a million passes of float radiance add up without loss that matters (2^-53 a step), and squares of FLT_MAX do
  * not overflow.
  * 56 bytes a pixel. Source of the error estimate: docs/errata.md E32 (errors come from whole, independent replicates:
@@ -112,7 +113,14 @@ bis_rect bis_film_tile_of_crop(const bis_film *f, int side, int t)
 
 /* ---- passes ---- */
 
-void bis_film_add(bis_film *f, int x, int y, rgb L, double hit)
+void bis_film_end_pass(bis_film *f, double weight)
+{
+    f->passes++;
+    f->weight += weight;
+    f->weight_squares += weight * weight;
+}
+
+void bis_film_add(bis_film *f, int x, int y, rgb L, double hit, double weight)
 {
     assert(x >= f->x0 && x < f->x0 + f->width && y >= f->y0 && y < f->y0 + f->height);
     assert(rgb_is_finite(L));
@@ -120,16 +128,16 @@ void bis_film_add(bis_film *f, int x, int y, rgb L, double hit)
     const double c[3] = {(double)L.r, (double)L.g, (double)L.b};
 
     for (int k = 0; k < 3; k++) {
-        f->sum[3 * i + (size_t)k] += c[k];
-        f->sum_squares[3 * i + (size_t)k] += c[k] * c[k];
+        f->sum[3 * i + (size_t)k] += weight * c[k];
+        f->sum_squares[3 * i + (size_t)k] += weight * c[k] * c[k];
     }
-    f->hits[i] += hit;
+    f->hits[i] += weight * hit;
 }
 
 void bis_film_resolve(const bis_film *f, float *rgba)
 {
     size_t n = (size_t)f->width * (size_t)f->height;
-    double scale = f->passes ? 1.0 / f->passes : 0; /* no pass yet: black, and so are the sums */
+    double scale = f->passes ? 1 / f->weight : 0; /* no pass yet: black, and so are the sums */
 
     for (size_t i = 0; i < n; i++) {
         for (size_t k = 0; k < 3; k++) rgba[4 * i + k] = (float)(f->sum[3 * i + k] * scale);
@@ -137,20 +145,25 @@ void bis_film_resolve(const bis_film *f, float *rgba)
     }
 }
 
-/* The expected (a-b)^2 / (b^2 + m^2/100) of one pixel, mean over its channels: the variance of each channel's mean,
- * that of one pass over n (eq. 3.9), in place of (a-b)^2. In place of b^2 there are two: mean^2, which holds that
+/* The variance of the mean of channel i, n > 1 passes (eq. 3.9). A pass of weight w is the mean of w camera samples: its
+ * variance is v/w, sum w (L - mean)^2 over n - 1 estimates v, and the mean over a weight W has the variance v/W. Where
+ * all passes agree the sum is 0 but for rounding, a few ulps of sum_squares, which may fall below it. */
+double bis_film_variance(const bis_film *f, size_t i)
+{
+    return fmax(0, f->sum_squares[i] - f->sum[i] * (f->sum[i] / f->weight)) / (f->passes - 1.0) / f->weight;
+}
+
+/* The expected (a-b)^2 / (b^2 + m^2/100) of one pixel, mean over its channels: the variance of each channel's mean in
+ * place of (a-b)^2. In place of b^2 there are two: mean^2, which holds that
  * variance as well, so that a lone bright sample hides behind its own brightness (scene.txt at 4 passes: estimate 0.35,
  * truth 0.70); and mean^2 less the variance, right in expectation, but 0 just there, as if the pixel were black. Their
  * geometric mean serves both: noise that is small beside the mean does not see it. */
 static double pixel_error(const bis_film *f, size_t i, double floor)
 {
-    double n = f->passes, total = 0;
+    double total = 0;
 
     for (size_t k = 3 * i; k < 3 * i + 3; k++) {
-        double mean = f->sum[k] / n;
-        /* Where all passes agree the difference is 0 but for rounding, a few ulps of sum_squares, which may fall below
-         * it. */
-        double variance = fmax(0, f->sum_squares[k] - f->sum[k] * mean) / (n - 1) / n;
+        const double mean = f->sum[k] / f->weight, variance = bis_film_variance(f, k);
         /* Radiance is not negative, so sum_squares <= sum^2 and variance <= mean^2, but for rounding again. */
         double square = mean * mean, less = fmax(0, square - variance);
         total += variance / sqrt((square + floor) * (less + floor));
@@ -165,7 +178,7 @@ static double floor_of(const bis_film *f)
     double mean = 0;
 
     for (size_t i = 0; i < 3 * n; i++) mean += f->sum[i];
-    mean /= 3 * (double)n * f->passes;
+    mean /= 3 * (double)n * f->weight;
     return mean * mean / 100;
 }
 
@@ -196,8 +209,8 @@ void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
  * The bound is R plus 1.645 (the 95% point of a normal) times the root of the sum. But with few passes R is too low
  * where noise is skewed: pixels whose mean came out low show little scatter, and are weighed most. The loss falls with
  * 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every third pixel: true errors above the bound
- * in 2.6, 3.3, 2.8% of 2000 renders at 4, 16, 64 passes, without it in 16% at 4 (tests/render/test_film.c). The bound
- * knows nothing of lights that no pass has found yet. */
+ * in 2.6, 3.3, 2.8% of 2000 renders at 4, 16, 64 passes, without it in 16% at 4 (tests/render/test_film.c). Of passes
+ * that differ in weight, n counts as many as would have the same mean of squared weights. The bound knows nothing of lights that no pass has found yet. */
 double bis_film_relative_rmse(const bis_film *f, double *upper)
 {
     size_t n = (size_t)f->width * (size_t)f->height;
@@ -216,7 +229,7 @@ double bis_film_relative_rmse(const bis_film *f, double *upper)
         squares += x * x;
     }
     double R = sum / (double)n, scatter = fmax(0, squares - sum * R); /* fmax: as in pixel_error */
-    if (upper) *upper = sqrt(R * (1 + 1.5 / f->passes) + 1.645 * sqrt(scatter + 2 * squares) / (double)n);
+    if (upper) *upper = sqrt(R * (1 + 1.5 * f->weight_squares / (f->weight * f->weight)) + 1.645 * sqrt(scatter + 2 * squares) / (double)n);
     return sqrt(R);
 }
 

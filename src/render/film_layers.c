@@ -45,18 +45,11 @@ static double student_975(double dof)
     return 0.5 * (lo + hi);
 }
 
-/* Standard error of the mean of channel k of pixel i, n passes. */
-static double standard_error(const bis_film *f, size_t i, size_t k)
-{
-    double n = f->passes, sum = f->sum[3 * i + k];
-    /* Equal passes: a few ulps of sum_squares, which may fall below 0. */
-    return sqrt(fmax(0, f->sum_squares[3 * i + k] - sum * sum / n) / (n * (n - 1)));
-}
-
 /* Value k of a layer in pixel i. factor: of the standard error. */
 static double value(const bis_film *f, bis_layer layer, size_t i, size_t k, double factor)
 {
-    if (layer == BIS_LAYER_STDERR || layer == BIS_LAYER_INTERVAL) return factor * standard_error(f, i, k);
+    if (layer == BIS_LAYER_STDERR || layer == BIS_LAYER_INTERVAL) 
+        return factor * sqrt(bis_film_variance(f, 3 * i + k));
 
     const double *sum = f->layers.sum + i * (size_t)f->layers.n_values + f->layers.first[layer];
     switch (layer) {
@@ -65,7 +58,7 @@ static double value(const bis_film *f, bis_layer layer, size_t i, size_t k, doub
     case BIS_LAYER_CANDIDATES: return sum[k];
     case BIS_LAYER_VISIBILITY: return sum[1] > 0 ? sum[0] / sum[1] : 0;
     case BIS_LAYER_DEPTH: return f->hits[i] > 0 ? sum[0] / f->hits[i] : 0;
-    default: return f->passes ? sum[k] / f->passes : 0;
+    default: return f->passes ? sum[k] / f->weight : 0;
     }
 }
 

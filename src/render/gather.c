@@ -30,6 +30,7 @@ static rgb unoccluded(const bis_settings *settings, bis_Lo *Lo, const bis_point 
     open.accel = NULL;
     open.ng = open.n;
     open.counters = &ignored;
+    open.later = NULL;
     bis_seen *counted = scratch->fast->counted;
     scratch->fast->counted = NULL; /* V = 1 is not to be learned from */
     rgb L_ns = Lo(settings, &open, stream, scratch);
@@ -77,10 +78,10 @@ void bis_gather_counts(float *values, const bis_layers *layers, const bis_counte
     if (candidates) *candidates += (float)(after->candidates - before->candidates);
 }
 
-void bis_gather_mean(float *values, const bis_layers *layers, uint32_t n)
+void bis_gather_mean(float *values, const bis_layers *layers, double n)
 {
     for (int i = BIS_LAYER_UNOCCLUDED; i < BIS_N_LAYERS; i++) {
         float *value = place(values, layers, (bis_layer)i);
-        for (int k = 0; value && k < bis_layer_values((bis_layer)i); k++) value[k] /= (float)n;
+        for (int k = 0; value && k < bis_layer_values((bis_layer)i); k++) value[k] = (float)((double)value[k] / n);
     }
 }

@@ -15,7 +15,7 @@ bool bis_gather_surface(float *values, const bis_layers *layers, const bis_setti
 /* What was counted meanwhile. */
 void bis_gather_counts(float *values, const bis_layers *layers, const bis_counters *before, const bis_counters *after);
 
-/* values are sums over n camera samples: make means of them, but for counts. */
-void bis_gather_mean(float *values, const bis_layers *layers, uint32_t n);
+/* values are sums over camera samples: divide them by n, but for counts. */
+void bis_gather_mean(float *values, const bis_layers *layers, double n);
 
 #endif

@@ -7,12 +7,19 @@
 /* Called between tiles by one thread, with the share of the pass that is done. */
 typedef void bis_pass_progress(double share, void *user);
 
-/* bis_pass_render renders pass number `pass` and keeps it aside in *w. It returns false if it was interrupted: some
- * pixels were then not done. */
-bool bis_pass_render(bis_workspace *w, uint32_t pass, bis_pass_progress *progress, void *user);
+typedef struct bis_pass {
+    uint32_t number; /* of the pass, from 0 */
+    uint32_t n;      /* camera samples of a pixel; with adaptive sampling, see adapt.h */
+    uint64_t first;  /* camera samples of a pixel in the passes before */
+    double weight;   /* of the pass in the film */
+} bis_pass;
+
+/* bis_pass_render renders a pass and keeps it aside in *w. It returns false if it was interrupted: some pixels were
+ * then not done. */
+bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user);
 
 /* bis_pass_keep adds the pass under way to the film and its counters to *sum, and lets visibility learn from it. */
-void bis_pass_keep(bis_workspace *w, bis_counters *sum);
+void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum);
 
 /* bis_pass_interrupted returns true once the flag of the options is set. */
 bool bis_pass_interrupted(const bis_workspace *w);

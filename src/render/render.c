@@ -1,8 +1,13 @@
 /* render: passes until a budget is used up.
  *
- * pass.c renders one pass; workspace.h is what it works with. Here is decided whether another one is begun. Budgets are
- * looked at between passes. For time: another pass is begun if one of mean length still fits, so a render ends at most
- * one pass early. For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from
+ * pass.c renders one pass; workspace.h is what it works with. Here is decided whether another one is begun. Passes take
+ * 1, 1, 2, 4, 4, ... camera samples of each pixel. Samples of one pass cost less together, because they find the scene
+ * in the cache; but what is learned helps only the next pass, and a short render should not be cut in large pieces. A
+ * pass weighs as much as it has camera samples, which is settled before it begins, so the mean stays unbiased.
+ *
+ * Budgets are looked at between passes. For time: another pass is begun if one of mean speed still fits, with fewer
+ * camera samples if it must be; that is then the last one. So a budget of as many camera samples makes the same picture.
+ * For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from
  * 20 on, each time their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of passes that
  * no clock can change.
  *
@@ -21,30 +26,58 @@
 #include <assert.h>
 #include <math.h>
 
-enum { MIN_ERROR_PASSES = 4 };
+enum { MIN_ERROR_PASSES = 4, MOST_SAMPLES = 4 };
 
 static const double seconds_between_reports = 0.2;
 
 typedef struct render {
     bis_workspace work;
     bis_budget budget;
-    uint32_t most_passes; /* of budget.spp; 0: not limited by it */
+    uint64_t most; /* camera samples of budget.spp; 0: not limited by it */
     double start, last_report;
     double rmse, rmse_upper; /* as last estimated; NAN: not yet */
     bis_counters counters;
-    uint32_t passes;
+    uint64_t spp; /* camera samples of a pixel in complete passes; with adaptive sampling their mean */
+    uint32_t size; /* camera samples of a pixel in the pass under way */
+    bool is_last;  /* the pass under way is smaller than its place in the order demands, so that it fits the time */
+    uint32_t passes_total; /* that make `most`; 0: unknown */
 } render;
+
+/* Camera samples of the pass that follows `spp` of them: 1, 1, 2, 4, 4, ... of `most` in all (0: no limit). */
+static uint32_t pass_size(const render *r, uint64_t spp)
+{
+    uint64_t n = spp < 1 ? 1 : spp < MOST_SAMPLES ? spp : MOST_SAMPLES;
+
+    if (r->work.options->pass_size) n = r->work.options->pass_size;
+    if (r->work.view->adaptive) n = BIS_ADAPT_SAMPLES;
+    if (r->most && spp + n > r->most) n = r->most - spp;
+    return (uint32_t)n;
+}
+
+/* Passes that make `most` camera samples. */
+static uint32_t passes_in(const render *r, uint64_t most)
+{
+    uint32_t n = 0;
+
+    for (uint64_t spp = 0; spp < most; n++) {
+        if (spp >= MOST_SAMPLES) return n + (uint32_t)((most - spp + pass_size(r, spp) - 1) / pass_size(r, spp));
+        spp += pass_size(r, spp);
+    }
+    return n;
+}
 
 /* How much of the budget is used up, and how long it will last, with `share` of the pass under way done. */
 static void report(render *r, double share)
 {
     const bis_render_options *options = r->work.options;
-    bis_progress p = {.passes_done = r->passes, .passes_total = r->most_passes, .seconds_left = (double)NAN};
+    bis_progress p = {.passes_done = r->work.film->passes,
+                      .passes_total = r->passes_total,
+                      .seconds_left = (double)NAN};
 
     if (!options->progress) return;
     r->last_report = bis_clock_now();
     p.seconds = r->last_report - r->start;
-    if (r->most_passes) p.share = (r->passes + share) / r->most_passes;
+    if (r->most) p.share = ((double)r->spp + share * r->size) / (double)r->most;
     if (r->budget.seconds > 0) p.share = fmax(p.share, p.seconds / r->budget.seconds);
     /* The error falls with the root of the number of passes (docs/errata.md E9). */
     if (r->budget.error > 0 && r->rmse_upper > 0) p.share = fmax(p.share, pow(r->budget.error / r->rmse_upper, 2));
@@ -63,31 +96,34 @@ static void report_tile(double share, void *user)
 /* What the error budget will take, as far as the pilot knows: the error falls with the root of the number of passes. */
 static void forecast(render *r)
 {
-    const double factor = pow(r->rmse_upper / r->budget.error, 2),
-                 spp = r->passes * (r->work.adapt.n_tiles ? BIS_ADAPT_SAMPLES : 1);
+    const double factor = pow(r->rmse_upper / r->budget.error, 2);
     const bis_forecast f = {
-        .error = r->rmse_upper, .spp = factor * spp, .seconds = factor * (bis_clock_now() - r->start)};
+        .error = r->rmse_upper, .spp = factor * (double)r->spp, .seconds = factor * (bis_clock_now() - r->start)};
 
     if (!r->work.options->forecast) return;
     r->work.options->forecast(&f, r->work.options->user);
 }
 
-/* May another pass begin? One has been completed. */
+/* May another pass begin? One has been completed. Its size is r->size. */
 static bool budget_left(render *r, uint32_t *next_check)
 {
     const bis_budget *b = &r->budget;
+    const uint32_t passes = r->work.film->passes;
 
     if (bis_pass_interrupted(&r->work)) return false;
-    if (r->most_passes && r->passes >= r->most_passes) return false;
-    if (r->passes == UINT32_MAX) return false;
+    if (r->is_last || (r->most && r->spp >= r->most)) return false;
+    if (passes == UINT32_MAX) return false;
+    const uint32_t size = r->size = pass_size(r, r->spp);
     if (b->seconds > 0) {
-        double spent = bis_clock_now() - r->start;
-        if (spent + spent / r->passes > b->seconds) return false;
+        const double spent = bis_clock_now() - r->start, fits = (b->seconds - spent) / (spent / (double)r->spp);
+        if (fits < (r->work.view->adaptive ? size : 1)) return false;
+        r->is_last = fits < size;
+        if (r->is_last) r->size = (uint32_t)fits;
     }
-    if (b->error > 0 && r->passes >= *next_check) {
+    if (b->error > 0 && passes >= *next_check) {
         bool first = *next_check == MIN_ERROR_PASSES;
         r->rmse = bis_film_relative_rmse(r->work.film, &r->rmse_upper);
-        *next_check = r->passes + 1 + r->passes / 20;
+        *next_check = passes + 1 + passes / 20;
         if (r->rmse_upper <= b->error) return false;
         if (first) forecast(r);
     }
@@ -99,18 +135,23 @@ static void render_passes(render *r, bis_render_result *result)
     uint32_t next_check = MIN_ERROR_PASSES;
     bool complete;
 
+    r->size = pass_size(r, 0);
     do {
-        complete = bis_pass_render(&r->work, r->passes, report_tile, r);
+        const bis_pass pass = {.number = r->work.film->passes,
+                               .n = r->size,
+                               .first = r->spp,
+                               .weight = r->work.view->adaptive ? 1 : (double)r->size};
+        complete = bis_pass_render(&r->work, &pass, report_tile, r);
         if (complete) {
-            bis_pass_keep(&r->work, &r->counters);
-            r->passes++;
+            bis_pass_keep(&r->work, &pass, &r->counters);
+            r->spp += r->size;
             if (r->work.adapt.n_tiles) bis_adapt_next(&r->work.adapt, r->work.film);
         }
     } while (complete && budget_left(r, &next_check));
     result->seconds = bis_clock_now() - r->start;
+    r->size = 0;
     /* where all passes are done, it came too late */
-    result->interrupted =
-        bis_pass_interrupted(&r->work) && !(r->most_passes && r->passes >= r->most_passes);
+    result->interrupted = bis_pass_interrupted(&r->work) && !(r->most && r->spp >= r->most);
     report(r, 0);
 }
 
@@ -123,9 +164,10 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     *result = (bis_render_result){.relative_rmse = (double)NAN, .error_bound = (double)NAN};
     assert(film->passes == 0);
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
-    r.most_passes = r.budget.spp;
-    if (view->adaptive) r.most_passes = r.budget.spp / BIS_ADAPT_SAMPLES + (r.budget.spp % BIS_ADAPT_SAMPLES > 0);
+    r.most = r.budget.spp;
+    if (view->adaptive) r.most = (r.most + BIS_ADAPT_SAMPLES - 1) / BIS_ADAPT_SAMPLES * BIS_ADAPT_SAMPLES;
     bis_status status = bis_workspace_init(&r.work, film, scene, desc, view, options, diag);
+    r.passes_total = passes_in(&r, r.most);
     r.start = r.last_report = bis_clock_now();
     if (!status) status = bis_workspace_find_edges(&r.work, &edge_rays, diag);
     if (!status) {
@@ -133,8 +175,8 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
         render_passes(&r, result);
         result->counters = r.counters;
         result->relative_rmse = bis_film_relative_rmse(film, &result->error_bound);
-        result->passes = r.passes;
-        result->spp = view->adaptive ? (uint64_t)r.passes * BIS_ADAPT_SAMPLES : r.passes;
+        result->passes = film->passes;
+        result->spp = r.spp;
         result->n_threads = r.work.n_threads;
         result->bytes = bis_workspace_bytes(&r.work);
     }

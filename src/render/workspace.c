@@ -37,12 +37,16 @@ static bis_status make_workers(bis_workspace *w, bis_diag *diag)
 
     w->workers = bis_alloc((size_t)w->n_threads, sizeof *w->workers);
     if (!w->workers) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d threads", w->n_threads);
-    w->Lo = bis_fast_Lo(settings);
+    const bis_wave_task task = {.scene = w->scene, .desc = w->desc, .view = w->view, .film = w->film,
+                                .to_camera = &w->to_camera, .options = w->options, .Lo = bis_fast_Lo(settings)};
     for (int i = 0; i < w->n_threads && !status; i++) {
         bis_worker *worker = &w->workers[i];
         status = bis_scratch_init(&worker->scratch, settings, diag);
         if (!status) status = bis_fast_init(&worker->fast, settings, diag);
         worker->scratch.fast = &worker->fast;
+        if (status) continue;
+        worker->wave = bis_wave_new(&task, &worker->scratch, &worker->counters);
+        if (!worker->wave) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's camera samples");
     }
     return status;
 }
@@ -142,7 +146,7 @@ size_t bis_workspace_bytes(const bis_workspace *w)
     const size_t pixel = sizeof *w->pass + (size_t)w->film->layers.n_values * sizeof *w->pass_layers;
     const size_t n_pixels = (size_t)w->film->width * (size_t)w->film->height;
     const bis_settings *settings = &w->view->settings;
-    const size_t thread = sizeof *w->workers + bis_scratch_bytes(settings) + bis_fast_bytes(settings);
+    const size_t thread = sizeof *w->workers + bis_wave_bytes() + bis_scratch_bytes(settings) + bis_fast_bytes(settings);
 
     return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_visibility_bytes(&w->visibility) +
            bis_adapt_bytes(&w->adapt) + (size_t)w->n_threads * thread + n_pixels * pixel;
@@ -153,6 +157,7 @@ void bis_workspace_clear(bis_workspace *w)
     for (int i = 0; i < w->n_threads && w->workers; i++) {
         bis_scratch_clear(&w->workers[i].scratch);
         bis_fast_clear(&w->workers[i].fast);
+        bis_wave_free(w->workers[i].wave);
     }
     bis_pool_clear(&w->pool);
     bis_clusters_clear(&w->clusters);

@@ -7,6 +7,7 @@
 
 #include "adapt.h"
 #include "beyond/batch.h"
+#include "wave.h"
 
 #include <stdalign.h>
 
@@ -15,6 +16,8 @@ typedef struct bis_worker {
     alignas(64) bis_counters counters; /* of this pass */
     bis_scratch scratch;
     bis_fast fast;
+    bis_wave *wave;
+    bis_pixel_sum pixels[BIS_RENDER_TILE * BIS_RENDER_TILE]; /* of the tile at hand */
 } bis_worker;
 
 /* What a pass makes of a pixel, kept until the pass is complete: the mean of its camera samples. */
@@ -31,11 +34,10 @@ typedef struct bis_workspace {
     bis_film *film;
     bis_xform to_camera;
     bool independent; /* each pass has a seed of its own */
-    bis_adapt adapt;  /* n_tiles = 0: every pass is one camera sample */
+    bis_adapt adapt;  /* n_tiles = 0: a pass takes as many camera samples of every pixel */
 
     int n_threads;
     bis_worker *workers; /* workers[n_threads] */
-    bis_Lo *Lo;               /* the integrator's own, or the vector path */
     bis_pool pool;            /* M = 0: none */
     bis_clusters clusters;    /* n = 0: none */
     bis_visibility visibility; /* n_tiles = 0: none */

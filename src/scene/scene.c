@@ -195,15 +195,12 @@ void bis_scene_free(bis_scene *s)
     bis_free(s);
 }
 
-bool bis_scene_point(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, bis_counters *counters,
-                     bis_hit *hit)
+void bis_scene_point_at(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, uint32_t prim,
+                        bis_counters *counters)
 {
     bis_surface at;
-    bis_hit first;
 
-    if (!bis_accel_intersect(s->accel, &eye, &first)) return false;
-    if (hit) *hit = first;
-    bis_geometry_surface(&s->geometry, first.prim, &eye, &at);
+    bis_geometry_surface(&s->geometry, prim, &eye, &at);
     *pt = (bis_point){
         .p = at.p,
         .n = at.n,
@@ -215,6 +212,16 @@ bool bis_scene_point(bis_point *pt, const bis_scene *s, const bis_scene_desc *de
         .counters = counters,
     };
     bis_bsdf_init(&pt->bsdf, &desc->materials[at.material], pt->n, pt->wo);
+}
+
+bool bis_scene_point(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, bis_counters *counters,
+                     bis_hit *hit)
+{
+    bis_hit first;
+
+    if (!bis_accel_intersect(s->accel, &eye, &first)) return false;
+    if (hit) *hit = first;
+    bis_scene_point_at(pt, s, desc, eye, first.prim, counters);
     return true;
 }
 

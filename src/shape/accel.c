@@ -66,16 +66,25 @@ bis_status bis_accel_new(bis_accel **out, const bis_geometry *g, const bis_accel
     return bis_grid_new(out, g, options->density, options->n_threads, diag);
 }
 
-void bis_accel_occluded_many(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded)
+void bis_accel_intersect_many(const bis_accel *a, const ray *r, uint32_t n, uint32_t *prim)
 {
-    if (a && a->ops->occluded_many) {
-        a->ops->occluded_many(a, o, d, n, occluded);
+    if (a && a->ops->intersect_many) {
+        a->ops->intersect_many(a, r, n, prim);
         return;
     }
     for (uint32_t i = 0; i < n; i++) {
-        const ray r = {o, d[i], INFINITY};
-        occluded[i] = bis_accel_occluded(a, &r);
+        bis_hit hit;
+        prim[i] = bis_accel_intersect(a, &r[i], &hit) ? hit.prim : BIS_NO_PRIM;
     }
+}
+
+void bis_accel_occluded_many(const bis_accel *a, const ray *r, uint32_t n, bool *occluded)
+{
+    if (a && a->ops->occluded_many) {
+        a->ops->occluded_many(a, r, n, occluded);
+        return;
+    }
+    for (uint32_t i = 0; i < n; i++) occluded[i] = bis_accel_occluded(a, &r[i]);
 }
 
 void bis_accel_free(bis_accel *a)

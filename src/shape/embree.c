@@ -37,6 +37,8 @@ const char *bis_accel_embree_version(void) { return NULL; }
 #include "bis/shape/geometry.h"
 #include "triangle.h"
 
+#include <float.h>
+#include <stdalign.h>
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -63,11 +65,11 @@ const char *bis_accel_embree_version(void) { return RTC_VERSION_STRING; }
 /* ---- queries ---- */
 
 /* Embree's range is closed, [tnear, tfar], ours open. */
-static struct RTCRay query_ray(const ray *r)
+static inline struct RTCRay query_ray(const ray *r)
 {
-    return (struct RTCRay){.org_x = r->o.x, .org_y = r->o.y, .org_z = r->o.z, .tnear = nextafterf(0, 1),
+    return (struct RTCRay){.org_x = r->o.x, .org_y = r->o.y, .org_z = r->o.z, .tnear = FLT_TRUE_MIN,
                            .dir_x = r->d.x, .dir_y = r->d.y, .dir_z = r->d.z,
-                           .tfar = nextafterf(r->tmax, 0), .mask = UINT32_MAX};
+                           .tfar = r->tmax < INFINITY ? nextafterf(r->tmax, 0) : FLT_MAX, .mask = UINT32_MAX};
 }
 
 /* t of the triangle's plane in double. Embree's own stands where that is no t of the ray: at a tie of an end of the
@@ -121,49 +123,80 @@ static bool occluded(const bis_accel *a, const ray *r)
     return query.tfar < 0; /* -inf: occluded */
 }
 
-/* Shadow rays from one point: in streams of up to 64 (Embree 3), or packets of 16 (Embree 4 has no streams). */
-#if BIS_EMBREE == 4
-static void occluded_many(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded)
+/* Packets of 16 rays: one ray's boxes and triangles are in the cache for its neighbours. Embree answers the same for a
+ * packet as for its rays one by one (tests/shape/test_accel.c). Where the processor has no vectors of 16, Embree takes
+ * the packet apart. */
+enum { PACKET = 16 };
+
+/* The n <= PACKET rays r[n]; the other lanes repeat the first and are not valid. */
+static void fill_packet(struct RTCRay16 *packet, int valid[PACKET], const ray *r, uint32_t n)
+{
+    for (uint32_t i = 0; i < PACKET; i++) {
+        const struct RTCRay q = query_ray(&r[i < n ? i : 0]);
+        valid[i] = i < n ? -1 : 0;
+        packet->org_x[i] = q.org_x, packet->org_y[i] = q.org_y, packet->org_z[i] = q.org_z;
+        packet->dir_x[i] = q.dir_x, packet->dir_y[i] = q.dir_y, packet->dir_z[i] = q.dir_z;
+        packet->tnear[i] = q.tnear, packet->tfar[i] = q.tfar;
+        packet->mask[i] = q.mask, packet->time[i] = 0, packet->id[i] = i, packet->flags[i] = 0;
+    }
+}
+
+/* Camera rays: neighbours run side by side, "coherent" in Embree's words. */
+static void intersect_many(const bis_accel *a, const ray *r, uint32_t n, uint32_t *prim)
 {
     const bis_embree *embree = (const bis_embree *)a;
-    enum { PACKET = 16 };
+    alignas(64) struct RTCRayHit16 packet;
+    alignas(64) int valid[PACKET];
+#if BIS_EMBREE == 4
+    struct RTCIntersectArguments how;
+    rtcInitIntersectArguments(&how);
+    how.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+#else
+    struct RTCIntersectContext how;
+    rtcInitIntersectContext(&how);
+    how.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+#endif
 
     for (uint32_t first = 0; first < n; first += PACKET) {
         const uint32_t count = n - first < PACKET ? n - first : PACKET;
-        struct RTCRay16 packet;
-        int valid[PACKET] = {0};
-        for (uint32_t i = 0; i < PACKET; i++) {
-            const ray r = {o, d[first + (i < count ? i : 0)], INFINITY};
-            const struct RTCRay q = query_ray(&r);
-            valid[i] = i < count ? -1 : 0;
-            packet.org_x[i] = q.org_x, packet.org_y[i] = q.org_y, packet.org_z[i] = q.org_z, packet.tnear[i] = q.tnear;
-            packet.dir_x[i] = q.dir_x, packet.dir_y[i] = q.dir_y, packet.dir_z[i] = q.dir_z, packet.tfar[i] = q.tfar;
-            packet.mask[i] = q.mask, packet.time[i] = 0, packet.id[i] = i, packet.flags[i] = 0;
+        fill_packet(&packet.ray, valid, r + first, count);
+        for (uint32_t i = 0; i < PACKET; i++) packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+#if BIS_EMBREE == 4
+        rtcIntersect16(valid, embree->scene, &packet, &how);
+#else
+        rtcIntersect16(valid, embree->scene, &how, &packet);
+#endif
+        for (uint32_t i = 0; i < count; i++) {
+            const unsigned geometry = packet.hit.geomID[i], id = packet.hit.primID[i];
+            prim[first + i] = geometry == RTC_INVALID_GEOMETRY_ID ? BIS_NO_PRIM
+                              : geometry == TRIANGLES             ? id
+                                                      : (uint32_t)a->geometry->n_triangles + id;
         }
+    }
+}
+
+/* Shadow rays: neighbours start together and run apart. */
+static void occluded_many(const bis_accel *a, const ray *r, uint32_t n, bool *occluded)
+{
+    const bis_embree *embree = (const bis_embree *)a;
+    alignas(64) struct RTCRay16 packet;
+    alignas(64) int valid[PACKET];
+#if BIS_EMBREE != 4
+    struct RTCIntersectContext how;
+    rtcInitIntersectContext(&how);
+#endif
+
+    for (uint32_t first = 0; first < n; first += PACKET) {
+        const uint32_t count = n - first < PACKET ? n - first : PACKET;
+        fill_packet(&packet, valid, r + first, count);
+#if BIS_EMBREE == 4
         rtcOccluded16(valid, embree->scene, &packet, NULL);
+#else
+        rtcOccluded16(valid, embree->scene, &how, &packet);
+#endif
         for (uint32_t i = 0; i < count; i++) occluded[first + i] = packet.tfar[i] < 0;
     }
 }
-#else
-static void occluded_many(const bis_accel *a, vec3 o, const vec3 *d, uint32_t n, bool *occluded)
-{
-    const bis_embree *embree = (const bis_embree *)a;
-    enum { STREAM = 64 };
-    struct RTCRay stream[STREAM];
-    struct RTCIntersectContext context;
-
-    rtcInitIntersectContext(&context);
-    for (uint32_t first = 0; first < n; first += STREAM) {
-        const uint32_t count = n - first < STREAM ? n - first : STREAM;
-        for (uint32_t i = 0; i < count; i++) {
-            const ray r = {o, d[first + i], INFINITY};
-            stream[i] = query_ray(&r);
-        }
-        rtcOccluded1M(embree->scene, &context, stream, count, sizeof *stream);
-        for (uint32_t i = 0; i < count; i++) occluded[first + i] = stream[i].tfar < 0;
-    }
-}
-#endif
 
 /* ---- quadrics: Embree's "user geometry" ---- */
 
@@ -177,47 +210,42 @@ static void quadric_bounds(const struct RTCBoundsFunctionArguments *args)
                                          .upper_x = box.hi.x, .upper_y = box.hi.y, .upper_z = box.hi.z};
 }
 
-/* The range's far end belongs to it: hence the float behind tfar. */
-static bool quadric_hit(const bis_embree *embree, uint32_t prim, const struct RTCRay *query, float *t)
+/* Rays come one by one or in packets: N of them, as arrays of N one behind the other, the hits behind the rays.
+ * Embree's header has accessors for C++ alone. */
+enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR, PRIM_ID = 17, GEOM_ID, INST_ID };
+
+/* Ray i of N. The range's far end belongs to it: hence the float behind tfar. */
+static bool quadric_hit(const bis_embree *embree, uint32_t prim, const float *rays, unsigned N, unsigned i, float *t)
 {
-    const ray r = {{query->org_x, query->org_y, query->org_z}, {query->dir_x, query->dir_y, query->dir_z},
-                   nextafterf(query->tfar, INFINITY)};
+    const float *f = rays + i;
+    const ray r = {{f[ORG_X * N], f[ORG_Y * N], f[ORG_Z * N]}, {f[DIR_X * N], f[DIR_Y * N], f[DIR_Z * N]},
+                   nextafterf(f[TFAR * N], INFINITY)};
 
     return bis_quadric_intersect(&embree->base.geometry->quadrics[prim], &r, t);
 }
 
 static void quadric_intersect(const struct RTCIntersectFunctionNArguments *args)
 {
-    struct RTCRayHit *query = (struct RTCRayHit *)args->rayhit;
-    float t;
-
-    if (!args->valid[0] || !quadric_hit(args->geometryUserPtr, args->primID, &query->ray, &t)) return;
-    query->ray.tfar = t;
-    query->hit.geomID = args->geomID;
-    query->hit.primID = args->primID;
-    query->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-}
-
-/* Rays come in packets, too: N of them, as arrays of N one behind the other. Embree's header has accessors for C++
- * alone. */
-static void quadric_occluded(const struct RTCOccludedFunctionNArguments *args)
-{
-    enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR };
     const unsigned N = args->N;
+    float *f = (float *)args->rayhit, t;
+    unsigned *id = (unsigned *)args->rayhit;
 
     for (unsigned i = 0; i < N; i++) {
-        if (!args->valid[i]) continue;
-        float *f = (float *)args->ray + i, t;
-        const struct RTCRay query = {.org_x = f[ORG_X * N],
-                                     .org_y = f[ORG_Y * N],
-                                     .org_z = f[ORG_Z * N],
-                                     .tnear = f[TNEAR * N],
-                                     .dir_x = f[DIR_X * N],
-                                     .dir_y = f[DIR_Y * N],
-                                     .dir_z = f[DIR_Z * N],
-                                     .tfar = f[TFAR * N]};
-        if (quadric_hit(args->geometryUserPtr, args->primID, &query, &t)) f[TFAR * N] = -INFINITY;
+        if (!args->valid[i] || !quadric_hit(args->geometryUserPtr, args->primID, f, N, i, &t)) continue;
+        f[TFAR * N + i] = t;
+        id[GEOM_ID * N + i] = args->geomID;
+        id[PRIM_ID * N + i] = args->primID;
+        id[INST_ID * N + i] = RTC_INVALID_GEOMETRY_ID;
     }
+}
+
+static void quadric_occluded(const struct RTCOccludedFunctionNArguments *args)
+{
+    const unsigned N = args->N;
+    float *f = (float *)args->ray, t;
+
+    for (unsigned i = 0; i < N; i++)
+        if (args->valid[i] && quadric_hit(args->geometryUserPtr, args->primID, f, N, i, &t)) f[TFAR * N + i] = -INFINITY;
 }
 
 /* ---- construction ---- */
@@ -328,7 +356,8 @@ static void free_embree(bis_accel *a)
     bis_free(embree);
 }
 
-static const bis_accel_ops embree_ops = {"embree", intersect, occluded, bytes, free_embree, occluded_many};
+static const bis_accel_ops embree_ops = {"embree",    intersect,      occluded,     bytes,
+                                         free_embree, intersect_many, occluded_many};
 
 bis_status bis_embree_new(bis_accel **out, const bis_geometry *g, int n_threads, bis_diag *diag)
 {

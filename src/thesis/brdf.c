@@ -43,10 +43,10 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
         if (cos_theta <= 0) continue;
         rgb f = bis_bsdf_f_pdf(bsdf, wi, &q);
         if (q <= 0) continue; /* the lobe underflows: f = 0 here, too */
-        rgbd C = bis_estimate(f, bis_light_Le(pt->light, wi), cos_theta, q);
-        if (rgbd_sum(C) > 0 && bis_point_sees(pt, wi)) sum = rgbd_add(sum, C);
+        rgbd C = bis_estimate(f, bis_light_Le(pt->light, wi), cos_theta, (double)N * q);
+        if (rgbd_sum(C) > 0) bis_point_add(&sum, pt, wi, C, NULL);
     }
-    return rgbd_round(rgbd_scale(sum, 1 / (double)N));
+    return rgbd_round(sum);
     /* [end] */
 }
 

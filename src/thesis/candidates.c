@@ -285,7 +285,7 @@ rgbd bis_candidates_trace(const bis_point *pt, const bis_candidate *c, const uin
     for (uint32_t j = 0, k; j < N; j += k) {
         const bis_candidate *y = &c[chosen[j]];
         for (k = 1; j + k < N && chosen[j + k] == chosen[j];) k++;
-        if (bis_point_sees(pt, y->wi)) sum = rgbd_add(sum, rgbd_scale(y->C, (double)k * (Z / y->w)));
+        bis_point_add(&sum, pt, y->wi, rgbd_scale(y->C, (double)k * (Z / y->w)), NULL);
     }
     return sum;
 }

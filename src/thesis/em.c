@@ -37,10 +37,10 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
 
         double cos_theta = bis_bsdf_cos(bsdf, y.wi);
         if (cos_theta <= 0) continue;
-        rgbd C = bis_estimate(bis_bsdf_f(bsdf, y.wi), y.Le, cos_theta, y.pdf);
-        if (rgbd_sum(C) > 0 && bis_point_sees(pt, y.wi)) sum = rgbd_add(sum, C);
+        rgbd C = bis_estimate(bis_bsdf_f(bsdf, y.wi), y.Le, cos_theta, (double)N * y.pdf);
+        if (rgbd_sum(C) > 0) bis_point_add(&sum, pt, y.wi, C, NULL);
     }
-    return rgbd_round(rgbd_scale(sum, 1 / (double)N));
+    return rgbd_round(sum);
     /* [end] */
 }
 

@@ -24,11 +24,9 @@ static void scratch_needs(const bis_settings *s, bis_needs *need)
     (void)need;
 }
 
-/* Returns the sum over k for patch i. It takes one point in each K-th part of a Hilbert curve through the patch. */
-static rgbd patch(const bis_point *pt, size_t i, uint32_t K, bis_stream *stream)
+/* Adds the sum over k for patch i to *sum. It takes one point in each K-th part of a Hilbert curve through the patch. */
+static void add_patch(rgbd *sum, const bis_point *pt, size_t i, uint32_t K, bis_stream *stream)
 {
-    rgbd sum = {0, 0, 0};
-
     for (uint32_t k = 0; k < K; k++) {
         double u[2];
         bis_light_point y;
@@ -39,9 +37,8 @@ static rgbd patch(const bis_point *pt, size_t i, uint32_t K, bis_stream *stream)
         double cos_theta = bis_bsdf_cos(&pt->bsdf, y.wi);
         if (cos_theta <= 0) continue;
         rgbd C = bis_estimate(bis_bsdf_f(&pt->bsdf, y.wi), y.Le, cos_theta, (double)K * y.pdf); /* y.pdf = 1 / dOmega */
-        if (rgbd_sum(C) > 0 && bis_point_sees(pt, y.wi)) sum = rgbd_add(sum, C);
+        if (rgbd_sum(C) > 0) bis_point_add(sum, pt, y.wi, C, NULL);
     }
-    return sum;
 }
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
@@ -51,7 +48,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     (void)scratch;
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
     for (size_t i = 0, n = bis_light_patches(pt->light); i < n; i++)
-        sum = rgbd_add(sum, patch(pt, i, s->perpatch, stream));
+        add_patch(&sum, pt, i, s->perpatch, stream);
     return rgbd_round(sum);
 }
 

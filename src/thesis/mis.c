@@ -46,11 +46,10 @@ static double weight(bis_heuristic heuristic, double own, double other)
 /* [end] */
 
 /* [mis-em] */
-static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, uint32_t n_em,
-                   uint32_t n_brdf)
+static void add_em(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch,
+                   uint32_t n_em, uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
-    rgbd sum = {0, 0, 0};
 
     const bis_em_samples samples = bis_em_samples_start(n_em, s, stream, scratch);
     for (uint32_t j = 0; j < n_em; j++) {
@@ -63,19 +62,18 @@ static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *strea
         if (cos_theta <= 0) continue;
         rgb f = bis_bsdf_f_pdf(bsdf, y.wi, &q_brdf);
         rgbd C = bis_estimate(f, y.Le, cos_theta, (double)n_em * y.pdf);
-        if (rgbd_sum(C) <= 0 || !bis_point_sees(pt, y.wi)) continue;
-        sum = rgbd_add(sum, rgbd_scale(C, weight(s->heuristic, (double)n_em * y.pdf, (double)n_brdf * q_brdf)));
+        if (rgbd_sum(C) <= 0) continue;
+        C = rgbd_scale(C, weight(s->heuristic, (double)n_em * y.pdf, (double)n_brdf * q_brdf));
+        bis_point_add(sum, pt, y.wi, C, NULL);
     }
-    return sum;
 }
 /* [end] */
 
 /* [mis-brdf] */
-static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2], uint32_t n_em,
-                     uint32_t n_brdf)
+static void add_brdf(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2],
+                     uint32_t n_em, uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
-    rgbd sum = {0, 0, 0};
 
     bis_stream_points(stream, BIS_DIM_BRDF, n_brdf, u);
     for (uint32_t j = 0; j < n_brdf; j++) {
@@ -89,21 +87,22 @@ static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *str
         double q_em;
         rgb Le = bis_light_Le_pdf(pt->light, wi, &q_em);
         rgbd C = bis_estimate(f, Le, cos_theta, (double)n_brdf * q_brdf);
-        if (rgbd_sum(C) <= 0 || !bis_point_sees(pt, wi)) continue;
-        sum = rgbd_add(sum, rgbd_scale(C, weight(s->heuristic, (double)n_brdf * q_brdf, (double)n_em * q_em)));
+        if (rgbd_sum(C) <= 0) continue;
+        C = rgbd_scale(C, weight(s->heuristic, (double)n_brdf * q_brdf, (double)n_em * q_em));
+        bis_point_add(sum, pt, wi, C, NULL);
     }
-    return sum;
 }
 /* [end] */
 
 static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
     const uint32_t n_em = samples_em(s), n_brdf = s->samples - n_em;
+    rgbd sum = {0, 0, 0};
 
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return (rgb){0, 0, 0};
-    rgbd from_em = sum_em(s, pt, stream, scratch, n_em, n_brdf);
-    rgbd from_brdf = sum_brdf(s, pt, stream, scratch->u, n_em, n_brdf);
-    return rgbd_round(rgbd_add(from_em, from_brdf));
+    add_em(&sum, s, pt, stream, scratch, n_em, n_brdf);
+    add_brdf(&sum, s, pt, stream, scratch->u, n_em, n_brdf);
+    return rgbd_round(sum);
 }
 
 const bis_integrator bis_mis = {.name = "mis", .words = "both, combined by a heuristic",

@@ -35,10 +35,10 @@ static void flat_pass(bis_film *f, const bis_adapt *a, bis_rng *rng, const doubl
             uint32_t m = a->samples[y / a->tile * a->tiles_x + x / a->tile];
             double L = 0;
             for (uint32_t i = 0; i < m; i++) L += (1 + noise_of[x / a->tile] * (bis_rng_double(rng) - 0.5)) / m;
-            bis_film_add(f, x, y, rgb_from(L, L, L), 1);
+            bis_film_add(f, x, y, rgb_from(L, L, L), 1, 1);
         }
     }
-    f->passes++;
+    bis_film_end_pass(f, 1);
 }
 
 static double samples_in_all(const bis_film *f, const bis_adapt *a)
@@ -134,11 +134,11 @@ static void trial(means *m, uint64_t seed)
             const int t = i / SIDE / 2 * a.tiles_x + i % SIDE / 2;
             double L = 0;
             for (uint32_t k = 0; k < a.samples[t]; k++) L += rare(&rng);
-            bis_film_add(&f, i % SIDE, i / SIDE, rgb_from(L / a.samples[t], L / a.samples[t], 0), 1);
+            bis_film_add(&f, i % SIDE, i / SIDE, rgb_from(L / a.samples[t], L / a.samples[t], 0), 1, 1);
             weighted[t] += L;
             weight[t] += a.samples[t];
         }
-        f.passes++;
+        bis_film_end_pass(&f, 1);
         double sum = 0;
         for (size_t i = 0; i < SIDE * SIDE; i++) sum += f.sum[3 * i];
         stat_add(&m->adaptive[pass], sum / (SIDE * SIDE * pass));
@@ -238,9 +238,9 @@ static void an_adaptive_render_is_unbiased(void **state)
         render(&f, &result, &w, whole, &(bis_render_options){.budget = {.spp = 16}});
         double sum = 0, hits = 0;
         for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
-            sum += f.sum[3 * i] / f.passes;
-            hits += f.hits[i] / f.passes;
-            assert_true(f.hits[i] == 0 || f.hits[i] == f.passes);
+            sum += f.sum[3 * i] / f.weight;
+            hits += f.hits[i] / f.weight;
+            assert_true(f.hits[i] == 0 || f.hits[i] == f.weight);
         }
         stat_add(&m, sum / hits);
         rays += result.counters.camera_rays;

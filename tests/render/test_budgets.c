@@ -28,9 +28,9 @@ static double true_error(const bis_film *f, const bis_film *reference)
 {
     const size_t n = 3 * (size_t)f->width * (size_t)f->height;
     double mean = 0, sum = 0;
-    for (size_t i = 0; i < n; i++) mean += reference->sum[i] / reference->passes / (double)n;
+    for (size_t i = 0; i < n; i++) mean += reference->sum[i] / reference->weight / (double)n;
     for (size_t i = 0; i < n; i++) {
-        double b = reference->sum[i] / reference->passes, d = f->sum[i] / f->passes - b;
+        double b = reference->sum[i] / reference->weight, d = f->sum[i] / f->weight - b;
         sum += d * d / (b * b + mean * mean / 100);
     }
     return sqrt(sum / (double)n);

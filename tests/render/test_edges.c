@@ -114,7 +114,7 @@ static void mean_is_the_same_and_its_scatter_less(void **state)
             w.desc.view.sampler.seed = 1000 + run;
             bis_sampler_set_spp(&w.desc.view.sampler, 2);
             render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 2}});
-            for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) sum += film.sum[i] / film.passes / (3 * WIDTH * HEIGHT);
+            for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) sum += film.sum[i] / film.weight / (3 * WIDTH * HEIGHT);
             stat_add(k ? &more : &plain, sum);
             bis_film_clear(&film);
         }
@@ -127,7 +127,7 @@ static void mean_is_the_same_and_its_scatter_less(void **state)
         w.desc.view.sampler.seed = run;
         bis_sampler_set_spp(&w.desc.view.sampler, 8);
         render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 8}});
-        for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) sum += film.sum[i] / film.passes / (3 * WIDTH * HEIGHT);
+        for (size_t i = 0; i < 3 * WIDTH * HEIGHT; i++) sum += film.sum[i] / film.weight / (3 * WIDTH * HEIGHT);
         stat_add(&longer, sum);
         bis_film_clear(&film);
     }

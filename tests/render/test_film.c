@@ -98,10 +98,10 @@ static void pixels_are_means_and_alpha_the_share_of_hits(void **state)
     for (int pass = 0; pass < 4; pass++) {
         for (int y = 0; y < 2; y++) {
             for (int x = 0; x < 3; x++) {
-                bis_film_add(&f, x, y, (rgb){(float)(pass * x), (float)y, 1.0f / 3}, pass < x);
+                bis_film_add(&f, x, y, (rgb){(float)(pass * x), (float)y, 1.0f / 3}, pass < x, 1);
             }
         }
-        f.passes++;
+        bis_film_end_pass(&f, 1);
     }
     bis_film_resolve(&f, rgba);
     for (int i = 0; i < 6; i++) {
@@ -131,9 +131,9 @@ static double rmse_of(const float *first, int passes, double *upper)
     init(&f, 2, 1);
     for (int pass = 0; pass < passes; pass++) {
         const float v = first[pass];
-        bis_film_add(&f, 0, 0, (rgb){v, v, v}, true);
-        bis_film_add(&f, 1, 0, (rgb){4, 4, 4}, true);
-        f.passes++;
+        bis_film_add(&f, 0, 0, (rgb){v, v, v}, true, 1);
+        bis_film_add(&f, 1, 0, (rgb){4, 4, 4}, true, 1);
+        bis_film_end_pass(&f, 1);
     }
     const double rmse = bis_film_relative_rmse(&f, upper);
     bis_film_clear(&f);
@@ -172,8 +172,8 @@ static void relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter(
         for (int pass = 0; pass < 7; pass++) {
             double rmse = bis_film_relative_rmse(&f, &upper);
             assert_true(pass < 2 ? isnan(rmse) && isnan(upper) : rmse < 1e-7 && upper < 1e-7);
-            bis_film_add(&f, 0, 0, (rgb){values[i], values[i], values[i]}, true);
-            f.passes++;
+            bis_film_add(&f, 0, 0, (rgb){values[i], values[i], values[i]}, true, 1);
+            bis_film_end_pass(&f, 1);
         }
         bis_film_clear(&f);
     }
@@ -192,9 +192,9 @@ static void exposure_does_not_change_the_relative_rmse(void **state)
         for (int pass = 0; pass < 5; pass++) {
             for (int i = 0; i < 64; i++) {
                 double v = scale[s] * bis_rng_double(&rng);
-                bis_film_add(&f, i % 8, i / 8, rgb_from(v, v / 2, v / 3), true);
+                bis_film_add(&f, i % 8, i / 8, rgb_from(v, v / 2, v / 3), true, 1);
             }
-            f.passes++;
+            bis_film_end_pass(&f, 1);
         }
         rmse[s] = bis_film_relative_rmse(&f, NULL);
         bis_film_clear(&f);
@@ -218,9 +218,9 @@ static double noisy_film(bis_film *f, uint64_t seed, int passes)
             double u = bis_rng_double(&rng), v = bis_rng_double(&rng);
             double noise = i % 3 == 0 ? u - 0.5 : i % 3 == 1 ? u - v : -log1p(-u) - 1;
             double L = truth[i] * (1 + 0.4 * noise);
-            bis_film_add(f, i % 12, i / 12, rgb_from(L, L, L), true);
+            bis_film_add(f, i % 12, i / 12, rgb_from(L, L, L), true, 1);
         }
-        f->passes++;
+        bis_film_end_pass(f, 1);
     }
     for (int i = 0; i < 144; i++) m += truth[i] / 144;
     for (int i = 0; i < 144; i++) {

@@ -239,7 +239,7 @@ static void unoccluded_is_L_ns_and_visibility_is_L_over_L_ns(void **state)
         double mean = 0, expected = 0, hidden = 0;
         for (size_t k = 0; k < WIDTH * HEIGHT; k++) {
             mean += (double)L_ns[k];
-            expected += open.sum[3 * k + 1] / open.passes;
+            expected += open.sum[3 * k + 1] / open.weight;
             hidden += V[k] < 0.9f && f.hits[k] > 0;
             /* Sample by sample L <= L_ns; both are rounded to floats. */
             assert_true(V[k] >= 0 && V[k] <= 1 + 1e-5f);
@@ -347,8 +347,8 @@ static void error_bars_are_what_the_formulas_give_by_hand(void **state)
     assert_int_equal(bis_film_init(&f, 1, 1, whole, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_film_want(&f, 1u << BIS_LAYER_STDERR | 1u << BIS_LAYER_INTERVAL, NULL), BIS_OK);
     for (int n = 1; n <= 3; n++) {
-        bis_film_add(&f, 0, 0, (rgb){(float)(2 * n - 1), 4, 0}, 1);
-        f.passes++;
+        bis_film_add(&f, 0, 0, (rgb){(float)(2 * n - 1), 4, 0}, 1, 1);
+        bis_film_end_pass(&f, 1);
         if (n == 1) { /* one pass has no scatter: rather no layer than a wrong one */
             assert_int_equal(bis_film_layers(&f, channels, planes), 0);
             continue;
@@ -377,9 +377,9 @@ static void cover(coverage *c, uint64_t seed, int passes)
     for (int pass = 0; pass < passes; pass++) {
         for (int i = 0; i < 1000; i++) {
             double u = bis_rng_double(&rng), v = bis_rng_double(&rng);
-            bis_film_add(&f, i, 0, rgb_from(0.5 + u, u + v, 0), 1); /* flat, and a tent */
+            bis_film_add(&f, i, 0, rgb_from(0.5 + u, u + v, 0), 1, 1); /* flat, and a tent */
         }
-        f.passes++;
+        bis_film_end_pass(&f, 1);
     }
     bis_film_layers(&f, channels, planes);
     for (int k = 0; k < 2; k++) {
@@ -432,7 +432,7 @@ static void intervals_cover_93_to_97_percent_of_a_rendered_picture(void **state)
         for (size_t i = 0; i < n; i++) {
             for (size_t k = 0; k < 3; k++) {
                 if (planes[k * n + i] == 0) continue; /* black or the sky */
-                const double error = fabs(f.sum[3 * i + k] / f.passes - truth.sum[3 * i + k] / truth.passes), half = (double)planes[k * n + i];
+                const double error = fabs(f.sum[3 * i + k] / f.weight - truth.sum[3 * i + k] / truth.weight), half = (double)planes[k * n + i];
                 all++;
                 inside += error <= half;
                 inside_twin += error <= one_sided * half;

@@ -1,5 +1,5 @@
-/* point: many shadow rays at once see what they see one by one, on both backends, among triangles and quadrics; and
- * they are counted. */
+/* point: many rays at once answer what they answer one by one, on both backends, among triangles and quadrics; the
+ * terms of an estimate are added or noted, and rays are counted. */
 #include "mesh_help.h"
 
 #include "bis/shape/accel.h"
@@ -47,7 +47,30 @@ static bis_accel *backend(const bis_geometry *g, int k)
     return a;
 }
 
-static void many_rays_are_occluded_as_one_by_one(void **state)
+/* What many rays at once answer, and what they answer one by one. Returns how many rays were hidden. */
+static uint32_t same_as_one_by_one(const bis_accel *a, const ray *r, uint32_t n)
+{
+    bool occluded[MOST + 1];
+    uint32_t prim[MOST + 1], hidden = 0;
+    bis_hit hit;
+
+    memset(occluded, 2, sizeof occluded);
+    prim[n] = 77;
+    bis_accel_occluded_many(a, r, n, occluded);
+    bis_accel_intersect_many(a, r, n, prim);
+    for (uint32_t i = 0; i < n; i++) {
+        assert_int_equal(occluded[i], bis_accel_occluded(a, &r[i]));
+        assert_int_equal(prim[i], bis_accel_intersect(a, &r[i], &hit) ? hit.prim : BIS_NO_PRIM);
+        hidden += occluded[i];
+    }
+    unsigned char beyond;
+    memcpy(&beyond, &occluded[n], 1);
+    assert_int_equal(beyond, 2); /* not a bool's value: left alone */
+    assert_int_equal(prim[n], 77);
+    return hidden;
+}
+
+static void many_rays_answer_as_one_by_one(void **state)
 {
     (void)state;
     for (int what = 0; what < N_CONTENTS; what++) {
@@ -57,24 +80,20 @@ static void many_rays_are_occluded_as_one_by_one(void **state)
             bis_accel *a = backend(&g, k);
             uint32_t hidden = 0, all = 0;
             uint64_t seed = 3;
-            for (int c = 0; a && c < 30 * N_COUNTS; c++) {
+            for (int c = 0; a && c < 60 * N_COUNTS; c++) {
                 const uint32_t n = counts[c % N_COUNTS];
-                const vec3 o = {(float)random_double(&seed), (float)random_double(&seed), (float)random_double(&seed)};
-                vec3 d[MOST];
-                bool occluded[MOST + 1];
-                for (uint32_t i = 0; i < n; i++) d[i] = random_direction(&seed);
-                if (n > 5) d[3] = (vec3){0, 0, 1}, d[4] = (vec3){-0.0f, -1, 0}, d[5] = d[2];
-                memset(occluded, 2, sizeof occluded);
-                bis_accel_occluded_many(a, o, d, n, occluded);
-                for (uint32_t i = 0; i < n; i++) {
-                    const ray r = {o, d[i], INFINITY};
-                    assert_int_equal(occluded[i], bis_accel_occluded(a, &r));
-                    hidden += occluded[i];
+                ray r[MOST + 1];
+                for (uint32_t i = 0; i <= n; i++) {
+                    r[i] = (ray){{(float)random_double(&seed), (float)random_double(&seed), (float)random_double(&seed)},
+                                 random_direction(&seed), INFINITY};
+                    if (c % 3 == 1) r[i].o = r[0].o;                         /* from one point */
+                    if (c % 3 == 2) r[i].o = (vec3){2, 2, (float)i / MOST}; /* side by side */
+                    if (c % 3 == 2) r[i].d = normalize((vec3){-1, -1, -0.3f});
+                    if (i % 7 == 3) r[i].tmax = (float)random_double(&seed); /* with an end */
                 }
+                if (n > 5) r[3].d = (vec3){0, 0, 1}, r[4].d = (vec3){-0.0f, -1, 0}, r[5] = r[2];
+                hidden += same_as_one_by_one(a, r, n);
                 all += n;
-                unsigned char beyond;
-                memcpy(&beyond, &occluded[n], 1);
-                assert_int_equal(beyond, 2); /* not a bool's value: left alone */
             }
             if (a) assert_true(hidden > all / 20 && hidden < all - all / 20);
             bis_accel_free(a);
@@ -83,17 +102,37 @@ static void many_rays_are_occluded_as_one_by_one(void **state)
     }
 }
 
-static void in_an_empty_scene_nothing_is_occluded(void **state)
+static void in_an_empty_scene_nothing_is_hit(void **state)
 {
-    const vec3 d[2] = {{0, 0, 1}, {1, 0, 0}};
+    const ray r[2] = {{{0, 0, 0}, {0, 0, 1}, INFINITY}, {{0, 0, 0}, {1, 0, 0}, INFINITY}};
     bool occluded[2] = {true, true};
+    uint32_t prim[2] = {0, 0};
 
     (void)state;
-    bis_accel_occluded_many(NULL, (vec3){0, 0, 0}, d, 2, occluded);
-    assert_true(!occluded[0] && !occluded[1]);
+    bis_accel_occluded_many(NULL, r, 2, occluded);
+    bis_accel_intersect_many(NULL, r, 2, prim);
+    assert_true(!occluded[0] && !occluded[1] && prim[0] == BIS_NO_PRIM && prim[1] == BIS_NO_PRIM);
 }
 
-static void many_directions_are_seen_and_counted_as_one_by_one_and_never_below_the_surface(void **state)
+/* ---- terms of an estimate ---- */
+
+/* Takes what is put off: its last ray, and how many there were. */
+typedef struct listener {
+    bis_later later;
+    int n;
+    vec3 wi;
+    rgbd C;
+    uint32_t *seen;
+} listener;
+
+static void listen(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint32_t *seen)
+{
+    listener *l = (listener *)later;
+    assert_ptr_equal(pt->later, later);
+    *l = (listener){l->later, l->n + 1, wi, C, seen};
+}
+
+static void terms_are_added_where_light_arrives_and_never_below_the_surface(void **state)
 {
     bis_geometry g;
 
@@ -102,25 +141,30 @@ static void many_directions_are_seen_and_counted_as_one_by_one_and_never_below_t
     for (int k = 0; k < 2; k++) {
         bis_accel *a = backend(&g, k);
         uint64_t seed = 9;
-        for (int c = 0; a && c < 10 * N_COUNTS; c++) {
-            const uint32_t n = counts[c % N_COUNTS];
-            bis_counters many = {0}, single = {0};
-            const bis_point pt = {.ng = random_direction(&seed), .origin = {0.5f, 0.4f, 0.6f}, .accel = a, .counters = &many};
-            bis_point one = pt;
-            bool sees[MOST];
-            vec3 wi[MOST];
-            one.counters = &single;
-            for (uint32_t i = 0; i < n; i++) {
-                wi[i] = random_direction(&seed);
-                if (c % 5 == 1) wi[i] = dot(wi[i], pt.ng) > 0 ? neg(wi[i]) : wi[i]; /* all below */
-                if (c % 5 == 2) wi[i] = dot(wi[i], pt.ng) < 0 ? neg(wi[i]) : wi[i]; /* all above */
-            }
-            bis_point_sees_many(&pt, wi, n, sees);
-            for (uint32_t i = 0; i < n; i++) assert_int_equal(sees[i], bis_point_sees(&one, wi[i]));
-            assert_int_equal(many.shadow_rays, single.shadow_rays);
-            if (c % 5 == 1) assert_int_equal(many.shadow_rays, 0);
-            if (c % 5 == 2) assert_int_equal(many.shadow_rays, n);
+        listener l = {.later = {listen}};
+        bis_counters now = {0}, put_off = {0}, single = {0};
+        for (int c = 0; a && c < 3000; c++) {
+            const bis_point pt = {.ng = random_direction(&seed), .origin = {0.5f, 0.4f, 0.6f}, .accel = a, .counters = &now};
+            bis_point later = pt, one = pt;
+            const vec3 wi = random_direction(&seed);
+            const bool above = dot(pt.ng, wi) > 0;
+            later.later = &l.later, later.counters = &put_off, one.counters = &single;
+            rgbd sum = {1, 2, 3}, untouched = {1, 2, 3};
+            uint32_t seen = 40, waiting = 40;
+            bis_point_add(&sum, &pt, wi, (rgbd){4, 5, 6}, c % 2 ? &seen : NULL);
+            const bool V = bis_point_sees(&one, wi);
+            assert_true(sum.r == (V ? 5 : 1) && sum.g == (V ? 7 : 2) && sum.b == (V ? 9 : 3));
+            assert_int_equal(seen, 40 + (c % 2 && V));
+            const int before = l.n;
+            bis_point_add(&untouched, &later, wi, (rgbd){4, 5, 6}, &waiting);
+            assert_int_equal(l.n, before + above);
+            if (above) assert_true(l.wi.x == wi.x && l.wi.y == wi.y && l.wi.z == wi.z && l.C.b == 6 && l.seen == &waiting);
+            assert_true(untouched.r == 1 && untouched.g == 2 && untouched.b == 3 && waiting == 40);
+            assert_true(above || !V);
         }
+        assert_true(!a || (single.shadow_rays > 1000 && single.shadow_rays < 2000));
+        assert_int_equal(now.shadow_rays, single.shadow_rays);
+        assert_int_equal(put_off.shadow_rays, single.shadow_rays);
         bis_accel_free(a);
     }
     bis_geometry_clear(&g);
@@ -129,9 +173,9 @@ static void many_directions_are_seen_and_counted_as_one_by_one_and_never_below_t
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(many_rays_are_occluded_as_one_by_one),
-        cmocka_unit_test(in_an_empty_scene_nothing_is_occluded),
-        cmocka_unit_test(many_directions_are_seen_and_counted_as_one_by_one_and_never_below_the_surface),
+        cmocka_unit_test(many_rays_answer_as_one_by_one),
+        cmocka_unit_test(in_an_empty_scene_nothing_is_hit),
+        cmocka_unit_test(terms_are_added_where_light_arrives_and_never_below_the_surface),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -117,7 +117,7 @@ static void leave(tally *t, const bis_accel *a, const bis_geometry *g, int n, do
         const ray shadow = {bis_surface_offset(&s), w, INFINITY};
         bool many = false;
         const bool met = bis_accel_intersect(a, &shadow, &again), one = bis_accel_occluded(a, &shadow);
-        bis_accel_occluded_many(a, shadow.o, &shadow.d, 1, &many);
+        bis_accel_occluded_many(a, &shadow, 1, &many);
         assert_int_equal(one, many);
         t->rays++;
         t->own += met && again.prim == hit.prim;

@@ -1,5 +1,5 @@
 /* film: the sums behind the pixels. A pass adds one value to every pixel, from one or several camera samples. The
- * picture is the mean over the passes. */
+ * picture is the mean over the passes, weighted by their camera samples. */
 #ifndef BIS_FILM_H
 #define BIS_FILM_H
 
@@ -19,11 +19,12 @@ typedef struct bis_film {
     int step;                  /* k; 1: the picture itself */
     int picture_width, picture_height; /* the size of what the camera sees; with step 1 the full image */
     int x0, y0, width, height; /* the crop */
-    double *sum;               /* sum[height][width][3] of radiance over passes */
-    double *sum_squares;       /* the same sum of the squares, for the error estimate */
-    /* hits[height][width]: sum over passes of the share of a pass's camera samples that hit geometry */
+    double *sum;               /* sum[height][width][3] of weight x radiance over passes */
+    double *sum_squares;       /* the same sum of weight x square, for the error estimate */
+    /* hits[height][width]: sum over passes of weight x the share of the pass's camera samples that hit geometry */
     double *hits;
-    uint32_t passes;           /* complete passes; all of them have equal weight in every pixel */
+    uint32_t passes;           /* complete passes */
+    double weight, weight_squares; /* sums over passes of their weight, the same in every pixel, and of its square */
     bis_layers layers;         /* none, unless bis_film_want asks for some */
 } bis_film;
 
@@ -61,12 +62,20 @@ bis_rect bis_film_tile(const bis_film *f, int side, int t);
 /* bis_film_tile_of_crop returns the part of the t-th tile that lies in the crop. */
 bis_rect bis_film_tile_of_crop(const bis_film *f, int side, int t);
 
-/* bis_film_add adds one pass of one pixel. L must be finite; `hit` is the share of the pass's camera samples that hit
- * geometry. A pixel belongs to one thread at a time. */
-void bis_film_add(bis_film *f, int x, int y, rgb L, double hit);
+/* bis_film_add adds one pass of one pixel. L, the mean of the pass's camera samples, must be finite; `hit` is the share
+ * of them that hit geometry; weight > 0 is the pass's. A pixel belongs to one thread at a time. */
+void bis_film_add(bis_film *f, int x, int y, rgb L, double hit, double weight);
+
+/* bis_film_end_pass counts a pass of this weight, after every pixel was added. The weight must not depend on what was
+ * rendered, because the picture would otherwise be biased. */
+void bis_film_end_pass(bis_film *f, double weight);
 
 /* bis_film_resolve stores in rgba[height][width][4] the mean radiance and the share of samples that hit. */
 void bis_film_resolve(const bis_film *f, float *rgba);
+
+/* bis_film_variance estimates the variance of value i of the picture [height][width][3] from the scatter of the passes,
+ * at least 2. For stratified and low-discrepancy passes the estimate is too large. */
+double bis_film_variance(const bis_film *f, size_t i);
 
 /* bis_film_relative_rmse estimates the relative RMSE of the picture without a reference, sqrt(relMSE) of
  * docs/budgets.md, "Error". The variance comes from the differences between passes, and the means of the pixels stand

@@ -12,7 +12,7 @@
 enum { BIS_RENDER_TILE = 16 };
 
 /* The limit that is reached first ends the render. One pass is always completed. If all three are 0,
- * view->sampler.spp passes are rendered. */
+ * view->sampler.spp camera samples of each pixel are rendered. */
 typedef struct bis_budget {
     uint32_t spp;     /* camera samples per pixel; 0: no limit */
     double seconds;   /* seconds of the render phase; 0: no limit */
@@ -39,6 +39,7 @@ typedef struct bis_render_options {
     /* share of a pixel's width, about its centre, that camera rays pass through; 0: the whole width. With 1/k, a film
      * that is k times smaller sees every k-th pixel */
     double footprint;
+    uint32_t pass_size; /* camera samples of a pixel in every pass; 0: 1, 1, 2, then 4 */
     const volatile sig_atomic_t *interrupted;  /* set by a signal handler: the render stops soon; NULL: never */
     void (*progress)(const bis_progress *p, void *user); /* called by one thread, a few times a second; may be NULL */
     /* called once, unless the pilot is enough or there is no error budget; may be NULL */

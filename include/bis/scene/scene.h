@@ -131,6 +131,10 @@ bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_
 bool bis_scene_point(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, bis_counters *counters,
                      bis_hit *hit);
 
+/* bis_scene_point_at does the same where it is known that `eye` meets primitive prim first. */
+void bis_scene_point_at(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, uint32_t prim,
+                        bis_counters *counters);
+
 /* bis_scene_material_of returns the material of a point, an index into desc->materials. */
 static inline uint32_t bis_scene_material_of(const bis_scene_desc *desc, const bis_point *pt)
 {

@@ -97,6 +97,19 @@ typedef struct bis_surface {
  * result does not depend on the accelerator, because the barycentric coordinates are computed again in double. */
 void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bis_surface *s);
 
+/* bis_geometry_prefetch asks for the memory that bis_geometry_surface will read for primitive `prim`: at stage 0 the
+ * triangle's indices, at stage 1, some time later, the vertices and normals that they name. It changes nothing. */
+static inline void bis_geometry_prefetch(const bis_geometry *g, uint32_t prim, int stage)
+{
+    if (prim >= g->n_triangles) return;
+    const uint32_t *index = g->index + 3 * (size_t)prim;
+    if (stage == 0) __builtin_prefetch(index);
+    for (int i = 0; stage > 0 && i < 3; i++) {
+        __builtin_prefetch(&g->p[index[i]]);
+        if (g->n) __builtin_prefetch(&g->n[index[i]]);
+    }
+}
+
 /* bis_surface_offset returns a point where a shadow ray may start: it lies on ng's side of s->p, beyond the error
  * bound. There is no constant epsilon (docs/errata.md E37). */
 vec3 bis_surface_offset(const bis_surface *s);

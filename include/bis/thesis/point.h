@@ -15,6 +15,8 @@ typedef struct bis_counters {
     uint64_t nonfinite;
 } bis_counters;
 
+typedef struct bis_later bis_later;
+
 /* The point that is shaded. Directions are unit vectors in world space that point away from the surface. */
 typedef struct bis_point {
     vec3 p, n, ng;  /* position; shading and geometric normal, both on wo's side */
@@ -24,7 +26,14 @@ typedef struct bis_point {
     const bis_light *light;
     const bis_accel *accel;
     bis_counters *counters;
+    bis_later *later; /* takes the shadow rays of bis_point_add; NULL: they are traced at once */
 } bis_point;
+
+/* A renderer that traces the shadow rays of many points together (src/render/wave.h). `add` takes one ray and the term
+ * C of the point's estimate that it carries. *seen, unless seen is NULL, grows by 1 if nothing hides the light. */
+struct bis_later {
+    void (*add)(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint32_t *seen);
+};
 
 /* bis_point_sees returns V of eq. 4.1: true if no surface hides the light in direction wi. Below the geometric
  * surface V is 0, and no ray is cast or counted. */
@@ -36,8 +45,10 @@ static inline bool bis_point_sees(const bis_point *pt, vec3 wi)
     return !bis_accel_occluded(pt->accel, &r);
 }
 
-/* bis_point_sees_many stores V of the n directions wi[n] in sees[n]. It counts the same rays as n calls of
- * bis_point_sees, but it is faster, because the rays share their origin. */
-void bis_point_sees_many(const bis_point *pt, const vec3 *wi, uint32_t n, bool *sees);
+/* bis_point_add adds the term C V(wi) of an estimate to *sum, with V of eq. 4.1. With pt->later the ray is only noted:
+ * the renderer adds the term when it has traced the ray. So an estimate is what Lo returns plus its noted terms, in the
+ * order in which they were added, and nothing may depend on V but the sum. *seen, unless seen is NULL, grows by 1 if
+ * V = 1. Rays are counted as by bis_point_sees. */
+void bis_point_add(rgbd *sum, const bis_point *pt, vec3 wi, rgbd C, uint32_t *seen);
 
 #endif

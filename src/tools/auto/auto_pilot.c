@@ -82,7 +82,7 @@ static bis_status replicate(bis_auto_pilot *p, int i)
     if (status || bis_auto_is_interrupted(p)) goto done;
     t->seconds = fmin(t->seconds, seconds);
     for (size_t k = 0; k < 3 * p->n_pixels; k++) {
-        const double x = film.sum[k] / p->passes;
+        const double x = film.sum[k] / film.weight;
         t->sum[k] += x;
         t->squares[k] += x * x;
         if (i == 0) p->shaded[k / 3] |= film.hits[k / 3] > 0;

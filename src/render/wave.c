@@ -1,0 +1,181 @@
+/* wave: camera samples side by side.
+ *
+ * What a camera sample costs is mostly waiting for memory: the boxes and triangles that its rays pass. Neighbours pass
+ * the same ones. So each step is done for all samples of a wave before the next step begins, and rays go to the
+ * accelerator together. Rays are traced in the order in which they were noted: sorting them by direction takes longer
+ * than it saves, because at usual sizes of pictures what neighbouring rays share is where they start.
+ *
+ * The bits of a picture do not depend on waves. A camera sample has its own random numbers, an accelerator answers the
+ * same for many rays as for one, and the terms of an estimate are added in the order in which its integrator noted
+ * them (bis_point_add): tests/render/test_wave.c compares with Lo called for one sample after the other. Estimators
+ * with errors on purpose ("asprinted") scale what they have traced, so their rays are traced at once. */
+#include "wave.h"
+
+#include "bis/base/mem.h"
+#include "gather.h"
+
+/* 16 pixels times 4 camera samples. Larger waves leave the cache: 256 samples were 5 % slower. */
+enum { SAMPLES = 64, RAYS = 1024 };
+
+typedef struct sample {
+    bis_stream stream;
+    bis_point pt;
+    bis_pixel_sum *pixel;
+    rgbd L;
+} sample;
+
+struct bis_wave {
+    bis_later later; /* first: points lead to it */
+    bis_wave_task task;
+    bis_scratch *scratch;
+    bis_counters *counters;
+
+    uint32_t n; /* samples */
+    sample samples[SAMPLES];
+    ray eyes[SAMPLES];
+    uint32_t prim[SAMPLES];
+    uint32_t at; /* the sample whose light is estimated */
+
+    uint32_t n_rays;
+    ray rays[RAYS];
+    rgbd C[RAYS]; /* the term that a ray carries */
+    uint32_t owner[RAYS];
+    uint32_t *seen[RAYS];
+    bool occluded[RAYS];
+};
+
+/* ---- shadow rays ---- */
+
+static void trace(bis_wave *w)
+{
+    bis_accel_occluded_many(w->task.scene->accel, w->rays, w->n_rays, w->occluded);
+    for (uint32_t i = 0; i < w->n_rays; i++) {
+        if (w->occluded[i]) continue;
+        sample *s = &w->samples[w->owner[i]];
+        s->L = rgbd_add(s->L, w->C[i]);
+        if (w->seen[i]) ++*w->seen[i];
+    }
+    w->n_rays = 0;
+}
+
+static void note_ray(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint32_t *seen)
+{
+    bis_wave *w = (bis_wave *)later;
+    const uint32_t i = w->n_rays++;
+
+    w->rays[i] = (ray){pt->origin, wi, INFINITY};
+    w->C[i] = C;
+    w->owner[i] = w->at;
+    w->seen[i] = seen;
+    if (w->n_rays == RAYS) trace(w);
+}
+
+/* ---- the steps ---- */
+
+/* The surfaces that were hit. Their vertices lie anywhere in memory: all are asked for before the first is read. */
+static void find_points(bis_wave *w)
+{
+    const bis_geometry *g = &w->task.scene->geometry;
+
+    bis_accel_intersect_many(w->task.scene->accel, w->eyes, w->n, w->prim);
+    for (int stage = 0; stage < 2; stage++)
+        for (uint32_t i = 0; i < w->n; i++)
+            if (w->prim[i] != BIS_NO_PRIM) bis_geometry_prefetch(g, w->prim[i], stage);
+    for (uint32_t i = 0; i < w->n; i++) {
+        if (w->prim[i] == BIS_NO_PRIM) continue;
+        bis_point *pt = &w->samples[i].pt;
+        bis_scene_point_at(pt, w->task.scene, w->task.desc, w->eyes[i], w->prim[i], w->counters);
+        pt->later = w->task.view->settings.as_printed ? NULL : &w->later;
+    }
+}
+
+/* Light reflected towards the eye, eq. 3.1, or what a ray sees that escapes: all but the terms of shadow rays. */
+static void add_light(bis_wave *w, sample *s)
+{
+    const bis_counters before = *w->counters;
+    const uint32_t i = w->at;
+    rgb L = {0};
+
+    w->counters->camera_rays++;
+    if (w->prim[i] == BIS_NO_PRIM) {
+        if (w->task.desc->light.visible) L = bis_light_Le(w->task.scene->light, w->eyes[i].d);
+    } else if (!bis_bsdf_is_black(&s->pt.bsdf)) {
+        bis_stream stream = s->stream;
+        L = w->task.Lo(&w->task.view->settings, &s->pt, &stream, w->scratch);
+    }
+    s->L = rgbd_add(s->L, (rgbd){(double)L.r, (double)L.g, (double)L.b});
+    if (s->pixel->values) bis_gather_counts(s->pixel->values, &w->task.film->layers, &before, w->counters);
+}
+
+/* The sample's radiance is known: a NaN or infinity must not reach the film. */
+static void finish(bis_wave *w, sample *s, bool hit)
+{
+    bis_pixel_sum *pixel = s->pixel;
+    rgb L = rgbd_round(s->L);
+
+    if (!rgb_is_finite(L)) {
+        L = (rgb){0};
+        w->counters->nonfinite++;
+    }
+    if (hit && pixel->values) {
+        s->pt.later = NULL;
+        if (!bis_gather_surface(pixel->values, &w->task.film->layers, &w->task.view->settings, w->task.Lo,
+                                w->task.to_camera, &s->pt, s->stream, w->scratch, L))
+            w->counters->nonfinite++;
+    }
+    pixel->L = rgbd_add(pixel->L, (rgbd){(double)L.r, (double)L.g, (double)L.b});
+    pixel->hits += hit;
+}
+
+/* One estimate may take a tenth of a second (`exact` under a large map), hence the flag of interruption here. */
+void bis_wave_end(bis_wave *w)
+{
+    const volatile sig_atomic_t *interrupted = w->task.options->interrupted;
+
+    find_points(w);
+    for (w->at = 0; w->at < w->n; w->at++) {
+        if (interrupted && *interrupted) break;
+        add_light(w, &w->samples[w->at]);
+    }
+    trace(w);
+    for (uint32_t i = 0; i < w->n; i++) finish(w, &w->samples[i], w->prim[i] != BIS_NO_PRIM);
+    w->n = 0;
+}
+
+void bis_wave_add(bis_wave *w, const bis_sampler *sampler, int x, int y, uint64_t index, bis_pixel_sum *pixel)
+{
+    const bis_film *f = w->task.film;
+    const bis_view *view = w->task.view;
+    const double footprint = w->task.options->footprint;
+    sample *s = &w->samples[w->n];
+    double u[2] = {0.5, 0.5};
+
+    x = x * f->step + f->step / 2; /* of the picture */
+    y = y * f->step + f->step / 2;
+    s->pixel = pixel;
+    s->L = (rgbd){0, 0, 0};
+    bis_stream_init(&s->stream, sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);
+    if (view->pixel_jitter) bis_stream_camera(&s->stream, u);
+    for (int i = 0; i < 2 && footprint > 0; i++) u[i] = 0.5 + (u[i] - 0.5) * footprint;
+    w->eyes[w->n++] = bis_camera_ray(&view->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);
+    pixel->n++;
+    if (w->n == SAMPLES) bis_wave_end(w);
+}
+
+/* ---- memory ---- */
+
+bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_counters *counters)
+{
+    bis_wave *w = bis_alloc(1, sizeof *w);
+
+    if (!w) return NULL;
+    w->later.add = note_ray;
+    w->task = *task;
+    w->scratch = scratch;
+    w->counters = counters;
+    return w;
+}
+
+void bis_wave_free(bis_wave *wave) { bis_free(wave); }
+
+size_t bis_wave_bytes(void) { return sizeof(bis_wave); }

@@ -1,0 +1,48 @@
+/* wave: the camera samples of a tile, a few dozen at a time, step by step: all camera rays, all surfaces, the light of
+ * all points, all shadow rays, the sums. For pass.c and workspace.c. */
+#ifndef BIS_WAVE_H
+#define BIS_WAVE_H
+
+#include "beyond/batch.h"
+#include "bis/render/film.h"
+#include "bis/render/render.h"
+#include "bis/scene/scene.h"
+
+#include <stdbool.h>
+
+/* What a pass has made of a pixel so far. */
+typedef struct bis_pixel_sum {
+    rgbd L;         /* of its camera samples */
+    uint32_t hits;  /* camera samples that hit geometry */
+    uint32_t n;     /* camera samples */
+    float *values;  /* of the layers; NULL: none */
+} bis_pixel_sum;
+
+/* What all waves of a render share: all of it is borrowed. */
+typedef struct bis_wave_task {
+    const bis_scene *scene;
+    const bis_scene_desc *desc;
+    const bis_view *view;
+    const bis_film *film;
+    const bis_xform *to_camera;
+    const bis_render_options *options;
+    bis_Lo *Lo;
+} bis_wave_task;
+
+/* A thread's own. */
+typedef struct bis_wave bis_wave;
+
+/* bis_wave_new allocates a thread's wave; NULL: no memory. scratch and counters are borrowed. */
+bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_counters *counters);
+void bis_wave_free(bis_wave *wave);
+
+/* bis_wave_bytes returns the bytes of a wave. */
+size_t bis_wave_bytes(void);
+
+/* bis_wave_add notes camera sample `index` of the film's pixel (x, y). Its radiance is added to *pixel when the wave is
+ * full, or by bis_wave_end, which must be called before *pixel is read. sampler and pixel are borrowed until then.
+ * What is added does not depend on which samples share a wave. */
+void bis_wave_add(bis_wave *wave, const bis_sampler *sampler, int x, int y, uint64_t index, bis_pixel_sum *pixel);
+void bis_wave_end(bis_wave *wave);
+
+#endif
