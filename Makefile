@@ -21,8 +21,9 @@ $(if $(EMBREE_VERSION),,$(info bis: building without Embree; the voxel grid is t
 $(if $(OPENMP),,$(info bis: $(CC) has no OpenMP; one thread))
 endif
 
-# Dialect. The two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. Never -ffast-math.
-DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno-trapping-math -ffp-contract=off
+# Dialect. The first two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. The third: gcc 12
+# leaves out the rounding of (double)(float)x where it makes vectors of straight code. Never -ffast-math.
+DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
 WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
 OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION))

@@ -13,6 +13,8 @@
 
 #include <stdbool.h>
 
+enum { TOGETHER = 64 }; /* rays that the accelerator gets at once */
+
 /* What a corner sees. */
 typedef struct corner {
     bool hit;
@@ -20,14 +22,22 @@ typedef struct corner {
     vec3 n;
 } corner;
 
-static corner look_at(double x, double y, const bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
-                      const bis_view *view)
+/* What the rays through n <= TOGETHER places of a row see; x[n], and y for all. */
+static void look_at(corner *c, const double *x, double y, int n, const bis_film *film, const bis_scene *scene,
+                    const bis_scene_desc *desc, const bis_view *view)
 {
-    const ray eye = bis_camera_ray(&view->camera, film->picture_width, film->picture_height, x, y);
-    bis_point pt;
+    ray eye[TOGETHER];
+    uint32_t prim[TOGETHER];
 
-    if (!bis_scene_point(&pt, scene, desc, eye, NULL, NULL)) return (corner){.hit = false};
-    return (corner){true, bis_scene_material_of(desc, &pt), pt.n};
+    for (int i = 0; i < n; i++) eye[i] = bis_camera_ray(&view->camera, film->picture_width, film->picture_height, x[i], y);
+    bis_accel_intersect_many(scene->accel, eye, (uint32_t)n, prim);
+    for (int i = 0; i < n; i++) {
+        bis_surface at;
+        c[i] = (corner){.hit = prim[i] != BIS_NO_PRIM};
+        if (!c[i].hit) continue;
+        bis_geometry_surface(&scene->geometry, prim[i], &eye[i], &at);
+        c[i] = (corner){true, at.material, at.n};
+    }
 }
 
 /* Neighbours share corners, but not in a thin film: corner 2 i + k is then the k-th of pixel i. */
@@ -68,9 +78,12 @@ unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_sce
     (void)n_threads; /* a compiler without OpenMP has one thread */
 #pragma omp parallel for schedule(dynamic, 8) num_threads(n_threads)
     for (int y = 0; y < down; y++) {
-        for (int x = 0; x < across; x++)
-            c[y * (ptrdiff_t)across + x] =
-                look_at(place_of(film, area.x0, x), place_of(film, area.y0, y), film, scene, desc, view);
+        for (int first = 0; first < across; first += TOGETHER) {
+            const int count = across - first < TOGETHER ? across - first : TOGETHER;
+            double x[TOGETHER];
+            for (int i = 0; i < count; i++) x[i] = place_of(film, area.x0, first + i);
+            look_at(&c[y * (ptrdiff_t)across + first], x, place_of(film, area.y0, y), count, film, scene, desc, view);
+        }
     }
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {

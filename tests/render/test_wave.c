@@ -1,0 +1,259 @@
+/* wave: what is rendered in waves has the bits of what is rendered one camera sample after the other, for every
+ * integrator, accelerator, number of threads and size of passes. The other road is in this file: a loop over passes,
+ * pixels and samples that calls Lo, and shadow rays that are traced one by one. */
+#include "render/edges.h"
+#include "render/workspace.h"
+#include "world.h"
+
+#include "bis/base/mem.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <string.h>
+
+enum { TILE = BIS_RENDER_TILE, ACROSS = (WIDTH + TILE - 1) / TILE };
+
+/* ---- one after the other ---- */
+
+static rgb radiance(const world *w, bis_workspace *work, bis_Lo *Lo, const bis_sampler *sampler, int x, int y, uint64_t index, bool *hit)
+{
+    const bis_view *view = &w->desc.view;
+    double u[2] = {0.5, 0.5};
+    bis_stream stream;
+    bis_point pt;
+
+    bis_stream_init(&stream, sampler, (uint64_t)(y * WIDTH + x), index);
+    if (view->pixel_jitter) bis_stream_camera(&stream, u);
+    const ray eye = bis_camera_ray(&view->camera, WIDTH, HEIGHT, x + u[0], y + u[1]);
+    *hit = bis_scene_point(&pt, &w->scene, &w->desc, eye, &work->workers[0].counters, NULL);
+    if (!*hit) return bis_light_Le(w->scene.light, eye.d);
+    return Lo(&view->settings, &pt, &stream, &work->workers[0].scratch);
+}
+
+static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work, uint32_t number, uint32_t n, uint64_t before)
+{
+    bis_Lo *Lo = bis_fast_Lo(&w->desc.view.settings);
+
+    if (work->clusters.n) bis_clusters_fill(&work->clusters, w->scene.light, w->desc.view.sampler.seed, number, 1);
+    if (work->pool.M) bis_pool_fill(&work->pool, w->scene.light, w->desc.view.sampler.seed, number, 1);
+    for (int y = HEIGHT - 1; y >= 0; y--) { /* the order of pixels is nobody's business */
+        for (int x = 0; x < WIDTH; x++) {
+            const size_t t = (size_t)(y / TILE * ACROSS + x / TILE);
+            const bool edge = work->edge && work->edge[y * WIDTH + x];
+            const uint32_t k = edge ? w->desc.view.edge_samples : 1;
+            rgbd sum = {0, 0, 0};
+            double hits = 0;
+            if (work->visibility.n_tiles) {
+                bis_visibility_factors(work->workers[0].fast.visible, work->clusters.n, &work->visibility, t);
+                work->workers[0].fast.counted = work->visibility.counted[t];
+            }
+            for (uint32_t i = 0; i < n * k; i++) {
+                bool hit;
+                const rgb L = radiance(w, work, Lo, edge ? &work->edge_sampler : &w->desc.view.sampler, x, y, before * k + i, &hit);
+                sum = (rgbd){sum.r + (double)L.r, sum.g + (double)L.g, sum.b + (double)L.b};
+                hits += hit;
+            }
+            const double mean = 1 / (double)(n * k);
+            bis_film_add(film, x, y, rgb_from(sum.r * mean, sum.g * mean, sum.b * mean), (double)(float)(hits / (n * k)), n);
+        }
+    }
+    bis_visibility_learn(&work->visibility, 1);
+    bis_film_end_pass(film, n);
+}
+
+static void render_one_by_one(bis_film *film, bis_counters *counters, const world *w, const uint32_t *sizes, uint32_t n_passes)
+{
+    const bis_render_options options = {.n_threads = 1};
+    bis_workspace work;
+    uint64_t edge_rays, before = 0;
+
+    assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_workspace_init(&work, film, &w->scene, &w->desc, &w->desc.view, &options, NULL), BIS_OK);
+    assert_int_equal(bis_workspace_find_edges(&work, &edge_rays, NULL), BIS_OK);
+    for (uint32_t p = 0; p < n_passes; p++) {
+        pass_one_by_one(film, w, &work, p, sizes[p], before);
+        before += sizes[p];
+    }
+    *counters = work.workers[0].counters;
+    bis_workspace_clear(&work);
+}
+
+/* ---- settings ---- */
+
+typedef struct setting {
+    const bis_integrator *integrator;
+    uint32_t M, N;
+    bis_proposal proposal;
+    bool learn, stratify;
+} setting;
+
+static const setting settings[] = {
+    {&bis_em, 0, 5, BIS_PROPOSAL_EM, false, false},
+    {&bis_em, 0, 5, BIS_PROPOSAL_EM, false, true},
+    {&bis_brdf, 0, 5, BIS_PROPOSAL_EM, false, false},
+    {&bis_mis, 0, 6, BIS_PROPOSAL_EM, false, false},
+    {&bis_rejection, 40, 3, BIS_PROPOSAL_CHOOSE, false, false},
+    {&bis_exact, 0, 1, BIS_PROPOSAL_EM, false, false},      /* 128 rays a sample: a wave is full before its samples */
+    {&bis_unoccluded, 10, 1, BIS_PROPOSAL_EM, false, false}, /* no rays */
+    {&bis_sir, 40, 5, BIS_PROPOSAL_MIX, false, true},
+    {&bis_sir, 5, 3, BIS_PROPOSAL_MIX, false, false}, /* candidates one by one */
+    {&bis_sir, 64, 16, BIS_PROPOSAL_PRODUCT, false, true},
+    {&bis_sir, 64, 16, BIS_PROPOSAL_PRODUCT, true, true},
+    {&bis_sir, 4096, 1500, BIS_PROPOSAL_PRODUCT, true, true}, /* one sample has more rays than a wave holds */
+};
+
+static void choose(world *w, const setting *s)
+{
+    bis_settings *to = &w->desc.view.settings;
+
+    *to = bis_settings_default(s->integrator);
+    to->candidates = s->M;
+    to->shadowrays = to->samples = s->N;
+    to->perpatch = 1;
+    to->proposal = s->proposal;
+    to->learn = s->learn;
+    to->stratify = s->stratify;
+}
+
+/* ---- tests ---- */
+
+static void use_accel(world *w, bis_accel_kind kind)
+{
+    const bis_accel_options options = {.kind = kind};
+    bis_accel_free(w->scene.accel);
+    assert_int_equal(bis_accel_new(&w->scene.accel, &w->scene.geometry, &options, NULL), BIS_OK);
+}
+
+static void waves_have_the_bits_of_single_samples(void **state)
+{
+    (void)state;
+    static const int threads[] = {1, 2, 3, 7};
+    static const uint32_t growing[] = {1, 1, 2, 3}; /* of 7 camera samples */
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
+        const bool large = settings[i].M > 1000;
+        for (int kind = 0; kind < 2; kind++) {
+            if (kind && !bis_accel_embree_version()) continue;
+            world w;
+            bis_film one, waves;
+            bis_counters counters;
+            bis_render_result result;
+            make_world(&w, &bis_sir);
+            choose(&w, &settings[i]);
+            use_accel(&w, kind ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID);
+            w.desc.view.edge_samples = i % 3 == 0 || settings[i].learn ? 4 : 1;
+            if (i % 2) w.desc.view.sampler.kind = BIS_SAMPLER_SOBOL;
+            render_one_by_one(&one, &counters, &w, growing, large ? 2 : 4);
+            const bis_render_options options = {.budget = {.spp = large ? 2 : 7}, .n_threads = threads[i % 4]};
+            render(&waves, &result, &w, whole, &options);
+            assert_same_bits(&one, &waves);
+            assert_int_equal(result.counters.shadow_rays, counters.shadow_rays);
+            assert_int_equal(result.counters.candidates, counters.candidates);
+            assert_int_equal(result.counters.accepted, counters.accepted);
+            assert_int_equal(result.counters.fallbacks, counters.fallbacks);
+            assert_true(settings[i].integrator == &bis_unoccluded || counters.shadow_rays > 0);
+            bis_film_clear(&one);
+            bis_film_clear(&waves);
+            clear_world(&w);
+        }
+    }
+}
+
+/* Twin: the comparison sees one shadow ray. */
+static bool one_ray_is_lost(const bis_accel *a, const ray *r)
+{
+    static long n;
+    (void)a;
+    (void)r;
+    return n++ == 500;
+}
+
+static bool same_hit(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    return bis_accel_intersect((const bis_accel *)(const void *)a->geometry, r, hit);
+}
+
+static void one_ray_that_is_lost_changes_the_bits(void **state)
+{
+    (void)state;
+    static const bis_accel_ops ops = {.name = "leaky", .intersect = same_hit, .occluded = one_ray_is_lost};
+    static const uint32_t sizes[] = {1};
+    world w;
+    bis_film one, waves;
+    bis_counters counters;
+    bis_render_result result;
+    make_world(&w, &bis_em);
+    bis_accel *real = w.scene.accel, leaky = {&ops, (const bis_geometry *)(const void *)real};
+    w.scene.accel = &leaky;
+    render_one_by_one(&one, &counters, &w, sizes, 1); /* loses ray 500 */
+    render(&waves, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}, .n_threads = 1}); /* none */
+    assert_true(counters.shadow_rays > 500);
+    assert_memory_not_equal(one.sum, waves.sum, 3 * WIDTH * HEIGHT * sizeof *one.sum);
+    w.scene.accel = real;
+    bis_film_clear(&one);
+    bis_film_clear(&waves);
+    clear_world(&w);
+}
+
+/* A pixel with a thousand camera samples, one with none, and pixels of nothing but sky. */
+static void many_samples_of_one_pixel_fill_several_waves(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[] = {1, 1};
+    world w;
+    bis_film one, waves;
+    bis_counters counters;
+    bis_render_result result;
+    make_world(&w, &bis_em);
+    w.desc.view.edge_samples = 1024;
+    render_one_by_one(&one, &counters, &w, sizes, 2);
+    render(&waves, &result, &w, whole, &(bis_render_options){.budget = {.spp = 2}, .n_threads = 2});
+    assert_same_bits(&one, &waves);
+    assert_true(result.counters.camera_rays > 20 * 2 * 1024);
+    bis_film_clear(&one);
+    bis_film_clear(&waves);
+    clear_world(&w);
+}
+
+/* An integrator that does not put its rays off, as a student's first: bis_point_sees, and the sum is returned. */
+static rgb impatient_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s;
+    (void)scratch;
+    const vec3 wi = normalize((vec3){pt->n.x + (float)bis_stream_random(stream) - 0.5f, pt->n.y, pt->n.z});
+    return bis_point_sees(pt, wi) ? (rgb){1, 2, 3} : (rgb){0.25f, 0, 0};
+}
+
+static void an_integrator_may_trace_its_rays_at_once(void **state)
+{
+    (void)state;
+    const bis_integrator impatient = {.name = "impatient", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = impatient_Lo};
+    static const uint32_t sizes[] = {1, 1, 2, 4};
+    world w;
+    bis_film one, waves;
+    bis_counters counters;
+    bis_render_result result;
+    make_world(&w, &impatient);
+    render_one_by_one(&one, &counters, &w, sizes, 4);
+    render(&waves, &result, &w, whole, &(bis_render_options){.budget = {.spp = 8}, .n_threads = 2});
+    assert_same_bits(&one, &waves);
+    bis_film_clear(&one);
+    bis_film_clear(&waves);
+    clear_world(&w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(waves_have_the_bits_of_single_samples),
+        cmocka_unit_test(one_ray_that_is_lost_changes_the_bits),
+        cmocka_unit_test(many_samples_of_one_pixel_fill_several_waves),
+        cmocka_unit_test(an_integrator_may_trace_its_rays_at_once),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
