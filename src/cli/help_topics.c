@@ -115,18 +115,17 @@ static const bis_help_entry output[] = {
 };
 
 static const bis_help_entry budgets[] = {
-    {NULL, "A pass is one camera sample of every pixel. Budgets are looked at between passes; whichever is used up "
-           "first ends the render. Without any, the scene's "
-           "pixelsamples count."},
-    {"--spp N", "N passes"},
+    {NULL, "Passes take 1, 1, 2, then 4 camera samples of every pixel. Budgets are looked at between passes; whichever is "
+           "used up first ends the render. Without any, the scene's pixelsamples count."},
+    {"--spp N", "N camera samples of every pixel"},
     {"--time SECONDS", "of rendering alone, as in 10, 10s, 2min, 1.5h; ends within a pass of it"},
     {"--error E", "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%; says after four "
                   "passes what it will cost"},
     {"--adaptive",
-     "camera samples go where the error is, by tiles of 16 x 16 pixels; a pass is then four of them in the mean"},
+     "camera samples go where the error is, by tiles of 16 x 16 pixels; every pass is then four of them in the mean"},
     {NULL, "Ctrl-C ends a render soon: the passes that are complete are written, and the exit status is 130. The "
            "picture depends on the scene, the seed and the number "
-           "of passes, never on the number of threads."},
+           "of camera samples, never on the number of threads."},
     {NULL, NULL},
 };
 

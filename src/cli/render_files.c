@@ -7,6 +7,7 @@
 #include "bis/base/mem.h"
 #include "progress.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -101,13 +102,12 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
     char seconds[32];
 
     if (r->interrupted)
-        fprintf(stderr, "bis: interrupted after %u pass%s; wrote", r->passes, r->passes == 1 ? "" : "es");
+        fprintf(stderr, "bis: interrupted after %" PRIu64 " camera sample%s a pixel; wrote", r->spp, r->spp == 1 ? "" : "s");
     else fputs("bis: wrote", stderr);
     for (int i = 0; i < written->n; i++) fprintf(stderr, "%s %s", i ? "," : "", written->text[i]);
-    fprintf(stderr, ": %d x %d pixels, %u pass%s", stats->film->width, stats->film->height, r->passes,
-            r->passes == 1 ? "" : "es");
-    if (r->spp != r->passes) fprintf(stderr, " of %d camera samples a pixel", (int)(r->spp / r->passes));
-    fprintf(stderr, ", %s, ", bis_duration(seconds, r->seconds));
+    fprintf(stderr, ": %d x %d pixels, %" PRIu64 " camera sample%s a pixel in %u pass%s, %s, ", stats->film->width,
+            stats->film->height, r->spp, r->spp == 1 ? "" : "s", r->passes, r->passes == 1 ? "" : "es",
+            bis_duration(seconds, r->seconds));
     if (isnan(r->relative_rmse)) fputs("error unknown (one pass)\n", stderr);
     else fprintf(stderr, "error about %.2g%%\n", 100 * r->relative_rmse);
 }

@@ -43,10 +43,11 @@ typedef struct render {
     uint32_t passes_total; /* that make `most`; 0: unknown */
 } render;
 
-/* Camera samples of the pass that follows `spp` of them: 1, 1, 2, 4, 4, ... of `most` in all (0: no limit). */
+/* Camera samples of the pass that follows `spp` of them: 1, 1, 2, 4, 4, ... of `most` in all (0: no limit). With an error
+ * to reach 1, 1, 1, 1, 4, 4, ..., because its first estimate needs four passes. */
 static uint32_t pass_size(const render *r, uint64_t spp)
 {
-    uint64_t n = spp < 1 ? 1 : spp < MOST_SAMPLES ? spp : MOST_SAMPLES;
+    uint64_t n = spp < 1 || (r->budget.error > 0 && spp < MIN_ERROR_PASSES) ? 1 : spp < MOST_SAMPLES ? spp : MOST_SAMPLES;
 
     if (r->work.options->pass_size) n = r->work.options->pass_size;
     if (r->work.view->adaptive) n = BIS_ADAPT_SAMPLES;

@@ -821,7 +821,8 @@ static void a_render_ends_with_one_line_about_what_was_written(void **state)
 {
     (void)state;
     const struct { const char *options, *passes; } cases[] = {
-        {"--spp 9", "9 passes, "}, {"--spp 1", "1 pass, "}, {"--spp 8 --adaptive --cropwindow 0,0.5,0,1", "2 passes of 4 camera samples a pixel, "},
+        {"--spp 9", "9 camera samples a pixel in 5 passes, "}, {"--spp 1", "1 camera sample a pixel in 1 pass, "},
+        {"--spp 8 --adaptive --cropwindow 0,0.5,0,1", "8 camera samples a pixel in 2 passes, "},
     };
     for (int i = 0; i < 3; i++) {
         program_run r;

@@ -7,10 +7,9 @@
 /* loses: the_noise_is_that_of_the_balance_heuristic */
 /* loses: the_noise_is_that_of_the_power_heuristic */
 /* [mis-em] */
-static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, uint32_t n_em, uint32_t n_brdf)
+static void add_em(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, uint32_t n_em, uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
-    rgbd sum = {0, 0, 0};
 
     (void)n_brdf;
     const bis_em_samples samples = bis_em_samples_start(n_em, s, stream, scratch);
@@ -21,8 +20,7 @@ static rgbd sum_em(const bis_settings *s, const bis_point *pt, bis_stream *strea
         if (cos_theta <= 0) continue;
         rgbd C = bis_estimate(bis_bsdf_f(bsdf, y.wi), y.Le, cos_theta, (double)n_em * y.pdf);
         if (rgbd_sum(C) <= 0 || !bis_point_sees(pt, y.wi)) continue;
-        sum = rgbd_add(sum, C);
+        *sum = rgbd_add(*sum, C);
     }
-    return sum;
 }
 /* [end] */

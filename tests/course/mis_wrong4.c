@@ -9,10 +9,9 @@ static double weight(bis_heuristic heuristic, double own, double other)
 }
 /* [end] */
 /* [mis-brdf] */
-static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2], uint32_t n_em, uint32_t n_brdf)
+static void add_brdf(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, double (*u)[2], uint32_t n_em, uint32_t n_brdf)
 {
     const bis_bsdf *bsdf = &pt->bsdf;
-    rgbd sum = {0, 0, 0};
 
     bis_stream_points(stream, BIS_DIM_BRDF, n_brdf, u);
     for (uint32_t j = 0; j < n_brdf; j++) {
@@ -27,8 +26,7 @@ static rgbd sum_brdf(const bis_settings *s, const bis_point *pt, bis_stream *str
         rgb Le = bis_light_Le_pdf(pt->light, wi, &q_em);
         rgbd C = bis_estimate(f, Le, cos_theta, (double)n_brdf * q_brdf);
         if (!bis_point_sees(pt, wi)) continue;
-        sum = rgbd_add(sum, rgbd_scale(C, weight(s->heuristic, (double)n_brdf * q_brdf, (double)n_em * q_em)));
+        *sum = rgbd_add(*sum, rgbd_scale(C, weight(s->heuristic, (double)n_brdf * q_brdf, (double)n_em * q_em)));
     }
-    return sum;
 }
 /* [end] */

@@ -24,10 +24,10 @@ static rgb uniform_Lo(const bis_settings *s, const bis_point *pt, bis_stream *st
         vec3 wi = bis_warp_sphere(scratch->u[j][0], scratch->u[j][1]);
         double cos_theta = bis_bsdf_cos(&pt->bsdf, wi);
         if (cos_theta <= 0) continue; /* it counts: N, not the number above the horizon, divides the sum */
-        rgbd C = bis_estimate(bis_bsdf_f(&pt->bsdf, wi), bis_light_Le(pt->light, wi), cos_theta, 1 / (4 * PI));
-        if (rgbd_sum(C) > 0 && bis_point_sees(pt, wi)) sum = rgbd_add(sum, C);
+        rgbd C = bis_estimate(bis_bsdf_f(&pt->bsdf, wi), bis_light_Le(pt->light, wi), cos_theta, s->samples / (4 * PI));
+        if (rgbd_sum(C) > 0) bis_point_add(&sum, pt, wi, C, NULL);
     }
-    return rgbd_round(rgbd_scale(sum, 1 / (double)s->samples));
+    return rgbd_round(sum);
 }
 
 const bis_integrator bis_uniform = {.name = "uniform", .words = "directions uniform over the sphere",
