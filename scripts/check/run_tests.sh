@@ -17,7 +17,7 @@ here=$(pwd)
 mkdir -p build && root=$(mktemp -d build/run.XXXXXX) || exit 1
 chmod 755 "$root"
 trap 'rm -rf "$root"; exit 130' INT TERM HUP
-export BIS_SHARED="${BIS_SHARED:-$here/../shared}"
+export BIS_SHARED="${BIS_SHARED:-$here/../shared/data}"
 
 # Copies, because tests make kits of the tree and change them; a link would let them change what it leads to. What was
 # built is only read: links, but for the folder that tests write.

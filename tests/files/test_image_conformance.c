@@ -115,7 +115,7 @@ static const char *shared_path(const char *name)
 {
     static char path[1024];
     const char *root = getenv("BIS_SHARED");
-    snprintf(path, sizeof path, "%s/data/conformance/%s", root ? root : "../shared", name);
+    snprintf(path, sizeof path, "%s/conformance/%s", root ? root : "../shared/data", name);
     return path;
 }
 

@@ -59,6 +59,6 @@ const char *shared_data(const char *name)
 {
     static char path[4096];
     const char *folder = getenv("BIS_SHARED");
-    snprintf(path, sizeof path, "%s/data/%s", folder ? folder : "../shared", name);
+    snprintf(path, sizeof path, "%s/%s", folder ? folder : "../shared/data", name);
     return access(path, R_OK) == 0 ? path : NULL;
 }

@@ -5,11 +5,13 @@
 #include "bis/shape/accel.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/point.h"
+#include "files/ply.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -102,6 +104,62 @@ static void many_rays_answer_as_one_by_one(void **state)
     }
 }
 
+/* Four real meshes, the last with spheres among its triangles: packets of neighbouring camera rays, and of shadow rays
+ * from where they hit. BIS_LONG=1: 10^6 rays of each kind. */
+static void packets_answer_as_single_rays_on_real_meshes(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"mesh/armadillo_86k.ply", "mesh/igea_269k.ply", "mesh/nefertiti_100k.ply", "mesh/dragon_871k.ply"};
+    const int n_packets = getenv("BIS_LONG") ? 250000 / 128 : 100;
+    long rays = 0, hidden = 0;
+
+    for (int m = 0; m < 4; m++) {
+        const char *path = shared_file(names[m]);
+        bis_geometry g = {0};
+        bis_mesh mesh;
+        uint64_t seed = 5;
+        if (!path || !bis_accel_embree_version()) skip();
+        assert_int_equal(bis_ply_read(&mesh, path, (bis_loc){0}, NULL), BIS_OK);
+        add_mesh(&g, &mesh, NULL, 0);
+        const vec3 lo = g.box.lo, hi = g.box.hi;
+        const double size = fmax((double)(hi.x - lo.x), fmax((double)(hi.y - lo.y), (double)(hi.z - lo.z)));
+        for (int i = 0; m == 3 && i < 20; i++) {
+            const bis_xform move = bis_xform_translate(random_between(&seed, (double)lo.x, (double)hi.x), random_between(&seed, (double)lo.y, (double)hi.y),
+                                                       random_between(&seed, (double)lo.z, (double)hi.z));
+            const bis_quadric q = {BIS_SPHERE, 0.05 * size, 0, move, 0};
+            assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        }
+        bis_accel *a = backend(&g, 1);
+        const vec3 middle = vec3_from(0.5 * (double)(lo.x + hi.x), 0.5 * (double)(lo.y + hi.y), 0.5 * (double)(lo.z + hi.z));
+        for (int k = 0; k < n_packets; k++) {
+            ray eye[128], shadow[128];
+            uint32_t prim[128], n = 0;
+            const vec3 side = random_direction(&seed), aim = random_direction(&seed);
+            for (int i = 0; i < 128; i++) { /* a bundle of camera rays, a hundredth of the mesh wide */
+                const vec3 jitter = random_direction(&seed);
+                const vec3 from = vec3_from((double)middle.x + 2 * size * (double)side.x, (double)middle.y + 2 * size * (double)side.y, (double)middle.z + 2 * size * (double)side.z);
+                const vec3 to = vec3_from((double)middle.x + size * (0.3 * (double)aim.x + 0.005 * (double)jitter.x), (double)middle.y + size * (0.3 * (double)aim.y + 0.005 * (double)jitter.y),
+                                          (double)middle.z + size * (0.3 * (double)aim.z + 0.005 * (double)jitter.z));
+                eye[i] = (ray){from, normalize((vec3){to.x - from.x, to.y - from.y, to.z - from.z}), INFINITY};
+            }
+            same_as_one_by_one(a, eye, 128);
+            bis_accel_intersect_many(a, eye, 128, prim);
+            for (int i = 0; i < 128; i++) {
+                bis_surface at;
+                if (prim[i] == BIS_NO_PRIM) continue;
+                bis_geometry_surface(&g, prim[i], &eye[i], &at);
+                vec3 d = random_direction(&seed);
+                shadow[n++] = (ray){bis_surface_offset(&at), dot(d, at.ng) > 0 ? d : neg(d), INFINITY};
+            }
+            hidden += same_as_one_by_one(a, shadow, n);
+            rays += n;
+        }
+        bis_accel_free(a);
+        bis_geometry_clear(&g);
+    }
+    assert_true(rays > 4 * n_packets * 16 && hidden > rays / 50 && hidden < rays - rays / 50);
+}
+
 static void in_an_empty_scene_nothing_is_hit(void **state)
 {
     const ray r[2] = {{{0, 0, 0}, {0, 0, 1}, INFINITY}, {{0, 0, 0}, {1, 0, 0}, INFINITY}};
@@ -174,6 +232,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(many_rays_answer_as_one_by_one),
+        cmocka_unit_test(packets_answer_as_single_rays_on_real_meshes),
         cmocka_unit_test(in_an_empty_scene_nothing_is_hit),
         cmocka_unit_test(terms_are_added_where_light_arrives_and_never_below_the_surface),
     };
