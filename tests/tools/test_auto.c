@@ -326,7 +326,7 @@ static double variance_of_a_pass(world *w, const bis_settings *settings, uint32_
     size_t n = 0;
 
     w->desc.view.settings = *settings;
-    render(&film, &result, w, whole, &(bis_render_options){.budget = {.spp = spp}});
+    render(&film, &result, w, whole, &(bis_render_options){.budget = {.spp = spp}, .pass_size = 1});
     for (size_t k = 0; k < 3 * WIDTH * HEIGHT; k++) {
         if (film.hits[k / 3] == 0) continue;
         mean += film.sum[k] / spp;
