@@ -192,12 +192,12 @@ exit
 # + return bis_importance_pdf(light->importance, wi);
 #
 # * em test_integrators : N+1 for N
-# - 1 / (double)N));
-# + 1 / (double)(N + 1)));
+# - (double)N * y.pdf);
+# + (double)(N + 1) * y.pdf);
 #
 # * brdf test_integrators : visibility forgotten
-# - rgbd_sum(C) > 0 && bis_point_sees(pt, wi)
-# + rgbd_sum(C) > 0
+# - bis_point_add(&sum, pt, wi, C, NULL);
+# + sum = rgbd_add(sum, C);
 #
 # * mis test_integrators : the map's number of samples missing in a weight
 # - (double)n_em * q_em)));
@@ -307,10 +307,6 @@ exit
 # - const ray shadow = {bis_surface_offset(&s), w, INFINITY};
 # + const ray shadow = {add(s.p, w), w, INFINITY};
 #
-# * film test_film : the variance of a pass, not of the mean
-# - (n - 1) / n;
-# + (n - 1);
-#
 # * compare test_compare : the standard error of the bias without its root of n
 # - sqrt(scatter / (n - 1) / n)
 # + sqrt(scatter / (n - 1))
@@ -364,8 +360,8 @@ exit
 # + const double Zhat = W / (M + 1) * unit * mean;
 #
 # * batch test_batch test_clusters : what learned visibility multiplied is not divided out
-# - b->weights.times[k] / (double)b->traced.q_L[k]
-# + b->weights.times[k]
+# - Z * b->weights.times[k] / (double)y->q_L[k]
+# + Z * b->weights.times[k]
 #
 # * batch test_batch : candidates left out for the BRDF's keep their weights
 # - b->weights.w[bis_one_of_set(j, m->n_brdf, M, phase)] = 0;
@@ -376,8 +372,8 @@ exit
 # + b->brdf.q_L[i] *= 1;
 #
 # * batch test_batch : the pool's unit is forgotten: weights and result in different ones
-# - const rgbd sum = trace(b, pt);
-# + const rgbd sum = rgbd_scale(trace(b, pt), unit > 0 ? 1 / unit : 1);
+# - trace(b, pt, Zhat / N, f)
+# + trace(b, pt, Zhat / N / (unit > 0 ? unit : 1), f)
 #
 # * product test_clusters test_batch : a candidate's density is the map's, whatever its cluster got
 # - &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
@@ -454,3 +450,71 @@ exit
 # * trade_reference test_trade : the noisier reference gets the larger weight
 # - b->relmse > 0 ? b->relmse / (a->relmse + b->relmse) : 0.5;
 # + b->relmse > 0 ? a->relmse / (a->relmse + b->relmse) : 0.5;
+#
+# * point test_point : terms below the surface are noted
+# - if (dot(pt->ng, wi) <= 0) return;
+# + ;
+#
+# * wave test_wave : hidden terms count, seen ones do not
+# - if (w->occluded[i]) continue;
+# + if (!w->occluded[i]) continue;
+#
+# * wave test_wave : what light arrives is not learned
+# - if (w->seen[i]) ++*w->seen[i];
+# + ;
+#
+# * wave test_wave : a term goes to the first sample of the wave
+# - w->owner[i] = w->at;
+# + w->owner[i] = 0;
+#
+# * wave test_wave : a full wave loses its last ray
+# - w->n_rays = 0;
+# + w->n_rays = w->n_rays == RAYS;
+#
+# * wave test_wave : the last sample of a wave is not added
+# - i < w->n; i++) finish(
+# + i + 1 < w->n; i++) finish(
+#
+# * wave test_layers : a layer's L_ns puts its rays off
+# - s->pt.later = NULL;
+# + ;
+#
+# * pass test_wave : all camera samples of a pass are the first
+# - y, first + k, sum);
+# + y, first, sum);
+#
+# * pass test_wave : an edge's samples are those of other pixels
+# - pass->first * (edge ? w->view->edge_samples : 1);
+# + pass->first;
+#
+# * pass test_wave : passes of different size weigh the same
+# - (double)w->pass[i].hit, pass->weight);
+# + (double)w->pass[i].hit, 1);
+#
+# * film test_render : weights are not squared
+# - weight * weight;
+# + weight;
+#
+# * film test_film test_layers : the variance of one camera sample, not of the picture
+# - (f->passes - 1.0) / f->weight;
+# + (f->passes - 1.0);
+#
+# * render test_render : passes grow too fast
+# - : spp < MOST_SAMPLES ? spp : MOST_SAMPLES;
+# + : spp < MOST_SAMPLES ? spp + 1 : MOST_SAMPLES;
+#
+# * render test_render : a pass after one that was cut to fit
+# - if (r->is_last || (r->most
+# + if ((r->most
+#
+# * embree test_point : the last packet answers for one ray less
+# - const uint32_t count = n - first < PACKET ? n - first : PACKET;
+# + const uint32_t count = n - first < PACKET ? n - first - 1 : PACKET;
+#
+# * embree test_point : of a packet, a quadric answers the first ray alone
+# - id[GEOM_ID * N + i] = args->geomID;
+# + id[GEOM_ID * N] = args->geomID;
+#
+# * pass test_layers : a layer's mean over a pass has the pass's weight twice
+# - sum->n / pass->weight);
+# + sum->n);

@@ -487,6 +487,34 @@ static void no_pass_begins_that_would_not_fit_into_the_time(void **state)
     clear_world(&w);
 }
 
+/* Rests in the first two camera samples only. */
+static int rests;
+
+static rgb hastening_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    return rests-- > 0 ? slow_Lo(s, pt, stream, scratch) : noise_Lo(s, pt, stream, scratch);
+}
+
+/* Of 200 ms two passes of one sample leave 80, which is enough for one sample of 60 ms, not for the two that are due. So
+ * the third pass takes one and is the last, although it turns out to be fast: passes of 1, 1, 1 and 2 would be no
+ * render of 5 samples. A slow machine ends earlier. */
+static void a_pass_that_is_cut_to_fit_is_the_last(void **state)
+{
+    (void)state;
+    const bis_integrator hastening = {.name = "hastening", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = hastening_Lo};
+    const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
+    world w;
+    bis_film film;
+    bis_render_result result;
+    make_world(&w, &hastening);
+    rests = 2;
+    render(&film, &result, &w, pixel, &(bis_render_options){.budget = {.seconds = 0.2}, .n_threads = 1});
+    assert_in_range(result.spp, 1, 3);
+    assert_int_equal(result.passes, result.spp);
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
 static void an_error_budget_ends_when_the_bound_holds_and_not_before(void **state)
 {
     (void)state;
@@ -848,6 +876,7 @@ int main(void)
         cmocka_unit_test(spp_is_the_number_of_camera_rays_in_growing_passes),
         cmocka_unit_test(the_shortest_time_still_completes_one_pass_E39),
         cmocka_unit_test(no_pass_begins_that_would_not_fit_into_the_time),
+        cmocka_unit_test(a_pass_that_is_cut_to_fit_is_the_last),
         cmocka_unit_test(an_error_budget_ends_when_the_bound_holds_and_not_before),
         cmocka_unit_test(an_error_budget_takes_four_passes_at_least_and_spp_at_most),
         cmocka_unit_test(progress_grows_to_the_whole_budget),
