@@ -215,7 +215,7 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
 {
     bis_settings *s = &d->view.settings;
 
-    if (o->integrator && strcmp(o->integrator, s->integrator->name) != 0) {
+    if (o->integrator && (!d->names_integrator || strcmp(o->integrator, s->integrator->name) != 0)) {
         const unsigned as_printed = s->as_printed;
         *s = bis_settings_default(bis_integrator_find(o->integrator));
         s->as_printed = as_printed;
