@@ -108,7 +108,8 @@ static void cost(bis_film *film, bis_scene *const *scene, const char *path, int 
 {
     const char *material = measure_materials[m].text;
     bis_scene_desc *desc = measure_parse(path, sir[MEDIUM].text, 0, material);
-    bis_scene_desc *black = measure_parse(path, "Sampler \"stratified\" Integrator \"em\" \"integer samples\" 1", 0, measure_materials[MEASURE_MATERIALS].text);
+    bis_scene_desc *black = measure_parse(path, "Sampler \"stratified\" Integrator \"em\" \"integer samples\" 1", 0,
+                                          measure_materials[MEASURE_MATERIALS].text);
     bis_render_result result;
 
     bis_sampler_set_spp(&desc->view.sampler, 1);

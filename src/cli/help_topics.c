@@ -54,10 +54,9 @@ static const bis_help_entry integrators[] = {
     {NULL, "Integrator \"NAME\" in a scene, --integrator NAME on the command line. Counts are per camera sample; "
            "defaults in parentheses, the first of several "
            "names is the default. \"sir\" with its defaults is the method of the thesis."},
-    {NULL, "A scene that names no integrator has"},
-    {"Integrator \"sir\" \"string proposal\" \"product\"", NULL},
-    {"  \"integer candidates\" 64 \"integer shadowrays\" 16 \"bool learn\" true", NULL},
     {bis_help_of_integrators, NULL},
+    {"no Integrator: sir", "with proposal product, 64 candidates, 16 shadow rays, learn true: what a scene has that "
+                           "names none"},
     {NULL, "The parameters:"},
     {bis_help_of_parameters, NULL},
     {NULL, "The words mean: em, from the environment map; mix, half of the candidates from each; choose, one or the "
