@@ -98,7 +98,8 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
         bis_append(integrator_help, sizeof integrator_help, "%s, ", integrators[i]);
     }
     integrators[i] = bis_auto.name;
-    bis_append(integrator_help, sizeof integrator_help, "or auto: a pilot chooses (default: the scene's; see `bis help sir`)");
+    bis_append(integrator_help, sizeof integrator_help,
+               "or auto: a pilot chooses (default: the scene's; see `bis help sir`)");
 
     /* clang-format off: the rows are broken by hand */
     const bis_option before[] = {
