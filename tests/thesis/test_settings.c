@@ -144,7 +144,7 @@ static void a_scene_without_the_lines_has_those_of_the_pages(void **state)
         assert_non_null(f);
         page[fread(page, 1, sizeof page - 1, f)] = '\0';
         fclose(f);
-        line = strstr(page, i ? "\n## A scene without an Integrator" : "\n### A scene without a Sampler or an Integrator");
+        line = strstr(page, "# A scene without a");
         assert_non_null(line);
         line = strchr(strstr(line, "\n```pbrt\n") + 1, '\n');
         end = strstr(line, "\n```");

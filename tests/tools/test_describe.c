@@ -307,8 +307,8 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
         "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100 \"string filename\" \"out.exr\" \"float cropwindow\" [0.5 1 0.5 1]\n"
         "  \"string layers\" [\"albedo\" \"normal\" \"depth\"]\n"
         "Camera \"perspective\" \"float fov\" 50\n"
-        "Sampler \"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 2 \"bool adaptive\" true \"integer seed\" 7\n"
-        "  \"integer edgesamples\" 5\n" /* without jitter, no pixel has more */
+        "Sampler \"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 2 \"bool adaptive\" true\n"
+        "  \"integer seed\" 7 \"integer edgesamples\" 5\n" /* without jitter, no pixel has more */
         "Integrator \"mis\" \"integer samples\" 12 \"float split\" 0.25 \"bool compensate\" true \"string heuristic\" \"power\"\n"
         "Option \"string asprinted\" \"E6\" Option \"bool disablepixeljitter\" true\nAccelerator \"grid\"\nWorldBegin\n"
         "LightSource \"infinite\" \"string filename\" \"map.pfm\" \"bool visible\" false\n"
