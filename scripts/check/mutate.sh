@@ -239,6 +239,14 @@ exit
 # - x ^= x >> 2 & 0x33333333u;
 # + x ^= x >> 2 & 0x33333331u;
 #
+# * sampler test_sampler : one round of the order for four
+# - enum { SMALL = 32, ROUNDS = 4 };
+# + enum { SMALL = 32, ROUNDS = 1 };
+#
+# * sampler test_sampler : the order of few cells from numbers without a key
+# - if (n <= SMALL) return ranked(i, n, key);
+# + if (n <= SMALL) return ranked(i, n, 0);
+#
 # * sampler test_sampler : both jitters of a camera sample are one
 # - (cell / p->xsamples) + place[1])
 # + (cell / p->xsamples) + place[0])
