@@ -97,6 +97,24 @@ typedef struct bis_surface {
  * result does not depend on the accelerator, because the barycentric coordinates are computed again in double. */
 void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bis_surface *s);
 
+/* bis_geometry_prefetch asks the memory for what bis_geometry_surface will read of primitive `prim`. It does not wait
+ * for the answer. Stage 0 asks for the indices of the vertices; stage 1 reads them and asks for the vertices and
+ * normals. It is for a caller with many hits at once: stage 0 for each of them, then stage 1, then the surfaces. */
+static inline void bis_geometry_prefetch(const bis_geometry *g, uint32_t prim, int stage)
+{
+    if (prim >= g->n_triangles) return; /* few quadrics: they are near */
+    const uint32_t *index = g->index + 3 * (size_t)prim;
+    if (stage == 0) {
+        __builtin_prefetch(index);
+        __builtin_prefetch(index + 2); /* perhaps in the next cache line */
+        return;
+    }
+    for (int i = 0; i < 3; i++) {
+        __builtin_prefetch(&g->p[index[i]]);
+        if (g->n) __builtin_prefetch(&g->n[index[i]]);
+    }
+}
+
 /* bis_surface_offset returns a point where a shadow ray may start: it lies on ng's side of s->p, beyond the error
  * bound. There is no constant epsilon (docs/errata.md E37). */
 vec3 bis_surface_offset(const bis_surface *s);
