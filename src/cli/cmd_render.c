@@ -2,7 +2,10 @@
  *
  * Whatever can be known to fail is tried before the rendering: options, the endings and folders of the output files,
  * the scene. Ctrl-C (and SIGTERM, SIGHUP) during the rendering ends it soon; the complete passes are written, if there
- * are any, and the exit status is 130. A second one kills. */
+ * are any, and the exit status is 130. A second one kills.
+ *
+ * A checkpoint is read before the scene is built, because a damaged one should not be found after minutes of loading;
+ * whether it belongs to the scene is known after that. */
 #include "base/text.h"
 #include "bis/base/clock.h"
 #include "bis/base/file.h"
@@ -14,6 +17,7 @@
 #include "cli.h"
 #include "parameters.h"
 #include "progress.h"
+#include "render/checkpoint.h"
 #include "render_files.h"
 
 #include <assert.h>
@@ -34,11 +38,11 @@ typedef struct render_options {
     const char *integrator, *accelerator, *layers;
     bis_parameter_option parameters[BIS_PARAMETER_OPTIONS];
     bool quiet, plan, no_jitter, adaptive;
-    bool has_spp, has_seed, has_resolution, has_crop;
+    bool has_spp, has_seed, has_resolution, has_crop, has_every;
     uint64_t spp, seed, threads;
     resolution resolution;
     double crop[4];
-    double seconds, error;
+    double seconds, error, every;
 } render_options;
 
 /* --- options
@@ -160,6 +164,18 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
         {.name = "adaptive",
          .help = "camera samples go where the error is, by tiles of 16 x 16 pixels; --spp is then their mean, rounded "
                  "up to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o->adaptive},
+
+        {.help = "a render in several runs (the picture has the bits of one run)"},
+        {.name = "checkpoint", .argument = "F",
+         .help = "keep the state of the render in F: at intervals, at the end, at Ctrl-C and SIGTERM",
+         .kind = BIS_OPTION_TEXT, .value = &o->files.checkpoint},
+        {.name = "checkpoint-every", .argument = "SECONDS",
+         .help = "the interval, looked at between passes; 0: after each pass (default: 60)",
+         .kind = BIS_OPTION_SECONDS, .value = &o->every, .given = &o->has_every, .hi = 1e8},
+        {.name = "resume", .argument = "F",
+         .help = "go on from the checkpoint F, or start afresh where there is no such file; --spp, --time and --error "
+                 "count from the very start and may be more than before. Without --checkpoint, F is written as well",
+         .kind = BIS_OPTION_TEXT, .value = &o->files.resume},
     };
     /* clang-format on */
     bis_option options[MAX_OPTIONS];
@@ -324,9 +340,43 @@ static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_sc
     return BIS_OK;
 }
 
-static bis_status render(bis_render_result *result, bis_film *film, bis_auto_report *choice, const bis_scene *scene,
-                         bis_scene_desc *desc, render_options *o, bis_diag *diag)
+/* As choose, but a checkpoint knows what was chosen. */
+static void choose_again(bis_auto_report *choice, bis_scene_desc *desc, const bis_checkpoint *c, bool quiet)
 {
+    char line[BIS_MAX_LINE];
+
+    *choice = (bis_auto_report){.is_chosen = true, .settings = c->settings, .seconds = c->pilot_seconds};
+    desc->view.settings = choice->settings;
+    bis_describe_line(line, &choice->settings, true);
+    if (!quiet) fprintf(stderr, "bis: note: auto chose before: %s\n", line);
+}
+
+static void warn_of_checkpoint(const char *message)
+{
+    const char *text = strstr(message, "error: ");
+    fprintf(stderr, "%sbis: warning: no checkpoint was written, the render goes on: %s\n",
+            isatty(STDERR_FILENO) ? "\r\033[K" : "", text ? text + strlen("error: ") : message);
+}
+
+/* What --checkpoint and --resume ask for; of the file, if there is one, all but the state is read. */
+static bis_status open_checkpoint(bis_checkpoint *c, const render_options *o, bis_diag *diag)
+{
+    const char *resume = o->files.resume;
+
+    *c = (bis_checkpoint){
+        .path = o->files.checkpoint, .every = o->every, .warn = o->quiet ? NULL : warn_of_checkpoint};
+    if (o->has_every && !c->path) bis_warn(diag, bis_cli_loc, "--checkpoint-every has no effect without --checkpoint");
+    if (!resume) return BIS_OK;
+    if (access(resume, F_OK) == 0) return bis_checkpoint_read(c, resume, diag);
+    if (!o->quiet) fprintf(stderr, "bis: note: there is no \"%s\" yet: the render starts afresh\n", resume);
+    return BIS_OK;
+}
+
+static bis_status render(bis_render_result *result, bis_film *film, bis_auto_report *choice, bis_checkpoint *checkpoint,
+                         const bis_scene *scene, bis_scene_desc *desc, render_options *o, bis_diag *diag)
+{
+    const bool chooses = bis_auto_is_wanted(&desc->view.settings);
+    bis_status status = BIS_OK;
     bool show = !o->quiet && isatty(STDERR_FILENO);
     bis_render_options options = {
         .budget = {.spp = (uint32_t)o->spp, .seconds = o->seconds, .error = o->error},
@@ -335,10 +385,12 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
         .progress = show ? print_progress : NULL,
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
+        .checkpoint = checkpoint,
     };
     bis_cli_catch_signals();
-    bis_status status =
-        bis_auto_is_wanted(&desc->view.settings) ? choose(choice, scene, desc, &options, o->quiet, diag) : BIS_OK;
+    if (chooses && checkpoint->settings.integrator) choose_again(choice, desc, checkpoint, o->quiet);
+    else if (chooses) status = choose(choice, scene, desc, &options, o->quiet, diag);
+    checkpoint->pilot_seconds = choice->seconds;
     /* the pilot's time is the user's: 0 would be no limit */
     if (o->seconds > 0) options.budget.seconds = fmax(o->seconds - choice->seconds, DBL_MIN);
     if (!status) status = bis_render(result, film, scene, desc, &desc->view, &options, diag);
@@ -380,9 +432,11 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     bis_render_result result;
     bis_texts written = {.n = 0};
     bis_auto_report choice = {.is_chosen = false};
+    bis_checkpoint checkpoint;
     const bool chooses = bis_auto_is_wanted(&desc->view.settings);
-    bis_status status;
+    bis_status status = open_checkpoint(&checkpoint, o, diag);
 
+    if (status) goto done;
     status =
         bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, bis_cli_loc, diag);
     if (!status) status = bis_film_want(&film, desc->view.film.layers, diag);
@@ -392,7 +446,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     bis_cli_print_diag(diag, o->quiet); /* warnings, before the wait */
     bis_diag_clear(diag);
     if (!o->quiet) note_resampling(scene->light);
-    status = render(&result, &film, &choice, scene, desc, o, diag);
+    status = render(&result, &film, &choice, &checkpoint, scene, desc, o, diag);
     if (status) goto done;
     *interrupted = bis_cli_signal;
     /* an older picture is worth more than a black one; said also when quiet, as an error is */
@@ -413,9 +467,13 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     stats.seconds.total = bis_clock_now() - start;
     const bis_status other = bis_render_files_write_stats(&o->files, &stats, diag);
     if (!status) status = other;
+    if (checkpoint.failed)
+        status = bis_error(diag, BIS_IO, bis_cli_loc, "the last checkpoint could not be written to \"%s\"",
+                           checkpoint.path);
     *interrupted = bis_cli_signal;
     if (!o->quiet && written.n) bis_render_files_print_result(&written, &stats);
 done:
+    bis_checkpoint_clear(&checkpoint);
     bis_film_clear(&film);
     bis_scene_free(scene);
     return status;
@@ -440,7 +498,7 @@ static void list_errata(void)
 
 int bis_cmd_render(int argc, char **argv)
 {
-    render_options o = {0};
+    render_options o = {.every = 60};
     bis_scene_desc *desc = NULL;
     bis_diag diag = {0};
     const char *path;
@@ -453,6 +511,7 @@ int bis_cmd_render(int argc, char **argv)
         return bis_cli_finish(BIS_EXIT_DONE);
     }
     if (!read_options(&o, argc, argv, &path, &exit_status)) return exit_status;
+    if (!o.files.checkpoint) o.files.checkpoint = o.files.resume;
     bis_status status = bis_render_files_check(&o.files, &diag);
     if (status) goto done;
     status = bis_scene_parse(&desc, path, &diag);

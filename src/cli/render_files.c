@@ -35,6 +35,10 @@ bis_status bis_render_files_check(const bis_render_files *files, bis_diag *diag)
         bis_status status = bis_cli_check_writable(files->stats, diag);
         if (!first) first = status;
     }
+    if (files->checkpoint) {
+        bis_status status = bis_cli_check_writable(files->checkpoint, diag);
+        if (!first) first = status;
+    }
     return first;
 }
 
@@ -52,8 +56,8 @@ static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, b
 
 bis_status bis_render_files_check_distinct(const bis_render_files *files, const bis_scene_desc *desc, bis_diag *diag)
 {
-    const size_t n_inputs = desc->n_files + desc->n_meshes + 1;
-    const char **inputs = bis_alloc(n_inputs, sizeof *inputs), *outputs[BIS_MAX_TEXTS + 1];
+    const size_t n_inputs = desc->n_files + desc->n_meshes + 2;
+    const char **inputs = bis_alloc(n_inputs, sizeof *inputs), *outputs[BIS_MAX_TEXTS + 2];
     size_t n = 0, n_outputs = 0;
 
     if (!inputs) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory for the names of %zu files", n_inputs);
@@ -64,6 +68,8 @@ bis_status bis_render_files_check_distinct(const bis_render_files *files, const 
     if (desc->light.filename) inputs[n++] = desc->light.filename;
     for (int i = 0; i < files->pictures.n; i++) outputs[n_outputs++] = files->pictures.text[i];
     if (files->stats) outputs[n_outputs++] = files->stats;
+    if (files->checkpoint) outputs[n_outputs++] = files->checkpoint;
+    if (files->resume && !bis_file_is_same(files->resume, files->checkpoint)) inputs[n++] = files->resume;
     check_layers(&desc->view.film, &files->pictures, diag);
     const bis_status status = bis_cli_check_distinct(inputs, n, outputs, n_outputs, diag);
     bis_free(inputs);

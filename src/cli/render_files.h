@@ -8,6 +8,7 @@
 typedef struct bis_render_files {
     bis_texts pictures; /* paths; the ending tells the format */
     const char *stats;  /* path of the JSON, "-": standard output; NULL: none */
+    const char *checkpoint, *resume; /* paths; NULL: none */
     bool has_exposure;
     double exposure; /* of a PNG, in stops */
 } bis_render_files;

@@ -17,10 +17,14 @@
  * asked for, each pass has a seed of its own.
  *
  * Adaptive sampling weighs each tile against the whole picture, of which a crop knows nothing: a pixel of a crop then
- * does not get what it gets in the full picture. */
+ * does not get what it gets in the full picture.
+ *
+ * A checkpoint holds only passes of the size that their place in the order demands. The last pass of a budget may be
+ * smaller, and a longer render takes a whole one in its place: so the state before it is kept. */
 #include "bis/render/render.h"
 
 #include "bis/base/clock.h"
+#include "checkpoint.h"
 #include "pass.h"
 
 #include <assert.h>
@@ -34,25 +38,32 @@ typedef struct render {
     bis_workspace work;
     bis_budget budget;
     uint64_t most; /* camera samples of budget.spp; 0: not limited by it */
-    double start, last_report;
-    double rmse, rmse_upper; /* as last estimated; NAN: not yet */
-    bis_counters counters;
-    uint64_t spp; /* camera samples of a pixel in complete passes; with adaptive sampling their mean */
+    double start, last_report; /* start: now, less the seconds that earlier processes spent */
+    bis_done done;
+    uint32_t kept;    /* passes in the last checkpoint that this process has written */
+    double last_kept; /* when that was */
     uint32_t size; /* camera samples of a pixel in the pass under way */
     bool is_last;  /* the pass under way is smaller than its place in the order demands, so that it fits the time */
     uint32_t passes_total; /* that make `most`; 0: unknown */
 } render;
 
-/* Camera samples of the pass that follows `spp` of them: 1, 1, 2, 4, 4, ... of `most` in all (0: no limit). With an error
- * to reach 1, 1, 1, 1, 4, 4, ..., because its first estimate needs four passes. */
-static uint32_t pass_size(const render *r, uint64_t spp)
+/* Camera samples of the pass that follows `spp` of them: 1, 1, 2, 4, 4, ... With an error to reach 1, 1, 1, 1, 4, 4,
+ * ..., because its first estimate needs four passes. */
+static uint32_t whole_size(const render *r, uint64_t spp)
 {
-    uint64_t n = spp < 1 || (r->budget.error > 0 && spp < MIN_ERROR_PASSES) ? 1 : spp < MOST_SAMPLES ? spp : MOST_SAMPLES;
+    uint32_t n = spp < 2 ? 1 : spp < MOST_SAMPLES ? (uint32_t)spp : MOST_SAMPLES;
 
+    if (r->budget.error > 0 && spp < MIN_ERROR_PASSES) n = 1;
     if (r->work.options->pass_size) n = r->work.options->pass_size;
     if (r->work.view->adaptive) n = BIS_ADAPT_SAMPLES;
-    if (r->most && spp + n > r->most) n = r->most - spp;
-    return (uint32_t)n;
+    return n;
+}
+
+/* The same of `most` in all (0: no limit). */
+static uint32_t pass_size(const render *r, uint64_t spp)
+{
+    const uint32_t n = whole_size(r, spp);
+    return r->most && spp + n > r->most ? (uint32_t)(r->most - spp) : n;
 }
 
 /* Passes that make `most` camera samples. */
@@ -78,10 +89,11 @@ static void report(render *r, double share)
     if (!options->progress) return;
     r->last_report = bis_clock_now();
     p.seconds = r->last_report - r->start;
-    if (r->most) p.share = ((double)r->spp + share * r->size) / (double)r->most;
+    if (r->most) p.share = ((double)r->done.spp + share * r->size) / (double)r->most;
     if (r->budget.seconds > 0) p.share = fmax(p.share, p.seconds / r->budget.seconds);
     /* The error falls with the root of the number of passes (docs/errata.md E9). */
-    if (r->budget.error > 0 && r->rmse_upper > 0) p.share = fmax(p.share, pow(r->budget.error / r->rmse_upper, 2));
+    if (r->budget.error > 0 && r->done.rmse_upper > 0)
+        p.share = fmax(p.share, pow(r->budget.error / r->done.rmse_upper, 2));
     p.share = fmin(p.share, 1); /* the first pass may exceed the time */
     if (p.share > 0) p.seconds_left = p.seconds * (1 - p.share) / p.share;
     options->progress(&p, options->user);
@@ -97,70 +109,101 @@ static void report_tile(double share, void *user)
 /* What the error budget will take, as far as the pilot knows: the error falls with the root of the number of passes. */
 static void forecast(render *r)
 {
-    const double factor = pow(r->rmse_upper / r->budget.error, 2);
+    const double factor = pow(r->done.rmse_upper / r->budget.error, 2);
     const bis_forecast f = {
-        .error = r->rmse_upper, .spp = factor * (double)r->spp, .seconds = factor * (bis_clock_now() - r->start)};
+        .error = r->done.rmse_upper, .spp = factor * (double)r->done.spp, .seconds = factor * (bis_clock_now() - r->start)};
 
     if (!r->work.options->forecast) return;
     r->work.options->forecast(&f, r->work.options->user);
 }
 
-/* May another pass begin? One has been completed. Its size is r->size. */
-static bool budget_left(render *r, uint32_t *next_check)
+/* May another pass begin? Its size is r->size. */
+static bool budget_left(render *r)
 {
     const bis_budget *b = &r->budget;
     const uint32_t passes = r->work.film->passes;
+    bis_done *done = &r->done;
 
     if (bis_pass_interrupted(&r->work)) return false;
-    if (r->is_last || (r->most && r->spp >= r->most)) return false;
+    if (r->is_last || (r->most && done->spp >= r->most)) return false;
     if (passes == UINT32_MAX) return false;
-    const uint32_t size = r->size = pass_size(r, r->spp);
-    if (b->seconds > 0) {
-        const double spent = bis_clock_now() - r->start, fits = (b->seconds - spent) / (spent / (double)r->spp);
+    const uint32_t size = r->size = pass_size(r, done->spp);
+    if (b->seconds > 0 && passes) {
+        const double spent = bis_clock_now() - r->start, fits = (b->seconds - spent) / (spent / (double)done->spp);
         if (fits < (r->work.view->adaptive ? size : 1)) return false;
         r->is_last = fits < size;
         if (r->is_last) r->size = (uint32_t)fits;
     }
-    if (b->error > 0 && passes >= *next_check) {
-        bool first = *next_check == MIN_ERROR_PASSES;
-        r->rmse = bis_film_relative_rmse(r->work.film, &r->rmse_upper);
-        *next_check = passes + 1 + passes / 20;
-        if (r->rmse_upper <= b->error) return false;
-        if (first) forecast(r);
+    if (b->error > 0 && passes >= done->next_check) {
+        bool first = done->next_check == MIN_ERROR_PASSES;
+        bis_film_relative_rmse(r->work.film, &done->rmse_upper);
+        done->next_check = passes + 1 + passes / 20;
+        if (first && done->rmse_upper > b->error) forecast(r);
     }
+    return !(b->error > 0 && done->rmse_upper <= b->error); /* also where a checkpoint says so */
+}
+
+static bool render_pass(render *r)
+{
+    const bis_pass pass = {.number = r->work.film->passes,
+                           .n = r->size,
+                           .first = r->done.spp,
+                           .weight = r->work.view->adaptive ? 1 : (double)r->size};
+
+    if (!bis_pass_render(&r->work, &pass, report_tile, r)) return false;
+    bis_pass_keep(&r->work, &pass, &r->done.counters);
+    r->done.spp += r->size;
+    if (r->work.adapt.n_tiles) bis_adapt_next(&r->work.adapt, r->work.film);
     return true;
+}
+
+/* Writes a checkpoint, if there is a pass that this process has not yet kept. */
+static void keep(render *r)
+{
+    const uint32_t passes = r->work.film->passes;
+
+    if (!r->work.options->checkpoint || passes == r->kept) return;
+    r->done.seconds = bis_clock_now() - r->start;
+    bis_checkpoint_save(r->work.options->checkpoint, &r->work, &r->done);
+    r->kept = passes;
+    r->last_kept = bis_clock_now();
 }
 
 static void render_passes(render *r, bis_render_result *result)
 {
-    uint32_t next_check = MIN_ERROR_PASSES;
-    bool complete;
+    const bis_checkpoint *c = r->work.options->checkpoint;
+    bool is_cut = false;
 
-    r->size = pass_size(r, 0);
-    do {
-        const bis_pass pass = {.number = r->work.film->passes,
-                               .n = r->size,
-                               .first = r->spp,
-                               .weight = r->work.view->adaptive ? 1 : (double)r->size};
-        complete = bis_pass_render(&r->work, &pass, report_tile, r);
-        if (complete) {
-            bis_pass_keep(&r->work, &pass, &r->counters);
-            r->spp += r->size;
-            if (r->work.adapt.n_tiles) bis_adapt_next(&r->work.adapt, r->work.film);
-        }
-    } while (complete && budget_left(r, &next_check));
+    while (budget_left(r)) {
+        is_cut = r->size < whole_size(r, r->done.spp);
+        if (c && (is_cut || bis_clock_now() - r->last_kept >= c->every)) keep(r);
+        if (!render_pass(r)) break;
+    }
+    if (!is_cut) keep(r);
     result->seconds = bis_clock_now() - r->start;
     r->size = 0;
     /* where all passes are done, it came too late */
-    result->interrupted = bis_pass_interrupted(&r->work) && !(r->most && r->spp >= r->most);
+    result->interrupted = bis_pass_interrupted(&r->work) && !(r->most && r->done.spp >= r->most);
     report(r, 0);
+}
+
+/* What a checkpoint holds must be a part of what is asked for. */
+static bis_status resume(render *r, bis_diag *diag)
+{
+    bis_checkpoint *c = r->work.options->checkpoint;
+    bis_status status = c ? bis_checkpoint_begin(c, &r->work, &r->done, diag) : BIS_OK;
+
+    if (status || !r->most || r->done.spp <= r->most) return status;
+    return bis_error(diag, BIS_INPUT, (bis_loc){c->source, 0, 0},
+                     "this checkpoint has %llu camera samples a pixel already: ask for as many or more, not for %llu",
+                     (unsigned long long)r->done.spp, (unsigned long long)r->most);
 }
 
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                       const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
-    render r = {.budget = options->budget, .rmse = (double)NAN, .rmse_upper = (double)NAN};
-    uint64_t edge_rays;
+    render r = {.budget = options->budget,
+                .done = {.next_check = MIN_ERROR_PASSES, .rmse_upper = (double)NAN}};
 
     *result = (bis_render_result){.relative_rmse = (double)NAN, .error_bound = (double)NAN};
     assert(film->passes == 0);
@@ -169,15 +212,17 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     if (view->adaptive) r.most = (r.most + BIS_ADAPT_SAMPLES - 1) / BIS_ADAPT_SAMPLES * BIS_ADAPT_SAMPLES;
     bis_status status = bis_workspace_init(&r.work, film, scene, desc, view, options, diag);
     r.passes_total = passes_in(&r, r.most);
-    r.start = r.last_report = bis_clock_now();
-    if (!status) status = bis_workspace_find_edges(&r.work, &edge_rays, diag);
+    const double start = bis_clock_now();
+    if (!status) status = bis_workspace_find_edges(&r.work, &r.done.counters.camera_rays, diag);
+    if (!status) status = resume(&r, diag);
+    r.start = start - r.done.seconds;
+    r.last_report = r.last_kept = start;
     if (!status) {
-        r.counters.camera_rays = edge_rays;
         render_passes(&r, result);
-        result->counters = r.counters;
+        result->counters = r.done.counters;
         result->relative_rmse = bis_film_relative_rmse(film, &result->error_bound);
         result->passes = film->passes;
-        result->spp = r.spp;
+        result->spp = r.done.spp;
         result->n_threads = r.work.n_threads;
         result->bytes = bis_workspace_bytes(&r.work);
     }

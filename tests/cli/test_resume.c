@@ -1,0 +1,262 @@
+/* --checkpoint and --resume with the program: killed at any moment and run again until it is done, it makes the picture
+ * of one run, byte for byte, and leaves nothing but that and the checkpoint. What is rendered together with checkpoints
+ * is in tests/render/test_checkpoint.c. 20 kills; BIS_LONG=1 in the environment: 100. */
+#include "bis/base/clock.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+
+#include "json_check.h"
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#define DIR "build/test_resume"
+#define SCENE DIR "/scene.txt"
+#define STATE DIR "/state"
+
+static int setup(void **state)
+{
+    (void)state;
+    program_folder(DIR);
+    program_write_scene(DIR, "");
+    return 0;
+}
+
+static int clean(void **state)
+{
+    (void)state;
+    unlink(STATE);
+    return 0;
+}
+
+static void assert_same_file(const char *path_a, const char *path_b)
+{
+    unsigned char *a, *b;
+    size_t n_a, n_b;
+    assert_int_equal(bis_file_read(&a, &n_a, path_a, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_file_read(&b, &n_b, path_b, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(n_a, n_b);
+    assert_memory_equal(a, b, n_a);
+    bis_free(a);
+    bis_free(b);
+}
+
+static void wait_seconds(double s)
+{
+    nanosleep(&(struct timespec){(time_t)s, (long)(1e9 * (s - (double)(time_t)s))}, NULL);
+}
+
+/* One line serves the first run and all later ones. The moments of the kills are uniform over a whole run, whose time
+ * is measured only for that; most of a run of so small a picture is writing, at an interval of 0. */
+static void killed_at_any_moment_it_goes_on_to_the_same_picture(void **state)
+{
+    (void)state;
+    static const char line[] =
+        SCENE " --spp 63 --quiet --checkpoint-every 0 --resume " STATE " --outfile " DIR "/b.pfm";
+    const int kills = getenv("BIS_LONG") ? 100 : 20;
+    program_run r;
+    int n = 0;
+
+    program_expect(&r, 0, SCENE " --spp 63 --outfile " DIR "/a.pfm");
+    const double before = bis_clock_now();
+    program_expect(&r, 0, "%s", line);
+    const double whole = bis_clock_now() - before;
+    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
+    const int n_files = program_count_files(DIR);
+    srand(7);
+    while (n < kills) {
+        unlink(STATE);
+        unlink(DIR "/b.pfm");
+        do {
+            const pid_t pid = program_start(line);
+            wait_seconds(whole * rand() / ((double)RAND_MAX + 1));
+            if (n < kills) kill(pid, SIGKILL);
+            program_finish(&r, pid);
+            n += r.exit_status == 128 + SIGKILL;
+        } while (r.exit_status == 128 + SIGKILL);
+        assert_int_equal(r.exit_status, 0);
+        assert_string_equal(r.messages, "");
+        assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
+        assert_int_equal(program_count_files(DIR), n_files);
+    }
+}
+
+static void after_a_signal_it_goes_on_with_more_samples(void **state)
+{
+    (void)state;
+    static const int signals[] = {SIGINT, SIGTERM};
+    static const char line[] = SCENE " --spp 1000000 --checkpoint-every 0 --checkpoint " STATE " --outfile " DIR "/b.pfm";
+    program_run r;
+    unsigned long spp;
+
+    for (size_t i = 0; i < 2; i++) {
+        unlink(STATE);
+        const pid_t pid = program_start(line);
+        program_wait_for_handler(pid, signals[i]);
+        while (!program_exists(STATE)) wait_seconds(1e-3);
+        assert_int_equal(kill(pid, signals[i]), 0);
+        program_finish(&r, pid);
+        assert_int_equal(r.exit_status, 130);
+        assert_int_equal(sscanf(r.messages, "bis: interrupted after %lu camera sample", &spp), 1);
+        program_expect(&r, 0, SCENE " --spp %lu --outfile " DIR "/a.pfm", spp);
+        assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
+        program_expect(&r, 0, SCENE " --spp %lu --outfile " DIR "/a.pfm", spp + 7);
+        program_expect(&r, 0, SCENE " --spp %lu --nthreads 1 --resume " STATE " --outfile " DIR "/b.pfm", spp + 7);
+        assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
+    }
+}
+
+/* The line that auto chose, from JSON into a scene. */
+static void write_chosen_scene(const char *json)
+{
+    char line[1024], *to = line;
+    json_value(line, sizeof line, json, "auto.chosen");
+    for (const char *from = line + 1; *from; from++)
+        if (*from != '\\') *to++ = *from;
+    to[-1] = '\n'; /* the closing quote */
+    *to = '\0';
+    program_write_scene(DIR, "");
+    FILE *f = fopen(SCENE, "r+"), *chosen = fopen(DIR "/chosen.txt", "w");
+    char old[512];
+    assert_non_null(f);
+    assert_non_null(chosen);
+    while (fgets(old, sizeof old, f)) fputs(strncmp(old, "Integrator", 10) == 0 ? line : old, chosen);
+    fclose(f);
+    assert_int_equal(fclose(chosen), 0);
+}
+
+static void what_auto_chose_is_kept(void **state)
+{
+    (void)state;
+    static char first[1 << 16];
+    program_run r;
+    char a[1024], b[1024];
+
+    program_expect(&r, 0, SCENE " --integrator auto --spp 4 --stats - --checkpoint " STATE " --outfile " DIR "/b.pfm");
+    memcpy(first, r.output, sizeof first);
+    program_expect(&r, 0, SCENE " --integrator auto --spp 9 --stats - --resume " STATE " --outfile " DIR "/b.pfm");
+    assert_non_null(strstr(r.messages, "auto chose before: Integrator \""));
+    for (int i = 0; i < 2; i++) {
+        const char *key = i ? "auto.chosen" : "auto.seconds";
+        json_value(a, sizeof a, first, key);
+        assert_string_equal(a, json_value(b, sizeof b, r.output, key));
+    }
+    write_chosen_scene(first);
+    program_expect(&r, 0, DIR "/chosen.txt --spp 9 --outfile " DIR "/a.pfm");
+    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
+    program_expect(&r, 0, DIR "/chosen.txt --spp 12 --outfile " DIR "/a.pfm --resume " STATE); /* auto, named */
+    program_expect(&r, 0, SCENE " --spp 4 --checkpoint " STATE " --outfile " DIR "/b.pfm");
+    program_expect(&r, 0, SCENE " --integrator auto --spp 9 --resume " STATE " --outfile " DIR "/b.pfm"); /* and back */
+}
+
+static void a_disk_that_is_full_costs_the_checkpoint_alone(void **state)
+{
+    (void)state;
+    program_run r;
+    unsigned char *before, *after;
+    size_t n, m;
+
+    program_expect(&r, 0, SCENE " --spp 4 --checkpoint " STATE " --outfile " DIR "/a.pfm");
+    assert_int_equal(bis_file_read(&before, &n, STATE, (bis_loc){0}, NULL), BIS_OK);
+    program_expect(&r, 0, SCENE " --spp 12 --outfile " DIR "/a.pfm");
+    const int n_files = program_count_files(DIR);
+    program_run_limited(&r, (long)n - 1,
+                        SCENE " --spp 12 --checkpoint-every 0 --resume " STATE " --outfile " DIR "/b.pfm");
+    assert_int_equal(r.exit_status, 1);
+    assert_non_null(strstr(r.messages, "bis: warning: no checkpoint was written, the render goes on: "));
+    assert_non_null(strstr(r.messages, "bis: error: the last checkpoint could not be written to \"" STATE "\""));
+    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
+    assert_int_equal(program_count_files(DIR), n_files);
+    assert_int_equal(bis_file_read(&after, &m, STATE, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(n, m);
+    assert_memory_equal(before, after, n);
+    bis_free(before);
+    bis_free(after);
+}
+
+static void what_cannot_be_kept_or_gone_on_from_is_refused_at_once(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options;
+        int exit_status;
+        const char *words;
+    } cases[] = {
+        {"--spp 8 --resume " STATE, 0, ""},
+        {"--spp 2 --resume " STATE, 2, STATE ": error: this checkpoint has 8 camera samples a pixel already"},
+        {"--spp 8 --seed 5 --resume " STATE, 2, STATE ": error: this checkpoint belongs to another render. "
+                                                       "These differ: the sampler, or its seed. "},
+        {"--resume " DIR "/map.pfm --checkpoint " DIR "/new", 2, "no checkpoint of bis"},
+        {"--resume " DIR, 1, "it is a folder"},
+        {"--spp 4 --resume " DIR "/none --checkpoint " DIR "/new", 0, "note: there is no \"" DIR "/none\" yet"},
+        {"--spp 4 --checkpoint " SCENE, 2, "scene.txt\""},
+        {"--spp 4 --checkpoint " DIR "/map.pfm", 2, "map.pfm\""},
+        {"--spp 4 --resume " DIR "/b.pfm", 2, "b.pfm\""},
+        {"--spp 4 --resume " STATE " --checkpoint " DIR "/new --outfile " STATE ".pfm", 0, ""},
+        {"--spp 4 --checkpoint " DIR "/none/new", 1, "No such file or directory"},
+        {"--spp 4 --checkpoint /dev/null", 1, "it is not a regular file"},
+        {"--spp 4 --checkpoint-every 5", 0, "warning: --checkpoint-every has no effect without --checkpoint"},
+        {"--spp 4 --checkpoint-every -1", 2, "--checkpoint-every is \"-1\""},
+    };
+    program_run r;
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        unlink(STATE);
+        unlink(DIR "/new");
+        program_expect(&r, 0, SCENE " --spp %s --checkpoint " STATE " --outfile " DIR "/b.pfm", i == 9 ? "4" : "8");
+        program_expect(&r, cases[i].exit_status, SCENE " %s --outfile " DIR "/b.pfm", cases[i].options);
+        if (!strstr(r.messages, cases[i].words))
+            fail_msg("%s: \"%s\" has no \"%s\"", cases[i].options, r.messages, cases[i].words);
+    }
+}
+
+/* The map under another name is the same map; with one other byte under the same name it is another. */
+static void a_map_counts_by_what_it_holds(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, SCENE " --spp 4 --checkpoint " STATE " --outfile " DIR "/b.pfm");
+    unsigned char *map, *text;
+    size_t n, size;
+    assert_int_equal(bis_file_read(&map, &n, DIR "/map.pfm", (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_file_read(&text, &size, SCENE, (bis_loc){0}, NULL), BIS_OK);
+    FILE *copy = fopen(DIR "/pam.pfm", "wb");
+    assert_int_equal(fwrite(map, 1, n, copy), n);
+    assert_int_equal(fclose(copy), 0);
+    memcpy(strstr((char *)text, "map.pfm"), "pam", 3);
+    program_write_file(DIR "/other.txt", (char *)text);
+    program_expect(&r, 0, DIR "/other.txt --spp 8 --resume " STATE " --outfile " DIR "/b.pfm");
+    map[n - 2] ^= 1;
+    copy = fopen(DIR "/pam.pfm", "wb");
+    assert_int_equal(fwrite(map, 1, n, copy), n);
+    assert_int_equal(fclose(copy), 0);
+    program_expect(&r, 2, DIR "/other.txt --spp 8 --resume " STATE " --outfile " DIR "/b.pfm");
+    assert_non_null(strstr(r.messages, "These differ: the pixels of the map. "));
+    bis_free(map);
+    bis_free(text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_teardown(killed_at_any_moment_it_goes_on_to_the_same_picture, clean),
+        cmocka_unit_test_teardown(after_a_signal_it_goes_on_with_more_samples, clean),
+        cmocka_unit_test_teardown(what_auto_chose_is_kept, clean),
+        cmocka_unit_test_teardown(a_disk_that_is_full_costs_the_checkpoint_alone, clean),
+        cmocka_unit_test_teardown(what_cannot_be_kept_or_gone_on_from_is_refused_at_once, clean),
+        cmocka_unit_test_teardown(a_map_counts_by_what_it_holds, clean),
+    };
+    return cmocka_run_group_tests(tests, setup, NULL);
+}

@@ -1,0 +1,630 @@
+/* checkpoint: a render that is broken off and goes on has the bits of one that is not, and what cannot be gone on from
+ * is refused by name. Expected pictures are those of renders without a checkpoint. The twin is a checkpoint in which
+ * one number is another, with a checksum that fits: its picture must be another. */
+#include "base/text.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "render/checkpoint.h"
+
+#include "world.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define DIR_NAME "build/test_checkpoint"
+#define PATH DIR_NAME "/state"
+
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+
+static int setup(void **state)
+{
+    (void)state;
+    if (system("rm -rf " DIR_NAME)) return -1;
+    return mkdir(DIR_NAME, 0777);
+}
+
+/* ---- what is rendered ---- */
+
+/* 4 x 3 pixels, all on the floor or the ball, in one tile. */
+static const double small[4] = {18 / 37.0, 22 / 37.0, 9 / 21.0, 12 / 21.0}, middle[4] = {0.3, 0.7, 0.2, 0.8};
+
+typedef struct kind {
+    const char *name;
+    const bis_integrator *integrator;
+    bis_sampler_kind sampler;
+    bool learns, adaptive, edges;
+    double error;
+    unsigned layers;
+    const double *crop;
+} kind;
+
+static const kind kinds[] = {
+    {"plain", &bis_sir, BIS_SAMPLER_STRATIFIED, .crop = whole},
+    {"halton", &bis_mis, BIS_SAMPLER_HALTON, .crop = whole},
+    {"learn", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .crop = whole},
+    {"learn, crop", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .crop = middle},
+    {"adaptive", &bis_sir, BIS_SAMPLER_SOBOL, .adaptive = true, .crop = whole},
+    {"adaptive, learn", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .adaptive = true, .crop = whole},
+    {"error", &bis_sir, BIS_SAMPLER_SOBOL, .error = 1e-9, .crop = whole},
+    {"layers", &bis_sir, BIS_SAMPLER_SOBOL, .layers = BIS_LAYERS_ALL, .crop = whole},
+    {"edges", &bis_em, BIS_SAMPLER_SOBOL, .edges = true, .crop = whole},
+    {"all", &bis_sir, BIS_SAMPLER_STRATIFIED, true, true, true, 1e-9, BIS_LAYERS_ALL, middle},
+};
+
+static void make_kind(world *w, const kind *k)
+{
+    make_world(w, k->integrator);
+    w->desc.view.sampler.kind = k->sampler;
+    w->desc.view.adaptive = k->adaptive;
+    if (k->edges) w->desc.view.edge_samples = 3;
+    if (!k->learns) return;
+    w->desc.view.settings.proposal = BIS_PROPOSAL_PRODUCT;
+    w->desc.view.settings.learn = true;
+}
+
+/* A render of its own: fresh film, fresh workspace. c: NULL, or what to keep and to go on from. */
+static bis_status try_render(bis_film *f, bis_render_result *result, const world *w, const kind *k,
+                             bis_render_options options, bis_checkpoint *c, bis_diag *diag)
+{
+    options.checkpoint = c;
+    assert_int_equal(bis_film_init(f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_film_want(f, k->layers, NULL), BIS_OK);
+    const bis_status status = bis_render(result, f, &w->scene, &w->desc, &w->desc.view, &options, diag);
+    if (c) bis_checkpoint_clear(c);
+    return status;
+}
+
+static void render_kind(bis_film *f, bis_render_result *result, const world *w, const kind *k,
+                        bis_render_options options, bis_checkpoint *c)
+{
+    bis_diag diag = {0};
+    if (try_render(f, result, w, k, options, c, &diag)) fail_msg("%s: %s", k->name, diag.messages[0].text);
+    bis_diag_clear(&diag);
+}
+
+static bis_checkpoint read_state(const char *path)
+{
+    bis_checkpoint c = {.path = PATH, .every = 1e9};
+    bis_diag diag = {0};
+    if (bis_checkpoint_read(&c, path, &diag)) fail_msg("%s", diag.messages[0].text);
+    return c;
+}
+
+static void assert_same_film(const bis_film *a, const bis_film *b)
+{
+    assert_same_bits(a, b);
+    const size_t n = (size_t)a->width * (size_t)a->height * (size_t)a->layers.n_values;
+    assert_memory_equal(a->layers.sum, b->layers.sum, n * sizeof *a->layers.sum);
+    assert_true(a->weight == b->weight && a->weight_squares == b->weight_squares);
+}
+
+static void assert_same_result(const bis_render_result *a, const bis_render_result *b)
+{
+    assert_memory_equal(&a->counters, &b->counters, sizeof a->counters);
+    assert_int_equal(a->spp, b->spp);
+    assert_int_equal(a->passes, b->passes);
+    assert_memory_equal(&a->error_bound, &b->error_bound, sizeof a->error_bound);
+}
+
+static bis_render_options budget(const kind *k, uint32_t spp, int n_threads)
+{
+    return (bis_render_options){.budget = {.spp = spp, .error = k->error}, .n_threads = n_threads};
+}
+
+/* ---- the same bits ---- */
+
+/* Broken off after n samples, for each n: behind a whole pass, and amid the order of sizes, where the last pass is
+ * smaller than one render's and must be left out. 22 camera samples end with a smaller pass, too. */
+static void a_render_that_goes_on_has_the_bits_of_one_render(void **state)
+{
+    (void)state;
+    static const uint32_t breaks[] = {1, 2, 3, 4, 6, 8, 12, 13, 20, 22};
+
+    for (size_t i = 0; i < COUNT(kinds); i++) {
+        const kind *k = &kinds[i];
+        world w;
+        bis_film whole_film, f;
+        bis_render_result expected, result;
+        make_kind(&w, k);
+        render_kind(&whole_film, &expected, &w, k, budget(k, 22, 2), NULL);
+        for (size_t j = 0; j < COUNT(breaks); j++) {
+            bis_checkpoint c = {.path = PATH, .every = 1e9};
+            unlink(PATH);
+            render_kind(&f, &result, &w, k, budget(k, breaks[j], j % 2 ? 1 : 3), &c);
+            bis_film_clear(&f);
+            assert_false(c.failed);
+            c = read_state(PATH);
+            render_kind(&f, &result, &w, k, budget(k, 22, j % 2 ? 3 : 1), &c);
+            assert_same_film(&whole_film, &f);
+            assert_same_result(&expected, &result);
+            bis_film_clear(&f);
+        }
+        bis_film_clear(&whole_film);
+        clear_world(&w);
+    }
+}
+
+/* As noise, and the interrupting call number `fuse`. */
+static volatile sig_atomic_t flag;
+static long fuse;
+
+static rgb burning_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    if (--fuse == 0) flag = 1;
+    return noise_Lo(s, pt, stream, scratch);
+}
+
+static const bis_integrator burning = {
+    .name = "burning", .light_needs = no_light_needs, .scratch_needs = no_scratch, .Lo = burning_Lo};
+
+/* One thread, because the fuse is shared; a pass of 4 samples has 4 x 37 x 21 calls at most. */
+static void a_render_that_is_interrupted_again_and_again_has_the_bits_of_one_render(void **state)
+{
+    (void)state;
+    static const double intervals[] = {0, 1e9};
+    const kind k = {"burning", &burning, BIS_SAMPLER_SOBOL, .crop = whole};
+    world w;
+    bis_film expected, f;
+    bis_render_result result;
+
+    make_kind(&w, &k);
+    render_kind(&expected, &result, &w, &k, budget(&k, 31, 2), NULL);
+    for (size_t i = 0; i < COUNT(intervals); i++) {
+        int runs = 0;
+        unlink(PATH);
+        do {
+            bis_render_options options = budget(&k, 31, 1);
+            bis_checkpoint c = {.path = PATH, .every = intervals[i]};
+            if (runs) c = read_state(PATH), c.every = intervals[i];
+            flag = 0;
+            fuse = 4L * WIDTH * HEIGHT + 300 * runs++;
+            options.interrupted = &flag;
+            if (result.interrupted) bis_film_clear(&f);
+            render_kind(&f, &result, &w, &k, options, &c);
+        } while (result.interrupted);
+        assert_in_range(runs, 4, 31);
+        assert_same_film(&expected, &f);
+        bis_film_clear(&f);
+    }
+    bis_film_clear(&expected);
+    clear_world(&w);
+}
+
+static void an_error_is_reached_by_the_same_pass_and_a_smaller_one_may_follow(void **state)
+{
+    (void)state;
+    static const double errors[] = {0.3, 0.1};
+    static const uint32_t breaks[] = {1, 4, 12};
+    const kind k = {"error", &bis_sir, BIS_SAMPLER_SOBOL, .error = 0.1, .crop = whole};
+    const bis_render_options options = {.budget = {.error = 0.1}, .n_threads = 2};
+    world w;
+    bis_film expected, f;
+    bis_render_result first, result;
+
+    make_kind(&w, &k);
+    render_kind(&expected, &first, &w, &k, options, NULL);
+    assert_true(first.error_bound <= 0.1 && first.passes > 7);
+    for (size_t i = 0; i < COUNT(breaks) + COUNT(errors); i++) {
+        bis_checkpoint c = {.path = PATH, .every = 1e9};
+        const bis_render_options before =
+            i < COUNT(breaks) ? budget(&k, breaks[i], 1)
+                              : (bis_render_options){.budget.error = errors[i - COUNT(breaks)], .n_threads = 1};
+        render_kind(&f, &result, &w, &k, before, &c);
+        bis_film_clear(&f);
+        c = read_state(PATH);
+        render_kind(&f, &result, &w, &k, options, &c);
+        assert_same_film(&expected, &f);
+        assert_same_result(&first, &result);
+        bis_film_clear(&f);
+    }
+    bis_film_clear(&expected);
+    clear_world(&w);
+}
+
+/* ---- the file ---- */
+
+static void write_bytes(const char *path, const unsigned char *data, size_t n)
+{
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_int_equal(fwrite(data, 1, n, f), n);
+    assert_int_equal(fclose(f), 0);
+}
+
+/* A checkpoint of a few pixels that learn, and its bytes. */
+static const kind tiny = {"tiny", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .adaptive = true, .crop = small};
+
+static unsigned char *tiny_state(const world *w, size_t *size, size_t *at)
+{
+    bis_checkpoint c = {.path = PATH, .every = 1e9};
+    bis_film f;
+    bis_render_result result;
+    unsigned char *data;
+
+    unlink(PATH);
+    render_kind(&f, &result, w, &tiny, budget(&tiny, 12, 1), &c);
+    bis_film_clear(&f);
+    c = read_state(PATH);
+    *at = c.at;
+    bis_checkpoint_clear(&c);
+    assert_int_equal(bis_file_read(&data, size, PATH, (bis_loc){0}, NULL), BIS_OK);
+    return data;
+}
+
+static void seal(unsigned char *data, size_t size)
+{
+    const uint64_t hash = bis_fnv1a(BIS_FNV1A, data, size - 8);
+    for (int i = 0; i < 8; i++) data[size - 8 + (size_t)i] = (unsigned char)(hash >> 8 * i);
+}
+
+static void expect_refusal(const char *path, bis_status status, const char *words)
+{
+    bis_checkpoint c = {0};
+    bis_diag diag = {0};
+    assert_int_equal(bis_checkpoint_read(&c, path, &diag), status);
+    assert_null(c.data);
+    assert_int_equal(diag.n, 1);
+    assert_non_null(strstr(diag.messages[0].text, path));
+    assert_non_null(strstr(diag.messages[0].text, words));
+    bis_diag_clear(&diag);
+}
+
+static void every_truncation_and_every_changed_byte_is_refused(void **state)
+{
+    (void)state;
+    static const char bad[] = DIR_NAME "/bad";
+    static const unsigned char masks[] = {0x01, 0xff};
+    world w;
+    size_t size, at;
+
+    make_kind(&w, &tiny);
+    unsigned char *data = tiny_state(&w, &size, &at);
+    for (size_t n = 0; n < size; n++) {
+        write_bytes(bad, data, n);
+        expect_refusal(bad, BIS_INPUT, "checkpoint");
+    }
+    for (size_t i = 0; i < size; i++) {
+        for (size_t j = 0; j < COUNT(masks); j++) {
+            data[i] ^= masks[j];
+            write_bytes(bad, data, size);
+            data[i] ^= masks[j];
+            expect_refusal(bad, BIS_INPUT, "checkpoint");
+        }
+    }
+    unsigned char *longer = bis_alloc(size + 1, 1);
+    memcpy(longer, data, size);
+    write_bytes(bad, longer, size + 1);
+    expect_refusal(bad, BIS_INPUT, "checksum");
+    bis_free(longer);
+    data[8]++; /* the format */
+    seal(data, size);
+    write_bytes(bad, data, size);
+    expect_refusal(bad, BIS_INPUT, "the same version");
+    data[8]--, data[12]++; /* the version of bis */
+    seal(data, size);
+    write_bytes(bad, data, size);
+    expect_refusal(bad, BIS_INPUT, "the same version");
+    write_bytes(bad, (const unsigned char *)"\x89PNG\r\n\x1a\n and other things, more than a head's worth", 50);
+    expect_refusal(bad, BIS_INPUT, "no checkpoint of bis");
+    expect_refusal(DIR_NAME, BIS_IO, "a folder");
+    bis_free(data);
+    clear_world(&w);
+}
+
+enum { BEFORE_SUMS = 96 }; /* bytes of the state that come before the film's sums */
+
+/* A forged file may be refused or not; it must not break anything. */
+static void a_forged_head_breaks_nothing(void **state)
+{
+    (void)state;
+    static const unsigned char masks[] = {0x01, 0x80, 0xff};
+    int n_refused = 0;
+    world w;
+    size_t size, at;
+
+    make_kind(&w, &tiny);
+    unsigned char *data = tiny_state(&w, &size, &at);
+    for (size_t i = 0; i < at + BEFORE_SUMS; i++) {
+        for (size_t j = 0; j < COUNT(masks); j++) {
+            bis_checkpoint c = {0};
+            bis_film f;
+            bis_render_result result;
+            data[i] ^= masks[j];
+            seal(data, size);
+            write_bytes(PATH, data, size);
+            data[i] ^= masks[j];
+            bis_status status = bis_checkpoint_read(&c, PATH, NULL);
+            if (!status) {
+                status = try_render(&f, &result, &w, &tiny, budget(&tiny, 16, 1), &c, NULL);
+                bis_film_clear(&f);
+            }
+            assert_true(status == BIS_OK || status == BIS_INPUT);
+            n_refused += status != BIS_OK;
+        }
+    }
+    /* all hashes of parts are, but not the seconds */
+    assert_in_range(n_refused, 3 * BIS_CHECKPOINT_PARTS * 8, 3 * (at + BEFORE_SUMS - 1));
+    bis_free(data);
+    clear_world(&w);
+}
+
+/* Each of these decides what the next passes make: the sums of the film, the counts of what was seen, and what adaptive
+ * sampling has chosen. */
+static void another_number_in_the_state_makes_another_picture(void **state)
+{
+    (void)state;
+    world w;
+    size_t size, at;
+
+    make_kind(&w, &tiny);
+    unsigned char *data = tiny_state(&w, &size, &at);
+    const size_t n_pixels = 4 * 3, sums = at + BEFORE_SUMS, seen = size - 8 - BIS_VISIBILITY_PARTS * 8;
+    const size_t places[] = {sums + 7, sums + 3 * n_pixels * 8 + 7, sums + 6 * n_pixels * 8 + 6, seen - 20, seen};
+    for (size_t i = 0; i < COUNT(places); i++) {
+        bis_film a, b;
+        bis_render_result result;
+        seal(data, size);
+        write_bytes(PATH, data, size);
+        bis_checkpoint c = read_state(PATH);
+        render_kind(&a, &result, &w, &tiny, budget(&tiny, 20, 1), &c);
+        const size_t n = i == 4 ? BIS_VISIBILITY_PARTS * 8 : 1;
+        unsigned char *before = bis_alloc(n, 1);
+        memcpy(before, data + places[i], n);
+        if (i == 4) memset(data + places[i], 0, n);
+        else data[places[i]] ^= 1;
+        seal(data, size);
+        write_bytes(PATH, data, size);
+        c = read_state(PATH);
+        render_kind(&b, &result, &w, &tiny, budget(&tiny, 20, 1), &c);
+        assert_true(memcmp(a.sum, b.sum, 3 * n_pixels * sizeof *a.sum) ||
+                    memcmp(a.sum_squares, b.sum_squares, 3 * n_pixels * sizeof *a.sum) ||
+                    memcmp(a.hits, b.hits, n_pixels * sizeof *a.hits));
+        memcpy(data + places[i], before, n);
+        bis_free(before);
+        bis_film_clear(&a);
+        bis_film_clear(&b);
+    }
+    bis_free(data);
+    clear_world(&w);
+}
+
+/* The second field of the state: 1000 s are spent, so a budget of 500 s allows no pass, and one of 2000 s does. */
+static void seconds_that_were_spent_before_count(void **state)
+{
+    (void)state;
+    static const double spent = 1000;
+    world w;
+    size_t size, at;
+
+    make_kind(&w, &tiny);
+    unsigned char *data = tiny_state(&w, &size, &at);
+    uint64_t bits;
+    memcpy(&bits, &spent, 8);
+    for (int i = 0; i < 8; i++) data[at + 8 + (size_t)i] = (unsigned char)(bits >> 8 * i);
+    seal(data, size);
+    for (int i = 0; i < 2; i++) {
+        bis_film f;
+        bis_render_result result;
+        write_bytes(PATH, data, size);
+        bis_checkpoint c = read_state(PATH);
+        const bis_budget b = {.spp = 16, .seconds = i ? 2000 : 500};
+        render_kind(&f, &result, &w, &tiny, (bis_render_options){.budget = b, .n_threads = 1}, &c);
+        assert_int_equal(result.spp, i ? 16 : 12);
+        assert_true(result.seconds >= spent && result.seconds < 1500);
+        bis_film_clear(&f);
+    }
+    bis_free(data);
+    clear_world(&w);
+}
+
+/* ---- another render ---- */
+
+#define OTHER world *w, kind *k, bis_render_options *o
+
+static void other_crop(OTHER) { (void)w, (void)o, k->crop = middle; }
+static void other_layers(OTHER) { (void)w, (void)o, k->layers = BIS_LAYERS_ALL; }
+static void other_fov(OTHER) { (void)k, (void)o, w->desc.view.camera.fov_deg = 61; }
+static void other_seed(OTHER) { (void)k, (void)o, w->desc.view.sampler.seed++; }
+static void other_jitter(OTHER) { (void)k, (void)o, w->desc.view.pixel_jitter = false; }
+static void other_error(OTHER) { (void)w, (void)k, o->budget.error = 0.1; }
+static void other_learn(OTHER) { (void)k, (void)o, w->desc.view.settings.candidates++; }
+static void other_E6(OTHER) { (void)k, (void)o, w->desc.view.settings.as_printed = 1; }
+static void other_vertex(OTHER) { (void)k, (void)o, w->scene.geometry.p[3].z += 1; }
+static void other_index(OTHER) { (void)k, (void)o, w->scene.geometry.index[4] = 1; }
+static void other_ball(OTHER) { (void)k, (void)o, w->scene.geometry.quadrics[0].radius = 2; }
+static void other_material(OTHER) { (void)k, (void)o, w->materials[1].exponent++; }
+static void other_scale(OTHER) { (void)k, (void)o, w->desc.light.scale = 2; }
+static void other_turn(OTHER) { (void)k, (void)o, w->desc.light.to_world.m[0][1] = 1; }
+static void other_density(OTHER) { (void)k, (void)o, w->desc.accel.density = 3; }
+
+static void other_spp(OTHER)
+{
+    (void)k, (void)o;
+    bis_sampler_set_spp(&w->desc.view.sampler, 9);
+}
+
+static void other_pixel(OTHER)
+{
+    (void)k, (void)o;
+    bis_light_envmap(w->scene.light)->pixels[77].g += 1;
+}
+
+static void other_name(OTHER)
+{
+    static char name[] = "elsewhere/map.exr";
+    (void)k, (void)o;
+    w->desc.light.filename = name;
+}
+
+static void fewer_samples(OTHER) { (void)w, (void)k, o->budget.spp = 3; }
+static void more_samples(OTHER) { (void)w, (void)k, o->budget.spp = 5; }
+
+static void another_render_is_refused_by_what_differs(void **state)
+{
+    (void)state;
+    static const struct {
+        void (*change)(OTHER);
+        const char *words; /* NULL: it goes on */
+    } changes[] = {
+        {other_crop, "differ: the size of the picture, or its crop. "},
+        {other_layers, "differ: the layers. "},
+        {other_fov, "differ: the camera. "},
+        {other_seed, "differ: the sampler, or its seed. "},
+        {other_spp, "for which samplers \"stratified\" and \"halton\" divide a pixel (--spp). "},
+        {other_jitter, "differ: pixel jitter, "},
+        {other_error, "differ: the camera samples for which"}, /* and with an error each pass divides pixels anew */
+        {other_learn, "differ: the integrator, or its parameters. "},
+        {other_E6, "differ: the integrator, or its parameters. "},
+        {other_vertex, "differ: the shapes. "},
+        {other_index, "differ: the shapes. "},
+        {other_ball, "differ: the shapes. "},
+        {other_material, "differ: the materials. "},
+        {other_pixel, "differ: the pixels of the map. "},
+        {other_scale, "differ: the parameters of the light. "},
+        {other_turn, "differ: the parameters of the light. "},
+        {other_density, "differ: the accelerator. "},
+        {fewer_samples, "has 4 camera samples a pixel already"},
+        {other_name, NULL},
+        {more_samples, NULL},
+    };
+
+    for (size_t i = 0; i < COUNT(changes); i++) {
+        kind k = kinds[0];
+        bis_render_options options = budget(&k, 4, 1);
+        bis_checkpoint c = {.path = PATH, .every = 1e9};
+        bis_diag diag = {0};
+        world w;
+        bis_film f;
+        bis_render_result result;
+        unlink(PATH);
+        make_kind(&w, &k);
+        render_kind(&f, &result, &w, &k, options, &c);
+        bis_film_clear(&f);
+        changes[i].change(&w, &k, &options);
+        c = read_state(PATH);
+        const bis_status status = try_render(&f, &result, &w, &k, options, &c, &diag);
+        assert_int_equal(status, changes[i].words ? BIS_INPUT : BIS_OK);
+        if (changes[i].words) {
+            assert_int_equal(diag.n, 1);
+            if (!strstr(diag.messages[0].text, changes[i].words))
+                fail_msg("\"%s\" has no \"%s\"", diag.messages[0].text, changes[i].words);
+            assert_non_null(strstr(diag.messages[0].text, PATH));
+        }
+        bis_diag_clear(&diag);
+        bis_film_clear(&f);
+        clear_world(&w);
+    }
+}
+
+/* ---- what fails ---- */
+
+static int n_warnings;
+static void count_warning(const char *message)
+{
+    assert_non_null(strstr(message, PATH));
+    n_warnings++;
+}
+
+/* A limit of the size of files is what a full disk looks like. */
+static void where_the_new_one_cannot_be_written_the_older_one_stays_and_the_render_goes_on(void **state)
+{
+    (void)state;
+    world w;
+    bis_film expected, f;
+    bis_render_result result;
+    struct rlimit limit, low;
+    unsigned char *before, *after;
+    size_t n_before, n_after;
+
+    make_kind(&w, &kinds[0]);
+    render_kind(&expected, &result, &w, &kinds[0], budget(&kinds[0], 16, 2), NULL);
+    bis_checkpoint c = {.path = PATH, .every = 1e9};
+    unlink(PATH);
+    render_kind(&f, &result, &w, &kinds[0], budget(&kinds[0], 4, 1), &c);
+    bis_film_clear(&f);
+    assert_int_equal(bis_file_read(&before, &n_before, PATH, (bis_loc){0}, NULL), BIS_OK);
+
+    c = read_state(PATH);
+    c.every = 0;
+    c.warn = count_warning;
+    n_warnings = 0;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    low = (struct rlimit){n_before / 2, limit.rlim_max};
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &low), 0);
+    render_kind(&f, &result, &w, &kinds[0], budget(&kinds[0], 16, 2), &c);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    assert_true(c.failed);
+    assert_int_equal(n_warnings, 1); /* of four failures */
+    assert_same_film(&expected, &f);
+    assert_int_equal(bis_file_read(&after, &n_after, PATH, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(n_before, n_after);
+    assert_memory_equal(before, after, n_before);
+    bis_free(before);
+    bis_free(after);
+    bis_film_clear(&expected);
+    bis_film_clear(&f);
+    clear_world(&w);
+}
+
+static void without_memory_there_is_a_message_or_no_checkpoint(void **state)
+{
+    (void)state;
+    const kind *k = &kinds[0];
+    int n_lost = 0;
+    world w;
+
+    make_kind(&w, k);
+    for (long i = 1;; i++) {
+        bis_checkpoint c = {.path = PATH};
+        bis_film f = {0};
+        bis_render_result result;
+        bis_render_options options = budget(k, 2, 1);
+        options.checkpoint = &c;
+        assert_int_equal(bis_film_init(&f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
+        bis_mem_fail_at(i);
+        const bis_status status = bis_render(&result, &f, &w.scene, &w.desc, &w.desc.view, &options, NULL);
+        const bool over = bis_mem_count() < i;
+        bis_mem_fail_at(0);
+        bis_film_clear(&f);
+        assert_true(status == BIS_OK || status == BIS_NOMEM);
+        n_lost += status == BIS_OK && c.failed;
+        if (over) break;
+        assert_in_range(i, 1, 200);
+    }
+    assert_true(n_lost > 0);
+    bis_checkpoint c = {0};
+    bis_mem_fail_at(1);
+    assert_int_equal(bis_checkpoint_read(&c, PATH, NULL), BIS_NOMEM);
+    bis_mem_fail_at(0);
+    clear_world(&w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_render_that_goes_on_has_the_bits_of_one_render),
+        cmocka_unit_test(a_render_that_is_interrupted_again_and_again_has_the_bits_of_one_render),
+        cmocka_unit_test(an_error_is_reached_by_the_same_pass_and_a_smaller_one_may_follow),
+        cmocka_unit_test(every_truncation_and_every_changed_byte_is_refused),
+        cmocka_unit_test(a_forged_head_breaks_nothing),
+        cmocka_unit_test(another_number_in_the_state_makes_another_picture),
+        cmocka_unit_test(seconds_that_were_spent_before_count),
+        cmocka_unit_test(another_render_is_refused_by_what_differs),
+        cmocka_unit_test(where_the_new_one_cannot_be_written_the_older_one_stays_and_the_render_goes_on),
+        cmocka_unit_test(without_memory_there_is_a_message_or_no_checkpoint),
+    };
+    return cmocka_run_group_tests(tests, setup, NULL);
+}
