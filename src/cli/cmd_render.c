@@ -348,7 +348,7 @@ static void choose_again(bis_auto_report *choice, bis_scene_desc *desc, const bi
     *choice = (bis_auto_report){.is_chosen = true, .settings = c->settings, .seconds = c->pilot_seconds};
     desc->view.settings = choice->settings;
     bis_describe_line(line, &choice->settings, true);
-    if (!quiet) fprintf(stderr, "bis: note: auto chose before: %s\n", line);
+    if (!quiet) fprintf(stderr, "bis: note: auto goes on with %s, as the checkpoint says\n", line);
 }
 
 static void warn_of_checkpoint(const char *message)
@@ -385,7 +385,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
         .progress = show ? print_progress : NULL,
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
-        .checkpoint = checkpoint,
+        .checkpoint = checkpoint->path ? checkpoint : NULL, /* without one, nothing is hashed */
     };
     bis_cli_catch_signals();
     if (chooses && checkpoint->settings.integrator) choose_again(choice, desc, checkpoint, o->quiet);

@@ -129,6 +129,9 @@ static const bis_help_entry budgets[] = {
     {NULL, "Ctrl-C ends a render soon: the passes that are complete are written, and the exit status is 130. The "
            "picture depends on the scene, the seed and the number "
            "of camera samples, never on the number of threads."},
+    {"--checkpoint F", "keeps the state of the render in F: each minute (--checkpoint-every), at the end, at Ctrl-C"},
+    {"--resume F", "goes on from F, or starts afresh where there is none; the picture has the bits of one render. --spp, "
+                   "--time and --error count from the very start"},
     {NULL, NULL},
 };
 
@@ -148,6 +151,8 @@ static const bis_help_entry examples[] = {
     {"bis scene.txt", NULL},
     {"bis scene.txt --time 10 --outfile clean.exr --outfile clean.png --stats -", NULL},
     {"bis scene.txt --error .05 --cropwindow 0.4,0.6,0.3,0.6 --outfile crop.exr", NULL},
+    {NULL, "A long render, in as many runs as it takes; the same line for each:"},
+    {"bis scene.txt --error .01 --resume state.bis --outfile long.exr", NULL},
     {NULL, "Two methods with the same number of rays; how far apart are they, and where?"},
     {"bis scene.txt --integrator em --samples 4 --outfile em.exr", NULL},
     {"bis scene.txt --integrator sir --shadowrays 4 --outfile sir.exr", NULL},
