@@ -1,6 +1,5 @@
 /* grow: room for one more item at the end of an array, in amortised constant time. */
-#ifndef BIS_GROW_H
-#define BIS_GROW_H
+#pragma once
 
 #include "bis/base/mem.h"
 
@@ -18,5 +17,3 @@ static inline void *bis_grow(void *p, size_t *capacity, size_t needed, size_t si
     if (grown) *capacity = n;
     return grown;
 }
-
-#endif

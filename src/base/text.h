@@ -1,6 +1,5 @@
 /* text: what strings are asked that is not about one file format: UTF-8, appending, a hash. */
-#ifndef BIS_TEXT_H
-#define BIS_TEXT_H
+#pragma once
 
 #include "bis/base/status.h"
 
@@ -26,5 +25,3 @@ const char *bis_duration(char buf[BIS_DURATION], double seconds);
 /* bis_fnv1a returns the hash h (BIS_FNV1A at first) after n more bytes. Source: FNV-1a of Fowler, Noll, Vo. */
 #define BIS_FNV1A UINT64_C(0xcbf29ce484222325)
 uint64_t bis_fnv1a(uint64_t h, const void *bytes, size_t n);
-
-#endif

@@ -14,8 +14,7 @@
  *     const char *operand[1];
  *     int n, exit_status;
  *     if (!bis_cli_parse(&command, argc, argv, operand, &n, &exit_status)) return exit_status; */
-#ifndef BIS_CLI_H
-#define BIS_CLI_H
+#pragma once
 
 #include "bis/base/status.h"
 
@@ -133,5 +132,3 @@ int bis_cmd_compare(int argc, char **argv);
 int bis_cmd_envmap(int argc, char **argv);
 int bis_cmd_verify(int argc, char **argv);
 int bis_cmd_pixel(int argc, char **argv);
-
-#endif

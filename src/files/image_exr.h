@@ -1,6 +1,5 @@
 /* image_exr: OpenEXR. For src/files/image_file.c alone (and image_exr_*.c among themselves). */
-#ifndef BIS_IMAGE_EXR_H
-#define BIS_IMAGE_EXR_H
+#pragma once
 
 #include "bis/files/image_file.h"
 #include "image_io.h"
@@ -12,5 +11,3 @@ bis_status bis_exr_read(bis_image *image, const image_input *in);
 
 /* Errors: BIS_INPUT (the name of an attribute that OpenEXR reserves), BIS_NOMEM, BIS_IO. */
 bis_status bis_exr_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
-
-#endif

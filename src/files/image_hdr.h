@@ -1,6 +1,5 @@
 /* image_hdr: Radiance .hdr pictures. For src/files/image_file.c alone. */
-#ifndef BIS_IMAGE_HDR_H
-#define BIS_IMAGE_HDR_H
+#pragma once
 
 #include "bis/files/image_file.h"
 #include "image_io.h"
@@ -15,5 +14,3 @@ bis_status bis_hdr_check(const bis_picture *picture, const char *path, bis_diag 
 
 /* A picture that passed bis_hdr_check. Errors: BIS_NOMEM; the stream keeps those of the disk. */
 bis_status bis_hdr_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
-
-#endif

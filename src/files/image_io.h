@@ -1,6 +1,5 @@
 /* image_io: what the readers of .hdr, .exr and .pfm share. For src/files/image*.c alone. */
-#ifndef BIS_IMAGE_IO_H
-#define BIS_IMAGE_IO_H
+#pragma once
 
 #include "bis/files/image_file.h"
 
@@ -22,5 +21,3 @@ void bis_image_remark(const image_input *in, const char *fmt, ...) BIS_PRINTF(2,
 /* Allocate *image after its size was held against BIS_IMAGE_MAX_SIDE; the caller has held it against the file's size.
  * Errors: BIS_INPUT, BIS_NOMEM. */
 bis_status bis_image_make(bis_image *image, const image_input *in, long long width, long long height);
-
-#endif

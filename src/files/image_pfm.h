@@ -1,6 +1,5 @@
 /* image_pfm: portable float maps. For src/files/image_file.c alone. */
-#ifndef BIS_IMAGE_PFM_H
-#define BIS_IMAGE_PFM_H
+#pragma once
 
 #include "bis/files/image_file.h"
 #include "image_io.h"
@@ -12,5 +11,3 @@ bis_status bis_pfm_read(bis_image *image, const image_input *in);
 
 /* Errors: BIS_NOMEM; the stream keeps those of the disk. */
 bis_status bis_pfm_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
-
-#endif

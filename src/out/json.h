@@ -5,8 +5,7 @@
  *     bis_json_open(&j, NULL, '{');
  *     bis_json_number(&j, "rmse", 0.5);
  *     bis_json_close(&j);             // {"rmse": 0.5} and a newline, since it was the outermost */
-#ifndef BIS_JSON_H
-#define BIS_JSON_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -33,5 +32,3 @@ void bis_json_null(bis_json *j, const char *key);
 
 /* NULL becomes null. Bytes that are not UTF-8 (a file name may hold any) become U+FFFD. */
 void bis_json_text(bis_json *j, const char *key, const char *v);
-
-#endif

@@ -4,8 +4,7 @@
  * A directive is a function bis_directive_<name>(p, at). It reads what follows its name from p->token on, and writes
  * into p->desc. It complains by bis_parser_error and goes on; where the syntax itself is broken it returns at once, and
  * bis_scene_parse looks for the next directive. */
-#ifndef BIS_PARSER_H
-#define BIS_PARSER_H
+#pragma once
 
 #include "bis/scene/scene.h"
 #include "lexer.h"
@@ -253,5 +252,3 @@ void bis_parser_check_materials(bis_parser *p);
 bis_directive bis_directive_shape;
 
 #define BIS_COUNT(array) (sizeof(array) / sizeof *(array))
-
-#endif

@@ -1,6 +1,5 @@
 /* rounding: from double to float towards a side, for bounds that must hold. */
-#ifndef BIS_ROUNDING_H
-#define BIS_ROUNDING_H
+#pragma once
 
 #include <math.h>
 
@@ -17,5 +16,3 @@ static inline float round_up(double v)
     float f = (float)v;
     return (double)f < v ? nextafterf(f, INFINITY) : f;
 }
-
-#endif

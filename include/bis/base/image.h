@@ -1,6 +1,5 @@
 /* image: RGB pixels in memory, in linear radiance. bis/files/image_file.h reads and writes them as files. */
-#ifndef BIS_IMAGE_H
-#define BIS_IMAGE_H
+#pragma once
 
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
@@ -30,5 +29,3 @@ typedef struct bis_channel {
     const float *data;
     int stride; /* in floats */
 } bis_channel;
-
-#endif

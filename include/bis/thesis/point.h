@@ -1,6 +1,5 @@
 /* point: all that an integrator may know of the point that it shades. */
-#ifndef BIS_POINT_H
-#define BIS_POINT_H
+#pragma once
 
 #include "bis/shape/accel.h"
 #include "bis/thesis/bsdf.h"
@@ -39,5 +38,3 @@ static inline bool bis_point_sees(const bis_point *pt, vec3 wi)
 /* bis_point_sees_many stores V of the n directions wi[n] in sees[n]. It counts the same rays as n calls of
  * bis_point_sees, but it is faster, because the rays share their origin. */
 void bis_point_sees_many(const bis_point *pt, const vec3 *wi, uint32_t n, bool *sees);
-
-#endif

@@ -11,8 +11,7 @@
  * Everything that was measured is in the folder at once, written under a temporary name and renamed, so that a run can
  * be interrupted and resumed anywhere; what follows from the runs (means, slopes, the front, the page) is computed
  * again from runs.csv. */
-#ifndef BIS_TRADE_H
-#define BIS_TRADE_H
+#pragma once
 
 #include "bis/base/clock.h"
 #include "bis/base/image.h"
@@ -334,5 +333,3 @@ const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const 
 /* bis_trade_exposure sets *exposure to that of all pictures of the page: what `bis render` gives a PNG of the
  * reference, metered on the shapes and not on the background. t: loaded, with t->both. Errors: BIS_NOMEM. */
 bis_status bis_trade_exposure(double *exposure, const bis_trade *t, bis_diag *diag);
-
-#endif
