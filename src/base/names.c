@@ -3,7 +3,6 @@
  * At most half of the slots are taken, so a free one always ends the search. Nothing is ever removed. */
 #include "names.h"
 
-#include "bis/base/status.h"
 #include "grow.h"
 #include "text.h"
 

@@ -6,7 +6,6 @@
 #include "grow.h"
 
 #include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -3,8 +3,6 @@
 
 #include "bis/base/status.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 /* bis_utf8_continues returns whether a byte continues a UTF-8 character. */

@@ -138,10 +138,9 @@ static bool read_share(const bis_option *o, const char *text, bis_diag *diag)
 
     if (!u) return false;
     *(double *)o->value = v;
-    if (v > 1 && *u->name == '\0') {
+    if (v > 1 && *u->name == '\0')
         bis_warn(diag, bis_cli_loc, "--%s %s is %g %%: did you mean --%s %s%%, which is %g? If not, write %g%%",
                  o->name, text, 100 * v, o->name, text, v / 100, 100 * v);
-    }
     return true;
 }
 
@@ -189,11 +188,10 @@ static bis_status read_name(const bis_option *o, const char *text, bis_diag *dia
         if (used >= sizeof list) used = sizeof list - 1;
     }
     const char *near = bis_nearest_name(text, o->names, n);
-    if (near) {
+    if (near)
         return bis_error(diag, BIS_INPUT, bis_cli_loc,
                          "--%s: no such thing as \"%s\" (did you mean \"%s\"?); it is one of %s", o->name, text, near,
                          list);
-    }
     return bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s: no such thing as \"%s\"; it is one of %s", o->name, text,
                      list);
 }
@@ -206,9 +204,8 @@ static bis_status read_text(const bis_option *o, const char *text, bis_diag *dia
         return BIS_OK;
     }
     bis_texts *texts = o->value;
-    if (texts->n == BIS_MAX_TEXTS) {
+    if (texts->n == BIS_MAX_TEXTS)
         return bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s stands here more than %d times", o->name, BIS_MAX_TEXTS);
-    }
     texts->text[texts->n++] = text;
     return BIS_OK;
 }
@@ -258,9 +255,8 @@ static bis_status unknown_option(const bis_command *c, const char *name, size_t 
     }
     snprintf(word, sizeof word, "%.*s", (int)length, name);
     const char *near = bis_nearest_name(word, names, n);
-    if (near) {
+    if (near)
         return bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"--%s\" (did you mean \"--%s\"?)", word, near);
-    }
     return bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"--%s\"; `bis %s --help` lists them", word,
                      c->name);
 }
@@ -280,11 +276,9 @@ static int read_option(const bis_command *c, int argc, char **argv, int i, bool 
     }
     if (o->given) *o->given = true;
     if (o->kind == BIS_OPTION_FLAG) {
-        if (equals) {
+        if (equals)
             bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s takes no value, has \"%s\"", o->name, equals + 1);
-        } else {
-            read_value(o, "", diag);
-        }
+        else read_value(o, "", diag);
         return 1;
     }
     if (equals) {
@@ -323,10 +317,9 @@ static void read_arguments(const bis_command *c, int argc, char **argv, const ch
         }
     }
     /* Behind an unknown option its value looks like an operand: what is one too many then is no mistake of its own. */
-    if (n < c->min_operands || (n > c->max_operands && !has_unknown)) {
+    if (n < c->min_operands || (n > c->max_operands && !has_unknown))
         bis_error(diag, BIS_INPUT, bis_cli_loc, "%s: %d given; usage: bis %s",
                   n < c->min_operands ? "too few operands" : "too many operands", n, c->usage);
-    }
     *n_operands = n;
 }
 
@@ -412,25 +405,21 @@ bis_status bis_cli_check_writable(const char *path, bis_diag *diag)
     char target[PATH_MAX], folder[PATH_MAX] = ".";
     bis_outfile *file;
 
-    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) {
+    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode))
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: it is %s", path,
                          S_ISDIR(st.st_mode) ? "a folder" : "not a regular file");
-    }
     bis_status status = bis_file_target(target, path, diag);
     if (status) return status;
     const char *slash = strrchr(target, '/');
     if (slash) snprintf(folder, sizeof folder, "%.*s", slash == target ? 1 : (int)(slash - target), target);
-    if (stat(folder, &st) != 0) {
+    if (stat(folder, &st) != 0)
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder,
                          strerror(errno));
-    }
-    if (!S_ISDIR(st.st_mode)) {
+    if (!S_ISDIR(st.st_mode))
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: \"%s\" is not a folder", path, folder);
-    }
-    if (access(folder, W_OK | X_OK) != 0) {
+    if (access(folder, W_OK | X_OK) != 0)
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder,
                          strerror(errno));
-    }
     status = bis_outfile_open(&file, path, diag); /* the surest test is to do it */
     if (!status) bis_outfile_abort(file);
     return status;

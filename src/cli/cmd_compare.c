@@ -6,8 +6,6 @@
 #include "cli.h"
 #include "out/json.h"
 
-#include <math.h>
-
 typedef struct compare_options {
     bool json, has_tolerance;
     double tolerance;
@@ -23,9 +21,8 @@ static void print_text(const bis_comparison *c)
     };
     char number[32];
 
-    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
         printf("%s %s\n", lines[i].key, isnan(lines[i].value) ? "nan" : bis_format_double(number, lines[i].value));
-    }
     printf("pixels %zu\nnonfinite %zu\n", c->pixels, c->nonfinite);
 }
 
@@ -58,10 +55,9 @@ static bis_status write_difference(const char *path, const bis_image *a, const b
 
 static bis_status check_output(const char *path, bis_diag *diag)
 {
-    if (!bis_image_can_write(path)) {
+    if (!bis_image_can_write(path))
         return bis_error(diag, BIS_INPUT, bis_cli_loc, "--diff \"%s\": the ending must be .exr, .pfm, .hdr or .png",
                          path);
-    }
     return bis_cli_check_writable(path, diag);
 }
 

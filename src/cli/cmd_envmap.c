@@ -53,12 +53,10 @@ static void print_largest(const bis_survey *s)
     for (int k = 0; k < s->n_largest; k++) {
         const bis_survey_region *r = &s->largest[k];
         printf("%6d %5d %8.4f%% %10.4g sr", k + 1, r->level, 100 * r->power, r->solid_angle);
-        if (has_direction(r->direction)) {
+        if (has_direction(r->direction))
             printf(" %6.1f %6.1f   (%.3f %.3f %.3f)\n", theta_deg(r->direction), phi_deg(r->direction),
                    (double)r->direction.x, (double)r->direction.y, (double)r->direction.z);
-        } else {
-            printf("  on all sides\n");
-        }
+        else printf("  on all sides\n");
     }
 }
 
@@ -66,11 +64,10 @@ static void print_text(const char *path, const bis_survey *s, const bis_envmap *
 {
     printf("map         %s, %d x %d, %s\n", path, em->width, em->height,
            angular ? "resampled from angular" : "latlong");
-    if (angular) {
+    if (angular)
         printf("power       %.6g before, %.6g after resampling (%+.3f%%)\n", em->angular_power_before,
                em->angular_power_after,
                em->angular_power_before > 0 ? 100 * (em->angular_power_after / em->angular_power_before - 1) : 0);
-    }
     printf("intensity   min %.4g, median %.4g, mean %.4g, max %.4g (r+g+b; min: of the pixels that are not black)\n",
            s->least, s->median, s->mean, s->most);
     printf("mean        %.4g %.4g %.4g (red, green, blue)\n", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
@@ -286,11 +283,8 @@ static bis_status survey(const envmap_options *o, const char *path, const char *
     bis_regions_clear(&regions);
     if (status) return status;
     const size_t bytes = bis_importance_bytes(bis_light_importance(light));
-    if (o->json) {
-        print_json(path, &s, em, angular, bytes);
-    } else {
-        print_text(path, &s, em, angular, bytes);
-    }
+    if (o->json) print_json(path, &s, em, angular, bytes);
+    else print_text(path, &s, em, angular, bytes);
     return BIS_OK;
 }
 

@@ -1,6 +1,5 @@
 /* cmd_pixel: `bis pixel SCENE X Y`: everything about one pixel (pixel.h), as text or JSON, CSV files and pictures in a
  * folder. */
-#include "tools/pixel/pixel.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
@@ -75,11 +74,10 @@ static bis_status make_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], siz
     *n = bis_pixel_methods(list, own);
     for (size_t i = 0; i < *n && !status; i++) {
         bis_settings *s = &list[i].settings;
-        if (o->proposal && (s->integrator == &bis_sir || s->integrator == &bis_unoccluded)) {
+        if (o->proposal && (s->integrator == &bis_sir || s->integrator == &bis_unoccluded))
             s->proposal = strcmp(o->proposal, "em") == 0     ? BIS_PROPOSAL_EM
                           : strcmp(o->proposal, "brdf") == 0 ? BIS_PROPOSAL_BRDF
                                                              : BIS_PROPOSAL_MIX;
-        }
         status = override_settings(s, o, diag);
     }
     return status;
@@ -102,10 +100,9 @@ static bis_status ask_methods(bis_pixel_report *r, const pixel_options *o, const
         bis_pixel_method *m = &r->methods[i];
         status = bis_pixel_method_run(m, &r->pt, &r->exact, sampler->kind, (uint32_t)o->repeats,
                                       bis_hash(sampler->seed ^ ((i + 2) << 40)), diag);
-        if (!status && !m->is_open) {
+        if (!status && !m->is_open)
             status = bis_pixel_rays_record(&r->rays[i], &r->pt, &m->settings, sampler, pixel,
                                            runs_to_show(&m->settings), diag);
-        }
     }
     return status;
 }

@@ -7,18 +7,13 @@
 #include "bis/base/clock.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "bis/render/render.h"
-#include "bis/files/image_file.h"
 
-#include "tools/auto/auto.h"
-#include "cli.h"
 #include "parameters.h"
 #include "progress.h"
 #include "render_files.h"
 
 #include <assert.h>
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -261,10 +256,9 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
     if (o->has_spp) bis_sampler_set_spp(&d->view.sampler, (uint32_t)o->spp);
     if (o->has_seed) d->view.sampler.seed = o->seed;
     if (o->accelerator) d->accel.kind = strcmp(o->accelerator, "grid") == 0 ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
-    if (d->accel.kind == BIS_ACCEL_EMBREE && !bis_accel_embree_version()) {
+    if (d->accel.kind == BIS_ACCEL_EMBREE && !bis_accel_embree_version())
         return bis_error(diag, BIS_INPUT, bis_cli_loc,
                          "accelerator \"embree\" is not built in; use \"grid\", or build with Embree installed");
-    }
     if (o->threads) d->accel.n_threads = (int)o->threads;
     bis_cli_use_threads(o->threads);
     if (o->has_resolution) {
@@ -432,9 +426,8 @@ static bool asks_for_errata(int argc, char **argv)
 
 static void list_errata(void)
 {
-    for (const bis_erratum *e = bis_errata; e->name; e++) {
+    for (const bis_erratum *e = bis_errata; e->name; e++)
         printf("%-4s thesis %s; integrators: %s\n     %s\n", e->name, e->section, e->integrators, e->effect);
-    }
 }
 
 int bis_cmd_render(int argc, char **argv)

@@ -6,10 +6,8 @@
 #include "help.h"
 
 #include "bis/base/file.h"
-#include "bis/base/status.h"
 
 #include <ctype.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { MAX_NAMES = 256, MAX_TERM = 32 };

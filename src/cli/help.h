@@ -3,7 +3,6 @@
  * main.c and help*.c. */
 #pragma once
 
-#include "cli.h"
 #include "parameters.h"
 
 typedef struct bis_subcommand {

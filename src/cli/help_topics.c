@@ -6,7 +6,6 @@
 #include "help.h"
 
 #include <assert.h>
-#include <stdio.h>
 
 const char bis_help_of_integrators[] = "", bis_help_of_parameters[] = "";
 

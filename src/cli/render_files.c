@@ -7,7 +7,6 @@
 #include "bis/base/mem.h"
 #include "progress.h"
 
-#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 

@@ -1,7 +1,6 @@
 /* image_exr: OpenEXR. For src/files/image_file.c alone (and image_exr_*.c among themselves). */
 #pragma once
 
-#include "bis/files/image_file.h"
 #include "image_io.h"
 
 #include <stdio.h>

@@ -10,7 +10,6 @@
  * made.
  * ZIP at level 4 instead of zlib's 6: half the time, files 2 to 4% longer (three maps of 1 Mpixel, 0.15 s against 0.3
  * s). */
-#include "bis/files/image_file.h"
 #include "image_exr.h"
 
 #include "image_exr_core.h"

@@ -10,7 +10,6 @@
 #include "bis/base/mem.h"
 #include "image_exr.h"
 #include "image_hdr.h"
-#include "image_io.h"
 #include "image_pfm.h"
 #include "image_png.h"
 

@@ -15,7 +15,6 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "bis/files/image_file.h"
 
 #include <string.h>
 

@@ -9,9 +9,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "bis/files/image_file.h"
 
-#include <stdint.h>
 #include <string.h>
 
 typedef struct pfm_header {

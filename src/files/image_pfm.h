@@ -1,7 +1,6 @@
 /* image_pfm: portable float maps. For src/files/image_file.c alone. */
 #pragma once
 
-#include "bis/files/image_file.h"
 #include "image_io.h"
 
 #include <stdio.h>

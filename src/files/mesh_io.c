@@ -36,11 +36,8 @@ void bis_mesh_remark(const mesh_input *in, const char *fmt, ...)
     va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    if (in->at.file) {
-        bis_warn(in->diag, in->at, "%s: %s", in->path, text);
-    } else {
-        bis_warn(in->diag, (bis_loc){in->path, 0, 0}, "%s", text);
-    }
+    if (in->at.file) bis_warn(in->diag, in->at, "%s: %s", in->path, text);
+    else bis_warn(in->diag, (bis_loc){in->path, 0, 0}, "%s", text);
 }
 
 int bis_mesh_line(const mesh_input *in, const unsigned char *p)
@@ -67,9 +64,8 @@ bis_status bis_mesh_add_triangle(bis_mesh *m, size_t *capacity, const uint32_t v
 
 bis_status bis_mesh_finish(bis_mesh *m, size_t capacity, const mesh_input *in)
 {
-    if (m->n_triangles == 0) {
+    if (m->n_triangles == 0)
         bis_mesh_remark(in, "no triangles: nothing of this mesh will be seen (%zu vertices)", m->n_vertices);
-    }
     if (m->n_triangles == capacity) return BIS_OK;
     uint32_t *index = bis_realloc(m->index, m->n_triangles, 3 * sizeof *index);
     if (!index) return no_memory(in, m->n_triangles);

@@ -98,10 +98,9 @@ static bis_status take_vec3(reader *r, const char *what, double v[3])
         if (is_line_end(r))
             return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%s\" has %d numbers, must have 3", what, i);
         v[i] = bis_parse_double((const char *)r->p, &stop);
-        if (stop == (const char *)r->p || ((unsigned char)*stop > ' ' && *stop != '\\')) {
+        if (stop == (const char *)r->p || ((unsigned char)*stop > ' ' && *stop != '\\'))
             return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%.*s\" in \"%s\" is no number", word_length(r),
                                    (const char *)r->p, what);
-        }
         r->p = (const unsigned char *)stop;
     }
     return BIS_OK;
@@ -132,11 +131,9 @@ static bis_status read_normal(reader *r)
     bis_status status = take_vec3(r, "vn", n);
 
     if (status) return status;
-    if (fits_float(n[0]) && fits_float(n[1]) && fits_float(n[2])) {
+    if (fits_float(n[0]) && fits_float(n[1]) && fits_float(n[2]))
         r->normals[r->seen_vn] = vec3_from(n[0], n[1], n[2]);
-    } else {
-        r->n_bad_normals++;
-    }
+    else r->n_bad_normals++;
     r->seen_vn++;
     return BIS_OK;
 }
@@ -223,11 +220,10 @@ static bis_status take_index(reader *r, const char *what, size_t total, size_t s
     }
     if (p == r->p) return BIS_OK;
     const int length = (int)(p - r->p) < 32 ? (int)(p - r->p) : 32;
-    if (n == 0 || n > (negative ? seen : total)) {
+    if (n == 0 || n > (negative ? seen : total))
         return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "the face has the index %.*s, but there are %zu \"%s\"%s",
                                length, (const char *)r->p, negative ? seen : total, what,
                                negative ? " up to here" : "");
-    }
     *index = negative ? seen - n : n - 1;
     r->p = p;
     return BIS_OK;
@@ -288,11 +284,8 @@ static void count_lines(reader *r)
 {
     for (rewind_file(r); r->p < r->end; skip_line(r)) {
         skip_blanks(r);
-        if (take_word(r, "v")) {
-            r->n_v++;
-        } else if (take_word(r, "vn")) {
-            r->n_vn++;
-        }
+        if (take_word(r, "v")) r->n_v++;
+        else if (take_word(r, "vn")) r->n_vn++;
     }
 }
 
@@ -300,10 +293,9 @@ static bis_status allocate(reader *r)
 {
     bis_mesh *m = r->mesh;
 
-    if (r->n_v >= UINT32_MAX - 1 || r->n_vn >= UINT32_MAX - 1) {
+    if (r->n_v >= UINT32_MAX - 1 || r->n_vn >= UINT32_MAX - 1)
         return bis_mesh_refuse(&r->in, 0, BIS_INPUT, "%zu vertices and %zu normals, must be below 2^32 - 2", r->n_v,
                                r->n_vn);
-    }
     m->n_vertices = r->capacity_vertices = r->n_v;
     m->p = bis_alloc(r->n_v, sizeof *m->p);
     r->normals = bis_alloc(r->n_vn, sizeof *r->normals);
@@ -319,13 +311,9 @@ static bis_status read_lines(reader *r)
 
     for (rewind_file(r); !status && r->p < r->end; skip_line(r)) {
         skip_blanks(r);
-        if (take_word(r, "v")) {
-            status = read_vertex(r);
-        } else if (take_word(r, "vn")) {
-            status = read_normal(r);
-        } else if (take_word(r, "f")) {
-            status = read_face(r);
-        }
+        if (take_word(r, "v")) status = read_vertex(r);
+        else if (take_word(r, "vn")) status = read_normal(r);
+        else if (take_word(r, "f")) status = read_face(r);
     }
     return status;
 }
@@ -355,10 +343,9 @@ static void report(const reader *r)
 {
     if (r->n_too_small > 0)
         bis_mesh_remark(&r->in, "%zu faces have fewer than 3 vertices and are left out", r->n_too_small);
-    if (r->n_bad_normals > 0) {
+    if (r->n_bad_normals > 0)
         bis_mesh_remark(&r->in, "%zu vertex normals are not finite: the faces' normals are used there",
                         r->n_bad_normals);
-    }
 }
 
 bis_status bis_obj_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)

@@ -112,10 +112,9 @@ static bis_status take_count(reader *r, const ply_property *p, const ply_element
     bis_status status = take(r, p->count_type, e, row, &v);
 
     if (status) return status;
-    if (!(v >= 0 && v <= (double)UINT32_MAX && v == floor(v))) {
+    if (!(v >= 0 && v <= (double)UINT32_MAX && v == floor(v)))
         return bis_mesh_refuse(r->in, 0, BIS_INPUT, "%.*s %zu: the list \"%.*s\" has %g items", e->name.length,
                                e->name.text, row, p->name.length, p->name.text, v);
-    }
     *count = (size_t)v;
     return BIS_OK;
 }
@@ -338,10 +337,9 @@ static bis_status read_faces(reader *r, const ply_element *e, bool strips)
     const size_t list = find_indices(r->header, e);
     size_t row = 0;
 
-    if (list == e->n_properties) {
+    if (list == e->n_properties)
         return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the element \"%.*s\" has no list \"vertex_indices\"",
                                e->name.length, e->name.text);
-    }
     if (!strips && !r->mesh->index) {
         r->mesh->index = bis_alloc(e->count, 3 * sizeof *r->mesh->index);
         if (!r->mesh->index) return bis_mesh_refuse(r->in, 0, BIS_NOMEM, "no memory for %zu triangles", e->count);
@@ -381,11 +379,10 @@ static bis_status read_element(reader *r, const ply_element *e)
     /* the last white space may lack */
     const size_t least = bis_ply_least_row(r->header, e), left = (size_t)(r->end - r->p) + 1;
 
-    if (least > 0 && e->count > left / least) {
+    if (least > 0 && e->count > left / least)
         return bis_mesh_refuse(r->in, 0, BIS_INPUT,
                                "%zu rows of \"%.*s\" of at least %zu bytes each, but the file has %zu bytes left",
                                e->count, e->name.length, e->name.text, least, left - 1);
-    }
     if (e->count == 0) return BIS_OK;
     if (ply_word_is(e->name, "vertex")) return read_vertices(r, e);
     if (ply_word_is(e->name, "face")) return read_faces(r, e, false);
@@ -404,16 +401,14 @@ static bis_status count_vertices(reader *r)
 
 static void report(const reader *r)
 {
-    if (r->n_long_lines > 0) {
+    if (r->n_long_lines > 0)
         bis_mesh_remark(r->in, "%zu lines hold more numbers than the header says: the rest of them is skipped",
                         r->n_long_lines);
-    }
     if (r->n_too_small > 0)
         bis_mesh_remark(r->in, "%zu faces have fewer than 3 vertices and are left out", r->n_too_small);
-    if (r->n_bad_normals > 0) {
+    if (r->n_bad_normals > 0)
         bis_mesh_remark(r->in, "%zu vertex normals are not finite: the faces' normals are used there",
                         r->n_bad_normals);
-    }
 }
 
 bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)

@@ -88,10 +88,9 @@ static bis_status read_element(ply_header *h, const line *l, const mesh_input *i
 {
     ply_element e = {.first_property = h->n_properties};
 
-    if (l->n != 3 || !parse_count(l->words[2], &e.count)) {
+    if (l->n != 3 || !parse_count(l->words[2], &e.count))
         return bis_mesh_refuse(in, l->number, BIS_INPUT,
                                "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
-    }
     e.name = l->words[1];
     ply_element *elements = bis_grow(h->elements, &h->capacity_elements, h->n_elements + 1, sizeof e);
     if (!elements) return no_memory(in);
@@ -106,10 +105,9 @@ static bis_status read_property(ply_header *h, const line *l, const mesh_input *
     ply_property p = {.count_type = PLY_NO_TYPE};
 
     if (h->n_elements == 0) return bis_mesh_refuse(in, l->number, BIS_INPUT, "a property before the first element");
-    if (l->n != (list ? 5 : 3)) {
+    if (l->n != (list ? 5 : 3))
         return bis_mesh_refuse(in, l->number, BIS_INPUT,
                                "a property is \"property TYPE NAME\" or \"property list COUNT-TYPE TYPE NAME\"");
-    }
     p.name = l->words[l->n - 1];
     p.type = parse_type(l->words[l->n - 2]);
     if (list) p.count_type = parse_type(l->words[2]);
@@ -154,9 +152,8 @@ bis_status bis_ply_header_read(ply_header *h, const mesh_input *in)
 
     split_line(&l, &p, end);
     if (in->size == 0) return bis_mesh_refuse(in, 0, BIS_INPUT, "the file is empty");
-    if (l.n != 1 || !ply_word_is(l.words[0], "ply")) {
+    if (l.n != 1 || !ply_word_is(l.words[0], "ply"))
         return bis_mesh_refuse(in, 0, BIS_INPUT, "not a PLY file: its first line must be \"ply\"");
-    }
     const bool cr_alone = p < end && *p == '\r' && p[1] != '\n';
     while (p < end) {
         p = next_line(p, end, cr_alone);

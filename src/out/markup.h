@@ -2,7 +2,6 @@
 #pragma once
 
 #include "bis/base/image.h"
-#include "bis/base/status.h"
 
 #include <stdio.h>
 

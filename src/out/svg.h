@@ -7,7 +7,6 @@
 #pragma once
 
 #include "bis/base/image.h"
-#include "bis/base/status.h"
 
 #include <stdio.h>
 

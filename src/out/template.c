@@ -132,9 +132,8 @@ static bis_status fill_section(const filler *f, const char **at, const char *end
     const char *middle = find(body, last, mark);
     if (is_empty(value)) return middle == last ? BIS_OK : fill(f, middle + strlen(mark), last, scope);
     if (*value != '[') return fill(f, body, middle, *value == '{' ? value : scope);
-    for (const char *item = skip_blanks(value + 1); *item != ']' && !status; item = skip_blanks(skip_value(item))) {
+    for (const char *item = skip_blanks(value + 1); *item != ']' && !status; item = skip_blanks(skip_value(item)))
         status = fill(f, body, middle, item);
-    }
     return status;
 }
 

@@ -7,7 +7,6 @@
 #include "bis/base/file.h"
 #include "parser.h"
 
-#include <stdio.h>
 #include <string.h>
 
 bool bis_params_has(bis_parser *p, const char *name) { return bis_params_find(p, name) != NULL; }

@@ -3,11 +3,9 @@
  *
  * A directive that is given again starts from the defaults, as in pbrt. */
 #include "bis/base/file.h"
-#include "bis/base/image.h"
 #include "bis/base/mem.h"
 #include "parser.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};

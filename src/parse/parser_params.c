@@ -7,7 +7,6 @@
 #include "parser.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <string.h>
 
 typedef enum value_class { NUMBERS, STRINGS, BOOLS, ANYTHING } value_class;

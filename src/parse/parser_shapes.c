@@ -6,7 +6,6 @@
 #include "base/grow.h"
 #include "parser.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static const bis_interval positive = {0, HUGE_VAL, true, false};

@@ -3,10 +3,8 @@
  * A LightSource's frame is object space at its place, so the CTM must be a rotation, perhaps with a reflection.
  * Exporters write matrices with few digits, so an error up to BIS_XFORM_FRAME_TOLERANCE is allowed, and the matrix is
  * made exactly orthonormal. */
-#include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
-#include "bis/scene/light_load.h"
 #include "base/grow.h"
 #include "parser.h"
 

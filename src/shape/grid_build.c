@@ -167,13 +167,9 @@ static bool cover_row(const cover *c, int j, int k, int *first, int *last)
     for (int i = 0; i < c->n_bounds; i++) {
         const bound *b = &c->bounds[i];
         double rest = b->b * j + b->c * k + b->d;
-        if (b->a > 0) {
-            lo = larger(lo, -rest / b->a);
-        } else if (b->a < 0) {
-            hi = smaller(hi, -rest / b->a);
-        } else if (rest < 0) {
-            return false;
-        }
+        if (b->a > 0) lo = larger(lo, -rest / b->a);
+        else if (b->a < 0) hi = smaller(hi, -rest / b->a);
+        else if (rest < 0) return false;
     }
     if (lo > hi) return false;
     *first = (int)ceil(lo);
@@ -212,11 +208,8 @@ static size_t visit(const build *b, uint32_t prim, int from, int to, uint32_t *i
             const size_t row = ((size_t)k * (size_t)g->n[1] + (size_t)j) * (size_t)g->n[0];
             for (int i = first; i <= last; i++) {
                 if (prim >= b->geometry->n_triangles && !quadric_touches(b, prim, i, j, k)) continue;
-                if (items) {
-                    items[--g->offsets[row + (size_t)i]] = prim;
-                } else {
-                    g->offsets[row + (size_t)i]++;
-                }
+                if (items) items[--g->offsets[row + (size_t)i]] = prim;
+                else g->offsets[row + (size_t)i]++;
                 n++;
             }
         }

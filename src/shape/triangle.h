@@ -18,8 +18,6 @@
 
 #include "bis/base/vec.h"
 
-#include <stdbool.h>
-
 /* gcc keeps a*b - c*d as written under -std=c11; clang must be told: a fused a*b would undo the argument above. */
 #ifdef __clang__
 #pragma STDC FP_CONTRACT OFF

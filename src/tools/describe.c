@@ -4,12 +4,10 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/base/version.h"
-#include "bis/files/image_file.h"
 #include "base/text.h"
 #include "out/json.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 #include <sys/resource.h>
 

@@ -5,10 +5,6 @@
 
 #include "bis/files/image_file.h"
 #include "bis/render/render.h"
-#include "bis/scene/scene.h"
-#include "bis/thesis/errata.h"
-
-#include <stdio.h>
 
 enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 12, BIS_MAX_LINE = 512 };
 

@@ -4,12 +4,9 @@
  * a script finds it: "light", "geometry" and so on describe, "build" and "skip" decide. */
 #include "beyond/batch.h"
 #include "bis/base/file.h"
-#include "bis/thesis/importance.h"
 #include "bis/base/mem.h"
 #include "scene/scene_peek.h"
 
-#include "bis/render/render.h"
-#include "bis/scene/scene.h"
 #include "tools/describe.h"
 
 #include <inttypes.h>

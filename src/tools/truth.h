@@ -10,8 +10,6 @@
 
 #include "bis/thesis/point.h"
 
-#include <stddef.h>
-
 /* The density of an estimator's single samples: from_map q_L + from_bsdf q_f. */
 typedef struct bis_truth_density {
     double from_map, from_bsdf;

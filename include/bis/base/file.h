@@ -9,7 +9,6 @@
 #include "bis/base/status.h"
 
 #include <limits.h>
-#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 

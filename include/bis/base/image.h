@@ -4,8 +4,6 @@
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
 
-#include <stddef.h>
-
 /* pixels[height][width], row 0 at the top. The values are those of the file: they may be NaN, infinite or negative. */
 typedef struct bis_image {
     int width, height;

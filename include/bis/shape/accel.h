@@ -5,8 +5,6 @@
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 typedef struct bis_accel bis_accel;

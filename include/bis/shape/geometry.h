@@ -4,11 +4,8 @@
 #pragma once
 
 #include "bis/base/status.h"
-#include "bis/base/vec.h"
 #include "bis/base/xform.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 /* The result of a mesh reader: indexed triangles in the file's space. The arrays come from bis_alloc. */

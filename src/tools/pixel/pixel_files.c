@@ -143,9 +143,8 @@ static bis_status write_pictures(const bis_pixel_report *r, bis_diag *diag)
     bis_outfile *densities = NULL, *samples = NULL;
     bis_status status = open_file(&densities, r, "densities.svg", diag);
     if (!status) status = open_file(&samples, r, "samples.svg", diag);
-    if (!status) {
+    if (!status)
         status = bis_pixel_figures(bis_outfile_stream(densities), bis_outfile_stream(samples), &figure, diag);
-    }
     if (!status) {
         status = bis_outfile_commit(densities, diag);
         densities = NULL;

@@ -13,7 +13,6 @@
 #include "out/svg.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { WIDTH = BIS_PIXEL_PLOT_WIDTH, HEIGHT = BIS_PIXEL_PLOT_HEIGHT, PLACES = WIDTH * HEIGHT };
@@ -257,9 +256,8 @@ static void begin_page(FILE *page, const bis_pixel_figure *fig, size_t n_panels)
 static void draw_bar(FILE *page, int top, rgb (*colour)(double))
 {
     const int x = LEFT + COLUMNS * WIDTH + GAP_X + 34, y = TOP + 26, height = HEIGHT, step = 3;
-    for (int j = 0; j < height; j += step) {
+    for (int j = 0; j < height; j += step)
         bis_svg_box(page, x, y + j, 18, j + step < height ? step + 1 : step, colour(1 - (j + 0.5 * step) / height));
-    }
     for (int k = 0; k <= DECADES; k++) {
         char text[24];
         const double tick = y + (double)height * k / DECADES;

@@ -14,13 +14,7 @@
 #pragma once
 
 #include "bis/base/clock.h"
-#include "bis/base/image.h"
 #include "bis/render/render.h"
-
-#include <signal.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <stdio.h>
 
 enum {
     BIS_TRADE_SETTINGS = 40,         /* at most */

@@ -145,9 +145,8 @@ static int levels_of(const bis_trade *t, int i, double run_seconds)
 static double sweep_seconds(const bis_trade *t, double run_seconds)
 {
     double sum = 0;
-    for (int i = 0; i < t->plan.n_settings; i++) {
+    for (int i = 0; i < t->plan.n_settings; i++)
         sum += t->plan.n_seeds * t->plan.settings[i].pass_seconds * (exp2(levels_of(t, i, run_seconds)) - 1);
-    }
     return sum;
 }
 

@@ -111,12 +111,10 @@ static const char *shape_of(const char *integrator)
 static void put_bar(const plot *p, const bis_trade_point *q)
 {
     const double y = y_of(q), half = q->noise_se / (2 * y);
-    if (half > 0) {
+    if (half > 0)
         bis_trade_say_all(p->j, "bar", "x=%.1f; top=%.1f; bottom=%.1f", place(&p->x, x_of(p, q)),
                           place(&p->y, fmin(y + half, p->y.hi)), place(&p->y, fmax(y - half, p->y.lo)));
-    } else {
-        bis_json_null(p->j, "bar");
-    }
+    else bis_json_null(p->j, "bar");
 }
 
 static void put_mark(const plot *p, const bis_trade_setting *s, const bis_trade_point *q)
@@ -213,9 +211,8 @@ static void put_labels(const plot *p)
 static void put_front(const plot *p)
 {
     points line = {.n = 0};
-    for (const bis_trade_point *q = NULL; !p->by_rays && (q = bis_trade_next_on_front(&p->t->result, q));) {
+    for (const bis_trade_point *q = NULL; !p->by_rays && (q = bis_trade_next_on_front(&p->t->result, q));)
         add_point(&line, p, q);
-    }
     bis_json_text(p->j, "front", line.text);
 }
 

@@ -14,7 +14,6 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
-#include <stdio.h>
 #include <unistd.h>
 
 static const char *const makers[2] = {"mis", "sir"};

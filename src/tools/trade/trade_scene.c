@@ -7,7 +7,6 @@
 #include "trade.h"
 
 #include "bis/base/mem.h"
-#include "bis/scene/light_load.h"
 
 bool bis_trade_interrupted(const bis_trade *t) { return t->o.interrupted && *t->o.interrupted; }
 
@@ -78,10 +77,9 @@ bis_status bis_trade_load(bis_trade *t, bis_diag *diag)
         t->desc->view.film.width = t->o.width;
         t->desc->view.film.height = t->o.height;
     }
-    if (t->desc->view.settings.as_printed) {
+    if (t->desc->view.settings.as_printed)
         bis_warn(diag, t->desc->integrator_loc,
                  "Option \"asprinted\" is left out: the methods are measured as they should be");
-    }
     const unsigned as_printed = t->desc->view.settings.as_printed;
     t->desc->view.settings.as_printed = 0;
     t->desc->light_needs = all_needs;

@@ -81,9 +81,8 @@ static void put_curves(FILE *out, const bis_trade *t, const char *before, int di
                        const double *at, int n, reach *value)
 {
     fputs("setting,cost_variance,cost_variance_se,slope,slope_se", out);
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n; k++)
         fprintf(out, ",%s%.*g%s,%s%.*g%s_extrapolated", before, digits, at[k], after, before, digits, at[k], after);
-    }
     fputc('\n', out);
     for (int i = 0; i < t->plan.n_settings; i++) {
         if (!t->result.curves[i].n) continue;
