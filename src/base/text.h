@@ -15,6 +15,10 @@ size_t bis_utf8_length(const char *s, const char *end);
 /* bis_append appends to the text in buf[size]. What does not fit is cut off. */
 void bis_append(char *buf, size_t size, const char *fmt, ...) BIS_PRINTF(3, 4);
 
+/* bis_hint writes ` (did you mean "NEAREST"?)` to buf, or "" for NULL, and returns it. */
+enum { BIS_HINT = 128 };
+const char *bis_hint(char buf[BIS_HINT], const char *nearest);
+
 /* bis_duration writes a duration to buf, with two to three digits in the unit that keeps the number small, and returns
  * it: "42 ms", "3.1 s", "90 s", "6.5 min", "2.5 h", "12 days". */
 enum { BIS_DURATION = 24 };

@@ -13,9 +13,8 @@
 static bool is_identity(const bis_xform *t)
 {
     for (int i = 0; i < 4; i++) {
-        for (int j = 0; j < 4; j++) {
+        for (int j = 0; j < 4; j++)
             if (t->m[i][j] != (i == j ? 1 : 0)) return false;
-        }
     }
     return true;
 }

@@ -112,9 +112,8 @@ static void cover_triangle(const double v[3][3], cover *c)
         c->bounds[c->n_bounds++] = half_space(n[0], n[1], n[2], d);
         c->bounds[c->n_bounds++] = half_space(-n[0], -n[1], -n[2], -d);
     }
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < 3; a++)
         if ((n_wide == 3 || !wide[a]) && fabs(n[a]) >= least) add_edges(v, a, n[a] > 0 ? 1 : -1, c);
-    }
 }
 
 /* The cells of a triangle in layers [from, to); false if there are none, or if it has no area: nothing can hit it
