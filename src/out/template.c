@@ -60,9 +60,8 @@ static const char *member(const char *object, const char *name)
 static bool is_empty(const char *value)
 {
     static const char *const empty[] = {"false", "null", "\"\""};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         if (strncmp(value, empty[i], strlen(empty[i])) == 0) return true;
-    }
     if (*value == '{' || *value == '[') return strchr("]}", *skip_blanks(value + 1)) != NULL;
     return *value != '"' && *value != 't' && strtod(value, NULL) == 0; /* "true" is the only other word */
 }
