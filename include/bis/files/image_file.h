@@ -1,8 +1,6 @@
 /* image_file: RGB pixels in linear radiance, read from .hdr, .exr and .pfm, and written to these and to .png.
  *
- * When reading, the first bytes of the file decide the format; when writing, the ending of its name. Only
- * src/files/image_file.c includes the headers of the formats (src/files/image_hdr.h, image_exr.h, image_pfm.h and
- * image_png.h). */
+ * When reading, the first bytes of the file decide the format; when writing, the ending of its name. */
 #pragma once
 
 #include "bis/base/image.h"
