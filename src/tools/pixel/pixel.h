@@ -143,6 +143,8 @@ typedef struct bis_pixel_direction {
     double theta, phi;
 } bis_pixel_direction;
 
+/* bis_pixel_angles returns those of w, which is in the map's frame; bis_pixel_direction_of those of a world's wi. */
+bis_pixel_direction bis_pixel_angles(vec3 w);
 bis_pixel_direction bis_pixel_direction_of(const bis_xform *light_to_world, vec3 wi);
 
 /* What the figures show. */

@@ -27,13 +27,17 @@ static vec3 direction_at(const bis_xform *light_to_world, double theta, double p
     return normalize(bis_xform_vector(light_to_world, w));
 }
 
-bis_pixel_direction bis_pixel_direction_of(const bis_xform *light_to_world, vec3 wi)
+bis_pixel_direction bis_pixel_angles(vec3 w)
 {
-    const bis_xform to_light = bis_xform_inverse(light_to_world);
-    const vec3 w = bis_xform_vector(&to_light, wi);
     const double phi = atan2((double)w.y, (double)w.x) * 180 / PI;
     const double theta = atan2(hypot((double)w.x, (double)w.y), (double)w.z) * 180 / PI;
     return (bis_pixel_direction){theta, phi < 0 ? phi + 360 : phi};
+}
+
+bis_pixel_direction bis_pixel_direction_of(const bis_xform *light_to_world, vec3 wi)
+{
+    const bis_xform to_light = bis_xform_inverse(light_to_world);
+    return bis_pixel_angles(bis_xform_vector(&to_light, wi));
 }
 
 /* ---- the densities ---- */

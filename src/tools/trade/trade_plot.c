@@ -141,9 +141,8 @@ static void put_curve(const plot *p, int setting)
     for (int i = 0; i < c->n; i++) add_point(&line, p, &q[i]);
     bis_json_text(p->j, "points", line.text);
     bis_json_open(p->j, "marks", '[');
-    for (int i = 0; i < c->n; i++) {
+    for (int i = 0; i < c->n; i++)
         if (is_shown(&q[i])) put_mark(p, s, &q[i]);
-    }
     bis_json_close(p->j);
     bis_json_close(p->j);
 }
@@ -152,9 +151,8 @@ static void put_curve(const plot *p, int setting)
 static void put_curves(const plot *p, bool major)
 {
     bis_json_open(p->j, major ? "major" : "minor", '[');
-    for (int i = 0; i < p->t->plan.n_settings; i++) {
+    for (int i = 0; i < p->t->plan.n_settings; i++)
         if (p->t->result.curves[i].n && bis_trade_is_head(p->t, i) == major) put_curve(p, i);
-    }
     bis_json_close(p->j);
 }
 
