@@ -1,6 +1,5 @@
 /* render_files: the files that `bis render` writes: checked before the render, written after it. */
-#ifndef BIS_RENDER_FILES_H
-#define BIS_RENDER_FILES_H
+#pragma once
 
 #include "cli.h"
 #include "tools/describe.h"
@@ -30,5 +29,3 @@ bis_status bis_render_files_write_stats(const bis_render_files *files, const bis
 
 /* bis_render_files_print_result prints one line to standard error: what was written, camera samples, passes, time and error. */
 void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats);
-
-#endif

@@ -1,7 +1,6 @@
 /* wave: the camera samples of a tile, a few dozen at a time, step by step: all camera rays, all surfaces, the light of
  * all points, all shadow rays, the sums. For pass.c and workspace.c. */
-#ifndef BIS_WAVE_H
-#define BIS_WAVE_H
+#pragma once
 
 #include "beyond/batch.h"
 #include "bis/render/film.h"
@@ -44,5 +43,3 @@ size_t bis_wave_bytes(void);
  * What is added does not depend on which samples share a wave. */
 void bis_wave_add(bis_wave *wave, const bis_sampler *sampler, int x, int y, uint64_t index, bis_pixel_sum *pixel);
 void bis_wave_end(bis_wave *wave);
-
-#endif
