@@ -99,7 +99,8 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
     char seconds[32];
 
     if (r->interrupted)
-        fprintf(stderr, "bis: interrupted after %" PRIu64 " camera sample%s a pixel; wrote", r->spp, r->spp == 1 ? "" : "s");
+        fprintf(stderr, "bis: interrupted after %" PRIu64 " camera sample%s a pixel; wrote", r->spp,
+                r->spp == 1 ? "" : "s");
     else fputs("bis: wrote", stderr);
     for (int i = 0; i < written->n; i++) fprintf(stderr, "%s %s", i ? "," : "", written->text[i]);
     fprintf(stderr, ": %d x %d pixels, %" PRIu64 " camera sample%s a pixel in %u pass%s, %s, ", stats->film->width,

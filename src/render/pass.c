@@ -1,11 +1,11 @@
 /* pass: from camera samples (wave.h) to the film.
  *
  * One pass is the same number of camera samples of every pixel (with adaptive sampling as many as adapt.h says; in edge
- * pixels more, see edges.h). Threads take tiles in any order, but what a pixel gets depends on (seed, pixel, pass) alone, and only
- * whole passes reach the film, in order: the film's bits depend on the scene and the number of passes, never on
- * threads, time, or the moment of Ctrl-C. To that end a pass is kept aside (16 bytes a pixel) and added to the film
- * when it is complete; an abandoned one leaves no trace, not even in the counters. The values of layers go the same
- * way.
+ * pixels more, see edges.h). Threads take tiles in any order, but what a pixel gets depends on (seed, pixel, pass)
+ * alone, and only whole passes reach the film, in order: the film's bits depend on the scene and the number of passes,
+ * never on threads, time, or the moment of Ctrl-C. To that end a pass is kept aside (16 bytes a pixel) and added to the
+ * film when it is complete; an abandoned one leaves no trace, not even in the counters. The values of layers go the
+ * same way.
  *
  * A pixel of a crop gets what it gets in the full picture. Where a pixel learns from its neighbours (visibility.h), all
  * pixels of its tile are rendered, and those beside the crop are dropped: up to 15 columns and rows on each side. */
