@@ -113,8 +113,8 @@ static const bis_help_entry output[] = {
 };
 
 static const bis_help_entry budgets[] = {
-    {NULL, "Passes take 1, 1, 2, then 4 camera samples of every pixel. Budgets are looked at between passes; the one that "
-           "is used up first ends the render. Without any, the scene's pixelsamples count."},
+    {NULL, "Passes take 1, 1, 2, then 4 camera samples of every pixel. Budgets are looked at between passes; the one "
+           "that is used up first ends the render. Without any, the scene's pixelsamples count."},
     {"--spp N", "N camera samples of every pixel"},
     {"--time SECONDS", "of rendering alone, as in 10, 10s, 2min, 1.5h; ends within a pass of it"},
     {"--error E", "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%; says after four "
