@@ -459,12 +459,15 @@ static void tables_have_each_figure_in_its_column(void **state)
 static char *values_of(bis_trade *t)
 {
     const bis_trade_plan plan = t->plan;
+    const char *const scene = t->o.scene;
     static char *text; /* static: gcc 12 takes what strstr finds in it for a pointer to this pointer */
     size_t n;
-    t->o.scene = DIR "/scene.txt";
-    bis_free(t->desc);
-    assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
-    t->o.scene = "a/hand.txt";
+    if (!t->scene) {
+        t->o.scene = DIR "/scene.txt";
+        bis_free(t->desc);
+        assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
+    }
+    t->o.scene = scene;
     t->plan = plan;
     for (int i = 0; i < plan.n_settings; i++) {
         t->plan.settings[i].area_exponent = t->desc->light.area_exponent + (i == SIR);
@@ -681,6 +684,100 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
     clear(&t);
 }
 
+/* One seed, one thread, every pixel, a given reference, one picture; the best is the first of the table, a biased one has
+ * nothing but the reference's noise. Bars: em 0.5 s, log 2/log 4 of mis's 1 s. Cells: half of a pixel after 2 s; after 4 s
+ * 0.5/sqrt(2), and mis's 0.5 is 1 - log4 sqrt(2) as strong. All windows are alike: the first, and the first beside it. */
+static void the_page_counts_one_as_one(void **state)
+{
+    (void)state;
+    bis_trade t = {.desc = bis_alloc(1, sizeof(bis_scene_desc)), .n_threads = 1,
+                   .o = {.scene = "hand.txt", .folder = DIR}, .is_complete = true};
+    static const char *const parts[] = {
+        "`title`: `hand.txt`,`incomplete`: false,`runs`: `3`,`planned`: `3`,",
+        "`method`: `em`,`extrapolated`: false,`time`: `2 s`,`error`: `50%`,`size`: `4 × 2`,`amounts`: `1 light sample`,"
+        "`variant`: ` (stratified)`,`samples`: `1 sample`,",
+        "`method`: `sir`,`extrapolated`: true,`time`: `3 s`,`error`: `20%`,`size`: `4 × 2`,"
+        "`amounts`: `64 candidates and 1 shadow ray`,`variant`: ` (one by one)`,`samples`: `2 samples`,",
+        "{`purpose`: `final picture`,`method`: ``}],",
+        "`bars`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`class`: ` biased`,`length`: `0.0`,"
+        "`times`: `0.0`,`whisker`: null},{`method`: `em`,`name`: `em 16 stratified`,`notes`: [],`class`: ``,"
+        "`length`: `50.0`,`times`: `1.0`,`whisker`: null},{`method`: `mis`,`name`: `mis 16 scene's own`,`notes`: [],"
+        "`class`: ``,`length`: `100.0`,`times`: `2.0`,`whisker`: null}],",
+        "`strip`: {`time`: `4 s`,`reference`: `ref`,`made`: `as given`,`crops`: [{`number`: `0`,`left`: `0.00`,"
+        "`top`: `0.00`,`picture`: `ref`,`x`: `0.00`,`y`: `0.00`},{`number`: `1`,`left`: `25.00`,`top`: `0.00`,"
+        "`picture`: `ref`,`x`: `33.33`,`y`: `0.00`}],`shots`: [{`method`: `em`,`name`: `em 16 stratified`,`notes`: [],"
+        "`made`: `1 pass, 2 s`,`picture`: `p0`,`errors`: `e0`,`error`: `50%`,",
+        "`left`: `ref`,`right`: `p0`,`choice`: [{`picture`: `ref`,`name`: `reference`},{`picture`: `p0`,"
+        "`name`: `em 16 stratified`}]},",
+        "`columns`: [`1 s`,`2 s`,`4 s`],`rows`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],"
+        "`cells`: [{`strength`: `100`,`text`: `0%`},{`text`: ``},{`text`: ``}]},{`method`: `em`,"
+        "`name`: `em 16 stratified`,`notes`: [],`cells`: [{`text`: ``},{`strength`: `100`,`text`: `50%`},"
+        "{`strength`: `100`,`text`: `~35%`}]},{`method`: `mis`,`name`: `mis 16 scene's own`,`notes`: [],"
+        "`cells`: [{`text`: ``},{`text`: ``},{`strength`: `75`,`text`: `50%`}]}]}",
+        "`columns`: [`200%`,`100%`,`50%`,`30%`,`20%`,`15%`]",
+        "`front`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`passes`: `1`,`time`: `1 s`,"
+        "`error`: `below the reference's`,`bias`: `−20%`}],`thin`: false,`width`: `4`,`height`: `2`,`full`: `4 × 2`,"
+        "`of_each`: `1 × 1`,`longest`: `4 s`,`seeds`: `1 seed`,`threads`: `1 thread`,`version`: `" BIS_VERSION "`,"
+        "`references`: [],`given`: true,`noise`: `0%`,`agreement`: null,`left_out`: ``,`ratio`: `16/8`,`pictures`: [{"
+        "`name`: `ref`,`png`: `",
+        "`},{`name`: `p0`,`png`: `", "`},{`name`: `e0`,`png`: `", NULL};
+    assert_non_null(t.desc);
+    t.desc->view.film.crop[1] = t.desc->view.film.crop[3] = 1;
+    t.plan = (bis_trade_plan){.n_seeds = 1, .full_width = 4, .full_height = 2, .step = 1, .width = 4, .height = 2,
+                              .run_seconds = 4, .reference = {-1, -1}, .is_given = true};
+    add_setting(&t, "em 16 stratified", &bis_em, 1);
+    add_setting(&t, "mis 16 scene's own", &bis_mis, 1);
+    add_setting(&t, "rejection 100/8", &bis_rejection, 1);
+    add_setting(&t, "sir 64/1 one by one", &bis_sir, 0);
+    t.plan.settings[0].settings.samples = t.plan.settings[3].settings.shadowrays = 1;
+    t.plan.settings[1].is_scenes = t.plan.settings[2].is_biased = true;
+    t.plan.settings[3].settings.candidates = 64;
+    t.plan.settings[3].is_swept = false;
+    for (int k = 0; k < 2; k++) t.references[k] = (bis_trade_reference){.mean = 0.5, .is_ready = true};
+    t.both = (bis_trade_reference){.mean = 0.5, .is_ready = true};
+    for (int k = 0; k < 2; k++) {
+        bis_image *const image = k ? &t.both.image : &t.strip[0].image;
+        assert_int_equal(bis_image_init(image, 16, 8, NULL), BIS_OK);
+        for (int i = 0; i < 16 * 8; i++) image->pixels[i] = (rgb){1, 1, 1};
+    }
+    t.strip[0].passes = 1, t.strip[0].seconds = 2, t.strip[0].relmse = 0.25;
+    t.n_strip = 1;
+    add_runs(&t, 0, 0, 1, (double[]){2}, (double[]){0.25 - 1 / 64.0});
+    add_runs(&t, 1, 0, 1, (double[]){4}, (double[]){0.25 - 1 / 64.0});
+    add_runs(&t, 2, 0, 1, (double[]){1}, (double[]){-1 / 64.0});
+    assert_int_equal(bis_trade_summarise(&t, NULL), BIS_OK);
+    assert_int_equal(t.result.best, 0);
+    t.result.advice[0] = (bis_trade_advice){"preview", 0.5, 0, 1, 2, 0.5, false};
+    t.result.advice[1] = (bis_trade_advice){"good picture", 0.15, 3, 2, 3, 0.2, true};
+    t.result.advice[2].setting = -1;
+    char *text = values_of(&t);
+    assert_in_order(text, parts);
+    free(text);
+
+    /* references of its own, of which one is not ready: that one is not named, and there is nothing to agree with */
+    t.plan.is_given = false;
+    t.plan.reference[0] = 1, t.plan.reference[1] = 3;
+    t.references[1].is_ready = false;
+    text = values_of(&t);
+    assert_in_order(text, (const char *const[]){"`made`: `the mean of both`", "`references`: [{`judged`: `sir and rejection`,"
+        "`name`: `mis 16 scene's own`,`renders`: `8`,`passes`: `0`,`mean`: `0.5`,`se`: `0%`,`noise`: `0%`}],`given`: false,"
+        "`noise`: `0%`,`agreement`: null", NULL});
+    free(text);
+
+    /* all are biased, or none was measured: nothing to compare, no picture */
+    bis_image_clear(&t.strip[0].image);
+    t.n_strip = 0;
+    t.result.best = -1;
+    text = values_of(&t);
+    assert_in_order(text, (const char *const[]){"`bars`: [],`strip`: null,", NULL});
+    free(text);
+    t.result.n_points = 0;
+    text = values_of(&t);
+    assert_in_order(text, (const char *const[]){"`measured`: false,`thin`: false,", NULL});
+    free(text);
+    clear(&t);
+}
+
 /* Names at the right that would leave the picture are pushed up, LABEL = 30 apart; where nothing has noise there is no
  * plot. */
 static void names_stay_in_the_picture_and_nothing_makes_no_plot(void **state)
@@ -777,6 +874,11 @@ static void a_plan_fills_half_of_the_time(void **state)
     assert_true(p->reference[0] == -1 && p->reference[1] == P_SIR);
     assert_true(p->settings[P_MIS].levels == p->settings[P_MIS_LONG].levels + 1);
     assert_true(p->reference_passes[1] == (uint32_t)(0.22 * 10.64 / 8 / p->settings[P_SIR].pass_seconds));
+
+    pilot(&t, &desc); /* the last of the table alone */
+    for (int i = 0; i < N_PILOTED; i++) t.plan.settings[i].is_swept = i == P_MIS_SLOW;
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), BIS_OK);
+    assert_true(p->reference[0] == -1 && p->reference[1] == P_SIR && p->settings[P_MIS_SLOW].levels > 0);
 
     pilot(&t, &desc); /* a given reference */
     t.plan.is_given = true;
@@ -1228,6 +1330,82 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     bis_trade_clear(&t);
 }
 
+/* ---- the advice, checked ---- */
+
+/* Advice by em 16 for an error, of 3 passes in 12 s, put to the proof. In vain there is a reference: its noise is beyond
+ * all, so that only the renders count. */
+static bis_trade_advice checked(uint32_t passes, double error, const sig_atomic_t *interrupted, diary *d)
+{
+    bis_trade t;
+    load(&t);
+    plan_two(&t);
+    const int em = bis_trade_find_setting(&t.plan, "em 16");
+    t.o.passes = passes;
+    t.o.seconds = 1e-9; /* none */
+    t.o.interrupted = interrupted;
+    t.o.progress = note, t.o.user = d;
+    t.both = (bis_trade_reference){.relmse = 1e30};
+    assert_int_equal(bis_image_init(&t.both.image, 6, 4, NULL), BIS_OK);
+    memset(t.both.image.pixels, 0, 24 * sizeof(rgb));
+    t.result.curves[em] = (bis_trade_curve){.n = 1, .pass_seconds = 0.5};
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
+        t.result.advice[i] = (bis_trade_advice){"final picture", error, i == 1 ? em : -1, 3, 12, -1, false};
+    }
+    d->n = 0;
+    assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
+    const bis_trade_advice a = t.result.advice[1];
+    for (int i = 0; i < BIS_TRADE_ADVICE; i += 2) assert_true(t.result.advice[i].passes == 3 && t.result.advice[i].expected_error == -1);
+    bis_trade_clear(&t);
+    return a;
+}
+
+/* The next smaller number of passes of a stratified pixel: ... 9 = 3 x 3, 12 = 3 x 4, 16 = 4 x 4 ... */
+static double one_less(double passes)
+{
+    const double side = ceil(sqrt(passes));
+    return side * side == passes ? side * (side - 1) : (side - 1) * (side - 1);
+}
+
+/* Its passes are the fewest that leave no more than the error. Its seconds are 4 for each. */
+static void assert_fewest(const bis_trade_advice *a)
+{
+    assert_true(a->expected_error > 0 && a->expected_error <= a->error * (1 + 1e-12));
+    if (a->passes > 1) assert_true(a->expected_error * sqrt(a->passes / one_less(a->passes)) > a->error);
+    assert_near(a->seconds, 4.0 * a->passes);
+}
+
+/* Without time there is one attempt, of one pass each: what follows for more passes is the root law's. --passes 1 asks for
+ * no clock: it goes on with what is advised, as far as 64 passes; beyond, the root law again. */
+static void advice_is_put_to_the_proof(void **state)
+{
+    (void)state;
+    static const double wanted[] = {1.9, 5.5, 15, 29};
+    diary d;
+    const bis_trade_advice rough = checked(0, 0.01, NULL, &d);
+    assert_fewest(&rough);
+    assert_true(rough.is_extrapolated && rough.passes > 1 && rough.setting >= 0 && rough.error == 0.01);
+    assert_true(d.n > 0 && strcmp(d.entry[d.n - 1].what, "error of the advice") == 0);
+    assert_near(d.entry[d.n - 1].share, 1 / 3.0);
+    assert_near(d.entry[d.n - 1].left, 0.03e-9 * 2);
+    const double variance = rough.expected_error * rough.expected_error * rough.passes;
+
+    for (int i = 0; i < 4; i++) {
+        const bis_trade_advice a = checked(1, sqrt(variance / wanted[i]), NULL, &d);
+        assert_true(!a.is_extrapolated && a.passes < 64 && a.expected_error > 0 && a.expected_error <= a.error);
+        assert_near(a.seconds, 4.0 * a.passes);
+    }
+    const bis_trade_advice far = checked(1, sqrt(variance / 4000), NULL, &d);
+    assert_fewest(&far);
+    assert_true(far.is_extrapolated && far.passes > 200);
+
+    const bis_trade_advice easy = checked(0, 1e3, NULL, &d); /* a pass is more than enough */
+    assert_true(easy.passes == 1 && !easy.is_extrapolated && easy.expected_error < 10 && easy.seconds == 4);
+
+    const sig_atomic_t signal = 1;
+    const bis_trade_advice none = checked(1, 0.01, &signal, &d);
+    assert_true(none.passes == 3 && none.seconds == 12 && none.expected_error == -1 && !none.is_extrapolated);
+}
+
 /* A pass of the full picture is rendered where the sweep's film was thinner, here in 24 x 16 pixels in far less than
  * the thousands of seconds that were said, and a setting that is advised twice has the seconds of a pass in both. Of a
  * pass of 1.7 x 10^5 s every third pixel would take 2% of 10^6 s; of 2 x 10^5 every fourth, and the sweep knows as
@@ -1265,6 +1443,7 @@ int main(void)
         cmocka_unit_test(durations_and_percents_change_their_unit_in_time),
         cmocka_unit_test(tables_have_each_figure_in_its_column),
         cmocka_unit_test(the_page_says_and_shows_what_follows_from_the_runs),
+        cmocka_unit_test(the_page_counts_one_as_one),
         cmocka_unit_test(names_stay_in_the_picture_and_nothing_makes_no_plot),
         cmocka_unit_test(a_plan_fills_half_of_the_time),
         cmocka_unit_test(a_plan_with_passes_has_as_many_of_each),
@@ -1276,6 +1455,7 @@ int main(void)
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
         cmocka_unit_test(each_damage_has_its_place_and_its_words),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
+        cmocka_unit_test(advice_is_put_to_the_proof),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
     };
     return cmocka_run_group_tests_name("trade by hand", tests, setup, NULL);
