@@ -19,7 +19,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define DIR "build/test_no_memory"
+#define DIR "build/test_starved"
 #define OUT DIR "/said.txt"
 #define ERR DIR "/complained.txt"
 

@@ -820,6 +820,96 @@ static void a_search_finds_the_nearest_triangle(void **state)
     bis_geometry_clear(&g);
 }
 
+static void add_triangle(bis_geometry *g, const vec3 p[3])
+{
+    const bis_xform here = bis_xform_identity();
+    bis_mesh m = new_mesh(3, 1);
+    for (uint32_t i = 0; i < 3; i++) m.p[i] = p[i], m.index[i] = i;
+    assert_int_equal(bis_geometry_add_mesh(g, &m, &here, 0, NULL), BIS_OK);
+    bis_mesh_clear(&m);
+}
+
+static bool is_right(const bis_geometry *g, const ray *r, double t)
+{
+    bool right;
+    bis_verify_search(&right, g, r, BIS_NO_PRIM, &(bis_verify_answer){t, isfinite(t)}, 1);
+    return right;
+}
+
+/* With u = 2^-24. e = (4 0 0), f = (0 4 0), n = (0 0 16), the largest coordinates 3, 3, 4, t = 4; only along z there is
+ * more than 0: T = 64 errs by u (4 x 16 x 4 + 13 x 4 x 16) = 1088 u, D.n = 16 by u (2 x 3 x 4 + 2 x 3 x 4 + 8 x 16) =
+ * 176 u; t by 1088/16 u + 4 (176/16 + 4) u = 128 u. All weights together are 32: one of 8 delta, where the ray passes the
+ * edge at delta, is on the wrong side as far as 2 u 32. */
+static void a_distance_may_err_by_what_was_worked_out(void **state)
+{
+    (void)state;
+    const double u = 0x1p-24, none = (double)INFINITY;
+    const vec3 p[3] = {{-1, -1, 4}, {3, -1, 4}, {-1, 3, 4}};
+    bis_geometry g = {0};
+    add_triangle(&g, p);
+    const ray r = {{0, 0, 0}, {0, 0, 1}, INFINITY};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        assert_true(is_right(&g, &r, 4 + sign * 127.9 * u));
+        assert_false(is_right(&g, &r, 4 + sign * 128.1 * u));
+    }
+    static const struct {
+        double delta;
+        bool met, missed;
+    } edges[] = {{0x1p-24, true, false}, {0, true, true}, {-2 * 0x1p-24, true, true}, {-8 * 0x1p-24, true, true},
+                 {-10 * 0x1p-24, false, true}};
+    for (size_t i = 0; i < sizeof edges / sizeof *edges; i++) {
+        const ray at = {{(float)(-1 + edges[i].delta), 0, 0}, {0, 0, 1}, INFINITY};
+        assert_int_equal(is_right(&g, &at, 4), edges[i].met);
+        assert_int_equal(is_right(&g, &at, none), edges[i].missed);
+    }
+    bis_geometry_clear(&g);
+}
+
+/* How far beyond t, and how far before it, an answer is still right. */
+static void tolerance_of(double error[2], const vec3 p[3], const ray *r, double t)
+{
+    bis_geometry g = {0};
+    add_triangle(&g, p);
+    assert_true(is_right(&g, r, t));
+    for (int k = 0; k < 2; k++) {
+        double lo = 0, hi = 0.01 * t;
+        assert_false(is_right(&g, r, k ? t - hi : t + hi));
+        for (int i = 0; i < 60; i++) {
+            const double middle = (lo + hi) / 2;
+            *(is_right(&g, r, k ? t - middle : t + middle) ? &lo : &hi) = middle;
+        }
+        error[k] = lo;
+    }
+    bis_geometry_clear(&g);
+}
+
+static vec3 turned(vec3 v, int k) { return k == 0 ? v : turned((vec3){v.y, v.z, v.x}, k - 1); }
+
+/* The second and the third corner change places, and x, y, z are named anew: the triangle is the same, and so is what may
+ * be wrong with t. Each corner, and each axis, is the largest in one of them. */
+static void a_tolerance_depends_on_no_order(void **state)
+{
+    (void)state;
+    static const vec3 corners[3][3] = {{{-1, -2, 5}, {6, -1, 4}, {-2, 7, 9}}, {{-1, -9, 4}, {6, 8, 5}, {-7, 3, 6}},
+                                       {{-8, -1, 3}, {9, -2, 7}, {1, 5, 4}}};
+    const vec3 o = {0.25f, 0.5f, -0.5f}, d = {0.125f, 0.0625f, 1};
+    for (int i = 0; i < 3; i++) {
+        double first[2] = {0, 0};
+        const vec3 *c = corners[i];
+        const vec3 n = cross(sub(c[1], c[0]), sub(c[2], c[0]));
+        const double t = (double)dot(sub(c[0], o), n) / (double)dot(d, n);
+        for (int k = 0; k < 6; k++) {
+            const int swap = k / 3, turn = k % 3;
+            const vec3 p[3] = {turned(c[0], turn), turned(c[1 + swap], turn), turned(c[2 - swap], turn)};
+            const ray r = {turned(o, turn), turned(d, turn), INFINITY};
+            double error[2];
+            tolerance_of(error, p, &r, t);
+            if (k == 0) memcpy(first, error, sizeof first);
+            for (int j = 0; j < 2; j++) assert_true(fabs(error[j] - first[j]) < 1e-6 * first[j] + 1e-14);
+        }
+    }
+}
+
 /* ---- a scene ---- */
 
 static void verify_text(bis_verify *v, const char *text)
@@ -1038,6 +1128,8 @@ int main(void)
         cmocka_unit_test(the_rays_are_where_the_page_says_and_are_counted),
         cmocka_unit_test(a_search_knows_disks_and_spheres),
         cmocka_unit_test(a_search_finds_the_nearest_triangle),
+        cmocka_unit_test(a_distance_may_err_by_what_was_worked_out),
+        cmocka_unit_test(a_tolerance_depends_on_no_order),
         cmocka_unit_test(materials_are_numbered_and_what_is_left_out_is_said),
         cmocka_unit_test(the_pixels_of_a_view_are_those_of_the_lattice),
         cmocka_unit_test(an_empty_scene_has_a_report_by_hand),
