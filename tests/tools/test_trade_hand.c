@@ -455,7 +455,18 @@ static void tables_have_each_figure_in_its_column(void **state)
 
 /* ---- the page's values ---- */
 
-/* The values without line breaks and indentation. t keeps the plan, and gets the scene of DIR for its exposure. */
+/* Leaves line breaks and indentation out. */
+static void join_lines(char *text)
+{
+    char *to = text;
+    for (const char *at = text; *at; at++) {
+        if (*at == '\n') at += strspn(at + 1, " ");
+        else *to++ = *at;
+    }
+    *to = '\0';
+}
+
+/* The values on one line. t keeps the plan, and gets the scene of DIR for its exposure. */
 static char *values_of(bis_trade *t)
 {
     const bis_trade_plan plan = t->plan;
@@ -475,12 +486,7 @@ static char *values_of(bis_trade *t)
     FILE *out = open_memstream(&text, &n);
     assert_int_equal(bis_trade_put_values(out, t, NULL), BIS_OK);
     fclose(out);
-    char *to = text;
-    for (const char *at = text; *at; at++) {
-        if (*at == '\n') at += strspn(at + 1, " ");
-        else *to++ = *at;
-    }
-    *to = '\0';
+    join_lines(text);
     return text;
 }
 
@@ -807,6 +813,50 @@ static void names_stay_in_the_picture_and_nothing_makes_no_plot(void **state)
     }
 }
 
+/* Beyond 2.6 decades in time, 3 in error, only powers of ten have a figure: 0.025 and 40 s, drawn from 0.02 to 50; errors
+ * of 0.0013 and 1, to 1.2. Rays for each pixel, 100 and 2000, from 80 to 2500: thousands are k. */
+static void long_axes_have_figures_at_powers_of_ten_alone(void **state)
+{
+    (void)state;
+    static const char *const parts[] = {
+        "`x_ticks`: [{`at`: `62.0`,`text_at`: `66.0`,`text`: ``},"
+        "{`at`: `128.3`,`text_at`: `132.3`,`text`: ``},{`at`: `178.4`,`text_at`: `182.4`,`text`: `0.1 s`},"
+        "{`at`: `228.6`,`text_at`: `232.6`,`text`: ``},{`at`: `294.9`,`text_at`: `298.9`,`text`: ``},"
+        "{`at`: `345.0`,`text_at`: `349.0`,`text`: `1 s`},{`at`: `395.1`,`text_at`: `399.1`,`text`: ``},"
+        "{`at`: `461.4`,`text_at`: `465.4`,`text`: ``},{`at`: `511.6`,`text_at`: `515.6`,`text`: `10 s`},"
+        "{`at`: `561.7`,`text_at`: `565.7`,`text`: ``},{`at`: `628.0`,`text_at`: `632.0`,`text`: ``}]",
+        "`y_ticks`: [{`at`: `384.5`,`text_at`: `388.5`,`text`: ``},"
+        "{`at`: `331.4`,`text_at`: `335.4`,`text`: ``},{`at`: `291.3`,`text_at`: `295.3`,`text`: `1%`},"
+        "{`at`: `251.1`,`text_at`: `255.1`,`text`: ``},{`at`: `198.1`,`text_at`: `202.1`,`text`: ``},"
+        "{`at`: `157.9`,`text_at`: `161.9`,`text`: `10%`},{`at`: `117.8`,`text_at`: `121.8`,`text`: ``},"
+        "{`at`: `64.7`,`text_at`: `68.7`,`text`: ``},{`at`: `24.6`,`text_at`: `28.6`,`text`: `100%`}]", NULL};
+    static const char *const rays[] = {
+        "`x_ticks`: [{`at`: `98.7`,`text_at`: `102.7`,`text`: `100`},"
+        "{`at`: `212.7`,`text_at`: `216.7`,`text`: `200`},{`at`: `363.3`,`text_at`: `367.3`,`text`: `500`},"
+        "{`at`: `477.3`,`text_at`: `481.3`,`text`: `1k`},{`at`: `591.3`,`text_at`: `595.3`,`text`: `2k`}]", NULL};
+    bis_trade t;
+    char *text;
+    size_t n;
+    forge(&t);
+    for (int i = 2; i < t.result.n_points; i++) t.result.points[i].noise = 0;
+    bis_trade_point *const p = t.result.points;
+    p[0].seconds = 0.025, p[0].noise = 1;
+    p[1].seconds = 40, p[1].noise = 0.0013 * 0.0013;
+    p[0].camera_rays = 600, p[0].shadow_rays = 200; /* of 8 pixels */
+    p[1].camera_rays = 4000, p[1].shadow_rays = 12000;
+    bis_json j = {.out = open_memstream(&text, &n)};
+    bis_json_open(&j, NULL, '[');
+    bis_trade_put_plot(&j, &t, false);
+    bis_trade_put_plot(&j, &t, true);
+    bis_json_close(&j);
+    fclose(j.out);
+    join_lines(text);
+    assert_in_order(text, parts);
+    assert_in_order(strstr(text, "rays for each pixel"), rays);
+    free(text);
+    clear(&t);
+}
+
 /* ---- the plan ---- */
 
 /* cost: seconds of a pixel; the scatter of a pass is what makes the best of an integrator. */
@@ -1053,6 +1103,45 @@ static void the_pilot_tells_how_far_it_is(void **state)
         assert_int_equal(s->pass_seconds > 0 && s->fill_seconds > 0 && s->pass_relmse > 0, piloted);
     }
     bis_trade_clear(&t);
+}
+
+/* A setting with another b, or compensated, has a map of its own, built as the scene's is: with the table that the scene
+ * file names, or that its sampler is for. So it makes the picture of the scene file that has these settings, bit for bit. */
+static void a_light_of_its_own_is_built_as_the_scenes(void **state)
+{
+    (void)state;
+    static const struct { const char *sampler, *table; } scenes[] = {{"", ""}, {"Sampler \"sobol\"\n", ""},
+        {"", " \"string sampler\" \"cdf\""}, {"Sampler \"halton\"\n", " \"string sampler\" \"alias\""}};
+    static const struct { const char *setting, *integrator, *b; } cases[] = {
+        {"em 16 b=0", "em\"", " \"float areaexponent\" 0"}, {"em 16 b=0.5", "em\"", " \"float areaexponent\" 0.5"},
+        {"mis 16 compensated", "mis\" \"bool compensate\" true", ""}};
+    program_folder(DIR "/own");
+    for (int i = 0; i < 12; i++) {
+        program_write_scene(DIR "/own", scenes[i / 3].sampler);
+        char *const scene = read_text(DIR "/own/scene.txt"), text[4096];
+        const char *const setting = strstr(scene, "sir\""), *const end = strchr(setting, '\n');
+        const char *const map = strstr(scene, "\"map.pfm\"") + strlen("\"map.pfm\"");
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(map - scene), scene, scenes[i / 3].table, map);
+        program_write_file(DIR "/own/scene.txt", text);
+        snprintf(text, sizeof text, "%.*s%s%.*s%s%s%s", (int)(setting - scene), scene, cases[i % 3].integrator,
+                 (int)(map - end), end, scenes[i / 3].table, cases[i % 3].b, map);
+        program_write_file(DIR "/own/right.txt", text);
+        bis_free(scene);
+        bis_trade t = {.o = {.scene = DIR "/own/scene.txt", .n_threads = 1}};
+        bis_render_result result;
+        bis_image image, right;
+        program_run r;
+        assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+        t.plan.full_width = 24, t.plan.full_height = 16;
+        const bis_trade_setting *s = &t.plan.settings[bis_trade_find_setting(&t.plan, cases[i % 3].setting)];
+        assert_int_equal(bis_trade_render(&t, s, 1, 2, 7, &image, &result, NULL), BIS_OK);
+        program_expect(&r, 0, DIR "/own/right.txt --samples 16 --spp 2 --seed 7 --quiet --outfile " DIR "/own/right.pfm");
+        assert_int_equal(bis_image_read(&right, DIR "/own/right.pfm", (bis_loc){0}, NULL), BIS_OK);
+        assert_memory_equal(image.pixels, right.pixels, 24 * 16 * sizeof(rgb));
+        bis_image_clear(&image);
+        bis_image_clear(&right);
+        bis_trade_clear(&t);
+    }
 }
 
 /* ---- the folder ---- */
@@ -1445,6 +1534,7 @@ int main(void)
         cmocka_unit_test(the_page_says_and_shows_what_follows_from_the_runs),
         cmocka_unit_test(the_page_counts_one_as_one),
         cmocka_unit_test(names_stay_in_the_picture_and_nothing_makes_no_plot),
+        cmocka_unit_test(long_axes_have_figures_at_powers_of_ten_alone),
         cmocka_unit_test(a_plan_fills_half_of_the_time),
         cmocka_unit_test(a_plan_with_passes_has_as_many_of_each),
         cmocka_unit_test(a_biased_setting_gets_the_short_curve),
@@ -1452,6 +1542,7 @@ int main(void)
         cmocka_unit_test(an_error_out_of_reach_is_refused),
         cmocka_unit_test(the_table_of_settings_is_this),
         cmocka_unit_test(the_pilot_tells_how_far_it_is),
+        cmocka_unit_test(a_light_of_its_own_is_built_as_the_scenes),
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
         cmocka_unit_test(each_damage_has_its_place_and_its_words),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
