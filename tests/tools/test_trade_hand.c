@@ -1347,6 +1347,112 @@ static void each_damage_has_its_place_and_its_words(void **state)
     bis_trade_clear(&t);
 }
 
+/* ---- references ---- */
+
+/* Replicate k of "mis" or "sir": k + 1 in red, as much and twice as much in green and blue of all pixels but one, which is
+ * 3 in each channel. */
+static rgb of_replicate(int which, int k, int pixel)
+{
+    const double v = which ? 4 * (k + 1) : k + 1;
+    return pixel == 7 ? (rgb){3, 3, 3} : rgb_from(v, v, 2 * v);
+}
+
+/* What the files of eight replicates say, channel by channel as the page defines it: the mean, its standard error, the
+ * variance of the mean over mean^2 + m^2/100. */
+static void assert_reference(const bis_trade_reference *ref, int which)
+{
+    double means[8] = {0}, mean = 0, squares = 0, relative = 0;
+    assert_true(ref->is_ready && ref->image.width == 6 && ref->image.height == 4);
+    for (int k = 0; k < 8; k++) {
+        for (int i = 0; i < 24; i++) means[k] += rgb_sum(of_replicate(which, k, i)) / 72;
+        mean += means[k] / 8;
+    }
+    for (int k = 0; k < 8; k++) squares += pow(means[k] - mean, 2);
+    assert_near(ref->mean, mean);
+    assert_near(ref->se, sqrt(squares / 7 / 8));
+    const double v = which ? 18 : 4.5, variance = which ? 96 : 6; /* of 1 ... 8, times 4: 60/10, times 16 */
+    relative = 23 * (2 * (variance / 8) / (v * v + mean * mean / 100) + 4 * (variance / 8) / (4 * v * v + mean * mean / 100));
+    assert_near(ref->relmse, relative / 72);
+    for (int i = 0; i < 24; i++) {
+        const rgb c = ref->image.pixels[i];
+        if (i == 7) assert_true(c.r == 3 && c.g == 3 && c.b == 3);
+        else assert_true(c.r == (float)v && c.g == (float)v && c.b == (float)(2 * v));
+    }
+}
+
+/* Files of both, of mis alone, of sir alone. Of both the mean is weighted by 1/variance, and so is its noise. */
+static void references_are_read_and_combined(void **state)
+{
+    (void)state;
+    for (int which = 1; which < 4; which++) {
+        bis_trade t;
+        bis_image image;
+        diary d = {.n = 0};
+        load(&t);
+        plan_two(&t);
+        t.o.folder = DIR "/replicates";
+        t.o.progress = note, t.o.user = &d;
+        assert_int_equal(system("rm -rf " DIR "/replicates"), 0);
+        assert_int_equal(mkdir(DIR "/replicates", 0777), 0);
+        assert_int_equal(mkdir(DIR "/replicates/references", 0777), 0);
+        for (int k = 0; k < 16; k++) {
+            char path[64];
+            if (!(which >> (k / 8) & 1)) continue;
+            assert_int_equal(bis_image_init(&image, 6, 4, NULL), BIS_OK);
+            for (int i = 0; i < 24; i++) image.pixels[i] = of_replicate(k / 8, k % 8, i);
+            snprintf(path, sizeof path, DIR "/replicates/references/%s-%d.exr", k < 8 ? "mis" : "sir", k % 8 + 1);
+            assert_int_equal(bis_image_save(&image, path, NULL), BIS_OK);
+            bis_image_clear(&image);
+        }
+        for (int k = 0; k < 2; k++)
+            if (!(which >> k & 1)) t.plan.reference[k] = -1;
+        const bis_trade_setting *const maker = &t.plan.settings[t.plan.reference[which == 2]];
+        const double seconds = maker->pass_seconds * t.plan.reference_passes[which == 2];
+        d.n = 0;
+        assert_int_equal(bis_trade_make_references(&t, NULL), BIS_OK);
+        assert_int_equal(d.n, which == 3 ? 16 : 8);
+        assert_string_equal(d.entry[0].what, which == 2 ? "reference by sir" : "reference by mis");
+        assert_near(d.entry[5].share, 5 / 8.0);
+        assert_near(d.entry[5].left, 3 * seconds);
+        for (int k = 0; k < 2; k++) {
+            if (which >> k & 1) assert_reference(&t.references[k], k);
+            else assert_false(t.references[k].is_ready);
+        }
+        const bis_trade_reference *const a = &t.references[0], *const b = &t.references[1];
+        const double w = which == 1 ? 1 : which == 2 ? 0 : b->relmse / (a->relmse + b->relmse);
+        assert_true(t.both.is_ready && t.both.image.width == 6);
+        assert_near(t.both.mean, w * a->mean + (1 - w) * b->mean);
+        assert_near(t.both.relmse, which == 3 ? 1 / (1 / a->relmse + 1 / b->relmse) : a->relmse + b->relmse);
+        const double red = w * 4.5 + (1 - w) * 18;
+        for (int i = 0; i < 24; i++) {
+            const rgb c = t.both.image.pixels[i];
+            const double expected[3] = {i == 7 ? 3 : red, i == 7 ? 3 : red, i == 7 ? 3 : 2 * red};
+            assert_true(fabs((double)c.r - expected[0]) < 1e-5 && fabs((double)c.g - expected[1]) < 1e-5);
+            assert_true(fabs((double)c.b - expected[2]) < 1e-5);
+        }
+        bis_trade_clear(&t);
+    }
+}
+
+/* Two renders of one pixel, (1, 2, 4) and (3, 2, 0): the variances are 2, 0 and 8, the mean is (2, 2, 2), and so is m. */
+static void each_channel_scatters_by_itself(void **state)
+{
+    (void)state;
+    bis_image images[2];
+    bis_trade_reference reference = {.relmse = 1e30};
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(bis_image_init(&images[k], 1, 1, NULL), BIS_OK);
+        images[k].pixels[0] = k ? (rgb){3, 2, 0} : (rgb){1, 2, 4};
+    }
+    assert_int_equal(bis_image_init(&reference.image, 1, 1, NULL), BIS_OK);
+    reference.image.pixels[0] = (rgb){1, 2, 3};
+    assert_near(bis_trade_scatter(images, 2, &reference), (2 + 8) / 4.04 / 3);
+    reference.relmse = 0; /* a reference without noise is what is right */
+    assert_near(bis_trade_scatter(images, 2, &reference), (2 / 1.04 + 8 / 9.04) / 3);
+    for (int k = 0; k < 2; k++) bis_image_clear(&images[k]);
+    bis_image_clear(&reference.image);
+}
+
 /* ---- resumed ---- */
 
 /* A plan of 1 + 2 and 4 + 8 seconds, of which the em of 1 is there: the rest is 14 seconds, by rounds of one budget. */
@@ -1545,6 +1651,8 @@ int main(void)
         cmocka_unit_test(a_light_of_its_own_is_built_as_the_scenes),
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
         cmocka_unit_test(each_damage_has_its_place_and_its_words),
+        cmocka_unit_test(references_are_read_and_combined),
+        cmocka_unit_test(each_channel_scatters_by_itself),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
         cmocka_unit_test(advice_is_put_to_the_proof),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
