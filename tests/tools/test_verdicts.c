@@ -605,6 +605,40 @@ static void the_number_of_runs_follows_the_cost(void **state)
     bis_light_free(light);
 }
 
+/* One sample in a run, or two: a test's figures are its own, alone and in a list, because what is known of a sample
+ * beforehand is that of its own density. Of one sample of em it is known that it is rare and bright here. */
+static void a_sample_is_judged_by_its_own_density(void **state)
+{
+    (void)state;
+    const bis_integrator *const integrators[3] = {&bis_em, &bis_brdf, &bis_sir};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    const bis_material m = bis_phong((rgb){0.25f, 0.5f, 0.125f}, (rgb){0.5f, 0.25f, 0.25f}, 30);
+    bis_settings list[3];
+    bis_verify all = {.seed = 1};
+    bool tested;
+    lit l;
+    lit_init(&l, light, m, (vec3){0, 0, 1}, 40, LIT_OPEN);
+    for (int i = 0; i < 3; i++) {
+        list[i] = bis_settings_default(integrators[i]);
+        list[i].samples = list[i].candidates = i == 0 ? 1 : 2;
+        list[i].shadowrays = 1;
+    }
+    assert_int_equal(bis_verify_point(&all, &l.pt, list, 3, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_int_equal(all.n, 3);
+    for (int i = 0; i < 3; i++) {
+        bis_verify one = {.seed = 1};
+        assert_int_equal(bis_verify_point(&one, &l.pt, &list[i], 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+        const bis_verify_test *const a = &all.tests[i], *const b = &one.tests[0];
+        assert_string_equal(a->name, b->name);
+        assert_string_equal(a->note, b->note);
+        assert_true(a->statistic == b->statistic && a->p == b->p && a->dof == b->dof);
+        assert_int_equal(strstr(a->note, "rare and bright") != NULL, i == 0);
+        bis_verify_clear(&one);
+    }
+    bis_verify_clear(&all);
+    bis_light_free(light);
+}
+
 /* ---- accelerators ---- */
 
 /* What the rays were, and how many answers they got. One thread asks, so they come in order. */
@@ -925,6 +959,25 @@ static void verify_text(bis_verify *v, const char *text)
     bis_scene_desc_free(desc);
 }
 
+/* The scene's accelerator and the other one, where there are two. */
+static void the_second_accelerator_is_the_other_one(void **state)
+{
+    (void)state;
+    const bool two = bis_accel_embree_version() != NULL;
+    static const char *const scenes[2] = {"Accelerator \"grid\" WorldBegin Shape \"sphere\"",
+                                          "Accelerator \"embree\" WorldBegin Shape \"sphere\""};
+    static const char *const names[2] = {"grid and embree see the same", "embree and grid see the same"};
+    for (int i = 0; i < (two ? 2 : 1); i++) {
+        bis_verify v = {.seed = 1, .halvings = 8};
+        verify_text(&v, scenes[i]);
+        const bis_verify_test *const t = &v.tests[v.n - 1];
+        assert_string_equal(t->group, "accelerators");
+        assert_string_equal(t->name, two ? names[i] : "grid sees what a search sees");
+        assert_true(t->statistic == 0);
+        bis_verify_clear(&v);
+    }
+}
+
 /* Black, too narrow, one that two shapes have, and what comes after 24. */
 static void materials_are_numbered_and_what_is_left_out_is_said(void **state)
 {
@@ -1125,11 +1178,13 @@ int main(void)
         cmocka_unit_test(a_materials_limits_draws_and_furnace_are_those_by_hand),
         cmocka_unit_test(too_few_accepted_candidates_are_counted),
         cmocka_unit_test(the_number_of_runs_follows_the_cost),
+        cmocka_unit_test(a_sample_is_judged_by_its_own_density),
         cmocka_unit_test(the_rays_are_where_the_page_says_and_are_counted),
         cmocka_unit_test(a_search_knows_disks_and_spheres),
         cmocka_unit_test(a_search_finds_the_nearest_triangle),
         cmocka_unit_test(a_distance_may_err_by_what_was_worked_out),
         cmocka_unit_test(a_tolerance_depends_on_no_order),
+        cmocka_unit_test(the_second_accelerator_is_the_other_one),
         cmocka_unit_test(materials_are_numbered_and_what_is_left_out_is_said),
         cmocka_unit_test(the_pixels_of_a_view_are_those_of_the_lattice),
         cmocka_unit_test(an_empty_scene_has_a_report_by_hand),
