@@ -1601,6 +1601,76 @@ static void advice_is_put_to_the_proof(void **state)
     assert_true(none.passes == 3 && none.seconds == 12 && none.expected_error == -1 && !none.is_extrapolated);
 }
 
+/* ---- without memory ---- */
+
+static bis_status parsed(bis_trade *t, bis_diag *diag) { return bis_trade_load(t, diag); }
+
+static bis_status pictured(bis_trade *t, bis_diag *diag)
+{
+    bis_image_clear(&t->strip[0].image);
+    t->n_strip = 0;
+    return bis_trade_make_pictures(t, diag);
+}
+
+static bis_status tabled(bis_trade *t, bis_diag *diag) { return bis_trade_write_tables(t, diag); }
+static bis_status reported(bis_trade *t, bis_diag *diag) { return bis_trade_write_report(t, diag); }
+
+/* The parts of a measurement that goes on, each with its k-th allocation failing after the ones before it went well: it says
+ * that there is no memory, and nothing stays behind. */
+static void each_part_says_that_there_is_no_memory(void **state)
+{
+    (void)state;
+    bis_status (*const parts[])(bis_trade *, bis_diag *) = {
+        parsed, bis_trade_read_plan, bis_trade_read_runs, bis_trade_make_references, bis_trade_summarise,
+        bis_trade_check_advice, bis_trade_time_advice, pictured, tabled, reported};
+    enum { N_PARTS = sizeof parts / sizeof *parts };
+    const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/poor", .seconds = 1e6, .error = 0.9,
+                                 .passes = 1, .n_threads = 1, .resume = true};
+    bis_image grey;
+    bis_trade t;
+    load(&t);
+    plan_two(&t);
+    t.o.folder = DIR "/poor";
+    t.plan.is_given = true;
+    t.plan.run_seconds = 1e-4;
+    t.plan.settings[bis_trade_find_setting(&t.plan, "em 16")].levels = 1;
+    t.plan.reference[0] = t.plan.reference[1] = -1;
+    assert_int_equal(system("rm -rf " DIR "/poor"), 0);
+    assert_int_equal(mkdir(DIR "/poor", 0777), 0);
+    assert_int_equal(mkdir(DIR "/poor/references", 0777), 0);
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    bis_trade_clear(&t);
+    assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
+    for (int i = 0; i < 24; i++) grey.pixels[i] = (rgb){0.5f, 0.5f, 0.5f};
+    assert_int_equal(bis_image_save(&grey, DIR "/poor/references/given.exr", NULL), BIS_OK);
+    bis_image_clear(&grey);
+    program_write_file(DIR "/poor/runs.csv", RUNS "em 16,1,1,7,0.5,11,21,31,0.5,0.25,0.125,0.25\n"
+                                                  "sir 64/4,1,1,9,0.5,11,21,31,0.5,0.25,0.125,0.25\n");
+    const long live = bis_mem_live();
+    for (int part = 0; part < N_PARTS; part++) {
+        bis_status status = BIS_NOMEM;
+        long k = 1;
+        for (; status; k += k < 50 ? 1 : k / 8) {
+            bis_diag diag = {0};
+            assert_int_equal(system("rm -rf " DIR "/poor/pictures " DIR "/poor/pictures.csv"), 0);
+            t = (bis_trade){.o = o};
+            for (int i = 0; i < part; i++) assert_int_equal(parts[i](&t, NULL), BIS_OK);
+            bis_mem_fail_at(k);
+            status = parts[part](&t, &diag);
+            const bool failed = bis_mem_count() >= k;
+            bis_mem_fail_at(0);
+            if ((status == BIS_NOMEM) != failed) fail_msg("part %d, allocation %ld: status %d", part, k, (int)status);
+            const char *const said = diag.n == 1 ? diag.messages[0].text : diag.n_lost ? "no memory for a message" : "";
+            if (status && !strstr(said, "memory") && !strstr(said, "allocate")) /* OpenEXR's word */
+                fail_msg("part %d, allocation %ld: \"%s\"", part, k, said);
+            bis_diag_clear(&diag);
+            bis_trade_clear(&t);
+            assert_int_equal(bis_mem_live(), live);
+        }
+        assert_true(k > 1 + (part != 6)); /* the seconds of a thin film's pass alone need none */
+    }
+}
+
 /* A pass of the full picture is rendered where the sweep's film was thinner, here in 24 x 16 pixels in far less than
  * the thousands of seconds that were said, and a setting that is advised twice has the seconds of a pass in both. Of a
  * pass of 1.7 x 10^5 s every third pixel would take 2% of 10^6 s; of 2 x 10^5 every fourth, and the sweep knows as
@@ -1655,6 +1725,7 @@ int main(void)
         cmocka_unit_test(each_channel_scatters_by_itself),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
         cmocka_unit_test(advice_is_put_to_the_proof),
+        cmocka_unit_test(each_part_says_that_there_is_no_memory),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
     };
     return cmocka_run_group_tests_name("trade by hand", tests, setup, NULL);
