@@ -821,7 +821,13 @@ static void a_search_knows_disks_and_spheres(void **state)
         {{0.6f, 0, 5}, {0, 0, -1}, 4.2, false},  {{0, 0.6f, 0}, {0, 0, -1}, 0.8, false}, {{1, 0, 4}, {0, 0, -1}, 4, true},
         {{1.001f, 0, 4}, {0, 0, -1}, none, false}, {{0, 0, -0.5f}, {0, 0, -1}, 0.5, false},
         /* through the sphere and then to the disk's side: the nearer one */
-        {{-4, 0, 0}, {1, 0, 0}, 3, false}};
+        {{-4, 0, 0}, {1, 0, 0}, 3, false},
+        /* aslant, to the disk at (10, 3), (13, 0), (7, 0), (10, -3), (12.8, 2.8), beside it; to the ball at (0.6, 0.8, 0) */
+        {{10, 9, 7}, {0, -1, -1}, 6, false},     {{19, 0, 7}, {-1, 0, -1}, 6, false},    {{1, 0, 7}, {1, 0, -1}, 6, false},
+        {{10, -9, -5}, {0, 1, 1}, 6, false},     {{15.8f, 5.8f, 4}, {-1, -1, -1}, 3, false},
+        {{15.9f, 5.9f, 4}, {-1, -1, -1}, none, false}, {{4.2f, -5.8f, 4}, {1, 1, -1}, 3, false},
+        {{1.6f, 2.8f, 2}, {-1, -2, -2}, 1, false}, {{-1.6f, 2.8f, -2}, {1, -2, 2}, 1, false},
+        {{1.6f, 2.8f, 2}, {-1, -2, 2}, none, false}, {{1.6f, 2.8f, 2}, {1, 2, 2}, none, false}};
     assert_sightings(&g, BIS_NO_PRIM, s, sizeof s / sizeof *s);
     /* the disk is left: it is not met again, the sphere is */
     const sighting from_disk[] = {{{10, 0, 4}, {0, 0, -1}, none, false}, {{0, 0, 4}, {0, 0, -1}, 3, false}};
