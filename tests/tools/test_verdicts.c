@@ -835,6 +835,31 @@ static void a_search_knows_disks_and_spheres(void **state)
     bis_geometry_clear(&g);
 }
 
+/* A disk of radius 2 at height 0.5, turned by 90 degrees about x, then by 90 about z: (x, y, z) to (x, -z, y) to (z, x, y), so
+ * it stands at x = 0.5 with y and z up to 2. A ball stretched to the half axes 1, 2, 3 about (0, 0, 20). */
+static void a_search_knows_what_is_turned_and_stretched(void **state)
+{
+    (void)state;
+    const double none = (double)INFINITY;
+    const bis_xform about_x = bis_xform_rotate(90, 1, 0, 0), about_z = bis_xform_rotate(90, 0, 0, 1);
+    const bis_xform up = bis_xform_translate(0, 0, 20), stretch = bis_xform_scale(1, 2, 3);
+    const bis_quadric disk = {.kind = BIS_DISK, .radius = 2, .height = 0.5,
+                              .to_world = bis_xform_compose(&about_z, &about_x)};
+    const bis_quadric ball = {.kind = BIS_SPHERE, .radius = 1, .to_world = bis_xform_compose(&up, &stretch)};
+    bis_geometry g = {0};
+    assert_int_equal(bis_geometry_add_quadric(&g, &disk, NULL), BIS_OK);
+    assert_int_equal(bis_geometry_add_quadric(&g, &ball, NULL), BIS_OK);
+    const sighting s[] = {
+        {{4, 0, 0}, {-1, 0, 0}, 3.5, false}, {{4, 1.5f, 1}, {-1, 0, 0}, 3.5, false}, {{4, 1.5f, 1.5f}, {-1, 0, 0}, none, false},
+        {{4, -1.5f, 1}, {-1, 0, 0}, 3.5, false}, {{-3, 0, -1.9f}, {1, 0, 0}, 3.5, false}, {{-3, 0, 0}, {-1, 0, 0}, none, false},
+        {{3, 1, 0}, {-1, -1, 0}, 2.5, false}, {{3, 2, 0}, {-1, 1, 0}, none, false},
+        {{0, 0, 30}, {0, 0, -1}, 7, false}, {{0, 9, 20}, {0, -1, 0}, 7, false}, {{9, 0, 20}, {-1, 0, 0}, 8, false},
+        {{0.6f, 9, 20}, {0, -1, 0}, 7.4, false}, {{0, 1.2f, 30}, {0, 0, -1}, 7.6, false}, {{9, 0, 21.8f}, {-1, 0, 0}, 8.2, false},
+        {{0.6f, 1.61f, 30}, {0, 0, -1}, none, false}, {{0, 0, 20}, {0, 0, 1}, 3, false}};
+    assert_sightings(&g, BIS_NO_PRIM, s, sizeof s / sizeof *s);
+    bis_geometry_clear(&g);
+}
+
 /* Two triangles, one behind the other, of 2 x 2 at z = 0 and z = -1; what is met is the nearer one. */
 static void a_search_finds_the_nearest_triangle(void **state)
 {
@@ -1187,6 +1212,7 @@ int main(void)
         cmocka_unit_test(a_sample_is_judged_by_its_own_density),
         cmocka_unit_test(the_rays_are_where_the_page_says_and_are_counted),
         cmocka_unit_test(a_search_knows_disks_and_spheres),
+        cmocka_unit_test(a_search_knows_what_is_turned_and_stretched),
         cmocka_unit_test(a_search_finds_the_nearest_triangle),
         cmocka_unit_test(a_distance_may_err_by_what_was_worked_out),
         cmocka_unit_test(a_tolerance_depends_on_no_order),
