@@ -169,7 +169,7 @@ static void run_directive(bis_parser *p, const char *name, bis_loc at)
         p->lost = true;
     } else if (p->ended) {
         bis_parser_error(p, at, "%s after WorldEnd: a scene has one world", name);
-        p->lost = p->stop = true;
+        p->stop = true;
     } else if (d->where & (p->in_world ? WORLD : OPTIONS)) {
         d->run(p, at);
     } else {
