@@ -930,6 +930,41 @@ static void a_distance_may_err_by_what_was_worked_out(void **state)
     bis_geometry_clear(&g);
 }
 
+/* Quadrics of radius 1 are in doubt by 2^-40 of all sizes. A disk from (1, 0, 1): sizes 1 + 1 + 1, twice 3 x 2^-40 at its rim,
+ * where the ray arrives delta beyond it. A ball from (1, 0, 4): sizes 1 + 1 + 4; R^2 less the square of the distance is -8
+ * delta, in doubt to 4 x 6 x 6 x 2^-40. Beside the disk's plane its height is in doubt to 2^-50; a distance to 2^-22 of it. */
+static void a_quadrics_edge_is_in_doubt_by_what_was_worked_out(void **state)
+{
+    (void)state;
+    const double none = (double)INFINITY, small = 0x1p-40, tiny = 0x1p-50;
+    static const double beyond[4] = {-1.02, -0.98, 0.98, 1.02}; /* of the doubt: met, in doubt, in doubt, missed */
+    for (int ball = 0; ball < 2; ball++) {
+        const bis_quadric q = {.kind = ball ? BIS_SPHERE : BIS_DISK, .radius = 1, .to_world = bis_xform_identity()};
+        bis_geometry g = {0};
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        for (int i = 0; i < 4; i++) {
+            const float delta = (float)(beyond[i] * (ball ? 18 : 6) * small);
+            const ray r = {{1, 0, ball ? 4 : 1}, {delta, 0, -1}, INFINITY};
+            assert_int_equal(is_right(&g, &r, ball ? 4 : 1), i < 3);
+            assert_int_equal(is_right(&g, &r, none), i > 0);
+        }
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const ray r = {{0, 0, 3}, {0, 0, -1}, INFINITY};
+            const double t = ball ? 2 : 3;
+            assert_true(is_right(&g, &r, t * (1 + sign * 0.99 * 0x1p-22)));
+            assert_false(is_right(&g, &r, t * (1 + sign * 1.01 * 0x1p-22)));
+        }
+        for (int i = 0; i < 2 && !ball; i++) {
+            const ray away = {{0, 0, (float)(i ? 1.02 * tiny : 0.98 * tiny)}, {0, 0, 1}, INFINITY};
+            bool right;
+            bis_verify_search(&right, &g, &away, BIS_NO_PRIM, &(bis_verify_answer){none, true}, 1);
+            assert_int_equal(right, i == 0); /* occluded: where it may be met */
+            assert_true(is_right(&g, &away, none));
+        }
+        bis_geometry_clear(&g);
+    }
+}
+
 /* How far beyond t, and how far before it, an answer is still right. */
 static void tolerance_of(double error[2], const vec3 p[3], const ray *r, double t)
 {
@@ -1215,6 +1250,7 @@ int main(void)
         cmocka_unit_test(a_search_knows_what_is_turned_and_stretched),
         cmocka_unit_test(a_search_finds_the_nearest_triangle),
         cmocka_unit_test(a_distance_may_err_by_what_was_worked_out),
+        cmocka_unit_test(a_quadrics_edge_is_in_doubt_by_what_was_worked_out),
         cmocka_unit_test(a_tolerance_depends_on_no_order),
         cmocka_unit_test(the_second_accelerator_is_the_other_one),
         cmocka_unit_test(materials_are_numbered_and_what_is_left_out_is_said),
