@@ -1347,6 +1347,41 @@ static void each_damage_has_its_place_and_its_words(void **state)
     bis_trade_clear(&t);
 }
 
+/* A plan measures at least a pixel and at most 360000: 600 x 600, one row more is refused; of 24 x 16 every fourth, 2, 6, 10,
+ * ..., a crop of row 8 alone, or of column 12, has none. */
+static void a_plan_has_pixels_and_not_too_many(void **state)
+{
+    (void)state;
+    static const struct {
+        int full_width, full_height, step, width, height;
+        double crop[4];
+        const char *pixels; /* NULL: it is taken */
+    } cases[] = {
+        {600, 600, 1, 600, 600, {0, 1, 0, 1}, NULL}, {600, 601, 1, 600, 601, {0, 1, 0, 1}, "600 x 601"},
+        {24, 16, 4, 6, 4, {0, 1, 0.5, 0.51}, "6 x 0"}, {24, 16, 4, 6, 4, {0.5, 0.53, 0, 1}, "0 x 4"},
+        {24, 16, 4, 6, 4, {0.55, 0.6, 0.6, 0.7}, NULL}, {600, 601, 1, 600, 601, {0, 0.5, 0, 1}, NULL},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        bis_diag diag = {0};
+        char expected[256];
+        load(&t);
+        plan_two(&t);
+        t.o.folder = DIR;
+        t.plan.full_width = cases[i].full_width, t.plan.full_height = cases[i].full_height;
+        t.plan.step = cases[i].step, t.plan.width = cases[i].width, t.plan.height = cases[i].height;
+        memcpy(t.desc->view.film.crop, cases[i].crop, sizeof cases[i].crop);
+        assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+        assert_int_equal(bis_trade_read_plan(&t, &diag), cases[i].pixels ? BIS_INPUT : BIS_OK);
+        snprintf(expected, sizeof expected, DIR "/plan.txt: error: by \"full\" and \"step\" %s pixels are to be measured, must "
+                 "be at least 1 and at most 360000; the file is damaged, measure into a new folder", cases[i].pixels);
+        assert_int_equal(diag.n, cases[i].pixels ? 1 : 0);
+        if (diag.n) assert_string_equal(diag.messages[0].text, expected);
+        bis_diag_clear(&diag);
+        bis_trade_clear(&t);
+    }
+}
+
 /* ---- references ---- */
 
 /* Replicate k of "mis" or "sir": k + 1 in red, as much and twice as much in green and blue of all pixels but one, which is
@@ -1721,6 +1756,7 @@ int main(void)
         cmocka_unit_test(a_light_of_its_own_is_built_as_the_scenes),
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
         cmocka_unit_test(each_damage_has_its_place_and_its_words),
+        cmocka_unit_test(a_plan_has_pixels_and_not_too_many),
         cmocka_unit_test(references_are_read_and_combined),
         cmocka_unit_test(each_channel_scatters_by_itself),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
