@@ -342,6 +342,19 @@ static void columns_are_halves_of_the_longest_run_and_round_errors(void **state)
         /* a quarter of it is 3% */
     assert_int_equal(bis_trade_errors(&t, v), 6);
     assert_near(v[0], 0.03);
+    /* the first point alone, and the last alone */
+    for (int k = 0; k < 2; k++) {
+        bis_trade_point *const one = &t.result.points[k ? t.result.n_points - 1 : 0];
+        for (int i = 0; i < t.result.n_points; i++) t.result.points[i].noise = 0, t.result.points[i].seconds = 3;
+        one->noise = 0.4 * 0.4;
+        one->seconds = 0.13;
+        assert_int_equal(bis_trade_errors(&t, v), 6);
+        assert_near(v[0], 0.1);
+        assert_int_equal(bis_trade_times(&t, v), 5);
+        assert_near(v[0], 0.25);
+        one->noise = 0;
+        assert_int_equal(bis_trade_errors(&t, v), 0); /* nothing that noise tells */
+    }
     clear(&t);
 }
 
