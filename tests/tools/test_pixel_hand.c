@@ -304,6 +304,32 @@ static void each_estimator_has_a_row_of_its_own(void **state)
     }
 }
 
+/* The mix takes as many from the map in a dim light as in a bright one: weights far below 1 tell it, too. */
+static void the_share_of_the_map_is_told_in_any_light(void **state)
+{
+    (void)state;
+    static const double scales[] = {1, 1e-9, 1e-3, 1e6};
+    uint32_t n = 0;
+    for (int i = 0; i < 4; i++) {
+        const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .spp = 1, .seed = 3};
+        bis_settings s = bis_settings_default(&bis_sir);
+        bis_pixel_candidates c;
+        bis_stream stream;
+        lit l;
+        lit_init(&l, lit_new_light(LIT_SMOOTH, scales[i], 0.15, false),
+                 bis_phong((rgb){0.3f, 0.2f, 0.4f}, (rgb){0.3f, 0.3f, 0.3f}, 20), (vec3){0, 0, 1}, 40, LIT_OPEN);
+        s.candidates = 20;
+        s.shadowrays = 2;
+        bis_stream_init(&stream, &sampler, 0, 0);
+        assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
+        if (i == 0) n = (uint32_t)lround(20 * c.share_em);
+        assert_true(n > 0 && n < 20 && c.share_em == n / 20.0 && c.positive > 5);
+        for (uint32_t k = 0; k < 20; k++) assert_int_equal(c.c[k].from_map, k < n);
+        bis_pixel_candidates_clear(&c);
+        bis_light_free(l.light);
+    }
+}
+
 /* ---- files ---- */
 
 static char *read_text(const char *path)
@@ -666,6 +692,7 @@ int main(void)
         cmocka_unit_test(the_json_has_each_figure),
         cmocka_unit_test(nothing_is_said_with_its_radiance),
         cmocka_unit_test(each_estimator_has_a_row_of_its_own),
+        cmocka_unit_test(the_share_of_the_map_is_told_in_any_light),
         cmocka_unit_test(tables_have_each_figure_in_its_column),
         cmocka_unit_test(panels_have_the_densities_in_the_lights_frame),
         cmocka_unit_test(a_lamp_of_one_pixel_is_in_its_place),
