@@ -186,36 +186,31 @@ static bis_status write_pictures(const envmap_options *o, const char *out, const
     return status;
 }
 
-/* Where pictures go: --out itself, or --outdir with the map's name and .png; NULL: none. False: neither can be
- * written. */
-static bool find_out(char out[4096], const envmap_options *o, const char *map, bool *any, bis_diag *diag)
+/* Where pictures go: --out itself, or --outdir with the map's name and .png; *any: is there one? */
+static bis_status find_out(char out[4096], const envmap_options *o, const char *map, bool *any, bis_diag *diag)
 {
     const char *slash = strrchr(map, '/'), *name = slash ? slash + 1 : map, *dot = strrchr(name, '.');
     const int stem = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
     char picture[4096];
 
     *any = o->out || o->outdir;
-    if (!*any) return true;
-    if (o->out && o->outdir) {
-        bis_error(diag, BIS_INPUT, bis_cli_loc, "--out and --outdir exclude each other");
-        return false;
-    }
+    if (!*any) return BIS_OK;
+    if (o->out && o->outdir) return bis_error(diag, BIS_INPUT, bis_cli_loc, "--out and --outdir exclude each other");
     const int length =
         o->out ? snprintf(out, 4096, "%s", o->out) : snprintf(out, 4096, "%s/%.*s.png", o->outdir, stem, name);
-    if (length > 4000) {
-        bis_error(diag, BIS_INPUT, bis_cli_loc, "--out: the name is longer than 4000 bytes");
-        return false;
-    }
+    if (length > 4000) return bis_error(diag, BIS_INPUT, bis_cli_loc, "--out: the name is longer than 4000 bytes");
     if (!bis_image_can_write(out)) {
-        bis_error(diag, BIS_INPUT, bis_cli_loc, "--out \"%s\": the ending must be .exr, .pfm, .hdr or .png", out);
-        return false;
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--out \"%s\": the ending must be .exr, .pfm, .hdr or .png",
+                         out);
     }
-    for (int i = 0; i < 4; i++) {
+    bis_status status = BIS_OK;
+    for (int i = 0; i < 4 && !status; i++) {
         static const char *const pictures[] = {"map", "levels", "regions", "importance"};
         const char *const path = picture_path(picture, out, pictures[i]);
-        if (bis_cli_check_writable(path, diag) || bis_cli_check_distinct(&map, 1, &path, 1, diag)) return false;
+        status = bis_cli_check_writable(path, diag);
+        if (!status) status = bis_cli_check_distinct(&map, 1, &path, 1, diag);
     }
-    return true;
+    return status;
 }
 
 /* ---- the command ---- */
@@ -246,7 +241,8 @@ static int envmap(void *options, const char *const *operands, bis_diag *diag)
     char out[4096];
     bool any;
 
-    if (!find_out(out, o, operands[0], &any, diag)) return BIS_EXIT_USAGE;
+    const bis_status status = find_out(out, o, operands[0], &any, diag);
+    if (status) return bis_cli_exit_status(status);
     desc.width = (int)o->width;
     desc.area_exponent = o->area_exponent;
     desc.levels = (int)o->levels;

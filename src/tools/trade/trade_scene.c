@@ -40,8 +40,8 @@ static bis_status add_light(bis_trade *t, const bis_trade_setting *s, bis_diag *
     bis_status status =
         bis_light_load(&made, &light, needs, NULL, NULL); /* its warnings were given with the scene's own */
     if (status)
-        return bis_error(diag, status, (bis_loc){0}, "cannot build \"%s\" once more for setting \"%s\"", light.filename,
-                         s->name);
+        return bis_error(diag, status, (bis_loc){0}, "%s \"%s\" once more for setting \"%s\"",
+                         status == BIS_NOMEM ? "no memory to build" : "cannot build", light.filename, s->name);
     t->lights[t->n_lights].b = s->area_exponent;
     t->lights[t->n_lights].compensated = s->settings.compensate;
     t->lights[t->n_lights++].light = made;
