@@ -176,10 +176,11 @@ typedef struct bis_verify_pixel {
     vec3 n;            /* normal of the first */
 } bis_verify_pixel;
 
-/* bis_verify_means stores in mean[height][width] what each pixel of the film should be, by n samples each of its area,
- * and in pixels[height][width] (may be NULL) what they met. The numbers are those of bis_verify_measure. The result
+/* bis_verify_means stores in mean[height][width] what each pixel of the film should be, by n[height][width] > 0 samples
+ * of its area, and in pixels[height][width] (may be NULL) what they met. The numbers are those of bis_verify_measure. The result
  * does not depend on the number of threads. */
-void bis_verify_means(double *mean, bis_verify_pixel *pixels, const bis_verify_eye *e, uint32_t n, uint64_t seed);
+void bis_verify_means(double *mean, bis_verify_pixel *pixels, const bis_verify_eye *e, const uint32_t *n,
+                      uint64_t seed);
 
 /* src/tools/verify/verify_picture.c. What renders: bis_render, or what a test hands in. */
 typedef bis_status bis_verify_render(bis_render_result *result, bis_film *film, const bis_scene *scene,

@@ -28,18 +28,20 @@ enum {
     FEWEST_PIXELS = 16,
     PASSES = 2,
     PASSES_TO_LEARN = 4,
+    MOST_PASSES = 256, /* of a film of few pixels */
     SAMPLES_OF_ADAPTIVE = 4, /* camera samples of a pass, at least (docs/budgets.md) */
     FEWEST_RENDERS = 32,
     MOST_RENDERS = 128,
     BATCHES = 32,
     PILOTS = 8, /* batches for weights, slopes and outlines alone */
-    FILL = 1 << 18, /* directions that a pass may draw for a pool, at most; and about the cost of one */
+    MOST_SAMPLES = 4096, /* of a pixel, in a batch */
+    OF_OUTLINES = 8,     /* times as many in pixels that an outline crosses: they are few */
     MAX_SUMS = 12,
     FIRST_MATERIAL = 4
 };
 
-static const double budget = 1 << 26;    /* of all renders, in units of bis_verify_cost */
-static const double samples = 1 << 20;   /* of all batches */
+static const double budget = 1 << 25;    /* of all renders, in units of bis_verify_cost */
+static const double samples = 1 << 21;   /* of all batches */
 static const double rounding = 2e-6;     /* floats of renders, and unit vectors (verify_view.c) */
 
 /* ---- the film ---- */
@@ -70,27 +72,29 @@ typedef struct picture {
     uint64_t nonfinite;
 } picture;
 
+/* Of the pool and the clusters of a pass, about one unit a direction. */
 static double cost_of_fill(const bis_settings *s)
 {
     if (!bis_parameter_of(s->integrator, "candidates")) return 0;
-    return fmin(s->candidates * 256.0, FILL) + (1 << 15);
+    return fmin(s->candidates * 256.0, 1 << 18) + (s->proposal == BIS_PROPOSAL_PRODUCT ? 1 << 15 : 0);
 }
 
 /* False: too dear. */
 static bool plan(picture *p, unsigned halvings)
 {
     const bis_settings *s = &p->view.settings;
-    const double all = budget / (1 << halvings);
-    p->passes = s->learn ? PASSES_TO_LEARN : PASSES;
-    const double in_pass = p->view.adaptive ? SAMPLES_OF_ADAPTIVE : 1;
-    const double sample = bis_verify_cost(s, bis_light_patches(p->scene->light)) * p->passes * in_pass;
-    const double affordable = all / (FEWEST_RENDERS * sample), wanted = fmax(PIXELS >> halvings, FEWEST_PIXELS);
+    const double all = budget / (1 << halvings), wanted = fmax(PIXELS >> halvings, FEWEST_PIXELS);
+    const double fewest = s->learn ? PASSES_TO_LEARN : PASSES, in_pass = p->view.adaptive ? SAMPLES_OF_ADAPTIVE : 1;
+    const double sample = bis_verify_cost(s, bis_light_patches(p->scene->light)) * in_pass;
+    const double affordable = all / (FEWEST_RENDERS * fewest * sample);
+
     if (affordable < FEWEST_PIXELS) return false;
     p->step = step_for(&p->view.film, fmin(wanted, affordable));
-    const bis_film film = bis_film_place(p->view.film.width, p->view.film.height, p->view.film.crop, p->step);
-    p->n = (size_t)film.width * (size_t)film.height;
-    const double one = (double)p->n * sample + p->passes * cost_of_fill(s);
-    p->n_renders = (uint32_t)fmin(fmax(round(all / one), FEWEST_RENDERS), MOST_RENDERS);
+    p->film = bis_film_place(p->view.film.width, p->view.film.height, p->view.film.crop, p->step);
+    p->n = (size_t)p->film.width * (size_t)p->film.height;
+    const double passes = all / ((double)p->n * sample + cost_of_fill(s)); /* of all renders */
+    p->n_renders = (uint32_t)fmin(fmax(round(passes / fewest), FEWEST_RENDERS), MOST_RENDERS);
+    p->passes = (uint32_t)fmin(fmax(round(passes / p->n_renders), fewest), MOST_PASSES);
     return true;
 }
 
@@ -114,7 +118,9 @@ static void name_sums(picture *p)
 static void set_weights(picture *p, const double *mean, const bis_verify_pixel *pixels, const uint32_t *number)
 {
     double typical = 0;
+    size_t outlines = 0;
 
+    for (size_t i = 0; i < p->n; i++) outlines += pixels[i].is_outline;
     for (size_t i = 0; i < p->n; i++) typical += sqrt(pixels[i].square) / (double)p->n;
     for (size_t i = 0; i < p->n && typical > 0; i++) {
         const bis_verify_pixel *x = &pixels[i];
@@ -123,8 +129,7 @@ static void set_weights(picture *p, const double *mean, const bis_verify_pixel *
         p->weight[i] = w;
         if (x->is_outline) {
             p->weight[p->n + i] = w;
-            p->weight[2 * p->n + i] = w * x->slope[0];
-            p->weight[3 * p->n + i] = w * x->slope[1];
+            for (size_t d = 0; d < 2 && outlines > 1; d++) p->weight[(2 + d) * p->n + i] = w * x->slope[d];
         }
         if (material >= 0 && material < MAX_SUMS - FIRST_MATERIAL)
             p->weight[(size_t)(FIRST_MATERIAL + material) * p->n + i] = w;
@@ -144,42 +149,74 @@ static void add_sums(bis_verify_moments m[MAX_SUMS], const picture *p, const dou
 
 /* ---- the reference ---- */
 
+/* What the reference is made with; arrays of n pixels. */
+typedef struct workspace {
+    bis_verify_table table;
+    uint32_t *samples, *number;
+    double *mean, *batch;
+    bis_verify_pixel *pixels, *seen;
+} workspace;
+
+static bis_status workspace_init(workspace *w, const picture *p, unsigned halvings, bis_diag *diag)
+{
+    const double n = round(samples / (1 << halvings) / BATCHES / (double)p->n);
+    uint32_t n_numbers;
+
+    *w = (workspace){.samples = bis_alloc(p->n, sizeof *w->samples),
+                     .mean = bis_alloc(p->n, sizeof *w->mean),
+                     .batch = bis_alloc(p->n, sizeof *w->batch),
+                     .pixels = bis_alloc(p->n, sizeof *w->pixels),
+                     .seen = bis_alloc(p->n, sizeof *w->seen)};
+    if (!(w->samples && w->mean && w->batch && w->pixels && w->seen))
+        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %zu pixels", p->n);
+    for (size_t i = 0; i < p->n; i++) w->samples[i] = (uint32_t)fmin(fmax(n, 1), MOST_SAMPLES);
+    const bis_status status = bis_verify_table_init(&w->table, p->scene->light, diag);
+    return status ? status : bis_scene_number_materials(&w->number, &n_numbers, p->desc, diag);
+}
+
+static void workspace_clear(workspace *w)
+{
+    bis_verify_table_clear(&w->table);
+    bis_free(w->samples);
+    bis_free(w->number);
+    bis_free(w->mean);
+    bis_free(w->batch);
+    bis_free(w->pixels);
+    bis_free(w->seen);
+}
+
+/* One of PILOTS batches, in w->batch and w->seen. */
+static void add_pilot(workspace *w, size_t n, bool is_first)
+{
+    for (size_t i = 0; i < n; i++) {
+        const bis_verify_pixel *seen = &w->seen[i];
+        bis_verify_pixel *x = &w->pixels[i];
+        if (is_first) *x = (bis_verify_pixel){.material = seen->material};
+        w->mean[i] += w->batch[i] / PILOTS;
+        x->square += seen->square / PILOTS;
+        for (int d = 0; d < 2; d++) x->slope[d] += seen->slope[d] / PILOTS;
+        x->is_outline |= seen->is_outline || seen->material != x->material;
+    }
+}
+
 static bis_status expect(picture *p, const bis_verify *v, bis_diag *diag)
 {
-    const double n = samples / (1 << v->halvings) / BATCHES / (double)p->n;
-    bis_verify_table table;
-    bis_verify_eye e = {p->scene, p->desc, &p->view, &p->film, &table, p->view.settings.integrator->without_shadows};
-    uint32_t *number = NULL, n_numbers;
-    double *mean = bis_alloc(p->n, sizeof *mean), *one = bis_alloc(p->n, sizeof *one);
-    bis_verify_pixel *pixels = bis_alloc(p->n, sizeof *pixels), *seen = bis_alloc(p->n, sizeof *seen);
-    bis_status status = bis_verify_table_init(&table, p->scene->light, diag);
+    workspace w;
+    const bis_status status = workspace_init(&w, p, v->halvings, diag);
+    const bis_verify_eye e = {p->scene,  p->desc,   &p->view,
+                              &p->film, &w.table, p->view.settings.integrator->without_shadows};
 
-    if (!status) status = bis_scene_number_materials(&number, &n_numbers, p->desc, diag);
-    if (!status && !(mean && one && pixels && seen))
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %zu pixels", p->n);
-    for (int b = 0; b < PILOTS + BATCHES && !status; b++) {
-        bis_verify_means(one, b < PILOTS ? seen : NULL, &e, (uint32_t)fmax(1, round(n)),
-                         bis_verify_seed(v, "picture: batch %d", b));
-        if (b >= PILOTS) {
-            add_sums(p->expected, p, one);
-            continue;
-        }
-        for (size_t i = 0; i < p->n; i++) {
-            bis_verify_pixel *x = &pixels[i];
-            if (b == 0) *x = (bis_verify_pixel){.material = seen[i].material, .n = seen[i].n};
-            mean[i] += one[i] / PILOTS;
-            x->square += seen[i].square / PILOTS;
-            for (int d = 0; d < 2; d++) x->slope[d] += seen[i].slope[d] / PILOTS;
-            x->is_outline |= seen[i].is_outline || seen[i].material != x->material;
-        }
-        if (b == PILOTS - 1) set_weights(p, mean, pixels, number);
+    for (int b = 0; b < PILOTS && !status; b++) {
+        bis_verify_means(w.batch, w.seen, &e, w.samples, bis_verify_seed(v, "picture: pilot %d", b));
+        add_pilot(&w, p->n, b == 0);
     }
-    bis_verify_table_clear(&table);
-    bis_free(number);
-    bis_free(mean);
-    bis_free(one);
-    bis_free(pixels);
-    bis_free(seen);
+    if (!status) set_weights(p, w.mean, w.pixels, w.number);
+    for (size_t i = 0; i < p->n && !status; i++) w.samples[i] *= w.pixels[i].is_outline ? OF_OUTLINES : 1;
+    for (int b = 0; b < BATCHES && !status && p->size[0] > 0; b++) {
+        bis_verify_means(w.batch, NULL, &e, w.samples, bis_verify_seed(v, "picture: batch %d", b));
+        add_sums(p->expected, p, w.batch);
+    }
+    workspace_clear(&w);
     return status;
 }
 
@@ -259,7 +296,6 @@ static void skip(bis_verify *v, const picture *p, const char *why)
 bis_status bis_verify_picture(bis_verify *v, bis_verify_render *render, const bis_scene *scene,
                               const bis_scene_desc *desc, const bis_settings *settings, bool *tested, bis_diag *diag)
 {
-    const bis_film_desc *f = &desc->view.film;
     picture p = {.scene = scene, .desc = desc, .view = desc->view};
 
     *tested = false;
@@ -270,7 +306,6 @@ bis_status bis_verify_picture(bis_verify *v, bis_verify_render *render, const bi
         return BIS_OK;
     }
     bis_verify_begin(v, "picture");
-    p.film = bis_film_place(f->width, f->height, f->crop, p.step);
     name_sums(&p);
     p.weight = bis_alloc(p.n, MAX_SUMS * sizeof *p.weight);
     bis_status status =

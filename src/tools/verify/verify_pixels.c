@@ -134,18 +134,18 @@ static double mean_of(const bis_verify_eye *e, int x, int y, uint32_t n, bis_rng
 
 /* ---- all of them ---- */
 
-void bis_verify_means(double *mean, bis_verify_pixel *pixels, const bis_verify_eye *e, uint32_t n, uint64_t seed)
+void bis_verify_means(double *mean, bis_verify_pixel *pixels, const bis_verify_eye *e, const uint32_t *n, uint64_t seed)
 {
     const int width = e->film->width, height = e->film->height;
 
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic, 8) collapse(2)
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {
             const size_t i = (size_t)y * (size_t)width + (size_t)x;
             bis_rng rng;
             bis_rng_init(&rng, seed, i, 0, purpose_pixels);
             if (pixels) pixels[i] = (bis_verify_pixel){.material = BIS_NO_NUMBER};
-            mean[i] = mean_of(e, e->film->x0 + x, e->film->y0 + y, n, &rng, pixels ? &pixels[i] : NULL);
+            mean[i] = mean_of(e, e->film->x0 + x, e->film->y0 + y, n[i], &rng, pixels ? &pixels[i] : NULL);
         }
     }
 }
