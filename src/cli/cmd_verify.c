@@ -212,7 +212,10 @@ int bis_cmd_verify(int argc, char **argv)
         .n_options = sizeof options / sizeof *options,
         .min_operands = 1,
         .max_operands = 1,
-        .notes = "Each test is a number below a limit that rounding explains, or a statistic with\n"
+        .notes = "A scene's own integrator is tested by what `bis SCENE` renders, the others at\n"
+                 "single points.\n"
+                 "\n"
+                 "Each test is a number below a limit that rounding explains, or a statistic with\n"
                  "its p-value. All together reject what is right once in 100 runs: try another\n"
                  "--seed before you believe a single failure just below its threshold.\n"
                  "\n"

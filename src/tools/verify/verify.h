@@ -177,8 +177,8 @@ typedef struct bis_verify_pixel {
 } bis_verify_pixel;
 
 /* bis_verify_means stores in mean[height][width] what each pixel of the film should be, by n[height][width] > 0 samples
- * of its area, and in pixels[height][width] (may be NULL) what they met. The numbers are those of bis_verify_measure. The result
- * does not depend on the number of threads. */
+ * of its area, and in pixels[height][width] (may be NULL) what they met. The numbers are those of bis_verify_measure.
+ * The result does not depend on the number of threads. */
 void bis_verify_means(double *mean, bis_verify_pixel *pixels, const bis_verify_eye *e, const uint32_t *n,
                       uint64_t seed);
 

@@ -1,9 +1,9 @@
 /* verify_scene: what of all the checks applies to a scene: its map, its materials, its accelerator, its picture by its
  * own integrator (verify_picture.c), and a few pixels of its view by all others.
  *
- * These pixels lie on a plane lattice (Roberts's R2, the plane's golden ratio), spread for any number of them; those that see
- * nothing, something black, or next to no light are passed over. Their camera ray runs through the pixel's centre: then
- * every integrator estimates one number, the reflected radiance at one point.
+ * These pixels lie on a plane lattice (Roberts's R2, the plane's golden ratio), spread for any number of them; those
+ * that see nothing, something black, or next to no light are passed over. Their camera ray runs through the pixel's
+ * centre: then every integrator estimates one number, the reflected radiance at one point.
  * Cost: the reference visits all patches of the light 4 times for a pixel, `exact` twice more: fewer pixels for larger
  * maps, none beyond 2^24 patches. */
 #include "verify.h"
