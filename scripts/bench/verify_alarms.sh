@@ -1,7 +1,7 @@
 #!/bin/sh
 # verify_alarms: the table of docs/proof.md: how often does `bis verify` accuse what is right? So many seeds on each of eleven
 # scenes, the last three with meshes and maps that others measured, where BIS_SHARED names a folder that has them.
-# Twenty-five minutes of one processor for 200.
+# About twenty minutes of one processor for 200.
 #     make bis data build/release/verify_alarms && scripts/bench/verify_alarms.sh [build/release [200 [FIRST-SEED]]]
 B=${1:-build/release}
 runs=${2:-200}

@@ -1068,7 +1068,7 @@ static built build_full(void)
 /* Failed tests of the picture whose names begin so; all: "". */
 static size_t failed_of_picture(bis_verify_render *render, const built *b, const bis_settings *s, uint64_t seed, const char *name)
 {
-    bis_verify v = {.seed = seed, .halvings = 4};
+    bis_verify v = {.seed = seed, .halvings = 2};
     bool tested;
     size_t n = 0;
     assert_int_equal(bis_verify_picture(&v, render, b->scene, b->desc, s, &tested, NULL), BIS_OK);

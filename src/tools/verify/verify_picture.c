@@ -79,17 +79,17 @@ static double cost_of_fill(const bis_settings *s)
     return fmin(s->candidates * 256.0, 1 << 18) + (s->proposal == BIS_PROPOSAL_PRODUCT ? 1 << 15 : 0);
 }
 
-/* False: too dear. */
+/* False: too dear, however few the draws. */
 static bool plan(picture *p, unsigned halvings)
 {
     const bis_settings *s = &p->view.settings;
     const double all = budget / (1 << halvings), wanted = fmax(PIXELS >> halvings, FEWEST_PIXELS);
     const double fewest = s->learn ? PASSES_TO_LEARN : PASSES, in_pass = p->view.adaptive ? SAMPLES_OF_ADAPTIVE : 1;
     const double sample = bis_verify_cost(s, bis_light_patches(p->scene->light)) * in_pass;
-    const double affordable = all / (FEWEST_RENDERS * fewest * sample);
+    const double renders = FEWEST_RENDERS * fewest * sample; /* of one pixel */
 
-    if (affordable < FEWEST_PIXELS) return false;
-    p->step = step_for(&p->view.film, fmin(wanted, affordable));
+    if (budget / renders < FEWEST_PIXELS) return false;
+    p->step = step_for(&p->view.film, fmin(wanted, fmax(all / renders, FEWEST_PIXELS)));
     p->film = bis_film_place(p->view.film.width, p->view.film.height, p->view.film.crop, p->step);
     p->n = (size_t)p->film.width * (size_t)p->film.height;
     const double passes = all / ((double)p->n * sample + cost_of_fill(s)); /* of all renders */
