@@ -311,6 +311,18 @@ exit
 # - return some_more && some_less ? MISSED : all_more || all_less ? MET : DOUBTFUL;
 # + return some_more && some_less ? MISSED : DOUBTFUL;
 #
+# * product test_verify : every 16th cluster's density is twice too large
+# - const float scale = (float)bis_product_scale(p, c, k);
+# + const float scale = (k % 16 ? 1 : 2) * (float)bis_product_scale(p, c, k);
+#
+# * batch test_verify : learned visibility is not divided out
+# - b->traced.q_L[k] = visible[b->cluster[k]];
+# + b->traced.q_L[k] = 1;
+#
+# * pass test_verify : edge pixels count 1.5 times
+# - rgbd_scale(sum, 1 / (double)n)
+# + rgbd_scale(sum, 1.5 / (double)n)
+#
 # * verify_accel test_verify : shadow rays do not start beyond the error
 # - const ray shadow = {bis_surface_offset(&s), w, INFINITY};
 # + const ray shadow = {add(s.p, w), w, INFINITY};

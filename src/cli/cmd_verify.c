@@ -1,5 +1,7 @@
 /* cmd_verify: `bis verify SCENE`, `bis verify MAP`: the checks of verify.h on the user's own files, as a table or as
  * JSON. */
+#include "tools/auto/auto.h"
+#include "tools/describe.h"
 #include "tools/verify/verify.h"
 
 #include "bis/base/mem.h"
@@ -105,6 +107,20 @@ static int verify_map(bis_verify *v, const verify_options *o, const char *map, b
     return exit_status;
 }
 
+/* What `bis SCENE` would choose, told as there. */
+static bis_status choose(const bis_scene *scene, bis_scene_desc *desc, bis_diag *diag)
+{
+    const bis_render_options options = {.n_threads = 0};
+    char line[BIS_MAX_LINE];
+    bis_auto_report choice;
+    const bis_status status = bis_auto_choose(&choice, scene, desc, &options, diag);
+
+    if (status) return status;
+    desc->view.settings = choice.settings;
+    if (choice.is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, &choice));
+    return BIS_OK;
+}
+
 static int verify_scene(bis_verify *v, const verify_options *o, const char *path, bis_diag *diag)
 {
     bis_scene_desc *desc = NULL;
@@ -116,6 +132,7 @@ static int verify_scene(bis_verify *v, const verify_options *o, const char *path
     if (status) return bis_cli_exit_status(status);
     desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     status = bis_scene_build(&scene, desc, diag);
+    if (!status && bis_auto_is_wanted(&desc->view.settings)) status = choose(scene, desc, diag);
     if (!status) status = bis_verify_scene(v, scene, desc, &desc->view.settings, diag);
     bis_scene_free(scene);
     bis_scene_desc_free(desc);
@@ -171,7 +188,10 @@ int bis_cmd_verify(int argc, char **argv)
         .summary = "are samplers, materials and integrators right for this scene, or this map (.hdr, .exr, .pfm)?",
         .options = options, .n_options = sizeof options / sizeof *options,
         .min_operands = 1, .max_operands = 1,
-        .notes = "Each test is a number below a limit that rounding explains, or a statistic with\n"
+        .notes = "A scene's own integrator is tested by what `bis SCENE` renders, all others at\n"
+                 "single points.\n"
+                 "\n"
+                 "Each test is a number below a limit that rounding explains, or a statistic with\n"
                  "its p-value. All together reject what is right once in 100 runs: try another\n"
                  "--seed before you believe a single failure just below its threshold.\n"
                  "\n"
