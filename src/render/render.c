@@ -47,9 +47,8 @@ typedef struct render {
  * error to reach 1, 1, 1, 1, 4, 4, ..., because its first estimate needs four passes. */
 static uint32_t pass_size(const render *r, uint64_t spp)
 {
-    uint64_t n = spp < 1 || (r->budget.error > 0 && spp < MIN_ERROR_PASSES) ? 1
-                 : spp < MOST_SAMPLES                                       ? spp
-                                                                            : MOST_SAMPLES;
+    const bool single = spp < 1 || (r->budget.error > 0 && spp < MIN_ERROR_PASSES);
+    uint64_t n = single ? 1 : spp < MOST_SAMPLES ? spp : MOST_SAMPLES;
 
     if (r->work.options->pass_size) n = r->work.options->pass_size;
     if (r->work.view->adaptive) n = BIS_ADAPT_SAMPLES;

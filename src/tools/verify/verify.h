@@ -13,8 +13,7 @@
  *     status = bis_verify_map(&v, em, 0.15, 8, diag);
  *     bis_verify_judge(&v);               // v.n_failed, v.tests[0 .. v.n - 1]
  *     bis_verify_clear(&v); */
-#ifndef BIS_VERIFY_H
-#define BIS_VERIFY_H
+#pragma once
 
 #include "bis/render/render.h"
 #include "bis/scene/scene.h"
@@ -215,5 +214,3 @@ void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, 
 /* src/tools/verify/verify_scene.c. Whatever applies of the above. */
 bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc,
                             const bis_settings *settings, bis_diag *diag);
-
-#endif

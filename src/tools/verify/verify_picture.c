@@ -235,7 +235,7 @@ static bis_status render_one(picture *p, double *pixel, bis_verify_render *rende
     if (status) return status;
     status = render(&result, &film, p->scene, p->desc, &p->view, &options, diag);
     for (size_t i = 0; i < p->n && !status; i++) {
-        const double *sum = film.sum + 3 * i, scale = 1.0 / film.passes;
+        const double *sum = film.sum + 3 * i, scale = 1 / film.weight;
         pixel[i] = bis_verify_measure((rgbd){sum[0] * scale, sum[1] * scale, sum[2] * scale});
     }
     p->nonfinite += result.counters.nonfinite;
