@@ -321,7 +321,7 @@ exit
 #
 # * pass test_verify : edge pixels count 1.5 times
 # - rgbd_scale(sum->L, 1 / (double)sum->n)
-# + rgbd_scale(sum->L, (sum->n > 4 ? 1.5 : 1) / (double)sum->n)
+# + rgbd_scale(sum->L, (sum->n > 3 ? 1.5 : 1) / (double)sum->n)
 #
 # * verify_accel test_verify : shadow rays do not start beyond the error
 # - const ray shadow = {bis_surface_offset(&s), w, INFINITY};
