@@ -73,7 +73,7 @@ static void run(tally *t, const world *w, const bis_film *reference, double E)
 
 /* The bound covers the true error in 95 % of runs (597 of 630 with other seeds), and in no more than 1 of 10 is the error
  * below half of it: three integrators, plain and adaptive, three budgets. Of 63 runs fewer than 50 are kept with a
- * probability of 0.4 % if the bound covers 90 %, and of 1e-5 if it covers 95 % (binomial). */
+ * probability of 0.3 % if the bound covers 90 %, and of 2e-6 if it covers 95 % (binomial). */
 static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
 {
     (void)state;
