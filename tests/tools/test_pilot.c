@@ -98,6 +98,12 @@ static double judged(const bis_auto_report *r, int i)
     return bis_auto_cost_of(r, i) * r->tried[i].variance * (it == &bis_mis || it == &bis_em ? 1.25 : 1);
 }
 
+/* What a scene gets that names no integrator, as docs/scene-format.md has it. */
+static bool is_usual(const bis_settings *s)
+{
+    return s->integrator == &bis_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->candidates == 64 && s->shadowrays == 16 && s->learn;
+}
+
 /* A picture of 8 x 6 pixels. The list by hand, then what the fit proposes: within limits, four times each, at most one of a
  * family. There are at most four families, because em and brdf exclude each other. */
 static void assert_tries(world *w, double seconds, const attempt *list, int n)
@@ -128,7 +134,8 @@ static void assert_tries(world *w, double seconds, const attempt *list, int n)
                              (s->integrator != &bis_sir || o->candidates == s->candidates));
             }
         }
-        assert_true(judged(&r, r.chosen) <= judged(&r, i));
+        assert_true(judged(&r, r.chosen) <= (is_usual(&r.settings) ? 1.1 : 1) * judged(&r, i));
+        if (is_usual(s) && !is_usual(&r.settings)) assert_true(judged(&r, i) > 1.1 * judged(&r, r.chosen));
     }
     assert_memory_equal(&r.settings, &r.tried[r.chosen].settings, sizeof r.settings);
 }
@@ -221,12 +228,12 @@ static void the_fit_is_to_all_that_was_tried(void **state)
         assert_int_equal(bis_auto_choose(&r, &w.scene, &w.desc, &options, NULL), BIS_OK);
         counts_work = false;
         w.scene.accel = accel.inner;
-        for (int i = 10; i < r.n_tried; i++) { /* ten stand in the list of diffuse surfaces */
+        for (int i = 11; i < r.n_tried; i++) { /* eleven stand in the list of diffuse surfaces */
             const bis_settings *const s = &r.tried[i].settings;
             bis_auto_measured m[BIS_AUTO_MOST_TRIED];
             uint32_t M, N;
             int n = 0;
-            for (int k = 0; k < 10; k++) {
+            for (int k = 0; k < 11; k++) {
                 const bis_settings *const o = &r.tried[k].settings;
                 if (o->integrator != s->integrator || (s->integrator == &bis_sir && o->proposal != s->proposal)) continue;
                 m[n++] = (bis_auto_measured){s->integrator == &bis_sir ? o->candidates : 0, o->shadowrays,
@@ -271,6 +278,8 @@ static void what_may_hide_a_quarter_must_win_by_more(void **state)
             if (judged(&r, i) < judged(&r, best)) best = i;
             if (bis_auto_cost_of(&r, i) * r.tried[i].variance < bis_auto_cost_of(&r, plain) * r.tried[plain].variance) plain = i;
         }
+        for (int i = 0; i < r.n_tried; i++)
+            if (is_usual(&r.tried[i].settings) && judged(&r, i) <= 1.1 * judged(&r, best)) best = i;
         assert_int_equal(r.chosen, best);
         decided += best != plain;
         clear_world(&w);
