@@ -219,7 +219,9 @@ static void the_fit_is_to_all_that_was_tried(void **state)
         bis_auto_report r;
         world w;
         make_world(&w, &bis_auto);
-        w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
+        const bool diffuse = seed <= 3;
+        const int n_list = diffuse ? 11 : 9; /* em is for diffuse surfaces */
+        w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, diffuse ? (rgb){0, 0, 0} : (rgb){0.2f, 0.2f, 0.2f}, 5);
         w.desc.view.film = (bis_film_desc){.width = 12, .height = 9, .crop = {0, 1, 0, 1}};
         w.desc.view.sampler.seed = seed;
         counting_accel accel = {{&counting, w.scene.accel->geometry}, w.scene.accel};
@@ -228,12 +230,12 @@ static void the_fit_is_to_all_that_was_tried(void **state)
         assert_int_equal(bis_auto_choose(&r, &w.scene, &w.desc, &options, NULL), BIS_OK);
         counts_work = false;
         w.scene.accel = accel.inner;
-        for (int i = 11; i < r.n_tried; i++) { /* eleven stand in the list of diffuse surfaces */
+        for (int i = n_list; i < r.n_tried; i++) {
             const bis_settings *const s = &r.tried[i].settings;
             bis_auto_measured m[BIS_AUTO_MOST_TRIED];
             uint32_t M, N;
             int n = 0;
-            for (int k = 0; k < 11; k++) {
+            for (int k = 0; k < n_list; k++) {
                 const bis_settings *const o = &r.tried[k].settings;
                 if (o->integrator != s->integrator || (s->integrator == &bis_sir && o->proposal != s->proposal)) continue;
                 m[n++] = (bis_auto_measured){s->integrator == &bis_sir ? o->candidates : 0, o->shadowrays,
@@ -250,7 +252,7 @@ static void the_fit_is_to_all_that_was_tried(void **state)
         }
         clear_world(&w);
     }
-    assert_true(fitted[0] >= 2 && fitted[2] + fitted[3] >= 1); /* em, which stands first in the list, and sir */
+    if (!(fitted[0] >= 1 && fitted[2] + fitted[3] >= 1)) fail_msg("fitted: em %d, mis %d, mix %d, product %d", fitted[0], fitted[1], fitted[2], fitted[3]);
 }
 
 /* Of some pilots, mis or em would win by less than a quarter, and does not. */
