@@ -42,7 +42,7 @@ static size_t failures(bis_verify *v)
     return n;
 }
 
-static double alpha(void) { return stat_level(1e-3, 396); }
+static double alpha(void) { return stat_level(1e-3, 398); }
 
 /* Is all of a right run accepted, at this file's own significance? */
 static void assert_accepted(bis_verify *v)
