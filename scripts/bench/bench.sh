@@ -1,7 +1,7 @@
 #!/bin/sh
 # bench: speed and error as ratios, each with its spread, all on one core. docs/bench.md says how to read the table.
 #     scripts/bench/bench.sh BUILD_DIR [SECTION...]        (make bench calls it)
-# Sections: references light cost threads accel equal resample reach table, all by default. Each writes
+# Sections: references light cost threads accel equal resample reach steps rival table, all by default. Each writes
 # build/bench/SECTION.txt, and table reads what is there: one section can be measured again alone. The settings that are
 # compared stand on top of scripts/bench/bench_error.c and bench_cost.c.
 # BIS_SHARED (default ../shared/data) has the real meshes and maps; without them only our own scenes are measured.
@@ -69,6 +69,19 @@ each_pair() { for pair in $pairs; do "$build/bench_error" "$1" "$reference_secon
 references() {
     each_pair reference
     if [ "$rival" ]; then "$build/bench_error" reference "$reach_reference_seconds" "$out/scenes/$rival"; fi
+}
+# bis beside Mitsuba 3, on the last core that we may use.
+beside_mitsuba() {
+    python=${BENCH_PYTHON:-python3}
+    if [ ! -r "$shared/mesh/dragon_871k.ply" ] || [ ! -r "$shared/env/grace_latlong_pbrt2.exr" ]; then
+        echo "rival is left out: no real data at $shared (set BIS_SHARED)"
+    elif ! "$python" -c 'import mitsuba, numpy; mitsuba.set_variant("llvm_ad_rgb")' 2>/dev/null; then
+        echo "rival is left out: $python cannot use Mitsuba 3, numpy and LLVM (set BENCH_PYTHON, DRJIT_LIBLLVM_PATH; docs/bench.md)"
+    else
+        core=$(taskset -cp $$ | sed 's/.*[^0-9]//')
+        keep "$out/rival.txt" taskset -c "$core" "$python" scripts/bench/rival.py "$build/bis" "$shared" "$out"
+        cat "$out/rival.txt"
+    fi
 }
 light() { OMP_NUM_THREADS=1 "$build/bench_light" 4096; }
 
