@@ -1,6 +1,6 @@
 #!/bin/sh
 # setup: installs what bis needs to build and to test itself, and nothing when all of it is there.
-# For Debian 12 and Ubuntu 24.04 (there libembree-dev is Embree 4; the source takes both). As root, or by sudo.
+# For Debian 12, and for Debian 13 and Ubuntu 24.04 (there libembree-dev is Embree 4; the source takes both). As root, or by sudo.
 set -eu
 
 # gcc, make and pkg-config; OpenEXR and libpng for images; cmocka for the tests. Embree (rays) is optional: it exists for some processors only.

@@ -20,9 +20,9 @@
 #include <string.h>
 
 static const measure_setting sir[] = {
-    {"400", "Integrator \"sir\" \"integer candidates\" 400 \"integer shadowrays\" 15"},
-    {"800", "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15"},
-    {"1600", "Integrator \"sir\" \"integer candidates\" 1600 \"integer shadowrays\" 15"},
+    {"400", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 400 \"integer shadowrays\" 15"},
+    {"800", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15"},
+    {"1600", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 1600 \"integer shadowrays\" 15"},
 };
 enum { FEW, MEDIUM, MANY, REPEATS = 5 };
 
@@ -108,7 +108,8 @@ static void cost(bis_film *film, bis_scene *const *scene, const char *path, int 
 {
     const char *material = measure_materials[m].text;
     bis_scene_desc *desc = measure_parse(path, sir[MEDIUM].text, 0, material);
-    bis_scene_desc *black = measure_parse(path, "Integrator \"em\" \"integer samples\" 1", 0, measure_materials[MEASURE_MATERIALS].text);
+    bis_scene_desc *black = measure_parse(path, "Sampler \"stratified\" Integrator \"em\" \"integer samples\" 1", 0,
+                                          measure_materials[MEASURE_MATERIALS].text);
     bis_render_result result;
 
     bis_sampler_set_spp(&desc->view.sampler, 1);

@@ -21,7 +21,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static const char sir[] = "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15";
+static const char sir[] =
+    "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15";
 
 static bis_scene_desc *parse(const char *path, const char *accelerator)
 {

@@ -59,7 +59,7 @@ maps() {
 value() { sed -n "s/.*\"$2\": *\([0-9.eE+-]*\).*/\1/p" "$1" | tail -n 1; }
 # Own report and the system's, of the program itself, all threads.
 peak_of() {
-    sed "s/@integrator/Integrator \"sir\"/; s/@material/\"float Ks\" 0.5/" "$out/scenes/scale" > "$out/scenes/peak.txt"
+    sed "s/@integrator/Sampler \"stratified\" Integrator \"sir\"/; s/@material/\"float Ks\" 0.5/" "$out/scenes/scale" > "$out/scenes/peak.txt"
     for a in $backends; do
         system=$("$build/bench_scale" peak "$build/bis" --quiet --spp 1 --accelerator "$a" --stats "$made/stats.json" --outfile "$made/peak.pfm" "$out/scenes/peak.txt")
         echo "$1 $a $2 $(value "$made/stats.json" peak_memory_bytes) $system $(value "$made/stats.json" mesh) $(value "$made/stats.json" accel) $(value "$made/stats.json" envmap)"

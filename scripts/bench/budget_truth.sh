@@ -12,7 +12,7 @@ mkdir -p "$dir" || exit 1
 # scene FILE [INTEGRATOR-LINE]: a copy in $dir, whose name it prints, with absolute paths and perhaps another integrator.
 scene() {
     copy=$dir/$(basename "$1" .txt)$(echo "$2" | tr -dc 'a-z0-9').txt
-    sed -e "s|\"\.\./|\"$PWD/data/|; s|\"data/|\"$PWD/data/|; s|^Include \"|&$PWD/data/scenes/|" ${2:+-e "s|^Integrator.*|Integrator $2|"} "$1" >"$copy"
+    sed -e "s|\"\.\./|\"$PWD/data/|; s|\"data/|\"$PWD/data/|; s|^Include \"|&$PWD/data/scenes/|" ${2:+-e "/^Integrator/d" -e "1iIntegrator $2"} "$1" >"$copy"
     echo "$copy"
 }
 
@@ -63,6 +63,13 @@ Shape "sphere" "float radius" 1
 END
 }
 
+# candles INTEGRATOR-LINE: scene.txt with as many camera samples on outlines as elsewhere.
+candles() {
+    file=$(scene scene.txt "$1")
+    sed -i 's/^Sampler.*/Sampler "stratified"/' "$file"
+    echo "$file"
+}
+
 hard() {
     glossy_ball >"$dir/glossy-ball.in"
     columns
@@ -70,9 +77,10 @@ hard() {
     for E in 0.15 0.05; do row "pinpoint, sir 100/8" pinpoint $E "$(scene data/scenes/pinpoint.txt)"; done
 
     truth scene 5000 32x24 scene.txt
-    for E in 0.3 0.15; do row "scene.txt, sir 64/4" scene $E "$(scene scene.txt)"; done
-    row "scene.txt, sir 64/4, adaptive" scene 0.15 "$(scene scene.txt)" --adaptive
-    row "scene.txt, sir product 64/16" scene 0.08 "$(scene scene.txt '"sir" "string proposal" "product" "integer candidates" 64 "integer shadowrays" 16')"
+    few='"sir" "integer candidates" 64 "integer shadowrays" 4'
+    for E in 0.3 0.15; do row "scene.txt, sir 64/4" scene $E "$(candles "$few")"; done
+    row "scene.txt, sir 64/4, adaptive" scene 0.15 "$(candles "$few")" --adaptive
+    row "scene.txt, sir product 64/16" scene 0.08 "$(candles '"sir" "string proposal" "product" "integer candidates" 64 "integer shadowrays" 16')"
 
     truth glossy-row 4000 48x16 data/scenes/glossy-row.txt
     for E in 0.3 0.15; do row "glossy-row, sir 256/8" glossy-row $E "$(scene data/scenes/glossy-row.txt)"; done

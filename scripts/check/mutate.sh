@@ -239,6 +239,14 @@ exit
 # - x ^= x >> 2 & 0x33333333u;
 # + x ^= x >> 2 & 0x33333331u;
 #
+# * sampler test_sampler : one round of the order for four
+# - enum { SMALL = 32, ROUNDS = 4 };
+# + enum { SMALL = 32, ROUNDS = 1 };
+#
+# * sampler test_sampler : the order of few cells from numbers without a key
+# - if (n <= SMALL) return ranked(i, n, key);
+# + if (n <= SMALL) return ranked(i, n, 0);
+#
 # * sampler test_sampler : both jitters of a camera sample are one
 # - (cell / p->xsamples) + place[1])
 # + (cell / p->xsamples) + place[0])
@@ -403,13 +411,33 @@ exit
 # - (float)(1 / (b->material->exponent + 1))};
 # + (float)(1 / (b->material->exponent + 2))};
 #
-# * phong_lanes test_clusters : the lobe's largest cosine over a cone is that of its axis
+# * cone_lanes.h test_clusters : the lobe's largest cosine over a cone is that of its axis
 # - const float most = c * cosine + s * sine + 0x1p-20f;
 # + const float most = c + 0x1p-20f;
 #
 # * phong_lanes test_phong_lanes : a colour's shares forget the lobe
 # - const float g = (k.base[1] + k.lobe[1] * p) * l.g[i];
 # + const float g = k.base[1] * l.g[i];
+#
+# * microfacet_lanes test_microfacet_lanes : the mixture's density without the cosine lobe, in vectors
+# - q += brdf * (k.pdf_lobe * f.R2 + k.pdf_base * bis_lanes_choose(f.c_i > 0, f.c_i, 0));
+# + q += brdf * (k.pdf_lobe * f.R2);
+#
+# * microfacet_lanes test_microfacet_lanes : wi + wo without what the rounded mirror direction leaves
+# - .s_x = (float)(dot(mirror, f->x) + dot(b->wo, f->x)),
+# + .s_x = 0,
+#
+# * microfacet_lanes test_microfacet_lanes : draws forget what the rounding of the mirror direction left
+# - d.m_rest[i] = (float)(m[i] - (double)d.m[i]);
+# + d.m_rest[i] = 0;
+#
+# * microfacet_lanes test_microfacet_lanes : a cone is as wide as a direction
+# - const float chord = sqrtf(sine[i] * sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
+# + const float chord = 0x1p-20f;
+#
+# * microfacet_lanes test_microfacet_lanes : visible facets without the view's part
+# - const float hx = k.a * (across + k.v[0]),
+# + const float hx = k.a * across,
 #
 # * lanes test_lanes : random numbers of the first coordinate serve the second too
 # - u2[i] = unit_float(y << 12 | (place & 0xfffu));

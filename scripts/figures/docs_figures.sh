@@ -58,7 +58,7 @@ keep() {
 for picture; do
     case $picture in
     chess) # the command under the picture in README
-        "$build/bis" scene.txt --quiet --resolution 560x420 --spp 8 --candidates 256 --shadowrays 8 --proposal product --learn on --outfile "$tmp/chess.png"
+        "$build/bis" scene.txt --quiet --resolution 560x420 --spp 8 --candidates 256 --shadowrays 8 --outfile "$tmp/chess.png"
         keep "$tmp/chess.png" chess FloydSteinberg
         ;;
     microfacet)

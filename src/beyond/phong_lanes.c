@@ -9,6 +9,7 @@
 #include "phong_lanes.h"
 
 #include "bis/thesis/phong.h"
+#include "cone_lanes.h"
 
 #include <float.h>
 #include <math.h>
@@ -137,18 +138,6 @@ static void colour(const bis_bsdf *b, const bis_lanes *y, uint32_t n)
 }
 
 /* ---- bounds over cones ---- */
-
-/* Over the directions of a cone, the largest cosine about an axis: that of the angle between the two axes less the half
- * angle, 1 where the axis lies within. Never too small for rounding: 2^-20 is added. */
-static inline BIS_INLINE float largest_cosine(vec3 axis, float x, float y, float z, float cosine, float sine)
-{
-    const float c = axis.x * x + axis.y * y + axis.z * z, s2 = 1 - c * c;
-    const float s = sqrtf(bis_lanes_choose(s2 > 0, s2, 0));
-    const float most = c * cosine + s * sine + 0x1p-20f;
-    const float bounded = bis_lanes_choose(most < 1, most, 1);
-
-    return bis_lanes_choose(c > cosine, 1, bounded);
-}
 
 BIS_LANES
 static void reach_lanes(float *w, const constants *c, const bis_lanes *cone, const float *sine, uint32_t n)

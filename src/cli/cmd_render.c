@@ -98,7 +98,8 @@ static bool read_options(render_options *o, int argc, char **argv, const char **
         bis_append(integrator_help, sizeof integrator_help, "%s, ", integrators[i]);
     }
     integrators[i] = bis_auto.name;
-    bis_append(integrator_help, sizeof integrator_help, "or auto: a pilot chooses");
+    bis_append(integrator_help, sizeof integrator_help,
+               "or auto: a pilot chooses (default: the scene's; see `bis help sir`)");
 
     /* clang-format off: the rows are broken by hand */
     const bis_option before[] = {
@@ -215,7 +216,7 @@ static bis_status override_settings(bis_scene_desc *d, const render_options *o, 
 {
     bis_settings *s = &d->view.settings;
 
-    if (o->integrator && strcmp(o->integrator, s->integrator->name) != 0) {
+    if (o->integrator && (!d->names_integrator || strcmp(o->integrator, s->integrator->name) != 0)) {
         const unsigned as_printed = s->as_printed;
         *s = bis_settings_default(bis_integrator_find(o->integrator));
         s->as_printed = as_printed;

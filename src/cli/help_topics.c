@@ -31,10 +31,11 @@ static const bis_help_entry scene[] = {
     {"Camera", "\"perspective\" or \"orthographic\": fov (90), screenwindow, frameaspectratio; lensradius must be 0"},
     {"Film",
      "\"rgb\": xresolution (1280), yresolution (720), filename (bis.exr), cropwindow (0 1 0 1), layers (see output)"},
-    {"Sampler", "\"stratified\" (the default), \"sobol\", \"halton\", \"random\" or \"independent\": pixelsamples "
+    {"Sampler", "\"stratified\", \"sobol\", \"halton\", \"random\" or \"independent\": pixelsamples "
                 "(16), seed (0), adaptive (false), "
-                "edgesamples (1; more on outlines); stratified: xsamples, ysamples (4), jitter (true)"},
-    {"Integrator", "see integrators"},
+                "edgesamples (1; more on outlines); stratified: xsamples, ysamples (4), jitter (true). A scene without "
+                "a Sampler has \"sobol\" with edgesamples 4"},
+    {"Integrator", "see integrators, also for a scene without one"},
     {"Accelerator", "\"embree\" (the default where it is built in) or \"grid\": density, cells per primitive (2; 8 "
                     "where triangles span many cells)"},
     {"Option", "\"bool disablepixeljitter\" (false); \"string asprinted\" (see errata)"},
@@ -52,8 +53,10 @@ static const bis_help_entry scene[] = {
 static const bis_help_entry integrators[] = {
     {NULL, "Integrator \"NAME\" in a scene, --integrator NAME on the command line. Counts are per camera sample; "
            "defaults in parentheses, the first of several "
-           "names is the default."},
+           "names is the default. \"sir\" with its defaults is the method of the thesis."},
     {bis_help_of_integrators, NULL},
+    {"no Integrator: sir", "with proposal product, 64 candidates, 16 shadow rays, learn true: what a scene has that "
+                           "names none"},
     {NULL, "The parameters:"},
     {bis_help_of_parameters, NULL},
     {NULL, "The words mean: em, from the environment map; mix, half of the candidates from each; choose, one or the "

@@ -81,12 +81,13 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
     const bis_integrator *integrator = bis_integrator_find(chosen->name);
     bis_parser_single(p, BIS_SINGLE_INTEGRATOR, "Integrator", at);
     p->desc->integrator_loc = p->name_at;
+    p->desc->names_integrator = integrator != NULL;
     if (!integrator) {
         bis_warn(p->diag, p->name_at,
                  "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\"; its parameters are ignored",
                  chosen->name, bis_sir.name);
         const unsigned as_printed = p->desc->view.settings.as_printed;
-        p->desc->view.settings = bis_settings_default(&bis_sir);
+        p->desc->view.settings = bis_settings_unnamed();
         p->desc->view.settings.as_printed = as_printed;
         return;
     }

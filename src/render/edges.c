@@ -24,7 +24,7 @@ typedef struct corner {
 
 /* What the rays through n <= TOGETHER places of a row see; x[n], and y for all. */
 static void look_at(corner *c, const double *x, double y, int n, const bis_film *film, const bis_scene *scene,
-                    const bis_scene_desc *desc, const bis_view *view)
+                    const bis_view *view)
 {
     ray eye[TOGETHER];
     uint32_t prim[TOGETHER];
@@ -62,8 +62,8 @@ static bool differ(const corner *a, const corner *b)
     return a->hit && (a->material != b->material || dot(a->n, b->n) < 0.5);
 }
 
-unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_scene *scene, const bis_scene_desc *desc,
-                              const bis_view *view, int n_threads)
+unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_scene *scene, const bis_view *view,
+                              int n_threads)
 {
     const int width = area.x1 - area.x0, height = area.y1 - area.y0, n = corners_a_pixel(film);
     const int across = corners_of(film, width), down = corners_of(film, height);
@@ -82,7 +82,7 @@ unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_sce
             const int count = across - first < TOGETHER ? across - first : TOGETHER;
             double x[TOGETHER];
             for (int i = 0; i < count; i++) x[i] = place_of(film, area.x0, first + i);
-            look_at(&c[y * (ptrdiff_t)across + first], x, place_of(film, area.y0, y), count, film, scene, desc, view);
+            look_at(&c[y * (ptrdiff_t)across + first], x, place_of(film, area.y0, y), count, film, scene, view);
         }
     }
     for (int y = 0; y < height; y++) {

@@ -134,7 +134,7 @@ bis_status bis_workspace_find_edges(bis_workspace *w, uint64_t *n_rays, bis_diag
     if (w->view->edge_samples <= 1 || !w->view->pixel_jitter || !w->scene->accel) return BIS_OK;
     w->edge_sampler = w->view->sampler;
     bis_sampler_set_spp(&w->edge_sampler, (uint64_t)w->view->sampler.spp * w->view->edge_samples);
-    w->edge = bis_edges_find(w->film, w->area, w->scene, w->desc, w->view, w->n_threads);
+    w->edge = bis_edges_find(w->film, w->area, w->scene, w->view, w->n_threads);
     if (!w->edge)
         return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);
     *n_rays = bis_edges_rays(w->film, w->area);

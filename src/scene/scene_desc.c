@@ -35,10 +35,11 @@ bis_scene_desc *bis_scene_desc_new(const char *path)
     if (!d) return NULL;
     d->view.camera = (bis_camera){.fov_deg = 90, .to_world = bis_xform_identity()};
     d->view.film = bis_film_default;
-    d->view.sampler = (bis_sampler){.kind = BIS_SAMPLER_STRATIFIED, .jitter = true};
+    d->view.sampler = (bis_sampler){.kind = BIS_SAMPLER_SOBOL, .jitter = true};
     bis_sampler_set_spp(&d->view.sampler, 16);
+    d->view.edge_samples = 4;
     d->view.pixel_jitter = true;
-    d->view.settings = bis_settings_default(&bis_sir);
+    d->view.settings = bis_settings_unnamed();
     d->light = bis_light_desc_default();
     if (!set_text(&d->path, path) || !set_text(&d->outfile, BIS_FILM_FILENAME) || !add_default_material(d) ||
         !add_own_name(d)) {

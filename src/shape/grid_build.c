@@ -15,6 +15,7 @@
 
 #include "bis/base/mem.h"
 #include "quadric.h"
+#include "rounding.h"
 #include "triangle.h"
 
 #include <assert.h>
@@ -44,10 +45,6 @@ typedef struct build {
 } build;
 
 /* ---- where a primitive lies, in units of cells ---- */
-
-/* fmin and fmax are calls to the C library, for the sake of NaNs, which are none here. */
-static double smaller(double a, double b) { return a < b ? a : b; }
-static double larger(double a, double b) { return a > b ? a : b; }
 
 /* The cells of the box lo ... hi, given in cells, in layers [from, to). */
 static bool cover_box(const bis_grid *g, const double lo[3], const double hi[3], int from, int to, cover *c)

@@ -26,8 +26,6 @@
 /* [grid-packed] */
 enum { LANES = BIS_GRID_LANES, LOOK = 16 /* slabs */ };
 
-static inline BIS_INLINE double smaller(double a, double b) { return a < b ? a : b; }
-static inline BIS_INLINE double larger(double a, double b) { return a > b ? a : b; }
 static inline BIS_INLINE int clamp(int i, int lo, int hi) { return i < lo ? lo : i > hi ? hi : i; }
 
 /* ---- the ray among the cells ---- */

@@ -27,10 +27,11 @@ static void weights(const vec3 v[3], const ray *r, double b[3])
     shear_test(&sheared, flat, b, &det, &z);
     double sign = b[0] + b[1] + b[2] < 0 ? -1 : 1;
     for (int i = 0; i < 3; i++) {
-        b[i] = fmax(0, sign * b[i]);
+        b[i] = larger(0, sign * b[i]);
         sum += b[i];
     }
-    for (int i = 0; i < 3; i++) b[i] = sum > 0 ? b[i] / sum : 1.0 / 3;
+    const double scale = 1 / (sum > 0 ? sum : 1);
+    for (int i = 0; i < 3; i++) b[i] = sum > 0 ? b[i] * scale : 1.0 / 3;
 }
 
 /* p_error, per component c. The true p is the point of the triangle with exactly the weights b. A shadow ray that
@@ -41,8 +42,8 @@ static void weights(const vec3 v[3], const ray *r, double b[3])
  * lost in a tilted plane for directions within the error of n, some 8 u |e||f| / |n| radians, as it is in ng, which
  * is rounded; no start helps there, and of the light they bring the square of that angle. The parts:
  * - rounding p to float costs half an ulp, at most 2^-24 |p_c|, or half the smallest denormal;
- * - sum b_i v_ic in double: 3 products, 2 sums, sum b = 1 within 3 roundings: at most 8 * 2^-53 max |v_ic|; 2^-48 max
- *   |v_ic| is 4 times that;
+ * - sum b_i v_ic in double: 3 products, 2 sums, sum b = 1 within 4 roundings: at most 9 * 2^-53 max |v_ic|; 2^-48 max
+ *   |v_ic| is 3 times that;
  * - T. Let u be the unit of rounding and t_a = sum_c |a_c n_c| / |n|. It is a distance along ng that errs:
  *   . a vertex less the origin errs by u of itself: at most u extent_c along c, and the plane moves with its vertices,
  *     by at most u tilt, tilt = sum_c |n_c| extent_c / |n|;
@@ -57,8 +58,9 @@ static void weights(const vec3 v[3], const ray *r, double b[3])
  * rounding p is the whole error. A test that mixes the axes, as the sheared one does, would need 2^-53 of the size
  * there. For a scan's small triangles T is negligible, but a tilted floor of size 1000 seen at p = (1, 1, 1) needs
  * it. It is a distance along ng, so it enters as distance * |ng_c|. No more than the triangle's largest extent: the
- * plane of a needle for which the bound is longer than that is not known to floats, and the ray shall stay near. */
-static vec3 triangle_error(const vec3 v[3], vec3 p, const double n[3], double n_size)
+ * plane of a needle for which the bound is longer than that is not known to floats, and the ray shall stay near.
+ * Here n is of unit length, and per_size is what it was multiplied by. */
+static vec3 triangle_error(const vec3 v[3], vec3 p, const double n[3], double per_size)
 {
     const double x[3][3] = {{(double)v[0].x, (double)v[0].y, (double)v[0].z},
                             {(double)v[1].x, (double)v[1].y, (double)v[1].z},
@@ -68,17 +70,17 @@ static vec3 triangle_error(const vec3 v[3], vec3 p, const double n[3], double n_
 
     for (int c = 0; c < 3; c++) {
         const int c1 = (c + 1) % 3, c2 = (c + 2) % 3;
-        double largest = fmax(fabs(x[0][c]), fmax(fabs(x[1][c]), fabs(x[2][c])));
-        double extent = fmax(x[0][c], fmax(x[1][c], x[2][c])) - fmin(x[0][c], fmin(x[1][c], x[2][c]));
+        double largest = larger(fabs(x[0][c]), larger(fabs(x[1][c]), fabs(x[2][c])));
+        double extent = larger(x[0][c], larger(x[1][c], x[2][c])) - smaller(x[0][c], smaller(x[1][c], x[2][c]));
         e[c] = 0x1p-24 * fabs(at[c]) + 0.5 * (double)FLT_TRUE_MIN + 0x1p-48 * largest;
-        size = fmax(size, extent);
-        tilt += fabs(n[c]) / n_size * extent;
-        sums += fabs(x[0][c] - at[c]) / n_size * (fabs((x[1][c1] - x[0][c1]) * (x[2][c2] - x[0][c2])) +
-                                                  fabs((x[1][c2] - x[0][c2]) * (x[2][c1] - x[0][c1])));
+        size = larger(size, extent);
+        tilt += fabs(n[c]) * extent;
+        sums += fabs(x[0][c] - at[c]) * per_size * (fabs((x[1][c1] - x[0][c1]) * (x[2][c2] - x[0][c2])) +
+                                                    fabs((x[1][c2] - x[0][c2]) * (x[2][c1] - x[0][c1])));
     }
-    double distance = fmin(0x1p-23 * tilt + 6 * 0x1p-24 * sums, size);
-    return (vec3){round_up(e[0] + distance * fabs(n[0]) / n_size), round_up(e[1] + distance * fabs(n[1]) / n_size),
-                  round_up(e[2] + distance * fabs(n[2]) / n_size)};
+    double distance = smaller(0x1p-23 * tilt + 6 * 0x1p-24 * sums, size);
+    return (vec3){round_up(e[0] + distance * fabs(n[0])), round_up(e[1] + distance * fabs(n[1])),
+                  round_up(e[2] + distance * fabs(n[2]))};
 }
 
 /* The interpolated normal. A vertex of normal (0,0,0) has the face's. */
@@ -125,9 +127,10 @@ static void triangle_surface(const bis_geometry *g, uint32_t prim, const ray *r,
                      b[0] * (double)v[0].z + b[1] * (double)v[1].z + b[2] * (double)v[2].z);
     area_vector(v, n);
     /* > 0: no accelerator reports a triangle without area */
-    double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    s->p_error = triangle_error(v, s->p, n, size);
-    vec3 face = vec3_from(n[0] / size, n[1] / size, n[2] / size);
+    const double per_size = 1 / sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int c = 0; c < 3; c++) n[c] *= per_size;
+    s->p_error = triangle_error(v, s->p, n, per_size);
+    const vec3 face = vec3_from(n[0], n[1], n[2]);
     s->n = g->n ? shading_normal(g, index, b, face) : face;
     s->ng = n[0] * (double)r->d.x + n[1] * (double)r->d.y + n[2] * (double)r->d.z > 0 ? neg(face) : face;
     if (dot(s->n, s->ng) < 0) s->n = neg(s->n);
@@ -146,12 +149,9 @@ void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bi
 /* p + step, rounded away from p. */
 static float move_away(float p, double step)
 {
-    double exact = (double)p + step;
-    float moved = (float)exact;
+    const double exact = (double)p + step;
 
-    if (step > 0 && (double)moved < exact) return nextafterf(moved, INFINITY);
-    if (step < 0 && (double)moved > exact) return nextafterf(moved, -INFINITY);
-    return moved;
+    return step > 0 ? round_up(exact) : round_down(exact);
 }
 
 /* True p lies within p_error of p, so in the direction ng at most sum_c |ng_c| p_error_c before it. ng itself is

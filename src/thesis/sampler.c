@@ -34,23 +34,51 @@ enum { CAMERA_DIM = 0x7fffffff };
 
 /* ---- orders ---- */
 
-/* Returns the image of i under a pseudo-random permutation of 0, ..., n - 1: a Feistel network on the least number of
- * bits that hold n - 1, repeated until the result is below n (fewer than two times on average). The smallest networks
- * are the worst: after 4 rounds, orders of 5 cells are off by 10 %; after 12 rounds, a million orders show no
- * deviation. */
+/* The k-th number of a sequence without repeats (k < 2^64), of its own for each key. */
+static uint64_t number_of(uint64_t key, uint64_t k) { return bis_hash(key + k * 0x9e3779b97f4a7c15u); }
+
+/* Returns the rank of the i-th of n different random numbers: any order is as likely as any other. It costs 1 ns for
+ * each of the n. */
+static uint64_t ranked(uint64_t i, uint64_t n, uint64_t key)
+{
+    const uint64_t mine = number_of(key, i);
+    uint64_t rank = 0;
+    for (uint64_t k = 0; k < n; k++)
+        rank += number_of(key, k) < mine;
+    return rank;
+}
+
+/* A random function of x. The middle bits of a square: the bits of x a + b alone would be a straight line's. */
+static uint64_t round_of(uint64_t x, uint64_t number)
+{
+    const uint64_t y = x * (number | 1) + (number >> 32 | number << 32);
+    return y * y >> 32;
+}
+
+/* Returns the image of i under a pseudo-random permutation of 0, ..., n - 1.
+ *
+ * Large n: a Feistel network on the least number of bits that hold n - 1, repeated until the result is below n (fewer
+ * than two times on average). The smallest networks are the worst: of 9 cells, orders of pairs are off by 2 % after 4
+ * rounds. From 33 cells on they are off by less than 1 % (8 million orders), and only those of samples whose lower
+ * halves are equal. Small n have so few cells that one of all orders is drawn for the same price. */
 static uint64_t permuted(uint64_t i, uint64_t n, uint64_t key)
 {
-    enum { ROUNDS = 12 };
+    enum { SMALL = 32, ROUNDS = 4 };
     unsigned bits = 0;
-    while (((uint64_t)1 << bits) < n)
+    uint64_t number[2 * ROUNDS];
+
+    if (n <= SMALL) return ranked(i, n, key);
+    while (bits < 64 && (n - 1) >> bits > 0)
         bits++;
-    unsigned low_bits = bits / 2;
-    uint64_t low_mask = ((uint64_t)1 << low_bits) - 1, high_mask = ((uint64_t)1 << (bits - low_bits)) - 1;
+    const unsigned low_bits = bits / 2;
+    const uint64_t low_mask = ((uint64_t)1 << low_bits) - 1, high_mask = ((uint64_t)1 << (bits - low_bits)) - 1;
     uint64_t low = i & low_mask, high = i >> low_bits;
+    for (uint64_t k = 0; k < 2 * ROUNDS; k++)
+        number[k] = number_of(key, k);
     do {
-        for (uint64_t round = 0; round < 2 * ROUNDS; round += 2) {
-            high ^= bis_hash(key + (2 * ROUNDS * low + round) * 0x9e3779b97f4a7c15u) >> 32 & high_mask;
-            low ^= bis_hash(key + (2 * ROUNDS * high + round + 1) * 0x9e3779b97f4a7c15u) >> 32 & low_mask;
+        for (int k = 0; k < 2 * ROUNDS; k += 2) {
+            high ^= round_of(low, number[k]) & high_mask;
+            low ^= round_of(high, number[k + 1]) & low_mask;
         }
     } while ((high << low_bits | low) >= n);
     return high << low_bits | low;

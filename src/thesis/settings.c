@@ -160,6 +160,18 @@ bis_settings bis_settings_default(const bis_integrator *integrator)
     return s;
 }
 
+/* Of what the thesis does not have, that which pays on nearly every scene (docs/integrators.md). */
+bis_settings bis_settings_unnamed(void)
+{
+    bis_settings s = bis_settings_default(&bis_sir);
+
+    s.proposal = BIS_PROPOSAL_PRODUCT;
+    s.candidates = 64;
+    s.shadowrays = 16;
+    s.learn = true;
+    return s;
+}
+
 bool bis_settings_equal(const bis_settings *a, const bis_settings *b)
 {
     if (a->integrator != b->integrator) return false;

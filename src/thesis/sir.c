@@ -1,4 +1,4 @@
-/* sir: sampling-importance resampling, the default. Source: thesis 4.4.
+/* sir: sampling-importance resampling. Source: thesis 4.4.
  *
  * M candidates x_i are drawn from a proposal q, each with its weight w_i = phat/q. N of them, y_j, are drawn with
  * probability w_i / sum w, and only these are traced:
@@ -61,6 +61,6 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
 }
 
 const bis_integrator bis_sir = {.name = "sir",
-    .words = "the default: candidates, of which a few are resampled in proportion to the product (thesis 4.4)",
+    .words = "candidates, of which a few are resampled in proportion to the product (thesis 4.4)",
     .claim = "unbiased for every M, N >= 1",
     .light_needs = light_needs, .scratch_needs = scratch_needs, .Lo = Lo};

@@ -8,7 +8,7 @@
 #include "bis/thesis/warp.h"
 #include "tools/verify/verify.h"
 
-#include "lit.h"
+#include "facets.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -153,44 +153,6 @@ static void f_and_density_at_once_have_the_same_bits(void **state)
 
 /* ---- the sampler: facets ---- */
 
-/* A facet h at the quantile v = tan^2/(a^2 + tan^2), where D cos theta_h is uniform over (v, phi). The eye sees it with
- * density G1 (wo h)+/(cos theta_o cos theta_h) dv dphi/2 pi, and (wo h)/cos theta_h = cos theta_o + sin theta_o tan
- * theta_h cos(phi - phi_o). */
-enum { RINGS = 24, SECTORS = 24, FACETS = RINGS * SECTORS };
-
-static void expect_facets(double expected[FACETS], double a, double degrees, double count)
-{
-    enum { K = 64 };
-    const double c = cos(degrees * PI / 180), s = sin(degrees * PI / 180),
-                 G1 = 1 / (1 + (double)smith((real)a, (real)c)), phi_o = atan2(0.8, 0.6);
-
-    for (int i = 0; i < FACETS; i++) {
-        double sum = 0;
-        for (int k = 0; k < K * K; k++) {
-            /* w^2 = 1 - v evens out the pole of tan at v = 1: dv = 2 w dw */
-            const double w0 = sqrt(1 - (double)(i / SECTORS) / RINGS), w1 = sqrt(1 - (double)(i / SECTORS + 1) / RINGS);
-            const double w = w1 + (w0 - w1) * (k % K + 0.5) / K, tangent = a * sqrt(1 - w * w) / w;
-            const double phi = 2 * PI * (i % SECTORS + ((int)(k / K) + 0.5) / K) / SECTORS;
-            sum += fmax(0, c + s * tangent * cos(phi - phi_o)) * 2 * w * (w0 - w1);
-        }
-        expected[i] = count * sum / (K * K) / SECTORS * G1 / c;
-    }
-}
-
-static int facet_of(const bis_bsdf *b, double a, vec3 wi)
-{
-    const double s[3] = {(double)wi.x + (double)b->wo.x, (double)wi.y + (double)b->wo.y,
-                         (double)wi.z + (double)b->wo.z};
-    const double x = s[0] * (double)b->local.x.x + s[1] * (double)b->local.x.y + s[2] * (double)b->local.x.z;
-    const double y = s[0] * (double)b->local.y.x + s[1] * (double)b->local.y.y + s[2] * (double)b->local.y.z;
-    const double z = s[0] * (double)b->local.z.x + s[1] * (double)b->local.z.y + s[2] * (double)b->local.z.z;
-    const double r2 = x * x + y * y, v = r2 / (a * a * z * z + r2), phi = atan2(y, x);
-    const int ring = (int)fmin(v * RINGS, RINGS - 1),
-              sector = (int)((phi < 0 ? phi + 2 * PI : phi) / (2 * PI) * SECTORS) % SECTORS;
-
-    return ring * SECTORS + sector;
-}
-
 typedef enum wrong { RIGHT, SMOOTHER, ALL_FACETS, REDRAWN, UNIFORM_BASE, WITHOUT_G2 } wrong;
 
 /* Walter's sampling: facets by D cos, seen or not; what the eye does not see is drawn again. */
@@ -225,19 +187,19 @@ static void check_facets(double roughness, double degrees, wrong how)
 {
     const bis_material m = bis_microfacet(grey(0), grey(1), roughness),
                        drawn = bis_microfacet(grey(0), grey(1), how == SMOOTHER ? 0.98 * roughness : roughness);
-    double expected[FACETS], observed[FACETS] = {0};
+    double expected[FACETS_CELLS], observed[FACETS_CELLS] = {0};
     bis_bsdf b;
     bis_rng r;
 
     seen_from(&b, &drawn, degrees);
-    expect_facets(expected, m.alpha, degrees, N_DRAWS);
+    facets_expect(expected, m.alpha, degrees, N_DRAWS);
     bis_rng_init(&r, SEED, 4, 0, 0);
     for (int i = 0; i < N_DRAWS; i++)
-        observed[facet_of(&b, m.alpha, draw(&b, &r, how))]++;
+        observed[facets_cell(&b, m.alpha, draw(&b, &r, how))]++;
     if (how == RIGHT) {
-        stat_assert_fit("microfacet_visible", SEED, observed, expected, FACETS, alpha());
+        stat_assert_fit("microfacet_visible", SEED, observed, expected, FACETS_CELLS, alpha());
     } else {
-        stat_assert_no_fit("microfacet_visible_wrong", SEED, observed, expected, FACETS, alpha());
+        stat_assert_no_fit("microfacet_visible_wrong", SEED, observed, expected, FACETS_CELLS, alpha());
     }
 }
 
@@ -257,38 +219,20 @@ static void facets_are_drawn_as_they_are_seen(void **state)
 
 /* ---- the sampler: directions of the mixture ---- */
 
-enum { Z_CELLS = 24, PHI_CELLS = 16, CELLS = Z_CELLS * PHI_CELLS };
-
-/* Over cells of equal solid angle about the normal, below the horizon too, by midpoints of lit_f's density. Views at 60
- * degrees: what mirrors can send lies above cos = -1/2, an edge of the cells. */
 static void check_mixture(const bis_material *m, double degrees, wrong how)
 {
-    enum { K = 24 };
-    double expected[CELLS] = {0}, observed[CELLS] = {0};
-    const vec3 n = {0, 0, 1};
+    double expected[MIXTURE_CELLS], observed[MIXTURE_CELLS] = {0};
     bis_rng r;
     lit l;
 
-    lit_init(&l, NULL, *m, n, degrees, LIT_OPEN);
-    for (int i = 0; i < CELLS * K * K; i++) {
-        const int cell = i / (K * K);
-        const double z = -1 + 2 * (cell / PHI_CELLS + (i % K + 0.5) / K) / Z_CELLS, s = sqrt(1 - z * z);
-        const double phi = 2 * PI * (cell % PHI_CELLS + (i / K % K + 0.5) / K) / PHI_CELLS;
-        double pdf;
-        lit_f(&l, (double[]){s * cos(phi), s * sin(phi), z}, &pdf);
-        expected[cell] += pdf * 4 * PI / CELLS / (K * K) * N_DRAWS;
-    }
+    lit_init(&l, NULL, *m, (vec3){0, 0, 1}, degrees, LIT_OPEN);
+    mixture_expect(expected, m, degrees, N_DRAWS);
     bis_rng_init(&r, SEED, 5, 0, 0);
-    for (int i = 0; i < N_DRAWS; i++) {
-        const vec3 wi = draw(&l.pt.bsdf, &r, how);
-        const double phi = atan2((double)wi.y, (double)wi.x), turns = phi < 0 ? phi / (2 * PI) + 1 : phi / (2 * PI);
-        const int row = (int)fmin(((double)wi.z + 1) / 2 * Z_CELLS, Z_CELLS - 1);
-        observed[row * PHI_CELLS + (int)(turns * PHI_CELLS) % PHI_CELLS]++;
-    }
+    for (int i = 0; i < N_DRAWS; i++) observed[mixture_cell(draw(&l.pt.bsdf, &r, how))]++;
     if (how == RIGHT) {
-        stat_assert_fit("microfacet_mixture", SEED, observed, expected, CELLS, alpha());
+        stat_assert_fit("microfacet_mixture", SEED, observed, expected, MIXTURE_CELLS, alpha());
     } else {
-        stat_assert_no_fit("microfacet_mixture_wrong", SEED, observed, expected, CELLS, alpha());
+        stat_assert_no_fit("microfacet_mixture_wrong", SEED, observed, expected, MIXTURE_CELLS, alpha());
     }
 }
 
@@ -648,24 +592,6 @@ static void nearer_to_the_horizon_than_floats_can_tell_nothing_is_reflected(void
     assert_true(f.g > 1e15f && isfinite(f.g));
 }
 
-/* The albedo of white facets over the quantiles of expect_facets, no direction in float: the mean of G2/G1 over what is
- * seen, c_i = 2 (wo h) cos theta_h - c_o. */
-static double albedo_of_white(double a, double degrees)
-{
-    enum { K = 400 };
-    const double c_o = cos(degrees * PI / 180), s_o = sin(degrees * PI / 180);
-    double sum = 0;
-
-    for (int k = 0; k < K * K; k++) {
-        const double w = (k % K + 0.5) / K, tangent = a * sqrt(1 - w * w) / w,
-                     seen = c_o + s_o * tangent * cos(2 * PI * ((int)(k / K) + 0.5) / K);
-        const double c_i = 2 * seen / (1 + tangent * tangent) - c_o;
-        if (seen > 0 && c_i > 0)
-            sum += seen / c_o * 2 * w / (1 + (double)smith((real)a, (real)c_o) + (double)smith((real)a, (real)c_i));
-    }
-    return sum / (K * K);
-}
-
 /* At 89.9 degrees and beyond, the lobe of alpha = 1e-4 is narrower across than floats are apart: its density at a drawn
  * direction means nothing there, but f cos over it, F G2/G1, does. */
 static void smoothest_mirror_keeps_its_albedo_up_to_89_99999_degrees(void **state)
@@ -675,7 +601,7 @@ static void smoothest_mirror_keeps_its_albedo_up_to_89_99999_degrees(void **stat
     bis_rng r;
 
     (void)state;
-    assert_near(albedo_of_white(1, 60), 1 - 0.5 * log(3), 1e-4);
+    assert_near(facets_albedo_of_white(1, 60), 1 - 0.5 * log(3), 1e-4);
     bis_rng_init(&r, SEED, 8, 0, 0);
     for (int d = 0; d < COUNT(degrees); d++) {
         enum { N = 40000 };
@@ -684,7 +610,7 @@ static void smoothest_mirror_keeps_its_albedo_up_to_89_99999_degrees(void **stat
         bis_bsdf_init(&b, &m, (vec3){0, 0, 1}, view((vec3){0, 0, 1}, degrees[d]));
         for (int i = 0; i < N; i++)
             sum += weight(&b, draw(&b, &r, RIGHT), RIGHT);
-        assert_near(sum / N, albedo_of_white(m.alpha, degrees[d]),
+        assert_near(sum / N, facets_albedo_of_white(m.alpha, degrees[d]),
                     0.006); /* four standard errors, of G2/G1 between 0 and 1 */
     }
 }

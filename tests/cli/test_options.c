@@ -522,6 +522,6 @@ int main(void)
         cmocka_unit_test(a_comparison_by_hand),
     };
     program_folder(DIR);
-    program_write_scene(DIR, "");
+    program_write_scene(DIR, "Sampler \"stratified\"\n");
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

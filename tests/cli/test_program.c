@@ -539,6 +539,64 @@ static void what_is_no_scene_gets_one_line(void **state)
     assert_int_equal(system("rm " DIR "/a.* " DIR "/scene " DIR "/includes.txt " DIR "/comment.txt"), 0);
 }
 
+/* The scene with these lines in the place of its Sampler and Integrator, rendered to DIR/NAME.pfm. */
+static void render_with(const char *name, const char *sampler, const char *integrator, const char *options)
+{
+    program_run r;
+    char command[1024];
+
+    snprintf(command, sizeof command,
+             "sed -e 's/^Sampler.*/%s/' -e 's/^Integrator.*/%s/' " SCENE " > " DIR "/%s.txt", sampler, integrator,
+             name);
+    assert_int_equal(system(command), 0);
+    program_expect(&r, 0, DIR "/%s.txt --outfile " DIR "/%s.pfm %s", name, name, options);
+    program_expect_only_the_result(&r);
+}
+
+#define SAMPLER(kind, edges) \
+    "Sampler \"" kind "\" \"integer pixelsamples\" 16 \"integer seed\" 0 \"integer edgesamples\" " edges
+#define SIR(proposal, M, N, learn) \
+    "Integrator \"sir\" \"string proposal\" \"" proposal "\" \"integer candidates\" " M \
+    " \"integer shadowrays\" " N " \"bool learn\" " learn
+#define USUAL_SAMPLER SAMPLER("sobol", "4")
+#define USUAL SIR("product", "64", "16", "true")
+#define THESIS SIR("mix", "800", "15", "false")
+#define EM "Integrator \"em\" \"integer samples\" 16 \"bool stratify\" false"
+#define SIR_9 "Integrator \"sir\" \"integer candidates\" 9"
+
+/* What a scene leaves out, and what it could have written, are the same bits; each of the two lines alone, too; and
+ * where the command line names the integrator. The twins: another line makes another picture. */
+static void what_a_scene_leaves_out_is_what_it_could_have_written(void **state)
+{
+    static const struct {
+        const char *sampler, *integrator, *options;          /* as given */
+        const char *full_sampler, *full_integrator;          /* written out */
+        const char *other_sampler, *other_integrator;        /* a twin */
+    } cases[] = {
+        {"", "", "", USUAL_SAMPLER, USUAL, SAMPLER("stratified", "4"), USUAL},
+        {"", "", "", USUAL_SAMPLER, USUAL, SAMPLER("sobol", "1"), USUAL},
+        {"", "", "", USUAL_SAMPLER, USUAL, USUAL_SAMPLER, THESIS},
+        {"Sampler \"stratified\"", "", "", SAMPLER("stratified", "1"), USUAL, SAMPLER("stratified", "4"), USUAL},
+        {"Sampler \"sobol\"", "", "", SAMPLER("sobol", "1"), USUAL, USUAL_SAMPLER, USUAL},
+        {"", "Integrator \"sir\"", "", USUAL_SAMPLER, THESIS, USUAL_SAMPLER, USUAL},
+        {"", "Integrator \"em\"", "", USUAL_SAMPLER, EM, SAMPLER("sobol", "1"), EM},
+        {"", "", "--candidates 100", USUAL_SAMPLER, SIR("product", "100", "16", "true"), USUAL_SAMPLER, USUAL},
+        {"", "", "--integrator sir", USUAL_SAMPLER, THESIS, USUAL_SAMPLER, USUAL},
+        {"", "", "--integrator em", USUAL_SAMPLER, EM, SAMPLER("stratified", "1"), EM},
+        {"", SIR_9, "--integrator sir", USUAL_SAMPLER, SIR("mix", "9", "15", "false"), USUAL_SAMPLER, THESIS},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        render_with("given", cases[i].sampler, cases[i].integrator, cases[i].options);
+        render_with("full", cases[i].full_sampler, cases[i].full_integrator, "");
+        render_with("other", cases[i].other_sampler, cases[i].other_integrator, "");
+        if (system("cmp -s " DIR "/given.pfm " DIR "/full.pfm") != 0) fail_msg("%zu: other bits than written out", i);
+        if (system("cmp -s " DIR "/given.pfm " DIR "/other.pfm") == 0) fail_msg("%zu: the twin has the same bits", i);
+    }
+    assert_int_equal(system("cd " DIR " && rm given.* full.* other.*"), 0);
+}
+
 /* --learn is the scene's "bool learn": the same bits; it says where it can have no effect. */
 static void learn_is_an_option(void **state)
 {
@@ -983,6 +1041,7 @@ int main(void)
         cmocka_unit_test(plan_renders_and_writes_nothing),
         cmocka_unit_test(bad_usage_and_bad_scenes_exit_with_2_and_write_nothing),
         cmocka_unit_test(what_is_no_scene_gets_one_line),
+        cmocka_unit_test(what_a_scene_leaves_out_is_what_it_could_have_written),
         cmocka_unit_test(learn_is_an_option),
         cmocka_unit_test(files_that_cannot_be_read_or_written_exit_with_1),
         cmocka_unit_test(a_full_disk_keeps_the_older_file_and_leaves_no_other),

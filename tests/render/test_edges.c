@@ -30,7 +30,7 @@ static void edges_are_where_the_picture_is_half_background(void **state)
     make_world(&w, &place);
     bis_sampler_set_spp(&w.desc.view.sampler, 256);
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 256}});
-    unsigned char *edge = bis_edges_find(&film, (bis_rect){0, 0, WIDTH, HEIGHT}, &w.scene, &w.desc, &w.desc.view, 2);
+    unsigned char *edge = bis_edges_find(&film, (bis_rect){0, 0, WIDTH, HEIGHT}, &w.scene, &w.desc.view, 2);
     assert_non_null(edge);
     for (int i = 0; i < WIDTH * HEIGHT; i++, n++) {
         const double share = (double)film.hits[i] / 256;
@@ -74,7 +74,7 @@ static int count_ridge(double angle_deg, int left, int right)
     assert_int_equal(bis_accel_new(&w.scene.accel, &w.scene.geometry, &(bis_accel_options){.kind = BIS_ACCEL_GRID},
         NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
-    unsigned char *edge = bis_edges_find(&film, (bis_rect){0, 0, WIDTH, HEIGHT}, &w.scene, &w.desc, &w.desc.view, 1);
+    unsigned char *edge = bis_edges_find(&film, (bis_rect){0, 0, WIDTH, HEIGHT}, &w.scene, &w.desc.view, 1);
     assert_non_null(edge);
     for (int i = 0; i < WIDTH * HEIGHT && n >= 0; i++)
         if (edge[i]) n = i % WIDTH == WIDTH / 2 ? n + 1 : -1;
@@ -184,7 +184,7 @@ static void camera_samples_times_edge_samples_may_pass_32_bits(void **state)
         bis_sampler_set_spp(&w.desc.view.sampler, spps[i]);
         w.desc.view.edge_samples = 8;
         assert_int_equal(bis_film_init(&film, 8, 6, whole, (bis_loc){0}, NULL), BIS_OK);
-        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc, &w.desc.view, &(bis_render_options){.budget = {.spp = 2}}, NULL), BIS_OK);
+        assert_int_equal(bis_render(&result, &film, &w.scene, &w.desc.view, &(bis_render_options){.budget = {.spp = 2}}, NULL), BIS_OK);
         assert_int_equal(result.passes, 2);
         assert_in_range(result.counters.camera_rays, 2 * 48 + 7 * 9 + 1, 2 * 8 * 48 + 7 * 9); /* outlines are found by 9 x 7 rays */
         bis_film_clear(&film);

@@ -3,9 +3,11 @@
  * pixels and samples that calls Lo, and shadow rays that are traced one by one. */
 #include "render/edges.h"
 #include "render/workspace.h"
+#include "stat.h"
 #include "world.h"
 
 #include "bis/base/mem.h"
+#include "bis/base/stats.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,6 +16,7 @@
 
 #include <cmocka.h>
 
+#include <math.h>
 #include <string.h>
 
 enum { TILE = BIS_RENDER_TILE, ACROSS = (WIDTH + TILE - 1) / TILE };
@@ -246,6 +249,83 @@ static void an_integrator_may_trace_its_rays_at_once(void **state)
     clear_world(&w);
 }
 
+/* ---- unbiased ---- */
+
+enum { TILES = ACROSS * ((HEIGHT + TILE - 1) / TILE), BIASED_TESTS = 5 * TILES };
+
+/* The mean radiance of each tile, over `runs` renders of 7 camera samples with seeds of their own. */
+static void tile_means(stat_moments m[TILES], world *w, uint64_t first_seed, int runs, uint32_t pass_size)
+{
+    for (int run = 0; run < runs; run++) {
+        bis_film film;
+        bis_render_result result;
+        w->desc.view.sampler.seed = first_seed + (uint64_t)run;
+        bis_sampler_set_spp(&w->desc.view.sampler, 7);
+        render(&film, &result, w, whole, &(bis_render_options){.budget = {.spp = 7}, .pass_size = pass_size});
+        for (int t = 0; t < TILES; t++) {
+            double sum = 0;
+            int n = 0;
+            for (int y = t / ACROSS * TILE; y < HEIGHT && y < (t / ACROSS + 1) * TILE; y++) {
+                for (int x = t % ACROSS * TILE; x < WIDTH && x < (t % ACROSS + 1) * TILE; x++, n++)
+                    for (int k = 0; k < 3; k++) sum += film.sum[3 * (y * WIDTH + x) + k] / film.weight;
+            }
+            stat_add(&m[t], sum / n);
+        }
+        bis_film_clear(&film);
+    }
+}
+
+/* Welch: the difference of two means over its standard error; the smaller of the two numbers of runs bounds the degrees
+ * of freedom from below. */
+static double p_of_difference(const stat_moments *a, const stat_moments *b, double factor)
+{
+    const double se = sqrt(stat_variance(a) * factor * factor / a->n + stat_variance(b) / b->n);
+    return bis_stats_student_p((a->mean * factor - b->mean) / se, fmin(a->n, b->n) - 1);
+}
+
+/* Growing passes, edge samples, low-discrepancy camera samples, pools and what earlier passes have learned, against the
+ * plainest estimate: `em` with random samples, one a pass. */
+static void what_passes_share_and_learn_does_not_bias(void **state)
+{
+    enum { RUNS = 60, PLAIN = 300 };
+    (void)state;
+    static const struct {
+        setting s;
+        bis_sampler_kind sampler;
+        uint32_t edge_samples;
+    } cases[] = {
+        {{&bis_sir, 64, 16, BIS_PROPOSAL_PRODUCT, true, true}, BIS_SAMPLER_SOBOL, 4}, /* the default */
+        {{&bis_sir, 16, 4, BIS_PROPOSAL_PRODUCT, true, true}, BIS_SAMPLER_STRATIFIED, 1},
+        {{&bis_sir, 40, 5, BIS_PROPOSAL_MIX, false, true}, BIS_SAMPLER_HALTON, 4},
+        {{&bis_mis, 0, 6, BIS_PROPOSAL_EM, false, true}, BIS_SAMPLER_SOBOL, 4},
+        {{&bis_em, 0, 5, BIS_PROPOSAL_EM, false, true}, BIS_SAMPLER_STRATIFIED, 4},
+    };
+    const double alpha = stat_level(1e-2, BIASED_TESTS);
+    stat_moments plain[TILES] = {{0}};
+    world w;
+    make_world(&w, &bis_em);
+    w.desc.view.settings.samples = 8;
+    w.desc.view.sampler.kind = BIS_SAMPLER_RANDOM;
+    tile_means(plain, &w, 100000, PLAIN, 1);
+    clear_world(&w);
+    stat_judges(BIASED_TESTS);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        stat_moments m[TILES] = {{0}};
+        make_world(&w, &bis_sir);
+        choose(&w, &cases[i].s);
+        w.desc.view.sampler.kind = cases[i].sampler;
+        w.desc.view.edge_samples = cases[i].edge_samples;
+        tile_means(m, &w, 1 + 1000 * i, RUNS, 0);
+        for (int t = 0; t < TILES; t++) {
+            const double p = p_of_difference(&m[t], &plain[t], 1);
+            if (p < alpha) fail_msg("case %zu, tile %d: %g and %g, p %g", i, t, m[t].mean, plain[t].mean, p);
+        }
+        /* twin: 2 % too bright in one tile is found */
+        assert_true(p_of_difference(&m[1], &plain[1], 1.02) < alpha);
+        clear_world(&w);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -253,6 +333,7 @@ int main(void)
         cmocka_unit_test(one_ray_that_is_lost_changes_the_bits),
         cmocka_unit_test(many_samples_of_one_pixel_fill_several_waves),
         cmocka_unit_test(an_integrator_may_trace_its_rays_at_once),
+        cmocka_unit_test(what_passes_share_and_learn_does_not_bias),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

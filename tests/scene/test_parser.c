@@ -130,6 +130,28 @@ static void a_scene_that_cannot_be_read_is_the_disks_fault(void **state)
 
 /* ---- defaults and parameters ---- */
 
+/* What a scene has that names no sampler. */
+static void assert_has_the_usual_sampler(const bis_scene_desc *d)
+{
+    assert_int_equal(d->view.sampler.kind, BIS_SAMPLER_SOBOL);
+    assert_int_equal(d->view.sampler.spp, 16);
+    assert_true(d->view.sampler.seed == 0 && !d->view.adaptive);
+    assert_int_equal(d->view.edge_samples, 4);
+}
+
+/* What a scene has that names no integrator. */
+static void assert_has_the_usual_settings(const bis_scene_desc *d)
+{
+    const bis_settings *s = &d->view.settings;
+
+    assert_false(d->names_integrator);
+    assert_ptr_equal(s->integrator, &bis_sir);
+    assert_int_equal(s->proposal, BIS_PROPOSAL_PRODUCT);
+    assert_int_equal(s->candidates, 64);
+    assert_int_equal(s->shadowrays, 16);
+    assert_true(s->learn && s->stratify && s->vectorize && s->resampling == BIS_RESAMPLING_SYSTEMATIC);
+}
+
 static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)
 {
     bis_diag diag;
@@ -144,15 +166,75 @@ static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)
     assert_string_equal(d->outfile, "bis.exr");
     assert_true(d->view.film.crop[0] == 0 && d->view.film.crop[1] == 1 && d->view.film.crop[2] == 0 && d->view.film.crop[3] == 1);
     assert_true(!d->view.camera.orthographic && d->view.camera.fov_deg == 90 && !d->view.camera.has_screen);
-    assert_int_equal(d->view.sampler.kind, BIS_SAMPLER_STRATIFIED);
-    assert_int_equal(d->view.sampler.spp, 16);
-    assert_int_equal(d->view.sampler.xsamples, 4);
-    assert_true(d->view.sampler.jitter && d->view.sampler.seed == 0 && d->view.pixel_jitter);
-    assert_ptr_equal(d->view.settings.integrator, &bis_sir);
+    assert_has_the_usual_sampler(d);
+    assert_true(d->view.pixel_jitter);
+    assert_has_the_usual_settings(d);
     assert_int_equal(d->accel.kind, BIS_ACCEL_DEFAULT);
     assert_int_equal(d->n_shapes, 0);
     bis_scene_desc_free(d);
     bis_diag_clear(&diag);
+}
+
+static void a_sampler_alone_leaves_the_integrator_to_us(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good_scene("Sampler \"stratified\"", "");
+    assert_int_equal(d->view.sampler.kind, BIS_SAMPLER_STRATIFIED);
+    assert_int_equal(d->view.sampler.spp, 16);
+    assert_int_equal(d->view.sampler.xsamples, 4);
+    assert_true(d->view.sampler.jitter && d->view.sampler.seed == 0 && !d->view.adaptive);
+    assert_int_equal(d->view.edge_samples, 1); /* a named sampler has one camera sample everywhere */
+    assert_has_the_usual_settings(d);
+    bis_scene_desc_free(d);
+    d = good_scene("Sampler \"sobol\"", "");
+    assert_int_equal(d->view.edge_samples, 1);
+    bis_scene_desc_free(d);
+}
+
+/* Counts, proposal and resampling of the thesis's chapter 5, written out as a scene has them. */
+static void an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sampler_to_us(void **state)
+{
+    static const char *const lines[][2] = {
+        {"Integrator \"sir\"",
+         "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15 \"string proposal\" \"mix\""
+         " \"bool learn\" false"},
+        {"Integrator \"sir\" \"string proposal\" \"product\"",
+         "Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15 \"string proposal\" \"product\""
+         " \"bool learn\" false"},
+        {"Integrator \"rejection\"",
+         "Integrator \"rejection\" \"integer candidates\" 800 \"integer shadowrays\" 15"},
+        {"Integrator \"em\"", "Integrator \"em\" \"integer samples\" 16"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        bis_scene_desc *d = good_scene(lines[i][0], ""), *written_out = good_scene(lines[i][1], "");
+        assert_true(d->names_integrator);
+        assert_true(bis_settings_equal(&d->view.settings, &written_out->view.settings));
+        assert_has_the_usual_sampler(d);
+        bis_scene_desc_free(d);
+        bis_scene_desc_free(written_out);
+    }
+}
+
+/* pbrt's "path" says nothing of our integrators: the scene is one without. */
+static void an_integrator_of_pbrt_is_none(void **state)
+{
+    static const char *const lines[] = {"Integrator \"path\"", "Integrator \"em\" Integrator \"path\""};
+
+    for (int i = 0; i < 2; i++) {
+        char text[256];
+        bis_diag diag;
+        bis_scene_desc *d;
+        (void)state;
+        snprintf(text, sizeof text, "Option \"string asprinted\" \"E6\" %s WorldBegin LightSource \"infinite\"",
+                 lines[i]);
+        assert_int_equal(parse_text(&d, &diag, text), BIS_OK);
+        assert_has_the_usual_settings(d);
+        assert_int_equal(d->view.settings.as_printed, bis_erratum_find("E6")->flag); /* the Option's, which stays */
+        bis_scene_desc_free(d);
+        bis_diag_clear(&diag);
+    }
 }
 
 static void a_film_without_parameters_has_the_defaults_of_no_film(void **state)
@@ -684,6 +766,9 @@ int main(void)
         cmocka_unit_test(a_bad_scene_without_a_list_for_messages_fails_all_the_same),
         cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
         cmocka_unit_test(an_empty_world_has_the_defaults_of_the_contract_E39),
+        cmocka_unit_test(a_sampler_alone_leaves_the_integrator_to_us),
+        cmocka_unit_test(an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sampler_to_us),
+        cmocka_unit_test(an_integrator_of_pbrt_is_none),
         cmocka_unit_test(a_film_without_parameters_has_the_defaults_of_no_film),
         cmocka_unit_test(a_light_without_parameters_has_the_defaults_of_the_contract),
         cmocka_unit_test(materials_have_the_defaults_of_the_contract),

@@ -4,7 +4,9 @@
 
 #include "bis/shape/accel.h"
 #include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 #include "files/ply.h"
+#include "shape/rounding.h"
 
 #include <float.h>
 #include <setjmp.h>
@@ -739,6 +741,53 @@ static void without_the_offset_a_point_does_shadow_itself_E37(void **state)
     bis_geometry_clear(&g);
 }
 
+/* ---- rounding ---- */
+
+/* The C library's nextafterf says what the neighbours are: the float is on its side of v, and the next one is not. */
+static void rounded_numbers_are_the_nearest_floats_on_their_side(void **state)
+{
+    const double special[] = {0, -0.0, 1e-60, 0x1p-149, 0x1p-150, 0x1p-126, 1, 1 + 0x1p-24, 1 - 0x1p-30, (double)FLT_MAX};
+    bis_rng r;
+
+    (void)state;
+    bis_rng_init(&r, 7, 0, 0, 0);
+    for (int i = 0; i < 200000; i++) {
+        const double size = i < 20 ? special[i / 2] : ldexp(1 + bis_rng_double(&r), (int)(bis_rng_u64(&r) % 280) - 153);
+        const double v = i % 2 ? -size : size;
+        const float up = round_up(v), down = round_down(v);
+        assert_true((double)up >= v && (double)nextafterf(up, -INFINITY) < v);
+        assert_true((double)down <= v && (double)nextafterf(down, INFINITY) > v);
+    }
+}
+
+/* A hint changes nothing; that it reads nothing beyond the arrays is for the sanitizers to see. */
+static void what_is_asked_for_before_leaves_surfaces_as_they_are(void **state)
+{
+    bis_geometry g = {0};
+    bis_mesh a = sphere_mesh(6);
+    const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(5, 0, 0), 2};
+
+    (void)state;
+    for (int smooth = 0; smooth < 2; smooth++) {
+        if (smooth) a = sphere_mesh(6), assert_int_equal(bis_mesh_smooth_normals(&a, NULL), BIS_OK);
+        add_mesh(&g, &a, NULL, 1);
+        assert_true((g.n != NULL) == smooth);
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        for (uint32_t prim = 0; prim < bis_geometry_primitives(&g); prim++) {
+            const bis_box box = bis_geometry_bounds(&g, prim);
+            const vec3 middle = mul(add(box.lo, box.hi), 0.5), d = prim < g.n_triangles ? neg(normalize(middle)) : (vec3){1, 0, 0};
+            const ray r = {sub(middle, mul(d, 3)), d, INFINITY};
+            bis_surface before, after;
+            bis_geometry_surface(&g, prim, &r, &before);
+            bis_geometry_prefetch(&g, prim, 0);
+            bis_geometry_prefetch(&g, prim, 1);
+            bis_geometry_surface(&g, prim, &r, &after);
+            assert_memory_equal(&before, &after, sizeof before);
+        }
+        bis_geometry_clear(&g);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -764,6 +813,8 @@ int main(void)
         cmocka_unit_test(a_large_tilted_plane_never_shadows_itself),
         cmocka_unit_test(no_triangle_of_the_dragon_shadows_itself),
         cmocka_unit_test(without_the_offset_a_point_does_shadow_itself_E37),
+        cmocka_unit_test(rounded_numbers_are_the_nearest_floats_on_their_side),
+        cmocka_unit_test(what_is_asked_for_before_leaves_surfaces_as_they_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

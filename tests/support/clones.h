@@ -1,4 +1,4 @@
-/* clones: src/beyond/lanes.c, phong_lanes.c and map_lanes.c once more, under other names: for the plainest processor
+/* clones: src/beyond/lanes.c, *_lanes.c once more, under other names: for the plainest processor
  * (clone_*.c) and for AVX2 (clone_avx2_*.c). What the library holds chooses by the processor that it runs on; all must
  * give the same bits. */
 #ifndef TESTS_CLONES_H
@@ -13,6 +13,7 @@ typedef void clone_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pi
 extern clone_points plain_lanes_points, avx2_lanes_points;
 extern clone_pixels plain_envmap_pixels, avx2_envmap_pixels;
 extern const bis_bsdf_lanes plain_phong_lanes, avx2_phong_lanes;
+extern const bis_bsdf_lanes plain_microfacet_lanes, avx2_microfacet_lanes;
 
 /* May avx2_* be called here? */
 static inline bool clone_has_avx2(void)

@@ -8,13 +8,14 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
 
 enum { KINDS = 4, GRID = 16, CELLS = GRID * GRID, MAX_POINTS = 4096 };
 
-static double alpha(void) { return stat_level(0.01, 34); }
+static double alpha(void) { return stat_level(0.01, 34 - 6 + 14 + 12 + 8); }
 
 static bis_sampler sampler_of(bis_sampler_kind kind, uint32_t xsamples, uint32_t ysamples)
 {
@@ -241,28 +242,100 @@ static void without_jitter_camera_samples_lie_in_the_middle(void **state)
     assert_true(u[0] == 0.5 && u[1] == 0.5);
 }
 
-/* What makes any prefix of the passes spread: the cells of the first two are every ordered pair equally often. */
+/* The cell that camera sample i visits. */
+static uint64_t cell_of(const bis_sampler *p, uint64_t pixel, uint64_t i)
+{
+    bis_stream s;
+    double u[2];
+    bis_stream_init(&s, p, pixel, i);
+    bis_stream_camera(&s, u);
+    return (uint64_t)(u[0] * (double)p->xsamples) + p->xsamples * (uint64_t)(u[1] * (double)p->ysamples);
+}
+
+static int by_number(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* All n samples, or the first and last of them, of orders of any length up to 2^32 and beyond. */
+static void no_cell_is_visited_twice_whatever_their_number(void **state)
+{
+    (void)state;
+    enum { MOST = 100000 };
+    static uint64_t cell[MOST];
+    const uint64_t large[] = {1000,    4097,    65536,       99991,               65537,
+                              1 << 20, 1000003, 4294967291u, (uint64_t)1 << 32, 4800000000u};
+    for (int k = 0; k < 150 + 10; k++) {
+        const uint64_t n = k < 150 ? (uint64_t)k + 1 : large[k - 150], most = n < MOST ? n : MOST;
+        bis_sampler p = {.kind = BIS_SAMPLER_STRATIFIED, .seed = 42, .jitter = false};
+        bis_sampler_set_spp(&p, n);
+        for (uint64_t i = 0; i < most; i++) {
+            cell[i] = cell_of(&p, 7, i < most / 2 ? i : n - 1 - (i - most / 2));
+            assert_true(cell[i] < n);
+        }
+        qsort(cell, most, sizeof *cell, by_number);
+        for (uint64_t i = 1; i < most; i++)
+            assert_true(cell[i - 1] < cell[i]);
+    }
+}
+
+/* What makes any prefix of the passes spread: the cells of three samples are every ordered triple equally often (where
+ * three would be too many cells to count, two). Rotated: for the twin, an order that starts anywhere and goes on in
+ * steps of one. */
+enum { ORDER_PIXELS = 100000 };
+
+static void check_order(uint64_t n, const uint64_t *sample, int parts, bool rotated)
+{
+    uint64_t cells = 1, orders = 1;
+    double *observed, *expected;
+    bis_sampler p = {.kind = BIS_SAMPLER_STRATIFIED, .seed = 42, .jitter = true};
+    bis_sampler_set_spp(&p, n);
+    for (int k = 0; k < parts; k++)
+        cells *= n, orders *= n - (uint64_t)k;
+    observed = calloc(cells, sizeof *observed);
+    expected = calloc(cells, sizeof *expected);
+    for (uint64_t pixel = 0; pixel < ORDER_PIXELS; pixel++) {
+        uint64_t code = 0;
+        for (int k = 0; k < parts; k++)
+            code = n * code + (rotated ? (cell_of(&p, pixel, 0) + sample[k]) % n : cell_of(&p, pixel, sample[k]));
+        observed[code]++;
+    }
+    for (uint64_t i = 0; i < cells; i++) {
+        const uint64_t a = i % n, b = i / n % n, c = i / n / n;
+        const bool twice = parts > 1 && (a == b || (parts > 2 && (a == c || b == c)));
+        expected[i] = twice ? 0 : (double)ORDER_PIXELS / (double)orders;
+    }
+    if (rotated) {
+        stat_assert_no_fit("sampler_order_twin", 42, observed, expected, cells, alpha());
+    } else {
+        stat_assert_fit("sampler_order", 42, observed, expected, cells, alpha());
+    }
+    free(observed);
+    free(expected);
+}
+
 static void the_order_of_camera_cells_is_any_order_equally_often(void **state)
 {
     (void)state;
-    const uint32_t sizes[][2] = {{2, 1}, {3, 1}, {2, 2}, {5, 1}, {3, 2}, {4, 4}};
-    for (int k = 0; k < 6; k++) {
-        double observed[256] = {0}, expected[256];
-        const uint32_t n = sizes[k][0] * sizes[k][1], pixels = 100000;
-        bis_sampler p = sampler_of(BIS_SAMPLER_STRATIFIED, sizes[k][0], sizes[k][1]);
-        for (uint32_t pixel = 0; pixel < pixels; pixel++) {
-            uint32_t cell[2];
-            for (uint32_t i = 0; i < 2; i++) {
-                double u[2];
-                camera_of(&p, pixel, i, u);
-                cell[i] = (uint32_t)(u[0] * sizes[k][0]) + sizes[k][0] * (uint32_t)(u[1] * sizes[k][1]);
-            }
-            observed[cell[0] * n + cell[1]]++;
-        }
-        for (uint32_t i = 0; i < n * n; i++)
-            expected[i] = i / n == i % n ? 0 : (double)pixels / (n * (n - 1));
-        stat_assert_fit("sampler_order", 42, observed, expected, n * n, alpha());
+    const uint64_t few[] = {2, 3, 4, 5, 6, 9, 16}, many[] = {32, 33, 36, 64}, most[] = {33, 64, 1000, 4096};
+    for (int k = 0; k < 7; k++) {
+        const uint64_t n = few[k];
+        check_order(n, (uint64_t[]){0, 1, 2}, n > 2 ? 3 : 2, false);
+        check_order(n, (uint64_t[]){0, n / 2, n - 1}, n > 3 ? 3 : 2, false);
     }
+    for (int k = 0; k < 4; k++) {
+        const uint64_t n = many[k];
+        check_order(n, (uint64_t[]){0, 1}, 2, false);
+        check_order(n, (uint64_t[]){3, 3 + n / 2}, 2, false);
+        check_order(n, (uint64_t[]){8, 16}, 2, false);
+    }
+    for (int k = 0; k < 4; k++) {
+        check_order(most[k], (uint64_t[]){0}, 1, false);
+        check_order(most[k], (uint64_t[]){most[k] / 2 + 1}, 1, false);
+    }
+    check_order(9, (uint64_t[]){0, 1, 2}, 3, true);
+    check_order(36, (uint64_t[]){0, 1}, 2, true);
 }
 
 /* ---- independent, set by set ---- */
@@ -472,6 +545,7 @@ int main(void)
         cmocka_unit_test(stratified_sets_have_one_point_in_each_nth_of_hilberts_curve_in_order),
         cmocka_unit_test(stratified_camera_samples_visit_each_cell_once_in_each_round),
         cmocka_unit_test(without_jitter_camera_samples_lie_in_the_middle),
+        cmocka_unit_test(no_cell_is_visited_twice_whatever_their_number),
         cmocka_unit_test(the_order_of_camera_cells_is_any_order_equally_often),
         cmocka_unit_test(the_same_point_of_neighbouring_pixels_and_dims_is_independent),
         cmocka_unit_test(two_dims_of_one_pixel_fill_the_square_together),

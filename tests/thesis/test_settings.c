@@ -112,6 +112,81 @@ static void defaults_are_those_of_the_page(void **state)
     }
 }
 
+static bis_scene_desc *scene_of(const char *lines)
+{
+    bis_scene_desc *d;
+    char text[1024];
+
+    snprintf(text, sizeof text, "%s\nWorldBegin\nLightSource \"infinite\"\n", lines);
+    program_write_file(SCENE, text);
+    if (bis_scene_parse(&d, SCENE, NULL)) fail_msg("not read: %s", lines);
+    return d;
+}
+
+static bool same_sampler(const bis_view *a, const bis_view *b)
+{
+    return a->sampler.kind == b->sampler.kind && a->sampler.spp == b->sampler.spp &&
+           a->sampler.seed == b->sampler.seed && a->edge_samples == b->edge_samples && a->adaptive == b->adaptive;
+}
+
+/* The lines that a page says a scene without a Sampler or an Integrator has. The twins: a named one of the same name
+ * has other values. */
+static void a_scene_without_the_lines_has_those_of_the_pages(void **state)
+{
+    static const char *const pages[] = {"docs/scene-format.md", "docs/integrators.md"};
+    bis_scene_desc *none = scene_of("");
+
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        static char page[1 << 17];
+        char *line, told[512], *end;
+        FILE *f = fopen(pages[i], "r");
+        assert_non_null(f);
+        page[fread(page, 1, sizeof page - 1, f)] = '\0';
+        fclose(f);
+        line = strstr(page, "# A scene without a");
+        assert_non_null(line);
+        line = strchr(strstr(line, "\n```pbrt\n") + 1, '\n');
+        end = strstr(line, "\n```");
+        assert_true(end && end - line < (int)sizeof told);
+        snprintf(told, sizeof told, "%.*s", (int)(end - line), line);
+        bis_scene_desc *d = scene_of(told);
+        if (!bis_settings_equal(&d->view.settings, &none->view.settings)) fail_msg("%s: another integrator", pages[i]);
+        if (!same_sampler(&d->view, &none->view)) fail_msg("%s: another sampler", pages[i]);
+        bis_scene_desc_free(d);
+    }
+    bis_scene_desc *named = scene_of("Sampler \"sobol\" Integrator \"sir\"");
+    assert_false(bis_settings_equal(&named->view.settings, &none->view.settings));
+    assert_false(same_sampler(&named->view, &none->view));
+    bis_scene_desc_free(named);
+    bis_scene_desc_free(none);
+}
+
+/* The page's table of the Sampler: | `integer NAME` | DEFAULT | ..., as a named sampler has them. */
+static void defaults_of_a_named_sampler_are_those_of_the_page(void **state)
+{
+    static char page[1 << 17];
+    FILE *f = fopen("docs/scene-format.md", "r");
+    bis_scene_desc *d = scene_of("Sampler \"stratified\"");
+    const bis_sampler *s = &d->view.sampler;
+    char rows[6][64];
+
+    (void)state;
+    assert_non_null(f);
+    page[fread(page, 1, sizeof page - 1, f)] = '\0';
+    fclose(f);
+    assert_true(s->xsamples == s->ysamples);
+    snprintf(rows[0], sizeof rows[0], "\n| `integer pixelsamples` | %u |", (unsigned)s->spp);
+    snprintf(rows[1], sizeof rows[1], "\n| `integer seed` | %u |", (unsigned)s->seed);
+    snprintf(rows[2], sizeof rows[2], "\n| `integer xsamples`, `ysamples` | %u |", (unsigned)s->xsamples);
+    snprintf(rows[3], sizeof rows[3], "\n| `bool jitter` | %s |", s->jitter ? "true" : "false");
+    snprintf(rows[4], sizeof rows[4], "\n| `integer edgesamples` | %u |", (unsigned)d->view.edge_samples);
+    snprintf(rows[5], sizeof rows[5], "\n| `bool adaptive` | %s |", d->view.adaptive ? "true" : "false");
+    for (int i = 0; i < 6; i++)
+        if (!strstr(strstr(page, "\n### Sampler"), rows[i])) fail_msg("no row %s", rows[i] + 1);
+    bis_scene_desc_free(d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -119,6 +194,8 @@ int main(void)
         cmocka_unit_test(no_integrator_reads_two_rows_of_one_name),
         cmocka_unit_test(every_parameter_is_told_and_read_back),
         cmocka_unit_test(defaults_are_those_of_the_page),
+        cmocka_unit_test(a_scene_without_the_lines_has_those_of_the_pages),
+        cmocka_unit_test(defaults_of_a_named_sampler_are_those_of_the_page),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

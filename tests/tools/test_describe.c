@@ -306,7 +306,9 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
     static const char scene[] =
         "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100 \"string filename\" \"out.exr\" \"float cropwindow\" [0.5 1 0.5 1]\n"
         "  \"string layers\" [\"albedo\" \"normal\" \"depth\"]\n"
-        "Camera \"perspective\" \"float fov\" 50\nSampler \"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 2 \"bool adaptive\" true \"integer seed\" 7\n"
+        "Camera \"perspective\" \"float fov\" 50\n"
+        "Sampler \"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 2 \"bool adaptive\" true\n"
+        "  \"integer seed\" 7 \"integer edgesamples\" 5\n" /* without jitter, no pixel has more */
         "Integrator \"mis\" \"integer samples\" 12 \"float split\" 0.25 \"bool compensate\" true \"string heuristic\" \"power\"\n"
         "Option \"string asprinted\" \"E6\" Option \"bool disablepixeljitter\" true\nAccelerator \"grid\"\nWorldBegin\n"
         "LightSource \"infinite\" \"string filename\" \"map.pfm\" \"bool visible\" false\n"
@@ -360,13 +362,14 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
              "scene        " DIR "/scene.txt\n"
              "film         4000 x 3000, cropwindow 0 1 0 1, to bis.exr\n"
              "camera       orthographic\n"
-             "sampler      sobol, 3 camera samples a pixel, seed 0\n"
+             "sampler      sobol, 3 camera samples a pixel, 4 for each of them on outlines, seed 0\n"
              "integrator   auto: a pilot will choose among mis, sir (proposal, M and N), and em or brdf where they are safe\n"
              "claim        %s\n"
              "light        map " DIR "/probe.hdr, angular, resampled to latlong, 6000 x 3000: 216.0 MB of pixels\n",
              bis_auto.claim);
     static const char scene[] =
-        "Film \"rgb\" \"integer xresolution\" 4000 \"integer yresolution\" 3000\nCamera \"orthographic\"\nSampler \"sobol\" \"integer pixelsamples\" 3\n"
+        "Film \"rgb\" \"integer xresolution\" 4000 \"integer yresolution\" 3000\nCamera \"orthographic\"\n"
+        "Sampler \"sobol\" \"integer pixelsamples\" 3 \"integer edgesamples\" 4\n"
         "Integrator \"auto\"\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" \"angular\"\n";
     static const char none[] =
         "skip         light table: there is no geometry to light\nskip         light curve: there is no geometry to light\n"

@@ -43,7 +43,7 @@ static int setup(void **state)
     program_run r;
     remove_tree(DIR);
     program_folder(DIR);
-    program_write_scene(DIR, "");
+    program_write_scene(DIR, "Sampler \"stratified\"\n");
     program_expect(&r, 0, SMALL DIR "/own");
     program_expect(&r, 0, SCENE " --integrator mis --samples 64 --spp 64 --seed 77 --outfile " DIR "/given.exr");
     program_expect(&r, 0, SMALL DIR "/given --reference " DIR "/given.exr");

@@ -30,7 +30,7 @@ static int setup(void **state)
     (void)state;
     assert_int_equal(system("rm -rf " DIR), 0); /* its folders, too */
     program_folder(DIR);
-    program_write_scene(DIR, "");
+    program_write_scene(DIR, "Sampler \"stratified\"\n");
     return 0;
 }
 

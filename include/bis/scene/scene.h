@@ -70,6 +70,7 @@ typedef struct bis_scene_desc {
     bis_view view; /* the file's own */
     char *outfile; /* of its Film, as written; relative to the working directory, as in pbrt */
     bis_loc integrator_loc;
+    bool names_integrator; /* false: view.settings are those of bis_settings_unnamed */
     /* BIS_NEED_*: what to build of the light, for a caller that needs more of it than one integrator does; 0: what
      * the integrator needs */
     unsigned light_needs;

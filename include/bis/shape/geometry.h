@@ -97,14 +97,19 @@ typedef struct bis_surface {
  * result does not depend on the accelerator, because the barycentric coordinates are computed again in double. */
 void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bis_surface *s);
 
-/* bis_geometry_prefetch asks for the memory that bis_geometry_surface will read for primitive `prim`: at stage 0 the
- * triangle's indices, at stage 1, some time later, the vertices and normals that they name. It changes nothing. */
+/* bis_geometry_prefetch asks the memory for what bis_geometry_surface will read of primitive `prim`. It does not wait
+ * for the answer. Stage 0 asks for the indices of the vertices; stage 1 reads them and asks for the vertices and
+ * normals. It is for a caller with many hits at once: stage 0 for each of them, then stage 1, then the surfaces. */
 static inline void bis_geometry_prefetch(const bis_geometry *g, uint32_t prim, int stage)
 {
-    if (prim >= g->n_triangles) return;
+    if (prim >= g->n_triangles) return; /* few quadrics: they are near */
     const uint32_t *index = g->index + 3 * (size_t)prim;
-    if (stage == 0) __builtin_prefetch(index);
-    for (int i = 0; stage > 0 && i < 3; i++) {
+    if (stage == 0) {
+        __builtin_prefetch(index);
+        __builtin_prefetch(index + 2); /* perhaps in the next cache line */
+        return;
+    }
+    for (int i = 0; i < 3; i++) {
         __builtin_prefetch(&g->p[index[i]]);
         if (g->n) __builtin_prefetch(&g->n[index[i]]);
     }

@@ -106,8 +106,13 @@ const char *bis_parameter_text(char buf[32], const bis_parameter *p, double v);
  * `quote`s. */
 const char *bis_parameter_list(char buf[128], const bis_parameter *p, const char *quote);
 
-/* bis_settings_default returns the default settings of one integrator (docs/scene-format.md, "Integrator"). */
+/* bis_settings_default returns the default settings of one integrator (docs/scene-format.md, "Integrator"). Those of
+ * sir, rejection and mis are the thesis's. */
 bis_settings bis_settings_default(const bis_integrator *integrator);
+
+/* bis_settings_unnamed returns the settings of a scene that names no integrator: sir with proposal product, 64
+ * candidates, 16 shadow rays, learn true (docs/integrators.md, "A scene without an Integrator"). */
+bis_settings bis_settings_unnamed(void);
 
 /* bis_settings_equal returns whether a and b have the same integrator and the same values of what it reads. */
 bool bis_settings_equal(const bis_settings *a, const bis_settings *b);

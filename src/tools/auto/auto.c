@@ -10,8 +10,8 @@
  * The measured variance is too low for a method whose error is in fewer than about one sample in a thousand, because a
  * pilot sees too few of these samples. Therefore the variance of mis and em is multiplied by 1 + `unseen`.
  *
- * Renders too short for the fit choose from three settings. "learn" is not tried, because it needs more passes than a
- * pilot has. */
+ * Renders too short for the fit choose from three settings. The product always learns, although the pilot, with its
+ * one or two passes, sees the price of that and hardly the gain: it judges the product too badly, not too well. */
 #include "auto.h"
 
 #include "auto_fit.h"
@@ -42,7 +42,7 @@ static const family families[N_FAMILIES] = {
     {&bis_brdf, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 4}, {0, 24}}, {0, 8}},
     {&bis_mis, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 6}, {0, 32}}, {0, 16}},
     {&bis_sir, BIS_PROPOSAL_MIX, {32, 2048, 2, 64}, {{64, 4}, {64, 20}, {256, 8}}, {64, 16}},
-    {&bis_sir, BIS_PROPOSAL_PRODUCT, {16, 512, 2, 64}, {{32, 4}, {64, 16}, {192, 6}}, {64, 16}},
+    {&bis_sir, BIS_PROPOSAL_PRODUCT, {16, 512, 2, 64}, {{32, 12}, {64, 16}, {64, 32}, {128, 24}}, {64, 16}},
 };
 
 static const double behind = 2;
@@ -106,6 +106,7 @@ static bis_settings settings_of(const bis_auto_pilot *p, int f, uint32_t M, uint
     s.samples = s.shadowrays = N;
     if (M) s.candidates = M;
     if (s.integrator != &bis_sir) s.stratify = true;
+    s.learn = s.proposal == BIS_PROPOSAL_PRODUCT;
     return s;
 }
 
