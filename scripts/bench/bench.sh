@@ -47,6 +47,9 @@ if [ -r "$shared/mesh/dragon_871k.ply" ]; then
     template dragon-stpeters "$dragon" "$(map "$up" "$shared/env/stpeters_latlong_1500x750.hdr")" "$(mesh dragon_871k.ply)" "$centres"
     template armadillo-uffizi "$armadillo" "$(map "$up" "$shared/env/uffizi_latlong_1200x600.hdr")" "$(mesh armadillo_86k.ply)" "$centres"
     template rival "$dragon" "$(map "$up" "$shared/env/grace_latlong_pbrt2.exr" '"bool visible" false')" "$(mesh dragon_871k.ply)" ""
+    aside='LookAt -0.09 0.17 0.30  -0.007 0.122 -0.004  0 1 0 Camera "perspective" "float fov" 28'
+    swapped="Transform [1 0 0 0  0 0 1 0  0 1 0 0  0 0 0 1]"
+    template steps "$aside" "$(map "$swapped" "$shared/env/grace_latlong_pbrt2.exr" '"bool visible" false')" "$(mesh dragon_871k.ply) \"bool smooth\" true" ""
     pairs="dragon-grace dragon-stpeters armadillo-uffizi $pairs"
     first=dragon-grace
     model=$shared/mesh/dragon_871k.ply
@@ -68,7 +71,7 @@ keep() {
 each_pair() { for pair in $pairs; do "$build/bench_error" "$1" "$reference_seconds" "$out/scenes/$pair"; done; }
 references() {
     each_pair reference
-    if [ "$rival" ]; then "$build/bench_error" reference "$reach_reference_seconds" "$out/scenes/$rival"; fi
+    for s in $rival ${rival:+steps}; do "$build/bench_error" reference "$reach_reference_seconds" "$out/scenes/$s"; done
 }
 # bis beside Mitsuba 3, on the last core that we may use.
 beside_mitsuba() {
@@ -85,7 +88,7 @@ beside_mitsuba() {
 }
 light() { OMP_NUM_THREADS=1 "$build/bench_light" 4096; }
 
-[ $# -gt 0 ] || set -- references light cost threads accel equal resample reach table
+[ $# -gt 0 ] || set -- references light cost threads accel equal resample reach steps rival table
 for section; do
     [ "$section" = table ] || echo "== $section"
     case $section in
@@ -96,7 +99,9 @@ for section; do
     equal) keep "$out/equal.txt" each_pair equal ;;
     resample) keep "$out/resample.txt" "$build/bench_error" resample "$reference_seconds" "$out/scenes/$first" ;;
     reach) if [ "$rival" ]; then keep "$out/reach.txt" "$build/bench_error" reach "$reach_reference_seconds" "$out/scenes/$rival"; fi ;;
-    table) awk -f scripts/bench/bench_table.awk $(for f in references light cost threads accel equal resample reach; do [ -r "$out/$f.txt" ] && echo "$out/$f.txt"; done) ;;
+    steps) if [ "$rival" ]; then keep "$out/steps.txt" "$build/bench_error" steps "$reach_reference_seconds" "$out/scenes/steps"; fi ;;
+    rival) beside_mitsuba ;;
+    table) awk -f scripts/bench/bench_table.awk $(for f in references light cost threads accel equal resample reach steps rival; do [ -r "$out/$f.txt" ] && echo "$out/$f.txt"; done) ;;
     *) echo "bench.sh: no section \"$section\"" >&2 && exit 2 ;;
     esac
 done

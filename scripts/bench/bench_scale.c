@@ -73,7 +73,7 @@ static void sweep(const char *path, const char *accelerator)
     desc->view.settings = settings;
     for (uint32_t spp = 1; spp <= 32; spp *= 2) {
         bis_sampler_set_spp(&desc->view.sampler, spp);
-        print("passes", accelerator, spp, render_seconds(scene, desc));
+        print("samples", accelerator, spp, render_seconds(scene, desc));
     }
     bis_sampler_set_spp(&desc->view.sampler, 1);
     for (int k = 1; k <= 16; k *= 2) {

@@ -130,11 +130,11 @@ Shape "plymesh" "string filename" "{MESH}" "bool smooth" true
     return path
 
 
-def bis_picture(scene, spp, seed, options=(), threads=1):
+def bis_picture(scene, spp, seed, options=()):
     """Picture and seconds; those in which auto chooses count."""
     picture, stats = out + '/rival.pfm', out + '/rival.json'
-    subprocess.run([bis, scene, '--quiet', '--nthreads', str(threads), '--spp', str(spp), '--seed', str(seed),
-                    '--outfile', picture, '--stats', stats, *options], check=True)
+    subprocess.run([bis, scene, '--quiet', '--spp', str(spp), '--seed', str(seed), '--outfile', picture, '--stats', stats,
+                    *options], check=True)
     with open(stats) as f:
         s = json.load(f)
     return load(picture), s['seconds']['render'] + ((s.get('auto') or {}).get('seconds') or 0)
@@ -146,11 +146,11 @@ def load(picture):
 
 class Reference:
     def __init__(self, name, material):
-        """From OUT/ref, or made and kept there, with all threads that the caller allows."""
+        """From OUT/ref, or made and kept there."""
         path = f'{out}/ref/rival-{name}-{REFERENCE_SPP}.npy'
         if not os.path.exists(path):
             os.makedirs(out + '/ref', exist_ok=True)
-            both = [bis_picture(bis_scene('reference', material, lines), REFERENCE_SPP, 1000001 + i, threads=0)[0]
+            both = [bis_picture(bis_scene('reference', material, lines), REFERENCE_SPP, 1000001 + i)[0]
                     for i, lines in enumerate(REFERENCES)]
             np.save(path, np.array(both))
         self.h, self.k = np.load(path)
@@ -204,7 +204,7 @@ def main():
         settings = {'Mitsuba': timed(scene)}
         for setting, (lines, options) in SETTINGS.items():
             path = bis_scene(f'{name}-{setting}', material, lines)
-            settings[setting] = lambda n, seed, p=path, o=options: bis_picture(p, n, seed, o)
+            settings[setting] = lambda n, seed, p=path, o=(*options, '--nthreads', '1'): bis_picture(p, n, seed, o)
         rival = None
         for setting, render in settings.items():
             numbers = (4, 16, 64, 256, 1024) if rival is None else [2 ** i for i in range(13)]
