@@ -6,10 +6,10 @@
  * pass weighs as much as it has camera samples, which is settled before it begins, so the mean stays unbiased.
  *
  * Budgets are looked at between passes. For time: another pass is begun if one of mean speed still fits, with fewer
- * camera samples if it must be; that is then the last one. So a budget of as many camera samples makes the same picture.
- * For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from
- * 20 on, each time their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of passes that
- * no clock can change.
+ * camera samples if it must be; that is then the last one. So a budget of as many camera samples makes the same
+ * picture. For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from 20 on,
+ * each time their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of passes that no
+ * clock can change.
  *
  * An error is estimated from the scatter of the passes, which tells the truth only where they are independent
  * replicates (docs/errata.md E32). The camera samples of one pixel are not: a stratified or low-discrepancy sampler
@@ -43,11 +43,12 @@ typedef struct render {
     uint32_t passes_total; /* that make `most`; 0: unknown */
 } render;
 
-/* Camera samples of the pass that follows `spp` of them: 1, 1, 2, 4, 4, ... of `most` in all (0: no limit). With an error
- * to reach 1, 1, 1, 1, 4, 4, ..., because its first estimate needs four passes. */
+/* Camera samples of the pass that follows `spp` of them: 1, 1, 2, 4, 4, ... of `most` in all (0: no limit). With an
+ * error to reach 1, 1, 1, 1, 4, 4, ..., because its first estimate needs four passes. */
 static uint32_t pass_size(const render *r, uint64_t spp)
 {
-    uint64_t n = spp < 1 || (r->budget.error > 0 && spp < MIN_ERROR_PASSES) ? 1 : spp < MOST_SAMPLES ? spp : MOST_SAMPLES;
+    const bool single = spp < 1 || (r->budget.error > 0 && spp < MIN_ERROR_PASSES);
+    uint64_t n = single ? 1 : spp < MOST_SAMPLES ? spp : MOST_SAMPLES;
 
     if (r->work.options->pass_size) n = r->work.options->pass_size;
     if (r->work.view->adaptive) n = BIS_ADAPT_SAMPLES;
