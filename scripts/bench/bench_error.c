@@ -64,7 +64,7 @@ static const measure_setting steps[] = {
     {"unoccluded", "Sampler \"stratified\" Integrator \"unoccluded\" \"integer candidates\" 1"},
 };
 
-enum { STEPS = sizeof steps / sizeof *steps, STEP_SPP = 16, STEP_SEEDS = 3 };
+enum { STEPS = sizeof steps / sizeof *steps, STEP_SPP = 16, STEP_SEEDS = 2 };
 enum { SEEDS = 5, FIRST_SEED = 21, PILOT_SEED = 101, MIN_N = 2, MAX_N = 4096, N_CONTEST = sizeof contest / sizeof *contest, N_RESAMPLERS = 2 };
 static const double us_per_pixel = 20;
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# bench_scale: time against M, N, camera samples, pixels, triangles and map size on both backends; the largest mesh and map
-# within 8 GiB.
+# bench_scale: time against M, N, camera samples, pixels, triangles and map size on both backends; the largest mesh and
+# map within 8 GiB.
 #     scripts/bench/bench_scale.sh BUILD_DIR [SECTION...]        (make bench-scale calls it)
 # Sections: sweep triangles maps peak table, all by default. Writes build/bench/scale-*.txt and, by table, plots:
 # build/bench/scale-*.svg.
