@@ -60,7 +60,6 @@ static const measure_setting steps[] = {
     {"em", "Sampler \"stratified\" Integrator \"em\""},
     {"brdf", "Sampler \"stratified\" Integrator \"brdf\""},
     {"mis", "Sampler \"stratified\" Integrator \"mis\""},
-    {"rejection", "Sampler \"stratified\" Integrator \"rejection\""},
     {"unoccluded", "Sampler \"stratified\" Integrator \"unoccluded\" \"integer candidates\" 1"},
 };
 
