@@ -1,7 +1,7 @@
 #!/bin/sh
 # bench: speed and error as ratios, each with its spread, all on one core. docs/bench.md says how to read the table.
 #     scripts/bench/bench.sh BUILD_DIR [SECTION...]        (make bench calls it)
-# Sections: references light cost threads accel equal resample reach table, all by default. Each writes
+# Sections: references light cost threads accel equal resample reach steps rival table, all by default. Each writes
 # build/bench/SECTION.txt, and table reads what is there: one section can be measured again alone. The settings that are
 # compared stand on top of scripts/bench/bench_error.c and bench_cost.c.
 # BIS_SHARED (default ../shared/data) has the real meshes and maps; without them only our own scenes are measured.
@@ -47,6 +47,9 @@ if [ -r "$shared/mesh/dragon_871k.ply" ]; then
     template dragon-stpeters "$dragon" "$(map "$up" "$shared/env/stpeters_latlong_1500x750.hdr")" "$(mesh dragon_871k.ply)" "$centres"
     template armadillo-uffizi "$armadillo" "$(map "$up" "$shared/env/uffizi_latlong_1200x600.hdr")" "$(mesh armadillo_86k.ply)" "$centres"
     template rival "$dragon" "$(map "$up" "$shared/env/grace_latlong_pbrt2.exr" '"bool visible" false')" "$(mesh dragon_871k.ply)" ""
+    aside='LookAt -0.09 0.17 0.30  -0.007 0.122 -0.004  0 1 0 Camera "perspective" "float fov" 28'
+    swapped="Transform [1 0 0 0  0 0 1 0  0 1 0 0  0 0 0 1]"
+    template steps "$aside" "$(map "$swapped" "$shared/env/grace_latlong_pbrt2.exr" '"bool visible" false')" "$(mesh dragon_871k.ply) \"bool smooth\" true" ""
     pairs="dragon-grace dragon-stpeters armadillo-uffizi $pairs"
     first=dragon-grace
     model=$shared/mesh/dragon_871k.ply
@@ -68,11 +71,24 @@ keep() {
 each_pair() { for pair in $pairs; do "$build/bench_error" "$1" "$reference_seconds" "$out/scenes/$pair"; done; }
 references() {
     each_pair reference
-    if [ "$rival" ]; then "$build/bench_error" reference "$reach_reference_seconds" "$out/scenes/$rival"; fi
+    for s in $rival ${rival:+steps}; do "$build/bench_error" reference "$reach_reference_seconds" "$out/scenes/$s"; done
+}
+# bis beside Mitsuba 3, on the last core that we may use.
+beside_mitsuba() {
+    python=${BENCH_PYTHON:-python3}
+    if [ ! -r "$shared/mesh/dragon_871k.ply" ] || [ ! -r "$shared/env/grace_latlong_pbrt2.exr" ]; then
+        echo "rival is left out: no real data at $shared (set BIS_SHARED)"
+    elif ! "$python" -c 'import mitsuba, numpy; mitsuba.set_variant("llvm_ad_rgb")' 2>/dev/null; then
+        echo "rival is left out: $python cannot use Mitsuba 3, numpy and LLVM (set BENCH_PYTHON, DRJIT_LIBLLVM_PATH; docs/bench.md)"
+    else
+        core=$(taskset -cp $$ | sed 's/.*[^0-9]//')
+        keep "$out/rival.txt" taskset -c "$core" "$python" scripts/bench/rival.py "$build/bis" "$shared" "$out"
+        cat "$out/rival.txt"
+    fi
 }
 light() { OMP_NUM_THREADS=1 "$build/bench_light" 4096; }
 
-[ $# -gt 0 ] || set -- references light cost threads accel equal resample reach table
+[ $# -gt 0 ] || set -- references light cost threads accel equal resample reach steps rival table
 for section; do
     [ "$section" = table ] || echo "== $section"
     case $section in
@@ -83,7 +99,9 @@ for section; do
     equal) keep "$out/equal.txt" each_pair equal ;;
     resample) keep "$out/resample.txt" "$build/bench_error" resample "$reference_seconds" "$out/scenes/$first" ;;
     reach) if [ "$rival" ]; then keep "$out/reach.txt" "$build/bench_error" reach "$reach_reference_seconds" "$out/scenes/$rival"; fi ;;
-    table) awk -f scripts/bench/bench_table.awk $(for f in references light cost threads accel equal resample reach; do [ -r "$out/$f.txt" ] && echo "$out/$f.txt"; done) ;;
+    steps) if [ "$rival" ]; then keep "$out/steps.txt" "$build/bench_error" steps "$reach_reference_seconds" "$out/scenes/steps"; fi ;;
+    rival) beside_mitsuba ;;
+    table) awk -f scripts/bench/bench_table.awk $(for f in references light cost threads accel equal resample reach steps rival; do [ -r "$out/$f.txt" ] && echo "$out/$f.txt"; done) ;;
     *) echo "bench.sh: no section \"$section\"" >&2 && exit 2 ;;
     esac
 done

@@ -24,7 +24,7 @@ static const measure_setting sir[] = {
     {"800", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 15"},
     {"1600", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 1600 \"integer shadowrays\" 15"},
 };
-enum { FEW, MEDIUM, MANY, REPEATS = 5 };
+enum { FEW, MEDIUM, MANY, REPEATS = 5, RAYS = 1024 }; /* RAYS: as many at once as src/render/wave.c hands over */
 
 /* An accelerator that remembers the rays which it hands on. */
 typedef struct recorder {
@@ -59,13 +59,14 @@ static double best_of(int repeats, bis_film *film, const bis_scene *scene, bis_s
     return best;
 }
 
-/* Seconds that the render's own shadow rays take, one by one. */
-static double replay(bis_film *film, bis_scene *scene, bis_scene_desc *desc, size_t n_rays)
+/* Seconds that the render's own shadow rays take, one by one; *packets receives those of RAYS at a time. */
+static double replay(double *packets, bis_film *film, bis_scene *scene, bis_scene_desc *desc, size_t n_rays)
 {
     recorder rec = {.base = {&recorder_ops, scene->accel->geometry}, .inner = scene->accel, .capacity = n_rays};
     double best = (double)INFINITY;
-    size_t occluded = 0;
+    size_t occluded = 0, in_packets = 0;
 
+    *packets = (double)INFINITY;
     rec.rays = bis_alloc(n_rays, sizeof *rec.rays);
     if (!rec.rays) {
         fprintf(stderr, "no memory for %zu rays\n", n_rays);
@@ -79,8 +80,17 @@ static double replay(bis_film *film, bis_scene *scene, bis_scene_desc *desc, siz
         double start = measure_clock();
         for (size_t k = 0; k < rec.n; k++) occluded += bis_accel_occluded(own, &rec.rays[k]);
         best = fmin(best, measure_clock() - start);
+        start = measure_clock();
+        for (size_t k = 0; k < rec.n; k += RAYS) {
+            const uint32_t n = (uint32_t)(rec.n - k < RAYS ? rec.n - k : RAYS);
+            bool answer[RAYS];
+            bis_accel_occluded_many(own, &rec.rays[k], n, answer);
+            for (uint32_t l = 0; l < n; l++) in_packets += answer[l];
+        }
+        *packets = fmin(*packets, measure_clock() - start);
     }
-    if (rec.n != n_rays || occluded > REPEATS * n_rays) fprintf(stderr, "%zu rays recorded of %zu\n", rec.n, n_rays);
+    if (rec.n != n_rays) fprintf(stderr, "%zu rays recorded of %zu\n", rec.n, n_rays);
+    if (in_packets != occluded) fprintf(stderr, "%zu rays are occluded, %zu in packets\n", occluded, in_packets);
     recorder_free(&rec.base);
     return best;
 }
@@ -103,7 +113,7 @@ static double candidate_ns(bis_film *film, bis_scene *const *scene, const char *
     return 1e9 * (t[MANY] - t[FEW] + saved) / ((double)result[MANY].counters.candidates - (double)result[FEW].counters.candidates);
 }
 
-/* cost MATERIAL us_sir us_camera rays_per_pixel ns_ray ns_candidate ns_candidate_large sir:rays */
+/* cost MATERIAL us_sir us_camera rays_per_pixel ns_ray ns_candidate ns_candidate_large sir:rays ns_ray_in_packets */
 static void cost(bis_film *film, bis_scene *const *scene, const char *path, int m)
 {
     const char *material = measure_materials[m].text;
@@ -117,10 +127,12 @@ static void cost(bis_film *film, bis_scene *const *scene, const char *path, int 
     double camera = best_of(REPEATS, film, scene[MEDIUM], black, 1, NULL);
     double all = best_of(REPEATS, film, scene[MEDIUM], desc, 1, &result);
     const double rays = (double)result.counters.shadow_rays, pixels = (double)measure_shaded(film);
-    double rays_alone = replay(film, scene[MEDIUM], desc, result.counters.shadow_rays), per_ray = rays_alone / rays;
-    printf("cost %s %.3f %.3f %.2f %.1f %.3f %.3f %.3f\n", measure_materials[m].name, 1e6 * (all - camera) / pixels, 1e6 * camera / pixels, rays / pixels,
-           1e9 * per_ray, candidate_ns(film, scene, path, material, 1, per_ray), candidate_ns(film, scene, path, material, 2, per_ray),
-           (all - camera) / rays_alone);
+    double packets, alone = replay(&packets, film, scene[MEDIUM], desc, result.counters.shadow_rays);
+    double candidate = candidate_ns(film, scene, path, material, 1, packets / rays);
+    double candidate_large = candidate_ns(film, scene, path, material, 2, packets / rays);
+    printf("cost %s %.3f %.3f %.2f %.1f %.3f %.3f %.3f %.1f\n", measure_materials[m].name, 1e6 * (all - camera) / pixels,
+           1e6 * camera / pixels, rays / pixels, 1e9 * alone / rays, candidate, candidate_large, (all - camera) / alone,
+           1e9 * packets / rays);
     fflush(stdout);
     bis_scene_desc_free(desc);
     bis_scene_desc_free(black);

@@ -4,6 +4,7 @@
  *     bench_error equal SECONDS SCENE          the settings `contest`, N tuned to 20 us a shaded pixel
  *     bench_error resample SECONDS SCENE       the settings `resamplers` as they are
  *     bench_error reach SECONDS SCENE          seconds until relMSE 1e-2 and 1e-3 with the settings `reach`, by doubled passes
+ *     bench_error steps SECONDS SCENE          the settings `steps`, 16 antialiased camera samples each
  *
  * SCENE is a template (measure.h), SECONDS what its references may take. Output: lines of words for
  * scripts/bench/bench_table.awk.
@@ -45,6 +46,24 @@ static const measure_setting resamplers[] = {
 static const measure_setting reach[MEASURE_MATERIALS] = {CAMERA_SAMPLE("4", "32", "12"), CAMERA_SAMPLE("3", "40", "9"), CAMERA_SAMPLE("4", "32", "12"),
                                                          CAMERA_SAMPLE("4", "32", "12")};
 
+/* What each part of the default is worth; then the other integrators, and the camera sample alone. The empty setting is
+ * the default itself. */
+#define SIR "Integrator \"sir\" "
+#define PRODUCT SIR "\"string proposal\" \"product\" \"integer candidates\" 64 \"integer shadowrays\" 16 "
+static const measure_setting steps[] = {
+    {"thesis", "Sampler \"stratified\" " SIR},
+    {"sobol", "Sampler \"sobol\" " SIR},
+    {"edges", "Sampler \"sobol\" \"integer edgesamples\" 4 " SIR},
+    {"product", "Sampler \"sobol\" \"integer edgesamples\" 4 " PRODUCT},
+    {"learn", "Sampler \"sobol\" \"integer edgesamples\" 4 " PRODUCT "\"bool learn\" true"},
+    {"default", ""},
+    {"em", "Sampler \"stratified\" Integrator \"em\""},
+    {"brdf", "Sampler \"stratified\" Integrator \"brdf\""},
+    {"mis", "Sampler \"stratified\" Integrator \"mis\""},
+    {"unoccluded", "Sampler \"stratified\" Integrator \"unoccluded\" \"integer candidates\" 1"},
+};
+
+enum { STEPS = sizeof steps / sizeof *steps, STEP_SPP = 16, STEP_SEEDS = 2 };
 enum { SEEDS = 5, FIRST_SEED = 21, PILOT_SEED = 101, MIN_N = 2, MAX_N = 4096, N_CONTEST = sizeof contest / sizeof *contest, N_RESAMPLERS = 2 };
 static const double us_per_pixel = 20;
 
@@ -169,6 +188,31 @@ static void reach_error(job *j, int material)
     bis_scene_desc_free(desc);
 }
 
+/* ---- the steps to the default ---- */
+
+/* A line for each setting: steps material setting seconds us-a-camera-sample relMSE relMSE-x-seconds. Seeds are the
+ * outer loop, so that what the machine does besides meets all settings. */
+static void measure_steps(job *j, int material)
+{
+    double seconds[STEPS], error[STEPS] = {0};
+
+    for (int seed = 0; seed < STEP_SEEDS; seed++) {
+        for (int i = 0; i < STEPS; i++) {
+            bis_scene_desc *desc = parse(j, &steps[i], 0, material);
+            bis_scene *scene = measure_build(desc);
+            double t = measure_render(&j->film, scene, desc, FIRST_SEED + (uint64_t)seed, STEP_SPP, 1, NULL);
+            seconds[i] = seed ? fmin(seconds[i], t) : t;
+            error[i] += (measure_relmse(&j->film, &j->ref[material], true).mean - j->ref[material].error) / STEP_SEEDS;
+            bis_scene_free(scene);
+            bis_scene_desc_free(desc);
+        }
+    }
+    for (int i = 0; i < STEPS; i++)
+        printf("steps %s %s %.3f %.3f %.2e %.2e\n", measure_materials[material].name, steps[i].name, seconds[i],
+               1e6 * seconds[i] / (STEP_SPP * (double)j->film.width * j->film.height), error[i], error[i] * seconds[i]);
+    fflush(stdout);
+}
+
 /* ---- */
 
 static void print_reference(const job *j, int material)
@@ -183,7 +227,7 @@ static void print_reference(const job *j, int material)
 int main(int argc, char **argv)
 {
     if (argc != 4) {
-        fprintf(stderr, "usage: bench_error reference|equal|resample|reach SECONDS SCENE\n");
+        fprintf(stderr, "usage: bench_error reference|equal|resample|reach|steps SECONDS SCENE\n");
         return 2;
     }
     const char *what = argv[1];
@@ -196,6 +240,7 @@ int main(int argc, char **argv)
     if (strcmp(what, "equal") == 0) compare_settings(&j, contest, N_CONTEST, true);
     if (strcmp(what, "resample") == 0) compare_settings(&j, resamplers, N_RESAMPLERS, false);
     for (int m = 0; strcmp(what, "reach") == 0 && m < MEASURE_MATERIALS; m++) reach_error(&j, m);
+    for (int m = 0; strcmp(what, "steps") == 0 && m < MEASURE_MATERIALS; m++) measure_steps(&j, m);
     for (int m = 0; m < MEASURE_MATERIALS; m++) measure_reference_free(&j.ref[m]);
     bis_film_clear(&j.film);
     return 0;

@@ -1,7 +1,7 @@
 /* bench_scale: how time and memory grow with the work. One thread, processor seconds of the render phase, the smaller
  * of two where it is short; loading and building by the clock on the wall.
  *
- *     bench_scale sweep SCENE embree|grid         time against M, N, passes and pixels; SCENE is a template (measure.h)
+ *     bench_scale sweep SCENE embree|grid         time against M, N, camera samples, pixels; SCENE is a template (measure.h)
  *     bench_scale build SCENE embree|grid WHAT X  one size of mesh or map: loading, tables, accelerator, render
  *     bench_scale map WIDTH FILE                  make a WIDTH x WIDTH/2 map: noise over six decades, lamps
  *     bench_scale peak COMMAND...                 run it; bytes that it held at most, as the system counts, on standard output
@@ -73,7 +73,7 @@ static void sweep(const char *path, const char *accelerator)
     desc->view.settings = settings;
     for (uint32_t spp = 1; spp <= 32; spp *= 2) {
         bis_sampler_set_spp(&desc->view.sampler, spp);
-        print("passes", accelerator, spp, render_seconds(scene, desc));
+        print("samples", accelerator, spp, render_seconds(scene, desc));
     }
     bis_sampler_set_spp(&desc->view.sampler, 1);
     for (int k = 1; k <= 16; k *= 2) {

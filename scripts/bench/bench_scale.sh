@@ -1,6 +1,6 @@
 #!/bin/sh
-# bench_scale: time against M, N, passes, pixels, triangles and map size on both backends; the largest mesh and map
-# within 8 GiB.
+# bench_scale: time against M, N, camera samples, pixels, triangles and map size on both backends; the largest mesh and
+# map within 8 GiB.
 #     scripts/bench/bench_scale.sh BUILD_DIR [SECTION...]        (make bench-scale calls it)
 # Sections: sweep triangles maps peak table, all by default. Writes build/bench/scale-*.txt and, by table, plots:
 # build/bench/scale-*.svg.
@@ -76,7 +76,7 @@ peak() {
     peak_of map-width "$largest_map"
 }
 table() {
-    for plot in "candidates M candidates" "shadowrays N shadowrays" "passes camera samples a pixel" "pixels pixels" "triangles triangles" "maps pixels of the map"; do
+    for plot in "candidates M candidates" "shadowrays N shadowrays" "samples camera samples a pixel" "pixels pixels" "triangles triangles" "maps pixels of the map"; do
         what=${plot%% *}
         cat "$out"/scale-sweep.txt "$out"/scale-triangles.txt "$out"/scale-maps.txt 2>/dev/null |
             awk -v what="$what" -v axis="${plot#* }" -v svg="$out/scale-$what.svg" -f scripts/bench/bench_plot.awk

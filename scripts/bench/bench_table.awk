@@ -32,6 +32,8 @@ file == "equal" || file == "resample" {
     n_seeds = NF - 8
     for (i = 1; i <= n_seeds; i++) seed[key, i] = $(8 + i)
 }
+file == "steps" { steps[++n_steps] = $0 }
+file == "rival" { beside[++n_beside] = $0 }
 file == "reach" { coarse[$1] = $4; fine[$1] = $5; reach_own[$1] = $3 }
 
 # The number that follows a word.
@@ -116,9 +118,14 @@ END {
     for (i = 1; i <= n_light; i++) print "  " light[i]
     if (n_accel) print "\nrays and builds, one thread"
     for (i = 1; i <= n_accel; i++) print "  " accel[i]
-    if (per_ray["n"]) print "\nSIR 15/800: material, us a shaded pixel without camera rays and film, us of these, rays traced, ns a ray, ns a candidate, the same with 4 times the pixels, SIR : its rays"
+    if (per_ray["n"]) print "\nSIR 15/800: material, us a shaded pixel without camera rays and film, us of these, rays traced, ns a ray, ns a candidate, the same with 4 times the pixels, SIR : its rays, ns a ray in packets"
     for (m = 1; m <= 4; m++) if (material[m] in cost) print "  " substr(cost[material[m]], 6)
     if (n_scenes) print_equal()
+
+    if (n_steps) print "\nsteps to the default, 16 antialiased camera samples: material, setting, seconds, us a camera sample, relMSE, relMSE x seconds"
+    for (i = 1; i <= n_steps; i++) print "  " substr(steps[i], 7)
+    if (n_beside) print "\nbeside Mitsuba 3, one core"
+    for (i = 1; i <= n_beside; i++) print "  " beside[i]
 
     print ""
     line("quantity", "must", "aim", "measured (min..max)", "ok")

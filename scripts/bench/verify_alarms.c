@@ -1,10 +1,11 @@
 /* verify_alarms: how often does `bis verify` accuse what is right? Runs all its checks on a scene with many seeds, each with
  * fewer draws (bis_verify.halvings), and counts the runs in which a test failed. For scripts/bench/verify_alarms.sh.
  *
- *     verify_alarms HALVINGS FIRST RUNS WIDTH [--printed] SCENE ...
+ *     verify_alarms HALVINGS FIRST RUNS WIDTH [--printed | --picture | --product] SCENE ...
  *
  * WIDTH: maps are averaged to so many columns, a power of 2, because a sum over 10^6 patches takes seconds. --printed: with
- * the thesis's E6 and E21 as printed, which should be found. A row for each scene: name, runs, runs with an alarm, tests in a
+ * the thesis's E6 and E21 as printed, which should be found. --picture: the pictures alone; --product: these, by sir with proposal
+ * product, learned visibility and edge samples in place of the scene's own settings. A row for each scene: name, runs, runs with an alarm, tests in a
  * run, skipped among them, least p; then the failed tests. */
 #include "bis/base/mem.h"
 #include "bis/base/image.h"
@@ -58,15 +59,33 @@ static bis_status shrink_map(bis_scene_desc *desc, int width, const char *path)
     return status;
 }
 
+/* All that learns and shares. */
+static void set_product(bis_view *view)
+{
+    view->settings = bis_settings_default(&bis_sir);
+    view->settings.proposal = BIS_PROPOSAL_PRODUCT;
+    view->settings.candidates = 64;
+    view->settings.shadowrays = 16;
+    view->settings.learn = true;
+    view->sampler.kind = BIS_SAMPLER_SOBOL;
+    view->edge_samples = 4;
+}
+
+static bis_status verify(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, const bis_settings *settings, bool picture)
+{
+    bool tested;
+    return picture ? bis_verify_picture(v, bis_render, scene, desc, settings, &tested, NULL) : bis_verify_scene(v, scene, desc, settings, NULL);
+}
+
 static void run_all(const bis_scene *scene, const bis_scene_desc *desc, const char *name, unsigned halvings, uint64_t first, uint64_t runs,
-                    const bis_settings *settings)
+                    const bis_settings *settings, bool picture)
 {
     size_t alarms = 0, tests = 0, skipped = 0;
     double least = 1;
 
     for (uint64_t seed = first; seed < first + runs; seed++) {
         bis_verify v = {.seed = seed, .halvings = halvings};
-        if (bis_verify_scene(&v, scene, desc, settings, NULL) || bis_verify_judge(&v, NULL)) exit(1);
+        if (verify(&v, scene, desc, settings, picture) || bis_verify_judge(&v, NULL)) exit(1);
         alarms += v.n_failed > 0;
         tests = v.n;
         skipped += v.n_skipped;
@@ -87,19 +106,21 @@ int main(int argc, char **argv)
     const unsigned halvings = (unsigned)atoi(argv[1]);
     const uint64_t first = strtoull(argv[2], NULL, 10), runs = strtoull(argv[3], NULL, 10);
     const int width = atoi(argv[4]);
-    const bool printed = strcmp(argv[5], "--printed") == 0;
+    const bool printed = strcmp(argv[5], "--printed") == 0, product = strcmp(argv[5], "--product") == 0;
+    const bool picture = product || strcmp(argv[5], "--picture") == 0;
     char map[64];
 
     snprintf(map, sizeof map, "build/verify_alarms-%ld.pfm", (long)getpid());
-    for (int i = printed ? 6 : 5; i < argc; i++) {
+    for (int i = printed || picture ? 6 : 5; i < argc; i++) {
         bis_scene_desc *desc = NULL;
         bis_scene *scene = NULL;
         bis_diag diag = {0};
         if (bis_scene_parse(&desc, argv[i], &diag)) return 1;
         desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+        if (product) set_product(&desc->view);
         if (printed) desc->view.settings.as_printed = BIS_E6 | BIS_E21;
         if (shrink_map(desc, width, map) || bis_scene_build(&scene, desc, &diag)) return 1;
-        run_all(scene, desc, basename(argv[i]), halvings, first, runs, &desc->view.settings);
+        run_all(scene, desc, basename(argv[i]), halvings, first, runs, &desc->view.settings, picture);
         bis_scene_free(scene);
         bis_scene_desc_free(desc);
     }

@@ -1,7 +1,7 @@
 #!/bin/sh
-# verify_alarms: the table of docs/proof.md: how often does `bis verify` accuse what is right? So many seeds on each of ten
+# verify_alarms: the table of docs/proof.md: how often does `bis verify` accuse what is right? So many seeds on each of eleven
 # scenes, the last three with meshes and maps that others measured, where BIS_SHARED names a folder that has them.
-# Eight minutes of one processor for 200.
+# About twenty minutes of one processor for 200.
 #     make bis data build/release/verify_alarms && scripts/bench/verify_alarms.sh [build/release [200 [FIRST-SEED]]]
 B=${1:-build/release}
 runs=${2:-200}
@@ -35,7 +35,13 @@ Material "phong" "rgb Kd" [.5 .4 .3] "rgb Ks" [.2 .2 .2] "float exponent" 20
 AttributeBegin Translate 0 0 4 Shape "sphere" AttributeEnd
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]
 END
-scenes="$dir/ball.txt"
+# the same, rendered by all that learns and shares
+{
+    echo 'Sampler "sobol" "integer pixelsamples" 16 "integer edgesamples" 4'
+    echo 'Integrator "sir" "string proposal" "product" "integer candidates" 64 "integer shadowrays" 16 "bool learn" true'
+    cat "$dir/ball.txt"
+} >"$dir/ball-product.txt"
+scenes="$dir/ball.txt $dir/ball-product.txt"
 for name in figure-5.3 outdoor-sun pinpoint coloured-shadows trianglemesh steel-on-paper; do scenes="$scenes data/scenes/$name.txt"; done
 if test -n "$BIS_SHARED"; then
     scenes="$scenes $(real bunny-uffizi uffizi_256x128.hdr bunny_69k.ply '"microfacet" "rgb Ks" [.9 .8 .4] "float roughness" 0.3' 'Translate 0 -0.75 0 Scale 6 6 6')"

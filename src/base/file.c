@@ -14,7 +14,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <float.h>
-#include <limits.h>
 #include <locale.h>
 #include <math.h>
 #include <stdlib.h>
@@ -352,8 +351,7 @@ const char *bis_path_extension(char buf[8], const char *path)
 
     buf[0] = '\0';
     if (!dot || dot == name || strlen(dot) > 7) return buf;
-    for (; dot[i]; i++)
-        buf[i] = dot[i] >= 'A' && dot[i] <= 'Z' ? (char)(dot[i] - 'A' + 'a') : dot[i];
+    for (; dot[i]; i++) buf[i] = dot[i] >= 'A' && dot[i] <= 'Z' ? (char)(dot[i] - 'A' + 'a') : dot[i];
     buf[i] = '\0';
     return buf;
 }

@@ -3,7 +3,6 @@
  * At most half of the slots are taken, so a free one always ends the search. Nothing is ever removed. */
 #include "names.h"
 
-#include "bis/base/status.h"
 #include "grow.h"
 #include "text.h"
 
@@ -32,12 +31,7 @@ static bool rehash(bis_names *t, size_t n_slots)
 
 static bool reserve(bis_names *t)
 {
-    char **names = bis_grow(t->names, &t->capacity_names, t->n + 1, sizeof *names);
-    if (!names) return false;
-    t->names = names;
-    uint32_t *values = bis_grow(t->values, &t->capacity_values, t->n + 1, sizeof *values);
-    if (!values) return false;
-    t->values = values;
+    if (!BIS_ROOM(t->names, t->capacity_names, t->n) || !BIS_ROOM(t->values, t->capacity_values, t->n)) return false;
     return 2 * (t->n + 1) <= t->n_slots || rehash(t, t->n_slots ? 2 * t->n_slots : 16);
 }
 

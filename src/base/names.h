@@ -1,7 +1,6 @@
 /* names: from a name to a number, in constant time. For the parser's named materials, objects, coordinate systems and
  * files: a scene may instance ten thousand objects a million times. Included by the parser alone. */
-#ifndef BIS_NAMES_H
-#define BIS_NAMES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,5 +23,3 @@ bool bis_names_set(bis_names *t, const char *name, uint32_t value);
 
 /* The name most like a misspelt one, or NULL; looks at the first thousand only. */
 const char *bis_names_nearest(const bis_names *t, const char *name);
-
-#endif

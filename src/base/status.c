@@ -6,7 +6,6 @@
 #include "grow.h"
 
 #include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -39,24 +38,16 @@ static char *format_message(bis_loc at, const char *kind, const char *fmt, va_li
     return text;
 }
 
-static bool make_room(bis_diag *diag)
-{
-    bis_message *messages = bis_grow(diag->messages, &diag->capacity, diag->n + 1, sizeof *messages);
-    if (messages) diag->messages = messages;
-    return messages != NULL;
-}
-
 static void append(bis_diag *diag, bool is_error, bis_loc at, const char *fmt, va_list args) BIS_PRINTF(4, 0);
 
 static void append(bis_diag *diag, bool is_error, bis_loc at, const char *fmt, va_list args)
 {
     if (!diag) return;
     if (is_error) diag->n_errors++;
-    char *text = make_room(diag) ? format_message(at, is_error ? "error" : "warning", fmt, args) : NULL;
-    if (text)
-        diag->messages[diag->n++] = (bis_message){is_error, text};
-    else
-        diag->n_lost++;
+    const bool fits = BIS_ROOM(diag->messages, diag->capacity, diag->n);
+    char *text = fits ? format_message(at, is_error ? "error" : "warning", fmt, args) : NULL;
+    if (text) diag->messages[diag->n++] = (bis_message){is_error, text};
+    else diag->n_lost++;
 }
 
 bis_status bis_error(bis_diag *diag, bis_status code, bis_loc at, const char *fmt, ...)
@@ -79,8 +70,7 @@ void bis_warn(bis_diag *diag, bis_loc at, const char *fmt, ...)
 void bis_diag_clear(bis_diag *diag)
 {
     if (!diag) return;
-    for (size_t i = 0; i < diag->n; i++)
-        bis_free(diag->messages[i].text);
+    for (size_t i = 0; i < diag->n; i++) bis_free(diag->messages[i].text);
     bis_free(diag->messages);
     *diag = (bis_diag){0};
 }
@@ -104,8 +94,7 @@ static size_t edit_distance(const char *a, size_t na, const char *b, size_t nb)
     size_t rows[3][WORD + 1];
     size_t *before = rows[0], *above = rows[1], *row = rows[2];
 
-    for (size_t j = 0; j <= nb; j++)
-        row[j] = j;
+    for (size_t j = 0; j <= nb; j++) row[j] = j;
     for (size_t i = 1; i <= na; i++) {
         size_t *free_row = before;
         before = above;

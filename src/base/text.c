@@ -29,6 +29,13 @@ void bis_append(char *buf, size_t size, const char *fmt, ...)
     va_end(args);
 }
 
+const char *bis_hint(char buf[BIS_HINT], const char *nearest)
+{
+    *buf = '\0';
+    if (nearest) snprintf(buf, BIS_HINT, " (did you mean \"%.90s\"?)", nearest);
+    return buf;
+}
+
 const char *bis_duration(char buf[BIS_DURATION], double seconds)
 {
     const size_t n = BIS_DURATION;

@@ -1,11 +1,8 @@
 /* text: what strings are asked that is not about one file format: UTF-8, appending, a hash. */
-#ifndef BIS_TEXT_H
-#define BIS_TEXT_H
+#pragma once
 
 #include "bis/base/status.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 /* bis_utf8_continues returns whether a byte continues a UTF-8 character. */
@@ -18,6 +15,10 @@ size_t bis_utf8_length(const char *s, const char *end);
 /* bis_append appends to the text in buf[size]. What does not fit is cut off. */
 void bis_append(char *buf, size_t size, const char *fmt, ...) BIS_PRINTF(3, 4);
 
+/* bis_hint writes ` (did you mean "NEAREST"?)` to buf, or "" for NULL, and returns it. */
+enum { BIS_HINT = 128 };
+const char *bis_hint(char buf[BIS_HINT], const char *nearest);
+
 /* bis_duration writes a duration to buf, with two to three digits in the unit that keeps the number small, and returns
  * it: "42 ms", "3.1 s", "90 s", "6.5 min", "2.5 h", "12 days". */
 enum { BIS_DURATION = 24 };
@@ -26,5 +27,3 @@ const char *bis_duration(char buf[BIS_DURATION], double seconds);
 /* bis_fnv1a returns the hash h (BIS_FNV1A at first) after n more bytes. Source: FNV-1a of Fowler, Noll, Vo. */
 #define BIS_FNV1A UINT64_C(0xcbf29ce484222325)
 uint64_t bis_fnv1a(uint64_t h, const void *bytes, size_t n);
-
-#endif

@@ -11,8 +11,7 @@
 bis_xform bis_xform_identity(void)
 {
     bis_xform t = {0};
-    for (int i = 0; i < 4; i++)
-        t.m[i][i] = t.inv[i][i] = 1;
+    for (int i = 0; i < 4; i++) t.m[i][i] = t.inv[i][i] = 1;
     return t;
 }
 
@@ -54,16 +53,14 @@ static void sincos_degrees(double degrees, double *sine, double *cosine)
 
 static void scale3(double v[3], double s)
 {
-    for (int i = 0; i < 3; i++)
-        v[i] *= s;
+    for (int i = 0; i < 3; i++) v[i] *= s;
 }
 
 static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static void cross3(double out[3], const double a[3], const double b[3])
 {
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
 /* To unit length. Divides by the largest element first, so that no square over- or underflows. False: zero or not
@@ -72,8 +69,7 @@ static bool normalize3(double v[3])
 {
     double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
     if (!(largest > 0) || !isfinite(largest)) return false;
-    for (int i = 0; i < 3; i++)
-        v[i] /= largest;
+    for (int i = 0; i < 3; i++) v[i] /= largest;
     scale3(v, 1 / sqrt(dot3(v, v)));
     return true;
 }
@@ -111,8 +107,7 @@ bool bis_xform_look_at(bis_xform *out, const double eye[3], const double look[3]
     bis_xform t = bis_xform_identity();
     const double *axes[3] = {right, upward, forward};
     for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++)
-            t.m[i][j] = t.inv[j][i] = axes[i][j];
+        for (int j = 0; j < 3; j++) t.m[i][j] = t.inv[j][i] = axes[i][j];
         t.m[i][3] = -dot3(axes[i], eye);
         t.inv[i][3] = eye[i];
     }
@@ -160,8 +155,7 @@ bool bis_xform_from_columns(bis_xform *out, const double v[16])
 {
     bis_xform t;
     for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++)
-            t.m[i][j] = v[4 * j + i];
+        for (int j = 0; j < 4; j++) t.m[i][j] = v[4 * j + i];
     if (!invert(t.inv, (const double(*)[4])t.m)) return false;
     if (is_affine((const double(*)[4])t.m)) { /* so is the inverse; rounding may have left 1 by an ulp */
         t.inv[3][0] = t.inv[3][1] = t.inv[3][2] = 0;

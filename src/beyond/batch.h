@@ -1,8 +1,7 @@
 /* batch: sir.c for all candidates of a point at once, and what a thread needs beyond the thesis: the directions that
  * all points of a pass share (pool, clusters), and the visibility that earlier passes have learned. The choice
  * between this and sir.c is made once, when a render is set up. */
-#ifndef BIS_BATCH_H
-#define BIS_BATCH_H
+#pragma once
 
 #include "bis/beyond/clusters.h"
 #include "bis/beyond/pool.h"
@@ -46,5 +45,3 @@ bis_Lo *bis_fast_Lo(const bis_settings *s);
 /* bis_batch_Lo returns one estimate, as bis_sir.Lo does. It calls bis_sir.Lo where the point does not fit:
  * scratch->fast has no directions, the material has no vector code, or nothing is reflected. */
 rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch);
-
-#endif

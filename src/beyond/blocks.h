@@ -1,7 +1,6 @@
 /* blocks: resampling by float weights in blocks of 16 (bis/lanes.h): thesis 4.4's walk along the running sum, block by
  * block where no mark falls. */
-#ifndef BIS_BLOCKS_H
-#define BIS_BLOCKS_H
+#pragma once
 
 #include "bis/beyond/lanes.h"
 #include "bis/thesis/integrator.h"
@@ -26,5 +25,3 @@ double bis_blocks_sum(bis_blocks *b, uint32_t n);
 /* Choose by N marks with probabilities w/W, W > 0 as bis_blocks_sum returned it. What the 16 of a block add up to may
  * differ from the block's own sum by 2^-22 of it, by which the chance of the block's last positive lane is off. */
 void bis_blocks_choose(bis_blocks *b, uint32_t N, double W, bis_resampling resampling, bis_stream *stream);
-
-#endif

@@ -1,6 +1,5 @@
 /* cone_lanes: what the bounds of phong_lanes.c and microfacet_lanes.c over cones of directions share. */
-#ifndef BIS_CONE_LANES_H
-#define BIS_CONE_LANES_H
+#pragma once
 
 #include "bis/base/vec.h"
 #include "bis/beyond/lanes.h"
@@ -16,5 +15,3 @@ static inline BIS_INLINE float largest_cosine(vec3 axis, float x, float y, float
 
     return bis_lanes_choose(c > cosine, 1, bounded);
 }
-
-#endif

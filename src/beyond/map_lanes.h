@@ -1,6 +1,5 @@
 /* map_lanes: what a map says of many directions at once: pixel, radiance, density. */
-#ifndef BIS_MAP_LANES_H
-#define BIS_MAP_LANES_H
+#pragma once
 
 #include "bis/beyond/lanes.h"
 #include "bis/thesis/light.h"
@@ -15,5 +14,3 @@ void bis_envmap_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pixel
  * which may be off by a microradian. r, g, b are in units of bis_light_mean. pixel[]: workspace for n, whole blocks.
  * The light is a map with an importance, not black. */
 void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n);
-
-#endif

@@ -1,6 +1,5 @@
 /* product: candidates from the map where the product of light and BRDF can be large. For batch.c. */
-#ifndef BIS_PRODUCT_H
-#define BIS_PRODUCT_H
+#pragma once
 
 #include "bis/beyond/clusters.h"
 #include "blocks.h"
@@ -29,5 +28,3 @@ static inline double bis_product_scale(const bis_product *p, const bis_clusters 
 {
     return (double)p->clusters.w[k] / (p->W * bis_cluster_share(c, k));
 }
-
-#endif

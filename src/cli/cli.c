@@ -8,7 +8,10 @@
  * All mistakes of a command line are collected and printed together, as a parser does with a scene. */
 #include "cli.h"
 
+#include "base/text.h"
 #include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 #include "man.h"
 
 #include <errno.h>
@@ -26,8 +29,7 @@ const bis_loc bis_cli_loc = {"bis", 0, 0};
 
 enum { HELP_WIDTH = 80, HELP_INDENT = 26, MAX_OPTIONS = 64 };
 
-/* --- help
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- help ---- */
 
 /* Print text, words wrapped between columns indent and HELP_WIDTH; the cursor stands at `column`. */
 static void print_wrapped(FILE *out, const char *text, int indent, int column)
@@ -62,24 +64,14 @@ void bis_cli_print_entry(FILE *out, const char *term, const char *text)
     print_wrapped(out, text, HELP_INDENT, HELP_INDENT);
 }
 
-static void print_option(FILE *out, const char *name, const char *argument, const char *help)
-{
-    char term[128];
-    snprintf(term, sizeof term, "--%s%s%s", name, argument ? " " : "", argument ? argument : "");
-    bis_cli_print_entry(out, term, help);
-}
-
 void bis_cli_help(const bis_command *c, FILE *out)
 {
     fprintf(out, "usage: bis %s\n", c->usage);
     print_wrapped(out, c->summary, 0, 0);
-    for (size_t i = 0; i < c->n_options; i++) {
-        const bis_option *o = &c->options[i];
-        if (!o->name) {
-            fprintf(out, "\n%s:\n", o->help);
-            continue;
-        }
-        print_option(out, o->name, o->argument, o->help);
+    for (const bis_option *o = c->options; o < c->options + c->n_options; o++) {
+        char term[BIS_CLI_TERM];
+        if (o->name) bis_cli_print_entry(out, bis_cli_term(term, o), o->help);
+        else fprintf(out, "\n%s:\n", o->help);
     }
     fprintf(out, "\nabout bis:\n");
     bis_cli_print_entry(out, "-h, --help", "this text");
@@ -87,8 +79,7 @@ void bis_cli_help(const bis_command *c, FILE *out)
     if (c->notes) fprintf(out, "\n%s", c->notes);
 }
 
-/* --- values
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- values ---- */
 
 /* A bound of the table as an integer: exact, since no range ends between 2^53 and 2^64. */
 static uint64_t count_bound(double bound) { return bound >= 0x1p64 ? UINT64_MAX : (uint64_t)bound; }
@@ -130,6 +121,24 @@ static const unit *read_real(double *value, const bis_option *o, const char *tex
     return units;
 }
 
+const char *bis_cli_digits(const char *text, int lo, int hi, int *value)
+{
+    char *end;
+    if (*text < '0' || *text > '9') return NULL;
+    const long v = strtol(text, &end, 10);
+    *value = (int)v;
+    return v >= lo && v <= hi ? end : NULL;
+}
+
+bool bis_cli_read_size(void *value, const char *text)
+{
+    int *size = value;
+    const char *rest = bis_cli_digits(text, 1, BIS_IMAGE_MAX_SIDE, &size[0]);
+    if (!rest || *rest != 'x') return false;
+    rest = bis_cli_digits(rest + 1, 1, BIS_IMAGE_MAX_SIDE, &size[1]);
+    return rest && !*rest;
+}
+
 /* "--error 5" renders until the error is 500 %. It may be meant, but 5 % is likelier. */
 static bool read_share(const bis_option *o, const char *text, bis_diag *diag)
 {
@@ -138,10 +147,9 @@ static bool read_share(const bis_option *o, const char *text, bis_diag *diag)
 
     if (!u) return false;
     *(double *)o->value = v;
-    if (v > 1 && *u->name == '\0') {
+    if (v > 1 && *u->name == '\0')
         bis_warn(diag, bis_cli_loc, "--%s %s is %g %%: did you mean --%s %s%%, which is %g? If not, write %g%%",
                  o->name, text, 100 * v, o->name, text, v / 100, 100 * v);
-    }
     return true;
 }
 
@@ -166,36 +174,20 @@ static void describe_rule(char *buf, size_t size, const bis_option *o)
     }
 }
 
-static size_t count_names(const char *const *names)
-{
-    size_t n = 0;
-    while (names[n]) n++;
-    return n;
-}
-
 static bis_status read_name(const bis_option *o, const char *text, bis_diag *diag)
 {
-    size_t n = count_names(o->names);
-    char list[512];
-    size_t used = 0;
+    char list[512] = "", hint[BIS_HINT];
+    size_t n = 0;
 
-    for (size_t i = 0; i < n; i++) {
-        if (strcmp(o->names[i], text) == 0) {
-            *(const char **)o->value = o->names[i];
+    for (; o->names[n]; n++) {
+        if (strcmp(o->names[n], text) == 0) {
+            *(const char **)o->value = o->names[n];
             return BIS_OK;
         }
-        int printed = snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", o->names[i]);
-        used += (size_t)printed;
-        if (used >= sizeof list) used = sizeof list - 1;
+        bis_append(list, sizeof list, "%s%s", n ? ", " : "", o->names[n]);
     }
-    const char *near = bis_nearest_name(text, o->names, n);
-    if (near) {
-        return bis_error(diag, BIS_INPUT, bis_cli_loc,
-                         "--%s: no such thing as \"%s\" (did you mean \"%s\"?); it is one of %s", o->name, text, near,
-                         list);
-    }
-    return bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s: no such thing as \"%s\"; it is one of %s", o->name, text,
-                     list);
+    return bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s: no such thing as \"%s\"%s; it is one of %s", o->name, text,
+                     bis_hint(hint, bis_nearest_name(text, o->names, n)), list);
 }
 
 static bis_status read_text(const bis_option *o, const char *text, bis_diag *diag)
@@ -206,9 +198,8 @@ static bis_status read_text(const bis_option *o, const char *text, bis_diag *dia
         return BIS_OK;
     }
     bis_texts *texts = o->value;
-    if (texts->n == BIS_MAX_TEXTS) {
+    if (texts->n == BIS_MAX_TEXTS)
         return bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s stands here more than %d times", o->name, BIS_MAX_TEXTS);
-    }
     texts->text[texts->n++] = text;
     return BIS_OK;
 }
@@ -235,8 +226,7 @@ static bis_status read_value(const bis_option *o, const char *text, bis_diag *di
                      o->kind == BIS_OPTION_OWN ? o->rule : rule);
 }
 
-/* --- the command line
- * ---------------------------------------------------------------------------------------------- */
+/* ---- the command line ---- */
 
 static const bis_option *find_option(const bis_command *c, const char *name, size_t length)
 {
@@ -253,14 +243,12 @@ static bis_status unknown_option(const bis_command *c, const char *name, size_t 
     size_t n = 2;
     char word[64];
 
-    for (size_t i = 0; i < c->n_options && n < MAX_OPTIONS + 2; i++) {
+    for (size_t i = 0; i < c->n_options && n < MAX_OPTIONS + 2; i++)
         if (c->options[i].name) names[n++] = c->options[i].name;
-    }
     snprintf(word, sizeof word, "%.*s", (int)length, name);
     const char *near = bis_nearest_name(word, names, n);
-    if (near) {
+    if (near)
         return bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"--%s\" (did you mean \"--%s\"?)", word, near);
-    }
     return bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"--%s\"; `bis %s --help` lists them", word,
                      c->name);
 }
@@ -273,30 +261,19 @@ static int read_option(const bis_command *c, int argc, char **argv, int i, bool 
     size_t length = equals ? (size_t)(equals - name) : strlen(name);
     const bis_option *o = find_option(c, name, length);
 
-    if (!o) {
-        *is_unknown = true;
-        unknown_option(c, name, length, diag);
-        return 1;
-    }
-    if (o->given) *o->given = true;
-    if (o->kind == BIS_OPTION_FLAG) {
-        if (equals) {
-            bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s takes no value, has \"%s\"", o->name, equals + 1);
-        } else {
-            read_value(o, "", diag);
-        }
-        return 1;
-    }
-    if (equals) {
-        read_value(o, equals + 1, diag);
-        return 1;
-    }
-    if (i + 1 == argc || strncmp(argv[i + 1], "--", 2) == 0) {
+    *is_unknown |= !o;
+    if (o && o->given) *o->given = true;
+    if (!o) unknown_option(c, name, length, diag);
+    else if (o->kind == BIS_OPTION_FLAG && equals)
+        bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s takes no value, has \"%s\"", o->name, equals + 1);
+    else if (o->kind == BIS_OPTION_FLAG || equals) read_value(o, equals ? equals + 1 : "", diag);
+    else if (i + 1 == argc || strncmp(argv[i + 1], "--", 2) == 0)
         bis_error(diag, BIS_INPUT, bis_cli_loc, "--%s wants a value: --%s %s", o->name, o->name, o->argument);
-        return 1;
+    else {
+        read_value(o, argv[i + 1], diag);
+        return 2;
     }
-    read_value(o, argv[i + 1], diag);
-    return 2;
+    return 1;
 }
 
 static void read_arguments(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands,
@@ -305,29 +282,44 @@ static void read_arguments(const bis_command *c, int argc, char **argv, const ch
     bool options_over = false, has_unknown = false;
     int n = 0;
 
-    for (int i = 0; i < argc;) {
+    for (int i = 0, taken; i < argc; i += taken) {
         const char *a = argv[i];
-        if (!options_over && strcmp(a, "--") == 0) {
-            options_over = true;
-            i++;
-        } else if (!options_over && strncmp(a, "--", 2) == 0) {
-            i += read_option(c, argc, argv, i, &has_unknown, diag);
-        } else if (!options_over && a[0] == '-' && a[1] != '\0') {
-            bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"%s\"; options start with \"--\"", a);
-            has_unknown = true;
-            i++;
-        } else {
+        taken = 1;
+        if (options_over || a[0] != '-' || a[1] == '\0') {
             if (n < c->max_operands) operands[n] = a;
             n++;
-            i++;
+        } else if (strcmp(a, "--") == 0) {
+            options_over = true;
+        } else if (a[1] == '-') {
+            taken = read_option(c, argc, argv, i, &has_unknown, diag);
+        } else {
+            bis_error(diag, BIS_INPUT, bis_cli_loc, "unknown option \"%s\"; options start with \"--\"", a);
+            has_unknown = true;
         }
     }
     /* Behind an unknown option its value looks like an operand: what is one too many then is no mistake of its own. */
-    if (n < c->min_operands || (n > c->max_operands && !has_unknown)) {
+    if (n < c->min_operands || (n > c->max_operands && !has_unknown))
         bis_error(diag, BIS_INPUT, bis_cli_loc, "%s: %d given; usage: bis %s",
                   n < c->min_operands ? "too few operands" : "too many operands", n, c->usage);
-    }
     *n_operands = n;
+}
+
+/* Is this a question about the command? It is answered then. */
+static bool answers(const bis_command *c, const char *argument)
+{
+    if (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0) bis_cli_help(c, stdout);
+    else if (strcmp(argument, "--help=man") == 0) bis_man_command(c, stdout);
+    else if (strcmp(argument, "--version") == 0 || strcmp(argument, "-V") == 0) bis_cli_version(stdout);
+    else return false;
+    return true;
+}
+
+/* Print the messages, without warnings where the command has --quiet and it was given. */
+static void print_and_clear(const bis_command *c, bis_diag *diag)
+{
+    const bis_option *quiet = find_option(c, "quiet", strlen("quiet"));
+    bis_cli_print_diag(diag, quiet && *(const bool *)quiet->value);
+    bis_diag_clear(diag);
 }
 
 bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **operands, int *n_operands,
@@ -336,33 +328,18 @@ bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **ope
     bis_diag diag = {0};
 
     for (int i = 0; i < argc && strcmp(argv[i], "--") != 0; i++) {
-        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
-            bis_cli_help(c, stdout);
-            *exit_status = bis_cli_finish(BIS_EXIT_DONE);
-            return false;
-        }
-        if (strcmp(argv[i], "--help=man") == 0) {
-            bis_man_command(c, stdout);
-            *exit_status = bis_cli_finish(BIS_EXIT_DONE);
-            return false;
-        }
-        if (strcmp(argv[i], "--version") == 0 || strcmp(argv[i], "-V") == 0) {
-            bis_cli_version(stdout);
-            *exit_status = bis_cli_finish(BIS_EXIT_DONE);
-            return false;
-        }
+        if (!answers(c, argv[i])) continue;
+        *exit_status = bis_cli_finish(BIS_EXIT_DONE);
+        return false;
     }
     read_arguments(c, argc, argv, operands, n_operands, &diag);
     bool good = diag.n_errors == 0;
-    const bis_option *quiet = find_option(c, "quiet", strlen("quiet"));
-    bis_cli_print_diag(&diag, quiet && *(const bool *)quiet->value);
-    bis_diag_clear(&diag);
+    print_and_clear(c, &diag);
     *exit_status = good ? BIS_EXIT_DONE : BIS_EXIT_USAGE;
     return good;
 }
 
-/* --- what all commands end with
- * ------------------------------------------------------------------------------------ */
+/* ---- what all commands end with ---- */
 
 /* Who speaks, where a message names no file. */
 static const char *speaker(const char *text)
@@ -393,7 +370,7 @@ int bis_cli_finish(int status)
     return status ? status : BIS_EXIT_FAILED;
 }
 
-int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, const void *options)
+int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, void *options)
 {
     const char *operands[BIS_CLI_MAX_OPERANDS];
     int n, exit_status;
@@ -401,8 +378,7 @@ int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body,
 
     if (!bis_cli_parse(c, argc, argv, operands, &n, &exit_status)) return exit_status;
     exit_status = body(options, operands, &diag);
-    bis_cli_print_diag(&diag, false);
-    bis_diag_clear(&diag);
+    print_and_clear(c, &diag);
     return bis_cli_finish(exit_status);
 }
 
@@ -412,25 +388,19 @@ bis_status bis_cli_check_writable(const char *path, bis_diag *diag)
     char target[PATH_MAX], folder[PATH_MAX] = ".";
     bis_outfile *file;
 
-    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode)) {
+    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode))
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: it is %s", path,
                          S_ISDIR(st.st_mode) ? "a folder" : "not a regular file");
-    }
     bis_status status = bis_file_target(target, path, diag);
     if (status) return status;
     const char *slash = strrchr(target, '/');
     if (slash) snprintf(folder, sizeof folder, "%.*s", slash == target ? 1 : (int)(slash - target), target);
-    if (stat(folder, &st) != 0) {
-        return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder,
-                         strerror(errno));
-    }
-    if (!S_ISDIR(st.st_mode)) {
+    const bool is_there = stat(folder, &st) == 0;
+    if (is_there && !S_ISDIR(st.st_mode))
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: \"%s\" is not a folder", path, folder);
-    }
-    if (access(folder, W_OK | X_OK) != 0) {
+    if (!is_there || access(folder, W_OK | X_OK) != 0)
         return bis_error(diag, BIS_IO, bis_cli_loc, "\"%s\" cannot be written: folder \"%s\": %s", path, folder,
                          strerror(errno));
-    }
     status = bis_outfile_open(&file, path, diag); /* the surest test is to do it */
     if (!status) bis_outfile_abort(file);
     return status;
@@ -462,6 +432,26 @@ bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, co
         }
     }
     return BIS_OK;
+}
+
+int bis_cli_load_map(bis_light **light, bis_light_desc *desc, const char *path, const char *mapping, unsigned needs,
+                     bis_diag *diag)
+{
+    int exit_status = BIS_EXIT_FAILED;
+    bis_image image = {0};
+
+    *light = NULL;
+    desc->angular = mapping && strcmp(mapping, "angular") == 0;
+    desc->has_mapping = mapping != NULL;
+    desc->loc = (bis_loc){path, 0, 0};
+    desc->filename = bis_strdup(path);
+    if (!desc->filename) bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
+    else if (!bis_image_read(&image, path, (bis_loc){0}, diag))
+        exit_status = bis_cli_exit_status(bis_light_from_image(light, &image, desc, needs, diag));
+    bis_image_clear(&image);
+    bis_free(desc->filename);
+    desc->filename = NULL;
+    return exit_status;
 }
 
 volatile sig_atomic_t bis_cli_signal;

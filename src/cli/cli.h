@@ -14,10 +14,9 @@
  *     const char *operand[1];
  *     int n, exit_status;
  *     if (!bis_cli_parse(&command, argc, argv, operand, &n, &exit_status)) return exit_status; */
-#ifndef BIS_CLI_H
-#define BIS_CLI_H
+#pragma once
 
-#include "bis/base/status.h"
+#include "bis/scene/light_load.h"
 
 #include <signal.h>
 #include <stdint.h>
@@ -60,6 +59,14 @@ typedef struct bis_option {
     const char *rule;
 } bis_option;
 
+/* bis_cli_term writes "--spp N". */
+enum { BIS_CLI_TERM = 128 };
+static inline const char *bis_cli_term(char term[BIS_CLI_TERM], const bis_option *o)
+{
+    snprintf(term, BIS_CLI_TERM, "--%s%s%s", o->name, o->argument ? " " : "", o->argument ? o->argument : "");
+    return term;
+}
+
 typedef struct bis_command {
     const char *name;    /* "render" */
     const char *usage;   /* after "bis ": "[render] [options] SCENE" */
@@ -82,8 +89,14 @@ bool bis_cli_parse(const bis_command *c, int argc, char **argv, const char **ope
 /* A command from its arguments to its exit status: parse, run the body (exit status out), print its messages, finish.
  * `options` is what the table of options writes to. At most BIS_CLI_MAX_OPERANDS operands. */
 enum { BIS_CLI_MAX_OPERANDS = 3 };
-typedef int bis_cli_body(const void *options, const char *const *operands, bis_diag *diag);
-int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, const void *options);
+typedef int bis_cli_body(void *options, const char *const *operands, bis_diag *diag);
+int bis_cli_run(const bis_command *c, int argc, char **argv, bis_cli_body *body, void *options);
+
+/* bis_cli_digits reads an integer in [lo, hi] of digits alone; returns what follows, NULL where there is none.
+ * bis_cli_read_size is the `read` of an option "640x480", whose value is int[2] and whose rule is BIS_SIZE_RULE. */
+const char *bis_cli_digits(const char *text, int lo, int hi, int *value);
+bool bis_cli_read_size(void *value, const char *text);
+#define BIS_SIZE_RULE "WxH with sides in [1, 32768], as in 640x480"
 
 /* The help of one command, at most 80 columns wide; what it consists of: a paragraph, a term with its text.
  * `--help=man` prints the same as a part of the man page (help.h). */
@@ -115,6 +128,12 @@ bis_status bis_cli_check_writable(const char *path, bis_diag *diag);
 bis_status bis_cli_check_distinct(const char *const *inputs, size_t n_inputs, const char *const *outputs,
                                   size_t n_outputs, bis_diag *diag);
 
+/* bis_cli_load_map makes a light of the map at path, by `mapping` (NULL: not given) and what else is in *desc. It
+ * returns the exit status: a map that cannot be read, be it missing or damaged, is 1; one that does not fit the options
+ * is bad usage. */
+int bis_cli_load_map(bis_light **light, bis_light_desc *desc, const char *path, const char *mapping, unsigned needs,
+                     bis_diag *diag);
+
 /* --nthreads: from now on n threads wherever nobody says how many, as for the tables of a map. 0: as many as there
  * are. */
 void bis_cli_use_threads(uint64_t n);
@@ -133,5 +152,3 @@ int bis_cmd_compare(int argc, char **argv);
 int bis_cmd_envmap(int argc, char **argv);
 int bis_cmd_verify(int argc, char **argv);
 int bis_cmd_pixel(int argc, char **argv);
-
-#endif

@@ -6,43 +6,31 @@
 #include "cli.h"
 #include "out/json.h"
 
-#include <math.h>
-
 typedef struct compare_options {
     bool json, has_tolerance;
     double tolerance;
     const char *diff;
 } compare_options;
 
-/* "rmse 0.0123", in text and JSON the same keys in the same order. */
-static void print_text(const bis_comparison *c)
+/* As lines "rmse 0.0123" or as JSON: the same keys in the same order. */
+static void print_figures(const bis_comparison *c, bool as_json)
 {
-    const struct { const char *key; double value; } lines[] = {
+    const bis_json_member figures[] = {
         {"mean_a", c->mean_a}, {"mean_b", c->mean_b}, {"bias", c->bias}, {"bias_se", c->bias_se},
         {"rmse", c->rmse}, {"relmse", c->relmse}, {"max_abs", c->max_abs},
+        {"pixels", (double)c->pixels}, {"nonfinite", (double)c->nonfinite},
     };
+    const size_t n = sizeof figures / sizeof *figures;
+    bis_json j = {.out = stdout};
     char number[32];
 
-    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
-        printf("%s %s\n", lines[i].key, isnan(lines[i].value) ? "nan" : bis_format_double(number, lines[i].value));
+    for (size_t i = 0; i < n && !as_json; i++) {
+        const double v = figures[i].value;
+        printf("%s %s\n", figures[i].key, isnan(v) ? "nan" : bis_format_double(number, v));
     }
-    printf("pixels %zu\nnonfinite %zu\n", c->pixels, c->nonfinite);
-}
-
-static void print_json(const bis_comparison *c)
-{
-    bis_json j = {.out = stdout};
-
+    if (!as_json) return;
     bis_json_open(&j, NULL, '{');
-    bis_json_number(&j, "mean_a", c->mean_a);
-    bis_json_number(&j, "mean_b", c->mean_b);
-    bis_json_number(&j, "bias", c->bias);
-    bis_json_number(&j, "bias_se", c->bias_se);
-    bis_json_number(&j, "rmse", c->rmse);
-    bis_json_number(&j, "relmse", c->relmse);
-    bis_json_number(&j, "max_abs", c->max_abs);
-    bis_json_count(&j, "pixels", c->pixels);
-    bis_json_count(&j, "nonfinite", c->nonfinite);
+    bis_json_numbers(&j, figures, n);
     bis_json_close(&j);
 }
 
@@ -58,15 +46,14 @@ static bis_status write_difference(const char *path, const bis_image *a, const b
 
 static bis_status check_output(const char *path, bis_diag *diag)
 {
-    if (!bis_image_can_write(path)) {
+    if (!bis_image_can_write(path))
         return bis_error(diag, BIS_INPUT, bis_cli_loc, "--diff \"%s\": the ending must be .exr, .pfm, .hdr or .png",
                          path);
-    }
     return bis_cli_check_writable(path, diag);
 }
 
 /* An image that cannot be read, be it missing or damaged, is status 1; images that cannot be compared are bad usage. */
-static int compare(const void *options, const char *const *paths, bis_diag *diag)
+static int compare(void *options, const char *const *paths, bis_diag *diag)
 {
     const compare_options *o = options;
     bis_image a = {0}, b = {0};
@@ -85,10 +72,7 @@ static int compare(const void *options, const char *const *paths, bis_diag *diag
     if (!status && o->diff) status = write_difference(o->diff, &a, &b, diag);
     exit_status = bis_cli_exit_status(status);
     if (status) goto done;
-    if (o->json)
-        print_json(&c);
-    else
-        print_text(&c);
+    print_figures(&c, o->json);
     /* Written so that a relMSE of NaN, no pixel compared, is no success. */
     if (o->has_tolerance && !(c.relmse <= o->tolerance)) exit_status = BIS_EXIT_FAILED;
 done:
@@ -116,10 +100,8 @@ int bis_cmd_compare(int argc, char **argv)
         .name = "compare",
         .usage = "compare [options] A B",
         .summary = "compare image A with reference B (EXR, PFM, HDR)",
-        .options = options,
-        .n_options = sizeof options / sizeof *options,
-        .min_operands = 2,
-        .max_operands = 2,
+        .options = options, .n_options = sizeof options / sizeof *options,
+        .min_operands = 2, .max_operands = 2,
         .notes = "Printed: mean_a mean_b bias bias_se rmse relmse max_abs pixels nonfinite.\n"
                  "  bias     mean_a - mean_b\n"
                  "  bias_se  standard deviation of the pixels' differences / sqrt(pixels)\n"

@@ -7,6 +7,7 @@
 
 #include "cli.h"
 #include "out/json.h"
+#include "tools/pixel/pixel.h"
 #include "tools/survey/survey.h"
 
 #include <stdlib.h>
@@ -20,15 +21,6 @@ typedef struct envmap_options {
 } envmap_options;
 
 /* ---- the report ---- */
-
-/* Polar angle and azimuth of a lat-long map (bis/thesis/envmap.h), in degrees. */
-static double theta_deg(vec3 w) { return atan2(hypot((double)w.x, (double)w.y), (double)w.z) * 180 / PI; }
-
-static double phi_deg(vec3 w)
-{
-    const double phi = atan2((double)w.y, (double)w.x) * 180 / PI;
-    return phi < 0 ? phi + 360 : phi;
-}
 
 static bool has_direction(vec3 w) { return w.x != 0 || w.y != 0 || w.z != 0; }
 
@@ -53,12 +45,11 @@ static void print_largest(const bis_survey *s)
     for (int k = 0; k < s->n_largest; k++) {
         const bis_survey_region *r = &s->largest[k];
         printf("%6d %5d %8.4f%% %10.4g sr", k + 1, r->level, 100 * r->power, r->solid_angle);
-        if (has_direction(r->direction)) {
-            printf(" %6.1f %6.1f   (%.3f %.3f %.3f)\n", theta_deg(r->direction), phi_deg(r->direction),
-                   (double)r->direction.x, (double)r->direction.y, (double)r->direction.z);
-        } else {
-            printf("  on all sides\n");
-        }
+        const bis_pixel_direction d = bis_pixel_angles(r->direction);
+        if (has_direction(r->direction))
+            printf(" %6.1f %6.1f   (%.3f %.3f %.3f)\n", d.theta, d.phi, (double)r->direction.x,
+                   (double)r->direction.y, (double)r->direction.z);
+        else printf("  on all sides\n");
     }
 }
 
@@ -66,11 +57,10 @@ static void print_text(const char *path, const bis_survey *s, const bis_envmap *
 {
     printf("map         %s, %d x %d, %s\n", path, em->width, em->height,
            angular ? "resampled from angular" : "latlong");
-    if (angular) {
+    if (angular)
         printf("power       %.6g before, %.6g after resampling (%+.3f%%)\n", em->angular_power_before,
                em->angular_power_after,
                em->angular_power_before > 0 ? 100 * (em->angular_power_after / em->angular_power_before - 1) : 0);
-    }
     printf("intensity   min %.4g, median %.4g, mean %.4g, max %.4g (r+g+b; min: of the pixels that are not black)\n",
            s->least, s->median, s->mean, s->most);
     printf("mean        %.4g %.4g %.4g (red, green, blue)\n", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
@@ -80,11 +70,12 @@ static void print_text(const char *path, const bis_survey *s, const bis_envmap *
     printf("black       %.4g%% of the sphere\n", 100 * s->black);
     if (s->power > 0) {
         const vec3 w = pixel_direction(em, s->peak);
+        const bis_pixel_direction d = bis_pixel_angles(w);
         printf("contrast    %.4g : 1\n", s->most / s->least);
         printf("brightest   0.1%% of the sphere holds %.2f%% of the power\n", 100 * s->brightest);
         printf("peak        pixel (%zu, %zu), theta %.1f, phi %.1f degrees, direction (%.3f %.3f %.3f)\n",
-               s->peak % (size_t)em->width, s->peak / (size_t)em->width, theta_deg(w), phi_deg(w), (double)w.x,
-               (double)w.y, (double)w.z);
+               s->peak % (size_t)em->width, s->peak / (size_t)em->width, d.theta, d.phi, (double)w.x, (double)w.y,
+               (double)w.z);
     }
     printf("regions     %u in %d level%s\n", s->n_regions, s->n_levels, s->n_levels == 1 ? "" : "s");
     printf("table       %.1f bytes a pixel beyond the map\n", (double)bytes / ((double)em->width * em->height));
@@ -95,17 +86,12 @@ static void print_text(const char *path, const bis_survey *s, const bis_envmap *
 
 static void json_direction(bis_json *j, const char *key, vec3 w)
 {
-    if (!has_direction(w)) {
-        bis_json_null(j, key);
-        return;
-    }
-    bis_json_open(j, key, '{');
-    bis_json_number(j, "theta_deg", theta_deg(w));
-    bis_json_number(j, "phi_deg", phi_deg(w));
-    bis_json_number(j, "x", (double)w.x);
-    bis_json_number(j, "y", (double)w.y);
-    bis_json_number(j, "z", (double)w.z);
-    bis_json_close(j);
+    const bis_pixel_direction d = bis_pixel_angles(w);
+
+    if (!has_direction(w)) bis_json_null(j, key);
+    else
+        BIS_JSON_OBJECT(j, key, {"theta_deg", d.theta}, {"phi_deg", d.phi}, {"x", (double)w.x}, {"y", (double)w.y},
+                        {"z", (double)w.z});
 }
 
 static void json_peak(bis_json *j, const bis_survey *s, const bis_envmap *em)
@@ -115,19 +101,8 @@ static void json_peak(bis_json *j, const bis_survey *s, const bis_envmap *em)
         return;
     }
     bis_json_open(j, "peak", '{');
-    bis_json_count(j, "x", s->peak % (size_t)em->width);
-    bis_json_count(j, "y", s->peak / (size_t)em->width);
+    BIS_JSON_NUMBERS(j, {"x", (double)(s->peak % (size_t)em->width)}, {"y", (double)(s->peak / (size_t)em->width)});
     json_direction(j, "direction", pixel_direction(em, s->peak));
-    bis_json_close(j);
-}
-
-static void json_defects(bis_json *j, const bis_envmap_defects *d)
-{
-    bis_json_open(j, "bad_values", '{');
-    bis_json_count(j, "nan", d->n_nan);
-    bis_json_count(j, "infinite", d->n_infinite);
-    bis_json_count(j, "negative", d->n_negative);
-    bis_json_number(j, "sphere_share", d->solid_angle / (4 * PI));
     bis_json_close(j);
 }
 
@@ -136,14 +111,8 @@ static void json_levels(bis_json *j, const bis_survey *s)
     bis_json_open(j, "levels", '[');
     for (int k = 0; k < s->n_levels; k++) {
         const bis_survey_level *l = &s->level[k];
-        bis_json_open(j, NULL, '{');
-        bis_json_number(j, "from", l->least);
-        bis_json_number(j, "to", l->most);
-        bis_json_count(j, "pixels", l->pixels);
-        bis_json_number(j, "sphere_share", l->sphere);
-        bis_json_number(j, "power_share", l->power);
-        bis_json_count(j, "regions", l->regions);
-        bis_json_close(j);
+        BIS_JSON_OBJECT(j, NULL, {"from", l->least}, {"to", l->most}, {"pixels", (double)l->pixels},
+                        {"sphere_share", l->sphere}, {"power_share", l->power}, {"regions", l->regions});
     }
     bis_json_close(j);
 }
@@ -154,9 +123,7 @@ static void json_largest(bis_json *j, const bis_survey *s)
     for (int k = 0; k < s->n_largest; k++) {
         const bis_survey_region *r = &s->largest[k];
         bis_json_open(j, NULL, '{');
-        bis_json_count(j, "level", r->level);
-        bis_json_number(j, "power_share", r->power);
-        bis_json_number(j, "solid_angle", r->solid_angle);
+        BIS_JSON_NUMBERS(j, {"level", r->level}, {"power_share", r->power}, {"solid_angle", r->solid_angle});
         json_direction(j, "direction", r->direction);
         bis_json_close(j);
     }
@@ -166,28 +133,22 @@ static void json_largest(bis_json *j, const bis_survey *s)
 static void print_json(const char *path, const bis_survey *s, const bis_envmap *em, bool angular, size_t bytes)
 {
     bis_json j = {.out = stdout};
+    const bis_envmap_defects *bad = &em->defects;
+
     bis_json_open(&j, NULL, '{');
     bis_json_text(&j, "map", path);
-    bis_json_count(&j, "width", (uint64_t)em->width);
-    bis_json_count(&j, "height", (uint64_t)em->height);
+    BIS_JSON_NUMBERS(&j, {"width", em->width}, {"height", em->height});
     bis_json_text(&j, "mapping", angular ? "angular" : "latlong");
-    bis_json_number(&j, "angular_power_before", angular ? em->angular_power_before : (double)NAN);
-    bis_json_number(&j, "angular_power_after", angular ? em->angular_power_after : (double)NAN);
-    bis_json_number(&j, "min", s->least);
-    bis_json_number(&j, "median", s->median);
-    bis_json_number(&j, "mean", s->mean);
-    bis_json_number(&j, "max", s->most);
-    bis_json_open(&j, "mean_rgb", '[');
-    for (int i = 0; i < 3; i++) bis_json_number(&j, NULL, s->mean_rgb[i]);
-    bis_json_close(&j);
-    bis_json_number(&j, "contrast", s->power > 0 ? s->most / s->least : (double)NAN);
-    bis_json_number(&j, "power", s->power);
-    bis_json_number(&j, "black_share", s->black);
-    bis_json_number(&j, "brightest_0.1_percent", s->brightest);
+    BIS_JSON_NUMBERS(&j, {"angular_power_before", angular ? em->angular_power_before : (double)NAN},
+                     {"angular_power_after", angular ? em->angular_power_after : (double)NAN}, {"min", s->least},
+                     {"median", s->median}, {"mean", s->mean}, {"max", s->most});
+    bis_json_triple(&j, "mean_rgb", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
+    BIS_JSON_NUMBERS(&j, {"contrast", s->power > 0 ? s->most / s->least : (double)NAN}, {"power", s->power},
+                     {"black_share", s->black}, {"brightest_0.1_percent", s->brightest});
     json_peak(&j, s, em);
-    json_defects(&j, &em->defects);
-    bis_json_count(&j, "regions", s->n_regions);
-    bis_json_count(&j, "table_bytes", bytes);
+    BIS_JSON_OBJECT(&j, "bad_values", {"nan", (double)bad->n_nan}, {"infinite", (double)bad->n_infinite},
+                    {"negative", (double)bad->n_negative}, {"sphere_share", bad->solid_angle / (4 * PI)});
+    BIS_JSON_NUMBERS(&j, {"regions", s->n_regions}, {"table_bytes", (double)bytes});
     json_levels(&j, s);
     json_largest(&j, s);
     bis_json_close(&j);
@@ -225,53 +186,34 @@ static bis_status write_pictures(const envmap_options *o, const char *out, const
     return status;
 }
 
-/* Where pictures go: --out itself, or --outdir with the map's name and .png; NULL: none. False: neither can be
- * written. */
-static bool find_out(char out[4096], const envmap_options *o, const char *map, bool *any, bis_diag *diag)
+/* Where pictures go: --out itself, or --outdir with the map's name and .png; *any: is there one? */
+static bis_status find_out(char out[4096], const envmap_options *o, const char *map, bool *any, bis_diag *diag)
 {
     const char *slash = strrchr(map, '/'), *name = slash ? slash + 1 : map, *dot = strrchr(name, '.');
     const int stem = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
     char picture[4096];
 
     *any = o->out || o->outdir;
-    if (!*any) return true;
-    if (o->out && o->outdir) {
-        bis_error(diag, BIS_INPUT, bis_cli_loc, "--out and --outdir exclude each other");
-        return false;
-    }
+    if (!*any) return BIS_OK;
+    if (o->out && o->outdir) return bis_error(diag, BIS_INPUT, bis_cli_loc, "--out and --outdir exclude each other");
     const int length =
         o->out ? snprintf(out, 4096, "%s", o->out) : snprintf(out, 4096, "%s/%.*s.png", o->outdir, stem, name);
-    if (length > 4000) {
-        bis_error(diag, BIS_INPUT, bis_cli_loc, "--out: the name is longer than 4000 bytes");
-        return false;
-    }
+    if (length > 4000) return bis_error(diag, BIS_INPUT, bis_cli_loc, "--out: the name is longer than 4000 bytes");
     if (!bis_image_can_write(out)) {
-        bis_error(diag, BIS_INPUT, bis_cli_loc, "--out \"%s\": the ending must be .exr, .pfm, .hdr or .png", out);
-        return false;
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--out \"%s\": the ending must be .exr, .pfm, .hdr or .png",
+                         out);
     }
-    for (int i = 0; i < 4; i++) {
+    bis_status status = BIS_OK;
+    for (int i = 0; i < 4 && !status; i++) {
         static const char *const pictures[] = {"map", "levels", "regions", "importance"};
         const char *const path = picture_path(picture, out, pictures[i]);
-        if (bis_cli_check_writable(path, diag) || bis_cli_check_distinct(&map, 1, &path, 1, diag)) return false;
+        status = bis_cli_check_writable(path, diag);
+        if (!status) status = bis_cli_check_distinct(&map, 1, &path, 1, diag);
     }
-    return true;
+    return status;
 }
 
 /* ---- the command ---- */
-
-static bis_light_desc describe(const envmap_options *o, char *path)
-{
-    bis_light_desc light = bis_light_desc_default();
-
-    light.filename = path;
-    light.angular = o->mapping && strcmp(o->mapping, "angular") == 0;
-    light.has_mapping = o->mapping != NULL;
-    light.width = (int)o->width;
-    light.area_exponent = o->area_exponent;
-    light.levels = (int)o->levels;
-    light.loc = (bis_loc){path, 0, 0};
-    return light;
-}
 
 static bis_status survey(const envmap_options *o, const char *path, const char *out, const bis_light *light,
                          bool angular, bis_diag *diag)
@@ -286,42 +228,28 @@ static bis_status survey(const envmap_options *o, const char *path, const char *
     bis_regions_clear(&regions);
     if (status) return status;
     const size_t bytes = bis_importance_bytes(bis_light_importance(light));
-    if (o->json) {
-        print_json(path, &s, em, angular, bytes);
-    } else {
-        print_text(path, &s, em, angular, bytes);
-    }
+    if (o->json) print_json(path, &s, em, angular, bytes);
+    else print_text(path, &s, em, angular, bytes);
     return BIS_OK;
 }
 
-/* A map that cannot be read, be it missing or damaged, is status 1; one that does not fit the options is bad usage. */
-static int envmap(const void *options, const char *const *operands, bis_diag *diag)
+static int envmap(void *options, const char *const *operands, bis_diag *diag)
 {
     const envmap_options *o = options;
-    int exit_status = BIS_EXIT_FAILED;
-    bis_image image = {0};
-    bis_light *light = NULL;
+    bis_light_desc desc = bis_light_desc_default();
+    bis_light *light;
     char out[4096];
     bool any;
-    char *path = bis_strdup(operands[0]);
 
-    if (!path) {
-        bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
-        goto done;
-    }
-    if (!find_out(out, o, operands[0], &any, diag)) {
-        exit_status = BIS_EXIT_USAGE;
-        goto done;
-    }
-    if (bis_image_read(&image, path, (bis_loc){0}, diag)) goto done;
-    const bis_light_desc desc = describe(o, path);
-    bis_status status = bis_light_from_image(&light, &image, &desc, BIS_NEED_TABLE, diag);
-    if (!status) status = survey(o, path, any ? out : NULL, light, desc.angular, diag);
-    exit_status = bis_cli_exit_status(status);
-done:
-    bis_image_clear(&image);
+    const bis_status status = find_out(out, o, operands[0], &any, diag);
+    if (status) return bis_cli_exit_status(status);
+    desc.width = (int)o->width;
+    desc.area_exponent = o->area_exponent;
+    desc.levels = (int)o->levels;
+    int exit_status = bis_cli_load_map(&light, &desc, operands[0], o->mapping, BIS_NEED_TABLE, diag);
+    if (!exit_status)
+        exit_status = bis_cli_exit_status(survey(o, operands[0], any ? out : NULL, light, desc.angular, diag));
     bis_light_free(light);
-    bis_free(path);
     return exit_status;
 }
 
@@ -358,10 +286,8 @@ int bis_cmd_envmap(int argc, char **argv)
         .name = "envmap",
         .usage = "envmap [options] MAP",
         .summary = "what is in a map; its levels, regions and importance as pictures",
-        .options = options,
-        .n_options = sizeof options / sizeof *options,
-        .min_operands = 1,
-        .max_operands = 1,
+        .options = options, .n_options = sizeof options / sizeof *options,
+        .min_operands = 1, .max_operands = 1,
         .notes = "Directions are in the map's own frame: z is up, towards row 0; theta is the\n"
                  "angle from it, phi runs with the columns. Levels are equal steps of the\n"
                  "logarithm of r+g+b, regions are connected pixels of one level, a light\n"

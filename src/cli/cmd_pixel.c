@@ -1,6 +1,5 @@
 /* cmd_pixel: `bis pixel SCENE X Y`: everything about one pixel (pixel.h), as text or JSON, CSV files and pictures in a
  * folder. */
-#include "tools/pixel/pixel.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
@@ -23,23 +22,13 @@ typedef struct pixel_options {
 
 /* ---- what is asked ---- */
 
-/* Digits, at most 2^15: no film is larger. */
-static bool read_place(int *value, const char *text)
-{
-    char *end;
-    if (*text < '0' || *text > '9') return false;
-    errno = 0;
-    const long v = strtol(text, &end, 10);
-    *value = (int)v;
-    return *end == '\0' && errno == 0 && v <= BIS_IMAGE_MAX_SIDE;
-}
-
 static bis_status read_places(int place[2], const char *const text[2], const bis_film_desc *film, bis_diag *diag)
 {
     const int limit[2] = {film->width, film->height};
     bis_status status = BIS_OK;
     for (int i = 0; i < 2; i++) {
-        if (read_place(&place[i], text[i]) && place[i] < limit[i]) continue;
+        const char *end = bis_cli_digits(text[i], 0, limit[i] - 1, &place[i]);
+        if (end && !*end) continue;
         status = bis_error(diag, BIS_INPUT, bis_cli_loc,
                            "%c is \"%s\", must be an integer in [0, %d]: the film of the scene has %d x %d pixels",
                            "XY"[i], text[i], limit[i] - 1, film->width, film->height);
@@ -75,11 +64,10 @@ static bis_status make_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], siz
     *n = bis_pixel_methods(list, own);
     for (size_t i = 0; i < *n && !status; i++) {
         bis_settings *s = &list[i].settings;
-        if (o->proposal && (s->integrator == &bis_sir || s->integrator == &bis_unoccluded)) {
+        if (o->proposal && (s->integrator == &bis_sir || s->integrator == &bis_unoccluded))
             s->proposal = strcmp(o->proposal, "em") == 0     ? BIS_PROPOSAL_EM
                           : strcmp(o->proposal, "brdf") == 0 ? BIS_PROPOSAL_BRDF
                                                              : BIS_PROPOSAL_MIX;
-        }
         status = override_settings(s, o, diag);
     }
     return status;
@@ -102,10 +90,9 @@ static bis_status ask_methods(bis_pixel_report *r, const pixel_options *o, const
         bis_pixel_method *m = &r->methods[i];
         status = bis_pixel_method_run(m, &r->pt, &r->exact, sampler->kind, (uint32_t)o->repeats,
                                       bis_hash(sampler->seed ^ ((i + 2) << 40)), diag);
-        if (!status && !m->is_open) {
+        if (!status && !m->is_open)
             status = bis_pixel_rays_record(&r->rays[i], &r->pt, &m->settings, sampler, pixel,
                                            runs_to_show(&m->settings), diag);
-        }
     }
     return status;
 }
@@ -195,7 +182,7 @@ static bis_status build_and_report(bis_pixel_report *r, const pixel_options *o, 
     return status;
 }
 
-static int pixel(const void *options, const char *const *operand, bis_diag *diag)
+static int pixel(void *options, const char *const *operand, bis_diag *diag)
 {
     const pixel_options *o = options;
     bis_pixel_report *r = bis_alloc(1, sizeof *r);
@@ -259,10 +246,8 @@ int bis_cmd_pixel(int argc, char **argv)
         .usage = "pixel [options] SCENE X Y",
         .summary = "everything about one pixel: the hit, the exact integral, every method against it; candidates, "
                    "weights and samples, with plots",
-        .options = options,
-        .n_options = sizeof options / sizeof *options,
-        .min_operands = 3,
-        .max_operands = 3,
+        .options = options, .n_options = sizeof options / sizeof *options,
+        .min_operands = 3, .max_operands = 3,
         .notes = "X counts from the left, Y from the top, both from 0, in the scene's film. The\n"
                  "ray goes through the pixel's centre. The folder gets densities.svg (figure 4.1\n"
                  "of the thesis: map, BRDF, product), samples.svg (figure 4.2: the shadow rays of\n"

@@ -10,11 +10,7 @@
 #include "bis/base/clock.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "bis/render/render.h"
-#include "bis/files/image_file.h"
 
-#include "tools/auto/auto.h"
-#include "cli.h"
 #include "parameters.h"
 #include "progress.h"
 #include "render/checkpoint.h"
@@ -22,14 +18,9 @@
 
 #include <assert.h>
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-typedef struct resolution {
-    int width, height;
-} resolution;
 
 /* What the command line says; has_ tells whether it does. */
 typedef struct render_options {
@@ -40,36 +31,13 @@ typedef struct render_options {
     bool quiet, plan, no_jitter, adaptive;
     bool has_spp, has_seed, has_resolution, has_crop, has_every;
     uint64_t spp, seed, threads;
-    resolution resolution;
+    int resolution[2];
     double crop[4];
     double seconds, error, every;
+    double start; /* of the command, on bis_clock_now's clock */
 } render_options;
 
-/* --- options
- * ------------------------------------------------------------------------------------------------------- */
-
-/* Digits of a side in [1, BIS_IMAGE_MAX_SIDE]; returns what follows them, NULL for anything else. */
-static const char *read_side(const char *text, int *side)
-{
-    char *end;
-    if (*text < '0' || *text > '9') return NULL;
-    long v = strtol(text, &end, 10);
-    if (v < 1 || v > BIS_IMAGE_MAX_SIDE) return NULL;
-    *side = (int)v;
-    return end;
-}
-
-/* "640x480" */
-static bool read_resolution(void *value, const char *text)
-{
-    resolution r;
-    const char *rest = read_side(text, &r.width);
-    if (!rest || *rest != 'x') return false;
-    rest = read_side(rest + 1, &r.height);
-    if (!rest || *rest) return false;
-    *(resolution *)value = r;
-    return true;
-}
+/* ---- options ---- */
 
 /* "0.25,0.75,0,1": x0 < x1 and y0 < y1, all in [0,1]. */
 static bool read_crop(void *value, const char *text)
@@ -86,146 +54,28 @@ static bool read_crop(void *value, const char *text)
     return true;
 }
 
-static const char *const accelerators[] = {"grid", "embree", NULL};
-
-enum { MAX_INTEGRATORS = 16, MAX_OPTIONS = 48 };
-
-/* The table behind reading, range checks and --help. False: the command is over with *exit_status. */
-static bool read_options(render_options *o, int argc, char **argv, const char **scene, int *exit_status)
-{
-    const char *integrators[MAX_INTEGRATORS + 1] = {0};
-    char integrator_help[256] = "";
-    int i = 0;
-
-    for (; bis_integrators[i] && i < MAX_INTEGRATORS - 1; i++) {
-        integrators[i] = bis_integrators[i]->name;
-        bis_append(integrator_help, sizeof integrator_help, "%s, ", integrators[i]);
-    }
-    integrators[i] = bis_auto.name;
-    bis_append(integrator_help, sizeof integrator_help,
-               "or auto: a pilot chooses (default: the scene's; see `bis help sir`)");
-
-    /* clang-format off: the rows are broken by hand */
-    const bis_option before[] = {
-        {.help = "output"},
-        {.name = "outfile", .argument = "F",
-         .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated (default: the "
-                 "filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o->files.pictures},
-        {.name = "layers", .argument = "L,...",
-         .help = "what an EXR carries beside R, G, B, A: stderr, interval, samples, shadowrays, candidates, "
-                 "unoccluded, visibility, albedo, normal, depth; all; none", .kind = BIS_OPTION_TEXT,
-         .value = &o->layers},
-        {.name = "stats", .argument = "F", .help = "write figures about the run to F as JSON; \"-\": standard output",
-         .kind = BIS_OPTION_TEXT, .value = &o->files.stats},
-        {.name = "exposure", .argument = "EV",
-         .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)", .kind = BIS_OPTION_REAL,
-         .value = &o->files.exposure, .given = &o->files.has_exposure, .lo = -100, .hi = 100},
-        {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG,
-         .value = &o->quiet},
-        {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
-         .kind = BIS_OPTION_FLAG, .value = &o->plan},
-
-        {.help = "what to render (these override the scene file)"},
-        {.name = "integrator", .argument = "NAME",
-         .help = integrator_help, .kind = BIS_OPTION_NAME, .value = &o->integrator, .names = integrators},
-    };
-    const bis_option behind[] = {
-        {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT,
-         .value = &o->seed, .given = &o->has_seed, .hi = 0x1p53},
-        {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME,
-         .value = &o->accelerator, .names = accelerators},
-        {.name = "resolution", .argument = "WxH", .help = "size of the full picture in pixels", .kind = BIS_OPTION_OWN,
-         .value = &o->resolution, .given = &o->has_resolution, .read = read_resolution,
-         .rule = "WxH with sides in [1, 32768], as in 640x480"},
-        {.name = "cropwindow", .argument = "x0,x1,y0,y1",
-         .help = "render this part alone, in shares of the full picture; pixels are the same as those of the full "
-                 "picture. An EXR keeps the full display window, other formats hold the crop", .kind = BIS_OPTION_OWN,
-         .value = o->crop, .given = &o->has_crop, .read = read_crop,
-         .rule = "x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
-        {.name = "as-printed", .argument = "E",
-         .help = "follow the thesis to the letter where docs/errata.md departs from it, as in E6: a wrong picture, to "
-                 "see why; may be repeated; \"list\" prints all", .kind = BIS_OPTION_LIST, .value = &o->as_printed},
-        {.name = "disable-pixel-jitter", .help = "camera rays through pixel centres", .kind = BIS_OPTION_FLAG,
-         .value = &o->no_jitter},
-        {.name = "nthreads", .argument = "N",
-         .help = "threads (default: one for each processor); pictures do not depend on it",
-         /* where the system gives fewer, OpenMP's runtime says so and exits with 1: it has no way to ask */
-         .kind = BIS_OPTION_COUNT, .value = &o->threads, .lo = 1, .hi = 1024},
-
-        {.help = "how long (whichever comes first; default: the scene's pixelsamples)"},
-        {.name = "spp", .argument = "N", .help = "camera samples in each pixel", .kind = BIS_OPTION_COUNT,
-         .value = &o->spp, .given = &o->has_spp, .lo = 1, .hi = 1e9},
-        {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; "
-            "ends within one pass; also 10s, 2min, 1.5h",
-         .kind = BIS_OPTION_SECONDS, .value = &o->seconds, .above = true, .hi = 1e8},
-        {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E, as "
-            "in 0.05 or 5%",
-         .kind = BIS_OPTION_SHARE, .value = &o->error, .above = true, .hi = 10},
-        {.name = "adaptive",
-         .help = "camera samples go where the error is, by tiles of 16 x 16 pixels; --spp is then their mean, rounded "
-                 "up to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o->adaptive},
-
-        {.help = "a render in several runs (the picture has the bits of one run)"},
-        {.name = "checkpoint", .argument = "F",
-         .help = "keep the state of the render in F: at intervals, at the end, at Ctrl-C and SIGTERM",
-         .kind = BIS_OPTION_TEXT, .value = &o->files.checkpoint},
-        {.name = "checkpoint-every", .argument = "SECONDS",
-         .help = "the interval, looked at between passes; 0: after each pass (default: 60)",
-         .kind = BIS_OPTION_SECONDS, .value = &o->every, .given = &o->has_every, .hi = 1e8},
-        {.name = "resume", .argument = "F",
-         .help = "go on from the checkpoint F, or start afresh where there is no such file; --spp, --time and --error "
-                 "count from the very start and may be more than before. Without --checkpoint, F is written as well",
-         .kind = BIS_OPTION_TEXT, .value = &o->files.resume},
-    };
-    /* clang-format on */
-    bis_option options[MAX_OPTIONS];
-    size_t n_options = sizeof before / sizeof *before;
-    memcpy(options, before, sizeof before);
-    bis_parameter_options(options, &n_options, o->parameters);
-    assert(n_options + sizeof behind / sizeof *behind <= MAX_OPTIONS);
-    memcpy(options + n_options, behind, sizeof behind);
-    const bis_command command = {
-        .name = "render",
-        .usage = "[render] [options] SCENE",
-        .summary = "render a scene",
-        .options = options,
-        .n_options = n_options + sizeof behind / sizeof *behind,
-        .min_operands = 1,
-        .max_operands = 1,
-        .notes = "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
-                 "bad scene; 130 interrupted, after the complete passes have been written.\n",
-    };
-    int n;
-    return bis_cli_parse(&command, argc, argv, scene, &n, exit_status);
-}
-
-/* --- the command line over the scene
- * ------------------------------------------------------------------------------- */
+/* ---- the command line over the scene ---- */
 
 /* The errata to render as printed: those of the scene and of the command line. */
 static bis_status switch_errata(bis_settings *s, const bis_texts *names, bis_diag *diag)
 {
-    bis_status first = BIS_OK;
+    bis_status status = BIS_OK;
+    char hint[BIS_HINT];
 
     for (int i = 0; i < names->n; i++) {
         const bis_erratum *e = bis_erratum_find(names->text[i]);
-        if (e) {
-            s->as_printed |= e->flag;
-            continue;
-        }
-        const char *near = bis_erratum_nearest(names->text[i]);
-        bis_status status =
-            bis_error(diag, BIS_INPUT, bis_cli_loc,
-                      "--as-printed: no erratum \"%s\" can be switched%s%s%s; `bis --as-printed list` lists them",
-                      names->text[i], near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
-        if (!first) first = status;
+        if (e) s->as_printed |= e->flag;
+        else
+            status = bis_error(diag, BIS_INPUT, bis_cli_loc,
+                               "--as-printed: no erratum \"%s\" can be switched%s; `bis --as-printed list` lists them",
+                               names->text[i], bis_hint(hint, bis_erratum_nearest(names->text[i])));
     }
     for (const bis_erratum *e = bis_errata; e->name; e++) {
         if (!(s->as_printed & e->flag) || bis_erratum_reaches(e, s->integrator->name)) continue;
         bis_warn(diag, bis_cli_loc, "%s as printed has no effect on integrator \"%s\", only on: %s", e->name,
                  s->integrator->name, e->integrators);
     }
-    return first;
+    return status;
 }
 
 static bis_status override_settings(bis_scene_desc *d, const render_options *o, bis_diag *diag)
@@ -256,15 +106,13 @@ static bis_status read_layers(unsigned *set, const char *list, bis_diag *diag)
     *set = 0;
     if (strcmp(list, "none") == 0) return BIS_OK;
     for (const char *end; *list; list = *end ? end + 1 : end) {
-        char name[64];
+        char name[64], hint[BIS_HINT];
         size_t n = strcspn(list, ",");
         end = list + n;
         snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : sizeof name - 1), list);
         if (bis_layers_include(set, name)) continue;
-        const char *near = bis_layer_nearest(name);
-        return bis_error(diag, BIS_INPUT, bis_cli_loc,
-                         "--layers: there is no layer \"%s\"%s%s%s; `bis --help` lists them", name,
-                         near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--layers: there is no layer \"%s\"%s; `bis --help` lists them",
+                         name, bis_hint(hint, bis_layer_nearest(name)));
     }
     return BIS_OK;
 }
@@ -278,15 +126,14 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
     if (o->has_spp) bis_sampler_set_spp(&d->view.sampler, (uint32_t)o->spp);
     if (o->has_seed) d->view.sampler.seed = o->seed;
     if (o->accelerator) d->accel.kind = strcmp(o->accelerator, "grid") == 0 ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
-    if (d->accel.kind == BIS_ACCEL_EMBREE && !bis_accel_embree_version()) {
+    if (d->accel.kind == BIS_ACCEL_EMBREE && !bis_accel_embree_version())
         return bis_error(diag, BIS_INPUT, bis_cli_loc,
                          "accelerator \"embree\" is not built in; use \"grid\", or build with Embree installed");
-    }
     if (o->threads) d->accel.n_threads = (int)o->threads;
     bis_cli_use_threads(o->threads);
     if (o->has_resolution) {
-        d->view.film.width = o->resolution.width;
-        d->view.film.height = o->resolution.height;
+        d->view.film.width = o->resolution[0];
+        d->view.film.height = o->resolution[1];
     }
     if (o->has_crop) memcpy(d->view.film.crop, o->crop, sizeof o->crop);
     if (o->no_jitter) d->view.pixel_jitter = false;
@@ -294,8 +141,7 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
     return BIS_OK;
 }
 
-/* --- rendering
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- rendering ---- */
 
 static void print_progress(const bis_progress *p, void *user)
 {
@@ -424,7 +270,7 @@ static void note_resampling(const bis_light *light)
 }
 
 /* From scene to files; *interrupted: a signal came. */
-static bis_status run(render_options *o, bis_scene_desc *desc, double start, double parse_seconds, bool *interrupted,
+static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seconds, bool *interrupted,
                       bis_diag *diag)
 {
     bis_scene *scene = NULL;
@@ -464,7 +310,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double start, dou
     double before = bis_clock_now();
     status = bis_render_files_write_pictures(&written, &o->files, &stats, diag);
     stats.seconds.write = bis_clock_now() - before;
-    stats.seconds.total = bis_clock_now() - start;
+    stats.seconds.total = bis_clock_now() - o->start;
     const bis_status other = bis_render_files_write_stats(&o->files, &stats, diag);
     if (!status) status = other;
     if (checkpoint.failed)
@@ -491,50 +337,146 @@ static bool asks_for_errata(int argc, char **argv)
 
 static void list_errata(void)
 {
-    for (const bis_erratum *e = bis_errata; e->name; e++) {
+    for (const bis_erratum *e = bis_errata; e->name; e++)
         printf("%-4s thesis %s; integrators: %s\n     %s\n", e->name, e->section, e->integrators, e->effect);
+}
+
+static int render_scene(void *options, const char *const *operands, bis_diag *diag)
+{
+    render_options *o = options;
+    bis_scene_desc *desc = NULL;
+    bool interrupted = false;
+
+    if (!o->files.checkpoint) o->files.checkpoint = o->files.resume;
+    bis_status status = bis_render_files_check(&o->files, diag);
+    if (!status) status = bis_scene_parse(&desc, operands[0], diag);
+    if (!status) status = override(desc, o, diag);
+    const double parse_seconds = bis_clock_now() - o->start;
+    if (status) goto done;
+    if (o->plan) {
+        bis_scene_plan(desc, stdout);
+        goto done;
     }
+    if (o->files.pictures.n == 0) {
+        o->files.pictures.text[o->files.pictures.n++] = desc->outfile;
+        status = bis_render_files_check(&o->files, diag);
+    }
+    if (!status) status = bis_render_files_check_distinct(&o->files, desc, diag);
+    if (!status) status = run(o, desc, parse_seconds, &interrupted, diag);
+done:
+    bis_scene_desc_free(desc);
+    const int exit_status = bis_cli_exit_status(status);
+    return interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status;
 }
 
 int bis_cmd_render(int argc, char **argv)
 {
-    render_options o = {.every = 60};
-    bis_scene_desc *desc = NULL;
-    bis_diag diag = {0};
-    const char *path;
-    bool interrupted = false;
-    int exit_status;
-    double start = bis_clock_now();
+    enum { MAX_INTEGRATORS = 16, MAX_OPTIONS = 48 };
+    static const char *const accelerators[] = {"grid", "embree", NULL};
+    render_options o = {.every = 60, .start = bis_clock_now()};
+    const char *integrators[MAX_INTEGRATORS + 1] = {0};
+    char integrator_help[256] = "";
+    int i = 0;
 
     if (asks_for_errata(argc, argv)) {
         list_errata();
         return bis_cli_finish(BIS_EXIT_DONE);
     }
-    if (!read_options(&o, argc, argv, &path, &exit_status)) return exit_status;
-    if (!o.files.checkpoint) o.files.checkpoint = o.files.resume;
-    bis_status status = bis_render_files_check(&o.files, &diag);
-    if (status) goto done;
-    status = bis_scene_parse(&desc, path, &diag);
-    if (status) goto done;
-    status = override(desc, &o, &diag);
-    if (status) goto done;
-    double parse_seconds = bis_clock_now() - start;
-    if (o.plan) {
-        bis_scene_plan(desc, stdout);
-        goto done;
+    for (; bis_integrators[i] && i < MAX_INTEGRATORS - 1; i++) {
+        integrators[i] = bis_integrators[i]->name;
+        bis_append(integrator_help, sizeof integrator_help, "%s, ", integrators[i]);
     }
-    if (o.files.pictures.n == 0) {
-        o.files.pictures.text[o.files.pictures.n++] = desc->outfile;
-        status = bis_render_files_check(&o.files, &diag);
-        if (status) goto done;
-    }
-    status = bis_render_files_check_distinct(&o.files, desc, &diag);
-    if (status) goto done;
-    status = run(&o, desc, start, parse_seconds, &interrupted, &diag);
-done:
-    bis_cli_print_diag(&diag, o.quiet);
-    bis_diag_clear(&diag);
-    bis_scene_desc_free(desc);
-    exit_status = bis_cli_exit_status(status);
-    return bis_cli_finish(interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status);
+    integrators[i] = bis_auto.name;
+    bis_append(integrator_help, sizeof integrator_help,
+               "or auto: a pilot chooses (default: the scene's; see `bis help sir`)");
+
+    /* clang-format off: the rows are broken by hand */
+    const bis_option before[] = {
+        {.help = "output"},
+        {.name = "outfile", .argument = "F",
+         .help = "write the picture to F, by its ending .exr, .pfm, .hdr or .png; may be repeated (default: the "
+                 "filename of the scene's Film)", .kind = BIS_OPTION_LIST, .value = &o.files.pictures},
+        {.name = "layers", .argument = "L,...",
+         .help = "what an EXR carries beside R, G, B, A: stderr, interval, samples, shadowrays, candidates, "
+                 "unoccluded, visibility, albedo, normal, depth; all; none", .kind = BIS_OPTION_TEXT,
+         .value = &o.layers},
+        {.name = "stats", .argument = "F", .help = "write figures about the run to F as JSON; \"-\": standard output",
+         .kind = BIS_OPTION_TEXT, .value = &o.files.stats},
+        {.name = "exposure", .argument = "EV",
+         .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)", .kind = BIS_OPTION_REAL,
+         .value = &o.files.exposure, .given = &o.files.has_exposure, .lo = -100, .hi = 100},
+        {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG,
+         .value = &o.quiet},
+        {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
+         .kind = BIS_OPTION_FLAG, .value = &o.plan},
+
+        {.help = "what to render (these override the scene file)"},
+        {.name = "integrator", .argument = "NAME",
+         .help = integrator_help, .kind = BIS_OPTION_NAME, .value = &o.integrator, .names = integrators},
+    };
+    const bis_option behind[] = {
+        {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT,
+         .value = &o.seed, .given = &o.has_seed, .hi = 0x1p53},
+        {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME,
+         .value = &o.accelerator, .names = accelerators},
+        {.name = "resolution", .argument = "WxH", .help = "size of the full picture in pixels", .kind = BIS_OPTION_OWN,
+         .value = o.resolution, .given = &o.has_resolution, .read = bis_cli_read_size, .rule = BIS_SIZE_RULE},
+        {.name = "cropwindow", .argument = "x0,x1,y0,y1",
+         .help = "render this part alone, in shares of the full picture; pixels are the same as those of the full "
+                 "picture. An EXR keeps the full display window, other formats hold the crop", .kind = BIS_OPTION_OWN,
+         .value = o.crop, .given = &o.has_crop, .read = read_crop,
+         .rule = "x0,x1,y0,y1 in [0, 1] with x0 < x1 and y0 < y1, as in 0.25,0.75,0,1"},
+        {.name = "as-printed", .argument = "E",
+         .help = "follow the thesis to the letter where docs/errata.md departs from it, as in E6: a wrong picture, to "
+                 "see why; may be repeated; \"list\" prints all", .kind = BIS_OPTION_LIST, .value = &o.as_printed},
+        {.name = "disable-pixel-jitter", .help = "camera rays through pixel centres", .kind = BIS_OPTION_FLAG,
+         .value = &o.no_jitter},
+        {.name = "nthreads", .argument = "N",
+         .help = "threads (default: one for each processor); pictures do not depend on it",
+         /* where the system gives fewer, OpenMP's runtime says so and exits with 1: it has no way to ask */
+         .kind = BIS_OPTION_COUNT, .value = &o.threads, .lo = 1, .hi = 1024},
+
+        {.help = "how long (whichever comes first; default: the scene's pixelsamples)"},
+        {.name = "spp", .argument = "N", .help = "camera samples in each pixel", .kind = BIS_OPTION_COUNT,
+         .value = &o.spp, .given = &o.has_spp, .lo = 1, .hi = 1e9},
+        {.name = "time", .argument = "SECONDS", .help = "seconds of rendering, loading and building not counted; "
+            "ends within one pass; also 10s, 2min, 1.5h",
+         .kind = BIS_OPTION_SECONDS, .value = &o.seconds, .above = true, .hi = 1e8},
+        {.name = "error", .argument = "E", .help = "until an upper 95% bound of the relative RMSE is at most E, as "
+            "in 0.05 or 5%",
+         .kind = BIS_OPTION_SHARE, .value = &o.error, .above = true, .hi = 10},
+        {.name = "adaptive",
+         .help = "camera samples go where the error is, by tiles of 16 x 16 pixels; --spp is then their mean, rounded "
+                 "up to a multiple of 4", .kind = BIS_OPTION_FLAG, .value = &o.adaptive},
+
+        {.help = "a render in several runs (the picture has the bits of one run)"},
+        {.name = "checkpoint", .argument = "F",
+         .help = "keep the state of the render in F: at intervals, at the end, at Ctrl-C and SIGTERM",
+         .kind = BIS_OPTION_TEXT, .value = &o.files.checkpoint},
+        {.name = "checkpoint-every", .argument = "SECONDS",
+         .help = "the interval, looked at between passes; 0: after each pass (default: 60)",
+         .kind = BIS_OPTION_SECONDS, .value = &o.every, .given = &o.has_every, .hi = 1e8},
+        {.name = "resume", .argument = "F",
+         .help = "go on from the checkpoint F, or start afresh where there is no such file; --spp, --time and --error "
+                 "count from the very start and may be more than before. Without --checkpoint, F is written as well",
+         .kind = BIS_OPTION_TEXT, .value = &o.files.resume},
+    };
+    /* clang-format on */
+    bis_option options[MAX_OPTIONS];
+    size_t n_options = sizeof before / sizeof *before;
+    memcpy(options, before, sizeof before);
+    bis_parameter_options(options, &n_options, o.parameters);
+    assert(n_options + sizeof behind / sizeof *behind <= MAX_OPTIONS);
+    memcpy(options + n_options, behind, sizeof behind);
+    const bis_command command = {
+        .name = "render",
+        .usage = "[render] [options] SCENE",
+        .summary = "render a scene",
+        .options = options,
+        .n_options = n_options + sizeof behind / sizeof *behind,
+        .min_operands = 1, .max_operands = 1,
+        .notes = "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
+                 "bad scene; 130 interrupted, after the complete passes have been written.\n",
+    };
+    return bis_cli_run(&command, argc, argv, render_scene, &o);
 }

@@ -27,101 +27,28 @@ typedef struct trade_options {
     int size[2];
 } trade_options;
 
-/* ---- options ---- */
-
-/* "640x480" */
-static bool read_size(void *value, const char *text)
-{
-    int *size = value;
-    for (int i = 0; i < 2; i++) {
-        const char *end;
-        if (*text < '0' || *text > '9') return false;
-        const double v = bis_parse_double(text, &end);
-        if (!(v >= 1 && v <= BIS_IMAGE_MAX_SIDE && v == floor(v)) || *end != (i ? '\0' : 'x')) return false;
-        size[i] = (int)v;
-        text = end + 1;
-    }
-    return true;
-}
-
-static bool read_options(trade_options *o, int argc, char **argv, const char **scene, int *exit_status)
-{
-    /* clang-format off: the rows are broken by hand */
-    const bis_option options[] = {
-        {.help = "what is written"},
-        {.name = "output", .argument = "DIR",
-         .help = "folder for tables, pictures and report.html (default: the scene's name with -trade, in the working "
-                 "folder); new, empty, or with --resume", .kind = BIS_OPTION_TEXT, .value = &o->output},
-        {.name = "resume", .help = "go on with the measurement in the folder, by its plan", .kind = BIS_OPTION_FLAG,
-         .value = &o->resume},
-        {.name = "quiet", .help = "no progress and no warnings", .kind = BIS_OPTION_FLAG, .value = &o->quiet},
-        {.help = "how long"},
-        {.name = "time", .argument = "SECONDS", .help = "for everything (150); size, passes and seeds follow from "
-            "it", .kind = BIS_OPTION_SECONDS, .value = &o->seconds,
-         .given = &o->has_seconds, .above = true, .hi = 1e7},
-        {.name = "quick", .help = "a shorter table of settings, in 30 s", .kind = BIS_OPTION_FLAG, .value = &o->quick},
-        {.name = "error", .argument = "E",
-         .help = "the relative RMSE of a final picture (0.05): measure until there; an error right after the pilot "
-                 "where that is out of reach", .kind = BIS_OPTION_SHARE, .value = &o->error, .given = &o->has_error,
-         .above = true, .hi = 10},
-        {.name = "seeds", .argument = "N", .help = "renders of each setting and budget (2, 3 or 5, by the time)",
-         .kind = BIS_OPTION_COUNT, .value = &o->seeds, .given = &o->has_seeds, .lo = 1, .hi = BIS_TRADE_SEEDS},
-        {.name = "passes", .argument = "N",
-         .help = "budgets of 1, 2, 4 ... up to N passes for every setting, instead of what the time allows",
-         .kind = BIS_OPTION_COUNT, .value = &o->passes, .given = &o->has_passes, .lo = 1,
-         .hi = 1 << (BIS_TRADE_LEVELS - 1)},
-        {.help = "what is measured"},
-        {.name = "integrator", .argument = "NAME", .help = "em, brdf, mis, rejection or sir alone; may be repeated",
-         .kind = BIS_OPTION_LIST, .value = &o->integrators},
-        {.name = "reference", .argument = "F",
-         .help = "compare with this picture (.exr, .pfm, .hdr) of the scene's size, instead of rendering references",
-         .kind = BIS_OPTION_TEXT, .value = &o->reference},
-        {.name = "resolution", .argument = "WxH",
-         .help = "size of the full picture; measured is a smaller one of the same view", .kind = BIS_OPTION_OWN,
-         .value = o->size, .given = &o->has_size, .read = read_size,
-         .rule = "WxH with sides in [1, 32768], as in 640x480"},
-        {.name = "seed", .argument = "N", .help = "other random numbers (1)", .kind = BIS_OPTION_COUNT,
-         .value = &o->seed, .given = &o->has_seed, .hi = 0x1p53},
-        {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor)",
-         .kind = BIS_OPTION_COUNT, .value = &o->threads, .lo = 1, .hi = 1024},
-    };
-    /* clang-format on */
-    const bis_command command = {
-        .name = "trade",
-        .usage = "trade [options] SCENE",
-        .summary = "measure error against time for several estimators",
-        .options = options,
-        .n_options = sizeof options / sizeof *options,
-        .min_operands = 1,
-        .max_operands = 1,
-        .notes = "Ctrl-C ends it with what was measured; --resume goes on.\n"
-                 "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
-                 "bad scene, or what cannot be done in the time; 130 interrupted.\n",
-    };
-    int n;
-    return bis_cli_parse(&command, argc, argv, scene, &n, exit_status);
-}
+/* ---- what is asked ---- */
 
 /* The plan of a measurement stays as it is. */
 static bis_status check_resume(const trade_options *o, bis_diag *diag)
 {
     static const char why[] = "--resume goes on by the plan in the folder, which %s would change; leave it out, or "
                               "measure into another folder";
-    if (!o->resume) return BIS_OK;
-    if (o->quick) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--quick");
-    if (o->has_seeds) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--seeds");
-    if (o->has_passes) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--passes");
-    if (o->has_seed) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--seed");
-    if (o->has_size) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--resolution");
-    if (o->reference) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--reference");
-    if (o->integrators.n) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, "--integrator");
+    const struct {
+        bool given;
+        const char *name;
+    } of_plan[] = {{o->quick, "--quick"}, {o->has_seeds, "--seeds"}, {o->has_passes, "--passes"},
+                   {o->has_seed, "--seed"}, {o->has_size, "--resolution"}, {o->reference != NULL, "--reference"},
+                   {o->integrators.n > 0, "--integrator"}};
+    for (size_t i = 0; i < sizeof of_plan / sizeof *of_plan && o->resume; i++)
+        if (of_plan[i].given) return bis_error(diag, BIS_INPUT, bis_cli_loc, why, of_plan[i].name);
     return BIS_OK;
 }
 
 static bis_status check_integrators(const trade_options *o, bis_diag *diag)
 {
     const char *names[32];
-    char list[256] = "";
+    char list[256] = "", hint[BIS_HINT];
     bis_status status = BIS_OK;
     size_t n = 0;
 
@@ -132,9 +59,8 @@ static bis_status check_integrators(const trade_options *o, bis_diag *diag)
     for (int i = 0; i < o->integrators.n; i++) {
         const bis_integrator *known = bis_integrator_find(o->integrators.text[i]);
         if (known && bis_trade_is_rival(known)) continue;
-        const char *near = bis_nearest_name(o->integrators.text[i], names, n);
-        status = bis_error(diag, BIS_INPUT, bis_cli_loc, "--integrator %s: must be %s%s%s%s", o->integrators.text[i],
-                           list, near ? " (did you mean \"" : "", near ? near : "", near ? "\"?)" : "");
+        status = bis_error(diag, BIS_INPUT, bis_cli_loc, "--integrator %s: must be %s%s", o->integrators.text[i], list,
+                           bis_hint(hint, bis_nearest_name(o->integrators.text[i], names, n)));
     }
     return status;
 }
@@ -221,21 +147,71 @@ static int run(const trade_options *o, const char *scene, const char *folder, bi
     return interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status;
 }
 
+static int measure(void *options, const char *const *operands, bis_diag *diag)
+{
+    const trade_options *o = options;
+
+    bis_cli_use_threads(o->threads);
+    char *folder = o->output ? bis_strdup(o->output) : default_folder(operands[0]);
+    bis_status status = folder ? check_resume(o, diag) : bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
+    if (!status) status = check_integrators(o, diag);
+    const int exit_status = status ? bis_cli_exit_status(status) : run(o, operands[0], folder, diag);
+    bis_free(folder);
+    return exit_status;
+}
+
 int bis_cmd_trade(int argc, char **argv)
 {
     trade_options o = {0};
-    bis_diag diag = {0};
-    const char *scene;
-    int exit_status;
-
-    if (!read_options(&o, argc, argv, &scene, &exit_status)) return exit_status;
-    bis_cli_use_threads(o.threads);
-    char *folder = o.output ? bis_strdup(o.output) : default_folder(scene);
-    bis_status status = folder ? check_resume(&o, &diag) : bis_error(&diag, BIS_NOMEM, bis_cli_loc, "no memory");
-    if (!status) status = check_integrators(&o, &diag);
-    exit_status = status ? bis_cli_exit_status(status) : run(&o, scene, folder, &diag);
-    bis_free(folder);
-    bis_cli_print_diag(&diag, o.quiet);
-    bis_diag_clear(&diag);
-    return bis_cli_finish(exit_status);
+    /* clang-format off: the rows are broken by hand */
+    const bis_option options[] = {
+        {.help = "what is written"},
+        {.name = "output", .argument = "DIR",
+         .help = "folder for tables, pictures and report.html (default: the scene's name with -trade, in the working "
+                 "folder); new, empty, or with --resume", .kind = BIS_OPTION_TEXT, .value = &o.output},
+        {.name = "resume", .help = "go on with the measurement in the folder, by its plan", .kind = BIS_OPTION_FLAG,
+         .value = &o.resume},
+        {.name = "quiet", .help = "no progress and no warnings", .kind = BIS_OPTION_FLAG, .value = &o.quiet},
+        {.help = "how long"},
+        {.name = "time", .argument = "SECONDS", .help = "for everything (150); size, passes and seeds follow from "
+            "it", .kind = BIS_OPTION_SECONDS, .value = &o.seconds,
+         .given = &o.has_seconds, .above = true, .hi = 1e7},
+        {.name = "quick", .help = "a shorter table of settings, in 30 s", .kind = BIS_OPTION_FLAG, .value = &o.quick},
+        {.name = "error", .argument = "E",
+         .help = "the relative RMSE of a final picture (0.05): measure until there; an error right after the pilot "
+                 "where that is out of reach", .kind = BIS_OPTION_SHARE, .value = &o.error, .given = &o.has_error,
+         .above = true, .hi = 10},
+        {.name = "seeds", .argument = "N", .help = "renders of each setting and budget (2, 3 or 5, by the time)",
+         .kind = BIS_OPTION_COUNT, .value = &o.seeds, .given = &o.has_seeds, .lo = 1, .hi = BIS_TRADE_SEEDS},
+        {.name = "passes", .argument = "N",
+         .help = "budgets of 1, 2, 4 ... up to N passes for every setting, instead of what the time allows",
+         .kind = BIS_OPTION_COUNT, .value = &o.passes, .given = &o.has_passes, .lo = 1,
+         .hi = 1 << (BIS_TRADE_LEVELS - 1)},
+        {.help = "what is measured"},
+        {.name = "integrator", .argument = "NAME", .help = "em, brdf, mis, rejection or sir alone; may be repeated",
+         .kind = BIS_OPTION_LIST, .value = &o.integrators},
+        {.name = "reference", .argument = "F",
+         .help = "compare with this picture (.exr, .pfm, .hdr) of the scene's size, instead of rendering references",
+         .kind = BIS_OPTION_TEXT, .value = &o.reference},
+        {.name = "resolution", .argument = "WxH",
+         .help = "size of the full picture; measured is a smaller one of the same view", .kind = BIS_OPTION_OWN,
+         .value = o.size, .given = &o.has_size, 
+         .read = bis_cli_read_size, .rule = BIS_SIZE_RULE},
+        {.name = "seed", .argument = "N", .help = "other random numbers (1)", .kind = BIS_OPTION_COUNT,
+         .value = &o.seed, .given = &o.has_seed, .hi = 0x1p53},
+        {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor)",
+         .kind = BIS_OPTION_COUNT, .value = &o.threads, .lo = 1, .hi = 1024},
+    };
+    /* clang-format on */
+    const bis_command command = {
+        .name = "trade",
+        .usage = "trade [options] SCENE",
+        .summary = "measure error against time for several estimators",
+        .options = options, .n_options = sizeof options / sizeof *options,
+        .min_operands = 1, .max_operands = 1,
+        .notes = "Ctrl-C ends it with what was measured; --resume goes on.\n"
+                 "Exit status: 0 done; 1 could not read or write, or out of memory; 2 bad usage or\n"
+                 "bad scene, or what cannot be done in the time; 130 interrupted.\n",
+    };
+    return bis_cli_run(&command, argc, argv, measure, &o);
 }

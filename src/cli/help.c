@@ -5,11 +5,11 @@
  * there and in the man page cannot differ. */
 #include "help.h"
 
+#include "base/text.h"
+
 #include "bis/base/file.h"
-#include "bis/base/status.h"
 
 #include <ctype.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { MAX_NAMES = 256, MAX_TERM = 32 };
@@ -33,17 +33,15 @@ const bis_subcommand bis_subcommands[] = {
 
 const bis_subcommand *bis_subcommand_find(const char *name)
 {
-    for (const bis_subcommand *c = bis_subcommands; c->name; c++) {
+    for (const bis_subcommand *c = bis_subcommands; c->name; c++)
         if (strcmp(c->name, name) == 0) return c;
-    }
     return NULL;
 }
 
 static const bis_topic *find_topic(const char *name)
 {
-    for (const bis_topic *t = bis_topics; t->name; t++) {
+    for (const bis_topic *t = bis_topics; t->name; t++)
         if (strcmp(t->name, name) == 0) return t;
-    }
     return NULL;
 }
 
@@ -112,9 +110,8 @@ static bool explains(const bis_help_entry *e, const char *name)
         const size_t dashes = *name == '-' ? 0 : strspn(found, "-");
         if (n - dashes == length && strncmp(found + dashes, name, length) == 0) return true;
     }
-    for (at = e->text; (found = next_name(&at, &n)) != NULL;) {
+    for (at = e->text; (found = next_name(&at, &n)) != NULL;)
         if (n == length && strncmp(found, name, n) == 0 && strncmp(at, " (", 2) == 0) return true;
-    }
     return false;
 }
 
@@ -142,6 +139,7 @@ static int unknown(const char *name)
 {
     static char words[MAX_NAMES][MAX_TERM];
     bis_help_page page;
+    char hint[BIS_HINT];
     const char *names[MAX_NAMES];
     size_t n = 0, n_words = 0, length;
 
@@ -161,9 +159,8 @@ static int unknown(const char *name)
     /* "integrator" is nearer to the directive Integrator than to the topic, but who asks for help wants the topic. */
     const char *near = bis_nearest_name(name, names, n_own);
     if (!near) near = bis_nearest_name(name, names, n);
-    fprintf(stderr, "bis: error: no command, topic or name \"%s\"%s%s%s; `bis help` lists commands and topics\n",
-        name, near ? " (did you mean \"" : "",
-            near ? near : "", near ? "\"?)" : "");
+    fprintf(stderr, "bis: error: no command, topic or name \"%s\"%s; `bis help` lists commands and topics\n", name,
+            bis_hint(hint, near));
     return BIS_EXIT_USAGE;
 }
 
@@ -179,8 +176,7 @@ int bis_cmd_help(int argc, char **argv)
         .usage = "help [COMMAND | TOPIC | NAME]",
         .summary = "what the commands and topics are; the options of a command; a topic; what an integrator, "
             "parameter or directive is",
-        .options = options,
-        .n_options = sizeof options / sizeof *options,
+        .options = options, .n_options = sizeof options / sizeof *options,
         .max_operands = 1,
         .notes = "`make install` installs the page: `man bis`. Without: bis help --man | man -l -\n",
     };

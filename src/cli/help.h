@@ -1,10 +1,8 @@
 /* help: what `bis help`, `bis help TOPIC` and the man page say. The commands tell their options themselves (cli.h);
  * topics are tables of terms and texts. Both are written once, and printed as text of 80 columns or as troff. For
  * main.c and help*.c. */
-#ifndef BIS_HELP_H
-#define BIS_HELP_H
+#pragma once
 
-#include "cli.h"
 #include "parameters.h"
 
 typedef struct bis_subcommand {
@@ -50,5 +48,3 @@ int bis_cmd_help(int argc, char **argv);
 /* bis_man_page prints the whole page for man(1): the intro, the commands (ended by a NULL name), the topics. It returns
  * the exit status. */
 int bis_man_page(const bis_subcommand *commands, const char *intro);
-
-#endif

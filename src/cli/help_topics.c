@@ -6,15 +6,13 @@
 #include "help.h"
 
 #include <assert.h>
-#include <stdio.h>
 
 const char bis_help_of_integrators[] = "", bis_help_of_parameters[] = "";
 
 static const bis_help_entry scene[] = {
     {NULL, "A scene says how it is looked at, then WorldBegin, then what there is. # begins a comment. Parameters are "
-           "\"type name\" value, as in \"float "
-           "fov\" 45. A parameter or directive that nobody knows is an error, what pbrt has and bis leaves out a "
-           "warning or an error that says so."},
+           "\"type name\" value, as in \"float fov\" 45. A parameter or directive that nobody knows is an error, what "
+           "pbrt has and bis leaves out a warning or an error that says so."},
     {"Camera \"perspective\" \"float fov\" 45", NULL},
     {"Sampler \"sobol\" \"integer pixelsamples\" 64", NULL},
     {"Integrator \"sir\" \"integer candidates\" 256", NULL},
@@ -70,8 +68,7 @@ static const bis_help_entry materials[] = {
            "comes, all is \"diffuse\" 0.5."},
     {"phong", "the thesis's energy-preserving model (eq. 3.14). Kd (0.5), Ks (0), exponent (50, >= 0)"},
     {"microfacet", "GGX facets over a diffuse base. Kd (0), Ks (0.9, the reflectance head on: a metal's colour, 0.04 "
-                   "for plastic), roughness (0.5, in [0.01, 1]; "
-                   "the lobe's alpha is its square)"},
+                   "for plastic), roughness (0.5, in [0.01, 1]; the lobe's alpha is its square)"},
     {"diffuse, matte", "reflectance, or Kd (0.5)"},
     {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. "
            "There are no textures."},
@@ -79,9 +76,8 @@ static const bis_help_entry materials[] = {
 };
 
 static const bis_help_entry lights[] = {
-    {NULL, "LightSource \"infinite\", at most one: an environment map, or a constant from all around. In its own frame "
-           "z is up, the map's top row; the transformation at "
-           "its place, a rotation, turns it into the world."},
+    {NULL, "LightSource \"infinite\", at most one: an environment map, or a constant from all around. In its own "
+           "frame z is up, the map's top row; the transformation at its place, a rotation, turns it into the world."},
     {"filename", "the map: .hdr, .exr or .pfm; none: a constant (mapname is the same)"},
     {"L, scale", "radiance of a constant (1 1 1); what a map is multiplied by (1)"},
     {"mapping", "latlong, or angular: a light probe. A square map must say which"},
@@ -107,8 +103,7 @@ static const bis_help_entry output[] = {
     {"unoccluded, visibility", "the light without shadows (eq. 4.5), and the share that arrives"},
     {"albedo, normal, depth", "of what is seen"},
     {NULL, "--stats F writes time, rays, memory, parameters and the estimated error as JSON. Standard output carries "
-           "results alone, messages go to standard error as "
-           "FILE:LINE:COLUMN: error: WHAT."},
+           "results alone, messages go to standard error as FILE:LINE:COLUMN: error: WHAT."},
     {NULL, "Exit status:"},
     {"0", "done"},
     {"1", "could not read or write, or out of memory; compare: beyond --tolerance; verify: a test failed"},
@@ -118,8 +113,8 @@ static const bis_help_entry output[] = {
 };
 
 static const bis_help_entry budgets[] = {
-    {NULL, "Passes take 1, 1, 2, then 4 camera samples of every pixel. Budgets are looked at between passes; whichever is "
-           "used up first ends the render. Without any, the scene's pixelsamples count."},
+    {NULL, "Passes take 1, 1, 2, then 4 camera samples of every pixel. Budgets are looked at between passes; the one "
+           "that is used up first ends the render. Without any, the scene's pixelsamples count."},
     {"--spp N", "N camera samples of every pixel"},
     {"--time SECONDS", "of rendering alone, as in 10, 10s, 2min, 1.5h; ends within a pass of it"},
     {"--error E", "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%; says after four "
@@ -137,8 +132,7 @@ static const bis_help_entry budgets[] = {
 
 static const bis_help_entry errata[] = {
     {NULL, "Some equations of the thesis are misprinted. bis computes what is right, but can follow them as printed, "
-           "to see what that does to the picture. The list is "
-           "printed by"},
+           "to see what that does to the picture. The list is printed by"},
     {"bis --as-printed list", NULL},
     {NULL, "with the section, the integrators concerned and what one sees. In a scene: Option \"string asprinted\" "
            "[\"E6\" \"E20\"]."},

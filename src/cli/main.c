@@ -2,10 +2,7 @@
 #include "help.h"
 
 #include "bis/base/mem.h"
-#include "bis/base/status.h"
 
-#include <signal.h>
-#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -49,9 +46,8 @@ int main(int argc, char **argv)
     const int status = run(argc, argv);
 
     /* A mistake of ours, which harms nobody now: it is said, not aborted for, because the picture is safe. */
-    if (bis_mem_live() != 0) {
+    if (bis_mem_live() != 0)
         fprintf(stderr, "bis: error in bis itself: %ld blocks of memory were not freed; please report it\n",
                 bis_mem_live());
-    }
     return status;
 }

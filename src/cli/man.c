@@ -84,22 +84,20 @@ static void put_notes(FILE *out, const char *notes)
 
 void bis_man_command(const bis_command *c, FILE *out)
 {
-    char term[128];
+    char term[BIS_CLI_TERM];
 
     fputs(".SS bis ", out);
     put_text(out, c->usage, strlen(c->usage));
     fputc('\n', out);
     bis_man_paragraph(out, c->summary, strlen(c->summary));
-    for (size_t i = 0; i < c->n_options; i++) {
-        const bis_option *o = &c->options[i];
-        if (!o->name) {
-            fputs(".PP\n\\fI", out);
-            put_text(out, o->help, strlen(o->help));
-            fputs("\\fR\n", out);
+    for (const bis_option *o = c->options; o < c->options + c->n_options; o++) {
+        if (o->name) {
+            bis_man_entry(out, bis_cli_term(term, o), o->help);
             continue;
         }
-        snprintf(term, sizeof term, "--%s%s%s", o->name, o->argument ? " " : "", o->argument ? o->argument : "");
-        bis_man_entry(out, term, o->help);
+        fputs(".PP\n\\fI", out);
+        put_text(out, o->help, strlen(o->help));
+        fputs("\\fR\n", out);
     }
     if (c->notes) put_notes(out, c->notes);
 }

@@ -1,6 +1,5 @@
 /* man: text in the language of man(7). For src/cli/cli.c, which prints a command's part of the page, and help_man.c. */
-#ifndef BIS_MAN_H
-#define BIS_MAN_H
+#pragma once
 
 #include "cli.h"
 
@@ -15,5 +14,3 @@ void bis_man_entry(FILE *out, const char *term, const char *text);
 
 /* bis_man_line prints n characters as a line that is not filled. */
 void bis_man_line(FILE *out, const char *text, size_t n);
-
-#endif

@@ -1,7 +1,6 @@
 /* parameters: what the command line says of the integrators' parameters, from the table of bis/thesis/settings.h: the
  * options of `bis render`, and the words of --help and `bis help`. */
-#ifndef BIS_CLI_PARAMETERS_H
-#define BIS_CLI_PARAMETERS_H
+#pragma once
 
 #include "bis/thesis/integrator.h"
 #include "cli.h"
@@ -35,5 +34,3 @@ const char *bis_parameter_words(char buf[BIS_PARAMETER_WORDS], const char *name)
 /* bis_integrator_words writes what an integrator does, its parameters with their defaults, and its claim. */
 enum { BIS_INTEGRATOR_WORDS = 1024 };
 const char *bis_integrator_words(char buf[BIS_INTEGRATOR_WORDS], const bis_integrator *integrator);
-
-#endif

@@ -3,9 +3,6 @@
 
 #include "base/text.h"
 
-#include <math.h>
-#include <stdio.h>
-
 const char *bis_progress_text(char text[BIS_PROGRESS_TEXT], const bis_progress *p)
 {
     const bool is_over = p->passes_total && p->passes_done >= p->passes_total;

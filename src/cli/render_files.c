@@ -8,7 +8,6 @@
 #include "progress.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -47,9 +46,8 @@ static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, b
 {
     char ending[8];
 
-    for (int i = 0; i < outfiles->n; i++) {
+    for (int i = 0; i < outfiles->n; i++)
         if (strcmp(bis_path_extension(ending, outfiles->text[i]), ".exr") == 0) return;
-    }
     if (film->layers)
         bis_warn(diag, bis_cli_loc, "layers go into an .exr, and no output file is one: they will be lost");
 }
@@ -62,9 +60,8 @@ bis_status bis_render_files_check_distinct(const bis_render_files *files, const 
 
     if (!inputs) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory for the names of %zu files", n_inputs);
     for (size_t i = 0; i < desc->n_files; i++) inputs[n++] = desc->files[i];
-    for (size_t i = 0; i < desc->n_meshes; i++) {
+    for (size_t i = 0; i < desc->n_meshes; i++)
         if (desc->meshes[i].filename) inputs[n++] = desc->meshes[i].filename;
-    }
     if (desc->light.filename) inputs[n++] = desc->light.filename;
     for (int i = 0; i < files->pictures.n; i++) outputs[n_outputs++] = files->pictures.text[i];
     if (files->stats) outputs[n_outputs++] = files->stats;
@@ -108,7 +105,8 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
     char seconds[32];
 
     if (r->interrupted)
-        fprintf(stderr, "bis: interrupted after %" PRIu64 " camera sample%s a pixel; wrote", r->spp, r->spp == 1 ? "" : "s");
+        fprintf(stderr, "bis: interrupted after %" PRIu64 " camera sample%s a pixel; wrote", r->spp,
+                r->spp == 1 ? "" : "s");
     else fputs("bis: wrote", stderr);
     for (int i = 0; i < written->n; i++) fprintf(stderr, "%s %s", i ? "," : "", written->text[i]);
     fprintf(stderr, ": %d x %d pixels, %" PRIu64 " camera sample%s a pixel in %u pass%s, %s, ", stats->film->width,

@@ -1,6 +1,5 @@
 /* render_files: the files that `bis render` writes: checked before the render, written after it. */
-#ifndef BIS_RENDER_FILES_H
-#define BIS_RENDER_FILES_H
+#pragma once
 
 #include "cli.h"
 #include "tools/describe.h"
@@ -29,7 +28,6 @@ bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_
 /* bis_render_files_write_stats writes the JSON of --stats, if it is asked for. Errors: BIS_IO. */
 bis_status bis_render_files_write_stats(const bis_render_files *files, const bis_stats *stats, bis_diag *diag);
 
-/* bis_render_files_print_result prints one line to standard error: what was written, camera samples, passes, time and error. */
+/* bis_render_files_print_result prints one line to standard error: what was written, camera samples, passes, time and
+ * error. */
 void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats);
-
-#endif

@@ -10,11 +10,10 @@
  * make it (best_ratio). The same ratio bounds every chunk before Core allocates what the chunk's header promises.
  * What Core cannot decode, image_exr_rgba.c does.
  * Source: the documentation of OpenEXRCore 3.1 and "OpenEXR File Layout", both of the OpenEXR project. */
-#include "image_exr.h"
+#include "image_io.h"
 
 #include "bis/base/mem.h"
 #include "image_exr_core.h"
-#include "image_exr_rgba.h"
 
 #include <string.h>
 
@@ -198,8 +197,7 @@ static void remark_on_colours(exr_const_context_t file, int part, const image_in
         !exr_attr_get_chromaticities(file, part, "chromaticities", &c)) {
         const float found[8] = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};
         bool same = true;
-        for (int i = 0; i < 8; i++)
-            same &= fabsf(found[i] - rec709[i]) <= half_digit;
+        for (int i = 0; i < 8; i++) same &= fabsf(found[i] - rec709[i]) <= half_digit;
         if (!same)
             bis_image_remark(in, "its chromaticities are not those of Rec. 709; the values are taken as they are");
     }
@@ -299,8 +297,7 @@ static bis_status make_image(bis_image *image, exr_choice *c, exr_const_context_
                                 size);
     if (sane && least_bytes(list, (uint64_t)width, (uint64_t)height) / best_ratio(c->compression) > size)
         return bis_image_refuse(source->in, BIS_INPUT,
-                                "%lld x %lld pixels cannot be in %zu bytes (the file is cut off or "
-                                "damaged)",
+                                "%lld x %lld pixels cannot be in %zu bytes (the file is cut off or damaged)",
                                 width, height, size);
     return bis_image_make(image, source->in, width, height);
 }
@@ -416,8 +413,7 @@ static exr_result_t decode(bis_image *image, const exr_choice *c, exr_const_cont
 static void spread_luminance(bis_image *image)
 {
     size_t n = (size_t)image->width * (size_t)image->height;
-    for (size_t i = 0; i < n; i++)
-        image->pixels[i].g = image->pixels[i].b = image->pixels[i].r;
+    for (size_t i = 0; i < n; i++) image->pixels[i].g = image->pixels[i].b = image->pixels[i].r;
 }
 
 static bis_status read_pixels(bis_image *image, const exr_choice *c, exr_const_context_t file, const exr_input *source)

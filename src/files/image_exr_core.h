@@ -1,10 +1,7 @@
 /* image_exr_core: what the reader and the writer of OpenEXR share of OpenEXRCore. For src/files/image_exr*.c alone. */
-#ifndef BIS_IMAGE_EXR_CORE_H
-#define BIS_IMAGE_EXR_CORE_H
+#pragma once
 
 #include <openexr.h>
 
 /* How to begin a context that allocates through bis/mem.h and prints nothing. */
 exr_context_initializer_t bis_exr_context(void *user_data);
-
-#endif

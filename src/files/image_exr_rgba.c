@@ -5,7 +5,7 @@
  * That library sits on C++ and trusts headers more than Core does: it is called only after Core has read the whole
  * header and its data window has been held against the file's size. It opens the file by name a second time; that the
  * file is still the same is checked by its data window. Its exceptions end inside of it; we see codes. */
-#include "image_exr_rgba.h"
+#include "image_io.h"
 
 #include "bis/base/mem.h"
 

@@ -8,10 +8,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "image_exr.h"
-#include "image_hdr.h"
 #include "image_io.h"
-#include "image_pfm.h"
 #include "image_png.h"
 
 #include <assert.h>
@@ -95,8 +92,7 @@ bis_status bis_image_write(const char *path, const bis_picture *picture, bis_dia
     assert(picture->width >= 1 && picture->height >= 1 && picture->n_channels >= 3);
     if (!writer)
         return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0},
-                         "cannot write \"%s\": its ending must be .exr, .pfm, .hdr or "
-                         ".png",
+                         "cannot write \"%s\": its ending must be .exr, .pfm, .hdr or .png",
                          path);
     bis_status status = writer->check ? writer->check(picture, path, diag) : BIS_OK;
     if (!status) status = bis_outfile_open(&out, path, diag);

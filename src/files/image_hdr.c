@@ -11,11 +11,10 @@
  * Bad files: nothing is read behind the end of the data (every reader below gets the end); a picture is allocated only
  * if its file is at least as long as the shortest that the format allows (smallest_scanline).
  * Source: G. Ward, "Real Pixels", Graphics Gems II (1991); the file format pages of Radiance. */
-#include "image_hdr.h"
+#include "image_io.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "bis/files/image_file.h"
 
 #include <string.h>
 
@@ -212,8 +211,7 @@ static const char *read_old(rgbe *line, int n, const unsigned char **p, const un
         }
         if (i == 0) return "it begins with a run, which has no pixel to repeat";
         if (shift > 16 || (pixel[3] << shift) > n - i) return "a run leads beyond its end";
-        for (int stop = i + (pixel[3] << shift); i < stop; i++)
-            memcpy(line[i], line[i - 1], 4);
+        for (int stop = i + (pixel[3] << shift); i < stop; i++) memcpy(line[i], line[i - 1], 4);
         shift += 8;
     }
     return NULL;
@@ -245,8 +243,7 @@ static const char *read_plane(unsigned char *plane, int n, const unsigned char *
 static const char *read_new(unsigned char *planes, int n, const unsigned char **p, const unsigned char *end)
 {
     const char *wrong = NULL;
-    for (int k = 0; k < 4 && !wrong; k++)
-        wrong = read_plane(planes + k * n, n, p, end);
+    for (int k = 0; k < 4 && !wrong; k++) wrong = read_plane(planes + k * n, n, p, end);
     return wrong;
 }
 
@@ -259,8 +256,7 @@ typedef double scale_table[256][3];
 static void make_scales(scale_table scale, const double exposure[3])
 {
     for (int e = 0; e < 256; e++)
-        for (int k = 0; k < 3; k++)
-            scale[e][k] = e == 0 ? 0 : ldexp(1, e - 136) / exposure[k];
+        for (int k = 0; k < 3; k++) scale[e][k] = e == 0 ? 0 : ldexp(1, e - 136) / exposure[k];
 }
 
 /* Where scanline i begins in the picture, and the step to its next pixel. */
@@ -365,8 +361,7 @@ static bool encode(rgbe out, const double v[3])
     exponent = exponent + 128 > 1 ? exponent + 128 : 1;
     if (largest / ldexp(1, exponent - 136) >= 255.5) exponent++; /* it would round up to 256 */
     if (exponent > 255) return false;
-    for (int k = 0; k < 3; k++)
-        out[k] = mantissa_of(v[k], ldexp(1, exponent - 136));
+    for (int k = 0; k < 3; k++) out[k] = mantissa_of(v[k], ldexp(1, exponent - 136));
     out[3] = out[0] || out[1] || out[2] ? (unsigned char)exponent : 0;
     return true;
 }
@@ -449,8 +444,7 @@ bis_status bis_hdr_write(FILE *stream, const bis_picture *picture, const char *p
             rgbe pixel = {0};
             load_pixel(v, picture, (size_t)y * (size_t)n + (size_t)x);
             encode(pixel, v);
-            for (int k = 0; k < 4; k++)
-                planes[k * n + x] = pixel[k];
+            for (int k = 0; k < 4; k++) planes[k * n + x] = pixel[k];
         }
         if (n < MIN_RLE || n > MAX_RLE) {
             write_flat(stream, planes, n);
@@ -458,8 +452,7 @@ bis_status bis_hdr_write(FILE *stream, const bis_picture *picture, const char *p
         }
         const unsigned char leader[4] = {2, 2, (unsigned char)(n >> 8), (unsigned char)(n & 255)};
         fwrite(leader, 1, sizeof leader, stream);
-        for (int k = 0; k < 4; k++)
-            write_plane(stream, planes + k * n, n);
+        for (int k = 0; k < 4; k++) write_plane(stream, planes + k * n, n);
     }
     bis_free(planes);
     return BIS_OK;

@@ -1,8 +1,10 @@
-/* image_io: what the readers of .hdr, .exr and .pfm share. For src/files/image*.c alone. */
-#ifndef BIS_IMAGE_IO_H
-#define BIS_IMAGE_IO_H
+/* image_io: what the readers of .hdr, .exr and .pfm share, and the functions of the formats. For src/files/image*.c
+ * alone. */
+#pragma once
 
 #include "bis/files/image_file.h"
+
+#include <stdio.h>
 
 /* A whole file in memory, with one zero byte behind it, and where to complain. */
 typedef struct image_input {
@@ -23,4 +25,25 @@ void bis_image_remark(const image_input *in, const char *fmt, ...) BIS_PRINTF(2,
  * Errors: BIS_INPUT, BIS_NOMEM. */
 bis_status bis_image_make(bis_image *image, const image_input *in, long long width, long long height);
 
-#endif
+/* ---- the formats; of the writers: the stream keeps the errors of the disk ---- */
+
+/* Is a file of this format? Read it. Errors: BIS_INPUT, BIS_NOMEM. */
+bool bis_hdr_is_mine(const unsigned char *data, size_t size);
+bool bis_exr_is_mine(const unsigned char *data, size_t size);
+bool bis_pfm_is_mine(const unsigned char *data, size_t size);
+bis_status bis_hdr_read(bis_image *image, const image_input *in);
+bis_status bis_exr_read(bis_image *image, const image_input *in);
+bis_status bis_pfm_read(bis_image *image, const image_input *in);
+
+/* OpenEXR's older reader: the first part's R, G, B, or Y, RY, BY, with half precision. (x0, y0): the corner of the data
+ * window, which the image, already made, fills; OpenEXRCore has read it from the same header. */
+bis_status bis_exr_read_rgba(bis_image *image, const image_input *in, int x0, int y0);
+
+/* Can an .hdr hold every R, G, B of the picture? Else BIS_INPUT, naming the first that it cannot. */
+bis_status bis_hdr_check(const bis_picture *picture, const char *path, bis_diag *diag);
+
+/* The picture of bis_hdr_write has passed bis_hdr_check. Errors: BIS_NOMEM; of bis_exr_write also BIS_INPUT (the name
+ * of an attribute that OpenEXR reserves) and BIS_IO. */
+bis_status bis_hdr_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
+bis_status bis_exr_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
+bis_status bis_pfm_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);

@@ -5,13 +5,11 @@
  * nothing to most, so that it is ignored. Exactly one white space ends the header, and what follows
  * must be as long as width and height promise: that is held against the file's size before anything is allocated. We
  * write colour, low byte first. Source: P. Debevec's description of the format for HDR Shop. */
-#include "image_pfm.h"
+#include "image_io.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "bis/files/image_file.h"
 
-#include <stdint.h>
 #include <string.h>
 
 typedef struct pfm_header {
@@ -66,8 +64,7 @@ static float load_float(const unsigned char *p, bool low_byte_first)
 {
     uint32_t bits = 0;
     float v;
-    for (int i = 0; i < 4; i++)
-        bits |= (uint32_t)p[i] << 8 * (low_byte_first ? i : 3 - i);
+    for (int i = 0; i < 4; i++) bits |= (uint32_t)p[i] << 8 * (low_byte_first ? i : 3 - i);
     memcpy(&v, &bits, sizeof v);
     return v;
 }
@@ -106,8 +103,7 @@ static unsigned char *store_float(unsigned char *p, float v)
 {
     uint32_t bits;
     memcpy(&bits, &v, sizeof bits);
-    for (int i = 0; i < 4; i++)
-        *p++ = (unsigned char)(bits >> 8 * i);
+    for (int i = 0; i < 4; i++) *p++ = (unsigned char)(bits >> 8 * i);
     return p;
 }
 
@@ -122,8 +118,7 @@ bis_status bis_pfm_write(FILE *stream, const bis_picture *picture, const char *p
     for (int y = picture->height - 1; y >= 0; y--) {
         unsigned char *p = row;
         for (size_t i = (size_t)y * width; i < ((size_t)y + 1) * width; i++)
-            for (int k = 0; k < 3; k++)
-                p = store_float(p, c[k].data[i * (size_t)c[k].stride]);
+            for (int k = 0; k < 3; k++) p = store_float(p, c[k].data[i * (size_t)c[k].stride]);
         fwrite(row, 12, width, stream);
     }
     bis_free(row);

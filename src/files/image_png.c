@@ -11,7 +11,6 @@
 #include "image_png.h"
 
 #include "bis/base/mem.h"
-#include "bis/files/image_file.h"
 
 #include <png.h>
 #include <setjmp.h>

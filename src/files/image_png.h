@@ -1,7 +1,6 @@
 /* image_png: 8 bit sRGB pictures to look at, written by libpng. For src/files/image_file.c, and
  * src/tools/trade/trade_strips.c and src/out/markup.c, whose pictures stand in a page. */
-#ifndef BIS_IMAGE_PNG_H
-#define BIS_IMAGE_PNG_H
+#pragma once
 
 #include "bis/files/image_file.h"
 
@@ -13,5 +12,3 @@ double bis_png_exposure(const bis_picture *picture);
 
 /* Errors: BIS_NOMEM, BIS_IO. */
 bis_status bis_png_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
-
-#endif

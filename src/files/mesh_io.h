@@ -1,6 +1,5 @@
 /* mesh_io: what the readers of .ply and .obj share. For src/files/ply*.c and src/files/obj.c alone. */
-#ifndef BIS_MESH_IO_H
-#define BIS_MESH_IO_H
+#pragma once
 
 #include "bis/shape/geometry.h"
 
@@ -28,5 +27,3 @@ bis_status bis_mesh_add_triangle(bis_mesh *m, size_t *capacity, const uint32_t v
 
 /* Give back what the index array has too much, and warn of an empty mesh. */
 bis_status bis_mesh_finish(bis_mesh *m, size_t capacity, const mesh_input *in);
-
-#endif

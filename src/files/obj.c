@@ -37,6 +37,7 @@ typedef struct reader {
     bool any_normal;            /* does a face use one? */
     size_t n_too_small;         /* faces of fewer than 3 corners */
     size_t n_bad_normals;
+    bis_status status;          /* of the first error: from then on nothing is read */
 } reader;
 
 /* ---- words ---- */
@@ -90,55 +91,47 @@ static int word_length(const reader *r)
 
 /* ---- vertices and normals ---- */
 
-static bis_status take_vec3(reader *r, const char *what, double v[3])
+static void take_vec3(reader *r, const char *what, double v[3])
 {
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3 && !r->status; i++) {
         const char *stop;
         skip_blanks(r);
-        if (is_line_end(r))
-            return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%s\" has %d numbers, must have 3", what, i);
         v[i] = bis_parse_double((const char *)r->p, &stop);
-        if (stop == (const char *)r->p || ((unsigned char)*stop > ' ' && *stop != '\\')) {
-            return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%.*s\" in \"%s\" is no number", word_length(r),
-                                   (const char *)r->p, what);
-        }
+        if (is_line_end(r))
+            r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%s\" has %d numbers, must have 3", what, i);
+        else if (stop == (const char *)r->p || ((unsigned char)*stop > ' ' && *stop != '\\'))
+            r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%.*s\" in \"%s\" is no number", word_length(r),
+                                        (const char *)r->p, what);
         r->p = (const unsigned char *)stop;
     }
-    return BIS_OK;
 }
 
 static bool fits_float(double v) { return fabs(v) <= (double)FLT_MAX; }
 
-static bis_status read_vertex(reader *r)
+static void read_vertex(reader *r)
 {
     const int line = r->line;
     double v[3];
-    bis_status status = take_vec3(r, "v", v);
 
-    if (status) return status;
-    for (int i = 0; i < 3; i++) {
-        if (fits_float(v[i])) continue;
-        return bis_mesh_refuse(&r->in, line, BIS_INPUT, "the vertex has %c = %g, must be a finite float", "xyz"[i],
-                               v[i]);
-    }
-    r->mesh->p[r->seen_v++] = vec3_from(v[0], v[1], v[2]);
-    return BIS_OK;
+    take_vec3(r, "v", v);
+    for (int i = 0; i < 3 && !r->status; i++)
+        if (!fits_float(v[i]))
+            r->status = bis_mesh_refuse(&r->in, line, BIS_INPUT, "the vertex has %c = %g, must be a finite float",
+                                        "xyz"[i], v[i]);
+    if (!r->status) r->mesh->p[r->seen_v++] = vec3_from(v[0], v[1], v[2]);
 }
 
 /* One that is not finite stays (0,0,0): the face's is used there. */
-static bis_status read_normal(reader *r)
+static void read_normal(reader *r)
 {
     double n[3];
-    bis_status status = take_vec3(r, "vn", n);
 
-    if (status) return status;
-    if (fits_float(n[0]) && fits_float(n[1]) && fits_float(n[2])) {
+    take_vec3(r, "vn", n);
+    if (r->status) return;
+    if (fits_float(n[0]) && fits_float(n[1]) && fits_float(n[2]))
         r->normals[r->seen_vn] = vec3_from(n[0], n[1], n[2]);
-    } else {
-        r->n_bad_normals++;
-    }
+    else r->n_bad_normals++;
     r->seen_vn++;
-    return BIS_OK;
 }
 
 /* ---- pairs ---- */
@@ -175,105 +168,98 @@ static bool grow_table(reader *r)
     return true;
 }
 
-static bis_status no_memory(const reader *r)
+static uint32_t no_memory(reader *r)
 {
-    return bis_mesh_refuse(&r->in, r->line, BIS_NOMEM, "no memory for %zu vertices", r->mesh->n_vertices + 1);
+    r->status = bis_mesh_refuse(&r->in, r->line, BIS_NOMEM, "no memory for %zu vertices", r->mesh->n_vertices + 1);
+    return 0;
 }
 
-/* The vertex of the corner (v, vn). */
-static bis_status find_vertex(reader *r, uint32_t v, uint32_t vn, uint32_t *vertex)
+/* The vertex of the corner (v, vn); 0 after an error. */
+static uint32_t find_vertex(reader *r, uint32_t v, uint32_t vn)
 {
     bis_mesh *m = r->mesh;
 
-    *vertex = v;
     if (vn != NONE) r->any_normal = true;
-    if (!r->first_vn || r->first_vn[v] == vn) return BIS_OK;
-    if (r->first_vn[v] == FREE) {
-        r->first_vn[v] = vn;
-        return BIS_OK;
-    }
+    if (!r->first_vn) return v;
+    if (r->first_vn[v] == FREE) r->first_vn[v] = vn;
+    if (r->first_vn[v] == vn) return v;
     if (2 * r->n_pairs >= r->table_size && !grow_table(r)) return no_memory(r);
     pair *p = find_pair(r->table, r->table_size, v, vn);
-    if (p->vertex == FREE) {
-        if (m->n_vertices >= UINT32_MAX - 1)
-            return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "more than 2^32 - 2 vertices");
-        vec3 *grown = bis_grow(m->p, &r->capacity_vertices, m->n_vertices + 1, sizeof *grown);
-        if (!grown) return no_memory(r);
-        m->p = grown;
-        *p = (pair){v, vn, (uint32_t)m->n_vertices++};
-        r->n_pairs++;
-        /* The source position may not have been read yet: finish_vertices copies it. */
+    if (p->vertex != FREE) return p->vertex;
+    if (m->n_vertices >= UINT32_MAX - 1) {
+        r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "more than 2^32 - 2 vertices");
+        return 0;
     }
-    *vertex = p->vertex;
-    return BIS_OK;
+    if (!BIS_ROOM(m->p, r->capacity_vertices, m->n_vertices)) return no_memory(r);
+    r->n_pairs++;
+    /* The source position may not have been read yet: finish_vertices copies it. */
+    *p = (pair){v, vn, (uint32_t)m->n_vertices++};
+    return p->vertex;
 }
 
 /* ---- faces ---- */
 
-/* An index at p, as a number from 0. Absent: *index = SIZE_MAX. */
-static bis_status take_index(reader *r, const char *what, size_t total, size_t seen, size_t *index)
+/* An index at p, as a number from 0. Absent, or after an error: SIZE_MAX. */
+static size_t take_index(reader *r, const char *what, size_t total, size_t seen)
 {
     const bool negative = r->p < r->end && *r->p == '-';
     const unsigned char *p = r->p + negative;
     size_t n = 0;
 
-    *index = SIZE_MAX;
-    for (; p < r->end && *p >= '0' && *p <= '9'; p++) {
+    for (; p < r->end && *p >= '0' && *p <= '9'; p++)
         if (n < SIZE_MAX / 16) n = 10 * n + (size_t)(*p - '0');
-    }
-    if (p == r->p) return BIS_OK;
+    if (p == r->p) return SIZE_MAX;
     const int length = (int)(p - r->p) < 32 ? (int)(p - r->p) : 32;
     if (n == 0 || n > (negative ? seen : total)) {
-        return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "the face has the index %.*s, but there are %zu \"%s\"%s",
-                               length, (const char *)r->p, negative ? seen : total, what,
-                               negative ? " up to here" : "");
+        r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT,
+                                    "the face has the index %.*s, but there are %zu \"%s\"%s", length,
+                                    (const char *)r->p, negative ? seen : total, what, negative ? " up to here" : "");
+        return SIZE_MAX;
     }
-    *index = negative ? seen - n : n - 1;
     r->p = p;
-    return BIS_OK;
+    return negative ? seen - n : n - 1;
 }
 
 /* v, v/vt, v//vn or v/vt/vn, with nothing behind a slash allowed as well. */
-static bis_status take_corner(reader *r, uint32_t *vertex)
+static uint32_t take_corner(reader *r)
 {
     const unsigned char *start = r->p;
-    size_t v, vn = SIZE_MAX;
-    bis_status status = take_index(r, "v", r->n_v, r->seen_v, &v);
+    size_t v = take_index(r, "v", r->n_v, r->seen_v), vn = SIZE_MAX;
 
-    if (!status && v != SIZE_MAX && r->p < r->end && *r->p == '/') {
+    if (v != SIZE_MAX && r->p < r->end && *r->p == '/') {
         r->p++;
         /* vt, which we have no use for */
         while (r->p < r->end && (*r->p == '-' || (*r->p >= '0' && *r->p <= '9'))) r->p++;
         if (r->p < r->end && *r->p == '/') {
             r->p++;
-            status = take_index(r, "vn", r->n_vn, r->seen_vn, &vn);
+            vn = take_index(r, "vn", r->n_vn, r->seen_vn);
         }
     }
-    if (status) return status;
+    if (r->status) return 0;
     if (v == SIZE_MAX || (r->p < r->end && *r->p > ' ' && *r->p != '\\')) {
         r->p = start;
-        return bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%.*s\" is no corner of a face: v, v/vt, v//vn or v/vt/vn",
-                               word_length(r), (const char *)r->p);
+        r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT,
+                                    "\"%.*s\" is no corner of a face: v, v/vt, v//vn or v/vt/vn", word_length(r),
+                                    (const char *)r->p);
+        return 0;
     }
-    return find_vertex(r, (uint32_t)v, vn == SIZE_MAX ? NONE : (uint32_t)vn + 1, vertex);
+    return find_vertex(r, (uint32_t)v, vn == SIZE_MAX ? NONE : (uint32_t)vn + 1);
 }
 
 /* A fan about the first corner. */
-static bis_status read_face(reader *r)
+static void read_face(reader *r)
 {
     uint32_t corner[3];
     size_t n = 0;
 
     for (skip_blanks(r); !is_line_end(r) && *r->p != '#'; skip_blanks(r), n++) {
-        bis_status status = take_corner(r, &corner[n < 2 ? n : 2]);
-        if (status) return status;
-        if (n < 2) continue;
-        status = bis_mesh_add_triangle(r->mesh, &r->capacity_triangles, corner, &r->in);
-        if (status) return status;
-        corner[1] = corner[2];
+        corner[n < 2 ? n : 2] = take_corner(r);
+        if (n >= 2 && !r->status)
+            r->status = bis_mesh_add_triangle(r->mesh, &r->capacity_triangles, corner, &r->in);
+        if (r->status) return;
+        if (n >= 2) corner[1] = corner[2];
     }
     if (n < 3) r->n_too_small++;
-    return BIS_OK;
 }
 
 /* ---- the passes ---- */
@@ -288,108 +274,88 @@ static void count_lines(reader *r)
 {
     for (rewind_file(r); r->p < r->end; skip_line(r)) {
         skip_blanks(r);
-        if (take_word(r, "v")) {
-            r->n_v++;
-        } else if (take_word(r, "vn")) {
-            r->n_vn++;
-        }
+        if (take_word(r, "v")) r->n_v++;
+        else if (take_word(r, "vn")) r->n_vn++;
     }
 }
 
-static bis_status allocate(reader *r)
+static void allocate(reader *r)
 {
     bis_mesh *m = r->mesh;
 
     if (r->n_v >= UINT32_MAX - 1 || r->n_vn >= UINT32_MAX - 1) {
-        return bis_mesh_refuse(&r->in, 0, BIS_INPUT, "%zu vertices and %zu normals, must be below 2^32 - 2", r->n_v,
-                               r->n_vn);
+        r->status = bis_mesh_refuse(&r->in, 0, BIS_INPUT, "%zu vertices and %zu normals, must be below 2^32 - 2",
+                                    r->n_v, r->n_vn);
+        return;
     }
     m->n_vertices = r->capacity_vertices = r->n_v;
     m->p = bis_alloc(r->n_v, sizeof *m->p);
     r->normals = bis_alloc(r->n_vn, sizeof *r->normals);
     if (r->n_vn > 0) r->first_vn = bis_alloc(r->n_v, sizeof *r->first_vn);
-    if (!m->p || !r->normals || (r->n_vn > 0 && !r->first_vn)) return no_memory(r);
+    if (!m->p || !r->normals || (r->n_vn > 0 && !r->first_vn)) no_memory(r);
     for (size_t i = 0; r->first_vn && i < r->n_v; i++) r->first_vn[i] = FREE;
-    return BIS_OK;
 }
 
-static bis_status read_lines(reader *r)
+static void read_lines(reader *r)
 {
-    bis_status status = BIS_OK;
-
-    for (rewind_file(r); !status && r->p < r->end; skip_line(r)) {
+    for (rewind_file(r); !r->status && r->p < r->end; skip_line(r)) {
         skip_blanks(r);
-        if (take_word(r, "v")) {
-            status = read_vertex(r);
-        } else if (take_word(r, "vn")) {
-            status = read_normal(r);
-        } else if (take_word(r, "f")) {
-            status = read_face(r);
-        }
+        if (take_word(r, "v")) read_vertex(r);
+        else if (take_word(r, "vn")) read_normal(r);
+        else if (take_word(r, "f")) read_face(r);
     }
-    return status;
 }
 
 /* Positions of split vertices, and all normals. */
-static bis_status finish_vertices(reader *r)
+static void finish_vertices(reader *r)
 {
     bis_mesh *m = r->mesh;
 
-    for (size_t i = 0; i < r->table_size; i++) {
+    for (size_t i = 0; i < r->table_size; i++)
         if (r->table[i].vertex != FREE) m->p[r->table[i].vertex] = m->p[r->table[i].v];
-    }
-    if (!r->any_normal) return BIS_OK;
-    m->n = bis_alloc(m->n_vertices, sizeof *m->n);
-    if (!m->n) return no_memory(r);
-    for (size_t i = 0; i < r->n_v; i++) {
+    if (r->any_normal) m->n = bis_alloc(m->n_vertices, sizeof *m->n);
+    if (r->any_normal && !m->n) no_memory(r);
+    if (!m->n) return;
+    for (size_t i = 0; i < r->n_v; i++)
         if (r->first_vn[i] != FREE && r->first_vn[i] != NONE) m->n[i] = r->normals[r->first_vn[i] - 1];
-    }
-    for (size_t i = 0; i < r->table_size; i++) {
+    for (size_t i = 0; i < r->table_size; i++)
         if (r->table[i].vertex != FREE && r->table[i].vn != NONE)
             m->n[r->table[i].vertex] = r->normals[r->table[i].vn - 1];
-    }
-    return BIS_OK;
 }
 
 static void report(const reader *r)
 {
     if (r->n_too_small > 0)
         bis_mesh_remark(&r->in, "%zu faces have fewer than 3 vertices and are left out", r->n_too_small);
-    if (r->n_bad_normals > 0) {
+    if (r->n_bad_normals > 0)
         bis_mesh_remark(&r->in, "%zu vertex normals are not finite: the faces' normals are used there",
                         r->n_bad_normals);
-    }
 }
 
 bis_status bis_obj_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
 {
     unsigned char *data = NULL;
     reader r = {.in = {.path = path, .at = at, .diag = diag}, .mesh = m};
-    bis_status status;
 
     *m = (bis_mesh){0};
-    status = bis_file_read(&data, &r.in.size, path, at, diag);
-    if (status) goto done;
+    r.status = bis_file_read(&data, &r.in.size, path, at, diag);
+    if (r.status) goto done;
     r.in.data = data;
     r.end = data + r.in.size;
-    if (memchr(data, 0, r.in.size)) {
-        status = bis_mesh_refuse(&r.in, 0, BIS_INPUT, "not an OBJ file: it is no text, there is a zero byte in it");
-        goto done;
-    }
-    count_lines(&r);
-    status = allocate(&r);
-    if (status) goto done;
-    status = read_lines(&r);
-    if (status) goto done;
-    status = finish_vertices(&r);
-    if (status) goto done;
+    if (memchr(data, 0, r.in.size))
+        r.status = bis_mesh_refuse(&r.in, 0, BIS_INPUT, "not an OBJ file: it is no text, there is a zero byte in it");
+    if (!r.status) count_lines(&r);
+    if (!r.status) allocate(&r);
+    if (!r.status) read_lines(&r);
+    if (!r.status) finish_vertices(&r);
+    if (r.status) goto done;
     report(&r);
-    status = bis_mesh_finish(m, r.capacity_triangles, &r.in);
+    r.status = bis_mesh_finish(m, r.capacity_triangles, &r.in);
 done:
-    if (status) bis_mesh_clear(m);
+    if (r.status) bis_mesh_clear(m);
     bis_free(r.normals);
     bis_free(r.first_vn);
     bis_free(r.table);
     bis_free(data);
-    return status;
+    return r.status;
 }

@@ -1,6 +1,5 @@
 /* obj: meshes in Wavefront's text format. For scene.c and tests. */
-#ifndef BIS_OBJ_H
-#define BIS_OBJ_H
+#pragma once
 
 #include "bis/shape/geometry.h"
 
@@ -11,5 +10,3 @@
  * is empty. `at`: the scene line that named the file, or {0}. Errors: BIS_IO, BIS_INPUT (the message names the line),
  * BIS_NOMEM. */
 bis_status bis_obj_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);
-
-#endif

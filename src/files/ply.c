@@ -30,6 +30,7 @@ typedef struct reader {
     size_t n_too_small;  /* faces of fewer than 3 vertices */
     size_t n_bad_normals;
     size_t n_long_lines; /* ascii rows with more numbers than the header says */
+    bis_status status;   /* of the first error: from then on nothing is taken */
 } reader;
 
 /* ---- numbers ---- */
@@ -77,63 +78,52 @@ static double decode(const unsigned char *p, ply_type type, bool big)
     }
 }
 
-static bis_status cut_off(const reader *r, const ply_element *e, size_t row)
+static double cut_off(reader *r, const ply_element *e, size_t row)
 {
-    return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the file ends in %.*s %zu of %zu", e->name.length, e->name.text, row,
-                           e->count);
+    r->status = bis_mesh_refuse(r->in, 0, BIS_INPUT, "the file ends in %.*s %zu of %zu", e->name.length, e->name.text,
+                                row, e->count);
+    return 0;
 }
 
-/* The next number of the file. e and row are for the message. */
-static bis_status take(reader *r, ply_type type, const ply_element *e, size_t row, double *v)
+/* The next number of the file; 0 after an error. e and row are for the message. */
+static double take(reader *r, ply_type type, const ply_element *e, size_t row)
 {
+    if (r->status) return 0;
     if (r->header->format != PLY_ASCII) {
         if ((size_t)(r->end - r->p) < ply_size(type)) return cut_off(r, e, row);
-        *v = decode(r->p, type, r->header->format == PLY_BIG);
+        const unsigned char *number = r->p;
         r->p += ply_size(type);
-        return BIS_OK;
+        return decode(number, type, r->header->format == PLY_BIG);
     }
     while (r->p < r->end && is_space(*r->p)) r->p++;
     if (r->p == r->end) return cut_off(r, e, row);
     const char *stop, *start = (const char *)r->p;
-    *v = bis_parse_double(start, &stop);
+    const double v = bis_parse_double(start, &stop);
     r->p = (const unsigned char *)stop;
-    if (stop > start && (r->p == r->end || is_space(*r->p))) return BIS_OK;
+    if (stop > start && (r->p == r->end || is_space(*r->p))) return v;
     int length = 0;
     while (length < 32 && start[length] > ' ') length++;
-    return bis_mesh_refuse(r->in, bis_mesh_line(r->in, (const unsigned char *)start), BIS_INPUT,
-                           "\"%.*s\" where a number of %.*s %zu should stand", length, start, e->name.length,
-                           e->name.text, row);
+    r->status = bis_mesh_refuse(r->in, bis_mesh_line(r->in, (const unsigned char *)start), BIS_INPUT,
+                                "\"%.*s\" where a number of %.*s %zu should stand", length, start, e->name.length,
+                                e->name.text, row);
+    return 0;
 }
 
 /* A list's count. */
-static bis_status take_count(reader *r, const ply_property *p, const ply_element *e, size_t row, size_t *count)
+static size_t take_count(reader *r, const ply_property *p, const ply_element *e, size_t row)
 {
-    double v;
-    bis_status status = take(r, p->count_type, e, row, &v);
+    const double v = take(r, p->count_type, e, row);
 
-    if (status) return status;
-    if (!(v >= 0 && v <= (double)UINT32_MAX && v == floor(v))) {
-        return bis_mesh_refuse(r->in, 0, BIS_INPUT, "%.*s %zu: the list \"%.*s\" has %g items", e->name.length,
-                               e->name.text, row, p->name.length, p->name.text, v);
-    }
-    *count = (size_t)v;
-    return BIS_OK;
+    if (v >= 0 && v <= (double)UINT32_MAX && v == floor(v)) return (size_t)v;
+    r->status = bis_mesh_refuse(r->in, 0, BIS_INPUT, "%.*s %zu: the list \"%.*s\" has %g items", e->name.length,
+                                e->name.text, row, p->name.length, p->name.text, v);
+    return 0;
 }
 
-static bis_status skip_property(reader *r, const ply_property *p, const ply_element *e, size_t row)
+static void skip_property(reader *r, const ply_property *p, const ply_element *e, size_t row)
 {
-    size_t n = 1;
-    double v;
-
-    if (ply_is_list(p)) {
-        bis_status status = take_count(r, p, e, row, &n);
-        if (status) return status;
-    }
-    for (size_t i = 0; i < n; i++) {
-        bis_status status = take(r, p->type, e, row, &v);
-        if (status) return status;
-    }
-    return BIS_OK;
+    const size_t n = ply_is_list(p) ? take_count(r, p, e, row) : 1;
+    for (size_t i = 0; i < n && !r->status; i++) take(r, p->type, e, row);
 }
 
 /* In ascii a row begins on a new line, and what else is on its last line is skipped: VCGLIB has written files with more
@@ -160,36 +150,31 @@ static void find_roles(const ply_header *h, const ply_element *e, size_t propert
     }
 }
 
-static bis_status take_vertex(reader *r, const ply_element *e, size_t row, const size_t property[N_ROLES],
-                              double v[N_ROLES])
+static void take_vertex(reader *r, const ply_element *e, size_t row, const size_t property[N_ROLES], double v[N_ROLES])
 {
     for (size_t i = 0; i < e->n_properties; i++) {
         const ply_property *p = &r->header->properties[e->first_property + i];
         int role = 0;
         while (role < N_ROLES && property[role] != i) role++;
-        bis_status status = role < N_ROLES ? take(r, p->type, e, row, &v[role]) : skip_property(r, p, e, row);
-        if (status) return status;
+        if (role < N_ROLES) v[role] = take(r, p->type, e, row);
+        else skip_property(r, p, e, row);
     }
-    return BIS_OK;
 }
 
 static bool fits_float(double v) { return fabs(v) <= (double)FLT_MAX; }
 
-static bis_status store_vertex(reader *r, size_t row, const double v[N_ROLES])
+static void store_vertex(reader *r, size_t row, const double v[N_ROLES])
 {
-    for (int i = X; i <= Z; i++) {
-        if (fits_float(v[i])) continue;
-        return bis_mesh_refuse(r->in, 0, BIS_INPUT, "vertex %zu has %s = %g, must be a finite float", row,
-                               role_names[i], v[i]);
-    }
+    for (int i = X; i <= Z && !r->status; i++)
+        if (!fits_float(v[i]))
+            r->status = bis_mesh_refuse(r->in, 0, BIS_INPUT, "vertex %zu has %s = %g, must be a finite float", row,
+                                        role_names[i], v[i]);
+    if (r->status) return;
     r->mesh->p[row] = vec3_from(v[X], v[Y], v[Z]);
-    if (!r->mesh->n) return BIS_OK;
-    if (fits_float(v[NX]) && fits_float(v[NY]) && fits_float(v[NZ])) {
+    if (!r->mesh->n) return;
+    if (fits_float(v[NX]) && fits_float(v[NY]) && fits_float(v[NZ]))
         r->mesh->n[row] = vec3_from(v[NX], v[NY], v[NZ]);
-    } else {
-        r->n_bad_normals++; /* stays (0,0,0) */
-    }
-    return BIS_OK;
+    else r->n_bad_normals++; /* stays (0,0,0) */
 }
 
 /* Short cut: the row is float x, y, z. Stops at a vertex that is not finite, for the long road to complain about. */
@@ -215,10 +200,9 @@ static bis_status read_vertices(reader *r, const ply_element *e)
 
     if (m->p) return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the element \"vertex\" occurs twice");
     find_roles(r->header, e, property);
-    for (int i = X; i <= Z; i++) {
+    for (int i = X; i <= Z; i++)
         if (property[i] == SIZE_MAX)
             return bis_mesh_refuse(r->in, 0, BIS_INPUT, "a vertex has no property \"%s\"", role_names[i]);
-    }
     const bool normals = property[NX] != SIZE_MAX && property[NY] != SIZE_MAX && property[NZ] != SIZE_MAX;
     m->p = bis_alloc(e->count, sizeof *m->p);
     if (normals) m->n = bis_alloc(e->count, sizeof *m->n);
@@ -227,81 +211,62 @@ static bis_status read_vertices(reader *r, const ply_element *e)
     m->n_vertices = e->count;
     for (size_t row = copy_plain_vertices(r, e); row < e->count; row++) {
         double v[N_ROLES];
-        bis_status status = take_vertex(r, e, row, property, v);
-        if (!status) status = store_vertex(r, row, v);
-        if (status) return status;
+        take_vertex(r, e, row, property, v);
+        store_vertex(r, row, v);
+        if (r->status) break;
         end_row(r);
     }
-    return BIS_OK;
+    return r->status;
 }
 
 /* ---- faces and strips ---- */
 
-static bis_status bad_index(const reader *r, const ply_element *e, size_t row, double v)
+/* v as the number of a vertex; 0 after an error. */
+static uint32_t index_of(reader *r, const ply_element *e, size_t row, double v)
 {
-    return bis_mesh_refuse(r->in, 0, BIS_INPUT, "%.*s %zu has the index %.15g, but there are %zu vertices",
-                           e->name.length, e->name.text, row, v, r->n_vertices);
-}
-
-static bis_status take_index(reader *r, const ply_property *p, const ply_element *e, size_t row, double *v)
-{
-    bis_status status = take(r, p->type, e, row, v);
-
-    if (status) return status;
-    return *v >= 0 && *v < (double)r->n_vertices && *v == floor(*v) ? BIS_OK : bad_index(r, e, row, *v);
+    if (r->status) return 0;
+    if (v >= 0 && v < (double)r->n_vertices && v == floor(v)) return (uint32_t)v;
+    r->status = bis_mesh_refuse(r->in, 0, BIS_INPUT, "%.*s %zu has the index %.15g, but there are %zu vertices",
+                                e->name.length, e->name.text, row, v, r->n_vertices);
+    return 0;
 }
 
 /* A polygon is a fan about its first vertex. */
-static bis_status read_polygon(reader *r, const ply_property *p, const ply_element *e, size_t row)
+static void read_polygon(reader *r, const ply_property *p, const ply_element *e, size_t row)
 {
+    const size_t count = take_count(r, p, e, row);
     uint32_t corner[3];
-    size_t count;
-    bis_status status = take_count(r, p, e, row, &count);
 
-    if (status) return status;
     if (count < 3) r->n_too_small++;
     for (size_t i = 0; i < count; i++) {
-        double v;
-        status = take_index(r, p, e, row, &v);
-        if (status) return status;
-        corner[i < 2 ? i : 2] = (uint32_t)v;
-        if (i < 2) continue;
-        status = bis_mesh_add_triangle(r->mesh, &r->capacity, corner, r->in);
-        if (status) return status;
-        corner[1] = corner[2];
+        corner[i < 2 ? i : 2] = index_of(r, e, row, take(r, p->type, e, row));
+        if (i >= 2 && !r->status) r->status = bis_mesh_add_triangle(r->mesh, &r->capacity, corner, r->in);
+        if (r->status) return;
+        if (i >= 2) corner[1] = corner[2];
     }
-    return BIS_OK;
 }
 
 /* Each vertex makes a triangle with the two before it; every other one is turned. -1 begins a new strip. */
-static bis_status read_strip(reader *r, const ply_property *p, const ply_element *e, size_t row)
+static void read_strip(reader *r, const ply_property *p, const ply_element *e, size_t row)
 {
+    const size_t count = take_count(r, p, e, row);
     uint32_t last[2] = {0, 0};
-    size_t count, length = 0;
-    bis_status status = take_count(r, p, e, row, &count);
+    size_t length = 0;
 
-    if (status) return status;
-    for (size_t i = 0; i < count; i++) {
-        double v;
-        status = take(r, p->type, e, row, &v);
-        if (status) return status;
+    for (size_t i = 0; i < count && !r->status; i++) {
+        const double v = take(r, p->type, e, row);
         if (v == -1) {
             length = 0;
             continue;
         }
-        if (!(v >= 0 && v < (double)r->n_vertices && v == floor(v))) return bad_index(r, e, row, v);
-        const uint32_t current = (uint32_t)v;
+        const uint32_t current = index_of(r, e, row, v);
         const bool turned = length % 2 == 1;
-        if (length >= 2) {
-            const uint32_t corner[3] = {last[turned], last[!turned], current};
-            status = bis_mesh_add_triangle(r->mesh, &r->capacity, corner, r->in);
-            if (status) return status;
-        }
+        const uint32_t corner[3] = {last[turned], last[!turned], current};
+        if (length >= 2 && !r->status) r->status = bis_mesh_add_triangle(r->mesh, &r->capacity, corner, r->in);
         last[0] = last[1];
         last[1] = current;
         length++;
     }
-    return BIS_OK;
 }
 
 /* Short cut: rows that are a list of three indices and nothing else. Stops at the first other row. */
@@ -338,27 +303,25 @@ static bis_status read_faces(reader *r, const ply_element *e, bool strips)
     const size_t list = find_indices(r->header, e);
     size_t row = 0;
 
-    if (list == e->n_properties) {
+    if (list == e->n_properties)
         return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the element \"%.*s\" has no list \"vertex_indices\"",
                                e->name.length, e->name.text);
-    }
     if (!strips && !r->mesh->index) {
         r->mesh->index = bis_alloc(e->count, 3 * sizeof *r->mesh->index);
         if (!r->mesh->index) return bis_mesh_refuse(r->in, 0, BIS_NOMEM, "no memory for %zu triangles", e->count);
         r->capacity = e->count;
         row = copy_plain_triangles(r, e);
     }
-    for (; row < e->count; row++) {
+    for (; row < e->count && !r->status; row++) {
         for (size_t i = 0; i < e->n_properties; i++) {
             const ply_property *p = &r->header->properties[e->first_property + i];
-            bis_status status = i != list ? skip_property(r, p, e, row)
-                                : strips  ? read_strip(r, p, e, row)
-                                          : read_polygon(r, p, e, row);
-            if (status) return status;
+            if (i != list) skip_property(r, p, e, row);
+            else if (strips) read_strip(r, p, e, row);
+            else read_polygon(r, p, e, row);
         }
         end_row(r);
     }
-    return BIS_OK;
+    return r->status;
 }
 
 /* ---- elements ---- */
@@ -366,14 +329,12 @@ static bis_status read_faces(reader *r, const ply_element *e, bool strips)
 static bis_status skip_element(reader *r, const ply_element *e)
 {
     /* Without properties a row is empty, and there may be 2^64 of them. */
-    for (size_t row = 0; row < e->count && e->n_properties > 0; row++) {
-        for (size_t i = 0; i < e->n_properties; i++) {
-            bis_status status = skip_property(r, &r->header->properties[e->first_property + i], e, row);
-            if (status) return status;
-        }
+    for (size_t row = 0; row < e->count && e->n_properties > 0 && !r->status; row++) {
+        for (size_t i = 0; i < e->n_properties; i++)
+            skip_property(r, &r->header->properties[e->first_property + i], e, row);
         end_row(r);
     }
-    return BIS_OK;
+    return r->status;
 }
 
 static bis_status read_element(reader *r, const ply_element *e)
@@ -381,11 +342,10 @@ static bis_status read_element(reader *r, const ply_element *e)
     /* the last white space may lack */
     const size_t least = bis_ply_least_row(r->header, e), left = (size_t)(r->end - r->p) + 1;
 
-    if (least > 0 && e->count > left / least) {
+    if (least > 0 && e->count > left / least)
         return bis_mesh_refuse(r->in, 0, BIS_INPUT,
                                "%zu rows of \"%.*s\" of at least %zu bytes each, but the file has %zu bytes left",
                                e->count, e->name.length, e->name.text, least, left - 1);
-    }
     if (e->count == 0) return BIS_OK;
     if (ply_word_is(e->name, "vertex")) return read_vertices(r, e);
     if (ply_word_is(e->name, "face")) return read_faces(r, e, false);
@@ -395,25 +355,22 @@ static bis_status read_element(reader *r, const ply_element *e)
 
 static bis_status count_vertices(reader *r)
 {
-    for (size_t i = 0; i < r->header->n_elements; i++) {
+    for (size_t i = 0; i < r->header->n_elements; i++)
         if (ply_word_is(r->header->elements[i].name, "vertex")) r->n_vertices = r->header->elements[i].count;
-    }
     if (r->n_vertices < UINT32_MAX) return BIS_OK;
     return bis_mesh_refuse(r->in, 0, BIS_INPUT, "%zu vertices, must be below 2^32 - 1", r->n_vertices);
 }
 
 static void report(const reader *r)
 {
-    if (r->n_long_lines > 0) {
+    if (r->n_long_lines > 0)
         bis_mesh_remark(r->in, "%zu lines hold more numbers than the header says: the rest of them is skipped",
                         r->n_long_lines);
-    }
     if (r->n_too_small > 0)
         bis_mesh_remark(r->in, "%zu faces have fewer than 3 vertices and are left out", r->n_too_small);
-    if (r->n_bad_normals > 0) {
+    if (r->n_bad_normals > 0)
         bis_mesh_remark(r->in, "%zu vertex normals are not finite: the faces' normals are used there",
                         r->n_bad_normals);
-    }
 }
 
 bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)

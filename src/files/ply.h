@@ -1,6 +1,5 @@
 /* ply: meshes in Greg Turk's polygon file format, as scans come in. For scene.c and tests. */
-#ifndef BIS_PLY_H
-#define BIS_PLY_H
+#pragma once
 
 #include "bis/shape/geometry.h"
 
@@ -11,5 +10,3 @@
  * `at`: the scene line that named the file, or {0}. Errors: BIS_IO, BIS_INPUT (damaged: the message names line or
  * face), BIS_NOMEM. */
 bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);
-
-#endif

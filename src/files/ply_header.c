@@ -48,9 +48,8 @@ static ply_type parse_type(ply_word w)
                                            {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
                                            {"float", "float32"}, {"double", "float64"}};
 
-    for (int i = 0; i < PLY_NO_TYPE; i++) {
+    for (int i = 0; i < PLY_NO_TYPE; i++)
         if (ply_word_is(w, names[i][0]) || ply_word_is(w, names[i][1])) return (ply_type)i;
-    }
     return PLY_NO_TYPE;
 }
 
@@ -79,23 +78,18 @@ static bis_status read_format(ply_header *h, const line *l, const mesh_input *in
                            "the format must be ascii, binary_little_endian or binary_big_endian, and the version 1.0");
 }
 
-static bis_status no_memory(const mesh_input *in)
-{
-    return bis_mesh_refuse(in, 0, BIS_NOMEM, "no memory for the header");
-}
+static const char no_memory[] = "no memory for the header";
 
 static bis_status read_element(ply_header *h, const line *l, const mesh_input *in)
 {
     ply_element e = {.first_property = h->n_properties};
 
-    if (l->n != 3 || !parse_count(l->words[2], &e.count)) {
+    if (l->n != 3 || !parse_count(l->words[2], &e.count))
         return bis_mesh_refuse(in, l->number, BIS_INPUT,
                                "an element is \"element NAME COUNT\", COUNT a whole number >= 0");
-    }
     e.name = l->words[1];
-    ply_element *elements = bis_grow(h->elements, &h->capacity_elements, h->n_elements + 1, sizeof e);
-    if (!elements) return no_memory(in);
-    h->elements = elements;
+    if (!BIS_ROOM(h->elements, h->capacity_elements, h->n_elements))
+        return bis_mesh_refuse(in, 0, BIS_NOMEM, "%s", no_memory);
     h->elements[h->n_elements++] = e;
     return BIS_OK;
 }
@@ -106,10 +100,9 @@ static bis_status read_property(ply_header *h, const line *l, const mesh_input *
     ply_property p = {.count_type = PLY_NO_TYPE};
 
     if (h->n_elements == 0) return bis_mesh_refuse(in, l->number, BIS_INPUT, "a property before the first element");
-    if (l->n != (list ? 5 : 3)) {
+    if (l->n != (list ? 5 : 3))
         return bis_mesh_refuse(in, l->number, BIS_INPUT,
                                "a property is \"property TYPE NAME\" or \"property list COUNT-TYPE TYPE NAME\"");
-    }
     p.name = l->words[l->n - 1];
     p.type = parse_type(l->words[l->n - 2]);
     if (list) p.count_type = parse_type(l->words[2]);
@@ -120,9 +113,8 @@ static bis_status read_property(ply_header *h, const line *l, const mesh_input *
                                "\"%.*s\" is no type%s: char, uchar, short, ushort, int, uint%s", w.length, w.text,
                                bad_count ? " of a list's count" : "", bad_count ? "" : ", float, double");
     }
-    ply_property *properties = bis_grow(h->properties, &h->capacity_properties, h->n_properties + 1, sizeof p);
-    if (!properties) return no_memory(in);
-    h->properties = properties;
+    if (!BIS_ROOM(h->properties, h->capacity_properties, h->n_properties))
+        return bis_mesh_refuse(in, 0, BIS_NOMEM, "%s", no_memory);
     h->properties[h->n_properties++] = p;
     h->elements[h->n_elements - 1].n_properties++;
     return BIS_OK;
@@ -154,9 +146,8 @@ bis_status bis_ply_header_read(ply_header *h, const mesh_input *in)
 
     split_line(&l, &p, end);
     if (in->size == 0) return bis_mesh_refuse(in, 0, BIS_INPUT, "the file is empty");
-    if (l.n != 1 || !ply_word_is(l.words[0], "ply")) {
+    if (l.n != 1 || !ply_word_is(l.words[0], "ply"))
         return bis_mesh_refuse(in, 0, BIS_INPUT, "not a PLY file: its first line must be \"ply\"");
-    }
     const bool cr_alone = p < end && *p == '\r' && p[1] != '\n';
     while (p < end) {
         p = next_line(p, end, cr_alone);

@@ -1,6 +1,5 @@
 /* ply_header: the self-description at the head of a PLY file. For ply.c alone. */
-#ifndef BIS_PLY_HEADER_H
-#define BIS_PLY_HEADER_H
+#pragma once
 
 #include "mesh_io.h"
 
@@ -48,5 +47,3 @@ void bis_ply_header_clear(ply_header *h);
 /* The least number of bytes that a row of e takes in the file: in binary its numbers (an empty list is its count), in
  * ascii a digit and a white space for each. */
 size_t bis_ply_least_row(const ply_header *h, const ply_element *e);
-
-#endif

@@ -77,6 +77,18 @@ void bis_json_number(bis_json *j, const char *key, double v)
     fputs(bis_format_double(text, v), j->out);
 }
 
+void bis_json_numbers(bis_json *j, const bis_json_member *members, size_t n)
+{
+    for (size_t i = 0; i < n; i++) bis_json_number(j, members[i].key, members[i].value);
+}
+
+void bis_json_triple(bis_json *j, const char *key, double x, double y, double z)
+{
+    bis_json_open(j, key, '[');
+    BIS_JSON_NUMBERS(j, {NULL, x}, {NULL, y}, {NULL, z});
+    bis_json_close(j);
+}
+
 void bis_json_count(bis_json *j, const char *key, uint64_t v)
 {
     print_lead(j, key);

@@ -4,9 +4,9 @@
  *     bis_json j = {.out = stdout};
  *     bis_json_open(&j, NULL, '{');
  *     bis_json_number(&j, "rmse", 0.5);
- *     bis_json_close(&j);             // {"rmse": 0.5} and a newline, since it was the outermost */
-#ifndef BIS_JSON_H
-#define BIS_JSON_H
+ *     BIS_JSON_NUMBERS(&j, {"bias", c->bias}, {"pixels", (double)c->pixels});
+ *     bis_json_close(&j);             // {"rmse": 0.5, ...} and a newline, since it was the outermost */
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -31,7 +31,19 @@ void bis_json_count(bis_json *j, const char *key, uint64_t v);
 void bis_json_bool(bis_json *j, const char *key, bool v);
 void bis_json_null(bis_json *j, const char *key);
 
+/* bis_json_numbers writes n members that are numbers; a count below 10^15 looks as bis_json_count writes it.
+ * bis_json_triple writes an array of three. BIS_JSON_OBJECT writes an object of numbers. */
+typedef struct bis_json_member {
+    const char *key;
+    double value;
+} bis_json_member;
+void bis_json_numbers(bis_json *j, const bis_json_member *members, size_t n);
+void bis_json_triple(bis_json *j, const char *key, double x, double y, double z);
+#define BIS_JSON_NUMBERS(j, ...)                                                                                       \
+    bis_json_numbers(j, (const bis_json_member[]){__VA_ARGS__},                                                        \
+                     sizeof((const bis_json_member[]){__VA_ARGS__}) / sizeof(bis_json_member))
+#define BIS_JSON_OBJECT(j, key, ...)                                                                                   \
+    (bis_json_open(j, key, '{'), BIS_JSON_NUMBERS(j, __VA_ARGS__), bis_json_close(j))
+
 /* NULL becomes null. Bytes that are not UTF-8 (a file name may hold any) become U+FFFD. */
 void bis_json_text(bis_json *j, const char *key, const char *v);
-
-#endif

@@ -1,9 +1,7 @@
 /* markup: what a page (template.h) and a drawing (svg.h) share: text and pictures inside HTML and SVG. */
-#ifndef BIS_MARKUP_H
-#define BIS_MARKUP_H
+#pragma once
 
 #include "bis/base/image.h"
-#include "bis/base/status.h"
 
 #include <stdio.h>
 
@@ -14,5 +12,3 @@ void bis_markup_text(FILE *out, const char *text, size_t n);
 /* bis_markup_png returns image as the address "data:image/png;base64,...", to be freed by free(). Radiance is
  * multiplied by 2^exposure; with 0 the colours appear as they are. NULL: no memory, as diag says. */
 char *bis_markup_png(const bis_image *image, double exposure, bis_diag *diag);
-
-#endif

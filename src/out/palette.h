@@ -1,7 +1,6 @@
 /* palette: colours that a lecture hall can tell apart, for pictures of numbers. Chosen as they appear (sRGB), returned
  * as what images here hold (linear light). */
-#ifndef BIS_PALETTE_H
-#define BIS_PALETTE_H
+#pragma once
 
 #include "bis/base/vec.h"
 
@@ -11,5 +10,3 @@ rgb bis_palette_srgb(double r, double g, double b);
 /* Dark blue over purple, red and orange to pale yellow, t in [0,1] (beyond: the ends), each lighter than the one
  * before: reads in grey print, too. */
 rgb bis_palette_heat(double t);
-
-#endif

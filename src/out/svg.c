@@ -3,7 +3,6 @@
 
 #include "markup.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -4,11 +4,9 @@
  * Places and sizes are in the drawing's units, pixels where it is shown as large as it is; (0, 0) is the upper left
  * corner, y points down. Colours are linear, as everywhere, and are written as sRGB. All functions print at once, in
  * the order of the calls: what comes later lies above. */
-#ifndef BIS_SVG_H
-#define BIS_SVG_H
+#pragma once
 
 #include "bis/base/image.h"
-#include "bis/base/status.h"
 
 #include <stdio.h>
 
@@ -39,5 +37,3 @@ void bis_svg_text_on(FILE *svg, double x, double y, double size, bis_svg_end_at 
 bis_status bis_svg_picture(FILE *svg, const char *name, double width, double height, const bis_image *image,
                            bis_diag *diag);
 void bis_svg_show(FILE *svg, const char *name, double x, double y);
-
-#endif

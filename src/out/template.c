@@ -60,9 +60,8 @@ static const char *member(const char *object, const char *name)
 static bool is_empty(const char *value)
 {
     static const char *const empty[] = {"false", "null", "\"\""};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         if (strncmp(value, empty[i], strlen(empty[i])) == 0) return true;
-    }
     if (*value == '{' || *value == '[') return strchr("]}", *skip_blanks(value + 1)) != NULL;
     return *value != '"' && *value != 't' && strtod(value, NULL) == 0; /* "true" is the only other word */
 }
@@ -132,9 +131,8 @@ static bis_status fill_section(const filler *f, const char **at, const char *end
     const char *middle = find(body, last, mark);
     if (is_empty(value)) return middle == last ? BIS_OK : fill(f, middle + strlen(mark), last, scope);
     if (*value != '[') return fill(f, body, middle, *value == '{' ? value : scope);
-    for (const char *item = skip_blanks(value + 1); *item != ']' && !status; item = skip_blanks(skip_value(item))) {
+    for (const char *item = skip_blanks(value + 1); *item != ']' && !status; item = skip_blanks(skip_value(item)))
         status = fill(f, body, middle, item);
-    }
     return status;
 }
 

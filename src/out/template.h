@@ -9,8 +9,7 @@
  * In a style sheet the marks are written as CSS comments: each, else and end between slash-star and star-slash. Within
  * A, names are those of the item, if it is an object; the item itself is [[.|example]]. Empty are false, null, "", 0,
  * {} and []. A section must not stand in another one of the same name. */
-#ifndef BIS_TEMPLATE_H
-#define BIS_TEMPLATE_H
+#pragma once
 
 #include "bis/base/status.h"
 
@@ -19,5 +18,3 @@
 /* bis_template_fill prints page with its holes filled from json, an object that bis_json has written. Errors:
  * BIS_INPUT (the page has a name that the object lacks, or a section without its end). */
 bis_status bis_template_fill(FILE *out, const char *page, const char *json, bis_diag *diag);
-
-#endif

@@ -10,10 +10,7 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 
-#include <limits.h>
 #include <math.h>
-#include <stdint.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 

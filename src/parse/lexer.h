@@ -1,7 +1,6 @@
 /* lexer: from the bytes of a scene file to words, quoted strings, numbers and brackets, each with its place. Included
  * by the parser alone. */
-#ifndef BIS_LEXER_H
-#define BIS_LEXER_H
+#pragma once
 
 #include "bis/base/status.h"
 
@@ -64,5 +63,3 @@ const char *bis_token_name(char buf[64], const bis_token *t);
 
 /* Text for a message, cut to 100 bytes, unprintable bytes as '?'. */
 const char *bis_printable(char buf[128], const char *text, size_t length);
-
-#endif

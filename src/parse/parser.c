@@ -15,12 +15,11 @@
 /* A map or a page in place of a scene gets one line, not one for each of its words. */
 static bool is_stranger(bis_parser *p, const char *path, bis_loc at)
 {
-    char word[128], instead[512];
+    char instead[512];
     bis_stranger_kind kind;
-    const char *what = bis_scene_peek_stranger(path, &kind);
+    const char *what = bis_scene_peek_stranger(path, &kind), *word = bis_parser_word(p, path);
 
     if (!what) return false;
-    bis_printable(word, path, strlen(path));
     switch (kind) {
     case BIS_STRANGER_MAP:
         snprintf(instead, sizeof instead, "try `bis envmap %s` or `bis verify %s`; a scene names it in LightSource "
@@ -45,8 +44,7 @@ static void directive_include(bis_parser *p, bis_loc at)
 {
     if (!bis_parser_peek_name(p, "Include")) return;
     if (++p->n_includes > BIS_MAX_INCLUDES) {
-        bis_parser_error(p, at, "more than %d Includes in all", BIS_MAX_INCLUDES);
-        p->stop = true;
+        p->stop = !bis_parser_error(p, at, "more than %d Includes in all", BIS_MAX_INCLUDES);
         return;
     }
     char *path = bis_parser_path(p, p->name_at, bis_parser_text(p, p->name));
@@ -145,7 +143,6 @@ static const struct foreign {
 
 static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
 {
-    char hint[128], word[128];
     const char *names[BIS_COUNT(directives)];
 
     for (size_t i = 0; i < BIS_COUNT(foreign); i++) {
@@ -154,8 +151,8 @@ static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
         return;
     }
     for (size_t i = 0; i < BIS_COUNT(directives); i++) names[i] = directives[i].name;
-    bis_parser_error(p, at, "unknown directive \"%s\"%s", bis_printable(word, name, strlen(name)),
-                     bis_parser_hint(hint, bis_nearest_name(name, names, BIS_COUNT(directives))));
+    bis_parser_error(p, at, "unknown directive \"%s\"%s", bis_parser_word(p, name),
+                     bis_parser_hint(p, bis_nearest_name(name, names, BIS_COUNT(directives))));
 }
 
 static void run_directive(bis_parser *p, const char *name, bis_loc at)
@@ -168,13 +165,11 @@ static void run_directive(bis_parser *p, const char *name, bis_loc at)
         unknown_directive(p, name, at);
         p->lost = true;
     } else if (p->ended) {
-        bis_parser_error(p, at, "%s after WorldEnd: a scene has one world", name);
-        p->lost = p->stop = true;
+        p->stop = !bis_parser_lose(p, at, "%s after WorldEnd: a scene has one world", name);
     } else if (d->where & (p->in_world ? WORLD : OPTIONS)) {
         d->run(p, at);
     } else {
-        bis_parser_error(p, at, "%s must stand %s WorldBegin", name, d->where == OPTIONS ? "before" : "after");
-        p->lost = true;
+        bis_parser_lose(p, at, "%s must stand %s WorldBegin", name, d->where == OPTIONS ? "before" : "after");
     }
 }
 
@@ -196,8 +191,7 @@ static void next_directive(bis_parser *p)
         p->lost = true;
         bis_parser_advance(p);
     } else if (t.kind != BIS_TOKEN_WORD) {
-        bis_parser_error(p, t.at, "expected a directive, found %s", bis_token_name(buf, &t));
-        p->lost = true;
+        bis_parser_lose(p, t.at, "expected a directive, found %s", bis_token_name(buf, &t));
     } else {
         p->lost = false;
         snprintf(name, sizeof name, "%.*s", t.length < sizeof name ? (int)t.length : (int)sizeof name - 1, t.text);
@@ -211,8 +205,7 @@ static void check_whole(bis_parser *p)
 {
     bis_parser_check_blocks(p);
     bis_parser_check_materials(p);
-    if (!p->in_world)
-        bis_parser_error(p, p->token.at, "the scene has no WorldBegin");
+    if (!p->in_world) bis_parser_error(p, p->token.at, "the scene has no WorldBegin");
     if (p->status) return;
     bis_parser_note(p, bis_settings_check(&p->desc->view.settings, p->desc->integrator_loc, p->diag));
     if (!p->desc->has_light)

@@ -4,12 +4,13 @@
  * A directive is a function bis_directive_<name>(p, at). It reads what follows its name from p->token on, and writes
  * into p->desc. It complains by bis_parser_error and goes on; where the syntax itself is broken it returns at once, and
  * bis_scene_parse looks for the next directive. */
-#ifndef BIS_PARSER_H
-#define BIS_PARSER_H
+#pragma once
 
 #include "bis/scene/scene.h"
 #include "lexer.h"
+#include "base/grow.h"
 #include "base/names.h"
+#include "base/text.h"
 #include "scene/scene_desc.h"
 
 #define BIS_MAX_PARAMS 64
@@ -130,23 +131,27 @@ typedef struct bis_parser {
 
     const char *warned[BIS_MAX_PARAMS]; /* names that have had their one warning */
     size_t n_warned;
+    char word[128], hint[BIS_HINT]; /* of the message that is being made */
 } bis_parser;
 
 /* ---- parser.c ---- */
 
-/* Complain of the input; pieces of it are cut to a readable length by the caller, and the whole to 1 kB. */
-void bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
+/* Complain of the input; pieces of it are cut to a readable length by the caller, and the whole to 1 kB. Both return
+ * false; after bis_parser_lose the parser goes on with the next directive, because the syntax is broken. */
+bool bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
+bool bis_parser_lose(bis_parser *p, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
 
 /* Count an error that another module has complained of; BIS_OK is fine. */
 void bis_parser_note(bis_parser *p, bis_status status);
-void bis_parser_nomem(bis_parser *p, bis_loc at);
+bool bis_parser_nomem(bis_parser *p, bis_loc at); /* false */
 void bis_parser_advance(bis_parser *p);
 
 /* True the first time for this name (a string constant or one that lives as long). */
 bool bis_parser_once(bis_parser *p, const char *name);
 
-/* ` (did you mean "X"?)` or "", in buf. */
-const char *bis_parser_hint(char buf[128], const char *nearest);
+/* ` (did you mean "X"?)` or "", and text of the input fit for a message; each lasts until it is asked for the next. */
+const char *bis_parser_hint(bis_parser *p, const char *nearest);
+const char *bis_parser_word(bis_parser *p, const char *text);
 
 /* The resolved path of a file that a scene names at `at`, or NULL after a complaint: it must exist. Owned by the
  * caller. */
@@ -212,9 +217,12 @@ typedef struct bis_choice {
     int value; /* >= 0: ours; BIS_REPLACED: pbrt's, replaced by what the caller says; BIS_FOREIGN: pbrt's, an error */
 } bis_choice;
 
-/* Look up the name that bis_parser_name has read. NULL: complained. */
+/* Look up a name. NULL: complained. */
 const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const char *name, bis_loc at,
                                     const bis_choice *choices, size_t n);
+
+/* Read a directive's name and parameters, and look up the name. NULL: complained. */
+const bis_choice *bis_parser_begin(bis_parser *p, const char *directive, const bis_choice *choices, size_t n);
 
 /* Warn of a directive given again. */
 void bis_parser_single(bis_parser *p, bis_single which, const char *directive, bis_loc at);
@@ -229,7 +237,7 @@ bis_directive bis_directive_identity, bis_directive_translate, bis_directive_sca
 
 /* Are the matrix and its inverse finite? */
 bool bis_parser_is_usable(const bis_xform *t);
-bool bis_parser_name_system(bis_parser *p, const char *name, const bis_xform *t, bis_loc at);
+void bis_parser_name_system(bis_parser *p, const char *name, const bis_xform *t, bis_loc at);
 
 /* parser_options.c: what stands before WorldBegin */
 bis_directive bis_directive_camera, bis_directive_film, bis_directive_filter, bis_directive_accelerator,
@@ -253,5 +261,3 @@ void bis_parser_check_materials(bis_parser *p);
 bis_directive bis_directive_shape;
 
 #define BIS_COUNT(array) (sizeof(array) / sizeof *(array))
-
-#endif

@@ -7,7 +7,6 @@
 #include "bis/base/file.h"
 #include "parser.h"
 
-#include <stdio.h>
 #include <string.h>
 
 bool bis_params_has(bis_parser *p, const char *name) { return bis_params_find(p, name) != NULL; }
@@ -51,8 +50,7 @@ bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double val
     bis_format_double(hi, r.hi);
     if (isinf(r.hi)) snprintf(rule, sizeof rule, "%s %s", r.lo_open ? ">" : ">=", lo);
     else snprintf(rule, sizeof rule, "in %c%s, %s%c", r.lo_open ? '(' : '[', lo, hi, r.hi_open ? ')' : ']');
-    bis_parser_error(p, at, "\"%s\" is %s, must be %s", name, bis_format_double(v, value), rule);
-    return false;
+    return bis_parser_error(p, at, "\"%s\" is %s, must be %s", name, bis_format_double(v, value), rule);
 }
 
 bool bis_params_floats(bis_parser *p, const char *name, double *values, size_t n, bis_interval range)
@@ -77,10 +75,8 @@ bool bis_params_integer(bis_parser *p, const char *name, uint64_t *value, uint64
     if (!param) return false;
     const double v = p->params.numbers[param->first];
     char buf[32];
-    if (v != floor(v)) {
-        bis_parser_error(p, param->at, "\"%s\" is %s, must be a whole number", name, bis_format_double(buf, v));
-        return false;
-    }
+    if (v != floor(v))
+        return bis_parser_error(p, param->at, "\"%s\" is %s, must be a whole number", name, bis_format_double(buf, v));
     if (!bis_parser_in_range(p, param->at, name, v, (bis_interval){(double)lo, (double)hi, false, false})) return false;
     *value = (uint64_t)v;
     return true;
@@ -123,21 +119,19 @@ bool bis_params_rgb(bis_parser *p, const char *name, rgb *value, bis_interval ra
 
 bool bis_params_choice(bis_parser *p, const char *name, int *value, const char *const *choices, size_t n)
 {
-    char list[128] = "", word[128], hint[128];
+    char list[128] = "";
     const char *chosen;
     if (!bis_params_string(p, name, &chosen)) return false;
-    for (size_t i = 0, length = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         if (strcmp(chosen, choices[i]) == 0) {
             *value = (int)i;
             return true;
         }
-        const char *between = i == 0 ? "" : i + 1 < n ? ", " : " or ";
-        length += (size_t)snprintf(list + length, sizeof list - length, "%s\"%s\"", between, choices[i]);
+        bis_append(list, sizeof list, "%s\"%s\"", i == 0 ? "" : i + 1 < n ? ", " : " or ", choices[i]);
     }
-    bis_parser_hint(hint, bis_nearest_name(chosen, choices, n));
-    bis_parser_error(p, bis_params_at(p, name), "\"%s\" is \"%s\", must be %s%s", name,
-                     bis_printable(word, chosen, strlen(chosen)), list, hint);
-    return false;
+    return bis_parser_error(p, bis_params_at(p, name), "\"%s\" is \"%s\", must be %s%s", name,
+                            bis_parser_word(p, chosen), list,
+                            bis_parser_hint(p, bis_nearest_name(chosen, choices, n)));
 }
 
 void bis_params_skip(bis_parser *p, const char *const *names, size_t n)
@@ -161,15 +155,13 @@ void bis_params_ignore(bis_parser *p, const char *const *names, size_t n)
 void bis_params_end(bis_parser *p, const char *directive, const char *what)
 {
     const bis_params *ps = &p->params;
-    char hint[128];
     for (size_t i = 0; i < ps->n; i++) {
         if (ps->list[i].used) continue;
         const char *name = bis_parser_text(p, ps->list[i].name);
-        bis_parser_hint(hint, bis_nearest_name(name, ps->asked, ps->n_asked));
-        if (what)
-            bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s \"%s\"%s", name, directive, what, hint);
-        else
-            bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s%s", name, directive, hint);
+        const char *quote = what ? "\"" : "";
+        bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s%s%s%s%s%s", name, directive,
+                         what ? " " : "", quote, what ? what : "", quote,
+                         bis_parser_hint(p, bis_nearest_name(name, ps->asked, ps->n_asked)));
     }
 }
 
@@ -178,11 +170,9 @@ void bis_params_end(bis_parser *p, const char *directive, const char *what)
 /* `"a", "b"`: those that are ours. */
 static const char *our_names(char buf[256], const bis_choice *choices, size_t n)
 {
-    size_t length = 0;
     buf[0] = '\0';
-    for (size_t i = 0; i < n && length < 200; i++)
-        if (choices[i].value >= 0)
-            length += (size_t)snprintf(buf + length, 256 - length, "%s\"%s\"", length ? ", " : "", choices[i].name);
+    for (size_t i = 0; i < n && strlen(buf) < 200; i++)
+        if (choices[i].value >= 0) bis_append(buf, 256, "%s\"%s\"", *buf ? ", " : "", choices[i].name);
     return buf;
 }
 
@@ -190,7 +180,7 @@ const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const 
                                     const bis_choice *choices, size_t n)
 {
     const char *names[BIS_MAX_PARAMS] = {NULL};
-    char list[256], word[128], hint[128];
+    char list[256];
     size_t n_names = 0;
 
     for (size_t i = 0; i < n; i++) {
@@ -202,9 +192,15 @@ const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const 
         }
         if (choices[i].value != BIS_FOREIGN && n_names < BIS_MAX_PARAMS) names[n_names++] = choices[i].name;
     }
-    bis_parser_error(p, at, "unknown %s \"%s\"%s", directive, bis_printable(word, name, strlen(name)),
-                     bis_parser_hint(hint, bis_nearest_name(name, names, n_names)));
+    bis_parser_error(p, at, "unknown %s \"%s\"%s", directive, bis_parser_word(p, name),
+                     bis_parser_hint(p, bis_nearest_name(name, names, n_names)));
     return NULL;
+}
+
+const bis_choice *bis_parser_begin(bis_parser *p, const char *directive, const bis_choice *choices, size_t n)
+{
+    if (!bis_parser_name(p, directive) || !bis_params_read(p)) return NULL;
+    return bis_parser_choose(p, directive, bis_parser_text(p, p->name), p->name_at, choices, n);
 }
 
 void bis_parser_single(bis_parser *p, bis_single which, const char *directive, bis_loc at)

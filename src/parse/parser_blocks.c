@@ -13,16 +13,10 @@ static const char *const end_names[] = {"AttributeEnd", "TransformEnd", "ObjectE
 static bool open_block(bis_parser *p, bis_block_kind kind, bis_loc at)
 {
     if (p->n_blocks == BIS_MAX_BLOCKS) {
-        bis_parser_error(p, at, "blocks nest deeper than %d", BIS_MAX_BLOCKS);
-        p->stop = true;
+        p->stop = !bis_parser_error(p, at, "blocks nest deeper than %d", BIS_MAX_BLOCKS);
         return false;
     }
-    bis_block *blocks = bis_grow(p->blocks, &p->capacity_blocks, p->n_blocks + 1, sizeof *blocks);
-    if (!blocks) {
-        bis_parser_nomem(p, at);
-        return false;
-    }
-    p->blocks = blocks;
+    if (!BIS_ROOM(p->blocks, p->capacity_blocks, p->n_blocks)) return bis_parser_nomem(p, at);
     p->blocks[p->n_blocks++] = (bis_block){kind, at, p->now};
     return true;
 }
@@ -60,13 +54,6 @@ void bis_directive_reverse_orientation(bis_parser *p, bis_loc at)
     (void)at;
 }
 
-static void complain_redefined(bis_parser *p, const char *name, bis_loc first)
-{
-    char word[128];
-    bis_parser_error(p, p->name_at, "object \"%s\" is defined already, in %s:%d",
-                     bis_printable(word, name, strlen(name)), first.file, first.line);
-}
-
 void bis_directive_object_begin(bis_parser *p, bis_loc at)
 {
     uint32_t before;
@@ -77,11 +64,12 @@ void bis_directive_object_begin(bis_parser *p, bis_loc at)
         return;
     }
     const char *name = bis_parser_text(p, p->name);
-    bis_object *objects = bis_grow(p->objects, &p->capacity_objects, p->n_objects + 1, sizeof *objects);
-    if (objects) p->objects = objects;
     const bool known = bis_names_find(&p->object_names, name, &before);
-    if (known) complain_redefined(p, name, p->objects[before].at);
-    if (!objects || (!known && !bis_names_set(&p->object_names, name, (uint32_t)p->n_objects))) {
+    if (known)
+        bis_parser_error(p, p->name_at, "object \"%s\" is defined already, in %s:%d", bis_parser_word(p, name),
+                         p->objects[before].at.file, p->objects[before].at.line);
+    if (!BIS_ROOM(p->objects, p->capacity_objects, p->n_objects) ||
+        (!known && !bis_names_set(&p->object_names, name, (uint32_t)p->n_objects))) {
         bis_parser_nomem(p, at);
         return;
     }
@@ -95,8 +83,7 @@ void bis_directive_object_end(bis_parser *p, bis_loc at) { close_block(p, BIS_BL
 static void add_instance(bis_parser *p, const bis_object *object, bis_loc at)
 {
     if (object->n > BIS_MAX_SHAPES - p->desc->n_shapes) {
-        bis_parser_error(p, at, "more than %u shapes, instances included", BIS_MAX_SHAPES);
-        p->stop = true;
+        p->stop = !bis_parser_error(p, at, "more than %u shapes, instances included", BIS_MAX_SHAPES);
         return;
     }
     for (size_t i = 0; i < object->n; i++) {
@@ -115,7 +102,6 @@ static void add_instance(bis_parser *p, const bis_object *object, bis_loc at)
 
 void bis_directive_object_instance(bis_parser *p, bis_loc at)
 {
-    char word[128], hint[128];
     uint32_t i;
     if (!bis_parser_name(p, "ObjectInstance")) return;
     const char *name = bis_parser_text(p, p->name);
@@ -127,8 +113,8 @@ void bis_directive_object_instance(bis_parser *p, bis_loc at)
         add_instance(p, &p->objects[i], at);
         return;
     }
-    bis_parser_error(p, p->name_at, "object \"%s\" is not defined%s", bis_printable(word, name, strlen(name)),
-                     bis_parser_hint(hint, bis_names_nearest(&p->object_names, name)));
+    bis_parser_error(p, p->name_at, "object \"%s\" is not defined%s", bis_parser_word(p, name),
+                     bis_parser_hint(p, bis_names_nearest(&p->object_names, name)));
 }
 
 void bis_parser_check_blocks(bis_parser *p)

@@ -75,8 +75,7 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
     assert(n < MAX_INTEGRATORS);
     choices[n++] = (bis_choice){bis_auto.name, 0};
     for (size_t i = 0; i < BIS_COUNT(pbrt); i++) choices[n++] = (bis_choice){pbrt[i], BIS_REPLACED};
-    if (!bis_parser_name(p, "Integrator") || !bis_params_read(p)) return;
-    const bis_choice *chosen = bis_parser_choose(p, "Integrator", bis_parser_text(p, p->name), p->name_at, choices, n);
+    const bis_choice *chosen = bis_parser_begin(p, "Integrator", choices, n);
     if (!chosen) return;
     const bis_integrator *integrator = bis_integrator_find(chosen->name);
     bis_parser_single(p, BIS_SINGLE_INTEGRATOR, "Integrator", at);
@@ -118,25 +117,17 @@ static void read_stratified(bis_parser *p, bis_sampler *s, bool has_spp)
 
 void bis_directive_sampler(bis_parser *p, bis_loc at)
 {
-    static const bis_choice samplers[] = {{"random", BIS_SAMPLER_RANDOM},
-                                          {"independent", BIS_SAMPLER_RANDOM},
-                                          {"stratified", BIS_SAMPLER_STRATIFIED},
-                                          {"sobol", BIS_SAMPLER_SOBOL},
-                                          {"halton", BIS_SAMPLER_HALTON},
-                                          {"zsobol", BIS_REPLACED},
-                                          {"paddedsobol", BIS_REPLACED},
-                                          {"pmj02bn", BIS_REPLACED},
-                                          {"02sequence", BIS_REPLACED},
-                                          {"lowdiscrepancy", BIS_REPLACED},
-                                          {"maxmindist", BIS_REPLACED},
-                                          {"bestcandidate", BIS_REPLACED},
-                                          {"adaptive", BIS_REPLACED}};
+    static const bis_choice samplers[] = {
+        {"random", BIS_SAMPLER_RANDOM}, {"independent", BIS_SAMPLER_RANDOM}, {"stratified", BIS_SAMPLER_STRATIFIED},
+        {"sobol", BIS_SAMPLER_SOBOL},   {"halton", BIS_SAMPLER_HALTON},      {"zsobol", BIS_REPLACED},
+        {"paddedsobol", BIS_REPLACED},  {"pmj02bn", BIS_REPLACED},           {"02sequence", BIS_REPLACED},
+        {"lowdiscrepancy", BIS_REPLACED}, {"maxmindist", BIS_REPLACED},      {"bestcandidate", BIS_REPLACED},
+        {"adaptive", BIS_REPLACED},
+    };
     static const char *const ignored[] = {"dimensions", "randomization", "samplepixelcenter", "scramble"};
     uint32_t spp = 16;
 
-    if (!bis_parser_name(p, "Sampler") || !bis_params_read(p)) return;
-    const bis_choice *chosen =
-        bis_parser_choose(p, "Sampler", bis_parser_text(p, p->name), p->name_at, samplers, BIS_COUNT(samplers));
+    const bis_choice *chosen = bis_parser_begin(p, "Sampler", samplers, BIS_COUNT(samplers));
     if (!chosen) return;
     bis_parser_single(p, BIS_SINGLE_SAMPLER, "Sampler", at);
     const bool replaced = chosen->value == BIS_REPLACED;

@@ -3,11 +3,9 @@
  *
  * A directive that is given again starts from the defaults, as in pbrt. */
 #include "bis/base/file.h"
-#include "bis/base/image.h"
 #include "bis/base/mem.h"
 #include "parser.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};
@@ -48,9 +46,7 @@ void bis_directive_camera(bis_parser *p, bis_loc at)
         {"perspective", PERSPECTIVE}, {"orthographic", ORTHOGRAPHIC}, {"environment", BIS_FOREIGN},
         {"spherical", BIS_FOREIGN},   {"realistic", BIS_FOREIGN},
     };
-    if (!bis_parser_name(p, "Camera") || !bis_params_read(p)) return;
-    const bis_choice *chosen =
-        bis_parser_choose(p, "Camera", bis_parser_text(p, p->name), p->name_at, cameras, BIS_COUNT(cameras));
+    const bis_choice *chosen = bis_parser_begin(p, "Camera", cameras, BIS_COUNT(cameras));
     if (!chosen) return;
     bis_parser_single(p, BIS_SINGLE_CAMERA, "Camera", at);
 
@@ -82,25 +78,12 @@ static void film_crop(bis_parser *p, bis_film_desc *film)
 static void film_layers(bis_parser *p, bis_film_desc *film)
 {
     const bis_param *param = bis_params_take(p, "layers", BIS_TYPE_STRING, 0);
-    char word[128], hint[128];
     for (size_t i = 0; param && i < param->n; i++) {
         const char *name = bis_parser_text(p, p->params.strings[param->first + i]);
         if (bis_layers_include(&film->layers, name)) continue;
         bis_parser_error(p, param->at, "\"layers\" is \"%s\": there is no such layer%s",
-                         bis_printable(word, name, strlen(name)), bis_parser_hint(hint, bis_layer_nearest(name)));
+                         bis_parser_word(p, name), bis_parser_hint(p, bis_layer_nearest(name)));
     }
-}
-
-/* Replace the text that *to owns. */
-static void set_text(bis_parser *p, char **to, const char *s, bis_loc at)
-{
-    char *copy = bis_strdup(s);
-    if (!copy) {
-        bis_parser_nomem(p, at);
-        return;
-    }
-    bis_free(*to);
-    *to = copy;
 }
 
 void bis_directive_film(bis_parser *p, bis_loc at)
@@ -110,9 +93,8 @@ void bis_directive_film(bis_parser *p, bis_loc at)
         "diagonal",     "savefp16",     "sensor",      "iso",   "whitebalance",      "maxcomponentvalue",
         "exposuretime", "imagingratio", "pixelbounds", "scale", "maxsampleluminance", "display",
     };
-    if (!bis_parser_name(p, "Film") || !bis_params_read(p)) return;
-    const char *type = bis_parser_text(p, p->name);
-    if (!bis_parser_choose(p, "Film", type, p->name_at, films, BIS_COUNT(films))) return;
+    const bis_choice *type = bis_parser_begin(p, "Film", films, BIS_COUNT(films));
+    if (!type) return;
     bis_parser_single(p, BIS_SINGLE_FILM, "Film", at);
 
     bis_film_desc film = bis_film_default;
@@ -127,8 +109,14 @@ void bis_directive_film(bis_parser *p, bis_loc at)
     film_crop(p, &film);
     film_layers(p, &film);
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
-    set_text(p, &p->desc->outfile, filename, at);
-    bis_params_end(p, "Film", type);
+    char *outfile = bis_strdup(filename);
+    if (outfile) {
+        bis_free(p->desc->outfile);
+        p->desc->outfile = outfile;
+    } else {
+        bis_parser_nomem(p, at);
+    }
+    bis_params_end(p, "Film", type->name);
     p->desc->view.film = film;
 }
 
@@ -136,16 +124,12 @@ void bis_directive_film(bis_parser *p, bis_loc at)
 
 void bis_directive_filter(bis_parser *p, bis_loc at)
 {
-    static const bis_choice filters[] = {{"box", 0},
-                                         {"gaussian", BIS_REPLACED},
-                                         {"mitchell", BIS_REPLACED},
-                                         {"sinc", BIS_REPLACED},
-                                         {"triangle", BIS_REPLACED},
-                                         {"lanczossinc", BIS_REPLACED}};
+    static const bis_choice filters[] = {
+        {"box", 0},           {"gaussian", BIS_REPLACED}, {"mitchell", BIS_REPLACED},
+        {"sinc", BIS_REPLACED}, {"triangle", BIS_REPLACED}, {"lanczossinc", BIS_REPLACED},
+    };
     static const char *const radii[] = {"xradius", "yradius", "xwidth", "ywidth"};
-    if (!bis_parser_name(p, "PixelFilter") || !bis_params_read(p)) return;
-    const bis_choice *chosen =
-        bis_parser_choose(p, "PixelFilter", bis_parser_text(p, p->name), p->name_at, filters, BIS_COUNT(filters));
+    const bis_choice *chosen = bis_parser_begin(p, "PixelFilter", filters, BIS_COUNT(filters));
     if (!chosen) return;
     bis_parser_single(p, BIS_SINGLE_FILTER, "PixelFilter", at);
     if (chosen->value == BIS_REPLACED) {
@@ -167,10 +151,7 @@ void bis_directive_accelerator(bis_parser *p, bis_loc at)
 {
     static const bis_choice accelerators[] = {
         {"grid", BIS_ACCEL_GRID}, {"embree", BIS_ACCEL_EMBREE}, {"bvh", BIS_REPLACED}, {"kdtree", BIS_REPLACED}};
-    if (!bis_parser_name(p, "Accelerator") || !bis_params_read(p)) return;
-    const bis_choice *chosen =
-        bis_parser_choose(p, "Accelerator", bis_parser_text(p, p->name), p->name_at, accelerators,
-                          BIS_COUNT(accelerators));
+    const bis_choice *chosen = bis_parser_begin(p, "Accelerator", accelerators, BIS_COUNT(accelerators));
     if (!chosen) return;
     bis_parser_single(p, BIS_SINGLE_ACCELERATOR, "Accelerator", at);
     p->desc->accel = (bis_accel_options){.kind = BIS_ACCEL_DEFAULT};
@@ -190,14 +171,13 @@ void bis_directive_accelerator(bis_parser *p, bis_loc at)
 static void option_as_printed(bis_parser *p)
 {
     const bis_param *param = bis_params_take(p, "asprinted", BIS_TYPE_STRING, 0);
-    char word[128], hint[128];
     for (size_t i = 0; param && i < param->n; i++) {
         const char *name = bis_parser_text(p, p->params.strings[param->first + i]);
         const bis_erratum *e = bis_erratum_find(name);
         if (e) p->desc->view.settings.as_printed |= e->flag;
         else
             bis_parser_error(p, param->at, "\"asprinted\" is \"%s\": no erratum of that name can be switched%s",
-                             bis_printable(word, name, strlen(name)), bis_parser_hint(hint, bis_erratum_nearest(name)));
+                             bis_parser_word(p, name), bis_parser_hint(p, bis_erratum_nearest(name)));
     }
 }
 
@@ -226,24 +206,22 @@ void bis_directive_option(bis_parser *p, bis_loc at)
 
 void bis_directive_color_space(bis_parser *p, bis_loc at)
 {
-    char word[128];
     (void)at;
     if (!bis_parser_name(p, "ColorSpace")) return;
     const char *name = bis_parser_text(p, p->name);
     if (strcmp(name, "srgb") == 0) return;
-    bis_parser_error(p, p->name_at, "ColorSpace is \"%s\", must be \"srgb\"", bis_printable(word, name, strlen(name)));
+    bis_parser_error(p, p->name_at, "ColorSpace is \"%s\", must be \"srgb\"", bis_parser_word(p, name));
 }
 
 /* One or two names, both empty: the vacuum inside and outside. */
 void bis_directive_medium_interface(bis_parser *p, bis_loc at)
 {
-    char word[128];
     (void)at;
     for (int i = 0; i == 0 || (i == 1 && p->token.kind == BIS_TOKEN_STRING); i++) {
         if (!bis_parser_name(p, "MediumInterface")) return;
         const char *name = bis_parser_text(p, p->name);
         if (*name)
             bis_parser_error(p, p->name_at, "MediumInterface is \"%s\", must be \"\": media are not modelled",
-                             bis_printable(word, name, strlen(name)));
+                             bis_parser_word(p, name));
     }
 }

@@ -7,7 +7,6 @@
 #include "parser.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <string.h>
 
 typedef enum value_class { NUMBERS, STRINGS, BOOLS, ANYTHING } value_class;
@@ -32,12 +31,10 @@ static const param_type types[] = {
 
 const char *bis_param_type_names(char buf[64], unsigned mask)
 {
-    size_t n = 0;
     buf[0] = '\0';
-    for (size_t i = 0; i < BIS_COUNT(types); i++) {
-        if (!(types[i].type & mask) || strcmp(types[i].name, types[i].shown) != 0) continue;
-        n += (size_t)snprintf(buf + n, 64 - n, "%s%s", n ? " or " : "", types[i].name);
-    }
+    for (size_t i = 0; i < BIS_COUNT(types); i++)
+        if (types[i].type & mask && strcmp(types[i].name, types[i].shown) == 0)
+            bis_append(buf, 64, "%s%s", *buf ? " or " : "", types[i].name);
     return buf;
 }
 
@@ -60,28 +57,21 @@ void bis_params_clear(bis_params *ps)
 static size_t add_text(bis_parser *p)
 {
     bis_params *ps = &p->params;
-    char *text = bis_grow(ps->text, &ps->capacity_text, ps->n_text + p->token.length + 1, 1);
-    if (!text) {
+    if (!BIS_ROOM(ps->text, ps->capacity_text, ps->n_text + p->token.length)) {
         bis_parser_nomem(p, p->token.at);
         return SIZE_MAX;
     }
-    ps->text = text;
     size_t offset = ps->n_text;
-    ps->n_text += bis_token_unescape(text + offset, &p->token) + 1;
+    ps->n_text += bis_token_unescape(ps->text + offset, &p->token) + 1;
     return offset;
 }
 
 static bool add_number(bis_parser *p, double number)
 {
     bis_params *ps = &p->params;
-    if (ps->n_numbers == ps->capacity_numbers || !ps->numbers) {
-        double *numbers = bis_grow(ps->numbers, &ps->capacity_numbers, ps->n_numbers + 1, sizeof *numbers);
-        if (!numbers) {
-            bis_parser_nomem(p, p->token.at);
-            return false;
-        }
-        ps->numbers = numbers;
-    }
+    const bool is_full = ps->n_numbers == ps->capacity_numbers || !ps->numbers;
+    if (is_full && !BIS_ROOM(ps->numbers, ps->capacity_numbers, ps->n_numbers))
+        return bis_parser_nomem(p, p->token.at);
     ps->numbers[ps->n_numbers++] = number;
     return true;
 }
@@ -89,14 +79,9 @@ static bool add_number(bis_parser *p, double number)
 static bool add_string(bis_parser *p)
 {
     bis_params *ps = &p->params;
-    size_t *strings = bis_grow(ps->strings, &ps->capacity_strings, ps->n_strings + 1, sizeof *strings);
-    if (!strings) {
-        bis_parser_nomem(p, p->token.at);
-        return false;
-    }
-    ps->strings = strings;
-    strings[ps->n_strings] = add_text(p);
-    return strings[ps->n_strings++] != SIZE_MAX;
+    if (!BIS_ROOM(ps->strings, ps->capacity_strings, ps->n_strings)) return bis_parser_nomem(p, p->token.at);
+    ps->strings[ps->n_strings] = add_text(p);
+    return ps->strings[ps->n_strings++] != SIZE_MAX;
 }
 
 static bool token_is(const bis_token *t, const char *word)
@@ -164,12 +149,10 @@ static bool read_value(bis_parser *p, const bis_param *param, value_class values
     bool ok;
 
     if (t->kind == BIS_TOKEN_NUMBER && values == NUMBERS) {
-        if (param->type != BIS_TYPE_INTEGER && fabs(t->number) > (double)FLT_MAX) {
-            char buf[64];
-            bis_parser_error(p, t->at, "non-finite number %s: the largest float is 3.4e38", bis_token_name(buf, t));
-            p->lost = true;
-            return false;
-        }
+        char buf[64];
+        if (param->type != BIS_TYPE_INTEGER && fabs(t->number) > (double)FLT_MAX)
+            return bis_parser_lose(p, t->at, "non-finite number %s: the largest float is 3.4e38",
+                                   bis_token_name(buf, t));
         ok = add_number(p, t->number);
     } else if (is_truth(t) && values == BOOLS) {
         ok = add_number(p, token_is(t, "true"));
@@ -195,19 +178,14 @@ static bool read_values(bis_parser *p, bis_param *param, value_class values)
         if (!read_value(p, param, values)) return false;
         param->n = 1;
         if (p->token.kind != BIS_TOKEN_NUMBER) return true;
-        bis_parser_error(p, p->token.at, "several values of \"%s\" must stand between [ and ]",
-                         bis_parser_text(p, param->name));
-        p->lost = true;
-        return false;
+        return bis_parser_lose(p, p->token.at, "several values of \"%s\" must stand between [ and ]",
+                               bis_parser_text(p, param->name));
     }
     const bis_loc open = p->token.at;
     for (bis_parser_advance(p); p->token.kind != BIS_TOKEN_CLOSE; n++) {
         if (p->token.kind == BIS_TOKEN_END ||
-            (p->token.kind == BIS_TOKEN_WORD && !is_truth(&p->token) && !is_nonfinite_word(&p->token))) {
-            bis_parser_error(p, open, "the [ of \"%s\" has no ]", bis_parser_text(p, param->name));
-            p->lost = true;
-            return false;
-        }
+            (p->token.kind == BIS_TOKEN_WORD && !is_truth(&p->token) && !is_nonfinite_word(&p->token)))
+            return bis_parser_lose(p, open, "the [ of \"%s\" has no ]", bis_parser_text(p, param->name));
         if (!read_value(p, param, values)) return false;
     }
     bis_parser_advance(p);
@@ -235,11 +213,8 @@ static bool split_declaration(bis_parser *p, bis_param *param, size_t offset)
     name += strspn(name, space);
     char *rest = name + strcspn(name, space);
     if (*rest) *rest++ = '\0';
-    if (!is_name(name) || rest[strspn(rest, space)]) {
-        bis_parser_error(p, param->at, "a parameter is declared as \"type name\", not \"%s\"", buf);
-        p->lost = true;
-        return false;
-    }
+    if (!is_name(name) || rest[strspn(rest, space)])
+        return bis_parser_lose(p, param->at, "a parameter is declared as \"type name\", not \"%s\"", buf);
     param->type_name = type;
     param->name = (size_t)(name - p->params.text);
     return true;
@@ -250,15 +225,13 @@ static const param_type *find_type(bis_parser *p, const bis_param *param)
 {
     static const param_type unknown = {"", "", 0, ANYTHING};
     const char *names[BIS_COUNT(types)];
-    char buf[128], hint[128];
 
     for (size_t i = 0; i < BIS_COUNT(types); i++) {
         if (strcmp(param->type_name, types[i].name) == 0) return &types[i];
         names[i] = types[i].name;
     }
-    bis_parser_error(p, param->at, "unknown parameter type \"%s\"%s",
-                     bis_printable(buf, param->type_name, strlen(param->type_name)),
-                     bis_parser_hint(hint, bis_nearest_name(param->type_name, names, BIS_COUNT(types))));
+    bis_parser_error(p, param->at, "unknown parameter type \"%s\"%s", bis_parser_word(p, param->type_name),
+                     bis_parser_hint(p, bis_nearest_name(param->type_name, names, BIS_COUNT(types))));
     return &unknown;
 }
 
@@ -282,16 +255,11 @@ static bool read_param(bis_parser *p)
     param.type_name = type->shown;
     const char *name = bis_parser_text(p, param.name);
     const bis_param *before = bis_params_find(p, name);
-    if (before)
-        bis_parser_error(p, param.at, "\"%s\" is given twice, first in line %d", name,
-                         before->at.line);
+    if (before) bis_parser_error(p, param.at, "\"%s\" is given twice, first in line %d", name, before->at.line);
     bis_parser_advance(p);
     if (p->token.kind != BIS_TOKEN_OPEN && !is_value(&p->token) && p->token.kind != BIS_TOKEN_BAD &&
-        !is_nonfinite_word(&p->token)) {
-        bis_parser_error(p, param.at, "\"%s\" has no value", name);
-        p->lost = true;
-        return false;
-    }
+        !is_nonfinite_word(&p->token))
+        return bis_parser_lose(p, param.at, "\"%s\" has no value", name);
     if (!read_values(p, &param, type->values)) return false;
     if (!before) p->params.list[p->params.n++] = param;
     return true;
@@ -300,11 +268,8 @@ static bool read_param(bis_parser *p)
 bool bis_params_read(bis_parser *p)
 {
     while (p->token.kind == BIS_TOKEN_STRING && !p->stop) {
-        if (p->params.n == BIS_MAX_PARAMS) {
-            bis_parser_error(p, p->token.at, "more than %d parameters", BIS_MAX_PARAMS);
-            p->lost = true;
-            return false;
-        }
+        if (p->params.n == BIS_MAX_PARAMS)
+            return bis_parser_lose(p, p->token.at, "more than %d parameters", BIS_MAX_PARAMS);
         if (!read_param(p)) return false;
     }
     return !p->stop;

@@ -6,7 +6,6 @@
 #include "base/grow.h"
 #include "parser.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static const bis_interval positive = {0, HUGE_VAL, true, false};
@@ -17,12 +16,8 @@ static const bis_interval any = {-HUGE_VAL, HUGE_VAL, false, false};
 static bool add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index)
 {
     bis_scene_desc *d = p->desc;
-    bis_mesh_desc *meshes = bis_grow(d->meshes, &d->capacity_meshes, d->n_meshes + 1, sizeof *meshes);
-    if (!meshes || d->n_meshes >= UINT32_MAX) {
-        bis_parser_nomem(p, mesh->loc);
-        return false;
-    }
-    d->meshes = meshes;
+    if (!BIS_ROOM(d->meshes, d->capacity_meshes, d->n_meshes) || d->n_meshes >= UINT32_MAX)
+        return bis_parser_nomem(p, mesh->loc);
     *index = (uint32_t)d->n_meshes;
     d->meshes[d->n_meshes++] = *mesh;
     return true;
@@ -85,9 +80,8 @@ static bool check_index(bis_parser *p, const bis_param *param, size_t i, size_t 
     char buf[32];
     const double v = p->params.numbers[param->first + i];
     if (v >= 0 && v < (double)n_points && v == floor(v)) return true;
-    bis_parser_error(p, param->at, "\"indices\" holds %s as its value %zu, must be a whole number in [0, %zu]",
-                     bis_format_double(buf, v), i + 1, n_points - 1);
-    return false;
+    return bis_parser_error(p, param->at, "\"indices\" holds %s as its value %zu, must be a whole number in [0, %zu]",
+                            bis_format_double(buf, v), i + 1, n_points - 1);
 }
 
 /* The three points of one triangle need no indices, as in pbrt. */
@@ -95,25 +89,16 @@ static bool read_indices(bis_parser *p, bis_mesh *m)
 {
     const bool given = bis_params_has(p, "indices");
     const bis_param *param = bis_params_take(p, "indices", BIS_TYPE_INTEGER, 0);
-    if (!param) {
-        if (given) return false;
-        if (m->n_vertices != 3) {
-            bis_parser_error(p, p->name_at,
-                             "trianglemesh needs \"integer indices\", unless it has 3 points; it has %zu",
-                             m->n_vertices);
-            return false;
-        }
-    }
+    if (!param && given) return false;
+    if (!param && m->n_vertices != 3)
+        return bis_parser_error(p, p->name_at,
+                                "trianglemesh needs \"integer indices\", unless it has 3 points; it has %zu",
+                                m->n_vertices);
     const size_t n = param ? param->n : 3;
-    if (n % 3) {
-        bis_parser_error(p, param->at, "\"indices\" has %zu values, must have a multiple of 3", n);
-        return false;
-    }
+    if (n % 3)
+        return bis_parser_error(p, param->at, "\"indices\" has %zu values, must have a multiple of 3", n);
     m->index = bis_alloc(n, sizeof *m->index);
-    if (!m->index) {
-        bis_parser_nomem(p, p->name_at);
-        return false;
-    }
+    if (!m->index) return bis_parser_nomem(p, p->name_at);
     for (size_t i = 0; i < n; i++) {
         if (param && !check_index(p, param, i, m->n_vertices)) return false;
         m->index[i] = param ? (uint32_t)p->params.numbers[param->first + i] : (uint32_t)i;
@@ -127,11 +112,9 @@ static bool read_normals(bis_parser *p, bis_mesh *m)
     const bool given = bis_params_has(p, "N");
     const bis_param *param = bis_params_take(p, "N", BIS_TYPE_NORMAL, 0);
     if (!param) return !given;
-    if (param->n != 3 * m->n_vertices) {
-        bis_parser_error(p, param->at, "\"N\" has %zu values, must have 3 for each of the %zu points", param->n,
-                         m->n_vertices);
-        return false;
-    }
+    if (param->n != 3 * m->n_vertices)
+        return bis_parser_error(p, param->at, "\"N\" has %zu values, must have 3 for each of the %zu points", param->n,
+                                m->n_vertices);
     m->n = vectors(p, param, "N");
     return m->n != NULL;
 }
@@ -149,10 +132,7 @@ static bool read_triangles(bis_parser *p, bis_shape_desc *shape)
         m.n_vertices = points->n / 3;
         ok = m.p != NULL;
     }
-    if (ok && m.n_vertices > UINT32_MAX) {
-        bis_parser_error(p, points->at, "more than 2^32 - 1 points");
-        ok = false;
-    }
+    if (ok && m.n_vertices > UINT32_MAX) ok = bis_parser_error(p, points->at, "more than 2^32 - 1 points");
     ok = ok && read_indices(p, &m) && read_normals(p, &m) &&
          add_mesh(p, &(bis_mesh_desc){.kind = BIS_SHAPE_TRIANGLES, .mesh = m, .loc = shape->loc}, &shape->mesh);
     if (!ok) {
@@ -170,9 +150,8 @@ static bool is_whole(bis_parser *p, const char *name, double whole, double given
 {
     char a[32], b[32];
     if (given == whole) return true;
-    bis_parser_error(p, bis_params_at(p, name), "\"%s\" is %s: only whole spheres and disks are modelled (%s)", name,
-                     bis_format_double(a, given), bis_format_double(b, whole));
-    return false;
+    return bis_parser_error(p, bis_params_at(p, name), "\"%s\" is %s: only whole spheres and disks are modelled (%s)",
+                            name, bis_format_double(a, given), bis_format_double(b, whole));
 }
 
 static bool read_quadric(bis_parser *p, bis_shape_desc *shape)
@@ -199,22 +178,14 @@ static bool read_quadric(bis_parser *p, bis_shape_desc *shape)
 static void add_shape(bis_parser *p, const bis_shape_desc *shape)
 {
     if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
-        bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
-        p->stop = true;
-        return;
-    }
-    if (!p->in_object) {
+        p->stop = !bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
+    } else if (!p->in_object) {
         if (!bis_scene_desc_add_shape(p->desc, shape)) bis_parser_nomem(p, shape->loc);
-        return;
-    }
-    bis_shape_desc *shapes =
-        bis_grow(p->object_shapes, &p->capacity_object_shapes, p->n_object_shapes + 1, sizeof *shapes);
-    if (!shapes) {
+    } else if (BIS_ROOM(p->object_shapes, p->capacity_object_shapes, p->n_object_shapes)) {
+        p->object_shapes[p->n_object_shapes++] = *shape;
+    } else {
         bis_parser_nomem(p, shape->loc);
-        return;
     }
-    p->object_shapes = shapes;
-    p->object_shapes[p->n_object_shapes++] = *shape;
 }
 
 void bis_directive_shape(bis_parser *p, bis_loc at)
@@ -229,9 +200,7 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
     /* texture coordinates and what is made with them: bis has no textures */
     static const char *const silent[] = {"uv", "st", "S", "alpha", "shadowalpha", "faceIndices"};
 
-    if (!bis_parser_name(p, "Shape") || !bis_params_read(p)) return;
-    const char *type = bis_parser_text(p, p->name);
-    const bis_choice *chosen = bis_parser_choose(p, "Shape", type, p->name_at, shapes, BIS_COUNT(shapes));
+    const bis_choice *chosen = bis_parser_begin(p, "Shape", shapes, BIS_COUNT(shapes));
     if (!chosen) return;
     bis_shape_desc shape = {
         .kind = (bis_shape_kind)chosen->value, .to_world = p->now.ctm, .material = p->now.material, .loc = at};

@@ -6,7 +6,6 @@
 
 #include <errno.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -23,21 +22,39 @@ void bis_parser_note(bis_parser *p, bis_status status)
     }
 }
 
-void bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...)
+static void complain(bis_parser *p, bis_loc at, const char *fmt, va_list args) BIS_PRINTF(3, 0);
+
+static void complain(bis_parser *p, bis_loc at, const char *fmt, va_list args)
 {
     char text[1024];
-    va_list args;
-    va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
-    va_end(args);
     bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s", text));
 }
 
-void bis_parser_nomem(bis_parser *p, bis_loc at)
+bool bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...)
 {
-    p->stop = true;
+    va_list args;
+    va_start(args, fmt);
+    complain(p, at, fmt, args);
+    va_end(args);
+    return false;
+}
+
+bool bis_parser_lose(bis_parser *p, bis_loc at, const char *fmt, ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    complain(p, at, fmt, args);
+    va_end(args);
     p->lost = true;
+    return false;
+}
+
+bool bis_parser_nomem(bis_parser *p, bis_loc at)
+{
+    p->stop = p->lost = true;
     bis_parser_note(p, bis_error(p->diag, BIS_NOMEM, at, "no memory for the scene's description"));
+    return false;
 }
 
 bool bis_parser_once(bis_parser *p, const char *name)
@@ -48,13 +65,13 @@ bool bis_parser_once(bis_parser *p, const char *name)
     return true;
 }
 
-const char *bis_parser_hint(char buf[128], const char *nearest)
+const char *bis_parser_hint(bis_parser *p, const char *nearest)
 {
     char word[128];
-    buf[0] = '\0';
-    if (nearest) snprintf(buf, 128, " (did you mean \"%.90s\"?)", bis_printable(word, nearest, strlen(nearest)));
-    return buf;
+    return bis_hint(p->hint, nearest ? bis_printable(word, nearest, strlen(nearest)) : NULL);
 }
+
+const char *bis_parser_word(bis_parser *p, const char *text) { return bis_printable(p->word, text, strlen(text)); }
 
 /* ---- tokens and files ---- */
 
@@ -82,7 +99,6 @@ static const char *why_unreadable(const char *path, bis_status *status)
 
 char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
 {
-    char word[128];
     bis_status status = BIS_INPUT;
     const char *why = "the name is empty";
     char *path = bis_path_relative_to(at.file, name);
@@ -93,8 +109,7 @@ char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
     }
     if (name[0]) why = why_unreadable(path, &status);
     if (!why) return path;
-    bis_printable(word, path, strlen(path));
-    bis_parser_note(p, bis_error(p->diag, status, at, "cannot read \"%s\": %s", word, why));
+    bis_parser_note(p, bis_error(p->diag, status, at, "cannot read \"%s\": %s", bis_parser_word(p, path), why));
     bis_free(path);
     return NULL;
 }

@@ -27,12 +27,9 @@ static bool take_numbers(bis_parser *p, const char *directive, double *v, int n,
         v[i] = p->token.number;
         bis_parser_advance(p);
     }
-    if (open && p->token.kind != BIS_TOKEN_CLOSE) {
-        bis_parser_error(p, p->token.at, "%s wants ] after %d numbers, found %s", directive, n,
-                         bis_token_name(buf, &p->token));
-        p->lost = true;
-        return false;
-    }
+    if (open && p->token.kind != BIS_TOKEN_CLOSE)
+        return bis_parser_lose(p, p->token.at, "%s wants ] after %d numbers, found %s", directive, n,
+                               bis_token_name(buf, &p->token));
     if (open) bis_parser_advance(p);
     return true;
 }
@@ -112,8 +109,7 @@ static bool take_matrix(bis_parser *p, const char *directive, bis_loc at, bis_xf
     double v[16];
     if (!take_numbers(p, directive, v, 16, true)) return false;
     if (bis_xform_from_columns(t, v)) return true;
-    bis_parser_error(p, at, "the matrix of %s is singular", directive);
-    return false;
+    return bis_parser_error(p, at, "the matrix of %s is singular", directive);
 }
 
 void bis_directive_transform(bis_parser *p, bis_loc at)
@@ -128,16 +124,12 @@ void bis_directive_concat_transform(bis_parser *p, bis_loc at)
     if (take_matrix(p, "ConcatTransform", at, &t)) concat(p, "ConcatTransform", at, &t);
 }
 
-bool bis_parser_name_system(bis_parser *p, const char *name, const bis_xform *t, bis_loc at)
+void bis_parser_name_system(bis_parser *p, const char *name, const bis_xform *t, bis_loc at)
 {
-    bis_xform *systems = bis_grow(p->systems, &p->capacity_systems, p->n_systems + 1, sizeof *systems);
-    if (systems) p->systems = systems;
-    if (!systems || !bis_names_set(&p->system_names, name, (uint32_t)p->n_systems)) {
-        bis_parser_nomem(p, at);
-        return false;
-    }
-    p->systems[p->n_systems++] = *t;
-    return true;
+    if (BIS_ROOM(p->systems, p->capacity_systems, p->n_systems) &&
+        bis_names_set(&p->system_names, name, (uint32_t)p->n_systems))
+        p->systems[p->n_systems++] = *t;
+    else bis_parser_nomem(p, at);
 }
 
 void bis_directive_coordinate_system(bis_parser *p, bis_loc at)
@@ -148,7 +140,6 @@ void bis_directive_coordinate_system(bis_parser *p, bis_loc at)
 
 void bis_directive_coord_sys_transform(bis_parser *p, bis_loc at)
 {
-    char word[128], hint[128];
     uint32_t i;
     (void)at;
     if (!bis_parser_name(p, "CoordSysTransform")) return;
@@ -157,7 +148,6 @@ void bis_directive_coord_sys_transform(bis_parser *p, bis_loc at)
         p->now.ctm = p->systems[i];
         return;
     }
-    bis_parser_hint(hint, bis_names_nearest(&p->system_names, name));
-    bis_parser_error(p, p->name_at, "coordinate system \"%s\" is not defined%s",
-                     bis_printable(word, name, strlen(name)), hint);
+    bis_parser_error(p, p->name_at, "coordinate system \"%s\" is not defined%s", bis_parser_word(p, name),
+                     bis_parser_hint(p, bis_names_nearest(&p->system_names, name)));
 }

@@ -3,10 +3,8 @@
  * A LightSource's frame is object space at its place, so the CTM must be a rotation, perhaps with a reflection.
  * Exporters write matrices with few digits, so an error up to BIS_XFORM_FRAME_TOLERANCE is allowed, and the matrix is
  * made exactly orthonormal. */
-#include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
-#include "bis/scene/light_load.h"
 #include "base/grow.h"
 #include "parser.h"
 
@@ -88,19 +86,14 @@ static void light_map(bis_parser *p, bis_light_desc *light)
 static bool light_may_stand(bis_parser *p, bis_loc at)
 {
     const bis_scene_desc *d = p->desc;
-    if (d->has_light) {
-        bis_parser_error(p, at, "a second LightSource: a scene has at most one, and its first is that of %s:%d",
-                         d->light.loc.file, d->light.loc.line);
-        return false;
-    }
-    if (p->in_object) {
-        bis_parser_error(p, at, "LightSource inside ObjectBegin: objects hold geometry only");
-        return false;
-    }
+    if (d->has_light)
+        return bis_parser_error(p, at, "a second LightSource: a scene has at most one, and its first is that of %s:%d",
+                                d->light.loc.file, d->light.loc.line);
+    if (p->in_object)
+        return bis_parser_error(p, at, "LightSource inside ObjectBegin: objects hold geometry only");
     if (bis_xform_is_orthonormal(&p->now.ctm, BIS_XFORM_FRAME_TOLERANCE)) return true;
-    bis_parser_error(p, at, "LightSource under a transformation that scales or shears: only rotations and reflections "
-                            "are allowed");
-    return false;
+    return bis_parser_error(p, at, "LightSource under a transformation that scales or shears: only rotations and "
+                                   "reflections are allowed");
 }
 
 void bis_directive_light(bis_parser *p, bis_loc at)
@@ -112,10 +105,7 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     };
     static const char *const ignored[] = {"samples", "nsamples"};
 
-    if (!bis_parser_name(p, "LightSource") || !bis_params_read(p)) return;
-    const char *type = bis_parser_text(p, p->name);
-    if (!bis_parser_choose(p, "LightSource", type, p->name_at, lights, BIS_COUNT(lights))) return;
-    if (!light_may_stand(p, at)) return;
+    if (!bis_parser_begin(p, "LightSource", lights, BIS_COUNT(lights)) || !light_may_stand(p, at)) return;
     bis_light_desc light = bis_light_desc_default();
     light.loc = at;
     light.to_world = bis_xform_rotation(&p->now.ctm);
@@ -134,16 +124,12 @@ void bis_directive_light(bis_parser *p, bis_loc at)
 
 enum { PHONG, MICROFACET, DIFFUSE };
 static const bis_choice materials[] = {
-    {"phong", PHONG},
-    {"microfacet", MICROFACET},
-    {"diffuse", DIFFUSE},
-    {"matte", DIFFUSE},
+    {"phong", PHONG}, {"microfacet", MICROFACET}, {"diffuse", DIFFUSE}, {"matte", DIFFUSE},
     {"coateddiffuse", BIS_FOREIGN}, {"coatedconductor", BIS_FOREIGN}, {"conductor", BIS_FOREIGN},
     {"dielectric", BIS_FOREIGN}, {"diffusetransmission", BIS_FOREIGN}, {"disney", BIS_FOREIGN},
-    {"fourier", BIS_FOREIGN}, {"glass", BIS_FOREIGN}, {"hair", BIS_FOREIGN},
-    {"interface", BIS_FOREIGN}, {"kdsubsurface", BIS_FOREIGN}, {"measured", BIS_FOREIGN},
-    {"metal", BIS_FOREIGN}, {"mirror", BIS_FOREIGN}, {"mix", BIS_FOREIGN},
-    {"none", BIS_FOREIGN}, {"plastic", BIS_FOREIGN}, {"shinymetal", BIS_FOREIGN},
+    {"fourier", BIS_FOREIGN}, {"glass", BIS_FOREIGN}, {"hair", BIS_FOREIGN}, {"interface", BIS_FOREIGN},
+    {"kdsubsurface", BIS_FOREIGN}, {"measured", BIS_FOREIGN}, {"metal", BIS_FOREIGN}, {"mirror", BIS_FOREIGN},
+    {"mix", BIS_FOREIGN}, {"none", BIS_FOREIGN}, {"plastic", BIS_FOREIGN}, {"shinymetal", BIS_FOREIGN},
     {"substrate", BIS_FOREIGN}, {"subsurface", BIS_FOREIGN}, {"thindielectric", BIS_FOREIGN},
     {"translucent", BIS_FOREIGN}, {"uber", BIS_FOREIGN}, {"", BIS_FOREIGN},
 };
@@ -156,8 +142,7 @@ static void warn_energy(bis_parser *p, rgb Kd, rgb Ks)
     for (int i = 0; i < 3; i++) {
         if (sum[i] <= one) continue;
         bis_warn(p->diag, p->name_at, "Kd + Ks is %.7g in %s: the material reflects more light than it receives",
-                 sum[i],
-                 (const char *const[]){"red", "green", "blue"}[i]);
+                 sum[i], (const char *const[]){"red", "green", "blue"}[i]);
         return;
     }
 }
@@ -193,7 +178,7 @@ static bis_material read_diffuse(bis_parser *p)
         bis_parser_error(p, bis_params_at(p, "Kd"), "\"Kd\" and \"reflectance\" are the same: give one");
     bis_params_rgb(p, "Kd", &Kd, unit, true); /* v2, v3 */
     if (bis_params_float(p, "sigma", &sigma, positive_or_0) && sigma != 0)
-        bis_parser_error(p, bis_params_at(p, "sigma"), 
+        bis_parser_error(p, bis_params_at(p, "sigma"),
                          "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must be 0");
     return bis_phong(Kd, (rgb){0, 0, 0}, 50);
 }
@@ -214,13 +199,9 @@ static void read_material(bis_parser *p, const char *directive, const char *type
 static bool add_material(bis_parser *p, uint32_t *index)
 {
     bis_scene_desc *d = p->desc;
-    bis_material *all = bis_grow(d->materials, &d->capacity_materials, d->n_materials + 1, sizeof *all);
-    if (!all || d->n_materials >= UINT32_MAX) {
-        bis_parser_nomem(p, p->name_at);
-        return false;
-    }
-    d->materials = all;
-    all[d->n_materials] = all[0];
+    if (!BIS_ROOM(d->materials, d->capacity_materials, d->n_materials) || d->n_materials >= UINT32_MAX)
+        return bis_parser_nomem(p, p->name_at);
+    d->materials[d->n_materials] = d->materials[0];
     *index = (uint32_t)d->n_materials++;
     return true;
 }
@@ -242,9 +223,8 @@ static bis_named_material *named_material(bis_parser *p, const char *name, uint3
         *index = p->named[i].index;
         return &p->named[i];
     }
-    bis_named_material *named = bis_grow(p->named, &p->capacity_named, p->n_named + 1, sizeof *named);
-    if (named) p->named = named;
-    if (!named || !bis_names_set(&p->material_names, name, (uint32_t)p->n_named)) {
+    if (!BIS_ROOM(p->named, p->capacity_named, p->n_named) ||
+        !bis_names_set(&p->material_names, name, (uint32_t)p->n_named)) {
         bis_parser_nomem(p, p->name_at);
         return NULL;
     }
@@ -255,15 +235,14 @@ static bis_named_material *named_material(bis_parser *p, const char *name, uint3
 
 void bis_directive_make_named_material(bis_parser *p, bis_loc at)
 {
-    char word[128];
     uint32_t index;
     if (!bis_parser_name(p, "MakeNamedMaterial") || !bis_params_read(p)) return;
     const char *name = bis_parser_text(p, p->name), *type;
     bis_named_material *named = named_material(p, name, &index);
     if (!named) return;
     if (named->made.line) {
-        bis_parser_error(p, p->name_at, "material \"%s\" is made already, in %s:%d",
-                         bis_printable(word, name, strlen(name)), named->made.file, named->made.line);
+        bis_parser_error(p, p->name_at, "material \"%s\" is made already, in %s:%d", bis_parser_word(p, name),
+                         named->made.file, named->made.line);
         return;
     }
     named->made = at;
@@ -272,7 +251,7 @@ void bis_directive_make_named_material(bis_parser *p, bis_loc at)
         read_material(p, "Material", type, bis_params_at(p, "type"), index);
     else if (!has_type)
         bis_parser_error(p, p->name_at, "MakeNamedMaterial \"%s\" needs \"string type\"",
-                         bis_printable(word, name, strlen(name)));
+                         bis_parser_word(p, name));
 }
 
 void bis_directive_named_material(bis_parser *p, bis_loc at)
@@ -288,7 +267,6 @@ void bis_directive_named_material(bis_parser *p, bis_loc at)
 
 void bis_parser_check_materials(bis_parser *p)
 {
-    char word[128], hint[128];
     bis_names made = {0};
     for (size_t i = 0; i < p->n_named; i++)
         if (p->named[i].made.line && !bis_names_set(&made, p->material_names.names[i], 0))
@@ -296,9 +274,8 @@ void bis_parser_check_materials(bis_parser *p)
     for (size_t i = 0; i < p->n_named && p->n_errors < BIS_MAX_ERRORS; i++) {
         const char *name = p->material_names.names[i];
         if (p->named[i].made.line) continue;
-        bis_parser_error(p, p->named[i].used, "material \"%s\" is not made anywhere%s",
-                         bis_printable(word, name, strlen(name)), bis_parser_hint(hint,
-                                                                                  bis_names_nearest(&made, name)));
+        bis_parser_error(p, p->named[i].used, "material \"%s\" is not made anywhere%s", bis_parser_word(p, name),
+                         bis_parser_hint(p, bis_names_nearest(&made, name)));
     }
     bis_names_clear(&made);
 }

@@ -1,6 +1,5 @@
 /* adapt: how many camera samples each tile of the picture gets in the next pass. For the files of src/render. */
-#ifndef BIS_ADAPT_H
-#define BIS_ADAPT_H
+#pragma once
 
 #include "bis/render/film.h"
 
@@ -26,5 +25,3 @@ void bis_adapt_clear(bis_adapt *a);
 void bis_adapt_next(bis_adapt *a, const bis_film *f);
 
 size_t bis_adapt_bytes(const bis_adapt *a);
-
-#endif

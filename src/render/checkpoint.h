@@ -1,7 +1,6 @@
 /* checkpoint: the state of a render in a file, from which a later process goes on to the same bits. For render.c, which
  * writes and restores it, and src/cli/cmd_render.c, which names the files. */
-#ifndef BIS_CHECKPOINT_H
-#define BIS_CHECKPOINT_H
+#pragma once
 
 #include "workspace.h"
 
@@ -48,5 +47,3 @@ bis_status bis_checkpoint_begin(bis_checkpoint *c, bis_workspace *w, bis_done *d
 /* bis_checkpoint_save writes the state to c->path, if there is one. The older file stays until the new one is complete.
  * A failure sets c->failed and is told to c->warn. */
 void bis_checkpoint_save(bis_checkpoint *c, bis_workspace *w, bis_done *done);
-
-#endif

@@ -29,7 +29,8 @@ static void look_at(corner *c, const double *x, double y, int n, const bis_film 
     ray eye[TOGETHER];
     uint32_t prim[TOGETHER];
 
-    for (int i = 0; i < n; i++) eye[i] = bis_camera_ray(&view->camera, film->picture_width, film->picture_height, x[i], y);
+    for (int i = 0; i < n; i++)
+        eye[i] = bis_camera_ray(&view->camera, film->picture_width, film->picture_height, x[i], y);
     bis_accel_intersect_many(scene->accel, eye, (uint32_t)n, prim);
     for (int i = 0; i < n; i++) {
         bis_surface at;

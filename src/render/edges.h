@@ -1,6 +1,5 @@
 /* edges: the pixels that an outline crosses, found before anything is rendered. For the files of src/render. */
-#ifndef BIS_EDGES_H
-#define BIS_EDGES_H
+#pragma once
 
 #include "bis/render/film.h"
 #include "bis/scene/scene.h"
@@ -13,5 +12,3 @@ unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_sce
 
 /* bis_edges_rays returns the number of rays that bis_edges_find traces. */
 uint64_t bis_edges_rays(const bis_film *film, bis_rect area);
-
-#endif

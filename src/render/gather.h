@@ -1,6 +1,5 @@
 /* gather: what layers want to know of one camera sample. For the files of src/render. */
-#ifndef BIS_GATHER_H
-#define BIS_GATHER_H
+#pragma once
 
 #include "beyond/batch.h"
 #include "bis/scene/layers.h"
@@ -17,5 +16,3 @@ void bis_gather_counts(float *values, const bis_layers *layers, const bis_counte
 
 /* values are sums over camera samples: divide them by n, but for counts. */
 void bis_gather_mean(float *values, const bis_layers *layers, double n);
-
-#endif

@@ -1,11 +1,11 @@
 /* pass: from camera samples (wave.h) to the film.
  *
  * One pass is the same number of camera samples of every pixel (with adaptive sampling as many as adapt.h says; in edge
- * pixels more, see edges.h). Threads take tiles in any order, but what a pixel gets depends on (seed, pixel, pass) alone, and only
- * whole passes reach the film, in order: the film's bits depend on the scene and the number of passes, never on
- * threads, time, or the moment of Ctrl-C. To that end a pass is kept aside (16 bytes a pixel) and added to the film
- * when it is complete; an abandoned one leaves no trace, not even in the counters. The values of layers go the same
- * way.
+ * pixels more, see edges.h). Threads take tiles in any order, but what a pixel gets depends on (seed, pixel, pass)
+ * alone, and only whole passes reach the film, in order: the film's bits depend on the scene and the number of passes,
+ * never on threads, time, or the moment of Ctrl-C. To that end a pass is kept aside (16 bytes a pixel) and added to the
+ * film when it is complete; an abandoned one leaves no trace, not even in the counters. The values of layers go the
+ * same way.
  *
  * A pixel of a crop gets what it gets in the full picture. Where a pixel learns from its neighbours (visibility.h), all
  * pixels of its tile are rendered, and those beside the crop are dropped: up to 15 columns and rows on each side. */
@@ -37,13 +37,13 @@ bool bis_pass_interrupted(const bis_workspace *w)
     return w->options->interrupted && *w->options->interrupted;
 }
 
-/* The sampler of a pass that is independent of all others: n camera samples with a seed of their own. */
-static bis_sampler sampler_of_pass(const bis_workspace *w, uint32_t pass, uint32_t n)
+/* A sampler that is independent of all others: n camera samples with a seed of their own. */
+static bis_sampler sampler_number(const bis_workspace *w, uint64_t number, uint32_t n)
 {
     bis_sampler s = w->view->sampler;
     bis_rng rng;
 
-    bis_rng_init(&rng, s.seed, pass, 0, PURPOSE_PASS);
+    bis_rng_init(&rng, s.seed, number, 0, PURPOSE_PASS);
     s.seed = bis_rng_u64(&rng);
     bis_sampler_set_spp(&s, n);
     return s;
@@ -67,14 +67,33 @@ static void place_in_tile(int i, int *x, int *y)
 
 static bool is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
 
+/* What a pass takes of pixel (x, y): n camera samples, or in an edge pixel as many times edgesamples (64 x 1024 at
+ * most). Where errors are estimated each of the n has a seed of its own, so that a pass of n samples has an n-th of the
+ * variance of one sample; with adaptive sampling the n of a pass share a seed, because all passes weigh the same. */
+static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, uint32_t n, const bis_pass *pass,
+                        bis_pixel_sum *sum)
+{
+    const bool edge = w->edge && w->edge[index_in(w->area, x, y)];
+    const uint32_t each = edge ? w->view->edge_samples : 1;
+    bis_sampler sampler = edge ? w->edge_sampler : w->view->sampler;
+    uint64_t first = pass->first * each;
+
+    if (w->adapt.n_tiles) {
+        sampler = sampler_number(w, pass->number, n * each);
+        first = 0;
+    }
+    for (uint32_t k = 0; k < n * each; k++) {
+        const bool fresh = w->independent && !w->adapt.n_tiles;
+        if (fresh && k % each == 0) sampler = sampler_number(w, pass->first + k / each, each);
+        bis_wave_add(wave, &sampler, x, y, fresh ? k % each : first + k, sum);
+    }
+}
+
 /* Tile number t. An interrupted one is left as it is, because the pass is dropped. */
 static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis_pass *pass)
 {
     const bis_film *f = w->film;
     const uint32_t n = w->adapt.n_tiles ? w->adapt.samples[t] : pass->n;
-    const uint32_t edge_n = w->edge ? n * w->view->edge_samples : n; /* 64 x 1024 at most */
-    const bis_sampler sampler = w->independent ? sampler_of_pass(w, pass->number, n) : w->view->sampler;
-    const bis_sampler edge_sampler = w->independent ? sampler_of_pass(w, pass->number, edge_n) : w->edge_sampler;
     const bis_rect tile = bis_workspace_tile(w, t), full = bis_film_tile(f, BIS_RENDER_TILE, t),
                    crop = {f->x0, f->y0, f->x0 + f->width, f->y0 + f->height};
     bis_pixel_sum dropped, *sum;
@@ -89,14 +108,10 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
         x += full.x0, y += full.y0;
         if (!is_in(tile, x, y)) continue;
         if (bis_pass_interrupted(w)) return;
-        const bool edge = w->edge && w->edge[index_in(w->area, x, y)];
-        const uint32_t samples = edge ? edge_n : n;
-        const uint64_t first = w->independent ? 0 : pass->first * (edge ? w->view->edge_samples : 1);
         sum = is_in(crop, x, y) ? &me->pixels[i] : &dropped;
         *sum = (bis_pixel_sum){.values = is_in(crop, x, y) ? bis_workspace_layers(w, index_in(crop, x, y)) : NULL};
         if (sum->values) memset(sum->values, 0, (size_t)f->layers.n_values * sizeof *sum->values);
-        for (uint32_t k = 0; k < samples; k++)
-            bis_wave_add(me->wave, edge ? &edge_sampler : &sampler, x, y, first + k, sum);
+        add_samples(w, me->wave, x, y, n, pass, sum);
     }
     bis_wave_end(me->wave);
     for (int i = 0; i < BIS_RENDER_TILE * BIS_RENDER_TILE; i++) {

@@ -1,6 +1,5 @@
 /* pass: from a camera sample to the film: one pass over all tiles. For render.c. */
-#ifndef BIS_PASS_H
-#define BIS_PASS_H
+#pragma once
 
 #include "workspace.h"
 
@@ -23,5 +22,3 @@ void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum);
 
 /* bis_pass_interrupted returns true once the flag of the options is set. */
 bool bis_pass_interrupted(const bis_workspace *w);
-
-#endif

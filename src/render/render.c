@@ -6,10 +6,10 @@
  * pass weighs as much as it has camera samples, which is settled before it begins, so the mean stays unbiased.
  *
  * Budgets are looked at between passes. For time: another pass is begun if one of mean speed still fits, with fewer
- * camera samples if it must be; that is then the last one. So a budget of as many camera samples makes the same picture.
- * For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from
- * 20 on, each time their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of passes that
- * no clock can change.
+ * camera samples if it must be; that is then the last one. So a budget of as many camera samples makes the same
+ * picture. For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from 20 on,
+ * each time their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of passes that no
+ * clock can change.
  *
  * An error is estimated from the scatter of the passes, which tells the truth only where they are independent
  * replicates (docs/errata.md E32). The camera samples of one pixel are not: a stratified or low-discrepancy sampler
@@ -110,8 +110,9 @@ static void report_tile(double share, void *user)
 static void forecast(render *r)
 {
     const double factor = pow(r->done.rmse_upper / r->budget.error, 2);
-    const bis_forecast f = {
-        .error = r->done.rmse_upper, .spp = factor * (double)r->done.spp, .seconds = factor * (bis_clock_now() - r->start)};
+    const bis_forecast f = {.error = r->done.rmse_upper,
+                            .spp = factor * (double)r->done.spp,
+                            .seconds = factor * (bis_clock_now() - r->start)};
 
     if (!r->work.options->forecast) return;
     r->work.options->forecast(&f, r->work.options->user);

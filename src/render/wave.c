@@ -18,6 +18,7 @@
 enum { SAMPLES = 64, RAYS = 1024 };
 
 typedef struct sample {
+    bis_sampler sampler;
     bis_stream stream;
     bis_point pt;
     bis_pixel_sum *pixel;
@@ -154,7 +155,8 @@ void bis_wave_add(bis_wave *w, const bis_sampler *sampler, int x, int y, uint64_
     y = y * f->step + f->step / 2;
     s->pixel = pixel;
     s->L = (rgbd){0, 0, 0};
-    bis_stream_init(&s->stream, sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);
+    s->sampler = *sampler;
+    bis_stream_init(&s->stream, &s->sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);
     if (view->pixel_jitter) bis_stream_camera(&s->stream, u);
     for (int i = 0; i < 2 && footprint > 0; i++) u[i] = 0.5 + (u[i] - 0.5) * footprint;
     w->eyes[w->n++] = bis_camera_ray(&view->camera, f->picture_width, f->picture_height, x + u[0], y + u[1]);

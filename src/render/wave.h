@@ -1,7 +1,6 @@
 /* wave: the camera samples of a tile, a few dozen at a time, step by step: all camera rays, all surfaces, the light of
  * all points, all shadow rays, the sums. For pass.c and workspace.c. */
-#ifndef BIS_WAVE_H
-#define BIS_WAVE_H
+#pragma once
 
 #include "beyond/batch.h"
 #include "bis/render/film.h"
@@ -40,9 +39,7 @@ void bis_wave_free(bis_wave *wave);
 size_t bis_wave_bytes(void);
 
 /* bis_wave_add notes camera sample `index` of the film's pixel (x, y). Its radiance is added to *pixel when the wave is
- * full, or by bis_wave_end, which must be called before *pixel is read. sampler and pixel are borrowed until then.
+ * full, or by bis_wave_end, which must be called before *pixel is read. pixel is borrowed until then.
  * What is added does not depend on which samples share a wave. */
 void bis_wave_add(bis_wave *wave, const bis_sampler *sampler, int x, int y, uint64_t index, bis_pixel_sum *pixel);
 void bis_wave_end(bis_wave *wave);
-
-#endif

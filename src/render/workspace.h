@@ -1,7 +1,6 @@
 /* workspace: what the threads of a render work with: the pools and clusters that all points of a pass share, scratch
  * for each thread, room for the pass under way. Made once, when a render is set up. For render.c and pass.c. */
-#ifndef BIS_WORKSPACE_H
-#define BIS_WORKSPACE_H
+#pragma once
 
 #include "bis/render/render.h"
 
@@ -69,5 +68,3 @@ float *bis_workspace_layers(const bis_workspace *w, size_t i);
 
 /* bis_workspace_bytes returns the bytes of *w, without the film and the edges. */
 size_t bis_workspace_bytes(const bis_workspace *w);
-
-#endif

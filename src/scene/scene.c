@@ -21,6 +21,7 @@ static void *copy_of(const void *from, size_t n, size_t size)
     return to;
 }
 
+/* The caller clears *to, after a failure, too. */
 static bis_status copy_mesh(bis_mesh *to, const bis_mesh *from, bis_loc at, bis_diag *diag)
 {
     *to = (bis_mesh){.n_vertices = from->n_vertices, .n_triangles = from->n_triangles};
@@ -28,7 +29,6 @@ static bis_status copy_mesh(bis_mesh *to, const bis_mesh *from, bis_loc at, bis_
     to->index = copy_of(from->index, from->n_triangles, 3 * sizeof *to->index);
     if (from->n) to->n = copy_of(from->n, from->n_vertices, sizeof *to->n);
     if (to->p && to->index && (to->n || !from->n)) return BIS_OK;
-    bis_mesh_clear(to);
     return bis_error(diag, BIS_NOMEM, at, "no memory for a mesh of %zu triangles", from->n_triangles);
 }
 

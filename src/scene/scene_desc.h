@@ -1,6 +1,5 @@
 /* scene_desc: how a scene's description begins and grows. For the parser (src/parse) alone. */
-#ifndef BIS_SCENE_DESC_H
-#define BIS_SCENE_DESC_H
+#pragma once
 
 #include "bis/scene/scene.h"
 
@@ -14,5 +13,3 @@ bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape);
 /* bis_scene_desc_add_file takes over the name of a file that the scene consists of, and returns it. NULL: no memory;
  * the name is then freed. */
 const char *bis_scene_desc_add_file(bis_scene_desc *d, char *name);
-
-#endif

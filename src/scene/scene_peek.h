@@ -1,8 +1,7 @@
 /* scene_peek: what a file holds and how large that is, by a look at its first bytes. For plan.c, which loads nothing,
  * and for the parser, which is given a map or a mesh now and then. A wrong or strange file gives false; the loaders
  * will say why. */
-#ifndef BIS_SCENE_PEEK_H
-#define BIS_SCENE_PEEK_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -27,5 +26,3 @@ const char *bis_scene_peek_stranger(const char *path, bis_stranger_kind *kind);
 
 /* Of the whole file; 0: unknown. */
 size_t bis_scene_peek_bytes(const char *path);
-
-#endif

@@ -245,7 +245,8 @@ static void quadric_occluded(const struct RTCOccludedFunctionNArguments *args)
     float *f = (float *)args->ray, t;
 
     for (unsigned i = 0; i < N; i++)
-        if (args->valid[i] && quadric_hit(args->geometryUserPtr, args->primID, f, N, i, &t)) f[TFAR * N + i] = -INFINITY;
+        if (args->valid[i] && quadric_hit(args->geometryUserPtr, args->primID, f, N, i, &t))
+            f[TFAR * N + i] = -INFINITY;
 }
 
 /* ---- construction ---- */

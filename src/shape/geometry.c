@@ -13,9 +13,8 @@
 static bool is_identity(const bis_xform *t)
 {
     for (int i = 0; i < 4; i++) {
-        for (int j = 0; j < 4; j++) {
+        for (int j = 0; j < 4; j++)
             if (t->m[i][j] != (i == j ? 1 : 0)) return false;
-        }
     }
     return true;
 }
@@ -87,9 +86,8 @@ static bis_status add_range(bis_geometry *g, uint32_t material, bis_diag *diag)
 {
     if (g->n_ranges > 0 && g->ranges[g->n_ranges - 1].material == material) return BIS_OK;
     void *ranges = g->ranges;
-    if (!room_for_one(&ranges, g->n_ranges, sizeof *g->ranges)) {
+    if (!room_for_one(&ranges, g->n_ranges, sizeof *g->ranges))
         return no_memory(diag, "ranges of materials", g->n_ranges + 1);
-    }
     g->ranges = ranges;
     g->ranges[g->n_ranges++] = (bis_range){(uint32_t)g->n_triangles, material};
     return BIS_OK;
@@ -99,20 +97,17 @@ static bis_status check_mesh(const bis_geometry *g, const bis_mesh *m, bis_diag 
 {
     const bis_loc nowhere = {0};
 
-    if (m->n_vertices > UINT32_MAX - g->n_vertices) {
+    if (m->n_vertices > UINT32_MAX - g->n_vertices)
         return bis_error(diag, BIS_INPUT, nowhere, "%zu and %zu vertices: a scene may have at most 2^32 - 1",
                          g->n_vertices, m->n_vertices);
-    }
-    if (m->n_triangles >= UINT32_MAX - bis_geometry_primitives(g)) {
+    if (m->n_triangles >= UINT32_MAX - bis_geometry_primitives(g))
         return bis_error(diag, BIS_INPUT, nowhere,
                          "%zu and %zu triangles: a scene may have at most 2^32 - 2 primitives",
                          bis_geometry_primitives(g), m->n_triangles);
-    }
     for (size_t i = 0; i < 3 * m->n_triangles; i++) {
-        if (m->index[i] >= m->n_vertices) {
+        if (m->index[i] >= m->n_vertices)
             return bis_error(diag, BIS_INPUT, nowhere, "triangle %zu has index %u, but the mesh has %zu vertices",
                              i / 3, m->index[i], m->n_vertices);
-        }
     }
     return BIS_OK;
 }
@@ -144,9 +139,8 @@ static bis_status copy_mesh(bis_geometry *g, const bis_mesh *m, const bis_xform 
     if (status) return status;
     for (size_t i = 0; i < m->n_vertices; i++) g->p[first + i] = bis_xform_point(t, m->p[i]);
     if (g->n) {
-        for (size_t i = 0; i < m->n_vertices; i++) {
+        for (size_t i = 0; i < m->n_vertices; i++)
             g->n[first + i] = m->n ? bis_xform_normal(t, m->n[i]) : (vec3){0, 0, 0};
-        }
     }
     for (size_t i = 0; i < 3 * m->n_triangles; i++) {
         g->index[3 * g->n_triangles + i] = (uint32_t)first + m->index[i]; /* below 2^32 by check_mesh */
@@ -204,13 +198,11 @@ bis_status bis_geometry_add_quadric(bis_geometry *g, const bis_quadric *q, bis_d
         return bis_error(diag, BIS_INPUT, (bis_loc){0}, "a %s of radius %g does not fit into floats in world space",
                          q->kind == BIS_SPHERE ? "sphere" : "disk", q->radius);
     }
-    if (bis_geometry_primitives(g) >= UINT32_MAX - 1) {
+    if (bis_geometry_primitives(g) >= UINT32_MAX - 1)
         return bis_error(diag, BIS_INPUT, (bis_loc){0}, "a scene may have at most 2^32 - 2 primitives");
-    }
     void *quadrics = g->quadrics;
-    if (!room_for_one(&quadrics, g->n_quadrics, sizeof *g->quadrics)) {
+    if (!room_for_one(&quadrics, g->n_quadrics, sizeof *g->quadrics))
         return no_memory(diag, "spheres and disks", g->n_quadrics + 1);
-    }
     start_box(g);
     box_include(&g->box, box.lo);
     box_include(&g->box, box.hi);

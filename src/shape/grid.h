@@ -1,6 +1,5 @@
 /* grid: the thesis's voxel grid, as a state-of-the-art uniform grid. For accel.c and the grid's own tests only. */
-#ifndef BIS_GRID_H
-#define BIS_GRID_H
+#pragma once
 
 #include "bis/shape/accel.h"
 
@@ -68,5 +67,3 @@ bool bis_grid_packed_intersect(const bis_accel *a, const ray *r, bis_hit *hit);
 bool bis_grid_packed_occluded(const bis_accel *a, const ray *r);
 size_t bis_grid_packed_bytes(size_t n_cells, size_t n_items);
 bis_status bis_grid_pack(bis_grid *g, int n_threads, bis_diag *diag);
-
-#endif

@@ -109,9 +109,8 @@ static void cover_triangle(const double v[3][3], cover *c)
         c->bounds[c->n_bounds++] = half_space(n[0], n[1], n[2], d);
         c->bounds[c->n_bounds++] = half_space(-n[0], -n[1], -n[2], -d);
     }
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < 3; a++)
         if ((n_wide == 3 || !wide[a]) && fabs(n[a]) >= least) add_edges(v, a, n[a] > 0 ? 1 : -1, c);
-    }
 }
 
 /* The cells of a triangle in layers [from, to); false if there are none, or if it has no area: nothing can hit it
@@ -164,13 +163,9 @@ static bool cover_row(const cover *c, int j, int k, int *first, int *last)
     for (int i = 0; i < c->n_bounds; i++) {
         const bound *b = &c->bounds[i];
         double rest = b->b * j + b->c * k + b->d;
-        if (b->a > 0) {
-            lo = larger(lo, -rest / b->a);
-        } else if (b->a < 0) {
-            hi = smaller(hi, -rest / b->a);
-        } else if (rest < 0) {
-            return false;
-        }
+        if (b->a > 0) lo = larger(lo, -rest / b->a);
+        else if (b->a < 0) hi = smaller(hi, -rest / b->a);
+        else if (rest < 0) return false;
     }
     if (lo > hi) return false;
     *first = (int)ceil(lo);
@@ -209,11 +204,8 @@ static size_t visit(const build *b, uint32_t prim, int from, int to, uint32_t *i
             const size_t row = ((size_t)k * (size_t)g->n[1] + (size_t)j) * (size_t)g->n[0];
             for (int i = first; i <= last; i++) {
                 if (prim >= b->geometry->n_triangles && !quadric_touches(b, prim, i, j, k)) continue;
-                if (items) {
-                    items[--g->offsets[row + (size_t)i]] = prim;
-                } else {
-                    g->offsets[row + (size_t)i]++;
-                }
+                if (items) items[--g->offsets[row + (size_t)i]] = prim;
+                else g->offsets[row + (size_t)i]++;
                 n++;
             }
         }

@@ -70,11 +70,8 @@ bool bis_quadric_intersect(const bis_quadric *q, const ray *r, float *t)
     double root[2];
     int n;
 
-    if (q->kind == BIS_SPHERE) {
-        n = sphere_roots(q, o, d, root) ? 2 : 0;
-    } else {
-        n = disk_root(q, o, d, root) ? 1 : 0;
-    }
+    if (q->kind == BIS_SPHERE) n = sphere_roots(q, o, d, root) ? 2 : 0;
+    else n = disk_root(q, o, d, root) ? 1 : 0;
     for (int i = 0; i < n; i++) {
         if (!(root[i] > 0 && root[i] < (double)r->tmax)) continue;
         *t = (float)root[i];

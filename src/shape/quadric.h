@@ -1,6 +1,5 @@
 /* quadric: spheres and discs under an affine transformation. Private to row 3; bis_quadric_intersect is public. */
-#ifndef BIS_QUADRIC_H
-#define BIS_QUADRIC_H
+#pragma once
 
 #include "bis/shape/geometry.h"
 
@@ -13,5 +12,3 @@ void bis_quadric_surface(const bis_quadric *q, const ray *r, bis_surface *s);
 /* False only if no point of q lies in the box about `centre` (world space) with these half extents: lets the grid leave
  * a sphere out of the cells in its inside and its box's corners. */
 bool bis_quadric_may_touch(const bis_quadric *q, const double centre[3], const double half[3]);
-
-#endif

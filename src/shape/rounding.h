@@ -1,8 +1,7 @@
 /* rounding: from double to float towards a side, for bounds that must hold; and the larger and the smaller of two
  * numbers. They agree with nextafterf, fmax and fmin on all numbers but NaNs. They stand here because those are calls
  * to the C library, which cost as much as all the rest of a surface. */
-#ifndef BIS_ROUNDING_H
-#define BIS_ROUNDING_H
+#pragma once
 
 #include "bis/base/clones.h"
 
@@ -28,5 +27,3 @@ static inline float round_up(double v)
 
 /* The largest float <= v. */
 static inline float round_down(double v) { return -round_up(-v); }
-
-#endif

@@ -14,12 +14,9 @@
  * whatever the plane. The plane's equation does not mix them: its error along an axis is a share of what the triangle
  * measures along that axis, and 0 for a plane across an axis. So it is asked, too, but only where the triangle begins
  * behind the origin: elsewhere every point of it lies ahead. */
-#ifndef BIS_TRIANGLE_H
-#define BIS_TRIANGLE_H
+#pragma once
 
 #include "bis/base/vec.h"
-
-#include <stdbool.h>
 
 /* gcc keeps a*b - c*d as written under -std=c11; clang must be told: a fused a*b would undo the argument above. */
 #ifdef __clang__
@@ -125,5 +122,3 @@ static inline bool has_area(const vec3 v[3])
     area_vector(v, n);
     return n[0] != 0 || n[1] != 0 || n[2] != 0;
 }
-
-#endif

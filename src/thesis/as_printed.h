@@ -1,7 +1,6 @@
 /* as_printed: the equations as the thesis prints them, where bis departs from it, for `--as-printed`
  * (docs/errata.md). The integrators call these functions if the switch is on. Otherwise none of this code runs. */
-#ifndef BIS_AS_PRINTED_H
-#define BIS_AS_PRINTED_H
+#pragma once
 
 #include "bis/thesis/integrator.h"
 
@@ -25,5 +24,3 @@ double bis_as_printed_bound(const bis_point *pt, bis_proposal proposal, double L
 /* bis_as_printed_above_horizon (E34) draws *wi again while it lies below the horizon, and leaves the density
  * unchanged. At least half of a lobe lies above the horizon. */
 void bis_as_printed_above_horizon(vec3 *wi, const bis_bsdf *bsdf, bis_stream *stream);
-
-#endif

@@ -1,8 +1,7 @@
 /* candidates: what rejection (thesis 4.3) and SIR (4.4) have in common. Draw M candidates from a proposal q and weigh
  * them against the product (eq. 4.4). Resample N of them in proportion to their weights. Trace the chosen ones. Only
  * integrators include this header. */
-#ifndef BIS_CANDIDATES_H
-#define BIS_CANDIDATES_H
+#pragma once
 
 #include "bis/thesis/integrator.h"
 
@@ -55,5 +54,3 @@ rgbd bis_candidates_trace(const bis_point *pt, const bis_candidate *c, const uin
 
 /* bis_candidates_unoccluded returns L_ns of eq. 4.5 in RGB: the mean of C. */
 rgbd bis_candidates_unoccluded(const bis_candidate *c, uint32_t M);
-
-#endif

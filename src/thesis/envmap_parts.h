@@ -1,6 +1,5 @@
 /* envmap_parts: functions of src/thesis/envmap.c that only src/thesis/envmap_angular.c uses. */
-#ifndef BIS_ENVMAP_PARTS_H
-#define BIS_ENVMAP_PARTS_H
+#pragma once
 
 #include "bis/thesis/envmap.h"
 
@@ -15,5 +14,3 @@ rgb bis_envmap_clean(bis_envmap_defects *defects, rgb c, int x, int y, double so
 /* bis_envmap_circle stores sin and cos of the polar angle of the circle at height u2 in [0,1) of row y. If u2 is
  * uniform, the circle is uniform by solid angle. */
 void bis_envmap_circle(const bis_envmap *em, int y, double u2, double *sin_theta, double *cos_theta);
-
-#endif

@@ -24,7 +24,8 @@ static void scratch_needs(const bis_settings *s, bis_needs *need)
     (void)need;
 }
 
-/* Adds the sum over k for patch i to *sum. It takes one point in each K-th part of a Hilbert curve through the patch. */
+/* Adds the sum over k for patch i to *sum. It takes one point in each K-th part of a Hilbert curve through the patch.
+ */
 static void add_patch(rgbd *sum, const bis_point *pt, size_t i, uint32_t K, bis_stream *stream)
 {
     for (uint32_t k = 0; k < K; k++) {

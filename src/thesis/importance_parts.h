@@ -1,7 +1,6 @@
 /* importance_parts: the three parts of src/thesis/importance.c: the weight of a pixel, and the two ways of drawing by
  * these weights. Only src/thesis/importance*.c include it. */
-#ifndef BIS_IMPORTANCE_PARTS_H
-#define BIS_IMPORTANCE_PARTS_H
+#pragma once
 
 #include "bis/thesis/alias.h"
 #include "bis/thesis/cdf.h"
@@ -93,5 +92,3 @@ size_t bis_trail_bytes(const bis_trail *t);
 /* bis_trail_cut does the work of bis_importance_cut. */
 bis_status bis_trail_cut(const bis_trail *trail, const bis_envmap *em, uint32_t K, uint32_t *n, double **t,
                          uint16_t **of_tile);
-
-#endif

@@ -1,8 +1,7 @@
 /* proposal: the two ways to propose a direction, from the map (q_L, thesis 3.3) and from the BRDF (q_f, 3.5), and the
  * value of a direction that was drawn with density q: F/q (eq. 4.8). The integrators of chapters 3 and 4 differ in
  * how they use this value. Only integrators include this header. */
-#ifndef BIS_PROPOSAL_H
-#define BIS_PROPOSAL_H
+#pragma once
 
 #include "bis/thesis/integrator.h"
 
@@ -49,5 +48,3 @@ bool bis_em_sample(bis_light_point *y, const bis_em_samples *samples, uint32_t j
  * each lobe its share almost exactly (E35: as unbiased as a coin, with less noise). Returns false if the BRDF is
  * black. */
 bool bis_propose_brdf(vec3 *wi, const bis_bsdf *bsdf, const double u[2]);
-
-#endif

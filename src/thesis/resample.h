@@ -1,7 +1,6 @@
 /* resample: N marks over the running sum of the weights (thesis 4.4). candidates.c and src/beyond/batch.c share it,
  * because they walk along different sums. */
-#ifndef BIS_RESAMPLE_H
-#define BIS_RESAMPLE_H
+#pragma once
 
 #include "bis/thesis/curve.h"
 #include "bis/thesis/integrator.h"
@@ -34,5 +33,3 @@ static inline double bis_marks_next(bis_marks *m, bis_stream *stream)
     m->log_rest += log1p(-bis_stream_random(stream)) / (double)(m->N - j);
     return -expm1(m->log_rest);
 }
-
-#endif

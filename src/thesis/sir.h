@@ -1,7 +1,6 @@
 /* sir: one plain estimate by sampling-importance resampling, for callers that show its parts (`bis pixel`). All
  * others use the integrator bis_sir. */
-#ifndef BIS_SIR_H
-#define BIS_SIR_H
+#pragma once
 
 #include "bis/thesis/integrator.h"
 
@@ -12,5 +11,3 @@
  * indices of those that were traced. If no candidate has a positive weight, *W is 0, the estimate is black, and
  * scratch->chosen is not set. */
 rgbd bis_sir_estimate(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch, double *W);
-
-#endif

@@ -2,8 +2,7 @@
  * these two modules include it.
  *
  * A power of two scales the largest weight into [1/2, 1). This rounds nothing. */
-#ifndef BIS_WEIGHTS_H
-#define BIS_WEIGHTS_H
+#pragma once
 
 #include <assert.h>
 #include <math.h>
@@ -30,5 +29,3 @@ static inline weight_scale weight_scale_of(const double *w, size_t n)
 }
 
 static inline double weight_scaled(weight_scale s, double w) { return w * s.half1 * s.half2; }
-
-#endif

@@ -5,8 +5,6 @@
  * image is counted and left out of everything else. Two passes over the pixels, sums in double. */
 #include "bis/tools/compare.h"
 
-#include <math.h>
-
 static bis_status same_size(const bis_image *a, const bis_image *b, bis_diag *diag)
 {
     if (a->width == b->width && a->height == b->height) return BIS_OK;

@@ -4,12 +4,10 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/base/version.h"
-#include "bis/files/image_file.h"
 #include "base/text.h"
 #include "out/json.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 #include <sys/resource.h>
 
@@ -122,8 +120,7 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     return n;
 }
 
-/* --- JSON
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- JSON ---- */
 
 /* A parameter of the integrator, null where it has none of that name. */
 static void print_parameter(bis_json *j, const bis_settings *s, const char *name)
@@ -135,26 +132,8 @@ static void print_parameter(bis_json *j, const bis_settings *s, const char *name
     else bis_json_number(j, name, a.number);
 }
 
-static void print_count(bis_json *j, const char *key, bool applies, uint64_t v)
-{
-    if (applies)
-        bis_json_count(j, key, v);
-    else
-        bis_json_null(j, key);
-}
-
-static void print_seconds(bis_json *j, const bis_scene_seconds *t)
-{
-    bis_json_open(j, "seconds", '{');
-    bis_json_number(j, "parse", t->parse);
-    bis_json_number(j, "load", t->load);
-    bis_json_number(j, "envmap", t->envmap);
-    bis_json_number(j, "accel", t->accel);
-    bis_json_number(j, "render", t->render);
-    bis_json_number(j, "write", t->write);
-    bis_json_number(j, "total", t->total);
-    bis_json_close(j);
-}
+/* A count, null where it does not apply. */
+static double count(bool applies, uint64_t v) { return applies ? (double)v : (double)NAN; }
 
 /* Linux counts in KiB. */
 static uint64_t peak_memory(void)
@@ -166,12 +145,10 @@ static uint64_t peak_memory(void)
 static void print_memory(bis_json *j, const bis_stats *s)
 {
     bis_json_count(j, "peak_memory_bytes", peak_memory());
-    bis_json_open(j, "memory", '{');
-    bis_json_count(j, "mesh", bis_geometry_bytes(&s->scene->geometry));
-    print_count(j, "accel", s->scene->accel != NULL, bis_accel_bytes(s->scene->accel));
-    print_count(j, "envmap", !bis_light_is_constant(s->scene->light), bis_light_bytes(s->scene->light));
-    bis_json_count(j, "film", bis_film_bytes(s->film) + s->result->bytes);
-    bis_json_close(j);
+    BIS_JSON_OBJECT(j, "memory", {"mesh", (double)bis_geometry_bytes(&s->scene->geometry)},
+                    {"accel", count(s->scene->accel != NULL, bis_accel_bytes(s->scene->accel))},
+                    {"envmap", count(!bis_light_is_constant(s->scene->light), bis_light_bytes(s->scene->light))},
+                    {"film", (double)(bis_film_bytes(s->film) + s->result->bytes)});
 }
 
 static void print_tried(bis_json *j, const bis_auto_report *r, int i)
@@ -181,10 +158,8 @@ static void print_tried(bis_json *j, const bis_auto_report *r, int i)
 
     bis_json_open(j, NULL, '{');
     bis_json_text(j, "line", bis_describe_line(line, &t->settings, true));
-    bis_json_count(j, "replicates", (uint64_t)t->replicates);
-    bis_json_number(j, "pass_seconds", bis_auto_cost_of(r, i));
-    bis_json_number(j, "pass_relmse", t->variance);
-    bis_json_number(j, "product", product(r, i));
+    BIS_JSON_NUMBERS(j, {"replicates", t->replicates}, {"pass_seconds", bis_auto_cost_of(r, i)},
+                     {"pass_relmse", t->variance}, {"product", product(r, i)});
     bis_json_close(j);
 }
 
@@ -196,10 +171,7 @@ static void print_choice(bis_json *j, const bis_stats *s)
     if (!r) return;
     bis_json_open(j, "auto", '{');
     bis_json_text(j, "chosen", s->line);
-    bis_json_number(j, "seconds", r->seconds);
-    bis_json_count(j, "width", (uint64_t)r->width);
-    bis_json_count(j, "height", (uint64_t)r->height);
-    bis_json_count(j, "passes", (uint64_t)r->passes);
+    BIS_JSON_NUMBERS(j, {"seconds", r->seconds}, {"width", r->width}, {"height", r->height}, {"passes", r->passes});
     bis_json_open(j, "tried", '[');
     for (int i = 0; i < r->n_tried; i++) print_tried(j, r, i);
     bis_json_close(j);
@@ -211,6 +183,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     const bis_settings *settings = &s->desc->view.settings;
     const bis_render_result *r = s->result;
     const bool rejects = bis_parameter_of(settings->integrator, "estimator") != NULL;
+    const bis_scene_seconds *t = &s->seconds;
     bis_json j = {.out = out};
 
     bis_json_open(&j, NULL, '{');
@@ -225,17 +198,16 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     bis_json_count(&j, "seed", s->desc->view.sampler.seed);
     bis_json_count(&j, "threads", (uint64_t)r->n_threads);
     bis_json_text(&j, "accelerator", s->scene->accel ? bis_accel_name(s->scene->accel) : NULL);
-    bis_json_count(&j, "triangles", s->scene->geometry.n_triangles);
-    bis_json_count(&j, "width", (uint64_t)s->film->width);
-    bis_json_count(&j, "height", (uint64_t)s->film->height);
-    print_seconds(&j, &s->seconds);
-    bis_json_open(&j, "rays", '{');
-    bis_json_count(&j, "camera", r->counters.camera_rays);
-    bis_json_count(&j, "shadow", r->counters.shadow_rays);
-    bis_json_close(&j);
-    print_count(&j, "candidates_drawn", settings->integrator != &bis_exact, r->counters.candidates);
-    print_count(&j, "accepted", rejects, r->counters.accepted);
-    print_count(&j, "fallbacks", rejects && settings->estimator == BIS_ESTIMATOR_RATIO, r->counters.fallbacks);
+    BIS_JSON_NUMBERS(&j, {"triangles", (double)s->scene->geometry.n_triangles}, {"width", s->film->width},
+                     {"height", s->film->height});
+    BIS_JSON_OBJECT(&j, "seconds", {"parse", t->parse}, {"load", t->load}, {"envmap", t->envmap}, {"accel", t->accel},
+                    {"render", t->render}, {"write", t->write}, {"total", t->total});
+    BIS_JSON_OBJECT(&j, "rays", {"camera", (double)r->counters.camera_rays},
+                    {"shadow", (double)r->counters.shadow_rays});
+    BIS_JSON_NUMBERS(&j, {"candidates_drawn", count(settings->integrator != &bis_exact, r->counters.candidates)},
+                     {"accepted", count(rejects, r->counters.accepted)},
+                     {"fallbacks", count(rejects && settings->estimator == BIS_ESTIMATOR_RATIO,
+                                         r->counters.fallbacks)});
     print_choice(&j, s);
     print_memory(&j, s);
     bis_json_number(&j, "estimated_relative_rmse", r->relative_rmse);

@@ -1,15 +1,10 @@
 /* describe: what was rendered and how, in names and numbers, for EXR attributes and --stats. For src/cli/cmd_*.c. */
-#ifndef BIS_DESCRIBE_H
-#define BIS_DESCRIBE_H
+#pragma once
 
 #include "tools/auto/auto.h"
 
 #include "bis/files/image_file.h"
 #include "bis/render/render.h"
-#include "bis/scene/scene.h"
-#include "bis/thesis/errata.h"
-
-#include <stdio.h>
 
 enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 12, BIS_MAX_LINE = 512 };
 
@@ -44,5 +39,3 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
 
 /* The JSON of --stats, keys as docs/command-line.md; what does not apply is null. */
 void bis_stats_print(const bis_stats *s, FILE *out);
-
-#endif

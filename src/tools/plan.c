@@ -4,12 +4,9 @@
  * a script finds it: "light", "geometry" and so on describe, "build" and "skip" decide. */
 #include "beyond/batch.h"
 #include "bis/base/file.h"
-#include "bis/thesis/importance.h"
 #include "bis/base/mem.h"
 #include "scene/scene_peek.h"
 
-#include "bis/render/render.h"
-#include "bis/scene/scene.h"
 #include "tools/describe.h"
 
 #include <inttypes.h>
@@ -46,9 +43,8 @@ static void print_integrators(const bis_scene_desc *d, FILE *out)
 
     fputs("integrator   ", out);
     print_settings(s, out);
-    for (const bis_erratum *e = bis_errata; e->name; e++) {
+    for (const bis_erratum *e = bis_errata; e->name; e++)
         if (s->as_printed & e->flag) fprintf(out, "as printed   %s (%s): %s\n", e->name, e->section, e->effect);
-    }
 }
 
 static void print_view(const bis_scene_desc *d, FILE *out)

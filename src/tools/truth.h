@@ -6,12 +6,9 @@
  *     status = bis_truth_of(&t, &pt, (double[]){1, 1, 1}, 1 << 15, q, 2, seed, diag);
  *     t.lit.mean[3] +- bis_truth_bound(&t.lit, 1e-7)          // eq. 4.1, r+g+b
  *     t.open.mean[3] +- bis_truth_bound(&t.open, 1e-7)        // eq. 4.5, without V */
-#ifndef BIS_TRUTH_H
-#define BIS_TRUTH_H
+#pragma once
 
 #include "bis/thesis/point.h"
-
-#include <stddef.h>
 
 /* The density of an estimator's single samples: from_map q_L + from_bsdf q_f. */
 typedef struct bis_truth_density {
@@ -52,5 +49,3 @@ double bis_truth_bound(const bis_truth_sum *s, double chance);
 
 /* The same for the standard deviation alone: what it exceeds with at most that chance. */
 double bis_truth_deviation(const bis_truth_sum *s, double chance);
-
-#endif

@@ -25,8 +25,8 @@ typedef struct values {
     bool flag, quiet, has_count;
     const char *text, *name;
     bis_texts list;
-    uint64_t count;
-    double real, share, error, seconds;
+    uint64_t count, big;
+    double real, share, least, error, seconds;
     int own;
 } values;
 
@@ -74,6 +74,10 @@ static void with_table(run_result *r, values *v, int argc, const char *const *ar
         {.name = "count", .argument = "N", .help = "a count that needs a long, long explanation which does not fit into one line of eighty columns",
          .kind = BIS_OPTION_COUNT, .value = &v->count, .given = &v->has_count, .lo = 1, .hi = 1000},
         {.name = "real", .argument = "X", .help = "a number", .kind = BIS_OPTION_REAL, .value = &v->real, .above = true, .hi = (double)INFINITY},
+        {.name = "big", .argument = "N", .help = "any count", .kind = BIS_OPTION_COUNT, .value = &v->big, .lo = 3,
+         .hi = 0x1p64},
+        {.name = "least", .argument = "X", .help = "at least 2", .kind = BIS_OPTION_REAL, .value = &v->least, .lo = 2,
+         .hi = (double)INFINITY},
         {.name = "share", .argument = "S", .help = "a share", .kind = BIS_OPTION_REAL, .value = &v->share, .hi = 1},
         {.name = "error", .argument = "E", .help = "an error", .kind = BIS_OPTION_SHARE, .value = &v->error,
             .above = true, .hi = 10},
@@ -152,6 +156,18 @@ static void an_option_that_is_absent_leaves_its_value_alone(void **state)
     clear(&r, &v);
 }
 
+static void the_ends_of_a_range_belong_to_it(void **state)
+{
+    (void)state;
+    RUN("a", "--big", "18446744073709551615", "--least", "2", "--share", "1", "--count", "1000", "--error", "10");
+    assert_true(r.go_on && v.big == UINT64_MAX && v.least == 2 && v.share == 1 && v.count == 1000 && v.error == 10);
+    clear(&r, &v);
+    const char *const low[] = {"a", "--big", "3", "--share", "0", "--count", "1", "--real", "1e-300", "--time", "1e8"};
+    with_table(&r, &v, 11, low);
+    assert_true(r.go_on && v.big == 3 && v.share == 0 && v.count == 1 && v.real == 1e-300 && v.seconds == 1e8);
+    clear(&r, &v);
+}
+
 /* Every mistake, its exact message, exit status 2. */
 static void every_mistake_has_its_message_and_exits_with_2(void **state)
 {
@@ -169,6 +185,11 @@ static void every_mistake_has_its_message_and_exits_with_2(void **state)
         {{"a", "--real", "1e999"}, "bis: error: --real is \"1e999\", must be a number > 0\n"},
         {{"a", "--real", "1x"}, "bis: error: --real is \"1x\", must be a number > 0\n"},
         {{"a", "--real", "1,5"}, "bis: error: --real is \"1,5\", must be a number > 0\n"},
+        {{"a", "--big", "2"}, "bis: error: --big is \"2\", must be an integer >= 3, below 2^64\n"},
+        {{"a", "--big", "18446744073709551616"}, "bis: error: --big is \"18446744073709551616\", must be an integer >= 3, "
+            "below 2^64\n"},
+        {{"a", "--least", "1.9"}, "bis: error: --least is \"1.9\", must be a number >= 2\n"},
+        {{"a", "--share", "-0.01"}, "bis: error: --share is \"-0.01\", must be a number in [0, 1]\n"},
         {{"a", "--share", "1.01"}, "bis: error: --share is \"1.01\", must be a number in [0, 1]\n"},
         {{"a", "--error", "0"}, "bis: error: --error is \"0\", must be a number in (0, 10], as in 0.05, or 5%\n"},
         {{"a", "--error", "5s"}, "bis: error: --error is \"5s\", must be a number in (0, 10], as in 0.05, or 5%\n"},
@@ -355,6 +376,59 @@ static void a_place_that_cannot_take_a_file_is_known_beforehand(void **state)
     }
 }
 
+/* What has no place begins with the program's name; warnings are left out when quiet; lost messages are counted. */
+static void messages_say_who_speaks(void **state)
+{
+    (void)state;
+    char text[512];
+    for (int quiet = 0; quiet < 2; quiet++) {
+        bis_diag diag = {0};
+        bis_warn(&diag, (bis_loc){"a.txt", 3, 7}, "one");
+        bis_warn(&diag, (bis_loc){0}, "two");
+        bis_error(&diag, BIS_INPUT, (bis_loc){"b.txt", 0, 0}, "three");
+        bis_error(&diag, BIS_INPUT, bis_cli_loc, "four");
+        if (quiet) diag.n_lost = 12;
+        const int err = redirect(stderr, "build/test_cli.err");
+        bis_cli_print_diag(&diag, quiet);
+        restore(stderr, err, "build/test_cli.err", text, sizeof text);
+        assert_string_equal(text, quiet ? "b.txt: error: three\nbis: error: four\n"
+                                          "bis: error: 12 more messages were lost for lack of memory\n"
+                                        : "a.txt:3:7: warning: one\nbis: warning: two\nb.txt: error: three\n"
+                                          "bis: error: four\n");
+        bis_diag_clear(&diag);
+    }
+}
+
+/* Of files that are read and written: the first pair is named, and the same name or a link is the same file. */
+static void no_output_replaces_another_file(void **state)
+{
+    (void)state;
+    static const char *const in[] = {"build/test_cli.in", "build/test_cli.in2"};
+    static const struct { const char *outputs[3]; size_t n; const char *message; } cases[] = {
+        {{"build/test_cli.out1", "build/test_cli.out2"}, 2, NULL},
+        {{"build/test_cli.out1", "build/./test_cli.in2"}, 2,
+         "bis: error: output \"build/./test_cli.in2\" would replace \"build/test_cli.in2\", which is read; give the output another "
+         "name"},
+        {{"build/test_cli.link"}, 1, "bis: error: output \"build/test_cli.link\" would replace \"build/test_cli.in\", which is "
+                                     "read; give the output another name"},
+        {{"build/test_cli.out1", "build/test_cli.out2", "build/./test_cli.out1"}, 3,
+         "bis: error: outputs \"build/test_cli.out1\" and \"build/./test_cli.out1\" are one file; give one of them another name"},
+        {{"-", "-", "/dev/null"}, 3, NULL},
+        {{"/dev/null", "/dev/null", "-"}, 3, NULL},
+    };
+    for (int i = 0; i < 2; i++) fclose(fopen(in[i], "w"));
+    unlink("build/test_cli.link");
+    assert_int_equal(symlink("test_cli.in", "build/test_cli.link"), 0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_diag diag = {0};
+        assert_int_equal(bis_cli_check_distinct(in, 2, cases[i].outputs, cases[i].n, &diag),
+                         cases[i].message ? BIS_INPUT : BIS_OK);
+        assert_int_equal(diag.n, cases[i].message ? 1 : 0);
+        if (cases[i].message) assert_string_equal(diag.messages[0].text, cases[i].message);
+        bis_diag_clear(&diag);
+    }
+}
+
 static void exit_statuses_are_those_of_the_contract(void **state)
 {
     (void)state;
@@ -425,6 +499,7 @@ int main(void)
         cmocka_unit_test(options_and_operands_may_be_mixed),
         cmocka_unit_test(two_dashes_end_the_options),
         cmocka_unit_test(an_option_that_is_absent_leaves_its_value_alone),
+        cmocka_unit_test(the_ends_of_a_range_belong_to_it),
         cmocka_unit_test(every_mistake_has_its_message_and_exits_with_2),
         cmocka_unit_test(a_mistyped_option_gets_one_line),
         cmocka_unit_test(shares_may_be_percentages_and_times_have_units),
@@ -434,6 +509,8 @@ int main(void)
         cmocka_unit_test(help_names_every_option_within_80_columns),
         cmocka_unit_test(version_names_the_libraries),
         cmocka_unit_test(a_place_that_cannot_take_a_file_is_known_beforehand),
+        cmocka_unit_test(messages_say_who_speaks),
+        cmocka_unit_test(no_output_replaces_another_file),
         cmocka_unit_test(exit_statuses_are_those_of_the_contract),
         cmocka_unit_test(json_is_valid_for_any_number_and_any_bytes),
         cmocka_unit_test(the_json_reader_refuses_what_is_no_json),

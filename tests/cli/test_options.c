@@ -4,6 +4,7 @@
 #include "cli/cli.h"
 #include "cli/help.h"
 #include "cli/man.h"
+#include "cli/parameters.h"
 #include "cli/progress.h"
 #include "bis/base/version.h"
 #include "bis/files/image_file.h"
@@ -406,6 +407,31 @@ static void a_trade_ends_with_three_recommendations(void **state)
     assert_true(done == planned && line[used] == '\0');
 }
 
+/* Who reads a parameter, in the order of the integrators, and what it is; a choice has names in the place of words. */
+static void the_words_of_parameters_are_these(void **state)
+{
+    (void)state;
+    static const char *const words[][2] = {
+        {"candidates", "rejection, sir, unoccluded: candidates for each camera sample; sir, 0: a pilot chooses"},
+        {"shadowrays", "rejection, sir: candidates that are shadow-tested"},
+        {"samples", "em, brdf, mis: light samples for each camera sample"},
+        {"proposal", "rejection: em, brdf or choose; sir: em, brdf, mix or product"},
+        {"heuristic", "mis: balance or power"},
+        {"fallback", "rejection: resample, subset or unoccluded"},
+        {"stratify", "em, mis, sir: take the map's samples along its curve"},
+        {"split", "mis: the map's share of the samples"},
+    };
+    char text[BIS_PARAMETER_WORDS], all[BIS_INTEGRATOR_WORDS];
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        assert_string_equal(bis_parameter_words(text, words[i][0]), words[i][1]);
+    assert_string_equal(bis_integrator_words(all, &bis_mis),
+                        "both, combined by a heuristic. samples (16; at least 2), heuristic (balance, power), split (0.5; "
+                        "the map's share), compensate (false), stratify (false). Unbiased");
+    assert_string_equal(bis_integrator_words(all, &bis_exact),
+                        "every lit pixel of the map: ground truth for small maps. perpatch (1). Unbiased: every lit patch, "
+                        "noise only inside patches");
+}
+
 /* Its six lines; one accelerator is the default. */
 static void the_version_has_six_lines(void **state)
 {
@@ -517,6 +543,7 @@ int main(void)
         cmocka_unit_test(every_name_of_a_term_is_looked_up),
         cmocka_unit_test(an_option_is_looked_up_with_its_dashes_and_whole),
         cmocka_unit_test(a_trade_ends_with_three_recommendations),
+        cmocka_unit_test(the_words_of_parameters_are_these),
         cmocka_unit_test(the_version_has_six_lines),
         cmocka_unit_test(durations_change_their_unit_where_they_should),
         cmocka_unit_test(a_comparison_by_hand),

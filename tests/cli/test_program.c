@@ -22,6 +22,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <termios.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -221,6 +223,71 @@ static void an_error_out_of_reach_is_said_early_and_loses_nothing(void **state)
     program_expect_only_the_result(&r);
     program_expect(&r, 0, SCENE " --error 1e-6 --spp 1 --outfile " DIR "/far.exr");
     assert_non_null(strstr(r.messages, "was not reached: the error is unknown, 1 pass is too few"));
+}
+
+/* What the program writes to standard error where that is a terminal; standard output goes nowhere. */
+static void run_on_terminal(char *text, size_t size, const char *arguments)
+{
+    const int master = posix_openpt(O_RDWR | O_NOCTTY);
+    size_t n = 0;
+    int status;
+    assert_true(master >= 0 && grantpt(master) == 0 && unlockpt(master) == 0);
+    const int terminal = open(ptsname(master), O_RDWR | O_NOCTTY);
+    struct termios as_it_is;
+    assert_true(terminal >= 0 && tcgetattr(terminal, &as_it_is) == 0);
+    cfmakeraw(&as_it_is);
+    assert_int_equal(tcsetattr(terminal, TCSANOW, &as_it_is), 0);
+    const pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        static char words[1024];
+        char *argv[64] = {0};
+        int argc = 0;
+        const char *program = getenv("BIS_PROGRAM");
+        snprintf(words, sizeof words, "%s %s", program && *program ? program : "build/release/bis", arguments);
+        for (char *word = strtok(words, " "); word; word = strtok(NULL, " ")) argv[argc++] = word;
+        dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+        dup2(terminal, STDERR_FILENO);
+        close(terminal);
+        close(master);
+        execv(argv[0], argv);
+        _exit(127);
+    }
+    close(terminal);
+    for (ssize_t got; n + 1 < size && (got = read(master, text + n, size - 1 - n)) > 0;) n += (size_t)got;
+    text[n] = '\0';
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    if (status != 0) fail_msg("%s: %d, %s", arguments, status, text);
+    close(master);
+}
+
+/* A line that is written anew, and gone at the end. No word of it with --quiet. */
+static void on_a_terminal_a_line_tells_how_far_it_is(void **state)
+{
+    (void)state;
+    static const char *const cases[][12] = {
+        {SCENE " --spp 3 --outfile " DIR "/shown.pfm",
+         "\rpass 3 of 3, 100%, 0 s left   \033[K\r\033[Kbis: wrote " DIR "/shown.pfm: "},
+        {SCENE " --spp 3 --quiet --outfile " DIR "/shown.pfm", NULL},
+        {"trade " SCENE " --integrator em --passes 1 --seeds 1 --time 3 --error 60% --output " DIR "/shown",
+         "\rreading the scene   \033[K", "\rbuilding the map's importance   \033[K", "\rpilot, 0%   \033[K",
+         "\rpilot, 9%   \033[K", "\rreference by sir, 50%, ", " left   \033[K", "\rrun 1 of 6, 0%, ", "\rrun 6 of 6, ",
+         "\rpictures, 0%, ", " left   \033[K\r\033[K"},
+        {"trade " SCENE " --integrator em --passes 1 --seeds 1 --time 3 --quiet --output " DIR "/quiet", NULL},
+        {"verify " DIR "/map.pfm", "\rthe map ...\033[K\ralias ...\033[K\rcdf ...\033[K\rcurve ...\033[K\r\033[K"},
+    };
+    static char text[1 << 16];
+    assert_int_equal(system("rm -rf " DIR "/shown " DIR "/quiet"), 0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        run_on_terminal(text, sizeof text, cases[i][0]);
+        const char *at = text;
+        for (int k = 1; k < 12 && cases[i][k]; k++) {
+            const char *const next = strstr(at, cases[i][k]);
+            if (!next) fail_msg("%s: no \"%s\" in \"%s\"", cases[i][0], cases[i][k], at);
+            at = next + strlen(cases[i][k]);
+        }
+        if (!cases[i][1] || i >= 2) assert_string_equal(at, "");
+    }
 }
 
 static void an_adaptive_picture_says_so_and_can_be_made_again(void **state)
@@ -1029,6 +1096,7 @@ int main(void)
         cmocka_unit_test(an_exr_has_float_channels_and_alpha_is_the_share_of_hits),
         cmocka_unit_test(layers_are_further_channels_of_an_exr_alone),
         cmocka_unit_test(an_error_out_of_reach_is_said_early_and_loses_nothing),
+        cmocka_unit_test(on_a_terminal_a_line_tells_how_far_it_is),
         cmocka_unit_test(an_adaptive_picture_says_so_and_can_be_made_again),
         cmocka_unit_test(a_crop_keeps_the_display_window_and_the_pixels),
         cmocka_unit_test(stats_are_json_with_exactly_the_keys_of_the_contract),

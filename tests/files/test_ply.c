@@ -336,6 +336,43 @@ static void a_short_cut_checks_every_corner(void **state)
     }
 }
 
+/* Three floats in the order x, y, z are copied whole; any one that is a double, a list beside them or another order is read
+ * by itself, in either byte order. */
+static void a_short_cut_is_for_three_floats_alone(void **state)
+{
+    (void)state;
+    static const char orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    for (int i = 0; i < 6 * 8 * 2 * 2; i++) {
+        const char *const order = orders[i % 6];
+        const int doubles = i / 6 % 8;
+        const bool big = i / 48 % 2, more = i / 96;
+        bytes b = {0};
+        bis_mesh m;
+        char line[64];
+        put_text(&b, "ply\nformat binary_");
+        put_text(&b, big ? "big_endian 1.0\nelement vertex 3\n" : "little_endian 1.0\nelement vertex 3\n");
+        for (int k = 0; k < 3; k++) {
+            snprintf(line, sizeof line, "property %s %c\n", doubles >> k & 1 ? "double" : "float", "xyz"[(int)order[k]]);
+            put_text(&b, line);
+        }
+        if (more) put_text(&b, "property list uchar uchar rest\n");
+        put_text(&b, FACES(1));
+        for (int v = 0; v < 3; v++) {
+            for (int k = 0; k < 3; k++)
+                put_number(&b, (double)square[v][(int)order[k]], doubles >> k & 1 ? "double" : "float", big);
+            if (more) put_number(&b, 0, "uchar", big);
+        }
+        put_number(&b, 3, "uchar", big);
+        for (int v = 0; v < 3; v++) put_number(&b, v, "int", big);
+        expect_mesh_of(bis_ply_read, &m, &b, "three.ply", NULL);
+        for (int v = 0; v < 3; v++)
+            assert_true(m.p[v].x == square[v][0] && m.p[v].y == square[v][1] && m.p[v].z == square[v][2]);
+        assert_triangle(&m, 0, 0, 1, 2);
+        bis_mesh_clear(&m);
+        bytes_clear(&b);
+    }
+}
+
 static void a_short_cut_meets_what_it_cannot_read_half_way(void **state)
 {
     (void)state;
@@ -514,6 +551,7 @@ int main(void)
         cmocka_unit_test(counts_are_held_against_the_file_before_memory_is_asked_for),
         cmocka_unit_test(an_element_without_properties_takes_neither_room_nor_time),
         cmocka_unit_test(a_short_cut_checks_every_corner),
+        cmocka_unit_test(a_short_cut_is_for_three_floats_alone),
         cmocka_unit_test(a_short_cut_meets_what_it_cannot_read_half_way),
         cmocka_unit_test(missing_files_and_folders_are_the_disks_fault),
         cmocka_unit_test(a_message_names_the_scene_line_and_the_meshes),

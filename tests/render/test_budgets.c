@@ -71,8 +71,9 @@ static void run(tally *t, const world *w, const bis_film *reference, double E)
     bis_film_clear(&f);
 }
 
-/* In 9 of 10 runs at least the true error is within the budget, and below half of it in 1 of 10 at most: three
- * integrators, plain and adaptive, three budgets. */
+/* The bound covers the true error in 95 % of runs (597 of 630 with other seeds), and in no more than 1 of 10 is the error
+ * below half of it: three integrators, plain and adaptive, three budgets. Of 63 runs fewer than 50 are kept with a
+ * probability of 0.3 % if the bound covers 90 %, and of 2e-6 if it covers 95 % (binomial). */
 static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
 {
     (void)state;
@@ -93,11 +94,12 @@ static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
             bis_film_clear(&reference);
             clear_world(&w);
         }
-        if (10 * t.kept < 9 * t.runs || 10 * t.wasted > t.more || t.more < t.runs / 2) {
+        assert_int_equal(t.runs, 63);
+        if (t.kept < 50 || 10 * t.wasted > t.more || t.more < t.runs / 2) {
             fail_msg("adaptive %d: kept in %d of %d, %d wasted of %d that needed more than the minimum; %g camera samples in the mean", adaptive, t.kept, t.runs, t.wasted, t.more,
                      t.spp / t.runs);
         }
-        assert_true(10 * t.twin_kept < 9 * t.runs); /* the bound is needed */
+        assert_true(t.twin_kept < 50); /* the bound is needed */
     }
 }
 

@@ -237,6 +237,25 @@ static void an_integrator_of_pbrt_is_none(void **state)
     }
 }
 
+/* Of two lines of a kind the second counts, with its defaults: nothing of the first stays. */
+static void a_second_sampler_begins_with_the_defaults(void **state)
+{
+    (void)state;
+    static const char first[] = "Sampler \"stratified\" \"integer xsamples\" 3 \"integer ysamples\" 2 \"integer seed\" 7 "
+                                "\"bool jitter\" false \"integer edgesamples\" 1024 \"bool adaptive\" true\n";
+    char two[512];
+    bis_scene_desc *d = good_scene(first, ""), *usual = good_scene("Sampler \"stratified\"", "");
+    assert_true(d->view.edge_samples == 1024 && d->view.adaptive && d->view.sampler.seed == 7 && d->view.sampler.spp == 6);
+    bis_scene_desc_free(d);
+    snprintf(two, sizeof two, "%sSampler \"stratified\"", first);
+    d = good_scene(two, "");
+    assert_true(d->view.edge_samples == 1 && !d->view.adaptive);
+    assert_true(d->view.sampler.seed == usual->view.sampler.seed && d->view.sampler.spp == usual->view.sampler.spp);
+    assert_true(d->view.sampler.jitter && d->view.sampler.kind == usual->view.sampler.kind);
+    bis_scene_desc_free(d);
+    bis_scene_desc_free(usual);
+}
+
 static void a_film_without_parameters_has_the_defaults_of_no_film(void **state)
 {
     (void)state;
@@ -769,6 +788,7 @@ int main(void)
         cmocka_unit_test(a_sampler_alone_leaves_the_integrator_to_us),
         cmocka_unit_test(an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sampler_to_us),
         cmocka_unit_test(an_integrator_of_pbrt_is_none),
+        cmocka_unit_test(a_second_sampler_begins_with_the_defaults),
         cmocka_unit_test(a_film_without_parameters_has_the_defaults_of_no_film),
         cmocka_unit_test(a_light_without_parameters_has_the_defaults_of_the_contract),
         cmocka_unit_test(materials_have_the_defaults_of_the_contract),

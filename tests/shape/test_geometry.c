@@ -435,6 +435,27 @@ static void a_quadrics_point_lies_within_its_error_of_the_surface(void **state)
     assert_true(hits > 10000);
 }
 
+/* A ball of radius R about (c, c, c), met on the diagonal: no axis is before another. Its point errs by e = 2^-24 c in each,
+ * tau = sqrt(3) e; seen from inside, the surface is farther by tau^2/2R at first order, along (1, 1, 1)/sqrt(3). */
+static void the_error_of_a_balls_point_knows_no_axis(void **state)
+{
+    (void)state;
+    static const struct { double c, radius; } cases[] = {{1 << 20, 1}, {1 << 20, 8}, {1 << 16, 0.01}, {3, 1}};
+    for (int i = 0; i < 4; i++) {
+        const double c = cases[i].c, R = cases[i].radius, e = 0x1p-24 * (c + R / sqrt(3));
+        bis_quadric q = {.kind = BIS_SPHERE, .radius = (float)R, .to_world = bis_xform_translate(c, c, c)};
+        bis_geometry g = {0};
+        bis_surface s;
+        const ray r = {vec3_from(c + 16, c + 16, c + 16), {-1, -1, -1}, INFINITY};
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        bis_geometry_surface(&g, 0, &r, &s);
+        assert_true(s.p_error.x == s.p_error.y && s.p_error.y == s.p_error.z);
+        const double bulge = fmin(3 * e * e / (2 * R), sqrt(3) * e / 2) / sqrt(3);
+        assert_true((double)s.p_error.x >= e + bulge && (double)s.p_error.x < 2.01 * e);
+        bis_geometry_clear(&g);
+    }
+}
+
 static void normals_are_turned_to_the_eyes_side(void **state)
 {
     const vec3 a = {0, 0, 0}, b = {1, 0, 0}, c = {0, 1, 0};
@@ -804,6 +825,7 @@ int main(void)
         cmocka_unit_test(a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray),
         cmocka_unit_test(the_error_of_a_triangles_point_is_no_larger_than_four_ulps),
         cmocka_unit_test(a_quadrics_point_lies_within_its_error_of_the_surface),
+        cmocka_unit_test(the_error_of_a_balls_point_knows_no_axis),
         cmocka_unit_test(normals_are_turned_to_the_eyes_side),
         cmocka_unit_test(a_zero_vertex_normal_is_the_faces_in_the_interpolation),
         cmocka_unit_test(a_convex_mesh_never_shadows_itself_nor_leaks),

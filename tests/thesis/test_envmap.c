@@ -385,8 +385,12 @@ static void scaling_multiplies_channels_and_refuses_to_overflow(void **state)
     assert_int_equal(bis_envmap_scale(&em, (rgb){1, 0.5f, 10}, NULL), BIS_OK);
     assert_true(em.pixels[5].r == 1e30f && em.pixels[5].g == 1 && em.pixels[5].b == 30);
     bis_diag diag = {0};
-    assert_int_equal(bis_envmap_scale(&em, (rgb){1e10f, 1, 1}, &diag), BIS_INPUT);
+    em.pixels[2] = (rgb){5, 6, 4}; /* the largest of each channel, wherever it is */
+    assert_int_equal(bis_envmap_scale(&em, (rgb){1e10f, 7, 8}, &diag), BIS_INPUT);
+    em.pixels[2] = (rgb){0, 0, 0};
     assert_int_equal(diag.n_errors, 1);
+    assert_non_null(strstr(diag.messages[0].text, "the largest radiance of the map, (1e+30 6 30), times (1e+10 7 8) exceeds "
+                                                  "the largest float, 3.40282e+38; choose a smaller scale"));
     assert_true(em.pixels[5].r == 1e30f && em.pixels[5].b == 30);
     bis_diag_clear(&diag);
     bis_envmap_clear(&em);

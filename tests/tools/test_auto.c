@@ -163,6 +163,12 @@ static bool was_tried(const bis_auto_report *r, const bis_integrator *i)
     return false;
 }
 
+/* What a scene gets that names no integrator, as docs/scene-format.md has it. */
+static bool is_usual(const bis_settings *s)
+{
+    return s->integrator == &bis_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->candidates == 64 && s->shadowrays == 16 && s->learn;
+}
+
 /* A long render to come: all rounds. */
 static void what_is_chosen_was_measured_and_no_other_was_better(void **state)
 {
@@ -184,7 +190,10 @@ static void what_is_chosen_was_measured_and_no_other_was_better(void **state)
         const bis_auto_tried *t = &r.tried[i];
         assert_true(t->cost > 0 && t->variance > 0 && isfinite(t->cost) && isfinite(t->variance) && t->replicates >= 2);
         if (t->settings.integrator == &bis_sir) {
-            assert_true(bis_auto_cost_of(&r, i) * t->variance >= bis_auto_cost_of(&r, r.chosen) * r.tried[r.chosen].variance);
+            const double room = is_usual(&r.settings) ? 1.1 : 1; /* what needs no choice is left for a tenth, not for less */
+            assert_true(room * bis_auto_cost_of(&r, i) * t->variance >= bis_auto_cost_of(&r, r.chosen) * r.tried[r.chosen].variance);
+            if (is_usual(&t->settings) && !is_usual(&r.settings))
+                assert_true(bis_auto_cost_of(&r, i) * t->variance > 1.1 * bis_auto_cost_of(&r, r.chosen) * r.tried[r.chosen].variance);
         }
         assert_true(t->settings.shadowrays <= 64);
     }

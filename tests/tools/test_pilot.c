@@ -98,6 +98,12 @@ static double judged(const bis_auto_report *r, int i)
     return bis_auto_cost_of(r, i) * r->tried[i].variance * (it == &bis_mis || it == &bis_em ? 1.25 : 1);
 }
 
+/* What a scene gets that names no integrator, as docs/scene-format.md has it. */
+static bool is_usual(const bis_settings *s)
+{
+    return s->integrator == &bis_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->candidates == 64 && s->shadowrays == 16 && s->learn;
+}
+
 /* A picture of 8 x 6 pixels. The list by hand, then what the fit proposes: within limits, four times each, at most one of a
  * family. There are at most four families, because em and brdf exclude each other. */
 static void assert_tries(world *w, double seconds, const attempt *list, int n)
@@ -128,7 +134,8 @@ static void assert_tries(world *w, double seconds, const attempt *list, int n)
                              (s->integrator != &bis_sir || o->candidates == s->candidates));
             }
         }
-        assert_true(judged(&r, r.chosen) <= judged(&r, i));
+        assert_true(judged(&r, r.chosen) <= (is_usual(&r.settings) ? 1.1 : 1) * judged(&r, i));
+        if (is_usual(s) && !is_usual(&r.settings)) assert_true(judged(&r, i) > 1.1 * judged(&r, r.chosen));
     }
     assert_memory_equal(&r.settings, &r.tried[r.chosen].settings, sizeof r.settings);
 }
@@ -200,6 +207,54 @@ static bool counting_occluded(const bis_accel *a, const ray *r)
 
 static const bis_accel_ops counting = {.name = "counting", .intersect = counting_intersect, .occluded = counting_occluded};
 
+/* What is tried after the list is the optimum of the fit to the list's figures of its family, all of them: those figures are
+ * weighed anew when all is known, which moves the optimum a little, by 1/260 here. */
+static void the_fit_is_to_all_that_was_tried(void **state)
+{
+    (void)state;
+    static const bis_auto_limits limits[4] = {{0, 0, 2, 64}, {0, 0, 2, 64}, {32, 2048, 2, 64}, {16, 512, 2, 64}};
+    int fitted[4] = {0};
+    for (uint64_t seed = 1; seed <= 6; seed++) {
+        const bis_render_options options = {.budget = {.seconds = 1000}, .n_threads = 2};
+        bis_auto_report r;
+        world w;
+        make_world(&w, &bis_auto);
+        const bool diffuse = seed <= 3;
+        const int n_list = diffuse ? 11 : 9; /* em is for diffuse surfaces */
+        w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, diffuse ? (rgb){0, 0, 0} : (rgb){0.2f, 0.2f, 0.2f}, 5);
+        w.desc.view.film = (bis_film_desc){.width = 12, .height = 9, .crop = {0, 1, 0, 1}};
+        w.desc.view.sampler.seed = seed;
+        counting_accel accel = {{&counting, w.scene.accel->geometry}, w.scene.accel};
+        w.scene.accel = &accel.base;
+        counts_work = true;
+        assert_int_equal(bis_auto_choose(&r, &w.scene, &w.desc, &options, NULL), BIS_OK);
+        counts_work = false;
+        w.scene.accel = accel.inner;
+        for (int i = n_list; i < r.n_tried; i++) {
+            const bis_settings *const s = &r.tried[i].settings;
+            bis_auto_measured m[BIS_AUTO_MOST_TRIED];
+            uint32_t M, N;
+            int n = 0;
+            for (int k = 0; k < n_list; k++) {
+                const bis_settings *const o = &r.tried[k].settings;
+                if (o->integrator != s->integrator || (s->integrator == &bis_sir && o->proposal != s->proposal)) continue;
+                m[n++] = (bis_auto_measured){s->integrator == &bis_sir ? o->candidates : 0, o->shadowrays,
+                                             bis_auto_cost_of(&r, k), r.tried[k].variance};
+            }
+            const int family = s->integrator == &bis_em    ? 0
+                               : s->integrator == &bis_mis ? 1
+                               : s->proposal == BIS_PROPOSAL_MIX ? 2 : 3;
+            const bis_auto_model cost = bis_auto_fit_cost(m, n), variance = bis_auto_fit_variance(m, n);
+            bis_auto_best(&M, &N, &cost, &variance, &limits[family]);
+            assert_true(fabs((double)s->shadowrays - N) <= 1 + 0.1 * N);
+            if (family > 1) assert_true(fabs((double)s->candidates - M) <= 1 + 0.1 * M);
+            fitted[family]++;
+        }
+        clear_world(&w);
+    }
+    if (!(fitted[0] >= 1 && fitted[2] + fitted[3] >= 1)) fail_msg("fitted: em %d, mis %d, mix %d, product %d", fitted[0], fitted[1], fitted[2], fitted[3]);
+}
+
 /* Of some pilots, mis or em would win by less than a quarter, and does not. */
 static void what_may_hide_a_quarter_must_win_by_more(void **state)
 {
@@ -225,6 +280,8 @@ static void what_may_hide_a_quarter_must_win_by_more(void **state)
             if (judged(&r, i) < judged(&r, best)) best = i;
             if (bis_auto_cost_of(&r, i) * r.tried[i].variance < bis_auto_cost_of(&r, plain) * r.tried[plain].variance) plain = i;
         }
+        for (int i = 0; i < r.n_tried; i++)
+            if (is_usual(&r.tried[i].settings) && judged(&r, i) <= 1.1 * judged(&r, best)) best = i;
         assert_int_equal(r.chosen, best);
         decided += best != plain;
         clear_world(&w);
@@ -526,6 +583,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_pilots_size_follows_what_is_to_come),
         cmocka_unit_test(the_lists_of_a_pilot_are_those_by_hand),
+        cmocka_unit_test(the_fit_is_to_all_that_was_tried),
         cmocka_unit_test(what_may_hide_a_quarter_must_win_by_more),
         cmocka_unit_test(the_variance_of_three_pixels_is_that_by_hand),
         cmocka_unit_test(a_cell_is_the_mean_of_its_pixels),

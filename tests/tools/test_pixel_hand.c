@@ -5,7 +5,9 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "bis/scene/light_load.h"
 #include "bis/thesis/phong.h"
+#include "bis/beyond/microfacet.h"
 #include "html_check.h"
 #include "lit.h"
 #include "out/palette.h"
@@ -240,7 +242,10 @@ static void the_json_has_each_figure(void **state)
 
     f.r.exact.by_patches = false;
     f.shape.kind = BIS_SHAPE_SPHERE;
+    f.l.material = bis_microfacet((rgb){0.25f, 0.5f, 0.75f}, (rgb){0.125f, 0, 0}, 0.5); /* alpha: roughness squared */
     text = json_of(&f.r);
+    assert_non_null(strstr(text, "\"model\": \"microfacet\",\"Kd\": [0.25,0.5,0.75],\"Ks\": [0.125,0,0],\"exponent\": null,"
+                                 "\"alpha\": 0.25,\"p_specular\""));
     assert_non_null(strstr(text, "\"shape\": \"sphere\",\"file\": null,\"line\": 8,\"triangle\": null,"));
     assert_non_null(strstr(text, "\"exact\": {\"by\": \"mis\""));
     free(text);
@@ -272,6 +277,56 @@ static void nothing_is_said_with_its_radiance(void **state)
         free(text);
         free(json);
         clear(&f);
+    }
+}
+
+/* Both estimators of rejection, whichever the scene has; its M and N go to all that have them. */
+static void each_estimator_has_a_row_of_its_own(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"em", "brdf", "mis", "rejection ratio", "rejection plain", "sir", "unoccluded"};
+    for (int plain = 0; plain < 2; plain++) {
+        bis_pixel_method list[BIS_PIXEL_MAX_METHODS];
+        bis_settings own = bis_settings_default(&bis_rejection);
+        own.estimator = plain ? BIS_ESTIMATOR_PLAIN : BIS_ESTIMATOR_RATIO;
+        own.candidates = 33;
+        own.shadowrays = 5;
+        assert_int_equal(bis_pixel_methods(list, &own), 7);
+        for (int i = 0; i < 7; i++) {
+            const bis_settings *const s = &list[i].settings;
+            assert_string_equal(list[i].name, names[i]);
+            assert_int_equal(list[i].is_open, i == 6);
+            if (i >= 3) assert_int_equal(s->candidates, 33);
+            if (i >= 3 && i < 6) assert_int_equal(s->shadowrays, 5);
+            if (i < 3) assert_int_equal(s->samples, 16);
+        }
+        assert_true(list[3].settings.estimator == BIS_ESTIMATOR_RATIO && list[4].settings.estimator == BIS_ESTIMATOR_PLAIN);
+    }
+}
+
+/* The mix takes as many from the map in a dim light as in a bright one: weights far below 1 tell it, too. */
+static void the_share_of_the_map_is_told_in_any_light(void **state)
+{
+    (void)state;
+    static const double scales[] = {1, 1e-9, 1e-3, 1e6};
+    uint32_t n = 0;
+    for (int i = 0; i < 4; i++) {
+        const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .spp = 1, .seed = 3};
+        bis_settings s = bis_settings_default(&bis_sir);
+        bis_pixel_candidates c;
+        bis_stream stream;
+        lit l;
+        lit_init(&l, lit_new_light(LIT_SMOOTH, scales[i], 0.15, false),
+                 bis_phong((rgb){0.3f, 0.2f, 0.4f}, (rgb){0.3f, 0.3f, 0.3f}, 20), (vec3){0, 0, 1}, 40, LIT_OPEN);
+        s.candidates = 20;
+        s.shadowrays = 2;
+        bis_stream_init(&stream, &sampler, 0, 0);
+        assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
+        if (i == 0) n = (uint32_t)lround(20 * c.share_em);
+        assert_true(n > 0 && n < 20 && c.share_em == n / 20.0 && c.positive > 5);
+        for (uint32_t k = 0; k < 20; k++) assert_int_equal(c.c[k].from_map, k < n);
+        bis_pixel_candidates_clear(&c);
+        bis_light_free(l.light);
     }
 }
 
@@ -416,6 +471,42 @@ static void panels_have_the_densities_in_the_lights_frame(void **state)
         }
         bis_image_clear(&panel);
     }
+    for (int i = 0; i < 2; i++) free(text[i]);
+    clear(&f);
+}
+
+/* A map of 2160 x 1080 has 3 x 3 pixels in each place. A lamp in the middle one is seen: of a place's nine directions one
+ * meets it, no less and no more. With four directions none would. */
+static void a_lamp_of_one_pixel_is_in_its_place(void **state)
+{
+    (void)state;
+    enum { X = 100, Y = 120 };
+    bis_light_desc desc = bis_light_desc_default();
+    bis_image map, panel;
+    forged f;
+    char *text[2];
+    forge(&f);
+    bis_light_free(f.l.light);
+    desc.to_world = f.desc.light.to_world;
+    assert_int_equal(bis_image_init(&map, 2160, 1080, NULL), BIS_OK);
+    for (size_t i = 0; i < 2160 * 1080; i++) map.pixels[i] = (rgb){1, 1, 1};
+    map.pixels[(3 * Y + 1) * 2160 + 3 * X + 1] = (rgb){1e5f, 1e5f, 1e5f};
+    assert_int_equal(bis_light_from_image(&f.l.light, &map, &desc, BIS_NEED_TABLE, NULL), BIS_OK);
+    f.r.pt.light = f.scene.light = f.l.light;
+    double sum = 0, most = 0;
+    for (int i = 0; i < 9; i++) {
+        const double theta = PI * (Y + (i / 3 + 0.5) / 3) / 360, phi = 2 * PI * (X + (i % 3 + 0.5) / 3) / 720;
+        const vec3 w = vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
+        const double q = bis_light_pdf(f.l.light, bis_xform_vector(&f.desc.light.to_world, w));
+        sum += q;
+        most = fmax(most, q);
+    }
+    assert_true(most > 0.9 * sum);
+    draw(text, &f);
+    picture_in(&panel, text[0], "map");
+    const double top = ceil(log10(sum / 9));
+    assert_colour(&panel, X, Y, bis_palette_heat(1 + (log10(sum / 9) - top) / 7));
+    bis_image_clear(&panel);
     for (int i = 0; i < 2; i++) free(text[i]);
     clear(&f);
 }
@@ -600,8 +691,11 @@ int main(void)
         cmocka_unit_test(the_text_has_each_figure),
         cmocka_unit_test(the_json_has_each_figure),
         cmocka_unit_test(nothing_is_said_with_its_radiance),
+        cmocka_unit_test(each_estimator_has_a_row_of_its_own),
+        cmocka_unit_test(the_share_of_the_map_is_told_in_any_light),
         cmocka_unit_test(tables_have_each_figure_in_its_column),
         cmocka_unit_test(panels_have_the_densities_in_the_lights_frame),
+        cmocka_unit_test(a_lamp_of_one_pixel_is_in_its_place),
         cmocka_unit_test(densities_have_marks_axes_and_words),
         cmocka_unit_test(the_bar_is_the_scale),
         cmocka_unit_test(samples_have_dots_where_the_rays_go),

@@ -342,6 +342,19 @@ static void columns_are_halves_of_the_longest_run_and_round_errors(void **state)
         /* a quarter of it is 3% */
     assert_int_equal(bis_trade_errors(&t, v), 6);
     assert_near(v[0], 0.03);
+    /* the first point alone, and the last alone */
+    for (int k = 0; k < 2; k++) {
+        bis_trade_point *const one = &t.result.points[k ? t.result.n_points - 1 : 0];
+        for (int i = 0; i < t.result.n_points; i++) t.result.points[i].noise = 0, t.result.points[i].seconds = 3;
+        one->noise = 0.4 * 0.4;
+        one->seconds = 0.13;
+        assert_int_equal(bis_trade_errors(&t, v), 6);
+        assert_near(v[0], 0.1);
+        assert_int_equal(bis_trade_times(&t, v), 5);
+        assert_near(v[0], 0.25);
+        one->noise = 0;
+        assert_int_equal(bis_trade_errors(&t, v), 0); /* nothing that noise tells */
+    }
     clear(&t);
 }
 
@@ -455,16 +468,30 @@ static void tables_have_each_figure_in_its_column(void **state)
 
 /* ---- the page's values ---- */
 
-/* The values without line breaks and indentation. t keeps the plan, and gets the scene of DIR for its exposure. */
+/* Leaves line breaks and indentation out. */
+static void join_lines(char *text)
+{
+    char *to = text;
+    for (const char *at = text; *at; at++) {
+        if (*at == '\n') at += strspn(at + 1, " ");
+        else *to++ = *at;
+    }
+    *to = '\0';
+}
+
+/* The values on one line. t keeps the plan, and gets the scene of DIR for its exposure. */
 static char *values_of(bis_trade *t)
 {
     const bis_trade_plan plan = t->plan;
+    const char *const scene = t->o.scene;
     static char *text; /* static: gcc 12 takes what strstr finds in it for a pointer to this pointer */
     size_t n;
-    t->o.scene = DIR "/scene.txt";
-    bis_free(t->desc);
-    assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
-    t->o.scene = "a/hand.txt";
+    if (!t->scene) {
+        t->o.scene = DIR "/scene.txt";
+        bis_free(t->desc);
+        assert_int_equal(bis_trade_load(t, NULL), BIS_OK);
+    }
+    t->o.scene = scene;
     t->plan = plan;
     for (int i = 0; i < plan.n_settings; i++) {
         t->plan.settings[i].area_exponent = t->desc->light.area_exponent + (i == SIR);
@@ -472,12 +499,7 @@ static char *values_of(bis_trade *t)
     FILE *out = open_memstream(&text, &n);
     assert_int_equal(bis_trade_put_values(out, t, NULL), BIS_OK);
     fclose(out);
-    char *to = text;
-    for (const char *at = text; *at; at++) {
-        if (*at == '\n') at += strspn(at + 1, " ");
-        else *to++ = *at;
-    }
-    *to = '\0';
+    join_lines(text);
     return text;
 }
 
@@ -681,6 +703,100 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
     clear(&t);
 }
 
+/* One seed, one thread, every pixel, a given reference, one picture; the best is the first of the table, a biased one has
+ * nothing but the reference's noise. Bars: em 0.5 s, log 2/log 4 of mis's 1 s. Cells: half of a pixel after 2 s; after 4 s
+ * 0.5/sqrt(2), and mis's 0.5 is 1 - log4 sqrt(2) as strong. All windows are alike: the first, and the first beside it. */
+static void the_page_counts_one_as_one(void **state)
+{
+    (void)state;
+    bis_trade t = {.desc = bis_alloc(1, sizeof(bis_scene_desc)), .n_threads = 1,
+                   .o = {.scene = "hand.txt", .folder = DIR}, .is_complete = true};
+    static const char *const parts[] = {
+        "`title`: `hand.txt`,`incomplete`: false,`runs`: `3`,`planned`: `3`,",
+        "`method`: `em`,`extrapolated`: false,`time`: `2 s`,`error`: `50%`,`size`: `4 × 2`,`amounts`: `1 light sample`,"
+        "`variant`: ` (stratified)`,`samples`: `1 sample`,",
+        "`method`: `sir`,`extrapolated`: true,`time`: `3 s`,`error`: `20%`,`size`: `4 × 2`,"
+        "`amounts`: `64 candidates and 1 shadow ray`,`variant`: ` (one by one)`,`samples`: `2 samples`,",
+        "{`purpose`: `final picture`,`method`: ``}],",
+        "`bars`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`class`: ` biased`,`length`: `0.0`,"
+        "`times`: `0.0`,`whisker`: null},{`method`: `em`,`name`: `em 16 stratified`,`notes`: [],`class`: ``,"
+        "`length`: `50.0`,`times`: `1.0`,`whisker`: null},{`method`: `mis`,`name`: `mis 16 scene's own`,`notes`: [],"
+        "`class`: ``,`length`: `100.0`,`times`: `2.0`,`whisker`: null}],",
+        "`strip`: {`time`: `4 s`,`reference`: `ref`,`made`: `as given`,`crops`: [{`number`: `0`,`left`: `0.00`,"
+        "`top`: `0.00`,`picture`: `ref`,`x`: `0.00`,`y`: `0.00`},{`number`: `1`,`left`: `25.00`,`top`: `0.00`,"
+        "`picture`: `ref`,`x`: `33.33`,`y`: `0.00`}],`shots`: [{`method`: `em`,`name`: `em 16 stratified`,`notes`: [],"
+        "`made`: `1 pass, 2 s`,`picture`: `p0`,`errors`: `e0`,`error`: `50%`,",
+        "`left`: `ref`,`right`: `p0`,`choice`: [{`picture`: `ref`,`name`: `reference`},{`picture`: `p0`,"
+        "`name`: `em 16 stratified`}]},",
+        "`columns`: [`1 s`,`2 s`,`4 s`],`rows`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],"
+        "`cells`: [{`strength`: `100`,`text`: `0%`},{`text`: ``},{`text`: ``}]},{`method`: `em`,"
+        "`name`: `em 16 stratified`,`notes`: [],`cells`: [{`text`: ``},{`strength`: `100`,`text`: `50%`},"
+        "{`strength`: `100`,`text`: `~35%`}]},{`method`: `mis`,`name`: `mis 16 scene's own`,`notes`: [],"
+        "`cells`: [{`text`: ``},{`text`: ``},{`strength`: `75`,`text`: `50%`}]}]}",
+        "`columns`: [`200%`,`100%`,`50%`,`30%`,`20%`,`15%`]",
+        "`front`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`passes`: `1`,`time`: `1 s`,"
+        "`error`: `below the reference's`,`bias`: `−20%`}],`thin`: false,`width`: `4`,`height`: `2`,`full`: `4 × 2`,"
+        "`of_each`: `1 × 1`,`longest`: `4 s`,`seeds`: `1 seed`,`threads`: `1 thread`,`version`: `" BIS_VERSION "`,"
+        "`references`: [],`given`: true,`noise`: `0%`,`agreement`: null,`left_out`: ``,`ratio`: `16/8`,`pictures`: [{"
+        "`name`: `ref`,`png`: `",
+        "`},{`name`: `p0`,`png`: `", "`},{`name`: `e0`,`png`: `", NULL};
+    assert_non_null(t.desc);
+    t.desc->view.film.crop[1] = t.desc->view.film.crop[3] = 1;
+    t.plan = (bis_trade_plan){.n_seeds = 1, .full_width = 4, .full_height = 2, .step = 1, .width = 4, .height = 2,
+                              .run_seconds = 4, .reference = {-1, -1}, .is_given = true};
+    add_setting(&t, "em 16 stratified", &bis_em, 1);
+    add_setting(&t, "mis 16 scene's own", &bis_mis, 1);
+    add_setting(&t, "rejection 100/8", &bis_rejection, 1);
+    add_setting(&t, "sir 64/1 one by one", &bis_sir, 0);
+    t.plan.settings[0].settings.samples = t.plan.settings[3].settings.shadowrays = 1;
+    t.plan.settings[1].is_scenes = t.plan.settings[2].is_biased = true;
+    t.plan.settings[3].settings.candidates = 64;
+    t.plan.settings[3].is_swept = false;
+    for (int k = 0; k < 2; k++) t.references[k] = (bis_trade_reference){.mean = 0.5, .is_ready = true};
+    t.both = (bis_trade_reference){.mean = 0.5, .is_ready = true};
+    for (int k = 0; k < 2; k++) {
+        bis_image *const image = k ? &t.both.image : &t.strip[0].image;
+        assert_int_equal(bis_image_init(image, 16, 8, NULL), BIS_OK);
+        for (int i = 0; i < 16 * 8; i++) image->pixels[i] = (rgb){1, 1, 1};
+    }
+    t.strip[0].passes = 1, t.strip[0].seconds = 2, t.strip[0].relmse = 0.25;
+    t.n_strip = 1;
+    add_runs(&t, 0, 0, 1, (double[]){2}, (double[]){0.25 - 1 / 64.0});
+    add_runs(&t, 1, 0, 1, (double[]){4}, (double[]){0.25 - 1 / 64.0});
+    add_runs(&t, 2, 0, 1, (double[]){1}, (double[]){-1 / 64.0});
+    assert_int_equal(bis_trade_summarise(&t, NULL), BIS_OK);
+    assert_int_equal(t.result.best, 0);
+    t.result.advice[0] = (bis_trade_advice){"preview", 0.5, 0, 1, 2, 0.5, false};
+    t.result.advice[1] = (bis_trade_advice){"good picture", 0.15, 3, 2, 3, 0.2, true};
+    t.result.advice[2].setting = -1;
+    char *text = values_of(&t);
+    assert_in_order(text, parts);
+    free(text);
+
+    /* references of its own, of which one is not ready: that one is not named, and there is nothing to agree with */
+    t.plan.is_given = false;
+    t.plan.reference[0] = 1, t.plan.reference[1] = 3;
+    t.references[1].is_ready = false;
+    text = values_of(&t);
+    assert_in_order(text, (const char *const[]){"`made`: `the mean of both`", "`references`: [{`judged`: `sir and rejection`,"
+        "`name`: `mis 16 scene's own`,`renders`: `8`,`passes`: `0`,`mean`: `0.5`,`se`: `0%`,`noise`: `0%`}],`given`: false,"
+        "`noise`: `0%`,`agreement`: null", NULL});
+    free(text);
+
+    /* all are biased, or none was measured: nothing to compare, no picture */
+    bis_image_clear(&t.strip[0].image);
+    t.n_strip = 0;
+    t.result.best = -1;
+    text = values_of(&t);
+    assert_in_order(text, (const char *const[]){"`bars`: [],`strip`: null,", NULL});
+    free(text);
+    t.result.n_points = 0;
+    text = values_of(&t);
+    assert_in_order(text, (const char *const[]){"`measured`: false,`thin`: false,", NULL});
+    free(text);
+    clear(&t);
+}
+
 /* Names at the right that would leave the picture are pushed up, LABEL = 30 apart; where nothing has noise there is no
  * plot. */
 static void names_stay_in_the_picture_and_nothing_makes_no_plot(void **state)
@@ -708,6 +824,50 @@ static void names_stay_in_the_picture_and_nothing_makes_no_plot(void **state)
         free(text);
         clear(&t);
     }
+}
+
+/* Beyond 2.6 decades in time, 3 in error, only powers of ten have a figure: 0.025 and 40 s, drawn from 0.02 to 50; errors
+ * of 0.0013 and 1, to 1.2. Rays for each pixel, 100 and 2000, from 80 to 2500: thousands are k. */
+static void long_axes_have_figures_at_powers_of_ten_alone(void **state)
+{
+    (void)state;
+    static const char *const parts[] = {
+        "`x_ticks`: [{`at`: `62.0`,`text_at`: `66.0`,`text`: ``},"
+        "{`at`: `128.3`,`text_at`: `132.3`,`text`: ``},{`at`: `178.4`,`text_at`: `182.4`,`text`: `0.1 s`},"
+        "{`at`: `228.6`,`text_at`: `232.6`,`text`: ``},{`at`: `294.9`,`text_at`: `298.9`,`text`: ``},"
+        "{`at`: `345.0`,`text_at`: `349.0`,`text`: `1 s`},{`at`: `395.1`,`text_at`: `399.1`,`text`: ``},"
+        "{`at`: `461.4`,`text_at`: `465.4`,`text`: ``},{`at`: `511.6`,`text_at`: `515.6`,`text`: `10 s`},"
+        "{`at`: `561.7`,`text_at`: `565.7`,`text`: ``},{`at`: `628.0`,`text_at`: `632.0`,`text`: ``}]",
+        "`y_ticks`: [{`at`: `384.5`,`text_at`: `388.5`,`text`: ``},"
+        "{`at`: `331.4`,`text_at`: `335.4`,`text`: ``},{`at`: `291.3`,`text_at`: `295.3`,`text`: `1%`},"
+        "{`at`: `251.1`,`text_at`: `255.1`,`text`: ``},{`at`: `198.1`,`text_at`: `202.1`,`text`: ``},"
+        "{`at`: `157.9`,`text_at`: `161.9`,`text`: `10%`},{`at`: `117.8`,`text_at`: `121.8`,`text`: ``},"
+        "{`at`: `64.7`,`text_at`: `68.7`,`text`: ``},{`at`: `24.6`,`text_at`: `28.6`,`text`: `100%`}]", NULL};
+    static const char *const rays[] = {
+        "`x_ticks`: [{`at`: `98.7`,`text_at`: `102.7`,`text`: `100`},"
+        "{`at`: `212.7`,`text_at`: `216.7`,`text`: `200`},{`at`: `363.3`,`text_at`: `367.3`,`text`: `500`},"
+        "{`at`: `477.3`,`text_at`: `481.3`,`text`: `1k`},{`at`: `591.3`,`text_at`: `595.3`,`text`: `2k`}]", NULL};
+    bis_trade t;
+    char *text;
+    size_t n;
+    forge(&t);
+    for (int i = 2; i < t.result.n_points; i++) t.result.points[i].noise = 0;
+    bis_trade_point *const p = t.result.points;
+    p[0].seconds = 0.025, p[0].noise = 1;
+    p[1].seconds = 40, p[1].noise = 0.0013 * 0.0013;
+    p[0].camera_rays = 600, p[0].shadow_rays = 200; /* of 8 pixels */
+    p[1].camera_rays = 4000, p[1].shadow_rays = 12000;
+    bis_json j = {.out = open_memstream(&text, &n)};
+    bis_json_open(&j, NULL, '[');
+    bis_trade_put_plot(&j, &t, false);
+    bis_trade_put_plot(&j, &t, true);
+    bis_json_close(&j);
+    fclose(j.out);
+    join_lines(text);
+    assert_in_order(text, parts);
+    assert_in_order(strstr(text, "rays for each pixel"), rays);
+    free(text);
+    clear(&t);
 }
 
 /* ---- the plan ---- */
@@ -777,6 +937,11 @@ static void a_plan_fills_half_of_the_time(void **state)
     assert_true(p->reference[0] == -1 && p->reference[1] == P_SIR);
     assert_true(p->settings[P_MIS].levels == p->settings[P_MIS_LONG].levels + 1);
     assert_true(p->reference_passes[1] == (uint32_t)(0.22 * 10.64 / 8 / p->settings[P_SIR].pass_seconds));
+
+    pilot(&t, &desc); /* the last of the table alone */
+    for (int i = 0; i < N_PILOTED; i++) t.plan.settings[i].is_swept = i == P_MIS_SLOW;
+    assert_int_equal(bis_trade_fit_plan(&t, 10.64, NULL), BIS_OK);
+    assert_true(p->reference[0] == -1 && p->reference[1] == P_SIR && p->settings[P_MIS_SLOW].levels > 0);
 
     pilot(&t, &desc); /* a given reference */
     t.plan.is_given = true;
@@ -951,6 +1116,45 @@ static void the_pilot_tells_how_far_it_is(void **state)
         assert_int_equal(s->pass_seconds > 0 && s->fill_seconds > 0 && s->pass_relmse > 0, piloted);
     }
     bis_trade_clear(&t);
+}
+
+/* A setting with another b, or compensated, has a map of its own, built as the scene's is: with the table that the scene
+ * file names, or that its sampler is for. So it makes the picture of the scene file that has these settings, bit for bit. */
+static void a_light_of_its_own_is_built_as_the_scenes(void **state)
+{
+    (void)state;
+    static const struct { const char *sampler, *table; } scenes[] = {{"", ""}, {"Sampler \"sobol\"\n", ""},
+        {"", " \"string sampler\" \"cdf\""}, {"Sampler \"halton\"\n", " \"string sampler\" \"alias\""}};
+    static const struct { const char *setting, *integrator, *b; } cases[] = {
+        {"em 16 b=0", "em\"", " \"float areaexponent\" 0"}, {"em 16 b=0.5", "em\"", " \"float areaexponent\" 0.5"},
+        {"mis 16 compensated", "mis\" \"bool compensate\" true", ""}};
+    program_folder(DIR "/own");
+    for (int i = 0; i < 12; i++) {
+        program_write_scene(DIR "/own", scenes[i / 3].sampler);
+        char *const scene = read_text(DIR "/own/scene.txt"), text[4096];
+        const char *const setting = strstr(scene, "sir\""), *const end = strchr(setting, '\n');
+        const char *const map = strstr(scene, "\"map.pfm\"") + strlen("\"map.pfm\"");
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(map - scene), scene, scenes[i / 3].table, map);
+        program_write_file(DIR "/own/scene.txt", text);
+        snprintf(text, sizeof text, "%.*s%s%.*s%s%s%s", (int)(setting - scene), scene, cases[i % 3].integrator,
+                 (int)(map - end), end, scenes[i / 3].table, cases[i % 3].b, map);
+        program_write_file(DIR "/own/right.txt", text);
+        bis_free(scene);
+        bis_trade t = {.o = {.scene = DIR "/own/scene.txt", .n_threads = 1}};
+        bis_render_result result;
+        bis_image image, right;
+        program_run r;
+        assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+        t.plan.full_width = 24, t.plan.full_height = 16;
+        const bis_trade_setting *s = &t.plan.settings[bis_trade_find_setting(&t.plan, cases[i % 3].setting)];
+        assert_int_equal(bis_trade_render(&t, s, 1, 2, 7, &image, &result, NULL), BIS_OK);
+        program_expect(&r, 0, DIR "/own/right.txt --samples 16 --spp 2 --seed 7 --quiet --outfile " DIR "/own/right.pfm");
+        assert_int_equal(bis_image_read(&right, DIR "/own/right.pfm", (bis_loc){0}, NULL), BIS_OK);
+        assert_memory_equal(image.pixels, right.pixels, 24 * 16 * sizeof(rgb));
+        bis_image_clear(&image);
+        bis_image_clear(&right);
+        bis_trade_clear(&t);
+    }
 }
 
 /* ---- the folder ---- */
@@ -1156,6 +1360,147 @@ static void each_damage_has_its_place_and_its_words(void **state)
     bis_trade_clear(&t);
 }
 
+/* A plan measures at least a pixel and at most 360000: 600 x 600, one row more is refused; of 24 x 16 every fourth, 2, 6, 10,
+ * ..., a crop of row 8 alone, or of column 12, has none. */
+static void a_plan_has_pixels_and_not_too_many(void **state)
+{
+    (void)state;
+    static const struct {
+        int full_width, full_height, step, width, height;
+        double crop[4];
+        const char *pixels; /* NULL: it is taken */
+    } cases[] = {
+        {600, 600, 1, 600, 600, {0, 1, 0, 1}, NULL}, {600, 601, 1, 600, 601, {0, 1, 0, 1}, "600 x 601"},
+        {24, 16, 4, 6, 4, {0, 1, 0.5, 0.51}, "6 x 0"}, {24, 16, 4, 6, 4, {0.5, 0.53, 0, 1}, "0 x 4"},
+        {24, 16, 4, 6, 4, {0.55, 0.6, 0.6, 0.7}, NULL}, {600, 601, 1, 600, 601, {0, 0.5, 0, 1}, NULL},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        bis_diag diag = {0};
+        char expected[256];
+        load(&t);
+        plan_two(&t);
+        t.o.folder = DIR;
+        t.plan.full_width = cases[i].full_width, t.plan.full_height = cases[i].full_height;
+        t.plan.step = cases[i].step, t.plan.width = cases[i].width, t.plan.height = cases[i].height;
+        memcpy(t.desc->view.film.crop, cases[i].crop, sizeof cases[i].crop);
+        assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+        assert_int_equal(bis_trade_read_plan(&t, &diag), cases[i].pixels ? BIS_INPUT : BIS_OK);
+        snprintf(expected, sizeof expected, DIR "/plan.txt: error: by \"full\" and \"step\" %s pixels are to be measured, must "
+                 "be at least 1 and at most 360000; the file is damaged, measure into a new folder", cases[i].pixels);
+        assert_int_equal(diag.n, cases[i].pixels ? 1 : 0);
+        if (diag.n) assert_string_equal(diag.messages[0].text, expected);
+        bis_diag_clear(&diag);
+        bis_trade_clear(&t);
+    }
+}
+
+/* ---- references ---- */
+
+/* Replicate k of "mis" or "sir": k + 1 in red, as much and twice as much in green and blue of all pixels but one, which is
+ * 3 in each channel. */
+static rgb of_replicate(int which, int k, int pixel)
+{
+    const double v = which ? 4 * (k + 1) : k + 1;
+    return pixel == 7 ? (rgb){3, 3, 3} : rgb_from(v, v, 2 * v);
+}
+
+/* What the files of eight replicates say, channel by channel as the page defines it: the mean, its standard error, the
+ * variance of the mean over mean^2 + m^2/100. */
+static void assert_reference(const bis_trade_reference *ref, int which)
+{
+    double means[8] = {0}, mean = 0, squares = 0, relative = 0;
+    assert_true(ref->is_ready && ref->image.width == 6 && ref->image.height == 4);
+    for (int k = 0; k < 8; k++) {
+        for (int i = 0; i < 24; i++) means[k] += rgb_sum(of_replicate(which, k, i)) / 72;
+        mean += means[k] / 8;
+    }
+    for (int k = 0; k < 8; k++) squares += pow(means[k] - mean, 2);
+    assert_near(ref->mean, mean);
+    assert_near(ref->se, sqrt(squares / 7 / 8));
+    const double v = which ? 18 : 4.5, variance = which ? 96 : 6; /* of 1 ... 8, times 4: 60/10, times 16 */
+    relative = 23 * (2 * (variance / 8) / (v * v + mean * mean / 100) + 4 * (variance / 8) / (4 * v * v + mean * mean / 100));
+    assert_near(ref->relmse, relative / 72);
+    for (int i = 0; i < 24; i++) {
+        const rgb c = ref->image.pixels[i];
+        if (i == 7) assert_true(c.r == 3 && c.g == 3 && c.b == 3);
+        else assert_true(c.r == (float)v && c.g == (float)v && c.b == (float)(2 * v));
+    }
+}
+
+/* Files of both, of mis alone, of sir alone. Of both the mean is weighted by 1/variance, and so is its noise. */
+static void references_are_read_and_combined(void **state)
+{
+    (void)state;
+    for (int which = 1; which < 4; which++) {
+        bis_trade t;
+        bis_image image;
+        diary d = {.n = 0};
+        load(&t);
+        plan_two(&t);
+        t.o.folder = DIR "/replicates";
+        t.o.progress = note, t.o.user = &d;
+        assert_int_equal(system("rm -rf " DIR "/replicates"), 0);
+        assert_int_equal(mkdir(DIR "/replicates", 0777), 0);
+        assert_int_equal(mkdir(DIR "/replicates/references", 0777), 0);
+        for (int k = 0; k < 16; k++) {
+            char path[64];
+            if (!(which >> (k / 8) & 1)) continue;
+            assert_int_equal(bis_image_init(&image, 6, 4, NULL), BIS_OK);
+            for (int i = 0; i < 24; i++) image.pixels[i] = of_replicate(k / 8, k % 8, i);
+            snprintf(path, sizeof path, DIR "/replicates/references/%s-%d.exr", k < 8 ? "mis" : "sir", k % 8 + 1);
+            assert_int_equal(bis_image_save(&image, path, NULL), BIS_OK);
+            bis_image_clear(&image);
+        }
+        for (int k = 0; k < 2; k++)
+            if (!(which >> k & 1)) t.plan.reference[k] = -1;
+        const bis_trade_setting *const maker = &t.plan.settings[t.plan.reference[which == 2]];
+        const double seconds = maker->pass_seconds * t.plan.reference_passes[which == 2];
+        d.n = 0;
+        assert_int_equal(bis_trade_make_references(&t, NULL), BIS_OK);
+        assert_int_equal(d.n, which == 3 ? 16 : 8);
+        assert_string_equal(d.entry[0].what, which == 2 ? "reference by sir" : "reference by mis");
+        assert_near(d.entry[5].share, 5 / 8.0);
+        assert_near(d.entry[5].left, 3 * seconds);
+        for (int k = 0; k < 2; k++) {
+            if (which >> k & 1) assert_reference(&t.references[k], k);
+            else assert_false(t.references[k].is_ready);
+        }
+        const bis_trade_reference *const a = &t.references[0], *const b = &t.references[1];
+        const double w = which == 1 ? 1 : which == 2 ? 0 : b->relmse / (a->relmse + b->relmse);
+        assert_true(t.both.is_ready && t.both.image.width == 6);
+        assert_near(t.both.mean, w * a->mean + (1 - w) * b->mean);
+        assert_near(t.both.relmse, which == 3 ? 1 / (1 / a->relmse + 1 / b->relmse) : a->relmse + b->relmse);
+        const double red = w * 4.5 + (1 - w) * 18;
+        for (int i = 0; i < 24; i++) {
+            const rgb c = t.both.image.pixels[i];
+            const double expected[3] = {i == 7 ? 3 : red, i == 7 ? 3 : red, i == 7 ? 3 : 2 * red};
+            assert_true(fabs((double)c.r - expected[0]) < 1e-5 && fabs((double)c.g - expected[1]) < 1e-5);
+            assert_true(fabs((double)c.b - expected[2]) < 1e-5);
+        }
+        bis_trade_clear(&t);
+    }
+}
+
+/* Two renders of one pixel, (1, 2, 4) and (3, 2, 0): the variances are 2, 0 and 8, the mean is (2, 2, 2), and so is m. */
+static void each_channel_scatters_by_itself(void **state)
+{
+    (void)state;
+    bis_image images[2];
+    bis_trade_reference reference = {.relmse = 1e30};
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(bis_image_init(&images[k], 1, 1, NULL), BIS_OK);
+        images[k].pixels[0] = k ? (rgb){3, 2, 0} : (rgb){1, 2, 4};
+    }
+    assert_int_equal(bis_image_init(&reference.image, 1, 1, NULL), BIS_OK);
+    reference.image.pixels[0] = (rgb){1, 2, 3};
+    assert_near(bis_trade_scatter(images, 2, &reference), (2 + 8) / 4.04 / 3);
+    reference.relmse = 0; /* a reference without noise is what is right */
+    assert_near(bis_trade_scatter(images, 2, &reference), (2 / 1.04 + 8 / 9.04) / 3);
+    for (int k = 0; k < 2; k++) bis_image_clear(&images[k]);
+    bis_image_clear(&reference.image);
+}
+
 /* ---- resumed ---- */
 
 /* A plan of 1 + 2 and 4 + 8 seconds, of which the em of 1 is there: the rest is 14 seconds, by rounds of one budget. */
@@ -1228,6 +1573,152 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
     bis_trade_clear(&t);
 }
 
+/* ---- the advice, checked ---- */
+
+/* Advice by em 16 for an error, of 3 passes in 12 s, put to the proof. In vain there is a reference: its noise is beyond
+ * all, so that only the renders count. */
+static bis_trade_advice checked(uint32_t passes, double error, const sig_atomic_t *interrupted, diary *d)
+{
+    bis_trade t;
+    load(&t);
+    plan_two(&t);
+    const int em = bis_trade_find_setting(&t.plan, "em 16");
+    t.o.passes = passes;
+    t.o.seconds = 1e-9; /* none */
+    t.o.interrupted = interrupted;
+    t.o.progress = note, t.o.user = d;
+    t.both = (bis_trade_reference){.relmse = 1e30};
+    assert_int_equal(bis_image_init(&t.both.image, 6, 4, NULL), BIS_OK);
+    memset(t.both.image.pixels, 0, 24 * sizeof(rgb));
+    t.result.curves[em] = (bis_trade_curve){.n = 1, .pass_seconds = 0.5};
+    for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
+        t.result.advice[i] = (bis_trade_advice){"final picture", error, i == 1 ? em : -1, 3, 12, -1, false};
+    }
+    d->n = 0;
+    assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
+    const bis_trade_advice a = t.result.advice[1];
+    for (int i = 0; i < BIS_TRADE_ADVICE; i += 2) assert_true(t.result.advice[i].passes == 3 && t.result.advice[i].expected_error == -1);
+    bis_trade_clear(&t);
+    return a;
+}
+
+/* The next smaller number of passes of a stratified pixel: ... 9 = 3 x 3, 12 = 3 x 4, 16 = 4 x 4 ... */
+static double one_less(double passes)
+{
+    const double side = ceil(sqrt(passes));
+    return side * side == passes ? side * (side - 1) : (side - 1) * (side - 1);
+}
+
+/* Its passes are the fewest that leave no more than the error. Its seconds are 4 for each. */
+static void assert_fewest(const bis_trade_advice *a)
+{
+    assert_true(a->expected_error > 0 && a->expected_error <= a->error * (1 + 1e-12));
+    if (a->passes > 1) assert_true(a->expected_error * sqrt(a->passes / one_less(a->passes)) > a->error);
+    assert_near(a->seconds, 4.0 * a->passes);
+}
+
+/* Without time there is one attempt, of one pass each: what follows for more passes is the root law's. --passes 1 asks for
+ * no clock: it goes on with what is advised, as far as 64 passes; beyond, the root law again. */
+static void advice_is_put_to_the_proof(void **state)
+{
+    (void)state;
+    static const double wanted[] = {1.9, 5.5, 15, 29};
+    diary d;
+    const bis_trade_advice rough = checked(0, 0.01, NULL, &d);
+    assert_fewest(&rough);
+    assert_true(rough.is_extrapolated && rough.passes > 1 && rough.setting >= 0 && rough.error == 0.01);
+    assert_true(d.n > 0 && strcmp(d.entry[d.n - 1].what, "error of the advice") == 0);
+    assert_near(d.entry[d.n - 1].share, 1 / 3.0);
+    assert_near(d.entry[d.n - 1].left, 0.03e-9 * 2);
+    const double variance = rough.expected_error * rough.expected_error * rough.passes;
+
+    for (int i = 0; i < 4; i++) {
+        const bis_trade_advice a = checked(1, sqrt(variance / wanted[i]), NULL, &d);
+        assert_true(!a.is_extrapolated && a.passes < 64 && a.expected_error > 0 && a.expected_error <= a.error);
+        assert_near(a.seconds, 4.0 * a.passes);
+    }
+    const bis_trade_advice far = checked(1, sqrt(variance / 4000), NULL, &d);
+    assert_fewest(&far);
+    assert_true(far.is_extrapolated && far.passes > 200);
+
+    const bis_trade_advice easy = checked(0, 1e3, NULL, &d); /* a pass is more than enough */
+    assert_true(easy.passes == 1 && !easy.is_extrapolated && easy.expected_error < 10 && easy.seconds == 4);
+
+    const sig_atomic_t signal = 1;
+    const bis_trade_advice none = checked(1, 0.01, &signal, &d);
+    assert_true(none.passes == 3 && none.seconds == 12 && none.expected_error == -1 && !none.is_extrapolated);
+}
+
+/* ---- without memory ---- */
+
+static bis_status parsed(bis_trade *t, bis_diag *diag) { return bis_trade_load(t, diag); }
+
+static bis_status pictured(bis_trade *t, bis_diag *diag)
+{
+    bis_image_clear(&t->strip[0].image);
+    t->n_strip = 0;
+    return bis_trade_make_pictures(t, diag);
+}
+
+static bis_status tabled(bis_trade *t, bis_diag *diag) { return bis_trade_write_tables(t, diag); }
+static bis_status reported(bis_trade *t, bis_diag *diag) { return bis_trade_write_report(t, diag); }
+
+/* The parts of a measurement that goes on, each with its k-th allocation failing after the ones before it went well: it says
+ * that there is no memory, and nothing stays behind. */
+static void each_part_says_that_there_is_no_memory(void **state)
+{
+    (void)state;
+    bis_status (*const parts[])(bis_trade *, bis_diag *) = {
+        parsed, bis_trade_read_plan, bis_trade_read_runs, bis_trade_make_references, bis_trade_summarise,
+        bis_trade_check_advice, bis_trade_time_advice, pictured, tabled, reported};
+    enum { N_PARTS = sizeof parts / sizeof *parts };
+    const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/poor", .seconds = 1e6, .error = 0.9,
+                                 .passes = 1, .n_threads = 1, .resume = true};
+    bis_image grey;
+    bis_trade t;
+    load(&t);
+    plan_two(&t);
+    t.o.folder = DIR "/poor";
+    t.plan.is_given = true;
+    t.plan.run_seconds = 1e-4;
+    t.plan.settings[bis_trade_find_setting(&t.plan, "em 16")].levels = 1;
+    t.plan.reference[0] = t.plan.reference[1] = -1;
+    assert_int_equal(system("rm -rf " DIR "/poor"), 0);
+    assert_int_equal(mkdir(DIR "/poor", 0777), 0);
+    assert_int_equal(mkdir(DIR "/poor/references", 0777), 0);
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    bis_trade_clear(&t);
+    assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
+    for (int i = 0; i < 24; i++) grey.pixels[i] = (rgb){0.5f, 0.5f, 0.5f};
+    assert_int_equal(bis_image_save(&grey, DIR "/poor/references/given.exr", NULL), BIS_OK);
+    bis_image_clear(&grey);
+    program_write_file(DIR "/poor/runs.csv", RUNS "em 16,1,1,7,0.5,11,21,31,0.5,0.25,0.125,0.25\n"
+                                                  "sir 64/4,1,1,9,0.5,11,21,31,0.5,0.25,0.125,0.25\n");
+    const long live = bis_mem_live();
+    for (int part = 0; part < N_PARTS; part++) {
+        bis_status status = BIS_NOMEM;
+        long k = 1;
+        for (; status; k += k < 50 ? 1 : k / 8) {
+            bis_diag diag = {0};
+            assert_int_equal(system("rm -rf " DIR "/poor/pictures " DIR "/poor/pictures.csv"), 0);
+            t = (bis_trade){.o = o};
+            for (int i = 0; i < part; i++) assert_int_equal(parts[i](&t, NULL), BIS_OK);
+            bis_mem_fail_at(k);
+            status = parts[part](&t, &diag);
+            const bool failed = bis_mem_count() >= k;
+            bis_mem_fail_at(0);
+            if ((status == BIS_NOMEM) != failed) fail_msg("part %d, allocation %ld: status %d", part, k, (int)status);
+            const char *const said = diag.n == 1 ? diag.messages[0].text : diag.n_lost ? "no memory for a message" : "";
+            if (status && !strstr(said, "memory") && !strstr(said, "allocate")) /* OpenEXR's word */
+                fail_msg("part %d, allocation %ld: \"%s\"", part, k, said);
+            bis_diag_clear(&diag);
+            bis_trade_clear(&t);
+            assert_int_equal(bis_mem_live(), live);
+        }
+        assert_true(k > 1 + (part != 6)); /* the seconds of a thin film's pass alone need none */
+    }
+}
+
 /* A pass of the full picture is rendered where the sweep's film was thinner, here in 24 x 16 pixels in far less than
  * the thousands of seconds that were said, and a setting that is advised twice has the seconds of a pass in both. Of a
  * pass of 1.7 x 10^5 s every third pixel would take 2% of 10^6 s; of 2 x 10^5 every fourth, and the sweep knows as
@@ -1265,7 +1756,9 @@ int main(void)
         cmocka_unit_test(durations_and_percents_change_their_unit_in_time),
         cmocka_unit_test(tables_have_each_figure_in_its_column),
         cmocka_unit_test(the_page_says_and_shows_what_follows_from_the_runs),
+        cmocka_unit_test(the_page_counts_one_as_one),
         cmocka_unit_test(names_stay_in_the_picture_and_nothing_makes_no_plot),
+        cmocka_unit_test(long_axes_have_figures_at_powers_of_ten_alone),
         cmocka_unit_test(a_plan_fills_half_of_the_time),
         cmocka_unit_test(a_plan_with_passes_has_as_many_of_each),
         cmocka_unit_test(a_biased_setting_gets_the_short_curve),
@@ -1273,9 +1766,15 @@ int main(void)
         cmocka_unit_test(an_error_out_of_reach_is_refused),
         cmocka_unit_test(the_table_of_settings_is_this),
         cmocka_unit_test(the_pilot_tells_how_far_it_is),
+        cmocka_unit_test(a_light_of_its_own_is_built_as_the_scenes),
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
         cmocka_unit_test(each_damage_has_its_place_and_its_words),
+        cmocka_unit_test(a_plan_has_pixels_and_not_too_many),
+        cmocka_unit_test(references_are_read_and_combined),
+        cmocka_unit_test(each_channel_scatters_by_itself),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
+        cmocka_unit_test(advice_is_put_to_the_proof),
+        cmocka_unit_test(each_part_says_that_there_is_no_memory),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
     };
     return cmocka_run_group_tests_name("trade by hand", tests, setup, NULL);

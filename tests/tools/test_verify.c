@@ -1,6 +1,7 @@
 /* `bis verify` must be able to fail: each check is handed something wrong and must reject it, and something right, for
  * several seeds, and must accept it. Then the command itself. A run's own significance is 0.01; for the p-values of all
  * right ones together this file takes 1e-3. What is wrong must be rejected by the run itself. */
+#include "render/edges.h"
 #include "shape/triangle.h"
 #include "tools/pixel/pixel.h"
 #include "tools/truth.h"
@@ -41,7 +42,7 @@ static size_t failures(bis_verify *v)
     return n;
 }
 
-static double alpha(void) { return stat_level(1e-3, 380); }
+static double alpha(void) { return stat_level(1e-3, 398); }
 
 /* Is all of a right run accepted, at this file's own significance? */
 static void assert_accepted(bis_verify *v)
@@ -1018,6 +1019,261 @@ static void verify_file(bis_verify *v, const char *path)
     bis_diag_clear(&diag);
 }
 
+/* ---- the picture ---- */
+
+/* What the renderer does at most: product, learned visibility, edge samples. */
+static const char full[] = "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 24\n"
+                           "Sampler \"sobol\" \"integer pixelsamples\" 16 \"integer edgesamples\" 4\n"
+                           "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"integer shadowrays\" 16 "
+                           "\"bool learn\" true\n";
+
+/* It hides the zenith: what visibility learns depends on the direction. */
+static const char roof[] = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-2 1.5 1  2 1.5 1  2 1.5 7  -2 1.5 7]\n";
+
+typedef struct built {
+    bis_scene_desc *desc;
+    bis_scene *scene;
+} built;
+
+static built build(const char *path)
+{
+    built b = {NULL, NULL};
+    bis_diag diag = {0};
+    if (bis_scene_parse(&b.desc, path, &diag)) fail_msg("%s", path);
+    b.desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+    assert_int_equal(bis_scene_build(&b.scene, b.desc, &diag), BIS_OK);
+    bis_diag_clear(&diag);
+    return b;
+}
+
+static void clear(built *b)
+{
+    bis_scene_free(b->scene);
+    bis_scene_desc_free(b->desc);
+}
+
+static built build_full(void)
+{
+    program_folder(DIR);
+    bis_envmap em = map_random(32, 16, 4, 0.1, 2);
+    const bis_image image = {32, 16, em.pixels};
+    assert_int_equal(bis_image_save(&image, DIR "/map.pfm", NULL), BIS_OK);
+    bis_envmap_clear(&em);
+    char text[2048];
+    snprintf(text, sizeof text, "%s%s%s", full, scene_text, roof);
+    program_write_file(DIR "/full.txt", text);
+    return build(DIR "/full.txt");
+}
+
+/* Failed tests of the picture whose names begin so; all: "". */
+static size_t failed_of_picture(bis_verify_render *render, const built *b, const bis_settings *s, uint64_t seed, const char *name)
+{
+    bis_verify v = {.seed = seed, .halvings = 2};
+    bool tested;
+    size_t n = 0;
+    assert_int_equal(bis_verify_picture(&v, render, b->scene, b->desc, s, &tested, NULL), BIS_OK);
+    assert_true(tested);
+    assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+    for (size_t i = 0; i < v.n; i++) n += v.tests[i].verdict == BIS_VERDICT_FAILED && strncmp(v.tests[i].name, name, strlen(name)) == 0;
+    bis_verify_clear(&v);
+    return n;
+}
+
+static void a_right_picture_passes(void **state)
+{
+    (void)state;
+    built b = build_full();
+    for (uint64_t seed = 0; seed < 2; seed++) {
+        bis_verify v = {.seed = seed, .halvings = 2};
+        bool tested;
+        assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        assert_true(tested);
+        assert_int_equal(v.n, 6); /* all, three of outlines, the material, no number that is none */
+        assert_accepted(&v);
+    }
+    clear(&b);
+}
+
+/* Renders that are wrong. */
+static size_t pixels_of(const bis_film *f) { return (size_t)f->width * (size_t)f->height; }
+
+static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const bis_view *view)
+{
+    unsigned char *edge = bis_edges_find(f, (bis_rect){f->x0, f->y0, f->x0 + f->width, f->y0 + f->height}, scene, view, 1);
+    assert_non_null(edge);
+    return edge;
+}
+
+static bis_status render_heavy_edges(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                     const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    unsigned char *edge = edges_of(f, scene, view);
+    for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] *= edge[i / 3] ? 1.5 : 1;
+    bis_free(edge);
+    return status;
+}
+
+/* Camera samples of edge pixels lie a quarter of a pixel to the right, or below. */
+static bis_status render_shifted(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                 const bis_view *view, const bis_render_options *options, bis_diag *diag, bool down)
+{
+    const double h = f->picture_height, aspect = f->picture_width / h, dx = down ? 0 : 0.5 / h, dy = down ? 0.5 / h : 0;
+    bis_view shifted = *view;
+    bis_film other;
+    bis_render_result ignored;
+    assert_int_equal(bis_film_init_thin(&other, f->picture_width, f->picture_height, desc->view.film.crop, f->step, (bis_loc){0}, diag), BIS_OK);
+    shifted.camera.has_screen = true;
+    memcpy(shifted.camera.screen, (double[]){dx - aspect, dx + aspect, -1 - dy, 1 - dy}, sizeof shifted.camera.screen);
+    bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    if (!status) status = bis_render(&ignored, &other, scene, desc, &shifted, options, diag);
+    unsigned char *edge = edges_of(f, scene, view);
+    for (size_t i = 0; i < 3 * pixels_of(f); i++)
+        if (edge[i / 3]) f->sum[i] = other.sum[i];
+    bis_free(edge);
+    bis_film_clear(&other);
+    return status;
+}
+
+static bis_status render_to_the_right(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    return render_shifted(result, f, scene, desc, view, options, diag, false);
+}
+
+static bis_status render_below(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                               const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    return render_shifted(result, f, scene, desc, view, options, diag, true);
+}
+
+static bis_status render_exchanged(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                   const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    for (size_t i = 0; i < pixels_of(f); i++) {
+        const double r = f->sum[3 * i];
+        f->sum[3 * i] = f->sum[3 * i + 2];
+        f->sum[3 * i + 2] = r;
+    }
+    return status;
+}
+
+static bis_status render_without_shadows(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                         const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    bis_view open = *view;
+    open.settings = bis_settings_default(&bis_unoccluded);
+    return bis_render(result, f, scene, desc, &open, options, diag);
+}
+
+static bis_status render_not_a_number(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    result->counters.nonfinite += view->sampler.seed % 8 == 0; /* left out of the film, in a few renders */
+    return status;
+}
+
+static bis_status render_three_percent_more(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] *= 1.03;
+    return status;
+}
+
+static void wrong_pictures_are_rejected(void **state)
+{
+    (void)state;
+    static const struct { const char *what; bis_verify_render *render; const char *by; } wrong[] = {
+        {"edge pixels count 1.5 times", render_heavy_edges, "outlines: "},
+        {"edge samples to the right", render_to_the_right, "outlines, left to right"},
+        {"edge samples below", render_below, "outlines, up and down"},
+        {"channels exchanged", render_exchanged, "all pixels"},
+        {"no shadows", render_without_shadows, "all pixels"},
+        {"a number that is none", render_not_a_number, "not a number"},
+        {"3 % too bright", render_three_percent_more, "all pixels"}};
+    built b = build_full();
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        if (failed_of_picture(wrong[i].render, &b, &b.desc->view.settings, 1, wrong[i].by) == 0)
+            fail_msg("%s: \"%s\" accepts it", wrong[i].what, wrong[i].by);
+    }
+    clear(&b);
+}
+
+/* A floor of reflectance 1/2 fills the left half of the only pixel, seen from above in white light: half of 7/2, half of 7.
+ * Times the place from the centre on: 7/2 times -1/8, 7 times 1/8. A pixel that the floor fills is no outline. */
+static void a_reference_is_the_mean_over_the_pixel(void **state)
+{
+    (void)state;
+    static const char *const text = "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nCamera \"orthographic\"\nWorldBegin\n"
+        "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -9 2  %d -9 2  %d 9 2  -9 9 2]\n";
+    for (int whole = 0; whole < 2; whole++) {
+        char filled[1024];
+        bis_verify_table table;
+        bis_verify_pixel pixel;
+        double mean;
+        program_folder(DIR);
+        snprintf(filled, sizeof filled, text, 9 * whole, 9 * whole);
+        program_write_file(DIR "/half.txt", filled);
+        built b = build(DIR "/half.txt");
+        const bis_film film = bis_film_place(1, 1, b.desc->view.film.crop, 1);
+        assert_int_equal(bis_verify_table_init(&table, b.scene->light, NULL), BIS_OK);
+        assert_near(table.sum[table.n], 4 * PI * 7, 1e-3);
+        const bis_verify_eye eye = {b.scene, b.desc, &b.desc->view, &film, &table, false};
+        bis_verify_means(&mean, &pixel, &eye, (uint32_t[]){1 << 16}, 1);
+        assert_near(mean, whole ? 3.5 : 5.25, 0.02);
+        assert_near(pixel.slope[0], whole ? 0 : 0.4375, 0.01);
+        assert_near(pixel.slope[1], 0, 0.01);
+        assert_int_equal(pixel.is_outline, !whole);
+        bis_verify_table_clear(&table);
+        clear(&b);
+    }
+}
+
+/* `exact` takes 2^17 patches a pixel: its points are looked at, as before. */
+static void what_is_too_dear_is_said(void **state)
+{
+    (void)state;
+    built b = build_full();
+    bis_settings s = bis_settings_default(&bis_exact);
+    bis_verify v = {.seed = 1};
+    bool tested;
+    s.perpatch = 256; /* of 512 patches */
+    assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, b.desc, &s, &tested, NULL), BIS_OK);
+    assert_false(tested);
+    assert_int_equal(v.n, 1);
+    assert_string_equal(v.tests[0].name, "all pixels: exact");
+    assert_true(v.tests[0].verdict == BIS_VERDICT_SKIPPED && strstr(v.tests[0].note, "too dear"));
+    bis_verify_clear(&v);
+    clear(&b);
+}
+
+static void every_allocation_of_a_picture_may_fail(void **state)
+{
+    (void)state;
+    built b = build_full();
+    bis_settings s = bis_settings_default(&bis_em);
+    bis_status status = BIS_NOMEM;
+    s.samples = 1;
+    b.desc->view.film.width = b.desc->view.film.height = 2;
+    b.desc->view.edge_samples = 1;
+    for (long k = 1; status; k += 1 + k / 32) {
+        bis_verify v = {.seed = 1, .halvings = 12};
+        bool tested;
+        bis_mem_fail_at(k);
+        status = bis_verify_picture(&v, bis_render, b.scene, b.desc, &s, &tested, NULL);
+        bis_mem_fail_at(0);
+        if (!status) status = bis_verify_judge(&v, NULL);
+        assert_true(status == BIS_OK || status == BIS_NOMEM);
+        assert_true(k < 5000);
+        bis_verify_clear(&v);
+    }
+    clear(&b);
+}
+
 static void the_command_verifies_maps_and_scenes(void **state)
 {
     (void)state;
@@ -1122,7 +1378,7 @@ static void a_pixel_is_looked_at_once(void **state)
         in_view += strcmp(v.tests[k].group, "view") == 0;
         for (size_t j = 0; j < k; j++) assert_string_not_equal(v.tests[j].name, v.tests[k].name);
     }
-    assert_int_equal(in_view, 14); /* of four pixels, two see a surface in the light */
+    assert_int_equal(in_view, 12); /* of four pixels, two see a surface in the light; sir is rendered */
     assert_accepted(&v);
 }
 
@@ -1163,6 +1419,11 @@ int main(void)
         cmocka_unit_test(skewed_means_do_not_accuse),
         cmocka_unit_test(small_cells_do_not_accuse),
         cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(a_right_picture_passes),
+        cmocka_unit_test(wrong_pictures_are_rejected),
+        cmocka_unit_test(a_reference_is_the_mean_over_the_pixel),
+        cmocka_unit_test(what_is_too_dear_is_said),
+        cmocka_unit_test(every_allocation_of_a_picture_may_fail),
         cmocka_unit_test(the_command_verifies_maps_and_scenes),
         cmocka_unit_test(seeds_that_were_accused_pass),
         cmocka_unit_test(a_scene_that_is_wrong_on_purpose_fails),

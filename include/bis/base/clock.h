@@ -1,7 +1,6 @@
 /* clock: a monotonic clock, and the processor time of a thread. Both are for durations: only differences of two
  * readings have a meaning. */
-#ifndef BIS_CLOCK_H
-#define BIS_CLOCK_H
+#pragma once
 
 #include <time.h>
 
@@ -21,5 +20,3 @@ static inline double bis_clock_processor(void)
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
-
-#endif

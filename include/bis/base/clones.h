@@ -2,8 +2,7 @@
  *
  * BIS_LANES before a static function makes a clone for AVX-512, one for AVX2 and one for any processor. The loader
  * chooses when the program starts. BIS_INLINE before a function copies it into every clone. */
-#ifndef BIS_CLONES_H
-#define BIS_CLONES_H
+#pragma once
 
 /* Clones need an indirect function of glibc's loader. They are off under the sanitizers, because a sanitizer
  * instruments the function that chooses, and that function runs before the sanitizer is ready. They are for static
@@ -24,5 +23,3 @@
 /* Copies the function into every clone before the clone is compiled, because a loop that contains a call cannot
  * become a vector loop. */
 #define BIS_INLINE __attribute__((always_inline))
-
-#endif

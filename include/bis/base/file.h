@@ -4,13 +4,11 @@
  * file's size. Output is written to another file of the same folder, which takes the place of the older one on
  * commit. A failure (a full disk, a crash, Ctrl-C) therefore leaves no partial file and loses no older one. Numbers
  * are read and written independently of the locale. */
-#ifndef BIS_FILE_H
-#define BIS_FILE_H
+#pragma once
 
 #include "bis/base/status.h"
 
 #include <limits.h>
-#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -68,5 +66,3 @@ const char *bis_format_double(char buf[32], double v);
 
 /* bis_format_float does the same for a float. */
 const char *bis_format_float(char buf[32], float v);
-
-#endif

@@ -1,11 +1,8 @@
 /* image: RGB pixels in memory, in linear radiance. bis/files/image_file.h reads and writes them as files. */
-#ifndef BIS_IMAGE_H
-#define BIS_IMAGE_H
+#pragma once
 
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
-
-#include <stddef.h>
 
 /* pixels[height][width], row 0 at the top. The values are those of the file: they may be NaN, infinite or negative. */
 typedef struct bis_image {
@@ -30,5 +27,3 @@ typedef struct bis_channel {
     const float *data;
     int stride; /* in floats */
 } bis_channel;
-
-#endif

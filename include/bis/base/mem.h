@@ -2,8 +2,7 @@
  * load works).
  *
  * Sizes are checked for overflow before they are multiplied. Whoever allocates a block frees it with bis_free. */
-#ifndef BIS_MEM_H
-#define BIS_MEM_H
+#pragma once
 
 #include <stddef.h>
 
@@ -41,5 +40,3 @@ long bis_mem_failures(void);
 /* bis_mem_live returns the number of blocks that are not freed yet. It is 0 when a program ends: every test program
  * checks that (tests/support/every.c), and so does bis itself. */
 long bis_mem_live(void);
-
-#endif

@@ -1,8 +1,7 @@
 /* stats: p-values, for testing samplers and for comparing images.
  *
  * All p-values are computed as upper tails, because 1 - P would be noise below 1e-16. */
-#ifndef BIS_STATS_H
-#define BIS_STATS_H
+#pragma once
 
 /* bis_stats_gamma_q returns Q(a, x) = Gamma(a, x) / Gamma(a), the regularised upper incomplete gamma function, for a
  * > 0 and x >= 0. The relative error is at most about 1e-13 sqrt(a) if the result is a normal number; smaller results
@@ -25,5 +24,3 @@ double bis_stats_student_p(double t, double dof);
 /* bis_stats_sidak returns the significance for each of m independent tests such that all of them together raise a
  * false alarm with probability alpha: 1 - (1 - alpha)^(1/m) (Sidak 1967). m = 40 and alpha = 0.01 give 2.5e-4. */
 double bis_stats_sidak(double alpha, double m);
-
-#endif

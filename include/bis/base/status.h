@@ -3,8 +3,7 @@
  * Library code never prints, exits or aborts. A function that can fail returns a bis_status and appends a message to
  * the caller's bis_diag. This is a list, because a parser continues after the first mistake. Only the command line
  * prints it. */
-#ifndef BIS_STATUS_H
-#define BIS_STATUS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -53,5 +52,3 @@ void bis_diag_clear(bis_diag *diag);
  * mean "X"?`. The edit distance is at most a third of the length of word, but at least 1 is allowed. Case is
  * ignored. */
 const char *bis_nearest_name(const char *word, const char *const *names, size_t n);
-
-#endif

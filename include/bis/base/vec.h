@@ -4,8 +4,7 @@
  * Components are floats, because meshes and maps hold floats. Every scalar that is computed from them (dot, length,
  * cosines) is a double. The product of two floats is exact in double, so dot() has an error of at most 1 ulp of its
  * largest term. */
-#ifndef BIS_VEC_H
-#define BIS_VEC_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -106,5 +105,3 @@ static inline vec3 to_world(const frame *f, vec3 w)
                      (double)w.x * (double)f->x.y + (double)w.y * (double)f->y.y + (double)w.z * (double)f->z.y,
                      (double)w.x * (double)f->x.z + (double)w.y * (double)f->y.z + (double)w.z * (double)f->z.z);
 }
-
-#endif

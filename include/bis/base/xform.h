@@ -1,7 +1,6 @@
 /* xform: affine transformations with their inverses, in double; for cameras also projective ones. Vectors are
  * columns. The conventions are pbrt's: the world is left-handed, Rotate takes degrees, LookAt maps world to camera. */
-#ifndef BIS_XFORM_H
-#define BIS_XFORM_H
+#pragma once
 
 #include "bis/base/vec.h"
 
@@ -59,5 +58,3 @@ bool bis_xform_is_orthonormal(const bis_xform *t, double tolerance);
  * columns of t exactly orthonormal in their order, and drops the translation. The handedness is kept, so a reflection
  * stays a reflection. t must be orthonormal to BIS_XFORM_FRAME_TOLERANCE. */
 bis_xform bis_xform_rotation(const bis_xform *t);
-
-#endif

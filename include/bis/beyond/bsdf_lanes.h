@@ -1,6 +1,5 @@
 /* bsdf_lanes: a material seen from many directions at once. Proposals and resampling (src/beyond/batch.c) use it. */
-#ifndef BIS_BSDF_LANES_H
-#define BIS_BSDF_LANES_H
+#pragma once
 
 #include "bis/beyond/lanes.h"
 #include "bis/thesis/bsdf.h"
@@ -31,5 +30,3 @@ struct bis_bsdf_lanes {
 /* bis_bsdf_lanes_of returns these functions for a model, or NULL if nobody has written them. The directions of such a
  * model are computed one at a time. */
 const bis_bsdf_lanes *bis_bsdf_lanes_of(const bis_bsdf_model *model);
-
-#endif

@@ -9,8 +9,7 @@
  *
  * A cluster is a run of tiles along the curve of the importance (src/thesis/importance_curve.c). It is therefore
  * compact, and it is known by its interval of the curve, whose length is its share of the importance. */
-#ifndef BIS_CLUSTERS_H
-#define BIS_CLUSTERS_H
+#pragma once
 
 #include "bis/beyond/lanes.h"
 #include "bis/thesis/light.h"
@@ -63,5 +62,3 @@ static inline uint32_t bis_cluster_of_pixel(const bis_clusters *c, uint32_t pixe
 
 /* bis_cluster_share returns the share of the importance that cluster k has. */
 static inline double bis_cluster_share(const bis_clusters *c, uint32_t k) { return c->t[k + 1] - c->t[k]; }
-
-#endif

@@ -9,8 +9,7 @@
  *
  * The bits do not depend on the processor: every operation is IEEE's, none is fused (-ffp-contract=off), and sums
  * have a fixed order. */
-#ifndef BIS_LANES_H
-#define BIS_LANES_H
+#pragma once
 
 #include "bis/base/clones.h"
 
@@ -169,5 +168,3 @@ static inline BIS_INLINE float bis_lanes_atan2(float y, float x)
  * order of the curve, as a function of key. It writes u1[n] and u2[n] to the end of their last blocks. The numbers
  * have 24 bits. */
 void bis_lanes_points(float *u1, float *u2, uint32_t n, uint64_t key);
-
-#endif

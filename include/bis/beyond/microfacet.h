@@ -8,8 +8,7 @@
  * (1 - Ks)(1 - cos theta_d)^5 (Schlick 1994). The base is that of Ashikhmin and Shirley 2000; with it, no Kd and Ks
  * in [0,1] reflect more light than arrives. Directions are drawn from a mixture of the mirror directions of visible
  * facets (Heitz 2018; Dupuy and Benyoub 2023) and a cosine hemisphere. */
-#ifndef BIS_MICROFACET_H
-#define BIS_MICROFACET_H
+#pragma once
 
 #include "bis/thesis/bsdf.h"
 
@@ -23,5 +22,3 @@ extern const bis_bsdf_model bis_microfacet_model;
  * [BIS_MICROFACET_MIN_ROUGHNESS, 1]. alpha = roughness^2 (Burley 2012), because equal steps of roughness then look
  * equal. */
 bis_material bis_microfacet(rgb Kd, rgb Ks, double roughness);
-
-#endif

@@ -5,8 +5,7 @@
  * pixel takes one of them at random. The directions of a set have the light's density, as if they were drawn for that
  * pixel alone, so every estimate stays unbiased. The price is that pixels with the same set share its noise. A pool
  * has at least 16 sets and mostly 256, so neighbours rarely share one, and the next pass has other sets. */
-#ifndef BIS_POOL_H
-#define BIS_POOL_H
+#pragma once
 
 #include "bis/beyond/lanes.h"
 #include "bis/thesis/integrator.h"
@@ -62,5 +61,3 @@ static inline bis_lanes bis_pool_lanes(const bis_pool *p, uint32_t set)
     const uint32_t n = bis_lanes_round_up(p->M);
     return bis_lanes_in(p->lanes + (size_t)set * BIS_LANES_ARRAYS * n, n);
 }
-
-#endif

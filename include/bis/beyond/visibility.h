@@ -10,8 +10,7 @@
  * and all passes have equal weight.
  *
  * A part is a run of clusters (bis/beyond/clusters.h), so it is compact. A part takes 16 bytes per tile. */
-#ifndef BIS_VISIBILITY_H
-#define BIS_VISIBILITY_H
+#pragma once
 
 #include "bis/beyond/clusters.h"
 
@@ -48,5 +47,3 @@ void bis_visibility_factors(float *g, uint32_t n, const bis_visibility *v, size_
 
 /* bis_visibility_learn ends a pass: what the pass counted is added to what is known. */
 void bis_visibility_learn(bis_visibility *v, int n_threads);
-
-#endif

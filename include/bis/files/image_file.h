@@ -1,10 +1,7 @@
 /* image_file: RGB pixels in linear radiance, read from .hdr, .exr and .pfm, and written to these and to .png.
  *
- * When reading, the first bytes of the file decide the format; when writing, the ending of its name. Only
- * src/files/image_file.c includes the headers of the formats (src/files/image_hdr.h, image_exr.h, image_pfm.h and
- * image_png.h). */
-#ifndef BIS_IMAGE_FILE_H
-#define BIS_IMAGE_FILE_H
+ * When reading, the first bytes of the file decide the format; when writing, the ending of its name. */
+#pragma once
 
 #include "bis/base/image.h"
 
@@ -53,5 +50,3 @@ bis_status bis_image_save(const bis_image *image, const char *path, bis_diag *di
 /* bis_image_save_colours does the same for colours that the eye shall see as they are (levels, a difference): a png
  * gets no exposure. */
 bis_status bis_image_save_colours(const bis_image *image, const char *path, bis_diag *diag);
-
-#endif

@@ -1,7 +1,6 @@
 /* film: the sums behind the pixels. A pass adds one value to every pixel, from one or several camera samples. The
  * picture is the mean over the passes, weighted by their camera samples. */
-#ifndef BIS_FILM_H
-#define BIS_FILM_H
+#pragma once
 
 #include "bis/base/image.h"
 #include "bis/scene/layers.h"
@@ -103,5 +102,3 @@ int bis_film_layers(const bis_film *f, bis_channel channels[BIS_FILM_MAX_CHANNEL
 
 /* bis_film_bytes returns the bytes that the sums take. */
 size_t bis_film_bytes(const bis_film *f);
-
-#endif

@@ -1,6 +1,5 @@
 /* render: passes over tiles by threads, until a budget of samples, time or error is used up. */
-#ifndef BIS_RENDER_H
-#define BIS_RENDER_H
+#pragma once
 
 #include "bis/render/film.h"
 #include "bis/scene/scene.h"
@@ -72,5 +71,3 @@ int bis_render_threads(const bis_render_options *options);
  * BIS_NOMEM, BIS_INPUT (the checkpoint belongs to another render, or has more camera samples than are asked for). */
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                       const bis_view *view, const bis_render_options *options, bis_diag *diag);
-
-#endif

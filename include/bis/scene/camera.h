@@ -1,7 +1,6 @@
 /* camera: from a place on the film to a ray. The conventions are pbrt's: left-handed, x right, y up, z forward, fov
  * along the shorter side. */
-#ifndef BIS_CAMERA_H
-#define BIS_CAMERA_H
+#pragma once
 
 #include "bis/base/vec.h"
 #include "bis/base/xform.h"
@@ -25,5 +24,3 @@ ray bis_camera_ray(const bis_camera *c, int width, int height, double x, double 
 /* bis_camera_eyes stores in box the corners {x0, y0, z0, x1, y1, z1} of a box in world space that contains all places
  * where the camera's rays start. The box is in double, because a transformation may put it beyond the largest float. */
 void bis_camera_eyes(const bis_camera *c, int width, int height, double box[6]);
-
-#endif

@@ -1,7 +1,6 @@
 /* layers: what a picture can contain beside its colours, and the sums that gather it. A scene pays only for the
  * layers that it asks for. */
-#ifndef BIS_LAYERS_H
-#define BIS_LAYERS_H
+#pragma once
 
 #include "bis/base/status.h"
 
@@ -55,5 +54,3 @@ void bis_layers_add(bis_layers *l, size_t pixel, const float *values);
 
 /* bis_layers_has returns whether the layer is requested. */
 static inline bool bis_layers_has(const bis_layers *l, bis_layer layer) { return l->asked >> layer & 1; }
-
-#endif

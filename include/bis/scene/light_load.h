@@ -1,6 +1,5 @@
 /* light_load: makes a light from its description in a scene: it reads the file, checks it and warns. */
-#ifndef BIS_LIGHT_LOAD_H
-#define BIS_LIGHT_LOAD_H
+#pragma once
 
 #include "bis/base/image.h"
 #include "bis/thesis/light.h"
@@ -46,5 +45,3 @@ bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_lig
  * as_printed, to_world and loc of desc. Errors: BIS_INPUT (the frame), BIS_NOMEM. */
 bis_status bis_light_from_envmap(bis_light **out, bis_envmap *em, const bis_light_desc *desc, unsigned needs,
                                  bis_diag *diag);
-
-#endif

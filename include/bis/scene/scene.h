@@ -1,8 +1,7 @@
 /* scene: the description of a scene (bis_scene_desc), which the parser fills and the command line changes, and the
  * same scene built (bis_scene). Building looks at what the integrator needs and makes only that. bis_scene_plan
  * prints what is built and why. */
-#ifndef BIS_SCENE_H
-#define BIS_SCENE_H
+#pragma once
 
 #include "bis/shape/accel.h"
 #include "bis/scene/camera.h"
@@ -149,5 +148,3 @@ size_t bis_scene_shape_of(const bis_scene *s, const bis_scene_desc *desc, uint32
 /* bis_scene_plan prints what the scene requires, what will be built for it, what is left out, and why. It loads
  * nothing: where this is cheap, sizes come from the headers of the files. */
 void bis_scene_plan(const bis_scene_desc *desc, FILE *out);
-
-#endif

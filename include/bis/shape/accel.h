@@ -1,13 +1,10 @@
 /* accel: does a ray hit anything, and what does it hit first? One interface with two backends: the voxel grid of the
  * thesis (src/shape/grid.h) and Embree (src/shape/embree.h). */
-#ifndef BIS_ACCEL_H
-#define BIS_ACCEL_H
+#pragma once
 
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 typedef struct bis_accel bis_accel;
@@ -86,5 +83,3 @@ static inline const char *bis_accel_name(const bis_accel *a) { return a ? a->ops
 
 /* bis_accel_bytes returns the bytes that the accelerator takes. */
 static inline size_t bis_accel_bytes(const bis_accel *a) { return a ? a->ops->bytes(a) : 0; }
-
-#endif

@@ -1,15 +1,11 @@
 /* geometry: all surfaces of a scene in world space, ready for an accelerator: triangles (with or without vertex
  * normals), spheres and discs (each under any affine transformation). Primitives are numbered: triangles first, then
  * quadrics. */
-#ifndef BIS_GEOMETRY_H
-#define BIS_GEOMETRY_H
+#pragma once
 
 #include "bis/base/status.h"
-#include "bis/base/vec.h"
 #include "bis/base/xform.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 /* The result of a mesh reader: indexed triangles in the file's space. The arrays come from bis_alloc. */
@@ -118,5 +114,3 @@ static inline void bis_geometry_prefetch(const bis_geometry *g, uint32_t prim, i
 /* bis_surface_offset returns a point where a shadow ray may start: it lies on ng's side of s->p, beyond the error
  * bound. There is no constant epsilon (docs/errata.md E37). */
 vec3 bis_surface_offset(const bis_surface *s);
-
-#endif

@@ -4,8 +4,7 @@
  * The two tables are those of the thesis: bin i returns i with probability prob[i], and alias[i] otherwise. They are
  * built in double from a copy of the weights, which are first scaled by n/sum (docs/errata.md E13, E15, E16).
  * Building costs O(n), sampling O(1); the tables take 12 bytes an item. */
-#ifndef BIS_ALIAS_H
-#define BIS_ALIAS_H
+#pragma once
 
 #include "bis/base/status.h"
 
@@ -60,5 +59,3 @@ void bis_alias_implied_pmf(const bis_alias *a, double *pmf);
 
 /* bis_alias_bytes returns the bytes that the tables take. */
 size_t bis_alias_bytes(const bis_alias *a);
-
-#endif

@@ -1,8 +1,7 @@
 /* bsdf: the material at one point, seen from one direction. It answers three questions: f, a sample, the density of
  * that sample. Integrators know only this interface. The models (phong.h, microfacet.h) stand behind it, each as a
  * const struct of functions. */
-#ifndef BIS_BSDF_H
-#define BIS_BSDF_H
+#pragma once
 
 #include "bis/base/vec.h"
 
@@ -104,5 +103,3 @@ static inline double bis_bsdf_max_f_cos(const bis_bsdf *b) { return b->material-
 
 /* bis_bsdf_max_ratio returns an upper bound of f cos / pdf over all channels and all wi. */
 static inline double bis_bsdf_max_ratio(const bis_bsdf *b) { return b->material->model->max_ratio(b); }
-
-#endif

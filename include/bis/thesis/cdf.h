@@ -8,8 +8,7 @@
  * The index is monotone in u. Stratified and low-discrepancy numbers therefore keep their structure, which the alias
  * method destroys (E12). Building costs O(n), sampling O(1) expected. A table takes 8 bytes an item and 4 bytes a
  * guide entry. */
-#ifndef BIS_CDF_H
-#define BIS_CDF_H
+#pragma once
 
 #include "bis/base/status.h"
 
@@ -44,5 +43,3 @@ double bis_cdf_pmf(const bis_cdf *c, size_t i);
 
 /* bis_cdf_bytes returns the bytes that the table takes. */
 size_t bis_cdf_bytes(const bis_cdf *c);
-
-#endif

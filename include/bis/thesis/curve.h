@@ -3,8 +3,7 @@
  * Neighbours on the curve are neighbours in the plane. N equal intervals of the curve are therefore N compact cells
  * of equal area, for every N, even a prime. This is why stratified candidates and systematic resampling reduce the
  * noise (thesis 4.4). */
-#ifndef BIS_CURVE_H
-#define BIS_CURVE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -27,5 +26,3 @@ void bis_curve_hilbert(double t, double u[2]);
  * is diagonal where an odd size makes this necessary. width, height < 2^31, and width * height < 2^32. Cost: O(width
  * * height). */
 void bis_curve_rectangle(uint32_t *order, uint32_t width, uint32_t height);
-
-#endif

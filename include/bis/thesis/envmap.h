@@ -4,8 +4,7 @@
  * lies at u = p/(2 pi), v = t/pi; row 0 is at +z. A pixel is a patch and not a point light (docs/errata.md E2): a
  * direction inside it is drawn uniformly by solid angle. Radiance is always that of the nearest pixel (E4). This
  * module knows neither files nor the world. */
-#ifndef BIS_ENVMAP_H
-#define BIS_ENVMAP_H
+#pragma once
 
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
@@ -75,5 +74,3 @@ double bis_envmap_max_intensity(const bis_envmap *em);
 
 /* bis_envmap_bytes returns the bytes that the pixels and the tables take. */
 size_t bis_envmap_bytes(const bis_envmap *em);
-
-#endif

@@ -4,8 +4,7 @@
  *
  * A set of switches is an unsigned; 0 gives the right picture. The code reads a switch where it meets the equation:
  * search for BIS_E6. */
-#ifndef BIS_ERRATA_H
-#define BIS_ERRATA_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -47,5 +46,3 @@ enum { BIS_ERRATA_TEXT = 64 };
 
 /* bis_errata_text writes the names of a set into buf, separated by blanks: "E6 E20". Returns buf. */
 const char *bis_errata_text(char buf[BIS_ERRATA_TEXT], unsigned set);
-
-#endif

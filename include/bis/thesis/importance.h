@@ -10,8 +10,7 @@
  *     keep stratification);
  *   - curve: one CDF over the lit pixels in the order of a space-filling curve. One stratified number then fills the
  *     map evenly. */
-#ifndef BIS_IMPORTANCE_H
-#define BIS_IMPORTANCE_H
+#pragma once
 
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/errata.h"
@@ -93,5 +92,3 @@ size_t bis_importance_bytes(const bis_importance *im);
  * pixels: from the implied pmf of the alias tables, or from the steps of the CDFs. For tests and verification. Needs
  * options.table. Errors: BIS_NOMEM. */
 bis_status bis_importance_implied_pmf(const bis_importance *im, double *pmf, bis_diag *diag);
-
-#endif

@@ -1,8 +1,7 @@
 /* integrator: estimators of the reflected radiance at a point. Source: thesis chapters 3 and 4. Each has one file:
  * src/thesis/em.c, brdf.c, mis.c, rejection.c, sir.c, exact.c and unoccluded.c. All of them see the scene through
  * bis_point and take their random numbers from bis_stream. */
-#ifndef BIS_INTEGRATOR_H
-#define BIS_INTEGRATOR_H
+#pragma once
 
 #include "bis/thesis/point.h"
 #include "bis/thesis/sampler.h"
@@ -64,5 +63,3 @@ void bis_scratch_clear(bis_scratch *scratch);
 
 /* bis_scratch_bytes returns the bytes that a thread's workspace takes with these settings. */
 size_t bis_scratch_bytes(const bis_settings *s);
-
-#endif

@@ -1,7 +1,6 @@
 /* light: the light that comes from infinity, in world space: an environment map or a constant. An integrator asks it
  * for Le, a sample and a density. It never learns which of the two the light is, nor where the pixels came from. */
-#ifndef BIS_LIGHT_H
-#define BIS_LIGHT_H
+#pragma once
 
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
@@ -103,5 +102,3 @@ const bis_importance *bis_light_importance(const bis_light *light);
 
 /* bis_light_bytes returns the bytes that the light takes. */
 size_t bis_light_bytes(const bis_light *light);
-
-#endif

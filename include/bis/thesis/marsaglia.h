@@ -2,8 +2,7 @@
  * Source: thesis 3.2.2 and figure 3.3 (Marsaglia 1963). For the course. The length of the list is the common
  * denominator of the probabilities, so only small tables of integer weights are accepted. Sampling costs O(1): one
  * look-up. */
-#ifndef BIS_MARSAGLIA_H
-#define BIS_MARSAGLIA_H
+#pragma once
 
 #include "bis/base/status.h"
 
@@ -30,5 +29,3 @@ size_t bis_marsaglia_sample(const bis_marsaglia *m, double u);
 
 /* bis_marsaglia_pmf returns the probability of item i, which is < n. It is 0 if the list is empty. */
 double bis_marsaglia_pmf(const bis_marsaglia *m, size_t i);
-
-#endif

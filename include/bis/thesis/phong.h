@@ -5,8 +5,7 @@
  * alpha is the angle between wi and the mirror direction, which is wo mirrored about the normal. Directions are drawn
  * from a mixture of a lobe about the mirror direction (eq. 3.15, 3.16) and a cosine hemisphere about the normal
  * (docs/errata.md E33 to E36). */
-#ifndef BIS_PHONG_H
-#define BIS_PHONG_H
+#pragma once
 
 #include "bis/thesis/bsdf.h"
 
@@ -30,5 +29,3 @@ double bis_phong_power(vec3 a, vec3 b, double n);
 
 /* bis_phong_lobe_pdf returns (n+1)/(2 pi) cos^n in 1/sr, the density of eq. 3.15, for the angle between axis and wi. */
 double bis_phong_lobe_pdf(vec3 axis, vec3 wi, double n);
-
-#endif

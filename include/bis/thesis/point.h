@@ -1,6 +1,5 @@
 /* point: all that an integrator may know of the point that it shades. */
-#ifndef BIS_POINT_H
-#define BIS_POINT_H
+#pragma once
 
 #include "bis/shape/accel.h"
 #include "bis/thesis/bsdf.h"
@@ -50,5 +49,3 @@ static inline bool bis_point_sees(const bis_point *pt, vec3 wi)
  * order in which they were added, and nothing may depend on V but the sum. *seen, unless seen is NULL, grows by 1 if
  * V = 1. Rays are counted as by bis_point_sees. */
 void bis_point_add(rgbd *sum, const bis_point *pt, vec3 wi, rgbd C, uint32_t *seen);
-
-#endif

@@ -5,8 +5,7 @@
  * All pixels of equal level in the top row are neighbours of one another, because they touch at the pole; likewise in
  * the bottom row (docs/errata.md E18, E19). The cost is linear in the number of pixels. The search keeps its own
  * queue and does not recurse. */
-#ifndef BIS_REGIONS_H
-#define BIS_REGIONS_H
+#pragma once
 
 #include "bis/thesis/envmap.h"
 
@@ -52,5 +51,3 @@ void bis_regions_clear(bis_regions *r);
  * divided by 0.01^b. The constant divisor cancels in all probabilities. With it, the factor is 1 for large lights,
  * and in (0, 1] for every b that does not underflow. */
 double bis_area_factor(double solid_angle, double b);
-
-#endif

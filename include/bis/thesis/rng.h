@@ -4,8 +4,7 @@
  * and k. This is a counter-based generator (Salmon et al. 2011, "Parallel Random Numbers: As Easy as 1, 2, 3") with a
  * mixer in the style of SplitMix. Threads share no state, and nothing depends on their order. Any sample of any pixel
  * can be drawn again. A render can therefore be resumed or split over machines, and one pixel of it can be examined. */
-#ifndef BIS_RNG_H
-#define BIS_RNG_H
+#pragma once
 
 #include <stdint.h>
 
@@ -42,5 +41,3 @@ static inline double bis_rng_double(bis_rng *r) { return (double)(bis_rng_u64(r)
 /* bis_rng_below returns a number that is exactly uniform in {0, ..., n - 1}: it rejects numbers in the last partial
  * block. n must be > 0. */
 uint64_t bis_rng_below(bis_rng *r, uint64_t n);
-
-#endif

@@ -8,8 +8,7 @@
  * Each point by itself is uniform in [0,1)^2, whatever the kind. All estimators therefore stay unbiased. The kinds
  * differ in how evenly the points fill the square: the points of one set, and those of successive camera samples of
  * one pixel. */
-#ifndef BIS_SAMPLER_H
-#define BIS_SAMPLER_H
+#pragma once
 
 #include "bis/thesis/rng.h"
 
@@ -70,5 +69,3 @@ bool bis_sampler_is_low_discrepancy(bis_sampler_kind kind);
 
 /* bis_sampler_name returns "random", "stratified", "sobol" or "halton". */
 const char *bis_sampler_name(bis_sampler_kind kind);
-
-#endif

@@ -1,8 +1,7 @@
 /* settings: the integrators and their parameters. One table (src/thesis/settings.c) says of each parameter its name,
  * type, default, range, help and the integrators that read it. The parser, the command line, --help, --plan, the
  * headers of pictures, `bis pixel`, `bis trade` and `bis verify` read this table and know no parameter themselves. */
-#ifndef BIS_SETTINGS_H
-#define BIS_SETTINGS_H
+#pragma once
 
 #include "bis/base/status.h"
 
@@ -127,5 +126,3 @@ bis_status bis_settings_check(const bis_settings *s, bis_loc at, bis_diag *diag)
 
 /* bis_proposal_name returns "em", "brdf", "mix", "choose" or "product". */
 const char *bis_proposal_name(bis_proposal p);
-
-#endif

@@ -1,7 +1,6 @@
 /* warp: maps from the unit square to the shapes that rendering needs. Each preserves the measure up to the stated
  * density. u1 and u2 are uniform in [0,1) and independent. */
-#ifndef BIS_WARP_H
-#define BIS_WARP_H
+#pragma once
 
 #include "bis/base/vec.h"
 
@@ -19,5 +18,3 @@ vec3 bis_warp_cosine(double u1, double u2);
 
 /* bis_warp_cosine_pdf returns the density of bis_warp_cosine in 1/sr: cos_theta/pi, and 0 below the horizon. */
 double bis_warp_cosine_pdf(double cos_theta);
-
-#endif

@@ -1,6 +1,5 @@
 /* compare: how far one image is from another (docs/command-line.md, "bis compare"). Image b is the reference. */
-#ifndef BIS_COMPARE_H
-#define BIS_COMPARE_H
+#pragma once
 
 #include "bis/base/image.h"
 
@@ -20,5 +19,3 @@ bis_status bis_compare(bis_comparison *c, const bis_image *a, const bis_image *b
  * yellow, white on a logarithmic scale from 1e-3 to 10. Pixels that are not finite are magenta. Errors: BIS_INPUT
  * (the sizes differ), BIS_NOMEM. */
 bis_status bis_compare_picture(bis_image *out, const bis_image *a, const bis_image *b, bis_diag *diag);
-
-#endif

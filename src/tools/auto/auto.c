@@ -5,7 +5,8 @@
  * passes (auto_pilot.c). There are three rounds. First: two replicates of each setting. Second: two more for the
  * families (em or brdf where they are safe, mis, sir by mixture, sir by product) whose best is within `behind` of the
  * best of all. Third: cost and variance of such families are fitted, and the M and N that minimise their product
- * (auto_fit.c) are tried, too. The least measured product wins: the fit proposes, the measurement decides.
+ * (auto_fit.c) are tried, too. The least measured product wins: the fit proposes, the measurement decides. What a scene
+ * gets that names no integrator is left only for something that is a tenth better.
  *
  * The measured variance is too low for a method whose error is in fewer than about one sample in a thousand, because a
  * pilot sees too few of these samples. Therefore the variance of mis and em is multiplied by 1 + `unseen`.
@@ -46,6 +47,9 @@ static const family families[N_FAMILIES] = {
 };
 
 static const double behind = 2;
+
+/* Two pilots with other random numbers differ by about as much. */
+static const double as_good = 1.1;
 static const double share_of_time = 0.04;
 
 /* The pilot's camera samples: with fewer, M and N are not fitted (some five seconds of rendering are then to come,
@@ -88,10 +92,18 @@ static int best_of(const bis_auto_pilot *p, int of_family)
     return best;
 }
 
+/* The best, but the settings of a scene that names none where they are as good as the measurement can tell. */
 static void choose(bis_auto_pilot *p)
 {
-    p->report->chosen = best_of(p, -1);
-    p->report->is_chosen = true;
+    bis_auto_report *r = p->report;
+    const bis_settings usual = bis_settings_unnamed();
+    const int best = best_of(p, -1);
+
+    r->chosen = best;
+    r->is_chosen = true;
+    for (int i = 0; i < r->n_tried && product(p, best) > 0; i++)
+        if (bis_settings_equal(&r->tried[i].settings, &usual) && product(p, i) <= as_good * product(p, best))
+            r->chosen = i;
 }
 
 /* ---- what is tried ---- */

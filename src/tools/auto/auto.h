@@ -1,7 +1,6 @@
 /* auto: Integrator "auto", and "sir" with 0 candidates: a pilot measures which method, proposal, M and N are best
  * for a scene. For src/cli/cmd_render.c and the tests. */
-#ifndef BIS_AUTO_H
-#define BIS_AUTO_H
+#pragma once
 
 #include "bis/render/render.h"
 
@@ -47,5 +46,3 @@ double bis_auto_narrowness(const bis_material *m);
  * Errors: BIS_NOMEM. */
 bis_status bis_auto_choose(bis_auto_report *report, const bis_scene *scene, const bis_scene_desc *desc,
                            const bis_render_options *options, bis_diag *diag);
-
-#endif

@@ -1,7 +1,6 @@
 /* auto_fit: cost and variance as functions of M and N, fitted to a few measurements, and the M and N that are best.
  * For src/tools/auto/auto.c. */
-#ifndef BIS_AUTO_FIT_H
-#define BIS_AUTO_FIT_H
+#pragma once
 
 #include <stdint.h>
 
@@ -31,5 +30,3 @@ typedef struct bis_auto_limits {
 /* M and N of least cost x variance within the limits, see auto_fit.c. *M = 0 where limits.max_M is 0. */
 void bis_auto_best(uint32_t *M, uint32_t *N, const bis_auto_model *cost, const bis_auto_model *variance,
                    const bis_auto_limits *limits);
-
-#endif

@@ -1,7 +1,6 @@
 /* auto_pilot: every k-th pixel rendered with several settings, for cost and variance of each. For
  * src/tools/auto/auto.c. */
-#ifndef BIS_AUTO_PILOT_H
-#define BIS_AUTO_PILOT_H
+#pragma once
 
 #include "auto.h"
 
@@ -50,5 +49,3 @@ bis_status bis_auto_pilot_run(bis_auto_pilot *p, bis_diag *diag);
 
 /* bis_auto_pilot_measure computes the costs and variances of the report from all replicates so far. */
 void bis_auto_pilot_measure(bis_auto_pilot *p);
-
-#endif

@@ -11,7 +11,6 @@
 #include "tools/truth.h"
 #include "tools/verify/verify.h"
 
-#include <stdio.h>
 #include <string.h>
 
 /* ---- the point ---- */
@@ -129,15 +128,13 @@ bis_status bis_pixel_exact_of(bis_pixel_exact *e, const bis_point *pt, size_t ma
     e->by_patches = false;
     bis_status status =
         run_many(&e->lit, NULL, pt, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed), &counters, diag);
-    if (!status) {
+    if (!status)
         status = run_many(&e->open, NULL, &open, &mis, BIS_SAMPLER_STRATIFIED, BIS_PIXEL_MIS_RUNS, bis_hash(seed + 1),
                           &counters, diag);
-    }
     return status;
 }
 
 /* ---- the methods ---- */
-
 
 /* The defaults, with M, N and samples of the scene's own integrator where that has them: what is compared has equal
  * means. */

@@ -10,8 +10,7 @@
  *         ...
  *         bis_pixel_candidates_clear(&c);
  *     } */
-#ifndef BIS_PIXEL_H
-#define BIS_PIXEL_H
+#pragma once
 
 #include "bis/scene/scene.h"
 
@@ -144,6 +143,8 @@ typedef struct bis_pixel_direction {
     double theta, phi;
 } bis_pixel_direction;
 
+/* bis_pixel_angles returns those of w, which is in the map's frame; bis_pixel_direction_of those of a world's wi. */
+bis_pixel_direction bis_pixel_angles(vec3 w);
 bis_pixel_direction bis_pixel_direction_of(const bis_xform *light_to_world, vec3 wi);
 
 /* What the figures show. */
@@ -162,5 +163,3 @@ typedef struct bis_pixel_figure {
  * and what of it is seen. Figure 4.2: the shadow rays of the methods on the product. Errors: BIS_NOMEM. */
 enum { BIS_PIXEL_PLOT_WIDTH = 720, BIS_PIXEL_PLOT_HEIGHT = 360 };
 bis_status bis_pixel_figures(FILE *densities, FILE *samples, const bis_pixel_figure *figure, bis_diag *diag);
-
-#endif

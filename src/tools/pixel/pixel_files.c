@@ -2,7 +2,7 @@
  * what is not known). */
 #include "pixel_report.h"
 
-#include "bis/base/file.h"
+#include "out/csv.h"
 
 #include <string.h>
 
@@ -10,26 +10,16 @@ enum { MAX_PATH = 4096 };
 
 /* ---- tables ---- */
 
-static void put(FILE *f, double v)
-{
-    char text[32];
-    fprintf(f, ",%s", isfinite(v) ? bis_format_double(text, v) : "");
-}
-
 static void put_direction(FILE *f, const bis_pixel_report *r, vec3 w)
 {
     const bis_pixel_direction d = bis_pixel_direction_of(&r->desc->light.to_world, w);
-    put(f, d.theta);
-    put(f, d.phi);
-    put(f, (double)w.x);
-    put(f, (double)w.y);
-    put(f, (double)w.z);
+    BIS_CSV(f, d.theta, d.phi, (double)w.x, (double)w.y, (double)w.z);
 }
 
 static void put_value(FILE *f, const bis_pixel_value *v)
 {
-    for (int k = 0; k < 4; k++) put(f, v->mean[k]);
-    for (int k = 0; k < 4; k++) put(f, v->se[k]);
+    bis_csv_numbers(f, v->mean, 4);
+    bis_csv_numbers(f, v->se, 4);
 }
 
 static void write_methods(FILE *f, const bis_pixel_report *r)
@@ -43,11 +33,8 @@ static void write_methods(FILE *f, const bis_pixel_report *r)
         const bis_pixel_method *m = &r->methods[i];
         fprintf(f, "%s,%u", m->name, (unsigned)m->repeats);
         put_value(f, &m->L);
-        put(f, m->z);
-        put(f, m->skewness);
-        put(f, m->error);
-        put(f, m->rays);
-        put(f, bis_parameter_of(m->settings.integrator, "estimator") ? m->accepted : (double)NAN);
+        BIS_CSV(f, m->z, m->skewness, m->error, m->rays,
+                bis_parameter_of(m->settings.integrator, "estimator") ? m->accepted : (double)NAN);
         fputc('\n', f);
     }
 }
@@ -61,12 +48,7 @@ static void write_candidates(FILE *f, const bis_pixel_report *r)
         fprintf(f, "%u,%s", (unsigned)i, isnan(c->share_em) ? "" : q->from_map ? "map" : "brdf");
         if (q->x.w > 0) put_direction(f, r, q->x.wi);
         else fputs(",,,,,", f);
-        put(f, q->q_L);
-        put(f, q->q_f);
-        put(f, q->q);
-        put(f, q->product);
-        put(f, q->x.w);
-        put(f, c->W > 0 ? q->x.w / c->W : 0);
+        BIS_CSV(f, q->q_L, q->q_f, q->q, q->product, q->x.w, c->W > 0 ? q->x.w / c->W : 0);
         fprintf(f, ",%u,%s\n", (unsigned)q->chosen, q->chosen == 0 ? "" : q->seen ? "1" : "0");
     }
 }
@@ -79,25 +61,18 @@ static void write_rays(FILE *f, const bis_pixel_report *r)
             const bis_pixel_ray *q = &r->rays[i].ray[k];
             fprintf(f, "%s,%u", r->methods[i].name, (unsigned)q->run);
             put_direction(f, r, q->wi);
-            put(f, bis_light_pdf(r->pt.light, q->wi));
-            put(f, bis_bsdf_pdf(&r->pt.bsdf, q->wi));
-            put(f, bis_pixel_product(&r->pt, q->wi));
+            BIS_CSV(f, bis_light_pdf(r->pt.light, q->wi), bis_bsdf_pdf(&r->pt.bsdf, q->wi),
+                    bis_pixel_product(&r->pt, q->wi));
             fprintf(f, ",%d\n", q->seen);
         }
     }
 }
 
-static bis_status path_of(char path[MAX_PATH], const bis_pixel_report *r, const char *name, bis_diag *diag)
-{
-    if (snprintf(path, MAX_PATH, "%s/%s", r->folder, name) < MAX_PATH) return BIS_OK;
-    return bis_error(diag, BIS_IO, (bis_loc){0}, "\"%s\": the name of the folder is too long", r->folder);
-}
-
 static bis_status open_file(bis_outfile **out, const bis_pixel_report *r, const char *name, bis_diag *diag)
 {
     char path[MAX_PATH];
-    const bis_status status = path_of(path, r, name, diag);
-    return status ? status : bis_outfile_open(out, path, diag);
+    if (snprintf(path, MAX_PATH, "%s/%s", r->folder, name) < MAX_PATH) return bis_outfile_open(out, path, diag);
+    return bis_error(diag, BIS_IO, (bis_loc){0}, "\"%s\": the name of the folder is too long", r->folder);
 }
 
 static bis_status write_table(const bis_pixel_report *r, const char *name,
@@ -143,9 +118,8 @@ static bis_status write_pictures(const bis_pixel_report *r, bis_diag *diag)
     bis_outfile *densities = NULL, *samples = NULL;
     bis_status status = open_file(&densities, r, "densities.svg", diag);
     if (!status) status = open_file(&samples, r, "samples.svg", diag);
-    if (!status) {
+    if (!status)
         status = bis_pixel_figures(bis_outfile_stream(densities), bis_outfile_stream(samples), &figure, diag);
-    }
     if (!status) {
         status = bis_outfile_commit(densities, diag);
         densities = NULL;

@@ -13,7 +13,6 @@
 #include "out/svg.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { WIDTH = BIS_PIXEL_PLOT_WIDTH, HEIGHT = BIS_PIXEL_PLOT_HEIGHT, PLACES = WIDTH * HEIGHT };
@@ -28,13 +27,17 @@ static vec3 direction_at(const bis_xform *light_to_world, double theta, double p
     return normalize(bis_xform_vector(light_to_world, w));
 }
 
-bis_pixel_direction bis_pixel_direction_of(const bis_xform *light_to_world, vec3 wi)
+bis_pixel_direction bis_pixel_angles(vec3 w)
 {
-    const bis_xform to_light = bis_xform_inverse(light_to_world);
-    const vec3 w = bis_xform_vector(&to_light, wi);
     const double phi = atan2((double)w.y, (double)w.x) * 180 / PI;
     const double theta = atan2(hypot((double)w.x, (double)w.y), (double)w.z) * 180 / PI;
     return (bis_pixel_direction){theta, phi < 0 ? phi + 360 : phi};
+}
+
+bis_pixel_direction bis_pixel_direction_of(const bis_xform *light_to_world, vec3 wi)
+{
+    const bis_xform to_light = bis_xform_inverse(light_to_world);
+    return bis_pixel_angles(bis_xform_vector(&to_light, wi));
 }
 
 /* ---- the densities ---- */
@@ -257,9 +260,8 @@ static void begin_page(FILE *page, const bis_pixel_figure *fig, size_t n_panels)
 static void draw_bar(FILE *page, int top, rgb (*colour)(double))
 {
     const int x = LEFT + COLUMNS * WIDTH + GAP_X + 34, y = TOP + 26, height = HEIGHT, step = 3;
-    for (int j = 0; j < height; j += step) {
+    for (int j = 0; j < height; j += step)
         bis_svg_box(page, x, y + j, 18, j + step < height ? step + 1 : step, colour(1 - (j + 0.5 * step) / height));
-    }
     for (int k = 0; k <= DECADES; k++) {
         char text[24];
         const double tick = y + (double)height * k / DECADES;

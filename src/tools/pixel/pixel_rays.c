@@ -132,11 +132,10 @@ static bool listen(const bis_accel *a, const ray *r)
 {
     const listener *l = (const listener *)a;
     const bool occluded = bis_accel_occluded(l->real, r);
-    bis_pixel_ray *more = bis_grow(l->rays->ray, &l->rays->capacity, l->rays->n + 1, sizeof *more);
-    if (more) {
-        more[l->rays->n++] = (bis_pixel_ray){.wi = r->d, .run = l->run, .seen = !occluded};
-        l->rays->ray = more;
-    } else *l->no_memory = true;
+    bis_pixel_rays *rays = l->rays;
+    if (BIS_ROOM(rays->ray, rays->capacity, rays->n))
+        rays->ray[rays->n++] = (bis_pixel_ray){.wi = r->d, .run = l->run, .seen = !occluded};
+    else *l->no_memory = true;
     return occluded;
 }
 

@@ -176,22 +176,14 @@ void bis_pixel_print_text(const bis_pixel_report *r)
 
 /* ---- JSON ---- */
 
-static void json_triple(bis_json *j, const char *key, double x, double y, double z)
-{
-    bis_json_open(j, key, '[');
-    bis_json_number(j, NULL, x);
-    bis_json_number(j, NULL, y);
-    bis_json_number(j, NULL, z);
-    bis_json_close(j);
-}
-
 static void json_vector(bis_json *j, const char *key, vec3 v)
 {
-    json_triple(j, key, (double)v.x, (double)v.y, (double)v.z);
+    bis_json_triple(j, key, (double)v.x, (double)v.y, (double)v.z);
 }
+
 static void json_colour(bis_json *j, const char *key, rgb c)
 {
-    json_triple(j, key, (double)c.r, (double)c.g, (double)c.b);
+    bis_json_triple(j, key, (double)c.r, (double)c.g, (double)c.b);
 }
 
 static void json_hit(bis_json *j, const bis_pixel_report *r)
@@ -203,10 +195,8 @@ static void json_hit(bis_json *j, const bis_pixel_report *r)
     bis_json_open(j, "hit", '{');
     bis_json_text(j, "shape", kind_of(&r->desc->shapes[r->hit.shape]));
     bis_json_text(j, "file", file_of(r));
-    bis_json_count(j, "line", (uint64_t)r->desc->shapes[r->hit.shape].loc.line);
-    if (is_mesh(r)) bis_json_count(j, "triangle", r->hit.part);
-    else bis_json_null(j, "triangle");
-    bis_json_number(j, "distance", r->hit.t);
+    BIS_JSON_NUMBERS(j, {"line", r->desc->shapes[r->hit.shape].loc.line},
+                     {"triangle", is_mesh(r) ? (double)r->hit.part : (double)NAN}, {"distance", r->hit.t});
     json_vector(j, "point", r->pt.p);
     json_vector(j, "normal", r->pt.n);
     json_vector(j, "geometric_normal", r->pt.ng);
@@ -218,19 +208,18 @@ static void json_hit(bis_json *j, const bis_pixel_report *r)
     bis_json_text(j, "model", r->hit.material->model->name);
     json_colour(j, "Kd", r->hit.material->Kd);
     json_colour(j, "Ks", r->hit.material->Ks);
-    bis_json_number(j, "exponent", strcmp(w.name, "exponent") == 0 ? w.value : (double)NAN);
-    bis_json_number(j, "alpha", strcmp(w.name, "alpha") == 0 ? w.value : (double)NAN);
-    bis_json_number(j, "p_specular", r->pt.bsdf.p_specular);
+    BIS_JSON_NUMBERS(j, {"exponent", strcmp(w.name, "exponent") == 0 ? w.value : (double)NAN},
+                     {"alpha", strcmp(w.name, "alpha") == 0 ? w.value : (double)NAN},
+                     {"p_specular", r->pt.bsdf.p_specular});
     bis_json_close(j);
     bis_json_close(j);
 }
 
 static void json_value(bis_json *j, const bis_pixel_value *v)
 {
-    json_triple(j, "radiance", v->mean[0], v->mean[1], v->mean[2]);
-    json_triple(j, "standard_error", v->se[0], v->se[1], v->se[2]);
-    bis_json_number(j, "sum", v->mean[3]);
-    bis_json_number(j, "sum_standard_error", v->se[3]);
+    bis_json_triple(j, "radiance", v->mean[0], v->mean[1], v->mean[2]);
+    bis_json_triple(j, "standard_error", v->se[0], v->se[1], v->se[2]);
+    BIS_JSON_NUMBERS(j, {"sum", v->mean[3]}, {"sum_standard_error", v->se[3]});
 }
 
 static void json_exact(bis_json *j, const bis_pixel_exact *e)
@@ -245,46 +234,31 @@ static void json_exact(bis_json *j, const bis_pixel_exact *e)
     bis_json_close(j);
 }
 
-static void json_parameter(bis_json *j, const char *key, bool has, uint32_t value)
-{
-    if (has) bis_json_count(j, key, value);
-    else bis_json_null(j, key);
-}
-
 static void json_method(bis_json *j, const bis_pixel_method *m)
 {
     const bool by_samples = has_samples(&m->settings);
     bis_json_open(j, NULL, '{');
     bis_json_text(j, "method", m->name);
     bis_json_text(j, "claim", m->settings.integrator->claim);
-    json_parameter(j, "samples", by_samples, m->settings.samples);
-    json_parameter(j, "candidates", !by_samples, m->settings.candidates);
-    json_parameter(j, "shadowrays", !by_samples && !m->is_open, m->settings.shadowrays);
-    bis_json_count(j, "repeats", m->repeats);
+    BIS_JSON_NUMBERS(j, {"samples", by_samples ? m->settings.samples : (double)NAN},
+                     {"candidates", by_samples ? (double)NAN : m->settings.candidates},
+                     {"shadowrays", by_samples || m->is_open ? (double)NAN : m->settings.shadowrays},
+                     {"repeats", m->repeats});
     json_value(j, &m->L);
-    bis_json_number(j, "z", m->z);
-    bis_json_number(j, "skewness", m->skewness);
-    bis_json_number(j, "relative_error", m->error);
-    bis_json_number(j, "rays", m->rays);
-    bis_json_number(j, "accepted", bis_parameter_of(m->settings.integrator, "estimator") ? m->accepted : (double)NAN);
+    BIS_JSON_NUMBERS(j, {"z", m->z}, {"skewness", m->skewness}, {"relative_error", m->error}, {"rays", m->rays},
+                     {"accepted", bis_parameter_of(m->settings.integrator, "estimator") ? m->accepted : (double)NAN});
     bis_json_close(j);
 }
 
 static void json_candidates(bis_json *j, const bis_pixel_candidates *c)
 {
     bis_json_open(j, "candidates", '{');
-    bis_json_count(j, "drawn", c->M);
-    bis_json_number(j, "share_of_map", c->share_em);
-    bis_json_count(j, "positive", c->positive);
-    bis_json_number(j, "weights", c->W);
-    bis_json_number(j, "squared_weights", c->square_sum);
-    bis_json_number(j, "effective_sample_size", c->ess);
-    bis_json_number(j, "largest_share", c->largest);
-    bis_json_count(j, "shadowrays", c->N);
-    bis_json_count(j, "distinct", c->distinct);
-    bis_json_count(j, "seen", c->seen);
-    json_triple(j, "estimate", c->L.r, c->L.g, c->L.b);
-    json_triple(j, "estimate_unoccluded", c->L_ns.r, c->L_ns.g, c->L_ns.b);
+    BIS_JSON_NUMBERS(j, {"drawn", c->M}, {"share_of_map", c->share_em}, {"positive", c->positive}, {"weights", c->W},
+                     {"squared_weights", c->square_sum}, {"effective_sample_size", c->ess},
+                     {"largest_share", c->largest}, {"shadowrays", c->N}, {"distinct", c->distinct},
+                     {"seen", c->seen});
+    bis_json_triple(j, "estimate", c->L.r, c->L.g, c->L.b);
+    bis_json_triple(j, "estimate_unoccluded", c->L_ns.r, c->L_ns.g, c->L_ns.b);
     bis_json_close(j);
 }
 
@@ -293,10 +267,8 @@ void bis_pixel_print_json(const bis_pixel_report *r)
     bis_json j = {.out = stdout};
     bis_json_open(&j, NULL, '{');
     bis_json_text(&j, "scene", r->desc->path);
-    bis_json_count(&j, "x", (uint64_t)r->x);
-    bis_json_count(&j, "y", (uint64_t)r->y);
-    bis_json_count(&j, "width", (uint64_t)r->desc->view.film.width);
-    bis_json_count(&j, "height", (uint64_t)r->desc->view.film.height);
+    BIS_JSON_NUMBERS(&j, {"x", r->x}, {"y", r->y}, {"width", r->desc->view.film.width},
+                     {"height", r->desc->view.film.height});
     bis_json_count(&j, "seed", r->desc->view.sampler.seed);
     json_hit(&j, r);
     bis_json_text(&j, "nothing", r->why_nothing);

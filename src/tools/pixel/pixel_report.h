@@ -1,6 +1,5 @@
 /* pixel_report: what `bis pixel` found, as text, JSON, CSV files and pictures. For src/cli/cmd_pixel.c alone. */
-#ifndef BIS_PIXEL_REPORT_H
-#define BIS_PIXEL_REPORT_H
+#pragma once
 
 #include "pixel.h"
 
@@ -28,5 +27,3 @@ void bis_pixel_print_json(const bis_pixel_report *r);
 
 /* densities.svg, samples.svg, methods.csv, candidates.csv, rays.csv. Errors: BIS_IO, BIS_NOMEM. */
 bis_status bis_pixel_write_files(const bis_pixel_report *r, bis_diag *diag);
-
-#endif

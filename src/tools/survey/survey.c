@@ -11,6 +11,11 @@
 #include <float.h>
 #include <string.h>
 
+static size_t pixels_of(const bis_envmap *em) { return (size_t)em->width * (size_t)em->height; }
+
+/* Of pixel i, in sr. */
+static double solid_angle_of(const bis_envmap *em, size_t i) { return em->row_solid_angle[i / (size_t)em->width]; }
+
 /* ---- quantiles ---- */
 
 enum { MANTISSA_BITS = 12 };
@@ -31,15 +36,12 @@ static size_t cell_of(double intensity)
 
 static void fill_cells(cell *cells, const bis_envmap *em)
 {
-    size_t i = 0;
-    for (int y = 0; y < em->height; y++) {
-        for (int x = 0; x < em->width; x++, i++) {
-            const double intensity = rgb_sum(em->pixels[i]);
-            if (intensity == 0) continue;
-            cell *c = &cells[cell_of(intensity)];
-            c->solid_angle += em->row_solid_angle[y];
-            c->power += intensity * em->row_solid_angle[y];
-        }
+    for (size_t i = 0; i < pixels_of(em); i++) {
+        const double intensity = rgb_sum(em->pixels[i]);
+        if (intensity == 0) continue;
+        cell *c = &cells[cell_of(intensity)];
+        c->solid_angle += solid_angle_of(em, i);
+        c->power += intensity * solid_angle_of(em, i);
     }
 }
 
@@ -66,23 +68,18 @@ static double from_the_top(const cell *cells, double share, double *power)
 
 static void sum_map(bis_survey *s, const bis_envmap *em)
 {
-    size_t i = 0;
     s->least = DBL_MAX;
-    for (int y = 0; y < em->height; y++) {
-        const double solid_angle = em->row_solid_angle[y];
-        for (int x = 0; x < em->width; x++, i++) {
-            const rgb c = em->pixels[i];
-            const double intensity = rgb_sum(c);
-            s->mean_rgb[0] += (double)c.r * solid_angle / (4 * PI);
-            s->mean_rgb[1] += (double)c.g * solid_angle / (4 * PI);
-            s->mean_rgb[2] += (double)c.b * solid_angle / (4 * PI);
-            if (intensity == 0) s->black += solid_angle / (4 * PI);
-            if (intensity > 0 && intensity < s->least) s->least = intensity;
-            if (intensity > s->most) {
-                s->most = intensity;
-                s->peak = i;
-            }
-        }
+    for (size_t i = 0; i < pixels_of(em); i++) {
+        const rgb c = em->pixels[i];
+        const double intensity = rgb_sum(c), solid_angle = solid_angle_of(em, i);
+        s->mean_rgb[0] += (double)c.r * solid_angle / (4 * PI);
+        s->mean_rgb[1] += (double)c.g * solid_angle / (4 * PI);
+        s->mean_rgb[2] += (double)c.b * solid_angle / (4 * PI);
+        if (intensity == 0) s->black += solid_angle / (4 * PI);
+        if (intensity > 0 && intensity < s->least) s->least = intensity;
+        if (intensity <= s->most) continue;
+        s->most = intensity;
+        s->peak = i;
     }
     if (s->most == 0) s->least = 0;
     s->power = bis_envmap_power(em);
@@ -101,15 +98,12 @@ static void sum_levels(bis_survey *s, const bis_envmap *em, const bis_regions *r
         s->level[k].most = l.least * exp(l.log_range * (k + 1) / s->n_levels);
     }
     for (uint32_t k = 0; k < regions->n; k++) s->level[regions->level[k]].regions++;
-    size_t i = 0;
-    for (int y = 0; y < em->height; y++) {
-        for (int x = 0; x < em->width; x++, i++) {
-            if (regions->label[i] == BIS_REGION_NONE) continue;
-            bis_survey_level *level = &s->level[regions->level[regions->label[i]]];
-            level->pixels++;
-            level->sphere += em->row_solid_angle[y] / (4 * PI);
-            level->power += rgb_sum(em->pixels[i]) * em->row_solid_angle[y] / s->power;
-        }
+    for (size_t i = 0; i < pixels_of(em); i++) {
+        if (regions->label[i] == BIS_REGION_NONE) continue;
+        bis_survey_level *level = &s->level[regions->level[regions->label[i]]];
+        level->pixels++;
+        level->sphere += solid_angle_of(em, i) / (4 * PI);
+        level->power += rgb_sum(em->pixels[i]) * solid_angle_of(em, i) / s->power;
     }
 }
 
@@ -151,13 +145,9 @@ static void find_centres(bis_survey *s, const bis_envmap *em, const bis_regions 
 
 static void rank_regions(bis_survey *s, const bis_envmap *em, const bis_regions *regions, double *power)
 {
-    size_t i = 0;
-    for (int y = 0; y < em->height; y++) {
-        for (int x = 0; x < em->width; x++, i++) {
-            if (regions->label[i] != BIS_REGION_NONE)
-                power[regions->label[i]] += rgb_sum(em->pixels[i]) * em->row_solid_angle[y];
-        }
-    }
+    for (size_t i = 0; i < pixels_of(em); i++)
+        if (regions->label[i] != BIS_REGION_NONE)
+            power[regions->label[i]] += rgb_sum(em->pixels[i]) * solid_angle_of(em, i);
     for (uint32_t k = 0; k < regions->n; k++) {
         insert_largest(
             s, (bis_survey_region){k, regions->level[k], regions->solid_angle[k], power[k] / s->power, {0, 0, 0}});

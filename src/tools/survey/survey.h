@@ -1,8 +1,7 @@
 /* survey: what is in an environment map, in numbers and in pictures: for `bis envmap` (src/cli/cmd_envmap.c) alone.
  *
  * Shows the steps of thesis 3.3 and 3.4 one by one: intensities, levels, regions (figure 3.6), importance. */
-#ifndef BIS_SURVEY_H
-#define BIS_SURVEY_H
+#pragma once
 
 #include "bis/thesis/importance.h"
 #include "bis/thesis/regions.h"
@@ -50,5 +49,3 @@ bis_status bis_survey_regions_picture(bis_image *out, const bis_envmap *em, cons
 /* The density q of each pixel on a logarithmic scale, and n_samples directions drawn by it as dots (figure 3.5). */
 bis_status bis_survey_importance_picture(bis_image *out, const bis_envmap *em, const bis_importance *im, int n_samples,
                                          bis_diag *diag);
-
-#endif

@@ -16,21 +16,14 @@
 static const double pictures_share = 0.2; /* of the time, kept back for the advice, the pictures and the page */
 static const double seconds_between_writes = 1;
 
-static uint64_t seed_of(const bis_trade_plan *plan, int setting, int level, int replicate)
-{
-    const uint64_t place = (uint64_t)((setting * BIS_TRADE_LEVELS + level) * BIS_TRADE_SEEDS + replicate);
-    return bis_hash(bis_hash(plan->seed + 1) + place) >> 11; /* 53 bits: what --seed takes */
-}
-
 /* ---- one run ---- */
 
 static bis_status measure_run(bis_trade *t, int setting, int level, int replicate, bool *complete, bis_diag *diag)
 {
     const bis_trade_setting *s = &t->plan.settings[setting];
-    bis_trade_run run = {.setting = setting,
-                         .level = level,
-                         .replicate = replicate,
-                         .seed = seed_of(&t->plan, setting, level, replicate)};
+    const int place = (setting * BIS_TRADE_LEVELS + level) * BIS_TRADE_SEEDS + replicate;
+    bis_trade_run run = {.setting = setting, .level = level, .replicate = replicate,
+                         .seed = bis_trade_seed(&t->plan, 1, (uint64_t)place)};
     bis_image image = {0};
     bis_comparison c, both;
     bis_render_result result;
@@ -123,21 +116,16 @@ static bis_status run_sweep(bis_trade *t, bis_diag *diag)
 
 /* ---- a given reference ---- */
 
-static bis_status read_reference(bis_image *small, const bis_trade *t, bis_diag *diag)
+static bis_status read_reference(bis_image *full, const bis_trade *t, bis_diag *diag)
 {
-    bis_image *full = small;
     const bis_film film = bis_trade_film(t, 1);
     bis_status status = bis_image_read(full, t->o.reference, (bis_loc){0}, diag);
 
-    if (status) return status;
-    if (full->width != film.width || full->height != film.height) {
-        status = bis_error(
-            diag, BIS_INPUT, (bis_loc){t->o.reference, 0, 0},
-            "the reference has %d x %d pixels, the scene's picture has %d x %d; give --resolution %dx%d, or a "
-            "reference of the scene's size",
-            full->width, full->height, film.width, film.height, full->width, full->height);
-    }
-    return status;
+    if (status || (full->width == film.width && full->height == film.height)) return status;
+    return bis_error(diag, BIS_INPUT, (bis_loc){t->o.reference, 0, 0},
+                     "the reference has %d x %d pixels, the scene's picture has %d x %d; give --resolution %dx%d, or a "
+                     "reference of the scene's size",
+                     full->width, full->height, film.width, film.height, full->width, full->height);
 }
 
 /* The pixels of the given reference that the plan has, stays in the folder. */

@@ -11,17 +11,10 @@
  * Everything that was measured is in the folder at once, written under a temporary name and renamed, so that a run can
  * be interrupted and resumed anywhere; what follows from the runs (means, slopes, the front, the page) is computed
  * again from runs.csv. */
-#ifndef BIS_TRADE_H
-#define BIS_TRADE_H
+#pragma once
 
 #include "bis/base/clock.h"
-#include "bis/base/image.h"
 #include "bis/render/render.h"
-
-#include <signal.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <stdio.h>
 
 enum {
     BIS_TRADE_SETTINGS = 40,         /* at most */
@@ -186,6 +179,15 @@ typedef struct bis_trade {
 bis_status bis_trade_measure(bis_trade *t, const bis_trade_options *o, bool *interrupted, bis_diag *diag);
 void bis_trade_clear(bis_trade *t);
 
+/* bis_trade_seed returns the seed of a render: other purposes and places have others; 53 bits, as --seed takes. */
+static inline uint64_t bis_trade_seed(const bis_trade_plan *plan, unsigned purpose, uint64_t place)
+{
+    return bis_hash(bis_hash(plan->seed + purpose) + place) >> 11;
+}
+
+/* Channel k of a colour. */
+static inline double bis_trade_channel(rgb c, int k) { return (double)(k == 0 ? c.r : k == 1 ? c.g : c.b); }
+
 /* --- trade_settings.c --- */
 
 /* The table: the scene's own setting, then all others that make sense for its light. */
@@ -215,8 +217,10 @@ void bis_trade_tell(const bis_trade *t, const char *what, double share, double s
 bis_status bis_trade_load(bis_trade *t, bis_diag *diag);
 void bis_trade_unload(bis_trade *t);
 
-/* The film that is measured, of each step x step pixels one; step 0: a film of one pixel that sees all. */
+/* The film that is measured, of each step x step pixels one; step 0: a film of one pixel that sees all. How many pixels
+ * it has. */
 bis_film bis_trade_film(const bis_trade *t, int step);
+double bis_trade_pixels(const bis_trade *t, int step);
 
 /* Render `passes` into it; image (may be NULL) is cleared by the caller, *relative_rmse (may be NULL) from
  * the passes' scatter. An interrupted render leaves result->passes < passes. */
@@ -237,6 +241,10 @@ double bis_trade_planned_seconds(const bis_trade_plan *plan, int setting, int le
 
 /* folder/name in buf. */
 const char *bis_trade_path(char buf[4096], const bis_trade *t, const char *name);
+
+/* bis_trade_write writes a file of the folder: what put prints. Errors: BIS_IO, BIS_NOMEM. */
+typedef void bis_trade_put(FILE *out, const bis_trade *t);
+bis_status bis_trade_write(const bis_trade *t, const char *name, bis_trade_put *put, bis_diag *diag);
 
 /* Make the folder. Is it new or empty, or, with --resume, one of ours? An empty one turns o.resume off. */
 bis_status bis_trade_check_folder(bis_trade *t, bis_diag *diag);
@@ -334,5 +342,3 @@ const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const 
 /* bis_trade_exposure sets *exposure to that of all pictures of the page: what `bis render` gives a PNG of the
  * reference, metered on the shapes and not on the background. t: loaded, with t->both. Errors: BIS_NOMEM. */
 bis_status bis_trade_exposure(double *exposure, const bis_trade *t, bis_diag *diag);
-
-#endif

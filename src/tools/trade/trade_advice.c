@@ -33,10 +33,9 @@ double bis_trade_error_at(const bis_trade_result *r, const bis_trade_plan *plan,
 
     *extrapolated = false;
     if (c->n == 0 || seconds < p[0].seconds) return (double)NAN;
-    for (int i = 0; i + 1 < c->n; i++) {
+    for (int i = 0; i + 1 < c->n; i++)
         if (seconds < p[i + 1].seconds)
             return between(p[i].seconds, error_of(&p[i]), p[i + 1].seconds, error_of(&p[i + 1]), seconds);
-    }
     const double factor = seconds / p[c->n - 1].seconds;
     *extrapolated = factor > 1;
     if (factor > most_extrapolation || (plan->settings[setting].is_biased && factor > 1)) return (double)NAN;
@@ -184,11 +183,9 @@ int bis_trade_errors(const bis_trade *t, double error[BIS_TRADE_COLUMNS])
     double least = 1e30;
     int n = 0;
 
-    for (int i = 0; i < t->result.n_points; i++) {
+    for (int i = 0; i < t->result.n_points; i++)
         if (t->result.points[i].noise > 0) least = fmin(least, error_of(&t->result.points[i]));
-    }
-    for (size_t i = 0; i < sizeof steps / sizeof *steps && n < BIS_TRADE_COLUMNS; i++) {
+    for (size_t i = 0; i < sizeof steps / sizeof *steps && n < BIS_TRADE_COLUMNS; i++)
         if (steps[i] >= least / 4) error[n++] = steps[i];
-    }
     return n;
 }

@@ -23,12 +23,6 @@ enum { LEAST_RENDERS = 2, MOST_RENDERS = 8, MOST_TURNS = 6, MOST_BUDGETS = 64 };
 static const double check_share = 0.03;   /* of the time, for each advice */
 static const double close_enough = 1.15;  /* in passes: 7% in error */
 
-static uint64_t seed_of(const bis_trade *t, int advice, int turn, int render)
-{
-    return bis_hash(bis_hash(t->plan.seed + 3) + (uint64_t)((advice * MOST_TURNS + turn) * MOST_RENDERS + render)) >>
-           11;
-}
-
 typedef struct check {
     double end; /* on bis_clock_now's clock */
     int advice, turn;
@@ -46,8 +40,7 @@ static bool goes_on(const bis_trade *t, const check *c, int n, uint32_t passes, 
 
 static double channel(const bis_image *image, size_t i)
 {
-    const rgb c = image->pixels[i / 3];
-    return (double)(i % 3 == 0 ? c.r : i % 3 == 1 ? c.g : c.b);
+    return bis_trade_channel(image->pixels[i / 3], (int)(i % 3));
 }
 
 static double mean_of(const bis_image *images, int n, size_t i)
@@ -91,7 +84,8 @@ static bis_status measure(double *variance, bis_trade *t, const check *c, const 
 
     while (!status && complete && goes_on(t, c, n, passes, each)) {
         bis_render_result result;
-        const uint64_t seed = seed_of(t, c->advice, c->turn, n);
+        const int place = (c->advice * MOST_TURNS + c->turn) * MOST_RENDERS + n;
+        const uint64_t seed = bis_trade_seed(&t->plan, 3, (uint64_t)place);
         status = bis_trade_render(t, s, t->plan.step, passes, seed, &images[n], &result, diag);
         complete = !status && !result.interrupted;
         n += complete;

@@ -28,6 +28,17 @@ const char *bis_trade_path(char buf[4096], const bis_trade *t, const char *name)
     return buf;
 }
 
+bis_status bis_trade_write(const bis_trade *t, const char *name, bis_trade_put *put, bis_diag *diag)
+{
+    char path[4096];
+    bis_outfile *file;
+    bis_status status = bis_outfile_open(&file, bis_trade_path(path, t, name), diag);
+
+    if (status) return status;
+    put(bis_outfile_stream(file), t);
+    return bis_outfile_commit(file, diag);
+}
+
 /* ---- the folder ---- */
 
 static bis_status cannot_make(const char *path, bis_diag *diag)
@@ -44,9 +55,8 @@ static bis_status first_entry(char name[256], const char *folder, bis_diag *diag
     if (!d)
         return bis_error(diag, errno == ENOTDIR ? BIS_INPUT : BIS_IO, (bis_loc){folder, 0, 0},
                          "\"%s\" is no folder that can be read: %s", folder, strerror(errno));
-    for (const struct dirent *e; (e = readdir(d)) != NULL && !name[0];) {
+    for (const struct dirent *e; (e = readdir(d)) != NULL && !name[0];)
         if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0) snprintf(name, 256, "%s", e->d_name);
-    }
     closedir(d);
     return BIS_OK;
 }
@@ -109,16 +119,11 @@ static bis_status fingerprint(uint64_t *hash, const bis_trade *t, bis_diag *diag
     return BIS_OK;
 }
 
-bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag)
+static void put_plan(FILE *out, const bis_trade *t)
 {
-    bis_trade_plan *p = &t->plan;
-    bis_outfile *file;
-    char path[4096], a[32], b[32], c[32];
+    const bis_trade_plan *p = &t->plan;
+    char a[32], b[32], c[32];
 
-    bis_status status = fingerprint(&p->fingerprint, t, diag);
-    if (!status) status = bis_outfile_open(&file, bis_trade_path(path, t, "plan.txt"), diag);
-    if (status) return status;
-    FILE *out = bis_outfile_stream(file);
     fprintf(out, "fingerprint %016llx\nfull %d %d\nstep %d\nsize %d %d\nseeds %d\nseed %llu\n",
             (unsigned long long)p->fingerprint, p->full_width, p->full_height, p->step, p->width, p->height, p->n_seeds,
             (unsigned long long)p->seed);
@@ -134,7 +139,12 @@ bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag)
         fprintf(out, "setting %d %s %s %s %s\n", s->levels, bis_format_double(a, s->pass_seconds),
                 bis_format_double(b, s->fill_seconds), bis_format_double(c, s->pass_relmse), s->name);
     }
-    return bis_outfile_commit(file, diag);
+}
+
+bis_status bis_trade_write_plan(bis_trade *t, bis_diag *diag)
+{
+    const bis_status status = fingerprint(&t->plan.fingerprint, t, diag);
+    return status ? status : bis_trade_write(t, "plan.txt", put_plan, diag);
 }
 
 /* A number in [lo, hi] and the blank or comma behind it; NAN when there is none. */
@@ -330,8 +340,7 @@ static bis_status check_plan(const bis_trade *t, const int seen[N_WORDS], bis_lo
     if (film.width < 1 || film.height < 1 || (double)film.width * film.height > 4.0 * BIS_TRADE_MOST_PIXELS) {
         return bis_error(diag, BIS_INPUT, at,
                          "by \"full\" and \"step\" %d x %d pixels are to be measured, must be at least 1 and at most "
-                         "%d; the file is damaged, measure "
-                         "into a new folder",
+                         "%d; the file is damaged, measure into a new folder",
                          film.width, film.height, 4 * BIS_TRADE_MOST_PIXELS);
     }
     for (int i = 0; i < p->n_settings && !p->is_given; i++) {
@@ -340,8 +349,7 @@ static bis_status check_plan(const bis_trade *t, const int seen[N_WORDS], bis_lo
         if (!s->is_swept || !s->levels || p->reference[k] >= 0) continue;
         return bis_error(diag, BIS_INPUT, at,
                          "\"%s\" is to be measured, and the line \"reference %d\" that says what it is compared with "
-                         "is missing; the file is damaged, "
-                         "measure into a new folder",
+                         "is missing; the file is damaged, measure into a new folder",
                          s->name, k);
     }
     return BIS_OK;
@@ -365,11 +373,9 @@ bis_status bis_trade_read_plan(bis_trade *t, bis_diag *diag)
         status = read_plan_line(p, line, (bis_loc){path, l.number, 1}, seen, &theirs, diag);
     bis_free(l.data);
     if (!status && seen[FINGERPRINT] && theirs != p->fingerprint) {
-        return bis_error(
-            diag, BIS_INPUT, (bis_loc){path, 0, 0},
-            "this measurement is of another scene than \"%s\" as it is now, or by another version of bis; measure "
-            "into a new folder",
-            t->o.scene);
+        return bis_error(diag, BIS_INPUT, (bis_loc){path, 0, 0},
+                         "this measurement is of another scene than \"%s\" as it is now, or by another version of bis; "
+                         "measure into a new folder", t->o.scene);
     }
     return status ? status : check_plan(t, seen, (bis_loc){path, 0, 0}, diag);
 }
@@ -383,25 +389,26 @@ static int by_place(const void *x, const void *y)
     return a->level != b->level ? a->level - b->level : a->replicate - b->replicate;
 }
 
-bis_status bis_trade_write_runs(const bis_trade *t, bis_diag *diag)
+static void put_runs(FILE *out, const bis_trade *t)
 {
-    bis_outfile *file;
-    char path[4096], text[5][32];
+    char text[5][32];
 
-    if (t->n_runs) qsort(t->runs, t->n_runs, sizeof *t->runs, by_place);
-    bis_status status = bis_outfile_open(&file, bis_trade_path(path, t, "runs.csv"), diag);
-    if (status) return status;
-    fprintf(bis_outfile_stream(file), "%s\n", runs_header);
+    fprintf(out, "%s\n", runs_header);
     for (size_t i = 0; i < t->n_runs; i++) {
         const bis_trade_run *r = &t->runs[i];
         const double values[5] = {r->seconds, r->rmse, r->relmse, r->bias, r->relmse_both};
         for (int k = 0; k < 5; k++) bis_format_double(text[k], values[k]);
-        fprintf(bis_outfile_stream(file), "%s,%lu,%d,%llu,%s,%llu,%llu,%llu,%s,%s,%s,%s\n",
+        fprintf(out, "%s,%lu,%d,%llu,%s,%llu,%llu,%llu,%s,%s,%s,%s\n",
                 t->plan.settings[r->setting].name, 1ul << r->level, r->replicate + 1, (unsigned long long)r->seed,
                 text[0], (unsigned long long)r->camera_rays, (unsigned long long)r->shadow_rays,
                 (unsigned long long)r->candidates, text[1], text[2], text[3], text[4]);
     }
-    return bis_outfile_commit(file, diag);
+}
+
+bis_status bis_trade_write_runs(const bis_trade *t, bis_diag *diag)
+{
+    if (t->n_runs) qsort(t->runs, t->n_runs, sizeof *t->runs, by_place);
+    return bis_trade_write(t, "runs.csv", put_runs, diag);
 }
 
 /* NULL, or the name of the first column that holds no such thing. */
@@ -445,9 +452,8 @@ const bis_trade_run *bis_trade_find_run(const bis_trade *t, int setting, int lev
 
 bis_status bis_trade_add_run(bis_trade *t, const bis_trade_run *run, bis_diag *diag)
 {
-    bis_trade_run *runs = bis_grow(t->runs, &t->capacity_runs, t->n_runs + 1, sizeof *runs);
-    if (!runs) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %zu runs", t->n_runs + 1);
-    t->runs = runs;
+    if (!BIS_ROOM(t->runs, t->capacity_runs, t->n_runs))
+        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %zu runs", t->n_runs + 1);
     t->runs[t->n_runs++] = *run;
     return BIS_OK;
 }

@@ -1,6 +1,5 @@
 /* trade_page: the parts that write the values of the report's page (src/tools/trade/page.html) as JSON. */
-#ifndef BIS_TRADE_PAGE_H
-#define BIS_TRADE_PAGE_H
+#pragma once
 
 #include "trade.h"
 
@@ -41,5 +40,3 @@ void bis_trade_put_strip(bis_json *j, const bis_trade *t);
 /* bis_trade_put_pictures writes the members "ratio" and "pictures". Each picture is there once: ref, and p0, e0, p1,
  * e1, ... of the strip with their errors. Errors: BIS_NOMEM. */
 bis_status bis_trade_put_pictures(bis_json *j, const bis_trade *t, bis_diag *diag);
-
-#endif

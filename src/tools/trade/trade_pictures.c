@@ -13,17 +13,10 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char header[] = "setting,passes,seconds,relmse,file";
-
 static const char *file_of(char name[32], int setting)
 {
     snprintf(name, 32, "pictures/%02d.exr", setting + 1);
     return name;
-}
-
-static uint64_t seed_of(const bis_trade_plan *plan, int setting)
-{
-    return bis_hash(bis_hash(plan->seed + 2) + (uint64_t)setting) >> 11;
 }
 
 static uint32_t passes_of(const bis_trade *t, int setting)
@@ -50,20 +43,14 @@ static double seconds_before(const bis_trade *t, int setting, uint32_t passes)
     return seconds > 0 ? seconds : 0;
 }
 
-static bis_status write_list(const bis_trade *t, bis_diag *diag)
+static void put_list(FILE *out, const bis_trade *t)
 {
-    char path[4096], name[32], a[32], b[32];
-    bis_outfile *file;
-    bis_status status = bis_outfile_open(&file, bis_trade_path(path, t, "pictures.csv"), diag);
+    char name[32], a[32], b[32];
 
-    if (status) return status;
-    fprintf(bis_outfile_stream(file), "%s\n", header);
-    for (int i = 0; i < t->n_strip; i++) {
-        const bis_trade_picture *p = &t->strip[i];
-        fprintf(bis_outfile_stream(file), "%s,%u,%s,%s,%s\n", t->plan.settings[p->setting].name, (unsigned)p->passes,
+    fputs("setting,passes,seconds,relmse,file\n", out);
+    for (const bis_trade_picture *p = t->strip; p < t->strip + t->n_strip; p++)
+        fprintf(out, "%s,%u,%s,%s,%s\n", t->plan.settings[p->setting].name, (unsigned)p->passes,
                 bis_format_double(a, p->seconds), bis_format_double(b, p->relmse), file_of(name, p->setting));
-    }
-    return bis_outfile_commit(file, diag);
 }
 
 /* ---- one picture ---- */
@@ -84,8 +71,8 @@ static bis_status make_picture(bis_trade_picture *p, bis_trade *t, bool *complet
         status = bis_image_read(&p->image, path, (bis_loc){0}, diag);
     } else {
         if (bis_trade_interrupted(t)) return BIS_OK;
-        status =
-            bis_trade_render(t, s, t->plan.step, p->passes, seed_of(&t->plan, p->setting), &p->image, &result, diag);
+        status = bis_trade_render(t, s, t->plan.step, p->passes, bis_trade_seed(&t->plan, 2, (uint64_t)p->setting),
+                                  &p->image, &result, diag);
         *complete = !status && !result.interrupted;
         if (*complete) status = bis_image_save(&p->image, path, diag);
         p->seconds = result.seconds;
@@ -109,5 +96,5 @@ bis_status bis_trade_make_pictures(bis_trade *t, bis_diag *diag)
         status = make_picture(&p, t, &complete, diag);
         if (!status && complete) t->strip[t->n_strip++] = p;
     }
-    return status ? status : write_list(t, diag);
+    return status ? status : bis_trade_write(t, "pictures.csv", put_list, diag);
 }

@@ -32,9 +32,8 @@ static const char *const reference_settings[2][3] = {
 
 bool bis_trade_may_be_reference(const bis_trade_setting *s, int which)
 {
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         if (strcmp(s->name, reference_settings[which][i]) == 0) return true;
-    }
     return false;
 }
 
@@ -43,17 +42,11 @@ static bool is_piloted(const bis_trade_setting *s)
     return s->is_swept || bis_trade_may_be_reference(s, 0) || bis_trade_may_be_reference(s, 1);
 }
 
-static double pixels_of(const bis_trade *t, int step)
-{
-    const bis_film f = bis_trade_film(t, step);
-    return (double)f.width * f.height;
-}
-
 /* The thin film with about `pixels` in its crop; never more than that has, and one of each row and column at least. */
 static int step_for(const bis_trade *t, double pixels)
 {
     const bis_film all = bis_trade_film(t, 1);
-    const double step = round(sqrt(pixels_of(t, 1) / pixels));
+    const double step = round(sqrt(bis_trade_pixels(t, 1) / pixels));
     return (int)fmax(1, fmin(step, fmin(all.width, all.height)));
 }
 
@@ -74,7 +67,7 @@ static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double secon
 {
     bis_render_result result;
     const int step = step_for(t, PILOT_PIXELS);
-    const double pixels = pixels_of(t, step);
+    const double pixels = bis_trade_pixels(t, step);
 
     bis_status status = bis_trade_render(t, s, step, 1, t->o.seed, NULL, &result, diag);
     if (status || result.interrupted) return status;
@@ -145,9 +138,8 @@ static int levels_of(const bis_trade *t, int i, double run_seconds)
 static double sweep_seconds(const bis_trade *t, double run_seconds)
 {
     double sum = 0;
-    for (int i = 0; i < t->plan.n_settings; i++) {
+    for (int i = 0; i < t->plan.n_settings; i++)
         sum += t->plan.n_seeds * t->plan.settings[i].pass_seconds * (exp2(levels_of(t, i, run_seconds)) - 1);
-    }
     return sum;
 }
 
@@ -190,7 +182,7 @@ static void choose_size(bis_trade *t, double seconds)
     const bis_film film = bis_trade_film(t, plan->step);
     plan->width = film.full_width;
     plan->height = film.full_height;
-    for (int i = 0; i < plan->n_settings; i++) plan->settings[i].pass_seconds *= pixels_of(t, plan->step);
+    for (int i = 0; i < plan->n_settings; i++) plan->settings[i].pass_seconds *= bis_trade_pixels(t, plan->step);
 }
 
 /* ---- references ---- */
@@ -225,10 +217,9 @@ static bis_status check_time(const bis_trade *t, double seconds, bis_diag *diag)
     char need[24];
     double least = 0;
 
-    for (int i = 0; i < t->plan.n_settings; i++) {
+    for (int i = 0; i < t->plan.n_settings; i++)
         if (t->plan.settings[i].is_swept && gets_long_curve(&t->plan, i))
             least += t->plan.n_seeds * t->plan.settings[i].pass_seconds;
-    }
     if (least <= seconds || t->o.passes) return BIS_OK;
     bis_duration(need, 1.2 * (least / sweep_share + bis_clock_now() - t->start));
     return bis_error(
@@ -260,9 +251,8 @@ static bis_status check_error(const bis_trade *t, bis_diag *diag)
     bis_duration(whole, t->o.seconds * seconds / plan->run_seconds);
     return bis_error(
         diag, BIS_INPUT, (bis_loc){0},
-        "a relative error of %g is out of reach: by the pilot \"%s\", the best, needs about %s for one picture of %d x "
-        "%d "
-        "pixels, and in %g s of measurement a run gets %.2g s. Give --error %.2g or more, or --time for about %s",
+        "a relative error of %g is out of reach: by the pilot \"%s\", the best, needs about %s for one picture of %d "
+        "x %d pixels, and in %g s of measurement a run gets %.2g s. Give --error %.2g or more, or --time for about %s",
         t->o.error, plan->settings[best].name, need, plan->width, plan->height, t->o.seconds, plan->run_seconds,
         t->o.error * sqrt(seconds / plan->run_seconds), whole);
 }

@@ -111,12 +111,10 @@ static const char *shape_of(const char *integrator)
 static void put_bar(const plot *p, const bis_trade_point *q)
 {
     const double y = y_of(q), half = q->noise_se / (2 * y);
-    if (half > 0) {
+    if (half > 0)
         bis_trade_say_all(p->j, "bar", "x=%.1f; top=%.1f; bottom=%.1f", place(&p->x, x_of(p, q)),
                           place(&p->y, fmin(y + half, p->y.hi)), place(&p->y, fmax(y - half, p->y.lo)));
-    } else {
-        bis_json_null(p->j, "bar");
-    }
+    else bis_json_null(p->j, "bar");
 }
 
 static void put_mark(const plot *p, const bis_trade_setting *s, const bis_trade_point *q)
@@ -143,9 +141,8 @@ static void put_curve(const plot *p, int setting)
     for (int i = 0; i < c->n; i++) add_point(&line, p, &q[i]);
     bis_json_text(p->j, "points", line.text);
     bis_json_open(p->j, "marks", '[');
-    for (int i = 0; i < c->n; i++) {
+    for (int i = 0; i < c->n; i++)
         if (is_shown(&q[i])) put_mark(p, s, &q[i]);
-    }
     bis_json_close(p->j);
     bis_json_close(p->j);
 }
@@ -154,9 +151,8 @@ static void put_curve(const plot *p, int setting)
 static void put_curves(const plot *p, bool major)
 {
     bis_json_open(p->j, major ? "major" : "minor", '[');
-    for (int i = 0; i < p->t->plan.n_settings; i++) {
+    for (int i = 0; i < p->t->plan.n_settings; i++)
         if (p->t->result.curves[i].n && bis_trade_is_head(p->t, i) == major) put_curve(p, i);
-    }
     bis_json_close(p->j);
 }
 
@@ -213,9 +209,8 @@ static void put_labels(const plot *p)
 static void put_front(const plot *p)
 {
     points line = {.n = 0};
-    for (const bis_trade_point *q = NULL; !p->by_rays && (q = bis_trade_next_on_front(&p->t->result, q));) {
+    for (const bis_trade_point *q = NULL; !p->by_rays && (q = bis_trade_next_on_front(&p->t->result, q));)
         add_point(&line, p, q);
-    }
     bis_json_text(p->j, "front", line.text);
 }
 

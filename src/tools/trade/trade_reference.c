@@ -14,7 +14,6 @@
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
-#include <stdio.h>
 #include <unistd.h>
 
 static const char *const makers[2] = {"mis", "sir"};
@@ -42,8 +41,6 @@ static double mean_of(const bis_image *image)
 
 /* ---- from replicates to one ---- */
 
-static double channel(rgb c, int k) { return (double)(k == 0 ? c.r : k == 1 ? c.g : c.b); }
-
 static void set_channel(rgb *c, int k, double v) { *(k == 0 ? &c->r : k == 1 ? &c->g : &c->b) = (float)v; }
 
 /* The mean over replicates in ref->image; returns the variance of that mean summed over pixels and channels, each
@@ -62,8 +59,8 @@ static void combine(bis_trade_reference *ref, const bis_image *replicates)
     for (size_t i = 0; i < n; i++) {
         for (int k = 0; k < 3; k++) {
             double mean = 0, squares = 0;
-            for (int r = 0; r < R; r++) mean += channel(replicates[r].pixels[i], k) / R;
-            for (int r = 0; r < R; r++) squares += pow(channel(replicates[r].pixels[i], k) - mean, 2);
+            for (int r = 0; r < R; r++) mean += bis_trade_channel(replicates[r].pixels[i], k) / R;
+            for (int r = 0; r < R; r++) squares += pow(bis_trade_channel(replicates[r].pixels[i], k) - mean, 2);
             const double scale = mean * mean + ref->mean * ref->mean / 100;
             set_channel(&ref->image.pixels[i], k, mean);
             if (scale > 0) relative += squares / (R - 1) / R / scale;
@@ -133,8 +130,8 @@ static bis_status combine_both(bis_trade *t, bis_diag *diag)
     const double w = !b->is_ready ? 1 : !a->is_ready ? 0 : b->relmse > 0 ? b->relmse / (a->relmse + b->relmse) : 0.5;
     for (size_t i = 0; i < (size_t)one->image.width * (size_t)one->image.height; i++) {
         for (int k = 0; k < 3; k++) {
-            const double from_a = w > 0 ? w * channel(a->image.pixels[i], k) : 0,
-                         from_b = w < 1 ? (1 - w) * channel(b->image.pixels[i], k) : 0;
+            const double from_a = w > 0 ? w * bis_trade_channel(a->image.pixels[i], k) : 0,
+                         from_b = w < 1 ? (1 - w) * bis_trade_channel(b->image.pixels[i], k) : 0;
             set_channel(&both->image.pixels[i], k, from_a + from_b);
         }
     }
@@ -165,9 +162,8 @@ bis_status bis_trade_make_references(bis_trade *t, bis_diag *diag)
     bis_status status = bis_trade_make_folder(t, "references", diag);
 
     if (!status && t->plan.is_given) status = read_given(t, diag);
-    for (int k = 0; k < 2 && !status && !bis_trade_interrupted(t); k++) {
+    for (int k = 0; k < 2 && !status && !bis_trade_interrupted(t); k++)
         if (t->plan.reference[k] >= 0) status = make_reference(t, k, diag);
-    }
     return status ? status : combine_both(t, diag);
 }
 

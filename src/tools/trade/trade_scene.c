@@ -7,7 +7,6 @@
 #include "trade.h"
 
 #include "bis/base/mem.h"
-#include "bis/scene/light_load.h"
 
 bool bis_trade_interrupted(const bis_trade *t) { return t->o.interrupted && *t->o.interrupted; }
 
@@ -23,10 +22,9 @@ enum { MANY_PIXELS = 1 << 24 }; /* a map of 8192 x 2048: each further importance
 
 static bis_light *light_for(const bis_trade *t, const bis_trade_setting *s)
 {
-    for (int i = 0; i < t->n_lights; i++) {
+    for (int i = 0; i < t->n_lights; i++)
         if (t->lights[i].b == s->area_exponent && t->lights[i].compensated == s->settings.compensate)
             return t->lights[i].light;
-    }
     return NULL;
 }
 
@@ -42,8 +40,8 @@ static bis_status add_light(bis_trade *t, const bis_trade_setting *s, bis_diag *
     bis_status status =
         bis_light_load(&made, &light, needs, NULL, NULL); /* its warnings were given with the scene's own */
     if (status)
-        return bis_error(diag, status, (bis_loc){0}, "cannot build \"%s\" once more for setting \"%s\"", light.filename,
-                         s->name);
+        return bis_error(diag, status, (bis_loc){0}, "%s \"%s\" once more for setting \"%s\"",
+                         status == BIS_NOMEM ? "no memory to build" : "cannot build", light.filename, s->name);
     t->lights[t->n_lights].b = s->area_exponent;
     t->lights[t->n_lights].compensated = s->settings.compensate;
     t->lights[t->n_lights++].light = made;
@@ -78,10 +76,9 @@ bis_status bis_trade_load(bis_trade *t, bis_diag *diag)
         t->desc->view.film.width = t->o.width;
         t->desc->view.film.height = t->o.height;
     }
-    if (t->desc->view.settings.as_printed) {
+    if (t->desc->view.settings.as_printed)
         bis_warn(diag, t->desc->integrator_loc,
                  "Option \"asprinted\" is left out: the methods are measured as they should be");
-    }
     const unsigned as_printed = t->desc->view.settings.as_printed;
     t->desc->view.settings.as_printed = 0;
     t->desc->light_needs = all_needs;
@@ -130,18 +127,24 @@ static bis_status image_of(bis_image *image, const bis_film *film, bis_diag *dia
     return status;
 }
 
+static const double whole[4] = {0, 1, 0, 1};
+
 bis_film bis_trade_film(const bis_trade *t, int step)
 {
-    static const double whole[4] = {0, 1, 0, 1};
     const bis_trade_plan *p = &t->plan;
     return step ? bis_film_place(p->full_width, p->full_height, t->desc->view.film.crop, step)
                 : bis_film_place(1, 1, whole, 1);
 }
 
+double bis_trade_pixels(const bis_trade *t, int step)
+{
+    const bis_film f = bis_trade_film(t, step);
+    return (double)f.width * f.height;
+}
+
 bis_status bis_trade_render(bis_trade *t, const bis_trade_setting *s, int step, uint32_t passes, uint64_t seed,
                             bis_image *image, bis_render_result *result, bis_diag *diag)
 {
-    static const double whole[4] = {0, 1, 0, 1};
     const bis_film place = bis_trade_film(t, step);
     bis_film film;
     bis_scene view = *t->scene;

@@ -15,12 +15,6 @@ static int timing_step(const bis_trade *t, double pass)
     return (int)fmax(1, ceil(sqrt(pass / (timing_share * t->o.seconds))));
 }
 
-static double pixels_of(const bis_trade *t, int step)
-{
-    const bis_film f = bis_trade_film(t, step);
-    return (double)f.width * f.height;
-}
-
 static bis_status time_advice(bis_trade_advice *a, bis_trade *t, bis_diag *diag)
 {
     const bis_trade_setting *s = &t->plan.settings[a->setting];
@@ -30,7 +24,8 @@ static bis_status time_advice(bis_trade_advice *a, bis_trade *t, bis_diag *diag)
     if (step >= t->plan.step) return BIS_OK; /* the sweep knows as much */
     bis_status status = bis_trade_render(t, s, step, 1, t->o.seed, NULL, &result, diag);
     if (status || result.interrupted) return status;
-    const double pixels = pixels_of(t, 1) / pixels_of(t, step), fill = fmin(s->fill_seconds, result.seconds);
+    const double pixels = bis_trade_pixels(t, 1) / bis_trade_pixels(t, step);
+    const double fill = fmin(s->fill_seconds, result.seconds);
     a->seconds = a->passes * (fill + (result.seconds - fill) * pixels);
     return BIS_OK;
 }

@@ -164,9 +164,8 @@ static bool fits_light(const bis_trade *t, const recipe *r, bool small_map)
 
 static bool is_asked_for(const bis_trade_options *o, const char *integrator)
 {
-    for (int i = 0; i < o->n_integrators; i++) {
+    for (int i = 0; i < o->n_integrators; i++)
         if (strcmp(o->integrators[i], integrator) == 0) return true;
-    }
     return o->n_integrators == 0;
 }
 
@@ -191,9 +190,8 @@ void bis_trade_list_settings(bis_trade *t, bool small_map)
 
 int bis_trade_find_setting(const bis_trade_plan *plan, const char *name)
 {
-    for (int i = 0; i < plan->n_settings; i++) {
+    for (int i = 0; i < plan->n_settings; i++)
         if (strcmp(plan->settings[i].name, name) == 0) return i;
-    }
     return -1;
 }
 

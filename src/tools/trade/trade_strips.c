@@ -9,7 +9,6 @@
 
 #include "bis/tools/compare.h"
 #include "bis/base/mem.h"
-#include "bis/files/image_file.h"
 #include "files/image_png.h"
 #include "out/markup.h"
 
@@ -163,11 +162,10 @@ static double share(int at, int full)
 static void put_crops(bis_json *j, const char *name, const bis_image *image, const window crops[N_CROPS])
 {
     bis_json_open(j, "crops", '[');
-    for (int k = 0; k < N_CROPS; k++) {
+    for (int k = 0; k < N_CROPS; k++)
         bis_trade_say_all(j, NULL, "number=%d; left=%.2f; top=%.2f; picture=%s; x=%.2f; y=%.2f", k,
                           100.0 * crops[k].x / image->width, 100.0 * crops[k].y / image->height, name,
                           share(crops[k].x, image->width), share(crops[k].y, image->height));
-    }
     bis_json_close(j);
 }
 
@@ -200,9 +198,8 @@ static void put_slider(bis_json *j, const bis_trade *t)
     else bis_trade_say(j, "left=p%d; right=p%d", worst, best);
     bis_json_open(j, "choice", '[');
     bis_trade_say_all(j, NULL, "picture=ref; name=reference");
-    for (int i = 0; i < t->n_strip; i++) {
+    for (int i = 0; i < t->n_strip; i++)
         bis_trade_say_all(j, NULL, "picture=p%d; name=%s", i, t->plan.settings[t->strip[i].setting].name);
-    }
     bis_json_close(j);
 }
 

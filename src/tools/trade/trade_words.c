@@ -68,8 +68,7 @@ const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const 
 bool bis_trade_is_head(const bis_trade *t, int setting)
 {
     int heads[BIS_TRADE_STRIP];
-    for (int i = bis_trade_heads(t, heads) - 1; i >= 0; i--) {
+    for (int i = bis_trade_heads(t, heads) - 1; i >= 0; i--)
         if (heads[i] == setting) return true;
-    }
     return false;
 }

@@ -13,9 +13,9 @@
  *     status = bis_verify_map(&v, em, 0.15, 8, diag);
  *     bis_verify_judge(&v);               // v.n_failed, v.tests[0 .. v.n - 1]
  *     bis_verify_clear(&v); */
-#ifndef BIS_VERIFY_H
-#define BIS_VERIFY_H
+#pragma once
 
+#include "bis/render/render.h"
 #include "bis/scene/scene.h"
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/importance.h"
@@ -25,7 +25,7 @@
 typedef enum bis_verdict { BIS_VERDICT_PASSED, BIS_VERDICT_FAILED, BIS_VERDICT_SKIPPED } bis_verdict;
 
 typedef struct bis_verify_test {
-    const char *group; /* "map", "materials", "view", "accelerators"; a constant */
+    const char *group; /* "map", "materials", "picture", "view", "accelerators"; a constant */
     char name[80];     /* "material 2, n 50, 45 degrees" */
     char note[120];    /* what the statistic is, or why the test was skipped or failed at once */
     double statistic, dof;
@@ -139,8 +139,58 @@ bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settin
 bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind,
                            uint64_t seed, bis_counters *counters, bis_diag *diag);
 
+/* About how long one estimate takes, in units of 60 ns: 8 for a shadow ray, 1 for a candidate. */
+double bis_verify_cost(const bis_settings *s, size_t patches);
+
 /* One number for a colour, to be tested: 4r + 2g + b, so that an exchange of channels is seen. */
 static inline double bis_verify_measure(rgbd c) { return 4 * c.r + 2 * c.g + c.b; }
+
+/* src/tools/verify/verify_pixels.c. Sums of bis_verify_measure times solid angle over the light's patches. */
+typedef struct bis_verify_table {
+    const bis_light *light;
+    size_t n;
+    double *sum; /* sum[n + 1]: over the patches before */
+} bis_verify_table;
+
+/* bis_verify_table_init makes the sums. light is borrowed. Errors: BIS_NOMEM; *t can then be cleared. */
+bis_status bis_verify_table_init(bis_verify_table *t, const bis_light *light, bis_diag *diag);
+void bis_verify_table_clear(bis_verify_table *t);
+
+/* What is seen, and how. */
+typedef struct bis_verify_eye {
+    const bis_scene *scene;
+    const bis_scene_desc *desc;
+    const bis_view *view;
+    const bis_film *film; /* as bis_film_place makes it */
+    const bis_verify_table *table;
+    bool without_shadows;
+} bis_verify_eye;
+
+/* What the samples of a pixel have met. */
+typedef struct bis_verify_pixel {
+    double square;     /* mean of their squares */
+    double slope[2];   /* mean of their values times their place in the pixel, right and down from its centre */
+    bool is_outline;   /* they meet other materials, normals more than 60 degrees apart, or nothing at times */
+    uint32_t material; /* of the first, an index into desc->materials; BIS_NO_NUMBER: it meets nothing */
+    vec3 n;            /* normal of the first */
+} bis_verify_pixel;
+
+/* bis_verify_means stores in mean[height][width] what each pixel of the film should be, by n[height][width] > 0 samples
+ * of its area, and in pixels[height][width] (may be NULL) what they met. The numbers are those of bis_verify_measure.
+ * The result does not depend on the number of threads. */
+void bis_verify_means(double *mean, bis_verify_pixel *pixels, const bis_verify_eye *e, const uint32_t *n,
+                      uint64_t seed);
+
+/* src/tools/verify/verify_picture.c. What renders: bis_render, or what a test hands in. */
+typedef bis_status bis_verify_render(bis_render_result *result, bis_film *film, const bis_scene *scene,
+                                     const bis_scene_desc *desc, const bis_view *view,
+                                     const bis_render_options *options, bis_diag *diag);
+
+/* bis_verify_picture compares many small pictures by `render`, of desc's view with these settings, with
+ * bis_verify_means. *tested: false where the integrator is too dear for that, or nothing is lit; a skipped test says
+ * so. Errors: BIS_NOMEM. */
+bis_status bis_verify_picture(bis_verify *v, bis_verify_render *render, const bis_scene *scene,
+                              const bis_scene_desc *desc, const bis_settings *settings, bool *tested, bis_diag *diag);
 
 /* src/tools/verify/verify_oracle.c. What an accelerator says of a ray: the distance to the nearest hit, infinite for
  * none, and whether there is any. Which of n answers are right, within the rounding of floats? By a search over all
@@ -164,5 +214,3 @@ void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, 
 /* src/tools/verify/verify_scene.c. Whatever applies of the above. */
 bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc,
                             const bis_settings *settings, bis_diag *diag);
-
-#endif

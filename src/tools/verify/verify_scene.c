@@ -1,13 +1,15 @@
-/* verify_scene: what of all the checks applies to a scene: its map, its materials, its accelerator, and a few pixels of
- * its view.
+/* verify_scene: what of all the checks applies to a scene: its map, its materials, its accelerator, its picture by its
+ * own integrator (verify_picture.c), and a few pixels of its view by all integrators, but not by one that the renderer
+ * computes in vectors.
  *
- * Pixels lie on a plane lattice (Roberts's R2, the plane's golden ratio), spread for any number of them; those that see
- * nothing, something black, or next to no light are passed over. Their camera ray runs through the pixel's centre: then
- * every integrator estimates one number, the reflected radiance at one point.
+ * These pixels lie on a plane lattice (Roberts's R2, the plane's golden ratio), spread for any number of them; those
+ * that see nothing, something black, or next to no light are passed over. Their camera ray runs through the pixel's
+ * centre: then every integrator estimates one number, the reflected radiance at one point.
  * Cost: the reference visits all patches of the light 4 times for a pixel, `exact` twice more: fewer pixels for larger
  * maps, none beyond 2^24 patches. */
 #include "verify.h"
 
+#include "beyond/batch.h"
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 
@@ -91,22 +93,27 @@ static bis_status check_materials(bis_verify *v, const bis_scene_desc *desc, bis
 
 /* ---- the view ---- */
 
-/* All integrators with settings under which they are unbiased; the scene's own keeps its numbers, as far as they are
- * not too dear. */
-static size_t make_settings(bis_settings list[BIS_VERIFY_MAX_INTEGRATORS], const bis_settings *own)
+/* The same with numbers that are not too dear, and unbiased. */
+static bis_settings unbiased(bis_settings s)
+{
+    s.estimator = BIS_ESTIMATOR_PLAIN;
+    s.compensate = false;
+    s.perpatch = 1;
+    if (s.candidates > MAX_CANDIDATES) s.candidates = MAX_CANDIDATES;
+    if (s.shadowrays > MAX_SHADOWRAYS) s.shadowrays = MAX_SHADOWRAYS;
+    if (s.samples > MAX_SAMPLES) s.samples = MAX_SAMPLES;
+    return s;
+}
+
+/* All integrators by their defaults, but not the scene's own unless with_own: it then keeps its numbers. */
+static size_t make_settings(bis_settings list[BIS_VERIFY_MAX_INTEGRATORS], const bis_settings *own, bool with_own)
 {
     size_t n = 0;
-    for (; bis_integrators[n] && n < BIS_VERIFY_MAX_INTEGRATORS; n++) {
-        const bool is_own = bis_integrators[n] == own->integrator;
-        bis_settings s = is_own ? *own : bis_settings_default(bis_integrators[n]);
-        s.estimator = BIS_ESTIMATOR_PLAIN;
-        s.compensate = false;
-        s.perpatch = 1;
-        s.as_printed = own->as_printed;
-        if (s.candidates > MAX_CANDIDATES) s.candidates = MAX_CANDIDATES;
-        if (s.shadowrays > MAX_SHADOWRAYS) s.shadowrays = MAX_SHADOWRAYS;
-        if (s.samples > MAX_SAMPLES) s.samples = MAX_SAMPLES;
-        list[n] = s;
+    for (int i = 0; bis_integrators[i] && n < BIS_VERIFY_MAX_INTEGRATORS; i++) {
+        const bool is_own = bis_integrators[i] == own->integrator;
+        if (is_own && !with_own) continue;
+        list[n] = unbiased(is_own ? *own : bis_settings_default(bis_integrators[i]));
+        list[n++].as_printed = own->as_printed;
     }
     return n;
 }
@@ -151,9 +158,9 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
 {
     const char *why = why_no_view(scene);
     bis_settings settings[BIS_VERIFY_MAX_INTEGRATORS];
-    const size_t n = make_settings(settings, own);
+    const bis_settings rendered = unbiased(*own);
     bis_counters counters = {0};
-    bis_status status = BIS_OK;
+    bool is_rendered;
     double visits = 0;
     const int n_wanted = MAX_PIXELS >> v->halvings ? MAX_PIXELS >> v->halvings : 1;
     int n_pixels = 0, known[MAX_PIXELS][2];
@@ -162,6 +169,10 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         bis_verify_skip(v, "view", why, "all integrators");
         return BIS_OK;
     }
+    bis_status status = bis_verify_picture(v, bis_render, scene, desc, &rendered, &is_rendered, diag);
+    /* the vector path does not call Lo: its points would show what is not rendered */
+    const bool with_own = !is_rendered || !bis_fast_needs_of(&rendered).batch;
+    const size_t n = make_settings(settings, own, with_own);
     const double patches = (double)bis_light_patches(scene->light);
     for (int k = 0; k < MAX_TRIES && n_pixels < n_wanted && !status; k++) {
         if (visits > 0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;

@@ -162,14 +162,19 @@ static void judge(bis_verify *v, const comparison *c)
     }
 }
 
+double bis_verify_cost(const bis_settings *s, size_t patches)
+{
+    if (bis_parameter_of(s->integrator, "perpatch")) return 8.0 * s->perpatch * (double)patches;
+    if (bis_parameter_of(s->integrator, "candidates")) return s->candidates + 8.0 * s->shadowrays;
+    return 8.0 * s->samples;
+}
+
 /* As many runs as take about as long as those of the others. */
 static uint32_t runs_for(const bis_settings *s, size_t patches, unsigned halvings)
 {
     if (bis_parameter_of(s->integrator, "perpatch"))
         return (uint32_t)fmin(fmax(ceil((double)(1 << 18 >> halvings) / (double)patches), 2), 1 << 12);
-    const bool by_candidates = bis_parameter_of(s->integrator, "candidates") != NULL;
-    const double cost = by_candidates ? s->candidates + 8.0 * s->shadowrays : 8.0 * s->samples;
-    return (uint32_t)fmin(fmax(round((1 << 21 >> halvings) / cost), 64), 1 << 14);
+    return (uint32_t)fmin(fmax(round((1 << 21 >> halvings) / bis_verify_cost(s, patches)), 64), 1 << 14);
 }
 
 static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings *s, const bis_truth_moments *sample,

@@ -1,0 +1,178 @@
+/* Commands with each allocation failing in turn: exit status 1, one line that says so, no half of an answer on standard
+ * output, no file that was not there, nothing that stays allocated; and with enough memory again an answer. */
+#include "cli/cli.h"
+
+#include "bis/base/image.h"
+#include "bis/base/mem.h"
+#include "bis/files/image_file.h"
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define DIR "build/test_starved"
+#define OUT DIR "/said.txt"
+#define ERR DIR "/complained.txt"
+
+typedef struct answer {
+    int exit_status;
+    long allocations;
+    char output[1 << 16], messages[1 << 12];
+} answer;
+
+static void read_text(char *text, size_t size, const char *path)
+{
+    FILE *f = fopen(path, "r");
+    assert_non_null(f);
+    text[fread(text, 1, size - 1, f)] = '\0';
+    fclose(f);
+}
+
+/* Allocation k fails; 0: none. */
+static void run(answer *a, int command(int argc, char **argv), const char *arguments, long k)
+{
+    char text[512], *argv[32];
+    int argc = 0, saved[2];
+    snprintf(text, sizeof text, "%s", arguments);
+    for (char *at = strtok(text, " "); at; at = strtok(NULL, " ")) argv[argc++] = at;
+    argv[argc] = NULL;
+    fflush(stdout);
+    fflush(stderr);
+    for (int i = 0; i < 2; i++) saved[i] = dup(i + 1);
+    assert_true(freopen(OUT, "w", stdout) && freopen(ERR, "w", stderr));
+    bis_mem_fail_at(k ? k : 1L << 60);
+    a->exit_status = command(argc, argv);
+    a->allocations = bis_mem_count();
+    bis_mem_fail_at(0);
+    fflush(stdout);
+    fflush(stderr);
+    for (int i = 0; i < 2; i++) {
+        dup2(saved[i], i + 1);
+        close(saved[i]);
+    }
+    read_text(a->output, sizeof a->output, OUT);
+    read_text(a->messages, sizeof a->messages, ERR);
+}
+
+static int lines_with(const char *text, const char *word)
+{
+    int n = 0;
+    for (const char *at = text; (at = strstr(at, word)) != NULL; at++) n++;
+    return n;
+}
+
+/* The files are those of a run that has enough. Beyond the first `each` allocations some fail, each a quarter
+ * further than the one before. */
+static void each_may_fail(int command(int argc, char **argv), const char *arguments, long each)
+{
+    static answer whole, a;
+    const long live = bis_mem_live();
+    run(&whole, command, arguments, 0);
+    if (whole.exit_status != 0) fail_msg("%s: %s", arguments, whole.messages);
+    const int files = program_count_files(DIR);
+    for (long k = 1; k <= whole.allocations; k += k < each ? 1 : k / 4) {
+        run(&a, command, arguments, k);
+        if (a.exit_status != BIS_EXIT_FAILED || a.output[0] || lines_with(a.messages, "error:") != 1 ||
+            (!strstr(a.messages, "memory") && !strstr(a.messages, "allocate"))) /* OpenEXR's word */
+            fail_msg("%s, allocation %ld of %ld: status %d, \"%s\", \"%s\"", arguments, k, whole.allocations,
+                     a.exit_status, a.output, a.messages);
+        const long stay = bis_mem_live() - live;
+        const int new = program_count_files(DIR) - files;
+        if (stay || new) fail_msg("%s, allocation %ld: %ld blocks stay, %d new files", arguments, k, stay, new);
+    }
+    run(&a, command, arguments, 0);
+    assert_int_equal(a.exit_status, 0);
+}
+
+static void compare_says_so(void **state)
+{
+    (void)state;
+    each_may_fail(bis_cmd_compare, DIR "/a.exr " DIR "/b.pfm --diff " DIR "/d.png", 1000);
+    each_may_fail(bis_cmd_compare, "--json " DIR "/a.exr " DIR "/b.pfm", 1000);
+}
+
+static void envmap_says_so(void **state)
+{
+    (void)state;
+    each_may_fail(bis_cmd_envmap, DIR "/map.pfm --samples 5 --out " DIR "/e.png", 1000);
+    each_may_fail(bis_cmd_envmap, DIR "/probe.pfm --json --mapping angular --width 16", 1000);
+}
+
+static void render_says_so(void **state)
+{
+    (void)state;
+    each_may_fail(bis_cmd_render, DIR "/scene.txt --quiet --spp 2 --nthreads 1 --accelerator grid --layers all "
+                                  "--stats " DIR "/r.json --outfile " DIR "/r.exr --outfile " DIR "/r.pfm", 1000);
+}
+
+static void pixel_says_so(void **state)
+{
+    (void)state;
+    each_may_fail(bis_cmd_pixel, DIR "/scene.txt 12 8 --repeats 2 --candidates 4 --shadowrays 2 --samples 2 "
+                                 "--output " DIR "/pixel", 60);
+    each_may_fail(bis_cmd_pixel, DIR "/scene.txt 0 0 --json --output " DIR "/pixel", 1000);
+}
+
+static void verify_says_so(void **state)
+{
+    (void)state;
+    each_may_fail(bis_cmd_verify, DIR "/map.pfm --json", 16);
+    each_may_fail(bis_cmd_verify, DIR "/dark.txt", 16);
+}
+
+/* A measurement into a new folder each time; what it had measured by then stays there. */
+static void trade_says_so(void **state)
+{
+    (void)state;
+    static const char arguments[] = DIR "/scene.txt --quiet --integrator em --passes 1 --seeds 1 --time 0.1 --error 900% "
+                                    "--nthreads 1 --output " DIR "/trade";
+    static answer whole, a;
+    const long live = bis_mem_live();
+    assert_int_equal(system("rm -rf " DIR "/trade"), 0);
+    run(&whole, bis_cmd_trade, arguments, 0);
+    if (whole.exit_status != 0) fail_msg("%s", whole.messages);
+    for (long k = 1; k <= whole.allocations; k += k < 60 ? 1 : k / 12) {
+        assert_int_equal(system("rm -rf " DIR "/trade"), 0);
+        run(&a, bis_cmd_trade, arguments, k);
+        if (a.allocations < k) break; /* the clock decides how many passes a pilot has */
+        if (a.exit_status != BIS_EXIT_FAILED || a.output[0] || !lines_with(a.messages, "error:") ||
+            (!strstr(a.messages, "memory") && !strstr(a.messages, "allocate")))
+            fail_msg("allocation %ld of %ld: status %d, \"%s\", \"%s\"", k, whole.allocations, a.exit_status, a.output,
+                     a.messages);
+        if (bis_mem_live() != live) fail_msg("allocation %ld: %ld blocks stay", k, bis_mem_live() - live);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(compare_says_so),
+        cmocka_unit_test(envmap_says_so),
+        cmocka_unit_test(render_says_so),
+        cmocka_unit_test(pixel_says_so),
+        cmocka_unit_test(verify_says_so),
+        cmocka_unit_test(trade_says_so),
+    };
+    rgb pixels[32];
+    const bis_image image = {8, 4, pixels};
+    assert_int_equal(system("rm -rf " DIR), 0);
+    program_folder(DIR);
+    program_write_scene(DIR, "");
+    for (int i = 0; i < 32; i++) pixels[i] = (rgb){(float)i, 1, 2};
+    assert_int_equal(bis_image_save(&image, DIR "/a.exr", NULL), BIS_OK);
+    pixels[3].r = 100;
+    assert_int_equal(bis_image_save(&image, DIR "/b.pfm", NULL), BIS_OK);
+    program_write_file(DIR "/dark.txt", "WorldBegin Material \"diffuse\" \"float reflectance\" 0 Shape \"sphere\"\n");
+    const bis_image probe = {5, 5, pixels};
+    assert_int_equal(bis_image_save(&probe, DIR "/probe.pfm", NULL), BIS_OK);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
