@@ -125,8 +125,8 @@ static const bis_help_entry budgets[] = {
            "picture depends on the scene, the seed and the number "
            "of camera samples, never on the number of threads."},
     {"--checkpoint F", "keeps the state of the render in F: each minute (--checkpoint-every), at the end, at Ctrl-C"},
-    {"--resume F", "goes on from F, or starts afresh where there is none; the picture has the bits of one render. --spp, "
-                   "--time and --error count from the very start"},
+    {"--resume F", "goes on from F, or starts afresh where there is none; the picture has the bits of one render. "
+                   "--spp, --time and --error count from the very start"},
     {NULL, NULL},
 };
 
