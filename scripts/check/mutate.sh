@@ -515,8 +515,8 @@ exit
 # - i < w->n; i++) finish(
 # + i + 1 < w->n; i++) finish(
 #
-# * wave test_layers : a layer's L_ns puts its rays off
-# - s->pt.later = NULL;
+# * gather test_layers : a layer's L_ns puts its rays off
+# - open.later = NULL;
 # + ;
 #
 # * pass test_wave : all camera samples of a pass are the first

@@ -118,12 +118,10 @@ static void finish(bis_wave *w, sample *s, bool hit)
         L = (rgb){0};
         w->counters->nonfinite++;
     }
-    if (hit && pixel->values) {
-        s->pt.later = NULL;
-        if (!bis_gather_surface(pixel->values, &w->task.film->layers, &w->task.view->settings, w->task.Lo,
-                                w->task.to_camera, &s->pt, s->stream, w->scratch, L))
-            w->counters->nonfinite++;
-    }
+    if (hit && pixel->values &&
+        !bis_gather_surface(pixel->values, &w->task.film->layers, &w->task.view->settings, w->task.Lo,
+                            w->task.to_camera, &s->pt, s->stream, w->scratch, L))
+        w->counters->nonfinite++;
     pixel->L = rgbd_add(pixel->L, (rgbd){(double)L.r, (double)L.g, (double)L.b});
     pixel->hits += hit;
 }
