@@ -95,33 +95,34 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
     const bis_film *f = w->film;
     const uint32_t n = w->adapt.n_tiles ? w->adapt.samples[t] : pass->n;
     const bis_rect tile = bis_workspace_tile(w, t), full = bis_film_tile(f, BIS_RENDER_TILE, t),
+                   kept = bis_film_tile_of_crop(f, BIS_RENDER_TILE, t),
                    crop = {f->x0, f->y0, f->x0 + f->width, f->y0 + f->height};
-    bis_pixel_sum dropped, *sum;
-    int x, y;
+    bis_pixel_sum dropped;
 
     if (w->visibility.n_tiles) {
         bis_visibility_factors(me->fast.visible, w->clusters.n, &w->visibility, (size_t)t);
         me->fast.counted = w->visibility.counted[t];
     }
     for (int i = 0; i < BIS_RENDER_TILE * BIS_RENDER_TILE; i++) {
+        int x, y;
         place_in_tile(i, &x, &y);
         x += full.x0, y += full.y0;
         if (!is_in(tile, x, y)) continue;
         if (bis_pass_interrupted(w)) return;
-        sum = is_in(crop, x, y) ? &me->pixels[i] : &dropped;
-        *sum = (bis_pixel_sum){.values = is_in(crop, x, y) ? bis_workspace_layers(w, index_in(crop, x, y)) : NULL};
+        const bool keep = is_in(kept, x, y);
+        bis_pixel_sum *sum = keep ? &me->pixels[index_in(kept, x, y)] : &dropped;
+        *sum = (bis_pixel_sum){.values = keep ? bis_workspace_layers(w, index_in(crop, x, y)) : NULL};
         if (sum->values) memset(sum->values, 0, (size_t)f->layers.n_values * sizeof *sum->values);
         add_samples(w, me->wave, x, y, n, pass, sum);
     }
     bis_wave_end(me->wave);
-    for (int i = 0; i < BIS_RENDER_TILE * BIS_RENDER_TILE; i++) {
-        place_in_tile(i, &x, &y);
-        x += full.x0, y += full.y0;
-        if (!is_in(tile, x, y) || !is_in(crop, x, y)) continue;
-        sum = &me->pixels[i];
-        w->pass[index_in(crop, x, y)] =
-            (bis_pixel_mean){rgbd_round(rgbd_scale(sum->L, 1 / (double)sum->n)), (float)sum->hits / (float)sum->n};
-        if (sum->values) bis_gather_mean(sum->values, &f->layers, sum->n / pass->weight);
+    for (int y = kept.y0; y < kept.y1; y++) {
+        for (int x = kept.x0; x < kept.x1; x++) {
+            const bis_pixel_sum *sum = &me->pixels[index_in(kept, x, y)];
+            w->pass[index_in(crop, x, y)] =
+                (bis_pixel_mean){rgbd_round(rgbd_scale(sum->L, 1 / (double)sum->n)), (float)sum->hits / (float)sum->n};
+            if (sum->values) bis_gather_mean(sum->values, &f->layers, sum->n / pass->weight);
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-/* pass: from a camera sample to the film: one pass over all tiles. For render.c. */
+/* pass: from camera samples to the film: one pass over all tiles. For render.c. */
 #pragma once
 
 #include "workspace.h"

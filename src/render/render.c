@@ -14,7 +14,7 @@
  * An error is estimated from the scatter of the passes, which tells the truth only where they are independent
  * replicates (docs/errata.md E32). The camera samples of one pixel are not: a stratified or low-discrepancy sampler
  * spreads them over the pixel, and the scatter overestimates the error, at edges twofold and more. So where an error is
- * asked for, each pass has a seed of its own.
+ * asked for, each camera sample has a seed of its own (with adaptive sampling, each pass).
  *
  * Adaptive sampling weighs each tile against the whole picture, of which a crop knows nothing: a pixel of a crop then
  * does not get what it gets in the full picture.
