@@ -8,6 +8,7 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 
+#include "auto_help.h"
 #include "world.h"
 
 #include <setjmp.h>
@@ -19,9 +20,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <sys/syscall.h>
-#include <time.h>
-#include <unistd.h>
 
 static void assert_close(double found, double expected)
 {
@@ -98,12 +96,6 @@ static double judged(const bis_auto_report *r, int i)
     return bis_auto_cost_of(r, i) * r->tried[i].variance * (it == &bis_mis || it == &bis_em ? 1.25 : 1);
 }
 
-/* What a scene gets that names no integrator, as docs/scene-format.md has it. */
-static bool is_usual(const bis_settings *s)
-{
-    return s->integrator == &bis_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->candidates == 64 && s->shadowrays == 16 && s->learn;
-}
-
 /* A picture of 8 x 6 pixels. The list by hand, then what the fit proposes: within limits, four times each, at most one of a
  * family. There are at most four families, because em and brdf exclude each other. */
 static void assert_tries(world *w, double seconds, const attempt *list, int n)
@@ -173,39 +165,6 @@ static void the_lists_of_a_pilot_are_those_by_hand(void **state)
     w.scene.light = map;
     clear_world(&w);
 }
-
-/* A clock that counts rays, as in test_auto: the same work is the same choice. */
-static bool counts_work;
-static _Thread_local long worked; /* ns */
-
-int clock_gettime(clockid_t id, struct timespec *t); /* in place of the C library's */
-
-int clock_gettime(clockid_t id, struct timespec *t)
-{
-    if (!counts_work || id != CLOCK_THREAD_CPUTIME_ID) return (int)syscall(SYS_clock_gettime, id, t);
-    worked += 10;
-    *t = (struct timespec){worked / 1000000000, worked % 1000000000};
-    return 0;
-}
-
-typedef struct counting_accel {
-    bis_accel base;
-    bis_accel *inner;
-} counting_accel;
-
-static bool counting_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
-{
-    worked += 1000;
-    return bis_accel_intersect(((const counting_accel *)a)->inner, r, hit);
-}
-
-static bool counting_occluded(const bis_accel *a, const ray *r)
-{
-    worked += 1000;
-    return bis_accel_occluded(((const counting_accel *)a)->inner, r);
-}
-
-static const bis_accel_ops counting = {.name = "counting", .intersect = counting_intersect, .occluded = counting_occluded};
 
 /* What is tried after the list is the optimum of the fit to the list's figures of its family, all of them: those figures are
  * weighed anew when all is known, which moves the optimum a little, by 1/260 here. */
