@@ -10,7 +10,13 @@
  * where F/phat is a candidate's colour: neither q nor the cosine is needed again.
  *
  * Proposal "product" draws the map's candidates for this point alone (product.c), which pays where the lobe is narrow
- * and the light spotty. */
+ * and the light spotty.
+ *
+ * Earlier passes have learned V: its mean g is known for the neighbourhood of the pixel (bis/beyond/visibility.h). The
+ * weights are multiplied by h, which sends rays where V is uncertain, and g serves as a control variate:
+ *     L = (1/M) sum_i F_i/q_i g_i + (Zhat/N) sum_j F/(phat h) (V - g),    Zhat = (1/M) sum_i phat_i h_i/q_i,
+ * where the first sum needs no rays. Whatever g and h are, the mean of the second sum is that of F (V - g). An estimate
+ * may be below 0 where little light arrives, because g promised more. */
 #include "batch.h"
 
 /* [batch] */
@@ -18,6 +24,7 @@
 #include "map_lanes.h"
 #include "product.h"
 #include "thesis/candidates.h"
+#include "thesis/proposal.h"
 
 #include "bis/base/mem.h"
 
@@ -116,7 +123,7 @@ bis_status bis_fast_init(bis_fast *f, const bis_settings *s, bis_diag *diag)
 void bis_fast_clear(bis_fast *f)
 {
     batch_free(f->batch);
-    bis_free(f->visible);
+    bis_foresight_clear(&f->foresight);
     *f = (bis_fast){.batch = NULL};
 }
 
@@ -158,30 +165,56 @@ static void weigh_brdf(bis_batch *b, float *w, const bis_mixture *m, const bis_c
 
 /* ---- learned visibility ---- */
 
-/* The weights times g of their clusters. */
-static void weigh_visibility(bis_batch *b, const bis_mixture *m, uint32_t first_brdf, const float *visible)
+/* The weights times h of their clusters. */
+static void weigh_visibility(bis_batch *b, const bis_mixture *m, uint32_t first_brdf, const float *h)
 {
-    for (uint32_t i = 0; i < m->n_em; i++) b->weights.w[i] *= visible[b->product.cluster[i]];
-    for (uint32_t i = 0; i < m->n_brdf; i++) b->weights.w[first_brdf + i] *= visible[b->pixel[i]];
+    for (uint32_t i = 0; i < m->n_em; i++) b->weights.w[i] *= h[b->product.cluster[i]];
+    for (uint32_t i = 0; i < m->n_brdf; i++) b->weights.w[first_brdf + i] *= h[b->pixel[i]];
 }
 
-/* What was chosen has a weight that is g times too large: its colour is divided by it. */
-static void find_clusters(bis_batch *b, uint32_t first_brdf, const float *visible)
+/* What was chosen has a weight that is h times too large: its colour is divided by it. */
+static void find_clusters(bis_batch *b, uint32_t first_brdf, const float *h)
 {
     for (uint32_t k = 0; k < b->weights.n_chosen; k++) {
         const uint32_t i = b->weights.lane[k];
         b->cluster[k] = i < first_brdf ? b->product.cluster[i] : b->pixel[i - first_brdf];
-        b->traced.q_L[k] = visible[b->cluster[k]];
+        b->traced.q_L[k] = h[b->cluster[k]];
     }
 }
 
 /* Where the k-th of what was chosen is to be counted if light arrives; NULL: nowhere. Counts the ray itself. */
-static uint32_t *count_ray(const bis_batch *b, uint32_t k, const bis_fast *f)
+static uint16_t *count_ray(const bis_batch *b, uint32_t k, const bis_fast *f)
 {
-    if (!f->visible || !f->counted) return NULL;
-    bis_seen *part = &f->counted[bis_visibility_part(b->cluster[k], f->clusters->n)];
-    part->rays++;
-    return &part->seen;
+    return f->foresight.h ? bis_foresight_count(&f->foresight, b->cluster[k], f->clusters->n) : NULL;
+}
+
+/* Does the control pay? Not under a mirror's lobe alone: it sees few clusters, which the marks divide well enough. */
+static bool has_control(const bis_point *pt, const bis_fast *f, const bis_mixture *m)
+{
+    return f->foresight.knows && m->n_brdf == 0 && !rgb_is_black(pt->bsdf.material->Kd);
+}
+
+/* The sum of w g over the candidates, in colour; w g is what a weight, w h, times the control g/h is. The lanes of a
+ * block are summed side by side, in an order that no vector width changes. */
+BIS_LANES
+static rgbd control_sum(const bis_lanes *y, const float *restrict w, const uint16_t *restrict cluster,
+                        const float *restrict control, uint32_t n)
+{
+    float r[SMALLEST] = {0}, g[SMALLEST] = {0}, b[SMALLEST] = {0};
+    rgbd sum = {0, 0, 0};
+
+    for (uint32_t first = 0; first < n; first += SMALLEST) {
+        float wg[SMALLEST];
+        for (uint32_t i = 0; i < SMALLEST; i++) wg[i] = w[first + i] * control[cluster[first + i]];
+#pragma omp simd
+        for (uint32_t i = 0; i < SMALLEST; i++) {
+            r[i] += wg[i] * y->r[first + i];
+            g[i] += wg[i] * y->g[first + i];
+            b[i] += wg[i] * y->b[first + i];
+        }
+    }
+    for (uint32_t i = 0; i < SMALLEST; i++) sum = rgbd_add(sum, (rgbd){(double)r[i], (double)g[i], (double)b[i]});
+    return sum;
 }
 
 /* ---- rays ---- */
@@ -210,18 +243,28 @@ static void gather(bis_batch *b, const bis_lanes *map, uint32_t first_brdf)
     for (uint32_t k = n; k < bis_lanes_round_up(n); k++) b->traced.r[k] = b->traced.g[k] = b->traced.b[k] = 0;
 }
 
-/* The sum of Z F/phat V over the marks. */
-static rgbd trace(bis_batch *b, const bis_point *pt, double Z, const bis_fast *f)
+/* Adds the sum of Z F/phat V over the marks to L. */
+static rgbd trace(rgbd L, const bis_batch *b, const bis_point *pt, double Z, const bis_fast *f)
 {
-    const uint32_t n = b->weights.n_chosen;
+    const bis_lanes *y = &b->traced;
+
+    for (uint32_t k = 0; k < b->weights.n_chosen; k++) {
+        const rgbd colour = {(double)y->r[k], (double)y->g[k], (double)y->b[k]};
+        const rgbd C = rgbd_scale(colour, Z * b->weights.times[k] / (double)y->q_L[k]);
+        bis_point_add(&L, pt, (vec3){y->x[k], y->y[k], y->z[k]}, C, count_ray(b, k, f));
+    }
+    return L;
+}
+
+/* The sum of Z F/phat g over the marks. */
+static rgbd control_of_marks(const bis_batch *b, double Z, const float *control)
+{
     const bis_lanes *y = &b->traced;
     rgbd sum = {0, 0, 0};
 
-    bis_bsdf_lanes_of(pt->bsdf.material->model)->colour(&pt->bsdf, y, n);
-    for (uint32_t k = 0; k < n; k++) {
-        const rgbd colour = {(double)y->r[k], (double)y->g[k], (double)y->b[k]};
-        const rgbd C = rgbd_scale(colour, Z * b->weights.times[k] / (double)y->q_L[k]);
-        bis_point_add(&sum, pt, (vec3){y->x[k], y->y[k], y->z[k]}, C, count_ray(b, k, f));
+    for (uint32_t k = 0; k < b->weights.n_chosen; k++) {
+        const double s = Z * b->weights.times[k] * (double)control[b->cluster[k]];
+        sum = rgbd_add(sum, (rgbd){(double)y->r[k] * s, (double)y->g[k] * s, (double)y->b[k] * s});
     }
     return sum;
 }
@@ -237,7 +280,11 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     const uint32_t M = s->candidates, N = s->shadowrays;
     const bis_clusters *clusters = f->clusters;
     const double mean = bis_light_mean(pt->light);
+    const bis_bsdf_lanes *lanes = bis_bsdf_lanes_of(pt->bsdf.material->model);
     const bis_mixture m = bis_candidates_divide(M, s->proposal, pt, stream);
+    const bool control = has_control(pt, f, &m);
+    double marks[1][2], phase[1][2]; /* over the camera samples of a pixel evenly spread */
+    rgb L = {0, 0, 0}; /* what the control says; a float, as it is where rays are only noted (bis_point_add) */
     bis_lanes map;
     uint32_t n_map;
     double unit;
@@ -246,10 +293,12 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     if (clusters) {
         n_map = m.n_em;
         /* nothing of the map is above the horizon */
-        if (!bis_product_weigh(&b->product, clusters, f->visible, pt)) return (rgb){0, 0, 0};
-        bis_product_draw(&b->product, clusters, n_map, stream);
+        if (!bis_product_weigh(&b->product, clusters, f->foresight.h, pt)) return (rgb){0, 0, 0};
+        bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
+        bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
+        bis_product_draw(&b->product, clusters, n_map, marks[0][0], phase[0][0], stream->pixel);
         map = b->product.y;
-        unit = bis_bsdf_lanes_of(pt->bsdf.material->model)->weigh(b->weights.w, &pt->bsdf, &map, n_map, m.beta);
+        unit = lanes->weigh(b->weights.w, &pt->bsdf, &map, n_map, m.beta);
     } else {
         n_map = M;
         map = bis_pool_lanes(f->pool, bis_pool_choose(f->pool, &stream->rng));
@@ -257,14 +306,24 @@ rgb bis_batch_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream,
     }
     const uint32_t first_brdf = bis_lanes_round_up(n_map);
     if (m.n_brdf) weigh_brdf(b, b->weights.w + first_brdf, &m, clusters, pt, stream);
-    if (f->visible) weigh_visibility(b, &m, first_brdf, f->visible);
+    if (f->foresight.h) weigh_visibility(b, &m, first_brdf, f->foresight.h);
     const double W = bis_blocks_sum(&b->weights, first_brdf + bis_lanes_round_up(m.n_brdf));
     if (W <= 0) return (rgb){0, 0, 0};
 
-    bis_blocks_choose(&b->weights, N, W, s->resampling, stream);
+    if (clusters && s->resampling == BIS_RESAMPLING_SYSTEMATIC)
+        bis_blocks_choose_systematic(&b->weights, N, W, marks[0][1]);
+    else
+        bis_blocks_choose(&b->weights, N, W, s->resampling, stream);
+    if (control) lanes->colour(&pt->bsdf, &map, n_map);
     gather(b, &map, first_brdf);
-    if (f->visible) find_clusters(b, first_brdf, f->visible);
+    if (!control) lanes->colour(&pt->bsdf, &b->traced, b->weights.n_chosen);
+    if (f->foresight.h) find_clusters(b, first_brdf, f->foresight.h);
     const double Zhat = W / M * unit * mean;
-    return rgbd_round(trace(b, pt, Zhat / N, f));
+    if (control) {
+        const rgbd all = control_sum(&map, b->weights.w, b->product.cluster, f->foresight.control, n_map);
+        const rgbd marks_only = control_of_marks(b, Zhat / N, f->foresight.control);
+        L = rgbd_round(rgbd_add(rgbd_scale(all, unit * mean / M), rgbd_scale(marks_only, -1)));
+    }
+    return rgbd_round(trace((rgbd){(double)L.r, (double)L.g, (double)L.b}, b, pt, Zhat / N, f));
 }
 /* [end] */

@@ -22,9 +22,8 @@ typedef struct bis_fast {
     bis_batch *batch;             /* its own; NULL: candidates one by one */
     const bis_pool *pool;         /* borrowed; NULL: none */
     const bis_clusters *clusters; /* borrowed; NULL: none, proposal "product" is then "mix" */
-    float *visible; /* its own, visible[clusters->n, whole blocks]: g of bis/beyond/visibility.h for the tile at hand;
-                          NULL: nothing is learned */
-    bis_seen *counted; /* borrowed, counted[BIS_VISIBILITY_PARTS]: of the tile at hand; NULL: do not count */
+    bis_visibility *visibility;   /* borrowed; NULL: nothing is learned */
+    bis_foresight foresight;      /* its own: what the cell at hand has learned; h = NULL: nothing */
 } bis_fast;
 
 /* bis_fast_needs_of returns what a render with these settings can make use of. */

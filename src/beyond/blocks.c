@@ -76,7 +76,7 @@ static inline uint32_t marks_below(double x, double offset)
 
 /* Each lane takes the marks between the sum before it and the sum with it. No branch but for blocks without a mark: N
  * marks cost N wrong guesses else. */
-static void choose_systematic(bis_blocks *b, uint32_t N, double W, double offset)
+void bis_blocks_choose_systematic(bis_blocks *b, uint32_t N, double W, double offset)
 {
     const uint32_t n_blocks = b->n / BLOCK;
     const double per_weight = N / W;
@@ -155,6 +155,6 @@ static void choose_multinomial(bis_blocks *b, uint32_t N, double W, bis_stream *
 
 void bis_blocks_choose(bis_blocks *b, uint32_t N, double W, bis_resampling resampling, bis_stream *stream)
 {
-    if (resampling == BIS_RESAMPLING_SYSTEMATIC) choose_systematic(b, N, W, bis_stream_random(stream));
+    if (resampling == BIS_RESAMPLING_SYSTEMATIC) bis_blocks_choose_systematic(b, N, W, bis_stream_random(stream));
     else choose_multinomial(b, N, W, stream);
 }

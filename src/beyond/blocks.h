@@ -25,3 +25,6 @@ double bis_blocks_sum(bis_blocks *b, uint32_t n);
 /* Choose by N marks with probabilities w/W, W > 0 as bis_blocks_sum returned it. What the 16 of a block add up to may
  * differ from the block's own sum by 2^-22 of it, by which the chance of the block's last positive lane is off. */
 void bis_blocks_choose(bis_blocks *b, uint32_t N, double W, bis_resampling resampling, bis_stream *stream);
+
+/* The same with systematic marks at j + offset, offset in [0,1). */
+void bis_blocks_choose_systematic(bis_blocks *b, uint32_t N, double W, double offset);

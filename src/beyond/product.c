@@ -51,10 +51,10 @@ static void multiply(float *restrict w, const float *restrict factor, uint32_t n
     for (uint32_t k = 0; k < n; k++) w[k] *= factor[k];
 }
 
-bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *visible, const bis_point *pt)
+bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *h, const bis_point *pt)
 {
     bis_bsdf_lanes_of(pt->bsdf.material->model)->reach(p->clusters.w, &pt->bsdf, &c->cone, c->sine, c->n);
-    if (visible) multiply(p->clusters.w, visible, bis_lanes_round_up(c->n));
+    if (h) multiply(p->clusters.w, h, bis_lanes_round_up(c->n));
     p->W = bis_blocks_sum(&p->clusters, bis_lanes_round_up(c->n));
     return p->W > 0;
 }
@@ -70,23 +70,23 @@ static void put(const bis_lanes *to, uint32_t i, const bis_cluster_point *y, flo
     to->q_L[i] = y->q_L * scale;
 }
 
-void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, bis_stream *stream)
+void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, double offset, double phase, uint64_t pixel)
 {
     enum { D = BIS_CLUSTER_DIRECTIONS };
+    const uint64_t turn = (uint64_t)(phase * (D << 16));
     const bis_cluster_point nothing = {.q_L = 1};
     uint32_t i = 0;
 
-    bis_blocks_choose(&p->clusters, n, p->W, BIS_RESAMPLING_SYSTEMATIC, stream);
-    uint64_t random = bis_rng_u64(&stream->rng);
+    bis_blocks_choose_systematic(&p->clusters, n, p->W, offset);
     for (uint32_t j = 0; j < p->clusters.n_chosen; j++) {
         const uint32_t k = p->clusters.lane[j], times = p->clusters.times[j];
         const bis_cluster_point *y = c->y + (size_t)k * D;
         const float scale = (float)bis_product_scale(p, c, k);
-        random = bis_hash(random + k);
-        /* evenly spread: from a random phase, every (D/times)-th, in 2^-16 of a direction */
+        /* evenly spread: every (D/times)-th from a random one, in 2^-16 of a direction. Each cluster begins elsewhere
+         */
+        const uint64_t first = bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) % ((uint64_t)D << 16) + turn;
         for (uint32_t m = 0; m < times; m++, i++) {
-            put(&p->y, i,
-                &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
+            put(&p->y, i, &y[(first + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
             p->cluster[i] = (uint16_t)k;
         }
     }

@@ -5,15 +5,13 @@
 
 #include <math.h>
 
-enum { PARTS = BIS_VISIBILITY_PARTS };
+enum { PARTS = BIS_VISIBILITY_PARTS, LARGE = 1 << 23 /* pixels; smaller cells would take 64 bytes for each */ };
 
-static const double floor_of_v = 0.02; /* what was never seen is still looked at with a seventh of the weight */
-
-bis_status bis_visibility_init(bis_visibility *v, size_t n_tiles, bis_diag *diag)
+bis_status bis_visibility_init(bis_visibility *v, size_t n_tiles, uint64_t n_pixels, bis_diag *diag)
 {
-    *v = (bis_visibility){.n_tiles = n_tiles};
-    v->known = bis_alloc(n_tiles, sizeof *v->known);
-    v->counted = bis_alloc(n_tiles, sizeof *v->counted);
+    *v = (bis_visibility){.n_tiles = n_tiles, .cells = n_pixels > LARGE ? 1 : BIS_VISIBILITY_CELLS};
+    v->known = bis_alloc(n_tiles * v->cells, sizeof *v->known);
+    v->counted = bis_alloc(n_tiles * v->cells, sizeof *v->counted);
     if (v->known && v->counted) return BIS_OK;
     bis_visibility_clear(v);
     return bis_error(diag, BIS_NOMEM, (bis_loc){0},
@@ -27,28 +25,110 @@ void bis_visibility_clear(bis_visibility *v)
     *v = (bis_visibility){0};
 }
 
-size_t bis_visibility_bytes(const bis_visibility *v) { return 2 * v->n_tiles * sizeof *v->known; }
+size_t bis_visibility_bytes(const bis_visibility *v) { return 2 * v->n_tiles * v->cells * sizeof *v->known; }
 
-/* v from few counts is drawn towards 1, as if two rays had come through. */
-void bis_visibility_factors(float *g, uint32_t n, const bis_visibility *v, size_t tile)
+/* ---- what a cell knows ---- */
+
+/* The sums over the cells of a tile. */
+typedef struct tile_sums {
+    uint32_t rays[PARTS], seen[PARTS];
+} tile_sums;
+
+BIS_LANES
+static void add_cell(tile_sums *restrict sum, const bis_seen *restrict cell)
 {
-    const bis_seen *known = v->known[tile];
-    float of_part[PARTS];
+#pragma omp simd
+    for (int i = 0; i < PARTS; i++) sum->rays[i] += cell->rays[i];
+#pragma omp simd
+    for (int i = 0; i < PARTS; i++) sum->seen[i] += cell->seen[i];
+}
 
-    for (int i = 0; i < PARTS; i++)
-        of_part[i] = (float)sqrt((known[i].seen + 2.0) / (known[i].rays + 2.0) + floor_of_v);
-    for (uint32_t k = 0; k < n; k++) g[k] = of_part[bis_visibility_part(k, n)];
+/* For each part, h and g/h.
+ *
+ * The mean of V in the tile is worth as much as two rays of the cell. While the tile has few counts, its mean for h is
+ * drawn towards 3/4 by two rays. g is not: where all rays of a tile came through g is 1, where none did it is 0, and
+ * there the control leaves no noise.
+ *
+ * With the control, what is left of V has variance v (1 - v), and the best h is its root. Without it the best h is the
+ * root of the second moment, v. Points of both kinds share one h between the two: h^2 = v (1 - 0.8 v) + 0.01. With 0.5
+ * in the place of 0.8 a diffuse dragon had 9 % more squared error, and one with a narrow lobe 1 % less. h is never 0,
+ * because a part that no ray has seen may still be visible. */
+BIS_LANES
+static void foresee(float *restrict h, float *restrict control, const bis_seen *restrict cell,
+                    const tile_sums *restrict tile)
+{
+#pragma omp simd
+    for (int i = 0; i < PARTS; i++) {
+        const float rays = (float)(int32_t)tile->rays[i], seen = (float)(int32_t)tile->seen[i];
+        const float r = cell->rays[i], s = cell->seen[i];
+        const float mean = (seen + 1.5f) / (rays + 2), known = seen / (rays > 0 ? rays : 1);
+        const float v = (s + 2 * mean) / (r + 2), g = (s + 2 * known) / (r + 2);
+        h[i] = sqrtf(v * (1 - 0.8f * v) + 0.01f);
+        control[i] = g / h[i];
+    }
+}
+
+bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag)
+{
+    const size_t padded = bis_lanes_round_up(n);
+
+    *f = (bis_foresight){.memory = bis_alloc(2 * padded, sizeof *f->memory)};
+    if (!f->memory)
+        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility of %u clusters", (unsigned)n);
+    f->h = f->memory;
+    f->control = f->memory + padded;
+    for (uint32_t k = 0; k < n; k++) f->h[k] = 0.5f;
+    return BIS_OK;
+}
+
+void bis_foresight_clear(bis_foresight *f)
+{
+    bis_free(f->memory);
+    *f = (bis_foresight){0};
+}
+
+void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, size_t cell)
+{
+    const bis_seen *first = v->known + cell / v->cells * v->cells;
+    tile_sums tile = {{0}, {0}};
+    float h[PARTS], control[PARTS];
+
+    for (size_t i = 0; i < v->cells; i++) add_cell(&tile, &first[i]);
+    foresee(h, control, &v->known[cell], &tile);
+    for (uint32_t k = 0; k < n; k++) {
+        const uint32_t part = bis_visibility_part(k, n);
+        f->h[k] = h[part];
+        f->control[k] = control[part];
+    }
+    f->knows = false;
+    for (int i = 0; i < PARTS; i++) f->knows |= tile.rays[i] > 0;
+    f->counted = &v->counted[cell];
+}
+
+uint16_t *bis_foresight_count(const bis_foresight *f, uint32_t k, uint32_t n)
+{
+    const uint32_t part = bis_visibility_part(k, n);
+
+    if (!f->counted || f->counted->rays[part] == UINT16_MAX) return NULL;
+    f->counted->rays[part]++;
+    return &f->counted->seen[part];
+}
+
+/* Counts that would not fit are halved first: old rays then count less, and their mean stays. */
+static void learn_cell(bis_seen *known, bis_seen *counted)
+{
+    for (int i = 0; i < PARTS; i++) {
+        uint32_t rays = (uint32_t)known->rays[i] + counted->rays[i], seen = (uint32_t)known->seen[i] + counted->seen[i];
+        for (; rays > UINT16_MAX; rays /= 2) seen /= 2;
+        known->rays[i] = (uint16_t)rays;
+        known->seen[i] = (uint16_t)seen;
+    }
+    *counted = (bis_seen){{0}, {0}};
 }
 
 void bis_visibility_learn(bis_visibility *v, int n_threads)
 {
     (void)n_threads;
 #pragma omp parallel for num_threads(n_threads)
-    for (size_t t = 0; t < v->n_tiles; t++) {
-        for (int i = 0; i < PARTS; i++) {
-            v->known[t][i].rays += v->counted[t][i].rays;
-            v->known[t][i].seen += v->counted[t][i].seen;
-            v->counted[t][i] = (bis_seen){0, 0};
-        }
-    }
+    for (size_t i = 0; i < v->n_tiles * v->cells; i++) learn_cell(&v->known[i], &v->counted[i]);
 }

@@ -10,7 +10,7 @@
  * last 8 bytes are a hash of all before: each of its steps is one-to-one, so no single damaged byte escapes it. Nothing
  * is allocated by a size that stands in the file: the file's length is compared with what the render has room for.
  *
- * Cost: 56 bytes a pixel (and 8 for each value of a layer, 1 KB for each tile that learns), written in one go. */
+ * Cost: 56 bytes a pixel (and 8 for each value of a layer, 512 bytes for each cell that learns), written in one go. */
 #include "checkpoint.h"
 
 #include "base/text.h"
@@ -22,7 +22,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FORMAT = 1, NAME = 16 };
+enum { FORMAT = 2, NAME = 16 };
 
 static const char magic[8] = {'\x89', 'b', 'i', 's', 'c', 'k', '\r', '\n'};
 
@@ -321,10 +321,13 @@ static void walk_adapt(walk *w, bis_adapt *a)
 
 static void walk_visibility(walk *w, bis_visibility *v)
 {
-    for (size_t t = 0; t < v->n_tiles; t++) {
+    for (size_t cell = 0; cell < v->n_tiles * v->cells; cell++) {
+        bis_seen *known = &v->known[cell];
         for (int i = 0; i < BIS_VISIBILITY_PARTS; i++) {
-            u32(w, &v->known[t][i].rays);
-            u32(w, &v->known[t][i].seen);
+            const uint64_t both = field(w, (uint64_t)known->rays[i] << 16 | known->seen[i], 4);
+            known->rays[i] = (uint16_t)(both >> 16);
+            known->seen[i] = (uint16_t)both;
+            w->bad |= known->seen[i] > known->rays[i];
         }
     }
 }
@@ -336,7 +339,7 @@ static uint64_t sums_bytes(const bis_workspace *of)
     const uint64_t pixel = 8 * (7 + (uint64_t)f->layers.n_values);
 
     return (uint64_t)f->width * (uint64_t)f->height * pixel + (uint64_t)of->adapt.n_tiles * 20 +
-           (uint64_t)of->visibility.n_tiles * BIS_VISIBILITY_PARTS * 8;
+           (uint64_t)(of->visibility.n_tiles * of->visibility.cells) * sizeof(bis_seen);
 }
 
 static void walk_sums(walk *w, bis_workspace *of)

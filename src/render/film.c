@@ -140,9 +140,21 @@ void bis_film_resolve(const bis_film *f, float *rgba)
     double scale = f->passes ? 1 / f->weight : 0; /* no pass yet: black, and so are the sums */
 
     for (size_t i = 0; i < n; i++) {
-        for (size_t k = 0; k < 3; k++) rgba[4 * i + k] = (float)(f->sum[3 * i + k] * scale);
+        for (size_t k = 0; k < 3; k++) rgba[4 * i + k] = (float)(fmax(0, f->sum[3 * i + k]) * scale);
         rgba[4 * i + 3] = (float)(f->hits[i] * scale);
     }
+}
+
+double bis_film_raised(const bis_film *f)
+{
+    const size_t n = 3 * (size_t)f->width * (size_t)f->height;
+    double raised = 0, all = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        all += fabs(f->sum[i]);
+        raised += fmax(0, -f->sum[i]);
+    }
+    return all > 0 ? raised / all : 0;
 }
 
 /* The variance of the mean of channel i, n > 1 passes (eq. 3.9). A pass of weight w is the mean of w camera samples:
@@ -164,7 +176,8 @@ static double pixel_error(const bis_film *f, size_t i, double floor)
 
     for (size_t k = 3 * i; k < 3 * i + 3; k++) {
         const double mean = f->sum[k] / f->weight, variance = bis_film_variance(f, k);
-        /* Radiance is not negative, so sum_squares <= sum^2 and variance <= mean^2, but for rounding again. */
+        /* Where estimates are not negative, sum_squares <= sum^2 and variance <= mean^2. A control variate may leave
+         * some that are. */
         double square = mean * mean, less = fmax(0, square - variance);
         total += variance / sqrt((square + floor) * (less + floor));
     }

@@ -31,10 +31,10 @@ static rgb unoccluded(const bis_settings *settings, bis_Lo *Lo, const bis_point 
     open.ng = open.n;
     open.counters = &ignored;
     open.later = NULL;
-    bis_seen *counted = scratch->fast->counted;
-    scratch->fast->counted = NULL; /* V = 1 is not to be learned from */
+    bis_seen *counted = scratch->fast->foresight.counted;
+    scratch->fast->foresight.counted = NULL; /* V = 1 is not to be learned from */
     rgb L_ns = Lo(settings, &open, stream, scratch);
-    scratch->fast->counted = counted;
+    scratch->fast->foresight.counted = counted;
     return L_ns;
 }
 

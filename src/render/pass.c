@@ -97,12 +97,9 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
     const bis_rect tile = bis_workspace_tile(w, t), full = bis_film_tile(f, BIS_RENDER_TILE, t),
                    kept = bis_film_tile_of_crop(f, BIS_RENDER_TILE, t),
                    crop = {f->x0, f->y0, f->x0 + f->width, f->y0 + f->height};
+    const size_t cells = w->visibility.cells; /* runs of the order in which pixels are taken */
     bis_pixel_sum dropped;
 
-    if (w->visibility.n_tiles) {
-        bis_visibility_factors(me->fast.visible, w->clusters.n, &w->visibility, (size_t)t);
-        me->fast.counted = w->visibility.counted[t];
-    }
     for (int i = 0; i < BIS_RENDER_TILE * BIS_RENDER_TILE; i++) {
         int x, y;
         place_in_tile(i, &x, &y);
@@ -113,6 +110,7 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
         bis_pixel_sum *sum = keep ? &me->pixels[index_in(kept, x, y)] : &dropped;
         *sum = (bis_pixel_sum){.values = keep ? bis_workspace_layers(w, index_in(crop, x, y)) : NULL};
         if (sum->values) memset(sum->values, 0, (size_t)f->layers.n_values * sizeof *sum->values);
+        sum->cell = (size_t)t * cells + (size_t)i * cells / (BIS_RENDER_TILE * BIS_RENDER_TILE);
         add_samples(w, me->wave, x, y, n, pass, sum);
     }
     bis_wave_end(me->wave);

@@ -22,6 +22,7 @@ typedef struct sample {
     bis_stream stream;
     bis_point pt;
     bis_pixel_sum *pixel;
+    size_t cell; /* the pixel's: what is dropped has one sum for many pixels */
     rgbd L;
 } sample;
 
@@ -41,7 +42,7 @@ struct bis_wave {
     ray rays[RAYS];
     rgbd C[RAYS]; /* the term that a ray carries */
     uint32_t owner[RAYS];
-    uint32_t *seen[RAYS];
+    uint16_t *seen[RAYS];
     bool occluded[RAYS];
 };
 
@@ -59,7 +60,7 @@ static void trace(bis_wave *w)
     w->n_rays = 0;
 }
 
-static void note_ray(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint32_t *seen)
+static void note_ray(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
 {
     bis_wave *w = (bis_wave *)later;
     const uint32_t i = w->n_rays++;
@@ -88,6 +89,16 @@ static void find_points(bis_wave *w)
         bis_scene_point_at(pt, w->task.scene, w->task.desc, w->eyes[i], w->prim[i], w->counters);
         pt->later = w->task.view->settings.as_printed ? NULL : &w->later;
     }
+}
+
+/* What the sample's cell has learned. The samples of a cell follow each other. */
+static void look_at_cell(bis_wave *w)
+{
+    bis_fast *f = w->scratch->fast;
+    const size_t cell = w->samples[w->at].cell;
+
+    if (f->visibility && (w->at == 0 || cell != w->samples[w->at - 1].cell))
+        bis_foresight_look(&f->foresight, f->clusters->n, f->visibility, cell);
 }
 
 /* Light reflected towards the eye, eq. 3.1, or what a ray sees that escapes: all but the terms of shadow rays. */
@@ -134,6 +145,7 @@ void bis_wave_end(bis_wave *w)
     find_points(w);
     for (w->at = 0; w->at < w->n; w->at++) {
         if (interrupted && *interrupted) break;
+        look_at_cell(w);
         add_light(w, &w->samples[w->at]);
     }
     trace(w);
@@ -152,6 +164,7 @@ void bis_wave_add(bis_wave *w, const bis_sampler *sampler, int x, int y, uint64_
     x = x * f->step + f->step / 2; /* of the picture */
     y = y * f->step + f->step / 2;
     s->pixel = pixel;
+    s->cell = pixel->cell;
     s->L = (rgbd){0, 0, 0};
     s->sampler = *sampler;
     bis_stream_init(&s->stream, &s->sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);

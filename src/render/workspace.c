@@ -51,6 +51,9 @@ static bis_status make_workers(bis_workspace *w, bis_diag *diag)
     return status;
 }
 
+/* Of the whole picture, so that a crop learns as the whole does. */
+static uint64_t pixels_of(const bis_film *f) { return (uint64_t)f->full_width * (uint64_t)f->full_height; }
+
 /* Directions drawn once a pass, a pool or clusters, where the integrator asks for them, the light has a curve to draw
  * them along, and there is a surface to light. */
 static bis_status make_pool(bis_workspace *w, bis_diag *diag)
@@ -65,7 +68,8 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
     if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK;
     if (needs.n_pool) status = bis_pool_init(&w->pool, needs.n_pool, needs.batch, diag);
     if (!status && needs.clusters) status = bis_clusters_init(&w->clusters, light, w->view->settings.candidates, diag);
-    if (!status && needs.visibility) status = bis_visibility_init(&w->visibility, (size_t)w->n_tiles, diag);
+    if (!status && needs.visibility)
+        status = bis_visibility_init(&w->visibility, (size_t)w->n_tiles, pixels_of(w->film), diag);
     for (int i = 0; !status && i < w->n_threads; i++) {
         bis_worker *worker = &w->workers[i];
         if (needs.n_pool) {
@@ -74,10 +78,8 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
         }
         if (needs.clusters) worker->fast.clusters = &w->clusters;
         if (!needs.visibility) continue;
-        worker->fast.visible = bis_alloc(bis_lanes_round_up(w->clusters.n), sizeof *worker->fast.visible);
-        if (worker->fast.visible) continue;
-        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the visibility of %u clusters",
-                           (unsigned)w->clusters.n);
+        worker->fast.visibility = &w->visibility;
+        status = bis_foresight_init(&worker->fast.foresight, w->clusters.n, diag);
     }
     return status;
 }

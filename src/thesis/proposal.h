@@ -7,7 +7,7 @@
 
 /* The dimension pairs of a bis_stream. Every integrator uses the same numbers for the same proposal (docs/errata.md
  * E24). */
-enum { BIS_DIM_EM, BIS_DIM_BRDF };
+enum { BIS_DIM_EM, BIS_DIM_BRDF, BIS_DIM_MARKS, BIS_DIM_PHASE };
 
 /* bis_estimate returns F/q = f Le cos/q in RGB. q is the density of the scalar importance, so the quotient keeps the
  * colour (E5). q must be > 0. */

@@ -211,6 +211,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     print_choice(&j, s);
     print_memory(&j, s);
     bis_json_number(&j, "estimated_relative_rmse", r->relative_rmse);
+    bis_json_number(&j, "raised", bis_film_raised(s->film));
     bis_json_bool(&j, "interrupted", r->interrupted);
     bis_json_close(&j);
 }

@@ -184,10 +184,10 @@ static void reach_bounds_the_product_over_every_cluster(void **state)
 
 /* ---- the estimate ---- */
 
-static void spoil_nothing(bis_clusters *c, float *visible)
+static void spoil_nothing(bis_clusters *c, float *h)
 {
     (void)c;
-    (void)visible;
+    (void)h;
 }
 
 /* As test_pool's: several points share the directions of a pass; their mean is one value. */
@@ -196,7 +196,7 @@ static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, 
     bis_scratch scratch;
     bis_fast fast;
     bis_clusters c;
-    bis_seen counted[BIS_VISIBILITY_PARTS] = {{0, 0}};
+    bis_seen counted = {{0}, {0}};
 
     for (int i = 0; i < 4; i++) m[i] = (stat_moments){0};
     assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
@@ -205,15 +205,17 @@ static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, 
     scratch.fast = &fast;
     assert_int_equal(bis_clusters_init(&c, l->light, s->candidates, NULL), BIS_OK);
     fast.clusters = &c;
-    fast.counted = counted;
-    if (learned) {
-        fast.visible = bis_alloc(bis_lanes_round_up(c.n), sizeof *fast.visible);
-        for (uint32_t k = 0; k < c.n; k++) fast.visible[k] = k % 3 ? 0.15f : 1; /* any positive numbers */
+    if (learned) assert_int_equal(bis_foresight_init(&fast.foresight, c.n, NULL), BIS_OK);
+    fast.foresight.counted = &counted;
+    fast.foresight.knows = learned;
+    for (uint32_t k = 0; learned && k < c.n; k++) { /* any positive numbers */
+        fast.foresight.h[k] = k % 3 ? 0.15f : 1;
+        fast.foresight.control[k] = k % 5 ? 0.7f : 2.5f;
     }
     for (uint32_t fill = 0; fill < RUNS; fill++) {
         rgbd sum = {0, 0, 0};
         bis_clusters_fill(&c, l->light, SEED, fill, 1);
-        spoil(&c, fast.visible);
+        spoil(&c, fast.foresight.h);
         for (uint32_t k = 0; k < PER_FILL; k++) {
             const rgb L = lit_once(l, s, &scratch, SEED, (uint64_t)fill * PER_FILL + k);
             sum = rgbd_add(sum, (rgbd){(double)L.r / PER_FILL, (double)L.g / PER_FILL, (double)L.b / PER_FILL});
@@ -301,19 +303,19 @@ static void product_is_unbiased_with_and_without_learned_visibility(void **state
 }
 
 /* Twin: every second cluster draws from the first, with its own density. */
-static void draw_elsewhere(bis_clusters *c, float *visible)
+static void draw_elsewhere(bis_clusters *c, float *h)
 {
     enum { D = BIS_CLUSTER_DIRECTIONS };
-    (void)visible;
+    (void)h;
     for (uint32_t k = 1; k < c->n; k += 2) {
         for (int i = 0; i < D; i++) c->y[(size_t)k * D + (size_t)i] = c->y[i];
     }
 }
 
 /* Twin: a bound of 0 over every second cluster, where the product is not 0. */
-static void overlook_clusters(bis_clusters *c, float *visible)
+static void overlook_clusters(bis_clusters *c, float *h)
 {
-    (void)visible;
+    (void)h;
     for (uint32_t k = 0; k < c->n; k += 2) c->cone.r[k] = c->cone.g[k] = c->cone.b[k] = 0;
 }
 
@@ -336,26 +338,123 @@ static void twins_with_a_wrong_density_or_a_bound_of_0_are_found(void **state)
 
 /* ---- what is learned ---- */
 
-static void factors_follow_what_was_seen_in_the_passes_before(void **state)
+/* Counts `rays` of cell 2, tile 1, towards the part of cluster k of n, of which `seen` came through. */
+static void count(bis_foresight *f, bis_visibility *v, uint32_t k, uint32_t n, int rays, int seen)
+{
+    bis_foresight_look(f, n, v, v->cells + 2);
+    for (int i = 0; i < rays; i++) {
+        uint16_t *counted = bis_foresight_count(f, k, n);
+        assert_non_null(counted);
+        if (i < seen) ++*counted;
+    }
+}
+
+/* h^2 = v (1 - 0.8 v) + 0.01 and g by hand. k = 0, 1, 2 of 300 are of part 0, k = 3, 4 of part 1, k = 5, 6, 7 of part 2. */
+static void foresight_follows_what_was_seen_in_the_passes_before(void **state)
 {
     enum { N = 300 };
     bis_visibility v;
-    float g[N];
+    bis_foresight f;
 
     (void)state;
-    assert_int_equal(bis_visibility_init(&v, 2, NULL), BIS_OK);
-    v.counted[1][0] = (bis_seen){1000, 0};
-    v.counted[1][1] = (bis_seen){1000, 1000};
-    bis_visibility_factors(g, N, &v, 1);
-    for (int k = 1; k < N; k++) assert_true(g[k] == g[0]); /* this pass's counts are not known */
+    assert_int_equal(bis_visibility_init(&v, 2, 1 << 23, NULL), BIS_OK);
+    assert_int_equal(bis_foresight_init(&f, N, NULL), BIS_OK);
+    assert_int_equal(v.cells, 16);
+    count(&f, &v, 0, N, 998, 0);
+    count(&f, &v, 3, N, 998, 998);
+    count(&f, &v, 7, N, 6, 3);
+    bis_foresight_look(&f, N, &v, 16 + 2);
+    for (int k = 0; k < N; k++) { /* this pass's counts are not known: v = 3/4 */
+        assert_float_equal(f.h[k], sqrt(0.75 * (1 - 0.6) + 0.01), 1e-6);
+        assert_float_equal(f.control[k], 0, 0);
+    }
+    assert_false(f.knows);
     bis_visibility_learn(&v, 1);
-    assert_true(v.counted[1][0].rays == 0);
-    bis_visibility_factors(g, N, &v, 1);
-    assert_true(g[0] > 0.1f && g[0] < 0.2f);
-    assert_true(g[3] > 1 && g[3] < 1.02f && g[N - 1] == g[3]); /* k = 3 of 300 is of part 1; never counted is as if seen */
-    bis_visibility_factors(g, N, &v, 0);
-    assert_true(g[0] == g[N - 1]);
+    bis_foresight_look(&f, N, &v, 16 + 2);
+    assert_true(f.knows);
+    assert_float_equal(f.h[2], 0.1, 1e-4); /* v = 3e-6 */
+    assert_float_equal(f.control[2], 0, 0);
+    assert_float_equal(f.h[4], sqrt(0.2 + 0.01), 1e-4); /* v = 1 */
+    assert_float_equal(f.control[4] * f.h[4], 1, 1e-6);
+    /* the tile: (3 + 1.5)/(6 + 2); the cell: (3 + 2 x 0.5625)/(6 + 2) = 0.515625, and g = (3 + 2 x 0.5)/8 */
+    assert_float_equal(f.h[5], sqrt(0.515625 * (1 - 0.8 * 0.515625) + 0.01), 1e-6);
+    assert_float_equal(f.control[5] * f.h[5], 0.5, 1e-6);
+    assert_float_equal(f.h[N - 1], sqrt(0.75 * (1 - 0.6) + 0.01), 1e-6);
+    /* another cell of the tile knows what the tile knows; another tile knows nothing */
+    bis_foresight_look(&f, N, &v, 16 + 3);
+    assert_float_equal(f.h[5], sqrt(0.5625 * (1 - 0.8 * 0.5625) + 0.01), 1e-6);
+    assert_float_equal(f.control[4] * f.h[4], 1, 1e-6);
+    bis_foresight_look(&f, N, &v, 2);
+    assert_float_equal(f.h[5], sqrt(0.75 * (1 - 0.6) + 0.01), 1e-6);
+    assert_float_equal(f.control[4], 0, 0);
+    bis_foresight_clear(&f);
     bis_visibility_clear(&v);
+}
+
+/* Counts have 16 bits. Those of a pass end there; those of all passes are halved. */
+static void counts_keep_their_mean_beyond_16_bits(void **state)
+{
+    bis_visibility v;
+    bis_foresight f;
+
+    (void)state;
+    assert_int_equal(bis_visibility_init(&v, 1, (1 << 23) + 1, NULL), BIS_OK);
+    assert_int_equal(bis_foresight_init(&f, 128, NULL), BIS_OK);
+    assert_int_equal(v.cells, 1);
+    for (int pass = 0; pass < 3; pass++) {
+        bis_foresight_look(&f, 128, &v, 0);
+        for (int i = 0; i < 65535; i++) {
+            uint16_t *seen = bis_foresight_count(&f, 9, 128);
+            assert_non_null(seen);
+            *seen = (uint16_t)(*seen + (i % 4 == 0));
+        }
+        assert_null(bis_foresight_count(&f, 9, 128));
+        assert_non_null(bis_foresight_count(&f, 10, 128));
+        bis_visibility_learn(&v, 1);
+    }
+    bis_foresight_look(&f, 128, &v, 0);
+    assert_float_equal(f.control[9] * f.h[9], 0.25, 1e-4);
+    bis_foresight_clear(&f);
+    bis_visibility_clear(&v);
+}
+
+/* Where all rays are known to come through, an estimate is the mean of all candidates, whatever N is: the control
+ * leaves nothing for the rays. Without the control it depends on which N were chosen. */
+static void control_of_1_leaves_no_noise_to_the_choice(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_settings s[2] = {product(64, 1, true), product(64, 7, true)};
+    rgb L[2][2];
+    bis_clusters c;
+    lit l;
+
+    (void)state;
+    lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 20), tilted(), 40, LIT_OPEN);
+    assert_int_equal(bis_clusters_init(&c, light, 64, NULL), BIS_OK);
+    bis_clusters_fill(&c, light, SEED, 0, 1);
+    for (int known = 0; known < 2; known++) {
+        for (int i = 0; i < 2; i++) {
+            bis_scratch scratch;
+            bis_fast fast;
+            assert_int_equal(bis_scratch_init(&scratch, &s[i], NULL), BIS_OK);
+            assert_int_equal(bis_fast_init(&fast, &s[i], NULL), BIS_OK);
+            scratch.fast = &fast;
+            fast.clusters = &c;
+            assert_int_equal(bis_foresight_init(&fast.foresight, c.n, NULL), BIS_OK);
+            for (uint32_t k = 0; k < c.n; k++) {
+                fast.foresight.h[k] = 0.1f + 0.3f * (float)(k % 2);
+                fast.foresight.control[k] = 1 / fast.foresight.h[k];
+            }
+            fast.foresight.knows = known;
+            L[known][i] = lit_once(&l, &s[i], &scratch, SEED, 3);
+            bis_scratch_clear(&scratch);
+            bis_fast_clear(&fast);
+        }
+    }
+    assert_true(fabsf(L[0][0].r / L[0][1].r - 1) > 1e-3f);
+    assert_true(fabsf(L[1][0].r / L[1][1].r - 1) < 1e-5f && fabsf(L[1][0].b / L[1][1].b - 1) < 1e-5f);
+    bis_clusters_clear(&c);
+    bis_light_free(light);
 }
 
 static void without_memory_nothing_is_held(void **state)
@@ -371,7 +470,10 @@ static void without_memory_nothing_is_held(void **state)
         bis_mem_fail_at(k);
         if (bis_clusters_init(&c, light, 256, NULL) == BIS_OK) bis_clusters_clear(&c);
         bis_mem_fail_at(k);
-        if (bis_visibility_init(&v, 3, NULL) == BIS_OK) bis_visibility_clear(&v);
+        if (bis_visibility_init(&v, 3, 1, NULL) == BIS_OK) bis_visibility_clear(&v);
+        bis_foresight f;
+        bis_mem_fail_at(k);
+        if (bis_foresight_init(&f, 100, NULL) == BIS_OK) bis_foresight_clear(&f);
         bis_mem_fail_at(k);
         if (bis_scratch_init(&scratch, &s, NULL) == BIS_OK) bis_scratch_clear(&scratch);
         bis_mem_fail_at(0);
@@ -390,7 +492,9 @@ int main(void)
         cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(product_is_unbiased_with_and_without_learned_visibility),
         cmocka_unit_test(twins_with_a_wrong_density_or_a_bound_of_0_are_found),
-        cmocka_unit_test(factors_follow_what_was_seen_in_the_passes_before),
+        cmocka_unit_test(foresight_follows_what_was_seen_in_the_passes_before),
+        cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
+        cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
         cmocka_unit_test(without_memory_nothing_is_held),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

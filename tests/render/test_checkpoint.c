@@ -371,7 +371,7 @@ static void another_number_in_the_state_makes_another_picture(void **state)
 
     make_kind(&w, &tiny);
     unsigned char *data = tiny_state(&w, &size, &at);
-    const size_t n_pixels = 4 * 3, sums = at + BEFORE_SUMS, seen = size - 8 - BIS_VISIBILITY_PARTS * 8;
+    const size_t n_pixels = 4 * 3, sums = at + BEFORE_SUMS, n_seen = BIS_VISIBILITY_CELLS * sizeof(bis_seen), seen = size - 8 - n_seen;
     const size_t places[] = {sums + 7, sums + 3 * n_pixels * 8 + 7, sums + 6 * n_pixels * 8 + 6, seen - 20, seen};
     for (size_t i = 0; i < COUNT(places); i++) {
         bis_film a, b;
@@ -380,7 +380,7 @@ static void another_number_in_the_state_makes_another_picture(void **state)
         write_bytes(PATH, data, size);
         bis_checkpoint c = read_state(PATH);
         render_kind(&a, &result, &w, &tiny, budget(&tiny, 20, 1), &c);
-        const size_t n = i == 4 ? BIS_VISIBILITY_PARTS * 8 : 1;
+        const size_t n = i == 4 ? n_seen : 1;
         unsigned char *before = bis_alloc(n, 1);
         memcpy(before, data + places[i], n);
         if (i == 4) memset(data + places[i], 0, n);

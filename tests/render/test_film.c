@@ -278,6 +278,29 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
     }
 }
 
+/* Two passes, weights 1 and 3, 2 x 1 pixels: means -0.25 and 0.5 in red, 1 and 1 in green, 0 in blue. */
+static void a_mean_below_0_becomes_0_and_is_told(void **state)
+{
+    const double crop[4] = {0, 1, 0, 1};
+    bis_film f;
+    float rgba[8];
+
+    (void)state;
+    assert_int_equal(bis_film_init(&f, 2, 1, crop, (bis_loc){0}, NULL), BIS_OK);
+    bis_film_add(&f, 0, 0, (rgb){-1, 1, 0}, 1, 1);
+    bis_film_add(&f, 1, 0, (rgb){2, 1, 0}, 1, 1);
+    bis_film_end_pass(&f, 1);
+    bis_film_add(&f, 0, 0, (rgb){0, 1, 0}, 1, 3);
+    bis_film_add(&f, 1, 0, (rgb){0, 1, 0}, 1, 3);
+    bis_film_end_pass(&f, 3);
+    bis_film_resolve(&f, rgba);
+    assert_float_equal(rgba[0], 0, 0);
+    assert_float_equal(rgba[1], 1, 1e-7);
+    assert_float_equal(rgba[4], 0.5, 1e-7);
+    assert_float_equal(bis_film_raised(&f), 0.25 / (0.25 + 1 + 0.5 + 1), 1e-12);
+    bis_film_clear(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -293,6 +316,7 @@ int main(void)
         cmocka_unit_test(exposure_does_not_change_the_relative_rmse),
         cmocka_unit_test(upper_bound_holds_in_95_renders_of_100),
         cmocka_unit_test(every_failing_allocation_is_reported_and_leaves_nothing),
+        cmocka_unit_test(a_mean_below_0_becomes_0_and_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

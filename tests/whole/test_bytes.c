@@ -135,7 +135,7 @@ static void what_the_points_of_a_pass_share(void **state)
         bis_clusters_clear(&clusters);
 
         before = begin();
-        assert_int_equal(bis_visibility_init(&visibility, M, NULL), BIS_OK);
+        assert_int_equal(bis_visibility_init(&visibility, M, 1, NULL), BIS_OK);
         expect(before, bis_visibility_bytes(&visibility));
         bis_visibility_clear(&visibility);
 

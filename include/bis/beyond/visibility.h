@@ -1,33 +1,44 @@
-/* visibility: what share of the shadow rays towards each part of the map came through, in each tile of the picture,
- * as earlier passes measured it.
+/* visibility: what share of the shadow rays towards each part of the map came through, in each cell of the picture, as
+ * earlier passes measured it.
  *
  * If the product is known, all that remains of the noise is that of V (docs/errata.md E31), and neighbouring pixels
- * have similar V. The best weights for N rays are proportional to the product times the root of the second moment of
- * V, which is the root of its mean v, because V is 0 or 1. A tile that has counted multiplies the product by g =
- * sqrt(v + 0.02). g is never 0, because a part that was never seen may still be visible.
+ * have similar V. What was counted is used twice (src/beyond/batch.c): rays go where V is uncertain, and the mean of V,
+ * which is known by then, needs no rays.
  *
  * The estimates are unbiased: a pass uses only the counts of earlier passes, which share no random number with it,
- * and all passes have equal weight.
+ * and the weight of a pass does not depend on what it found.
  *
- * A part is a run of clusters (bis/beyond/clusters.h), so it is compact. A part takes 16 bytes per tile. */
+ * A part is a run of clusters (bis/beyond/clusters.h), so it is compact. A cell is a square of 4 x 4 pixels, or, in
+ * pictures of more than 2^23 pixels, a whole tile. A cell takes 1 KB in memory. */
 #pragma once
 
 #include "bis/beyond/clusters.h"
 
-enum { BIS_VISIBILITY_PARTS = 128 };
+enum { BIS_VISIBILITY_PARTS = 128, BIS_VISIBILITY_CELLS = 16 /* of a tile, at most */ };
 
+/* The rays of a cell towards each part, and those of them that came through. */
 typedef struct bis_seen {
-    uint32_t rays, seen;
+    uint16_t rays[BIS_VISIBILITY_PARTS], seen[BIS_VISIBILITY_PARTS];
 } bis_seen;
 
 typedef struct bis_visibility {
     size_t n_tiles;
-    bis_seen (*known)[BIS_VISIBILITY_PARTS];  /* counted by the passes before this one */
-    bis_seen (*counted)[BIS_VISIBILITY_PARTS]; /* counted by this pass */
+    size_t cells;      /* of a tile: 16 or 1 */
+    bis_seen *known;   /* known[n_tiles][cells]: counted by the passes before this one */
+    bis_seen *counted; /* counted[n_tiles][cells]: counted by this pass */
 } bis_visibility;
 
-/* bis_visibility_init allocates the counts of n_tiles tiles, all 0. Errors: BIS_NOMEM. */
-bis_status bis_visibility_init(bis_visibility *v, size_t n_tiles, bis_diag *diag);
+/* What a cell knows of each cluster. Arrays are as long as the clusters, in whole blocks of lanes. */
+typedef struct bis_foresight {
+    float *h;          /* in [0.1, 0.57]: what the weights of candidates are multiplied by */
+    float *control;    /* g/h, where g in [0,1] is the mean of V; 0 where nothing was counted */
+    bool knows;        /* something was counted */
+    float *memory;     /* what holds both arrays */
+    bis_seen *counted; /* borrowed: of the cell; NULL: do not count */
+} bis_foresight;
+
+/* bis_visibility_init allocates the counts of n_tiles tiles, all 0, for a picture of n_pixels. Errors: BIS_NOMEM. */
+bis_status bis_visibility_init(bis_visibility *v, size_t n_tiles, uint64_t n_pixels, bis_diag *diag);
 
 /* bis_visibility_clear frees the counts. *v is empty afterwards. */
 void bis_visibility_clear(bis_visibility *v);
@@ -41,9 +52,19 @@ static inline uint32_t bis_visibility_part(uint32_t k, uint32_t n)
     return (uint32_t)((uint64_t)k * BIS_VISIBILITY_PARTS / n);
 }
 
-/* bis_visibility_factors stores the factors g[n] of a tile for n clusters, each in (0.1, 1.01). Before anything was
- * counted, all of them are equal. */
-void bis_visibility_factors(float *g, uint32_t n, const bis_visibility *v, size_t tile);
+/* bis_foresight_init allocates the arrays for n clusters; all h are equal, and no g is known. Errors: BIS_NOMEM. */
+bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag);
+
+/* bis_foresight_clear frees the arrays. */
+void bis_foresight_clear(bis_foresight *f);
+
+/* bis_foresight_look stores what the counts say about each of n clusters in cell number `cell` = tile * cells + cell in
+ * the tile, and lets f->counted lead to this cell's counts. */
+void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, size_t cell);
+
+/* bis_foresight_count counts a ray towards cluster k of n. It returns where another 1 is to be added if light arrives,
+ * or NULL if nothing is to be counted. */
+uint16_t *bis_foresight_count(const bis_foresight *f, uint32_t k, uint32_t n);
 
 /* bis_visibility_learn ends a pass: what the pass counted is added to what is known. */
 void bis_visibility_learn(bis_visibility *v, int n_threads);

@@ -69,8 +69,12 @@ void bis_film_add(bis_film *f, int x, int y, rgb L, double hit, double weight);
  * rendered, because the picture would otherwise be biased. */
 void bis_film_end_pass(bis_film *f, double weight);
 
-/* bis_film_resolve stores in rgba[height][width][4] the mean radiance and the share of samples that hit. */
+/* bis_film_resolve stores in rgba[height][width][4] the mean radiance and the share of samples that hit. A mean below
+ * 0, which a control variate (src/beyond/batch.c) may leave where little light arrives, becomes 0. */
 void bis_film_resolve(const bis_film *f, float *rgba);
+
+/* bis_film_raised returns how much that adds, as a share of the sum of all values; usually 0, seldom above 1e-5. */
+double bis_film_raised(const bis_film *f);
 
 /* bis_film_variance estimates the variance of value i of the picture [height][width][3] from the scatter of the passes,
  * at least 2. For stratified and low-discrepancy passes the estimate is too large. */

@@ -31,7 +31,7 @@ typedef struct bis_point {
 /* A renderer that traces the shadow rays of many points together (src/render/wave.h). `add` takes one ray and the term
  * C of the point's estimate that it carries. *seen, unless seen is NULL, grows by 1 if nothing hides the light. */
 struct bis_later {
-    void (*add)(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint32_t *seen);
+    void (*add)(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen);
 };
 
 /* bis_point_sees returns V of eq. 4.1: true if no surface hides the light in direction wi. Below the geometric
@@ -48,4 +48,4 @@ static inline bool bis_point_sees(const bis_point *pt, vec3 wi)
  * the renderer adds the term when it has traced the ray. So an estimate is what Lo returns plus its noted terms, in the
  * order in which they were added, and nothing may depend on V but the sum. *seen, unless seen is NULL, grows by 1 if
  * V = 1. Rays are counted as by bis_point_sees. */
-void bis_point_add(rgbd *sum, const bis_point *pt, vec3 wi, rgbd C, uint32_t *seen);
+void bis_point_add(rgbd *sum, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen);
