@@ -116,6 +116,8 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->view.sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
     if (!isnan(r->relative_rmse)) attributes[n++] = (bis_attribute){"estimated_relative_rmse", NULL, r->relative_rmse};
+    if (bis_film_raised(s->film) > 0)
+        attributes[n++] = (bis_attribute){"bis:raised", NULL, bis_film_raised(s->film)};
     attributes[n++] = (bis_attribute){"bis:version", BIS_VERSION, 0};
     return n;
 }
@@ -211,7 +213,6 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     print_choice(&j, s);
     print_memory(&j, s);
     bis_json_number(&j, "estimated_relative_rmse", r->relative_rmse);
-    bis_json_number(&j, "raised", bis_film_raised(s->film));
     bis_json_bool(&j, "interrupted", r->interrupted);
     bis_json_close(&j);
 }
