@@ -261,7 +261,9 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     bis_render_result result = {.seconds = 5.5, .relative_rmse = (double)NAN, .spp = 12};
     desc.view.sampler.seed = 34;
     desc.view.edge_samples = 1;
-    bis_stats s = {.desc = &desc, .result = &result, .line = "all"};
+    bis_film film;
+    assert_int_equal(bis_film_init(&film, 2, 1, (double[]){0, 1, 0, 1}, (bis_loc){0}, NULL), BIS_OK);
+    bis_stats s = {.desc = &desc, .film = &film, .result = &result, .line = "all"};
     int n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
                         "scene=a/scene.txt integrator=em samples=8 stratify=false spp=12 seed=34 render_seconds=5.5 bis:version=" BIS_VERSION " ");
@@ -270,10 +272,13 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     desc.view.adaptive = true;
     s.choice = &r;
     snprintf(s.as_printed, sizeof s.as_printed, "E6 E20");
+    bis_film_add(&film, 0, 0, (rgb){-1, 1, 0}, 1, 1); /* 1 of 8 is below 0 */
+    bis_film_add(&film, 1, 0, (rgb){2, 2, 2}, 1, 1);
     n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
                         "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 adaptive=true "
-                        "bis:auto=all spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:version=" BIS_VERSION " ");
+                        "bis:auto=all spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:raised=0.125 bis:version=" BIS_VERSION " ");
+    bis_film_clear(&film);
 }
 
 /* ---- the plan ---- */

@@ -219,7 +219,7 @@ static void what_may_hide_a_quarter_must_win_by_more(void **state)
 {
     (void)state;
     int decided = 0;
-    for (uint64_t seed = 1; seed <= 20; seed++) {
+    for (uint64_t seed = 1; seed <= 80; seed++) {
         const bis_render_options options = {.budget = {.seconds = 0.1}, .n_threads = 2};
         bis_auto_report r;
         world w;
