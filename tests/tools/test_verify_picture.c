@@ -1,0 +1,255 @@
+/* `bis verify` of pictures: those of the renderer pass, wrong ones are rejected. */
+#include "render/edges.h"
+#include "tools/verify/verify.h"
+#include "bis/base/mem.h"
+#include "stat.h"
+#include "map_help.h"
+#include "program.h"
+#include "verify_help.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static double alpha(void) { return stat_level(1e-3, 10); }
+
+/* What the renderer does at most: product, learned visibility, edge samples. */
+static const char full[] = "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 24\n"
+                           "Sampler \"sobol\" \"integer pixelsamples\" 16 \"integer edgesamples\" 4\n"
+                           "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"integer shadowrays\" 16 "
+                           "\"bool learn\" true\n";
+
+/* It hides the zenith: what visibility learns depends on the direction. */
+static const char roof[] = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-2 1.5 1  2 1.5 1  2 1.5 7  -2 1.5 7]\n";
+
+static verify_built build_full(void)
+{
+    verify_write_map();
+    char text[2048];
+    snprintf(text, sizeof text, "%s%s%s", full, verify_scene_text, roof);
+    program_write_file(VERIFY_DIR "/full.txt", text);
+    return verify_build(VERIFY_DIR "/full.txt");
+}
+
+/* Failed tests of the picture whose names begin so; all: "". */
+static size_t failed_of_picture(bis_verify_render *render, const verify_built *b, const bis_settings *s, uint64_t seed, const char *name)
+{
+    bis_verify v = {.seed = seed, .halvings = 2};
+    bool tested;
+    size_t n = 0;
+    assert_int_equal(bis_verify_picture(&v, render, b->scene, b->desc, s, &tested, NULL), BIS_OK);
+    assert_true(tested);
+    assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+    for (size_t i = 0; i < v.n; i++) n += v.tests[i].verdict == BIS_VERDICT_FAILED && strncmp(v.tests[i].name, name, strlen(name)) == 0;
+    bis_verify_clear(&v);
+    return n;
+}
+
+static void a_right_picture_passes(void **state)
+{
+    (void)state;
+    verify_built b = build_full();
+    for (uint64_t seed = 0; seed < 2; seed++) {
+        bis_verify v = {.seed = seed, .halvings = 2};
+        bool tested;
+        assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        assert_true(tested);
+        assert_int_equal(v.n, 6); /* all, three of outlines, the material, no number that is none */
+        verify_assert_accepted(&v, alpha());
+    }
+    verify_clear(&b);
+}
+
+/* Renders that are wrong. */
+static size_t pixels_of(const bis_film *f) { return (size_t)f->width * (size_t)f->height; }
+
+static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const bis_view *view)
+{
+    unsigned char *edge = bis_edges_find(f, (bis_rect){f->x0, f->y0, f->x0 + f->width, f->y0 + f->height}, scene, view, 1);
+    assert_non_null(edge);
+    return edge;
+}
+
+static bis_status render_heavy_edges(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                     const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    unsigned char *edge = edges_of(f, scene, view);
+    for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] *= edge[i / 3] ? 1.5 : 1;
+    bis_free(edge);
+    return status;
+}
+
+/* Camera samples of edge pixels lie a quarter of a pixel to the right, or below. */
+static bis_status render_shifted(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                 const bis_view *view, const bis_render_options *options, bis_diag *diag, bool down)
+{
+    const double h = f->picture_height, aspect = f->picture_width / h, dx = down ? 0 : 0.5 / h, dy = down ? 0.5 / h : 0;
+    bis_view shifted = *view;
+    bis_film other;
+    bis_render_result ignored;
+    assert_int_equal(bis_film_init_thin(&other, f->picture_width, f->picture_height, desc->view.film.crop, f->step, (bis_loc){0}, diag), BIS_OK);
+    shifted.camera.has_screen = true;
+    memcpy(shifted.camera.screen, (double[]){dx - aspect, dx + aspect, -1 - dy, 1 - dy}, sizeof shifted.camera.screen);
+    bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    if (!status) status = bis_render(&ignored, &other, scene, desc, &shifted, options, diag);
+    unsigned char *edge = edges_of(f, scene, view);
+    for (size_t i = 0; i < 3 * pixels_of(f); i++)
+        if (edge[i / 3]) f->sum[i] = other.sum[i];
+    bis_free(edge);
+    bis_film_clear(&other);
+    return status;
+}
+
+static bis_status render_to_the_right(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    return render_shifted(result, f, scene, desc, view, options, diag, false);
+}
+
+static bis_status render_below(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                               const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    return render_shifted(result, f, scene, desc, view, options, diag, true);
+}
+
+static bis_status render_exchanged(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                   const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    for (size_t i = 0; i < pixels_of(f); i++) {
+        const double r = f->sum[3 * i];
+        f->sum[3 * i] = f->sum[3 * i + 2];
+        f->sum[3 * i + 2] = r;
+    }
+    return status;
+}
+
+static bis_status render_without_shadows(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                         const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    bis_view open = *view;
+    open.settings = bis_settings_default(&bis_unoccluded);
+    return bis_render(result, f, scene, desc, &open, options, diag);
+}
+
+static bis_status render_not_a_number(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    result->counters.nonfinite += view->sampler.seed % 8 == 0; /* left out of the film, in a few renders */
+    return status;
+}
+
+static bis_status render_three_percent_more(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] *= 1.03;
+    return status;
+}
+
+static void wrong_pictures_are_rejected(void **state)
+{
+    (void)state;
+    static const struct { const char *what; bis_verify_render *render; const char *by; } wrong[] = {
+        {"edge pixels count 1.5 times", render_heavy_edges, "outlines: "},
+        {"edge samples to the right", render_to_the_right, "outlines, left to right"},
+        {"edge samples below", render_below, "outlines, up and down"},
+        {"channels exchanged", render_exchanged, "all pixels"},
+        {"no shadows", render_without_shadows, "all pixels"},
+        {"a number that is none", render_not_a_number, "not a number"},
+        {"3 % too bright", render_three_percent_more, "all pixels"}};
+    verify_built b = build_full();
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        if (failed_of_picture(wrong[i].render, &b, &b.desc->view.settings, 1, wrong[i].by) == 0)
+            fail_msg("%s: \"%s\" accepts it", wrong[i].what, wrong[i].by);
+    }
+    verify_clear(&b);
+}
+
+/* A floor of reflectance 1/2 fills the left half of the only pixel, seen from above in white light: half of 7/2, half of 7.
+ * Times the place from the centre on: 7/2 times -1/8, 7 times 1/8. A pixel that the floor fills is no outline. */
+static void a_reference_is_the_mean_over_the_pixel(void **state)
+{
+    (void)state;
+    static const char *const text = "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nCamera \"orthographic\"\nWorldBegin\n"
+        "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -9 2  %d -9 2  %d 9 2  -9 9 2]\n";
+    for (int whole = 0; whole < 2; whole++) {
+        char filled[1024];
+        bis_verify_table table;
+        bis_verify_pixel pixel;
+        double mean;
+        program_folder(VERIFY_DIR);
+        snprintf(filled, sizeof filled, text, 9 * whole, 9 * whole);
+        program_write_file(VERIFY_DIR "/half.txt", filled);
+        verify_built b = verify_build(VERIFY_DIR "/half.txt");
+        const bis_film film = bis_film_place(1, 1, b.desc->view.film.crop, 1);
+        assert_int_equal(bis_verify_table_init(&table, b.scene->light, NULL), BIS_OK);
+        assert_near(table.sum[table.n], 4 * PI * 7, 1e-3);
+        const bis_verify_eye eye = {b.scene, b.desc, &b.desc->view, &film, &table, false};
+        bis_verify_means(&mean, &pixel, &eye, (uint32_t[]){1 << 16}, 1);
+        assert_near(mean, whole ? 3.5 : 5.25, 0.02);
+        assert_near(pixel.slope[0], whole ? 0 : 0.4375, 0.01);
+        assert_near(pixel.slope[1], 0, 0.01);
+        assert_int_equal(pixel.is_outline, !whole);
+        bis_verify_table_clear(&table);
+        verify_clear(&b);
+    }
+}
+
+/* `exact` takes 2^17 patches a pixel: its points are looked at, as before. */
+static void what_is_too_dear_is_said(void **state)
+{
+    (void)state;
+    verify_built b = build_full();
+    bis_settings s = bis_settings_default(&bis_exact);
+    bis_verify v = {.seed = 1};
+    bool tested;
+    s.perpatch = 256; /* of 512 patches */
+    assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, b.desc, &s, &tested, NULL), BIS_OK);
+    assert_false(tested);
+    assert_int_equal(v.n, 1);
+    assert_string_equal(v.tests[0].name, "all pixels: exact");
+    assert_true(v.tests[0].verdict == BIS_VERDICT_SKIPPED && strstr(v.tests[0].note, "too dear"));
+    bis_verify_clear(&v);
+    verify_clear(&b);
+}
+
+static void every_allocation_of_a_picture_may_fail(void **state)
+{
+    (void)state;
+    verify_built b = build_full();
+    bis_settings s = bis_settings_default(&bis_em);
+    bis_status status = BIS_NOMEM;
+    s.samples = 1;
+    b.desc->view.film.width = b.desc->view.film.height = 2;
+    b.desc->view.edge_samples = 1;
+    for (long k = 1; status; k += 1 + k / 32) {
+        bis_verify v = {.seed = 1, .halvings = 12};
+        bool tested;
+        bis_mem_fail_at(k);
+        status = bis_verify_picture(&v, bis_render, b.scene, b.desc, &s, &tested, NULL);
+        bis_mem_fail_at(0);
+        if (!status) status = bis_verify_judge(&v, NULL);
+        assert_true(status == BIS_OK || status == BIS_NOMEM);
+        assert_true(k < 5000);
+        bis_verify_clear(&v);
+    }
+    verify_clear(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_right_picture_passes),
+        cmocka_unit_test(wrong_pictures_are_rejected),
+        cmocka_unit_test(a_reference_is_the_mean_over_the_pixel),
+        cmocka_unit_test(what_is_too_dear_is_said),
+        cmocka_unit_test(every_allocation_of_a_picture_may_fail),
+    };
+    return cmocka_run_group_tests_name("verify_picture", tests, NULL, NULL);
+}
