@@ -170,6 +170,79 @@ static void wrong_pictures_are_rejected(void **state)
     verify_clear(&b);
 }
 
+/* Renders that have no noise: each pixel of the two is right, 5.25 by 7 = 4 + 2 + 1, times its factor. */
+static double factor[2];
+
+static bis_status render_factors(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                 const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    (void)scene, (void)desc, (void)view, (void)options, (void)diag;
+    *result = (bis_render_result){.counters = {0}};
+    for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] = 2 * 0.75 * factor[i / 3];
+    f->weight = 2;
+    return BIS_OK;
+}
+
+/* Floors of reflectance 1/2 end in the middle of each of one or two pixels, the picture is 7/2 or 7. All that is judged, by
+ * hand. Two pixels side by side whose floors lie outside have opposite slopes: 5 % more in the first and less in the second
+ * is nothing in all pixels, and 5 % of what the slopes weigh; `*`: must fail. Slopes along the edge are noise; "?": it may
+ * fail. Of one pixel its slope tells nothing. */
+static void the_sums_of_a_picture_are_those_by_hand(void **state)
+{
+    (void)state;
+    static const char floor_text[] = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" "
+                                     "[%g %g 2  %g %g 2  %g %g 2  %g %g 2]\n";
+    static const struct { int width, height, floors; double reach, factor[2]; const char *found, *tests[6]; } cases[] = {
+        {1, 1, 1, 0, {1, 1}, NULL, {"all pixels: em", "outlines: em", "not a number: em"}},
+        {1, 1, 1, 9, {1, 1}, NULL, {"all pixels: em", "material 1: em", "not a number: em"}},
+        {1, 1, 1, 0, {1.05, 1}, "+5 %", {"*all pixels: em", "*outlines: em", "not a number: em"}},
+        {2, 1, 2, 1, {1, 1}, NULL, {"all pixels: em", "outlines: em", "outlines, left to right: em", "outlines, up and down: em",
+                                    "not a number: em"}},
+        {2, 1, 2, 1, {1.05, 0.95}, "+5 %", {"all pixels: em", "outlines: em", "*outlines, left to right: em",
+                                            "?outlines, up and down: em", "not a number: em"}},
+        {2, 1, 2, 1, {0.95, 1.05}, "-5 %", {"all pixels: em", "outlines: em", "*outlines, left to right: em",
+                                            "?outlines, up and down: em", "not a number: em"}},
+        {1, 2, 2, 1, {1.05, 0.95}, "+5 %", {"all pixels: em", "outlines: em", "?outlines, left to right: em",
+                                            "*outlines, up and down: em", "not a number: em"}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[2048];
+        const int down = cases[i].height == 2;
+        const double to = cases[i].reach;
+        int n = snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\n"
+                         "Camera \"orthographic\"\nIntegrator \"em\" \"integer samples\" 1\nWorldBegin\n"
+                         "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n",
+                         cases[i].width, cases[i].height);
+        for (int k = 0; k < cases[i].floors; k++) { /* from -9 to -1, or from 1 to 9; one: from -9 on */
+            const double a = k ? to : -9, b = k ? 9 : cases[i].floors == 2 ? -to : to;
+            double c[4][2] = {{a, -9}, {b, -9}, {b, 9}, {a, 9}}; /* x, y */
+            n += snprintf(text + n, sizeof text - (size_t)n, floor_text, c[0][down], c[0][!down], c[1][down], c[1][!down], c[2][down],
+                          c[2][!down], c[3][down], c[3][!down]);
+        }
+        program_folder(VERIFY_DIR);
+        program_write_file(VERIFY_DIR "/floors.txt", text);
+        verify_built b = verify_build(VERIFY_DIR "/floors.txt");
+        bis_verify v = {.seed = 1, .halvings = 3};
+        bool tested;
+        for (int k = 0; k < 2; k++) factor[k] = cases[i].factor[k] * (to == 9 ? 2 / 3.0 : 1);
+        assert_int_equal(bis_verify_picture(&v, render_factors, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        assert_true(tested);
+        assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+        size_t k = 0;
+        for (; k < 6 && cases[i].tests[k]; k++) {
+            const char *name = cases[i].tests[k];
+            const bool fails = *name == '*', any = *name == '?';
+            assert_true(k < v.n);
+            assert_string_equal(v.tests[k].name, name + (fails || any));
+            assert_string_equal(v.tests[k].group, "picture");
+            if (!any) assert_int_equal(v.tests[k].verdict, fails ? BIS_VERDICT_FAILED : BIS_VERDICT_PASSED);
+            if (fails) assert_non_null(strstr(v.tests[k].note, cases[i].found));
+        }
+        assert_int_equal(v.n, k);
+        bis_verify_clear(&v);
+        verify_clear(&b);
+    }
+}
+
 /* A floor of reflectance 1/2 fills the left half of the only pixel, seen from above in white light: half of 7/2, half of 7.
  * Times the place from the centre on: 7/2 times -1/8, 7 times 1/8. A pixel that the floor fills is no outline. */
 static void a_reference_is_the_mean_over_the_pixel(void **state)
@@ -247,6 +320,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_right_picture_passes),
         cmocka_unit_test(wrong_pictures_are_rejected),
+        cmocka_unit_test(the_sums_of_a_picture_are_those_by_hand),
         cmocka_unit_test(a_reference_is_the_mean_over_the_pixel),
         cmocka_unit_test(what_is_too_dear_is_said),
         cmocka_unit_test(every_allocation_of_a_picture_may_fail),
