@@ -245,6 +245,59 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
     }
 }
 
+/* Counts its calls, and whether each had so many samples a pixel. */
+static struct { uint64_t spp; unsigned calls, wrong; } asked;
+
+static bis_status render_nothing(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                 const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    (void)scene, (void)desc, (void)view, (void)diag;
+    *result = (bis_render_result){.counters = {0}};
+    asked.calls++;
+    asked.wrong += options->budget.spp != asked.spp;
+    f->weight = 1;
+    return BIS_OK;
+}
+
+/* How many renders, pixels and passes, worked out. All renders may cost 2^25 units, halved h times: 8 a shadow ray, 1 a
+ * candidate; for each pass 256 units a candidate (2^18 at most) and for `product` 2^15 more. 1024 pixels halved h times, but 16
+ * at least, as far as 32 renders of 2 passes (4 to learn) are paid for; 32 to 128 renders. E.g. product 8/1, h = 2: 2^23 / (32 x
+ * 16 + 2048 + 32768) = 237.4 passes, 119 renders of 2; to learn 59 renders of 4. 64 x 48 pixels have 6 x 5 of each 10 x 10. */
+static void renders_pixels_and_passes_are_those_worked_out(void **state)
+{
+    (void)state;
+    static const struct { const char *integrator; int width, height; unsigned h; bool adaptive; const char *note; unsigned renders, spp; } cases[] = {
+        {"\"em\" \"integer samples\" 8", 8, 4, 5, false, "; 128 renders of 32 pixels, 4 passes", 128, 4},
+        {"\"em\" \"integer samples\" 8", 8, 4, 5, true, "; 64 renders of 32 pixels, 2 passes", 64, 8},
+        {"\"em\" \"integer samples\" 8", 64, 48, 5, false, "; 128 renders of 30 pixels, 4 passes", 128, 4},
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1", 8, 4, 5, false, "; 128 renders of 32 pixels, 3 passes", 128, 3},
+        {"\"sir\" \"integer candidates\" 2000 \"integer shadowrays\" 1", 8, 4, 5, false, "; 32 renders of 8 pixels, 2 passes", 32, 2},
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\"", 8, 4, 2, false,
+         "; 119 renders of 32 pixels, 2 passes", 119, 2},
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\" \"bool learn\" true", 8, 4, 2, false,
+         "; 59 renders of 32 pixels, 4 passes", 59, 4}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nCamera \"orthographic\"\n"
+                 "Integrator %s\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\nShape \"disk\" \"float height\" 2\n",
+                 cases[i].width, cases[i].height, cases[i].integrator);
+        program_folder(VERIFY_DIR);
+        program_write_file(VERIFY_DIR "/counts.txt", text);
+        verify_built b = verify_build(VERIFY_DIR "/counts.txt");
+        b.desc->view.adaptive = cases[i].adaptive;
+        bis_verify v = {.seed = 1, .halvings = cases[i].h};
+        bool tested;
+        asked.calls = asked.wrong = 0, asked.spp = cases[i].spp;
+        assert_int_equal(bis_verify_picture(&v, render_nothing, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        assert_true(tested && v.n > 0);
+        if (!strstr(v.tests[0].note, cases[i].note)) fail_msg("case %zu: %s", i, v.tests[0].note);
+        assert_int_equal(asked.calls, cases[i].renders);
+        assert_int_equal(asked.wrong, 0);
+        bis_verify_clear(&v);
+        verify_clear(&b);
+    }
+}
+
 /* A floor of reflectance 1/2 fills the left half of the only pixel, seen from above in white light: half of 7/2, half of 7.
  * Times the place from the centre on: 7/2 times -1/8, 7 times 1/8. A pixel that the floor fills is no outline. */
 static void a_reference_is_the_mean_over_the_pixel(void **state)
@@ -323,6 +376,7 @@ int main(void)
         cmocka_unit_test(a_right_picture_passes),
         cmocka_unit_test(wrong_pictures_are_rejected),
         cmocka_unit_test(the_sums_of_a_picture_are_those_by_hand),
+        cmocka_unit_test(renders_pixels_and_passes_are_those_worked_out),
         cmocka_unit_test(a_reference_is_the_mean_over_the_pixel),
         cmocka_unit_test(what_is_too_dear_is_said),
         cmocka_unit_test(every_allocation_of_a_picture_may_fail),
