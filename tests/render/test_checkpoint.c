@@ -472,6 +472,41 @@ static void other_name(OTHER)
 static void fewer_samples(OTHER) { (void)w, (void)k, o->budget.spp = 3; }
 static void more_samples(OTHER) { (void)w, (void)k, o->budget.spp = 5; }
 
+/* One field each of what a render is. */
+#define CHANGE(name, statement) static void change_##name(OTHER) { (void)w, (void)k, (void)o; statement; }
+CHANGE(orthographic, w->desc.view.camera.orthographic ^= true)
+CHANGE(screen, w->desc.view.camera.has_screen ^= true)
+CHANGE(aspect, w->desc.view.camera.frame_aspect += 0.5)
+CHANGE(eye, w->desc.view.camera.to_world.m[2][3] += 1)
+CHANGE(last_of_eye, w->desc.view.camera.to_world.m[3][3] += 1)
+CHANGE(footprint, o->footprint = 0.5)
+CHANGE(jitter_of_sampler, w->desc.view.sampler.jitter ^= true)
+CHANGE(kind_of_sampler, w->desc.view.sampler.kind = w->desc.view.sampler.kind == BIS_SAMPLER_SOBOL ? BIS_SAMPLER_RANDOM : BIS_SAMPLER_SOBOL)
+CHANGE(passes, o->pass_size++)
+CHANGE(first_vertex, w->scene.geometry.p[0].x += 1)
+CHANGE(height_of_vertex, w->scene.geometry.p[1].y += 1)
+CHANGE(first_index, w->scene.geometry.index[0] ^= 1)
+CHANGE(last_index, w->scene.geometry.index[3 * w->scene.geometry.n_triangles - 1] ^= 1)
+CHANGE(range, assert_true(w->scene.geometry.n_ranges > 0); w->scene.geometry.ranges[0].material ^= 1)
+CHANGE(start, w->scene.geometry.ranges[w->scene.geometry.n_ranges - 1].first ^= 1)
+CHANGE(kind_of_ball, w->scene.geometry.quadrics[0].kind ^= 1)
+CHANGE(material_of_ball, w->scene.geometry.quadrics[0].material ^= 1)
+CHANGE(height_of_ball, w->scene.geometry.quadrics[0].height += 1)
+CHANGE(place_of_ball, w->scene.geometry.quadrics[0].to_world.m[1][3] += 1)
+CHANGE(red, w->materials[0].Kd.r *= 0.5f)
+CHANGE(green, w->materials[0].Kd.g += 0.125f)
+CHANGE(blue, w->materials[0].Ks.b += 0.125f)
+CHANGE(alpha, w->materials[1].alpha += 0.5)
+CHANGE(first_pixel, bis_light_envmap(w->scene.light)->pixels[0].r += 1)
+CHANGE(last_pixel, const bis_envmap *em = bis_light_envmap(w->scene.light); em->pixels[em->width * em->height - 1].b += 1)
+CHANGE(light_L, w->desc.light.L.g += 1)
+CHANGE(light_b, w->desc.light.area_exponent += 0.5)
+CHANGE(light_angular, w->desc.light.angular ^= true)
+CHANGE(light_width, w->desc.light.width++)
+CHANGE(light_levels, w->desc.light.levels++)
+CHANGE(light_table, w->desc.light.has_table_kind ^= true)
+CHANGE(light_visible, w->desc.light.visible ^= true)
+
 static void another_render_is_refused_by_what_differs(void **state)
 {
     (void)state;
@@ -496,6 +531,38 @@ static void another_render_is_refused_by_what_differs(void **state)
         {other_scale, "differ: the parameters of the light. "},
         {other_turn, "differ: the parameters of the light. "},
         {other_density, "differ: the accelerator. "},
+        {change_orthographic, "differ: the camera. "},
+        {change_screen, "differ: the camera. "},
+        {change_aspect, "differ: the camera. "},
+        {change_eye, "differ: the camera. "},
+        {change_last_of_eye, "differ: the camera. "},
+        {change_footprint, "differ: the camera. "},
+        {change_jitter_of_sampler, "differ: the sampler, or its seed. "},
+        {change_kind_of_sampler, "differ: the sampler, or its seed; the camera samples for which "},
+        {change_passes, "differ: pixel jitter, "},
+        {change_first_vertex, "differ: the shapes. "},
+        {change_height_of_vertex, "differ: the shapes. "},
+        {change_first_index, "differ: the shapes. "},
+        {change_last_index, "differ: the shapes. "},
+        {change_range, "differ: the shapes. "},
+        {change_start, "differ: the shapes. "},
+        {change_kind_of_ball, "differ: the shapes. "},
+        {change_material_of_ball, "differ: the shapes. "},
+        {change_height_of_ball, "differ: the shapes. "},
+        {change_place_of_ball, "differ: the shapes. "},
+        {change_red, "differ: the materials. "},
+        {change_green, "differ: the materials. "},
+        {change_blue, "differ: the materials. "},
+        {change_alpha, "differ: the materials. "},
+        {change_first_pixel, "differ: the pixels of the map. "},
+        {change_last_pixel, "differ: the pixels of the map. "},
+        {change_light_L, "differ: the parameters of the light. "},
+        {change_light_b, "differ: the parameters of the light. "},
+        {change_light_angular, "differ: the parameters of the light. "},
+        {change_light_width, "differ: the parameters of the light. "},
+        {change_light_levels, "differ: the parameters of the light. "},
+        {change_light_table, "differ: the parameters of the light. "},
+        {change_light_visible, "differ: the parameters of the light. "},
         {fewer_samples, "has 4 camera samples a pixel already"},
         {other_name, NULL},
         {more_samples, NULL},
