@@ -430,6 +430,35 @@ static void seconds_that_were_spent_before_count(void **state)
     clear_world(&w);
 }
 
+/* All settings come back, also those that sir does not read, and what the pilot took. */
+static void settings_are_read_back(void **state)
+{
+    (void)state;
+    kind k = kinds[0];
+    bis_checkpoint c = {.path = PATH, .every = 1e9, .pilot_seconds = 1.5};
+    bis_render_result result;
+    bis_film f;
+    world w;
+
+    unlink(PATH);
+    make_kind(&w, &k);
+    bis_settings *s = &w.desc.view.settings;
+    s->samples = 7, s->shadowrays = 3, s->candidates = 24, s->perpatch = 5;
+    s->heuristic = BIS_HEURISTIC_POWER, s->estimator = BIS_ESTIMATOR_RATIO, s->proposal = BIS_PROPOSAL_BRDF;
+    s->resampling = BIS_RESAMPLING_MULTINOMIAL, s->stratify = false, s->compensate = true, s->learn = true, s->vectorize = false;
+    s->as_printed = BIS_E6 | BIS_E21;
+    render_kind(&f, &result, &w, &k, budget(&k, 4, 1), &c);
+    c = read_state(PATH);
+    assert_ptr_equal(c.settings.integrator, &bis_sir);
+    for (const bis_parameter *p = bis_parameters; p->name; p++)
+        if (bis_parameter_get(p, &c.settings) != bis_parameter_get(p, s)) fail_msg("%s", p->name);
+    assert_int_equal(c.settings.as_printed, BIS_E6 | BIS_E21);
+    assert_true(c.pilot_seconds == 1.5);
+    bis_checkpoint_clear(&c);
+    bis_film_clear(&f);
+    clear_world(&w);
+}
+
 /* ---- another render ---- */
 
 #define OTHER world *w, kind *k, bis_render_options *o
@@ -690,6 +719,7 @@ int main(void)
         cmocka_unit_test(a_forged_head_breaks_nothing),
         cmocka_unit_test(another_number_in_the_state_makes_another_picture),
         cmocka_unit_test(seconds_that_were_spent_before_count),
+        cmocka_unit_test(settings_are_read_back),
         cmocka_unit_test(another_render_is_refused_by_what_differs),
         cmocka_unit_test(where_the_new_one_cannot_be_written_the_older_one_stays_and_the_render_goes_on),
         cmocka_unit_test(without_memory_there_is_a_message_or_no_checkpoint),
