@@ -512,6 +512,7 @@ CHANGE(footprint, o->footprint = 0.5)
 CHANGE(jitter_of_sampler, w->desc.view.sampler.jitter ^= true)
 CHANGE(kind_of_sampler, w->desc.view.sampler.kind = w->desc.view.sampler.kind == BIS_SAMPLER_SOBOL ? BIS_SAMPLER_RANDOM : BIS_SAMPLER_SOBOL)
 CHANGE(passes, o->pass_size++)
+CHANGE(error, o->budget.error = 0.1)
 CHANGE(first_vertex, w->scene.geometry.p[0].x += 1)
 CHANGE(height_of_vertex, w->scene.geometry.p[1].y += 1)
 CHANGE(first_index, w->scene.geometry.index[0] ^= 1)
@@ -592,13 +593,14 @@ static void another_render_is_refused_by_what_differs(void **state)
         {change_light_levels, "differ: the parameters of the light. "},
         {change_light_table, "differ: the parameters of the light. "},
         {change_light_visible, "differ: the parameters of the light. "},
+        {change_error, "differ: that an --error is asked for, or that none is. "},
         {fewer_samples, "has 4 camera samples a pixel already"},
         {other_name, NULL},
         {more_samples, NULL},
     };
 
     for (size_t i = 0; i < COUNT(changes); i++) {
-        kind k = kinds[0];
+        kind k = kinds[changes[i].change == change_error ? 2 : 0]; /* 2: sobol divides no pixel */
         bis_render_options options = budget(&k, 4, 1);
         bis_checkpoint c = {.path = PATH, .every = 1e9};
         bis_diag diag = {0};
