@@ -303,27 +303,27 @@ exit
 # - size > BIS_EMBREE_MOST
 # + size > 10 * BIS_EMBREE_MOST
 #
-# * verify_oracle test_verify : no doubt at an edge
+# * verify_oracle test_verify_accel : no doubt at an edge
 # - return some_more && some_less ? MISSED : all_more || all_less ? MET : DOUBTFUL;
 # + return some_more && some_less ? MISSED : MET;
 #
-# * verify_oracle test_verify : everything is in doubt
+# * verify_oracle test_verify_accel : everything is in doubt
 # - return some_more && some_less ? MISSED : all_more || all_less ? MET : DOUBTFUL;
 # + return some_more && some_less ? MISSED : DOUBTFUL;
 #
-# * product test_verify : every 16th cluster's density is twice too large
+# * product test_verify_picture : every 16th cluster's density is twice too large
 # - const float scale = (float)bis_product_scale(p, c, k);
 # + const float scale = (k % 16 ? 1 : 2) * (float)bis_product_scale(p, c, k);
 #
-# * batch test_verify : learned visibility is not divided out
+# * batch test_verify_picture : learned visibility is not divided out
 # - b->traced.q_L[k] = visible[b->cluster[k]];
 # + b->traced.q_L[k] = 1;
 #
-# * pass test_verify : edge pixels count 1.5 times
+# * pass test_verify_picture : edge pixels count 1.5 times
 # - rgbd_scale(sum->L, 1 / (double)sum->n)
 # + rgbd_scale(sum->L, (sum->n > 3 ? 1.5 : 1) / (double)sum->n)
 #
-# * verify_accel test_verify : shadow rays do not start beyond the error
+# * verify_accel test_verify_accel : shadow rays do not start beyond the error
 # - const ray shadow = {bis_surface_offset(&s), w, INFINITY};
 # + const ray shadow = {add(s.p, w), w, INFINITY};
 #

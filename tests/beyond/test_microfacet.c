@@ -1,6 +1,6 @@
 /* microfacet: GGX and its base against the papers' formulas in long double, closed forms, and quadrature over facets
  * and over directions that shares no code with it. What every model gets for nothing is elsewhere:
- * tests/thesis/test_integrators.c, tests/thesis/test_directions.c, tests/tools/test_verify.c (docs/extending.md).
+ * tests/thesis/test_integrators.c, tests/thesis/test_directions.c, tests/tools/test_verify_bsdf.c (docs/extending.md).
  * Family-wise significance of this file 1e-3. */
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/rng.h"

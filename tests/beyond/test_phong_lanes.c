@@ -298,6 +298,39 @@ static void colours_are_F_over_phat_and_sum_to_1(void **state)
     free_lanes(&c);
 }
 
+/* A cone of no width is a direction: the bound is f cos times the energy, each channel by itself, relative to the first. */
+static void a_cone_of_no_width_is_its_direction(void **state)
+{
+    enum { N_CONES = 192 };
+    static const double Kd[3] = {0.1, 0.3, 0.5}, Ks[3] = {0.45, 0.2, 0.05};
+    const bis_material m = bis_phong((rgb){0.1f, 0.3f, 0.5f}, (rgb){0.45f, 0.2f, 0.05f}, 10);
+    const bis_lanes l = new_lanes(N_CONES);
+    float w[N_CONES], sine[N_CONES] = {0};
+    double expected[N_CONES];
+    bis_bsdf b;
+    bis_rng r;
+
+    (void)state;
+    seen_from(&b, &m, 40);
+    bis_rng_init(&r, SEED, 0, 0, 5);
+    for (uint32_t i = 0; i < N_CONES; i++) {
+        const double theta = 1.5 * bis_rng_double(&r), phi = 2 * PI * bis_rng_double(&r);
+        const vec3 at = to_world(&b.local, vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)));
+        const double e[3] = {i % 4 == 0 || i % 4 == 3 ? 0.7 : 0, i % 4 == 1 || i % 4 == 3 ? 1.1 : 0, i % 4 > 1 ? 1.9 : 0};
+        const double power = pow(fmax(0, (double)dot(b.r, at)), 10);
+        l.x[i] = at.x, l.y[i] = at.y, l.z[i] = at.z, l.q_L[i] = 1;
+        l.r[i] = (float)e[0], l.g[i] = (float)e[1], l.b[i] = (float)e[2];
+        expected[i] = 0;
+        for (int c = 0; c < 3; c++) expected[i] += (Kd[c] / PI + Ks[c] * 11 / (2 * PI) * power) * e[c] * (double)dot(b.local.z, at);
+    }
+    bis_phong_lanes.reach(w, &b, &l, sine, N_CONES);
+    for (int i = 0; i < N_CONES; i++) {
+        const double ratio = (double)w[i] * expected[0] / ((double)w[0] * expected[i]);
+        if (!(fabs(ratio - 1) < 1e-4)) fail_msg("cone %d: %g times the bound of the first", i, ratio);
+    }
+    free_lanes(&l);
+}
+
 /* ---- draws ---- */
 
 /* Rings about the lobe's axis: equal shares of the lobe, then what is left down to 90 and to 180 degrees; each in 16
@@ -457,6 +490,7 @@ int main(void)
         cmocka_unit_test(an_exponent_that_is_off_by_1e_5_is_found),
         cmocka_unit_test(below_the_horizon_weights_are_0_and_nothing_is_ever_nan),
         cmocka_unit_test(what_reaches_a_cone_is_bounded_by_its_nearest_directions),
+        cmocka_unit_test(a_cone_of_no_width_is_its_direction),
         cmocka_unit_test(colours_are_F_over_phat_and_sum_to_1),
         cmocka_unit_test(draws_have_the_density_of_the_mixture),
         cmocka_unit_test(draws_of_the_lobe_are_those_of_phong_at_the_ends_of_the_square),

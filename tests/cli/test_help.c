@@ -298,7 +298,7 @@ static void the_man_page_is_formatted_without_a_warning_in_80_columns(void **sta
 /* --- examples
  * ------------------------------------------------------------------------------------------------------ */
 
-/* Small and short. What measures and verifies takes its time; test_trade and test_verify run those. */
+/* Small and short. What measures and verifies takes its time; test_trade and test_verify_scene run those. */
 static void the_examples_work(void **state)
 {
     (void)state;

@@ -100,6 +100,32 @@ static void what_is_no_image_is_refused_by_its_first_bytes(void **state)
                    "(76 2f 31 01) or PFM (PF, Pf)");
 }
 
+/* Four bytes are enough to know a PNG, three a JPEG: the fourth is e0, e1, db, ... One byte that differs makes another
+ * file of it. */
+static void pictures_for_a_screen_are_refused_by_name(void **state)
+{
+    (void)state;
+    static const struct { const char *bytes; size_t size; const char *message; } files[] = {
+        {"\x89PNG", 4, "it is a PNG: "}, {"\x89PNG\r\n\x1a\n", 8, "it is a PNG: "},
+        {"\xff\xd8\xff\xe0\0\x10JFIF", 10, "it is a JPEG: "}, {"\xff\xd8\xff\xdb", 4, "it is a JPEG: "},
+        {"\xff\xd8\xff", 3, "its 3 bytes are too few for an image"},
+        {"\x89PNF....", 8, "it begins with the bytes 89 50 4e 46, "},
+        {"\x88PNG....", 8, "it begins with the bytes 88 50 4e 47, "},
+        {"\xff\xd8\xfe\xe0....", 8, "it begins with the bytes ff d8 fe e0, "},
+        {"\xfe\xd8\xff\xe0....", 8, "it begins with the bytes fe d8 ff e0, "}};
+    static const char for_a_screen[] =
+        "8 bits for a screen, no radiance; take an .exr, .pfm or .hdr (`bis SCENE --outfile NAME.exr` writes one)";
+    static const char unknown[] = "must be a Radiance .hdr (#?), OpenEXR (76 2f 31 01) or PFM (PF, Pf)";
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char message[256];
+        const bool is_known = strstr(files[i].message, "is a ") != NULL, begins = strstr(files[i].message, "begins") != NULL;
+        const char *rest = is_known ? for_a_screen : begins ? unknown : "";
+        snprintf(message, sizeof message, "%s%s", files[i].message, rest);
+        store(scratch("screen.hdr"), files[i].bytes, files[i].size);
+        expect_refusal(scratch("screen.hdr"), BIS_INPUT, message);
+    }
+}
+
 static void expect_io(const char *path, const char *message)
 {
     bis_image image;
@@ -284,6 +310,7 @@ int main(void)
         cmocka_unit_test(only_four_endings_can_be_written_in_any_case_of_letters),
         cmocka_unit_test(a_new_image_is_black_and_of_a_sane_size),
         cmocka_unit_test(what_is_no_image_is_refused_by_its_first_bytes),
+        cmocka_unit_test(pictures_for_a_screen_are_refused_by_name),
         cmocka_unit_test(missing_and_directory_paths_are_io_errors_at_the_line_that_named_them),
         cmocka_unit_test(a_bad_image_is_reported_at_the_line_that_named_it),
         cmocka_unit_test(a_folder_that_is_not_there_is_an_io_error),

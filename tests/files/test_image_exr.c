@@ -326,6 +326,17 @@ static void luminance_alone_is_grey(void **state)
     expect_channels(&part, 1, 0, (const int[3]){1, 1, 1}, NULL);
 }
 
+/* Chroma is RY and BY together: one of them alone is another channel of some name. */
+static void luminance_with_half_a_chroma_is_grey(void **state)
+{
+    (void)state;
+    const channel_spec by[2] = {{"BY", HALF, 1}, {"Y", FLOAT, 1}}, ry[2] = {{"RY", HALF, 1}, {"Y", FLOAT, 1}};
+    const part_spec with_by = {.channels = by, .n_channels = 2, .width = 4, .height = 3},
+                    with_ry = {.channels = ry, .n_channels = 2, .width = 4, .height = 3};
+    expect_channels(&with_by, 1, 0, (const int[3]){1, 1, 1}, NULL);
+    expect_channels(&with_ry, 1, 0, (const int[3]){1, 1, 1}, NULL);
+}
+
 /* OpenEXRCore 3.1.5 wrote all of three or four channels where it was to write one half. */
 static void one_channel_of_any_type_among_any_others_is_read(void **state)
 {
@@ -856,6 +867,7 @@ int main(void)
         cmocka_unit_test(tiles_of_any_side_fill_the_map),
         cmocka_unit_test(one_pixel_is_a_map),
         cmocka_unit_test(luminance_alone_is_grey),
+        cmocka_unit_test(luminance_with_half_a_chroma_is_grey),
         cmocka_unit_test(one_channel_of_any_type_among_any_others_is_read),
         cmocka_unit_test(the_first_layer_is_read_where_there_is_no_colour_at_the_top),
         cmocka_unit_test(colour_at_the_top_wins_over_luminance_and_layers),

@@ -285,6 +285,8 @@ static void bad_bodies_are_refused_by_line_vertex_or_face(void **state)
                 "face 0: the list \"vertex_indices\" has -3 items");
     refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4000000000 0 1 2", 0, "the file ends in face 0 of 1");
     refuse_text(ASCII "element vertex 1\nproperty float x\nproperty float z\nend_header\n1 2\n", 0, "a vertex has no property \"y\"");
+    refuse_text(ASCII "element vertex 1\nproperty float y\nproperty float z\nend_header\n1 2\n", 0, "a vertex has no property \"x\"");
+    refuse_text(ASCII "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n", 0, "a vertex has no property \"z\"");
     refuse_text(ASCII SQUARE_HEADER SQUARE_HEADER "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n", 0,
                 "the element \"vertex\" occurs twice");
     refuse_text(ASCII "element face 1\nproperty list uchar int corners\nend_header\n3 0 1 2\n", 0,
@@ -332,6 +334,41 @@ static void a_short_cut_checks_every_corner(void **state)
         }
         snprintf(message, sizeof message, "face %d has the index 4, but there are 4 vertices", (int)bad / 3);
         expect_mesh_refusal_of(bis_ply_read, &b, "corner.ply", 0, message);
+        bytes_clear(&b);
+    }
+}
+
+/* Faces that are lists and nothing else: rows of three indices of 4 bytes behind a count of one are copied whole, any other
+ * type, order of bytes or length is read by itself. A triangle without area, whose zeros look the same at any width, two triangles, a
+ * quad, a triangle. */
+static void a_short_cut_for_faces_is_for_three_ints_behind_a_byte_alone(void **state)
+{
+    (void)state;
+    static const char *const types[] = {"char", "uchar", "short", "ushort", "int", "uint"};
+    static const int faces[5][5] = {{3, 0, 0, 0}, {3, 0, 1, 2}, {3, 0, 2, 3}, {4, 0, 1, 2, 3}, {3, 1, 2, 3}};
+    for (int i = 0; i < 6 * 6 * 2; i++) {
+        const char *const count = types[i % 6], *const index = types[i / 6 % 6];
+        const bool big = i >= 36;
+        bytes b = {0};
+        bis_mesh m;
+        char header[256];
+        snprintf(header, sizeof header, "ply\nformat binary_%s_endian 1.0\n" SQUARE_HEADER
+                 "element face 5\nproperty list %s %s vertex_indices\nend_header\n", big ? "big" : "little", count, index);
+        put_text(&b, header);
+        for (size_t k = 0; k < 12; k++) put_number(&b, (double)square[k / 3][k % 3], "float", big);
+        for (int f = 0; f < 5; f++) {
+            put_number(&b, faces[f][0], count, big);
+            for (int k = 1; k <= faces[f][0]; k++) put_number(&b, faces[f][k], index, big);
+        }
+        expect_mesh_of(bis_ply_read, &m, &b, "faces.ply", NULL);
+        assert_true(m.n_vertices == 4 && m.n_triangles == 6);
+        assert_triangle(&m, 0, 0, 0, 0);
+        assert_triangle(&m, 1, 0, 1, 2);
+        assert_triangle(&m, 2, 0, 2, 3);
+        assert_triangle(&m, 3, 0, 1, 2);
+        assert_triangle(&m, 4, 0, 2, 3);
+        assert_triangle(&m, 5, 1, 2, 3);
+        bis_mesh_clear(&m);
         bytes_clear(&b);
     }
 }
@@ -551,6 +588,7 @@ int main(void)
         cmocka_unit_test(counts_are_held_against_the_file_before_memory_is_asked_for),
         cmocka_unit_test(an_element_without_properties_takes_neither_room_nor_time),
         cmocka_unit_test(a_short_cut_checks_every_corner),
+        cmocka_unit_test(a_short_cut_for_faces_is_for_three_ints_behind_a_byte_alone),
         cmocka_unit_test(a_short_cut_is_for_three_floats_alone),
         cmocka_unit_test(a_short_cut_meets_what_it_cannot_read_half_way),
         cmocka_unit_test(missing_files_and_folders_are_the_disks_fault),

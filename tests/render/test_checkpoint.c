@@ -430,6 +430,35 @@ static void seconds_that_were_spent_before_count(void **state)
     clear_world(&w);
 }
 
+/* All settings come back, also those that sir does not read, and what the pilot took. */
+static void settings_are_read_back(void **state)
+{
+    (void)state;
+    kind k = kinds[0];
+    bis_checkpoint c = {.path = PATH, .every = 1e9, .pilot_seconds = 1.5};
+    bis_render_result result;
+    bis_film f;
+    world w;
+
+    unlink(PATH);
+    make_kind(&w, &k);
+    bis_settings *s = &w.desc.view.settings;
+    s->samples = 7, s->shadowrays = 3, s->candidates = 24, s->perpatch = 5;
+    s->heuristic = BIS_HEURISTIC_POWER, s->estimator = BIS_ESTIMATOR_RATIO, s->proposal = BIS_PROPOSAL_BRDF;
+    s->resampling = BIS_RESAMPLING_MULTINOMIAL, s->stratify = false, s->compensate = true, s->learn = true, s->vectorize = false;
+    s->as_printed = BIS_E6 | BIS_E21;
+    render_kind(&f, &result, &w, &k, budget(&k, 4, 1), &c);
+    c = read_state(PATH);
+    assert_ptr_equal(c.settings.integrator, &bis_sir);
+    for (const bis_parameter *p = bis_parameters; p->name; p++)
+        if (bis_parameter_get(p, &c.settings) != bis_parameter_get(p, s)) fail_msg("%s", p->name);
+    assert_int_equal(c.settings.as_printed, BIS_E6 | BIS_E21);
+    assert_true(c.pilot_seconds == 1.5);
+    bis_checkpoint_clear(&c);
+    bis_film_clear(&f);
+    clear_world(&w);
+}
+
 /* ---- another render ---- */
 
 #define OTHER world *w, kind *k, bis_render_options *o
@@ -472,6 +501,42 @@ static void other_name(OTHER)
 static void fewer_samples(OTHER) { (void)w, (void)k, o->budget.spp = 3; }
 static void more_samples(OTHER) { (void)w, (void)k, o->budget.spp = 5; }
 
+/* One field each of what a render is. */
+#define CHANGE(name, statement) static void change_##name(OTHER) { (void)w, (void)k, (void)o; statement; }
+CHANGE(orthographic, w->desc.view.camera.orthographic ^= true)
+CHANGE(screen, w->desc.view.camera.has_screen ^= true)
+CHANGE(aspect, w->desc.view.camera.frame_aspect += 0.5)
+CHANGE(eye, w->desc.view.camera.to_world.m[2][3] += 1)
+CHANGE(last_of_eye, w->desc.view.camera.to_world.m[3][3] += 1)
+CHANGE(footprint, o->footprint = 0.5)
+CHANGE(jitter_of_sampler, w->desc.view.sampler.jitter ^= true)
+CHANGE(kind_of_sampler, w->desc.view.sampler.kind = w->desc.view.sampler.kind == BIS_SAMPLER_SOBOL ? BIS_SAMPLER_RANDOM : BIS_SAMPLER_SOBOL)
+CHANGE(passes, o->pass_size++)
+CHANGE(error, o->budget.error = 0.1)
+CHANGE(first_vertex, w->scene.geometry.p[0].x += 1)
+CHANGE(height_of_vertex, w->scene.geometry.p[1].y += 1)
+CHANGE(first_index, w->scene.geometry.index[0] ^= 1)
+CHANGE(last_index, w->scene.geometry.index[3 * w->scene.geometry.n_triangles - 1] ^= 1)
+CHANGE(range, assert_true(w->scene.geometry.n_ranges > 0); w->scene.geometry.ranges[0].material ^= 1)
+CHANGE(start, w->scene.geometry.ranges[w->scene.geometry.n_ranges - 1].first ^= 1)
+CHANGE(kind_of_ball, w->scene.geometry.quadrics[0].kind ^= 1)
+CHANGE(material_of_ball, w->scene.geometry.quadrics[0].material ^= 1)
+CHANGE(height_of_ball, w->scene.geometry.quadrics[0].height += 1)
+CHANGE(place_of_ball, w->scene.geometry.quadrics[0].to_world.m[1][3] += 1)
+CHANGE(red, w->materials[0].Kd.r *= 0.5f)
+CHANGE(green, w->materials[0].Kd.g += 0.125f)
+CHANGE(blue, w->materials[0].Ks.b += 0.125f)
+CHANGE(alpha, w->materials[1].alpha += 0.5)
+CHANGE(first_pixel, bis_light_envmap(w->scene.light)->pixels[0].r += 1)
+CHANGE(last_pixel, const bis_envmap *em = bis_light_envmap(w->scene.light); em->pixels[em->width * em->height - 1].b += 1)
+CHANGE(light_L, w->desc.light.L.g += 1)
+CHANGE(light_b, w->desc.light.area_exponent += 0.5)
+CHANGE(light_angular, w->desc.light.angular ^= true)
+CHANGE(light_width, w->desc.light.width++)
+CHANGE(light_levels, w->desc.light.levels++)
+CHANGE(light_table, w->desc.light.has_table_kind ^= true)
+CHANGE(light_visible, w->desc.light.visible ^= true)
+
 static void another_render_is_refused_by_what_differs(void **state)
 {
     (void)state;
@@ -496,13 +561,46 @@ static void another_render_is_refused_by_what_differs(void **state)
         {other_scale, "differ: the parameters of the light. "},
         {other_turn, "differ: the parameters of the light. "},
         {other_density, "differ: the accelerator. "},
+        {change_orthographic, "differ: the camera. "},
+        {change_screen, "differ: the camera. "},
+        {change_aspect, "differ: the camera. "},
+        {change_eye, "differ: the camera. "},
+        {change_last_of_eye, "differ: the camera. "},
+        {change_footprint, "differ: the camera. "},
+        {change_jitter_of_sampler, "differ: the sampler, or its seed. "},
+        {change_kind_of_sampler, "differ: the sampler, or its seed; the camera samples for which "},
+        {change_passes, "differ: pixel jitter, "},
+        {change_first_vertex, "differ: the shapes. "},
+        {change_height_of_vertex, "differ: the shapes. "},
+        {change_first_index, "differ: the shapes. "},
+        {change_last_index, "differ: the shapes. "},
+        {change_range, "differ: the shapes. "},
+        {change_start, "differ: the shapes. "},
+        {change_kind_of_ball, "differ: the shapes. "},
+        {change_material_of_ball, "differ: the shapes. "},
+        {change_height_of_ball, "differ: the shapes. "},
+        {change_place_of_ball, "differ: the shapes. "},
+        {change_red, "differ: the materials. "},
+        {change_green, "differ: the materials. "},
+        {change_blue, "differ: the materials. "},
+        {change_alpha, "differ: the materials. "},
+        {change_first_pixel, "differ: the pixels of the map. "},
+        {change_last_pixel, "differ: the pixels of the map. "},
+        {change_light_L, "differ: the parameters of the light. "},
+        {change_light_b, "differ: the parameters of the light. "},
+        {change_light_angular, "differ: the parameters of the light. "},
+        {change_light_width, "differ: the parameters of the light. "},
+        {change_light_levels, "differ: the parameters of the light. "},
+        {change_light_table, "differ: the parameters of the light. "},
+        {change_light_visible, "differ: the parameters of the light. "},
+        {change_error, "differ: that an --error is asked for, or that none is. "},
         {fewer_samples, "has 4 camera samples a pixel already"},
         {other_name, NULL},
         {more_samples, NULL},
     };
 
     for (size_t i = 0; i < COUNT(changes); i++) {
-        kind k = kinds[0];
+        kind k = kinds[changes[i].change == change_error ? 2 : 0]; /* 2: sobol divides no pixel */
         bis_render_options options = budget(&k, 4, 1);
         bis_checkpoint c = {.path = PATH, .every = 1e9};
         bis_diag diag = {0};
@@ -623,6 +721,7 @@ int main(void)
         cmocka_unit_test(a_forged_head_breaks_nothing),
         cmocka_unit_test(another_number_in_the_state_makes_another_picture),
         cmocka_unit_test(seconds_that_were_spent_before_count),
+        cmocka_unit_test(settings_are_read_back),
         cmocka_unit_test(another_render_is_refused_by_what_differs),
         cmocka_unit_test(where_the_new_one_cannot_be_written_the_older_one_stays_and_the_render_goes_on),
         cmocka_unit_test(without_memory_there_is_a_message_or_no_checkpoint),

@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <setjmp.h>
+#include <stdio.h>
 
 #include <cmocka.h>
 
@@ -86,6 +87,63 @@ static void a_crop_without_pixels_or_outside_is_refused(void **state)
         assert_int_equal(diag.n_errors, 1);
         assert_null(f.sum);
         bis_diag_clear(&diag);
+    }
+}
+
+/* A thin film of each 2 x 2 has pixels 1, 3, 5, 7 of 8; a crop from 0.8 to 0.96 of a pixel has none of any film. */
+static void a_crop_without_pixels_of_a_thin_film_says_so(void **state)
+{
+    (void)state;
+    static const char rest[] = "; it reads x0, x1, y0, y1 with x0 < x1, y0 < y1";
+    static const struct { int step; double x0, x1; const char *thin; } cases[] = {
+        {1, 0.1, 0.12, ""}, {2, 0, 0.1, " that a thin film has"}, {3, 0, 0.1, " that a thin film has"}};
+    for (int i = 0; i < 3; i++) {
+        char expected[256];
+        bis_film f;
+        bis_diag diag = {0};
+        const double crop[4] = {cases[i].x0, cases[i].x1, 0, 1};
+        assert_int_equal(bis_film_init_thin(&f, 8, 8, crop, cases[i].step, (bis_loc){0}, &diag), BIS_INPUT);
+        snprintf(expected, sizeof expected, "error: the crop window %g, %g, 0, 1 holds no pixel of 8 x 8%s%s", crop[0], crop[1],
+                 cases[i].thin, rest);
+        assert_string_equal(diag.messages[0].text, expected);
+        bis_diag_clear(&diag);
+    }
+}
+
+/* Two passes with values a and b in each channel: mean (a + b)/2, its variance (a - b)^2/4, the mean's square less that a b. A
+ * crop of 6 x 5 pixels, from (3, 2) on, in tiles of 4: 1, 4 and 1 columns, 2 and 3 rows. All tiles together are the picture's
+ * relMSE. Dark pictures have small floors. */
+static void a_tiles_error_is_the_sum_over_its_pixels(void **state)
+{
+    (void)state;
+    for (int dark = 0; dark < 2; dark++) {
+        const double scale = dark ? 0x1p-10 : 4, crop[4] = {0.25, 0.75, 0.25, 0.875};
+        double mean = 0, errors[6], expected[6] = {0}, all = 0;
+        bis_film f;
+        assert_int_equal(bis_film_init(&f, 12, 8, crop, (bis_loc){0}, NULL), BIS_OK);
+        assert_true(f.x0 == 3 && f.y0 == 2 && f.width == 6 && f.height == 5);
+        for (int pass = 0; pass < 2; pass++) {
+            for (int y = 2; y < 7; y++)
+                for (int x = 3; x < 9; x++) {
+                    const float v = (float)(scale * (pass ? x + 2 * y : 3 + x * y % 5));
+                    bis_film_add(&f, x, y, (rgb){v, v, v}, 1, 1);
+                }
+            bis_film_end_pass(&f, 1);
+        }
+        for (int k = 0; k < 2; k++) /* the mean, then what is weighed by it */
+            for (int y = 2; y < 7; y++)
+                for (int x = 3; x < 9; x++) {
+                    const double a = scale * (x + 2 * y), b = scale * (3 + x * y % 5), m = (a + b) / 2, floor = mean * mean / 100;
+                    if (k == 0) mean += m / 30;
+                    else expected[y / 4 * 3 + x / 4] += (a - b) * (a - b) / 4 / sqrt((m * m + floor) * (a * b + floor));
+                }
+        bis_film_tile_errors(&f, 4, errors);
+        for (int t = 0; t < 6; t++) {
+            if (!(fabs(errors[t] - expected[t]) <= 1e-9 * expected[t])) fail_msg("tile %d: %g, not %g", t, errors[t], expected[t]);
+            all += expected[t];
+        }
+        assert_true(fabs(bis_film_relative_rmse(&f, NULL) / sqrt(all / 30) - 1) < 1e-9);
+        bis_film_clear(&f);
     }
 }
 
@@ -308,6 +366,8 @@ int main(void)
         cmocka_unit_test(crop_is_rounded_as_pbrt_does),
         cmocka_unit_test(the_tiles_of_a_crop_are_those_of_its_picture),
         cmocka_unit_test(a_crop_without_pixels_or_outside_is_refused),
+        cmocka_unit_test(a_crop_without_pixels_of_a_thin_film_says_so),
+        cmocka_unit_test(a_tiles_error_is_the_sum_over_its_pixels),
         cmocka_unit_test(pixels_are_means_and_alpha_the_share_of_hits),
         cmocka_unit_test(a_film_without_passes_is_black),
         cmocka_unit_test(relative_rmse_is_what_the_formula_gives_by_hand),

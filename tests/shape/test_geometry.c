@@ -6,6 +6,7 @@
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "files/ply.h"
+#include "shape/quadric.h"
 #include "shape/rounding.h"
 
 #include <float.h>
@@ -323,6 +324,40 @@ static void a_quadrics_range_is_open_and_tmax_is_kept(void **state)
 static bool within(const double a[3], vec3 b)
 {
     return fabs(a[0]) <= (double)b.x && fabs(a[1]) <= (double)b.y && fabs(a[2]) <= (double)b.z;
+}
+
+/* Where a ray from o through a point of the shape meets it, is that point. The disk at z = 3 and the ball about the middle,
+ * of radius 2, stand in the world by: x' = 4 + 2 y, y' = -1 + 3 z, z' = 5 + x. So the disk's plane is y' = 8. */
+static void a_quadrics_point_is_where_the_ray_was_aimed(void **state)
+{
+    (void)state;
+    static const double columns[16] = {0, 0, 1, 0, 2, 0, 0, 0, 0, 3, 0, 0, 4, -1, 5, 1};
+    bis_quadric q[2] = {{BIS_DISK, 2, 3, bis_xform_identity(), 7}, {BIS_SPHERE, 2, 0, bis_xform_identity(), 7}};
+    bis_rng rng;
+    bis_rng_init(&rng, 31, 0, 0, 0);
+    for (int k = 0; k < 2; k++) {
+        assert_true(bis_xform_from_columns(&q[k].to_world, columns));
+        for (int i = 0; i < 2000; i++) {
+            const double z = 1 - 2 * bis_rng_double(&rng), phi = 2 * PI * bis_rng_double(&rng), far = 2 * sqrt(fmax(0, 1 - z * z));
+            const double at[3] = {far * cos(phi), far * sin(phi), k == 0 ? 3 : 2 * z};
+            const double w[3] = {4 + 2 * at[1], -1 + 3 * at[2], 5 + at[0]}; /* in the world */
+            const double n[3] = {k == 0 ? 0 : at[1] / 2, k == 0 ? 1 : at[2] / 3, k == 0 ? 0 : at[0]}; /* of x^2 + y^2 + z^2 */
+            const double up = k == 0 && i % 2 ? -1 : 1, d = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * up;
+            double from[3];
+            for (int c = 0; c < 3; c++) from[c] = w[c] + 6 * n[c] / d + (bis_rng_double(&rng) - 0.5); /* outside; slanted */
+            const vec3 o = vec3_from(from[0], from[1], from[2]), to = vec3_from(w[0], w[1], w[2]);
+            const ray r = {o, normalize(sub(to, o)), INFINITY};
+            bis_surface s;
+            float t;
+            if (k == 0 && far > 1.999) continue; /* too near the rim for a float */
+            assert_true(bis_quadric_intersect(&q[k], &r, &t));
+            bis_quadric_surface(&q[k], &r, &s);
+            assert_true(fabs((double)t - (double)length(sub(to, o))) < 1e-4);
+            assert_true((double)length(sub(s.p, to)) < 1e-4);
+            assert_true((double)length(sub(s.ng, vec3_from(n[0] / d, n[1] / d, n[2] / d))) < 1e-4);
+            assert_int_equal(s.material, 7);
+        }
+    }
 }
 
 /* The ray's exact point on the plane, in long double, against p: off the plane by no more than the error box allows. */
@@ -821,6 +856,7 @@ int main(void)
         cmocka_unit_test(any_allocation_may_fail),
         cmocka_unit_test(a_quadrics_box_holds_it_and_is_tight),
         cmocka_unit_test(a_quadric_is_met_where_its_implicit_function_first_changes_sign),
+        cmocka_unit_test(a_quadrics_point_is_where_the_ray_was_aimed),
         cmocka_unit_test(a_quadrics_range_is_open_and_tmax_is_kept),
         cmocka_unit_test(a_triangles_point_lies_within_its_error_of_the_plane_and_of_the_ray),
         cmocka_unit_test(the_error_of_a_triangles_point_is_no_larger_than_four_ulps),

@@ -586,6 +586,19 @@ static void first_and_last_random_numbers_give_unit_directions(void **state)
     }
 }
 
+/* u1 = 0.3, u2 = 0.8 is 120 degrees and 0.6 from the middle of the disc (test_warp.c), in the frame of the normal. */
+static void the_cosine_is_drawn_in_the_normals_frame(void **state)
+{
+    (void)state;
+    const bis_material m = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 10);
+    bis_bsdf b;
+    vec3 wi;
+    bis_bsdf_init(&b, &m, normalize(vec3_from(0.3, -0.5, 0.7)), normalize(vec3_from(0.1, -0.2, 0.9)));
+    assert_true(bis_bsdf_sample(&b, 0.5, 0.3, 0.8, &wi));
+    assert_true(fabs((double)dot(wi, b.local.x) + 0.3) < 1e-6 && fabs((double)dot(wi, b.local.y) - 0.6 * sqrt(0.75)) < 1e-6);
+    assert_true(fabs((double)dot(wi, b.local.z) - 0.8) < 1e-6);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -608,6 +621,7 @@ int main(void)
         cmocka_unit_test(black_material_and_hidden_surface_draw_nothing),
         cmocka_unit_test(no_lobe_that_reflects_has_probability_0),
         cmocka_unit_test(reflectance_below_1e_20_is_black),
+        cmocka_unit_test(the_cosine_is_drawn_in_the_normals_frame),
         cmocka_unit_test(first_and_last_random_numbers_give_unit_directions),
     };
 

@@ -150,6 +150,27 @@ static void the_disc_keeps_neighbours_neighbours(void **state)
     }
 }
 
+/* By hand. The sphere: u1 leads from the north pole to the south, u2 round +z from +x to +y. The disc at (0.3, 0.8): a =
+ * -0.4, b = 0.6, so r = 0.6 and the angle is pi/2 + pi/4 * 2/3 = 120 degrees; at (0.8, 0.3), mirrored: -30 degrees. */
+static void numbers_lead_to_the_places_worked_out(void **state)
+{
+    (void)state;
+    const double h = sqrt(0.75);
+    const struct { vec3 w; double x, y, z; } places[] = {
+        {bis_warp_sphere(0, 0.3), 0, 0, 1}, {bis_warp_sphere(0.25, 0), h, 0, 0.5}, {bis_warp_sphere(0.25, 0.25), 0, h, 0.5},
+        {bis_warp_sphere(0.75, 0.5), -h, 0, -0.5}, {bis_warp_sphere(0.5, 0.75), 0, -1, 0},
+        {bis_warp_cosine(0.5, 0.5), 0, 0, 1}, {bis_warp_cosine(0.3, 0.8), -0.3, 0.6 * h, 0.8},
+        {bis_warp_cosine(0.8, 0.3), 0.6 * h, -0.3, 0.8}, {bis_warp_cosine(0.2, 0.5), -0.6, 0, 0.8}};
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        const vec3 w = places[i].w;
+        const double off = fabs((double)w.x - places[i].x) + fabs((double)w.y - places[i].y) + fabs((double)w.z - places[i].z);
+        if (!(off < 3e-7)) fail_msg("place %zu: %g %g %g", i, (double)w.x, (double)w.y, (double)w.z);
+    }
+    double d[2];
+    bis_warp_disc(d, 0.3, 0.8);
+    assert_true(fabs(d[0] + 0.3) < 1e-15 && fabs(d[1] - 0.6 * h) < 1e-15);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -158,6 +179,7 @@ int main(void)
         cmocka_unit_test(the_hemisphere_is_hit_in_proportion_to_the_cosine),
         cmocka_unit_test(the_cosine_pdf_integrates_to_1_and_is_0_below),
         cmocka_unit_test(directions_are_unit_and_points_inside_at_all_corners),
+        cmocka_unit_test(numbers_lead_to_the_places_worked_out),
         cmocka_unit_test(z_keeps_its_digits_near_the_rim),
         cmocka_unit_test(the_disc_keeps_neighbours_neighbours),
     };

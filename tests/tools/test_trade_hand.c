@@ -280,6 +280,7 @@ static void the_best_counts_its_standard_error_and_no_bias(void **state)
     assert_int_equal(bis_trade_best_of(&t, "rejection"), REJECTION);
     assert_int_equal(bis_trade_best_of(&t, "mis"), MIS);
     assert_int_equal(bis_trade_best_of(&t, "brdf"), -1);
+    assert_int_equal(bis_trade_best_of(&t, "em"), EM); /* the first */
     assert_int_equal(bis_trade_heads(&t, heads), 5); /* mis 64 is the scene's own */
     for (int i = 0; i < 5; i++) assert_int_equal(heads[i], i);
     t.plan.settings[MIS_LONG].is_scenes = false;
@@ -305,6 +306,11 @@ static void the_best_counts_its_standard_error_and_no_bias(void **state)
     assert_true(t.result.best == SIR && t.result.advice[0].error == 0.5 && t.result.advice[1].error == 0.2);
     assert_true(t.result.advice[2].setting == SIR && t.result.advice[2].passes == 2 && t.result.advice[2].error == 0.2);
     assert_near(t.result.advice[2].seconds, 6.8);
+    t.plan.n_settings = SIR; /* without sir; then sir is the last */
+    assert_int_equal(bis_trade_best_of(&t, NULL), MIS);
+    t.plan.n_settings = SIR + 1;
+    assert_int_equal(bis_trade_best_of(&t, NULL), SIR);
+    t.plan.n_settings = N_SETTINGS;
     t.o.error = 1e-6; /* 5e10 passes */
     bis_trade_advise(&t);
     assert_int_equal(t.result.advice[2].setting, -1);
@@ -1092,6 +1098,67 @@ static void the_table_of_settings_is_this(void **state)
     bis_trade_clear(&t);
 }
 
+/* What a name stands for, as the line of a scene. */
+static void a_settings_line_says_what_its_name_does(void **state)
+{
+    (void)state;
+    static const struct { const char *name, *integrator, *line; } rows[] = {
+        {"em 4", "em", "\"integer samples\" 4"},
+        {"em 16", "em", "\"integer samples\" 16"},
+        {"em 64", "em", "\"integer samples\" 64"},
+        {"em 16 stratified", "em", "\"integer samples\" 16 \"bool stratify\" true"},
+        {"em 16 b=0", "em", "\"integer samples\" 16; in LightSource: \"float areaexponent\" 0"},
+        {"em 16 b=0.5", "em", "\"integer samples\" 16; in LightSource: \"float areaexponent\" 0.5"},
+        {"brdf 4", "brdf", "\"integer samples\" 4"},
+        {"brdf 16", "brdf", "\"integer samples\" 16"},
+        {"brdf 64", "brdf", "\"integer samples\" 64"},
+        {"mis 4", "mis", "\"integer samples\" 4"},
+        {"mis 16", "mis", "\"integer samples\" 16"},
+        {"mis 64", "mis", "\"integer samples\" 64"},
+        {"mis 16 stratified", "mis", "\"integer samples\" 16 \"bool stratify\" true"},
+        {"mis 16 power", "mis", "\"integer samples\" 16 \"string heuristic\" \"power\""},
+        {"mis 16 compensated", "mis", "\"integer samples\" 16 \"bool compensate\" true"},
+        {"rejection 100/8", "rejection", "\"integer candidates\" 100 \"integer shadowrays\" 8"},
+        {"rejection 800/15", "rejection", "\"integer candidates\" 800 \"integer shadowrays\" 15"},
+        {"rejection 800/15 plain", "rejection", "\"integer candidates\" 800 \"integer shadowrays\" 15"
+         " \"string estimator\" \"plain\""},
+        {"sir 16/1", "sir", "\"integer candidates\" 16 \"integer shadowrays\" 1"},
+        {"sir 64/1", "sir", "\"integer candidates\" 64 \"integer shadowrays\" 1"},
+        {"sir 64/4", "sir", "\"integer candidates\" 64 \"integer shadowrays\" 4"},
+        {"sir 256/4", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 4"},
+        {"sir 256/16", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"},
+        {"sir 1024/16", "sir", "\"integer candidates\" 1024 \"integer shadowrays\" 16"},
+        {"sir 800/15", "sir", "\"integer candidates\" 800 \"integer shadowrays\" 15"},
+        {"sir 256/16 em", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16 \"string proposal\" \"em\""},
+        {"sir 256/16 brdf", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16 \"string proposal\" \"brdf\""},
+        {"sir 256/16 product", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"
+         " \"string proposal\" \"product\""},
+        {"sir 256/16 product learned", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"
+         " \"string proposal\" \"product\" \"bool learn\" true"},
+        {"sir 256/16 independent", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"
+         " \"string resampling\" \"multinomial\" \"bool stratify\" false"},
+        {"sir 256/16 one by one", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"
+         " \"bool vectorize\" false"},
+        {"sir 256/16 b=0", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"
+         "; in LightSource: \"float areaexponent\" 0"},
+        {"sir 256/16 b=0.5", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"
+         "; in LightSource: \"float areaexponent\" 0.5"},
+        {"sir 20/2 scene's own", "sir", "\"integer candidates\" 20 \"integer shadowrays\" 2"},
+    };
+    const int n = sizeof rows / sizeof *rows;
+    bis_trade t = {.o = {.scene = DIR "/scene.txt"}};
+    assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+    assert_int_equal(t.plan.n_settings, n);
+    for (int k = 0; k < n; k++) {
+        char text[256], expected[512];
+        bis_trade_scene_text(text, &t.plan.settings[k], t.desc->light.area_exponent);
+        snprintf(expected, sizeof expected, "Integrator \"%s\" %s", rows[k].integrator, rows[k].line);
+        assert_string_equal(t.plan.settings[k].name, rows[k].name);
+        assert_string_equal(text, expected);
+    }
+    bis_trade_clear(&t);
+}
+
 /* Each that is swept or may be a reference is piloted: six em and five others. */
 static void the_pilot_tells_how_far_it_is(void **state)
 {
@@ -1575,9 +1642,11 @@ static void the_rest_is_measured_in_rounds_and_told(void **state)
 
 /* ---- the advice, checked ---- */
 
-/* Advice by em 16 for an error, of 3 passes in 12 s, put to the proof. In vain there is a reference: its noise is beyond
- * all, so that only the renders count. */
-static bis_trade_advice checked(uint32_t passes, double error, const sig_atomic_t *interrupted, diary *d)
+/* Advice by em 16 for an error, of some passes of 4 s, put to the proof. *variance, where it is wanted: the scatter of
+ * as many renders of so many passes as --passes allows, with the seeds of the first attempt, times passes. In vain
+ * there is a reference: its noise is beyond all, so that only the renders count. */
+static bis_trade_advice checked_from(uint32_t first, uint32_t passes, double error, const sig_atomic_t *interrupted,
+                                     diary *d, double *variance)
 {
     bis_trade t;
     load(&t);
@@ -1592,14 +1661,33 @@ static bis_trade_advice checked(uint32_t passes, double error, const sig_atomic_
     memset(t.both.image.pixels, 0, 24 * sizeof(rgb));
     t.result.curves[em] = (bis_trade_curve){.n = 1, .pass_seconds = 0.5};
     for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
-        t.result.advice[i] = (bis_trade_advice){"final picture", error, i == 1 ? em : -1, 3, 12, -1, false};
+        t.result.advice[i] = (bis_trade_advice){"final picture", error, i == 1 ? em : -1, first, 4.0 * first, -1, false};
     }
     d->n = 0;
+    if (variance) {
+        enum { TURNS = 6, RENDERS = 8, ADVICE = 1 }; /* a seed for each render of each attempt at each advice */
+        const int n = (int)(BIS_TRADE_REFERENCE_BUDGETS * passes / first);
+        bis_image images[RENDERS] = {{0}};
+        for (int k = 0; k < (n < 2 ? 2 : n); k++) {
+            bis_render_result result;
+            const uint64_t seed = bis_trade_seed(&t.plan, 3, ADVICE * TURNS * RENDERS + (uint64_t)k);
+            assert_int_equal(bis_trade_render(&t, &t.plan.settings[em], t.plan.step, first, seed, &images[k], &result,
+                                              NULL), BIS_OK);
+        }
+        *variance = first * bis_trade_scatter(images, n < 2 ? 2 : n, &t.both);
+        for (int k = 0; k < RENDERS; k++) bis_image_clear(&images[k]);
+    }
     assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
     const bis_trade_advice a = t.result.advice[1];
-    for (int i = 0; i < BIS_TRADE_ADVICE; i += 2) assert_true(t.result.advice[i].passes == 3 && t.result.advice[i].expected_error == -1);
+    for (int i = 0; i < BIS_TRADE_ADVICE; i += 2)
+        assert_true(t.result.advice[i].passes == first && t.result.advice[i].expected_error == -1);
     bis_trade_clear(&t);
     return a;
+}
+
+static bis_trade_advice checked(uint32_t passes, double error, const sig_atomic_t *interrupted, diary *d)
+{
+    return checked_from(3, passes, error, interrupted, d, NULL);
 }
 
 /* The next smaller number of passes of a stratified pixel: ... 9 = 3 x 3, 12 = 3 x 4, 16 = 4 x 4 ... */
@@ -1647,6 +1735,28 @@ static void advice_is_put_to_the_proof(void **state)
     const sig_atomic_t signal = 1;
     const bis_trade_advice none = checked(1, 0.01, &signal, &d);
     assert_true(none.passes == 3 && none.seconds == 12 && none.expected_error == -1 && !none.is_extrapolated);
+}
+
+/* The first attempt has 81 passes = 9 x 9. Its scatter says that 72 = 8 x 9, 81 or 90 = 9 x 10 are needed: by at most 15 %
+ * others, so its word is the last. When it says 64, 100 or more, the next attempt is made with these. */
+static void what_is_close_enough_is_not_rendered_again(void **state)
+{
+    (void)state;
+    static const struct { double wanted, passes; bool is_last; } cases[] = {
+        {63.5, 64, false}, {71.5, 72, true}, {80.5, 81, true}, {89.5, 90, true}, {99.5, 100, false}, {109.5, 110, false}};
+    diary d;
+    double variance;
+    checked_from(81, 2, 0.5, NULL, &d, &variance);
+    assert_true(variance > 0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double error = sqrt(variance / cases[i].wanted);
+        const bis_trade_advice a = checked_from(81, 2, error, NULL, &d, NULL);
+        const double of_first = sqrt(variance / cases[i].passes);
+        assert_true(!a.is_extrapolated && a.expected_error > 0 && a.expected_error <= a.error);
+        assert_near(a.seconds, 4.0 * a.passes);
+        if (cases[i].is_last) assert_true(a.passes == cases[i].passes && fabs(a.expected_error / of_first - 1) < 1e-12);
+        else assert_true(fabs(a.expected_error / of_first - 1) > 1e-6);
+    }
 }
 
 /* ---- without memory ---- */
@@ -1765,6 +1875,7 @@ int main(void)
         cmocka_unit_test(a_plan_without_time_is_refused),
         cmocka_unit_test(an_error_out_of_reach_is_refused),
         cmocka_unit_test(the_table_of_settings_is_this),
+        cmocka_unit_test(a_settings_line_says_what_its_name_does),
         cmocka_unit_test(the_pilot_tells_how_far_it_is),
         cmocka_unit_test(a_light_of_its_own_is_built_as_the_scenes),
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
@@ -1774,6 +1885,7 @@ int main(void)
         cmocka_unit_test(each_channel_scatters_by_itself),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
         cmocka_unit_test(advice_is_put_to_the_proof),
+        cmocka_unit_test(what_is_close_enough_is_not_rendered_again),
         cmocka_unit_test(each_part_says_that_there_is_no_memory),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
     };

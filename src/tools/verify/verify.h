@@ -6,7 +6,7 @@
  * probability BIS_VERIFY_ALPHA.
  *
  * What a check asks of a sampler, a material or an integrator, it asks through a struct of functions: so a test can
- * hand in a wrong one and see it rejected (tests/tools/test_verify.c). Nothing here prints; src/cli/cmd_verify.c does.
+ * hand in a wrong one and see it rejected (tests/tools/test_verify*.c). Nothing here prints; src/cli/cmd_verify.c does.
  * Results do not depend on the number of threads.
  *
  *     bis_verify v = {.seed = 1};

@@ -1,0 +1,98 @@
+#include "verify_help.h"
+
+#include "bis/files/image_file.h"
+#include "bis/thesis/phong.h"
+#include "map_help.h"
+#include "program.h"
+#include "stat.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+size_t verify_failures(bis_verify *v)
+{
+    assert_int_equal(bis_verify_judge(v, NULL), BIS_OK);
+    assert_true(v->n > 0);
+    const size_t n = v->n_failed;
+    for (size_t i = 0; i < v->n; i++) {
+        const bis_verify_test *t = &v->tests[i];
+        if (t->verdict == BIS_VERDICT_FAILED)
+            print_message("  rejected: %s: %s (%g, p %g)\n", t->name, t->note, t->statistic, t->p);
+    }
+    bis_verify_clear(v);
+    return n;
+}
+
+void verify_assert_accepted(bis_verify *v, double alpha)
+{
+    assert_int_equal(bis_verify_judge(v, NULL), BIS_OK);
+    for (size_t i = 0; i < v->n; i++) {
+        const bis_verify_test *t = &v->tests[i];
+        const bool fails = isnan(t->p) ? t->verdict == BIS_VERDICT_FAILED : t->p < alpha;
+        if (!isnan(t->p)) stat_judges(1);
+        if (fails)
+            fail_msg("%s: %s: statistic %g, p %g, seed %llu", t->name, t->note, t->statistic, t->p,
+                     (unsigned long long)v->seed);
+    }
+    bis_verify_clear(v);
+}
+
+bis_material verify_glossy(const bis_bsdf_model *model, double exponent)
+{
+    bis_material m = bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.5f, 0.6f, 0.7f}, exponent);
+    m.model = model;
+    return m;
+}
+
+const char verify_one_pixel[] = "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\n";
+const char verify_scene_text[] =
+    "Camera \"perspective\" \"float fov\" 60\n"
+    "WorldBegin\n"
+    "AttributeBegin Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"map.pfm\" AttributeEnd\n"
+    "Material \"phong\" \"rgb Kd\" [.5 .4 .3] \"rgb Ks\" [.2 .2 .2] \"float exponent\" 20\n"
+    "AttributeBegin Translate 0 0 4 Shape \"sphere\" AttributeEnd\n"
+    "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]\n";
+
+void verify_write_map(void)
+{
+    program_folder(VERIFY_DIR);
+    bis_envmap em = map_random(32, 16, 4, 0.1, 2);
+    const bis_image image = {32, 16, em.pixels};
+    assert_int_equal(bis_image_save(&image, VERIFY_DIR "/map.pfm", NULL), BIS_OK);
+    bis_envmap_clear(&em);
+}
+
+void verify_write_scene(const char *name, const char *options)
+{
+    char path[64], text[2048];
+    snprintf(path, sizeof path, VERIFY_DIR "/%s", name);
+    snprintf(text, sizeof text, "%s%s", options, verify_scene_text);
+    program_write_file(path, text);
+}
+
+verify_built verify_build(const char *path)
+{
+    verify_built b = {NULL, NULL};
+    bis_diag diag = {0};
+    if (bis_scene_parse(&b.desc, path, &diag)) fail_msg("%s", path);
+    b.desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+    assert_int_equal(bis_scene_build(&b.scene, b.desc, &diag), BIS_OK);
+    bis_diag_clear(&diag);
+    return b;
+}
+
+void verify_clear(verify_built *b)
+{
+    bis_scene_free(b->scene);
+    bis_scene_desc_free(b->desc);
+}
+
+void verify_run_file(bis_verify *v, const char *path)
+{
+    verify_built b = verify_build(path);
+    assert_int_equal(bis_verify_scene(v, b.scene, b.desc, &b.desc->view.settings, NULL), BIS_OK);
+    verify_clear(&b);
+}

@@ -1,0 +1,106 @@
+/* `bis verify` of a material must be able to fail: right ones pass, forged ones do not. */
+#include "tools/verify/verify.h"
+#include "bis/thesis/phong.h"
+#include "stat.h"
+#include "verify_help.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static double alpha(void) { return stat_level(1e-3, 54); }
+
+static void right_materials_pass(void **state)
+{
+    (void)state;
+    const double exponents[] = {0, 1, 2.5, 50, 1e4, 1e6};
+    for (size_t i = 0; i < 6; i++) {
+        const bis_material m = verify_glossy(&bis_phong_model, exponents[i]);
+        bis_settings s[] = {bis_settings_default(&bis_brdf), bis_settings_default(&bis_sir)};
+        s[1].candidates = 64;
+        bis_verify v = {.seed = i};
+        for (int k = 0; k < 3; k++) {
+            const double degrees[] = {0, 60, 89.5};
+            assert_int_equal(bis_verify_material(&v, &m, degrees[k], s, 2, "right", NULL), BIS_OK);
+        }
+        assert_int_equal(v.n, 12);
+        verify_assert_accepted(&v, alpha());
+    }
+}
+
+/* n + 1 for n: the material's exponent, raised while the model draws. */
+static bool draw_sharper(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
+{
+    bis_material m = *b->material;
+    bis_bsdf sharper = *b;
+    m.exponent++;
+    sharper.material = &m;
+    return bis_phong_model.sample(&sharper, u0, u1, u2, wi);
+}
+
+static rgb pdf_without_factor(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    const rgb f = bis_phong_model.f_pdf(b, wi, pdf);
+    *pdf *= 0.98;
+    return f;
+}
+
+/* A draw below the horizon is drawn again (E34). */
+static bool draw_above(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
+{
+    bool drawn = bis_phong_model.sample(b, u0, u1, u2, wi);
+    for (int i = 0; drawn && i < 100 && bis_bsdf_cos(b, *wi) <= 0; i++) {
+        u1 = fmod(u1 * 7 + 0.37, 1);
+        u2 = fmod(u2 * 5 + 0.21, 1);
+        drawn = bis_phong_model.sample(b, u0, u1, u2, wi);
+    }
+    return drawn;
+}
+
+static rgb pdf_too_small(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    const rgb f = bis_phong_model.f_pdf(b, wi, pdf);
+    *pdf *= 0.9; /* weights too large by a ninth */
+    return f;
+}
+
+static bool draw_lobes_exchanged(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
+{
+    return bis_phong_model.sample(b, 1 - u0, u1, u2, wi);
+}
+
+static void forged_materials_are_rejected(void **state)
+{
+    (void)state;
+    bis_bsdf_model forged[5];
+    for (int i = 0; i < 5; i++) forged[i] = bis_phong_model;
+    forged[0].sample = draw_sharper;
+    forged[1].f_pdf = pdf_without_factor;
+    forged[2].sample = draw_above;
+    forged[3].sample = draw_lobes_exchanged;
+    forged[4].f_pdf = pdf_too_small;
+    for (int i = 0; i < 5; i++) {
+        const bis_material m = verify_glossy(&forged[i], 20);
+        const bis_settings s = bis_settings_default(&bis_brdf);
+        for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
+            bis_verify v = {.seed = seed};
+            assert_int_equal(bis_verify_material(&v, &m, 75, &s, 1, "forged", NULL), BIS_OK);
+            assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+            assert_int_equal(v.n, 3);
+            /* the last one is so wrong that its furnace tells it, too */
+            const bool by_furnace = v.tests[2].verdict == BIS_VERDICT_FAILED;
+            if (verify_failures(&v) == 0 || (i == 4 && !by_furnace)) fail_msg("forgery %d was accepted", i);
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(right_materials_pass),
+        cmocka_unit_test(forged_materials_are_rejected),
+    };
+    return cmocka_run_group_tests_name("verify_bsdf", tests, NULL, NULL);
+}

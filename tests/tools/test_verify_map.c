@@ -1,0 +1,211 @@
+/* `bis verify` of a map must be able to fail: each check is handed something wrong and must reject it, and something right,
+ * for several seeds, and must accept it. */
+#include "tools/verify/verify.h"
+#include "bis/base/mem.h"
+#include "stat.h"
+#include "map_help.h"
+#include "verify_help.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static double alpha(void) { return stat_level(1e-3, 66); }
+
+static void upside_down(bis_envmap *to, const bis_envmap *from)
+{
+    *to = map_new(from->width, from->height);
+    for (int y = 0; y < from->height; y++) {
+        memcpy(to->pixels + y * from->width, from->pixels + (from->height - 1 - y) * from->width, (size_t)from->width * sizeof *to->pixels);
+    }
+}
+
+static void right_maps_pass(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
+        bis_envmap em = map_random(64, 32, 6, 0.2, seed);
+        for (int k = 0; k < 2; k++) {
+            bis_verify v = {.seed = seed, .halvings = 1};
+            assert_int_equal(bis_verify_map(&v, &em, 0.15 * k, 8, NULL), BIS_OK);
+            assert_int_equal(v.n, 14);
+            verify_assert_accepted(&v, alpha());
+        }
+        bis_envmap_clear(&em);
+    }
+}
+
+static void odd_maps_pass(void **state)
+{
+    (void)state;
+    const int sizes[][2] = {{1, 1}, {2, 1}, {1, 5}, {5, 3}};
+    for (int i = 0; i < 4; i++) {
+        bis_envmap em = map_random(sizes[i][0], sizes[i][1], 3, 0, 7);
+        bis_verify v = {.seed = 2};
+        assert_int_equal(bis_verify_map(&v, &em, 0.15, 8, NULL), BIS_OK);
+        verify_assert_accepted(&v, alpha());
+        bis_envmap_clear(&em);
+    }
+    bis_envmap black = map_new(8, 4);
+    bis_verify v = {.seed = 2};
+    assert_int_equal(bis_verify_map(&v, &black, 0.15, 8, NULL), BIS_OK);
+    verify_assert_accepted(&v, alpha());
+    bis_envmap_clear(&black);
+}
+
+static void wrong_solid_angles_are_rejected(void **state)
+{
+    (void)state;
+    bis_envmap em = map_new(64, 32);
+    for (int y = 0; y < 32; y++) em.row_solid_angle[y] = PI / 32 * 2 * PI / 64 * sin(PI * (y + 0.5) / 32); /* at the middle: 0.04 % too much */
+    bis_verify v = {.seed = 1};
+    bis_verify_solid_angles(&v, &em);
+    assert_int_equal(verify_failures(&v), 2);
+    bis_envmap_clear(&em);
+}
+
+/* What the importance of another map looks like when it is checked against this one. */
+static size_t failures_against(const bis_envmap *em, const bis_envmap *forged, bis_table_kind kind)
+{
+    const bis_importance_options options = {.table = true, .table_kind = kind, .levels = 8};
+    bis_importance *im;
+    bool is_lit;
+    double *pmf = bis_alloc(map_n(em), sizeof *pmf);
+    bis_verify v = {.seed = 3};
+    assert_int_equal(bis_verify_definition(pmf, &is_lit, em, 0, 8, NULL), BIS_OK);
+    assert_int_equal(bis_importance_new(&im, forged, &options, NULL), BIS_OK);
+    assert_int_equal(bis_verify_importance(&v, "forged", kind, im, em, pmf, NULL), BIS_OK);
+    bis_importance_free(im);
+    bis_free(pmf);
+    return verify_failures(&v);
+}
+
+static void an_importance_of_another_map_is_rejected(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(64, 32, 4, 0.1, 5), forged;
+    assert_int_equal(failures_against(&em, &em, BIS_TABLE_ALIAS), 0);
+    assert_int_equal(failures_against(&em, &em, BIS_TABLE_CDF), 0);
+    upside_down(&forged, &em);
+    assert_true(failures_against(&em, &forged, BIS_TABLE_ALIAS) > 0);
+    memcpy(forged.pixels, em.pixels, map_n(&em) * sizeof *em.pixels);
+    forged.pixels[1000].g += 1e-6f; /* one pixel, by little */
+    assert_true(failures_against(&em, &forged, BIS_TABLE_CDF) > 0);
+    for (int y = 0; y < 32; y++) forged.row_solid_angle[y] = 4 * PI / (64 * 32); /* solid angle forgotten, E3 */
+    assert_true(failures_against(&em, &forged, BIS_TABLE_ALIAS) > 0);
+    bis_envmap_clear(&em);
+    bis_envmap_clear(&forged);
+}
+
+/* Samplers of a map, one right and many wrong. */
+typedef struct wrong_sampler {
+    const bis_envmap *em;
+    const bis_importance *im;
+} wrong_sampler;
+
+static bool draw_right(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const wrong_sampler *w = self;
+    double u[4];
+    for (int i = 0; i < 4; i++) u[i] = bis_rng_double(rng);
+    return bis_importance_sample(w->im, u, s);
+}
+
+static vec3 in_pixel(const bis_envmap *em, size_t pixel, double u1, double u2)
+{
+    return bis_envmap_direction(em, (int)(pixel % (size_t)em->width), (int)(pixel / (size_t)em->width), u1, u2);
+}
+
+static bool draw_next_column(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const bis_envmap *em = ((const wrong_sampler *)self)->em;
+    const bool drawn = draw_right(self, rng, s);
+    if (bis_rng_double(rng) < 0.02) s->pixel = s->pixel / 64 * 64 + (s->pixel + 1) % 64; /* alias off by one, for one draw in fifty */
+    s->w_local = in_pixel(em, s->pixel, bis_rng_double(rng), bis_rng_double(rng));
+    return drawn;
+}
+
+static bool draw_uniform_in_theta(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const bool drawn = draw_right(self, rng, s);
+    const double y = (double)(s->pixel / 64), theta = PI * (y + bis_rng_double(rng)) / 32; /* the sine forgotten inside a pixel */
+    const double phi = 2 * PI * ((double)(s->pixel % 64) + bis_rng_double(rng)) / 64;
+    s->w_local = vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta));
+    return drawn;
+}
+
+static bool draw_centre(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const bool drawn = draw_right(self, rng, s);
+    s->w_local = in_pixel(((const wrong_sampler *)self)->em, s->pixel, 0.5, 0.5);
+    return drawn;
+}
+
+static bool draw_elsewhere(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const bool drawn = draw_right(self, rng, s);
+    if (bis_rng_double(rng) < 1e-4) s->w_local.z = -s->w_local.z; /* one draw in ten thousand lies elsewhere */
+    return drawn;
+}
+
+static bool draw_nothing_at_times(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    return draw_right(self, rng, s) && bis_rng_double(rng) > 1e-4;
+}
+
+static bool draw_with_coarse_numbers(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const wrong_sampler *w = self;
+    double u[4];
+    for (int i = 0; i < 4; i++) u[i] = floor(bis_rng_double(rng) * 256) / 256;
+    return bis_importance_sample(w->im, u, s);
+}
+
+static void wrong_samplers_of_a_map_are_rejected(void **state)
+{
+    (void)state;
+    const struct { const char *name; bool (*draw)(const void *, bis_rng *, bis_map_sample *); bool right; } samplers[] = {
+        {"right", draw_right, true}, {"next column", draw_next_column, false}, {"uniform in theta", draw_uniform_in_theta, false},
+        {"centres", draw_centre, false}, {"elsewhere", draw_elsewhere, false}, {"nothing at times", draw_nothing_at_times, false},
+        {"coarse numbers", draw_with_coarse_numbers, false}};
+    const bis_importance_options options = {.table = true, .levels = 8, .area_exponent = 0.15};
+    bis_envmap em = map_random(64, 32, 4, 0.1, 11);
+    double *pmf = bis_alloc(map_n(&em), sizeof *pmf);
+    bis_importance *im;
+    bool is_lit;
+    assert_int_equal(bis_importance_new(&im, &em, &options, NULL), BIS_OK);
+    assert_int_equal(bis_verify_definition(pmf, &is_lit, &em, 0.15, 8, NULL), BIS_OK);
+    const wrong_sampler self = {&em, im};
+    for (size_t i = 0; i < sizeof samplers / sizeof *samplers; i++) {
+        for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
+            const bis_verify_sampler sampler = {samplers[i].name, samplers[i].draw, &self};
+            bis_verify v = {.seed = seed, .halvings = 1};
+            assert_int_equal(bis_verify_draws(&v, &sampler, &em, pmf, NULL), BIS_OK);
+            if (samplers[i].right) verify_assert_accepted(&v, alpha());
+            else if (verify_failures(&v) == 0) fail_msg("%s was accepted, seed %u", samplers[i].name, (unsigned)seed);
+        }
+    }
+    /* the area factor forgotten in the density */
+    bis_verify v = {.seed = 1};
+    const bis_verify_sampler right = {"weighted", draw_right, &self};
+    assert_int_equal(bis_verify_definition(pmf, &is_lit, &em, 0, 8, NULL), BIS_OK);
+    assert_int_equal(bis_verify_draws(&v, &right, &em, pmf, NULL), BIS_OK);
+    assert_true(verify_failures(&v) > 0);
+    bis_importance_free(im);
+    bis_free(pmf);
+    bis_envmap_clear(&em);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(right_maps_pass),
+        cmocka_unit_test(odd_maps_pass),
+        cmocka_unit_test(wrong_solid_angles_are_rejected),
+        cmocka_unit_test(an_importance_of_another_map_is_rejected),
+        cmocka_unit_test(wrong_samplers_of_a_map_are_rejected),
+    };
+    return cmocka_run_group_tests_name("verify_map", tests, NULL, NULL);
+}

@@ -1,0 +1,385 @@
+/* `bis verify` of pictures: those of the renderer pass, wrong ones are rejected. */
+#include "render/edges.h"
+#include "tools/verify/verify.h"
+#include "bis/base/mem.h"
+#include "stat.h"
+#include "map_help.h"
+#include "program.h"
+#include "verify_help.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static double alpha(void) { return stat_level(1e-3, 10); }
+
+/* What the renderer does at most: product, learned visibility, edge samples. */
+static const char full[] = "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 24\n"
+                           "Sampler \"sobol\" \"integer pixelsamples\" 16 \"integer edgesamples\" 4\n"
+                           "Integrator \"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"integer shadowrays\" 16 "
+                           "\"bool learn\" true\n";
+
+/* It hides the zenith: what visibility learns depends on the direction. */
+static const char roof[] = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-2 1.5 1  2 1.5 1  2 1.5 7  -2 1.5 7]\n";
+
+static verify_built build_full(void)
+{
+    verify_write_map();
+    char text[2048];
+    snprintf(text, sizeof text, "%s%s%s", full, verify_scene_text, roof);
+    program_write_file(VERIFY_DIR "/full.txt", text);
+    return verify_build(VERIFY_DIR "/full.txt");
+}
+
+/* Failed tests of the picture whose names begin so; all: "". */
+static size_t failed_of_picture(bis_verify_render *render, const verify_built *b, const bis_settings *s, uint64_t seed, const char *name)
+{
+    bis_verify v = {.seed = seed, .halvings = 2};
+    bool tested;
+    size_t n = 0;
+    assert_int_equal(bis_verify_picture(&v, render, b->scene, b->desc, s, &tested, NULL), BIS_OK);
+    assert_true(tested);
+    assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+    for (size_t i = 0; i < v.n; i++) n += v.tests[i].verdict == BIS_VERDICT_FAILED && strncmp(v.tests[i].name, name, strlen(name)) == 0;
+    bis_verify_clear(&v);
+    return n;
+}
+
+static void a_right_picture_passes(void **state)
+{
+    (void)state;
+    verify_built b = build_full();
+    for (uint64_t seed = 0; seed < 2; seed++) {
+        bis_verify v = {.seed = seed, .halvings = 2};
+        bool tested;
+        assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        assert_true(tested);
+        assert_int_equal(v.n, 6); /* all, three of outlines, the material, no number that is none */
+        verify_assert_accepted(&v, alpha());
+    }
+    verify_clear(&b);
+}
+
+/* Renders that are wrong. */
+static size_t pixels_of(const bis_film *f) { return (size_t)f->width * (size_t)f->height; }
+
+static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const bis_view *view)
+{
+    unsigned char *edge = bis_edges_find(f, (bis_rect){f->x0, f->y0, f->x0 + f->width, f->y0 + f->height}, scene, view, 1);
+    assert_non_null(edge);
+    return edge;
+}
+
+static bis_status render_heavy_edges(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                     const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    unsigned char *edge = edges_of(f, scene, view);
+    for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] *= edge[i / 3] ? 1.5 : 1;
+    bis_free(edge);
+    return status;
+}
+
+/* Camera samples of edge pixels lie a quarter of a pixel to the right, or below. */
+static bis_status render_shifted(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                 const bis_view *view, const bis_render_options *options, bis_diag *diag, bool down)
+{
+    const double h = f->picture_height, aspect = f->picture_width / h, dx = down ? 0 : 0.5 / h, dy = down ? 0.5 / h : 0;
+    bis_view shifted = *view;
+    bis_film other;
+    bis_render_result ignored;
+    assert_int_equal(bis_film_init_thin(&other, f->picture_width, f->picture_height, desc->view.film.crop, f->step, (bis_loc){0}, diag), BIS_OK);
+    shifted.camera.has_screen = true;
+    memcpy(shifted.camera.screen, (double[]){dx - aspect, dx + aspect, -1 - dy, 1 - dy}, sizeof shifted.camera.screen);
+    bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    if (!status) status = bis_render(&ignored, &other, scene, desc, &shifted, options, diag);
+    unsigned char *edge = edges_of(f, scene, view);
+    for (size_t i = 0; i < 3 * pixels_of(f); i++)
+        if (edge[i / 3]) f->sum[i] = other.sum[i];
+    bis_free(edge);
+    bis_film_clear(&other);
+    return status;
+}
+
+static bis_status render_to_the_right(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    return render_shifted(result, f, scene, desc, view, options, diag, false);
+}
+
+static bis_status render_below(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                               const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    return render_shifted(result, f, scene, desc, view, options, diag, true);
+}
+
+static bis_status render_exchanged(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                   const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    for (size_t i = 0; i < pixels_of(f); i++) {
+        const double r = f->sum[3 * i];
+        f->sum[3 * i] = f->sum[3 * i + 2];
+        f->sum[3 * i + 2] = r;
+    }
+    return status;
+}
+
+static bis_status render_without_shadows(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                         const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    bis_view open = *view;
+    open.settings = bis_settings_default(&bis_unoccluded);
+    return bis_render(result, f, scene, desc, &open, options, diag);
+}
+
+static bis_status render_not_a_number(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    result->counters.nonfinite += view->sampler.seed % 8 == 0; /* left out of the film, in a few renders */
+    return status;
+}
+
+static bis_status render_three_percent_more(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
+    for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] *= 1.03;
+    return status;
+}
+
+static void wrong_pictures_are_rejected(void **state)
+{
+    (void)state;
+    static const struct { const char *what; bis_verify_render *render; const char *by; } wrong[] = {
+        {"edge pixels count 1.5 times", render_heavy_edges, "outlines: "},
+        {"edge samples to the right", render_to_the_right, "outlines, left to right"},
+        {"edge samples below", render_below, "outlines, up and down"},
+        {"channels exchanged", render_exchanged, "all pixels"},
+        {"no shadows", render_without_shadows, "all pixels"},
+        {"a number that is none", render_not_a_number, "not a number"},
+        {"3 % too bright", render_three_percent_more, "all pixels"}};
+    verify_built b = build_full();
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        if (failed_of_picture(wrong[i].render, &b, &b.desc->view.settings, 1, wrong[i].by) == 0)
+            fail_msg("%s: \"%s\" accepts it", wrong[i].what, wrong[i].by);
+    }
+    verify_clear(&b);
+}
+
+/* Renders that have no noise: each pixel of the two is right, 5.25 by 7 = 4 + 2 + 1, times its factor. */
+static double factor[2];
+
+static bis_status render_factors(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                 const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    (void)scene, (void)desc, (void)view, (void)options, (void)diag;
+    *result = (bis_render_result){.counters = {0}};
+    for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] = 2 * 0.75 * factor[i / 3];
+    f->weight = 2;
+    return BIS_OK;
+}
+
+/* Floors of reflectance 1/2 end in each of one or two pixels, the picture is 7/2 or 7. All that is judged, by hand. Where
+ * floors lie outside the middle of two pixels, these have opposite slopes: 5 % more in the first and less in the second
+ * is nothing in all pixels, and 5 % of what the slopes weigh. Slopes along an edge are noise: "" may fail. Of one pixel its
+ * slope tells nothing.
+ * The last case: the second floor takes a quarter of its pixel. Roots of mean squares 5.534 and 6.310, their mean 5.922,
+ * weights 0.08729 and 0.08175, pixels 5.25 and 6.125, slopes 1.75 s (1 - s) for a floor of share s: 0.4375 and 0.3281. Of 10 %
+ * more in the first, 4.78 % is left of the sum of all, and 5.50 % of that with slopes. */
+static void the_sums_of_a_picture_are_those_by_hand(void **state)
+{
+    (void)state;
+    static const char floor_text[] = "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" "
+                                     "[%g %g 2  %g %g 2  %g %g 2  %g %g 2]\n";
+    static const char *const of_one[] = {"all pixels: em", "outlines: em", "not a number: em"},
+        *const of_material[] = {"all pixels: em", "material 1: em", "not a number: em"},
+        *const of_two[] = {"all pixels: em", "outlines: em", "outlines, left to right: em", "outlines, up and down: em",
+                           "not a number: em"};
+    static const struct { int width, height, floors; double first, second, factor[2]; const char *found[5]; } cases[] = {
+        {1, 1, 1, 0, 0, {1, 1}, {NULL}},
+        {1, 1, 1, 9, 0, {2 / 3.0, 1}, {NULL}},
+        {1, 1, 1, 0, 0, {1.05, 1}, {"+5 %", "+5 %"}},
+        {2, 1, 2, -1, 1, {1, 1}, {NULL}},
+        {2, 1, 2, -1, 1, {1.05, 0.95}, {NULL, NULL, "+5 %", ""}},
+        {2, 1, 2, -1, 1, {0.95, 1.05}, {NULL, NULL, "-5 %", ""}},
+        {1, 2, 2, -1, 1, {1.05, 0.95}, {NULL, NULL, "", "+5 %"}},
+        {2, 1, 2, -1, 1.5, {1.1, 6.125 / 5.25}, {"+4.8 %", "+4.8 %", "+5.5 %", ""}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[2048];
+        const int down = cases[i].height == 2;
+        int n = snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\n"
+                         "Camera \"orthographic\"\nIntegrator \"em\" \"integer samples\" 1\nWorldBegin\n"
+                         "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n",
+                         cases[i].width, cases[i].height);
+        for (int k = 0; k < cases[i].floors; k++) {
+            const double a = k ? cases[i].second : -9, b = k ? 9 : cases[i].first;
+            double c[4][2] = {{a, -9}, {b, -9}, {b, 9}, {a, 9}}; /* x, y */
+            n += snprintf(text + n, sizeof text - (size_t)n, floor_text, c[0][down], c[0][!down], c[1][down], c[1][!down], c[2][down],
+                          c[2][!down], c[3][down], c[3][!down]);
+        }
+        program_folder(VERIFY_DIR);
+        program_write_file(VERIFY_DIR "/floors.txt", text);
+        verify_built b = verify_build(VERIFY_DIR "/floors.txt");
+        bis_verify v = {.seed = 1, .halvings = 3};
+        bool tested;
+        for (int k = 0; k < 2; k++) factor[k] = cases[i].factor[k];
+        assert_int_equal(bis_verify_picture(&v, render_factors, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        assert_true(tested);
+        assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+        assert_int_equal(v.n, cases[i].floors == 2 ? 5 : 3);
+        for (size_t k = 0; k < v.n; k++) {
+            const char *found = cases[i].found[k];
+            const char *const name = cases[i].floors == 2 ? of_two[k] : cases[i].first == 9 ? of_material[k] : of_one[k];
+            assert_string_equal(v.tests[k].name, name);
+            assert_string_equal(v.tests[k].group, "picture");
+            if (found && !*found) continue;
+            assert_int_equal(v.tests[k].verdict, found ? BIS_VERDICT_FAILED : BIS_VERDICT_PASSED);
+            if (found) assert_non_null(strstr(v.tests[k].note, found));
+        }
+        bis_verify_clear(&v);
+        verify_clear(&b);
+    }
+}
+
+/* Counts its calls, and whether each had so many samples a pixel. */
+static struct { uint64_t spp; unsigned calls, wrong; } asked;
+
+static bis_status render_nothing(bis_render_result *result, bis_film *f, const bis_scene *scene, const bis_scene_desc *desc,
+                                 const bis_view *view, const bis_render_options *options, bis_diag *diag)
+{
+    (void)scene, (void)desc, (void)view, (void)diag;
+    *result = (bis_render_result){.counters = {0}};
+    asked.calls++;
+    asked.wrong += options->budget.spp != asked.spp;
+    f->weight = 1;
+    return BIS_OK;
+}
+
+/* How many renders, pixels and passes, worked out. All renders may cost 2^25 units, halved h times: 8 a shadow ray, 1 a
+ * candidate; for each pass 256 units a candidate (2^18 at most) and for `product` 2^15 more. 1024 pixels halved h times, but 16
+ * at least, as far as 32 renders of 2 passes (4 to learn) are paid for; 32 to 128 renders. E.g. product 8/1, h = 2: 2^23 / (32 x
+ * 16 + 2048 + 32768) = 237.4 passes, 119 renders of 2; to learn 59 renders of 4. 64 x 48 pixels have 6 x 5 of each 10 x 10. */
+static void renders_pixels_and_passes_are_those_worked_out(void **state)
+{
+    (void)state;
+    static const struct { const char *integrator; int width, height; unsigned h; bool adaptive; const char *note; unsigned renders, spp; } cases[] = {
+        {"\"em\" \"integer samples\" 8", 8, 4, 5, false, "; 128 renders of 32 pixels, 4 passes", 128, 4},
+        {"\"em\" \"integer samples\" 8", 8, 4, 5, true, "; 64 renders of 32 pixels, 2 passes", 64, 8},
+        {"\"em\" \"integer samples\" 8", 64, 48, 5, false, "; 128 renders of 30 pixels, 4 passes", 128, 4},
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1", 8, 4, 5, false, "; 128 renders of 32 pixels, 3 passes", 128, 3},
+        {"\"sir\" \"integer candidates\" 2000 \"integer shadowrays\" 1", 8, 4, 5, false, "; 32 renders of 8 pixels, 2 passes", 32, 2},
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\"", 8, 4, 2, false,
+         "; 119 renders of 32 pixels, 2 passes", 119, 2},
+        {"\"sir\" \"integer candidates\" 8 \"integer shadowrays\" 1 \"string proposal\" \"product\" \"bool learn\" true", 8, 4, 2, false,
+         "; 59 renders of 32 pixels, 4 passes", 59, 4}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nCamera \"orthographic\"\n"
+                 "Integrator %s\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\nShape \"disk\" \"float height\" 2\n",
+                 cases[i].width, cases[i].height, cases[i].integrator);
+        program_folder(VERIFY_DIR);
+        program_write_file(VERIFY_DIR "/counts.txt", text);
+        verify_built b = verify_build(VERIFY_DIR "/counts.txt");
+        b.desc->view.adaptive = cases[i].adaptive;
+        bis_verify v = {.seed = 1, .halvings = cases[i].h};
+        bool tested;
+        asked.calls = asked.wrong = 0, asked.spp = cases[i].spp;
+        assert_int_equal(bis_verify_picture(&v, render_nothing, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+        assert_true(tested && v.n > 0);
+        if (!strstr(v.tests[0].note, cases[i].note)) fail_msg("case %zu: %s", i, v.tests[0].note);
+        assert_int_equal(asked.calls, cases[i].renders);
+        assert_int_equal(asked.wrong, 0);
+        bis_verify_clear(&v);
+        verify_clear(&b);
+    }
+}
+
+/* A floor of reflectance 1/2 fills the left half of the only pixel, seen from above in white light: half of 7/2, half of 7.
+ * Times the place from the centre on: 7/2 times -1/8, 7 times 1/8. A pixel that the floor fills is no outline. */
+static void a_reference_is_the_mean_over_the_pixel(void **state)
+{
+    (void)state;
+    static const char *const text = "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nCamera \"orthographic\"\nWorldBegin\n"
+        "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-9 -9 2  %d -9 2  %d 9 2  -9 9 2]\n";
+    for (int whole = 0; whole < 2; whole++) {
+        char filled[1024];
+        bis_verify_table table;
+        bis_verify_pixel pixel;
+        double mean;
+        program_folder(VERIFY_DIR);
+        snprintf(filled, sizeof filled, text, 9 * whole, 9 * whole);
+        program_write_file(VERIFY_DIR "/half.txt", filled);
+        verify_built b = verify_build(VERIFY_DIR "/half.txt");
+        const bis_film film = bis_film_place(1, 1, b.desc->view.film.crop, 1);
+        assert_int_equal(bis_verify_table_init(&table, b.scene->light, NULL), BIS_OK);
+        assert_near(table.sum[table.n], 4 * PI * 7, 1e-3);
+        const bis_verify_eye eye = {b.scene, b.desc, &b.desc->view, &film, &table, false};
+        bis_verify_means(&mean, &pixel, &eye, (uint32_t[]){1 << 16}, 1);
+        assert_near(mean, whole ? 3.5 : 5.25, 0.02);
+        assert_near(pixel.slope[0], whole ? 0 : 0.4375, 0.01);
+        assert_near(pixel.slope[1], 0, 0.01);
+        assert_int_equal(pixel.is_outline, !whole);
+        bis_verify_table_clear(&table);
+        verify_clear(&b);
+    }
+}
+
+/* `exact` takes 2^17 patches a pixel: its points are looked at, as before. */
+static void what_is_too_dear_is_said(void **state)
+{
+    (void)state;
+    verify_built b = build_full();
+    bis_settings s = bis_settings_default(&bis_exact);
+    bis_verify v = {.seed = 1};
+    bool tested;
+    s.perpatch = 256; /* of 512 patches */
+    assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, b.desc, &s, &tested, NULL), BIS_OK);
+    assert_false(tested);
+    assert_int_equal(v.n, 1);
+    assert_string_equal(v.tests[0].name, "all pixels: exact");
+    assert_true(v.tests[0].verdict == BIS_VERDICT_SKIPPED && strstr(v.tests[0].note, "too dear"));
+    bis_verify_clear(&v);
+    verify_clear(&b);
+}
+
+static void every_allocation_of_a_picture_may_fail(void **state)
+{
+    (void)state;
+    verify_built b = build_full();
+    bis_settings s = bis_settings_default(&bis_em);
+    bis_status status = BIS_NOMEM;
+    s.samples = 1;
+    b.desc->view.film.width = b.desc->view.film.height = 2;
+    b.desc->view.edge_samples = 1;
+    for (long k = 1; status; k += 1 + k / 32) {
+        bis_verify v = {.seed = 1, .halvings = 12};
+        bool tested;
+        bis_mem_fail_at(k);
+        status = bis_verify_picture(&v, bis_render, b.scene, b.desc, &s, &tested, NULL);
+        bis_mem_fail_at(0);
+        if (!status) status = bis_verify_judge(&v, NULL);
+        assert_true(status == BIS_OK || status == BIS_NOMEM);
+        assert_true(k < 5000);
+        bis_verify_clear(&v);
+    }
+    verify_clear(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_right_picture_passes),
+        cmocka_unit_test(wrong_pictures_are_rejected),
+        cmocka_unit_test(the_sums_of_a_picture_are_those_by_hand),
+        cmocka_unit_test(renders_pixels_and_passes_are_those_worked_out),
+        cmocka_unit_test(a_reference_is_the_mean_over_the_pixel),
+        cmocka_unit_test(what_is_too_dear_is_said),
+        cmocka_unit_test(every_allocation_of_a_picture_may_fail),
+    };
+    return cmocka_run_group_tests_name("verify_picture", tests, NULL, NULL);
+}

@@ -1,0 +1,145 @@
+/* `bis verify` of a point in view: right integrators pass. Those that are wrong are in test_verify_wrong,
+ * test_verify_exact and test_verify_printed. */
+#include "tools/pixel/pixel.h"
+#include "tools/verify/verify.h"
+#include "bis/thesis/phong.h"
+#include "stat.h"
+#include "lit.h"
+#include "program.h"
+#include "verify_help.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static double alpha(void) { return stat_level(1e-3, 155); }
+
+static const bis_settings *all_settings(void)
+{
+    static bis_settings s[BIS_VERIFY_MAX_INTEGRATORS];
+    for (int i = 0; bis_integrators[i]; i++) {
+        s[i] = bis_settings_default(bis_integrators[i]);
+        s[i].estimator = BIS_ESTIMATOR_PLAIN;
+        s[i].candidates = 200;
+    }
+    return s;
+}
+
+static void right_integrators_pass(void **state)
+{
+    (void)state;
+    const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_CONSTANT};
+    const lit_hidden hidden[] = {LIT_HALF, LIT_OPEN, LIT_HALF};
+    for (int i = 0; i < 3; i++) {
+        bis_light *light = lit_new_light(maps[i], 1, 0.15, false);
+        lit l;
+        bool tested;
+        lit_init(&l, light, verify_glossy(&bis_phong_model, 50), normalize(vec3_from(0.2, -0.3, 0.8)), 40, hidden[i]);
+        for (uint64_t seed = 0; seed < (i == 0 ? VERIFY_SEEDS : 1); seed++) {
+            bis_verify v = {.seed = seed, .halvings = 1};
+            assert_int_equal(bis_verify_point(&v, &l.pt, all_settings(), 7, BIS_SAMPLER_SOBOL, "right", &tested, NULL), BIS_OK);
+            assert_true(tested);
+            assert_int_equal(v.n, 7);
+            verify_assert_accepted(&v, alpha());
+        }
+        bis_light_free(light);
+    }
+}
+
+/* An integrator's numbers come from its name: whatever stands before it in the list. */
+static void a_test_does_not_depend_on_those_before_it(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_verify all = {.seed = 1, .halvings = 4}, one = all;
+    bool tested;
+    lit l;
+    lit_init(&l, light, verify_glossy(&bis_phong_model, 5), (vec3){0, 0, 1}, 40, LIT_HALF);
+    assert_int_equal(bis_verify_point(&all, &l.pt, all_settings(), 7, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_int_equal(bis_verify_point(&one, &l.pt, all_settings() + 4, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_string_equal(one.tests[0].name, all.tests[4].name);
+    assert_true(one.tests[0].statistic == all.tests[4].statistic && one.tests[0].p == all.tests[4].p);
+    bis_verify_clear(&all);
+    bis_verify_clear(&one);
+    bis_light_free(light);
+}
+
+static void a_point_in_the_dark_is_not_tested(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
+    lit l;
+    bool tested;
+    bis_verify v = {.seed = 1};
+    lit_init(&l, light, verify_glossy(&bis_phong_model, 5), (vec3){0, 0, 1}, 40, LIT_ALL);
+    assert_int_equal(bis_verify_point(&v, &l.pt, all_settings(), 7, BIS_SAMPLER_RANDOM, "dark", &tested, NULL), BIS_OK);
+    assert_false(tested);
+    assert_int_equal(v.n, 0);
+    bis_light_free(light);
+}
+
+/* One small lamp, seen at 84 degrees: a few of brdf's samples outweigh all others, so that p is bounded by Bernstein's
+ * inequality. The right one passes; the one that draws again below the horizon, hence too often above it, does not. */
+static void what_is_rare_and_bright_is_judged_too(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0.15, false);
+    lit l;
+    bool tested;
+    const bis_material m = bis_phong((rgb){0.05f, 0.05f, 0.05f}, (rgb){0.9f, 0.9f, 0.9f}, 10);
+    lit_init(&l, light, m, normalize(vec3_from(0.2, -0.3, 0.8)), 84, LIT_OPEN);
+    for (int wrong = 0; wrong < 2; wrong++)
+        for (uint64_t seed = 3; seed < 6; seed++) {
+            bis_settings s = bis_settings_default(&bis_brdf);
+            bis_verify v = {.seed = seed, .halvings = 1};
+            if (wrong) s.as_printed = BIS_E34;
+            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "lamp", &tested, NULL), BIS_OK);
+            assert_true(tested && v.n == 1 && strstr(v.tests[0].note, "Bernstein"));
+            assert_int_equal(wrong, v.tests[0].p < 1e-5);
+            bis_verify_clear(&v);
+        }
+    bis_light_free(light);
+}
+
+/* Where four rays a patch accused five of seven integrators (seed 17 of 40, z = 9): a wall's edge across bright patches. The
+ * point of pixel (12, 8) of the scene of verify_help, 40 seeds; 1e-3 for all of them. */
+static void seeds_that_were_accused_pass(void **state)
+{
+    (void)state;
+    enum { N = 40, X = 12, Y = 8 };
+    bis_counters counters = {0};
+    bis_pixel_hit hit;
+    bis_point pt;
+    ray eye;
+    bis_settings s[] = {bis_settings_default(&bis_em), bis_settings_default(&bis_mis), bis_settings_default(&bis_exact)};
+    verify_write_map();
+    verify_write_scene("scene.txt", "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16\n");
+    verify_built b = verify_build(VERIFY_DIR "/scene.txt");
+    assert_true(bis_pixel_find(&hit, &pt, &eye, b.scene, b.desc, X, Y, &counters));
+    for (uint64_t seed = 1; seed <= N; seed++) {
+        bis_verify v = {.seed = seed, .halvings = 4};
+        bool tested;
+        assert_int_equal(bis_verify_point(&v, &pt, s, 3, BIS_SAMPLER_SOBOL, "pixel (12, 8)", &tested, NULL), BIS_OK);
+        assert_true(tested && v.n == 3);
+        for (size_t i = 0; i < v.n; i++) {
+            stat_judges(1);
+            if (!(v.tests[i].p > alpha())) fail_msg("%s: seed %u, z %g", v.tests[i].name, (unsigned)seed, v.tests[i].statistic);
+        }
+        bis_verify_clear(&v);
+    }
+    verify_clear(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(right_integrators_pass),
+        cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
+        cmocka_unit_test(a_point_in_the_dark_is_not_tested),
+        cmocka_unit_test(what_is_rare_and_bright_is_judged_too),
+        cmocka_unit_test(seeds_that_were_accused_pass),
+    };
+    return cmocka_run_group_tests_name("verify_view", tests, NULL, NULL);
+}

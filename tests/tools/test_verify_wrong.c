@@ -1,0 +1,96 @@
+/* `bis verify` of a point in view rejects integrators that are wrong, for several seeds. `exact` takes long and is in
+ * test_verify_exact. */
+#include "tools/verify/verify.h"
+#include "bis/thesis/phong.h"
+#include "lit.h"
+#include "verify_help.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Wrong integrators, made of right ones. */
+static rgb Lo_without_shadows(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    bis_point open = *pt;
+    open.accel = NULL;
+    return bis_sir.Lo(s, &open, stream, scratch);
+}
+
+static rgb Lo_exchanged(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    const rgb L = bis_em.Lo(s, pt, stream, scratch);
+    return (rgb){L.b, L.g, L.r};
+}
+
+static rgb Lo_three_percent_more(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    return rgb_scale(bis_mis.Lo(s, pt, stream, scratch), 1.03);
+}
+
+/* mis by a heuristic whose weights do not sum to 1. */
+static rgb Lo_wrong_weights(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    bis_settings half = *s;
+    half.samples = s->samples / 2; /* mis has room for no more */
+    const rgb a = bis_em.Lo(&half, pt, stream, scratch), b = bis_brdf.Lo(&half, pt, stream, scratch);
+    return rgb_add(rgb_scale(a, 0.55), rgb_scale(b, 0.5)); /* the weights of one direction sum to 1.05 */
+}
+
+/* f for f cos: the light under an angle counts as if from above. */
+static rgb f_without_cosine(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    const double c = bis_bsdf_cos(b, wi);
+    return rgb_scale(bis_phong_model.f_pdf(b, wi, pdf), c > 0 ? 1 / c : 0);
+}
+
+static rgb Lo_without_cosine(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    bis_bsdf_model model = bis_phong_model;
+    bis_material m = *pt->bsdf.material;
+    bis_point wrong = *pt;
+    model.f_pdf = f_without_cosine;
+    m.model = &model;
+    wrong.bsdf.material = &m;
+    return bis_em.Lo(s, &wrong, stream, scratch);
+}
+
+static rgb Lo_not_a_number(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    const rgb L = bis_sir.Lo(s, pt, stream, scratch);
+    return stream->pixel == 5 ? (rgb){(float)NAN, 0, 0} : L;
+}
+
+static void wrong_integrators_are_rejected(void **state)
+{
+    (void)state;
+    const struct { const bis_integrator *from; rgb (*Lo)(const bis_settings *, const bis_point *, bis_stream *, bis_scratch *); } wrong[] = {
+        {&bis_sir, Lo_without_shadows}, {&bis_em, Lo_exchanged}, {&bis_mis, Lo_three_percent_more},
+        {&bis_sir, Lo_not_a_number}, {&bis_mis, Lo_wrong_weights}, {&bis_em, Lo_without_cosine}};
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    lit l;
+    bool tested;
+    lit_init(&l, light, verify_glossy(&bis_phong_model, 10), normalize(vec3_from(0.2, -0.3, 0.8)), 40, LIT_HALF);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        bis_integrator forged = *wrong[i].from;
+        forged.Lo = wrong[i].Lo;
+        bis_settings s = bis_settings_default(wrong[i].from);
+        s.integrator = &forged;
+        for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
+            bis_verify v = {.seed = seed, .halvings = 1};
+            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
+            if (verify_failures(&v) == 0) fail_msg("wrong integrator %zu was accepted", i);
+        }
+    }
+    bis_light_free(light);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(wrong_integrators_are_rejected),
+    };
+    return cmocka_run_group_tests_name("verify_wrong", tests, NULL, NULL);
+}
