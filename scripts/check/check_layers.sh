@@ -23,5 +23,11 @@ FNR == 1 { mine = folder(FILENAME); if (!(mine in may)) { print FILENAME ": fold
     theirs = folder(q[2])
     if (theirs != mine && index(" " may[mine] " ", " " theirs " ") == 0) { printf "%s:%d: %s may not include \"%s\"\n", FILENAME, FNR, mine, q[2]; bad = 1 }
 }
+cloned && /^static / {
+    name = $0; sub(/\(.*/, "", name); sub(/.*[ *]/, "", name)
+    if (name in file && file[name] != FILENAME) { printf "%s:%d: %s has another BIS_LANES function %s\n", FILENAME, FNR, file[name], name; bad = 1 }
+    file[name] = FILENAME
+}
+{ cloned = /^BIS_LANES/ }
 END { exit bad }
 ' $(find src include/bis -name "*.[ch]" | sort)

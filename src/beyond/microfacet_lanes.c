@@ -8,7 +8,7 @@
  *
  * where m + wo is computed once, in double. Within the lobe d is small and exact, and the error of s is a share of d.
  * A direction is drawn in the same way, as m + d: d comes from the facet without a difference of equals, see
- * sample_lanes.
+ * sample_facets.
  *
  * What float costs. Let e = 2^-24, the error of one rounding. d.x, d.y and d.z have errors of 4 e |d| at most (a
  * difference, a product, two sums).
@@ -175,7 +175,7 @@ static inline BIS_INLINE void weigh_as(float *w, const constants *c, const bis_l
 }
 
 BIS_LANES
-static void weigh_lanes(float *w, const constants *c, const bis_lanes *y, uint32_t n, float em, float brdf)
+static void weigh_facets(float *w, const constants *c, const bis_lanes *y, uint32_t n, float em, float brdf)
 {
     if (c->has_lobe) {
         if (brdf > 0) weigh_as(w, c, y, n, em, brdf, true, true);
@@ -190,14 +190,14 @@ static double weigh(float *w, const bis_bsdf *b, const bis_lanes *y, uint32_t n,
 {
     const constants c = constants_of(b);
 
-    weigh_lanes(w, &c, y, bis_lanes_round_up(n), (float)beta, (float)(1 - beta));
+    weigh_facets(w, &c, y, bis_lanes_round_up(n), (float)beta, (float)(1 - beta));
     return 1;
 }
 
 /* ---- colours: F/phat ---- */
 
 BIS_LANES
-static void colour_lanes(const constants *c, const bis_lanes *y, uint32_t n)
+static void colour_facets(const constants *c, const bis_lanes *y, uint32_t n)
 {
     const constants k = *c;
     const bis_lanes l = *y;
@@ -221,7 +221,7 @@ static void colour(const bis_bsdf *b, const bis_lanes *y, uint32_t n)
 {
     const constants c = constants_of(b);
 
-    colour_lanes(&c, y, bis_lanes_round_up(n));
+    colour_facets(&c, y, bis_lanes_round_up(n));
 }
 
 /* ---- bounds over cones ---- */
@@ -234,7 +234,7 @@ static void colour(const bis_bsdf *b, const bis_lanes *y, uint32_t n)
  * - no wi of the cone is farther from its axis than the chord of the half angle: |p| is smaller by that at most, s_z
  *   larger by that at most. This bound is good across, where a lobe at grazing angles is narrow. */
 BIS_LANES
-static void reach_lanes(float *w, const constants *c, vec3 wo, const bis_lanes *cone, const float *sine, uint32_t n)
+static void reach_facets(float *w, const constants *c, vec3 wo, const bis_lanes *cone, const float *sine, uint32_t n)
 {
     const constants k = *c;
     const bis_lanes l = *cone;
@@ -269,7 +269,7 @@ static void reach(float *w, const bis_bsdf *b, const bis_lanes *cone, const floa
 {
     const constants c = constants_of(b);
 
-    reach_lanes(w, &c, b->wo, cone, sine, bis_lanes_round_up(n));
+    reach_facets(w, &c, b->wo, cone, sine, bis_lanes_round_up(n));
 }
 
 /* ---- drawing: a visible facet, or the cosine ---- */
@@ -309,7 +309,7 @@ static draws draws_of(const bis_bsdf *b)
  * h_x^2 + h_y^2, the difference of 2 (wo h) h/|h|^2 - wo and 2 o_z n - wo is
  *     d = 2/|h|^2 ((wo h) h_x, (wo h) h_y, P h_z - o_z H). */
 BIS_LANES
-static void sample_lanes(const bis_lanes *y, const draws *d, const float *u1, const float *u2, uint32_t n)
+static void sample_facets(const bis_lanes *y, const draws *d, const float *u1, const float *u2, uint32_t n)
 {
     const draws k = *d;
     const bis_lanes l = *y;
@@ -346,7 +346,7 @@ static void sample(const bis_lanes *y, const bis_bsdf *b, const float *u1, const
 {
     const draws d = draws_of(b);
 
-    sample_lanes(y, &d, u1, u2, bis_lanes_round_up(n));
+    sample_facets(y, &d, u1, u2, bis_lanes_round_up(n));
 }
 /* [end] */
 

@@ -6,7 +6,9 @@
 
 /* Clones need an indirect function of glibc's loader. They are off under the sanitizers, because a sanitizer
  * instruments the function that chooses, and that function runs before the sanitizer is ready. They are for static
- * functions only, because clang 14 gives an exported clone a name that its callers in other files do not know. */
+ * functions only, because clang 14 gives an exported clone a name that its callers in other files do not know. No two
+ * files may have one of the same name, because the function of clang that chooses is not static
+ * (scripts/check/check_layers.sh looks). */
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__) && !defined(BIS_ONE_CLONE)
 #if !defined(__has_feature)
