@@ -19,6 +19,7 @@ static const double least_expected = 5;
 /* ---- the list ---- */
 
 /* Room for one more, or NULL, which bis_verify_judge reports. */
+BIS_PRINTF(3, 0)
 static bis_verify_test *append(bis_verify *v, const char *group, const char *name, va_list arguments)
 {
     bis_verify_test *tests = bis_grow(v->tests, &v->capacity, v->n + 1, sizeof *tests);
