@@ -180,10 +180,10 @@ typedef struct listener {
     int n;
     vec3 wi;
     rgbd C;
-    uint32_t *seen;
+    uint16_t *seen;
 } listener;
 
-static void listen(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint32_t *seen)
+static void listen(bis_later *later, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
 {
     listener *l = (listener *)later;
     assert_ptr_equal(pt->later, later);
@@ -208,7 +208,7 @@ static void terms_are_added_where_light_arrives_and_never_below_the_surface(void
             const bool above = dot(pt.ng, wi) > 0;
             later.later = &l.later, later.counters = &put_off, one.counters = &single;
             rgbd sum = {1, 2, 3}, untouched = {1, 2, 3};
-            uint32_t seen = 40, waiting = 40;
+            uint16_t seen = 40, waiting = 40;
             bis_point_add(&sum, &pt, wi, (rgbd){4, 5, 6}, c % 2 ? &seen : NULL);
             const bool V = bis_point_sees(&one, wi);
             assert_true(sum.r == (V ? 5 : 1) && sum.g == (V ? 7 : 2) && sum.b == (V ? 9 : 3));
