@@ -208,6 +208,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
 
     *result = (bis_render_result){.relative_rmse = (double)NAN, .error_bound = (double)NAN};
     assert(film->passes == 0);
+    assert(!options->part.n || !(view->adaptive || options->budget.error > 0)); /* these weigh the whole picture */
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
     r.most = r.budget.spp;
     if (view->adaptive) r.most = (r.most + BIS_ADAPT_SAMPLES - 1) / BIS_ADAPT_SAMPLES * BIS_ADAPT_SAMPLES;
@@ -221,7 +222,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     if (!status) {
         render_passes(&r, result);
         result->counters = r.done.counters;
-        result->relative_rmse = bis_film_relative_rmse(film, &result->error_bound);
+        if (!options->part.n) result->relative_rmse = bis_film_relative_rmse(film, &result->error_bound);
         result->passes = film->passes;
         result->spp = r.done.spp;
         result->n_threads = r.work.n_threads;

@@ -356,7 +356,7 @@ static void a_forged_head_breaks_nothing(void **state)
         }
     }
     /* all hashes of parts are, but not the seconds */
-    assert_in_range(n_refused, 3 * BIS_CHECKPOINT_PARTS * 8, 3 * (at + BEFORE_SUMS - 1));
+    assert_in_range(n_refused, 3 * BIS_IDENTITY_PARTS * 8, 3 * (at + BEFORE_SUMS - 1));
     bis_free(data);
     clear_world(&w);
 }

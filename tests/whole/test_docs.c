@@ -116,13 +116,39 @@ static void every_command_of_the_guide_works(void **state)
     assert_true(program_exists(DIR "/pixel_350_300/samples.svg") && program_exists(DIR "/sky-importance.png"));
 }
 
+/* The loop over parts runs as it stands, and its picture is that of one render. */
+static void the_loop_of_many_machines_makes_the_picture_of_one(void **state)
+{
+    (void)state;
+    char line[1024];
+    bool is_loop = false;
+    int n_lines = 0;
+    FILE *page = fopen("docs/many-machines.md", "r"), *script;
+
+    make_root();
+    script = fopen(DIR "/loop.sh", "w");
+    assert_non_null(page);
+    assert_non_null(script);
+    while (fgets(line, sizeof line, page)) {
+        if (strncmp(line, "<!-- loop -->", 13) == 0) is_loop = true;
+        else if (is_loop && strncmp(line, "```", 3) == 0 && n_lines > 0) is_loop = false;
+        else if (is_loop && strncmp(line, "```", 3) != 0) n_lines++, fputs(line, script);
+    }
+    fclose(page);
+    assert_int_equal(fclose(script), 0);
+    assert_in_range(n_lines, 4, 20);
+    assert_int_equal(shell("cd " DIR " && sh -e loop.sh 2> err"), 0);
+    assert_int_equal(shell("cd " DIR " && ./bis scene.txt --resolution 200x150 --spp 6 --quiet --outfile whole.png && "
+                           "cmp whole.png picture.png"), 0);
+}
+
 /* No link of a page leads nowhere. */
 static void links_of_the_pages_lead_to_files(void **state)
 {
     (void)state;
     const char *pages[] = {"README.md", "docs/command-line.md", "docs/architecture.md", "docs/integrators.md", "docs/scene-format.md",
                            "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md", "docs/budgets.md", "docs/pixel.md",
-                           "docs/guide.md", "docs/theory.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
+                           "docs/guide.md", "docs/theory.md", "docs/many-machines.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
         char text[1 << 16], path[1024];
         FILE *f = fopen(pages[i], "r");
@@ -440,6 +466,7 @@ int main(void)
         cmocka_unit_test(every_command_of_the_readme_works),
         cmocka_unit_test(every_command_of_the_guide_works),
         cmocka_unit_test(a_section_without_a_task_or_its_answer_is_found),
+        cmocka_unit_test(the_loop_of_many_machines_makes_the_picture_of_one),
         cmocka_unit_test(links_of_the_pages_lead_to_files),
         cmocka_unit_test(code_on_the_pages_is_what_the_compiler_sees),
         cmocka_unit_test(a_fragment_that_is_gone_or_differs_is_found),
