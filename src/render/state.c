@@ -159,6 +159,7 @@ static void walk_pixels(bis_walk *w, const bis_workspace *of, double *sums, size
     const bis_film *f = of->film;
     const size_t width = (size_t)f->width;
 
+    if (!sums) return; /* of layers that nobody asked for */
     if (!of->own) bis_walk_f64s(w, sums, width * (size_t)f->height * each);
     for (int i = 0; i < of->n_own && of->own; i++) {
         const bis_rect r = bis_film_tile_of_crop(f, BIS_RENDER_TILE, of->own[i]);
