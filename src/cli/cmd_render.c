@@ -14,6 +14,7 @@
 #include "parameters.h"
 #include "progress.h"
 #include "render/checkpoint.h"
+#include "render/crew.h"
 #include "render/part.h"
 #include "render_files.h"
 
@@ -37,6 +38,7 @@ typedef struct render_options {
     double seconds, error, every;
     bis_part part;
     char command[BIS_PART_COMMAND]; /* see keep_command */
+    bool agreed; /* the crew has */
     double start; /* of the command, on bis_clock_now's clock */
 } render_options;
 
@@ -196,7 +198,8 @@ static bis_status check_part(const render_options *o, const bis_scene_desc *d, b
     const char *what = NULL;
 
     if (!o->part.n) return BIS_OK;
-    if (o->seconds > 0) what = "--time: each part would end after another number of camera samples. Give --spp N";
+    if (bis_cli_crew) what = "MPI: its ranks share the tiles already. Leave out --part";
+    else if (o->seconds > 0) what = "--time: each part would end after another number of camera samples. Give --spp N";
     else if (o->error > 0)
         what = "--error: it is the error of the whole picture, which no part knows. Give --spp N; a small --resolution "
                "with --error tells how many";
@@ -284,6 +287,23 @@ static void choose_again(bis_auto_report *choice, bis_scene_desc *desc, const bi
     if (!quiet) fprintf(stderr, "bis: note: auto goes on with %s, as the checkpoint says\n", line);
 }
 
+/* What rank 0 has chosen, to all ranks of the crew. */
+static bis_status tell_choice(bis_scene_desc *desc, bis_status status, bis_diag *diag)
+{
+    bis_crew *crew = bis_cli_crew;
+    char name[32] = "";
+
+    status = bis_crew_agree(crew, status, diag);
+    if (status || !crew) return status;
+    bis_settings s = desc->view.settings;
+    snprintf(name, sizeof name, "%s", s.integrator->name);
+    crew->broadcast(crew, name, sizeof name);
+    crew->broadcast(crew, &s, sizeof s);
+    s.integrator = bis_integrator_find(name); /* an address is of one process */
+    desc->view.settings = s;
+    return BIS_OK;
+}
+
 static void warn_of_checkpoint(const char *message)
 {
     const char *text = strstr(message, "error: ");
@@ -299,7 +319,7 @@ static bis_status open_checkpoint(bis_checkpoint *c, const render_options *o, bi
     *c = (bis_checkpoint){
         .path = o->files.checkpoint, .every = o->every, .warn = o->quiet ? NULL : warn_of_checkpoint};
     if (o->has_every && !c->path) bis_warn(diag, bis_cli_loc, "--checkpoint-every has no effect without --checkpoint");
-    if (!resume) return BIS_OK;
+    if (!resume || !bis_crew_leads(bis_cli_crew)) return BIS_OK;
     if (access(resume, F_OK) == 0) return bis_checkpoint_read(c, resume, diag);
     if (!o->quiet) fprintf(stderr, "bis: note: there is no \"%s\" yet: the render starts afresh\n", resume);
     return BIS_OK;
@@ -308,9 +328,9 @@ static bis_status open_checkpoint(bis_checkpoint *c, const render_options *o, bi
 static bis_status render(bis_render_result *result, bis_film *film, bis_auto_report *choice, bis_checkpoint *checkpoint,
                          const bis_scene *scene, bis_scene_desc *desc, render_options *o, bis_diag *diag)
 {
-    const bool chooses = bis_auto_is_wanted(&desc->view.settings);
+    const bool chooses = bis_auto_is_wanted(&desc->view.settings), leads = bis_crew_leads(bis_cli_crew);
     bis_status status = BIS_OK;
-    bool show = !o->quiet && isatty(STDERR_FILENO);
+    bool show = leads && !o->quiet && isatty(STDERR_FILENO);
     bis_render_options options = {
         .budget = {.spp = (uint32_t)o->spp, .seconds = o->seconds, .error = o->error},
         .n_threads = (int)o->threads,
@@ -319,17 +339,21 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
         .part = o->part,
-        .checkpoint = checkpoint->path || o->part.n ? checkpoint : NULL, /* without one, nothing is hashed */
     };
     bis_cli_catch_signals();
-    if (chooses && checkpoint->head.settings.integrator) choose_again(choice, desc, checkpoint, o->quiet);
-    else if (chooses) status = choose(choice, scene, desc, &options, o->quiet, diag);
+    if (chooses && leads && checkpoint->head.settings.integrator) choose_again(choice, desc, checkpoint, o->quiet);
+    else if (chooses && leads) status = choose(choice, scene, desc, &options, o->quiet, diag);
+    if (chooses) status = tell_choice(desc, status, diag);
+    options.crew = bis_cli_crew;
+    /* without one, nothing is hashed */
+    if (leads && (checkpoint->path || o->part.n)) options.checkpoint = checkpoint;
+    if (!leads) options.interrupted = NULL; /* rank 0 ends the render */
     checkpoint->head.pilot_seconds = choice->seconds;
     /* the pilot's time is the user's: 0 would be no limit */
     if (o->seconds > 0) options.budget.seconds = fmax(o->seconds - choice->seconds, DBL_MIN);
     if (!status) status = bis_render(result, film, scene, desc, &desc->view, &options, diag);
     if (show) fputs("\r\033[K", stderr);
-    if (!status && o->error > 0 && !(result->error_bound <= o->error)) {
+    if (!status && leads && o->error > 0 && !(result->error_bound <= o->error)) {
         if (isnan(result->error_bound))
             bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown, %u pass is too few",
                      o->error, result->passes);
@@ -398,8 +422,11 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     bis_cli_print_diag(diag, o->quiet); /* warnings, before the wait */
     bis_diag_clear(diag);
     if (!o->quiet) note_resampling(scene->light);
-    status = render(&result, &film, &choice, &checkpoint, scene, desc, o, diag);
+    o->agreed = true;
+    status = bis_crew_agree(bis_cli_crew, BIS_OK, diag);
     if (status) goto done;
+    status = render(&result, &film, &choice, &checkpoint, scene, desc, o, diag);
+    if (status || !bis_crew_leads(bis_cli_crew)) goto done;
     *interrupted = bis_cli_signal;
     /* an older picture is worth more than a black one; said also when quiet, as an error is */
     if (result.passes == 0) {
@@ -455,8 +482,9 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
     bool interrupted = false;
 
     if (!o->files.checkpoint) o->files.checkpoint = o->files.resume;
+    const bool leads = bis_crew_leads(bis_cli_crew);
     bis_status status = o->plan ? BIS_OK : name_part(o, diag);
-    if (!status) status = bis_render_files_check(&o->files, diag);
+    if (!status && leads) status = bis_render_files_check(&o->files, diag);
     if (!status) status = bis_scene_parse(&desc, operands[0], diag);
     if (!status) status = override(desc, o, diag);
     if (!status) status = check_part(o, desc, diag);
@@ -466,13 +494,14 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
         bis_scene_plan(desc, stdout);
         goto done;
     }
-    if (o->files.pictures.n == 0 && !o->files.part) {
+    if (o->files.pictures.n == 0 && !o->files.part && leads) {
         o->files.pictures.text[o->files.pictures.n++] = desc->outfile;
         status = bis_render_files_check(&o->files, diag);
     }
-    if (!status) status = bis_render_files_check_distinct(&o->files, desc, diag);
+    if (!status && leads) status = bis_render_files_check_distinct(&o->files, desc, diag);
     if (!status) status = run(o, desc, parse_seconds, &interrupted, diag);
 done:
+    if (!o->agreed) status = bis_crew_agree(bis_cli_crew, status, diag);
     bis_scene_desc_free(desc);
     const int exit_status = bis_cli_exit_status(status);
     return interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status;

@@ -12,7 +12,10 @@
 #include "pass.h"
 
 #include "gather.h"
+#include "team.h"
 #include "wave.h"
+
+#include "bis/base/clock.h"
 
 #include <string.h>
 
@@ -30,11 +33,6 @@ static int this_thread(void)
 #else
     return 0;
 #endif
-}
-
-bool bis_pass_interrupted(const bis_workspace *w)
-{
-    return w->options->interrupted && *w->options->interrupted;
 }
 
 /* A sampler that is independent of all others: n camera samples with a seed of their own. */
@@ -108,7 +106,7 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
         place_in_tile(i, &x, &y);
         x += full.x0, y += full.y0;
         if (!is_in(tile, x, y)) continue;
-        if (bis_pass_interrupted(w)) return;
+        if (bis_workspace_interrupted(w)) return;
         const bool keep = is_in(kept, x, y);
         bis_pixel_sum *sum = keep ? &me->pixels[index_in(kept, x, y)] : &dropped;
         *sum = (bis_pixel_sum){.values = keep ? bis_workspace_layers(w, index_in(crop, x, y)) : NULL};
@@ -126,14 +124,23 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
     }
 }
 
-bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
+/* The tiles that rank 0 gives to this process. */
+static void render_as_team(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
 {
-    const uint64_t seed = w->view->sampler.seed;
+    bis_team_begin(w->team, progress, user);
+#pragma omp parallel num_threads(w->n_threads)
+    for (int t; (t = bis_team_next(w->team, this_thread())) >= 0;) {
+        const double begin = bis_clock_now();
+        render_tile(w, &w->workers[this_thread()], t, pass);
+        bis_team_finish(w->team, this_thread(), t, bis_clock_now() - begin);
+    }
+    bis_team_end(w->team);
+}
+
+static void render_alone(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
+{
     int n_done = 0;
 
-    for (int i = 0; i < w->n_threads; i++) w->workers[i].counters = (bis_counters){0};
-    if (w->clusters.n) bis_clusters_fill(&w->clusters, w->scene->light, seed, pass->number, w->n_threads);
-    if (w->pool.M) bis_pool_fill(&w->pool, w->scene->light, seed, pass->number, w->n_threads);
 #pragma omp parallel for schedule(dynamic) num_threads(w->n_threads)
     for (int i = 0; i < w->n_own; i++) {
         bis_worker *me = &w->workers[this_thread()];
@@ -143,7 +150,18 @@ bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *
         done = ++n_done;
         if (this_thread() == 0) progress((double)done / w->n_own, user);
     }
-    return !bis_pass_interrupted(w);
+}
+
+bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
+{
+    const uint64_t seed = w->view->sampler.seed;
+
+    for (int i = 0; i < w->n_threads; i++) w->workers[i].counters = (bis_counters){0};
+    if (w->clusters.n) bis_clusters_fill(&w->clusters, w->scene->light, seed, pass->number, w->n_threads);
+    if (w->pool.M) bis_pool_fill(&w->pool, w->scene->light, seed, pass->number, w->n_threads);
+    if (w->team) render_as_team(w, pass, progress, user);
+    else render_alone(w, pass, progress, user);
+    return !bis_workspace_interrupted(w);
 }
 
 static void keep_pixels(const bis_workspace *w, bis_rect r, double weight)

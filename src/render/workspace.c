@@ -3,6 +3,7 @@
 #include "workspace.h"
 
 #include "bis/base/mem.h"
+#include "crew.h"
 #include "edges.h"
 #include "share.h"
 
@@ -156,42 +157,61 @@ bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene 
 
 /* Two parts trace the corners between their tiles twice, but only one counts them, so that the sum over parts is that
  * of the picture. */
-static uint64_t count_edge_rays(const bis_workspace *w)
+uint64_t bis_workspace_edge_rays(const bis_workspace *w)
 {
     uint64_t n = 0;
 
+    if (!w->edge) return 0;
     if (!w->own) return bis_edges_rays(w->film, w->area, w->area);
     for (int i = 0; i < w->n_own; i++) n += bis_edges_rays(w->film, w->area, bis_workspace_tile(w, w->own[i]));
     return n;
 }
 
-static bool find_own_edges(bis_workspace *w)
+static bool find_edges_of(bis_workspace *w, const int *tiles, int n)
 {
     bool good = true;
 
 #pragma omp parallel for schedule(dynamic) num_threads(w->n_threads) reduction(&& : good)
-    for (int i = 0; i < w->n_own; i++)
-        good = bis_edges_find(w->edge, w->area, bis_workspace_tile(w, w->own[i]), w->film, w->scene, w->view, 1) &&
-               good;
+    for (int i = 0; i < n; i++)
+        good = bis_edges_find(w->edge, w->area, bis_workspace_tile(w, tiles[i]), w->film, w->scene, w->view, 1) && good;
     return good;
 }
 
-bis_status bis_workspace_find_edges(bis_workspace *w, uint64_t *n_rays, bis_diag *diag)
+/* The share of this rank; the others' pixels stay 0. */
+static bool find_edges_of_rank(bis_workspace *w, const bis_crew *crew)
+{
+    const bis_part share = {(uint32_t)crew->rank + 1, (uint32_t)crew->size};
+    int *tiles, n;
+
+    if (bis_share_tiles(&tiles, &n, w->film, share, NULL)) return false;
+    const bool good = find_edges_of(w, tiles, n);
+    bis_free(tiles);
+    return good;
+}
+
+bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
 {
     const int width = w->area.x1 - w->area.x0, height = w->area.y1 - w->area.y0;
+    const bis_crew *crew = w->options->crew;
 
-    *n_rays = 0;
     if (w->view->edge_samples <= 1 || !w->view->pixel_jitter || !w->scene->accel) return BIS_OK;
     w->edge_sampler = w->view->sampler;
     bis_sampler_set_spp(&w->edge_sampler, (uint64_t)w->view->sampler.spp * w->view->edge_samples);
     w->edge = bis_alloc((size_t)width * (size_t)height, sizeof *w->edge);
     bool good = w->edge != NULL;
-    if (good && !w->own) good = bis_edges_find(w->edge, w->area, w->area, w->film, w->scene, w->view, w->n_threads);
-    if (good && w->own) good = find_own_edges(w);
-    if (!good)
-        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);
-    *n_rays = count_edge_rays(w);
-    return BIS_OK;
+    if (good && crew) good = find_edges_of_rank(w, crew);
+    else if (good && w->own) good = find_edges_of(w, w->own, w->n_own);
+    else if (good) good = bis_edges_find(w->edge, w->area, w->area, w->film, w->scene, w->view, w->n_threads);
+    if (good) return BIS_OK;
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);
+}
+
+void bis_workspace_join_edges(bis_workspace *w)
+{
+    const size_t width = (size_t)(w->area.x1 - w->area.x0), height = (size_t)(w->area.y1 - w->area.y0);
+    bis_crew *crew = w->options->crew;
+
+    if (crew && w->edge) crew->join_bits(crew, w->edge, width * height);
 }
 
 size_t bis_workspace_bytes(const bis_workspace *w)

@@ -571,7 +571,7 @@ static void figures_of_parts_are_added_up(void **state)
     assert_int_equal(m->about.seed, 1);
     assert_true(m->about.seconds.parse == 2 && m->about.seconds.load == 4 && m->about.seconds.envmap == 8 &&
                 m->about.seconds.accel == 16);
-    assert_int_equal(m->result.n_threads, 3); /* of 2 and 3 */
+    assert_int_equal(m->result.n_threads, bis_render_threads(&(bis_render_options){.n_threads = 3})); /* of 2 and 3 */
     assert_string_equal(m->about.figures.accelerator, "grid");
     assert_int_equal(m->about.figures.triangles, 7);
     assert_true(m->about.figures.mesh == 100 && isnan(m->about.figures.envmap));

@@ -37,6 +37,7 @@ typedef struct bis_part {
     uint32_t k, n;
 } bis_part;
 
+typedef struct bis_crew bis_crew;             /* src/render/crew.h */
 typedef struct bis_checkpoint bis_checkpoint; /* src/render/checkpoint.h */
 
 typedef struct bis_render_options {
@@ -52,6 +53,7 @@ typedef struct bis_render_options {
     void (*forecast)(const bis_forecast *f, void *user);
     void *user;
     bis_part part;              /* only these tiles are rendered, the rest of the film stays 0 */
+    bis_crew *crew;             /* other processes that take part; NULL: none. All of them call bis_render */
     bis_checkpoint *checkpoint; /* what to go on from, and where to keep the state; NULL: neither */
 } bis_render_options;
 
@@ -75,6 +77,6 @@ int bis_render_threads(const bis_render_options *options);
  * differ from desc->view, but scene must have been built for what its settings need. The bits of the film depend on
  * desc, view and the number of passes, never on threads, time, or checkpoints. *result receives what was done. Errors:
  * BIS_NOMEM, BIS_INPUT (the checkpoint belongs to another render, or has more camera samples than are asked for;
- * there are fewer tiles than parts). */
+ * there are fewer tiles than parts; a rank of the crew renders another scene). With a crew only rank 0 has the result. */
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                       const bis_view *view, const bis_render_options *options, bis_diag *diag);
