@@ -1,5 +1,5 @@
-/* crew_mpi: the crew of bis-mpi, by MPI 3.1. The only file that knows MPI; `make MPI=1` compiles it, and links it in the
- * place of crew_none.c.
+/* crew_mpi: the crew of bis-mpi, by MPI 3.1. The only file that knows MPI; `make MPI=1` compiles it, and links it in
+ * the place of crew_none.c.
  *
  * Ranks other than 0 say nothing: what fails on one of them is told by rank 0 (bis_crew_agree). Where MPI itself fails,
  * it ends the job. */

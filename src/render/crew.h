@@ -1,8 +1,8 @@
 /* crew: several processes that render one picture together. For the files of src/render and src/cli.
  *
- * Here is what the renderer needs of a message library, as functions; src/cli/crew_mpi.c fills them in, and alone knows
- * MPI. Rank 0 leads: it has the film, the budgets, the files and the messages to the user. No crew (NULL) is one process
- * that does all. All calls come from the thread that made the crew. */
+ * Here is what the renderer needs of a message library, as functions; src/cli/crew_mpi.c fills them in, and alone
+ * knows MPI. Rank 0 leads: it has the film, the budgets, the files and the messages to the user. No crew (NULL) is one
+ * process that does all. All calls come from the thread that made the crew. */
 #pragma once
 
 #include "bis/base/status.h"
@@ -25,9 +25,9 @@ struct bis_crew {
 /* bis_crew_leads returns whether this process is the one that talks to the user: rank 0, or alone. */
 static inline bool bis_crew_leads(const bis_crew *crew) { return !crew || crew->rank == 0; }
 
-/* bis_crew_agree lets all ranks go on only if all can: it returns the status of the lowest rank that has failed. On rank
- * 0 the diag then has that rank's first message, with its number and machine; elsewhere none is added. All ranks must
- * call it; without a crew it returns status. */
+/* bis_crew_agree lets all ranks go on only if all can: it returns the status of the lowest rank that has failed. On
+ * rank 0 the diag then has that rank's first message, with its number and machine; elsewhere none is added. All ranks
+ * must call it; without a crew it returns status. */
 bis_status bis_crew_agree(bis_crew *crew, bis_status status, bis_diag *diag);
 
 /* bis_crew_compare compares what the ranks are about to render, by the hashes of identity.h, and gathers their numbers

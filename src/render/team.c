@@ -4,16 +4,16 @@
  * tiles to work on and one in its queue, so that it does not wait for the answer of rank 0. Batches become smaller
  * towards the end of a pass, and tiles that took long in the pass before come first: what is left for the end is small.
  *
- * Nothing that a rank knows decides what a pixel gets. What a tile has learned (visibility.h) goes with the tile, 1 KB,
- * and what it has counted comes back with its pixels: only rank 0 keeps it, so checkpoints, budgets and the next pass do
- * not know how many ranks there are. That is 2 KB more for each tile and pass, beside 4 KB of pixels; to keep tiles with
- * their ranks would save it, but a tile that moves would need it all the same.
+ * Nothing that a rank knows decides what a pixel gets. What a tile has learned (visibility.h) goes with the tile, 1
+ * KB, and what it has counted comes back with its pixels: only rank 0 keeps it, so checkpoints, budgets and the next
+ * pass do not know how many ranks there are. That is 2 KB more for each tile and pass, beside 4 KB of pixels; to keep
+ * tiles with their ranks would save it, but a tile that moves would need it all the same.
  *
  * Rank 0 renders, too, and looks after the others between two of its tiles. Where there are more than FEW ranks, its
  * thread 0 does nothing else.
  *
- * Only thread 0 of a rank talks to other ranks. Its other threads find tiles in a queue, and leave those that are done in
- * a list, which thread 0 sends. Numbers are sent as they are in memory: all machines must be of one kind. */
+ * Only thread 0 of a rank talks to other ranks. Its other threads find tiles in a queue, and leave those that are done
+ * in a list, which thread 0 sends. Numbers are sent as they are in memory: all machines must be of one kind. */
 #include "team.h"
 
 #include "pass.h"

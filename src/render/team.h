@@ -16,8 +16,9 @@ void bis_team_free(bis_team *team);
 /* bis_team_meet compares the scenes of the ranks (bis_crew_compare). *n_threads becomes the sum over the ranks. */
 bis_status bis_team_meet(bis_team *team, const bis_workspace *w, int *n_threads, bis_diag *diag);
 
-/* bis_team_call tells the others, from rank 0, which pass comes next; pass is NULL where there is none any more, because
- * of `status`. bis_team_follow waits for that on another rank; it returns false where there is none, and *status. */
+/* bis_team_call tells the others, from rank 0, which pass comes next; pass is NULL where there is none any more,
+ * because of `status`. bis_team_follow waits for that on another rank; it returns false where there is none, and
+ * *status. */
 void bis_team_call(bis_team *team, const struct bis_pass *pass, bis_status status);
 bool bis_team_follow(bis_team *team, struct bis_pass *pass, bis_status *status);
 

@@ -77,6 +77,7 @@ int bis_render_threads(const bis_render_options *options);
  * differ from desc->view, but scene must have been built for what its settings need. The bits of the film depend on
  * desc, view and the number of passes, never on threads, time, or checkpoints. *result receives what was done. Errors:
  * BIS_NOMEM, BIS_INPUT (the checkpoint belongs to another render, or has more camera samples than are asked for;
- * there are fewer tiles than parts; a rank of the crew renders another scene). With a crew only rank 0 has the result. */
+ * there are fewer tiles than parts; a rank of the crew renders another scene). With a crew only rank 0 has the
+ * result. */
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                       const bis_view *view, const bis_render_options *options, bis_diag *diag);
