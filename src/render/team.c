@@ -246,7 +246,14 @@ static void send_work(bis_team *team, int rank, int n)
     team->n_held += n;
 }
 
-static void tell_progress(bis_team *team) { team->progress((double)team->n_done / team->w->n_tiles, team->user); }
+static void tell_progress(bis_team *team)
+{
+    int n;
+
+#pragma omp atomic read
+    n = team->n_done;
+    team->progress((double)n / team->w->n_tiles, team->user);
+}
 
 /* Tiles that a rank has done; it gets others. */
 static void take_in(bis_team *team, int rank, unsigned char *m)
