@@ -70,8 +70,8 @@ bis_status bis_crew_compare(bis_crew *crew, const uint64_t parts[BIS_IDENTITY_PA
         threads[from] = r.n_threads;
         if (!bis_identity_differs(list, sizeof list, parts, r.parts)) continue;
         status = BIS_INPUT;
-        bis_error(diag, BIS_INPUT, (bis_loc){0}, "rank %d on \"%s\" has read another scene than rank 0 on \"%s\". These "
-                  "differ: %s. Give all machines the same files", from, r.host, crew->host, list);
+        bis_error(diag, BIS_INPUT, (bis_loc){0}, "rank %d on \"%s\" has read another scene than rank 0 on \"%s\". "
+                  "These differ: %s. Give all machines the same files", from, r.host, crew->host, list);
     }
     threads[0] = n_threads;
     crew->broadcast(crew, &status, sizeof status);
