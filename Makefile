@@ -1,4 +1,5 @@
 # bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make install, make uninstall, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
+#   make MPI=1           bis-mpi, too, for several machines (docs/many-machines.md)
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
 CFLAGS  ?= -O2 -g
@@ -29,7 +30,7 @@ WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-proto
 OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION))
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) -lm
 
-SRC     := $(filter-out src/cli/main.c,$(wildcard src/*/*.c src/*/*/*.c))
+SRC     := $(filter-out src/cli/main.c src/cli/crew_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
 OBJ     := $(SRC:%.c=$B/%.o) $B/src/tools/trade/page.o
 LIB     := $B/libbis.a
 # A format is a literal, so that the compiler sees whether the arguments fit.
@@ -47,7 +48,7 @@ STAMP    := data/models/.made
 
 SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
-SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ply obj)
+SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ply obj part)
 
 # What was asked for is built, whatever was built before: objects depend on the compiler and the flags as they were
 # given ($B/.flags changes only when they do), and ./bis is the program that was made last.
@@ -56,10 +57,14 @@ FLAGS   := $(shell $(CC) --version 2>/dev/null | head -n 1): $(CC) $(CFLAGS) $(O
 Q       := $(if $(V),,@)
 say      = $(if $(V),,@echo "  $(1)	$(2)")
 
-.PHONY: FORCE all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
-all: bis data
+# What links and compiles MPI programs; `make test` builds bis-mpi where there is one.
+MPICC  ?= mpicc
+HAS_MPI := $(shell command -v $(MPICC))
 
-bis: $B/bis FORCE
+.PHONY: FORCE all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
+all: bis data $(if $(filter 1,$(MPI)),bis-mpi)
+
+bis bis-mpi: %: $B/% FORCE
 	@cmp -s $< $@ || cp -f $< $@
 
 $B/.flags: FORCE
@@ -73,6 +78,16 @@ $Q$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^)
 endef
 $B/bis: $B/src/cli/main.o $(LIB)
 	$(LINK) $(LIBS)
+# MPICC is a wrapper of the compiler CC, which Open MPI and MPICH take from the environment.
+$B/bis-mpi $B/src/cli/crew_mpi.o: export OMPI_CC = $(CC)
+$B/bis-mpi $B/src/cli/crew_mpi.o: export MPICH_CC = $(CC)
+$B/bis-mpi: $B/src/cli/main.o $B/src/cli/crew_mpi.o $(LIB)
+	$(call say,LINK,$@)
+	$Q$(MPICC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -o $@ $^ $(LIBS)
+$B/src/cli/crew_mpi.o: src/cli/crew_mpi.c $B/.flags
+	@mkdir -p $(@D)
+	$(call say,MPICC,$<)
+	$Q$(MPICC) $(CFLAGS) $(OURS) -Wformat=2 -MMD -MP -c -o $@ $<
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
 $B/bench_error $B/bench_cost $B/bench_scale: $B/scripts/bench/measure.o
@@ -114,7 +129,7 @@ $(STAMP): $(DATA_SRC) $(wildcard data/generate/*.h) | $B/bis-data
 	@touch $@
 
 # Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and the program itself.
-test: $(CHOSEN) $B/bis $B/bis-data $(STAMP)
+test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi)
 	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B
 	@BIS_PROGRAM=$B/bis sh scripts/check/run_tests.sh $(CHOSEN)
 
@@ -175,7 +190,7 @@ uninstall:
 	rm -f $(DESTDIR)$(PREFIX)/bin/bis $(DESTDIR)$(PREFIX)/share/man/man1/bis.1
 
 clean:
-	rm -rf build bis compile_commands.json data/models data/maps
+	rm -rf build bis bis-mpi compile_commands.json data/models data/maps
 
 include scripts/course/course.mk
 # Every source whose object is kept: named here, because make deletes an object that only a chain of rules mentions.

@@ -3,9 +3,10 @@
 # For Debian 12, and for Debian 13 and Ubuntu 24.04 (there libembree-dev is Embree 4; the source takes both). As root, or by sudo.
 set -eu
 
-# gcc, make and pkg-config; OpenEXR and libpng for images; cmocka for the tests. Embree (rays) is optional: it exists for some processors only.
+# gcc, make and pkg-config; OpenEXR and libpng for images; cmocka for the tests. Optional: Embree (rays), which exists for some processors
+# only, and Open MPI (bis-mpi, docs/many-machines.md), without which its tests are skipped.
 needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev libcmocka-dev"
-optional="libembree-dev"
+optional="libembree-dev openmpi-bin libopenmpi-dev"
 
 if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
     echo "setup: this is no Debian or Ubuntu; please install: a C11 compiler, make, pkg-config," >&2
@@ -37,7 +38,7 @@ fi
 export DEBIAN_FRONTEND=noninteractive
 as_root apt-get update -q
 for package in $wanted; do
-    if known "$package"; then missing="$missing $package"; else echo "setup: no $package here; bis will use its own voxel grid"; fi
+    if known "$package"; then missing="$missing $package"; else echo "setup: no $package here; bis does without"; fi
 done
 # shellcheck disable=SC2086 # a list of words
 [ -z "$missing" ] || as_root apt-get install -y -q --no-install-recommends $missing

@@ -16,6 +16,7 @@
  *     if (!bis_cli_parse(&command, argc, argv, operand, &n, &exit_status)) return exit_status; */
 #pragma once
 
+#include "bis/render/render.h"
 #include "bis/scene/light_load.h"
 
 #include <signal.h>
@@ -145,6 +146,12 @@ extern volatile sig_atomic_t bis_cli_signal;
  * and kills. */
 void bis_cli_catch_signals(void);
 
+/* The crew that this process belongs to; NULL: it is alone. bis_cli_crew_open finds it, first of all in main, and on
+ * ranks other than 0 lets standard output and standard error go nowhere. bis_cli_crew_close leaves it. */
+extern bis_crew *bis_cli_crew;
+void bis_cli_crew_open(int *argc, char ***argv);
+void bis_cli_crew_close(void);
+
 /* The commands: arguments behind the command's name, exit status out. */
 int bis_cmd_render(int argc, char **argv);
 int bis_cmd_trade(int argc, char **argv);
@@ -152,3 +159,4 @@ int bis_cmd_compare(int argc, char **argv);
 int bis_cmd_envmap(int argc, char **argv);
 int bis_cmd_verify(int argc, char **argv);
 int bis_cmd_pixel(int argc, char **argv);
+int bis_cmd_merge(int argc, char **argv);

@@ -14,6 +14,8 @@
 #include "parameters.h"
 #include "progress.h"
 #include "render/checkpoint.h"
+#include "render/crew.h"
+#include "render/part.h"
 #include "render_files.h"
 
 #include <assert.h>
@@ -34,6 +36,9 @@ typedef struct render_options {
     int resolution[2];
     double crop[4];
     double seconds, error, every;
+    bis_part part;
+    char command[BIS_PART_COMMAND]; /* see keep_command */
+    bool agreed; /* the crew has */
     double start; /* of the command, on bis_clock_now's clock */
 } render_options;
 
@@ -52,6 +57,52 @@ static bool read_crop(void *value, const char *text)
     if (crop[0] >= crop[1] || crop[2] >= crop[3]) return false;
     memcpy(value, crop, sizeof crop);
     return true;
+}
+
+/* "2/5": the second of five. */
+static bool read_part(void *value, const char *text)
+{
+    int k, n;
+    const char *rest = bis_cli_digits(text, 1, BIS_PART_MOST, &k);
+    if (!rest || *rest != '/') return false;
+    rest = bis_cli_digits(rest + 1, 1, BIS_PART_MOST, &n);
+    if (!rest || *rest || k > n) return false;
+    *(bis_part *)value = (bis_part){(uint32_t)k, (uint32_t)n};
+    return true;
+}
+
+/* One argument, as a shell takes it. */
+static void append_argument(char command[BIS_PART_COMMAND], const char *a)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./,:=@%";
+
+    bis_append(command, BIS_PART_COMMAND, " ");
+    if (*a && a[strspn(a, plain)] == '\0') {
+        bis_append(command, BIS_PART_COMMAND, "%s", a);
+        return;
+    }
+    bis_append(command, BIS_PART_COMMAND, "'");
+    for (; *a; a++) bis_append(command, BIS_PART_COMMAND, *a == '\'' ? "'\\''" : "%c", *a);
+    bis_append(command, BIS_PART_COMMAND, "'");
+}
+
+/* The command that makes the same part of a picture, or another one: all but --part and the files of one part. */
+static void keep_command(char command[BIS_PART_COMMAND], int argc, char **argv)
+{
+    static const char *const own[] = {"--part", "--outfile", "--stats", "--checkpoint", "--checkpoint-every",
+                                      "--resume", NULL};
+    bool is_over = false;
+
+    bis_append(command, BIS_PART_COMMAND, "bis");
+    for (int i = 0; i < argc; i++) {
+        const size_t n = strcspn(argv[i], "=");
+        int k = 0;
+        while (!is_over && own[k] && (strlen(own[k]) != n || strncmp(argv[i], own[k], n) != 0)) k++;
+        is_over |= strcmp(argv[i], "--") == 0;
+        if (is_over || !own[k]) append_argument(command, argv[i]);
+        else if (!argv[i][n]) i++; /* its value */
+    }
+    if (strlen(command) == BIS_PART_COMMAND - 1) snprintf(command, BIS_PART_COMMAND, "bis (as the other parts)");
 }
 
 /* ---- the command line over the scene ---- */
@@ -141,6 +192,45 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
     return BIS_OK;
 }
 
+/* What needs the whole picture would make another one of its parts. */
+static bis_status check_part(const render_options *o, const bis_scene_desc *d, bis_diag *diag)
+{
+    const char *what = NULL;
+
+    if (!o->part.n) return BIS_OK;
+    if (bis_cli_crew) what = "MPI: its ranks share the tiles already. Leave out --part";
+    else if (o->seconds > 0) what = "--time: each part would end after another number of camera samples. Give --spp N";
+    else if (o->error > 0)
+        what = "--error: it is the error of the whole picture, which no part knows. Give --spp N; a small --resolution "
+               "with --error tells how many";
+    else if (d->view.adaptive)
+        what = "adaptive sampling: it weighs each tile against the whole picture. Leave out --adaptive, and \"bool "
+               "adaptive\" of the scene";
+    else if (bis_auto_is_wanted(&d->view.settings))
+        what = "integrator \"auto\": it goes by the clock, so each part would choose anew. `bis SCENE --spp 1 --stats "
+               "-` runs it once; give all parts the Integrator line in \"chosen\"";
+    if (!what) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, bis_cli_loc, "--part %u/%u cannot have %s", (unsigned)o->part.k,
+                     (unsigned)o->part.n, what);
+}
+
+/* The output of a part is no picture. */
+static bis_status name_part(render_options *o, bis_diag *diag)
+{
+    bis_render_files *files = &o->files;
+
+    if (!o->part.n) return BIS_OK;
+    if (files->pictures.n == 1) {
+        const char *path = files->pictures.text[0], ending[] = ".bispart";
+        const size_t n = strlen(path), m = strlen(ending);
+        files->pictures.n = 0;
+        files->part = path;
+        if (n > m && strcmp(path + n - m, ending) == 0) return BIS_OK;
+    }
+    return bis_error(diag, BIS_INPUT, bis_cli_loc, "--part %u/%u writes one file that is no picture yet: give "
+                     "--outfile part-%u.bispart", (unsigned)o->part.k, (unsigned)o->part.n, (unsigned)o->part.k);
+}
+
 /* ---- rendering ---- */
 
 static void print_progress(const bis_progress *p, void *user)
@@ -191,10 +281,27 @@ static void choose_again(bis_auto_report *choice, bis_scene_desc *desc, const bi
 {
     char line[BIS_MAX_LINE];
 
-    *choice = (bis_auto_report){.is_chosen = true, .settings = c->settings, .seconds = c->pilot_seconds};
+    *choice = (bis_auto_report){.is_chosen = true, .settings = c->head.settings, .seconds = c->head.pilot_seconds};
     desc->view.settings = choice->settings;
     bis_describe_line(line, &choice->settings, true);
     if (!quiet) fprintf(stderr, "bis: note: auto goes on with %s, as the checkpoint says\n", line);
+}
+
+/* What rank 0 has chosen, to all ranks of the crew. */
+static bis_status tell_choice(bis_scene_desc *desc, bis_status status, bis_diag *diag)
+{
+    bis_crew *crew = bis_cli_crew;
+    char name[32] = "";
+
+    status = bis_crew_agree(crew, status, diag);
+    if (status || !crew) return status;
+    bis_settings s = desc->view.settings;
+    snprintf(name, sizeof name, "%s", s.integrator->name);
+    crew->broadcast(crew, name, sizeof name);
+    crew->broadcast(crew, &s, sizeof s);
+    s.integrator = bis_integrator_find(name); /* an address is of one process */
+    desc->view.settings = s;
+    return BIS_OK;
 }
 
 static void warn_of_checkpoint(const char *message)
@@ -212,7 +319,7 @@ static bis_status open_checkpoint(bis_checkpoint *c, const render_options *o, bi
     *c = (bis_checkpoint){
         .path = o->files.checkpoint, .every = o->every, .warn = o->quiet ? NULL : warn_of_checkpoint};
     if (o->has_every && !c->path) bis_warn(diag, bis_cli_loc, "--checkpoint-every has no effect without --checkpoint");
-    if (!resume) return BIS_OK;
+    if (!resume || !bis_crew_leads(bis_cli_crew)) return BIS_OK;
     if (access(resume, F_OK) == 0) return bis_checkpoint_read(c, resume, diag);
     if (!o->quiet) fprintf(stderr, "bis: note: there is no \"%s\" yet: the render starts afresh\n", resume);
     return BIS_OK;
@@ -221,9 +328,9 @@ static bis_status open_checkpoint(bis_checkpoint *c, const render_options *o, bi
 static bis_status render(bis_render_result *result, bis_film *film, bis_auto_report *choice, bis_checkpoint *checkpoint,
                          const bis_scene *scene, bis_scene_desc *desc, render_options *o, bis_diag *diag)
 {
-    const bool chooses = bis_auto_is_wanted(&desc->view.settings);
+    const bool chooses = bis_auto_is_wanted(&desc->view.settings), leads = bis_crew_leads(bis_cli_crew);
     bis_status status = BIS_OK;
-    bool show = !o->quiet && isatty(STDERR_FILENO);
+    bool show = leads && !o->quiet && isatty(STDERR_FILENO);
     bis_render_options options = {
         .budget = {.spp = (uint32_t)o->spp, .seconds = o->seconds, .error = o->error},
         .n_threads = (int)o->threads,
@@ -231,17 +338,22 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
         .progress = show ? print_progress : NULL,
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
-        .checkpoint = checkpoint->path ? checkpoint : NULL, /* without one, nothing is hashed */
+        .part = o->part,
     };
     bis_cli_catch_signals();
-    if (chooses && checkpoint->settings.integrator) choose_again(choice, desc, checkpoint, o->quiet);
-    else if (chooses) status = choose(choice, scene, desc, &options, o->quiet, diag);
-    checkpoint->pilot_seconds = choice->seconds;
+    if (chooses && leads && checkpoint->head.settings.integrator) choose_again(choice, desc, checkpoint, o->quiet);
+    else if (chooses && leads) status = choose(choice, scene, desc, &options, o->quiet, diag);
+    if (chooses) status = tell_choice(desc, status, diag);
+    options.crew = bis_cli_crew;
+    /* without one, nothing is hashed */
+    if (leads && (checkpoint->path || o->part.n)) options.checkpoint = checkpoint;
+    if (!leads) options.interrupted = NULL; /* rank 0 ends the render */
+    checkpoint->head.pilot_seconds = choice->seconds;
     /* the pilot's time is the user's: 0 would be no limit */
     if (o->seconds > 0) options.budget.seconds = fmax(o->seconds - choice->seconds, DBL_MIN);
     if (!status) status = bis_render(result, film, scene, desc, &desc->view, &options, diag);
     if (show) fputs("\r\033[K", stderr);
-    if (!status && o->error > 0 && !(result->error_bound <= o->error)) {
+    if (!status && leads && o->error > 0 && !(result->error_bound <= o->error)) {
         if (isnan(result->error_bound))
             bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown, %u pass is too few",
                      o->error, result->passes);
@@ -249,13 +361,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
             bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is at most %.3g after %u passes",
                      o->error, result->error_bound, result->passes);
     }
-    if (!status && result->counters.nonfinite) {
-        bis_warn(diag, bis_cli_loc,
-                 "%llu estimates were not finite and count as black: the picture is too dark. A light near the largest "
-                 "float, 3.4e38, needs a "
-                 "smaller \"scale\" (docs/envelope.md); with any other light this is a defect, please report it",
-                 (unsigned long long)result->counters.nonfinite);
-    }
+    if (!status) bis_render_files_warn_of_nonfinite(&result->counters, diag);
     return status;
 }
 
@@ -267,6 +373,30 @@ static void note_resampling(const bis_light *light)
     fprintf(stderr, "bis: note: angular map resampled to %d x %d; integral of r+g+b %g before, %g after (%+.3f%%)\n",
             em->width, em->height, em->angular_power_before, em->angular_power_after,
             100 * (em->angular_power_after / em->angular_power_before - 1));
+}
+
+/* Of a part: its sums instead of pictures. */
+static bis_status write_part(const render_options *o, const bis_stats *stats, const bis_checkpoint *c, bis_film *film,
+                             bis_diag *diag)
+{
+    const bis_render_result *r = stats->result;
+    bis_part_about about = {.seed = stats->desc->view.sampler.seed, .edge_samples = stats->desc->view.edge_samples,
+                            .seconds = stats->seconds, .figures = stats->scene};
+    char seconds[32];
+
+    snprintf(about.scene, sizeof about.scene, "%s", stats->desc->path);
+    memcpy(about.command, o->command, sizeof about.command);
+    if (r->interrupted) {
+        fprintf(stderr, "bis: interrupted: part %u of %u is not complete, nothing was written%s\n",
+                (unsigned)o->part.k, (unsigned)o->part.n, c->path ? "; --resume goes on" : "");
+        return BIS_OK;
+    }
+    const bis_status status = bis_part_write(o->files.part, &c->head, &about, film, r, diag);
+    if (!status && !o->quiet)
+        fprintf(stderr, "bis: wrote %s: part %u of %u of %d x %d pixels, %llu camera samples a pixel, %s\n",
+                o->files.part, (unsigned)o->part.k, (unsigned)o->part.n, film->width, film->height,
+                (unsigned long long)r->spp, bis_duration(seconds, r->seconds));
+    return status;
 }
 
 /* From scene to files; *interrupted: a signal came. */
@@ -292,8 +422,11 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     bis_cli_print_diag(diag, o->quiet); /* warnings, before the wait */
     bis_diag_clear(diag);
     if (!o->quiet) note_resampling(scene->light);
-    status = render(&result, &film, &choice, &checkpoint, scene, desc, o, diag);
+    o->agreed = true;
+    status = bis_crew_agree(bis_cli_crew, BIS_OK, diag);
     if (status) goto done;
+    status = render(&result, &film, &choice, &checkpoint, scene, desc, o, diag);
+    if (status || !bis_crew_leads(bis_cli_crew)) goto done;
     *interrupted = bis_cli_signal;
     /* an older picture is worth more than a black one; said also when quiet, as an error is */
     if (result.passes == 0) {
@@ -301,14 +434,15 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
         goto done;
     }
 
-    bis_stats stats = {.desc = desc, .scene = scene, .film = &film, .result = &result, .seconds = scene->seconds,
-                       .choice = chooses ? &choice : NULL};
+    bis_stats stats = {.desc = desc, .scene = bis_scene_figures_of(scene), .film = &film, .result = &result,
+                       .seconds = scene->seconds, .choice = chooses ? &choice : NULL};
     bis_describe_line(stats.line, &desc->view.settings, true);
     bis_errata_text(stats.as_printed, desc->view.settings.as_printed);
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;
     double before = bis_clock_now();
-    status = bis_render_files_write_pictures(&written, &o->files, &stats, diag);
+    status = o->part.n ? write_part(o, &stats, &checkpoint, &film, diag)
+                       : bis_render_files_write_pictures(&written, &o->files, &stats, diag);
     stats.seconds.write = bis_clock_now() - before;
     stats.seconds.total = bis_clock_now() - o->start;
     const bis_status other = bis_render_files_write_stats(&o->files, &stats, diag);
@@ -348,22 +482,26 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
     bool interrupted = false;
 
     if (!o->files.checkpoint) o->files.checkpoint = o->files.resume;
-    bis_status status = bis_render_files_check(&o->files, diag);
+    const bool leads = bis_crew_leads(bis_cli_crew);
+    bis_status status = o->plan ? BIS_OK : name_part(o, diag);
+    if (!status && leads) status = bis_render_files_check(&o->files, diag);
     if (!status) status = bis_scene_parse(&desc, operands[0], diag);
     if (!status) status = override(desc, o, diag);
+    if (!status) status = check_part(o, desc, diag);
     const double parse_seconds = bis_clock_now() - o->start;
     if (status) goto done;
     if (o->plan) {
         bis_scene_plan(desc, stdout);
         goto done;
     }
-    if (o->files.pictures.n == 0) {
+    if (o->files.pictures.n == 0 && !o->files.part && leads) {
         o->files.pictures.text[o->files.pictures.n++] = desc->outfile;
         status = bis_render_files_check(&o->files, diag);
     }
-    if (!status) status = bis_render_files_check_distinct(&o->files, desc, diag);
+    if (!status && leads) status = bis_render_files_check_distinct(&o->files, desc, diag);
     if (!status) status = run(o, desc, parse_seconds, &interrupted, diag);
 done:
+    if (!o->agreed) status = bis_crew_agree(bis_cli_crew, status, diag);
     bis_scene_desc_free(desc);
     const int exit_status = bis_cli_exit_status(status);
     return interrupted && !exit_status ? BIS_EXIT_INTERRUPTED : exit_status;
@@ -378,6 +516,7 @@ int bis_cmd_render(int argc, char **argv)
     char integrator_help[256] = "";
     int i = 0;
 
+    keep_command(o.command, argc, argv);
     if (asks_for_errata(argc, argv)) {
         list_errata();
         return bis_cli_finish(BIS_EXIT_DONE);
@@ -460,6 +599,13 @@ int bis_cmd_render(int argc, char **argv)
          .help = "go on from the checkpoint F, or start afresh where there is no such file; --spp, --time and --error "
                  "count from the very start and may be more than before. Without --checkpoint, F is written as well",
          .kind = BIS_OPTION_TEXT, .value = &o.files.resume},
+
+        {.help = "a render on several machines (the picture has the bits of one run)"},
+        {.name = "part", .argument = "K/N",
+         .help = "render the K-th of N shares of the picture's tiles into --outfile F.bispart; `bis merge` makes the "
+                 "picture of them. Not with --time, --error, --adaptive or auto, which need the whole picture",
+         .kind = BIS_OPTION_OWN, .value = &o.part, .read = read_part,
+         .rule = "K/N with K from 1 to N, as in 2/5"},
     };
     /* clang-format on */
     bis_option options[MAX_OPTIONS];

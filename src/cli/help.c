@@ -22,6 +22,7 @@ static const char intro[] = "bis renders scenes in a subset of the pbrt format, 
 
 const bis_subcommand bis_subcommands[] = {
     {"render", bis_cmd_render, "render a scene; the word \"render\" may be left out"},
+    {"merge", bis_cmd_merge, "one picture of the parts that `bis render --part` has made"},
     {"trade", bis_cmd_trade, "error against time, measured for your own scene: what to use?"},
     {"compare", bis_cmd_compare, "compare two images (EXR, PFM, HDR)"},
     {"envmap", bis_cmd_envmap, "what is in a map; its levels, regions and importance as pictures"},

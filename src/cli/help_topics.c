@@ -127,6 +127,8 @@ static const bis_help_entry budgets[] = {
     {"--checkpoint F", "keeps the state of the render in F: each minute (--checkpoint-every), at the end, at Ctrl-C"},
     {"--resume F", "goes on from F, or starts afresh where there is none; the picture has the bits of one render. "
                    "--spp, --time and --error count from the very start"},
+    {"--part K/N", "renders the K-th of N shares of the tiles into --outfile F.bispart; `bis merge` makes the picture "
+                   "of the N files, which may come from N machines"},
     {NULL, NULL},
 };
 

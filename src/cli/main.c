@@ -2,6 +2,7 @@
 #include "help.h"
 
 #include "bis/base/mem.h"
+#include "render/crew.h"
 
 #include <string.h>
 #include <unistd.h>
@@ -25,12 +26,14 @@ static int run(int argc, char **argv)
         fprintf(stderr, "bis: error: no scene; usage: bis [render] [options] SCENE, `bis --help` tells more\n");
         return BIS_EXIT_USAGE;
     }
+    const bis_subcommand *command = bis_subcommand_find(argv[1]);
+    if (!bis_crew_leads(bis_cli_crew) && command && command->run != bis_cmd_render)
+        return BIS_EXIT_DONE; /* only renders are shared */
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) return bis_cmd_help(argc - 2, argv + 2);
     if (strcmp(argv[1], "version") == 0) {
         bis_cli_version(stdout);
         return bis_cli_finish(BIS_EXIT_DONE);
     }
-    const bis_subcommand *command = bis_subcommand_find(argv[1]);
     if (command) return command->run(argc - 2, argv + 2);
     const char *near = nearest_command(argv[1]);
     if (near) {
@@ -43,7 +46,9 @@ static int run(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    bis_cli_crew_open(&argc, &argv);
     const int status = run(argc, argv);
+    bis_cli_crew_close();
 
     /* A mistake of ours, which harms nobody now: it is said, not aborted for, because the picture is safe. */
     if (bis_mem_live() != 0)

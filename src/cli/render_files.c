@@ -34,8 +34,10 @@ bis_status bis_render_files_check(const bis_render_files *files, bis_diag *diag)
         bis_status status = bis_cli_check_writable(files->stats, diag);
         if (!first) first = status;
     }
-    if (files->checkpoint) {
-        bis_status status = bis_cli_check_writable(files->checkpoint, diag);
+    const char *const others[] = {files->checkpoint, files->part};
+    for (int i = 0; i < 2; i++) {
+        if (!others[i]) continue;
+        bis_status status = bis_cli_check_writable(others[i], diag);
         if (!first) first = status;
     }
     return first;
@@ -55,7 +57,7 @@ static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, b
 bis_status bis_render_files_check_distinct(const bis_render_files *files, const bis_scene_desc *desc, bis_diag *diag)
 {
     const size_t n_inputs = desc->n_files + desc->n_meshes + 2;
-    const char **inputs = bis_alloc(n_inputs, sizeof *inputs), *outputs[BIS_MAX_TEXTS + 2];
+    const char **inputs = bis_alloc(n_inputs, sizeof *inputs), *outputs[BIS_MAX_TEXTS + 3];
     size_t n = 0, n_outputs = 0;
 
     if (!inputs) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory for the names of %zu files", n_inputs);
@@ -66,8 +68,9 @@ bis_status bis_render_files_check_distinct(const bis_render_files *files, const 
     for (int i = 0; i < files->pictures.n; i++) outputs[n_outputs++] = files->pictures.text[i];
     if (files->stats) outputs[n_outputs++] = files->stats;
     if (files->checkpoint) outputs[n_outputs++] = files->checkpoint;
+    if (files->part) outputs[n_outputs++] = files->part;
     if (files->resume && !bis_file_is_same(files->resume, files->checkpoint)) inputs[n++] = files->resume;
-    check_layers(&desc->view.film, &files->pictures, diag);
+    if (!files->part) check_layers(&desc->view.film, &files->pictures, diag);
     const bis_status status = bis_cli_check_distinct(inputs, n, outputs, n_outputs, diag);
     bis_free(inputs);
     return status;
@@ -175,4 +178,13 @@ bis_status bis_render_files_write_stats(const bis_render_files *files, const bis
     if (status) return status;
     bis_stats_print(stats, bis_outfile_stream(file));
     return bis_outfile_commit(file, diag);
+}
+
+void bis_render_files_warn_of_nonfinite(const bis_counters *counters, bis_diag *diag)
+{
+    if (!counters->nonfinite) return;
+    bis_warn(diag, bis_cli_loc,
+             "%llu estimates were not finite and count as black: the picture is too dark. A light near the largest "
+             "float, 3.4e38, needs a smaller \"scale\" (docs/envelope.md); with any other light this is a defect, "
+             "please report it", (unsigned long long)counters->nonfinite);
 }

@@ -6,6 +6,7 @@
 
 typedef struct bis_render_files {
     bis_texts pictures; /* paths; the ending tells the format */
+    const char *part;   /* path of the sums of a part, in place of pictures; NULL: none */
     const char *stats;  /* path of the JSON, "-": standard output; NULL: none */
     const char *checkpoint, *resume; /* paths; NULL: none */
     bool has_exposure;
@@ -31,3 +32,6 @@ bis_status bis_render_files_write_stats(const bis_render_files *files, const bis
 /* bis_render_files_print_result prints one line to standard error: what was written, camera samples, passes, time and
  * error. */
 void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats);
+
+/* bis_render_files_warn_of_nonfinite warns if there were estimates that are not finite. */
+void bis_render_files_warn_of_nonfinite(const bis_counters *counters, bis_diag *diag);

@@ -2,34 +2,20 @@
  * writes and restores it, and src/cli/cmd_render.c, which names the files. */
 #pragma once
 
-#include "workspace.h"
-
-/* What a render has done, beside its film. */
-typedef struct bis_done {
-    uint64_t spp;          /* camera samples of a pixel in complete passes; with adaptive sampling their mean */
-    double seconds;        /* in all processes that took part */
-    uint32_t next_check;   /* number of passes at which the error is estimated next */
-    double rmse_upper;     /* as estimated last; NAN: not yet */
-    bis_counters counters;
-} bis_done;
-
-/* What must be the same in the render that goes on; src/render/checkpoint.c names them. */
-enum { BIS_CHECKPOINT_PARTS = 13 };
+#include "state.h"
 
 /* All zeros but for what the caller sets: nothing is written, and the render starts from its first pass. */
 struct bis_checkpoint {
     const char *path; /* written to; NULL: nowhere */
     double every;     /* seconds between two writes, looked at between passes */
     void (*warn)(const char *message); /* called if a write fails, unless the one before did; may be NULL */
-    double pilot_seconds; /* that the choice of the settings took; 0: nobody chose */
-    bool failed;          /* the last write did */
+    bool failed; /* the last write did */
+    bis_state_head head; /* the caller sets pilot_seconds; bis_checkpoint_begin the rest, bis_checkpoint_read all */
 
     /* bis_checkpoint_read: what it found; data is NULL where there is nothing to go on from */
     const char *source; /* where it read; borrowed */
     unsigned char *data;
-    size_t size, at;       /* bytes of data; where the state begins */
-    bis_settings settings; /* of the render; integrator is NULL if this program does not know it */
-    uint64_t parts[BIS_CHECKPOINT_PARTS];
+    size_t size, at; /* bytes of data; where the state begins */
 };
 
 /* bis_checkpoint_read reads the checkpoint at path into *c and checks its version and checksum. Errors: BIS_IO,

@@ -52,9 +52,16 @@ static double place_of(const bis_film *film, int first, int i)
     return (first + i / n) * film->step + film->step / 2 + i % n;
 }
 
-uint64_t bis_edges_rays(const bis_film *film, bis_rect area)
+/* Of a side from `first` to `end`, in an area that ends at `last`. */
+static uint64_t counted(const bis_film *film, int first, int end, int last)
 {
-    return (uint64_t)corners_of(film, area.x1 - area.x0) * (uint64_t)corners_of(film, area.y1 - area.y0);
+    const bool is_shared = film->step == 1 && end < last;
+    return (uint64_t)corners_of(film, end - first) - is_shared;
+}
+
+uint64_t bis_edges_rays(const bis_film *film, bis_rect area, bis_rect rect)
+{
+    return counted(film, rect.x0, rect.x1, area.x1) * counted(film, rect.y0, rect.y1, area.y1);
 }
 
 static bool differ(const corner *a, const corner *b)
@@ -63,36 +70,32 @@ static bool differ(const corner *a, const corner *b)
     return a->hit && (a->material != b->material || dot(a->n, b->n) < 0.5);
 }
 
-unsigned char *bis_edges_find(const bis_film *film, bis_rect area, const bis_scene *scene, const bis_view *view,
-                              int n_threads)
+bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis_film *film, const bis_scene *scene,
+                    const bis_view *view, int n_threads)
 {
-    const int width = area.x1 - area.x0, height = area.y1 - area.y0, n = corners_a_pixel(film);
+    const int width = rect.x1 - rect.x0, height = rect.y1 - rect.y0, n = corners_a_pixel(film);
     const int across = corners_of(film, width), down = corners_of(film, height);
     corner *c = bis_alloc((size_t)across * (size_t)down, sizeof *c);
-    unsigned char *edge = bis_alloc((size_t)width * (size_t)height, sizeof *edge);
 
-    if (!c || !edge) {
-        bis_free(c);
-        bis_free(edge);
-        return NULL;
-    }
+    if (!c) return false;
     (void)n_threads; /* a compiler without OpenMP has one thread */
 #pragma omp parallel for schedule(dynamic, 8) num_threads(n_threads)
     for (int y = 0; y < down; y++) {
         for (int first = 0; first < across; first += TOGETHER) {
             const int count = across - first < TOGETHER ? across - first : TOGETHER;
             double x[TOGETHER];
-            for (int i = 0; i < count; i++) x[i] = place_of(film, area.x0, first + i);
-            look_at(&c[y * (ptrdiff_t)across + first], x, place_of(film, area.y0, y), count, film, scene, view);
+            for (int i = 0; i < count; i++) x[i] = place_of(film, rect.x0, first + i);
+            look_at(&c[y * (ptrdiff_t)across + first], x, place_of(film, rect.y0, y), count, film, scene, view);
         }
     }
     for (int y = 0; y < height; y++) {
+        unsigned char *row = edge + (rect.y0 - area.y0 + y) * (ptrdiff_t)(area.x1 - area.x0) + rect.x0 - area.x0;
         for (int x = 0; x < width; x++) {
             const corner *a = &c[n * y * (ptrdiff_t)across + n * x], *b = a + across;
-            edge[y * (ptrdiff_t)width + x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) ||
-                                             differ(b, b + 1) || differ(a, b + 1) || differ(a + 1, b);
+            row[x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) || differ(b, b + 1) ||
+                     differ(a, b + 1) || differ(a + 1, b);
         }
     }
     bis_free(c);
-    return edge;
+    return true;
 }

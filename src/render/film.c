@@ -35,6 +35,27 @@ bis_film bis_film_place(int width, int height, const double crop[4], int step)
     return f;
 }
 
+bis_status bis_film_init_like(bis_film *f, const bis_film *sizes, bis_loc at, bis_diag *diag)
+{
+    const size_t n = (size_t)sizes->width * (size_t)sizes->height;
+    bis_film film = {.full_width = sizes->full_width, .full_height = sizes->full_height, .step = sizes->step,
+                     .picture_width = sizes->picture_width, .picture_height = sizes->picture_height,
+                     .x0 = sizes->x0, .y0 = sizes->y0, .width = sizes->width, .height = sizes->height};
+
+    *f = (bis_film){0};
+    film.sum = bis_alloc(n, 3 * sizeof *film.sum);
+    film.sum_squares = bis_alloc(n, 3 * sizeof *film.sum_squares);
+    film.hits = bis_alloc(n, sizeof *film.hits);
+    if (!film.sum || !film.sum_squares || !film.hits) {
+        const bis_status status =
+            bis_error(diag, BIS_NOMEM, at, "no memory for a picture of %d x %d pixels", film.width, film.height);
+        bis_film_clear(&film);
+        return status;
+    }
+    *f = film;
+    return BIS_OK;
+}
+
 bis_status bis_film_init(bis_film *f, int full_width, int full_height, const double crop[4], bis_loc at, bis_diag *diag)
 {
     return bis_film_init_thin(f, full_width, full_height, crop, 1, at, diag);
@@ -60,18 +81,7 @@ bis_status bis_film_init_thin(bis_film *f, int width, int height, const double c
             crop[0], crop[1], crop[2], crop[3], width, height, step > 1 ? " that a thin film has" : "");
     }
 
-    size_t n = (size_t)film.width * (size_t)film.height;
-    film.sum = bis_alloc(n, 3 * sizeof *film.sum);
-    film.sum_squares = bis_alloc(n, 3 * sizeof *film.sum_squares);
-    film.hits = bis_alloc(n, sizeof *film.hits);
-    if (!film.sum || !film.sum_squares || !film.hits) {
-        const bis_status status =
-            bis_error(diag, BIS_NOMEM, at, "no memory for a picture of %d x %d pixels", film.width, film.height);
-        bis_film_clear(&film);
-        return status;
-    }
-    *f = film;
-    return BIS_OK;
+    return bis_film_init_like(f, &film, at, diag);
 }
 
 void bis_film_clear(bis_film *f)

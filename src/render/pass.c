@@ -12,7 +12,10 @@
 #include "pass.h"
 
 #include "gather.h"
+#include "team.h"
 #include "wave.h"
+
+#include "bis/base/clock.h"
 
 #include <string.h>
 
@@ -30,11 +33,6 @@ static int this_thread(void)
 #else
     return 0;
 #endif
-}
-
-bool bis_pass_interrupted(const bis_workspace *w)
-{
-    return w->options->interrupted && *w->options->interrupted;
 }
 
 /* A sampler that is independent of all others: n camera samples with a seed of their own. */
@@ -105,7 +103,7 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
         place_in_tile(i, &x, &y);
         x += full.x0, y += full.y0;
         if (!is_in(tile, x, y)) continue;
-        if (bis_pass_interrupted(w)) return;
+        if (bis_workspace_interrupted(w)) return;
         const bool keep = is_in(kept, x, y);
         bis_pixel_sum *sum = keep ? &me->pixels[index_in(kept, x, y)] : &dropped;
         *sum = (bis_pixel_sum){.values = keep ? bis_workspace_layers(w, index_in(crop, x, y)) : NULL};
@@ -124,50 +122,70 @@ static void render_tile(const bis_workspace *w, bis_worker *me, int t, const bis
     }
 }
 
+/* The tiles that rank 0 gives to this process. */
+static void render_as_team(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
+{
+    bis_team_begin(w->team, progress, user);
+#pragma omp parallel num_threads(w->n_threads)
+    for (int t; (t = bis_team_next(w->team, this_thread())) >= 0;) {
+        const double begin = bis_clock_now();
+        render_tile(w, &w->workers[this_thread()], t, pass);
+        bis_team_finish(w->team, this_thread(), t, bis_clock_now() - begin);
+    }
+    bis_team_end(w->team);
+}
+
+static void render_alone(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
+{
+    int n_done = 0;
+
+#pragma omp parallel for schedule(dynamic) num_threads(w->n_threads)
+    for (int i = 0; i < w->n_own; i++) {
+        bis_worker *me = &w->workers[this_thread()];
+        int done;
+        render_tile(w, me, bis_workspace_own(w, i), pass);
+#pragma omp atomic capture
+        done = ++n_done;
+        if (this_thread() == 0) progress((double)done / w->n_own, user);
+    }
+}
+
 bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *progress, void *user)
 {
     const uint64_t seed = w->view->sampler.seed;
-    int n_done = 0;
 
     for (int i = 0; i < w->n_threads; i++) w->workers[i].counters = (bis_counters){0};
     if (w->clusters.n) bis_clusters_fill(&w->clusters, w->scene->light, seed, pass->number, w->n_threads);
     if (w->pool.M) bis_pool_fill(&w->pool, w->scene->light, seed, pass->number, w->n_threads);
-#pragma omp parallel for schedule(dynamic) num_threads(w->n_threads)
-    for (int t = 0; t < w->n_tiles; t++) {
-        bis_worker *me = &w->workers[this_thread()];
-        int done;
-        render_tile(w, me, t, pass);
-#pragma omp atomic capture
-        done = ++n_done;
-        if (this_thread() == 0) progress((double)done / w->n_tiles, user);
-    }
-    return !bis_pass_interrupted(w);
+    if (w->team) render_as_team(w, pass, progress, user);
+    else render_alone(w, pass, progress, user);
+    return !bis_workspace_interrupted(w);
 }
 
-static void add_counters(bis_counters *sum, const bis_counters *c)
+static void keep_pixels(const bis_workspace *w, bis_rect r, double weight)
 {
-    sum->camera_rays += c->camera_rays;
-    sum->shadow_rays += c->shadow_rays;
-    sum->candidates += c->candidates;
-    sum->accepted += c->accepted;
-    sum->fallbacks += c->fallbacks;
-    sum->nonfinite += c->nonfinite;
+    bis_film *f = w->film;
+
+    for (int y = r.y0; y < r.y1; y++) {
+        for (int x = r.x0; x < r.x1; x++) {
+            size_t i = (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0);
+            bis_film_add(f, x, y, w->pass[i].L, (double)w->pass[i].hit, weight);
+            if (w->pass_layers) bis_layers_add(&f->layers, i, bis_workspace_layers(w, i));
+        }
+    }
 }
 
 void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum)
 {
     bis_film *f = w->film;
+    const int n = w->own ? w->n_own : f->height; /* tiles, or rows */
 
 #pragma omp parallel for num_threads(w->n_threads)
-    for (int y = 0; y < f->height; y++) {
-        for (int x = 0; x < f->width; x++) {
-            size_t i = (size_t)y * (size_t)f->width + (size_t)x;
-            bis_film_add(f, f->x0 + x, f->y0 + y, w->pass[i].L, (double)w->pass[i].hit, pass->weight);
-            if (w->pass_layers) bis_layers_add(&f->layers, i, bis_workspace_layers(w, i));
-        }
+    for (int i = 0; i < n; i++) {
+        const bis_rect row = {f->x0, f->y0 + i, f->x0 + f->width, f->y0 + i + 1};
+        keep_pixels(w, w->own ? bis_film_tile_of_crop(f, BIS_RENDER_TILE, w->own[i]) : row, pass->weight);
     }
-    for (int i = 0; i < w->n_threads; i++) add_counters(sum, &w->workers[i].counters);
+    for (int i = 0; i < w->n_threads; i++) bis_counters_add(sum, &w->workers[i].counters);
     bis_visibility_learn(&w->visibility, w->n_threads);
     bis_film_end_pass(f, pass->weight);
 }
-

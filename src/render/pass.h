@@ -19,6 +19,3 @@ bool bis_pass_render(bis_workspace *w, const bis_pass *pass, bis_pass_progress *
 
 /* bis_pass_keep adds the pass under way to the film and its counters to *sum, and lets visibility learn from it. */
 void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum);
-
-/* bis_pass_interrupted returns true once the flag of the options is set. */
-bool bis_pass_interrupted(const bis_workspace *w);

@@ -26,6 +26,7 @@
 #include "bis/base/clock.h"
 #include "checkpoint.h"
 #include "pass.h"
+#include "team.h"
 
 #include <assert.h>
 #include <math.h>
@@ -125,7 +126,7 @@ static bool budget_left(render *r)
     const uint32_t passes = r->work.film->passes;
     bis_done *done = &r->done;
 
-    if (bis_pass_interrupted(&r->work)) return false;
+    if (bis_workspace_interrupted(&r->work)) return false;
     if (r->is_last || (r->most && done->spp >= r->most)) return false;
     if (passes == UINT32_MAX) return false;
     const uint32_t size = r->size = pass_size(r, done->spp);
@@ -151,6 +152,7 @@ static bool render_pass(render *r)
                            .first = r->done.spp,
                            .weight = r->work.view->adaptive ? 1 : (double)r->size};
 
+    if (r->work.team) bis_team_call(r->work.team, &pass, BIS_OK);
     if (!bis_pass_render(&r->work, &pass, report_tile, r)) return false;
     bis_pass_keep(&r->work, &pass, &r->done.counters);
     r->done.spp += r->size;
@@ -184,7 +186,7 @@ static void render_passes(render *r, bis_render_result *result)
     result->seconds = bis_clock_now() - r->start;
     r->size = 0;
     /* where all passes are done, it came too late */
-    result->interrupted = bis_pass_interrupted(&r->work) && !(r->most && r->done.spp >= r->most);
+    result->interrupted = bis_workspace_interrupted(&r->work) && !(r->most && r->done.spp >= r->most);
     report(r, 0);
 }
 
@@ -200,33 +202,76 @@ static bis_status resume(render *r, bis_diag *diag)
                      (unsigned long long)r->done.spp, (unsigned long long)r->most);
 }
 
+/* What all ranks do before the first pass; each step is begun by all or by none. */
+static bis_status prepare(render *r, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
+                          const bis_view *view, const bis_render_options *options, int *n_threads, bis_diag *diag)
+{
+    bis_workspace *w = &r->work;
+    bis_crew *crew = options->crew;
+    bis_status status = bis_workspace_init(w, film, scene, desc, view, options, diag);
+
+    if (!status && crew) {
+        w->team = bis_team_new(crew, w);
+        if (!w->team) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a team of %d", crew->size);
+    }
+    r->start = bis_clock_now();
+    if (!status) status = bis_workspace_find_edges(w, diag);
+    status = bis_crew_agree(crew, status, diag);
+    if (status) return status;
+    bis_workspace_join_edges(w);
+    *n_threads = w->n_threads;
+    return crew ? bis_team_meet(w->team, w, n_threads, diag) : BIS_OK;
+}
+
+static void ignore_progress(double share, void *user) { (void)share, (void)user; }
+
+/* Another rank than 0: the passes that rank 0 asks for. */
+static bis_status follow(render *r)
+{
+    bis_pass pass;
+    bis_status status;
+
+    while (bis_team_follow(r->work.team, &pass, &status)) bis_pass_render(&r->work, &pass, ignore_progress, NULL);
+    return status;
+}
+
+static bis_status lead(render *r, bis_render_result *result, bis_diag *diag)
+{
+    const double start = r->start;
+
+    r->done.counters.camera_rays = bis_workspace_edge_rays(&r->work);
+    bis_status status = resume(r, diag);
+    r->start = start - r->done.seconds;
+    r->last_report = r->last_kept = start;
+    if (!status) render_passes(r, result);
+    if (r->work.team) bis_team_call(r->work.team, NULL, status);
+    return status;
+}
+
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                       const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
+    const bool leads = bis_crew_leads(options->crew);
     render r = {.budget = options->budget,
                 .done = {.next_check = MIN_ERROR_PASSES, .rmse_upper = (double)NAN}};
 
     *result = (bis_render_result){.relative_rmse = (double)NAN, .error_bound = (double)NAN};
     assert(film->passes == 0);
+    assert(!options->part.n || !(view->adaptive || options->budget.error > 0)); /* these weigh the whole picture */
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
     r.most = r.budget.spp;
     if (view->adaptive) r.most = (r.most + BIS_ADAPT_SAMPLES - 1) / BIS_ADAPT_SAMPLES * BIS_ADAPT_SAMPLES;
-    bis_status status = bis_workspace_init(&r.work, film, scene, desc, view, options, diag);
-    r.passes_total = passes_in(&r, r.most);
-    const double start = bis_clock_now();
-    if (!status) status = bis_workspace_find_edges(&r.work, &r.done.counters.camera_rays, diag);
-    if (!status) status = resume(&r, diag);
-    r.start = start - r.done.seconds;
-    r.last_report = r.last_kept = start;
-    if (!status) {
-        render_passes(&r, result);
+    bis_status status = prepare(&r, film, scene, desc, view, options, &result->n_threads, diag);
+    if (!status) r.passes_total = passes_in(&r, r.most);
+    if (!status) status = leads ? lead(&r, result, diag) : follow(&r);
+    if (!status && leads) {
         result->counters = r.done.counters;
-        result->relative_rmse = bis_film_relative_rmse(film, &result->error_bound);
+        if (!options->part.n) result->relative_rmse = bis_film_relative_rmse(film, &result->error_bound);
         result->passes = film->passes;
         result->spp = r.done.spp;
-        result->n_threads = r.work.n_threads;
-        result->bytes = bis_workspace_bytes(&r.work);
+        result->bytes = bis_workspace_bytes(&r.work) + (r.work.team ? bis_team_bytes(r.work.team) : 0);
     }
+    bis_team_free(r.work.team);
     bis_workspace_clear(&r.work);
     return status;
 }

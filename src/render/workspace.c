@@ -3,7 +3,11 @@
 #include "workspace.h"
 
 #include "bis/base/mem.h"
+#include "crew.h"
 #include "edges.h"
+#include "share.h"
+
+#include <inttypes.h>
 
 #ifdef _OPENMP
 #include <omp.h>
@@ -17,6 +21,16 @@ int bis_render_threads(const bis_render_options *options)
     (void)options;
     return 1;
 #endif
+}
+
+void bis_counters_add(bis_counters *sum, const bis_counters *c)
+{
+    sum->camera_rays += c->camera_rays;
+    sum->shadow_rays += c->shadow_rays;
+    sum->candidates += c->candidates;
+    sum->accepted += c->accepted;
+    sum->fallbacks += c->fallbacks;
+    sum->nonfinite += c->nonfinite;
 }
 
 bis_rect bis_workspace_tile(const bis_workspace *w, int t)
@@ -103,6 +117,20 @@ static bis_status make_pass(bis_workspace *w, bis_diag *diag)
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a pass of %d x %d pixels", f->width, f->height);
 }
 
+static bis_status find_own_tiles(bis_workspace *w, bis_diag *diag)
+{
+    const bis_part part = w->options->part;
+
+    w->n_own = w->n_tiles;
+    if (!part.n) return BIS_OK;
+    if (part.n > (uint32_t)w->n_tiles)
+        return bis_error(diag, BIS_INPUT, (bis_loc){0},
+                         "a picture of %d x %d pixels has %d tiles of %d x %d: %d parts at most, not %" PRIu32,
+                         w->film->width, w->film->height, w->n_tiles, BIS_RENDER_TILE, BIS_RENDER_TILE, w->n_tiles,
+                         part.n);
+    return bis_share_tiles(&w->own, &w->n_own, w->film, part, diag);
+}
+
 bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                               const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
@@ -120,7 +148,8 @@ bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene 
         .n_threads = bis_render_threads(options),
         .n_tiles = bis_film_tiles(film, BIS_RENDER_TILE, &across),
     };
-    status = make_workers(w, diag);
+    status = find_own_tiles(w, diag);
+    if (!status) status = make_workers(w, diag);
     if (!status) status = make_pool(w, diag);
     find_area(w);
     if (!status) status = make_pass(w, diag);
@@ -128,19 +157,63 @@ bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene 
     return status;
 }
 
-bis_status bis_workspace_find_edges(bis_workspace *w, uint64_t *n_rays, bis_diag *diag)
+/* Two parts trace the corners between their tiles twice, but only one counts them, so that the sum over parts is that
+ * of the picture. */
+uint64_t bis_workspace_edge_rays(const bis_workspace *w)
+{
+    uint64_t n = 0;
+
+    if (!w->edge) return 0;
+    if (!w->own) return bis_edges_rays(w->film, w->area, w->area);
+    for (int i = 0; i < w->n_own; i++) n += bis_edges_rays(w->film, w->area, bis_workspace_tile(w, w->own[i]));
+    return n;
+}
+
+static bool find_edges_of(bis_workspace *w, const int *tiles, int n)
+{
+    bool good = true;
+
+#pragma omp parallel for schedule(dynamic) num_threads(w->n_threads) reduction(&& : good)
+    for (int i = 0; i < n; i++)
+        good = bis_edges_find(w->edge, w->area, bis_workspace_tile(w, tiles[i]), w->film, w->scene, w->view, 1) && good;
+    return good;
+}
+
+/* The share of this rank; the others' pixels stay 0. */
+static bool find_edges_of_rank(bis_workspace *w, const bis_crew *crew)
+{
+    const bis_part share = {(uint32_t)crew->rank + 1, (uint32_t)crew->size};
+    int *tiles, n;
+
+    if (bis_share_tiles(&tiles, &n, w->film, share, NULL)) return false;
+    const bool good = find_edges_of(w, tiles, n);
+    bis_free(tiles);
+    return good;
+}
+
+bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
 {
     const int width = w->area.x1 - w->area.x0, height = w->area.y1 - w->area.y0;
+    const bis_crew *crew = w->options->crew;
 
-    *n_rays = 0;
     if (w->view->edge_samples <= 1 || !w->view->pixel_jitter || !w->scene->accel) return BIS_OK;
     w->edge_sampler = w->view->sampler;
     bis_sampler_set_spp(&w->edge_sampler, (uint64_t)w->view->sampler.spp * w->view->edge_samples);
-    w->edge = bis_edges_find(w->film, w->area, w->scene, w->view, w->n_threads);
-    if (!w->edge)
-        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);
-    *n_rays = bis_edges_rays(w->film, w->area);
-    return BIS_OK;
+    w->edge = bis_alloc((size_t)width * (size_t)height, sizeof *w->edge);
+    bool good = w->edge != NULL;
+    if (good && crew) good = find_edges_of_rank(w, crew);
+    else if (good && w->own) good = find_edges_of(w, w->own, w->n_own);
+    else if (good) good = bis_edges_find(w->edge, w->area, w->area, w->film, w->scene, w->view, w->n_threads);
+    if (good) return BIS_OK;
+    return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);
+}
+
+void bis_workspace_join_edges(bis_workspace *w)
+{
+    const size_t width = (size_t)(w->area.x1 - w->area.x0), height = (size_t)(w->area.y1 - w->area.y0);
+    bis_crew *crew = w->options->crew;
+
+    if (crew && w->edge) crew->join_bits(crew, w->edge, width * height);
 }
 
 size_t bis_workspace_bytes(const bis_workspace *w)
@@ -166,6 +239,7 @@ void bis_workspace_clear(bis_workspace *w)
     bis_clusters_clear(&w->clusters);
     bis_visibility_clear(&w->visibility);
     bis_adapt_clear(&w->adapt);
+    bis_free(w->own);
     bis_free(w->workers);
     bis_free(w->pass);
     bis_free(w->pass_layers);

@@ -42,6 +42,8 @@ typedef struct bis_workspace {
     bis_visibility visibility; /* n_tiles = 0: none */
 
     int n_tiles;              /* bis_film_tiles */
+    struct bis_team *team;    /* other processes that render tiles, see team.h; NULL: none */
+    int *own, n_own;          /* own[n_own]: the tiles that are rendered, ascending; NULL: all n_tiles */
     bool whole_tiles;         /* pixels of a tile beside the crop are rendered as well */
     bis_rect area;            /* what is rendered: the crop, or all of its tiles */
     unsigned char *edge;      /* edge[][] of the area, see edges.h; NULL: all pixels are alike */
@@ -50,15 +52,30 @@ typedef struct bis_workspace {
     float *pass_layers;       /* pass_layers[height][width][film->layers.n_values]; NULL: no layers */
 } bis_workspace;
 
-/* bis_workspace_init makes all of *w but the edges. What is passed is borrowed. Errors: BIS_NOMEM; *w can then be
- * cleared. */
+/* bis_workspace_init makes all of *w but the edges. What is passed is borrowed. Errors: BIS_NOMEM, BIS_INPUT (the part
+ * that is asked for has no tile); *w can then be cleared. */
 bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                               const bis_view *view, const bis_render_options *options, bis_diag *diag);
 void bis_workspace_clear(bis_workspace *w);
 
-/* bis_workspace_find_edges traces the rays of edges.h, where edge samples are asked for, camera rays are not all the
- * same, and there is something to see; *n_rays is their number. Errors: BIS_NOMEM. */
-bis_status bis_workspace_find_edges(bis_workspace *w, uint64_t *n_rays, bis_diag *diag);
+/* bis_workspace_find_edges traces the rays of edges.h, where there are edges to find. Each rank of a crew looks at a
+ * share of the tiles. Errors: BIS_NOMEM. */
+bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag);
+
+/* bis_workspace_join_edges gives all edges to all ranks of a crew, which must all call it. */
+void bis_workspace_join_edges(bis_workspace *w);
+
+/* bis_workspace_edge_rays returns how many rays find the edges of what is rendered, by all ranks together. */
+uint64_t bis_workspace_edge_rays(const bis_workspace *w);
+
+/* bis_workspace_own returns the i-th of the n_own tiles that are rendered. */
+static inline int bis_workspace_own(const bis_workspace *w, int i) { return w->own ? w->own[i] : i; }
+
+/* bis_workspace_interrupted returns true once the flag of the options is set. */
+static inline bool bis_workspace_interrupted(const bis_workspace *w)
+{
+    return w->options->interrupted && *w->options->interrupted;
+}
 
 /* bis_workspace_tile returns tile t as it is rendered: whole, or cut by the crop. */
 bis_rect bis_workspace_tile(const bis_workspace *w, int t);
@@ -68,3 +85,6 @@ float *bis_workspace_layers(const bis_workspace *w, size_t i);
 
 /* bis_workspace_bytes returns the bytes of *w, without the film and the edges. */
 size_t bis_workspace_bytes(const bis_workspace *w);
+
+/* bis_counters_add adds c to *sum. */
+void bis_counters_add(bis_counters *sum, const bis_counters *c);

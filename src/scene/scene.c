@@ -243,3 +243,14 @@ size_t bis_scene_shape_of(const bis_scene *s, const bis_scene_desc *desc, uint32
     *part = prim - (i ? s->shape_end[i - 1] : 0);
     return i;
 }
+
+bis_scene_figures bis_scene_figures_of(const bis_scene *s)
+{
+    bis_scene_figures f = {.triangles = s->geometry.n_triangles,
+                           .mesh = (double)bis_geometry_bytes(&s->geometry),
+                           .accel = s->accel ? (double)bis_accel_bytes(s->accel) : (double)NAN,
+                           .envmap = bis_light_is_constant(s->light) ? (double)NAN : (double)bis_light_bytes(s->light)};
+
+    snprintf(f.accelerator, sizeof f.accelerator, "%s", s->accel ? bis_accel_name(s->accel) : "");
+    return f;
+}

@@ -147,9 +147,8 @@ static uint64_t peak_memory(void)
 static void print_memory(bis_json *j, const bis_stats *s)
 {
     bis_json_count(j, "peak_memory_bytes", peak_memory());
-    BIS_JSON_OBJECT(j, "memory", {"mesh", (double)bis_geometry_bytes(&s->scene->geometry)},
-                    {"accel", count(s->scene->accel != NULL, bis_accel_bytes(s->scene->accel))},
-                    {"envmap", count(!bis_light_is_constant(s->scene->light), bis_light_bytes(s->scene->light))},
+    BIS_JSON_OBJECT(j, "memory", {"mesh", s->scene.mesh}, {"accel", s->scene.accel},
+                    {"envmap", s->scene.envmap},
                     {"film", (double)(bis_film_bytes(s->film) + s->result->bytes)});
 }
 
@@ -199,8 +198,8 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     bis_json_count(&j, "spp", r->spp);
     bis_json_count(&j, "seed", s->desc->view.sampler.seed);
     bis_json_count(&j, "threads", (uint64_t)r->n_threads);
-    bis_json_text(&j, "accelerator", s->scene->accel ? bis_accel_name(s->scene->accel) : NULL);
-    BIS_JSON_NUMBERS(&j, {"triangles", (double)s->scene->geometry.n_triangles}, {"width", s->film->width},
+    bis_json_text(&j, "accelerator", *s->scene.accelerator ? s->scene.accelerator : NULL);
+    BIS_JSON_NUMBERS(&j, {"triangles", (double)s->scene.triangles}, {"width", s->film->width},
                      {"height", s->film->height});
     BIS_JSON_OBJECT(&j, "seconds", {"parse", t->parse}, {"load", t->load}, {"envmap", t->envmap}, {"accel", t->accel},
                     {"render", t->render}, {"write", t->write}, {"total", t->total});

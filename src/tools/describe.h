@@ -23,7 +23,7 @@ const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *
 /* Everything that --stats tells. seconds.write and .total are those so far. */
 typedef struct bis_stats {
     const bis_scene_desc *desc;
-    const bis_scene *scene;
+    bis_scene_figures scene;
     const bis_film *film;
     const bis_render_result *result;
     bis_scene_seconds seconds;

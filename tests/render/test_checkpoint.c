@@ -356,7 +356,7 @@ static void a_forged_head_breaks_nothing(void **state)
         }
     }
     /* all hashes of parts are, but not the seconds */
-    assert_in_range(n_refused, 3 * BIS_CHECKPOINT_PARTS * 8, 3 * (at + BEFORE_SUMS - 1));
+    assert_in_range(n_refused, 3 * BIS_IDENTITY_PARTS * 8, 3 * (at + BEFORE_SUMS - 1));
     bis_free(data);
     clear_world(&w);
 }
@@ -449,11 +449,11 @@ static void settings_are_read_back(void **state)
     s->as_printed = BIS_E6 | BIS_E21;
     render_kind(&f, &result, &w, &k, budget(&k, 4, 1), &c);
     c = read_state(PATH);
-    assert_ptr_equal(c.settings.integrator, &bis_sir);
+    assert_ptr_equal(c.head.settings.integrator, &bis_sir);
     for (const bis_parameter *p = bis_parameters; p->name; p++)
-        if (bis_parameter_get(p, &c.settings) != bis_parameter_get(p, s)) fail_msg("%s", p->name);
-    assert_int_equal(c.settings.as_printed, BIS_E6 | BIS_E21);
-    assert_true(c.pilot_seconds == 1.5);
+        if (bis_parameter_get(p, &c.head.settings) != bis_parameter_get(p, s)) fail_msg("%s", p->name);
+    assert_int_equal(c.head.settings.as_printed, BIS_E6 | BIS_E21);
+    assert_true(c.head.pilot_seconds == 1.5);
     bis_checkpoint_clear(&c);
     bis_film_clear(&f);
     clear_world(&w);

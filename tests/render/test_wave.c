@@ -72,11 +72,11 @@ static void render_one_by_one(bis_film *film, bis_counters *counters, const worl
 {
     const bis_render_options options = {.n_threads = 1};
     bis_workspace work;
-    uint64_t edge_rays, before = 0;
+    uint64_t before = 0;
 
     assert_int_equal(bis_film_init(film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_workspace_init(&work, film, &w->scene, &w->desc, &w->desc.view, &options, NULL), BIS_OK);
-    assert_int_equal(bis_workspace_find_edges(&work, &edge_rays, NULL), BIS_OK);
+    assert_int_equal(bis_workspace_find_edges(&work, NULL), BIS_OK);
     for (uint32_t p = 0; p < n_passes; p++) {
         pass_one_by_one(film, w, &work, p, sizes[p], before);
         before += sizes[p];

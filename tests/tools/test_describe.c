@@ -186,7 +186,7 @@ static void the_stats_are_those_by_hand(void **state)
     desc.view.sampler.seed = 34;
     assert_int_equal(bis_light_constant(&scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, 7, 3, (double[]){0, 1, 0, 1}, (bis_loc){0}, NULL), BIS_OK);
-    bis_stats s = {.desc = &desc, .scene = &scene, .film = &film, .result = &result, .seconds = {1, 2, 3, 4, 5, 6, 7}, .line = "the line"};
+    bis_stats s = {.desc = &desc, .scene = bis_scene_figures_of(&scene), .film = &film, .result = &result, .seconds = {1, 2, 3, 4, 5, 6, 7}, .line = "the line"};
 
     char *text = stats_of(&s), *rest = strstr(text, "  \"peak_memory_bytes\": ");
     assert_non_null(rest);

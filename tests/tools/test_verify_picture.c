@@ -67,8 +67,9 @@ static size_t pixels_of(const bis_film *f) { return (size_t)f->width * (size_t)f
 
 static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const bis_view *view)
 {
-    unsigned char *edge = bis_edges_find(f, (bis_rect){f->x0, f->y0, f->x0 + f->width, f->y0 + f->height}, scene, view, 1);
-    assert_non_null(edge);
+    const bis_rect all = {f->x0, f->y0, f->x0 + f->width, f->y0 + f->height};
+    unsigned char *edge = bis_alloc((size_t)f->width * (size_t)f->height, 1);
+    assert_true(bis_edges_find(edge, all, all, f, scene, view, 1));
     return edge;
 }
 

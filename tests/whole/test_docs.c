@@ -116,13 +116,56 @@ static void every_command_of_the_guide_works(void **state)
     assert_true(program_exists(DIR "/pixel_350_300/samples.svg") && program_exists(DIR "/sky-importance.png"));
 }
 
+/* Copies the block of code behind the line `mark` of docs/many-machines.md to the file. */
+static void copy_block(const char *mark, const char *path)
+{
+    char line[1024];
+    bool is_near = false, is_in = false;
+    int n_lines = 0;
+    FILE *page = fopen("docs/many-machines.md", "r"), *script = fopen(path, "w");
+
+    assert_non_null(page);
+    assert_non_null(script);
+    while (fgets(line, sizeof line, page)) {
+        const bool is_fence = strncmp(line, "```", 3) == 0;
+        if (is_in && is_fence) break;
+        if (is_in) n_lines++, fputs(line, script);
+        is_in |= is_near && is_fence;
+        is_near |= strncmp(line, mark, strlen(mark)) == 0;
+    }
+    fclose(page);
+    assert_int_equal(fclose(script), 0);
+    assert_in_range(n_lines, 4, 20);
+}
+
+/* The loop over parts runs as it stands, and its picture is that of one render. The tasks of the array job run one after
+ * the other, with a stand-in for srun; only the camera samples are fewer, and the pixels. */
+static void the_scripts_of_many_machines_make_the_picture_of_one(void **state)
+{
+    (void)state;
+    make_root();
+    copy_block("<!-- loop -->", DIR "/loop.sh");
+    assert_int_equal(shell("cd " DIR " && sh -e loop.sh 2> err"), 0);
+    assert_int_equal(shell("cd " DIR " && ./bis scene.txt --resolution 200x150 --spp 6 --quiet --outfile whole.png && "
+                           "cmp whole.png picture.png"), 0);
+
+    copy_block("<!-- array job -->", DIR "/job.sh");
+    program_write_file(DIR "/srun", "#!/bin/sh\nexec \"$@\"\n");
+    assert_int_equal(shell("cd " DIR " && chmod +x srun && rm -f part-* && grep -q 'spp 1024' job.sh && "
+                           "sed 's/--spp 1024/--resolution 80x64 --spp 2 --quiet/' job.sh > short.sh && "
+                           "for i in $(seq 16); do PATH=.:$PATH SLURM_CPUS_PER_TASK=2 SLURM_ARRAY_TASK_ID=$i sh -e "
+                           "short.sh || exit 1; done"), 0);
+    assert_int_equal(shell("cd " DIR " && ./bis merge part-*.bispart --quiet --outfile job.png && ./bis scene.txt "
+                           "--resolution 80x64 --spp 2 --quiet --outfile whole.png && cmp whole.png job.png"), 0);
+}
+
 /* No link of a page leads nowhere. */
 static void links_of_the_pages_lead_to_files(void **state)
 {
     (void)state;
     const char *pages[] = {"README.md", "docs/command-line.md", "docs/architecture.md", "docs/integrators.md", "docs/scene-format.md",
                            "docs/proof.md", "docs/envelope.md", "docs/errata.md", "docs/extending.md", "docs/budgets.md", "docs/pixel.md",
-                           "docs/guide.md", "docs/theory.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
+                           "docs/guide.md", "docs/theory.md", "docs/many-machines.md", "src/thesis/README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++) {
         char text[1 << 16], path[1024];
         FILE *f = fopen(pages[i], "r");
@@ -440,6 +483,7 @@ int main(void)
         cmocka_unit_test(every_command_of_the_readme_works),
         cmocka_unit_test(every_command_of_the_guide_works),
         cmocka_unit_test(a_section_without_a_task_or_its_answer_is_found),
+        cmocka_unit_test(the_scripts_of_many_machines_make_the_picture_of_one),
         cmocka_unit_test(links_of_the_pages_lead_to_files),
         cmocka_unit_test(code_on_the_pages_is_what_the_compiler_sees),
         cmocka_unit_test(a_fragment_that_is_gone_or_differs_is_found),

@@ -47,6 +47,10 @@ bis_status bis_film_init(bis_film *f, int full_width, int full_height, const dou
 bis_status bis_film_init_thin(bis_film *f, int width, int height, const double crop[4], int step, bis_loc at,
                               bis_diag *diag);
 
+/* bis_film_init_like allocates a film of the sizes and the place of `sizes`, which need not have sums, all sums 0 and
+ * without layers. Errors: BIS_NOMEM. */
+bis_status bis_film_init_like(bis_film *f, const bis_film *sizes, bis_loc at, bis_diag *diag);
+
 /* bis_film_clear frees the sums; f may be NULL. *f is empty afterwards. */
 void bis_film_clear(bis_film *f);
 

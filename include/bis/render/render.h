@@ -32,6 +32,12 @@ typedef struct bis_forecast {
     double spp, seconds;
 } bis_forecast;
 
+/* The k-th (1 to n) of n shares of the tiles of a picture; n = 0: the whole picture. */
+typedef struct bis_part {
+    uint32_t k, n;
+} bis_part;
+
+typedef struct bis_crew bis_crew;             /* src/render/crew.h */
 typedef struct bis_checkpoint bis_checkpoint; /* src/render/checkpoint.h */
 
 typedef struct bis_render_options {
@@ -46,13 +52,15 @@ typedef struct bis_render_options {
     /* called once, unless the pilot is enough or there is no error budget; may be NULL */
     void (*forecast)(const bis_forecast *f, void *user);
     void *user;
+    bis_part part;              /* only these tiles are rendered, the rest of the film stays 0 */
+    bis_crew *crew;             /* other processes that take part; NULL: none. All of them call bis_render */
     bis_checkpoint *checkpoint; /* what to go on from, and where to keep the state; NULL: neither */
 } bis_render_options;
 
 typedef struct bis_render_result {
     bis_counters counters; /* this and all below include what a checkpoint brought */
     double seconds;
-    double relative_rmse; /* NAN: unknown */
+    double relative_rmse; /* NAN: unknown, as of a part */
     double error_bound;   /* upper 95% bound of relative_rmse; NAN: unknown */
     bool interrupted;     /* the picture then has the passes that were complete; it is black if there were none */
     /* camera samples per pixel, with adaptive sampling (nearly) their mean: the budget that makes this picture again */
@@ -68,6 +76,8 @@ int bis_render_threads(const bis_render_options *options);
 /* bis_render renders into film, which the caller has initialised. view says what is seen and how; it may
  * differ from desc->view, but scene must have been built for what its settings need. The bits of the film depend on
  * desc, view and the number of passes, never on threads, time, or checkpoints. *result receives what was done. Errors:
- * BIS_NOMEM, BIS_INPUT (the checkpoint belongs to another render, or has more camera samples than are asked for). */
+ * BIS_NOMEM, BIS_INPUT (the checkpoint belongs to another render, or has more camera samples than are asked for;
+ * there are fewer tiles than parts; a rank of the crew renders another scene). With a crew only rank 0 has the
+ * result. */
 bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene *scene, const bis_scene_desc *desc,
                       const bis_view *view, const bis_render_options *options, bis_diag *diag);

@@ -120,6 +120,16 @@ bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag
 /* bis_scene_free frees the scene; NULL is allowed. */
 void bis_scene_free(bis_scene *s);
 
+/* How large a scene is, for reports. */
+typedef struct bis_scene_figures {
+    uint64_t triangles;
+    char accelerator[16];        /* its name; "": there is no geometry */
+    double mesh, accel, envmap;  /* bytes; NAN: there is none */
+} bis_scene_figures;
+
+/* bis_scene_figures_of returns the figures of a scene that has been built. */
+bis_scene_figures bis_scene_figures_of(const bis_scene *s);
+
 /* bis_scene_accel makes an accelerator of this kind over the scene's geometry, for desc's camera, as bis_scene_build
  * does. Errors: those of bis_accel_new; BIS_INPUT if the camera stands beyond the largest float. */
 bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind,

@@ -1,0 +1,79 @@
+/* crew: all ranks agree before they begin. */
+#include "crew.h"
+
+#include "base/text.h"
+
+#include <string.h>
+
+enum { MOST_TEXT = 1024, HOST = 64 };
+
+/* What a rank tells of itself. */
+typedef struct report {
+    int32_t status, n_threads;
+    char host[HOST], text[MOST_TEXT];
+    uint64_t parts[BIS_IDENTITY_PARTS];
+} report;
+
+static report report_of(const bis_crew *crew)
+{
+    report r;
+    memset(&r, 0, sizeof r);
+    bis_append(r.host, sizeof r.host, "%s", crew->host);
+    return r;
+}
+
+static const char *first_error(const bis_diag *diag)
+{
+    for (size_t i = 0; diag && i < diag->n; i++)
+        if (diag->messages[i].is_error) return diag->messages[i].text;
+    return "no memory for a message";
+}
+
+bis_status bis_crew_agree(bis_crew *crew, bis_status status, bis_diag *diag)
+{
+    if (!crew) return status;
+    report own = report_of(crew);
+    own.status = (int32_t)status;
+    if (status) bis_append(own.text, sizeof own.text, "%s", first_error(diag));
+    if (crew->rank > 0) crew->send(crew, 0, &own, sizeof own);
+    int failing = status ? 0 : crew->size;
+    report worst = own;
+    for (int i = 1; i < crew->size && crew->rank == 0; i++) {
+        int from;
+        size_t n;
+        report r;
+        memcpy(&r, crew->receive(crew, &from, &n, true), sizeof r);
+        if (r.status && from < failing) worst = r, failing = from;
+    }
+    if (crew->rank == 0 && !status && worst.status)
+        bis_error(diag, (bis_status)worst.status, (bis_loc){0}, "rank %d on \"%s\" cannot go on: %s", failing,
+                  worst.host, worst.text);
+    crew->broadcast(crew, &worst.status, sizeof worst.status);
+    return (bis_status)worst.status;
+}
+
+bis_status bis_crew_compare(bis_crew *crew, const uint64_t parts[BIS_IDENTITY_PARTS], int n_threads, int *threads,
+                            bis_diag *diag)
+{
+    report own = report_of(crew);
+    int32_t status = BIS_OK;
+
+    own.n_threads = n_threads;
+    memcpy(own.parts, parts, sizeof own.parts);
+    if (crew->rank > 0) crew->send(crew, 0, &own, sizeof own);
+    for (int i = 1; i < crew->size && crew->rank == 0; i++) {
+        int from;
+        size_t n;
+        char list[1024];
+        report r;
+        memcpy(&r, crew->receive(crew, &from, &n, true), sizeof r);
+        threads[from] = r.n_threads;
+        if (!bis_identity_differs(list, sizeof list, parts, r.parts)) continue;
+        status = BIS_INPUT;
+        bis_error(diag, BIS_INPUT, (bis_loc){0}, "rank %d on \"%s\" has read another scene than rank 0 on \"%s\". "
+                  "These differ: %s. Give all machines the same files", from, r.host, crew->host, list);
+    }
+    threads[0] = n_threads;
+    crew->broadcast(crew, &status, sizeof status);
+    return (bis_status)status;
+}

@@ -1,0 +1,221 @@
+/* --part and `bis merge` with the program: what a user types, and what the messages tell to type, makes the picture of
+ * one run. What is rendered together with parts is in tests/render/test_part.c. */
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+
+#include "json_check.h"
+#include "program.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define DIR "build/test_merge"
+#define SCENE DIR "/scene.txt"
+#define PARTS DIR "/p3.bispart " DIR "/p1.bispart " DIR "/p2.bispart"
+
+static int setup(void **state)
+{
+    (void)state;
+    program_folder(DIR);
+    program_write_scene(DIR, "");
+    return 0;
+}
+
+static void assert_same_file(const char *path_a, const char *path_b)
+{
+    unsigned char *a, *b;
+    size_t n_a, n_b;
+    assert_int_equal(bis_file_read(&a, &n_a, path_a, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_file_read(&b, &n_b, path_b, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(n_a, n_b);
+    assert_memory_equal(a, b, n_a);
+    bis_free(a);
+    bis_free(b);
+}
+
+static void write_parts(const char *options)
+{
+    program_run r;
+    for (int k = 1; k <= 3; k++) {
+        program_expect(&r, 0, SCENE " %s --part %d/3 --outfile " DIR "/p%d.bispart", options, k, k);
+        if (strncmp(r.messages, "bis: wrote " DIR "/p", strlen("bis: wrote " DIR "/p")) != 0 ||
+            !strstr(r.messages, " of 3 of 40 x 16 pixels, "))
+            fail_msg("%s", r.messages);
+    }
+}
+
+/* All outputs of a merge are those of a render, but for seconds and memory; the EXR has seconds in its header. */
+static void the_outputs_are_those_of_one_run(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"scene", "integrator", "proposal", "candidates", "shadowrays", "samples", "spp",
+                                       "seed", "accelerator", "triangles", "width", "height", "rays.camera",
+                                       "rays.shadow", "candidates_drawn", "accepted", "fallbacks", "memory.mesh",
+                                       "memory.accel", "memory.envmap", "estimated_relative_rmse", "interrupted"};
+    static char whole[1 << 16];
+    program_run r;
+    char a[256], b[256];
+
+    program_expect(&r, 0, SCENE " --resolution 40x16 --spp 9 --seed 4 --layers depth,stderr --stats - --exposure 1 --outfile " DIR "/a.exr "
+                   "--outfile " DIR "/a.pfm --outfile " DIR "/a.png");
+    memcpy(whole, r.output, sizeof whole);
+    write_parts("--resolution 40x16 --spp 9 --seed 4 --layers depth,stderr");
+    program_expect(&r, 0, "merge " PARTS " --stats - --exposure 1 --outfile " DIR "/b.exr --outfile " DIR
+                   "/b.pfm --outfile " DIR "/b.png");
+    program_expect_only_the_result(&r);
+    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
+    assert_same_file(DIR "/a.png", DIR "/b.png");
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        json_value(a, sizeof a, whole, keys[i]);
+        json_value(b, sizeof b, r.output, keys[i]);
+        if (strcmp(a, b) != 0) fail_msg("%s is %s instead of %s", keys[i], b, a);
+    }
+    /* the same but for render_seconds, in as many bytes: a float */
+    unsigned char *x, *y;
+    size_t n, m, differing = 0;
+    assert_int_equal(bis_file_read(&x, &n, DIR "/a.exr", (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_file_read(&y, &m, DIR "/b.exr", (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(n, m);
+    for (size_t i = 0; i < n; i++) differing += x[i] != y[i];
+    assert_in_range(differing, 0, 8);
+    bis_free(x);
+    bis_free(y);
+}
+
+/* The command that a message names, run by a shell with $PATH leading to the program. */
+static void the_command_in_the_message_makes_the_missing_part(void **state)
+{
+    (void)state;
+    static const char odd[] = DIR "/a scene, 'quoted'.txt", mark[] = "this makes it: ";
+    char command[8192], link[1024], here[512];
+    program_run r;
+    const char *program = getenv("BIS_PROGRAM");
+    unsigned char *text;
+    size_t n;
+
+    if (!program || !*program) program = "build/release/bis";
+    assert_non_null(getcwd(here, sizeof here));
+    snprintf(link, sizeof link, "%s/%s", here, program);
+    unlink(DIR "/bis");
+    assert_int_equal(symlink(program[0] == '/' ? program : link, DIR "/bis"), 0);
+    assert_int_equal(bis_file_read(&text, &n, SCENE, (bis_loc){0}, NULL), BIS_OK);
+    program_write_file(odd, (char *)text);
+    bis_free(text);
+    for (int k = 1; k <= 2; k++) {
+        snprintf(command, sizeof command, "PATH=" DIR ":$PATH; bis --resolution=40x16 --spp=5 \"%s\" --part=%d/3 --stats " DIR "/stats.json "
+                 "--checkpoint " DIR "/state --quiet --outfile=" DIR "/p%d.bispart --candidates 30", odd, k, k);
+        assert_int_equal(system(command), 0);
+    }
+    program_expect(&r, 2, "merge " DIR "/p1.bispart " DIR "/p2.bispart --outfile " DIR "/b.pfm");
+    char *at = strstr(r.messages, mark);
+    assert_non_null(at);
+    at += strlen(mark);
+    at[strcspn(at, "\n")] = '\0';
+    assert_null(strstr(at, "state"));
+    snprintf(command, sizeof command, "PATH=" DIR ":$PATH; %s", at);
+    assert_int_equal(system(command), 0);
+    program_expect(&r, 0, "merge " DIR "/p1.bispart " DIR "/p2.bispart part-3.bispart --outfile " DIR "/b.pfm");
+    unlink("part-3.bispart");
+    program_expect(&r, 0, SCENE " --resolution 40x16 --spp 5 --candidates 30 --outfile " DIR "/a.pfm");
+    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
+}
+
+static void what_is_no_part_or_needs_the_whole_picture_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *arguments;
+        int exit_status;
+        const char *words;
+    } cases[] = {
+        {SCENE " --part 1/3 --time 5 --outfile " DIR "/x.bispart", 2, "--part 1/3 cannot have --time"},
+        {SCENE " --part 1/3 --error 5% --outfile " DIR "/x.bispart", 2, "Give --spp N"},
+        {SCENE " --part 1/3 --adaptive --outfile " DIR "/x.bispart", 2, "adaptive sampling"},
+        {SCENE " --part 1/3 --integrator auto --outfile " DIR "/x.bispart", 2, "integrator \"auto\""},
+        {SCENE " --part 1/3", 2, "give --outfile part-1.bispart"},
+        {SCENE " --part 2/3 --outfile " DIR "/x.exr", 2, "give --outfile part-2.bispart"},
+        {SCENE " --part 2/3 --outfile " DIR "/x.bispart --outfile " DIR "/y.bispart", 2, "give --outfile"},
+        {SCENE " --part 2/3 --outfile " DIR "/none/x.bispart", 1, "No such file or directory"},
+        {SCENE " --part 0/3 --outfile " DIR "/x.bispart", 2, "must be K/N with K from 1 to N"},
+        {SCENE " --part 4/3 --outfile " DIR "/x.bispart", 2, "must be K/N with K from 1 to N"},
+        {SCENE " --part 1/3x --outfile " DIR "/x.bispart", 2, "must be K/N with K from 1 to N"},
+        {SCENE " --part 3/5 --outfile " DIR "/x.bispart", 2, "24 x 16 pixels has 2 tiles of 16 x 16: 2 parts at most"},
+        {SCENE " --part 1/2 --outfile " SCENE, 2, "no picture yet"},
+        {SCENE " --outfile " DIR "/x.bispart", 2, "the ending must be .exr, .pfm, .hdr or .png"},
+        {SCENE " --spp 4 --resume " DIR "/q1.bispart --outfile " DIR "/x.pfm", 2, "`bis merge` puts parts together"},
+        {"merge", 2, "too few operands"},
+        {"merge " DIR "/q1.bispart " DIR "/q2.bispart", 2, "give --outfile picture.exr"},
+        {"merge " DIR "/q1.bispart --outfile " DIR "/x.pfm", 2, "part 2 of 2 is missing"},
+        {"merge " DIR "/q1.bispart " DIR "/q2.bispart --outfile " DIR "/q1.bispart", 2, "the ending must be"},
+        {"merge " DIR "/q1.bispart " DIR "/q2.pfm --outfile " DIR "/q2.pfm", 2, "which is read"},
+        {"merge " DIR "/q1.bispart " DIR "/none --outfile " DIR "/x.pfm", 1, "No such file"},
+        {"merge " DIR "/q1.bispart " DIR " --outfile " DIR "/x.pfm", 1, "is a folder"},
+        {"merge " DIR "/q1.bispart " DIR "/map.pfm --outfile " DIR "/x.pfm", 2, "this is no part of bis"},
+        {"merge " DIR "/q1.bispart " DIR "/state --outfile " DIR "/x.pfm", 2, "--resume goes on from it"},
+        {"merge " DIR "/q1.bispart " DIR "/other.bispart --outfile " DIR "/x.pfm", 2,
+         "These differ: the sampler, or its seed. "},
+        {"merge " DIR "/q2.bispart " DIR "/q1.bispart " DIR "/q2.bispart --outfile " DIR "/x.pfm", 0, "bis: wrote "},
+    };
+    program_run r;
+
+    for (int k = 1; k <= 2; k++)
+        program_expect(&r, 0, SCENE " --spp 4 --part %d/2 --outfile " DIR "/q%d.bispart", k, k);
+    program_expect(&r, 0, SCENE " --spp 4 --seed 9 --part 2/2 --outfile " DIR "/other.bispart");
+    program_expect(&r, 0, SCENE " --spp 4 --checkpoint " DIR "/state --outfile " DIR "/q2.pfm");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_expect(&r, cases[i].exit_status, "%s", cases[i].arguments);
+        if (!strstr(r.messages, cases[i].words))
+            fail_msg("%s: \"%s\" has no \"%s\"", cases[i].arguments, r.messages, cases[i].words);
+    }
+    assert_false(program_exists(DIR "/x.bispart"));
+}
+
+/* A full disk leaves the older file; a signal leaves a checkpoint, with which the part goes on. */
+static void a_part_that_cannot_be_finished_is_not_written(void **state)
+{
+    (void)state;
+    program_run r;
+
+    program_expect(&r, 0, SCENE " --spp 4 --part 1/2 --outfile " DIR "/q1.bispart");
+    program_expect(&r, 0, SCENE " --spp 4 --part 1/2 --outfile " DIR "/before.bispart");
+    const int n_files = program_count_files(DIR);
+    program_run_limited(&r, 1000, SCENE " --spp 8 --part 1/2 --outfile " DIR "/q1.bispart");
+    assert_int_equal(r.exit_status, 1);
+    assert_int_equal(program_count_files(DIR), n_files);
+    program_expect(&r, 0, SCENE " --spp 4 --part 2/2 --outfile " DIR "/q2.bispart");
+    program_expect(&r, 0, "merge " DIR "/q1.bispart " DIR "/q2.bispart --outfile " DIR "/b.pfm");
+
+    unlink(DIR "/state");
+    unlink(DIR "/q1.bispart");
+    const pid_t pid = program_start(SCENE " --spp 1000000 --part 1/2 --checkpoint-every 0 --checkpoint " DIR
+                                    "/state --outfile " DIR "/q1.bispart");
+    program_wait_for_handler(pid, SIGTERM);
+    while (!program_exists(DIR "/state")) usleep(1000);
+    kill(pid, SIGTERM);
+    program_finish(&r, pid);
+    assert_int_equal(r.exit_status, 130);
+    assert_non_null(strstr(r.messages, "bis: interrupted: part 1 of 2 is not complete, nothing was written; --resume"));
+    assert_false(program_exists(DIR "/q1.bispart"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_outputs_are_those_of_one_run),
+        cmocka_unit_test(the_command_in_the_message_makes_the_missing_part),
+        cmocka_unit_test(what_is_no_part_or_needs_the_whole_picture_is_refused),
+        cmocka_unit_test(a_part_that_cannot_be_finished_is_not_written),
+    };
+    return cmocka_run_group_tests(tests, setup, NULL);
+}

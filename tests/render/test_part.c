@@ -1,0 +1,676 @@
+/* part: the parts of a picture, in any order, have the bits of one render; what does not belong together is refused by
+ * name. Expected pictures are those of renders without parts. The twins are files in which one field is another, with a
+ * checksum that fits: each is refused, or what comes out is another. */
+#include "base/text.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "render/checkpoint.h"
+#include "render/part.h"
+#include "render/share.h"
+
+#include "image_help.h"
+#include "world.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define DIR_NAME "build/test_part"
+#define STATE DIR_NAME "/state"
+
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+
+static int setup(void **state)
+{
+    (void)state;
+    if (system("rm -rf " DIR_NAME)) return -1;
+    return mkdir(DIR_NAME, 0777);
+}
+
+/* ---- what is rendered ---- */
+
+/* 37 x 21 pixels have 3 x 2 tiles; this crop touches all of them. */
+static const double middle[4] = {0.2, 0.9, 0.2, 0.95};
+
+typedef struct kind {
+    const char *name;
+    const bis_integrator *integrator;
+    bis_sampler_kind sampler;
+    bool learns, edges;
+    unsigned layers;
+    const double *crop;
+} kind;
+
+static const kind kinds[] = {
+    {"all", &bis_sir, BIS_SAMPLER_STRATIFIED, true, true, BIS_LAYERS_ALL, whole},
+    {"all, crop", &bis_sir, BIS_SAMPLER_STRATIFIED, true, true, BIS_LAYERS_ALL, middle},
+    {"plain", &bis_sir, BIS_SAMPLER_SOBOL, .crop = whole},
+    {"plain, crop", &bis_sir, BIS_SAMPLER_SOBOL, .crop = middle},
+    {"halton", &bis_mis, BIS_SAMPLER_HALTON, .crop = whole},
+    {"learn", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .crop = whole},
+    {"edges", &bis_em, BIS_SAMPLER_SOBOL, .edges = true, .crop = middle},
+    {"layers", &bis_sir, BIS_SAMPLER_SOBOL, .layers = BIS_LAYERS_ALL, .crop = whole},
+    {"rejection", &bis_rejection, BIS_SAMPLER_SOBOL, .crop = whole},
+};
+
+static void make_kind(world *w, const kind *k)
+{
+    make_world(w, k->integrator);
+    w->desc.view.sampler.kind = k->sampler;
+    if (k->edges) w->desc.view.edge_samples = 3;
+    if (!k->learns) return;
+    w->desc.view.settings.proposal = BIS_PROPOSAL_PRODUCT;
+    w->desc.view.settings.learn = true;
+}
+
+/* A render of its own. c: NULL, or what to keep, to go on from, and to identify the render by. */
+static bis_status try_render(bis_film *f, bis_render_result *result, const world *w, const kind *k,
+                             bis_render_options options, bis_checkpoint *c, bis_diag *diag)
+{
+    options.checkpoint = c;
+    assert_int_equal(bis_film_init(f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_film_want(f, k->layers, NULL), BIS_OK);
+    const bis_status status = bis_render(result, f, &w->scene, &w->desc, &w->desc.view, &options, diag);
+    if (c) bis_checkpoint_clear(c);
+    return status;
+}
+
+static const bis_part_about about_all = {.scene = "a/scene.txt", .command = "bis a/scene.txt --spp 9", .seed = 1,
+                                         .edge_samples = 3, .seconds = {1, 2, 4, 8, 0, 0, 0},
+                                         .figures = {.triangles = 7, .accelerator = "grid", .mesh = 100, .accel = 200,
+                                                     .envmap = (double)NAN}};
+
+static void part_path(char path[128], int k, int n) { snprintf(path, 128, DIR_NAME "/part-%d-%d", k, n); }
+
+static bis_render_options budget(uint32_t spp, int n_threads)
+{
+    return (bis_render_options){.budget = {.spp = spp}, .n_threads = n_threads};
+}
+
+/* Renders part k of n and writes it; returns its camera rays. */
+static uint64_t write_part(const world *w, const kind *k, int part, int n, uint32_t spp)
+{
+    char path[128];
+    bis_checkpoint c = {.every = 1e9};
+    bis_film f;
+    bis_render_result result;
+    bis_render_options options = budget(spp, part % 3 + 1);
+    bis_diag diag = {0};
+
+    options.part = (bis_part){(uint32_t)part, (uint32_t)n};
+    part_path(path, part, n);
+    if (try_render(&f, &result, w, k, options, &c, &diag)) fail_msg("%s: %s", k->name, diag.messages[0].text);
+    assert_true(isnan(result.relative_rmse));
+    assert_int_equal(bis_part_write(path, &c.head, &about_all, &f, &result, NULL), BIS_OK);
+    bis_film_clear(&f);
+    return result.counters.camera_rays;
+}
+
+static void assert_same_film(const bis_film *a, const bis_film *b)
+{
+    const size_t n = (size_t)a->width * (size_t)a->height * (size_t)a->layers.n_values;
+    assert_same_bits(a, b);
+    assert_int_equal(a->layers.asked, b->layers.asked);
+    assert_memory_equal(a->layers.sum, b->layers.sum, n * sizeof *a->layers.sum);
+    assert_true(a->weight == b->weight && a->weight_squares == b->weight_squares && a->passes == b->passes);
+    assert_true(a->full_width == b->full_width && a->full_height == b->full_height && a->x0 == b->x0 && a->y0 == b->y0);
+}
+
+static void assert_same_result(const bis_render_result *a, const bis_render_result *b)
+{
+    assert_memory_equal(&a->counters, &b->counters, sizeof a->counters);
+    assert_int_equal(a->spp, b->spp);
+    assert_int_equal(a->passes, b->passes);
+    assert_memory_equal(&a->relative_rmse, &b->relative_rmse, sizeof a->relative_rmse);
+    assert_memory_equal(&a->error_bound, &b->error_bound, sizeof a->error_bound);
+}
+
+/* ---- the same bits ---- */
+
+static void swap(const char **a, const char **b)
+{
+    const char *c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* Heap's algorithm: the next of the 5! orders; c[5] begins as zeros. False: that was the last. */
+static bool permute(const char *paths[5], int c[5])
+{
+    for (int i = 1; i < 5; c[i++] = 0) {
+        if (c[i] >= i) continue;
+        swap(&paths[i % 2 ? c[i] : 0], &paths[i]);
+        c[i]++;
+        return true;
+    }
+    return false;
+}
+
+static void five_parts_in_each_order_have_the_bits_of_one_render(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT(kinds); i++) {
+        char names[5][128];
+        const char *paths[5];
+        int c[5] = {0}, orders = 0;
+        uint64_t rays = 0;
+        world w;
+        bis_film expected;
+        bis_render_result result;
+        make_kind(&w, &kinds[i]);
+        assert_int_equal(try_render(&expected, &result, &w, &kinds[i], budget(9, 2), NULL, NULL), BIS_OK);
+        for (int k = 0; k < 5; k++) {
+            rays += write_part(&w, &kinds[i], k + 1, 5, 9);
+            part_path(names[k], k + 1, 5);
+            paths[k] = names[k];
+        }
+        assert_int_equal(rays, result.counters.camera_rays);
+        do {
+            bis_merged *m = bis_alloc(1, sizeof *m);
+            bis_diag diag = {0};
+            if (bis_part_merge(m, paths, 5, &diag)) fail_msg("%s: %s", kinds[i].name, diag.messages[0].text);
+            assert_same_film(&expected, &m->film);
+            assert_same_result(&result, &m->result);
+            bis_film_clear(&m->film);
+            bis_free(m);
+            orders++;
+        } while (permute(paths, c) && i < 2);
+        assert_int_equal(orders, i < 2 ? 120 : 1);
+        bis_film_clear(&expected);
+        clear_world(&w);
+    }
+}
+
+/* Broken off after 6 camera samples, and gone on; the checkpoint is as large as the part. */
+static void a_part_may_be_rendered_in_several_runs(void **state)
+{
+    (void)state;
+    world w;
+    bis_film f;
+    bis_render_result result;
+    struct stat st;
+    unsigned char *a, *b;
+    size_t n_a, n_b;
+    off_t sum = 0;
+
+    make_kind(&w, &kinds[0]);
+    for (uint32_t k = 0; k <= 3; k++) {
+        bis_render_options options = budget(6, 1);
+        bis_checkpoint c = {.path = STATE, .every = 1e9};
+        options.part = (bis_part){k, k ? 3 : 0};
+        unlink(STATE);
+        assert_int_equal(try_render(&f, &result, &w, &kinds[0], options, &c, NULL), BIS_OK);
+        bis_film_clear(&f);
+        assert_int_equal(stat(STATE, &st), 0);
+        sum += k ? st.st_size : -st.st_size;
+    }
+    /* three heads instead of one, and for each byte of sums one place */
+    assert_in_range(sum, 1, 2000);
+
+    assert_int_equal(write_part(&w, &kinds[0], 3, 3, 9) > 0, 1);
+    bis_checkpoint c = {0};
+    assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);
+    bis_render_options options = budget(9, 2);
+    options.part = (bis_part){3, 3};
+    assert_int_equal(try_render(&f, &result, &w, &kinds[0], options, &c, NULL), BIS_OK);
+    result.seconds = 0;
+    assert_int_equal(bis_part_write(DIR_NAME "/resumed", &c.head, &about_all, &f, &result, NULL), BIS_OK);
+    bis_film_clear(&f);
+
+    /* the same file but for the seconds of rendering: eight bytes, the threads, the checksum */
+    assert_int_equal(bis_file_read(&a, &n_a, DIR_NAME "/part-3-3", (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_file_read(&b, &n_b, DIR_NAME "/resumed", (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(n_a, n_b);
+    size_t differing = 0;
+    for (size_t i = 0; i < n_a; i++) differing += a[i] != b[i];
+    assert_in_range(differing, 1, 8 + 4 + 8 + 8);
+    bis_free(a);
+    bis_free(b);
+
+    static const bis_part others[] = {{2, 3}, {3, 4}, {0, 0}};
+    for (size_t i = 0; i < COUNT(others); i++) {
+        bis_diag diag = {0};
+        c = (bis_checkpoint){0};
+        assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);
+        options.part = others[i];
+        assert_int_equal(try_render(&f, &result, &w, &kinds[0], options, &c, &diag), BIS_INPUT);
+        assert_non_null(strstr(diag.messages[0].text, "is one of part 3 of 3, not of "));
+        bis_diag_clear(&diag);
+        bis_film_clear(&f);
+    }
+    clear_world(&w);
+}
+
+/* ---- shares ---- */
+
+static bis_film film_of_tiles(int across, int down)
+{
+    return bis_film_place(16 * across, 16 * down, whole, 1);
+}
+
+static void each_tile_is_in_one_share_and_shares_are_alike(void **state)
+{
+    (void)state;
+    static const int sizes[][2] = {{1, 1}, {1, 17}, {40, 1}, {3, 2}, {8, 8}, {13, 7}, {40, 30}, {120, 68}};
+
+    for (size_t i = 0; i < COUNT(sizes); i++) {
+        const bis_film f = film_of_tiles(sizes[i][0], sizes[i][1]);
+        const int n_tiles = sizes[i][0] * sizes[i][1];
+        for (uint32_t n = 1; n <= (uint32_t)n_tiles && n < 70; n += n / 3 + 1) {
+            int *seen = bis_alloc((size_t)n_tiles, sizeof *seen);
+            for (uint32_t k = 1; k <= n; k++) {
+                int *tiles, n_own;
+                assert_int_equal(bis_share_tiles(&tiles, &n_own, &f, (bis_part){k, n}, NULL), BIS_OK);
+                assert_in_range(n_own, n_tiles / (int)n, (n_tiles + (int)n - 1) / (int)n);
+                for (int t = 0; t < n_own; t++) {
+                    assert_true(t == 0 || tiles[t] > tiles[t - 1]);
+                    seen[tiles[t]]++;
+                }
+                bis_free(tiles);
+            }
+            for (int t = 0; t < n_tiles; t++) assert_int_equal(seen[t], 1);
+            bis_free(seen);
+        }
+    }
+}
+
+/* Of all rectangles of the picture with `area` tiles: the largest share that one of n parts has of one, over the fair
+ * one. */
+static double worst_share(const int *part_of, int across, int down, int n, int width, int height)
+{
+    double worst = 0;
+
+    for (int y = 0; y + height <= down; y++) {
+        for (int x = 0; x + width <= across; x++) {
+            int count[64] = {0};
+            for (int i = 0; i < width * height; i++) count[part_of[(y + i / width) * across + x + i % width]]++;
+            for (int k = 0; k < n; k++) worst = fmax(worst, count[k] * (double)n / (width * height));
+        }
+    }
+    return worst;
+}
+
+/* A costly region of 12 x 12 tiles, or of half as many in a bar that stands or lies, costs none of 2 to 8 parts more
+ * than twice what is fair. The twin: shares by reading order, which are columns where n divides the row. */
+static void a_costly_region_is_dealt_out_to_all_parts(void **state)
+{
+    (void)state;
+    enum { ACROSS = 40, DOWN = 30 };
+    static const int bars[][2] = {{12, 12}, {3, 24}, {24, 3}};
+    const bis_film f = film_of_tiles(ACROSS, DOWN);
+    double worst_column = 0;
+
+    for (int n = 2; n <= 8; n++) {
+        int part_of[ACROSS * DOWN], columns[ACROSS * DOWN];
+        for (int k = 0; k < n; k++) {
+            int *tiles, n_own;
+            assert_int_equal(bis_share_tiles(&tiles, &n_own, &f, (bis_part){(uint32_t)k + 1, (uint32_t)n}, NULL), BIS_OK);
+            for (int i = 0; i < n_own; i++) part_of[tiles[i]] = k;
+            bis_free(tiles);
+        }
+        for (int t = 0; t < ACROSS * DOWN; t++) columns[t] = t % n;
+        for (size_t i = 0; i < COUNT(bars); i++) {
+            assert_true(worst_share(part_of, ACROSS, DOWN, n, bars[i][0], bars[i][1]) <= 2);
+            worst_column = fmax(worst_column, worst_share(columns, ACROSS, DOWN, n, bars[i][0], bars[i][1]));
+        }
+    }
+    assert_true(worst_column > 2);
+}
+
+/* ---- the file ---- */
+
+static void write_bytes(const char *path, const unsigned char *data, size_t n)
+{
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_int_equal(fwrite(data, 1, n, f), n);
+    assert_int_equal(fclose(f), 0);
+}
+
+static unsigned char *read_bytes(const char *path, size_t *n)
+{
+    unsigned char *data;
+    assert_int_equal(bis_file_read(&data, n, path, (bis_loc){0}, NULL), BIS_OK);
+    return data;
+}
+
+static void seal(unsigned char *data, size_t size)
+{
+    const uint64_t hash = bis_fnv1a(BIS_FNV1A, data, size - 8);
+    for (int i = 0; i < 8; i++) data[size - 8 + (size_t)i] = (unsigned char)(hash >> 8 * i);
+}
+
+/* Merges, and returns whether the words stand in a message; NULL: nothing fails. */
+static bis_status merge_paths(bis_merged *m, const char *const *paths, int n, const char *words)
+{
+    bis_diag diag = {0};
+    const bis_status status = bis_part_merge(m, paths, n, &diag);
+    bool found = !words;
+
+    for (size_t i = 0; i < diag.n; i++) found |= words && strstr(diag.messages[i].text, words);
+    if (!found) fail_msg("no \"%s\" in: %s", words, diag.n ? diag.messages[0].text : "nothing");
+    assert_int_equal(status == BIS_OK, diag.n_errors == 0);
+    assert_int_equal(status == BIS_OK, m->film.sum != NULL);
+    bis_diag_clear(&diag);
+    return status;
+}
+
+#define FIRST DIR_NAME "/part-1-2"
+#define OTHER DIR_NAME "/part-2-2"
+#define BAD DIR_NAME "/bad"
+
+/* 20 x 16 pixels in two tiles. */
+static const double two_tiles[4] = {12 / 37.0, 32 / 37.0, 0, 15 / 21.0};
+static const kind small = {"small", &bis_sir, BIS_SAMPLER_SOBOL, .layers = 1u << BIS_LAYER_DEPTH, .crop = two_tiles};
+
+static void write_two(world *w)
+{
+    make_kind(w, &small);
+    write_part(w, &small, 1, 2, 2);
+    write_part(w, &small, 2, 2, 2);
+}
+
+static void every_truncation_and_every_changed_byte_of_a_part_is_refused(void **state)
+{
+    (void)state;
+    static const char *const paths[] = {OTHER, BAD};
+    bis_merged *m = bis_alloc(1, sizeof *m);
+    world w;
+    size_t size, step;
+
+    write_two(&w);
+    unsigned char *data = read_bytes(FIRST, &size);
+    for (size_t n = 0; n < size; n += step) {
+        step = n < 900 ? 1 : 53; /* all of the head */
+        write_bytes(BAD, data, n);
+        assert_int_equal(merge_paths(m, paths, 2, BAD ": error: this "), BIS_INPUT);
+        data[n] ^= 0x10;
+        write_bytes(BAD, data, size);
+        data[n] ^= 0x10;
+        assert_int_equal(merge_paths(m, paths, 2, BAD ": error: this "), BIS_INPUT);
+    }
+    bis_free(data);
+    bis_free(m);
+    clear_world(&w);
+}
+
+/* What a field is for: a changed one is refused by these words, or comes out as another figure. */
+typedef struct field {
+    const char *name;
+    size_t bytes; /* 0: as the file has, see the test */
+    size_t at;    /* the byte of the field that is changed */
+    int mask;
+    const char *words; /* NULL: it is accepted */
+} field;
+
+/* Every field of the file once, in its order, written down from the description of the format. */
+static void every_field_of_the_format_counts(void **state)
+{
+    (void)state;
+    enum { PIXELS = 4 * 15 };
+    int n_parameters = 0;
+    for (const bis_parameter *p = bis_parameters; p->name; p++) n_parameters++;
+    const field fields[] = {
+        {"magic", 8, 3, 1, "no part of bis"},
+        {"format", 4, 0, 1, "the same version"},
+        {"version", 16, 0, 1, "the same version"},
+        {"integrator", 16, 0, 1, "an integrator that this program does not have"},
+        {"parameters", 8 * (size_t)n_parameters, 7, 0x80, "damaged"}, /* negative */
+        {"as printed", 4, 0, 1, NULL},
+        {"seconds of the pilot", 8, 7, 1, NULL},
+        {"K", 4, 0, 2, "damaged"}, /* 1 to 3 */
+        {"N", 4, 0, 1, "damaged"}, /* of two tiles, 3 */
+        {"size, or crop", 8, 0, 1, "differ: the size of the picture, or its crop. "},
+        {"layers", 8, 0, 1, "differ: the layers. "},
+        {"camera", 8, 0, 1, "differ: the camera. "},
+        {"sampler", 8, 0, 1, "differ: the sampler, or its seed. "},
+        {"division", 8, 0, 1, "differ: the camera samples for which samplers"},
+        {"jitter", 8, 0, 1, "differ: pixel jitter, adaptive sampling, or camera samples on edges. "},
+        {"error", 8, 0, 1, "differ: that an --error is asked for"},
+        {"settings", 8, 0, 1, "differ: the integrator, or its parameters. "},
+        {"shapes", 8, 0, 1, "differ: the shapes. "},
+        {"materials", 8, 0, 1, "differ: the materials. "},
+        {"map", 8, 0, 1, "differ: the pixels of the map. "},
+        {"light", 8, 0, 1, "differ: the parameters of the light. "},
+        {"accelerator", 8, 7, 0x80, "differ: the accelerator. "},
+        {"length of the scene's name", 4, 3, 1, "damaged"},
+        {"scene", sizeof "a/scene.txt" - 1, 0, 0x60, "damaged"}, /* 'a' to a control character */
+        {"length of the command", 4, 3, 1, "damaged"},
+        {"command", sizeof "bis a/scene.txt --spp 9" - 1, 0, 1, NULL},
+        {"seed", 8, 0, 1, NULL},
+        {"edge samples", 4, 0, 1, NULL},
+        {"threads", 4, 0, 8, NULL},
+        {"bytes", 8, 3, 1, NULL},
+        {"parse", 8, 7, 0x80, "damaged"},
+        {"load", 8, 7, 0x80, "damaged"},
+        {"envmap", 8, 7, 0x80, "damaged"},
+        {"accel", 8, 7, 0x80, "damaged"},
+        {"triangles", 8, 0, 1, NULL},
+        {"name of the accelerator", 16, 15, 1, "damaged"},
+        {"bytes of the mesh", 8, 6, 0x20, NULL},
+        {"bytes of the accelerator", 8, 6, 0x10, NULL},
+        {"bytes of the map", 8, 5, 1, NULL},
+        {"full width", 4, 0, 1, "damaged"},
+        {"first column", 4, 0, 1, "damaged"},
+        {"columns", 4, 1, 1, "damaged"},
+        {"full height", 4, 2, 1, "damaged"},
+        {"first row", 4, 1, 1, "damaged"},
+        {"rows", 4, 0, 1, "damaged"},
+        {"layers asked", 4, 1, 1, "damaged"},
+        {"camera samples", 8, 0, 1, "give all parts the same --spp"},
+        {"seconds", 8, 7, 0x80, "damaged"},
+        {"next look at the error", 4, 0, 1, NULL},
+        {"bound of the error", 8, 0, 1, NULL},
+        {"camera rays", 8, 0, 1, NULL},
+        {"shadow rays", 8, 0, 1, NULL},
+        {"candidates", 8, 0, 1, NULL},
+        {"accepted", 8, 0, 1, NULL},
+        {"fallbacks", 8, 0, 1, NULL},
+        {"not finite", 8, 0, 1, NULL},
+        {"passes", 4, 0, 1, "damaged"},
+        {"weight", 8, 5, 1, "damaged"},
+        {"squares of weights", 8, 5, 1, "damaged"},
+        {"sum", PIXELS * 24, 6, 1, NULL},
+        {"sum of squares", PIXELS * 24, 6, 1, NULL},
+        {"hits", PIXELS * 8, PIXELS * 8 - 2, 1, NULL},
+        {"depth", PIXELS * 8, PIXELS * 8 - 2, 1, NULL},
+        {"checksum", 8, 0, 1, "its checksum is wrong"},
+    };
+    static const char *const paths[] = {BAD, OTHER}, *const turned[] = {OTHER, BAD};
+    bis_merged *m = bis_alloc(1, sizeof *m), *right = bis_alloc(1, sizeof *right);
+    world w;
+    size_t size, at = 0;
+
+    write_two(&w);
+    unsigned char *data = read_bytes(FIRST, &size);
+    write_bytes(BAD, data, size);
+    assert_int_equal(merge_paths(right, paths, 2, NULL), BIS_OK);
+    const size_t n = (size_t)right->film.width * (size_t)right->film.height;
+    for (size_t i = 0; i < COUNT(fields); i++) {
+        const field *f = &fields[i];
+        data[at + f->at] ^= (unsigned char)f->mask;
+        if (i + 1 < COUNT(fields)) seal(data, size);
+        write_bytes(BAD, data, size);
+        data[at + f->at] ^= (unsigned char)f->mask;
+        if (i + 1 < COUNT(fields)) seal(data, size);
+        at += f->bytes;
+        const bis_status status = merge_paths(m, turned, 2, f->words);
+        if (status != (f->words ? BIS_INPUT : BIS_OK)) fail_msg("%s: status %d", f->name, (int)status);
+        if (f->words) continue;
+        bis_film_clear(&m->film);
+        assert_int_equal(merge_paths(m, paths, 2, NULL), BIS_OK);
+        /* what the next pass would need is no part of the picture */
+        const bool is_idle = strcmp(f->name, "next look at the error") == 0 || strcmp(f->name, "bound of the error") == 0;
+        const bool same = memcmp(&m->head.parts, &right->head.parts, sizeof m->head.parts) == 0 &&
+                          m->head.pilot_seconds == right->head.pilot_seconds &&
+                          m->head.settings.as_printed == right->head.settings.as_printed &&
+                          strcmp(m->about.command, right->about.command) == 0 && m->about.seed == right->about.seed &&
+                          m->about.edge_samples == right->about.edge_samples &&
+                          memcmp(&m->about.figures, &right->about.figures, sizeof m->about.figures) == 0 &&
+                          memcmp(&m->result.counters, &right->result.counters, sizeof m->result.counters) == 0 &&
+                          m->result.n_threads == right->result.n_threads && m->result.bytes == right->result.bytes &&
+                          memcmp(m->film.sum, right->film.sum, 24 * n) == 0 &&
+                          memcmp(m->film.sum_squares, right->film.sum_squares, 24 * n) == 0 &&
+                          memcmp(m->film.hits, right->film.hits, 8 * n) == 0 &&
+                          memcmp(m->film.layers.sum, right->film.layers.sum, 8 * n) == 0;
+        if (same != is_idle) fail_msg("%s: %s", f->name, same ? "nothing changes" : "something changes");
+        bis_film_clear(&m->film);
+    }
+    assert_int_equal(at, size);
+    bis_film_clear(&right->film);
+    bis_free(right);
+    bis_free(m);
+    bis_free(data);
+    clear_world(&w);
+}
+
+/* make fuzz begins with these: a part of two, and one that is the whole picture. */
+static void parts_are_read_and_begin_the_fuzzing(void **state)
+{
+    (void)state;
+    static const char seed[] = DIR_NAME "/seed.part", *const paths[] = {FIRST, DIR_NAME "/part-1-1"};
+    bis_merged *m = bis_alloc(1, sizeof *m);
+    world w;
+
+    write_two(&w);
+    write_part(&w, &small, 1, 1, 2);
+    for (int i = 0; i < 2; i++) {
+        size_t n;
+        unsigned char *data = read_bytes(paths[i], &n);
+        write_bytes(seed, data, n);
+        keep_as_seed(seed);
+        bis_free(data);
+        assert_int_equal(merge_paths(m, &paths[i], 1, i ? NULL : "part 2 of 2 is missing"), i ? BIS_OK : BIS_INPUT);
+        bis_film_clear(&m->film);
+    }
+    bis_free(m);
+    clear_world(&w);
+}
+
+/* ---- what does not belong together ---- */
+
+static void figures_of_parts_are_added_up(void **state)
+{
+    (void)state;
+    static const char *const paths[] = {FIRST, OTHER, FIRST};
+    bis_merged *m = bis_alloc(1, sizeof *m);
+    world w;
+
+    write_two(&w);
+    assert_int_equal(merge_paths(m, paths, 3, NULL), BIS_OK); /* the third counts for nothing */
+    assert_string_equal(m->about.scene, about_all.scene);
+    assert_int_equal(m->about.seed, 1);
+    assert_true(m->about.seconds.parse == 2 && m->about.seconds.load == 4 && m->about.seconds.envmap == 8 &&
+                m->about.seconds.accel == 16);
+    assert_int_equal(m->result.n_threads, bis_render_threads(&(bis_render_options){.n_threads = 3})); /* of 2 and 3 */
+    assert_string_equal(m->about.figures.accelerator, "grid");
+    assert_int_equal(m->about.figures.triangles, 7);
+    assert_true(m->about.figures.mesh == 100 && isnan(m->about.figures.envmap));
+    assert_false(m->result.interrupted);
+    bis_film_clear(&m->film);
+    bis_free(m);
+    clear_world(&w);
+}
+
+static void what_is_missing_or_foreign_is_named(void **state)
+{
+    (void)state;
+    bis_merged *m = bis_alloc(1, sizeof *m);
+    world w;
+    size_t size;
+
+    write_two(&w);
+    unsigned char *data = read_bytes(FIRST, &size);
+    write_bytes(BAD, data, size);
+    bis_free(data);
+    assert_int_equal(merge_paths(m, (const char *[]){OTHER, OTHER}, 2,
+                                 "part 1 of 2 is missing; this makes it: bis a/scene.txt --spp 9 --part 1/2 --outfile "
+                                 "part-1.bispart"), BIS_INPUT);
+    assert_int_equal(merge_paths(m, (const char *[]){FIRST, DIR_NAME "/none"}, 2, "/none"), BIS_IO);
+    write_part(&w, &small, 2, 2, 3);
+    assert_int_equal(merge_paths(m, (const char *[]){BAD, OTHER}, 2,
+                                 OTHER ": error: this part has 3 camera samples a pixel, but \"" BAD "\" has 2"),
+                     BIS_INPUT);
+    w.desc.view.sampler.seed++;
+    w.materials[1].exponent++;
+    write_part(&w, &small, 2, 2, 2);
+    assert_int_equal(merge_paths(m, (const char *[]){BAD, OTHER}, 2,
+                                 "These differ: the sampler, or its seed; the materials. "), BIS_INPUT);
+    bis_film f;
+    bis_render_result result;
+    bis_diag diag = {0};
+    bis_render_options options = budget(1, 1);
+    options.part = (bis_part){3, 3}; /* of two tiles */
+    assert_int_equal(try_render(&f, &result, &w, &small, options, NULL, &diag), BIS_INPUT);
+    assert_non_null(strstr(diag.messages[0].text, "has 2 tiles of 16 x 16: 2 parts at most, not 3"));
+    bis_diag_clear(&diag);
+    bis_film_clear(&f);
+    clear_world(&w);
+
+    make_kind(&w, &kinds[2]); /* six parts, of which one is there */
+    for (int k = 1; k <= 6; k++) write_part(&w, &kinds[2], k, 6, 1);
+    assert_int_equal(merge_paths(m, (const char *[]){FIRST, DIR_NAME "/part-3-6"}, 2,
+                                 "/part-3-6: error: this part and \"" FIRST "\" belong to different pictures. These "
+                                 "differ: the size of the picture, or its crop; the layers. "), BIS_INPUT);
+    for (int k = 1; k <= 6; k++) {
+        char words[64];
+        snprintf(words, sizeof words, "part %d of 6 is missing; ", k);
+        if (k != 3) assert_int_equal(merge_paths(m, (const char *[]){DIR_NAME "/part-3-6"}, 1, words), BIS_INPUT);
+    }
+    write_part(&w, &kinds[2], 1, 5, 1);
+    assert_int_equal(merge_paths(m, (const char *[]){DIR_NAME "/part-3-6", DIR_NAME "/part-1-5"}, 2,
+                                 "this is a part of 5, but \"" DIR_NAME "/part-3-6\" is one of 6"), BIS_INPUT);
+    bis_free(m);
+    clear_world(&w);
+}
+
+/* Seven tiles in a row of 112 x 1 pixels would be enough for 7 parts; a file may claim 100000 of a picture of 32768 x
+ * 32768 pixels: there is no memory taken for it, because the others are missing. */
+static void without_memory_there_is_a_message(void **state)
+{
+    (void)state;
+    static const char *const paths[] = {FIRST, OTHER};
+    bis_merged *m = bis_alloc(1, sizeof *m);
+    world w;
+    long i = 1;
+
+    write_two(&w);
+    for (bool over = false; !over; i++) {
+        bis_mem_fail_at(i);
+        const bis_status status = bis_part_merge(m, paths, 2, NULL);
+        over = bis_mem_count() < i;
+        bis_mem_fail_at(0);
+        assert_int_equal(status, over ? BIS_OK : BIS_NOMEM);
+        assert_in_range(i, 1, 200);
+        if (over) bis_film_clear(&m->film);
+    }
+    assert_true(i > 10);
+    bis_free(m);
+    clear_world(&w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(five_parts_in_each_order_have_the_bits_of_one_render),
+        cmocka_unit_test(a_part_may_be_rendered_in_several_runs),
+        cmocka_unit_test(each_tile_is_in_one_share_and_shares_are_alike),
+        cmocka_unit_test(a_costly_region_is_dealt_out_to_all_parts),
+        cmocka_unit_test(every_truncation_and_every_changed_byte_of_a_part_is_refused),
+        cmocka_unit_test(every_field_of_the_format_counts),
+        cmocka_unit_test(parts_are_read_and_begin_the_fuzzing),
+        cmocka_unit_test(figures_of_parts_are_added_up),
+        cmocka_unit_test(what_is_missing_or_foreign_is_named),
+        cmocka_unit_test(without_memory_there_is_a_message),
+    };
+    return cmocka_run_group_tests(tests, setup, NULL);
+}
