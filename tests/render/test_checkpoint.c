@@ -435,7 +435,7 @@ static void settings_are_read_back(void **state)
 {
     (void)state;
     kind k = kinds[0];
-    bis_checkpoint c = {.path = PATH, .every = 1e9, .pilot_seconds = 1.5};
+    bis_checkpoint c = {.path = PATH, .every = 1e9, .head.pilot_seconds = 1.5};
     bis_render_result result;
     bis_film f;
     world w;
