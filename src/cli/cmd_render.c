@@ -259,14 +259,14 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     return status;
 }
 
-/* A light probe was resampled: by how much did its energy change? */
+/* A map was resampled: by how much did its energy change? */
 static void note_resampling(const bis_light *light)
 {
     const bis_envmap *em = bis_light_envmap(light);
-    if (!em || !(em->angular_power_before > 0)) return;
-    fprintf(stderr, "bis: note: angular map resampled to %d x %d; integral of r+g+b %g before, %g after (%+.3f%%)\n",
-            em->width, em->height, em->angular_power_before, em->angular_power_after,
-            100 * (em->angular_power_after / em->angular_power_before - 1));
+    if (!em || !(em->power_before > 0)) return;
+    fprintf(stderr, "bis: note: %s map resampled to %d x %d; integral of r+g+b %g before, %g after (%+.3f%%)\n",
+            em->resampled_from, em->width, em->height, em->power_before, em->power_after,
+            100 * (em->power_after / em->power_before - 1));
 }
 
 /* From scene to files; *interrupted: a signal came. */

@@ -119,7 +119,7 @@ bool bis_params_rgb(bis_parser *p, const char *name, rgb *value, bis_interval ra
 
 bool bis_params_choice(bis_parser *p, const char *name, int *value, const char *const *choices, size_t n)
 {
-    char list[128] = "";
+    char list[192] = "";
     const char *chosen;
     if (!bis_params_string(p, name, &chosen)) return false;
     for (size_t i = 0; i < n; i++) {

@@ -21,7 +21,7 @@ static void light_filename(bis_parser *p, bis_light_desc *light)
 {
     const char *name;
     bis_loc at = bis_params_at(p, "filename");
-    bool given = bis_params_string(p, "filename", &name);
+    bool given = light->is_v4 = bis_params_string(p, "filename", &name);
     const bool both = given && bis_params_has(p, "mapname");
     if (both) {
         bis_parser_error(p, bis_params_at(p, "mapname"), "\"mapname\" and \"filename\" are the same: give one");
@@ -67,13 +67,12 @@ static void light_illuminance(bis_parser *p)
 
 static void light_map(bis_parser *p, bis_light_desc *light)
 {
-    static const char *const mappings[] = {"latlong", "angular"};
     static const char *const tables[] = {"alias", "cdf"};
     static const bis_table_kind table[] = {BIS_TABLE_ALIAS, BIS_TABLE_CDF};
     uint32_t width = 0, levels = BIS_LEVELS;
     int i;
-    light->has_mapping = bis_params_choice(p, "mapping", &i, mappings, BIS_COUNT(mappings));
-    light->angular = light->has_mapping && i == 1;
+    light->has_mapping = bis_params_choice(p, "mapping", &i, bis_mapping_names, BIS_N_MAPPINGS);
+    if (light->has_mapping) light->mapping = (bis_mapping)i;
     bis_params_uint32(p, "width", &width, 2, BIS_IMAGE_MAX_SIDE);
     light->width = (int)width;
     bis_params_float(p, "areaexponent", &light->area_exponent, (bis_interval){0, BIS_AREA_EXPONENT_MAX, false, false});
