@@ -9,7 +9,8 @@
  * energy (there are at most 1000) gets 256 x 256 of them: the pixels of the result around it take more, and the rows
  * and columns of their grid are shifted against each other by multiples of the golden ratio, so that an edge meets no
  * whole row at once, but for a few slopes. An angular map, whose edges run in all directions, has 128 x 128 on the
- * plain grid.
+ * plain grid. No pixel of the result gets more than MOST x MOST for the sake of a bright one: where it covers many
+ * pixels of the source, their errors cancel.
  *
  * Cost: O(W H k^2) on all threads. The result does not depend on their number. */
 #include "mapping_models.h"
@@ -21,6 +22,7 @@
 
 #define BRIGHT_SHARE 1e-3 /* of the energy, in one pixel */
 #define GOLDEN 0.6180339887498949
+enum { MOST = 1024 };
 
 static const bis_mapping_model *model_of(const bis_raster *r) { return &bis_mapping_models[r->mapping]; }
 
@@ -137,12 +139,15 @@ static void mark_pixels(const bis_raster *to, unsigned char *fine, const bis_ras
     }
 }
 
+/* Bright is what has a thousandth of the energy and, in a small map, four times its share. */
 static void mark_bright(const bis_raster *to, unsigned char *fine, const bis_raster *from, double power)
 {
+    const bool is_angular = from->mapping == BIS_MAPPING_ANGULAR;
+    const double share = is_angular ? BRIGHT_SHARE : fmax(BRIGHT_SHARE, 4.0 / ((double)from->width * from->height));
     for (int y = 0; y < from->height; y++) {
         for (int x = 0; x < from->width; x++) {
             const double intensity = rgb_sum(from->pixels[(size_t)y * (size_t)from->width + (size_t)x]);
-            if (intensity * model_of(from)->solid_angle(from, x, y) > BRIGHT_SHARE * power)
+            if (intensity * model_of(from)->solid_angle(from, x, y) > share * power)
                 mark_pixels(to, fine, from, x, y);
         }
     }
@@ -154,14 +159,14 @@ static void resample(const bis_raster *to, const bis_envmap *em, const bis_raste
 {
     const density per = density_on(from);
     const int coarse = (int)ceil(per.any * turn_of(from) / turn_of(to));
-    const int k = coarse > 2 ? coarse : 2;
+    const int k = coarse > 2 ? coarse : 2, most = k > MOST ? k : MOST;
 
     mark_bright(to, fine, from, power);
 #pragma omp parallel for schedule(dynamic)
     for (int y = 0; y < to->height; y++) {
         for (int x = 0; x < to->width; x++) {
             const size_t i = (size_t)y * (size_t)to->width + (size_t)x;
-            const int n = fine[i] ? per.times * k : k;
+            const int n = !fine[i] ? k : k > most / per.times ? most : per.times * k;
             const double shift = fine[i] ? per.shift : 0;
             to->pixels[i] = em ? gather_patch(em, from, x, y, n, shift) : gather_pixel(to, from, x, y, n, shift);
         }

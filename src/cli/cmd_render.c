@@ -28,7 +28,7 @@ typedef struct render_options {
     bis_texts as_printed;
     const char *integrator, *accelerator, *layers;
     bis_parameter_option parameters[BIS_PARAMETER_OPTIONS];
-    bool quiet, plan, no_jitter, adaptive;
+    bool quiet, plan, no_jitter, adaptive, approximate;
     bool has_spp, has_seed, has_resolution, has_crop, has_every;
     uint64_t spp, seed, threads;
     int resolution[2];
@@ -305,6 +305,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
                        .choice = chooses ? &choice : NULL};
     bis_describe_line(stats.line, &desc->view.settings, true);
     bis_errata_text(stats.as_printed, desc->view.settings.as_printed);
+    bis_describe_approximations(stats.approximated, desc);
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;
     double before = bis_clock_now();
@@ -349,7 +350,8 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
 
     if (!o->files.checkpoint) o->files.checkpoint = o->files.resume;
     bis_status status = bis_render_files_check(&o->files, diag);
-    if (!status) status = bis_scene_parse(&desc, operands[0], diag);
+    const unsigned how = o->approximate ? BIS_PARSE_APPROXIMATE | (o->plan ? BIS_PARSE_LIST_MISSING : 0) : 0;
+    if (!status) status = bis_scene_parse_as(&desc, operands[0], how, diag);
     if (!status) status = override(desc, o, diag);
     const double parse_seconds = bis_clock_now() - o->start;
     if (status) goto done;
@@ -409,6 +411,9 @@ int bis_cmd_render(int argc, char **argv)
          .value = &o.quiet},
         {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
          .kind = BIS_OPTION_FLAG, .value = &o.plan},
+        {.name = "approximate",
+         .help = "what of pbrt bis does not model is replaced by the nearest that it does, and listed; with --plan, "
+                 "meshes and maps may be missing, and are listed", .kind = BIS_OPTION_FLAG, .value = &o.approximate},
 
         {.help = "what to render (these override the scene file)"},
         {.name = "integrator", .argument = "NAME",

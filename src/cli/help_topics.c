@@ -71,7 +71,7 @@ static const bis_help_entry materials[] = {
                    "for plastic), roughness (0.5, in [0.01, 1]; the lobe's alpha is its square)"},
     {"diffuse, matte", "reflectance, or Kd (0.5)"},
     {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. "
-           "There are no textures."},
+           "There are no textures. --approximate replaces pbrt's other materials by the nearest of these."},
     {NULL, NULL},
 };
 

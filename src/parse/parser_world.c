@@ -6,6 +6,7 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "base/grow.h"
+#include "approximate.h"
 #include "parser.h"
 
 #include <float.h>
@@ -59,10 +60,15 @@ static void light_illuminance(bis_parser *p)
     double lux = -1;
 
     if (!bis_params_float(p, "illuminance", &lux, anything) || lux <= 0) return;
+    if (p->approximate) {
+        bis_approximate_note(p, bis_params_at(p, "illuminance"), "ignored: the brightness is the light's own",
+                             "\"illuminance\"");
+        return;
+    }
     bis_parser_error(p, bis_params_at(p, "illuminance"),
                      "pbrt-v4's \"illuminance\" (of a surface that faces up, in lux) is not modelled, because bis has "
                      "no units of photometry: remove it, and give what the radiance is multiplied by as "
-                     "\"float scale\" (of a constant light of 1: illuminance / pi)");
+                     "\"float scale\" (of a constant light of 1: illuminance / pi); with --approximate: ignored");
 }
 
 static void light_map(bis_parser *p, bis_light_desc *light)
@@ -85,9 +91,11 @@ static void light_map(bis_parser *p, bis_light_desc *light)
 static bool light_may_stand(bis_parser *p, bis_loc at)
 {
     const bis_scene_desc *d = p->desc;
+    if (d->has_light && bis_approximate(p, "LightSource", "a second", at)) return false;
     if (d->has_light)
-        return bis_parser_error(p, at, "a second LightSource: a scene has at most one, and its first is that of %s:%d",
-                                d->light.loc.file, d->light.loc.line);
+        return bis_parser_error(p, at, "a second LightSource: a scene has at most one, and its first is that of "
+                                "%s:%d%s", d->light.loc.file, d->light.loc.line,
+                                bis_approximate_hint(p, "LightSource", "a second"));
     if (p->in_object)
         return bis_parser_error(p, at, "LightSource inside ObjectBegin: objects hold geometry only");
     if (bis_xform_is_orthonormal(&p->now.ctm, BIS_XFORM_FRAME_TOLERANCE)) return true;
@@ -104,7 +112,8 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     };
     static const char *const ignored[] = {"samples", "nsamples"};
 
-    if (!bis_parser_begin(p, "LightSource", lights, BIS_COUNT(lights)) || !light_may_stand(p, at)) return;
+    const bis_choice *chosen = bis_parser_begin(p, "LightSource", lights, BIS_COUNT(lights));
+    if (!chosen || chosen->value == BIS_FOREIGN || !light_may_stand(p, at)) return;
     bis_light_desc light = bis_light_desc_default();
     light.loc = at;
     light.to_world = bis_xform_rotation(&p->now.ctm);
@@ -187,6 +196,11 @@ static void read_material(bis_parser *p, const char *directive, const char *type
 {
     const bis_choice *chosen = bis_parser_choose(p, directive, type, at, materials, BIS_COUNT(materials));
     if (!chosen) return;
+    if (chosen->value == BIS_FOREIGN) {
+        const bis_material nearest = bis_approximate_material(p, chosen->name, index);
+        p->desc->materials[index] = nearest;
+        return;
+    }
     bis_material m = chosen->value == PHONG        ? read_phong(p)
                      : chosen->value == MICROFACET ? read_microfacet(p)
                                                    : read_diffuse(p);

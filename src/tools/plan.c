@@ -293,8 +293,18 @@ static void print_accel(const bis_scene_desc *d, FILE *out)
     else fprintf(out, "build        accelerator grid, default density\n");
 }
 
+static void print_approximations(const bis_scene_desc *d, FILE *out)
+{
+    for (size_t i = 0; i < d->n_approximations; i++) {
+        const bis_approximation *a = &d->approximations[i];
+        fprintf(out, "approximated %zu x %s: %s\n", a->n, a->kind, a->consequence);
+    }
+    for (size_t i = 0; i < d->n_missing; i++) fprintf(out, "missing      %s\n", d->missing[i]);
+}
+
 void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
 {
+    print_approximations(desc, out);
     print_view(desc, out);
     print_integrators(desc, out);
     print_light(desc, out);
