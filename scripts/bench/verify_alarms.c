@@ -48,7 +48,7 @@ static bis_status shrink_map(bis_scene_desc *desc, int width, const char *path)
     bis_image image;
     bis_status status = BIS_OK;
 
-    if (!desc->light.filename || desc->light.angular) return BIS_OK;
+    if (!desc->light.filename || desc->light.mapping != BIS_MAPPING_LATLONG) return BIS_OK;
     status = bis_image_read(&image, desc->light.filename, desc->light.loc, NULL);
     if (status) return status;
     status = shrink(&image, width);

@@ -1,16 +1,16 @@
 #!/bin/sh
 # fuzz: runs libFuzzer's targets, one after the other (make fuzz calls it).
-#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr ply obj part; default: all
+#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr ply obj gz map part; default: all
 # What a target begins with: files that the tests make, tests/data/bad, tests/data/scenes, tests/data/regression and
 # data/scenes; what it finds new on the way stays in build/fuzz/corpus/NAME for the next run. A finding is left in
 # build/fuzz/found; exit status 1 then.
 build=$1 seconds=$2
 shift 2
-[ $# -gt 0 ] || set -- scene hdr pfm exr ply obj part
+[ $# -gt 0 ] || set -- scene hdr pfm exr ply obj gz map part
 work=build/fuzz
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
 mkdir -p $work/made $work/found
-for test in image image_hdr image_pfm image_exr ply obj part; do
+for test in image image_hdr image_pfm image_exr ply obj gzip part; do
     [ -e $work/made/.$test ] || BIS_SEEDS=$work/made "$build/tests/test_$test" >$work/seeds.log 2>&1 || { cat $work/seeds.log; exit 1; }
     touch $work/made/.$test
 done
@@ -19,7 +19,8 @@ for name in "$@"; do
     seeds=$work/seeds/$name
     mkdir -p $seeds $work/corpus/$name
     case $name in
-    scene) cp tests/data/bad/*.txt tests/data/scenes/*.txt data/scenes/*.txt $seeds ;;
+    scene) cp tests/data/bad/*.txt tests/data/scenes/*.txt data/scenes/*.txt data/scenes/pbrt/* $seeds ;;
+    map) for f in $work/made/*.pfm $work/made/*.hdr; do { printf 'A\014'; cat "$f"; } >$seeds/"${f##*/}"; done ;;
     *) cp $work/made/*."$name" $seeds 2>/dev/null ;;
     esac
     cp tests/data/regression/*."$name" $seeds 2>/dev/null

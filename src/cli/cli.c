@@ -441,7 +441,7 @@ int bis_cli_load_map(bis_light **light, bis_light_desc *desc, const char *path, 
     bis_image image = {0};
 
     *light = NULL;
-    desc->angular = mapping && strcmp(mapping, "angular") == 0;
+    desc->mapping = mapping ? bis_mapping_find(mapping) : BIS_MAPPING_LATLONG;
     desc->has_mapping = mapping != NULL;
     desc->loc = (bis_loc){path, 0, 0};
     desc->filename = bis_strdup(path);

@@ -14,7 +14,7 @@
 #include <string.h>
 
 typedef struct envmap_options {
-    const char *out, *outdir, *mapping;
+    const char *out, *outdir, *mapping, *to;
     uint64_t levels, width, samples;
     double area_exponent;
     bool json;
@@ -53,14 +53,17 @@ static void print_largest(const bis_survey *s)
     }
 }
 
-static void print_text(const char *path, const bis_survey *s, const bis_envmap *em, bool angular, size_t bytes)
+/* In percent. */
+static double change(double before, double after) { return before > 0 ? 100 * (after / before - 1) : 0; }
+
+static void print_text(const char *path, const bis_survey *s, const bis_envmap *em, size_t bytes)
 {
-    printf("map         %s, %d x %d, %s\n", path, em->width, em->height,
-           angular ? "resampled from angular" : "latlong");
-    if (angular)
-        printf("power       %.6g before, %.6g after resampling (%+.3f%%)\n", em->angular_power_before,
-               em->angular_power_after,
-               em->angular_power_before > 0 ? 100 * (em->angular_power_after / em->angular_power_before - 1) : 0);
+    const char *from = em->resampled_from;
+    printf("map         %s, %d x %d, %s%s\n", path, em->width, em->height, from ? "resampled from " : "",
+           from ? from : bis_mapping_names[BIS_MAPPING_LATLONG]);
+    if (from)
+        printf("power       %.6g before, %.6g after resampling (%+.3f%%)\n", em->power_before, em->power_after,
+               change(em->power_before, em->power_after));
     printf("intensity   min %.4g, median %.4g, mean %.4g, max %.4g (r+g+b; min: of the pixels that are not black)\n",
            s->least, s->median, s->mean, s->most);
     printf("mean        %.4g %.4g %.4g (red, green, blue)\n", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
@@ -130,17 +133,18 @@ static void json_largest(bis_json *j, const bis_survey *s)
     bis_json_close(j);
 }
 
-static void print_json(const char *path, const bis_survey *s, const bis_envmap *em, bool angular, size_t bytes)
+static void print_json(const char *path, const bis_survey *s, const bis_envmap *em, size_t bytes)
 {
+    const char *from = em->resampled_from;
     bis_json j = {.out = stdout};
     const bis_envmap_defects *bad = &em->defects;
 
     bis_json_open(&j, NULL, '{');
     bis_json_text(&j, "map", path);
     BIS_JSON_NUMBERS(&j, {"width", em->width}, {"height", em->height});
-    bis_json_text(&j, "mapping", angular ? "angular" : "latlong");
-    BIS_JSON_NUMBERS(&j, {"angular_power_before", angular ? em->angular_power_before : (double)NAN},
-                     {"angular_power_after", angular ? em->angular_power_after : (double)NAN}, {"min", s->least},
+    bis_json_text(&j, "mapping", from ? from : bis_mapping_names[BIS_MAPPING_LATLONG]);
+    BIS_JSON_NUMBERS(&j, {"power_before", from ? em->power_before : (double)NAN},
+                     {"power_after", from ? em->power_after : (double)NAN}, {"min", s->least},
                      {"median", s->median}, {"mean", s->mean}, {"max", s->most});
     bis_json_triple(&j, "mean_rgb", s->mean_rgb[0], s->mean_rgb[1], s->mean_rgb[2]);
     BIS_JSON_NUMBERS(&j, {"contrast", s->power > 0 ? s->most / s->least : (double)NAN}, {"power", s->power},
@@ -216,7 +220,7 @@ static bis_status find_out(char out[4096], const envmap_options *o, const char *
 /* ---- the command ---- */
 
 static bis_status survey(const envmap_options *o, const char *path, const char *out, const bis_light *light,
-                         bool angular, bis_diag *diag)
+                         bis_diag *diag)
 {
     const bis_envmap *em = bis_light_envmap(light);
     bis_survey s;
@@ -228,9 +232,48 @@ static bis_status survey(const envmap_options *o, const char *path, const char *
     bis_regions_clear(&regions);
     if (status) return status;
     const size_t bytes = bis_importance_bytes(bis_light_importance(light));
-    if (o->json) print_json(path, &s, em, angular, bytes);
-    else print_text(path, &s, em, angular, bytes);
+    if (o->json) print_json(path, &s, em, bytes);
+    else print_text(path, &s, em, bytes);
     return BIS_OK;
+}
+
+/* ---- --to ---- */
+
+static bis_status check_conversion(const envmap_options *o, const char *map, bis_diag *diag)
+{
+    if (!o->out || o->outdir || o->json)
+        return bis_error(diag, BIS_INPUT, bis_cli_loc,
+                         "--to %s writes one map: name it by --out FILE, without --outdir and --json", o->to);
+    if (!bis_image_can_write(o->out))
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--out \"%s\": the ending must be .exr, .pfm, .hdr or .png",
+                         o->out);
+    bis_status status = bis_cli_check_writable(o->out, diag);
+    if (!status) status = bis_cli_check_distinct(&map, 1, &o->out, 1, diag);
+    return status;
+}
+
+/* The map's file in another mapping. What it was before it was read is lat-long or resampled to it. */
+static bis_status convert(const envmap_options *o, const bis_light *light, bis_diag *diag)
+{
+    const bis_envmap *em = bis_light_envmap(light);
+    const bis_attribute mapping = {.name = "bis:mapping", .text = o->to};
+    bis_channel channels[3];
+    bis_image image;
+    double power[2];
+
+    bis_status status =
+        bis_envmap_to_mapping(&image, em, bis_mapping_find(o->to), (int)o->width, power, diag);
+    if (status) return status;
+    bis_picture picture = bis_image_picture(&image, channels);
+    picture.attributes = &mapping;
+    picture.n_attributes = 1;
+    status = bis_image_write(o->out, &picture, diag);
+    if (em->resampled_from) power[0] = em->power_before;
+    if (!status)
+        printf("wrote       %s, %d x %d, %s\npower       %.6g before, %.6g after resampling (%+.3f%%)\n", o->out,
+               image.width, image.height, o->to, power[0], power[1], change(power[0], power[1]));
+    bis_image_clear(&image);
+    return status;
 }
 
 static int envmap(void *options, const char *const *operands, bis_diag *diag)
@@ -241,30 +284,33 @@ static int envmap(void *options, const char *const *operands, bis_diag *diag)
     char out[4096];
     bool any;
 
-    const bis_status status = find_out(out, o, operands[0], &any, diag);
+    const bis_status status =
+        o->to ? check_conversion(o, operands[0], diag) : find_out(out, o, operands[0], &any, diag);
     if (status) return bis_cli_exit_status(status);
-    desc.width = (int)o->width;
+    if (!o->to) desc.width = (int)o->width;
     desc.area_exponent = o->area_exponent;
     desc.levels = (int)o->levels;
-    int exit_status = bis_cli_load_map(&light, &desc, operands[0], o->mapping, BIS_NEED_TABLE, diag);
+    int exit_status = bis_cli_load_map(&light, &desc, operands[0], o->mapping, o->to ? 0 : BIS_NEED_TABLE, diag);
     if (!exit_status)
-        exit_status = bis_cli_exit_status(survey(o, operands[0], any ? out : NULL, light, desc.angular, diag));
+        exit_status = bis_cli_exit_status(o->to ? convert(o, light, diag)
+                                                : survey(o, operands[0], any ? out : NULL, light, diag));
     bis_light_free(light);
     return exit_status;
 }
 
 int bis_cmd_envmap(int argc, char **argv)
 {
-    static const char *const mappings[] = {"latlong", "angular", NULL};
     envmap_options o = {.levels = BIS_LEVELS, .samples = 300, .area_exponent = BIS_AREA_EXPONENT};
     /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what to read"},
         {.name = "mapping", .argument = "M",
-         .help = "latlong (the default) or angular, a light probe; a square map must say which",
-         .kind = BIS_OPTION_NAME, .value = &o.mapping, .names = mappings},
+         .help = "latlong (the default), angular (a light probe), equalarea (pbrt-v4's), mirrorball, verticalcross, "
+                 "horizontalcross or cubestrip; a square map must say which",
+         .kind = BIS_OPTION_NAME, .value = &o.mapping, .names = bis_mapping_names},
         {.name = "width", .argument = "N",
-         .help = "of the lat-long map that an angular one is resampled to (default: twice its own)",
+         .help = "of the lat-long map that another one is resampled to (default: twice a square, four faces of a "
+                 "cube); with --to, of what is written (default: all detail)",
          .kind = BIS_OPTION_COUNT, .value = &o.width, .lo = 1, .hi = 2 * BIS_IMAGE_MAX_SIDE},
         {.name = "levels", .argument = "N", .help = "levels of intensity (8)", .kind = BIS_OPTION_COUNT,
          .value = &o.levels, .lo = 1, .hi = BIS_LEVELS_MAX},
@@ -272,6 +318,9 @@ int bis_cmd_envmap(int argc, char **argv)
          .help = "importance goes with min(0.01 sr, a region's solid angle) to the power of B (0.15)",
          .kind = BIS_OPTION_REAL, .value = &o.area_exponent, .lo = 0, .hi = BIS_AREA_EXPONENT_MAX},
         {.help = "what to write"},
+        {.name = "to", .argument = "M",
+         .help = "no report, but the map itself in mapping M, to the file of --out; energy is kept, and printed",
+         .kind = BIS_OPTION_NAME, .value = &o.to, .names = bis_mapping_names},
         {.name = "json", .help = "print JSON instead of text", .kind = BIS_OPTION_FLAG, .value = &o.json},
         {.name = "out", .argument = "F",
          .help = "write pictures: NAME.png makes NAME-map.png, NAME-levels.png, NAME-regions.png and "

@@ -45,6 +45,7 @@ static bis_status merge(const merge_options *o, const char *const *parts, int n,
         bis_stats stats = {.desc = &desc, .scene = m->about.figures, .film = &m->film, .result = &m->result,
                            .seconds = m->about.seconds};
         bis_describe_line(stats.line, &desc.view.settings, true);
+        snprintf(stats.approximated, sizeof stats.approximated, "%s", m->about.approximated);
         bis_errata_text(stats.as_printed, desc.view.settings.as_printed);
         bis_render_files_warn_of_nonfinite(&m->result.counters, diag);
         stats.seconds.render = m->result.seconds;

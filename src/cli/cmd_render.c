@@ -30,7 +30,7 @@ typedef struct render_options {
     bis_texts as_printed;
     const char *integrator, *accelerator, *layers;
     bis_parameter_option parameters[BIS_PARAMETER_OPTIONS];
-    bool quiet, plan, no_jitter, adaptive;
+    bool quiet, plan, no_jitter, adaptive, approximate;
     bool has_spp, has_seed, has_resolution, has_crop, has_every;
     uint64_t spp, seed, threads;
     int resolution[2];
@@ -365,14 +365,14 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     return status;
 }
 
-/* A light probe was resampled: by how much did its energy change? */
+/* A map was resampled: by how much did its energy change? */
 static void note_resampling(const bis_light *light)
 {
     const bis_envmap *em = bis_light_envmap(light);
-    if (!em || !(em->angular_power_before > 0)) return;
-    fprintf(stderr, "bis: note: angular map resampled to %d x %d; integral of r+g+b %g before, %g after (%+.3f%%)\n",
-            em->width, em->height, em->angular_power_before, em->angular_power_after,
-            100 * (em->angular_power_after / em->angular_power_before - 1));
+    if (!em || !(em->power_before > 0)) return;
+    fprintf(stderr, "bis: note: %s map resampled to %d x %d; integral of r+g+b %g before, %g after (%+.3f%%)\n",
+            em->resampled_from, em->width, em->height, em->power_before, em->power_after,
+            100 * (em->power_after / em->power_before - 1));
 }
 
 /* Of a part: its sums instead of pictures. */
@@ -386,6 +386,7 @@ static bis_status write_part(const render_options *o, const bis_stats *stats, co
 
     snprintf(about.scene, sizeof about.scene, "%s", stats->desc->path);
     memcpy(about.command, o->command, sizeof about.command);
+    snprintf(about.approximated, sizeof about.approximated, "%s", stats->approximated);
     if (r->interrupted) {
         fprintf(stderr, "bis: interrupted: part %u of %u is not complete, nothing was written%s\n",
                 (unsigned)o->part.k, (unsigned)o->part.n, c->path ? "; --resume goes on" : "");
@@ -438,6 +439,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
                        .seconds = scene->seconds, .choice = chooses ? &choice : NULL};
     bis_describe_line(stats.line, &desc->view.settings, true);
     bis_errata_text(stats.as_printed, desc->view.settings.as_printed);
+    bis_describe_approximations(stats.approximated, desc);
     stats.seconds.parse = parse_seconds;
     stats.seconds.render = result.seconds;
     double before = bis_clock_now();
@@ -483,9 +485,10 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
 
     if (!o->files.checkpoint) o->files.checkpoint = o->files.resume;
     const bool leads = bis_crew_leads(bis_cli_crew);
+    const unsigned how = o->approximate ? BIS_PARSE_APPROXIMATE | (o->plan ? BIS_PARSE_LIST_MISSING : 0) : 0;
     bis_status status = o->plan ? BIS_OK : name_part(o, diag);
     if (!status && leads) status = bis_render_files_check(&o->files, diag);
-    if (!status) status = bis_scene_parse(&desc, operands[0], diag);
+    if (!status) status = bis_scene_parse_as(&desc, operands[0], how, diag);
     if (!status) status = override(desc, o, diag);
     if (!status) status = check_part(o, desc, diag);
     const double parse_seconds = bis_clock_now() - o->start;
@@ -548,6 +551,9 @@ int bis_cmd_render(int argc, char **argv)
          .value = &o.quiet},
         {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",
          .kind = BIS_OPTION_FLAG, .value = &o.plan},
+        {.name = "approximate",
+         .help = "what of pbrt bis does not model is replaced by the nearest that it does, and listed; with --plan, "
+                 "meshes and maps may be missing, and are listed", .kind = BIS_OPTION_FLAG, .value = &o.approximate},
 
         {.help = "what to render (these override the scene file)"},
         {.name = "integrator", .argument = "NAME",

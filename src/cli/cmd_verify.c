@@ -168,14 +168,14 @@ static int verify(void *options, const char *const *operands, bis_diag *diag)
 
 int bis_cmd_verify(int argc, char **argv)
 {
-    static const char *const mappings[] = {"latlong", "angular", NULL};
     verify_options o = {.seed = 1};
     /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
         {.help = "what to verify"},
         {.name = "mapping", .argument = "M",
-         .help = "of a map: latlong (the default) or angular, a light probe; a square map must say which",
-         .kind = BIS_OPTION_NAME, .value = &o.mapping, .names = mappings},
+         .help = "of a map: latlong (the default), angular, equalarea, mirrorball, verticalcross, horizontalcross or "
+                 "cubestrip; a square map must say which",
+         .kind = BIS_OPTION_NAME, .value = &o.mapping, .names = bis_mapping_names},
         {.name = "seed", .argument = "N", .help = "of the random numbers (1)", .kind = BIS_OPTION_COUNT,
          .value = &o.seed, .hi = 0x1p53},
         {.help = "what to write"},

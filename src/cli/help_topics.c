@@ -71,17 +71,18 @@ static const bis_help_entry materials[] = {
                    "for plastic), roughness (0.5, in [0.01, 1]; the lobe's alpha is its square)"},
     {"diffuse, matte", "reflectance, or Kd (0.5)"},
     {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. "
-           "There are no textures."},
+           "There are no textures. --approximate replaces pbrt's other materials by the nearest of these."},
     {NULL, NULL},
 };
 
 static const bis_help_entry lights[] = {
     {NULL, "LightSource \"infinite\", at most one: an environment map, or a constant from all around. In its own "
            "frame z is up, the map's top row; the transformation at its place, a rotation, turns it into the world."},
-    {"filename", "the map: .hdr, .exr or .pfm; none: a constant (mapname is the same)"},
+    {"filename", "the map: .hdr, .exr or .pfm, also .gz; none: a constant (mapname is pbrt-v3's)"},
     {"L, scale", "radiance of a constant (1 1 1); what a map is multiplied by (1)"},
-    {"mapping", "latlong, or angular: a light probe. A square map must say which"},
-    {"width", "of the lat-long map that a probe is resampled to (twice the probe's)"},
+    {"mapping", "latlong, angular: a light probe, equalarea: pbrt-v4's squares (and what a square filename is taken "
+                "for), mirrorball, verticalcross, horizontalcross, cubestrip"},
+    {"width", "of the lat-long map that others are resampled to (twice a square, four faces of a cube)"},
     {"areaexponent", "b of thesis 3.4 (0.15, in [0, 10]): how far small bright sources give up samples to large ones; "
                      "0: not at all. Never changes the mean"},
     {"levels", "of intensity, thesis 3.4 (8, in [1, 254])"},
@@ -155,6 +156,7 @@ static const bis_help_entry examples[] = {
     {"bis compare em.exr sir.exr --diff difference.png", NULL},
     {NULL, "What is in a map, where samples go; what a scene requires:"},
     {"bis envmap data/maps/interior.hdr --out map.png", NULL},
+    {"bis envmap data/maps/interior.hdr --to equalarea --out for-pbrt-v4.exr", NULL},
     {"bis --plan scene.txt", NULL},
     {NULL, "Everything about a pixel; what to use for this scene; is it right?"},
     {"bis pixel scene.txt 350 300", NULL},

@@ -8,6 +8,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "gzip.h"
 #include "image_io.h"
 #include "image_png.h"
 
@@ -61,7 +62,7 @@ bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_di
     image_input in = {.path = path, .at = at.file ? at : (bis_loc){path, 0, 0}, .diag = diag};
 
     *image = (bis_image){0};
-    bis_status status = bis_file_read(&data, &in.size, path, at, diag);
+    bis_status status = bis_gzip_read(&data, &in.size, path, at, diag);
     if (status) return status;
     in.data = data;
     const image_reader *reader = NULL;

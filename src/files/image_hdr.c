@@ -4,7 +4,8 @@
  * the top, each from the left), then the scanlines, each flat, in the old or in the new run-length encoding.
  * value = mantissa * 2^(exponent - 136), black where the exponent is 0, divided by the product of all EXPOSURE
  * lines and, per channel, by that of all COLORCORR lines: both are factors that somebody has multiplied the radiance
- * by.
+ * by. An EXPOSURE that is 0, negative or not finite is no factor and is left out with a warning: FreeImage writes 0
+ * where it does not know.
  *
  * Why a reader of our own: Radiance's is not packaged as a library, and the usual single-file reader ignores EXPOSURE,
  * the axes of the resolution line and the old encoding, each a silently wrong map.
@@ -46,7 +47,7 @@ static bool parse_numbers(double *v, int n, const char *s, const char *line_end)
         const char *end;
         while (*s == ' ' || *s == '\t') s++;
         v[i] = bis_parse_double(s, &end);
-        if (end == s || !isfinite(v[i])) return false;
+        if (end == s) return false;
         s = end;
     }
     while (*s == ' ' || *s == '\t' || *s == '\r') s++;
@@ -59,6 +60,11 @@ static bis_status take_factor(hdr_header *h, const char *name, int n, const char
 {
     double v[3];
     bool good = parse_numbers(v, n, s, line_end);
+    if (good && n == 1 && !(v[0] > 0 && isfinite(v[0]))) {
+        bis_image_remark(in, "its EXPOSURE is \"%.*s\", which is no factor: 1 is taken (some programs write 0 where "
+                         "they do not know it)", (int)(line_end - s < 60 ? line_end - s : 60), s);
+        return BIS_OK;
+    }
     for (int i = 0; good && i < 3; i++) {
         h->exposure[i] *= v[n == 1 ? 0 : i];
         good = h->exposure[i] > 0 && isfinite(h->exposure[i]);

@@ -7,6 +7,7 @@
 #include "obj.h"
 
 #include "bis/base/file.h"
+#include "gzip.h"
 #include "base/grow.h"
 #include "mesh_io.h"
 
@@ -338,7 +339,7 @@ bis_status bis_obj_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *dia
     reader r = {.in = {.path = path, .at = at, .diag = diag}, .mesh = m};
 
     *m = (bis_mesh){0};
-    r.status = bis_file_read(&data, &r.in.size, path, at, diag);
+    r.status = bis_gzip_read(&data, &r.in.size, path, at, diag);
     if (r.status) goto done;
     r.in.data = data;
     r.end = data + r.in.size;

@@ -9,6 +9,7 @@
 #include "ply.h"
 
 #include "bis/base/file.h"
+#include "gzip.h"
 #include "bis/base/mem.h"
 #include "ply_header.h"
 
@@ -381,7 +382,7 @@ bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *dia
     bis_status status;
 
     *m = (bis_mesh){0};
-    status = bis_file_read(&data, &in.size, path, at, diag);
+    status = bis_gzip_read(&data, &in.size, path, at, diag);
     if (status) goto done;
     in.data = data;
     status = bis_ply_header_read(&header, &in);

@@ -4,6 +4,7 @@
  * table names pbrt's directives that bis does not model, so that the answer to them is more than "unknown". After a
  * mistake the parser goes on with the next directive and reports up to 50 errors in one go; a description is handed out
  * only when there is none. Nothing here recurses: includes, blocks and instances are explicit stacks with limits. */
+#include "approximate.h"
 #include "parser.h"
 
 #include "bis/base/file.h"
@@ -141,13 +142,33 @@ static const struct foreign {
     {"SearchPath", "paths are relative to the file that names them"},
 };
 
+/* --approximate: a directive that is left out with all that follows it, up to the next. Two are not. */
+static void approximate_directive(bis_parser *p, const char *name, bis_loc at)
+{
+    if (strcmp(name, "Import") == 0) {
+        directive_include(p, at);
+        return;
+    }
+    p->lost = true;
+    if (strcmp(name, "ActiveTransform") != 0 || p->token.kind != BIS_TOKEN_WORD) return;
+    p->now.at_end = p->token.length == strlen("EndTime") && memcmp(p->token.text, "EndTime", p->token.length) == 0;
+    bis_parser_advance(p); /* StartTime and EndTime look like directives */
+}
+
 static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
 {
     const char *names[BIS_COUNT(directives)];
 
+    if (bis_approximate(p, name, NULL, at)) {
+        approximate_directive(p, name, at);
+        return;
+    }
+    p->lost = true;
+
     for (size_t i = 0; i < BIS_COUNT(foreign); i++) {
         if (strcmp(name, foreign[i].name) != 0) continue;
-        bis_parser_error(p, at, "%s is a directive of pbrt that bis does not model: %s", name, foreign[i].instead);
+        bis_parser_error(p, at, "%s is a directive of pbrt that bis does not model: %s%s", name, foreign[i].instead,
+                         bis_approximate_hint(p, name, NULL));
         return;
     }
     for (size_t i = 0; i < BIS_COUNT(directives); i++) names[i] = directives[i].name;
@@ -163,7 +184,6 @@ static void run_directive(bis_parser *p, const char *name, bis_loc at)
     bis_parser_advance(p);
     if (d == end) {
         unknown_directive(p, name, at);
-        p->lost = true;
     } else if (p->ended) {
         p->stop = !bis_parser_lose(p, at, "%s after WorldEnd: a scene has one world", name);
     } else if (d->where & (p->in_world ? WORLD : OPTIONS)) {
@@ -205,6 +225,7 @@ static void check_whole(bis_parser *p)
 {
     bis_parser_check_blocks(p);
     bis_parser_check_materials(p);
+    bis_approximate_finish(p);
     if (!p->in_world) bis_parser_error(p, p->token.at, "the scene has no WorldBegin");
     if (p->status) return;
     bis_parser_note(p, bis_settings_check(&p->desc->view.settings, p->desc->integrator_loc, p->diag));
@@ -226,9 +247,15 @@ static void parser_clear(bis_parser *p)
     bis_free(p->objects);
     bis_free(p->object_shapes);
     bis_free(p->systems);
+    bis_approximate_clear(p);
 }
 
 bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *diag)
+{
+    return bis_scene_parse_as(out, path, 0, diag);
+}
+
+bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned how, bis_diag *diag)
 {
     bis_status status = BIS_NOMEM;
     bis_scene_desc *desc = bis_scene_desc_new(path);
@@ -241,6 +268,8 @@ bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *dia
     }
     p->desc = desc;
     p->diag = p->lexer.diag = diag;
+    p->approximate = how & BIS_PARSE_APPROXIMATE;
+    p->lists_missing = how & BIS_PARSE_LIST_MISSING;
     p->now.ctm = bis_xform_identity();
     is_stranger(p, desc->files[0], (bis_loc){0});
     status = p->status ? p->status : bis_lexer_push(&p->lexer, desc->files[0], (bis_loc){0});

@@ -66,6 +66,7 @@ typedef enum bis_block_kind { BIS_BLOCK_ATTRIBUTE, BIS_BLOCK_TRANSFORM, BIS_BLOC
 typedef struct bis_attributes {
     bis_xform ctm; /* the current transformation matrix: object to world */
     uint32_t material;
+    bool at_end; /* ActiveTransform EndTime, with --approximate: what is not shown moves */
 } bis_attributes;
 
 typedef struct bis_block {
@@ -85,6 +86,15 @@ typedef struct bis_named_material {
     uint32_t index;     /* in desc->materials */
     bis_loc made, used; /* line 0: not yet */
 } bis_named_material;
+
+/* pbrt's material "mix", with --approximate: what it is of may be made later. */
+typedef struct bis_mix {
+    char *name[2]; /* owned */
+    uint32_t index, of[2];
+    rgb share; /* of the first */
+    bis_loc at;
+    bool done;
+} bis_mix;
 
 /* Directives of which a scene has one; a second replaces the first with a warning, as pbrt does silently. */
 typedef enum bis_single {
@@ -128,6 +138,13 @@ typedef struct bis_parser {
     size_t n_object_shapes, capacity_object_shapes;
     bis_xform *systems;
     size_t n_systems, capacity_systems;
+
+    bool approximate;   /* --approximate, see approximate.h */
+    bool lists_missing; /* a file that is not there is listed in desc->missing, and no error */
+    bis_names missing;
+    bis_mix *mixes;
+    size_t n_mixes, capacity_mixes;
+    char way_out[256];
 
     const char *warned[BIS_MAX_PARAMS]; /* names that have had their one warning */
     size_t n_warned;

@@ -4,6 +4,7 @@
  * bis_params_end then complains of those that nobody asked for, and knows from the questions which names could have
  * been meant. A value outside its range leaves the default in place and one complaint behind, so that a directive can
  * look at all of its parameters. */
+#include "approximate.h"
 #include "bis/base/file.h"
 #include "parser.h"
 
@@ -26,6 +27,11 @@ const bis_param *bis_params_take(bis_parser *p, const char *name, unsigned wante
     if (!param) return NULL;
     param->used = true;
     if (!param->type) return NULL; /* complained of already */
+    if (!(param->type & wanted) && p->approximate && param->type == BIS_TYPE_OTHER &&
+        strcmp(param->type_name, "texture") != 0) {
+        bis_approximate_note(p, param->at, "the default is taken", "\"%s %s\"", param->type_name, name);
+        return NULL;
+    }
     if (!(param->type & wanted)) {
         bis_parser_error(p, param->at, "\"%s\" is of type %s, must be %s", name, param->type_name,
                          bis_param_type_names(buf, wanted));
@@ -119,7 +125,7 @@ bool bis_params_rgb(bis_parser *p, const char *name, rgb *value, bis_interval ra
 
 bool bis_params_choice(bis_parser *p, const char *name, int *value, const char *const *choices, size_t n)
 {
-    char list[128] = "";
+    char list[192] = "";
     const char *chosen;
     if (!bis_params_string(p, name, &chosen)) return false;
     for (size_t i = 0; i < n; i++) {
@@ -148,15 +154,20 @@ void bis_params_ignore(bis_parser *p, const char *const *names, size_t n)
         bis_param *param = bis_params_find(p, names[i]);
         if (!param) continue;
         param->used = true;
-        if (bis_parser_once(p, names[i])) bis_warn(p->diag, param->at, "\"%s\" is ignored", names[i]);
+        if (p->approximate) bis_approximate_note(p, param->at, "ignored", "parameter \"%s\"", names[i]);
+        else if (bis_parser_once(p, names[i])) bis_warn(p->diag, param->at, "\"%s\" is ignored", names[i]);
     }
 }
 
 void bis_params_end(bis_parser *p, const char *directive, const char *what)
 {
-    const bis_params *ps = &p->params;
+    bis_params *ps = &p->params;
     for (size_t i = 0; i < ps->n; i++) {
         if (ps->list[i].used) continue;
+        if (p->approximate) {
+            bis_approximate_parameter(p, &ps->list[i], directive, what);
+            continue;
+        }
         const char *name = bis_parser_text(p, ps->list[i].name);
         const char *quote = what ? "\"" : "";
         bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s%s%s%s%s%s", name, directive,
@@ -185,9 +196,9 @@ const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const 
 
     for (size_t i = 0; i < n; i++) {
         if (strcmp(name, choices[i].name) == 0) {
-            if (choices[i].value != BIS_FOREIGN) return &choices[i];
-            bis_parser_error(p, at, "%s \"%s\" is pbrt's and not modelled; bis has %s", directive, name,
-                             our_names(list, choices, n));
+            if (choices[i].value != BIS_FOREIGN || bis_approximate(p, directive, name, at)) return &choices[i];
+            bis_parser_error(p, at, "%s \"%s\" is pbrt's and not modelled; bis has %s%s", directive, name,
+                             our_names(list, choices, n), bis_approximate_hint(p, directive, name));
             return NULL;
         }
         if (choices[i].value != BIS_FOREIGN && n_names < BIS_MAX_PARAMS) names[n_names++] = choices[i].name;

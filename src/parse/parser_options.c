@@ -4,6 +4,7 @@
  * A directive that is given again starts from the defaults, as in pbrt. */
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "approximate.h"
 #include "parser.h"
 
 #include <string.h>
@@ -33,8 +34,13 @@ static void camera_lens(bis_parser *p)
     static const char *const focus[] = {"focaldistance"};
     static const char *const shutter[] = {"shutteropen", "shutterclose"};
     double radius = 0;
-    if (bis_params_float(p, "lensradius", &radius, any) && radius != 0)
-        bis_parser_error(p, bis_params_at(p, "lensradius"), "a thin lens is not modelled: \"lensradius\" must be 0");
+    if (bis_params_float(p, "lensradius", &radius, any) && radius != 0) {
+        const bis_loc at = bis_params_at(p, "lensradius");
+        if (p->approximate) bis_approximate_note(p, at, "all is in focus", "\"lensradius\"");
+        else
+            bis_parser_error(p, at, "a thin lens is not modelled: \"lensradius\" must be 0; with --approximate: "
+                             "all is in focus");
+    }
     bis_params_skip(p, focus, BIS_COUNT(focus));
     bis_params_ignore(p, shutter, BIS_COUNT(shutter));
 }
@@ -132,6 +138,10 @@ void bis_directive_filter(bis_parser *p, bis_loc at)
     const bis_choice *chosen = bis_parser_begin(p, "PixelFilter", filters, BIS_COUNT(filters));
     if (!chosen) return;
     bis_parser_single(p, BIS_SINGLE_FILTER, "PixelFilter", at);
+    if (chosen->value == BIS_REPLACED && p->approximate) {
+        bis_approximate_note(p, p->name_at, "the box of one pixel is used", "PixelFilter \"%s\"", chosen->name);
+        return;
+    }
     if (chosen->value == BIS_REPLACED) {
         bis_warn(p->diag, p->name_at, "PixelFilter \"%s\" is ignored: the box of one pixel is used", chosen->name);
         return;
@@ -193,11 +203,13 @@ void bis_directive_option(bis_parser *p, bis_loc at)
     if (p->lost || !bis_params_read(p)) return;
     bool disable;
     if (bis_params_bool(p, "disablepixeljitter", &disable)) p->desc->view.pixel_jitter = !disable;
+    if (bis_params_bool(p, "approximate", &disable)) p->approximate |= disable;
     option_as_printed(p);
     for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
         if (!bis_params_has(p, ignored[i])) continue;
         if (bis_parser_once(p, "Option"))
-            bis_warn(p->diag, at, "Option \"%s\" is ignored, like all but \"disablepixeljitter\" and \"asprinted\"",
+            bis_warn(p->diag, at, "Option \"%s\" is ignored, like all but \"disablepixeljitter\", \"asprinted\" and "
+                     "\"approximate\"",
                      ignored[i]);
         bis_params_skip(p, &ignored[i], 1);
     }
@@ -209,8 +221,9 @@ void bis_directive_color_space(bis_parser *p, bis_loc at)
     (void)at;
     if (!bis_parser_name(p, "ColorSpace")) return;
     const char *name = bis_parser_text(p, p->name);
-    if (strcmp(name, "srgb") == 0) return;
-    bis_parser_error(p, p->name_at, "ColorSpace is \"%s\", must be \"srgb\"", bis_parser_word(p, name));
+    if (strcmp(name, "srgb") == 0 || bis_approximate(p, "ColorSpace", NULL, p->name_at)) return;
+    bis_parser_error(p, p->name_at, "ColorSpace is \"%s\", must be \"srgb\"%s", bis_parser_word(p, name),
+                     bis_approximate_hint(p, "ColorSpace", NULL));
 }
 
 /* One or two names, both empty: the vacuum inside and outside. */
@@ -220,8 +233,8 @@ void bis_directive_medium_interface(bis_parser *p, bis_loc at)
     for (int i = 0; i == 0 || (i == 1 && p->token.kind == BIS_TOKEN_STRING); i++) {
         if (!bis_parser_name(p, "MediumInterface")) return;
         const char *name = bis_parser_text(p, p->name);
-        if (*name)
-            bis_parser_error(p, p->name_at, "MediumInterface is \"%s\", must be \"\": media are not modelled",
-                             bis_parser_word(p, name));
+        if (*name && !bis_approximate(p, "MediumInterface", NULL, p->name_at))
+            bis_parser_error(p, p->name_at, "MediumInterface is \"%s\", must be \"\": media are not modelled%s",
+                             bis_parser_word(p, name), bis_approximate_hint(p, "MediumInterface", NULL));
     }
 }

@@ -4,6 +4,7 @@
  * it. The numbers of a "trianglemesh" are checked against one another here, where the place is known. */
 #include "bis/base/file.h"
 #include "base/grow.h"
+#include "approximate.h"
 #include "parser.h"
 
 #include <string.h>
@@ -107,6 +108,28 @@ static bool read_indices(bis_parser *p, bis_mesh *m)
     return true;
 }
 
+/* The patches of "bilinearmesh", with --approximate: two triangles each. */
+static bool read_patches(bis_parser *p, bis_mesh *m)
+{
+    /* the corners of a patch are (0, 0), (1, 0), (0, 1), (1, 1) */
+    static const uint32_t corner[6] = {0, 1, 3, 0, 3, 2};
+    const bis_param *param = bis_params_take(p, "indices", BIS_TYPE_INTEGER, 0);
+    const size_t n = param ? param->n : 4;
+
+    if (n % 4 || (!param && m->n_vertices != 4))
+        return bis_parser_error(p, p->name_at, "bilinearmesh needs \"integer indices\", four for a patch, unless it "
+                                "has 4 points; it has %zu and %zu points", param ? n : 0, m->n_vertices);
+    m->index = bis_alloc(n / 4 * 6, sizeof *m->index);
+    if (!m->index) return bis_parser_nomem(p, p->name_at);
+    for (size_t i = 0; i < n / 4 * 6; i++) {
+        const size_t k = i / 6 * 4 + corner[i % 6];
+        if (param && !check_index(p, param, k, m->n_vertices)) return false;
+        m->index[i] = param ? (uint32_t)p->params.numbers[param->first + k] : (uint32_t)k;
+    }
+    m->n_triangles = n / 4 * 2;
+    return true;
+}
+
 static bool read_normals(bis_parser *p, bis_mesh *m)
 {
     const bool given = bis_params_has(p, "N");
@@ -119,7 +142,8 @@ static bool read_normals(bis_parser *p, bis_mesh *m)
     return m->n != NULL;
 }
 
-static bool read_triangles(bis_parser *p, bis_shape_desc *shape)
+/* patches: of four indices each, with --approximate. */
+static bool read_triangles(bis_parser *p, bis_shape_desc *shape, bool patches)
 {
     bis_mesh m = {0};
     const bool given = bis_params_has(p, "P");
@@ -133,7 +157,7 @@ static bool read_triangles(bis_parser *p, bis_shape_desc *shape)
         ok = m.p != NULL;
     }
     if (ok && m.n_vertices > UINT32_MAX) ok = bis_parser_error(p, points->at, "more than 2^32 - 1 points");
-    ok = ok && read_indices(p, &m) && read_normals(p, &m) &&
+    ok = ok && (patches ? read_patches(p, &m) : read_indices(p, &m)) && read_normals(p, &m) &&
          add_mesh(p, &(bis_mesh_desc){.kind = BIS_SHAPE_TRIANGLES, .mesh = m, .loc = shape->loc}, &shape->mesh);
     if (!ok) {
         static const char *const rest[] = {"indices", "N"};
@@ -150,8 +174,13 @@ static bool is_whole(bis_parser *p, const char *name, double whole, double given
 {
     char a[32], b[32];
     if (given == whole) return true;
-    return bis_parser_error(p, bis_params_at(p, name), "\"%s\" is %s: only whole spheres and disks are modelled (%s)",
-                            name, bis_format_double(a, given), bis_format_double(b, whole));
+    if (p->approximate) {
+        bis_approximate_note(p, bis_params_at(p, name), "spheres and disks are whole", "\"%s\"", name);
+        return true;
+    }
+    return bis_parser_error(p, bis_params_at(p, name),
+                            "\"%s\" is %s: only whole spheres and disks are modelled (%s); with --approximate: spheres "
+                            "and disks are whole", name, bis_format_double(a, given), bis_format_double(b, whole));
 }
 
 static bool read_quadric(bis_parser *p, bis_shape_desc *shape)
@@ -202,10 +231,15 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
 
     const bis_choice *chosen = bis_parser_begin(p, "Shape", shapes, BIS_COUNT(shapes));
     if (!chosen) return;
+    const bool patches = strcmp(chosen->name, "bilinearmesh") == 0;
+    if (chosen->value == BIS_FOREIGN && !patches && strcmp(chosen->name, "loopsubdiv") != 0) return; /* left out */
+    if (p->approximate && (bis_params_has(p, "alpha") || bis_params_has(p, "shadowalpha")))
+        bis_approximate_note(p, at, "the shape has no holes", "\"alpha\" of Shape \"%s\"", chosen->name);
     bis_shape_desc shape = {
-        .kind = (bis_shape_kind)chosen->value, .to_world = p->now.ctm, .material = p->now.material, .loc = at};
+        .kind = chosen->value == BIS_FOREIGN ? BIS_SHAPE_TRIANGLES : (bis_shape_kind)chosen->value,
+        .to_world = p->now.ctm, .material = p->now.material, .loc = at};
     bool ok;
-    if (shape.kind == BIS_SHAPE_TRIANGLES) ok = read_triangles(p, &shape);
+    if (shape.kind == BIS_SHAPE_TRIANGLES) ok = read_triangles(p, &shape, patches);
     else if (shape.kind == BIS_SHAPE_SPHERE || shape.kind == BIS_SHAPE_DISK) ok = read_quadric(p, &shape);
     else ok = read_file(p, &shape);
     bis_params_skip(p, silent, BIS_COUNT(silent));

@@ -109,6 +109,13 @@ char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
     }
     if (name[0]) why = why_unreadable(path, &status);
     if (!why) return path;
+    if (p->lists_missing && name[0] && status == BIS_INPUT) {
+        char *copy = bis_names_find(&p->missing, path, NULL) ? NULL : bis_strdup(path);
+        if (!copy) return path;
+        if (bis_names_set(&p->missing, path, 0) && bis_scene_desc_add_missing(p->desc, copy)) return path;
+        bis_parser_nomem(p, at);
+        return path;
+    }
     bis_parser_note(p, bis_error(p->diag, status, at, "cannot read \"%s\": %s", bis_parser_word(p, path), why));
     bis_free(path);
     return NULL;

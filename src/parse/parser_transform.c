@@ -43,6 +43,7 @@ bool bis_parser_is_usable(const bis_xform *t)
 
 static void set(bis_parser *p, const char *directive, bis_loc at, const bis_xform *t)
 {
+    if (p->now.at_end) return; /* of a motion the start is shown */
     if (bis_parser_is_usable(t)) p->now.ctm = *t;
     else bis_parser_error(p, at, "%s makes the transformation singular or infinite", directive);
 }
@@ -56,7 +57,7 @@ static void concat(bis_parser *p, const char *directive, bis_loc at, const bis_x
 void bis_directive_identity(bis_parser *p, bis_loc at)
 {
     (void)at;
-    p->now.ctm = bis_xform_identity();
+    if (!p->now.at_end) p->now.ctm = bis_xform_identity();
 }
 
 void bis_directive_translate(bis_parser *p, bis_loc at)
@@ -145,7 +146,7 @@ void bis_directive_coord_sys_transform(bis_parser *p, bis_loc at)
     if (!bis_parser_name(p, "CoordSysTransform")) return;
     const char *name = bis_parser_text(p, p->name);
     if (bis_names_find(&p->system_names, name, &i)) {
-        p->now.ctm = p->systems[i];
+        if (!p->now.at_end) p->now.ctm = p->systems[i];
         return;
     }
     bis_parser_error(p, p->name_at, "coordinate system \"%s\" is not defined%s", bis_parser_word(p, name),

@@ -6,6 +6,7 @@
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "base/grow.h"
+#include "approximate.h"
 #include "parser.h"
 
 #include <float.h>
@@ -21,7 +22,7 @@ static void light_filename(bis_parser *p, bis_light_desc *light)
 {
     const char *name;
     bis_loc at = bis_params_at(p, "filename");
-    bool given = bis_params_string(p, "filename", &name);
+    bool given = light->is_v4 = bis_params_string(p, "filename", &name);
     const bool both = given && bis_params_has(p, "mapname");
     if (both) {
         bis_parser_error(p, bis_params_at(p, "mapname"), "\"mapname\" and \"filename\" are the same: give one");
@@ -59,21 +60,25 @@ static void light_illuminance(bis_parser *p)
     double lux = -1;
 
     if (!bis_params_float(p, "illuminance", &lux, anything) || lux <= 0) return;
+    if (p->approximate) {
+        bis_approximate_note(p, bis_params_at(p, "illuminance"), "ignored: the brightness is the light's own",
+                             "\"illuminance\"");
+        return;
+    }
     bis_parser_error(p, bis_params_at(p, "illuminance"),
                      "pbrt-v4's \"illuminance\" (of a surface that faces up, in lux) is not modelled, because bis has "
                      "no units of photometry: remove it, and give what the radiance is multiplied by as "
-                     "\"float scale\" (of a constant light of 1: illuminance / pi)");
+                     "\"float scale\" (of a constant light of 1: illuminance / pi); with --approximate: ignored");
 }
 
 static void light_map(bis_parser *p, bis_light_desc *light)
 {
-    static const char *const mappings[] = {"latlong", "angular"};
     static const char *const tables[] = {"alias", "cdf"};
     static const bis_table_kind table[] = {BIS_TABLE_ALIAS, BIS_TABLE_CDF};
     uint32_t width = 0, levels = BIS_LEVELS;
     int i;
-    light->has_mapping = bis_params_choice(p, "mapping", &i, mappings, BIS_COUNT(mappings));
-    light->angular = light->has_mapping && i == 1;
+    light->has_mapping = bis_params_choice(p, "mapping", &i, bis_mapping_names, BIS_N_MAPPINGS);
+    if (light->has_mapping) light->mapping = (bis_mapping)i;
     bis_params_uint32(p, "width", &width, 2, BIS_IMAGE_MAX_SIDE);
     light->width = (int)width;
     bis_params_float(p, "areaexponent", &light->area_exponent, (bis_interval){0, BIS_AREA_EXPONENT_MAX, false, false});
@@ -86,9 +91,11 @@ static void light_map(bis_parser *p, bis_light_desc *light)
 static bool light_may_stand(bis_parser *p, bis_loc at)
 {
     const bis_scene_desc *d = p->desc;
+    if (d->has_light && bis_approximate(p, "LightSource", "a second", at)) return false;
     if (d->has_light)
-        return bis_parser_error(p, at, "a second LightSource: a scene has at most one, and its first is that of %s:%d",
-                                d->light.loc.file, d->light.loc.line);
+        return bis_parser_error(p, at, "a second LightSource: a scene has at most one, and its first is that of "
+                                "%s:%d%s", d->light.loc.file, d->light.loc.line,
+                                bis_approximate_hint(p, "LightSource", "a second"));
     if (p->in_object)
         return bis_parser_error(p, at, "LightSource inside ObjectBegin: objects hold geometry only");
     if (bis_xform_is_orthonormal(&p->now.ctm, BIS_XFORM_FRAME_TOLERANCE)) return true;
@@ -105,7 +112,8 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     };
     static const char *const ignored[] = {"samples", "nsamples"};
 
-    if (!bis_parser_begin(p, "LightSource", lights, BIS_COUNT(lights)) || !light_may_stand(p, at)) return;
+    const bis_choice *chosen = bis_parser_begin(p, "LightSource", lights, BIS_COUNT(lights));
+    if (!chosen || chosen->value == BIS_FOREIGN || !light_may_stand(p, at)) return;
     bis_light_desc light = bis_light_desc_default();
     light.loc = at;
     light.to_world = bis_xform_rotation(&p->now.ctm);
@@ -188,6 +196,11 @@ static void read_material(bis_parser *p, const char *directive, const char *type
 {
     const bis_choice *chosen = bis_parser_choose(p, directive, type, at, materials, BIS_COUNT(materials));
     if (!chosen) return;
+    if (chosen->value == BIS_FOREIGN) {
+        const bis_material nearest = bis_approximate_material(p, chosen->name, index);
+        p->desc->materials[index] = nearest;
+        return;
+    }
     bis_material m = chosen->value == PHONG        ? read_phong(p)
                      : chosen->value == MICROFACET ? read_microfacet(p)
                                                    : read_diffuse(p);

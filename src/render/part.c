@@ -28,6 +28,7 @@ static void walk_about(bis_walk *w, bis_part_about *a)
 {
     bis_walk_text(w, a->scene, sizeof a->scene);
     bis_walk_text(w, a->command, sizeof a->command);
+    bis_walk_text(w, a->approximated, sizeof a->approximated);
     bis_walk_u64(w, &a->seed);
     bis_walk_u32(w, &a->edge_samples);
     bis_walk_u32(w, &a->n_threads);

@@ -5,12 +5,13 @@
 
 #include <limits.h>
 
-enum { BIS_PART_MOST = 100000, BIS_PART_COMMAND = 1 << 13 };
+enum { BIS_PART_MOST = 100000, BIS_PART_COMMAND = 1 << 13, BIS_PART_APPROXIMATED = 1 << 12 };
 
 /* What the header and the figures of the picture need, beside what a render has done. */
 typedef struct bis_part_about {
     char scene[PATH_MAX];
     char command[BIS_PART_COMMAND]; /* that made the part, without --part and the names of outputs */
+    char approximated[BIS_PART_APPROXIMATED]; /* what is not modelled and was replaced; "": nothing */
     uint64_t seed;
     uint32_t edge_samples, n_threads;
     uint64_t bytes; /* of bis_render_result */

@@ -27,20 +27,27 @@ static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_
 
 static bis_status make_envmap(bis_envmap *em, bis_image *image, const bis_light_desc *desc, bis_diag *diag)
 {
-    if (desc->angular) {
-        if (image->width == image->height) return bis_envmap_from_angular(em, image, desc->width, diag);
+    bis_mapping mapping = desc->mapping;
+    if (!bis_mapping_fits(mapping, image->width, image->height)) {
         return bis_error(diag, BIS_INPUT, desc->loc,
-                         "\"%s\" is %d x %d; an angular map must be square (\"latlong\" maps are 2:1)", desc->filename,
-                         image->width, image->height);
+                         "\"%s\" is %d x %d; a map of mapping \"%s\" must be %s (\"latlong\" maps are 2:1)",
+                         desc->filename, image->width, image->height, bis_mapping_names[mapping],
+                         bis_mapping_shape(mapping));
     }
     if (image->width == image->height && !desc->has_mapping) {
-        return bis_error(diag, BIS_INPUT, desc->loc,
-                         "\"%s\" is square, %d x %d: give its mapping, \"angular\" for a light probe, or \"latlong\" "
-                         "if that is meant "
-                         "(pbrt-v4's equal-area mapping is not supported: convert such maps to latlong first)",
-                         desc->filename, image->width, image->height);
+        if (!desc->is_v4) {
+            return bis_error(diag, BIS_INPUT, desc->loc,
+                             "\"%s\" is square, %d x %d: give its mapping, \"angular\" for a light probe, "
+                             "\"equalarea\" for a map of pbrt-v4, \"mirrorball\", or \"latlong\" if that is meant",
+                             desc->filename, image->width, image->height);
+        }
+        bis_warn(diag, desc->loc,
+                 "\"%s\" is square, %d x %d, and named by \"filename\": it is taken for an equal-area map, as in "
+                 "pbrt-v4; \"string mapping\" says otherwise (\"angular\" for a light probe)",
+                 desc->filename, image->width, image->height);
+        mapping = BIS_MAPPING_EQUALAREA;
     }
-    return bis_envmap_from_latlong(em, image, diag);
+    return bis_envmap_from_mapping(em, image, mapping, desc->width, diag);
 }
 
 static bis_status scale_envmap(bis_envmap *em, const bis_light_desc *desc, bis_diag *diag)
@@ -95,7 +102,7 @@ bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_lig
 
     *out = NULL;
     bis_status status = make_envmap(&em, image, desc, diag);
-    bis_image_clear(image); /* of an angular map; the pixels of a lat-long have moved */
+    bis_image_clear(image); /* of a resampled map; the pixels of a lat-long have moved */
     if (status) return status;
     warn_defects(&em.defects, desc->filename, at, diag);
     status = scale_envmap(&em, desc, diag);

@@ -62,6 +62,9 @@ void bis_scene_desc_free(bis_scene_desc *d)
     bis_free(d->shapes);
     bis_free(d->files);
     bis_free(d->materials);
+    for (size_t i = 0; i < d->n_missing; i++) bis_free(d->missing[i]);
+    bis_free(d->missing);
+    bis_free(d->approximations);
     bis_free(d->light.filename);
     bis_free(d->outfile);
     bis_free(d->path);
@@ -77,6 +80,18 @@ const char *bis_scene_desc_add_file(bis_scene_desc *d, char *name)
     }
     d->files = files;
     return d->files[d->n_files++] = name;
+}
+
+bool bis_scene_desc_add_missing(bis_scene_desc *d, char *name)
+{
+    char **missing = bis_grow(d->missing, &d->capacity_missing, d->n_missing + 1, sizeof *missing);
+    if (!missing) {
+        bis_free(name);
+        return false;
+    }
+    d->missing = missing;
+    d->missing[d->n_missing++] = name;
+    return true;
 }
 
 bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape)

@@ -10,6 +10,10 @@ bis_scene_desc *bis_scene_desc_new(const char *path);
 /* bis_scene_desc_add_shape appends a copy of *shape. False: no memory. */
 bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape);
 
+/* bis_scene_desc_add_missing takes over the name of a mesh or map that is not there. False: no memory; the name is then
+ * freed. */
+bool bis_scene_desc_add_missing(bis_scene_desc *d, char *name);
+
 /* bis_scene_desc_add_file takes over the name of a file that the scene consists of, and returns it. NULL: no memory;
  * the name is then freed. */
 const char *bis_scene_desc_add_file(bis_scene_desc *d, char *name);

@@ -2,9 +2,9 @@
 #include "scene_peek.h"
 
 #include "bis/base/file.h"
+#include "files/gzip.h"
 
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -16,11 +16,8 @@ typedef struct head {
 
 static bool read_head(head *h, const char *path)
 {
-    FILE *f = fopen(path, "rb");
-    if (!f) return false;
-    h->n = fread(h->text, 1, sizeof h->text - 1, f);
+    h->n = bis_gzip_head(h->text, sizeof h->text - 1, path);
     h->text[h->n] = '\0';
-    fclose(f);
     return h->n > 0;
 }
 

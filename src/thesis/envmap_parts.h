@@ -1,4 +1,4 @@
-/* envmap_parts: functions of src/thesis/envmap.c that only src/thesis/envmap_angular.c uses. */
+/* envmap_parts: functions of src/thesis/envmap.c that only src/beyond/mapping.c uses. */
 #pragma once
 
 #include "bis/thesis/envmap.h"

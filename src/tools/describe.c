@@ -99,6 +99,16 @@ const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *
     return line;
 }
 
+const char *bis_describe_approximations(char text[BIS_APPROXIMATED_TEXT], const bis_scene_desc *desc)
+{
+    *text = '\0';
+    for (size_t i = 0; i < desc->n_approximations; i++) {
+        const bis_approximation *a = &desc->approximations[i];
+        bis_append(text, BIS_APPROXIMATED_TEXT, "%s%zu x %s: %s", i ? "; " : "", a->n, a->kind, a->consequence);
+    }
+    return text;
+}
+
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES])
 {
     const bis_render_result *r = s->result;
@@ -112,6 +122,7 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
         attributes[n++] = (bis_attribute){"edgesamples", NULL, s->desc->view.edge_samples};
     if (s->desc->view.adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
     if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->line, 0};
+    if (*s->approximated) attributes[n++] = (bis_attribute){"bis:approximated", s->approximated, 0};
     attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->view.sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
@@ -179,6 +190,23 @@ static void print_choice(bis_json *j, const bis_stats *s)
     bis_json_close(j);
 }
 
+/* Without --approximate there is no such key. A picture of parts has them as one text. */
+static void print_approximations(bis_json *j, const bis_scene_desc *d, const char *text)
+{
+    if (!d->n_approximations && *text) bis_json_text(j, "approximated", text);
+    if (!d->n_approximations) return;
+    bis_json_open(j, "approximated", '[');
+    for (size_t i = 0; i < d->n_approximations; i++) {
+        const bis_approximation *a = &d->approximations[i];
+        bis_json_open(j, NULL, '{');
+        bis_json_text(j, "kind", a->kind);
+        bis_json_count(j, "count", a->n);
+        bis_json_text(j, "consequence", a->consequence);
+        bis_json_close(j);
+    }
+    bis_json_close(j);
+}
+
 void bis_stats_print(const bis_stats *s, FILE *out)
 {
     const bis_settings *settings = &s->desc->view.settings;
@@ -210,6 +238,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
                      {"fallbacks", count(rejects && settings->estimator == BIS_ESTIMATOR_RATIO,
                                          r->counters.fallbacks)});
     print_choice(&j, s);
+    print_approximations(&j, s->desc, s->approximated);
     print_memory(&j, s);
     bis_json_number(&j, "estimated_relative_rmse", r->relative_rmse);
     bis_json_bool(&j, "interrupted", r->interrupted);

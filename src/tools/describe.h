@@ -6,7 +6,8 @@
 #include "bis/files/image_file.h"
 #include "bis/render/render.h"
 
-enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 13, BIS_MAX_LINE = 512 };
+enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 14, BIS_MAX_LINE = 512,
+       BIS_APPROXIMATED_TEXT = 4096 };
 
 /* The parameters that the integrator reads, in the order of docs/scene-format.md; returns their number. Texts are
  * static. */
@@ -20,6 +21,10 @@ const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bo
  * take to the same error. The report must have a choice. */
 const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *r);
 
+/* bis_describe_approximations writes what --approximate has replaced, `3 x AreaLightSource: its light is missing; ...`.
+ */
+const char *bis_describe_approximations(char text[BIS_APPROXIMATED_TEXT], const bis_scene_desc *desc);
+
 /* Everything that --stats tells. seconds.write and .total are those so far. */
 typedef struct bis_stats {
     const bis_scene_desc *desc;
@@ -30,10 +35,11 @@ typedef struct bis_stats {
     char as_printed[BIS_ERRATA_TEXT]; /* of the settings, by bis_errata_text */
     const bis_auto_report *choice;    /* NULL: nothing was to choose */
     char line[BIS_MAX_LINE];          /* of the Integrator, by bis_describe_line */
+    char approximated[BIS_APPROXIMATED_TEXT]; /* by bis_describe_approximations; "": nothing was */
 } bis_stats;
 
 /* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), adaptive (where it is),
- * bis:auto (the line for a scene, where auto chose), spp, seed,
+ * bis:auto (the line for a scene, where auto chose), bis:approximated (where something is), spp, seed,
  * render_seconds, estimated_relative_rmse (where known), bis:version ("version" alone is reserved by OpenEXR). */
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES]);
 

@@ -111,12 +111,18 @@ static void print_film(const bis_scene_desc *d, FILE *out)
     fprintf(out, ": about %s\n", megabytes(buf, pixels * VALUE_BYTES * n));
 }
 
-/* The size of the lat-long map that will be made of the file; false: unknown. */
-static bool map_size(const bis_light_desc *light, long *width, long *height)
+/* The size of the lat-long map that will be made of the file, and the file's mapping; false: unknown. */
+static bool map_size(const bis_light_desc *light, long *width, long *height, bis_mapping *mapping)
 {
+    *mapping = light->mapping;
     if (!light->filename || !bis_scene_peek_image(light->filename, width, height)) return false;
-    if (!light->angular) return true;
-    *width = light->width ? light->width + light->width % 2 : 2 * *width;
+    if (*width == *height && !light->has_mapping && light->is_v4) *mapping = BIS_MAPPING_EQUALAREA;
+    if (*mapping == BIS_MAPPING_LATLONG) return true;
+    if (*width > BIS_IMAGE_MAX_SIDE || *height > BIS_IMAGE_MAX_SIDE ||
+        !bis_mapping_fits(*mapping, (int)*width, (int)*height))
+        return false;
+    const int wanted = light->width ? light->width : bis_mapping_width(*mapping, (int)*width, (int)*height);
+    *width = wanted + wanted % 2;
     *height = *width / 2;
     return true;
 }
@@ -126,16 +132,17 @@ static void print_light(const bis_scene_desc *d, FILE *out)
     const bis_light_desc *light = &d->light;
     char buf[32];
     long w, h;
+    bis_mapping mapping = BIS_MAPPING_LATLONG;
     if (!d->has_light) {
         fprintf(out, "light        none: the picture will be black\n");
     } else if (!light->filename) {
         fprintf(out, "light        constant\n");
-    } else if (map_size(light, &w, &h)) {
-        fprintf(out, "light        map %s, %s, %ld x %ld: %s of pixels\n", light->filename,
-                light->angular ? "angular, resampled to latlong" : "latlong", w, h,
+    } else if (map_size(light, &w, &h, &mapping)) {
+        fprintf(out, "light        map %s, %s%s, %ld x %ld: %s of pixels\n", light->filename,
+                bis_mapping_names[mapping], mapping == BIS_MAPPING_LATLONG ? "" : ", resampled to latlong", w, h,
                 megabytes(buf, (double)w * (double)h * PIXEL_BYTES));
     } else {
-        fprintf(out, "light        map %s, %s, a file of %s\n", light->filename, light->angular ? "angular" : "latlong",
+        fprintf(out, "light        map %s, %s, a file of %s\n", light->filename, bis_mapping_names[mapping],
                 megabytes(buf, (double)bis_scene_peek_bytes(light->filename)));
     }
     if (d->has_light && !light->visible) fprintf(out, "light        not visible to camera rays\n");
@@ -197,6 +204,7 @@ static void print_drawing(const bis_scene_desc *d, FILE *out)
     const bool cdf = light->has_table_kind ? light->table_kind == BIS_TABLE_CDF
                                            : bis_sampler_is_low_discrepancy(d->view.sampler.kind);
     char size[32] = "", bound[64] = "";
+    bis_mapping mapping;
     long w, h;
 
     if (why) {
@@ -204,7 +212,7 @@ static void print_drawing(const bis_scene_desc *d, FILE *out)
                 why, why, why);
         return;
     }
-    if (map_size(light, &w, &h))
+    if (map_size(light, &w, &h, &mapping))
         snprintf(bound, sizeof bound, ": at most %s", megabytes(size, (double)w * (double)h * DRAWING_BYTES));
     if (needs & BIS_NEED_TABLE)
         fprintf(out, "build        light table, %s%s%s\n", cdf ? "CDFs" : "alias tables",
@@ -285,8 +293,18 @@ static void print_accel(const bis_scene_desc *d, FILE *out)
     else fprintf(out, "build        accelerator grid, default density\n");
 }
 
+static void print_approximations(const bis_scene_desc *d, FILE *out)
+{
+    for (size_t i = 0; i < d->n_approximations; i++) {
+        const bis_approximation *a = &d->approximations[i];
+        fprintf(out, "approximated %zu x %s: %s\n", a->n, a->kind, a->consequence);
+    }
+    for (size_t i = 0; i < d->n_missing; i++) fprintf(out, "missing      %s\n", d->missing[i]);
+}
+
 void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
 {
+    print_approximations(desc, out);
     print_view(desc, out);
     print_integrators(desc, out);
     print_light(desc, out);

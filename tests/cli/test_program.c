@@ -2,6 +2,8 @@
  * back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
 #include "bis/shape/accel.h"
 #include "bis/tools/compare.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
 #include "json_check.h"
@@ -1085,9 +1087,41 @@ static void compare_judges_by_a_tolerance_and_by_size(void **state)
     bis_image_clear(&image);
 }
 
+/* The scenes of pbrt that we ship: what is replaced stands on the terminal, in --stats, in the EXR and in the plan; and
+ * without --approximate they are refused. */
+static void what_is_approximated_is_said_everywhere(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"v2", "v3", "v4"};
+    static const char *const said[] = {"1 x AreaLightSource: its light is missing", "2 x ActiveTransform: nothing moves",
+                                       "1 x Material \"mix\": one material"};
+    program_run r;
+    for (int i = 0; i < 3; i++) {
+        char word[100];
+        program_expect(&r, 2, "data/scenes/pbrt/approximate-%s.pbrt --outfile " DIR "/no.exr", names[i]);
+        assert_non_null(strstr(r.messages, "; with --approximate: "));
+        program_expect(&r, 0, "--approximate data/scenes/pbrt/approximate-%s.pbrt --resolution 12x8 --spp 1 --outfile " DIR
+                       "/a.exr --stats -", names[i]);
+        snprintf(word, sizeof word, "warning: approximated: %s", said[i]);
+        assert_non_null(strstr(r.messages, word));
+        assert_non_null(strstr(r.output, "\"approximated\": ["));
+        size_t size;
+        unsigned char *exr;
+        assert_int_equal(bis_file_read(&exr, &size, DIR "/a.exr", (bis_loc){0}, NULL), BIS_OK);
+        assert_true(memmem(exr, size, "bis:approximated", 16) && memmem(exr, size, said[i], strlen(said[i])));
+        bis_free(exr);
+        program_expect(&r, 0, "--plan --approximate data/scenes/pbrt/approximate-%s.pbrt", names[i]);
+        snprintf(word, sizeof word, "approximated %s", said[i]);
+        assert_non_null(strstr(r.output, word));
+    }
+    program_expect(&r, 0, SCENE " --approximate --stats - --outfile " DIR "/a.exr"); /* nothing to replace: nothing said */
+    assert_true(!strstr(r.output, "approximated") && !strstr(r.messages, "approximated"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_approximated_is_said_everywhere),
         cmocka_unit_test(a_scene_renders_to_the_file_it_names),
         cmocka_unit_test(the_word_render_may_be_left_out_and_the_seed_decides),
         cmocka_unit_test(every_format_holds_the_same_picture),

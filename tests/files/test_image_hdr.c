@@ -68,6 +68,23 @@ static void values_are_divided_by_the_product_of_exposures_and_of_colour_correct
     assert_true(v.r == 128.0f / 3 && v.g == 64.0f / 3 && v.b == 1.0f / 3);
 }
 
+/* FreeImage writes EXPOSURE=0, and 0 is no factor; nor is a negative one, or none at all. */
+static void an_exposure_that_is_no_factor_is_left_out_with_a_warning(void **state)
+{
+    (void)state;
+    const char *const none[] = {"0", "-1", "nan", "inf", " 0.0"};
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+        char header[200], text[200];
+        rgb v;
+        snprintf(header, sizeof header, HEADER "EXPOSURE=2\nEXPOSURE=%s\n", none[i]);
+        snprintf(text, sizeof text,
+                 "its EXPOSURE is \"%s\", which is no factor: 1 is taken (some programs write 0 where they do not know it)",
+                 none[i]);
+        read_pixel(&v, header, 128, 64, 32, 129, text);
+        assert_true(v.r == .5f && v.g == .25f && v.b == .125f); /* of EXPOSURE=2 alone */
+    }
+}
+
 static void header_lines_may_end_in_carriage_return_and_newline(void **state)
 {
     (void)state;
@@ -230,8 +247,7 @@ static void a_bad_header_is_named_by_its_line(void **state)
     expect_bad("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd",
                "its FORMAT is \"32-bit_rle_xyze\", must be 32-bit_rle_rgbe (ra_xyze -r converts XYZ to RGB)");
     expect_bad("#?RADIANCE\nFORMAT=ascii\n\n", "its FORMAT is \"ascii\", must be 32-bit_rle_rgbe");
-    expect_bad(HEADER "EXPOSURE=0\n\n", "EXPOSURE is \"0\", must be a number above 0, as must be the product of all such lines");
-    expect_bad(HEADER "EXPOSURE=nan\n\n", "EXPOSURE is \"nan\", must be a number above 0, as must be the product of all such lines");
+    expect_bad(HEADER "EXPOSURE=dark\n\n", "EXPOSURE is \"dark\", must be a number above 0, as must be the product of all such lines");
     expect_bad(HEADER "EXPOSURE=1e200\nEXPOSURE=1e200\n\n",
                "EXPOSURE is \"1e200\", must be a number above 0, as must be the product of all such lines");
     expect_bad(HEADER "COLORCORR=1 2\n\n",
@@ -493,6 +509,7 @@ int main(void)
         cmocka_unit_test(a_value_is_mantissa_times_2_to_the_exponent_less_136),
         cmocka_unit_test(exponent_0_is_black),
         cmocka_unit_test(values_are_divided_by_the_product_of_exposures_and_of_colour_corrections),
+        cmocka_unit_test(an_exposure_that_is_no_factor_is_left_out_with_a_warning),
         cmocka_unit_test(header_lines_may_end_in_carriage_return_and_newline),
         cmocka_unit_test(the_magic_may_name_any_program),
         cmocka_unit_test(what_we_cannot_honour_is_a_warning),

@@ -84,7 +84,8 @@ static bis_status try_render(bis_film *f, bis_render_result *result, const world
     return status;
 }
 
-static const bis_part_about about_all = {.scene = "a/scene.txt", .command = "bis a/scene.txt --spp 9", .seed = 1,
+static const bis_part_about about_all = {.scene = "a/scene.txt", .command = "bis a/scene.txt --spp 9",
+                                          .approximated = "1 x glass: opaque", .seed = 1,
                                          .edge_samples = 3, .seconds = {1, 2, 4, 8, 0, 0, 0},
                                          .figures = {.triangles = 7, .accelerator = "grid", .mesh = 100, .accel = 200,
                                                      .envmap = (double)NAN}};
@@ -446,6 +447,8 @@ static void every_field_of_the_format_counts(void **state)
         {"scene", sizeof "a/scene.txt" - 1, 0, 0x60, "damaged"}, /* 'a' to a control character */
         {"length of the command", 4, 3, 1, "damaged"},
         {"command", sizeof "bis a/scene.txt --spp 9" - 1, 0, 1, NULL},
+        {"length of what was replaced", 4, 3, 1, "damaged"},
+        {"what was replaced", sizeof "1 x glass: opaque" - 1, 0, 1, NULL},
         {"seed", 8, 0, 1, NULL},
         {"edge samples", 4, 0, 1, NULL},
         {"threads", 4, 0, 8, NULL},
@@ -513,7 +516,8 @@ static void every_field_of_the_format_counts(void **state)
         const bool same = memcmp(&m->head.parts, &right->head.parts, sizeof m->head.parts) == 0 &&
                           m->head.pilot_seconds == right->head.pilot_seconds &&
                           m->head.settings.as_printed == right->head.settings.as_printed &&
-                          strcmp(m->about.command, right->about.command) == 0 && m->about.seed == right->about.seed &&
+                          strcmp(m->about.command, right->about.command) == 0 &&
+                          strcmp(m->about.approximated, right->about.approximated) == 0 && m->about.seed == right->about.seed &&
                           m->about.edge_samples == right->about.edge_samples &&
                           memcmp(&m->about.figures, &right->about.figures, sizeof m->about.figures) == 0 &&
                           memcmp(&m->result.counters, &right->result.counters, sizeof m->result.counters) == 0 &&

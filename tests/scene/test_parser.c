@@ -271,7 +271,7 @@ static void a_light_without_parameters_has_the_defaults_of_the_contract(void **s
     (void)state;
     bis_scene_desc *d = good_scene("", "");
     const bis_light_desc *l = &d->light;
-    assert_true(d->has_light && l->visible && !l->filename && !l->angular && !l->has_mapping && !l->has_table_kind);
+    assert_true(d->has_light && l->visible && !l->filename && !l->is_v4 && l->mapping == BIS_MAPPING_LATLONG && !l->has_mapping && !l->has_table_kind);
     assert_true(l->L.r == 1 && l->L.g == 1 && l->L.b == 1 && l->scale == 1 && l->area_exponent == 0.15 &&
                 l->levels == 8);
     assert_int_equal(l->loc.line, 3);
@@ -397,7 +397,7 @@ static void every_parameter_of_a_light_arrives(void **state)
     bis_scene_desc *d = good(text);
     const bis_light_desc *l = &d->light;
     assert_string_equal(l->filename, scratch("map.pfm")); /* relative to the scene's folder */
-    assert_true(l->L.r == 1 && l->L.g == 2 && l->L.b == 3 && l->scale == 4 && l->has_mapping && l->angular &&
+    assert_true(l->L.r == 1 && l->L.g == 2 && l->L.b == 3 && l->scale == 4 && l->is_v4 && l->has_mapping && l->mapping == BIS_MAPPING_ANGULAR &&
                 l->width == 100);
     assert_true(l->area_exponent == 0 && l->levels == 5 && l->has_table_kind && l->table_kind == BIS_TABLE_CDF &&
                 !l->visible);
@@ -759,7 +759,7 @@ static void every_example_of_the_reference_is_a_scene(void **state)
     (void)state;
     assert_int_equal(bis_file_read(&page, &size, "docs/scene-format.md", (bis_loc){0}, NULL), BIS_OK);
     /* the files that the examples name */
-    static const char *const names[] = {"map.exr", "probe.hdr", "dragon.ply", "teapot.obj", "materials.txt"};
+    static const char *const names[] = {"map.exr", "probe.hdr", "sky.exr", "dragon.ply", "teapot.obj", "materials.txt"};
     scratch("x");
     for (size_t i = 0; i < BIS_COUNT(names); i++) {
         char path[64];

@@ -3,6 +3,7 @@
  * the p-values of right samplers are uniform.
  * Densities come by other roads: the models' by textbook (tests/support/lit.h), the probe's by its own pixels.
  * Family-wise significance 1e-3. */
+#include "bis/beyond/mapping.h"
 #include "bis/beyond/pool.h"
 #include "bis/thesis/alias.h"
 #include "bis/base/mem.h"
@@ -330,7 +331,7 @@ static bis_envmap probe_map(int width, bool upside_down)
 
     assert_int_equal(bis_image_init(&image, SIDE, SIDE, NULL), BIS_OK);
     for (int i = 0; i < SIDE * SIDE; i++) image.pixels[i] = probe_pixel(i % SIDE, upside_down ? SIDE - 1 - i / SIDE : i / SIDE);
-    assert_int_equal(bis_envmap_from_angular(&em, &image, width, NULL), BIS_OK);
+    assert_int_equal(bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, width, NULL), BIS_OK);
     bis_image_clear(&image);
     return em;
 }

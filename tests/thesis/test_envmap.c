@@ -1,5 +1,6 @@
 /* Tests of envmap (src/thesis/envmap.c) and envmap_angular: geometry by quadrature and closed forms, lookups by another
  * formula, E2, E4, E7. */
+#include "bis/beyond/mapping.h"
 #include "bis/thesis/envmap.h"
 
 #include "bis/base/mem.h"
@@ -431,7 +432,7 @@ static void a_constant_probe_makes_a_constant_map(void **state)
         bis_image image = probe_new(sides[k]);
         bis_envmap em;
         for (int i = 0; i < sides[k] * sides[k]; i++) image.pixels[i] = (rgb){0.25f, 1, 4};
-        assert_int_equal(bis_envmap_from_angular(&em, &image, 0, NULL), BIS_OK);
+        assert_int_equal(bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 0, NULL), BIS_OK);
         assert_int_equal(em.width, 2 * sides[k]);
         assert_int_equal(em.height, sides[k]);
         for (size_t i = 0; i < map_n(&em); i++) {
@@ -452,7 +453,7 @@ static void the_picture_is_not_mirrored(void **state)
         bis_image image = probe_new(side);
         bis_envmap em;
         image.pixels[lit[k][1] * side + lit[k][0]] = (rgb){1, 1, 1};
-        assert_int_equal(bis_envmap_from_angular(&em, &image, 200, NULL), BIS_OK);
+        assert_int_equal(bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 200, NULL), BIS_OK);
         const size_t best = brightest(&em);
         const double u = ((double)(best % 200) + 0.5) / 200, v = ((double)(best / 200) + 0.5) / 100;
         /* r = 0.495 of the disc is 89 degrees off the centre. */
@@ -478,7 +479,7 @@ static void one_lit_probe_pixel_keeps_its_energy_and_its_place(void **state)
         bis_image image = probe_new(side);
         bis_envmap em;
         image.pixels[y * side + x] = (rgb){1e6f, 2e6f, 0};
-        assert_int_equal(bis_envmap_from_angular(&em, &image, 0, NULL), BIS_OK);
+        assert_int_equal(bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 0, NULL), BIS_OK);
 
         /* The pixel's solid angle by the midpoint rule on 64 x 64 parts of it. */
         double solid_angle = 0;
@@ -487,9 +488,9 @@ static void one_lit_probe_pixel_keeps_its_energy_and_its_place(void **state)
             const double t = PI * hypot(right, up);
             solid_angle += t < PI ? PI * PI * sin(t) / t * 4 / side / side / 4096 : 0;
         }
-        const double off = fabs(em.angular_power_after / em.angular_power_before - 1);
+        const double off = fabs(em.power_after / em.power_before - 1);
         if (radius < 1 - 4.0 / side) { /* the two outermost pixels subtend next to nothing, and are cut by the rim */
-            assert_near(em.angular_power_before / (3e6 * solid_angle), 1, 0.01);
+            assert_near(em.power_before / (3e6 * solid_angle), 1, 0.01);
             assert_true(off < 0.01);
             worst = fmax(worst, off);
         }
@@ -514,7 +515,7 @@ static void a_smooth_probe_is_resampled_to_its_formula(void **state)
         }
     }
     bis_envmap em;
-    assert_int_equal(bis_envmap_from_angular(&em, &image, 127, NULL), BIS_OK); /* odd: rounded up */
+    assert_int_equal(bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 127, NULL), BIS_OK); /* odd: rounded up */
     assert_int_equal(em.width, 128);
     assert_int_equal(em.height, 64);
     assert_int_equal(em.defects.n_nan + em.defects.n_negative, 0); /* the corners are no part of the map */
@@ -527,8 +528,8 @@ static void a_smooth_probe_is_resampled_to_its_formula(void **state)
             assert_near((double)c.b, 2 + (double)w.z, 0.03);
         }
     }
-    assert_near(em.angular_power_after / (24 * PI), 1, 1e-3);
-    assert_near(em.angular_power_before / (24 * PI), 1, 1e-3);
+    assert_near(em.power_after / (24 * PI), 1, 1e-3);
+    assert_near(em.power_before / (24 * PI), 1, 1e-3);
     bis_envmap_clear(&em);
     bis_image_clear(&image);
 }
@@ -541,7 +542,7 @@ static void bad_values_of_a_probe_are_counted_inside_the_disc(void **state)
     image.pixels[0].r = NAN; /* a corner */
     image.pixels[8 * 16 + 5].g = -1;
     bis_envmap em;
-    assert_int_equal(bis_envmap_from_angular(&em, &image, 0, NULL), BIS_OK);
+    assert_int_equal(bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 0, NULL), BIS_OK);
     assert_int_equal(em.defects.n_nan, 0);
     assert_int_equal(em.defects.n_negative, 1);
     assert_int_equal(em.defects.first_x, 5);
@@ -559,7 +560,7 @@ static void a_probe_that_is_not_square_is_an_error(void **state)
     bis_envmap em;
     bis_diag diag = {0};
     assert_int_equal(bis_image_init(&image, 8, 4, NULL), BIS_OK);
-    assert_int_equal(bis_envmap_from_angular(&em, &image, 0, &diag), BIS_INPUT);
+    assert_int_equal(bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 0, &diag), BIS_INPUT);
     assert_non_null(strstr(diag.messages[0].text, "square"));
     assert_non_null(strstr(diag.messages[0].text, "8 x 4"));
     bis_diag_clear(&diag);
@@ -579,11 +580,11 @@ static void grace_probe_agrees_with_the_map_derived_from_it_elsewhere(void **sta
     assert_int_equal(bis_image_read(&probe, path, (bis_loc){0}, NULL), BIS_OK);
     assert_int_equal(bis_image_read(&derived, shared_data("env/derived/grace_1024x512.exr"), (bis_loc){0}, NULL), BIS_OK);
     bis_envmap em, other;
-    assert_int_equal(bis_envmap_from_angular(&em, &probe, 1024, NULL), BIS_OK);
+    assert_int_equal(bis_envmap_from_mapping(&em, &probe, BIS_MAPPING_ANGULAR, 1024, NULL), BIS_OK);
     assert_int_equal(bis_envmap_from_latlong(&other, &derived, NULL), BIS_OK);
-    print_message("Grace: energy %g -> %g (%+.3f%%), the other program %g\n", em.angular_power_before, em.angular_power_after,
-                  100 * (em.angular_power_after / em.angular_power_before - 1), bis_envmap_power(&other));
-    assert_near(em.angular_power_after / em.angular_power_before, 1, 0.01);
+    print_message("Grace: energy %g -> %g (%+.3f%%), the other program %g\n", em.power_before, em.power_after,
+                  100 * (em.power_after / em.power_before - 1), bis_envmap_power(&other));
+    assert_near(em.power_after / em.power_before, 1, 0.01);
 
     /* Correlation of log intensities: as it is, and mirrored left to right as the control. */
     double as_is[5] = {0}, mirrored[5] = {0};
@@ -617,7 +618,7 @@ static void every_allocation_may_fail(void **state)
             bis_image image = probe_new(8);
             bis_envmap em;
             bis_mem_fail_at(k);
-            status = angular ? bis_envmap_from_angular(&em, &image, 0, NULL) : bis_envmap_from_latlong(&em, &image, NULL);
+            status = angular ? bis_envmap_from_mapping(&em, &image, BIS_MAPPING_ANGULAR, 0, NULL) : bis_envmap_from_latlong(&em, &image, NULL);
             bis_mem_fail_at(0);
             assert_true(status == BIS_OK || status == BIS_NOMEM);
             assert_true(status == BIS_OK ? em.pixels != NULL : em.pixels == NULL);

@@ -331,18 +331,31 @@ static void a_square_map_must_say_its_mapping(void **state)
     (void)state;
     bis_light_desc desc = desc_of(bis_xform_identity());
     assert_null(load(grey(8, 8, 1), desc, BIS_INPUT,
-                     "s.txt:7:3: error: \"%s\" is square, 8 x 8: give its mapping, \"angular\" for a light probe, or \"latlong\" if that is "
-                     "meant (pbrt-v4's equal-area mapping is not supported: convert such maps to latlong first)"));
+                     "s.txt:7:3: error: \"%s\" is square, 8 x 8: give its mapping, \"angular\" for a light probe, "
+                     "\"equalarea\" for a map of pbrt-v4, \"mirrorball\", or \"latlong\" if that is meant"));
     desc.has_mapping = true;
     bis_light *light = load(grey(8, 8, 1), desc, BIS_OK, NULL);
     assert_int_equal(bis_light_envmap(light)->width, 8);
     bis_light_free(light);
-    desc.angular = true;
+    desc.mapping = BIS_MAPPING_ANGULAR;
     light = load(grey(8, 8, 1), desc, BIS_OK, NULL);
     assert_int_equal(bis_light_envmap(light)->width, 16);
     bis_light_free(light);
+    desc.mapping = BIS_MAPPING_LATLONG;
+    desc.has_mapping = false;
+    desc.is_v4 = true; /* named by "filename": what pbrt-v4 takes it for */
+    light = load(grey(8, 8, 1), desc, BIS_OK,
+                 "s.txt:7:3: warning: \"%s\" is square, 8 x 8, and named by \"filename\": it is taken for an equal-area map, "
+                 "as in pbrt-v4; \"string mapping\" says otherwise (\"angular\" for a light probe)");
+    assert_int_equal(bis_light_envmap(light)->width, 16);
+    assert_string_equal(bis_light_envmap(light)->resampled_from, "equalarea");
+    bis_light_free(light);
+    light = load(grey(8, 4, 1), desc, BIS_OK, NULL); /* as it was before pbrt-v4 */
+    assert_null(bis_light_envmap(light)->resampled_from);
+    bis_light_free(light);
+    desc.mapping = BIS_MAPPING_ANGULAR;
     assert_null(load(grey(8, 4, 1), desc, BIS_INPUT,
-                     "s.txt:7:3: error: \"%s\" is 8 x 4; an angular map must be square (\"latlong\" maps are 2:1)"));
+                     "s.txt:7:3: error: \"%s\" is 8 x 4; a map of mapping \"angular\" must be square (\"latlong\" maps are 2:1)"));
 }
 
 static void a_scale_that_overflows_is_an_error(void **state)

@@ -2,6 +2,7 @@
  * exit statuses. */
 #include "tools/survey/survey.h"
 
+#include "bis/beyond/mapping.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "out/palette.h"
@@ -290,8 +291,8 @@ static void a_map_by_hand_has_the_report_by_hand(void **state)
     for (int i = 0; i < 3; i++) assert_string_equal(json_value(value, sizeof value, json.output, none[i]), "");
     assert_string_equal(json_value(value, sizeof value, json.output, "map"), "\"" DIR "/hand.pfm\"");
     assert_string_equal(json_value(value, sizeof value, json.output, "mapping"), "\"latlong\"");
-    assert_string_equal(json_value(value, sizeof value, json.output, "angular_power_before"), "null");
-    assert_string_equal(json_value(value, sizeof value, json.output, "angular_power_after"), "null");
+    assert_string_equal(json_value(value, sizeof value, json.output, "power_before"), "null");
+    assert_string_equal(json_value(value, sizeof value, json.output, "power_after"), "null");
 }
 
 /* Black: no peak, no contrast, no levels; of one colour: a region on all sides. */
@@ -342,13 +343,13 @@ static void the_report_of_a_probe_has_its_power_before_and_after(void **state)
     for (int width = 0; width <= 6; width += 6) {
         char option[32] = "";
         if (width) snprintf(option, sizeof option, " --width %d", width);
-        assert_int_equal(bis_envmap_from_angular(&em, &probe, width, NULL), BIS_OK);
-        const double before = em.angular_power_before, after = em.angular_power_after;
+        assert_int_equal(bis_envmap_from_mapping(&em, &probe, BIS_MAPPING_ANGULAR, width, NULL), BIS_OK);
+        const double before = em.power_before, after = em.power_after;
         bis_envmap_clear(&em);
         assert_true(before > 1 && fabs(after / before - 1) > 1e-6);
         program_expect(&r, 0, "envmap --mapping angular --json " DIR "/power.pfm%s", option);
-        assert_near(json_number(r.output, "angular_power_before") / before, 1, 1e-12);
-        assert_near(json_number(r.output, "angular_power_after") / after, 1, 1e-12);
+        assert_near(json_number(r.output, "power_before") / before, 1, 1e-12);
+        assert_near(json_number(r.output, "power_after") / after, 1, 1e-12);
         assert_near(json_number(r.output, "power") / after, 1, 1e-12);
         assert_true(json_number(r.output, "width") == (width ? width : 2 * N) && json_number(r.output, "height") == (width ? width / 2 : N));
         assert_string_equal(json_value(value, sizeof value, r.output, "mapping"), "\"angular\"");
@@ -466,7 +467,8 @@ static void options_end_where_they_say(void **state)
         {"--levels 1", true}, {"--levels 254", true}, {"--levels 0", false}, {"--levels 255", false},
         {"--areaexponent 0", true}, {"--areaexponent 10", true}, {"--areaexponent -1e-9", false}, {"--areaexponent 10.001", false},
         {"--samples 0", true}, {"--samples 1000000", true}, {"--samples 1000001", false},
-        {"--mapping latlong", true}, {"--mapping angular", true}, {"--mapping sphere", false},
+        {"--mapping latlong", true}, {"--mapping angular", true}, {"--mapping equalarea", true}, {"--mapping cubestrip", true},
+        {"--mapping sphere", false}, {"--to equalarea --out " DIR "/to.exr", true}, {"--to sphere", false},
     };
     program_run r;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -477,6 +479,50 @@ static void options_end_where_they_say(void **state)
     assert_string_equal(r.messages, "bis: error: --out \"" DIR "/x.gif\": the ending must be .exr, .pfm, .hdr or .png\n");
     program_expect(&r, 2, "envmap " DIR "/map.pfm --out " DIR "/x.png --outdir " DIR);
     assert_string_equal(r.messages, "bis: error: --out and --outdir exclude each other\n");
+}
+
+/* A map with one lamp goes to each mapping and comes back: the program's own figures, the files' means, the lamp's
+ * place. */
+static void a_map_is_converted_and_comes_back(void **state)
+{
+    (void)state;
+    enum { W = 64, H = 32, LAMP = 9 * W + 25 };
+    program_run r;
+    bis_image map;
+    assert_int_equal(bis_image_init(&map, W, H, NULL), BIS_OK);
+    for (int i = 0; i < W * H; i++) map.pixels[i] = (rgb){.5f, .5f, .5f};
+    map.pixels[LAMP] = (rgb){1000, 500, 250};
+    assert_int_equal(bis_image_save(&map, DIR "/there.pfm", NULL), BIS_OK);
+    bis_envmap em;
+    assert_int_equal(bis_envmap_from_latlong(&em, &map, NULL), BIS_OK);
+    const double power = bis_envmap_power(&em);
+    for (int m = 1; m < BIS_N_MAPPINGS; m++) {
+        const char *name = bis_mapping_names[m];
+        program_expect(&r, 0, "envmap " DIR "/there.pfm --to %s --out " DIR "/%s.exr", name, name);
+        const char *before = strstr(r.output, "power       "), *line = strstr(r.output, "wrote       " DIR "/");
+        double figures[2];
+        assert_true(line && before);
+        figures[0] = strtod(before + 12, NULL);
+        figures[1] = strtod(strstr(before, "before, ") + 8, NULL);
+        assert_near(figures[0] / power, 1, 1e-5);
+        assert_near(figures[1] / power, 1, 4e-3); /* test_mapping.c says why; of a ball's coarse rim */
+        program_expect(&r, 0, "envmap --mapping %s " DIR "/%s.exr --to latlong --width 64 --out " DIR "/back.pfm", name, name);
+        bis_image back;
+        bis_envmap other;
+        assert_int_equal(bis_image_read(&back, DIR "/back.pfm", (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(bis_envmap_from_latlong(&other, &back, NULL), BIS_OK);
+        assert_near(bis_envmap_power(&other) / power, 1, 4e-3);
+        size_t best = 0;
+        for (size_t i = 0; i < W * H; i++)
+            if (map_intensity(&other, i) > map_intensity(&other, best)) best = i;
+        assert_true(best == LAMP);
+        bis_envmap_clear(&other);
+    }
+    bis_envmap_clear(&em);
+    program_expect(&r, 2, "envmap " DIR "/there.pfm --to equalarea");
+    assert_string_equal(r.messages, "bis: error: --to equalarea writes one map: name it by --out FILE, without --outdir and --json\n");
+    program_expect(&r, 2, "envmap " DIR "/there.pfm --to verticalcross --width 100 --out " DIR "/x.exr");
+    assert_non_null(strstr(r.messages, "its width, 100, must be a multiple of 3"));
 }
 
 static void every_allocation_may_fail(void **state)
@@ -513,6 +559,7 @@ int main(void)
         cmocka_unit_test(pictures_of_a_map_by_hand_have_the_colours_by_hand),
         cmocka_unit_test(a_dot_has_a_rim_and_goes_around_the_seam),
         cmocka_unit_test(options_end_where_they_say),
+        cmocka_unit_test(a_map_is_converted_and_comes_back),
         cmocka_unit_test(every_allocation_may_fail),
     };
     program_folder(DIR);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bis/base/image.h"
+#include "bis/beyond/mapping.h"
 #include "bis/thesis/light.h"
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/importance.h"
@@ -12,9 +13,10 @@ typedef struct bis_light_desc {
     char *filename;      /* NULL: constant; resolved path, owned */
     rgb L;               /* radiance of a constant; factor of a map */
     double scale;
-    bool angular;        /* mapping "angular"; false: "latlong" */
-    bool has_mapping;    /* the scene gives the mapping; a square map without it is an error */
-    int width;           /* of the map that an angular map is resampled to; 0: twice the probe's width */
+    bis_mapping mapping; /* default: latlong */
+    bool has_mapping;    /* the scene gives the mapping; a square map without it is an error, but of pbrt-v4: */
+    bool is_v4;          /* the map is named by "filename", as in pbrt-v4: a square without mapping is equal-area */
+    int width;           /* of the lat-long map that others are resampled to; 0: bis_mapping_width */
     double area_exponent; /* b of thesis 3.4; default BIS_AREA_EXPONENT */
     int levels;          /* of thesis 3.4; default BIS_LEVELS */
     bool has_table_kind; /* the scene gives sampler "alias" or "cdf"; otherwise the kind of the pixel sampler decides */
@@ -36,7 +38,7 @@ bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned 
 
 /* bis_light_from_image does the same with an image that was read already. It takes over the image, which is empty
  * afterwards, on failure too. desc->filename names the image in messages. Errors: BIS_INPUT (a square map without
- * mapping, an angular map that is not square, a frame that is no rotation or reflection, a scale that overflows),
+ * mapping, a shape that its mapping does not have, a frame that is no rotation or reflection, a scale that overflows),
  * BIS_NOMEM. */
 bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_light_desc *desc, unsigned needs,
                                 bis_diag *diag);

@@ -63,6 +63,16 @@ typedef struct bis_view {
     bis_settings settings;
 } bis_view;
 
+/* What --approximate has replaced (src/parse/approximate.c): n things of one kind, as `Material "glass"`, and what the
+ * picture lacks by it. */
+enum { BIS_APPROXIMATION_KIND = 160 };
+typedef struct bis_approximation {
+    char kind[BIS_APPROXIMATION_KIND];
+    const char *consequence;
+    size_t n;
+    bis_loc loc; /* of the first */
+} bis_approximation;
+
 /* A scene as its file describes it. It owns what its pointers point to: never copy it by =. */
 typedef struct bis_scene_desc {
     char *path;
@@ -84,11 +94,24 @@ typedef struct bis_scene_desc {
     size_t n_shapes, capacity_shapes;
     char **files; /* the names that bis_locs point to; owned */
     size_t n_files, capacity_files;
+    bis_approximation *approximations;
+    size_t n_approximations, capacity_approximations;
+    char **missing; /* meshes and maps that are not there (BIS_PARSE_LIST_MISSING); owned */
+    size_t n_missing, capacity_missing;
 } bis_scene_desc;
 
 /* bis_scene_parse reads a scene file. It continues after a mistake: diag receives all errors, and the status is that
  * of the first. *out is NULL if there was an error. It loads neither meshes nor maps. */
 bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *diag);
+
+/* How bis_scene_parse_as reads a scene; a set. */
+enum {
+    BIS_PARSE_APPROXIMATE = 1,  /* as if it began with Option "bool approximate" true */
+    BIS_PARSE_LIST_MISSING = 2, /* meshes and maps may be missing: they are listed, for a plan */
+};
+
+/* bis_scene_parse_as does what bis_scene_parse does, in the way that `how` says. */
+bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned how, bis_diag *diag);
 
 /* bis_scene_desc_free frees a description; NULL is allowed. */
 void bis_scene_desc_free(bis_scene_desc *d);

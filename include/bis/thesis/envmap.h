@@ -28,9 +28,10 @@ typedef struct bis_envmap {
      * computed without cancellation */
     double *row_solid_angle;
     bis_envmap_defects defects;
-    /* the integral of intensity over the sphere before and after the resampling of an angular map; 0, 0 for a
-     * lat-long map */
-    double angular_power_before, angular_power_after;
+    /* the mapping of the file, if it was resampled (bis/beyond/mapping.h), and the integral of intensity over the
+     * sphere before and after; NULL, 0, 0 for a lat-long map */
+    const char *resampled_from;
+    double power_before, power_after;
 } bis_envmap;
 
 typedef struct bis_image bis_image; /* bis/base/image.h */
@@ -38,12 +39,6 @@ typedef struct bis_image bis_image; /* bis/base/image.h */
 /* bis_envmap_from_latlong makes a map of a lat-long image and sets bad values to 0. It takes over the pixels; *image
  * is empty afterwards, on failure too. width * height must be < 2^32. Errors: BIS_NOMEM. */
 bis_status bis_envmap_from_latlong(bis_envmap *em, bis_image *image, bis_diag *diag);
-
-/* bis_envmap_from_angular resamples a square angular map (Debevec's light probe; docs/scene-format.md,
- * "LightSource") once to width x width/2 pixels. It averages over each patch with enough sub-samples that the energy
- * agrees to 1%. width 0 means twice the probe's width; an odd width is rounded up to the next even one. Pixels whose
- * centre has r > 1 are ignored. image is borrowed for the call. Errors: BIS_INPUT (not square), BIS_NOMEM. */
-bis_status bis_envmap_from_angular(bis_envmap *em, const bis_image *image, int width, bis_diag *diag);
 
 /* bis_envmap_clear frees the map. *em is empty afterwards. */
 void bis_envmap_clear(bis_envmap *em);

@@ -1,0 +1,359 @@
+/* approximate: what pbrt has and bis has not: an error that says what --approximate would do, and with it the nearest
+ * that bis has, noted once for each kind. Numbers are worked out by hand. */
+#include "bis/scene/scene.h"
+
+#include "bis/base/mem.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/thesis/phong.h"
+#include "image_help.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static bis_status parse(bis_scene_desc **d, const char *text, unsigned how, bis_diag *diag)
+{
+    store(scratch("scene.txt"), text, strlen(text));
+    return bis_scene_parse_as(d, scratch("scene.txt"), how, diag);
+}
+
+/* The scene with --approximate; all that is said is a warning. */
+static bis_scene_desc *approximated(const char *text)
+{
+    bis_scene_desc *d;
+    bis_diag diag = {0};
+    const bis_status status = parse(&d, text, BIS_PARSE_APPROXIMATE, &diag);
+    if (status) print_message("%s", diag.messages[0].text);
+    assert_int_equal(status, BIS_OK);
+    for (size_t i = 0, n = 0; i < diag.n; i++) {
+        if (!strstr(diag.messages[i].text, "warning: approximated: ")) continue;
+        assert_true(n < d->n_approximations && strstr(diag.messages[i].text, d->approximations[n].kind));
+        n++;
+    }
+    bis_diag_clear(&diag);
+    return d;
+}
+
+static const struct row {
+    const char *scene, *kind;
+    bool is_error; /* without --approximate; else a warning, as ever */
+} rows[] = {
+    {"WorldBegin Material \"dielectric\" \"float eta\" 1.3", "Material \"dielectric\"", true},
+    {"WorldBegin Material \"thindielectric\"", "Material \"thindielectric\"", true},
+    {"WorldBegin Material \"glass\" \"rgb Kt\" [1 1 1]", "Material \"glass\"", true},
+    {"WorldBegin Material \"mirror\"", "Material \"mirror\"", true},
+    {"WorldBegin Material \"shinymetal\"", "Material \"shinymetal\"", true},
+    {"WorldBegin Material \"coatedconductor\"", "Material \"coatedconductor\"", true},
+    {"WorldBegin Material \"disney\" \"rgb color\" [1 0 0]", "Material \"disney\"", true},
+    {"WorldBegin Material \"diffusetransmission\"", "Material \"diffusetransmission\"", true},
+    {"WorldBegin Material \"translucent\"", "Material \"translucent\"", true},
+    {"WorldBegin Material \"subsurface\" \"string name\" \"Skin1\"", "Material \"subsurface\"", true},
+    {"WorldBegin Material \"kdsubsurface\"", "Material \"kdsubsurface\"", true},
+    {"WorldBegin Material \"measured\" \"string filename\" \"a.bsdf\"", "Material \"measured\"", true},
+    {"WorldBegin Material \"fourier\" \"string bsdffile\" \"a.bsdf\"", "Material \"fourier\"", true},
+    {"WorldBegin Material \"hair\" \"float eumelanin\" 1.3", "Material \"hair\"", true},
+    {"WorldBegin Material \"none\"", "Material \"none\"", true},
+    {"WorldBegin Material \"\"", "Material \"\"", true},
+    {"WorldBegin Material \"interface\"", "Material \"interface\"", true},
+    {"WorldBegin AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\"", "AreaLightSource", true},
+    {"WorldBegin LightSource \"point\" \"rgb I\" [1 1 1]", "LightSource \"point\"", true},
+    {"WorldBegin LightSource \"spot\"", "LightSource \"spot\"", true},
+    {"WorldBegin LightSource \"distant\"", "LightSource \"distant\"", true},
+    {"WorldBegin LightSource \"goniometric\" \"string filename\" \"a.exr\"", "LightSource \"goniometric\"", true},
+    {"WorldBegin LightSource \"projection\"", "LightSource \"projection\"", true},
+    {"WorldBegin LightSource \"infinite\" LightSource \"infinite\"", "LightSource \"a second\"", true},
+    {"WorldBegin LightSource \"infinite\" \"float illuminance\" 3", "\"illuminance\"", true},
+    {"WorldBegin MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"", "MakeNamedMedium", true},
+    {"WorldBegin MediumInterface \"fog\" \"\"", "MediumInterface", true},
+    {"WorldBegin Volume \"homogeneous\"", "Volume", true},
+    {"WorldBegin ActiveTransform All Shape \"sphere\"", "ActiveTransform", true},
+    {"TransformTimes 0 1 WorldBegin", "TransformTimes", true},
+    {"WorldBegin Attribute \"shape\" \"float radius\" 2", "Attribute", true},
+    {"SurfaceIntegrator \"path\" \"integer maxdepth\" 5 WorldBegin", "SurfaceIntegrator", true},
+    {"VolumeIntegrator \"emission\" WorldBegin", "VolumeIntegrator", true},
+    {"Renderer \"sampler\" WorldBegin", "Renderer", true},
+    {"SearchPath \"/tmp\" WorldBegin", "SearchPath", true},
+    {"ColorSpace \"rec2020\" WorldBegin", "ColorSpace", true},
+    {"Film \"gbuffer\" WorldBegin", "Film \"gbuffer\"", true},
+    {"Film \"spectral\" WorldBegin", "Film \"spectral\"", true},
+    {"Camera \"perspective\" \"float lensradius\" 0.1 WorldBegin", "\"lensradius\"", true},
+    {"PixelFilter \"mitchell\" \"float B\" 0.3 WorldBegin", "PixelFilter \"mitchell\"", false},
+    {"Camera \"perspective\" \"float shutteropen\" 0 WorldBegin", "parameter \"shutteropen\"", false},
+    {"Film \"rgb\" \"string colourspace\" \"x\" WorldBegin", "parameter \"colourspace\" of Film \"rgb\"", true},
+    {"Accelerator \"grid\" \"integer splitmethod\" 3 WorldBegin", "parameter \"splitmethod\" of Accelerator \"grid\"", true},
+    {"WorldBegin Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 1 1 0 2 1 0]", "Shape \"curve\"", true},
+    {"WorldBegin Shape \"cylinder\" \"float radius\" 2", "Shape \"cylinder\"", true},
+    {"WorldBegin Shape \"cone\"", "Shape \"cone\"", true},
+    {"WorldBegin Shape \"paraboloid\"", "Shape \"paraboloid\"", true},
+    {"WorldBegin Shape \"hyperboloid\"", "Shape \"hyperboloid\"", true},
+    {"WorldBegin Shape \"heightfield\"", "Shape \"heightfield\"", true},
+    {"WorldBegin Shape \"nurbs\"", "Shape \"nurbs\"", true},
+    {"WorldBegin Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]", "Shape \"loopsubdiv\"", true},
+    {"WorldBegin Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]", "Shape \"bilinearmesh\"", true},
+    {"WorldBegin Shape \"sphere\" \"float zmin\" 0", "\"zmin\"", true},
+    {"WorldBegin Material \"diffuse\" \"spectrum reflectance\" [400 1 700 1]", "\"spectrum reflectance\"", true},
+};
+
+static void each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const struct row *r = &rows[i];
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        const bis_status status = parse(&d, r->scene, 0, &diag);
+        assert_int_equal(status, r->is_error ? BIS_INPUT : BIS_OK);
+        if (!status) assert_true(d->n_approximations == 0);
+        bis_scene_desc_free(d);
+        char *said = diag.n_errors ? strstr(diag.messages[0].text, "; with --approximate: ") : NULL;
+        char consequence[200] = "";
+        if (said) snprintf(consequence, sizeof consequence, "%s", said + strlen("; with --approximate: "));
+        bis_diag_clear(&diag);
+
+        d = approximated(r->scene);
+        if (d->n_approximations != 1 || strcmp(d->approximations[0].kind, r->kind) != 0)
+            fail_msg("%s: %zu kinds, the first %s", r->scene, d->n_approximations, d->approximations[0].kind);
+        assert_int_equal(d->approximations[0].n, 1);
+        if (said && !strstr(d->approximations[0].consequence, consequence)) fail_msg("%s: %s", r->scene, consequence);
+        /* unknown parameters and spectra have a general way out, illuminance and whole spheres one of their own */
+        const bool is_table = strncmp(r->kind, "parameter", 9) != 0 && r->kind[0] != '"';
+        assert_true(!is_table || !r->is_error || said);
+        bis_scene_desc_free(d);
+    }
+}
+
+static void a_kind_is_named_once_with_its_number(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = approximated("Option \"bool disablepixeljitter\" true WorldBegin "
+                                     "AreaLightSource \"diffuse\" Shape \"sphere\" AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] "
+                                     "Shape \"sphere\" Material \"glass\" AreaLightSource \"diffuse\" Shape \"disk\"");
+    assert_int_equal(d->n_approximations, 2);
+    assert_string_equal(d->approximations[0].kind, "AreaLightSource");
+    assert_string_equal(d->approximations[0].consequence, "its light is missing");
+    assert_int_equal(d->approximations[0].n, 3);
+    assert_int_equal(d->approximations[0].loc.line, 1);
+    assert_int_equal(d->approximations[1].n, 1);
+    assert_int_equal(d->n_shapes, 3);
+    bis_scene_desc_free(d);
+}
+
+static void a_scene_may_say_it_itself(void **state)
+{
+    (void)state;
+    bis_scene_desc *d;
+    assert_int_equal(parse(&d, "Option \"bool approximate\" true WorldBegin Material \"glass\"", 0, NULL), BIS_OK);
+    assert_int_equal(d->n_approximations, 1);
+    bis_scene_desc_free(d);
+    assert_int_equal(parse(&d, "Option \"bool approximate\" false WorldBegin Material \"glass\"", 0, NULL), BIS_INPUT);
+    /* the command line's word stands */
+    d = approximated("Option \"bool approximate\" false WorldBegin Material \"glass\"");
+    bis_scene_desc_free(d);
+}
+
+/* What is nearest, by hand. */
+static void materials_have_the_reflectances_of_the_originals(void **state)
+{
+    (void)state;
+    static const struct { const char *material; float Kd, Ks; double alpha; } cases[] = {
+        {"\"dielectric\" \"float eta\" 2", 0, 1 / 9.f, .01}, /* (1/3)^2; smooth: 0.1^2 */
+        {"\"glass\" \"float Kr\" 0.5", 0, .02f, .01},        /* half of (0.5/2.5)^2 */
+        {"\"dielectric\" \"float roughness\" 0.04", 0, .04f, .2}, /* pbrt's alpha is the root of the roughness */
+        {"\"dielectric\" \"float roughness\" 0.3 \"bool remaproughness\" false", 0, .04f, .3},
+        {"\"dielectric\" \"float uroughness\" 0.01 \"float vroughness\" 0.16", 0, .04f, .2},
+        {"\"thindielectric\"", 0, .08f / 1.04f, .01}, /* 2R/(1 + R) */
+        {"\"mirror\" \"float Kr\" 0.7", 0, .7f, .01},
+        {"\"kdsubsurface\" \"float Kd\" 0.8", .8f, .04f, .01},
+        {"\"subsurface\" \"float reflectance\" 0.3 \"float eta\" 1", .3f, 0, .01},
+        {"\"disney\" \"float color\" 0.6 \"float metallic\" 0.5 \"float roughness\" 0.3", .3f, .32f, .09},
+        {"\"translucent\" \"float Kd\" 0.6 \"float Ks\" 1 \"float reflect\" 0.5", .3f, .02f, .31622777},
+        {"\"hair\" \"rgb color\" [2 2 2]", 1, 0, 0}, /* clamped */
+        {"\"measured\" \"string filename\" \"none.bsdf\"", .5f, 0, 0},
+        {"\"diffusetransmission\" \"float reflectance\" 0.4", .4f, 0, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[300];
+        snprintf(text, sizeof text, "WorldBegin Material %s Shape \"sphere\"", cases[i].material);
+        bis_scene_desc *d = approximated(text);
+        const bis_material *m = &d->materials[d->shapes[0].material];
+        if (fabs((double)(m->Kd.g - cases[i].Kd)) > 1e-6 || fabs((double)(m->Ks.g - cases[i].Ks)) > 1e-6 ||
+            (cases[i].alpha > 0 && fabs(m->alpha / cases[i].alpha - 1) > 1e-6))
+            fail_msg("%s: Kd %g Ks %g alpha %g", cases[i].material, (double)m->Kd.g, (double)m->Ks.g, m->alpha);
+        assert_ptr_equal(m->model, cases[i].alpha > 0 ? bis_microfacet(m->Kd, m->Ks, .5).model : bis_phong(m->Kd, m->Ks, 1).model);
+        bis_scene_desc_free(d);
+    }
+}
+
+#define RED "MakeNamedMaterial \"red\" \"string type\" \"diffuse\" \"rgb reflectance\" [0.8 0 0] "
+#define GLOSS "MakeNamedMaterial \"gloss\" \"string type\" \"microfacet\" \"float Kd\" 0.2 \"float Ks\" 0.4 \"float roughness\" 0.3 "
+
+static void a_mix_has_the_mean_colours(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = { /* 3/4 red, 1/4 gloss; in pbrt-v4 before they are made */
+        "WorldBegin Material \"mix\" \"string materials\" [\"red\" \"gloss\"] \"float amount\" 0.25 Shape \"sphere\" " RED GLOSS,
+        "WorldBegin " RED GLOSS "Material \"mix\" \"float amount\" 0.75 \"string namedmaterial1\" \"red\" \"string namedmaterial2\" "
+        "\"gloss\" Shape \"sphere\"",
+        /* half of the half mix, half of red */
+        "WorldBegin Material \"mix\" \"string materials\" [\"red\" \"half\"] Shape \"sphere\" MakeNamedMaterial \"half\" \"string type\" "
+        "\"mix\" \"string materials\" [\"gloss\" \"red\"] " RED GLOSS,
+    };
+    for (int i = 0; i < 3; i++) {
+        bis_scene_desc *d = approximated(scenes[i]);
+        const bis_material *m = &d->materials[d->shapes[0].material];
+        assert_true(fabs((double)m->Kd.r - (.75 * .8 + .25 * .2)) < 1e-6 && fabs((double)m->Kd.b - .05) < 1e-6);
+        assert_true(fabs((double)m->Ks.b - .1) < 1e-6 && fabs(m->alpha - .09) < 1e-9);
+        bis_scene_desc_free(d);
+    }
+}
+
+static void a_mix_of_itself_or_of_nothing_is_an_error(void **state)
+{
+    (void)state;
+    static const struct { const char *scene, *message; } cases[] = {
+        {"WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string materials\" [\"b\" \"b\"] MakeNamedMaterial \"b\" "
+         "\"string type\" \"mix\" \"string materials\" [\"a\" \"a\"]", "is, by its names, a mix of itself"},
+        {"WorldBegin Material \"mix\"", "needs the names of two materials"},
+        {"WorldBegin Material \"mix\" \"string materials\" [\"a\"]", "needs the names of two materials"},
+        {"WorldBegin Material \"mix\" \"string materials\" [\"a\" \"a\"]", "material \"a\" is not made anywhere"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        assert_int_equal(parse(&d, cases[i].scene, BIS_PARSE_APPROXIMATE, &diag), BIS_INPUT);
+        assert_non_null(strstr(diag.messages[0].text, cases[i].message));
+        bis_diag_clear(&diag);
+    }
+}
+
+static void shapes_of_an_interface_are_left_out_also_as_instances(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = approximated("WorldBegin ObjectBegin \"o\" Material \"none\" Shape \"sphere\" Material \"diffuse\" Shape \"disk\" "
+                                     "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" NamedMaterial \"air\" Shape \"sphere\" "
+                                     "MakeNamedMaterial \"air\" \"string type\" \"interface\"");
+    assert_int_equal(d->n_shapes, 2);
+    for (int i = 0; i < 2; i++) assert_true(d->shapes[i].kind == BIS_SHAPE_DISK);
+    for (size_t i = 0; i < d->n_materials; i++) assert_non_null(d->materials[i].model);
+    bis_scene_desc_free(d);
+}
+
+static void what_moves_stands_where_it_is_at_first(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = approximated("WorldBegin AttributeBegin Translate 1 0 0 ActiveTransform EndTime Translate 0 5 0 Scale 2 2 2 "
+                                     "ActiveTransform StartTime Translate 0 0 3 ActiveTransform All Shape \"sphere\" "
+                                     "ActiveTransform EndTime Rotate 90 0 0 1 AttributeEnd Translate 0 7 0 Shape \"sphere\"");
+    assert_int_equal(d->n_shapes, 2);
+    assert_true(d->shapes[0].to_world.m[0][3] == 1 && d->shapes[0].to_world.m[1][3] == 0 && d->shapes[0].to_world.m[2][3] == 3);
+    assert_true(d->shapes[0].to_world.m[0][0] == 1);
+    assert_true(d->shapes[1].to_world.m[1][3] == 7); /* AttributeEnd ends the choice, too */
+    bis_scene_desc_free(d);
+}
+
+static void patches_become_triangles(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = approximated("WorldBegin Shape \"bilinearmesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0  2 0 0  2 1 0] "
+                                     "\"integer indices\" [0 1 2 3  1 4 3 5]");
+    static const uint32_t expected[] = {0, 1, 3, 0, 3, 2, 1, 4, 5, 1, 5, 3};
+    const bis_mesh *m = &d->meshes[0].mesh;
+    assert_int_equal(m->n_triangles, 4);
+    assert_memory_equal(m->index, expected, sizeof expected);
+    bis_scene_desc_free(d);
+    assert_int_equal(parse(&d, "WorldBegin Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2 3]",
+                           BIS_PARSE_APPROXIMATE, NULL), BIS_INPUT);
+    assert_int_equal(parse(&d, "WorldBegin Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]",
+                           BIS_PARSE_APPROXIMATE, NULL), BIS_INPUT);
+    assert_int_equal(parse(&d, "WorldBegin Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]", BIS_PARSE_APPROXIMATE, NULL),
+                     BIS_INPUT);
+}
+
+static void what_is_unknown_to_pbrt_too_stays_an_error(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {
+        "WorldBegin Material \"glas\"", "WorldBegin Shap \"sphere\"", "WorldBegin LightSource \"lamp\"", "WorldBegin Shape \"sphere\" \"float radius\" -1",
+        "Camera \"realistic\" WorldBegin", "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\"",
+        "WorldBegin Material \"diffuse\" \"texture reflectance\" \"t\"",
+    };
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        bis_scene_desc *d;
+        assert_int_equal(parse(&d, scenes[i], BIS_PARSE_APPROXIMATE, NULL), BIS_INPUT);
+    }
+}
+
+static void an_import_is_read_as_an_include(void **state)
+{
+    (void)state;
+    const char *shapes = "Translate 0 4 0 Shape \"sphere\"";
+    char text[200];
+    store(scratch("part.txt"), shapes, strlen(shapes));
+    snprintf(text, sizeof text, "WorldBegin Import \"%s\" Shape \"disk\"", strrchr(scratch("part.txt"), '/') + 1);
+    bis_scene_desc *d = approximated(text);
+    assert_true(d->n_shapes == 2 && d->shapes[0].kind == BIS_SHAPE_SPHERE && d->n_approximations == 1);
+    bis_scene_desc_free(d);
+}
+
+static void a_plan_lists_what_is_missing_each_once(void **state)
+{
+    (void)state;
+    bis_scene_desc *d;
+    char text[20000];
+    FILE *out = fmemopen(text, sizeof text, "w");
+    assert_int_equal(parse(&d, "WorldBegin LightSource \"infinite\" \"string filename\" \"no.exr\" Material \"glass\" "
+                               "Shape \"plymesh\" \"string filename\" \"no/a.ply\" Shape \"plymesh\" \"string filename\" \"no/a.ply\" "
+                               "\"bool smooth\" true Shape \"objmesh\" \"string filename\" \"b.obj\"",
+                           BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, NULL), BIS_OK);
+    assert_int_equal(d->n_missing, 3);
+    bis_scene_plan(d, out);
+    fclose(out);
+    assert_non_null(strstr(text, "approximated 1 x Material \"glass\": a mirror of its reflectance; what it lets through is black\n"));
+    assert_non_null(strstr(text, "no.exr\n"));
+    assert_non_null(strstr(text, "no/a.ply\nmissing"));
+    bis_scene_desc_free(d);
+    /* without the list it is an error, as ever */
+    assert_int_equal(parse(&d, "WorldBegin LightSource \"infinite\" \"string filename\" \"no.exr\"", BIS_PARSE_APPROXIMATE, NULL),
+                     BIS_INPUT);
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    bis_status status = BIS_NOMEM;
+    for (long k = 1; status; k++) {
+        bis_scene_desc *d;
+        bis_mem_fail_at(k);
+        status = parse(&d, "WorldBegin Shape \"plymesh\" \"string filename\" \"no.ply\" Material \"mix\" \"string materials\" "
+                           "[\"red\" \"gloss\"] AreaLightSource \"x\" Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] "
+                           RED GLOSS, BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, NULL);
+        bis_mem_fail_at(0);
+        assert_true((status == BIS_OK || status == BIS_NOMEM) && k < 300);
+        bis_scene_desc_free(d);
+    }
+    assert_int_equal(bis_mem_live(), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate),
+        cmocka_unit_test(a_kind_is_named_once_with_its_number),
+        cmocka_unit_test(a_scene_may_say_it_itself),
+        cmocka_unit_test(materials_have_the_reflectances_of_the_originals),
+        cmocka_unit_test(a_mix_has_the_mean_colours),
+        cmocka_unit_test(a_mix_of_itself_or_of_nothing_is_an_error),
+        cmocka_unit_test(shapes_of_an_interface_are_left_out_also_as_instances),
+        cmocka_unit_test(what_moves_stands_where_it_is_at_first),
+        cmocka_unit_test(patches_become_triangles),
+        cmocka_unit_test(what_is_unknown_to_pbrt_too_stays_an_error),
+        cmocka_unit_test(an_import_is_read_as_an_include),
+        cmocka_unit_test(a_plan_lists_what_is_missing_each_once),
+        cmocka_unit_test(every_allocation_may_fail),
+    };
+    return cmocka_run_group_tests(tests, NULL, scratch_remove);
+}
