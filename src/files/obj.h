@@ -10,3 +10,7 @@
  * is empty. `at`: the scene line that named the file, or {0}. Errors: BIS_IO, BIS_INPUT (the message names the line),
  * BIS_NOMEM. */
 bis_status bis_obj_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);
+
+/* bis_obj_read_uv does the same and keeps texture coordinates: a vertex that faces use with several vt or vn is split,
+ * so that each (v, vt, vn) is one vertex. m->uv is NULL where no face uses any. */
+bis_status bis_obj_read_uv(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);

@@ -31,7 +31,9 @@ enum {
     BIS_TYPE_POINT3 = 1 << 5,
     BIS_TYPE_VECTOR3 = 1 << 6,
     BIS_TYPE_NORMAL = 1 << 7,
-    BIS_TYPE_OTHER = 1 << 8 /* pbrt's types of which bis has no parameter: point2, spectrum, texture, ... */
+    BIS_TYPE_OTHER = 1 << 8, /* pbrt's types of which bis has no parameter: vector2, ... */
+    BIS_TYPE_POINT2 = 1 << 9,
+    BIS_TYPE_TEXTURE = 1 << 10
 };
 
 typedef struct bis_param {
@@ -120,6 +122,9 @@ typedef struct bis_parser {
     bis_loc name_at;
 
     bis_names mesh_names, material_names, object_names, system_names;
+    bis_names texture_names[2]; /* of colours, of numbers */
+    bis_names texture_file_names;
+    bool own_texture;           /* a Texture is being read */
     bis_named_material *named; /* by the value of material_names */
     size_t n_named, capacity_named;
     bis_object *objects;
@@ -164,6 +169,8 @@ void bis_params_start(bis_parser *p);
 
 /* Take the string that names what a directive is about; False: complained, p->lost. Starts afresh. */
 bool bis_parser_name(bis_parser *p, const char *directive);
+/* Take a further string. *text: its offset in the parser's text. */
+bool bis_parser_next_name(bis_parser *p, const char *directive, size_t *text, bis_loc *at);
 bool bis_parser_peek_name(bis_parser *p, const char *directive); /* the string stays the next token */
 const char *bis_parser_text(const bis_parser *p, size_t offset);
 
@@ -209,6 +216,11 @@ void bis_params_ignore(bis_parser *p, const char *const *names, size_t n);
 
 /* Complain of all that nobody asked for. what: `Camera "perspective"`. */
 void bis_params_end(bis_parser *p, const char *directive, const char *what);
+
+/* A colour or a number, or a texture of such (parser_textures.c). *texture stays as it was where *value says all; else
+ * it is the texture's index, and *value a typical value. */
+bool bis_params_colour(bis_parser *p, const char *name, rgb *value, bis_interval range, uint32_t *texture);
+bool bis_params_number(bis_parser *p, const char *name, double *value, bis_interval range, uint32_t *texture);
 
 /* What a directive's name stands for. */
 enum { BIS_REPLACED = -1, BIS_FOREIGN = -2 };
@@ -257,7 +269,11 @@ bis_directive bis_directive_light, bis_directive_material, bis_directive_make_na
     bis_directive_named_material;
 void bis_parser_check_materials(bis_parser *p);
 
+/* parser_textures.c */
+bis_directive bis_directive_texture;
+
 /* parser_shapes.c */
 bis_directive bis_directive_shape;
+void bis_parser_drop_uv(bis_parser *p); /* of meshes without textures */
 
 #define BIS_COUNT(array) (sizeof(array) / sizeof *(array))

@@ -24,9 +24,9 @@ static const param_type types[] = {
     {"point3", "point3", BIS_TYPE_POINT3, NUMBERS},    {"point", "point3", BIS_TYPE_POINT3, NUMBERS},
     {"vector3", "vector3", BIS_TYPE_VECTOR3, NUMBERS}, {"vector", "vector3", BIS_TYPE_VECTOR3, NUMBERS},
     {"normal", "normal", BIS_TYPE_NORMAL, NUMBERS},    {"normal3", "normal", BIS_TYPE_NORMAL, NUMBERS},
-    {"point2", "point2", BIS_TYPE_OTHER, ANYTHING},    {"vector2", "vector2", BIS_TYPE_OTHER, ANYTHING},
+    {"point2", "point2", BIS_TYPE_POINT2, NUMBERS},    {"vector2", "vector2", BIS_TYPE_OTHER, ANYTHING},
     {"spectrum", "spectrum", BIS_TYPE_OTHER, ANYTHING}, {"xyz", "xyz", BIS_TYPE_OTHER, ANYTHING},
-    {"blackbody", "blackbody", BIS_TYPE_OTHER, ANYTHING}, {"texture", "texture", BIS_TYPE_OTHER, ANYTHING},
+    {"blackbody", "blackbody", BIS_TYPE_OTHER, ANYTHING}, {"texture", "texture", BIS_TYPE_TEXTURE, STRINGS},
 };
 
 const char *bis_param_type_names(char buf[64], unsigned mask)
@@ -121,6 +121,22 @@ bool bis_parser_peek_name(bis_parser *p, const char *directive)
     }
     p->name = add_text(p);
     return p->name != SIZE_MAX;
+}
+
+bool bis_parser_next_name(bis_parser *p, const char *directive, size_t *text, bis_loc *at)
+{
+    char buf[64];
+    *at = p->token.at;
+    if (p->token.kind != BIS_TOKEN_STRING) {
+        if (p->token.kind == BIS_TOKEN_BAD) p->lost = true;
+        else bis_parser_lose(p, p->token.at, "%s wants another quoted name, found %s", directive,
+                             bis_token_name(buf, &p->token));
+        return false;
+    }
+    *text = add_text(p);
+    if (*text == SIZE_MAX) return false;
+    bis_parser_advance(p);
+    return true;
 }
 
 bool bis_parser_name(bis_parser *p, const char *directive)

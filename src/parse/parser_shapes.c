@@ -119,6 +119,23 @@ static bool read_normals(bis_parser *p, bis_mesh *m)
     return m->n != NULL;
 }
 
+/* pbrt-v4's point2 uv, pbrt-v3's float uv or st. */
+static bool read_uv(bis_parser *p, bis_mesh *m)
+{
+    const char *name = bis_params_has(p, "uv") ? "uv" : "st";
+    const bool given = bis_params_has(p, name);
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_POINT2 | BIS_TYPE_FLOAT, 0);
+    if (!param) return !given;
+    if (param->n != 2 * m->n_vertices)
+        return bis_parser_error(p, param->at, "\"%s\" has %zu values, must have 2 for each of the %zu points", name,
+                                param->n, m->n_vertices);
+    m->uv = bis_alloc(m->n_vertices, sizeof *m->uv);
+    if (!m->uv) return bis_parser_nomem(p, param->at);
+    const double *v = p->params.numbers + param->first;
+    for (size_t i = 0; i < m->n_vertices; i++) m->uv[i] = (bis_uv){(float)v[2 * i], (float)v[2 * i + 1]};
+    return true;
+}
+
 static bool read_triangles(bis_parser *p, bis_shape_desc *shape)
 {
     bis_mesh m = {0};
@@ -133,7 +150,7 @@ static bool read_triangles(bis_parser *p, bis_shape_desc *shape)
         ok = m.p != NULL;
     }
     if (ok && m.n_vertices > UINT32_MAX) ok = bis_parser_error(p, points->at, "more than 2^32 - 1 points");
-    ok = ok && read_indices(p, &m) && read_normals(p, &m) &&
+    ok = ok && read_indices(p, &m) && read_normals(p, &m) && read_uv(p, &m) &&
          add_mesh(p, &(bis_mesh_desc){.kind = BIS_SHAPE_TRIANGLES, .mesh = m, .loc = shape->loc}, &shape->mesh);
     if (!ok) {
         static const char *const rest[] = {"indices", "N"};
@@ -175,6 +192,23 @@ static bool read_quadric(bis_parser *p, bis_shape_desc *shape)
 
 /* ---- Shape ---- */
 
+void bis_parser_drop_uv(bis_parser *p)
+{
+    bis_scene_desc *d = p->desc;
+    bool *is_used = bis_alloc(d->n_meshes, sizeof *is_used);
+    if (!is_used) return; /* they only take room */
+    for (size_t i = 0; i < d->n_shapes; i++) {
+        const bis_shape_desc *s = &d->shapes[i];
+        if (s->kind == BIS_SHAPE_TRIANGLES && bis_textures_of(&d->textures, s->material)) is_used[s->mesh] = true;
+    }
+    for (size_t i = 0; i < d->n_meshes; i++) {
+        if (is_used[i]) continue;
+        bis_free(d->meshes[i].mesh.uv);
+        d->meshes[i].mesh.uv = NULL;
+    }
+    bis_free(is_used);
+}
+
 static void add_shape(bis_parser *p, const bis_shape_desc *shape)
 {
     if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
@@ -197,8 +231,10 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
         {"heightfield", BIS_FOREIGN},    {"hyperboloid", BIS_FOREIGN}, {"loopsubdiv", BIS_FOREIGN},
         {"nurbs", BIS_FOREIGN},          {"paraboloid", BIS_FOREIGN},
     };
-    /* texture coordinates and what is made with them: bis has no textures */
-    static const char *const silent[] = {"uv", "st", "S", "alpha", "shadowalpha", "faceIndices"};
+    /* what changes nothing here: texture coordinates that are of no use, tangents, and numbers of faces for other
+     * textures */
+    static const char *const silent[] = {"uv", "st", "S", "faceIndices"};
+    static const char *const ignored[] = {"alpha", "shadowalpha"};
 
     const bis_choice *chosen = bis_parser_begin(p, "Shape", shapes, BIS_COUNT(shapes));
     if (!chosen) return;
@@ -209,6 +245,7 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
     else if (shape.kind == BIS_SHAPE_SPHERE || shape.kind == BIS_SHAPE_DISK) ok = read_quadric(p, &shape);
     else ok = read_file(p, &shape);
     bis_params_skip(p, silent, BIS_COUNT(silent));
+    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     bis_params_end(p, "Shape", chosen->name);
     if (ok) add_shape(p, &shape);
 }

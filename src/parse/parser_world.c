@@ -147,36 +147,37 @@ static void warn_energy(bis_parser *p, rgb Kd, rgb Ks)
     }
 }
 
-static bis_material read_phong(bis_parser *p)
+static bis_material read_phong(bis_parser *p, bis_material_textures *t)
 {
     rgb Kd = {0.5f, 0.5f, 0.5f}, Ks = {0, 0, 0};
     double exponent = 50;
-    bis_params_rgb(p, "Kd", &Kd, unit, true);
-    bis_params_rgb(p, "Ks", &Ks, unit, true);
-    bis_params_float(p, "exponent", &exponent, positive_or_0);
-    warn_energy(p, Kd, Ks);
+    bis_params_colour(p, "Kd", &Kd, unit, &t->Kd);
+    bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
+    bis_params_number(p, "exponent", &exponent, positive_or_0, &t->width);
+    /* with textures: when their images are known, by bis_textures_check */
+    if (t->Kd == BIS_NO_TEXTURE && t->Ks == BIS_NO_TEXTURE) warn_energy(p, Kd, Ks);
     return bis_phong(Kd, Ks, exponent);
 }
 
 /* No warning of energy: no Kd and Ks in [0,1] reflect more than they receive. */
-static bis_material read_microfacet(bis_parser *p)
+static bis_material read_microfacet(bis_parser *p, bis_material_textures *t)
 {
     const bis_interval rough = {BIS_MICROFACET_MIN_ROUGHNESS, 1, false, false};
     rgb Kd = {0, 0, 0}, Ks = {0.9f, 0.9f, 0.9f};
     double roughness = 0.5;
-    bis_params_rgb(p, "Kd", &Kd, unit, true);
-    bis_params_rgb(p, "Ks", &Ks, unit, true);
-    bis_params_float(p, "roughness", &roughness, rough);
+    bis_params_colour(p, "Kd", &Kd, unit, &t->Kd);
+    bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
+    bis_params_number(p, "roughness", &roughness, rough, &t->width);
     return bis_microfacet(Kd, Ks, roughness);
 }
 
-static bis_material read_diffuse(bis_parser *p)
+static bis_material read_diffuse(bis_parser *p, bis_material_textures *t)
 {
     rgb Kd = {0.5f, 0.5f, 0.5f};
     double sigma = 0;
-    if (bis_params_rgb(p, "reflectance", &Kd, unit, true) && bis_params_has(p, "Kd"))
+    if (bis_params_colour(p, "reflectance", &Kd, unit, &t->Kd) && bis_params_has(p, "Kd"))
         bis_parser_error(p, bis_params_at(p, "Kd"), "\"Kd\" and \"reflectance\" are the same: give one");
-    bis_params_rgb(p, "Kd", &Kd, unit, true); /* v2, v3 */
+    bis_params_colour(p, "Kd", &Kd, unit, &t->Kd); /* v2, v3 */
     if (bis_params_float(p, "sigma", &sigma, positive_or_0) && sigma != 0)
         bis_parser_error(p, bis_params_at(p, "sigma"),
                          "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must be 0");
@@ -188,11 +189,14 @@ static void read_material(bis_parser *p, const char *directive, const char *type
 {
     const bis_choice *chosen = bis_parser_choose(p, directive, type, at, materials, BIS_COUNT(materials));
     if (!chosen) return;
-    bis_material m = chosen->value == PHONG        ? read_phong(p)
-                     : chosen->value == MICROFACET ? read_microfacet(p)
-                                                   : read_diffuse(p);
+    bis_material_textures t = {BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, at};
+    bis_material m = chosen->value == PHONG        ? read_phong(p, &t)
+                     : chosen->value == MICROFACET ? read_microfacet(p, &t)
+                                                   : read_diffuse(p, &t);
     bis_params_end(p, directive, chosen->name);
     p->desc->materials[index] = m;
+    const bool textured = t.Kd != BIS_NO_TEXTURE || t.Ks != BIS_NO_TEXTURE || t.width != BIS_NO_TEXTURE;
+    if (textured && !bis_scene_desc_set_textures(p->desc, index, &t)) bis_parser_nomem(p, at);
 }
 
 /* Room for one more, which starts as the default. */

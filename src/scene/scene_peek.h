@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* .hdr, .pfm, .exr (the first part's data window). */
+/* .hdr, .pfm, .exr (the first part's data window), .png. */
 bool bis_scene_peek_image(const char *path, long *width, long *height);
 
 /* .ply: what the header claims. */

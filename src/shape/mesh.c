@@ -12,6 +12,7 @@ void bis_mesh_clear(bis_mesh *m)
 {
     bis_free(m->p);
     bis_free(m->n);
+    bis_free(m->uv);
     bis_free(m->index);
     *m = (bis_mesh){0};
 }
