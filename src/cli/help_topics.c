@@ -40,7 +40,8 @@ static const bis_help_entry scene[] = {
     {NULL, "After WorldBegin:"},
     {"LightSource", "see lights"},
     {"Material, MakeNamedMaterial, NamedMaterial", "see materials"},
-    {"Shape", "\"plymesh\" and \"objmesh\": filename, smooth (false); \"trianglemesh\": P, indices, N; \"sphere\": "
+    {"Texture", "see textures"},
+    {"Shape", "\"plymesh\" and \"objmesh\": filename, smooth (false); \"trianglemesh\": P, indices, N, uv; \"sphere\": "
               "radius (1); \"disk\": radius (1), height (0)"},
     {"ObjectBegin, ObjectEnd, ObjectInstance", "shapes that are kept by a name, and shown by it"},
     {"AttributeBegin, AttributeEnd, TransformBegin, TransformEnd",
@@ -71,7 +72,21 @@ static const bis_help_entry materials[] = {
                    "for plastic), roughness (0.5, in [0.01, 1]; the lobe's alpha is its square)"},
     {"diffuse, matte", "reflectance, or Kd (0.5)"},
     {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. "
-           "There are no textures."},
+           "Each value may be a texture, see textures."},
+    {NULL, NULL},
+};
+
+static const bis_help_entry textures[] = {
+    {NULL, "Texture \"NAME\" \"float\" or \"spectrum\" \"KIND\" ..., before its first use; then \"texture Kd\" "
+           "\"NAME\" in a material. Values must stay in the range that constants have."},
+    {"imagemap", "filename (.png, .exr, .hdr, .pfm), wrap (repeat, clamp or black), scale (1), invert (false), "
+                 "encoding of a .png (sRGB, linear or \"gamma X\")"},
+    {"constant", "value (1)"},
+    {"scale", "tex times scale (1, 1), or tex1 times tex2"},
+    {"mix", "from tex1 (0) to tex2 (1) by amount (0.5)"},
+    {"checkerboard", "tex1 (1) and tex2 (0)"},
+    {"uscale, vscale, udelta, vdelta", "of imagemap and checkerboard: s = uscale u + udelta, t = vscale v + vdelta "
+                                       "(1 1 0 0). v = 0 is the bottom of an image"},
     {NULL, NULL},
 };
 
@@ -165,6 +180,7 @@ const bis_topic bis_topics[] = {
     {"scene", "the scene format in brief", scene},
     {"integrators", "the methods and their parameters", integrators},
     {"materials", "the materials and their parameters", materials},
+    {"textures", "values that vary over a surface", textures},
     {"lights", "the environment map and its parameters", lights},
     {"output", "formats, layers, figures, exit statuses", output},
     {"budgets", "how long: samples, time, error", budgets},
