@@ -41,8 +41,8 @@ static const bis_help_entry scene[] = {
     {"LightSource", "see lights"},
     {"Material, MakeNamedMaterial, NamedMaterial", "see materials"},
     {"Texture", "see textures"},
-    {"Shape", "\"plymesh\" and \"objmesh\": filename, smooth (false); \"trianglemesh\": P, indices, N, uv; \"sphere\": "
-              "radius (1); \"disk\": radius (1), height (0)"},
+    {"Shape", "\"plymesh\" and \"objmesh\": filename, smooth (false); \"objmesh\": materials (false: without its "
+              ".mtl); \"trianglemesh\": P, indices, N, uv; \"sphere\": radius (1); \"disk\": radius (1), height (0)"},
     {"ObjectBegin, ObjectEnd, ObjectInstance", "shapes that are kept by a name, and shown by it"},
     {"AttributeBegin, AttributeEnd, TransformBegin, TransformEnd",
      "save and restore transformation and material; the transformation alone"},

@@ -9,6 +9,7 @@
 
 #include "bis/base/file.h"
 #include "base/grow.h"
+#include "base/names.h"
 #include "mesh_io.h"
 
 #include <float.h>
@@ -18,9 +19,9 @@
 enum { NONE = 0, FREE = UINT32_MAX };
 
 /* A corner (v, vt, vn) as an entry of the hash table; vt and vn count from 1, NONE for none. */
-typedef struct corner {
+typedef struct obj_corner {
     uint32_t v, vt, vn, vertex; /* vertex FREE: an empty slot */
-} corner;
+} obj_corner;
 
 typedef struct reader {
     mesh_input in;
@@ -36,9 +37,13 @@ typedef struct reader {
     /* first_vn[n_v]: the normal of vertex v's own corner, or FREE; NULL: no normals in the file. first_vt[n_v]: the
      * same for texture coordinates, FREE where first_vn is */
     uint32_t *first_vn, *first_vt;
-    corner *table;              /* further corners; a power of 2, at most half full */
+    obj_corner *table;             /* further corners; a power of 2, at most half full */
     size_t table_size, n_pairs;
     bool any_normal, any_uv;    /* does a face use one? */
+    bool wants_parts;
+    bis_names parts;            /* of usemtl, with numbers from 1 */
+    uint32_t part;              /* of the faces that come */
+    size_t capacity_part;
     size_t n_too_small;         /* faces of fewer than 3 corners */
     size_t n_bad_normals, n_bad_uv;
     bis_status status;          /* of the first error: from then on nothing is read */
@@ -162,7 +167,7 @@ static size_t hash(uint32_t v, uint32_t vt, uint32_t vn)
     return (size_t)(h ^ h >> 29);
 }
 
-static corner *find_corner(corner *table, size_t size, uint32_t v, uint32_t vt, uint32_t vn)
+static obj_corner *find_corner(obj_corner *table, size_t size, uint32_t v, uint32_t vt, uint32_t vn)
 {
     size_t i = hash(v, vt, vn) & (size - 1);
 
@@ -174,12 +179,12 @@ static corner *find_corner(corner *table, size_t size, uint32_t v, uint32_t vt, 
 static bool grow_table(reader *r)
 {
     const size_t size = r->table_size ? 2 * r->table_size : 1024;
-    corner *table = bis_alloc(size, sizeof *table);
+    obj_corner *table = bis_alloc(size, sizeof *table);
 
     if (!table) return false;
     for (size_t i = 0; i < size; i++) table[i].vertex = FREE;
     for (size_t i = 0; i < r->table_size; i++) {
-        const corner *old = &r->table[i];
+        const obj_corner *old = &r->table[i];
         if (old->vertex != FREE) *find_corner(table, size, old->v, old->vt, old->vn) = *old;
     }
     bis_free(r->table);
@@ -214,7 +219,7 @@ static uint32_t find_vertex(reader *r, uint32_t v, uint32_t vt, uint32_t vn)
     if (!r->first_vn && !r->first_vt) return v;
     if (is_first(r, v, vt, vn)) return v;
     if (2 * r->n_pairs >= r->table_size && !grow_table(r)) return no_memory(r);
-    corner *p = find_corner(r->table, r->table_size, v, vt, vn);
+    obj_corner *p = find_corner(r->table, r->table_size, v, vt, vn);
     if (p->vertex != FREE) return p->vertex;
     if (m->n_vertices >= UINT32_MAX - 1) {
         r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "more than 2^32 - 2 vertices");
@@ -223,7 +228,7 @@ static uint32_t find_vertex(reader *r, uint32_t v, uint32_t vt, uint32_t vn)
     if (!BIS_ROOM(m->p, r->capacity_vertices, m->n_vertices)) return no_memory(r);
     r->n_pairs++;
     /* The source position may not have been read yet: finish_vertices copies it. */
-    *p = (corner){v, vt, vn, (uint32_t)m->n_vertices++};
+    *p = (obj_corner){v, vt, vn, (uint32_t)m->n_vertices++};
     return p->vertex;
 }
 
@@ -275,6 +280,44 @@ static uint32_t take_corner(reader *r)
     }
     return find_vertex(r, (uint32_t)v, vt == SIZE_MAX ? NONE : (uint32_t)vt + 1,
                        vn == SIZE_MAX ? NONE : (uint32_t)vn + 1);
+}
+
+/* ---- materials ---- */
+
+/* What stands behind a word, without blanks at its ends; NULL: no memory. */
+static char *take_rest(reader *r)
+{
+    skip_blanks(r);
+    const unsigned char *start = r->p, *end;
+    while (!is_line_end(r)) r->p++;
+    for (end = r->p; end > start && is_blank(end[-1]);) end--;
+    char *text = bis_strndup((const char *)start, (size_t)(end - start));
+    if (!text) no_memory(r);
+    return text;
+}
+
+/* The faces that come are of another part. */
+static void read_usemtl(reader *r)
+{
+    char *name = take_rest(r);
+
+    if (!name) return;
+    if (!bis_names_find(&r->parts, name, &r->part)) {
+        r->part = (uint32_t)r->parts.n + 1;
+        if (!bis_names_set(&r->parts, name, r->part)) no_memory(r);
+    }
+    bis_free(name);
+}
+
+/* For all triangles that are new. */
+static void set_parts(reader *r, size_t first)
+{
+    bis_mesh *m = r->mesh;
+
+    for (size_t i = first; i < m->n_triangles && !r->status; i++) {
+        if (BIS_ROOM(m->part, r->capacity_part, i)) m->part[i] = r->part;
+        else no_memory(r);
+    }
 }
 
 /* A fan about the first corner. */
@@ -341,7 +384,11 @@ static void read_lines(reader *r)
         if (take_word(r, "v")) read_vertex(r);
         else if (take_word(r, "vn")) read_normal(r);
         else if (r->wants_uv && take_word(r, "vt")) read_uv(r);
-        else if (take_word(r, "f")) read_face(r);
+        else if (take_word(r, "f")) {
+            const size_t first = r->mesh->n_triangles;
+            read_face(r);
+            if (r->wants_parts) set_parts(r, first);
+        } else if (r->wants_parts && take_word(r, "usemtl")) read_usemtl(r);
     }
 }
 
@@ -392,10 +439,11 @@ static void report(const reader *r)
                         r->n_bad_uv);
 }
 
-static bis_status read_obj(bis_mesh *m, const char *path, bool wants_uv, bis_loc at, bis_diag *diag)
+/* n_parts: NULL, if they are not wanted. */
+static bis_status read_obj(bis_mesh *m, const char *path, bool wants_uv, size_t *n_parts, bis_loc at, bis_diag *diag)
 {
     unsigned char *data = NULL;
-    reader r = {.in = {.path = path, .at = at, .diag = diag}, .mesh = m, .wants_uv = wants_uv};
+    reader r = {.in = {.path = path, .at = at, .diag = diag}, .mesh = m, .wants_uv = wants_uv, .wants_parts = n_parts};
 
     *m = (bis_mesh){0};
     r.status = bis_file_read(&data, &r.in.size, path, at, diag);
@@ -410,6 +458,7 @@ static bis_status read_obj(bis_mesh *m, const char *path, bool wants_uv, bis_loc
     if (!r.status) finish_vertices(&r);
     if (r.status) goto done;
     report(&r);
+    if (n_parts) *n_parts = r.parts.n;
     r.status = bis_mesh_finish(m, r.capacity_triangles, &r.in);
 done:
     if (r.status) bis_mesh_clear(m);
@@ -417,6 +466,7 @@ done:
     bis_free(r.first_vn);
     bis_free(r.uv);
     bis_free(r.first_vt);
+    bis_names_clear(&r.parts);
     bis_free(r.table);
     bis_free(data);
     return r.status;
@@ -424,10 +474,74 @@ done:
 
 bis_status bis_obj_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
 {
-    return read_obj(m, path, false, at, diag);
+    return read_obj(m, path, false, NULL, at, diag);
 }
 
 bis_status bis_obj_read_uv(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
 {
-    return read_obj(m, path, true, at, diag);
+    return read_obj(m, path, true, NULL, at, diag);
+}
+
+bis_status bis_obj_read_parts(bis_mesh *m, size_t *n_parts, const char *path, bool wants_uv, bis_loc at, bis_diag *diag)
+{
+    *n_parts = 0;
+    return read_obj(m, path, wants_uv, n_parts, at, diag);
+}
+
+/* ---- what it says of materials ---- */
+
+/* Libraries are few: a line each. */
+static void read_mtllib(reader *r, bis_obj_materials *out)
+{
+    const int line = r->line;
+    char *name = take_rest(r);
+
+    if (!name) return;
+    if (BIS_ROOM(out->libraries, out->capacity_libraries, out->n_libraries)) {
+        out->libraries[out->n_libraries++] = (bis_obj_library){name, line};
+    } else {
+        bis_free(name);
+        no_memory(r);
+    }
+}
+
+static void note_face(reader *r, bis_obj_materials *out)
+{
+    while (out->n_shown <= r->part && !r->status) {
+        if (BIS_ROOM(out->is_shown, out->capacity_shown, out->n_shown)) out->is_shown[out->n_shown++] = false;
+        else no_memory(r);
+    }
+    if (!r->status) out->is_shown[r->part] = true;
+}
+
+bis_status bis_obj_read_materials(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag)
+{
+    unsigned char *data = NULL;
+    bis_mesh none = {0};
+    reader r = {.in = {.path = path, .at = at, .diag = diag}, .mesh = &none};
+
+    *out = (bis_obj_materials){0};
+    r.status = bis_file_read(&data, &r.in.size, path, at, diag);
+    r.in.data = data;
+    r.end = data ? data + r.in.size : NULL;
+    if (!r.status) rewind_file(&r);
+    for (; !r.status && r.p < r.end; skip_line(&r)) {
+        skip_blanks(&r);
+        if (take_word(&r, "f")) note_face(&r, out);
+        else if (take_word(&r, "usemtl")) read_usemtl(&r);
+        else if (take_word(&r, "mtllib")) read_mtllib(&r, out);
+    }
+    out->parts = r.parts;
+    if (r.status) bis_obj_materials_clear(out);
+    bis_free(data);
+    return r.status;
+}
+
+void bis_obj_materials_clear(bis_obj_materials *m)
+{
+    for (size_t i = 0; i < m->n_libraries; i++) bis_free(m->libraries[i].name);
+    bis_free(m->libraries);
+    bis_free(m->is_shown);
+    bis_names_clear(&m->parts);
+    *m = (bis_obj_materials){0};
 }

@@ -264,16 +264,25 @@ bis_directive bis_directive_attribute_begin, bis_directive_attribute_end, bis_di
     bis_directive_reverse_orientation;
 void bis_parser_check_blocks(bis_parser *p);
 
-/* parser_world.c */
+/* parser_world.c. bis_parser_add_material makes room for one more, which starts as the default;
+ * bis_parser_warn_energy warns if Phong's Kd + Ks exceeds 1. */
+bool bis_parser_add_material(bis_parser *p, uint32_t *index);
+void bis_parser_warn_energy(bis_parser *p, bis_loc at, rgb Kd, rgb Ks);
 bis_directive bis_directive_light, bis_directive_material, bis_directive_make_named_material,
     bis_directive_named_material;
 void bis_parser_check_materials(bis_parser *p);
 
-/* parser_textures.c */
+/* parser_textures.c. An image is a file that is named at `at`; false: complained */
+bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index);
+bool bis_parser_add_image(bis_parser *p, const char *name, double gamma, bis_loc at, uint32_t *image);
 bis_directive bis_directive_texture;
 
 /* parser_shapes.c */
 bis_directive bis_directive_shape;
+void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape);
+
+/* parser_mtl.c: of an OBJ with materials, the shapes of its parts */
+void bis_parser_add_parts(bis_parser *p, const bis_shape_desc *shape);
 void bis_parser_drop_uv(bis_parser *p); /* of meshes without textures */
 
 #define BIS_COUNT(array) (sizeof(array) / sizeof *(array))

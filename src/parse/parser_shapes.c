@@ -24,21 +24,24 @@ static bool add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index)
 }
 
 /* The mesh of a file: a new one, or the one that has been named before. Takes over path. */
-static bool file_mesh(bis_parser *p, bis_shape_kind kind, char *path, bool smooth, bis_loc at, uint32_t *index)
+static bool file_mesh(bis_parser *p, char *path, const bis_mesh_desc *desc, uint32_t *index)
 {
-    const size_t room = strlen(path) + 3;
-    char *key = bis_alloc(room, 1); /* kind, smooth, path */
+    const size_t room = strlen(path) + 4;
+    char *key = bis_alloc(room, 1); /* kind, smooth, parts, path */
+    bis_mesh_desc mesh = *desc;
     bool ok = key != NULL;
 
-    if (ok) snprintf(key, room, "%c%c%s", kind == BIS_SHAPE_PLY ? 'p' : 'o', smooth ? 's' : 'f', path);
+    if (ok) snprintf(key, room, "%c%c%c%s", desc->kind == BIS_SHAPE_PLY ? 'p' : 'o', desc->smooth ? 's' : 'f',
+                     desc->has_parts ? 'm' : '-', path);
     if (ok && bis_names_find(&p->mesh_names, key, index)) {
         bis_free(path);
     } else {
-        ok = ok && add_mesh(p, &(bis_mesh_desc){.kind = kind, .filename = path, .smooth = smooth, .loc = at}, index);
+        mesh.filename = path;
+        ok = ok && add_mesh(p, &mesh, index);
         if (!ok) bis_free(path);
         if (ok && !bis_names_set(&p->mesh_names, key, *index)) ok = false;
     }
-    if (!ok && !p->stop) bis_parser_nomem(p, at);
+    if (!ok && !p->stop) bis_parser_nomem(p, desc->loc);
     bis_free(key);
     return ok;
 }
@@ -46,8 +49,9 @@ static bool file_mesh(bis_parser *p, bis_shape_kind kind, char *path, bool smoot
 static bool read_file(bis_parser *p, bis_shape_desc *shape)
 {
     const char *name;
-    bool smooth = false;
-    bis_params_bool(p, "smooth", &smooth);
+    bis_mesh_desc mesh = {.kind = shape->kind};
+    bis_params_bool(p, "smooth", &mesh.smooth);
+    if (shape->kind == BIS_SHAPE_OBJ) bis_params_bool(p, "materials", &mesh.has_parts);
     const bool given = bis_params_has(p, "filename");
     const bis_loc at = bis_params_at(p, "filename");
     if (!bis_params_string(p, "filename", &name)) {
@@ -55,7 +59,8 @@ static bool read_file(bis_parser *p, bis_shape_desc *shape)
         return false;
     }
     char *path = bis_parser_path(p, at, name);
-    return path && file_mesh(p, shape->kind, path, smooth, at, &shape->mesh);
+    mesh.loc = at;
+    return path && file_mesh(p, path, &mesh, &shape->mesh);
 }
 
 /* ---- trianglemesh ---- */
@@ -209,7 +214,7 @@ void bis_parser_drop_uv(bis_parser *p)
     bis_free(is_used);
 }
 
-static void add_shape(bis_parser *p, const bis_shape_desc *shape)
+void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape)
 {
     if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
         p->stop = !bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
@@ -220,6 +225,11 @@ static void add_shape(bis_parser *p, const bis_shape_desc *shape)
     } else {
         bis_parser_nomem(p, shape->loc);
     }
+}
+
+static bool has_parts(const bis_parser *p, const bis_shape_desc *shape)
+{
+    return shape->kind == BIS_SHAPE_OBJ && p->desc->meshes[shape->mesh].has_parts;
 }
 
 void bis_directive_shape(bis_parser *p, bis_loc at)
@@ -247,5 +257,6 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
     bis_params_skip(p, silent, BIS_COUNT(silent));
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     bis_params_end(p, "Shape", chosen->name);
-    if (ok) add_shape(p, &shape);
+    if (ok && has_parts(p, &shape)) bis_parser_add_parts(p, &shape);
+    else if (ok) bis_parser_add_shape(p, &shape);
 }

@@ -16,7 +16,7 @@ static const bis_interval unit = {0, 1, false, false};
 
 /* ---- the list ---- */
 
-static bool add_texture(bis_parser *p, const bis_texture *x, uint32_t *index)
+bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index)
 {
     bis_textures *t = &p->desc->textures;
     if (!BIS_ROOM(t->list, t->capacity, t->n) || t->n >= UINT32_MAX - 1) return bis_parser_nomem(p, p->name_at);
@@ -119,7 +119,7 @@ static bool read_part(bis_parser *p, const char *name, bool of_floats, double us
         else ok = !given;
     }
     const bis_texture x = constant(value);
-    return ok && add_texture(p, &x, index);
+    return ok && bis_parser_add_texture(p, &x, index);
 }
 
 /* The mapping of u and v; pbrt's others need the place of the point. */
@@ -186,10 +186,10 @@ static bool add_file(bis_parser *p, char *path, double gamma, bis_loc at, uint32
     return true;
 }
 
-static bool add_image(bis_parser *p, const char *name, double gamma, bis_loc at, uint32_t *index)
+bool bis_parser_add_image(bis_parser *p, const char *name, double gamma, bis_loc at, uint32_t *image)
 {
     char *path = bis_parser_path(p, at, name);
-    return path && add_file(p, path, gamma, at, index);
+    return path && add_file(p, path, gamma, at, image);
 }
 
 /* What an image makes of 1/2, but 0 only if it is black. */
@@ -222,7 +222,7 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     x->value = typical_of(x);
     if (!bis_params_string(p, "filename", &name))
         return given ? false : bis_parser_error(p, p->name_at, "Texture \"imagemap\" needs \"string filename\"");
-    return add_image(p, name, gamma, bis_params_at(p, "filename"), &x->image) && ok;
+    return bis_parser_add_image(p, name, gamma, bis_params_at(p, "filename"), &x->image) && ok;
 }
 
 static rgbd value_of(const bis_parser *p, uint32_t texture) { return p->desc->textures.list[texture].value; }
@@ -346,7 +346,7 @@ static void name_texture(bis_parser *p, const bis_texture *x, bool of_floats)
     if (bis_names_find(names, name, NULL))
         bis_warn(p->diag, p->name_at, "texture \"%s\" is defined again: the new one counts from here on",
                  bis_parser_word(p, name));
-    if (add_texture(p, x, &index) && !bis_names_set(names, name, index)) bis_parser_nomem(p, p->name_at);
+    if (bis_parser_add_texture(p, x, &index) && !bis_names_set(names, name, index)) bis_parser_nomem(p, p->name_at);
 }
 
 void bis_directive_texture(bis_parser *p, bis_loc at)

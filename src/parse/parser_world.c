@@ -134,14 +134,14 @@ static const bis_choice materials[] = {
     {"translucent", BIS_FOREIGN}, {"uber", BIS_FOREIGN}, {"", BIS_FOREIGN},
 };
 
-static void warn_energy(bis_parser *p, rgb Kd, rgb Ks)
+void bis_parser_warn_energy(bis_parser *p, bis_loc at, rgb Kd, rgb Ks)
 {
     const double sum[3] = {(double)Kd.r + (double)Ks.r, (double)Kd.g + (double)Ks.g, (double)Kd.b + (double)Ks.b};
     /* 0.6 and 0.4 as floats sum to 1 + 3e-8: each is rounded by half an ulp of its own, together at most this */
     const double one = 1 + (double)FLT_EPSILON / 2;
     for (int i = 0; i < 3; i++) {
         if (sum[i] <= one) continue;
-        bis_warn(p->diag, p->name_at, "Kd + Ks is %.7g in %s: the material reflects more light than it receives",
+        bis_warn(p->diag, at, "Kd + Ks is %.7g in %s: the material reflects more light than it receives",
                  sum[i], (const char *const[]){"red", "green", "blue"}[i]);
         return;
     }
@@ -155,7 +155,7 @@ static bis_material read_phong(bis_parser *p, bis_material_textures *t)
     bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
     bis_params_number(p, "exponent", &exponent, positive_or_0, &t->width);
     /* with textures: when their images are known, by bis_textures_check */
-    if (t->Kd == BIS_NO_TEXTURE && t->Ks == BIS_NO_TEXTURE) warn_energy(p, Kd, Ks);
+    if (t->Kd == BIS_NO_TEXTURE && t->Ks == BIS_NO_TEXTURE) bis_parser_warn_energy(p, p->name_at, Kd, Ks);
     return bis_phong(Kd, Ks, exponent);
 }
 
@@ -199,8 +199,7 @@ static void read_material(bis_parser *p, const char *directive, const char *type
     if (textured && !bis_scene_desc_set_textures(p->desc, index, &t)) bis_parser_nomem(p, at);
 }
 
-/* Room for one more, which starts as the default. */
-static bool add_material(bis_parser *p, uint32_t *index)
+bool bis_parser_add_material(bis_parser *p, uint32_t *index)
 {
     bis_scene_desc *d = p->desc;
     if (!BIS_ROOM(d->materials, d->capacity_materials, d->n_materials) || d->n_materials >= UINT32_MAX)
@@ -214,7 +213,7 @@ void bis_directive_material(bis_parser *p, bis_loc at)
 {
     uint32_t index;
     (void)at;
-    if (!bis_parser_name(p, "Material") || !bis_params_read(p) || !add_material(p, &index)) return;
+    if (!bis_parser_name(p, "Material") || !bis_params_read(p) || !bis_parser_add_material(p, &index)) return;
     p->now.material = index;
     read_material(p, "Material", bis_parser_text(p, p->name), p->name_at, index);
 }
@@ -232,7 +231,7 @@ static bis_named_material *named_material(bis_parser *p, const char *name, uint3
         bis_parser_nomem(p, p->name_at);
         return NULL;
     }
-    if (!add_material(p, index)) return NULL;
+    if (!bis_parser_add_material(p, index)) return NULL;
     p->named[p->n_named] = (bis_named_material){.index = *index};
     return &p->named[p->n_named++];
 }

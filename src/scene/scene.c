@@ -37,7 +37,13 @@ static bis_status read_file(bis_mesh *m, const bis_mesh_desc *desc, bool wants_u
 {
     if (desc->kind == BIS_SHAPE_PLY)
         return (wants_uv ? bis_ply_read_uv : bis_ply_read)(m, desc->filename, desc->loc, diag);
-    return (wants_uv ? bis_obj_read_uv : bis_obj_read)(m, desc->filename, desc->loc, diag);
+    if (!desc->has_parts) return (wants_uv ? bis_obj_read_uv : bis_obj_read)(m, desc->filename, desc->loc, diag);
+    size_t n_parts;
+    bis_status status = bis_obj_read_parts(m, &n_parts, desc->filename, wants_uv, desc->loc, diag);
+    if (!status && n_parts != desc->n_parts)
+        status = bis_error(diag, BIS_INPUT, desc->loc, "%s was changed while the scene was read: try again",
+                           desc->filename);
+    return status;
 }
 
 /* wants_uv: a shape of it has textures. */
@@ -58,26 +64,39 @@ static bis_status read_mesh(bis_mesh *m, const bis_mesh_desc *desc, bool wants_u
 /* A mesh while it is in use. */
 typedef struct loaded {
     bis_mesh mesh;
+    bis_mesh_parts parts; /* of a mesh that has_parts */
     size_t shapes_left; /* that still want it */
     bool is_read, wants_uv;
 } loaded;
+
+static void clear_loaded(loaded *l)
+{
+    bis_mesh_clear(&l->mesh);
+    bis_mesh_parts_clear(&l->parts);
+}
 
 static bis_status add_mesh(bis_geometry *g, loaded *l, const bis_mesh_desc *desc, const bis_shape_desc *shape,
                            bis_diag *diag)
 {
     bis_mesh own = {0};
     bis_status status = l->is_read ? BIS_OK : read_mesh(&l->mesh, desc, l->wants_uv, diag);
+    if (!status && !l->is_read && desc->has_parts)
+        status = bis_mesh_sort_parts(&l->parts, &l->mesh, desc->n_parts + 1, diag);
     if (status) return status;
     l->is_read = true;
     const bool last = --l->shapes_left == 0;
-    if (!last && g->n_vertices == 0) { /* the first mesh may be moved into the geometry, and others want it after us */
+    if (desc->has_parts) {
+        status = bis_mesh_take_part(&own, &l->mesh, &l->parts, shape->part, diag);
+        if (!status) status = bis_geometry_add_mesh(g, &own, &shape->to_world, shape->material, diag);
+        bis_mesh_clear(&own);
+    } else if (!last && g->n_vertices == 0) { /* the first mesh may be moved into the geometry: others want it, too */
         status = copy_mesh(&own, &l->mesh, desc->loc, diag);
         if (!status) status = bis_geometry_add_mesh(g, &own, &shape->to_world, shape->material, diag);
         bis_mesh_clear(&own);
     } else {
         status = bis_geometry_add_mesh(g, &l->mesh, &shape->to_world, shape->material, diag);
     }
-    if (last) bis_mesh_clear(&l->mesh);
+    if (last) clear_loaded(l);
     return status;
 }
 
@@ -117,7 +136,7 @@ static bis_status load_geometry(bis_scene *s, const bis_scene_desc *desc, bis_di
         s->shape_end[i] = g->n_triangles;
     }
 done:
-    for (size_t i = 0; meshes && i < desc->n_meshes; i++) bis_mesh_clear(&meshes[i].mesh);
+    for (size_t i = 0; meshes && i < desc->n_meshes; i++) clear_loaded(&meshes[i]);
     bis_free(meshes);
     return status;
 }

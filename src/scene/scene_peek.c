@@ -105,6 +105,11 @@ bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces)
            number_after(&h, "element face ", n_faces);
 }
 
+bis_status bis_scene_peek_obj(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag)
+{
+    return bis_obj_read_materials(out, path, at, diag);
+}
+
 typedef struct stranger {
     const char *mark, *what;
     bis_stranger_kind kind;

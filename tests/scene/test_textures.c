@@ -439,6 +439,98 @@ static void an_obj_and_a_ply_bring_theirs(void **state)
     }
 }
 
+/* ---- an OBJ with its materials ---- */
+
+#define OBJ "v -2 -1 0\nv -1 -1 0\nv 0 -1 0\nv 1 -1 0\nv -2 1 0\nv -1 1 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n" \
+            "f 1 2 6 5\nusemtl painted wood \nf 2/1 3/2 7/3 6/4\nusemtl red\nusemtl unused\nusemtl red\nf 3 4 8 7\n"
+#define MTL "# a library\nnewmtl unused\nKd 7 7 7\r\nnewmtl red\n\tKd 0.75 0.125 0\nKs 0.25\nNs 12.5\nillum 2\nKa 1 1 1\n" \
+            "newmtl painted wood\nKd 0.5 0.25 1\nKs 0.9 0.9 0.9\nillum 1\nmap_Kd -s 2 1 1 -o 0.5 0 -clamp on four.pfm\nnewmtl red\nKd 0 0 0\n"
+
+/* The first face has the scene's own material, and lies at x = -1.5; the second one at -0.5, the third at 0.5. */
+static void an_obj_brings_its_materials_and_each_part_is_a_shape(void **state)
+{
+    (void)state;
+    built b;
+    char text[1024];
+    bis_own_material m;
+    bis_counters counters = {0};
+    bis_point pt;
+    store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16); /* 0.5 */
+    program_write_file(DIR "/lib.mtl", MTL);
+    program_write_file(DIR "/o.obj", "mtllib lib.mtl\n" OBJ);
+    snprintf(text, sizeof text, LIGHT "Material \"diffuse\" \"float reflectance\" 0.375 Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true");
+    assert_int_equal(try_build(&b, text), BIS_OK);
+    assert_int_equal(b.diag.n, 0);
+    assert_int_equal(b.desc->n_shapes, 3);
+    assert_int_equal(b.scene->geometry.n_triangles, 6);
+    assert_int_equal(b.scene->geometry.n_vertices, 12);
+    for (int k = 0; k < 3; k++) {
+        const ray r = {{-1.5f + (float)k, 0.25f, 5}, {0, 0, -1}, INFINITY};
+        bis_hit hit;
+        size_t part;
+        assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, r, &counters, &hit));
+        assert_int_equal(bis_scene_shape_of(b.scene, b.desc, hit.prim, &part), k);
+        const bis_material *at = pt.bsdf.material;
+        if (k == 0) assert_true(at->Kd.r == 0.375f);
+        if (k == 1) assert_true(at->Kd.r == 0.25f && at->Kd.g == 0.125f && at->Kd.b == 0.5f && at->Ks.r == 0);
+        if (k == 2) assert_true(at->Kd.r == 0.75f && at->Kd.g == 0.125f && at->Ks.b == 0.25f && at->exponent == 12.5);
+    }
+    const bis_texture *x = &b.desc->textures.list[0];
+    assert_true(x->factor[0] == 2 && x->factor[1] == 1 && x->offset[0] == 0.5 && x->wrap == BIS_WRAP_CLAMP);
+    clear(&b);
+    /* without the parameter it is one shape as ever */
+    *strstr(text, "\"bool materials\"") = '\0';
+    assert_int_equal(try_build(&b, text), BIS_OK);
+    assert_int_equal(b.desc->n_shapes, 1);
+    assert_int_equal(b.scene->geometry.n_vertices, 8);
+    clear(&b);
+}
+
+static void instances_of_an_obj_with_materials_are_alike(void **state)
+{
+    (void)state;
+    built b;
+    store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
+    program_write_file(DIR "/lib.mtl", MTL);
+    program_write_file(DIR "/o.obj", "mtllib lib.mtl\n" OBJ);
+    assert_int_equal(try_build(&b, LIGHT "ObjectBegin \"o\" Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true ObjectEnd\n"
+                                   "ObjectInstance \"o\" Translate 10 0 0 ObjectInstance \"o\""), BIS_OK);
+    assert_int_equal(b.desc->n_shapes, 6);
+    assert_int_equal(b.scene->geometry.n_triangles, 12);
+    for (int i = 0; i < 2; i++) {
+        double uv[2];
+        look(uv, &b, (double[]){-0.75 + 10 * i, 0.5, 5}, (double[]){-0.75 + 10 * i, 0.5, 0});
+        assert_uv(uv, 0.25, 0.75);
+    }
+    clear(&b);
+}
+
+static void mistakes_of_a_library_are_found_in_it(void **state)
+{
+    (void)state;
+    static const char scene[] = LIGHT "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true";
+    static const struct { const char *obj, *mtl, *message; } cases[] = {
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nKd 0 0\n", "lib.mtl:2: error: Kd is \"0 0\", must be three numbers"},
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nKd 0 0 2\n", "lib.mtl:2: error: \"Kd\" is 2, must be in [0, 1]"},
+        {"usemtl a\nmtllib lib.mtl\n", "\nKd 0 0 1\n", "lib.mtl:2: error: \"Kd\" stands before the first newmtl"},
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl b\n", "material \"a\" of "},
+        {"usemtl a\n", "", "material \"a\" of "},
+        {"usemtl a\nmtllib no.mtl\n", "", "o.obj:2: error: cannot read \""},
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nmap_Kd no.png\n", "lib.mtl:2: error: cannot read \""},
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nmap_Kd -mm 1 2 four.pfm\n", "lib.mtl:2: error: the option -mm of a map is not modelled"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char obj[1024];
+        built b;
+        snprintf(obj, sizeof obj, "%sv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", cases[i].obj);
+        program_write_file(DIR "/o.obj", obj);
+        program_write_file(DIR "/lib.mtl", cases[i].mtl);
+        assert_int_equal(try_build(&b, scene), BIS_INPUT);
+        if (!strstr(b.diag.messages[0].text, cases[i].message)) fail_msg("%s, not %s", b.diag.messages[0].text, cases[i].message);
+        clear(&b);
+    }
+}
+
 /* ---- materials ---- */
 
 static void a_point_has_the_material_of_its_place(void **state)
@@ -530,7 +622,11 @@ static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **
     const char *png = store_png("grey.png", 2, 2, PNG_FORMAT_GRAY, grey);
     const char *obj = store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nf 1/1 2/2 3/2\nf 1/2 3/1 4/1\n");
     snprintf(text, sizeof text, LIGHT TRIANGLE "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\nTexture \"c\" \"spectrum\" \"scale\" \"texture tex\" \"t\"\n"
-             "Material \"diffuse\" \"texture reflectance\" \"c\" " TRIANGLE "\"point2 uv\" [0 0 1 0 0 1] Shape \"objmesh\" \"string filename\" \"%s\"", png, obj);
+             "Material \"diffuse\" \"texture reflectance\" \"c\" " TRIANGLE "\"point2 uv\" [0 0 1 0 0 1] Shape \"objmesh\" \"string filename\" \"%s\"\n"
+             "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true", png, obj);
+    program_write_file(DIR "/lib.mtl", MTL);
+    program_write_file(DIR "/o.obj", "mtllib lib.mtl\n" OBJ);
+    store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
     bool ended = false;
     for (long k = 1; !ended; k++) {
         built b;
@@ -734,6 +830,9 @@ int main(void)
         cmocka_unit_test(each_mesh_of_a_scene_keeps_its_own),
         cmocka_unit_test(without_textures_no_coordinates_are_kept),
         cmocka_unit_test(an_obj_and_a_ply_bring_theirs),
+        cmocka_unit_test(an_obj_brings_its_materials_and_each_part_is_a_shape),
+        cmocka_unit_test(instances_of_an_obj_with_materials_are_alike),
+        cmocka_unit_test(mistakes_of_a_library_are_found_in_it),
         cmocka_unit_test(a_point_has_the_material_of_its_place),
         cmocka_unit_test(values_out_of_range_are_refused_when_the_image_is_known),
         cmocka_unit_test(what_is_no_texture_is_refused),

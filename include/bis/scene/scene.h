@@ -28,6 +28,8 @@ typedef struct bis_mesh_desc {
     bis_shape_kind kind; /* PLY, OBJ, TRIANGLES */
     char *filename;      /* PLY, OBJ: resolved path */
     bool smooth;         /* compute vertex normals if the file has none */
+    bool has_parts;      /* OBJ: its shapes are its parts, see bis_shape_desc.part */
+    size_t n_parts;      /* names of materials that the file had when it was described */
     bis_mesh mesh;       /* TRIANGLES */
     bis_loc loc;         /* the place of the file's name, or of the directive */
 } bis_mesh_desc;
@@ -36,6 +38,7 @@ typedef struct bis_mesh_desc {
 typedef struct bis_shape_desc {
     bis_shape_kind kind;
     uint32_t mesh;         /* PLY, OBJ, TRIANGLES: index into meshes */
+    uint32_t part;         /* OBJ that has_parts: the part of the mesh that this shape is */
     double radius, height; /* SPHERE, DISK */
     bis_xform to_world;
     uint32_t material;     /* index into materials */

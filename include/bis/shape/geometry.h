@@ -19,11 +19,28 @@ typedef struct bis_mesh {
     vec3 *n;         /* n[n_vertices] or NULL */
     bis_uv *uv;      /* uv[n_vertices] or NULL */
     uint32_t *index; /* index[n_triangles][3], each < n_vertices */
+    uint32_t *part;  /* part[n_triangles], what a file tells apart, or NULL. A geometry does not ask */
     size_t n_vertices, n_triangles;
 } bis_mesh;
 
 /* bis_mesh_clear frees the arrays. *m is empty afterwards. */
 void bis_mesh_clear(bis_mesh *m);
+
+/* The parts of a mesh whose triangles are sorted by part. The arrays come from bis_alloc. */
+typedef struct bis_mesh_parts {
+    size_t n;
+    size_t *first;    /* first[n + 1]: part k is the triangles [first[k], first[k + 1]) */
+    uint32_t *number; /* number[n_vertices], for bis_mesh_take_part: UINT32_MAX between its calls */
+} bis_mesh_parts;
+
+/* bis_mesh_sort_parts sorts the triangles of *m by part, each m->part < n, in the order that they have within a part.
+ * Errors: BIS_NOMEM. */
+bis_status bis_mesh_sort_parts(bis_mesh_parts *parts, bis_mesh *m, size_t n, bis_diag *diag);
+void bis_mesh_parts_clear(bis_mesh_parts *parts);
+
+/* bis_mesh_take_part stores in *out a copy of part k of m, with the vertices that it uses. Cost: in proportion to the
+ * part. Errors: BIS_NOMEM. */
+bis_status bis_mesh_take_part(bis_mesh *out, const bis_mesh *m, bis_mesh_parts *parts, size_t k, bis_diag *diag);
 
 /* bis_mesh_smooth_normals computes vertex normals from the faces, weighted by angle. It serves `smooth` for meshes
  * that have no normals. Vertices of equal position share a normal only if they share the index. A vertex without any
