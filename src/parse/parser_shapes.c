@@ -214,19 +214,6 @@ void bis_parser_drop_uv(bis_parser *p)
     bis_free(is_used);
 }
 
-void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape)
-{
-    if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
-        p->stop = !bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
-    } else if (!p->in_object) {
-        if (!bis_scene_desc_add_shape(p->desc, shape)) bis_parser_nomem(p, shape->loc);
-    } else if (BIS_ROOM(p->object_shapes, p->capacity_object_shapes, p->n_object_shapes)) {
-        p->object_shapes[p->n_object_shapes++] = *shape;
-    } else {
-        bis_parser_nomem(p, shape->loc);
-    }
-}
-
 static bool has_parts(const bis_parser *p, const bis_shape_desc *shape)
 {
     return shape->kind == BIS_SHAPE_OBJ && p->desc->meshes[shape->mesh].has_parts;

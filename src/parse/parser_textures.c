@@ -82,6 +82,8 @@ static bool take_texture(bis_parser *p, const char *name, bool of_floats, rgbd *
 bool bis_params_colour(bis_parser *p, const char *name, rgb *value, bis_interval range, uint32_t *texture)
 {
     rgbd v;
+    const bis_param *param = bis_params_find(p, name);
+    if (param && param->type & (BIS_TYPE_SPECTRUM | BIS_TYPE_XYZ)) return bis_params_reflectance(p, name, value);
     if (!is_texture(p, name)) return bis_params_rgb(p, name, value, range, true);
     if (!take_texture(p, name, false, &v, range, texture)) return false;
     *value = rgbd_round(v);

@@ -39,7 +39,9 @@ static void light_filename(bis_parser *p, bis_light_desc *light)
 static void light_radiance(bis_parser *p, bis_light_desc *light)
 {
     rgb scale;
-    bis_params_rgb(p, "L", &light->L, positive_or_0, false);
+    const bis_param *L = bis_params_find(p, "L");
+    if (L && L->type & (BIS_TYPE_XYZ | BIS_TYPE_BLACKBODY)) bis_params_emission(p, "L", &light->L);
+    else bis_params_rgb(p, "L", &light->L, positive_or_0, false);
     if (!bis_params_rgb(p, "scale", &scale, positive_or_0, true)) return;
     if (scale.r == scale.g && scale.g == scale.b) {
         light->scale = (double)scale.r;
@@ -122,16 +124,16 @@ void bis_directive_light(bis_parser *p, bis_loc at)
 
 /* ---- materials ---- */
 
-enum { PHONG, MICROFACET, DIFFUSE };
+enum { PHONG, MICROFACET, DIFFUSE, CONDUCTOR, METAL, COATED_DIFFUSE, PLASTIC, UBER, SUBSTRATE };
 static const bis_choice materials[] = {
     {"phong", PHONG}, {"microfacet", MICROFACET}, {"diffuse", DIFFUSE}, {"matte", DIFFUSE},
-    {"coateddiffuse", BIS_FOREIGN}, {"coatedconductor", BIS_FOREIGN}, {"conductor", BIS_FOREIGN},
+    {"coateddiffuse", COATED_DIFFUSE}, {"coatedconductor", BIS_FOREIGN}, {"conductor", CONDUCTOR},
     {"dielectric", BIS_FOREIGN}, {"diffusetransmission", BIS_FOREIGN}, {"disney", BIS_FOREIGN},
     {"fourier", BIS_FOREIGN}, {"glass", BIS_FOREIGN}, {"hair", BIS_FOREIGN}, {"interface", BIS_FOREIGN},
-    {"kdsubsurface", BIS_FOREIGN}, {"measured", BIS_FOREIGN}, {"metal", BIS_FOREIGN}, {"mirror", BIS_FOREIGN},
-    {"mix", BIS_FOREIGN}, {"none", BIS_FOREIGN}, {"plastic", BIS_FOREIGN}, {"shinymetal", BIS_FOREIGN},
-    {"substrate", BIS_FOREIGN}, {"subsurface", BIS_FOREIGN}, {"thindielectric", BIS_FOREIGN},
-    {"translucent", BIS_FOREIGN}, {"uber", BIS_FOREIGN}, {"", BIS_FOREIGN},
+    {"kdsubsurface", BIS_FOREIGN}, {"measured", BIS_FOREIGN}, {"metal", METAL}, {"mirror", BIS_FOREIGN},
+    {"mix", BIS_FOREIGN}, {"none", BIS_FOREIGN}, {"plastic", PLASTIC}, {"shinymetal", BIS_FOREIGN},
+    {"substrate", SUBSTRATE}, {"subsurface", BIS_FOREIGN}, {"thindielectric", BIS_FOREIGN},
+    {"translucent", BIS_FOREIGN}, {"uber", UBER}, {"", BIS_FOREIGN},
 };
 
 void bis_parser_warn_energy(bis_parser *p, bis_loc at, rgb Kd, rgb Ks)
@@ -184,15 +186,25 @@ static bis_material read_diffuse(bis_parser *p, bis_material_textures *t)
     return bis_phong(Kd, (rgb){0, 0, 0}, 50);
 }
 
+static bis_material_reader *const readers[] = {
+    [PHONG] = read_phong,
+    [MICROFACET] = read_microfacet,
+    [DIFFUSE] = read_diffuse,
+    [CONDUCTOR] = bis_parser_conductor,
+    [METAL] = bis_parser_metal,
+    [COATED_DIFFUSE] = bis_parser_coated_diffuse,
+    [PLASTIC] = bis_parser_plastic,
+    [UBER] = bis_parser_uber,
+    [SUBSTRATE] = bis_parser_substrate,
+};
+
 /* The material that the parameters describe goes to desc->materials[index]. */
 static void read_material(bis_parser *p, const char *directive, const char *type, bis_loc at, uint32_t index)
 {
     const bis_choice *chosen = bis_parser_choose(p, directive, type, at, materials, BIS_COUNT(materials));
     if (!chosen) return;
     bis_material_textures t = {BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, at};
-    bis_material m = chosen->value == PHONG        ? read_phong(p, &t)
-                     : chosen->value == MICROFACET ? read_microfacet(p, &t)
-                                                   : read_diffuse(p, &t);
+    const bis_material m = readers[chosen->value](p, &t);
     bis_params_end(p, directive, chosen->name);
     p->desc->materials[index] = m;
     const bool textured = t.Kd != BIS_NO_TEXTURE || t.Ks != BIS_NO_TEXTURE || t.width != BIS_NO_TEXTURE;

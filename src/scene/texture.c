@@ -27,9 +27,10 @@ void bis_textures_clear(bis_textures *t)
 
 static int n_parts(const bis_texture *x)
 {
-    return x->kind == BIS_TEXTURE_MIX                                                ? 3
+    return x->kind == BIS_TEXTURE_MIX                                             ? 3
            : x->kind == BIS_TEXTURE_SCALE || x->kind == BIS_TEXTURE_CHECKERBOARD ? 2
-                                                                                     : 0;
+           : x->kind == BIS_TEXTURE_COAT                                          ? 1
+                                                                                  : 0;
 }
 
 /* As deep as BIS_TEXTURE_MAX_STEPS at most, like all that follow the tree. */
@@ -126,6 +127,8 @@ static rgbd mix(rgbd a, rgbd b, rgbd w)
     return (rgbd){(1 - w.r) * a.r + w.r * b.r, (1 - w.g) * a.g + w.g * b.g, (1 - w.b) * a.b + w.b * b.b};
 }
 
+static double coated(const bis_texture *x, double v) { return (1 - x->scale) * v / (1 - x->scale * v); }
+
 rgbd bis_textures_value(const bis_textures *textures, const bis_texture_image *images, uint32_t texture,
                         const double uv[2])
 {
@@ -143,6 +146,9 @@ rgbd bis_textures_value(const bis_textures *textures, const bis_texture_image *i
         for (int i = 0; i < n_parts(x); i++) v[i] = bis_textures_value(textures, images, x->of[i], uv);
         if (x->kind == BIS_TEXTURE_MIX) return mix(v[0], v[1], v[2]);
         return (rgbd){v[0].r * v[1].r, v[0].g * v[1].g, v[0].b * v[1].b};
+    case BIS_TEXTURE_COAT:
+        v[0] = bis_textures_value(textures, images, x->of[0], uv);
+        return (rgbd){coated(x, v[0].r), coated(x, v[0].g), coated(x, v[0].b)};
     case BIS_TEXTURE_CONSTANT:
         break;
     }
@@ -197,6 +203,9 @@ static range range_of(const bis_textures *t, const bis_texture_image *images, ui
         if (x->kind == BIS_TEXTURE_CHECKERBOARD) {
             r.lo[k] = fmin(part[0].lo[k], part[1].lo[k]);
             r.hi[k] = fmax(part[0].hi[k], part[1].hi[k]);
+        } else if (x->kind == BIS_TEXTURE_COAT) { /* it grows with what is below, as far as 1; beyond, that shows */
+            r.lo[k] = part[0].lo[k] <= 1 ? coated(x, part[0].lo[k]) : part[0].lo[k];
+            r.hi[k] = part[0].hi[k] <= 1 ? coated(x, part[0].hi[k]) : part[0].hi[k];
         } else {
             combine(&r.lo[k], &r.hi[k], x, part, k);
         }

@@ -13,7 +13,9 @@ typedef enum bis_texture_kind {
     BIS_TEXTURE_IMAGE,
     BIS_TEXTURE_SCALE,       /* of[0] times of[1] */
     BIS_TEXTURE_MIX,         /* (1 - of[2]) of[0] + of[2] of[1] */
-    BIS_TEXTURE_CHECKERBOARD /* of[0] where floor(s) + floor(t) is even, else of[1] */
+    BIS_TEXTURE_CHECKERBOARD, /* of[0] where floor(s) + floor(t) is even, else of[1] */
+    /* (1 - scale) x / (1 - scale x) of x = of[0] <= 1: what leaves a base below a coat */
+    BIS_TEXTURE_COAT
 } bis_texture_kind;
 
 /* What an image is outside [0,1]: it goes on, its border goes on, or it is 0. */
@@ -21,13 +23,14 @@ typedef enum bis_wrap { BIS_WRAP_REPEAT, BIS_WRAP_CLAMP, BIS_WRAP_BLACK } bis_wr
 
 typedef struct bis_texture {
     bis_texture_kind kind;
-    uint32_t of[3];  /* SCALE, MIX, CHECKERBOARD: textures of the list, all before this one: there are no cycles */
+    /* SCALE, MIX, CHECKERBOARD, COAT: textures of the list, all before this one, so that there are no cycles */
+    uint32_t of[3];
     /* CONSTANT: its value. Else: a typical value, for those who plan. It is 0 only if the texture is 0 everywhere */
     rgbd value;
     double factor[2], offset[2]; /* IMAGE, CHECKERBOARD: (s, t) = factor (u, v) + offset */
     uint32_t image;  /* IMAGE: index into images */
     bis_wrap wrap;
-    double scale;    /* IMAGE: multiplies, */
+    double scale;    /* COAT: the share that is reflected back inside. IMAGE: multiplies, */
     bool invert;     /* and then 1 - it is taken */
     bool is_float;   /* IMAGE: the mean of its three channels */
     uint32_t steps;  /* textures that one value asks, this one included: at most BIS_TEXTURE_MAX_STEPS */
