@@ -812,6 +812,40 @@ static void verify_finds_a_textured_scene_right(void **state)
     clear(&b);
 }
 
+/* The scenes of data/scenes/pbrt, of which no other test knows. */
+static void the_shipped_scenes_of_each_version_render(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"tiles-v4", "row-v3", "colours-v2"};
+    for (int i = 0; i < 3; i++) {
+        program_run r;
+        program_expect(&r, 0, "data/scenes/pbrt/%s.txt --quiet --spp 2 --resolution 64x32 --outfile " DIR "/shipped.pfm", names[i]);
+        assert_string_equal(r.messages, "");
+        bis_image image = rendered(DIR "/shipped.pfm");
+        double sum = 0;
+        for (int k = 0; k < 64 * 32; k++) sum += rgb_sum(image.pixels[k]);
+        assert_true(isfinite(sum) && sum > 0);
+        bis_image_clear(&image);
+    }
+}
+
+/* In the light of 1 a diffuse disk is as bright as its reflectance is, 1/4 in each of the four spellings; beside it is the
+ * light itself. */
+static void in_the_furnace_four_spellings_of_a_quarter_are_a_quarter(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, "data/scenes/pbrt/colours-v2.txt --quiet --spp 2 --outfile " DIR "/colours.pfm");
+    bis_image image = rendered(DIR "/colours.pfm");
+    assert_int_equal(image.width, 160);
+    for (int i = 0; i < 4; i++) {
+        const rgb c = image.pixels[20 * 160 + 20 + 40 * i];
+        assert_true(fabs((double)c.r - 0.25) < 5e-5 && fabs((double)c.g - 0.25) < 5e-5 && fabs((double)c.b - 0.25) < 5e-5);
+    }
+    assert_true(image.pixels[0].r == 1);
+    bis_image_clear(&image);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -844,6 +878,8 @@ int main(void)
         cmocka_unit_test(a_checkpoint_is_refused_with_other_texels_or_coordinates),
         cmocka_unit_test(the_plan_says_what_textures_cost),
         cmocka_unit_test(verify_finds_a_textured_scene_right),
+        cmocka_unit_test(the_shipped_scenes_of_each_version_render),
+        cmocka_unit_test(in_the_furnace_four_spellings_of_a_quarter_are_a_quarter),
     };
     program_folder(DIR);
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
