@@ -70,7 +70,7 @@ static void print_vase(FILE *f)
 {
     fprintf(f, "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
             "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
-            "element face %d\nproperty list uchar int vertex_indices\nend_header\n", (AROUND + 1) * (UP + 1), AROUND * UP);
+            "element face %d\nproperty list uchar int vertex_indices\nend_header\n", (AROUND + 1) * (UP + 1), 2 * AROUND * UP);
     for (int j = 0; j <= UP; j++) {
         const double v = (double)j / UP, r = radius_at(v), h = 1e-4;
         const double slope = (radius_at(fmin(v + h, 1)) - radius_at(fmax(v - h, 0))) / (2 * (fmin(v + h, 1) - fmax(v - h, 0)));
@@ -83,7 +83,7 @@ static void print_vase(FILE *f)
     for (int j = 0; j < UP; j++)
         for (int i = 0; i < AROUND; i++) {
             const int a = j * (AROUND + 1) + i;
-            fprintf(f, "4 %d %d %d %d\n", a, a + 1, a + AROUND + 2, a + AROUND + 1);
+            fprintf(f, "3 %d %d %d\n3 %d %d %d\n", a, a + 1, a + AROUND + 2, a, a + AROUND + 2, a + AROUND + 1);
         }
 }
 

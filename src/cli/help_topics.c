@@ -71,6 +71,11 @@ static const bis_help_entry materials[] = {
     {"microfacet", "GGX facets over a diffuse base. Kd (0), Ks (0.9, the reflectance head on: a metal's colour, 0.04 "
                    "for plastic), roughness (0.5, in [0.01, 1]; the lobe's alpha is its square)"},
     {"diffuse, matte", "reflectance, or Kd (0.5)"},
+    {"conductor, metal", "pbrt's: reflectance, or eta and k (copper); roughness (0; metal 0.01), or uroughness and "
+                         "vroughness; remaproughness (true)"},
+    {"coateddiffuse", "pbrt's: reflectance (0.5), eta (1.5), roughness (0)"},
+    {"plastic, uber, substrate", "pbrt's: Kd, Ks (0.25; substrate 0.5), roughness (0.1); uber: eta or index (1.5), "
+                                 "no Kr, Kt or opacity"},
     {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. "
            "Each value may be a texture, see textures."},
     {NULL, NULL},

@@ -816,8 +816,8 @@ static void verify_finds_a_textured_scene_right(void **state)
 static void the_shipped_scenes_of_each_version_render(void **state)
 {
     (void)state;
-    static const char *const names[] = {"tiles-v4", "row-v3", "colours-v2"};
-    for (int i = 0; i < 3; i++) {
+    static const char *const names[] = {"tiles-v4", "row-v3", "colours-v2", "your-model"};
+    for (int i = 0; i < 4; i++) {
         program_run r;
         program_expect(&r, 0, "data/scenes/pbrt/%s.txt --quiet --spp 2 --resolution 64x32 --outfile " DIR "/shipped.pfm", names[i]);
         assert_string_equal(r.messages, "");
