@@ -200,8 +200,11 @@ static bool read_quadric(bis_parser *p, bis_shape_desc *shape)
 void bis_parser_drop_uv(bis_parser *p)
 {
     bis_scene_desc *d = p->desc;
-    bool *is_used = bis_alloc(d->n_meshes, sizeof *is_used);
-    if (!is_used) return; /* they only take room */
+    bool some = false;
+    for (size_t i = 0; i < d->n_meshes; i++) some |= d->meshes[i].mesh.uv != NULL;
+    bool *is_used = some ? bis_alloc(d->n_meshes, sizeof *is_used) : NULL;
+    if (some && !is_used) bis_parser_nomem(p, (bis_loc){d->files[0], 0, 0});
+    if (!is_used) return;
     for (size_t i = 0; i < d->n_shapes; i++) {
         const bis_shape_desc *s = &d->shapes[i];
         if (s->kind == BIS_SHAPE_TRIANGLES && bis_textures_of(&d->textures, s->material)) is_used[s->mesh] = true;
