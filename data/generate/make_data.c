@@ -1,6 +1,7 @@
 /* make_data: makes what the repository does not carry, the models and maps that scene.txt and data/scenes use.
  *
- *     bis-data DIR                     writes DIR/models/NAME.ply and DIR/maps/NAME.hdr or .exr
+ *     bis-data DIR                     writes DIR/models/NAME.ply and DIR/maps/NAME.hdr or .exr, and what textures.c
+ *                                      has: a .ply, an .obj and images with texture coordinates
  *     bis-data --knot TRIANGLES FILE   writes one carved knot, for the scaling benchmark
  *
  * Everything is drawn by formulas (model_*.c, map_*.c) with noise that is a fixed function of the place, so that two
@@ -8,6 +9,7 @@
  * bad usage. */
 #include "map.h"
 #include "model.h"
+#include "textures.h"
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
@@ -103,7 +105,7 @@ static bis_status make_all(const char *dir, bis_diag *diag)
         if (!status) status = make_folder(path, diag);
     }
     for (size_t i = 0; i < sizeof jobs / sizeof jobs[0] && !status; i++) status = make(dir, &jobs[i], diag);
-    return status;
+    return status ? status : textures_make(dir, diag);
 }
 
 static bis_status make_knot(const char *count, const char *path, bis_diag *diag)

@@ -1,16 +1,16 @@
 #!/bin/sh
 # fuzz: runs libFuzzer's targets, one after the other (make fuzz calls it).
-#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr ply obj gz map part; default: all
+#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr png ply obj mtl spd gz map part; default: all
 # What a target begins with: files that the tests make, tests/data/bad, tests/data/scenes, tests/data/regression and
 # data/scenes; what it finds new on the way stays in build/fuzz/corpus/NAME for the next run. A finding is left in
 # build/fuzz/found; exit status 1 then.
 build=$1 seconds=$2
 shift 2
-[ $# -gt 0 ] || set -- scene hdr pfm exr ply obj gz map part
+[ $# -gt 0 ] || set -- scene hdr pfm exr png ply obj mtl spd gz map part
 work=build/fuzz
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
 mkdir -p $work/made $work/found
-for test in image image_hdr image_pfm image_exr ply obj gzip part; do
+for test in image image_hdr image_pfm image_exr image_png ply obj gzip part; do
     [ -e $work/made/.$test ] || BIS_SEEDS=$work/made "$build/tests/test_$test" >$work/seeds.log 2>&1 || { cat $work/seeds.log; exit 1; }
     touch $work/made/.$test
 done
@@ -21,6 +21,8 @@ for name in "$@"; do
     case $name in
     scene) cp tests/data/bad/*.txt tests/data/scenes/*.txt data/scenes/*.txt data/scenes/pbrt/* $seeds ;;
     map) for f in $work/made/*.pfm $work/made/*.hdr; do { printf 'A\014'; cat "$f"; } >$seeds/"${f##*/}"; done ;;
+    mtl) printf 'newmtl a\nKd 0.5 0.5 0.5\nKs 0.1\nNs 20\nillum 2\nd 0.5\nKe 1 1 1\nnewmtl b\nillum 1\nmap_Kd -s 2 2 1 -o 0 1 -clamp on a.png\n' >$seeds/a.mtl ;;
+    spd) printf '# a spectrum\n400 0.1, 500 0.2\n\n700\t0.3 # red\n' >$seeds/a.spd ;;
     *) cp $work/made/*."$name" $seeds 2>/dev/null ;;
     esac
     cp tests/data/regression/*."$name" $seeds 2>/dev/null

@@ -40,8 +40,9 @@ static const bis_help_entry scene[] = {
     {NULL, "After WorldBegin:"},
     {"LightSource", "see lights"},
     {"Material, MakeNamedMaterial, NamedMaterial", "see materials"},
-    {"Shape", "\"plymesh\" and \"objmesh\": filename, smooth (false); \"trianglemesh\": P, indices, N; \"sphere\": "
-              "radius (1); \"disk\": radius (1), height (0)"},
+    {"Texture", "see textures"},
+    {"Shape", "\"plymesh\" and \"objmesh\": filename, smooth (false); \"objmesh\": materials (false: without its "
+              ".mtl); \"trianglemesh\": P, indices, N, uv; \"sphere\": radius (1); \"disk\": radius (1), height (0)"},
     {"ObjectBegin, ObjectEnd, ObjectInstance", "shapes that are kept by a name, and shown by it"},
     {"AttributeBegin, AttributeEnd, TransformBegin, TransformEnd",
      "save and restore transformation and material; the transformation alone"},
@@ -70,8 +71,28 @@ static const bis_help_entry materials[] = {
     {"microfacet", "GGX facets over a diffuse base. Kd (0), Ks (0.9, the reflectance head on: a metal's colour, 0.04 "
                    "for plastic), roughness (0.5, in [0.01, 1]; the lobe's alpha is its square)"},
     {"diffuse, matte", "reflectance, or Kd (0.5)"},
+    {"conductor, metal", "pbrt's: reflectance, or eta and k (copper); roughness (0; metal 0.01), or uroughness and "
+                         "vroughness; remaproughness (true)"},
+    {"coateddiffuse", "pbrt's: reflectance (0.5), eta (1.5), roughness (0)"},
+    {"plastic, uber, substrate", "pbrt's: Kd, Ks (0.25; substrate 0.5), roughness (0.1); uber: eta or index (1.5), "
+                                 "no Kr, Kt or opacity"},
     {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. "
-           "There are no textures. --approximate replaces pbrt's other materials by the nearest of these."},
+           "Each value may be a texture, see textures. --approximate replaces pbrt's other materials by the nearest of "
+           "these."},
+    {NULL, NULL},
+};
+
+static const bis_help_entry textures[] = {
+    {NULL, "Texture \"NAME\" \"float\" or \"spectrum\" \"KIND\" ..., before its first use; then \"texture Kd\" "
+           "\"NAME\" in a material. Values must stay in the range that constants have."},
+    {"imagemap", "filename (.png, .exr, .hdr, .pfm), wrap (repeat, clamp or black), scale (1), invert (false), "
+                 "encoding of a .png (sRGB, linear or \"gamma X\")"},
+    {"constant", "value (1)"},
+    {"scale", "tex times scale (1, 1), or tex1 times tex2"},
+    {"mix", "from tex1 (0) to tex2 (1) by amount (0.5)"},
+    {"checkerboard", "tex1 (1) and tex2 (0)"},
+    {"uscale, vscale, udelta, vdelta", "of imagemap and checkerboard: s = uscale u + udelta, t = vscale v + vdelta "
+                                       "(1 1 0 0). v = 0 is the bottom of an image"},
     {NULL, NULL},
 };
 
@@ -169,6 +190,7 @@ const bis_topic bis_topics[] = {
     {"scene", "the scene format in brief", scene},
     {"integrators", "the methods and their parameters", integrators},
     {"materials", "the materials and their parameters", materials},
+    {"textures", "values that vary over a surface", textures},
     {"lights", "the environment map and its parameters", lights},
     {"output", "formats, layers, figures, exit statuses", output},
     {"budgets", "how long: samples, time, error", budgets},

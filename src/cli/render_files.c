@@ -56,7 +56,7 @@ static void check_layers(const bis_film_desc *film, const bis_texts *outfiles, b
 
 bis_status bis_render_files_check_distinct(const bis_render_files *files, const bis_scene_desc *desc, bis_diag *diag)
 {
-    const size_t n_inputs = desc->n_files + desc->n_meshes + 2;
+    const size_t n_inputs = desc->n_files + desc->n_meshes + desc->textures.n_files + 2;
     const char **inputs = bis_alloc(n_inputs, sizeof *inputs), *outputs[BIS_MAX_TEXTS + 3];
     size_t n = 0, n_outputs = 0;
 
@@ -64,6 +64,7 @@ bis_status bis_render_files_check_distinct(const bis_render_files *files, const 
     for (size_t i = 0; i < desc->n_files; i++) inputs[n++] = desc->files[i];
     for (size_t i = 0; i < desc->n_meshes; i++)
         if (desc->meshes[i].filename) inputs[n++] = desc->meshes[i].filename;
+    for (size_t i = 0; i < desc->textures.n_files; i++) inputs[n++] = desc->textures.files[i].filename;
     if (desc->light.filename) inputs[n++] = desc->light.filename;
     for (int i = 0; i < files->pictures.n; i++) outputs[n_outputs++] = files->pictures.text[i];
     if (files->stats) outputs[n_outputs++] = files->stats;

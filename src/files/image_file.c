@@ -41,12 +41,15 @@ static const image_writer writers[] = {
 
 #define LENGTH(array) (sizeof(array) / sizeof(array)[0])
 
-static bis_status refuse_unknown(const image_input *in)
+static bis_status refuse_unknown(const image_input *in, bool of_colours)
 {
     const unsigned char *d = in->data;
     if (in->size == 0) return bis_image_refuse(in, BIS_INPUT, "the file is empty");
     if (in->size < 4) return bis_image_refuse(in, BIS_INPUT, "its %zu bytes are too few for an image", in->size);
     const bool is_png = memcmp(d, "\x89PNG", 4) == 0, is_jpeg = memcmp(d, "\xff\xd8\xff", 3) == 0;
+    if (of_colours)
+        return bis_image_refuse(in, BIS_INPUT, "%s: a texture must be .png, .exr, .hdr or .pfm",
+                                is_jpeg ? "it is a JPEG" : "its format is unknown");
     if (is_png || is_jpeg)
         return bis_image_refuse(in, BIS_INPUT, "it is a %s: 8 bits for a screen, no radiance; take an .exr, .pfm or "
                                 ".hdr (`bis SCENE --outfile NAME.exr` writes one)", is_png ? "PNG" : "JPEG");
@@ -56,7 +59,8 @@ static bis_status refuse_unknown(const image_input *in)
                             d[0], d[1], d[2], d[3]);
 }
 
-bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag)
+/* gamma: NULL: of radiance. */
+static bis_status read_image(bis_image *image, const char *path, const double *gamma, bis_loc at, bis_diag *diag)
 {
     unsigned char *data;
     image_input in = {.path = path, .at = at.file ? at : (bis_loc){path, 0, 0}, .diag = diag};
@@ -68,10 +72,22 @@ bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_di
     const image_reader *reader = NULL;
     for (size_t i = 0; i < LENGTH(readers) && !reader; i++)
         if (readers[i].is_mine(data, in.size)) reader = &readers[i];
-    status = reader ? reader->read(image, &in) : refuse_unknown(&in);
+    if (reader) status = reader->read(image, &in);
+    else if (gamma && bis_png_is_mine(data, in.size)) status = bis_png_read(image, &in, *gamma);
+    else status = refuse_unknown(&in, gamma != NULL);
     bis_free(data);
     assert(!status == !!image->pixels); /* all of the image or none */
     return status;
+}
+
+bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag)
+{
+    return read_image(image, path, NULL, at, diag);
+}
+
+bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag)
+{
+    return read_image(image, path, &gamma, at, diag);
 }
 
 static const image_writer *find_writer(const char *path)

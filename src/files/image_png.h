@@ -1,8 +1,10 @@
-/* image_png: 8 bit sRGB pictures to look at, written by libpng. For src/files/image_file.c, and
- * src/tools/trade/trade_strips.c and src/out/markup.c, whose pictures stand in a page. */
+/* image_png: 8 bit sRGB pictures to look at, written by libpng, and colours for textures, read by it. For
+ * src/files/image_file.c, and src/tools/trade/trade_strips.c and src/out/markup.c, whose pictures stand in a page. */
 #pragma once
 
 #include "bis/files/image_file.h"
+
+#include "image_io.h"
 
 #include <stdio.h>
 
@@ -12,3 +14,7 @@ double bis_png_exposure(const bis_picture *picture);
 
 /* Errors: BIS_NOMEM, BIS_IO. */
 bis_status bis_png_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag);
+
+/* Is a file a PNG? Read its colours, as bis_image_read_colours says. Errors: BIS_INPUT, BIS_NOMEM. */
+bool bis_png_is_mine(const unsigned char *data, size_t size);
+bis_status bis_png_read(bis_image *image, const image_input *in, double gamma);

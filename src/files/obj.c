@@ -1,26 +1,28 @@
-/* obj: two passes over the lines. The first counts v and vn, so that arrays are allocated once and a face may name a
- * vertex that comes later; the second reads.
+/* obj: two passes over the lines. The first counts v, vt and vn, so that arrays are allocated once and a face may name
+ * a vertex that comes later; the second reads.
  *
- * Normals are indexed apart from positions, our meshes have one index: each pair (v, vn) becomes a vertex. The first
- * pair of v keeps number v, further ones get numbers behind the file's, found again by a hash table. O(n) in all. A
- * line may go on behind a backslash. Source: Wavefront's appendix B1, "Object files", and the files of the wild. */
+ * Normals and texture coordinates are indexed apart from positions, our meshes have one index: each (v, vt, vn) becomes
+ * a vertex. The first of v keeps number v, further ones get numbers behind the file's, found again by a hash table.
+ * O(n) in all. Where no texture coordinates are wanted, vt is 0 in all of them, and the vertices are the pairs (v, vn).
+ * A line may go on behind a backslash. Source: Wavefront's appendix B1, "Object files", and the files of the wild. */
 #include "obj.h"
 
 #include "bis/base/file.h"
 #include "gzip.h"
 #include "base/grow.h"
+#include "base/names.h"
 #include "mesh_io.h"
 
 #include <float.h>
 #include <string.h>
 
-/* No normal: in a face's corner, and for a vertex that no pair has taken yet. */
+/* No normal: in a face's corner, and for a vertex that no corner has taken yet. */
 enum { NONE = 0, FREE = UINT32_MAX };
 
-/* A corner (v, vn) as an entry of the hash table; vn counts from 1, NONE for none. */
-typedef struct pair {
-    uint32_t v, vn, vertex; /* vertex FREE: an empty slot */
-} pair;
+/* A corner (v, vt, vn) as an entry of the hash table; vt and vn count from 1, NONE for none. */
+typedef struct obj_corner {
+    uint32_t v, vt, vn, vertex; /* vertex FREE: an empty slot */
+} obj_corner;
 
 typedef struct reader {
     mesh_input in;
@@ -28,16 +30,23 @@ typedef struct reader {
     int line;
     bis_mesh *mesh;
     size_t capacity_triangles, capacity_vertices;
-    size_t n_v, n_vn;           /* of the whole file */
-    size_t seen_v, seen_vn;     /* so far: negative indices count from here */
+    bool wants_uv;
+    size_t n_v, n_vt, n_vn;     /* of the whole file; n_vt: 0 where none are wanted */
+    size_t seen_v, seen_vt, seen_vn; /* so far: negative indices count from here */
     vec3 *normals;              /* normals[n_vn], as in the file */
-    /* first_vn[n_v]: the normal of vertex v's own pair, or FREE; NULL: no normals in the file */
-    uint32_t *first_vn;
-    pair *table;                /* further pairs; a power of 2, at most half full */
+    bis_uv *uv;                 /* uv[n_vt], as in the file */
+    /* first_vn[n_v]: the normal of vertex v's own corner, or FREE; NULL: no normals in the file. first_vt[n_v]: the
+     * same for texture coordinates, FREE where first_vn is */
+    uint32_t *first_vn, *first_vt;
+    obj_corner *table;             /* further corners; a power of 2, at most half full */
     size_t table_size, n_pairs;
-    bool any_normal;            /* does a face use one? */
+    bool any_normal, any_uv;    /* does a face use one? */
+    bool wants_parts;
+    bis_names parts;            /* of usemtl, with numbers from 1 */
+    uint32_t part;              /* of the faces that come */
+    size_t capacity_part;
     size_t n_too_small;         /* faces of fewer than 3 corners */
-    size_t n_bad_normals;
+    size_t n_bad_normals, n_bad_uv;
     bis_status status;          /* of the first error: from then on nothing is read */
 } reader;
 
@@ -92,14 +101,15 @@ static int word_length(const reader *r)
 
 /* ---- vertices and normals ---- */
 
-static void take_vec3(reader *r, const char *what, double v[3])
+static void take_numbers(reader *r, const char *what, double *v, int n)
 {
-    for (int i = 0; i < 3 && !r->status; i++) {
+    for (int i = 0; i < n && !r->status; i++) {
         const char *stop;
         skip_blanks(r);
         v[i] = bis_parse_double((const char *)r->p, &stop);
         if (is_line_end(r))
-            r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%s\" has %d numbers, must have 3", what, i);
+            r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%s\" has %d numbers, must have %d", what, i,
+                                        n);
         else if (stop == (const char *)r->p || ((unsigned char)*stop > ' ' && *stop != '\\'))
             r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "\"%.*s\" in \"%s\" is no number", word_length(r),
                                         (const char *)r->p, what);
@@ -114,7 +124,7 @@ static void read_vertex(reader *r)
     const int line = r->line;
     double v[3];
 
-    take_vec3(r, "v", v);
+    take_numbers(r, "v", v, 3);
     for (int i = 0; i < 3 && !r->status; i++)
         if (!fits_float(v[i]))
             r->status = bis_mesh_refuse(&r->in, line, BIS_INPUT, "the vertex has %c = %g, must be a finite float",
@@ -127,7 +137,7 @@ static void read_normal(reader *r)
 {
     double n[3];
 
-    take_vec3(r, "vn", n);
+    take_numbers(r, "vn", n, 3);
     if (r->status) return;
     if (fits_float(n[0]) && fits_float(n[1]) && fits_float(n[2]))
         r->normals[r->seen_vn] = vec3_from(n[0], n[1], n[2]);
@@ -135,33 +145,48 @@ static void read_normal(reader *r)
     r->seen_vn++;
 }
 
-/* ---- pairs ---- */
+/* u, and v if it is there; a third number is skipped. One that is not finite stands for none. */
+static void read_uv(reader *r)
+{
+    double u, v = 0;
 
-static size_t hash(uint32_t v, uint32_t vn)
+    take_numbers(r, "vt", &u, 1);
+    skip_blanks(r);
+    if (!r->status && !is_line_end(r) && *r->p != '#') take_numbers(r, "vt", &v, 1);
+    if (r->status) return;
+    const bool good = fits_float(u) && fits_float(v);
+    r->n_bad_uv += !good;
+    r->uv[r->seen_vt++] = good ? (bis_uv){(float)u, (float)v} : (bis_uv){NAN, 0};
+}
+
+/* ---- corners ---- */
+
+static size_t hash(uint32_t v, uint32_t vt, uint32_t vn)
 {
     /* Knuth's multiplicative hashing, 2^64 / golden ratio */
-    uint64_t h = ((uint64_t)v << 32 | vn) * 0x9e3779b97f4a7c15;
+    uint64_t h = (((uint64_t)v << 32 | vn) ^ (uint64_t)vt << 16) * 0x9e3779b97f4a7c15;
     return (size_t)(h ^ h >> 29);
 }
 
-static pair *find_pair(pair *table, size_t size, uint32_t v, uint32_t vn)
+static obj_corner *find_corner(obj_corner *table, size_t size, uint32_t v, uint32_t vt, uint32_t vn)
 {
-    size_t i = hash(v, vn) & (size - 1);
+    size_t i = hash(v, vt, vn) & (size - 1);
 
-    while (table[i].vertex != FREE && (table[i].v != v || table[i].vn != vn)) i = (i + 1) & (size - 1);
+    while (table[i].vertex != FREE && (table[i].v != v || table[i].vt != vt || table[i].vn != vn))
+        i = (i + 1) & (size - 1);
     return &table[i];
 }
 
 static bool grow_table(reader *r)
 {
     const size_t size = r->table_size ? 2 * r->table_size : 1024;
-    pair *table = bis_alloc(size, sizeof *table);
+    obj_corner *table = bis_alloc(size, sizeof *table);
 
     if (!table) return false;
     for (size_t i = 0; i < size; i++) table[i].vertex = FREE;
     for (size_t i = 0; i < r->table_size; i++) {
-        const pair *old = &r->table[i];
-        if (old->vertex != FREE) *find_pair(table, size, old->v, old->vn) = *old;
+        const obj_corner *old = &r->table[i];
+        if (old->vertex != FREE) *find_corner(table, size, old->v, old->vt, old->vn) = *old;
     }
     bis_free(r->table);
     r->table = table;
@@ -175,17 +200,27 @@ static uint32_t no_memory(reader *r)
     return 0;
 }
 
-/* The vertex of the corner (v, vn); 0 after an error. */
-static uint32_t find_vertex(reader *r, uint32_t v, uint32_t vn)
+/* Is (v, vt, vn) the corner that keeps number v? It is if no other one has come before. */
+static bool is_first(reader *r, uint32_t v, uint32_t vt, uint32_t vn)
+{
+    const bool is_free = r->first_vn ? r->first_vn[v] == FREE : r->first_vt[v] == FREE;
+
+    if (is_free && r->first_vn) r->first_vn[v] = vn;
+    if (is_free && r->first_vt) r->first_vt[v] = vt;
+    return (!r->first_vn || r->first_vn[v] == vn) && (!r->first_vt || r->first_vt[v] == vt);
+}
+
+/* The vertex of the corner (v, vt, vn); 0 after an error. */
+static uint32_t find_vertex(reader *r, uint32_t v, uint32_t vt, uint32_t vn)
 {
     bis_mesh *m = r->mesh;
 
     if (vn != NONE) r->any_normal = true;
-    if (!r->first_vn) return v;
-    if (r->first_vn[v] == FREE) r->first_vn[v] = vn;
-    if (r->first_vn[v] == vn) return v;
+    if (vt != NONE) r->any_uv = true;
+    if (!r->first_vn && !r->first_vt) return v;
+    if (is_first(r, v, vt, vn)) return v;
     if (2 * r->n_pairs >= r->table_size && !grow_table(r)) return no_memory(r);
-    pair *p = find_pair(r->table, r->table_size, v, vn);
+    obj_corner *p = find_corner(r->table, r->table_size, v, vt, vn);
     if (p->vertex != FREE) return p->vertex;
     if (m->n_vertices >= UINT32_MAX - 1) {
         r->status = bis_mesh_refuse(&r->in, r->line, BIS_INPUT, "more than 2^32 - 2 vertices");
@@ -194,7 +229,7 @@ static uint32_t find_vertex(reader *r, uint32_t v, uint32_t vn)
     if (!BIS_ROOM(m->p, r->capacity_vertices, m->n_vertices)) return no_memory(r);
     r->n_pairs++;
     /* The source position may not have been read yet: finish_vertices copies it. */
-    *p = (pair){v, vn, (uint32_t)m->n_vertices++};
+    *p = (obj_corner){v, vt, vn, (uint32_t)m->n_vertices++};
     return p->vertex;
 }
 
@@ -225,11 +260,11 @@ static size_t take_index(reader *r, const char *what, size_t total, size_t seen)
 static uint32_t take_corner(reader *r)
 {
     const unsigned char *start = r->p;
-    size_t v = take_index(r, "v", r->n_v, r->seen_v), vn = SIZE_MAX;
+    size_t v = take_index(r, "v", r->n_v, r->seen_v), vt = SIZE_MAX, vn = SIZE_MAX;
 
     if (v != SIZE_MAX && r->p < r->end && *r->p == '/') {
         r->p++;
-        /* vt, which we have no use for */
+        if (r->wants_uv) vt = take_index(r, "vt", r->n_vt, r->seen_vt);
         while (r->p < r->end && (*r->p == '-' || (*r->p >= '0' && *r->p <= '9'))) r->p++;
         if (r->p < r->end && *r->p == '/') {
             r->p++;
@@ -244,7 +279,46 @@ static uint32_t take_corner(reader *r)
                                     (const char *)r->p);
         return 0;
     }
-    return find_vertex(r, (uint32_t)v, vn == SIZE_MAX ? NONE : (uint32_t)vn + 1);
+    return find_vertex(r, (uint32_t)v, vt == SIZE_MAX ? NONE : (uint32_t)vt + 1,
+                       vn == SIZE_MAX ? NONE : (uint32_t)vn + 1);
+}
+
+/* ---- materials ---- */
+
+/* What stands behind a word, without blanks at its ends; NULL: no memory. */
+static char *take_rest(reader *r)
+{
+    skip_blanks(r);
+    const unsigned char *start = r->p, *end;
+    while (!is_line_end(r)) r->p++;
+    for (end = r->p; end > start && is_blank(end[-1]);) end--;
+    char *text = bis_strndup((const char *)start, (size_t)(end - start));
+    if (!text) no_memory(r);
+    return text;
+}
+
+/* The faces that come are of another part. */
+static void read_usemtl(reader *r)
+{
+    char *name = take_rest(r);
+
+    if (!name) return;
+    if (!bis_names_find(&r->parts, name, &r->part)) {
+        r->part = (uint32_t)r->parts.n + 1;
+        if (!bis_names_set(&r->parts, name, r->part)) no_memory(r);
+    }
+    bis_free(name);
+}
+
+/* For all triangles that are new. */
+static void set_parts(reader *r, size_t first)
+{
+    bis_mesh *m = r->mesh;
+
+    for (size_t i = first; i < m->n_triangles && !r->status; i++) {
+        if (BIS_ROOM(m->part, r->capacity_part, i)) m->part[i] = r->part;
+        else no_memory(r);
+    }
 }
 
 /* A fan about the first corner. */
@@ -277,6 +351,7 @@ static void count_lines(reader *r)
         skip_blanks(r);
         if (take_word(r, "v")) r->n_v++;
         else if (take_word(r, "vn")) r->n_vn++;
+        else if (r->wants_uv && take_word(r, "vt")) r->n_vt++;
     }
 }
 
@@ -284,7 +359,7 @@ static void allocate(reader *r)
 {
     bis_mesh *m = r->mesh;
 
-    if (r->n_v >= UINT32_MAX - 1 || r->n_vn >= UINT32_MAX - 1) {
+    if (r->n_v >= UINT32_MAX - 1 || r->n_vn >= UINT32_MAX - 1 || r->n_vt >= UINT32_MAX - 1) {
         r->status = bis_mesh_refuse(&r->in, 0, BIS_INPUT, "%zu vertices and %zu normals, must be below 2^32 - 2",
                                     r->n_v, r->n_vn);
         return;
@@ -293,7 +368,13 @@ static void allocate(reader *r)
     m->p = bis_alloc(r->n_v, sizeof *m->p);
     r->normals = bis_alloc(r->n_vn, sizeof *r->normals);
     if (r->n_vn > 0) r->first_vn = bis_alloc(r->n_v, sizeof *r->first_vn);
-    if (!m->p || !r->normals || (r->n_vn > 0 && !r->first_vn)) no_memory(r);
+    if (r->n_vt > 0) {
+        r->uv = bis_alloc(r->n_vt, sizeof *r->uv);
+        r->first_vt = bis_alloc(r->n_v, sizeof *r->first_vt);
+    }
+    if (!m->p || !r->normals || (r->n_vn > 0 && !r->first_vn) || (r->n_vt > 0 && !(r->uv && r->first_vt)))
+        no_memory(r);
+    for (size_t i = 0; r->first_vt && i < r->n_v; i++) r->first_vt[i] = FREE;
     for (size_t i = 0; r->first_vn && i < r->n_v; i++) r->first_vn[i] = FREE;
 }
 
@@ -303,17 +384,40 @@ static void read_lines(reader *r)
         skip_blanks(r);
         if (take_word(r, "v")) read_vertex(r);
         else if (take_word(r, "vn")) read_normal(r);
-        else if (take_word(r, "f")) read_face(r);
+        else if (r->wants_uv && take_word(r, "vt")) read_uv(r);
+        else if (take_word(r, "f")) {
+            const size_t first = r->mesh->n_triangles;
+            read_face(r);
+            if (r->wants_parts) set_parts(r, first);
+        } else if (r->wants_parts && take_word(r, "usemtl")) read_usemtl(r);
     }
 }
 
-/* Positions of split vertices, and all normals. */
+static void finish_uv(reader *r)
+{
+    bis_mesh *m = r->mesh;
+
+    m->uv = bis_alloc(m->n_vertices, sizeof *m->uv);
+    if (!m->uv) {
+        no_memory(r);
+        return;
+    }
+    for (size_t i = 0; i < m->n_vertices; i++) m->uv[i] = (bis_uv){NAN, 0};
+    for (size_t i = 0; i < r->n_v; i++)
+        if (r->first_vt[i] != FREE && r->first_vt[i] != NONE) m->uv[i] = r->uv[r->first_vt[i] - 1];
+    for (size_t i = 0; i < r->table_size; i++)
+        if (r->table[i].vertex != FREE && r->table[i].vt != NONE)
+            m->uv[r->table[i].vertex] = r->uv[r->table[i].vt - 1];
+}
+
+/* Positions of split vertices, and all normals and texture coordinates. */
 static void finish_vertices(reader *r)
 {
     bis_mesh *m = r->mesh;
 
     for (size_t i = 0; i < r->table_size; i++)
         if (r->table[i].vertex != FREE) m->p[r->table[i].vertex] = m->p[r->table[i].v];
+    if (r->any_uv) finish_uv(r);
     if (r->any_normal) m->n = bis_alloc(m->n_vertices, sizeof *m->n);
     if (r->any_normal && !m->n) no_memory(r);
     if (!m->n) return;
@@ -331,12 +435,16 @@ static void report(const reader *r)
     if (r->n_bad_normals > 0)
         bis_mesh_remark(&r->in, "%zu vertex normals are not finite: the faces' normals are used there",
                         r->n_bad_normals);
+    if (r->n_bad_uv > 0)
+        bis_mesh_remark(&r->in, "%zu texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)",
+                        r->n_bad_uv);
 }
 
-bis_status bis_obj_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
+/* n_parts: NULL, if they are not wanted. */
+static bis_status read_obj(bis_mesh *m, const char *path, bool wants_uv, size_t *n_parts, bis_loc at, bis_diag *diag)
 {
     unsigned char *data = NULL;
-    reader r = {.in = {.path = path, .at = at, .diag = diag}, .mesh = m};
+    reader r = {.in = {.path = path, .at = at, .diag = diag}, .mesh = m, .wants_uv = wants_uv, .wants_parts = n_parts};
 
     *m = (bis_mesh){0};
     r.status = bis_gzip_read(&data, &r.in.size, path, at, diag);
@@ -351,12 +459,90 @@ bis_status bis_obj_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *dia
     if (!r.status) finish_vertices(&r);
     if (r.status) goto done;
     report(&r);
+    if (n_parts) *n_parts = r.parts.n;
     r.status = bis_mesh_finish(m, r.capacity_triangles, &r.in);
 done:
     if (r.status) bis_mesh_clear(m);
     bis_free(r.normals);
     bis_free(r.first_vn);
+    bis_free(r.uv);
+    bis_free(r.first_vt);
+    bis_names_clear(&r.parts);
     bis_free(r.table);
     bis_free(data);
     return r.status;
+}
+
+bis_status bis_obj_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
+{
+    return read_obj(m, path, false, NULL, at, diag);
+}
+
+bis_status bis_obj_read_uv(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
+{
+    return read_obj(m, path, true, NULL, at, diag);
+}
+
+bis_status bis_obj_read_parts(bis_mesh *m, size_t *n_parts, const char *path, bool wants_uv, bis_loc at, bis_diag *diag)
+{
+    *n_parts = 0;
+    return read_obj(m, path, wants_uv, n_parts, at, diag);
+}
+
+/* ---- what it says of materials ---- */
+
+/* Libraries are few: a line each. */
+static void read_mtllib(reader *r, bis_obj_materials *out)
+{
+    const int line = r->line;
+    char *name = take_rest(r);
+
+    if (!name) return;
+    if (BIS_ROOM(out->libraries, out->capacity_libraries, out->n_libraries)) {
+        out->libraries[out->n_libraries++] = (bis_obj_library){name, line};
+    } else {
+        bis_free(name);
+        no_memory(r);
+    }
+}
+
+static void note_face(reader *r, bis_obj_materials *out)
+{
+    while (out->n_shown <= r->part && !r->status) {
+        if (BIS_ROOM(out->is_shown, out->capacity_shown, out->n_shown)) out->is_shown[out->n_shown++] = false;
+        else no_memory(r);
+    }
+    if (!r->status) out->is_shown[r->part] = true;
+}
+
+bis_status bis_obj_read_materials(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag)
+{
+    unsigned char *data = NULL;
+    bis_mesh none = {0};
+    reader r = {.in = {.path = path, .at = at, .diag = diag}, .mesh = &none};
+
+    *out = (bis_obj_materials){0};
+    r.status = bis_file_read(&data, &r.in.size, path, at, diag);
+    r.in.data = data;
+    r.end = data ? data + r.in.size : NULL;
+    if (!r.status) rewind_file(&r);
+    for (; !r.status && r.p < r.end; skip_line(&r)) {
+        skip_blanks(&r);
+        if (take_word(&r, "f")) note_face(&r, out);
+        else if (take_word(&r, "usemtl")) read_usemtl(&r);
+        else if (take_word(&r, "mtllib")) read_mtllib(&r, out);
+    }
+    out->parts = r.parts;
+    if (r.status) bis_obj_materials_clear(out);
+    bis_free(data);
+    return r.status;
+}
+
+void bis_obj_materials_clear(bis_obj_materials *m)
+{
+    for (size_t i = 0; i < m->n_libraries; i++) bis_free(m->libraries[i].name);
+    bis_free(m->libraries);
+    bis_free(m->is_shown);
+    bis_names_clear(&m->parts);
+    *m = (bis_obj_materials){0};
 }

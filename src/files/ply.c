@@ -16,9 +16,13 @@
 #include <float.h>
 #include <string.h>
 
-enum { X, Y, Z, NX, NY, NZ, N_ROLES };
+enum { X, Y, Z, NX, NY, NZ, U, V, N_ROLES, NAMES = 4 };
 
-static const char *const role_names[N_ROLES] = {"x", "y", "z", "nx", "ny", "nz"};
+/* The names of U and V are pbrt's; the first that occurs counts. */
+static const char *const role_names[N_ROLES][NAMES] = {
+    {"x"}, {"y"}, {"z"}, {"nx"}, {"ny"}, {"nz"}, {"u", "s", "texture_u", "texture_s"},
+    {"v", "t", "texture_v", "texture_t"},
+};
 
 /* The state of reading. */
 typedef struct reader {
@@ -26,10 +30,12 @@ typedef struct reader {
     const ply_header *header;
     const unsigned char *p, *end;
     bis_mesh *mesh;
+    int n_roles;         /* those that are wanted: without texture coordinates U */
     size_t capacity;     /* of mesh->index, in triangles */
     size_t n_vertices;   /* as the header says: faces may come first */
     size_t n_too_small;  /* faces of fewer than 3 vertices */
     size_t n_bad_normals;
+    size_t n_bad_uv;
     size_t n_long_lines; /* ascii rows with more numbers than the header says */
     bis_status status;   /* of the first error: from then on nothing is taken */
 } reader;
@@ -139,15 +145,23 @@ static void end_row(reader *r)
 
 /* ---- vertices ---- */
 
+/* The last property of that name, or SIZE_MAX. */
+static size_t find_property(const ply_header *h, const ply_element *e, const char *name)
+{
+    for (size_t i = e->n_properties; i-- > 0;) {
+        const ply_property *p = &h->properties[e->first_property + i];
+        if (!ply_is_list(p) && ply_word_is(p->name, name)) return i;
+    }
+    return SIZE_MAX;
+}
+
 /* Which role, if any, each property has; the index of each role's property, or SIZE_MAX. */
-static void find_roles(const ply_header *h, const ply_element *e, size_t property[N_ROLES])
+static void find_roles(const reader *r, const ply_element *e, size_t property[N_ROLES])
 {
     for (int role = 0; role < N_ROLES; role++) {
         property[role] = SIZE_MAX;
-        for (size_t i = 0; i < e->n_properties; i++) {
-            const ply_property *p = &h->properties[e->first_property + i];
-            if (!ply_is_list(p) && ply_word_is(p->name, role_names[role])) property[role] = i;
-        }
+        for (int i = 0; i < NAMES && role < r->n_roles && role_names[role][i] && property[role] == SIZE_MAX; i++)
+            property[role] = find_property(r->header, e, role_names[role][i]);
     }
 }
 
@@ -156,22 +170,33 @@ static void take_vertex(reader *r, const ply_element *e, size_t row, const size_
     for (size_t i = 0; i < e->n_properties; i++) {
         const ply_property *p = &r->header->properties[e->first_property + i];
         int role = 0;
-        while (role < N_ROLES && property[role] != i) role++;
-        if (role < N_ROLES) v[role] = take(r, p->type, e, row);
+        while (role < r->n_roles && property[role] != i) role++;
+        if (role < r->n_roles) v[role] = take(r, p->type, e, row);
         else skip_property(r, p, e, row);
     }
 }
 
 static bool fits_float(double v) { return fabs(v) <= (double)FLT_MAX; }
 
+static void store_uv(reader *r, size_t row, double u, double v)
+{
+    if (fits_float(u) && fits_float(v)) {
+        r->mesh->uv[row] = (bis_uv){(float)u, (float)v};
+        return;
+    }
+    r->mesh->uv[row] = (bis_uv){NAN, 0};
+    r->n_bad_uv++;
+}
+
 static void store_vertex(reader *r, size_t row, const double v[N_ROLES])
 {
     for (int i = X; i <= Z && !r->status; i++)
         if (!fits_float(v[i]))
             r->status = bis_mesh_refuse(r->in, 0, BIS_INPUT, "vertex %zu has %s = %g, must be a finite float", row,
-                                        role_names[i], v[i]);
+                                        role_names[i][0], v[i]);
     if (r->status) return;
     r->mesh->p[row] = vec3_from(v[X], v[Y], v[Z]);
+    if (r->mesh->uv) store_uv(r, row, v[U], v[V]);
     if (!r->mesh->n) return;
     if (fits_float(v[NX]) && fits_float(v[NY]) && fits_float(v[NZ]))
         r->mesh->n[row] = vec3_from(v[NX], v[NY], v[NZ]);
@@ -200,14 +225,16 @@ static bis_status read_vertices(reader *r, const ply_element *e)
     size_t property[N_ROLES];
 
     if (m->p) return bis_mesh_refuse(r->in, 0, BIS_INPUT, "the element \"vertex\" occurs twice");
-    find_roles(r->header, e, property);
+    find_roles(r, e, property);
     for (int i = X; i <= Z; i++)
         if (property[i] == SIZE_MAX)
-            return bis_mesh_refuse(r->in, 0, BIS_INPUT, "a vertex has no property \"%s\"", role_names[i]);
+            return bis_mesh_refuse(r->in, 0, BIS_INPUT, "a vertex has no property \"%s\"", role_names[i][0]);
     const bool normals = property[NX] != SIZE_MAX && property[NY] != SIZE_MAX && property[NZ] != SIZE_MAX;
+    const bool uv = property[U] != SIZE_MAX && property[V] != SIZE_MAX;
     m->p = bis_alloc(e->count, sizeof *m->p);
     if (normals) m->n = bis_alloc(e->count, sizeof *m->n);
-    if (!m->p || (normals && !m->n))
+    if (uv) m->uv = bis_alloc(e->count, sizeof *m->uv);
+    if (!m->p || (normals && !m->n) || (uv && !m->uv))
         return bis_mesh_refuse(r->in, 0, BIS_NOMEM, "no memory for %zu vertices", e->count);
     m->n_vertices = e->count;
     for (size_t row = copy_plain_vertices(r, e); row < e->count; row++) {
@@ -372,9 +399,12 @@ static void report(const reader *r)
     if (r->n_bad_normals > 0)
         bis_mesh_remark(r->in, "%zu vertex normals are not finite: the faces' normals are used there",
                         r->n_bad_normals);
+    if (r->n_bad_uv > 0)
+        bis_mesh_remark(r->in, "%zu texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)",
+                        r->n_bad_uv);
 }
 
-bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
+static bis_status read_ply(bis_mesh *m, const char *path, int n_roles, bis_loc at, bis_diag *diag)
 {
     unsigned char *data = NULL;
     mesh_input in = {.path = path, .at = at, .diag = diag};
@@ -387,7 +417,8 @@ bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *dia
     in.data = data;
     status = bis_ply_header_read(&header, &in);
     if (status) goto done;
-    reader r = {.in = &in, .header = &header, .p = header.body, .end = in.data + in.size, .mesh = m};
+    reader r = {.in = &in, .header = &header, .p = header.body, .end = in.data + in.size, .mesh = m,
+                .n_roles = n_roles};
     status = count_vertices(&r);
     for (size_t i = 0; !status && i < header.n_elements; i++) status = read_element(&r, &header.elements[i]);
     if (status) goto done;
@@ -398,4 +429,14 @@ done:
     bis_ply_header_clear(&header);
     bis_free(data);
     return status;
+}
+
+bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
+{
+    return read_ply(m, path, U, at, diag);
+}
+
+bis_status bis_ply_read_uv(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag)
+{
+    return read_ply(m, path, N_ROLES, at, diag);
 }

@@ -10,3 +10,7 @@
  * `at`: the scene line that named the file, or {0}. Errors: BIS_IO, BIS_INPUT (damaged: the message names line or
  * face), BIS_NOMEM. */
 bis_status bis_ply_read(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);
+
+/* bis_ply_read_uv does the same and keeps texture coordinates: u v, s t, texture_u texture_v or texture_s texture_t of
+ * the vertices. m->uv is NULL where the file has none. */
+bis_status bis_ply_read_uv(bis_mesh *m, const char *path, bis_loc at, bis_diag *diag);

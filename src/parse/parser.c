@@ -121,6 +121,7 @@ static const struct directive {
     {"Material", WORLD, bis_directive_material},
     {"MakeNamedMaterial", WORLD, bis_directive_make_named_material},
     {"NamedMaterial", WORLD, bis_directive_named_material},
+    {"Texture", WORLD, bis_directive_texture},
     {"Shape", WORLD, bis_directive_shape},
 };
 
@@ -128,7 +129,6 @@ static const struct directive {
 static const struct foreign {
     const char *name, *instead;
 } foreign[] = {
-    {"Texture", "give colours as rgb values"},
     {"AreaLightSource", "light comes from LightSource \"infinite\" alone"},
     {"MakeNamedMedium", "there is no medium but the vacuum"},
     {"ActiveTransform", "nothing moves"},
@@ -228,6 +228,7 @@ static void check_whole(bis_parser *p)
     bis_approximate_finish(p);
     if (!p->in_world) bis_parser_error(p, p->token.at, "the scene has no WorldBegin");
     if (p->status) return;
+    bis_parser_drop_uv(p);
     bis_parser_note(p, bis_settings_check(&p->desc->view.settings, p->desc->integrator_loc, p->diag));
     if (!p->desc->has_light)
         bis_warn(p->diag, (bis_loc){p->desc->files[0], 0, 0},
@@ -242,6 +243,9 @@ static void parser_clear(bis_parser *p)
     bis_names_clear(&p->material_names);
     bis_names_clear(&p->object_names);
     bis_names_clear(&p->system_names);
+    bis_names_clear(&p->texture_names[0]);
+    bis_names_clear(&p->texture_names[1]);
+    bis_names_clear(&p->texture_file_names);
     bis_free(p->blocks);
     bis_free(p->named);
     bis_free(p->objects);

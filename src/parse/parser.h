@@ -6,6 +6,7 @@
  * bis_scene_parse looks for the next directive. */
 #pragma once
 
+#include "bis/base/spectrum.h"
 #include "bis/scene/scene.h"
 #include "lexer.h"
 #include "base/grow.h"
@@ -31,7 +32,12 @@ enum {
     BIS_TYPE_POINT3 = 1 << 5,
     BIS_TYPE_VECTOR3 = 1 << 6,
     BIS_TYPE_NORMAL = 1 << 7,
-    BIS_TYPE_OTHER = 1 << 8 /* pbrt's types of which bis has no parameter: point2, spectrum, texture, ... */
+    BIS_TYPE_OTHER = 1 << 8, /* pbrt's types of which bis has no parameter: vector2, ... */
+    BIS_TYPE_POINT2 = 1 << 9,
+    BIS_TYPE_TEXTURE = 1 << 10,
+    BIS_TYPE_SPECTRUM = 1 << 11,
+    BIS_TYPE_XYZ = 1 << 12,
+    BIS_TYPE_BLACKBODY = 1 << 13
 };
 
 typedef struct bis_param {
@@ -130,6 +136,9 @@ typedef struct bis_parser {
     bis_loc name_at;
 
     bis_names mesh_names, material_names, object_names, system_names;
+    bis_names texture_names[2]; /* of colours, of numbers */
+    bis_names texture_file_names;
+    bool own_texture;           /* a Texture is being read */
     bis_named_material *named; /* by the value of material_names */
     size_t n_named, capacity_named;
     bis_object *objects;
@@ -181,6 +190,8 @@ void bis_params_start(bis_parser *p);
 
 /* Take the string that names what a directive is about; False: complained, p->lost. Starts afresh. */
 bool bis_parser_name(bis_parser *p, const char *directive);
+/* Take a further string. *text: its offset in the parser's text. */
+bool bis_parser_next_name(bis_parser *p, const char *directive, size_t *text, bis_loc *at);
 bool bis_parser_peek_name(bis_parser *p, const char *directive); /* the string stays the next token */
 const char *bis_parser_text(const bis_parser *p, size_t offset);
 
@@ -227,6 +238,26 @@ void bis_params_ignore(bis_parser *p, const char *const *names, size_t n);
 /* Complain of all that nobody asked for. what: `Camera "perspective"`. */
 void bis_params_end(bis_parser *p, const char *directive, const char *what);
 
+/* A colour or a number, or a texture of such (parser_textures.c). *texture stays as it was where *value says all; else
+ * it is the texture's index, and *value a typical value. */
+bool bis_params_colour(bis_parser *p, const char *name, rgb *value, bis_interval range, uint32_t *texture);
+bool bis_params_number(bis_parser *p, const char *name, double *value, bis_interval range, uint32_t *texture);
+
+/* A spectrum: one number, pairs, or a file of pairs. own: what `is` borrows, for bis_parser_spectrum_clear, which is
+ * called after a failure, too. */
+typedef struct bis_parser_spectrum {
+    bis_spectrum is;
+    double (*own)[2];
+} bis_parser_spectrum;
+bool bis_params_spectrum(bis_parser *p, const char *name, bis_parser_spectrum *s);
+void bis_parser_spectrum_clear(bis_parser_spectrum *s);
+
+/* parser_colours.c. A reflectance as a spectrum or xyz; radiance as xyz or blackbody. bis_parser_into_unit cuts a
+ * colour off to [0,1] with a warning. */
+bool bis_params_reflectance(bis_parser *p, const char *name, rgb *value);
+bool bis_params_emission(bis_parser *p, const char *name, rgb *value);
+rgb bis_parser_into_unit(bis_parser *p, rgbd c, const char *name, bis_loc at);
+
 /* What a directive's name stands for. */
 enum { BIS_REPLACED = -1, BIS_FOREIGN = -2 };
 typedef struct bis_choice {
@@ -269,12 +300,31 @@ bis_directive bis_directive_attribute_begin, bis_directive_attribute_end, bis_di
     bis_directive_reverse_orientation;
 void bis_parser_check_blocks(bis_parser *p);
 
-/* parser_world.c */
+/* To the scene, or to the object that is open. */
+void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape);
+
+/* parser_world.c. bis_parser_add_material makes room for one more, which starts as the default;
+ * bis_parser_warn_energy warns if Phong's Kd + Ks exceeds 1. */
+typedef bis_material bis_material_reader(bis_parser *p, bis_material_textures *t);
+bool bis_parser_add_material(bis_parser *p, uint32_t *index);
+void bis_parser_warn_energy(bis_parser *p, bis_loc at, rgb Kd, rgb Ks);
 bis_directive bis_directive_light, bis_directive_material, bis_directive_make_named_material,
     bis_directive_named_material;
 void bis_parser_check_materials(bis_parser *p);
 
+/* parser_materials.c: pbrt's */
+bis_material_reader bis_parser_conductor, bis_parser_metal, bis_parser_coated_diffuse, bis_parser_plastic,
+    bis_parser_uber, bis_parser_substrate;
+
+/* parser_textures.c. An image is a file that is named at `at`; false: complained */
+bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index);
+bool bis_parser_add_image(bis_parser *p, const char *name, double gamma, bis_loc at, uint32_t *image);
+bis_directive bis_directive_texture;
+
 /* parser_shapes.c */
 bis_directive bis_directive_shape;
+/* parser_mtl.c: of an OBJ with materials, the shapes of its parts */
+void bis_parser_add_parts(bis_parser *p, const bis_shape_desc *shape);
+void bis_parser_drop_uv(bis_parser *p); /* of meshes without textures */
 
 #define BIS_COUNT(array) (sizeof(array) / sizeof *(array))

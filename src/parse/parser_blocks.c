@@ -80,6 +80,19 @@ void bis_directive_object_begin(bis_parser *p, bis_loc at)
 
 void bis_directive_object_end(bis_parser *p, bis_loc at) { close_block(p, BIS_BLOCK_OBJECT, at); }
 
+void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape)
+{
+    if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
+        p->stop = !bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
+    } else if (!p->in_object) {
+        if (!bis_scene_desc_add_shape(p->desc, shape)) bis_parser_nomem(p, shape->loc);
+    } else if (BIS_ROOM(p->object_shapes, p->capacity_object_shapes, p->n_object_shapes)) {
+        p->object_shapes[p->n_object_shapes++] = *shape;
+    } else {
+        bis_parser_nomem(p, shape->loc);
+    }
+}
+
 static void add_instance(bis_parser *p, const bis_object *object, bis_loc at)
 {
     if (object->n > BIS_MAX_SHAPES - p->desc->n_shapes) {

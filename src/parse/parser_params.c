@@ -9,7 +9,8 @@
 #include <float.h>
 #include <string.h>
 
-typedef enum value_class { NUMBERS, STRINGS, BOOLS, ANYTHING } value_class;
+/* EITHER: numbers, or strings if the first value is one */
+typedef enum value_class { NUMBERS, STRINGS, BOOLS, ANYTHING, EITHER } value_class;
 
 typedef struct param_type {
     const char *name, *shown;
@@ -24,9 +25,9 @@ static const param_type types[] = {
     {"point3", "point3", BIS_TYPE_POINT3, NUMBERS},    {"point", "point3", BIS_TYPE_POINT3, NUMBERS},
     {"vector3", "vector3", BIS_TYPE_VECTOR3, NUMBERS}, {"vector", "vector3", BIS_TYPE_VECTOR3, NUMBERS},
     {"normal", "normal", BIS_TYPE_NORMAL, NUMBERS},    {"normal3", "normal", BIS_TYPE_NORMAL, NUMBERS},
-    {"point2", "point2", BIS_TYPE_OTHER, ANYTHING},    {"vector2", "vector2", BIS_TYPE_OTHER, ANYTHING},
-    {"spectrum", "spectrum", BIS_TYPE_OTHER, ANYTHING}, {"xyz", "xyz", BIS_TYPE_OTHER, ANYTHING},
-    {"blackbody", "blackbody", BIS_TYPE_OTHER, ANYTHING}, {"texture", "texture", BIS_TYPE_OTHER, ANYTHING},
+    {"point2", "point2", BIS_TYPE_POINT2, NUMBERS},    {"vector2", "vector2", BIS_TYPE_OTHER, ANYTHING},
+    {"spectrum", "spectrum", BIS_TYPE_SPECTRUM, EITHER}, {"xyz", "xyz", BIS_TYPE_XYZ, NUMBERS},
+    {"blackbody", "blackbody", BIS_TYPE_BLACKBODY, NUMBERS}, {"texture", "texture", BIS_TYPE_TEXTURE, STRINGS},
 };
 
 const char *bis_param_type_names(char buf[64], unsigned mask)
@@ -123,6 +124,22 @@ bool bis_parser_peek_name(bis_parser *p, const char *directive)
     return p->name != SIZE_MAX;
 }
 
+bool bis_parser_next_name(bis_parser *p, const char *directive, size_t *text, bis_loc *at)
+{
+    char buf[64];
+    *at = p->token.at;
+    if (p->token.kind != BIS_TOKEN_STRING) {
+        if (p->token.kind == BIS_TOKEN_BAD) p->lost = true;
+        else bis_parser_lose(p, p->token.at, "%s wants another quoted name, found %s", directive,
+                             bis_token_name(buf, &p->token));
+        return false;
+    }
+    *text = add_text(p);
+    if (*text == SIZE_MAX) return false;
+    bis_parser_advance(p);
+    return true;
+}
+
 bool bis_parser_name(bis_parser *p, const char *directive)
 {
     if (!bis_parser_peek_name(p, directive)) return false;
@@ -172,17 +189,20 @@ static bool read_values(bis_parser *p, bis_param *param, value_class values)
     bis_params *ps = &p->params;
     size_t n = 0;
 
+    const bool is_list = p->token.kind == BIS_TOKEN_OPEN;
+    const bis_loc open = p->token.at;
+    if (is_list) bis_parser_advance(p);
+    if (values == EITHER) values = p->token.kind == BIS_TOKEN_STRING ? STRINGS : NUMBERS;
     param->is_strings = values == STRINGS;
     param->first = param->is_strings ? ps->n_strings : ps->n_numbers;
-    if (p->token.kind != BIS_TOKEN_OPEN) {
+    if (!is_list) {
         if (!read_value(p, param, values)) return false;
         param->n = 1;
         if (p->token.kind != BIS_TOKEN_NUMBER) return true;
         return bis_parser_lose(p, p->token.at, "several values of \"%s\" must stand between [ and ]",
                                bis_parser_text(p, param->name));
     }
-    const bis_loc open = p->token.at;
-    for (bis_parser_advance(p); p->token.kind != BIS_TOKEN_CLOSE; n++) {
+    for (; p->token.kind != BIS_TOKEN_CLOSE; n++) {
         if (p->token.kind == BIS_TOKEN_END ||
             (p->token.kind == BIS_TOKEN_WORD && !is_truth(&p->token) && !is_nonfinite_word(&p->token)))
             return bis_parser_lose(p, open, "the [ of \"%s\" has no ]", bis_parser_text(p, param->name));

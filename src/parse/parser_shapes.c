@@ -25,21 +25,24 @@ static bool add_mesh(bis_parser *p, const bis_mesh_desc *mesh, uint32_t *index)
 }
 
 /* The mesh of a file: a new one, or the one that has been named before. Takes over path. */
-static bool file_mesh(bis_parser *p, bis_shape_kind kind, char *path, bool smooth, bis_loc at, uint32_t *index)
+static bool file_mesh(bis_parser *p, char *path, const bis_mesh_desc *desc, uint32_t *index)
 {
-    const size_t room = strlen(path) + 3;
-    char *key = bis_alloc(room, 1); /* kind, smooth, path */
+    const size_t room = strlen(path) + 4;
+    char *key = bis_alloc(room, 1); /* kind, smooth, parts, path */
+    bis_mesh_desc mesh = *desc;
     bool ok = key != NULL;
 
-    if (ok) snprintf(key, room, "%c%c%s", kind == BIS_SHAPE_PLY ? 'p' : 'o', smooth ? 's' : 'f', path);
+    if (ok) snprintf(key, room, "%c%c%c%s", desc->kind == BIS_SHAPE_PLY ? 'p' : 'o', desc->smooth ? 's' : 'f',
+                     desc->has_parts ? 'm' : '-', path);
     if (ok && bis_names_find(&p->mesh_names, key, index)) {
         bis_free(path);
     } else {
-        ok = ok && add_mesh(p, &(bis_mesh_desc){.kind = kind, .filename = path, .smooth = smooth, .loc = at}, index);
+        mesh.filename = path;
+        ok = ok && add_mesh(p, &mesh, index);
         if (!ok) bis_free(path);
         if (ok && !bis_names_set(&p->mesh_names, key, *index)) ok = false;
     }
-    if (!ok && !p->stop) bis_parser_nomem(p, at);
+    if (!ok && !p->stop) bis_parser_nomem(p, desc->loc);
     bis_free(key);
     return ok;
 }
@@ -47,8 +50,9 @@ static bool file_mesh(bis_parser *p, bis_shape_kind kind, char *path, bool smoot
 static bool read_file(bis_parser *p, bis_shape_desc *shape)
 {
     const char *name;
-    bool smooth = false;
-    bis_params_bool(p, "smooth", &smooth);
+    bis_mesh_desc mesh = {.kind = shape->kind};
+    bis_params_bool(p, "smooth", &mesh.smooth);
+    if (shape->kind == BIS_SHAPE_OBJ) bis_params_bool(p, "materials", &mesh.has_parts);
     const bool given = bis_params_has(p, "filename");
     const bis_loc at = bis_params_at(p, "filename");
     if (!bis_params_string(p, "filename", &name)) {
@@ -56,7 +60,8 @@ static bool read_file(bis_parser *p, bis_shape_desc *shape)
         return false;
     }
     char *path = bis_parser_path(p, at, name);
-    return path && file_mesh(p, shape->kind, path, smooth, at, &shape->mesh);
+    mesh.loc = at;
+    return path && file_mesh(p, path, &mesh, &shape->mesh);
 }
 
 /* ---- trianglemesh ---- */
@@ -142,6 +147,23 @@ static bool read_normals(bis_parser *p, bis_mesh *m)
     return m->n != NULL;
 }
 
+/* pbrt-v4's point2 uv, pbrt-v3's float uv or st. */
+static bool read_uv(bis_parser *p, bis_mesh *m)
+{
+    const char *name = bis_params_has(p, "uv") ? "uv" : "st";
+    const bool given = bis_params_has(p, name);
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_POINT2 | BIS_TYPE_FLOAT, 0);
+    if (!param) return !given;
+    if (param->n != 2 * m->n_vertices)
+        return bis_parser_error(p, param->at, "\"%s\" has %zu values, must have 2 for each of the %zu points", name,
+                                param->n, m->n_vertices);
+    m->uv = bis_alloc(m->n_vertices, sizeof *m->uv);
+    if (!m->uv) return bis_parser_nomem(p, param->at);
+    const double *v = p->params.numbers + param->first;
+    for (size_t i = 0; i < m->n_vertices; i++) m->uv[i] = (bis_uv){(float)v[2 * i], (float)v[2 * i + 1]};
+    return true;
+}
+
 /* patches: of four indices each, with --approximate. */
 static bool read_triangles(bis_parser *p, bis_shape_desc *shape, bool patches)
 {
@@ -157,7 +179,7 @@ static bool read_triangles(bis_parser *p, bis_shape_desc *shape, bool patches)
         ok = m.p != NULL;
     }
     if (ok && m.n_vertices > UINT32_MAX) ok = bis_parser_error(p, points->at, "more than 2^32 - 1 points");
-    ok = ok && (patches ? read_patches(p, &m) : read_indices(p, &m)) && read_normals(p, &m) &&
+    ok = ok && (patches ? read_patches(p, &m) : read_indices(p, &m)) && read_normals(p, &m) && read_uv(p, &m) &&
          add_mesh(p, &(bis_mesh_desc){.kind = BIS_SHAPE_TRIANGLES, .mesh = m, .loc = shape->loc}, &shape->mesh);
     if (!ok) {
         static const char *const rest[] = {"indices", "N"};
@@ -204,17 +226,29 @@ static bool read_quadric(bis_parser *p, bis_shape_desc *shape)
 
 /* ---- Shape ---- */
 
-static void add_shape(bis_parser *p, const bis_shape_desc *shape)
+void bis_parser_drop_uv(bis_parser *p)
 {
-    if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
-        p->stop = !bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
-    } else if (!p->in_object) {
-        if (!bis_scene_desc_add_shape(p->desc, shape)) bis_parser_nomem(p, shape->loc);
-    } else if (BIS_ROOM(p->object_shapes, p->capacity_object_shapes, p->n_object_shapes)) {
-        p->object_shapes[p->n_object_shapes++] = *shape;
-    } else {
-        bis_parser_nomem(p, shape->loc);
+    bis_scene_desc *d = p->desc;
+    bool some = false;
+    for (size_t i = 0; i < d->n_meshes; i++) some |= d->meshes[i].mesh.uv != NULL;
+    bool *is_used = some ? bis_alloc(d->n_meshes, sizeof *is_used) : NULL;
+    if (some && !is_used) bis_parser_nomem(p, (bis_loc){d->files[0], 0, 0});
+    if (!is_used) return;
+    for (size_t i = 0; i < d->n_shapes; i++) {
+        const bis_shape_desc *s = &d->shapes[i];
+        if (s->kind == BIS_SHAPE_TRIANGLES && bis_textures_of(&d->textures, s->material)) is_used[s->mesh] = true;
     }
+    for (size_t i = 0; i < d->n_meshes; i++) {
+        if (is_used[i]) continue;
+        bis_free(d->meshes[i].mesh.uv);
+        d->meshes[i].mesh.uv = NULL;
+    }
+    bis_free(is_used);
+}
+
+static bool has_parts(const bis_parser *p, const bis_shape_desc *shape)
+{
+    return shape->kind == BIS_SHAPE_OBJ && p->desc->meshes[shape->mesh].has_parts;
 }
 
 void bis_directive_shape(bis_parser *p, bis_loc at)
@@ -226,8 +260,10 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
         {"heightfield", BIS_FOREIGN},    {"hyperboloid", BIS_FOREIGN}, {"loopsubdiv", BIS_FOREIGN},
         {"nurbs", BIS_FOREIGN},          {"paraboloid", BIS_FOREIGN},
     };
-    /* texture coordinates and what is made with them: bis has no textures */
-    static const char *const silent[] = {"uv", "st", "S", "alpha", "shadowalpha", "faceIndices"};
+    /* what changes nothing here: texture coordinates that are of no use, tangents, and numbers of faces for other
+     * textures */
+    static const char *const silent[] = {"uv", "st", "S", "faceIndices"};
+    static const char *const ignored[] = {"alpha", "shadowalpha"};
 
     const bis_choice *chosen = bis_parser_begin(p, "Shape", shapes, BIS_COUNT(shapes));
     if (!chosen) return;
@@ -243,6 +279,8 @@ void bis_directive_shape(bis_parser *p, bis_loc at)
     else if (shape.kind == BIS_SHAPE_SPHERE || shape.kind == BIS_SHAPE_DISK) ok = read_quadric(p, &shape);
     else ok = read_file(p, &shape);
     bis_params_skip(p, silent, BIS_COUNT(silent));
+    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     bis_params_end(p, "Shape", chosen->name);
-    if (ok) add_shape(p, &shape);
+    if (ok && has_parts(p, &shape)) bis_parser_add_parts(p, &shape);
+    else if (ok) bis_parser_add_shape(p, &shape);
 }

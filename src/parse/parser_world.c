@@ -40,7 +40,9 @@ static void light_filename(bis_parser *p, bis_light_desc *light)
 static void light_radiance(bis_parser *p, bis_light_desc *light)
 {
     rgb scale;
-    bis_params_rgb(p, "L", &light->L, positive_or_0, false);
+    const bis_param *L = bis_params_find(p, "L");
+    if (L && L->type & (BIS_TYPE_XYZ | BIS_TYPE_BLACKBODY)) bis_params_emission(p, "L", &light->L);
+    else bis_params_rgb(p, "L", &light->L, positive_or_0, false);
     if (!bis_params_rgb(p, "scale", &scale, positive_or_0, true)) return;
     if (scale.r == scale.g && scale.g == scale.b) {
         light->scale = (double)scale.r;
@@ -130,66 +132,79 @@ void bis_directive_light(bis_parser *p, bis_loc at)
 
 /* ---- materials ---- */
 
-enum { PHONG, MICROFACET, DIFFUSE };
+enum { PHONG, MICROFACET, DIFFUSE, CONDUCTOR, METAL, COATED_DIFFUSE, PLASTIC, UBER, SUBSTRATE };
 static const bis_choice materials[] = {
     {"phong", PHONG}, {"microfacet", MICROFACET}, {"diffuse", DIFFUSE}, {"matte", DIFFUSE},
-    {"coateddiffuse", BIS_FOREIGN}, {"coatedconductor", BIS_FOREIGN}, {"conductor", BIS_FOREIGN},
+    {"coateddiffuse", COATED_DIFFUSE}, {"coatedconductor", BIS_FOREIGN}, {"conductor", CONDUCTOR},
     {"dielectric", BIS_FOREIGN}, {"diffusetransmission", BIS_FOREIGN}, {"disney", BIS_FOREIGN},
     {"fourier", BIS_FOREIGN}, {"glass", BIS_FOREIGN}, {"hair", BIS_FOREIGN}, {"interface", BIS_FOREIGN},
-    {"kdsubsurface", BIS_FOREIGN}, {"measured", BIS_FOREIGN}, {"metal", BIS_FOREIGN}, {"mirror", BIS_FOREIGN},
-    {"mix", BIS_FOREIGN}, {"none", BIS_FOREIGN}, {"plastic", BIS_FOREIGN}, {"shinymetal", BIS_FOREIGN},
-    {"substrate", BIS_FOREIGN}, {"subsurface", BIS_FOREIGN}, {"thindielectric", BIS_FOREIGN},
-    {"translucent", BIS_FOREIGN}, {"uber", BIS_FOREIGN}, {"", BIS_FOREIGN},
+    {"kdsubsurface", BIS_FOREIGN}, {"measured", BIS_FOREIGN}, {"metal", METAL}, {"mirror", BIS_FOREIGN},
+    {"mix", BIS_FOREIGN}, {"none", BIS_FOREIGN}, {"plastic", PLASTIC}, {"shinymetal", BIS_FOREIGN},
+    {"substrate", SUBSTRATE}, {"subsurface", BIS_FOREIGN}, {"thindielectric", BIS_FOREIGN},
+    {"translucent", BIS_FOREIGN}, {"uber", UBER}, {"", BIS_FOREIGN},
 };
 
-static void warn_energy(bis_parser *p, rgb Kd, rgb Ks)
+void bis_parser_warn_energy(bis_parser *p, bis_loc at, rgb Kd, rgb Ks)
 {
     const double sum[3] = {(double)Kd.r + (double)Ks.r, (double)Kd.g + (double)Ks.g, (double)Kd.b + (double)Ks.b};
     /* 0.6 and 0.4 as floats sum to 1 + 3e-8: each is rounded by half an ulp of its own, together at most this */
     const double one = 1 + (double)FLT_EPSILON / 2;
     for (int i = 0; i < 3; i++) {
         if (sum[i] <= one) continue;
-        bis_warn(p->diag, p->name_at, "Kd + Ks is %.7g in %s: the material reflects more light than it receives",
+        bis_warn(p->diag, at, "Kd + Ks is %.7g in %s: the material reflects more light than it receives",
                  sum[i], (const char *const[]){"red", "green", "blue"}[i]);
         return;
     }
 }
 
-static bis_material read_phong(bis_parser *p)
+static bis_material read_phong(bis_parser *p, bis_material_textures *t)
 {
     rgb Kd = {0.5f, 0.5f, 0.5f}, Ks = {0, 0, 0};
     double exponent = 50;
-    bis_params_rgb(p, "Kd", &Kd, unit, true);
-    bis_params_rgb(p, "Ks", &Ks, unit, true);
-    bis_params_float(p, "exponent", &exponent, positive_or_0);
-    warn_energy(p, Kd, Ks);
+    bis_params_colour(p, "Kd", &Kd, unit, &t->Kd);
+    bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
+    bis_params_number(p, "exponent", &exponent, positive_or_0, &t->width);
+    /* with textures: when their images are known, by bis_textures_check */
+    if (t->Kd == BIS_NO_TEXTURE && t->Ks == BIS_NO_TEXTURE) bis_parser_warn_energy(p, p->name_at, Kd, Ks);
     return bis_phong(Kd, Ks, exponent);
 }
 
 /* No warning of energy: no Kd and Ks in [0,1] reflect more than they receive. */
-static bis_material read_microfacet(bis_parser *p)
+static bis_material read_microfacet(bis_parser *p, bis_material_textures *t)
 {
     const bis_interval rough = {BIS_MICROFACET_MIN_ROUGHNESS, 1, false, false};
     rgb Kd = {0, 0, 0}, Ks = {0.9f, 0.9f, 0.9f};
     double roughness = 0.5;
-    bis_params_rgb(p, "Kd", &Kd, unit, true);
-    bis_params_rgb(p, "Ks", &Ks, unit, true);
-    bis_params_float(p, "roughness", &roughness, rough);
+    bis_params_colour(p, "Kd", &Kd, unit, &t->Kd);
+    bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
+    bis_params_number(p, "roughness", &roughness, rough, &t->width);
     return bis_microfacet(Kd, Ks, roughness);
 }
 
-static bis_material read_diffuse(bis_parser *p)
+static bis_material read_diffuse(bis_parser *p, bis_material_textures *t)
 {
     rgb Kd = {0.5f, 0.5f, 0.5f};
     double sigma = 0;
-    if (bis_params_rgb(p, "reflectance", &Kd, unit, true) && bis_params_has(p, "Kd"))
+    if (bis_params_colour(p, "reflectance", &Kd, unit, &t->Kd) && bis_params_has(p, "Kd"))
         bis_parser_error(p, bis_params_at(p, "Kd"), "\"Kd\" and \"reflectance\" are the same: give one");
-    bis_params_rgb(p, "Kd", &Kd, unit, true); /* v2, v3 */
+    bis_params_colour(p, "Kd", &Kd, unit, &t->Kd); /* v2, v3 */
     if (bis_params_float(p, "sigma", &sigma, positive_or_0) && sigma != 0)
         bis_parser_error(p, bis_params_at(p, "sigma"),
                          "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must be 0");
     return bis_phong(Kd, (rgb){0, 0, 0}, 50);
 }
+
+static bis_material_reader *const readers[] = {
+    [PHONG] = read_phong,
+    [MICROFACET] = read_microfacet,
+    [DIFFUSE] = read_diffuse,
+    [CONDUCTOR] = bis_parser_conductor,
+    [METAL] = bis_parser_metal,
+    [COATED_DIFFUSE] = bis_parser_coated_diffuse,
+    [PLASTIC] = bis_parser_plastic,
+    [UBER] = bis_parser_uber,
+    [SUBSTRATE] = bis_parser_substrate,
+};
 
 /* The material that the parameters describe goes to desc->materials[index]. */
 static void read_material(bis_parser *p, const char *directive, const char *type, bis_loc at, uint32_t index)
@@ -201,15 +216,15 @@ static void read_material(bis_parser *p, const char *directive, const char *type
         p->desc->materials[index] = nearest;
         return;
     }
-    bis_material m = chosen->value == PHONG        ? read_phong(p)
-                     : chosen->value == MICROFACET ? read_microfacet(p)
-                                                   : read_diffuse(p);
+    bis_material_textures t = {BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, at};
+    const bis_material m = readers[chosen->value](p, &t);
     bis_params_end(p, directive, chosen->name);
     p->desc->materials[index] = m;
+    const bool textured = t.Kd != BIS_NO_TEXTURE || t.Ks != BIS_NO_TEXTURE || t.width != BIS_NO_TEXTURE;
+    if (textured && !bis_scene_desc_set_textures(p->desc, index, &t)) bis_parser_nomem(p, at);
 }
 
-/* Room for one more, which starts as the default. */
-static bool add_material(bis_parser *p, uint32_t *index)
+bool bis_parser_add_material(bis_parser *p, uint32_t *index)
 {
     bis_scene_desc *d = p->desc;
     if (!BIS_ROOM(d->materials, d->capacity_materials, d->n_materials) || d->n_materials >= UINT32_MAX)
@@ -223,7 +238,7 @@ void bis_directive_material(bis_parser *p, bis_loc at)
 {
     uint32_t index;
     (void)at;
-    if (!bis_parser_name(p, "Material") || !bis_params_read(p) || !add_material(p, &index)) return;
+    if (!bis_parser_name(p, "Material") || !bis_params_read(p) || !bis_parser_add_material(p, &index)) return;
     p->now.material = index;
     read_material(p, "Material", bis_parser_text(p, p->name), p->name_at, index);
 }
@@ -241,7 +256,7 @@ static bis_named_material *named_material(bis_parser *p, const char *name, uint3
         bis_parser_nomem(p, p->name_at);
         return NULL;
     }
-    if (!add_material(p, index)) return NULL;
+    if (!bis_parser_add_material(p, index)) return NULL;
     p->named[p->n_named] = (bis_named_material){.index = *index};
     return &p->named[p->n_named++];
 }

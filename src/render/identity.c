@@ -19,7 +19,7 @@ static const char *const part_names[BIS_IDENTITY_PARTS] = {
     "that an --error is asked for, or that none is",
     "the integrator, or its parameters",
     "the shapes",
-    "the materials",
+    "the materials, or their textures",
     "the pixels of the map",
     "the parameters of the light",
     "the accelerator",
@@ -88,6 +88,7 @@ static void hash_geometry(bis_walk *w, const bis_geometry *g)
     hash_vectors(w, g->p, g->n_vertices);
     hash_count(w, g->n != NULL);
     if (g->n) hash_vectors(w, g->n, g->n_vertices);
+    for (size_t i = 0; g->uv && i < g->n_vertices; i++) hash_f32s(w, (const float[2]){g->uv[i].u, g->uv[i].v}, 2);
     for (size_t i = 0; i < 3 * g->n_triangles; i++) bis_walk_field(w, g->index[i], 4);
     for (size_t i = 0; i < g->n_ranges; i++) hash_count(w, (uint64_t)g->ranges[i].first << 32 | g->ranges[i].material);
     for (size_t i = 0; i < g->n_quadrics; i++) {
@@ -108,6 +109,33 @@ static void hash_materials(bis_walk *w, const bis_scene_desc *desc)
         hash_rgb(w, m->Ks);
         hash_real(w, m->exponent);
         hash_real(w, m->alpha);
+    }
+}
+
+static void hash_texture(bis_walk *w, const bis_texture *t)
+{
+    const uint64_t counts[] = {t->kind, t->of[0], t->of[1], t->of[2], t->image, t->wrap, t->invert, t->is_float};
+    const double numbers[] = {t->value.r, t->value.g, t->value.b, t->factor[0], t->factor[1], t->offset[0],
+                              t->offset[1], t->scale};
+
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) hash_count(w, counts[i]);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) hash_real(w, numbers[i]);
+}
+
+/* Images count by their texels, as maps do. */
+static void hash_textures(bis_walk *w, const bis_textures *t, const bis_scene *s)
+{
+    for (size_t i = 0; i < t->n_of_material; i++) {
+        const bis_material_textures *m = &t->of_material[i];
+        const uint64_t counts[] = {i, m->Kd, m->Ks, m->width};
+        for (int k = 0; k < 4; k++) hash_count(w, counts[k]);
+        hash_real(w, m->power);
+    }
+    for (size_t i = 0; i < t->n; i++) hash_texture(w, &t->list[i]);
+    for (size_t i = 0; i < s->n_images; i++) {
+        const bis_image *image = &s->images[i].image;
+        hash_count(w, (uint64_t)image->width << 32 | (uint64_t)image->height);
+        for (size_t k = 0; k < (size_t)image->width * (size_t)image->height; k++) hash_rgb(w, image->pixels[k]);
     }
 }
 
@@ -164,6 +192,7 @@ void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of)
     hash_geometry(w, &of->scene->geometry);
     parts[n++] = bis_walk_take_hash(w);
     hash_materials(w, of->desc);
+    hash_textures(w, &of->desc->textures, of->scene);
     parts[n++] = bis_walk_take_hash(w);
     hash_map(w, of->scene->light);
     parts[n++] = bis_walk_take_hash(w);

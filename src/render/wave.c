@@ -21,6 +21,7 @@ typedef struct sample {
     bis_sampler sampler;
     bis_stream stream;
     bis_point pt;
+    bis_own_material material;
     bis_pixel_sum *pixel;
     size_t cell; /* the pixel's: what is dropped has one sum for many pixels */
     rgbd L;
@@ -86,7 +87,8 @@ static void find_points(bis_wave *w)
     for (uint32_t i = 0; i < w->n; i++) {
         if (w->prim[i] == BIS_NO_PRIM) continue;
         bis_point *pt = &w->samples[i].pt;
-        bis_scene_point_at(pt, w->task.scene, w->task.desc, w->eyes[i], w->prim[i], w->counters);
+        bis_scene_point_at(pt, &w->samples[i].material, w->task.scene, w->task.desc, w->eyes[i], w->prim[i],
+                           w->counters);
         pt->later = w->task.view->settings.as_printed ? NULL : &w->later;
     }
 }

@@ -28,43 +28,75 @@ static bis_status copy_mesh(bis_mesh *to, const bis_mesh *from, bis_loc at, bis_
     to->p = copy_of(from->p, from->n_vertices, sizeof *to->p);
     to->index = copy_of(from->index, from->n_triangles, 3 * sizeof *to->index);
     if (from->n) to->n = copy_of(from->n, from->n_vertices, sizeof *to->n);
-    if (to->p && to->index && (to->n || !from->n)) return BIS_OK;
+    if (from->uv) to->uv = copy_of(from->uv, from->n_vertices, sizeof *to->uv);
+    if (to->p && to->index && (to->n || !from->n) && (to->uv || !from->uv)) return BIS_OK;
     return bis_error(diag, BIS_NOMEM, at, "no memory for a mesh of %zu triangles", from->n_triangles);
 }
 
-static bis_status read_mesh(bis_mesh *m, const bis_mesh_desc *desc, bis_diag *diag)
+static bis_status read_file(bis_mesh *m, const bis_mesh_desc *desc, bool wants_uv, bis_diag *diag)
 {
-    bis_status status;
-    if (desc->kind == BIS_SHAPE_TRIANGLES) return copy_mesh(m, &desc->mesh, desc->loc, diag);
-    if (desc->kind == BIS_SHAPE_PLY) status = bis_ply_read(m, desc->filename, desc->loc, diag);
-    else status = bis_obj_read(m, desc->filename, desc->loc, diag);
-    if (!status && desc->smooth && !m->n) status = bis_mesh_smooth_normals(m, diag);
+    if (desc->kind == BIS_SHAPE_PLY)
+        return (wants_uv ? bis_ply_read_uv : bis_ply_read)(m, desc->filename, desc->loc, diag);
+    if (!desc->has_parts) return (wants_uv ? bis_obj_read_uv : bis_obj_read)(m, desc->filename, desc->loc, diag);
+    size_t n_parts;
+    bis_status status = bis_obj_read_parts(m, &n_parts, desc->filename, wants_uv, desc->loc, diag);
+    if (!status && n_parts != desc->n_parts)
+        status = bis_error(diag, BIS_INPUT, desc->loc, "%s was changed while the scene was read: try again",
+                           desc->filename);
+    return status;
+}
+
+/* wants_uv: a shape of it has textures. */
+static bis_status read_mesh(bis_mesh *m, const bis_mesh_desc *desc, bool wants_uv, bis_diag *diag)
+{
+    const bool of_file = desc->kind != BIS_SHAPE_TRIANGLES;
+    bis_status status =
+        of_file ? read_file(m, desc, wants_uv, diag) : copy_mesh(m, &desc->mesh, desc->loc, diag);
+
+    if (!status && wants_uv && !m->uv)
+        bis_warn(diag, desc->loc,
+                 "%s has no texture coordinates: each of its triangles gets pbrt's, (0,0), (1,0), (1,1)",
+                 of_file ? desc->filename : "the mesh");
+    if (!status && of_file && desc->smooth && !m->n) status = bis_mesh_smooth_normals(m, diag);
     return status;
 }
 
 /* A mesh while it is in use. */
 typedef struct loaded {
     bis_mesh mesh;
+    bis_mesh_parts parts; /* of a mesh that has_parts */
     size_t shapes_left; /* that still want it */
-    bool is_read;
+    bool is_read, wants_uv;
 } loaded;
+
+static void clear_loaded(loaded *l)
+{
+    bis_mesh_clear(&l->mesh);
+    bis_mesh_parts_clear(&l->parts);
+}
 
 static bis_status add_mesh(bis_geometry *g, loaded *l, const bis_mesh_desc *desc, const bis_shape_desc *shape,
                            bis_diag *diag)
 {
     bis_mesh own = {0};
-    bis_status status = l->is_read ? BIS_OK : read_mesh(&l->mesh, desc, diag);
+    bis_status status = l->is_read ? BIS_OK : read_mesh(&l->mesh, desc, l->wants_uv, diag);
+    if (!status && !l->is_read && desc->has_parts)
+        status = bis_mesh_sort_parts(&l->parts, &l->mesh, desc->n_parts + 1, diag);
     if (status) return status;
     l->is_read = true;
     const bool last = --l->shapes_left == 0;
-    if (!last && g->n_vertices == 0) { /* the first mesh may be moved into the geometry, and others want it after us */
+    if (desc->has_parts) {
+        status = bis_mesh_take_part(&own, &l->mesh, &l->parts, shape->part, diag);
+        if (!status) status = bis_geometry_add_mesh(g, &own, &shape->to_world, shape->material, diag);
+        bis_mesh_clear(&own);
+    } else if (!last && g->n_vertices == 0) { /* the first mesh may be moved into the geometry: others want it, too */
         status = copy_mesh(&own, &l->mesh, desc->loc, diag);
         if (!status) status = bis_geometry_add_mesh(g, &own, &shape->to_world, shape->material, diag);
         bis_mesh_clear(&own);
     } else {
         status = bis_geometry_add_mesh(g, &l->mesh, &shape->to_world, shape->material, diag);
     }
-    if (last) bis_mesh_clear(&l->mesh);
+    if (last) clear_loaded(l);
     return status;
 }
 
@@ -91,8 +123,12 @@ static bis_status load_geometry(bis_scene *s, const bis_scene_desc *desc, bis_di
         status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu meshes", desc->n_meshes);
         goto done;
     }
-    for (size_t i = 0; i < desc->n_shapes; i++)
-        if (is_mesh(desc->shapes[i].kind)) meshes[desc->shapes[i].mesh].shapes_left++;
+    for (size_t i = 0; i < desc->n_shapes; i++) {
+        if (!is_mesh(desc->shapes[i].kind)) continue;
+        loaded *l = &meshes[desc->shapes[i].mesh];
+        l->shapes_left++;
+        l->wants_uv |= bis_textures_of(&desc->textures, desc->shapes[i].material) != NULL;
+    }
     for (size_t i = 0; i < desc->n_shapes && !status; i++) {
         const bis_shape_desc *shape = &desc->shapes[i];
         if (is_mesh(shape->kind)) status = add_mesh(g, &meshes[shape->mesh], &desc->meshes[shape->mesh], shape, diag);
@@ -100,8 +136,40 @@ static bis_status load_geometry(bis_scene *s, const bis_scene_desc *desc, bis_di
         s->shape_end[i] = g->n_triangles;
     }
 done:
-    for (size_t i = 0; meshes && i < desc->n_meshes; i++) bis_mesh_clear(&meshes[i].mesh);
+    for (size_t i = 0; meshes && i < desc->n_meshes; i++) clear_loaded(&meshes[i]);
     bis_free(meshes);
+    return status;
+}
+
+/* The images that shapes show are read, and the textures of each of their materials looked at once. */
+static bis_status load_textures(bis_scene *s, const bis_scene_desc *desc, bis_diag *diag)
+{
+    const bis_textures *t = &desc->textures;
+    bool *is_used = bis_alloc(t->n_files, sizeof *is_used), *is_shown = bis_alloc(t->n_of_material, sizeof *is_shown);
+    bis_status status = BIS_OK;
+
+    s->images = bis_alloc(t->n_files, sizeof *s->images);
+    if (!is_used || !is_shown || !s->images) {
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu textures", t->n);
+        goto done;
+    }
+    s->n_images = t->n_files;
+    for (size_t i = 0; i < desc->n_shapes; i++) {
+        const uint32_t material = desc->shapes[i].material;
+        const bis_material_textures *m = bis_textures_of(t, material);
+        if (!m || is_shown[material]) continue;
+        is_shown[material] = true;
+        bis_textures_mark(is_used, t, m->Kd);
+        bis_textures_mark(is_used, t, m->Ks);
+        bis_textures_mark(is_used, t, m->width);
+    }
+    for (size_t i = 0; i < t->n_files && !status; i++)
+        if (is_used[i]) status = bis_textures_load(&s->images[i], &t->files[i], diag);
+    for (size_t i = 0; i < t->n_of_material && !status; i++)
+        if (is_shown[i]) status = bis_textures_check(t, s->images, &t->of_material[i], &desc->materials[i], diag);
+done:
+    bis_free(is_used);
+    bis_free(is_shown);
     return status;
 }
 
@@ -168,6 +236,7 @@ bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag
         goto done;
     }
     status = load_geometry(s, desc, diag);
+    if (!status && desc->textures.n_of_material > 0) status = load_textures(s, desc, diag);
     if (status) goto done;
     s->seconds.load = bis_clock_now() - start;
     status = load_light(s, desc, diag);
@@ -191,12 +260,14 @@ void bis_scene_free(bis_scene *s)
     if (s->accel) bis_accel_free(s->accel);
     bis_light_free(s->light);
     bis_geometry_clear(&s->geometry);
+    for (size_t i = 0; i < s->n_images; i++) bis_image_clear(&s->images[i].image);
+    bis_free(s->images);
     bis_free(s->shape_end);
     bis_free(s);
 }
 
-void bis_scene_point_at(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, uint32_t prim,
-                        bis_counters *counters)
+void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, const bis_scene_desc *desc, ray eye,
+                        uint32_t prim, bis_counters *counters)
 {
     bis_surface at;
 
@@ -211,17 +282,25 @@ void bis_scene_point_at(bis_point *pt, const bis_scene *s, const bis_scene_desc 
         .accel = s->accel,
         .counters = counters,
     };
-    bis_bsdf_init(&pt->bsdf, &desc->materials[at.material], pt->n, pt->wo);
+    m->index = at.material;
+    const bis_material *base = &desc->materials[at.material];
+    const bis_material_textures *textures = bis_textures_of(&desc->textures, at.material);
+    if (textures) {
+        double uv[2];
+        bis_geometry_uv(&s->geometry, prim, &eye, uv);
+        m->own = bis_textures_material(&desc->textures, s->images, textures, base, uv);
+    }
+    bis_bsdf_init(&pt->bsdf, textures ? &m->own : base, pt->n, pt->wo);
 }
 
-bool bis_scene_point(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, bis_counters *counters,
-                     bis_hit *hit)
+bool bis_scene_point(bis_point *pt, bis_own_material *m, const bis_scene *s, const bis_scene_desc *desc, ray eye,
+                     bis_counters *counters, bis_hit *hit)
 {
     bis_hit first;
 
     if (!bis_accel_intersect(s->accel, &eye, &first)) return false;
     if (hit) *hit = first;
-    bis_scene_point_at(pt, s, desc, eye, first.prim, counters);
+    bis_scene_point_at(pt, m, s, desc, eye, first.prim, counters);
     return true;
 }
 

@@ -65,6 +65,7 @@ void bis_scene_desc_free(bis_scene_desc *d)
     for (size_t i = 0; i < d->n_missing; i++) bis_free(d->missing[i]);
     bis_free(d->missing);
     bis_free(d->approximations);
+    bis_textures_clear(&d->textures);
     bis_free(d->light.filename);
     bis_free(d->outfile);
     bis_free(d->path);
@@ -100,5 +101,17 @@ bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape)
     if (!shapes) return false;
     d->shapes = shapes;
     d->shapes[d->n_shapes++] = *shape;
+    return true;
+}
+
+bool bis_scene_desc_set_textures(bis_scene_desc *d, uint32_t material, const bis_material_textures *textures)
+{
+    bis_textures *t = &d->textures;
+    const bis_material_textures none = {.Kd = BIS_NO_TEXTURE, .Ks = BIS_NO_TEXTURE, .width = BIS_NO_TEXTURE};
+
+    if (!bis_room(&t->of_material, &t->capacity_of_material, (size_t)material + 1, sizeof *t->of_material))
+        return false;
+    while (t->n_of_material <= material) t->of_material[t->n_of_material++] = none;
+    t->of_material[material] = *textures;
     return true;
 }

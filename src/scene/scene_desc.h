@@ -14,6 +14,9 @@ bool bis_scene_desc_add_shape(bis_scene_desc *d, const bis_shape_desc *shape);
  * freed. */
 bool bis_scene_desc_add_missing(bis_scene_desc *d, char *name);
 
+/* bis_scene_desc_set_textures gives textures to a material. False: no memory. */
+bool bis_scene_desc_set_textures(bis_scene_desc *d, uint32_t material, const bis_material_textures *textures);
+
 /* bis_scene_desc_add_file takes over the name of a file that the scene consists of, and returns it. NULL: no memory;
  * the name is then freed. */
 const char *bis_scene_desc_add_file(bis_scene_desc *d, char *name);

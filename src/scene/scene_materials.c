@@ -11,6 +11,7 @@
 
 typedef struct entry {
     bis_material material;
+    const bis_material_textures *textures;
     uint32_t index;
 } entry;
 
@@ -33,9 +34,22 @@ static int order_materials(const bis_material *a, const bis_material *b)
     return c ? c : order(a->alpha, b->alpha);
 }
 
+/* Where no textures are, none differ. */
+static int order_textures(const bis_material_textures *a, const bis_material_textures *b)
+{
+    if (!a || !b) return (a != NULL) - (b != NULL);
+    int c = order(a->Kd, b->Kd);
+    if (!c) c = order(a->Ks, b->Ks);
+    if (!c) c = order(a->width, b->width);
+    return c ? c : order(a->power, b->power);
+}
+
 static int order_entries(const void *a, const void *b)
 {
-    return order_materials(&((const entry *)a)->material, &((const entry *)b)->material);
+    const entry *x = a, *y = b;
+    const int c = order_materials(&x->material, &y->material);
+
+    return c ? c : order_textures(x->textures, y->textures);
 }
 
 bis_status bis_scene_number_materials(uint32_t **number, uint32_t *n_numbers, const bis_scene_desc *d, bis_diag *diag)
@@ -52,7 +66,10 @@ bis_status bis_scene_number_materials(uint32_t **number, uint32_t *n_numbers, co
         status = bis_error(diag, BIS_NOMEM, (bis_loc){d->path, 0, 0}, "no memory to number %zu materials", n);
         goto done;
     }
-    for (size_t i = 0; i < n; i++) sorted[i] = (entry){d->materials[i], (uint32_t)i};
+    for (size_t i = 0; i < n; i++) {
+        const bis_material_textures *textures = bis_textures_of(&d->textures, (uint32_t)i);
+        sorted[i] = (entry){d->materials[i], textures, (uint32_t)i};
+    }
     qsort(sorted, n, sizeof *sorted, order_entries);
     for (size_t i = 0; i < n; i++) {
         const bool is_new = i == 0 || order_entries(&sorted[i - 1], &sorted[i]) != 0;

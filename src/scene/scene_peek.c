@@ -70,12 +70,28 @@ static bool exr_size(const head *h, long *width, long *height)
     return *width > 0 && *height > 0;
 }
 
+static long big_endian(const char *s)
+{
+    const unsigned char *b = (const unsigned char *)s;
+    return (long)b[0] << 24 | (long)b[1] << 16 | (long)b[2] << 8 | (long)b[3];
+}
+
+/* Its first chunk, IHDR, begins with them. */
+static bool png_size(const head *h, long *width, long *height)
+{
+    if (h->n < 24) return false;
+    *width = big_endian(h->text + 16);
+    *height = big_endian(h->text + 20);
+    return *width > 0 && *height > 0;
+}
+
 bool bis_scene_peek_image(const char *path, long *width, long *height)
 {
     head h;
     if (!read_head(&h, path)) return false;
     if (starts_with(&h, "\x76\x2f\x31\x01", 4)) return exr_size(&h, width, height);
     if (starts_with(&h, "PF", 2) || starts_with(&h, "Pf", 2)) return pfm_size(&h, width, height);
+    if (starts_with(&h, "\x89PNG", 4)) return png_size(&h, width, height);
     return starts_with(&h, "#?", 2) && hdr_size(&h, width, height);
 }
 
@@ -84,6 +100,11 @@ bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces)
     head h;
     return read_head(&h, path) && starts_with(&h, "ply", 3) && number_after(&h, "element vertex ", n_vertices) &&
            number_after(&h, "element face ", n_faces);
+}
+
+bis_status bis_scene_peek_obj(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag)
+{
+    return bis_obj_read_materials(out, path, at, diag);
 }
 
 typedef struct stranger {

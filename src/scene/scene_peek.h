@@ -3,14 +3,19 @@
  * will say why. */
 #pragma once
 
+#include "files/obj.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
-/* .hdr, .pfm, .exr (the first part's data window). */
+/* .hdr, .pfm, .exr (the first part's data window), .png. */
 bool bis_scene_peek_image(const char *path, long *width, long *height);
 
 /* .ply: what the header claims. */
 bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces);
+
+/* .obj: what it says of materials. Here a strange file is an error, as for bis_obj_read_materials. */
+bis_status bis_scene_peek_obj(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag);
 
 typedef enum bis_stranger_kind {
     BIS_STRANGER_MAP,

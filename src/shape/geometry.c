@@ -55,8 +55,26 @@ static size_t grown(size_t capacity, size_t need)
     return need <= capacity ? capacity : need > 2 * capacity ? need : 2 * capacity;
 }
 
-/* Room for so many vertices and triangles in all; with normals if g has or shall have them. */
-static bis_status reserve(bis_geometry *g, size_t n_vertices, size_t n_triangles, bool normals, bis_diag *diag)
+static void fill_without_uv(bis_uv *uv, size_t n)
+{
+    for (size_t i = 0; i < n; i++) uv[i] = (bis_uv){NAN, 0};
+}
+
+/* As for normals. */
+static bis_status reserve_uv(bis_geometry *g, size_t n_vertices, size_t capacity, bis_diag *diag)
+{
+    const bool is_new = !g->uv;
+
+    if (!is_new && capacity == g->capacity_vertices) return BIS_OK;
+    bis_uv *uv = bis_realloc(g->uv, capacity, sizeof *uv);
+    if (!uv) return no_memory(diag, "texture coordinates", n_vertices);
+    g->uv = uv;
+    if (is_new) fill_without_uv(uv, g->n_vertices);
+    return BIS_OK;
+}
+
+/* Room for so many vertices and triangles in all; with normals and texture coordinates if g has or shall have them. */
+static bis_status reserve(bis_geometry *g, size_t n_vertices, size_t n_triangles, bool normals, bool uv, bis_diag *diag)
 {
     size_t nv = grown(g->capacity_vertices, n_vertices), nt = grown(g->capacity_triangles, n_triangles);
     bool new_normals = normals && !g->n;
@@ -72,6 +90,8 @@ static bis_status reserve(bis_geometry *g, size_t n_vertices, size_t n_triangles
         g->n = n;
         if (new_normals) memset(g->n, 0, g->n_vertices * sizeof *n);
     }
+    bis_status status = uv || g->uv ? reserve_uv(g, n_vertices, nv, diag) : BIS_OK;
+    if (status) return status;
     g->capacity_vertices = nv;
     if (nt > g->capacity_triangles || !g->index) {
         uint32_t *index = bis_realloc(g->index, nt, 3 * sizeof *index);
@@ -121,9 +141,11 @@ static bis_status move_mesh(bis_geometry *g, bis_mesh *m, bis_diag *diag)
     m->p = NULL;
     bis_free(g->p);
     bis_free(g->n);
+    bis_free(g->uv);
     bis_free(g->index);
     g->p = p;
     g->n = m->n;
+    g->uv = m->uv;
     g->index = m->index;
     g->n_vertices = g->capacity_vertices = m->n_vertices;
     g->n_triangles = g->capacity_triangles = m->n_triangles;
@@ -134,7 +156,8 @@ static bis_status move_mesh(bis_geometry *g, bis_mesh *m, bis_diag *diag)
 static bis_status copy_mesh(bis_geometry *g, const bis_mesh *m, const bis_xform *t, bis_diag *diag)
 {
     const size_t first = g->n_vertices;
-    bis_status status = reserve(g, first + m->n_vertices, g->n_triangles + m->n_triangles, m->n != NULL, diag);
+    bis_status status = reserve(g, first + m->n_vertices, g->n_triangles + m->n_triangles, m->n != NULL, m->uv != NULL,
+                                diag);
 
     if (status) return status;
     for (size_t i = 0; i < m->n_vertices; i++) g->p[first + i] = bis_xform_point(t, m->p[i]);
@@ -142,6 +165,8 @@ static bis_status copy_mesh(bis_geometry *g, const bis_mesh *m, const bis_xform 
         for (size_t i = 0; i < m->n_vertices; i++)
             g->n[first + i] = m->n ? bis_xform_normal(t, m->n[i]) : (vec3){0, 0, 0};
     }
+    if (m->uv) memcpy(g->uv + first, m->uv, m->n_vertices * sizeof *g->uv);
+    else if (g->uv) fill_without_uv(g->uv + first, m->n_vertices);
     for (size_t i = 0; i < 3 * m->n_triangles; i++) {
         g->index[3 * g->n_triangles + i] = (uint32_t)first + m->index[i]; /* below 2^32 by check_mesh */
     }
@@ -215,6 +240,7 @@ void bis_geometry_clear(bis_geometry *g)
 {
     bis_free(g->p);
     bis_free(g->n);
+    bis_free(g->uv);
     bis_free(g->index);
     bis_free(g->ranges);
     bis_free(g->quadrics);
@@ -227,6 +253,7 @@ size_t bis_geometry_bytes(const bis_geometry *g)
 
     if (g->p) bytes += (g->capacity_vertices + 1) * sizeof *g->p;
     if (g->n) bytes += g->capacity_vertices * sizeof *g->n;
+    if (g->uv) bytes += g->capacity_vertices * sizeof *g->uv;
     return bytes + g->n_ranges * sizeof *g->ranges + g->n_quadrics * sizeof *g->quadrics;
 }
 

@@ -12,9 +12,84 @@ void bis_mesh_clear(bis_mesh *m)
 {
     bis_free(m->p);
     bis_free(m->n);
+    bis_free(m->uv);
     bis_free(m->index);
+    bis_free(m->part);
     *m = (bis_mesh){0};
 }
+
+/* ---- parts ---- */
+
+bis_status bis_mesh_sort_parts(bis_mesh_parts *parts, bis_mesh *m, size_t n, bis_diag *diag)
+{
+    uint32_t *sorted = bis_alloc(m->n_triangles, 3 * sizeof *sorted);
+
+    *parts = (bis_mesh_parts){.n = n, .first = bis_alloc(n + 1, sizeof *parts->first),
+                              .number = bis_alloc(m->n_vertices, sizeof *parts->number)};
+    if (!sorted || !parts->first || !parts->number) {
+        bis_free(sorted);
+        bis_mesh_parts_clear(parts);
+        return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory to sort %zu triangles", m->n_triangles);
+    }
+    for (size_t i = 0; i < m->n_vertices; i++) parts->number[i] = UINT32_MAX;
+    for (size_t i = 0; i < m->n_triangles; i++) parts->first[m->part[i] + 1]++;
+    for (size_t k = 0; k < n; k++) parts->first[k + 1] += parts->first[k];
+    /* first[k] runs through part k to its end, the beginning of the next */
+    for (size_t i = 0; i < m->n_triangles; i++) {
+        uint32_t *to = sorted + 3 * parts->first[m->part[i]]++;
+        for (size_t c = 0; c < 3; c++) to[c] = m->index[3 * i + c];
+    }
+    for (size_t k = n; k > 0; k--) parts->first[k] = parts->first[k - 1];
+    parts->first[0] = 0;
+    bis_free(m->index);
+    bis_free(m->part);
+    m->index = sorted;
+    m->part = NULL;
+    return BIS_OK;
+}
+
+void bis_mesh_parts_clear(bis_mesh_parts *parts)
+{
+    bis_free(parts->first);
+    bis_free(parts->number);
+    *parts = (bis_mesh_parts){0};
+}
+
+static void copy_vertices(bis_mesh *out, const bis_mesh *m, const uint32_t *index, const uint32_t *number)
+{
+    for (size_t i = 0; i < 3 * out->n_triangles; i++) {
+        const uint32_t from = index[i], to = number[from];
+        out->index[i] = to;
+        out->p[to] = m->p[from];
+        if (out->n) out->n[to] = m->n[from];
+        if (out->uv) out->uv[to] = m->uv[from];
+    }
+}
+
+bis_status bis_mesh_take_part(bis_mesh *out, const bis_mesh *m, bis_mesh_parts *parts, size_t k, bis_diag *diag)
+{
+    const uint32_t *index = m->index + 3 * parts->first[k];
+    uint32_t *number = parts->number;
+    bis_status status = BIS_OK;
+
+    *out = (bis_mesh){.n_triangles = parts->first[k + 1] - parts->first[k]};
+    for (size_t i = 0; i < 3 * out->n_triangles; i++)
+        if (number[index[i]] == UINT32_MAX) number[index[i]] = (uint32_t)out->n_vertices++;
+    out->p = bis_alloc(out->n_vertices, sizeof *out->p);
+    out->index = bis_alloc(out->n_triangles, 3 * sizeof *out->index);
+    if (m->n) out->n = bis_alloc(out->n_vertices, sizeof *out->n);
+    if (m->uv) out->uv = bis_alloc(out->n_vertices, sizeof *out->uv);
+    const bool ok = out->p && out->index && !out->n == !m->n && !out->uv == !m->uv;
+    if (ok) copy_vertices(out, m, index, number);
+    for (size_t i = 0; i < 3 * out->n_triangles; i++) number[index[i]] = UINT32_MAX;
+    if (!ok) {
+        status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a part of %zu triangles", out->n_triangles);
+        bis_mesh_clear(out);
+    }
+    return status;
+}
+
+/* ---- normals ---- */
 
 /* The angle at a between b and c. atan2 of sine and cosine: acos would lose half the digits of small angles. */
 static double corner_angle(vec3 a, vec3 b, vec3 c)

@@ -197,3 +197,13 @@ void bis_quadric_surface(const bis_quadric *q, const ray *r, bis_surface *s)
                         round_up(e[2] + bulge * fabs((double)s->ng.z))};
     s->material = q->material;
 }
+
+void bis_quadric_uv(const bis_quadric *q, const ray *r, double uv[2])
+{
+    point3 n;
+    const point3 p = object_hit(q, r, &n);
+    const double across = sqrt(p.x * p.x + p.y * p.y), phi = atan2(p.y, p.x);
+
+    uv[0] = (phi < 0 ? phi + 2 * PI : phi) * (INV_PI / 2);
+    uv[1] = q->kind == BIS_SPHERE ? 1 - atan2(across, p.z) * INV_PI : 1 - across / q->radius;
+}

@@ -146,6 +146,24 @@ void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bi
     }
 }
 
+void bis_geometry_uv(const bis_geometry *g, uint32_t prim, const ray *r, double uv[2])
+{
+    bis_uv corner[3] = {{0, 0}, {1, 0}, {1, 1}}; /* pbrt's, of a triangle without any */
+    double b[3];
+
+    if (prim >= g->n_triangles) {
+        bis_quadric_uv(&g->quadrics[prim - g->n_triangles], r, uv);
+        return;
+    }
+    const uint32_t *index = g->index + 3 * (size_t)prim;
+    const vec3 v[3] = {g->p[index[0]], g->p[index[1]], g->p[index[2]]};
+    if (g->uv && !isnan(g->uv[index[0]].u) && !isnan(g->uv[index[1]].u) && !isnan(g->uv[index[2]].u))
+        for (int i = 0; i < 3; i++) corner[i] = g->uv[index[i]];
+    weights(v, r, b);
+    uv[0] = b[0] * (double)corner[0].u + b[1] * (double)corner[1].u + b[2] * (double)corner[2].u;
+    uv[1] = b[0] * (double)corner[0].v + b[1] * (double)corner[1].v + b[2] * (double)corner[2].v;
+}
+
 /* p + step, rounded away from p. */
 static float move_away(float p, double step)
 {

@@ -10,6 +10,7 @@
 #include "tools/describe.h"
 
 #include <inttypes.h>
+#include <string.h>
 
 /* Upper bounds that importance.h promises. */
 enum { PIXEL_BYTES = 12, DRAWING_BYTES = 16 };
@@ -235,6 +236,43 @@ static void print_colour(const char *name, rgb c, FILE *out)
     if (c.g != c.r || c.b != c.r) fprintf(out, " %s %s", bis_format_float(g, c.g), bis_format_float(b, c.b));
 }
 
+static void print_texture(const char *name, const bis_textures *t, uint32_t texture, FILE *out)
+{
+    static const char *const kinds[] = {"constant", "image", "scale", "mix", "checkerboard", "coated"};
+    const bis_texture *x = &t->list[texture];
+    const char *file = x->kind == BIS_TEXTURE_IMAGE ? t->files[x->image].filename : NULL;
+    const char *slash = file ? strrchr(file, '/') : NULL;
+    fprintf(out, ", %s texture (%s)", name, slash ? slash + 1 : file ? file : kinds[x->kind]);
+}
+
+/* Every image, and the texture coordinates. */
+static void print_textures(const bis_scene_desc *d, FILE *out)
+{
+    const bis_textures *t = &d->textures;
+    bool *is_used = bis_alloc(t->n_files, sizeof *is_used), any = false;
+    for (size_t i = 0; i < d->n_shapes && is_used; i++) {
+        const bis_material_textures *m = bis_textures_of(t, d->shapes[i].material);
+        if (!m) continue;
+        bis_textures_mark(is_used, t, m->Kd);
+        bis_textures_mark(is_used, t, m->Ks);
+        bis_textures_mark(is_used, t, m->width);
+        any |= is_mesh(&d->shapes[i]);
+    }
+    for (size_t i = 0; i < t->n_files && is_used; i++) {
+        const char *file = t->files[i].filename;
+        char buf[32];
+        long w, h;
+        if (!is_used[i]) fprintf(out, "skip         texture %s: no shape shows it\n", file);
+        else if (bis_scene_peek_image(file, &w, &h))
+            fprintf(out, "build        texture %s, %ld x %ld: %s\n", file, w, h,
+                    megabytes(buf, (double)w * (double)h * PIXEL_BYTES));
+        else fprintf(out, "build        texture %s, a file of %s\n", file,
+                     megabytes(buf, (double)bis_scene_peek_bytes(file)));
+    }
+    if (any) fprintf(out, "build        texture coordinates: %zu bytes for each vertex of the scene\n", sizeof(bis_uv));
+    bis_free(is_used);
+}
+
 /* By number, see src/scene/scene_materials.c. */
 static void print_materials(const bis_scene_desc *d, FILE *out)
 {
@@ -250,10 +288,14 @@ static void print_materials(const bis_scene_desc *d, FILE *out)
         const bis_material *m = &d->materials[first[k]];
         char buf[32];
         fprintf(out, "material     %" PRIu32 ": %s", k, m->model->name);
-        print_colour("Kd", m->Kd, out);
-        print_colour("Ks", m->Ks, out);
+        const bis_material_textures *t = bis_textures_of(&d->textures, (uint32_t)first[k]);
         const bis_bsdf_width w = m->model->width(m);
-        if (w.scene_value > 0) fprintf(out, ", %s %s", w.scene_name, bis_format_double(buf, w.scene_value));
+        if (t && t->Kd != BIS_NO_TEXTURE) print_texture("Kd", &d->textures, t->Kd, out);
+        else print_colour("Kd", m->Kd, out);
+        if (t && t->Ks != BIS_NO_TEXTURE) print_texture("Ks", &d->textures, t->Ks, out);
+        else print_colour("Ks", m->Ks, out);
+        if (t && t->width != BIS_NO_TEXTURE) print_texture(w.scene_name, &d->textures, t->width, out);
+        else if (w.scene_value > 0) fprintf(out, ", %s %s", w.scene_name, bis_format_double(buf, w.scene_value));
         fprintf(out, "; %zu shape%s", shapes[k], shapes[k] == 1 ? "" : "s");
         fputc('\n', out);
     }
@@ -311,6 +353,7 @@ void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
     print_drawing(desc, out);
     print_geometry(desc, out);
     print_lobes(desc, out);
+    print_textures(desc, out);
     print_accel(desc, out);
     print_tiles(desc, out);
     print_film(desc, out);

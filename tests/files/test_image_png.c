@@ -197,6 +197,54 @@ static void a_png_is_no_source_of_light(void **state)
         "or .hdr (`bis SCENE --outfile NAME.exr` writes one)");
 }
 
+/* 8 bits there and back: the value is that of the nearest code, half a step off at most. Half a step of sRGB is at most
+ * 1/2/255 times its steepest slope, 2.4/1.055 (at 1). */
+static void what_was_written_is_read_back_as_colours(void **state)
+{
+    (void)state;
+    rgb pixels[W * H];
+    bis_image image;
+    for (int i = 0; i < W * H; i++) pixels[i] = (rgb){(float)i / (W * H), (float)(i * i) / (W * W * H * H), 1};
+    free(through_png(pixels, true, 0));
+    keep_as_seed(scratch("a.png"));
+    assert_int_equal(bis_image_read_colours(&image, scratch("a.png"), BIS_GAMMA_SRGB, (bis_loc){0}, NULL), BIS_OK);
+    assert_true(image.width == W && image.height == H);
+    for (int i = 0; i < W * H; i++) {
+        const double limit = 0.5 / 255 * 2.4 / 1.055 + 1e-6;
+        assert_true(fabs((double)(image.pixels[i].r - pixels[i].r)) < limit);
+        assert_true(fabs((double)(image.pixels[i].g - pixels[i].g)) < limit);
+        assert_true(image.pixels[i].b == 1);
+    }
+    bis_image_clear(&image);
+}
+
+/* Each prefix is refused, and no change of up to four bytes does harm. */
+static void damaged_pictures_are_survived(void **state)
+{
+    (void)state;
+    rgb pixels[W * H];
+    unsigned char data[4096], changed[4096];
+    uint32_t seed = 5;
+    fill(pixels, (rgb){0.3f, 0.7f, 0.1f});
+    free(through_png(pixels, true, 0));
+    FILE *f = fopen(scratch("a.png"), "rb");
+    const size_t n = fread(data, 1, sizeof data, f);
+    fclose(f);
+    for (size_t k = 0; k < n + 2000; k++) {
+        bis_image image;
+        bis_diag diag = {0};
+        memcpy(changed, data, n);
+        for (uint32_t i = 0; k >= n && i < 1 + next_random(&seed) % 4; i++)
+            changed[next_random(&seed) % n] = (unsigned char)next_random(&seed);
+        store(scratch("b.png"), changed, k < n ? k : n);
+        const bis_status status = bis_image_read_colours(&image, scratch("b.png"), 1, (bis_loc){0}, &diag);
+        if (k < n) assert_int_equal(status, BIS_INPUT);
+        assert_true((status == BIS_OK) == (image.pixels != NULL) && (status == BIS_OK) == (diag.n_errors == 0));
+        bis_image_clear(&image);
+        bis_diag_clear(&diag);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -209,6 +257,8 @@ int main(void)
         cmocka_unit_test(channels_may_be_planes_of_their_own),
         cmocka_unit_test(the_file_says_that_it_is_srgb),
         cmocka_unit_test(a_png_is_no_source_of_light),
+        cmocka_unit_test(what_was_written_is_read_back_as_colours),
+        cmocka_unit_test(damaged_pictures_are_survived),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

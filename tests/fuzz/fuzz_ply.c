@@ -5,5 +5,6 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     fuzz_mesh(bis_ply_read, data, size);
+    fuzz_mesh(bis_ply_read_uv, data, size);
     return 0;
 }

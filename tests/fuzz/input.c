@@ -54,6 +54,8 @@ void fuzz_mesh(fuzz_mesh_reader *read, const uint8_t *data, size_t size)
 
     fuzz_check_diag(status, &diag);
     if (status) fuzz_require(!m.p && !m.n && !m.index && m.n_triangles == 0, "no mesh after a failure");
+    volatile float sum = 0;
+    for (size_t i = 0; m.uv && i < m.n_vertices; i++) sum = sum + m.uv[i].u + m.uv[i].v; /* NaN: has none */
     for (size_t i = 0; i < m.n_vertices; i++)
         fuzz_require(vec3_is_finite(m.p[i]) && (!m.n || vec3_is_finite(m.n[i])), "coordinates are finite");
     for (size_t i = 0; i < 3 * m.n_triangles; i++) fuzz_require(m.index[i] < m.n_vertices, "indices are in range");

@@ -556,7 +556,7 @@ static void another_render_is_refused_by_what_differs(void **state)
         {other_vertex, "differ: the shapes. "},
         {other_index, "differ: the shapes. "},
         {other_ball, "differ: the shapes. "},
-        {other_material, "differ: the materials. "},
+        {other_material, "differ: the materials, or their textures. "},
         {other_pixel, "differ: the pixels of the map. "},
         {other_scale, "differ: the parameters of the light. "},
         {other_turn, "differ: the parameters of the light. "},

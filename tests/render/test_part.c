@@ -439,7 +439,7 @@ static void every_field_of_the_format_counts(void **state)
         {"error", 8, 0, 1, "differ: that an --error is asked for"},
         {"settings", 8, 0, 1, "differ: the integrator, or its parameters. "},
         {"shapes", 8, 0, 1, "differ: the shapes. "},
-        {"materials", 8, 0, 1, "differ: the materials. "},
+        {"materials", 8, 0, 1, "differ: the materials, or their textures. "},
         {"map", 8, 0, 1, "differ: the pixels of the map. "},
         {"light", 8, 0, 1, "differ: the parameters of the light. "},
         {"accelerator", 8, 7, 0x80, "differ: the accelerator. "},
@@ -608,7 +608,7 @@ static void what_is_missing_or_foreign_is_named(void **state)
     w.materials[1].exponent++;
     write_part(&w, &small, 2, 2, 2);
     assert_int_equal(merge_paths(m, (const char *[]){BAD, OTHER}, 2,
-                                 "These differ: the sampler, or its seed; the materials. "), BIS_INPUT);
+                                 "These differ: the sampler, or its seed; the materials, or their textures. "), BIS_INPUT);
     bis_film f;
     bis_render_result result;
     bis_diag diag = {0};

@@ -28,12 +28,13 @@ static rgb radiance(const world *w, bis_workspace *work, bis_Lo *Lo, const bis_s
     const bis_view *view = &w->desc.view;
     double u[2] = {0.5, 0.5};
     bis_stream stream;
+    bis_own_material m;
     bis_point pt;
 
     bis_stream_init(&stream, sampler, (uint64_t)(y * WIDTH + x), index);
     if (view->pixel_jitter) bis_stream_camera(&stream, u);
     const ray eye = bis_camera_ray(&view->camera, WIDTH, HEIGHT, x + u[0], y + u[1]);
-    *hit = bis_scene_point(&pt, &w->scene, &w->desc, eye, &work->workers[0].counters, NULL);
+    *hit = bis_scene_point(&pt, &m, &w->scene, &w->desc, eye, &work->workers[0].counters, NULL);
     if (!*hit) return bis_light_Le(w->scene.light, eye.d);
     return Lo(&view->settings, &pt, &stream, &work->workers[0].scratch);
 }

@@ -95,7 +95,6 @@ static const struct row {
     {"WorldBegin Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]", "Shape \"loopsubdiv\"", true},
     {"WorldBegin Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]", "Shape \"bilinearmesh\"", true},
     {"WorldBegin Shape \"sphere\" \"float zmin\" 0", "\"zmin\"", true},
-    {"WorldBegin Material \"diffuse\" \"spectrum reflectance\" [400 1 700 1]", "\"spectrum reflectance\"", true},
 };
 
 static void each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate(void **state)

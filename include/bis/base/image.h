@@ -14,6 +14,9 @@ typedef struct bis_image {
  * compared the size in the header with this limit and with the size of the file. */
 #define BIS_IMAGE_MAX_SIDE 32768
 
+/* The exponent that stands for the curve of sRGB, where values of a file are turned into linear ones. */
+#define BIS_GAMMA_SRGB 0
+
 /* bis_image_init allocates width x height black pixels. Errors: BIS_INPUT (a side below 1 or above
  * BIS_IMAGE_MAX_SIDE), BIS_NOMEM. *image is then empty. */
 bis_status bis_image_init(bis_image *image, int width, int height, bis_diag *diag);

@@ -9,6 +9,12 @@
  * was ignored, a layer was chosen) go to diag. Errors: BIS_IO (cannot read), BIS_INPUT (an unknown format, a damaged
  * file, no colour channels), BIS_NOMEM. */
 bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag);
+
+/* bis_image_read_colours reads an image whose values are colours of a surface, and no radiance: it takes a .png, too. A
+ * .png's value v in [0,1] becomes v^gamma, or what the curve of sRGB makes of it (BIS_GAMMA_SRGB); the other formats
+ * are linear, and gamma does not count. Transparency is dropped. Errors: those of bis_image_read. */
+bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag);
+
 /* One header attribute of an EXR: text, or a number if text is NULL. OpenEXR reserves some names ("version", "type",
  * "name", "tiles", ...). Writing one of these is BIS_INPUT; names with a prefix avoid this. */
 typedef struct bis_attribute {

@@ -9,6 +9,7 @@
 #include "bis/thesis/integrator.h"
 #include "bis/scene/layers.h"
 #include "bis/scene/light_load.h"
+#include "bis/scene/texture.h"
 #include "bis/thesis/sampler.h"
 #include "bis/base/status.h"
 
@@ -27,6 +28,8 @@ typedef struct bis_mesh_desc {
     bis_shape_kind kind; /* PLY, OBJ, TRIANGLES */
     char *filename;      /* PLY, OBJ: resolved path */
     bool smooth;         /* compute vertex normals if the file has none */
+    bool has_parts;      /* OBJ: its shapes are its parts, see bis_shape_desc.part */
+    size_t n_parts;      /* names of materials that the file had when it was described */
     bis_mesh mesh;       /* TRIANGLES */
     bis_loc loc;         /* the place of the file's name, or of the directive */
 } bis_mesh_desc;
@@ -35,6 +38,7 @@ typedef struct bis_mesh_desc {
 typedef struct bis_shape_desc {
     bis_shape_kind kind;
     uint32_t mesh;         /* PLY, OBJ, TRIANGLES: index into meshes */
+    uint32_t part;         /* OBJ that has_parts: the part of the mesh that this shape is */
     double radius, height; /* SPHERE, DISK */
     bis_xform to_world;
     uint32_t material;     /* index into materials */
@@ -88,6 +92,7 @@ typedef struct bis_scene_desc {
     bis_light_desc light;
     bis_material *materials;
     size_t n_materials, capacity_materials;
+    bis_textures textures;
     bis_mesh_desc *meshes;
     size_t n_meshes, capacity_meshes;
     bis_shape_desc *shapes;
@@ -132,6 +137,9 @@ typedef struct bis_scene {
     bis_geometry geometry;
     bis_accel *accel; /* NULL: no geometry */
     bis_light *light; /* a black constant where the scene has none */
+    /* images[n_images]: of desc->textures.files, those that a shape shows; others are empty */
+    bis_texture_image *images;
+    size_t n_images;
     size_t *shape_end; /* shape_end[n_shapes]: the number of triangles of all shapes up to and including this one */
     bis_scene_seconds seconds;
 } bis_scene;
@@ -158,21 +166,22 @@ bis_scene_figures bis_scene_figures_of(const bis_scene *s);
 bis_status bis_scene_accel(bis_accel **out, const bis_scene *s, const bis_scene_desc *desc, bis_accel_kind kind,
                            bis_diag *diag);
 
+/* The material of a point. Where it has textures, the point's bsdf points to `own`, so that this lives as long. */
+typedef struct bis_own_material {
+    uint32_t index;   /* into desc->materials */
+    bis_material own; /* with the values of its textures there; not set where it has none */
+} bis_own_material;
+
 /* bis_scene_point finds the surface that the camera ray `eye` meets first and stores it in *pt, with desc's material
- * and with wo = -eye.d. Rays traced from *pt are counted in *counters; this one is not. *hit (may be NULL) receives the
- * distance and the primitive. Returns false if the ray meets nothing. */
-bool bis_scene_point(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, bis_counters *counters,
-                     bis_hit *hit);
+ * and with wo = -eye.d. *m receives this material; it must live as long as *pt. Rays traced from *pt are counted in
+ * *counters; this one is not. *hit (may be NULL) receives the distance and the primitive. Returns false if the ray
+ * meets nothing. */
+bool bis_scene_point(bis_point *pt, bis_own_material *m, const bis_scene *s, const bis_scene_desc *desc, ray eye,
+                     bis_counters *counters, bis_hit *hit);
 
 /* bis_scene_point_at does the same where it is known that `eye` meets primitive prim first. */
-void bis_scene_point_at(bis_point *pt, const bis_scene *s, const bis_scene_desc *desc, ray eye, uint32_t prim,
-                        bis_counters *counters);
-
-/* bis_scene_material_of returns the material of a point, an index into desc->materials. */
-static inline uint32_t bis_scene_material_of(const bis_scene_desc *desc, const bis_point *pt)
-{
-    return (uint32_t)(pt->bsdf.material - desc->materials);
-}
+void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, const bis_scene_desc *desc, ray eye,
+                        uint32_t prim, bis_counters *counters);
 
 /* bis_scene_shape_of returns the shape (an index into desc->shapes) that primitive `prim` of the geometry belongs to.
  * *part receives the triangle in this shape, from 0; for a sphere or disk it is 0. */

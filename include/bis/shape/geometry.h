@@ -8,16 +8,39 @@
 
 #include <stdint.h>
 
+/* Texture coordinates of a vertex. u is NaN where a vertex has none. */
+typedef struct bis_uv {
+    float u, v;
+} bis_uv;
+
 /* The result of a mesh reader: indexed triangles in the file's space. The arrays come from bis_alloc. */
 typedef struct bis_mesh {
     vec3 *p;         /* p[n_vertices] */
     vec3 *n;         /* n[n_vertices] or NULL */
+    bis_uv *uv;      /* uv[n_vertices] or NULL */
     uint32_t *index; /* index[n_triangles][3], each < n_vertices */
+    uint32_t *part;  /* part[n_triangles], what a file tells apart, or NULL. A geometry does not ask */
     size_t n_vertices, n_triangles;
 } bis_mesh;
 
 /* bis_mesh_clear frees the arrays. *m is empty afterwards. */
 void bis_mesh_clear(bis_mesh *m);
+
+/* The parts of a mesh whose triangles are sorted by part. The arrays come from bis_alloc. */
+typedef struct bis_mesh_parts {
+    size_t n;
+    size_t *first;    /* first[n + 1]: part k is the triangles [first[k], first[k + 1]) */
+    uint32_t *number; /* number[n_vertices], for bis_mesh_take_part: UINT32_MAX between its calls */
+} bis_mesh_parts;
+
+/* bis_mesh_sort_parts sorts the triangles of *m by part, each m->part < n, in the order that they have within a part.
+ * Errors: BIS_NOMEM. */
+bis_status bis_mesh_sort_parts(bis_mesh_parts *parts, bis_mesh *m, size_t n, bis_diag *diag);
+void bis_mesh_parts_clear(bis_mesh_parts *parts);
+
+/* bis_mesh_take_part stores in *out a copy of part k of m, with the vertices that it uses. Cost: in proportion to the
+ * part. Errors: BIS_NOMEM. */
+bis_status bis_mesh_take_part(bis_mesh *out, const bis_mesh *m, bis_mesh_parts *parts, size_t k, bis_diag *diag);
 
 /* bis_mesh_smooth_normals computes vertex normals from the faces, weighted by angle. It serves `smooth` for meshes
  * that have no normals. Vertices of equal position share a normal only if they share the index. A vertex without any
@@ -46,6 +69,7 @@ typedef struct bis_box {
 typedef struct bis_geometry {
     vec3 *p;         /* p[n_vertices + 1]: one more, because Embree reads 16 bytes per vertex */
     vec3 *n;         /* vertex normals n[n_vertices], or NULL if no mesh has any; (0,0,0): use the normal of the face */
+    bis_uv *uv;      /* texture coordinates uv[n_vertices], or NULL if no mesh has any */
     uint32_t *index; /* index[n_triangles][3] */
     size_t n_vertices, n_triangles, capacity_vertices, capacity_triangles;
     bis_range *ranges;
@@ -92,6 +116,11 @@ typedef struct bis_surface {
 /* bis_geometry_surface computes the surface where the ray r meets primitive `prim`, which an accelerator found. The
  * result does not depend on the accelerator, because the barycentric coordinates are computed again in double. */
 void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bis_surface *s);
+
+/* bis_geometry_uv stores in uv the texture coordinates where r meets primitive `prim`, which an accelerator found. They
+ * are pbrt's: interpolated between vertices, or, on a triangle that lacks some, between (0,0), (1,0) and (1,1); on a
+ * sphere (phi/2pi, 1 - theta/pi), on a disc (phi/2pi, 1 - r/radius), with phi in [0, 2pi) about z from x. */
+void bis_geometry_uv(const bis_geometry *g, uint32_t prim, const ray *r, double uv[2]);
 
 /* bis_geometry_prefetch asks the memory for what bis_geometry_surface will read of primitive `prim`. It does not wait
  * for the answer. Stage 0 asks for the indices of the vertices; stage 1 reads them and asks for the vertices and

@@ -21,9 +21,9 @@ bool bis_pixel_find(bis_pixel_hit *hit, bis_point *pt, ray *eye, const bis_scene
     bis_hit h;
 
     *eye = bis_camera_ray(&desc->view.camera, desc->view.film.width, desc->view.film.height, x + 0.5, y + 0.5);
-    if (!bis_scene_point(pt, scene, desc, *eye, counters, &h)) return false;
-    *hit = (bis_pixel_hit){
-        .t = (double)h.t, .material = pt->bsdf.material, .material_index = bis_scene_material_of(desc, pt)};
+    if (!bis_scene_point(pt, &hit->own, scene, desc, *eye, counters, &h)) return false;
+    hit->t = (double)h.t;
+    hit->material = pt->bsdf.material;
     hit->shape = bis_scene_shape_of(scene, desc, h.prim, &hit->part);
     return true;
 }

@@ -19,8 +19,8 @@
 typedef struct bis_pixel_hit {
     double t;                       /* along the ray from the eye, in world units */
     size_t shape, part;             /* index into desc->shapes; the triangle in it */
-    const bis_material *material;
-    size_t material_index;
+    const bis_material *material;   /* of this point */
+    bis_own_material own;           /* what the point's bsdf may point to: the hit must outlive the point, unmoved */
 } bis_pixel_hit;
 
 /* The point that the ray through the centre of pixel (x, y) meets, as an integrator sees it. False: it meets no

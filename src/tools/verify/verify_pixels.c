@@ -93,10 +93,10 @@ static double reflected(const bis_verify_eye *e, const bis_point *pt, const doub
 }
 
 /* The same surface, for an eye that looks for outlines? As docs/budgets.md says it. */
-static bool is_alike(const bis_verify_pixel *p, bool hit, const bis_scene_desc *desc, const bis_point *pt)
+static bool is_alike(const bis_verify_pixel *p, bool hit, uint32_t material, const bis_point *pt)
 {
     if (hit != (p->material != BIS_NO_NUMBER)) return false;
-    return !hit || (bis_scene_material_of(desc, pt) == p->material && dot(pt->n, p->n) >= 0.5);
+    return !hit || (material == p->material && dot(pt->n, p->n) >= 0.5);
 }
 
 /* The mean over n samples of film pixel (x, y). p: may be NULL. */
@@ -109,22 +109,23 @@ static double mean_of(const bis_verify_eye *e, int x, int y, uint32_t n, bis_rng
     for (int d = 0; d < DIMENSIONS; d++) s[d] = bis_rng_double(rng);
     for (uint32_t j = 0; j < n; j++) {
         double u[DIMENSIONS], whole;
+        bis_own_material m;
         bis_point pt;
         for (int d = 0; d < DIMENSIONS; d++) u[d] = modf(s[d] + j * step[d], &whole);
         if (!e->view->pixel_jitter) u[X] = u[Y] = 0.5;
         const ray eye = bis_camera_ray(&e->view->camera, f->picture_width, f->picture_height,
                                        x * f->step + f->step / 2 + u[X], y * f->step + f->step / 2 + u[Y]);
-        const bool hit = bis_scene_point(&pt, e->scene, e->desc, eye, &counters, NULL);
+        const bool hit = bis_scene_point(&pt, &m, e->scene, e->desc, eye, &counters, NULL);
         const double L = hit                      ? reflected(e, &pt, u, rng)
                          : e->desc->light.visible ? measure(bis_light_Le(e->table->light, eye.d))
                                                   : 0;
         sum += L;
         if (!p) continue;
         if (j == 0 && hit) {
-            p->material = bis_scene_material_of(e->desc, &pt);
+            p->material = m.index;
             p->n = pt.n;
         }
-        p->is_outline |= !is_alike(p, hit, e->desc, &pt);
+        p->is_outline |= !is_alike(p, hit, hit ? m.index : BIS_NO_NUMBER, &pt);
         p->square += L * L / n;
         p->slope[0] += L * (u[X] - 0.5) / n;
         p->slope[1] += L * (u[Y] - 0.5) / n;

@@ -28,6 +28,16 @@ enum { VISITS_OF_A_PIXEL = 6, MAX_CANDIDATES = 4096, MAX_SHADOWRAYS = 1024, MAX_
 
 /* ---- materials ---- */
 
+/* A material; one with textures as it is in the middle of them, (1/2, 1/2). */
+static bis_material material_of(const bis_scene *scene, const bis_scene_desc *desc, uint32_t index)
+{
+    const bis_material_textures *of = bis_textures_of(&desc->textures, index);
+    const bis_material *base = &desc->materials[index];
+
+    if (!of) return *base;
+    return bis_textures_material(&desc->textures, scene->images, of, base, (double[]){0.5, 0.5});
+}
+
 static bool equal_materials(const bis_material *a, const bis_material *b)
 {
     return a->model == b->model && memcmp(&a->Kd, &b->Kd, sizeof a->Kd) == 0 &&
@@ -35,13 +45,13 @@ static bool equal_materials(const bis_material *a, const bis_material *b)
 }
 
 /* Those that shapes have, each once, in the order of the scene. Returns their number, beyond MAX_MATERIALS too. */
-static size_t find_materials(const bis_material *found[MAX_MATERIALS], const bis_scene_desc *desc)
+static size_t find_materials(bis_material found[MAX_MATERIALS], const bis_scene *scene, const bis_scene_desc *desc)
 {
     size_t n = 0;
     for (size_t i = 0; i < desc->n_shapes; i++) {
-        const bis_material *m = &desc->materials[desc->shapes[i].material];
+        const bis_material m = material_of(scene, desc, desc->shapes[i].material);
         bool known = false;
-        for (size_t k = 0; k < n && k < MAX_MATERIALS && !known; k++) known = equal_materials(found[k], m);
+        for (size_t k = 0; k < n && k < MAX_MATERIALS && !known; k++) known = equal_materials(&found[k], &m);
         if (known) continue;
         if (n < MAX_MATERIALS) found[n] = m;
         n++;
@@ -77,15 +87,15 @@ static bis_status check_material(bis_verify *v, const bis_material *m, size_t nu
     return status;
 }
 
-static bis_status check_materials(bis_verify *v, const bis_scene_desc *desc, bis_diag *diag)
+static bis_status check_materials(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc, bis_diag *diag)
 {
-    const bis_material *materials[MAX_MATERIALS];
-    const size_t n = find_materials(materials, desc);
+    bis_material materials[MAX_MATERIALS];
+    const size_t n = find_materials(materials, scene, desc);
     bis_status status = BIS_OK;
 
     bis_verify_begin(v, "materials");
     for (size_t i = 0; i < n && i < MAX_MATERIALS && !status; i++)
-        status = check_material(v, materials[i], i + 1, diag);
+        status = check_material(v, &materials[i], i + 1, diag);
     if (n > MAX_MATERIALS)
         bis_verify_skip(v, "materials", "too many: only the first are looked at", "%d and on", MAX_MATERIALS + 1);
     return status;
@@ -137,11 +147,11 @@ static bool is_known(int x, int y, int (*known)[2], int n)
 }
 
 /* False: nothing is hit, or it is black. */
-static bool find_point(bis_point *pt, const bis_scene *scene, const bis_scene_desc *desc, int x, int y,
-                       bis_counters *counters)
+static bool find_point(bis_point *pt, bis_own_material *m, const bis_scene *scene, const bis_scene_desc *desc, int x,
+                       int y, bis_counters *counters)
 {
     const ray eye = bis_camera_ray(&desc->view.camera, desc->view.film.width, desc->view.film.height, x + 0.5, y + 0.5);
-    return bis_scene_point(pt, scene, desc, eye, counters, NULL) && !bis_bsdf_is_black(&pt->bsdf);
+    return bis_scene_point(pt, m, scene, desc, eye, counters, NULL) && !bis_bsdf_is_black(&pt->bsdf);
 }
 
 static const char *why_no_view(const bis_scene *scene)
@@ -176,13 +186,14 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
     const double patches = (double)bis_light_patches(scene->light);
     for (int k = 0; k < MAX_TRIES && n_pixels < n_wanted && !status; k++) {
         if (visits > 0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;
+        bis_own_material m;
         bis_point pt;
         bool tested;
         int x, y;
         char name[64];
         pixel_of(&x, &y, k, &desc->view.film);
         if (is_known(x, y, known, n_pixels)) continue;
-        if (!find_point(&pt, scene, desc, x, y, &counters)) continue;
+        if (!find_point(&pt, &m, scene, desc, x, y, &counters)) continue;
         snprintf(name, sizeof name, "pixel (%d, %d)", x, y);
         bis_verify_begin(v, name);
         status = bis_verify_point(v, &pt, settings, n, desc->view.sampler.kind, name, &tested, diag);
@@ -229,7 +240,7 @@ bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_sce
     } else {
         status = bis_verify_map(v, bis_light_envmap(scene->light), desc->light.area_exponent, desc->light.levels, diag);
     }
-    if (!status) status = check_materials(v, desc, diag);
+    if (!status) status = check_materials(v, scene, desc, diag);
     if (!status) status = check_view(v, scene, desc, settings, diag);
     if (!status) status = check_backends(v, scene, desc, diag);
     return status;

@@ -1,0 +1,11 @@
+/* textures: models with texture coordinates and images to lie on them. For data/generate/make_data.c alone. */
+#ifndef TEXTURES_H
+#define TEXTURES_H
+
+#include "bis/base/status.h"
+
+/* Write dir/maps/tiles.png, dir/maps/polish.png, dir/models/vase.ply, dir/models/crates.obj and crates.mtl. The folders
+ * must exist. */
+bis_status textures_make(const char *dir, bis_diag *diag);
+
+#endif

@@ -1,0 +1,34 @@
+/* spectrum: from a function of the wavelength to linear RGB (Rec. 709 primaries, white D65).
+ *
+ * Sums over 380, 390, ..., 780 nm with the colour matching functions of the CIE 1931 observer and the illuminant D65.
+ */
+#pragma once
+
+#include "bis/base/vec.h"
+
+#include <stddef.h>
+
+/* A spectrum that is linear between pairs[n] of (wavelength in nm, value), wavelengths ascending, and constant outside.
+ * n >= 1. It borrows pairs. */
+typedef struct bis_spectrum {
+    const double (*pairs)[2];
+    size_t n;
+} bis_spectrum;
+
+/* bis_spectrum_at returns the value at a wavelength in nm. */
+double bis_spectrum_at(const bis_spectrum *s, double nm);
+
+/* bis_spectrum_reflected returns the colour of D65 that a surface of this reflectance reflects, relative to white: a
+ * constant c gives (c, c, c). A saturated colour may lie outside [0,1]. */
+rgbd bis_spectrum_reflected(const bis_spectrum *s);
+
+/* bis_spectrum_conductor returns the same for a smooth conductor of refractive index eta and absorption k, seen head
+ * on: ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2). */
+rgbd bis_spectrum_conductor(const bis_spectrum *eta, const bis_spectrum *k);
+
+/* bis_spectrum_blackbody returns the colour of a black body of this temperature in kelvin, 500 to 1e6, with luminance
+ * 1 (0.2126 r + 0.7152 g + 0.0722 b = 1). Components may be negative. Source: Planck's law, c2 = 14387768.775 nm K. */
+rgbd bis_spectrum_blackbody(double kelvin);
+
+/* bis_xyz_to_rgb converts CIE XYZ to linear RGB. */
+rgbd bis_xyz_to_rgb(double x, double y, double z);

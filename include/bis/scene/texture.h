@@ -1,0 +1,109 @@
+/* texture: a value that varies over a surface with its texture coordinates (u, v), as pbrt has it. It takes the place
+ * of a colour or a number of a material. The parser makes the list of textures; bis_textures_load reads their images; a
+ * point's material is made of their values there (bis_scene_point_at), before an integrator sees the point. */
+#pragma once
+
+#include "bis/base/image.h"
+#include "bis/thesis/bsdf.h"
+
+#include <stdint.h>
+
+typedef enum bis_texture_kind {
+    BIS_TEXTURE_CONSTANT,
+    BIS_TEXTURE_IMAGE,
+    BIS_TEXTURE_SCALE,       /* of[0] times of[1] */
+    BIS_TEXTURE_MIX,         /* (1 - of[2]) of[0] + of[2] of[1] */
+    BIS_TEXTURE_CHECKERBOARD, /* of[0] where floor(s) + floor(t) is even, else of[1] */
+    /* (1 - scale) x / (1 - scale x) of x = of[0] <= 1: what leaves a base below a coat */
+    BIS_TEXTURE_COAT
+} bis_texture_kind;
+
+/* What an image is outside [0,1]: it goes on, its border goes on, or it is 0. */
+typedef enum bis_wrap { BIS_WRAP_REPEAT, BIS_WRAP_CLAMP, BIS_WRAP_BLACK } bis_wrap;
+
+typedef struct bis_texture {
+    bis_texture_kind kind;
+    /* SCALE, MIX, CHECKERBOARD, COAT: textures of the list, all before this one, so that there are no cycles */
+    uint32_t of[3];
+    /* CONSTANT: its value. Else: a typical value, for those who plan. It is 0 only if the texture is 0 everywhere */
+    rgbd value;
+    double factor[2], offset[2]; /* IMAGE, CHECKERBOARD: (s, t) = factor (u, v) + offset */
+    uint32_t image;  /* IMAGE: index into images */
+    bis_wrap wrap;
+    double scale;    /* COAT: the share that is reflected back inside. IMAGE: multiplies, */
+    bool invert;     /* and then 1 - it is taken */
+    bool is_float;   /* IMAGE: the mean of its three channels */
+    uint32_t steps;  /* textures that one value asks, this one included: at most BIS_TEXTURE_MAX_STEPS */
+} bis_texture;
+
+#define BIS_TEXTURE_MAX_STEPS 256
+#define BIS_NO_TEXTURE UINT32_MAX
+
+/* An image of the list. Textures of the same file and gamma share it. */
+typedef struct bis_texture_file {
+    char *filename; /* resolved path; owned */
+    double gamma;   /* of a .png, see bis_image_read_colours */
+    bis_loc loc;    /* the place of its name */
+} bis_texture_file;
+
+/* The textures of a material, each BIS_NO_TEXTURE where the material has a value of its own. */
+typedef struct bis_material_textures {
+    uint32_t Kd, Ks;
+    uint32_t width; /* phong: of the exponent. microfacet: of the roughness, */
+    double power;   /* which is the texture's value to this power */
+    bis_loc loc;
+} bis_material_textures;
+
+/* What the parser makes. It owns what its pointers point to. */
+typedef struct bis_textures {
+    bis_texture *list;
+    size_t n, capacity;
+    bis_texture_file *files;
+    size_t n_files, capacity_files;
+    bis_material_textures *of_material; /* by the material's index; a material beyond the end has none */
+    size_t n_of_material, capacity_of_material;
+} bis_textures;
+
+/* An image in memory, and the least and the largest value of each channel and of the channels' mean. */
+typedef struct bis_texture_image {
+    bis_image image;
+    double lo[4], hi[4];
+} bis_texture_image;
+
+/* bis_textures_clear frees everything. *t is empty afterwards. */
+void bis_textures_clear(bis_textures *t);
+
+/* bis_textures_of returns the textures of a material, or NULL if it has none. */
+static inline const bis_material_textures *bis_textures_of(const bis_textures *t, uint32_t material)
+{
+    if (material >= t->n_of_material) return NULL;
+    const bis_material_textures *m = &t->of_material[material];
+    return m->Kd == BIS_NO_TEXTURE && m->Ks == BIS_NO_TEXTURE && m->width == BIS_NO_TEXTURE ? NULL : m;
+}
+
+/* bis_textures_mark sets is_used[n_files] for the images that texture `texture` needs. */
+void bis_textures_mark(bool *is_used, const bis_textures *t, uint32_t texture);
+
+/* bis_textures_load reads the image of a file of the list. Errors: those of bis_image_read_colours; BIS_INPUT (a value
+ * that is negative or not finite). */
+bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag);
+
+/* bis_textures_value returns the value of a texture at (u, v), which must be finite. Images are interpolated between
+ * the centres of texels; v = 0 is the bottom of an image, as in pbrt. images[t->n_files] must be loaded where the
+ * texture needs them. Nothing is cut off: see bis_textures_range. */
+rgbd bis_textures_value(const bis_textures *t, const bis_texture_image *images, uint32_t texture, const double uv[2]);
+
+/* bis_textures_range stores bounds of all values of a texture. They are attained by a constant and by an image with
+ * BIS_WRAP_REPEAT or BIS_WRAP_CLAMP, and may be wider for textures that are made of others. */
+void bis_textures_range(rgbd *lo, rgbd *hi, const bis_textures *t, const bis_texture_image *images, uint32_t texture);
+
+/* bis_textures_check looks whether the textures of material *base stay in the ranges that constants have: Kd and Ks in
+ * [0,1], a microfacet's roughness in [BIS_MICROFACET_MIN_ROUGHNESS, 1], an exponent >= 0. It warns if Phong's Kd + Ks
+ * can exceed 1. Errors: BIS_INPUT, at the material. */
+bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *images, const bis_material_textures *of,
+                              const bis_material *base, bis_diag *diag);
+
+/* bis_textures_material returns material *base with the values of its textures at (u, v). bis_textures_check must have
+ * accepted them. */
+bis_material bis_textures_material(const bis_textures *t, const bis_texture_image *images,
+                                   const bis_material_textures *of, const bis_material *base, const double uv[2]);

@@ -1,0 +1,198 @@
+/* image_png_read: the colours of a PNG, for textures. Read by libpng; maps are never read from it, because 8 bits of a
+ * screen are no radiance.
+ *
+ * Every kind of PNG becomes 8 or 16 bits of red, green and blue; what it says of transparency is dropped. A table turns
+ * these numbers into linear values. libpng leaves by longjmp on errors: see image_png.c.
+ * What a header claims is held against the file: deflate makes at most 1032 bytes of one. */
+#include "image_png.h"
+
+#include "bis/base/mem.h"
+#include "image_io.h"
+
+#include <png.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <string.h>
+
+enum { DEFLATE_MOST = 1032 };
+
+typedef struct png_job {
+    const image_input *in;
+    size_t at; /* of the next byte that libpng gets */
+    png_structp png;
+    png_infop info;
+    png_uint_32 width, height;
+    size_t row_bytes;
+    int depth;           /* 8 or 16, after the conversion */
+    int passes;          /* over the rows */
+    unsigned char *rows; /* all of them */
+    char reason[80];     /* libpng's, when it gave up */
+    bool out_of_memory;
+} png_job;
+
+static void on_error(png_structp png, png_const_charp text)
+{
+    png_job *job = png_get_error_ptr(png);
+    snprintf(job->reason, sizeof job->reason, "%s", text);
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp text)
+{
+    (void)png;
+    (void)text;
+}
+
+static png_voidp allocate(png_structp png, png_alloc_size_t size)
+{
+    png_job *job = png_get_mem_ptr(png);
+    void *p = bis_alloc(size, 1);
+    if (!p) job->out_of_memory = true;
+    return p;
+}
+
+static void release(png_structp png, png_voidp p)
+{
+    (void)png;
+    bis_free(p);
+}
+
+static void take_bytes(png_structp png, png_bytep out, size_t n)
+{
+    png_job *job = png_get_io_ptr(png);
+    if (n > job->in->size - job->at) png_error(png, "the file is cut off");
+    memcpy(out, job->in->data + job->at, n);
+    job->at += n;
+}
+
+/* The header, and the conversion to 8 or 16 bits of RGB. False: libpng failed. */
+static bool read_header(png_job *job)
+{
+    if (setjmp(png_jmpbuf(job->png))) return false;
+    png_set_user_limits(job->png, BIS_IMAGE_MAX_SIDE, BIS_IMAGE_MAX_SIDE);
+    png_set_chunk_malloc_max(job->png, 1 << 24);
+    png_set_read_fn(job->png, job, take_bytes);
+    png_read_info(job->png, job->info);
+    png_set_expand(job->png); /* palettes, fewer bits than 8 */
+    png_set_gray_to_rgb(job->png);
+    png_set_strip_alpha(job->png);
+    job->passes = png_set_interlace_handling(job->png);
+    png_read_update_info(job->png, job->info);
+    job->width = png_get_image_width(job->png, job->info);
+    job->height = png_get_image_height(job->png, job->info);
+    job->row_bytes = png_get_rowbytes(job->png, job->info);
+    job->depth = png_get_bit_depth(job->png, job->info);
+    return true;
+}
+
+/* An interlaced file visits its rows several times, so that all of them are kept. */
+static bool read_rows(png_job *job)
+{
+    if (setjmp(png_jmpbuf(job->png))) return false;
+    for (int pass = 0; pass < job->passes; pass++)
+        for (png_uint_32 y = 0; y < job->height; y++)
+            png_read_row(job->png, job->rows + y * job->row_bytes, NULL);
+    png_read_end(job->png, NULL);
+    return true;
+}
+
+/* IEC 61966-2-1, or a power. */
+static double to_linear(double v, double gamma)
+{
+    if (gamma != BIS_GAMMA_SRGB) return pow(v, gamma);
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+static bis_status fill_table(float **table, int depth, double gamma, const image_input *in)
+{
+    const size_t n = (size_t)1 << depth;
+
+    *table = bis_alloc(n, sizeof **table);
+    if (!*table) return bis_image_refuse(in, BIS_NOMEM, "no memory for a table of %zu colours", n);
+    for (size_t i = 0; i < n; i++) (*table)[i] = (float)to_linear((double)i / (double)(n - 1), gamma);
+    return BIS_OK;
+}
+
+static void convert(bis_image *image, const png_job *job, const float *table)
+{
+    const bool wide = job->depth == 16;
+
+    for (size_t y = 0; y < job->height; y++) {
+        const unsigned char *row = job->rows + y * job->row_bytes;
+        for (size_t x = 0; x < job->width; x++) {
+            float v[3];
+            for (size_t k = 0; k < 3; k++) {
+                const size_t i = 3 * x + k;
+                v[k] = table[wide ? row[2 * i] << 8 | row[2 * i + 1] : row[i]];
+            }
+            image->pixels[y * job->width + x] = (rgb){v[0], v[1], v[2]};
+        }
+    }
+}
+
+static bis_status refuse(const png_job *job)
+{
+    if (job->out_of_memory) return bis_image_refuse(job->in, BIS_NOMEM, "no memory for the picture");
+    return bis_image_refuse(job->in, BIS_INPUT, "%s", job->reason);
+}
+
+/* Numbers that the file keeps of a pixel. */
+static unsigned channels_of(int colour)
+{
+    if (colour & PNG_COLOR_MASK_PALETTE) return 1;
+    return (colour & PNG_COLOR_MASK_COLOR ? 3u : 1u) + (colour & PNG_COLOR_MASK_ALPHA ? 1u : 0u);
+}
+
+/* Makes room for the rows, once the header's size has been believed. */
+static bis_status make_rows(bis_image *image, png_job *job)
+{
+    int depth;
+    png_uint_32 width, height;
+    int colour;
+
+    png_get_IHDR(job->png, job->info, &width, &height, &depth, &colour, NULL, NULL, NULL);
+    if (job->row_bytes != 3 * (size_t)job->width * (size_t)(job->depth / 8))
+        return bis_image_refuse(job->in, BIS_INPUT, "a PNG of colour type %d and %d bits is not read", colour, depth);
+    const uint64_t bits = (uint64_t)width * (uint64_t)depth * channels_of(colour);
+    if (bits / 8 * height > (uint64_t)job->in->size * DEFLATE_MOST)
+        return bis_image_refuse(job->in, BIS_INPUT, "%zu bytes cannot hold %u x %u pixels", job->in->size,
+                                (unsigned)width, (unsigned)height);
+    bis_status status = bis_image_make(image, job->in, width, height);
+    if (status) return status;
+    job->rows = bis_alloc(job->height, job->row_bytes);
+    return job->rows ? BIS_OK : bis_image_refuse(job->in, BIS_NOMEM, "no memory for its rows");
+}
+
+bool bis_png_is_mine(const unsigned char *data, size_t size)
+{
+    return size >= 4 && memcmp(data, "\x89PNG", 4) == 0;
+}
+
+bis_status bis_png_read(bis_image *image, const image_input *in, double gamma)
+{
+    bis_status status = BIS_OK;
+    png_job job = {.in = in};
+    float *table = NULL;
+
+    job.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &job, on_error, on_warning, &job, allocate, release);
+    if (job.png) job.info = png_create_info_struct(job.png);
+    if (!job.info) {
+        status = bis_image_refuse(in, BIS_NOMEM, "no memory for the picture");
+        goto done;
+    }
+    if (!read_header(&job)) {
+        status = refuse(&job);
+        goto done;
+    }
+    status = make_rows(image, &job);
+    if (!status) status = fill_table(&table, job.depth, gamma, in);
+    if (status) goto done;
+    if (read_rows(&job)) convert(image, &job, table);
+    else status = refuse(&job);
+done:
+    if (status) bis_image_clear(image);
+    png_destroy_read_struct(&job.png, &job.info, NULL);
+    bis_free(job.rows);
+    bis_free(table);
+    return status;
+}

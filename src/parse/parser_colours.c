@@ -1,0 +1,150 @@
+/* parser_colours: pbrt's other ways to say a colour: spectra, files of them, XYZ, black bodies; docs/scene-format.md,
+ * "Colours".
+ *
+ * bis computes in RGB. What a spectrum becomes is what it looks like under D65 (bis/base/spectrum.h), and what lies
+ * outside of RGB's colours is cut off with a warning. */
+#include "bis/base/file.h"
+#include "bis/base/spectrum.h"
+#include "base/grow.h"
+#include "parser.h"
+
+#include <float.h>
+#include <string.h>
+
+/* ---- spectra ---- */
+
+void bis_parser_spectrum_clear(bis_parser_spectrum *s)
+{
+    bis_free(s->own);
+    *s = (bis_parser_spectrum){{NULL, 0}, NULL};
+}
+
+/* Are n numbers pairs of ascending wavelengths and values >= 0? */
+static bool is_spectrum(const double *v, size_t n)
+{
+    for (size_t i = 0; i < n; i += 2) {
+        if (!(v[i] > 0 && fabs(v[i]) <= (double)FLT_MAX && v[i + 1] >= 0 && v[i + 1] <= (double)FLT_MAX)) return false;
+        if (i > 0 && v[i] <= v[i - 2]) return false;
+    }
+    return n >= 2 && n % 2 == 0;
+}
+
+/* n numbers from v, or one that is the same everywhere. */
+static bool keep_pairs(bis_parser *p, bis_parser_spectrum *s, const double *v, size_t n, bis_loc at, const char *name)
+{
+    const double constant[2] = {550, v ? v[0] : 0};
+    if (n == 1) {
+        v = constant;
+        n = 2;
+    }
+    if (!v || !is_spectrum(v, n))
+        return bis_parser_error(p, at, "the spectrum \"%s\" must be one number, or pairs of a wavelength in nm and a "
+                                "value >= 0, wavelengths ascending", name);
+    s->own = bis_alloc(n / 2, sizeof *s->own);
+    if (!s->own) return bis_parser_nomem(p, at);
+    memcpy(s->own, v, n * sizeof *v);
+    s->is = (bis_spectrum){(const double (*)[2])s->own, n / 2};
+    return true;
+}
+
+/* pbrt's .spd: numbers between white space and commas, '#' to the end of a line. */
+static bool read_spd(bis_parser *p, bis_parser_spectrum *s, const char *path, bis_loc at, const char *name)
+{
+    unsigned char *data = NULL;
+    double *v = NULL;
+    size_t size, n = 0, capacity = 0;
+    const bis_status status = bis_file_read(&data, &size, path, at, p->diag);
+    bis_parser_note(p, status);
+    if (status) return false;
+    bool ok = true;
+    for (const char *c = (const char *)data; ok && *c;) {
+        const char *end;
+        c += strspn(c, " \t\r\n,");
+        if (*c == '#') c += strcspn(c, "\r\n");
+        if (!*c || *c == '\r' || *c == '\n') continue;
+        if (!BIS_ROOM(v, capacity, n)) {
+            ok = bis_parser_nomem(p, at);
+            break;
+        }
+        v[n++] = bis_parse_double(c, &end);
+        if (end == c || !strchr(" \t\r\n,#", *end))
+            ok = bis_parser_error(p, at, "%s is no spectrum: its value %zu is no number", path, n);
+        c = end;
+    }
+    ok = ok && keep_pairs(p, s, n == 1 ? NULL : v, n, at, name);
+    bis_free(v);
+    bis_free(data);
+    return ok;
+}
+
+bool bis_params_spectrum(bis_parser *p, const char *name, bis_parser_spectrum *s)
+{
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_SPECTRUM, 0);
+    *s = (bis_parser_spectrum){{NULL, 0}, NULL};
+    if (!param) return false;
+    if (!param->is_strings) return keep_pairs(p, s, p->params.numbers + param->first, param->n, param->at, name);
+    char *path = bis_parser_path(p, param->at, bis_parser_text(p, p->params.strings[param->first]));
+    const bool ok = path && read_spd(p, s, path, param->at, name);
+    bis_free(path);
+    return ok;
+}
+
+/* ---- colours ---- */
+
+static bool is_in_unit(double v) { return v >= 0 && v <= 1; }
+
+rgb bis_parser_into_unit(bis_parser *p, rgbd c, const char *name, bis_loc at)
+{
+    const rgbd cut = {fmin(fmax(c.r, 0), 1), fmin(fmax(c.g, 0), 1), fmin(fmax(c.b, 0), 1)};
+    /* the sums over wavelengths round: 1 + 2e-16 is no colour outside */
+    const double one = 1 + 1e-12;
+    if (!(is_in_unit(c.r / one) && is_in_unit(c.g / one) && is_in_unit(c.b / one)))
+        bis_warn(p->diag, at, "\"%s\" is the colour (%.4g, %.4g, %.4g) of RGB; it is cut off to [0, 1]", name, c.r, c.g,
+                 c.b);
+    return rgbd_round(cut);
+}
+
+/* A reflectance. */
+bool bis_params_reflectance(bis_parser *p, const char *name, rgb *value)
+{
+    bis_param *param = bis_params_find(p, name);
+    bis_parser_spectrum s;
+    if (param && param->type == BIS_TYPE_SPECTRUM) {
+        const bool ok = bis_params_spectrum(p, name, &s);
+        if (ok) *value = bis_parser_into_unit(p, bis_spectrum_reflected(&s.is), name, param->at);
+        bis_parser_spectrum_clear(&s);
+        return ok;
+    }
+    const bis_param *xyz = bis_params_take(p, name, BIS_TYPE_XYZ, 3);
+    if (!xyz) return false;
+    const double *v = p->params.numbers + xyz->first;
+    *value = bis_parser_into_unit(p, bis_xyz_to_rgb(v[0], v[1], v[2]), name, xyz->at);
+    return true;
+}
+
+bool bis_params_emission(bis_parser *p, const char *name, rgb *value)
+{
+    static const bis_interval kelvins = {500, 1e6, false, false};
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_XYZ | BIS_TYPE_BLACKBODY, 0);
+    if (!param) return false;
+    const double *v = p->params.numbers + param->first;
+    rgbd c;
+    if (param->type == BIS_TYPE_XYZ) {
+        if (param->n != 3)
+            return bis_parser_error(p, param->at, "\"%s\" has %zu values, must have 3", name, param->n);
+        c = bis_xyz_to_rgb(v[0], v[1], v[2]);
+    } else {
+        if (param->n != 1)
+            return bis_parser_error(p, param->at, "\"blackbody %s\" has %zu values, must have one, the temperature in "
+                                    "kelvin; pbrt-v3's second one is what \"scale\" says", name, param->n);
+        if (!bis_parser_in_range(p, param->at, name, v[0], kelvins)) return false;
+        c = bis_spectrum_blackbody(v[0]);
+    }
+    if (c.r < 0 || c.g < 0 || c.b < 0)
+        bis_warn(p->diag, param->at, "\"%s\" is the colour (%.4g, %.4g, %.4g) of RGB; what is negative becomes 0", name,
+                 c.r, c.g, c.b);
+    *value = rgb_from(fmax(c.r, 0), fmax(c.g, 0), fmax(c.b, 0));
+    if (rgb_is_finite(*value)) return true;
+    *value = (rgb){1, 1, 1};
+    return bis_parser_error(p, param->at, "\"%s\" is not finite as RGB", name);
+}

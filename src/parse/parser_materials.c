@@ -1,0 +1,312 @@
+/* parser_materials: pbrt's own materials, made of what bis has; docs/scene-format.md, "pbrt's materials", says which
+ * are exact and which are near.
+ *
+ * All of them become a microfacet material: GGX facets with Ks = the reflectance head on (Schlick's curve for Fresnel's
+ * equations), over Ashikhmin and Shirley's base. alpha is what pbrt makes of a roughness; bis_microfacet's own
+ * roughness is its square root. */
+#include "bis/base/spectrum.h"
+#include "bis/beyond/microfacet.h"
+#include "parser.h"
+
+#include <string.h>
+
+static const bis_interval unit = {0, 1, false, false};
+static const bis_interval positive = {0, HUGE_VAL, true, false};
+static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
+
+/* ---- roughness ---- */
+
+/* How pbrt makes alpha of a roughness: v4's square root, or v3's polynomial in the logarithm. */
+typedef enum remap { V3, V4 } remap;
+
+static double alpha_of(double roughness, bool remaps, remap how)
+{
+    if (!remaps) return roughness;
+    if (how == V4) return sqrt(roughness);
+    const double x = log(fmax(roughness, 1e-3));
+    return 1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)));
+}
+
+/* bis's roughness. What pbrt takes for a perfect mirror (alpha 0) and what is rougher than bis has are brought into
+ * its range with a warning. */
+static double own_roughness(bis_parser *p, double alpha, bis_loc at)
+{
+    const double least = BIS_MICROFACET_MIN_ROUGHNESS * BIS_MICROFACET_MIN_ROUGHNESS;
+    if (alpha < least && bis_parser_once(p, "smooth"))
+        bis_warn(p->diag, at, "a perfect mirror is not modelled: it becomes a lobe with alpha = %g", least);
+    if (alpha > 1 && bis_parser_once(p, "rough"))
+        bis_warn(p->diag, at, "this roughness has alpha = %.4g; it is taken as 1", alpha);
+    return sqrt(fmin(fmax(alpha, least), 1));
+}
+
+/* The mean of uroughness and vroughness would not look like either: they must agree. */
+static bool read_two(bis_parser *p, double *roughness)
+{
+    double u, v;
+    const bool has_u = bis_params_float(p, "uroughness", &u, positive_or_0),
+               has_v = bis_params_float(p, "vroughness", &v, positive_or_0);
+    if (!has_u && !has_v) return false;
+    if (!has_u) u = *roughness;
+    if (!has_v) v = *roughness;
+    *roughness = u;
+    if (u == v) return true;
+    return bis_parser_error(p, bis_params_at(p, has_v ? "vroughness" : "uroughness"),
+                            "\"uroughness\" and \"vroughness\" differ: anisotropic surfaces are not modelled, give "
+                            "both the same value");
+}
+
+static double read_roughness(bis_parser *p, double usual, remap how, bis_material_textures *t)
+{
+    bool remaps = true;
+    double roughness = usual;
+    uint32_t texture = BIS_NO_TEXTURE;
+    bis_params_bool(p, "remaproughness", &remaps);
+    bis_params_number(p, "roughness", &roughness, positive_or_0, &texture);
+    read_two(p, &roughness);
+    if (texture == BIS_NO_TEXTURE)
+        return own_roughness(p, alpha_of(roughness, remaps, how), bis_params_at(p, "roughness"));
+    if (remaps && how == V3)
+        bis_parser_error(p, bis_params_at(p, "roughness"),
+                         "pbrt-v3's remapping of a texture of roughness is not modelled: give \"bool remaproughness\" "
+                         "false and a texture of alpha");
+    t->width = texture;
+    t->power = remaps ? 0.25 : 0.5; /* roughness = sqrt(alpha) */
+    return sqrt(fmin(fmax(alpha_of(roughness, remaps, how), 1e-4), 1));
+}
+
+/* ---- Fresnel ---- */
+
+static double head_on(double eta)
+{
+    const double r = (eta - 1) / (eta + 1);
+    return r * r;
+}
+
+/* Fresnel's reflectance of a dielectric at cos theta = c, from outside. */
+static double dielectric(double eta, double c)
+{
+    const double in = sqrt(fmax(0, 1 - (1 - c * c) / (eta * eta)));
+    const double s = (c - eta * in) / (c + eta * in), p = (eta * c - in) / (eta * c + in);
+    return (s * s + p * p) / 2;
+}
+
+/* Of diffuse light from inside: 1 - (1 - F of diffuse light from outside)/eta^2 (reciprocity). */
+static double internal_reflectance(double eta)
+{
+    enum { N = 256 };
+    double sum = 0;
+    for (int i = 0; i < N; i++) {
+        const double c = (i + 0.5) / N;
+        sum += 2 * c * dielectric(eta, c) / N;
+    }
+    return 1 - (1 - sum) / (eta * eta);
+}
+
+/* ---- textures of products ---- */
+
+/* A colour or a texture times a factor in [0,1]. */
+static void scale_colour(bis_parser *p, rgb *c, uint32_t *texture, double factor)
+{
+    const bis_texture constant = {.kind = BIS_TEXTURE_CONSTANT, .value = {factor, factor, factor}, .steps = 1};
+    bis_texture x = {.kind = BIS_TEXTURE_SCALE, .factor = {1, 1}, .scale = 1};
+    *c = rgb_scale(*c, factor);
+    if (*texture == BIS_NO_TEXTURE || factor == 1) return;
+    const bis_texture *part = &p->desc->textures.list[*texture];
+    x.of[0] = *texture;
+    x.value = rgbd_scale(part->value, factor);
+    x.steps = part->steps + 2;
+    if (bis_parser_add_texture(p, &constant, &x.of[1])) bis_parser_add_texture(p, &x, texture);
+}
+
+/* ---- the materials ---- */
+
+typedef struct metal {
+    const char *name;
+    rgb head_on;
+} metal;
+
+/* Head on, under D65, from the optical constants of www.luxpop.com, which pbrt and Mitsuba ship: sums of Fresnel's
+ * equations over the spectrum (tests/scene/test_pbrt_materials.c repeats two of them). Gold's red is 1.0219, outside of
+ * RGB. */
+static const metal metals[] = {
+    {"Ag", {0.97153f, 0.95992f, 0.91533f}},
+    {"Al", {0.91317f, 0.92150f, 0.92445f}},
+    {"Au", {1.00000f, 0.78260f, 0.34342f}},
+    {"Cu", {0.95564f, 0.63756f, 0.53816f}},
+};
+
+/* "metal-Cu-eta" with end "eta"? The metal, or NULL. */
+static const metal *named_metal(bis_parser *p, const char *name, const char *end)
+{
+    const bis_param *param = bis_params_find(p, name);
+    if (!param || param->type != BIS_TYPE_SPECTRUM || !param->is_strings || param->n != 1) return NULL;
+    const char *text = bis_parser_text(p, p->params.strings[param->first]);
+    for (size_t i = 0; i < BIS_COUNT(metals); i++) {
+        char wanted[32];
+        snprintf(wanted, sizeof wanted, "metal-%s-%s", metals[i].name, end);
+        if (strcmp(text, wanted) == 0) return &metals[i];
+    }
+    return NULL;
+}
+
+/* A name of pbrt's that bis has no constants of. */
+static bool refuse_metal(bis_parser *p, const char *name)
+{
+    const bis_param *param = bis_params_find(p, name);
+    if (!param || param->type != BIS_TYPE_SPECTRUM || !param->is_strings || param->n != 1) return false;
+    const char *text = bis_parser_text(p, p->params.strings[param->first]);
+    if (strncmp(text, "metal-", 6) != 0) return false;
+    return !bis_parser_error(p, param->at, "the metal of \"%s\" is not known; bis has Ag, Al, Au and Cu: give \"rgb "
+                             "reflectance\", or eta and k as spectra", bis_parser_word(p, text));
+}
+
+static const char *const eta_and_k[] = {"eta", "k"};
+
+/* Both as rgb or float: each channel by itself. */
+static void conductor_of_rgb(bis_parser *p, rgb *Ks)
+{
+    rgb eta = {1, 1, 1}, k = {0, 0, 0};
+    const bool has_eta = bis_params_rgb(p, "eta", &eta, positive_or_0, true),
+               has_k = bis_params_rgb(p, "k", &k, positive_or_0, true);
+    if (!has_eta || !has_k) {
+        bis_parser_error(p, p->name_at, "give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\"");
+        return;
+    }
+    const double n[3] = {(double)eta.r, (double)eta.g, (double)eta.b}, a[3] = {(double)k.r, (double)k.g, (double)k.b};
+    double F[3];
+    for (int i = 0; i < 3; i++)
+        F[i] = ((n[i] - 1) * (n[i] - 1) + a[i] * a[i]) / ((n[i] + 1) * (n[i] + 1) + a[i] * a[i]);
+    *Ks = rgb_from(F[0], F[1], F[2]);
+}
+
+static void conductor_of_spectra(bis_parser *p, rgb *Ks)
+{
+    bis_parser_spectrum eta, k;
+    const bool has_eta = bis_params_spectrum(p, "eta", &eta), has_k = bis_params_spectrum(p, "k", &k);
+    if (has_eta && has_k)
+        *Ks = bis_parser_into_unit(p, bis_spectrum_conductor(&eta.is, &k.is), "eta and k", bis_params_at(p, "eta"));
+    else if (!bis_params_has(p, "eta") || !bis_params_has(p, "k"))
+        bis_parser_error(p, p->name_at, "give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\"");
+    bis_parser_spectrum_clear(&eta);
+    bis_parser_spectrum_clear(&k);
+}
+
+static bool is_of_type(bis_parser *p, const char *name, unsigned type)
+{
+    const bis_param *param = bis_params_find(p, name);
+    return param && param->type == type;
+}
+
+static rgb read_eta_and_k(bis_parser *p)
+{
+    rgb Ks = metals[3].head_on; /* copper, as in pbrt */
+    const metal *eta = named_metal(p, "eta", "eta"), *k = named_metal(p, "k", "k");
+    const bool has_eta = bis_params_has(p, "eta"), has_k = bis_params_has(p, "k");
+    if (!has_eta && !has_k) return Ks;
+    if ((eta && eta == k) || (eta && !has_k && eta == &metals[3]) || (k && !has_eta && k == &metals[3])) {
+        bis_params_skip(p, eta_and_k, 2);
+        return eta ? eta->head_on : k->head_on;
+    }
+    if (eta || k || refuse_metal(p, "eta") || refuse_metal(p, "k")) {
+        if (eta || k)
+            bis_parser_error(p, bis_params_at(p, has_k ? "k" : "eta"), "\"eta\" and \"k\" must be of one metal");
+        bis_params_skip(p, eta_and_k, 2);
+        return Ks;
+    }
+    if (is_of_type(p, "eta", BIS_TYPE_SPECTRUM) || is_of_type(p, "k", BIS_TYPE_SPECTRUM)) conductor_of_spectra(p, &Ks);
+    else conductor_of_rgb(p, &Ks);
+    return Ks;
+}
+
+/* Ignored: what only pbrt's random walk in layers needs. */
+static void skip_walk(bis_parser *p)
+{
+    static const char *const walk[] = {"thickness", "g", "maxdepth", "nsamples"};
+    bis_params_skip(p, walk, BIS_COUNT(walk));
+}
+
+static bis_material read_conductor(bis_parser *p, bis_material_textures *t, double usual, remap how)
+{
+    rgb Ks = {0, 0, 0};
+    if (bis_params_has(p, "reflectance")) {
+        bis_params_colour(p, "reflectance", &Ks, unit, &t->Ks);
+        if (bis_params_has(p, "eta") || bis_params_has(p, "k"))
+            bis_parser_error(p, bis_params_at(p, "reflectance"), "give \"reflectance\", or \"eta\" and \"k\"");
+        bis_params_skip(p, eta_and_k, 2);
+    } else {
+        Ks = read_eta_and_k(p);
+    }
+    return bis_microfacet((rgb){0, 0, 0}, Ks, read_roughness(p, usual, how, t));
+}
+
+bis_material bis_parser_conductor(bis_parser *p, bis_material_textures *t) { return read_conductor(p, t, 0, V4); }
+bis_material bis_parser_metal(bis_parser *p, bis_material_textures *t) { return read_conductor(p, t, 0.01, V3); }
+
+/* What leaves the base: light goes through the coat, is reflected from inside it again and again, and leaves. */
+static void into_coat(bis_parser *p, rgb *Kd, uint32_t *texture, double inside)
+{
+    const double v[3] = {(double)Kd->r, (double)Kd->g, (double)Kd->b};
+    bis_texture x = {.kind = BIS_TEXTURE_COAT, .of = {*texture}, .scale = inside, .factor = {1, 1}};
+    double out[3];
+    for (int i = 0; i < 3; i++) out[i] = (1 - inside) * v[i] / (1 - inside * v[i]);
+    *Kd = rgb_from(out[0], out[1], out[2]);
+    if (*texture == BIS_NO_TEXTURE) return;
+    x.value = (rgbd){out[0], out[1], out[2]};
+    x.steps = p->desc->textures.list[*texture].steps + 1;
+    bis_parser_add_texture(p, &x, texture);
+}
+
+bis_material bis_parser_coated_diffuse(bis_parser *p, bis_material_textures *t)
+{
+    rgb Kd = {0.5f, 0.5f, 0.5f};
+    double eta = 1.5, albedo = 0;
+    bis_params_colour(p, "reflectance", &Kd, unit, &t->Kd);
+    bis_params_float(p, "eta", &eta, (bis_interval){1, 10, false, false});
+    if (bis_params_float(p, "albedo", &albedo, unit) && albedo > 0)
+        bis_parser_error(p, bis_params_at(p, "albedo"), "a coat that scatters is not modelled: \"albedo\" must be 0");
+    skip_walk(p);
+    into_coat(p, &Kd, &t->Kd, internal_reflectance(eta));
+    const double F = head_on(eta);
+    return bis_microfacet(Kd, rgb_from(F, F, F), read_roughness(p, 0, V4, t));
+}
+
+/* pbrt-v3's eta or index of a plastic or uber. */
+static double read_eta(bis_parser *p)
+{
+    double eta = 1.5;
+    if (!bis_params_float(p, "eta", &eta, positive)) bis_params_float(p, "index", &eta, positive);
+    return eta;
+}
+
+static bis_material read_plastic(bis_parser *p, bis_material_textures *t, double eta)
+{
+    rgb Kd = {0.25f, 0.25f, 0.25f}, Ks = {0.25f, 0.25f, 0.25f};
+    bis_params_colour(p, "Kd", &Kd, unit, &t->Kd);
+    bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
+    scale_colour(p, &Ks, &t->Ks, head_on(eta));
+    return bis_microfacet(Kd, Ks, read_roughness(p, 0.1, V3, t));
+}
+
+bis_material bis_parser_plastic(bis_parser *p, bis_material_textures *t) { return read_plastic(p, t, 1.5); }
+
+bis_material bis_parser_uber(bis_parser *p, bis_material_textures *t)
+{
+    static const char *const names[] = {"Kr", "Kt", "opacity"};
+    static const float none[] = {0, 0, 1};
+    for (int i = 0; i < 3; i++) {
+        rgb c = {none[i], none[i], none[i]};
+        bis_params_rgb(p, names[i], &c, unit, true);
+        if (c.r != none[i] || c.g != none[i] || c.b != none[i])
+            bis_parser_error(p, bis_params_at(p, names[i]), "an \"uber\" that is a mirror or lets light through is not "
+                             "modelled: \"%s\" must be %g", names[i], (double)none[i]);
+    }
+    return read_plastic(p, t, read_eta(p));
+}
+
+bis_material bis_parser_substrate(bis_parser *p, bis_material_textures *t)
+{
+    rgb Kd = {0.5f, 0.5f, 0.5f}, Ks = {0.5f, 0.5f, 0.5f};
+    bis_params_colour(p, "Kd", &Kd, unit, &t->Kd);
+    bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
+    return bis_microfacet(Kd, Ks, read_roughness(p, 0.1, V3, t));
+}

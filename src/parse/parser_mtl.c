@@ -1,0 +1,276 @@
+/* parser_mtl: the materials of a Wavefront OBJ, for Shape "objmesh" "bool materials" true.
+ *
+ * The OBJ tells its parts apart by usemtl and names libraries by mtllib; each part that has a face becomes a shape of
+ * its own with a material of its own, so that all else sees shapes with one material. A material of a library is
+ * Phong's: Kd, Ks and Ns, with map_Kd as an image that multiplies Kd. illum 0 and 1 have no highlight. What a library
+ * says of other maps, of transparency and of light is ignored with a warning. Source: Wavefront's "MTL material format"
+ * (1995), and the files of the wild. */
+#include "bis/base/file.h"
+#include "bis/thesis/phong.h"
+#include "base/grow.h"
+#include "parser.h"
+#include "scene/scene_peek.h"
+
+#include <string.h>
+
+/* A material of a library while it is read. */
+typedef struct mtl {
+    bool exists;
+    rgb Kd, Ks;
+    double Ns;
+    bool is_matte; /* illum 0 or 1 */
+    uint32_t map;  /* the texture of map_Kd */
+    bis_loc at;
+} mtl;
+
+/* A line of a library. */
+typedef struct line {
+    char *words; /* behind the first one; blanks cut off at the end */
+    bis_loc at;
+} line;
+
+enum { MAX_LIBRARIES = 64 };
+
+static const char blanks[] = " \t\v\f";
+
+/* ---- values ---- */
+
+/* n numbers; with one alone all are that. */
+static bool read_numbers(bis_parser *p, const line *l, const char *what, double *v, int n)
+{
+    const char *s = l->words, *end;
+    int got = 0;
+    for (; got < n && *s; got++, s = end) {
+        s += strspn(s, blanks);
+        v[got] = bis_parse_double(s, &end);
+        if (end == s || !isfinite(v[got])) break;
+    }
+    for (int i = 1; got == 1 && i < n; i++) v[i] = v[0];
+    if (got == n || got == 1) return true;
+    return bis_parser_error(p, l->at, "%s is \"%s\", must be %s", what, bis_parser_word(p, l->words),
+                            n == 1 ? "a number" : "three numbers");
+}
+
+static void read_colour(bis_parser *p, const line *l, const char *what, rgb *c)
+{
+    static const bis_interval unit = {0, 1, false, false};
+    double v[3];
+    if (!read_numbers(p, l, what, v, 3)) return;
+    for (int i = 0; i < 3; i++)
+        if (!bis_parser_in_range(p, l->at, what, v[i], unit)) return;
+    *c = rgb_from(v[0], v[1], v[2]);
+}
+
+static void read_Ns(bis_parser *p, const line *l, double *Ns)
+{
+    static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
+    double v;
+    if (read_numbers(p, l, "Ns", &v, 1) && bis_parser_in_range(p, l->at, "Ns", v, positive_or_0)) *Ns = v;
+}
+
+/* The options before a map's name. Those that change what is seen are refused, but -clamp on, -o and -s. */
+static bool read_options(bis_parser *p, const line *l, char **name, bis_texture *x)
+{
+    char *s = l->words;
+    while (*s == '-') {
+        char *word = s;
+        s += strcspn(s, blanks);
+        if (*s) *s++ = '\0';
+        double v[3] = {0, 0, 0};
+        int n = 0;
+        s += strspn(s, blanks);
+        if (strcmp(word, "-clamp") == 0) {
+            x->wrap = strncmp(s, "on", 2) == 0 ? BIS_WRAP_CLAMP : BIS_WRAP_REPEAT;
+            s += strcspn(s, blanks);
+        } else if (strcmp(word, "-s") == 0 || strcmp(word, "-o") == 0) {
+            for (const char *end; n < 3; n++, s = (char *)end + strspn(end, blanks)) {
+                v[n] = bis_parse_double(s, &end);
+                if (end == s || !strchr(blanks, *end) || !*end || !isfinite(v[n])) break;
+            }
+            for (int i = 0; i < 2 && i < n; i++) (word[1] == 's' ? x->factor : x->offset)[i] = v[i];
+        } else {
+            return bis_parser_error(p, l->at, "the option %s of a map is not modelled: remove it",
+                                    bis_parser_word(p, word));
+        }
+        s += strspn(s, blanks);
+    }
+    *name = s;
+    return true;
+}
+
+static void read_map(bis_parser *p, const line *l, uint32_t *texture)
+{
+    bis_texture x = {.kind = BIS_TEXTURE_IMAGE, .value = {0.5, 0.5, 0.5}, .factor = {1, 1}, .scale = 1, .steps = 1};
+    char *name = l->words;
+    if (!read_options(p, l, &name, &x)) return;
+    for (char *s = name; *s; s++)
+        if (*s == '\\') *s = '/'; /* written on another system */
+    if (bis_parser_add_image(p, name, BIS_GAMMA_SRGB, l->at, &x.image)) bis_parser_add_texture(p, &x, texture);
+}
+
+/* ---- a library ---- */
+
+static bool is_one_of(const char *word, const char *const *words, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(word, words[i]) == 0) return true;
+    return false;
+}
+
+/* What says nothing that bis could show, and what it will not show: a warning for each word. */
+static void read_other(bis_parser *p, const line *l, const char *word)
+{
+    static const char *const silent[] = {"Ka", "Ni", "Tf", "sharpness", "map_Ka"};
+    static const char *const ignored[] = {"map_Ks", "map_Ns", "map_d", "map_Ke", "map_bump", "map_Bump", "bump", "norm",
+                                          "disp", "decal", "refl", "Pr", "Pm", "Ps", "Pc", "map_Pr", "map_Pm", "aniso"};
+    double v[3] = {0, 0, 0};
+    if (is_one_of(word, silent, BIS_COUNT(silent))) return;
+    for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
+        if (strcmp(word, ignored[i]) != 0) continue;
+        if (bis_parser_once(p, ignored[i])) bis_warn(p->diag, l->at, "%s is ignored", ignored[i]);
+        return;
+    }
+    if (strcmp(word, "d") == 0 || strcmp(word, "Tr") == 0) {
+        const bool ok = read_numbers(p, l, word, v, 1), opaque = word[0] == 'd' ? v[0] >= 1 : v[0] <= 0;
+        if (ok && !opaque && bis_parser_once(p, "Tr"))
+            bis_warn(p->diag, l->at, "%s is ignored: the material is opaque", word);
+    } else if (strcmp(word, "Ke") == 0) {
+        if (read_numbers(p, l, word, v, 3) && v[0] + v[1] + v[2] > 0 && bis_parser_once(p, "Ke"))
+            bis_warn(p->diag, l->at, "Ke is ignored: no surface gives light");
+    } else if (bis_parser_once(p, "mtl")) {
+        bis_warn(p->diag, l->at, "the unknown word \"%s\" is ignored, and others like it", bis_parser_word(p, word));
+    }
+}
+
+static void read_statement(bis_parser *p, const line *l, const char *word, mtl *m)
+{
+    double illum;
+    if (strcmp(word, "Kd") == 0) read_colour(p, l, "Kd", &m->Kd);
+    else if (strcmp(word, "Ks") == 0) read_colour(p, l, "Ks", &m->Ks);
+    else if (strcmp(word, "Ns") == 0) read_Ns(p, l, &m->Ns);
+    else if (strcmp(word, "map_Kd") == 0) read_map(p, l, &m->map);
+    else if (strcmp(word, "illum") == 0) m->is_matte = read_numbers(p, l, "illum", &illum, 1) && illum < 2;
+    else read_other(p, l, word);
+}
+
+/* Cut the next line off *next and split it: its first word, or "" for a line without one. */
+static char *take_line(line *l, char **next)
+{
+    char *word = *next + strspn(*next, blanks), *end = *next + strcspn(*next, "\r\n");
+    *next = end + (end[0] == '\r' && end[1] == '\n' ? 2 : *end ? 1 : 0);
+    *end = '\0';
+    while (end > word && strchr(blanks, end[-1])) *--end = '\0';
+    if (*word == '#') *word = '\0';
+    char *rest = word + strcspn(word, blanks);
+    if (*rest) *rest++ = '\0';
+    l->words = rest + strspn(rest, blanks);
+    return word;
+}
+
+/* The materials of parts that have faces; wanted[n]: by the part's number. */
+static void read_library(bis_parser *p, const char *path, char *text, const bis_obj_materials *obj, mtl *wanted)
+{
+    line l = {.at = {path, 0, 0}};
+    mtl other, *m = NULL;
+    for (char *next = text; *next && !p->stop;) {
+        uint32_t part;
+        const char *word = take_line(&l, &next);
+        l.at.line++;
+        if (!*word) continue;
+        if (strcmp(word, "newmtl") == 0) {
+            const bool known = bis_names_find(&obj->parts, l.words, &part);
+            const bool counts = known && part < obj->n_shown && obj->is_shown[part] && !wanted[part].exists;
+            m = counts ? &wanted[part] : &other; /* of two by one name the first counts */
+            *m = (mtl){.exists = true, .Kd = {0.5f, 0.5f, 0.5f}, .Ns = 50, .map = BIS_NO_TEXTURE, .at = l.at};
+        } else if (!m) {
+            bis_parser_error(p, l.at, "\"%s\" stands before the first newmtl", bis_parser_word(p, word));
+            return;
+        } else if (m != &other) {
+            read_statement(p, &l, word, m);
+        }
+    }
+}
+
+static void read_libraries(bis_parser *p, const char *obj_path, const bis_obj_materials *obj, mtl *wanted)
+{
+    for (size_t i = 0; i < obj->n_libraries && i < MAX_LIBRARIES && !p->stop; i++) {
+        const bis_loc at = {obj_path, obj->libraries[i].line, 0};
+        unsigned char *data;
+        size_t size;
+        char *path = bis_parser_path(p, at, obj->libraries[i].name);
+        const char *name = path ? bis_scene_desc_add_file(p->desc, path) : NULL;
+        if (path && !name) bis_parser_nomem(p, at);
+        if (!name) return;
+        const bis_status status = bis_file_read(&data, &size, name, at, p->diag);
+        bis_parser_note(p, status);
+        if (status) return;
+        if (strlen((const char *)data) == size) read_library(p, name, (char *)data, obj, wanted);
+        else bis_parser_error(p, (bis_loc){name, 0, 0}, "no library of materials: there is a zero byte in it");
+        bis_free(data);
+    }
+}
+
+/* ---- materials ---- */
+
+/* map_Kd times Kd. */
+static bool multiply(bis_parser *p, const mtl *m, uint32_t *texture)
+{
+    bis_texture c = {.kind = BIS_TEXTURE_CONSTANT, .steps = 1,
+                     .value = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b}};
+    bis_texture x = {.kind = BIS_TEXTURE_SCALE, .of = {m->map}, .factor = {1, 1}, .scale = 1, .steps = 3,
+                     .value = rgbd_scale(c.value, 0.5)};
+    *texture = m->map;
+    if (m->Kd.r == 1 && m->Kd.g == 1 && m->Kd.b == 1) return true;
+    return bis_parser_add_texture(p, &c, &x.of[1]) && bis_parser_add_texture(p, &x, texture);
+}
+
+static bool make_material(bis_parser *p, const mtl *m, uint32_t *index)
+{
+    bis_material_textures t = {BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, m->at};
+    if (!bis_parser_add_material(p, index)) return false;
+    p->desc->materials[*index] = bis_phong(m->Kd, m->is_matte ? (rgb){0, 0, 0} : m->Ks, m->Ns);
+    if (m->map == BIS_NO_TEXTURE) {
+        bis_parser_warn_energy(p, m->at, p->desc->materials[*index].Kd, p->desc->materials[*index].Ks);
+        return true;
+    }
+    if (!multiply(p, m, &t.Kd)) return false;
+    return bis_scene_desc_set_textures(p->desc, *index, &t) || bis_parser_nomem(p, m->at);
+}
+
+/* The shape of one part. */
+static void add_part(bis_parser *p, const bis_shape_desc *shape, const bis_obj_materials *obj, uint32_t part,
+                     const mtl *m)
+{
+    bis_shape_desc own = *shape;
+    own.part = part;
+    if (part > 0 && !m->exists) {
+        bis_parser_error(p, shape->loc, "material \"%s\" of %s is in none of its libraries (mtllib): add it, or leave "
+                         "out \"bool materials\"", bis_parser_word(p, obj->parts.names[part - 1]),
+                         p->desc->meshes[shape->mesh].filename);
+        return;
+    }
+    if (part == 0 || make_material(p, m, &own.material)) bis_parser_add_shape(p, &own);
+}
+
+void bis_parser_add_parts(bis_parser *p, const bis_shape_desc *shape)
+{
+    bis_mesh_desc *mesh = &p->desc->meshes[shape->mesh];
+    bis_obj_materials obj;
+    const bis_status status = bis_scene_peek_obj(&obj, mesh->filename, mesh->loc, p->diag);
+    bis_parser_note(p, status);
+    if (status) return;
+    const unsigned errors = p->n_errors;
+    mesh->n_parts = obj.parts.n;
+    if (obj.n_libraries > MAX_LIBRARIES)
+        bis_parser_error(p, mesh->loc, "%s names %zu libraries of materials, must be at most %d", mesh->filename,
+                         obj.n_libraries, MAX_LIBRARIES);
+    mtl *wanted = bis_alloc(obj.n_shown, sizeof *wanted);
+    char *name = bis_strdup(mesh->filename); /* the place of messages: it must live as long as they do */
+    const char *path = name ? bis_scene_desc_add_file(p->desc, name) : NULL;
+    if (!wanted || !path) bis_parser_nomem(p, shape->loc);
+    else read_libraries(p, path, &obj, wanted);
+    for (size_t k = 0; k < obj.n_shown && p->n_errors == errors && !p->stop; k++)
+        if (obj.is_shown[k]) add_part(p, shape, &obj, (uint32_t)k, &wanted[k]);
+    bis_free(wanted);
+    bis_obj_materials_clear(&obj);
+}

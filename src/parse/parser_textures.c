@@ -1,0 +1,375 @@
+/* parser_textures: Texture, and parameters of materials that may name one; docs/scene-format.md, "Texture".
+ *
+ * As in pbrt a texture is known from its directive on, and numbers and colours have names of their own. What a texture
+ * is made of stands before it in the list, so that there are no cycles. A texture that is the same everywhere becomes
+ * a constant here, and a material with only such textures is like any other. */
+#include "bis/base/file.h"
+#include "base/grow.h"
+#include "parser.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
+static const bis_interval anything = {-HUGE_VAL, HUGE_VAL, false, false};
+static const bis_interval unit = {0, 1, false, false};
+
+/* ---- the list ---- */
+
+bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index)
+{
+    bis_textures *t = &p->desc->textures;
+    if (!BIS_ROOM(t->list, t->capacity, t->n) || t->n >= UINT32_MAX - 1) return bis_parser_nomem(p, p->name_at);
+    *index = (uint32_t)t->n;
+    t->list[t->n++] = *x;
+    return true;
+}
+
+static bis_texture constant(rgbd value)
+{
+    return (bis_texture){.kind = BIS_TEXTURE_CONSTANT, .value = value, .steps = 1};
+}
+
+/* Where a parameter names a texture: which. A colour may be given by a texture of numbers, and is then grey. */
+static bool find_texture(bis_parser *p, const bis_param *param, bool of_floats, uint32_t *index)
+{
+    const char *name = bis_parser_text(p, p->params.strings[param->first]);
+    const bis_names *colours = &p->texture_names[0], *floats = &p->texture_names[1];
+
+    if (!of_floats && bis_names_find(colours, name, index)) return true;
+    if (bis_names_find(floats, name, index)) return true;
+    if (of_floats && bis_names_find(colours, name, index))
+        return bis_parser_error(p, param->at, "texture \"%s\" is one of colours; \"%s\" needs one of numbers, "
+                                "Texture \"%s\" \"float\"", bis_parser_word(p, name),
+                                bis_parser_text(p, param->name), bis_parser_word(p, name));
+    if (p->own_texture && strcmp(name, bis_parser_text(p, p->name)) == 0)
+        return bis_parser_error(p, param->at, "texture \"%s\" would be made of itself: name one that is defined before",
+                                bis_parser_word(p, name));
+    const char *nearest = bis_names_nearest(of_floats ? floats : colours, name);
+    return bis_parser_error(p, param->at, "texture \"%s\" is not defined%s; as in pbrt, Texture must stand before its "
+                            "first use", bis_parser_word(p, name), bis_parser_hint(p, nearest));
+}
+
+/* ---- parameters that may be textures ---- */
+
+static bool is_texture(bis_parser *p, const char *name)
+{
+    const bis_param *param = bis_params_find(p, name);
+    return param && param->type == BIS_TYPE_TEXTURE;
+}
+
+static double within(double v, bis_interval r) { return fmin(fmax(v, r.lo), r.hi); }
+
+/* *value: of a constant, or a typical one. */
+static bool take_texture(bis_parser *p, const char *name, bool of_floats, rgbd *value, bis_interval range,
+                         uint32_t *texture)
+{
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_TEXTURE, 1);
+    uint32_t index;
+    if (!param || !find_texture(p, param, of_floats, &index)) return false;
+    const bis_texture *x = &p->desc->textures.list[index];
+    if (x->kind == BIS_TEXTURE_CONSTANT) {
+        *value = x->value;
+        return bis_parser_in_range(p, param->at, name, value->r, range) &&
+               bis_parser_in_range(p, param->at, name, value->g, range) &&
+               bis_parser_in_range(p, param->at, name, value->b, range);
+    }
+    *texture = index;
+    *value = (rgbd){within(x->value.r, range), within(x->value.g, range), within(x->value.b, range)};
+    return true;
+}
+
+bool bis_params_colour(bis_parser *p, const char *name, rgb *value, bis_interval range, uint32_t *texture)
+{
+    rgbd v;
+    const bis_param *param = bis_params_find(p, name);
+    if (param && param->type & (BIS_TYPE_SPECTRUM | BIS_TYPE_XYZ)) return bis_params_reflectance(p, name, value);
+    if (!is_texture(p, name)) return bis_params_rgb(p, name, value, range, true);
+    if (!take_texture(p, name, false, &v, range, texture)) return false;
+    *value = rgbd_round(v);
+    return true;
+}
+
+bool bis_params_number(bis_parser *p, const char *name, double *value, bis_interval range, uint32_t *texture)
+{
+    rgbd v;
+    if (!is_texture(p, name)) return bis_params_float(p, name, value, range);
+    if (!take_texture(p, name, true, &v, range, texture)) return false;
+    *value = v.r;
+    return true;
+}
+
+/* ---- what a texture is made of ---- */
+
+/* A part of a texture: one of the list. False: complained. */
+static bool read_part(bis_parser *p, const char *name, bool of_floats, double usual, bis_interval range,
+                      uint32_t *index)
+{
+    rgbd value = {usual, usual, usual};
+    if (is_texture(p, name)) {
+        const bis_param *param = bis_params_take(p, name, BIS_TYPE_TEXTURE, 1);
+        return param && find_texture(p, param, of_floats, index);
+    }
+    const bool given = bis_params_has(p, name);
+    bool ok = true;
+    if (of_floats) {
+        ok = bis_params_float(p, name, &value.r, range) || !given;
+        value.g = value.b = value.r;
+    } else {
+        rgb c;
+        if (bis_params_rgb(p, name, &c, range, true)) value = (rgbd){(double)c.r, (double)c.g, (double)c.b};
+        else ok = !given;
+    }
+    const bis_texture x = constant(value);
+    return ok && bis_parser_add_texture(p, &x, index);
+}
+
+/* The mapping of u and v; pbrt's others need the place of the point. */
+static bool read_mapping(bis_parser *p, bis_texture *x)
+{
+    static const char *const names[] = {"uscale", "vscale"}, *const deltas[] = {"udelta", "vdelta"};
+    static const char *const mappings[] = {"uv"};
+    int chosen;
+    const bool given = bis_params_has(p, "mapping");
+    bool ok = bis_params_choice(p, "mapping", &chosen, mappings, BIS_COUNT(mappings)) || !given;
+    for (int i = 0; i < 2; i++) {
+        bis_params_float(p, names[i], &x->factor[i], anything);
+        bis_params_float(p, deltas[i], &x->offset[i], anything);
+    }
+    return ok;
+}
+
+/* "sRGB", "linear", "gamma 2.2"; pbrt-v3's bool gamma: false is linear. */
+static bool read_encoding(bis_parser *p, double *gamma)
+{
+    const char *text, *end;
+    bool by_curve = true;
+
+    *gamma = BIS_GAMMA_SRGB;
+    if (bis_params_bool(p, "gamma", &by_curve) && !by_curve) *gamma = 1;
+    if (!bis_params_string(p, "encoding", &text) || strcmp(text, "sRGB") == 0) return true;
+    if (strcmp(text, "linear") == 0) {
+        *gamma = 1;
+        return true;
+    }
+    if (strncmp(text, "gamma ", 6) == 0) {
+        *gamma = bis_parse_double(text + 6, &end);
+        if (end > text + 6 && *end == '\0' && *gamma > 0 && *gamma <= 100) return true;
+    }
+    *gamma = BIS_GAMMA_SRGB;
+    return bis_parser_error(p, bis_params_at(p, "encoding"),
+                            "\"encoding\" is \"%s\", must be \"sRGB\", \"linear\" or \"gamma X\", X in (0, 100]",
+                            bis_parser_word(p, text));
+}
+
+/* The image of a file: a new one, or the one that has been named before. Takes over path. */
+static bool add_file(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *index)
+{
+    bis_textures *t = &p->desc->textures;
+    const size_t room = strlen(path) + 34;
+    char *key = bis_alloc(room, 1), number[32];
+    bool ok = key != NULL;
+
+    if (ok) snprintf(key, room, "%s:%s", bis_format_double(number, gamma), path);
+    if (ok && bis_names_find(&p->texture_file_names, key, index)) {
+        bis_free(path);
+        bis_free(key);
+        return true;
+    }
+    ok = ok && BIS_ROOM(t->files, t->capacity_files, t->n_files) && t->n_files < UINT32_MAX &&
+         bis_names_set(&p->texture_file_names, key, (uint32_t)t->n_files);
+    bis_free(key);
+    if (!ok) {
+        bis_free(path);
+        return bis_parser_nomem(p, at);
+    }
+    *index = (uint32_t)t->n_files;
+    t->files[t->n_files++] = (bis_texture_file){path, gamma, at};
+    return true;
+}
+
+bool bis_parser_add_image(bis_parser *p, const char *name, double gamma, bis_loc at, uint32_t *image)
+{
+    char *path = bis_parser_path(p, at, name);
+    return path && add_file(p, path, gamma, at, image);
+}
+
+/* What an image makes of 1/2, but 0 only if it is black. */
+static rgbd typical_of(const bis_texture *x)
+{
+    const double v = x->invert ? 0.5 : 0.5 * x->scale;
+    return (rgbd){v, v, v};
+}
+
+static bool read_imagemap(bis_parser *p, bis_texture *x)
+{
+    static const char *const wraps[] = {"repeat", "clamp", "black"};
+    static const char *const ignored[] = {"filter", "trilinear", "maxanisotropy"};
+    const char *name, *filter;
+    int wrap = BIS_WRAP_REPEAT;
+    double gamma;
+    const bool given = bis_params_has(p, "filename"), wraps_given = bis_params_has(p, "wrap");
+    bool ok = read_mapping(p, x);
+
+    ok = read_encoding(p, &gamma) && ok;
+    ok = (bis_params_choice(p, "wrap", &wrap, wraps, BIS_COUNT(wraps)) || !wraps_given) && ok;
+    bis_params_float(p, "scale", &x->scale, positive_or_0);
+    bis_params_bool(p, "invert", &x->invert);
+    if (bis_params_has(p, "filter") && bis_params_string(p, "filter", &filter) && strcmp(filter, "bilinear") == 0)
+        bis_params_skip(p, ignored, 1);
+    else bis_params_ignore(p, ignored, 1);
+    bis_params_skip(p, ignored + 1, BIS_COUNT(ignored) - 1); /* of filters that bis does not have */
+    x->kind = BIS_TEXTURE_IMAGE;
+    x->wrap = (bis_wrap)wrap;
+    x->value = typical_of(x);
+    if (!bis_params_string(p, "filename", &name))
+        return given ? false : bis_parser_error(p, p->name_at, "Texture \"imagemap\" needs \"string filename\"");
+    return bis_parser_add_image(p, name, gamma, bis_params_at(p, "filename"), &x->image) && ok;
+}
+
+static rgbd value_of(const bis_parser *p, uint32_t texture) { return p->desc->textures.list[texture].value; }
+
+static rgbd mixed(rgbd a, rgbd b, double w) { return rgbd_add(rgbd_scale(a, 1 - w), rgbd_scale(b, w)); }
+
+/* One that is made of constants is itself one. */
+static void make_of(bis_parser *p, bis_texture *x, bis_texture_kind kind, int n)
+{
+    const rgbd a = value_of(p, x->of[0]), b = value_of(p, x->of[1]);
+    bool is_constant = kind != BIS_TEXTURE_CHECKERBOARD;
+
+    for (int i = 0; i < n; i++) {
+        const bis_texture *part = &p->desc->textures.list[x->of[i]];
+        is_constant &= part->kind == BIS_TEXTURE_CONSTANT;
+        x->steps += part->steps; /* each at most the limit */
+    }
+    x->value = kind == BIS_TEXTURE_SCALE ? (rgbd){a.r * b.r, a.g * b.g, a.b * b.b}
+               : kind == BIS_TEXTURE_MIX ? mixed(a, b, within(value_of(p, x->of[2]).r, unit))
+                                         : mixed(a, b, 0.5);
+    x->kind = is_constant ? BIS_TEXTURE_CONSTANT : kind;
+    if (is_constant) x->steps = 1;
+}
+
+/* pbrt-v4's tex and scale, or pbrt-v3's tex1 and tex2. */
+static bool read_scale(bis_parser *p, bis_texture *x, bool of_floats)
+{
+    const bool v4 = bis_params_has(p, "tex") || bis_params_has(p, "scale");
+    bool ok = read_part(p, v4 ? "tex" : "tex1", of_floats, 1, positive_or_0, &x->of[0]);
+    ok = read_part(p, v4 ? "scale" : "tex2", of_floats, 1, positive_or_0, &x->of[1]) && ok;
+    if (ok) make_of(p, x, BIS_TEXTURE_SCALE, 2);
+    return ok;
+}
+
+static bool read_mix(bis_parser *p, bis_texture *x, bool of_floats)
+{
+    bool ok = read_part(p, "tex1", of_floats, 0, positive_or_0, &x->of[0]);
+    ok = read_part(p, "tex2", of_floats, 1, positive_or_0, &x->of[1]) && ok;
+    ok = read_part(p, "amount", true, 0.5, unit, &x->of[2]) && ok;
+    if (ok) make_of(p, x, BIS_TEXTURE_MIX, 3);
+    return ok;
+}
+
+static bool read_checkerboard(bis_parser *p, bis_texture *x, bool of_floats)
+{
+    uint64_t dimension = 2;
+    if (bis_params_integer(p, "dimension", &dimension, 2, 3) && dimension == 3)
+        return bis_parser_error(p, bis_params_at(p, "dimension"),
+                                "a checkerboard in space is not modelled: \"dimension\" must be 2");
+    static const char *const ignored[] = {"aamode"}; /* pbrt-v3: how it is filtered */
+    bis_params_skip(p, ignored, 1);
+    bool ok = read_mapping(p, x);
+    ok = read_part(p, "tex1", of_floats, 1, positive_or_0, &x->of[0]) && ok;
+    ok = read_part(p, "tex2", of_floats, 0, positive_or_0, &x->of[1]) && ok;
+    if (ok) make_of(p, x, BIS_TEXTURE_CHECKERBOARD, 2);
+    return ok;
+}
+
+static bool read_constant(bis_parser *p, bis_texture *x, bool of_floats)
+{
+    uint32_t index;
+    const bool ok = read_part(p, "value", of_floats, 1, positive_or_0, &index);
+    if (ok) x->value = value_of(p, index);
+    return ok;
+}
+
+/* ---- Texture ---- */
+
+enum { CONSTANT, IMAGEMAP, SCALE, MIX, CHECKERBOARD };
+static const bis_choice kinds[] = {
+    {"constant", CONSTANT},   {"imagemap", IMAGEMAP}, {"scale", SCALE},        {"mix", MIX},
+    {"checkerboard", CHECKERBOARD}, {"bilerp", BIS_FOREIGN}, {"directionmix", BIS_FOREIGN}, {"dots", BIS_FOREIGN},
+    {"fbm", BIS_FOREIGN},     {"marble", BIS_FOREIGN},  {"ptex", BIS_FOREIGN},   {"uv", BIS_FOREIGN},
+    {"windy", BIS_FOREIGN},   {"wrinkled", BIS_FOREIGN},
+};
+
+static bool read_kind(bis_parser *p, bis_texture *x, int kind, bool of_floats)
+{
+    switch (kind) {
+    case IMAGEMAP:
+        return read_imagemap(p, x);
+    case SCALE:
+        return read_scale(p, x, of_floats);
+    case MIX:
+        return read_mix(p, x, of_floats);
+    case CHECKERBOARD:
+        return read_checkerboard(p, x, of_floats);
+    default:
+        return read_constant(p, x, of_floats);
+    }
+}
+
+static bool is_cheap(bis_parser *p, const bis_texture *x, bis_loc at)
+{
+    if (x->steps <= BIS_TEXTURE_MAX_STEPS) return true;
+    return bis_parser_error(p, at, "a value of texture \"%s\" is made of %u others, must be at most %d: make it of "
+                            "fewer, or paint it into an image", bis_parser_word(p, bis_parser_text(p, p->name)),
+                            (unsigned)x->steps - 1, BIS_TEXTURE_MAX_STEPS - 1);
+}
+
+/* "float", or "spectrum" (pbrt-v4), "color" (pbrt-v2, v3) or "rgb". */
+static bool read_type(bis_parser *p, const char *type, bis_loc at, bool *of_floats)
+{
+    static const char *const types[] = {"float", "spectrum", "color", "rgb"};
+    for (size_t i = 0; i < BIS_COUNT(types); i++) {
+        if (strcmp(type, types[i]) != 0) continue;
+        *of_floats = i == 0;
+        return true;
+    }
+    return bis_parser_error(p, at, "a Texture is of type \"float\" or \"spectrum\" (or \"color\", \"rgb\"), not \"%s\"",
+                            bis_parser_word(p, type));
+}
+
+/* Known from now on; after a mistake as a constant, so that there is one complaint. */
+static void name_texture(bis_parser *p, const bis_texture *x, bool of_floats)
+{
+    const char *name = bis_parser_text(p, p->name);
+    bis_names *names = &p->texture_names[of_floats];
+    uint32_t index;
+
+    if (bis_names_find(names, name, NULL))
+        bis_warn(p->diag, p->name_at, "texture \"%s\" is defined again: the new one counts from here on",
+                 bis_parser_word(p, name));
+    if (bis_parser_add_texture(p, x, &index) && !bis_names_set(names, name, index)) bis_parser_nomem(p, p->name_at);
+}
+
+void bis_directive_texture(bis_parser *p, bis_loc at)
+{
+    size_t type, kind;
+    bis_loc type_at, kind_at;
+    bool of_floats = false, ok = false;
+
+    if (!bis_parser_name(p, "Texture") || !bis_parser_next_name(p, "Texture", &type, &type_at) ||
+        !bis_parser_next_name(p, "Texture", &kind, &kind_at) || !bis_params_read(p))
+        return;
+    if (!read_type(p, bis_parser_text(p, type), type_at, &of_floats)) return;
+    bis_texture x = {.value = {0.5, 0.5, 0.5}, .factor = {1, 1}, .scale = 1, .steps = 1, .is_float = of_floats};
+    const bis_choice *chosen = bis_parser_choose(p, "Texture", bis_parser_text(p, kind), kind_at, kinds,
+                                                 BIS_COUNT(kinds));
+    if (chosen) {
+        p->own_texture = true;
+        ok = read_kind(p, &x, chosen->value, of_floats) && is_cheap(p, &x, at);
+        p->own_texture = false;
+        bis_params_end(p, "Texture", chosen->name);
+    }
+    if (!ok) x = constant((rgbd){0.5, 0.5, 0.5});
+    name_texture(p, &x, of_floats);
+}

@@ -1,0 +1,302 @@
+/* texture: values, their ranges, and the materials that they make.
+ *
+ * A texture is a small tree; its leaves are constants and images. An image is interpolated bilinearly between the
+ * centres of its texels, and never filtered: where texels are smaller than pixels, the camera samples average them.
+ * No value is cut off: what leaves its range is refused when the images are known, with the largest value in the
+ * message, because a picture that differs from what the scene says should not look as if it did not. */
+#include "bis/scene/texture.h"
+
+#include "bis/base/mem.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/files/image_file.h"
+#include "bis/thesis/phong.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+void bis_textures_clear(bis_textures *t)
+{
+    for (size_t i = 0; i < t->n_files; i++) bis_free(t->files[i].filename);
+    bis_free(t->list);
+    bis_free(t->files);
+    bis_free(t->of_material);
+    *t = (bis_textures){0};
+}
+
+static int n_parts(const bis_texture *x)
+{
+    return x->kind == BIS_TEXTURE_MIX                                             ? 3
+           : x->kind == BIS_TEXTURE_SCALE || x->kind == BIS_TEXTURE_CHECKERBOARD ? 2
+           : x->kind == BIS_TEXTURE_COAT                                          ? 1
+                                                                                  : 0;
+}
+
+/* As deep as BIS_TEXTURE_MAX_STEPS at most, like all that follow the tree. */
+void bis_textures_mark(bool *is_used, const bis_textures *t, uint32_t texture)
+{
+    if (texture == BIS_NO_TEXTURE) return;
+    const bis_texture *x = &t->list[texture];
+    if (x->kind == BIS_TEXTURE_IMAGE) is_used[x->image] = true;
+    for (int i = 0; i < n_parts(x); i++) bis_textures_mark(is_used, t, x->of[i]);
+}
+
+/* ---- images ---- */
+
+static bis_status find_range(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag)
+{
+    const bis_image *im = &image->image;
+    const size_t n = (size_t)im->width * (size_t)im->height;
+
+    for (int k = 0; k < 4; k++) {
+        image->lo[k] = (double)INFINITY;
+        image->hi[k] = -(double)INFINITY;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const rgb c = im->pixels[i];
+        const double v[4] = {(double)c.r, (double)c.g, (double)c.b, rgb_sum(c) / 3};
+        if (!rgb_is_finite(c) || c.r < 0 || c.g < 0 || c.b < 0) {
+            return bis_error(diag, BIS_INPUT, file->loc,
+                             "\"%s\": texel (%zu, %zu), counted from the top left, is %g %g %g; those of a texture "
+                             "must be finite and >= 0",
+                             file->filename, i % (size_t)im->width, i / (size_t)im->width, v[0], v[1], v[2]);
+        }
+        for (int k = 0; k < 4; k++) {
+            image->lo[k] = fmin(image->lo[k], v[k]);
+            image->hi[k] = fmax(image->hi[k], v[k]);
+        }
+    }
+    return BIS_OK;
+}
+
+bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag)
+{
+    *image = (bis_texture_image){{0}, {0}, {0}};
+    bis_status status = bis_image_read_colours(&image->image, file->filename, file->gamma, file->loc, diag);
+    if (!status) status = find_range(image, file, diag);
+    if (status) bis_image_clear(&image->image);
+    return status;
+}
+
+/* The texel, or one of the image's border, or of its repetition. False: it is black. i may be any whole number. */
+static bool wrap_index(double i, int n, bis_wrap wrap, size_t *index)
+{
+    if (wrap == BIS_WRAP_REPEAT) i -= n * floor(i / n);
+    else if (wrap == BIS_WRAP_BLACK && (i < 0 || i >= n)) return false;
+    *index = i <= 0 ? 0 : i >= n - 1 ? (size_t)n - 1 : (size_t)i; /* also what rounding makes of a huge i */
+    return true;
+}
+
+static rgbd texel(const bis_image *image, double x, double y, bis_wrap wrap)
+{
+    size_t column, row;
+
+    if (!wrap_index(x, image->width, wrap, &column) || !wrap_index(y, image->height, wrap, &row))
+        return (rgbd){0, 0, 0};
+    const rgb c = image->pixels[row * (size_t)image->width + column];
+    return (rgbd){(double)c.r, (double)c.g, (double)c.b};
+}
+
+static rgbd lerp(double w, rgbd a, rgbd b) { return rgbd_add(rgbd_scale(a, 1 - w), rgbd_scale(b, w)); }
+
+/* Texel i has its centre at (i + 1/2)/n. Row 0 is at the top, where t = 1. */
+static rgbd bilinear(const bis_image *image, double s, double t, bis_wrap wrap)
+{
+    const double x = s * image->width - 0.5, y = (1 - t) * image->height - 0.5, x0 = floor(x), y0 = floor(y);
+    const rgbd top = lerp(x - x0, texel(image, x0, y0, wrap), texel(image, x0 + 1, y0, wrap));
+    const rgbd bottom = lerp(x - x0, texel(image, x0, y0 + 1, wrap), texel(image, x0 + 1, y0 + 1, wrap));
+
+    return lerp(y - y0, top, bottom);
+}
+
+static double of_image(const bis_texture *x, double v) { return x->invert ? 1 - x->scale * v : x->scale * v; }
+
+static rgbd image_value(const bis_texture *x, const bis_image *image, double s, double t)
+{
+    rgbd v = bilinear(image, s, t, x->wrap);
+
+    if (x->is_float) v.r = v.g = v.b = rgbd_sum(v) / 3;
+    return (rgbd){of_image(x, v.r), of_image(x, v.g), of_image(x, v.b)};
+}
+
+/* ---- values ---- */
+
+static rgbd mix(rgbd a, rgbd b, rgbd w)
+{
+    return (rgbd){(1 - w.r) * a.r + w.r * b.r, (1 - w.g) * a.g + w.g * b.g, (1 - w.b) * a.b + w.b * b.b};
+}
+
+static double coated(const bis_texture *x, double v) { return (1 - x->scale) * v / (1 - x->scale * v); }
+
+rgbd bis_textures_value(const bis_textures *textures, const bis_texture_image *images, uint32_t texture,
+                        const double uv[2])
+{
+    const bis_texture *x = &textures->list[texture];
+    const double s = x->factor[0] * uv[0] + x->offset[0], t = x->factor[1] * uv[1] + x->offset[1];
+    rgbd v[3];
+
+    switch (x->kind) {
+    case BIS_TEXTURE_IMAGE:
+        return image_value(x, &images[x->image].image, s, t);
+    case BIS_TEXTURE_CHECKERBOARD:
+        return bis_textures_value(textures, images, x->of[fmod(floor(s) + floor(t), 2) != 0], uv);
+    case BIS_TEXTURE_SCALE:
+    case BIS_TEXTURE_MIX:
+        for (int i = 0; i < n_parts(x); i++) v[i] = bis_textures_value(textures, images, x->of[i], uv);
+        if (x->kind == BIS_TEXTURE_MIX) return mix(v[0], v[1], v[2]);
+        return (rgbd){v[0].r * v[1].r, v[0].g * v[1].g, v[0].b * v[1].b};
+    case BIS_TEXTURE_COAT:
+        v[0] = bis_textures_value(textures, images, x->of[0], uv);
+        return (rgbd){coated(x, v[0].r), coated(x, v[0].g), coated(x, v[0].b)};
+    case BIS_TEXTURE_CONSTANT:
+        break;
+    }
+    return x->value;
+}
+
+/* ---- ranges ---- */
+
+typedef struct range {
+    double lo[3], hi[3];
+} range;
+
+static range image_range(const bis_texture *x, const bis_texture_image *image)
+{
+    range r;
+
+    for (int k = 0; k < 3; k++) {
+        const int channel = x->is_float ? 3 : k;
+        const double least = x->wrap == BIS_WRAP_BLACK ? 0 : image->lo[channel];
+        const double a = of_image(x, least), b = of_image(x, image->hi[channel]);
+        r.lo[k] = fmin(a, b);
+        r.hi[k] = fmax(a, b);
+    }
+    return r;
+}
+
+/* Of a x b, or of (1 - w) a + w b: both are largest and least at corners, because they are linear in each of the
+ * variables. */
+static void combine(double *lo, double *hi, const bis_texture *x, const range part[3], int k)
+{
+    *lo = (double)INFINITY;
+    *hi = -(double)INFINITY;
+    for (int i = 0; i < 8; i++) {
+        const double a = i & 1 ? part[0].lo[k] : part[0].hi[k], b = i & 2 ? part[1].lo[k] : part[1].hi[k];
+        const bool is_mix = x->kind == BIS_TEXTURE_MIX;
+        const double w = !is_mix ? 0 : i & 4 ? part[2].lo[k] : part[2].hi[k];
+        const double v = is_mix ? (1 - w) * a + w * b : a * b;
+        *lo = fmin(*lo, v);
+        *hi = fmax(*hi, v);
+    }
+}
+
+static range range_of(const bis_textures *t, const bis_texture_image *images, uint32_t texture)
+{
+    const bis_texture *x = &t->list[texture];
+    range r = {{x->value.r, x->value.g, x->value.b}, {x->value.r, x->value.g, x->value.b}}, part[3];
+
+    if (x->kind == BIS_TEXTURE_CONSTANT) return r;
+    if (x->kind == BIS_TEXTURE_IMAGE) return image_range(x, &images[x->image]);
+    for (int i = 0; i < n_parts(x); i++) part[i] = range_of(t, images, x->of[i]);
+    for (int k = 0; k < 3; k++) {
+        if (x->kind == BIS_TEXTURE_CHECKERBOARD) {
+            r.lo[k] = fmin(part[0].lo[k], part[1].lo[k]);
+            r.hi[k] = fmax(part[0].hi[k], part[1].hi[k]);
+        } else if (x->kind == BIS_TEXTURE_COAT) { /* it grows with what is below, as far as 1; beyond, that shows */
+            r.lo[k] = part[0].lo[k] <= 1 ? coated(x, part[0].lo[k]) : part[0].lo[k];
+            r.hi[k] = part[0].hi[k] <= 1 ? coated(x, part[0].hi[k]) : part[0].hi[k];
+        } else {
+            combine(&r.lo[k], &r.hi[k], x, part, k);
+        }
+    }
+    return r;
+}
+
+void bis_textures_range(rgbd *lo, rgbd *hi, const bis_textures *t, const bis_texture_image *images, uint32_t texture)
+{
+    const range r = range_of(t, images, texture);
+
+    *lo = (rgbd){r.lo[0], r.lo[1], r.lo[2]};
+    *hi = (rgbd){r.hi[0], r.hi[1], r.hi[2]};
+}
+
+/* ---- materials ---- */
+
+/* What a texture's values are called, and where they must lie. */
+static bis_status check_range(range *found, const bis_textures *t, const bis_texture_image *images, uint32_t texture,
+                              const char *what, double lo, double hi, bis_loc at, bis_diag *diag)
+{
+    const range r = range_of(t, images, texture);
+
+    *found = r;
+    for (int k = 0; k < 3; k++) {
+        /* floats, because that is what materials keep: 0.01 as a float is no less than 0.01 */
+        const bool is_low = (float)r.lo[k] < (float)lo, is_high = (float)r.hi[k] > (float)hi;
+        if (!is_low && !is_high) continue;
+        char rule[64] = "";
+        if (isinf(hi)) snprintf(rule, sizeof rule, ">= %g", lo);
+        else snprintf(rule, sizeof rule, "in [%g, %g]", lo, hi);
+        return bis_error(diag, BIS_INPUT, at,
+                         "the texture of \"%s\" has values %s %.7g, must be %s: change it by its \"float scale\", or "
+                         "by a Texture \"scale\" or \"mix\"",
+                         what, is_low ? "down to" : "up to", is_low ? r.lo[k] : r.hi[k], rule);
+    }
+    return BIS_OK;
+}
+
+static range range_of_constant(rgb c)
+{
+    return (range){{(double)c.r, (double)c.g, (double)c.b}, {(double)c.r, (double)c.g, (double)c.b}};
+}
+
+static void warn_energy(const range *Kd, const range *Ks, bis_loc at, bis_diag *diag)
+{
+    const double one = 1 + (double)FLT_EPSILON / 2; /* two floats, each rounded by half an ulp of its own */
+
+    for (int k = 0; k < 3; k++) {
+        if (Kd->hi[k] + Ks->hi[k] <= one) continue;
+        bis_warn(diag, at, "Kd + Ks may reach %.7g in %s: the material would reflect more light than it receives",
+                 Kd->hi[k] + Ks->hi[k], (const char *const[]){"red", "green", "blue"}[k]);
+        return;
+    }
+}
+
+bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *images, const bis_material_textures *of,
+                              const bis_material *base, bis_diag *diag)
+{
+    const bool facets = base->model == &bis_microfacet_model;
+    range Kd = range_of_constant(base->Kd), Ks = range_of_constant(base->Ks), width;
+    bis_status status = BIS_OK;
+
+    if (of->Kd != BIS_NO_TEXTURE) status = check_range(&Kd, t, images, of->Kd, "Kd", 0, 1, of->loc, diag);
+    if (!status && of->Ks != BIS_NO_TEXTURE)
+        status = check_range(&Ks, t, images, of->Ks, "Ks", 0, 1, of->loc, diag);
+    if (!status && of->width != BIS_NO_TEXTURE)
+        status = check_range(&width, t, images, of->width, facets ? "roughness" : "exponent",
+                             facets ? pow(BIS_MICROFACET_MIN_ROUGHNESS, 1 / of->power) : 0,
+                             facets ? 1 : (double)INFINITY, of->loc, diag);
+    if (!status && !facets) warn_energy(&Kd, &Ks, of->loc, diag);
+    return status;
+}
+
+static rgb round_value(rgbd v) { return rgb_from(v.r, v.g, v.b); }
+
+bis_material bis_textures_material(const bis_textures *t, const bis_texture_image *images,
+                                   const bis_material_textures *of, const bis_material *base, const double uv[2])
+{
+    const rgb Kd = of->Kd == BIS_NO_TEXTURE ? base->Kd : round_value(bis_textures_value(t, images, of->Kd, uv));
+    const rgb Ks = of->Ks == BIS_NO_TEXTURE ? base->Ks : round_value(bis_textures_value(t, images, of->Ks, uv));
+    const bool facets = base->model == &bis_microfacet_model;
+
+    if (of->width == BIS_NO_TEXTURE && !facets) return bis_phong(Kd, Ks, base->exponent);
+    if (of->width == BIS_NO_TEXTURE) {
+        bis_material m = bis_microfacet(Kd, Ks, 1);
+        m.alpha = base->alpha;
+        return m;
+    }
+    const double width = bis_textures_value(t, images, of->width, uv).r;
+    /* fmax and fmin: a sum of weights may miss the range by an ulp */
+    if (!facets) return bis_phong(Kd, Ks, fmax(0, width));
+    return bis_microfacet(Kd, Ks, fmin(1, fmax(BIS_MICROFACET_MIN_ROUGHNESS, pow(width, of->power))));
+}

@@ -1,0 +1,324 @@
+/* pbrt's own materials and colours: spectra against published chromaticities, metals against their optical constants,
+ * roughness against pbrt's formulas, worked out by hand. */
+#include "bis/base/mem.h"
+#include "bis/base/spectrum.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/scene/scene.h"
+
+#include "image_help.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static void assert_about(double a, double b, double tolerance)
+{
+    if (!(fabs(a - b) <= tolerance)) fail_msg("%.9g is not %.9g +- %g", a, b, tolerance);
+}
+
+static void assert_rgb(rgb c, double r, double g, double b, double tolerance)
+{
+    assert_about((double)c.r, r, tolerance);
+    assert_about((double)c.g, g, tolerance);
+    assert_about((double)c.b, b, tolerance);
+}
+
+typedef struct parsed {
+    bis_scene_desc *desc;
+    bis_diag diag;
+    bis_status status;
+} parsed;
+
+static parsed parse(const char *world)
+{
+    parsed p = {0};
+    char text[4096];
+    const int n = snprintf(text, sizeof text, "WorldBegin\nLightSource \"infinite\"\n%s\nShape \"sphere\"", world);
+    store(scratch("scene.txt"), text, (size_t)n);
+    p.status = bis_scene_parse(&p.desc, scratch("scene.txt"), &p.diag);
+    return p;
+}
+
+static void clear(parsed *p)
+{
+    bis_scene_desc_free(p->desc);
+    bis_diag_clear(&p->diag);
+}
+
+/* The material that these words make; warning: a part of the one warning, or NULL. */
+static bis_material material(const char *world, const char *warning)
+{
+    parsed p = parse(world);
+    for (size_t i = 0; i < p.diag.n && p.status; i++) print_error("%s\n", p.diag.messages[i].text);
+    assert_int_equal(p.status, BIS_OK);
+    assert_int_equal(p.diag.n, warning ? 1 : 0);
+    if (warning && !strstr(p.diag.messages[0].text, warning)) fail_msg("%s, not %s", p.diag.messages[0].text, warning);
+    const bis_material m = p.desc->materials[p.desc->shapes[0].material];
+    clear(&p);
+    return m;
+}
+
+static void refuse(const char *world, const char *message)
+{
+    parsed p = parse(world);
+    assert_int_equal(p.status, BIS_INPUT);
+    if (!strstr(p.diag.messages[0].text, message)) fail_msg("%s, not %s", p.diag.messages[0].text, message);
+    clear(&p);
+}
+
+/* ---- colours ---- */
+
+/* The chromaticity of a colour, by the inverse matrix (IEC 61966-2-1 to seven digits). */
+static void chromaticity(double xy[2], rgbd c)
+{
+    const double X = 0.4124564 * c.r + 0.3575761 * c.g + 0.1804375 * c.b, Y = 0.2126729 * c.r + 0.7151522 * c.g + 0.0721750 * c.b,
+                 Z = 0.0193339 * c.r + 0.1191920 * c.g + 0.9503041 * c.b;
+    xy[0] = X / (X + Y + Z);
+    xy[1] = Y / (X + Y + Z);
+}
+
+/* Chromaticities of black bodies: Wyszecki and Stiles, Color Science, table 1(3.11); 2856 K is illuminant A. */
+static void black_bodies_lie_on_plancks_locus(void **state)
+{
+    (void)state;
+    static const double known[][3] = {{2000, 0.5267, 0.4133}, {2856, 0.4476, 0.4074}, {5000, 0.3451, 0.3516}, {10000, 0.2807, 0.2884}};
+    for (size_t i = 0; i < 4; i++) {
+        const rgbd c = bis_spectrum_blackbody(known[i][0]);
+        double xy[2];
+        chromaticity(xy, c);
+        assert_about(xy[0], known[i][1], 5e-4);
+        assert_about(xy[1], known[i][2], 5e-4);
+        assert_about(0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b, 1, 1e-12);
+    }
+    assert_true(isfinite(bis_spectrum_blackbody(500).r) && isfinite(bis_spectrum_blackbody(1e6).b));
+}
+
+static void white_is_white_and_a_part_of_the_spectrum_has_its_colour(void **state)
+{
+    (void)state;
+    const double grey[1][2] = {{550, 0.25}}, red[4][2] = {{400, 0}, {599, 0}, {600, 1}, {800, 1}};
+    const rgbd g = bis_spectrum_reflected(&(bis_spectrum){grey, 1}), r = bis_spectrum_reflected(&(bis_spectrum){red, 4});
+    assert_about(g.r, 0.25, 1e-12);
+    assert_about(g.g, 0.25, 1e-12);
+    assert_about(g.b, 0.25, 1e-12);
+    assert_true(r.r > 0.9 && r.g < 0.05 && fabs(r.b) < 0.05);
+    /* linear between its points, constant outside */
+    const bis_spectrum ramp = {(const double[2][2]){{500, 1}, {600, 3}}, 2};
+    assert_about(bis_spectrum_at(&ramp, 525), 1.5, 1e-12);
+    assert_about(bis_spectrum_at(&ramp, 400), 1, 0);
+    assert_about(bis_spectrum_at(&ramp, 700), 3, 0);
+}
+
+static void reflectances_may_be_spectra_files_or_xyz(void **state)
+{
+    (void)state;
+    char text[512];
+    assert_rgb(material("Material \"diffuse\" \"spectrum reflectance\" [400 0.25 700 0.25]", NULL).Kd, 0.25, 0.25, 0.25, 1e-6);
+    assert_rgb(material("Material \"matte\" \"spectrum Kd\" 0.5", NULL).Kd, 0.5, 0.5, 0.5, 1e-6);
+    static const char spd[] = "# a grey\n300, 0.75\n\n900 0.75 # end\n";
+    store(scratch("grey.spd"), spd, sizeof spd - 1);
+    snprintf(text, sizeof text, "Material \"phong\" \"spectrum Kd\" \"%s\"", strrchr(scratch("grey.spd"), '/') + 1);
+    assert_rgb(material(text, NULL).Kd, 0.75, 0.75, 0.75, 1e-6);
+    /* half of D65's own white */
+    assert_rgb(material("Material \"diffuse\" \"xyz reflectance\" [0.475235 0.5 0.544415]", NULL).Kd, 0.5, 0.5, 0.5, 1e-4);
+    material("Material \"diffuse\" \"spectrum reflectance\" [500 0 520 1 540 0]", "of RGB; it is cut off to [0, 1]");
+    refuse("Material \"diffuse\" \"spectrum reflectance\" [500 0 400 1]", "must be one number, or pairs of a wavelength in nm");
+    refuse("Material \"diffuse\" \"spectrum reflectance\" [500 0 600]", "must be one number, or pairs of a wavelength in nm");
+    refuse("Material \"diffuse\" \"spectrum reflectance\" [500 -1]", "must be one number, or pairs of a wavelength in nm");
+    refuse("Material \"diffuse\" \"spectrum reflectance\" \"no.spd\"", "cannot read");
+    store(scratch("bad.spd"), "400 x", 5);
+    snprintf(text, sizeof text, "Material \"phong\" \"spectrum Kd\" \"%s\"", strrchr(scratch("bad.spd"), '/') + 1);
+    refuse(text, "is no spectrum: its value 2 is no number");
+    refuse("Material \"diffuse\" \"blackbody reflectance\" 3000", "is of type blackbody, must be");
+}
+
+static void light_may_be_a_black_body_or_xyz(void **state)
+{
+    (void)state;
+    parsed p = {0};
+    static const char a[] = "WorldBegin LightSource \"infinite\" \"blackbody L\" 2856 \"float scale\" 2",
+                      b[] = "WorldBegin LightSource \"infinite\" \"xyz L\" [0.95047 1 1.08883]",
+                      c[] = "WorldBegin LightSource \"infinite\" \"blackbody L\" [2856 2]";
+    store(scratch("a.txt"), a, sizeof a - 1);
+    assert_int_equal(bis_scene_parse(&p.desc, scratch("a.txt"), &p.diag), BIS_OK);
+    const rgb L = p.desc->light.L;
+    double xy[2];
+    chromaticity(xy, (rgbd){(double)L.r, (double)L.g, (double)L.b});
+    assert_about(xy[0], 0.4476, 5e-4);
+    assert_about(xy[1], 0.4074, 5e-4);
+    clear(&p);
+    store(scratch("a.txt"), b, sizeof b - 1);
+    assert_int_equal(bis_scene_parse(&p.desc, scratch("a.txt"), &p.diag), BIS_OK);
+    assert_rgb(p.desc->light.L, 1, 1, 1, 1e-4);
+    clear(&p);
+    store(scratch("a.txt"), c, sizeof c - 1);
+    assert_int_equal(bis_scene_parse(&p.desc, scratch("a.txt"), &p.diag), BIS_INPUT);
+    clear(&p);
+}
+
+/* ---- metals ---- */
+
+
+/* By numbers that anybody can check: k = 0 and n = 1.5 is glass, ((0.5)/(2.5))^2 = 0.04; n = 1 and k = 2 is 4/8. */
+static void a_conductor_reflects_what_fresnel_says_head_on(void **state)
+{
+    (void)state;
+    const char *rough = "\"float roughness\" 0.25";
+    char text[512];
+    snprintf(text, sizeof text, "Material \"conductor\" \"rgb eta\" [1.5 1 1] \"rgb k\" [0 2 0] %s", rough);
+    assert_rgb(material(text, NULL).Ks, 0.04, 0.5, 0, 1e-6);
+    snprintf(text, sizeof text, "Material \"conductor\" \"float eta\" 1 \"float k\" 2 %s", rough);
+    assert_rgb(material(text, NULL).Ks, 0.5, 0.5, 0.5, 1e-6);
+    snprintf(text, sizeof text, "Material \"conductor\" \"spectrum eta\" [550 1.5] \"spectrum k\" [550 0] %s", rough);
+    assert_rgb(material(text, NULL).Ks, 0.04, 0.04, 0.04, 1e-6);
+    snprintf(text, sizeof text, "Material \"conductor\" \"rgb reflectance\" [0.9 0.6 0.3] %s", rough);
+    assert_rgb(material(text, NULL).Ks, 0.9, 0.6, 0.3, 1e-6);
+    refuse("Material \"conductor\" \"rgb reflectance\" [0.9 0.6 0.3] \"rgb eta\" [1 1 1]", "give \"reflectance\", or \"eta\" and \"k\"");
+    refuse("Material \"conductor\" \"spectrum eta\" \"metal-CuZn-eta\" \"spectrum k\" \"metal-CuZn-k\"", "the metal of \"metal-CuZn-eta\" is not known; bis has Ag, Al, Au and Cu");
+    refuse("Material \"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" \"metal-Au-k\"", "must be of one metal");
+    refuse("Material \"conductor\" \"rgb eta\" [1 1 1]", "give both \"eta\" and \"k\"");
+}
+
+/* Published colours of metals head on (S. Lagarde, "Feeding a physically based shading model", 2011, from the same
+ * constants): copper 0.955 0.638 0.538, gold 1.022 0.782 0.344, silver 0.972 0.960 0.915, aluminium 0.913 0.922 0.924. They are cut off in the
+ * third digit. */
+static void named_metals_have_their_published_colours(void **state)
+{
+    (void)state;
+    assert_rgb(material("Material \"conductor\" \"float roughness\" 0.1", NULL).Ks, 0.955, 0.638, 0.538, 1e-3);
+    /* the constants themselves, every 20 nm */
+    assert_rgb(material("Material \"conductor\" \"float roughness\" 0.1\n"
+        "\"spectrum eta\" [380 1.206 400 1.175 420 1.178 440 1.171 460 1.16 480 1.148 500 1.134 520 1.111 540 1.033 560 0.8614 580 0.6027 600 0.3902 620 0.2718 "
+        "640 0.2266 660 0.212 680 0.2112 700 0.2148 720 0.22 740 0.2295 760 0.2414 780 0.2509]\n"
+        "\"spectrum k\" [380 2.094 400 2.13 420 2.248 440 2.349 460 2.436 480 2.515 500 2.574 520 2.602 540 2.582 560 2.593 580 2.71 600 2.943 620 3.241 "
+        "640 3.511 660 3.752 680 3.962 700 4.158 720 4.345 740 4.522 760 4.692 780 4.861]", NULL).Ks, 0.955, 0.638, 0.538, 4e-3);
+    assert_rgb(material("Material \"metal\"", NULL).Ks, 0.955, 0.638, 0.538, 1e-3);
+    assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\" \"float roughness\" 0.1", NULL).Ks, 1, 0.782, 0.344, 1e-3);
+    assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\" \"float roughness\" 0.1", NULL).Ks, 0.972, 0.960, 0.915, 1e-3);
+    assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-Al-eta\" \"spectrum k\" \"metal-Al-k\" \"float roughness\" 0.1", NULL).Ks, 0.913, 0.922, 0.924, 1e-3);
+}
+
+/* pbrt-v4: alpha = sqrt(roughness); pbrt-v3: its polynomial, here as python computes it; bis's own alpha is what counts. */
+static void roughness_becomes_pbrts_alpha(void **state)
+{
+    (void)state;
+    assert_about(material("Material \"conductor\" \"float roughness\" 0.25", NULL).alpha, 0.5, 1e-12);
+    assert_about(material("Material \"conductor\" \"float roughness\" 0.25 \"bool remaproughness\" false", NULL).alpha, 0.25, 1e-12);
+    assert_about(material("Material \"conductor\" \"float uroughness\" 0.04 \"float vroughness\" 0.04", NULL).alpha, 0.2, 1e-12);
+    assert_about(material("Material \"metal\" \"float roughness\" 0.1", NULL).alpha, 0.46176003200863397, 1e-9);
+    assert_about(material("Material \"metal\"", NULL).alpha, 0.13892440927807698, 1e-9);
+    assert_about(material("Material \"plastic\"", NULL).alpha, 0.46176003200863397, 1e-9);
+    assert_about(material("Material \"metal\" \"float roughness\" 0.3 \"bool remaproughness\" false", NULL).alpha, 0.3, 1e-12);
+    assert_about(material("Material \"conductor\"", "a perfect mirror is not modelled: it becomes a lobe with alpha = 0.0001").alpha, 1e-4, 1e-12);
+    assert_about(material("Material \"metal\" \"float roughness\" 0.5", "this roughness has alpha = 1.1").alpha, 1, 1e-12);
+    refuse("Material \"conductor\" \"float uroughness\" 0.1 \"float vroughness\" 0.2", "anisotropic surfaces are not modelled");
+}
+
+static void textures_of_roughness_are_remapped_as_constants_are(void **state)
+{
+    (void)state;
+    parsed p = parse("Texture \"r\" \"float\" \"checkerboard\" \"float tex1\" 0.0625 \"float tex2\" 0.25\nMaterial \"conductor\" \"texture roughness\" \"r\"");
+    assert_int_equal(p.status, BIS_OK);
+    const uint32_t index = p.desc->shapes[0].material;
+    const bis_material_textures *t = bis_textures_of(&p.desc->textures, index);
+    assert_non_null(t);
+    const bis_material *base = &p.desc->materials[index];
+    assert_about(bis_textures_material(&p.desc->textures, NULL, t, base, (double[]){0.5, 0.5}).alpha, 0.25, 1e-9);
+    assert_about(bis_textures_material(&p.desc->textures, NULL, t, base, (double[]){1.5, 0.5}).alpha, 0.5, 1e-9);
+    clear(&p);
+    refuse("Texture \"r\" \"float\" \"checkerboard\" Material \"metal\" \"texture roughness\" \"r\"", "give \"bool remaproughness\" false and a texture of alpha");
+}
+
+/* ---- coats ---- */
+
+/* F0 of 1.5 is 0.04, of 1.33 (0.33/2.33)^2 = 0.0200593. Of diffuse light inside glass of 1.5, 59.63 % are reflected back
+ * (Judd 1942: 0.596): a base of 0.5 shows 0.4037 0.5/(1 - 0.5963 0.5) = 0.28758. */
+static void coats_are_what_their_index_says(void **state)
+{
+    (void)state;
+    bis_material m = material("Material \"plastic\" \"rgb Kd\" [0.1 0.2 0.3] \"float Ks\" 0.5", NULL);
+    assert_rgb(m.Kd, 0.1, 0.2, 0.3, 1e-6);
+    assert_rgb(m.Ks, 0.02, 0.02, 0.02, 1e-6);
+    m = material("Material \"uber\" \"float Kd\" 0.4 \"float Ks\" 1 \"float eta\" 1.33 \"rgb Kr\" [0 0 0]", NULL);
+    assert_rgb(m.Ks, 0.0200593, 0.0200593, 0.0200593, 1e-6);
+    m = material("Material \"substrate\" \"rgb Kd\" [0.1 0.2 0.3] \"rgb Ks\" [0.4 0.5 0.6] \"float uroughness\" 0.05 \"float vroughness\" 0.05", NULL);
+    assert_rgb(m.Kd, 0.1, 0.2, 0.3, 1e-6);
+    assert_rgb(m.Ks, 0.4, 0.5, 0.6, 1e-6);
+    m = material("Material \"coateddiffuse\" \"rgb reflectance\" [0.5 1 0] \"float roughness\" 0.25 \"float thickness\" 0.02", NULL);
+    assert_rgb(m.Kd, 0.28758, 1, 0, 2e-4);
+    assert_rgb(m.Ks, 0.04, 0.04, 0.04, 1e-6);
+    assert_about(m.alpha, 0.5, 1e-12);
+    refuse("Material \"uber\" \"rgb opacity\" [1 0.5 1]", "\"opacity\" must be 1");
+    refuse("Material \"uber\" \"rgb Kt\" [1 0.5 1]", "\"Kt\" must be 0");
+    refuse("Material \"coateddiffuse\" \"float albedo\" 0.5", "\"albedo\" must be 0");
+    refuse("Material \"coateddiffuse\" \"float eta\" 0.5", "\"eta\" is 0.5, must be in [1, 10]");
+}
+
+static void a_textured_coat_is_the_coat_of_each_colour(void **state)
+{
+    (void)state;
+    parsed p = parse("Texture \"k\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.5 \"rgb tex2\" [1 0 0.5]\nMaterial \"coateddiffuse\" \"texture reflectance\" \"k\" \"float roughness\" 0.25");
+    assert_int_equal(p.status, BIS_OK);
+    uint32_t index = p.desc->shapes[0].material;
+    const bis_material_textures *t = bis_textures_of(&p.desc->textures, index);
+    assert_rgb(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){0.5, 0.5}).Kd, 0.28758, 0.28758, 0.28758, 2e-4);
+    assert_rgb(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){1.5, 0.5}).Kd, 1, 0, 0.28758, 2e-4);
+    assert_int_equal(bis_textures_check(&p.desc->textures, NULL, t, &p.desc->materials[index], &p.diag), BIS_OK);
+    clear(&p);
+    p = parse("Texture \"k\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.5 \"rgb tex2\" [1 0 0.5]\nMaterial \"plastic\" \"texture Kd\" \"k\" \"texture Ks\" \"k\"");
+    assert_int_equal(p.status, BIS_OK);
+    index = p.desc->shapes[0].material;
+    t = bis_textures_of(&p.desc->textures, index);
+    const bis_material m = bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){1.5, 0.5});
+    assert_rgb(m.Kd, 1, 0, 0.5, 1e-6);
+    assert_rgb(m.Ks, 0.04, 0, 0.02, 1e-6);
+    clear(&p);
+}
+
+static void when_the_kth_allocation_fails_colours_fail_cleanly(void **state)
+{
+    (void)state;
+    static const char text[] = "WorldBegin LightSource \"infinite\" Texture \"k\" \"spectrum\" \"checkerboard\" Material \"plastic\" \"texture Kd\" \"k\" \"texture Ks\" \"k\"\n"
+                               "Material \"conductor\" \"spectrum eta\" \"grey.spd\" \"spectrum k\" [400 1 500 2] \"float roughness\" 0.1 Shape \"sphere\"\n";
+    char scene[1024];
+    bool ended = false;
+    store(scratch("grey.spd"), "300 1 900 2", 11);
+    strcpy(scene, text);
+    char *at = strstr(scene, "grey.spd");
+    snprintf(at, sizeof scene - (size_t)(at - scene), "%s%s", strrchr(scratch("grey.spd"), '/') + 1, strstr(text, "grey.spd") + 8);
+    store(scratch("scene.txt"), scene, strlen(scene));
+    for (long k = 1; !ended; k++) {
+        parsed p = {0};
+        bis_mem_fail_at(k);
+        p.status = bis_scene_parse(&p.desc, scratch("scene.txt"), &p.diag);
+        ended = bis_mem_count() < k;
+        bis_mem_fail_at(0);
+        if (p.status != (ended ? BIS_OK : BIS_NOMEM)) fail_msg("allocation %ld: status %d, %s", k, p.status, p.diag.n ? p.diag.messages[0].text : "");
+        clear(&p);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(black_bodies_lie_on_plancks_locus),
+        cmocka_unit_test(white_is_white_and_a_part_of_the_spectrum_has_its_colour),
+        cmocka_unit_test(reflectances_may_be_spectra_files_or_xyz),
+        cmocka_unit_test(light_may_be_a_black_body_or_xyz),
+        cmocka_unit_test(a_conductor_reflects_what_fresnel_says_head_on),
+        cmocka_unit_test(named_metals_have_their_published_colours),
+        cmocka_unit_test(roughness_becomes_pbrts_alpha),
+        cmocka_unit_test(textures_of_roughness_are_remapped_as_constants_are),
+        cmocka_unit_test(coats_are_what_their_index_says),
+        cmocka_unit_test(a_textured_coat_is_the_coat_of_each_colour),
+        cmocka_unit_test(when_the_kth_allocation_fails_colours_fail_cleanly),
+    };
+    return cmocka_run_group_tests(tests, NULL, scratch_remove);
+}

@@ -1,0 +1,886 @@
+/* Textures: values worked out by hand, texture coordinates against pbrt's formulas, pictures against the same scene
+ * without textures, and what is refused. */
+#include "bis/base/mem.h"
+#include "bis/files/image_file.h"
+#include "bis/scene/scene.h"
+
+#include "image_help.h"
+#include "program.h"
+#include "tools/verify/verify.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DIR "build/test_textures"
+
+/* ---- help ---- */
+
+typedef struct built {
+    bis_scene_desc *desc;
+    bis_scene *scene;
+    bis_diag diag;
+} built;
+
+/* The last part of a scratch file's name, for a scene beside it. */
+static const char *beside(const char *path) { return strrchr(path, '/') + 1; }
+
+static bis_status try_build(built *b, const char *text)
+{
+    *b = (built){0};
+    store(scratch("scene.txt"), text, strlen(text));
+    bis_status status = bis_scene_parse(&b->desc, scratch("scene.txt"), &b->diag);
+    return status ? status : bis_scene_build(&b->scene, b->desc, &b->diag);
+}
+
+static built build(const char *fmt, ...) BIS_PRINTF(1, 2);
+static built build(const char *fmt, ...)
+{
+    char text[8192];
+    built b;
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    const bis_status status = try_build(&b, text);
+    for (size_t i = 0; i < b.diag.n && status; i++) print_error("%s\n", b.diag.messages[i].text);
+    assert_int_equal(status, BIS_OK);
+    return b;
+}
+
+static void clear(built *b)
+{
+    bis_scene_free(b->scene);
+    bis_scene_desc_free(b->desc);
+    bis_diag_clear(&b->diag);
+}
+
+/* The first message has this in it. */
+static void expect_failure(const char *scene, const char *what)
+{
+    built b;
+    assert_int_equal(try_build(&b, scene), BIS_INPUT);
+    bool found = false;
+    for (size_t i = 0; i < b.diag.n; i++) found |= strstr(b.diag.messages[i].text, what) != NULL;
+    if (!found) print_error("%s\nnot: %s\n", b.diag.messages[0].text, what);
+    assert_true(found);
+    assert_non_null(strstr(b.diag.messages[0].text, "scene.txt:"));
+    clear(&b);
+}
+
+/* 2 x 2, grey: bottom left 0.1, bottom right 0.2, top left 0.4, top right 0.8. A PFM's first row is the bottom. */
+static const char *four(void)
+{
+    const float v[4] = {0.1f, 0.2f, 0.4f, 0.8f};
+    bytes b = {0};
+    put_text(&b, "PF\n2 2\n-1.0\n");
+    for (int i = 0; i < 12; i++) put_float(&b, v[i / 3]);
+    const char *path = scratch("four.pfm");
+    store(path, b.data, b.n);
+    bytes_clear(&b);
+    return beside(path);
+}
+
+#define LIGHT "WorldBegin LightSource \"infinite\" "
+
+/* The value at (u, v) of the texture that the first shape's reflectance is. */
+static double value(const built *b, double u, double v)
+{
+    const bis_material_textures *m = bis_textures_of(&b->desc->textures, b->desc->shapes[0].material);
+    assert_non_null(m);
+    return bis_textures_value(&b->desc->textures, b->scene->images, m->Kd, (double[]){u, v}).r;
+}
+
+static void assert_near(double a, double b)
+{
+    if (!(fabs(a - b) < 1e-6)) fail_msg("%.9g is not %.9g", a, b);
+}
+
+static built imagemap(const char *params)
+{
+    return build(LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" %s\n"
+                       "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", four(), params);
+}
+
+/* ---- images ---- */
+
+static void texels_stand_in_the_middle_of_their_squares_and_v_grows_upwards(void **state)
+{
+    (void)state;
+    built b = imagemap("");
+    assert_near(value(&b, 0.25, 0.25), 0.1);
+    assert_near(value(&b, 0.75, 0.25), 0.2);
+    assert_near(value(&b, 0.25, 0.75), 0.4);
+    assert_near(value(&b, 0.75, 0.75), 0.8);
+    assert_near(value(&b, 0.5, 0.25), 0.15);
+    assert_near(value(&b, 0.25, 0.5), 0.25);
+    assert_near(value(&b, 0.5, 0.5), 0.375);
+    assert_near(value(&b, 0.375, 0.25), 0.125); /* a quarter of the way */
+    clear(&b);
+}
+
+static void outside_the_square_an_image_repeats_or_stands_still_or_is_black(void **state)
+{
+    (void)state;
+    built b = imagemap("");
+    assert_near(value(&b, 0, 0.25), 0.15); /* between 0.2, which repeats on the left, and 0.1 */
+    assert_near(value(&b, 0, 0), 0.375);
+    assert_near(value(&b, 7.25, -3.25), 0.4);
+    assert_near(value(&b, -0.75, 1.25), 0.1);
+    clear(&b);
+    b = imagemap("\"string wrap\" \"clamp\"");
+    assert_near(value(&b, 0, 0), 0.1);
+    assert_near(value(&b, -9, 0.25), 0.1);
+    assert_near(value(&b, 3, 3), 0.8);
+    assert_near(value(&b, 0.5, 2), 0.6);
+    clear(&b);
+    b = imagemap("\"string wrap\" \"black\"");
+    assert_near(value(&b, 0, 0.25), 0.05); /* half way to black */
+    assert_near(value(&b, 0, 0), 0.025);
+    assert_near(value(&b, -0.3, 0.5), 0);
+    assert_near(value(&b, 0.5, 1.3), 0);
+    clear(&b);
+}
+
+static void coordinates_are_scaled_then_moved_and_values_scaled_then_inverted(void **state)
+{
+    (void)state;
+    built b = imagemap("\"float uscale\" 2 \"float udelta\" 0.25 \"float vscale\" 3 \"float vdelta\" -0.75");
+    assert_near(value(&b, 0.25, 0.5), 0.8); /* (0.75, 0.75) */
+    clear(&b);
+    b = imagemap("\"float scale\" 0.5 \"bool invert\" true");
+    assert_near(value(&b, 0.75, 0.75), 0.6);
+    clear(&b);
+}
+
+/* A PNG by libpng's own writer. format: PNG_FORMAT_... */
+static const char *store_png(const char *name, int width, int height, png_uint_32 format, const void *pixels)
+{
+    png_image png = {.version = PNG_IMAGE_VERSION, .width = (png_uint_32)width, .height = (png_uint_32)height, .format = format};
+    assert_true(png_image_write_to_file(&png, scratch(name), 0, pixels, 0, NULL));
+    return beside(scratch(name));
+}
+
+static built of_file(const char *name, const char *params)
+{
+    return build(LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\" %s\n"
+                       "Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"", name, params);
+}
+
+/* 188/255 of the curve of sRGB is 0.502886, from tables of it; the first row of a PNG is the top. */
+static void a_png_is_srgb_unless_it_is_said_to_be_linear_or_a_power(void **state)
+{
+    (void)state;
+    const unsigned char grey[4] = {188, 255, 0, 99}; /* top row, bottom row */
+    const char *name = store_png("grey.png", 2, 2, PNG_FORMAT_GRAY, grey);
+    built b = of_file(name, "");
+    assert_near(value(&b, 0.25, 0.75), 0.50288646);
+    assert_near(value(&b, 0.75, 0.75), 1);
+    assert_near(value(&b, 0.25, 0.25), 0);
+    assert_near(value(&b, 0.75, 0.25), 0.12477182);
+    clear(&b);
+    b = of_file(name, "\"string encoding\" \"linear\"");
+    assert_near(value(&b, 0.25, 0.75), 188 / 255.0);
+    clear(&b);
+    b = of_file(name, "\"bool gamma\" false");
+    assert_near(value(&b, 0.25, 0.75), 188 / 255.0);
+    clear(&b);
+    b = of_file(name, "\"string encoding\" \"gamma 2\"");
+    assert_near(value(&b, 0.25, 0.75), 0.5435448); /* 188^2/255^2 */
+    clear(&b);
+}
+
+/* bis has a reader of its own for each of these through libpng's conversions: colours, palettes, transparency. */
+static void every_kind_of_png_has_the_same_colours(void **state)
+{
+    (void)state;
+    const unsigned char rgba[8] = {255, 99, 0, 0, 0, 188, 255, 128};
+    built b = of_file(store_png("rgba.png", 2, 1, PNG_FORMAT_RGBA, rgba), "");
+    const bis_image *im = &b.scene->images[0].image;
+    assert_true(im->pixels[0].r == 1 && im->pixels[0].b == 0);
+    assert_near((double)im->pixels[0].g, 0.12477182);
+    assert_true(im->pixels[1].r == 0 && im->pixels[1].b == 1);
+    clear(&b);
+    /* a palette of two colours, one bit a pixel: written by hand, 8 x 1, 10101010 */
+    png_bytep row = (png_byte[]){0xaa};
+    FILE *f = fopen(scratch("palette.png"), "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, f);
+    png_set_IHDR(png, info, 8, 1, 1, PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_ADAM7, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_PLTE(png, info, (png_color[]){{255, 0, 0}, {0, 255, 188}}, 2);
+    png_write_info(png, info);
+    for (int pass = png_set_interlace_handling(png); pass > 0; pass--) png_write_row(png, row);
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    fclose(f);
+    b = of_file(beside(scratch("palette.png")), "");
+    im = &b.scene->images[0].image;
+    assert_int_equal(im->width, 8);
+    for (int i = 0; i < 8; i++) assert_true(im->pixels[i].r == (i % 2) && im->pixels[i].g == (i + 1) % 2);
+    assert_near((double)im->pixels[0].b, 0.50288646);
+    clear(&b);
+}
+
+/* libpng's "linear" formats are 16 bits; its file says so by a gamma that pbrt and bis do not ask. */
+static void sixteen_bits_are_kept(void **state)
+{
+    (void)state;
+    const uint16_t v[2] = {0x8000, 0x0101};
+    const char *name = store_png("deep.png", 2, 1, PNG_FORMAT_LINEAR_Y, v);
+    built b = of_file(name, "\"string encoding\" \"linear\"");
+    assert_near(value(&b, 0.25, 0.5), 32768 / 65535.0);
+    assert_near(value(&b, 0.75, 0.5), 257 / 65535.0);
+    clear(&b);
+}
+
+/* ---- textures of textures ---- */
+
+static built kind(const char *textures)
+{
+    return build(LIGHT "%s\nMaterial \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", textures);
+}
+
+static void a_checkerboard_alternates_also_at_negative_places(void **state)
+{
+    (void)state;
+    built b = kind("Texture \"t\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.75 \"rgb tex2\" [0.25 0 0] \"float uscale\" 2");
+    assert_near(value(&b, 0.25, 0.5), 0.75);
+    assert_near(value(&b, 0.75, 0.5), 0.25);
+    assert_near(value(&b, 0.75, 1.5), 0.75);
+    assert_near(value(&b, -0.25, 0.5), 0.25);
+    assert_near(value(&b, -0.25, -0.5), 0.75);
+    clear(&b);
+}
+
+static void scale_and_mix_do_as_they_say_in_both_spellings(void **state)
+{
+    (void)state;
+    static const char *const board = "Texture \"c\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.5 \"float tex2\" 0.25\n";
+    static const char *const scales[] = {
+        "Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"c\" \"float scale\" 0.5",
+        "Texture \"t\" \"color\" \"scale\" \"texture tex1\" \"c\" \"rgb tex2\" [0.5 0.5 0.5]"};
+    char text[512];
+    built b;
+    for (int i = 0; i < 2; i++) {
+        snprintf(text, sizeof text, "%s%s", board, scales[i]);
+        b = kind(text);
+        assert_near(value(&b, 0.5, 0.5), 0.25);
+        assert_near(value(&b, 1.5, 0.5), 0.125);
+        clear(&b);
+    }
+    snprintf(text, sizeof text, "%sTexture \"t\" \"spectrum\" \"mix\" \"texture tex1\" \"c\" \"float tex2\" 1 \"float amount\" 0.25", board);
+    b = kind(text);
+    assert_near(value(&b, 0.5, 0.5), 0.75 * 0.5 + 0.25);
+    clear(&b);
+    /* the amount may vary as well: from tex1 to tex2 */
+    snprintf(text, sizeof text, "Texture \"a\" \"float\" \"checkerboard\" \"float tex1\" 0 \"float tex2\" 1\n"
+                                "Texture \"t\" \"spectrum\" \"mix\" \"float tex1\" 0.2 \"float tex2\" 0.9 \"texture amount\" \"a\"");
+    b = kind(text);
+    assert_near(value(&b, 0.5, 0.5), 0.2);
+    assert_near(value(&b, 1.5, 0.5), 0.9);
+    clear(&b);
+}
+
+static void a_texture_that_is_the_same_everywhere_is_no_texture(void **state)
+{
+    (void)state;
+    built b = kind("Texture \"c\" \"float\" \"constant\" \"float value\" 0.5\n"
+                   "Texture \"t\" \"spectrum\" \"scale\" \"rgb tex\" [0.5 0.25 1] \"texture scale\" \"c\"");
+    const bis_scene_desc *d = b.desc;
+    assert_null(bis_textures_of(&d->textures, d->shapes[0].material));
+    const bis_material *m = &d->materials[d->shapes[0].material];
+    assert_true(m->Kd.r == 0.25f && m->Kd.g == 0.125f && m->Kd.b == 0.5f);
+    clear(&b);
+}
+
+/* ---- texture coordinates ---- */
+
+/* (u, v) where a ray from p towards the point `at` meets the scene. */
+static void look(double uv[2], const built *b, const double p[3], const double at[3])
+{
+    const double d[3] = {at[0] - p[0], at[1] - p[1], at[2] - p[2]}, l = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const ray r = {vec3_from(p[0], p[1], p[2]), vec3_from(d[0] / l, d[1] / l, d[2] / l), INFINITY};
+    bis_hit hit;
+    assert_true(bis_accel_intersect(b->scene->accel, &r, &hit));
+    bis_geometry_uv(&b->scene->geometry, hit.prim, &r, uv);
+}
+
+static void assert_uv(const double uv[2], double u, double v)
+{
+    if (!(fabs(uv[0] - u) < 1e-5 && fabs(uv[1] - v) < 1e-5)) fail_msg("(%g, %g) is not (%g, %g)", uv[0], uv[1], u, v);
+}
+
+/* u = phi/2 pi counts from x over y; v = 0 at the bottom, z = -r: pbrt's (theta - pi)/(0 - pi). */
+static void a_sphere_has_pbrts_coordinates(void **state)
+{
+    (void)state;
+    const double s = sqrt(0.5), uv_of[][5] = {{1, 0, 0, 0, 0.5}, {0, 1, 0, 0.25, 0.5}, {-1, 0, 0, 0.5, 0.5}, {0, -1, 0, 0.75, 0.5},
+                                              {s, s, 0, 0.125, 0.5}, {s, 0, s, 0, 0.75}, {0, s, -s, 0.25, 0.25}, {0.6, -0.8, 0, 0.852416, 0.5}};
+    built b = build(LIGHT "Translate 3 0 0 Rotate 90 0 0 1 Shape \"sphere\" \"float radius\" 2");
+    for (size_t i = 0; i < sizeof uv_of / sizeof *uv_of; i++) {
+        const double *q = uv_of[i];
+        /* turned by 90 degrees about z: (x, y) to (-y, x); with radius 2, and moved */
+        const double at[3] = {3 - 2 * q[1], 2 * q[0], 2 * q[2]}, from[3] = {3 - 9 * q[1], 9 * q[0], 9 * q[2]};
+        double uv[2];
+        look(uv, &b, from, at);
+        if (q[3] == 0 && uv[0] > 0.5) uv[0] -= 1; /* the seam */
+        assert_uv(uv, q[3], q[4]);
+    }
+    clear(&b);
+}
+
+static void a_disk_has_pbrts_coordinates(void **state)
+{
+    (void)state;
+    built b = build(LIGHT "Shape \"disk\" \"float radius\" 4 \"float height\" 1");
+    const double uv_of[][4] = {{1, 0.001, 0.000159, 0.75}, {0, 2, 0.25, 0.5}, {-3, 0, 0.5, 0.25}, {0, -1, 0.75, 0.75}};
+    for (size_t i = 0; i < sizeof uv_of / sizeof *uv_of; i++) {
+        double uv[2];
+        look(uv, &b, (double[]){0, 0, 9}, (double[]){uv_of[i][0], uv_of[i][1], 1});
+        assert_uv(uv, uv_of[i][2], uv_of[i][3]);
+    }
+    clear(&b);
+}
+
+#define TRIANGLE "Shape \"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0] "
+#define BOARD "Texture \"t\" \"color\" \"checkerboard\" Material \"diffuse\" \"texture reflectance\" \"t\" "
+
+static void a_triangle_interpolates_its_corners_and_without_any_has_pbrts(void **state)
+{
+    (void)state;
+    const double from[3] = {0.2, 0.3, 5}, at[3] = {0.2, 0.3, 0}; /* weights 0.5, 0.2, 0.3 */
+    static const char *const spellings[] = {"\"point2 uv\" [1 2  3 5  7 11]", "\"float uv\" [1 2  3 5  7 11]", "\"float st\" [1 2  3 5  7 11]"};
+    double uv[2];
+    for (int i = 0; i < 3; i++) {
+        built b = build(LIGHT BOARD TRIANGLE "%s", spellings[i]);
+        look(uv, &b, from, at);
+        assert_uv(uv, 0.5 * 1 + 0.2 * 3 + 0.3 * 7, 0.5 * 2 + 0.2 * 5 + 0.3 * 11);
+        assert_int_equal(b.diag.n, 0);
+        clear(&b);
+    }
+    built b = build(LIGHT BOARD TRIANGLE);
+    look(uv, &b, from, at); /* (0,0), (1,0), (1,1) */
+    assert_uv(uv, 0.2 + 0.3, 0.3);
+    assert_int_equal(b.diag.n, 1);
+    assert_non_null(strstr(b.diag.messages[0].text, "warning: the mesh has no texture coordinates"));
+    clear(&b);
+}
+
+/* Meshes with and without coordinates, before and behind each other. */
+static void each_mesh_of_a_scene_keeps_its_own(void **state)
+{
+    (void)state;
+    built b = build(LIGHT TRIANGLE "Translate 10 0 0 " BOARD TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]\nTranslate 10 0 0 " TRIANGLE);
+    double uv[2];
+    look(uv, &b, (double[]){0.2, 0.3, 5}, (double[]){0.2, 0.3, 0});
+    assert_uv(uv, 0.5, 0.3);
+    look(uv, &b, (double[]){10.2, 0.3, 5}, (double[]){10.2, 0.3, 0});
+    assert_uv(uv, 5.2, 5.3);
+    look(uv, &b, (double[]){20.2, 0.3, 5}, (double[]){20.2, 0.3, 0});
+    assert_uv(uv, 0.5, 0.3);
+    clear(&b);
+}
+
+static void without_textures_no_coordinates_are_kept(void **state)
+{
+    (void)state;
+    built b = build(LIGHT TRIANGLE "\"point2 uv\" [5 5  6 5  5 6]");
+    assert_null(b.desc->meshes[0].mesh.uv);
+    assert_null(b.scene->geometry.uv);
+    assert_int_equal(b.diag.n, 0);
+    clear(&b);
+}
+
+static const char *store_text(const char *name, const char *text)
+{
+    store(scratch(name), text, strlen(text));
+    return beside(scratch(name));
+}
+
+/* The corner (1, 1) has other coordinates in each of the two faces: it is split. */
+static void an_obj_and_a_ply_bring_theirs(void **state)
+{
+    (void)state;
+    double uv[2];
+    const char *obj = store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1 9\nvt 5 5\nvt 7\n"
+                                               "f 1/1 2/2 3/3\nf 1/1 3/5 -1/-1\n");
+    built b = build(LIGHT BOARD "Shape \"objmesh\" \"string filename\" \"%s\"", obj);
+    assert_int_equal(b.scene->geometry.n_vertices, 5);
+    look(uv, &b, (double[]){0.75, 0.25, 5}, (double[]){0.75, 0.25, 0});
+    assert_uv(uv, 0.75, 0.25);
+    look(uv, &b, (double[]){0.25, 0.5, 5}, (double[]){0.25, 0.5, 0}); /* 1/2 (0,0) + 1/4 (5,5) + 1/4 (7,0) */
+    assert_uv(uv, 3, 1.25);
+    clear(&b);
+    b = build(LIGHT "Shape \"objmesh\" \"string filename\" \"%s\"", obj);
+    assert_int_equal(b.scene->geometry.n_vertices, 4);
+    clear(&b);
+
+    static const char *const names[][2] = {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}};
+    for (int i = 0; i < 4; i++) {
+        char text[512];
+        snprintf(text, sizeof text, "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float %s\nproperty float y\nproperty float z\n"
+                                    "property uchar red\nproperty double %s\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                                    "0 1 0 0 9 2\n1 3 0 0 9 5\n0 7 1 0 9 11\n3 0 1 2\n", names[i][0], names[i][1]);
+        b = build(LIGHT BOARD "Shape \"plymesh\" \"string filename\" \"%s\"", store_text("uv.ply", text));
+        look(uv, &b, (double[]){0.2, 0.3, 5}, (double[]){0.2, 0.3, 0});
+        assert_uv(uv, 0.5 * 1 + 0.2 * 3 + 0.3 * 7, 0.5 * 2 + 0.2 * 5 + 0.3 * 11);
+        assert_int_equal(b.diag.n, 0);
+        clear(&b);
+    }
+}
+
+/* ---- an OBJ with its materials ---- */
+
+#define OBJ "v -2 -1 0\nv -1 -1 0\nv 0 -1 0\nv 1 -1 0\nv -2 1 0\nv -1 1 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n" \
+            "f 1 2 6 5\nusemtl painted wood \nf 2/1 3/2 7/3 6/4\nusemtl red\nusemtl unused\nusemtl red\nf 3 4 8 7\n"
+#define MTL "# a library\nnewmtl unused\nKd 7 7 7\r\nnewmtl red\n\tKd 0.75 0.125 0\nKs 0.25\nNs 12.5\nillum 2\nKa 1 1 1\n" \
+            "newmtl painted wood\nKd 0.5 0.25 1\nKs 0.9 0.9 0.9\nillum 1\nmap_Kd -s 2 1 1 -o 0.5 0 -clamp on four.pfm\nnewmtl red\nKd 0 0 0\n"
+
+/* The first face has the scene's own material, and lies at x = -1.5; the second one at -0.5, the third at 0.5. */
+static void an_obj_brings_its_materials_and_each_part_is_a_shape(void **state)
+{
+    (void)state;
+    built b;
+    char text[1024];
+    bis_own_material m;
+    bis_counters counters = {0};
+    bis_point pt;
+    store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16); /* 0.5 */
+    program_write_file(DIR "/lib.mtl", MTL);
+    program_write_file(DIR "/o.obj", "mtllib lib.mtl\n" OBJ);
+    snprintf(text, sizeof text, LIGHT "Material \"diffuse\" \"float reflectance\" 0.375 Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true");
+    assert_int_equal(try_build(&b, text), BIS_OK);
+    assert_int_equal(b.diag.n, 0);
+    assert_int_equal(b.desc->n_shapes, 3);
+    assert_int_equal(b.scene->geometry.n_triangles, 6);
+    assert_int_equal(b.scene->geometry.n_vertices, 12);
+    for (int k = 0; k < 3; k++) {
+        const ray r = {{-1.5f + (float)k, 0.25f, 5}, {0, 0, -1}, INFINITY};
+        bis_hit hit;
+        size_t part;
+        assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, r, &counters, &hit));
+        assert_int_equal(bis_scene_shape_of(b.scene, b.desc, hit.prim, &part), k);
+        const bis_material *at = pt.bsdf.material;
+        if (k == 0) assert_true(at->Kd.r == 0.375f);
+        if (k == 1) assert_true(at->Kd.r == 0.25f && at->Kd.g == 0.125f && at->Kd.b == 0.5f && at->Ks.r == 0);
+        if (k == 2) assert_true(at->Kd.r == 0.75f && at->Kd.g == 0.125f && at->Ks.b == 0.25f && at->exponent == 12.5);
+    }
+    const bis_texture *x = &b.desc->textures.list[0];
+    assert_true(x->factor[0] == 2 && x->factor[1] == 1 && x->offset[0] == 0.5 && x->wrap == BIS_WRAP_CLAMP);
+    clear(&b);
+    /* without the parameter it is one shape as ever */
+    *strstr(text, "\"bool materials\"") = '\0';
+    assert_int_equal(try_build(&b, text), BIS_OK);
+    assert_int_equal(b.desc->n_shapes, 1);
+    assert_int_equal(b.scene->geometry.n_vertices, 8);
+    clear(&b);
+}
+
+static void instances_of_an_obj_with_materials_are_alike(void **state)
+{
+    (void)state;
+    built b;
+    store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
+    program_write_file(DIR "/lib.mtl", MTL);
+    program_write_file(DIR "/o.obj", "mtllib lib.mtl\n" OBJ);
+    assert_int_equal(try_build(&b, LIGHT "ObjectBegin \"o\" Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true ObjectEnd\n"
+                                   "ObjectInstance \"o\" Translate 10 0 0 ObjectInstance \"o\""), BIS_OK);
+    assert_int_equal(b.desc->n_shapes, 6);
+    assert_int_equal(b.scene->geometry.n_triangles, 12);
+    for (int i = 0; i < 2; i++) {
+        double uv[2];
+        look(uv, &b, (double[]){-0.75 + 10 * i, 0.5, 5}, (double[]){-0.75 + 10 * i, 0.5, 0});
+        assert_uv(uv, 0.25, 0.75);
+    }
+    clear(&b);
+}
+
+static void mistakes_of_a_library_are_found_in_it(void **state)
+{
+    (void)state;
+    static const char scene[] = LIGHT "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true";
+    static const struct { const char *obj, *mtl, *message; } cases[] = {
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nKd 0 0\n", "lib.mtl:2: error: Kd is \"0 0\", must be three numbers"},
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nKd 0 0 2\n", "lib.mtl:2: error: \"Kd\" is 2, must be in [0, 1]"},
+        {"usemtl a\nmtllib lib.mtl\n", "\nKd 0 0 1\n", "lib.mtl:2: error: \"Kd\" stands before the first newmtl"},
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl b\n", "material \"a\" of "},
+        {"usemtl a\n", "", "material \"a\" of "},
+        {"usemtl a\nmtllib no.mtl\n", "", "o.obj:2: error: cannot read \""},
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nmap_Kd no.png\n", "lib.mtl:2: error: cannot read \""},
+        {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nmap_Kd -mm 1 2 four.pfm\n", "lib.mtl:2: error: the option -mm of a map is not modelled"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char obj[1024];
+        built b;
+        snprintf(obj, sizeof obj, "%sv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", cases[i].obj);
+        program_write_file(DIR "/o.obj", obj);
+        program_write_file(DIR "/lib.mtl", cases[i].mtl);
+        assert_int_equal(try_build(&b, scene), BIS_INPUT);
+        if (!strstr(b.diag.messages[0].text, cases[i].message)) fail_msg("%s, not %s", b.diag.messages[0].text, cases[i].message);
+        clear(&b);
+    }
+}
+
+/* ---- materials ---- */
+
+static void a_point_has_the_material_of_its_place(void **state)
+{
+    (void)state;
+    bis_own_material m;
+    bis_counters counters = {0};
+    bis_point pt;
+    built b = build(LIGHT "Texture \"k\" \"color\" \"checkerboard\" \"rgb tex1\" [0.1 0.2 0.3] \"rgb tex2\" [0.4 0.5 0.6]\n"
+                          "Texture \"r\" \"float\" \"checkerboard\" \"float tex1\" 0.5 \"float tex2\" 0.1\n"
+                          "Material \"microfacet\" \"texture Ks\" \"k\" \"texture roughness\" \"r\" \"float Kd\" 0.7\n"
+                          TRIANGLE "\"point2 uv\" [0 0  2 0  0 2]\n"
+                          "Texture \"n\" \"float\" \"checkerboard\" \"float tex1\" 30 \"float tex2\" 3000\n"
+                          "Material \"phong\" \"texture Kd\" \"k\" \"texture exponent\" \"n\" \"float Ks\" 0.1 Translate 5 0 0 " TRIANGLE
+                          "\"point2 uv\" [0 0  2 0  0 2]");
+    const ray right = {{0.75f, 0.125f, 5}, {0, 0, -1}, INFINITY}, other = {{5.25f, 0.125f, 5}, {0, 0, -1}, INFINITY};
+    assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, right, &counters, NULL));
+    assert_ptr_equal(pt.bsdf.material, &m.own);
+    assert_int_equal(m.index, b.desc->shapes[0].material);
+    assert_true(m.own.Ks.r == 0.4f && m.own.Ks.b == 0.6f && m.own.Kd.g == 0.7f);
+    assert_near(m.own.alpha, 0.01); /* 0.1^2 */
+    assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, other, &counters, NULL));
+    assert_true(m.own.Kd.g == 0.2f && m.own.Ks.g == 0.1f && m.own.exponent == 30);
+    clear(&b);
+}
+
+static void values_out_of_range_are_refused_when_the_image_is_known(void **state)
+{
+    (void)state;
+    char text[1024];
+    const char *name = four();
+    snprintf(text, sizeof text, LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\" \"float scale\" 1.5\n"
+             "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", name);
+    expect_failure(text, ":2:10: error: the texture of \"Kd\" has values up to 1.2, must be in [0, 1]: change it");
+    snprintf(text, sizeof text, LIGHT "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string wrap\" \"black\"\n"
+             "Material \"microfacet\" \"texture roughness\" \"t\" Shape \"sphere\"", name);
+    expect_failure(text, ":2:10: error: the texture of \"roughness\" has values down to 0, must be in [0.01, 1]");
+    snprintf(text, sizeof text, LIGHT "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"float scale\" 3 \"bool invert\" true\n"
+             "Material \"phong\" \"texture exponent\" \"t\" Shape \"sphere\"", name);
+    expect_failure(text, "the texture of \"exponent\" has values down to -1.4, must be >= 0");
+    /* the largest of both: 0.8 + 0.3 */
+    built b = build(LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
+                          "Material \"phong\" \"texture Kd\" \"t\" \"float Ks\" 0.3 Shape \"sphere\"", name);
+    assert_int_equal(b.diag.n, 1);
+    assert_non_null(strstr(b.diag.messages[0].text, "warning: Kd + Ks may reach 1.1 in red"));
+    clear(&b);
+    /* nothing shows it: nothing is read */
+    b = build(LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\" \"float scale\" 9\n"
+                    "Material \"diffuse\" \"texture reflectance\" \"t\" Material \"diffuse\" Shape \"sphere\"", name);
+    assert_null(b.scene->images[0].image.pixels);
+    clear(&b);
+}
+
+static void what_is_no_texture_is_refused(void **state)
+{
+    (void)state;
+    char text[1024];
+    bytes b = {0};
+    put_text(&b, "PF\n1 2\n-1.0\n");
+    for (int i = 0; i < 6; i++) put_float(&b, i == 4 ? -0.5f : 0.5f);
+    store(scratch("bad.pfm"), b.data, b.n);
+    bytes_clear(&b);
+    snprintf(text, sizeof text, LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
+             "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", beside(scratch("bad.pfm")));
+    expect_failure(text, ":1:66: error: \"");
+    expect_failure(text, "texel (0, 0), counted from the top left, is 0.5 -0.5 0.5; those of a texture must be finite and >= 0");
+    snprintf(text, sizeof text, LIGHT "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
+             "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", store_text("a.jpg", "\xff\xd8\xff\xe0 and so on"));
+    expect_failure(text, "it is a JPEG: a texture must be .png, .exr, .hdr or .pfm");
+}
+
+/* 300 scales of each other: 2^300 values, if nobody counted. */
+static void textures_of_textures_have_a_limit(void **state)
+{
+    (void)state;
+    char *text = malloc(1 << 17);
+    int n = sprintf(text, LIGHT "Texture \"t0\" \"float\" \"checkerboard\"\n");
+    for (int i = 1; i < 300; i++)
+        n += sprintf(text + n, "Texture \"t%d\" \"float\" \"scale\" \"texture tex1\" \"t%d\" \"texture tex2\" \"t%d\"\n", i, i - 1, i - 1);
+    expect_failure(text, ":8:1: error: a value of texture \"t7\" is made of 510 others, must be at most 255");
+    free(text);
+}
+
+static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **state)
+{
+    (void)state;
+    char text[2048];
+    const unsigned char grey[4] = {188, 255, 0, 99};
+    const char *png = store_png("grey.png", 2, 2, PNG_FORMAT_GRAY, grey);
+    const char *obj = store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nf 1/1 2/2 3/2\nf 1/2 3/1 4/1\n");
+    snprintf(text, sizeof text, LIGHT TRIANGLE "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\nTexture \"c\" \"spectrum\" \"scale\" \"texture tex\" \"t\"\n"
+             "Material \"diffuse\" \"texture reflectance\" \"c\" " TRIANGLE "\"point2 uv\" [0 0 1 0 0 1] Shape \"objmesh\" \"string filename\" \"%s\"\n"
+             "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true", png, obj);
+    program_write_file(DIR "/lib.mtl", MTL);
+    program_write_file(DIR "/o.obj", "mtllib lib.mtl\n" OBJ);
+    store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
+    bool ended = false;
+    for (long k = 1; !ended; k++) {
+        built b;
+        store(scratch("scene.txt"), text, strlen(text));
+        b = (built){0};
+        bis_mem_fail_at(k);
+        bis_status status = bis_scene_parse(&b.desc, scratch("scene.txt"), &b.diag);
+        if (!status) status = bis_scene_build(&b.scene, b.desc, &b.diag);
+        ended = bis_mem_count() < k;
+        bis_mem_fail_at(0);
+        assert_true(ended ? status == BIS_OK : status == BIS_NOMEM);
+        assert_true((b.scene == NULL) == (status != BIS_OK));
+        clear(&b);
+    }
+}
+
+static void materials_with_other_textures_have_other_numbers(void **state)
+{
+    (void)state;
+    built b = build(LIGHT "Texture \"a\" \"color\" \"checkerboard\" Texture \"b\" \"color\" \"checkerboard\" \"float uscale\" 2\n"
+                          "Material \"diffuse\" \"texture reflectance\" \"a\" Shape \"sphere\" Material \"diffuse\" \"texture reflectance\" \"b\" Shape \"sphere\"\n"
+                          "Material \"diffuse\" \"texture reflectance\" \"a\" Shape \"sphere\"");
+    uint32_t *number, n;
+    assert_int_equal(bis_scene_number_materials(&number, &n, b.desc, NULL), BIS_OK);
+    assert_int_equal(n, 2);
+    assert_int_equal(number[b.desc->shapes[0].material], number[b.desc->shapes[2].material]);
+    bis_free(number);
+    clear(&b);
+}
+
+/* ---- the program ---- */
+
+#define VIEW "Camera \"orthographic\" Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\n" \
+             "Option \"bool disablepixeljitter\" true\n"
+/* the camera's square, seen from the front: z = 1, x and y in [-1, 1] */
+#define SQUARE "Shape \"trianglemesh\" \"point3 P\" [-1 -1 1  1 -1 1  1 1 1  -1 1 1] \"integer indices\" [0 1 2 0 2 3] " \
+               "\"point2 uv\" [0 0 1 0 1 1 0 1]\n"
+
+static bis_image rendered(const char *file)
+{
+    bis_image image;
+    bis_diag diag = {0};
+    assert_int_equal(bis_image_read_colours(&image, file, 1, (bis_loc){0}, &diag), BIS_OK);
+    return image;
+}
+
+/* In the light of 1 from everywhere a plane diffuse surface shows its reflectance: brdf has no noise there. The mean of
+ * a repeated bilinear image over a regular grid of even parts of a texel is that of its texels, 0.375. And the picture
+ * stands upright: its top left pixel, at (1/32, 31/32), has texel weights (9/16, 7/16) in both directions. */
+static void in_a_furnace_the_mean_of_the_picture_is_that_of_the_image(void **state)
+{
+    (void)state;
+    program_run r;
+    char text[2048];
+    const char *name = four();
+    snprintf(text, sizeof text, VIEW "Integrator \"brdf\"\nWorldBegin LightSource \"infinite\" Texture \"t\" \"color\" \"imagemap\" \"string filename\" "
+             "\"../scratch/%s\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n" SQUARE, name);
+    program_write_file(DIR "/furnace.txt", text);
+    program_expect(&r, 0, DIR "/furnace.txt --spp 1 --quiet --outfile " DIR "/furnace.pfm");
+    bis_image image = rendered(DIR "/furnace.pfm");
+    double sum = 0;
+    for (int i = 0; i < 256; i++) sum += (double)image.pixels[i].g;
+    assert_near(sum / 256, 0.375);
+    const double near = 9 / 16.0, far = 7 / 16.0;
+    assert_near((double)image.pixels[0].g, near * (near * 0.4 + far * 0.8) + far * (near * 0.1 + far * 0.2));
+    assert_near((double)image.pixels[255].g, near * (near * 0.2 + far * 0.1) + far * (near * 0.8 + far * 0.4));
+    bis_image_clear(&image);
+}
+
+/* The same nine triangles, coloured by a texture, and cut into two meshes with constant materials: the same bits with every
+ * integrator, because points, directions and materials are the same. */
+static void a_textured_scene_is_the_scene_cut_into_its_colours(void **state)
+{
+    (void)state;
+    static const char *const methods[] = {"em", "brdf", "mis", "sir", "rejection", "exact", "unoccluded",
+                                          "sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true \"string resampling\" \"systematic"};
+    static const char *const ball = "Material \"diffuse\" Translate 0.2 0.1 0.7 Shape \"sphere\" \"float radius\" 0.3\n";
+    static const char *const dark = "Material \"phong\" \"float Kd\" 0.125 \"float Ks\" 0.5 \"float exponent\" 20\n",
+                      *const light = "Material \"phong\" \"float Kd\" 0.5 \"float Ks\" 0.25 \"float exponent\" 80\n";
+    char cut[4096] = "", whole[4096] = "", text[8192];
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            char quad[256];
+            const double x0 = -1 + 2 / 3.0 * i, y0 = -1 + 2 / 3.0 * j, x1 = x0 + 2 / 3.0, y1 = y0 + 2 / 3.0;
+            snprintf(quad, sizeof quad, "Shape \"trianglemesh\" \"point3 P\" [%g %g 1 %g %g 1 %g %g 1 %g %g 1] \"integer indices\" [0 1 2 0 2 3] ",
+                     x0, y0, x1, y0, x1, y1, x0, y1);
+            strcat(strcat(cut, (i + j) % 2 ? dark : light), quad);
+            sprintf(whole + strlen(whole), "%s \"point2 uv\" [%d %d %d %d %d %d %d %d]\n", quad, i, j, i + 1, j, i + 1, j + 1, i, j + 1);
+        }
+    }
+    for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
+        program_run r;
+        for (int textured = 0; textured < 2; textured++) {
+            snprintf(text, sizeof text, "Camera \"orthographic\" Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 24\nIntegrator \"%s\"\n"
+                     "Sampler \"sobol\" \"integer seed\" 3\nWorldBegin LightSource \"infinite\" \"string filename\" \"../../tests/data/scenes/map.pfm\"\n%s%s%s", methods[k],
+                     textured ? "Texture \"d\" \"color\" \"checkerboard\" \"float tex1\" 0.5 \"float tex2\" 0.125\n"
+                                "Texture \"s\" \"color\" \"checkerboard\" \"float tex1\" 0.25 \"float tex2\" 0.5\n"
+                                "Texture \"n\" \"float\" \"checkerboard\" \"float tex1\" 80 \"float tex2\" 20\n"
+                                "Material \"phong\" \"texture Kd\" \"d\" \"texture Ks\" \"s\" \"texture exponent\" \"n\"\n" : "",
+                     textured ? whole : cut, ball);
+            program_write_file(textured ? DIR "/textured.txt" : DIR "/cut.txt", text);
+            program_expect(&r, 0, "%s --spp 4 --quiet --outfile %s", textured ? DIR "/textured.txt" : DIR "/cut.txt",
+                           textured ? DIR "/textured.pfm" : DIR "/cut.pfm");
+        }
+        bis_image a = rendered(DIR "/textured.pfm"), b = rendered(DIR "/cut.pfm");
+        assert_memory_equal(a.pixels, b.pixels, 32 * 24 * sizeof(rgb));
+        assert_true(rgb_sum(a.pixels[12 * 32 + 16]) > 0);
+        bis_image_clear(&a);
+        bis_image_clear(&b);
+    }
+}
+
+static void write_checkpointed(const char *image, double uv)
+{
+    char text[2048];
+    snprintf(text, sizeof text, VIEW "WorldBegin LightSource \"infinite\" Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
+             "Material \"diffuse\" \"texture reflectance\" \"t\" " TRIANGLE "\"point2 uv\" [0 0 1 0 %g 1]\n", image, uv);
+    program_write_file(DIR "/c.txt", text);
+}
+
+/* A checkpoint belongs to its textures and coordinates, not to their files' names. */
+static void a_checkpoint_is_refused_with_other_texels_or_coordinates(void **state)
+{
+    (void)state;
+    program_run r;
+    const char *resume = DIR "/c.txt --spp 4 --quiet --outfile " DIR "/c.pfm --resume " DIR "/c.ckpt";
+    program_write_file(DIR "/a.pfm", "Pf\n1 1\n-1.0\n\x1\x1\x1\x3d");
+    program_write_file(DIR "/b.pfm", "Pf\n1 1\n-1.0\n\x1\x1\x1\x3d");
+    write_checkpointed("a.pfm", 0.5);
+    program_expect(&r, 0, DIR "/c.txt --spp 2 --quiet --outfile " DIR "/c.pfm --checkpoint " DIR "/c.ckpt");
+    write_checkpointed("b.pfm", 0.5);
+    program_expect(&r, 0, "%s", resume);
+    program_expect(&r, 0, DIR "/c.txt --spp 2 --quiet --outfile " DIR "/c.pfm --checkpoint " DIR "/c.ckpt");
+    program_write_file(DIR "/b.pfm", "Pf\n1 1\n-1.0\n\x1\x1\x2\x3d");
+    program_expect(&r, 2, "%s", resume);
+    assert_non_null(strstr(r.messages, "differ: the materials, or their textures. "));
+    program_write_file(DIR "/b.pfm", "Pf\n1 1\n-1.0\n\x1\x1\x1\x3d");
+    write_checkpointed("b.pfm", 0.625);
+    program_expect(&r, 2, "%s", resume);
+    assert_non_null(strstr(r.messages, "differ: the shapes. "));
+}
+
+static void the_plan_says_what_textures_cost(void **state)
+{
+    (void)state;
+    program_run r;
+    program_write_file(DIR "/p.pfm", "Pf\n1000 500\n-1.0\nabcd");
+    program_write_file(DIR "/p.txt", "WorldBegin LightSource \"infinite\"\nTexture \"a\" \"color\" \"imagemap\" \"string filename\" \"p.pfm\"\n"
+                       "Texture \"b\" \"color\" \"imagemap\" \"string filename\" \"p.pfm\" \"string encoding\" \"linear\"\n"
+                       "Texture \"c\" \"float\" \"checkerboard\" \"float tex1\" 1 \"float tex2\" 2\n"
+                       "Material \"phong\" \"texture Kd\" \"a\" \"texture exponent\" \"c\" Shape \"sphere\" " TRIANGLE);
+    program_expect(&r, 0, DIR "/p.txt --plan");
+    assert_non_null(strstr(r.output, "material     0: phong, Kd texture (p.pfm), Ks 0, exponent texture (checkerboard); 2 shapes\n"));
+    assert_non_null(strstr(r.output, "build        texture " DIR "/p.pfm, 1000 x 500: 6.0 MB\n"));
+    assert_non_null(strstr(r.output, "skip         texture " DIR "/p.pfm: no shape shows it\n"));
+    assert_non_null(strstr(r.output, "build        texture coordinates: 8 bytes for each vertex of the scene\n"));
+}
+
+/* All methods at points with several materials, against sums over all patches, and the picture against one that
+ * src/render has no part in. */
+static void verify_finds_a_textured_scene_right(void **state)
+{
+    (void)state;
+    bis_verify v = {.seed = 1, .halvings = 3};
+    built b = {0};
+    char text[1024];
+    snprintf(text, sizeof text, "Camera \"orthographic\" Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24\n"
+             "WorldBegin LightSource \"infinite\" \"string filename\" \"../../tests/data/scenes/map.pfm\"\n"
+             "Texture \"d\" \"color\" \"checkerboard\" \"rgb tex1\" [0.5 0.1 0.3] \"float tex2\" 0.125 \"float uscale\" 3 \"float vscale\" 2\n"
+             "Texture \"n\" \"float\" \"checkerboard\" \"float tex1\" 80 \"float tex2\" 20\n"
+             "Material \"phong\" \"texture Kd\" \"d\" \"float Ks\" 0.25 \"texture exponent\" \"n\"\n" SQUARE);
+    store(scratch("scene.txt"), text, strlen(text));
+    assert_int_equal(bis_scene_parse(&b.desc, scratch("scene.txt"), &b.diag), BIS_OK);
+    b.desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
+    assert_int_equal(bis_scene_build(&b.scene, b.desc, &b.diag), BIS_OK);
+    assert_int_equal(bis_verify_scene(&v, b.scene, b.desc, &b.desc->view.settings, &b.diag), BIS_OK);
+    assert_int_equal(bis_verify_judge(&v, &b.diag), BIS_OK);
+    assert_true(v.n_statistical > 20);
+    for (size_t i = 0; i < v.n; i++)
+        if (v.tests[i].verdict == BIS_VERDICT_FAILED) print_error("%s: %s\n", v.tests[i].name, v.tests[i].note);
+    assert_int_equal(v.n_failed, 0); /* by its own level: 1 %, for one seed */
+    bis_verify_clear(&v);
+    clear(&b);
+}
+
+/* The scenes of data/scenes/pbrt, of which no other test knows. */
+static void the_shipped_scenes_of_each_version_render(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"tiles-v4", "row-v3", "colours-v2", "your-model"};
+    for (int i = 0; i < 4; i++) {
+        program_run r;
+        program_expect(&r, 0, "data/scenes/pbrt/%s.txt --quiet --spp 2 --resolution 64x32 --outfile " DIR "/shipped.pfm", names[i]);
+        assert_string_equal(r.messages, "");
+        bis_image image = rendered(DIR "/shipped.pfm");
+        double sum = 0;
+        for (int k = 0; k < 64 * 32; k++) sum += rgb_sum(image.pixels[k]);
+        assert_true(isfinite(sum) && sum > 0);
+        bis_image_clear(&image);
+    }
+}
+
+/* In the light of 1 a diffuse disk is as bright as its reflectance is, 1/4 in each of the four spellings; beside it is the
+ * light itself. */
+static void in_the_furnace_four_spellings_of_a_quarter_are_a_quarter(void **state)
+{
+    (void)state;
+    program_run r;
+    program_expect(&r, 0, "data/scenes/pbrt/colours-v2.txt --quiet --spp 2 --outfile " DIR "/colours.pfm");
+    bis_image image = rendered(DIR "/colours.pfm");
+    assert_int_equal(image.width, 160);
+    for (int i = 0; i < 4; i++) {
+        const rgb c = image.pixels[20 * 160 + 20 + 40 * i];
+        assert_true(fabs((double)c.r - 0.25) < 5e-5 && fabs((double)c.g - 0.25) < 5e-5 && fabs((double)c.b - 0.25) < 5e-5);
+    }
+    assert_true(image.pixels[0].r == 1);
+    bis_image_clear(&image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(texels_stand_in_the_middle_of_their_squares_and_v_grows_upwards),
+        cmocka_unit_test(outside_the_square_an_image_repeats_or_stands_still_or_is_black),
+        cmocka_unit_test(coordinates_are_scaled_then_moved_and_values_scaled_then_inverted),
+        cmocka_unit_test(a_png_is_srgb_unless_it_is_said_to_be_linear_or_a_power),
+        cmocka_unit_test(every_kind_of_png_has_the_same_colours),
+        cmocka_unit_test(sixteen_bits_are_kept),
+        cmocka_unit_test(a_checkerboard_alternates_also_at_negative_places),
+        cmocka_unit_test(scale_and_mix_do_as_they_say_in_both_spellings),
+        cmocka_unit_test(a_texture_that_is_the_same_everywhere_is_no_texture),
+        cmocka_unit_test(a_sphere_has_pbrts_coordinates),
+        cmocka_unit_test(a_disk_has_pbrts_coordinates),
+        cmocka_unit_test(a_triangle_interpolates_its_corners_and_without_any_has_pbrts),
+        cmocka_unit_test(each_mesh_of_a_scene_keeps_its_own),
+        cmocka_unit_test(without_textures_no_coordinates_are_kept),
+        cmocka_unit_test(an_obj_and_a_ply_bring_theirs),
+        cmocka_unit_test(an_obj_brings_its_materials_and_each_part_is_a_shape),
+        cmocka_unit_test(instances_of_an_obj_with_materials_are_alike),
+        cmocka_unit_test(mistakes_of_a_library_are_found_in_it),
+        cmocka_unit_test(a_point_has_the_material_of_its_place),
+        cmocka_unit_test(values_out_of_range_are_refused_when_the_image_is_known),
+        cmocka_unit_test(what_is_no_texture_is_refused),
+        cmocka_unit_test(textures_of_textures_have_a_limit),
+        cmocka_unit_test(when_the_kth_allocation_fails_a_textured_scene_fails_cleanly),
+        cmocka_unit_test(materials_with_other_textures_have_other_numbers),
+        cmocka_unit_test(in_a_furnace_the_mean_of_the_picture_is_that_of_the_image),
+        cmocka_unit_test(a_textured_scene_is_the_scene_cut_into_its_colours),
+        cmocka_unit_test(a_checkpoint_is_refused_with_other_texels_or_coordinates),
+        cmocka_unit_test(the_plan_says_what_textures_cost),
+        cmocka_unit_test(verify_finds_a_textured_scene_right),
+        cmocka_unit_test(the_shipped_scenes_of_each_version_render),
+        cmocka_unit_test(in_the_furnace_four_spellings_of_a_quarter_are_a_quarter),
+    };
+    program_folder(DIR);
+    return cmocka_run_group_tests(tests, NULL, scratch_remove);
+}
