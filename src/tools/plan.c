@@ -8,6 +8,7 @@
 #include "scene/scene_peek.h"
 
 #include "tools/describe.h"
+#include "tools/memory.h"
 
 #include <inttypes.h>
 
@@ -285,6 +286,16 @@ static void print_accel(const bis_scene_desc *d, FILE *out)
     else fprintf(out, "build        accelerator grid, default density\n");
 }
 
+static void print_memory(const bis_scene_desc *d, FILE *out)
+{
+    const bis_memory m = bis_memory_foresee(d);
+    char c[5][32];
+
+    fprintf(out, "memory       about %s at the peak: film %s, map %s, meshes %s, accelerator %s%s\n",
+            megabytes(c[0], m.peak), megabytes(c[1], m.film), megabytes(c[2], m.map), megabytes(c[3], m.meshes),
+            megabytes(c[4], m.accel), m.guessed ? "; a file does not tell its size: guessed by its length" : "");
+}
+
 void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
 {
     print_view(desc, out);
@@ -296,4 +307,5 @@ void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
     print_accel(desc, out);
     print_tiles(desc, out);
     print_film(desc, out);
+    print_memory(desc, out);
 }
