@@ -17,6 +17,7 @@
 #include "render/crew.h"
 #include "render/part.h"
 #include "render_files.h"
+#include "tools/memory.h"
 
 #include <assert.h>
 #include <float.h>
@@ -365,6 +366,18 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     return status;
 }
 
+/* A render that does not fit is slow, or the system ends it. */
+static void warn_of_memory(const bis_scene_desc *desc, bis_diag *diag)
+{
+    const double peak = bis_memory_foresee(desc).peak, room = bis_memory_free();
+
+    if (room > 0 && peak > room)
+        bis_warn(diag, bis_cli_loc,
+                 "this render takes about %.1f GB, but %.1f GB of memory are free: it will be slow, or the system will "
+                 "end it. Crops (--cropwindow), --layers none and --learn off take less, as `bis --plan` tells",
+                 peak / 1e9, room / 1e9);
+}
+
 /* A map was resampled: by how much did its energy change? */
 static void note_resampling(const bis_light *light)
 {
@@ -414,6 +427,9 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     bis_status status = open_checkpoint(&checkpoint, o, diag);
 
     if (status) goto done;
+    warn_of_memory(desc, diag);
+    bis_cli_print_diag(diag, o->quiet); /* before anything is loaded */
+    bis_diag_clear(diag);
     status =
         bis_film_init(&film, desc->view.film.width, desc->view.film.height, desc->view.film.crop, bis_cli_loc, diag);
     if (!status) status = bis_film_want(&film, desc->view.film.layers, diag);

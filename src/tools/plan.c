@@ -8,6 +8,7 @@
 #include "scene/scene_peek.h"
 
 #include "tools/describe.h"
+#include "tools/memory.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -112,22 +113,6 @@ static void print_film(const bis_scene_desc *d, FILE *out)
     fprintf(out, ": about %s\n", megabytes(buf, pixels * VALUE_BYTES * n));
 }
 
-/* The size of the lat-long map that will be made of the file, and the file's mapping; false: unknown. */
-static bool map_size(const bis_light_desc *light, long *width, long *height, bis_mapping *mapping)
-{
-    *mapping = light->mapping;
-    if (!light->filename || !bis_scene_peek_image(light->filename, width, height)) return false;
-    if (*width == *height && !light->has_mapping && light->is_v4) *mapping = BIS_MAPPING_EQUALAREA;
-    if (*mapping == BIS_MAPPING_LATLONG) return true;
-    if (*width > BIS_IMAGE_MAX_SIDE || *height > BIS_IMAGE_MAX_SIDE ||
-        !bis_mapping_fits(*mapping, (int)*width, (int)*height))
-        return false;
-    const int wanted = light->width ? light->width : bis_mapping_width(*mapping, (int)*width, (int)*height);
-    *width = wanted + wanted % 2;
-    *height = *width / 2;
-    return true;
-}
-
 static void print_light(const bis_scene_desc *d, FILE *out)
 {
     const bis_light_desc *light = &d->light;
@@ -138,7 +123,7 @@ static void print_light(const bis_scene_desc *d, FILE *out)
         fprintf(out, "light        none: the picture will be black\n");
     } else if (!light->filename) {
         fprintf(out, "light        constant\n");
-    } else if (map_size(light, &w, &h, &mapping)) {
+    } else if (bis_memory_map_size(light, &w, &h, &mapping)) {
         fprintf(out, "light        map %s, %s%s, %ld x %ld: %s of pixels\n", light->filename,
                 bis_mapping_names[mapping], mapping == BIS_MAPPING_LATLONG ? "" : ", resampled to latlong", w, h,
                 megabytes(buf, (double)w * (double)h * PIXEL_BYTES));
@@ -213,7 +198,7 @@ static void print_drawing(const bis_scene_desc *d, FILE *out)
                 why, why, why);
         return;
     }
-    if (map_size(light, &w, &h, &mapping))
+    if (bis_memory_map_size(light, &w, &h, &mapping))
         snprintf(bound, sizeof bound, ": at most %s", megabytes(size, (double)w * (double)h * DRAWING_BYTES));
     if (needs & BIS_NEED_TABLE)
         fprintf(out, "build        light table, %s%s%s\n", cdf ? "CDFs" : "alias tables",
@@ -344,6 +329,17 @@ static void print_approximations(const bis_scene_desc *d, FILE *out)
     for (size_t i = 0; i < d->n_missing; i++) fprintf(out, "missing      %s\n", d->missing[i]);
 }
 
+static void print_memory(const bis_scene_desc *d, FILE *out)
+{
+    const bis_memory m = bis_memory_foresee(d);
+    char c[6][32];
+
+    fprintf(out, "memory       about %s at the peak: film %s, map %s, meshes %s, textures %s, accelerator %s%s\n",
+            megabytes(c[0], m.peak), megabytes(c[1], m.film), megabytes(c[2], m.map), megabytes(c[3], m.meshes),
+            megabytes(c[5], m.textures), megabytes(c[4], m.accel),
+            m.guessed ? "; a file does not tell its size: guessed by its length" : "");
+}
+
 void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
 {
     print_approximations(desc, out);
@@ -357,4 +353,5 @@ void bis_scene_plan(const bis_scene_desc *desc, FILE *out)
     print_accel(desc, out);
     print_tiles(desc, out);
     print_film(desc, out);
+    print_memory(desc, out);
 }

@@ -265,7 +265,7 @@ static void a_rank_that_has_another_scene_or_none_is_named(void **state)
     write_script("[ $RANK = 2 ] && scene=" DIR "/other.txt");
     assert_int_equal(run_script(3, "--spp 2 --outfile " DIR "/b.pfm"), 2);
     count_once("bis: error: rank 2 on \"");
-    count_once("These differ: the materials. Give all machines the same files");
+    count_once("These differ: the materials, or their textures. Give all machines the same files");
 
     write_script("[ $RANK = 1 ] && scene=" DIR "/none.txt");
     assert_int_equal(run_script(3, "--spp 2 --outfile " DIR "/b.pfm"), 1);

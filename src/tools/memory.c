@@ -1,0 +1,148 @@
+/* memory: bytes a pixel, a texel and a triangle.
+ *
+ * The sizes of arrays are known. What is measured: the tables of a map, what building a curve takes beside it, and an
+ * accelerator (Embree 3.13 and the grid, 10^6 and 10^7 triangles; both take as much). */
+#include "memory.h"
+
+#include "beyond/batch.h"
+#include "bis/base/mem.h"
+#include "bis/render/render.h"
+#include "scene/scene_peek.h"
+
+#include <math.h>
+
+static const double program = 14e6;
+static const double film_sums = 56, pass = 16 + 1 /* edge or not */, layer_sum = 8, layer_pass = 4; /* a pixel */
+static const double cells = 64, tiles = 4; /* of learned visibility, a pixel; cells up to 2^23 pixels */
+static const double texel = 12, table = 14.4, curve_beside = 8.3;
+static const double vertex = 12, uv = 8, triangle = 12, accel_kept = 82, accel_built = 100;
+static const double obj_triangle = 50, obj_vertex = 100; /* bytes of a file for each of them */
+
+typedef struct counts {
+    double vertices, triangles;
+} counts;
+
+static counts counts_of(const bis_mesh_desc *m, bool *guessed)
+{
+    long vertices, faces;
+    counts c = {(double)m->mesh.n_vertices, (double)m->mesh.n_triangles};
+
+    if (!m->filename) return c;
+    if (m->kind == BIS_SHAPE_PLY && bis_scene_peek_ply(m->filename, &vertices, &faces))
+        return (counts){(double)vertices, (double)faces};
+    const double bytes = (double)bis_scene_peek_bytes(m->filename);
+    *guessed = true;
+    return (counts){bytes / obj_vertex, bytes / obj_triangle};
+}
+
+/* Each shape has vertices and triangles of its own; a mesh of several shapes is kept until the last one has them. */
+static double add_meshes(bis_memory *m, const bis_scene_desc *d)
+{
+    double triangles = 0, kept = 0;
+    size_t *uses = bis_alloc(d->n_meshes, sizeof *uses);
+
+    for (size_t i = 0; uses && i < d->n_shapes; i++)
+        if (d->shapes[i].kind != BIS_SHAPE_SPHERE && d->shapes[i].kind != BIS_SHAPE_DISK) uses[d->shapes[i].mesh]++;
+    for (size_t i = 0; uses && i < d->n_meshes; i++) {
+        if (!uses[i]) continue;
+        const counts c = counts_of(&d->meshes[i], &m->guessed);
+        const double a_vertex = vertex * (d->meshes[i].smooth ? 2 : 1) + (d->textures.n ? uv : 0);
+        const double bytes = c.vertices * a_vertex + c.triangles * triangle;
+        m->meshes += bytes * (double)uses[i];
+        triangles += c.triangles * (double)uses[i];
+        if (uses[i] > 1 && bytes > kept) kept = bytes;
+    }
+    bis_free(uses);
+    m->meshes += kept;
+    return triangles;
+}
+
+static void add_textures(bis_memory *m, const bis_scene_desc *d)
+{
+    long w, h;
+
+    for (size_t i = 0; i < d->textures.n_files; i++) {
+        if (bis_scene_peek_image(d->textures.files[i].filename, &w, &h)) m->textures += texel * (double)w * (double)h;
+        else m->guessed = true;
+    }
+}
+
+static void add_film(bis_memory *m, const bis_scene_desc *d, double *while_rendering)
+{
+    const bis_film f = bis_film_place(d->view.film.width, d->view.film.height, d->view.film.crop, 1);
+    const double pixels = (double)f.width * f.height, all = (double)f.full_width * f.full_height;
+    const bis_settings *s = &d->view.settings;
+    const bool learns =
+        d->light.filename && d->n_shapes && (s->integrator == &bis_auto || bis_fast_needs_of(s).visibility);
+    int n = 0;
+
+    for (int i = 0; i < BIS_N_LAYERS; i++)
+        if (d->view.film.layers >> i & 1) n += bis_layer_values((bis_layer)i);
+    *while_rendering = pixels * (pass + n * layer_pass + (learns ? all > 1 << 23 ? tiles : cells : 0));
+    m->film = pixels * (film_sums + n * layer_sum) + *while_rendering;
+}
+
+bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height, bis_mapping *mapping)
+{
+    *mapping = light->mapping;
+    if (!light->filename || !bis_scene_peek_image(light->filename, width, height)) return false;
+    if (*width == *height && !light->has_mapping && light->is_v4) *mapping = BIS_MAPPING_EQUALAREA;
+    if (*mapping == BIS_MAPPING_LATLONG) return true;
+    if (*width > BIS_IMAGE_MAX_SIDE || *height > BIS_IMAGE_MAX_SIDE ||
+        !bis_mapping_fits(*mapping, (int)*width, (int)*height))
+        return false;
+    const int wanted = light->width ? light->width : bis_mapping_width(*mapping, (int)*width, (int)*height);
+    *width = wanted + wanted % 2;
+    *height = *width / 2;
+    return true;
+}
+
+/* Returns what stands beside it at worst: the file while it is read, or what a curve is made of. */
+static double add_map(bis_memory *m, const bis_scene_desc *d)
+{
+    const bis_settings *s = &d->view.settings;
+    const unsigned needs = d->n_shapes ? s->integrator->light_needs(s) : 0;
+    bis_mapping mapping;
+    long w, h;
+
+    if (!d->light.filename) return 0;
+    if (!bis_memory_map_size(&d->light, &w, &h, &mapping)) {
+        m->guessed = true;
+        w = (long)(bis_scene_peek_bytes(d->light.filename) / 4);
+        h = 1;
+    }
+    const double texels = (double)w * (double)h;
+    const bool has_table = needs & BIS_NEED_TABLE, has_curve = needs & BIS_NEED_CURVE;
+    m->map = texels * (texel + (has_table ? table : 0) + (has_curve ? table : 0));
+    const double while_read = texels * texel + (double)bis_scene_peek_bytes(d->light.filename) - m->map;
+    return fmax(has_curve ? texels * curve_beside : 0, while_read);
+}
+
+bis_memory bis_memory_foresee(const bis_scene_desc *desc)
+{
+    bis_memory m = {0};
+    double while_rendering;
+    const double triangles = add_meshes(&m, desc), beside = add_map(&m, desc);
+
+    add_film(&m, desc, &while_rendering);
+    add_textures(&m, desc);
+    m.accel = triangles * accel_kept;
+    const double kept = program + m.film - while_rendering + m.meshes + m.textures + m.map;
+    const double moments[] = {kept + beside, kept + triangles * accel_built, kept + m.accel + while_rendering};
+    for (size_t i = 0; i < sizeof moments / sizeof *moments; i++)
+        if (moments[i] > m.peak) m.peak = moments[i];
+    return m;
+}
+
+/* "MemAvailable: 23897572 kB". */
+double bis_memory_free(void)
+{
+    char line[256];
+    double kilobytes = 0;
+    FILE *in = fopen("/proc/meminfo", "r");
+
+    if (!in) return 0;
+    while (fgets(line, sizeof line, in) && sscanf(line, "MemAvailable: %lf kB", &kilobytes) != 1) continue;
+    fclose(in);
+    return kilobytes * 1024;
+}

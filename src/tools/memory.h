@@ -1,0 +1,25 @@
+/* memory: what a render will take, foretold from the description of the scene and the first bytes of its files. */
+#pragma once
+
+#include "bis/scene/scene.h"
+
+/* Bytes. */
+typedef struct bis_memory {
+    double film;   /* sums, the pass under way, layers, learned visibility */
+    double map;    /* pixels, and what directions are drawn with */
+    double meshes, textures;
+    double accel;
+    double peak;   /* of all, at the worst moment */
+    bool guessed;  /* a file did not tell its size, and its length served instead */
+} bis_memory;
+
+/* bis_memory_map_size stores the size of the lat-long map that will be made of the light's file, and the mapping of the
+ * file. Returns false if the file's head does not tell. */
+bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height, bis_mapping *mapping);
+
+/* bis_memory_foresee foretells the memory of a render with these settings. It reads no more than the heads of files.
+ * The peak is right within 15 % where it is above 100 MB (tests/tools/test_memory.c). */
+bis_memory bis_memory_foresee(const bis_scene_desc *desc);
+
+/* bis_memory_free returns the bytes that the system can give without swapping; 0: unknown. */
+double bis_memory_free(void);
