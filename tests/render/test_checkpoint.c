@@ -531,7 +531,7 @@ CHANGE(first_pixel, bis_light_envmap(w->scene.light)->pixels[0].r += 1)
 CHANGE(last_pixel, const bis_envmap *em = bis_light_envmap(w->scene.light); em->pixels[em->width * em->height - 1].b += 1)
 CHANGE(light_L, w->desc.light.L.g += 1)
 CHANGE(light_b, w->desc.light.area_exponent += 0.5)
-CHANGE(light_angular, w->desc.light.angular ^= true)
+CHANGE(light_mapping, w->desc.light.mapping = BIS_MAPPING_ANGULAR)
 CHANGE(light_width, w->desc.light.width++)
 CHANGE(light_levels, w->desc.light.levels++)
 CHANGE(light_table, w->desc.light.has_table_kind ^= true)
@@ -588,7 +588,7 @@ static void another_render_is_refused_by_what_differs(void **state)
         {change_last_pixel, "differ: the pixels of the map. "},
         {change_light_L, "differ: the parameters of the light. "},
         {change_light_b, "differ: the parameters of the light. "},
-        {change_light_angular, "differ: the parameters of the light. "},
+        {change_light_mapping, "differ: the parameters of the light. "},
         {change_light_width, "differ: the parameters of the light. "},
         {change_light_levels, "differ: the parameters of the light. "},
         {change_light_table, "differ: the parameters of the light. "},
