@@ -457,6 +457,34 @@ static void control_of_1_leaves_no_noise_to_the_choice(void **state)
     bis_light_free(light);
 }
 
+/* Where no cluster can reflect light, the estimate is black, and nothing is drawn. */
+static void without_a_cluster_in_reach_the_estimate_is_black(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_settings s = product(64, 4, false);
+    bis_clusters c;
+    bis_scratch scratch;
+    bis_fast fast;
+    lit l;
+
+    (void)state;
+    lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 20), tilted(), 40, LIT_OPEN);
+    assert_int_equal(bis_clusters_init(&c, light, 64, NULL), BIS_OK);
+    bis_clusters_fill(&c, light, SEED, 0, 1);
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    assert_int_equal(bis_fast_init(&fast, &s, NULL), BIS_OK);
+    scratch.fast = &fast;
+    fast.clusters = &c;
+    assert_true(rgb_sum(lit_once(&l, &s, &scratch, SEED, 3)) > 0);
+    for (uint32_t k = 0; k < c.n; k++) c.cone.r[k] = c.cone.g[k] = c.cone.b[k] = 0;
+    const rgb L = lit_once(&l, &s, &scratch, SEED, 3);
+    assert_true(L.r == 0 && L.g == 0 && L.b == 0);
+    bis_scratch_clear(&scratch);
+    bis_fast_clear(&fast);
+    bis_clusters_clear(&c);
+    bis_light_free(light);
+}
+
 static void without_memory_nothing_is_held(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0, false);
@@ -495,6 +523,7 @@ int main(void)
         cmocka_unit_test(foresight_follows_what_was_seen_in_the_passes_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
         cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
+        cmocka_unit_test(without_a_cluster_in_reach_the_estimate_is_black),
         cmocka_unit_test(without_memory_nothing_is_held),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -729,6 +729,24 @@ static void mis_scatters_as_the_weights_of_its_heuristic_say(void **state)
     bis_light_free(light);
 }
 
+/* split times samples, rounded, are the map's, but each technique has at least one; there is room for the larger share. */
+static void mis_divides_its_samples(void **state)
+{
+    static const struct { double split; uint32_t samples, larger; } rows[] = {
+        {0.5, 8, 4}, {0.25, 4, 3}, {0, 4, 3}, {1, 4, 3}, {0.5, 2, 1}, {0.1, 2, 1}, {0.9, 2, 1}, {0.3, 10, 7},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        bis_settings s = bis_settings_default(&bis_mis);
+        bis_needs need = {0, 0, 0, 0};
+        s.split = rows[i].split;
+        s.samples = rows[i].samples;
+        bis_mis.scratch_needs(&s, &need);
+        assert_int_equal(need.n_points, rows[i].larger);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -757,6 +775,7 @@ int main(void)
         cmocka_unit_test(defaults_are_allowed_and_those_of_the_contract),
         cmocka_unit_test(only_what_proposes_from_the_map_needs_tables),
         cmocka_unit_test(scratch_without_memory_is_an_error),
+        cmocka_unit_test(mis_divides_its_samples),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
