@@ -367,15 +367,18 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
 }
 
 /* A render that does not fit is slow, or the system ends it. */
-static void warn_of_memory(const bis_scene_desc *desc, bis_diag *diag)
+static bis_status warn_of_memory(const bis_scene_desc *desc, bis_diag *diag)
 {
-    const double peak = bis_memory_foresee(desc).peak, room = bis_memory_free();
+    const double room = bis_memory_free();
+    bis_memory m;
 
-    if (room > 0 && peak > room)
+    if (bis_memory_foresee(&m, desc, diag)) return BIS_NOMEM;
+    if (room > 0 && m.peak > room)
         bis_warn(diag, bis_cli_loc,
                  "this render takes about %.1f GB, but %.1f GB of memory are free: it will be slow, or the system will "
                  "end it. Crops (--cropwindow), --layers none and --learn off take less, as `bis --plan` tells",
-                 peak / 1e9, room / 1e9);
+                 m.peak / 1e9, room / 1e9);
+    return BIS_OK;
 }
 
 /* A map was resampled: by how much did its energy change? */
@@ -427,7 +430,8 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     bis_status status = open_checkpoint(&checkpoint, o, diag);
 
     if (status) goto done;
-    warn_of_memory(desc, diag);
+    status = warn_of_memory(desc, diag);
+    if (status) goto done;
     bis_cli_print_diag(diag, o->quiet); /* before anything is loaded */
     bis_diag_clear(diag);
     status =

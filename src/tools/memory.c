@@ -36,14 +36,13 @@ static counts counts_of(const bis_mesh_desc *m, bool *guessed)
 }
 
 /* Each shape has vertices and triangles of its own; a mesh of several shapes is kept until the last one has them. */
-static double add_meshes(bis_memory *m, const bis_scene_desc *d)
+static double add_meshes(bis_memory *m, const bis_scene_desc *d, size_t *uses)
 {
     double triangles = 0, kept = 0;
-    size_t *uses = bis_alloc(d->n_meshes, sizeof *uses);
 
-    for (size_t i = 0; uses && i < d->n_shapes; i++)
+    for (size_t i = 0; i < d->n_shapes; i++)
         if (d->shapes[i].kind != BIS_SHAPE_SPHERE && d->shapes[i].kind != BIS_SHAPE_DISK) uses[d->shapes[i].mesh]++;
-    for (size_t i = 0; uses && i < d->n_meshes; i++) {
+    for (size_t i = 0; i < d->n_meshes; i++) {
         if (!uses[i]) continue;
         const counts c = counts_of(&d->meshes[i], &m->guessed);
         const double a_vertex = vertex * (d->meshes[i].smooth ? 2 : 1) + (d->textures.n ? uv : 0);
@@ -52,7 +51,6 @@ static double add_meshes(bis_memory *m, const bis_scene_desc *d)
         triangles += c.triangles * (double)uses[i];
         if (uses[i] > 1 && bytes > kept) kept = bytes;
     }
-    bis_free(uses);
     m->meshes += kept;
     return triangles;
 }
@@ -118,20 +116,24 @@ static double add_map(bis_memory *m, const bis_scene_desc *d)
     return fmax(has_curve ? texels * curve_beside : 0, while_read);
 }
 
-bis_memory bis_memory_foresee(const bis_scene_desc *desc)
+bis_status bis_memory_foresee(bis_memory *m, const bis_scene_desc *desc, bis_diag *diag)
 {
-    bis_memory m = {0};
+    size_t *uses = bis_alloc(desc->n_meshes, sizeof *uses);
     double while_rendering;
-    const double triangles = add_meshes(&m, desc), beside = add_map(&m, desc);
 
-    add_film(&m, desc, &while_rendering);
-    add_textures(&m, desc);
-    m.accel = triangles * accel_kept;
-    const double kept = program + m.film - while_rendering + m.meshes + m.textures + m.map;
-    const double moments[] = {kept + beside, kept + triangles * accel_built, kept + m.accel + while_rendering};
+    *m = (bis_memory){0};
+    if (!uses)
+        return bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu meshes", desc->n_meshes);
+    const double triangles = add_meshes(m, desc, uses), beside = add_map(m, desc);
+    bis_free(uses);
+    add_film(m, desc, &while_rendering);
+    add_textures(m, desc);
+    m->accel = triangles * accel_kept;
+    const double kept = program + m->film - while_rendering + m->meshes + m->textures + m->map;
+    const double moments[] = {kept + beside, kept + triangles * accel_built, kept + m->accel + while_rendering};
     for (size_t i = 0; i < sizeof moments / sizeof *moments; i++)
-        if (moments[i] > m.peak) m.peak = moments[i];
-    return m;
+        if (moments[i] > m->peak) m->peak = moments[i];
+    return BIS_OK;
 }
 
 /* "MemAvailable: 23897572 kB". */

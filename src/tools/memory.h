@@ -18,8 +18,8 @@ typedef struct bis_memory {
 bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height, bis_mapping *mapping);
 
 /* bis_memory_foresee foretells the memory of a render with these settings. It reads no more than the heads of files.
- * The peak is right within 15 % where it is above 100 MB (tests/tools/test_memory.c). */
-bis_memory bis_memory_foresee(const bis_scene_desc *desc);
+ * The peak is right within 15 % where it is above 100 MB (tests/tools/test_memory.c). Errors: BIS_NOMEM. */
+bis_status bis_memory_foresee(bis_memory *m, const bis_scene_desc *desc, bis_diag *diag);
 
 /* bis_memory_free returns the bytes that the system can give without swapping; 0: unknown. */
 double bis_memory_free(void);

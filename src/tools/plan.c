@@ -331,9 +331,10 @@ static void print_approximations(const bis_scene_desc *d, FILE *out)
 
 static void print_memory(const bis_scene_desc *d, FILE *out)
 {
-    const bis_memory m = bis_memory_foresee(d);
+    bis_memory m;
     char c[6][32];
 
+    if (bis_memory_foresee(&m, d, NULL)) return; /* no memory: a plan without it */
     fprintf(out, "memory       about %s at the peak: film %s, map %s, meshes %s, textures %s, accelerator %s%s\n",
             megabytes(c[0], m.peak), megabytes(c[1], m.film), megabytes(c[2], m.map), megabytes(c[3], m.meshes),
             megabytes(c[5], m.textures), megabytes(c[4], m.accel),
