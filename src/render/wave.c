@@ -21,7 +21,6 @@ typedef struct sample {
     bis_sampler sampler;
     bis_stream stream;
     bis_point pt;
-    bis_own_material material;
     bis_pixel_sum *pixel;
     size_t cell; /* the pixel's: what is dropped has one sum for many pixels */
     rgbd L;
@@ -32,6 +31,7 @@ struct bis_wave {
     bis_wave_task task;
     bis_scratch *scratch;
     bis_counters *counters;
+    bis_own_material *materials; /* materials[SAMPLES], or NULL: the scene has no textures */
 
     uint32_t n; /* samples */
     sample samples[SAMPLES];
@@ -87,8 +87,8 @@ static void find_points(bis_wave *w)
     for (uint32_t i = 0; i < w->n; i++) {
         if (w->prim[i] == BIS_NO_PRIM) continue;
         bis_point *pt = &w->samples[i].pt;
-        bis_scene_point_at(pt, &w->samples[i].material, w->task.scene, w->task.desc, w->eyes[i], w->prim[i],
-                           w->counters);
+        bis_own_material *own = w->materials ? &w->materials[i] : NULL;
+        bis_scene_point_at(pt, own, w->task.scene, w->task.desc, w->eyes[i], w->prim[i], w->counters);
         pt->later = w->task.view->settings.as_printed ? NULL : &w->later;
     }
 }
@@ -184,6 +184,13 @@ bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_coun
     bis_wave *w = bis_alloc(1, sizeof *w);
 
     if (!w) return NULL;
+    if (task->desc->textures.n_of_material > 0) {
+        w->materials = bis_alloc(SAMPLES, sizeof *w->materials);
+        if (!w->materials) {
+            bis_free(w);
+            return NULL;
+        }
+    }
     w->later.add = note_ray;
     w->task = *task;
     w->scratch = scratch;
@@ -191,6 +198,13 @@ bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_coun
     return w;
 }
 
-void bis_wave_free(bis_wave *wave) { bis_free(wave); }
+void bis_wave_free(bis_wave *wave)
+{
+    if (wave) bis_free(wave->materials);
+    bis_free(wave);
+}
 
-size_t bis_wave_bytes(void) { return sizeof(bis_wave); }
+size_t bis_wave_bytes(const bis_scene_desc *desc)
+{
+    return sizeof(bis_wave) + (desc->textures.n_of_material > 0 ? SAMPLES * sizeof(bis_own_material) : 0);
+}

@@ -36,8 +36,8 @@ typedef struct bis_wave bis_wave;
 bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_counters *counters);
 void bis_wave_free(bis_wave *wave);
 
-/* bis_wave_bytes returns the bytes of a wave. */
-size_t bis_wave_bytes(void);
+/* bis_wave_bytes returns the bytes of a wave for a scene. */
+size_t bis_wave_bytes(const bis_scene_desc *desc);
 
 /* bis_wave_add notes camera sample `index` of the film's pixel (x, y). Its radiance is added to *pixel when the wave is
  * full, or by bis_wave_end, which must be called before *pixel is read. pixel is borrowed until then.

@@ -222,7 +222,7 @@ size_t bis_workspace_bytes(const bis_workspace *w)
     const size_t n_pixels = (size_t)w->film->width * (size_t)w->film->height;
     const bis_settings *settings = &w->view->settings;
     const size_t thread =
-        sizeof *w->workers + bis_wave_bytes() + bis_scratch_bytes(settings) + bis_fast_bytes(settings);
+        sizeof *w->workers + bis_wave_bytes(w->desc) + bis_scratch_bytes(settings) + bis_fast_bytes(settings);
 
     return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_visibility_bytes(&w->visibility) +
            bis_adapt_bytes(&w->adapt) + (size_t)w->n_threads * thread + n_pixels * pixel;

@@ -282,7 +282,7 @@ void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, 
         .accel = s->accel,
         .counters = counters,
     };
-    m->index = at.material;
+    if (m) m->index = at.material;
     const bis_material *base = &desc->materials[at.material];
     const bis_material_textures *textures = bis_textures_of(&desc->textures, at.material);
     if (textures) {

@@ -790,7 +790,7 @@ static void the_plan_says_what_textures_cost(void **state)
 static void verify_finds_a_textured_scene_right(void **state)
 {
     (void)state;
-    bis_verify v = {.seed = 1, .halvings = 3};
+    bis_verify v = {.seed = 1, .halvings = 2};
     built b = {0};
     char text[1024];
     snprintf(text, sizeof text, "Camera \"orthographic\" Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24\n"

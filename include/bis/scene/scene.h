@@ -173,7 +173,8 @@ typedef struct bis_own_material {
 } bis_own_material;
 
 /* bis_scene_point finds the surface that the camera ray `eye` meets first and stores it in *pt, with desc's material
- * and with wo = -eye.d. *m receives this material; it must live as long as *pt. Rays traced from *pt are counted in
+ * and with wo = -eye.d. *m receives this material; it must live as long as *pt. m may be NULL for a scene without
+ * textures. Rays traced from *pt are counted in
  * *counters; this one is not. *hit (may be NULL) receives the distance and the primitive. Returns false if the ray
  * meets nothing. */
 bool bis_scene_point(bis_point *pt, bis_own_material *m, const bis_scene *s, const bis_scene_desc *desc, ray eye,
