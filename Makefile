@@ -47,7 +47,7 @@ STAMP    := data/models/.made
 
 SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
-SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ply obj gzip)
+SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr ply obj gzip convert)
 
 # What was asked for is built, whatever was built before: objects depend on the compiler and the flags as they were
 # given ($B/.flags changes only when they do), and ./bis is the program that was made last.

@@ -1,16 +1,16 @@
 #!/bin/sh
 # fuzz: runs libFuzzer's targets, one after the other (make fuzz calls it).
-#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr ply obj gz map; default: all
+#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr ply obj gz map png; default: all
 # What a target begins with: files that the tests make, tests/data/bad, tests/data/scenes, tests/data/regression and
 # data/scenes; what it finds new on the way stays in build/fuzz/corpus/NAME for the next run. A finding is left in
 # build/fuzz/found; exit status 1 then.
 build=$1 seconds=$2
 shift 2
-[ $# -gt 0 ] || set -- scene hdr pfm exr ply obj gz map
+[ $# -gt 0 ] || set -- scene hdr pfm exr ply obj gz map png
 work=build/fuzz
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
 mkdir -p $work/made $work/found
-for test in image image_hdr image_pfm image_exr ply obj gzip; do
+for test in image image_hdr image_pfm image_exr ply obj gzip convert; do
     [ -e $work/made/.$test ] || BIS_SEEDS=$work/made "$build/tests/test_$test" >$work/seeds.log 2>&1 || { cat $work/seeds.log; exit 1; }
     touch $work/made/.$test
 done

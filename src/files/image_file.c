@@ -56,8 +56,10 @@ static bis_status refuse_unknown(const image_input *in)
                             d[0], d[1], d[2], d[3]);
 }
 
-bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag)
+/* is_screen (may be NULL): a PNG is taken, too, and this says whether it is one. */
+static bis_status read_image(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag)
 {
+    static const image_reader screen = {bis_png_is_mine, bis_png_read};
     unsigned char *data;
     image_input in = {.path = path, .at = at.file ? at : (bis_loc){path, 0, 0}, .diag = diag};
 
@@ -68,10 +70,23 @@ bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_di
     const image_reader *reader = NULL;
     for (size_t i = 0; i < LENGTH(readers) && !reader; i++)
         if (readers[i].is_mine(data, in.size)) reader = &readers[i];
+    if (is_screen) *is_screen = screen.is_mine(data, in.size);
+    if (is_screen && *is_screen) reader = &screen;
     status = reader ? reader->read(image, &in) : refuse_unknown(&in);
     bis_free(data);
     assert(!status == !!image->pixels); /* all of the image or none */
     return status;
+}
+
+bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag)
+{
+    return read_image(image, NULL, path, at, diag);
+}
+
+bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag)
+{
+    *is_screen = false;
+    return read_image(image, is_screen, path, at, diag);
 }
 
 static const image_writer *find_writer(const char *path)

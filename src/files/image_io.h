@@ -31,9 +31,11 @@ bis_status bis_image_make(bis_image *image, const image_input *in, long long wid
 bool bis_hdr_is_mine(const unsigned char *data, size_t size);
 bool bis_exr_is_mine(const unsigned char *data, size_t size);
 bool bis_pfm_is_mine(const unsigned char *data, size_t size);
+bool bis_png_is_mine(const unsigned char *data, size_t size);
 bis_status bis_hdr_read(bis_image *image, const image_input *in);
 bis_status bis_exr_read(bis_image *image, const image_input *in);
 bis_status bis_pfm_read(bis_image *image, const image_input *in);
+bis_status bis_png_read(bis_image *image, const image_input *in); /* linear; no format for bis_image_read */
 
 /* OpenEXR's older reader: the first part's R, G, B, or Y, RY, BY, with half precision. (x0, y0): the corner of the data
  * window, which the image, already made, fills; OpenEXRCore has read it from the same header. */
