@@ -27,7 +27,7 @@ DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno
 WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
 OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION))
-LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) -lm
+LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) -lpthread -lm
 
 SRC     := $(filter-out src/cli/main.c,$(wildcard src/*/*.c src/*/*/*.c))
 OBJ     := $(SRC:%.c=$B/%.o) $B/src/tools/trade/page.o
