@@ -425,8 +425,8 @@ int bis_cmd_render(int argc, char **argv)
          .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)", .kind = BIS_OPTION_REAL,
          .value = &o.files.exposure, .given = &o.files.has_exposure, .lo = -100, .hi = 100},
         {.name = "display", .argument = "HOST:PORT",
-         .help = "show the picture in tev (localhost:14158) while it is rendered; a viewer that is missing or gone stops "
-                 "nothing", .kind = BIS_OPTION_OWN, .value = &o.viewer, .read = read_viewer,
+         .help = "show the picture in tev (localhost:14158) while it is rendered; a viewer that is missing or gone "
+                 "stops nothing", .kind = BIS_OPTION_OWN, .value = &o.viewer, .read = read_viewer,
          .rule = "HOST:PORT with a port in [1, 65535], as in localhost:14158"},
         {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG,
          .value = &o.quiet},
