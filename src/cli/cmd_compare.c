@@ -57,6 +57,7 @@ static int compare(void *options, const char *const *paths, bis_diag *diag)
 {
     const compare_options *o = options;
     bis_image a = {0}, b = {0};
+    bool is_screen[2];
     bis_comparison c;
     int exit_status = BIS_EXIT_FAILED;
     bis_status status;
@@ -66,8 +67,11 @@ static int compare(void *options, const char *const *paths, bis_diag *diag)
         if (!status) status = bis_cli_check_distinct(paths, 2, &o->diff, 1, diag);
         if (status) return bis_cli_exit_status(status);
     }
-    if (bis_image_read(&a, paths[0], (bis_loc){0}, diag)) goto done;
-    if (bis_image_read(&b, paths[1], (bis_loc){0}, diag)) goto done;
+    if (bis_image_read_any(&a, &is_screen[0], paths[0], (bis_loc){0}, diag)) goto done;
+    if (bis_image_read_any(&b, &is_screen[1], paths[1], (bis_loc){0}, diag)) goto done;
+    if (is_screen[0] != is_screen[1])
+        bis_warn(diag, (bis_loc){paths[is_screen[1]], 0, 0},
+                 "a PNG holds what a screen shows, exposed and clipped: compare it with another PNG");
     status = bis_compare(&c, &a, &b, diag);
     if (!status && o->diff) status = write_difference(o->diff, &a, &b, diag);
     exit_status = bis_cli_exit_status(status);
@@ -99,7 +103,7 @@ int bis_cmd_compare(int argc, char **argv)
     const bis_command command = {
         .name = "compare",
         .usage = "compare [options] A B",
-        .summary = "compare image A with reference B (EXR, PFM, HDR)",
+        .summary = "compare image A with reference B (EXR, PFM, HDR, PNG)",
         .options = options, .n_options = sizeof options / sizeof *options,
         .min_operands = 2, .max_operands = 2,
         .notes = "Printed: mean_a mean_b bias bias_se rmse relmse max_abs pixels nonfinite.\n"

@@ -11,6 +11,7 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 
+#include "display.h"
 #include "parameters.h"
 #include "progress.h"
 #include "render/checkpoint.h"
@@ -30,6 +31,10 @@ typedef struct render_options {
     bis_render_files files;
     bis_texts as_printed;
     const char *integrator, *accelerator, *layers;
+    const char *viewer; /* HOST:PORT */
+    bis_display *display;
+    const bis_film *film; /* what display shows */
+    bool shows_progress;
     bis_parameter_option parameters[BIS_PARAMETER_OPTIONS];
     bool quiet, plan, no_jitter, adaptive, approximate;
     bool has_spp, has_seed, has_resolution, has_crop, has_every;
@@ -104,6 +109,12 @@ static void keep_command(char command[BIS_PART_COMMAND], int argc, char **argv)
         else if (!argv[i][n]) i++; /* its value */
     }
     if (strlen(command) == BIS_PART_COMMAND - 1) snprintf(command, BIS_PART_COMMAND, "bis (as the other parts)");
+}
+
+static bool read_viewer(void *value, const char *text)
+{
+    *(const char **)value = text;
+    return bis_display_is_address(text);
 }
 
 /* ---- the command line over the scene ---- */
@@ -234,11 +245,13 @@ static bis_status name_part(render_options *o, bis_diag *diag)
 
 /* ---- rendering ---- */
 
-static void print_progress(const bis_progress *p, void *user)
+/* While a pass is rendered, the film holds those before it. */
+static void show_progress(const bis_progress *p, void *user)
 {
+    const render_options *o = user;
     char text[BIS_PROGRESS_TEXT];
-    (void)user;
-    fprintf(stderr, "\r%s   \033[K", bis_progress_text(text, p));
+    if (o->shows_progress) fprintf(stderr, "\r%s   \033[K", bis_progress_text(text, p));
+    if (o->display) bis_display_offer(o->display, o->film);
 }
 
 /* Said early, after the pilot, so that nobody waits for what cannot come: an error that another budget will cut off, or
@@ -336,12 +349,14 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
         .budget = {.spp = (uint32_t)o->spp, .seconds = o->seconds, .error = o->error},
         .n_threads = (int)o->threads,
         .interrupted = &bis_cli_signal,
-        .progress = show ? print_progress : NULL,
+        .progress = show || (leads && o->viewer) ? show_progress : NULL,
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
         .part = o->part,
     };
     bis_cli_catch_signals();
+    o->shows_progress = show;
+    o->film = film;
     if (chooses && leads && checkpoint->head.settings.integrator) choose_again(choice, desc, checkpoint, o->quiet);
     else if (chooses && leads) status = choose(choice, scene, desc, &options, o->quiet, diag);
     if (chooses) status = tell_choice(desc, status, diag);
@@ -352,7 +367,13 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     checkpoint->head.pilot_seconds = choice->seconds;
     /* the pilot's time is the user's: 0 would be no limit */
     if (o->seconds > 0) options.budget.seconds = fmax(o->seconds - choice->seconds, DBL_MIN);
+    if (!status && o->viewer) {
+        const char *name = o->files.part ? o->files.part : o->files.pictures.text[0];
+        if (leads) status = bis_display_open(&o->display, o->viewer, name, film, diag);
+        status = bis_crew_agree(bis_cli_crew, status, diag);
+    }
     if (!status) status = bis_render(result, film, scene, desc, &desc->view, &options, diag);
+    bis_display_close(o->display, !status && result->passes ? film : NULL, diag);
     if (show) fputs("\r\033[K", stderr);
     if (!status && leads && o->error > 0 && !(result->error_bound <= o->error)) {
         if (isnan(result->error_bound))
@@ -532,7 +553,7 @@ done:
 
 int bis_cmd_render(int argc, char **argv)
 {
-    enum { MAX_INTEGRATORS = 16, MAX_OPTIONS = 48 };
+    enum { MAX_INTEGRATORS = 16, MAX_OPTIONS = 52 };
     static const char *const accelerators[] = {"grid", "embree", NULL};
     render_options o = {.every = 60, .start = bis_clock_now()};
     const char *integrators[MAX_INTEGRATORS + 1] = {0};
@@ -567,6 +588,10 @@ int bis_cmd_render(int argc, char **argv)
         {.name = "exposure", .argument = "EV",
          .help = "PNG: multiply radiance by 2^EV (default: from the picture's log-average)", .kind = BIS_OPTION_REAL,
          .value = &o.files.exposure, .given = &o.files.has_exposure, .lo = -100, .hi = 100},
+        {.name = "display", .argument = "HOST:PORT",
+         .help = "show the picture in tev (localhost:14158) while it is rendered; a viewer that is missing or gone "
+                 "stops nothing", .kind = BIS_OPTION_OWN, .value = &o.viewer, .read = read_viewer,
+         .rule = "HOST:PORT with a port in [1, 65535], as in localhost:14158"},
         {.name = "quiet", .help = "no progress, no warnings, no line about what was written", .kind = BIS_OPTION_FLAG,
          .value = &o.quiet},
         {.name = "plan", .help = "print what the scene requires and what will be built for it; render nothing",

@@ -175,6 +175,7 @@ static const bis_help_entry examples[] = {
     {"bis scene.txt --integrator em --samples 4 --outfile em.exr", NULL},
     {"bis scene.txt --integrator sir --shadowrays 4 --outfile sir.exr", NULL},
     {"bis compare em.exr sir.exr --diff difference.png", NULL},
+    {"bis convert sir.exr sir.png --exposure 1 --tone filmic", NULL},
     {NULL, "What is in a map, where samples go; what a scene requires:"},
     {"bis envmap data/maps/interior.hdr --out map.png", NULL},
     {"bis envmap data/maps/interior.hdr --to equalarea --out for-pbrt-v4.exr", NULL},

@@ -59,8 +59,9 @@ static bis_status refuse_unknown(const image_input *in, bool of_colours)
                             d[0], d[1], d[2], d[3]);
 }
 
-/* gamma: NULL: of radiance. */
-static bis_status read_image(bis_image *image, const char *path, const double *gamma, bis_loc at, bis_diag *diag)
+/* gamma: NULL: of radiance. is_screen: becomes whether it is a PNG; NULL: nobody asks. */
+static bis_status read_image(bis_image *image, bool *is_screen, const char *path, const double *gamma, bis_loc at,
+                             bis_diag *diag)
 {
     unsigned char *data;
     image_input in = {.path = path, .at = at.file ? at : (bis_loc){path, 0, 0}, .diag = diag};
@@ -74,7 +75,8 @@ static bis_status read_image(bis_image *image, const char *path, const double *g
         if (readers[i].is_mine(data, in.size)) reader = &readers[i];
     if (reader) status = reader->read(image, &in);
     else if (gamma && bis_png_is_mine(data, in.size)) status = bis_png_read(image, &in, *gamma);
-    else status = refuse_unknown(&in, gamma != NULL);
+    else status = refuse_unknown(&in, gamma && !is_screen);
+    if (is_screen) *is_screen = bis_png_is_mine(data, in.size);
     bis_free(data);
     assert(!status == !!image->pixels); /* all of the image or none */
     return status;
@@ -82,12 +84,20 @@ static bis_status read_image(bis_image *image, const char *path, const double *g
 
 bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_diag *diag)
 {
-    return read_image(image, path, NULL, at, diag);
+    return read_image(image, NULL, path, NULL, at, diag);
 }
 
 bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag)
 {
-    return read_image(image, path, &gamma, at, diag);
+    return read_image(image, NULL, path, &gamma, at, diag);
+}
+
+bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag)
+{
+    const double gamma = BIS_GAMMA_SRGB;
+
+    *is_screen = false;
+    return read_image(image, is_screen, path, &gamma, at, diag);
 }
 
 static const image_writer *find_writer(const char *path)

@@ -702,7 +702,7 @@ static void files_that_cannot_be_read_or_written_exit_with_1(void **state)
         {"--version >/dev/full", "standard output cannot be written"},
         {"compare " DIR "/map.pfm " DIR "/nosuch.pfm", "nosuch.pfm"},
         {"compare " DIR "/map.pfm " SCENE, "scene.txt"},
-        {"compare docs/figures/chess.png " DIR "/map.pfm", "it is a PNG: 8 bits for a screen, no radiance; take an "
+        {"envmap docs/figures/chess.png", "it is a PNG: 8 bits for a screen, no radiance; take an "
             ".exr, .pfm or .hdr"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -15,6 +15,10 @@ bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_di
  * are linear, and gamma does not count. Transparency is dropped. Errors: those of bis_image_read. */
 bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag);
 
+/* bis_image_read_any reads what bis_image_read does, and a PNG, too: *is_screen then becomes true, and the pixels are
+ * the linear colours that a screen shows, in [0,1]. */
+bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag);
+
 /* One header attribute of an EXR: text, or a number if text is NULL. OpenEXR reserves some names ("version", "type",
  * "name", "tiles", ...). Writing one of these is BIS_INPUT; names with a prefix avoid this. */
 typedef struct bis_attribute {

@@ -1,0 +1,230 @@
+/* display: a viewer that speaks tev's protocol by its published layout: what it gets is the picture; and a viewer that
+ * is missing, goes, or never reads stops nothing. */
+#include "bis/files/image_file.h"
+#include "cli/display.h"
+#include "program.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define DIR "build/test_display"
+#define SCENE DIR "/scene.txt"
+#define BIG DIR "/big.txt" /* nothing but light: 23 MB at once */
+
+static int make_scene(void **state)
+{
+    (void)state;
+    program_folder(DIR);
+    program_write_scene(DIR, "Sampler \"stratified\" \"integer pixelsamples\" 4\n");
+    program_write_file(BIG, "Film \"rgb\" \"integer xresolution\" 1600 \"integer yresolution\" 1200 Sampler \"sobol\" "
+                            "\"integer pixelsamples\" 1 WorldBegin LightSource \"infinite\" \"rgb L\" [1 2 3]\n");
+    return 0;
+}
+
+/* ---- the viewer ---- */
+
+typedef enum behaviour { READS, LEAVES, NEVER_READS } behaviour;
+
+typedef struct viewer {
+    behaviour behaviour;
+    int listener, port;
+    pthread_t thread;
+    unsigned char *data;
+    size_t n, capacity;
+    int connections;
+} viewer;
+
+static void *serve(void *arg)
+{
+    viewer *v = arg;
+    struct pollfd ready = {.fd = v->listener, .events = POLLIN};
+    if (poll(&ready, 1, 20000) != 1) return NULL;
+    const int fd = accept(v->listener, NULL, NULL);
+    v->connections = fd >= 0;
+    for (ssize_t got = 1; fd >= 0 && got > 0 && v->behaviour != NEVER_READS;) {
+        if (v->n + 65536 > v->capacity) v->data = realloc(v->data, v->capacity = 2 * v->capacity + 65536);
+        got = read(fd, v->data + v->n, 65536);
+        if (got > 0) v->n += (size_t)got;
+        if (v->behaviour == LEAVES && v->n > 100) break;
+    }
+    if (v->behaviour == NEVER_READS) { /* until the listener is shut down */
+        ready.events = POLLIN;
+        poll(&ready, 1, 20000);
+    }
+    if (fd >= 0) close(fd);
+    return NULL;
+}
+
+static void open_viewer(viewer *v, behaviour b)
+{
+    struct sockaddr_in at = {.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    socklen_t size = sizeof at;
+    *v = (viewer){.behaviour = b, .listener = socket(AF_INET, SOCK_STREAM, 0)};
+    assert_int_equal(bind(v->listener, (struct sockaddr *)&at, sizeof at), 0);
+    assert_int_equal(listen(v->listener, 1), 0);
+    assert_int_equal(getsockname(v->listener, (struct sockaddr *)&at, &size), 0);
+    v->port = ntohs(at.sin_port);
+    assert_int_equal(pthread_create(&v->thread, NULL, serve, v), 0);
+}
+
+static void close_viewer(viewer *v)
+{
+    shutdown(v->listener, SHUT_RDWR);
+    pthread_join(v->thread, NULL);
+    close(v->listener);
+}
+
+/* ---- what came, read by tev's layout ---- */
+
+typedef struct reader {
+    const unsigned char *at, *end;
+} reader;
+
+static uint32_t take_int(reader *r)
+{
+    assert_true(r->end - r->at >= 4);
+    const unsigned char *b = r->at;
+    r->at += 4;
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+static const char *take_text(reader *r)
+{
+    const char *text = (const char *)r->at;
+    const unsigned char *zero = memchr(r->at, 0, (size_t)(r->end - r->at));
+    assert_non_null(zero);
+    r->at = zero + 1;
+    return text;
+}
+
+/* The image as the messages have made it; returns how many updates there were. */
+static int read_messages(const viewer *v, float **pixels, int *width, int *height, const char *name)
+{
+    int updates = 0;
+    *pixels = NULL;
+    for (size_t n = 0; n < v->n;) {
+        reader r = {v->data + n, v->data + v->n};
+        const uint32_t length = take_int(&r);
+        assert_true(length >= 6 && length <= v->n - n);
+        r.end = v->data + n + length;
+        n += length;
+        const int kind = *r.at++;
+        assert_true(*r.at++ == 0); /* the focus is left alone */
+        assert_string_equal(take_text(&r), name);
+        if (!*pixels) {
+            assert_int_equal(kind, 4); /* create comes first */
+            *width = (int)take_int(&r);
+            *height = (int)take_int(&r);
+            assert_int_equal(take_int(&r), 3);
+            for (int i = 0; i < 3; i++) assert_string_equal(take_text(&r), &"R\0G\0B"[2 * i]);
+            *pixels = calloc((size_t)(*width * *height) * 3, sizeof **pixels);
+        } else {
+            assert_int_equal(kind, 3);
+            updates++;
+            const char *channel = take_text(&r);
+            const int c = (int)(strchr("RGB", channel[0]) - "RGB");
+            assert_true(c >= 0 && c < 3 && !channel[1]);
+            const int x0 = (int)take_int(&r), y0 = (int)take_int(&r), w = (int)take_int(&r), h = (int)take_int(&r);
+            assert_true(x0 >= 0 && y0 >= 0 && x0 + w <= *width && y0 + h <= *height);
+            assert_int_equal(r.end - r.at, 4 * w * h);
+            for (int i = 0; i < w * h; i++) {
+                const uint32_t bits = take_int(&r);
+                memcpy(&(*pixels)[3 * ((y0 + i / w) * *width + x0 + i % w) + c], &bits, 4);
+            }
+        }
+        assert_true(r.at == r.end);
+    }
+    return updates;
+}
+
+/* ---- tests ---- */
+
+static void the_viewer_gets_the_picture_bit_by_bit(void **state)
+{
+    (void)state;
+    static const char *const crops[] = {"", " --cropwindow 0.25,0.75,0.5,1"};
+    for (int i = 0; i < 2; i++) {
+        viewer v;
+        program_run r;
+        bis_image image;
+        float *shown;
+        int width = 0, height = 0;
+        open_viewer(&v, READS);
+        program_expect(&r, 0, SCENE " --display 127.0.0.1:%d --outfile " DIR "/a.pfm%s", v.port, crops[i]);
+        close_viewer(&v);
+        program_expect_only_the_result(&r);
+        assert_int_equal(bis_image_read(&image, DIR "/a.pfm", (bis_loc){0}, NULL), BIS_OK);
+        assert_true(read_messages(&v, &shown, &width, &height, DIR "/a.pfm") >= 3);
+        assert_true(width == 24 && height == 16); /* also of a crop, in its place */
+        const int x0 = i ? 6 : 0, y0 = i ? 8 : 0;
+        assert_true(image.width == (i ? 12 : 24) && image.height == (i ? 8 : 16));
+        for (int y = 0; y < image.height; y++)
+            assert_memory_equal(&shown[3 * ((y + y0) * width + x0)], &image.pixels[y * image.width], 12 * (size_t)image.width);
+        bis_image_clear(&image);
+        free(shown);
+        free(v.data);
+    }
+}
+
+static void a_viewer_that_is_missing_goes_or_never_reads_stops_nothing(void **state)
+{
+    (void)state;
+    program_run r;
+    viewer v;
+    program_expect(&r, 0, BIG " --outfile " DIR "/alone.pfm");
+    open_viewer(&v, LEAVES);
+    program_expect(&r, 0, BIG " --display localhost:%d --outfile " DIR "/left.pfm", v.port); /* more than a connection holds */
+    close_viewer(&v);
+    assert_non_null(strstr(r.messages, "bis: warning: --display localhost:"));
+    assert_non_null(strstr(r.messages, "; the render went on without\n"));
+    program_expect(&r, 0, "compare --tolerance 0 " DIR "/left.pfm " DIR "/alone.pfm");
+    free(v.data);
+
+    /* nobody listens at that port any more */
+    program_expect(&r, 0, BIG " --display 127.0.0.1:%d --outfile " DIR "/none.pfm", v.port);
+    assert_non_null(strstr(r.messages, "Connection refused; the render went on without\n"));
+    program_expect(&r, 0, "compare --tolerance 0 " DIR "/none.pfm " DIR "/alone.pfm");
+
+    open_viewer(&v, NEVER_READS);
+    program_expect(&r, 0, BIG " --display 127.0.0.1:%d --outfile " DIR "/stuck.pfm", v.port);
+    assert_non_null(strstr(r.messages, "it reads no more; the render went on without\n"));
+    close_viewer(&v);
+    free(v.data);
+}
+
+static void an_address_is_a_host_and_a_port(void **state)
+{
+    (void)state;
+    static const char *const good[] = {"localhost:14158", "127.0.0.1:1", "[::1]:65535", "a.b-c.example:80"};
+    static const char *const bad[] = {"", "localhost", ":80", "localhost:", "localhost:0", "localhost:65536", "localhost:80x",
+                                      "localhost:-1", "::1:80", "localhost:0000080"};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) assert_true(bis_display_is_address(good[i]));
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(bis_display_is_address(bad[i]));
+    program_run r;
+    program_expect(&r, 2, SCENE " --display nowhere");
+    assert_string_equal(r.messages, "bis: error: --display is \"nowhere\", must be HOST:PORT with a port in [1, 65535], as in localhost:14158\n");
+    program_expect(&r, 0, SCENE " --outfile " DIR "/b.pfm --display no-such-host.invalid:80");
+    assert_non_null(strstr(r.messages, "bis: warning: --display no-such-host.invalid:80: "));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_viewer_gets_the_picture_bit_by_bit),
+        cmocka_unit_test(a_viewer_that_is_missing_goes_or_never_reads_stops_nothing),
+        cmocka_unit_test(an_address_is_a_host_and_a_port),
+    };
+    return cmocka_run_group_tests(tests, make_scene, NULL);
+}
