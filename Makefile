@@ -179,15 +179,15 @@ bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 	@sh scripts/bench/bench_scale.sh $B
 
-install: $B/bis
+install: $B/bis $(if $(filter 1,$(MPI)),$B/bis-mpi)
 	install -d $(DESTDIR)$(PREFIX)/bin
-	install -m 755 $B/bis $(DESTDIR)$(PREFIX)/bin/bis
+	install -m 755 $(filter $B/bis%,$^) $(DESTDIR)$(PREFIX)/bin
 	install -d $(DESTDIR)$(PREFIX)/share/man/man1
 	$B/bis help --man >$B/bis.1
 	install -m 644 $B/bis.1 $(DESTDIR)$(PREFIX)/share/man/man1/bis.1
 
 uninstall:
-	rm -f $(DESTDIR)$(PREFIX)/bin/bis $(DESTDIR)$(PREFIX)/share/man/man1/bis.1
+	rm -f $(DESTDIR)$(PREFIX)/bin/bis $(DESTDIR)$(PREFIX)/bin/bis-mpi $(DESTDIR)$(PREFIX)/share/man/man1/bis.1
 
 clean:
 	rm -rf build bis bis-mpi compile_commands.json data/models data/maps

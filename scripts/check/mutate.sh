@@ -528,7 +528,7 @@ exit
 # + uint64_t first = pass->first;
 #
 # * pass test_wave : passes of different size weigh the same
-# - (double)w->pass[i].hit, pass->weight);
+# - (double)w->pass[i].hit, weight);
 # + (double)w->pass[i].hit, 1);
 #
 # * film test_render : weights are not squared
@@ -558,3 +558,19 @@ exit
 # * pass test_layers : a layer's mean over a pass has the pass's weight twice
 # - sum->n / pass->weight);
 # + sum->n);
+#
+# * share test_part : parts are columns
+# - mine[order[i]] = true;
+# + mine[i] = true;
+#
+# * edges test_part : parts count the corners between them twice
+# - corners_of(film, end - first) - is_shared;
+# + corners_of(film, end - first) + (is_shared && !film);
+#
+# * part test_part : the same part twice counts twice in parts
+# - has[p.head.part.k - 1] = false;
+# + has[p.head.part.k - 1] = true;
+#
+# * part test_part : parts of another number of samples are taken
+# - if (a->done.spp != b->done.spp)
+# + if (a->done.spp == 0)

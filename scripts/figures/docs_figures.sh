@@ -1,7 +1,7 @@
 #!/bin/sh
 # docs_figures: every picture that README and docs show, made again: docs/figures/*.svg and *.png.
 #     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, map, pixel, thesis, errata, plots,
-#                                                          results (default: all)
+#                                                          results, machines (default: all)
 #     scripts/figures/docs_figures.sh --list                       the files
 # From the root, after make bis data and, for thesis and results, make build/release/figures, for plots (of the errata
 # without a switch) make build/release/errata_plots. What is timed differs from run to run, and so does its picture.
@@ -18,6 +18,7 @@ if [ "${1:-}" = --list ]; then
     done
     for name in 3.3 3.4 3.8 3.9 4.3 4.4; do echo thesis-$name.svg; done
     echo results-4.5.svg
+    echo many-machines.svg
     for item in E3 E6 E13 E20 E21 E22 E23 E27 E29 E34; do
         echo errata-$item-printed.png
         echo errata-$item-right.png
@@ -27,7 +28,7 @@ if [ "${1:-}" = --list ]; then
 fi
 build=${1:?BUILD_DIR, as build/release}
 shift
-[ $# -gt 0 ] || set -- chess microfacet map pixel thesis errata plots results
+[ $# -gt 0 ] || set -- chess microfacet map pixel thesis errata plots results machines
 out=docs/figures
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
@@ -95,8 +96,12 @@ for picture; do
         copy build/figures/4.5.svg results-4.5
         for figure in 5.2 5.5 5.8; do keep build/figures/$figure-time.svg results-$figure; done
         ;;
+    machines) # a simulation
+        python3 scripts/bench/many_machines.py --svg "$tmp/many-machines.svg" >/dev/null
+        copy "$tmp/many-machines.svg" many-machines
+        ;;
     *)
-        echo "docs_figures.sh: no picture \"$picture\" among chess, microfacet, map, pixel, thesis, errata, plots, results" >&2
+        echo "docs_figures.sh: no picture \"$picture\" among chess, microfacet, map, pixel, thesis, errata, plots, results, machines" >&2
         exit 2
         ;;
     esac

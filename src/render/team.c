@@ -49,6 +49,7 @@ struct bis_team {
 
     /* rank 0 */
     int *order;     /* order[n_tiles]: in which tiles are dealt out */
+    double *until;  /* until[n_tiles + 1]: seconds of the tiles before, in that order; while nothing is known, tiles */
     int *threads;   /* threads[size] of the ranks */
     int *held;      /* held[size]: tiles that a rank has */
     int next;       /* in order[] */
@@ -64,7 +65,7 @@ struct bis_team {
 size_t bis_team_bytes(const bis_team *team)
 {
     const size_t n = (size_t)team->w->n_tiles;
-    return sizeof *team + n * (sizeof *team->seconds + 3 * sizeof(int)) + 2 * (size_t)team->crew->size * sizeof(int);
+    return sizeof *team + n * (2 * sizeof(double) + 3 * sizeof(int)) + 2 * (size_t)team->crew->size * sizeof(int);
 }
 
 /* What a tile has learned or counted. */
@@ -91,12 +92,14 @@ bis_team *bis_team_new(bis_crew *crew, bis_workspace *w)
     *team = (bis_team){.crew = crew, .w = w};
     team->seconds = bis_alloc(n, sizeof *team->seconds);
     team->order = bis_alloc(n, sizeof *team->order);
+    team->until = bis_alloc(n + 1, sizeof *team->until);
     team->queue = bis_alloc(n, sizeof *team->queue);
     team->finished = bis_alloc(n, sizeof *team->finished);
     team->threads = bis_alloc(size, sizeof *team->threads);
     team->held = bis_alloc(size, sizeof *team->held);
     team->message = bis_alloc(1, sizeof(head) + MOST_TILES * tile_bytes(w));
-    if (team->seconds && team->order && team->queue && team->finished && team->threads && team->held && team->message)
+    if (team->seconds && team->order && team->until && team->queue && team->finished && team->threads && team->held &&
+        team->message)
         return team;
     bis_team_free(team);
     return NULL;
@@ -107,6 +110,7 @@ void bis_team_free(bis_team *team)
     if (!team) return;
     bis_free(team->seconds);
     bis_free(team->order);
+    bis_free(team->until);
     bis_free(team->queue);
     bis_free(team->finished);
     bis_free(team->threads);
@@ -204,6 +208,7 @@ static void make_order(bis_team *team)
     for (int b = 0; b < BUCKETS; b++) first[b + 1] += first[b];
     for (int t = 0; t < n; t++) team->order[first[BUCKET_OF(t)]++] = t;
 #undef BUCKET_OF
+    for (int i = 0; i < n; i++) team->until[i + 1] = team->until[i] + (scale > 0 ? team->seconds[team->order[i]] : 1);
 }
 
 /* Takes at most n tiles out of the order; returns how many, from *first on. */
@@ -221,17 +226,19 @@ static int take(bis_team *team, int n, int *first)
     return left > 0 ? n : 0;
 }
 
-/* A batch is a share of what is left, so that there are some for everybody later, but a tile for each thread. */
+/* A batch is a share of what is left, so that there is some for everybody later, but a tile for each thread. A share of
+ * the seconds, not of the tiles, because the first tiles are the costly ones: a batch of many of them would outlast the
+ * pass. */
 static int batch_size(const bis_team *team, int rank)
 {
-    int left;
+    const int own = team->threads[rank], n_tiles = team->w->n_tiles;
+    int next, n = own;
 
 #pragma omp atomic read
-    left = team->next;
-    left = team->w->n_tiles - left;
-    const int own = team->threads[rank];
-    int n = (int)((int64_t)left * own / ((int64_t)PIECES * team->n_all_threads));
-    n = n < own ? own : n;
+    next = team->next;
+    const double *until = team->until + next;
+    const double most = (team->until[n_tiles] - *until) * own / ((double)PIECES * team->n_all_threads);
+    while (n < MOST_TILES && next + n < n_tiles && until[n + 1] - *until <= most) n++;
     return n < MOST_TILES ? n : MOST_TILES;
 }
 

@@ -285,7 +285,10 @@ static void a_rank_that_has_another_scene_or_none_is_named(void **state)
     count_once("No such file or directory");
     assert_false(program_exists(DIR "/b.pfm"));
 
-    expect_mpi(2, SCENE " --plan"); /* nothing is said twice */
+    expect_mpi(3, "help sir"); /* nothing is said twice */
+    read_text(DIR "/out");
+    count_once("from `bis help integrators`:");
+    expect_mpi(2, SCENE " --plan");
     read_text(DIR "/out");
     count_once("sampler      sobol");
 }
