@@ -25,7 +25,8 @@ KEEP = 5e-9            # m: rank 0 adds a pixel to the film
 WRITE = 0.43e-6        # m: rank 0 writes a pixel of the EXR
 START = 0.5            # m: reading the scene, the accelerator, the map, MPI_Init
 EDGE = 0.3e-6          # m: the ray that looks for an outline, a pixel; shared by the ranks
-BYTES = 16 + 16 + 256 * 16 + 2 * 1024 + 8  # of a tile in a pass, both ways
+BYTES = 16 + 16 + 256 * 16 + 8  # of a tile in a pass, both ways, beside what it has learned:
+CELL = 2 * 512                  # 16 cells of a tile, or one in pictures of more than 2^23 pixels
 LATENCY, MESSAGE = 2e-6, 1e-6
 MOST_TILES, PIECES = 32, 4
 
@@ -41,13 +42,13 @@ def tile_seconds(n, rng):
     return out[:n]
 
 
-def simulate(seconds, ranks, threads, link):
+def simulate(seconds, ranks, threads, link, tile_bytes):
     """One pass: its length, and how long rank 0 was busy with messages. seconds[]: of the tiles, as dealt out."""
     n, at = len(seconds), 0
     until = [0.0]
     for s in seconds:
         until.append(until[-1] + s)
-    each = max(TAKE + 2 * MESSAGE, BYTES / link)
+    each = max(TAKE + 2 * MESSAGE, tile_bytes / link)
     server = busy = end = 0.0
     leader_renders = ranks <= 16
     first = 0 if leader_renders else 1          # rank 0 takes a tile when it has a thread, without a message
@@ -112,7 +113,8 @@ def render(width, height, spp, ranks, threads, link):
     if ranks == 1:
         length, busy = work / threads, 0.0
     else:
-        length, busy = simulate(sorted(seconds, reverse=True), ranks, threads, link)
+        tile_bytes = BYTES + CELL * (16 if pixels <= 1 << 23 else 1)
+        length, busy = simulate(sorted(seconds, reverse=True), ranks, threads, link, tile_bytes)
     fixed = FILL / threads + KEEP * pixels / threads + math.log2(ranks + 1) * LATENCY
     short = 1.0                                 # the three first passes have as many samples as one of 4
     parts = {

@@ -6,7 +6,7 @@
  *
  * Nothing that a rank knows decides what a pixel gets. What a tile has learned (visibility.h) goes with the tile, 8
  * KB, and what it has counted comes back with its pixels: only rank 0 keeps it, so checkpoints, budgets and the next
- * pass do not know how many ranks there are. That is 2 KB more for each tile and pass, beside 4 KB of pixels; to keep
+ * pass do not know how many ranks there are. That is 16 KB more for each tile and pass, beside 4 KB of pixels; to keep
  * tiles with their ranks would save it, but a tile that moves would need it all the same.
  *
  * Rank 0 renders, too, and looks after the others between two of its tiles. Where there are more than FEW ranks, its
