@@ -94,7 +94,7 @@ bis_status bis_image_read_colours(bis_image *image, const char *path, double gam
 
 bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag)
 {
-    const double gamma = BIS_GAMMA_SRGB;
+    const double gamma = BIS_GAMMA_FILE;
 
     *is_screen = false;
     return read_image(image, is_screen, path, &gamma, at, diag);

@@ -25,6 +25,7 @@ typedef struct png_job {
     size_t row_bytes;
     int depth;           /* 8 or 16, after the conversion */
     int passes;          /* over the rows */
+    double gamma;        /* of its gAMA chunk; BIS_GAMMA_SRGB: it has none, or is sRGB */
     unsigned char *rows; /* all of them */
     char reason[80];     /* libpng's, when it gave up */
     bool out_of_memory;
@@ -73,6 +74,10 @@ static bool read_header(png_job *job)
     png_set_chunk_malloc_max(job->png, 1 << 24);
     png_set_read_fn(job->png, job, take_bytes);
     png_read_info(job->png, job->info);
+    double encoded; /* sRGB says more than the gamma beside it */
+    const bool is_srgb = png_get_valid(job->png, job->info, PNG_INFO_sRGB);
+    if (!is_srgb && png_get_gAMA(job->png, job->info, &encoded) && encoded >= 0.1 && encoded <= 10)
+        job->gamma = 1 / encoded;
     png_set_expand(job->png); /* palettes, fewer bits than 8 */
     png_set_gray_to_rgb(job->png);
     png_set_strip_alpha(job->png);
@@ -133,7 +138,7 @@ static void convert(bis_image *image, const png_job *job, const float *table)
 static bis_status refuse(const png_job *job)
 {
     if (job->out_of_memory) return bis_image_refuse(job->in, BIS_NOMEM, "no memory for the picture");
-    return bis_image_refuse(job->in, BIS_INPUT, "%s", job->reason);
+    return bis_image_refuse(job->in, BIS_INPUT, "the PNG is damaged: %s", job->reason);
 }
 
 /* Numbers that the file keeps of a pixel. */
@@ -171,7 +176,7 @@ bool bis_png_is_mine(const unsigned char *data, size_t size)
 bis_status bis_png_read(bis_image *image, const image_input *in, double gamma)
 {
     bis_status status = BIS_OK;
-    png_job job = {.in = in};
+    png_job job = {.in = in, .gamma = BIS_GAMMA_SRGB};
     float *table = NULL;
 
     job.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &job, on_error, on_warning, &job, allocate, release);
@@ -185,7 +190,7 @@ bis_status bis_png_read(bis_image *image, const image_input *in, double gamma)
         goto done;
     }
     status = make_rows(image, &job);
-    if (!status) status = fill_table(&table, job.depth, gamma, in);
+    if (!status) status = fill_table(&table, job.depth, gamma == BIS_GAMMA_FILE ? job.gamma : gamma, in);
     if (status) goto done;
     if (read_rows(&job)) convert(image, &job, table);
     else status = refuse(&job);

@@ -16,6 +16,7 @@ typedef struct bis_image {
 
 /* The exponent that stands for the curve of sRGB, where values of a file are turned into linear ones. */
 #define BIS_GAMMA_SRGB 0
+#define BIS_GAMMA_FILE (-1) /* of a .png: as its gAMA chunk says, else as BIS_GAMMA_SRGB */
 
 /* bis_image_init allocates width x height black pixels. Errors: BIS_INPUT (a side below 1 or above
  * BIS_IMAGE_MAX_SIDE), BIS_NOMEM. *image is then empty. */

@@ -16,7 +16,7 @@ bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_di
 bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag);
 
 /* bis_image_read_any reads what bis_image_read does, and a PNG, too: *is_screen then becomes true, and the pixels are
- * the linear colours that a screen shows, in [0,1]. */
+ * the linear colours that a screen shows, in [0,1], as the gAMA chunk says if there is one. */
 bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag);
 
 /* One header attribute of an EXR: text, or a number if text is NULL. OpenEXR reserves some names ("version", "type",
