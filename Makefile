@@ -70,7 +70,7 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
+.PHONY: FORCE all data test test-python test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
 all: bis data $(if $(filter 1,$(MPI)),bis-mpi)
 
 bis bis-mpi: %: $B/% FORCE
@@ -213,6 +213,12 @@ bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 # Time and memory against the size of everything, up to 1e7 triangles and a 16384 x 8192 map: half an hour, 8 GB, 1 GB of disk.
 bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 	@sh scripts/bench/bench_scale.sh $B
+
+# scripts/bis.py over the shared library, and the notebook of docs/; no part of `make test`, because it needs numpy.
+PYTHON ?= python3
+test-python: $B/bis $(SHARED) $(STAMP)
+	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED)) BIS_PROGRAM=$(abspath $B/bis) $(PYTHON) tests/python/test_bis.py; \
+	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; install it, or give PYTHON=program"; fi
 
 # The program, its man page, and what other programs need of the library: docs/library.md.
 install: $(INSTALLED)
