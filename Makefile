@@ -37,10 +37,10 @@ LIB     := $B/libbis.a
 # library has objects of its own, because only these are position-independent.
 VERSION := $(shell sed -n 's/^.define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
 STATIC  := $B/library/libbis.a
-SHARED  := $B/library/libbis.so.$(VERSION)
+SHARED_LIB := $B/library/libbis.so.$(VERSION)
 STATIC_OBJ := $(filter-out $B/src/cli/%,$(OBJ))
 SHARED_OBJ := $(STATIC_OBJ:$B/%=$B/pic/%)
-INSTALLED  := $B/bis $B/bis.1 $B/bis.pc $(STATIC) $(SHARED)
+INSTALLED  := $B/bis $B/bis.1 $B/bis.pc $(STATIC) $(SHARED_LIB)
 # A format is a literal, so that the compiler sees whether the arguments fit.
 $(SRC:%.c=$B/%.o): OURS += -Wformat=2
 $(SHARED_OBJ): OURS += -fPIC -fno-semantic-interposition
@@ -123,7 +123,7 @@ $(STATIC): $(STATIC_OBJ)
 	$Q$(AR) rcs $@ $^
 
 # Before 1.0 a new minor version may change any function: it is part of the soname. Names that do not begin with bis_ stay inside.
-$(SHARED): $(SHARED_OBJ)
+$(SHARED_LIB): $(SHARED_OBJ)
 	@mkdir -p $(@D)
 	@echo '{ global: bis_*; local: *; };' >$B/library/names.map
 	$(call say,LINK,$@)
@@ -216,8 +216,8 @@ bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 
 # scripts/bis.py over the shared library, and the notebook of docs/; no part of `make test`, because it needs numpy.
 PYTHON ?= python3
-test-python: $B/bis $(SHARED) $(STAMP)
-	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED)) BIS_PROGRAM=$(abspath $B/bis) $(PYTHON) tests/python/test_bis.py; \
+test-python: $B/bis $(SHARED_LIB) $(STAMP)
+	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) $(PYTHON) tests/python/test_bis.py; \
 	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; install it, or give PYTHON=program"; fi
 
 # The program, its man page, and what other programs need of the library: docs/library.md.

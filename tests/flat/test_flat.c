@@ -69,7 +69,7 @@ static void a_map_gives_directions_and_their_densities(void **state)
     /* the twin */
     assert_true(fabs(1.3 * sum - bis_flat_light_power(light)) > 5 * error);
     refuses(bis_flat_light_sample(light, 1, (double[]){0, 0, 1, 0}, w[0], L[0], pdf, SAY), "u of sample 0 is 1");
-    refuses(bis_flat_light_sample(light, 1, (double[]){0, 0, NAN, 0}, w[0], L[0], pdf, SAY), "nan: give random numbers");
+    refuses(bis_flat_light_sample(light, 1, (double[]){0, 0, (double)NAN, 0}, w[0], L[0], pdf, SAY), "nan: give random numbers");
     refuses(bis_flat_light_look(light, 1, (float[]){0, NAN, 1}, L[0], pdf, SAY), "direction 0");
     refuses(bis_flat_light_look(light, 1, (float[]){0, 0, 0}, L[0], pdf, SAY), "direction 0");
     bis_flat_light_close(light);
@@ -92,7 +92,7 @@ static void alias_tables_are_those_of_the_thesis(void **state)
     /* bin 0 below and above its prob of 0.4, bin 1, bin 3 */
     assert_int_equal(bis_flat_alias_sample(4, prob, alias, 4, (double[]){0.09, 0.11, 0.25, 0.99}, item, SAY), 0);
     assert_true(item[0] == 0 && item[1] == 2 && item[2] == 1 && item[3] == 3);
-    refuses(bis_flat_alias_build(2, (double[]){1, INFINITY}, prob, alias, &total, SAY), "weight 1 is inf");
+    refuses(bis_flat_alias_build(2, (double[]){1, HUGE_VAL}, prob, alias, &total, SAY), "weight 1 is inf");
     refuses(bis_flat_alias_build(0, prob, prob, alias, &total, SAY), "0 weights");
     refuses(bis_flat_alias_build(2, (double[]){0, 0}, prob, alias, &total, SAY), "all weights are 0");
     refuses(bis_flat_alias_sample(0, prob, alias, 1, (double[]){0}, item, SAY), "empty");
@@ -121,7 +121,7 @@ static void a_material_gives_f_and_density(void **state)
     bis_flat_bsdf_close(b);
     refuses(bis_flat_bsdf_open(&b, "glass", half, half, 1, up, up, SAY), "no model \"glass\"");
     refuses(bis_flat_bsdf_open(&b, "phong", half, half, -1, up, up, SAY), "the exponent is -1");
-    refuses(bis_flat_bsdf_open(&b, "microfacet", half, half, NAN, up, up, SAY), "the roughness is nan");
+    refuses(bis_flat_bsdf_open(&b, "microfacet", half, half, (double)NAN, up, up, SAY), "the roughness is nan");
     refuses(bis_flat_bsdf_open(&b, "phong", up, half, 1, up, up, SAY), "Kd is (0, 0, 2)");
     refuses(bis_flat_bsdf_open(&b, "phong", half, half, 1, black, up, SAY), "normal is (0, 0, 0)");
     assert_null(b);
