@@ -15,7 +15,7 @@ if [ "$build" = --remove ]; then
     rm -f bin/bis share/man/man1/bis.1 lib/libbis.a "lib/$shared" "lib/libbis.so.${version%.*}" lib/libbis.so lib/pkgconfig/bis.pc
     # One by one, and folders only if they are empty, because others may have put files there.
     for header in $headers; do rm -f "include/$header"; done
-    [ ! -d include/bis ] || find include/bis -depth -type d -empty -exec rmdir {} +
+    [ ! -d include/bis ] || find include/bis -type d -empty -delete
     exit 0
 fi
 
