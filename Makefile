@@ -1,4 +1,4 @@
-# bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make install, make uninstall, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
+# bis: make, make test [T=alias or T=thesis], make asan, make fuzz [FUZZ_SECONDS=60], make coverage, make bench, make data, make assignment, make grade, make grade-class, make test-python [PYTHON=python3], make install, make uninstall, make clean. CC, CFLAGS, LDFLAGS, PREFIX are yours.
 #   make MPI=1           bis-mpi, too, for several machines (docs/many-machines.md)
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
@@ -33,8 +33,17 @@ LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $
 SRC     := $(filter-out src/cli/main.c src/cli/crew_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
 OBJ     := $(SRC:%.c=$B/%.o) $B/src/tools/trade/page.o
 LIB     := $B/libbis.a
+# What `make install` gives to other programs (docs/library.md): without src/cli, because a library does not exit. The shared
+# library has objects of its own, because only these are position-independent.
+VERSION := $(shell sed -n 's/^.define BIS_VERSION "\(.*\)"/\1/p' include/bis/base/version.h)
+STATIC  := $B/library/libbis.a
+SHARED_LIB := $B/library/libbis.so.$(VERSION)
+STATIC_OBJ := $(filter-out $B/src/cli/%,$(OBJ))
+SHARED_OBJ := $(STATIC_OBJ:$B/%=$B/pic/%)
+INSTALLED  := $B/bis $B/bis.1 $B/bis.pc $(STATIC) $(SHARED_LIB)
 # A format is a literal, so that the compiler sees whether the arguments fit.
 $(SRC:%.c=$B/%.o): OURS += -Wformat=2
+$(SHARED_OBJ): OURS += -fPIC -fno-semantic-interposition
 # tests/LAYER/test_NAME.c becomes $B/tests/test_NAME: a test's name is unique. A starter kit has its one test in tests/ itself.
 TEST_SRC := $(wildcard tests/test_*.c tests/*/test_*.c)
 program  = $(patsubst %.c,$B/tests/%,$(notdir $(1)))
@@ -61,7 +70,7 @@ say      = $(if $(V),,@echo "  $(1)	$(2)")
 MPICC  ?= mpicc
 HAS_MPI := $(shell command -v $(MPICC))
 
-.PHONY: FORCE all data test test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
+.PHONY: FORCE all data test test-python test-browser test-long envelope asan fuzz fuzz-run coverage docs figures bench bench-scale install uninstall clean
 all: bis data $(if $(filter 1,$(MPI)),bis-mpi)
 
 bis bis-mpi: %: $B/% FORCE
@@ -107,13 +116,39 @@ $(LIB): $(OBJ)
 	@rm -f $@
 	$Q$(AR) rcs $@ $^
 
-$B/%.o: %.c $B/.flags
+$(STATIC): $(STATIC_OBJ)
 	@mkdir -p $(@D)
-	$(call say,CC,$<)
-	$Q$(CC) $(CFLAGS) $(OURS) -MMD -MP -c -o $@ $<
+	$(call say,AR,$@)
+	@rm -f $@
+	$Q$(AR) rcs $@ $^
+
+# Before 1.0 a new minor version may change any function: it is part of the soname. Names that do not begin with bis_ stay inside.
+$(SHARED_LIB): $(SHARED_OBJ)
+	@mkdir -p $(@D)
+	@echo '{ global: bis_*; local: *; };' >$B/library/names.map
+	$(call say,LINK,$@)
+	$Q$(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS) -shared -Wl,-soname,libbis.so.$(basename $(VERSION)) -Wl,--version-script=$B/library/names.map -o $@ $^ $(LIBS)
+
+# @PREFIX@ is filled in by scripts/install.sh.
+$B/bis.pc: $B/.flags include/bis/base/version.h Makefile
+	@printf '%s\n' 'prefix=@PREFIX@' 'includedir=$${prefix}/include' 'libdir=$${prefix}/lib' '' 'Name: bis' \
+	    'Description: direct light from environment maps' 'Version: $(VERSION)' 'Cflags: -I$${includedir}' \
+	    'Libs: -L$${libdir} -lbis' 'Libs.private: $(OPENMP) $(filter-out -Wl%,$(LIBS))' >$@
+$B/bis.1: $B/bis
+	@$B/bis help --man >$@
+
+define COMPILE
+@mkdir -p $(@D)
+$(call say,CC,$<)
+$Q$(CC) $(CFLAGS) $(OURS) -MMD -MP -c -o $@ $<
+endef
+$B/%.o: %.c $B/.flags
+	$(COMPILE)
+$B/pic/%.o: %.c $B/.flags
+	$(COMPILE)
 
 # The page of bis trade, as the string bis_trade_page: a line of the file is a line of C.
-$B/src/tools/trade/page.o: src/tools/trade/page.html $B/.flags
+$B/src/tools/trade/page.o $B/pic/src/tools/trade/page.o: src/tools/trade/page.html $B/.flags
 	@mkdir -p $(@D)
 	$(call say,CC,$<)
 	$Q{ echo 'const char bis_trade_page[] ='; sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' $<; echo ';'; } | $(CC) $(CFLAGS) $(OURS) -x c -c -o $@ -
@@ -129,7 +164,7 @@ $(STAMP): $(DATA_SRC) $(wildcard data/generate/*.h) | $B/bis-data
 	@touch $@
 
 # Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and the program itself.
-test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi)
+test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED))
 	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B
 	@BIS_PROGRAM=$B/bis sh scripts/check/run_tests.sh $(CHOSEN)
 
@@ -179,15 +214,18 @@ bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 	@sh scripts/bench/bench_scale.sh $B
 
-install: $B/bis $(if $(filter 1,$(MPI)),$B/bis-mpi)
-	install -d $(DESTDIR)$(PREFIX)/bin
-	install -m 755 $(filter $B/bis%,$^) $(DESTDIR)$(PREFIX)/bin
-	install -d $(DESTDIR)$(PREFIX)/share/man/man1
-	$B/bis help --man >$B/bis.1
-	install -m 644 $B/bis.1 $(DESTDIR)$(PREFIX)/share/man/man1/bis.1
+# scripts/bis.py over the shared library, and the notebook of docs/; no part of `make test`, because it needs numpy.
+PYTHON ?= python3
+test-python: $B/bis $(SHARED_LIB) $(STAMP)
+	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) $(PYTHON) tests/python/test_bis.py; \
+	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; install it, or give PYTHON=program"; fi
+
+# The program, its man page, and what other programs need of the library: docs/library.md.
+install: $(INSTALLED) $(if $(filter 1,$(MPI)),$B/bis-mpi)
+	@MPI=$(MPI) DESTDIR='$(DESTDIR)' sh scripts/install.sh $B '$(PREFIX)'
 
 uninstall:
-	rm -f $(DESTDIR)$(PREFIX)/bin/bis $(DESTDIR)$(PREFIX)/bin/bis-mpi $(DESTDIR)$(PREFIX)/share/man/man1/bis.1
+	@DESTDIR='$(DESTDIR)' sh scripts/install.sh --remove '$(PREFIX)'
 
 clean:
 	rm -rf build bis bis-mpi compile_commands.json data/models data/maps
@@ -195,5 +233,5 @@ clean:
 include scripts/course/course.mk
 # Every source whose object is kept: named here, because make deletes an object that only a chain of rules mentions.
 ALL_C   := $(SRC) src/cli/main.c $(TEST_SRC) $(wildcard tests/support/*.c tests/fuzz/*.c scripts/*/*.c data/generate/*.c)
-.SECONDARY: $(ALL_C:%.c=$B/%.o)
--include $(ALL_C:%.c=$B/%.d)
+.SECONDARY: $(ALL_C:%.c=$B/%.o) $(SHARED_OBJ)
+-include $(ALL_C:%.c=$B/%.d) $(SHARED_OBJ:.o=.d)

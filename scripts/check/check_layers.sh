@@ -14,7 +14,8 @@ BEGIN {
     may["render"] = "base shape thesis beyond scene"
     may["out"]    = "base files"
     may["tools"]  = "base shape thesis beyond files scene render out"
-    may["cli"]    = "base shape thesis beyond files scene parse render out tools"
+    may["flat"]   = "base shape thesis beyond files scene parse render out tools"
+    may["cli"]    = "base shape thesis beyond files scene parse render out tools flat"
 }
 function folder(path) { sub(/^(src|include\/bis|bis)\//, "", path); sub(/\/.*/, "", path); return path }
 FNR == 1 { mine = folder(FILENAME); if (!(mine in may)) { print FILENAME ": folder \"" mine "\" has no line in scripts/check/check_layers.sh"; bad = 1 } }

@@ -1,0 +1,108 @@
+/* flat: bis for other languages, by numbers, arrays and text alone. scripts/bis.py is its Python face.
+ *
+ * A language that calls C by hand-written declarations (ctypes in Python, ccall in Julia) would have to repeat the
+ * layout of every struct, and a field that is out of place is read as rubbish without a message. So no struct crosses
+ * this line: what must live longer is a pointer that the caller does not look into. There is nothing here that the
+ * other headers do not have; a program in C needs none of it.
+ *
+ * A function that returns int returns a bis_status: 0 is success, 1 a failure of the disk, 2 no memory, 3 a mistake
+ * in the input. It writes its messages to say[size], one a line, cut to the size; after a success these are warnings.
+ * Arrays are dense, in the order of C. Values in arrays are checked, because the caller is no C compiler: a NaN must
+ * not become an index. */
+#pragma once
+
+#include "bis/thesis/bsdf.h"
+#include "bis/thesis/light.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* bis_flat_version returns the version of bis, "0.1.0". */
+const char *bis_flat_version(void);
+
+/* ---- maps ---- */
+
+/* bis_flat_light_open reads a map for drawing directions by its importance. kind is "alias" or "cdf"; area_exponent
+ * is b of thesis 3.4, in [0, BIS_AREA_EXPONENT_MAX]. The frame is the map's own, z up. Errors: those of
+ * bis_light_load, BIS_INPUT (kind, area_exponent). */
+int bis_flat_light_open(bis_light **light, const char *path, const char *kind, double area_exponent, char *say,
+                        size_t size);
+
+/* bis_flat_light_close frees the map; NULL is allowed. */
+void bis_flat_light_close(bis_light *light);
+
+/* bis_flat_light_shape stores width and height of the map in pixels. */
+void bis_flat_light_shape(const bis_light *light, int shape[2]);
+
+/* bis_flat_light_pixels stores the radiance in pixels[height][width][3]. */
+void bis_flat_light_pixels(const bis_light *light, float *pixels);
+
+/* bis_flat_light_power returns the integral of r+g+b over the sphere. */
+double bis_flat_light_power(const bis_light *light);
+
+/* bis_flat_light_sample draws n directions w[n][3] from u[n][4], which is uniform in [0,1). L[n][3] receives the
+ * radiance, pdf[n] the density in 1/sr. Errors: BIS_INPUT (u outside [0,1), a map without light). */
+int bis_flat_light_sample(const bis_light *light, size_t n, const double *u, float *w, float *L, double *pdf,
+                          char *say, size_t size);
+
+/* bis_flat_light_look stores the radiance L[n][3] from the directions w[n][3], of any length but 0, and the density
+ * pdf[n] of drawing them. Errors: BIS_INPUT (w is 0 or not finite). */
+int bis_flat_light_look(const bis_light *light, size_t n, const float *w, float *L, double *pdf, char *say,
+                        size_t size);
+
+/* ---- alias tables ---- */
+
+/* bis_flat_alias_build fills the tables prob[n] and alias[n] for weights w[n]; *total receives their sum. Errors:
+ * BIS_INPUT (n is 0 or above 2^32 - 1, a weight is negative or not finite, all are 0), BIS_NOMEM. */
+int bis_flat_alias_build(size_t n, const double *w, double *prob, uint32_t *alias, double *total, char *say,
+                         size_t size);
+
+/* bis_flat_alias_sample draws item[m] from u[m], which is uniform in [0,1). Errors: BIS_INPUT (u outside [0,1), n is
+ * 0). */
+int bis_flat_alias_sample(size_t n, const double *prob, const uint32_t *alias, size_t m, const double *u,
+                          uint32_t *item, char *say, size_t size);
+
+/* ---- materials ---- */
+
+/* bis_flat_bsdf_open makes a material at a point. model is "phong" or "microfacet" (GGX); width is the exponent or
+ * the roughness; Kd[3] and Ks[3] are in [0,1]; normal[3] and wo[3] have any length but 0. Errors: BIS_INPUT (a value
+ * out of range), BIS_NOMEM. */
+int bis_flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, const double *Ks, double width,
+                       const double *normal, const double *wo, char *say, size_t size);
+
+/* bis_flat_bsdf_close frees the material; NULL is allowed. */
+void bis_flat_bsdf_close(bis_bsdf *bsdf);
+
+/* bis_flat_bsdf_sample draws n directions wi[n][3] from u[n][3], which is uniform in [0,1). lobe[n] receives 1 where a
+ * direction comes from the specular lobe, and 0 elsewhere. Errors: BIS_INPUT (u outside [0,1), a black material). */
+int bis_flat_bsdf_sample(const bis_bsdf *bsdf, size_t n, const double *u, float *wi, uint8_t *lobe, char *say,
+                         size_t size);
+
+/* bis_flat_bsdf_look stores f[n][3] in 1/sr, without the cosine, and the density pdf[n] of drawing wi[n][3], which
+ * has any length but 0. Errors: BIS_INPUT (wi is 0 or not finite). */
+int bis_flat_bsdf_look(const bis_bsdf *bsdf, size_t n, const float *wi, float *f, double *pdf, char *say,
+                       size_t size);
+
+/* ---- pictures ---- */
+
+typedef struct bis_flat_picture bis_flat_picture;
+
+/* bis_flat_render renders a scene into memory. settings is a list of "name=value" that ends with NULL; what it does not
+ * name is as the scene says. The names are integrator, accelerator (grid, embree), spp, seed, seconds, error, threads,
+ * width, height, and the parameters of the integrator (`bis help integrators`). *stop (may be NULL) is set from
+ * another thread to end the render soon; the picture then has the passes that were complete. Errors: those of
+ * bis_scene_parse, bis_scene_build and bis_render, BIS_INPUT (a name or value of the settings). */
+int bis_flat_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
+                    const volatile int *stop, char *say, size_t size);
+
+/* bis_flat_picture_close frees the picture; NULL is allowed. */
+void bis_flat_picture_close(bis_flat_picture *picture);
+
+/* bis_flat_picture_shape stores width and height in pixels. */
+void bis_flat_picture_shape(const bis_flat_picture *picture, int shape[2]);
+
+/* bis_flat_picture_pixels stores the radiance and the share of samples that hit a surface in rgba[height][width][4]. */
+void bis_flat_picture_pixels(const bis_flat_picture *picture, float *rgba);
+
+/* bis_flat_picture_stats returns what `bis --stats` writes, as JSON. It belongs to the picture. */
+const char *bis_flat_picture_stats(const bis_flat_picture *picture);

@@ -1,0 +1,275 @@
+/* flat: maps, alias tables and materials on arrays. Every loop checks its own values, so a caller's NaN ends here. */
+#include "bis/flat/flat.h"
+
+#include "base/text.h"
+#include "bis/base/mem.h"
+#include "bis/base/version.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/scene/light_load.h"
+#include "bis/thesis/alias.h"
+#include "bis/thesis/phong.h"
+#include "flat/say.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+static const bis_loc nowhere = {0};
+
+const char *bis_flat_version(void) { return BIS_VERSION; }
+
+int bis_flat_end(bis_status status, bis_diag *diag, char *say, size_t size)
+{
+    if (size > 0) *say = '\0';
+    for (size_t i = 0; i < diag->n && size > 0; i++)
+        bis_append(say, size, "%s%s", i ? "\n" : "", diag->messages[i].text);
+    bis_diag_clear(diag);
+    return (int)status;
+}
+
+/* The numbers of n samples, k each. */
+static bis_status check_numbers(size_t n, size_t k, const double *u, bis_diag *diag)
+{
+    for (size_t i = 0; i < n * k; i++) {
+        if (u[i] >= 0 && u[i] < 1) continue;
+        return bis_error(diag, BIS_INPUT, nowhere, "u of sample %zu is %g: give random numbers in [0, 1)", i / k, u[i]);
+    }
+    return BIS_OK;
+}
+
+/* The i-th of many directions as a unit vector. */
+static bis_status direction(vec3 *w, const float *all, size_t i, bis_diag *diag)
+{
+    const double x = (double)all[3 * i], y = (double)all[3 * i + 1], z = (double)all[3 * i + 2];
+    const double most = fmax(fabs(x), fmax(fabs(y), fabs(z)));
+
+    if (!(isfinite(x) && isfinite(y) && isfinite(z) && most > 0))
+        return bis_error(diag, BIS_INPUT, nowhere, "direction %zu is (%g, %g, %g): give finite vectors that are not 0",
+                         i, x, y, z);
+    const double l = most * sqrt(x / most * (x / most) + y / most * (y / most) + z / most * (z / most));
+    *w = vec3_from(x / l, y / l, z / l);
+    return BIS_OK;
+}
+
+static void store(float *to, float a, float b, float c)
+{
+    to[0] = a;
+    to[1] = b;
+    to[2] = c;
+}
+
+/* ---- maps ---- */
+
+int bis_flat_light_open(bis_light **light, const char *path, const char *kind, double area_exponent, char *say,
+                        size_t size)
+{
+    bis_diag diag = {0};
+    bis_light_desc desc = bis_light_desc_default();
+    bis_status status = BIS_OK;
+
+    *light = NULL;
+    desc.filename = (char *)(uintptr_t)path; /* only read */
+    desc.has_table_kind = true;
+    desc.table_kind = strcmp(kind, "cdf") == 0 ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+    desc.area_exponent = area_exponent;
+    if (strcmp(kind, "cdf") != 0 && strcmp(kind, "alias") != 0)
+        status = bis_error(&diag, BIS_INPUT, nowhere, "there is no table \"%.40s\": give \"alias\" or \"cdf\"", kind);
+    else if (!(area_exponent >= 0 && area_exponent <= BIS_AREA_EXPONENT_MAX))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "area_exponent is %g: give a number in [0, %g]", area_exponent,
+                           BIS_AREA_EXPONENT_MAX);
+    if (!status) status = bis_light_load(light, &desc, BIS_NEED_TABLE, NULL, &diag);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+void bis_flat_light_close(bis_light *light) { bis_light_free(light); }
+
+void bis_flat_light_shape(const bis_light *light, int shape[2])
+{
+    shape[0] = bis_light_envmap(light)->width;
+    shape[1] = bis_light_envmap(light)->height;
+}
+
+void bis_flat_light_pixels(const bis_light *light, float *pixels)
+{
+    const bis_envmap *em = bis_light_envmap(light);
+    const size_t n = (size_t)em->width * (size_t)em->height;
+
+    for (size_t i = 0; i < n; i++) store(pixels + 3 * i, em->pixels[i].r, em->pixels[i].g, em->pixels[i].b);
+}
+
+double bis_flat_light_power(const bis_light *light) { return bis_light_power(light); }
+
+int bis_flat_light_sample(const bis_light *light, size_t n, const double *u, float *w, float *L, double *pdf,
+                          char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = check_numbers(n, 4, u, &diag);
+
+    for (size_t i = 0; !status && i < n; i++) {
+        bis_light_point p;
+        if (!bis_light_sample(light, u + 4 * i, &p)) {
+            status = bis_error(&diag, BIS_INPUT, nowhere, "the map is black: it has no directions to draw");
+            break;
+        }
+        store(w + 3 * i, p.wi.x, p.wi.y, p.wi.z);
+        store(L + 3 * i, p.Le.r, p.Le.g, p.Le.b);
+        pdf[i] = p.pdf;
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_light_look(const bis_light *light, size_t n, const float *w, float *L, double *pdf, char *say,
+                        size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_OK;
+
+    for (size_t i = 0; i < n; i++) {
+        vec3 wi;
+        status = direction(&wi, w, i, &diag);
+        if (status) break;
+        const rgb Le = bis_light_Le_pdf(light, wi, &pdf[i]);
+        store(L + 3 * i, Le.r, Le.g, Le.b);
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
+/* ---- alias tables ---- */
+
+static bis_status check_weights(size_t n, const double *w, bis_diag *diag)
+{
+    bool is_black = true;
+
+    if (n == 0 || n > UINT32_MAX)
+        return bis_error(diag, BIS_INPUT, nowhere, "there are %zu weights: give 1 to %" PRIu32, n, UINT32_MAX);
+    for (size_t i = 0; i < n; i++) {
+        if (!(isfinite(w[i]) && w[i] >= 0))
+            return bis_error(diag, BIS_INPUT, nowhere, "weight %zu is %g: give finite numbers >= 0", i, w[i]);
+        is_black &= w[i] == 0;
+    }
+    if (is_black) return bis_error(diag, BIS_INPUT, nowhere, "all weights are 0: there is nothing to draw");
+    return BIS_OK;
+}
+
+int bis_flat_alias_build(size_t n, const double *w, double *prob, uint32_t *alias, double *total, char *say,
+                         size_t size)
+{
+    bis_diag diag = {0};
+    bis_alias a = {0};
+    bis_status status = check_weights(n, w, &diag);
+
+    if (!status) status = bis_alias_init(&a, w, n, &diag);
+    if (!status) {
+        memcpy(prob, a.prob, n * sizeof *prob);
+        memcpy(alias, a.alias, n * sizeof *alias);
+        *total = a.total;
+    }
+    bis_alias_clear(&a);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_alias_sample(size_t n, const double *prob, const uint32_t *alias, size_t m, const double *u,
+                          uint32_t *item, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = check_numbers(m, 1, u, &diag);
+
+    if (n == 0) status = bis_error(&diag, BIS_INPUT, nowhere, "the tables are empty: there is nothing to draw");
+    for (size_t i = 0; !status && i < m; i++) item[i] = (uint32_t)bis_alias_pick(prob, alias, n, u[i]);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+/* ---- materials ---- */
+
+/* The material lives beside the bsdf, which points to it. */
+typedef struct owned {
+    bis_bsdf bsdf; /* first, so that its address is that of the block */
+    bis_material material;
+} owned;
+
+static bis_status check_colour(const char *name, const double *c, bis_diag *diag)
+{
+    for (int i = 0; i < 3; i++) {
+        if (c[i] >= 0 && c[i] <= 1) continue;
+        return bis_error(diag, BIS_INPUT, nowhere, "%s is (%g, %g, %g): give numbers in [0, 1]", name, c[0], c[1],
+                         c[2]);
+    }
+    return BIS_OK;
+}
+
+static bis_status unit(vec3 *w, const char *name, const double *v, bis_diag *diag)
+{
+    const double l = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+
+    if (!(isfinite(l) && l > 0))
+        return bis_error(diag, BIS_INPUT, nowhere, "%s is (%g, %g, %g): give a finite vector that is not 0", name,
+                         v[0], v[1], v[2]);
+    *w = vec3_from(v[0] / l, v[1] / l, v[2] / l);
+    return BIS_OK;
+}
+
+int bis_flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, const double *Ks, double width,
+                       const double *normal, const double *wo, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    vec3 n = {0, 0, 1}, out = {0, 0, 1};
+    const bool is_phong = strcmp(model, "phong") == 0, is_facet = strcmp(model, "microfacet") == 0;
+    bis_status status = BIS_OK;
+
+    *bsdf = NULL;
+    if (!is_phong && !is_facet)
+        status = bis_error(&diag, BIS_INPUT, nowhere, "there is no model \"%.40s\": give \"phong\" or \"microfacet\"",
+                           model);
+    else if (is_phong && !(width >= 0 && isfinite(width)))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "the exponent is %g: give a finite number >= 0", width);
+    else if (is_facet && !(width >= BIS_MICROFACET_MIN_ROUGHNESS && width <= 1))
+        status = bis_error(&diag, BIS_INPUT, nowhere, "the roughness is %g: give a number in [%g, 1]", width,
+                           BIS_MICROFACET_MIN_ROUGHNESS);
+    if (!status) status = check_colour("Kd", Kd, &diag);
+    if (!status) status = check_colour("Ks", Ks, &diag);
+    if (!status) status = unit(&n, "normal", normal, &diag);
+    if (!status) status = unit(&out, "wo", wo, &diag);
+    if (status) return bis_flat_end(status, &diag, say, size);
+
+    owned *o = bis_alloc(1, sizeof *o);
+    if (!o) return bis_flat_end(bis_error(&diag, BIS_NOMEM, nowhere, "no memory for a material"), &diag, say, size);
+    const rgb d = rgb_from(Kd[0], Kd[1], Kd[2]), s = rgb_from(Ks[0], Ks[1], Ks[2]);
+    o->material = is_phong ? bis_phong(d, s, width) : bis_microfacet(d, s, width);
+    bis_bsdf_init(&o->bsdf, &o->material, n, out);
+    *bsdf = &o->bsdf;
+    return bis_flat_end(BIS_OK, &diag, say, size);
+}
+
+void bis_flat_bsdf_close(bis_bsdf *bsdf) { bis_free(bsdf); }
+
+int bis_flat_bsdf_sample(const bis_bsdf *bsdf, size_t n, const double *u, float *wi, uint8_t *lobe, char *say,
+                         size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = check_numbers(n, 3, u, &diag);
+
+    if (!status && bis_bsdf_is_black(bsdf))
+        status = bis_error(&diag, BIS_INPUT, nowhere,
+                           "the material is black as seen from wo: it has no directions to draw");
+    for (size_t i = 0; !status && i < n; i++) {
+        vec3 w;
+        bis_bsdf_sample(bsdf, u[3 * i], u[3 * i + 1], u[3 * i + 2], &w); /* only a black material returns false */
+        store(wi + 3 * i, w.x, w.y, w.z);
+        lobe[i] = u[3 * i] < bsdf->p_specular;
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
+int bis_flat_bsdf_look(const bis_bsdf *bsdf, size_t n, const float *wi, float *f, double *pdf, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_OK;
+
+    for (size_t i = 0; i < n; i++) {
+        vec3 w;
+        status = direction(&w, wi, i, &diag);
+        if (status) break;
+        const rgb value = bis_bsdf_f_pdf(bsdf, w, &pdf[i]);
+        store(f + 3 * i, value.r, value.g, value.b);
+    }
+    return bis_flat_end(status, &diag, say, size);
+}

@@ -1,0 +1,257 @@
+/* flat_render: a scene into memory, with settings as text. */
+#include "base/text.h"
+#include "bis/base/clock.h"
+#include "bis/base/file.h"
+#include "bis/base/mem.h"
+#include "bis/flat/flat.h"
+#include "flat/say.h"
+#include "tools/describe.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct bis_flat_picture {
+    int width, height;
+    float *rgba;
+    char *stats; /* of open_memstream */
+};
+
+static const bis_loc nowhere = {0};
+
+/* What is said of the render and not of the scene. */
+typedef struct wishes {
+    uint64_t spp, threads;
+    double seconds, error;
+} wishes;
+
+/* ---- settings ---- */
+
+/* The number behind "name=", or an error. */
+static bis_status number(double *v, const char *name, const char *text, double lo, double hi, bool whole,
+                         bis_diag *diag)
+{
+    const char *end;
+
+    *v = bis_parse_double(text, &end);
+    if (end != text && !*end && *v >= lo && *v <= hi && (!whole || floor(*v) == *v)) return BIS_OK;
+    return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": give %s in [%.16g, %.16g]", name, text,
+                     whole ? "an integer" : "a number", lo, hi);
+}
+
+static bis_status set_parameter(bis_settings *s, const char *name, const char *text, bis_diag *diag)
+{
+    const bis_parameter *p = bis_parameter_of(s->integrator, name);
+    char list[128];
+    double v = 0;
+
+    if (!p)
+        return bis_error(diag, BIS_INPUT, nowhere,
+                         "integrator \"%s\" has no parameter \"%.40s\"; `bis help integrators` lists what each reads",
+                         s->integrator->name, name);
+    if (p->type == BIS_PARAMETER_CHOICE) {
+        unsigned i = 0;
+        while (i < BIS_MAX_CHOICES && (!(p->choices >> i & 1) || strcmp(p->names[i], text) != 0)) i++;
+        if (i == BIS_MAX_CHOICES)
+            return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": integrator \"%s\" takes %s", name, text,
+                             s->integrator->name, bis_parameter_list(list, p, "\""));
+        v = i;
+    } else if (p->type == BIS_PARAMETER_BOOL) {
+        v = strcmp(text, "true") == 0;
+        if (v <= 0 && strcmp(text, "false") != 0)
+            return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": give true or false", name, text);
+    } else {
+        /* the integrator's range is tested with the others' */
+        const bool whole = p->type == BIS_PARAMETER_COUNT;
+        const bis_status status = number(&v, name, text, 0, whole ? (double)UINT32_MAX : 1, whole, diag);
+        if (status) return status;
+    }
+    bis_parameter_set(p, s, v);
+    return BIS_OK;
+}
+
+static bis_status set_integrator(bis_scene_desc *d, const char *name, bis_diag *diag)
+{
+    const bis_integrator *integrator = bis_integrator_find(name);
+
+    if (!integrator)
+        return bis_error(diag, BIS_INPUT, nowhere,
+                         "there is no integrator \"%.40s\"; `bis help integrators` lists them", name);
+    /* as `bis --integrator`: a scene that names the same one keeps its parameters */
+    if (d->names_integrator && d->view.settings.integrator == integrator) return BIS_OK;
+    const unsigned as_printed = d->view.settings.as_printed;
+    d->view.settings = bis_settings_default(integrator);
+    d->view.settings.as_printed = as_printed;
+    return BIS_OK;
+}
+
+static bis_status set_accelerator(bis_scene_desc *d, const char *name, bis_diag *diag)
+{
+    const bool is_grid = strcmp(name, "grid") == 0;
+
+    if (!is_grid && (strcmp(name, "embree") != 0 || !bis_accel_embree_version()))
+        return bis_error(diag, BIS_INPUT, nowhere, "accelerator \"%.40s\" is not there: give %s", name,
+                         bis_accel_embree_version() ? "\"grid\" or \"embree\"" : "\"grid\"");
+    d->accel.kind = is_grid ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
+    return BIS_OK;
+}
+
+static bis_status set(bis_scene_desc *d, wishes *w, const char *name, const char *text, bis_diag *diag)
+{
+    const struct {
+        const char *name;
+        double lo, hi;
+        bool whole;
+    } rows[] = {{"spp", 1, UINT32_MAX, true},
+                {"threads", 1, 1024, true},
+                {"seconds", 0, 1e9, false},
+                {"error", 0, 1e9, false},
+                {"width", 1, BIS_IMAGE_MAX_SIDE, true},
+                {"height", 1, BIS_IMAGE_MAX_SIDE, true},
+                {"seed", 0, 0x1p53, true}}; /* as --seed: an integer that a double holds */
+    const size_t n_rows = sizeof rows / sizeof *rows;
+    double v;
+
+    if (strcmp(name, "integrator") == 0) return BIS_OK; /* was set first */
+    if (strcmp(name, "accelerator") == 0) return set_accelerator(d, text, diag);
+    size_t i = 0;
+    while (i < n_rows && strcmp(rows[i].name, name) != 0) i++;
+    if (i == n_rows) return set_parameter(&d->view.settings, name, text, diag);
+    const bis_status status = number(&v, name, text, rows[i].lo, rows[i].hi, rows[i].whole, diag);
+    if (status) return status;
+    if (i == 0) w->spp = (uint64_t)v;
+    if (i == 1) w->threads = (uint64_t)v;
+    if (i == 2) w->seconds = v;
+    if (i == 3) w->error = v;
+    if (i == 4) d->view.film.width = (int)v;
+    if (i == 5) d->view.film.height = (int)v;
+    if (i == 6) d->view.sampler.seed = (uint64_t)v;
+    return BIS_OK;
+}
+
+static bis_status apply(bis_scene_desc *d, wishes *w, const char *const *settings, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+
+    /* the integrator first, because it says which parameters there are */
+    for (const char *const *s = settings; !status && *s; s++)
+        if (strncmp(*s, "integrator=", 11) == 0) status = set_integrator(d, *s + 11, diag);
+    for (const char *const *s = settings; !status && *s; s++) {
+        char name[64];
+        const size_t n = strcspn(*s, "=");
+        if (!(*s)[n] || n >= sizeof name)
+            return bis_error(diag, BIS_INPUT, nowhere, "\"%.60s\" is no setting: give name=value", *s);
+        snprintf(name, sizeof name, "%.*s", (int)n, *s);
+        status = set(d, w, name, *s + n + 1, diag);
+    }
+    if (status) return status;
+    if (w->spp) bis_sampler_set_spp(&d->view.sampler, w->spp);
+    if (w->threads) d->accel.n_threads = (int)w->threads;
+    bis_settings_leave_open(&d->view.settings);
+    return bis_settings_check(&d->view.settings, nowhere, diag);
+}
+
+/* ---- rendering ---- */
+
+static bis_status keep(bis_flat_picture **out, const bis_film *film, const bis_stats *stats, bis_diag *diag)
+{
+    bis_flat_picture *p = bis_alloc(1, sizeof *p);
+    size_t n;
+
+    if (!p) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for the picture");
+    p->width = film->width;
+    p->height = film->height;
+    p->rgba = bis_alloc((size_t)film->width * (size_t)film->height, 4 * sizeof *p->rgba);
+    FILE *f = p->rgba ? open_memstream(&p->stats, &n) : NULL;
+    if (f) bis_stats_print(stats, f);
+    if (!f || fclose(f) != 0) {
+        bis_flat_picture_close(p);
+        return bis_error(diag, BIS_NOMEM, nowhere, "no memory for the picture");
+    }
+    bis_film_resolve(film, p->rgba);
+    *out = p;
+    return BIS_OK;
+}
+
+static bis_status render(bis_flat_picture **out, const char *path, const char *const *settings,
+                         const volatile int *stop, bis_diag *diag)
+{
+    bis_scene_desc *desc = NULL;
+    bis_scene *scene = NULL;
+    bis_film film = {0};
+    bis_render_result result;
+    bis_auto_report choice = {.is_chosen = false};
+    wishes w = {0};
+    const double start = bis_clock_now();
+
+    bis_status status = bis_scene_parse(&desc, path, diag);
+    if (!status) status = apply(desc, &w, settings, diag);
+    if (status) goto done;
+    const double parsed = bis_clock_now();
+    const bis_film_desc *size = &desc->view.film;
+    const bool chooses = bis_auto_is_wanted(&desc->view.settings);
+    const bis_render_options options = {
+        .budget = {.spp = (uint32_t)w.spp, .seconds = w.seconds, .error = w.error},
+        .n_threads = (int)w.threads,
+        .interrupted = stop,
+    };
+    status = bis_film_init(&film, size->width, size->height, size->crop, nowhere, diag);
+    if (!status) status = bis_scene_build(&scene, desc, diag);
+    if (!status && chooses) status = bis_auto_choose(&choice, scene, desc, &options, diag);
+    if (status) goto done;
+    if (chooses) desc->view.settings = choice.settings;
+    status = bis_render(&result, &film, scene, desc, &desc->view, &options, diag);
+    if (status) goto done;
+    if (result.passes == 0) {
+        status = bis_error(diag, BIS_INPUT, nowhere, "the render was stopped before its first pass was complete");
+        goto done;
+    }
+
+    bis_stats stats = {.desc = desc, .scene = bis_scene_figures_of(scene), .film = &film, .result = &result,
+                       .seconds = scene->seconds, .choice = chooses ? &choice : NULL};
+    bis_describe_line(stats.line, &desc->view.settings, true);
+    bis_errata_text(stats.as_printed, desc->view.settings.as_printed);
+    bis_describe_approximations(stats.approximated, desc);
+    stats.seconds.parse = parsed - start;
+    stats.seconds.render = result.seconds;
+    stats.seconds.total = bis_clock_now() - start;
+    status = keep(out, &film, &stats, diag);
+done:
+    bis_film_clear(&film);
+    bis_scene_free(scene);
+    bis_scene_desc_free(desc);
+    return status;
+}
+
+/* sig_atomic_t is what the renderer reads; another language has only int. */
+_Static_assert(sizeof(sig_atomic_t) == sizeof(int), "stop is an int");
+
+int bis_flat_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
+                    const volatile int *stop, char *say, size_t size)
+{
+    bis_diag diag = {0};
+
+    *picture = NULL;
+    const bis_status status = render(picture, scene, settings, stop, &diag);
+    return bis_flat_end(status, &diag, say, size);
+}
+
+void bis_flat_picture_close(bis_flat_picture *picture)
+{
+    if (!picture) return;
+    bis_free(picture->rgba);
+    free(picture->stats);
+    bis_free(picture);
+}
+
+void bis_flat_picture_shape(const bis_flat_picture *picture, int shape[2])
+{
+    shape[0] = picture->width;
+    shape[1] = picture->height;
+}
+
+void bis_flat_picture_pixels(const bis_flat_picture *picture, float *rgba)
+{
+    memcpy(rgba, picture->rgba, (size_t)picture->width * (size_t)picture->height * 4 * sizeof *rgba);
+}
+
+const char *bis_flat_picture_stats(const bis_flat_picture *picture) { return picture->stats; }

@@ -1,0 +1,191 @@
+"""What scripts/bis.py promises (make test-python). Expected values are closed forms, sums over pixels, or pictures of the program.
+
+Statistical tests compare a mean with its expectation within 5 standard errors (two-sided 6e-7 each, ten tests); each has a twin."""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+import warnings
+
+import numpy as np
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+import bis  # noqa: E402
+
+MAP = os.path.join(ROOT, "data/maps/interior.hdr")
+SCENE = """Film "rgb" "integer xresolution" 24 "integer yresolution" 16 "string filename" "out.pfm"
+Sampler "random" "integer pixelsamples" 2
+Integrator "sir" "integer candidates" 20 "integer shadowrays" 2
+LookAt 0 -5 1  0 0 0  0 0 1
+Camera "perspective" "float fov" 40
+WorldBegin
+LightSource "infinite" "rgb L" [1 2 3]
+Material "phong" "rgb Kd" [.5 .4 .3] "rgb Ks" [.2 .2 .2] "float exponent" 5
+Shape "sphere" "float radius" 1
+"""
+
+
+def off(x, expected):
+    """How many standard errors the mean of x is from the expected one."""
+    return abs(x.mean() - expected) / (x.std() / np.sqrt(len(x)))
+
+
+class Maps(unittest.TestCase):
+    def test_mean_of_radiance_over_density_is_the_integral(self):
+        for table in ("alias", "cdf"):
+            em = bis.Envmap(MAP, table=table)
+            h, w = em.shape
+            edges = np.cos(np.pi * np.arange(h + 1) / h)
+            integral = (em.pixels.sum(2, dtype=np.float64).sum(1) * (edges[:-1] - edges[1:])).sum() * 2 * np.pi / w
+            self.assertAlmostEqual(em.power / integral, 1, places=9)
+            _, L, pdf = em.sample(200000, seed=3)
+            ratio = L.sum(1, dtype=np.float64) / pdf
+            self.assertLess(off(ratio, integral), 5)
+            self.assertGreater(off(1.02 * ratio, integral), 5)  # twin
+
+    def test_look_and_sample_agree(self):
+        em = bis.Envmap(MAP)
+        w, L, pdf = em.sample(1000)
+        # A float direction at the edge of a pixel may round into its neighbour: few of them, and never far.
+        L2, pdf2 = em.look(w * np.float32(7))
+        self.assertGreater(np.mean(pdf == pdf2), 0.99)
+        self.assertGreater(np.mean((L == L2).all(1)), 0.99)
+        np.testing.assert_allclose(np.linalg.norm(w, axis=1), 1, atol=1e-6)
+
+    def test_same_seed_same_directions(self):
+        em = bis.Envmap(MAP)
+        self.assertTrue((em.sample(10, seed=5)[0] == em.sample(10, seed=5)[0]).all())
+        self.assertFalse((em.sample(10, seed=5)[0] == em.sample(10, seed=6)[0]).all())
+
+
+class Tables(unittest.TestCase):
+    def test_the_tables_of_the_thesis(self):
+        t = bis.AliasTable([0.1, 0.2, 0.4, 0.3])  # figure 3.4
+        np.testing.assert_allclose(t.prob, [0.4, 0.8, 1, 1], rtol=1e-12)
+        self.assertEqual(list(t.alias[:2]), [2, 3])
+        items = t.sample(100000, seed=1)
+        for i, p in enumerate([0.1, 0.2, 0.4, 0.3]):
+            self.assertLess(off((items == i).astype(float), p), 5)
+        self.assertGreater(off((items == 0).astype(float), 0.11), 5)  # twin
+
+
+class Materials(unittest.TestCase):
+    def test_densities_and_reflectance(self):
+        """E[cos^2 / pdf] over the hemisphere is 2 pi/3, whatever the density; E[f cos / pdf] of a diffuse surface is Kd."""
+        for width in ({"exponent": 5}, {"roughness": 0.5}):
+            m = bis.Material(0.5, 0.5, normal=(1, 2, 3), wo=(1, 2, 4), **width)
+            wi, lobe = m.sample(200000, seed=2)
+            _, pdf = m.look(wi)
+            cos = np.maximum(0, wi @ np.array([1, 2, 3]) / np.sqrt(14))
+            self.assertLess(off(cos**2 / pdf, 2 * np.pi / 3), 5)
+            self.assertGreater(off(1.05 * cos**2 / pdf, 2 * np.pi / 3), 5)  # twin
+            self.assertTrue(lobe.any() and not lobe.all())
+        m = bis.Material((0.5, 0.2, 0.1), 0, exponent=1)
+        f, _ = m.look([[0, 0, 1], [0, 3, 4], [0, 0, -1]])
+        np.testing.assert_allclose(f[:2], np.array([[0.5, 0.2, 0.1]] * 2) / np.pi, rtol=1e-6)
+        self.assertEqual(f[2].sum(), 0)
+
+
+class Pictures(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.scene = os.path.join(self.folder.name, "scene.txt")
+        with open(self.scene, "w") as f:
+            f.write(SCENE)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def by_program(self, *options):
+        out = os.path.join(self.folder.name, "out.pfm")
+        program = os.environ.get("BIS_PROGRAM", os.path.join(ROOT, "bis"))
+        r = subprocess.run([program, self.scene, "--outfile", out, "--stats", "-", *options], check=True, capture_output=True)
+        with open(out, "rb") as f:
+            f.readline(), f.readline(), f.readline()
+            data = np.frombuffer(f.read(), "<f4")
+        return data.reshape(16, -1, 3)[::-1], json.loads(r.stdout)
+
+    def test_same_bits_as_the_program(self):
+        for settings in ({}, {"integrator": "em", "samples": 3}, {"spp": 3, "seed": 2**53 - 1}, {"proposal": "brdf"}):
+            options = [o for name, value in settings.items() for o in ("--" + name, str(value))]
+            expected, figures = self.by_program(*options)
+            picture, stats = bis.render(self.scene, **settings)
+            self.assertEqual(picture.shape, (16, 24, 3))
+            self.assertTrue((picture == expected).all())
+            for key in ("integrator", "samples", "candidates", "spp", "seed", "triangles", "rays"):
+                self.assertEqual(stats[key], figures[key])
+        self.assertFalse((bis.render(self.scene, seed=2)[0] == expected).all())  # twin
+
+    def test_size_and_switches(self):
+        picture, _ = bis.render(self.scene, width=12, height=8, threads=1, accelerator="grid", stratify=False, spp=1)
+        self.assertEqual(picture.shape, (8, 12, 3))
+
+
+class Mistakes(unittest.TestCase):
+    def test_each_is_an_exception_with_its_message(self):
+        em = bis.Envmap(MAP)
+        nan = float("nan")
+        with tempfile.TemporaryDirectory() as folder:
+            scene = os.path.join(folder, "scene.txt")
+            with open(scene, "w") as f:
+                f.write(SCENE)
+            for what, text in [
+                (lambda: bis.Envmap("nothing.hdr"), 'cannot open "nothing.hdr"'),
+                (lambda: bis.Envmap(MAP, table="walker"), 'no table "walker"'),
+                (lambda: bis.Envmap(MAP, area_exponent=nan), "area_exponent is nan"),
+                (lambda: em.sample(u=[[0, 0, 0, 1]]), "u of sample 0 is 1"),
+                (lambda: em.sample(u=[[0, 0, 0]]), "give (n, 4)"),
+                (lambda: em.sample(-1), "n is -1"),
+                (lambda: em.look([[0, 0, 0]]), "direction 0 is (0, 0, 0)"),
+                (lambda: em.look([[0, 0, 1], [0, nan, 0]]), "direction 1 is (0, nan, 0)"),
+                (lambda: bis.AliasTable([1, -1]), "weight 1 is -1"),
+                (lambda: bis.AliasTable([0, 0]), "all weights are 0"),
+                (lambda: bis.AliasTable([]), "0 weights"),
+                (lambda: bis.Material(2, 0, exponent=1), "Kd is (2, 2, 2)"),
+                (lambda: bis.Material(0, 0, roughness=0), "the roughness is 0"),
+                (lambda: bis.Material(0, 0, exponent=1).sample(1), "black"),
+                (lambda: bis.Material(0, 0), "one of both"),
+                (lambda: bis.render(scene + "x"), "cannot open"),
+                (lambda: bis.render(scene, integrator="si"), 'no integrator "si"'),
+                (lambda: bis.render(scene, samples=3), 'integrator "sir" has no parameter "samples"'),
+                (lambda: bis.render(scene, spp=0), 'spp is "0"'),
+                (lambda: bis.render(scene, seed=-1), 'seed is "-1"'),
+                (lambda: bis.render(scene, seed=2**54), "seed is"),
+                (lambda: bis.render(scene, integrator="mis", samples=1), "needs at least 2"),
+            ]:
+                with self.subTest(text), warnings.catch_warnings(), self.assertRaises(bis.Error) as e:
+                    warnings.simplefilter("ignore")
+                    what()
+                self.assertIn(text, str(e.exception))
+
+
+class Notebook(unittest.TestCase):
+    def test_the_cells_run_and_their_claims_hold(self):
+        try:
+            import matplotlib
+        except ImportError:
+            self.skipTest("matplotlib is not installed")
+        matplotlib.use("Agg")
+        with open(os.path.join(ROOT, "docs/figures.ipynb")) as f:
+            book = json.load(f)
+        space, old = {}, os.getcwd()
+        os.chdir(os.path.join(ROOT, "docs"))
+        try:
+            for cell in book["cells"]:
+                if cell["cell_type"] == "code":
+                    self.assertEqual(cell["outputs"], [])
+                    exec("".join(cell["source"]), space)
+        finally:
+            os.chdir(old)
+        # Figure 3.9 of docs/results.md: about as many of each term; 300 draws with p = 1/2 lie within 5 x 8.7 of 150.
+        self.assertLess(abs(int(space["lobe"].sum()) - 150), 44)
+        # Each density of figure 4.1 integrates to 1 (the BRDF's lobe is wide: n = 50), within the grid's error.
+        for density in space["densities"]:
+            self.assertAlmostEqual(float((density * space["solid_angle"]).sum()), 1, delta=0.01)
+
+
+if __name__ == "__main__":
+    unittest.main()
