@@ -2,6 +2,7 @@
  * integrator, accelerator, number of threads and size of passes. The other road is in this file: a loop over passes,
  * pixels and samples that calls Lo, and shadow rays that are traced one by one. */
 #include "render/edges.h"
+#include "render/pass.h"
 #include "render/workspace.h"
 #include "stat.h"
 #include "world.h"
@@ -164,6 +165,35 @@ static void waves_have_the_bits_of_single_samples(void **state)
             clear_world(&w);
         }
     }
+}
+
+/* One thread tells after each of the tiles what share of the pass is done. */
+static void note_share(double share, void *user)
+{
+    double *const told = user; /* how often, and the last share */
+    assert_true(share > told[1] && share <= 1);
+    told[0]++;
+    told[1] = share;
+}
+
+static void a_pass_tells_its_progress_after_each_tile(void **state)
+{
+    const bis_render_options options = {.n_threads = 1};
+    const bis_pass pass = {.number = 0, .n = 1, .first = 0, .weight = 1};
+    double told[2] = {0, 0};
+    bis_workspace work;
+    bis_film film;
+    world w;
+
+    (void)state;
+    make_world(&w, &bis_em);
+    assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_workspace_init(&work, &film, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
+    assert_true(bis_pass_render(&work, &pass, note_share, told));
+    assert_true(told[0] == work.n_tiles && told[1] == 1 && work.n_tiles > 1);
+    bis_workspace_clear(&work);
+    bis_film_clear(&film);
+    clear_world(&w);
 }
 
 /* Twin: the comparison sees one shadow ray. */
@@ -330,6 +360,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(waves_have_the_bits_of_single_samples),
+        cmocka_unit_test(a_pass_tells_its_progress_after_each_tile),
         cmocka_unit_test(one_ray_that_is_lost_changes_the_bits),
         cmocka_unit_test(many_samples_of_one_pixel_fill_several_waves),
         cmocka_unit_test(an_integrator_may_trace_its_rays_at_once),
