@@ -242,7 +242,7 @@ static void centre(bis_truth_moments *m, double mean)
 bis_status bis_truth_of(bis_truth *t, const bis_point *pt, const double weight[3], uint32_t cells,
                         const bis_truth_density *q, size_t n, uint64_t seed, bis_diag *diag)
 {
-    question k = {pt, weight, q, n, bis_bsdf_max_f_cos(&pt->bsdf), INFINITY};
+    question k = {pt, weight, q, n, bis_bsdf_max_f_cos(&pt->bsdf), (double)INFINITY};
     block *blocks = bis_alloc(MOST_BLOCKS, sizeof *blocks);
 
     assert(n <= BIS_TRUTH_MAX_DENSITIES);
@@ -250,7 +250,7 @@ bis_status bis_truth_of(bis_truth *t, const bis_point *pt, const double weight[3
     if (!blocks) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a sum over %zu patches", t->patches);
     /* B from the bounds of whole patches; where these are far too large, for a lobe narrower than a patch, say, from
      * those of the cells that it made, and so on. */
-    double bounds = visit_all(t, blocks, &k, false, 0), before = INFINITY;
+    double bounds = visit_all(t, blocks, &k, false, 0), before = (double)INFINITY;
     for (int pass = 0; pass < MAX_PASSES && bounds < before / 2; pass++) {
         k.B = bounds / cells;
         before = bounds;

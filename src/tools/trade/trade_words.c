@@ -13,6 +13,7 @@ const char *bis_trade_percent(char buf[24], double v)
 }
 
 /* "a=1; b=x" as members. */
+BIS_PRINTF(2, 0)
 static void put_members(bis_json *j, const char *format, va_list args)
 {
     char text[768];
