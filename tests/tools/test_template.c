@@ -161,12 +161,37 @@ static void a_picture_in_the_page_is_that_of_the_file(void **state)
     assert_int_equal(paddings, 7); /* each number of '=' was met */
 }
 
+/* UTF-8 of one to four bytes stays; what is cut off at the end, or no UTF-8, becomes U+FFFD, byte by byte. */
+static void texts_are_utf8(void **state)
+{
+    static const char *const rows[][2] = {
+        {"a\xc3\xa9\xe2\x82\xac\xf0\x9f\x99\x82", "a\xc3\xa9\xe2\x82\xac\xf0\x9f\x99\x82"},
+        {"x\xc3", "x\\ufffd"},
+        {"x\xe2\x82", "x\\ufffd\\ufffd"},
+        {"\xa9z", "\\ufffdz"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char *text = NULL, expected[64];
+        size_t n;
+        FILE *out = open_memstream(&text, &n);
+        bis_json j = {.out = out};
+        bis_json_text(&j, NULL, rows[i][0]);
+        fclose(out);
+        snprintf(expected, sizeof expected, "\"%s\"", rows[i][1]);
+        assert_non_null(strstr(text, expected));
+        free(text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pages_are_filled_as_by_hand),
         cmocka_unit_test(a_mistake_in_a_page_is_told_by_its_name),
         cmocka_unit_test(a_picture_in_the_page_is_that_of_the_file),
+        cmocka_unit_test(texts_are_utf8),
     };
     return cmocka_run_group_tests_name("template", tests, NULL, NULL);
 }
