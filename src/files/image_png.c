@@ -12,6 +12,8 @@
 
 #include "bis/base/mem.h"
 
+#include "png_failure.h"
+
 #include <png.h>
 #include <setjmp.h>
 #include <string.h>
@@ -91,38 +93,10 @@ typedef struct png_job {
     unsigned char *row;
     png_structp png;
     png_infop info;
-    char reason[80]; /* libpng's, when it gave up */
-    bool out_of_memory;
+    png_failure failure;
 } png_job;
 
-static void on_error(png_structp png, png_const_charp text)
-{
-    png_job *job = png_get_error_ptr(png);
-    snprintf(job->reason, sizeof job->reason, "%s", text);
-    png_longjmp(png, 1);
-}
-
-static void on_warning(png_structp png, png_const_charp text)
-{
-    (void)png;
-    (void)text;
-}
-
-static png_voidp allocate(png_structp png, png_alloc_size_t size)
-{
-    png_job *job = png_get_mem_ptr(png);
-    void *p = bis_alloc(size, 1);
-    if (!p) job->out_of_memory = true;
-    return p;
-}
-
-static void release(png_structp png, png_voidp p)
-{
-    (void)png;
-    bis_free(p);
-}
-
-/* All calls that may longjmp. False: it failed, job->reason says why. */
+/* All calls that may longjmp. False: it failed, job->failure.reason says why. */
 static bool write_rows(png_job *job)
 {
     const bis_picture *picture = job->picture;
@@ -149,17 +123,18 @@ bis_status bis_png_write(FILE *stream, const bis_picture *picture, const char *p
 
     job.row = bis_alloc((size_t)picture->width, 3);
     if (job.row)
-        job.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &job, on_error, on_warning, &job, allocate, release);
+        job.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &job.failure, png_on_error, png_on_warning,
+                                           &job.failure, png_allocate, png_release);
     if (job.png) job.info = png_create_info_struct(job.png);
     if (!job.info) {
         status = bis_error(diag, BIS_NOMEM, at, "no memory to write \"%s\"", path);
         goto done;
     }
     if (write_rows(&job)) goto done;
-    if (job.out_of_memory)
+    if (job.failure.out_of_memory)
         status = bis_error(diag, BIS_NOMEM, at, "no memory to write \"%s\"", path);
     else
-        status = bis_error(diag, BIS_IO, at, "cannot write \"%s\": %s", path, job.reason);
+        status = bis_error(diag, BIS_IO, at, "cannot write \"%s\": %s", path, job.failure.reason);
 done:
     png_destroy_write_struct(&job.png, &job.info);
     bis_free(job.row);

@@ -9,6 +9,8 @@
 #include "bis/base/mem.h"
 #include "image_io.h"
 
+#include "png_failure.h"
+
 #include <png.h>
 #include <setjmp.h>
 #include <stdint.h>
@@ -27,36 +29,8 @@ typedef struct png_job {
     int passes;          /* over the rows */
     double gamma;        /* of its gAMA chunk; BIS_GAMMA_SRGB: it has none, or is sRGB */
     unsigned char *rows; /* all of them */
-    char reason[80];     /* libpng's, when it gave up */
-    bool out_of_memory;
+    png_failure failure;
 } png_job;
-
-static void on_error(png_structp png, png_const_charp text)
-{
-    png_job *job = png_get_error_ptr(png);
-    snprintf(job->reason, sizeof job->reason, "%s", text);
-    png_longjmp(png, 1);
-}
-
-static void on_warning(png_structp png, png_const_charp text)
-{
-    (void)png;
-    (void)text;
-}
-
-static png_voidp allocate(png_structp png, png_alloc_size_t size)
-{
-    png_job *job = png_get_mem_ptr(png);
-    void *p = bis_alloc(size, 1);
-    if (!p) job->out_of_memory = true;
-    return p;
-}
-
-static void release(png_structp png, png_voidp p)
-{
-    (void)png;
-    bis_free(p);
-}
 
 static void take_bytes(png_structp png, png_bytep out, size_t n)
 {
@@ -137,8 +111,8 @@ static void convert(bis_image *image, const png_job *job, const float *table)
 
 static bis_status refuse(const png_job *job)
 {
-    if (job->out_of_memory) return bis_image_refuse(job->in, BIS_NOMEM, "no memory for the picture");
-    return bis_image_refuse(job->in, BIS_INPUT, "the PNG is damaged: %s", job->reason);
+    if (job->failure.out_of_memory) return bis_image_refuse(job->in, BIS_NOMEM, "no memory for the picture");
+    return bis_image_refuse(job->in, BIS_INPUT, "the PNG is damaged: %s", job->failure.reason);
 }
 
 /* Numbers that the file keeps of a pixel. */
@@ -179,7 +153,8 @@ bis_status bis_png_read(bis_image *image, const image_input *in, double gamma)
     png_job job = {.in = in, .gamma = BIS_GAMMA_SRGB};
     float *table = NULL;
 
-    job.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &job, on_error, on_warning, &job, allocate, release);
+    job.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &job.failure, png_on_error, png_on_warning,
+                                       &job.failure, png_allocate, png_release);
     if (job.png) job.info = png_create_info_struct(job.png);
     if (!job.info) {
         status = bis_image_refuse(in, BIS_NOMEM, "no memory for the picture");

@@ -127,8 +127,8 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->view.sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
     if (!isnan(r->relative_rmse)) attributes[n++] = (bis_attribute){"estimated_relative_rmse", NULL, r->relative_rmse};
-    if (bis_film_raised(s->film) > 0)
-        attributes[n++] = (bis_attribute){"bis:raised", NULL, bis_film_raised(s->film)};
+    const double raised = bis_film_raised(s->film);
+    if (raised > 0) attributes[n++] = (bis_attribute){"bis:raised", NULL, raised};
     attributes[n++] = (bis_attribute){"bis:version", BIS_VERSION, 0};
     return n;
 }
