@@ -42,6 +42,7 @@ static bis_status merge(const merge_options *o, const char *const *parts, int n,
         desc.view.settings = m->head.settings;
         desc.view.sampler.seed = m->about.seed;
         desc.view.edge_samples = m->about.edge_samples;
+        desc.view.edge_light = m->about.edge_light;
         bis_stats stats = {.desc = &desc, .scene = m->about.figures, .film = &m->film, .result = &m->result,
                            .seconds = m->about.seconds};
         bis_describe_line(stats.line, &desc.view.settings, true);

@@ -418,6 +418,7 @@ static bis_status write_part(const render_options *o, const bis_stats *stats, co
 {
     const bis_render_result *r = stats->result;
     bis_part_about about = {.seed = stats->desc->view.sampler.seed, .edge_samples = stats->desc->view.edge_samples,
+                            .edge_light = stats->desc->view.edge_light,
                             .seconds = stats->seconds, .figures = stats->scene};
     char seconds[32];
 

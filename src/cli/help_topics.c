@@ -31,8 +31,9 @@ static const bis_help_entry scene[] = {
      "\"rgb\": xresolution (1280), yresolution (720), filename (bis.exr), cropwindow (0 1 0 1), layers (see output)"},
     {"Sampler", "\"stratified\", \"sobol\", \"halton\", \"random\" or \"independent\": pixelsamples "
                 "(16), seed (0), adaptive (false), "
-                "edgesamples (1; more on outlines); stratified: xsamples, ysamples (4), jitter (true). A scene without "
-                "a Sampler has \"sobol\" with edgesamples 4"},
+                "edgesamples (1; more on outlines), edgelight (1; their share of the light samples); stratified: "
+                "xsamples, ysamples (4), jitter (true). A scene without a Sampler has \"sobol\" with edgesamples 8 and "
+                "edgelight 0.25"},
     {"Integrator", "see integrators, also for a scene without one"},
     {"Accelerator", "\"embree\" (the default where it is built in) or \"grid\": density, cells per primitive (2; 8 "
                     "where triangles span many cells)"},
@@ -54,7 +55,7 @@ static const bis_help_entry integrators[] = {
            "defaults in parentheses, the first of several "
            "names is the default. \"sir\" with its defaults is the method of the thesis."},
     {bis_help_of_integrators, NULL},
-    {"no Integrator: sir", "with proposal product, 64 candidates, 16 shadow rays, learn true: what a scene has that "
+    {"no Integrator: sir", "with proposal product, 64 candidates, 24 shadow rays, learn true: what a scene has that "
                            "names none"},
     {NULL, "The parameters:"},
     {bis_help_of_parameters, NULL},

@@ -142,6 +142,8 @@ void bis_directive_sampler(bis_parser *p, bis_loc at)
     bis_params_bool(p, "adaptive", &p->desc->view.adaptive);
     p->desc->view.edge_samples = 1;
     bis_params_uint32(p, "edgesamples", &p->desc->view.edge_samples, 1, 1024);
+    p->desc->view.edge_light = 1;
+    bis_params_float(p, "edgelight", &p->desc->view.edge_light, (bis_interval){0, 1, true, false});
     if (s->kind == BIS_SAMPLER_STRATIFIED) read_stratified(p, s, has_spp);
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));
     if (!replaced) bis_params_end(p, "Sampler", chosen->name);

@@ -183,6 +183,7 @@ void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of)
     hash_count(w, view->pixel_jitter);
     hash_count(w, view->adaptive);
     hash_count(w, of->edge ? view->edge_samples : 1);
+    hash_real(w, of->edge ? view->edge_light : 1);
     hash_count(w, of->options->pass_size);
     parts[n++] = bis_walk_take_hash(w);
     hash_count(w, of->options->budget.error > 0);

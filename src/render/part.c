@@ -31,6 +31,8 @@ static void walk_about(bis_walk *w, bis_part_about *a)
     bis_walk_text(w, a->approximated, sizeof a->approximated);
     bis_walk_u64(w, &a->seed);
     bis_walk_u32(w, &a->edge_samples);
+    bis_walk_f64(w, &a->edge_light);
+    w->bad |= !(a->edge_light >= 0 && a->edge_light <= 1);
     bis_walk_u32(w, &a->n_threads);
     w->bad |= a->n_threads > INT_MAX;
     bis_walk_u64(w, &a->bytes);

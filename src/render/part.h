@@ -14,6 +14,7 @@ typedef struct bis_part_about {
     char approximated[BIS_PART_APPROXIMATED]; /* what is not modelled and was replaced; "": nothing */
     uint64_t seed;
     uint32_t edge_samples, n_threads;
+    double edge_light;
     uint64_t bytes; /* of bis_render_result */
     bis_scene_seconds seconds;
     bis_scene_figures figures;

@@ -12,7 +12,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { FORMAT = 3, MAGIC = 8 };
+enum { FORMAT = 4, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];

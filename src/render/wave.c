@@ -22,7 +22,8 @@ typedef struct sample {
     bis_stream stream;
     bis_point pt;
     bis_pixel_sum *pixel;
-    size_t cell; /* the pixel's: what is dropped has one sum for many pixels */
+    size_t cell; /* the pixel's, as the settings are: what is dropped has one sum for many pixels */
+    const bis_settings *settings;
     rgbd L;
 } sample;
 
@@ -115,7 +116,7 @@ static void add_light(bis_wave *w, sample *s)
         if (w->task.desc->light.visible) L = bis_light_Le(w->task.scene->light, w->eyes[i].d);
     } else if (!bis_bsdf_is_black(&s->pt.bsdf)) {
         bis_stream stream = s->stream;
-        L = w->task.Lo(&w->task.view->settings, &s->pt, &stream, w->scratch);
+        L = w->task.Lo(s->settings, &s->pt, &stream, w->scratch);
     }
     s->L = rgbd_add(s->L, (rgbd){(double)L.r, (double)L.g, (double)L.b});
     if (s->pixel->values) bis_gather_counts(s->pixel->values, &w->task.film->layers, &before, w->counters);
@@ -132,7 +133,7 @@ static void finish(bis_wave *w, sample *s, bool hit)
         w->counters->nonfinite++;
     }
     if (hit && pixel->values &&
-        !bis_gather_surface(pixel->values, &w->task.film->layers, &w->task.view->settings, w->task.Lo,
+        !bis_gather_surface(pixel->values, &w->task.film->layers, s->settings, w->task.Lo,
                             w->task.to_camera, &s->pt, s->stream, w->scratch, L))
         w->counters->nonfinite++;
     pixel->L = rgbd_add(pixel->L, (rgbd){(double)L.r, (double)L.g, (double)L.b});
@@ -167,6 +168,7 @@ void bis_wave_add(bis_wave *w, const bis_sampler *sampler, int x, int y, uint64_
     y = y * f->step + f->step / 2;
     s->pixel = pixel;
     s->cell = pixel->cell;
+    s->settings = pixel->settings;
     s->L = (rgbd){0, 0, 0};
     s->sampler = *sampler;
     bis_stream_init(&s->stream, &s->sampler, (uint64_t)y * (uint64_t)f->picture_width + (uint64_t)x, index);

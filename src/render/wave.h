@@ -16,6 +16,7 @@ typedef struct bis_pixel_sum {
     uint32_t n;     /* camera samples */
     float *values;  /* of the layers; NULL: none */
     size_t cell;    /* of learned visibility that the pixel belongs to */
+    const bis_settings *settings; /* of its camera samples; borrowed */
 } bis_pixel_sum;
 
 /* What all waves of a render share: all of it is borrowed. */

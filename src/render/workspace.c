@@ -199,6 +199,8 @@ bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
     if (w->view->edge_samples <= 1 || !w->view->pixel_jitter || !w->scene->accel) return BIS_OK;
     w->edge_sampler = w->view->sampler;
     bis_sampler_set_spp(&w->edge_sampler, (uint64_t)w->view->sampler.spp * w->view->edge_samples);
+    const double share = w->view->edge_light > 0 ? w->view->edge_light : 1;
+    w->edge_settings = bis_settings_thin(&w->view->settings, share);
     w->edge = bis_alloc((size_t)width * (size_t)height, sizeof *w->edge);
     bool good = w->edge != NULL;
     if (good && crew) good = find_edges_of_rank(w, crew);

@@ -48,6 +48,7 @@ typedef struct bis_workspace {
     bis_rect area;            /* what is rendered: the crop, or all of its tiles */
     unsigned char *edge;      /* edge[][] of the area, see edges.h; NULL: all pixels are alike */
     bis_sampler edge_sampler; /* of all camera samples of an edge pixel */
+    bis_settings edge_settings; /* of each of them */
     bis_pixel_mean *pass;     /* pass[height][width] of the crop */
     float *pass_layers;       /* pass_layers[height][width][film->layers.n_values]; NULL: no layers */
 } bis_workspace;

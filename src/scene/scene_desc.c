@@ -37,7 +37,8 @@ bis_scene_desc *bis_scene_desc_new(const char *path)
     d->view.film = bis_film_default;
     d->view.sampler = (bis_sampler){.kind = BIS_SAMPLER_SOBOL, .jitter = true};
     bis_sampler_set_spp(&d->view.sampler, 16);
-    d->view.edge_samples = 4;
+    d->view.edge_samples = 8; /* twice the light samples of another pixel: docs/integrators.md */
+    d->view.edge_light = 0.25;
     d->view.pixel_jitter = true;
     d->view.settings = bis_settings_unnamed();
     d->light = bis_light_desc_default();

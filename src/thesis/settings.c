@@ -7,6 +7,7 @@
 #include "bis/thesis/integrator.h"
 
 #include <stdio.h>
+#include <math.h>
 #include <string.h>
 
 const bis_integrator *const bis_integrators[] = {&bis_em,  &bis_brdf,  &bis_mis,        &bis_rejection,
@@ -167,9 +168,30 @@ bis_settings bis_settings_unnamed(void)
 
     s.proposal = BIS_PROPOSAL_PRODUCT;
     s.candidates = 64;
-    s.shadowrays = 16;
+    s.shadowrays = 24;
     s.learn = true;
     return s;
+}
+
+static uint32_t share_of(uint32_t n, double share, uint32_t least)
+{
+    const uint32_t part = (uint32_t)ceil(n * share);
+
+    if (n < least) return n;
+    return part > least ? part : least;
+}
+
+bis_settings bis_settings_thin(const bis_settings *s, double share)
+{
+    enum { LANES = 16 }; /* a vector's candidates */
+    const bis_parameter *samples = bis_parameter_of(s->integrator, "samples");
+    const bool in_sets = s->stratify && bis_parameter_of(s->integrator, "stratify");
+    bis_settings thin = *s;
+
+    if (samples && !in_sets) thin.samples = share_of(s->samples, share, (uint32_t)samples->lo);
+    thin.shadowrays = share_of(s->shadowrays, share, 1);
+    if (s->proposal == BIS_PROPOSAL_PRODUCT) thin.candidates = share_of(s->candidates, share, LANES);
+    return thin;
 }
 
 bool bis_settings_equal(const bis_settings *a, const bis_settings *b)

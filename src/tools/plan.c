@@ -63,6 +63,8 @@ static void print_view(const bis_scene_desc *d, FILE *out)
     if (s->kind == BIS_SAMPLER_STRATIFIED) fprintf(out, " (%" PRIu64 " x %" PRIu64 ")", s->xsamples, s->ysamples);
     if (d->view.edge_samples > 1 && d->view.pixel_jitter)
         fprintf(out, ", %" PRIu32 " for each of them on outlines", d->view.edge_samples);
+    if (d->view.edge_samples > 1 && d->view.pixel_jitter && d->view.edge_light < 1)
+        fprintf(out, " with %s of its light samples each", bis_format_double(a, d->view.edge_light));
     fprintf(out, ", seed %" PRIu64 "%s%s\n", s->seed, d->view.pixel_jitter ? "" : ", all through the pixel's centre",
             d->view.adaptive ? ", adaptive" : "");
 }

@@ -623,12 +623,12 @@ static void render_with(const char *name, const char *sampler, const char *integ
 }
 
 #define SAMPLER(kind, edges) \
-    "Sampler \"" kind "\" \"integer pixelsamples\" 16 \"integer seed\" 0 \"integer edgesamples\" " edges
+    "Sampler \"" kind "\" \"integer pixelsamples\" 16 \"integer seed\" 0 \"integer edgesamples\" " edges " \"float edgelight\" 0.25"
 #define SIR(proposal, M, N, learn) \
     "Integrator \"sir\" \"string proposal\" \"" proposal "\" \"integer candidates\" " M \
     " \"integer shadowrays\" " N " \"bool learn\" " learn
-#define USUAL_SAMPLER SAMPLER("sobol", "4")
-#define USUAL SIR("product", "64", "16", "true")
+#define USUAL_SAMPLER SAMPLER("sobol", "8")
+#define USUAL SIR("product", "64", "24", "true")
 #define THESIS SIR("mix", "800", "15", "false")
 #define EM "Integrator \"em\" \"integer samples\" 16 \"bool stratify\" false"
 #define SIR_9 "Integrator \"sir\" \"integer candidates\" 9"
@@ -649,7 +649,7 @@ static void what_a_scene_leaves_out_is_what_it_could_have_written(void **state)
         {"Sampler \"sobol\"", "", "", SAMPLER("sobol", "1"), USUAL, USUAL_SAMPLER, USUAL},
         {"", "Integrator \"sir\"", "", USUAL_SAMPLER, THESIS, USUAL_SAMPLER, USUAL},
         {"", "Integrator \"em\"", "", USUAL_SAMPLER, EM, SAMPLER("sobol", "1"), EM},
-        {"", "", "--candidates 100", USUAL_SAMPLER, SIR("product", "100", "16", "true"), USUAL_SAMPLER, USUAL},
+        {"", "", "--candidates 100", USUAL_SAMPLER, SIR("product", "100", "24", "true"), USUAL_SAMPLER, USUAL},
         {"", "", "--integrator sir", USUAL_SAMPLER, THESIS, USUAL_SAMPLER, USUAL},
         {"", "", "--integrator em", USUAL_SAMPLER, EM, SAMPLER("stratified", "1"), EM},
         {"", SIR_9, "--integrator sir", USUAL_SAMPLER, SIR("mix", "9", "15", "false"), USUAL_SAMPLER, THESIS},

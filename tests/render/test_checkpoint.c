@@ -468,6 +468,8 @@ static void other_layers(OTHER) { (void)w, (void)o, k->layers = BIS_LAYERS_ALL; 
 static void other_fov(OTHER) { (void)k, (void)o, w->desc.view.camera.fov_deg = 61; }
 static void other_seed(OTHER) { (void)k, (void)o, w->desc.view.sampler.seed++; }
 static void other_jitter(OTHER) { (void)k, (void)o, w->desc.view.pixel_jitter = false; }
+static void other_edges(OTHER) { (void)k, (void)o, w->desc.view.edge_samples = 2; }
+static void other_edge_light(OTHER) { (void)k, (void)o, w->desc.view.edge_light = 0.5; }
 static void other_error(OTHER) { (void)w, (void)k, o->budget.error = 0.1; }
 static void other_learn(OTHER) { (void)k, (void)o, w->desc.view.settings.candidates++; }
 static void other_E6(OTHER) { (void)k, (void)o, w->desc.view.settings.as_printed = 1; }
@@ -550,6 +552,8 @@ static void another_render_is_refused_by_what_differs(void **state)
         {other_seed, "differ: the sampler, or its seed. "},
         {other_spp, "for which samplers \"stratified\" and \"halton\" divide a pixel (--spp). "},
         {other_jitter, "differ: pixel jitter, "},
+        {other_edges, "differ: pixel jitter, adaptive sampling, or camera samples on edges"},
+        {other_edge_light, "differ: pixel jitter, adaptive sampling, or camera samples on edges"},
         {other_error, "differ: the camera samples for which"}, /* and with an error each pass divides pixels anew */
         {other_learn, "differ: the integrator, or its parameters. "},
         {other_E6, "differ: the integrator, or its parameters. "},
@@ -600,7 +604,8 @@ static void another_render_is_refused_by_what_differs(void **state)
     };
 
     for (size_t i = 0; i < COUNT(changes); i++) {
-        kind k = kinds[changes[i].change == change_error ? 2 : 0]; /* 2: sobol divides no pixel */
+        const bool edges = changes[i].change == other_edges || changes[i].change == other_edge_light;
+        kind k = kinds[edges ? 8 : changes[i].change == change_error ? 2 : 0]; /* 2: sobol divides no pixel; 8: has edges */
         bis_render_options options = budget(&k, 4, 1);
         bis_checkpoint c = {.path = PATH, .every = 1e9};
         bis_diag diag = {0};

@@ -107,6 +107,7 @@ static void mean_is_the_same_and_its_scatter_less(void **state)
 
     (void)state;
     make_world(&w, &bis_sir);
+    w.desc.view.edge_light = 0.5;
     for (int k = 0; k < 2; k++) {
         w.desc.view.edge_samples = k ? 6 : 1;
         for (uint64_t run = 0; run < RUNS; run++) {

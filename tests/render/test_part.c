@@ -86,7 +86,7 @@ static bis_status try_render(bis_film *f, bis_render_result *result, const world
 
 static const bis_part_about about_all = {.scene = "a/scene.txt", .command = "bis a/scene.txt --spp 9",
                                           .approximated = "1 x glass: opaque", .seed = 1,
-                                         .edge_samples = 3, .seconds = {1, 2, 4, 8, 0, 0, 0},
+                                         .edge_samples = 3, .edge_light = 0.25, .seconds = {1, 2, 4, 8, 0, 0, 0},
                                          .figures = {.triangles = 7, .accelerator = "grid", .mesh = 100, .accel = 200,
                                                      .envmap = (double)NAN}};
 
@@ -451,6 +451,7 @@ static void every_field_of_the_format_counts(void **state)
         {"what was replaced", sizeof "1 x glass: opaque" - 1, 0, 1, NULL},
         {"seed", 8, 0, 1, NULL},
         {"edge samples", 4, 0, 1, NULL},
+        {"edge light", 8, 7, 0x80, "damaged"},
         {"threads", 4, 0, 8, NULL},
         {"bytes", 8, 3, 1, NULL},
         {"parse", 8, 7, 0x80, "damaged"},
@@ -519,6 +520,7 @@ static void every_field_of_the_format_counts(void **state)
                           strcmp(m->about.command, right->about.command) == 0 &&
                           strcmp(m->about.approximated, right->about.approximated) == 0 && m->about.seed == right->about.seed &&
                           m->about.edge_samples == right->about.edge_samples &&
+                          fabs(m->about.edge_light - right->about.edge_light) < 1e-12 &&
                           memcmp(&m->about.figures, &right->about.figures, sizeof m->about.figures) == 0 &&
                           memcmp(&m->result.counters, &right->result.counters, sizeof m->result.counters) == 0 &&
                           m->result.n_threads == right->result.n_threads && m->result.bytes == right->result.bytes &&

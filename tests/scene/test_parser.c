@@ -136,7 +136,8 @@ static void assert_has_the_usual_sampler(const bis_scene_desc *d)
     assert_int_equal(d->view.sampler.kind, BIS_SAMPLER_SOBOL);
     assert_int_equal(d->view.sampler.spp, 16);
     assert_true(d->view.sampler.seed == 0 && !d->view.adaptive);
-    assert_int_equal(d->view.edge_samples, 4);
+    assert_int_equal(d->view.edge_samples, 8);
+    assert_true(fabs(d->view.edge_light - 0.25) < 1e-12);
 }
 
 /* What a scene has that names no integrator. */
@@ -148,7 +149,7 @@ static void assert_has_the_usual_settings(const bis_scene_desc *d)
     assert_ptr_equal(s->integrator, &bis_sir);
     assert_int_equal(s->proposal, BIS_PROPOSAL_PRODUCT);
     assert_int_equal(s->candidates, 64);
-    assert_int_equal(s->shadowrays, 16);
+    assert_int_equal(s->shadowrays, 24);
     assert_true(s->learn && s->stratify && s->vectorize && s->resampling == BIS_RESAMPLING_SYSTEMATIC);
 }
 
@@ -242,14 +243,15 @@ static void a_second_sampler_begins_with_the_defaults(void **state)
 {
     (void)state;
     static const char first[] = "Sampler \"stratified\" \"integer xsamples\" 3 \"integer ysamples\" 2 \"integer seed\" 7 "
-                                "\"bool jitter\" false \"integer edgesamples\" 1024 \"bool adaptive\" true\n";
+                                "\"bool jitter\" false \"integer edgesamples\" 1024 \"float edgelight\" 0.125 \"bool adaptive\" true\n";
     char two[512];
     bis_scene_desc *d = good_scene(first, ""), *usual = good_scene("Sampler \"stratified\"", "");
+    assert_true(fabs(d->view.edge_light - 0.125) < 1e-12);
     assert_true(d->view.edge_samples == 1024 && d->view.adaptive && d->view.sampler.seed == 7 && d->view.sampler.spp == 6);
     bis_scene_desc_free(d);
     snprintf(two, sizeof two, "%sSampler \"stratified\"", first);
     d = good_scene(two, "");
-    assert_true(d->view.edge_samples == 1 && !d->view.adaptive);
+    assert_true(d->view.edge_samples == 1 && !d->view.adaptive && fabs(d->view.edge_light - 1) < 1e-12);
     assert_true(d->view.sampler.seed == usual->view.sampler.seed && d->view.sampler.spp == usual->view.sampler.spp);
     assert_true(d->view.sampler.jitter && d->view.sampler.kind == usual->view.sampler.kind);
     bis_scene_desc_free(d);

@@ -12,7 +12,7 @@
 /* What a scene gets that names no integrator, as docs/scene-format.md has it. */
 static bool is_usual(const bis_settings *s)
 {
-    return s->integrator == &bis_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->candidates == 64 && s->shadowrays == 16 && s->learn;
+    return s->integrator == &bis_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->candidates == 64 && s->shadowrays == 24 && s->learn;
 }
 
 /* A clock that counts work, since what the pilot makes of a real one differs from run to run: of a picture so small the

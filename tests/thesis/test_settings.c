@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include <math.h>
 #include <string.h>
 
 #define SCENE "build/test_settings.txt"
@@ -126,7 +127,8 @@ static bis_scene_desc *scene_of(const char *lines)
 static bool same_sampler(const bis_view *a, const bis_view *b)
 {
     return a->sampler.kind == b->sampler.kind && a->sampler.spp == b->sampler.spp &&
-           a->sampler.seed == b->sampler.seed && a->edge_samples == b->edge_samples && a->adaptive == b->adaptive;
+           a->sampler.seed == b->sampler.seed && a->edge_samples == b->edge_samples &&
+           fabs(a->edge_light - b->edge_light) < 1e-12 && a->adaptive == b->adaptive;
 }
 
 /* The lines that a page says a scene without a Sampler or an Integrator has. The twins: a named one of the same name
@@ -169,7 +171,7 @@ static void defaults_of_a_named_sampler_are_those_of_the_page(void **state)
     FILE *f = fopen("docs/scene-format.md", "r");
     bis_scene_desc *d = scene_of("Sampler \"stratified\"");
     const bis_sampler *s = &d->view.sampler;
-    char rows[6][64];
+    char rows[7][64];
 
     (void)state;
     assert_non_null(f);
@@ -182,9 +184,52 @@ static void defaults_of_a_named_sampler_are_those_of_the_page(void **state)
     snprintf(rows[3], sizeof rows[3], "\n| `bool jitter` | %s |", s->jitter ? "true" : "false");
     snprintf(rows[4], sizeof rows[4], "\n| `integer edgesamples` | %u |", (unsigned)d->view.edge_samples);
     snprintf(rows[5], sizeof rows[5], "\n| `bool adaptive` | %s |", d->view.adaptive ? "true" : "false");
-    for (int i = 0; i < 6; i++)
+    snprintf(rows[6], sizeof rows[6], "\n| `float edgelight` | %g |", d->view.edge_light);
+    for (int i = 0; i < 7; i++)
         if (!strstr(strstr(page, "\n### Sampler"), rows[i])) fail_msg("no row %s", rows[i] + 1);
     bis_scene_desc_free(d);
+}
+
+/* Worked out by hand. The last column: what is left of candidates, shadowrays, samples. */
+static void a_share_of_the_light_samples_is_rounded_up(void **state)
+{
+    (void)state;
+    static const struct {
+        const bis_integrator *integrator;
+        bis_proposal proposal;
+        bool stratify;
+        uint32_t M, N, samples;
+        double share;
+        uint32_t left[3];
+    } cases[] = {
+        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 64, 24, 16, 0.25, {16, 6, 16}},
+        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 200, 15, 16, 0.25, {50, 4, 16}},
+        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 40, 2, 16, 0.1, {16, 1, 16}}, /* a vector holds 16 */
+        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 9, 1, 1, 0.5, {9, 1, 1}},
+        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, 65, 25, 17, 1, {65, 25, 17}},
+        {&bis_sir, BIS_PROPOSAL_MIX, true, 800, 15, 16, 0.25, {800, 4, 16}}, /* its candidates come in whole sets */
+        {&bis_sir, BIS_PROPOSAL_EM, true, 800, 16, 16, 0.25, {800, 4, 16}},
+        {&bis_rejection, BIS_PROPOSAL_CHOOSE, true, 800, 15, 16, 0.5, {800, 8, 16}},
+        {&bis_brdf, BIS_PROPOSAL_MIX, true, 800, 15, 5, 0.5, {800, 8, 3}},
+        {&bis_em, BIS_PROPOSAL_MIX, false, 800, 15, 3, 0.25, {800, 4, 1}},
+        {&bis_em, BIS_PROPOSAL_MIX, true, 800, 15, 16, 0.25, {800, 4, 16}}, /* stratified: whole sets */
+        {&bis_mis, BIS_PROPOSAL_MIX, false, 800, 15, 3, 0.25, {800, 4, 2}}, /* mis needs two */
+        {&bis_mis, BIS_PROPOSAL_MIX, false, 800, 15, 12, 0.25, {800, 4, 3}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_settings s = bis_settings_default(cases[i].integrator);
+        s.proposal = cases[i].proposal;
+        s.stratify = cases[i].stratify;
+        s.candidates = cases[i].M;
+        s.shadowrays = cases[i].N;
+        s.samples = cases[i].samples;
+        const bis_settings thin = bis_settings_thin(&s, cases[i].share);
+        const uint32_t left[3] = {thin.candidates, thin.shadowrays, thin.samples};
+        for (int k = 0; k < 3; k++)
+            if (left[k] != cases[i].left[k]) fail_msg("case %zu, %d: %u", i, k, (unsigned)left[k]);
+        s.candidates = thin.candidates, s.shadowrays = thin.shadowrays, s.samples = thin.samples;
+        assert_true(bis_settings_equal(&s, &thin)); /* nothing else changes */
+    }
 }
 
 int main(void)
@@ -196,6 +241,7 @@ int main(void)
         cmocka_unit_test(defaults_are_those_of_the_page),
         cmocka_unit_test(a_scene_without_the_lines_has_those_of_the_pages),
         cmocka_unit_test(defaults_of_a_named_sampler_are_those_of_the_page),
+        cmocka_unit_test(a_share_of_the_light_samples_is_rounded_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -223,9 +223,9 @@ static void narrow_lobes_alone_get_half_the_rays_of_the_short_list(void **state)
     world w;
     make_auto_world(&w);
     w.materials[0] = w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){1, 1, 1}, 50);
-    assert_int_equal(rays_of_the_short_list(&w), 8);
+    assert_int_equal(rays_of_the_short_list(&w), 12);
     w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){1, 1, 1}, 10);
-    assert_int_equal(rays_of_the_short_list(&w), 16);
+    assert_int_equal(rays_of_the_short_list(&w), 24);
     clear_world(&w);
 }
 

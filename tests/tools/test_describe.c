@@ -269,6 +269,7 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
                         "scene=a/scene.txt integrator=em samples=8 stratify=false spp=12 seed=34 render_seconds=5.5 bis:version=" BIS_VERSION " ");
     result.relative_rmse = 0.25;
     desc.view.edge_samples = 2;
+    desc.view.edge_light = 0.25;
     desc.view.adaptive = true;
     s.choice = &r;
     snprintf(s.as_printed, sizeof s.as_printed, "E6 E20");
@@ -276,7 +277,7 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     bis_film_add(&film, 1, 0, (rgb){2, 2, 2}, 1, 1);
     n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
-                        "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 adaptive=true "
+                        "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 edgelight=0.25 adaptive=true "
                         "bis:auto=all spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:raised=0.125 bis:version=" BIS_VERSION " ");
     bis_film_clear(&film);
 }
@@ -369,14 +370,14 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
              "scene        " DIR "/scene.txt\n"
              "film         4000 x 3000, cropwindow 0 1 0 1, to bis.exr\n"
              "camera       orthographic\n"
-             "sampler      sobol, 3 camera samples a pixel, 4 for each of them on outlines, seed 0\n"
+             "sampler      sobol, 3 camera samples a pixel, 4 for each of them on outlines with 0.375 of its light samples each, seed 0\n"
              "integrator   auto: a pilot will choose among mis, sir (proposal, M and N), and em or brdf where they are safe\n"
              "claim        %s\n"
              "light        map " DIR "/probe.hdr, angular, resampled to latlong, 6000 x 3000: 216.0 MB of pixels\n",
              bis_auto.claim);
     static const char scene[] =
         "Film \"rgb\" \"integer xresolution\" 4000 \"integer yresolution\" 3000\nCamera \"orthographic\"\n"
-        "Sampler \"sobol\" \"integer pixelsamples\" 3 \"integer edgesamples\" 4\n"
+        "Sampler \"sobol\" \"integer pixelsamples\" 3 \"integer edgesamples\" 4 \"float edgelight\" 0.375\n"
         "Integrator \"auto\"\nWorldBegin\nLightSource \"infinite\" \"string filename\" \"probe.hdr\" \"string mapping\" \"angular\"\n";
     static const char none[] =
         "skip         light table: there is no geometry to light\nskip         light curve: there is no geometry to light\n"

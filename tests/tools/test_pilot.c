@@ -138,11 +138,11 @@ static void the_lists_of_a_pilot_are_those_by_hand(void **state)
     const bis_proposal mix = BIS_PROPOSAL_MIX, product = BIS_PROPOSAL_PRODUCT;
     const attempt glossy[] = {{&bis_mis, mix, 0, 6}, {&bis_mis, mix, 0, 32},
                               {&bis_sir, mix, 64, 4}, {&bis_sir, mix, 64, 20}, {&bis_sir, mix, 256, 8},
-                              {&bis_sir, product, 32, 12}, {&bis_sir, product, 64, 16},
-                              {&bis_sir, product, 64, 32}, {&bis_sir, product, 128, 24}};
-    const attempt short_list[] = {{&bis_mis, mix, 0, 16}, {&bis_sir, mix, 64, 16}, {&bis_sir, product, 64, 16}};
+                              {&bis_sir, product, 32, 12}, {&bis_sir, product, 64, 24},
+                              {&bis_sir, product, 64, 8}, {&bis_sir, product, 128, 24}};
+    const attempt short_list[] = {{&bis_mis, mix, 0, 16}, {&bis_sir, mix, 64, 16}, {&bis_sir, product, 64, 24}};
     attempt diffuse[11] = {{&bis_em, mix, 0, 8}, {&bis_em, mix, 0, 48}};
-    const attempt short_diffuse[] = {{&bis_em, mix, 0, 32}, {&bis_mis, mix, 0, 16}, {&bis_sir, mix, 64, 16}, {&bis_sir, product, 64, 16}};
+    const attempt short_diffuse[] = {{&bis_em, mix, 0, 32}, {&bis_mis, mix, 0, 16}, {&bis_sir, mix, 64, 16}, {&bis_sir, product, 64, 24}};
     const attempt constant[] = {{&bis_brdf, mix, 0, 8}, {&bis_mis, mix, 0, 16}, {&bis_sir, mix, 64, 16}};
     world w;
     memcpy(diffuse + 2, glossy, sizeof glossy);

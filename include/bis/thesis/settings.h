@@ -110,8 +110,15 @@ const char *bis_parameter_list(char buf[128], const bis_parameter *p, const char
 bis_settings bis_settings_default(const bis_integrator *integrator);
 
 /* bis_settings_unnamed returns the settings of a scene that names no integrator: sir with proposal product, 64
- * candidates, 16 shadow rays, learn true (docs/integrators.md, "A scene without an Integrator"). */
+ * candidates, 24 shadow rays, learn true (docs/integrators.md, "A scene without an Integrator"). */
 bis_settings bis_settings_unnamed(void);
+
+/* bis_settings_thin returns the settings of a camera sample that has only a share of the light samples, share in (0,1]:
+ * so much of samples and shadowrays, and of the candidates that proposal product draws for each point alone, rounded
+ * up. As many candidates as fill a vector stay, because fewer take as long. Stratified samples, and the candidates of
+ * other proposals, stay as many as they are: many points share a set of them, and a part of a set sees only a part of
+ * the map. */
+bis_settings bis_settings_thin(const bis_settings *s, double share);
 
 /* bis_settings_equal returns whether a and b have the same integrator and the same values of what it reads. */
 bool bis_settings_equal(const bis_settings *a, const bis_settings *b);

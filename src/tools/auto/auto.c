@@ -43,7 +43,7 @@ static const family families[N_FAMILIES] = {
     {&bis_brdf, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 4}, {0, 24}}, {0, 8}},
     {&bis_mis, BIS_PROPOSAL_MIX, {0, 0, 2, 64}, {{0, 6}, {0, 32}}, {0, 16}},
     {&bis_sir, BIS_PROPOSAL_MIX, {32, 2048, 2, 64}, {{64, 4}, {64, 20}, {256, 8}}, {64, 16}},
-    {&bis_sir, BIS_PROPOSAL_PRODUCT, {16, 512, 2, 64}, {{32, 12}, {64, 16}, {64, 32}, {128, 24}}, {64, 16}},
+    {&bis_sir, BIS_PROPOSAL_PRODUCT, {16, 512, 2, 64}, {{32, 12}, {64, 24}, {64, 8}, {128, 24}}, {64, 24}},
 };
 
 static const double behind = 2;
@@ -168,8 +168,8 @@ double bis_auto_narrowness(const bis_material *m)
 }
 
 /* Lobes of less than half a steradian (phong: n > 24) see so little of the map that half as many rays tell what hides
- * it: with n = 50 under Grace Cathedral 64/16 takes 1.42 times as long as the best setting, 64/8 1.22 times. So short a
- * pilot could not tell. */
+ * it: in an earlier version, with n = 50 under Grace Cathedral, 64/16 took 1.42 times as long as the best setting, 64/8
+ * 1.22 times. So short a pilot could not tell. */
 static bool is_narrow(const bis_scene_desc *d)
 {
     const double least_narrowness = 2;
