@@ -65,52 +65,61 @@ double bis_blocks_sum(bis_blocks *b, uint32_t n)
 
 /* ---- systematic: how many marks lie before each sum ---- */
 
-/* Marks j = 0, 1, ... at j + offset that lie below x. */
-static inline uint32_t marks_below(double x, double offset)
+/* Marks j = 0, 1, ... at j + offset that lie below x <= 2^24, as many as a camera sample can have. */
+static inline BIS_INLINE uint32_t marks_below(double x, double offset)
 {
     const double d = x - offset;
-    const int64_t whole = (int64_t)d;
+    const int32_t whole = (int32_t)d;
 
     return d > 0 ? (uint32_t)(whole + (d > (double)whole)) : 0;
 }
 
-/* Each lane takes the marks between the sum before it and the sum with it. No branch but for blocks without a mark: N
- * marks cost N wrong guesses else. */
-void bis_blocks_choose_systematic(bis_blocks *b, uint32_t N, double W, double offset)
+/* Each lane takes the marks between the sum before it and the sum with it. How many marks lie below each sum is found
+ * for a block at once. No branch but for blocks without a mark: N marks cost N wrong guesses else. */
+BIS_LANES
+static uint32_t choose_systematic(uint32_t *restrict lane, uint32_t *restrict times, const float *restrict w,
+                                  const float *restrict sum, uint32_t n_blocks, uint32_t N, double W, double offset)
 {
-    const uint32_t n_blocks = b->n / BLOCK;
     const double per_weight = N / W;
     uint32_t n = 0, taken = 0;
     double S = 0;
 
-    for (uint32_t k = 0; k < n_blocks; k++) {
-        const double end_of_block = S + (double)b->sum[k];
-        uint32_t end = marks_below(end_of_block * per_weight, offset), last = BLOCK * k;
+    for (uint32_t k = 0; k < n_blocks; k++, w += BLOCK) {
+        const double end_of_block = S + (double)sum[k];
+        uint32_t end = marks_below(end_of_block * per_weight, offset), last = BLOCK * k, below[BLOCK];
+        double with[BLOCK];
+
         end = k == n_blocks - 1 || end > N ? N : end;
         if (end > taken) {
-            for (uint32_t i = BLOCK * k; i < BLOCK * (k + 1); i++) {
-                S += (double)b->w[i];
-                uint32_t e = marks_below(S * per_weight, offset);
-                e = e > end ? end : e;
+            for (uint32_t i = 0; i < BLOCK; i++) with[i] = S += (double)w[i];
+#pragma omp simd
+            for (uint32_t i = 0; i < BLOCK; i++) below[i] = marks_below(with[i] * per_weight, offset);
+            for (uint32_t i = 0; i < BLOCK; i++) {
+                uint32_t e = below[i] > end ? end : below[i];
                 e = e < taken ? taken : e;
-                last = b->w[i] > 0 ? i : last;
-                b->lane[n] = i;
-                b->times[n] = e - taken;
+                lane[n] = BLOCK * k + i;
+                times[n] = e - taken;
                 n += e > taken;
                 taken = e;
             }
             if (taken < end) { /* what rounding leaves at the end of a block, or of all */
-                while (b->w[last] <= 0) last--;
-                const bool again = n > 0 && b->lane[n - 1] == last;
+                last = BLOCK - 1;
+                while (w[last] <= 0) last--;
+                const bool again = n > 0 && lane[n - 1] == BLOCK * k + last;
                 n += !again;
-                b->lane[n - 1] = last;
-                b->times[n - 1] = (again ? b->times[n - 1] : 0) + end - taken;
+                lane[n - 1] = BLOCK * k + last;
+                times[n - 1] = (again ? times[n - 1] : 0) + end - taken;
                 taken = end;
             }
         }
         S = end_of_block;
     }
-    b->n_chosen = n;
+    return n;
+}
+
+void bis_blocks_choose_systematic(bis_blocks *b, uint32_t N, double W, double offset)
+{
+    b->n_chosen = choose_systematic(b->lane, b->times, b->w, b->sum, b->n / BLOCK, N, W, offset);
 }
 
 /* ---- multinomial: mark by mark ---- */
