@@ -49,13 +49,14 @@ static const measure_setting reach[MEASURE_MATERIALS] = {CAMERA_SAMPLE("4", "32"
 /* What each part of the default is worth; then the other integrators, and the camera sample alone. The empty setting is
  * the default itself. */
 #define SIR "Integrator \"sir\" "
-#define PRODUCT SIR "\"string proposal\" \"product\" \"integer candidates\" 64 \"integer shadowrays\" 16 "
+#define PRODUCT SIR "\"string proposal\" \"product\" \"integer candidates\" 64 \"integer shadowrays\" 24 "
+#define EDGES "Sampler \"sobol\" \"integer edgesamples\" 8 \"float edgelight\" 0.25 "
 static const measure_setting steps[] = {
     {"thesis", "Sampler \"stratified\" " SIR},
     {"sobol", "Sampler \"sobol\" " SIR},
-    {"edges", "Sampler \"sobol\" \"integer edgesamples\" 4 " SIR},
-    {"product", "Sampler \"sobol\" \"integer edgesamples\" 4 " PRODUCT},
-    {"learn", "Sampler \"sobol\" \"integer edgesamples\" 4 " PRODUCT "\"bool learn\" true"},
+    {"edges", EDGES SIR},
+    {"product", EDGES PRODUCT},
+    {"learn", EDGES PRODUCT "\"bool learn\" true"},
     {"default", ""},
     {"em", "Sampler \"stratified\" Integrator \"em\""},
     {"brdf", "Sampler \"stratified\" Integrator \"brdf\""},
