@@ -4,7 +4,13 @@
  * a small picture of the dragon, 3 % of the pixels hold 80 % of a diffuse surface's error at 12 rays a camera sample.
  * So a ray goes through every pixel's corner. Where one corner sees the background and another a surface, other
  * materials, or normals more than 60 degrees apart, pass.c takes edgesamples camera samples in each pass instead of
- * one.
+ * one. Where the surface turns so far that the material's lobe passes from one part of the map to another, it takes
+ * half as many, because there each of them sees light of its own.
+ *
+ * How far that is depends on the material: a lobe of density q at its peak is about as wide as a cone of 1/q. Half of
+ * its opening is 60 degrees for a diffuse surface, 25 for n = 10, 11 for n = 50. The mean of the two lobes, by the
+ * chances that they are drawn with, is what counts. To the same error, a dragon with n = 50 takes 0.45 to 0.7 of the
+ * time that it takes without this, with n = 10 0.6 to 0.9, half of it diffuse 0.9 to 1.05.
  * Unbiased: how many samples a pixel gets is settled before the first of them, by rays through fixed points. What slips
  * between four corners gets one sample a pass, as everything else. */
 #include "edges.h"
@@ -19,12 +25,34 @@ enum { TOGETHER = 64 }; /* rays that the accelerator gets at once */
 typedef struct corner {
     bool hit;
     uint32_t material;
+    double turn; /* cosine of the angle that counts */
     vec3 n;
 } corner;
 
+static double turn_of(const bis_material *m)
+{
+    const vec3 n = {0, 0, 1};
+    bis_bsdf b;
+
+    bis_bsdf_init(&b, m, n, n);
+    const double p = b.p_specular, diffuse = (1 - p) / PI; /* at the peak, of the density of both */
+    if (bis_bsdf_is_black(&b) || p <= 0) return 0.5;
+    const double cone = 1 - p / (2 * PI * (bis_bsdf_pdf(&b, b.r) - diffuse));
+    const double turn = p * acos(fmax(cone, 0.5)) + (1 - p) * PI / 3; /* no lobe is wider than the diffuse one */
+    return cos(fmax(turn, PI / 180)); /* on a plane, normals differ by rounding */
+}
+
+double *bis_edges_turns(const bis_scene_desc *desc)
+{
+    double *turns = bis_alloc(desc->n_materials, sizeof *turns);
+
+    for (size_t i = 0; turns && i < desc->n_materials; i++) turns[i] = turn_of(&desc->materials[i]);
+    return turns;
+}
+
 /* What the rays through n <= TOGETHER places of a row see; x[n], and y for all. */
 static void look_at(corner *c, const double *x, double y, int n, const bis_film *film, const bis_scene *scene,
-                    const bis_view *view)
+                    const bis_view *view, const double *turns)
 {
     ray eye[TOGETHER];
     uint32_t prim[TOGETHER];
@@ -37,7 +65,7 @@ static void look_at(corner *c, const double *x, double y, int n, const bis_film 
         c[i] = (corner){.hit = prim[i] != BIS_NO_PRIM};
         if (!c[i].hit) continue;
         bis_geometry_surface(&scene->geometry, prim[i], &eye[i], &at);
-        c[i] = (corner){true, at.material, at.n};
+        c[i] = (corner){true, at.material, turns[at.material], at.n};
     }
 }
 
@@ -64,14 +92,19 @@ uint64_t bis_edges_rays(const bis_film *film, bis_rect area, bis_rect rect)
     return counted(film, rect.x0, rect.x1, area.x1) * counted(film, rect.y0, rect.y1, area.y1);
 }
 
-static bool differ(const corner *a, const corner *b)
+static unsigned char change(const corner *a, const corner *b)
 {
-    if (a->hit != b->hit) return true;
-    return a->hit && (a->material != b->material || dot(a->n, b->n) < 0.5);
+    if (a->hit != b->hit) return BIS_EDGE_OUTLINE;
+    if (!a->hit) return BIS_EDGE_NONE;
+    const double cosine = dot(a->n, b->n);
+    if (a->material != b->material || cosine < 0.5) return BIS_EDGE_OUTLINE;
+    return cosine < a->turn ? BIS_EDGE_TURN : BIS_EDGE_NONE;
 }
 
+static unsigned char more(unsigned char a, unsigned char b) { return a > b ? a : b; }
+
 bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis_film *film, const bis_scene *scene,
-                    const bis_view *view, int n_threads)
+                    const bis_view *view, const double *turns, int n_threads)
 {
     const int width = rect.x1 - rect.x0, height = rect.y1 - rect.y0, n = corners_a_pixel(film);
     const int across = corners_of(film, width), down = corners_of(film, height);
@@ -85,15 +118,16 @@ bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis
             const int count = across - first < TOGETHER ? across - first : TOGETHER;
             double x[TOGETHER];
             for (int i = 0; i < count; i++) x[i] = place_of(film, rect.x0, first + i);
-            look_at(&c[y * (ptrdiff_t)across + first], x, place_of(film, rect.y0, y), count, film, scene, view);
+            look_at(&c[y * (ptrdiff_t)across + first], x, place_of(film, rect.y0, y), count, film, scene, view, turns);
         }
     }
     for (int y = 0; y < height; y++) {
         unsigned char *row = edge + (rect.y0 - area.y0 + y) * (ptrdiff_t)(area.x1 - area.x0) + rect.x0 - area.x0;
         for (int x = 0; x < width; x++) {
             const corner *a = &c[n * y * (ptrdiff_t)across + n * x], *b = a + across;
-            row[x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) || differ(b, b + 1) ||
-                     differ(a, b + 1) || differ(a + 1, b);
+            const unsigned char sides = more(more(change(a, a + 1), change(b, b + 1)),
+                                             more(change(a, b), change(a + 1, b + 1)));
+            row[x] = more(sides, more(change(a, b + 1), change(a + 1, b)));
         }
     }
     bis_free(c);

@@ -72,12 +72,12 @@ static bool is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y 
 static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, uint32_t n, const bis_pass *pass,
                         bis_pixel_sum *sum)
 {
-    const bool edge = w->edge && w->edge[index_in(w->area, x, y)];
-    const uint32_t each = edge ? w->view->edge_samples : 1;
-    bis_sampler sampler = edge ? w->edge_sampler : w->view->sampler;
+    const int edge = w->edge ? w->edge[index_in(w->area, x, y)] : BIS_EDGE_NONE;
+    const uint32_t each = bis_edges_samples(edge, w->view->edge_samples);
+    bis_sampler sampler = edge ? w->edge_samplers[edge] : w->view->sampler;
     uint64_t first = pass->first * each;
 
-    sum->settings = edge ? &w->edge_settings : &w->view->settings;
+    sum->settings = each > 1 ? &w->edge_settings : &w->view->settings;
     if (w->adapt.n_tiles) {
         sampler = sampler_number(w, pass->number, n * each);
         first = 0;

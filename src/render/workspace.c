@@ -4,7 +4,6 @@
 
 #include "bis/base/mem.h"
 #include "crew.h"
-#include "edges.h"
 #include "share.h"
 
 #include <inttypes.h>
@@ -169,24 +168,25 @@ uint64_t bis_workspace_edge_rays(const bis_workspace *w)
     return n;
 }
 
-static bool find_edges_of(bis_workspace *w, const int *tiles, int n)
+static bool find_edges_of(bis_workspace *w, const int *tiles, int n, const double *turns)
 {
     bool good = true;
 
 #pragma omp parallel for schedule(dynamic) num_threads(w->n_threads) reduction(&& : good)
     for (int i = 0; i < n; i++)
-        good = bis_edges_find(w->edge, w->area, bis_workspace_tile(w, tiles[i]), w->film, w->scene, w->view, 1) && good;
+        good = bis_edges_find(w->edge, w->area, bis_workspace_tile(w, tiles[i]), w->film, w->scene, w->view, turns, 1) &&
+               good;
     return good;
 }
 
 /* The share of this rank; the others' pixels stay 0. */
-static bool find_edges_of_rank(bis_workspace *w, const bis_crew *crew)
+static bool find_edges_of_rank(bis_workspace *w, const bis_crew *crew, const double *turns)
 {
     const bis_part share = {(uint32_t)crew->rank + 1, (uint32_t)crew->size};
     int *tiles, n;
 
     if (bis_share_tiles(&tiles, &n, w->film, share, NULL)) return false;
-    const bool good = find_edges_of(w, tiles, n);
+    const bool good = find_edges_of(w, tiles, n, turns);
     bis_free(tiles);
     return good;
 }
@@ -197,15 +197,20 @@ bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
     const bis_crew *crew = w->options->crew;
 
     if (w->view->edge_samples <= 1 || !w->view->pixel_jitter || !w->scene->accel) return BIS_OK;
-    w->edge_sampler = w->view->sampler;
-    bis_sampler_set_spp(&w->edge_sampler, (uint64_t)w->view->sampler.spp * w->view->edge_samples);
+    for (int kind = 0; kind < BIS_EDGE_KINDS; kind++) {
+        const uint64_t each = bis_edges_samples(kind, w->view->edge_samples);
+        w->edge_samplers[kind] = w->view->sampler;
+        if (each > 1) bis_sampler_set_spp(&w->edge_samplers[kind], w->view->sampler.spp * each);
+    }
     const double share = w->view->edge_light > 0 ? w->view->edge_light : 1;
     w->edge_settings = bis_settings_thin(&w->view->settings, share);
     w->edge = bis_alloc((size_t)width * (size_t)height, sizeof *w->edge);
-    bool good = w->edge != NULL;
-    if (good && crew) good = find_edges_of_rank(w, crew);
-    else if (good && w->own) good = find_edges_of(w, w->own, w->n_own);
-    else if (good) good = bis_edges_find(w->edge, w->area, w->area, w->film, w->scene, w->view, w->n_threads);
+    double *turns = bis_edges_turns(w->desc);
+    bool good = w->edge && turns;
+    if (good && crew) good = find_edges_of_rank(w, crew, turns);
+    else if (good && w->own) good = find_edges_of(w, w->own, w->n_own, turns);
+    else if (good) good = bis_edges_find(w->edge, w->area, w->area, w->film, w->scene, w->view, turns, w->n_threads);
+    bis_free(turns);
     if (good) return BIS_OK;
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the edges of %d x %d pixels", width, height);
 }

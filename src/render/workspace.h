@@ -6,6 +6,7 @@
 
 #include "adapt.h"
 #include "beyond/batch.h"
+#include "edges.h"
 #include "wave.h"
 
 #include <stdalign.h>
@@ -47,7 +48,7 @@ typedef struct bis_workspace {
     bool whole_tiles;         /* pixels of a tile beside the crop are rendered as well */
     bis_rect area;            /* what is rendered: the crop, or all of its tiles */
     unsigned char *edge;      /* edge[][] of the area, see edges.h; NULL: all pixels are alike */
-    bis_sampler edge_sampler; /* of all camera samples of an edge pixel */
+    bis_sampler edge_samplers[BIS_EDGE_KINDS]; /* of all camera samples of a pixel, by its kind */
     bis_settings edge_settings; /* of each of them */
     bis_pixel_mean *pass;     /* pass[height][width] of the crop */
     float *pass_layers;       /* pass_layers[height][width][film->layers.n_values]; NULL: no layers */

@@ -2,6 +2,8 @@
  * 1e-3. */
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/thesis/phong.h"
 #include "render/edges.h"
 #include "stat.h"
 #include "world.h"
@@ -32,12 +34,14 @@ static void edges_are_where_the_picture_is_half_background(void **state)
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 256}});
     const bis_rect all = {0, 0, WIDTH, HEIGHT};
     unsigned char *edge = bis_alloc(WIDTH * HEIGHT, 1);
-    assert_true(bis_edges_find(edge, all, all, &film, &w.scene, &w.desc.view, 2));
+    double *turns = bis_edges_turns(&w.desc);
+    assert_true(bis_edges_find(edge, all, all, &film, &w.scene, &w.desc.view, turns, 2));
+    bis_free(turns);
     for (int i = 0; i < WIDTH * HEIGHT; i++, n++) {
         const double share = (double)film.hits[i] / 256;
-        edges += edge[i];
+        edges += edge[i] == BIS_EDGE_OUTLINE;
         mixed += share > 0.1 && share < 0.9;
-        missed += share > 0.1 && share < 0.9 && !edge[i];
+        missed += share > 0.1 && share < 0.9 && edge[i] != BIS_EDGE_OUTLINE;
     }
     assert_true(mixed > 10 && missed <= mixed / 10);
     assert_true(edges >= mixed / 2 && edges < n / 2);
@@ -47,11 +51,14 @@ static void edges_are_where_the_picture_is_half_background(void **state)
 }
 
 /* A roof of two planes, z = |x| tan(angle/2), seen head on: normals differ by `angle`, and the ridge crosses the
- * middle column of pixels alone. Materials as given. Returns how many pixels are edges, -1 if any is elsewhere. */
-static int count_ridge(double angle_deg, int left, int right)
+ * middle column of pixels alone. Both sides have material m; left and right are its numbers, two materials if they
+ * differ. Returns how many pixels are of the kind, -1 if any pixel elsewhere is of any kind. */
+static int count_ridge(double angle_deg, int left, int right, bis_material m, int kind)
 {
     const float far = 90, z = (float)(90 * tan(angle_deg * PI / 360));
     const bis_xform identity = bis_xform_identity();
+    bis_material materials[2] = {m, m};
+    const bis_scene_desc desc = {.materials = materials, .n_materials = 2};
     world w, empty = {0};
     bis_film film;
     int n = 0;
@@ -63,23 +70,25 @@ static int count_ridge(double angle_deg, int left, int right)
         const float x = side ? far : -far;
         const vec3 corners[4] = {{0, -far, 0}, {0, far, 0}, {x, far, z}, {x, -far, z}};
         const uint32_t index[6] = {0, 1, 2, 0, 2, 3};
-        bis_mesh m = {.n_vertices = 4, .n_triangles = 2};
-        m.p = bis_alloc(4, sizeof *m.p);
-        m.index = bis_alloc(6, sizeof *m.index);
-        memcpy(m.p, corners, sizeof corners);
-        memcpy(m.index, index, sizeof index);
-        assert_int_equal(bis_geometry_add_mesh(&w.scene.geometry, &m, &identity, (uint32_t)(side ? right : left),
+        bis_mesh mesh = {.n_vertices = 4, .n_triangles = 2};
+        mesh.p = bis_alloc(4, sizeof *mesh.p);
+        mesh.index = bis_alloc(6, sizeof *mesh.index);
+        memcpy(mesh.p, corners, sizeof corners);
+        memcpy(mesh.index, index, sizeof index);
+        assert_int_equal(bis_geometry_add_mesh(&w.scene.geometry, &mesh, &identity, (uint32_t)(side ? right : left),
             NULL), BIS_OK);
-        bis_mesh_clear(&m);
+        bis_mesh_clear(&mesh);
     }
     assert_int_equal(bis_accel_new(&w.scene.accel, &w.scene.geometry, &(bis_accel_options){.kind = BIS_ACCEL_GRID},
         NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
     const bis_rect all = {0, 0, WIDTH, HEIGHT};
     unsigned char *edge = bis_alloc(WIDTH * HEIGHT, 1);
-    assert_true(bis_edges_find(edge, all, all, &film, &w.scene, &w.desc.view, 1));
+    double *turns = bis_edges_turns(&desc);
+    assert_true(bis_edges_find(edge, all, all, &film, &w.scene, &w.desc.view, turns, 1));
+    bis_free(turns);
     for (int i = 0; i < WIDTH * HEIGHT && n >= 0; i++)
-        if (edge[i]) n = i % WIDTH == WIDTH / 2 ? n + 1 : -1;
+        if (edge[i]) n = i % WIDTH == WIDTH / 2 ? n + (edge[i] == kind) : -1;
     bis_free(edge);
     bis_film_clear(&film);
     clear_world(&w);
@@ -90,12 +99,44 @@ static int count_ridge(double angle_deg, int left, int right)
 static void ridges_are_edges_from_60_degrees_on_and_borders_of_materials_always(void **state)
 {
     (void)state;
-    assert_int_equal(count_ridge(58, 0, 0), 0);
-    assert_int_equal(count_ridge(62, 0, 0), HEIGHT);
-    assert_int_equal(count_ridge(85, 1, 1), HEIGHT);
-    assert_int_equal(count_ridge(0, 0, 0), 0);
-    assert_int_equal(count_ridge(0, 0, 1), HEIGHT);
-    assert_int_equal(count_ridge(20, 1, 0), HEIGHT);
+    const bis_material matt = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
+    const int outline = BIS_EDGE_OUTLINE;
+    assert_int_equal(count_ridge(58, 0, 0, matt, outline), 0);
+    assert_int_equal(count_ridge(58, 0, 0, matt, BIS_EDGE_TURN), 0);
+    assert_int_equal(count_ridge(62, 0, 0, matt, outline), HEIGHT);
+    assert_int_equal(count_ridge(85, 1, 1, matt, outline), HEIGHT);
+    assert_int_equal(count_ridge(0, 0, 0, matt, outline), 0);
+    assert_int_equal(count_ridge(0, 0, 1, matt, outline), HEIGHT);
+    assert_int_equal(count_ridge(20, 1, 0, matt, outline), HEIGHT);
+}
+
+/* Phong's lobe has the density (n + 1)/(2 pi) at its peak, which is that of a cone of cosine 1 - 1/(n + 1): 24.6 degrees
+ * for n = 10. Half of a diffuse surface makes it (24.6 + 60)/2 = 42.3. A lobe of n = 0.5 would be wider than a diffuse
+ * surface, 70.5 degrees; one of 10^6 narrower than the degree that is asked for at least. */
+static void the_turn_that_counts_is_that_of_the_lobe(void **state)
+{
+    (void)state;
+    static const struct {
+        float kd, ks;
+        double n, angle;
+    } cases[] = {{0, 0.5f, 10, 24.6}, {0, 0.01f, 10, 24.6}, {0.25f, 0.25f, 10, 42.3}, {0, 1, 50, 11.36}, {0, 1, 1e6, 1},
+                 {0, 1, 0.5, 60}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const float d = cases[i].kd, s = cases[i].ks;
+        const bis_material m = bis_phong((rgb){d, d, d}, (rgb){s, s, s}, cases[i].n);
+        const int above = cases[i].angle * 1.03 > 60 ? BIS_EDGE_OUTLINE : BIS_EDGE_TURN;
+        assert_int_equal(count_ridge(cases[i].angle * 0.97, 0, 0, m, BIS_EDGE_TURN), 0);
+        assert_int_equal(count_ridge(cases[i].angle * 1.03, 0, 0, m, above), HEIGHT);
+        assert_int_equal(count_ridge(0, 0, 0, m, BIS_EDGE_TURN), 0);
+    }
+    /* 4 a^2 pi is one over the density of visible normals of GGX, mirrored, head on: 1 - 2 a^2 is the cosine */
+    const bis_material facets = bis_microfacet((rgb){0, 0, 0}, (rgb){1, 1, 1}, 0.2);
+    assert_int_equal(count_ridge(23.07 * 0.97, 0, 0, facets, BIS_EDGE_TURN), 0);
+    assert_int_equal(count_ridge(23.07 * 1.03, 0, 0, facets, BIS_EDGE_TURN), HEIGHT);
+    assert_int_equal(bis_edges_samples(BIS_EDGE_NONE, 8), 1);
+    assert_int_equal(bis_edges_samples(BIS_EDGE_TURN, 8), 4);
+    assert_int_equal(bis_edges_samples(BIS_EDGE_TURN, 1), 1);
+    assert_int_equal(bis_edges_samples(BIS_EDGE_OUTLINE, 8), 8);
 }
 
 /* Mean over the picture of one render: with edge samples it estimates the same number. */
@@ -201,6 +242,7 @@ int main(void)
         cmocka_unit_test(camera_samples_times_edge_samples_may_pass_32_bits),
         cmocka_unit_test(edges_are_where_the_picture_is_half_background),
         cmocka_unit_test(ridges_are_edges_from_60_degrees_on_and_borders_of_materials_always),
+        cmocka_unit_test(the_turn_that_counts_is_that_of_the_lobe),
         cmocka_unit_test(mean_is_the_same_and_its_scatter_less),
         cmocka_unit_test(bits_do_not_depend_on_threads_and_one_is_none),
     };

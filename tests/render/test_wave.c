@@ -62,15 +62,15 @@ static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work,
         for (int x = 0; x < WIDTH; x++) {
             /* 4 x 4 cells of 4 x 4 pixels; four of them, a square, follow each other, and so do four squares */
             const size_t t = (size_t)(y / TILE * ACROSS + x / TILE), cell = 16 * t + (size_t)(8 * (y / 8 % 2) + 4 * (x / 8 % 2) + 2 * (y / 4 % 2) + x / 4 % 2);
-            const bool edge = work->edge && work->edge[y * WIDTH + x];
-            const uint32_t k = edge ? w->desc.view.edge_samples : 1;
+            const int edge = work->edge ? work->edge[y * WIDTH + x] : 0;
+            const uint32_t most = w->desc.view.edge_samples, k = edge == 2 ? most : edge ? (most + 1) / 2 : 1;
             rgbd sum = {0, 0, 0};
             double hits = 0;
             if (work->visibility.n_tiles)
                 bis_foresight_look(&work->workers[0].fast.foresight, work->clusters.n, &work->visibility, cell);
             for (uint32_t i = 0; i < n * k; i++) {
                 bool hit;
-                const rgb L = radiance(w, work, Lo, edge ? &work->edge_sampler : &w->desc.view.sampler, edge, x, y, before * k + i, &hit);
+                const rgb L = radiance(w, work, Lo, edge ? &work->edge_samplers[edge] : &w->desc.view.sampler, k > 1, x, y, before * k + i, &hit);
                 sum = (rgbd){sum.r + (double)L.r, sum.g + (double)L.g, sum.b + (double)L.b};
                 hits += hit;
             }

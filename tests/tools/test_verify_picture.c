@@ -65,11 +65,13 @@ static void a_right_picture_passes(void **state)
 /* Renders that are wrong. */
 static size_t pixels_of(const bis_film *f) { return (size_t)f->width * (size_t)f->height; }
 
-static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const bis_view *view)
+static unsigned char *edges_of(const bis_film *f, const bis_scene *scene, const bis_scene_desc *desc, const bis_view *view)
 {
     const bis_rect all = {f->x0, f->y0, f->x0 + f->width, f->y0 + f->height};
     unsigned char *edge = bis_alloc((size_t)f->width * (size_t)f->height, 1);
-    assert_true(bis_edges_find(edge, all, all, f, scene, view, 1));
+    double *turns = bis_edges_turns(desc);
+    assert_true(bis_edges_find(edge, all, all, f, scene, view, turns, 1));
+    bis_free(turns);
     return edge;
 }
 
@@ -77,7 +79,7 @@ static bis_status render_heavy_edges(bis_render_result *result, bis_film *f, con
                                      const bis_view *view, const bis_render_options *options, bis_diag *diag)
 {
     const bis_status status = bis_render(result, f, scene, desc, view, options, diag);
-    unsigned char *edge = edges_of(f, scene, view);
+    unsigned char *edge = edges_of(f, scene, desc, view);
     for (size_t i = 0; i < 3 * pixels_of(f); i++) f->sum[i] *= edge[i / 3] ? 1.5 : 1;
     bis_free(edge);
     return status;
@@ -96,7 +98,7 @@ static bis_status render_shifted(bis_render_result *result, bis_film *f, const b
     memcpy(shifted.camera.screen, (double[]){dx - aspect, dx + aspect, -1 - dy, 1 - dy}, sizeof shifted.camera.screen);
     bis_status status = bis_render(result, f, scene, desc, view, options, diag);
     if (!status) status = bis_render(&ignored, &other, scene, desc, &shifted, options, diag);
-    unsigned char *edge = edges_of(f, scene, view);
+    unsigned char *edge = edges_of(f, scene, desc, view);
     for (size_t i = 0; i < 3 * pixels_of(f); i++)
         if (edge[i / 3]) f->sum[i] = other.sum[i];
     bis_free(edge);
