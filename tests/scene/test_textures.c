@@ -478,6 +478,14 @@ static void an_obj_brings_its_materials_and_each_part_is_a_shape(void **state)
     const bis_texture *x = &b.desc->textures.list[0];
     assert_true(x->factor[0] == 2 && x->factor[1] == 1 && x->offset[0] == 0.5 && x->wrap == BIS_WRAP_CLAMP);
     clear(&b);
+    /* compressed, it has the same parts */
+    char compressed[1024];
+    assert_int_equal(system("gzip -c " DIR "/o.obj > " DIR "/o.obj.gz"), 0);
+    snprintf(compressed, sizeof compressed, LIGHT "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj.gz\" \"bool materials\" true");
+    assert_int_equal(try_build(&b, compressed), BIS_OK);
+    assert_int_equal(b.desc->n_shapes, 3);
+    assert_int_equal(b.scene->geometry.n_triangles, 6);
+    clear(&b);
     /* without the parameter it is one shape as ever */
     *strstr(text, "\"bool materials\"") = '\0';
     assert_int_equal(try_build(&b, text), BIS_OK);
