@@ -1,13 +1,15 @@
 /* make_data: makes what the repository does not carry, the models and maps that scene.txt and data/scenes use.
  *
- *     bis-data DIR                     writes DIR/models/NAME.ply and DIR/maps/NAME.hdr or .exr, and what textures.c
- *                                      has: a .ply, an .obj and images with texture coordinates
+ *     bis-data DIR                     writes DIR/models/NAME.ply and DIR/maps/NAME.hdr or .exr, what textures.c has
+ *                                      (a .ply, an .obj and images with texture coordinates), and what mapped.c makes
+ *                                      of these: maps that are not lat-long, compressed files
  *     bis-data --knot TRIANGLES FILE   writes one carved knot, for the scaling benchmark
  *
  * Everything is drawn by formulas (model_*.c, map_*.c) with noise that is a fixed function of the place, so that two
  * runs, on any number of threads, give the same bytes. Exit status: 0 done, 1 could not write or ran out of memory, 2
  * bad usage. */
 #include "map.h"
+#include "mapped.h"
 #include "model.h"
 #include "textures.h"
 
@@ -105,7 +107,8 @@ static bis_status make_all(const char *dir, bis_diag *diag)
         if (!status) status = make_folder(path, diag);
     }
     for (size_t i = 0; i < sizeof jobs / sizeof jobs[0] && !status; i++) status = make(dir, &jobs[i], diag);
-    return status ? status : textures_make(dir, diag);
+    if (!status) status = textures_make(dir, diag);
+    return status ? status : mapped_make(dir, diag);
 }
 
 static bis_status make_knot(const char *count, const char *path, bis_diag *diag)

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { SIDE = 128, AROUND = 64, UP = 40 };
+enum { AROUND = 64, UP = 40 };
 
 /* ---- images ---- */
 
@@ -44,15 +44,41 @@ static rgb polish(double u, double v)
     return rgb_from(value, value, value);
 }
 
+/* A woven cloth: threads of two colours, over and under each other in turn. */
+static rgb weave(double u, double v)
+{
+    const double x = 4 * u, y = 4 * v, a = x - floor(x), b = y - floor(y);
+    const bool warp = ((int)floor(x) + (int)floor(y)) % 2 == 0;
+    const double across = warp ? a : b, along = warp ? b : a;
+    const double light = sqrt(fmax(0, 1 - pow(2 * across - 1, 2))) * (0.6 + 0.4 * sin(PI * along));
+    const rgb straw = {0.75f, 0.62f, 0.38f}, blue = {0.10f, 0.22f, 0.40f};
+    return rgb_scale(warp ? straw : blue, light);
+}
+
+/* The growth rings of a plank, cut a little beside the heart. */
+static rgb rings(double u, double v)
+{
+    const double r = 9 * hypot(u - 0.4 + 0.03 * sin(6 * v), 0.35 * (v - 0.6)), t = r - floor(r), late = t * t * t;
+    return rgb_from(0.55 - 0.33 * late, 0.34 - 0.23 * late, 0.17 - 0.12 * late);
+}
+
+/* A medal: rays about its middle, dark at the rim. */
+static rgb medal(double u, double v)
+{
+    const double x = 2 * u - 1, y = 2 * v - 1, r = hypot(x, y), rays = 0.5 + 0.5 * cos(12 * atan2(y, x));
+    const double value = smooth(1, 0.9, r) * (0.25 + 0.65 * smooth(0.2, 0.3, r) * rays);
+    return rgb_from(value, 0.8 * value, 0.45 * value);
+}
+
 /* Row 0 is at the top, v = 1. The writer makes sRGB of linear values. */
-static bis_status write_image(const char *path, rgb (*at)(double u, double v), bis_diag *diag)
+static bis_status write_image(const char *path, int side, rgb (*at)(double u, double v), bis_diag *diag)
 {
     bis_image image;
-    bis_status status = bis_image_init(&image, SIDE, SIDE, diag);
+    bis_status status = bis_image_init(&image, side, side, diag);
 
     if (status) return status;
-    for (int y = 0; y < SIDE; y++)
-        for (int x = 0; x < SIDE; x++) image.pixels[y * SIDE + x] = at((x + 0.5) / SIDE, 1 - (y + 0.5) / SIDE);
+    for (int y = 0; y < side; y++)
+        for (int x = 0; x < side; x++) image.pixels[y * side + x] = at((x + 0.5) / side, 1 - (y + 0.5) / side);
     status = bis_image_save_colours(&image, path, diag);
     bis_image_clear(&image);
     return status;
@@ -124,18 +150,20 @@ bis_status textures_make(const char *dir, bis_diag *diag)
 {
     static const struct {
         const char *name;
+        int side;
         rgb (*image)(double u, double v);
         void (*print)(FILE *f);
-    } files[] = {{"maps/tiles.png", tile, NULL},          {"maps/polish.png", polish, NULL},
-                 {"models/vase.ply", NULL, print_vase},   {"models/crates.obj", NULL, print_crates},
-                 {"models/crates.mtl", NULL, print_library}};
+    } files[] = {{"maps/tiles.png", 128, tile, NULL},        {"maps/polish.png", 128, polish, NULL},
+                 {"maps/weave.pfm", 32, weave, NULL},        {"maps/rings.exr", 64, rings, NULL},
+                 {"maps/medal.hdr", 64, medal, NULL},        {"models/vase.ply", 0, NULL, print_vase},
+                 {"models/crates.obj", 0, NULL, print_crates}, {"models/crates.mtl", 0, NULL, print_library}};
     bis_status status = BIS_OK;
 
     for (size_t i = 0; i < sizeof files / sizeof *files && !status; i++) {
         char path[PATH_MAX];
         if (snprintf(path, sizeof path, "%s/%s", dir, files[i].name) >= (int)sizeof path)
             return bis_error(diag, BIS_IO, (bis_loc){dir, 0, 0}, "the folder's name is too long");
-        status = files[i].image ? write_image(path, files[i].image, diag) : write_text(path, files[i].print, diag);
+        status = files[i].image ? write_image(path, files[i].side, files[i].image, diag) : write_text(path, files[i].print, diag);
     }
     return status;
 }

@@ -4,8 +4,8 @@
 
 #include "bis/base/status.h"
 
-/* Write dir/maps/tiles.png, dir/maps/polish.png, dir/models/vase.ply, dir/models/crates.obj and crates.mtl. The folders
- * must exist. */
+/* Write dir/maps/tiles.png, polish.png, weave.pfm, rings.exr and medal.hdr, dir/models/vase.ply, crates.obj and
+ * crates.mtl. The folders must exist. */
 bis_status textures_make(const char *dir, bis_diag *diag);
 
 #endif

@@ -43,13 +43,9 @@ static bis_status merge(const merge_options *o, const char *const *parts, int n,
         desc.view.sampler.seed = m->about.seed;
         desc.view.edge_samples = m->about.edge_samples;
         desc.view.edge_light = m->about.edge_light;
-        bis_stats stats = {.desc = &desc, .scene = m->about.figures, .film = &m->film, .result = &m->result,
-                           .seconds = m->about.seconds};
-        bis_describe_line(stats.line, &desc.view.settings, true);
+        bis_stats stats = bis_stats_of(&desc, m->about.figures, m->about.seconds, &m->film, &m->result);
         snprintf(stats.approximated, sizeof stats.approximated, "%s", m->about.approximated);
-        bis_errata_text(stats.as_printed, desc.view.settings.as_printed);
         bis_render_files_warn_of_nonfinite(&m->result.counters, diag);
-        stats.seconds.render = m->result.seconds;
         const double before = bis_clock_now();
         status = bis_render_files_write_pictures(&written, &o->files, &stats, diag);
         stats.seconds.write = bis_clock_now() - before;

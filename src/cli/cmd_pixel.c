@@ -150,8 +150,8 @@ static bis_status report_all(bis_pixel_report *r, const pixel_options *o, const 
         if (!status) status = bis_pixel_write_files(r, diag);
         if (status) return status;
     }
-    if (o->json) bis_pixel_print_json(r);
-    else bis_pixel_print_text(r);
+    if (o->json) bis_pixel_print_json(stdout, r);
+    else bis_pixel_print_text(stdout, r);
     return BIS_OK;
 }
 

@@ -477,13 +477,9 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
         goto done;
     }
 
-    bis_stats stats = {.desc = desc, .scene = bis_scene_figures_of(scene), .film = &film, .result = &result,
-                       .seconds = scene->seconds, .choice = chooses ? &choice : NULL};
-    bis_describe_line(stats.line, &desc->view.settings, true);
-    bis_errata_text(stats.as_printed, desc->view.settings.as_printed);
-    bis_describe_approximations(stats.approximated, desc);
+    bis_stats stats = bis_stats_of(desc, bis_scene_figures_of(scene), scene->seconds, &film, &result);
+    stats.choice = chooses ? &choice : NULL;
     stats.seconds.parse = parse_seconds;
-    stats.seconds.render = result.seconds;
     double before = bis_clock_now();
     status = o->part.n ? write_part(o, &stats, &checkpoint, &film, diag)
                        : bis_render_files_write_pictures(&written, &o->files, &stats, diag);

@@ -57,6 +57,23 @@ static void store(float *to, float a, float b, float c)
     to[2] = c;
 }
 
+/* The value and density of a map or a material in n directions. */
+static int look(rgb (*value_of)(const void *self, vec3 w, double *pdf), const void *self, size_t n, const float *w,
+                float *value, double *pdf, char *say, size_t size)
+{
+    bis_diag diag = {0};
+    bis_status status = BIS_OK;
+
+    for (size_t i = 0; i < n; i++) {
+        vec3 wi;
+        status = direction(&wi, w, i, &diag);
+        if (status) break;
+        const rgb v = value_of(self, wi, &pdf[i]);
+        store(value + 3 * i, v.r, v.g, v.b);
+    }
+    return bis_flat_end(status, &diag, say, size);
+}
+
 /* ---- maps ---- */
 
 int bis_flat_light_open(bis_light **light, const char *path, const char *kind, double area_exponent, char *say,
@@ -117,20 +134,12 @@ int bis_flat_light_sample(const bis_light *light, size_t n, const double *u, flo
     return bis_flat_end(status, &diag, say, size);
 }
 
+static rgb light_value(const void *light, vec3 w, double *pdf) { return bis_light_Le_pdf(light, w, pdf); }
+
 int bis_flat_light_look(const bis_light *light, size_t n, const float *w, float *L, double *pdf, char *say,
                         size_t size)
 {
-    bis_diag diag = {0};
-    bis_status status = BIS_OK;
-
-    for (size_t i = 0; i < n; i++) {
-        vec3 wi;
-        status = direction(&wi, w, i, &diag);
-        if (status) break;
-        const rgb Le = bis_light_Le_pdf(light, wi, &pdf[i]);
-        store(L + 3 * i, Le.r, Le.g, Le.b);
-    }
-    return bis_flat_end(status, &diag, say, size);
+    return look(light_value, light, n, w, L, pdf, say, size);
 }
 
 /* ---- alias tables ---- */
@@ -259,17 +268,9 @@ int bis_flat_bsdf_sample(const bis_bsdf *bsdf, size_t n, const double *u, float 
     return bis_flat_end(status, &diag, say, size);
 }
 
+static rgb bsdf_value(const void *bsdf, vec3 wi, double *pdf) { return bis_bsdf_f_pdf(bsdf, wi, pdf); }
+
 int bis_flat_bsdf_look(const bis_bsdf *bsdf, size_t n, const float *wi, float *f, double *pdf, char *say, size_t size)
 {
-    bis_diag diag = {0};
-    bis_status status = BIS_OK;
-
-    for (size_t i = 0; i < n; i++) {
-        vec3 w;
-        status = direction(&w, wi, i, &diag);
-        if (status) break;
-        const rgb value = bis_bsdf_f_pdf(bsdf, w, &pdf[i]);
-        store(f + 3 * i, value.r, value.g, value.b);
-    }
-    return bis_flat_end(status, &diag, say, size);
+    return look(bsdf_value, bsdf, n, wi, f, pdf, say, size);
 }

@@ -206,13 +206,9 @@ static bis_status render(bis_flat_picture **out, const char *path, const char *c
         goto done;
     }
 
-    bis_stats stats = {.desc = desc, .scene = bis_scene_figures_of(scene), .film = &film, .result = &result,
-                       .seconds = scene->seconds, .choice = chooses ? &choice : NULL};
-    bis_describe_line(stats.line, &desc->view.settings, true);
-    bis_errata_text(stats.as_printed, desc->view.settings.as_printed);
-    bis_describe_approximations(stats.approximated, desc);
+    bis_stats stats = bis_stats_of(desc, bis_scene_figures_of(scene), scene->seconds, &film, &result);
+    stats.choice = chooses ? &choice : NULL;
     stats.seconds.parse = parsed - start;
-    stats.seconds.render = result.seconds;
     stats.seconds.total = bis_clock_now() - start;
     status = keep(out, &film, &stats, diag);
 done:

@@ -109,6 +109,17 @@ const char *bis_describe_approximations(char text[BIS_APPROXIMATED_TEXT], const 
     return text;
 }
 
+bis_stats bis_stats_of(const bis_scene_desc *desc, bis_scene_figures scene, bis_scene_seconds seconds,
+                       const bis_film *film, const bis_render_result *result)
+{
+    bis_stats s = {.desc = desc, .scene = scene, .film = film, .result = result, .seconds = seconds};
+    bis_describe_line(s.line, &desc->view.settings, true);
+    bis_errata_text(s.as_printed, desc->view.settings.as_printed);
+    bis_describe_approximations(s.approximated, desc);
+    s.seconds.render = result->seconds;
+    return s;
+}
+
 int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_ATTRIBUTES])
 {
     const bis_render_result *r = s->result;

@@ -38,6 +38,12 @@ typedef struct bis_stats {
     char approximated[BIS_APPROXIMATED_TEXT]; /* by bis_describe_approximations; "": nothing was */
 } bis_stats;
 
+/* bis_stats_of returns what there is to say of a render: the figures given, the seconds of the render, and the texts
+ * that desc makes. The caller adds choice, the seconds of parsing and writing, and the total. desc, film and result are
+ * borrowed. */
+bis_stats bis_stats_of(const bis_scene_desc *desc, bis_scene_figures scene, bis_scene_seconds seconds,
+                       const bis_film *film, const bis_render_result *result);
+
 /* Header attributes of an EXR: scene, integrator, its parameters, asprinted (where some are), adaptive (where it is),
  * bis:auto (the line for a scene, where auto chose), bis:approximated (where something is), spp, seed,
  * render_seconds, estimated_relative_rmse (where known), bis:version ("version" alone is reserved by OpenEXR). */

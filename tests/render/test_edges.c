@@ -130,7 +130,7 @@ static void the_turn_that_counts_is_that_of_the_lobe(void **state)
         assert_int_equal(count_ridge(0, 0, 0, m, BIS_EDGE_TURN), 0);
     }
     /* 4 a^2 pi is one over the density of visible normals of GGX, mirrored, head on: 1 - 2 a^2 is the cosine */
-    const bis_material facets = bis_microfacet((rgb){0, 0, 0}, (rgb){1, 1, 1}, 0.2);
+    const bis_material facets = bis_microfacet((rgb){0, 0, 0}, (rgb){1, 1, 1}, sqrt(0.2)); /* alpha = 0.2 */
     assert_int_equal(count_ridge(23.07 * 0.97, 0, 0, facets, BIS_EDGE_TURN), 0);
     assert_int_equal(count_ridge(23.07 * 1.03, 0, 0, facets, BIS_EDGE_TURN), HEIGHT);
     assert_int_equal(bis_edges_samples(BIS_EDGE_NONE, 8), 1);

@@ -15,6 +15,7 @@
 
 #include <cmocka.h>
 
+#include <dirent.h>
 #include <math.h>
 #include <png.h>
 #include <stdio.h>
@@ -478,6 +479,14 @@ static void an_obj_brings_its_materials_and_each_part_is_a_shape(void **state)
     const bis_texture *x = &b.desc->textures.list[0];
     assert_true(x->factor[0] == 2 && x->factor[1] == 1 && x->offset[0] == 0.5 && x->wrap == BIS_WRAP_CLAMP);
     clear(&b);
+    /* compressed, it has the same parts */
+    char compressed[1024];
+    assert_int_equal(system("gzip -c " DIR "/o.obj > " DIR "/o.obj.gz"), 0);
+    snprintf(compressed, sizeof compressed, LIGHT "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj.gz\" \"bool materials\" true");
+    assert_int_equal(try_build(&b, compressed), BIS_OK);
+    assert_int_equal(b.desc->n_shapes, 3);
+    assert_int_equal(b.scene->geometry.n_triangles, 6);
+    clear(&b);
     /* without the parameter it is one shape as ever */
     *strstr(text, "\"bool materials\"") = '\0';
     assert_int_equal(try_build(&b, text), BIS_OK);
@@ -812,21 +821,52 @@ static void verify_finds_a_textured_scene_right(void **state)
     clear(&b);
 }
 
-/* The scenes of data/scenes/pbrt, of which no other test knows. */
+static int count_of(const char *text, const char *word)
+{
+    int n = 0;
+    for (; (text = strstr(text, word)) != NULL; text += strlen(word)) n++;
+    return n;
+}
+
+static double mean_of_file(const char *path)
+{
+    bis_image image = rendered(path);
+    double sum = 0;
+    for (int k = 0; k < image.width * image.height; k++) sum += rgb_sum(image.pixels[k]);
+    sum /= image.width * image.height;
+    bis_image_clear(&image);
+    return sum;
+}
+
+/* The scenes of data/scenes/pbrt, of which no other test knows; those that need --approximate are
+ * tests/cli/test_program.c's. */
 static void the_shipped_scenes_of_each_version_render(void **state)
 {
     (void)state;
-    static const char *const names[] = {"tiles-v4", "row-v3", "colours-v2", "your-model"};
-    for (int i = 0; i < 4; i++) {
+    struct dirent **entries;
+    const int n_entries = scandir("data/scenes/pbrt", &entries, NULL, alphasort);
+    int n = 0;
+
+    assert_true(n_entries > 0);
+    for (int i = 0; i < n_entries; i++) {
         program_run r;
-        program_expect(&r, 0, "data/scenes/pbrt/%s.txt --quiet --spp 2 --resolution 64x32 --outfile " DIR "/shipped.pfm", names[i]);
-        assert_string_equal(r.messages, "");
-        bis_image image = rendered(DIR "/shipped.pfm");
-        double sum = 0;
-        for (int k = 0; k < 64 * 32; k++) sum += rgb_sum(image.pixels[k]);
-        assert_true(isfinite(sum) && sum > 0);
-        bis_image_clear(&image);
+        const char *name = entries[i]->d_name, *dot = strrchr(name, '.');
+        if (!dot || strcmp(dot, ".txt") != 0) continue;
+        program_expect(&r, 0, "data/scenes/pbrt/%s --spp 2 --resolution 64x32 --outfile " DIR "/shipped.exr", name);
+        const bool equal_area = strcmp(name, "textures-v4.txt") == 0;
+        if (count_of(r.messages, "warning: ") != equal_area) fail_msg("%s: %s", name, r.messages);
+        assert_true(equal_area == !!strstr(r.messages, "it is taken for an equal-area map, as in pbrt-v4"));
+        const double mean = mean_of_file(DIR "/shipped.exr");
+        assert_true(isfinite(mean) && mean > 0);
+        n++;
     }
+    for (int i = 0; i < n_entries; i++) free(entries[i]);
+    free(entries);
+    assert_true(n >= 8);
+    program_run r; /* what bis only replaces; the scene says itself that it may */
+    program_expect(&r, 0, "data/scenes/pbrt/every-word.pbrt --resolution 48x24 --spp 1 --outfile " DIR "/shipped.exr");
+    assert_true(count_of(r.messages, "approximated: 1 x ") >= 40);
+    assert_true(mean_of_file(DIR "/shipped.exr") > 0);
 }
 
 /* In the light of 1 a diffuse disk is as bright as its reflectance is, 1/4 in each of the four spellings; beside it is the

@@ -102,15 +102,13 @@ static void clear(forged *f) { bis_light_free(f->l.light); }
 
 /* ---- text and JSON ---- */
 
-static char *said(const bis_pixel_report *r, void (*print)(const bis_pixel_report *))
+static char *said(const bis_pixel_report *r, void (*print)(FILE *out, const bis_pixel_report *))
 {
-    FILE *usual = stdout;
     char *text;
     size_t n;
-    stdout = open_memstream(&text, &n);
-    print(r);
-    fclose(stdout);
-    stdout = usual;
+    FILE *out = open_memstream(&text, &n);
+    print(out, r);
+    fclose(out);
     return text;
 }
 

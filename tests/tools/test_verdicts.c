@@ -425,7 +425,8 @@ static void the_number_of_draws_follows_the_pixels(void **state)
     (void)state;
     static const struct { int width, height; unsigned halvings, draws; } cases[] = {
         {1, 1, 0, 1 << 16}, {16, 16, 0, 1 << 16}, {32, 16, 0, 1 << 17}, {64, 32, 0, 1 << 19}, {128, 64, 0, 1 << 20},
-        {128, 64, 3, 1 << 17}, {512, 512, 2, 1 << 19}, {1024, 512, 5, 1 << 17}, {1024, 1024, 5, 1 << 17}, {40, 10, 0, 6 << 14}};
+        {128, 64, 3, 1 << 17}, {512, 512, 2, 1 << 19}, {1024, 512, 5, 1 << 17}, {1024, 1024, 5, 1 << 17}, {40, 10, 0, 6 << 14},
+        {16, 16, 2, 1 << 14}, {16, 16, 3, 1 << 14}, {32, 16, 5, 1 << 14}}; /* 2^14 are the fewest */
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_envmap em = map_new(cases[i].width, cases[i].height);
         double *pmf = bis_alloc(map_n(&em), sizeof *pmf);

@@ -4,6 +4,7 @@
  * The generator (bis-data, beside the program) runs here, into build/test-data; PLY files are read by a strict reader
  * of the one layout that it writes, not by the library's. No statistical test. */
 #include "bis/base/file.h"
+#include "bis/beyond/mapping.h"
 #include "bis/files/image_file.h"
 #include "bis/base/mem.h"
 #include "bis/scene/scene.h"
@@ -30,8 +31,22 @@ static const char *const models[] = {"king", "queen", "bishop", "knight", "rook"
                                      "pedestal", "paving", "louvres", "sphere"};
 static const char *const maps[] = {"interior.hdr", "outdoor.hdr", "overcast.hdr", "studio.hdr", "lamps.hdr", "squares.hdr", "one_pixel.exr",
                                    "halves.exr", "constant.exr"};
-/* vase.ply, crates.obj, crates.mtl, tiles.png, polish.png: tests/scene/test_textures.c renders them */
-enum { N_MODELS = sizeof models / sizeof models[0], N_MAPS = sizeof maps / sizeof maps[0], N_TEXTURES = 5 };
+/* What mapped.c makes of the lat-long maps. */
+static const struct {
+    const char *name, *of;
+    bis_mapping mapping;
+} mapped[] = {
+    {"sky_equalarea.exr", "outdoor.hdr", BIS_MAPPING_EQUALAREA},
+    {"sky_mirrorball.hdr", "outdoor.hdr", BIS_MAPPING_MIRRORBALL},
+    {"sky_cubestrip.exr", "outdoor.hdr", BIS_MAPPING_CUBE_STRIP},
+    {"clouds_angular.hdr", "overcast.hdr", BIS_MAPPING_ANGULAR},
+    {"clouds_verticalcross.hdr.gz", "overcast.hdr", BIS_MAPPING_VERTICAL_CROSS},
+    {"clouds_horizontalcross.pfm", "overcast.hdr", BIS_MAPPING_HORIZONTAL_CROSS},
+};
+/* vase.ply, vase.ply.gz, crates.obj, crates.obj.gz, crates.mtl, tiles.png, polish.png, weave.pfm, rings.exr, medal.hdr:
+ * tests/scene/test_textures.c renders them */
+enum { N_MODELS = sizeof models / sizeof models[0], N_MAPS = sizeof maps / sizeof maps[0],
+       N_MAPPED = sizeof mapped / sizeof mapped[0], N_TEXTURES = 10 };
 
 /* --- running programs --- */
 
@@ -333,7 +348,7 @@ static void all_of_it_takes_at_most_12_megabytes(void **state)
         }
         closedir(dir);
     }
-    assert_int_equal(n, N_MODELS + N_MAPS + N_TEXTURES);
+    assert_int_equal(n, N_MODELS + N_MAPS + N_MAPPED + N_TEXTURES);
     assert_true(total <= 12000000);
 }
 
@@ -502,6 +517,63 @@ static void the_plain_maps_hold_their_idea(void **state)
     bis_image_clear(&image);
 }
 
+/* The mean radiance in a cell of COLUMNS x COLUMNS/2 of the sphere, of r+g+b; a cell is many pixels of any of the maps. */
+enum { COLUMNS = 16, CELLS = COLUMNS * COLUMNS / 2 };
+
+static void cell_means(double mean[CELLS], const bis_image *latlong)
+{
+    double weight[CELLS] = {0};
+
+    for (int c = 0; c < CELLS; c++) mean[c] = 0;
+    for (int i = 0; i < latlong->width * latlong->height; i++) {
+        const int x = i % latlong->width, y = i / latlong->width;
+        const int c = y * (COLUMNS / 2) / latlong->height * COLUMNS + x * COLUMNS / latlong->width;
+        const double w = sin((y + 0.5) / latlong->height * acos(-1)); /* as the solid angle */
+        mean[c] += w * rgb_sum(latlong->pixels[i]);
+        weight[c] += w;
+    }
+    for (int c = 0; c < CELLS; c++) mean[c] /= weight[c];
+}
+
+/* How far apart the cells are, in the mean of |a - b|/(a + b); flip: b is mirrored from left to right. */
+static double cells_apart(const double *a, const double *b, bool flip)
+{
+    double sum = 0;
+    for (int c = 0; c < CELLS; c++) {
+        const double other = b[flip ? c / COLUMNS * COLUMNS + COLUMNS - 1 - c % COLUMNS : c];
+        sum += fabs(a[c] - other) / (a[c] + other) / CELLS;
+    }
+    return sum;
+}
+
+/* mapped.c has formulas of its own, and the library reads what they drew. A pixel is 3 to 6 degrees wide, a cell 22.5: what
+ * pixels on its border take from the next cell is some thousandths. The twin is the mirrored picture, what a wrong sign
+ * would make; a cloudy sky is nearly its own mirror image, and still differs twice as much. */
+static void maps_in_other_mappings_show_the_map_that_they_are_of(void **state)
+{
+    (void)state;
+    for (int i = 0; i < N_MAPPED; i++) {
+        bis_image image, source;
+        bis_envmap em;
+        bis_diag diag = {0};
+        double a[CELLS], b[CELLS];
+        char path[256];
+
+        snprintf(path, sizeof path, ONE "/maps/%s", mapped[i].name);
+        assert_int_equal(bis_image_read(&image, path, (bis_loc){0}, &diag), BIS_OK);
+        assert_int_equal(bis_envmap_from_mapping(&em, &image, mapped[i].mapping, 0, &diag), BIS_OK);
+        bis_image_clear(&image);
+        read_map(&source, mapped[i].of);
+        bis_image shown = {.width = em.width, .height = em.height, .pixels = em.pixels};
+        cell_means(a, &shown);
+        cell_means(b, &source);
+        const double apart = cells_apart(a, b, false), mirrored = cells_apart(a, b, true);
+        if (!(apart < 0.006 && mirrored > 0.012)) fail_msg("%s: %g, mirrored %g", mapped[i].name, apart, mirrored);
+        bis_envmap_clear(&em);
+        bis_image_clear(&source);
+    }
+}
+
 /* --- scenes --- */
 
 typedef void (*scene_check)(const char *path);
@@ -597,6 +669,7 @@ int main(void)
         cmocka_unit_test(the_overcast_sky_is_smooth),
         cmocka_unit_test(the_sun_gives_the_irradiance_of_its_disc),
         cmocka_unit_test(the_plain_maps_hold_their_idea),
+        cmocka_unit_test(maps_in_other_mappings_show_the_map_that_they_are_of),
         cmocka_unit_test(every_scene_parses_without_a_warning),
         cmocka_unit_test(every_scene_says_what_to_look_for),
         cmocka_unit_test(every_scene_renders_without_a_warning),

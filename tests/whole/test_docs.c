@@ -435,6 +435,40 @@ static void an_item_without_its_test_or_its_twin_is_found(void **state)
     }
 }
 
+/* The words of a scene, and the scenes that hold them; the twins lack one. */
+static void every_word_of_a_scene_stands_in_a_scene(void **state)
+{
+    (void)state;
+    const struct { const char *page, *source, *scene, *message; } cases[] = {
+        {"`float fov` and `Rotate degrees x y z`\n", "read(\"sobol\");\n", "Rotate 1 \"float fov\" \"sobol\"\n", NULL},
+        {"`float fov`\n```\n`float gap`\n```\n", "read(\"sobol\");\n", "\"float fov\" \"sobol\"\n", NULL},
+        {"`float fov`\n", "read(\"sobol\");\n", "\"sobol\" # \"float fov\"\n", "docs/scene-format.md: \"fov\" stands in no scene"},
+        {"`float fov`\n", "read(\"sobol\");\n", "\"float fov\"\n", "src/parse/p.c: \"sobol\" stands in no scene"},
+        {"`Rotate x y z`\n", "read(\"sobol\");\n", "\"sobol\"\n", "docs/scene-format.md: \"Rotate\" stands in no scene"},
+        {"float fov\n", "read(\"sobol\");\n", "\"sobol\"\n", "no words found"},
+    };
+    assert_int_equal(shell("sh scripts/check/check_scenes.sh"), 0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static char text[4096];
+        char scene[512];
+        assert_int_equal(shell("cd build && rm -rf scenes_check && mkdir -p scenes_check/docs scenes_check/src/parse "
+                               "scenes_check/data/scenes"), 0);
+        program_write_file("build/scenes_check/docs/scene-format.md", cases[i].page);
+        program_write_file("build/scenes_check/src/parse/p.c", cases[i].source);
+        /* the parameters' types, one of each */
+        snprintf(scene, sizeof scene, "%sinteger float bool string rgb color point3 point vector3 vector normal normal3 point2 "
+                 "texture spectrum xyz blackbody\n", cases[i].scene);
+        program_write_file("build/scenes_check/data/scenes/a.txt", scene);
+        program_write_file("build/scenes_check/scene.txt", "");
+        const int status = shell("sh scripts/check/check_scenes.sh build/scenes_check > build/scenes_check.out");
+        FILE *f = fopen("build/scenes_check.out", "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_int_equal(status, cases[i].message != NULL);
+        if (cases[i].message && !strstr(text, cases[i].message)) fail_msg("no \"%s\" in: %s", cases[i].message, text);
+    }
+}
+
 /* Programs for scripts/check/run_tests.sh: both find the project's files and leave one of their own; one fails. */
 static void each_run_of_the_tests_has_a_root_of_its_own(void **state)
 {
@@ -497,6 +531,7 @@ int main(void)
         cmocka_unit_test(files_that_need_each_other_are_found),
         cmocka_unit_test(every_item_of_the_errata_has_a_test_named_after_it_and_a_twin),
         cmocka_unit_test(an_item_without_its_test_or_its_twin_is_found),
+        cmocka_unit_test(every_word_of_a_scene_stands_in_a_scene),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

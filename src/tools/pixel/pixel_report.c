@@ -52,59 +52,61 @@ static bool has_samples(const bis_settings *s)
 static const double too_skew =
     0.1; /* beyond, tails at 3 standard errors are off by more than exp(0.1 3^3/6), a factor of 1.6 */
 
-static void print_vector(const char *name, vec3 v, const bis_pixel_report *r, bool direction)
+static void print_vector(FILE *out, const char *name, vec3 v, const bis_pixel_report *r, bool direction)
 {
-    printf("%-12s(%.6g %.6g %.6g)", name, (double)v.x, (double)v.y, (double)v.z);
+    fprintf(out, "%-12s(%.6g %.6g %.6g)", name, (double)v.x, (double)v.y, (double)v.z);
     if (direction) {
         const bis_pixel_direction d = bis_pixel_direction_of(&r->desc->light.to_world, v);
-        printf("   in the map: theta %.2f, phi %.2f degrees", d.theta, d.phi);
+        fprintf(out, "   in the map: theta %.2f, phi %.2f degrees", d.theta, d.phi);
     }
-    putchar('\n');
+    putc('\n', out);
 }
 
-static void print_hit(const bis_pixel_report *r)
+static void print_hit(FILE *out, const bis_pixel_report *r)
 {
     const bis_shape_desc *s = &r->desc->shapes[r->hit.shape];
     const bis_material *m = r->hit.material;
     const char *file = file_of(r);
     char material[64];
 
-    printf("shape       %s", kind_of(s));
-    if (file) printf(" \"%s\"", file);
-    printf(" of line %d", s->loc.line);
-    if (is_mesh(r)) printf(", triangle %zu", r->hit.part);
-    printf("; %.6g from the eye\n", r->hit.t);
-    print_vector("point", r->pt.p, r, false);
-    print_vector("normal", r->pt.n, r, true);
-    if (memcmp(&r->pt.n, &r->pt.ng, sizeof r->pt.n) != 0) print_vector("of the face", r->pt.ng, r, true);
-    print_vector("to the eye", r->pt.wo, r, true);
-    print_vector("mirrored", r->pt.bsdf.r, r, true);
-    printf("material    %s, Kd (%.4g %.4g %.4g), Ks (%.4g %.4g %.4g); seen at %.2f degrees\n",
-           bis_pixel_material_name(material, m), (double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b, (double)m->Ks.r,
-           (double)m->Ks.g, (double)m->Ks.b,
-           atan2(length(cross(r->pt.n, r->pt.wo)), dot(r->pt.n, r->pt.wo)) * 180 / PI);
+    fprintf(out, "shape       %s", kind_of(s));
+    if (file) fprintf(out, " \"%s\"", file);
+    fprintf(out, " of line %d", s->loc.line);
+    if (is_mesh(r)) fprintf(out, ", triangle %zu", r->hit.part);
+    fprintf(out, "; %.6g from the eye\n", r->hit.t);
+    print_vector(out, "point", r->pt.p, r, false);
+    print_vector(out, "normal", r->pt.n, r, true);
+    if (memcmp(&r->pt.n, &r->pt.ng, sizeof r->pt.n) != 0) print_vector(out, "of the face", r->pt.ng, r, true);
+    print_vector(out, "to the eye", r->pt.wo, r, true);
+    print_vector(out, "mirrored", r->pt.bsdf.r, r, true);
+    fprintf(out, "material    %s, Kd (%.4g %.4g %.4g), Ks (%.4g %.4g %.4g); seen at %.2f degrees\n",
+            bis_pixel_material_name(material, m), (double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b, (double)m->Ks.r,
+            (double)m->Ks.g, (double)m->Ks.b,
+            atan2(length(cross(r->pt.n, r->pt.wo)), dot(r->pt.n, r->pt.wo)) * 180 / PI);
 }
 
-static void print_value(const char *name, const bis_pixel_value *v)
+static void print_value(FILE *out, const char *name, const bis_pixel_value *v)
 {
-    printf("%-12s%.6g +- %.1g   (%.6g %.6g %.6g)\n", name, v->mean[3], v->se[3], v->mean[0], v->mean[1], v->mean[2]);
+    fprintf(out, "%-12s%.6g +- %.1g   (%.6g %.6g %.6g)\n", name, v->mean[3], v->se[3], v->mean[0], v->mean[1],
+            v->mean[2]);
 }
 
-static void print_exact(const bis_pixel_report *r)
+static void print_exact(FILE *out, const bis_pixel_report *r)
 {
     const bis_pixel_exact *e = &r->exact;
-    printf("\nreflected radiance, r+g+b and (r g b), ");
-    if (e->by_patches) printf("by %zu rays, at least 2 in each patch above the horizon, of %zu\n", e->rays, e->patches);
-    else printf("by %d runs of mis; %zu patches are too many for their sum\n", BIS_PIXEL_MIS_RUNS, e->patches);
-    print_value("exact", &e->lit);
-    print_value("unoccluded", &e->open);
-    printf("seen        %.2f %%\n", 100 * e->lit.mean[3] / e->open.mean[3]);
+    fprintf(out, "\nreflected radiance, r+g+b and (r g b), ");
+    if (e->by_patches)
+        fprintf(out, "by %zu rays, at least 2 in each patch above the horizon, of %zu\n", e->rays, e->patches);
+    else fprintf(out, "by %d runs of mis; %zu patches are too many for their sum\n", BIS_PIXEL_MIS_RUNS, e->patches);
+    print_value(out, "exact", &e->lit);
+    print_value(out, "unoccluded", &e->open);
+    fprintf(out, "seen        %.2f %%\n", 100 * e->lit.mean[3] / e->open.mean[3]);
 }
 
-static void print_percent(double x)
+static void print_percent(FILE *out, double x)
 {
-    if (isfinite(x)) printf(" %10.3g %%", 100 * x);
-    else printf(" %12s", "-");
+    if (isfinite(x)) fprintf(out, " %10.3g %%", 100 * x);
+    else fprintf(out, " %12s", "-");
 }
 
 static bool is_too_skew(const bis_pixel_method *m)
@@ -112,10 +114,10 @@ static bool is_too_skew(const bis_pixel_method *m)
     return fabs(m->skewness) > too_skew || fabs(m->true_skewness) > too_skew; /* false for NAN */
 }
 
-static void print_methods(const bis_pixel_report *r)
+static void print_methods(FILE *out, const bis_pixel_report *r)
 {
-    printf("\n%-16s %9s %11s %10s %8s %8s %12s %8s\n", "method", "draws", "mean", "+-", "of exact", "z", "error of one",
-           "rays");
+    fprintf(out, "\n%-16s %9s %11s %10s %8s %8s %12s %8s\n", "method", "draws", "mean", "+-", "of exact", "z",
+            "error of one", "rays");
     for (size_t i = 0; i < r->n_methods; i++) {
         const bis_pixel_method *m = &r->methods[i];
         const double truth = (m->is_open ? &r->exact.open : &r->exact.lit)->mean[3];
@@ -123,15 +125,16 @@ static void print_methods(const bis_pixel_report *r)
         if (has_samples(&m->settings)) snprintf(draws, sizeof draws, "%u", (unsigned)m->settings.samples);
         else if (m->is_open) snprintf(draws, sizeof draws, "%u", (unsigned)m->settings.candidates);
         else snprintf(draws, sizeof draws, "%u/%u", (unsigned)m->settings.shadowrays, (unsigned)m->settings.candidates);
-        printf("%-16s %9s %11.6g %10.2g", m->name, draws, m->L.mean[3], m->L.se[3]);
-        if (truth > 0) printf(" %8.4f", m->L.mean[3] / truth);
-        else printf(" %8s", "-");
-        if (isfinite(m->z)) printf(" %7.2f%c", m->z, is_too_skew(m) ? '?' : ' ');
-        else printf(" %8s", "-");
-        print_percent(m->error);
-        printf(" %8.4g\n", m->rays);
+        fprintf(out, "%-16s %9s %11.6g %10.2g", m->name, draws, m->L.mean[3], m->L.se[3]);
+        if (truth > 0) fprintf(out, " %8.4f", m->L.mean[3] / truth);
+        else fprintf(out, " %8s", "-");
+        if (isfinite(m->z)) fprintf(out, " %7.2f%c", m->z, is_too_skew(m) ? '?' : ' ');
+        else fprintf(out, " %8s", "-");
+        print_percent(out, m->error);
+        fprintf(out, " %8.4g\n", m->rays);
     }
-    printf(
+    fprintf(
+        out,
         "Means of %u estimates; z: the difference from exact (unoccluded: from that) in standard errors; error of one: "
         "the\n"
         "root mean square difference of a single estimate from exact; rays: cast by one. z with a ?: rare and bright "
@@ -140,38 +143,38 @@ static void print_methods(const bis_pixel_report *r)
         (unsigned)r->methods[0].repeats);
 }
 
-static void print_candidates(const bis_pixel_report *r)
+static void print_candidates(FILE *out, const bis_pixel_report *r)
 {
     const bis_pixel_candidates *c = &r->candidates;
-    printf("\none estimate by sir\n");
-    printf("candidates  %u drawn", (unsigned)c->M);
+    fprintf(out, "\none estimate by sir\n");
+    fprintf(out, "candidates  %u drawn", (unsigned)c->M);
     if (isfinite(c->share_em))
-        printf(", %.0f from the map, %.0f from the BRDF", c->share_em * c->M, (1 - c->share_em) * c->M);
-    printf("; %u weigh something\n", (unsigned)c->positive);
+        fprintf(out, ", %.0f from the map, %.0f from the BRDF", c->share_em * c->M, (1 - c->share_em) * c->M);
+    fprintf(out, "; %u weigh something\n", (unsigned)c->positive);
     if (c->W <= 0) return;
-    printf("weights     sum %.6g, mean %.6g (estimates %.6g); the largest is %.3g %% of all\n", c->W, c->W / c->M,
-           r->exact.open.mean[3], 100 * c->largest);
-    printf("effective   sample size %.4g = (sum w)^2 / sum w^2\n", c->ess);
-    printf("chosen      %u rays at %u candidates, %u of them see the light\n", (unsigned)c->N, (unsigned)c->distinct,
-           (unsigned)c->seen);
-    printf("estimate    %.6g   (%.6g %.6g %.6g)\n", rgbd_sum(c->L), c->L.r, c->L.g, c->L.b);
+    fprintf(out, "weights     sum %.6g, mean %.6g (estimates %.6g); the largest is %.3g %% of all\n", c->W,
+            c->W / c->M, r->exact.open.mean[3], 100 * c->largest);
+    fprintf(out, "effective   sample size %.4g = (sum w)^2 / sum w^2\n", c->ess);
+    fprintf(out, "chosen      %u rays at %u candidates, %u of them see the light\n", (unsigned)c->N,
+            (unsigned)c->distinct, (unsigned)c->seen);
+    fprintf(out, "estimate    %.6g   (%.6g %.6g %.6g)\n", rgbd_sum(c->L), c->L.r, c->L.g, c->L.b);
 }
 
-void bis_pixel_print_text(const bis_pixel_report *r)
+void bis_pixel_print_text(FILE *out, const bis_pixel_report *r)
 {
-    printf("pixel       (%d, %d) of %d x %d, %s\n", r->x, r->y, r->desc->view.film.width, r->desc->view.film.height,
-           r->desc->path);
-    if (r->is_hit) print_hit(r);
+    fprintf(out, "pixel       (%d, %d) of %d x %d, %s\n", r->x, r->y, r->desc->view.film.width,
+            r->desc->view.film.height, r->desc->path);
+    if (r->is_hit) print_hit(out, r);
     if (r->why_nothing) {
         const rgb L = r->is_hit ? (rgb){0, 0, 0} : background(r);
-        printf("nothing     %s\nradiance    (%.6g %.6g %.6g)%s\n", r->why_nothing, (double)L.r, (double)L.g,
-               (double)L.b, r->is_hit ? "" : ", the light's own");
+        fprintf(out, "nothing     %s\nradiance    (%.6g %.6g %.6g)%s\n", r->why_nothing, (double)L.r, (double)L.g,
+                (double)L.b, r->is_hit ? "" : ", the light's own");
         return;
     }
-    print_exact(r);
-    print_methods(r);
-    print_candidates(r);
-    printf("\nwritten     %s/densities.svg samples.svg methods.csv candidates.csv rays.csv\n", r->folder);
+    print_exact(out, r);
+    print_methods(out, r);
+    print_candidates(out, r);
+    fprintf(out, "\nwritten     %s/densities.svg samples.svg methods.csv candidates.csv rays.csv\n", r->folder);
 }
 
 /* ---- JSON ---- */
@@ -262,9 +265,9 @@ static void json_candidates(bis_json *j, const bis_pixel_candidates *c)
     bis_json_close(j);
 }
 
-void bis_pixel_print_json(const bis_pixel_report *r)
+void bis_pixel_print_json(FILE *out, const bis_pixel_report *r)
 {
-    bis_json j = {.out = stdout};
+    bis_json j = {.out = out};
     bis_json_open(&j, NULL, '{');
     bis_json_text(&j, "scene", r->desc->path);
     BIS_JSON_NUMBERS(&j, {"x", r->x}, {"y", r->y}, {"width", r->desc->view.film.width},

@@ -3,6 +3,8 @@
 
 #include "pixel.h"
 
+#include <stdio.h>
+
 typedef struct bis_pixel_report {
     const bis_scene_desc *desc;
     const bis_scene *scene;
@@ -22,8 +24,8 @@ typedef struct bis_pixel_report {
 
 void bis_pixel_report_clear(bis_pixel_report *r); /* NULL is fine */
 
-void bis_pixel_print_text(const bis_pixel_report *r);
-void bis_pixel_print_json(const bis_pixel_report *r);
+void bis_pixel_print_text(FILE *out, const bis_pixel_report *r);
+void bis_pixel_print_json(FILE *out, const bis_pixel_report *r);
 
 /* densities.svg, samples.svg, methods.csv, candidates.csv, rays.csv. Errors: BIS_IO, BIS_NOMEM. */
 bis_status bis_pixel_write_files(const bis_pixel_report *r, bis_diag *diag);

@@ -279,12 +279,13 @@ done:
     return status;
 }
 
-/* 8 draws a pixel of a large map, up to 256 of a small one. */
+/* 8 draws a pixel of a large map, up to 256 of a small one; one block at least, whatever is halved. */
 static size_t draws_for(size_t pixels, unsigned halvings)
 {
     const size_t least = (size_t)1 << 16, enough = (size_t)1 << 20, most = (size_t)1 << 22;
     const double n = fmax(8.0 * (double)pixels, fmin(256.0 * (double)pixels, (double)enough));
-    return ((size_t)fmin(fmax(n, (double)least), (double)most) >> halvings) / BLOCK * BLOCK;
+    const size_t n_blocks = ((size_t)fmin(fmax(n, (double)least), (double)most) >> halvings) / BLOCK;
+    return (n_blocks > 0 ? n_blocks : 1) * BLOCK;
 }
 
 bis_status bis_verify_draws(bis_verify *v, const bis_verify_sampler *sampler, const bis_envmap *em, const double *pmf,
