@@ -107,6 +107,7 @@ static void hash_materials(bis_walk *w, const bis_scene_desc *desc)
         hash_text(w, m->model->name);
         hash_rgb(w, m->Kd);
         hash_rgb(w, m->Ks);
+        hash_rgb(w, m->eta);
         hash_real(w, m->exponent);
         hash_real(w, m->alpha);
     }

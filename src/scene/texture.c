@@ -290,13 +290,12 @@ bis_material bis_textures_material(const bis_textures *t, const bis_texture_imag
     const bool facets = base->model == &bis_microfacet_model;
 
     if (of->width == BIS_NO_TEXTURE && !facets) return bis_phong(Kd, Ks, base->exponent);
-    if (of->width == BIS_NO_TEXTURE) {
-        bis_material m = bis_microfacet(Kd, Ks, 1);
-        m.alpha = base->alpha;
-        return m;
-    }
-    const double width = bis_textures_value(t, images, of->width, uv).r;
+    const bool varies = of->width != BIS_NO_TEXTURE;
+    const double width = varies ? bis_textures_value(t, images, of->width, uv).r : 1;
     /* fmax and fmin: a sum of weights may miss the range by an ulp */
     if (!facets) return bis_phong(Kd, Ks, fmax(0, width));
-    return bis_microfacet(Kd, Ks, fmin(1, fmax(BIS_MICROFACET_MIN_ROUGHNESS, pow(width, of->power))));
+    bis_material m = bis_microfacet(Kd, Ks, fmin(1, fmax(BIS_MICROFACET_MIN_ROUGHNESS, pow(width, of->power))));
+    if (!varies) m.alpha = base->alpha;
+    m.eta = base->eta;
+    return m;
 }

@@ -41,7 +41,8 @@ static bis_material material_of(const bis_scene *scene, const bis_scene_desc *de
 static bool equal_materials(const bis_material *a, const bis_material *b)
 {
     return a->model == b->model && memcmp(&a->Kd, &b->Kd, sizeof a->Kd) == 0 &&
-           memcmp(&a->Ks, &b->Ks, sizeof a->Ks) == 0 && a->exponent == b->exponent && a->alpha == b->alpha;
+           memcmp(&a->Ks, &b->Ks, sizeof a->Ks) == 0 && memcmp(&a->eta, &b->eta, sizeof a->eta) == 0 &&
+           a->exponent == b->exponent && a->alpha == b->alpha;
 }
 
 /* Those that shapes have, each once, in the order of the scene. Returns their number, beyond MAX_MATERIALS too. */
