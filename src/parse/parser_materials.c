@@ -4,6 +4,7 @@
  * All of them become a microfacet material: GGX facets with Ks = the reflectance head on. A metal's follow Fresnel's
  * equations, the others Schlick's curve over Ashikhmin and Shirley's base. alpha is what pbrt makes of a roughness;
  * bis_microfacet's own roughness is its square root. */
+#include "approximate.h"
 #include "bis/base/fresnel.h"
 #include "bis/base/spectrum.h"
 #include "bis/beyond/microfacet.h"
@@ -40,20 +41,21 @@ static double own_roughness(bis_parser *p, double alpha, bis_loc at)
     return sqrt(fmin(fmax(alpha, least), 1));
 }
 
-/* The mean of uroughness and vroughness would not look like either: they must agree. */
-static bool read_two(bis_parser *p, double *roughness)
+/* uroughness and vroughness, by default `roughness`, where either is given. They must agree, because one width of the
+ * lobe would not look like two; --approximate takes the circle of the ellipse's area. */
+static double alpha_of_two(bis_parser *p, double roughness, bool remaps, remap how)
 {
-    double u, v;
-    const bool has_u = bis_params_float(p, "uroughness", &u, positive_or_0),
-               has_v = bis_params_float(p, "vroughness", &v, positive_or_0);
-    if (!has_u && !has_v) return false;
-    if (!has_u) u = *roughness;
-    if (!has_v) v = *roughness;
-    *roughness = u;
-    if (u == v) return true;
-    return bis_parser_error(p, bis_params_at(p, has_v ? "vroughness" : "uroughness"),
-                            "\"uroughness\" and \"vroughness\" differ: anisotropic surfaces are not modelled, give "
-                            "both the same value");
+    static const char consequence[] = "a round lobe, its alpha the root of the product of both";
+    double u = roughness, v = roughness;
+    bis_params_float(p, "uroughness", &u, positive_or_0);
+    bis_params_float(p, "vroughness", &v, positive_or_0);
+    if (u == v) return alpha_of(u, remaps, how);
+    const bis_loc at = bis_params_at(p, bis_params_has(p, "vroughness") ? "vroughness" : "uroughness");
+    if (p->approximate) bis_approximate_note(p, at, consequence, "\"uroughness\" and \"vroughness\" that differ");
+    else
+        bis_parser_error(p, at, "\"uroughness\" and \"vroughness\" differ: anisotropic surfaces are not modelled, give "
+                         "both the same value; with --approximate: %s", consequence);
+    return sqrt(fmax(0, alpha_of(u, remaps, how) * alpha_of(v, remaps, how)));
 }
 
 static double read_roughness(bis_parser *p, double usual, remap how, bis_material_textures *t)
@@ -63,16 +65,15 @@ static double read_roughness(bis_parser *p, double usual, remap how, bis_materia
     uint32_t texture = BIS_NO_TEXTURE;
     bis_params_bool(p, "remaproughness", &remaps);
     bis_params_number(p, "roughness", &roughness, positive_or_0, &texture);
-    read_two(p, &roughness);
-    if (texture == BIS_NO_TEXTURE)
-        return own_roughness(p, alpha_of(roughness, remaps, how), bis_params_at(p, "roughness"));
+    const double alpha = alpha_of_two(p, roughness, remaps, how);
+    if (texture == BIS_NO_TEXTURE) return own_roughness(p, alpha, bis_params_at(p, "roughness"));
     if (remaps && how == V3)
         bis_parser_error(p, bis_params_at(p, "roughness"),
                          "pbrt-v3's remapping of a texture of roughness is not modelled: give \"bool remaproughness\" "
                          "false and a texture of alpha");
     t->width = texture;
     t->power = remaps ? 0.25 : 0.5; /* roughness = sqrt(alpha) */
-    return sqrt(fmin(fmax(alpha_of(roughness, remaps, how), 1e-4), 1));
+    return sqrt(fmin(fmax(alpha, 1e-4), 1));
 }
 
 /* ---- Fresnel ---- */
