@@ -241,7 +241,7 @@ static void print_textures(const bis_scene_desc *d, FILE *out)
         bis_textures_mark(is_used, t, m->Kd);
         bis_textures_mark(is_used, t, m->Ks);
         bis_textures_mark(is_used, t, m->width);
-        any |= is_mesh(&d->shapes[i]);
+        any |= is_mesh(&d->shapes[i]) && bis_textures_want_uv(t, m);
     }
     for (size_t i = 0; i < t->n_files && is_used; i++) {
         const char *file = t->files[i].filename;

@@ -221,7 +221,7 @@ static void metals_reflect_on_average_what_their_spectra_do(void **state)
     parsed p = parse("Texture \"k\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.5 \"rgb tex2\" [1 0 0.5] Material \"conductor\" \"texture reflectance\" \"k\" \"float roughness\" 0.1");
     assert_int_equal(p.status, BIS_OK);
     const uint32_t index = p.desc->shapes[0].material;
-    assert_rgb(bis_textures_material(&p.desc->textures, NULL, bis_textures_of(&p.desc->textures, index), &p.desc->materials[index], (double[]){0.5, 0.5}).eta, 1, 1, 1, 0);
+    assert_rgb(bis_textures_material(&p.desc->textures, NULL, bis_textures_of(&p.desc->textures, index), &p.desc->materials[index], (double[]){0.5, 0.5}, (vec3){0, 0, 0}).eta, 1, 1, 1, 0);
     clear(&p);
 }
 
@@ -262,8 +262,8 @@ static void textures_of_roughness_are_remapped_as_constants_are(void **state)
     const bis_material_textures *t = bis_textures_of(&p.desc->textures, index);
     assert_non_null(t);
     const bis_material *base = &p.desc->materials[index];
-    assert_about(bis_textures_material(&p.desc->textures, NULL, t, base, (double[]){0.5, 0.5}).alpha, 0.25, 1e-9);
-    assert_about(bis_textures_material(&p.desc->textures, NULL, t, base, (double[]){1.5, 0.5}).alpha, 0.5, 1e-9);
+    assert_about(bis_textures_material(&p.desc->textures, NULL, t, base, (double[]){0.5, 0.5}, (vec3){0, 0, 0}).alpha, 0.25, 1e-9);
+    assert_about(bis_textures_material(&p.desc->textures, NULL, t, base, (double[]){1.5, 0.5}, (vec3){0, 0, 0}).alpha, 0.5, 1e-9);
     clear(&p);
     refuse("Texture \"r\" \"float\" \"checkerboard\" Material \"metal\" \"texture roughness\" \"r\"", "give \"bool remaproughness\" false and a texture of alpha");
 }
@@ -300,15 +300,15 @@ static void a_textured_coat_is_the_coat_of_each_colour(void **state)
     assert_int_equal(p.status, BIS_OK);
     uint32_t index = p.desc->shapes[0].material;
     const bis_material_textures *t = bis_textures_of(&p.desc->textures, index);
-    assert_rgb(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){0.5, 0.5}).Kd, 0.28758, 0.28758, 0.28758, 2e-4);
-    assert_rgb(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){1.5, 0.5}).Kd, 1, 0, 0.28758, 2e-4);
+    assert_rgb(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){0.5, 0.5}, (vec3){0, 0, 0}).Kd, 0.28758, 0.28758, 0.28758, 2e-4);
+    assert_rgb(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){1.5, 0.5}, (vec3){0, 0, 0}).Kd, 1, 0, 0.28758, 2e-4);
     assert_int_equal(bis_textures_check(&p.desc->textures, NULL, t, &p.desc->materials[index], &p.diag), BIS_OK);
     clear(&p);
     p = parse("Texture \"k\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.5 \"rgb tex2\" [1 0 0.5]\nMaterial \"plastic\" \"texture Kd\" \"k\" \"texture Ks\" \"k\"");
     assert_int_equal(p.status, BIS_OK);
     index = p.desc->shapes[0].material;
     t = bis_textures_of(&p.desc->textures, index);
-    const bis_material m = bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){1.5, 0.5});
+    const bis_material m = bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){1.5, 0.5}, (vec3){0, 0, 0});
     assert_rgb(m.Kd, 1, 0, 0.5, 1e-6);
     assert_rgb(m.Ks, 0.04, 0, 0.02, 1e-6);
     clear(&p);
