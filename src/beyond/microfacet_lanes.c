@@ -179,10 +179,11 @@ static inline BIS_INLINE float conductor(float real_1, float half, float c, floa
     const float more = (sqrtf(real * real + 4 * half) + fabsf(real)) * 0.5f;
     const float less = half / bis_lanes_choose(more > 0, more, 1);
     const float a = sqrtf(bis_lanes_choose(real >= 0, more, less)), b2 = bis_lanes_choose(real >= 0, less, more);
-    const float minus = c - a, plus = c + a, p_minus = a * c - s2, p_plus = a * c + s2;
-    const float R_s = (minus * minus + b2) / (plus * plus + b2);
+    const float minus = c - a, plus = c + a, p_minus = a * c - s2, p_plus = a * c + s2, rest = b2 * c2;
+    const float over_s = minus * minus + b2, under_s = plus * plus + b2; /* R_s, and R_p/R_s, in one quotient */
+    const float over_p = p_minus * p_minus + rest, under_p = p_plus * p_plus + rest;
 
-    return R_s * (1 + (p_minus * p_minus + b2 * c2) / (p_plus * p_plus + b2 * c2)) * 0.5f;
+    return 0.5f * over_s * (under_p + over_p) / (under_s * under_p);
 }
 
 static inline BIS_INLINE float fresnel(const constants *k, const facet *f, int channel, const terms has)
