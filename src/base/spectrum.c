@@ -3,6 +3,8 @@
  * is exactly (1, 1, 1), whatever the digits of the tables. */
 #include "bis/base/spectrum.h"
 
+#include "bis/base/fresnel.h"
+
 #include <math.h>
 
 enum { FIRST = 380, STEP = 10, N = 41 };
@@ -102,15 +104,17 @@ rgbd bis_spectrum_reflected(const bis_spectrum *s)
     return reflected(value);
 }
 
-rgbd bis_spectrum_conductor(const bis_spectrum *eta, const bis_spectrum *k)
+void bis_spectrum_conductor(rgbd *head_on, rgbd *mean, const bis_spectrum *eta, const bis_spectrum *k)
 {
-    double value[N];
+    double along[N], all[N];
 
     for (int i = 0; i < N; i++) {
         const double n = bis_spectrum_at(eta, wavelength(i)), a = bis_spectrum_at(k, wavelength(i));
-        value[i] = ((n - 1) * (n - 1) + a * a) / ((n + 1) * (n + 1) + a * a);
+        along[i] = ((n - 1) * (n - 1) + a * a) / ((n + 1) * (n + 1) + a * a);
+        all[i] = bis_fresnel_mean(n, a * a);
     }
-    return reflected(value);
+    *head_on = reflected(along);
+    *mean = reflected(all);
 }
 
 rgbd bis_spectrum_blackbody(double kelvin)

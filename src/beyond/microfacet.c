@@ -19,6 +19,7 @@
  * across, a c_o, comes near 6e-8; f c_i/q does not feel it. Cost: two square roots, three quotients for f and q. */
 #include "bis/beyond/microfacet.h"
 
+#include "bis/base/fresnel.h"
 #include "bis/thesis/warp.h"
 
 #include <assert.h>
@@ -37,8 +38,9 @@ static double fifth_power(double x)
     return x2 * x2 * x;
 }
 
-static double schlick(double Ks, double cos_d)
+static double fresnel(double Ks, double eta, double cos_d)
 {
+    if (eta > 0 && Ks > 0 && Ks < 1) return bis_fresnel(eta, bis_fresnel_k2(Ks, eta), cos_d);
     return Ks > 0 ? Ks + (1 - Ks) * fifth_power(1 - cos_d) : 0;
 }
 
@@ -59,10 +61,13 @@ static double stretched(double a, double c)
 static rgbd blend(const bis_material *m, double cos_d, double specular, double diffuse)
 {
     const rgb Kd = m->Kd, Ks = m->Ks;
+    const double F[3] = {fresnel((double)Ks.r, (double)m->eta.r, cos_d),
+                         fresnel((double)Ks.g, (double)m->eta.g, cos_d),
+                         fresnel((double)Ks.b, (double)m->eta.b, cos_d)};
 
-    return (rgbd){schlick((double)Ks.r, cos_d) * specular + (double)Kd.r * (1 - (double)Ks.r) * diffuse,
-                  schlick((double)Ks.g, cos_d) * specular + (double)Kd.g * (1 - (double)Ks.g) * diffuse,
-                  schlick((double)Ks.b, cos_d) * specular + (double)Kd.b * (1 - (double)Ks.b) * diffuse};
+    return (rgbd){F[0] * specular + (double)Kd.r * (1 - (double)Ks.r) * diffuse,
+                  F[1] * specular + (double)Kd.g * (1 - (double)Ks.g) * diffuse,
+                  F[2] * specular + (double)Kd.b * (1 - (double)Ks.b) * diffuse};
 }
 
 /* What makes the mean of A cos over the hemisphere 1. */
@@ -169,14 +174,18 @@ static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 /* As Phong's: vectors unit to 2^-23 only, and the rounding of f to float. */
 static const double unit_slack = 1 + 0x1p-21;
 
-/* F is largest where wi and wo are farthest apart: wi at the horizon, opposite. There 2 cos^2 theta_d = 1 + cos(theta_o
- * + 90 degrees) = 1 - sin theta_o. Vectors that are unit to 2^-23 move |s|/2 by as much. */
+/* Schlick's F is largest where wi and wo are farthest apart: wi at the horizon, opposite. There 2 cos^2 theta_d = 1 +
+ * cos(theta_o + 90 degrees) = 1 - sin theta_o. Vectors that are unit to 2^-23 move |s|/2 by as much. A metal's F has
+ * one minimum and no maximum but at the ends: it is largest there, or head on. */
 static rgbd most_fresnel(const bis_bsdf *b)
 {
     const double c_o = bis_bsdf_cos(b, b->wo), sin_o = sqrt(fmax(0, 1 - c_o * c_o));
     const double least_cos_d = c_o / sqrt(2 * (1 + sin_o));
 
-    return blend(b->material, fmax(0, least_cos_d - 0x1p-23), 1, 0);
+    const rgbd F = blend(b->material, fmax(0, least_cos_d - 0x1p-23), 1, 0);
+    const rgb Ks = b->material->Ks;
+
+    return (rgbd){fmax(F.r, (double)Ks.r), fmax(F.g, (double)Ks.g), fmax(F.b, (double)Ks.b)};
 }
 
 /* S_i >= c_i, so f c_i <= F D / (2 (S_o + c_o)) with D <= 1/(pi a^2); the base: A <= A(1), cos <= 1. Each term at its
@@ -239,4 +248,12 @@ bis_material bis_microfacet(rgb Kd, rgb Ks, double roughness)
 
     assert(roughness >= BIS_MICROFACET_MIN_ROUGHNESS && roughness <= 1);
     return (bis_material){.model = &bis_microfacet_model, .Kd = diffuse, .Ks = lobe, .alpha = roughness * roughness};
+}
+
+bis_material bis_microfacet_metal(rgb Ks, rgb eta, double roughness)
+{
+    bis_material m = bis_microfacet((rgb){0, 0, 0}, Ks, roughness);
+
+    m.eta = eta;
+    return m;
 }

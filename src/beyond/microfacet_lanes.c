@@ -21,6 +21,8 @@
  *   c_i/(c_i S_o + c_o S_i)) or twice (the base: c_i A), and q once.
  * - cos theta_d has an absolute error of half of sqrt(3) 8 e + 2 e, below 2^-21: F has one of 5 (1 - Ks) (1 - cos
  *   theta_d)^4 2^-21. That is at most 3e-6 of F for Ks = 0.04, 2^-19 Ks^(-1/5) of F for any Ks.
+ * - A metal's F changes by what a change of cos theta_d by 2^-21 does, and by the roundings of r_s and r_p, a few e of
+ *   1 each. |r_s| is at least sqrt(Ks), so these are below 2^-19/sqrt(Ks) of F.
  * - All else are some 20 roundings of positive terms: 2^-19.
  * No error grows as the lobe gets narrow. The same f stands in the weight that a candidate is chosen by and in what the
  * estimate divides by, so no bias comes of it but these errors of f and q themselves. Each weight is held against the
@@ -29,6 +31,7 @@
  * f lies between 2^-97 and 2^62 (bis_microfacet, least_cos), which floats hold: the unit of the weights is 1. */
 #include "microfacet_lanes.h"
 
+#include "bis/base/fresnel.h"
 #include "bis/beyond/microfacet.h"
 #include "cone_lanes.h"
 
@@ -45,10 +48,15 @@ typedef struct constants {
     float s_x, s_y, s_z, m_z;     /* m + wo and m in that frame */
     float c_o, S_o, a2, one_minus_a2;
     float Ks[3], rest[3], base[3]; /* F = Ks + rest (1 - cos theta_d)^5; the base is `base` A(c_i) */
+    float real[3], half[3];       /* eta^2 - k^2 - 1 and eta^2 k^2 of a metal */
+    int is_metal[3];              /* its channels, but those with Ks 0 or 1 */
     float lobe;                   /* a^2/(2 pi): D/2 = lobe R^2 */
     float pdf_lobe, pdf_base;     /* q_f = pdf_lobe R^2 + pdf_base c_i */
-    bool has_lobe;
+    bool has_lobe, has_metal;
 } constants;
+
+/* Which terms a loop needs: they are known when it is compiled. */
+typedef enum terms { BASE, LOBE, METAL } terms;
 
 /* A(c) = 1 - (1 - c/2)^5, multiplied out as in microfacet.c. */
 static inline BIS_INLINE float through_coat(float c)
@@ -81,12 +89,25 @@ static void mirrored_view(const bis_bsdf *b, double m[3])
     m[2] = k * (double)n.z - (double)wo.z;
 }
 
+/* eta^2 - 1 as a product, because it is small where eta is next to 1. */
+static void metal_constants(constants *c, int i, double Ks, double eta)
+{
+    c->real[i] = 1; /* of a channel that is none: no root of 0, no quotient 0/0 */
+    c->is_metal[i] = eta > 0 && Ks > 0 && Ks < 1;
+    if (!c->is_metal[i]) return;
+    const double k2 = bis_fresnel_k2(Ks, eta);
+    c->real[i] = (float)((eta - 1) * (eta + 1) - k2);
+    c->half[i] = (float)(eta * eta * k2);
+    c->has_metal = true;
+}
+
 static constants constants_of(const bis_bsdf *b)
 {
     const bis_material *material = b->material;
     const double a = material->alpha, c_o = dot(b->local.z, b->wo), S_o = sqrt(a * a + (1 - a * a) * c_o * c_o);
     const double Ks[3] = {(double)material->Ks.r, (double)material->Ks.g, (double)material->Ks.b};
     const double Kd[3] = {(double)material->Kd.r, (double)material->Kd.g, (double)material->Kd.b};
+    const double eta[3] = {(double)material->eta.r, (double)material->eta.g, (double)material->eta.b};
     const double A_o = (double)through_coat((float)c_o);
     const frame *f = &b->local;
     double m[3];
@@ -116,6 +137,8 @@ static constants constants_of(const bis_bsdf *b)
         k.rest[i] = Ks[i] > 0 ? (float)(1 - Ks[i]) : 0;
         k.base[i] = (float)(28 / 23.0 * INV_PI * Kd[i] * (1 - Ks[i]) * A_o);
     }
+    for (int i = 0; i < 3; i++) metal_constants(&k, i, Ks[i], eta[i]);
+    k.has_metal &= k.has_lobe && c_o >= (double)least_cos;
     return k;
 }
 
@@ -123,16 +146,17 @@ static constants constants_of(const bis_bsdf *b)
 typedef struct facet {
     float c_i, R2;                /* R^2 */
     float A, specular, x5;        /* D/(2 (c_i S_o + c_o S_i)), (1 - cos theta_d)^5 */
+    float c_d, c2_d;              /* cos theta_d, and its square */
 } facet;
 
-static inline BIS_INLINE facet facet_at(const constants *k, float x, float y, float z, const bool has_lobe)
+static inline BIS_INLINE facet facet_at(const constants *k, float x, float y, float z, const terms has)
 {
     const float dx = x - k->m.x, dy = y - k->m.y, dz = z - k->m.z;
     const float d_z = dx * k->z.x + dy * k->z.y + dz * k->z.z, c_i = d_z + k->m_z;
     const bool above = c_i >= least_cos;
     facet f = {.c_i = c_i, .A = bis_lanes_choose(above, through_coat(c_i), 0)};
 
-    if (has_lobe) {
+    if (has >= LOBE) {
         const float s_x = dx * k->x.x + dy * k->x.y + dz * k->x.z + k->s_x;
         const float s_y = dx * k->y.x + dy * k->y.y + dz * k->y.z + k->s_y;
         const float s_z = d_z + k->s_z, across = s_x * s_x + s_y * s_y, along = s_z * s_z;
@@ -141,31 +165,56 @@ static inline BIS_INLINE facet facet_at(const constants *k, float x, float y, fl
 
         f.R2 = R * R;
         f.specular = bis_lanes_choose(above, k->lobe * f.R2 / bis_lanes_choose(above, shadow, 1), 0);
-        f.x5 = fifth_power(1 - sqrtf(s2) * 0.5f);
+        f.c_d = sqrtf(s2) * 0.5f;
+        f.c2_d = s2 * 0.25f;
+        f.x5 = fifth_power(1 - f.c_d);
     }
     return f;
 }
 
-static inline BIS_INLINE float f_of(const constants *k, const facet *f, int channel, const bool has_lobe)
+/* bis_fresnel. */
+static inline BIS_INLINE float conductor(float real_1, float half, float c, float c2)
+{
+    const float s2 = bis_lanes_choose(c2 < 1, 1 - c2, 0), real = real_1 + bis_lanes_choose(c2 < 1, c2, 1);
+    const float more = (sqrtf(real * real + 4 * half) + fabsf(real)) * 0.5f;
+    const float less = half / bis_lanes_choose(more > 0, more, 1);
+    const float a = sqrtf(bis_lanes_choose(real >= 0, more, less)), b2 = bis_lanes_choose(real >= 0, less, more);
+    const float minus = c - a, plus = c + a, p_minus = a * c - s2, p_plus = a * c + s2, rest = b2 * c2;
+    const float over_s = minus * minus + b2, under_s = plus * plus + b2; /* R_s, and R_p/R_s, in one quotient */
+    const float over_p = p_minus * p_minus + rest, under_p = p_plus * p_plus + rest;
+
+    return 0.5f * over_s * (under_p + over_p) / (under_s * under_p);
+}
+
+static inline BIS_INLINE float fresnel(const constants *k, const facet *f, int channel, const terms has)
+{
+    const float schlick = k->Ks[channel] + k->rest[channel] * f->x5;
+
+    if (has < METAL) return schlick;
+    return bis_lanes_choose(k->is_metal[channel], conductor(k->real[channel], k->half[channel], f->c_d, f->c2_d),
+                            schlick);
+}
+
+static inline BIS_INLINE float f_of(const constants *k, const facet *f, int channel, const terms has)
 {
     const float base = k->base[channel] * f->A;
 
-    return has_lobe ? base + (k->Ks[channel] + k->rest[channel] * f->x5) * f->specular : base;
+    return has >= LOBE ? base + fresnel(k, f, channel, has) * f->specular : base;
 }
 
 /* ---- weights: phat/q, eq. 4.9 ---- */
 
 static inline BIS_INLINE void weigh_as(float *w, const constants *c, const bis_lanes *y, uint32_t n, float em,
-                                       float brdf, const bool has_lobe, const bool mixed)
+                                       float brdf, const terms has, const bool mixed)
 {
     const constants k = *c;
     const bis_lanes l = *y;
 
 #pragma omp simd
     for (uint32_t i = 0; i < n; i++) {
-        const facet f = facet_at(&k, l.x[i], l.y[i], l.z[i], has_lobe);
-        const float phat = f.c_i * (f_of(&k, &f, 0, has_lobe) * l.r[i] + f_of(&k, &f, 1, has_lobe) * l.g[i] +
-                                    f_of(&k, &f, 2, has_lobe) * l.b[i]);
+        const facet f = facet_at(&k, l.x[i], l.y[i], l.z[i], has);
+        const float phat = f.c_i * (f_of(&k, &f, 0, has) * l.r[i] + f_of(&k, &f, 1, has) * l.g[i] +
+                                    f_of(&k, &f, 2, has) * l.b[i]);
         float q = em * l.q_L[i];
 
         if (mixed) q += brdf * (k.pdf_lobe * f.R2 + k.pdf_base * bis_lanes_choose(f.c_i > 0, f.c_i, 0));
@@ -177,12 +226,15 @@ static inline BIS_INLINE void weigh_as(float *w, const constants *c, const bis_l
 BIS_LANES
 static void weigh_facets(float *w, const constants *c, const bis_lanes *y, uint32_t n, float em, float brdf)
 {
-    if (c->has_lobe) {
-        if (brdf > 0) weigh_as(w, c, y, n, em, brdf, true, true);
-        else weigh_as(w, c, y, n, em, brdf, true, false);
+    if (c->has_metal) {
+        if (brdf > 0) weigh_as(w, c, y, n, em, brdf, METAL, true);
+        else weigh_as(w, c, y, n, em, brdf, METAL, false);
+    } else if (c->has_lobe) {
+        if (brdf > 0) weigh_as(w, c, y, n, em, brdf, LOBE, true);
+        else weigh_as(w, c, y, n, em, brdf, LOBE, false);
     } else {
-        if (brdf > 0) weigh_as(w, c, y, n, em, brdf, false, true);
-        else weigh_as(w, c, y, n, em, brdf, false, false);
+        if (brdf > 0) weigh_as(w, c, y, n, em, brdf, BASE, true);
+        else weigh_as(w, c, y, n, em, brdf, BASE, false);
     }
 }
 
@@ -196,17 +248,16 @@ static double weigh(float *w, const bis_bsdf *b, const bis_lanes *y, uint32_t n,
 
 /* ---- colours: F/phat ---- */
 
-BIS_LANES
-static void colour_facets(const constants *c, const bis_lanes *y, uint32_t n)
+static inline BIS_INLINE void colour_as(const constants *c, const bis_lanes *y, uint32_t n, const terms has)
 {
     const constants k = *c;
     const bis_lanes l = *y;
 
 #pragma omp simd
     for (uint32_t i = 0; i < n; i++) {
-        const facet f = facet_at(&k, l.x[i], l.y[i], l.z[i], true); /* without a lobe times 0 */
-        const float r = f_of(&k, &f, 0, true) * l.r[i], g = f_of(&k, &f, 1, true) * l.g[i],
-                    b = f_of(&k, &f, 2, true) * l.b[i], sum = r + g + b;
+        const facet f = facet_at(&k, l.x[i], l.y[i], l.z[i], has); /* without a lobe times 0 */
+        const float r = f_of(&k, &f, 0, has) * l.r[i], g = f_of(&k, &f, 1, has) * l.g[i],
+                    b = f_of(&k, &f, 2, has) * l.b[i], sum = r + g + b;
         /* as in phong_lanes.c: sum = 0 fills the last block, and 1/sum of a denormal would be infinite */
         const float lift = bis_lanes_choose(sum < FLT_MIN, 0x1p64f, 1);
         const float share = 1 / (bis_lanes_choose(sum > 0, sum, 1) * lift);
@@ -215,6 +266,13 @@ static void colour_facets(const constants *c, const bis_lanes *y, uint32_t n)
         l.g[i] = g * lift * share;
         l.b[i] = b * lift * share;
     }
+}
+
+BIS_LANES
+static void colour_facets(const constants *c, const bis_lanes *y, uint32_t n)
+{
+    if (c->has_metal) colour_as(c, y, n, METAL);
+    else colour_as(c, y, n, LOBE);
 }
 
 static void colour(const bis_bsdf *b, const bis_lanes *y, uint32_t n)
@@ -226,15 +284,24 @@ static void colour(const bis_bsdf *b, const bis_lanes *y, uint32_t n)
 
 /* ---- bounds over cones ---- */
 
-/* f cos is a product. Each factor is taken at its largest over the cone: F where wi is farthest from wo, A(c_i) c_i and
- * c_i/(c_i S_o + c_o S_i) where c_i is largest, R where t = tan theta_h is smallest. Two bounds of t hold, of which the
- * larger one is taken:
+/* f, with F at facet f or head on, where it is larger. */
+static inline BIS_INLINE float most_f(const constants *k, const facet *f, int channel, const terms has)
+{
+    if (has < METAL) return f_of(k, f, channel, has);
+    const float F = fresnel(k, f, channel, has), Ks = k->Ks[channel];
+
+    return k->base[channel] * f->A + bis_lanes_choose(F > Ks, F, Ks) * f->specular;
+}
+
+/* f cos is a product. Each factor is taken at its largest over the cone: F where wi is farthest from wo (a metal's
+ * there or head on, because it has one minimum and no maximum between the ends), A(c_i) c_i and c_i/(c_i S_o + c_o S_i)
+ * where c_i is largest, R where t = tan theta_h is smallest. Two bounds of t hold, of which the larger one is taken:
  * - wi and m are mirror images of wo about h and n: theta_h is at least half of the angle between them. This bound is
  *   good in the plane of incidence.
  * - no wi of the cone is farther from its axis than the chord of the half angle: |p| is smaller by that at most, s_z
  *   larger by that at most. This bound is good across, where a lobe at grazing angles is narrow. */
-BIS_LANES
-static void reach_facets(float *w, const constants *c, vec3 wo, const bis_lanes *cone, const float *sine, uint32_t n)
+static inline BIS_INLINE void reach_as(float *w, const constants *c, vec3 wo, const bis_lanes *cone,
+                                       const float *sine, uint32_t n, const terms has)
 {
     const constants k = *c;
     const bis_lanes l = *cone;
@@ -257,12 +324,21 @@ static void reach_facets(float *w, const constants *c, vec3 wo, const bis_lanes 
         const float c_up = bis_lanes_choose(c_i > least_cos, c_i, least_cos);
         const facet f = {.A = through_coat(c_up),
                          .specular = k.lobe * (R * R) / (c_up * k.S_o + k.c_o * stretched(&k, c_up)),
-                         .x5 = fifth_power(1 - c_d)};
-        const float phat = f_of(&k, &f, 0, true) * l.r[i] + f_of(&k, &f, 1, true) * l.g[i] +
-                           f_of(&k, &f, 2, true) * l.b[i];
+                         .x5 = fifth_power(1 - c_d),
+                         .c_d = c_d,
+                         .c2_d = c_d * c_d};
+        const float phat = most_f(&k, &f, 0, has) * l.r[i] + most_f(&k, &f, 1, has) * l.g[i] +
+                           most_f(&k, &f, 2, has) * l.b[i];
 
         w[i] = bis_lanes_choose(c_i > 0, c_up * phat, 0);
     }
+}
+
+BIS_LANES
+static void reach_facets(float *w, const constants *c, vec3 wo, const bis_lanes *cone, const float *sine, uint32_t n)
+{
+    if (c->has_metal) reach_as(w, c, wo, cone, sine, n, METAL);
+    else reach_as(w, c, wo, cone, sine, n, LOBE);
 }
 
 static void reach(float *w, const bis_bsdf *b, const bis_lanes *cone, const float *sine, uint32_t n)

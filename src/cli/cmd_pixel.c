@@ -18,6 +18,7 @@ typedef struct pixel_options {
     const char *output, *proposal;
     bool json, has_candidates, has_shadowrays, has_samples, has_seed;
     uint64_t candidates, shadowrays, samples, seed, repeats;
+    bool approximate;
 } pixel_options;
 
 /* ---- what is asked ---- */
@@ -195,7 +196,7 @@ static int pixel(void *options, const char *const *operand, bis_diag *diag)
         bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
         goto done;
     }
-    status = bis_scene_parse(&desc, operand[0], diag);
+    status = bis_scene_parse_as(&desc, operand[0], o->approximate ? BIS_PARSE_APPROXIMATE : 0, diag);
     if (!status) status = read_places(place, operand + 1, &desc->view.film, diag);
     if (status) goto done;
     if (o->has_seed) desc->view.sampler.seed = o->seed;
@@ -227,6 +228,9 @@ int bis_cmd_pixel(int argc, char **argv)
          .value = &o.output},
         {.name = "json", .help = "print JSON instead of text", .kind = BIS_OPTION_FLAG, .value = &o.json},
         {.help = "what to compute (these override the scene file, for all methods)"},
+        {.name = "approximate",
+         .help = "what of pbrt bis does not model is replaced by the nearest that it does, and listed",
+         .kind = BIS_OPTION_FLAG, .value = &o.approximate},
         {.name = "candidates", .argument = "M", .help = "rejection, sir, unoccluded: candidates",
          .kind = BIS_OPTION_COUNT, .value = &o.candidates, .given = &o.has_candidates, .lo = 1, .hi = 1 << 20},
         {.name = "shadowrays", .argument = "N", .help = "rejection, sir: candidates that are shadow-tested",

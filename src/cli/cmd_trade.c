@@ -19,7 +19,7 @@ enum { MAX_INTEGRATORS = 16, DEFAULT_SECONDS = 150, QUICK_SECONDS = 28 };
 typedef struct trade_options {
     const char *output, *reference;
     bis_texts integrators;
-    bool quick, resume, quiet;
+    bool quick, resume, quiet, approximate;
     bool has_seconds, has_seed, has_seeds, has_passes, has_error;
     bool has_size;
     double seconds, error;
@@ -115,6 +115,7 @@ static int run(const trade_options *o, const char *scene, const char *folder, bi
         .error = o->error,
         .quick = o->quick,
         .resume = o->resume,
+        .approximate = o->approximate,
         .width = o->size[0],
         .height = o->size[1],
         .n_seeds = (int)o->seeds,
@@ -193,6 +194,9 @@ int bis_cmd_trade(int argc, char **argv)
         {.name = "reference", .argument = "F",
          .help = "compare with this picture (.exr, .pfm, .hdr) of the scene's size, instead of rendering references",
          .kind = BIS_OPTION_TEXT, .value = &o.reference},
+        {.name = "approximate",
+         .help = "what of pbrt bis does not model is replaced by the nearest that it does, and listed",
+         .kind = BIS_OPTION_FLAG, .value = &o.approximate},
         {.name = "resolution", .argument = "WxH",
          .help = "size of the full picture; measured is a smaller one of the same view", .kind = BIS_OPTION_OWN,
          .value = o.size, .given = &o.has_size, 

@@ -18,7 +18,7 @@
 typedef struct verify_options {
     const char *mapping;
     uint64_t seed;
-    bool json;
+    bool json, approximate;
 } verify_options;
 
 /* ---- the report ---- */
@@ -128,7 +128,7 @@ static int verify_scene(bis_verify *v, const verify_options *o, const char *path
 
     if (o->mapping) bis_warn(diag, bis_cli_loc, "--mapping has no effect on a scene: its LightSource says it");
     bis_verify_begin(v, "reading the scene");
-    bis_status status = bis_scene_parse(&desc, path, diag);
+    bis_status status = bis_scene_parse_as(&desc, path, o->approximate ? BIS_PARSE_APPROXIMATE : 0, diag);
     if (status) return bis_cli_exit_status(status);
     desc->light_needs = BIS_VERIFY_LIGHT_NEEDS;
     status = bis_scene_build(&scene, desc, diag);
@@ -176,6 +176,9 @@ int bis_cmd_verify(int argc, char **argv)
          .help = "of a map: latlong (the default), angular, equalarea, mirrorball, verticalcross, horizontalcross or "
                  "cubestrip; a square map must say which",
          .kind = BIS_OPTION_NAME, .value = &o.mapping, .names = bis_mapping_names},
+        {.name = "approximate",
+         .help = "what of pbrt bis does not model is replaced by the nearest that it does, and listed",
+         .kind = BIS_OPTION_FLAG, .value = &o.approximate},
         {.name = "seed", .argument = "N", .help = "of the random numbers (1)", .kind = BIS_OPTION_COUNT,
          .value = &o.seed, .hi = 0x1p53},
         {.help = "what to write"},

@@ -94,6 +94,8 @@ static const bis_help_entry textures[] = {
     {"checkerboard", "tex1 (1) and tex2 (0)"},
     {"uscale, vscale, udelta, vdelta", "of imagemap and checkerboard: s = uscale u + udelta, t = vscale v + vdelta "
                                        "(1 1 0 0). v = 0 is the bottom of an image"},
+    {"mapping", "uv; or planar (v1, v2), spherical, cylindrical: by the point, in the space of the current "
+                "transformation"},
     {NULL, NULL},
 };
 

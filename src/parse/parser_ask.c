@@ -170,8 +170,8 @@ void bis_params_end(bis_parser *p, const char *directive, const char *what)
         }
         const char *name = bis_parser_text(p, ps->list[i].name);
         const char *quote = what ? "\"" : "";
-        bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s%s%s%s%s%s", name, directive,
-                         what ? " " : "", quote, what ? what : "", quote,
+        bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s%s%s%s%s%s; with --approximate: ignored",
+                         name, directive, what ? " " : "", quote, what ? what : "", quote,
                          bis_parser_hint(p, bis_nearest_name(name, ps->asked, ps->n_asked)));
     }
 }

@@ -1,9 +1,11 @@
 /* parser_materials: pbrt's own materials, made of what bis has; docs/scene-format.md, "pbrt's materials", says which
  * are exact and which are near.
  *
- * All of them become a microfacet material: GGX facets with Ks = the reflectance head on (Schlick's curve for Fresnel's
- * equations), over Ashikhmin and Shirley's base. alpha is what pbrt makes of a roughness; bis_microfacet's own
- * roughness is its square root. */
+ * All of them become a microfacet material: GGX facets with Ks = the reflectance head on. A metal's follow Fresnel's
+ * equations, the others Schlick's curve over Ashikhmin and Shirley's base. alpha is what pbrt makes of a roughness;
+ * bis_microfacet's own roughness is its square root. */
+#include "approximate.h"
+#include "bis/base/fresnel.h"
 #include "bis/base/spectrum.h"
 #include "bis/beyond/microfacet.h"
 #include "parser.h"
@@ -39,20 +41,21 @@ static double own_roughness(bis_parser *p, double alpha, bis_loc at)
     return sqrt(fmin(fmax(alpha, least), 1));
 }
 
-/* The mean of uroughness and vroughness would not look like either: they must agree. */
-static bool read_two(bis_parser *p, double *roughness)
+/* uroughness and vroughness, by default `roughness`, where either is given. They must agree, because one width of the
+ * lobe would not look like two; --approximate takes the circle of the ellipse's area. */
+static double alpha_of_two(bis_parser *p, double roughness, bool remaps, remap how)
 {
-    double u, v;
-    const bool has_u = bis_params_float(p, "uroughness", &u, positive_or_0),
-               has_v = bis_params_float(p, "vroughness", &v, positive_or_0);
-    if (!has_u && !has_v) return false;
-    if (!has_u) u = *roughness;
-    if (!has_v) v = *roughness;
-    *roughness = u;
-    if (u == v) return true;
-    return bis_parser_error(p, bis_params_at(p, has_v ? "vroughness" : "uroughness"),
-                            "\"uroughness\" and \"vroughness\" differ: anisotropic surfaces are not modelled, give "
-                            "both the same value");
+    static const char consequence[] = "a round lobe, its alpha the root of the product of both";
+    double u = roughness, v = roughness;
+    bis_params_float(p, "uroughness", &u, positive_or_0);
+    bis_params_float(p, "vroughness", &v, positive_or_0);
+    if (u == v) return alpha_of(u, remaps, how);
+    const bis_loc at = bis_params_at(p, bis_params_has(p, "vroughness") ? "vroughness" : "uroughness");
+    if (p->approximate) bis_approximate_note(p, at, consequence, "\"uroughness\" and \"vroughness\" that differ");
+    else
+        bis_parser_error(p, at, "\"uroughness\" and \"vroughness\" differ: anisotropic surfaces are not modelled, give "
+                         "both the same value; with --approximate: %s", consequence);
+    return sqrt(fmax(0, alpha_of(u, remaps, how) * alpha_of(v, remaps, how)));
 }
 
 static double read_roughness(bis_parser *p, double usual, remap how, bis_material_textures *t)
@@ -62,16 +65,15 @@ static double read_roughness(bis_parser *p, double usual, remap how, bis_materia
     uint32_t texture = BIS_NO_TEXTURE;
     bis_params_bool(p, "remaproughness", &remaps);
     bis_params_number(p, "roughness", &roughness, positive_or_0, &texture);
-    read_two(p, &roughness);
-    if (texture == BIS_NO_TEXTURE)
-        return own_roughness(p, alpha_of(roughness, remaps, how), bis_params_at(p, "roughness"));
+    const double alpha = alpha_of_two(p, roughness, remaps, how);
+    if (texture == BIS_NO_TEXTURE) return own_roughness(p, alpha, bis_params_at(p, "roughness"));
     if (remaps && how == V3)
         bis_parser_error(p, bis_params_at(p, "roughness"),
                          "pbrt-v3's remapping of a texture of roughness is not modelled: give \"bool remaproughness\" "
                          "false and a texture of alpha");
     t->width = texture;
     t->power = remaps ? 0.25 : 0.5; /* roughness = sqrt(alpha) */
-    return sqrt(fmin(fmax(alpha_of(roughness, remaps, how), 1e-4), 1));
+    return sqrt(fmin(fmax(alpha, 1e-4), 1));
 }
 
 /* ---- Fresnel ---- */
@@ -82,24 +84,10 @@ static double head_on(double eta)
     return r * r;
 }
 
-/* Fresnel's reflectance of a dielectric at cos theta = c, from outside. */
-static double dielectric(double eta, double c)
-{
-    const double in = sqrt(fmax(0, 1 - (1 - c * c) / (eta * eta)));
-    const double s = (c - eta * in) / (c + eta * in), p = (eta * c - in) / (eta * c + in);
-    return (s * s + p * p) / 2;
-}
-
 /* Of diffuse light from inside: 1 - (1 - F of diffuse light from outside)/eta^2 (reciprocity). */
 static double internal_reflectance(double eta)
 {
-    enum { N = 256 };
-    double sum = 0;
-    for (int i = 0; i < N; i++) {
-        const double c = (i + 0.5) / N;
-        sum += 2 * c * dielectric(eta, c) / N;
-    }
-    return 1 - (1 - sum) / (eta * eta);
+    return 1 - (1 - bis_fresnel_mean(eta, 0)) / (eta * eta);
 }
 
 /* ---- textures of products ---- */
@@ -120,19 +108,21 @@ static void scale_colour(bis_parser *p, rgb *c, uint32_t *texture, double factor
 
 /* ---- the materials ---- */
 
+/* What bis keeps of eta and k: the reflectance head on, and in each channel the eta whose mean over all directions is
+ * that of the spectra (bis_fresnel_eta). */
 typedef struct metal {
     const char *name;
-    rgb head_on;
+    rgb head_on, eta;
 } metal;
 
-/* Head on, under D65, from the optical constants of www.luxpop.com, which pbrt and Mitsuba ship: sums of Fresnel's
- * equations over the spectrum (tests/scene/test_pbrt_materials.c repeats two of them). Gold's red is 1.0219, outside of
- * RGB. */
+/* Under D65, from the optical constants of www.luxpop.com, which pbrt and Mitsuba ship: sums of Fresnel's equations
+ * over the spectrum (tests/scene/test_pbrt_materials.c repeats two of them). Gold's red is 1.0219, outside of RGB, and
+ * has no eta. */
 static const metal metals[] = {
-    {"Ag", {0.97153f, 0.95992f, 0.91533f}},
-    {"Al", {0.91317f, 0.92150f, 0.92445f}},
-    {"Au", {1.00000f, 0.78260f, 0.34342f}},
-    {"Cu", {0.95564f, 0.63756f, 0.53816f}},
+    {"Ag", {0.97153f, 0.95992f, 0.91533f}, {0.1283f, 0.1270f, 0.1512f}},
+    {"Al", {0.91317f, 0.92150f, 0.92445f}, {1.4358f, 0.9308f, 0.5930f}},
+    {"Au", {1.00000f, 0.78260f, 0.34342f}, {0.0000f, 0.3994f, 1.5819f}},
+    {"Cu", {0.95564f, 0.63756f, 0.53816f}, {0.2328f, 0.9777f, 1.2141f}},
 };
 
 /* "metal-Cu-eta" with end "eta"? The metal, or NULL. */
@@ -163,7 +153,7 @@ static bool refuse_metal(bis_parser *p, const char *name)
 static const char *const eta_and_k[] = {"eta", "k"};
 
 /* Both as rgb or float: each channel by itself. */
-static void conductor_of_rgb(bis_parser *p, rgb *Ks)
+static void conductor_of_rgb(bis_parser *p, metal *m)
 {
     rgb eta = {1, 1, 1}, k = {0, 0, 0};
     const bool has_eta = bis_params_rgb(p, "eta", &eta, positive_or_0, true),
@@ -176,17 +166,25 @@ static void conductor_of_rgb(bis_parser *p, rgb *Ks)
     double F[3];
     for (int i = 0; i < 3; i++)
         F[i] = ((n[i] - 1) * (n[i] - 1) + a[i] * a[i]) / ((n[i] + 1) * (n[i] + 1) + a[i] * a[i]);
-    *Ks = rgb_from(F[0], F[1], F[2]);
+    m->head_on = rgb_from(F[0], F[1], F[2]);
+    m->eta = eta;
 }
 
-static void conductor_of_spectra(bis_parser *p, rgb *Ks)
+/* 0 where no surface reflects R: Schlick's curve, which is then constant. */
+static double eta_of(double R, double mean) { return R > 0 && R < 1 ? bis_fresnel_eta(R, mean) : 0; }
+
+static void conductor_of_spectra(bis_parser *p, metal *m)
 {
+    rgbd F, mean;
     bis_parser_spectrum eta, k;
     const bool has_eta = bis_params_spectrum(p, "eta", &eta), has_k = bis_params_spectrum(p, "k", &k);
-    if (has_eta && has_k)
-        *Ks = bis_parser_into_unit(p, bis_spectrum_conductor(&eta.is, &k.is), "eta and k", bis_params_at(p, "eta"));
-    else if (!bis_params_has(p, "eta") || !bis_params_has(p, "k"))
+    if (has_eta && has_k) {
+        bis_spectrum_conductor(&F, &mean, &eta.is, &k.is);
+        m->head_on = bis_parser_into_unit(p, F, "eta and k", bis_params_at(p, "eta"));
+        m->eta = rgb_from(eta_of(F.r, mean.r), eta_of(F.g, mean.g), eta_of(F.b, mean.b));
+    } else if (!bis_params_has(p, "eta") || !bis_params_has(p, "k")) {
         bis_parser_error(p, p->name_at, "give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\"");
+    }
     bis_parser_spectrum_clear(&eta);
     bis_parser_spectrum_clear(&k);
 }
@@ -197,25 +195,25 @@ static bool is_of_type(bis_parser *p, const char *name, unsigned type)
     return param && param->type == type;
 }
 
-static rgb read_eta_and_k(bis_parser *p)
+static metal read_eta_and_k(bis_parser *p)
 {
-    rgb Ks = metals[3].head_on; /* copper, as in pbrt */
+    metal m = metals[3]; /* copper, as in pbrt */
     const metal *eta = named_metal(p, "eta", "eta"), *k = named_metal(p, "k", "k");
     const bool has_eta = bis_params_has(p, "eta"), has_k = bis_params_has(p, "k");
-    if (!has_eta && !has_k) return Ks;
+    if (!has_eta && !has_k) return m;
     if ((eta && eta == k) || (eta && !has_k && eta == &metals[3]) || (k && !has_eta && k == &metals[3])) {
         bis_params_skip(p, eta_and_k, 2);
-        return eta ? eta->head_on : k->head_on;
+        return eta ? *eta : *k;
     }
     if (eta || k || refuse_metal(p, "eta") || refuse_metal(p, "k")) {
         if (eta || k)
             bis_parser_error(p, bis_params_at(p, has_k ? "k" : "eta"), "\"eta\" and \"k\" must be of one metal");
         bis_params_skip(p, eta_and_k, 2);
-        return Ks;
+        return m;
     }
-    if (is_of_type(p, "eta", BIS_TYPE_SPECTRUM) || is_of_type(p, "k", BIS_TYPE_SPECTRUM)) conductor_of_spectra(p, &Ks);
-    else conductor_of_rgb(p, &Ks);
-    return Ks;
+    if (is_of_type(p, "eta", BIS_TYPE_SPECTRUM) || is_of_type(p, "k", BIS_TYPE_SPECTRUM)) conductor_of_spectra(p, &m);
+    else conductor_of_rgb(p, &m);
+    return m;
 }
 
 /* Ignored: what only pbrt's random walk in layers needs. */
@@ -227,16 +225,16 @@ static void skip_walk(bis_parser *p)
 
 static bis_material read_conductor(bis_parser *p, bis_material_textures *t, double usual, remap how)
 {
-    rgb Ks = {0, 0, 0};
+    metal m = {.eta = {1, 1, 1}}; /* pbrt-v4's for a reflectance */
     if (bis_params_has(p, "reflectance")) {
-        bis_params_colour(p, "reflectance", &Ks, unit, &t->Ks);
+        bis_params_colour(p, "reflectance", &m.head_on, unit, &t->Ks);
         if (bis_params_has(p, "eta") || bis_params_has(p, "k"))
             bis_parser_error(p, bis_params_at(p, "reflectance"), "give \"reflectance\", or \"eta\" and \"k\"");
         bis_params_skip(p, eta_and_k, 2);
     } else {
-        Ks = read_eta_and_k(p);
+        m = read_eta_and_k(p);
     }
-    return bis_microfacet((rgb){0, 0, 0}, Ks, read_roughness(p, usual, how, t));
+    return bis_microfacet_metal(m.head_on, m.eta, read_roughness(p, usual, how, t));
 }
 
 bis_material bis_parser_conductor(bis_parser *p, bis_material_textures *t) { return read_conductor(p, t, 0, V4); }

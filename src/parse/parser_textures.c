@@ -124,18 +124,49 @@ static bool read_part(bis_parser *p, const char *name, bool of_floats, double us
     return ok && bis_parser_add_texture(p, &x, index);
 }
 
-/* The mapping of u and v; pbrt's others need the place of the point. */
+/* From the world to the space of the texture, which is the current transformation's. */
+static bool take_space(bis_parser *p, bis_texture *x)
+{
+    bool ok = true;
+    for (int i = 0; i < 12; i++) {
+        x->from_world[i / 4][i % 4] = p->now.ctm.inv[i / 4][i % 4];
+        ok &= fabs(x->from_world[i / 4][i % 4]) <= 1e30;
+    }
+    return ok || bis_parser_error(p, bis_params_at(p, "mapping"), "the current transformation shrinks this texture's "
+                                  "space by more than 1e30: write Identity before it");
+}
+
+/* The rows are v1 and v2 in the space of the texture, so that (x, y) is (s, t). */
+static void read_plane(bis_parser *p, bis_texture *x)
+{
+    static const char *const names[] = {"v1", "v2"};
+    double row[2][4];
+    for (int i = 0; i < 2; i++) {
+        double v[3] = {i == 0, i == 1, 0};
+        const bis_param *param = bis_params_take(p, names[i], BIS_TYPE_VECTOR3, 3);
+        for (int k = 0; k < 3 && param; k++) v[k] = p->params.numbers[param->first + (size_t)k];
+        for (int k = 0; k < 4; k++)
+            row[i][k] = v[0] * x->from_world[0][k] + v[1] * x->from_world[1][k] + v[2] * x->from_world[2][k];
+        row[i][3] += x->offset[i];
+    }
+    memcpy(x->from_world, row, sizeof row);
+}
+
 static bool read_mapping(bis_parser *p, bis_texture *x)
 {
     static const char *const names[] = {"uscale", "vscale"}, *const deltas[] = {"udelta", "vdelta"};
-    static const char *const mappings[] = {"uv"};
-    int chosen;
+    static const char *const mappings[] = {"uv", "spherical", "cylindrical", "planar"}; /* bis_texture_mapping */
+    int chosen = BIS_TEXTURE_UV;
     const bool given = bis_params_has(p, "mapping");
-    bool ok = bis_params_choice(p, "mapping", &chosen, mappings, BIS_COUNT(mappings)) || !given;
+    const bool ok = bis_params_choice(p, "mapping", &chosen, mappings, BIS_COUNT(mappings)) || !given;
+    x->mapping = (bis_texture_mapping)chosen;
     for (int i = 0; i < 2; i++) {
-        bis_params_float(p, names[i], &x->factor[i], anything);
-        bis_params_float(p, deltas[i], &x->offset[i], anything);
+        if (x->mapping == BIS_TEXTURE_UV) bis_params_float(p, names[i], &x->factor[i], anything);
+        if (x->mapping == BIS_TEXTURE_UV || x->mapping == BIS_TEXTURE_PLANAR)
+            bis_params_float(p, deltas[i], &x->offset[i], anything);
     }
+    if (x->mapping != BIS_TEXTURE_UV && !take_space(p, x)) return false;
+    if (x->mapping == BIS_TEXTURE_PLANAR) read_plane(p, x);
     return ok;
 }
 

@@ -107,6 +107,7 @@ static void hash_materials(bis_walk *w, const bis_scene_desc *desc)
         hash_text(w, m->model->name);
         hash_rgb(w, m->Kd);
         hash_rgb(w, m->Ks);
+        hash_rgb(w, m->eta);
         hash_real(w, m->exponent);
         hash_real(w, m->alpha);
     }
@@ -114,12 +115,14 @@ static void hash_materials(bis_walk *w, const bis_scene_desc *desc)
 
 static void hash_texture(bis_walk *w, const bis_texture *t)
 {
-    const uint64_t counts[] = {t->kind, t->of[0], t->of[1], t->of[2], t->image, t->wrap, t->invert, t->is_float};
+    const uint64_t counts[] = {t->kind, t->of[0], t->of[1], t->of[2],   t->image,
+                               t->wrap, t->invert, t->is_float, t->mapping};
     const double numbers[] = {t->value.r, t->value.g, t->value.b, t->factor[0], t->factor[1], t->offset[0],
                               t->offset[1], t->scale};
 
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) hash_count(w, counts[i]);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) hash_real(w, numbers[i]);
+    for (int i = 0; i < 12; i++) hash_real(w, t->from_world[i / 4][i % 4]);
 }
 
 /* Images count by their texels, as maps do. */

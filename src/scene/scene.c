@@ -46,7 +46,7 @@ static bis_status read_file(bis_mesh *m, const bis_mesh_desc *desc, bool wants_u
     return status;
 }
 
-/* wants_uv: a shape of it has textures. */
+/* wants_uv: a shape of it has textures that ask for them. */
 static bis_status read_mesh(bis_mesh *m, const bis_mesh_desc *desc, bool wants_uv, bis_diag *diag)
 {
     const bool of_file = desc->kind != BIS_SHAPE_TRIANGLES;
@@ -127,7 +127,8 @@ static bis_status load_geometry(bis_scene *s, const bis_scene_desc *desc, bis_di
         if (!is_mesh(desc->shapes[i].kind)) continue;
         loaded *l = &meshes[desc->shapes[i].mesh];
         l->shapes_left++;
-        l->wants_uv |= bis_textures_of(&desc->textures, desc->shapes[i].material) != NULL;
+        const bis_material_textures *textures = bis_textures_of(&desc->textures, desc->shapes[i].material);
+        l->wants_uv |= textures && bis_textures_want_uv(&desc->textures, textures);
     }
     for (size_t i = 0; i < desc->n_shapes && !status; i++) {
         const bis_shape_desc *shape = &desc->shapes[i];
@@ -288,7 +289,7 @@ void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, 
     if (textures) {
         double uv[2];
         bis_geometry_uv(&s->geometry, prim, &eye, uv);
-        m->own = bis_textures_material(&desc->textures, s->images, textures, base, uv);
+        m->own = bis_textures_material(&desc->textures, s->images, textures, base, uv, at.p);
     }
     bis_bsdf_init(&pt->bsdf, textures ? &m->own : base, pt->n, pt->wo);
 }

@@ -30,6 +30,7 @@ static int order_materials(const bis_material *a, const bis_material *b)
     int c = ((uintptr_t)a->model > (uintptr_t)b->model) - ((uintptr_t)a->model < (uintptr_t)b->model);
     if (!c) c = order_rgb(a->Kd, b->Kd);
     if (!c) c = order_rgb(a->Ks, b->Ks);
+    if (!c) c = order_rgb(a->eta, b->eta);
     if (!c) c = order(a->exponent, b->exponent);
     return c ? c : order(a->alpha, b->alpha);
 }

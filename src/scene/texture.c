@@ -42,6 +42,20 @@ void bis_textures_mark(bool *is_used, const bis_textures *t, uint32_t texture)
     for (int i = 0; i < n_parts(x); i++) bis_textures_mark(is_used, t, x->of[i]);
 }
 
+static bool wants_uv(const bis_textures *t, uint32_t texture)
+{
+    if (texture == BIS_NO_TEXTURE) return false;
+    const bis_texture *x = &t->list[texture];
+    bool wants = (x->kind == BIS_TEXTURE_IMAGE || x->kind == BIS_TEXTURE_CHECKERBOARD) && x->mapping == BIS_TEXTURE_UV;
+    for (int i = 0; i < n_parts(x) && !wants; i++) wants = wants_uv(t, x->of[i]);
+    return wants;
+}
+
+bool bis_textures_want_uv(const bis_textures *t, const bis_material_textures *of)
+{
+    return wants_uv(t, of->Kd) || wants_uv(t, of->Ks) || wants_uv(t, of->width);
+}
+
 /* ---- images ---- */
 
 static bis_status find_range(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag)
@@ -129,25 +143,52 @@ static rgbd mix(rgbd a, rgbd b, rgbd w)
 
 static double coated(const bis_texture *x, double v) { return (1 - x->scale) * v / (1 - x->scale * v); }
 
+/* As in pbrt-v4, "Texture coordinate generation". */
+static void map_point(double st[2], const bis_texture *x, const double uv[2], vec3 p)
+{
+    double q[3];
+
+    if (x->mapping == BIS_TEXTURE_UV) {
+        for (int i = 0; i < 2; i++) st[i] = x->factor[i] * uv[i] + x->offset[i];
+        return;
+    }
+    for (int i = 0; i < 3; i++)
+        q[i] = x->from_world[i][0] * (double)p.x + x->from_world[i][1] * (double)p.y +
+               x->from_world[i][2] * (double)p.z + x->from_world[i][3];
+    const double phi = atan2(q[1], q[0]);
+    if (x->mapping == BIS_TEXTURE_SPHERICAL) {
+        st[0] = atan2(hypot(q[0], q[1]), q[2]) / PI;
+        st[1] = (phi < 0 ? phi + 2 * PI : phi) / (2 * PI);
+    } else if (x->mapping == BIS_TEXTURE_CYLINDRICAL) {
+        st[0] = (PI + phi) / (2 * PI);
+        st[1] = q[2];
+    } else {
+        st[0] = q[0];
+        st[1] = q[1];
+    }
+}
+
 rgbd bis_textures_value(const bis_textures *textures, const bis_texture_image *images, uint32_t texture,
-                        const double uv[2])
+                        const double uv[2], vec3 p)
 {
     const bis_texture *x = &textures->list[texture];
-    const double s = x->factor[0] * uv[0] + x->offset[0], t = x->factor[1] * uv[1] + x->offset[1];
+    double st[2];
     rgbd v[3];
 
     switch (x->kind) {
     case BIS_TEXTURE_IMAGE:
-        return image_value(x, &images[x->image].image, s, t);
+        map_point(st, x, uv, p);
+        return image_value(x, &images[x->image].image, st[0], st[1]);
     case BIS_TEXTURE_CHECKERBOARD:
-        return bis_textures_value(textures, images, x->of[fmod(floor(s) + floor(t), 2) != 0], uv);
+        map_point(st, x, uv, p);
+        return bis_textures_value(textures, images, x->of[fmod(floor(st[0]) + floor(st[1]), 2) != 0], uv, p);
     case BIS_TEXTURE_SCALE:
     case BIS_TEXTURE_MIX:
-        for (int i = 0; i < n_parts(x); i++) v[i] = bis_textures_value(textures, images, x->of[i], uv);
+        for (int i = 0; i < n_parts(x); i++) v[i] = bis_textures_value(textures, images, x->of[i], uv, p);
         if (x->kind == BIS_TEXTURE_MIX) return mix(v[0], v[1], v[2]);
         return (rgbd){v[0].r * v[1].r, v[0].g * v[1].g, v[0].b * v[1].b};
     case BIS_TEXTURE_COAT:
-        v[0] = bis_textures_value(textures, images, x->of[0], uv);
+        v[0] = bis_textures_value(textures, images, x->of[0], uv, p);
         return (rgbd){coated(x, v[0].r), coated(x, v[0].g), coated(x, v[0].b)};
     case BIS_TEXTURE_CONSTANT:
         break;
@@ -283,20 +324,20 @@ bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *im
 static rgb round_value(rgbd v) { return rgb_from(v.r, v.g, v.b); }
 
 bis_material bis_textures_material(const bis_textures *t, const bis_texture_image *images,
-                                   const bis_material_textures *of, const bis_material *base, const double uv[2])
+                                   const bis_material_textures *of, const bis_material *base, const double uv[2],
+                                   vec3 p)
 {
-    const rgb Kd = of->Kd == BIS_NO_TEXTURE ? base->Kd : round_value(bis_textures_value(t, images, of->Kd, uv));
-    const rgb Ks = of->Ks == BIS_NO_TEXTURE ? base->Ks : round_value(bis_textures_value(t, images, of->Ks, uv));
+    const rgb Kd = of->Kd == BIS_NO_TEXTURE ? base->Kd : round_value(bis_textures_value(t, images, of->Kd, uv, p));
+    const rgb Ks = of->Ks == BIS_NO_TEXTURE ? base->Ks : round_value(bis_textures_value(t, images, of->Ks, uv, p));
     const bool facets = base->model == &bis_microfacet_model;
 
     if (of->width == BIS_NO_TEXTURE && !facets) return bis_phong(Kd, Ks, base->exponent);
-    if (of->width == BIS_NO_TEXTURE) {
-        bis_material m = bis_microfacet(Kd, Ks, 1);
-        m.alpha = base->alpha;
-        return m;
-    }
-    const double width = bis_textures_value(t, images, of->width, uv).r;
+    const bool varies = of->width != BIS_NO_TEXTURE;
+    const double width = varies ? bis_textures_value(t, images, of->width, uv, p).r : 1;
     /* fmax and fmin: a sum of weights may miss the range by an ulp */
     if (!facets) return bis_phong(Kd, Ks, fmax(0, width));
-    return bis_microfacet(Kd, Ks, fmin(1, fmax(BIS_MICROFACET_MIN_ROUGHNESS, pow(width, of->power))));
+    bis_material m = bis_microfacet(Kd, Ks, fmin(1, fmax(BIS_MICROFACET_MIN_ROUGHNESS, pow(width, of->power))));
+    if (!varies) m.alpha = base->alpha;
+    m.eta = base->eta;
+    return m;
 }

@@ -243,7 +243,7 @@ static void print_textures(const bis_scene_desc *d, FILE *out)
         bis_textures_mark(is_used, t, m->Kd);
         bis_textures_mark(is_used, t, m->Ks);
         bis_textures_mark(is_used, t, m->width);
-        any |= is_mesh(&d->shapes[i]);
+        any |= is_mesh(&d->shapes[i]) && bis_textures_want_uv(t, m);
     }
     for (size_t i = 0; i < t->n_files && is_used; i++) {
         const char *file = t->files[i].filename;
@@ -281,6 +281,7 @@ static void print_materials(const bis_scene_desc *d, FILE *out)
         else print_colour("Kd", m->Kd, out);
         if (t && t->Ks != BIS_NO_TEXTURE) print_texture("Ks", &d->textures, t->Ks, out);
         else print_colour("Ks", m->Ks, out);
+        if (!rgb_is_black(m->eta)) print_colour("eta", m->eta, out);
         if (t && t->width != BIS_NO_TEXTURE) print_texture(w.scene_name, &d->textures, t->width, out);
         else if (w.scene_value > 0) fprintf(out, ", %s %s", w.scene_name, bis_format_double(buf, w.scene_value));
         fprintf(out, "; %zu shape%s", shapes[k], shapes[k] == 1 ? "" : "s");

@@ -25,10 +25,20 @@ enum { SEED = 2019, N = 4096 };
 static const double roughnesses[] = {BIS_MICROFACET_MIN_ROUGHNESS, 0.03, 0.1, 0.3, 0.55, 0.8, 1};
 enum { N_ROUGHNESSES = COUNT(roughnesses) };
 
-/* facets 7 x 4, mixtures 3 x 3, furnace 7 x 5 + 5, sir 16 x 4; and twins */
+/* facets 7 x 4, mixtures 3 x 3, furnace 7 x 5 + 5, sir 24 x 4; and twins */
 static double alpha(void)
 {
-    return stat_level(1e-3, 28 + 9 + 40 + 64);
+    return stat_level(1e-3, 28 + 9 + 40 + 96);
+}
+
+/* Copper; all kinds of channels: a dielectric that absorbs little, one with total reflection, a mirror without any. */
+static bis_material copper(double roughness)
+{
+    return bis_microfacet_metal((rgb){0.952f, 0.62f, 0.511f}, (rgb){0.2f, 0.924f, 1.102f}, roughness);
+}
+static bis_material odd_metal(double roughness)
+{
+    return bis_microfacet_metal((rgb){0.05f, 0.11f, 1}, (rgb){1.5f, 0.6f, 3}, roughness);
 }
 
 static bis_lanes new_lanes(uint32_t n)
@@ -93,12 +103,22 @@ typedef struct exact {
     double w, cos_i, cos_d, F[3], of_fresnel; /* F = f cos Le; the relative error that is stated for Fresnel's term */
 } exact;
 
+/* Of F, what a cos theta_d that is off by 2^-21 changes, and the roundings of a root of F that is sqrt(Ks) at least. */
+static double stated_of_metal(double Ks, double eta, double c)
+{
+    const double F = lit_fresnel(Ks, eta, c), up = lit_fresnel(Ks, eta, fmin(1, c + 0x1p-21)),
+                 down = lit_fresnel(Ks, eta, fmax(0, c - 0x1p-21));
+
+    return fmax(fabs(up - F), fabs(down - F)) / F + 0x1p-19 / sqrt(Ks);
+}
+
 static exact weigh_one(const bis_bsdf *b, const bis_lanes *l, uint32_t i, double beta)
 {
     const vec3 wi = direction(l, i);
     const double s[3] = {(double)wi.x + (double)b->wo.x, (double)wi.y + (double)b->wo.y,
                          (double)wi.z + (double)b->wo.z};
     const double Ks[3] = {(double)b->material->Ks.r, (double)b->material->Ks.g, (double)b->material->Ks.b};
+    const double eta[3] = {(double)b->material->eta.r, (double)b->material->eta.g, (double)b->material->eta.b};
     double q_f;
     const rgb f = bis_bsdf_f_pdf(b, wi, &q_f);
     exact e = {.cos_i = bis_bsdf_cos(b, wi), .cos_d = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / 2};
@@ -108,7 +128,9 @@ static exact weigh_one(const bis_bsdf *b, const bis_lanes *l, uint32_t i, double
     e.F[1] = (double)f.g * c * (double)l->g[i];
     e.F[2] = (double)f.b * c * (double)l->b[i];
     for (int k = 0; k < 3; k++)
-        if (Ks[k] > 0)
+        if (Ks[k] > 0 && eta[k] > 0)
+            e.of_fresnel = fmax(e.of_fresnel, stated_of_metal(Ks[k], eta[k], e.cos_d));
+        else if (Ks[k] > 0)
             e.of_fresnel =
                 fmax(e.of_fresnel, 0x1p-21 * 5 * (1 - Ks[k]) * x4 / (Ks[k] + (1 - Ks[k]) * x4 * (1 - e.cos_d)));
     const double phat = e.F[0] + e.F[1] + e.F[2];
@@ -167,7 +189,8 @@ static errors weigh_everything(const bis_bsdf_lanes *lanes, double roughness)
                                       bis_microfacet((rgb){0.8f, 0.3f, 0}, grey(0.04), roughness),
                                       bis_microfacet((rgb){0.8f, 0.3f, 0.1f}, grey(0), roughness),
                                       bis_microfacet(grey(0), grey(1), roughness),
-                                      bis_microfacet(grey(1e-19), (rgb){1e-20f, 0, 1e-3f}, roughness)};
+                                      bis_microfacet(grey(1e-19), (rgb){1e-20f, 0, 1e-3f}, roughness),
+                                      copper(roughness), odd_metal(roughness)};
     static const double degrees[] = {0, 40, 85, 89.9, 89.999};
     const bis_lanes l = new_lanes(N);
     errors most = {0};
@@ -175,7 +198,7 @@ static errors weigh_everything(const bis_bsdf_lanes *lanes, double roughness)
     for (int k = 0; k < COUNT(materials) * COUNT(degrees) * COUNT(betas); k++) {
         const double beta = betas[k % 4];
         bis_bsdf b;
-        seen_from(&b, &materials[k / 4 % 5], degrees[k / 4 / 5]);
+        seen_from(&b, &materials[k / 4 % COUNT(materials)], degrees[k / 4 / COUNT(materials)]);
         fill(&l, N, &b, (uint64_t)k);
         for (uint32_t i = 0; beta == 1 && i < N; i++)
             l.q_L[i] = fmaxf(l.q_L[i], FLT_MIN); /* what was drawn from the map alone has a density */
@@ -238,9 +261,9 @@ static void below_the_horizon_weights_are_0_and_nothing_is_ever_nan(void **state
     float w[16];
 
     (void)state;
-    for (int e = 0; e < N_ROUGHNESSES * 3; e++) {
-        const bis_material m = bis_microfacet(grey(0), grey(1), roughnesses[e / 3]);
-        const float height = heights[e % 3];
+    for (int e = 0; e < N_ROUGHNESSES * 6; e++) {
+        const bis_material m = e % 2 ? copper(roughnesses[e / 6]) : bis_microfacet(grey(0), grey(1), roughnesses[e / 6]);
+        const float height = heights[e / 2 % 3];
         bis_bsdf b;
         bis_bsdf_init(&b, &m, (vec3){0, 0, 1}, (vec3){sqrtf(1 - height * height), 0, height});
         for (uint32_t i = 0; i < 16; i++) {
@@ -291,8 +314,11 @@ static void what_reaches_a_cone_is_bounded_above_all_its_directions(void **state
     int n_below = 0, n_judged = 0;
 
     (void)state;
-    for (int k = 0; k < N_ROUGHNESSES * 4; k++) {
-        const bis_material m = bis_microfacet((rgb){0.3f, 0, 0.1f}, (rgb){0.04f, 0.9f, 0}, roughnesses[k / 4]);
+    for (int k = 0; k < N_ROUGHNESSES * 8; k++) {
+        const double roughness = roughnesses[k / 4 % N_ROUGHNESSES];
+        const bis_material m = k < N_ROUGHNESSES * 4 ? bis_microfacet((rgb){0.3f, 0, 0.1f}, (rgb){0.04f, 0.9f, 0}, roughness)
+                               : k % 2               ? copper(roughness)
+                                                     : odd_metal(roughness);
         bis_bsdf b;
         bis_rng r;
         seen_from(&b, &m, (const double[]){0, 40, 80, 89}[k % 4]);
@@ -309,8 +335,7 @@ static void what_reaches_a_cone_is_bounded_above_all_its_directions(void **state
                 most = fmax(most, f_cos(&b, to_world(&f, vec3_from(sin(t) * cos(phi), sin(t) * sin(phi), cos(t)))));
             }
             if (!((double)w[i] >= most * (1 - 0x1p-17)))
-                fail_msg("roughness %g, cone %u: %g, but there is %g", roughnesses[k / 4], (unsigned)i, (double)w[i],
-                         most);
+                fail_msg("roughness %g, cone %u: %g, but there is %g", roughness, (unsigned)i, (double)w[i], most);
             if (bis_bsdf_cos(&b, f.z) < -sin(half) - 1e-5) {
                 assert_true(w[i] == 0);
                 n_below++;
@@ -364,8 +389,9 @@ static void colours_are_F_over_phat_and_sum_to_1(void **state)
     double most = 0;
 
     (void)state;
-    for (int k = 0; k < 3 * N_ROUGHNESSES; k++) {
-        const bis_material m = k % 3 ? bis_microfacet((rgb){0.2f, 0, 0.4f}, (rgb){0.1f, 0.7f, 0.3f}, roughnesses[k / 3])
+    for (int k = 0; k < 4 * N_ROUGHNESSES; k++) {
+        const bis_material m = k >= 3 * N_ROUGHNESSES ? (k % 2 ? copper : odd_metal)(roughnesses[k % N_ROUGHNESSES])
+                               : k % 3 ? bis_microfacet((rgb){0.2f, 0, 0.4f}, (rgb){0.1f, 0.7f, 0.3f}, roughnesses[k / 3])
                                      : bis_microfacet((rgb){0.2f, 0.9f, 0.4f}, grey(0), roughnesses[k / 3]);
         bis_bsdf b;
         seen_from(&b, &m, k % 3 == 1 ? 50 : 88);
@@ -661,12 +687,12 @@ static void estimate(stat_moments m[4], lit *l, const bis_settings *s, uint32_t 
 static void sir_is_unbiased_for_microfacets_with_and_without_vectors(void **state)
 {
     const bis_material materials[] = {bis_microfacet(grey(0), (rgb){0.9f, 0.6f, 0.3f}, 0.4),
-                                      bis_microfacet((rgb){0.2f, 0.5f, 0.8f}, grey(0.04), 0.7)};
+                                      bis_microfacet((rgb){0.2f, 0.5f, 0.8f}, grey(0.04), 0.7), copper(0.6)};
     bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1, 0.15, false), lit_new_light(LIT_SMOOTH, 1, 0, false)};
     const vec3 n = normalize((vec3){0.2f, -0.3f, 0.8f});
 
     (void)state;
-    for (int i = 0; i < 16; i++) {
+    for (int i = 0; i < 24; i++) {
         bis_settings s = bis_settings_default(&bis_sir);
         stat_moments m[4];
         lit l;
@@ -674,7 +700,7 @@ static void sir_is_unbiased_for_microfacets_with_and_without_vectors(void **stat
         s.vectorize = i / 2 % 2;
         s.candidates = 64;
         s.shadowrays = 4;
-        lit_init(&l, lights[i / 4 % 2], materials[i / 8], n, i / 8 ? 75 : 40, i % 4 < 2 ? LIT_HALF : LIT_OPEN);
+        lit_init(&l, lights[i / 4 % 2], materials[i / 8], n, i / 8 % 2 ? 75 : 40, i % 4 < 2 ? LIT_HALF : LIT_OPEN);
         const rgbd truth = lit_truth(&l, true);
         const double expected[4] = {truth.r, truth.g, truth.b, rgbd_sum(truth)};
         estimate(m, &l, &s, 400);
@@ -700,10 +726,11 @@ static void weights_bounds_colours_and_draws_have_the_same_bits_on_every_process
     float *w = bis_alloc(N, sizeof *w), *v = bis_alloc(N, sizeof *v), *sine = bis_alloc(N, sizeof *sine);
 
     (void)state;
-    for (int k = 0; k < 3 * N_ROUGHNESSES; k++) {
+    for (int k = 0; k < 4 * N_ROUGHNESSES; k++) {
         const double ks = (const double[]){0, 0.04, 1}[k % 3];
         const bis_material m =
-            bis_microfacet(rgb_from(1 - ks, 0.5 * (1 - ks), 0), rgb_from(ks, 0, 0.3 * ks), roughnesses[k / 3]);
+            k >= 3 * N_ROUGHNESSES ? (k % 2 ? copper : odd_metal)(roughnesses[k % N_ROUGHNESSES])
+            : bis_microfacet(rgb_from(1 - ks, 0.5 * (1 - ks), 0), rgb_from(ks, 0, 0.3 * ks), roughnesses[k / 3]);
         bis_bsdf at;
         seen_from(&at, &m, 70);
         for (int c = 0; c < 4; c++) {

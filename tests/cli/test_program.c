@@ -1118,9 +1118,38 @@ static void what_is_approximated_is_said_everywhere(void **state)
     assert_true(!strstr(r.output, "approximated") && !strstr(r.messages, "approximated"));
 }
 
+/* Each reads the scene in the same way, but only the first two have time to do something with it. */
+static void every_command_that_reads_a_scene_approximates(void **state)
+{
+    (void)state;
+    static const char film[] = "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8 LookAt 0 -5 0 0 0 0 0 0 1\n"
+                               "WorldBegin LightSource \"infinite\" Material \"glass\" Shape \"sphere\" \"float gleam\" 1\n",
+                      mesh[] = "Shape \"plymesh\" \"string filename\" \"no.ply\"\n";
+    static const char *const glass = "Material \"glass\"", *const gleam = "unknown parameter \"gleam\" of Shape \"sphere\"; with --approximate: ignored";
+    static const char *const commands[] = {"verify %s " DIR "/glass.txt", "pixel %s --repeats 2 --output " DIR "/p " DIR "/glass.txt 4 4",
+                                           "verify %s " DIR "/lost.txt", "pixel %s " DIR "/lost.txt 4 4",
+                                           "trade --quiet %s --output " DIR "/t " DIR "/lost.txt"};
+    program_run r;
+    FILE *f = fopen(DIR "/glass.txt", "w"), *g = fopen(DIR "/lost.txt", "w");
+    fprintf(f, "%s", film);
+    fprintf(g, "%s%s", film, mesh);
+    assert_true(fclose(f) == 0 && fclose(g) == 0);
+    for (int i = 0; i < 5; i++) {
+        char line[300];
+        snprintf(line, sizeof line, commands[i], "");
+        program_expect(&r, 2, "%s", line);
+        assert_true(strstr(r.messages, glass) && strstr(r.messages, gleam));
+        snprintf(line, sizeof line, commands[i], "--approximate");
+        program_expect(&r, i < 2 ? 0 : 2, "%s", line); /* no.ply is looked for first */
+        assert_true(i < 2 || strstr(r.messages, "no.ply"));
+        assert_true(strstr(line, "--quiet") || strstr(r.messages, "approximated: 1 x Material \"glass\""));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_command_that_reads_a_scene_approximates),
         cmocka_unit_test(what_is_approximated_is_said_everywhere),
         cmocka_unit_test(a_scene_renders_to_the_file_it_names),
         cmocka_unit_test(the_word_render_may_be_left_out_and_the_seed_decides),

@@ -98,7 +98,15 @@ static double value(const built *b, double u, double v)
 {
     const bis_material_textures *m = bis_textures_of(&b->desc->textures, b->desc->shapes[0].material);
     assert_non_null(m);
-    return bis_textures_value(&b->desc->textures, b->scene->images, m->Kd, (double[]){u, v}).r;
+    return bis_textures_value(&b->desc->textures, b->scene->images, m->Kd, (double[]){u, v}, (vec3){0, 0, 0}).r;
+}
+
+/* The same at a point. */
+static double value_at(const built *b, const double p[3])
+{
+    const bis_material_textures *m = bis_textures_of(&b->desc->textures, b->desc->shapes[0].material);
+    assert_non_null(m);
+    return bis_textures_value(&b->desc->textures, b->scene->images, m->Kd, (double[]){0.9, 0.9}, vec3_from(p[0], p[1], p[2])).r;
 }
 
 static void assert_near(double a, double b)
@@ -886,9 +894,79 @@ static void in_the_furnace_four_spellings_of_a_quarter_are_a_quarter(void **stat
     bis_image_clear(&image);
 }
 
+/* ---- the point in place of (u, v) ---- */
+
+/* Points whose (s, t) is the centre of a texel of four.pfm: 0.1 at (1/4, 1/4), 0.2 at (3/4, 1/4), 0.4 and 0.8 above. */
+typedef struct mapped {
+    const char *before, *params;
+    double p[4][3]; /* of 0.1, 0.2, 0.4, 0.8 */
+} mapped;
+
+static const double texels[4] = {0.1, 0.2, 0.4, 0.8};
+
+static void points_are_mapped_by_angles_or_by_a_plane(void **state)
+{
+    (void)state;
+    static const mapped cases[] = {
+        /* theta 45 or 135 degrees, phi 90 or 270 */
+        {"", "\"string mapping\" \"spherical\"", {{0, 1, 1}, {0, 2, -2}, {0, -1, 1}, {0, -0.5, -0.5}}},
+        /* phi -90 or 90 degrees; z, which repeats */
+        {"", "\"string mapping\" \"cylindrical\"", {{0, -2, 0.25}, {0, 3, 0.25}, {0, -1, 0.75}, {0, 1, 1.75}}},
+        {"", "\"string mapping\" \"planar\"", {{0.25, 0.25, 9}, {0.75, 1.25, 0}, {-0.75, 0.75, 0}, {0.75, 0.75, -3}}},
+        /* s = z/2 + 1/4, t = x/4 - 1/4 */
+        {"", "\"string mapping\" \"planar\" \"vector3 v1\" [0 0 0.5] \"vector v2\" [0.25 0 0] \"float udelta\" 0.25 \"float vdelta\" -0.25",
+         {{2, 0, 0}, {2, 7, 1}, {4, 0, 0}, {4, 0, 1}}},
+        /* (x, y, z) of the space of the texture is (1 - 2y, 2 + 2x, 3 + 2z) of the world */
+        {"Translate 1 2 3 Rotate 90 0 0 1 Scale 2 2 2", "\"string mapping\" \"spherical\"", {{-1, 2, 5}, {-1, 2, 1}, {3, 2, 5}, {3, 2, 1}}},
+        {"Translate 1 2 3 Rotate 90 0 0 1 Scale 2 2 2", "\"string mapping\" \"cylindrical\"", {{3, 2, 3.5}, {-1, 2, 3.5}, {3, 2, 4.5}, {-1, 2, 4.5}}},
+        {"Translate 1 2 3 Rotate 90 0 0 1 Scale 2 2 2", "\"string mapping\" \"planar\"", {{0.5, 2.5, 0}, {0.5, 3.5, 0}, {-0.5, 2.5, 0}, {-0.5, 3.5, 0}}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        built b = build(LIGHT "AttributeBegin %s Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" %s AttributeEnd\n"
+                        "Scale 5 5 5 Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", cases[i].before, four(), cases[i].params);
+        for (int k = 0; k < 4; k++) assert_near(value_at(&b, cases[i].p[k]), texels[k]);
+        assert_true(isfinite(value_at(&b, (double[]){0, 0, 0}))); /* a sphere's centre has no angles */
+        clear(&b);
+    }
+}
+
+/* Squares of the plane; parts have mappings of their own; the shapes that do not ask for (u, v) read none. */
+static void a_checkerboard_lies_in_its_plane(void **state)
+{
+    (void)state;
+    built b = build(LIGHT "Texture \"x\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" \"string mapping\" \"planar\"\n"
+                    "Texture \"t\" \"spectrum\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v2\" [0 0 1] \"texture tex1\" \"x\" \"float tex2\" 0.3\n"
+                    "Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"trianglemesh\" \"point3 P\" [-9 0.25 -9  9 0.25 -9  9 0.25 9] \"integer indices\" [0 1 2]", four());
+    assert_int_equal(b.diag.n, 0); /* no warning of missing coordinates */
+    assert_near(value_at(&b, (double[]){0.25, 0.25, 0.5}), 0.1);
+    assert_near(value_at(&b, (double[]){1.25, 0.25, 0.5}), 0.3);
+    assert_near(value_at(&b, (double[]){-0.25, 0.25, -0.5}), 0.2);
+    /* what an integrator sees: the material at the hit (0.75, 0.25, 0.5) */
+    bis_counters counters = {0};
+    bis_own_material m;
+    bis_point pt;
+    const ray r = {.o = {0.75f, -4, 0.5f}, .d = {0, 1, 0}, .tmax = INFINITY};
+    assert_true(bis_scene_point(&pt, &m, b.scene, b.desc, r, &counters, NULL));
+    assert_near((double)pt.bsdf.material->Kd.r, 0.2);
+    clear(&b);
+}
+
+static void a_mapping_that_cannot_be_is_refused(void **state)
+{
+    (void)state;
+    expect_failure(LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"planar\" \"vector v1\" [1 0]", "\"v1\"");
+    expect_failure(LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"planar\" \"float v1\" 1", "is of type float, must be vector3");
+    expect_failure(LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\" \"float uscale\" 2", "unknown parameter \"uscale\"");
+    expect_failure(LIGHT "Texture \"t\" \"float\" \"checkerboard\" \"vector v1\" [1 0 0]", "unknown parameter \"v1\"");
+    expect_failure(LIGHT "Scale 1e-20 1e-20 1e-20 Scale 1e-20 1e-20 1e-20 Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\"", "by more than 1e30");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_are_mapped_by_angles_or_by_a_plane),
+        cmocka_unit_test(a_checkerboard_lies_in_its_plane),
+        cmocka_unit_test(a_mapping_that_cannot_be_is_refused),
         cmocka_unit_test(texels_stand_in_the_middle_of_their_squares_and_v_grows_upwards),
         cmocka_unit_test(outside_the_square_an_image_repeats_or_stands_still_or_is_black),
         cmocka_unit_test(coordinates_are_scaled_then_moved_and_values_scaled_then_inverted),

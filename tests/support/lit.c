@@ -12,6 +12,8 @@
 
 #include <cmocka.h>
 
+#include <complex.h>
+
 enum { W = 128, H = 64, BLOCK = 8 };
 
 /* ---- the light ---- */
@@ -114,14 +116,25 @@ static double dot_node(const node *w, vec3 v)
     return w->d[0] * (double)v.x + w->d[1] * (double)v.y + w->d[2] * (double)v.z;
 }
 
-/* Each channel: Ks times the lobe, Kd times the base; Fresnel's term of Schlick where F90 is 1. */
-static rgbd mix(const bis_material *m, double lobe, double base, double F90, bool coated)
+double lit_fresnel(double Ks, double eta, double c)
 {
+    const long double n = eta, k2 = (Ks * (n + 1) * (n + 1) - (n - 1) * (n - 1)) / (1 - Ks), c_o = c;
+    const long double complex index = n + (k2 > 0 ? sqrtl(k2) : 0) * I, q = csqrtl(index * index - (1 - c_o * c_o));
+
+    if (!(eta > 0 && Ks > 0 && Ks < 1)) return Ks > 0 ? Ks + (1 - Ks) * pow(1 - c, 5) : 0;
+    const long double s = cabsl((c_o - q) / (c_o + q)), p = cabsl((index * index * c_o - q) / (index * index * c_o + q));
+    return (double)((s * s + p * p) / 2);
+}
+
+/* Each channel: Ks times the lobe, with Fresnel's term at c, and Kd times the base. */
+static rgbd mix(const bis_material *m, double lobe, double base, double at, bool coated)
+{
+    const double eta[3] = {(double)m->eta.r, (double)m->eta.g, (double)m->eta.b};
     const double Ks[3] = {(double)m->Ks.r, (double)m->Ks.g, (double)m->Ks.b}, Kd[3] = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b};
     double c[3];
 
     for (int i = 0; i < 3; i++) {
-        const double F = Ks[i] > 0 ? Ks[i] + (1 - Ks[i]) * F90 : 0;
+        const double F = lit_fresnel(Ks[i], eta[i], at);
         c[i] = F * lobe + (coated ? 1 - Ks[i] : 1) * Kd[i] * base;
     }
     return (rgbd){c[0], c[1], c[2]};
@@ -134,7 +147,7 @@ static rgbd phong(const bis_material *m, double c_i, double c_o, double wi_wo, d
     const double ks = rgb_sum(m->Ks), kd = rgb_sum(m->Kd);
 
     *pdf = (ks * lobe + kd * fmax(0, c_i) / PI) / (ks + kd);
-    return mix(m, lobe, 1 / PI, 0, false);
+    return mix(m, lobe, 1 / PI, 1, false);
 }
 
 static double smith(double a, double c) { return (sqrt(1 + a * a * (1 / (c * c) - 1)) - 1) / 2; }
@@ -149,11 +162,11 @@ static rgbd ggx(const bis_material *m, const node *wi, vec3 wo, vec3 n, double *
     const double c_d = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / 2, c_h = along / (2 * c_d), tan2 = (x * x + y * y + z * z) / (along * along);
     const double a = m->alpha, D = a * a / (PI * pow(c_h, 4) * pow(a * a + tan2, 2)), G1 = 1 / (1 + smith(a, c_o));
     const double coat_o = 1 - pow(1 - c_o / 2, 5), coat_i = 1 - pow(1 - c_i / 2, 5);
-    const double ks = rgbd_sum(mix(m, 1, 0, pow(1 - c_o, 5), true)), kd = rgbd_sum(mix(m, 0, coat_o, 0, true));
+    const double ks = rgbd_sum(mix(m, 1, 0, c_o, true)), kd = rgbd_sum(mix(m, 0, coat_o, 1, true));
 
     *pdf = (ks * (c_h > 0 ? G1 * D / (4 * c_o) : 0) + kd * fmax(0, c_i) / PI) / (ks + kd);
     if (c_i <= 0) return (rgbd){0, 0, 0};
-    return mix(m, D / (1 + smith(a, c_o) + smith(a, c_i)) / (4 * c_i * c_o), 28 / (23 * PI) * coat_i * coat_o, pow(1 - c_d, 5), true);
+    return mix(m, D / (1 + smith(a, c_o) + smith(a, c_i)) / (4 * c_i * c_o), 28 / (23 * PI) * coat_i * coat_o, c_d, true);
 }
 
 rgbd lit_f(const lit *l, const double wi[3], double *pdf)

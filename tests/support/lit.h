@@ -45,6 +45,9 @@ bis_light *lit_new_light(lit_map map, double scale, double area_exponent, bool c
  * borrowed. */
 void lit_init(lit *l, bis_light *light, bis_material m, vec3 n, double degrees, lit_hidden hidden);
 
+/* F of Schlick, or of Fresnel's equations in complex numbers where eta > 0 and 0 < Ks < 1. */
+double lit_fresnel(double Ks, double eta, double c);
+
 /* f, 0 below the horizon, and the density of what the material draws, by the textbooks' formulas, in double: for phong
  * and microfacet. */
 rgbd lit_f(const lit *l, const double wi[3], double *pdf);

@@ -22,9 +22,9 @@ double bis_spectrum_at(const bis_spectrum *s, double nm);
  * constant c gives (c, c, c). A saturated colour may lie outside [0,1]. */
 rgbd bis_spectrum_reflected(const bis_spectrum *s);
 
-/* bis_spectrum_conductor returns the same for a smooth conductor of refractive index eta and absorption k, seen head
- * on: ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2). */
-rgbd bis_spectrum_conductor(const bis_spectrum *eta, const bis_spectrum *k);
+/* bis_spectrum_conductor stores the same for a smooth conductor of refractive index eta and absorption k: *head_on of
+ * light along its normal, *mean of light from all directions alike (bis_fresnel_mean). */
+void bis_spectrum_conductor(rgbd *head_on, rgbd *mean, const bis_spectrum *eta, const bis_spectrum *k);
 
 /* bis_spectrum_blackbody returns the colour of a black body of this temperature in kelvin, 500 to 1e6, with luminance
  * 1 (0.2126 r + 0.7152 g + 0.0722 b = 1). Components may be negative. Source: Planck's law, c2 = 14387768.775 nm K. */

@@ -5,9 +5,9 @@
  *     A(c) = 1 - (1 - c/2)^5
  *
  * D is that of Walter et al. 2007. G2 is the height-correlated masking and shadowing of Smith (Heitz 2014). F = Ks +
- * (1 - Ks)(1 - cos theta_d)^5 (Schlick 1994). The base is that of Ashikhmin and Shirley 2000; with it, no Kd and Ks
- * in [0,1] reflect more light than arrives. Directions are drawn from a mixture of the mirror directions of visible
- * facets (Heitz 2018; Dupuy and Benyoub 2023) and a cosine hemisphere. */
+ * (1 - Ks)(1 - cos theta_d)^5 (Schlick 1994), or Fresnel's equations for a metal. The base is that of Ashikhmin and
+ * Shirley 2000; with it, no Kd and Ks in [0,1] reflect more light than arrives. Directions are drawn from a mixture of
+ * the mirror directions of visible facets (Heitz 2018; Dupuy and Benyoub 2023) and a cosine hemisphere. */
 #pragma once
 
 #include "bis/thesis/bsdf.h"
@@ -22,3 +22,8 @@ extern const bis_bsdf_model bis_microfacet_model;
  * [BIS_MICROFACET_MIN_ROUGHNESS, 1]. alpha = roughness^2 (Burley 2012), because equal steps of roughness then look
  * equal. */
 bis_material bis_microfacet(rgb Kd, rgb Ks, double roughness);
+
+/* bis_microfacet_metal returns bis_microfacet(0, Ks, roughness) with another F: that of Fresnel's equations with the
+ * refractive index eta, finite and >= 0, and the absorption bis_fresnel_k2(Ks, eta), with which F is Ks head on. A
+ * channel with eta = 0, or with Ks of 0 or 1, keeps Schlick's F. */
+bis_material bis_microfacet_metal(rgb Ks, rgb eta, double roughness);

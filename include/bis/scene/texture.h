@@ -21,13 +21,23 @@ typedef enum bis_texture_kind {
 /* What an image is outside [0,1]: it goes on, its border goes on, or it is 0. */
 typedef enum bis_wrap { BIS_WRAP_REPEAT, BIS_WRAP_CLAMP, BIS_WRAP_BLACK } bis_wrap;
 
+/* Where (s, t) come from: the surface's (u, v), or the point, in the space of the texture. */
+typedef enum bis_texture_mapping {
+    BIS_TEXTURE_UV,          /* factor (u, v) + offset */
+    BIS_TEXTURE_SPHERICAL,   /* (theta/pi, phi/(2 pi)) */
+    BIS_TEXTURE_CYLINDRICAL, /* ((pi + atan2(y, x))/(2 pi), z) */
+    BIS_TEXTURE_PLANAR       /* (x, y) */
+} bis_texture_mapping;
+
 typedef struct bis_texture {
     bis_texture_kind kind;
     /* SCALE, MIX, CHECKERBOARD, COAT: textures of the list, all before this one, so that there are no cycles */
     uint32_t of[3];
     /* CONSTANT: its value. Else: a typical value, for those who plan. It is 0 only if the texture is 0 everywhere */
     rgbd value;
-    double factor[2], offset[2]; /* IMAGE, CHECKERBOARD: (s, t) = factor (u, v) + offset */
+    bis_texture_mapping mapping; /* IMAGE, CHECKERBOARD */
+    double factor[2], offset[2];
+    double from_world[3][4];     /* rows of an affine matrix, all below 1e100 */
     uint32_t image;  /* IMAGE: index into images */
     bis_wrap wrap;
     double scale;    /* COAT: the share that is reflected back inside. IMAGE: multiplies, */
@@ -88,10 +98,14 @@ void bis_textures_mark(bool *is_used, const bis_textures *t, uint32_t texture);
  * that is negative or not finite). */
 bis_status bis_textures_load(bis_texture_image *image, const bis_texture_file *file, bis_diag *diag);
 
-/* bis_textures_value returns the value of a texture at (u, v), which must be finite. Images are interpolated between
- * the centres of texels; v = 0 is the bottom of an image, as in pbrt. images[t->n_files] must be loaded where the
- * texture needs them. Nothing is cut off: see bis_textures_range. */
-rgbd bis_textures_value(const bis_textures *t, const bis_texture_image *images, uint32_t texture, const double uv[2]);
+/* bis_textures_want_uv returns whether a value of these textures asks for (u, v). */
+bool bis_textures_want_uv(const bis_textures *t, const bis_material_textures *of);
+
+/* bis_textures_value returns the value of a texture at (u, v) and the point p of the world, all of which must be
+ * finite. Images are interpolated between the centres of texels; t = 0 is the bottom of an image, as in pbrt.
+ * images[t->n_files] must be loaded where the texture needs them. Nothing is cut off: see bis_textures_range. */
+rgbd bis_textures_value(const bis_textures *t, const bis_texture_image *images, uint32_t texture, const double uv[2],
+                        vec3 p);
 
 /* bis_textures_range stores bounds of all values of a texture. They are attained by a constant and by an image with
  * BIS_WRAP_REPEAT or BIS_WRAP_CLAMP, and may be wider for textures that are made of others. */
@@ -103,7 +117,8 @@ void bis_textures_range(rgbd *lo, rgbd *hi, const bis_textures *t, const bis_tex
 bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *images, const bis_material_textures *of,
                               const bis_material *base, bis_diag *diag);
 
-/* bis_textures_material returns material *base with the values of its textures at (u, v). bis_textures_check must have
- * accepted them. */
+/* bis_textures_material returns material *base with the values of its textures at (u, v) and p. bis_textures_check must
+ * have accepted them. */
 bis_material bis_textures_material(const bis_textures *t, const bis_texture_image *images,
-                                   const bis_material_textures *of, const bis_material *base, const double uv[2]);
+                                   const bis_material_textures *of, const bis_material *base, const double uv[2],
+                                   vec3 p);

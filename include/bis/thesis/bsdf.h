@@ -14,7 +14,8 @@ typedef struct bis_material {
     const bis_bsdf_model *model;
     rgb Kd, Ks;
     double exponent; /* phong: the exponent n, finite, >= 0 */
-    double alpha;    /* microfacet: in [1e-4, 1] */
+    double alpha;    /* microfacet: in [1e-4, 1], */
+    rgb eta;         /* and the refractive index of a metal; 0: Schlick's curve */
 } bis_material;
 
 /* The material at a point for one direction wo. What is the same for all wi is computed once and stored here. */

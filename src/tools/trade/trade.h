@@ -134,7 +134,7 @@ typedef struct bis_trade_options {
     const char *scene, *folder, *reference; /* reference: NULL or a file */
     double seconds;       /* of everything */
     double error;         /* relative RMSE to reach; 0: none asked for */
-    bool quick, resume;
+    bool quick, resume, approximate;
     int width, height;    /* of the full picture; 0: the scene's */
     int n_seeds;          /* 0: by the time */
     uint32_t passes;      /* the largest budget of every setting; 0: by the time */

@@ -69,7 +69,7 @@ static bis_status add_lights(bis_trade *t, bis_diag *diag)
 bis_status bis_trade_load(bis_trade *t, bis_diag *diag)
 {
     bis_trade_tell(t, "reading the scene", (double)NAN, (double)NAN);
-    bis_status status = bis_scene_parse(&t->desc, t->o.scene, diag);
+    bis_status status = bis_scene_parse_as(&t->desc, t->o.scene, t->o.approximate ? BIS_PARSE_APPROXIMATE : 0, diag);
     if (status) return status;
     if (t->o.n_threads) t->desc->accel.n_threads = t->o.n_threads;
     if (t->o.width) {

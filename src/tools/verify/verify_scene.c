@@ -28,20 +28,21 @@ enum { VISITS_OF_A_PIXEL = 6, MAX_CANDIDATES = 4096, MAX_SHADOWRAYS = 1024, MAX_
 
 /* ---- materials ---- */
 
-/* A material; one with textures as it is in the middle of them, (1/2, 1/2). */
+/* A material; one with textures as it is in the middle of them, (1/2, 1/2), or at the origin. */
 static bis_material material_of(const bis_scene *scene, const bis_scene_desc *desc, uint32_t index)
 {
     const bis_material_textures *of = bis_textures_of(&desc->textures, index);
     const bis_material *base = &desc->materials[index];
 
     if (!of) return *base;
-    return bis_textures_material(&desc->textures, scene->images, of, base, (double[]){0.5, 0.5});
+    return bis_textures_material(&desc->textures, scene->images, of, base, (double[]){0.5, 0.5}, (vec3){0, 0, 0});
 }
 
 static bool equal_materials(const bis_material *a, const bis_material *b)
 {
     return a->model == b->model && memcmp(&a->Kd, &b->Kd, sizeof a->Kd) == 0 &&
-           memcmp(&a->Ks, &b->Ks, sizeof a->Ks) == 0 && a->exponent == b->exponent && a->alpha == b->alpha;
+           memcmp(&a->Ks, &b->Ks, sizeof a->Ks) == 0 && memcmp(&a->eta, &b->eta, sizeof a->eta) == 0 &&
+           a->exponent == b->exponent && a->alpha == b->alpha;
 }
 
 /* Those that shapes have, each once, in the order of the scene. Returns their number, beyond MAX_MATERIALS too. */
