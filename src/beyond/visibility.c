@@ -126,9 +126,13 @@ static void learn_cell(bis_seen *known, bis_seen *counted)
     *counted = (bis_seen){{0}, {0}};
 }
 
-void bis_visibility_learn(bis_visibility *v, int n_threads)
+void bis_visibility_learn(bis_visibility *v, const int *tiles, size_t n, int n_threads)
 {
     (void)n_threads;
+    if (!v->n_tiles) return;
 #pragma omp parallel for num_threads(n_threads)
-    for (size_t i = 0; i < v->n_tiles * v->cells; i++) learn_cell(&v->known[i], &v->counted[i]);
+    for (size_t i = 0; i < n; i++) {
+        const size_t first = (tiles ? (size_t)tiles[i] : i) * v->cells;
+        for (size_t k = first; k < first + v->cells; k++) learn_cell(&v->known[k], &v->counted[k]);
+    }
 }

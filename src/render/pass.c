@@ -186,6 +186,7 @@ void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum)
         keep_pixels(w, w->own ? bis_film_tile_of_crop(f, BIS_RENDER_TILE, w->own[i]) : row, pass->weight);
     }
     for (int i = 0; i < w->n_threads; i++) bis_counters_add(sum, &w->workers[i].counters);
-    bis_visibility_learn(&w->visibility, w->n_threads);
+    if (w->team) bis_team_learn(w->team);
+    else bis_visibility_learn(&w->visibility, w->own, (size_t)w->n_own, w->n_threads);
     bis_film_end_pass(f, pass->weight);
 }

@@ -66,7 +66,7 @@ static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work,
             bis_film_add(film, x, y, rgb_from(sum.r * mean, sum.g * mean, sum.b * mean), (double)(float)(hits / (n * k)), n);
         }
     }
-    bis_visibility_learn(&work->visibility, 1);
+    bis_visibility_learn(&work->visibility, NULL, work->visibility.n_tiles, 1);
     bis_film_end_pass(film, n);
 }
 
