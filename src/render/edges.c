@@ -70,6 +70,12 @@ static bool differ(const corner *a, const corner *b)
     return a->hit && (a->material != b->material || dot(a->n, b->n) < 0.5);
 }
 
+size_t bis_edges_bytes(bis_rect area)
+{
+    return (bis_edges_bit(area, area.x1 - 1, area.y1 - 1) / (BIS_RENDER_TILE * BIS_RENDER_TILE) + 1) *
+           (BIS_RENDER_TILE * BIS_RENDER_TILE / 8);
+}
+
 bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis_film *film, const bis_scene *scene,
                     const bis_view *view, int n_threads)
 {
@@ -89,11 +95,12 @@ bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis
         }
     }
     for (int y = 0; y < height; y++) {
-        unsigned char *row = edge + (rect.y0 - area.y0 + y) * (ptrdiff_t)(area.x1 - area.x0) + rect.x0 - area.x0;
         for (int x = 0; x < width; x++) {
             const corner *a = &c[n * y * (ptrdiff_t)across + n * x], *b = a + across;
-            row[x] = differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) || differ(b, b + 1) ||
-                     differ(a, b + 1) || differ(a + 1, b);
+            const size_t bit = bis_edges_bit(area, rect.x0 + x, rect.y0 + y);
+            if (differ(a, a + 1) || differ(a, b) || differ(a + 1, b + 1) || differ(b, b + 1) || differ(a, b + 1) ||
+                differ(a + 1, b))
+                edge[bit / 8] |= (unsigned char)(1 << bit % 8);
         }
     }
     bis_free(c);

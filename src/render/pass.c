@@ -11,6 +11,7 @@
  * pixels of its tile are rendered, and those beside the crop are dropped: up to 15 columns and rows on each side. */
 #include "pass.h"
 
+#include "edges.h"
 #include "gather.h"
 #include "team.h"
 #include "wave.h"
@@ -71,7 +72,7 @@ static bool is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y 
 static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, uint32_t n, const bis_pass *pass,
                         bis_pixel_sum *sum)
 {
-    const bool edge = w->edge && w->edge[index_in(w->area, x, y)];
+    const bool edge = w->edge && bis_edges_has(w->edge, w->area, x, y);
     const uint32_t each = edge ? w->view->edge_samples : 1;
     bis_sampler sampler = edge ? w->edge_sampler : w->view->sampler;
     uint64_t first = pass->first * each;

@@ -199,7 +199,7 @@ bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
     if (w->view->edge_samples <= 1 || !w->view->pixel_jitter || !w->scene->accel) return BIS_OK;
     w->edge_sampler = w->view->sampler;
     bis_sampler_set_spp(&w->edge_sampler, (uint64_t)w->view->sampler.spp * w->view->edge_samples);
-    w->edge = bis_alloc((size_t)width * (size_t)height, sizeof *w->edge);
+    w->edge = bis_alloc(bis_edges_bytes(w->area), 1);
     bool good = w->edge != NULL;
     if (good && crew) good = find_edges_of_rank(w, crew);
     else if (good && w->own) good = find_edges_of(w, w->own, w->n_own);
@@ -210,10 +210,9 @@ bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
 
 void bis_workspace_join_edges(bis_workspace *w)
 {
-    const size_t width = (size_t)(w->area.x1 - w->area.x0), height = (size_t)(w->area.y1 - w->area.y0);
     bis_crew *crew = w->options->crew;
 
-    if (crew && w->edge) crew->join_bits(crew, w->edge, width * height);
+    if (crew && w->edge) crew->join_bits(crew, w->edge, bis_edges_bytes(w->area));
 }
 
 size_t bis_workspace_bytes(const bis_workspace *w)

@@ -46,7 +46,7 @@ typedef struct bis_workspace {
     int *own, n_own;          /* own[n_own]: the tiles that are rendered, ascending; NULL: all n_tiles */
     bool whole_tiles;         /* pixels of a tile beside the crop are rendered as well */
     bis_rect area;            /* what is rendered: the crop, or all of its tiles */
-    unsigned char *edge;      /* edge[][] of the area, see edges.h; NULL: all pixels are alike */
+    unsigned char *edge;      /* bits of the area, see edges.h; NULL: all pixels are alike */
     bis_sampler edge_sampler; /* of all camera samples of an edge pixel */
     bis_pixel_mean *pass;     /* pass[height][width] of the crop */
     float *pass_layers;       /* pass_layers[height][width][film->layers.n_values]; NULL: no layers */

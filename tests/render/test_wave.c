@@ -50,7 +50,7 @@ static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work,
         for (int x = 0; x < WIDTH; x++) {
             /* 4 x 4 cells of 4 x 4 pixels; four of them, a square, follow each other, and so do four squares */
             const size_t t = (size_t)(y / TILE * ACROSS + x / TILE), cell = 16 * t + (size_t)(8 * (y / 8 % 2) + 4 * (x / 8 % 2) + 2 * (y / 4 % 2) + x / 4 % 2);
-            const bool edge = work->edge && work->edge[y * WIDTH + x];
+            const bool edge = work->edge && bis_edges_has(work->edge, work->area, x, y);
             const uint32_t k = edge ? w->desc.view.edge_samples : 1;
             rgbd sum = {0, 0, 0};
             double hits = 0;
