@@ -71,6 +71,7 @@ struct bis_team {
     double left;   /* seconds of the tiles in all lists */
     int *threads;  /* threads[size] of the ranks */
     int *held;     /* held[size]: tiles that were dealt to a rank and did not come back, or to rank 0, did not arrive */
+    double *work;  /* work[size]: the seconds of these tiles */
     int n_held, n_received, n_all_threads;
     bool knows;    /* seconds */
 };
@@ -78,7 +79,7 @@ struct bis_team {
 size_t bis_team_bytes(const bis_team *team)
 {
     const size_t n = (size_t)team->w->n_tiles, size = (size_t)team->crew->size;
-    return sizeof *team + n * (2 * sizeof(double) + 4 * sizeof(int)) + size * (4 + BUCKETS) * sizeof(int);
+    return sizeof *team + n * (2 * sizeof(double) + 4 * sizeof(int)) + size * ((4 + BUCKETS) * sizeof(int) + sizeof(double));
 }
 
 /* What a tile has learned or counted. */
@@ -114,9 +115,10 @@ bis_team *bis_team_new(bis_crew *crew, bis_workspace *w)
     team->end = bis_alloc(size + 1, sizeof *team->end);
     team->threads = bis_alloc(size, sizeof *team->threads);
     team->held = bis_alloc(size, sizeof *team->held);
+    team->work = bis_alloc(size, sizeof *team->work);
     team->message = bis_alloc(1, sizeof(head) + MOST_TILES * tile_bytes(w));
     if (team->seconds && team->queue && team->finished && team->owner && team->order && team->until && team->bucket &&
-        team->next && team->end && team->threads && team->held && team->message) {
+        team->next && team->end && team->threads && team->held && team->work && team->message) {
         for (size_t t = 0; t < n; t++) team->owner[t] = NOBODY;
         return team;
     }
@@ -138,6 +140,7 @@ void bis_team_free(bis_team *team)
     bis_free(team->end);
     bis_free(team->threads);
     bis_free(team->held);
+    bis_free(team->work);
     bis_free(team->message);
     bis_free(team);
 }
@@ -247,6 +250,8 @@ static void wait_a_little(void) { nanosleep(&(struct timespec){0, 50000}, NULL);
 
 /* ---- rank 0 ---- */
 
+static double cost_of(const bis_team *team, int tile) { return team->knows ? team->seconds[tile] : 1; }
+
 /* The lists. In each, costly tiles come first, by the seconds of the last pass; among those that are alike, neighbours
  * beside each other. */
 static void make_lists(bis_team *team)
@@ -269,7 +274,7 @@ static void make_lists(bis_team *team)
     for (int t = 0; t < n; t++) team->order[first[BUCKET_OF(t)]++] = t;
 #undef BUCKET_OF
 #undef LIST_OF
-    for (int i = 0; i < n; i++) team->until[i + 1] = team->until[i] + (scale > 0 ? team->seconds[team->order[i]] : 1);
+    for (int i = 0; i < n; i++) team->until[i + 1] = team->until[i] + cost_of(team, team->order[i]);
     team->left = team->until[n];
 }
 
@@ -295,11 +300,19 @@ static int find_list(const bis_team *team, int rank, bool may_move)
     return found;
 }
 
+/* May a rank get more tiles? n: of a batch, which is worth `most` seconds. Where rank 0 renders, too, its answer takes
+ * as long as a tile, and each rank needs a batch in its queue. Otherwise a rank that has enough to do gets none: a
+ * costly tile that it has not begun can then go to another one. */
+static bool may_get(const bis_team *team, int rank, int n, double most)
+{
+    if (team->crew->size <= FEW) return team->held[rank] <= n;
+    return team->held[rank] < team->threads[rank] || team->work[rank] <= most;
+}
+
 /* Takes tiles for a rank out of the lists: one, or a batch. A batch is a share of what is left, so that there is some
  * for everybody later, but a tile for each thread. A share of the seconds, not of the tiles, because the first tiles
- * are the costly ones: a batch of many of them would outlast the pass. A rank that holds more
- * than a batch gets none. */
-static batch take(bis_team *team, int rank, bool one, int held)
+ * are the costly ones: a batch of many of them would outlast the pass. */
+static batch take(bis_team *team, int rank, bool one)
 {
     batch b = {.n = 0};
 
@@ -311,7 +324,7 @@ static batch take(bis_team *team, int rank, bool one, int held)
         int n = one ? 1 : own;
         while (!one && n < MOST_TILES && n < left && until[n + 1] - *until <= most) n++;
         n = n < MOST_TILES ? n : MOST_TILES;
-        if (held <= n) {
+        if (one || may_get(team, rank, n, most)) {
             b.n = n < left ? n : left;
             team->next[b.list] += b.n;
             team->left -= until[b.n] - *until;
@@ -331,7 +344,7 @@ static tile_head head_of(const bis_team *team, int tile)
  * given by their owner. */
 static void deal(bis_team *team, int rank)
 {
-    const batch b = take(team, rank, false, team->held[rank]);
+    const batch b = take(team, rank, false);
     const bool moves = b.list != rank && b.list < team->crew->size, gives = moves && b.list > 0;
 
     if (b.n == 0) return;
@@ -344,6 +357,7 @@ static void deal(bis_team *team, int rank)
     }
     send_message(team, gives ? b.list : rank, m);
     team->held[rank] += b.n;
+    team->work[rank] += team->until[b.first + b.n] - team->until[b.first];
     team->n_held += b.n;
 }
 
@@ -366,6 +380,7 @@ static void take_in(bis_team *team, int from, unsigned char *m)
     team->held[holder] -= h.n_tiles;
     team->n_held -= h.n_tiles;
     if (h.kind == WORK) {
+        team->work[0] = 0;
         take_work(team, &h, m);
         return;
     }
@@ -373,6 +388,7 @@ static void take_in(bis_team *team, int from, unsigned char *m)
         tile_head t;
         m = get(&t, m, sizeof t);
         m = copy_tile(m, team->w, t.tile, copy_in);
+        team->work[from] -= cost_of(team, t.tile);
         team->seconds[t.tile] = t.seconds;
     }
     team->n_received += h.n_tiles;
@@ -385,7 +401,7 @@ static int take_at_rank_0(bis_team *team)
 {
     const int t = take_queued(team);
     if (t >= 0) return t;
-    const batch b = take(team, 0, true, 0);
+    const batch b = take(team, 0, true);
     return b.n ? team->order[b.first] : -1;
 }
 
@@ -588,6 +604,7 @@ void bis_team_begin(bis_team *team, void (*progress)(double share, void *user), 
     if (team->crew->rank > 0) return;
     if (!team->knows && w->film->passes && w->visibility.n_tiles) own_all(team);
     make_lists(team);
+    memset(team->work, 0, (size_t)team->crew->size * sizeof *team->work);
     for (int round = 0; round < 2; round++)
         for (int i = 1; i < team->crew->size; i++) deal(team, i);
 }
