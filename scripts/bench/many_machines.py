@@ -3,14 +3,15 @@ table.
 
     python3 scripts/bench/many_machines.py [--threads T] [--link BYTES_PER_SECOND] [--svg FILE]
 
-Simulated is what src/render/team.c does: rank 0 deals out batches, each rank has one at work and one waiting, costly
-tiles come first from the second pass on, finished tiles come back one by one, and rank 0 looks after the others alone
-(more than 16 ranks). Every message passes rank 0, one after the other. A pass is as long as its slowest rank, and then
-rank 0 adds it to the film. Passes of 4 camera samples are alike, so one of them is simulated and counted as often as it
-is made; those of 1 and 2 are in proportion.
+Simulated is what src/render/team.c does: rank 0 deals out batches, each rank has one at work and one waiting; a rank
+gets the tiles that it had in the pass before, then those of the rank with most work left, which that rank sends to it
+between two of its own tiles; costly tiles come first from the second pass on; finished tiles come back some together,
+and rank 0 looks after the others alone (more than 16 ranks). Every message to rank 0 comes one after the other. A pass
+is as long as its slowest rank, and then rank 0 adds it to the film. Passes of 4 camera samples are alike, so the third
+of three is counted as often as one is made; those of 1 and 2 are in proportion.
 
 Costs: those marked with m are measured with scene.txt (sir, product, learn) on one processor, see the page; the network
-is assumed: 2 us from machine to machine, 10 Gbit/s at rank 0, 1 us of software for a message."""
+is assumed: 2 us from machine to machine, 10 Gbit/s at each, 1 us of software for a message."""
 import heapq
 import math
 import random
@@ -25,10 +26,11 @@ KEEP = 5e-9            # m: rank 0 adds a pixel to the film
 WRITE = 0.43e-6        # m: rank 0 writes a pixel of the EXR
 START = 0.5            # m: reading the scene, the accelerator, the map, MPI_Init
 EDGE = 0.3e-6          # m: the ray that looks for an outline, a pixel; shared by the ranks
-BYTES = 16 + 16 + 256 * 16 + 8  # of a tile in a pass, both ways, beside what it has learned:
-CELL = 2 * 512                  # 16 cells of a tile, or one in pictures of more than 2^23 pixels
+BYTES = 16 * 256 + 16  # of a tile in a pass
+CELL = 512             # of what a tile has learned: 16 cells, or one in pictures of more than 2^23 pixels
+NAP = 1e-4             # m: a rank that waits looks for a message so often
 LATENCY, MESSAGE = 2e-6, 1e-6
-MOST_TILES, PIECES = 32, 4
+MOST_TILES, PIECES, TOGETHER = 32, 4, 8
 
 
 def tile_seconds(n, rng):
@@ -42,80 +44,166 @@ def tile_seconds(n, rng):
     return out[:n]
 
 
-def simulate(seconds, ranks, threads, link, tile_bytes):
-    """One pass: its length, and how long rank 0 was busy with messages. seconds[]: of the tiles, as dealt out."""
-    n, at = len(seconds), 0
-    until = [0.0]
-    for s in seconds:
-        until.append(until[-1] + s)
-    each = max(TAKE + 2 * MESSAGE, tile_bytes / link)
+class Lists:
+    """The tiles that are not dealt out yet: those of each rank, and nobody's (the last list)."""
+
+    def __init__(self, seconds, owner, ranks, known):
+        self.tiles = [[] for _ in range(ranks + 1)]
+        order = sorted(range(len(seconds)), key=lambda t: -seconds[t]) if known else range(len(seconds))
+        for t in order:
+            self.tiles[owner[t]].append(t)
+        self.cost = seconds if known else [1] * len(seconds)
+        self.left = [sum(self.cost[t] for t in tiles) for tiles in self.tiles]
+        self.total = sum(self.left)
+        for tiles in self.tiles:
+            tiles.reverse()                     # the next one is the last
+        self.ranks, self.known = ranks, known
+        self.richest = [(-left, i) for i, left in enumerate(self.left[:-1]) if self.tiles[i]]
+        heapq.heapify(self.richest)
+
+    def find(self, rank, may_move=True):
+        """The list that a rank's next tiles come from, None: none."""
+        for i in (rank, self.ranks):
+            if self.tiles[i]:
+                return i
+        while may_move and self.richest:
+            left, i = self.richest[0]
+            if self.tiles[i] and -left <= self.left[i] * (1 + 1e-9):
+                return i
+            heapq.heappop(self.richest)
+            if self.tiles[i]:
+                heapq.heappush(self.richest, (-self.left[i], i))
+        return None
+
+    def batch(self, i, threads):
+        most, n, sum_ = self.total / (PIECES * self.ranks), 0, 0.0
+        tiles = self.tiles[i]
+        while n < min(MOST_TILES, len(tiles)):
+            sum_ += self.cost[tiles[-1 - n]]
+            if n >= threads and sum_ > most:
+                break
+            n += 1
+        return n
+
+    def take(self, i, n):
+        out = [self.tiles[i].pop() for _ in range(n)]
+        spent = sum(self.cost[t] for t in out)
+        self.left[i] -= spent
+        self.total -= spent
+        return out
+
+
+def simulate(seconds, owner, known, ranks, threads, link, learned):
+    """One pass: its length, how long rank 0's link was busy with messages, how many tiles moved. seconds[]: of the
+    tiles. owner[]: the ranks that had them in the pass before, `ranks`: nobody; receives the new ones. learned: bytes
+    of a tile."""
+    lists, n = Lists(seconds, owner, ranks, known), len(seconds)
+    each = max(TAKE, BYTES / link)
     server = busy = end = 0.0
+    moved = 0
     leader_renders = ranks <= 16
-    first = 0 if leader_renders else 1          # rank 0 takes a tile when it has a thread, without a message
-    held = [0] * ranks
+    held, work = [0] * ranks, [0.0] * ranks     # tiles, and their seconds
     queue = [[] for _ in range(ranks)]          # of (time of arrival, tile)
     idle = [threads] * ranks
-    events = []                                 # (time a tile is done, rank)
-
-    def batch():
-        most = (until[n] - until[at]) * threads / (PIECES * ranks * threads)
-        k = threads
-        while k < MOST_TILES and at + k < n and until[at + k + 1] - until[at] <= most:
-            k += 1
-        return min(k, MOST_TILES)
+    if not leader_renders:
+        idle[0] -= 1
+    working = [[] for _ in range(ranks)]        # when the tiles at work will be done
+    unsent, unsent_work = [0] * ranks, [0.0] * ranks
+    events = []                                 # (time a tile is done, rank, tile)
 
     def begin(w, now):
-        nonlocal at
-        while idle[w] and (queue[w] or (w == 0 and at < n)):
-            if w == 0:
-                there, t, at = now, at, at + 1
-            else:
+        while idle[w] and (queue[w] or (w == 0 and lists.find(0, False) is not None)):
+            if queue[w]:
                 there, t = queue[w].pop()
+                if there > now:
+                    there += NAP / 2
+            else:
+                there, t = now, lists.take(lists.find(0, False), 1)[0]
+                owner[t] = 0
             idle[w] -= 1
-            heapq.heappush(events, (max(now, there) + seconds[t], w))
+            done = max(now, there) + seconds[t]
+            working[w].append(done)
+            heapq.heappush(events, (done, w, t))
 
-    def deal(w):
-        nonlocal at, server
-        k = min(batch(), n - at)
-        if k <= 0:
+    def deal(w, now):
+        nonlocal server, moved
+        i = lists.find(w)
+        if i is None:
             return
-        server += MESSAGE
-        queue[w] = [(server + LATENCY, t) for t in range(at + k - 1, at - 1, -1)] + queue[w]
-        at += k
+        k = lists.batch(i, threads)
+        if held[w] > k if leader_renders else held[w] >= threads and work[w] > lists.total / (PIECES * ranks):
+            return
+        tiles = lists.take(i, k)
+        server = max(server, now) + MESSAGE
+        there = server + LATENCY
+        if i not in (w, ranks):                 # they move, when the owner has time
+            if i > 0:
+                there = max(there, min(working[i], default=there) if not idle[i] else there)
+            there += MESSAGE + LATENCY + k * learned / link
+            moved += k
+        queue[w] = [(there, t) for t in reversed(tiles)] + queue[w]
+        for t in tiles:
+            owner[t] = w
         held[w] += k
+        work[w] += sum(lists.cost[t] for t in tiles)
 
     for _ in range(2):
         for w in range(1, ranks):
-            deal(w)
-    for w in range(first, ranks):
+            deal(w, 0.0)
+    for w in range(ranks):
         begin(w, 0.0)
     while events:
-        now, w = heapq.heappop(events)
+        now, w, tile = heapq.heappop(events)
         idle[w] += 1
+        working[w].remove(now)
         if w > 0:
-            server = max(server, now + LATENCY) + each
-            busy += each
-            held[w] -= 1
-            if held[w] <= batch():
-                deal(w)
-        begin(w, now)
+            unsent[w] += 1
+            unsent_work[w] += lists.cost[tile]
+            if unsent[w] >= min(TOGETHER, len(queue[w])):
+                busy += MESSAGE + unsent[w] * each
+                server = max(server, now + LATENCY) + MESSAGE + unsent[w] * each
+                held[w] -= unsent[w]
+                work[w] -= unsent_work[w]
+                unsent[w], unsent_work[w] = 0, 0.0
+                had_none = not queue[w]
+                deal(w, server)
+                begin(w, now if not had_none else max(now, server))
+            else:
+                begin(w, now)
+        else:
+            if lists.find(0, False) is None and len(queue[0]) < threads:
+                held[0], work[0] = 0, 0.0
+                deal(0, now)
+            begin(0, now)
         end = max(end, server, now)
-    return end, busy
+    return end, busy, moved
+
+
+def third_pass(pixels, tiles, ranks, threads, link, cache={}):
+    """Of three passes over a picture the last one, and the work in it."""
+    key = tiles, ranks, threads, link
+    if key not in cache:
+        rng = random.Random(1)
+        seconds, owner = tile_seconds(tiles, rng), [ranks] * tiles
+        learned = CELL * (16 if pixels <= 1 << 23 else 1)
+        for number in range(3):
+            noisy = [s * rng.uniform(0.95, 1.05) for s in seconds]
+            length, busy, moved = simulate(noisy, owner, number > 0, ranks, threads, link, learned)
+        cache[key] = length, busy, moved, sum(seconds)
+    return cache[key]
 
 
 def render(width, height, spp, ranks, threads, link):
     """Seconds in all, and of each of its parts."""
     pixels, tiles = width * height, math.ceil(width / 16) * math.ceil(height / 16)
-    rng = random.Random(1)
-    seconds = tile_seconds(tiles, rng)
-    work = sum(seconds)
     n_passes = (spp - 4) / 4                    # of 4; before them 1 + 1 + 2
     if ranks == 1:
-        length, busy = work / threads, 0.0
+        rng = random.Random(1)
+        work = sum(tile_seconds(tiles, rng))
+        length, busy, moved = work / threads, 0.0, 0
     else:
-        tile_bytes = BYTES + CELL * (16 if pixels <= 1 << 23 else 1)
-        length, busy = simulate(sorted(seconds, reverse=True), ranks, threads, link, tile_bytes)
-    fixed = FILL / threads + KEEP * pixels / threads + math.log2(ranks + 1) * LATENCY
+        length, busy, moved, work = third_pass(pixels, tiles, ranks, threads, link)
+    fixed = FILL / threads + KEEP * pixels / threads + math.log2(ranks) * (LATENCY + NAP / 2)
     short = 1.0                                 # the three first passes have as many samples as one of 4
     parts = {
         "rendering": (n_passes + short) * work / (ranks * threads),
@@ -126,9 +214,9 @@ def render(width, height, spp, ranks, threads, link):
         "writing": WRITE * pixels,
     }
     # each of the three first passes has all messages, and a share of the work
-    parts["last tiles, waiting"] = max(0.0, (n_passes + short) * (length - work / (ranks * threads) - busy))
+    parts["last tiles, waiting"] = max(0.0, (n_passes + short) * (length - max(work / (ranks * threads), busy)))
     total = n_passes * (length + fixed) + length + 2 * busy + 3 * fixed + parts["start"] + parts["writing"]
-    return total, parts
+    return total, parts, moved / tiles
 
 
 def svg(rows, name):
@@ -160,14 +248,14 @@ def main(arguments):
         sys.exit(__doc__)
     options.update(zip(arguments[::2], arguments[1::2]))
     threads, link = int(options["--threads"]), float(options["--link"])
-    print("| picture | samples | ranks | seconds | speed-up | efficiency | the rest of the time |")
-    print("| --- | --- | --- | --- | --- | --- | --- |")
+    print("| picture | samples | ranks | seconds | speed-up | efficiency | the rest of the time | tiles that move |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     curves = []
     for width, height in ((1920, 1080), (16384, 8192)):
         for spp in (16, 1024):
             points = []
             for ranks in (1, 10, 100, 1000, 10000):
-                total, parts = render(width, height, spp, ranks, threads, link)
+                total, parts, moved = render(width, height, spp, ranks, threads, link)
                 if ranks == 1:
                     alone = total
                 speed = alone / total
@@ -175,7 +263,7 @@ def main(arguments):
                 rest = sorted(((v, k) for k, v in parts.items() if k != "rendering"), reverse=True)[:2]
                 names = ", ".join(f"{k} {100 * v / total:.0f} %" for v, k in rest if v > 0.02 * total)
                 print(f"| {width} x {height} | {spp} | {ranks} | {total:.3g} | {speed:.3g} | {100 * speed / ranks:.0f} % "
-                      f"| {names} |")
+                      f"| {names} | {f'{100 * moved:.1f} %' if ranks > 1 else ''} |")
             curves.append((f"{width} x {height}, {spp} samples", points))
     if options["--svg"]:
         svg(curves, options["--svg"])

@@ -114,6 +114,13 @@ uint16_t *bis_foresight_count(const bis_foresight *f, uint32_t k, uint32_t n)
     return &f->counted->seen[part];
 }
 
+static bool is_empty(const bis_seen *counted)
+{
+    uint32_t rays = 0;
+    for (int i = 0; i < PARTS; i++) rays |= counted->rays[i];
+    return rays == 0;
+}
+
 /* Counts that would not fit are halved first: old rays then count less, and their mean stays. */
 static void learn_cell(bis_seen *known, bis_seen *counted)
 {
@@ -126,9 +133,16 @@ static void learn_cell(bis_seen *known, bis_seen *counted)
     *counted = (bis_seen){{0}, {0}};
 }
 
-void bis_visibility_learn(bis_visibility *v, int n_threads)
+/* In a large picture a cell that has counted nothing, as where the background is seen, is not written to: it then takes
+ * no memory. */
+void bis_visibility_learn(bis_visibility *v, const int *tiles, size_t n, int n_threads)
 {
     (void)n_threads;
+    if (!v->n_tiles) return;
 #pragma omp parallel for num_threads(n_threads)
-    for (size_t i = 0; i < v->n_tiles * v->cells; i++) learn_cell(&v->known[i], &v->counted[i]);
+    for (size_t i = 0; i < n; i++) {
+        const size_t first = (tiles ? (size_t)tiles[i] : i) * v->cells;
+        if (v->cells == 1 && is_empty(&v->counted[first])) continue;
+        for (size_t k = first; k < first + v->cells; k++) learn_cell(&v->known[k], &v->counted[k]);
+    }
 }

@@ -10,6 +10,7 @@
 #include <mpi.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { TAG = 1, MOST_AT_ONCE = 1 << 30 };
 
@@ -41,10 +42,23 @@ static void *larger(void *old, size_t bytes)
     return p;
 }
 
+/* MPI libraries wait by asking again and again, and so take a processor from those who have work. */
+static void nap(void) { nanosleep(&(struct timespec){0, 50000}, NULL); }
+
+static void wait_for(MPI_Request *request)
+{
+    int is_done;
+    for (MPI_Test(request, &is_done, MPI_STATUS_IGNORE); !is_done; MPI_Test(request, &is_done, MPI_STATUS_IGNORE))
+        nap();
+}
+
 static void broadcast(bis_crew *crew, void *data, size_t n)
 {
+    MPI_Request request;
+
     (void)crew;
-    MPI_Bcast(data, (int)n, MPI_BYTE, 0, MPI_COMM_WORLD);
+    MPI_Ibcast(data, (int)n, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+    wait_for(&request);
 }
 
 static void join_bits(bis_crew *crew, unsigned char *data, size_t n)
@@ -52,7 +66,9 @@ static void join_bits(bis_crew *crew, unsigned char *data, size_t n)
     (void)crew;
     for (size_t at = 0; at < n; at += MOST_AT_ONCE) {
         const size_t left = n - at < MOST_AT_ONCE ? n - at : MOST_AT_ONCE;
-        MPI_Allreduce(MPI_IN_PLACE, data + at, (int)left, MPI_UNSIGNED_CHAR, MPI_BOR, MPI_COMM_WORLD);
+        MPI_Request request;
+        MPI_Iallreduce(MPI_IN_PLACE, data + at, (int)left, MPI_UNSIGNED_CHAR, MPI_BOR, MPI_COMM_WORLD, &request);
+        wait_for(&request);
     }
 }
 
@@ -82,12 +98,15 @@ static void send_bytes(bis_crew *crew, int to, const void *data, size_t n)
 static unsigned char *receive(bis_crew *crew, int *from, size_t *n, bool wait)
 {
     MPI_Status status;
-    int there = 1, count;
+    int there, count;
 
     (void)crew;
-    if (wait) MPI_Probe(MPI_ANY_SOURCE, TAG, MPI_COMM_WORLD, &status);
-    else MPI_Iprobe(MPI_ANY_SOURCE, TAG, MPI_COMM_WORLD, &there, &status);
-    if (!there) return NULL;
+    for (;;) {
+        MPI_Iprobe(MPI_ANY_SOURCE, TAG, MPI_COMM_WORLD, &there, &status);
+        if (there) break;
+        if (!wait) return NULL;
+        nap();
+    }
     MPI_Get_count(&status, MPI_BYTE, &count);
     *from = status.MPI_SOURCE;
     *n = (size_t)count;
@@ -118,11 +137,15 @@ void bis_cli_crew_open(int *argc, char ***argv)
 
 void bis_cli_crew_close(void)
 {
+    MPI_Request all;
+
     for (size_t i = 0; i < own.n_slots; i++) {
-        MPI_Wait(&own.slots[i].request, MPI_STATUS_IGNORE);
+        wait_for(&own.slots[i].request);
         free(own.slots[i].data);
     }
     free(own.slots);
     free(own.received);
+    MPI_Ibarrier(MPI_COMM_WORLD, &all);
+    wait_for(&all); /* while rank 0 writes the picture */
     MPI_Finalize();
 }

@@ -103,6 +103,12 @@ static unsigned char change(const corner *a, const corner *b)
 
 static unsigned char more(unsigned char a, unsigned char b) { return a > b ? a : b; }
 
+size_t bis_edges_bytes(bis_rect area)
+{
+    return (bis_edges_place(area, area.x1 - 1, area.y1 - 1) / (BIS_RENDER_TILE * BIS_RENDER_TILE) + 1) *
+           (BIS_RENDER_TILE * BIS_RENDER_TILE / 4);
+}
+
 bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis_film *film, const bis_scene *scene,
                     const bis_view *view, const double *turns, int n_threads)
 {
@@ -122,12 +128,13 @@ bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis
         }
     }
     for (int y = 0; y < height; y++) {
-        unsigned char *row = edge + (rect.y0 - area.y0 + y) * (ptrdiff_t)(area.x1 - area.x0) + rect.x0 - area.x0;
         for (int x = 0; x < width; x++) {
             const corner *a = &c[n * y * (ptrdiff_t)across + n * x], *b = a + across;
             const unsigned char sides = more(more(change(a, a + 1), change(b, b + 1)),
                                              more(change(a, b), change(a + 1, b + 1)));
-            row[x] = more(sides, more(change(a, b + 1), change(a + 1, b)));
+            const unsigned char kind = more(sides, more(change(a, b + 1), change(a + 1, b)));
+            const size_t place = bis_edges_place(area, rect.x0 + x, rect.y0 + y);
+            edge[place / 4] |= (unsigned char)(kind << 2 * (place % 4));
         }
     }
     bis_free(c);

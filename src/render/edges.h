@@ -2,7 +2,7 @@
  * src/render. */
 #pragma once
 
-#include "bis/render/film.h"
+#include "bis/render/render.h"
 #include "bis/scene/scene.h"
 
 /* What changes between the corners of a pixel: nothing much; what the material's lobe sees; what there is to see. */
@@ -19,9 +19,31 @@ static inline uint32_t bis_edges_samples(int kind, uint32_t edge_samples)
  * memory. */
 double *bis_edges_turns(const bis_scene_desc *desc);
 
-/* bis_edges_find sets edge[height][width] of the area (pixels of the film's full picture) for the pixels of rect, a
- * part of it, to one of BIS_EDGE_*; turns are those of bis_edges_turns. It traces one ray a pixel, four
- * with a thin film. False: no memory. */
+/* Two bits a pixel of an area (pixels of the film's full picture), tile by tile: a tile has bytes of its own, so threads
+ * may look at different tiles. */
+
+/* bis_edges_bytes returns the bytes of an area. */
+size_t bis_edges_bytes(bis_rect area);
+
+/* bis_edges_place returns the number of pixel (x, y) among the pairs of bits. */
+static inline size_t bis_edges_place(bis_rect area, int x, int y)
+{
+    enum { SIDE = BIS_RENDER_TILE };
+    const size_t across = (size_t)((area.x1 - 1) / SIDE - area.x0 / SIDE + 1);
+    const size_t tile = (size_t)(y / SIDE - area.y0 / SIDE) * across + (size_t)(x / SIDE - area.x0 / SIDE);
+    return (tile * SIDE + (size_t)(y % SIDE)) * SIDE + (size_t)(x % SIDE);
+}
+
+/* bis_edges_kind returns BIS_EDGE_* of pixel (x, y). */
+static inline int bis_edges_kind(const unsigned char *edge, bis_rect area, int x, int y)
+{
+    const size_t place = bis_edges_place(area, x, y);
+    return edge[place / 4] >> 2 * (place % 4) & 3;
+}
+
+/* bis_edges_find sets the bits of the pixels of rect, a part of the area, which must be 0; those of other pixels stay as
+ * they are. turns are those of bis_edges_turns. It traces one ray a pixel, four with a thin film. False: no
+ * memory. */
 bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis_film *film, const bis_scene *scene,
                     const bis_view *view, const double *turns, int n_threads);
 

@@ -11,6 +11,7 @@
  * pixels of its tile are rendered, and those beside the crop are dropped: up to 15 columns and rows on each side. */
 #include "pass.h"
 
+#include "edges.h"
 #include "gather.h"
 #include "team.h"
 #include "wave.h"
@@ -72,7 +73,7 @@ static bool is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y 
 static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, uint32_t n, const bis_pass *pass,
                         bis_pixel_sum *sum)
 {
-    const int edge = w->edge ? w->edge[index_in(w->area, x, y)] : BIS_EDGE_NONE;
+    const int edge = w->edge ? bis_edges_kind(w->edge, w->area, x, y) : BIS_EDGE_NONE;
     const uint32_t each = bis_edges_samples(edge, w->view->edge_samples);
     bis_sampler sampler = edge ? w->edge_samplers[edge] : w->view->sampler;
     uint64_t first = pass->first * each;
@@ -188,6 +189,7 @@ void bis_pass_keep(bis_workspace *w, const bis_pass *pass, bis_counters *sum)
         keep_pixels(w, w->own ? bis_film_tile_of_crop(f, BIS_RENDER_TILE, w->own[i]) : row, pass->weight);
     }
     for (int i = 0; i < w->n_threads; i++) bis_counters_add(sum, &w->workers[i].counters);
-    bis_visibility_learn(&w->visibility, w->n_threads);
+    if (w->team) bis_team_learn(w->team);
+    else bis_visibility_learn(&w->visibility, w->own, (size_t)w->n_own, w->n_threads);
     bis_film_end_pass(f, pass->weight);
 }

@@ -166,6 +166,7 @@ static void keep(render *r)
     const uint32_t passes = r->work.film->passes;
 
     if (!r->work.options->checkpoint || passes == r->kept) return;
+    if (r->work.team) bis_team_gather(r->work.team);
     r->done.seconds = bis_clock_now() - r->start;
     bis_checkpoint_save(r->work.options->checkpoint, &r->work, &r->done);
     r->kept = passes;

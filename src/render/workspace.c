@@ -204,7 +204,7 @@ bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
     }
     const double share = w->view->edge_light > 0 ? w->view->edge_light : 1;
     w->edge_settings = bis_settings_thin(&w->view->settings, share);
-    w->edge = bis_alloc((size_t)width * (size_t)height, sizeof *w->edge);
+    w->edge = bis_alloc(bis_edges_bytes(w->area), 1);
     double *turns = bis_edges_turns(w->desc);
     bool good = w->edge && turns;
     if (good && crew) good = find_edges_of_rank(w, crew, turns);
@@ -217,10 +217,9 @@ bis_status bis_workspace_find_edges(bis_workspace *w, bis_diag *diag)
 
 void bis_workspace_join_edges(bis_workspace *w)
 {
-    const size_t width = (size_t)(w->area.x1 - w->area.x0), height = (size_t)(w->area.y1 - w->area.y0);
     bis_crew *crew = w->options->crew;
 
-    if (crew && w->edge) crew->join_bits(crew, w->edge, width * height);
+    if (crew && w->edge) crew->join_bits(crew, w->edge, bis_edges_bytes(w->area));
 }
 
 size_t bis_workspace_bytes(const bis_workspace *w)

@@ -47,7 +47,7 @@ typedef struct bis_workspace {
     int *own, n_own;          /* own[n_own]: the tiles that are rendered, ascending; NULL: all n_tiles */
     bool whole_tiles;         /* pixels of a tile beside the crop are rendered as well */
     bis_rect area;            /* what is rendered: the crop, or all of its tiles */
-    unsigned char *edge;      /* edge[][] of the area, see edges.h; NULL: all pixels are alike */
+    unsigned char *edge;      /* bits of the area, see edges.h; NULL: all pixels are alike */
     bis_sampler edge_samplers[BIS_EDGE_KINDS]; /* of all camera samples of a pixel, by its kind */
     bis_settings edge_settings; /* of each of them */
     bis_pixel_mean *pass;     /* pass[height][width] of the crop */

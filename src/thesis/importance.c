@@ -23,6 +23,7 @@
 
 struct bis_importance {
     bis_weights weights;
+    float *area;      /* of the weights, which may be without them (E20); the curve draws with them */
     double total;     /* sum of w dO */
     double max_ratio;
     bis_table table;
@@ -108,7 +109,6 @@ static double find_max_ratio(const bis_importance *im)
  * there were none. */
 static void forget_area_factors(bis_importance *im, double *row_weight)
 {
-    bis_free(im->weights.area);
     im->weights.area = NULL;
     sum_rows(im, row_weight);
     im->max_ratio = find_max_ratio(im);
@@ -130,6 +130,7 @@ bis_status bis_importance_new(bis_importance **out, const bis_envmap *em, const 
     assert(isfinite(options->area_exponent) && options->area_exponent >= 0);
     if (options->area_exponent > 0) {
         status = find_area_factors(&im->weights, options->levels, options->area_exponent, diag);
+        im->area = im->weights.area;
         if (status) goto done;
     }
     if (options->compensate) im->weights.mean = mean_to_subtract(em);
@@ -159,7 +160,7 @@ void bis_importance_free(bis_importance *im)
     if (!im) return;
     bis_table_clear(&im->table);
     bis_trail_clear(&im->trail);
-    bis_free(im->weights.area);
+    bis_free(im->area);
     bis_free(im);
 }
 
@@ -213,7 +214,7 @@ double bis_importance_max_ratio(const bis_importance *im) { return im->max_ratio
 
 size_t bis_importance_bytes(const bis_importance *im)
 {
-    const size_t area = im->weights.area ? n_pixels(im->weights.em) * sizeof *im->weights.area : 0;
+    const size_t area = im->area ? n_pixels(im->weights.em) * sizeof *im->area : 0;
     return sizeof *im + area + bis_table_bytes(&im->table) + bis_trail_bytes(&im->trail);
 }
 

@@ -6,6 +6,7 @@
 #include "bis/thesis/cdf.h"
 #include "bis/thesis/importance.h"
 #include "bis/thesis/errata.h"
+#include "weights.h"
 
 /* The importance per steradian, w = max(0, I - mean) * area. It is never stored. The same function builds the tables
  * and computes the density, so that the two agree to the last bits. */
@@ -67,14 +68,25 @@ size_t bis_table_bytes(const bis_table *t);
  * BIS_NOMEM. */
 bis_status bis_table_implied_pmf(const bis_table *t, double *pmf, bis_diag *diag);
 
-/* One CDF along a space-filling curve. It takes 9 to 10 bytes a pixel with its guide. */
+/* A sum of weights, and what its additions have rounded off. */
+typedef struct bis_trail_sum {
+    double sum, low;
+} bis_trail_sum;
+
+/* One CDF along a space-filling curve. It takes 1.5 bytes a pixel with its guide, 24 in maps below 2^16 pixels. */
 typedef struct bis_trail {
+    bis_weights weights; /* em and area are borrowed */
+
     /* tile[n_tiles] in the order of the curve: the pixel (y * width + x) in the tile's upper left corner */
     uint32_t *tile;
     size_t n_tiles;
     uint32_t side;    /* pixels along a tile's side: 1 or 4 */
-    /* cell k is pixel (k % side, k / side % side) of tile k / side^2; its weight is 0 beyond the map's edge */
-    bis_cdf pixels;
+    /* before[n_tiles + 1]: the scaled weights of all cells before a tile. Cell k of a tile is its pixel (k % side,
+     * k / side); its weight is 0 beyond the map's edge */
+    bis_trail_sum *before;
+    weight_scale scale;
+    uint32_t *guide; /* guide[n_guide + 1]: see bis_cdf */
+    size_t n_guide;
 } bis_trail;
 
 /* bis_trail_init builds the curve. Errors: BIS_NOMEM. */

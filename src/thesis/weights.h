@@ -1,5 +1,5 @@
-/* weights: scaling of weights, so that cdf and alias can sum any of them, 1e-300 or 1e300, without overflow. Only
- * these two modules include it.
+/* weights: scaling of weights, so that cdf and alias can sum any of them, 1e-300 or 1e300, without overflow. The
+ * curve of a map needs it, too.
  *
  * A power of two scales the largest weight into [1/2, 1). This rounds nothing. */
 #pragma once

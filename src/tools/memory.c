@@ -12,10 +12,11 @@
 #include <math.h>
 
 static const double program = 14e6;
-static const double film_sums = 56, pass = 16 + 1 /* edge or not */, layer_sum = 8, layer_pass = 4; /* a pixel */
+static const double film_sums = 56, pass = 16 + 1.0 / 8 /* edge or not */, layer_sum = 8, layer_pass = 4; /* a pixel */
 static const double cells = 64, tiles = 4; /* of learned visibility, a pixel; cells up to 2^23 pixels */
-static const double texel = 12, table = 14.4, curve_beside = 8.3;
-static const double vertex = 12, uv = 8, triangle = 12, accel_kept = 82, accel_built = 100;
+static const double texel = 12, table = 10.4, curve = 1.5, area = 4, regions_beside = 8;
+static const double vertex = 12, uv = 8, triangle = 12;
+static const double accel_kept = 82, accel_built = 100, compact_kept = 35, compact_built = 40;
 static const double obj_triangle = 50, obj_vertex = 100; /* bytes of a file for each of them */
 
 typedef struct counts {
@@ -65,7 +66,7 @@ static void add_textures(bis_memory *m, const bis_scene_desc *d)
     }
 }
 
-static void add_film(bis_memory *m, const bis_scene_desc *d, double *while_rendering)
+static void add_film(bis_memory *m, const bis_scene_desc *d)
 {
     const bis_film f = bis_film_place(d->view.film.width, d->view.film.height, d->view.film.crop, 1);
     const double pixels = (double)f.width * f.height, all = (double)f.full_width * f.full_height;
@@ -76,8 +77,7 @@ static void add_film(bis_memory *m, const bis_scene_desc *d, double *while_rende
 
     for (int i = 0; i < BIS_N_LAYERS; i++)
         if (d->view.film.layers >> i & 1) n += bis_layer_values((bis_layer)i);
-    *while_rendering = pixels * (pass + n * layer_pass + (learns ? all > 1 << 23 ? tiles : cells : 0));
-    m->film = pixels * (film_sums + n * layer_sum) + *while_rendering;
+    m->film = pixels * (film_sums + pass + n * (layer_sum + layer_pass) + (learns ? all > 1 << 23 ? tiles : cells : 0));
 }
 
 bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height, bis_mapping *mapping)
@@ -95,7 +95,7 @@ bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height,
     return true;
 }
 
-/* Returns what stands beside it at worst: the file while it is read, or what a curve is made of. */
+/* Returns what stands beside it at worst: the file while it is read, or the regions while areas are found. */
 static double add_map(bis_memory *m, const bis_scene_desc *d)
 {
     const bis_settings *s = &d->view.settings;
@@ -111,26 +111,37 @@ static double add_map(bis_memory *m, const bis_scene_desc *d)
     }
     const double texels = (double)w * (double)h;
     const bool has_table = needs & BIS_NEED_TABLE, has_curve = needs & BIS_NEED_CURVE;
-    m->map = texels * (texel + (has_table ? table : 0) + (has_curve ? table : 0));
+    const bool has_area = (has_table || has_curve) && d->light.area_exponent > 0;
+    m->map = texels * (texel + (has_table ? table : 0) + (has_curve ? curve : 0) + (has_area ? area : 0));
     const double while_read = texels * texel + (double)bis_scene_peek_bytes(d->light.filename) - m->map;
-    return fmax(has_curve ? texels * curve_beside : 0, while_read);
+    const double with_regions = texels * (texel + area + regions_beside) - m->map;
+    return fmax(has_area ? with_regions : 0, while_read);
+}
+
+/* Embree keeps less of many triangles. */
+static bool is_compact(const bis_scene_desc *d, double triangles)
+{
+    const bool by_default = d->accel.kind == BIS_ACCEL_DEFAULT && bis_accel_embree_version();
+    return (d->accel.kind == BIS_ACCEL_EMBREE || by_default) && triangles >= BIS_EMBREE_COMPACT;
 }
 
 bis_status bis_memory_foresee(bis_memory *m, const bis_scene_desc *desc, bis_diag *diag)
 {
     size_t *uses = bis_alloc(desc->n_meshes, sizeof *uses);
-    double while_rendering;
 
     *m = (bis_memory){0};
     if (!uses)
         return bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu meshes", desc->n_meshes);
     const double triangles = add_meshes(m, desc, uses), beside = add_map(m, desc);
     bis_free(uses);
-    add_film(m, desc, &while_rendering);
+    add_film(m, desc);
     add_textures(m, desc);
-    m->accel = triangles * accel_kept;
-    const double kept = program + m->film - while_rendering + m->meshes + m->textures + m->map;
-    const double moments[] = {kept + beside, kept + triangles * accel_built, kept + m->accel + while_rendering};
+    const bool compact = is_compact(desc, triangles);
+    const double built = triangles * (compact ? compact_built : accel_built);
+    m->accel = triangles * (compact ? compact_kept : accel_kept);
+    /* the film is zeros of the system, which take nothing, until the first pass */
+    const double kept = program + m->meshes + m->textures + m->map;
+    const double moments[] = {kept + beside, kept + built, kept + m->accel + m->film};
     for (size_t i = 0; i < sizeof moments / sizeof *moments; i++)
         if (moments[i] > m->peak) m->peak = moments[i];
     return BIS_OK;

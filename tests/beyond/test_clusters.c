@@ -369,7 +369,7 @@ static void foresight_follows_what_was_seen_in_the_passes_before(void **state)
         assert_true(f.control[k] == 0);
     }
     assert_false(f.knows);
-    bis_visibility_learn(&v, 1);
+    bis_visibility_learn(&v, NULL, v.n_tiles, 1);
     bis_foresight_look(&f, N, &v, 16 + 2);
     assert_true(f.knows);
     assert_true(fabs((double)f.h[2] - 0.1) <= 1e-4); /* v = 3e-6 */
@@ -410,7 +410,7 @@ static void counts_keep_their_mean_beyond_16_bits(void **state)
         }
         assert_null(bis_foresight_count(&f, 9, 128));
         assert_non_null(bis_foresight_count(&f, 10, 128));
-        bis_visibility_learn(&v, 1);
+        bis_visibility_learn(&v, NULL, v.n_tiles, 1);
     }
     bis_foresight_look(&f, 128, &v, 0);
     assert_true(fabs((double)(f.control[9] * f.h[9]) - 0.25) <= 1e-4);

@@ -33,15 +33,16 @@ static void edges_are_where_the_picture_is_half_background(void **state)
     bis_sampler_set_spp(&w.desc.view.sampler, 256);
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 256}});
     const bis_rect all = {0, 0, WIDTH, HEIGHT};
-    unsigned char *edge = bis_alloc(WIDTH * HEIGHT, 1);
+    unsigned char *edge = bis_alloc(bis_edges_bytes(all), 1);
     double *turns = bis_edges_turns(&w.desc);
     assert_true(bis_edges_find(edge, all, all, &film, &w.scene, &w.desc.view, turns, 2));
     bis_free(turns);
     for (int i = 0; i < WIDTH * HEIGHT; i++, n++) {
         const double share = (double)film.hits[i] / 256;
-        edges += edge[i] == BIS_EDGE_OUTLINE;
+        const bool outline = bis_edges_kind(edge, all, i % WIDTH, i / WIDTH) == BIS_EDGE_OUTLINE;
+        edges += outline;
         mixed += share > 0.1 && share < 0.9;
-        missed += share > 0.1 && share < 0.9 && edge[i] != BIS_EDGE_OUTLINE;
+        missed += share > 0.1 && share < 0.9 && !outline;
     }
     assert_true(mixed > 10 && missed <= mixed / 10);
     assert_true(edges >= mixed / 2 && edges < n / 2);
@@ -83,12 +84,14 @@ static int count_ridge(double angle_deg, int left, int right, bis_material m, in
         NULL), BIS_OK);
     assert_int_equal(bis_film_init(&film, WIDTH, HEIGHT, whole, (bis_loc){0}, NULL), BIS_OK);
     const bis_rect all = {0, 0, WIDTH, HEIGHT};
-    unsigned char *edge = bis_alloc(WIDTH * HEIGHT, 1);
+    unsigned char *edge = bis_alloc(bis_edges_bytes(all), 1);
     double *turns = bis_edges_turns(&desc);
     assert_true(bis_edges_find(edge, all, all, &film, &w.scene, &w.desc.view, turns, 1));
     bis_free(turns);
-    for (int i = 0; i < WIDTH * HEIGHT && n >= 0; i++)
-        if (edge[i]) n = i % WIDTH == WIDTH / 2 ? n + (edge[i] == kind) : -1;
+    for (int i = 0; i < WIDTH * HEIGHT && n >= 0; i++) {
+        const int k = bis_edges_kind(edge, all, i % WIDTH, i / WIDTH);
+        if (k) n = i % WIDTH == WIDTH / 2 ? n + (k == kind) : -1;
+    }
     bis_free(edge);
     bis_film_clear(&film);
     clear_world(&w);

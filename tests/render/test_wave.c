@@ -62,7 +62,7 @@ static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work,
         for (int x = 0; x < WIDTH; x++) {
             /* 4 x 4 cells of 4 x 4 pixels; four of them, a square, follow each other, and so do four squares */
             const size_t t = (size_t)(y / TILE * ACROSS + x / TILE), cell = 16 * t + (size_t)(8 * (y / 8 % 2) + 4 * (x / 8 % 2) + 2 * (y / 4 % 2) + x / 4 % 2);
-            const int edge = work->edge ? work->edge[y * WIDTH + x] : 0;
+            const int edge = work->edge ? bis_edges_kind(work->edge, work->area, x, y) : 0;
             const uint32_t most = w->desc.view.edge_samples, k = edge == 2 ? most : edge ? (most + 1) / 2 : 1;
             rgbd sum = {0, 0, 0};
             double hits = 0;
@@ -78,7 +78,7 @@ static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work,
             bis_film_add(film, x, y, rgb_from(sum.r * mean, sum.g * mean, sum.b * mean), (double)(float)(hits / (n * k)), n);
         }
     }
-    bis_visibility_learn(&work->visibility, 1);
+    bis_visibility_learn(&work->visibility, NULL, work->visibility.n_tiles, 1);
     bis_film_end_pass(film, n);
 }
 

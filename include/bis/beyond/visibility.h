@@ -66,5 +66,6 @@ void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, s
  * or NULL if nothing is to be counted. */
 uint16_t *bis_foresight_count(const bis_foresight *f, uint32_t k, uint32_t n);
 
-/* bis_visibility_learn ends a pass: what the pass counted is added to what is known. */
-void bis_visibility_learn(bis_visibility *v, int n_threads);
+/* bis_visibility_learn ends a pass: what the pass counted in tiles[n] is added to what is known. tiles is NULL: in the
+ * first n. Without visibility it does nothing. */
+void bis_visibility_learn(bis_visibility *v, const int *tiles, size_t n, int n_threads);

@@ -61,6 +61,8 @@ bis_status bis_accel_new(bis_accel **out, const bis_geometry *g, const bis_accel
 /* bis_accel_free frees the accelerator; NULL is allowed. */
 void bis_accel_free(bis_accel *a);
 
+enum { BIS_EMBREE_COMPACT = 1 << 23 }; /* triangles: from so many on, Embree takes less memory and more time */
+
 /* bis_accel_embree_version returns the version of Embree as text ("3.13.5"), or NULL if Embree is not built in. */
 const char *bis_accel_embree_version(void);
 
