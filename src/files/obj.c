@@ -522,7 +522,7 @@ bis_status bis_obj_read_materials(bis_obj_materials *out, const char *path, bis_
     reader r = {.in = {.path = path, .at = at, .diag = diag}, .mesh = &none};
 
     *out = (bis_obj_materials){0};
-    r.status = bis_file_read(&data, &r.in.size, path, at, diag);
+    r.status = bis_gzip_read(&data, &r.in.size, path, at, diag);
     r.in.data = data;
     r.end = data ? data + r.in.size : NULL;
     if (!r.status) rewind_file(&r);

@@ -37,6 +37,6 @@ typedef struct bis_obj_materials {
     size_t n_libraries, capacity_libraries;
 } bis_obj_materials;
 
-/* bis_obj_read_materials reads these and nothing else. Errors: those of bis_file_read; BIS_NOMEM. */
+/* bis_obj_read_materials reads these and nothing else. Errors: those of bis_gzip_read; BIS_NOMEM. */
 bis_status bis_obj_read_materials(bis_obj_materials *out, const char *path, bis_loc at, bis_diag *diag);
 void bis_obj_materials_clear(bis_obj_materials *m);
