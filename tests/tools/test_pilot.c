@@ -311,6 +311,7 @@ static void the_variance_of_three_pixels_is_that_by_hand(void **state)
     for (int n = 0; n < 2; n++) {
         for (int k = 0; k < 3; k++) see(&p, i, pixel[k], x[k][n]);
         see(&p, i, pixel[2] + 1, 1000.0 * n); /* shows no surface: it does not count */
+        see(&p, i, MOST_PIXELS - 1, 7);
     }
     r.tried[i].replicates = 2;
     p.trials[i].seconds = 3;
@@ -318,7 +319,8 @@ static void the_variance_of_three_pixels_is_that_by_hand(void **state)
     p.scale = 5;
     bis_auto_pilot_measure(&p);
     assert_close(r.tried[i].variance, 2 * (2 / (25 + floor) + 2 * 8 / (100 + floor)) / 3);
-    for (int k = 0; k < 3; k++) assert_close(p.picture[3 * pixel[k] + 1], (x[k][0] + x[k][1]) / 2);
+    for (int k = 0; k < 9; k++) assert_close(p.picture[3 * pixel[k / 3] + (size_t)k % 3], (x[k / 3][0] + x[k / 3][1]) / 2);
+    for (int k = 1; k <= 3; k++) assert_close(p.picture[3 * MOST_PIXELS - k], 7); /* the picture's last pixel */
     assert_close(r.tried[i].cost, (3 - 1) * 5 / 2.0);
     assert_close(r.tried[i].fill, 0.5);
     bis_auto_pilot_clear(&p);
