@@ -35,7 +35,7 @@ static const char blanks[] = " \t\v\f";
 
 /* ---- values ---- */
 
-/* n numbers; with one alone all are that. */
+/* n numbers; with one alone, but for a comment, all are that. */
 static bool read_numbers(bis_parser *p, const line *l, const char *what, double *v, int n)
 {
     const char *s = l->words, *end;
@@ -45,8 +45,9 @@ static bool read_numbers(bis_parser *p, const line *l, const char *what, double 
         v[got] = bis_parse_double(s, &end);
         if (end == s || !isfinite(v[got])) break;
     }
-    for (int i = 1; got == 1 && i < n; i++) v[i] = v[0];
-    if (got == n || got == 1) return true;
+    const bool alone = got == 1 && (!*s || *s == '#');
+    for (int i = 1; alone && i < n; i++) v[i] = v[0];
+    if (got == n || alone) return true;
     return bis_parser_error(p, l->at, "%s is \"%s\", must be %s", what, bis_parser_word(p, l->words),
                             n == 1 ? "a number" : "three numbers");
 }

@@ -504,7 +504,7 @@ static void white_space_is_no_part_of_a_number(void **state)
     const char *const texts[] = {" 1", "\t1", "\n1", "\r1", "\v1", "\f1"};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         const char *end;
-        bis_parse_double(texts[i], &end);
+        assert_true(bis_parse_double(texts[i], &end) == 0);
         assert_ptr_equal(end, texts[i]);
     }
 }

@@ -178,6 +178,23 @@ static void the_viewer_gets_the_picture_bit_by_bit(void **state)
     }
 }
 
+/* Closed standard input, as of a service: the connection is the first file that is opened, and has the number 0. */
+static void the_viewer_gets_a_picture_from_a_program_without_input(void **state)
+{
+    (void)state;
+    viewer v;
+    float *shown;
+    int width = 0, height = 0;
+    char command[512];
+    open_viewer(&v, READS);
+    snprintf(command, sizeof command, "${BIS_PROGRAM:-build/release/bis} " SCENE " --quiet --display 127.0.0.1:%d --outfile " DIR "/c.pfm <&-", v.port);
+    assert_int_equal(system(command), 0);
+    close_viewer(&v);
+    assert_true(read_messages(&v, &shown, &width, &height, DIR "/c.pfm") >= 3);
+    free(shown);
+    free(v.data);
+}
+
 static void a_viewer_that_is_missing_goes_or_never_reads_stops_nothing(void **state)
 {
     (void)state;
@@ -217,12 +234,17 @@ static void an_address_is_a_host_and_a_port(void **state)
     assert_string_equal(r.messages, "bis: error: --display is \"nowhere\", must be HOST:PORT with a port in [1, 65535], as in localhost:14158\n");
     program_expect(&r, 0, SCENE " --outfile " DIR "/b.pfm --display no-such-host.invalid:80");
     assert_non_null(strstr(r.messages, "bis: warning: --display no-such-host.invalid:80: "));
+    /* nobody listens at port 1; the brackets of an address are not part of it */
+    program_expect(&r, 0, SCENE " --outfile " DIR "/b.pfm --display [::1]:1");
+    assert_non_null(strstr(r.messages, "bis: warning: --display ::1:1: "));
+    assert_null(strstr(r.messages, "Name or service not known"));
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_viewer_gets_the_picture_bit_by_bit),
+        cmocka_unit_test(the_viewer_gets_a_picture_from_a_program_without_input),
         cmocka_unit_test(a_viewer_that_is_missing_goes_or_never_reads_stops_nothing),
         cmocka_unit_test(an_address_is_a_host_and_a_port),
     };

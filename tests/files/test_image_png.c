@@ -1,5 +1,6 @@
 /* PNG: written by bis, read back by libpng. */
 #include "bis/files/image_file.h"
+#include "files/image_png.h"
 #include "image_help.h"
 
 #include <math.h>
@@ -122,6 +123,13 @@ static void the_exposure_is_metered_on_the_subject(void **state)
     found = read_png(scratch("m.png"), W, H);
     assert_int_equal(found[0], 255);
     free(found);
+    /* what stands behind the last pixel is none of the picture */
+    float longer[W * H + 1] = {0};
+    longer[W * H] = 1;
+    const bis_channel guarded[4] = {{"R", planes[0], 1}, {"G", planes[0], 1}, {"B", planes[0], 1}, {"A", longer, 1}};
+    bis_picture again = picture;
+    again.channels = guarded;
+    assert_true(bis_png_exposure(&again) == bis_png_exposure(&picture));
 }
 
 static void a_black_picture_is_black(void **state)

@@ -3,6 +3,7 @@
 #include "mesh_help.h"
 #include "files/obj.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -134,6 +135,114 @@ static void normals_that_are_not_finite_stand_for_the_faces(void **state)
     bis_mesh_clear(&m);
 }
 
+static bis_mesh mesh_with_uv(const char *text, const char *warning)
+{
+    bis_mesh m;
+    bytes b = {0};
+    put_text(&b, text);
+    expect_mesh_of(bis_obj_read_uv, &m, &b, "uv.obj", warning);
+    bytes_clear(&b);
+    return m;
+}
+
+static void assert_uv(const bis_mesh *m, size_t vertex, float u, float v)
+{
+    if (!(m->uv[vertex].u == u && m->uv[vertex].v == v))
+        fail_msg("vertex %zu: (%g, %g)", vertex, (double)m->uv[vertex].u, (double)m->uv[vertex].v);
+}
+
+/* One number, two, three, a comment behind one; v is 0 where there is none. */
+static void a_texture_coordinate_has_one_to_three_numbers(void **state)
+{
+    (void)state;
+    bis_mesh m = mesh_with_uv(SQUARE "vt 0.25\nvt 0.5 0.75 9\nvt -1 2\nvt 4 # 5\nf 1/1 2/2 3/3 4/-1\n", NULL);
+    assert_int_equal(m.n_vertices, 4);
+    assert_uv(&m, 0, 0.25f, 0);
+    assert_uv(&m, 1, 0.5f, 0.75f);
+    assert_uv(&m, 2, -1, 2);
+    assert_uv(&m, 3, 4, 0);
+    bis_mesh_clear(&m);
+    bytes b = {0};
+    put_text(&b, SQUARE "vt 1 a\nf 1 2 3\n");
+    expect_mesh_refusal_of(bis_obj_read_uv, &b, "uv.obj", 5, "\"a\" in \"vt\" is no number");
+    bytes_clear(&b);
+    put_text(&b, SQUARE "vt\nf 1 2 3\n");
+    expect_mesh_refusal_of(bis_obj_read_uv, &b, "uv.obj", 5, "\"vt\" has 0 numbers, must have 1");
+    bytes_clear(&b);
+    put_text(&b, SQUARE "vt 1 1\nf 1/1 2/2 3/1\n");
+    expect_mesh_refusal_of(bis_obj_read_uv, &b, "uv.obj", 6, "the face has the index 2, but there are 1 \"vt\"");
+    bytes_clear(&b);
+}
+
+/* Either number may be the one that is not finite, or larger than a float. */
+static void a_texture_coordinate_that_is_not_finite_stands_for_none(void **state)
+{
+    (void)state;
+    bis_mesh m = mesh_with_uv(SQUARE "vt nan 1\nvt 1 inf\nvt 1e39 1\nvt 1 -1e39\nvt 3e38 -3e38\nf 1/1 2/2 3/3\nf 1/1 3/5 4/4\n",
+                              "4 texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)");
+    assert_int_equal(m.n_vertices, 5); /* vertex 2 has two */
+    for (size_t i = 0; i < 4; i++) assert_true(isnan(m.uv[i].u));
+    assert_uv(&m, 4, 3e38f, -3e38f);
+    bis_mesh_clear(&m);
+}
+
+/* A vertex with two coordinates is two; one that is used with and without is two, too. */
+static void each_triple_of_position_coordinate_and_normal_is_one_vertex(void **state)
+{
+    (void)state;
+    bis_mesh m = mesh_with_uv(SQUARE "vt 0 0\nvt 1 0\nvn 0 0 1\nvn 0 0 -1\nf 1/1/1 2/1/1 3/2/1\nf 1/1/1 3/1/1 4/1/2\nf 1/2/1 3/1/1 4/1/2\n"
+                                     "f 1//1 3/2/1 4/1/1\nf 1/2/1 2/1 3/2/1\n", NULL);
+    assert_int_equal(m.n_vertices, 4 + 5);
+    assert_triangle(&m, 0, 0, 1, 2);
+    assert_triangle(&m, 1, 0, 4, 3);
+    assert_triangle(&m, 2, 5, 4, 3);
+    assert_triangle(&m, 3, 6, 2, 7);
+    assert_triangle(&m, 4, 5, 8, 2);
+    static const struct { float u, normal; size_t of; } expected[9] = {{0, 1, 0}, {0, 1, 1}, {1, 1, 2}, {0, -1, 3}, {0, 1, 2}, {1, 1, 0},
+                                                                       {NAN, 1, 0}, {0, 1, 3}, {0, 0, 1}};
+    for (size_t i = 0; i < 9; i++) {
+        assert_true(m.uv[i].u == expected[i].u || (isnan(m.uv[i].u) && isnan(expected[i].u)));
+        assert_true(m.n[i].z == expected[i].normal && m.p[i].x == m.p[expected[i].of].x && m.p[i].y == m.p[expected[i].of].y);
+    }
+    bis_mesh_clear(&m);
+    m = mesh_with_uv(SQUARE "vt 0 0\nf 1 2 3\n", NULL);
+    assert_null(m.uv); /* no face uses it */
+    bis_mesh_clear(&m);
+}
+
+/* By the names of usemtl, in the order in which they come; libraries with their lines. */
+static void a_part_is_what_follows_a_name(void **state)
+{
+    static const char text[] = "mtllib a.mtl\n" SQUARE "f 1 2 3 4\nusemtl red\nf 1 2 3\nusemtl  pale blue \nusemtl none\nusemtl red\nf 1 3 4\n"
+                               "mtllib  b c.mtl \nusemtl pale blue\nf 2 3 4\nusemtl last\n";
+    static const uint32_t part[] = {0, 0, 1, 1, 2};
+    bis_obj_materials o;
+    bis_mesh m;
+    size_t n;
+    (void)state;
+    store(scratch("parts.obj"), text, sizeof text - 1);
+    assert_int_equal(bis_obj_read_parts(&m, &n, scratch("parts.obj"), false, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(n, 4);
+    assert_int_equal(m.n_triangles, 5);
+    for (size_t i = 0; i < 5; i++) assert_int_equal(m.part[i], part[i]);
+    assert_null(m.uv);
+    bis_mesh_clear(&m);
+    assert_int_equal(bis_obj_read_materials(&o, scratch("parts.obj"), (bis_loc){0}, NULL), BIS_OK);
+    static const char *const names[] = {"red", "pale blue", "none", "last"};
+    assert_int_equal(o.parts.n, 4);
+    for (uint32_t i = 0; i < 4; i++) {
+        uint32_t k = 0;
+        assert_true(bis_names_find(&o.parts, names[i], &k) && k == i + 1);
+    }
+    assert_int_equal(o.n_shown, 3);
+    assert_true(o.is_shown[0] && o.is_shown[1] && o.is_shown[2]);
+    assert_int_equal(o.n_libraries, 2);
+    assert_string_equal(o.libraries[0].name, "a.mtl");
+    assert_string_equal(o.libraries[1].name, "b c.mtl");
+    assert_true(o.libraries[0].line == 1 && o.libraries[1].line == 13);
+    bis_obj_materials_clear(&o);
+}
+
 static void an_empty_mesh_is_legal_with_a_warning(void **state)
 {
     bis_mesh m;
@@ -237,6 +346,10 @@ int main(void)
         cmocka_unit_test(each_pair_of_position_and_normal_is_one_vertex),
         cmocka_unit_test(thousands_of_normals_at_one_position_are_told_apart),
         cmocka_unit_test(normals_that_are_not_finite_stand_for_the_faces),
+        cmocka_unit_test(a_texture_coordinate_has_one_to_three_numbers),
+        cmocka_unit_test(a_texture_coordinate_that_is_not_finite_stands_for_none),
+        cmocka_unit_test(each_triple_of_position_coordinate_and_normal_is_one_vertex),
+        cmocka_unit_test(a_part_is_what_follows_a_name),
         cmocka_unit_test(an_empty_mesh_is_legal_with_a_warning),
         cmocka_unit_test(bad_lines_are_refused_by_number),
         cmocka_unit_test(damaged_files_never_crash),

@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,6 +79,25 @@ static void a_map_gives_directions_and_their_densities(void **state)
     assert_int_equal(bis_flat_light_open(&light, DIR "/none.hdr", "cdf", 0, SAY), BIS_IO);
     assert_null(light);
     bis_flat_light_close(NULL);
+}
+
+static void a_black_map_has_no_directions(void **state)
+{
+    static const char black[] = "PF\n2 1\n-1.0\n\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0";
+    bis_light *light;
+    float w[3], L[3];
+    double pdf;
+
+    (void)state;
+    FILE *out = fopen(DIR "/black.pfm", "wb");
+    assert_non_null(out);
+    fwrite(black, 1, sizeof black - 1, out);
+    fclose(out);
+    assert_int_equal(bis_flat_light_open(&light, DIR "/black.pfm", "alias", 0.15, SAY), 0);
+    assert_true(bis_flat_light_power(light) == 0);
+    refuses(bis_flat_light_sample(light, 1, (double[]){0, 0, 0, 0}, w, L, &pdf, SAY), "the map is black: it has no directions to draw");
+    assert_int_equal(bis_flat_light_sample(light, 0, NULL, w, L, &pdf, SAY), 0);
+    bis_flat_light_close(light);
 }
 
 static void alias_tables_are_those_of_the_thesis(void **state)
@@ -202,6 +222,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_map_gives_directions_and_their_densities),
+        cmocka_unit_test(a_black_map_has_no_directions),
         cmocka_unit_test(alias_tables_are_those_of_the_thesis),
         cmocka_unit_test(a_material_gives_f_and_density),
         cmocka_unit_test(a_picture_has_the_bits_of_the_program),

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 #include <dirent.h>
+#include <float.h>
 #include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -605,6 +606,38 @@ static void a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no
 
 /* ---- robustness ---- */
 
+/* Any one of the 32 numbers of a transformation and its inverse may be the bad one. */
+static void a_transformation_with_one_infinite_number_is_not_usable(void **state)
+{
+    static const double bad[] = {HUGE_VAL, -HUGE_VAL, NAN};
+    (void)state;
+    for (size_t k = 0; k < BIS_COUNT(bad); k++)
+        for (int i = 0; i < 16; i++) {
+            bis_xform t = bis_xform_identity(), u = t;
+            assert_true(bis_parser_is_usable(&t));
+            t.m[i / 4][i % 4] = u.inv[i / 4][i % 4] = bad[k];
+            assert_false(bis_parser_is_usable(&t));
+            assert_false(bis_parser_is_usable(&u));
+            t = bis_xform_identity();
+            t.m[i / 4][i % 4] = t.inv[i / 4][i % 4] = DBL_MAX;
+            assert_true(bis_parser_is_usable(&t));
+        }
+}
+
+/* What a scene leaves unsaid is said nowhere: the place is the file alone. */
+static void what_nobody_names_has_the_file_for_its_place(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = good("WorldBegin LightSource \"infinite\"");
+    assert_string_equal(d->integrator_loc.file, d->files[0]);
+    assert_true(ends_with(d->files[0], "scene.txt"));
+    assert_true(d->integrator_loc.line == 0 && d->integrator_loc.column == 0 && !d->names_integrator);
+    bis_scene_desc_free(d);
+    d = good("Sampler \"halton\"\n  Integrator \"sir\" WorldBegin LightSource \"infinite\"");
+    assert_true(d->integrator_loc.line == 2 && d->names_integrator);
+    bis_scene_desc_free(d);
+}
+
 static void when_the_kth_allocation_fails_the_parse_fails_cleanly(void **state)
 {
     static const char *const scenes[] = {"tests/data/scenes/pbrt-v3.txt", "tests/data/scenes/pbrt-v4.txt",
@@ -810,6 +843,8 @@ int main(void)
         cmocka_unit_test(triangles_arrive_with_points_indices_and_normals),
         cmocka_unit_test(a_light_frame_may_be_rotated_and_mirrored_and_is_made_exactly_orthonormal),
         cmocka_unit_test(a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no_message),
+        cmocka_unit_test(a_transformation_with_one_infinite_number_is_not_usable),
+        cmocka_unit_test(what_nobody_names_has_the_file_for_its_place),
         cmocka_unit_test(when_the_kth_allocation_fails_the_parse_fails_cleanly),
         cmocka_unit_test(a_german_locale_changes_no_number),
         cmocka_unit_test(damaged_scenes_are_survived),

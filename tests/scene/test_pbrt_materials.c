@@ -235,6 +235,15 @@ static void named_metals_have_their_published_colours(void **state)
     assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\" \"float roughness\" 0.1", NULL).Ks, 1, 0.782, 0.344, 1e-3);
     assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Ag-k\" \"float roughness\" 0.1", NULL).Ks, 0.972, 0.960, 0.915, 1e-3);
     assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-Al-eta\" \"spectrum k\" \"metal-Al-k\" \"float roughness\" 0.1", NULL).Ks, 0.913, 0.922, 0.924, 1e-3);
+    /* copper is pbrt's own: its eta or its k alone says enough, of another metal both are needed */
+    static const char *const alone[] = {"eta", "k"};
+    for (int i = 0; i < 2; i++) {
+        char text[128];
+        snprintf(text, sizeof text, "Material \"conductor\" \"spectrum %s\" \"metal-Cu-%s\" \"float roughness\" 0.1", alone[i], alone[i]);
+        assert_rgb(material(text, NULL).Ks, 0.955, 0.638, 0.538, 1e-3);
+        snprintf(text, sizeof text, "Material \"conductor\" \"spectrum %s\" \"metal-Ag-%s\" \"float roughness\" 0.1", alone[i], alone[i]);
+        refuse(text, "\"eta\" and \"k\" must be of one metal");
+    }
 }
 
 /* pbrt-v4: alpha = sqrt(roughness); pbrt-v3: its polynomial, here as python computes it; bis's own alpha is what counts. */

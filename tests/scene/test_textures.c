@@ -21,6 +21,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 #define DIR "build/test_textures"
 
@@ -522,6 +523,25 @@ static void instances_of_an_obj_with_materials_are_alike(void **state)
     clear(&b);
 }
 
+static void a_compressed_obj_brings_its_materials_too(void **state)
+{
+    (void)state;
+    static const char obj[] = "mtllib lib.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 3 2 1\n";
+    built b;
+    gzFile out = gzopen(DIR "/o.obj.gz", "wb");
+    assert_non_null(out);
+    assert_int_equal(gzwrite(out, obj, sizeof obj - 1), sizeof obj - 1);
+    assert_int_equal(gzclose(out), Z_OK);
+    program_write_file(DIR "/lib.mtl", "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n");
+    assert_int_equal(try_build(&b, LIGHT "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj.gz\" \"bool materials\" true"), BIS_OK);
+    assert_int_equal(b.desc->n_shapes, 2);
+    for (int i = 0; i < 2; i++) {
+        const bis_material *m = &b.desc->materials[b.desc->shapes[i].material];
+        assert_true(m->Kd.r == (float)(i == 0) && m->Kd.g == (float)(i == 1) && m->Kd.b == 0);
+    }
+    clear(&b);
+}
+
 static void mistakes_of_a_library_are_found_in_it(void **state)
 {
     (void)state;
@@ -544,6 +564,142 @@ static void mistakes_of_a_library_are_found_in_it(void **state)
         program_write_file(DIR "/lib.mtl", cases[i].mtl);
         assert_int_equal(try_build(&b, scene), BIS_INPUT);
         if (!strstr(b.diag.messages[0].text, cases[i].message)) fail_msg("%s, not %s", b.diag.messages[0].text, cases[i].message);
+        clear(&b);
+    }
+}
+
+/* One face of material a, whose library says this. */
+static bis_status build_library(built *b, const char *statements)
+{
+    char mtl[1024];
+    snprintf(mtl, sizeof mtl, "newmtl a\n%s\n", statements);
+    store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16); /* 0.5 */
+    program_write_file(DIR "/o.obj", "mtllib lib.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    program_write_file(DIR "/lib.mtl", mtl);
+    return try_build(b, LIGHT "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true");
+}
+
+static void what_a_library_says_in_vain_is_told_once(void **state)
+{
+    (void)state;
+    static const struct { const char *mtl, *warning; } cases[] = {
+        {"d 1", NULL}, {"d 2", NULL}, {"Tr 0", NULL}, {"Tr -1", NULL}, {"Ke 0 0 0", NULL}, {"Ke 0", NULL}, {"d 1\nTr 0\nKe 0", NULL},
+        {"Ka 1 2 3\nNi 1.5\nTf 1 1 1\nsharpness 60\nmap_Ka no.png", NULL}, {"# d 0.5\n\t# x\n\n  \t\n", NULL},
+        {"d 0.5", "2: warning: d is ignored: the material is opaque"}, {"d 0.999", "2: warning: d is ignored: the material is opaque"},
+        {"d 1\nTr 0.25", "3: warning: Tr is ignored: the material is opaque"}, {"Tr 1e-3", "2: warning: Tr is ignored: the material is opaque"},
+        {"d 0.5\nTr 0.5\nd 0", "2: warning: d is ignored: the material is opaque"},
+        {"Ke 1 0 0", "2: warning: Ke is ignored: no surface gives light"}, {"Ke 0 1 0", "2: warning: Ke is ignored: no surface gives light"},
+        {"Ke 0 0 1", "2: warning: Ke is ignored: no surface gives light"}, {"Ke 0.1\nKe 2 2 2", "2: warning: Ke is ignored: no surface gives light"},
+        {"map_Ks x", "2: warning: map_Ks is ignored"}, {"map_Ns x", "2: warning: map_Ns is ignored"}, {"map_d x", "2: warning: map_d is ignored"},
+        {"map_Ke x", "2: warning: map_Ke is ignored"}, {"map_bump x", "2: warning: map_bump is ignored"}, {"map_Bump x", "2: warning: map_Bump is ignored"},
+        {"bump x", "2: warning: bump is ignored"}, {"norm x", "2: warning: norm is ignored"}, {"disp x", "2: warning: disp is ignored"},
+        {"decal x", "2: warning: decal is ignored"}, {"refl x", "2: warning: refl is ignored"}, {"Pr 1", "2: warning: Pr is ignored"},
+        {"Pm 1", "2: warning: Pm is ignored"}, {"Ps 1", "2: warning: Ps is ignored"}, {"Pc 1", "2: warning: Pc is ignored"},
+        {"map_Pr x", "2: warning: map_Pr is ignored"}, {"map_Pm x", "2: warning: map_Pm is ignored"}, {"aniso 1\naniso 2", "2: warning: aniso is ignored"},
+        {"foo 1\nbar 2", "2: warning: the unknown word \"foo\" is ignored, and others like it"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        built b;
+        assert_int_equal(build_library(&b, cases[i].mtl), BIS_OK);
+        if (b.diag.n != (cases[i].warning ? 1 : 0)) fail_msg("%s: %zu messages", cases[i].mtl, b.diag.n);
+        if (cases[i].warning) {
+            const char *text = strstr(b.diag.messages[0].text, "lib.mtl:");
+            assert_non_null(text);
+            assert_string_equal(text + strlen("lib.mtl:"), cases[i].warning);
+        }
+        clear(&b);
+    }
+}
+
+static void numbers_of_a_library_are_checked(void **state)
+{
+    (void)state;
+    static const struct { const char *mtl, *error; } cases[] = {
+        {"Kd 0.1 x 0.3", "2: error: Kd is \"0.1 x 0.3\", must be three numbers"}, {"Kd", "2: error: Kd is \"\", must be three numbers"},
+        {"Kd 0.1 0.2 nan", "2: error: Kd is \"0.1 0.2 nan\", must be three numbers"}, {"Kd 0.1 0.2", "2: error: Kd is \"0.1 0.2\", must be three numbers"}, {"Ks 0.1 inf 0", "2: error: Ks is \"0.1 inf 0\", must be three numbers"},
+        {"Ks 0 1.5 0", "2: error: \"Ks\" is 1.5, must be in [0, 1]"},
+        {"Ks -0.5 0 0", "2: error: \"Ks\" is -0.5, must be in [0, 1]"}, {"Ks 0 0 2", "2: error: \"Ks\" is 2, must be in [0, 1]"},
+        {"Ns -1", "2: error: \"Ns\" is -1, must be "}, {"Ns inf", "2: error: Ns is \"inf\", must be a number"}, {"d x", "2: error: d is \"x\", must be a number"},
+        {"Tr", "2: error: Tr is \"\", must be a number"}, {"illum x", "2: error: illum is \"x\", must be a number"}, {"Ke 1 2", "2: error: Ke is \"1 2\", must be three numbers"},
+        {"map_Kd -s 2 -bm 1 four.pfm", "2: error: the option -bm of a map is not modelled: remove it"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        built b;
+        if (build_library(&b, cases[i].mtl) != BIS_INPUT) fail_msg("%s: is not refused", cases[i].mtl);
+        const char *text = strstr(b.diag.messages[0].text, "lib.mtl:");
+        if (!text || strncmp(text + strlen("lib.mtl:"), cases[i].error, strlen(cases[i].error)) != 0) fail_msg("%s: %s", cases[i].mtl, b.diag.messages[0].text);
+        assert_int_equal(b.diag.n, 1);
+        clear(&b);
+    }
+}
+
+/* Kd 1/2, Ks 0, Ns 50 where nothing is said; illum 0 and 1 have no highlight. One number stands for three. */
+static void a_librarys_values_are_those_of_the_material(void **state)
+{
+    (void)state;
+    static const struct { const char *mtl; float Kd[3], Ks[3]; double Ns; } cases[] = {
+        {"", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50}, {"Kd 0.25", {0.25f, 0.25f, 0.25f}, {0, 0, 0}, 50},
+        {"Kd 0.25 # grey", {0.25f, 0.25f, 0.25f}, {0, 0, 0}, 50}, {"Kd 0.25 1 0 # green", {0.25f, 1, 0}, {0, 0, 0}, 50},
+        {"Ks 0.125 0.25 0.5", {0.5f, 0.5f, 0.5f}, {0.125f, 0.25f, 0.5f}, 50}, {"Ks 0.25\nillum 0", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50},
+        {"Ks 0.25\nillum 1", {0.5f, 0.5f, 0.5f}, {0, 0, 0}, 50}, {"illum 2\nKs 0.25", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 50},
+        {"illum 1\nKs 0.25\nillum 3", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 50}, {"Ns 0\nKs 0.25", {0.5f, 0.5f, 0.5f}, {0.25f, 0.25f, 0.25f}, 0},
+        {"Kd 0 1 0.5\rKs 0\r\n\tNs  1000 \t", {0, 1, 0.5f}, {0, 0, 0}, 1000}, {"Kd 1 1 1\nnewmtl a\nKd 0 0 0", {1, 1, 1}, {0, 0, 0}, 50},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        built b;
+        assert_int_equal(build_library(&b, cases[i].mtl), BIS_OK);
+        const bis_material *m = &b.desc->materials[b.desc->shapes[0].material];
+        assert_memory_equal(&m->Kd, cases[i].Kd, sizeof m->Kd);
+        assert_memory_equal(&m->Ks, cases[i].Ks, sizeof m->Ks);
+        if (m->exponent != cases[i].Ns) fail_msg("%s: Ns is %g", cases[i].mtl, m->exponent);
+        assert_null(bis_textures_of(&b.desc->textures, b.desc->shapes[0].material));
+        clear(&b);
+    }
+}
+
+/* -s and -o have one to three numbers, of which two count; all else keeps its usual value. */
+static void options_of_a_map_change_what_they_name_alone(void **state)
+{
+    (void)state;
+    static const struct { const char *options; double factor[2], offset[2]; bis_wrap wrap; } cases[] = {
+        {"", {1, 1}, {0, 0}, BIS_WRAP_REPEAT}, {"-s 2 ", {2, 1}, {0, 0}, BIS_WRAP_REPEAT}, {"-s 2 3 ", {2, 3}, {0, 0}, BIS_WRAP_REPEAT},
+        {"-s 2 3 4 ", {2, 3}, {0, 0}, BIS_WRAP_REPEAT}, {"-o 5 ", {1, 1}, {5, 0}, BIS_WRAP_REPEAT}, {"-o 5 6 ", {1, 1}, {5, 6}, BIS_WRAP_REPEAT},
+        {"-o 5 6 7 -s 2 3 4 ", {2, 3}, {5, 6}, BIS_WRAP_REPEAT}, {"-s -2 0.5 4\t-o 5 6 7  ", {-2, 0.5}, {5, 6}, BIS_WRAP_REPEAT},
+        {"-clamp on ", {1, 1}, {0, 0}, BIS_WRAP_CLAMP}, {"-clamp off ", {1, 1}, {0, 0}, BIS_WRAP_REPEAT},
+        {"-clamp on -o 5 -clamp off -s 2 ", {2, 1}, {5, 0}, BIS_WRAP_REPEAT},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[256];
+        built b;
+        snprintf(text, sizeof text, "Kd 1 1 1\nmap_Kd %sfour.pfm", cases[i].options);
+        assert_int_equal(build_library(&b, text), BIS_OK);
+        const bis_textures *t = &b.desc->textures;
+        const bis_material_textures *m = bis_textures_of(t, b.desc->shapes[0].material);
+        assert_true(m && t->n == 1 && t->n_files == 1 && m->Kd == 0 && m->Ks == BIS_NO_TEXTURE && m->width == BIS_NO_TEXTURE);
+        const bis_texture *x = &t->list[0];
+        assert_memory_equal(x->factor, cases[i].factor, sizeof x->factor);
+        assert_memory_equal(x->offset, cases[i].offset, sizeof x->offset);
+        assert_true(x->kind == BIS_TEXTURE_IMAGE && x->wrap == cases[i].wrap && x->image == 0 && x->scale == 1 && !x->invert && !x->is_float && x->steps == 1);
+        clear(&b);
+    }
+}
+
+static void a_bad_part_of_a_texture_is_one_complaint(void **state)
+{
+    (void)state;
+    static const char *const textures[] = {
+        "\"checkerboard\" \"float tex1\" -1", "\"checkerboard\" \"float tex2\" -1", "\"checkerboard\" \"string mapping\" \"spherical\"",
+        "\"scale\" \"float tex1\" -1", "\"scale\" \"float tex2\" -1", "\"scale\" \"float tex\" -1", "\"scale\" \"float scale\" -1",
+        "\"mix\" \"float tex1\" -1", "\"mix\" \"float tex2\" -1", "\"mix\" \"float amount\" 2"};
+    for (size_t i = 0; i < sizeof textures / sizeof *textures; i++) {
+        char text[512];
+        built b;
+        snprintf(text, sizeof text, LIGHT "Texture \"x\" \"float\" %s\nMaterial \"diffuse\" Shape \"sphere\"", textures[i]);
+        const bis_status status = try_build(&b, text);
+        if (status != BIS_INPUT || b.diag.n != 1) {
+            for (size_t k = 0; k < b.diag.n; k++) print_error("%s\n", b.diag.messages[k].text);
+            fail_msg("%s: %zu messages", textures[i], b.diag.n);
+        }
         clear(&b);
     }
 }
@@ -984,6 +1140,12 @@ int main(void)
         cmocka_unit_test(an_obj_and_a_ply_bring_theirs),
         cmocka_unit_test(an_obj_brings_its_materials_and_each_part_is_a_shape),
         cmocka_unit_test(instances_of_an_obj_with_materials_are_alike),
+        cmocka_unit_test(what_a_library_says_in_vain_is_told_once),
+        cmocka_unit_test(numbers_of_a_library_are_checked),
+        cmocka_unit_test(a_librarys_values_are_those_of_the_material),
+        cmocka_unit_test(options_of_a_map_change_what_they_name_alone),
+        cmocka_unit_test(a_bad_part_of_a_texture_is_one_complaint),
+        cmocka_unit_test(a_compressed_obj_brings_its_materials_too),
         cmocka_unit_test(mistakes_of_a_library_are_found_in_it),
         cmocka_unit_test(a_point_has_the_material_of_its_place),
         cmocka_unit_test(values_out_of_range_are_refused_when_the_image_is_known),

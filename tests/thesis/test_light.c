@@ -365,12 +365,16 @@ static void a_scale_that_overflows_is_an_error(void **state)
     desc.scale = 1e30;
     assert_null(load(grey(8, 4, 1e10f), desc, BIS_INPUT,
                      "s.txt:7:3: error: \"%s\" times \"L\" (1 1 1) and \"scale\" 1e+30 exceeds the largest float; choose a smaller scale"));
+    desc.L = (rgb){1, 2, 3};
+    assert_null(load(grey(8, 4, 1e10f), desc, BIS_INPUT,
+                     "s.txt:7:3: error: \"%s\" times \"L\" (1 2 3) and \"scale\" 1e+30 exceeds the largest float; choose a smaller scale"));
     desc.scale = 1e300;
     bis_light *light;
     bis_diag diag = {0};
     assert_int_equal(bis_light_load(&light, &desc, 0, NULL, &diag), BIS_INPUT);
     assert_null(light);
     assert_int_equal(diag.n_errors, 1);
+    assert_string_equal(diag.messages[0].text, "s.txt:7:3: error: \"L\" (1 2 3) times \"scale\" 1e+300 exceeds the largest float; choose a smaller scale");
     bis_diag_clear(&diag);
 }
 

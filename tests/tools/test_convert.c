@@ -159,6 +159,9 @@ static void bad_pngs_and_usage_are_named(void **state)
         bis_diag diag = {0};
         bool is_screen;
         store(scratch("cut.png"), data, cut);
+        is_screen = true;
+        assert_int_equal(bis_image_read_any(&image, &is_screen, "no-such-file.png", (bis_loc){0}, NULL), BIS_IO);
+        assert_false(is_screen);
         assert_int_equal(bis_image_read_any(&image, &is_screen, scratch("cut.png"), (bis_loc){0}, &diag), BIS_INPUT);
         assert_true(diag.n_errors == 1 && strstr(diag.messages[0].text, "the PNG is damaged: ") && !image.pixels);
         bis_diag_clear(&diag);

@@ -1,5 +1,6 @@
 /* The memory that --plan foretells, beside what the program then takes (peak_memory_bytes of --stats): within 15 %. */
 #include "program.h"
+#include "tools/memory.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -130,9 +131,206 @@ static void what_does_not_fit_is_told_before(void **state)
     assert_null(strstr(run.messages, "this render takes"));
 }
 
+/* ---- each figure by hand, without a render ---- */
+
+/* The files hold no more than what is asked of them: their heads. */
+static void write_ply_head(const char *path, int vertices, int faces)
+{
+    char text[256];
+    snprintf(text, sizeof text, "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face %d\nproperty list uchar int vertex_indices\nend_header\n", vertices, faces);
+    program_write_file(path, text);
+}
+
+static void write_pfm_head(const char *path, int width, int height)
+{
+    char text[64];
+    snprintf(text, sizeof text, "PF\n%d %d\n-1.0\n", width, height);
+    program_write_file(path, text);
+}
+
+static bis_memory foreseen(const char *before, const char *world)
+{
+    char text[4096];
+    bis_scene_desc *d;
+    bis_diag diag = {0};
+    bis_memory m;
+    snprintf(text, sizeof text, "%s\nWorldBegin\n%s\n", before, world);
+    program_write_file(DIR "/scene.txt", text);
+    if (bis_scene_parse(&d, DIR "/scene.txt", &diag)) fail_msg("%s", diag.messages[0].text);
+    bis_diag_clear(&diag);
+    assert_int_equal(bis_memory_foresee(&m, d, NULL), BIS_OK);
+    bis_scene_desc_free(d);
+    return m;
+}
+
+static void assert_bytes(double found, double expected)
+{
+    if (!(fabs(found - expected) <= 1e-9 * expected)) fail_msg("%.10g bytes, must be %.10g", found, expected);
+}
+
+#define CONSTANT_LIGHT "LightSource \"infinite\" "
+#define PLY(name) "Shape \"plymesh\" \"string filename\" \"" name ".ply\" "
+#define SMALL "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 10 Integrator \"brdf\" "
+
+/* A vertex: 12 bytes, 24 with a normal, 8 more with (u, v); a triangle: 12. Three shapes of a, two of the smooth b, one of c,
+ * none of d; of the meshes with several shapes the largest is kept beside. Each triangle: 82 bytes of tree. */
+static void meshes_take_their_arrays_for_each_shape(void **state)
+{
+    (void)state;
+    write_ply_head(DIR "/a.ply", 1000, 2000);
+    write_ply_head(DIR "/b.ply", 500, 700);
+    write_ply_head(DIR "/c.ply", 9000, 9001);
+    write_ply_head(DIR "/d.ply", 77777, 77777);
+    static const char shapes[] = CONSTANT_LIGHT PLY("c") "Shape \"sphere\" ObjectBegin \"o\" " PLY("a") "Shape \"plymesh\" \"string filename\" \"b.ply\" \"bool smooth\" true "
+                                 "Shape \"disk\" ObjectEnd ObjectBegin \"none\" " PLY("d") "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\" " PLY("a");
+    char with_texture[2048];
+    const double a = 1000 * 12 + 2000 * 12, b = 500 * 24 + 700 * 12, c = 9000 * 12 + 9001 * 12;
+    const double triangles = 3 * 2000 + 2 * 700 + 9001;
+    bis_memory m = foreseen(SMALL, shapes);
+    assert_bytes(m.meshes, 3 * a + 2 * b + c + a);
+    assert_bytes(m.accel, 82 * triangles);
+    assert_false(m.guessed);
+    assert_bytes(m.textures, 0);
+    /* while the tree is built it takes 100 bytes; a film of 100 pixels is less */
+    assert_bytes(m.peak, 14e6 + 100 * 56 + m.meshes + 100 * triangles);
+    write_pfm_head(DIR "/t.pfm", 30, 20);
+    snprintf(with_texture, sizeof with_texture, "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" Material \"diffuse\" \"texture reflectance\" \"t\" %s", shapes);
+    m = foreseen(SMALL, with_texture);
+    assert_bytes(m.meshes, 3 * a + 2 * b + c + a + 8 * (4 * 1000 + 2 * 500 + 9000));
+    assert_bytes(m.textures, 12 * 30 * 20);
+    /* a mesh of the scene itself; a small one beside a larger one that has one shape only */
+    m = foreseen(SMALL, CONSTANT_LIGHT "ObjectBegin \"o\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 1 2 2 1 3] ObjectEnd "
+                                       "ObjectInstance \"o\" ObjectInstance \"o\" " PLY("a"));
+    assert_bytes(m.meshes, 2 * (4 * 12 + 2 * 12) + a + (4 * 12 + 2 * 12));
+    m = foreseen(SMALL, CONSTANT_LIGHT "Shape \"sphere\" Shape \"disk\"");
+    assert_true(m.meshes == 0 && m.accel == 0);
+}
+
+/* An OBJ does not tell: 100 bytes of the file are a vertex, and 50 a triangle. */
+static void a_file_that_tells_nothing_is_guessed_by_its_length(void **state)
+{
+    (void)state;
+    char text[10001];
+    memset(text, '#', 10000);
+    text[10000] = '\0';
+    program_write_file(DIR "/o.obj", text);
+    bis_memory m = foreseen(SMALL, CONSTANT_LIGHT "Shape \"objmesh\" \"string filename\" \"o.obj\"");
+    assert_bytes(m.meshes, 100 * 12 + 200 * 12);
+    assert_bytes(m.accel, 200 * 82);
+    assert_true(m.guessed);
+    program_write_file(DIR "/o.ply", text);
+    m = foreseen(SMALL, CONSTANT_LIGHT PLY("o"));
+    assert_bytes(m.meshes, 100 * 12 + 200 * 12);
+    assert_true(m.guessed);
+    program_write_file(DIR "/odd.pfm", text); /* a map: four bytes a pixel, each of which becomes 12 */
+    m = foreseen(SMALL, "LightSource \"infinite\" \"string filename\" \"odd.pfm\"");
+    assert_bytes(m.map, 2500 * 12);
+    assert_true(m.guessed);
+    m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"odd.pfm\"");
+    assert_true(m.textures == 0 && m.guessed);
+}
+
+static void every_texture_file_counts_once(void **state)
+{
+    (void)state;
+    write_pfm_head(DIR "/t.pfm", 30, 20);
+    write_pfm_head(DIR "/u.pfm", 7, 5);
+    const bis_memory m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" "
+        "Texture \"again\" \"float\" \"imagemap\" \"string filename\" \"t.pfm\" Texture \"u\" \"spectrum\" \"imagemap\" \"string filename\" \"u.pfm\" "
+        "Texture \"c\" \"spectrum\" \"checkerboard\"");
+    assert_bytes(m.textures, 12 * (30 * 20 + 7 * 5));
+    assert_false(m.guessed);
+}
+
+/* 56 bytes of sums, 17 of a pass, 12 for each value of a layer: eight and four. Visibility that is learned: 64. */
+static void a_film_takes_its_pixels_in_the_crop(void **state)
+{
+    (void)state;
+    static const struct { const char *film, *integrator; double pixels, a_pixel; } cases[] = {
+        {"\"integer xresolution\" 400 \"integer yresolution\" 300", "\"brdf\"", 120000, 56 + 17},
+        {"\"integer xresolution\" 400 \"integer yresolution\" 300 \"float cropwindow\" [0.25 0.75 0 0.5]", "\"brdf\"", 200 * 150, 56 + 17},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" [\"albedo\" \"depth\"]", "\"brdf\"", 1200, 56 + 17 + 4 * 12},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" \"all\"", "\"brdf\"", 1200, 56 + 17 + 15 * 12},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30 \"string layers\" [\"stderr\" \"visibility\"]", "\"brdf\"", 1200, 56 + 17 + 2 * 12},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30", "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" true", 1200, 56 + 17 + 64},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30", "\"sir\" \"string proposal\" \"product\" \"integer candidates\" 64 \"bool learn\" false", 1200, 56 + 17},
+        {"\"integer xresolution\" 40 \"integer yresolution\" 30", "\"auto\"", 1200, 56 + 17 + 64},
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 2048", "\"auto\"", 8388608, 56 + 17 + 64}, /* 2^23 pixels have cells, */
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 2049", "\"auto\"", 4096 * 2049, 56 + 17 + 4}, /* more have tiles, */
+        {"\"integer xresolution\" 4096 \"integer yresolution\" 4096 \"float cropwindow\" [0 0.125 0 0.125]", "\"auto\"", 512 * 512, 56 + 17 + 4}, /* in a part, too */
+    };
+    write_pfm_head(DIR "/map.pfm", 64, 32);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char before[512];
+        snprintf(before, sizeof before, "Film \"rgb\" %s Integrator %s", cases[i].film, cases[i].integrator);
+        bis_memory m = foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\"");
+        assert_bytes(m.film, cases[i].pixels * cases[i].a_pixel);
+        if (cases[i].pixels > 1e5) assert_bytes(m.peak, 14e6 + m.film + m.map);
+        m = foreseen(before, CONSTANT_LIGHT "Shape \"sphere\""); /* nothing is learned of a constant, or without a surface */
+        const double learned = strstr(cases[i].integrator, "auto") || strstr(cases[i].integrator, "true") ? (cases[i].a_pixel == 56 + 17 + 4 ? 4 : 64) : 0;
+        assert_bytes(m.film, cases[i].pixels * (cases[i].a_pixel - learned));
+        m = foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\"");
+        assert_bytes(m.film, cases[i].pixels * (cases[i].a_pixel - learned));
+    }
+}
+
+/* 12 bytes a pixel, 14.4 for what directions are drawn with; beside it 8.3 while a curve is made. */
+static void a_map_takes_what_its_integrator_needs(void **state)
+{
+    (void)state;
+    static const struct { const char *integrator; double a_pixel, beside; } cases[] = {
+        {"\"brdf\"", 12, 0}, {"\"em\" \"bool stratify\" false", 12 + 14.4, 0}, {"\"em\" \"bool stratify\" true", 12 + 14.4, 8.3},
+        {"\"sir\" \"bool stratify\" false", 12 + 14.4, 0}, {"\"mis\" \"bool stratify\" true", 12 + 14.4, 8.3}};
+    write_pfm_head(DIR "/map.pfm", 2048, 1024);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char before[256];
+        snprintf(before, sizeof before, "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1 Integrator %s", cases[i].integrator);
+        bis_memory m = foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\" Shape \"sphere\"");
+        assert_bytes(m.map, 2048 * 1024 * cases[i].a_pixel);
+        const double least = 14e6 + m.map + 56 + 2048 * 1024 * cases[i].beside; /* and one pixel's pass, or the head of the file */
+        if (!(m.peak >= least && m.peak <= least + 100)) fail_msg("%s: %.10g bytes at the peak", cases[i].integrator, m.peak);
+        m = foreseen(before, "LightSource \"infinite\" \"string filename\" \"map.pfm\""); /* nothing is drawn without a surface */
+        assert_bytes(m.map, 2048 * 1024 * 12);
+    }
+    const bis_memory m = foreseen(SMALL, CONSTANT_LIGHT);
+    assert_true(m.map == 0);
+}
+
+/* A probe becomes a map of the width that the scene names, made even, or of the usual one. */
+static void a_probe_has_the_size_of_the_map_that_it_becomes(void **state)
+{
+    (void)state;
+    static const struct { const char *light; long width, height; bis_mapping mapping; } cases[] = {
+        {"\"string mapping\" \"angular\" \"integer width\" 100", 100, 50, BIS_MAPPING_ANGULAR},
+        {"\"string mapping\" \"angular\" \"integer width\" 101", 102, 51, BIS_MAPPING_ANGULAR},
+        {"\"string mapping\" \"equalarea\" \"integer width\" 64", 64, 32, BIS_MAPPING_EQUALAREA},
+        {"\"string mapping\" \"latlong\"", 60, 60, BIS_MAPPING_LATLONG}, {"\"integer width\" 64", 64, 32, BIS_MAPPING_EQUALAREA}};
+    write_pfm_head(DIR "/probe.pfm", 60, 60);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char world[256];
+        snprintf(world, sizeof world, "LightSource \"infinite\" \"string filename\" \"probe.pfm\" %s", cases[i].light);
+        const bis_memory m = foreseen(SMALL, world);
+        assert_bytes(m.map, 12.0 * (double)(cases[i].width * cases[i].height));
+        bis_scene_desc *d;
+        long width = 0, height = 0;
+        bis_mapping mapping;
+        assert_int_equal(bis_scene_parse(&d, DIR "/scene.txt", NULL), BIS_OK);
+        assert_true(bis_memory_map_size(&d->light, &width, &height, &mapping));
+        assert_true(width == cases[i].width && height == cases[i].height && mapping == cases[i].mapping);
+        bis_scene_desc_free(d);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(meshes_take_their_arrays_for_each_shape),
+        cmocka_unit_test(a_file_that_tells_nothing_is_guessed_by_its_length),
+        cmocka_unit_test(every_texture_file_counts_once),
+        cmocka_unit_test(a_film_takes_its_pixels_in_the_crop),
+        cmocka_unit_test(a_map_takes_what_its_integrator_needs),
+        cmocka_unit_test(a_probe_has_the_size_of_the_map_that_it_becomes),
         cmocka_unit_test(a_large_picture_takes_what_was_foretold),
         cmocka_unit_test(a_large_map_takes_what_was_foretold),
         cmocka_unit_test(a_large_mesh_takes_what_was_foretold),

@@ -311,6 +311,7 @@ static void the_variance_of_three_pixels_is_that_by_hand(void **state)
     for (int n = 0; n < 2; n++) {
         for (int k = 0; k < 3; k++) see(&p, i, pixel[k], x[k][n]);
         see(&p, i, pixel[2] + 1, 1000.0 * n); /* shows no surface: it does not count */
+        see(&p, i, MOST_PIXELS - 1, 7);
     }
     r.tried[i].replicates = 2;
     p.trials[i].seconds = 3;
@@ -318,9 +319,32 @@ static void the_variance_of_three_pixels_is_that_by_hand(void **state)
     p.scale = 5;
     bis_auto_pilot_measure(&p);
     assert_close(r.tried[i].variance, 2 * (2 / (25 + floor) + 2 * 8 / (100 + floor)) / 3);
-    for (int k = 0; k < 3; k++) assert_close(p.picture[3 * pixel[k] + 1], (x[k][0] + x[k][1]) / 2);
+    for (int k = 0; k < 9; k++) assert_close(p.picture[3 * pixel[k / 3] + (size_t)k % 3], (x[k / 3][0] + x[k / 3][1]) / 2);
+    for (int k = 1; k <= 3; k++) assert_close(p.picture[3 * MOST_PIXELS - k], 7); /* the picture's last pixel */
     assert_close(r.tried[i].cost, (3 - 1) * 5 / 2.0);
     assert_close(r.tried[i].fill, 0.5);
+    bis_auto_pilot_clear(&p);
+}
+
+/* One pixel alone, whose channels have the means 2, 5, 10 and the scatters 2, 2, 8: all three count, in the mean and in the
+ * floor, m = 17/3. */
+static void the_variance_of_one_pixel_is_that_of_its_channels(void **state)
+{
+    (void)state;
+    const double x[3][2] = {{1, 3}, {4, 6}, {8, 12}}, floor = 289 / 900.0;
+    bis_auto_pilot p;
+    bis_auto_report r;
+    make_pilot(&p, &r, 1, 2);
+    const int i = add_trial(&p);
+    for (int k = 0; k < 3; k++)
+        for (int n = 0; n < 2; n++) {
+            p.trials[i].sum[k] += x[k][n];
+            p.trials[i].squares[k] += x[k][n] * x[k][n];
+        }
+    r.tried[i].replicates = 2;
+    bis_auto_pilot_measure(&p);
+    assert_close(r.tried[i].variance, 2 * (2 / (4 + floor) + 2 / (25 + floor) + 8 / (100 + floor)) / 3);
+    for (int k = 0; k < 3; k++) assert_close(p.picture[k], (x[k][0] + x[k][1]) / 2);
     bis_auto_pilot_clear(&p);
 }
 
@@ -545,6 +569,7 @@ int main(void)
         cmocka_unit_test(the_fit_is_to_all_that_was_tried),
         cmocka_unit_test(what_may_hide_a_quarter_must_win_by_more),
         cmocka_unit_test(the_variance_of_three_pixels_is_that_by_hand),
+        cmocka_unit_test(the_variance_of_one_pixel_is_that_of_its_channels),
         cmocka_unit_test(a_cell_is_the_mean_of_its_pixels),
         cmocka_unit_test(variances_and_weights_follow_from_each_other),
         cmocka_unit_test(costs_are_what_the_clock_says_by_hand),

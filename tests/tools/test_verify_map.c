@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-static double alpha(void) { return stat_level(1e-3, 66); }
+static double alpha(void) { return stat_level(1e-3, 66 + 16); }
 
 static void upside_down(bis_envmap *to, const bis_envmap *from)
 {
@@ -118,6 +118,47 @@ static vec3 in_pixel(const bis_envmap *em, size_t pixel, double u1, double u2)
     return bis_envmap_direction(em, (int)(pixel % (size_t)em->width), (int)(pixel / (size_t)em->width), u1, u2);
 }
 
+/* Pixels are drawn with given probabilities, and uniformly inside. */
+typedef struct by_pmf {
+    const bis_envmap *em;
+    const double *pmf;
+} by_pmf;
+
+static vec3 in_pixel(const bis_envmap *em, size_t pixel, double u1, double u2);
+
+static bool draw_by_pmf(const void *self, bis_rng *rng, bis_map_sample *s)
+{
+    const by_pmf *d = self;
+    double u = bis_rng_double(rng);
+    *s = (bis_map_sample){0};
+    while (s->pixel + 1 < map_n(d->em) && u >= d->pmf[s->pixel]) u -= d->pmf[s->pixel++];
+    const double u1 = bis_rng_double(rng);
+    s->w_local = in_pixel(d->em, s->pixel, u1, bis_rng_double(rng));
+    return true;
+}
+
+/* 65536 draws; a group of pixels has at least 80 / 65536 = 0.00122 of them, so that each of its 16 places expects 5. One
+ * group: 15 degrees of freedom; two: 31; a last pixel with less joins its neighbour. */
+static void neighbours_share_a_group_until_each_place_expects_five(void **state)
+{
+    (void)state;
+    static const struct { int width; double pmf[4]; double groups; } cases[] = {
+        {2, {0.001, 0.999}, 1}, {2, {0.0013, 0.9987}, 2}, {2, {0.999, 0.001}, 1}, {3, {0.0007, 0.0007, 0.9986}, 2},
+        {3, {0.5, 0.0011, 0.4989}, 2}, {4, {0.25, 0.25, 0.25, 0.25}, 4}, {4, {0.0004, 0.0004, 0.0003, 0.9989}, 1}, {1, {1}, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_envmap em = map_new(cases[i].width, 1);
+        const by_pmf self = {&em, cases[i].pmf};
+        const bis_verify_sampler sampler = {"by pmf", draw_by_pmf, &self};
+        bis_verify v = {.seed = 4};
+        assert_int_equal(bis_verify_draws(&v, &sampler, &em, cases[i].pmf, NULL), BIS_OK);
+        assert_int_equal(v.n, 2);
+        assert_string_equal(v.tests[1].name, "by pmf: draws in 4 x 4 cells inside pixels");
+        if (v.tests[1].dof != 16 * cases[i].groups - 1) fail_msg("case %zu: %g degrees of freedom", i, v.tests[1].dof);
+        verify_assert_accepted(&v, alpha());
+        bis_envmap_clear(&em);
+    }
+}
+
 static bool draw_next_column(const void *self, bis_rng *rng, bis_map_sample *s)
 {
     const bis_envmap *em = ((const wrong_sampler *)self)->em;
@@ -203,6 +244,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(right_maps_pass),
         cmocka_unit_test(odd_maps_pass),
+        cmocka_unit_test(neighbours_share_a_group_until_each_place_expects_five),
         cmocka_unit_test(wrong_solid_angles_are_rejected),
         cmocka_unit_test(an_importance_of_another_map_is_rejected),
         cmocka_unit_test(wrong_samplers_of_a_map_are_rejected),

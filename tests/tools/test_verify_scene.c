@@ -9,11 +9,12 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
 
-static double alpha(void) { return stat_level(1e-3, 113); }
+static double alpha(void) { return stat_level(1e-3, 254); }
 
 static void the_command_verifies_maps_and_scenes(void **state)
 {
@@ -61,6 +62,114 @@ static void a_pixel_is_looked_at_once(void **state)
     verify_assert_accepted(&v, alpha());
 }
 
+/* ---- which tests a scene gets, by hand ---- */
+
+static void run_text(bis_verify *v, const char *options, const char *world)
+{
+    static char text[8192];
+    snprintf(text, sizeof text, "%s\nWorldBegin\n%s\n", options, world);
+    program_write_file(VERIFY_DIR "/hand.txt", text);
+    verify_run_file(v, VERIFY_DIR "/hand.txt");
+}
+
+static bool has_skip(const bis_verify *v, const char *group, const char *name, const char *why)
+{
+    for (size_t i = 0; i < v->n; i++) {
+        const bis_verify_test *t = &v->tests[i];
+        if (strcmp(t->group, group) == 0 && strcmp(t->name, name) == 0)
+            return t->verdict == BIS_VERDICT_SKIPPED && strcmp(t->note, why) == 0;
+    }
+    return false;
+}
+
+static size_t count(const bis_verify *v, const char *group, const char *begin)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < v->n; i++)
+        n += strcmp(v->tests[i].group, group) == 0 && strncmp(v->tests[i].name, begin, strlen(begin)) == 0;
+    return n;
+}
+
+#define MAP_LIGHT "LightSource \"infinite\" \"string filename\" \"map.pfm\" "
+#define PHONG(Kd, Ks, n) "Material \"phong\" \"float Kd\" " Kd " \"float Ks\" " Ks " \"float exponent\" " n " "
+
+static void what_a_scene_lacks_is_skipped_and_says_why(void **state)
+{
+    (void)state;
+    bis_verify v = {.seed = 1, .halvings = 5};
+    run_text(&v, verify_one_pixel, MAP_LIGHT);
+    assert_int_equal(count(&v, "map", ""), 14);
+    assert_int_equal(count(&v, "materials", ""), 0);
+    assert_true(has_skip(&v, "view", "all integrators", "there is no geometry"));
+    assert_true(has_skip(&v, "accelerators", "grid and embree", "there is no geometry"));
+    assert_int_equal(v.n, 16);
+    verify_assert_accepted(&v, alpha());
+
+    v = (bis_verify){.seed = 1, .halvings = 5};
+    run_text(&v, verify_one_pixel, "LightSource \"infinite\" \"rgb L\" [0 0 0] Shape \"sphere\"");
+    assert_true(has_skip(&v, "map", "alias, cdf, curve", "the light is a constant, there is no map"));
+    assert_true(has_skip(&v, "view", "all integrators", "there is no light"));
+    assert_int_equal(count(&v, "accelerators", ""), 1);
+    verify_assert_accepted(&v, alpha());
+
+    v = (bis_verify){.seed = 1, .halvings = 5};
+    run_text(&v, verify_one_pixel, "LightSource \"infinite\" Translate 50 0 0 Shape \"sphere\"");
+    assert_true(has_skip(&v, "view", "all integrators", "no pixel was found that sees a surface in the light"));
+    verify_assert_accepted(&v, alpha());
+}
+
+/* Each material once, at four angles; what is black or too narrow is left out, and what is beyond the 24th. Of 0.25 and its
+ * like all angles have equally many tests. */
+static void every_material_is_looked_at_once(void **state)
+{
+    (void)state;
+    static char world[8192] = MAP_LIGHT "Translate 50 0 0 "; /* out of view */
+    bis_verify v = {.seed = 2, .halvings = 5};
+    strcat(world, PHONG("0.25", "0.25", "7") "Shape \"sphere\" " PHONG("0.25", "0.25", "8") "Shape \"sphere\" Shape \"disk\" " PHONG("0.25", "0.25", "7") "Shape \"sphere\" "
+                  PHONG("0", "0", "7") "Shape \"sphere\" " PHONG("0.25", "0.25", "1e9") "Shape \"sphere\" " PHONG("0.5", "0.25", "7") "Shape \"sphere\" "
+                  PHONG("0.25", "0.5", "7") "Shape \"sphere\" ");
+    run_text(&v, verify_one_pixel, world);
+    assert_true(has_skip(&v, "materials", "3", "it is black: nothing is drawn"));
+    assert_true(has_skip(&v, "materials", "4, n 1e+09", "unit vectors in float cannot resolve exponents beyond 1e8"));
+    static const char *const names[] = {"1, n 7, 0 degrees", "1, n 7, 45 degrees", "1, n 7, 75 degrees", "1, n 7, 89 degrees", "2, n 8, 0 degrees",
+                                        "2, n 8, 89 degrees", "5, n 7, 45 degrees", "6, n 7, 75 degrees"};
+    const size_t each = count(&v, "materials", names[0]);
+    assert_true(each >= 3);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) assert_int_equal(count(&v, "materials", names[i]), each);
+    assert_int_equal(count(&v, "materials", ""), 4 * 4 * each + 2);
+    verify_assert_accepted(&v, alpha());
+
+    strcpy(world, MAP_LIGHT "Translate 50 0 0 " PHONG("0", "0", "7") "Shape \"sphere\" ");
+    for (int i = 1; i < 24; i++) snprintf(world + strlen(world), 256, PHONG("0.25", "0.25", "1e%d") "Shape \"sphere\" ", 8 + i);
+    v = (bis_verify){.seed = 2, .halvings = 5};
+    run_text(&v, verify_one_pixel, world);
+    assert_int_equal(count(&v, "materials", ""), 24);
+    assert_true(has_skip(&v, "materials", "24, n 1e+31", "unit vectors in float cannot resolve exponents beyond 1e8"));
+    verify_assert_accepted(&v, alpha());
+    strcat(world, PHONG("0.25", "0.25", "2e30") "Shape \"sphere\" ");
+    v = (bis_verify){.seed = 2, .halvings = 5};
+    run_text(&v, verify_one_pixel, world);
+    assert_int_equal(count(&v, "materials", ""), 25);
+    assert_true(has_skip(&v, "materials", "25 and on", "too many: only the first are looked at"));
+    verify_assert_accepted(&v, alpha());
+}
+
+/* Points k of R2: u = frac(1/2 + k 0.754877666), w = frac(1/2 + k 0.569840291): (0.5, 0.5), (0.25488, 0.06984),
+ * (0.00976, 0.63968). They fall into columns 10 to 29 and rows 10 to 19 of the crop. */
+static void pixels_of_the_lattice_lie_in_the_crop(void **state)
+{
+    (void)state;
+    bis_verify v = {.seed = 3, .halvings = 1}; /* three pixels are wanted */
+    run_text(&v, "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 20 \"float cropwindow\" [0.25 0.75 0.5 1] Integrator \"brdf\"",
+             MAP_LIGHT "Material \"diffuse\" Translate 0 0 3 Shape \"disk\" \"float radius\" 1000");
+    const size_t each = count(&v, "view", "pixel (20, 15): ");
+    assert_true(each >= 3);
+    assert_int_equal(count(&v, "view", "pixel (15, 10): "), each);
+    assert_int_equal(count(&v, "view", "pixel (10, 16): "), each);
+    assert_int_equal(count(&v, "view", "pixel "), 3 * each);
+    verify_assert_accepted(&v, alpha());
+}
+
 static void our_own_files_pass(void **state)
 {
     (void)state;
@@ -77,6 +186,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_command_verifies_maps_and_scenes),
         cmocka_unit_test(a_pixel_is_looked_at_once),
+        cmocka_unit_test(what_a_scene_lacks_is_skipped_and_says_why),
+        cmocka_unit_test(every_material_is_looked_at_once),
+        cmocka_unit_test(pixels_of_the_lattice_lie_in_the_crop),
         cmocka_unit_test(our_own_files_pass),
     };
     return cmocka_run_group_tests_name("verify_scene", tests, NULL, NULL);
