@@ -79,7 +79,8 @@ struct bis_team {
 size_t bis_team_bytes(const bis_team *team)
 {
     const size_t n = (size_t)team->w->n_tiles, size = (size_t)team->crew->size;
-    return sizeof *team + n * (2 * sizeof(double) + 4 * sizeof(int)) + size * ((4 + BUCKETS) * sizeof(int) + sizeof(double));
+    const size_t tile = 2 * sizeof(double) + 4 * sizeof(int), rank = (4 + BUCKETS) * sizeof(int) + sizeof(double);
+    return sizeof *team + n * tile + size * rank;
 }
 
 /* What a tile has learned or counted. */
