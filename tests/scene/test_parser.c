@@ -637,7 +637,7 @@ static void a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no
 /* Any one of the 32 numbers of a transformation and its inverse may be the bad one. */
 static void a_transformation_with_one_infinite_number_is_not_usable(void **state)
 {
-    static const double bad[] = {HUGE_VAL, -HUGE_VAL, NAN};
+    static const double bad[] = {HUGE_VAL, -HUGE_VAL, (double)NAN};
     (void)state;
     for (size_t k = 0; k < BIS_COUNT(bad); k++)
         for (int i = 0; i < 16; i++) {

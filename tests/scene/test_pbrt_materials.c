@@ -131,6 +131,14 @@ static void reflectances_may_be_spectra_files_or_xyz(void **state)
     material("Material \"diffuse\" \"spectrum reflectance\" [500 0 520 1 540 0]", "of RGB; it is cut off to [0, 1]");
     refuse("Material \"diffuse\" \"spectrum reflectance\" [500 0 400 1]", "must be one number, or pairs of a wavelength in nm");
     refuse("Material \"diffuse\" \"spectrum reflectance\" [500 0 600]", "must be one number, or pairs of a wavelength in nm");
+    for (int n = 3; n < 70; n += 2) { /* with the roughness before it their list is full at 15, 31 and 63 */
+        char odd[1024] = "Material \"conductor\" \"float roughness\" 0.5 \"spectrum k\" [400 1] \"spectrum eta\" [";
+        for (int i = 0; i < n; i++) snprintf(odd + strlen(odd), 16, "%d ", i % 2 ? 1 : 400 + i);
+        strcat(odd, "]");
+        refuse(odd, "must be one number, or pairs of a wavelength in nm");
+        memmove(strstr(odd, "\"spectrum k"), strstr(odd, "\"spectrum eta"), strlen(strstr(odd, "\"spectrum eta")) + 1);
+        refuse(odd, "must be one number, or pairs of a wavelength in nm");
+    }
     refuse("Material \"diffuse\" \"spectrum reflectance\" [500 -1]", "must be one number, or pairs of a wavelength in nm");
     refuse("Material \"diffuse\" \"spectrum reflectance\" \"no.spd\"", "cannot read");
     store(scratch("bad.spd"), "400 x", 5);
