@@ -22,11 +22,12 @@ void bis_parser_spectrum_clear(bis_parser_spectrum *s)
 /* Are n numbers pairs of ascending wavelengths and values >= 0? */
 static bool is_spectrum(const double *v, size_t n)
 {
+    if (n < 2 || n % 2) return false;
     for (size_t i = 0; i < n; i += 2) {
         if (!(v[i] > 0 && fabs(v[i]) <= (double)FLT_MAX && v[i + 1] >= 0 && v[i + 1] <= (double)FLT_MAX)) return false;
         if (i > 0 && v[i] <= v[i - 2]) return false;
     }
-    return n >= 2 && n % 2 == 0;
+    return true;
 }
 
 /* n numbers from v, or one that is the same everywhere. */

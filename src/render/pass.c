@@ -67,9 +67,9 @@ static void place_in_tile(int i, int *x, int *y)
 static bool is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
 
 /* What a pass takes of pixel (x, y): n camera samples, or in an edge pixel as many times edgesamples (64 x 1024 at
- * most), each of which then has a share of the light samples. Where errors are estimated each of the n has a seed of its
- * own, so that a pass of n samples has an n-th of the variance of one sample; with adaptive sampling the n of a pass
- * share a seed, because all passes weigh the same. */
+ * most), each of which then has a share of the light samples. Where errors are estimated each of the n has a seed of
+ * its own, so that a pass of n samples has an n-th of the variance of one sample; with adaptive sampling the n of a
+ * pass share a seed, because all passes weigh the same. */
 static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, uint32_t n, const bis_pass *pass,
                         bis_pixel_sum *sum)
 {

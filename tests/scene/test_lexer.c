@@ -73,6 +73,23 @@ static void columns_count_characters_and_not_bytes(void **state)
     done(&l, &diag, 0);
 }
 
+/* A byte order mark alone, and parts of one, which are letters. */
+static void a_mark_alone_is_an_empty_file(void **state)
+{
+    bis_lexer l;
+    bis_diag diag;
+    (void)state;
+    open_text(&l, &diag, "\xef\xbb\xbf", 3);
+    assert_token(&l, BIS_TOKEN_END, NULL, 1, 1);
+    done(&l, &diag, 0);
+    open_text(&l, &diag, "\xef\xbb", 2);
+    assert_token(&l, BIS_TOKEN_BAD, NULL, 1, 1);
+    done(&l, &diag, 1);
+    open_text(&l, &diag, "", 0);
+    assert_token(&l, BIS_TOKEN_END, NULL, 1, 1);
+    done(&l, &diag, 0);
+}
+
 static void dos_line_ends_and_a_byte_order_mark_are_white_space(void **state)
 {
     static const char text[] = "\xef\xbb\xbf" "a\r\n\r\n b # c\r\nd\r\n";
@@ -250,6 +267,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_token_has_its_line_and_column),
         cmocka_unit_test(columns_count_characters_and_not_bytes),
+        cmocka_unit_test(a_mark_alone_is_an_empty_file),
         cmocka_unit_test(dos_line_ends_and_a_byte_order_mark_are_white_space),
         cmocka_unit_test(numbers_are_read_in_every_form_that_pbrt_scenes_use),
         cmocka_unit_test(what_only_looks_like_a_number_is_refused_whole),

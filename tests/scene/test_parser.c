@@ -530,6 +530,34 @@ static void a_file_named_by_many_shapes_is_one_mesh(void **state)
     bis_scene_desc_free(d);
 }
 
+/* Read otherwise, a file is another mesh: as PLY or OBJ, smooth or not, in parts or whole. Each way comes twice. */
+static void a_file_that_is_read_in_other_ways_is_other_meshes(void **state)
+{
+    (void)state;
+    static const char *const ways[] = {"\"plymesh\"", "\"plymesh\" \"bool smooth\" true", "\"objmesh\"", "\"objmesh\" \"bool smooth\" true",
+                                       "\"objmesh\" \"bool materials\" true", "\"objmesh\" \"bool materials\" true \"bool smooth\" true"};
+    static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    char text[2048] = "";
+    store(scratch("m.obj"), obj, sizeof obj - 1);
+    store(scratch("n.obj"), obj, sizeof obj - 1);
+    for (int i = 0; i < 12; i++) {
+        const size_t n = strlen(text);
+        snprintf(text + n, sizeof text - n, "Shape %s \"string filename\" \"%s\"\n", ways[i % 6], strrchr(scratch("m.obj"), '/') + 1);
+    }
+    const size_t n = strlen(text);
+    snprintf(text + n, sizeof text - n, "Shape \"plymesh\" \"string filename\" \"%s\"", strrchr(scratch("n.obj"), '/') + 1);
+    bis_scene_desc *d = good_scene("", text);
+    assert_int_equal(d->n_shapes, 13);
+    assert_int_equal(d->n_meshes, 7);
+    for (size_t i = 0; i < 12; i++) {
+        const bis_mesh_desc *m = &d->meshes[d->shapes[i].mesh];
+        assert_int_equal(d->shapes[i].mesh, i % 6);
+        assert_true(m->kind == (i % 6 < 2 ? BIS_SHAPE_PLY : BIS_SHAPE_OBJ) && m->smooth == (i % 6 == 1 || i % 6 == 3 || i % 6 == 5) && m->has_parts == (i % 6 > 3));
+    }
+    assert_int_equal(d->shapes[12].mesh, 6);
+    bis_scene_desc_free(d);
+}
+
 static void a_named_material_may_be_used_before_it_is_made(void **state)
 {
     (void)state;
@@ -609,7 +637,7 @@ static void a_scene_in_pbrt_v3_and_in_v4_spelling_is_the_same_scene_and_gives_no
 /* Any one of the 32 numbers of a transformation and its inverse may be the bad one. */
 static void a_transformation_with_one_infinite_number_is_not_usable(void **state)
 {
-    static const double bad[] = {HUGE_VAL, -HUGE_VAL, NAN};
+    static const double bad[] = {HUGE_VAL, -HUGE_VAL, (double)NAN};
     (void)state;
     for (size_t k = 0; k < BIS_COUNT(bad); k++)
         for (int i = 0; i < 16; i++) {
@@ -839,6 +867,7 @@ int main(void)
         cmocka_unit_test(blocks_restore_what_they_saved),
         cmocka_unit_test(instances_put_their_transformation_before_the_objects),
         cmocka_unit_test(a_file_named_by_many_shapes_is_one_mesh),
+        cmocka_unit_test(a_file_that_is_read_in_other_ways_is_other_meshes),
         cmocka_unit_test(a_named_material_may_be_used_before_it_is_made),
         cmocka_unit_test(triangles_arrive_with_points_indices_and_normals),
         cmocka_unit_test(a_light_frame_may_be_rotated_and_mirrored_and_is_made_exactly_orthonormal),

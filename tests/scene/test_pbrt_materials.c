@@ -132,6 +132,14 @@ static void reflectances_may_be_spectra_files_or_xyz(void **state)
     material("Material \"diffuse\" \"spectrum reflectance\" [500 0 520 1 540 0]", "of RGB; it is cut off to [0, 1]");
     refuse("Material \"diffuse\" \"spectrum reflectance\" [500 0 400 1]", "must be one number, or pairs of a wavelength in nm");
     refuse("Material \"diffuse\" \"spectrum reflectance\" [500 0 600]", "must be one number, or pairs of a wavelength in nm");
+    for (int n = 3; n < 70; n += 2) { /* with the roughness before it their list is full at 15, 31 and 63 */
+        char odd[1024] = "Material \"conductor\" \"float roughness\" 0.5 \"spectrum k\" [400 1] \"spectrum eta\" [";
+        for (int i = 0; i < n; i++) snprintf(odd + strlen(odd), 16, "%d ", i % 2 ? 1 : 400 + i);
+        strcat(odd, "]");
+        refuse(odd, "must be one number, or pairs of a wavelength in nm");
+        memmove(strstr(odd, "\"spectrum k"), strstr(odd, "\"spectrum eta"), strlen(strstr(odd, "\"spectrum eta")) + 1);
+        refuse(odd, "must be one number, or pairs of a wavelength in nm");
+    }
     refuse("Material \"diffuse\" \"spectrum reflectance\" [500 -1]", "must be one number, or pairs of a wavelength in nm");
     refuse("Material \"diffuse\" \"spectrum reflectance\" \"no.spd\"", "cannot read");
     store(scratch("bad.spd"), "400 x", 5);
@@ -191,7 +199,15 @@ static void a_conductor_reflects_what_fresnel_says_head_on(void **state)
     refuse("Material \"conductor\" \"rgb reflectance\" [0.9 0.6 0.3] \"rgb eta\" [1 1 1]", "give \"reflectance\", or \"eta\" and \"k\"");
     refuse("Material \"conductor\" \"spectrum eta\" \"metal-CuZn-eta\" \"spectrum k\" \"metal-CuZn-k\"", "the metal of \"metal-CuZn-eta\" is not known; bis has Ag, Al, Au and Cu");
     refuse("Material \"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" \"metal-Au-k\"", "must be of one metal");
-    refuse("Material \"conductor\" \"rgb eta\" [1 1 1]", "give both \"eta\" and \"k\"");
+    static const char *const alone[] = {"rgb eta\" [1 1 1]", "rgb k\" [1 1 1]", "float eta\" 1", "float k\" 1", "spectrum eta\" [400 1 500 2]", "spectrum k\" [400 1 500 2]"};
+    for (size_t i = 0; i < sizeof alone / sizeof *alone; i++) {
+        snprintf(text, sizeof text, "Material \"conductor\" \"%s", alone[i]);
+        refuse(text, "give both \"eta\" and \"k\"");
+    }
+    /* of two that are there and bad, each is complained of, and nothing else */
+    parsed p = parse("Material \"conductor\" \"spectrum eta\" [500 -1] \"spectrum k\" [500 -2] \"float roughness\" 0.25");
+    assert_int_equal(p.diag.n, 2);
+    clear(&p);
 }
 
 /* Published colours of metals head on (S. Lagarde, "Feeding a physically based shading model", 2011, from the same

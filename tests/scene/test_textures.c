@@ -684,6 +684,22 @@ static void options_of_a_map_change_what_they_name_alone(void **state)
     }
 }
 
+/* t0: 3 steps, t1: 7, ..., t5: 127; a mix of t5, t5 and a constant has 256 with its own, and that is the most. */
+static void a_texture_of_256_steps_is_the_dearest(void **state)
+{
+    (void)state;
+    static char text[4096];
+    size_t n = (size_t)snprintf(text, sizeof text, LIGHT "Texture \"t0\" \"float\" \"checkerboard\"\n");
+    for (int k = 1; k <= 5; k++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "Texture \"t%d\" \"float\" \"checkerboard\" \"texture tex1\" \"t%d\" \"texture tex2\" \"t%d\"\n", k, k - 1, k - 1);
+    n += (size_t)snprintf(text + n, sizeof text - n, "Texture \"most\" \"float\" \"mix\" \"texture tex1\" \"t5\" \"texture tex2\" \"t5\" \"float amount\" 0.5\n");
+    built b = build("%s Shape \"sphere\"", text);
+    assert_int_equal(b.desc->textures.list[b.desc->textures.n - 1].steps, 256);
+    clear(&b);
+    snprintf(text + n, sizeof text - n, "Texture \"more\" \"float\" \"checkerboard\" \"texture tex1\" \"most\"\n");
+    expect_failure(text, ":8:1: error: a value of texture \"more\" is made of 257 others, must be at most 255");
+}
+
 static void a_bad_part_of_a_texture_is_one_complaint(void **state)
 {
     (void)state;
@@ -1144,6 +1160,7 @@ int main(void)
         cmocka_unit_test(numbers_of_a_library_are_checked),
         cmocka_unit_test(a_librarys_values_are_those_of_the_material),
         cmocka_unit_test(options_of_a_map_change_what_they_name_alone),
+        cmocka_unit_test(a_texture_of_256_steps_is_the_dearest),
         cmocka_unit_test(a_bad_part_of_a_texture_is_one_complaint),
         cmocka_unit_test(a_compressed_obj_brings_its_materials_too),
         cmocka_unit_test(mistakes_of_a_library_are_found_in_it),

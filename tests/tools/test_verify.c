@@ -37,6 +37,22 @@ static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **stat
     assert_near(v.tests[2].p, 0.0026998, 1e-6);
     assert_int_equal(v.n_failed, 3);
     assert_int_equal(v.n_skipped, 1);
+    /* (10^2 + 10^2)/100 and 0; (8 - 5)/1; nothing beyond the slack */
+    static const double statistic[] = {2, 2, 3, 0, (double)NAN, (double)NAN, 1};
+    static const bis_verdict verdict[] = {BIS_VERDICT_PASSED, BIS_VERDICT_FAILED, BIS_VERDICT_PASSED, BIS_VERDICT_PASSED,
+                                          BIS_VERDICT_FAILED, BIS_VERDICT_FAILED, BIS_VERDICT_PASSED, BIS_VERDICT_SKIPPED};
+    static const char *const note[] = {"chi-square, 2 degrees of freedom", "chi-square; 1 draws fell where nothing can be drawn", "z",
+                                       "z; equal up to rounding and quadrature", "not a number", "", "", "because"};
+    assert_int_equal(v.n, 8);
+    for (size_t i = 0; i < 8; i++) {
+        const bis_verify_test *t = &v.tests[i];
+        assert_string_equal(t->group, "g");
+        if (i != 1 && i < 7 && !(isnan(statistic[i]) ? isnan(t->statistic) : fabs(t->statistic - statistic[i]) < 1e-9)) fail_msg("%s: statistic %g", t->name, t->statistic);
+        if (t->verdict != verdict[i]) fail_msg("%s: verdict %d", t->name, (int)t->verdict);
+        if (i != 4) assert_string_equal(t->note, note[i]);
+        if (!isnan(t->p)) assert_true(t->threshold == v.threshold);
+    }
+    assert_true(v.tests[0].dof == 2 && v.tests[2].dof == 1e9 - 1 && isnan(v.tests[5].p) && isnan(v.tests[6].p));
     assert_string_equal(v.tests[7].name, "skipped 1");
     bis_verify_clear(&v);
 }
