@@ -14,13 +14,13 @@ static inline uint32_t bis_edges_samples(int kind, uint32_t edge_samples)
     return kind == BIS_EDGE_NONE ? 1 : kind == BIS_EDGE_TURN ? (edge_samples + 1) / 2 : edge_samples;
 }
 
-/* bis_edges_turns returns turns[n_materials], to be freed: for each material the cosine of the angle between two normals
- * of a pixel from which on it is a BIS_EDGE_TURN. With textures, it is that of the values that they replace. NULL: no
- * memory. */
+/* bis_edges_turns returns turns[n_materials], to be freed: for each material the cosine of the angle between two
+ * normals of a pixel from which on it is a BIS_EDGE_TURN. With textures, it is that of the values that they replace.
+ * NULL: no memory. */
 double *bis_edges_turns(const bis_scene_desc *desc);
 
-/* Two bits a pixel of an area (pixels of the film's full picture), tile by tile: a tile has bytes of its own, so threads
- * may look at different tiles. */
+/* Two bits a pixel of an area (pixels of the film's full picture), tile by tile: a tile has bytes of its own, so
+ * threads may look at different tiles. */
 
 /* bis_edges_bytes returns the bytes of an area. */
 size_t bis_edges_bytes(bis_rect area);
@@ -41,8 +41,8 @@ static inline int bis_edges_kind(const unsigned char *edge, bis_rect area, int x
     return edge[place / 4] >> 2 * (place % 4) & 3;
 }
 
-/* bis_edges_find sets the bits of the pixels of rect, a part of the area, which must be 0; those of other pixels stay as
- * they are. turns are those of bis_edges_turns. It traces one ray a pixel, four with a thin film. False: no
+/* bis_edges_find sets the bits of the pixels of rect, a part of the area, which must be 0; those of other pixels stay
+ * as they are. turns are those of bis_edges_turns. It traces one ray a pixel, four with a thin film. False: no
  * memory. */
 bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis_film *film, const bis_scene *scene,
                     const bis_view *view, const double *turns, int n_threads);

@@ -173,9 +173,10 @@ static bool find_edges_of(bis_workspace *w, const int *tiles, int n, const doubl
     bool good = true;
 
 #pragma omp parallel for schedule(dynamic) num_threads(w->n_threads) reduction(&& : good)
-    for (int i = 0; i < n; i++)
-        good = bis_edges_find(w->edge, w->area, bis_workspace_tile(w, tiles[i]), w->film, w->scene, w->view, turns, 1) &&
-               good;
+    for (int i = 0; i < n; i++) {
+        const bis_rect tile = bis_workspace_tile(w, tiles[i]);
+        good = bis_edges_find(w->edge, w->area, tile, w->film, w->scene, w->view, turns, 1) && good;
+    }
     return good;
 }
 

@@ -704,7 +704,7 @@ static void a_bad_part_of_a_texture_is_one_complaint(void **state)
 {
     (void)state;
     static const char *const textures[] = {
-        "\"checkerboard\" \"float tex1\" -1", "\"checkerboard\" \"float tex2\" -1", "\"checkerboard\" \"string mapping\" \"spherical\"",
+        "\"checkerboard\" \"float tex1\" -1", "\"checkerboard\" \"float tex2\" -1", "\"checkerboard\" \"string mapping\" \"conical\"",
         "\"scale\" \"float tex1\" -1", "\"scale\" \"float tex2\" -1", "\"scale\" \"float tex\" -1", "\"scale\" \"float scale\" -1",
         "\"mix\" \"float tex1\" -1", "\"mix\" \"float tex2\" -1", "\"mix\" \"float amount\" 2"};
     for (size_t i = 0; i < sizeof textures / sizeof *textures; i++) {

@@ -384,8 +384,8 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
         "skip         light components: there is no geometry to light\n"
         "geometry     0 shapes with instances: 0 of meshes, 0 spheres and disks\nmaterials    0 in use\n"
         "skip         accelerator: there is no geometry\nbuild        film: about 864.0 MB\nskip         layers: none is asked for\n"
-        /* 12 million pixels of 72 1/8 bytes; 18 million texels of 12 */
-        "memory       about 1095.5 MB at the peak: film 865.5 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n";
+        /* 12 million pixels of 72 1/4 bytes; 18 million texels of 12 */
+        "memory       about 1097.0 MB at the peak: film 867.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n";
     strncat(expected, none, sizeof expected - 1 - strlen(expected));
     assert_plan(scene, expected);
 
