@@ -205,30 +205,6 @@ static void a_short_render_tries_a_short_list(void **state)
     clear_world(&w);
 }
 
-static uint32_t rays_of_the_short_list(const world *w)
-{
-    const bis_render_options options = {.n_threads = 1};
-    bis_auto_report r;
-    uint32_t rays = 0;
-
-    choose(&r, w, &options);
-    for (int i = 0; i < r.n_tried; i++)
-        if (r.tried[i].settings.proposal == BIS_PROPOSAL_PRODUCT) rays = r.tried[i].settings.shadowrays;
-    return rays;
-}
-
-static void narrow_lobes_alone_get_half_the_rays_of_the_short_list(void **state)
-{
-    (void)state;
-    world w;
-    make_auto_world(&w);
-    w.materials[0] = w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){1, 1, 1}, 50);
-    assert_int_equal(rays_of_the_short_list(&w), 12);
-    w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){1, 1, 1}, 10);
-    assert_int_equal(rays_of_the_short_list(&w), 24);
-    clear_world(&w);
-}
-
 static void diffuse_surfaces_let_em_take_part(void **state)
 {
     (void)state;
@@ -434,21 +410,6 @@ static void every_failing_allocation_of_the_pilot_is_reported(void **state)
     clear_world(&w);
 }
 
-/* Of a lobe (n + 1)/(2 pi) cos^n about a direction well above the horizon: int p^2 = (n + 1)^2/(2 pi (2 n + 1)); with the
- * cosine of Phong's f cos near 1/sqrt 2 all over it. A Lambertian has 2/(3 pi). */
-static void the_narrowness_of_a_lobe_is_that_of_its_formula(void **state)
-{
-    (void)state;
-    const bis_material diffuse = bis_phong((rgb){0.5f, 0.2f, 0.5f}, (rgb){0, 0, 0}, 7);
-    assert_true(fabs(bis_auto_narrowness(&diffuse) / (2 / (3 * PI)) - 1) < 0.02);
-    for (double n = 200; n < 1e6; n *= 10) {
-        const bis_material m = bis_phong((rgb){0, 0, 0}, (rgb){0.5f, 0.5f, 0.5f}, n);
-        assert_true(fabs(bis_auto_narrowness(&m) / ((n + 1) * (n + 1) / (2 * PI * (2 * n + 1))) - 1) < 0.05);
-    }
-    const bis_material black = bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 1);
-    assert_true(bis_auto_narrowness(&black) == 0);
-}
-
 /* Choose by that clock. */
 static void choose_by_work(bis_auto_report *r, world *w, const bis_render_options *options)
 {
@@ -639,7 +600,6 @@ int main(void)
         cmocka_unit_test(at_the_best_candidates_have_the_same_share_of_time_and_of_variance),
         cmocka_unit_test(what_is_chosen_was_measured_and_no_other_was_better),
         cmocka_unit_test(a_short_render_tries_a_short_list),
-        cmocka_unit_test(narrow_lobes_alone_get_half_the_rays_of_the_short_list),
         cmocka_unit_test(diffuse_surfaces_let_em_take_part),
         cmocka_unit_test(among_sirs_settings_alone_nothing_else_is_tried),
         cmocka_unit_test(a_fixed_integrator_is_left_as_it_is),
@@ -649,7 +609,6 @@ int main(void)
         cmocka_unit_test(without_noise_the_cheapest_is_chosen),
         cmocka_unit_test(a_thin_crop_is_chosen_for_too),
         cmocka_unit_test(every_failing_allocation_of_the_pilot_is_reported),
-        cmocka_unit_test(the_narrowness_of_a_lobe_is_that_of_its_formula),
         cmocka_unit_test(the_same_work_is_the_same_choice_and_a_pass_costs_its_rays),
         cmocka_unit_test(a_footprint_of_nearly_nothing_is_the_centre_of_the_pixel),
         cmocka_unit_test(the_line_in_the_picture_makes_the_picture_again),

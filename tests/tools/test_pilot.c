@@ -156,7 +156,7 @@ static void the_lists_of_a_pilot_are_those_by_hand(void **state)
     w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
     assert_tries(&w, 0.1, short_diffuse, 4);
     assert_tries(&w, 1000, diffuse, 11);
-    w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.9f, 0.9f}, 5000); /* em is for diffuse surfaces alone, and the floor is not narrow */
+    w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.9f, 0.9f}, 5000); /* em is for diffuse surfaces alone */
     assert_tries(&w, 0.1, short_list, 3);
     bis_light *const map = w.scene.light;
     assert_int_equal(bis_light_constant(&w.scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);

@@ -144,50 +144,13 @@ static bis_status try(bis_auto_pilot *p, int f, uint32_t M, uint32_t N, int want
     return bis_auto_pilot_add(p, f, &s, wanted, diag);
 }
 
-double bis_auto_narrowness(const bis_material *m)
-{
-    enum { N = 256 };
-    const vec3 n = {0, 0, 1}, wo = vec3_from(sqrt(0.5), 0, sqrt(0.5));
-    double sum = 0, squares = 0;
-    bis_bsdf b;
-
-    bis_bsdf_init(&b, m, n, wo);
-    if (bis_bsdf_is_black(&b)) return 0;
-    for (int i = 0; i < N; i++) { /* Kronecker's sequence: even in three dimensions (Roberts 2018) */
-        const double u0 = fmod(0.5 + i * 0.8191725133961645, 1), u1 = fmod(0.5 + i * 0.6710436067037893, 1),
-                     u2 = fmod(0.5 + i * 0.5497004779019703, 1);
-        double pdf;
-        vec3 wi;
-        if (!bis_bsdf_sample(&b, u0, u1, u2, &wi)) continue;
-        const double cosine = bis_bsdf_cos(&b, wi), p = rgb_sum(bis_bsdf_f_pdf(&b, wi, &pdf)) * cosine;
-        if (!(cosine > 0 && pdf > 0)) continue;
-        sum += p / pdf;
-        squares += p * p / pdf;
-    }
-    return sum > 0 ? N * squares / (sum * sum) : 0;
-}
-
-/* Lobes of less than half a steradian (phong: n > 24) see so little of the map that half as many rays tell what hides
- * it: in an earlier version, with n = 50 under Grace Cathedral, 64/16 took 1.42 times as long as the best setting, 64/8
- * 1.22 times. So short a pilot could not tell. */
-static bool is_narrow(const bis_scene_desc *d)
-{
-    const double least_narrowness = 2;
-
-    for (size_t i = 0; i < d->n_shapes; i++)
-        if (bis_auto_narrowness(&d->materials[d->shapes[i].material]) < least_narrowness) return false;
-    return true;
-}
-
 static bis_status try_first(bis_auto_pilot *p, bis_diag *diag)
 {
-    const bool narrow = p->is_quick && is_narrow(p->desc);
     bis_status status = BIS_OK;
 
     for (int f = 0; f < N_FAMILIES; f++) {
         if (!is_safe(p, f)) continue;
-        const uint32_t quick_N = families[f].quick.N / (narrow && families[f].proposal == BIS_PROPOSAL_PRODUCT ? 2 : 1);
-        if (p->is_quick && !status) status = try(p, f, families[f].quick.M, quick_N, REPLICATES, diag);
+        if (p->is_quick && !status) status = try(p, f, families[f].quick.M, families[f].quick.N, REPLICATES, diag);
         for (int k = 0; !p->is_quick && k < 4 && families[f].first[k].N && !status; k++) {
             status = try(p, f, families[f].first[k].M, families[f].first[k].N, REPLICATES, diag);
         }

@@ -34,11 +34,6 @@ double bis_auto_cost_of(const bis_auto_report *r, int i);
 /* bis_auto_is_wanted returns whether the choice is left to the program. */
 bool bis_auto_is_wanted(const bis_settings *s);
 
-/* bis_auto_narrowness returns how narrowly a material reflects, seen at 45 degrees under a uniform sky: 1/Omega, Omega
- * = (int p)^2 / int p^2 with p = f cos. For a lobe of constant p, Omega is its solid angle in steradians. A black
- * material has 0. */
-double bis_auto_narrowness(const bis_material *m);
-
 /* bis_auto_choose chooses the settings to render desc with: *report receives them, or desc->view.settings where these
  * leave nothing open. scene is built for desc; options are those of the render to come: budget, threads, interrupted.
  * The pilot has other random numbers than the render. What it chooses does not depend on the render's, so an unbiased
