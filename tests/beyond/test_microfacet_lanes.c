@@ -284,6 +284,26 @@ static void below_the_horizon_weights_are_0_and_nothing_is_ever_nan(void **state
     free_lanes(&l);
 }
 
+/* Light of 4e-39 in all, below the smallest normal float: three quarters of it red, one green. The same share of a light
+ * that is 2^120 times brighter. */
+static void the_shares_of_the_faintest_light_are_right(void **state)
+{
+    (void)state;
+    const bis_lanes l = new_lanes(16);
+    const bis_material m = bis_microfacet(grey(0.5), grey(0), 0.3);
+    bis_bsdf b;
+    bis_bsdf_init(&b, &m, (vec3){0, 0, 1}, (vec3){0, 0, 1});
+    for (uint32_t i = 0; i < 16; i++) {
+        const float bright = i % 2 ? 0x1p120f : 1;
+        l.x[i] = 0.6f, l.y[i] = 0, l.z[i] = 0.8f;
+        l.r[i] = 3e-39f * bright, l.g[i] = 1e-39f * bright, l.b[i] = 0;
+    }
+    bis_microfacet_lanes.colour(&b, &l, 16);
+    for (int i = 0; i < 16; i++)
+        assert_true(fabs((double)l.r[i] - 0.75) < 1e-4 && fabs((double)l.g[i] - 0.25) < 1e-4 && l.b[i] == 0);
+    free_lanes(&l);
+}
+
 /* ---- bounds over cones ---- */
 
 static void put_cone(const bis_lanes *l, float *sine, uint32_t i, double half, bis_rng *r, const bis_bsdf *b)
@@ -769,6 +789,7 @@ int main(void)
         cmocka_unit_test(weights_are_those_of_microfacets_within_the_stated_error),
         cmocka_unit_test(an_alpha_or_a_direction_that_is_off_is_found),
         cmocka_unit_test(below_the_horizon_weights_are_0_and_nothing_is_ever_nan),
+        cmocka_unit_test(the_shares_of_the_faintest_light_are_right),
         cmocka_unit_test(what_reaches_a_cone_is_bounded_above_all_its_directions),
         cmocka_unit_test(a_cone_of_one_direction_is_bounded_by_its_f_cos),
         cmocka_unit_test(colours_are_F_over_phat_and_sum_to_1),

@@ -229,6 +229,13 @@ static void an_address_is_a_host_and_a_port(void **state)
                                       "localhost:-1", "::1:80", "localhost:0000080"};
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) assert_true(bis_display_is_address(good[i]));
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(bis_display_is_address(bad[i]));
+    char longest[258]; /* 255 characters and no more */
+    memset(longest, 'a', sizeof longest);
+    snprintf(longest + 253, 4, ":1");
+    assert_true(bis_display_is_address(longest));
+    longest[253] = 'a';
+    snprintf(longest + 254, 4, ":1");
+    assert_false(bis_display_is_address(longest));
     program_run r;
     program_expect(&r, 2, SCENE " --display nowhere");
     assert_string_equal(r.messages, "bis: error: --display is \"nowhere\", must be HOST:PORT with a port in [1, 65535], as in localhost:14158\n");
