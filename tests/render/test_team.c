@@ -265,6 +265,16 @@ static void as_a_rule_only_pixels_travel(void **state)
     clear_world(&w);
 }
 
+/* A world that learns, what one process makes of it, and no checkpoint yet. */
+static void begin_afresh(world *w, bis_film *one, bis_render_result *result)
+{
+    job j = {.w = w, .options = {.budget = {.spp = spp}, .n_threads = 1}, .film = one, .result = result};
+
+    make_learning_world(w);
+    unlink(STATE);
+    assert_int_equal(render_one(one, result, &j, NULL), BIS_OK);
+}
+
 /* 3 ranks, one process, 5 ranks; each goes on from the checkpoint of the one before, and the slow one loses tiles. */
 static void a_checkpoint_has_what_all_have_learned(void **state)
 {
@@ -278,10 +288,7 @@ static void a_checkpoint_has_what_all_have_learned(void **state)
     bis_render_result result_one, result;
     job j;
 
-    make_learning_world(&w);
-    unlink(STATE);
-    j = (job){.w = &w, .options = {.budget = {.spp = spp}, .n_threads = 1}, .film = &one, .result = &result_one};
-    assert_int_equal(render_one(&one, &result_one, &j, NULL), BIS_OK);
+    begin_afresh(&w, &one, &result_one);
     for (size_t i = 0; i < sizeof runs / sizeof *runs; i++) {
         bis_checkpoint c = {.path = STATE, .every = i == 0 ? 0 : 1e9}; /* after each pass, or at the end */
         if (i > 0) assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);
@@ -309,10 +316,7 @@ static void a_pass_that_is_given_up_is_not_learned_from(void **state)
     bis_render_result result_one, result;
     job j;
 
-    make_learning_world(&w);
-    unlink(STATE);
-    j = (job){.w = &w, .options = {.budget = {.spp = spp}, .n_threads = 1}, .film = &one, .result = &result_one};
-    assert_int_equal(render_one(&one, &result_one, &j, NULL), BIS_OK);
+    begin_afresh(&w, &one, &result_one);
     for (uint32_t done = 3; done < 7; done += 3) {
         bis_checkpoint c = {.path = STATE, .every = 1e9};
         if (done > 3) assert_int_equal(bis_checkpoint_read(&c, STATE, NULL), BIS_OK);

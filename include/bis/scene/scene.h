@@ -62,7 +62,8 @@ typedef struct bis_view {
     bis_sampler sampler;
     bool pixel_jitter;
     bool adaptive; /* a pass takes several camera samples, more where the error is larger */
-    /* camera samples of a pass in a pixel that an outline crosses (src/render/edges.h); 0, 1: as in other pixels */
+    /* camera samples of a pass in a pixel that an outline crosses; half as many where a lobe turns away
+     * (src/render/edges.h); 0, 1: as in other pixels */
     uint32_t edge_samples;
     double edge_light; /* in (0,1]: the share of a camera sample's light samples that each of these has; 0: all */
     bis_settings settings;
