@@ -12,7 +12,7 @@
  * Proposal "product" draws the map's candidates for this point alone (product.c), which pays where the lobe is narrow
  * and the light spotty.
  *
- * Earlier passes have learned V: its mean g is known for the neighbourhood of the pixel (bis/beyond/visibility.h). The
+ * Earlier rays have learned V: its mean g is known for the neighbourhood of the pixel (bis/beyond/visibility.h). The
  * weights are multiplied by h, which sends rays where V is uncertain, and g serves as a control variate:
  *     L = (1/M) sum_i F_i/q_i g_i + (Zhat/N) sum_j F/(phat h) (V - g),    Zhat = (1/M) sum_i phat_i h_i/q_i,
  * where the first sum needs no rays. Whatever g and h are, the mean of the second sum is that of F (V - g). An estimate

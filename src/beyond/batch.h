@@ -1,5 +1,5 @@
 /* batch: sir.c for all candidates of a point at once, and what a thread needs beyond the thesis: the directions that
- * all points of a pass share (pool, clusters), and the visibility that earlier passes have learned. The choice
+ * all points of a pass share (pool, clusters), and the visibility that earlier rays have learned. The choice
  * between this and sir.c is made once, when a render is set up. */
 #pragma once
 

@@ -89,11 +89,12 @@ void bis_foresight_clear(bis_foresight *f)
 
 void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, size_t cell)
 {
-    const bis_seen *first = v->known + cell / v->cells * v->cells;
+    const size_t first = cell / v->cells * v->cells;
     tile_sums tile = {{0}, {0}};
     float h[PARTS], control[PARTS];
 
-    for (size_t i = 0; i < v->cells; i++) add_cell(&tile, &first[i]);
+    for (size_t i = first; i < first + v->cells; i++) add_cell(&tile, &v->known[i]);
+    for (size_t i = first; i < cell; i++) add_cell(&tile, &v->counted[i]);
     foresee(h, control, &v->known[cell], &tile);
     for (uint32_t k = 0; k < n; k++) {
         const uint32_t part = bis_visibility_part(k, n);

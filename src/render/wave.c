@@ -7,8 +7,9 @@
  *
  * The bits of a picture do not depend on waves. A camera sample has its own random numbers, an accelerator answers the
  * same for many rays as for one, and the terms of an estimate are added in the order in which its integrator noted
- * them (bis_point_add): tests/render/test_wave.c compares with Lo called for one sample after the other. Estimators
- * with errors on purpose ("asprinted") scale what they have traced, so their rays are traced at once. */
+ * them (bis_point_add): tests/render/test_wave.c compares with Lo called for one sample after the other. What a cell
+ * of learned visibility finds is there for the next cell of the tile, so a wave holds samples of one cell alone.
+ * Estimators with errors on purpose ("asprinted") scale what they have traced, so their rays are traced at once. */
 #include "wave.h"
 
 #include "bis/base/mem.h"
@@ -94,14 +95,13 @@ static void find_points(bis_wave *w)
     }
 }
 
-/* What the sample's cell has learned. The samples of a cell follow each other. */
+/* What is known of visibility in the cell of the samples. */
 static void look_at_cell(bis_wave *w)
 {
     bis_fast *f = w->scratch->fast;
-    const size_t cell = w->samples[w->at].cell;
 
-    if (f->visibility && (w->at == 0 || cell != w->samples[w->at - 1].cell))
-        bis_foresight_look(&f->foresight, f->clusters->n, f->visibility, cell);
+    if (f->visibility && w->n > 0)
+        bis_foresight_look(&f->foresight, f->clusters->n, f->visibility, w->samples[0].cell);
 }
 
 /* Light reflected towards the eye, eq. 3.1, or what a ray sees that escapes: all but the terms of shadow rays. */
@@ -146,9 +146,9 @@ void bis_wave_end(bis_wave *w)
     const volatile sig_atomic_t *interrupted = w->task.options->interrupted;
 
     find_points(w);
+    look_at_cell(w);
     for (w->at = 0; w->at < w->n; w->at++) {
         if (interrupted && *interrupted) break;
-        look_at_cell(w);
         add_light(w, &w->samples[w->at]);
     }
     trace(w);
@@ -161,8 +161,11 @@ void bis_wave_add(bis_wave *w, const bis_sampler *sampler, int x, int y, uint64_
     const bis_film *f = w->task.film;
     const bis_view *view = w->task.view;
     const double footprint = w->task.options->footprint;
-    sample *s = &w->samples[w->n];
     double u[2] = {0.5, 0.5};
+
+    /* A wave has the samples of one cell, because the next cell learns from the rays of this one. */
+    if (w->n > 0 && pixel->cell != w->samples[0].cell) bis_wave_end(w);
+    sample *s = &w->samples[w->n];
 
     x = x * f->step + f->step / 2; /* of the picture */
     y = y * f->step + f->step / 2;

@@ -67,7 +67,7 @@ const bis_parameter bis_parameters[] = {
     {SWITCH(stratify, true), .words = "take the map's samples along its curve", .readers = {&bis_sir}},
     {SWITCH(stratify, false), .readers = {&bis_em, &bis_mis}},
     {SWITCH(learn, false), .is_option = true, .note = "product: go where light was seen to arrive",
-     .words = "with proposal product, go where earlier passes saw light arrive", .readers = {&bis_sir}},
+     .words = "with proposal product, go where earlier rays saw light arrive", .readers = {&bis_sir}},
     {SWITCH(vectorize, true), .words = "compute many candidates at once, which is faster", .readers = {&bis_sir}},
     {.name = NULL},
 };

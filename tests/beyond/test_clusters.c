@@ -350,7 +350,7 @@ static void count(bis_foresight *f, bis_visibility *v, uint32_t k, uint32_t n, i
 }
 
 /* h^2 = v (1 - 0.8 v) + 0.01 and g by hand. k = 0, 1, 2 of 300 are of part 0, k = 3, 4 of part 1, k = 5, 6, 7 of part 2. */
-static void foresight_follows_what_was_seen_in_the_passes_before(void **state)
+static void foresight_follows_what_was_seen_before(void **state)
 {
     enum { N = 300 };
     bis_visibility v;
@@ -363,12 +363,25 @@ static void foresight_follows_what_was_seen_in_the_passes_before(void **state)
     count(&f, &v, 0, N, 998, 0);
     count(&f, &v, 3, N, 998, 998);
     count(&f, &v, 7, N, 6, 3);
-    bis_foresight_look(&f, N, &v, 16 + 2);
-    for (int k = 0; k < N; k++) { /* this pass's counts are not known: v = 3/4 */
-        assert_true(fabs((double)f.h[k] - sqrt(0.75 * (1 - 0.6) + 0.01)) <= 1e-6);
-        assert_true(f.control[k] == 0);
+    for (size_t cell = 16; cell <= 16 + 2; cell++) { /* of this pass a cell knows only what came before it: v = 3/4 */
+        bis_foresight_look(&f, N, &v, cell);
+        for (int k = 0; k < N; k++) {
+            assert_true(fabs((double)f.h[k] - sqrt(0.75 * (1 - 0.6) + 0.01)) <= 1e-6);
+            assert_true(f.control[k] == 0);
+        }
+        assert_false(f.knows);
     }
-    assert_false(f.knows);
+    for (size_t cell = 16 + 3; cell < 32; cell++) { /* the cells that follow in the tile know them: (3 + 1.5)/(6 + 2) */
+        bis_foresight_look(&f, N, &v, cell);
+        assert_true(f.knows);
+        assert_true(fabs((double)f.h[5] - sqrt(0.5625 * (1 - 0.8 * 0.5625) + 0.01)) <= 1e-6);
+        assert_true(fabs((double)(f.control[5] * f.h[5]) - 0.5) <= 1e-6);
+        assert_true(f.control[0] == 0 && f.control[N - 1] == 0);
+    }
+    for (size_t cell = 0; cell < 16; cell++) {
+        bis_foresight_look(&f, N, &v, cell);
+        assert_false(f.knows);
+    }
     bis_visibility_learn(&v, NULL, v.n_tiles, 1);
     bis_foresight_look(&f, N, &v, 16 + 2);
     assert_true(f.knows);
@@ -520,7 +533,7 @@ int main(void)
         cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(product_is_unbiased_with_and_without_learned_visibility),
         cmocka_unit_test(twins_with_a_wrong_density_or_a_bound_of_0_are_found),
-        cmocka_unit_test(foresight_follows_what_was_seen_in_the_passes_before),
+        cmocka_unit_test(foresight_follows_what_was_seen_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
         cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
         cmocka_unit_test(without_a_cluster_in_reach_the_estimate_is_black),

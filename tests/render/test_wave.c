@@ -20,7 +20,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { TILE = BIS_RENDER_TILE, ACROSS = (WIDTH + TILE - 1) / TILE };
+enum { TILE = BIS_RENDER_TILE, ACROSS = (WIDTH + TILE - 1) / TILE, TILES = ACROSS * ((HEIGHT + TILE - 1) / TILE) };
 
 /* ---- one after the other ---- */
 
@@ -58,10 +58,13 @@ static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work,
 
     if (work->clusters.n) bis_clusters_fill(&work->clusters, w->scene.light, w->desc.view.sampler.seed, number, 1);
     if (work->pool.M) bis_pool_fill(&work->pool, w->scene.light, w->desc.view.sampler.seed, number, 1);
-    for (int y = HEIGHT - 1; y >= 0; y--) { /* the order of pixels is nobody's business */
-        for (int x = 0; x < WIDTH; x++) {
+    for (int t = TILES - 1; t >= 0; t--) { /* the order of tiles is nobody's business, nor that of the pixels of a cell */
+        for (int at = 0; at < TILE * TILE; at++) {
             /* 4 x 4 cells of 4 x 4 pixels; four of them, a square, follow each other, and so do four squares */
-            const size_t t = (size_t)(y / TILE * ACROSS + x / TILE), cell = 16 * t + (size_t)(8 * (y / 8 % 2) + 4 * (x / 8 % 2) + 2 * (y / 4 % 2) + x / 4 % 2);
+            const int c = at / 16, x = t % ACROSS * TILE + 8 * (c / 4 % 2) + 4 * (c % 2) + 3 - at % 4,
+                      y = t / ACROSS * TILE + 8 * (c / 8) + 4 * (c / 2 % 2) + 3 - at / 4 % 4;
+            const size_t cell = (size_t)(16 * t + c);
+            if (x >= WIDTH || y >= HEIGHT) continue;
             const int edge = work->edge ? bis_edges_kind(work->edge, work->area, x, y) : 0;
             const uint32_t most = w->desc.view.edge_samples, k = edge == 2 ? most : edge ? (most + 1) / 2 : 1;
             rgbd sum = {0, 0, 0};
@@ -294,7 +297,7 @@ static void an_integrator_may_trace_its_rays_at_once(void **state)
 
 /* ---- unbiased ---- */
 
-enum { TILES = ACROSS * ((HEIGHT + TILE - 1) / TILE), BIASED_TESTS = 5 * TILES };
+enum { BIASED_TESTS = 5 * TILES };
 
 /* The mean radiance of each tile, over `runs` renders of 7 camera samples with seeds of their own. */
 static void tile_means(stat_moments m[TILES], world *w, uint64_t first_seed, int runs, uint32_t pass_size)

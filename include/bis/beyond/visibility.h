@@ -1,12 +1,14 @@
 /* visibility: what share of the shadow rays towards each part of the map came through, in each cell of the picture, as
- * earlier passes measured it.
+ * earlier passes measured it, and in this pass the cells of the tile that come before.
  *
  * If the product is known, all that remains of the noise is that of V (docs/errata.md E31), and neighbouring pixels
  * have similar V. What was counted is used twice (src/beyond/batch.c): rays go where V is uncertain, and the mean of V,
  * which is known by then, needs no rays.
  *
- * The estimates are unbiased: a pass uses only the counts of earlier passes, which share no random number with it,
- * and the weight of a pass does not depend on what it found.
+ * The estimates are unbiased: whatever the counts are, the mean over a point's own random numbers is right. A point
+ * uses the counts of earlier passes and of other pixels, which have other random numbers (all pixels of a pass draw
+ * from the same clusters, but these decide neither the marks nor the mean). The weight of a pass does not depend on
+ * what it found.
  *
  * A part is a run of clusters (bis/beyond/clusters.h), so it is compact. A cell is a square of 4 x 4 pixels, or, in
  * pictures of more than 2^23 pixels, a whole tile. A cell takes 1 KB in memory. */
@@ -59,7 +61,8 @@ bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag);
 void bis_foresight_clear(bis_foresight *f);
 
 /* bis_foresight_look stores what the counts say about each of n clusters in cell number `cell` = tile * cells + cell in
- * the tile, and lets f->counted lead to this cell's counts. */
+ * the tile, and lets f->counted lead to this cell's counts. What this pass counted is used from the cells of the tile
+ * with smaller numbers, so these must be complete. */
 void bis_foresight_look(bis_foresight *f, uint32_t n, const bis_visibility *v, size_t cell);
 
 /* bis_foresight_count counts a ray towards cluster k of n. It returns where another 1 is to be added if light arrives,
