@@ -2,7 +2,8 @@
 #     awk -v file=NAME -f slips.awk FILE
 # Prints, separated by tabs: NAME, line, offset in bytes, bytes that go, "in" a function or "out", what comes instead.
 # Left alone: text in quotes, asserts (a weaker one is no fault), directives but for the values of #define, sizes of 16
-# and more in brackets, arguments that may change places (fmax, dot, bis_alloc, equality by strcmp).
+# and more in brackets, arguments that may change places (fmax, dot, bis_alloc, equality by strcmp), numbers in what
+# bis_alloc is asked for (more memory is no fault), long hexadecimal numbers (seeds and hashes: others are as good).
 
 function add(offset, token) {
     T[++n] = token; L[n] = NR; P[n] = offset
@@ -88,6 +89,8 @@ END {
     for (i = 1; i <= n; i++) {
         if (T[i] == "{" && T[i - 1] == ")" && !inside[i]) for (j = i; j <= M[i]; j++) inside[j] = 1
         if (T[i] ~ /^(_S|s)?tatic_assert$|^assert$/ && T[i + 1] == "(") for (j = i; j <= M[i + 1]; j++) spared[j] = 1
+        if (T[i] == "bis_alloc" && T[i + 1] == "(") for (j = i; j <= M[i + 1]; j++) if (T[j] ~ /^[0-9]/) spared[j] = 1
+        if (T[i] ~ /^0[xX]/ && length(T[i]) > 7) spared[i] = 1
         if (T[i] == "[" && T[i + 1] ~ /^[0-9]+$/ && T[i + 1] >= 16) spared[i + 1] = 1
     }
     for (i = 1; i <= n; i++) {
