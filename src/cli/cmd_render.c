@@ -16,8 +16,7 @@
 #include "progress.h"
 #include "render/checkpoint.h"
 #include "render/crew.h"
-#include "render/part.h"
-#include "render_files.h"
+#include "render_part.h"
 #include "tools/memory.h"
 
 #include <assert.h>
@@ -42,8 +41,7 @@ typedef struct render_options {
     int resolution[2];
     double crop[4];
     double seconds, error, every;
-    bis_part part;
-    char command[BIS_PART_COMMAND]; /* see keep_command */
+    bis_render_part part;
     bool agreed; /* the crew has */
     double start; /* of the command, on bis_clock_now's clock */
 } render_options;
@@ -63,52 +61,6 @@ static bool read_crop(void *value, const char *text)
     if (crop[0] >= crop[1] || crop[2] >= crop[3]) return false;
     memcpy(value, crop, sizeof crop);
     return true;
-}
-
-/* "2/5": the second of five. */
-static bool read_part(void *value, const char *text)
-{
-    int k, n;
-    const char *rest = bis_cli_digits(text, 1, BIS_PART_MOST, &k);
-    if (!rest || *rest != '/') return false;
-    rest = bis_cli_digits(rest + 1, 1, BIS_PART_MOST, &n);
-    if (!rest || *rest || k > n) return false;
-    *(bis_part *)value = (bis_part){(uint32_t)k, (uint32_t)n};
-    return true;
-}
-
-/* One argument, as a shell takes it. */
-static void append_argument(char command[BIS_PART_COMMAND], const char *a)
-{
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./,:=@%";
-
-    bis_append(command, BIS_PART_COMMAND, " ");
-    if (*a && a[strspn(a, plain)] == '\0') {
-        bis_append(command, BIS_PART_COMMAND, "%s", a);
-        return;
-    }
-    bis_append(command, BIS_PART_COMMAND, "'");
-    for (; *a; a++) bis_append(command, BIS_PART_COMMAND, *a == '\'' ? "'\\''" : "%c", *a);
-    bis_append(command, BIS_PART_COMMAND, "'");
-}
-
-/* The command that makes the same part of a picture, or another one: all but --part and the files of one part. */
-static void keep_command(char command[BIS_PART_COMMAND], int argc, char **argv)
-{
-    static const char *const own[] = {"--part", "--outfile", "--stats", "--checkpoint", "--checkpoint-every",
-                                      "--resume", NULL};
-    bool is_over = false;
-
-    bis_append(command, BIS_PART_COMMAND, "bis");
-    for (int i = 0; i < argc; i++) {
-        const size_t n = strcspn(argv[i], "=");
-        int k = 0;
-        while (!is_over && own[k] && (strlen(own[k]) != n || strncmp(argv[i], own[k], n) != 0)) k++;
-        is_over |= strcmp(argv[i], "--") == 0;
-        if (is_over || !own[k]) append_argument(command, argv[i]);
-        else if (!argv[i][n]) i++; /* its value */
-    }
-    if (strlen(command) == BIS_PART_COMMAND - 1) snprintf(command, BIS_PART_COMMAND, "bis (as the other parts)");
 }
 
 static bool read_viewer(void *value, const char *text)
@@ -202,45 +154,6 @@ static bis_status override(bis_scene_desc *d, const render_options *o, bis_diag 
     if (o->no_jitter) d->view.pixel_jitter = false;
     if (o->adaptive) d->view.adaptive = true;
     return BIS_OK;
-}
-
-/* What needs the whole picture would make another one of its parts. */
-static bis_status check_part(const render_options *o, const bis_scene_desc *d, bis_diag *diag)
-{
-    const char *what = NULL;
-
-    if (!o->part.n) return BIS_OK;
-    if (bis_cli_crew) what = "MPI: its ranks share the tiles already. Leave out --part";
-    else if (o->seconds > 0) what = "--time: each part would end after another number of camera samples. Give --spp N";
-    else if (o->error > 0)
-        what = "--error: it is the error of the whole picture, which no part knows. Give --spp N; a small --resolution "
-               "with --error tells how many";
-    else if (d->view.adaptive)
-        what = "adaptive sampling: it weighs each tile against the whole picture. Leave out --adaptive, and \"bool "
-               "adaptive\" of the scene";
-    else if (bis_auto_is_wanted(&d->view.settings))
-        what = "integrator \"auto\": it goes by the clock, so each part would choose anew. `bis SCENE --spp 1 --stats "
-               "-` runs it once; give all parts the Integrator line in \"chosen\"";
-    if (!what) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, bis_cli_loc, "--part %u/%u cannot have %s", (unsigned)o->part.k,
-                     (unsigned)o->part.n, what);
-}
-
-/* The output of a part is no picture. */
-static bis_status name_part(render_options *o, bis_diag *diag)
-{
-    bis_render_files *files = &o->files;
-
-    if (!o->part.n) return BIS_OK;
-    if (files->pictures.n == 1) {
-        const char *path = files->pictures.text[0], ending[] = ".bispart";
-        const size_t n = strlen(path), m = strlen(ending);
-        files->pictures.n = 0;
-        files->part = path;
-        if (n > m && strcmp(path + n - m, ending) == 0) return BIS_OK;
-    }
-    return bis_error(diag, BIS_INPUT, bis_cli_loc, "--part %u/%u writes one file that is no picture yet: give "
-                     "--outfile part-%u.bispart", (unsigned)o->part.k, (unsigned)o->part.n, (unsigned)o->part.k);
 }
 
 /* ---- rendering ---- */
@@ -352,7 +265,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
         .progress = show || (leads && o->viewer) ? show_progress : NULL,
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
-        .part = o->part,
+        .part = o->part.share,
     };
     bis_cli_catch_signals();
     o->shows_progress = show;
@@ -362,7 +275,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     if (chooses) status = tell_choice(desc, status, diag);
     options.crew = bis_cli_crew;
     /* without one, nothing is hashed */
-    if (leads && (checkpoint->path || o->part.n)) options.checkpoint = checkpoint;
+    if (leads && (checkpoint->path || o->part.share.n)) options.checkpoint = checkpoint;
     if (!leads) options.interrupted = NULL; /* rank 0 ends the render */
     checkpoint->head.pilot_seconds = choice->seconds;
     /* the pilot's time is the user's: 0 would be no limit */
@@ -412,32 +325,6 @@ static void note_resampling(const bis_light *light)
             100 * (em->power_after / em->power_before - 1));
 }
 
-/* Of a part: its sums instead of pictures. */
-static bis_status write_part(const render_options *o, const bis_stats *stats, const bis_checkpoint *c, bis_film *film,
-                             bis_diag *diag)
-{
-    const bis_render_result *r = stats->result;
-    bis_part_about about = {.seed = stats->desc->view.sampler.seed, .edge_samples = stats->desc->view.edge_samples,
-                            .edge_light = stats->desc->view.edge_light,
-                            .seconds = stats->seconds, .figures = stats->scene};
-    char seconds[32];
-
-    snprintf(about.scene, sizeof about.scene, "%s", stats->desc->path);
-    memcpy(about.command, o->command, sizeof about.command);
-    snprintf(about.approximated, sizeof about.approximated, "%s", stats->approximated);
-    if (r->interrupted) {
-        fprintf(stderr, "bis: interrupted: part %u of %u is not complete, nothing was written%s\n",
-                (unsigned)o->part.k, (unsigned)o->part.n, c->path ? "; --resume goes on" : "");
-        return BIS_OK;
-    }
-    const bis_status status = bis_part_write(o->files.part, &c->head, &about, film, r, diag);
-    if (!status && !o->quiet)
-        fprintf(stderr, "bis: wrote %s: part %u of %u of %d x %d pixels, %llu camera samples a pixel, %s\n",
-                o->files.part, (unsigned)o->part.k, (unsigned)o->part.n, film->width, film->height,
-                (unsigned long long)r->spp, bis_duration(seconds, r->seconds));
-    return status;
-}
-
 /* From scene to files; *interrupted: a signal came. */
 static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seconds, bool *interrupted,
                       bis_diag *diag)
@@ -481,8 +368,8 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     stats.choice = chooses ? &choice : NULL;
     stats.seconds.parse = parse_seconds;
     double before = bis_clock_now();
-    status = o->part.n ? write_part(o, &stats, &checkpoint, &film, diag)
-                       : bis_render_files_write_pictures(&written, &o->files, &stats, diag);
+    status = o->part.share.n ? bis_render_part_write(&o->part, &o->files, &checkpoint, &film, &stats, o->quiet, diag)
+                             : bis_render_files_write_pictures(&written, &o->files, &stats, diag);
     stats.seconds.write = bis_clock_now() - before;
     stats.seconds.total = bis_clock_now() - o->start;
     const bis_status other = bis_render_files_write_stats(&o->files, &stats, diag);
@@ -524,11 +411,12 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
     if (!o->files.checkpoint) o->files.checkpoint = o->files.resume;
     const bool leads = bis_crew_leads(bis_cli_crew);
     const unsigned how = o->approximate ? BIS_PARSE_APPROXIMATE | (o->plan ? BIS_PARSE_LIST_MISSING : 0) : 0;
-    bis_status status = o->plan ? BIS_OK : name_part(o, diag);
+    bis_status status = o->plan ? BIS_OK : bis_render_part_name(o->part.share, &o->files, diag);
     if (!status && leads) status = bis_render_files_check(&o->files, diag);
     if (!status) status = bis_scene_parse_as(&desc, operands[0], how, diag);
     if (!status) status = override(desc, o, diag);
-    if (!status) status = check_part(o, desc, diag);
+    const bis_budget budget = {.seconds = o->seconds, .error = o->error};
+    if (!status) status = bis_render_part_check(o->part.share, &budget, desc, diag);
     const double parse_seconds = bis_clock_now() - o->start;
     if (status) goto done;
     if (o->plan) {
@@ -557,7 +445,7 @@ int bis_cmd_render(int argc, char **argv)
     char integrator_help[256] = "";
     int i = 0;
 
-    keep_command(o.command, argc, argv);
+    bis_render_part_keep_command(o.part.command, argc, argv);
     if (asks_for_errata(argc, argv)) {
         list_errata();
         return bis_cli_finish(BIS_EXIT_DONE);
@@ -652,7 +540,7 @@ int bis_cmd_render(int argc, char **argv)
         {.name = "part", .argument = "K/N",
          .help = "render the K-th of N shares of the picture's tiles into --outfile F.bispart; `bis merge` makes the "
                  "picture of them. Not with --time, --error, --adaptive or auto, which need the whole picture",
-         .kind = BIS_OPTION_OWN, .value = &o.part, .read = read_part,
+         .kind = BIS_OPTION_OWN, .value = &o.part.share, .read = bis_render_part_read,
          .rule = "K/N with K from 1 to N, as in 2/5"},
     };
     /* clang-format on */
