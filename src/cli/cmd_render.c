@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "bis/base/clock.h"
 
+#include "choice.h"
 #include "display.h"
 #include "override.h"
 #include "progress.h"
@@ -71,51 +72,6 @@ static void print_forecast(const bis_forecast *f, void *user)
             f->error);
 }
 
-/* Where the choice is left to us: a pilot first; desc->view.settings becomes what it chose, and is told. */
-static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc,
-                         const bis_render_options *options, bool quiet, bis_diag *diag)
-{
-    char line[BIS_MAX_LINE];
-    bis_status status = bis_auto_choose(choice, scene, desc, options, diag);
-
-    if (status) return status;
-    desc->view.settings = choice->settings;
-    if (quiet) return BIS_OK;
-    if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice));
-    else
-        fprintf(stderr, "bis: note: auto: nothing to choose, %s\n",
-                bis_cli_signal ? "interrupted" : "no surface or no light");
-    return BIS_OK;
-}
-
-/* As choose, but a checkpoint knows what was chosen. */
-static void choose_again(bis_auto_report *choice, bis_scene_desc *desc, const bis_checkpoint *c, bool quiet)
-{
-    char line[BIS_MAX_LINE];
-
-    *choice = (bis_auto_report){.is_chosen = true, .settings = c->head.settings, .seconds = c->head.pilot_seconds};
-    desc->view.settings = choice->settings;
-    bis_describe_line(line, &choice->settings, true);
-    if (!quiet) fprintf(stderr, "bis: note: auto goes on with %s, as the checkpoint says\n", line);
-}
-
-/* What rank 0 has chosen, to all ranks of the crew. */
-static bis_status tell_choice(bis_scene_desc *desc, bis_status status, bis_diag *diag)
-{
-    bis_crew *crew = bis_cli_crew;
-    char name[32] = "";
-
-    status = bis_crew_agree(crew, status, diag);
-    if (status || !crew) return status;
-    bis_settings s = desc->view.settings;
-    snprintf(name, sizeof name, "%s", s.integrator->name);
-    crew->broadcast(crew, name, sizeof name);
-    crew->broadcast(crew, &s, sizeof s);
-    s.integrator = bis_integrator_find(name); /* an address is of one process */
-    desc->view.settings = s;
-    return BIS_OK;
-}
-
 static void warn_of_checkpoint(const char *message)
 {
     const char *text = strstr(message, "error: ");
@@ -155,9 +111,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     bis_cli_catch_signals();
     o->shows_progress = show;
     o->film = film;
-    if (chooses && leads && checkpoint->head.settings.integrator) choose_again(choice, desc, checkpoint, o->quiet);
-    else if (chooses && leads) status = choose(choice, scene, desc, &options, o->quiet, diag);
-    if (chooses) status = tell_choice(desc, status, diag);
+    if (chooses) status = bis_choice_make(choice, scene, desc, &options, checkpoint, o->quiet, diag);
     options.crew = bis_cli_crew;
     /* without one, nothing is hashed */
     if (leads && (checkpoint->path || o->part.share.n)) options.checkpoint = checkpoint;
