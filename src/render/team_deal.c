@@ -201,7 +201,7 @@ static void call_others(bis_team *team, bis_team_next_step next, const bis_pass 
 {
     bis_team_step c;
     memset(&c, 0, sizeof c);
-    c.next = next;
+    c.next = (int32_t)next;
     c.status = (int32_t)status;
     c.passes = team->w->film->passes;
     if (pass) c.pass = *pass;
