@@ -3,12 +3,12 @@ table.
 
     python3 scripts/bench/many_machines.py [--threads T] [--link BYTES_PER_SECOND] [--svg FILE]
 
-Simulated is what src/render/team.c does: rank 0 deals out batches, each rank has one at work and one waiting; a rank
-gets the tiles that it had in the pass before, then those of the rank with most work left, which that rank sends to it
-between two of its own tiles; costly tiles come first from the second pass on; finished tiles come back some together,
-and rank 0 looks after the others alone (more than 16 ranks). Every message to rank 0 comes one after the other. A pass
-is as long as its slowest rank, and then rank 0 adds it to the film. Passes of 4 camera samples are alike, so the third
-of three is counted as often as one is made; those of 1 and 2 are in proportion.
+Simulated is what src/render/team_deal.c does: rank 0 deals out batches, each rank has one at work and one waiting; a
+rank gets the tiles that it had in the pass before, then those of the rank with most work left, which that rank sends
+to it between two of its own tiles; costly tiles come first from the second pass on; finished tiles come back some
+together, and rank 0 looks after the others alone (more than 16 ranks). Every message to rank 0 comes one after the
+other. A pass is as long as its slowest rank, and then rank 0 adds it to the film. Passes of 4 camera samples are
+alike, so the third of three is counted as often as one is made; those of 1 and 2 are in proportion.
 
 Costs: those marked with m are measured with scene.txt (sir, product, learn) on one processor, see the page; the network
 is assumed: 2 us from machine to machine, 10 Gbit/s at each, 1 us of software for a message."""

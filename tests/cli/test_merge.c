@@ -1,8 +1,8 @@
 /* --part and `bis merge` with the program: what a user types, and what the messages tell to type, makes the picture of
  * one run. What is rendered together with parts is in tests/render/test_part.c. */
-#include "bis/base/file.h"
 #include "bis/base/mem.h"
 
+#include "file_help.h"
 #include "json_check.h"
 #include "program.h"
 
@@ -30,18 +30,6 @@ static int setup(void **state)
     program_folder(DIR);
     program_write_scene(DIR, "");
     return 0;
-}
-
-static void assert_same_file(const char *path_a, const char *path_b)
-{
-    unsigned char *a, *b;
-    size_t n_a, n_b;
-    assert_int_equal(bis_file_read(&a, &n_a, path_a, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_file_read(&b, &n_b, path_b, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(n_a, n_b);
-    assert_memory_equal(a, b, n_a);
-    bis_free(a);
-    bis_free(b);
 }
 
 static void write_parts(const char *options)
@@ -81,16 +69,7 @@ static void the_outputs_are_those_of_one_run(void **state)
         json_value(b, sizeof b, r.output, keys[i]);
         if (strcmp(a, b) != 0) fail_msg("%s is %s instead of %s", keys[i], b, a);
     }
-    /* the same but for render_seconds, in as many bytes: a float */
-    unsigned char *x, *y;
-    size_t n, m, differing = 0;
-    assert_int_equal(bis_file_read(&x, &n, DIR "/a.exr", (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_file_read(&y, &m, DIR "/b.exr", (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(n, m);
-    for (size_t i = 0; i < n; i++) differing += x[i] != y[i];
-    assert_in_range(differing, 0, 8);
-    bis_free(x);
-    bis_free(y);
+    assert_same_exr(DIR "/a.exr", DIR "/b.exr");
 }
 
 /* The command that a message names, run by a shell with $PATH leading to the program. */
@@ -101,7 +80,6 @@ static void the_command_in_the_message_makes_the_missing_part(void **state)
     char command[8192], link[1024], here[512];
     program_run r;
     const char *program = getenv("BIS_PROGRAM");
-    unsigned char *text;
     size_t n;
 
     if (!program || !*program) program = "build/release/bis";
@@ -109,7 +87,7 @@ static void the_command_in_the_message_makes_the_missing_part(void **state)
     snprintf(link, sizeof link, "%s/%s", here, program);
     unlink(DIR "/bis");
     assert_int_equal(symlink(program[0] == '/' ? program : link, DIR "/bis"), 0);
-    assert_int_equal(bis_file_read(&text, &n, SCENE, (bis_loc){0}, NULL), BIS_OK);
+    unsigned char *text = read_bytes(SCENE, &n);
     program_write_file(odd, (char *)text);
     bis_free(text);
     for (int k = 1; k <= 2; k++) {

@@ -1,9 +1,8 @@
 /* bis-mpi: any number of ranks makes the picture of `bis`, byte for byte, under all budgets, and a checkpoint goes on
  * with another number; a rank that fails ends the job with a message. Skipped where there is no mpirun, or where bis-mpi
  * is not built. Ranks are many more than processors here, so they yield to each other while they wait. */
-#include "bis/base/file.h"
-#include "bis/base/mem.h"
 
+#include "file_help.h"
 #include "json_check.h"
 #include "program.h"
 
@@ -96,32 +95,6 @@ static void expect_mpi(int ranks, const char *arguments)
     if (status) fail_msg("%d ranks, %s: exit status %d\n%s", ranks, arguments, status, text);
 }
 
-static bool same_file(const char *path_a, const char *path_b)
-{
-    unsigned char *a, *b;
-    size_t n_a, n_b;
-    assert_int_equal(bis_file_read(&a, &n_a, path_a, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_file_read(&b, &n_b, path_b, (bis_loc){0}, NULL), BIS_OK);
-    const bool same = n_a == n_b && memcmp(a, b, n_a) == 0;
-    bis_free(a);
-    bis_free(b);
-    return same;
-}
-
-/* EXRs differ in render_seconds: some bytes of a float. */
-static void assert_same_exr(const char *path_a, const char *path_b)
-{
-    unsigned char *a, *b;
-    size_t n_a, n_b, differing = 0;
-    assert_int_equal(bis_file_read(&a, &n_a, path_a, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_file_read(&b, &n_b, path_b, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(n_a, n_b);
-    for (size_t i = 0; i < n_a; i++) differing += a[i] != b[i];
-    assert_in_range(differing, 0, 8);
-    bis_free(a);
-    bis_free(b);
-}
-
 /* ---- the same bits ---- */
 
 /* A picture of 4 x 3 tiles, with learned visibility, edges and layers, and less. */
@@ -182,10 +155,10 @@ static void a_checkpoint_goes_on_with_another_number_of_ranks(void **state)
     program_expect(&r, 0, "%s --spp 8 --resume " STATE " --outfile " DIR "/b.pfm", line);
     snprintf(arguments, sizeof arguments, "%s --spp 12 --resume " STATE " --outfile " DIR "/b.pfm", line);
     expect_mpi(2, arguments);
-    assert_false(same_file(DIR "/a.pfm", DIR "/b.pfm"));
+    assert_int_not_equal(differing_bytes(DIR "/a.pfm", DIR "/b.pfm"), 0);
     snprintf(arguments, sizeof arguments, "%s --spp 18 --resume " STATE " --outfile " DIR "/b.pfm", line);
     expect_mpi(5, arguments);
-    assert_true(same_file(DIR "/a.pfm", DIR "/b.pfm"));
+    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
     snprintf(arguments, sizeof arguments, "%s --spp 18 --seed 8 --resume " STATE " --outfile " DIR "/b.pfm", line);
     assert_int_equal(mpi(3, arguments), 2);
     assert_non_null(strstr(text, "These differ: the sampler, or its seed. "));
@@ -213,14 +186,14 @@ static void rank_0_chooses_and_keeps_the_time(void **state)
     snprintf(scene, sizeof scene, "%.*s%s%s", (int)(line - text), text, options, strchr(line, '\n'));
     program_write_file(DIR "/chosen.txt", scene);
     program_expect(&r, 0, DIR "/chosen.txt --spp 5 --outfile " DIR "/a.pfm");
-    assert_true(same_file(DIR "/a.pfm", DIR "/b.pfm"));
+    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
 
     unsigned long spp;
     expect_mpi(2, SCENE " --time 0.3 --stats - --outfile " DIR "/b.pfm");
     read_text(DIR "/out");
     spp = (unsigned long)json_number(text, "spp");
     program_expect(&r, 0, SCENE " --spp %lu --outfile " DIR "/a.pfm", spp);
-    assert_true(same_file(DIR "/a.pfm", DIR "/b.pfm"));
+    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
 }
 
 /* ---- what fails ---- */
@@ -336,12 +309,12 @@ static void a_rank_that_is_killed_ends_the_job_and_leaves_a_checkpoint(void **st
             assert_int_equal(WEXITSTATUS(status), 130);
             assert_int_equal(sscanf(text, "bis: interrupted after %lu camera sample", &spp), 1);
             program_expect(&r, 0, SCENE " --seed 3 --spp %lu --outfile " DIR "/a.pfm", spp);
-            assert_true(same_file(DIR "/a.pfm", DIR "/c.pfm"));
+            assert_same_file(DIR "/a.pfm", DIR "/c.pfm");
         }
         program_expect(&r, 0, SCENE " --time 1e-9 --seed 3 --resume " STATE " --stats - --outfile " DIR "/b.pfm");
         const unsigned long spp = (unsigned long)json_number(r.output, "spp");
         program_expect(&r, 0, SCENE " --seed 3 --spp %lu --outfile " DIR "/a.pfm", spp);
-        assert_true(same_file(DIR "/a.pfm", DIR "/b.pfm"));
+        assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
     }
 }
 

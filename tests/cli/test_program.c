@@ -2,10 +2,10 @@
  * back by the library (which has tests of its own) and, for EXR headers, by OpenEXR. */
 #include "bis/shape/accel.h"
 #include "bis/tools/compare.h"
-#include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
+#include "file_help.h"
 #include "json_check.h"
 #include "program.h"
 
@@ -1106,8 +1106,7 @@ static void what_is_approximated_is_said_everywhere(void **state)
         assert_non_null(strstr(r.messages, word));
         assert_non_null(strstr(r.output, "\"approximated\": ["));
         size_t size;
-        unsigned char *exr;
-        assert_int_equal(bis_file_read(&exr, &size, DIR "/a.exr", (bis_loc){0}, NULL), BIS_OK);
+        unsigned char *exr = read_bytes(DIR "/a.exr", &size);
         assert_true(memmem(exr, size, "bis:approximated", 16) && memmem(exr, size, said[i], strlen(said[i])));
         bis_free(exr);
         program_expect(&r, 0, "--plan --approximate data/scenes/pbrt/approximate-%s.pbrt", names[i]);

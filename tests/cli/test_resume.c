@@ -2,9 +2,9 @@
  * of one run, byte for byte, and leaves nothing but that and the checkpoint. What is rendered together with checkpoints
  * is in tests/render/test_checkpoint.c. 20 kills; BIS_LONG=1 in the environment: 100. */
 #include "bis/base/clock.h"
-#include "bis/base/file.h"
 #include "bis/base/mem.h"
 
+#include "file_help.h"
 #include "json_check.h"
 #include "program.h"
 
@@ -39,18 +39,6 @@ static int clean(void **state)
     (void)state;
     unlink(STATE);
     return 0;
-}
-
-static void assert_same_file(const char *path_a, const char *path_b)
-{
-    unsigned char *a, *b;
-    size_t n_a, n_b;
-    assert_int_equal(bis_file_read(&a, &n_a, path_a, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_file_read(&b, &n_b, path_b, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(n_a, n_b);
-    assert_memory_equal(a, b, n_a);
-    bis_free(a);
-    bis_free(b);
 }
 
 static void wait_seconds(double s)
@@ -166,11 +154,10 @@ static void a_disk_that_is_full_costs_the_checkpoint_alone(void **state)
 {
     (void)state;
     program_run r;
-    unsigned char *before, *after;
     size_t n, m;
 
     program_expect(&r, 0, SCENE " --spp 4 --checkpoint " STATE " --outfile " DIR "/a.pfm");
-    assert_int_equal(bis_file_read(&before, &n, STATE, (bis_loc){0}, NULL), BIS_OK);
+    unsigned char *before = read_bytes(STATE, &n);
     program_expect(&r, 0, SCENE " --spp 12 --outfile " DIR "/a.pfm");
     const int n_files = program_count_files(DIR);
     program_run_limited(&r, (long)n - 1,
@@ -180,7 +167,7 @@ static void a_disk_that_is_full_costs_the_checkpoint_alone(void **state)
     assert_non_null(strstr(r.messages, "bis: error: the last checkpoint could not be written to \"" STATE "\""));
     assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
     assert_int_equal(program_count_files(DIR), n_files);
-    assert_int_equal(bis_file_read(&after, &m, STATE, (bis_loc){0}, NULL), BIS_OK);
+    unsigned char *after = read_bytes(STATE, &m);
     assert_int_equal(n, m);
     assert_memory_equal(before, after, n);
     bis_free(before);
@@ -229,20 +216,14 @@ static void a_map_counts_by_what_it_holds(void **state)
     (void)state;
     program_run r;
     program_expect(&r, 0, SCENE " --spp 4 --checkpoint " STATE " --outfile " DIR "/b.pfm");
-    unsigned char *map, *text;
     size_t n, size;
-    assert_int_equal(bis_file_read(&map, &n, DIR "/map.pfm", (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_file_read(&text, &size, SCENE, (bis_loc){0}, NULL), BIS_OK);
-    FILE *copy = fopen(DIR "/pam.pfm", "wb");
-    assert_int_equal(fwrite(map, 1, n, copy), n);
-    assert_int_equal(fclose(copy), 0);
+    unsigned char *map = read_bytes(DIR "/map.pfm", &n), *text = read_bytes(SCENE, &size);
+    store(DIR "/pam.pfm", map, n);
     memcpy(strstr((char *)text, "map.pfm"), "pam", 3);
     program_write_file(DIR "/other.txt", (char *)text);
     program_expect(&r, 0, DIR "/other.txt --spp 8 --resume " STATE " --outfile " DIR "/b.pfm");
     map[n - 2] ^= 1;
-    copy = fopen(DIR "/pam.pfm", "wb");
-    assert_int_equal(fwrite(map, 1, n, copy), n);
-    assert_int_equal(fclose(copy), 0);
+    store(DIR "/pam.pfm", map, n);
     program_expect(&r, 2, DIR "/other.txt --spp 8 --resume " STATE " --outfile " DIR "/b.pfm");
     assert_non_null(strstr(r.messages, "These differ: the pixels of the map. "));
     bis_free(map);

@@ -1,12 +1,10 @@
 /* checkpoint: a render that is broken off and goes on has the bits of one that is not, and what cannot be gone on from
  * is refused by name. Expected pictures are those of renders without a checkpoint. The twin is a checkpoint in which
  * one number is another, with a checksum that fits: its picture must be another. */
-#include "base/text.h"
-#include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "render/checkpoint.h"
-
-#include "world.h"
+#include "file_help.h"
+#include "program.h"
+#include "state_help.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +18,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #define DIR_NAME "build/test_checkpoint"
@@ -31,24 +28,14 @@
 static int setup(void **state)
 {
     (void)state;
-    if (system("rm -rf " DIR_NAME)) return -1;
-    return mkdir(DIR_NAME, 0777);
+    program_folder(DIR_NAME);
+    return 0;
 }
 
 /* ---- what is rendered ---- */
 
 /* 4 x 3 pixels, all on the floor or the ball, in one tile. */
 static const double small[4] = {18 / 37.0, 22 / 37.0, 9 / 21.0, 12 / 21.0}, middle[4] = {0.3, 0.7, 0.2, 0.8};
-
-typedef struct kind {
-    const char *name;
-    const bis_integrator *integrator;
-    bis_sampler_kind sampler;
-    bool learns, adaptive, edges;
-    double error;
-    unsigned layers;
-    const double *crop;
-} kind;
 
 static const kind kinds[] = {
     {"plain", &bis_sir, BIS_SAMPLER_STRATIFIED, .crop = whole},
@@ -62,29 +49,6 @@ static const kind kinds[] = {
     {"edges", &bis_em, BIS_SAMPLER_SOBOL, .edges = true, .crop = whole},
     {"all", &bis_sir, BIS_SAMPLER_STRATIFIED, true, true, true, 1e-9, BIS_LAYERS_ALL, middle},
 };
-
-static void make_kind(world *w, const kind *k)
-{
-    make_world(w, k->integrator);
-    w->desc.view.sampler.kind = k->sampler;
-    w->desc.view.adaptive = k->adaptive;
-    if (k->edges) w->desc.view.edge_samples = 3;
-    if (!k->learns) return;
-    w->desc.view.settings.proposal = BIS_PROPOSAL_PRODUCT;
-    w->desc.view.settings.learn = true;
-}
-
-/* A render of its own: fresh film, fresh workspace. c: NULL, or what to keep and to go on from. */
-static bis_status try_render(bis_film *f, bis_render_result *result, const world *w, const kind *k,
-                             bis_render_options options, bis_checkpoint *c, bis_diag *diag)
-{
-    options.checkpoint = c;
-    assert_int_equal(bis_film_init(f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_film_want(f, k->layers, NULL), BIS_OK);
-    const bis_status status = bis_render(result, f, &w->scene, &w->desc, &w->desc.view, &options, diag);
-    if (c) bis_checkpoint_clear(c);
-    return status;
-}
 
 static void render_kind(bis_film *f, bis_render_result *result, const world *w, const kind *k,
                         bis_render_options options, bis_checkpoint *c)
@@ -100,22 +64,6 @@ static bis_checkpoint read_state(const char *path)
     bis_diag diag = {0};
     if (bis_checkpoint_read(&c, path, &diag)) fail_msg("%s", diag.messages[0].text);
     return c;
-}
-
-static void assert_same_film(const bis_film *a, const bis_film *b)
-{
-    assert_same_bits(a, b);
-    const size_t n = (size_t)a->width * (size_t)a->height * (size_t)a->layers.n_values;
-    assert_memory_equal(a->layers.sum, b->layers.sum, n * sizeof *a->layers.sum);
-    assert_true(a->weight == b->weight && a->weight_squares == b->weight_squares);
-}
-
-static void assert_same_result(const bis_render_result *a, const bis_render_result *b)
-{
-    assert_memory_equal(&a->counters, &b->counters, sizeof a->counters);
-    assert_int_equal(a->spp, b->spp);
-    assert_int_equal(a->passes, b->passes);
-    assert_memory_equal(&a->error_bound, &b->error_bound, sizeof a->error_bound);
 }
 
 static bis_render_options budget(const kind *k, uint32_t spp, int n_threads)
@@ -236,14 +184,6 @@ static void an_error_is_reached_by_the_same_pass_and_a_smaller_one_may_follow(vo
 
 /* ---- the file ---- */
 
-static void write_bytes(const char *path, const unsigned char *data, size_t n)
-{
-    FILE *f = fopen(path, "wb");
-    assert_non_null(f);
-    assert_int_equal(fwrite(data, 1, n, f), n);
-    assert_int_equal(fclose(f), 0);
-}
-
 /* A checkpoint of a few pixels that learn, and its bytes. */
 static const kind tiny = {"tiny", &bis_sir, BIS_SAMPLER_SOBOL, .learns = true, .adaptive = true, .crop = small};
 
@@ -252,7 +192,6 @@ static unsigned char *tiny_state(const world *w, size_t *size, size_t *at)
     bis_checkpoint c = {.path = PATH, .every = 1e9};
     bis_film f;
     bis_render_result result;
-    unsigned char *data;
 
     unlink(PATH);
     render_kind(&f, &result, w, &tiny, budget(&tiny, 12, 1), &c);
@@ -260,14 +199,7 @@ static unsigned char *tiny_state(const world *w, size_t *size, size_t *at)
     c = read_state(PATH);
     *at = c.at;
     bis_checkpoint_clear(&c);
-    assert_int_equal(bis_file_read(&data, size, PATH, (bis_loc){0}, NULL), BIS_OK);
-    return data;
-}
-
-static void seal(unsigned char *data, size_t size)
-{
-    const uint64_t hash = bis_fnv1a(BIS_FNV1A, data, size - 8);
-    for (int i = 0; i < 8; i++) data[size - 8 + (size_t)i] = (unsigned char)(hash >> 8 * i);
+    return read_bytes(PATH, size);
 }
 
 static void expect_refusal(const char *path, bis_status status, const char *words)
@@ -293,31 +225,31 @@ static void every_truncation_and_every_changed_byte_is_refused(void **state)
     make_kind(&w, &tiny);
     unsigned char *data = tiny_state(&w, &size, &at);
     for (size_t n = 0; n < size; n++) {
-        write_bytes(bad, data, n);
+        store(bad, data, n);
         expect_refusal(bad, BIS_INPUT, "checkpoint");
     }
     for (size_t i = 0; i < size; i++) {
         for (size_t j = 0; j < COUNT(masks); j++) {
             data[i] ^= masks[j];
-            write_bytes(bad, data, size);
+            store(bad, data, size);
             data[i] ^= masks[j];
             expect_refusal(bad, BIS_INPUT, "checkpoint");
         }
     }
     unsigned char *longer = bis_alloc(size + 1, 1);
     memcpy(longer, data, size);
-    write_bytes(bad, longer, size + 1);
+    store(bad, longer, size + 1);
     expect_refusal(bad, BIS_INPUT, "checksum");
     bis_free(longer);
     data[8]++; /* the format */
     seal(data, size);
-    write_bytes(bad, data, size);
+    store(bad, data, size);
     expect_refusal(bad, BIS_INPUT, "the same version");
     data[8]--, data[12]++; /* the version of bis */
     seal(data, size);
-    write_bytes(bad, data, size);
+    store(bad, data, size);
     expect_refusal(bad, BIS_INPUT, "the same version");
-    write_bytes(bad, (const unsigned char *)"\x89PNG\r\n\x1a\n and other things, more than a head's worth", 50);
+    store(bad, (const unsigned char *)"\x89PNG\r\n\x1a\n and other things, more than a head's worth", 50);
     expect_refusal(bad, BIS_INPUT, "no checkpoint of bis");
     expect_refusal(DIR_NAME, BIS_IO, "a folder");
     bis_free(data);
@@ -344,7 +276,7 @@ static void a_forged_head_breaks_nothing(void **state)
             bis_render_result result;
             data[i] ^= masks[j];
             seal(data, size);
-            write_bytes(PATH, data, size);
+            store(PATH, data, size);
             data[i] ^= masks[j];
             bis_status status = bis_checkpoint_read(&c, PATH, NULL);
             if (!status) {
@@ -377,7 +309,7 @@ static void another_number_in_the_state_makes_another_picture(void **state)
         bis_film a, b;
         bis_render_result result;
         seal(data, size);
-        write_bytes(PATH, data, size);
+        store(PATH, data, size);
         bis_checkpoint c = read_state(PATH);
         render_kind(&a, &result, &w, &tiny, budget(&tiny, 20, 1), &c);
         const size_t n = i == 4 ? n_seen : 1;
@@ -386,7 +318,7 @@ static void another_number_in_the_state_makes_another_picture(void **state)
         if (i == 4) memset(data + places[i], 0, n);
         else data[places[i]] ^= 1;
         seal(data, size);
-        write_bytes(PATH, data, size);
+        store(PATH, data, size);
         c = read_state(PATH);
         render_kind(&b, &result, &w, &tiny, budget(&tiny, 20, 1), &c);
         assert_true(memcmp(a.sum, b.sum, 3 * n_pixels * sizeof *a.sum) ||
@@ -418,7 +350,7 @@ static void seconds_that_were_spent_before_count(void **state)
     for (int i = 0; i < 2; i++) {
         bis_film f;
         bis_render_result result;
-        write_bytes(PATH, data, size);
+        store(PATH, data, size);
         bis_checkpoint c = read_state(PATH);
         const bis_budget b = {.spp = 16, .seconds = i ? 2000 : 500};
         render_kind(&f, &result, &w, &tiny, (bis_render_options){.budget = b, .n_threads = 1}, &c);
@@ -649,7 +581,6 @@ static void where_the_new_one_cannot_be_written_the_older_one_stays_and_the_rend
     bis_film expected, f;
     bis_render_result result;
     struct rlimit limit, low;
-    unsigned char *before, *after;
     size_t n_before, n_after;
 
     make_kind(&w, &kinds[0]);
@@ -658,7 +589,7 @@ static void where_the_new_one_cannot_be_written_the_older_one_stays_and_the_rend
     unlink(PATH);
     render_kind(&f, &result, &w, &kinds[0], budget(&kinds[0], 4, 1), &c);
     bis_film_clear(&f);
-    assert_int_equal(bis_file_read(&before, &n_before, PATH, (bis_loc){0}, NULL), BIS_OK);
+    unsigned char *before = read_bytes(PATH, &n_before);
 
     c = read_state(PATH);
     c.every = 0;
@@ -673,7 +604,7 @@ static void where_the_new_one_cannot_be_written_the_older_one_stays_and_the_rend
     assert_true(c.failed);
     assert_int_equal(n_warnings, 1); /* of four failures */
     assert_same_film(&expected, &f);
-    assert_int_equal(bis_file_read(&after, &n_after, PATH, (bis_loc){0}, NULL), BIS_OK);
+    unsigned char *after = read_bytes(PATH, &n_after);
     assert_int_equal(n_before, n_after);
     assert_memory_equal(before, after, n_before);
     bis_free(before);

@@ -1,15 +1,14 @@
 /* part: the parts of a picture, in any order, have the bits of one render; what does not belong together is refused by
  * name. Expected pictures are those of renders without parts. The twins are files in which one field is another, with a
  * checksum that fits: each is refused, or what comes out is another. */
-#include "base/text.h"
-#include "bis/base/file.h"
 #include "bis/base/mem.h"
-#include "render/checkpoint.h"
 #include "render/part.h"
 #include "render/share.h"
 
+#include "file_help.h"
 #include "image_help.h"
-#include "world.h"
+#include "program.h"
+#include "state_help.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,8 +31,8 @@
 static int setup(void **state)
 {
     (void)state;
-    if (system("rm -rf " DIR_NAME)) return -1;
-    return mkdir(DIR_NAME, 0777);
+    program_folder(DIR_NAME);
+    return 0;
 }
 
 /* ---- what is rendered ---- */
@@ -41,18 +40,9 @@ static int setup(void **state)
 /* 37 x 21 pixels have 3 x 2 tiles; this crop touches all of them. */
 static const double middle[4] = {0.2, 0.9, 0.2, 0.95};
 
-typedef struct kind {
-    const char *name;
-    const bis_integrator *integrator;
-    bis_sampler_kind sampler;
-    bool learns, edges;
-    unsigned layers;
-    const double *crop;
-} kind;
-
 static const kind kinds[] = {
-    {"all", &bis_sir, BIS_SAMPLER_STRATIFIED, true, true, BIS_LAYERS_ALL, whole},
-    {"all, crop", &bis_sir, BIS_SAMPLER_STRATIFIED, true, true, BIS_LAYERS_ALL, middle},
+    {"all", &bis_sir, BIS_SAMPLER_STRATIFIED, .learns = true, .edges = true, .layers = BIS_LAYERS_ALL, .crop = whole},
+    {"all, crop", &bis_sir, BIS_SAMPLER_STRATIFIED, .learns = true, .edges = true, .layers = BIS_LAYERS_ALL, .crop = middle},
     {"plain", &bis_sir, BIS_SAMPLER_SOBOL, .crop = whole},
     {"plain, crop", &bis_sir, BIS_SAMPLER_SOBOL, .crop = middle},
     {"halton", &bis_mis, BIS_SAMPLER_HALTON, .crop = whole},
@@ -61,28 +51,6 @@ static const kind kinds[] = {
     {"layers", &bis_sir, BIS_SAMPLER_SOBOL, .layers = BIS_LAYERS_ALL, .crop = whole},
     {"rejection", &bis_rejection, BIS_SAMPLER_SOBOL, .crop = whole},
 };
-
-static void make_kind(world *w, const kind *k)
-{
-    make_world(w, k->integrator);
-    w->desc.view.sampler.kind = k->sampler;
-    if (k->edges) w->desc.view.edge_samples = 3;
-    if (!k->learns) return;
-    w->desc.view.settings.proposal = BIS_PROPOSAL_PRODUCT;
-    w->desc.view.settings.learn = true;
-}
-
-/* A render of its own. c: NULL, or what to keep, to go on from, and to identify the render by. */
-static bis_status try_render(bis_film *f, bis_render_result *result, const world *w, const kind *k,
-                             bis_render_options options, bis_checkpoint *c, bis_diag *diag)
-{
-    options.checkpoint = c;
-    assert_int_equal(bis_film_init(f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_film_want(f, k->layers, NULL), BIS_OK);
-    const bis_status status = bis_render(result, f, &w->scene, &w->desc, &w->desc.view, &options, diag);
-    if (c) bis_checkpoint_clear(c);
-    return status;
-}
 
 static const bis_part_about about_all = {.scene = "a/scene.txt", .command = "bis a/scene.txt --spp 9",
                                           .approximated = "1 x glass: opaque", .seed = 1,
@@ -114,25 +82,6 @@ static uint64_t write_part(const world *w, const kind *k, int part, int n, uint3
     assert_int_equal(bis_part_write(path, &c.head, &about_all, &f, &result, NULL), BIS_OK);
     bis_film_clear(&f);
     return result.counters.camera_rays;
-}
-
-static void assert_same_film(const bis_film *a, const bis_film *b)
-{
-    const size_t n = (size_t)a->width * (size_t)a->height * (size_t)a->layers.n_values;
-    assert_same_bits(a, b);
-    assert_int_equal(a->layers.asked, b->layers.asked);
-    assert_memory_equal(a->layers.sum, b->layers.sum, n * sizeof *a->layers.sum);
-    assert_true(a->weight == b->weight && a->weight_squares == b->weight_squares && a->passes == b->passes);
-    assert_true(a->full_width == b->full_width && a->full_height == b->full_height && a->x0 == b->x0 && a->y0 == b->y0);
-}
-
-static void assert_same_result(const bis_render_result *a, const bis_render_result *b)
-{
-    assert_memory_equal(&a->counters, &b->counters, sizeof a->counters);
-    assert_int_equal(a->spp, b->spp);
-    assert_int_equal(a->passes, b->passes);
-    assert_memory_equal(&a->relative_rmse, &b->relative_rmse, sizeof a->relative_rmse);
-    assert_memory_equal(&a->error_bound, &b->error_bound, sizeof a->error_bound);
 }
 
 /* ---- the same bits ---- */
@@ -199,8 +148,6 @@ static void a_part_may_be_rendered_in_several_runs(void **state)
     bis_film f;
     bis_render_result result;
     struct stat st;
-    unsigned char *a, *b;
-    size_t n_a, n_b;
     off_t sum = 0;
 
     make_kind(&w, &kinds[0]);
@@ -228,14 +175,7 @@ static void a_part_may_be_rendered_in_several_runs(void **state)
     bis_film_clear(&f);
 
     /* the same file but for the seconds of rendering: eight bytes, the threads, the checksum */
-    assert_int_equal(bis_file_read(&a, &n_a, DIR_NAME "/part-3-3", (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(bis_file_read(&b, &n_b, DIR_NAME "/resumed", (bis_loc){0}, NULL), BIS_OK);
-    assert_int_equal(n_a, n_b);
-    size_t differing = 0;
-    for (size_t i = 0; i < n_a; i++) differing += a[i] != b[i];
-    assert_in_range(differing, 1, 8 + 4 + 8 + 8);
-    bis_free(a);
-    bis_free(b);
+    assert_in_range(differing_bytes(DIR_NAME "/part-3-3", DIR_NAME "/resumed"), 1, 8 + 4 + 8 + 8);
 
     static const bis_part others[] = {{2, 3}, {3, 4}, {0, 0}};
     for (size_t i = 0; i < COUNT(others); i++) {
@@ -329,27 +269,6 @@ static void a_costly_region_is_dealt_out_to_all_parts(void **state)
 
 /* ---- the file ---- */
 
-static void write_bytes(const char *path, const unsigned char *data, size_t n)
-{
-    FILE *f = fopen(path, "wb");
-    assert_non_null(f);
-    assert_int_equal(fwrite(data, 1, n, f), n);
-    assert_int_equal(fclose(f), 0);
-}
-
-static unsigned char *read_bytes(const char *path, size_t *n)
-{
-    unsigned char *data;
-    assert_int_equal(bis_file_read(&data, n, path, (bis_loc){0}, NULL), BIS_OK);
-    return data;
-}
-
-static void seal(unsigned char *data, size_t size)
-{
-    const uint64_t hash = bis_fnv1a(BIS_FNV1A, data, size - 8);
-    for (int i = 0; i < 8; i++) data[size - 8 + (size_t)i] = (unsigned char)(hash >> 8 * i);
-}
-
 /* Merges, and returns whether the words stand in a message; NULL: nothing fails. */
 static bis_status merge_paths(bis_merged *m, const char *const *paths, int n, const char *words)
 {
@@ -392,10 +311,10 @@ static void every_truncation_and_every_changed_byte_of_a_part_is_refused(void **
     unsigned char *data = read_bytes(FIRST, &size);
     for (size_t n = 0; n < size; n += step) {
         step = n < 900 ? 1 : 53; /* all of the head */
-        write_bytes(BAD, data, n);
+        store(BAD, data, n);
         assert_int_equal(merge_paths(m, paths, 2, BAD ": error: this "), BIS_INPUT);
         data[n] ^= 0x10;
-        write_bytes(BAD, data, size);
+        store(BAD, data, size);
         data[n] ^= 0x10;
         assert_int_equal(merge_paths(m, paths, 2, BAD ": error: this "), BIS_INPUT);
     }
@@ -496,14 +415,14 @@ static void every_field_of_the_format_counts(void **state)
 
     write_two(&w);
     unsigned char *data = read_bytes(FIRST, &size);
-    write_bytes(BAD, data, size);
+    store(BAD, data, size);
     assert_int_equal(merge_paths(right, paths, 2, NULL), BIS_OK);
     const size_t n = (size_t)right->film.width * (size_t)right->film.height;
     for (size_t i = 0; i < COUNT(fields); i++) {
         const field *f = &fields[i];
         data[at + f->at] ^= (unsigned char)f->mask;
         if (i + 1 < COUNT(fields)) seal(data, size);
-        write_bytes(BAD, data, size);
+        store(BAD, data, size);
         data[at + f->at] ^= (unsigned char)f->mask;
         if (i + 1 < COUNT(fields)) seal(data, size);
         at += f->bytes;
@@ -552,7 +471,7 @@ static void parts_are_read_and_begin_the_fuzzing(void **state)
     for (int i = 0; i < 2; i++) {
         size_t n;
         unsigned char *data = read_bytes(paths[i], &n);
-        write_bytes(seed, data, n);
+        store(seed, data, n);
         keep_as_seed(seed);
         bis_free(data);
         assert_int_equal(merge_paths(m, &paths[i], 1, i ? NULL : "part 2 of 2 is missing"), i ? BIS_OK : BIS_INPUT);
@@ -596,7 +515,7 @@ static void what_is_missing_or_foreign_is_named(void **state)
 
     write_two(&w);
     unsigned char *data = read_bytes(FIRST, &size);
-    write_bytes(BAD, data, size);
+    store(BAD, data, size);
     bis_free(data);
     assert_int_equal(merge_paths(m, (const char *[]){OTHER, OTHER}, 2,
                                  "part 1 of 2 is missing; this makes it: bis a/scene.txt --spp 9 --part 1/2 --outfile "

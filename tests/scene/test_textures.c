@@ -21,7 +21,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
 #define DIR "build/test_textures"
 
@@ -456,20 +455,25 @@ static void an_obj_and_a_ply_bring_theirs(void **state)
 #define MTL "# a library\nnewmtl unused\nKd 7 7 7\r\nnewmtl red\n\tKd 0.75 0.125 0\nKs 0.25\nNs 12.5\nillum 2\nKa 1 1 1\n" \
             "newmtl painted wood\nKd 0.5 0.25 1\nKs 0.9 0.9 0.9\nillum 1\nmap_Kd -s 2 1 1 -o 0.5 0 -clamp on four.pfm\nnewmtl red\nKd 0 0 0\n"
 
-/* The first face has the scene's own material, and lies at x = -1.5; the second one at -0.5, the third at 0.5. */
-static void an_obj_brings_its_materials_and_each_part_is_a_shape(void **state)
+#define OBJ_SHAPE(name) "Shape \"objmesh\" \"string filename\" \"../test_textures/" name "\" "
+#define GREY "Material \"diffuse\" \"float reflectance\" 0.375 "
+#define MATERIALS "\"bool materials\" true"
+
+static void write_obj(void)
 {
-    (void)state;
-    built b;
-    char text[1024];
-    bis_own_material m;
-    bis_counters counters = {0};
-    bis_point pt;
     store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16); /* 0.5 */
     program_write_file(DIR "/lib.mtl", MTL);
     program_write_file(DIR "/o.obj", "mtllib lib.mtl\n" OBJ);
-    snprintf(text, sizeof text, LIGHT "Material \"diffuse\" \"float reflectance\" 0.375 Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true");
-    assert_int_equal(try_build(&b, text), BIS_OK);
+}
+
+/* The first face has the scene's own material, and lies at x = -1.5; the second one at -0.5, the third at 0.5. */
+static void assert_three_parts(const char *scene)
+{
+    built b;
+    bis_own_material m;
+    bis_counters counters = {0};
+    bis_point pt;
+    assert_int_equal(try_build(&b, scene), BIS_OK);
     assert_int_equal(b.diag.n, 0);
     assert_int_equal(b.desc->n_shapes, 3);
     assert_int_equal(b.scene->geometry.n_triangles, 6);
@@ -488,17 +492,18 @@ static void an_obj_brings_its_materials_and_each_part_is_a_shape(void **state)
     const bis_texture *x = &b.desc->textures.list[0];
     assert_true(x->factor[0] == 2 && x->factor[1] == 1 && x->offset[0] == 0.5 && x->wrap == BIS_WRAP_CLAMP);
     clear(&b);
-    /* compressed, it has the same parts */
-    char compressed[1024];
+}
+
+static void an_obj_plain_or_compressed_brings_its_materials_and_each_part_is_a_shape(void **state)
+{
+    (void)state;
+    built b;
+    write_obj();
     assert_int_equal(system("gzip -c " DIR "/o.obj > " DIR "/o.obj.gz"), 0);
-    snprintf(compressed, sizeof compressed, LIGHT "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj.gz\" \"bool materials\" true");
-    assert_int_equal(try_build(&b, compressed), BIS_OK);
-    assert_int_equal(b.desc->n_shapes, 3);
-    assert_int_equal(b.scene->geometry.n_triangles, 6);
-    clear(&b);
+    assert_three_parts(LIGHT GREY OBJ_SHAPE("o.obj") MATERIALS);
+    assert_three_parts(LIGHT GREY OBJ_SHAPE("o.obj.gz") MATERIALS);
     /* without the parameter it is one shape as ever */
-    *strstr(text, "\"bool materials\"") = '\0';
-    assert_int_equal(try_build(&b, text), BIS_OK);
+    assert_int_equal(try_build(&b, LIGHT GREY OBJ_SHAPE("o.obj")), BIS_OK);
     assert_int_equal(b.desc->n_shapes, 1);
     assert_int_equal(b.scene->geometry.n_vertices, 8);
     clear(&b);
@@ -508,10 +513,8 @@ static void instances_of_an_obj_with_materials_are_alike(void **state)
 {
     (void)state;
     built b;
-    store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
-    program_write_file(DIR "/lib.mtl", MTL);
-    program_write_file(DIR "/o.obj", "mtllib lib.mtl\n" OBJ);
-    assert_int_equal(try_build(&b, LIGHT "ObjectBegin \"o\" Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true ObjectEnd\n"
+    write_obj();
+    assert_int_equal(try_build(&b, LIGHT "ObjectBegin \"o\" " OBJ_SHAPE("o.obj") MATERIALS " ObjectEnd\n"
                                    "ObjectInstance \"o\" Translate 10 0 0 ObjectInstance \"o\""), BIS_OK);
     assert_int_equal(b.desc->n_shapes, 6);
     assert_int_equal(b.scene->geometry.n_triangles, 12);
@@ -523,29 +526,10 @@ static void instances_of_an_obj_with_materials_are_alike(void **state)
     clear(&b);
 }
 
-static void a_compressed_obj_brings_its_materials_too(void **state)
-{
-    (void)state;
-    static const char obj[] = "mtllib lib.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 3 2 1\n";
-    built b;
-    gzFile out = gzopen(DIR "/o.obj.gz", "wb");
-    assert_non_null(out);
-    assert_int_equal(gzwrite(out, obj, sizeof obj - 1), sizeof obj - 1);
-    assert_int_equal(gzclose(out), Z_OK);
-    program_write_file(DIR "/lib.mtl", "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n");
-    assert_int_equal(try_build(&b, LIGHT "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj.gz\" \"bool materials\" true"), BIS_OK);
-    assert_int_equal(b.desc->n_shapes, 2);
-    for (int i = 0; i < 2; i++) {
-        const bis_material *m = &b.desc->materials[b.desc->shapes[i].material];
-        assert_true(m->Kd.r == (float)(i == 0) && m->Kd.g == (float)(i == 1) && m->Kd.b == 0);
-    }
-    clear(&b);
-}
-
 static void mistakes_of_a_library_are_found_in_it(void **state)
 {
     (void)state;
-    static const char scene[] = LIGHT "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true";
+    static const char scene[] = LIGHT OBJ_SHAPE("o.obj") MATERIALS;
     static const struct { const char *obj, *mtl, *message; } cases[] = {
         {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nKd 0 0\n", "lib.mtl:2: error: Kd is \"0 0\", must be three numbers"},
         {"usemtl a\nmtllib lib.mtl\n", "newmtl a\nKd 0 0 2\n", "lib.mtl:2: error: \"Kd\" is 2, must be in [0, 1]"},
@@ -576,7 +560,7 @@ static bis_status build_library(built *b, const char *statements)
     store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16); /* 0.5 */
     program_write_file(DIR "/o.obj", "mtllib lib.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     program_write_file(DIR "/lib.mtl", mtl);
-    return try_build(b, LIGHT "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true");
+    return try_build(b, LIGHT OBJ_SHAPE("o.obj") MATERIALS);
 }
 
 static void what_a_library_says_in_vain_is_told_once(void **state)
@@ -812,10 +796,8 @@ static void when_the_kth_allocation_fails_a_textured_scene_fails_cleanly(void **
     const char *obj = store_text("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nf 1/1 2/2 3/2\nf 1/2 3/1 4/1\n");
     snprintf(text, sizeof text, LIGHT TRIANGLE "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\nTexture \"c\" \"spectrum\" \"scale\" \"texture tex\" \"t\"\n"
              "Material \"diffuse\" \"texture reflectance\" \"c\" " TRIANGLE "\"point2 uv\" [0 0 1 0 0 1] Shape \"objmesh\" \"string filename\" \"%s\"\n"
-             "Shape \"objmesh\" \"string filename\" \"../test_textures/o.obj\" \"bool materials\" true", png, obj);
-    program_write_file(DIR "/lib.mtl", MTL);
-    program_write_file(DIR "/o.obj", "mtllib lib.mtl\n" OBJ);
-    store(DIR "/four.pfm", "Pf\n1 1\n-1.0\n\0\0\0\x3f", 16);
+             OBJ_SHAPE("o.obj") MATERIALS, png, obj);
+    write_obj();
     bool ended = false;
     for (long k = 1; !ended; k++) {
         built b;
@@ -1154,7 +1136,7 @@ int main(void)
         cmocka_unit_test(each_mesh_of_a_scene_keeps_its_own),
         cmocka_unit_test(without_textures_no_coordinates_are_kept),
         cmocka_unit_test(an_obj_and_a_ply_bring_theirs),
-        cmocka_unit_test(an_obj_brings_its_materials_and_each_part_is_a_shape),
+        cmocka_unit_test(an_obj_plain_or_compressed_brings_its_materials_and_each_part_is_a_shape),
         cmocka_unit_test(instances_of_an_obj_with_materials_are_alike),
         cmocka_unit_test(what_a_library_says_in_vain_is_told_once),
         cmocka_unit_test(numbers_of_a_library_are_checked),
@@ -1162,7 +1144,6 @@ int main(void)
         cmocka_unit_test(options_of_a_map_change_what_they_name_alone),
         cmocka_unit_test(a_texture_of_256_steps_is_the_dearest),
         cmocka_unit_test(a_bad_part_of_a_texture_is_one_complaint),
-        cmocka_unit_test(a_compressed_obj_brings_its_materials_too),
         cmocka_unit_test(mistakes_of_a_library_are_found_in_it),
         cmocka_unit_test(a_point_has_the_material_of_its_place),
         cmocka_unit_test(values_out_of_range_are_refused_when_the_image_is_known),

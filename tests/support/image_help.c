@@ -96,14 +96,6 @@ void bytes_clear(bytes *b)
     *b = (bytes){0};
 }
 
-void store(const char *path, const void *data, size_t n)
-{
-    FILE *f = fopen(path, "wb");
-    assert_non_null(f);
-    if (n) assert_int_equal(fwrite(data, 1, n, f), n);
-    assert_int_equal(fclose(f), 0);
-}
-
 /* Named by its content (FNV-1a), so that the same file comes once. */
 void keep_as_seed(const char *path)
 {

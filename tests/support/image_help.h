@@ -3,6 +3,7 @@
 #define TESTS_IMAGE_HELP_H
 
 #include "bis/base/image.h"
+#include "file_help.h"
 
 #include <stdint.h>
 
@@ -26,7 +27,6 @@ void put_text(bytes *b, const char *text);            /* without its zero */
 void put_int(bytes *b, uint64_t v, int n_bytes);      /* the low byte first */
 void put_float(bytes *b, float v);
 void bytes_clear(bytes *b);
-void store(const char *path, const void *data, size_t n);
 
 /* Where BIS_SEEDS names a folder: a copy of the file there, for a fuzzer to begin with (make fuzz). */
 void keep_as_seed(const char *path);

@@ -1,5 +1,5 @@
 /* auto: Integrator "auto", and "sir" with 0 candidates: a pilot measures which method, proposal, M and N are best
- * for a scene. For src/cli/cmd_render.c and the tests. */
+ * for a scene. For src/cli and the tests. */
 #pragma once
 
 #include "bis/render/render.h"

@@ -1,0 +1,63 @@
+/* choice: integrator "auto" under `bis render`: a pilot renders a little, and chooses. */
+#include "choice.h"
+
+#include "render/crew.h"
+#include "tools/describe.h"
+
+/* desc->view.settings becomes what the pilot chose, and is told. */
+static bis_status run_pilot(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc,
+                            const bis_render_options *options, bool quiet, bis_diag *diag)
+{
+    char line[BIS_MAX_LINE];
+    bis_status status = bis_auto_choose(choice, scene, desc, options, diag);
+
+    if (status) return status;
+    desc->view.settings = choice->settings;
+    if (quiet) return BIS_OK;
+    if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice));
+    else
+        fprintf(stderr, "bis: note: auto: nothing to choose, %s\n",
+                bis_cli_signal ? "interrupted" : "no surface or no light");
+    return BIS_OK;
+}
+
+/* A checkpoint knows what was chosen: no pilot. */
+static void choose_again(bis_auto_report *choice, bis_scene_desc *desc, const bis_checkpoint *c, bool quiet)
+{
+    char line[BIS_MAX_LINE];
+
+    *choice = (bis_auto_report){.is_chosen = true, .settings = c->head.settings, .seconds = c->head.pilot_seconds};
+    desc->view.settings = choice->settings;
+    bis_describe_line(line, &choice->settings, true);
+    if (!quiet) fprintf(stderr, "bis: note: auto goes on with %s, as the checkpoint says\n", line);
+}
+
+/* What rank 0 has chosen, to all ranks of the crew. */
+static bis_status tell_choice(bis_scene_desc *desc, bis_status status, bis_diag *diag)
+{
+    bis_crew *crew = bis_cli_crew;
+    char name[32] = "";
+
+    status = bis_crew_agree(crew, status, diag);
+    if (status || !crew) return status;
+    bis_settings s = desc->view.settings;
+    snprintf(name, sizeof name, "%s", s.integrator->name);
+    crew->broadcast(crew, name, sizeof name);
+    crew->broadcast(crew, &s, sizeof s);
+    s.integrator = bis_integrator_find(name); /* an address is of one process */
+    desc->view.settings = s;
+    return BIS_OK;
+}
+
+bis_status bis_choice_make(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc,
+                           const bis_render_options *options, const bis_checkpoint *checkpoint, bool quiet,
+                           bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+
+    if (bis_crew_leads(bis_cli_crew)) {
+        if (checkpoint->head.settings.integrator) choose_again(choice, desc, checkpoint, quiet);
+        else status = run_pilot(choice, scene, desc, options, quiet, diag);
+    }
+    return tell_choice(desc, status, diag);
+}

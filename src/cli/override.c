@@ -1,0 +1,107 @@
+/* override: what the command line of `bis render` says of the integrator, the sampler, the film and the accelerator is
+ * put in place of what the scene file says. */
+#include "override.h"
+
+#include "base/text.h"
+#include "bis/base/file.h"
+
+#include <string.h>
+
+bool bis_override_read_crop(void *value, const char *text)
+{
+    double crop[4];
+    for (int i = 0; i < 4; i++) {
+        const char *end;
+        crop[i] = bis_parse_double(text, &end);
+        if (end == text || !(crop[i] >= 0 && crop[i] <= 1) || *end != (i < 3 ? ',' : '\0')) return false;
+        text = end + 1;
+    }
+    if (crop[0] >= crop[1] || crop[2] >= crop[3]) return false;
+    memcpy(value, crop, sizeof crop);
+    return true;
+}
+
+/* The errata to render as printed: those of the scene and of the command line. */
+static bis_status switch_errata(bis_settings *s, const bis_texts *names, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+    char hint[BIS_HINT];
+
+    for (int i = 0; i < names->n; i++) {
+        const bis_erratum *e = bis_erratum_find(names->text[i]);
+        if (e) s->as_printed |= e->flag;
+        else
+            status = bis_error(diag, BIS_INPUT, bis_cli_loc,
+                               "--as-printed: no erratum \"%s\" can be switched%s; `bis --as-printed list` lists them",
+                               names->text[i], bis_hint(hint, bis_erratum_nearest(names->text[i])));
+    }
+    for (const bis_erratum *e = bis_errata; e->name; e++) {
+        if (!(s->as_printed & e->flag) || bis_erratum_reaches(e, s->integrator->name)) continue;
+        bis_warn(diag, bis_cli_loc, "%s as printed has no effect on integrator \"%s\", only on: %s", e->name,
+                 s->integrator->name, e->integrators);
+    }
+    return status;
+}
+
+static bis_status override_settings(bis_scene_desc *d, const bis_override *o, bis_diag *diag)
+{
+    bis_settings *s = &d->view.settings;
+
+    if (o->integrator && (!d->names_integrator || strcmp(o->integrator, s->integrator->name) != 0)) {
+        const unsigned as_printed = s->as_printed;
+        *s = bis_settings_default(bis_integrator_find(o->integrator));
+        s->as_printed = as_printed;
+        d->integrator_loc = bis_cli_loc;
+    }
+    /* the scene left open what the command line says */
+    if (s->only_sir && bis_parameter_given(o->parameters, "candidates")) s->integrator = &bis_sir;
+    bis_parameter_override(s, o->parameters, diag);
+    if (bis_parameter_given(o->parameters, "learn") && s->learn && s->proposal != BIS_PROPOSAL_PRODUCT &&
+        bis_parameter_of(s->integrator, "learn"))
+        bis_warn(diag, bis_cli_loc, "--learn has no effect on proposal \"%s\", only on \"product\"",
+                 bis_proposal_name(s->proposal));
+    bis_settings_leave_open(s);
+    bis_status status = switch_errata(s, &o->as_printed, diag);
+    return status ? status : bis_settings_check(s, bis_cli_loc, diag);
+}
+
+/* "albedo,normal", "all" or "none". */
+static bis_status read_layers(unsigned *set, const char *list, bis_diag *diag)
+{
+    *set = 0;
+    if (strcmp(list, "none") == 0) return BIS_OK;
+    for (const char *end; *list; list = *end ? end + 1 : end) {
+        char name[64], hint[BIS_HINT];
+        size_t n = strcspn(list, ",");
+        end = list + n;
+        snprintf(name, sizeof name, "%.*s", (int)(n < sizeof name ? n : sizeof name - 1), list);
+        if (bis_layers_include(set, name)) continue;
+        return bis_error(diag, BIS_INPUT, bis_cli_loc, "--layers: there is no layer \"%s\"%s; `bis --help` lists them",
+                         name, bis_hint(hint, bis_layer_nearest(name)));
+    }
+    return BIS_OK;
+}
+
+bis_status bis_override_scene(bis_scene_desc *d, const bis_override *o, bis_diag *diag)
+{
+    bis_status status = override_settings(d, o, diag);
+    if (!status && o->layers) status = read_layers(&d->view.film.layers, o->layers, diag);
+    if (status) return status;
+
+    if (o->has_spp) bis_sampler_set_spp(&d->view.sampler, (uint32_t)o->spp);
+    if (o->has_seed) d->view.sampler.seed = o->seed;
+    if (o->accelerator) d->accel.kind = strcmp(o->accelerator, "grid") == 0 ? BIS_ACCEL_GRID : BIS_ACCEL_EMBREE;
+    if (d->accel.kind == BIS_ACCEL_EMBREE && !bis_accel_embree_version())
+        return bis_error(diag, BIS_INPUT, bis_cli_loc,
+                         "accelerator \"embree\" is not built in; use \"grid\", or build with Embree installed");
+    if (o->threads) d->accel.n_threads = (int)o->threads;
+    bis_cli_use_threads(o->threads);
+    if (o->has_resolution) {
+        d->view.film.width = o->resolution[0];
+        d->view.film.height = o->resolution[1];
+    }
+    if (o->has_crop) memcpy(d->view.film.crop, o->crop, sizeof o->crop);
+    if (o->no_jitter) d->view.pixel_jitter = false;
+    if (o->adaptive) d->view.adaptive = true;
+    return BIS_OK;
+}
