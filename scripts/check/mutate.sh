@@ -1,20 +1,38 @@
 #!/bin/sh
 # mutate: changes one thing in a copy of src/ and runs the tests of that module, which must then fail; again for every mutation below.
 #     scripts/check/mutate.sh [WORD]          only the mutations whose file or reason holds WORD
+#     scripts/check/mutate.sh -a              tells which no longer apply; changes and runs nothing
 # A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/; .c is understood), "- the text as it stands",
 # "+ the text instead", an empty one. The first place where the text stands is changed. The copy is build/mutants; objects
 # are made once and only what a mutation touches is made anew.
 # Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some ten minutes: no part of make test.
+mutations() {
+    sed '1,/^# MUTATIONS$/d' "$0" | sed 's/^# \{0,1\}//'
+}
+
+if [ "$1" = -a ]; then
+    mutations | awk '
+        /^\* / { file = $2; head = $0 }
+        /^- / {
+            place = "find src -name " file (file ~ /\.h$/ ? "" : ".c")
+            place | getline path
+            close(place)
+            found = 0
+            while ((getline line <path) > 0) found = found || index(line, substr($0, 3))
+            close(path)
+            if (!found) { print head ": DOES NOT APPLY"; bad = 1 }
+            n++
+        }
+        END { exit bad || !n }'
+    exit
+fi
+
 copy=build/mutants
 word=$1
 log=$copy/log
 rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data
 mkdir -p $copy
 make -s data && cp -Rp include src tests scripts data Makefile $copy || exit 1
-
-mutations() {
-    sed '1,/^# MUTATIONS$/d' "$0" | sed 's/^# \{0,1\}//'
-}
 
 # make, in the copy: quiet, plain -O1; with the program, which some tests run. $1...: targets.
 build() {
@@ -316,7 +334,7 @@ exit
 # + const float scale = (k % 16 ? 1 : 2) * (float)bis_product_scale(p, c, k);
 #
 # * batch test_verify_picture : learned visibility is not divided out
-# - b->traced.q_L[k] = visible[b->cluster[k]];
+# - b->traced.q_L[k] = h[b->cluster[k]];
 # + b->traced.q_L[k] = 1;
 #
 # * pass test_verify_picture : edge pixels count 1.5 times
@@ -392,16 +410,16 @@ exit
 # + b->brdf.q_L[i] *= 1;
 #
 # * batch test_batch : the pool's unit is forgotten: weights and result in different ones
-# - trace(b, pt, Zhat / N, f)
-# + trace(b, pt, Zhat / N / (unit > 0 ? unit : 1), f)
+# - b, pt, Zhat / N, f)
+# + b, pt, Zhat / N / (unit > 0 ? unit : 1), f)
 #
 # * product test_clusters test_batch : a candidate's density is the map's, whatever its cluster got
-# - &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
-# + &y[((random & (((uint64_t)D << 16) - 1)) + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], 1);
+# - / times) >> 16 & (D - 1)], scale);
+# + / times) >> 16 & (D - 1)], 1);
 #
 # * product test_clusters test_batch : always a cluster's first directions
-# - random = bis_hash(random + k);
-# + random = 0;
+# - bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) % ((uint64_t)D << 16) + turn;
+# + 0;
 #
 # * clusters test_clusters : directions from the first half of each cluster alone
 # - c->t[k] + bis_cluster_share(c, k) * bis_stratum(
@@ -412,7 +430,7 @@ exit
 # + for (int i = 0; i < DIRECTIONS / 8; i++) least = fmin(least, dot(axis, y[i].wi));
 #
 # * visibility test_clusters test_batch : what was counted counts again in every later pass
-# - v->counted[t][i] = (bis_seen){0, 0};
+# - *counted = (bis_seen){{0}, {0}};
 # + ;
 #
 # * phong_lanes test_phong_lanes : the mixture's density without the cosine lobe
@@ -471,9 +489,25 @@ exit
 # - a->inverse[t] += 1.0 / a->samples[t];
 # + a->inverse[t] += 1.0 / BIS_ADAPT_SAMPLES;
 #
+# * visibility test_clusters : a cell knows what it and later cells have counted in this pass
+# - for (size_t i = first; i < cell; i++) add_cell(&tile, &v->counted[i]);
+# + for (size_t i = first; i < first + v->cells; i++) add_cell(&tile, &v->counted[i]);
+#
+# * visibility test_clusters : a cell knows nothing of the cells before it
+# - for (size_t i = first; i < cell; i++) add_cell(&tile, &v->counted[i]);
+# + ;
+#
+# * wave test_wave : a wave goes on into the next cell
+# - if (w->n > 0 && pixel->cell != w->samples[0].cell) bis_wave_end(w);
+# + ;
+#
+# * edges test_edges : where a lobe turns away is no edge
+# - return cosine < a->turn ? BIS_EDGE_TURN : BIS_EDGE_NONE;
+# + return BIS_EDGE_NONE;
+#
 # * edges test_edges : an outline against the background is no edge
-# - if (a->hit != b->hit) return true;
-# + if (a->hit != b->hit) return false;
+# - if (a->hit != b->hit) return BIS_EDGE_OUTLINE;
+# + if (a->hit != b->hit) return BIS_EDGE_NONE;
 #
 # * film_layers test_layers : the interval is a normal one, however few passes
 # - static double student_975(double dof)

@@ -469,6 +469,17 @@ static void every_word_of_a_scene_stands_in_a_scene(void **state)
     }
 }
 
+/* What the sources no longer say cannot be changed. Twin: sources that are not the project's. */
+static void every_mutation_finds_its_text(void **state)
+{
+    (void)state;
+    assert_int_equal(shell("sh scripts/check/mutate.sh -a"), 0);
+    assert_int_equal(shell("cd build && rm -rf mutate && mkdir -p mutate && cp -R ../src mutate && "
+                           "sed 's/BIS_EDGE_OUTLINE;/BIS_EDGE_NONE;/' ../src/render/edges.c > mutate/src/render/edges.c"), 0);
+    assert_int_equal(shell("cd build/mutate && sh ../../scripts/check/mutate.sh -a > ../mutate.out"), 1);
+    assert_int_equal(shell("grep -qx '.* edges .*outline.*: DOES NOT APPLY' build/mutate.out && test $(wc -l <build/mutate.out) = 1"), 0);
+}
+
 /* Programs for scripts/check/run_tests.sh: both find the project's files and leave one of their own; one fails. */
 static void each_run_of_the_tests_has_a_root_of_its_own(void **state)
 {
@@ -532,6 +543,7 @@ int main(void)
         cmocka_unit_test(every_item_of_the_errata_has_a_test_named_after_it_and_a_twin),
         cmocka_unit_test(an_item_without_its_test_or_its_twin_is_found),
         cmocka_unit_test(every_word_of_a_scene_stands_in_a_scene),
+        cmocka_unit_test(every_mutation_finds_its_text),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
