@@ -172,7 +172,7 @@ static void the_stats_are_those_by_hand(void **state)
         "  \"auto\": {\n    \"chosen\": \"the line\",\n    \"seconds\": 0.5,\n    \"width\": 30,\n    \"height\": 20,\n    \"passes\": 2,\n"
         "    \"tried\": [\n";
     /* 7 x 3 pixels of 3 sums, 3 sums of squares and hits, doubles all; and the workspace of 1000 */
-    static const char after[] = "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2176\n  },\n"
+    static const char after[] = "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2092\n  },\n"
                                 "  \"estimated_relative_rmse\": 0.125,\n  \"interrupted\": true\n}\n";
     bis_auto_report r;
     bis_scene_desc desc = small_scene();
@@ -352,15 +352,15 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
              "skip         diffuse candidates: Kd is 0 in 1 of 3 materials\n"
              "skip         specular candidates: Ks is 0 in 1 of 3 materials\n"
              "build        accelerator grid, default density\n"
-             "build        film: about 0.4 MB\n"
+             "build        film: about 0.3 MB\n"
              "build        layers albedo normal depth: about 0.4 MB\n"
-             /* 14 MB, and 5000 pixels of 56 + 17 and 7 (8 + 4) bytes */
+             /* 14 MB, and 5000 pixels of 52 + 17 and 7 (8 + 4) bytes */
              "memory       about 14.8 MB at the peak: film 0.8 MB, map 0.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n",
              bis_mis.claim, e6->section, e6->effect);
     assert_plan(scene, expected);
 }
 
-/* 4000 x 3000 pixels of 72 bytes; the map of 300 x 300, a probe, becomes 41 + 1 wide. */
+/* 4000 x 3000 pixels of 68 bytes; the map of 300 x 300, a probe, becomes 41 + 1 wide. */
 static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
 {
     (void)state;
@@ -383,9 +383,9 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
         "skip         light table: there is no geometry to light\nskip         light curve: there is no geometry to light\n"
         "skip         light components: there is no geometry to light\n"
         "geometry     0 shapes with instances: 0 of meshes, 0 spheres and disks\nmaterials    0 in use\n"
-        "skip         accelerator: there is no geometry\nbuild        film: about 864.0 MB\nskip         layers: none is asked for\n"
-        /* 12 million pixels of 72 1/4 bytes; 18 million texels of 12 */
-        "memory       about 1097.0 MB at the peak: film 867.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n";
+        "skip         accelerator: there is no geometry\nbuild        film: about 816.0 MB\nskip         layers: none is asked for\n"
+        /* 12 million pixels of 68 1/4 bytes; 18 million texels of 12 */
+        "memory       about 1049.0 MB at the peak: film 819.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n";
     strncat(expected, none, sizeof expected - 1 - strlen(expected));
     assert_plan(scene, expected);
 
