@@ -219,8 +219,8 @@ static bis_status check_part(const render_options *o, const bis_scene_desc *d, b
         what = "adaptive sampling: it weighs each tile against the whole picture. Leave out --adaptive, and \"bool "
                "adaptive\" of the scene";
     else if (bis_auto_is_wanted(&d->view.settings))
-        what = "integrator \"auto\": it goes by the clock, so each part would choose anew. `bis SCENE --spp 1 --stats "
-               "-` runs it once; give all parts the Integrator line in \"chosen\"";
+        what = "integrator \"auto\": it goes by the clock, so each part would choose anew. `bis SCENE --time 60 "
+               "--stats -` runs it once; give all parts the Integrator line in \"chosen\"";
     if (!what) return BIS_OK;
     return bis_error(diag, BIS_INPUT, bis_cli_loc, "--part %u/%u cannot have %s", (unsigned)o->part.k,
                      (unsigned)o->part.n, what);
@@ -273,7 +273,8 @@ static void print_forecast(const bis_forecast *f, void *user)
             f->error);
 }
 
-/* Where the choice is left to us: a pilot first; desc->view.settings becomes what it chose, and is told. */
+/* Where the choice is left to us: a pilot first; desc->view.settings becomes what it chose, or the default
+ * if the render is too short for a pilot, and is told. */
 static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc,
                          const bis_render_options *options, bool quiet, bis_diag *diag)
 {
@@ -283,10 +284,8 @@ static bis_status choose(bis_auto_report *choice, const bis_scene *scene, bis_sc
     if (status) return status;
     desc->view.settings = choice->settings;
     if (quiet) return BIS_OK;
-    if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice));
-    else
-        fprintf(stderr, "bis: note: auto: nothing to choose, %s\n",
-                bis_cli_signal ? "interrupted" : "no surface or no light");
+    fprintf(stderr, "bis: note: auto %s%s\n", choice->is_chosen ? "chose " : "takes the default, ",
+            bis_describe_choice(line, choice));
     return BIS_OK;
 }
 
@@ -353,6 +352,7 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
         .part = o->part,
+        .crew = bis_cli_crew,
     };
     bis_cli_catch_signals();
     o->shows_progress = show;
@@ -360,7 +360,6 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     if (chooses && leads && checkpoint->head.settings.integrator) choose_again(choice, desc, checkpoint, o->quiet);
     else if (chooses && leads) status = choose(choice, scene, desc, &options, o->quiet, diag);
     if (chooses) status = tell_choice(desc, status, diag);
-    options.crew = bis_cli_crew;
     /* without one, nothing is hashed */
     if (leads && (checkpoint->path || o->part.n)) options.checkpoint = checkpoint;
     if (!leads) options.interrupted = NULL; /* rank 0 ends the render */

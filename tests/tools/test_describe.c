@@ -143,6 +143,11 @@ static void the_line_of_the_choice_is_that_by_hand(void **state)
     r.n_tried = 1;
     r.seconds = 0.0123;
     assert_string_equal(bis_describe_choice(line, &r), "em, 8 samples (pilot: 1 settings, 0.012 s)");
+    /* nothing was chosen */
+    r.is_chosen = false;
+    r.n_tried = 0;
+    r.reason = "too short";
+    assert_string_equal(bis_describe_choice(line, &r), "em, 8 samples: too short");
 }
 
 /* ---- figures about the run ---- */
@@ -220,8 +225,16 @@ static void the_stats_are_those_by_hand(void **state)
         if (!(fabs(found - figures[i].value) < 1e-12) && !(isnan(found) && isnan(figures[i].value))) fail_msg("%s is %g", figures[i].path, found);
     }
     char value[256];
+    assert_null(strstr(text, "\"reason\""));
     assert_string_equal(json_value(value, sizeof value, text, "auto.tried.2.line"),
                         "\"Integrator \\\"em\\\" \\\"integer samples\\\" 8 \\\"bool stratify\\\" false\"");
+    free(text);
+
+    r.reason = "too short"; /* nothing was chosen */
+    r.n_tried = 0;
+    text = stats_of(&s);
+    assert_non_null(strstr(text, "\"auto\": {\n    \"chosen\": \"the line\",\n    \"reason\": \"too short\",\n"));
+    assert_null(strstr(text, "pass_relmse"));
     free(text);
 
     /* other integrators */
@@ -279,6 +292,9 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     assert_string_equal(join(text, sizeof text, attributes, n),
                         "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 edgelight=0.25 adaptive=true "
                         "bis:auto=all spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:raised=0.125 bis:version=" BIS_VERSION " ");
+    r.reason = "too short";
+    n = bis_describe_picture(&s, attributes);
+    assert_non_null(strstr(join(text, sizeof text, attributes, n), " bis:auto=all bis:auto-reason=too short spp=12 "));
     bis_film_clear(&film);
 }
 
