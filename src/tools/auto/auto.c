@@ -306,31 +306,36 @@ static double pilots_samples(const bis_auto_pilot *p, const bis_render_options *
     return fmin(most_samples, share_of_samples * samples_to_come(p, o));
 }
 
-/* A film k times smaller in each direction, of at most the picture's size. A crop too thin for that is rendered as
- * it is. */
+/* One side of a crop of `full` pixels: if it holds no pixel's middle, the pixel that it lies in. */
+static void hold_a_pixel(double side[2], int full)
+{
+    const double pixel = floor(full * side[0]);
+
+    if (ceil(full * side[1]) > ceil(full * side[0])) return;
+    side[0] = fmax(0, (pixel - 0.5) / full); /* a crop begins with the next whole number */
+    side[1] = (pixel + 0.5) / full;
+}
+
+/* A film k times smaller in each direction, of at most the picture's size. */
 static bis_status make_film(bis_film *film, bis_auto_pilot *p, const bis_scene_desc *desc, double pixels,
                             bis_diag *diag)
 {
     const bis_film_desc *f = &desc->view.film;
     const double k = fmax(1, sqrt(pixels_of(f) / pixels));
-    const int width = (int)fmax(1, round(f->width / k)), height = (int)fmax(1, round(f->height / k));
+    bis_film_desc *small = &p->view.film;
 
-    p->options.footprint = 1 / k;
-    p->scale = (double)f->width * f->height / ((double)width * height);
-    bis_status status = bis_film_init(film, width, height, f->crop, (bis_loc){0}, NULL);
-    if (status == BIS_NOMEM) return bis_auto_no_memory(desc, diag);
-    if (status == BIS_OK) {
-        p->view.film.width = width;
-        p->view.film.height = height;
-    } else {
-        p->options.footprint = 0;
-        p->scale = 1;
-        status = bis_film_init(film, f->width, f->height, f->crop, desc->integrator_loc, diag);
-    }
+    small->width = (int)fmax(1, round(f->width / k));
+    small->height = (int)fmax(1, round(f->height / k));
+    hold_a_pixel(&small->crop[0], small->width);
+    hold_a_pixel(&small->crop[2], small->height);
+    if (bis_film_init(film, small->width, small->height, small->crop, (bis_loc){0}, NULL))
+        return bis_auto_no_memory(desc, diag);
     p->report->width = film->width;
     p->report->height = film->height;
     p->n_pixels = (size_t)film->width * (size_t)film->height;
-    return status;
+    p->options.footprint = 1 / k;
+    p->scale = pixels_of(f) / (double)p->n_pixels;
+    return BIS_OK;
 }
 
 static bis_status make_pilot(bis_auto_pilot *p, const bis_scene_desc *desc, const bis_render_options *options,
