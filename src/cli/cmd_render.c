@@ -567,7 +567,8 @@ int bis_cmd_render(int argc, char **argv)
     }
     integrators[i] = bis_auto.name;
     bis_append(integrator_help, sizeof integrator_help,
-               "or auto: a pilot chooses (default: the scene's; see `bis help sir`)");
+               "or auto: a pilot chooses, if the render is long enough for it (default: the scene's; see `bis help "
+               "sir`)");
 
     /* clang-format off: the rows are broken by hand */
     const bis_option before[] = {

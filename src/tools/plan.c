@@ -30,7 +30,7 @@ static void print_settings(const bis_settings *s, FILE *out)
     char buf[32];
 
     if (s->integrator == &bis_auto) {
-        fprintf(out, "auto: a pilot will choose among %s",
+        fprintf(out, "auto: if the render is long enough, a pilot will choose among %s",
                 s->only_sir ? "sir's proposals, M and N"
                             : "mis, sir (proposal, M and N), and em or brdf where they are safe");
     } else fprintf(out, "%s:", s->integrator->name);

@@ -387,7 +387,7 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
              "film         4000 x 3000, cropwindow 0 1 0 1, to bis.exr\n"
              "camera       orthographic\n"
              "sampler      sobol, 3 camera samples a pixel, 4 for each of them on outlines with 0.375 of its light samples each, seed 0\n"
-             "integrator   auto: a pilot will choose among mis, sir (proposal, M and N), and em or brdf where they are safe\n"
+             "integrator   auto: if the render is long enough, a pilot will choose among mis, sir (proposal, M and N), and em or brdf where they are safe\n"
              "claim        %s\n"
              "light        map " DIR "/probe.hdr, angular, resampled to latlong, 6000 x 3000: 216.0 MB of pixels\n",
              bis_auto.claim);

@@ -72,8 +72,8 @@ static const double least_samples_quick = 1.5e4, least_samples = 1.5e5, most_sam
 static const double expected_renders = 36, expected_renders_quick = 6, samples_a_second = 2e5;
 
 /* A pilot keeps about this many threads busy, because a setting is tried by one thread: half of the work of the short
- * list is that of its slowest setting. */
-static const double busy_threads = 2;
+ * list, or a little more, is that of its slowest setting. */
+static const double busy_threads = 1.5;
 
 /* Of mis and em, see above. */
 static const double unseen = 0.25;
