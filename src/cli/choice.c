@@ -4,7 +4,7 @@
 #include "render/crew.h"
 #include "tools/describe.h"
 
-/* desc->view.settings becomes what the pilot chose, and is told. */
+/* desc->view.settings becomes what the pilot chose, or the default if the render is too short for one, and is told. */
 static bis_status run_pilot(bis_auto_report *choice, const bis_scene *scene, bis_scene_desc *desc,
                             const bis_render_options *options, bool quiet, bis_diag *diag)
 {
@@ -14,10 +14,8 @@ static bis_status run_pilot(bis_auto_report *choice, const bis_scene *scene, bis
     if (status) return status;
     desc->view.settings = choice->settings;
     if (quiet) return BIS_OK;
-    if (choice->is_chosen) fprintf(stderr, "bis: note: auto chose %s\n", bis_describe_choice(line, choice));
-    else
-        fprintf(stderr, "bis: note: auto: nothing to choose, %s\n",
-                bis_cli_signal ? "interrupted" : "no surface or no light");
+    fprintf(stderr, "bis: note: auto %s%s\n", choice->is_chosen ? "chose " : "takes the default, ",
+            bis_describe_choice(line, choice));
     return BIS_OK;
 }
 

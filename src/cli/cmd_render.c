@@ -107,12 +107,12 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
         .forecast = o->quiet ? NULL : print_forecast,
         .user = o,
         .part = o->part.share,
+        .crew = bis_cli_crew,
     };
     bis_cli_catch_signals();
     o->shows_progress = show;
     o->film = film;
     if (chooses) status = bis_choice_make(choice, scene, desc, &options, checkpoint, o->quiet, diag);
-    options.crew = bis_cli_crew;
     /* without one, nothing is hashed */
     if (leads && (checkpoint->path || o->part.share.n)) options.checkpoint = checkpoint;
     if (!leads) options.interrupted = NULL; /* rank 0 ends the render */
@@ -295,7 +295,8 @@ int bis_cmd_render(int argc, char **argv)
     }
     integrators[i] = bis_auto.name;
     bis_append(integrator_help, sizeof integrator_help,
-               "or auto: a pilot chooses (default: the scene's; see `bis help sir`)");
+               "or auto: a pilot chooses, if the render is long enough for it (default: the scene's; see `bis help "
+               "sir`)");
 
     /* clang-format off: the rows are broken by hand */
     const bis_option before[] = {

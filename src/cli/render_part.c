@@ -83,8 +83,8 @@ bis_status bis_render_part_check(bis_part share, const bis_budget *budget, const
         what = "adaptive sampling: it weighs each tile against the whole picture. Leave out --adaptive, and \"bool "
                "adaptive\" of the scene";
     else if (bis_auto_is_wanted(&desc->view.settings))
-        what = "integrator \"auto\": it goes by the clock, so each part would choose anew. `bis SCENE --spp 1 --stats "
-               "-` runs it once; give all parts the Integrator line in \"chosen\"";
+        what = "integrator \"auto\": it goes by the clock, so each part would choose anew. `bis SCENE --time 60 "
+               "--stats -` runs it once; give all parts the Integrator line in \"chosen\"";
     if (!what) return BIS_OK;
     return bis_error(diag, BIS_INPUT, bis_cli_loc, "--part %u/%u cannot have %s", (unsigned)share.k,
                      (unsigned)share.n, what);

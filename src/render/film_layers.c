@@ -57,7 +57,7 @@ static double value(const bis_film *f, bis_layer layer, size_t i, size_t k, doub
     case BIS_LAYER_SHADOWRAYS:
     case BIS_LAYER_CANDIDATES: return sum[k];
     case BIS_LAYER_VISIBILITY: return sum[1] > 0 ? sum[0] / sum[1] : 0;
-    case BIS_LAYER_DEPTH: return f->hits[i] > 0 ? sum[0] / f->hits[i] : 0;
+    case BIS_LAYER_DEPTH: return f->hits[i] > 0 ? sum[0] / (double)f->hits[i] : 0;
     default: return f->passes ? sum[k] / f->weight : 0;
     }
 }

@@ -12,7 +12,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { FORMAT = 4, MAGIC = 8 };
+enum { FORMAT = 5, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];
@@ -158,19 +158,30 @@ static void walk_visibility(bis_walk *w, const bis_workspace *of)
     }
 }
 
-/* Sums of the pixels that are rendered here, `each` of a pixel. */
-static void walk_pixels(bis_walk *w, const bis_workspace *of, double *sums, size_t each)
+/* `each` values of every pixel: doubles, floats, or none, of layers that nobody asked for. */
+typedef struct values {
+    double *doubles;
+    float *floats;
+    size_t each;
+} values;
+
+static void walk_run(bis_walk *w, const values *v, size_t first_pixel, size_t n_pixels)
+{
+    if (v->doubles) bis_walk_f64s(w, v->doubles + first_pixel * v->each, n_pixels * v->each);
+    if (v->floats) bis_walk_f32s(w, v->floats + first_pixel * v->each, n_pixels * v->each);
+}
+
+/* Of the pixels that are rendered here. */
+static void walk_pixels(bis_walk *w, const bis_workspace *of, values v)
 {
     const bis_film *f = of->film;
     const size_t width = (size_t)f->width;
 
-    if (!sums) return; /* of layers that nobody asked for */
-    if (!of->own) bis_walk_f64s(w, sums, width * (size_t)f->height * each);
+    if (!of->own) walk_run(w, &v, 0, width * (size_t)f->height);
     for (int i = 0; i < of->n_own && of->own; i++) {
         const bis_rect r = bis_film_tile_of_crop(f, BIS_RENDER_TILE, of->own[i]);
         for (int y = r.y0; y < r.y1; y++)
-            bis_walk_f64s(w, sums + ((size_t)(y - f->y0) * width + (size_t)(r.x0 - f->x0)) * each,
-                          (size_t)(r.x1 - r.x0) * each);
+            walk_run(w, &v, (size_t)(y - f->y0) * width + (size_t)(r.x0 - f->x0), (size_t)(r.x1 - r.x0));
     }
 }
 
@@ -191,7 +202,7 @@ uint64_t bis_state_sums_bytes(const bis_workspace *of)
 {
     const uint64_t n_learn = of->visibility.n_tiles ? (uint64_t)of->n_own : 0;
 
-    return pixels_of(of) * 8 * (7 + (uint64_t)of->film->layers.n_values) + (uint64_t)of->adapt.n_tiles * 20 +
+    return pixels_of(of) * (6 * 8 + 4 + 8 * (uint64_t)of->film->layers.n_values) + (uint64_t)of->adapt.n_tiles * 20 +
            n_learn * of->visibility.cells * sizeof(bis_seen);
 }
 
@@ -199,10 +210,10 @@ void bis_state_walk_sums(bis_walk *w, bis_workspace *of)
 {
     bis_film *f = of->film;
 
-    walk_pixels(w, of, f->sum, 3);
-    walk_pixels(w, of, f->sum_squares, 3);
-    walk_pixels(w, of, f->hits, 1);
-    walk_pixels(w, of, f->layers.sum, (size_t)f->layers.n_values);
+    walk_pixels(w, of, (values){.doubles = f->sum, .each = 3});
+    walk_pixels(w, of, (values){.doubles = f->sum_squares, .each = 3});
+    walk_pixels(w, of, (values){.floats = f->hits, .each = 1});
+    walk_pixels(w, of, (values){.doubles = f->layers.sum, .each = (size_t)f->layers.n_values});
     walk_adapt(w, &of->adapt);
     walk_visibility(w, of);
 }

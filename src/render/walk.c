@@ -36,6 +36,16 @@ void bis_walk_f64s(bis_walk *w, double *v, size_t n)
     for (size_t i = 0; i < n; i++) bis_walk_f64(w, &v[i]);
 }
 
+void bis_walk_f32s(bis_walk *w, float *v, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        uint32_t bits;
+        memcpy(&bits, &v[i], sizeof bits);
+        bis_walk_u32(w, &bits);
+        memcpy(&v[i], &bits, sizeof bits);
+    }
+}
+
 void bis_walk_name(bis_walk *w, char text[BIS_WALK_NAME])
 {
     for (int i = 0; i < BIS_WALK_NAME; i++) text[i] = (char)bis_walk_field(w, (unsigned char)text[i], 1);

@@ -40,11 +40,12 @@ static inline uint64_t bis_walk_field(bis_walk *w, uint64_t v, unsigned n_bytes)
     return v;
 }
 
-/* bis_walk_u64, bis_walk_u32, bis_walk_f64 and bis_walk_f64s walk over one number, or n of them. */
+/* bis_walk_u64, bis_walk_u32, bis_walk_f64, and bis_walk_f64s and bis_walk_f32s walk over one number, or n of them. */
 void bis_walk_u64(bis_walk *w, uint64_t *v);
 void bis_walk_u32(bis_walk *w, uint32_t *v);
 void bis_walk_f64(bis_walk *w, double *v);
 void bis_walk_f64s(bis_walk *w, double *v, size_t n);
+void bis_walk_f32s(bis_walk *w, float *v, size_t n);
 
 /* bis_walk_name walks over a name of fewer than BIS_WALK_NAME bytes, with zeros behind it. */
 void bis_walk_name(bis_walk *w, char text[BIS_WALK_NAME]);

@@ -86,6 +86,10 @@ const char *bis_describe_choice(char line[BIS_MAX_LINE], const bis_auto_report *
 
     *line = '\0';
     append_settings(line, &r->settings);
+    if (!r->is_chosen) {
+        bis_append(line, BIS_MAX_LINE, ": %s", r->reason);
+        return line;
+    }
     for (int i = 0; i < r->n_tried && chosen > 0; i++) {
         const bis_settings *s = &r->tried[i].settings;
         const double own = product(r, i);
@@ -135,6 +139,7 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
         attributes[n++] = (bis_attribute){"edgelight", NULL, s->desc->view.edge_light};
     if (s->desc->view.adaptive) attributes[n++] = (bis_attribute){"adaptive", "true", 0};
     if (s->choice) attributes[n++] = (bis_attribute){"bis:auto", s->line, 0};
+    if (s->choice && s->choice->reason) attributes[n++] = (bis_attribute){"bis:auto-reason", s->choice->reason, 0};
     if (*s->approximated) attributes[n++] = (bis_attribute){"bis:approximated", s->approximated, 0};
     attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->view.sampler.seed};
@@ -188,7 +193,7 @@ static void print_tried(bis_json *j, const bis_auto_report *r, int i)
     bis_json_close(j);
 }
 
-/* All that the pilot has tried; without a pilot there is no such key. */
+/* All that the pilot has tried, or why there was none; where nothing was left open there is no such key. */
 static void print_choice(bis_json *j, const bis_stats *s)
 {
     const bis_auto_report *r = s->choice;
@@ -196,6 +201,7 @@ static void print_choice(bis_json *j, const bis_stats *s)
     if (!r) return;
     bis_json_open(j, "auto", '{');
     bis_json_text(j, "chosen", s->line);
+    if (r->reason) bis_json_text(j, "reason", r->reason);
     BIS_JSON_NUMBERS(j, {"seconds", r->seconds}, {"width", r->width}, {"height", r->height}, {"passes", r->passes});
     bis_json_open(j, "tried", '[');
     for (int i = 0; i < r->n_tried; i++) print_tried(j, r, i);

@@ -6,7 +6,7 @@
 #include "bis/files/image_file.h"
 #include "bis/render/render.h"
 
-enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 15, BIS_MAX_LINE = 512,
+enum { BIS_MAX_PARAMETERS = 8, BIS_MAX_ATTRIBUTES = BIS_MAX_PARAMETERS + 16, BIS_MAX_LINE = 512,
        BIS_APPROXIMATED_TEXT = 4096 };
 
 /* The parameters that the integrator reads, in the order of docs/scene-format.md; returns their number. Texts are

@@ -30,7 +30,7 @@ static void print_settings(const bis_settings *s, FILE *out)
     char buf[32];
 
     if (s->integrator == &bis_auto) {
-        fprintf(out, "auto: a pilot will choose among %s",
+        fprintf(out, "auto: if the render is long enough, a pilot will choose among %s",
                 s->only_sir ? "sir's proposals, M and N"
                             : "mis, sir (proposal, M and N), and em or brdf where they are safe");
     } else fprintf(out, "%s:", s->integrator->name);
@@ -95,7 +95,7 @@ static void print_tiles(const bis_scene_desc *d, FILE *out)
 /* Bytes a pixel: sums, their squares and hits; the pass under way; and 8 + 4 for each value of a layer. */
 static void print_film(const bis_scene_desc *d, FILE *out)
 {
-    enum { FILM_BYTES = 56, PASS_BYTES = 16, VALUE_BYTES = 12 };
+    enum { FILM_BYTES = 52, PASS_BYTES = 16, VALUE_BYTES = 12 };
     const double pixels = (double)d->view.film.width * d->view.film.height *
                           (d->view.film.crop[1] - d->view.film.crop[0]) * (d->view.film.crop[3] - d->view.film.crop[2]);
     char buf[32];

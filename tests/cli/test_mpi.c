@@ -172,7 +172,8 @@ static void rank_0_chooses_and_keeps_the_time(void **state)
     program_run r;
 
     skip_without_mpi();
-    expect_mpi(3, SCENE " --integrator auto --spp 5 --stats - --outfile " DIR "/b.pfm");
+    /* a long time is to come, so that there is a pilot, but the error is reached at once */
+    expect_mpi(3, SCENE " --integrator auto --time 10 --error 0.5 --stats - --outfile " DIR "/b.pfm");
     assert_non_null(strstr(text, "bis: note: auto chose "));
     assert_null(strstr(strstr(text, "auto chose ") + 1, "auto chose "));
     read_text(DIR "/out");
@@ -185,7 +186,7 @@ static void rank_0_chooses_and_keeps_the_time(void **state)
     assert_non_null(line);
     snprintf(scene, sizeof scene, "%.*s%s%s", (int)(line - text), text, options, strchr(line, '\n'));
     program_write_file(DIR "/chosen.txt", scene);
-    program_expect(&r, 0, DIR "/chosen.txt --spp 5 --outfile " DIR "/a.pfm");
+    program_expect(&r, 0, DIR "/chosen.txt --time 10 --error 0.5 --outfile " DIR "/a.pfm");
     assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
 
     unsigned long spp;

@@ -25,7 +25,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fuzz_require((status == BIS_OK) == (m.film.sum != NULL), "all of the picture or none");
     const size_t n = (size_t)m.film.width * (size_t)m.film.height;
     for (size_t i = 0; i < n; i++) fuzz_require(isfinite(m.film.sum[3 * i + 2]), "sums are finite");
-    if (!status) fuzz_require(n * 56 <= size, "no more pixels than the file has");
+    if (!status) fuzz_require(n * 52 <= size, "no more pixels than the file has");
     if (!status) fuzz_require(strlen(m.about.command) < size, "a command out of the file");
     bis_film_clear(&m.film);
     bis_diag_clear(&diag);

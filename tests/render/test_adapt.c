@@ -239,8 +239,8 @@ static void an_adaptive_render_is_unbiased(void **state)
         double sum = 0, hits = 0;
         for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
             sum += f.sum[3 * i] / f.weight;
-            hits += f.hits[i] / f.weight;
-            assert_true(f.hits[i] == 0 || f.hits[i] == f.weight);
+            hits += (double)f.hits[i] / f.weight;
+            assert_true(f.hits[i] == 0 || (double)f.hits[i] == f.weight);
         }
         stat_add(&m, sum / hits);
         rays += result.counters.camera_rays;

@@ -171,6 +171,54 @@ static void pixels_are_means_and_alpha_the_share_of_hits(void **state)
     bis_film_clear(&f);
 }
 
+/* Alpha of one pixel after `passes` passes of weight 1 and this share of hits. */
+static double alpha_after(uint32_t passes, double share)
+{
+    bis_film f;
+    float rgba[4];
+    init(&f, 1, 1);
+    for (uint32_t pass = 0; pass < passes; pass++) {
+        bis_film_add(&f, 0, 0, (rgb){1, 1, 1}, share, 1);
+        bis_film_end_pass(&f, 1);
+    }
+    bis_film_resolve(&f, rgba);
+    bis_film_clear(&f);
+    return (double)rgba[3];
+}
+
+/* Eighths need 24 bits up to 2^21 whole ones. One more whole one and an eighth do not fit. */
+static void alpha_of_eighths_is_exact_for_two_million_camera_samples(void **state)
+{
+    (void)state;
+    for (int eighths = 1; eighths <= 8; eighths++)
+        assert_true(alpha_after(1 << 20, eighths / 8.0) == eighths / 8.0);
+    assert_true(alpha_after(1 << 21, 7 / 8.0) == 7 / 8.0);
+    assert_true(alpha_after(1 << 22, 7 / 8.0) != 7 / 8.0); /* the test can see a rounding */
+}
+
+/* A third of weight 1 is rounded in each pass, in one direction as long as the sum has the same exponent. By hand: the
+ * sum lies in [2^e, 2^(e+1)) for 3 2^e passes and has steps of u = 2^(e-23), so that each pass adds u round(1/(3u))
+ * instead of 1/3, an error of u/3: with e even too much, with e odd too little. (The drift itself moves the powers of two by 70
+ * of 10^5 passes, each of which then errs by u/3 + u/6 otherwise: 0.6 % of the whole.) The bound is that of film.c,
+ * 2^-25 (1/3) (n + 1), and half a step of float for the quotient. */
+static void alpha_of_thirds_errs_by_less_than_the_bound(void **state)
+{
+    (void)state;
+    static const uint32_t passes[] = {10, 1000, 10000, 100000};
+    for (size_t i = 0; i < sizeof passes / sizeof *passes; i++) {
+        const double n = passes[i], error = alpha_after(passes[i], 1 / 3.0) - 1 / 3.0;
+        double drift = 0, left = n;
+        for (int e = -2; left > 0; e++) {
+            const double here = fmin(left, 3 * ldexp(1, e));
+            drift += here * (e % 2 ? -1 : 1) * ldexp(1, e - 23) / 3;
+            left -= here;
+        }
+        const double bound = ldexp(1 / 3.0, -25) * (n + 1) + ldexp(1, -26);
+        if (!(fabs(error) <= bound)) fail_msg("%g passes: alpha errs by %g, bound %g", n, error, bound);
+        if (n >= 1e5 && !(fabs(error / (drift / n) - 1) < 0.01)) fail_msg("alpha errs by %g, by hand %g", error, drift / n);
+    }
+}
+
 static void a_film_without_passes_is_black(void **state)
 {
     (void)state;
@@ -369,6 +417,8 @@ int main(void)
         cmocka_unit_test(a_crop_without_pixels_of_a_thin_film_says_so),
         cmocka_unit_test(a_tiles_error_is_the_sum_over_its_pixels),
         cmocka_unit_test(pixels_are_means_and_alpha_the_share_of_hits),
+        cmocka_unit_test(alpha_of_eighths_is_exact_for_two_million_camera_samples),
+        cmocka_unit_test(alpha_of_thirds_errs_by_less_than_the_bound),
         cmocka_unit_test(a_film_without_passes_is_black),
         cmocka_unit_test(relative_rmse_is_what_the_formula_gives_by_hand),
         cmocka_unit_test(a_lone_bright_sample_does_not_hide_behind_its_own_brightness),

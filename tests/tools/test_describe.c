@@ -143,6 +143,11 @@ static void the_line_of_the_choice_is_that_by_hand(void **state)
     r.n_tried = 1;
     r.seconds = 0.0123;
     assert_string_equal(bis_describe_choice(line, &r), "em, 8 samples (pilot: 1 settings, 0.012 s)");
+    /* nothing was chosen */
+    r.is_chosen = false;
+    r.n_tried = 0;
+    r.reason = "too short";
+    assert_string_equal(bis_describe_choice(line, &r), "em, 8 samples: too short");
 }
 
 /* ---- figures about the run ---- */
@@ -172,7 +177,7 @@ static void the_stats_are_those_by_hand(void **state)
         "  \"auto\": {\n    \"chosen\": \"the line\",\n    \"seconds\": 0.5,\n    \"width\": 30,\n    \"height\": 20,\n    \"passes\": 2,\n"
         "    \"tried\": [\n";
     /* 7 x 3 pixels of 3 sums, 3 sums of squares and hits, doubles all; and the workspace of 1000 */
-    static const char after[] = "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2176\n  },\n"
+    static const char after[] = "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2092\n  },\n"
                                 "  \"estimated_relative_rmse\": 0.125,\n  \"interrupted\": true\n}\n";
     bis_auto_report r;
     bis_scene_desc desc = small_scene();
@@ -220,8 +225,16 @@ static void the_stats_are_those_by_hand(void **state)
         if (!(fabs(found - figures[i].value) < 1e-12) && !(isnan(found) && isnan(figures[i].value))) fail_msg("%s is %g", figures[i].path, found);
     }
     char value[256];
+    assert_null(strstr(text, "\"reason\""));
     assert_string_equal(json_value(value, sizeof value, text, "auto.tried.2.line"),
                         "\"Integrator \\\"em\\\" \\\"integer samples\\\" 8 \\\"bool stratify\\\" false\"");
+    free(text);
+
+    r.reason = "too short"; /* nothing was chosen */
+    r.n_tried = 0;
+    text = stats_of(&s);
+    assert_non_null(strstr(text, "\"auto\": {\n    \"chosen\": \"the line\",\n    \"reason\": \"too short\",\n"));
+    assert_null(strstr(text, "pass_relmse"));
     free(text);
 
     /* other integrators */
@@ -279,6 +292,9 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     assert_string_equal(join(text, sizeof text, attributes, n),
                         "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 edgelight=0.25 adaptive=true "
                         "bis:auto=all spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 bis:raised=0.125 bis:version=" BIS_VERSION " ");
+    r.reason = "too short";
+    n = bis_describe_picture(&s, attributes);
+    assert_non_null(strstr(join(text, sizeof text, attributes, n), " bis:auto=all bis:auto-reason=too short spp=12 "));
     bis_film_clear(&film);
 }
 
@@ -352,15 +368,15 @@ static void the_plan_of_a_whole_scene_is_that_by_hand(void **state)
              "skip         diffuse candidates: Kd is 0 in 1 of 3 materials\n"
              "skip         specular candidates: Ks is 0 in 1 of 3 materials\n"
              "build        accelerator grid, default density\n"
-             "build        film: about 0.4 MB\n"
+             "build        film: about 0.3 MB\n"
              "build        layers albedo normal depth: about 0.4 MB\n"
-             /* 14 MB, and 5000 pixels of 56 + 17 and 7 (8 + 4) bytes */
+             /* 14 MB, and 5000 pixels of 52 + 17 and 7 (8 + 4) bytes */
              "memory       about 14.8 MB at the peak: film 0.8 MB, map 0.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n",
              bis_mis.claim, e6->section, e6->effect);
     assert_plan(scene, expected);
 }
 
-/* 4000 x 3000 pixels of 72 bytes; the map of 300 x 300, a probe, becomes 41 + 1 wide. */
+/* 4000 x 3000 pixels of 68 bytes; the map of 300 x 300, a probe, becomes 41 + 1 wide. */
 static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
 {
     (void)state;
@@ -371,7 +387,7 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
              "film         4000 x 3000, cropwindow 0 1 0 1, to bis.exr\n"
              "camera       orthographic\n"
              "sampler      sobol, 3 camera samples a pixel, 4 for each of them on outlines with 0.375 of its light samples each, seed 0\n"
-             "integrator   auto: a pilot will choose among mis, sir (proposal, M and N), and em or brdf where they are safe\n"
+             "integrator   auto: if the render is long enough, a pilot will choose among mis, sir (proposal, M and N), and em or brdf where they are safe\n"
              "claim        %s\n"
              "light        map " DIR "/probe.hdr, angular, resampled to latlong, 6000 x 3000: 216.0 MB of pixels\n",
              bis_auto.claim);
@@ -383,9 +399,9 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
         "skip         light table: there is no geometry to light\nskip         light curve: there is no geometry to light\n"
         "skip         light components: there is no geometry to light\n"
         "geometry     0 shapes with instances: 0 of meshes, 0 spheres and disks\nmaterials    0 in use\n"
-        "skip         accelerator: there is no geometry\nbuild        film: about 864.0 MB\nskip         layers: none is asked for\n"
-        /* 12 million pixels of 72 1/4 bytes; 18 million texels of 12 */
-        "memory       about 1097.0 MB at the peak: film 867.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n";
+        "skip         accelerator: there is no geometry\nbuild        film: about 816.0 MB\nskip         layers: none is asked for\n"
+        /* 12 million pixels of 68 1/4 bytes; 18 million texels of 12 */
+        "memory       about 1049.0 MB at the peak: film 819.0 MB, map 216.0 MB, meshes 0.0 MB, textures 0.0 MB, accelerator 0.0 MB\n";
     strncat(expected, none, sizeof expected - 1 - strlen(expected));
     assert_plan(scene, expected);
 

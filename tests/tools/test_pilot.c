@@ -5,6 +5,7 @@
 #include "tools/auto/auto_pilot.h"
 
 #include "bis/base/mem.h"
+#include "render/crew.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 
@@ -28,43 +29,78 @@ static void assert_close(double found, double expected)
 
 /* ---- its size ---- */
 
-/* An interrupted pilot has a film and has rendered nothing. In all, so many camera samples: 4% of those to come or of 2e5 a
- * second, at most 6e5, in 36 renders of 1 or 2 passes; where these are below 1.5e5, 1.5%, at least 8000, in 6 renders of one
- * pass. The film is the picture's, k times smaller. */
+/* From so far above the floor of 18 x 18; the picture is as wide as twice that. */
+static void look_down(bis_camera *c, double height)
+{
+    const double eye[3] = {0, height - 1, 0}, look[3] = {0, -1, 0}, up[3] = {0, 0, 1};
+    bis_xform from_world;
+    assert_true(bis_xform_look_at(&from_world, eye, look, up));
+    c->to_world = bis_xform_inverse(&from_world);
+    c->fov_deg = 90;
+}
+
+/* An interrupted pilot has a film and has rendered nothing. In all, so many camera samples: 1.25% of those to come that
+ * meet a surface, or of 2e5 a second, at most 6e5, in 36 renders of 1 or 2 passes; where these are below 1.5e5, in 6
+ * renders of one pass; where they are below 1.5e4 there is no pilot. More threads than 1.5, of all processes, count as
+ * fewer samples. The film is the picture's, k times smaller. */
 static void the_pilots_size_follows_what_is_to_come(void **state)
 {
     (void)state;
+    enum { NO_PILOT = 0 };
     const double part[4] = {0, 0.5, 0.2, 0.6};
-    const struct { int width, height; uint32_t scene_spp; const double *crop; bis_budget budget; bool adaptive; int small_width, small_height, passes; } cases[] = {
-        /* 2e6 to come: 3e4 samples are 5000 pixels, k = 10 */
-        {1000, 500, 4, whole, {0}, false, 100, 50, 1},
-        {1000, 500, 9, whole, {.spp = 4}, false, 100, 50, 1},
-        /* 0.2 of it, 4e5: 8000, 1333 pixels, k = sqrt 75: 115 x 58, of which columns 0 to 57 and rows 12 to 34 */
-        {1000, 500, 4, part, {0}, false, 58, 23, 1},
-        /* 1e7: 4e5 in 72 passes are 5556 pixels, k = sqrt 90 */
-        {1000, 500, 4, whole, {.spp = 20}, false, 105, 53, 2},
+    const struct {
+        int width, height; uint32_t scene_spp; const double *crop; bis_budget budget; bool adaptive; int small_width, small_height, passes, n_threads, n_ranks;
+        bool far; /* the floor fills a quarter of the picture */
+    } cases[] = {
+        /* 2e6 to come: 2.5e4 samples are 4167 pixels, k = sqrt 120 */
+        {1000, 500, 4, whole, {0}, false, 91, 46, 1, 1, 1, false},
+        {1000, 500, 9, whole, {.spp = 4}, false, 91, 46, 1, 1, 1, false},
+        /* 0.2 of 1e7: 4167 pixels, k = sqrt 24: 204 x 102, of which columns 0 to 101 and rows 21 to 61 */
+        {1000, 500, 20, part, {0}, false, 102, 41, 1, 1, 1, false},
+        /* 2e7: 2.5e5 in 72 passes are 3472 pixels, k = 12 */
+        {1000, 500, 4, whole, {.spp = 40}, false, 83, 42, 2, 1, 1, false},
         /* 5e7: 6e5, 8333 pixels, k = sqrt 60 */
-        {1000, 500, 4, whole, {.spp = 100}, false, 129, 65, 2},
-        /* 10 s are 2e6, 20 s 4e6: 1.6e5, 2222 pixels, k = 15 */
-        {1000, 500, 4, whole, {.seconds = 10}, false, 100, 50, 1},
-        {1000, 500, 4, whole, {.seconds = 20}, false, 67, 33, 2},
-        /* whichever is less: 1e6 are 15000, 2500 pixels, k = sqrt 200 */
-        {1000, 500, 4, whole, {.spp = 2, .seconds = 20}, false, 71, 35, 1},
-        {1000, 500, 4, whole, {.spp = 100, .seconds = 20}, false, 67, 33, 2},
-        /* independent passes: one, of 4444 pixels, k = sqrt 112.5 */
-        {1000, 500, 4, whole, {.seconds = 20, .error = 0.1}, false, 94, 47, 1},
-        {1000, 500, 4, whole, {.seconds = 20}, true, 94, 47, 1},
-        /* one sample a pixel: one pass, 8e6 are 3.2e5 in 36, 8889 pixels, k = 30 */
-        {4000, 2000, 1, whole, {0}, false, 133, 67, 1},
-        {4000, 2000, 5, whole, {.spp = 1}, false, 133, 67, 1},
-        /* two: two passes, 6e5 in 72, 8333 pixels, k = sqrt 960 */
-        {4000, 2000, 2, whole, {0}, false, 129, 65, 2},
+        {1000, 500, 4, whole, {.spp = 100}, false, 129, 65, 2, 1, 1, false},
+        /* 10 s are 2e6, 80 s 1.6e7: 2e5, 2778 pixels, k = sqrt 180 */
+        {1000, 500, 4, whole, {.seconds = 10}, false, 91, 46, 1, 1, 1, false},
+        {1000, 500, 4, whole, {.seconds = 80}, false, 75, 37, 2, 1, 1, false},
+        /* whichever is less: 1.5e6 are 18750, 3125 pixels, k = sqrt 160 */
+        {1000, 500, 4, whole, {.spp = 3, .seconds = 80}, false, 79, 40, 1, 1, 1, false},
+        {1000, 500, 4, whole, {.spp = 100, .seconds = 80}, false, 75, 37, 2, 1, 1, false},
+        /* independent passes: one, of 5556 pixels, k = sqrt 90 */
+        {1000, 500, 4, whole, {.seconds = 80, .error = 0.1}, false, 105, 53, 1, 1, 1, false},
+        {1000, 500, 4, whole, {.seconds = 80}, true, 105, 53, 1, 1, 1, false},
+        /* one sample a pixel: one pass, 3.2e7 are 4e5 in 36, 11111 pixels, k = sqrt 2880 */
+        {8000, 4000, 1, whole, {0}, false, 149, 75, 1, 1, 1, false},
+        {8000, 4000, 5, whole, {.spp = 1}, false, 149, 75, 1, 1, 1, false},
+        /* two: two passes, 1.6e7 are 2e5 in 72, 2778 pixels, k = sqrt 2880 */
+        {4000, 2000, 2, whole, {0}, false, 75, 37, 2, 1, 1, false},
         /* never larger than the picture */
-        {30, 20, 1, whole, {0}, false, 30, 20, 1},
+        {30, 20, 30000, whole, {0}, false, 30, 20, 2, 1, 1, false},
+        /* the limit is 1.2e6, or 6 s; a little more is 15012 samples, 2502 pixels, k = sqrt 480 */
+        {1000, 1199, 1, whole, {0}, false, 0, 0, NO_PILOT, 1, 1, false},
+        {1000, 1201, 1, whole, {0}, false, 46, 55, 1, 1, 1, false},
+        {1000, 500, 4, whole, {.seconds = 5.9}, false, 0, 0, NO_PILOT, 1, 1, false},
+        {1000, 500, 4, whole, {.spp = 100, .seconds = 5.9}, false, 0, 0, NO_PILOT, 1, 1, false},
+        {1000, 500, 4, whole, {.spp = 2, .seconds = 80}, false, 0, 0, NO_PILOT, 1, 1, false},
+        {1000, 500, 20, part, {.spp = 11}, false, 0, 0, NO_PILOT, 1, 1, false},
+        /* two threads: 2e6 count as 1.5e6; four: 2e6 as 0.75e6, 4e6 as 1.5e6, 3125 pixels, k = sqrt 160. A time is a time */
+        {1000, 500, 4, whole, {0}, false, 79, 40, 1, 2, 1, false},
+        {1000, 500, 4, whole, {0}, false, 0, 0, NO_PILOT, 4, 1, false},
+        {1000, 500, 8, whole, {0}, false, 79, 40, 1, 4, 1, false},
+        {1000, 500, 8, whole, {0}, false, 79, 40, 1, 2, 2, false},
+        {1000, 500, 4, whole, {.seconds = 10}, false, 91, 46, 1, 4, 1, false},
+        /* a quarter of 4e6 is 1e6; of 8e6 it is 2e6: 2.5e4 samples of the floor are 1e5, 16667 pixels, k = sqrt 60 */
+        {1000, 1000, 4, whole, {0}, false, 0, 0, NO_PILOT, 1, 1, true},
+        {1000, 1000, 8, whole, {0}, false, 129, 129, 1, 1, 1, true},
+        {1000, 1000, 8, whole, {.seconds = 10}, false, 129, 129, 1, 1, 1, true},
     };
     volatile sig_atomic_t interrupted = 1;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const bis_render_options options = {.budget = cases[i].budget, .n_threads = 1, .interrupted = &interrupted};
+        bis_crew crew = {.size = cases[i].n_ranks};
+        const bis_render_options options = {.budget = cases[i].budget, .n_threads = cases[i].n_threads, .interrupted = &interrupted,
+                                            .crew = crew.size > 1 ? &crew : NULL};
+        const bool has_pilot = cases[i].passes != NO_PILOT;
         bis_auto_report r;
         world w;
         make_world(&w, &bis_auto);
@@ -73,10 +109,13 @@ static void the_pilots_size_follows_what_is_to_come(void **state)
         w.desc.view.adaptive = cases[i].adaptive;
         memcpy(w.desc.view.film.crop, cases[i].crop, sizeof w.desc.view.film.crop);
         bis_sampler_set_spp(&w.desc.view.sampler, cases[i].scene_spp);
+        w.desc.view.camera.to_world = bis_xform_identity(); /* within the ball */
+        if (cases[i].far) look_down(&w.desc.view.camera, 18);
         assert_int_equal(bis_auto_choose(&r, &w.scene, &w.desc, &options, NULL), BIS_OK);
         if (r.width != cases[i].small_width || r.height != cases[i].small_height || r.passes != cases[i].passes)
             fail_msg("case %zu: %d x %d, %d passes", i, r.width, r.height, r.passes);
-        assert_true(!r.is_chosen && r.n_tried == 0 && r.settings.integrator == &bis_sir);
+        assert_true(!r.is_chosen && r.n_tried == 0 && is_usual(&r.settings));
+        assert_string_equal(r.reason, has_pilot ? "interrupted" : "too short to measure");
         clear_world(&w);
     }
 }
@@ -105,7 +144,7 @@ static void assert_tries(world *w, double seconds, const attempt *list, int n)
     w->desc.view.film = (bis_film_desc){.width = 8, .height = 6, .crop = {0, 1, 0, 1}};
     assert_int_equal(bis_auto_choose(&r, &w->scene, &w->desc, &options, NULL), BIS_OK);
     assert_true(r.is_chosen && r.width == 8 && r.height == 6 && r.n_tried >= n && r.n_tried <= n + 4);
-    if (seconds < 1) assert_int_equal(r.n_tried, n);
+    if (seconds < 60) assert_int_equal(r.n_tried, n);
     for (int i = 0; i < r.n_tried; i++) {
         const bis_auto_tried *t = &r.tried[i];
         const bis_settings *s = &t->settings;
@@ -114,7 +153,7 @@ static void assert_tries(world *w, double seconds, const attempt *list, int n)
         if (i < n) {
             assert_true(s->integrator == list[i].integrator && s->shadowrays == list[i].N);
             if (s->integrator == &bis_sir) assert_true(s->proposal == list[i].proposal && s->candidates == list[i].M);
-            assert_true(t->replicates == 2 || (t->replicates == 4 && seconds > 1));
+            assert_true(t->replicates == 2 || (t->replicates == 4 && seconds > 60));
         } else {
             const bool product = s->proposal == BIS_PROPOSAL_PRODUCT;
             assert_int_equal(t->replicates, 4);
@@ -149,18 +188,18 @@ static void the_lists_of_a_pilot_are_those_by_hand(void **state)
     make_world(&w, &bis_auto);
     w.materials[1] = w.materials[0];
     assert_tries(&w, 1000, glossy, 9);
-    assert_tries(&w, 0.1, short_list, 3);
+    assert_tries(&w, 10, short_list, 3);
     w.desc.view.settings.only_sir = true;
-    assert_tries(&w, 0.1, short_list + 1, 2);
+    assert_tries(&w, 10, short_list + 1, 2);
     w.desc.view.settings.only_sir = false;
     w.materials[0] = w.materials[1] = bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0, 0, 0}, 1);
-    assert_tries(&w, 0.1, short_diffuse, 4);
+    assert_tries(&w, 10, short_diffuse, 4);
     assert_tries(&w, 1000, diffuse, 11);
     w.materials[1] = bis_phong((rgb){0, 0, 0}, (rgb){0.9f, 0.9f, 0.9f}, 5000); /* em is for diffuse surfaces alone */
-    assert_tries(&w, 0.1, short_list, 3);
+    assert_tries(&w, 10, short_list, 3);
     bis_light *const map = w.scene.light;
     assert_int_equal(bis_light_constant(&w.scene.light, (rgb){1, 1, 1}, NULL), BIS_OK);
-    assert_tries(&w, 0.1, constant, 3);
+    assert_tries(&w, 10, constant, 3);
     bis_light_free(w.scene.light);
     w.scene.light = map;
     clear_world(&w);
@@ -220,7 +259,7 @@ static void what_may_hide_a_quarter_must_win_by_more(void **state)
     (void)state;
     int decided = 0;
     for (uint64_t seed = 1; seed <= 80; seed++) {
-        const bis_render_options options = {.budget = {.seconds = 0.1}, .n_threads = 2};
+        const bis_render_options options = {.budget = {.seconds = 10}, .n_threads = 2};
         bis_auto_report r;
         world w;
         make_world(&w, &bis_auto);

@@ -20,8 +20,9 @@ typedef struct bis_film {
     int x0, y0, width, height; /* the crop */
     double *sum;               /* sum[height][width][3] of weight x radiance over passes */
     double *sum_squares;       /* the same sum of weight x square, for the error estimate */
-    /* hits[height][width]: sum over passes of weight x the share of the pass's camera samples that hit geometry */
-    double *hits;
+    /* hits[height][width]: sum over passes of weight x the share of the pass's camera samples that hit geometry. How
+     * exact it is: src/render/film.c. */
+    float *hits;
     uint32_t passes;           /* complete passes */
     double weight, weight_squares; /* sums over passes of their weight, the same in every pixel, and of its square */
     bis_layers layers;         /* none, unless bis_film_want asks for some */

@@ -1,5 +1,6 @@
-/* auto: the pilot. What minimises cost x variance is measured on the scene itself, in 4% of the time that the render
- * will take, or in some hundredths of a second.
+/* auto: the pilot. What minimises cost x variance is measured on the scene itself, in less than 5% of the time that the
+ * render will take. Where less than six seconds or so are to come, that is not enough to measure anything: nothing is
+ * tried, and the settings are those of a scene that names no integrator.
  *
  * Every k-th pixel of the same view is rendered with each of a short list of settings, in replicates of one or two
  * passes (auto_pilot.c). There are three rounds. First: two replicates of each setting. Second: two more for the
@@ -11,12 +12,16 @@
  * The measured variance is too low for a method whose error is in fewer than about one sample in a thousand, because a
  * pilot sees too few of these samples. Therefore the variance of mis and em is multiplied by 1 + `unseen`.
  *
- * Renders too short for the fit choose from three settings. The product always learns, although the pilot, with its
- * one or two passes, sees the price of that and hardly the gain: it judges the product too badly, not too well. */
+ * Renders too short for the fit choose from three settings. How long a render is, is told by its camera samples that
+ * will meet a surface, because a sample of the background costs hardly anything. The product always learns, although
+ * the pilot, with its one or two passes, sees the price of that and hardly the gain: it judges the product too badly,
+ * not too well. */
 #include "auto.h"
 
 #include "auto_fit.h"
 #include "auto_pilot.h"
+
+#include "render/crew.h"
 
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
@@ -50,18 +55,25 @@ static const double behind = 2;
 
 /* Two pilots with other random numbers differ by about as much. */
 static const double as_good = 1.1;
-static const double share_of_time = 0.04;
 
-/* The pilot's camera samples: with fewer, M and N are not fitted (some five seconds of rendering are then to come,
- * of which little could be saved); more need not be known. */
-static const double least_samples = 1.5e5, most_samples = 6e5;
-
-/* And of the short list, which chooses among three at settings that are good everywhere. */
-static const double share_of_time_quick = 0.015, least_samples_quick = 8e3;
+/* The pilot has this share of the camera samples that will meet a surface. If it had fewer than `least_samples_quick`,
+ * there is none; with fewer than `least_samples`, M and N are not fitted; more than `most_samples` need not be known.
+ *
+ * These limits keep the pilot below 5% of the time that the default takes. A sample of the pilot takes up to twice as
+ * long as one of the render, because slow settings are tried, too: 2.5%. What does not depend on the samples (the pools
+ * and clusters of each replicate) takes as long as up to 2.5e4 of the render's samples with the short list, when at
+ * least 1.2e6 are to come: 2.1%. With the long list it is 2.4e5 of at least 1.2e7: 2%. (Measured: docs/integrators.md.)
+ */
+static const double share_of_samples = 0.0125;
+static const double least_samples_quick = 1.5e4, least_samples = 1.5e5, most_samples = 6e5;
 
 /* About how many replicates of how many settings there will be, and camera samples a second where time is all that
  * is known. */
 static const double expected_renders = 36, expected_renders_quick = 6, samples_a_second = 2e5;
+
+/* A pilot keeps about this many threads busy, because a setting is tried by one thread: half of the work of the short
+ * list, or a little more, is that of its slowest setting. */
+static const double busy_threads = 1.5;
 
 /* Of mis and em, see above. */
 static const double unseen = 0.25;
@@ -107,6 +119,21 @@ static void choose(bis_auto_pilot *p)
 }
 
 /* ---- what is tried ---- */
+
+/* What a scene gets that names no integrator, and all else as it was asked for. */
+static bis_settings usual_of(const bis_settings *base)
+{
+    const bis_settings usual = bis_settings_unnamed();
+    bis_settings s = *base;
+
+    s.integrator = usual.integrator;
+    s.proposal = usual.proposal;
+    s.candidates = usual.candidates;
+    s.samples = s.shadowrays = usual.shadowrays;
+    s.learn = usual.learn;
+    s.only_sir = false;
+    return s;
+}
 
 static bis_settings settings_of(const bis_auto_pilot *p, int f, uint32_t M, uint32_t N)
 {
@@ -242,65 +269,101 @@ static double pixels_of(const bis_film_desc *f)
     return (double)f->width * f->height * (f->crop[1] - f->crop[0]) * (f->crop[3] - f->crop[2]);
 }
 
-/* Camera samples of the whole render, as far as the budget tells; without an --spp, as many as the scene asks for. */
-static double samples_to_come(const bis_scene_desc *desc, const bis_render_options *o)
+/* The share of the picture in which a surface is seen, by rays through SIDE x SIDE places of it. */
+static double covered(const bis_scene *scene, const bis_view *view)
 {
-    const double by_spp =
-        pixels_of(&desc->view.film) * (double)(o->budget.spp ? o->budget.spp : desc->view.sampler.spp);
+    enum { SIDE = 32 };
+    const bis_film_desc *f = &view->film;
+    int hits = 0;
+
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const double x = f->crop[0] + (f->crop[1] - f->crop[0]) * (i % SIDE + 0.5) / SIDE;
+        const double y = f->crop[2] + (f->crop[3] - f->crop[2]) * (i / SIDE + 0.5) / SIDE;
+        const ray eye = bis_camera_ray(&view->camera, f->width, f->height, x * f->width, y * f->height);
+        bis_hit hit;
+        hits += bis_accel_intersect(scene->accel, &eye, &hit);
+    }
+    return (double)hits / (SIDE * SIDE);
+}
+
+/* Camera samples to come that meet a surface, as far as the budget tells; without an --spp, as many as the scene asks
+ * for. Where more threads render than the pilot keeps busy, it has as much less to do, so that it takes its share of
+ * the time. */
+static double samples_to_come(const bis_auto_pilot *p, const bis_render_options *o)
+{
+    const bis_view *v = &p->desc->view;
+    const double threads = (double)p->n_threads * (o->crew ? o->crew->size : 1);
+    const double by_spp = pixels_of(&v->film) * (double)(o->budget.spp ? o->budget.spp : v->sampler.spp) * p->covered /
+                          fmax(1, threads / busy_threads);
 
     if (!(o->budget.seconds > 0)) return by_spp;
     const double by_time = o->budget.seconds * samples_a_second;
     return o->budget.spp ? fmin(by_spp, by_time) : by_time;
 }
 
-/* A film k times smaller in each direction, of at most the picture's size. A crop too thin for that is rendered as
- * it is. */
+static double pilots_samples(const bis_auto_pilot *p, const bis_render_options *o)
+{
+    return fmin(most_samples, share_of_samples * samples_to_come(p, o));
+}
+
+/* One side of a crop of `full` pixels: if it holds no pixel's middle, the pixel that it lies in. */
+static void hold_a_pixel(double side[2], int full)
+{
+    const double pixel = floor(full * side[0]);
+
+    if (ceil(full * side[1]) > ceil(full * side[0])) return;
+    side[0] = fmax(0, (pixel - 0.5) / full); /* a crop begins with the next whole number */
+    side[1] = (pixel + 0.5) / full;
+}
+
+/* A film k times smaller in each direction, of at most the picture's size. */
 static bis_status make_film(bis_film *film, bis_auto_pilot *p, const bis_scene_desc *desc, double pixels,
                             bis_diag *diag)
 {
     const bis_film_desc *f = &desc->view.film;
     const double k = fmax(1, sqrt(pixels_of(f) / pixels));
-    const int width = (int)fmax(1, round(f->width / k)), height = (int)fmax(1, round(f->height / k));
+    bis_film_desc *small = &p->view.film;
 
-    p->options.footprint = 1 / k;
-    p->scale = (double)f->width * f->height / ((double)width * height);
-    bis_status status = bis_film_init(film, width, height, f->crop, (bis_loc){0}, NULL);
-    if (status == BIS_NOMEM) return bis_auto_no_memory(desc, diag);
-    if (status == BIS_OK) {
-        p->view.film.width = width;
-        p->view.film.height = height;
-    } else {
-        p->options.footprint = 0;
-        p->scale = 1;
-        status = bis_film_init(film, f->width, f->height, f->crop, desc->integrator_loc, diag);
-    }
+    small->width = (int)fmax(1, round(f->width / k));
+    small->height = (int)fmax(1, round(f->height / k));
+    hold_a_pixel(&small->crop[0], small->width);
+    hold_a_pixel(&small->crop[2], small->height);
+    if (bis_film_init(film, small->width, small->height, small->crop, (bis_loc){0}, NULL))
+        return bis_auto_no_memory(desc, diag);
     p->report->width = film->width;
     p->report->height = film->height;
     p->n_pixels = (size_t)film->width * (size_t)film->height;
-    return status;
+    p->options.footprint = 1 / k;
+    p->scale = pixels_of(f) / (double)p->n_pixels;
+    return BIS_OK;
 }
 
 static bis_status make_pilot(bis_auto_pilot *p, const bis_scene_desc *desc, const bis_render_options *options,
                              bis_diag *diag)
 {
-    const double to_come = samples_to_come(desc, options), samples = fmin(most_samples, share_of_time * to_come);
-    const double quick = fmax(least_samples_quick, share_of_time_quick * to_come);
     /* where passes are independent, one camera sample knows nothing of the next */
     const bool independent = desc->view.adaptive || options->budget.error > 0;
     const uint64_t spp = options->budget.spp ? options->budget.spp : desc->view.sampler.spp;
     bis_auto_report *r = p->report;
     bis_film film;
 
+    p->n_threads = bis_render_threads(options);
+    p->covered = 1;
+    if (pilots_samples(p, options) >= least_samples_quick) p->covered = covered(p->scene, &desc->view);
+    const double samples = pilots_samples(p, options);
+    if (samples < least_samples_quick || !(p->covered > 0)) {
+        r->reason = p->covered > 0 ? "too short to measure" : "no surface or no light";
+        return BIS_OK;
+    }
     p->is_quick = samples < least_samples;
     p->passes = independent || p->is_quick || spp < MOST_PASSES ? 1 : MOST_PASSES;
     p->view.adaptive = false;
     p->view.film.layers = 0;
     bis_sampler_set_spp(&p->view.sampler, p->passes);
-    const double pixels = p->is_quick ? quick / expected_renders_quick : samples / (expected_renders * p->passes);
-    bis_status status = make_film(&film, p, desc, pixels, diag);
+    const double renders = p->is_quick ? expected_renders_quick : expected_renders * p->passes;
+    bis_status status = make_film(&film, p, desc, samples / p->covered / renders, diag);
     bis_film_clear(&film);
     if (status) return status;
-    p->n_threads = bis_render_threads(options);
     p->options = (bis_render_options){
         .budget = {.spp = p->passes},
         .n_threads = 1,
@@ -322,8 +385,10 @@ bis_status bis_auto_choose(bis_auto_report *report, const bis_scene *scene, cons
 
     *report = (bis_auto_report){.settings = desc->view.settings};
     if (!bis_auto_is_wanted(&desc->view.settings)) return BIS_OK;
-    report->settings.integrator = &bis_sir; /* its defaults, until something better is known */
+    report->settings = usual_of(&desc->view.settings); /* until something better is known */
+    report->reason = "no surface or no light";
     if (!scene->accel || bis_light_is_black(scene->light)) return BIS_OK;
+    report->reason = NULL;
     p = bis_alloc(1, sizeof *p);
     if (!p) return bis_auto_no_memory(desc, diag);
     p->scene = scene;
@@ -332,8 +397,9 @@ bis_status bis_auto_choose(bis_auto_report *report, const bis_scene *scene, cons
     p->base = desc->view.settings;
     p->report = report;
     status = make_pilot(p, desc, options, diag);
-    if (!status && !bis_auto_is_interrupted(p)) status = run_rounds(p, diag);
+    if (!status && !report->reason && !bis_auto_is_interrupted(p)) status = run_rounds(p, diag);
     if (!status && report->is_chosen) report->settings = report->tried[report->chosen].settings;
+    if (!report->is_chosen && !report->reason) report->reason = "interrupted";
     report->seconds = bis_clock_now() - start;
     bis_auto_pilot_clear(p);
     bis_free(p);

@@ -18,9 +18,10 @@ typedef struct bis_auto_tried {
 
 typedef struct bis_auto_report {
     bis_settings settings; /* to render with */
-    /* false: there was nothing to choose (the scene has no surface or no light: n_tried is 0), or no time; settings are
-     * then the default */
+    /* false: there was nothing to choose (the scene has no surface or no light), or no time (the render is too short,
+     * or was interrupted); settings are then those of a scene that names no integrator */
     bool is_chosen;
+    const char *reason; /* why nothing was chosen, in a few words; NULL: is_chosen, or nothing was left open */
     int chosen; /* index into tried */
     bis_auto_tried tried[BIS_AUTO_MOST_TRIED];
     int n_tried;
@@ -35,7 +36,8 @@ double bis_auto_cost_of(const bis_auto_report *r, int i);
 bool bis_auto_is_wanted(const bis_settings *s);
 
 /* bis_auto_choose chooses the settings to render desc with: *report receives them, or desc->view.settings where these
- * leave nothing open. scene is built for desc; options are those of the render to come: budget, threads, interrupted.
+ * leave nothing open. scene is built for desc; options are those of the render to come: budget, threads, crew (only
+ * its size is read), interrupted. A render that is too short for a pilot of less than 5% of its time has none.
  * The pilot has other random numbers than the render. What it chooses does not depend on the render's, so an unbiased
  * method stays unbiased. But it depends on the clock: to make the same picture again, give the chosen settings.
  * Errors: BIS_NOMEM. */

@@ -22,6 +22,7 @@ typedef struct bis_auto_pilot {
     bis_settings base;   /* what was asked for */
     bis_render_options options;
     int n_threads;
+    double covered;      /* the share of the picture in which a surface is seen */
     bool is_quick;       /* the short list */
     uint32_t passes;     /* of a replicate */
     double scale;        /* pixels of the picture : pixels of the pilot */
