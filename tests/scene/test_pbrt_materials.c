@@ -130,6 +130,14 @@ static void reflectances_may_be_spectra_files_or_xyz(void **state)
     /* half of D65's own white */
     assert_rgb(material("Material \"diffuse\" \"xyz reflectance\" [0.475235 0.5 0.544415]", NULL).Kd, 0.5, 0.5, 0.5, 1e-4);
     material("Material \"diffuse\" \"spectrum reflectance\" [500 0 520 1 540 0]", "of RGB; it is cut off to [0, 1]");
+    /* white itself is inside, up to rounding */
+    assert_rgb(material("Material \"diffuse\" \"spectrum reflectance\" [400 1 700 1]", NULL).Kd, 1, 1, 1, 0);
+    assert_rgb(material("Material \"diffuse\" \"spectrum reflectance\" [400 1.01 700 1.01]",
+                        "\"reflectance\" is the colour (1.01, 1.01, 1.01) of RGB; it is cut off to [0, 1]").Kd, 1, 1, 1, 0);
+    assert_rgb(material("Material \"diffuse\" \"spectrum reflectance\" [400 1.00000001 700 1.00000001]", "(1, 1, 1)").Kd, 1, 1, 1, 0);
+    /* X = 0, Y = 0.1, Z = 0.1 by the same matrix: red below 0 */
+    assert_rgb(material("Material \"diffuse\" \"xyz reflectance\" [0 0.1 0.1]", "is the colour (-0.2036, 0.1918, 0.08532) of RGB; it is "
+                        "cut off to [0, 1]").Kd, 0, 0.1918, 0.0853, 1e-4);
     refuse("Material \"diffuse\" \"spectrum reflectance\" [500 0 400 1]", "must be one number, or pairs of a wavelength in nm");
     refuse("Material \"diffuse\" \"spectrum reflectance\" [500 0 600]", "must be one number, or pairs of a wavelength in nm");
     for (int n = 3; n < 70; n += 2) { /* with the roughness before it their list is full at 15, 31 and 63 */
