@@ -77,6 +77,7 @@ static void files_of_any_size_are_read_whole_and_end_in_a_zero(void **state)
         unsigned char *data;
         size_t size;
         write_file(DIR_NAME "/sized", bytes, sizes[i]);
+        errno = i % 2 ? EINTR : EBADF; /* of a call long before: nobody has set it back */
         assert_int_equal(bis_file_read(&data, &size, DIR_NAME "/sized", (bis_loc){0}, NULL), BIS_OK);
         assert_int_equal(size, sizes[i]);
         assert_memory_equal(data, bytes, size);

@@ -751,6 +751,40 @@ static void the_copy_of_the_indices_counts_as_memory(void **state)
     assert_in_range(bytes[1] - bytes[0], 12 * N - 4096, 12 * N + 4096);
 }
 
+/* A box that is one point gets a thickness: 2^-20 of its largest coordinate, or of 1 at the origin; one that is flat, 2^-20
+ * of its extent. */
+static void the_box_of_a_point_or_of_a_plane_has_a_thickness(void **state)
+{
+    static const struct {
+        double at[3], side, pad;
+    } cases[] = {{{0, 0, 0}, 0, 0x1p-20}, {{2, -8, 1}, 0, 0x1p-17}, {{0, 0, 0.5}, 4, 0x1p-18}, {{3, 0, 64}, 0.25, 0x1p-22}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double *at = cases[i].at, side = cases[i].side;
+        bis_geometry g = {0};
+        bis_mesh m = new_mesh(3, 1);
+        bis_accel *a;
+        bis_hit hit;
+        for (uint32_t k = 0; k < 3; k++) {
+            m.p[k] = vec3_from(at[0] + (k == 1) * side, at[1] + (k == 2) * side, at[2]);
+            m.index[k] = k;
+        }
+        add_mesh(&g, &m, NULL, 0);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL), BIS_OK);
+        const bis_grid *grid = (const bis_grid *)a;
+        for (int k = 0; k < 3; k++) {
+            assert_true(grid->lo[k] == at[k] - cases[i].pad);
+            assert_true(grid->hi[k] == at[k] + (k < 2 ? side : 0) + cases[i].pad);
+        }
+        const ray r = {vec3_from(at[0] + side / 4, at[1] + side / 4, at[2] + 1), {0, 0, -1}, INFINITY};
+        assert_int_equal(bis_accel_intersect(a, &r, &hit), side > 0);
+        assert_int_equal(bis_accel_occluded(a, &r), side > 0);
+        if (side > 0) assert_true(hit.t == 1);
+        bis_accel_free(a);
+        bis_geometry_clear(&g);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -774,6 +808,7 @@ int main(void)
         cmocka_unit_test(without_embree_the_message_names_the_way_out),
         cmocka_unit_test(any_allocation_may_fail),
         cmocka_unit_test(the_copy_of_the_indices_counts_as_memory),
+        cmocka_unit_test(the_box_of_a_point_or_of_a_plane_has_a_thickness),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

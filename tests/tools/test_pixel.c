@@ -385,12 +385,15 @@ static void effective_sample_size_is_M_for_equal_weights_and_1_for_one(void **st
     bis_stream_init(&stream, &sampler, 0, 0);
     assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
     assert_near(c.ess, 800, 1e-3); /* f cos/q_f is constant */
+    assert_near(c.largest, 1 / 800.0, 1e-8);
+    assert_int_equal(c.positive, 800);
     bis_pixel_candidates_clear(&c);
     s.candidates = s.shadowrays = 1;
     bis_stream_init(&stream, &sampler, 0, 0);
     assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
     assert_near(c.ess, 1, 1e-12);
     assert_near(c.largest, 1, 1e-12);
+    assert_true(c.positive == 1 && c.distinct == 1 && c.seen == 1 && c.c[0].chosen == 1 && c.c[0].seen);
     bis_pixel_candidates_clear(&c);
     bis_light_free(light);
 }
