@@ -104,9 +104,10 @@ static void expect_refusal(const char *path, bis_loc at, const char *message)
 {
     bis_diag d = {0};
     unsigned char *data;
-    size_t size;
+    size_t size = 7;
     assert_int_equal(bis_file_read(&data, &size, path, at, &d), BIS_IO);
     assert_null(data);
+    assert_int_equal(size, 0);
     assert_int_equal(d.n, 1);
     assert_string_equal(d.messages[0].text, message);
     bis_diag_clear(&d);
