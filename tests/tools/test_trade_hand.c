@@ -22,6 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #define DIR "build/test_trade_hand"
 
@@ -1950,6 +1951,50 @@ static void the_slider_begins_with_the_worst_and_the_best(void **state)
     }
 }
 
+/* Before the last run a folder takes the place of the table. */
+static void block_the_table(const char *what, double share, double left, void *user)
+{
+    (void)share;
+    (void)left;
+    (void)user;
+    if (strcmp(what, "run 3 of 3") != 0) return;
+    unlink(DIR "/last/runs.csv");
+    assert_int_equal(mkdir(DIR "/last/runs.csv", 0777), 0);
+}
+
+/* All was measured, but not written: that is an error, and there is no report. */
+static void runs_that_cannot_be_written_at_the_end_are_an_error(void **state)
+{
+    (void)state;
+    static const char message[] = DIR "/last/runs.csv: error: cannot write \"" DIR "/last/runs.csv\": ";
+    bis_image grey;
+    bis_trade t;
+    bis_diag diag = {0};
+    bool interrupted;
+    load(&t);
+    plan_two(&t);
+    t.o.folder = DIR "/last";
+    t.plan.is_given = true;
+    t.plan.run_seconds = 1e-4;
+    t.plan.reference[0] = t.plan.reference[1] = -1;
+    assert_int_equal(mkdir(DIR "/last", 0777) + mkdir(DIR "/last/references", 0777), 0);
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    bis_trade_clear(&t);
+    assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
+    for (int i = 0; i < 24; i++) grey.pixels[i] = (rgb){0.5f, 0.5f, 0.5f};
+    assert_int_equal(bis_image_save(&grey, DIR "/last/references/given.exr", NULL), BIS_OK);
+    bis_image_clear(&grey);
+    const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/last", .seconds = 1e6, .error = 0.9,
+                                 .n_threads = 1, .resume = true, .progress = block_the_table};
+    assert_int_equal(bis_trade_measure(&t, &o, &interrupted, &diag), BIS_IO);
+    assert_true(t.is_complete && !t.is_reported && !interrupted && t.n_runs == 3);
+    assert_int_equal(diag.n, 1);
+    assert_int_equal(strncmp(diag.messages[0].text, message, sizeof message - 1), 0);
+    assert_false(program_exists(DIR "/last/report.html"));
+    bis_diag_clear(&diag);
+    bis_trade_clear(&t);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1987,6 +2032,7 @@ int main(void)
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
         cmocka_unit_test(each_field_of_a_folder_is_taken_up_to_its_limits),
         cmocka_unit_test(the_slider_begins_with_the_worst_and_the_best),
+        cmocka_unit_test(runs_that_cannot_be_written_at_the_end_are_an_error),
     };
     return cmocka_run_group_tests_name("trade by hand", tests, setup, NULL);
 }
