@@ -370,6 +370,26 @@ static void when_the_kth_allocation_fails_colours_fail_cleanly(void **state)
     }
 }
 
+/* A texture that is made of constants is one: what it is follows by hand from the shares and factors. */
+static void textures_of_constants_are_their_values(void **state)
+{
+    (void)state;
+#define DULL " Material \"diffuse\" \"texture reflectance\" \"m\""
+    assert_rgb(material("Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [0.2 0 1] \"rgb tex2\" [1 0.5 0] \"float amount\" 0.25" DULL,
+                        NULL).Kd, 0.4, 0.125, 0.75, 1e-6);
+    assert_rgb(material("Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [0.2 0 1] \"rgb tex2\" [1 0.5 0] \"float amount\" 1" DULL,
+                        NULL).Kd, 1, 0.5, 0, 1e-6);
+    assert_rgb(material("Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [0.2 0 1] \"rgb tex2\" [1 0.5 0]" DULL, NULL).Kd, 0.6, 0.25, 0.5,
+               1e-6);
+    assert_rgb(material("Texture \"m\" \"spectrum\" \"scale\" \"rgb tex1\" [0.5 1 0.25] \"rgb tex2\" [0.5 0.75 1]" DULL, NULL).Kd, 0.25,
+               0.75, 0.25, 1e-6);
+    assert_rgb(material("Texture \"k\" \"float\" \"scale\" \"float tex1\" 0.5 \"float tex2\" 0.25\n"
+                        "Texture \"s\" \"spectrum\" \"scale\" \"rgb tex1\" [0.5 1 0.25] \"rgb tex2\" [0.5 0.75 1]\n"
+                        "Texture \"m\" \"spectrum\" \"mix\" \"texture tex1\" \"s\" \"rgb tex2\" [0.25 0.25 0.25] \"texture amount\" \"k\""
+                        DULL, NULL).Kd, 0.25, 0.6875, 0.25, 1e-6);
+#undef DULL
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -385,6 +405,7 @@ int main(void)
         cmocka_unit_test(coats_are_what_their_index_says),
         cmocka_unit_test(a_textured_coat_is_the_coat_of_each_colour),
         cmocka_unit_test(when_the_kth_allocation_fails_colours_fail_cleanly),
+        cmocka_unit_test(textures_of_constants_are_their_values),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }
