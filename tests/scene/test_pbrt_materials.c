@@ -390,6 +390,48 @@ static void textures_of_constants_are_their_values(void **state)
 #undef DULL
 }
 
+/* The gamma of an image's bytes, up to its limits; a file that is named twice is there once for each gamma. */
+static void an_image_has_the_gamma_that_is_said(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *words;
+        double gamma;
+    } cases[] = {{"", BIS_GAMMA_SRGB}, {"\"string encoding\" \"sRGB\"", BIS_GAMMA_SRGB}, {"\"string encoding\" \"linear\"", 1},
+                 {"\"bool gamma\" true", BIS_GAMMA_SRGB}, {"\"bool gamma\" false", 1}, {"\"string encoding\" \"gamma 2.2\"", 2.2},
+                 {"\"string encoding\" \"gamma 100\"", 100}, {"\"string encoding\" \"gamma 1e-3\"", 1e-3}};
+    static const char *const wrong[] = {"gamma 0", "gamma -1", "gamma 100.1", "gamma nan", "gamma x", "gamma ", "gamma", "gamma 2 ", "srgb",
+                                        "linear ", ""};
+    char text[1024], message[160], x[64], y[64];
+    store(scratch("x.png"), "x", 1); /* opened by the build alone */
+    snprintf(x, sizeof x, "%s", strrchr(scratch("x.png"), '/') + 1);
+    store(scratch("y.png"), "y", 1);
+    snprintf(y, sizeof y, "%s", strrchr(scratch("y.png"), '/') + 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(text, sizeof text, "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" %s\n"
+                 "Texture \"b\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" %s\n"
+                 "Texture \"c\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string encoding\" \"gamma 3\"\n"
+                 "Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" %s\n", x, cases[i].words, x, cases[i].words, x, y,
+                 cases[i].words);
+        parsed p = parse(text);
+        assert_int_equal(p.status, BIS_OK);
+        const bis_textures *t = &p.desc->textures;
+        assert_int_equal(t->n_files, 3);
+        assert_true(t->files[0].gamma == cases[i].gamma && t->files[1].gamma == 3 && t->files[2].gamma == cases[i].gamma);
+        assert_string_equal(strrchr(t->files[1].filename, '/') + 1, x);
+        assert_string_equal(strrchr(t->files[2].filename, '/') + 1, y);
+        static const uint32_t images[] = {0, 0, 1, 2};
+        const bis_texture *of = &t->list[t->n - 4];
+        for (size_t k = 0; k < 4; k++) assert_int_equal(of[k].image, images[k]);
+        clear(&p);
+    }
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        snprintf(text, sizeof text, "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" \"string encoding\" \"%s\"", x, wrong[i]);
+        snprintf(message, sizeof message, "error: \"encoding\" is \"%s\", must be \"sRGB\", \"linear\" or \"gamma X\", X in (0, 100]", wrong[i]);
+        refuse(text, message);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -406,6 +448,7 @@ int main(void)
         cmocka_unit_test(a_textured_coat_is_the_coat_of_each_colour),
         cmocka_unit_test(when_the_kth_allocation_fails_colours_fail_cleanly),
         cmocka_unit_test(textures_of_constants_are_their_values),
+        cmocka_unit_test(an_image_has_the_gamma_that_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }
