@@ -457,6 +457,7 @@ static void an_extension_is_what_follows_the_last_dot_of_the_name(void **state)
     char buf[8];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_string_equal(bis_path_extension(buf, cases[i][0]), cases[i][1]);
+    assert_string_equal(bis_path_extension(buf, "a.AZaz@["), ".azaz@[");
 }
 
 /* ---- numbers ---- */
