@@ -522,6 +522,51 @@ static void without_memory_nothing_is_held(void **state)
     bis_light_free(light);
 }
 
+/* Candidates of one cluster are m D/times behind the first of them, rounded either way, for m = 0, 1, ...: so none occurs
+ * twice where there are at most D. */
+static void candidates_of_a_cluster_are_spread_evenly_over_its_directions(void **state)
+{
+    enum { D = BIS_CLUSTER_DIRECTIONS, M = 800 };
+    static const uint32_t counts[] = {8, 100, M};
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_clusters c;
+    bis_product p;
+    lit l;
+    uint32_t most = 0;
+    lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.3f, 0.3f, 0.3f}, 5), tilted(), 30, LIT_OPEN);
+    assert_int_equal(bis_clusters_init(&c, light, 64, NULL), BIS_OK);
+    bis_clusters_fill(&c, light, SEED, 0, 1);
+    assert_true(bis_product_init(&p, M));
+    assert_true(bis_product_weigh(&p, &c, NULL, &l.pt));
+    for (uint64_t run = 0; run < 30; run++) {
+        const uint32_t n = counts[run % 3];
+        bis_product_draw(&p, &c, n, (double)run / 30, (double)(7 * run % 30) / 30, run);
+        for (uint32_t i = 0, times; i < n; i += times) {
+            const uint32_t k = p.cluster[i];
+            uint32_t at[M];
+            for (times = 0; i + times < n && p.cluster[i + times] == k; times++) {
+                uint32_t d = 0;
+                for (; d < D; d++) {
+                    const vec3 w = c.y[k * D + d].wi;
+                    if (w.x == p.y.x[i + times] && w.y == p.y.y[i + times] && w.z == p.y.z[i + times]) break;
+                }
+                assert_true(d < D);
+                at[times] = d;
+            }
+            for (uint32_t m = 0; m < times; m++) {
+                const double away = (at[m] + D - at[0]) % D, exact = fmod((double)m * D / times, D);
+                assert_true(fabs(away - exact) < 1 || fabs(away - exact) > D - 1);
+            }
+            most = times > most ? times : most;
+        }
+    }
+    assert_true(most > 8);
+    bis_product_clear(&p);
+    bis_clusters_clear(&c);
+    bis_light_free(light);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -538,6 +583,7 @@ int main(void)
         cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
         cmocka_unit_test(without_a_cluster_in_reach_the_estimate_is_black),
         cmocka_unit_test(without_memory_nothing_is_held),
+        cmocka_unit_test(candidates_of_a_cluster_are_spread_evenly_over_its_directions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

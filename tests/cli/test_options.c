@@ -532,6 +532,71 @@ static void a_comparison_by_hand(void **state)
     assert_string_equal(text.messages, "bis: error: --diff \"" DIR "/d.txt\": the ending must be .exr, .pfm, .hdr or .png\n");
 }
 
+/* The one line at the end: the files in their order, the size of the crop, samples and passes, one and many, and the error as
+ * the figures have it. The seconds alone are not foreseen. */
+static void the_line_at_the_end_has_each_figure(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options, *begins;
+        bool has_error;
+    } cases[] = {
+        {"--resolution 20x10 --spp 1 --outfile " DIR "/one.pfm", "bis: wrote " DIR "/one.pfm: 20 x 10 pixels, 1 camera sample a "
+         "pixel in 1 pass, ", false},
+        {"--resolution 20x10 --cropwindow 0,0.5,0,0.7 --spp 3 --outfile " DIR "/b.pfm --outfile " DIR "/a.exr --outfile " DIR "/c.png",
+         "bis: wrote " DIR "/b.pfm, " DIR "/a.exr, " DIR "/c.png: 10 x 7 pixels, 3 camera samples a pixel in 3 passes, ", true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_run r;
+        char expected[64] = ", error unknown (one pass)\n";
+        program_expect(&r, 0, SCENE " %s --stats -", cases[i].options);
+        assert_int_equal(strncmp(r.messages, cases[i].begins, strlen(cases[i].begins)), 0);
+        assert_true(strchr(r.messages, '\n') == r.messages + strlen(r.messages) - 1);
+        const double error = json_number(r.output, "estimated_relative_rmse");
+        assert_int_equal(isfinite(error), cases[i].has_error);
+        if (cases[i].has_error) snprintf(expected, sizeof expected, ", error about %.2g%%\n", 100 * error);
+        const char *const end = strstr(r.messages, ", error ");
+        assert_non_null(end);
+        assert_string_equal(end, expected);
+    }
+}
+
+/* A part goes into one file of its own ending, with a name before it. */
+static void a_part_has_one_file_with_a_name(void **state)
+{
+    (void)state;
+    static const char refused[] = "bis: error: --part 2/2 writes one file that is no picture yet: give --outfile part-2.bispart\n";
+    static const char *const wrong[] = {"", "--outfile .bispart", "--outfile " DIR "/p.bispar", "--outfile " DIR "/pbispart",
+                                        "--outfile " DIR "/p.exr", "--outfile " DIR "/p.bispart --outfile " DIR "/q.bispart"};
+    program_run r;
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        program_expect(&r, 2, SCENE " --spp 1 --part 2/2%s%s", *wrong[i] ? " " : "", wrong[i]);
+        assert_string_equal(r.messages, refused);
+    }
+    program_expect(&r, 0, SCENE " --spp 1 --part 2/2 --outfile " DIR "/p.bispart");
+    assert_true(program_exists(DIR "/p.bispart") && !program_exists(DIR "/film.exr"));
+}
+
+/* The whole message, with the layer that is meant; of a long name 63 characters. */
+static void a_layer_that_is_not_there_is_named(void **state)
+{
+    (void)state;
+#define N60 "abcdefghijabcdefghijabcdefghijabcdefghijabcdefghijabcdefghij"
+    static const struct {
+        const char *list, *name, *hint;
+    } cases[] = {{"albedo,norma", "norma", " (did you mean \"normal\"?)"}, {"depht,albedo", "depht", " (did you mean \"depth\"?)"},
+                 {"albedo," N60 "xyz", N60 "xyz", ""}, {N60 "xyzuvw,albedo", N60 "xyz", ""}};
+#undef N60
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        program_run r;
+        char expected[256];
+        program_expect(&r, 2, SCENE " --spp 1 --layers %s", cases[i].list);
+        snprintf(expected, sizeof expected, "bis: error: --layers: there is no layer \"%s\"%s; `bis --help` lists them\n", cases[i].name,
+                 cases[i].hint);
+        assert_string_equal(r.messages, expected);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -550,6 +615,9 @@ int main(void)
         cmocka_unit_test(the_version_has_six_lines),
         cmocka_unit_test(durations_change_their_unit_where_they_should),
         cmocka_unit_test(a_comparison_by_hand),
+        cmocka_unit_test(the_line_at_the_end_has_each_figure),
+        cmocka_unit_test(a_part_has_one_file_with_a_name),
+        cmocka_unit_test(a_layer_that_is_not_there_is_named),
     };
     program_folder(DIR);
     program_write_scene(DIR, "Sampler \"stratified\"\n");

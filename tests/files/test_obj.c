@@ -336,6 +336,77 @@ static void files_of_the_wild_are_read_right(void **state)
     }
 }
 
+/* Parts without a face, before and behind one that has some, and faces before the first name. */
+static void a_part_without_faces_is_not_shown(void **state)
+{
+    static const struct {
+        const char *text;
+        size_t n_parts, n_shown;
+        bool shown[4];
+    } cases[] = {
+        {"usemtl a\nusemtl b\nf 1 2 3\nusemtl c\n", 3, 3, {false, false, true}},
+        {"usemtl a\nf 1 2 3\nusemtl b\nusemtl c\nf 1 2 3\n", 3, 4, {false, true, false, true}},
+        {"f 1 2 3\nusemtl a\n", 1, 1, {true}},
+        {"usemtl a\n", 1, 0, {false}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_obj_materials o;
+        store(scratch("shown.obj"), cases[i].text, strlen(cases[i].text));
+        assert_int_equal(bis_obj_read_materials(&o, scratch("shown.obj"), (bis_loc){0}, NULL), BIS_OK);
+        assert_int_equal(o.parts.n, cases[i].n_parts);
+        assert_int_equal(o.n_shown, cases[i].n_shown);
+        for (size_t k = 0; k < o.n_shown; k++) assert_int_equal(o.is_shown[k], cases[i].shown[k]);
+        assert_int_equal(o.n_libraries, 0);
+        bis_obj_materials_clear(&o);
+    }
+}
+
+/* Of a word of 40 characters 32 are shown. A line that goes on counts as two, whatever its end. */
+static void long_words_are_cut_off_and_continued_lines_counted(void **state)
+{
+#define LONG "123456789012345678901234567890123456789x"
+#define CUT "12345678901234567890123456789012"
+    (void)state;
+    refuse_text(SQUARE "v 1 " LONG " 3\n", 5, "\"" CUT "\" in \"v\" is no number");
+    refuse_text(SQUARE "f 1 2 " LONG "\n", 5, "the face has the index " CUT ", but there are 4 \"v\"");
+    refuse_text(SQUARE "f 1 2 x" LONG "\n", 5, "\"x1234567890123456789012345678901\" is no corner of a face: v, v/vt, v//vn or v/vt/vn");
+    refuse_text("v 1 \\\r\n2 \\\r 3\\\n\r\noops\nv 1 x 2\n", 6, "\"x\" in \"v\" is no number");
+    refuse_text("v\\\r\n1 2 3\nv 1\t\v\f2 x", 3, "\"x\" in \"v\" is no number");
+    refuse_text("# a \\\r\nv x\nv 1 2 y\n", 3, "\"y\" in \"v\" is no number");
+#undef LONG
+#undef CUT
+}
+
+/* Negative indices count back from what has been read so far, for each of the three lists by itself. */
+static void negative_indices_count_from_where_they_stand(void **state)
+{
+    bis_mesh m;
+    bytes b = {0};
+    (void)state;
+    m = mesh_with_uv(SQUARE "vt 0.25 0\nvn 0 0 1\nf -4/-1/-1 -3/-1/-1 -2/-1/-1\nvt 0.5 0\nvn 0 0 2\nvn 0 0 3\nv 2 2 2\n"
+                     "f -1/-1/-1 -2/-2/-2 -3/-2/-3\n", NULL);
+    assert_int_equal(m.n_triangles, 2);
+    assert_int_equal(m.n_vertices, 5); /* the third of the square has what it had before */
+    assert_triangle(&m, 0, 0, 1, 2);
+    assert_triangle(&m, 1, 4, 3, 2);
+    assert_uv(&m, 0, 0.25f, 0);
+    assert_uv(&m, 2, 0.25f, 0);
+    assert_uv(&m, 3, 0.25f, 0);
+    assert_uv(&m, 4, 0.5f, 0);
+    assert_true(m.n[0].z == 1 && m.n[2].z == 1 && m.n[3].z == 2 && m.n[4].z == 3);
+    bis_mesh_clear(&m);
+    put_text(&b, SQUARE "vt 1 1\nf 1/-2 2 3\n");
+    expect_mesh_refusal_of(bis_obj_read_uv, &b, "uv.obj", 6, "the face has the index -2, but there are 1 \"vt\" up to here");
+    bytes_clear(&b);
+    put_text(&b, SQUARE "vn 0 0 1\nf 1//-2 2 3\nvn 0 0 1\n");
+    expect_mesh_refusal_of(bis_obj_read, &b, "vn.obj", 6, "the face has the index -2, but there are 1 \"vn\" up to here");
+    bytes_clear(&b);
+    put_text(&b, SQUARE "f -1 -2 -0\n");
+    expect_mesh_refusal_of(bis_obj_read, &b, "v.obj", 5, "the face has the index -0, but there are 4 \"v\" up to here");
+    bytes_clear(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -355,6 +426,9 @@ int main(void)
         cmocka_unit_test(damaged_files_never_crash),
         cmocka_unit_test(any_allocation_may_fail),
         cmocka_unit_test(files_of_the_wild_are_read_right),
+        cmocka_unit_test(a_part_without_faces_is_not_shown),
+        cmocka_unit_test(long_words_are_cut_off_and_continued_lines_counted),
+        cmocka_unit_test(negative_indices_count_from_where_they_stand),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

@@ -571,6 +571,93 @@ static void dolphins_are_the_same_in_ascii_and_both_byte_orders(void **state)
     for (int i = 0; i < 3; i++) bis_mesh_clear(&m[i]);
 }
 
+#define UV(u, v) ASCII "element vertex 3\nproperty float x\nproperty float " u "\nproperty float y\nproperty float " v \
+    "\nproperty float z\n"
+
+/* Any of pbrt's pairs of names; of two pairs the first in the list, wherever it stands; none without the reader for them. */
+static void texture_coordinates_have_four_pairs_of_names(void **state)
+{
+    static const char body[] = FACES(1) "0 0.25 0 0.5 0\n1 1 0 nan 0\n0 -2 1 1e39 9\n3 0 1 2\n";
+    static const char *const headers[] = {UV("u", "v"), UV("s", "t"), UV("texture_u", "texture_v"), UV("texture_s", "texture_t")};
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        bytes b = {0};
+        bis_mesh m;
+        put_text(&b, headers[i]);
+        put_text(&b, body);
+        expect_mesh_of(bis_ply_read_uv, &m, &b, "uv.ply",
+                       "2 texture coordinates are not finite: triangles there get (0,0), (1,0), (1,1)");
+        assert_true(m.uv[0].u == 0.25f && m.uv[0].v == 0.5f && isnan(m.uv[1].u) && isnan(m.uv[2].u));
+        assert_true(m.p[1].x == 1 && m.p[2].y == 1 && m.p[2].z == 9);
+        bis_mesh_clear(&m);
+        expect_mesh_of(bis_ply_read, &m, &b, "uv.ply", NULL);
+        assert_null(m.uv);
+        assert_true(m.p[1].x == 1 && m.p[2].y == 1 && m.p[2].z == 9);
+        bis_mesh_clear(&m);
+        bytes_clear(&b);
+    }
+    bytes b = {0};
+    bis_mesh m;
+    put_text(&b, UV("s", "t") "property float v\nproperty float u\n" FACES(1) "0 3 0 4 0 2 1\n0 3 1 4 0 2 1\n1 3 0 4 0 2 1\n3 0 1 2\n");
+    expect_mesh_of(bis_ply_read_uv, &m, &b, "uv.ply", NULL);
+    assert_true(m.uv[2].u == 1 && m.uv[2].v == 2);
+    bis_mesh_clear(&m);
+    bytes_clear(&b);
+    put_text(&b, UV("u", "w") FACES(1) "0 3 0 4 0\n0 3 1 4 0\n1 3 0 4 0\n3 0 1 2\n");
+    expect_mesh_of(bis_ply_read_uv, &m, &b, "uv.ply", NULL);
+    assert_null(m.uv); /* one of the two is missing */
+    bis_mesh_clear(&m);
+    bytes_clear(&b);
+}
+
+/* The last property of a name counts; two of the three of a normal make none. */
+static void a_name_that_occurs_twice_counts_as_its_last(void **state)
+{
+    bis_mesh m;
+    (void)state;
+    expect_text(&m, ASCII "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float x\nproperty float nx\n"
+                    "property float ny\n" FACES(1) "9 0 0 1 1 0\n9 1 0 2 1 0\n9 0 1 3 1 0\n3 0 1 2\n", NULL);
+    for (int i = 0; i < 3; i++) assert_true(m.p[i].x == (float)(i + 1) && m.p[i].y == (float)(i == 1));
+    assert_null(m.n);
+    bis_mesh_clear(&m);
+}
+
+/* 32 characters of a long word; a binary file that ends within a vertex or a list; the most vertices that a header may claim,
+ * which the file's length then refuses. */
+static void messages_tell_where_a_file_ends_and_no_more_than_32_characters(void **state)
+{
+    (void)state;
+    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 abcdefghijklmnopqrstuvwxyz0123456789 0\n1 1 0\n0 1 0\n3 0 1 2\n", 11,
+                "\"abcdefghijklmnopqrstuvwxyz012345\" where a number of vertex 1 should stand");
+    refuse_text(ASCII SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n1 1", 0,
+                "4 rows of \"vertex\" of at least 6 bytes each, but the file has 15 bytes left");
+    refuse_text(ASCII "element vertex 4294967294\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0", 0,
+                "4294967294 rows of \"vertex\" of at least 6 bytes each, but the file has 5 bytes left");
+    refuse_text(ASCII "element vertex 4294967295\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0", 0,
+                "4294967295 vertices, must be below 2^32 - 1");
+    for (int strips = 0; strips < 2; strips++)
+        for (size_t lost = 1; lost < 30; lost++) {
+            bytes b = {0};
+            char message[80];
+            put_text(&b, "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty short x\nproperty double y\nproperty int z\n");
+            put_text(&b, strips ? "element tristrips 2\nproperty list ushort int vertex_indices\nend_header\n"
+                                : "element face 2\nproperty list ushort int vertex_indices\nend_header\n");
+            for (int i = 0; i < 3; i++) {
+                put_number(&b, i, "short", true);
+                put_number(&b, i * i, "double", true);
+                put_number(&b, 1, "int", true);
+            }
+            for (int i = 0; i < 8; i++) {
+                if (i % 4 == 0) put_number(&b, 4, "ushort", true);
+                put_number(&b, i % 4 % 3, "int", true);
+            }
+            b.n -= lost; /* a list has 18 bytes; its count alone is 2, and the file must have room for that */
+            snprintf(message, sizeof message, "the file ends in %s %d of 2", strips ? "tristrips" : "face", lost <= 18 ? 1 : 0);
+            expect_mesh_refusal_of(bis_ply_read, &b, "ends.ply", 0, message);
+            bytes_clear(&b);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -598,6 +685,9 @@ int main(void)
         cmocka_unit_test(files_of_the_wild_have_the_counts_that_another_reader_finds),
         cmocka_unit_test(the_one_contradictory_file_of_the_wild_is_refused),
         cmocka_unit_test(dolphins_are_the_same_in_ascii_and_both_byte_orders),
+        cmocka_unit_test(texture_coordinates_have_four_pairs_of_names),
+        cmocka_unit_test(a_name_that_occurs_twice_counts_as_its_last),
+        cmocka_unit_test(messages_tell_where_a_file_ends_and_no_more_than_32_characters),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

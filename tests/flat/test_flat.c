@@ -157,6 +157,10 @@ static void a_picture_has_the_bits_of_the_program(void **state)
         {{NULL}, "", "\"sir\""},
         {{"samples=3", "integrator=em", "spp=2", NULL}, "--integrator em --samples 3 --spp 2", "\"em\""},
         {{"proposal=brdf", "seed=12", "accelerator=grid", "threads=1", NULL}, "--proposal brdf --seed 12 --accelerator grid", "\"sir\""},
+        {{"proposal=product", "learn=true", "spp=9", NULL}, "--proposal product --learn on --spp 9", "\"sir\""},
+        {{"proposal=product", "learn=false", "spp=9", NULL}, "--proposal product --learn off --spp 9", "\"sir\""},
+        {{"width=9", "height=5", "threads=2", "spp=3", NULL}, "--resolution 9x5 --nthreads 2 --spp 3", "\"sir\""},
+        {{"error=0.4", "spp=64", "threads=1", NULL}, "--error 0.4 --spp 64 --nthreads 1", "\"sir\""},
     };
 
     (void)state;

@@ -647,6 +647,40 @@ static void without_memory_there_is_a_message_or_no_checkpoint(void **state)
     clear_world(&w);
 }
 
+/* More rays saw the light than there were: in whichever part of the counts, the file is damaged. */
+static void counts_of_more_seen_than_rays_are_refused_wherever_they_stand(void **state)
+{
+    (void)state;
+    world w;
+    size_t size, at;
+
+    make_kind(&w, &tiny);
+    unsigned char *data = tiny_state(&w, &size, &at);
+    const size_t first = size - 8 - BIS_VISIBILITY_CELLS * sizeof(bis_seen), last = size - 8 - 4;
+    const size_t places[] = {first, (first + last) / 8 * 4, last};
+    for (size_t i = 0; i < COUNT(places); i++) {
+        for (unsigned char seen = 2; seen < 4; seen++) { /* of 2 rays */
+            unsigned char before[4];
+            bis_diag diag = {0};
+            bis_film f;
+            bis_render_result result;
+            memcpy(before, data + places[i], 4);
+            memcpy(data + places[i], (const unsigned char[]){seen, 0, 2, 0}, 4);
+            seal(data, size);
+            write_bytes(PATH, data, size);
+            memcpy(data + places[i], before, 4);
+            bis_checkpoint c = read_state(PATH);
+            const bis_status status = try_render(&f, &result, &w, &tiny, budget(&tiny, 16, 1), &c, &diag);
+            assert_int_equal(status, seen > 2 ? BIS_INPUT : BIS_OK);
+            if (status) assert_string_equal(diag.messages[0].text, PATH ": error: this checkpoint is damaged");
+            bis_diag_clear(&diag);
+            bis_film_clear(&f);
+        }
+    }
+    bis_free(data);
+    clear_world(&w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -661,6 +695,7 @@ int main(void)
         cmocka_unit_test(another_render_is_refused_by_what_differs),
         cmocka_unit_test(where_the_new_one_cannot_be_written_the_older_one_stays_and_the_render_goes_on),
         cmocka_unit_test(without_memory_there_is_a_message_or_no_checkpoint),
+        cmocka_unit_test(counts_of_more_seen_than_rays_are_refused_wherever_they_stand),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

@@ -583,6 +583,45 @@ static void without_memory_there_is_a_message(void **state)
     clear_world(&w);
 }
 
+/* Parts that were made on unlike machines: the largest of what each has needed, whichever part comes first; what one
+ * does not know is that of the other. Seconds are added up. */
+static void of_unlike_parts_the_larger_figures_stand(void **state)
+{
+    (void)state;
+    static const char *const paths[] = {FIRST, OTHER}, *const turned[] = {OTHER, FIRST};
+    bis_merged *m = bis_alloc(1, sizeof *m);
+    bis_part_about about[2] = {about_all, about_all};
+    world w;
+
+    about[0].figures.mesh = 100, about[0].figures.accel = 300, about[0].seconds.accel = 8;
+    about[1].figures.mesh = 150, about[1].figures.accel = 250, about[1].seconds.accel = 0.5;
+    make_kind(&w, &small);
+    for (int unknown = 0; unknown < 2; unknown++) {
+        if (unknown) about[0].figures.accel = about[1].figures.mesh = (double)NAN;
+        for (int k = 0; k < 2; k++) {
+            bis_checkpoint c = {.every = 1e9};
+            bis_film f;
+            bis_render_result result;
+            bis_render_options options = budget(2, 1);
+            options.part = (bis_part){(uint32_t)k + 1, 2};
+            assert_int_equal(try_render(&f, &result, &w, &small, options, &c, NULL), BIS_OK);
+            result.bytes = k ? 4000 : 5000;
+            result.seconds = k ? 0.25 : 4;
+            assert_int_equal(bis_part_write(paths[k], &c.head, &about[k], &f, &result, NULL), BIS_OK);
+            bis_film_clear(&f);
+        }
+        for (int order = 0; order < 2; order++) {
+            assert_int_equal(merge_paths(m, order ? turned : paths, 2, NULL), BIS_OK);
+            assert_true(m->about.figures.mesh == (unknown ? 100 : 150) && m->about.figures.accel == (unknown ? 250 : 300));
+            assert_true(m->about.seconds.accel == 8.5 && m->result.seconds == 4.25);
+            assert_int_equal(m->result.bytes, 5000);
+            bis_film_clear(&m->film);
+        }
+    }
+    bis_free(m);
+    clear_world(&w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -596,6 +635,7 @@ int main(void)
         cmocka_unit_test(figures_of_parts_are_added_up),
         cmocka_unit_test(what_is_missing_or_foreign_is_named),
         cmocka_unit_test(without_memory_there_is_a_message),
+        cmocka_unit_test(of_unlike_parts_the_larger_figures_stand),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

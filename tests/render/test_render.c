@@ -859,6 +859,40 @@ static void lit_denormals_leave_every_estimate_finite_and_the_means_right(void *
     }
 }
 
+typedef struct time_log {
+    double budget; /* seconds */
+    int n, n_between;
+} time_log;
+
+/* Samples are out of reach, so what is used up is the time, in every report. */
+static void check_time(const bis_progress *p, void *user)
+{
+    time_log *log = user;
+    const double share = fmin(p->seconds / log->budget, 1);
+    assert_true(fabs(p->share - share) <= 1e-5);
+    if (share > 0 && share < 1) assert_true(fabs(p->seconds_left / (p->seconds * (1 - share) / share) - 1) <= 1e-2);
+    log->n++;
+    log->n_between += share > 0 && share < 1;
+}
+
+static void progress_by_time_is_the_share_of_the_seconds(void **state)
+{
+    (void)state;
+    static const double budgets[] = {1e-9, 0.1, 0.3};
+    world w;
+    make_world(&w, &bis_em);
+    for (int i = 0; i < 3; i++) {
+        bis_film film;
+        bis_render_result result;
+        time_log log = {.budget = budgets[i]};
+        render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = UINT32_MAX, .seconds = budgets[i]},
+                                                                .progress = check_time, .user = &log});
+        assert_true(log.n > 0 && (i > 0 || log.n_between == 0));
+        bis_film_clear(&film);
+    }
+    clear_world(&w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -888,6 +922,7 @@ int main(void)
         cmocka_unit_test(lit_denormals_leave_every_estimate_finite_and_the_means_right),
         cmocka_unit_test(rendering_allocates_nothing),
         cmocka_unit_test(every_failing_allocation_is_reported_and_leaves_nothing),
+        cmocka_unit_test(progress_by_time_is_the_share_of_the_seconds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -55,7 +55,24 @@ struct post {
     member members[MOST_RANKS];
     void *shared;
     size_t from_0, to_0, between_others; /* bytes of letters */
+    int held[MOST_RANKS]; /* tiles that rank 0 has sent to a rank to render, and has not got back */
+    int n_batches, n_too_early;
 };
+
+/* A letter begins with its kind and its number of tiles (team.c). A rank is to have at most one batch besides the one
+ * that it gets. */
+enum { LETTER_WORK, LETTER_DONE };
+
+static void count_held(post *p, int rank, const unsigned char *data)
+{
+    int32_t head[2];
+    memcpy(head, data, sizeof head);
+    if (head[0] == LETTER_DONE) p->held[rank] -= head[1];
+    if (head[0] != LETTER_WORK) return;
+    p->n_batches++;
+    p->n_too_early += p->held[rank] > head[1];
+    p->held[rank] += head[1];
+}
 
 /* Stops the render at the first letter to rank 0 after so many broadcasts: a tile is then done in that pass. */
 static volatile sig_atomic_t interrupted;
@@ -96,6 +113,7 @@ static void send_letter(bis_crew *crew, int to, const void *data, size_t n)
     pthread_mutex_lock(&p->lock);
     *(crew->rank == 0 ? &p->from_0 : to == 0 ? &p->to_0 : &p->between_others) += n;
     if (to == 0 && broadcasts_left == 0) interrupted = 1;
+    if (crew->rank == 0) count_held(p, to, data);
     *p->members[to].last = l;
     p->members[to].last = &l->next;
     pthread_mutex_unlock(&p->lock);
@@ -113,6 +131,7 @@ static unsigned char *receive(bis_crew *crew, int *from, size_t *n, bool wait)
         letter *l = me->opened = me->first;
         if (l) me->first = l->next;
         if (!me->first) me->last = &me->first;
+        if (l && crew->rank == 0 && !wait) count_held(me->post, l->from, l->data);
         pthread_mutex_unlock(&me->post->lock);
         if (!l && wait) continue;
         if (!l) return NULL;
@@ -340,6 +359,26 @@ static void a_pass_that_is_given_up_is_not_learned_from(void **state)
     clear_world(&w);
 }
 
+/* Without learning every batch goes straight to the rank that renders it. With one thread in a rank a batch is never
+ * cut off by the end of its list, so it is as large as the batch that the rank may have in its queue. All tiles come
+ * back. */
+static void a_rank_has_one_batch_in_its_queue_at_most(void **state)
+{
+    (void)state;
+    world w;
+
+    make_world(&w, &bis_em);
+    for (int i = 0; i < 6; i++) {
+        const int ranks = 2 + i;
+        const post *p = assert_team_makes_the_same(
+            &w, (bis_render_options){.budget = {.spp = spp}, .n_threads = 1}, ranks, i % ranks);
+        for (int k = 1; k < ranks; k++) assert_int_equal(p->held[k], 0);
+        assert_true(p->n_batches > ranks);
+        assert_int_equal(p->n_too_early, 0);
+    }
+    clear_world(&w);
+}
+
 static int setup(void **state)
 {
     (void)state;
@@ -354,6 +393,7 @@ int main(void)
         cmocka_unit_test(as_a_rule_only_pixels_travel),
         cmocka_unit_test(a_checkpoint_has_what_all_have_learned),
         cmocka_unit_test(a_pass_that_is_given_up_is_not_learned_from),
+        cmocka_unit_test(a_rank_has_one_batch_in_its_queue_at_most),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

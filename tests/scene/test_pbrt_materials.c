@@ -130,6 +130,14 @@ static void reflectances_may_be_spectra_files_or_xyz(void **state)
     /* half of D65's own white */
     assert_rgb(material("Material \"diffuse\" \"xyz reflectance\" [0.475235 0.5 0.544415]", NULL).Kd, 0.5, 0.5, 0.5, 1e-4);
     material("Material \"diffuse\" \"spectrum reflectance\" [500 0 520 1 540 0]", "of RGB; it is cut off to [0, 1]");
+    /* white itself is inside, up to rounding */
+    assert_rgb(material("Material \"diffuse\" \"spectrum reflectance\" [400 1 700 1]", NULL).Kd, 1, 1, 1, 0);
+    assert_rgb(material("Material \"diffuse\" \"spectrum reflectance\" [400 1.01 700 1.01]",
+                        "\"reflectance\" is the colour (1.01, 1.01, 1.01) of RGB; it is cut off to [0, 1]").Kd, 1, 1, 1, 0);
+    assert_rgb(material("Material \"diffuse\" \"spectrum reflectance\" [400 1.00000001 700 1.00000001]", "(1, 1, 1)").Kd, 1, 1, 1, 0);
+    /* X = 0, Y = 0.1, Z = 0.1 by the same matrix: red below 0 */
+    assert_rgb(material("Material \"diffuse\" \"xyz reflectance\" [0 0.1 0.1]", "is the colour (-0.2036, 0.1918, 0.08532) of RGB; it is "
+                        "cut off to [0, 1]").Kd, 0, 0.1918, 0.0853, 1e-4);
     refuse("Material \"diffuse\" \"spectrum reflectance\" [500 0 400 1]", "must be one number, or pairs of a wavelength in nm");
     refuse("Material \"diffuse\" \"spectrum reflectance\" [500 0 600]", "must be one number, or pairs of a wavelength in nm");
     for (int n = 3; n < 70; n += 2) { /* with the roughness before it their list is full at 15, 31 and 63 */
@@ -362,6 +370,68 @@ static void when_the_kth_allocation_fails_colours_fail_cleanly(void **state)
     }
 }
 
+/* A texture that is made of constants is one: what it is follows by hand from the shares and factors. */
+static void textures_of_constants_are_their_values(void **state)
+{
+    (void)state;
+#define DULL " Material \"diffuse\" \"texture reflectance\" \"m\""
+    assert_rgb(material("Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [0.2 0 1] \"rgb tex2\" [1 0.5 0] \"float amount\" 0.25" DULL,
+                        NULL).Kd, 0.4, 0.125, 0.75, 1e-6);
+    assert_rgb(material("Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [0.2 0 1] \"rgb tex2\" [1 0.5 0] \"float amount\" 1" DULL,
+                        NULL).Kd, 1, 0.5, 0, 1e-6);
+    assert_rgb(material("Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [0.2 0 1] \"rgb tex2\" [1 0.5 0]" DULL, NULL).Kd, 0.6, 0.25, 0.5,
+               1e-6);
+    assert_rgb(material("Texture \"m\" \"spectrum\" \"scale\" \"rgb tex1\" [0.5 1 0.25] \"rgb tex2\" [0.5 0.75 1]" DULL, NULL).Kd, 0.25,
+               0.75, 0.25, 1e-6);
+    assert_rgb(material("Texture \"k\" \"float\" \"scale\" \"float tex1\" 0.5 \"float tex2\" 0.25\n"
+                        "Texture \"s\" \"spectrum\" \"scale\" \"rgb tex1\" [0.5 1 0.25] \"rgb tex2\" [0.5 0.75 1]\n"
+                        "Texture \"m\" \"spectrum\" \"mix\" \"texture tex1\" \"s\" \"rgb tex2\" [0.25 0.25 0.25] \"texture amount\" \"k\""
+                        DULL, NULL).Kd, 0.25, 0.6875, 0.25, 1e-6);
+#undef DULL
+}
+
+/* The gamma of an image's bytes, up to its limits; a file that is named twice is there once for each gamma. */
+static void an_image_has_the_gamma_that_is_said(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *words;
+        double gamma;
+    } cases[] = {{"", BIS_GAMMA_SRGB}, {"\"string encoding\" \"sRGB\"", BIS_GAMMA_SRGB}, {"\"string encoding\" \"linear\"", 1},
+                 {"\"bool gamma\" true", BIS_GAMMA_SRGB}, {"\"bool gamma\" false", 1}, {"\"string encoding\" \"gamma 2.2\"", 2.2},
+                 {"\"string encoding\" \"gamma 100\"", 100}, {"\"string encoding\" \"gamma 1e-3\"", 1e-3}};
+    static const char *const wrong[] = {"gamma 0", "gamma -1", "gamma 100.1", "gamma nan", "gamma x", "gamma ", "gamma", "gamma 2 ", "srgb",
+                                        "linear ", ""};
+    char text[1024], message[160], x[64], y[64];
+    store(scratch("x.png"), "x", 1); /* opened by the build alone */
+    snprintf(x, sizeof x, "%s", strrchr(scratch("x.png"), '/') + 1);
+    store(scratch("y.png"), "y", 1);
+    snprintf(y, sizeof y, "%s", strrchr(scratch("y.png"), '/') + 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(text, sizeof text, "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" %s\n"
+                 "Texture \"b\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" %s\n"
+                 "Texture \"c\" \"float\" \"imagemap\" \"string filename\" \"%s\" \"string encoding\" \"gamma 3\"\n"
+                 "Texture \"d\" \"float\" \"imagemap\" \"string filename\" \"%s\" %s\n", x, cases[i].words, x, cases[i].words, x, y,
+                 cases[i].words);
+        parsed p = parse(text);
+        assert_int_equal(p.status, BIS_OK);
+        const bis_textures *t = &p.desc->textures;
+        assert_int_equal(t->n_files, 3);
+        assert_true(t->files[0].gamma == cases[i].gamma && t->files[1].gamma == 3 && t->files[2].gamma == cases[i].gamma);
+        assert_string_equal(strrchr(t->files[1].filename, '/') + 1, x);
+        assert_string_equal(strrchr(t->files[2].filename, '/') + 1, y);
+        static const uint32_t images[] = {0, 0, 1, 2};
+        const bis_texture *of = &t->list[t->n - 4];
+        for (size_t k = 0; k < 4; k++) assert_int_equal(of[k].image, images[k]);
+        clear(&p);
+    }
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        snprintf(text, sizeof text, "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"%s\" \"string encoding\" \"%s\"", x, wrong[i]);
+        snprintf(message, sizeof message, "error: \"encoding\" is \"%s\", must be \"sRGB\", \"linear\" or \"gamma X\", X in (0, 100]", wrong[i]);
+        refuse(text, message);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -377,6 +447,8 @@ int main(void)
         cmocka_unit_test(coats_are_what_their_index_says),
         cmocka_unit_test(a_textured_coat_is_the_coat_of_each_colour),
         cmocka_unit_test(when_the_kth_allocation_fails_colours_fail_cleanly),
+        cmocka_unit_test(textures_of_constants_are_their_values),
+        cmocka_unit_test(an_image_has_the_gamma_that_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

@@ -728,6 +728,62 @@ static void any_allocation_may_fail(void **state)
     bis_geometry_clear(&g);
 }
 
+/* With a triangle of no area Embree gets a copy of all indices: 12 bytes a triangle. What Embree itself holds differs by
+ * one triangle of 4000. */
+static void the_copy_of_the_indices_counts_as_memory(void **state)
+{
+    enum { N = 4000 };
+    size_t held[2];
+    (void)state;
+    if (!bis_accel_embree_version()) skip();
+    for (int flat = 0; flat < 2; flat++) {
+        bis_geometry g = {0};
+        bis_mesh m = soup_mesh(N, 0.1, 13);
+        bis_accel *a;
+        if (flat) m.p[2] = m.p[1];
+        add_mesh(&g, &m, NULL, 0);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_EMBREE, 0, 1, NULL}, NULL), BIS_OK);
+        held[flat] = bis_accel_bytes(a);
+        bis_accel_free(a);
+        bis_geometry_clear(&g);
+    }
+    assert_in_range(held[1] - held[0], 12 * N - 4096, 12 * N + 4096);
+}
+
+/* A box that is one point gets a thickness: 2^-20 of its largest coordinate, or of 1 at the origin; one that is flat, 2^-20
+ * of its extent. */
+static void the_box_of_a_point_or_of_a_plane_has_a_thickness(void **state)
+{
+    static const struct {
+        double at[3], side, pad;
+    } cases[] = {{{0, 0, 0}, 0, 0x1p-20}, {{2, -8, 1}, 0, 0x1p-17}, {{0, 0, 0.5}, 4, 0x1p-18}, {{3, 0, 64}, 0.25, 0x1p-22}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double *at = cases[i].at, side = cases[i].side;
+        bis_geometry g = {0};
+        bis_mesh m = new_mesh(3, 1);
+        bis_accel *a;
+        bis_hit hit;
+        for (uint32_t k = 0; k < 3; k++) {
+            m.p[k] = vec3_from(at[0] + (k == 1) * side, at[1] + (k == 2) * side, at[2]);
+            m.index[k] = k;
+        }
+        add_mesh(&g, &m, NULL, 0);
+        assert_int_equal(bis_accel_new(&a, &g, &(bis_accel_options){BIS_ACCEL_GRID, 0, 1, NULL}, NULL), BIS_OK);
+        const bis_grid *grid = (const bis_grid *)a;
+        for (int k = 0; k < 3; k++) {
+            assert_true(grid->lo[k] == at[k] - cases[i].pad);
+            assert_true(grid->hi[k] == at[k] + (k < 2 ? side : 0) + cases[i].pad);
+        }
+        const ray r = {vec3_from(at[0] + side / 4, at[1] + side / 4, at[2] + 1), {0, 0, -1}, INFINITY};
+        assert_int_equal(bis_accel_intersect(a, &r, &hit), side > 0);
+        assert_int_equal(bis_accel_occluded(a, &r), side > 0);
+        if (side > 0) assert_true(hit.t == 1);
+        bis_accel_free(a);
+        bis_geometry_clear(&g);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -750,6 +806,8 @@ int main(void)
         cmocka_unit_test(an_empty_scene_is_never_hit),
         cmocka_unit_test(without_embree_the_message_names_the_way_out),
         cmocka_unit_test(any_allocation_may_fail),
+        cmocka_unit_test(the_copy_of_the_indices_counts_as_memory),
+        cmocka_unit_test(the_box_of_a_point_or_of_a_plane_has_a_thickness),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -385,12 +385,15 @@ static void effective_sample_size_is_M_for_equal_weights_and_1_for_one(void **st
     bis_stream_init(&stream, &sampler, 0, 0);
     assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
     assert_near(c.ess, 800, 1e-3); /* f cos/q_f is constant */
+    assert_near(c.largest, 1 / 800.0, 1e-8);
+    assert_int_equal(c.positive, 800);
     bis_pixel_candidates_clear(&c);
     s.candidates = s.shadowrays = 1;
     bis_stream_init(&stream, &sampler, 0, 0);
     assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
     assert_near(c.ess, 1, 1e-12);
     assert_near(c.largest, 1, 1e-12);
+    assert_true(c.positive == 1 && c.distinct == 1 && c.seen == 1 && c.c[0].chosen == 1 && c.c[0].seen);
     bis_pixel_candidates_clear(&c);
     bis_light_free(light);
 }
@@ -969,6 +972,33 @@ static void the_product_is_shown_as_mix_with_a_word(void **state)
     assert_string_equal(mix.output, product.output);
 }
 
+/* The runs that are shown are the fewest with 150 rays or more. The first run of a method is 0. */
+static void as_many_runs_are_shown_as_make_150_rays(void **state)
+{
+    (void)state;
+    static const int rays[][2] = {{7, 4}, {149, 75}, {150, 149}, {151, 150}}; /* of em and brdf, of sir */
+    start();
+    write_scene(SCENE, map_light, "");
+    for (size_t k = 0; k < sizeof rays / sizeof *rays; k++) {
+        static program_run r;
+        static const char *const methods[] = {"em,", "brdf,", "sir,"};
+        program_expect(&r, 0, "pixel " SCENE " 3 2 --repeats 2 --samples %d --shadowrays %d --output " DIR "/shown", rays[k][0], rays[k][1]);
+        char line[512];
+        int last[3] = {-1, -1, -1};
+        FILE *f = fopen(DIR "/shown/rays.csv", "r");
+        assert_non_null(f);
+        while (fgets(line, sizeof line, f))
+            for (int i = 0; i < 3; i++)
+                if (strncmp(line, methods[i], strlen(methods[i])) == 0) last[i] = atoi(line + strlen(methods[i]));
+        fclose(f);
+        for (int i = 0; i < 3; i++) {
+            int runs = 1;
+            while (runs * rays[k][i == 2] < 150) runs++;
+            assert_int_equal(last[i], runs - 1);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -997,6 +1027,7 @@ int main(void)
         cmocka_unit_test(wrong_places_and_options_are_refused),
         cmocka_unit_test(options_override_the_scene_for_all_methods),
         cmocka_unit_test(the_product_is_shown_as_mix_with_a_word),
+        cmocka_unit_test(as_many_runs_are_shown_as_make_150_rays),
     };
     return cmocka_run_group_tests_name("pixel", tests, NULL, NULL);
 }

@@ -22,6 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #define DIR "build/test_trade_hand"
 
@@ -1853,6 +1854,147 @@ static void seconds_are_those_of_a_pass_of_the_full_picture(void **state)
     }
 }
 
+/* What each field may be at most and at least is taken as it stands, and what lies beyond is refused by its name. */
+static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
+{
+    (void)state;
+    static const char good[] = "em 16,1048576,16,9007199254740992,1e12,9223372036854775808,9223372036854775808,"
+                               "9223372036854775808,1.7e308,1.6e308,-1.5e308,1.4e308";
+    static const struct {
+        int column;
+        const char *value, *name; /* of the column that is named */
+    } cases[] = {
+        {0, "sir 64/4", "passes"}, {0, "mis 64", "setting"}, {1, "2097152", "passes"}, {1, "3", "passes"},
+        {1, "0", "passes"}, {2, "17", "replicate"}, {2, "0", "replicate"}, {3, "9007199254740994", "seed"},
+        {3, "-1", "seed"}, {4, "1.1e12", "seconds"}, {4, "-1e-9", "seconds"}, {5, "9223372036854777856", "camera_rays"},
+        {5, "0.5", "camera_rays"}, {6, "9223372036854777856", "shadow_rays"}, {6, "-1", "shadow_rays"},
+        {7, "9223372036854777856", "candidates"}, {7, "x", "candidates"}, {8, "1e309", "rmse"}, {8, "-1e-9", "rmse"},
+        {9, "inf", "relmse"}, {9, "-1e-9", "relmse"}, {10, "1e309", "bias"}, {10, "-1e309", "bias"}, {10, "nan", "bias"},
+        {11, "1e309", "relmse_both"}, {11, "-1e-9", "relmse_both"}, {11, "1 1", "relmse_both"}, {11, "", "relmse_both"},
+    };
+    char text[2048];
+    bis_trade t;
+
+    load(&t);
+    plan_two(&t);
+    if (!program_exists(DIR "/folder")) assert_int_equal(mkdir(DIR "/folder", 0777), 0);
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    const unsigned long long print = t.plan.fingerprint;
+    bis_trade_clear(&t);
+    snprintf(text, sizeof text, "fingerprint %016llx\nfull 32768 32768\nstep 32768\nsize 1 1\nseeds 16\nseed 9007199254740992\n"
+             "run_seconds 1e9\ngiven 1\nreference 0 1 mis 16\nreference 1 4194304 sir 64/4\nsetting 21 1e9 1e9 0 em 16\n"
+             "setting 0 1e-300 0 nan sir 64/4\n", print);
+    program_write_file(DIR "/folder/plan.txt", text);
+    snprintf(text, sizeof text, RUNS "%s\nem 16,1,1,0,0,0,0,0,0,0,1.3e308,0\n", good);
+    program_write_file(DIR "/folder/runs.csv", text);
+    load(&t);
+    const bis_trade_plan *p = &t.plan, fresh = t.plan;
+    assert_int_equal(bis_trade_read_plan(&t, NULL), BIS_OK);
+    assert_int_equal(bis_trade_read_runs(&t, NULL), BIS_OK);
+    assert_true(p->full_width == 32768 && p->full_height == 32768 && p->step == 32768 && p->width == 1 && p->height == 1);
+    assert_true(p->n_seeds == 16 && p->seed == (uint64_t)1 << 53 && p->run_seconds == 1e9 && p->is_given);
+    assert_true(p->reference_passes[0] == 1 && p->reference_passes[1] == 4194304);
+    const int em = bis_trade_find_setting(p, "em 16"), sir = bis_trade_find_setting(p, "sir 64/4");
+    const bis_trade_setting *a = &p->settings[em], *b = &p->settings[sir];
+    assert_true(a->is_swept && a->levels == 21 && a->pass_seconds == 1e9 && a->fill_seconds == 1e9 && a->pass_relmse == 0);
+    assert_true(b->is_swept && b->levels == 0 && b->pass_seconds == 1e-300 && b->fill_seconds == 0 && isnan(b->pass_relmse));
+    assert_int_equal(t.n_runs, 2);
+    const bis_trade_run *most = &t.runs[0], *least = &t.runs[1];
+    assert_true(most->setting == em && most->level == 20 && most->replicate == 15 && most->seed == (uint64_t)1 << 53);
+    assert_true(most->seconds == 1e12 && most->camera_rays == (uint64_t)1 << 63 && most->shadow_rays == (uint64_t)1 << 63);
+    assert_true(most->candidates == (uint64_t)1 << 63 && most->rmse == 1.7e308 && most->relmse == 1.6e308);
+    assert_true(most->bias == -1.5e308 && most->relmse_both == 1.4e308);
+    assert_true(least->level == 0 && least->replicate == 0 && least->seed == 0 && least->seconds == 0 && least->bias == 1.3e308);
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char line[512], expected[1024];
+        const char *from = good, *end;
+        for (int k = 0; k < cases[i].column; k++) from = strchr(from, ',') + 1;
+        end = from + strcspn(from, ",");
+        snprintf(line, sizeof line, "%.*s%s%s", (int)(from - good), good, cases[i].value, end);
+        snprintf(text, sizeof text, RUNS "%s\n", line);
+        program_write_file(DIR "/folder/runs.csv", text);
+        t.plan = fresh;
+        t.n_runs = 0;
+        bis_diag diag = {0};
+        assert_int_equal(bis_trade_read_plan(&t, NULL), BIS_OK);
+        assert_int_equal(bis_trade_read_runs(&t, &diag), BIS_INPUT);
+        snprintf(expected, sizeof expected, DIR "/folder/runs.csv:2:1: error: \"%s\" is no run of plan.txt, by its %s; remove "
+                 "the line and it is measured again", line, cases[i].name);
+        assert_string_equal(diag.messages[0].text, expected);
+        bis_diag_clear(&diag);
+    }
+    bis_trade_clear(&t);
+}
+
+/* The worst is at the left and the best at the right, wherever they stand in the strip; of equal ones the reference. */
+static void the_slider_begins_with_the_worst_and_the_best(void **state)
+{
+    (void)state;
+    static const struct {
+        double relmse[2];
+        const char *says;
+    } cases[] = {
+        {{0.04, 0.0025}, "`left`: `p0`,`right`: `p1`,`choice`"},
+        {{0.0025, 0.04}, "`left`: `p1`,`right`: `p0`,`choice`"},
+        {{0.04, 0.04}, "`left`: `ref`,`right`: `p0`,`choice`"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        forge(&t);
+        make_strip(&t);
+        for (int k = 0; k < 2; k++) t.strip[k].relmse = cases[i].relmse[k];
+        char *text = values_of(&t);
+        assert_in_order(text, (const char *const[]){"`strip`: {", cases[i].says, NULL});
+        free(text);
+        clear(&t);
+    }
+}
+
+/* Before the last run a folder takes the place of the table. */
+static void block_the_table(const char *what, double share, double left, void *user)
+{
+    (void)share;
+    (void)left;
+    (void)user;
+    if (strcmp(what, "run 3 of 3") != 0) return;
+    unlink(DIR "/last/runs.csv");
+    assert_int_equal(mkdir(DIR "/last/runs.csv", 0777), 0);
+}
+
+/* All was measured, but not written: that is an error, and there is no report. */
+static void runs_that_cannot_be_written_at_the_end_are_an_error(void **state)
+{
+    (void)state;
+    static const char message[] = DIR "/last/runs.csv: error: cannot write \"" DIR "/last/runs.csv\": ";
+    bis_image grey;
+    bis_trade t;
+    bis_diag diag = {0};
+    bool interrupted;
+    load(&t);
+    plan_two(&t);
+    t.o.folder = DIR "/last";
+    t.plan.is_given = true;
+    t.plan.run_seconds = 1e-4;
+    t.plan.reference[0] = t.plan.reference[1] = -1;
+    assert_int_equal(mkdir(DIR "/last", 0777) + mkdir(DIR "/last/references", 0777), 0);
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    bis_trade_clear(&t);
+    assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
+    for (int i = 0; i < 24; i++) grey.pixels[i] = (rgb){0.5f, 0.5f, 0.5f};
+    assert_int_equal(bis_image_save(&grey, DIR "/last/references/given.exr", NULL), BIS_OK);
+    bis_image_clear(&grey);
+    const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/last", .seconds = 1e6, .error = 0.9,
+                                 .n_threads = 1, .resume = true, .progress = block_the_table};
+    assert_int_equal(bis_trade_measure(&t, &o, &interrupted, &diag), BIS_IO);
+    assert_true(t.is_complete && !t.is_reported && !interrupted && t.n_runs == 3);
+    assert_int_equal(diag.n, 1);
+    assert_int_equal(strncmp(diag.messages[0].text, message, sizeof message - 1), 0);
+    assert_false(program_exists(DIR "/last/report.html"));
+    bis_diag_clear(&diag);
+    bis_trade_clear(&t);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1888,6 +2030,9 @@ int main(void)
         cmocka_unit_test(what_is_close_enough_is_not_rendered_again),
         cmocka_unit_test(each_part_says_that_there_is_no_memory),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
+        cmocka_unit_test(each_field_of_a_folder_is_taken_up_to_its_limits),
+        cmocka_unit_test(the_slider_begins_with_the_worst_and_the_best),
+        cmocka_unit_test(runs_that_cannot_be_written_at_the_end_are_an_error),
     };
     return cmocka_run_group_tests_name("trade by hand", tests, setup, NULL);
 }
