@@ -32,7 +32,7 @@ word=$1
 log=$copy/log
 rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data
 mkdir -p $copy
-make -s data && cp -Rp include src tests scripts data Makefile $copy || exit 1
+make -s data && cp -Rp include src tests scripts data scene.txt Makefile $copy || exit 1
 
 # make, in the copy: quiet, plain -O1; with the program, which some tests run. $1...: targets.
 build() {
@@ -46,7 +46,7 @@ run() {
     done
 }
 
-tests=$(mutations | sed -n 's/^\* [^ ]* \([^:]*\) :.*/\1/p' | tr ' ' '\n' | sort -u)
+tests=$(mutations | grep -F -- "$word" | sed -n 's/^\* [^ ]* \([^:]*\) :.*/\1/p' | tr ' ' '\n' | sort -u)
 targets=$(for t in $tests; do echo "build/mutant/tests/$t"; done)
 # shellcheck disable=SC2086
 build -j2 $targets || { cat $log; exit 1; }
