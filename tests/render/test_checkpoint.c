@@ -667,7 +667,7 @@ static void counts_of_more_seen_than_rays_are_refused_wherever_they_stand(void *
             memcpy(before, data + places[i], 4);
             memcpy(data + places[i], (const unsigned char[]){seen, 0, 2, 0}, 4);
             seal(data, size);
-            write_bytes(PATH, data, size);
+            store(PATH, data, size);
             memcpy(data + places[i], before, 4);
             bis_checkpoint c = read_state(PATH);
             const bis_status status = try_render(&f, &result, &w, &tiny, budget(&tiny, 16, 1), &c, &diag);
