@@ -30,7 +30,7 @@ fi
 copy=build/mutants
 word=$1
 log=$copy/log
-rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data
+rm -rf $copy/src $copy/include $copy/tests $copy/scripts $copy/data $copy/build   # an ended run leaves a mutated object
 mkdir -p $copy
 make -s data && cp -Rp include src tests scripts data scene.txt Makefile $copy || exit 1
 
