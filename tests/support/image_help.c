@@ -64,8 +64,8 @@ int scratch_remove(void **state)
 
 void put(bytes *b, const void *data, size_t n)
 {
-    if (b->n + n > b->capacity) {
-        b->capacity = 2 * (b->n + n);
+    if (!b->data || b->n + n > b->capacity) { /* nothing is put somewhere, too: no sums with NULL */
+        b->capacity = 2 * (b->n + n) + 1;
         b->data = realloc(b->data, b->capacity);
         assert_non_null(b->data);
     }
