@@ -133,10 +133,11 @@ static bool follow_seed(const bis_trade *t, int setting, int replicate, double *
         sxx += x * x;
         sxy += x * y;
     }
+    if (!(passes > 0)) return false;
     const double spread = sxx - sx * sx / fmax(fitted, 1);
     *cost_variance = cost / passes;
     *slope = fitted >= LEAST_BUDGETS && spread > 0 ? (sxy - sx * sy / fitted) / spread : (double)NAN;
-    return passes > 0;
+    return true;
 }
 
 static void follow_curve(bis_trade *t, int setting)
