@@ -301,7 +301,7 @@ exit
 # - double distance = smaller(0x1p-23 * tilt + 6 * 0x1p-24 * sums, size);
 # + double distance = smaller(0 * (tilt + sums), size);
 #
-# * surface test_leaving : the hit's error bound without the rounding to float
+# * surface test_geometry : the hit's error bound without the rounding to float
 # - e[c] = 0x1p-24 * fabs(at[c]) + 0.5
 # + e[c] = 0 * fabs(at[c]) + 0.5
 #
