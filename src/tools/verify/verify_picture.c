@@ -267,14 +267,16 @@ static void judge(bis_verify *v, const picture *p, int k)
     const bis_verify_moments *a = &p->rendered[k], *b = &p->expected[k];
     const double va = variance_of(a), vb = variance_of(b), se = sqrt(va + vb), d = a->mean - b->mean;
     const double excess = fmax(0, fabs(d) - rounding * p->size[k]);
-    const double dof = (va + vb) * (va + vb) / (va * va / (a->n - 1) + vb * vb / (b->n - 1));
+    const double of_a = se > 0 ? va / (va + vb) : 1, of_b = 1 - of_a; /* shares of the variance */
+    const double dof = 1 / (of_a * of_a / (a->n - 1) + of_b * of_b / (b->n - 1)); /* Welch and Satterthwaite */
     const double skewness =
-        (fabs(bis_verify_skewness(a)) * pow(va, 1.5) + fabs(bis_verify_skewness(b)) * pow(vb, 1.5)) / (se * se * se);
+        fabs(bis_verify_skewness(a)) * pow(of_a, 1.5) + fabs(bis_verify_skewness(b)) * pow(of_b, 1.5);
+    const double percent = p->size[k] > 0 ? 100 / p->size[k] : 0; /* of a black picture */
     const char *name = p->name[k], *integrator = p->view.settings.integrator->name;
     char note[120];
 
-    snprintf(note, sizeof note, "z; %+.2g %% +- %.2g %%; %u renders of %zu pixels, %u passes", 100 * d / p->size[k],
-             100 * se / p->size[k], (unsigned)p->n_renders, p->n, (unsigned)p->passes);
+    snprintf(note, sizeof note, "z; %+.2g %% +- %.2g %%; %u renders of %zu pixels, %u passes", percent * d,
+             percent * se, (unsigned)p->n_renders, p->n, (unsigned)p->passes);
     if (isnan(d)) {
         bis_verify_p(v, "picture", d, 0, "not a number", "%s: %s", name, integrator);
     } else if (excess == 0) {
