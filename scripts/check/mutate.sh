@@ -498,7 +498,7 @@ exit
 # + ;
 #
 # * wave test_wave : a wave goes on into the next cell
-# - if (w->n > 0 && pixel->cell != w->samples[0].cell) bis_wave_end(w);
+# - if (w->n > 0 && pixel->cell != w->cell) bis_wave_end(w);
 # + ;
 #
 # * edges test_edges : where a lobe turns away is no edge

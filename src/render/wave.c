@@ -23,8 +23,7 @@ typedef struct sample {
     bis_stream stream;
     bis_point pt;
     bis_pixel_sum *pixel;
-    size_t cell; /* the pixel's, as the settings are: what is dropped has one sum for many pixels */
-    const bis_settings *settings;
+    const bis_settings *settings; /* the pixel's: what is dropped has one sum for many pixels */
     rgbd L;
 } sample;
 
@@ -36,6 +35,7 @@ struct bis_wave {
     bis_own_material *materials; /* materials[SAMPLES], or NULL: the scene has no textures */
 
     uint32_t n; /* samples */
+    size_t cell; /* of learned visibility, that they belong to */
     sample samples[SAMPLES];
     ray eyes[SAMPLES];
     uint32_t prim[SAMPLES];
@@ -101,7 +101,7 @@ static void look_at_cell(bis_wave *w)
     bis_fast *f = w->scratch->fast;
 
     if (f->visibility && w->n > 0)
-        bis_foresight_look(&f->foresight, f->clusters->n, f->visibility, w->samples[0].cell);
+        bis_foresight_look(&f->foresight, f->clusters->n, f->visibility, w->cell);
 }
 
 /* Light reflected towards the eye, eq. 3.1, or what a ray sees that escapes: all but the terms of shadow rays. */
@@ -164,13 +164,13 @@ void bis_wave_add(bis_wave *w, const bis_sampler *sampler, int x, int y, uint64_
     double u[2] = {0.5, 0.5};
 
     /* A wave has the samples of one cell, because the next cell learns from the rays of this one. */
-    if (w->n > 0 && pixel->cell != w->samples[0].cell) bis_wave_end(w);
+    if (w->n > 0 && pixel->cell != w->cell) bis_wave_end(w);
+    w->cell = pixel->cell;
     sample *s = &w->samples[w->n];
 
     x = x * f->step + f->step / 2; /* of the picture */
     y = y * f->step + f->step / 2;
     s->pixel = pixel;
-    s->cell = pixel->cell;
     s->settings = pixel->settings;
     s->L = (rgbd){0, 0, 0};
     s->sampler = *sampler;
