@@ -270,6 +270,5 @@ double bis_film_relative_rmse(const bis_film *f, double *upper)
 size_t bis_film_bytes(const bis_film *f)
 {
     return (size_t)f->width * (size_t)f->height *
-           (3 * sizeof *f->sum + 3 * sizeof *f->sum_squares + sizeof *f->hits +
-            (size_t)f->layers.n_values * sizeof *f->layers.sum);
+           (BIS_FILM_BYTES + (size_t)f->layers.n_values * sizeof *f->layers.sum);
 }

@@ -12,7 +12,8 @@
 #include <math.h>
 
 static const double program = 14e6;
-static const double film_sums = 52, pass = 16 + 1.0 / 4 /* kind of edge */, layer_sum = 8, layer_pass = 4; /* a pixel */
+static const double film_sums = BIS_FILM_BYTES, pass = 16 + 1.0 / 4 /* kind of edge */; /* a pixel */
+static const double layer_sum = 8, layer_pass = 4; /* a pixel's value */
 static const double cells = 64, tiles = 4; /* of learned visibility, a pixel; cells up to 2^23 pixels */
 static const double texel = 12, table = 10.4, curve = 1.5, area = 4, regions_beside = 8;
 static const double vertex = 12, uv = 8, triangle = 12;

@@ -95,13 +95,13 @@ static void print_tiles(const bis_scene_desc *d, FILE *out)
 /* Bytes a pixel: sums, their squares and hits; the pass under way; and 8 + 4 for each value of a layer. */
 static void print_film(const bis_scene_desc *d, FILE *out)
 {
-    enum { FILM_BYTES = 52, PASS_BYTES = 16, VALUE_BYTES = 12 };
+    enum { PASS_BYTES = 16, VALUE_BYTES = 12 };
     const double pixels = (double)d->view.film.width * d->view.film.height *
                           (d->view.film.crop[1] - d->view.film.crop[0]) * (d->view.film.crop[3] - d->view.film.crop[2]);
     char buf[32];
     int n = 0;
 
-    fprintf(out, "build        film: about %s\n", megabytes(buf, pixels * (FILM_BYTES + PASS_BYTES)));
+    fprintf(out, "build        film: about %s\n", megabytes(buf, pixels * (BIS_FILM_BYTES + PASS_BYTES)));
     if (!d->view.film.layers) {
         fprintf(out, "skip         layers: none is asked for\n");
         return;

@@ -109,5 +109,8 @@ enum { BIS_FILM_MAX_CHANNELS = 24 };
  * fewer. Pixels without a surface hold 0. */
 int bis_film_layers(const bis_film *f, bis_channel channels[BIS_FILM_MAX_CHANNELS], float *planes);
 
+/* The bytes of a pixel's sums, without layers. */
+enum { BIS_FILM_BYTES = 6 * sizeof(double) + sizeof(float) };
+
 /* bis_film_bytes returns the bytes that the sums take. */
 size_t bis_film_bytes(const bis_film *f);
