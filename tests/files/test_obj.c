@@ -24,13 +24,18 @@ static void expect_text(bis_mesh *m, const char *text, const char *warning)
     bytes_clear(&b);
 }
 
-static void refuse_text(const char *text, int line, const char *message)
+static void refuse_as(mesh_reader *read, const char *name, const char *text, int line, const char *message)
 {
     bytes b = {0};
 
     put_text(&b, text);
-    expect_mesh_refusal_of(bis_obj_read, &b, "bad.obj", line, message);
+    expect_mesh_refusal_of(read, &b, name, line, message);
     bytes_clear(&b);
+}
+
+static void refuse_text(const char *text, int line, const char *message)
+{
+    refuse_as(bis_obj_read, "bad.obj", text, line, message);
 }
 
 static void a_corner_may_have_any_of_its_forms(void **state)
@@ -162,16 +167,12 @@ static void a_texture_coordinate_has_one_to_three_numbers(void **state)
     assert_uv(&m, 2, -1, 2);
     assert_uv(&m, 3, 4, 0);
     bis_mesh_clear(&m);
-    bytes b = {0};
-    put_text(&b, SQUARE "vt 1 a\nf 1 2 3\n");
-    expect_mesh_refusal_of(bis_obj_read_uv, &b, "uv.obj", 5, "\"a\" in \"vt\" is no number");
-    bytes_clear(&b);
-    put_text(&b, SQUARE "vt\nf 1 2 3\n");
-    expect_mesh_refusal_of(bis_obj_read_uv, &b, "uv.obj", 5, "\"vt\" has 0 numbers, must have 1");
-    bytes_clear(&b);
-    put_text(&b, SQUARE "vt 1 1\nf 1/1 2/2 3/1\n");
-    expect_mesh_refusal_of(bis_obj_read_uv, &b, "uv.obj", 6, "the face has the index 2, but there are 1 \"vt\"");
-    bytes_clear(&b);
+    refuse_as(bis_obj_read_uv, "uv.obj", SQUARE "vt 1 a\nf 1 2 3\n", 5,
+              "\"a\" in \"vt\" is no number");
+    refuse_as(bis_obj_read_uv, "uv.obj", SQUARE "vt\nf 1 2 3\n", 5,
+              "\"vt\" has 0 numbers, must have 1");
+    refuse_as(bis_obj_read_uv, "uv.obj", SQUARE "vt 1 1\nf 1/1 2/2 3/1\n", 6,
+              "the face has the index 2, but there are 1 \"vt\"");
 }
 
 /* Either number may be the one that is not finite, or larger than a float. */
@@ -382,7 +383,6 @@ static void long_words_are_cut_off_and_continued_lines_counted(void **state)
 static void negative_indices_count_from_where_they_stand(void **state)
 {
     bis_mesh m;
-    bytes b = {0};
     (void)state;
     m = mesh_with_uv(SQUARE "vt 0.25 0\nvn 0 0 1\nf -4/-1/-1 -3/-1/-1 -2/-1/-1\nvt 0.5 0\nvn 0 0 2\nvn 0 0 3\nv 2 2 2\n"
                      "f -1/-1/-1 -2/-2/-2 -3/-2/-3\n", NULL);
@@ -396,15 +396,12 @@ static void negative_indices_count_from_where_they_stand(void **state)
     assert_uv(&m, 4, 0.5f, 0);
     assert_true(m.n[0].z == 1 && m.n[2].z == 1 && m.n[3].z == 2 && m.n[4].z == 3);
     bis_mesh_clear(&m);
-    put_text(&b, SQUARE "vt 1 1\nf 1/-2 2 3\n");
-    expect_mesh_refusal_of(bis_obj_read_uv, &b, "uv.obj", 6, "the face has the index -2, but there are 1 \"vt\" up to here");
-    bytes_clear(&b);
-    put_text(&b, SQUARE "vn 0 0 1\nf 1//-2 2 3\nvn 0 0 1\n");
-    expect_mesh_refusal_of(bis_obj_read, &b, "vn.obj", 6, "the face has the index -2, but there are 1 \"vn\" up to here");
-    bytes_clear(&b);
-    put_text(&b, SQUARE "f -1 -2 -0\n");
-    expect_mesh_refusal_of(bis_obj_read, &b, "v.obj", 5, "the face has the index -0, but there are 4 \"v\" up to here");
-    bytes_clear(&b);
+    refuse_as(bis_obj_read_uv, "uv.obj", SQUARE "vt 1 1\nf 1/-2 2 3\n", 6,
+              "the face has the index -2, but there are 1 \"vt\" up to here");
+    refuse_as(bis_obj_read, "vn.obj", SQUARE "vn 0 0 1\nf 1//-2 2 3\nvn 0 0 1\n", 6,
+              "the face has the index -2, but there are 1 \"vn\" up to here");
+    refuse_as(bis_obj_read, "v.obj", SQUARE "f -1 -2 -0\n", 5,
+              "the face has the index -0, but there are 4 \"v\" up to here");
 }
 
 int main(void)

@@ -1255,6 +1255,27 @@ static void plan_two(bis_trade *t)
     b->levels = 1, b->pass_seconds = 4, b->fill_seconds = 0, b->pass_relmse = 0.125;
 }
 
+/* A new folder with the plan of *t, which is cleared then, and with a grey picture as its reference. */
+static void store_plan(bis_trade *t, const char *folder)
+{
+    char text[256];
+    bis_image grey;
+
+    t->o.folder = folder;
+    t->plan.is_given = true;
+    t->plan.run_seconds = 1e-4;
+    t->plan.reference[0] = t->plan.reference[1] = -1;
+    snprintf(text, sizeof text, "rm -rf %s && mkdir -p %s/references", folder, folder);
+    assert_int_equal(system(text), 0);
+    assert_int_equal(bis_trade_write_plan(t, NULL), BIS_OK);
+    bis_trade_clear(t);
+    assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
+    for (int i = 0; i < 24; i++) grey.pixels[i] = (rgb){0.5f, 0.5f, 0.5f};
+    snprintf(text, sizeof text, "%s/references/given.exr", folder);
+    assert_int_equal(bis_image_save(&grey, text, NULL), BIS_OK);
+    bis_image_clear(&grey);
+}
+
 /* FNV-1a, 64 bits. */
 static uint64_t fnv(const char *text)
 {
@@ -1785,24 +1806,11 @@ static void each_part_says_that_there_is_no_memory(void **state)
     enum { N_PARTS = sizeof parts / sizeof *parts };
     const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/poor", .seconds = 1e6, .error = 0.9,
                                  .passes = 1, .n_threads = 1, .resume = true};
-    bis_image grey;
     bis_trade t;
     load(&t);
     plan_two(&t);
-    t.o.folder = DIR "/poor";
-    t.plan.is_given = true;
-    t.plan.run_seconds = 1e-4;
     t.plan.settings[bis_trade_find_setting(&t.plan, "em 16")].levels = 1;
-    t.plan.reference[0] = t.plan.reference[1] = -1;
-    assert_int_equal(system("rm -rf " DIR "/poor"), 0);
-    assert_int_equal(mkdir(DIR "/poor", 0777), 0);
-    assert_int_equal(mkdir(DIR "/poor/references", 0777), 0);
-    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
-    bis_trade_clear(&t);
-    assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
-    for (int i = 0; i < 24; i++) grey.pixels[i] = (rgb){0.5f, 0.5f, 0.5f};
-    assert_int_equal(bis_image_save(&grey, DIR "/poor/references/given.exr", NULL), BIS_OK);
-    bis_image_clear(&grey);
+    store_plan(&t, DIR "/poor");
     program_write_file(DIR "/poor/runs.csv", RUNS "em 16,1,1,7,0.5,11,21,31,0.5,0.25,0.125,0.25\n"
                                                   "sir 64/4,1,1,9,0.5,11,21,31,0.5,0.25,0.125,0.25\n");
     const long live = bis_mem_live();
@@ -1967,23 +1975,12 @@ static void runs_that_cannot_be_written_at_the_end_are_an_error(void **state)
 {
     (void)state;
     static const char message[] = DIR "/last/runs.csv: error: cannot write \"" DIR "/last/runs.csv\": ";
-    bis_image grey;
     bis_trade t;
     bis_diag diag = {0};
     bool interrupted;
     load(&t);
     plan_two(&t);
-    t.o.folder = DIR "/last";
-    t.plan.is_given = true;
-    t.plan.run_seconds = 1e-4;
-    t.plan.reference[0] = t.plan.reference[1] = -1;
-    assert_int_equal(mkdir(DIR "/last", 0777) + mkdir(DIR "/last/references", 0777), 0);
-    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
-    bis_trade_clear(&t);
-    assert_int_equal(bis_image_init(&grey, 6, 4, NULL), BIS_OK);
-    for (int i = 0; i < 24; i++) grey.pixels[i] = (rgb){0.5f, 0.5f, 0.5f};
-    assert_int_equal(bis_image_save(&grey, DIR "/last/references/given.exr", NULL), BIS_OK);
-    bis_image_clear(&grey);
+    store_plan(&t, DIR "/last");
     const bis_trade_options o = {.scene = DIR "/scene.txt", .folder = DIR "/last", .seconds = 1e6, .error = 0.9,
                                  .n_threads = 1, .resume = true, .progress = block_the_table};
     assert_int_equal(bis_trade_measure(&t, &o, &interrupted, &diag), BIS_IO);
