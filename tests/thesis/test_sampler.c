@@ -152,6 +152,52 @@ static void any_prefix_of_2_to_the_k_sobol_camera_samples_is_a_net(void **state)
         assert_true(is_net_in_base_2(u, n));
 }
 
+/* Two successive camera samples are x and 1 - x in both coordinates, to the 32 digits of the sequence: what changes in
+ * proportion to the place in the pixel is then found without error. Its twins: sets of light, and the other kinds. */
+static void sobol_camera_samples_come_in_pairs_that_mirror_each_other(void **state)
+{
+    (void)state;
+    double u[2], v[2], set[2][2], off[KINDS] = {0}, set_off = 0;
+    for (int kind = 0; kind < KINDS; kind++) {
+        bis_sampler p = sampler_of((bis_sampler_kind)kind, 4, 4);
+        for (uint32_t pixel = 0; pixel < 20; pixel++)
+            for (uint32_t sample = 0; sample < 100; sample += 2) { /* the last 84 lie beyond spp */
+                camera_of(&p, pixel, sample, u);
+                camera_of(&p, pixel, sample + 1, v);
+                for (int axis = 0; axis < 2; axis++)
+                    off[kind] = fmax(off[kind], fabs(u[axis] + v[axis] - 1));
+            }
+    }
+    bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 4, 4);
+    for (uint32_t pixel = 0; pixel < 20; pixel++) {
+        points_of(&p, pixel, 0, 0, 2, set);
+        set_off = fmax(set_off, fabs(set[0][0] + set[1][0] - 1));
+    }
+    assert_true(off[BIS_SAMPLER_SOBOL] <= 0x1p-31);
+    assert_true(off[BIS_SAMPLER_RANDOM] > 0.1 && off[BIS_SAMPLER_STRATIFIED] > 0.1 && off[BIS_SAMPLER_HALTON] > 0.1);
+    assert_true(set_off > 0.1);
+}
+
+/* Samples 4k to 4k + 3 mirror each other within halves, too: in the left half of the pixel lie two of them, which are
+ * as far from its middle, on either side; likewise in each half by the other axis. */
+static void four_sobol_camera_samples_mirror_each_other_within_halves(void **state)
+{
+    (void)state;
+    bis_sampler p = sampler_of(BIS_SAMPLER_SOBOL, 4, 4);
+    for (uint32_t pixel = 0; pixel < 20; pixel++)
+        for (uint32_t first = 0; first < 64; first += 4) {
+            double u[4][2];
+            for (uint32_t i = 0; i < 4; i++)
+                camera_of(&p, pixel, first + i, u[i]);
+            for (int axis = 0; axis < 2; axis++) {
+                double low = 0, high = 0;
+                for (int i = 0; i < 4; i++)
+                    *(u[i][axis] < 0.5 ? &low : &high) += u[i][axis];
+                assert_true(fabs(low - 0.5) <= 0x1p-31 && fabs(high - 1.5) <= 0x1p-31);
+            }
+        }
+}
+
 static void halton_sets_have_one_point_in_each_box_of_2_to_the_a_by_3_to_the_b(void **state)
 {
     (void)state;
@@ -540,6 +586,8 @@ int main(void)
         cmocka_unit_test(sobol_sets_of_2_to_the_k_points_are_nets),
         cmocka_unit_test(sobol_sets_of_successive_samples_continue_each_other),
         cmocka_unit_test(any_prefix_of_2_to_the_k_sobol_camera_samples_is_a_net),
+        cmocka_unit_test(sobol_camera_samples_come_in_pairs_that_mirror_each_other),
+        cmocka_unit_test(four_sobol_camera_samples_mirror_each_other_within_halves),
         cmocka_unit_test(halton_sets_have_one_point_in_each_box_of_2_to_the_a_by_3_to_the_b),
         cmocka_unit_test(halton_sets_of_a_pixel_fill_the_boxes_together),
         cmocka_unit_test(stratified_sets_have_one_point_in_each_nth_of_hilberts_curve_in_order),

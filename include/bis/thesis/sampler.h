@@ -19,7 +19,9 @@ typedef enum bis_sampler_kind {
     BIS_SAMPLER_RANDOM,     /* independent */
     /* camera: xsamples x ysamples jittered cells; sets: one point in each of n cells along Hilbert's curve */
     BIS_SAMPLER_STRATIFIED,
-    BIS_SAMPLER_SOBOL,      /* the first two dimensions of Sobol's sequence, a (0,2)-sequence, Owen-scrambled */
+    /* the first two dimensions of Sobol's sequence, a (0,2)-sequence; sets: Owen-scrambled; camera: samples 2k and 2k +
+     * 1 are mirror images of each other through the pixel's centre */
+    BIS_SAMPLER_SOBOL,
     BIS_SAMPLER_HALTON      /* bases 2 and 3, Owen-scrambled */
 } bis_sampler_kind;
 
