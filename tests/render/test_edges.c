@@ -114,7 +114,7 @@ static void ridges_are_edges_from_60_degrees_on_and_borders_of_materials_always(
 }
 
 /* Phong's lobe has the density (n + 1)/(2 pi) at its peak, which is that of a cone of cosine 1 - 1/(n + 1): 24.6 degrees
- * for n = 10. Half of a diffuse surface makes it (24.6 + 60)/2 = 42.3. A lobe of n = 0.5 would be wider than a diffuse
+ * for n = 10. Half of a diffuse surface makes it sqrt(24.6 * 60) = 38.4. A lobe of n = 0.5 would be wider than a diffuse
  * surface, 70.5 degrees; one of 10^6 narrower than the degree that is asked for at least. */
 static void the_turn_that_counts_is_that_of_the_lobe(void **state)
 {
@@ -122,7 +122,7 @@ static void the_turn_that_counts_is_that_of_the_lobe(void **state)
     static const struct {
         float kd, ks;
         double n, angle;
-    } cases[] = {{0, 0.5f, 10, 24.6}, {0, 0.01f, 10, 24.6}, {0.25f, 0.25f, 10, 42.3}, {0, 1, 50, 11.36}, {0, 1, 1e6, 1},
+    } cases[] = {{0, 0.5f, 10, 24.6}, {0, 0.01f, 10, 24.6}, {0.25f, 0.25f, 10, 38.4}, {0, 1, 50, 11.36}, {0, 1, 1e6, 1},
                  {0, 1, 0.5, 60}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const float d = cases[i].kd, s = cases[i].ks;
