@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-static double alpha(void) { return stat_level(1e-3, 10); }
+static double alpha(void) { return stat_level(1e-3, 9); }
 
 /* What the renderer does at most: product, learned visibility, edge samples. */
 static const char full[] = "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 24\n"
