@@ -527,6 +527,10 @@ static void each_parameter_of_a_material_has_its_limits(void **state)
         {"\"microfacet\" \"float Kd\" 1.5", "\"Kd\" is 1.5, must be in [0, 1]"},
         {"\"microfacet\" \"float Ks\" 1.5", "\"Ks\" is 1.5, must be in [0, 1]"},
         {"\"diffuse\" \"float reflectance\" 0.5 \"float Kd\" 0.5", "error: \"Kd\" and \"reflectance\" are the same: give one"},
+        {"\"diffuse\" \"spectrum reflectance\" [400 0.5] \"float Kd\" 0.5", "error: \"Kd\" and \"reflectance\" are the same: give one"},
+        {"\"diffuse\" \"rgb reflectance\" [0.5 0.5 0.5] \"xyz Kd\" [0.1 0.1 0.1]", "error: \"Kd\" and \"reflectance\" are the same: give one"},
+        {"\"diffuse\" \"xyz reflectance\" [0.1 0.1 0.1] \"rgb Kd\" [0.5 0.5 0.5]", "error: \"Kd\" and \"reflectance\" are the same: give one"},
+        {"\"diffuse\" \"spectrum reflectance\" [400 -1] \"float Kd\" 0.5", "must be one number, or pairs of a wavelength in nm"},
         {"\"diffuse\" \"float sigma\" 0.1", "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must be 0"},
         {"\"diffuse\" \"float reflectance\" 1.5", "\"reflectance\" is 1.5, must be in [0, 1]"},
     };
