@@ -203,13 +203,14 @@ static void store_vertex(reader *r, size_t row, const double v[N_ROLES])
     else r->n_bad_normals++; /* stays (0,0,0) */
 }
 
-/* Short cut: the row is float x, y, z. Stops at a vertex that is not finite, for the long road to complain about. */
+/* Short cut: the row is float x, y, z, of which none is a list, because those have no role. Stops at a vertex that is
+ * not finite, for the long road to complain about. */
 static size_t copy_plain_vertices(reader *r, const ply_element *e)
 {
     const ply_property *p = &r->header->properties[e->first_property];
     const bool plain = is_native(r->header) && e->n_properties == 3 && p[0].type == PLY_F32 && p[1].type == PLY_F32 &&
                        p[2].type == PLY_F32 && ply_word_is(p[0].name, "x") && ply_word_is(p[1].name, "y") &&
-                       ply_word_is(p[2].name, "z") && !ply_is_list(&p[0]) && !ply_is_list(&p[1]) && !ply_is_list(&p[2]);
+                       ply_word_is(p[2].name, "z");
     size_t row = 0;
 
     for (; plain && row < e->count; row++, r->p += sizeof(vec3)) {

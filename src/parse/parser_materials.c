@@ -158,10 +158,9 @@ static void conductor_of_rgb(bis_parser *p, metal *m)
     rgb eta = {1, 1, 1}, k = {0, 0, 0};
     const bool has_eta = bis_params_rgb(p, "eta", &eta, positive_or_0, true),
                has_k = bis_params_rgb(p, "k", &k, positive_or_0, true);
-    if (!has_eta || !has_k) {
+    if (!bis_params_has(p, "eta") || !bis_params_has(p, "k"))
         bis_parser_error(p, p->name_at, "give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\"");
-        return;
-    }
+    if (!has_eta || !has_k) return;
     const double n[3] = {(double)eta.r, (double)eta.g, (double)eta.b}, a[3] = {(double)k.r, (double)k.g, (double)k.b};
     double F[3];
     for (int i = 0; i < 3; i++)

@@ -658,6 +658,67 @@ static void messages_tell_where_a_file_ends_and_no_more_than_32_characters(void 
         }
 }
 
+/* A list is no coordinate, also where all else is as in the short cut; a name that is a coordinate's and a list's is the
+ * coordinate's. */
+static void a_list_is_no_coordinate(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        for (int twice = 0; twice < 2; twice++) {
+            bytes b = {0};
+            bis_mesh m;
+            char text[64];
+            put_text(&b, "ply\nformat binary_little_endian 1.0\nelement vertex 3\n");
+            for (int i = 0; i < 3; i++) {
+                snprintf(text, sizeof text, "property %s %c\n", i == k ? "list uchar float" : "float", "xyz"[i]);
+                put_text(&b, text);
+            }
+            snprintf(text, sizeof text, "property float %c\n", "xyz"[k]);
+            if (twice) put_text(&b, text);
+            put_text(&b, FACES(1));
+            for (int v = 0; v < 3; v++) {
+                for (int i = 0; i < 3; i++) {
+                    if (i == k) put_int(&b, 1, 1);
+                    put_float(&b, i == k ? 99 : square[v][i]);
+                }
+                if (twice) put_float(&b, square[v][k]);
+            }
+            put_int(&b, 3, 1);
+            for (uint64_t v = 0; v < 3; v++) put_int(&b, v, 4);
+            snprintf(text, sizeof text, "a vertex has no property \"%c\"", "xyz"[k]);
+            if (twice) {
+                expect_mesh_of(bis_ply_read, &m, &b, "list.ply", NULL);
+                for (int v = 0; v < 3; v++)
+                    assert_true(m.p[v].x == square[v][0] && m.p[v].y == square[v][1] && m.p[v].z == square[v][2]);
+                bis_mesh_clear(&m);
+            } else {
+                expect_mesh_refusal_of(bis_ply_read, &b, "list.ply", 0, text);
+            }
+            bytes_clear(&b);
+        }
+    }
+}
+
+/* Where every line is counted: a word that is no number stands where it stands for all three ends of lines, which are
+ * one each. */
+static void lines_are_counted_by_any_end(void **state)
+{
+    (void)state;
+    static const char *const ends[] = {"\n", "\r\n", "\r"};
+    for (int e = 0; e < 3; e++) {
+        static const char text[] = "ply\nformat ascii 1.0\ncomment a b c d e f g\n" SQUARE_HEADER FACES(1) "0 0 0\n1 0 0\n\n1 1 0\n0 x 0\n3 0 1 2\n";
+        bytes b = {0};
+        int line = 1;
+        for (const char *c = text; *c; c++) {
+            if (*c == '\n') put_text(&b, ends[e]);
+            else put(&b, c, 1);
+        }
+        for (const char *c = text; c < strstr(text, "x 0\n3"); c++) line += *c == '\n';
+        expect_mesh_refusal_of(bis_ply_read, &b, "lines.ply", line, "\"x\" where a number of vertex 3 should stand");
+        bytes_clear(&b);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -678,6 +739,8 @@ int main(void)
         cmocka_unit_test(a_short_cut_for_faces_is_for_three_ints_behind_a_byte_alone),
         cmocka_unit_test(a_short_cut_is_for_three_floats_alone),
         cmocka_unit_test(a_short_cut_meets_what_it_cannot_read_half_way),
+        cmocka_unit_test(a_list_is_no_coordinate),
+        cmocka_unit_test(lines_are_counted_by_any_end),
         cmocka_unit_test(missing_files_and_folders_are_the_disks_fault),
         cmocka_unit_test(a_message_names_the_scene_line_and_the_meshes),
         cmocka_unit_test(damaged_files_never_crash),

@@ -1,6 +1,7 @@
 /* flat: the functions for other languages, from C. Expected values are closed forms, the tables of thesis figure 3.4, and
  * pictures of the program. What arrays of any size give is in tests/python. Mean within 5 standard errors: 6e-7 a test, 2 tests. */
 #include "bis/base/image.h"
+#include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 #include "bis/flat/flat.h"
 #include "bis/thesis/rng.h"
@@ -222,6 +223,369 @@ static void wrong_settings_are_refused(void **state)
     assert_int_equal(bis_flat_render(&p, DIR "/none.txt", (const char *const[]){NULL}, NULL, NULL, 0), BIS_IO);
 }
 
+/* ---- tiny cases by hand ---- */
+
+static void write_pfm(const char *path, int width, int height, const float *rgb_bottom_up)
+{
+    FILE *out = fopen(path, "wb");
+    assert_non_null(out);
+    fprintf(out, "PF\n%d %d\n-1.0\n", width, height);
+    fwrite(rgb_bottom_up, sizeof *rgb_bottom_up, 3 * (size_t)width * (size_t)height, out);
+    fclose(out);
+}
+
+static void assert_about(double a, double b, double tolerance)
+{
+    if (!(fabs(a - b) <= tolerance)) fail_msg("%.12g is not %.12g", a, b);
+}
+
+/* 4 x 2 pixels, each of pi/2 sr; pixel i has the radiance (i+1) (1, 10, 100). */
+static void a_map_of_eight_pixels_by_hand(void **state)
+{
+    float file[2][4][3], pixels[2][4][3], w[3][3], L[8][3];
+    double pdf[8], u[32];
+    int shape[2];
+    bis_light *light;
+
+    (void)state;
+    for (int y = 0; y < 2; y++)
+        for (int x = 0; x < 4; x++)
+            for (int k = 0; k < 3; k++) file[1 - y][x][k] = (float)((4 * y + x + 1) * (k == 0 ? 1 : k == 1 ? 10 : 100));
+    write_pfm(DIR "/eight.pfm", 4, 2, file[0][0]);
+    assert_int_equal(bis_flat_light_open(&light, DIR "/eight.pfm", "alias", 0, SAY), 0);
+    assert_string_equal(say, "");
+    bis_flat_light_shape(light, shape);
+    assert_true(shape[0] == 4 && shape[1] == 2);
+    bis_flat_light_pixels(light, pixels[0][0]);
+    for (int y = 0; y < 2; y++) assert_memory_equal(pixels[y], file[1 - y], sizeof pixels[y]);
+    assert_about(bis_flat_light_power(light), 36 * 111 * PI / 2, 1e-6);
+    /* of any length: azimuths of 45, 135 and 225 degrees above, above and below */
+    const float look[3][3] = {{1e30f, 1e30f, 1e30f}, {-1e-30f, 1e-30f, 1e-31f}, {-3, -3, -0.5f}};
+    const int seen[3] = {0, 1, 6};
+    assert_int_equal(bis_flat_light_look(light, 3, look[0], L[0], pdf, SAY), 0);
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) assert_about((double)L[i][k], (seen[i] + 1) * (k == 0 ? 1 : k == 1 ? 10 : 100), 0);
+        assert_about(pdf[i], (seen[i] + 1) / 36.0 / (PI / 2), 1e-6);
+    }
+    /* samples: what is stored of each is that of the pixel where the direction lies */
+    for (int i = 0; i < 32; i++) u[i] = fmod(0.05 + 0.381966 * i, 1);
+    for (int i = 0; i < 8; i += 2) {
+        assert_int_equal(bis_flat_light_sample(light, 2, u + 4 * i, w[0], L[0], pdf, SAY), 0);
+        for (int k = 0; k < 2; k++) {
+            const double phi = atan2((double)w[k][1], (double)w[k][0]);
+            const int pixel = (w[k][2] < 0 ? 4 : 0) + (int)floor((phi < 0 ? phi + 2 * PI : phi) / (PI / 2));
+            assert_about((double)L[k][0], pixel + 1, 0);
+            assert_about((double)L[k][1], 10 * (pixel + 1), 0);
+            assert_about((double)L[k][2], 100 * (pixel + 1), 0);
+            assert_about(pdf[k], (pixel + 1) / 36.0 / (PI / 2), 1e-6);
+        }
+    }
+    refuses(bis_flat_light_look(light, 3, (float[]){1, 0, 0, 0, 1, 0, 1, 1, INFINITY}, L[0], pdf, SAY), "direction 2 is (1, 1, inf): give finite vectors");
+    refuses(bis_flat_light_look(light, 2, (float[]){1, 0, 0, INFINITY, 2, 3}, L[0], pdf, SAY), "direction 1 is (inf, 2, 3): give finite vectors");
+    for (int i = 0; i < 12; i++) {
+        double bad[12] = {0};
+        char text[64];
+        bad[i] = 1;
+        snprintf(text, sizeof text, "u of sample %d is 1: give random numbers in [0, 1)", i / 4);
+        refuses(bis_flat_light_sample(light, 3, bad, w[0], L[0], pdf, SAY), text);
+    }
+    bis_flat_light_close(light);
+    /* the exponent is used, and its limits are in its range */
+    assert_int_equal(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", 10, SAY), 0);
+    bis_flat_light_close(light);
+    refuses(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", 10.000001, SAY), "area_exponent is 10: give a number in [0, 10]");
+    refuses(bis_flat_light_open(&light, DIR "/eight.pfm", "cdf", (double)NAN, SAY), "area_exponent is nan: give a number in [0, 10]");
+}
+
+/* Shares of 0.1, 0.2, 0.4, 0.3 in one row: by the inverted cdf 0.35 lies in [0.3, 0.7), pixel 2; in the alias table of
+ * thesis figure 3.4 it lies in bin 1, below its prob. */
+static void the_kind_of_a_table_is_the_one_asked_for(void **state)
+{
+    static const float row[4][3] = {{1, 0, 0}, {2, 0, 0}, {4, 0, 0}, {3, 0, 0}};
+    static const char *const kinds[] = {"cdf", "alias"};
+    static const double expected[] = {4, 2};
+    float w[3], L[3];
+    double pdf;
+
+    (void)state;
+    write_pfm(DIR "/row.pfm", 4, 1, row[0]);
+    for (int i = 0; i < 2; i++) {
+        bis_light *light;
+        assert_int_equal(bis_flat_light_open(&light, DIR "/row.pfm", kinds[i], 0, SAY), 0);
+        assert_int_equal(bis_flat_light_sample(light, 1, (double[]){0.35, 0.35, 0.35, 0.35}, w, L, &pdf, SAY), 0);
+        assert_about((double)L[0], expected[i], 0);
+        assert_about(pdf, expected[i] / 10 / PI, 1e-6); /* a pixel of a row alone has pi sr */
+        bis_flat_light_close(light);
+    }
+}
+
+/* One bright pixel among dim ones is a region of its own of 0.0024 sr: an exponent of 2 divides its weight by the square
+ * of 0.01 sr over that (thesis 3.4), and leaves the weight of the others. */
+static void an_area_exponent_draws_large_regions_more_often(void **state)
+{
+    static float file[64][128][3];
+    const float at_lamp[3] = {(float)cos(5.5 / 64 * PI), (float)sin(5.5 / 64 * PI), -0.01f}; /* column 5, the first row below */
+    const double sr = 2 * PI / 128 * sin(PI / 64), rest = 3 * (4 * PI - sr);
+
+    (void)state;
+    for (int i = 0; i < 64 * 128; i++)
+        for (int k = 0; k < 3; k++) file[i / 128][i % 128][k] = 1;
+    for (int k = 0; k < 3; k++) file[31][5][k] = 1000;
+    write_pfm(DIR "/lamp.pfm", 128, 64, file[0][0]);
+    for (int b = 0; b <= 2; b += 2) {
+        const double weight = 3000 * pow(sr / 0.01, b);
+        float L[3];
+        double pdf;
+        bis_light *light;
+        assert_int_equal(bis_flat_light_open(&light, DIR "/lamp.pfm", b ? "cdf" : "alias", b, SAY), 0);
+        assert_int_equal(bis_flat_light_look(light, 1, at_lamp, L, &pdf, SAY), 0);
+        bis_flat_light_close(light);
+        assert_about((double)L[0], 1000, 0);
+        assert_about(pdf, weight / (weight * sr + rest), 1e-4);
+    }
+}
+
+static void weights_of_a_table_are_checked_and_summed(void **state)
+{
+    double prob[3], total = -1, w[3] = {6, 0, 3};
+    uint32_t alias[3], item[2];
+
+    (void)state;
+    /* of 3 each: bin 1 is all bin 0's; bin 2 its own; bin 0 is full */
+    assert_int_equal(bis_flat_alias_build(3, w, prob, alias, &total, SAY), 0);
+    assert_about(total, 9, 1e-12);
+    assert_about(prob[0], 1, 1e-12);
+    assert_about(prob[1], 0, 1e-12);
+    assert_about(prob[2], 1, 1e-12);
+    assert_int_equal(alias[1], 0);
+    assert_int_equal(bis_flat_alias_sample(3, prob, alias, 2, (double[]){0.5, 0.9}, item, SAY), 0);
+    assert_true(item[0] == 0 && item[1] == 2);
+    assert_int_equal(bis_flat_alias_build(1, (double[]){1e-300}, prob, alias, &total, SAY), 0);
+    assert_about(total, 1e-300, 1e-312);
+    refuses(bis_flat_alias_build(3, (double[]){1, 1, -1e-9}, prob, alias, &total, SAY), "weight 2 is -1e-09: give finite numbers >= 0");
+    refuses(bis_flat_alias_build(3, (double[]){1, (double)NAN, 1}, prob, alias, &total, SAY), "weight 1 is nan: give finite numbers >= 0");
+    refuses(bis_flat_alias_build((size_t)1 << 32, w, prob, alias, &total, SAY), "there are 4294967296 weights: give 1 to 4294967295");
+    refuses(bis_flat_alias_sample(3, prob, alias, 2, (double[]){0, 1}, item, SAY), "u of sample 1 is 1");
+    refuses(bis_flat_alias_sample(0, prob, alias, 0, NULL, item, SAY), "the tables are empty: there is nothing to draw");
+    assert_int_equal(bis_flat_alias_sample(3, prob, alias, 0, NULL, item, SAY), 0);
+}
+
+/* Phong: the lobe's value in the mirror direction is Ks (n+2)/(2 pi) with the cosine's normalization of the thesis,
+ * (n+1)/(2 pi), and every channel has its own Kd and Ks. The normal is (1, 2, 2)/3; seen along it, so is the mirror
+ * direction; perpendicular to the normal nothing is seen. 60 degrees off, the lobe is 2^-n of its peak. */
+static void each_channel_of_a_material_is_its_own(void **state)
+{
+    const double Kd[3] = {0.1, 0.2, 0.4}, Ks[3] = {0.5, 0.25, 0.125}, n[3] = {2, 4, 4}, wo[3] = {0.5, 1, 1};
+    const double one[3] = {1, 0, 0}, z[3] = {0, 0, 3}, x3z4[3] = {30, 0, 40};
+    float wi[3][3] = {{1, 2, 2}, {0, 0, 0}, {-1, -2, -2}}, f[3][3];
+    uint8_t lobe[2];
+    double pdf[3];
+    bis_bsdf *b;
+
+    (void)state;
+    /* a vector across the normal, (2, -2, 1)/3, for the direction at 60 degrees */
+    for (int k = 0; k < 3; k++) wi[1][k] = (float)((n[k] / 6 + sqrt(3) * (const double[]){2, -2, 1}[k] / 3) * 7);
+    assert_int_equal(bis_flat_bsdf_open(&b, "phong", Kd, Ks, 5, n, wo, SAY), 0);
+    assert_string_equal(say, "");
+    assert_int_equal(bis_flat_bsdf_look(b, 3, wi[0], f[0], pdf, SAY), 0);
+    for (int k = 0; k < 3; k++) {
+        assert_about((double)f[0][k], Kd[k] / PI + Ks[k] * 6 / (2 * PI), 1e-6);
+        assert_about((double)f[1][k], Kd[k] / PI + Ks[k] * 6 / (2 * PI) / 32, 1e-5);
+        assert_about((double)f[2][k], 0, 0);
+    }
+    assert_true(pdf[0] > 0 && pdf[1] > 0 && pdf[0] > pdf[1]);
+    refuses(bis_flat_bsdf_look(b, 2, (float[]){1, 2, 2, 0, NAN, 0}, f[0], pdf, SAY), "direction 1 is (0, nan, 0)");
+    bis_flat_bsdf_close(b);
+    /* a sharp lobe from (3, 0, 4)/5 about z goes to (-3, 0, 4)/5; a second sample of the base lies above */
+    assert_int_equal(bis_flat_bsdf_open(&b, "phong", Kd, Ks, 1e10, z, x3z4, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_sample(b, 2, (double[]){0, 0.5, 0.25, 0.9999, 0.25, 0.5}, wi[0], lobe, SAY), 0);
+    assert_true(lobe[0] == 1 && lobe[1] == 0);
+    assert_about((double)wi[0][0], -0.6, 1e-3);
+    assert_about((double)wi[0][1], 0, 1e-3);
+    assert_about((double)wi[0][2], 0.8, 1e-3);
+    assert_true(wi[1][2] > 0 && fabs((double)(wi[1][0] + 0.6f)) > 1e-2);
+    for (int i = 0; i < 6; i++) {
+        double bad[6] = {0};
+        char text[32];
+        bad[i] = -0.5;
+        snprintf(text, sizeof text, "u of sample %d is -0.5", i / 3);
+        refuses(bis_flat_bsdf_sample(b, 2, bad, wi[0], lobe, SAY), text);
+    }
+    bis_flat_bsdf_close(b);
+    /* GGX of roughness 0.5 has alpha 0.25; head on D = 1/(pi alpha^2), f = Ks D/4 + 28/(23 pi) Kd (1 - Ks) (31/32)^2 */
+    assert_int_equal(bis_flat_bsdf_open(&b, "microfacet", Kd, Ks, 0.5, n, n, SAY), 0);
+    assert_int_equal(bis_flat_bsdf_look(b, 1, (float[]){1, 2, 2}, f[0], pdf, SAY), 0);
+    for (int k = 0; k < 3; k++)
+        assert_about((double)f[0][k], Ks[k] * 16 / (4 * PI) + 28 / (23 * PI) * Kd[k] * (1 - Ks[k]) * (31.0 / 32) * (31.0 / 32), 1e-5);
+    bis_flat_bsdf_close(b);
+    /* limits of what is taken */
+    assert_int_equal(bis_flat_bsdf_open(&b, "phong", one, (double[]){0, 0, 1}, 0, z, z, SAY), 0);
+    bis_flat_bsdf_close(b);
+    assert_int_equal(bis_flat_bsdf_open(&b, "microfacet", one, one, 1, z, z, SAY), 0);
+    bis_flat_bsdf_close(b);
+    assert_int_equal(bis_flat_bsdf_open(&b, "microfacet", one, one, 0.01, z, z, SAY), 0);
+    bis_flat_bsdf_close(b);
+    refuses(bis_flat_bsdf_open(&b, "microfacet", one, one, 1.001, z, z, SAY), "the roughness is 1.001: give a number in [0.01, 1]");
+    refuses(bis_flat_bsdf_open(&b, "microfacet", one, one, 0.0099, z, z, SAY), "the roughness is 0.0099: give a number in [0.01, 1]");
+    refuses(bis_flat_bsdf_open(&b, "phong", one, one, HUGE_VAL, z, z, SAY), "the exponent is inf: give a finite number >= 0");
+    for (int k = 0; k < 3; k++) {
+        double c[3] = {0.25, 0.5, 0.75};
+        char text[128];
+        c[k] = 1.5;
+        snprintf(text, sizeof text, "Kd is (%g, %g, %g): give numbers in [0, 1]", c[0], c[1], c[2]);
+        refuses(bis_flat_bsdf_open(&b, "phong", c, Ks, 1, z, z, SAY), text);
+        c[k] = -0.5;
+        snprintf(text, sizeof text, "Ks is (%g, %g, %g): give numbers in [0, 1]", c[0], c[1], c[2]);
+        refuses(bis_flat_bsdf_open(&b, "phong", Kd, c, 1, z, z, SAY), text);
+        c[k] = (double)NAN;
+        snprintf(text, sizeof text, "wo is (%g, %g, %g): give a finite vector that is not 0", c[0], c[1], c[2]);
+        refuses(bis_flat_bsdf_open(&b, "microfacet", Kd, Ks, 1, z, c, SAY), text);
+        c[k] = HUGE_VAL;
+        snprintf(text, sizeof text, "normal is (%g, %g, %g): give a finite vector that is not 0", c[0], c[1], c[2]);
+        refuses(bis_flat_bsdf_open(&b, "microfacet", Kd, Ks, 1, c, z, SAY), text);
+    }
+    assert_null(b);
+}
+
+/* ---- pictures by hand ---- */
+
+/* A wall that fills the upper half of the picture: there alpha is 1, below it is 0 and the constant light is seen. The
+ * middle line lies between two pixels. */
+static void alpha_is_the_share_that_hits_a_surface(void **state)
+{
+    bis_flat_picture *p;
+    float rgba[6][4][4];
+    int shape[2];
+
+    (void)state;
+    program_write_file(DIR "/half.txt",
+        "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 6 \"string filename\" \"x.pfm\"\nCamera \"perspective\" \"float fov\" 60\n"
+        "WorldBegin LightSource \"infinite\" \"rgb L\" [0.25 0.5 2] Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-99 0 5  99 0 5  99 99 5  -99 99 5]\n");
+    const char *const settings[] = {"spp=1", NULL};
+    assert_int_equal(bis_flat_render(&p, DIR "/half.txt", settings, NULL, SAY), 0);
+    bis_flat_picture_shape(p, shape);
+    assert_true(shape[0] == 4 && shape[1] == 6);
+    bis_flat_picture_pixels(p, rgba[0][0]);
+    for (int y = 0; y < 6; y++)
+        for (int x = 0; x < 4; x++) {
+            assert_about((double)rgba[y][x][3], y < 3, 0);
+            for (int k = 0; k < 3; k++)
+                assert_about((double)rgba[y][x][k], y < 3 ? 0 : (const double[]){0.25, 0.5, 2}[k], 1e-6);
+        }
+    bis_flat_picture_close(p);
+}
+
+/* A render that is to stop at once accepts its settings first. What an option takes at its limits, and what not. */
+static void settings_have_their_limits(void **state)
+{
+    static const char *const good[] = {"spp=1", "spp=4294967295", "threads=1", "threads=3", "seconds=0", "seconds=1e9", "error=0", "error=1e9",
+                                       "width=1", "width=32768", "height=1", "height=32768", "seed=0", "seed=9007199254740992", "integrator=em",
+                                       "candidates=1", "accelerator=grid"};
+    static const struct {
+        const char *setting, *text;
+    } bad[] = {{"spp=4294967296", "spp is \"4294967296\": give an integer in [1, 4294967295]"},
+               {"threads=0", "threads is \"0\": give an integer in [1, 1024]"},
+               {"threads=1025", "threads is \"1025\": give an integer in [1, 1024]"},
+               {"threads=2.5", "threads is \"2.5\": give an integer in [1, 1024]"},
+               {"seconds=-1", "seconds is \"-1\": give a number in [0, 1000000000]"},
+               {"seconds=1.1e9", "seconds is \"1.1e9\": give a number in [0, 1000000000]"},
+               {"error=-0.1", "error is \"-0.1\": give a number in [0, 1000000000]"},
+               {"error=2e9", "error is \"2e9\": give a number in [0, 1000000000]"},
+               {"width=0", "width is \"0\": give an integer in [1, 32768]"},
+               {"width=32769", "width is \"32769\": give an integer in [1, 32768]"},
+               {"height=0", "height is \"0\": give an integer in [1, 32768]"},
+               {"height=32769", "height is \"32769\": give an integer in [1, 32768]"},
+               {"height=1.5", "height is \"1.5\": give an integer in [1, 32768]"},
+               {"seed=9007199254740994", "seed is \"9007199254740994\": give an integer in [0, 9007199254740992]"},
+               {"seed=1.5", "seed is \"1.5\": give an integer in [0, 9007199254740992]"},
+               {"seed=", "seed is \"\": give an integer"},
+               {"seed=7x", "seed is \"7x\": give an integer"},
+               {"candidates=1.5", "candidates is \"1.5\": give an integer in [0, 4294967295]"},
+               {"candidates=4294967296", "candidates is \"4294967296\": give an integer in [0, 4294967295]"},
+               {"a-name-that-is-longer-than-any-name-of-a-parameter-that-there-is=1", "-of-a-parameter-that-ther\" is no setting: give name=value"}};
+    bis_flat_picture *p;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        /* small, unless it is the size that is asked for */
+        const char *settings[] = {"width=2", "height=1", good[i], NULL};
+        refuses(bis_flat_render(&p, SCENE, settings, &(int){1}, SAY), "the render was stopped before its first pass was complete");
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        refuses(bis_flat_render(&p, SCENE, (const char *const[]){bad[i].setting, NULL}, &(int){1}, SAY), bad[i].text);
+    static const char *const split[] = {"split=1.5", "split=-0.5", "split=0.5x"};
+    for (size_t i = 0; i < 3; i++) {
+        refuses(bis_flat_render(&p, SCENE, (const char *const[]){split[i], "integrator=mis", NULL}, &(int){1}, SAY), split[i] + 6);
+        assert_non_null(strstr(say, "give a number in [0, 1]"));
+    }
+    assert_null(p);
+}
+
+/* A scene's own integrator keeps its parameters when it is named again, and a switched erratum stays for another one. */
+static void an_integrator_named_again_keeps_what_the_scene_says(void **state)
+{
+    static const char *const settings[][2] = {{"integrator=sir", NULL}, {"integrator=em", NULL}, {"integrator=mis", NULL}};
+    static const char *const options[] = {"--integrator sir", "--integrator em", "--integrator mis"};
+
+    (void)state;
+    program_write_scene(DIR, "Option \"string asprinted\" \"E3\"\n");
+    for (int k = 0; k < 3; k++) {
+        bis_flat_picture *p;
+        bis_image image;
+        program_run r;
+        float rgba[24 * 16][4];
+        if (bis_flat_render(&p, SCENE, settings[k], NULL, SAY)) fail_msg("%s", say);
+        program_runf(&r, SCENE " --outfile " DIR "/out.pfm %s", options[k]);
+        assert_int_equal(r.exit_status, 0);
+        assert_int_equal(bis_image_read(&image, DIR "/out.pfm", (bis_loc){0}, NULL), BIS_OK);
+        bis_flat_picture_pixels(p, rgba[0]);
+        for (int i = 0; i < 24 * 16; i++) assert_memory_equal(rgba[i], &image.pixels[i], sizeof image.pixels[i]);
+        bis_image_clear(&image);
+        bis_flat_picture_close(p);
+    }
+    program_write_scene(DIR, "");
+}
+
+/* Two mistakes are two lines. */
+static void each_message_has_a_line(void **state)
+{
+    bis_flat_picture *p;
+
+    (void)state;
+    program_write_file(DIR "/bad.txt", "Film \"rgb\" \"integer xresolution\" 0\nWorldBegin\nShape \"cube\"\n");
+    assert_int_equal(bis_flat_render(&p, DIR "/bad.txt", (const char *const[]){NULL}, NULL, SAY), BIS_INPUT);
+    const char *line = strchr(say, '\n');
+    assert_true(strncmp(say, DIR "/bad.txt:1", strlen(DIR "/bad.txt:1")) == 0);
+    assert_non_null(line);
+    assert_true(strncmp(line + 1, DIR "/bad.txt:3", strlen(DIR "/bad.txt:3")) == 0);
+    assert_true(say[strlen(say) - 1] != '\n');
+}
+
+static void when_the_kth_allocation_fails_there_is_no_picture(void **state)
+{
+    bool ended = false;
+
+    (void)state;
+    for (long k = 1; !ended; k++) {
+        static const char *const settings[] = {"width=2", "height=2", "spp=1", "threads=1", "accelerator=grid", NULL};
+        bis_flat_picture *p;
+        bis_mem_fail_at(k);
+        const int status = bis_flat_render(&p, SCENE, settings, NULL, SAY);
+        ended = bis_mem_count() < k;
+        bis_mem_fail_at(0);
+        if (status != (ended ? BIS_OK : BIS_NOMEM)) fail_msg("allocation %ld: status %d, %s", k, status, say);
+        assert_true(!p == !ended);
+        bis_flat_picture_close(p);
+    }
+    const double one[3] = {1, 1, 1};
+    bis_bsdf *b;
+    bis_mem_fail_at(1);
+    assert_int_equal(bis_flat_bsdf_open(&b, "phong", one, one, 1, one, one, SAY), BIS_NOMEM);
+    bis_mem_fail_at(0);
+    assert_null(b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -231,6 +595,16 @@ int main(void)
         cmocka_unit_test(a_material_gives_f_and_density),
         cmocka_unit_test(a_picture_has_the_bits_of_the_program),
         cmocka_unit_test(wrong_settings_are_refused),
+        cmocka_unit_test(a_map_of_eight_pixels_by_hand),
+        cmocka_unit_test(the_kind_of_a_table_is_the_one_asked_for),
+        cmocka_unit_test(an_area_exponent_draws_large_regions_more_often),
+        cmocka_unit_test(weights_of_a_table_are_checked_and_summed),
+        cmocka_unit_test(each_channel_of_a_material_is_its_own),
+        cmocka_unit_test(alpha_is_the_share_that_hits_a_surface),
+        cmocka_unit_test(settings_have_their_limits),
+        cmocka_unit_test(an_integrator_named_again_keeps_what_the_scene_says),
+        cmocka_unit_test(each_message_has_a_line),
+        cmocka_unit_test(when_the_kth_allocation_fails_there_is_no_picture),
     };
 
     return cmocka_run_group_tests_name("flat", tests, setup, NULL);

@@ -1,5 +1,6 @@
 /* Materials have numbers by their values, in the order of the shapes, and --plan lists them. */
 #include "bis/base/mem.h"
+#include "bis/beyond/microfacet.h"
 #include "bis/scene/scene.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
@@ -71,6 +72,53 @@ static void numbers_are_those_that_comparing_all_pairs_gives(void **state)
     bis_free(number);
 }
 
+/* Any one value that differs makes another number, and equal ones never do. */
+static void each_value_of_a_material_tells_it_from_others(void **state)
+{
+    (void)state;
+    enum { N = 17 };
+    const rgb a = {0.5f, 0.25f, 0.125f}, b = {0.25f, 0.125f, 0.5f};
+    bis_material materials[2 * N];
+    bis_shape_desc shapes[2 * N];
+    for (int i = 0; i < 2 * N; i++) {
+        bis_material *m = &materials[i];
+        const bis_material model = i % N == 16 ? bis_microfacet(a, b, 0.5) : bis_phong(a, b, 7);
+        *m = bis_phong(a, b, 7);
+        m->eta = (rgb){1, 2, 3};
+        m->alpha = 0.25;
+        m->model = model.model;
+        float *const values[] = {&m->Kd.r, &m->Kd.g, &m->Kd.b, &m->Ks.r, &m->Ks.g, &m->Ks.b, &m->eta.r, &m->eta.g, &m->eta.b};
+        if (i % N > 0 && i % N < 10) *values[i % N - 1] += 0.0625f;
+        if (i % N == 10) m->exponent = 8;
+        if (i % N == 11) m->alpha = 0.5;
+        shapes[i] = (bis_shape_desc){.material = (uint32_t)(2 * N - 1 - i)};
+    }
+    /* 12 to 15: the same values with textures */
+    bis_material_textures of[2 * N];
+    for (int i = 0; i < 2 * N; i++) {
+        of[i] = (bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}};
+        if (i % N == 12) of[i].Kd = 3;
+        if (i % N == 13) of[i].Ks = 3;
+        if (i % N == 14) of[i].width = 3;
+        if (i % N == 15) of[i].width = 3, of[i].power = 0.5;
+    }
+    bis_scene_desc d = {.materials = materials, .n_materials = 2 * N, .shapes = shapes, .n_shapes = 2 * N};
+    d.textures = (bis_textures){.of_material = of, .n_of_material = 2 * N};
+    uint32_t *number, n;
+    assert_int_equal(bis_scene_number_materials(&number, &n, &d, NULL), BIS_OK);
+    assert_int_equal(n, N);
+    for (int i = 0; i < 2 * N; i++) assert_int_equal(number[i], N - 1 - i % N); /* the shapes name the last one first */
+    bis_free(number);
+    /* one texture and another */
+    for (int i = 0; i < 2 * N; i++) of[i] = (bis_material_textures){(uint32_t)i % 2, (uint32_t)i % 3, (uint32_t)i % 5, i % 7 ? 1 : 0.5, {0}};
+    for (int i = 0; i < 2 * N; i++) materials[i] = bis_phong(a, b, 7);
+    assert_int_equal(bis_scene_number_materials(&number, &n, &d, NULL), BIS_OK);
+    for (int i = 0; i < 2 * N; i++)
+        for (int k = 0; k < 2 * N; k++)
+            assert_true((number[i] == number[k]) == (i % 2 == k % 2 && i % 3 == k % 3 && i % 5 == k % 5 && (i % 7 == 0) == (k % 7 == 0)));
+    bis_free(number);
+}
+
 /* --- the program
  * --------------------------------------------------------------------------------------------------- */
 
@@ -94,6 +142,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(materials_are_numbered_by_value_in_the_order_of_the_shapes),
         cmocka_unit_test(numbers_are_those_that_comparing_all_pairs_gives),
+        cmocka_unit_test(each_value_of_a_material_tells_it_from_others),
         cmocka_unit_test(the_plan_lists_materials_by_number),
     };
     program_folder(DIR);

@@ -356,6 +356,60 @@ static void image_sizes_are_read_from_headers(void **state)
     assert_int_equal(bis_scene_peek_bytes("build/no-such-file"), 0);
 }
 
+static bool peeked(const char *name, const void *data, size_t n, long wanted_w, long wanted_h)
+{
+    long w, h;
+    store(scratch(name), data, n);
+    return bis_scene_peek_image(scratch(name), &w, &h) && w == wanted_w && h == wanted_h;
+}
+
+/* The first bytes of each format, written by hand. */
+static void a_size_is_read_where_the_format_has_it(void **state)
+{
+    /* the window of an EXR is (x0, y0) to (x1, y1), both in it: (-256, 515) to (2, 70000) here */
+    static const char exr[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x70\x11\x01";
+    static const char turned[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\x05\0\0\0\0\0\0\0\x04\0\0\0\x07\0\0";
+    static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\x01\x02\x03\x04\0\x01\0\x80";
+    static const char *const hdr[] = {"-Y 512 +X 1024", "+Y 512 +X 1024", "-Y 512 -X 1024", "+Y 512 -X 1024", "+X 1024 -Y 512", "-X 1024 +Y 512"};
+    long v, f;
+
+    (void)state;
+    for (size_t i = 0; i < 6; i++) {
+        char text[100];
+        snprintf(text, sizeof text, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n%s\n", hdr[i]);
+        assert_true(peeked("p.hdr", text, strlen(text), 1024, 512));
+    }
+    assert_true(peeked("p.hdr", "#?RGBE\n\n-Y 1 +X 1\n", 19, 1, 1));
+    assert_false(peeked("p.hdr", "#?RGBE\n\n-Y 0 +X 1\n", 19, 1, 0));
+    assert_false(peeked("p.hdr", "#?RGBE\n\n-Y 1 +X -1\n", 20, -1, 1));
+    assert_false(peeked("p.hdr", "#?RGBE\n\n-Y 1 +X x\n", 19, 0, 1));
+    assert_false(peeked("p.hdr", "#!RGBE\n\n-Y 1 +X 1\n", 19, 1, 1));
+    assert_true(peeked("p.exr", exr, sizeof exr, 259, 69486));
+    assert_false(peeked("p.exr", turned, sizeof turned, 0, 8));
+    assert_true(peeked("p.png", png, 24, 0x01020304, 0x10080));
+    assert_false(peeked("p.png", png, 23, 0x01020304, 0x10080));
+    assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\0\0\0\0\1", 24, 0, 1));
+    assert_true(peeked("p.pfm", "Pf\n30 70\n-1\n", 12, 30, 70));
+    assert_true(peeked("p.pfm", "PF 30\n70 1.0\n", 13, 30, 70));
+    assert_false(peeked("p.pfm", "PF\n0 7\n-1\n", 10, 0, 7));
+    assert_false(peeked("p.pfm", "PF\n7 0\n-1\n", 10, 7, 0));
+    assert_false(peeked("p.pfm", "P6\n7 7\n255\n", 11, 7, 7));
+    static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nelement face 7\n";
+    store(scratch("p.ply"), ply, sizeof ply - 1);
+    assert_true(bis_scene_peek_ply(scratch("p.ply"), &v, &f) && v == 12 && f == 7);
+    assert_int_equal(bis_scene_peek_bytes(scratch("p.ply")), sizeof ply - 1);
+    store(scratch("p.ply"), "ply\nelement vertex 12\n", 22);
+    assert_false(bis_scene_peek_ply(scratch("p.ply"), &v, &f));
+    store(scratch("p.ply"), "ply\nelement face 12\n", 20);
+    assert_false(bis_scene_peek_ply(scratch("p.ply"), &v, &f));
+    store(scratch("p.ply"), "plx\nelement vertex 12\nelement face 7\n", 38);
+    assert_false(bis_scene_peek_ply(scratch("p.ply"), &v, &f));
+    store(scratch("p.ply"), "", 0);
+    assert_int_equal(bis_scene_peek_bytes(scratch("p.ply")), 0);
+    store(scratch("p.ply"), "x", 1);
+    assert_int_equal(bis_scene_peek_bytes(scratch("p.ply")), 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -376,6 +430,7 @@ int main(void)
         cmocka_unit_test(the_plan_says_what_a_crop_costs_that_learns),
         cmocka_unit_test(the_plan_agrees_with_the_build),
         cmocka_unit_test(image_sizes_are_read_from_headers),
+        cmocka_unit_test(a_size_is_read_where_the_format_has_it),
     };
     return cmocka_run_group_tests_name("scene", tests, NULL, scratch_remove);
 }

@@ -1,8 +1,10 @@
 /* Textures: values worked out by hand, texture coordinates against pbrt's formulas, pictures against the same scene
  * without textures, and what is refused. */
 #include "bis/base/mem.h"
+#include "bis/beyond/microfacet.h"
 #include "bis/files/image_file.h"
 #include "bis/scene/scene.h"
+#include "bis/thesis/phong.h"
 
 #include "image_help.h"
 #include "program.h"
@@ -1115,6 +1117,264 @@ static void a_mapping_that_cannot_be_is_refused(void **state)
     expect_failure(LIGHT "Scale 1e-20 1e-20 1e-20 Scale 1e-20 1e-20 1e-20 Texture \"t\" \"float\" \"checkerboard\" \"string mapping\" \"spherical\"", "by more than 1e30");
 }
 
+/* ---- texture.c by hand, without a scene ---- */
+
+/* 3 x 2 texels; their channels are (n, 2n, 4n)/32 of n = 1, 2, 3 (top row) and 4, 5, 6. */
+static bis_texture_image six(void)
+{
+    bis_texture_image image;
+    bis_texture_file file = {.filename = (char *)(uintptr_t)scratch("six.pfm"), .gamma = 1};
+    bytes b = {0};
+    put_text(&b, "PF\n3 2\n-1.0\n");
+    for (int i = 0; i < 6; i++)
+        for (int k = 0; k < 3; k++) put_float(&b, (float)(i < 3 ? 4 + i : i - 2) * (float)(1 << k) / 32);
+    store(file.filename, b.data, b.n);
+    bytes_clear(&b);
+    assert_int_equal(bis_textures_load(&image, &file, NULL), BIS_OK);
+    return image;
+}
+
+static void assert_rgbd(rgbd c, double r, double g, double b)
+{
+    if (!(fabs(c.r - r) < 1e-6 && fabs(c.g - g) < 1e-6 && fabs(c.b - b) < 1e-6)) fail_msg("%.9g %.9g %.9g is not %.9g %.9g %.9g", c.r, c.g, c.b, r, g, b);
+}
+
+static void an_image_that_is_no_square_has_its_rows_and_columns(void **state)
+{
+    (void)state;
+    static const double n[2][3] = {{4, 5, 6}, {1, 2, 3}}; /* [t][s] */
+    bis_texture_image image = six();
+    bis_texture x = {.kind = BIS_TEXTURE_IMAGE, .factor = {1, 1}, .scale = 1, .steps = 1};
+    const bis_textures t = {.list = &x, .n = 1};
+    for (int k = 0; k < 4; k++) {
+        assert_near(image.lo[k], (k < 3 ? 1 << k : 7 / 3.0) / 32);
+        assert_near(image.hi[k], (k < 3 ? 1 << k : 7 / 3.0) * 6 / 32);
+    }
+    for (int wrap = BIS_WRAP_REPEAT; wrap <= BIS_WRAP_BLACK; wrap++)
+        for (int j = -2; j < 4; j++)
+            for (int i = -3; i < 6; i++) {
+                const bool outside = i < 0 || i > 2 || j < 0 || j > 1;
+                const int ci = i < 0 ? 0 : i > 2 ? 2 : i, cj = j < 0 ? 0 : j > 1 ? 1 : j;
+                const double v = wrap == BIS_WRAP_REPEAT ? n[(j + 2) % 2][(i + 3) % 3] : wrap == BIS_WRAP_BLACK && outside ? 0 : n[cj][ci];
+                x.wrap = (bis_wrap)wrap;
+                assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){(i + 0.5) / 3, (j + 0.5) / 2}, (vec3){0, 0, 0}), v / 32, v / 16, v / 8);
+            }
+    /* between four texels, nearer to the first column and to the upper row: 0.75 (0.75 1 + 0.25 2) + 0.25 (0.75 4 + 0.25 5) */
+    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){0.75 / 3, 1.25 / 2}, (vec3){0, 0, 0}), 2 / 32.0, 4 / 32.0, 8 / 32.0);
+    x.is_float = true;
+    x.scale = 3;
+    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){2.5 / 3, 0.25}, (vec3){0, 0, 0}), 42 / 32.0, 42 / 32.0, 42 / 32.0); /* 6 7/3 3 */
+    x.invert = true;
+    assert_rgbd(bis_textures_value(&t, &image, 0, (double[]){0.5 / 3, 0.75}, (vec3){0, 0, 0}), 25 / 32.0, 25 / 32.0, 25 / 32.0); /* 1 - 7/32 */
+    bis_image_clear(&image.image);
+}
+
+/* Least and largest values of each kind in each channel: corners, worked out by hand. */
+static void the_range_of_each_kind_is_found_in_each_channel(void **state)
+{
+    (void)state;
+    bis_texture_image image = six();
+    bis_texture list[] = {
+        {.kind = BIS_TEXTURE_CONSTANT, .value = {0.5, 0.25, 2}},
+        {.kind = BIS_TEXTURE_IMAGE, .scale = 1},
+        {.kind = BIS_TEXTURE_IMAGE, .scale = 2, .invert = true},
+        {.kind = BIS_TEXTURE_IMAGE, .scale = 1, .is_float = true},
+        {.kind = BIS_TEXTURE_IMAGE, .scale = 1, .wrap = BIS_WRAP_BLACK},
+        {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 1}},
+        {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {1, 0}},
+        {.kind = BIS_TEXTURE_SCALE, .of = {0, 1}},
+        {.kind = BIS_TEXTURE_SCALE, .of = {1, 1}},
+        {.kind = BIS_TEXTURE_MIX, .of = {0, 1, 3}},
+        {.kind = BIS_TEXTURE_COAT, .of = {1}, .scale = 0.5},
+        {.kind = BIS_TEXTURE_COAT, .of = {0}, .scale = 0.5},
+    };
+    const struct { double lo[3], hi[3]; } expected[] = {
+        {{0.5, 0.25, 2}, {0.5, 0.25, 2}},
+        {{1 / 32.0, 2 / 32.0, 4 / 32.0}, {6 / 32.0, 12 / 32.0, 24 / 32.0}},
+        {{20 / 32.0, 8 / 32.0, -16 / 32.0}, {30 / 32.0, 28 / 32.0, 24 / 32.0}},
+        {{7 / 96.0, 7 / 96.0, 7 / 96.0}, {42 / 96.0, 42 / 96.0, 42 / 96.0}},
+        {{0, 0, 0}, {6 / 32.0, 12 / 32.0, 24 / 32.0}},
+        {{1 / 32.0, 2 / 32.0, 4 / 32.0}, {0.5, 12 / 32.0, 2}},
+        {{1 / 32.0, 2 / 32.0, 4 / 32.0}, {0.5, 12 / 32.0, 2}},
+        {{1 / 64.0, 2 / 128.0, 8 / 32.0}, {6 / 64.0, 12 / 128.0, 48 / 32.0}},
+        {{1 / 1024.0, 4 / 1024.0, 16 / 1024.0}, {36 / 1024.0, 144 / 1024.0, 576 / 1024.0}},
+        /* (1 - w) a + w b, w in [7/96, 42/96]: red a = 1/2, b in [1, 6]/32; green a = 1/4, b in [2, 12]/32; blue a = 2 */
+        {{0.5 * 54 / 96 + 42 / 96.0 / 32, 0.25 * 54 / 96 + 42 / 96.0 / 16, 2 * 54 / 96.0 + 42 / 96.0 / 8},
+         {0.5 * 89 / 96 + 7 / 96.0 * 6 / 32, 0.25 * 54 / 96 + 42 / 96.0 * 12 / 32, 2 * 89 / 96.0 + 7 / 96.0 * 24 / 32}},
+        /* 0.5 v/(1 - 0.5 v) */
+        {{1 / 63.0, 1 / 31.0, 1 / 15.0}, {3 / 29.0, 3 / 13.0, 3 / 5.0}},
+        {{1 / 3.0, 1 / 7.0, 2}, {1 / 3.0, 1 / 7.0, 2}}, /* above 1 it stays what is below */
+    };
+    const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
+    for (uint32_t i = 0; i < t.n; i++) {
+        rgbd lo, hi;
+        bis_textures_range(&lo, &hi, &t, &image, i);
+        assert_rgbd(lo, expected[i].lo[0], expected[i].lo[1], expected[i].lo[2]);
+        assert_rgbd(hi, expected[i].hi[0], expected[i].hi[1], expected[i].hi[2]);
+    }
+    bis_image_clear(&image.image);
+}
+
+static bis_texture constant_of(double r, double g, double b) { return (bis_texture){.kind = BIS_TEXTURE_CONSTANT, .value = {r, g, b}}; }
+
+/* Constants stand for all textures here: which are looked at, in which channel, and what is said. */
+static void textures_of_a_material_are_checked_one_by_one(void **state)
+{
+    (void)state;
+    enum { NO = -1 };
+    static const struct { int Kd, Ks, width; bool facets; double power; const char *said; bool is_warning; } cases[] = {
+        {0, NO, NO, false, 1, NULL, false}, {0, NO, NO, true, 1, NULL, false}, {NO, 0, NO, false, 1, NULL, false},
+        {1, NO, NO, false, 1, "x:7: error: the texture of \"Kd\" has values up to 1.5, must be in [0, 1]: change it by its \"float scale\", or by a Texture \"scale\" or \"mix\"", false},
+        {NO, 1, NO, true, 1, "x:7: error: the texture of \"Ks\" has values up to 1.5, must be in [0, 1]", false},
+        {2, NO, NO, true, 1, "the texture of \"Kd\" has values down to -0.25, must be in [0, 1]", false},
+        {NO, 3, NO, false, 1, "the texture of \"Ks\" has values up to 3, must be in [0, 1]", false},
+        {1, 2, NO, false, 1, "\"Kd\" has values up to 1.5", false},
+        {0, 2, NO, false, 1, "\"Ks\" has values down to -0.25", false},
+        {NO, NO, 3, false, 1, NULL, false}, /* exponents 0, 0, 3 */
+        {NO, NO, 2, false, 1, "the texture of \"exponent\" has values down to -0.25, must be >= 0", false},
+        {NO, NO, 4, true, 1, NULL, false}, {NO, NO, 5, true, 1, NULL, false},
+        {NO, NO, 6, true, 1, "the texture of \"roughness\" has values down to 0.009, must be in [0.01, 1]", false},
+        {NO, NO, 1, true, 1, "the texture of \"roughness\" has values up to 1.5, must be in [0.01, 1]", false},
+        {NO, NO, 6, true, 0.5, NULL, false}, /* 0.009^(1/2) = 0.095; from 1e-4 on */
+        {NO, NO, 7, true, 0.5, "the texture of \"roughness\" has values down to 9e-05, must be in [0.0001, 1]", false},
+        {8, NO, NO, false, 1, "x:7: warning: Kd + Ks may reach 1.25 in red: the material would reflect more light than it receives", true},
+        {9, NO, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in green", true}, {10, NO, NO, false, 1, "warning: Kd + Ks may reach 1.125 in blue", true},
+        {NO, 8, NO, false, 1, "warning: Kd + Ks may reach 1.1875 in red", true}, {10, 9, NO, false, 1, "warning: Kd + Ks may reach 1.5 in green", true},
+        {8, NO, NO, true, 1, NULL, false}, /* of facets nothing is too much */
+    };
+    bis_texture list[] = {constant_of(0, 0.5, 0), constant_of(0.5, 1.5, 1), constant_of(0.5, 0.5, -0.25), constant_of(0, 0, 3),
+                          constant_of(0.01, 1, 0.5), constant_of(1, 1, 1), constant_of(1, 0.009, 1), constant_of(1, 1, 9e-5),
+                          constant_of(1, 0.5, 0), constant_of(0.5, 1, 0), constant_of(0.5, 0.5, 1)};
+    const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const rgb Kd = {0.1875f, 0.125f, 0.0625f}, Ks = {0.25f, 0.1875f, 0.125f};
+        const bis_material base = cases[i].facets ? bis_microfacet(Kd, Ks, 0.5) : bis_phong(Kd, Ks, 1);
+        const bis_material_textures of = {cases[i].Kd < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].Kd, cases[i].Ks < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].Ks,
+                                          cases[i].width < 0 ? BIS_NO_TEXTURE : (uint32_t)cases[i].width, cases[i].power, {"x", 7, 0}};
+        bis_diag diag = {0};
+        const bis_status status = bis_textures_check(&t, NULL, &of, &base, &diag);
+        if (status != (cases[i].said && !cases[i].is_warning ? BIS_INPUT : BIS_OK) || diag.n != (cases[i].said ? 1 : 0))
+            fail_msg("case %zu: status %d, %zu messages: %s", i, status, diag.n, diag.n ? diag.messages[0].text : "");
+        if (cases[i].said && !strstr(diag.messages[0].text, cases[i].said)) fail_msg("case %zu: %s", i, diag.messages[0].text);
+        bis_diag_clear(&diag);
+    }
+    /* floats: 0.6 + 0.4 is 1 + 3e-8 there, and that is no warning */
+    list[0] = constant_of((double)0.6f, (double)0.6f, (double)0.6f);
+    const bis_material base = bis_phong((rgb){0, 0, 0}, (rgb){0.4f, 0.4f, 0.4f}, 1);
+    const bis_material_textures of = {0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}};
+    bis_diag diag = {0};
+    assert_int_equal(bis_textures_check(&t, NULL, &of, &base, &diag), BIS_OK);
+    assert_int_equal(diag.n, 0);
+}
+
+/* Which values a textured material has, and which it keeps. */
+static void a_material_takes_what_its_textures_give_and_keeps_the_rest(void **state)
+{
+    (void)state;
+    bis_texture list[] = {constant_of(0.5, 0.25, 0.125), constant_of(0.25, 0.5, 0.75), constant_of(0.16, 0.5, 1), constant_of(1.0000001, 1, 1),
+                          constant_of(0.0099999, 1, 1), constant_of(-1e-9, 1, 1)};
+    const bis_textures t = {.list = list, .n = 6};
+    const rgb Kd = {0.1f, 0.2f, 0.3f}, Ks = {0.3f, 0.2f, 0.1f};
+    bis_material base = bis_phong(Kd, Ks, 7), m;
+    const double uv[2] = {0, 0};
+    const vec3 p = {0, 0, 0};
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}}, &base, uv, p);
+    assert_true(m.model == base.model && m.Kd.r == 0.5f && m.Kd.g == 0.25f && m.Kd.b == 0.125f && m.Ks.r == 0.3f && m.Ks.g == 0.2f && m.Ks.b == 0.1f && m.exponent == 7);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, 1, 2, 1, {0}}, &base, uv, p);
+    assert_true(m.model == base.model && m.Ks.r == 0.25f && m.Ks.g == 0.5f && m.Ks.b == 0.75f && m.Kd.r == 0.1f && m.Kd.b == 0.3f && m.exponent == 0.16);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 5, 1, {0}}, &base, uv, p);
+    assert_true(m.exponent == 0);
+    base = bis_microfacet_metal(Ks, (rgb){1, 2, 3}, 0.5);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, 1, BIS_NO_TEXTURE, 1, {0}}, &base, uv, p);
+    assert_true(m.model == base.model && m.Ks.g == 0.5f && m.alpha == 0.25 && m.eta.r == 1 && m.eta.g == 2 && m.eta.b == 3);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 2, 0.5, {0}}, &base, uv, p);
+    assert_near(m.alpha, 0.16); /* roughness 0.16^0.5 = 0.4 */
+    assert_true(m.Ks.r == 0.3f && m.eta.b == 3);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 3, 1, {0}}, &base, uv, p);
+    assert_true(m.alpha == 1);
+    m = bis_textures_material(&t, NULL, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, 4, 1, {0}}, &base, uv, p);
+    assert_true(m.alpha == 0.01 * 0.01);
+}
+
+/* The images below a texture, and whether (u, v) are asked for, through all parts of each kind. */
+static void what_a_texture_needs_is_found_in_each_of_its_parts(void **state)
+{
+    (void)state;
+    bis_texture list[] = {
+        {.kind = BIS_TEXTURE_CONSTANT},
+        {.kind = BIS_TEXTURE_IMAGE, .image = 2},
+        {.kind = BIS_TEXTURE_IMAGE, .image = 1, .mapping = BIS_TEXTURE_PLANAR},
+        {.kind = BIS_TEXTURE_MIX, .of = {1, 0, 0}}, {.kind = BIS_TEXTURE_MIX, .of = {0, 1, 0}}, {.kind = BIS_TEXTURE_MIX, .of = {0, 0, 1}},
+        {.kind = BIS_TEXTURE_SCALE, .of = {1, 0}}, {.kind = BIS_TEXTURE_SCALE, .of = {0, 1}},
+        {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {1, 0}, .mapping = BIS_TEXTURE_SPHERICAL},
+        {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 1}, .mapping = BIS_TEXTURE_SPHERICAL},
+        {.kind = BIS_TEXTURE_COAT, .of = {1}},
+        {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {0, 0}}, {.kind = BIS_TEXTURE_CHECKERBOARD, .of = {2, 2}, .mapping = BIS_TEXTURE_PLANAR},
+    };
+    static const struct { bool uv, image[3]; } expected[] = {
+        {false, {0}}, {true, {0, 0, 1}}, {false, {0, 1, 0}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}},
+        {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 1}}, {true, {0, 0, 0}}, {false, {0, 1, 0}}};
+    const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
+    for (uint32_t i = 0; i < t.n; i++) {
+        bool used[3] = {false, false, false};
+        bis_textures_mark(used, &t, i);
+        assert_memory_equal(used, expected[i].image, sizeof used);
+        for (int role = 0; role < 3; role++) {
+            const bis_material_textures of = {role == 0 ? i : BIS_NO_TEXTURE, role == 1 ? i : BIS_NO_TEXTURE, role == 2 ? i : BIS_NO_TEXTURE, 1, {0}};
+            assert_int_equal(bis_textures_want_uv(&t, &of), expected[i].uv);
+        }
+    }
+    bool used[3] = {false, false, false};
+    bis_textures_mark(used, &t, BIS_NO_TEXTURE);
+    assert_true(!used[0] && !used[1] && !used[2]);
+    assert_false(bis_textures_want_uv(&t, &(bis_material_textures){BIS_NO_TEXTURE, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {0}}));
+}
+
+/* A bad channel of any texel is found, and its place is told. */
+static void a_bad_texel_is_told_with_its_place(void **state)
+{
+    (void)state;
+    for (int bad = 0; bad < 18; bad++) {
+        const float wrong[3] = {-0.25f, INFINITY, NAN};
+        static const char *const words[3] = {"-0.25", "inf", "nan"};
+        bis_texture_image image;
+        bis_texture_file file = {.filename = (char *)(uintptr_t)scratch("bad.pfm"), .gamma = 1, .loc = {"s.txt", 3, 4}};
+        bis_diag diag = {0};
+        char text[300];
+        const char *v[3] = {"0.5", "0.5", "0.5"};
+        bytes b = {0};
+        put_text(&b, "PF\n3 2\n-1.0\n");
+        for (int i = 0; i < 18; i++) put_float(&b, i == bad ? wrong[bad % 3] : 0.5f);
+        store(file.filename, b.data, b.n);
+        bytes_clear(&b);
+        assert_int_equal(bis_textures_load(&image, &file, &diag), BIS_INPUT);
+        assert_null(image.image.pixels);
+        v[bad % 3] = words[bad % 3];
+        snprintf(text, sizeof text, "s.txt:3:4: error: \"%s\": texel (%d, %d), counted from the top left, is %s %s %s; those of a texture must be finite and >= 0",
+                 file.filename, bad / 3 % 3, bad / 9 == 0, v[0], v[1], v[2]);
+        assert_string_equal(diag.messages[0].text, text);
+        bis_diag_clear(&diag);
+    }
+}
+
+/* With a texture for one colour only the check of the image's values speaks of energy, not the parser. */
+static void energy_is_warned_of_once(void **state)
+{
+    (void)state;
+    static const struct { const char *words, *warning; } cases[] = {
+        {"\"texture Kd\" \"t\" \"float Ks\" 0.6", "Kd + Ks may reach 1.5 in red"}, {"\"texture Ks\" \"t\" \"float Kd\" 0.6", "Kd + Ks may reach 1.5 in red"},
+        {"\"texture Ks\" \"t\" \"texture Kd\" \"t\"", "Kd + Ks may reach 1.8 in red"}, {"\"texture exponent\" \"f\" \"float Kd\" 0.75 \"float Ks\" 0.5", "Kd + Ks is 1.25 in red"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        built b = build(LIGHT "Texture \"t\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.1 \"float tex2\" 0.9\nTexture \"f\" \"float\" \"checkerboard\"\n"
+                        "Material \"phong\" %s Shape \"sphere\"", cases[i].words);
+        size_t n = 0;
+        for (size_t k = 0; k < b.diag.n; k++) n += strstr(b.diag.messages[k].text, "reach") || strstr(b.diag.messages[k].text, "Kd + Ks is");
+        if (n < 1 || !strstr(b.diag.messages[0].text, cases[i].warning)) fail_msg("%s: %s", cases[i].words, b.diag.n ? b.diag.messages[0].text : "");
+        if (i < 3) assert_int_equal(n, 1);
+        clear(&b);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1147,6 +1407,13 @@ int main(void)
         cmocka_unit_test(mistakes_of_a_library_are_found_in_it),
         cmocka_unit_test(a_point_has_the_material_of_its_place),
         cmocka_unit_test(values_out_of_range_are_refused_when_the_image_is_known),
+        cmocka_unit_test(an_image_that_is_no_square_has_its_rows_and_columns),
+        cmocka_unit_test(the_range_of_each_kind_is_found_in_each_channel),
+        cmocka_unit_test(textures_of_a_material_are_checked_one_by_one),
+        cmocka_unit_test(a_material_takes_what_its_textures_give_and_keeps_the_rest),
+        cmocka_unit_test(what_a_texture_needs_is_found_in_each_of_its_parts),
+        cmocka_unit_test(a_bad_texel_is_told_with_its_place),
+        cmocka_unit_test(energy_is_warned_of_once),
         cmocka_unit_test(what_is_no_texture_is_refused),
         cmocka_unit_test(textures_of_textures_have_a_limit),
         cmocka_unit_test(when_the_kth_allocation_fails_a_textured_scene_fails_cleanly),

@@ -78,6 +78,44 @@ static void a_png_has_the_exposure_and_the_curve(void **state)
     }
 }
 
+/* Each channel by itself; of reinhard the luminance is 0.2126 R + 0.7152 G + 0.0722 B; no light or less stays dark. */
+static void a_curve_bends_each_channel(void **state)
+{
+    (void)state;
+    static const struct { float in[3]; double ev; bis_tone tone; double out[3]; } cases[] = {
+        {{0.5f, -1, 4}, 1, BIS_TONE_NONE, {1, -2, 8}}, {{0.5f, 1, 4}, -2, BIS_TONE_NONE, {0.125, 0.25, 1}},
+        {{1, 0, 0}, 0, BIS_TONE_REINHARD, {1 / 1.2126, 0, 0}}, {{0, 1, 0}, 0, BIS_TONE_REINHARD, {0, 1 / 1.7152, 0}},
+        {{0, 0, 1}, 0, BIS_TONE_REINHARD, {0, 0, 1 / 1.0722}}, {{1, 2, 4}, 0, BIS_TONE_REINHARD, {1 / 2.9318, 2 / 2.9318, 4 / 2.9318}},
+        {{0.25f, 0.5f, 1}, 2, BIS_TONE_REINHARD, {1 / 2.9318, 2 / 2.9318, 4 / 2.9318}}, {{0, 0, 0}, 0, BIS_TONE_REINHARD, {0, 0, 0}},
+        {{-10, 1, 0}, 0, BIS_TONE_REINHARD, {0, 1, 0}},            /* the luminance is below 0 */
+        {{-1, 1, 0.5f}, 0, BIS_TONE_REINHARD, {0, 1 / 1.5387, 0.5 / 1.5387}}, /* 1 - 0.2126 + 0.7152 + 0.0361 */
+        {{1, -1, 0.5f}, 0, BIS_TONE_REINHARD, {1, 0, 0.5}}, {{0.5f, 1, -1}, 0, BIS_TONE_REINHARD, {0.5 / 1.7493, 1 / 1.7493, 0}},
+        /* (2.51 x^2 + .03 x)/(2.43 x^2 + .59 x + .14) of 1, 2, 4: 2.54/3.16, 10.1/11.04, 40.28/41.38 */
+        {{1, 2, 4}, 0, BIS_TONE_FILMIC, {2.54 / 3.16, 10.1 / 11.04, 40.28 / 41.38}}, {{8, 2, 4}, -1, BIS_TONE_FILMIC, {40.28 / 41.38, 2.54 / 3.16, 10.1 / 11.04}},
+        {{-1, 0, 1}, 0, BIS_TONE_FILMIC, {0, 0, 2.54 / 3.16}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        /* the second pixel of three in two rows: all of them are bent */
+        rgb pixels[6];
+        for (int k = 0; k < 6; k++) pixels[k] = (rgb){cases[i].in[0], cases[i].in[1], cases[i].in[2]};
+        bis_image image = {3, 2, pixels};
+        bis_tone_apply(&image, cases[i].ev, cases[i].tone);
+        for (int k = 0; k < 6; k++) {
+            const double found[3] = {(double)pixels[k].r, (double)pixels[k].g, (double)pixels[k].b};
+            for (int c = 0; c < 3; c++)
+                if (fabs(found[c] - cases[i].out[c]) > 1e-6) fail_msg("case %zu, pixel %d, channel %d: %g", i, k, c, found[c]);
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        rgb odd = {c == 0 ? INFINITY : 2, c == 1 ? INFINITY : 2, c == 2 ? INFINITY : 2};
+        bis_image image = {1, 1, &odd};
+        bis_tone_apply(&image, 1, BIS_TONE_FILMIC);
+        assert_true((c == 0 ? odd.g : odd.r) == 2); /* what is not finite stays as it is */
+    }
+    for (int i = 0; i < BIS_N_TONES; i++) assert_int_equal(bis_tone_find(bis_tone_names[i]), i);
+    assert_null(bis_tone_names[BIS_N_TONES]);
+}
+
 static void the_curves_are_monotonous_and_end_at_white(void **state)
 {
     (void)state;
@@ -181,6 +219,7 @@ int main(void)
         cmocka_unit_test(a_picture_goes_round_through_all_formats),
         cmocka_unit_test(a_png_has_the_exposure_and_the_curve),
         cmocka_unit_test(the_curves_are_monotonous_and_end_at_white),
+        cmocka_unit_test(a_curve_bends_each_channel),
         cmocka_unit_test(a_png_stays_itself),
         cmocka_unit_test(any_png_is_read_as_linear_colours),
         cmocka_unit_test(bad_pngs_and_usage_are_named),

@@ -155,6 +155,24 @@ static void every_allocation_of_a_picture_may_fail(void **state)
     bis_image_clear(&image);
 }
 
+/* The seven stops of the scale as codes of sRGB, and half way between two stops. */
+static void the_scale_of_heat_has_seven_stops(void **state)
+{
+    (void)state;
+    static const struct { double t; const char *code; } cases[] = {
+        {0, "#0d0833"}, {1 / 6.0, "#40126e"}, {2 / 6.0, "#87216b"}, {4 / 6.0, "#f2781f"}, {5 / 6.0, "#fac238"}, {1, "#fffccc"},
+        {1 / 12.0, "#260d50"}, {5 / 12.0, "#aa2f5c"}, {0.75, "#f69d2b"}, {11 / 12.0, "#fcdf82"}, {-1, "#0d0833"}, {2, "#fffccc"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char wanted[100];
+        bis_svg_disc(open_paper(), 0, 0, 1, bis_palette_heat(cases[i].t));
+        snprintf(wanted, sizeof wanted, "<circle cx=\"0\" cy=\"0\" r=\"1\" fill=\"%s\"/>\n", cases[i].code);
+        assert_drawn(wanted);
+    }
+    assert_near((double)bis_palette_srgb(0.04, 0.5, 1).r, 0.04 / 12.92, 1e-8); /* the straight part */
+    assert_near((double)bis_palette_srgb(0.04, 0.5, 1).g, 0.2140411, 1e-6);
+    assert_true(bis_palette_srgb(0, 0.5, 1).b == 1 && bis_palette_srgb(0, 0.5, 1).r == 0);
+}
+
 static void hotter_is_lighter(void **state)
 {
     (void)state;
@@ -181,6 +199,7 @@ int main(void)
         cmocka_unit_test(a_drawing_is_well_formed_and_holds_its_pictures),
         cmocka_unit_test(every_allocation_of_a_picture_may_fail),
         cmocka_unit_test(hotter_is_lighter),
+        cmocka_unit_test(the_scale_of_heat_has_seven_stops),
     };
     return cmocka_run_group_tests_name("svg", tests, NULL, NULL);
 }

@@ -185,10 +185,138 @@ static void texts_are_utf8(void **state)
     }
 }
 
+/* What the writer makes, letter by letter (RFC 8259). */
+static void json_is_written_as_by_hand(void **state)
+{
+    static const char wanted[] =
+        "{\n"
+        "  \"a \\\"key\\\"\": -0.25,\n"
+        "  \"list\": [\n"
+        "    1,\n"
+        "    null,\n"
+        "    null,\n"
+        "    null,\n"
+        "    \"\\\\ \\u0009\\u001f\\u007f ~\\ufffd\\ufffd\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\",\n"
+        "    [],\n"
+        "    {\n"
+        "      \"x\": true\n"
+        "    },\n"
+        "    {}\n"
+        "  ],\n"
+        "  \"triple\": [\n"
+        "    1.5,\n"
+        "    -2,\n"
+        "    1e+300\n"
+        "  ],\n"
+        "  \"object\": {\n"
+        "    \"b\": 0.1,\n"
+        "    \"c\": 3\n"
+        "  },\n"
+        "  \"most\": 18446744073709551615,\n"
+        "  \"no\": false,\n"
+        "  \"none\": null,\n"
+        "  \"gone\": null\n"
+        "}\n";
+    char *text = NULL;
+    size_t n;
+    FILE *out = open_memstream(&text, &n);
+    bis_json j = {.out = out};
+
+    (void)state;
+    bis_json_open(&j, NULL, '{');
+    bis_json_number(&j, "a \"key\"", -0.25);
+    bis_json_open(&j, "list", '[');
+    bis_json_count(&j, NULL, 1);
+    bis_json_number(&j, NULL, (double)NAN);
+    bis_json_number(&j, NULL, HUGE_VAL);
+    bis_json_number(&j, NULL, -HUGE_VAL);
+    bis_json_text(&j, NULL, "\\ \t\x1f\x7f ~\xff\x80\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80");
+    bis_json_open(&j, NULL, '[');
+    bis_json_close(&j);
+    bis_json_open(&j, NULL, '{');
+    bis_json_bool(&j, "x", true);
+    bis_json_close(&j);
+    bis_json_open(&j, NULL, '{');
+    bis_json_close(&j);
+    bis_json_close(&j);
+    bis_json_triple(&j, "triple", 1.5, -2, 1e300);
+    BIS_JSON_OBJECT(&j, "object", {"b", 0.1}, {"c", 3});
+    bis_json_count(&j, "most", UINT64_MAX);
+    bis_json_bool(&j, "no", false);
+    bis_json_null(&j, "none");
+    bis_json_text(&j, "gone", NULL);
+    bis_json_close(&j);
+    fclose(out);
+    assert_string_equal(text, wanted);
+    free(text);
+}
+
+/* Each of the 256 bytes alone, and a character at the end of what is to be printed. */
+static void each_byte_of_a_text_is_itself_an_entity_or_replaced(void **state)
+{
+    static const struct { const char *text, *wanted; size_t n; } ends[] = {
+        {"\xe2\x82\xac", "\xe2\x82\xac", 3}, {"\xe2\x82\xac", "\xef\xbf\xbd\xef\xbf\xbd", 2}, {"a&b", "a", 1}, {"a&b", "a&amp;", 2},
+        {"\xc3\xa9<", "\xc3\xa9&lt;", 3}, {"\xed\xa0\x80", "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd", 3}, {"x", "", 0}};
+    char *text, wanted[8];
+    size_t n;
+
+    (void)state;
+    for (int c = 0; c < 256; c++) {
+        const char byte = (char)c;
+        const char *entity = c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : c == '\'' ? "&#39;" : NULL;
+        FILE *out = open_memstream(&text, &n);
+        bis_markup_text(out, &byte, 1);
+        fclose(out);
+        snprintf(wanted, sizeof wanted, "%c", c);
+        assert_string_equal(text, entity ? entity : c < 32 || c >= 127 ? "\xef\xbf\xbd" : wanted);
+        free(text);
+    }
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        FILE *out = open_memstream(&text, &n);
+        bis_markup_text(out, ends[i].text, ends[i].n);
+        fclose(out);
+        assert_string_equal(text, ends[i].wanted);
+        free(text);
+    }
+}
+
+/* Twice as bright are the codes of twice the radiance (IEC 61966-2-1: 0.25 is 137, 0.5 is 188, 1 is 255). */
+static void the_exposure_of_a_picture_is_seen_in_its_codes(void **state)
+{
+    static const char *const path = "build/test_template.png";
+    static const int exposures[] = {0, 1, 2};
+    static const double codes[][3] = {{137, 188, 0}, {188, 255, 0}, {255, 255, 0}};
+
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        bis_image image;
+        unsigned char bytes[1024];
+        assert_int_equal(bis_image_init(&image, 2, 1, NULL), BIS_OK);
+        for (int k = 0; k < 2; k++) image.pixels[k] = (rgb){0.25f, 0.5f, 0};
+        char *text = bis_markup_png(&image, exposures[i], NULL);
+        bis_image_clear(&image);
+        FILE *out = fopen(path, "wb");
+        assert_non_null(out);
+        fwrite(bytes, 1, decoded(bytes, text + 22), out);
+        fclose(out);
+        free(text);
+        assert_int_equal(bis_image_read_colours(&image, path, 1, (bis_loc){0}, NULL), BIS_OK);
+        for (int k = 0; k < 2; k++) {
+            assert_near(255 * (double)image.pixels[k].r, codes[i][0], 1e-3);
+            assert_near(255 * (double)image.pixels[k].g, codes[i][1], 1e-3);
+            assert_near(255 * (double)image.pixels[k].b, codes[i][2], 1e-3);
+        }
+        bis_image_clear(&image);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pages_are_filled_as_by_hand),
+        cmocka_unit_test(json_is_written_as_by_hand),
+        cmocka_unit_test(each_byte_of_a_text_is_itself_an_entity_or_replaced),
+        cmocka_unit_test(the_exposure_of_a_picture_is_seen_in_its_codes),
         cmocka_unit_test(a_mistake_in_a_page_is_told_by_its_name),
         cmocka_unit_test(a_picture_in_the_page_is_that_of_the_file),
         cmocka_unit_test(texts_are_utf8),
