@@ -214,6 +214,102 @@ static void a_backend_that_loses_a_triangle_is_rejected(void **state)
     }
 }
 
+/* ---- which rays are looked at ---- */
+
+/* Sums over all rays that a backend was asked for: [0] those that start around the scene, [1] those from the ball. */
+typedef struct asked {
+    bis_accel accel;
+    const bis_accel *right;
+    long n[2], octant[2][8], twice; /* twice: `occluded` was asked for the same ray */
+    double place[3], place_squares[3], cosine, farthest;
+} asked;
+
+static bool note_ray(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    asked *s = (asked *)(uintptr_t)a;
+    const double o[3] = {(double)r->o.x, (double)r->o.y, (double)r->o.z}, l = sqrt(o[0] * o[0] + o[1] * o[1] + o[2] * o[2]);
+    const int from_ball = fabs(l - 1) < 1e-5;
+#pragma omp critical(asked)
+    {
+        s->n[from_ball]++;
+        s->octant[from_ball][(r->d.x > 0) + 2 * (r->d.y > 0) + 4 * (r->d.z > 0)]++;
+        if (from_ball) s->cosine += (double)dot(r->o, r->d) * (l > 1 ? 1 : -1) / l; /* to the side where it starts */
+        for (int k = 0; k < 3 && !from_ball; k++) {
+            s->place[k] += o[k];
+            s->place_squares[k] += o[k] * o[k];
+            s->farthest = fmax(s->farthest, fabs(o[k]));
+        }
+    }
+    return bis_accel_intersect(s->right, r, hit);
+}
+
+static bool note_shadow(const bis_accel *a, const ray *r)
+{
+    asked *s = (asked *)(uintptr_t)a;
+#pragma omp atomic
+    s->twice++;
+    return bis_accel_occluded(s->right, r);
+}
+
+/* Five standard errors of a mean of n numbers. */
+static void assert_mean(double mean, double expected, double variance, double n)
+{
+    if (!(fabs(mean - expected) < 5 * sqrt(variance / n))) fail_msg("%g is not %g", mean, expected);
+}
+
+/* Around a ball of radius 1: its box has the diagonal 2 sqrt 3, so rays start in a cube of half side a = 1 + 0.2 sqrt 3,
+ * evenly: each coordinate has mean 0, mean square a^2/3, of variance 4 a^4/45. Towards the ball no octant is before
+ * another. From the ball, or within it, rays leave evenly: the mean of the cosine is 1/2, its variance 1/12; again no octant is before
+ * another. Each ray is asked for by both questions. */
+static void rays_come_from_all_around_and_leave_to_all_sides(void **state)
+{
+    (void)state;
+    static const bis_accel_ops notes = {.name = "notes", .intersect = note_ray, .occluded = note_shadow};
+    enum { RAYS = 20000 };
+    const double a = 1 + 0.2 * sqrt(3);
+    const bis_quadric ball = {.kind = BIS_SPHERE, .radius = 1, .to_world = bis_xform_identity()};
+    const bis_accel_options options = {.kind = BIS_ACCEL_GRID};
+    bis_geometry g = {0};
+    bis_accel *grid;
+    assert_int_equal(bis_geometry_add_quadric(&g, &ball, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&grid, &g, &options, NULL), BIS_OK);
+    asked s = {.accel = {&notes, &g}, .right = grid};
+    bis_verify v = {.seed = 4, .halvings = 12};
+    unsigned long rays, from, searched, grazing;
+    bis_verify_backends(&v, &s.accel, NULL, RAYS);
+    assert_int_equal(v.n, 1);
+    assert_string_equal(v.tests[0].name, "notes sees what a search sees");
+    assert_int_equal(sscanf(v.tests[0].note, "wrong of %lu rays and %lu from surfaces, %lu of them searched; %lu more",
+                            &rays, &from, &searched, &grazing), 4);
+    assert_true(v.tests[0].statistic == 0);
+    assert_true(rays == RAYS && s.n[0] == RAYS && s.n[1] == (long)from && s.twice == s.n[0] + s.n[1]);
+    /* 2^24 halved 12 times, and the rays that leave where these end */
+    assert_true(searched > 4096 && searched < 2 * 4096);
+    assert_true(from > RAYS / 2);
+    bis_verify_clear(&v);
+
+    const double n[2] = {(double)s.n[0], (double)s.n[1]};
+    for (int k = 0; k < 3; k++) {
+        assert_mean(s.place[k] / n[0], 0, a * a / 3, n[0]);
+        assert_mean(s.place_squares[k] / n[0], a * a / 3, 4 * pow(a, 4) / 45, n[0]);
+    }
+    assert_true(s.farthest < a && s.farthest > 0.999 * a);
+    assert_mean(s.cosine / n[1], 0.5, 1 / 12.0, n[1]);
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 8; k++) assert_mean((double)s.octant[i][k] / n[i], 1 / 8.0, 7 / 64.0, n[i]);
+
+    /* two backends: 2^21 halved 12 times are 512 */
+    v = (bis_verify){.seed = 4, .halvings = 12};
+    bis_verify_backends(&v, &s.accel, grid, RAYS);
+    assert_int_equal(sscanf(v.tests[0].note, "wrong of %*u rays and %*u from surfaces, %lu of them searched", &searched),
+                     1);
+    assert_true(searched > 512 && searched < 2 * 512);
+    assert_string_equal(v.tests[0].name, "notes and grid see the same");
+    bis_verify_clear(&v);
+    bis_accel_free(grid);
+    bis_geometry_clear(&g);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -222,6 +318,7 @@ int main(void)
         cmocka_unit_test(a_grazing_ray_may_go_either_way_and_no_other),
         cmocka_unit_test(the_truth_is_always_right),
         cmocka_unit_test(a_backend_that_loses_a_triangle_is_rejected),
+        cmocka_unit_test(rays_come_from_all_around_and_leave_to_all_sides),
     };
     return cmocka_run_group_tests_name("verify_accel", tests, NULL, NULL);
 }
