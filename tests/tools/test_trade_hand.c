@@ -8,6 +8,7 @@
 #include "bis/base/mem.h"
 #include "bis/base/version.h"
 #include "bis/files/image_file.h"
+#include "html_check.h"
 #include "picture_help.h"
 #include "program.h"
 #include "bis/tools/compare.h"
@@ -706,6 +707,14 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
         NULL};
     assert_in_order(text, parts);
     assert_error_picture(&t, text);
+    assert_int_equal(html_count(text, "\"over\": "), 2); /* plots: over time, over rays */
+    free(text);
+
+    /* the first one may be left out, too */
+    t.plan.settings[EM].levels = 0;
+    t.plan.settings[EM].pass_seconds = 45;
+    text = values_of(&t);
+    assert_non_null(strstr(text, "\"left_out\": \"em 16 (45 s a pass), brdf 16 (30 s a pass), brdf 64 (90 s a pass)\","));
     free(text);
     clear(&t);
 }
@@ -1184,6 +1193,57 @@ static void the_pilot_tells_how_far_it_is(void **state)
         assert_int_equal(s->pass_seconds > 0 && s->fill_seconds > 0 && s->pass_relmse > 0, piloted);
     }
     bis_trade_clear(&t);
+}
+
+/* With all the time of the world the pilot has 256 passes of each setting, with none two; the seed is the next one. Its
+ * relMSE is that of one pass. */
+static void the_pilot_has_as_many_passes_as_its_time_allows(void **state)
+{
+    (void)state;
+    const char *const em[] = {"em"};
+    for (int rich = 0; rich < 2; rich++) {
+        const uint32_t passes = rich ? 256 : 2;
+        bis_trade t = {.o = {.scene = DIR "/scene.txt", .integrators = em, .n_integrators = 1,
+                             .seconds = rich ? 1e6 : 1e-9, .passes = 1, .seed = 9, .n_threads = 1},
+                       .plan = {.full_width = 6, .full_height = 4}};
+        int n = 0;
+        double longest = 0;
+        assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+        t.start = bis_clock_now();
+        assert_int_equal(bis_trade_make_plan(&t, NULL), BIS_OK);
+        for (int i = 0; i < t.plan.n_settings; i++) {
+            const bis_trade_setting *s = &t.plan.settings[i];
+            bis_render_result result;
+            if (!(s->pass_seconds > 0)) continue;
+            assert_int_equal(bis_trade_render(&t, s, 1, passes, 10, NULL, &result, NULL), BIS_OK);
+            assert_near(s->pass_relmse, result.relative_rmse * result.relative_rmse * passes);
+            if (s->is_swept) longest = fmax(longest, s->pass_seconds);
+            n++;
+        }
+        assert_int_equal(n, 11);
+        assert_true(t.plan.run_seconds == longest); /* of one pass */
+        bis_trade_clear(&t);
+    }
+}
+
+/* As many as were asked for; else 2 of a quick run, 5 of one of ten minutes or more, 3. */
+static void seeds_are_those_asked_for_or_follow_from_the_time(void **state)
+{
+    (void)state;
+    static const struct {
+        int asked;
+        bool quick;
+        double seconds;
+        int n;
+    } cases[] = {{0, true, 1000, 2}, {0, false, 600, 5}, {0, false, 599, 3}, {7, false, 600, 7}, {1, true, 1000, 1}};
+    volatile sig_atomic_t interrupted = 1;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t = {.o = {.seconds = cases[i].seconds, .quick = cases[i].quick, .n_seeds = cases[i].asked, .seed = 6,
+                             .interrupted = &interrupted, .reference = i == 3 ? "ref.pfm" : NULL}};
+        assert_int_equal(bis_trade_make_plan(&t, NULL), BIS_OK);
+        assert_int_equal(t.plan.n_seeds, cases[i].n);
+        assert_true(t.plan.seed == 6 && t.plan.is_given == (i == 3));
+    }
 }
 
 /* A setting with another b, or compensated, has a map of its own, built as the scene's is: with the table that the scene
@@ -2016,6 +2076,8 @@ int main(void)
         cmocka_unit_test(the_table_of_settings_is_this),
         cmocka_unit_test(a_settings_line_says_what_its_name_does),
         cmocka_unit_test(the_pilot_tells_how_far_it_is),
+        cmocka_unit_test(the_pilot_has_as_many_passes_as_its_time_allows),
+        cmocka_unit_test(seeds_are_those_asked_for_or_follow_from_the_time),
         cmocka_unit_test(a_light_of_its_own_is_built_as_the_scenes),
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
         cmocka_unit_test(each_damage_has_its_place_and_its_words),
