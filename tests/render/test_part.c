@@ -2,6 +2,7 @@
  * name. Expected pictures are those of renders without parts. The twins are files in which one field is another, with a
  * checksum that fits: each is refused, or what comes out is another. */
 #include "bis/base/mem.h"
+#include "bis/base/version.h"
 #include "render/part.h"
 #include "render/share.h"
 
@@ -708,6 +709,83 @@ static void numbers_that_make_no_sense_are_refused(void **state)
     clear_world(&w);
 }
 
+/* The head of a file: magic, format, version; the settings; the part. What may stand there, and the whole message
+ * where it may not. */
+static void a_head_is_read_up_to_its_limits(void **state)
+{
+    (void)state;
+    enum { FORMAT = 8, SETTINGS = 8 + 4 + 16 + 16, SHORTEST = 8 + 4 + 16 + 8 };
+    static const char bad[] = BAD ": error: this part is damaged\n",
+                      cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N --outfile F` "
+                              "makes parts\n",
+                      version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
+                                  BIS_VERSION ", format 5, whose pictures may have other bits: go on with the same "
+                                  "version\n";
+    static const char *const path[] = {BAD};
+    world w;
+    size_t size, at = SETTINGS;
+    char text[4096], whole_name[128];
+    bis_checkpoint c = {0};
+    bis_diag diag = {0};
+
+    make_kind(&w, &small);
+    write_part(&w, &small, 1, 1, 2);
+    part_path(whole_name, 1, 1);
+    unsigned char *data = read_bytes(whole_name, &size), *copy = bis_alloc(size, 1);
+
+    /* a file that ends behind its version is as good as its checksum, but has no settings */
+    memcpy(copy, data, size);
+    seal(copy, SHORTEST);
+    store(BAD, copy, SHORTEST);
+    assert_string_equal(told(text, path, 1), bad);
+    store(BAD, copy, SHORTEST - 1);
+    assert_string_equal(told(text, path, 1), cut);
+
+    memcpy(copy, data, size);
+    copy[FORMAT] = 4;
+    seal(copy, size);
+    store(BAD, copy, size);
+    assert_string_equal(told(text, path, 1), version);
+    copy[FORMAT] = 5;
+    memcpy(copy, "\x89" "bisck\r\n", 8);
+    store(BAD, copy, size);
+    assert_string_equal(told(text, path, 1), BAD ": error: this is a checkpoint, not a part of a picture: --resume goes on "
+                                                 "from it\n");
+    assert_int_equal(bis_checkpoint_read(&c, whole_name, &diag), BIS_INPUT);
+    assert_null(c.data);
+    snprintf(text, sizeof text, "%s: error: this is no checkpoint of bis but a part of a picture: `bis merge` puts parts "
+             "together", whole_name);
+    assert_string_equal(diag.messages[0].text, text);
+    bis_diag_clear(&diag);
+
+    /* no negative number, none above its largest */
+    for (const bis_parameter *p = bis_parameters; p->name; p++, at += 8) {
+        const double most = p->type == BIS_PARAMETER_CHOICE ? BIS_MAX_CHOICES - 1 : UINT32_MAX;
+        const double values[] = {0, most, most + 1, -1, (double)NAN};
+        for (size_t i = 0; i < COUNT(values); i++) {
+            memcpy(copy, data, size);
+            put_bytes(copy + at, bits_of(values[i]), 8);
+            seal(copy, size);
+            store(BAD, copy, size);
+            if (strcmp(told(text, path, 1), i < 2 ? "" : bad) != 0) fail_msg("%s %g: %s", p->name, values[i], text);
+        }
+    }
+    /* behind as_printed and the pilot's seconds: K and N, 1 of 1 */
+    at += 4 + 8;
+    assert_true(data[at] == 1 && data[at + 4] == 1);
+    static const unsigned char parts[][2] = {{0, 1}, {2, 1}, {0, 0}, {1, 3}};
+    for (size_t i = 0; i < COUNT(parts); i++) {
+        memcpy(copy, data, size);
+        copy[at] = parts[i][0], copy[at + 4] = parts[i][1];
+        seal(copy, size);
+        store(BAD, copy, size);
+        assert_string_equal(told(text, path, 1), bad);
+    }
+    bis_free(copy);
+    bis_free(data);
+    clear_world(&w);
+}
+
 /* Part k of n of a picture of n tiles in a row, one pass of nothing. */
 static void write_empty(const char *path, uint32_t k, uint32_t n)
 {
@@ -788,6 +866,7 @@ int main(void)
         cmocka_unit_test(without_memory_there_is_a_message),
         cmocka_unit_test(of_unlike_parts_the_larger_figures_stand),
         cmocka_unit_test(numbers_that_make_no_sense_are_refused),
+        cmocka_unit_test(a_head_is_read_up_to_its_limits),
         cmocka_unit_test(messages_stand_alone),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
