@@ -1631,6 +1631,46 @@ static void references_are_read_and_combined(void **state)
     }
 }
 
+/* A replicate, or a given picture, of another size than the plan's is refused, and nothing is made of the others. */
+static void a_reference_of_another_size_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        int which, width, height;
+        const char *name;
+    } cases[] = {{0, 5, 4, "mis-1"}, {0, 6, 5, "mis-8"}, {1, 4, 6, "sir-3"}, {2, 7, 4, "given"}, {2, 6, 3, "given"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        bis_diag diag = {0};
+        bis_image image;
+        char path[96], expected[256];
+        load(&t);
+        plan_two(&t);
+        t.o.folder = DIR "/sizes";
+        assert_int_equal(system("rm -rf " DIR "/sizes; mkdir -p " DIR "/sizes/references"), 0);
+        for (int k = 0; k < 17; k++) {
+            snprintf(path, sizeof path, k < 16 ? "%s-%d" : "given", k < 8 ? "mis" : "sir", k % 8 + 1);
+            const bool is_bad = strcmp(path, cases[i].name) == 0;
+            assert_int_equal(bis_image_init(&image, is_bad ? cases[i].width : 6, is_bad ? cases[i].height : 4, NULL),
+                             BIS_OK);
+            snprintf(expected, sizeof expected, DIR "/sizes/references/%s.exr", path);
+            assert_int_equal(bis_image_save(&image, expected, NULL), BIS_OK);
+            bis_image_clear(&image);
+        }
+        t.plan.is_given = cases[i].which == 2;
+        t.plan.reference[0] = cases[i].which == 0 ? t.plan.reference[0] : -1;
+        t.plan.reference[1] = cases[i].which == 1 ? t.plan.reference[1] : -1;
+        assert_int_equal(bis_trade_make_references(&t, &diag), BIS_INPUT);
+        snprintf(expected, sizeof expected, DIR "/sizes/references/%s.exr: error: %d x %d pixels, must have the 6 x 4 of "
+                 "plan.txt; remove it and it is made again", cases[i].name, cases[i].width, cases[i].height);
+        assert_int_equal(diag.n, 1);
+        assert_string_equal(diag.messages[0].text, expected);
+        assert_false(t.both.is_ready);
+        bis_diag_clear(&diag);
+        bis_trade_clear(&t);
+    }
+}
+
 /* Two renders of one pixel, (1, 2, 4) and (3, 2, 0): the variances are 2, 0 and 8, the mean is (2, 2, 2), and so is m. */
 static void each_channel_scatters_by_itself(void **state)
 {
@@ -2083,6 +2123,7 @@ int main(void)
         cmocka_unit_test(each_damage_has_its_place_and_its_words),
         cmocka_unit_test(a_plan_has_pixels_and_not_too_many),
         cmocka_unit_test(references_are_read_and_combined),
+        cmocka_unit_test(a_reference_of_another_size_is_refused),
         cmocka_unit_test(each_channel_scatters_by_itself),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
         cmocka_unit_test(advice_is_put_to_the_proof),

@@ -54,6 +54,8 @@ static void a_backend_that_loses_rays_is_rejected(void **state)
         const forgetful f = {{ops[i], &g}, grid};
         bis_verify v = {.seed = 4};
         bis_verify_backends(&v, grid, &f.accel, 50000);
+        /* of some 75000 rays one in a thousand, half of which miss the ball anyway */
+        assert_true(i == 0 ? v.tests[0].statistic == 0 : v.tests[0].statistic > 5 && v.tests[0].statistic < 150);
         assert_int_equal(verify_failures(&v), i > 0);
     }
     bis_accel_free(grid);
@@ -310,6 +312,47 @@ static void rays_come_from_all_around_and_leave_to_all_sides(void **state)
     bis_geometry_clear(&g);
 }
 
+/* Points instead of triangles, so that no ray meets one: as many rays are searched as 2^24 tests allow, but 64; beside
+ * another backend 2^21, but 4. */
+static void large_scenes_have_fewer_rays_searched(void **state)
+{
+    (void)state;
+    static const struct {
+        size_t n;
+        bool two;
+        unsigned halvings;
+        unsigned long searched;
+    } cases[] = {{1 << 17, false, 0, 128}, {300000, false, 0, 64}, {300000, false, 3, 8}, {1 << 17, true, 0, 16},
+                 {600000, true, 0, 4}, {600000, true, 1, 2}};
+    const bis_accel_options options = {.kind = BIS_ACCEL_GRID};
+    const bis_xform here = bis_xform_identity();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        bis_geometry g = {0};
+        bis_accel *grid;
+        bis_rng rng;
+        unsigned long rays, from, searched;
+        bis_verify v = {.seed = 4, .halvings = cases[k].halvings};
+        const size_t n = cases[k].n;
+        bis_mesh m = {.p = bis_alloc(n, sizeof *m.p), .index = bis_alloc(n, 3 * sizeof *m.index), .n_vertices = n,
+                      .n_triangles = n};
+        bis_rng_init(&rng, 8, 0, 0, 1);
+        for (size_t i = 0; i < n; i++) {
+            m.p[i] = vec3_from(bis_rng_double(&rng), bis_rng_double(&rng), bis_rng_double(&rng));
+            for (size_t j = 0; j < 3; j++) m.index[3 * i + j] = (uint32_t)i;
+        }
+        assert_int_equal(bis_geometry_add_mesh(&g, &m, &here, 0, NULL), BIS_OK);
+        bis_mesh_clear(&m);
+        assert_int_equal(bis_accel_new(&grid, &g, &options, NULL), BIS_OK);
+        bis_verify_backends(&v, grid, cases[k].two ? grid : NULL, 200);
+        assert_int_equal(sscanf(v.tests[0].note, "wrong of %lu rays and %lu from surfaces, %lu of", &rays, &from,
+                                &searched), 3);
+        assert_true(rays == 200 && from == 0 && searched == cases[k].searched);
+        assert_int_equal(verify_failures(&v), 0);
+        bis_accel_free(grid);
+        bis_geometry_clear(&g);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -319,6 +362,7 @@ int main(void)
         cmocka_unit_test(the_truth_is_always_right),
         cmocka_unit_test(a_backend_that_loses_a_triangle_is_rejected),
         cmocka_unit_test(rays_come_from_all_around_and_leave_to_all_sides),
+        cmocka_unit_test(large_scenes_have_fewer_rays_searched),
     };
     return cmocka_run_group_tests_name("verify_accel", tests, NULL, NULL);
 }
