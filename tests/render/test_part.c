@@ -716,8 +716,8 @@ static void a_head_is_read_up_to_its_limits(void **state)
     (void)state;
     enum { FORMAT = 8, SETTINGS = 8 + 4 + 16 + 16, SHORTEST = 8 + 4 + 16 + 8 };
     static const char bad[] = BAD ": error: this part is damaged\n",
-                      cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N --outfile F` "
-                              "makes parts\n",
+                      cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
+                              "--outfile F` makes parts\n",
                       version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
                                   BIS_VERSION ", format 5, whose pictures may have other bits: go on with the same "
                                   "version\n";
@@ -749,12 +749,12 @@ static void a_head_is_read_up_to_its_limits(void **state)
     copy[FORMAT] = 5;
     memcpy(copy, "\x89" "bisck\r\n", 8);
     store(BAD, copy, size);
-    assert_string_equal(told(text, path, 1), BAD ": error: this is a checkpoint, not a part of a picture: --resume goes on "
-                                                 "from it\n");
+    assert_string_equal(told(text, path, 1),
+                        BAD ": error: this is a checkpoint, not a part of a picture: --resume goes on from it\n");
     assert_int_equal(bis_checkpoint_read(&c, whole_name, &diag), BIS_INPUT);
     assert_null(c.data);
-    snprintf(text, sizeof text, "%s: error: this is no checkpoint of bis but a part of a picture: `bis merge` puts parts "
-             "together", whole_name);
+    snprintf(text, sizeof text, "%s: error: this is no checkpoint of bis but a part of a picture: `bis merge` puts "
+             "parts together", whole_name);
     assert_string_equal(diag.messages[0].text, text);
     bis_diag_clear(&diag);
 
@@ -829,8 +829,8 @@ static void messages_stand_alone(void **state)
     write_two(&w);
     write_part(&w, &small, 2, 2, 3);
     assert_string_equal(told(text, (const char *[]){FIRST, OTHER}, 2),
-                        OTHER ": error: this part has 3 camera samples a pixel, but \"" FIRST "\" has 2: give all parts "
-                        "the same --spp\n");
+                        OTHER ": error: this part has 3 camera samples a pixel, but \"" FIRST "\" has 2: give all "
+                        "parts the same --spp\n");
     write_part(&w, &small, 1, 1, 2);
     assert_string_equal(told(text, (const char *[]){FIRST, DIR_NAME "/part-1-1"}, 2),
                         DIR_NAME "/part-1-1: error: this is a part of 1, but \"" FIRST "\" is one of 2: all must have "

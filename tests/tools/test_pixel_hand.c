@@ -680,7 +680,8 @@ static void samples_have_dots_where_the_rays_go(void **state)
     assert_non_null(strstr(text[1], ">2 shadow rays of 3 estimates</text>"));
     assert_non_null(strstr(text[0], "what no surface hides: of nothing"));
     /* what is over nothing stays as it is: the product is 0.5/pi at most, the BRDF 1/pi, and the scale ends at 1 */
-    assert_non_null(strstr(text[0], " y=\"115\" font-size=\"13.19\" fill=\"" INK "\">10<tspan dy=\"-5.23\" font-size=\"9.24\">0</tspan>"));
+    assert_non_null(strstr(text[0], " y=\"115\" font-size=\"13.19\" fill=\"" INK "\">10<tspan dy=\"-5.23\" "
+                                    "font-size=\"9.24\">0</tspan>"));
     for (int i = 0; i < 2; i++) free(text[i]);
 
     f.r.n_methods = 3; /* the last one has a panel: em, sir's candidates, sir */

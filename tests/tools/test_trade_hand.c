@@ -714,7 +714,8 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
     t.plan.settings[EM].levels = 0;
     t.plan.settings[EM].pass_seconds = 45;
     text = values_of(&t);
-    assert_non_null(strstr(text, "\"left_out\": \"em 16 (45 s a pass), brdf 16 (30 s a pass), brdf 64 (90 s a pass)\","));
+    assert_non_null(strstr(text, "\"left_out\": \"em 16 (45 s a pass), brdf 16 (30 s a pass), "
+                                 "brdf 64 (90 s a pass)\","));
     free(text);
     clear(&t);
 }
@@ -1661,8 +1662,8 @@ static void a_reference_of_another_size_is_refused(void **state)
         t.plan.reference[0] = cases[i].which == 0 ? t.plan.reference[0] : -1;
         t.plan.reference[1] = cases[i].which == 1 ? t.plan.reference[1] : -1;
         assert_int_equal(bis_trade_make_references(&t, &diag), BIS_INPUT);
-        snprintf(expected, sizeof expected, DIR "/sizes/references/%s.exr: error: %d x %d pixels, must have the 6 x 4 of "
-                 "plan.txt; remove it and it is made again", cases[i].name, cases[i].width, cases[i].height);
+        snprintf(expected, sizeof expected, DIR "/sizes/references/%s.exr: error: %d x %d pixels, must have the 6 x 4 "
+                 "of plan.txt; remove it and it is made again", cases[i].name, cases[i].width, cases[i].height);
         assert_int_equal(diag.n, 1);
         assert_string_equal(diag.messages[0].text, expected);
         assert_false(t.both.is_ready);
