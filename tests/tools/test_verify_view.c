@@ -103,6 +103,37 @@ static void what_is_rare_and_bright_is_judged_too(void **state)
     bis_light_free(light);
 }
 
+/* Run r is the estimate of stream r, on whatever thread, and what it has counted is added to what stood there. */
+static void runs_are_those_of_their_streams(void **state)
+{
+    (void)state;
+    enum { RUNS = 100, SEED = 77 };
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_settings s = bis_settings_default(&bis_rejection);
+    bis_counters counters = {.accepted = 1000, .fallbacks = 2000, .shadow_rays = 3000};
+    bis_scratch scratch;
+    rgb estimate[RUNS + 1];
+    lit l;
+    lit_init(&l, light, verify_glossy(&bis_phong_model, 20), (vec3){0, 0, 1}, 40, LIT_HALF);
+    l.kind = BIS_SAMPLER_SOBOL;
+    s.candidates = 8; /* few: some runs fall back */
+    estimate[RUNS] = (rgb){7, 8, 9};
+    assert_int_equal(bis_verify_runs(estimate, RUNS, &l.pt, &s, BIS_SAMPLER_SOBOL, SEED, &counters, NULL), BIS_OK);
+    assert_true(estimate[RUNS].r == 7 && estimate[RUNS].g == 8 && estimate[RUNS].b == 9);
+    l.counters = (bis_counters){0};
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    for (uint32_t run = 0; run < RUNS; run++) {
+        const rgb L = lit_once(&l, &s, &scratch, SEED, run);
+        assert_memory_equal(&L, &estimate[run], sizeof L);
+    }
+    bis_scratch_clear(&scratch);
+    assert_true(l.counters.accepted > 0 && l.counters.fallbacks > 0 && l.counters.shadow_rays > 0);
+    assert_int_equal(counters.accepted, 1000 + l.counters.accepted);
+    assert_int_equal(counters.fallbacks, 2000 + l.counters.fallbacks);
+    assert_int_equal(counters.shadow_rays, 3000 + l.counters.shadow_rays);
+    bis_light_free(light);
+}
+
 /* By which an integrator is judged follows from the density of its samples: a mean of em's is rare and bright where a
  * narrow lobe is met by one direction in hundreds, one of brdf's where one lamp in a wide lobe is; what mixes both is
  * neither. Resampling has no bound and is left out there. A constant light is drawn from by em, and by sir where it is
@@ -184,6 +215,7 @@ int main(void)
         cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
         cmocka_unit_test(what_is_rare_and_bright_is_judged_too),
+        cmocka_unit_test(runs_are_those_of_their_streams),
         cmocka_unit_test(the_density_of_its_samples_decides_how_an_integrator_is_judged),
         cmocka_unit_test(seeds_that_were_accused_pass),
     };
