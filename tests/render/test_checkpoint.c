@@ -647,6 +647,35 @@ static void without_memory_there_is_a_message_or_no_checkpoint(void **state)
     clear_world(&w);
 }
 
+/* What was read is freed once the render goes on, and where it is refused. */
+static void what_was_read_is_freed_when_the_render_begins(void **state)
+{
+    (void)state;
+    const kind *k = &kinds[0];
+    bis_film f;
+    bis_render_result result;
+    bis_checkpoint c = {.path = PATH, .every = 1e9};
+    world w;
+
+    make_kind(&w, k);
+    unlink(PATH);
+    render_kind(&f, &result, &w, k, budget(k, 4, 1), &c);
+    bis_film_clear(&f);
+    for (int refused = 0; refused < 2; refused++) {
+        bis_render_options options = budget(k, 9, 1);
+        c = read_state(PATH);
+        assert_non_null(c.data);
+        options.checkpoint = &c;
+        w.desc.view.camera.fov_deg += refused;
+        assert_int_equal(bis_film_init(&f, WIDTH, HEIGHT, k->crop, (bis_loc){0}, NULL), BIS_OK);
+        const bis_status status = bis_render(&result, &f, &w.scene, &w.desc, &w.desc.view, &options, NULL);
+        assert_int_equal(status, refused ? BIS_INPUT : BIS_OK);
+        assert_null(c.data);
+        bis_film_clear(&f);
+    }
+    clear_world(&w);
+}
+
 /* More rays saw the light than there were: in whichever part of the counts, the file is damaged. */
 static void counts_of_more_seen_than_rays_are_refused_wherever_they_stand(void **state)
 {
@@ -695,6 +724,7 @@ int main(void)
         cmocka_unit_test(another_render_is_refused_by_what_differs),
         cmocka_unit_test(where_the_new_one_cannot_be_written_the_older_one_stays_and_the_render_goes_on),
         cmocka_unit_test(without_memory_there_is_a_message_or_no_checkpoint),
+        cmocka_unit_test(what_was_read_is_freed_when_the_render_begins),
         cmocka_unit_test(counts_of_more_seen_than_rays_are_refused_wherever_they_stand),
     };
     return cmocka_run_group_tests(tests, setup, NULL);

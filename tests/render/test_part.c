@@ -2,6 +2,7 @@
  * name. Expected pictures are those of renders without parts. The twins are files in which one field is another, with a
  * checksum that fits: each is refused, or what comes out is another. */
 #include "bis/base/mem.h"
+#include "bis/base/version.h"
 #include "render/part.h"
 #include "render/share.h"
 
@@ -622,6 +623,234 @@ static void of_unlike_parts_the_larger_figures_stand(void **state)
     clear_world(&w);
 }
 
+/* All messages of merging, a line each. */
+static const char *told(char text[4096], const char *const *paths, int n)
+{
+    bis_merged *m = bis_alloc(1, sizeof *m);
+    bis_diag diag = {0};
+    size_t at = 0;
+
+    text[0] = '\0';
+    if (bis_part_merge(m, paths, n, &diag) == BIS_OK) bis_film_clear(&m->film);
+    for (size_t i = 0; i < diag.n; i++) at += (size_t)snprintf(text + at, 4096 - at, "%s\n", diag.messages[i].text);
+    bis_diag_clear(&diag);
+    bis_free(m);
+    return text;
+}
+
+static void put_bytes(unsigned char *to, uint64_t v, size_t n)
+{
+    for (size_t i = 0; i < n; i++) to[i] = (unsigned char)(v >> 8 * i);
+}
+
+static uint64_t bits_of(double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
+}
+
+/* One part that is the whole picture, so that nothing else contradicts it: 20 x 15 pixels at (12, 0) of 37 x 21. The
+ * last number that is right, and the first that is not. Places are told from where the sizes stand: before them
+ * seconds, figures and settings, behind them what was done and, 96 bytes later, the sums. */
+static void numbers_that_make_no_sense_are_refused(void **state)
+{
+    (void)state;
+    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 96, SQUARES = SUMS + 24 * PIXELS, HITS = SQUARES + 24 * PIXELS,
+           DEPTHS = HITS + 4 * PIXELS, END = DEPTHS + 8 * PIXELS };
+    const double inf = (double)INFINITY, nan = (double)NAN;
+    static const char bad[] = BAD ": error: this part is damaged\n",
+                      sum[] = "error: a part is damaged: a sum in it is not finite\n";
+    const struct {
+        long at;
+        uint64_t value;
+        size_t bytes;
+        const char *text;
+    } cases[] = {
+        {0, 32, 4, ""}, {0, 31, 4, bad}, {0, BIS_IMAGE_MAX_SIDE, 4, ""}, {0, BIS_IMAGE_MAX_SIDE + 1, 4, bad},
+        {4, 17, 4, ""}, {4, 18, 4, bad}, {4, 37, 4, bad}, {8, 21, 4, bad}, {8, 0, 4, bad},
+        {12, 15, 4, ""}, {12, 14, 4, bad}, {12, BIS_IMAGE_MAX_SIDE + 1, 4, bad}, {16, 6, 4, ""}, {16, 7, 4, bad},
+        {20, 14, 4, bad}, {20, 16, 4, bad},
+        {DONE, 0, 8, bad}, {DONE, UINT32_MAX, 8, ""}, {DONE, (uint64_t)UINT32_MAX + 1, 8, bad},
+        {DONE + 8, bits_of(0), 8, ""}, {DONE + 8, bits_of(-1e-300), 8, bad}, {DONE + 8, bits_of(inf), 8, bad},
+        {DONE + 8, bits_of(nan), 8, bad}, {DONE + 76, 0, 4, bad}, {DONE + 76, 1, 4, ""},
+        {DONE + 80, bits_of(0), 8, bad}, {DONE + 80, bits_of(inf), 8, bad}, {DONE + 80, bits_of(nan), 8, bad},
+        {DONE + 88, bits_of(0), 8, bad}, {DONE + 88, bits_of(inf), 8, bad}, {DONE + 88, bits_of(nan), 8, bad},
+        {-80, bits_of(0), 8, ""}, {-80, bits_of(inf), 8, bad}, {-72, bits_of(nan), 8, bad}, {-64, bits_of(inf), 8, bad},
+        {-56, bits_of(-1), 8, bad}, {-92, INT32_MAX, 4, ""}, {-92, (uint64_t)INT32_MAX + 1, 4, bad},
+        {-100, bits_of(0), 8, ""}, {-100, bits_of(1), 8, ""}, {-100, bits_of(1 + 0x1p-52), 8, bad},
+        {-100, bits_of(nan), 8, bad},
+        {SUMS, bits_of(nan), 8, sum}, {SQUARES - 8, bits_of(inf), 8, sum}, {SQUARES, bits_of(inf), 8, sum},
+        {HITS - 8, bits_of(nan), 8, sum}, {HITS, 0x7f800000, 4, sum}, {DEPTHS - 4, 0x7fc00000, 4, sum},
+        {DEPTHS, bits_of(nan), 8, sum}, {END - 8, bits_of(inf), 8, sum},
+    };
+    static const char *const path[] = {BAD};
+    world w;
+    size_t size;
+    char text[4096], whole_name[128];
+
+    make_kind(&w, &small);
+    write_part(&w, &small, 1, 1, 2);
+    part_path(whole_name, 1, 1);
+    unsigned char *data = read_bytes(whole_name, &size), *copy = bis_alloc(size, 1);
+    const long sizes = (long)size - 8 - END;
+    assert_int_equal(data[sizes], 37);
+    assert_int_equal(data[sizes + 4], 12);
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        memcpy(copy, data, size);
+        put_bytes(copy + sizes + cases[i].at, cases[i].value, cases[i].bytes);
+        seal(copy, size);
+        store(BAD, copy, size);
+        if (strcmp(told(text, path, 1), cases[i].text) != 0)
+            fail_msg("%ld: %llu: %s", cases[i].at, (unsigned long long)cases[i].value, text);
+    }
+    bis_free(copy);
+    bis_free(data);
+    clear_world(&w);
+}
+
+/* The head of a file: magic, format, version; the settings; the part. What may stand there, and the whole message
+ * where it may not. */
+static void a_head_is_read_up_to_its_limits(void **state)
+{
+    (void)state;
+    enum { FORMAT = 8, SETTINGS = 8 + 4 + 16 + 16, SHORTEST = 8 + 4 + 16 + 8 };
+    static const char bad[] = BAD ": error: this part is damaged\n",
+                      cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
+                              "--outfile F` makes parts\n",
+                      version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
+                                  BIS_VERSION ", format 5, whose pictures may have other bits: go on with the same "
+                                  "version\n";
+    static const char *const path[] = {BAD};
+    world w;
+    size_t size, at = SETTINGS;
+    char text[4096], whole_name[128];
+    bis_checkpoint c = {0};
+    bis_diag diag = {0};
+
+    make_kind(&w, &small);
+    write_part(&w, &small, 1, 1, 2);
+    part_path(whole_name, 1, 1);
+    unsigned char *data = read_bytes(whole_name, &size), *copy = bis_alloc(size, 1);
+
+    /* a file that ends behind its version is as good as its checksum, but has no settings */
+    memcpy(copy, data, size);
+    seal(copy, SHORTEST);
+    store(BAD, copy, SHORTEST);
+    assert_string_equal(told(text, path, 1), bad);
+    store(BAD, copy, SHORTEST - 1);
+    assert_string_equal(told(text, path, 1), cut);
+
+    memcpy(copy, data, size);
+    copy[FORMAT] = 4;
+    seal(copy, size);
+    store(BAD, copy, size);
+    assert_string_equal(told(text, path, 1), version);
+    copy[FORMAT] = 5;
+    memcpy(copy, "\x89" "bisck\r\n", 8);
+    store(BAD, copy, size);
+    assert_string_equal(told(text, path, 1),
+                        BAD ": error: this is a checkpoint, not a part of a picture: --resume goes on from it\n");
+    assert_int_equal(bis_checkpoint_read(&c, whole_name, &diag), BIS_INPUT);
+    assert_null(c.data);
+    snprintf(text, sizeof text, "%s: error: this is no checkpoint of bis but a part of a picture: `bis merge` puts "
+             "parts together", whole_name);
+    assert_string_equal(diag.messages[0].text, text);
+    bis_diag_clear(&diag);
+
+    /* no negative number, none above its largest */
+    for (const bis_parameter *p = bis_parameters; p->name; p++, at += 8) {
+        const double most = p->type == BIS_PARAMETER_CHOICE ? BIS_MAX_CHOICES - 1 : UINT32_MAX;
+        const double values[] = {0, most, most + 1, -1, (double)NAN};
+        for (size_t i = 0; i < COUNT(values); i++) {
+            memcpy(copy, data, size);
+            put_bytes(copy + at, bits_of(values[i]), 8);
+            seal(copy, size);
+            store(BAD, copy, size);
+            if (strcmp(told(text, path, 1), i < 2 ? "" : bad) != 0) fail_msg("%s %g: %s", p->name, values[i], text);
+        }
+    }
+    /* behind as_printed and the pilot's seconds: K and N, 1 of 1 */
+    at += 4 + 8;
+    assert_true(data[at] == 1 && data[at + 4] == 1);
+    static const unsigned char parts[][2] = {{0, 1}, {2, 1}, {0, 0}, {1, 3}};
+    for (size_t i = 0; i < COUNT(parts); i++) {
+        memcpy(copy, data, size);
+        copy[at] = parts[i][0], copy[at + 4] = parts[i][1];
+        seal(copy, size);
+        store(BAD, copy, size);
+        assert_string_equal(told(text, path, 1), bad);
+    }
+    bis_free(copy);
+    bis_free(data);
+    clear_world(&w);
+}
+
+/* Part k of n of a picture of n tiles in a row, one pass of nothing. */
+static void write_empty(const char *path, uint32_t k, uint32_t n)
+{
+    const bis_state_head head = {.settings = bis_settings_default(&bis_em), .part = {k, n}};
+    const bis_render_result result = {.spp = 1, .passes = 1, .n_threads = 1};
+    bis_film f;
+
+    assert_int_equal(bis_film_init(&f, 16 * (int)n, 16, whole, (bis_loc){0}, NULL), BIS_OK);
+    f.passes = 1;
+    f.weight = f.weight_squares = 1;
+    assert_int_equal(bis_part_write(path, &head, &about_all, &f, &result, NULL), BIS_OK);
+    bis_film_clear(&f);
+}
+
+#define MISSING(k, n) "error: part " k " of " n " is missing; this makes it: bis a/scene.txt --spp 9 --part " k "/" n \
+    " --outfile part-" k ".bispart\n"
+
+/* Each message whole, and no other beside it. */
+static void messages_stand_alone(void **state)
+{
+    (void)state;
+    char text[4096];
+    world w;
+    size_t size;
+
+    /* ten missing parts are named, more are counted */
+    write_empty(BAD, 2, 11);
+    assert_string_equal(told(text, (const char *[]){BAD}, 1),
+        MISSING("1", "11") MISSING("3", "11") MISSING("4", "11") MISSING("5", "11") MISSING("6", "11")
+        MISSING("7", "11") MISSING("8", "11") MISSING("9", "11") MISSING("10", "11") MISSING("11", "11"));
+    write_empty(BAD, 12, 13);
+    assert_string_equal(told(text, (const char *[]){BAD}, 1),
+        MISSING("1", "13") MISSING("2", "13") MISSING("3", "13") MISSING("4", "13") MISSING("5", "13")
+        MISSING("6", "13") MISSING("7", "13") MISSING("8", "13") MISSING("9", "13") MISSING("10", "13")
+        "error: and 2 more parts are missing\n");
+
+    write_empty(FIRST, 1, 2);
+    write_empty(OTHER, 2, 2);
+    assert_string_equal(told(text, (const char *[]){OTHER, FIRST}, 2), "");
+    assert_string_equal(told(text, (const char *[]){FIRST}, 1), MISSING("2", "2"));
+    write_two(&w);
+    write_part(&w, &small, 2, 2, 3);
+    assert_string_equal(told(text, (const char *[]){FIRST, OTHER}, 2),
+                        OTHER ": error: this part has 3 camera samples a pixel, but \"" FIRST "\" has 2: give all "
+                        "parts the same --spp\n");
+    write_part(&w, &small, 1, 1, 2);
+    assert_string_equal(told(text, (const char *[]){FIRST, DIR_NAME "/part-1-1"}, 2),
+                        DIR_NAME "/part-1-1: error: this is a part of 1, but \"" FIRST "\" is one of 2: all must have "
+                        "the N of the same --part K/N\n");
+    w.desc.view.sampler.seed++;
+    write_part(&w, &small, 2, 2, 2);
+    assert_string_equal(told(text, (const char *[]){FIRST, OTHER}, 2),
+                        OTHER ": error: this part and \"" FIRST "\" belong to different pictures. These differ: the "
+                        "sampler, or its seed. Render the part again with the scene and options of the others\n");
+
+    unsigned char *data = read_bytes(FIRST, &size);
+    data[8 + 4 + 16] ^= 1; /* behind magic, format and version: the name of the integrator */
+    seal(data, size);
+    store(BAD, data, size);
+    bis_free(data);
+    assert_string_equal(told(text, (const char *[]){BAD}, 1),
+                        BAD ": error: this part was made by an integrator that this program does not have\n");
+    clear_world(&w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -636,6 +865,9 @@ int main(void)
         cmocka_unit_test(what_is_missing_or_foreign_is_named),
         cmocka_unit_test(without_memory_there_is_a_message),
         cmocka_unit_test(of_unlike_parts_the_larger_figures_stand),
+        cmocka_unit_test(numbers_that_make_no_sense_are_refused),
+        cmocka_unit_test(a_head_is_read_up_to_its_limits),
+        cmocka_unit_test(messages_stand_alone),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

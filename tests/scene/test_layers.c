@@ -5,6 +5,7 @@
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
 
+#include "render/gather.h"
 #include "world.h"
 
 #include <setjmp.h>
@@ -459,6 +460,74 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
     clear_world(&w);
 }
 
+/* ---- one camera sample by hand ---- */
+
+static float open_red;
+
+/* L_ns: asked of an empty scene, without a later ray, with the geometric normal turned to the shading one. */
+static rgb Lo_open(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    (void)s, (void)stream;
+    assert_true(!pt->accel && !pt->later && pt->ng.x == 0 && pt->ng.y == 1 && pt->ng.z == 0);
+    assert_null(scratch->fast->foresight.counted);
+    pt->counters->shadow_rays += 1000; /* of no picture */
+    return (rgb){open_red, 5, 6};
+}
+
+/* All values begin as 1, 2, 3, ... The camera sees y as its z. Counts are differences, and no means. */
+static void a_sample_adds_to_each_value_by_hand(void **state)
+{
+    (void)state;
+    enum { SAMPLES, RAYS, CANDIDATES, OPEN, SEEN = OPEN + 3, ALBEDO = SEEN + 2, NORMAL = ALBEDO + 3, DEPTH = NORMAL + 3,
+           N };
+    const bis_layers layers = {.asked = BIS_LAYERS_ALL, .n_values = N,
+                               .first = {-1, -1, SAMPLES, RAYS, CANDIDATES, OPEN, SEEN, ALBEDO, NORMAL, DEPTH}};
+    const bis_material m = bis_phong((rgb){0.125f, 0.25f, 0.5f}, (rgb){0.5f, 0.25f, 0.125f}, 20);
+    const bis_xform to_camera = bis_xform_rotate(90, 1, 0, 0);
+    const bis_settings s = bis_settings_default(&bis_em);
+    const bis_accel accel = {0};
+    const bis_counters before = {.camera_rays = 10, .shadow_rays = 20, .candidates = 40},
+                       after = {.camera_rays = 11, .shadow_rays = 25, .candidates = 47};
+    bis_counters counters = {0};
+    bis_seen counted[1];
+    bis_fast fast = {.foresight.counted = counted};
+    bis_scratch scratch = {.fast = &fast};
+    bis_stream stream = {0};
+    bis_point pt = {.p = {1, 2, 5}, .n = {0, 1, 0}, .ng = {1, 0, 0}, .wo = {0, 1, 0}, .accel = &accel,
+                    .counters = &counters};
+    float values[N];
+    bis_bsdf_init(&pt.bsdf, &m, pt.n, pt.wo);
+    for (int bad = 0; bad < 2; bad++) {
+        const float with[N] = {1, 5, 7, 4, 5, 6, 6, 15, 0.625f, 0.5f, 0.625f, 0, 0, 1, 2};
+        for (int i = 0; i < N; i++) values[i] = (float)(i + 1);
+        open_red = bad ? INFINITY : 4;
+        assert_int_equal(bis_gather_surface(values, &layers, &s, Lo_open, &to_camera, &pt, stream, &scratch,
+                                            (rgb){1, 2, 3}), !bad);
+        bis_gather_counts(values, &layers, &before, &after);
+        assert_ptr_equal(fast.foresight.counted, counted);
+        assert_int_equal(counters.shadow_rays, 0);
+        for (int i = 0; i < N; i++) {
+            const bool left_out = bad && i >= OPEN && i < ALBEDO;
+            const double expected = i + 1 + (left_out ? 0 : (double)with[i]);
+            if (!(fabs((double)values[i] - expected) < 1e-5)) fail_msg("value %d: %g", i, (double)values[i]);
+        }
+    }
+    for (int i = 0; i < N; i++) values[i] = (float)(8 * (i + 1));
+    bis_gather_mean(values, &layers, 4);
+    for (int i = 0; i < N; i++) assert_true(values[i] == (float)((i < OPEN ? 8 : 2) * (i + 1)));
+
+    /* a surface that reflects nothing has no L_ns; who does not ask for it, does not pay */
+    const bis_material black = bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 20);
+    bis_bsdf_init(&pt.bsdf, &black, pt.n, pt.wo);
+    for (int i = 0; i < N; i++) values[i] = 0;
+    assert_true(bis_gather_surface(values, &layers, &s, Lo_open, &to_camera, &pt, stream, &scratch, (rgb){0, 0, 0}));
+    for (int i = 0; i < N; i++) assert_true(values[i] == (i == NORMAL + 2 ? 1 : i == DEPTH ? values[DEPTH] : 0));
+    const bis_layers few = {.n_values = 1, .first = {-1, -1, -1, -1, -1, -1, -1, -1, -1, 0}};
+    values[0] = 1;
+    assert_true(bis_gather_surface(values, &few, &s, NULL, &to_camera, &pt, stream, NULL, (rgb){1, 2, 3}));
+    assert_true(fabs((double)values[0] - 3) < 1e-5 && values[1] == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -476,6 +545,7 @@ int main(void)
         cmocka_unit_test(error_bars_are_what_the_formulas_give_by_hand),
         cmocka_unit_test(intervals_cover_93_to_97_percent_of_pixels_from_four_passes_on),
         cmocka_unit_test(intervals_cover_93_to_97_percent_of_a_rendered_picture),
+        cmocka_unit_test(a_sample_adds_to_each_value_by_hand),
         cmocka_unit_test(every_failing_allocation_is_reported_and_leaves_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -844,9 +844,69 @@ static void what_is_asked_for_before_leaves_surfaces_as_they_are(void **state)
     }
 }
 
+/* Meshes with and without normals and (u, v), in each order: what one has is copied to its place, what it lacks is
+ * (0,0,0), and (NaN, 0). Behind the last vertex stands (0,0,0). */
+static void what_a_mesh_lacks_is_filled_in(void **state)
+{
+    (void)state;
+    const bis_xform up = bis_xform_translate(0, 0, 5);
+    for (int has = 0; has < 8; has++) { /* bit k: mesh k has both */
+        bis_geometry g = {0};
+        for (uint32_t k = 0; k < 3; k++) {
+            const bool own = has >> k & 1;
+            bis_mesh m = {.p = bis_alloc(4, sizeof *m.p), .index = bis_alloc(3, sizeof *m.index), .n_vertices = 4,
+                          .n_triangles = 1};
+            if (own) m.n = bis_alloc(4, sizeof *m.n), m.uv = bis_alloc(4, sizeof *m.uv);
+            for (uint32_t i = 0; i < 4; i++) {
+                const float v = (float)(10 * k + i);
+                m.p[i] = (vec3){v, v + 1, v + 2};
+                if (own) m.n[i] = (vec3){0, 0, 1}, m.uv[i].u = v, m.uv[i].v = v + 3;
+                if (i < 3) m.index[i] = 3 - i;
+            }
+            assert_int_equal(bis_geometry_add_mesh(&g, &m, &up, k, NULL), BIS_OK);
+            bis_mesh_clear(&m);
+        }
+        assert_true(g.n_vertices == 12 && g.n_triangles == 3 && g.n_ranges == 3);
+        assert_true((g.n != NULL) == (has > 0) && (g.uv != NULL) == (has > 0));
+        assert_true(g.p[12].x == 0 && g.p[12].y == 0 && g.p[12].z == 0);
+        for (uint32_t i = 0; i < 12; i++) {
+            const float v = (float)(10 * (i / 4) + i % 4);
+            const bool own = has >> i / 4 & 1;
+            assert_true(g.p[i].x == v && g.p[i].y == v + 1 && g.p[i].z == v + 7);
+            if (i < 9) assert_int_equal(g.index[i], 4 * (i / 3) + 3 - i % 3);
+            if (!has) continue;
+            assert_true(g.n[i].x == 0 && g.n[i].y == 0 && g.n[i].z == (own ? 1 : 0));
+            if (own) assert_true(g.uv[i].u == v && g.uv[i].v == v + 3);
+            else assert_true(isnan(g.uv[i].u) && g.uv[i].v == 0);
+        }
+        for (uint32_t k = 0; k < 3; k++) assert_true(g.ranges[k].first == k && g.ranges[k].material == k);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* By its arrays: 3 indices of 4 bytes for each triangle that there is room for; 12 bytes for each vertex and one
+ * more, 12 for a normal, 8 for (u, v); ranges of 8 bytes; quadrics. What is not there has none. */
+static void bytes_are_those_of_the_arrays(void **state)
+{
+    (void)state;
+    vec3 p[1], n[1];
+    bis_uv uv[1];
+    bis_geometry g = {.capacity_triangles = 5, .capacity_vertices = 7, .n_ranges = 3, .n_quadrics = 2};
+    const size_t rest = 5 * 12 + 3 * 8 + 2 * sizeof(bis_quadric);
+    assert_int_equal(bis_geometry_bytes(&g), rest);
+    g.p = p;
+    assert_int_equal(bis_geometry_bytes(&g), rest + 8 * 12);
+    g.n = n;
+    assert_int_equal(bis_geometry_bytes(&g), rest + 8 * 12 + 7 * 12);
+    g.uv = uv;
+    assert_int_equal(bis_geometry_bytes(&g), rest + 8 * 12 + 7 * 12 + 7 * 8);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bytes_are_those_of_the_arrays),
+        cmocka_unit_test(what_a_mesh_lacks_is_filled_in),
         cmocka_unit_test(the_first_mesh_is_moved_and_further_ones_are_copied),
         cmocka_unit_test(a_material_is_found_by_its_range),
         cmocka_unit_test(normals_of_one_mesh_leave_those_without_at_zero_whatever_the_order),

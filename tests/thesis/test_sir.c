@@ -5,6 +5,7 @@
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
 #include "thesis/candidates.h"
+#include "thesis/proposal.h"
 
 #include "lit.h"
 
@@ -540,6 +541,41 @@ static void error_of_random_candidates_falls_with_the_square_root_E9(void **stat
     bis_light_free(light);
 }
 
+/* ---- the lobe's own number ---- */
+
+static double lobe_u[2], rest_u;
+
+static bool note_numbers(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
+{
+    (void)b;
+    lobe_u[0] = u0, lobe_u[1] = u2, rest_u = u1;
+    *wi = (vec3){0, 0, 1};
+    return true;
+}
+
+/* Of u[0] < p = 1/4 the lobe gets 4 u[0], of the others 4/3 (u[0] - 1/4). With p = 1/4 + 3 x 2^-54 and u[0] = 1 - 2^-53
+ * both differences are halves of the last bit and round to the same even number, 3/4 - 2^-52: the quotient 1 is no
+ * number of [0,1), and the largest one below it is taken. */
+static void the_number_that_chose_the_lobe_is_used_again_below_1(void **state)
+{
+    (void)state;
+    static const struct {
+        double p, u, rest;
+    } cases[] = {{0.25, 0.125, 0.5}, {0.25, 0.25, 0}, {0.25, 0.625, 0.5}, {0.25, 0.1875, 0.75}, {0, 0.5, 0.5},
+                 {1, 0.75, 0.75}, {0.25 + 3 * 0x1p-54, 1 - 0x1p-53, 1 - 0x1p-53}};
+    bis_bsdf_model model = bis_phong_model;
+    bis_material m = {.model = &model};
+    bis_bsdf b = {.material = &m};
+    model.sample = note_numbers;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        vec3 wi;
+        b.p_specular = cases[i].p;
+        assert_true(bis_propose_brdf(&wi, &b, (double[2]){cases[i].u, 0.375}));
+        assert_true(lobe_u[0] == cases[i].u && lobe_u[1] == 0.375 && rest_u == cases[i].rest);
+        assert_true(wi.x == 0 && wi.y == 0 && wi.z == 1);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -559,6 +595,7 @@ int main(void)
         cmocka_unit_test(furnace_returns_the_albedo_at_grazing_E23),
         cmocka_unit_test(intervals_from_replicates_cover_95_percent_E32),
         cmocka_unit_test(error_of_random_candidates_falls_with_the_square_root_E9),
+        cmocka_unit_test(the_number_that_chose_the_lobe_is_used_again_below_1),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

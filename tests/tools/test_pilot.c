@@ -451,6 +451,11 @@ static void variances_and_weights_follow_from_each_other(void **state)
     assert_true(r.tried[a].variance == 0);
     assert_close(r.tried[b].variance, v_b);
     assert_close(r.tried[c].variance, v_c);
+
+    /* another look at the same replicates begins afresh */
+    const double first[2] = {r.tried[b].variance, r.tried[c].variance};
+    bis_auto_pilot_measure(&p);
+    assert_true(r.tried[b].variance == first[0] && r.tried[c].variance == first[1]);
     bis_auto_pilot_clear(&p);
 }
 

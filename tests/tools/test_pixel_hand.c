@@ -409,6 +409,48 @@ static void tables_have_each_figure_in_its_column(void **state)
     clear(&f);
 }
 
+/* Each failure has its status and leaves no file under a name of its own behind. */
+static void what_cannot_be_written_is_an_error(void **state)
+{
+    (void)state;
+    static char long_name[5000];
+    static const char *const names[] = {"methods.csv", "candidates.csv", "rays.csv", "densities.svg", "samples.svg"};
+    forged f;
+    bis_diag diag = {0};
+    forge(&f);
+    for (int i = 0; i < 5; i++) { /* a folder stands where the file should */
+        char path[128];
+        snprintf(path, sizeof path, DIR "/%s", names[i]);
+        assert_int_equal(system("rm -rf " DIR), 0);
+        program_folder(DIR);
+        program_folder(path);
+        assert_int_equal(bis_pixel_write_files(&f.r, &diag), BIS_IO);
+        assert_int_equal(diag.n, 1);
+        if (!strstr(diag.messages[0].text, names[i])) fail_msg("%s: %s", names[i], diag.messages[0].text);
+        bis_diag_clear(&diag);
+        assert_int_equal(system("test $(ls -A " DIR " | grep -vc '^[a-z]*[.]csv$\\|^[a-z]*[.]svg$') = 0"), 0);
+    }
+    assert_int_equal(system("rm -rf " DIR), 0);
+    program_folder(DIR);
+    long k = 1;
+    for (bool over = false; !over; k += 1 + k / 8) {
+        bis_mem_fail_at(k);
+        const bis_status status = bis_pixel_write_files(&f.r, NULL);
+        over = bis_mem_count() < k;
+        bis_mem_fail_at(0);
+        assert_int_equal(status, over ? BIS_OK : BIS_NOMEM);
+        assert_in_range(k, 1, 2000);
+        assert_int_equal(system("test $(ls -A " DIR " | grep -vc '^[a-z]*[.]csv$\\|^[a-z]*[.]svg$') = 0"), 0);
+    }
+    assert_true(k > 5);
+    memset(long_name, 'x', sizeof long_name - 1);
+    f.r.folder = long_name;
+    assert_int_equal(bis_pixel_write_files(&f.r, &diag), BIS_IO);
+    assert_non_null(strstr(diag.messages[0].text, "xxx\": the name of the folder is too long"));
+    bis_diag_clear(&diag);
+    clear(&f);
+}
+
 /* ---- drawings ---- */
 
 static void draw(char *text[2], const forged *f)
@@ -679,6 +721,15 @@ static void samples_have_dots_where_the_rays_go(void **state)
     assert_non_null(strstr(text[1], "width=\"1696\" height=\"554\""));
     assert_non_null(strstr(text[1], ">2 shadow rays of 3 estimates</text>"));
     assert_non_null(strstr(text[0], "what no surface hides: of nothing"));
+    /* what is over nothing stays as it is: the product is 0.5/pi at most, the BRDF 1/pi, and the scale ends at 1 */
+    assert_non_null(strstr(text[0], " y=\"115\" font-size=\"13.19\" fill=\"" INK "\">10<tspan dy=\"-5.23\" "
+                                    "font-size=\"9.24\">0</tspan>"));
+    for (int i = 0; i < 2; i++) free(text[i]);
+
+    f.r.n_methods = 3; /* the last one has a panel: em, sir's candidates, sir */
+    draw(text, &f);
+    assert_non_null(strstr(text[1], "width=\"1696\" height=\"984\""));
+    assert_int_equal(html_count(text[1], "<use "), 3);
     for (int i = 0; i < 2; i++) free(text[i]);
     clear(&f);
 }
@@ -692,6 +743,7 @@ int main(void)
         cmocka_unit_test(each_estimator_has_a_row_of_its_own),
         cmocka_unit_test(the_share_of_the_map_is_told_in_any_light),
         cmocka_unit_test(tables_have_each_figure_in_its_column),
+        cmocka_unit_test(what_cannot_be_written_is_an_error),
         cmocka_unit_test(panels_have_the_densities_in_the_lights_frame),
         cmocka_unit_test(a_lamp_of_one_pixel_is_in_its_place),
         cmocka_unit_test(densities_have_marks_axes_and_words),

@@ -8,6 +8,7 @@
 #include "bis/base/mem.h"
 #include "bis/base/version.h"
 #include "bis/files/image_file.h"
+#include "html_check.h"
 #include "picture_help.h"
 #include "program.h"
 #include "bis/tools/compare.h"
@@ -706,6 +707,15 @@ static void the_page_says_and_shows_what_follows_from_the_runs(void **state)
         NULL};
     assert_in_order(text, parts);
     assert_error_picture(&t, text);
+    assert_int_equal(html_count(text, "\"over\": "), 2); /* plots: over time, over rays */
+    free(text);
+
+    /* the first one may be left out, too */
+    t.plan.settings[EM].levels = 0;
+    t.plan.settings[EM].pass_seconds = 45;
+    text = values_of(&t);
+    assert_non_null(strstr(text, "\"left_out\": \"em 16 (45 s a pass), brdf 16 (30 s a pass), "
+                                 "brdf 64 (90 s a pass)\","));
     free(text);
     clear(&t);
 }
@@ -1186,6 +1196,57 @@ static void the_pilot_tells_how_far_it_is(void **state)
     bis_trade_clear(&t);
 }
 
+/* With all the time of the world the pilot has 256 passes of each setting, with none two; the seed is the next one. Its
+ * relMSE is that of one pass. */
+static void the_pilot_has_as_many_passes_as_its_time_allows(void **state)
+{
+    (void)state;
+    const char *const em[] = {"em"};
+    for (int rich = 0; rich < 2; rich++) {
+        const uint32_t passes = rich ? 256 : 2;
+        bis_trade t = {.o = {.scene = DIR "/scene.txt", .integrators = em, .n_integrators = 1,
+                             .seconds = rich ? 1e6 : 1e-9, .passes = 1, .seed = 9, .n_threads = 1},
+                       .plan = {.full_width = 6, .full_height = 4}};
+        int n = 0;
+        double longest = 0;
+        assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+        t.start = bis_clock_now();
+        assert_int_equal(bis_trade_make_plan(&t, NULL), BIS_OK);
+        for (int i = 0; i < t.plan.n_settings; i++) {
+            const bis_trade_setting *s = &t.plan.settings[i];
+            bis_render_result result;
+            if (!(s->pass_seconds > 0)) continue;
+            assert_int_equal(bis_trade_render(&t, s, 1, passes, 10, NULL, &result, NULL), BIS_OK);
+            assert_near(s->pass_relmse, result.relative_rmse * result.relative_rmse * passes);
+            if (s->is_swept) longest = fmax(longest, s->pass_seconds);
+            n++;
+        }
+        assert_int_equal(n, 11);
+        assert_true(t.plan.run_seconds == longest); /* of one pass */
+        bis_trade_clear(&t);
+    }
+}
+
+/* As many as were asked for; else 2 of a quick run, 5 of one of ten minutes or more, 3. */
+static void seeds_are_those_asked_for_or_follow_from_the_time(void **state)
+{
+    (void)state;
+    static const struct {
+        int asked;
+        bool quick;
+        double seconds;
+        int n;
+    } cases[] = {{0, true, 1000, 2}, {0, false, 600, 5}, {0, false, 599, 3}, {7, false, 600, 7}, {1, true, 1000, 1}};
+    volatile sig_atomic_t interrupted = 1;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t = {.o = {.seconds = cases[i].seconds, .quick = cases[i].quick, .n_seeds = cases[i].asked, .seed = 6,
+                             .interrupted = &interrupted, .reference = i == 3 ? "ref.pfm" : NULL}};
+        assert_int_equal(bis_trade_make_plan(&t, NULL), BIS_OK);
+        assert_int_equal(t.plan.n_seeds, cases[i].n);
+        assert_true(t.plan.seed == 6 && t.plan.is_given == (i == 3));
+    }
+}
+
 /* A setting with another b, or compensated, has a map of its own, built as the scene's is: with the table that the scene
  * file names, or that its sampler is for. So it makes the picture of the scene file that has these settings, bit for bit. */
 static void a_light_of_its_own_is_built_as_the_scenes(void **state)
@@ -1352,6 +1413,62 @@ static void plan_and_runs_are_written_and_read_back(void **state)
     bis_trade_clear(&u);
 }
 
+/* Settings, passes, replicates: in this order, however they were measured. A plan without a setting is none. */
+static void runs_are_written_in_order(void **state)
+{
+    (void)state;
+    static const char names[][12] = {"em 16", "sir 64/4"};
+    static const int shuffled[] = {5, 0, 7, 2, 4, 1, 6, 3};
+    char expected[2048];
+    int n = snprintf(expected, sizeof expected, "%s", RUNS);
+    bis_trade t;
+    load(&t);
+    plan_two(&t);
+    t.o.folder = DIR "/order";
+    assert_int_equal(system("rm -rf " DIR "/order; mkdir " DIR "/order"), 0);
+    for (int k = 0; k < 8; k++) {
+        const int i = shuffled[k]; /* bits: setting, level, replicate */
+        const bis_trade_run run = {.setting = bis_trade_find_setting(&t.plan, names[i >> 2]), .level = i >> 1 & 1,
+                                   .replicate = i & 1, .seed = (uint64_t)i};
+        assert_int_equal(bis_trade_add_run(&t, &run, NULL), BIS_OK);
+        n += snprintf(expected + n, sizeof expected - (size_t)n, "%s,%d,%d,%d,0,0,0,0,0,0,0,0\n", names[k >> 2],
+                      1 << (k >> 1 & 1), (k & 1) + 1, k);
+    }
+    assert_int_equal(bis_trade_write_runs(&t, NULL), BIS_OK);
+    char *text = read_text(DIR "/order/runs.csv");
+    assert_string_equal(text, expected);
+    bis_free(text);
+
+    for (int i = 0; i < t.plan.n_settings; i++) t.plan.settings[i].is_swept = false, t.plan.settings[i].levels = 0;
+    t.plan.reference[0] = t.plan.reference[1] = -1;
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    bis_diag diag = {0};
+    assert_int_equal(bis_trade_read_plan(&t, &diag), BIS_INPUT);
+    assert_string_equal(diag.messages[0].text, DIR "/order/plan.txt: error: a plan has a line \"setting\", and this "
+                                               "one has none; the file is damaged, measure into a new folder");
+    bis_diag_clear(&diag);
+    bis_trade_clear(&t);
+}
+
+/* A folder with nothing in it is taken, and --resume begins anew with a warning; one that is not there is made. */
+static void an_empty_folder_is_taken(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        bis_trade t = {.o = {.folder = DIR "/empty", .resume = i % 2 == 1}};
+        bis_diag diag = {0};
+        assert_int_equal(system(i < 2 ? "rm -rf " DIR "/empty; mkdir " DIR "/empty" : "rm -rf " DIR "/empty"), 0);
+        assert_int_equal(bis_trade_check_folder(&t, &diag), BIS_OK);
+        assert_int_equal(t.made_folder, i >= 2);
+        assert_false(t.o.resume);
+        assert_int_equal(diag.n, i % 2);
+        if (i % 2)
+            assert_string_equal(diag.messages[0].text, DIR "/empty: warning: there is no measurement to go on with; a "
+                                                       "new one begins");
+        bis_diag_clear(&diag);
+    }
+}
+
 /* A line of the folder above replaced by another: the whole message, with its place. "" for plan.txt's line: a file
  * without it. */
 static void each_damage_has_its_place_and_its_words(void **state)
@@ -1400,6 +1517,13 @@ static void each_damage_has_its_place_and_its_words(void **state)
             "must stand levels from 0 to 21, seconds of a "
             "pass above 0, of its fill, relMSE of a pass, and the name of a setting, once%"},
         {"plan.txt", 7, "", "", "a plan has a line \"run_seconds\", and this one has none%"},
+        {"plan.txt", 1, "", "", "a plan has a line \"fingerprint\", and this one has none%"},
+        {"plan.txt", 5, "", "", "a plan has a line \"seeds\", and this one has none%"},
+        {"plan.txt", 6, "", "", "a plan has a line \"seed\", and this one has none%"},
+        {"plan.txt", 8, "", "", "a plan has a line \"given\", and this one has none%"},
+        {"plan.txt", 9, "reference 0 0 mis 16", ":9:1", "\"reference 0 0 mis 16\": behind \"reference\" "
+            "must stand 0 (by a mis) or 1 (by a sir), "
+            "each once, passes from 1 to 4194304, and the name of a setting that may be one%"},
         {"runs.csv", 1, "setting", ":1:1",
             "the first line must be \"setting,passes,replicate,seed,seconds,camera_rays,shadow_rays,candidates,"
             "rmse,relmse,bias,"
@@ -1487,10 +1611,10 @@ static void a_plan_has_pixels_and_not_too_many(void **state)
 /* ---- references ---- */
 
 /* Replicate k of "mis" or "sir": k + 1 in red, as much and twice as much in green and blue of all pixels but one, which is
- * 3 in each channel. */
+ * 3 in each channel, and one that is 64 times as dark. */
 static rgb of_replicate(int which, int k, int pixel)
 {
-    const double v = which ? 4 * (k + 1) : k + 1;
+    const double v = (which ? 4 * (k + 1) : k + 1) / (pixel == 5 ? 64.0 : 1);
     return pixel == 7 ? (rgb){3, 3, 3} : rgb_from(v, v, 2 * v);
 }
 
@@ -1508,12 +1632,16 @@ static void assert_reference(const bis_trade_reference *ref, int which)
     assert_near(ref->mean, mean);
     assert_near(ref->se, sqrt(squares / 7 / 8));
     const double v = which ? 18 : 4.5, variance = which ? 96 : 6; /* of 1 ... 8, times 4: 60/10, times 16 */
-    relative = 23 * (2 * (variance / 8) / (v * v + mean * mean / 100) + 4 * (variance / 8) / (4 * v * v + mean * mean / 100));
+    for (int dark = 0; dark < 2; dark++) {
+        const double s = dark ? 1 / 4096.0 : 1, m = mean * mean / 100, own = s * variance / 8;
+        relative += (dark ? 1 : 22) * (2 * own / (s * v * v + m) + 4 * own / (4 * s * v * v + m));
+    }
     assert_near(ref->relmse, relative / 72);
     for (int i = 0; i < 24; i++) {
         const rgb c = ref->image.pixels[i];
+        const float grey = (float)(i == 5 ? v / 64 : v);
         if (i == 7) assert_true(c.r == 3 && c.g == 3 && c.b == 3);
-        else assert_true(c.r == (float)v && c.g == (float)v && c.b == (float)(2 * v));
+        else assert_true(c.r == grey && c.g == grey && c.b == 2 * grey);
     }
 }
 
@@ -1563,10 +1691,51 @@ static void references_are_read_and_combined(void **state)
         const double red = w * 4.5 + (1 - w) * 18;
         for (int i = 0; i < 24; i++) {
             const rgb c = t.both.image.pixels[i];
-            const double expected[3] = {i == 7 ? 3 : red, i == 7 ? 3 : red, i == 7 ? 3 : 2 * red};
+            const double own = i == 5 ? red / 64 : red;
+            const double expected[3] = {i == 7 ? 3 : own, i == 7 ? 3 : own, i == 7 ? 3 : 2 * own};
             assert_true(fabs((double)c.r - expected[0]) < 1e-5 && fabs((double)c.g - expected[1]) < 1e-5);
             assert_true(fabs((double)c.b - expected[2]) < 1e-5);
         }
+        bis_trade_clear(&t);
+    }
+}
+
+/* A replicate, or a given picture, of another size than the plan's is refused, and nothing is made of the others. */
+static void a_reference_of_another_size_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        int which, width, height;
+        const char *name;
+    } cases[] = {{0, 5, 4, "mis-1"}, {0, 6, 5, "mis-8"}, {1, 4, 6, "sir-3"}, {2, 7, 4, "given"}, {2, 6, 3, "given"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_trade t;
+        bis_diag diag = {0};
+        bis_image image;
+        char path[96], expected[256];
+        load(&t);
+        plan_two(&t);
+        t.o.folder = DIR "/sizes";
+        assert_int_equal(system("rm -rf " DIR "/sizes; mkdir -p " DIR "/sizes/references"), 0);
+        for (int k = 0; k < 17; k++) {
+            snprintf(path, sizeof path, k < 16 ? "%s-%d" : "given", k < 8 ? "mis" : "sir", k % 8 + 1);
+            const bool is_bad = strcmp(path, cases[i].name) == 0;
+            assert_int_equal(bis_image_init(&image, is_bad ? cases[i].width : 6, is_bad ? cases[i].height : 4, NULL),
+                             BIS_OK);
+            snprintf(expected, sizeof expected, DIR "/sizes/references/%s.exr", path);
+            assert_int_equal(bis_image_save(&image, expected, NULL), BIS_OK);
+            bis_image_clear(&image);
+        }
+        t.plan.is_given = cases[i].which == 2;
+        t.plan.reference[0] = cases[i].which == 0 ? t.plan.reference[0] : -1;
+        t.plan.reference[1] = cases[i].which == 1 ? t.plan.reference[1] : -1;
+        assert_int_equal(bis_trade_make_references(&t, &diag), BIS_INPUT);
+        snprintf(expected, sizeof expected, DIR "/sizes/references/%s.exr: error: %d x %d pixels, must have the 6 x 4 "
+                 "of plan.txt; remove it and it is made again", cases[i].name, cases[i].width, cases[i].height);
+        assert_int_equal(diag.n, 1);
+        assert_string_equal(diag.messages[0].text, expected);
+        assert_false(t.both.is_ready);
+        bis_diag_clear(&diag);
         bis_trade_clear(&t);
     }
 }
@@ -2016,11 +2185,16 @@ int main(void)
         cmocka_unit_test(the_table_of_settings_is_this),
         cmocka_unit_test(a_settings_line_says_what_its_name_does),
         cmocka_unit_test(the_pilot_tells_how_far_it_is),
+        cmocka_unit_test(the_pilot_has_as_many_passes_as_its_time_allows),
+        cmocka_unit_test(seeds_are_those_asked_for_or_follow_from_the_time),
         cmocka_unit_test(a_light_of_its_own_is_built_as_the_scenes),
         cmocka_unit_test(plan_and_runs_are_written_and_read_back),
+        cmocka_unit_test(runs_are_written_in_order),
+        cmocka_unit_test(an_empty_folder_is_taken),
         cmocka_unit_test(each_damage_has_its_place_and_its_words),
         cmocka_unit_test(a_plan_has_pixels_and_not_too_many),
         cmocka_unit_test(references_are_read_and_combined),
+        cmocka_unit_test(a_reference_of_another_size_is_refused),
         cmocka_unit_test(each_channel_scatters_by_itself),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
         cmocka_unit_test(advice_is_put_to_the_proof),

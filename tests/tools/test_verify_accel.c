@@ -54,6 +54,8 @@ static void a_backend_that_loses_rays_is_rejected(void **state)
         const forgetful f = {{ops[i], &g}, grid};
         bis_verify v = {.seed = 4};
         bis_verify_backends(&v, grid, &f.accel, 50000);
+        /* of some 75000 rays one in a thousand, half of which miss the ball anyway */
+        assert_true(i == 0 ? v.tests[0].statistic == 0 : v.tests[0].statistic > 5 && v.tests[0].statistic < 150);
         assert_int_equal(verify_failures(&v), i > 0);
     }
     bis_accel_free(grid);
@@ -214,6 +216,320 @@ static void a_backend_that_loses_a_triangle_is_rejected(void **state)
     }
 }
 
+/* ---- the search by hand ---- */
+
+/* x y z moved on by `turn` places: the same figure about another axis. */
+static vec3 turned(double x, double y, double z, int turn)
+{
+    return turn == 0 ? vec3_from(x, y, z) : turn == 1 ? vec3_from(z, x, y) : vec3_from(y, z, x);
+}
+
+static void add_triangle(bis_geometry *g, vec3 a, vec3 b, vec3 c)
+{
+    const bis_xform here = bis_xform_identity();
+    bis_mesh m = {.p = bis_alloc(3, sizeof *m.p), .index = bis_alloc(1, 3 * sizeof *m.index), .n_vertices = 3,
+                  .n_triangles = 1};
+    m.p[0] = a, m.p[1] = b, m.p[2] = c;
+    for (uint32_t i = 0; i < 3; i++) m.index[i] = i;
+    assert_int_equal(bis_geometry_add_mesh(g, &m, &here, 0, NULL), BIS_OK);
+    bis_mesh_clear(&m);
+}
+
+/* A ray is surely met at t, to within the error, or surely missed, or in doubt: then both answers are right. */
+typedef enum seen { SURELY_MISSED, IN_DOUBT, SURELY_MET } seen;
+
+static seen search_for(const bis_geometry *g, const ray *r, uint32_t left, double t)
+{
+    const bis_verify_answer answer[4] = {{t, true}, {(double)INFINITY, false}, {t, false}, {(double)INFINITY, true}};
+    bool right[4];
+    for (int i = 0; i < 4; i += 2) bis_verify_search(right + i, g, r, left, answer + i, 2);
+    assert_true(right[0] || right[1]);
+    /* an answer that contradicts itself is right in doubt alone */
+    assert_true(right[2] == (right[0] && right[1]) && right[3] == (right[0] && right[1]));
+    return right[0] && right[1] ? IN_DOUBT : right[0] ? SURELY_MET : SURELY_MISSED;
+}
+
+static bool is_right(const bis_geometry *g, const ray *r, double t)
+{
+    const bis_verify_answer answer = {t, true};
+    bool right;
+    bis_verify_search(&right, g, r, BIS_NO_PRIM, &answer, 1);
+    return right;
+}
+
+/* A distance may err by so many u = 2^-24, a hundredth of one less, `margin` more. */
+static void assert_error(const bis_geometry *g, const ray *r, double t, double error, double margin)
+{
+    const double u = 0x1p-24;
+    assert_int_equal(search_for(g, r, BIS_NO_PRIM, t), SURELY_MET);
+    for (int side = -1; side <= 1; side += 2) {
+        if (!is_right(g, r, t + side * (error - 0.01) * u)) fail_msg("%g: %g u less is wrong", t, side * error);
+        if (is_right(g, r, t + side * (error + margin) * u)) fail_msg("%g: %g u more is right", t, side * error);
+    }
+}
+
+/* The triangle (0,0,0), (2,0,0), (0,4,0): n = (0,0,8), its only terms are 8 along z. From (0.5,0.5,8) along -z: T =
+ * -64, D.n = -8, t = 8. T errs by u (4 x 8 x 8 + 13 x 8 x 8) = 1088 u. The vertices lie up to 1.5, 3.5 and 8 from
+ * the ray's start, so D.n errs by u (2 x 1.5 x 4 + 2 x 3.5 x 2 + 8 x 8) = 90 u: 136 + 90 + 4 x 8 = 258 u of t. Along
+ * (0.5,0.25,-1) from (-3.5,-1.5,8) they lie up to 5.5, 5.5 and 8 away: u (0.5 x 2 x 8 x 4 + 0.25 x 2 x 8 x 2 + 2 x
+ * 5.5 x 4 + 2 x 5.5 x 2 + 64) = 170 u: 338 u. */
+static void a_triangle_is_met_to_within_the_error_by_hand(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        bis_geometry g = {0};
+        add_triangle(&g, turned(0, 0, 0, k), turned(2, 0, 0, k), turned(0, 4, 0, k));
+        const ray down = {turned(0.5, 0.5, 8, k), turned(0, 0, -1, k), INFINITY};
+        const ray oblique = {turned(-3.5, -1.5, 8, k), turned(0.5, 0.25, -1, k), INFINITY};
+        assert_error(&g, &down, 8, 258, 0.01);
+        assert_error(&g, &oblique, 8, 338, 0.01);
+        /* behind, beside, from the triangle itself, along its plane */
+        const ray up = {down.o, turned(0, 0, 1, k), INFINITY}, beside = {turned(1.5, 1.5, 8, k), down.d, INFINITY},
+                  along = {turned(-1, 1, 0, k), turned(1, 0, 0, k), INFINITY},
+                  above = {turned(-1, 1, 0.125, k), turned(1, 0, 0, k), INFINITY};
+        assert_int_equal(search_for(&g, &up, BIS_NO_PRIM, 8), SURELY_MISSED);
+        assert_int_equal(search_for(&g, &beside, BIS_NO_PRIM, 8), SURELY_MISSED);
+        assert_int_equal(search_for(&g, &down, 0, 8), SURELY_MISSED);
+        assert_int_equal(search_for(&g, &along, BIS_NO_PRIM, 1), IN_DOUBT);
+        assert_int_equal(search_for(&g, &along, 0, 1), IN_DOUBT);
+        assert_int_equal(search_for(&g, &above, BIS_NO_PRIM, 1), SURELY_MISSED);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* Rays along z beside the edge from (-1000,-1000) to (1000,1000), at (s,-s): its weight is 8000 s, which errs by 18
+ * u 2000^2 = 72e6 u. The three weights are 8e6 together, of which 2 u may be missing: outside it is surely missed
+ * from s = 88e6/8000 u = 11000 u on, inside surely met from 9000 u on. */
+static void an_edge_is_in_doubt_within_the_bound_by_hand(void **state)
+{
+    (void)state;
+    const double u = 0x1p-24;
+    static const struct {
+        double s;
+        seen seen;
+    } cases[] = {{11100, SURELY_MISSED}, {10900, IN_DOUBT}, {0, IN_DOUBT}, {-8900, IN_DOUBT}, {-9100, SURELY_MET}};
+    for (int k = 0; k < 3; k++) {
+        for (int order = 0; order < 2; order++) {
+            bis_geometry g = {0};
+            const vec3 a = turned(-1000, -1000, 0, k), b = turned(1000, 1000, 0, k), c = turned(-1000, 1000, 0, k);
+            add_triangle(&g, order ? b : a, order ? a : b, c);
+            for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+                const double s = cases[i].s * u;
+                const ray r = {turned(s, -s, 8, k), turned(0, 0, -1, k), INFINITY};
+                const seen found = search_for(&g, &r, BIS_NO_PRIM, 8);
+                if (found != cases[i].seen) fail_msg("axis %d, %g u: %d", k, cases[i].s, (int)found);
+            }
+            bis_geometry_clear(&g);
+        }
+    }
+}
+
+/* Of two triangles the nearer one counts, whichever comes first; a ray between them meets the other one. */
+static void the_nearest_triangle_is_met(void **state)
+{
+    (void)state;
+    for (int first = 0; first < 2; first++) {
+        bis_geometry g = {0};
+        for (int i = 0; i < 2; i++) {
+            const double z = i == first ? 0 : 4;
+            add_triangle(&g, vec3_from(0, 0, z), vec3_from(2, 0, z), vec3_from(0, 4, z));
+        }
+        const ray r = {{0.5f, 0.5f, 8}, {0, 0, -1}, INFINITY}, between = {{0.5f, 0.5f, 2}, {0, 0, -1}, INFINITY};
+        assert_true(is_right(&g, &r, 4) && !is_right(&g, &r, 8) && !is_right(&g, &r, 6));
+        assert_true(is_right(&g, &between, 2) && !is_right(&g, &between, 6));
+        const uint32_t upper = first ? 0 : 1;
+        assert_int_equal(search_for(&g, &r, upper, 8), SURELY_MET); /* what it left does not hide the other */
+        bis_geometry_clear(&g);
+    }
+}
+
+/* Discs of radius 2 at z = 1, spheres of radius 2, both moved to (16,-32,8). The distance may err by 4 u of itself.
+ * Besides 2^-40 of all sizes, up to 124, are in doubt: u/500 of a plane's distance. Of a sphere it is 4 x 124 times
+ * as much of the square of half the chord, 3/16 or more: 2.2 u of its half. */
+static void a_quadric_is_met_to_within_the_error_by_hand(void **state)
+{
+    (void)state;
+    static const struct {
+        bis_quadric_kind kind;
+        double o[3], d[3], t;
+        seen seen;
+    } cases[] = {
+        {BIS_DISK, {0.25, 1.75, 9}, {0, 0, -1}, 8, SURELY_MET}, {BIS_DISK, {1.75, -0.25, 9}, {0, 0, -1}, 8, SURELY_MET},
+        {BIS_DISK, {1.75, 1, 9}, {0, 0, -1}, 8, SURELY_MISSED},
+        {BIS_DISK, {-1, -1.75, 9}, {0, 0, -1}, 8, SURELY_MISSED},
+        /* to (-1.75,0.5,1) from either side; the other way */
+        {BIS_DISK, {-5.75, 2.5, 9}, {0.5, -0.25, -1}, 8, SURELY_MET},
+        {BIS_DISK, {-5.75, 2.5, 9}, {1, -0.5, -2}, 4, SURELY_MET},
+        {BIS_DISK, {2.25, -1.5, -7}, {-0.5, 0.25, 1}, 8, SURELY_MET},
+        {BIS_DISK, {-5.75, 2.5, 9}, {-0.5, 0.25, 1}, 8, SURELY_MISSED},
+        /* in its plane, on it, and the next place of a float beside it */
+        {BIS_DISK, {-4, 0, 1}, {1, 0, 0}, 2, SURELY_MISSED}, {BIS_DISK, {0, 0, 1}, {0, 0, 1}, 0, IN_DOUBT},
+        {BIS_DISK, {0, 0, 1 + 0x1p-18}, {0, 0, 1}, 0, SURELY_MISSED},
+        {BIS_DISK, {0, 0, 1 - 0x1p-18}, {0, 0, 1}, 0x1p-18, SURELY_MET},
+        {BIS_SPHERE, {0, 0, 10}, {0, 0, -1}, 8, SURELY_MET}, {BIS_SPHERE, {0, 0, 10}, {0, 0, -2}, 4, SURELY_MET},
+        {BIS_SPHERE, {0, -10, 0}, {0, 1, 0}, 8, SURELY_MET}, {BIS_SPHERE, {10, 0, 0}, {-1, 0, 0}, 8, SURELY_MET},
+        {BIS_SPHERE, {0, 0, 1}, {0, 0, -1}, 3, SURELY_MET}, {BIS_SPHERE, {0, 0, -10}, {0, 0, -1}, 8, SURELY_MISSED},
+        {BIS_SPHERE, {1.25, 1.5, 10}, {0, 0, -1}, 10 - 0.4330127018922193, SURELY_MET}, /* sqrt(4 - 3.8125) */
+        {BIS_SPHERE, {-1.5, 0, 1.25}, {0, 2, 0}, 0.4330127018922193 / 2, SURELY_MET},
+        {BIS_SPHERE, {2 + 0x1p-10, 0, 10}, {0, 0, -1}, 10, SURELY_MISSED},
+        {BIS_SPHERE, {1.5, 1.5, 10}, {0, 0, -1}, 10, SURELY_MISSED},
+        {BIS_SPHERE, {0, 1.5, 1.5}, {1, 0, 0}, 1, SURELY_MISSED},
+        /* on it, to either side; along it */
+        {BIS_SPHERE, {0, 0, 2}, {0, 0, 1}, 0, IN_DOUBT}, {BIS_SPHERE, {0, 0, 2}, {0, 0, -1}, 0, IN_DOUBT},
+        {BIS_SPHERE, {2, 0, 4}, {0, 0, -1}, 4, IN_DOUBT},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const bis_quadric q = {.kind = cases[i].kind, .radius = 2, .height = cases[i].kind == BIS_DISK ? 1 : 0,
+                               .to_world = bis_xform_translate(16, -32, 8)};
+        const double *o = cases[i].o, *d = cases[i].d, t = cases[i].t;
+        const ray r = {vec3_from(16 + o[0], -32 + o[1], 8 + o[2]), vec3_from(d[0], d[1], d[2]), INFINITY};
+        bis_geometry g = {0};
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+        const seen found = search_for(&g, &r, BIS_NO_PRIM, t);
+        if (found != cases[i].seen) fail_msg("case %zu: %d", i, (int)found);
+        assert_int_equal(search_for(&g, &r, 0, t), SURELY_MISSED); /* what a ray has left */
+        if (found == SURELY_MET && t >= 3) assert_error(&g, &r, t, 4 * t, q.kind == BIS_DISK ? 0.01 : 3);
+        bis_geometry_clear(&g);
+    }
+}
+
+/* ---- which rays are looked at ---- */
+
+/* Sums over all rays that a backend was asked for: [0] those that start around the scene, [1] those from the ball. */
+typedef struct asked {
+    bis_accel accel;
+    const bis_accel *right;
+    long n[2], octant[2][8], twice; /* twice: `occluded` was asked for the same ray */
+    double place[3], place_squares[3], cosine, farthest;
+} asked;
+
+static bool note_ray(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    asked *s = (asked *)(uintptr_t)a;
+    const double o[3] = {(double)r->o.x, (double)r->o.y, (double)r->o.z};
+    const double l = sqrt(o[0] * o[0] + o[1] * o[1] + o[2] * o[2]);
+    const int from_ball = fabs(l - 1) < 1e-5;
+#pragma omp critical(asked)
+    {
+        s->n[from_ball]++;
+        s->octant[from_ball][(r->d.x > 0) + 2 * (r->d.y > 0) + 4 * (r->d.z > 0)]++;
+        if (from_ball) s->cosine += (double)dot(r->o, r->d) * (l > 1 ? 1 : -1) / l; /* to the side where it starts */
+        for (int k = 0; k < 3 && !from_ball; k++) {
+            s->place[k] += o[k];
+            s->place_squares[k] += o[k] * o[k];
+            s->farthest = fmax(s->farthest, fabs(o[k]));
+        }
+    }
+    return bis_accel_intersect(s->right, r, hit);
+}
+
+static bool note_shadow(const bis_accel *a, const ray *r)
+{
+    asked *s = (asked *)(uintptr_t)a;
+#pragma omp atomic
+    s->twice++;
+    return bis_accel_occluded(s->right, r);
+}
+
+/* Five standard errors of a mean of n numbers. */
+static void assert_mean(double mean, double expected, double variance, double n)
+{
+    if (!(fabs(mean - expected) < 5 * sqrt(variance / n))) fail_msg("%g is not %g", mean, expected);
+}
+
+/* Around a ball of radius 1: its box has the diagonal 2 sqrt 3, so rays start in a cube of half side a = 1 + 0.2
+ * sqrt 3, evenly: each coordinate has mean 0, mean square a^2/3, of variance 4 a^4/45. Towards the ball no octant is
+ * before another. From the ball, or within it, rays leave evenly: the mean of the cosine is 1/2, its variance 1/12;
+ * again no octant is before another. Each ray is asked for by both questions. */
+static void rays_come_from_all_around_and_leave_to_all_sides(void **state)
+{
+    (void)state;
+    static const bis_accel_ops notes = {.name = "notes", .intersect = note_ray, .occluded = note_shadow};
+    enum { RAYS = 20000 };
+    const double a = 1 + 0.2 * sqrt(3);
+    const bis_quadric ball = {.kind = BIS_SPHERE, .radius = 1, .to_world = bis_xform_identity()};
+    const bis_accel_options options = {.kind = BIS_ACCEL_GRID};
+    bis_geometry g = {0};
+    bis_accel *grid;
+    assert_int_equal(bis_geometry_add_quadric(&g, &ball, NULL), BIS_OK);
+    assert_int_equal(bis_accel_new(&grid, &g, &options, NULL), BIS_OK);
+    asked s = {.accel = {&notes, &g}, .right = grid};
+    bis_verify v = {.seed = 4, .halvings = 12};
+    unsigned long rays, from, searched, grazing;
+    bis_verify_backends(&v, &s.accel, NULL, RAYS);
+    assert_int_equal(v.n, 1);
+    assert_string_equal(v.tests[0].name, "notes sees what a search sees");
+    assert_int_equal(sscanf(v.tests[0].note, "wrong of %lu rays and %lu from surfaces, %lu of them searched; %lu more",
+                            &rays, &from, &searched, &grazing), 4);
+    assert_true(v.tests[0].statistic == 0);
+    assert_true(rays == RAYS && s.n[0] == RAYS && s.n[1] == (long)from && s.twice == s.n[0] + s.n[1]);
+    /* 2^24 halved 12 times, and the rays that leave where these end */
+    assert_true(searched > 4096 && searched < 2 * 4096);
+    assert_true(from > RAYS / 2);
+    bis_verify_clear(&v);
+
+    const double n[2] = {(double)s.n[0], (double)s.n[1]};
+    for (int k = 0; k < 3; k++) {
+        assert_mean(s.place[k] / n[0], 0, a * a / 3, n[0]);
+        assert_mean(s.place_squares[k] / n[0], a * a / 3, 4 * pow(a, 4) / 45, n[0]);
+    }
+    assert_true(s.farthest < a && s.farthest > 0.999 * a);
+    assert_mean(s.cosine / n[1], 0.5, 1 / 12.0, n[1]);
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 8; k++) assert_mean((double)s.octant[i][k] / n[i], 1 / 8.0, 7 / 64.0, n[i]);
+
+    /* two backends: 2^21 halved 12 times are 512 */
+    v = (bis_verify){.seed = 4, .halvings = 12};
+    bis_verify_backends(&v, &s.accel, grid, RAYS);
+    assert_int_equal(sscanf(v.tests[0].note, "wrong of %*u rays and %*u from surfaces, %lu", &searched), 1);
+    assert_true(searched > 512 && searched < 2 * 512);
+    assert_string_equal(v.tests[0].name, "notes and grid see the same");
+    bis_verify_clear(&v);
+    bis_accel_free(grid);
+    bis_geometry_clear(&g);
+}
+
+/* Points instead of triangles, so that no ray meets one: as many rays are searched as 2^24 tests allow, but 64; beside
+ * another backend 2^21, but 4. */
+static void large_scenes_have_fewer_rays_searched(void **state)
+{
+    (void)state;
+    static const struct {
+        size_t n;
+        bool two;
+        unsigned halvings;
+        unsigned long searched;
+    } cases[] = {{1 << 17, false, 0, 128}, {300000, false, 0, 64}, {300000, false, 3, 8}, {1 << 17, true, 0, 16},
+                 {600000, true, 0, 4}, {600000, true, 1, 2}};
+    const bis_accel_options options = {.kind = BIS_ACCEL_GRID};
+    const bis_xform here = bis_xform_identity();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        bis_geometry g = {0};
+        bis_accel *grid;
+        bis_rng rng;
+        unsigned long rays, from, searched;
+        bis_verify v = {.seed = 4, .halvings = cases[k].halvings};
+        const size_t n = cases[k].n;
+        bis_mesh m = {.p = bis_alloc(n, sizeof *m.p), .index = bis_alloc(n, 3 * sizeof *m.index), .n_vertices = n,
+                      .n_triangles = n};
+        bis_rng_init(&rng, 8, 0, 0, 1);
+        for (size_t i = 0; i < n; i++) {
+            m.p[i] = vec3_from(bis_rng_double(&rng), bis_rng_double(&rng), bis_rng_double(&rng));
+            for (size_t j = 0; j < 3; j++) m.index[3 * i + j] = (uint32_t)i;
+        }
+        assert_int_equal(bis_geometry_add_mesh(&g, &m, &here, 0, NULL), BIS_OK);
+        bis_mesh_clear(&m);
+        assert_int_equal(bis_accel_new(&grid, &g, &options, NULL), BIS_OK);
+        bis_verify_backends(&v, grid, cases[k].two ? grid : NULL, 200);
+        assert_int_equal(sscanf(v.tests[0].note, "wrong of %lu rays and %lu from surfaces, %lu of", &rays, &from,
+                                &searched), 3);
+        assert_true(rays == 200 && from == 0 && searched == cases[k].searched);
+        assert_int_equal(verify_failures(&v), 0);
+        bis_accel_free(grid);
+        bis_geometry_clear(&g);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -222,6 +538,12 @@ int main(void)
         cmocka_unit_test(a_grazing_ray_may_go_either_way_and_no_other),
         cmocka_unit_test(the_truth_is_always_right),
         cmocka_unit_test(a_backend_that_loses_a_triangle_is_rejected),
+        cmocka_unit_test(a_triangle_is_met_to_within_the_error_by_hand),
+        cmocka_unit_test(an_edge_is_in_doubt_within_the_bound_by_hand),
+        cmocka_unit_test(the_nearest_triangle_is_met),
+        cmocka_unit_test(a_quadric_is_met_to_within_the_error_by_hand),
+        cmocka_unit_test(rays_come_from_all_around_and_leave_to_all_sides),
+        cmocka_unit_test(large_scenes_have_fewer_rays_searched),
     };
     return cmocka_run_group_tests_name("verify_accel", tests, NULL, NULL);
 }

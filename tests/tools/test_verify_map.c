@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-static double alpha(void) { return stat_level(1e-3, 66 + 16); }
+static double alpha(void) { return stat_level(1e-3, 66 + 16 + 6); }
 
 static void upside_down(bis_envmap *to, const bis_envmap *from)
 {
@@ -51,8 +51,26 @@ static void odd_maps_pass(void **state)
     bis_envmap black = map_new(8, 4);
     bis_verify v = {.seed = 2};
     assert_int_equal(bis_verify_map(&v, &black, 0.15, 8, NULL), BIS_OK);
+    assert_int_equal(v.n, 3); /* solid angles; nothing to draw */
+    assert_string_equal(v.tests[2].name, "alias, cdf, curve");
+    assert_string_equal(v.tests[2].note, "the map gives no light, nothing can be drawn from it");
+    assert_int_equal(v.tests[2].verdict, BIS_VERDICT_SKIPPED);
     verify_assert_accepted(&v, alpha());
     bis_envmap_clear(&black);
+}
+
+/* Beside a lamp of 1e10 the pixels of its row have some 1e-13 of the light: a step of a CDF is good to 2^-52 only,
+ * which is a thousandth of that, and right. */
+static void a_lamp_beside_darkness_passes(void **state)
+{
+    (void)state;
+    bis_envmap em = map_random(64, 32, 1, 0, 6);
+    em.pixels[11 * 64 + 20] = (rgb){1e10f, 1e10f, 1e10f};
+    bis_verify v = {.seed = 3, .halvings = 2};
+    assert_int_equal(bis_verify_map(&v, &em, 0, 8, NULL), BIS_OK);
+    assert_int_equal(v.n, 14);
+    verify_assert_accepted(&v, alpha());
+    bis_envmap_clear(&em);
 }
 
 static void wrong_solid_angles_are_rejected(void **state)
@@ -245,6 +263,7 @@ int main(void)
         cmocka_unit_test(right_maps_pass),
         cmocka_unit_test(odd_maps_pass),
         cmocka_unit_test(neighbours_share_a_group_until_each_place_expects_five),
+        cmocka_unit_test(a_lamp_beside_darkness_passes),
         cmocka_unit_test(wrong_solid_angles_are_rejected),
         cmocka_unit_test(an_importance_of_another_map_is_rejected),
         cmocka_unit_test(wrong_samplers_of_a_map_are_rejected),

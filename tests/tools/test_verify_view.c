@@ -103,6 +103,82 @@ static void what_is_rare_and_bright_is_judged_too(void **state)
     bis_light_free(light);
 }
 
+/* Run r is the estimate of stream r, on whatever thread, and what it has counted is added to what stood there. */
+static void runs_are_those_of_their_streams(void **state)
+{
+    (void)state;
+    enum { RUNS = 100, SEED = 77 };
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_settings s = bis_settings_default(&bis_rejection);
+    bis_counters counters = {.accepted = 1000, .fallbacks = 2000, .shadow_rays = 3000};
+    bis_scratch scratch;
+    rgb estimate[RUNS + 1];
+    lit l;
+    lit_init(&l, light, verify_glossy(&bis_phong_model, 20), (vec3){0, 0, 1}, 40, LIT_HALF);
+    l.kind = BIS_SAMPLER_SOBOL;
+    s.candidates = 8; /* few: some runs fall back */
+    estimate[RUNS] = (rgb){7, 8, 9};
+    assert_int_equal(bis_verify_runs(estimate, RUNS, &l.pt, &s, BIS_SAMPLER_SOBOL, SEED, &counters, NULL), BIS_OK);
+    assert_true(estimate[RUNS].r == 7 && estimate[RUNS].g == 8 && estimate[RUNS].b == 9);
+    l.counters = (bis_counters){0};
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    for (uint32_t run = 0; run < RUNS; run++) {
+        const rgb L = lit_once(&l, &s, &scratch, SEED, run);
+        assert_memory_equal(&L, &estimate[run], sizeof L);
+    }
+    bis_scratch_clear(&scratch);
+    assert_true(l.counters.accepted > 0 && l.counters.fallbacks > 0 && l.counters.shadow_rays > 0);
+    assert_int_equal(counters.accepted, 1000 + l.counters.accepted);
+    assert_int_equal(counters.fallbacks, 2000 + l.counters.fallbacks);
+    assert_int_equal(counters.shadow_rays, 3000 + l.counters.shadow_rays);
+    bis_light_free(light);
+}
+
+/* By which an integrator is judged follows from the density of its samples: a mean of em's is rare and bright where a
+ * narrow lobe is met by one direction in hundreds, one of brdf's where one lamp in a wide lobe is; what mixes both is
+ * neither. Resampling has no bound and is left out there. A constant light is drawn from by em, and by sir where it is
+ * told to. */
+static void the_density_of_its_samples_decides_how_an_integrator_is_judged(void **state)
+{
+    (void)state;
+    enum { T, BERNSTEIN, SKIPPED };
+    static const struct {
+        lit_map map;
+        double exponent, degrees;
+        int em, brdf, mis, sir_em, sir_brdf, sir_mix;
+    } cases[] = {
+        {LIT_SMOOTH, 300, 40, BERNSTEIN, T, T, SKIPPED, T, T},
+        {LIT_ONE_BLOCK, 10, 84, T, BERNSTEIN, T, T, SKIPPED, T},
+        {LIT_CONSTANT, 300, 40, BERNSTEIN, T, T, SKIPPED, T, T},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_light *light = lit_new_light(cases[i].map, 1, 0.15, false);
+        const bis_material m = bis_phong((rgb){0.05f, 0.05f, 0.05f}, (rgb){0.9f, 0.9f, 0.9f}, cases[i].exponent);
+        const int expected[] = {cases[i].em, cases[i].brdf, cases[i].mis, cases[i].sir_em, cases[i].sir_brdf,
+                                cases[i].sir_mix};
+        const bis_integrator *const of[] = {&bis_em, &bis_brdf, &bis_mis, &bis_sir, &bis_sir, &bis_sir};
+        static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX};
+        lit l;
+        lit_init(&l, light, m, normalize(vec3_from(0.2, -0.3, 0.8)), cases[i].degrees, LIT_OPEN);
+        for (int k = 0; k < 6; k++) {
+            bis_verify v = {.seed = 3, .halvings = 3};
+            bis_settings s = bis_settings_default(of[k]);
+            bool tested;
+            if (k >= 3) s.proposal = proposals[k - 3];
+            s.candidates = 16; /* runs of all have about as many samples */
+            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "p", &tested, NULL), BIS_OK);
+            assert_true(tested && v.n == 1);
+            assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+            const bis_verify_test *t = v.tests;
+            const bool bound = strstr(t->note, "Bernstein") != NULL;
+            const int found = t->verdict == BIS_VERDICT_SKIPPED ? SKIPPED : bound ? BERNSTEIN : T;
+            if (found != expected[k]) fail_msg("case %zu, integrator %d: %s", i, k, t->note);
+            bis_verify_clear(&v);
+        }
+        bis_light_free(light);
+    }
+}
+
 /* Where four rays a patch accused five of seven integrators (seed 17 of 40, z = 9): a wall's edge across bright patches. The
  * point of pixel (12, 8) of the scene of verify_help, 40 seeds; 1e-3 for all of them. */
 static void seeds_that_were_accused_pass(void **state)
@@ -139,6 +215,8 @@ int main(void)
         cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
         cmocka_unit_test(what_is_rare_and_bright_is_judged_too),
+        cmocka_unit_test(runs_are_those_of_their_streams),
+        cmocka_unit_test(the_density_of_its_samples_decides_how_an_integrator_is_judged),
         cmocka_unit_test(seeds_that_were_accused_pass),
     };
     return cmocka_run_group_tests_name("verify_view", tests, NULL, NULL);

@@ -80,9 +80,9 @@ static sampling sampling_of(const bis_settings *s, bool constant)
     if (i == &bis_brdf) return (sampling){{0, 1}, s->samples};
     if (i == &bis_mis) return (sampling){{s->split, 1 - s->split}, s->samples};
     if (i != &bis_sir && i != &bis_unoccluded) return (sampling){{0, 0}, 0};
+    if (s->proposal == BIS_PROPOSAL_EM) return (sampling){{1, 0}, s->candidates};
     if (s->proposal == BIS_PROPOSAL_BRDF || constant) return (sampling){{0, 1}, s->candidates};
-    return (sampling){s->proposal == BIS_PROPOSAL_EM ? (bis_truth_density){1, 0} : (bis_truth_density){0.5, 0.5},
-                      s->candidates};
+    return (sampling){{0.5, 0.5}, s->candidates};
 }
 
 /* ---- one integrator ---- */

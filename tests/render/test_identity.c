@@ -1,0 +1,425 @@
+/* identity: each field of the scene, the view and the options that a picture depends on changes one part of the
+ * identity, and that part alone; what a picture does not depend on changes none. The fields are changed one at a time,
+ * in their lowest bit. */
+#include "render/identity.h"
+
+#include "world.h"
+
+#include "bis/thesis/light.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <string.h>
+
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+
+/* The parts in their order, by the words of messages. */
+enum {
+    NONE = -1,
+    SIZE,
+    LAYERS,
+    CAMERA,
+    SAMPLER,
+    DIVISION,
+    JITTER,
+    ERROR,
+    SETTINGS,
+    SHAPES,
+    MATERIALS,
+    MAP,
+    LIGHT,
+    ACCELERATOR
+};
+
+/* A render of which everything is known: no field that counts is 0 beside one that is not. */
+typedef struct known {
+    world w;
+    bis_film film;
+    bis_view view;
+    bis_render_options options;
+    bis_workspace of;
+    unsigned char edge;
+    vec3 p[4], n[4];
+    bis_uv uv[4];
+    uint32_t index[6];
+    bis_range ranges[2];
+    bis_quadric quadrics[2];
+    bis_texture list[2];
+    bis_material_textures of_material[2];
+    bis_texture_image images[2];
+    rgb texels[2][6];
+} known;
+
+static void fill_xform(bis_xform *x, double first)
+{
+    for (int i = 0; i < 16; i++) x->m[i / 4][i % 4] = first + i;
+}
+
+static void fill_geometry(known *k)
+{
+    for (int i = 0; i < 4; i++) {
+        const float v = (float)(10 * i);
+        k->p[i] = (vec3){v + 1, v + 2, v + 3};
+        k->n[i] = (vec3){v + 4, v + 5, v + 6};
+        k->uv[i].u = v + 7, k->uv[i].v = v + 8;
+    }
+    for (uint32_t i = 0; i < 6; i++) k->index[i] = i % 4;
+    for (uint32_t i = 0; i < 2; i++) {
+        k->ranges[i] = (bis_range){i, 5 + i};
+        k->quadrics[i] = (bis_quadric){.kind = BIS_DISK, .radius = 3 + i, .height = 6 + i, .material = 9 + i};
+        fill_xform(&k->quadrics[i].to_world, 20 + 100 * i);
+    }
+    k->w.scene.geometry = (bis_geometry){.p = k->p, .n = k->n, .uv = k->uv, .index = k->index, .n_vertices = 4,
+                                         .n_triangles = 2, .ranges = k->ranges, .n_ranges = 2,
+                                         .quadrics = k->quadrics, .n_quadrics = 2};
+}
+
+static void fill_textures(known *k)
+{
+    for (uint32_t i = 0; i < 2; i++) {
+        const double v = 100 * (i + 1);
+        bis_texture *t = &k->list[i];
+        *t = (bis_texture){.kind = BIS_TEXTURE_MIX, .of = {1 + i, 2 + i, 3 + i}, .value = {v + 1, v + 2, v + 3},
+                           .mapping = BIS_TEXTURE_PLANAR, .factor = {v + 4, v + 5}, .offset = {v + 6, v + 7},
+                           .image = 4 + i, .wrap = BIS_WRAP_BLACK, .scale = v + 8};
+        for (int j = 0; j < 12; j++) t->from_world[j / 4][j % 4] = v + 10 + j;
+        k->of_material[i] = (bis_material_textures){.Kd = 7 + i, .Ks = 8 + i, .width = 9 + i, .power = v + 30};
+        k->images[i].image = (bis_image){.width = 3, .height = 2, .pixels = k->texels[i]};
+        for (int j = 0; j < 6; j++) {
+            const float c = (float)(10 * j);
+            k->texels[i][j] = (rgb){c + 1, c + 2, c + 3};
+        }
+    }
+    k->w.desc.textures = (bis_textures){.list = k->list, .n = 2, .of_material = k->of_material, .n_of_material = 2};
+    k->w.scene.images = k->images;
+    k->w.scene.n_images = 2;
+}
+
+/* k must stay where it is. */
+static void fill(known *k)
+{
+    *k = (known){.edge = 1};
+    make_world(&k->w, &bis_sir);
+    bis_geometry_clear(&k->w.scene.geometry);
+    fill_geometry(k);
+    fill_textures(k);
+    k->w.desc.light.width = 4;
+    k->w.desc.light.has_table_kind = true;
+    k->w.desc.accel.density = 2;
+    for (int i = 0; i < 2; i++) {
+        k->w.materials[i].eta = (rgb){1.5f, 2.5f, 3.5f};
+        k->w.materials[i].alpha = 0.5;
+    }
+    k->view = k->w.desc.view;
+    k->view.edge_samples = 3;
+    k->view.edge_light = 0.5;
+    k->view.camera.has_screen = true;
+    k->view.camera.frame_aspect = 2;
+    for (int i = 0; i < 4; i++) k->view.camera.screen[i] = 1 + i;
+    k->film = (bis_film){.full_width = 40, .full_height = 30, .step = 2, .picture_width = 80, .picture_height = 60,
+                         .x0 = 4, .y0 = 6, .width = 20, .height = 10, .layers.asked = 5};
+    k->options = (bis_render_options){.budget.error = 0.25, .footprint = 0.5, .pass_size = 4, .n_threads = 2};
+    k->of = (bis_workspace){.scene = &k->w.scene, .desc = &k->w.desc, .view = &k->view, .options = &k->options,
+                            .film = &k->film, .edge = &k->edge};
+}
+
+static void clear(known *k)
+{
+    k->w.scene.geometry = (bis_geometry){0};
+    k->w.scene.images = NULL;
+    k->w.scene.n_images = 0;
+    k->w.desc.textures = (bis_textures){0};
+    clear_world(&k->w);
+}
+
+/* A field changes the named part alone; NONE: it changes none. */
+static void expect(const known *k, void *field, int part, const char *name)
+{
+    unsigned char *byte = field;
+    uint64_t before[BIS_IDENTITY_PARTS], after[BIS_IDENTITY_PARTS];
+
+    bis_identify(before, &k->of);
+    *byte ^= 1;
+    bis_identify(after, &k->of);
+    *byte ^= 1;
+    for (int i = 0; i < BIS_IDENTITY_PARTS; i++)
+        if ((before[i] != after[i]) != (i == part)) fail_msg("%s: part %d", name, i);
+}
+
+#define EXPECT(field, part) expect(k, &(field), part, #field)
+#define EXPECT_ALL(array, n, part) \
+    for (int at = 0; at < (n); at++) expect(k, &(array)[at], part, #array)
+
+static void expect_rgb(const known *k, rgb *c, int part, const char *name)
+{
+    expect(k, &c->r, part, name);
+    expect(k, &c->g, part, name);
+    expect(k, &c->b, part, name);
+}
+
+static void expect_vector(const known *k, vec3 *v, const char *name)
+{
+    expect(k, &v->x, SHAPES, name);
+    expect(k, &v->y, SHAPES, name);
+    expect(k, &v->z, SHAPES, name);
+}
+
+static void expect_xform(const known *k, bis_xform *x, int part, const char *name)
+{
+    for (int i = 0; i < 16; i++) expect(k, &x->m[i / 4][i % 4], part, name);
+}
+
+static void each_field_of_the_view_counts(void **state)
+{
+    (void)state;
+    known own, *k = &own;
+    bis_view *v = &own.view;
+    fill(k);
+    EXPECT(k->film.full_width, SIZE);
+    EXPECT(k->film.full_height, SIZE);
+    EXPECT(k->film.step, SIZE);
+    EXPECT(k->film.picture_width, SIZE);
+    EXPECT(k->film.picture_height, SIZE);
+    EXPECT(k->film.x0, SIZE);
+    EXPECT(k->film.y0, SIZE);
+    EXPECT(k->film.width, SIZE);
+    EXPECT(k->film.height, SIZE);
+    EXPECT(k->film.layers.asked, LAYERS);
+    EXPECT(v->camera.orthographic, CAMERA);
+    EXPECT(v->camera.fov_deg, CAMERA);
+    EXPECT(v->camera.has_screen, CAMERA);
+    EXPECT_ALL(v->camera.screen, 4, CAMERA);
+    EXPECT(v->camera.frame_aspect, CAMERA);
+    expect_xform(k, &v->camera.to_world, CAMERA, "camera");
+    EXPECT(k->options.footprint, CAMERA);
+    EXPECT(v->sampler.seed, SAMPLER);
+    EXPECT(v->sampler.jitter, SAMPLER);
+    EXPECT(v->sampler.spp, DIVISION);
+    EXPECT(v->pixel_jitter, JITTER);
+    EXPECT(v->adaptive, JITTER);
+    EXPECT(v->edge_samples, JITTER);
+    EXPECT(v->edge_light, JITTER);
+    EXPECT(k->options.pass_size, JITTER);
+    EXPECT(v->settings.candidates, SETTINGS);
+    EXPECT(v->settings.shadowrays, SETTINGS);
+    EXPECT(v->settings.proposal, SETTINGS);
+    EXPECT(v->settings.as_printed, SETTINGS);
+    EXPECT(v->settings.samples, NONE); /* sir reads none */
+    EXPECT(k->options.n_threads, NONE);
+    EXPECT(k->film.passes, NONE);
+
+    /* what nothing reads, and what is not there */
+    v->camera.has_screen = false;
+    EXPECT_ALL(v->camera.screen, 4, NONE);
+    k->of.edge = NULL;
+    EXPECT(v->edge_samples, NONE);
+    EXPECT(v->edge_light, NONE);
+    k->of.independent = true;
+    EXPECT(v->sampler.spp, NONE);
+    clear(k);
+}
+
+/* An error is asked for, or none is; how small does not count. */
+static void of_an_error_only_that_it_is_asked_for_counts(void **state)
+{
+    (void)state;
+    known own, *k = &own;
+    uint64_t none[BIS_IDENTITY_PARTS], some[BIS_IDENTITY_PARTS], less[BIS_IDENTITY_PARTS];
+    fill(k);
+    bis_identify(some, &k->of);
+    k->options.budget.error = 0.125;
+    bis_identify(less, &k->of);
+    k->options.budget.error = 0;
+    bis_identify(none, &k->of);
+    assert_memory_equal(some, less, sizeof some);
+    for (int i = 0; i < BIS_IDENTITY_PARTS; i++) assert_int_equal(none[i] != some[i], i == ERROR);
+    clear(k);
+}
+
+/* The camera samples that divide a pixel count where the sampler divides one. */
+static void camera_samples_count_where_they_divide_a_pixel(void **state)
+{
+    (void)state;
+    static const struct {
+        bis_sampler_kind kind;
+        bool divides;
+    } kinds[] = {{BIS_SAMPLER_STRATIFIED, true}, {BIS_SAMPLER_HALTON, true}, {BIS_SAMPLER_SOBOL, false},
+                 {BIS_SAMPLER_RANDOM, false}};
+    known own, *k = &own;
+    uint64_t first[BIS_IDENTITY_PARTS], parts[BIS_IDENTITY_PARTS];
+    fill(k);
+    bis_identify(first, &k->of);
+    for (size_t i = 0; i < COUNT(kinds); i++) {
+        k->view.sampler.kind = kinds[i].kind;
+        EXPECT(k->view.sampler.spp, kinds[i].divides ? DIVISION : NONE);
+        bis_identify(parts, &k->of);
+        for (int j = 0; j < BIS_IDENTITY_PARTS; j++)
+            assert_int_equal(parts[j] != first[j], (j == SAMPLER && i > 0) || (j == DIVISION && !kinds[i].divides));
+    }
+    clear(k);
+}
+
+static void each_field_of_the_shapes_counts(void **state)
+{
+    (void)state;
+    known own, *k = &own;
+    fill(k);
+    for (int i = 0; i < 4; i++) {
+        expect_vector(k, &k->p[i], "vertex");
+        expect_vector(k, &k->n[i], "normal");
+        EXPECT(k->uv[i].u, SHAPES);
+        EXPECT(k->uv[i].v, SHAPES);
+    }
+    EXPECT_ALL(k->index, 6, SHAPES);
+    for (int i = 0; i < 2; i++) {
+        bis_quadric *q = &k->quadrics[i];
+        EXPECT(k->ranges[i].first, SHAPES);
+        EXPECT(k->ranges[i].material, SHAPES);
+        EXPECT(q->kind, SHAPES);
+        EXPECT(q->radius, SHAPES);
+        EXPECT(q->height, SHAPES);
+        EXPECT(q->material, SHAPES);
+        expect_xform(k, &q->to_world, SHAPES, "quadric");
+    }
+    EXPECT(k->w.scene.geometry.box.lo.x, NONE); /* it follows from the rest */
+    clear(k);
+}
+
+static void each_field_of_materials_and_textures_counts(void **state)
+{
+    (void)state;
+    known own, *k = &own;
+    fill(k);
+    for (int i = 0; i < 2; i++) {
+        bis_material *m = &k->w.materials[i];
+        expect_rgb(k, &m->Kd, MATERIALS, "Kd");
+        expect_rgb(k, &m->Ks, MATERIALS, "Ks");
+        expect_rgb(k, &m->eta, MATERIALS, "eta");
+        EXPECT(m->exponent, MATERIALS);
+        EXPECT(m->alpha, MATERIALS);
+
+        bis_material_textures *of = &k->of_material[i];
+        EXPECT(of->Kd, MATERIALS);
+        EXPECT(of->Ks, MATERIALS);
+        EXPECT(of->width, MATERIALS);
+        EXPECT(of->power, MATERIALS);
+
+        bis_texture *t = &k->list[i];
+        EXPECT(t->kind, MATERIALS);
+        EXPECT_ALL(t->of, 3, MATERIALS);
+        EXPECT(t->value.r, MATERIALS);
+        EXPECT(t->value.g, MATERIALS);
+        EXPECT(t->value.b, MATERIALS);
+        EXPECT(t->mapping, MATERIALS);
+        EXPECT_ALL(t->factor, 2, MATERIALS);
+        EXPECT_ALL(t->offset, 2, MATERIALS);
+        for (int j = 0; j < 12; j++) EXPECT(t->from_world[j / 4][j % 4], MATERIALS);
+        EXPECT(t->image, MATERIALS);
+        EXPECT(t->wrap, MATERIALS);
+        EXPECT(t->scale, MATERIALS);
+        EXPECT(t->invert, MATERIALS);
+        EXPECT(t->is_float, MATERIALS);
+        EXPECT(t->steps, NONE); /* it follows from the rest */
+        for (int j = 0; j < 6; j++) expect_rgb(k, &k->texels[i][j], MATERIALS, "texel");
+    }
+    /* an image of 2 x 3 texels is another than one of 3 x 2 */
+    uint64_t wide[BIS_IDENTITY_PARTS], high[BIS_IDENTITY_PARTS];
+    bis_identify(wide, &k->of);
+    k->images[0].image.width = 2, k->images[0].image.height = 3;
+    bis_identify(high, &k->of);
+    for (int i = 0; i < BIS_IDENTITY_PARTS; i++) assert_int_equal(wide[i] != high[i], i == MATERIALS);
+    clear(k);
+}
+
+static void each_field_of_the_light_counts(void **state)
+{
+    (void)state;
+    known own, *k = &own;
+    bis_light_desc *l = &own.w.desc.light;
+    fill(k);
+    const bis_envmap *em = bis_light_envmap(k->w.scene.light);
+    for (int i = 0; i < em->width * em->height; i++) expect_rgb(k, &em->pixels[i], MAP, "pixel");
+    expect_rgb(k, &l->L, LIGHT, "L");
+    EXPECT(l->scale, LIGHT);
+    EXPECT(l->area_exponent, LIGHT);
+    EXPECT(l->mapping, LIGHT);
+    EXPECT(l->width, LIGHT);
+    EXPECT(l->levels, LIGHT);
+    EXPECT(l->has_table_kind, LIGHT);
+    EXPECT(l->table_kind, LIGHT);
+    EXPECT(l->visible, LIGHT);
+    expect_xform(k, &l->to_world, LIGHT, "light");
+    EXPECT(k->w.desc.accel.density, ACCELERATOR);
+    EXPECT(k->w.desc.accel.n_threads, NONE);
+    l->has_table_kind = false;
+    EXPECT(l->table_kind, NONE);
+    clear(k);
+}
+
+/* What one array loses the next one does not get: a smaller n is another identity. */
+static void numbers_of_things_count(void **state)
+{
+    (void)state;
+    known own, *k = &own;
+    fill(k);
+    size_t *const numbers[] = {&k->w.scene.geometry.n_vertices, &k->w.scene.geometry.n_triangles,
+                               &k->w.scene.geometry.n_ranges, &k->w.scene.geometry.n_quadrics,
+                               &k->w.desc.n_materials, &k->w.desc.textures.n, &k->w.desc.textures.n_of_material,
+                               &k->w.scene.n_images};
+    for (size_t i = 0; i < COUNT(numbers); i++) {
+        uint64_t before[BIS_IDENTITY_PARTS], after[BIS_IDENTITY_PARTS];
+        bis_identify(before, &k->of);
+        --*numbers[i];
+        bis_identify(after, &k->of);
+        ++*numbers[i];
+        for (int j = 0; j < BIS_IDENTITY_PARTS; j++)
+            assert_int_equal(before[j] != after[j], j == (i < 4 ? SHAPES : MATERIALS));
+    }
+    clear(k);
+}
+
+/* Each part has its words, in this order; where nothing differs, there are none. */
+static void what_differs_is_named(void **state)
+{
+    (void)state;
+    static const char *const names[BIS_IDENTITY_PARTS] = {
+        "the size of the picture, or its crop", "the layers", "the camera", "the sampler, or its seed",
+        "the camera samples for which samplers \"stratified\" and \"halton\" divide a pixel (--spp)",
+        "pixel jitter, adaptive sampling, or camera samples on edges",
+        "that an --error is asked for, or that none is", "the integrator, or its parameters", "the shapes",
+        "the materials, or their textures", "the pixels of the map", "the parameters of the light", "the accelerator"};
+    uint64_t a[BIS_IDENTITY_PARTS] = {0}, b[BIS_IDENTITY_PARTS] = {0};
+    char list[1024] = "before";
+
+    assert_false(bis_identity_differs(list, sizeof list, a, b));
+    assert_string_equal(list, "");
+    for (int i = 0; i < BIS_IDENTITY_PARTS; i++) {
+        b[i] = 1;
+        assert_true(bis_identity_differs(list, sizeof list, a, b));
+        assert_string_equal(list, names[i]);
+        b[i] = 0;
+    }
+    b[0] = b[12] = 7;
+    assert_true(bis_identity_differs(list, sizeof list, a, b));
+    assert_string_equal(list, "the size of the picture, or its crop; the accelerator");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_field_of_the_view_counts),
+        cmocka_unit_test(of_an_error_only_that_it_is_asked_for_counts),
+        cmocka_unit_test(camera_samples_count_where_they_divide_a_pixel),
+        cmocka_unit_test(each_field_of_the_shapes_counts),
+        cmocka_unit_test(each_field_of_materials_and_textures_counts),
+        cmocka_unit_test(each_field_of_the_light_counts),
+        cmocka_unit_test(numbers_of_things_count),
+        cmocka_unit_test(what_differs_is_named),
+    };
+    return cmocka_run_group_tests_name("identity", tests, NULL, NULL);
+}
