@@ -19,7 +19,7 @@
 
 #include <stdbool.h>
 
-enum { TOGETHER = 64 }; /* rays that the accelerator gets at once */
+enum { SQUARE = 8 }; /* corners along each side of what the accelerator gets at once */
 
 /* What a corner sees. */
 typedef struct corner {
@@ -51,28 +51,6 @@ double *bis_edges_turns(const bis_scene_desc *desc)
     return turns;
 }
 
-/* What the rays through n <= TOGETHER places of a row see; x[n], and y for all. */
-static void look_at(corner *c, const double *x, double y, int n, const bis_film *film, const bis_scene *scene,
-                    const bis_view *view, const double *turns)
-{
-    ray eye[TOGETHER];
-    uint32_t prim[TOGETHER];
-
-    for (int i = 0; i < n; i++)
-        eye[i] = bis_camera_ray(&view->camera, film->picture_width, film->picture_height, x[i], y);
-    bis_accel_intersect_many(scene->accel, eye, (uint32_t)n, prim);
-    for (int stage = 0; stage < 2; stage++)
-        for (int i = 0; i < n; i++)
-            if (prim[i] != BIS_NO_PRIM) bis_geometry_prefetch(&scene->geometry, prim[i], stage);
-    for (int i = 0; i < n; i++) {
-        bis_surface at;
-        c[i] = (corner){.hit = prim[i] != BIS_NO_PRIM};
-        if (!c[i].hit) continue;
-        bis_geometry_surface(&scene->geometry, prim[i], &eye[i], &at);
-        c[i] = (corner){true, at.material, turns[at.material], at.n};
-    }
-}
-
 /* Neighbours share corners, but not in a thin film: corner 2 i + k is then the k-th of pixel i. */
 static int corners_a_pixel(const bis_film *film) { return film->step > 1 ? 2 : 1; }
 static int corners_of(const bis_film *film, int n) { return film->step > 1 ? 2 * n : n + 1; }
@@ -82,6 +60,36 @@ static double place_of(const bis_film *film, int first, int i)
 {
     const int n = corners_a_pixel(film);
     return (first + i / n) * film->step + film->step / 2 + i % n;
+}
+
+/* What the rays through the corners of one square see: side by side in fours, so that each packet of 16 is a square,
+ * too. (x, y) is the square's first corner of across x down. */
+static void look_at_square(corner *c, int across, int down, int x, int y, bis_rect rect, const bis_film *film,
+                           const bis_scene *scene, const bis_view *view, const double *turns)
+{
+    ray eye[SQUARE * SQUARE];
+    uint32_t prim[SQUARE * SQUARE];
+    ptrdiff_t at[SQUARE * SQUARE];
+    int n = 0;
+
+    for (int i = 0; i < SQUARE * SQUARE; i++) {
+        const int column = x + i / 16 % 2 * 4 + i % 4, row = y + i / 32 * 4 + i / 4 % 4;
+        if (column >= across || row >= down) continue;
+        eye[n] = bis_camera_ray(&view->camera, film->picture_width, film->picture_height,
+                                place_of(film, rect.x0, column), place_of(film, rect.y0, row));
+        at[n++] = row * (ptrdiff_t)across + column;
+    }
+    bis_accel_intersect_many(scene->accel, eye, (uint32_t)n, prim);
+    for (int stage = 0; stage < 2; stage++)
+        for (int i = 0; i < n; i++)
+            if (prim[i] != BIS_NO_PRIM) bis_geometry_prefetch(&scene->geometry, prim[i], stage);
+    for (int i = 0; i < n; i++) {
+        bis_surface s;
+        c[at[i]] = (corner){.hit = prim[i] != BIS_NO_PRIM};
+        if (!c[at[i]].hit) continue;
+        bis_geometry_surface(&scene->geometry, prim[i], &eye[i], &s);
+        c[at[i]] = (corner){true, s.material, turns[s.material], s.n};
+    }
 }
 
 /* Of a side from `first` to `end`, in an area that ends at `last`. */
@@ -122,15 +130,10 @@ bool bis_edges_find(unsigned char *edge, bis_rect area, bis_rect rect, const bis
 
     if (!c) return false;
     (void)n_threads; /* a compiler without OpenMP has one thread */
-#pragma omp parallel for schedule(dynamic, 8) num_threads(n_threads)
-    for (int y = 0; y < down; y++) {
-        for (int first = 0; first < across; first += TOGETHER) {
-            const int count = across - first < TOGETHER ? across - first : TOGETHER;
-            double x[TOGETHER];
-            for (int i = 0; i < count; i++) x[i] = place_of(film, rect.x0, first + i);
-            look_at(&c[y * (ptrdiff_t)across + first], x, place_of(film, rect.y0, y), count, film, scene, view, turns);
-        }
-    }
+#pragma omp parallel for schedule(dynamic) num_threads(n_threads)
+    for (int y = 0; y < down; y += SQUARE)
+        for (int x = 0; x < across; x += SQUARE)
+            look_at_square(c, across, down, x, y, rect, film, scene, view, turns);
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {
             const corner *a = &c[n * y * (ptrdiff_t)across + n * x], *b = a + across;
