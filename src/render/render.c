@@ -40,6 +40,8 @@ typedef struct render {
     bis_budget budget;
     uint64_t most; /* camera samples of budget.spp; 0: not limited by it */
     double start, last_report; /* start: now, less the seconds that earlier processes spent */
+    double first_pass;    /* when this process began its first pass */
+    uint64_t spp_before;  /* camera samples of earlier processes */
     bis_done done;
     uint32_t kept;    /* passes in the last checkpoint that this process has written */
     double last_kept; /* when that was */
@@ -119,6 +121,15 @@ static void forecast(render *r)
     r->work.options->forecast(&f, r->work.options->user);
 }
 
+/* Seconds of a camera sample of all pixels. What came before the first pass is not done again, so it does not count. */
+static double seconds_a_sample(const render *r)
+{
+    const uint64_t own = r->done.spp - r->spp_before;
+    const double now = bis_clock_now();
+
+    return own ? (now - r->first_pass) / (double)own : (now - r->start) / (double)r->done.spp;
+}
+
 /* May another pass begin? Its size is r->size. */
 static bool budget_left(render *r)
 {
@@ -131,7 +142,7 @@ static bool budget_left(render *r)
     if (passes == UINT32_MAX) return false;
     const uint32_t size = r->size = pass_size(r, done->spp);
     if (b->seconds > 0 && passes) {
-        const double spent = bis_clock_now() - r->start, fits = (b->seconds - spent) / (spent / (double)done->spp);
+        const double fits = (b->seconds - (bis_clock_now() - r->start)) / seconds_a_sample(r);
         if (fits < (r->work.view->adaptive ? size : 1)) return false;
         r->is_last = fits < size;
         if (r->is_last) r->size = (uint32_t)fits;
@@ -178,6 +189,8 @@ static void render_passes(render *r, bis_render_result *result)
     const bis_checkpoint *c = r->work.options->checkpoint;
     bool is_cut = false;
 
+    r->first_pass = bis_clock_now();
+    r->spp_before = r->done.spp;
     while (budget_left(r)) {
         is_cut = r->size < whole_size(r, r->done.spp);
         if (c && (is_cut || bis_clock_now() - r->last_kept >= c->every)) keep(r);

@@ -487,6 +487,45 @@ static void no_pass_begins_that_would_not_fit_into_the_time(void **state)
     clear_world(&w);
 }
 
+/* An accelerator that rests at its first ray. */
+typedef struct tired {
+    bis_accel accel;
+    const bis_accel *right;
+    bool has_rested;
+} tired;
+
+static bool tired_intersect(const bis_accel *a, const ray *r, bis_hit *hit)
+{
+    tired *t = (tired *)a;
+
+    if (!t->has_rested) nanosleep(&(struct timespec){.tv_nsec = 400000000}, NULL);
+    t->has_rested = true;
+    return bis_accel_intersect(t->right, r, hit);
+}
+
+static bool tired_occluded(const bis_accel *a, const ray *r) { return bis_accel_occluded(((const tired *)a)->right, r); }
+
+/* The search for outlines takes 400 ms of 800, and a pass of one pixel next to nothing. If the search counted as a part
+ * of the first pass, no second one would fit. */
+static void what_is_done_once_does_not_make_passes_dearer(void **state)
+{
+    (void)state;
+    static const bis_accel_ops ops = {.name = "tired", .intersect = tired_intersect, .occluded = tired_occluded};
+    const double pixel[4] = {18 / 37.0, 19 / 37.0, 10 / 21.0, 11 / 21.0};
+    world w;
+    bis_film film;
+    bis_render_result result;
+    make_world(&w, &noise);
+    w.desc.view.edge_samples = 2;
+    tired slow = {{&ops, &w.scene.geometry}, w.scene.accel, false};
+    w.scene.accel = &slow.accel;
+    render(&film, &result, &w, pixel, &(bis_render_options){.budget = {.seconds = 0.8}, .n_threads = 1});
+    assert_true(slow.has_rested && result.passes >= 2);
+    w.scene.accel = (bis_accel *)slow.right;
+    bis_film_clear(&film);
+    clear_world(&w);
+}
+
 /* Rests in the first two camera samples only. */
 static int rests;
 
@@ -910,6 +949,7 @@ int main(void)
         cmocka_unit_test(spp_is_the_number_of_camera_rays_in_growing_passes),
         cmocka_unit_test(the_shortest_time_still_completes_one_pass_E39),
         cmocka_unit_test(no_pass_begins_that_would_not_fit_into_the_time),
+        cmocka_unit_test(what_is_done_once_does_not_make_passes_dearer),
         cmocka_unit_test(a_pass_that_is_cut_to_fit_is_the_last),
         cmocka_unit_test(an_error_budget_ends_when_the_bound_holds_and_not_before),
         cmocka_unit_test(an_error_budget_takes_four_passes_at_least_and_spp_at_most),
