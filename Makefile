@@ -193,7 +193,7 @@ asan:
 FUZZ_SECONDS ?= 60
 fuzz:
 	$(MAKE) VARIANT=fuzz CC=clang EMBREE=0 CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=fuzzer-no-link,$(SANITIZE)" fuzz-run
-fuzz-run: $(FUZZERS) $(SEEDERS)
+fuzz-run: $(FUZZERS) $(SEEDERS) $B/bis
 	@sh scripts/check/fuzz.sh $B $(FUZZ_SECONDS) $(FUZZ)
 $(FUZZERS): $B/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/input.o $(LIB)
 	$(LINK) -fsanitize=fuzzer $(LIBS)

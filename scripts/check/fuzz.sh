@@ -11,7 +11,7 @@ work=build/fuzz
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
 mkdir -p $work/made $work/found
 for test in image image_hdr image_pfm image_exr image_png ply obj gzip part convert; do
-    [ -e $work/made/.$test ] || BIS_SEEDS=$work/made "$build/tests/test_$test" >$work/seeds.log 2>&1 || { cat $work/seeds.log; exit 1; }
+    [ -e $work/made/.$test ] || BIS_PROGRAM="$build/bis" BIS_SEEDS=$work/made "$build/tests/test_$test" >$work/seeds.log 2>&1 || { cat $work/seeds.log; exit 1; }
     touch $work/made/.$test
 done
 status=0
