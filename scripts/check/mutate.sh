@@ -501,6 +501,18 @@ exit
 # - if (w->n > 0 && pixel->cell != w->cell) bis_wave_end(w);
 # + ;
 #
+# * sampler test_sampler : camera samples do not mirror each other through the centre
+# -     return (first & 1 ? ~after : after) << 1 | (first & 1);
+# +     return after << 1 | (first & 1);
+#
+# * sampler test_sampler : camera samples do not mirror each other within halves
+# -     after = (first & 2 ? ~after : after) << 1 | first >> 1;
+# +     after = after << 1 | first >> 1;
+#
+# * render test_render : what is done once makes passes dearer
+# -     return own ? (now - r->first_pass) / (double)own : (now - r->start) / (double)r->done.spp;
+# +     return (now - r->start) / (double)r->done.spp;
+#
 # * edges test_edges : where a lobe turns away is no edge
 # - return cosine < a->turn ? BIS_EDGE_TURN : BIS_EDGE_NONE;
 # + return BIS_EDGE_NONE;
