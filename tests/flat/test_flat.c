@@ -183,6 +183,15 @@ static void a_picture_has_the_bits_of_the_program(void **state)
         for (int i = 0; i < n; i++) assert_memory_equal(rgba + 4 * i, &image.pixels[i], sizeof image.pixels[i]);
         assert_true(json_is_valid(bis_flat_picture_stats(p)));
         assert_string_equal(json_value(value, sizeof value, bis_flat_picture_stats(p), "integrator"), cases[k].integrator);
+        /* the whole is more than its parts */
+        static const char *const parts[] = {"seconds.parse", "seconds.load", "seconds.envmap", "seconds.accel", "seconds.render"};
+        double rest = strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), "seconds.total"), NULL);
+        for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+            const double part = strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), parts[i]), NULL);
+            assert_true(part > 0);
+            rest -= part;
+        }
+        assert_true(rest > -1e-6); /* rounding */
         free(rgba);
         bis_image_clear(&image);
         bis_flat_picture_close(p);

@@ -1082,6 +1082,12 @@ static void points_are_mapped_by_angles_or_by_a_plane(void **state)
                         "Scale 5 5 5 Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", cases[i].before, four(), cases[i].params);
         for (int k = 0; k < 4; k++) assert_near(value_at(&b, cases[i].p[k]), texels[k]);
         assert_true(isfinite(value_at(&b, (double[]){0, 0, 0}))); /* a sphere's centre has no angles */
+        if (i == 0) {
+            /* theta 120 degrees, phi 90: s = 2/3 is 5/6 of the way from 1/4 to 3/4. theta 45, phi 0: t = 0 is half way
+             * between the row below and the repeated one above */
+            assert_near(value_at(&b, (double[]){0, 0.8660254037844386, -0.5}), 0.1 + 0.1 * 5 / 6);
+            assert_near(value_at(&b, (double[]){1, 0, 1}), 0.25);
+        }
         clear(&b);
     }
 }
