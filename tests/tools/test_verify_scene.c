@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-static double alpha(void) { return stat_level(1e-3, 254); }
+static double alpha(void) { return stat_level(1e-3, 251); }
 
 static void the_command_verifies_maps_and_scenes(void **state)
 {
