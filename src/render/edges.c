@@ -80,9 +80,7 @@ static void look_at_square(corner *c, int across, int down, int x, int y, bis_re
         at[n++] = row * (ptrdiff_t)across + column;
     }
     bis_accel_intersect_many(scene->accel, eye, (uint32_t)n, prim);
-    for (int stage = 0; stage < 2; stage++)
-        for (int i = 0; i < n; i++)
-            if (prim[i] != BIS_NO_PRIM) bis_geometry_prefetch(&scene->geometry, prim[i], stage);
+    bis_geometry_prefetch(&scene->geometry, prim, (uint32_t)n);
     for (int i = 0; i < n; i++) {
         bis_surface s;
         c[at[i]] = (corner){.hit = prim[i] != BIS_NO_PRIM};

@@ -83,9 +83,7 @@ static void find_points(bis_wave *w)
     const bis_geometry *g = &w->task.scene->geometry;
 
     bis_accel_intersect_many(w->task.scene->accel, w->eyes, w->n, w->prim);
-    for (int stage = 0; stage < 2; stage++)
-        for (uint32_t i = 0; i < w->n; i++)
-            if (w->prim[i] != BIS_NO_PRIM) bis_geometry_prefetch(g, w->prim[i], stage);
+    bis_geometry_prefetch(g, w->prim, w->n);
     for (uint32_t i = 0; i < w->n; i++) {
         if (w->prim[i] == BIS_NO_PRIM) continue;
         bis_point *pt = &w->samples[i].pt;

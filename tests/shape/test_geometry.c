@@ -835,8 +835,7 @@ static void what_is_asked_for_before_leaves_surfaces_as_they_are(void **state)
             const ray r = {sub(middle, mul(d, 3)), d, INFINITY};
             bis_surface before, after;
             bis_geometry_surface(&g, prim, &r, &before);
-            bis_geometry_prefetch(&g, prim, 0);
-            bis_geometry_prefetch(&g, prim, 1);
+            bis_geometry_prefetch(&g, (uint32_t[]){prim, BIS_NO_PRIM}, 2);
             bis_geometry_surface(&g, prim, &r, &after);
             assert_memory_equal(&before, &after, sizeof before);
         }

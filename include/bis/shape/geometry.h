@@ -122,21 +122,22 @@ void bis_geometry_surface(const bis_geometry *g, uint32_t prim, const ray *r, bi
  * sphere (phi/2pi, 1 - theta/pi), on a disc (phi/2pi, 1 - r/radius), with phi in [0, 2pi) about z from x. */
 void bis_geometry_uv(const bis_geometry *g, uint32_t prim, const ray *r, double uv[2]);
 
-/* bis_geometry_prefetch asks the memory for what bis_geometry_surface will read of primitive `prim`. It does not wait
- * for the answer. Stage 0 asks for the indices of the vertices; stage 1 reads them and asks for the vertices and
- * normals. It is for a caller with many hits at once: stage 0 for each of them, then stage 1, then the surfaces. */
-static inline void bis_geometry_prefetch(const bis_geometry *g, uint32_t prim, int stage)
+/* bis_geometry_prefetch asks the memory for what bis_geometry_surface will read of the primitives prim[n], of which
+ * BIS_NO_PRIM are left out. It asks for the indices of all vertices before it reads any of them, and does not wait for
+ * the vertices and normals. It is for a caller with many hits at once. */
+static inline void bis_geometry_prefetch(const bis_geometry *g, const uint32_t *prim, uint32_t n)
 {
-    if (prim >= g->n_triangles) return; /* few quadrics: they are near */
-    const uint32_t *index = g->index + 3 * (size_t)prim;
-    if (stage == 0) {
-        __builtin_prefetch(index);
-        __builtin_prefetch(index + 2); /* perhaps in the next cache line */
-        return;
+    for (uint32_t k = 0; k < n; k++) {
+        if (prim[k] >= g->n_triangles) continue; /* no primitive, or one of few quadrics, which are near */
+        __builtin_prefetch(g->index + 3 * (size_t)prim[k]);
+        __builtin_prefetch(g->index + 3 * (size_t)prim[k] + 2); /* perhaps in the next cache line */
     }
-    for (int i = 0; i < 3; i++) {
-        __builtin_prefetch(&g->p[index[i]]);
-        if (g->n) __builtin_prefetch(&g->n[index[i]]);
+    for (uint32_t k = 0; k < n; k++) {
+        if (prim[k] >= g->n_triangles) continue;
+        for (size_t i = 3 * (size_t)prim[k]; i < 3 * (size_t)prim[k] + 3; i++) {
+            __builtin_prefetch(&g->p[g->index[i]]);
+            if (g->n) __builtin_prefetch(&g->n[g->index[i]]);
+        }
     }
 }
 
