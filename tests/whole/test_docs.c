@@ -388,6 +388,24 @@ static void files_that_need_each_other_are_found(void **state)
     }
 }
 
+/* Objects with the instruction, and a twin in which one has none. */
+static void a_prefetch_that_the_compiler_leaves_out_is_found(void **state)
+{
+    (void)state;
+    char command[1024];
+    for (int twin = 0; twin < 2; twin++) {
+        snprintf(command, sizeof command,
+                 "rm -rf build/prefetch && mkdir -p build/prefetch/src/render && cd build/prefetch/src/render && "
+                 "echo 'void f(const char *p); void f(const char *p) { __builtin_prefetch(p); }' > wave.c && "
+                 "echo 'void f(const char *p); void f(const char *p) { %s }' > edges.c && "
+                 "for f in wave edges; do cc -O2 -c -o $f.o $f.c || exit 1; done",
+                 twin ? "(void)p;" : "__builtin_prefetch(p + 64);");
+        if (shell(command) != 0) skip();
+        const int found = shell("sh scripts/check/check_prefetch.sh build/prefetch > build/prefetch.out");
+        assert_int_equal(found, twin && shell("case $(uname -m) in x86_64 | aarch64) ;; *) exit 1 ;; esac") == 0);
+    }
+}
+
 /* --- errata
  * -------------------------------------------------------------------------------------------------------- */
 
@@ -540,6 +558,7 @@ int main(void)
         cmocka_unit_test(arrows_only_go_down),
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
         cmocka_unit_test(files_that_need_each_other_are_found),
+        cmocka_unit_test(a_prefetch_that_the_compiler_leaves_out_is_found),
         cmocka_unit_test(every_item_of_the_errata_has_a_test_named_after_it_and_a_twin),
         cmocka_unit_test(an_item_without_its_test_or_its_twin_is_found),
         cmocka_unit_test(every_word_of_a_scene_stands_in_a_scene),

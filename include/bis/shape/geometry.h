@@ -3,6 +3,7 @@
  * quadrics. */
 #pragma once
 
+#include "bis/base/clones.h"
 #include "bis/base/status.h"
 #include "bis/base/xform.h"
 
@@ -124,8 +125,10 @@ void bis_geometry_uv(const bis_geometry *g, uint32_t prim, const ray *r, double 
 
 /* bis_geometry_prefetch asks the memory for what bis_geometry_surface will read of the primitives prim[n], of which
  * BIS_NO_PRIM are left out. It asks for the indices of all vertices before it reads any of them, and does not wait for
- * the vertices and normals. It is for a caller with many hits at once. */
-static inline void bis_geometry_prefetch(const bis_geometry *g, const uint32_t *prim, uint32_t n)
+ * the vertices and normals. It is for a caller with many hits at once.
+ * always_inline, because gcc takes a function that only prefetches for one without effect and leaves out its calls
+ * (scripts/check/check_prefetch.sh looks whether they are there). */
+static inline BIS_INLINE void bis_geometry_prefetch(const bis_geometry *g, const uint32_t *prim, uint32_t n)
 {
     for (uint32_t k = 0; k < n; k++) {
         if (prim[k] >= g->n_triangles) continue; /* no primitive, or one of few quadrics, which are near */
