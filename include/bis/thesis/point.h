@@ -48,4 +48,14 @@ static inline bool bis_point_sees(const bis_point *pt, vec3 wi)
  * the renderer adds the term when it has traced the ray. So an estimate is what Lo returns plus its noted terms, in the
  * order in which they were added, and nothing may depend on V but the sum. *seen, unless seen is NULL, grows by 1 if
  * V = 1. Rays are counted as by bis_point_sees. */
-void bis_point_add(rgbd *sum, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen);
+static inline void bis_point_add(rgbd *sum, const bis_point *pt, vec3 wi, rgbd C, uint16_t *seen)
+{
+    if (pt->later) {
+        if (dot(pt->ng, wi) <= 0) return;
+        pt->counters->shadow_rays++;
+        pt->later->add(pt->later, pt, wi, C, seen);
+    } else if (bis_point_sees(pt, wi)) {
+        *sum = rgbd_add(*sum, C);
+        if (seen) ++*seen;
+    }
+}
