@@ -157,7 +157,7 @@ static int read_messages(const viewer *v, float **pixels, int *width, int *heigh
  * is taken after so many refusals, by turns because the connection is full and because a signal came. To wait for it
  * takes no time. */
 static struct {
-    atomic_bool is_on;
+    atomic_bool is_on, breaks; /* breaks: instead of all that, with another reason from the second time on */
     atomic_int refusals, calls, refused, waits;
 } slow;
 
@@ -171,6 +171,10 @@ static void slow_down(int refusals)
 ssize_t send(int fd, const void *data, size_t n, int flags)
 {
     if (slow.is_on && slow.calls++ > 0) {
+        if (slow.breaks) {
+            errno = slow.calls == 2 ? ECONNRESET : EPIPE;
+            return -1;
+        }
         if (slow.refused < slow.refusals) {
             errno = slow.refused++ % 2 ? EINTR : EAGAIN;
             return -1;
@@ -251,6 +255,35 @@ static void a_slow_viewer_has_a_second_for_each_piece_at_the_end(void **state)
         free(v.data);
     }
     bis_film_clear(&f);
+}
+
+/* Once a connection has broken nothing is sent any more, and the first reason is the one that is told. */
+static void nothing_is_sent_to_a_viewer_that_has_gone(void **state)
+{
+    (void)state;
+    bis_film f;
+    viewer v;
+    bis_display *d;
+    bis_diag diag = {0};
+    char where[64], expected[256];
+    make_film(&f);
+    open_viewer(&v, READS);
+    snprintf(where, sizeof where, "127.0.0.1:%d", v.port);
+    slow_down(0);
+    slow.breaks = true;
+    assert_int_equal(bis_display_open(&d, where, "broken", &f, NULL), BIS_OK);
+    bis_display_close(d, &f, &diag);
+    slow.is_on = slow.breaks = false;
+    for (int k = 0; k < 20000 && !v.connections; k++) usleep(1000);
+    close_viewer(&v);
+    assert_int_equal(slow.calls, 2);
+    assert_int_equal(diag.n, 1);
+    assert_int_equal(diag.n_errors, 0);
+    snprintf(expected, sizeof expected, "--display %s: %s; the render went on without", where, strerror(ECONNRESET));
+    assert_non_null(strstr(diag.messages[0].text, expected));
+    bis_diag_clear(&diag);
+    bis_film_clear(&f);
+    free(v.data);
 }
 
 /* ---- tests ---- */
@@ -358,6 +391,7 @@ int main(void)
         cmocka_unit_test(the_viewer_gets_a_picture_from_a_program_without_input),
         cmocka_unit_test(a_viewer_that_is_missing_goes_or_never_reads_stops_nothing),
         cmocka_unit_test(a_slow_viewer_has_a_second_for_each_piece_at_the_end),
+        cmocka_unit_test(nothing_is_sent_to_a_viewer_that_has_gone),
         cmocka_unit_test(an_address_is_a_host_and_a_port),
     };
     return cmocka_run_group_tests(tests, make_scene, NULL);
