@@ -342,8 +342,8 @@ static void a_reference_is_the_mean_over_the_pixel(void **state)
 /* Of 6 x 4 pixels, each half as wide as a unit, every second in both directions, 1, 3, 5 and 1, 3, and of these the
  * right two columns: a floor of reflectance 1/2 fills pixel (3, 1), one of 1/4 pixel (5, 3), the others see the sky. By
  * white light a sample of a floor is 7 rho (g(c1) + g(c2)), g(c) = c/(c + 1/4), where c1 is uniform in [-1, 1] and g 0
- * below 0, and c2 has the density 2c: its mean is 7 rho, that of its square (7 rho)^2 (0.70118 + 2 x 0.29882 x 0.70118).
- */
+ * below 0, and c2 has the density 2c: its mean is 7 rho, that of its square (7 rho)^2
+ * (0.70118 + 2 x 0.29882 x 0.70118). */
 static void pixels_of_a_thin_film_meet_what_is_there(void **state)
 {
     (void)state;
@@ -418,7 +418,8 @@ static void outlines_are_other_materials_and_other_sides(void **state)
                  "%s"
                  "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
                  "\"point3 P\" [0 -9 9  %.9g -9 %.9g  %.9g 9 %.9g  0 9 9]\n",
-                 cases[i].is_other ? "Material \"diffuse\"\n" : "", 9 * cos(a), 9 + 9 * sin(a), 9 * cos(a), 9 + 9 * sin(a));
+                 cases[i].is_other ? "Material \"diffuse\"\n" : "", 9 * cos(a), 9 + 9 * sin(a), 9 * cos(a),
+                 9 + 9 * sin(a));
         program_write_file(VERIFY_DIR "/two.txt", text);
         verify_built b = verify_build(VERIFY_DIR "/two.txt");
         const bis_film film = bis_film_place(1, 1, b.desc->view.film.crop, 1);
