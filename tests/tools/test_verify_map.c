@@ -198,6 +198,37 @@ static void an_error_of_any_row_or_pixel_is_told_by_its_size(void **state)
         }
 }
 
+/* An importance asks its map for what a pixel weighs, and its table does not change with the map: a pixel that has
+ * become twice as bright is drawn half as often as its density says, whichever it is. */
+static void an_error_of_any_pixel_of_a_table_is_told_by_its_size(void **state)
+{
+    (void)state;
+    for (int width = 1; width <= 4; width++)
+        for (int kind = 0; kind < 2; kind++) {
+            const bis_table_kind of = kind ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+            const bis_importance_options options = {.table = true, .table_kind = of, .levels = 8};
+            bis_envmap em = map_random(width, 3, 1, 0, (uint64_t)width);
+            bis_importance *im;
+            double pmf[12], sum = 0;
+            for (size_t i = 0; i < map_n(&em); i++) sum += pmf[i] = map_intensity(&em, i) * map_solid_angle(&em, i);
+            for (size_t i = 0; i < map_n(&em); i++) pmf[i] /= sum;
+            assert_int_equal(bis_importance_new(&im, &em, &options, NULL), BIS_OK);
+            for (size_t i = 0; i < map_n(&em); i++) {
+                bis_verify v = {.seed = 1};
+                const rgb right = em.pixels[i];
+                em.pixels[i] = rgb_scale(right, 2);
+                assert_int_equal(bis_verify_importance(&v, "t", of, im, &em, pmf, NULL), BIS_OK);
+                em.pixels[i] = right;
+                assert_near(test_named(&v, "t: table gives that density")->statistic, 0.5, 1e-9);
+                assert_near(test_named(&v, "t: density as defined")->statistic, 1, 1e-9);
+                assert_near(test_named(&v, "t: density integrates to 1")->statistic, pmf[i], 1e-9);
+                bis_verify_clear(&v);
+            }
+            bis_importance_free(im);
+            bis_envmap_clear(&em);
+        }
+}
+
 /* Eight pixels of a row that has 1e-9 of the light: a step of its own CDF is good to 2^-52, one of the column's to
  * 2^-52 of all, which is 1e-7 of the row's. So of an error of 1e-5 most is still told. */
 static void in_a_dark_row_an_error_is_told_but_for_the_steps_rounding(void **state)
@@ -368,6 +399,7 @@ int main(void)
         cmocka_unit_test(wrong_solid_angles_are_rejected),
         cmocka_unit_test(an_importance_of_another_map_is_rejected),
         cmocka_unit_test(an_error_of_any_row_or_pixel_is_told_by_its_size),
+        cmocka_unit_test(an_error_of_any_pixel_of_a_table_is_told_by_its_size),
         cmocka_unit_test(in_a_dark_row_an_error_is_told_but_for_the_steps_rounding),
         cmocka_unit_test(wrong_samplers_of_a_map_are_rejected),
     };
