@@ -201,7 +201,7 @@ static void metals_that_differ_in_one_number_are_others(void **state)
     };
     static char world[4096];
     bis_verify v = {.seed = 2, .halvings = 8};
-    strcpy(world, "LightSource \"infinite\" Translate 50 0 0 ");
+    strcpy(world, "LightSource \"infinite\" \"rgb L\" [0 0 0] Translate 50 0 0 ");
     for (size_t i = 0; i < sizeof metals / sizeof *metals; i++)
         snprintf(world + strlen(world), 256, "Material \"conductor\" %s Shape \"sphere\"\n", metals[i]);
     run_text(&v, verify_one_pixel, world);
@@ -227,8 +227,8 @@ static void assert_columns(const char *line, const char *json, int test)
     }
 }
 
-/* A ball that is drawn from as printed, wrong on purpose: the status is 1, and table and JSON agree in each line about
- * what failed, its numbers and how many there are. */
+/* A ball that is drawn from as printed, wrong on purpose, in the dark, where its material alone is looked at: the status
+ * is 1, and table and JSON agree in each line about what failed, its numbers and how many there are. */
 static void a_failure_is_told_in_table_and_json(void **state)
 {
     (void)state;
@@ -237,7 +237,8 @@ static void a_failure_is_told_in_table_and_json(void **state)
     char value[256], path[64], expected[512], text[1024];
     int n = 0, failed = 0, statistical = 0, skipped = 0;
     snprintf(text, sizeof text, "Option \"string asprinted\" \"E34\"\nWorldBegin LightSource "
-                       "\"infinite\"\nTranslate 0 0 -5 " PHONG("0.1", "0.8", "5") "Shape \"sphere\"\n");
+                       "\"infinite\" \"rgb L\" [0 0 0]\nTranslate 0 0 -5 " PHONG("0.1", "0.8", "5")
+                       "Shape \"sphere\"\n");
     program_write_file(VERIFY_DIR "/wrong.txt", text);
     program_expect(&r, 1, "verify --json " VERIFY_DIR "/wrong.txt --seed 3");
     assert_true(json_is_valid(r.output) && strlen(r.output) < sizeof json);
