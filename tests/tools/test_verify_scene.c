@@ -227,8 +227,8 @@ static void assert_columns(const char *line, const char *json, int test)
     }
 }
 
-/* A ball that is drawn from as printed, wrong on purpose, in the dark, where its material alone is looked at: the status
- * is 1, and table and JSON agree in each line about what failed, its numbers and how many there are. */
+/* A ball that is drawn from as printed, wrong on purpose, in the dark, where its material alone is looked at: the
+ * status is 1, and table and JSON agree in each line about what failed, its numbers and how many there are. */
 static void a_failure_is_told_in_table_and_json(void **state)
 {
     (void)state;
