@@ -8,8 +8,10 @@
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
+#include <sched.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,7 +45,7 @@ typedef struct viewer {
     pthread_t thread;
     unsigned char *data;
     size_t n, capacity;
-    int connections;
+    atomic_int connections;
 } viewer;
 
 static void *serve(void *arg)
@@ -147,6 +149,141 @@ static int read_messages(const viewer *v, float **pixels, int *width, int *heigh
         assert_true(r.at == r.end);
     }
     return updates;
+}
+
+/* ---- a connection that is slow, without waiting ---- */
+
+/* This program's own send and poll, which the library calls: after the first message each piece of at most 1000 bytes
+ * is taken after so many refusals, by turns because the connection is full and because a signal came. To wait for it
+ * takes no time. */
+static struct {
+    atomic_bool is_on, breaks; /* breaks: instead of all that, with another reason from the second time on */
+    atomic_int refusals, calls, refused, waits;
+} slow;
+
+static void slow_down(int refusals)
+{
+    slow.refusals = refusals;
+    slow.calls = slow.refused = slow.waits = 0;
+    slow.is_on = true;
+}
+
+ssize_t send(int fd, const void *data, size_t n, int flags)
+{
+    if (slow.is_on && slow.calls++ > 0) {
+        if (slow.breaks) {
+            errno = slow.calls == 2 ? ECONNRESET : EPIPE;
+            return -1;
+        }
+        if (slow.refused < slow.refusals) {
+            errno = slow.refused++ % 2 ? EINTR : EAGAIN;
+            return -1;
+        }
+        slow.refused = 0;
+        if (n > 1000) n = 1000;
+    }
+    return sendto(fd, data, n, flags, NULL, 0);
+}
+
+int poll(struct pollfd *of, nfds_t n, int ms)
+{
+    if (slow.is_on && ms == 100) {
+        slow.waits++;
+        return 0;
+    }
+    const struct timespec t = {ms / 1000, ms % 1000 * 1000000L};
+    return ppoll(of, n, ms < 0 ? NULL : &t, NULL);
+}
+
+/* A film of one pass, each value another. */
+static void make_film(bis_film *f)
+{
+    static const double whole[4] = {0, 1, 0, 1};
+    assert_int_equal(bis_film_init(f, 24, 20, whole, (bis_loc){0}, NULL), BIS_OK);
+    for (int y = 0; y < 20; y++)
+        for (int x = 0; x < 24; x++) {
+            const float v = (float)(3 * (24 * y + x));
+            bis_film_add(f, x, y, (rgb){v, v + 1, v + 2}, 1, 1);
+        }
+    bis_film_end_pass(f, 1);
+}
+
+/* At the end a viewer has a second for each piece: 10 waits of a tenth are not too many, again and again; after 11 it
+ * reads no more. While the render goes on it may take its time. */
+static void a_slow_viewer_has_a_second_for_each_piece_at_the_end(void **state)
+{
+    (void)state;
+    static const struct {
+        int refusals;
+        bool meanwhile, arrives;
+    } cases[] = {{0, false, true}, {10, false, true}, {11, false, false}, {1000000, false, false}, {500, true, true}};
+    bis_film f;
+    make_film(&f);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        viewer v;
+        bis_display *d;
+        bis_diag diag = {0};
+        float *shown;
+        char where[64];
+        int width = 0, height = 0;
+        open_viewer(&v, READS);
+        snprintf(where, sizeof where, "127.0.0.1:%d", v.port);
+        slow_down(cases[i].refusals);
+        assert_int_equal(bis_display_open(&d, where, "slow", &f, NULL), BIS_OK);
+        if (cases[i].meanwhile) {
+            while (slow.calls < 2) bis_display_offer(d, &f); /* until a share of the time is enough for it */
+            while (slow.waits < 9 * 500) sched_yield(); /* nine pieces, the last of which is then sent */
+        }
+        bis_display_close(d, cases[i].meanwhile ? NULL : &f, &diag);
+        slow.is_on = false;
+        for (int k = 0; k < 20000 && !v.connections; k++) usleep(1000); /* what is not taken yet would be lost */
+        close_viewer(&v);
+        if (cases[i].arrives) {
+            assert_int_equal(diag.n, 0);
+            assert_int_equal(read_messages(&v, &shown, &width, &height, "slow"), 6); /* 16 rows and 4, of 3 channels */
+            assert_true(width == 24 && height == 20);
+            for (int k = 0; k < 3 * 24 * 20; k++) assert_true(shown[k] == (float)k);
+            free(shown);
+            if (!cases[i].meanwhile) /* 16 rows are two pieces, 4 rows are one */
+                assert_int_equal(slow.waits, 9 * cases[i].refusals);
+        } else {
+            assert_int_equal(diag.n, 1);
+            assert_non_null(strstr(diag.messages[0].text, "it reads no more; the render went on without"));
+            assert_int_equal(slow.waits, 11);
+        }
+        bis_diag_clear(&diag);
+        free(v.data);
+    }
+    bis_film_clear(&f);
+}
+
+/* Once a connection has broken nothing is sent any more, and the first reason is the one that is told. */
+static void nothing_is_sent_to_a_viewer_that_has_gone(void **state)
+{
+    (void)state;
+    bis_film f;
+    viewer v;
+    bis_display *d;
+    bis_diag diag = {0};
+    char where[64], expected[256];
+    make_film(&f);
+    open_viewer(&v, READS);
+    snprintf(where, sizeof where, "127.0.0.1:%d", v.port);
+    slow_down(0);
+    slow.breaks = true;
+    assert_int_equal(bis_display_open(&d, where, "broken", &f, NULL), BIS_OK);
+    bis_display_close(d, &f, &diag);
+    slow.is_on = slow.breaks = false;
+    for (int k = 0; k < 20000 && !v.connections; k++) usleep(1000);
+    close_viewer(&v);
+    assert_int_equal(slow.calls, 2);
+    assert_int_equal(diag.n, 1);
+    assert_int_equal(diag.n_errors, 0);
+    snprintf(expected, sizeof expected, "--display %s: %s; the render went on without", where, strerror(ECONNRESET));
+    assert_non_null(strstr(diag.messages[0].text, expected));
+    bis_diag_clear(&diag);
+    bis_film_clear(&f);
+    free(v.data);
 }
 
 /* ---- tests ---- */
@@ -253,6 +390,8 @@ int main(void)
         cmocka_unit_test(the_viewer_gets_the_picture_bit_by_bit),
         cmocka_unit_test(the_viewer_gets_a_picture_from_a_program_without_input),
         cmocka_unit_test(a_viewer_that_is_missing_goes_or_never_reads_stops_nothing),
+        cmocka_unit_test(a_slow_viewer_has_a_second_for_each_piece_at_the_end),
+        cmocka_unit_test(nothing_is_sent_to_a_viewer_that_has_gone),
         cmocka_unit_test(an_address_is_a_host_and_a_port),
     };
     return cmocka_run_group_tests(tests, make_scene, NULL);

@@ -361,6 +361,44 @@ static void each_field_of_the_light_counts(void **state)
     clear(k);
 }
 
+/* Integrators that read the same parameters are two: of the same ones with another name only this part differs. So are
+ * accelerators. */
+static void names_of_integrators_and_accelerators_count(void **state)
+{
+    (void)state;
+    known own, *k = &own;
+    uint64_t parts[3][BIS_IDENTITY_PARTS];
+    fill(k);
+    const bis_integrator *const of[] = {&bis_em, &bis_brdf, &bis_em};
+    for (int i = 0; i < 3; i++) {
+        k->view.settings = bis_settings_default(of[i]);
+        bis_identify(parts[i], &k->of);
+    }
+    assert_memory_equal(parts[0], parts[2], sizeof parts[0]);
+    for (int j = 0; j < BIS_IDENTITY_PARTS; j++) assert_int_equal(parts[0][j] != parts[1][j], j == SETTINGS);
+
+    bis_accel *const built = k->w.scene.accel;
+    bis_geometry g = {0};
+    const bis_quadric q = {.kind = BIS_SPHERE, .radius = 1, .to_world = bis_xform_identity()};
+    bis_accel *a[2] = {0};
+    const int n = bis_accel_embree_version() ? 2 : 1;
+    assert_int_equal(bis_geometry_add_quadric(&g, &q, NULL), BIS_OK);
+    for (int i = 0; i < 3; i++) {
+        const bis_accel_options options = {i ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, 0, 1, NULL};
+        if (i < n) assert_int_equal(bis_accel_new(&a[i], &g, &options, NULL), BIS_OK);
+        k->w.scene.accel = i < n ? a[i] : NULL;
+        bis_identify(parts[i], &k->of);
+        if (i >= n) break;
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < BIS_IDENTITY_PARTS; j++) assert_int_equal(parts[i][j] != parts[n][j], j == ACCELERATOR);
+    for (int j = 0; j < BIS_IDENTITY_PARTS; j++) assert_int_equal(parts[0][j] != parts[1][j], j == ACCELERATOR);
+    for (int i = 0; i < n; i++) bis_accel_free(a[i]);
+    bis_geometry_clear(&g);
+    k->w.scene.accel = built;
+    clear(k);
+}
+
 /* What one array loses the next one does not get: a smaller n is another identity. */
 static void numbers_of_things_count(void **state)
 {
@@ -418,6 +456,7 @@ int main(void)
         cmocka_unit_test(each_field_of_the_shapes_counts),
         cmocka_unit_test(each_field_of_materials_and_textures_counts),
         cmocka_unit_test(each_field_of_the_light_counts),
+        cmocka_unit_test(names_of_integrators_and_accelerators_count),
         cmocka_unit_test(numbers_of_things_count),
         cmocka_unit_test(what_differs_is_named),
     };

@@ -361,6 +361,32 @@ static void error_bars_are_what_the_formulas_give_by_hand(void **state)
     bis_film_clear(&f);
 }
 
+/* Of a film without any pass every layer that stands for values is 0. Two passes of weights 1 and 3: a layer's value is
+ * its sum by 4, the number of samples the sum itself. */
+static void layers_of_no_pass_are_black_and_passes_count_by_their_weight(void **state)
+{
+    (void)state;
+    const unsigned asked = 1u << BIS_LAYER_UNOCCLUDED | 1u << BIS_LAYER_ALBEDO | 1u << BIS_LAYER_NORMAL |
+                           1u << BIS_LAYER_DEPTH | 1u << BIS_LAYER_VISIBILITY | 1u << BIS_LAYER_SAMPLES;
+    bis_film f;
+    float planes[BIS_FILM_MAX_CHANNELS];
+    bis_channel channels[BIS_FILM_MAX_CHANNELS];
+    assert_int_equal(bis_film_init(&f, 1, 1, whole, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_film_want(&f, asked, NULL), BIS_OK);
+    assert_int_equal(bis_film_layers(&f, channels, planes), 12);
+    for (int i = 0; i < 12; i++)
+        if (!(channels[i].data[0] == 0)) fail_msg("%s: %g", channels[i].name, (double)channels[i].data[0]);
+    for (int pass = 0; pass < 2; pass++) {
+        for (int k = 0; k < 3; k++) f.layers.sum[f.layers.first[BIS_LAYER_ALBEDO] + k] += 6 * (k + 1);
+        f.layers.sum[f.layers.first[BIS_LAYER_SAMPLES]] += 6;
+        bis_film_add(&f, 0, 0, (rgb){0, 0, 0}, 1, pass ? 3 : 1);
+        bis_film_end_pass(&f, pass ? 3 : 1);
+    }
+    assert_true(plane_of(&f, "Albedo.R", planes)[0] == 3 && plane_of(&f, "Albedo.G", planes)[0] == 6);
+    assert_true(plane_of(&f, "Albedo.B", planes)[0] == 9 && plane_of(&f, "samples.Y", planes)[0] == 12);
+    bis_film_clear(&f);
+}
+
 typedef struct coverage {
     double all, inside, inside_normal; /* inside_normal: a twin that takes 1.96 for t */
 } coverage;
@@ -542,6 +568,7 @@ int main(void)
         cmocka_unit_test(unoccluded_is_L_ns_and_visibility_is_L_over_L_ns),
         cmocka_unit_test(in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples),
         cmocka_unit_test(unoccluded_has_no_surface_below_which_it_is_dark),
+        cmocka_unit_test(layers_of_no_pass_are_black_and_passes_count_by_their_weight),
         cmocka_unit_test(error_bars_are_what_the_formulas_give_by_hand),
         cmocka_unit_test(intervals_cover_93_to_97_percent_of_pixels_from_four_passes_on),
         cmocka_unit_test(intervals_cover_93_to_97_percent_of_a_rendered_picture),

@@ -201,6 +201,28 @@ static void any_allocation_may_fail(void **state)
     }
 }
 
+/* Places for quadrics are asked for at the first, second and third; the message counts the one that has none. */
+static void quadrics_without_memory_are_counted(void **state)
+{
+    (void)state;
+    static const char *const says[] = {"no memory for spheres and disks: 1 in all",
+                                       "no memory for spheres and disks: 2 in all",
+                                       "no memory for spheres and disks: 3 in all"};
+    const bis_quadric q = {BIS_SPHERE, 1, 0, bis_xform_translate(1, 0, 0), 0};
+    bis_geometry g = {0};
+    for (size_t n = 0; n < 3; n++) {
+        bis_diag diag = {0};
+        bis_mem_fail_at(1);
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, &diag), BIS_NOMEM);
+        bis_mem_fail_at(0);
+        assert_true(g.n_quadrics == n && diag.n == 1);
+        assert_non_null(strstr(diag.messages[0].text, says[n]));
+        bis_diag_clear(&diag);
+        assert_int_equal(bis_geometry_add_quadric(&g, &q, &diag), BIS_OK);
+    }
+    bis_geometry_clear(&g);
+}
+
 /* ---- quadrics ---- */
 
 /* Random and not too flat, at distance up to `away`. */
@@ -913,6 +935,7 @@ int main(void)
         cmocka_unit_test(more_than_an_index_can_count_is_refused),
         cmocka_unit_test(what_does_not_fit_into_a_float_or_an_index_is_refused),
         cmocka_unit_test(any_allocation_may_fail),
+        cmocka_unit_test(quadrics_without_memory_are_counted),
         cmocka_unit_test(a_quadrics_box_holds_it_and_is_tight),
         cmocka_unit_test(a_quadric_is_met_where_its_implicit_function_first_changes_sign),
         cmocka_unit_test(a_quadrics_point_is_where_the_ray_was_aimed),

@@ -640,6 +640,44 @@ static void densities_have_marks_axes_and_words(void **state)
     clear(&f);
 }
 
+/* Where the first of these texts stands on the page, and whether it ends there. */
+static void text_place(const char *page, const char *end, double *x, double *y, bool *is_end)
+{
+    const char *at = strstr(page, end);
+    assert_non_null(at);
+    while (strncmp(at, "<text", 5) != 0) at--;
+    assert_int_equal(sscanf(at, "<text x=\"%lf\" y=\"%lf\"", x, y), 2);
+    const char *anchor = strstr(at, "text-anchor=\"end\"");
+    *is_end = anchor && anchor < strchr(at, '>');
+}
+
+/* Three marks at one place, far from the borders: phi 180, theta 90, (416, 290) on the page. Their names stand around
+ * it: n above at the right, the eye above at the left, R below at the right. */
+static void names_of_marks_that_meet_stand_apart(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double x, y;
+        bool is_end;
+    } names[] = {{">n</text>", 416 + 8, 290 - 6, false}, {">eye</text>", 416 - 5, 290 - 6, true},
+                 {">R</text>", 416 + 8, 290 + 16, false}};
+    forged f;
+    char *text[2];
+    forge(&f);
+    f.r.pt.n = f.r.pt.wo = f.r.pt.bsdf.r = (vec3){0, -1, 0};
+    draw(text, &f);
+    for (int i = 0; i < 3; i++) {
+        double x, y;
+        bool is_end;
+        text_place(text[0], names[i].text, &x, &y, &is_end);
+        if (!(fabs(x - names[i].x) < 0.02 && fabs(y - names[i].y) < 0.02 && is_end == names[i].is_end))
+            fail_msg("%s: at (%g, %g)", names[i].text, x, y);
+    }
+    for (int i = 0; i < 2; i++) free(text[i]);
+    clear(&f);
+}
+
 /* The bar's boxes have the colours of the scale from its top. */
 static void the_bar_is_the_scale(void **state)
 {
@@ -747,6 +785,7 @@ int main(void)
         cmocka_unit_test(panels_have_the_densities_in_the_lights_frame),
         cmocka_unit_test(a_lamp_of_one_pixel_is_in_its_place),
         cmocka_unit_test(densities_have_marks_axes_and_words),
+        cmocka_unit_test(names_of_marks_that_meet_stand_apart),
         cmocka_unit_test(the_bar_is_the_scale),
         cmocka_unit_test(samples_have_dots_where_the_rays_go),
     };

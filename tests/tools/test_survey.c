@@ -422,6 +422,27 @@ static void pictures_of_a_map_by_hand_have_the_colours_by_hand(void **state)
     bis_image_clear(&image);
 }
 
+/* Three pixels of one row, as bright as 1, 4 and 16 in each order: the darkest has the heat 0, the next that of log 4
+ * over log 16, the brightest 1, wherever they stand. Their sizes are equal. */
+static void importance_is_seen_from_the_darkest_to_the_brightest_pixel(void **state)
+{
+    (void)state;
+    static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    const bis_importance_options options = {.table = true, .levels = 8};
+    for (int o = 0; o < 6; o++) {
+        bis_envmap em = map_new(3, 1);
+        bis_importance *im;
+        bis_image image;
+        for (int i = 0; i < 3; i++) em.pixels[i] = (rgb){(float)(1 << 2 * orders[o][i]), 0, 0};
+        assert_int_equal(bis_importance_new(&im, &em, &options, NULL), BIS_OK);
+        assert_int_equal(bis_survey_importance_picture(&image, &em, im, 0, NULL), BIS_OK);
+        for (int i = 0; i < 3; i++) assert_colour(image.pixels[i], bis_palette_heat(orders[o][i] / 2.0));
+        bis_image_clear(&image);
+        bis_importance_free(im);
+        bis_envmap_clear(&em);
+    }
+}
+
 /* One dot, in a corner, a lamp that outshines all. Of `rows` rows a radius is rows/200 pixels: within it is bright, within 1.6
  * of it the rest is dimmed to 0.3, across the seam, not across the pole. */
 static void assert_dot(int rows, double radius)
@@ -557,6 +578,7 @@ int main(void)
         cmocka_unit_test(a_black_map_and_a_plain_one_have_short_reports),
         cmocka_unit_test(the_report_of_a_probe_has_its_power_before_and_after),
         cmocka_unit_test(pictures_of_a_map_by_hand_have_the_colours_by_hand),
+        cmocka_unit_test(importance_is_seen_from_the_darkest_to_the_brightest_pixel),
         cmocka_unit_test(a_dot_has_a_rim_and_goes_around_the_seam),
         cmocka_unit_test(options_end_where_they_say),
         cmocka_unit_test(a_map_is_converted_and_comes_back),

@@ -2104,6 +2104,149 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
     bis_trade_clear(&t);
 }
 
+/* What "size" must be follows from "full" and "step", so it stands behind both. One pixel is a picture. */
+static void the_size_of_a_plan_stands_behind_what_it_follows_from(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *lines;
+        int wrong; /* the line that is refused; 0: none */
+    } cases[] = {
+        {"full 1 1\nstep 1\nsize 1 1\n", 0},    {"step 1\nfull 6 4\nsize 6 4\n", 0},
+        {"full 6 4\nsize 6 4\nstep 1\n", 3},    {"step 1\nsize 6 4\nfull 6 4\n", 3},
+        {"size 6 4\nfull 6 4\nstep 1\n", 2},    {"full 6 4\nstep 1\nsize 4 4\n", 4},
+        {"full 6 4\nstep 1\nsize 6 6\n", 4},    {"full 6 4\nstep 3\nsize 2 1\n", 0},
+        {"full 1 2\nstep 2\nsize 1 1\n", 4},    {"full 2 2\nstep 2\nsize 1 1\n", 0},
+    };
+    char text[2048], expected[1024];
+    bis_trade t;
+
+    load(&t);
+    plan_two(&t);
+    if (!program_exists(DIR "/folder")) assert_int_equal(mkdir(DIR "/folder", 0777), 0);
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    const unsigned long long print = t.plan.fingerprint;
+    bis_trade_clear(&t);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_diag diag = {0};
+        snprintf(text, sizeof text, "fingerprint %016llx\n%sseeds 1\nseed 5\nrun_seconds 2.5\ngiven 1\n"
+                 "setting 1 1 0 nan em 16\n", print,
+                 cases[i].lines);
+        program_write_file(DIR "/folder/plan.txt", text);
+        load(&t);
+        t.plan.full_width = t.plan.full_height = t.plan.step = 0;
+        const bis_status status = bis_trade_read_plan(&t, &diag);
+        if ((status == BIS_OK) != (cases[i].wrong == 0))
+            fail_msg("case %zu: status %d, \"%s\"", i, (int)status, diag.n ? diag.messages[0].text : "");
+        if (status) {
+            const char *line = strstr(cases[i].lines, "size");
+            snprintf(expected, sizeof expected, DIR "/folder/plan.txt:%d:1: error: \"%.8s\": behind \"size\" must "
+                     "stand width and height in pixels, those of \"full\" divided by \"step\", which stand before; the "
+                     "file is damaged, measure into a new folder", cases[i].wrong, line);
+            assert_int_equal(diag.n, 1);
+            assert_string_equal(diag.messages[0].text, expected);
+        }
+        bis_diag_clear(&diag);
+        bis_trade_clear(&t);
+    }
+}
+
+/* Whenever the list of runs has to grow and there is no memory, the message counts the run that has no place, and those
+ * before it stay. */
+static void runs_without_memory_are_counted(void **state)
+{
+    (void)state;
+    bis_trade t = {0};
+    int refused = 0;
+    for (uint64_t n = 0; n < 100; n++) {
+        const bis_trade_run run = {.seed = n};
+        bis_diag diag = {0};
+        char expected[64];
+        bis_mem_fail_at(1);
+        const bis_status status = bis_trade_add_run(&t, &run, &diag);
+        bis_mem_fail_at(0);
+        if (status) {
+            refused++;
+            assert_true(status == BIS_NOMEM && t.n_runs == n && diag.n == 1);
+            snprintf(expected, sizeof expected, "error: no memory for %u runs", (unsigned)n + 1);
+            assert_non_null(strstr(diag.messages[0].text, expected));
+            bis_diag_clear(&diag);
+            assert_int_equal(bis_trade_add_run(&t, &run, NULL), BIS_OK);
+        }
+        assert_true(t.n_runs == n + 1 && t.runs[n].seed == n);
+    }
+    assert_true(refused >= 2);
+    bis_trade_clear(&t);
+}
+
+/* A signal that comes when the maker's replicate is told. */
+typedef struct stop_at {
+    volatile sig_atomic_t flag;
+    const char *what;
+    int replicate, n; /* n: of those told */
+} stop_at;
+
+static void stop_there(const char *what, double share, double left, void *user)
+{
+    stop_at *s = user;
+    const bool is_sir = strcmp(what, "reference by sir") == 0;
+    if (!is_sir) assert_string_equal(what, "reference by mis");
+    assert_near(share, s->n % 8 / 8.0);
+    assert_near(left, (is_sir ? 5 : 1.5) * (8 - s->n % 8)); /* 3 passes of half a second, 1 of 5 s */
+    assert_int_equal(is_sir, s->n / 8);
+    if (strcmp(what, s->what) == 0 && s->n % 8 == s->replicate) s->flag = 1;
+    s->n++;
+}
+
+static int replicates_of(const char *maker, bis_image *images)
+{
+    int n = 0;
+    for (int k = 0; k < 8; k++) {
+        char path[256];
+        snprintf(path, sizeof path, DIR "/stopped/references/%s-%d.exr", maker, k + 1);
+        if (!program_exists(path)) continue;
+        assert_int_equal(n++, k); /* without a gap */
+        if (images) assert_int_equal(bis_image_read(&images[k], path, (bis_loc){0}, NULL), BIS_OK);
+    }
+    return n;
+}
+
+/* A replicate that a signal ends is not kept, and neither is what would follow from all eight; those before it stay.
+ * When it goes on, the missing ones are rendered and nothing else, to the same bits. */
+static void a_replicate_that_was_interrupted_is_not_kept(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *what;
+        int replicate, mis, sir; /* how many are kept */
+    } cases[] = {{"reference by mis", 0, 0, 0}, {"reference by mis", 5, 5, 0}, {"reference by sir", 7, 8, 7},
+                 {"", 0, 8, 8}};
+    bis_image first[8] = {{0}}, now[8] = {{0}};
+    assert_int_equal(system("rm -rf " DIR "/stopped && mkdir -p " DIR "/stopped/references"), 0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        stop_at stop = {.what = cases[i].what, .replicate = cases[i].replicate};
+        bis_trade t;
+        load(&t);
+        plan_two(&t);
+        t.o.folder = DIR "/stopped";
+        t.o.interrupted = &stop.flag, t.o.progress = stop_there, t.o.user = &stop;
+        t.plan.reference_passes[1] = 1;
+        t.plan.settings[t.plan.reference[0]].pass_seconds = 0.5;
+        t.plan.settings[t.plan.reference[1]].pass_seconds = 5;
+        assert_int_equal(bis_trade_make_references(&t, NULL), BIS_OK);
+        assert_int_equal(replicates_of("mis", i < 2 ? NULL : i == 2 ? first : now), cases[i].mis);
+        assert_int_equal(replicates_of("sir", NULL), cases[i].sir);
+        assert_true(t.references[0].is_ready == (cases[i].mis == 8) && t.references[1].is_ready == (cases[i].sir == 8));
+        assert_true(t.both.is_ready == (cases[i].mis == 8));
+        bis_trade_clear(&t);
+    }
+    for (int k = 0; k < 8; k++) {
+        assert_memory_equal(first[k].pixels, now[k].pixels, 24 * sizeof(rgb));
+        bis_image_clear(&first[k]);
+        bis_image_clear(&now[k]);
+    }
+}
+
 /* The worst is at the left and the best at the right, wherever they stand in the strip; of equal ones the reference. */
 static void the_slider_begins_with_the_worst_and_the_best(void **state)
 {
@@ -2202,6 +2345,9 @@ int main(void)
         cmocka_unit_test(each_part_says_that_there_is_no_memory),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
         cmocka_unit_test(each_field_of_a_folder_is_taken_up_to_its_limits),
+        cmocka_unit_test(the_size_of_a_plan_stands_behind_what_it_follows_from),
+        cmocka_unit_test(runs_without_memory_are_counted),
+        cmocka_unit_test(a_replicate_that_was_interrupted_is_not_kept),
         cmocka_unit_test(the_slider_begins_with_the_worst_and_the_best),
         cmocka_unit_test(runs_that_cannot_be_written_at_the_end_are_an_error),
     };

@@ -117,6 +117,138 @@ static void an_importance_of_another_map_is_rejected(void **state)
     bis_envmap_clear(&forged);
 }
 
+static const bis_verify_test *test_named(const bis_verify *v, const char *name)
+{
+    for (size_t i = 0; i < v->n; i++)
+        if (strcmp(v->tests[i].name, name) == 0) return &v->tests[i];
+    fail_msg("no test \"%s\"", name);
+    return NULL;
+}
+
+/* What is told of an importance of `em` where the map is said to have rows of these sizes, and to be drawn by `pmf`. */
+static void tell_importance(bis_verify *v, const bis_envmap *em, bis_table_kind kind, const double *sizes,
+                            const double *pmf)
+{
+    const bis_importance_options options = {.table = true, .table_kind = kind, .levels = 8};
+    bis_envmap said = *em;
+    bis_importance *im;
+    assert_int_equal(bis_importance_new(&im, em, &options, NULL), BIS_OK);
+    said.row_solid_angle = bis_alloc((size_t)em->height, sizeof *sizes);
+    memcpy(said.row_solid_angle, sizes, (size_t)em->height * sizeof *sizes);
+    *v = (bis_verify){.seed = 1};
+    assert_int_equal(bis_verify_importance(v, "t", kind, im, &said, pmf, NULL), BIS_OK);
+    assert_int_equal(bis_verify_judge(v, NULL), BIS_OK);
+    bis_free(said.row_solid_angle);
+    bis_importance_free(im);
+}
+
+/* Maps of 1 to 4 columns and 3 rows. A row that is said to be larger by 1e-5: each of its pixels is drawn by that much
+ * too rarely, the density claims that much more than there is, and the integral has that share of the row too much. A
+ * pixel whose share is said to be larger by 1e-5, or 0, is found wherever it is; so is a row without any size, in which
+ * nothing should be drawn. */
+static void an_error_of_any_row_or_pixel_is_told_by_its_size(void **state)
+{
+    (void)state;
+    const double e = 1e-5, near = 1e-9;
+    for (int width = 1; width <= 4; width++)
+        for (int kind = 0; kind < 2; kind++) {
+            const bis_table_kind of = kind ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+            bis_envmap em = map_random(width, 3, 1, 0, (uint64_t)width);
+            double pmf[12], sum = 0, sizes[3];
+            bis_verify v;
+            for (size_t i = 0; i < map_n(&em); i++) sum += pmf[i] = map_intensity(&em, i) * map_solid_angle(&em, i);
+            for (size_t i = 0; i < map_n(&em); i++) pmf[i] /= sum;
+            for (int y = -1; y < 3; y++) {
+                double row = 0;
+                memcpy(sizes, em.row_solid_angle, sizeof sizes);
+                if (y >= 0) sizes[y] *= 1 + e;
+                for (int x = 0; x < width && y >= 0; x++) row += pmf[y * width + x];
+                tell_importance(&v, &em, of, sizes, pmf);
+                assert_int_equal(v.n, 3);
+                const bis_verify_test *defined = test_named(&v, "t: density as defined");
+                const bis_verify_test *whole = test_named(&v, "t: density integrates to 1");
+                const bis_verify_test *table = test_named(&v, "t: table gives that density");
+                assert_near(defined->statistic, y < 0 ? 0 : e, near);
+                assert_near(whole->statistic, e * row, near);
+                assert_near(table->statistic, y < 0 ? 0 : e / (1 + e), near);
+                assert_near(defined->threshold, (width + 3 + 16) * 0x1p-52, 1e-20);
+                assert_near(whole->threshold, (width + 3 + 16) * 0x1p-52, 1e-20);
+                assert_true(table->threshold == 1e-8);
+                assert_int_equal(v.n_failed, y < 0 ? 0 : 3);
+                bis_verify_clear(&v);
+                if (y < 0) continue;
+                sizes[y] = 0;
+                tell_importance(&v, &em, of, sizes, pmf);
+                assert_true(test_named(&v, "t: table gives that density")->statistic == 1);
+                assert_true(test_named(&v, "t: density as defined")->statistic == 1);
+                bis_verify_clear(&v);
+            }
+            for (size_t i = 0; i < map_n(&em); i++) {
+                const double right = pmf[i];
+                for (int none = 0; none < 2; none++) {
+                    pmf[i] = none ? 0 : right * (1 + e);
+                    tell_importance(&v, &em, of, em.row_solid_angle, pmf);
+                    assert_near(test_named(&v, "t: density as defined")->statistic, none ? 1 : e / (1 + e), near);
+                    assert_int_equal(v.n_failed, 1);
+                    bis_verify_clear(&v);
+                }
+                pmf[i] = right;
+            }
+            bis_envmap_clear(&em);
+        }
+}
+
+/* An importance asks its map for what a pixel weighs, and its table does not change with the map: a pixel that has
+ * become twice as bright is drawn half as often as its density says, whichever it is. */
+static void an_error_of_any_pixel_of_a_table_is_told_by_its_size(void **state)
+{
+    (void)state;
+    for (int width = 1; width <= 4; width++)
+        for (int kind = 0; kind < 2; kind++) {
+            const bis_table_kind of = kind ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+            const bis_importance_options options = {.table = true, .table_kind = of, .levels = 8};
+            bis_envmap em = map_random(width, 3, 1, 0, (uint64_t)width);
+            bis_importance *im;
+            double pmf[12], sum = 0;
+            for (size_t i = 0; i < map_n(&em); i++) sum += pmf[i] = map_intensity(&em, i) * map_solid_angle(&em, i);
+            for (size_t i = 0; i < map_n(&em); i++) pmf[i] /= sum;
+            assert_int_equal(bis_importance_new(&im, &em, &options, NULL), BIS_OK);
+            for (size_t i = 0; i < map_n(&em); i++) {
+                bis_verify v = {.seed = 1};
+                const rgb right = em.pixels[i];
+                em.pixels[i] = rgb_scale(right, 2);
+                assert_int_equal(bis_verify_importance(&v, "t", of, im, &em, pmf, NULL), BIS_OK);
+                em.pixels[i] = right;
+                assert_near(test_named(&v, "t: table gives that density")->statistic, 0.5, 1e-9);
+                assert_near(test_named(&v, "t: density as defined")->statistic, 1, 1e-9);
+                assert_near(test_named(&v, "t: density integrates to 1")->statistic, pmf[i], 1e-9);
+                bis_verify_clear(&v);
+            }
+            bis_importance_free(im);
+            bis_envmap_clear(&em);
+        }
+}
+
+/* Eight pixels of a row that has 1e-9 of the light: a step of its own CDF is good to 2^-52, one of the column's to
+ * 2^-52 of all, which is 1e-7 of the row's. So of an error of 1e-5 most is still told. */
+static void in_a_dark_row_an_error_is_told_but_for_the_steps_rounding(void **state)
+{
+    (void)state;
+    bis_envmap em = map_new(8, 3);
+    double pmf[24], sum = 0, sizes[3];
+    bis_verify v;
+    for (size_t i = 0; i < 24; i++) em.pixels[i].g = i < 8 ? 2e-9f : 1;
+    for (size_t i = 0; i < 24; i++) sum += pmf[i] = map_intensity(&em, i) * map_solid_angle(&em, i);
+    for (size_t i = 0; i < 24; i++) pmf[i] /= sum;
+    memcpy(sizes, em.row_solid_angle, sizeof sizes);
+    sizes[0] *= 1 + 1e-5;
+    tell_importance(&v, &em, BIS_TABLE_CDF, sizes, pmf);
+    const double told = test_named(&v, "t: table gives that density")->statistic;
+    assert_true(told > 8e-6 && told < 1e-5);
+    bis_verify_clear(&v);
+    bis_envmap_clear(&em);
+}
+
 /* Samplers of a map, one right and many wrong. */
 typedef struct wrong_sampler {
     const bis_envmap *em;
@@ -266,6 +398,9 @@ int main(void)
         cmocka_unit_test(a_lamp_beside_darkness_passes),
         cmocka_unit_test(wrong_solid_angles_are_rejected),
         cmocka_unit_test(an_importance_of_another_map_is_rejected),
+        cmocka_unit_test(an_error_of_any_row_or_pixel_is_told_by_its_size),
+        cmocka_unit_test(an_error_of_any_pixel_of_a_table_is_told_by_its_size),
+        cmocka_unit_test(in_a_dark_row_an_error_is_told_but_for_the_steps_rounding),
         cmocka_unit_test(wrong_samplers_of_a_map_are_rejected),
     };
     return cmocka_run_group_tests_name("verify_map", tests, NULL, NULL);

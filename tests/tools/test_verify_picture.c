@@ -339,6 +339,99 @@ static void a_reference_is_the_mean_over_the_pixel(void **state)
     }
 }
 
+/* Of 6 x 4 pixels, each half as wide as a unit, every second in both directions, 1, 3, 5 and 1, 3, and of these the
+ * right two columns: a floor of reflectance 1/2 fills pixel (3, 1), one of 1/4 pixel (5, 3), the others see the sky. By
+ * white light a sample of a floor is 7 rho (g(c1) + g(c2)), g(c) = c/(c + 1/4), where c1 is uniform in [-1, 1] and g 0
+ * below 0, and c2 has the density 2c: its mean is 7 rho, that of its square (7 rho)^2
+ * (0.70118 + 2 x 0.29882 x 0.70118). */
+static void pixels_of_a_thin_film_meet_what_is_there(void **state)
+{
+    (void)state;
+    static const char text[] = "Film \"rgb\" \"integer xresolution\" 6 \"integer yresolution\" 4\n"
+        "Camera \"orthographic\"\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+        "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [0 0 2  .5 0 2  .5 .5 2  0 .5 2]\n"
+        "Material \"diffuse\" \"rgb reflectance\" [.25 .25 .25]\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [1 -1 2  1.5 -1 2  1.5 -.5 2  1 -.5 2]";
+    static const double rho[4] = {0.5, 0, 0, 0.25}, crop[4] = {1 / 3.0, 1, 0, 1};
+    static const uint32_t n[4] = {1 << 16, 1 << 16, 1 << 16, 1 << 16};
+    bis_verify_table table;
+    bis_verify_pixel pixels[4];
+    double mean[4], again[4];
+
+    program_folder(VERIFY_DIR);
+    program_write_file(VERIFY_DIR "/thin.txt", text);
+    verify_built b = verify_build(VERIFY_DIR "/thin.txt");
+    const bis_film film = bis_film_place(6, 4, crop, 2);
+    assert_true(film.x0 == 1 && film.y0 == 0 && film.width == 2 && film.height == 2);
+    assert_int_equal(bis_verify_table_init(&table, b.scene->light, NULL), BIS_OK);
+    const bis_verify_eye eye = {b.scene, b.desc, &b.desc->view, &film, &table, false};
+    bis_verify_means(mean, pixels, &eye, n, 1);
+    bis_verify_means(again, NULL, &eye, n, 1);
+    for (int i = 0; i < 4; i++) {
+        const double L = 7 * rho[i];
+        assert_true(mean[i] == again[i]);
+        assert_false(pixels[i].is_outline);
+        assert_near(mean[i], rho[i] > 0 ? L : 7, 0.01);
+        assert_near(pixels[i].square, rho[i] > 0 ? L * L * (0.70118 + 2 * 0.29882 * 0.70118) : 49, 0.02);
+        for (int k = 0; k < 2; k++) assert_near(pixels[i].slope[k], 0, 0.01);
+        if (rho[i] > 0) {
+            assert_near((double)b.desc->materials[pixels[i].material].Kd.r, rho[i], 1e-6);
+            assert_true(pixels[i].n.x == 0 && pixels[i].n.y == 0 && pixels[i].n.z == -1);
+        } else {
+            assert_true(pixels[i].material == BIS_NO_NUMBER);
+        }
+    }
+    bis_verify_means(again, NULL, &eye, n, 2);
+    assert_true(again[0] != mean[0]);
+
+    /* an invisible light is black behind everything, and lights as before */
+    b.desc->light.visible = false;
+    bis_verify_means(again, NULL, &eye, n, 1);
+    for (int i = 0; i < 4; i++) assert_true(again[i] == (rho[i] > 0 ? mean[i] : 0));
+    bis_verify_table_clear(&table);
+    verify_clear(&b);
+}
+
+/* Two floors that share the only pixel, the right one of the same material or of another, turned about the line where
+ * they meet by so many degrees: an outline where the material is another, or by more than 60 degrees. */
+static void outlines_are_other_materials_and_other_sides(void **state)
+{
+    (void)state;
+    static const struct {
+        bool is_other;
+        double degrees;
+    } cases[] = {{false, 0}, {true, 0}, {false, 55}, {false, 65}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double a = cases[i].degrees * PI / 180;
+        char text[1024];
+        bis_verify_table table;
+        bis_verify_pixel pixel;
+        double mean;
+        program_folder(VERIFY_DIR);
+        snprintf(text, sizeof text,
+                 "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\nCamera \"orthographic\"\n"
+                 "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+                 "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+                 "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
+                 "\"point3 P\" [-9 -9 9  0 -9 9  0 9 9  -9 9 9]\n"
+                 "%s"
+                 "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
+                 "\"point3 P\" [0 -9 9  %.9g -9 %.9g  %.9g 9 %.9g  0 9 9]\n",
+                 cases[i].is_other ? "Material \"diffuse\"\n" : "", 9 * cos(a), 9 + 9 * sin(a), 9 * cos(a),
+                 9 + 9 * sin(a));
+        program_write_file(VERIFY_DIR "/two.txt", text);
+        verify_built b = verify_build(VERIFY_DIR "/two.txt");
+        const bis_film film = bis_film_place(1, 1, b.desc->view.film.crop, 1);
+        assert_int_equal(bis_verify_table_init(&table, b.scene->light, NULL), BIS_OK);
+        const bis_verify_eye eye = {b.scene, b.desc, &b.desc->view, &film, &table, false};
+        bis_verify_means(&mean, &pixel, &eye, (uint32_t[]){64}, 1);
+        if (pixel.is_outline != (cases[i].is_other || cases[i].degrees > 60)) fail_msg("case %zu", i);
+        bis_verify_table_clear(&table);
+        verify_clear(&b);
+    }
+}
+
 /* `exact` takes 2^17 patches a pixel: its points are looked at, as before. */
 static void what_is_too_dear_is_said(void **state)
 {
@@ -388,6 +481,8 @@ int main(void)
         cmocka_unit_test(the_sums_of_a_picture_are_those_by_hand),
         cmocka_unit_test(renders_pixels_and_passes_are_those_worked_out),
         cmocka_unit_test(a_reference_is_the_mean_over_the_pixel),
+        cmocka_unit_test(pixels_of_a_thin_film_meet_what_is_there),
+        cmocka_unit_test(outlines_are_other_materials_and_other_sides),
         cmocka_unit_test(what_is_too_dear_is_said),
         cmocka_unit_test(every_allocation_of_a_picture_may_fail),
     };

@@ -186,6 +186,96 @@ static void every_material_is_looked_at_once(void **state)
     verify_assert_accepted(&v, alpha());
 }
 
+/* Metals that differ in one channel of eta, in one of k, or in alpha are others; one that has all of the first is
+ * not. */
+static void metals_that_differ_in_one_number_are_others(void **state)
+{
+    (void)state;
+    static const char *const metals[] = {
+        "\"rgb eta\" [1 1 1] \"rgb k\" [2 2 2] \"float roughness\" 0.25",
+        "\"rgb eta\" [1 1.5 1] \"rgb k\" [2 2 2] \"float roughness\" 0.25",
+        "\"rgb eta\" [1 1 1] \"rgb k\" [2 2 3] \"float roughness\" 0.25",
+        "\"rgb eta\" [1 1 1] \"rgb k\" [2 2 2] \"float roughness\" 0.36",
+        "\"rgb eta\" [1 1 1] \"rgb k\" [2 2 2] \"float roughness\" 0.25",
+        "\"rgb eta\" [1 1.5 1] \"rgb k\" [2 2 2] \"float roughness\" 0.25",
+    };
+    static char world[4096];
+    bis_verify v = {.seed = 2, .halvings = 8};
+    strcpy(world, "LightSource \"infinite\" \"rgb L\" [0 0 0] Translate 50 0 0 ");
+    for (size_t i = 0; i < sizeof metals / sizeof *metals; i++)
+        snprintf(world + strlen(world), 256, "Material \"conductor\" %s Shape \"sphere\"\n", metals[i]);
+    run_text(&v, verify_one_pixel, world);
+    for (int i = 1; i <= 5; i++) {
+        char begin[16];
+        snprintf(begin, sizeof begin, "%d, ", i);
+        assert_int_equal(count(&v, "materials", begin) > 0, i <= 4);
+    }
+    bis_verify_clear(&v);
+}
+
+/* Three columns of the table as the numbers that JSON has, "-" for none. */
+static void assert_columns(const char *line, const char *json, int test)
+{
+    static const char *const names[] = {"statistic", "p", "threshold"};
+    for (int k = 0; k < 3; k++) {
+        char path[64], expected[32];
+        snprintf(path, sizeof path, "tests.%d.%s", test, names[k]);
+        const double x = json_number(json, path);
+        if (isnan(x)) snprintf(expected, sizeof expected, " %10s", "-");
+        else snprintf(expected, sizeof expected, " %10.3g", x);
+        if (strncmp(line + 46 + 11 * k, expected, 11) != 0) fail_msg("%s is %s in\n%.120s", path, expected, line);
+    }
+}
+
+/* A ball that is drawn from as printed, wrong on purpose, in the dark, where its material alone is looked at: the
+ * status is 1, and table and JSON agree in each line about what failed, its numbers and how many there are. */
+static void a_failure_is_told_in_table_and_json(void **state)
+{
+    (void)state;
+    static char json[1 << 17];
+    program_run r;
+    char value[256], path[64], expected[512], text[1024];
+    int n = 0, failed = 0, statistical = 0, skipped = 0;
+    snprintf(text, sizeof text, "Option \"string asprinted\" \"E34\"\nWorldBegin LightSource "
+                       "\"infinite\" \"rgb L\" [0 0 0]\nTranslate 0 0 -5 " PHONG("0.1", "0.8", "5")
+                       "Shape \"sphere\"\n");
+    program_write_file(VERIFY_DIR "/wrong.txt", text);
+    program_expect(&r, 1, "verify --json " VERIFY_DIR "/wrong.txt --seed 3");
+    assert_true(json_is_valid(r.output) && strlen(r.output) < sizeof json);
+    strcpy(json, r.output);
+    program_expect(&r, 1, "verify " VERIFY_DIR "/wrong.txt --seed 3");
+    for (const char *line = r.output; *line; line = strchr(line, '\n') + 1) {
+        if (strncmp(line, "  ", 2) != 0) continue;
+        snprintf(path, sizeof path, "tests.%d.name", n);
+        json_value(value, sizeof value, json, path);
+        snprintf(expected, sizeof expected, "  %-44.*s", (int)strlen(value) - 2, value + 1);
+        if (strncmp(line, expected, strlen(expected)) != 0) fail_msg("%s is %s in\n%.120s", path, value, line);
+        assert_columns(line, json, n);
+        snprintf(path, sizeof path, "tests.%d.verdict", n);
+        json_value(value, sizeof value, json, path);
+        const bool is_failed = strcmp(value, "\"failed\"") == 0;
+        failed += is_failed;
+        skipped += strcmp(value, "\"skipped\"") == 0;
+        snprintf(path, sizeof path, "tests.%d.p", n);
+        statistical += !isnan(json_number(json, path));
+        const char *const said = line + 46 + 33 + 2;
+        const char *const word = is_failed ? "FAILED" : value[1] == 's' ? "skipped" : "passed";
+        if (strncmp(said, word, strlen(word)) != 0) fail_msg("%s in\n%.120s", value, line);
+        n++;
+    }
+    assert_true(failed > 0 && skipped == 2 && n > failed + skipped);
+    snprintf(expected, sizeof expected, "\n%d tests, %d failed, %d skipped. %d of them are statistical: each fails "
+             "below p = %.3g, so that", n, failed, skipped, statistical, 1 - pow(0.99, 1.0 / statistical));
+    assert_non_null(strstr(r.output, expected));
+    assert_non_null(strstr(r.output, "\nseed 3\nFAILED\n"));
+    assert_true(json_number(json, "failed") == failed && json_number(json, "skipped") == skipped);
+    assert_true(json_number(json, "statistical") == statistical && json_number(json, "seed") == 3);
+    assert_near(json_number(json, "corrected"), 1 - pow(0.99, 1.0 / statistical), 1e-9);
+    assert_string_equal(json_value(value, sizeof value, json, "passed"), "false");
+    snprintf(path, sizeof path, "tests.%d.name", n);
+    assert_string_equal(json_value(value, sizeof value, json, path), ""); /* no more tests than lines */
+}
+
 /* Points k of R2: u = frac(1/2 + k 0.754877666), w = frac(1/2 + k 0.569840291): (0.5, 0.5), (0.25488, 0.06984),
  * (0.00976, 0.63968). They fall into columns 10 to 29 and rows 10 to 19 of the crop. */
 static void pixels_of_the_lattice_lie_in_the_crop(void **state)
@@ -221,6 +311,8 @@ int main(void)
         cmocka_unit_test(what_a_scene_lacks_is_skipped_and_says_why),
         cmocka_unit_test(the_report_is_that_by_hand),
         cmocka_unit_test(every_material_is_looked_at_once),
+        cmocka_unit_test(metals_that_differ_in_one_number_are_others),
+        cmocka_unit_test(a_failure_is_told_in_table_and_json),
         cmocka_unit_test(pixels_of_the_lattice_lie_in_the_crop),
         cmocka_unit_test(our_own_files_pass),
     };

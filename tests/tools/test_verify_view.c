@@ -103,6 +103,38 @@ static void what_is_rare_and_bright_is_judged_too(void **state)
     bis_light_free(light);
 }
 
+static rgb Lo_not_a_number_at_times(const bis_settings *s, const bis_point *pt, bis_stream *stream,
+                                    bis_scratch *scratch)
+{
+    const rgb L = bis_mis.Lo(s, pt, stream, scratch);
+    return stream->pixel == 5 ? (rgb){L.r, NAN, L.b} : L;
+}
+
+/* One run of many that is no number: the integrator fails at once, whatever the threshold. */
+static void what_is_not_a_number_fails(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_integrator forged = bis_mis;
+    bis_settings s = bis_settings_default(&bis_mis);
+    bis_verify v = {.seed = 1, .halvings = 4};
+    lit l;
+    bool tested;
+    lit_init(&l, light, verify_glossy(&bis_phong_model, 5), (vec3){0, 0, 1}, 40, LIT_HALF);
+    forged.Lo = Lo_not_a_number_at_times;
+    s.integrator = &forged;
+    assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+    assert_true(tested && v.n == 1);
+    assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+    assert_string_equal(v.tests[0].group, "view");
+    assert_string_equal(v.tests[0].name, "p: mis");
+    assert_string_equal(v.tests[0].note, "not a number");
+    assert_true(v.tests[0].verdict == BIS_VERDICT_FAILED && v.tests[0].p == 0 && isnan(v.tests[0].statistic));
+    assert_int_equal(v.n_failed, 1);
+    bis_verify_clear(&v);
+    bis_light_free(light);
+}
+
 /* Run r is the estimate of stream r, on whatever thread, and what it has counted is added to what stood there. */
 static void runs_are_those_of_their_streams(void **state)
 {
@@ -215,6 +247,7 @@ int main(void)
         cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
         cmocka_unit_test(what_is_rare_and_bright_is_judged_too),
+        cmocka_unit_test(what_is_not_a_number_fails),
         cmocka_unit_test(runs_are_those_of_their_streams),
         cmocka_unit_test(the_density_of_its_samples_decides_how_an_integrator_is_judged),
         cmocka_unit_test(seeds_that_were_accused_pass),
