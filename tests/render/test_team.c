@@ -5,6 +5,7 @@
 #include "bis/base/mem.h"
 #include "render/checkpoint.h"
 #include "render/crew.h"
+#include "render/team_parts.h"
 
 #include "world.h"
 
@@ -379,6 +380,364 @@ static void a_rank_has_one_batch_in_its_queue_at_most(void **state)
     clear_world(&w);
 }
 
+/* ---- rank 0 alone, whose letters are read by hand ---- */
+
+enum { MOST_SENT = 128, MOST_DEALT = 32 };
+
+typedef struct sent {
+    int to;
+    bis_team_head head;
+    int tiles[MOST_DEALT];
+    uint32_t samples;
+    size_t bytes;
+} sent;
+
+/* A crew that notes what rank 0 sends and answers with the letters that the test has left for it. */
+typedef struct desk {
+    bis_crew crew; /* first: the crew leads to it */
+    world world;
+    bis_film film;
+    bis_workspace w;
+    bis_render_options options;
+    bis_team *team;
+    sent sent[MOST_SENT];
+    int n_sent, answer_from;
+    unsigned char answer[sizeof(bis_team_head) + MOST_DEALT * (sizeof(bis_team_tile) + LEARNED)];
+    size_t n_answer;
+    bool answers_all, gives; /* each letter is answered in its turn; or only where tiles are to go to rank 0 */
+    int n_answered;
+    double progress;
+} desk;
+
+static void note(bis_crew *crew, int to, const void *data, size_t n)
+{
+    desk *d = (desk *)crew;
+    const unsigned char *m = data;
+    sent *s = &d->sent[d->n_sent++];
+
+    assert_true(d->n_sent < MOST_SENT && n >= sizeof s->head);
+    *s = (sent){.to = to, .bytes = n};
+    memcpy(&s->head, m, sizeof s->head);
+    assert_in_range(s->head.n_tiles, 0, MOST_DEALT);
+    const size_t each = sizeof(bis_team_tile) + (s->head.learned ? LEARNED : 0);
+    assert_int_equal(n, sizeof s->head + (size_t)s->head.n_tiles * each);
+    for (int i = 0; i < s->head.n_tiles; i++) {
+        bis_team_tile t;
+        memcpy(&t, m + sizeof s->head + (size_t)i * each, sizeof t);
+        s->tiles[i] = t.tile;
+        s->samples = t.samples;
+    }
+}
+
+static void note_progress(double share, void *user) { ((desk *)user)->progress = share; }
+
+/* Rank `from` has done n tiles: their pixels are as many as a tile has in the picture, each with the tile's number. */
+static void leave_done(desk *d, int from, double seconds, const int *tiles, int n)
+{
+    const bis_team_head h = {.kind = BIS_TEAM_DONE, .n_tiles = n};
+    unsigned char *m = bis_team_put(d->answer, &h, sizeof h);
+
+    for (int k = 0; k < n; k++) {
+        const int t = tiles[k];
+        const bis_rect r = bis_film_tile(&d->film, BIS_RENDER_TILE, t);
+        const bis_team_tile head = {.tile = t, .seconds = seconds};
+        const bis_pixel_mean mean = {{(float)t, (float)(2 * t), 1}, 0.5f};
+        m = bis_team_put(m, &head, sizeof head);
+        for (int i = 0; i < (r.x1 - r.x0) * (r.y1 - r.y0); i++) m = bis_team_put(m, &mean, sizeof mean);
+    }
+    d->answer_from = from;
+    d->n_answer = (size_t)(m - d->answer);
+}
+
+/* Rank `from` gives n tiles to rank 0: what a tile has learned is its number, byte for byte. */
+static void leave_work(desk *d, int from, const int *tiles, int n)
+{
+    const bis_team_head h = {.kind = BIS_TEAM_WORK, .n_tiles = n, .learned = true};
+    unsigned char *m = bis_team_put(d->answer, &h, sizeof h);
+
+    for (int k = 0; k < n; k++) {
+        m = bis_team_put(m, &(bis_team_tile){.tile = tiles[k]}, sizeof(bis_team_tile));
+        memset(m, tiles[k], LEARNED);
+        m += LEARNED;
+    }
+    d->answer_from = from;
+    d->n_answer = (size_t)(m - d->answer);
+}
+
+static void answer_letter(desk *d, const sent *s)
+{
+    if (s->head.kind == BIS_TEAM_GIVE && s->head.to == 0) leave_work(d, s->to, s->tiles, s->head.n_tiles);
+    else if (d->answers_all && s->head.kind == BIS_TEAM_GIVE) leave_done(d, s->head.to, 1, s->tiles, s->head.n_tiles);
+    else if (d->answers_all && s->head.kind == BIS_TEAM_WORK) leave_done(d, s->to, 1, s->tiles, s->head.n_tiles);
+}
+
+static unsigned char *answer(bis_crew *crew, int *from, size_t *n, bool wait)
+{
+    desk *d = (desk *)crew;
+
+    assert_false(wait);
+    while ((d->answers_all || d->gives) && !d->n_answer && d->n_answered < d->n_sent)
+        answer_letter(d, &d->sent[d->n_answered++]);
+    if (!d->n_answer) return NULL;
+    *from = d->answer_from;
+    *n = d->n_answer;
+    d->n_answer = 0;
+    return d->answer;
+}
+
+/* A team of so many ranks, rank i with threads[i], none of them there; a picture of so many tiles. */
+static void open_desk(desk *d, int ranks, const int *threads, int columns, int rows, bool learns)
+{
+    *d = (desk){.crew = {.size = ranks, .host = "here", .send = note, .receive = answer}, .options = {.n_threads = 1}};
+    if (learns) make_learning_world(&d->world);
+    else make_world(&d->world, &bis_em);
+    assert_int_equal(bis_film_init(&d->film, 16 * columns - 3, 16 * rows, all, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_workspace_init(&d->w, &d->film, &d->world.scene, &d->world.desc, &d->world.desc.view,
+                                        &d->options, NULL), BIS_OK);
+    assert_int_equal(d->w.n_tiles, columns * rows);
+    d->team = bis_team_new(&d->crew, &d->w);
+    for (int i = 0; i < ranks; i++) {
+        d->team->threads[i] = threads ? threads[i] : 1;
+        d->team->n_all_threads += d->team->threads[i];
+    }
+}
+
+static void close_desk(desk *d)
+{
+    bis_team_free(d->team);
+    bis_workspace_clear(&d->w);
+    bis_film_clear(&d->film);
+    clear_world(&d->world);
+}
+
+#define LIST(...) (const int[]){__VA_ARGS__}, (int)(sizeof((int[]){__VA_ARGS__}) / sizeof(int))
+
+/* The next letter; of GIVE with the rank that is to get the tiles. */
+static void expect_letter(const desk *d, int *at, int to, bis_team_kind kind, int give_to, bool learned,
+                          const int *tiles, int n)
+{
+    const sent *s = &d->sent[(*at)++];
+
+    assert_true(*at <= d->n_sent);
+    assert_int_equal(s->to, to);
+    assert_int_equal(s->head.kind, kind);
+    assert_int_equal(s->head.learned, learned);
+    if (kind == BIS_TEAM_GIVE) assert_int_equal(s->head.to, give_to);
+    assert_int_equal(s->head.n_tiles, n);
+    for (int i = 0; i < n; i++) assert_int_equal(s->tiles[i], tiles[i]);
+}
+
+static void expect_work(const desk *d, int *at, int to, const int *tiles, int n)
+{
+    expect_letter(d, at, to, BIS_TEAM_WORK, 0, false, tiles, n);
+}
+
+/* 49 tiles that are alike, nobody's; threads 1, 2, 1. A batch is worth left x threads/16, but has a tile for each thread:
+ * 49 x 2/16 = 6.1 for rank 1, then 43/16 = 2.7 for rank 2. Next rank 1 has 6 > 41 x 2/16 = 5.1 tiles and waits; rank 2
+ * gets 41/16 = 2.6. */
+static void the_first_batches_are_those_by_hand(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
+    expect_work(&d, &at, 2, LIST(6, 7));
+    expect_work(&d, &at, 2, LIST(8, 9));
+    assert_int_equal(d.n_sent, at);
+    assert_int_equal(bis_team_deal_next(d.team), 10); /* its own; 38 are left */
+    assert_int_equal(d.n_sent, at);
+    bis_team_finish(d.team, 0, 10, 1);
+    assert_true(d.progress == 1 / 49.0);
+
+    /* 2 of 4 come back, and 38/16 = 2.4 go; rank 0 takes the next */
+    leave_done(&d, 2, 0.25, LIST(6, 7));
+    assert_int_equal(bis_team_deal_next(d.team), 13);
+    expect_work(&d, &at, 2, LIST(11, 12));
+    assert_true(d.progress == 3 / 49.0);
+    assert_true(d.team->seconds[6] == 0.25 && d.team->seconds[7] == 0.25 && d.team->seconds[8] == 0);
+    for (int y = 0; y < d.film.height; y++)
+        for (int x = 0; x < d.film.width; x++) {
+            const int t = y / 16 * 7 + x / 16;
+            const bis_pixel_mean *p = &d.w.pass[y * d.film.width + x];
+            const float wanted = t == 6 || t == 7 ? (float)t : 0;
+            assert_true(p->L.r == wanted && p->L.g == 2 * wanted && p->hit == (wanted > 0 ? 0.5f : 0));
+        }
+
+    /* one of 4 is not enough: 3 held; 35 x 2/16 = 4.4 */
+    leave_done(&d, 1, 1, LIST(0));
+    assert_int_equal(bis_team_deal_next(d.team), 14);
+    assert_int_equal(d.n_sent, at); /* holds 5, and may hold 4 */
+    leave_done(&d, 1, 1, LIST(1));
+    assert_int_equal(bis_team_deal_next(d.team), 19); /* 34 x 2/16 = 4.25 */
+    expect_work(&d, &at, 1, LIST(15, 16, 17, 18));
+    assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
+
+/* The seconds of the last pass: 6.4 for tile 20, 3.2 and 3.25 for 33 and 7, which are alike to a 64th of the most, 0.1
+ * for the others, 17.45 in all. Rank 1 gets a tile for each thread, 20 and 7, though they are worth more than 17.45 x
+ * 2/16 = 2.2; rank 2 tile 33, though it is worth more than 7.8/16. Then 4.6 x 2/16 = 0.575 and 4.1/16 = 0.256 seconds:
+ * 5 tiles, 2 tiles. */
+static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
+    for (int t = 0; t < 49; t++) d.team->seconds[t] = t == 20 ? 6.4 : t == 33 ? 3.2 : t == 7 ? 3.25 : 0.1;
+    d.team->knows = true;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(20, 7));
+    expect_work(&d, &at, 2, LIST(33));
+    expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4));
+    expect_work(&d, &at, 2, LIST(5, 6));
+    assert_int_equal(d.n_sent, at);
+    assert_int_equal(bis_team_deal_next(d.team), 8);
+    assert_int_equal(bis_team_deal_next(d.team), 9);
+    /* nothing is known: no order, whatever stands in the seconds */
+    d.team->knows = false;
+    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
+    close_desk(&d);
+}
+
+/* Who owns what decides who gets what: first its own tiles, then those of nobody, then those of the rank that has most
+ * left: from rank 0 with what they have learned, from another one by a GIVE. The batches: 49 x 2/16 = 6.1, 43/16 = 2.7 and
+ * so on, as far as the list goes. */
+static void tiles_go_to_their_owners_first(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    assert_true(d.w.visibility.n_tiles == 49 && d.w.visibility.cells * sizeof(bis_seen) == LEARNED);
+
+    /* 10 of rank 1, 10 of rank 2, 10 of rank 0, 19 of nobody */
+    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 10 ? 1 : t < 20 ? 2 : t < 30 ? 0 : BIS_TEAM_NOBODY;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
+    expect_work(&d, &at, 2, LIST(10, 11));
+    expect_work(&d, &at, 2, LIST(12, 13));
+    assert_int_equal(d.n_sent, at);
+    leave_done(&d, 1, 1, LIST(0, 1, 2, 3, 4, 5)); /* 39 left: 4.9, but there are 4 in its list */
+    assert_int_equal(bis_team_deal_next(d.team), 20);
+    expect_work(&d, &at, 1, LIST(6, 7, 8, 9));
+    leave_done(&d, 1, 1, LIST(6, 7, 8, 9)); /* 34 left: 4.25 */
+    assert_int_equal(bis_team_deal_next(d.team), 21);
+    expect_work(&d, &at, 1, LIST(30, 31, 32, 33));
+    assert_int_equal(d.n_sent, at);
+    for (int t = 28; t < 37; t++)
+        assert_int_equal(d.team->owner[t], t < 30 ? 0 : t < 34 ? 1 : BIS_TEAM_NOBODY);
+
+    /* 2 of rank 1, 38 of rank 2, 9 of rank 0: rank 1 has no more and gets those of rank 2: 45 x 2/16 = 5.6; 40/16 = 2.5 */
+    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 1 : t < 40 ? 2 : 0;
+    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1));
+    expect_work(&d, &at, 2, LIST(2, 3));
+    expect_letter(&d, &at, 2, BIS_TEAM_GIVE, 1, false, LIST(4, 5, 6, 7, 8));
+    expect_work(&d, &at, 2, LIST(9, 10));
+    assert_int_equal(d.n_sent, at);
+    assert_true(d.team->owner[4] == 1 && d.team->owner[8] == 1 && d.team->owner[9] == 2);
+
+    /* 10 of rank 2, 37 of rank 0 */
+    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 1 : t < 12 ? 2 : 0;
+    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1));
+    expect_work(&d, &at, 2, LIST(2, 3));
+    expect_letter(&d, &at, 1, BIS_TEAM_WORK, 0, true, LIST(12, 13, 14, 15, 16));
+    expect_work(&d, &at, 2, LIST(4, 5));
+    assert_int_equal(d.n_sent, at);
+
+    /* all of rank 1: rank 2 gets 43/16 = 2.7 and 41/16; rank 0 has none, and asks for 39/16 */
+    for (int t = 0; t < 49; t++) d.team->owner[t] = 1;
+    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 2, false, LIST(6, 7));
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 2, false, LIST(8, 9));
+    assert_int_equal(d.n_sent, at);
+    assert_int_equal(bis_team_deal_take(d.team), -1);
+    /* rank 1 has done 4, and gets 39 x 2/16 = 4.9; rank 0 asks for 35/16 = 2.2 and waits; later for 33/16 */
+    leave_done(&d, 1, 1, LIST(0, 1, 2, 3));
+    d.gives = true;
+    d.n_answered = d.n_sent;
+    assert_int_equal(bis_team_deal_next(d.team), 14);
+    expect_work(&d, &at, 1, LIST(10, 11, 12, 13));
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, LIST(14, 15));
+    assert_int_equal(d.n_sent, at);
+    assert_true(d.team->owner[14] == 0 && d.team->owner[16] == 1 && d.team->held[0] == 0);
+    const unsigned char *known = (const unsigned char *)d.w.visibility.known;
+    for (size_t i = 0; i < 49 * LEARNED; i++)
+        assert_int_equal(known[i], i / LEARNED == 14 || i / LEARNED == 15 ? i / LEARNED : 0);
+    assert_int_equal(bis_team_deal_next(d.team), 15);
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, LIST(16, 17));
+    assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
+
+/* 17 ranks of one thread: rank 0 only deals. 160 tiles that are alike: left/68 is 2 for as long as 136 are left, which is
+ * when rank 13 gets its own; the last three get one. Then 131/68 = 1.9: whoever holds 2 has enough, who holds 1 gets one. */
+static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 17, NULL, 16, 10, false);
+    bis_team_begin(d.team, note_progress, &d);
+    for (int i = 1; i <= 13; i++) expect_work(&d, &at, i, LIST(2 * i - 2, 2 * i - 1));
+    for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(12 + i));
+    for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(15 + i));
+    assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
+
+/* A whole pass: each letter is answered in its turn. */
+static void every_tile_is_rendered_once(void **state)
+{
+    (void)state;
+    static desk d;
+
+    for (int kind = 0; kind < 6; kind++) {
+        int times[49] = {0}, stops[17] = {0}, t;
+
+        open_desk(&d, kind < 4 ? 4 : 17, NULL, 7, 7, kind & 1);
+        for (int i = 0; i < 49 && kind & 1; i++) d.team->owner[i] = kind == 1 ? 1 : kind == 3 ? i % 5 - 1 : i % 18 - 1;
+        d.answers_all = true;
+        bis_team_begin(d.team, note_progress, &d);
+        while ((t = bis_team_deal_next(d.team)) >= 0) {
+            times[t]++;
+            bis_team_finish(d.team, 0, t, 1);
+        }
+        for (int i = 0; i < d.n_sent; i++) {
+            const sent *s = &d.sent[i];
+            if (s->head.kind == BIS_TEAM_STOP) stops[s->to]++;
+            for (int k = 0; k < s->head.n_tiles && s->head.to + (s->head.kind == BIS_TEAM_WORK) > 0; k++)
+                times[s->tiles[k]]++;
+        }
+        for (int i = 0; i < 49; i++) assert_int_equal(times[i], 1);
+        for (int i = 0; i < d.crew.size; i++) {
+            assert_int_equal(stops[i], i > 0);
+            assert_int_equal(d.team->held[i], 0);
+        }
+        assert_true(d.progress == 1 && d.team->over);
+        assert_int_equal(bis_team_next(d.team, 1), -1); /* the other threads stop */
+        close_desk(&d);
+    }
+}
+
 static int setup(void **state)
 {
     (void)state;
@@ -394,6 +753,11 @@ int main(void)
         cmocka_unit_test(a_checkpoint_has_what_all_have_learned),
         cmocka_unit_test(a_pass_that_is_given_up_is_not_learned_from),
         cmocka_unit_test(a_rank_has_one_batch_in_its_queue_at_most),
+        cmocka_unit_test(the_first_batches_are_those_by_hand),
+        cmocka_unit_test(costly_tiles_come_first_and_batches_are_shares_of_seconds),
+        cmocka_unit_test(tiles_go_to_their_owners_first),
+        cmocka_unit_test(among_many_ranks_who_has_enough_to_do_gets_none),
+        cmocka_unit_test(every_tile_is_rendered_once),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }
