@@ -406,6 +406,7 @@ typedef struct desk {
     size_t n_answer;
     bool answers_all, gives; /* each letter is answered in its turn; or only where tiles are to go to rank 0 */
     int n_answered;
+    bis_team_step step; /* the last that was broadcast */
     double progress;
 } desk;
 
@@ -427,6 +428,13 @@ static void note(bis_crew *crew, int to, const void *data, size_t n)
         s->tiles[i] = t.tile;
         s->samples = t.samples;
     }
+}
+
+static void note_step(bis_crew *crew, void *data, size_t n)
+{
+    desk *d = (desk *)crew;
+    assert_int_equal(n, sizeof d->step);
+    memcpy(&d->step, data, n);
 }
 
 static void note_progress(double share, void *user) { ((desk *)user)->progress = share; }
@@ -475,9 +483,9 @@ static unsigned char *answer(bis_crew *crew, int *from, size_t *n, bool wait)
 {
     desk *d = (desk *)crew;
 
-    assert_false(wait);
     while ((d->answers_all || d->gives) && !d->n_answer && d->n_answered < d->n_sent)
         answer_letter(d, &d->sent[d->n_answered++]);
+    assert_true(d->n_answer || !wait);
     if (!d->n_answer) return NULL;
     *from = d->answer_from;
     *n = d->n_answer;
@@ -488,7 +496,8 @@ static unsigned char *answer(bis_crew *crew, int *from, size_t *n, bool wait)
 /* A team of so many ranks, rank i with threads[i], none of them there; a picture of so many tiles. */
 static void open_desk(desk *d, int ranks, const int *threads, int columns, int rows, bool learns)
 {
-    *d = (desk){.crew = {.size = ranks, .host = "here", .send = note, .receive = answer}, .options = {.n_threads = 1}};
+    *d = (desk){.crew = {.size = ranks, .host = "here", .broadcast = note_step, .send = note,
+                        .receive = answer}, .options = {.n_threads = 1}};
     if (learns) make_learning_world(&d->world);
     else make_world(&d->world, &bis_em);
     assert_int_equal(bis_film_init(&d->film, 16 * columns - 3, 16 * rows, all, (bis_loc){0}, NULL), BIS_OK);
@@ -532,8 +541,8 @@ static void expect_work(const desk *d, int *at, int to, const int *tiles, int n)
     expect_letter(d, at, to, BIS_TEAM_WORK, 0, false, tiles, n);
 }
 
-/* 49 tiles that are alike, nobody's; threads 1, 2, 1. A batch is worth left x threads/16, but has a tile for each thread:
- * 49 x 2/16 = 6.1 for rank 1, then 43/16 = 2.7 for rank 2. Next rank 1 has 6 > 41 x 2/16 = 5.1 tiles and waits; rank 2
+/* 49 tiles that are alike, nobody's; threads 1, 2, 1. A batch is worth left x threads/16, but has a tile for each
+ * thread: 49 x 2/16 = 6.1 for rank 1, then 43/16 = 2.7 for rank 2. Next rank 1 has 6 > 41 x 2/16 = 5.1 tiles and waits; rank 2
  * gets 41/16 = 2.6. */
 static void the_first_batches_are_those_by_hand(void **state)
 {
@@ -577,10 +586,10 @@ static void the_first_batches_are_those_by_hand(void **state)
     close_desk(&d);
 }
 
-/* The seconds of the last pass: 6.4 for tile 20, 3.2 and 3.25 for 33 and 7, which are alike to a 64th of the most, 0.1
- * for the others, 17.45 in all. Rank 1 gets a tile for each thread, 20 and 7, though they are worth more than 17.45 x
- * 2/16 = 2.2; rank 2 tile 33, though it is worth more than 7.8/16. Then 4.6 x 2/16 = 0.575 and 4.1/16 = 0.256 seconds:
- * 5 tiles, 2 tiles. */
+/* The seconds of the last pass: 0.64 for tile 20, 0.32 and 0.325 for 33 and 7, which are alike to a 64th of the most,
+ * 0.01 for the others, 1.745 in all. Rank 1 gets a tile for each thread, 20 and 7, though they are worth more than 1.745 x
+ * 2/16 = 0.22; rank 2 tile 33, though it is worth more than 0.78/16. Then 0.46 x 2/16 = 0.0575 and 0.41/16 = 0.0256
+ * seconds: 5 tiles, 2 tiles. */
 static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **state)
 {
     (void)state;
@@ -588,7 +597,7 @@ static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **sta
     int at = 0;
 
     open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
-    for (int t = 0; t < 49; t++) d.team->seconds[t] = t == 20 ? 6.4 : t == 33 ? 3.2 : t == 7 ? 3.25 : 0.1;
+    for (int t = 0; t < 49; t++) d.team->seconds[t] = t == 20 ? 0.64 : t == 33 ? 0.32 : t == 7 ? 0.325 : 0.01;
     d.team->knows = true;
     bis_team_begin(d.team, note_progress, &d);
     expect_work(&d, &at, 1, LIST(20, 7));
@@ -600,6 +609,7 @@ static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **sta
     assert_int_equal(bis_team_deal_next(d.team), 9);
     /* nothing is known: no order, whatever stands in the seconds */
     d.team->knows = false;
+    for (int t = 0; t < 49; t++) d.team->seconds[t] *= 100;
     memset(d.team->held, 0, 3 * sizeof *d.team->held);
     d.n_sent = at = 0;
     bis_team_begin(d.team, note_progress, &d);
@@ -608,8 +618,8 @@ static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **sta
 }
 
 /* Who owns what decides who gets what: first its own tiles, then those of nobody, then those of the rank that has most
- * left: from rank 0 with what they have learned, from another one by a GIVE. The batches: 49 x 2/16 = 6.1, 43/16 = 2.7 and
- * so on, as far as the list goes. */
+ * left: from rank 0 with what they have learned, from another one by a GIVE. The batches: 49 x 2/16 = 6.1, 43/16 = 2.7
+ * and so on, as far as the list goes. */
 static void tiles_go_to_their_owners_first(void **state)
 {
     (void)state;
@@ -636,7 +646,7 @@ static void tiles_go_to_their_owners_first(void **state)
     for (int t = 28; t < 37; t++)
         assert_int_equal(d.team->owner[t], t < 30 ? 0 : t < 34 ? 1 : BIS_TEAM_NOBODY);
 
-    /* 2 of rank 1, 38 of rank 2, 9 of rank 0: rank 1 has no more and gets those of rank 2: 45 x 2/16 = 5.6; 40/16 = 2.5 */
+    /* 2 of rank 1, 38 of rank 2, 9 of rank 0: rank 1 gets those of rank 2: 45 x 2/16 = 5.6; 40/16 = 2.5 */
     for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 1 : t < 40 ? 2 : 0;
     memset(d.team->held, 0, 3 * sizeof *d.team->held);
     d.n_sent = at = 0;
@@ -647,6 +657,16 @@ static void tiles_go_to_their_owners_first(void **state)
     expect_work(&d, &at, 2, LIST(9, 10));
     assert_int_equal(d.n_sent, at);
     assert_true(d.team->owner[4] == 1 && d.team->owner[8] == 1 && d.team->owner[9] == 2);
+
+    /* 1 of rank 1, 1 of nobody: two batches are all that is dealt ahead, though rank 1 could hold a third; 48/16 = 3 */
+    for (int t = 0; t < 49; t++) d.team->owner[t] = t == 0 ? 1 : t == 1 ? BIS_TEAM_NOBODY : t >= 10 && t < 20 ? 2 : 0;
+    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0));
+    expect_work(&d, &at, 2, LIST(10, 11, 12));
+    expect_work(&d, &at, 1, LIST(1));
+    assert_int_equal(d.n_sent, at);
 
     /* 10 of rank 2, 37 of rank 0 */
     for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 1 : t < 12 ? 2 : 0;
@@ -687,8 +707,8 @@ static void tiles_go_to_their_owners_first(void **state)
     close_desk(&d);
 }
 
-/* 17 ranks of one thread: rank 0 only deals. 160 tiles that are alike: left/68 is 2 for as long as 136 are left, which is
- * when rank 13 gets its own; the last three get one. Then 131/68 = 1.9: whoever holds 2 has enough, who holds 1 gets one. */
+/* 17 ranks of one thread: rank 0 only deals. 160 tiles that are alike: left/68 is 2 for as long as 136 are left, which
+ * is when rank 13 gets its own; the last three get one. Then 131/68 = 1.9: whoever holds 2 has enough, and gets none. */
 static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
 {
     (void)state;
@@ -701,6 +721,60 @@ static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
     for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(12 + i));
     for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(15 + i));
     assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
+
+/* For a checkpoint: 40 tiles of rank 1 are more than a letter holds; 5 of rank 2; those of rank 0 and nobody stay. */
+static void what_others_have_learned_is_asked_for(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0, tiles[40];
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 0 : t < 42 ? 1 : t < 47 ? 2 : BIS_TEAM_NOBODY;
+    for (int i = 0; i < 40; i++) tiles[i] = 2 + i;
+    d.film.passes = 7;
+    d.gives = true;
+    bis_team_gather(d.team);
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, tiles, 32);
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, tiles + 32, 8);
+    expect_letter(&d, &at, 1, BIS_TEAM_STOP, 0, false, tiles, 0);
+    expect_letter(&d, &at, 2, BIS_TEAM_GIVE, 0, false, LIST(42, 43, 44, 45, 46));
+    expect_letter(&d, &at, 2, BIS_TEAM_STOP, 0, false, tiles, 0);
+    assert_int_equal(d.n_sent, at);
+    assert_true(d.step.next == BIS_TEAM_GATHER && d.step.passes == 7 && d.step.status == BIS_OK);
+    const unsigned char *known = (const unsigned char *)d.w.visibility.known;
+    for (size_t i = 0; i < 49 * LEARNED; i++) {
+        const size_t t = i / LEARNED;
+        assert_int_equal(known[i], t >= 2 && t < 47 ? t : 0);
+    }
+    for (int t = 0; t < 49; t++) /* they stay the owners */
+        assert_int_equal(d.team->owner[t], t < 2 ? 0 : t < 42 ? 1 : t < 47 ? 2 : BIS_TEAM_NOBODY);
+
+    /* the first pass after a checkpoint that was read: rank 0 has it all, and sends it with its tiles */
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_letter(&d, &at, 1, BIS_TEAM_WORK, 0, true, LIST(0, 1, 2, 3, 4, 5));
+    expect_letter(&d, &at, 2, BIS_TEAM_WORK, 0, true, LIST(6, 7));
+    assert_int_equal(bis_team_deal_next(d.team), 10);
+    assert_true(d.team->owner[0] == 1 && d.team->owner[6] == 2 && d.team->owner[10] == 0 && d.team->owner[48] == 0);
+    close_desk(&d);
+
+    /* nothing is learned: nothing is asked for, and nobody owns anything */
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
+    d.film.passes = 7;
+    bis_team_gather(d.team);
+    assert_true(d.n_sent == 0 && d.step.passes == 0);
+    bis_team_begin(d.team, note_progress, &d);
+    for (int t = 0; t < 49; t++) assert_int_equal(d.team->owner[t], BIS_TEAM_NOBODY);
+
+    const bis_pass pass = {.number = 8, .first = 9, .n = 10, .weight = 11};
+    bis_team_call(d.team, &pass, BIS_OK);
+    assert_true(d.step.next == BIS_TEAM_PASS && d.step.passes == 7 && d.step.status == BIS_OK);
+    assert_memory_equal(&d.step.pass, &pass, sizeof pass);
+    bis_team_call(d.team, NULL, BIS_INPUT);
+    assert_true(d.step.next == BIS_TEAM_END && d.step.status == BIS_INPUT);
     close_desk(&d);
 }
 
@@ -757,6 +831,7 @@ int main(void)
         cmocka_unit_test(costly_tiles_come_first_and_batches_are_shares_of_seconds),
         cmocka_unit_test(tiles_go_to_their_owners_first),
         cmocka_unit_test(among_many_ranks_who_has_enough_to_do_gets_none),
+        cmocka_unit_test(what_others_have_learned_is_asked_for),
         cmocka_unit_test(every_tile_is_rendered_once),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
