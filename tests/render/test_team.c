@@ -542,8 +542,8 @@ static void expect_work(const desk *d, int *at, int to, const int *tiles, int n)
 }
 
 /* 49 tiles that are alike, nobody's; threads 1, 2, 1. A batch is worth left x threads/16, but has a tile for each
- * thread: 49 x 2/16 = 6.1 for rank 1, then 43/16 = 2.7 for rank 2. Next rank 1 has 6 > 41 x 2/16 = 5.1 tiles and waits; rank 2
- * gets 41/16 = 2.6. */
+ * thread: 49 x 2/16 = 6.1 for rank 1, then 43/16 = 2.7 for rank 2. Next rank 1 has 6 > 41 x 2/16 = 5.1 tiles and
+ * waits; rank 2 gets 41/16 = 2.6. */
 static void the_first_batches_are_those_by_hand(void **state)
 {
     (void)state;
@@ -587,9 +587,9 @@ static void the_first_batches_are_those_by_hand(void **state)
 }
 
 /* The seconds of the last pass: 0.64 for tile 20, 0.32 and 0.325 for 33 and 7, which are alike to a 64th of the most,
- * 0.01 for the others, 1.745 in all. Rank 1 gets a tile for each thread, 20 and 7, though they are worth more than 1.745 x
- * 2/16 = 0.22; rank 2 tile 33, though it is worth more than 0.78/16. Then 0.46 x 2/16 = 0.0575 and 0.41/16 = 0.0256
- * seconds: 5 tiles, 2 tiles. */
+ * 0.01 for the others, 1.745 in all. Rank 1 gets a tile for each thread, 20 and 7, though they are worth more than
+ * 1.745 x 2/16 = 0.22; rank 2 tile 33, though it is worth more than 0.78/16. Then 0.46 x 2/16 = 0.0575 and 0.41/16 =
+ * 0.0256 seconds: 5 tiles, 2 tiles. */
 static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **state)
 {
     (void)state;
@@ -617,9 +617,9 @@ static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **sta
     close_desk(&d);
 }
 
-/* Who owns what decides who gets what: first its own tiles, then those of nobody, then those of the rank that has most
- * left: from rank 0 with what they have learned, from another one by a GIVE. The batches: 49 x 2/16 = 6.1, 43/16 = 2.7
- * and so on, as far as the list goes. */
+/* Who owns what decides who gets what: first its own tiles, then those of nobody, then those of the rank that has
+ * most left: from rank 0 with what they have learned, from another one by a GIVE. The batches: 49 x 2/16 = 6.1, 43/16
+ * = 2.7 and so on, as far as the list goes. */
 static void tiles_go_to_their_owners_first(void **state)
 {
     (void)state;
@@ -707,8 +707,9 @@ static void tiles_go_to_their_owners_first(void **state)
     close_desk(&d);
 }
 
-/* 17 ranks of one thread: rank 0 only deals. 160 tiles that are alike: left/68 is 2 for as long as 136 are left, which
- * is when rank 13 gets its own; the last three get one. Then 131/68 = 1.9: whoever holds 2 has enough, and gets none. */
+/* 17 ranks of one thread: rank 0 only deals. 160 tiles that are alike: left/68 is 2 for as long as 136 are left,
+ * which is when rank 13 gets its own; the last three get one. Then 131/68 = 1.9: whoever holds 2 has enough, and gets
+ * none. */
 static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
 {
     (void)state;
