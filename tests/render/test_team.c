@@ -723,6 +723,35 @@ static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
     for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(15 + i));
     assert_int_equal(d.n_sent, at);
     close_desk(&d);
+
+    /* up to 16 ranks each gets a second one, though 49/64 is less than a tile, and rank 0 renders */
+    for (int ranks = 16; ranks <= 17; ranks++) {
+        at = 0;
+        open_desk(&d, ranks, NULL, 7, 7, false);
+        bis_team_begin(d.team, note_progress, &d);
+        for (int i = 1; i < ranks; i++) expect_work(&d, &at, i, LIST(i - 1));
+        for (int i = 1; i < ranks && ranks == 16; i++) expect_work(&d, &at, i, LIST(14 + i));
+        assert_int_equal(d.n_sent, at);
+        if (ranks == 16) assert_int_equal(bis_team_deal_next(d.team), 30);
+        close_desk(&d);
+    }
+}
+
+/* Tiles that took no time by the clock: a batch is as many as a letter holds, and the rest, 17, can be moved as well. */
+static void tiles_that_took_no_time_are_dealt_out_too(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0, tiles[49];
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    for (int t = 0; t < 49; t++) tiles[t] = t, d.team->owner[t] = 1;
+    d.team->knows = true;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, tiles, 32);
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 2, false, tiles + 32, 17);
+    assert_int_equal(d.n_sent, at);
+    close_desk(&d);
 }
 
 /* For a checkpoint: 40 tiles of rank 1 are more than a letter holds; 5 of rank 2; those of rank 0 and nobody stay. */
@@ -832,6 +861,7 @@ int main(void)
         cmocka_unit_test(costly_tiles_come_first_and_batches_are_shares_of_seconds),
         cmocka_unit_test(tiles_go_to_their_owners_first),
         cmocka_unit_test(among_many_ranks_who_has_enough_to_do_gets_none),
+        cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),
         cmocka_unit_test(what_others_have_learned_is_asked_for),
         cmocka_unit_test(every_tile_is_rendered_once),
     };
