@@ -388,8 +388,9 @@ typedef struct sent {
     int to;
     bis_team_head head;
     int tiles[MOST_DEALT];
-    uint32_t samples;
-    size_t bytes;
+    bis_team_tile last;   /* before the last tile */
+    unsigned char known;  /* the last byte of what the last tile has learned */
+    bool are_own;         /* of DONE: each pixel has the number of its tile */
 } sent;
 
 /* A crew that notes what rank 0 sends and answers with the letters that the test has left for it. */
@@ -404,6 +405,7 @@ typedef struct desk {
     int n_sent, answer_from;
     unsigned char answer[sizeof(bis_team_head) + MOST_DEALT * (sizeof(bis_team_tile) + LEARNED)];
     size_t n_answer;
+    bool stops;              /* once nothing else is left */
     bool answers_all, gives; /* each letter is answered in its turn; or only where tiles are to go to rank 0 */
     int n_answered;
     bis_team_step step; /* the last that was broadcast */
@@ -417,17 +419,24 @@ static void note(bis_crew *crew, int to, const void *data, size_t n)
     sent *s = &d->sent[d->n_sent++];
 
     assert_true(d->n_sent < MOST_SENT && n >= sizeof s->head);
-    *s = (sent){.to = to, .bytes = n};
+    *s = (sent){.to = to, .are_own = true};
     memcpy(&s->head, m, sizeof s->head);
     assert_in_range(s->head.n_tiles, 0, MOST_DEALT);
-    const size_t each = sizeof(bis_team_tile) + (s->head.learned ? LEARNED : 0);
-    assert_int_equal(n, sizeof s->head + (size_t)s->head.n_tiles * each);
+    m += sizeof s->head;
     for (int i = 0; i < s->head.n_tiles; i++) {
-        bis_team_tile t;
-        memcpy(&t, m + sizeof s->head + (size_t)i * each, sizeof t);
-        s->tiles[i] = t.tile;
-        s->samples = t.samples;
+        memcpy(&s->last, m, sizeof s->last);
+        m += sizeof s->last;
+        s->tiles[i] = s->last.tile;
+        const bis_rect r = bis_film_tile(&d->film, BIS_RENDER_TILE, s->last.tile);
+        const int n_pixels = s->head.kind == BIS_TEAM_DONE ? (r.x1 - r.x0) * (r.y1 - r.y0) : 0;
+        for (int k = 0; k < n_pixels; k++, m += sizeof(bis_pixel_mean)) {
+            bis_pixel_mean mean;
+            memcpy(&mean, m, sizeof mean);
+            s->are_own &= mean.L.r == (float)s->last.tile;
+        }
+        if (s->head.learned) s->known = (m += LEARNED)[-1];
     }
+    assert_int_equal(m - (const unsigned char *)data, n);
 }
 
 static void note_step(bis_crew *crew, void *data, size_t n)
@@ -485,6 +494,11 @@ static unsigned char *answer(bis_crew *crew, int *from, size_t *n, bool wait)
 
     while ((d->answers_all || d->gives) && !d->n_answer && d->n_answered < d->n_sent)
         answer_letter(d, &d->sent[d->n_answered++]);
+    if (!d->n_answer && d->stops) {
+        const bis_team_head stop = {.kind = BIS_TEAM_STOP};
+        d->stops = false;
+        d->n_answer = (size_t)(bis_team_put(d->answer, &stop, sizeof stop) - d->answer);
+    }
     assert_true(d->n_answer || !wait);
     if (!d->n_answer) return NULL;
     *from = d->answer_from;
@@ -737,6 +751,62 @@ static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
     }
 }
 
+/* Another rank: 20 tiles come. What is done goes as soon as it is as much as waits in the queue, or 8: after 8 (12
+ * wait), 14 (6 wait), 17 (3), 19 (1) and 20. Tiles that rank 0 wants for another rank go there, with what they have learned. */
+static void what_is_done_goes_before_the_queue_is_empty(void **state)
+{
+    static const int batches[21] = {[8] = 8, [14] = 6, [17] = 3, [19] = 2, [20] = 1};
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    d.crew.rank = 1;
+    for (int i = 0; i < d.film.width * d.film.height; i++)
+        d.w.pass[i].L.r = (float)(i / d.film.width / 16 * 7 + i % d.film.width / 16);
+    bis_team_begin(d.team, note_progress, &d);
+    assert_int_equal(d.n_sent, 0);
+    leave_work(&d, 0, LIST(40, 41, 42, 43, 44, 45, 46, 47, 48, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20));
+    for (int k = 1; k <= 20; k++) {
+        const int wanted = k < 10 ? 39 + k : k;
+        assert_int_equal(bis_team_work_next(d.team), wanted);
+        bis_team_finish(d.team, 0, wanted, 0.5 * k);
+        if (k < 20) continue;
+        d.stops = true;
+        assert_int_equal(bis_team_work_next(d.team), -1);
+        assert_true(d.team->over);
+    }
+    for (int k = 1; k <= 20; k++) {
+        if (!batches[k]) continue;
+        const sent *s = &d.sent[at++];
+        assert_true(s->to == 0 && s->head.kind == BIS_TEAM_DONE && s->are_own && s->head.n_tiles == batches[k]);
+        for (int i = 0; i < s->head.n_tiles; i++) {
+            const int number = k - s->head.n_tiles + 1 + i;
+            assert_int_equal(s->tiles[i], number < 10 ? 39 + number : number);
+        }
+        assert_true(s->last.seconds == 0.5 * k);
+    }
+    assert_int_equal(d.n_sent, at);
+
+    /* the next pass: rank 0 wants two of those tiles for rank 2, and one itself */
+    for (int to = 2; to >= 0; to -= 2) {
+        bis_team_head give = {.kind = BIS_TEAM_GIVE, .n_tiles = to ? 2 : 1, .to = to};
+        unsigned char *m = bis_team_put(d.answer, &give, sizeof give);
+        m = bis_team_put(m, &(bis_team_tile){.tile = 10, .samples = 5}, sizeof(bis_team_tile));
+        if (to) m = bis_team_put(m, &(bis_team_tile){.tile = 47, .samples = 6}, sizeof(bis_team_tile));
+        d.n_answer = (size_t)(m - d.answer);
+        d.stops = true; /* the next letter */
+        bis_team_begin(d.team, note_progress, &d);
+        assert_int_equal(bis_team_work_next(d.team), -1);
+        if (to) expect_letter(&d, &at, 2, BIS_TEAM_WORK, 0, true, LIST(10, 47));
+        else expect_letter(&d, &at, 0, BIS_TEAM_WORK, 0, true, LIST(10));
+        const sent *s = &d.sent[at - 1];
+        assert_true(s->known == s->last.tile && s->last.samples == (to ? 6 : 5));
+    }
+    assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
+
 /* Tiles that took no time by the clock: a batch is as many as a letter holds, and the rest, 17, can be moved as well. */
 static void tiles_that_took_no_time_are_dealt_out_too(void **state)
 {
@@ -861,6 +931,7 @@ int main(void)
         cmocka_unit_test(costly_tiles_come_first_and_batches_are_shares_of_seconds),
         cmocka_unit_test(tiles_go_to_their_owners_first),
         cmocka_unit_test(among_many_ranks_who_has_enough_to_do_gets_none),
+        cmocka_unit_test(what_is_done_goes_before_the_queue_is_empty),
         cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),
         cmocka_unit_test(what_others_have_learned_is_asked_for),
         cmocka_unit_test(every_tile_is_rendered_once),
