@@ -16,10 +16,13 @@
 #include "lit.h"
 #include "map_help.h"
 #include "render/adapt.h"
+#include "render/crew.h"
+#include "render/team.h"
 #include "render/workspace.h"
 #include "world.h"
 
 #include <malloc.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -243,6 +246,32 @@ static void what_a_render_works_with(void **state)
         }
 }
 
+/* A team has one letter of the same size for every picture: so the difference of two teams is told. */
+static void what_a_team_has_for_tiles_and_ranks(void **state)
+{
+    static const struct { int ranks, side; } cases[] = {{2, 16}, {2, 1600}, {1000, 16}, {900, 3200}};
+    size_t said[4], taken[4];
+
+    (void)state;
+    if (!MALLOC_COUNTS) skip();
+    for (int i = 0; i < 4; i++) {
+        bis_crew crew = {.size = cases[i].ranks};
+        bis_film film;
+        int across;
+        assert_int_equal(bis_film_init(&film, cases[i].side, cases[i].side, whole, (bis_loc){0}, NULL), BIS_OK);
+        bis_workspace w = {.film = &film, .n_tiles = bis_film_tiles(&film, BIS_RENDER_TILE, &across)};
+        const account before = begin();
+        bis_team *team = bis_team_new(&crew, &w);
+        taken[i] = in_use() - before.bytes;
+        said[i] = bis_team_bytes(team);
+        bis_team_free(team);
+        bis_film_clear(&film);
+        /* 13 blocks more or less aligned, some of them rounded up to pages; what begins with 0 has one number more */
+        assert_true(fabs((double)(taken[i] - taken[0]) - (double)(said[i] - said[0])) < 13 * 208 + (i == 3 ? 13 * 4096 : 0));
+    }
+    assert_true(said[1] - said[0] > 40000 && said[2] - said[0] > 200000); /* so that a part of either is seen */
+}
+
 /* malloc counts what it keeps aside for reuse as in use; it must keep nothing. It reads this once, at the start. */
 static void start_again_without_caches(char **argv)
 {
@@ -263,6 +292,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_a_thread_has),
         cmocka_unit_test(a_film_its_layers_and_its_tiles),
         cmocka_unit_test(what_a_render_works_with),
+        cmocka_unit_test(what_a_team_has_for_tiles_and_ranks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
