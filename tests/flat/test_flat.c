@@ -1,5 +1,6 @@
 /* flat: the functions for other languages, from C. Expected values are closed forms, the tables of thesis figure 3.4, and
  * pictures of the program. What arrays of any size give is in tests/python. Mean within 5 standard errors: 6e-7 a test, 2 tests. */
+#include "bis/base/clock.h"
 #include "bis/base/image.h"
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
@@ -171,7 +172,9 @@ static void a_picture_has_the_bits_of_the_program(void **state)
         program_run r;
         int shape[2];
         char value[64];
+        const double begin = bis_clock_now();
         if (bis_flat_render(&p, SCENE, cases[k].settings, NULL, SAY)) fail_msg("%s", say);
+        const double took = bis_clock_now() - begin;
         program_expect(&r, 0, SCENE " --outfile " DIR "/out.pfm %s", cases[k].options);
         assert_int_equal(bis_image_read(&image, DIR "/out.pfm", (bis_loc){0}, NULL), BIS_OK);
         bis_flat_picture_shape(p, shape);
@@ -183,7 +186,8 @@ static void a_picture_has_the_bits_of_the_program(void **state)
         for (int i = 0; i < n; i++) assert_memory_equal(rgba + 4 * i, &image.pixels[i], sizeof image.pixels[i]);
         assert_true(json_is_valid(bis_flat_picture_stats(p)));
         assert_string_equal(json_value(value, sizeof value, bis_flat_picture_stats(p), "integrator"), cases[k].integrator);
-        /* the whole is more than its parts */
+        /* the whole is more than its parts, and no more than the call */
+        assert_true(strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), "seconds.total"), NULL) < 1.00001 * took + 1e-6);
         static const char *const parts[] = {"seconds.parse", "seconds.load", "seconds.envmap", "seconds.accel", "seconds.render"};
         double rest = strtod(json_value(value, sizeof value, bis_flat_picture_stats(p), "seconds.total"), NULL);
         for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {

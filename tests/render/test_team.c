@@ -5,6 +5,7 @@
 #include "bis/base/mem.h"
 #include "render/checkpoint.h"
 #include "render/crew.h"
+#include "render/team_parts.h"
 
 #include "world.h"
 
@@ -379,6 +380,538 @@ static void a_rank_has_one_batch_in_its_queue_at_most(void **state)
     clear_world(&w);
 }
 
+/* ---- rank 0 alone, whose letters are read by hand ---- */
+
+enum { MOST_SENT = 128, MOST_DEALT = 32 };
+
+typedef struct sent {
+    int to;
+    bis_team_head head;
+    int tiles[MOST_DEALT];
+    bis_team_tile last;   /* before the last tile */
+    unsigned char known;  /* the last byte of what the last tile has learned */
+    bool are_own;         /* of DONE: each pixel has the number of its tile */
+} sent;
+
+/* A crew that notes what rank 0 sends and answers with the letters that the test has left for it. */
+typedef struct desk {
+    bis_crew crew; /* first: the crew leads to it */
+    world world;
+    bis_film film;
+    bis_workspace w;
+    bis_render_options options;
+    bis_team *team;
+    sent sent[MOST_SENT];
+    int n_sent, answer_from;
+    unsigned char answer[sizeof(bis_team_head) + MOST_DEALT * (sizeof(bis_team_tile) + LEARNED)];
+    size_t n_answer;
+    bool stops;              /* once nothing else is left */
+    bool answers_all, gives; /* each letter is answered in its turn; or only where tiles are to go to rank 0 */
+    int n_answered;
+    bis_team_step step; /* the last that was broadcast */
+    double progress;
+} desk;
+
+static void note(bis_crew *crew, int to, const void *data, size_t n)
+{
+    desk *d = (desk *)crew;
+    const unsigned char *m = data;
+    sent *s = &d->sent[d->n_sent++];
+
+    assert_true(d->n_sent < MOST_SENT && n >= sizeof s->head);
+    *s = (sent){.to = to, .are_own = true};
+    memcpy(&s->head, m, sizeof s->head);
+    assert_in_range(s->head.n_tiles, 0, MOST_DEALT);
+    m += sizeof s->head;
+    for (int i = 0; i < s->head.n_tiles; i++) {
+        memcpy(&s->last, m, sizeof s->last);
+        m += sizeof s->last;
+        s->tiles[i] = s->last.tile;
+        const bis_rect r = bis_film_tile(&d->film, BIS_RENDER_TILE, s->last.tile);
+        const int n_pixels = s->head.kind == BIS_TEAM_DONE ? (r.x1 - r.x0) * (r.y1 - r.y0) : 0;
+        for (int k = 0; k < n_pixels; k++, m += sizeof(bis_pixel_mean)) {
+            bis_pixel_mean mean;
+            memcpy(&mean, m, sizeof mean);
+            s->are_own &= mean.L.r == (float)s->last.tile;
+        }
+        if (s->head.learned) s->known = (m += LEARNED)[-1];
+    }
+    assert_int_equal(m - (const unsigned char *)data, n);
+}
+
+static void note_step(bis_crew *crew, void *data, size_t n)
+{
+    desk *d = (desk *)crew;
+    assert_int_equal(n, sizeof d->step);
+    memcpy(&d->step, data, n);
+}
+
+static void note_progress(double share, void *user) { ((desk *)user)->progress = share; }
+
+/* Rank `from` has done n tiles: their pixels are as many as a tile has in the picture, each with the tile's number. */
+static void leave_done(desk *d, int from, double seconds, const int *tiles, int n)
+{
+    const bis_team_head h = {.kind = BIS_TEAM_DONE, .n_tiles = n};
+    unsigned char *m = bis_team_put(d->answer, &h, sizeof h);
+
+    for (int k = 0; k < n; k++) {
+        const int t = tiles[k];
+        const bis_rect r = bis_film_tile(&d->film, BIS_RENDER_TILE, t);
+        const bis_team_tile head = {.tile = t, .seconds = seconds};
+        const bis_pixel_mean mean = {{(float)t, (float)(2 * t), 1}, 0.5f};
+        m = bis_team_put(m, &head, sizeof head);
+        for (int i = 0; i < (r.x1 - r.x0) * (r.y1 - r.y0); i++) m = bis_team_put(m, &mean, sizeof mean);
+    }
+    d->answer_from = from;
+    d->n_answer = (size_t)(m - d->answer);
+}
+
+/* Rank `from` gives n tiles to rank 0: what a tile has learned is its number, byte for byte. */
+static void leave_work(desk *d, int from, const int *tiles, int n)
+{
+    const bis_team_head h = {.kind = BIS_TEAM_WORK, .n_tiles = n, .learned = true};
+    unsigned char *m = bis_team_put(d->answer, &h, sizeof h);
+
+    for (int k = 0; k < n; k++) {
+        m = bis_team_put(m, &(bis_team_tile){.tile = tiles[k]}, sizeof(bis_team_tile));
+        memset(m, tiles[k], LEARNED);
+        m += LEARNED;
+    }
+    d->answer_from = from;
+    d->n_answer = (size_t)(m - d->answer);
+}
+
+static void answer_letter(desk *d, const sent *s)
+{
+    if (s->head.kind == BIS_TEAM_GIVE && s->head.to == 0) leave_work(d, s->to, s->tiles, s->head.n_tiles);
+    else if (d->answers_all && s->head.kind == BIS_TEAM_GIVE) leave_done(d, s->head.to, 1, s->tiles, s->head.n_tiles);
+    else if (d->answers_all && s->head.kind == BIS_TEAM_WORK) leave_done(d, s->to, 1, s->tiles, s->head.n_tiles);
+}
+
+static unsigned char *answer(bis_crew *crew, int *from, size_t *n, bool wait)
+{
+    desk *d = (desk *)crew;
+
+    while ((d->answers_all || d->gives) && !d->n_answer && d->n_answered < d->n_sent)
+        answer_letter(d, &d->sent[d->n_answered++]);
+    if (!d->n_answer && d->stops) {
+        const bis_team_head stop = {.kind = BIS_TEAM_STOP};
+        d->stops = false;
+        d->n_answer = (size_t)(bis_team_put(d->answer, &stop, sizeof stop) - d->answer);
+    }
+    assert_true(d->n_answer || !wait);
+    if (!d->n_answer) return NULL;
+    *from = d->answer_from;
+    *n = d->n_answer;
+    d->n_answer = 0;
+    return d->answer;
+}
+
+/* A team of so many ranks, rank i with threads[i], none of them there; a picture of so many tiles. */
+static void open_desk(desk *d, int ranks, const int *threads, int columns, int rows, bool learns)
+{
+    *d = (desk){.crew = {.size = ranks, .host = "here", .broadcast = note_step, .send = note,
+                        .receive = answer}, .options = {.n_threads = 1}};
+    if (learns) make_learning_world(&d->world);
+    else make_world(&d->world, &bis_em);
+    assert_int_equal(bis_film_init(&d->film, 16 * columns - 3, 16 * rows, all, (bis_loc){0}, NULL), BIS_OK);
+    assert_int_equal(bis_workspace_init(&d->w, &d->film, &d->world.scene, &d->world.desc, &d->world.desc.view,
+                                        &d->options, NULL), BIS_OK);
+    assert_int_equal(d->w.n_tiles, columns * rows);
+    d->team = bis_team_new(&d->crew, &d->w);
+    for (int i = 0; i < ranks; i++) {
+        d->team->threads[i] = threads ? threads[i] : 1;
+        d->team->n_all_threads += d->team->threads[i];
+    }
+}
+
+static void close_desk(desk *d)
+{
+    bis_team_free(d->team);
+    bis_workspace_clear(&d->w);
+    bis_film_clear(&d->film);
+    clear_world(&d->world);
+}
+
+#define LIST(...) (const int[]){__VA_ARGS__}, (int)(sizeof((int[]){__VA_ARGS__}) / sizeof(int))
+
+/* The next letter; of GIVE with the rank that is to get the tiles. */
+static void expect_letter(const desk *d, int *at, int to, bis_team_kind kind, int give_to, bool learned,
+                          const int *tiles, int n)
+{
+    const sent *s = &d->sent[(*at)++];
+
+    assert_true(*at <= d->n_sent);
+    assert_int_equal(s->to, to);
+    assert_int_equal(s->head.kind, kind);
+    assert_int_equal(s->head.learned, learned);
+    if (kind == BIS_TEAM_GIVE) assert_int_equal(s->head.to, give_to);
+    assert_int_equal(s->head.n_tiles, n);
+    for (int i = 0; i < n; i++) assert_int_equal(s->tiles[i], tiles[i]);
+}
+
+static void expect_work(const desk *d, int *at, int to, const int *tiles, int n)
+{
+    expect_letter(d, at, to, BIS_TEAM_WORK, 0, false, tiles, n);
+}
+
+/* 49 tiles that are alike, nobody's; threads 1, 2, 1. A batch is worth left x threads/16, but has a tile for each
+ * thread: 49 x 2/16 = 6.1 for rank 1, then 43/16 = 2.7 for rank 2. Next rank 1 has 6 > 41 x 2/16 = 5.1 tiles and
+ * waits; rank 2 gets 41/16 = 2.6. */
+static void the_first_batches_are_those_by_hand(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
+    expect_work(&d, &at, 2, LIST(6, 7));
+    expect_work(&d, &at, 2, LIST(8, 9));
+    assert_int_equal(d.n_sent, at);
+    assert_int_equal(bis_team_deal_next(d.team), 10); /* its own; 38 are left */
+    assert_int_equal(d.n_sent, at);
+    bis_team_finish(d.team, 0, 10, 1);
+    assert_true(d.progress == 1 / 49.0);
+
+    /* 2 of 4 come back, and 38/16 = 2.4 go; rank 0 takes the next */
+    leave_done(&d, 2, 0.25, LIST(6, 7));
+    assert_int_equal(bis_team_deal_next(d.team), 13);
+    expect_work(&d, &at, 2, LIST(11, 12));
+    assert_true(d.progress == 3 / 49.0);
+    assert_true(d.team->seconds[6] == 0.25 && d.team->seconds[7] == 0.25 && d.team->seconds[8] == 0);
+    for (int y = 0; y < d.film.height; y++)
+        for (int x = 0; x < d.film.width; x++) {
+            const int t = y / 16 * 7 + x / 16;
+            const bis_pixel_mean *p = &d.w.pass[y * d.film.width + x];
+            const float wanted = t == 6 || t == 7 ? (float)t : 0;
+            assert_true(p->L.r == wanted && p->L.g == 2 * wanted && p->hit == (wanted > 0 ? 0.5f : 0));
+        }
+
+    /* one of 4 is not enough: 3 held; 35 x 2/16 = 4.4 */
+    leave_done(&d, 1, 1, LIST(0));
+    assert_int_equal(bis_team_deal_next(d.team), 14);
+    assert_int_equal(d.n_sent, at); /* holds 5, and may hold 4 */
+    leave_done(&d, 1, 1, LIST(1));
+    assert_int_equal(bis_team_deal_next(d.team), 19); /* 34 x 2/16 = 4.25 */
+    expect_work(&d, &at, 1, LIST(15, 16, 17, 18));
+    assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
+
+/* The seconds of the last pass: 0.64 for tile 20, 0.32 and 0.325 for 33 and 7, which are alike to a 64th of the most,
+ * 0.01 for the others, 1.745 in all. Rank 1 gets a tile for each thread, 20 and 7, though they are worth more than
+ * 1.745 x 2/16 = 0.22; rank 2 tile 33, though it is worth more than 0.78/16. Then 0.46 x 2/16 = 0.0575 and 0.41/16 =
+ * 0.0256 seconds: 5 tiles, 2 tiles. */
+static void costly_tiles_come_first_and_batches_are_shares_of_seconds(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
+    for (int t = 0; t < 49; t++) d.team->seconds[t] = t == 20 ? 0.64 : t == 33 ? 0.32 : t == 7 ? 0.325 : 0.01;
+    d.team->knows = true;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(20, 7));
+    expect_work(&d, &at, 2, LIST(33));
+    expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4));
+    expect_work(&d, &at, 2, LIST(5, 6));
+    assert_int_equal(d.n_sent, at);
+    assert_int_equal(bis_team_deal_next(d.team), 8);
+    assert_int_equal(bis_team_deal_next(d.team), 9);
+    /* nothing is known: no order, whatever stands in the seconds */
+    d.team->knows = false;
+    for (int t = 0; t < 49; t++) d.team->seconds[t] *= 100;
+    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
+    close_desk(&d);
+}
+
+/* Who owns what decides who gets what: first its own tiles, then those of nobody, then those of the rank that has
+ * most left: from rank 0 with what they have learned, from another one by a GIVE. The batches: 49 x 2/16 = 6.1, 43/16
+ * = 2.7 and so on, as far as the list goes. */
+static void tiles_go_to_their_owners_first(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    assert_true(d.w.visibility.n_tiles == 49 && d.w.visibility.cells * sizeof(bis_seen) == LEARNED);
+
+    /* 10 of rank 1, 10 of rank 2, 10 of rank 0, 19 of nobody */
+    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 10 ? 1 : t < 20 ? 2 : t < 30 ? 0 : BIS_TEAM_NOBODY;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
+    expect_work(&d, &at, 2, LIST(10, 11));
+    expect_work(&d, &at, 2, LIST(12, 13));
+    assert_int_equal(d.n_sent, at);
+    leave_done(&d, 1, 1, LIST(0, 1, 2, 3, 4, 5)); /* 39 left: 4.9, but there are 4 in its list */
+    assert_int_equal(bis_team_deal_next(d.team), 20);
+    expect_work(&d, &at, 1, LIST(6, 7, 8, 9));
+    leave_done(&d, 1, 1, LIST(6, 7, 8, 9)); /* 34 left: 4.25 */
+    assert_int_equal(bis_team_deal_next(d.team), 21);
+    expect_work(&d, &at, 1, LIST(30, 31, 32, 33));
+    assert_int_equal(d.n_sent, at);
+    for (int t = 28; t < 37; t++)
+        assert_int_equal(d.team->owner[t], t < 30 ? 0 : t < 34 ? 1 : BIS_TEAM_NOBODY);
+
+    /* 2 of rank 1, 38 of rank 2, 9 of rank 0: rank 1 gets those of rank 2: 45 x 2/16 = 5.6; 40/16 = 2.5 */
+    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 1 : t < 40 ? 2 : 0;
+    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1));
+    expect_work(&d, &at, 2, LIST(2, 3));
+    expect_letter(&d, &at, 2, BIS_TEAM_GIVE, 1, false, LIST(4, 5, 6, 7, 8));
+    expect_work(&d, &at, 2, LIST(9, 10));
+    assert_int_equal(d.n_sent, at);
+    assert_true(d.team->owner[4] == 1 && d.team->owner[8] == 1 && d.team->owner[9] == 2);
+
+    /* 1 of rank 1, 1 of nobody: two batches are all that is dealt ahead, though rank 1 could hold a third; 48/16 = 3 */
+    for (int t = 0; t < 49; t++) d.team->owner[t] = t == 0 ? 1 : t == 1 ? BIS_TEAM_NOBODY : t >= 10 && t < 20 ? 2 : 0;
+    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0));
+    expect_work(&d, &at, 2, LIST(10, 11, 12));
+    expect_work(&d, &at, 1, LIST(1));
+    assert_int_equal(d.n_sent, at);
+
+    /* 10 of rank 2, 37 of rank 0 */
+    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 1 : t < 12 ? 2 : 0;
+    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1));
+    expect_work(&d, &at, 2, LIST(2, 3));
+    expect_letter(&d, &at, 1, BIS_TEAM_WORK, 0, true, LIST(12, 13, 14, 15, 16));
+    expect_work(&d, &at, 2, LIST(4, 5));
+    assert_int_equal(d.n_sent, at);
+
+    /* all of rank 1: rank 2 gets 43/16 = 2.7 and 41/16; rank 0 has none, and asks for 39/16 */
+    for (int t = 0; t < 49; t++) d.team->owner[t] = 1;
+    memset(d.team->held, 0, 3 * sizeof *d.team->held);
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, LIST(0, 1, 2, 3, 4, 5));
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 2, false, LIST(6, 7));
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 2, false, LIST(8, 9));
+    assert_int_equal(d.n_sent, at);
+    assert_int_equal(bis_team_deal_take(d.team), -1);
+    /* rank 1 has done 4, and gets 39 x 2/16 = 4.9; rank 0 asks for 35/16 = 2.2 and waits; later for 33/16 */
+    leave_done(&d, 1, 1, LIST(0, 1, 2, 3));
+    d.gives = true;
+    d.n_answered = d.n_sent;
+    assert_int_equal(bis_team_deal_next(d.team), 14);
+    expect_work(&d, &at, 1, LIST(10, 11, 12, 13));
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, LIST(14, 15));
+    assert_int_equal(d.n_sent, at);
+    assert_true(d.team->owner[14] == 0 && d.team->owner[16] == 1 && d.team->held[0] == 0);
+    const unsigned char *known = (const unsigned char *)d.w.visibility.known;
+    for (size_t i = 0; i < 49 * LEARNED; i++)
+        assert_int_equal(known[i], i / LEARNED == 14 || i / LEARNED == 15 ? i / LEARNED : 0);
+    assert_int_equal(bis_team_deal_next(d.team), 15);
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, LIST(16, 17));
+    assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
+
+/* 17 ranks of one thread: rank 0 only deals. 160 tiles that are alike: left/68 is 2 for as long as 136 are left,
+ * which is when rank 13 gets its own; the last three get one. Then 131/68 = 1.9: whoever holds 2 has enough, and gets
+ * none. */
+static void among_many_ranks_who_has_enough_to_do_gets_none(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 17, NULL, 16, 10, false);
+    bis_team_begin(d.team, note_progress, &d);
+    for (int i = 1; i <= 13; i++) expect_work(&d, &at, i, LIST(2 * i - 2, 2 * i - 1));
+    for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(12 + i));
+    for (int i = 14; i <= 16; i++) expect_work(&d, &at, i, LIST(15 + i));
+    assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+
+    /* up to 16 ranks each gets a second one, though 49/64 is less than a tile, and rank 0 renders */
+    for (int ranks = 16; ranks <= 17; ranks++) {
+        at = 0;
+        open_desk(&d, ranks, NULL, 7, 7, false);
+        bis_team_begin(d.team, note_progress, &d);
+        for (int i = 1; i < ranks; i++) expect_work(&d, &at, i, LIST(i - 1));
+        for (int i = 1; i < ranks && ranks == 16; i++) expect_work(&d, &at, i, LIST(14 + i));
+        assert_int_equal(d.n_sent, at);
+        if (ranks == 16) assert_int_equal(bis_team_deal_next(d.team), 30);
+        close_desk(&d);
+    }
+}
+
+/* Another rank: 20 tiles come. What is done goes as soon as it is as much as waits in the queue, or 8: after 8 (12
+ * wait), 14 (6 wait), 17 (3), 19 (1) and 20. Tiles that rank 0 wants for another rank go there, with what they have learned. */
+static void what_is_done_goes_before_the_queue_is_empty(void **state)
+{
+    static const int batches[21] = {[8] = 8, [14] = 6, [17] = 3, [19] = 2, [20] = 1};
+    (void)state;
+    static desk d;
+    int at = 0;
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    d.crew.rank = 1;
+    for (int i = 0; i < d.film.width * d.film.height; i++)
+        d.w.pass[i].L.r = (float)(i / d.film.width / 16 * 7 + i % d.film.width / 16);
+    bis_team_begin(d.team, note_progress, &d);
+    assert_int_equal(d.n_sent, 0);
+    leave_work(&d, 0, LIST(40, 41, 42, 43, 44, 45, 46, 47, 48, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20));
+    for (int k = 1; k <= 20; k++) {
+        const int wanted = k < 10 ? 39 + k : k;
+        assert_int_equal(bis_team_work_next(d.team), wanted);
+        bis_team_finish(d.team, 0, wanted, 0.5 * k);
+        if (k < 20) continue;
+        d.stops = true;
+        assert_int_equal(bis_team_work_next(d.team), -1);
+        assert_true(d.team->over);
+    }
+    for (int k = 1; k <= 20; k++) {
+        if (!batches[k]) continue;
+        const sent *s = &d.sent[at++];
+        assert_true(s->to == 0 && s->head.kind == BIS_TEAM_DONE && s->are_own && s->head.n_tiles == batches[k]);
+        for (int i = 0; i < s->head.n_tiles; i++) {
+            const int number = k - s->head.n_tiles + 1 + i;
+            assert_int_equal(s->tiles[i], number < 10 ? 39 + number : number);
+        }
+        assert_true(s->last.seconds == 0.5 * k);
+    }
+    assert_int_equal(d.n_sent, at);
+
+    /* the next pass: rank 0 wants two of those tiles for rank 2, and one itself */
+    for (int to = 2; to >= 0; to -= 2) {
+        bis_team_head give = {.kind = BIS_TEAM_GIVE, .n_tiles = to ? 2 : 1, .to = to};
+        unsigned char *m = bis_team_put(d.answer, &give, sizeof give);
+        m = bis_team_put(m, &(bis_team_tile){.tile = 10, .samples = 5}, sizeof(bis_team_tile));
+        if (to) m = bis_team_put(m, &(bis_team_tile){.tile = 47, .samples = 6}, sizeof(bis_team_tile));
+        d.n_answer = (size_t)(m - d.answer);
+        d.stops = true; /* the next letter */
+        bis_team_begin(d.team, note_progress, &d);
+        assert_int_equal(bis_team_work_next(d.team), -1);
+        if (to) expect_letter(&d, &at, 2, BIS_TEAM_WORK, 0, true, LIST(10, 47));
+        else expect_letter(&d, &at, 0, BIS_TEAM_WORK, 0, true, LIST(10));
+        const sent *s = &d.sent[at - 1];
+        assert_true(s->known == s->last.tile && s->last.samples == (to ? 6 : 5));
+    }
+    assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
+
+/* Tiles that took no time by the clock: a batch is as many as a letter holds, and the rest, 17, can be moved as well. */
+static void tiles_that_took_no_time_are_dealt_out_too(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0, tiles[49];
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    for (int t = 0; t < 49; t++) tiles[t] = t, d.team->owner[t] = 1;
+    d.team->knows = true;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_work(&d, &at, 1, tiles, 32);
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 2, false, tiles + 32, 17);
+    assert_int_equal(d.n_sent, at);
+    close_desk(&d);
+}
+
+/* For a checkpoint: 40 tiles of rank 1 are more than a letter holds; 5 of rank 2; those of rank 0 and nobody stay. */
+static void what_others_have_learned_is_asked_for(void **state)
+{
+    (void)state;
+    static desk d;
+    int at = 0, tiles[40];
+
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, true);
+    for (int t = 0; t < 49; t++) d.team->owner[t] = t < 2 ? 0 : t < 42 ? 1 : t < 47 ? 2 : BIS_TEAM_NOBODY;
+    for (int i = 0; i < 40; i++) tiles[i] = 2 + i;
+    d.film.passes = 7;
+    d.gives = true;
+    bis_team_gather(d.team);
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, tiles, 32);
+    expect_letter(&d, &at, 1, BIS_TEAM_GIVE, 0, false, tiles + 32, 8);
+    expect_letter(&d, &at, 1, BIS_TEAM_STOP, 0, false, tiles, 0);
+    expect_letter(&d, &at, 2, BIS_TEAM_GIVE, 0, false, LIST(42, 43, 44, 45, 46));
+    expect_letter(&d, &at, 2, BIS_TEAM_STOP, 0, false, tiles, 0);
+    assert_int_equal(d.n_sent, at);
+    assert_true(d.step.next == BIS_TEAM_GATHER && d.step.passes == 7 && d.step.status == BIS_OK);
+    const unsigned char *known = (const unsigned char *)d.w.visibility.known;
+    for (size_t i = 0; i < 49 * LEARNED; i++) {
+        const size_t t = i / LEARNED;
+        assert_int_equal(known[i], t >= 2 && t < 47 ? t : 0);
+    }
+    for (int t = 0; t < 49; t++) /* they stay the owners */
+        assert_int_equal(d.team->owner[t], t < 2 ? 0 : t < 42 ? 1 : t < 47 ? 2 : BIS_TEAM_NOBODY);
+
+    /* the first pass after a checkpoint that was read: rank 0 has it all, and sends it with its tiles */
+    d.n_sent = at = 0;
+    bis_team_begin(d.team, note_progress, &d);
+    expect_letter(&d, &at, 1, BIS_TEAM_WORK, 0, true, LIST(0, 1, 2, 3, 4, 5));
+    expect_letter(&d, &at, 2, BIS_TEAM_WORK, 0, true, LIST(6, 7));
+    assert_int_equal(bis_team_deal_next(d.team), 10);
+    assert_true(d.team->owner[0] == 1 && d.team->owner[6] == 2 && d.team->owner[10] == 0 && d.team->owner[48] == 0);
+    close_desk(&d);
+
+    /* nothing is learned: nothing is asked for, and nobody owns anything */
+    open_desk(&d, 3, (const int[]){1, 2, 1}, 7, 7, false);
+    d.film.passes = 7;
+    bis_team_gather(d.team);
+    assert_true(d.n_sent == 0 && d.step.passes == 0);
+    bis_team_begin(d.team, note_progress, &d);
+    for (int t = 0; t < 49; t++) assert_int_equal(d.team->owner[t], BIS_TEAM_NOBODY);
+
+    const bis_pass pass = {.number = 8, .first = 9, .n = 10, .weight = 11};
+    bis_team_call(d.team, &pass, BIS_OK);
+    assert_true(d.step.next == BIS_TEAM_PASS && d.step.passes == 7 && d.step.status == BIS_OK);
+    assert_memory_equal(&d.step.pass, &pass, sizeof pass);
+    bis_team_call(d.team, NULL, BIS_INPUT);
+    assert_true(d.step.next == BIS_TEAM_END && d.step.status == BIS_INPUT);
+    close_desk(&d);
+}
+
+/* A whole pass: each letter is answered in its turn. */
+static void every_tile_is_rendered_once(void **state)
+{
+    (void)state;
+    static desk d;
+
+    for (int kind = 0; kind < 6; kind++) {
+        int times[49] = {0}, stops[17] = {0}, t;
+
+        open_desk(&d, kind < 4 ? 4 : 17, NULL, 7, 7, kind & 1);
+        for (int i = 0; i < 49 && kind & 1; i++) d.team->owner[i] = kind == 1 ? 1 : kind == 3 ? i % 5 - 1 : i % 18 - 1;
+        d.answers_all = true;
+        bis_team_begin(d.team, note_progress, &d);
+        while ((t = bis_team_deal_next(d.team)) >= 0) {
+            times[t]++;
+            bis_team_finish(d.team, 0, t, 1);
+        }
+        for (int i = 0; i < d.n_sent; i++) {
+            const sent *s = &d.sent[i];
+            if (s->head.kind == BIS_TEAM_STOP) stops[s->to]++;
+            for (int k = 0; k < s->head.n_tiles && s->head.to + (s->head.kind == BIS_TEAM_WORK) > 0; k++)
+                times[s->tiles[k]]++;
+        }
+        for (int i = 0; i < 49; i++) assert_int_equal(times[i], 1);
+        for (int i = 0; i < d.crew.size; i++) {
+            assert_int_equal(stops[i], i > 0);
+            assert_int_equal(d.team->held[i], 0);
+        }
+        assert_true(d.progress == 1 && d.team->over);
+        assert_int_equal(bis_team_next(d.team, 1), -1); /* the other threads stop */
+        close_desk(&d);
+    }
+}
+
 static int setup(void **state)
 {
     (void)state;
@@ -394,6 +927,14 @@ int main(void)
         cmocka_unit_test(a_checkpoint_has_what_all_have_learned),
         cmocka_unit_test(a_pass_that_is_given_up_is_not_learned_from),
         cmocka_unit_test(a_rank_has_one_batch_in_its_queue_at_most),
+        cmocka_unit_test(the_first_batches_are_those_by_hand),
+        cmocka_unit_test(costly_tiles_come_first_and_batches_are_shares_of_seconds),
+        cmocka_unit_test(tiles_go_to_their_owners_first),
+        cmocka_unit_test(among_many_ranks_who_has_enough_to_do_gets_none),
+        cmocka_unit_test(what_is_done_goes_before_the_queue_is_empty),
+        cmocka_unit_test(tiles_that_took_no_time_are_dealt_out_too),
+        cmocka_unit_test(what_others_have_learned_is_asked_for),
+        cmocka_unit_test(every_tile_is_rendered_once),
     };
     return cmocka_run_group_tests(tests, setup, NULL);
 }

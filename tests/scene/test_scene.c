@@ -410,9 +410,62 @@ static void a_size_is_read_where_the_format_has_it(void **state)
     assert_int_equal(bis_scene_peek_bytes(scratch("p.ply")), 1);
 }
 
+/* What a file is that is no scene: by its first bytes, be they all of it; or else by its name. */
+static void strangers_are_known_by_their_bytes_or_their_names(void **state)
+{
+    static const struct {
+        const char *name, *bytes, *what; /* NULL: nothing is known */
+        bis_stranger_kind kind;
+    } cases[] = {
+        {"s.txt", "#?RADIANCE", "a Radiance map", BIS_STRANGER_MAP},
+        {"s.txt", "#?RGBE", "a Radiance map", BIS_STRANGER_MAP},
+        {"s.txt", "#?RADIANC", NULL, 0},
+        {"s.txt", "\x76\x2f\x31\x01", "an OpenEXR image", BIS_STRANGER_MAP},
+        {"s.txt", "PF\n", "a PFM image", BIS_STRANGER_MAP},
+        {"s.txt", "Pf\n3 4", "a PFM image", BIS_STRANGER_MAP},
+        {"s.txt", "PixelFilter", NULL, 0},
+        {"s.txt", "ply\n", "a PLY mesh", BIS_STRANGER_PLY},
+        {"s.obj", "ply\r\n", "a PLY mesh", BIS_STRANGER_PLY}, /* the bytes come first */
+        {"s.ply", "PLY", NULL, 0},
+        {"s.txt", "\x89PNG", "a PNG picture", BIS_STRANGER_OTHER},
+        {"s.txt", "\xff\xd8\xff", "a JPEG picture", BIS_STRANGER_OTHER},
+        {"s.txt", "\x7f" "ELF", "a program", BIS_STRANGER_OTHER},
+        {"s.txt", "%PDF", "a PDF document", BIS_STRANGER_OTHER},
+        {"s.txt", "<", "a page or scene in XML or HTML", BIS_STRANGER_OTHER},
+        {"s.txt", "{", "a file in JSON", BIS_STRANGER_OTHER},
+        {"s.txt", " {", NULL, 0},
+        {"s.md", "# x", "a page in Markdown", BIS_STRANGER_OTHER},
+        {"s.obj", "v", "a Wavefront mesh", BIS_STRANGER_OBJ},
+        {"s.OBJ", "v", "a Wavefront mesh", BIS_STRANGER_OBJ},
+        {"s.mtl", "n", "the materials of a Wavefront mesh", BIS_STRANGER_OTHER},
+        {"s.c", "i", "a program's source", BIS_STRANGER_OTHER},
+        {"s.h", "i", "a program's source", BIS_STRANGER_OTHER},
+        {"s.sh", "e", "a script", BIS_STRANGER_OTHER},
+        {"s.csv", "1", "a table", BIS_STRANGER_OTHER},
+        {"s.obj", "", NULL, 0},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        bis_stranger_kind kind = 77;
+        store(scratch(cases[i].name), cases[i].bytes, strlen(cases[i].bytes));
+        const char *what = bis_scene_peek_stranger(scratch(cases[i].name), &kind);
+        unlink(scratch(cases[i].name));
+        if (!cases[i].what) assert_null(what);
+        if (!cases[i].what) continue;
+        if (!what) fail_msg("case %zu is unknown", i);
+        assert_string_equal(what, cases[i].what);
+        assert_int_equal(kind, cases[i].kind);
+    }
+    bis_stranger_kind kind;
+    assert_null(bis_scene_peek_stranger("build", &kind));
+    assert_null(bis_scene_peek_stranger("build/no-such-file.obj", &kind));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(strangers_are_known_by_their_bytes_or_their_names),
         cmocka_unit_test(every_kind_of_shape_is_built),
         cmocka_unit_test(instances_share_a_mesh_and_stand_where_they_were_put),
         cmocka_unit_test(an_object_without_instance_is_not_built),

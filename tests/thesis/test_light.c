@@ -1,5 +1,6 @@
 /* Tests of light: the frame, the trio Le, sample, pdf in world space, constants, and everything that a scene can say
  * wrong about a map. */
+#include "bis/base/clock.h"
 #include "bis/scene/light_load.h"
 
 #include "bis/base/mem.h"
@@ -274,9 +275,12 @@ static bis_light *load(bis_image image, bis_light_desc desc, bis_status expected
     snprintf(path, sizeof path, "%s", scratch_map(&image));
     desc.filename = path;
     double seconds[2] = {-1, -1};
+    const double begin = bis_clock_now();
     const bis_status status = bis_light_load(&light, &desc, BIS_NEED_TABLE, seconds, &diag);
+    const double end = bis_clock_now();
     assert_int_equal(status, expected);
     assert_true(seconds[0] >= 0 && seconds[1] >= 0);
+    assert_true(seconds[0] + seconds[1] <= (end - begin) * 1.000001 + 1e-9); /* two parts of the call */
     assert_int_equal(diag.n, message ? 1 : 0);
     if (message) {
 #pragma GCC diagnostic push
@@ -358,6 +362,19 @@ static void a_square_map_must_say_its_mapping(void **state)
                      "s.txt:7:3: error: \"%s\" is 8 x 4; a map of mapping \"angular\" must be square (\"latlong\" maps are 2:1)"));
 }
 
+/* docs/scene-format.md: LightSource "infinite" without parameters. */
+static void a_light_without_words_is_white_and_seen(void **state)
+{
+    (void)state;
+    const bis_light_desc d = bis_light_desc_default();
+    const bis_xform id = bis_xform_identity();
+
+    assert_true(d.L.r == 1 && d.L.g == 1 && d.L.b == 1 && d.scale == 1);
+    assert_true(d.area_exponent == 0.15 && d.levels == 8 && d.visible && d.width == 0);
+    assert_true(!d.filename && !d.has_mapping && !d.is_v4 && !d.has_table_kind && !d.as_printed);
+    assert_memory_equal(&d.to_world, &id, sizeof id);
+}
+
 static void a_scale_that_overflows_is_an_error(void **state)
 {
     (void)state;
@@ -431,6 +448,7 @@ int main(void)
         cmocka_unit_test(bad_values_are_one_warning_with_counts_and_share),
         cmocka_unit_test(a_black_map_warns_that_there_is_no_light),
         cmocka_unit_test(a_square_map_must_say_its_mapping),
+        cmocka_unit_test(a_light_without_words_is_white_and_seen),
         cmocka_unit_test(a_scale_that_overflows_is_an_error),
         cmocka_unit_test(a_missing_file_is_an_io_error),
         cmocka_unit_test(every_allocation_may_fail),

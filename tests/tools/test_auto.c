@@ -519,6 +519,41 @@ static void a_footprint_of_nearly_nothing_is_the_centre_of_the_pixel(void **stat
     clear_world(&w);
 }
 
+/* A footprint of 1 is the whole pixel: the same places, but for the rounding of (u - 1/2) + 1/2. Half the footprint
+ * brings the same samples half as far from the centre, on the same side; the mean over the picture of such small steps
+ * is linear in them. */
+static void a_footprint_draws_the_samples_to_the_centre(void **state)
+{
+    static const double footprints[] = {0, 1, 1 / 16.0, 1 / 32.0};
+    (void)state;
+    world w;
+    bis_film centre, f[4];
+    bis_render_result result;
+    make_world(&w, &place);
+    w.desc.view.pixel_jitter = false;
+    render(&centre, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
+    w.desc.view.pixel_jitter = true;
+    for (int k = 0; k < 4; k++)
+        render(&f[k], &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}, .footprint = footprints[k]});
+    double sums[4] = {0}, product = 0;
+    int n = 0;
+    for (int i = 0; i < 3 * WIDTH * HEIGHT; i++) {
+        bool hit = centre.hits[i / 3] > 0;
+        for (int k = 0; k < 4; k++) hit &= f[k].hits[i / 3] > 0;
+        if (!hit) continue;
+        n++;
+        assert_true(fabs(f[0].sum[i] - f[1].sum[i]) < 1e-3 * (1 + fabs(f[0].sum[i] - centre.sum[i])));
+        for (int k = 0; k < 4; k++) sums[k] += fabs(f[k].sum[i] - centre.sum[i]);
+        product += (f[2].sum[i] - centre.sum[i]) * (f[0].sum[i] - centre.sum[i]);
+    }
+    assert_true(n > WIDTH * HEIGHT);
+    assert_true(fabs(sums[3] / sums[2] - 0.5) < 0.02);
+    assert_true(product > 0);
+    bis_film_clear(&centre);
+    for (int k = 0; k < 4; k++) bis_film_clear(&f[k]);
+    clear_world(&w);
+}
+
 /* --- the program
  * --------------------------------------------------------------------------------------------------- */
 
@@ -677,6 +712,7 @@ int main(void)
         cmocka_unit_test(every_failing_allocation_of_the_pilot_is_reported),
         cmocka_unit_test(the_same_work_is_the_same_choice_and_a_pass_costs_its_rays),
         cmocka_unit_test(a_footprint_of_nearly_nothing_is_the_centre_of_the_pixel),
+        cmocka_unit_test(a_footprint_draws_the_samples_to_the_centre),
         cmocka_unit_test(the_line_in_the_picture_makes_the_picture_again),
         cmocka_unit_test(stats_tell_what_was_tried),
         cmocka_unit_test(a_short_picture_is_that_without_an_integrator),

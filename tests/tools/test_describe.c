@@ -280,6 +280,18 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     int n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(text, sizeof text, attributes, n),
                         "scene=a/scene.txt integrator=em samples=8 stratify=false spp=12 seed=34 render_seconds=5.5 bis:version=" BIS_VERSION " ");
+    /* a share of light samples is told where it is one, and where pixels on edges have more than one sample */
+    static const struct { uint32_t samples; double light; const char *told; } edges[] = {
+        {0, 0.25, ""}, {1, 0.25, ""}, {2, 0, "edgesamples=2 "}, {2, 1, "edgesamples=2 "}, {2, 2, "edgesamples=2 "},
+        {2, 0.5, "edgesamples=2 edgelight=0.5 "}, {3, 0x1p-20, "edgesamples=3 edgelight=9.53674e-07 "}};
+    for (size_t i = 0; i < sizeof edges / sizeof *edges; i++) {
+        char told[256];
+        desc.view.edge_samples = edges[i].samples;
+        desc.view.edge_light = edges[i].light;
+        n = bis_describe_picture(&s, attributes);
+        snprintf(told, sizeof told, " stratify=false %sspp=12 ", edges[i].told);
+        assert_non_null(strstr(join(text, sizeof text, attributes, n), told));
+    }
     result.relative_rmse = 0.25;
     desc.view.edge_samples = 2;
     desc.view.edge_light = 0.25;

@@ -16,8 +16,13 @@
 #include "lit.h"
 #include "map_help.h"
 #include "render/adapt.h"
+#include "render/crew.h"
+#include "render/team.h"
+#include "render/workspace.h"
+#include "world.h"
 
 #include <malloc.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -193,6 +198,80 @@ static void a_film_its_layers_and_its_tiles(void **state)
     }
 }
 
+/* The picture's workspace: without and with layers, a pool, clusters, learned visibility, adaptive sampling, materials
+ * of textures; for one thread and for three. */
+static void what_a_render_works_with(void **state)
+{
+    static const struct {
+        const bis_integrator *integrator;
+        bis_proposal proposal;
+        bool learns, adaptive, layers, textures;
+    } kinds[] = {
+        {&noise, 0, false, false, false, false},
+        {&bis_exact, 0, false, false, true, false},
+        {&bis_em, 0, false, true, false, false},
+        {&bis_sir, BIS_PROPOSAL_MIX, false, false, false, true},
+        {&bis_sir, BIS_PROPOSAL_EM, false, true, true, false},
+        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, false, false, true},
+        {&bis_sir, BIS_PROPOSAL_PRODUCT, true, true, true, false},
+        {&bis_mis, 0, false, false, true, true},
+        {&bis_rejection, BIS_PROPOSAL_CHOOSE, false, false, false, false},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        for (int n_threads = 1; n_threads <= 3; n_threads += 2) {
+            const bis_render_options options = {.n_threads = n_threads};
+            world w;
+            bis_film film;
+            bis_workspace work;
+
+            make_world(&w, kinds[i].integrator);
+            w.desc.view.settings.proposal = kinds[i].proposal;
+            w.desc.view.settings.candidates = 300;
+            w.desc.view.settings.shadowrays = 200;
+            w.desc.view.settings.learn = kinds[i].learns;
+            w.desc.view.adaptive = kinds[i].adaptive;
+            w.desc.textures.n_of_material = kinds[i].textures;
+            assert_int_equal(bis_film_init(&film, 310, 170, whole, (bis_loc){0}, NULL), BIS_OK);
+            if (kinds[i].layers) assert_int_equal(bis_film_want(&film, ~0u, NULL), BIS_OK);
+            const account before = begin();
+            assert_int_equal(bis_workspace_init(&work, &film, &w.scene, &w.desc, &w.desc.view, &options, NULL), BIS_OK);
+            assert_true((work.visibility.n_tiles > 0) == kinds[i].learns && (work.adapt.n_tiles > 0) == kinds[i].adaptive);
+            if (!is_true(before, bis_workspace_bytes(&work))) fail_msg("kind %zu, %d threads", i, n_threads);
+            bis_workspace_clear(&work);
+            w.desc.textures.n_of_material = 0;
+            bis_film_clear(&film);
+            clear_world(&w);
+        }
+}
+
+/* A team has one letter of the same size for every picture: so the difference of two teams is told. */
+static void what_a_team_has_for_tiles_and_ranks(void **state)
+{
+    static const struct { int ranks, side; } cases[] = {{2, 16}, {2, 1600}, {1000, 16}, {900, 3200}};
+    size_t said[4], taken[4];
+
+    (void)state;
+    if (!MALLOC_COUNTS) skip();
+    for (int i = 0; i < 4; i++) {
+        bis_crew crew = {.size = cases[i].ranks};
+        bis_film film;
+        int across;
+        assert_int_equal(bis_film_init(&film, cases[i].side, cases[i].side, whole, (bis_loc){0}, NULL), BIS_OK);
+        bis_workspace w = {.film = &film, .n_tiles = bis_film_tiles(&film, BIS_RENDER_TILE, &across)};
+        const account before = begin();
+        bis_team *team = bis_team_new(&crew, &w);
+        taken[i] = in_use() - before.bytes;
+        said[i] = bis_team_bytes(team);
+        bis_team_free(team);
+        bis_film_clear(&film);
+        /* 13 blocks more or less aligned, some of them rounded up to pages; what begins with 0 has one number more */
+        assert_true(fabs((double)(taken[i] - taken[0]) - (double)(said[i] - said[0])) < 13 * 208 + (i == 3 ? 13 * 4096 : 0));
+    }
+    assert_true(said[1] - said[0] > 40000 && said[2] - said[0] > 200000); /* so that a part of either is seen */
+}
+
 /* malloc counts what it keeps aside for reuse as in use; it must keep nothing. It reads this once, at the start. */
 static void start_again_without_caches(char **argv)
 {
@@ -212,6 +291,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_the_points_of_a_pass_share),
         cmocka_unit_test(what_a_thread_has),
         cmocka_unit_test(a_film_its_layers_and_its_tiles),
+        cmocka_unit_test(what_a_render_works_with),
+        cmocka_unit_test(what_a_team_has_for_tiles_and_ranks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
