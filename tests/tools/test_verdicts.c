@@ -902,6 +902,19 @@ static bool is_right(const bis_geometry *g, const ray *r, double t)
     return right;
 }
 
+/* A ball of radius 1 about (100, 0, 0), and rays that start on it: the root at 0 is in doubt, that at 2 is not. */
+static void a_ray_that_starts_on_a_ball_meets_its_far_side(void **state)
+{
+    (void)state;
+    const bis_quadric ball = {.kind = BIS_SPHERE, .radius = 1, .to_world = bis_xform_translate(100, 0, 0)};
+    bis_geometry g = {0};
+    assert_int_equal(bis_geometry_add_quadric(&g, &ball, NULL), BIS_OK);
+    const sighting s[] = {{{101, 0, 0}, {-1, 0, 0}, 2, false}, {{99, 0, 0}, {1, 0, 0}, 2, false},
+                          {{100, 1, 0}, {0, -1, 0}, 2, false}};
+    assert_sightings(&g, BIS_NO_PRIM, s, sizeof s / sizeof *s);
+    bis_geometry_clear(&g);
+}
+
 /* With u = 2^-24. e = (4 0 0), f = (0 4 0), n = (0 0 16), the largest coordinates 3, 3, 4, t = 4; only along z there is
  * more than 0: T = 64 errs by u (4 x 16 x 4 + 13 x 4 x 16) = 1088 u, D.n = 16 by u (2 x 3 x 4 + 2 x 3 x 4 + 8 x 16) =
  * 176 u; t by 1088/16 u + 4 (176/16 + 4) u = 128 u. All weights together are 32: one of 8 delta, where the ray passes the
@@ -1251,6 +1264,7 @@ int main(void)
         cmocka_unit_test(a_search_knows_disks_and_spheres),
         cmocka_unit_test(a_search_knows_what_is_turned_and_stretched),
         cmocka_unit_test(a_search_finds_the_nearest_triangle),
+        cmocka_unit_test(a_ray_that_starts_on_a_ball_meets_its_far_side),
         cmocka_unit_test(a_distance_may_err_by_what_was_worked_out),
         cmocka_unit_test(a_quadrics_edge_is_in_doubt_by_what_was_worked_out),
         cmocka_unit_test(a_tolerance_depends_on_no_order),

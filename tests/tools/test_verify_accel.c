@@ -374,9 +374,9 @@ static void a_quadric_is_met_to_within_the_error_by_hand(void **state)
         {BIS_SPHERE, {2 + 0x1p-10, 0, 10}, {0, 0, -1}, 10, SURELY_MISSED},
         {BIS_SPHERE, {1.5, 1.5, 10}, {0, 0, -1}, 10, SURELY_MISSED},
         {BIS_SPHERE, {0, 1.5, 1.5}, {1, 0, 0}, 1, SURELY_MISSED},
-        /* on it, to either side; along it */
-        {BIS_SPHERE, {0, 0, 2}, {0, 0, 1}, 0, IN_DOUBT}, {BIS_SPHERE, {0, 0, 2}, {0, 0, -1}, 0, IN_DOUBT},
-        {BIS_SPHERE, {2, 0, 4}, {0, 0, -1}, 4, IN_DOUBT},
+        /* on it: outwards; inwards, where it may be met at once, and is at the far side; along it */
+        {BIS_SPHERE, {0, 0, 2}, {0, 0, 1}, 0, IN_DOUBT}, {BIS_SPHERE, {0, 0, 2}, {0, 0, -1}, 0, SURELY_MET},
+        {BIS_SPHERE, {0, 0, 2}, {0, 0, -1}, 4, SURELY_MET}, {BIS_SPHERE, {2, 0, 4}, {0, 0, -1}, 4, IN_DOUBT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const bis_quadric q = {.kind = cases[i].kind, .radius = 2, .height = cases[i].kind == BIS_DISK ? 1 : 0,

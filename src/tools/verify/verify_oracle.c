@@ -104,9 +104,9 @@ static sight see_triangle(const vec3 p[3], const ray *r, bool left, double *t, d
     return *t > 0 ? in : MISSED;
 }
 
-/* Sphere or disk: the roots in long double, in object space. Both accelerators test quadrics in double: 2^-40 of all
- * sizes is far above its error and far below the offset, 2^-24. */
-static sight see_quadric(const bis_quadric *q, const ray *r, double *t, double *error)
+/* Sphere or disk: its first (0) or second (1) root in long double, in object space. Both accelerators test quadrics in
+ * double: 2^-40 of all sizes is far above its error and far below the offset, 2^-24. A disk has one root. */
+static sight see_quadric(const bis_quadric *q, const ray *r, int which, double *t, double *error)
 {
     const double (*inv)[4] = q->to_world.inv;
     const double wo[3] = {(double)r->o.x, (double)r->o.y, (double)r->o.z},
@@ -127,7 +127,7 @@ static sight see_quadric(const bis_quadric *q, const ray *r, double *t, double *
     }
     const long double A = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], slack = doubt * size;
     if (q->kind == BIS_DISK) {
-        if (d[2] == 0) return MISSED;
+        if (d[2] == 0 || which > 0) return MISSED;
         const long double height = (long double)q->height - o[2], root = height / d[2];
         const long double x = o[0] + root * d[0], y = o[1] + root * d[1], rim = sqrtl(x * x + y * y) - R;
         *t = (double)root;
@@ -144,14 +144,11 @@ static sight see_quadric(const bis_quadric *q, const ray *r, double *t, double *
     if (D < -blur) return MISSED;
     const long double half = sqrtl(fmaxl(D, 0) / A),
                       spread = sqrtl((fabsl(D) + blur) / A) - sqrtl(fmaxl(D - blur, 0) / A) + slack / sqrtl(A);
-    for (int i = -1; i <= 1; i += 2) {
-        const long double root = B + i * half;
-        *t = (double)root;
-        *error = (double)spread + fabs(*t) * 4 * u;
-        if (root > spread) return D > blur ? MET : DOUBTFUL;
-        if (root >= -spread) return DOUBTFUL;
-    }
-    return MISSED;
+    const long double root = which ? B + half : B - half;
+    *t = (double)root;
+    *error = (double)spread + fabs(*t) * 4 * u;
+    if (root > spread) return D > blur ? MET : DOUBTFUL;
+    return root >= -spread ? DOUBTFUL : MISSED;
 }
 
 void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32_t left,
@@ -160,16 +157,17 @@ void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32
     double nearest = (double)INFINITY; /* of what is surely met, its error included */
     bool any = false, known[BIS_VERIFY_ANSWERS] = {false};
 
-    for (uint32_t prim = 0; prim < bis_geometry_primitives(g); prim++) {
+    for (size_t k = 0; k < g->n_triangles + 2 * g->n_quadrics; k++) { /* a quadric may be met twice */
         double t, error;
         sight s;
-        if (prim == left && prim >= g->n_triangles) continue;
-        if (prim < g->n_triangles) {
-            const uint32_t *index = g->index + 3 * (size_t)prim;
+        if (k < g->n_triangles) {
+            const uint32_t *index = g->index + 3 * (size_t)k;
             const vec3 p[3] = {g->p[index[0]], g->p[index[1]], g->p[index[2]]};
-            s = see_triangle(p, r, prim == left, &t, &error);
+            s = see_triangle(p, r, k == left, &t, &error);
         } else {
-            s = see_quadric(&g->quadrics[prim - g->n_triangles], r, &t, &error);
+            const size_t root = k - g->n_triangles;
+            if (g->n_triangles + root / 2 == left) continue;
+            s = see_quadric(&g->quadrics[root / 2], r, root % 2, &t, &error);
         }
         if (s == MISSED) continue;
         any = true;
