@@ -28,12 +28,18 @@
 
 #include <string.h>
 
+/* Room for the longest message. */
+static size_t message_bytes(const bis_workspace *w)
+{
+    return sizeof(bis_team_head) + BIS_TEAM_MOST_TILES * bis_team_tile_bytes(w);
+}
+
 size_t bis_team_bytes(const bis_team *team)
 {
     const size_t n = (size_t)team->w->n_tiles, size = (size_t)team->crew->size;
     const size_t tile = 2 * sizeof(double) + 4 * sizeof(int);
     const size_t rank = (4 + BIS_TEAM_BUCKETS) * sizeof(int) + sizeof(double);
-    return sizeof *team + n * tile + size * rank;
+    return sizeof *team + n * tile + size * rank + message_bytes(team->w);
 }
 
 bis_team *bis_team_new(bis_crew *crew, bis_workspace *w)
@@ -55,7 +61,7 @@ bis_team *bis_team_new(bis_crew *crew, bis_workspace *w)
     team->threads = bis_alloc(size, sizeof *team->threads);
     team->held = bis_alloc(size, sizeof *team->held);
     team->work = bis_alloc(size, sizeof *team->work);
-    team->message = bis_alloc(1, sizeof(bis_team_head) + BIS_TEAM_MOST_TILES * bis_team_tile_bytes(w));
+    team->message = bis_alloc(1, message_bytes(w));
     if (team->seconds && team->queue && team->finished && team->owner && team->order && team->until && team->bucket &&
         team->next && team->end && team->threads && team->held && team->work && team->message) {
         for (size_t t = 0; t < n; t++) team->owner[t] = BIS_TEAM_NOBODY;
