@@ -1,12 +1,12 @@
 #!/bin/sh
 # fuzz: runs libFuzzer's targets, one after the other (make fuzz calls it).
-#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr png ply obj mtl spd gz map part; default: all
+#     scripts/check/fuzz.sh BUILD SECONDS [NAME...]          NAME: scene hdr pfm exr png ply obj mtl spd gz map part checkpoint; default: all
 # What a target begins with: files that the tests make, tests/data/bad, tests/data/scenes, tests/data/regression and
 # data/scenes; what it finds new on the way stays in build/fuzz/corpus/NAME for the next run. A finding is left in
 # build/fuzz/found; exit status 1 then.
 build=$1 seconds=$2
 shift 2
-[ $# -gt 0 ] || set -- scene hdr pfm exr png ply obj mtl spd gz map part
+[ $# -gt 0 ] || set -- scene hdr pfm exr png ply obj mtl spd gz map part checkpoint
 work=build/fuzz
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
 mkdir -p $work/made $work/found
@@ -22,6 +22,10 @@ for name in "$@"; do
     scene) cp tests/data/bad/*.txt tests/data/scenes/*.txt data/scenes/*.txt data/scenes/pbrt/* $seeds ;;
     map) for f in $work/made/*.pfm $work/made/*.hdr; do { printf 'A\014'; cat "$f"; } >$seeds/"${f##*/}"; done ;;
     mtl) printf 'newmtl a\nKd 0.5 0.5 0.5\nKs 0.1\nNs 20\nillum 2\nd 0.5\nKe 1 1 1\nnewmtl b\nillum 1\nmap_Kd -s 2 2 1 -o 0 1 -clamp on a.png\n' >$seeds/a.mtl ;;
+    checkpoint)
+        for spp in 1 2 8 11; do
+            "$build/bis" tests/fuzz/checkpoint.txt --spp $spp --checkpoint $seeds/$spp.checkpoint --outfile $work/made/checkpoint.exr --quiet || exit 1
+        done ;;
     spd) printf '# a spectrum\n400 0.1, 500 0.2\n\n700\t0.3 # red\n' >$seeds/a.spd ;;
     *) cp $work/made/*."$name" $seeds 2>/dev/null ;;
     esac

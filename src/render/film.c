@@ -198,7 +198,7 @@ static double pixel_error(const bis_film *f, size_t i, double floor)
         /* Where estimates are not negative, sum_squares <= sum^2 and variance <= mean^2. A control variate may leave
          * some that are. */
         double square = mean * mean, less = fmax(0, square - variance);
-        total += variance / sqrt((square + floor) * (less + floor));
+        total += variance / (sqrt(square + floor) * sqrt(less + floor)); /* their product may underflow */
     }
     return total / 3;
 }
