@@ -132,6 +132,15 @@ static void a_missing_file_is_reported_where_it_was_named(void **state)
     expect_refusal("no/such", (bis_loc){0}, "no/such: error: cannot open \"no/such\": No such file or directory");
 }
 
+/* The first page of a process is nobody's. */
+static void a_read_that_fails_is_no_end_of_the_file(void **state)
+{
+    (void)state;
+    if (access("/proc/self/mem", R_OK)) skip();
+    expect_refusal("/proc/self/mem", (bis_loc){0},
+                   "/proc/self/mem: error: cannot read \"/proc/self/mem\": Input/output error");
+}
+
 static void reading_without_memory_says_so_and_leaks_nothing(void **state)
 {
     (void)state;
@@ -588,6 +597,7 @@ int main(void)
         cmocka_unit_test(a_file_that_claims_size_0_is_read_to_its_end),
         cmocka_unit_test(what_is_no_regular_file_is_refused_with_its_kind),
         cmocka_unit_test(a_missing_file_is_reported_where_it_was_named),
+        cmocka_unit_test(a_read_that_fails_is_no_end_of_the_file),
         cmocka_unit_test(reading_without_memory_says_so_and_leaks_nothing),
         cmocka_unit_test(commit_puts_the_new_file_in_the_place_of_the_old_one),
         cmocka_unit_test(a_new_file_has_the_mode_that_the_umask_leaves),

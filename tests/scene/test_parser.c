@@ -790,6 +790,25 @@ static void includes_that_double_are_stopped(void **state)
     bis_diag_clear(&diag);
 }
 
+/* Its words would be errors of their own, if it were read as a scene. */
+static void an_included_map_gives_one_error(void **state)
+{
+    static const char map[] = "PF\n1 1\n-1\nShape Quux WorldEnd";
+    const char *path = scratch("included.pfm");
+    char text[256];
+    bis_scene_desc *d;
+    bis_diag diag;
+    (void)state;
+    store(path, map, sizeof map - 1);
+    snprintf(text, sizeof text, "WorldBegin LightSource \"infinite\"\nInclude \"%s\" Shape \"sphere\"",
+             strrchr(path, '/') + 1);
+    assert_int_equal(parse_text(&d, &diag, text), BIS_INPUT);
+    assert_int_equal(diag.n, 1);
+    assert_non_null(strstr(diag.messages[0].text, "scene.txt:2:"));
+    assert_non_null(strstr(diag.messages[0].text, "is a PFM image, no part of a scene: "));
+    bis_diag_clear(&diag);
+}
+
 /* ---- the user's reference ---- */
 
 /* Every block that is fenced as ```pbrt in docs/scene-format.md. One without WorldBegin is a part: it is tried on both
@@ -879,6 +898,7 @@ int main(void)
         cmocka_unit_test(damaged_scenes_are_survived),
         cmocka_unit_test(limits_are_errors_and_not_exhausted_memory),
         cmocka_unit_test(includes_that_double_are_stopped),
+        cmocka_unit_test(an_included_map_gives_one_error),
         cmocka_unit_test(every_example_of_the_reference_is_a_scene),
     };
     return cmocka_run_group_tests_name("parser", tests, NULL, scratch_remove);
