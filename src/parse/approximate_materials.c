@@ -149,7 +149,6 @@ bis_material bis_approximate_material(bis_parser *p, const char *name, uint32_t 
     const bis_material m = of_table(p, name);
 
     if (strcmp(name, "mix") == 0) note_mix(p, index);
-    for (size_t i = 0; i < p->params.n; i++) p->params.list[i].used = true;
     return is_interface(name) ? (bis_material){.model = NULL} : m;
 }
 

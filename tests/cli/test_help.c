@@ -131,6 +131,14 @@ static void every_integrator_and_every_layer_is_in_its_topic(void **state)
     }
     snprintf(term, sizeof term, "\n  %s ", bis_auto.name);
     assert_non_null(strstr(r.output, term));
+    help_of(&r, "render");
+    char *at = strstr(r.output, "  --integrator NAME "), *end = at ? strstr(at + 1, "\n  --") : NULL;
+    assert_non_null(end);
+    *end = '\0';
+    for (int i = 0; bis_integrators[i]; i++) {
+        const size_t n = (size_t)snprintf(term, sizeof term, "%s", bis_integrators[i]->name);
+        if (!has_word(at, term, n)) fail_msg("--integrator does not tell %s", term);
+    }
     help_of(&r, "output");
     for (int i = 0; i < BIS_N_LAYERS; i++) {
         const char *name = bis_layer_name((bis_layer)i);

@@ -790,6 +790,20 @@ static void includes_that_double_are_stopped(void **state)
     bis_diag_clear(&diag);
 }
 
+static void after_a_texture_of_the_wrong_kind_the_parser_goes_on(void **state)
+{
+    bis_scene_desc *d;
+    bis_diag diag;
+    (void)state;
+    assert_int_equal(parse_text(&d, &diag, "WorldBegin LightSource \"infinite\"\n"
+                                "Texture \"wood\" \"spectrum\" \"constant\"\n"
+                                "Material \"phong\" \"texture exponent\" \"wood\"\nShape \"quux\""), BIS_INPUT);
+    assert_int_equal(diag.n, 2);
+    assert_non_null(strstr(diag.messages[0].text, ":3:"));
+    assert_non_null(strstr(diag.messages[1].text, ":4:"));
+    bis_diag_clear(&diag);
+}
+
 /* Its words would be errors of their own, if it were read as a scene. */
 static void an_included_map_gives_one_error(void **state)
 {
@@ -899,6 +913,7 @@ int main(void)
         cmocka_unit_test(limits_are_errors_and_not_exhausted_memory),
         cmocka_unit_test(includes_that_double_are_stopped),
         cmocka_unit_test(an_included_map_gives_one_error),
+        cmocka_unit_test(after_a_texture_of_the_wrong_kind_the_parser_goes_on),
         cmocka_unit_test(every_example_of_the_reference_is_a_scene),
     };
     return cmocka_run_group_tests_name("parser", tests, NULL, scratch_remove);

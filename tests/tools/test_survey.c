@@ -295,6 +295,21 @@ static void a_map_by_hand_has_the_report_by_hand(void **state)
     assert_string_equal(json_value(value, sizeof value, json.output, "power_after"), "null");
 }
 
+/* A region of two pixels at theta 22.5 and 67.5 degrees. Its centre weighs them by their solid angles, 1 - a and a,
+ * a = sqrt(1/2): (1 - a) sin 22.5 + a sin 67.5 = sqrt 2 ((1 - a) cos 22.5 + a cos 67.5), so tan theta = sqrt 2. */
+static void the_centre_of_a_region_weighs_pixels_by_their_solid_angles(void **state)
+{
+    (void)state;
+    rgb pixels[32];
+    program_run r;
+    for (int i = 0; i < 32; i++) pixels[i] = i == 0 || i == 8 ? (rgb){16, 16, 16} : (rgb){1, 1, 1};
+    const bis_image image = {8, 4, pixels};
+    assert_int_equal(bis_image_save(&image, DIR "/two.pfm", NULL), BIS_OK);
+    program_expect(&r, 0, "envmap " DIR "/two.pfm --json");
+    assert_near(json_number(r.output, "largest_regions.0.solid_angle"), PI / 4, 1e-12);
+    assert_near(json_number(r.output, "largest_regions.0.direction.theta_deg"), atan(sqrt(2)) * 180 / PI, 1e-4);
+}
+
 /* Black: no peak, no contrast, no levels; of one colour: a region on all sides. */
 static void a_black_map_and_a_plain_one_have_short_reports(void **state)
 {
@@ -575,6 +590,7 @@ int main(void)
         cmocka_unit_test(pictures_show_levels_regions_and_importance),
         cmocka_unit_test(the_command_reports_draws_and_refuses),
         cmocka_unit_test(a_map_by_hand_has_the_report_by_hand),
+        cmocka_unit_test(the_centre_of_a_region_weighs_pixels_by_their_solid_angles),
         cmocka_unit_test(a_black_map_and_a_plain_one_have_short_reports),
         cmocka_unit_test(the_report_of_a_probe_has_its_power_before_and_after),
         cmocka_unit_test(pictures_of_a_map_by_hand_have_the_colours_by_hand),
