@@ -295,8 +295,8 @@ static void a_map_by_hand_has_the_report_by_hand(void **state)
     assert_string_equal(json_value(value, sizeof value, json.output, "power_after"), "null");
 }
 
-/* A region of two pixels at theta 22.5 and 67.5 degrees. Its centre weighs them by their solid angles, 1 - a and a,
- * a = sqrt(1/2): (1 - a) sin 22.5 + a sin 67.5 = sqrt 2 ((1 - a) cos 22.5 + a cos 67.5), so tan theta = sqrt 2. */
+/* A region of two pixels, from theta 0 to 45 and to 90 degrees. With a = cos 45 their shares of the solid angle are 1 - a
+ * and a, the cosines in their middle (1 + a)/2 and a/2; so the sum of the cosines is (1 - a^2)/2 + a^2/2 = 1/2. */
 static void the_centre_of_a_region_weighs_pixels_by_their_solid_angles(void **state)
 {
     (void)state;
@@ -307,7 +307,8 @@ static void the_centre_of_a_region_weighs_pixels_by_their_solid_angles(void **st
     assert_int_equal(bis_image_save(&image, DIR "/two.pfm", NULL), BIS_OK);
     program_expect(&r, 0, "envmap " DIR "/two.pfm --json");
     assert_near(json_number(r.output, "largest_regions.0.solid_angle"), PI / 4, 1e-12);
-    assert_near(json_number(r.output, "largest_regions.0.direction.theta_deg"), atan(sqrt(2)) * 180 / PI, 1e-4);
+    const double a = sqrt(0.5), sines = (1 - a) * sqrt(1 - (1 + a) * (1 + a) / 4) + a * sqrt(1 - a * a / 4);
+    assert_near(json_number(r.output, "largest_regions.0.direction.theta_deg"), atan(2 * sines) * 180 / PI, 1e-4);
 }
 
 /* Black: no peak, no contrast, no levels; of one colour: a region on all sides. */
