@@ -141,6 +141,21 @@ static void a_kind_is_named_once_with_its_number(void **state)
     bis_scene_desc_free(d);
 }
 
+static void a_parameter_of_a_foreign_type_gets_its_default(void **state)
+{
+    (void)state;
+    bis_scene_desc *d = approximated("WorldBegin Material \"phong\" \"vector2 Kd\" [1 1] Shape \"sphere\""),
+                   *plain = approximated("WorldBegin Material \"phong\" Shape \"sphere\"");
+    assert_int_equal(d->n_approximations, 1);
+    assert_string_equal(d->approximations[0].kind, "\"vector2 Kd\"");
+    assert_string_equal(d->approximations[0].consequence, "the default is taken");
+    const rgb Kd = d->materials[d->shapes[0].material].Kd, expected = plain->materials[plain->shapes[0].material].Kd;
+    assert_true(Kd.r == expected.r && Kd.g == expected.g && Kd.b == expected.b);
+    assert_int_equal(plain->n_approximations, 0);
+    bis_scene_desc_free(d);
+    bis_scene_desc_free(plain);
+}
+
 static void a_scene_may_say_it_itself(void **state)
 {
     (void)state;
@@ -495,6 +510,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate),
         cmocka_unit_test(a_kind_is_named_once_with_its_number),
+        cmocka_unit_test(a_parameter_of_a_foreign_type_gets_its_default),
         cmocka_unit_test(a_scene_may_say_it_itself),
         cmocka_unit_test(materials_have_the_reflectances_of_the_originals),
         cmocka_unit_test(each_channel_and_each_default_is_the_originals),
