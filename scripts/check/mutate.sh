@@ -2,7 +2,7 @@
 # mutate: changes one thing in a copy of src/ and runs the tests of that module, which must then fail; again for every mutation below.
 #     scripts/check/mutate.sh [WORD]          only the mutations whose file or reason holds WORD
 #     scripts/check/mutate.sh -a              tells which no longer apply; changes and runs nothing
-# A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/; .c is understood), "- the text as it stands",
+# A mutation is four lines: "* FILE TEST... : what it does" (FILE in src/ or include/; .c is understood), "- the text as it stands",
 # "+ the text instead", an empty one. The first place where the text stands is changed. The copy is build/mutants; objects
 # are made once and only what a mutation touches is made anew.
 # Prints a table; exit status 1 if a mutation survives, does not apply or does not compile. Some ten minutes: no part of make test.
@@ -14,7 +14,7 @@ if [ "$1" = -a ]; then
     mutations | awk '
         /^\* / { file = $2; head = $0 }
         /^- / {
-            place = "find src -name " file (file ~ /\.h$/ ? "" : ".c")
+            place = "find src include -name " file (file ~ /\.h$/ ? "" : ".c")
             place | getline path
             close(place)
             found = 0
@@ -64,7 +64,7 @@ while IFS= read -r head; do
     # shellcheck disable=SC2086
     set -- ${head#??}
     case $1 in *.h) file=$1 ;; *) file=$1.c ;; esac
-    file=$(find src -name "$file")
+    file=$(find src include -name "$file")
     shift
     case "$file $what" in *"$word"*) ;; *) continue ;; esac
     n=$((n + 1))
@@ -537,7 +537,7 @@ exit
 # - b->relmse > 0 ? b->relmse / (a->relmse + b->relmse) : 0.5;
 # + b->relmse > 0 ? a->relmse / (a->relmse + b->relmse) : 0.5;
 #
-# * point test_point : terms below the surface are noted
+# * point.h test_point : terms below the surface are noted
 # - if (dot(pt->ng, wi) <= 0) return;
 # + ;
 #
