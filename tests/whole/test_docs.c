@@ -492,7 +492,7 @@ static void every_mutation_finds_its_text(void **state)
 {
     (void)state;
     assert_int_equal(shell("sh scripts/check/mutate.sh -a"), 0);
-    assert_int_equal(shell("cd build && rm -rf mutate && mkdir -p mutate && cp -R ../src mutate && "
+    assert_int_equal(shell("cd build && rm -rf mutate && mkdir -p mutate && cp -R ../src ../include mutate && "
                            "sed 's/BIS_EDGE_OUTLINE;/BIS_EDGE_NONE;/' ../src/render/edges.c > mutate/src/render/edges.c"), 0);
     assert_int_equal(shell("cd build/mutate && sh ../../scripts/check/mutate.sh -a > ../mutate.out"), 1);
     assert_int_equal(shell("grep -qx '.* edges .*outline.*: DOES NOT APPLY' build/mutate.out && test $(wc -l <build/mutate.out) = 1"), 0);
