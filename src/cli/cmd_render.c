@@ -260,6 +260,7 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
     if (status) goto done;
     if (o->plan) {
         bis_scene_plan(desc, stdout);
+        status = warn_of_memory(desc, diag);
         goto done;
     }
     if (o->files.pictures.n == 0 && !o->files.part && leads) {

@@ -116,13 +116,15 @@ static void a_large_mesh_takes_what_was_foretold(void **state)
     assert_foretold("--integrator brdf --samples 1");
 }
 
-/* A picture of 78 GB: the plan tells so, and the render warns before it fails, here because it may have 8 GB alone. */
+/* A picture of 78 GB: the plan tells so and warns, and the render warns before it fails, here because it may have 8 GB alone. */
 static void what_does_not_fit_is_told_before(void **state)
 {
     (void)state;
     program_run run;
     write_scene("\"rgb L\" [1 1 1]", "\"sphere\"", 32768, 32768);
     assert_true(fabs(megabytes_foretold("--integrator brdf") / (32768.0 * 32768 * 68.25 / 1e6) - 1) < 0.01);
+    program_expect(&run, 0, "--plan --integrator brdf " DIR "/scene.txt");
+    assert_non_null(strstr(run.messages, "warning: this render takes about 73.3 GB, but "));
     assert_true(system("ulimit -v 8000000; ${BIS_PROGRAM:-build/release/bis} --integrator brdf --spp 1 --outfile " DIR "/out.pfm "
                        DIR "/scene.txt 2>" DIR "/messages") != 0);
     assert_int_equal(system("grep -q 'warning: this render takes about 73.3 GB, but .* GB of memory are free.*--cropwindow' " DIR "/messages"), 0);
