@@ -290,12 +290,16 @@ bis_material bis_parser_uber(bis_parser *p, bis_material_textures *t)
 {
     static const char *const names[] = {"Kr", "Kt", "opacity"};
     static const float none[] = {0, 0, 1};
+    static const char consequence[] = "Kd and Ks alone are left";
     for (int i = 0; i < 3; i++) {
         rgb c = {none[i], none[i], none[i]};
         bis_params_rgb(p, names[i], &c, unit, true);
-        if (c.r != none[i] || c.g != none[i] || c.b != none[i])
-            bis_parser_error(p, bis_params_at(p, names[i]), "an \"uber\" that is a mirror or lets light through is not "
-                             "modelled: \"%s\" must be %g", names[i], (double)none[i]);
+        if (c.r == none[i] && c.g == none[i] && c.b == none[i]) continue;
+        const bis_loc at = bis_params_at(p, names[i]);
+        if (p->approximate) bis_approximate_note(p, at, consequence, "\"%s\" of Material \"uber\"", names[i]);
+        else
+            bis_parser_error(p, at, "an \"uber\" that is a mirror or lets light through is not modelled: \"%s\" must "
+                             "be %g; with --approximate: %s", names[i], (double)none[i], consequence);
     }
     return read_plastic(p, t, read_eta(p));
 }

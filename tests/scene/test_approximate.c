@@ -97,6 +97,10 @@ static const struct row {
     {"WorldBegin Shape \"sphere\" \"float zmin\" 0", "\"zmin\"", true},
     {"WorldBegin Material \"conductor\" \"float uroughness\" 0.01 \"float vroughness\" 0.16",
      "\"uroughness\" and \"vroughness\" that differ", true},
+    {"WorldBegin Material \"matte\" \"float sigma\" 20", "\"sigma\"", true},
+    {"WorldBegin Material \"uber\" \"rgb Kr\" [.1 .1 .1]", "\"Kr\" of Material \"uber\"", true},
+    {"WorldBegin Material \"uber\" \"rgb Kt\" [0 .1 0]", "\"Kt\" of Material \"uber\"", true},
+    {"WorldBegin Material \"uber\" \"rgb opacity\" [1 1 .5]", "\"opacity\" of Material \"uber\"", true},
 };
 
 static void each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate(void **state)

@@ -219,9 +219,9 @@ static void the_integrator_of_the_page_becomes_one_of_ours(void **state)
         print_message("run by make test, which tells how to compile\n");
         skip();
     }
-    const char *tests = getenv("BIS_LONG") ? "test_help test_integrators test_layers test_pixel test_render test_errata "
+    const char *tests = getenv("BIS_LONG") ? "test_help test_verify test_integrators test_layers test_pixel test_render test_errata "
                                              "test_verify_bsdf test_verify_view test_verify_scene"
-                                           : "test_help";
+                                           : "test_help test_verify";
     char command[256];
     snprintf(command, sizeof command, "sh scripts/check/check_extending.sh %s", tests);
     assert_int_equal(system(command), 0);

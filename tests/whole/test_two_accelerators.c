@@ -161,8 +161,8 @@ static void floors_that_shadow_themselves_are_rejected(void **state)
 
 /* ---- the furnace ---- */
 
-/* Half of a constant light 1 comes back from Kd = 0.5, from floors in all coordinate planes through 0, with closed bodies
- * or without: where nothing else is in the way the mean is 0.5 to 1e-6. */
+/* Half of a constant light 1 comes back from Kd = 0.5, from floors in all coordinate planes at several heights: where
+ * nothing else is in the way the mean is 0.5 to 1e-6. */
 static void open_floors_give_half_of_the_light(void **state)
 {
     static const char *const floors[] = {"-9 -9 %s 9 -9 %s 9 9 %s -9 9 %s", "-9 %s -9 9 %s -9 9 %s 9 -9 %s 9", "%s -9 -9 %s 9 -9 %s 9 9 %s -9 9"};
@@ -201,12 +201,85 @@ static void open_floors_give_half_of_the_light(void **state)
     }
 }
 
+/* Point p of a scene that is scaled, moved by h along z, and whose axes change places k times. */
+static const char *placed(const double p[3], double h, double scale, int k)
+{
+    static char text[4][128];
+    static int n;
+    const double q[3] = {scale * p[0], scale * p[1], scale * p[2] + h};
+    char *out = text[n++ % 4];
+
+    snprintf(out, sizeof text[0], "%.9g %.9g %.9g ", q[k % 3], q[(k + 1) % 3], q[(k + 2) % 3]);
+    return out;
+}
+
+static void write_box_on_floor(const char *path, double h, double scale, int k)
+{
+    static const double floor_of[4][3] = {{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}};
+    static const int faces[12][3] = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
+                                     {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+    FILE *f = fopen(path, "w");
+
+    assert_non_null(f);
+    fprintf(f, "Film \"rgb\" \"integer xresolution\" 48 \"integer yresolution\" 36 \"string filename\" \"x.pfm\"\n"
+               "Sampler \"random\"\nIntegrator \"brdf\"\n");
+    fprintf(f, "LookAt %s", placed((double[3]){4, 5, 4}, h, scale, k));
+    fprintf(f, "%s", placed((double[3]){0, 0, 0.5}, h, scale, k));
+    fprintf(f, "%s\n", placed((double[3]){0, 0, 1}, 0, 1, k));
+    fprintf(f, "Camera \"perspective\" \"float fov\" 30\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+               "Material \"phong\" \"rgb Kd\" [.5 .5 .5] \"rgb Ks\" [0 0 0]\nShape \"trianglemesh\" \"point3 P\" [");
+    for (int i = 0; i < 4; i++) fprintf(f, "%s", placed(floor_of[i], h, scale, k));
+    fprintf(f, "] \"integer indices\" [0 1 2 0 2 3]\nShape \"trianglemesh\" \"point3 P\" [");
+    for (int i = 0; i < 8; i++) {
+        const double corner[3] = {i % 4 == 1 || i % 4 == 2 ? 1 : -1, i % 4 >= 2 ? 1 : -1, i >= 4 ? 1.5 : 0};
+        fprintf(f, "%s", placed(corner, h, scale, k));
+    }
+    fprintf(f, "] \"integer indices\" [");
+    for (int i = 0; i < 12; i++) fprintf(f, "%d %d %d ", faces[i][0], faces[i][1], faces[i][2]);
+    fprintf(f, "]\n");
+    assert_int_equal(fclose(f), 0);
+}
+
+/* A closed box that rests on a floor: its picture does not depend on where both lie, how large they are and how they are
+ * turned, nor on the accelerator. (Not so far away that a float's step moves the box's points by 10^-5 of its size.) */
+static void a_box_on_a_floor_looks_the_same_everywhere(void **state)
+{
+    static const double heights[] = {0, 1e-30, 1e-10, 1, -1e5}, scales[] = {1, 1e-6, 1e6};
+    static const char path[] = "build/test_two_accelerators.txt";
+    static double sum[WIDTH * HEIGHT];
+    double expected[3] = {0}; /* of each turn: directions are drawn about the normal in a frame that it decides */
+    (void)state;
+    for (int j = 0; j < 5 * 3 * 3; j++) {
+        const double h = heights[j / 9], scale = scales[j / 3 % 3];
+        if (fabs(h) > 100 * scale) continue;
+        write_box_on_floor(path, h, scale, j % 3);
+        for (int i = 0; i < (bis_accel_embree_version() ? 2 : 1); i++) {
+            bis_scene_desc *d;
+            bis_scene *s;
+            double mean = 0;
+            load(&d, &s, path);
+            bis_accel_free(s->accel);
+            assert_int_equal(bis_scene_accel(&s->accel, s, d, i ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, NULL), BIS_OK);
+            render(sum, s, d);
+            for (int p = 0; p < WIDTH * HEIGHT; p++) mean += sum[p] / (3 * WIDTH * HEIGHT);
+            if (!expected[j % 3]) expected[j % 3] = mean;
+            if (!(fabs(mean - expected[j % 3]) < 1e-6))
+                fail_msg("%s, at %g, size %g, turned %d: %.9g, not %.9g", bis_accel_name(s->accel), h, scale, j % 3, mean,
+                         expected[j % 3]);
+            bis_scene_free(s);
+            bis_scene_desc_free(d);
+        }
+    }
+    for (int k = 0; k < 3; k++) assert_true(expected[k] > 0.4 && expected[k] < 0.499); /* some of it is hidden */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_scene_has_one_picture),
         cmocka_unit_test(floors_that_shadow_themselves_are_rejected),
         cmocka_unit_test(open_floors_give_half_of_the_light),
+        cmocka_unit_test(a_box_on_a_floor_looks_the_same_everywhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
