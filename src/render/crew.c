@@ -22,10 +22,15 @@ static report report_of(const bis_crew *crew)
     return r;
 }
 
+/* Without the head of a message that has no place: the one that it becomes a part of has it, too. */
 static const char *first_error(const bis_diag *diag)
 {
-    for (size_t i = 0; diag && i < diag->n; i++)
-        if (diag->messages[i].is_error) return diag->messages[i].text;
+    static const char head[] = "bis: error: ";
+
+    for (size_t i = 0; diag && i < diag->n; i++) {
+        const char *text = diag->messages[i].text;
+        if (diag->messages[i].is_error) return strncmp(text, head, sizeof head - 1) ? text : text + sizeof head - 1;
+    }
     return "no memory for a message";
 }
 
