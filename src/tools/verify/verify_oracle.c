@@ -104,9 +104,9 @@ static sight see_triangle(const vec3 p[3], const ray *r, bool left, double *t, d
     return *t > 0 ? in : MISSED;
 }
 
-/* Sphere or disk: its first (0) or second (1) root in long double, in object space. Both accelerators test quadrics in
- * double: 2^-40 of all sizes is far above its error and far below the offset, 2^-24. A disk has one root. */
-static sight see_quadric(const bis_quadric *q, const ray *r, int which, double *t, double *error)
+/* Sphere or disk: the roots in long double, in object space. Both accelerators test quadrics in double: 2^-40 of all
+ * sizes is far above its error and far below the offset, 2^-24. A disk has one root: s[1] stays as it is. */
+static void see_quadric(const bis_quadric *q, const ray *r, sight s[2], double t[2], double error[2])
 {
     const double (*inv)[4] = q->to_world.inv;
     const double wo[3] = {(double)r->o.x, (double)r->o.y, (double)r->o.z},
@@ -127,28 +127,31 @@ static sight see_quadric(const bis_quadric *q, const ray *r, int which, double *
     }
     const long double A = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], slack = doubt * size;
     if (q->kind == BIS_DISK) {
-        if (d[2] == 0 || which > 0) return MISSED;
+        if (d[2] == 0) return;
         const long double height = (long double)q->height - o[2], root = height / d[2];
         const long double x = o[0] + root * d[0], y = o[1] + root * d[1], rim = sqrtl(x * x + y * y) - R;
-        *t = (double)root;
-        *error = (double)(slack / fabsl(d[2])) + fabs(*t) * 4 * u;
+        t[0] = (double)root;
+        error[0] = (double)(slack / fabsl(d[2])) + fabs(t[0]) * 4 * u;
         const long double blur = slack * (1 + sqrtl(A) / fabsl(d[2]));
-        if (rim > blur) return MISSED;
+        if (rim > blur) return;
         /* beside its plane the disk's own height is exact to the ulps of its terms */
-        if (*t <= 0) return fabsl(height) <= 0x1p-50L * size ? DOUBTFUL : MISSED;
-        return rim < -blur ? MET : DOUBTFUL;
+        if (t[0] > 0) s[0] = rim < -blur ? MET : DOUBTFUL;
+        else s[0] = fabsl(height) <= 0x1p-50L * size ? DOUBTFUL : MISSED;
+        return;
     }
     const long double B = -(o[0] * d[0] + o[1] * d[1] + o[2] * d[2]) / A;
     const long double f[3] = {o[0] + B * d[0], o[1] + B * d[1], o[2] + B * d[2]};
     const long double D = R * R - (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]), blur = 4 * size * slack;
-    if (D < -blur) return MISSED;
+    if (D < -blur) return;
     const long double half = sqrtl(fmaxl(D, 0) / A),
                       spread = sqrtl((fabsl(D) + blur) / A) - sqrtl(fmaxl(D - blur, 0) / A) + slack / sqrtl(A);
-    const long double root = which ? B + half : B - half;
-    *t = (double)root;
-    *error = (double)spread + fabs(*t) * 4 * u;
-    if (root > spread) return D > blur ? MET : DOUBTFUL;
-    return root >= -spread ? DOUBTFUL : MISSED;
+    for (int i = 0; i < 2; i++) {
+        const long double root = i ? B + half : B - half;
+        t[i] = (double)root;
+        error[i] = (double)spread + fabs(t[i]) * 4 * u;
+        if (root > spread) s[i] = D > blur ? MET : DOUBTFUL;
+        else s[i] = root >= -spread ? DOUBTFUL : MISSED;
+    }
 }
 
 void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32_t left,
@@ -157,22 +160,23 @@ void bis_verify_search(bool right[], const bis_geometry *g, const ray *r, uint32
     double nearest = (double)INFINITY; /* of what is surely met, its error included */
     bool any = false, known[BIS_VERIFY_ANSWERS] = {false};
 
-    for (size_t k = 0; k < g->n_triangles + 2 * g->n_quadrics; k++) { /* a quadric may be met twice */
-        double t, error;
-        sight s;
-        if (k < g->n_triangles) {
-            const uint32_t *index = g->index + 3 * (size_t)k;
+    for (uint32_t prim = 0; prim < bis_geometry_primitives(g); prim++) {
+        double t[2], error[2];
+        sight s[2] = {MISSED, MISSED};
+        if (prim == left && prim >= g->n_triangles) continue;
+        if (prim < g->n_triangles) {
+            const uint32_t *index = g->index + 3 * (size_t)prim;
             const vec3 p[3] = {g->p[index[0]], g->p[index[1]], g->p[index[2]]};
-            s = see_triangle(p, r, k == left, &t, &error);
+            s[0] = see_triangle(p, r, prim == left, &t[0], &error[0]);
         } else {
-            const size_t root = k - g->n_triangles;
-            if (g->n_triangles + root / 2 == left) continue;
-            s = see_quadric(&g->quadrics[root / 2], r, root % 2, &t, &error);
+            see_quadric(&g->quadrics[prim - g->n_triangles], r, s, t, error);
         }
-        if (s == MISSED) continue;
-        any = true;
-        if (s == MET) nearest = fmin(nearest, t + error);
-        for (int i = 0; i < n; i++) known[i] |= fabs(answer[i].t - t) <= error || isinf(error);
+        for (int k = 0; k < 2; k++) {
+            if (s[k] == MISSED) continue;
+            any = true;
+            if (s[k] == MET) nearest = fmin(nearest, t[k] + error[k]);
+            for (int i = 0; i < n; i++) known[i] |= fabs(answer[i].t - t[k]) <= error[k] || isinf(error[k]);
+        }
     }
     for (int i = 0; i < n; i++) {
         const bool met = isfinite(answer[i].t);
