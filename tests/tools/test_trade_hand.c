@@ -2031,6 +2031,20 @@ static void seconds_are_those_of_a_pass_of_the_full_picture(void **state)
     }
 }
 
+/* Makes the folder of the plan of two settings, and returns what names its scene there. */
+static unsigned long long fingerprint_of_two(void)
+{
+    bis_trade t;
+
+    load(&t);
+    plan_two(&t);
+    if (!program_exists(DIR "/folder")) assert_int_equal(mkdir(DIR "/folder", 0777), 0);
+    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
+    const unsigned long long print = t.plan.fingerprint;
+    bis_trade_clear(&t);
+    return print;
+}
+
 /* What each field may be at most and at least is taken as it stands, and what lies beyond is refused by its name. */
 static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
 {
@@ -2052,12 +2066,7 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
     char text[2048];
     bis_trade t;
 
-    load(&t);
-    plan_two(&t);
-    if (!program_exists(DIR "/folder")) assert_int_equal(mkdir(DIR "/folder", 0777), 0);
-    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
-    const unsigned long long print = t.plan.fingerprint;
-    bis_trade_clear(&t);
+    const unsigned long long print = fingerprint_of_two();
     snprintf(text, sizeof text, "fingerprint %016llx\nfull 32768 32768\nstep 32768\nsize 1 1\nseeds 16\nseed 9007199254740992\n"
              "run_seconds 1e9\ngiven 1\nreference 0 1 mis 16\nreference 1 4194304 sir 64/4\nsetting 21 1e9 1e9 0 em 16\n"
              "setting 0 1e-300 0 nan sir 64/4\n", print);
@@ -2121,12 +2130,7 @@ static void the_size_of_a_plan_stands_behind_what_it_follows_from(void **state)
     char text[2048], expected[1024];
     bis_trade t;
 
-    load(&t);
-    plan_two(&t);
-    if (!program_exists(DIR "/folder")) assert_int_equal(mkdir(DIR "/folder", 0777), 0);
-    assert_int_equal(bis_trade_write_plan(&t, NULL), BIS_OK);
-    const unsigned long long print = t.plan.fingerprint;
-    bis_trade_clear(&t);
+    const unsigned long long print = fingerprint_of_two();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         bis_diag diag = {0};
         snprintf(text, sizeof text, "fingerprint %016llx\n%sseeds 1\nseed 5\nrun_seconds 2.5\ngiven 1\n"

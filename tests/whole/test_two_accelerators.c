@@ -161,6 +161,28 @@ static void floors_that_shadow_themselves_are_rejected(void **state)
 
 /* ---- the furnace ---- */
 
+static const char *const names[] = {"grid", "embree"};
+
+static int n_accelerators(void) { return bis_accel_embree_version() ? 2 : 1; }
+
+/* The mean of the scene's picture by accelerator i of `names`. */
+static double mean_by(int i, const char *path)
+{
+    static double sum[WIDTH * HEIGHT];
+    bis_scene_desc *d;
+    bis_scene *s;
+    double mean = 0;
+
+    load(&d, &s, path);
+    bis_accel_free(s->accel);
+    assert_int_equal(bis_scene_accel(&s->accel, s, d, i ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, NULL), BIS_OK);
+    render(sum, s, d);
+    for (int p = 0; p < WIDTH * HEIGHT; p++) mean += sum[p] / (3 * WIDTH * HEIGHT);
+    bis_scene_free(s);
+    bis_scene_desc_free(d);
+    return mean;
+}
+
 /* Half of a constant light 1 comes back from Kd = 0.5, from floors in all coordinate planes at several heights: where
  * nothing else is in the way the mean is 0.5 to 1e-6. */
 static void open_floors_give_half_of_the_light(void **state)
@@ -173,7 +195,6 @@ static void open_floors_give_half_of_the_light(void **state)
     for (int k = 0; k < 3 * 5; k++) {
         const char *h = heights[k / 3];
         char points[300];
-        static double sum[WIDTH * HEIGHT];
         FILE *f = fopen(path, "w");
         assert_non_null(f);
 #pragma GCC diagnostic push
@@ -185,18 +206,9 @@ static void open_floors_give_half_of_the_light(void **state)
                    "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"phong\" \"rgb Kd\" [.5 .5 .5] \"rgb Ks\" [0 0 0]\n"
                    "Shape \"trianglemesh\" \"point3 P\" [%s] \"integer indices\" [0 1 2 0 2 3]\n", eyes[k % 3], points);
         assert_int_equal(fclose(f), 0);
-        for (int i = 0; i < (bis_accel_embree_version() ? 2 : 1); i++) {
-            bis_scene_desc *d;
-            bis_scene *s;
-            double mean = 0;
-            load(&d, &s, path);
-            bis_accel_free(s->accel);
-            assert_int_equal(bis_scene_accel(&s->accel, s, d, i ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, NULL), BIS_OK);
-            render(sum, s, d);
-            for (int p = 0; p < WIDTH * HEIGHT; p++) mean += sum[p] / (3 * WIDTH * HEIGHT);
-            if (!(fabs(mean - .5) < 1e-6)) fail_msg("%s, floor %d at %s: %.9g", bis_accel_name(s->accel), k % 3, h, mean);
-            bis_scene_free(s);
-            bis_scene_desc_free(d);
+        for (int i = 0; i < n_accelerators(); i++) {
+            const double mean = mean_by(i, path);
+            if (!(fabs(mean - .5) < 1e-6)) fail_msg("%s, floor %d at %s: %.9g", names[i], k % 3, h, mean);
         }
     }
 }
@@ -246,28 +258,18 @@ static void a_box_on_a_floor_looks_the_same_everywhere(void **state)
 {
     static const double heights[] = {0, 1e-30, 1e-10, 1, -1e5}, scales[] = {1, 1e-6, 1e6};
     static const char path[] = "build/test_two_accelerators.txt";
-    static double sum[WIDTH * HEIGHT];
     double expected[3] = {0}; /* of each turn: directions are drawn about the normal in a frame that it decides */
     (void)state;
     for (int j = 0; j < 5 * 3 * 3; j++) {
         const double h = heights[j / 9], scale = scales[j / 3 % 3];
         if (fabs(h) > 100 * scale) continue;
         write_box_on_floor(path, h, scale, j % 3);
-        for (int i = 0; i < (bis_accel_embree_version() ? 2 : 1); i++) {
-            bis_scene_desc *d;
-            bis_scene *s;
-            double mean = 0;
-            load(&d, &s, path);
-            bis_accel_free(s->accel);
-            assert_int_equal(bis_scene_accel(&s->accel, s, d, i ? BIS_ACCEL_EMBREE : BIS_ACCEL_GRID, NULL), BIS_OK);
-            render(sum, s, d);
-            for (int p = 0; p < WIDTH * HEIGHT; p++) mean += sum[p] / (3 * WIDTH * HEIGHT);
+        for (int i = 0; i < n_accelerators(); i++) {
+            const double mean = mean_by(i, path);
             if (!expected[j % 3]) expected[j % 3] = mean;
             if (!(fabs(mean - expected[j % 3]) < 1e-6))
-                fail_msg("%s, at %g, size %g, turned %d: %.9g, not %.9g", bis_accel_name(s->accel), h, scale, j % 3, mean,
+                fail_msg("%s, at %g, size %g, turned %d: %.9g, not %.9g", names[i], h, scale, j % 3, mean,
                          expected[j % 3]);
-            bis_scene_free(s);
-            bis_scene_desc_free(d);
         }
     }
     for (int k = 0; k < 3; k++) assert_true(expected[k] > 0.4 && expected[k] < 0.499); /* some of it is hidden */
