@@ -7,6 +7,7 @@
 
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
+#include "bis/base/threads.h"
 #include "files/obj.h"
 #include "files/ply.h"
 
@@ -236,7 +237,8 @@ bis_status bis_scene_build(bis_scene **out, const bis_scene_desc *desc, bis_diag
         status = bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for a scene");
         goto done;
     }
-    status = load_geometry(s, desc, diag);
+    status = bis_threads_check(desc->accel.n_threads, (bis_loc){desc->path, 0, 0}, diag);
+    if (!status) status = load_geometry(s, desc, diag);
     if (!status && desc->textures.n_of_material > 0) status = load_textures(s, desc, diag);
     if (status) goto done;
     s->seconds.load = bis_clock_now() - start;
