@@ -93,7 +93,8 @@ typedef struct block {
 static void add_moments(block *b, const question *k, double q_f, double F, double area)
 {
     for (size_t i = 0; i < k->n; i++) {
-        const double q = k->q[i].from_map * b->q_L + k->q[i].from_bsdf * q_f, x = q > 0 ? F / q : (double)INFINITY;
+        const double q = k->q[i].from_map * b->q_L + k->q[i].from_bsdf * q_f + k->q[i].uniform / (4 * PI);
+        const double x = q > 0 ? F / q : (double)INFINITY;
         bis_truth_moments *m = &b->t.sample[i];
         m->variance += F * x * area;
         m->third += F * x * x * area;

@@ -10,9 +10,9 @@
 
 #include "bis/thesis/point.h"
 
-/* The density of an estimator's single samples: from_map q_L + from_bsdf q_f. */
+/* The density of an estimator's single samples: from_map q_L + from_bsdf q_f + uniform/(4 pi). */
 typedef struct bis_truth_density {
-    double from_map, from_bsdf;
+    double from_map, from_bsdf, uniform;
 } bis_truth_density;
 
 /* Red, green, blue, and their weighted sum. A sum of independent rays: its variance, unbiased, and what one ray can

@@ -6,6 +6,7 @@
 #include "bis/base/stats.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
+#include "bis/thesis/warp.h"
 #include "bis/thesis/rng.h"
 #include "bis/scene/light_load.h"
 #include "lit.h"
@@ -173,12 +174,12 @@ static void moments_are_those_of_draws(void **state)
     (void)state;
     enum { N = 200000 };
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
-    const bis_truth_density q[] = {{1, 0}, {0.5, 0.5}};
+    const bis_truth_density q[] = {{1, 0, 0}, {0.5, 0.5, 0}, {0.2, 0.3, 0.5}};
     bis_truth t;
     lit l;
     lit_init(&l, light, bis_phong(grey(0.4), (rgb){0.5f, 0.3f, 0.1f}, 20), normalize((vec3){0.3f, -0.4f, 0.8f}), 40, LIT_HALF);
-    assert_int_equal(bis_truth_of(&t, &l.pt, weight, CELLS, q, 2, 1, NULL), BIS_OK);
-    for (int k = 0; k < 2; k++) {
+    assert_int_equal(bis_truth_of(&t, &l.pt, weight, CELLS, q, 3, 1, NULL), BIS_OK);
+    for (int k = 0; k < 3; k++) {
         double sum = 0, square = 0;
         bis_rng rng;
         bis_rng_init(&rng, 5, 0, 0, 98);
@@ -187,13 +188,17 @@ static void moments_are_those_of_draws(void **state)
             vec3 wi;
             double u[4];
             for (int j = 0; j < 4; j++) u[j] = bis_rng_double(&rng);
-            if (k == 0 || i % 2) {
+            if (i % 10 < 10 * q[k].from_map) {
                 bis_light_sample(light, u, &y);
                 wi = y.wi;
-            } else {
+            } else if (i % 10 < 10 * (q[k].from_map + q[k].from_bsdf)) {
                 bis_bsdf_sample(&l.pt.bsdf, u[0], u[1], u[2], &wi);
+            } else {
+                wi = bis_warp_sphere(u[0], u[1]);
             }
-            const double p = q[k].from_map * bis_light_pdf(light, wi) + q[k].from_bsdf * bis_bsdf_pdf(&l.pt.bsdf, wi), c = bis_bsdf_cos(&l.pt.bsdf, wi);
+            const double p = q[k].from_map * bis_light_pdf(light, wi) + q[k].from_bsdf * bis_bsdf_pdf(&l.pt.bsdf, wi) +
+                             q[k].uniform * 0.079577471545947668; /* 1/(4 pi) */
+            const double c = bis_bsdf_cos(&l.pt.bsdf, wi);
             if (c <= 0 || !bis_point_sees(&l.pt, wi)) continue;
             const double x = measure(bis_estimate(bis_bsdf_f(&l.pt.bsdf, wi), bis_light_Le(light, wi), c, p));
             sum += x / N;

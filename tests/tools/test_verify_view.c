@@ -3,6 +3,8 @@
 #include "tools/pixel/pixel.h"
 #include "tools/verify/verify.h"
 #include "bis/thesis/phong.h"
+#include "bis/thesis/warp.h"
+#include "thesis/proposal.h"
 #include "stat.h"
 #include "lit.h"
 #include "program.h"
@@ -101,6 +103,53 @@ static void what_is_rare_and_bright_is_judged_too(void **state)
             bis_verify_clear(&v);
         }
     bis_light_free(light);
+}
+
+/* An integrator that verify does not know: directions uniform over the sphere, times a factor, blind to bright light. */
+static double factor;
+static float brightest = INFINITY;
+
+static rgb Lo_of_a_stranger(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    rgbd sum = {0, 0, 0};
+    bis_stream_points(stream, BIS_DIM_BRDF, s->samples, scratch->u);
+    for (uint32_t j = 0; j < s->samples; j++) {
+        const vec3 wi = bis_warp_sphere(scratch->u[j][0], scratch->u[j][1]);
+        const rgb L = bis_light_Le(pt->light, wi);
+        const double c = bis_bsdf_cos(&pt->bsdf, wi), q = s->samples / (4 * 3.14159265358979 * factor);
+        if (c > 0 && L.r > 0 && L.r < brightest) bis_point_add(&sum, pt, wi, bis_estimate(bis_bsdf_f(&pt->bsdf, wi), L, c, q), NULL);
+    }
+    return rgbd_round(sum);
+}
+
+/* A stranger may have missed a lamp by bad luck, if uniform directions would have, too; else it is judged as ours are. The
+ * lamp is met by one uniform direction of 150: perhaps by none of 64 runs, but by many of 16384. */
+static void a_stranger_is_held_to_what_uniform_directions_do(void **state)
+{
+    (void)state;
+    const struct { lit_map map; double factor; float brightest; unsigned halvings; bool passes; } rows[] = {
+        {LIT_SMOOTH, 1, INFINITY, 2, true},   {LIT_SMOOTH, 0.9, INFINITY, 2, false}, {LIT_SMOOTH, 1.1, INFINITY, 2, false},
+        {LIT_ONE_BLOCK, 1, 2, 8, true},       {LIT_ONE_BLOCK, 1, 2, 0, false},
+    };
+    bis_integrator stranger = bis_brdf; /* its needs, and its name, which is its parameters' */
+    stranger.Lo = Lo_of_a_stranger;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        bis_light *light = lit_new_light(rows[i].map, 1, 0.15, false);
+        bis_settings s = bis_settings_default(&bis_brdf);
+        bis_verify v = {.seed = 1, .halvings = rows[i].halvings};
+        lit l;
+        bool tested;
+        lit_init(&l, light, verify_glossy(&bis_phong_model, 3), (vec3){0, 0, 1}, 40, LIT_OPEN);
+        s.integrator = &stranger;
+        s.samples = 16;
+        factor = rows[i].factor;
+        brightest = rows[i].brightest;
+        assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_RANDOM, "p", &tested, NULL), BIS_OK);
+        assert_true(tested && v.n == 1);
+        if (rows[i].passes != (v.tests[0].p > 1e-4)) fail_msg("row %zu: p %g; %s", i, v.tests[0].p, v.tests[0].note);
+        bis_verify_clear(&v);
+        bis_light_free(light);
+    }
 }
 
 static rgb Lo_not_a_number_at_times(const bis_settings *s, const bis_point *pt, bis_stream *stream,
@@ -247,6 +296,7 @@ int main(void)
         cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
         cmocka_unit_test(what_is_rare_and_bright_is_judged_too),
+        cmocka_unit_test(a_stranger_is_held_to_what_uniform_directions_do),
         cmocka_unit_test(what_is_not_a_number_fails),
         cmocka_unit_test(runs_are_those_of_their_streams),
         cmocka_unit_test(the_density_of_its_samples_decides_how_an_integrator_is_judged),

@@ -49,7 +49,7 @@ static bis_pixel_value value_from(const bis_truth_sum *s)
 
 static bis_status sum_patches(bis_pixel_exact *e, const bis_point *pt, uint64_t seed, bis_diag *diag)
 {
-    static const bis_truth_density q[3] = {{1, 0}, {0, 1}, {0.5, 0.5}};
+    static const bis_truth_density q[3] = {{1, 0, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
     bis_truth t;
     const bis_status status = bis_truth_of(&t, pt, (double[]){1, 1, 1}, BIS_PIXEL_CELLS, q, 3, seed, diag);
 

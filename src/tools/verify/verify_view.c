@@ -10,7 +10,9 @@
  * skewness s of the mean enlarges p (bis_verify_t). A skewness that the runs tell counts as well, and where no other is
  * known it may be BIS_VERIFY_MOST_SKEWNESS. For |s| beyond that, Bernstein's inequality bounds p, which holds for any
  * bounded variables, and finds less (1927): P(|mean - mu| >= e) <= 2 exp(-n e^2 / (2 E[X^2] + 2 B e/3)), 0 <= X <= B.
- *   Where the density is not known, the test is skipped with a word. */
+ *   Where the density is not known, the test is skipped with a word. An integrator that is none of ours may miss a lamp
+ * in all its runs, which then look as if they hardly scattered. It is held to what directions uniform over the sphere
+ * would do: where it is too dark, p is at least their Bernstein's bound. */
 #include "verify.h"
 
 #include "bis/base/mem.h"
@@ -67,22 +69,26 @@ bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const
 
 /* ---- the reference ---- */
 
-/* The density of an estimator's single samples, n of them in a run. n = 0: not known. */
+/* The density of an estimator's single samples, n of them in a run. n = 0: not known. is_guess: the integrator is none
+ * of ours, and n will be its shadow rays. */
 typedef struct sampling {
     bis_truth_density q;
     double n;
+    bool is_guess;
 } sampling;
 
 static sampling sampling_of(const bis_settings *s, bool constant)
 {
     const bis_integrator *i = s->integrator;
-    if (i == &bis_em) return (sampling){{1, 0}, s->samples};
-    if (i == &bis_brdf) return (sampling){{0, 1}, s->samples};
-    if (i == &bis_mis) return (sampling){{s->split, 1 - s->split}, s->samples};
-    if (i != &bis_sir && i != &bis_unoccluded) return (sampling){{0, 0}, 0};
-    if (s->proposal == BIS_PROPOSAL_EM) return (sampling){{1, 0}, s->candidates};
-    if (s->proposal == BIS_PROPOSAL_BRDF || constant) return (sampling){{0, 1}, s->candidates};
-    return (sampling){{0.5, 0.5}, s->candidates};
+    if (i == &bis_em) return (sampling){{.from_map = 1}, s->samples, false};
+    if (i == &bis_brdf) return (sampling){{.from_bsdf = 1}, s->samples, false};
+    if (i == &bis_mis) return (sampling){{.from_map = s->split, .from_bsdf = 1 - s->split}, s->samples, false};
+    if (i == &bis_rejection || i == &bis_exact) return (sampling){.n = 0};
+    if (i != &bis_sir && i != &bis_unoccluded)
+        return (sampling){{.uniform = 1}, 1, true};
+    if (s->proposal == BIS_PROPOSAL_EM) return (sampling){{.from_map = 1}, s->candidates, false};
+    if (s->proposal == BIS_PROPOSAL_BRDF || constant) return (sampling){{.from_bsdf = 1}, s->candidates, false};
+    return (sampling){{.from_map = 0.5, .from_bsdf = 0.5}, s->candidates, false};
 }
 
 /* ---- one integrator ---- */
@@ -94,6 +100,7 @@ typedef struct comparison {
     const bis_truth_sum *truth;
     const bis_truth_moments *sample; /* NULL: not known */
     double n;                        /* samples in a run */
+    bool is_guess;                   /* both of these */
     double deviation;                /* of a run, where it is known beforehand; else NAN */
     uint64_t accepted;
     bool draws_independent;          /* the samples of a run, given their strata */
@@ -116,20 +123,31 @@ static void put(bis_verify *v, const comparison *c, double z, double p, const ch
     bis_verify_p(v, "view", z, p + chance, note, "%s: %s", c->name, c->integrator->name);
 }
 
+/* Places inside patches are random: the largest F/q may be missed by some, the sum of squares by little. */
+static double second_of(const comparison *c)
+{
+    const double mu = c->truth->mean[3];
+    return 1.1 * (c->sample->variance + mu * mu);
+}
+
+static double p_by_bernstein(const comparison *c)
+{
+    const double B = 2 * c->sample->most * (c->draws_independent ? 1 : c->n), n = c->n * c->runs->n, e = excess_of(c);
+    return 2 * exp(-n * e * e / (2 * second_of(c) + 2 * B * fabs(e) / 3));
+}
+
 static void judge_by_t(bis_verify *v, const comparison *c, double skewness)
 {
     const double n = c->runs->n, e = excess_of(c), known = c->deviation;
     const double z = e == 0 ? 0 : e / (isnan(known) ? sqrt(c->runs->m2 / (n - 1) / n) : known / sqrt(n));
-    put(v, c, z, z == 0 ? 1 : bis_verify_t(z, isnan(known) ? n - 1 : (double)INFINITY, skewness), "");
+    const double p = z == 0 ? 1 : bis_verify_t(z, isnan(known) ? n - 1 : (double)INFINITY, skewness);
+    const double least = c->is_guess && z < 0 ? fmin(1, p_by_bernstein(c)) : 0;
+    put(v, c, z, fmax(p, least), least > p ? "p is that of uniform directions, which may miss what is bright; " : "");
 }
 
 static void judge_by_bernstein(bis_verify *v, const comparison *c)
 {
-    /* Places inside patches are random: the largest F/q may be missed by some, the sum of squares by little. */
-    const double B = 2 * c->sample->most * (c->draws_independent ? 1 : c->n), mu = c->truth->mean[3],
-                 n = c->n * c->runs->n;
-    const double second = 1.1 * (c->sample->variance + mu * mu), e = excess_of(c);
-    put(v, c, e / sqrt(second / n), 2 * exp(-n * e * e / (2 * second + 2 * B * fabs(e) / 3)),
+    put(v, c, excess_of(c) / sqrt(second_of(c) / (c->n * c->runs->n)), p_by_bernstein(c),
         "rare and bright: p bounded by Bernstein's inequality; ");
 }
 
@@ -140,7 +158,7 @@ static void skip(bis_verify *v, const comparison *c, const char *why)
 
 static void judge(bis_verify *v, const comparison *c)
 {
-    const bool is_known = c->sample && c->sample->variance > 0;
+    const bool is_known = c->sample && !c->is_guess && c->sample->variance > 0;
     const double given = is_known ? c->sample->third / pow(c->sample->variance, 1.5) / sqrt(c->n * c->runs->n) : 0;
     const double skewness = fmax(fabs(given), isnan(c->deviation) ? fabs(bis_verify_skewness(c->runs)) : 0);
 
@@ -178,7 +196,7 @@ static uint32_t runs_for(const bis_settings *s, size_t patches, unsigned halving
 }
 
 static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings *s, const bis_truth_moments *sample,
-                          double n_sample, const bis_truth *truth, bis_sampler_kind kind, const char *name,
+                          const sampling *how, const bis_truth *truth, bis_sampler_kind kind, const char *name,
                           bis_diag *diag)
 {
     const bool is_exact = bis_parameter_of(s->integrator, "perpatch") != NULL;
@@ -206,7 +224,8 @@ static bis_status compare(bis_verify *v, const bis_point *pt, const bis_settings
         .runs = &runs,
         .truth = s->integrator->without_shadows ? &truth->open : &truth->lit,
         .sample = is_exact ? &truth->one_ray : sample,
-        .n = is_exact ? 1 : n_sample,
+        .n = is_exact ? 1 : how->is_guess ? fmax(1, (double)counters.shadow_rays / n) : how->n,
+        .is_guess = how->is_guess,
         .deviation = is_exact ? bis_truth_deviation(&one_ray, chance) : (double)NAN,
         .accepted = counters.accepted,
         .draws_independent = !bis_sampler_is_low_discrepancy(kind),
@@ -219,16 +238,15 @@ bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settin
                             bis_sampler_kind kind, const char *name, bool *tested, bis_diag *diag)
 {
     bis_truth_density q[BIS_TRUTH_MAX_DENSITIES];
-    double n_sample[BIS_TRUTH_MAX_DENSITIES];
+    sampling how[BIS_TRUTH_MAX_DENSITIES];
     size_t n_known = 0;
     bis_truth truth;
 
     *tested = false;
     for (size_t i = 0; i < n; i++) {
-        const sampling s = sampling_of(&settings[i], bis_light_is_constant(pt->light));
-        n_sample[i] = s.n;
-        assert(n_known < BIS_TRUTH_MAX_DENSITIES || s.n == 0);
-        if (s.n > 0) q[n_known++] = s.q;
+        how[i] = sampling_of(&settings[i], bis_light_is_constant(pt->light));
+        assert(n_known < BIS_TRUTH_MAX_DENSITIES || how[i].n == 0);
+        if (how[i].n > 0) q[n_known++] = how[i].q;
     }
     bis_status status = bis_truth_of(&truth, pt, weight, CELLS >> v->halvings / 2, q, n_known,
                                      bis_verify_seed(v, "%s: reference", name), diag);
@@ -241,8 +259,8 @@ bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settin
         return BIS_OK;
     }
     for (size_t i = 0, known = 0; i < n && !status; i++) {
-        const bis_truth_moments *sample = n_sample[i] > 0 ? &truth.sample[known++] : NULL;
-        status = compare(v, pt, &settings[i], sample, n_sample[i], &truth, kind, name, diag);
+        const bis_truth_moments *sample = how[i].n > 0 ? &truth.sample[known++] : NULL;
+        status = compare(v, pt, &settings[i], sample, &how[i], &truth, kind, name, diag);
     }
     return status;
 }
