@@ -171,7 +171,7 @@ test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) $(if $(f
 
 # With the slow cases: maps of 16384 x 8192, tables of 1e8 items, grids of 1e8 cells. Minutes and 8 GB more.
 test-long:
-	BIS_LONG=1 $(MAKE) test
+	BIS_LONG=1 TEST_SECONDS=$${TEST_SECONDS:-3000} $(MAKE) test
 
 # README and docs/ as a static site with MathML, in build/docs. pandoc makes it; who reads the .md files needs none of it.
 docs:

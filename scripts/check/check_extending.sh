@@ -2,7 +2,8 @@
 # check_extending: does docs/extending.md say all that a new integrator needs? The page's example is taken from the page: the
 # file that follows "<!-- tests/whole/uniform.c -->", and the changes in its ```diff blocks. They go into a copy of the
 # sources; only what changed is compiled, and linked before the present library; then the program has one integrator more.
-#     scripts/check/check_extending.sh [TEST...]          TEST: programs of tests/ to be linked and run with it, too
+#     scripts/check/check_extending.sh [TEST...]          TEST: programs of tests/ to be linked and run with it, too;
+# "all": all as make test runs them, but this one and those of the course, the pages and what is installed.
 # EXTENDING_PAGE: another page.
 # From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link (scripts/course/course.mk).
 # The copy is $BIS_BUILD/extending. Exit status 1, and a line that says why, where anything fails.
@@ -39,7 +40,7 @@ has() {
     "$@" >"$root/$name.txt" 2>&1 || say "$name: $(tail -1 "$root/$name.txt")"
     grep -q -e "$text" "$root/$name.txt" || say "$name has no \"$text\""
 }
-cat >"$root/scene.txt" <<END
+cat >"$root/of-the-page.txt" <<END
 Film "rgb" "integer xresolution" 16 "integer yresolution" 12
 Camera "perspective" "float fov" 60
 Integrator "uniform" "integer samples" 8
@@ -50,17 +51,29 @@ AttributeBegin Translate 0 0 4 Shape "sphere" AttributeEnd
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 -1 -9  9 -1 -9  9 -1 9  -9 -1 9]
 END
 has help "uniform  *directions uniform" "$root/bis" help integrators
-has plan "uniform: samples 8" "$root/bis" --plan "$root/scene.txt"
-has render "\"integrator\": \"uniform\"" "$root/bis" --quiet --spp 1 --stats - --outfile "$root/out.exr" "$root/scene.txt"
-has pixel "^uniform  *8 " "$root/bis" pixel --repeats 50 --output "$root/pixel" "$root/scene.txt" 8 9
-has trade "--integrator uniform --samples " "$root/bis" trade --quiet --time 2 --passes 1 --seeds 2 --integrator uniform --output "$root/trade" --resolution 16x12 "$root/scene.txt"
-has verify "uniform .*passed" "$root/bis" verify "$root/scene.txt"
+has plan "uniform: samples 8" "$root/bis" --plan "$root/of-the-page.txt"
+has render "\"integrator\": \"uniform\"" "$root/bis" --quiet --spp 1 --stats - --outfile "$root/out.exr" "$root/of-the-page.txt"
+has pixel "^uniform  *8 " "$root/bis" pixel --repeats 50 --output "$root/pixel" "$root/of-the-page.txt" 8 9
+has trade "--integrator uniform --samples " "$root/bis" trade --quiet --time 2 --passes 1 --seeds 2 --integrator uniform --output "$root/trade" --resolution 16x12 "$root/of-the-page.txt"
+has verify "uniform .*passed" "$root/bis" verify "$root/of-the-page.txt"
 
+if test "$*" = all; then
+    # shellcheck disable=SC2046
+    set -- $(find tests -name "test_*.c" -exec basename {} .c \; | grep -vx "test_extending\|test_assignments\|test_docs\|test_library")
+fi
+# the tests work in the copy, whose pages are the changed ones
+for file in *; do test -e "$root/$file" || ln -s "$PWD/$file" "$root"; done
+for other in bis-data bis-mpi; do
+    test -e "$root/$other" || test ! -e "$BIS_BUILD/$other" || ln -s "$(readlink -f "$BIS_BUILD/$other")" "$root"
+done
+failed=""
 for test in "$@"; do
     source=$(find tests -name "$test.c")
     cp "$BIS_BUILD/${source%.c}.o" "$root/$test.o" 2>/dev/null || $BIS_COMPILE -c -o "$root/$test.o" "$source" || say "$test does not compile"
     # shellcheck disable=SC2086
     $BIS_LINK -o "$root/$test" "$root/$test.o" $objects $BIS_OBJECTS $BIS_LIBS || say "$test does not link"
-    BIS_PROGRAM=$root/bis "$root/$test" >"$root/$test.txt" 2>&1 || say "$test fails: $(grep -m 1 'ERROR' "$root/$test.txt")"
+    (cd "$root" && env -u BIS_LONG BIS_PROGRAM="$PWD/bis" "./$test" >"$test.txt" 2>&1) ||
+        failed="$failed$test ($(grep -m 1 'LINE' "$root/$test.txt")) "
 done
+test -z "$failed" || say "these fail: $failed"
 echo "extending: as it should be"

@@ -8,6 +8,7 @@
 #include "bis/scene/light_load.h"
 #include "bis/thesis/phong.h"
 #include "bis/beyond/microfacet.h"
+#include "further.h"
 #include "html_check.h"
 #include "lit.h"
 #include "out/palette.h"
@@ -289,7 +290,7 @@ static void each_estimator_has_a_row_of_its_own(void **state)
         own.estimator = plain ? BIS_ESTIMATOR_PLAIN : BIS_ESTIMATOR_RATIO;
         own.candidates = 33;
         own.shadowrays = 5;
-        assert_int_equal(bis_pixel_methods(list, &own), 7);
+        assert_int_equal(bis_pixel_methods(list, &own), 7 + n_further());
         for (int i = 0; i < 7; i++) {
             const bis_settings *const s = &list[i].settings;
             assert_string_equal(list[i].name, names[i]);

@@ -8,6 +8,7 @@
 #include "bis/files/image_file.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
+#include "further.h"
 #include "json_check.h"
 #include "lit.h"
 #include "map_help.h"
@@ -1123,6 +1124,9 @@ static void the_pixels_of_a_view_are_those_of_the_lattice(void **state)
         for (size_t i = 0; i < v.n; i++) {
             char name[64];
             if (strcmp(v.tests[i].group, "view") != 0) continue;
+            bool is_other = false;
+            for (int k = 0; k < n_further(); k++) is_other |= strstr(v.tests[i].name, bis_integrators[OUR_INTEGRATORS + k]->name) != NULL;
+            if (is_other) continue;
             assert_true(n < 6 * cases[c].n);
             snprintf(name, sizeof name, "pixel %s: %s", cases[c].pixels[n / 6], integrators[n % 6]);
             assert_string_equal(v.tests[i].name, name);
