@@ -7,6 +7,7 @@
 typedef struct bis_raster {
     bis_mapping mapping;
     int width, height;
+    double scale; /* of the formula's solid angles, such that they sum up to 4 pi */
     rgb *pixels;
 } bis_raster;
 
@@ -23,7 +24,7 @@ typedef struct bis_mapping_model {
     double (*direction)(const bis_raster *r, int x, int y, double dx, double dy, double d[3]);
     /* The pixel that shows unit direction d. */
     size_t (*pixel)(const bis_raster *r, const double d[3]);
-    /* The solid angle of pixel (x, y) in sr; 0: outside. */
+    /* The solid angle of pixel (x, y) in sr, by the formula; 0: outside. */
     double (*solid_angle)(const bis_raster *r, int x, int y);
 } bis_mapping_model;
 

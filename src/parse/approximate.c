@@ -130,11 +130,18 @@ const char *bis_approximate_hint(bis_parser *p, const char *directive, const cha
     return p->way_out;
 }
 
-void bis_approximate_parameter(bis_parser *p, bis_param *param, const char *directive, const char *what)
+bool bis_approximate_or_refuse(bis_parser *p, bis_loc at, const char *kind, const char *consequence, const char *fmt,
+                               ...)
 {
-    const char *quote = what ? "\"" : "";
+    char text[512];
+    va_list args;
 
-    param->used = true;
-    bis_approximate_note(p, param->at, "ignored", "parameter \"%s\" of %s%s%s%s%s",
-                         bis_parser_text(p, param->name), directive, what ? " " : "", quote, what ? what : "", quote);
+    if (p->approximate) {
+        note(p, at, consequence, kind);
+        return true;
+    }
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    return bis_parser_error(p, at, "%s; with --approximate: %s", text, consequence);
 }

@@ -18,8 +18,10 @@ const char *bis_approximate_hint(bis_parser *p, const char *directive, const cha
 /* bis_approximate_note counts one replacement of a kind ("3 x KIND: CONSEQUENCE"). consequence: a string constant. */
 void bis_approximate_note(bis_parser *p, bis_loc at, const char *consequence, const char *fmt, ...) BIS_PRINTF(4, 5);
 
-/* bis_approximate_parameter notes that a parameter of `directive` "what" is ignored, and marks it as known. */
-void bis_approximate_parameter(bis_parser *p, bis_param *param, const char *directive, const char *what);
+/* bis_approximate_or_refuse counts one replacement of a kind with --approximate, and returns true. Without it the
+ * message is an error, ended by "; with --approximate: CONSEQUENCE". consequence: a string constant. */
+bool bis_approximate_or_refuse(bis_parser *p, bis_loc at, const char *kind, const char *consequence, const char *fmt,
+                               ...) BIS_PRINTF(5, 6);
 
 /* ---- approximate_materials.c ---- */
 

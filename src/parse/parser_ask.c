@@ -164,15 +164,12 @@ void bis_params_end(bis_parser *p, const char *directive, const char *what)
     bis_params *ps = &p->params;
     for (size_t i = 0; i < ps->n; i++) {
         if (ps->list[i].used) continue;
-        if (p->approximate) {
-            bis_approximate_parameter(p, &ps->list[i], directive, what);
-            continue;
-        }
-        const char *name = bis_parser_text(p, ps->list[i].name);
-        const char *quote = what ? "\"" : "";
-        bis_parser_error(p, ps->list[i].at, "unknown parameter \"%s\" of %s%s%s%s%s%s; with --approximate: ignored",
-                         name, directive, what ? " " : "", quote, what ? what : "", quote,
-                         bis_parser_hint(p, bis_nearest_name(name, ps->asked, ps->n_asked)));
+        const char *name = bis_parser_text(p, ps->list[i].name), *quote = what ? "\"" : "";
+        char kind[BIS_APPROXIMATION_KIND];
+        snprintf(kind, sizeof kind, "parameter \"%s\" of %s%s%s%s%s", name, directive, what ? " " : "", quote,
+                 what ? what : "", quote);
+        bis_approximate_or_refuse(p, ps->list[i].at, kind, "ignored", "unknown %s%s", kind,
+                                  bis_parser_hint(p, bis_nearest_name(name, ps->asked, ps->n_asked)));
     }
 }
 

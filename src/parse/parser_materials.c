@@ -45,16 +45,15 @@ static double own_roughness(bis_parser *p, double alpha, bis_loc at)
  * lobe would not look like two; --approximate takes the circle of the ellipse's area. */
 static double alpha_of_two(bis_parser *p, double roughness, bool remaps, remap how)
 {
-    static const char consequence[] = "a round lobe, its alpha the root of the product of both";
     double u = roughness, v = roughness;
     bis_params_float(p, "uroughness", &u, positive_or_0);
     bis_params_float(p, "vroughness", &v, positive_or_0);
     if (u == v) return alpha_of(u, remaps, how);
     const bis_loc at = bis_params_at(p, bis_params_has(p, "vroughness") ? "vroughness" : "uroughness");
-    if (p->approximate) bis_approximate_note(p, at, consequence, "\"uroughness\" and \"vroughness\" that differ");
-    else
-        bis_parser_error(p, at, "\"uroughness\" and \"vroughness\" differ: anisotropic surfaces are not modelled, give "
-                         "both the same value; with --approximate: %s", consequence);
+    bis_approximate_or_refuse(p, at, "\"uroughness\" and \"vroughness\" that differ",
+                              "a round lobe, its alpha the root of the product of both",
+                              "\"uroughness\" and \"vroughness\" differ: anisotropic surfaces are not modelled, give "
+                              "both the same value");
     return sqrt(fmax(0, alpha_of(u, remaps, how) * alpha_of(v, remaps, how)));
 }
 
@@ -290,16 +289,15 @@ bis_material bis_parser_uber(bis_parser *p, bis_material_textures *t)
 {
     static const char *const names[] = {"Kr", "Kt", "opacity"};
     static const float none[] = {0, 0, 1};
-    static const char consequence[] = "Kd and Ks alone are left";
+    static const char *const kinds[] = {"\"Kr\" of Material \"uber\"", "\"Kt\" of Material \"uber\"",
+                                        "\"opacity\" of Material \"uber\""};
     for (int i = 0; i < 3; i++) {
         rgb c = {none[i], none[i], none[i]};
         bis_params_rgb(p, names[i], &c, unit, true);
         if (c.r == none[i] && c.g == none[i] && c.b == none[i]) continue;
-        const bis_loc at = bis_params_at(p, names[i]);
-        if (p->approximate) bis_approximate_note(p, at, consequence, "\"%s\" of Material \"uber\"", names[i]);
-        else
-            bis_parser_error(p, at, "an \"uber\" that is a mirror or lets light through is not modelled: \"%s\" must "
-                             "be %g; with --approximate: %s", names[i], (double)none[i], consequence);
+        bis_approximate_or_refuse(p, bis_params_at(p, names[i]), kinds[i], "Kd and Ks alone are left",
+                                  "an \"uber\" that is a mirror or lets light through is not modelled: \"%s\" must "
+                                  "be %g", names[i], (double)none[i]);
     }
     return read_plastic(p, t, read_eta(p));
 }

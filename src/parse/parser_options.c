@@ -35,11 +35,8 @@ static void camera_lens(bis_parser *p)
     static const char *const shutter[] = {"shutteropen", "shutterclose"};
     double radius = 0;
     if (bis_params_float(p, "lensradius", &radius, any) && radius != 0) {
-        const bis_loc at = bis_params_at(p, "lensradius");
-        if (p->approximate) bis_approximate_note(p, at, "all is in focus", "\"lensradius\"");
-        else
-            bis_parser_error(p, at, "a thin lens is not modelled: \"lensradius\" must be 0; with --approximate: "
-                             "all is in focus");
+        bis_approximate_or_refuse(p, bis_params_at(p, "lensradius"), "\"lensradius\"", "all is in focus",
+                                  "a thin lens is not modelled: \"lensradius\" must be 0");
     }
     bis_params_skip(p, focus, BIS_COUNT(focus));
     bis_params_ignore(p, shutter, BIS_COUNT(shutter));

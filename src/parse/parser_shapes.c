@@ -194,15 +194,12 @@ static bool read_triangles(bis_parser *p, bis_shape_desc *shape, bool patches)
 /* pbrt cuts pieces off its quadrics; ours are whole. */
 static bool is_whole(bis_parser *p, const char *name, double whole, double given)
 {
-    char a[32], b[32];
+    char a[32], b[32], kind[32];
     if (given == whole) return true;
-    if (p->approximate) {
-        bis_approximate_note(p, bis_params_at(p, name), "spheres and disks are whole", "\"%s\"", name);
-        return true;
-    }
-    return bis_parser_error(p, bis_params_at(p, name),
-                            "\"%s\" is %s: only whole spheres and disks are modelled (%s); with --approximate: spheres "
-                            "and disks are whole", name, bis_format_double(a, given), bis_format_double(b, whole));
+    snprintf(kind, sizeof kind, "\"%s\"", name);
+    return bis_approximate_or_refuse(p, bis_params_at(p, name), kind, "spheres and disks are whole",
+                                     "\"%s\" is %s: only whole spheres and disks are modelled (%s)", name,
+                                     bis_format_double(a, given), bis_format_double(b, whole));
 }
 
 static bool read_quadric(bis_parser *p, bis_shape_desc *shape)

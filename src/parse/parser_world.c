@@ -188,14 +188,9 @@ static bis_material read_diffuse(bis_parser *p, bis_material_textures *t)
     if (bis_params_colour(p, "reflectance", &Kd, unit, &t->Kd) && bis_params_has(p, "Kd"))
         bis_parser_error(p, bis_params_at(p, "Kd"), "\"Kd\" and \"reflectance\" are the same: give one");
     bis_params_colour(p, "Kd", &Kd, unit, &t->Kd); /* v2, v3 */
-    if (bis_params_float(p, "sigma", &sigma, positive_or_0) && sigma != 0) {
-        static const char consequence[] = "the surface is Lambert's";
-        const bis_loc at = bis_params_at(p, "sigma");
-        if (p->approximate) bis_approximate_note(p, at, consequence, "\"sigma\"");
-        else
-            bis_parser_error(p, at, "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must be 0; "
-                             "with --approximate: %s", consequence);
-    }
+    if (bis_params_float(p, "sigma", &sigma, positive_or_0) && sigma != 0)
+        bis_approximate_or_refuse(p, bis_params_at(p, "sigma"), "\"sigma\"", "the surface is Lambert's",
+                                  "a rough diffuse surface (Oren and Nayar) is not modelled: \"sigma\" must be 0");
     return bis_phong(Kd, (rgb){0, 0, 0}, 50);
 }
 

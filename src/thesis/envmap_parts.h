@@ -1,4 +1,5 @@
-/* envmap_parts: functions of src/thesis/envmap.c that only src/beyond/mapping.c uses. */
+/* envmap_parts: functions of src/thesis/envmap.c that are no part of its face. src/beyond/mapping.c uses the first
+ * two. */
 #pragma once
 
 #include "bis/thesis/envmap.h"

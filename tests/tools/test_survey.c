@@ -362,7 +362,7 @@ static void the_report_of_a_probe_has_its_power_before_and_after(void **state)
         assert_int_equal(bis_envmap_from_mapping(&em, &probe, BIS_MAPPING_ANGULAR, width, NULL), BIS_OK);
         const double before = em.power_before, after = em.power_after;
         bis_envmap_clear(&em);
-        assert_true(before > 1 && fabs(after / before - 1) > 1e-6);
+        assert_true(before > 1 && fabs(after / before - 1) > 1e-10); /* they differ by the rounding of floats */
         program_expect(&r, 0, "envmap --mapping angular --json " DIR "/power.pfm%s", option);
         assert_near(json_number(r.output, "power_before") / before, 1, 1e-12);
         assert_near(json_number(r.output, "power_after") / after, 1, 1e-12);
@@ -542,13 +542,13 @@ static void a_map_is_converted_and_comes_back(void **state)
         figures[0] = strtod(before + 12, NULL);
         figures[1] = strtod(strstr(before, "before, ") + 8, NULL);
         assert_near(figures[0] / power, 1, 1e-5);
-        assert_near(figures[1] / power, 1, 4e-3); /* test_mapping.c says why; of a ball's coarse rim */
+        assert_near(figures[1] / power, 1, 1e-5);
         program_expect(&r, 0, "envmap --mapping %s " DIR "/%s.exr --to latlong --width 64 --out " DIR "/back.pfm", name, name);
         bis_image back;
         bis_envmap other;
         assert_int_equal(bis_image_read(&back, DIR "/back.pfm", (bis_loc){0}, NULL), BIS_OK);
         assert_int_equal(bis_envmap_from_latlong(&other, &back, NULL), BIS_OK);
-        assert_near(bis_envmap_power(&other) / power, 1, 4e-3);
+        assert_near(bis_envmap_power(&other) / power, 1, 1e-3);
         size_t best = 0;
         for (size_t i = 0; i < W * H; i++)
             if (map_intensity(&other, i) > map_intensity(&other, best)) best = i;

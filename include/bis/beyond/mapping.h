@@ -42,12 +42,12 @@ int bis_mapping_width(bis_mapping mapping, int width, int height);
  * em->power_before and em->power_after are the integrals of r+g+b over the sphere. A lat-long image is taken as it is
  * (bis_envmap_from_latlong), and width is not read. Bad values inside the map are set to 0 and counted; what lies
  * outside a disc or a cross is not read. The image is borrowed, but of a lat-long image the pixels are taken over.
- * Errors: BIS_INPUT (the shape does not fit), BIS_NOMEM. */
+ * Errors: BIS_INPUT (the shape does not fit, a radiance that no float holds), BIS_NOMEM. */
 bis_status bis_envmap_from_mapping(bis_envmap *em, bis_image *image, bis_mapping mapping, int width, bis_diag *diag);
 
 /* bis_envmap_to_mapping resamples a lat-long map to a new image in another mapping; what lies outside a disc or a cross
  * is black. width is that of the image; 0: as many pixels around the sphere as the map has. power[0] and power[1]
- * receive the integrals of r+g+b before and after. Errors: BIS_INPUT (a cross whose width is no multiple of its
- * faces, an image too large), BIS_NOMEM. */
+ * receive the integrals of r+g+b before and after, which agree but for the rounding of floats. Errors: BIS_INPUT (a
+ * cross whose width is no multiple of its faces, an image too large, a radiance that no float holds), BIS_NOMEM. */
 bis_status bis_envmap_to_mapping(bis_image *image, const bis_envmap *em, bis_mapping mapping, int width,
                                  double power[2], bis_diag *diag);
