@@ -252,6 +252,28 @@ static void the_pages_exposure_is_that_of_bis_render(void **state)
     bis_trade_unload(&t);
 }
 
+/* A square of 1 x 1.25 before four pixels of 1 x 1: it covers an eighth of each of the upper two, half of each of the lower,
+ * where 16 rays a pixel say so exactly. The upper have a luminance of 8 and the lower of 1, so the weighted mean of the
+ * logarithms to base 2 is 3 (1/8) / (1/8 + 1/2) = 0.6. */
+static void the_exposure_weighs_each_pixel_by_what_is_covered_of_it(void **state)
+{
+    (void)state;
+    bis_trade t = {.o = {.scene = DIR "/ortho.txt", .n_threads = 1}, .plan = {.width = 2, .height = 2}};
+    double exposure;
+    program_write_file(DIR "/ortho.txt",
+        "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2\nIntegrator \"em\"\n"
+        "Camera \"orthographic\" \"float screenwindow\" [-1 1 -1 1]\nWorldBegin\n"
+        "LightSource \"infinite\" \"string filename\" \"map.pfm\"\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-.5 -1 2  .5 -1 2  .5 .25 2  -.5 .25 2]\n");
+    assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+    assert_int_equal(bis_image_init(&t.both.image, 2, 2, NULL), BIS_OK);
+    for (int i = 0; i < 4; i++) t.both.image.pixels[i] = i < 2 ? (rgb){8, 8, 8} : (rgb){1, 1, 1};
+    assert_int_equal(bis_trade_exposure(&exposure, &t, NULL), BIS_OK);
+    if (fabs(exposure - (log2(0.18) - 0.6)) > 1e-6) fail_msg("%.9g is not %.9g", exposure, log2(0.18) - 0.6);
+    bis_image_clear(&t.both.image);
+    bis_trade_unload(&t);
+}
+
 /* All runs of a row of trade.csv; returns how many. */
 static int values_of(double *v, const table *runs, const table *trade, int row, const char *column)
 {
@@ -1113,6 +1135,7 @@ int main(void)
         cmocka_unit_test(the_table_says_what_the_runs_say),
         cmocka_unit_test(no_two_columns_of_a_table_have_one_name),
         cmocka_unit_test(the_pages_exposure_is_that_of_bis_render),
+        cmocka_unit_test(the_exposure_weighs_each_pixel_by_what_is_covered_of_it),
         cmocka_unit_test(the_references_noise_is_measured_and_subtracted_and_no_method_judges_itself),
         cmocka_unit_test(the_root_law_gives_slope_minus_half_and_a_constant_cost),
         cmocka_unit_test(a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_recommended),
