@@ -748,6 +748,7 @@ static void a_finished_measurement_resumes_to_itself(void **state)
     program_run r;
     assert_int_equal(system("cp -r " DIR "/own " DIR "/again"), 0);
     program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/again");
+    assert_non_null(strstr(r.output, DIR "/again/report.html\n"));
     assert_int_equal(system("cmp -s " DIR "/own/runs.csv " DIR "/again/runs.csv && cmp -s " DIR "/own/trade.csv " DIR "/again/trade.csv"), 0);
     assert_int_equal(system("cmp -s " DIR "/own/pictures.csv " DIR "/again/pictures.csv"), 0);
 }
@@ -804,6 +805,39 @@ static void a_signal_right_after_resume_leaves_everything_as_it_was(void **state
     assert_null(strstr(r.output, "(null)"));
     if (!r.output[0]) assert_non_null(strstr(r.messages, "interrupted before anything new was measured"));
     assert_int_equal(system("cmp -s " DIR "/own/runs.csv " DIR "/soon/runs.csv"), 0);
+}
+
+static void stop_at_the_proof(const char *what, double share, double seconds_left, void *user)
+{
+    (void)share, (void)seconds_left;
+    if (strcmp(what, "error of the advice") == 0) *(volatile sig_atomic_t *)user = 1;
+}
+
+/* A finished measurement, resumed, and stopped while its advice is proven: the older page and tables stay. They do not
+ * if a run is new, or if there is no page: what there is, is written. */
+static void a_signal_at_the_proof_of_nothing_new_leaves_the_older_page(void **state)
+{
+    (void)state;
+    static const char *const change[] = {"true", "sed -i '$d' " DIR "/proof/runs.csv", "rm " DIR "/proof/report.html"};
+    for (int i = 0; i < 3; i++) {
+        char command[512];
+        volatile sig_atomic_t flag = 0;
+        const bis_trade_options o = {.scene = SCENE, .folder = DIR "/proof", .seconds = 4, .resume = true,
+            .n_threads = 1, .interrupted = &flag, .progress = stop_at_the_proof, .user = (void *)&flag};
+        bis_trade t;
+        bis_diag diag = {0};
+        bool interrupted;
+        snprintf(command, sizeof command, "rm -rf " DIR "/proof && cp -r " DIR "/own " DIR "/proof && %s", change[i]);
+        assert_int_equal(system(command), 0);
+        memset(&t, 0, sizeof t);
+        assert_int_equal(bis_trade_measure(&t, &o, &interrupted, &diag), BIS_OK);
+        assert_true(interrupted && t.is_complete && t.is_reported == (i > 0));
+        assert_true(program_exists(DIR "/proof/report.html"));
+        if (i == 0) assert_int_equal(system("diff -rq " DIR "/own " DIR "/proof"), 0);
+        if (i == 1) assert_int_not_equal(system("cmp -s " DIR "/own/report.html " DIR "/proof/report.html"), 0);
+        bis_trade_clear(&t);
+        bis_diag_clear(&diag);
+    }
 }
 
 /* During the pilot: nothing to keep, and the folder goes. */
@@ -1151,6 +1185,7 @@ int main(void)
         cmocka_unit_test(a_finished_measurement_resumes_to_itself),
         cmocka_unit_test(a_signal_keeps_what_was_measured_and_resume_goes_on),
         cmocka_unit_test(a_signal_right_after_resume_leaves_everything_as_it_was),
+        cmocka_unit_test(a_signal_at_the_proof_of_nothing_new_leaves_the_older_page),
         cmocka_unit_test(a_signal_before_the_first_run_says_that_nothing_was_measured),
         cmocka_unit_test(the_page_is_well_formed_and_needs_nothing_else),
         cmocka_unit_test(the_checker_of_pages_can_fail),
