@@ -611,10 +611,10 @@ static void the_scatter_of_renders_is_their_variance(void **state)
         assert_int_equal(bis_image_init(&images[k], 2, 1, NULL), BIS_OK);
         for (int i = 0; i < 2; i++) images[k].pixels[i] = (rgb){values[k][i], values[k][i], values[k][i]};
     }
-    assert_true(is_near(bis_trade_scatter(images, 3, &reference), (1 / (49 + 0.25) + 3 / (9 + 0.25)) / 2));
+    assert_true(is_near(bis_trade_scatter(images, 3, 0, &reference), (1 / (49 + 0.25) + 3 / (9 + 0.25)) / 2));
     reference.relmse = (1 / (25 + 0.1225) + 3 / (4 + 0.1225)) / 2 / 3; /* m = 3.5 */
     const double mixed = (1 / (36 + 0.180625) + 3 / (6.25 + 0.180625)) / 2; /* b = 6, 2.5 */
-    assert_true(is_near(bis_trade_scatter(images, 3, &reference), mixed));
+    assert_true(is_near(bis_trade_scatter(images, 3, 0, &reference), mixed));
     for (int k = 0; k < 3; k++) bis_image_clear(&images[k]);
     bis_image_clear(&reference.image);
 }
