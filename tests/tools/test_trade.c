@@ -252,6 +252,28 @@ static void the_pages_exposure_is_that_of_bis_render(void **state)
     bis_trade_unload(&t);
 }
 
+/* A square of 1 x 1.25 before four pixels of 1 x 1: it covers an eighth of each of the upper two, half of each of the lower,
+ * where 16 rays a pixel say so exactly. The upper have a luminance of 8 and the lower of 1, so the weighted mean of the
+ * logarithms to base 2 is 3 (1/8) / (1/8 + 1/2) = 0.6. */
+static void the_exposure_weighs_each_pixel_by_what_is_covered_of_it(void **state)
+{
+    (void)state;
+    bis_trade t = {.o = {.scene = DIR "/ortho.txt", .n_threads = 1}, .plan = {.width = 2, .height = 2}};
+    double exposure;
+    program_write_file(DIR "/ortho.txt",
+        "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2\nIntegrator \"em\"\n"
+        "Camera \"orthographic\" \"float screenwindow\" [-1 1 -1 1]\nWorldBegin\n"
+        "LightSource \"infinite\" \"string filename\" \"map.pfm\"\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-.5 -1 2  .5 -1 2  .5 .25 2  -.5 .25 2]\n");
+    assert_int_equal(bis_trade_load(&t, NULL), BIS_OK);
+    assert_int_equal(bis_image_init(&t.both.image, 2, 2, NULL), BIS_OK);
+    for (int i = 0; i < 4; i++) t.both.image.pixels[i] = i < 2 ? (rgb){8, 8, 8} : (rgb){1, 1, 1};
+    assert_int_equal(bis_trade_exposure(&exposure, &t, NULL), BIS_OK);
+    if (fabs(exposure - (log2(0.18) - 0.6)) > 1e-6) fail_msg("%.9g is not %.9g", exposure, log2(0.18) - 0.6);
+    bis_image_clear(&t.both.image);
+    bis_trade_unload(&t);
+}
+
 /* All runs of a row of trade.csv; returns how many. */
 static int values_of(double *v, const table *runs, const table *trade, int row, const char *column)
 {
@@ -589,10 +611,10 @@ static void the_scatter_of_renders_is_their_variance(void **state)
         assert_int_equal(bis_image_init(&images[k], 2, 1, NULL), BIS_OK);
         for (int i = 0; i < 2; i++) images[k].pixels[i] = (rgb){values[k][i], values[k][i], values[k][i]};
     }
-    assert_true(is_near(bis_trade_scatter(images, 3, &reference), (1 / (49 + 0.25) + 3 / (9 + 0.25)) / 2));
+    assert_true(is_near(bis_trade_scatter(images, 3, 0, &reference), (1 / (49 + 0.25) + 3 / (9 + 0.25)) / 2));
     reference.relmse = (1 / (25 + 0.1225) + 3 / (4 + 0.1225)) / 2 / 3; /* m = 3.5 */
     const double mixed = (1 / (36 + 0.180625) + 3 / (6.25 + 0.180625)) / 2; /* b = 6, 2.5 */
-    assert_true(is_near(bis_trade_scatter(images, 3, &reference), mixed));
+    assert_true(is_near(bis_trade_scatter(images, 3, 0, &reference), mixed));
     for (int k = 0; k < 3; k++) bis_image_clear(&images[k]);
     bis_image_clear(&reference.image);
 }
@@ -726,6 +748,7 @@ static void a_finished_measurement_resumes_to_itself(void **state)
     program_run r;
     assert_int_equal(system("cp -r " DIR "/own " DIR "/again"), 0);
     program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/again");
+    assert_non_null(strstr(r.output, DIR "/again/report.html\n"));
     assert_int_equal(system("cmp -s " DIR "/own/runs.csv " DIR "/again/runs.csv && cmp -s " DIR "/own/trade.csv " DIR "/again/trade.csv"), 0);
     assert_int_equal(system("cmp -s " DIR "/own/pictures.csv " DIR "/again/pictures.csv"), 0);
 }
@@ -782,6 +805,39 @@ static void a_signal_right_after_resume_leaves_everything_as_it_was(void **state
     assert_null(strstr(r.output, "(null)"));
     if (!r.output[0]) assert_non_null(strstr(r.messages, "interrupted before anything new was measured"));
     assert_int_equal(system("cmp -s " DIR "/own/runs.csv " DIR "/soon/runs.csv"), 0);
+}
+
+static void stop_at_the_proof(const char *what, double share, double seconds_left, void *user)
+{
+    (void)share, (void)seconds_left;
+    if (strcmp(what, "error of the advice") == 0) *(volatile sig_atomic_t *)user = 1;
+}
+
+/* A finished measurement, resumed, and stopped while its advice is proven: the older page and tables stay. They do not
+ * if a run is new, or if there is no page: what there is, is written. */
+static void a_signal_at_the_proof_of_nothing_new_leaves_the_older_page(void **state)
+{
+    (void)state;
+    static const char *const change[] = {"true", "sed -i '$d' " DIR "/proof/runs.csv", "rm " DIR "/proof/report.html"};
+    for (int i = 0; i < 3; i++) {
+        char command[512];
+        volatile sig_atomic_t flag = 0;
+        const bis_trade_options o = {.scene = SCENE, .folder = DIR "/proof", .seconds = 4, .resume = true,
+            .n_threads = 1, .interrupted = &flag, .progress = stop_at_the_proof, .user = (void *)&flag};
+        bis_trade t;
+        bis_diag diag = {0};
+        bool interrupted;
+        snprintf(command, sizeof command, "rm -rf " DIR "/proof && cp -r " DIR "/own " DIR "/proof && %s", change[i]);
+        assert_int_equal(system(command), 0);
+        memset(&t, 0, sizeof t);
+        assert_int_equal(bis_trade_measure(&t, &o, &interrupted, &diag), BIS_OK);
+        assert_true(interrupted && t.is_complete && t.is_reported == (i > 0));
+        assert_true(program_exists(DIR "/proof/report.html"));
+        if (i == 0) assert_int_equal(system("diff -rq " DIR "/own " DIR "/proof"), 0);
+        if (i == 1) assert_int_not_equal(system("cmp -s " DIR "/own/report.html " DIR "/proof/report.html"), 0);
+        bis_trade_clear(&t);
+        bis_diag_clear(&diag);
+    }
 }
 
 /* During the pilot: nothing to keep, and the folder goes. */
@@ -1113,6 +1169,7 @@ int main(void)
         cmocka_unit_test(the_table_says_what_the_runs_say),
         cmocka_unit_test(no_two_columns_of_a_table_have_one_name),
         cmocka_unit_test(the_pages_exposure_is_that_of_bis_render),
+        cmocka_unit_test(the_exposure_weighs_each_pixel_by_what_is_covered_of_it),
         cmocka_unit_test(the_references_noise_is_measured_and_subtracted_and_no_method_judges_itself),
         cmocka_unit_test(the_root_law_gives_slope_minus_half_and_a_constant_cost),
         cmocka_unit_test(a_biased_method_shows_in_the_slope_and_is_never_extrapolated_nor_recommended),
@@ -1128,6 +1185,7 @@ int main(void)
         cmocka_unit_test(a_finished_measurement_resumes_to_itself),
         cmocka_unit_test(a_signal_keeps_what_was_measured_and_resume_goes_on),
         cmocka_unit_test(a_signal_right_after_resume_leaves_everything_as_it_was),
+        cmocka_unit_test(a_signal_at_the_proof_of_nothing_new_leaves_the_older_page),
         cmocka_unit_test(a_signal_before_the_first_run_says_that_nothing_was_measured),
         cmocka_unit_test(the_page_is_well_formed_and_needs_nothing_else),
         cmocka_unit_test(the_checker_of_pages_can_fail),

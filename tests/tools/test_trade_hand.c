@@ -1758,9 +1758,33 @@ static void each_channel_scatters_by_itself(void **state)
     }
     assert_int_equal(bis_image_init(&reference.image, 1, 1, NULL), BIS_OK);
     reference.image.pixels[0] = (rgb){1, 2, 3};
-    assert_near(bis_trade_scatter(images, 2, &reference), (2 + 8) / 4.04 / 3);
+    assert_near(bis_trade_scatter(images, 2, 0, &reference), (2 + 8) / 4.04 / 3);
     reference.relmse = 0; /* a reference without noise is what is right */
-    assert_near(bis_trade_scatter(images, 2, &reference), (2 / 1.04 + 8 / 9.04) / 3);
+    assert_near(bis_trade_scatter(images, 2, 0, &reference), (2 / 1.04 + 8 / 9.04) / 3);
+    for (int k = 0; k < 2; k++) bis_image_clear(&images[k]);
+    bis_image_clear(&reference.image);
+}
+
+/* Two renders of six grey pixels, 1 + d and 1 - d: variances 2 d^2, means 1. Left out are those of the largest d. */
+static void the_worst_pixels_are_spared(void **state)
+{
+    (void)state;
+    static const float d[6] = {0.25f, 0.75f, 0, 0.875f, 0.5f, 0.625f};
+    static const double left[BIS_TRADE_MOST_SPARED + 1] = { /* sums of d^2 */
+        0.0625 + 0.5625 + 0.765625 + 0.25 + 0.390625, 0.0625 + 0.5625 + 0.25 + 0.390625, 0.0625 + 0.25 + 0.390625,
+        0.0625 + 0.25, 0.0625, 0};
+    bis_image images[2];
+    bis_trade_reference reference = {.relmse = 0};
+    for (int k = 0; k < 2; k++) assert_int_equal(bis_image_init(&images[k], 3, 2, NULL), BIS_OK);
+    assert_int_equal(bis_image_init(&reference.image, 3, 2, NULL), BIS_OK);
+    for (int i = 0; i < 6; i++) {
+        const float more = 1 + d[i], less = 1 - d[i];
+        images[0].pixels[i] = (rgb){more, more, more};
+        images[1].pixels[i] = (rgb){less, less, less};
+        reference.image.pixels[i] = (rgb){1, 1, 1};
+    }
+    for (int spared = 0; spared <= BIS_TRADE_MOST_SPARED; spared++)
+        assert_near(bis_trade_scatter(images, 2, spared, &reference), 2 * left[spared] / 1.01 / 6);
     for (int k = 0; k < 2; k++) bis_image_clear(&images[k]);
     bis_image_clear(&reference.image);
 }
@@ -1863,15 +1887,15 @@ static bis_trade_advice checked_from(uint32_t first, uint32_t passes, double err
     d->n = 0;
     if (variance) {
         enum { TURNS = 6, RENDERS = 8, ADVICE = 1 }; /* a seed for each render of each attempt at each advice */
-        const int n = (int)(BIS_TRADE_REFERENCE_BUDGETS * passes / first);
+        const int fitting = (int)(64 * passes / first), n = fitting < 2 ? 2 : fitting < RENDERS ? fitting : RENDERS;
         bis_image images[RENDERS] = {{0}};
-        for (int k = 0; k < (n < 2 ? 2 : n); k++) {
+        for (int k = 0; k < n; k++) {
             bis_render_result result;
             const uint64_t seed = bis_trade_seed(&t.plan, 3, ADVICE * TURNS * RENDERS + (uint64_t)k);
             assert_int_equal(bis_trade_render(&t, &t.plan.settings[em], t.plan.step, first, seed, &images[k], &result,
                                               NULL), BIS_OK);
         }
-        *variance = first * bis_trade_scatter(images, n < 2 ? 2 : n, &t.both);
+        *variance = first * bis_trade_scatter(images, n, 0, &t.both);
         for (int k = 0; k < RENDERS; k++) bis_image_clear(&images[k]);
     }
     assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
@@ -1953,6 +1977,84 @@ static void what_is_close_enough_is_not_rendered_again(void **state)
         assert_near(a.seconds, 4.0 * a.passes);
         if (cases[i].is_last) assert_true(a.passes == cases[i].passes && fabs(a.expected_error / of_first - 1) < 1e-12);
         else assert_true(fabs(a.expected_error / of_first - 1) > 1e-6);
+    }
+}
+
+/* All renders of an attempt have at most 64 times the passes of --passes together: with 1, four of 16 and eight of 4, the
+ * most there are. With 7, four of 90, because five have two passes too many. */
+static void renders_are_as_many_as_64_budgets_allow(void **state)
+{
+    (void)state;
+    static const uint32_t cases[3][2] = {{16, 1}, {4, 1}, {90, 7}};
+    diary d;
+    for (int i = 0; i < 3; i++) {
+        const uint32_t passes = cases[i][0];
+        double variance;
+        checked_from(passes, cases[i][1], 0.5, NULL, &d, &variance);
+        const double error = sqrt(variance / (passes - 0.5));
+        const bis_trade_advice a = checked_from(passes, cases[i][1], error, NULL, &d, NULL);
+        assert_int_equal(a.passes, passes);
+        assert_near(a.expected_error, sqrt(variance / passes));
+    }
+}
+
+static int falling(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x < y) - (x > y);
+}
+
+/* Of eight renders as large as the full picture, the five worst pixels are left out, because in half of the pictures
+ * there is none as bad: 8 log 2 = 5.5. Eight of a quarter of the pixels are two pictures, and spare one; those of a
+ * sixteenth, half a picture, none. The reference is in vain, so each pixel's mean is that of its renders. */
+static void the_promise_is_what_half_of_the_pictures_have(void **state)
+{
+    (void)state;
+    enum { RENDERS = 8, TURNS = 6, ADVICE = 2, MOST = 24 * 16 };
+    static const struct { int step, spared; } cases[] = {{1, 5}, {2, 1}, {4, 0}};
+    assert_int_equal(BIS_TRADE_MOST_SPARED, 5);
+    for (int c = 0; c < 3; c++) {
+        bis_trade t;
+        bis_image images[RENDERS];
+        double error[MOST] = {0}, m = 0, sum = 0;
+        load(&t);
+        plan_two(&t);
+        t.plan.step = cases[c].step, t.plan.width = 24 / cases[c].step, t.plan.height = 16 / cases[c].step;
+        const int n = t.plan.width * t.plan.height, em = bis_trade_find_setting(&t.plan, "em 16");
+        t.o.passes = 1;
+        t.both = (bis_trade_reference){.relmse = 1e30};
+        assert_int_equal(bis_image_init(&t.both.image, t.plan.width, t.plan.height, NULL), BIS_OK);
+        memset(t.both.image.pixels, 0, (size_t)n * sizeof(rgb));
+        for (int k = 0; k < RENDERS; k++) {
+            bis_render_result result;
+            const uint64_t seed = bis_trade_seed(&t.plan, 3, ADVICE * TURNS * RENDERS + (uint64_t)k);
+            assert_int_equal(bis_trade_render(&t, &t.plan.settings[em], t.plan.step, 1, seed, &images[k], &result,
+                                              NULL), BIS_OK);
+            for (int i = 0; i < n; i++) m += rgb_sum(images[k].pixels[i]) / (3 * n * RENDERS);
+        }
+        for (int i = 0; i < n; i++) {
+            for (int channel = 0; channel < 3; channel++) {
+                double mean = 0, square = 0;
+                for (int k = 0; k < RENDERS; k++) {
+                    const double v = bis_trade_channel(images[k].pixels[i], channel);
+                    mean += v / RENDERS;
+                    square += v * v / RENDERS;
+                }
+                error[i] += RENDERS / (RENDERS - 1.0) * (square - mean * mean) / (mean * mean + m * m / 100) / (3 * n);
+            }
+        }
+        qsort(error, (size_t)n, sizeof *error, falling);
+        for (int i = cases[c].spared; i < n; i++) sum += error[i];
+        for (int i = 0; i < BIS_TRADE_ADVICE; i++)
+            t.result.advice[i] = (bis_trade_advice){"final picture", 1e3, i == ADVICE ? em : -1, 1, 4, -1, false};
+        t.result.curves[em] = (bis_trade_curve){.n = 1, .pass_seconds = 0.5};
+        assert_int_equal(bis_trade_check_advice(&t, NULL), BIS_OK);
+        const double promised = t.result.advice[ADVICE].expected_error;
+        if (fabs(promised / sqrt(sum) - 1) > 1e-5) fail_msg("step %d: %g, not %g", cases[c].step, promised, sqrt(sum));
+        if (cases[c].spared) assert_true(sum + error[cases[c].spared - 1] > 1.001 * sum); /* none more, none less */
+        assert_true(error[cases[c].spared] > 0.001 * sum);
+        for (int k = 0; k < RENDERS; k++) bis_image_clear(&images[k]);
+        bis_trade_clear(&t);
     }
 }
 
@@ -2349,9 +2451,12 @@ int main(void)
         cmocka_unit_test(references_are_read_and_combined),
         cmocka_unit_test(a_reference_of_another_size_is_refused),
         cmocka_unit_test(each_channel_scatters_by_itself),
+        cmocka_unit_test(the_worst_pixels_are_spared),
         cmocka_unit_test(the_rest_is_measured_in_rounds_and_told),
         cmocka_unit_test(advice_is_put_to_the_proof),
         cmocka_unit_test(what_is_close_enough_is_not_rendered_again),
+        cmocka_unit_test(renders_are_as_many_as_64_budgets_allow),
+        cmocka_unit_test(the_promise_is_what_half_of_the_pictures_have),
         cmocka_unit_test(each_part_says_that_there_is_no_memory),
         cmocka_unit_test(seconds_are_those_of_a_pass_of_the_full_picture),
         cmocka_unit_test(each_field_of_a_folder_is_taken_up_to_its_limits),

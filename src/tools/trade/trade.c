@@ -169,6 +169,12 @@ static bool references_are_ready(const bis_trade *t)
     return true;
 }
 
+static bool has_page(const bis_trade *t)
+{
+    char path[4096];
+    return access(bis_trade_path(path, t, "report.html"), F_OK) == 0;
+}
+
 static bis_status measure(bis_trade *t, bis_diag *diag)
 {
     bis_status status = bis_trade_load(t, diag);
@@ -176,6 +182,7 @@ static bis_status measure(bis_trade *t, bis_diag *diag)
     else if (!status) status = make_plan(t, diag);
     if (status || (bis_trade_interrupted(t) && !t->o.resume)) return status;
     if (t->o.resume) status = bis_trade_read_runs(t, diag);
+    const size_t known = t->n_runs;
     if (!status) status = bis_trade_make_references(t, diag);
     if (status || !references_are_ready(t)) return status; /* interrupted: a plan without them is none */
     status = run_sweep(t, diag);
@@ -184,6 +191,7 @@ static bis_status measure(bis_trade *t, bis_diag *diag)
     if (!status) status = bis_trade_check_advice(t, diag);
     if (!status) status = bis_trade_time_advice(t, diag);
     if (!status) status = bis_trade_make_pictures(t, diag);
+    if (bis_trade_interrupted(t) && t->n_runs == known && has_page(t)) return status; /* its advice was proven */
     if (!status) status = bis_trade_write_tables(t, diag);
     if (!status) status = bis_trade_write_report(t, diag);
     t->is_reported = !status;

@@ -312,9 +312,11 @@ bis_status bis_trade_check_advice(bis_trade *t, bis_diag *diag);
 
 /* bis_trade_scatter returns the relMSE of one of n >= 2 renders that differ in their seeds alone: in each pixel and
  * channel their variance (over n - 1), divided by b^2 + m^2/100 as in bis_compare. b is the mean of the reference and
- * of the renders, weighted by 1/variance; with relmse = 0 the reference alone. m is the mean of b. All have one size.
- * What noise is left in b makes the result biased, by terms of the order of b's own relMSE. */
-double bis_trade_scatter(const bis_image *images, int n, const bis_trade_reference *reference);
+ * of the renders, weighted by 1/variance; with relmse = 0 the reference alone. m is the mean of b. The `spared` pixels
+ * of the largest errors count as 0. All have one size. What noise is left in b makes the result biased, by terms of the
+ * order of b's own relMSE. */
+enum { BIS_TRADE_MOST_SPARED = 5 };
+double bis_trade_scatter(const bis_image *images, int n, int spared, const bis_trade_reference *reference);
 
 /* --- trade_seconds.c --- */
 
