@@ -4,6 +4,8 @@
  * Core writes through our function to the stream of a temporary file, which image.c renames at the end: its own way of
  * writing would destroy an older file on failure. It is that function, not Core, which keeps the disk's reason for the
  * message.
+ * Threads compress chunks at the same time, and write them one after the other from the top: the file is the same for
+ * any number of threads.
  * The table of chunks is written by exr_finish, so that its result counts as well.
  * A chunk that ZIP makes exactly as long as it was must be stored as it was, since that is how readers take it; Core
  * up to 3.4.7 stores ZIP's (OpenEXR issue 2306), and a noisy picture loses 16 rows now and then. So we look at what it
@@ -43,10 +45,10 @@ static int64_t write_bytes(exr_const_context_t context, void *user_data, const v
 
 static exr_result_t set_windows(exr_context_t file, const bis_picture *p)
 {
-    const exr_attr_box2i_t display = {.min = {{{0, 0}}}, .max = {{{p->full_width - 1, p->full_height - 1}}}};
-    const exr_attr_box2i_t data = {.min = {{{p->x0, p->y0}}},
-                                   .max = {{{p->x0 + p->width - 1, p->y0 + p->height - 1}}}};
-    const exr_attr_v2f_t centre = {{{0, 0}}};
+    const exr_attr_box2i_t display = {.max = {.x = p->full_width - 1, .y = p->full_height - 1}};
+    const exr_attr_box2i_t data = {.min = {.x = p->x0, .y = p->y0},
+                                   .max = {.x = p->x0 + p->width - 1, .y = p->y0 + p->height - 1}};
+    const exr_attr_v2f_t centre = {.x = 0, .y = 0};
     return exr_initialize_required_attr(file, 0, &display, &data, 1, &centre, 1, EXR_LINEORDER_INCREASING_Y,
                                         EXR_COMPRESSION_ZIP);
 }
@@ -92,13 +94,14 @@ static exr_result_t mend_size(exr_encode_pipeline_t *pipe)
     return EXR_ERR_SUCCESS;
 }
 
-/* Encode the chunk that begins with row y; the first chunk also chooses how. */
-static exr_result_t encode_chunk(exr_context_t file, exr_encode_pipeline_t *pipe, const bis_picture *p, int y)
+/* Compresses the chunk that begins with row y; the first one of a pipe also chooses how. */
+static exr_result_t compress_chunk(exr_context_t file, exr_encode_pipeline_t *pipe, const bis_picture *p, int y)
 {
+    const bool is_first = !pipe->context;
     exr_chunk_info_t chunk;
     exr_result_t code = exr_write_scanline_chunk_info(file, 0, p->y0 + y, &chunk);
     if (code) return code;
-    code = y == 0 ? exr_encoding_initialize(file, 0, &chunk, pipe) : exr_encoding_update(file, 0, &chunk, pipe);
+    code = is_first ? exr_encoding_initialize(file, 0, &chunk, pipe) : exr_encoding_update(file, 0, &chunk, pipe);
     if (code) return code;
     for (int i = 0; i < pipe->channel_count; i++) { /* sorted by name */
         exr_coding_channel_info_t *c = &pipe->channels[i];
@@ -109,19 +112,44 @@ static exr_result_t encode_chunk(exr_context_t file, exr_encode_pipeline_t *pipe
         c->user_line_stride = c->user_pixel_stride * p->width;
         c->encode_from_ptr = (const uint8_t *)(from->data + (size_t)y * (size_t)p->width * (size_t)from->stride);
     }
-    if (y == 0) code = exr_encoding_choose_default_routines(file, 0, pipe);
+    if (is_first) code = exr_encoding_choose_default_routines(file, 0, pipe);
     pipe->yield_until_ready_fn = mend_size;
+    pipe->write_fn = NULL; /* write_chunk does it, when it is its turn */
     return code ? code : exr_encoding_run(file, 0, pipe);
 }
 
+static exr_result_t write_chunk(exr_context_t file, const exr_encode_pipeline_t *pipe)
+{
+    return exr_write_scanline_chunk(file, 0, pipe->chunk.start_y, pipe->compressed_buffer, pipe->compressed_bytes);
+}
+
+/* Each thread has a pipe, and a chunk in it, which waits until those above are written. After the first failure, whose
+ * code is returned, chunks are neither compressed nor written. */
 static exr_result_t encode(exr_context_t file, const bis_picture *p)
 {
-    exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
     int32_t step = 0;
-    exr_result_t code = exr_get_scanlines_per_chunk(file, 0, &step);
-    for (int y = 0; y < p->height && !code; y += step) code = encode_chunk(file, &pipe, p, y);
-    exr_encoding_destroy(file, &pipe);
-    return code;
+    exr_result_t result = exr_get_scanlines_per_chunk(file, 0, &step);
+
+    if (result) return result;
+#pragma omp parallel
+    {
+        exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
+#pragma omp for ordered schedule(dynamic)
+        for (int y = 0; y < p->height; y += step) {
+            exr_result_t code;
+#pragma omp atomic read
+            code = result;
+            if (!code) code = compress_chunk(file, &pipe, p, y);
+#pragma omp ordered
+            if (!result) {
+                if (!code) code = write_chunk(file, &pipe);
+#pragma omp atomic write
+                result = code;
+            }
+        }
+        exr_encoding_destroy(file, &pipe);
+    }
+    return result;
 }
 
 bis_status bis_exr_write(FILE *stream, const bis_picture *picture, const char *path, bis_diag *diag)

@@ -158,6 +158,7 @@ void bis_film_resolve(const bis_film *f, float *rgba)
     size_t n = (size_t)f->width * (size_t)f->height;
     double scale = f->passes ? 1 / f->weight : 0; /* no pass yet: black, and so are the sums */
 
+#pragma omp parallel for
     for (size_t i = 0; i < n; i++) {
         for (size_t k = 0; k < 3; k++) rgba[4 * i + k] = (float)(fmax(0, f->sum[3 * i + k]) * scale);
         rgba[4 * i + 3] = (float)((double)f->hits[i] * scale);
@@ -171,7 +172,7 @@ double bis_film_raised(const bis_film *f)
 
     for (size_t i = 0; i < n; i++) {
         all += fabs(f->sum[i]);
-        raised += fmax(0, -f->sum[i]);
+        if (f->sum[i] < 0) raised -= f->sum[i];
     }
     return all > 0 ? raised / all : 0;
 }
@@ -221,6 +222,7 @@ void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
     const double floor = floor_of(f);
 
     assert(f->passes > 1);
+#pragma omp parallel for schedule(dynamic)
     for (int t = 0; t < n; t++) {
         const bis_rect r = bis_film_tile_of_crop(f, tile, t);
         errors[t] = 0;
@@ -246,6 +248,7 @@ void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
  * lights that no pass has found yet. */
 double bis_film_relative_rmse(const bis_film *f, double *upper)
 {
+    enum { BLOCK = 1024 };
     size_t n = (size_t)f->width * (size_t)f->height;
     double sum = 0, squares = 0;
 
@@ -256,10 +259,17 @@ double bis_film_relative_rmse(const bis_film *f, double *upper)
         if (upper) *upper = 0;
         return 0;
     }
-    for (size_t i = 0; i < n; i++) {
-        double x = pixel_error(f, i, floor);
-        sum += x;
-        squares += x * x;
+    /* threads find the terms, which are added in the order of the pixels: any number of threads gives the same bits */
+#pragma omp parallel for ordered schedule(dynamic)
+    for (size_t first = 0; first < n; first += BLOCK) {
+        const size_t end = first + BLOCK < n ? first + BLOCK : n;
+        double x[BLOCK];
+        for (size_t i = first; i < end; i++) x[i - first] = pixel_error(f, i, floor);
+#pragma omp ordered
+        for (size_t i = 0; i < end - first; i++) {
+            sum += x[i];
+            squares += x[i] * x[i];
+        }
     }
     double R = sum / (double)n, scatter = fmax(0, squares - sum * R); /* fmax: as in pixel_error */
     const double few = 1.5 * f->weight_squares / (f->weight * f->weight);

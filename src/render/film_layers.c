@@ -80,7 +80,9 @@ int bis_film_layers(const bis_film *f, bis_channel channels[BIS_FILM_MAX_CHANNEL
         for (size_t k = 0; k < shown[layer].n; k++, n++) {
             float *plane = planes ? planes + (size_t)n * n_pixels : NULL;
             channels[n] = (bis_channel){shown[layer].names[k], plane, 1};
-            for (size_t i = 0; plane && i < n_pixels; i++)
+            if (!plane) continue;
+#pragma omp parallel for
+            for (size_t i = 0; i < n_pixels; i++)
                 plane[i] = (float)value(f, (bis_layer)layer, i, k, layer == BIS_LAYER_INTERVAL ? t : 1);
         }
     }

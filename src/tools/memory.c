@@ -14,6 +14,7 @@
 static const double program = 14e6;
 static const double film_sums = BIS_FILM_BYTES, pass = 16 + 1.0 / 4 /* kind of edge */; /* a pixel */
 static const double layer_sum = 8, layer_pass = 4; /* a pixel's value */
+static const double chunk_rows = 16, chunk_copies = 3; /* of an EXR: packed, its bytes in another order, compressed */
 static const double cells = 64, tiles = 4; /* of learned visibility, a pixel; cells up to 2^23 pixels */
 static const double texel = 12, table = 10.4, curve = 1.5, area = 4, regions_beside = 8;
 static const double vertex = 12, uv = 8, triangle = 12;
@@ -67,7 +68,9 @@ static void add_textures(bis_memory *m, const bis_scene_desc *d)
     }
 }
 
-static void add_film(bis_memory *m, const bis_scene_desc *d)
+/* Returns what the film takes while it is written: the picture is in the place of the pass and of what was learned, and
+ * each thread has a chunk of it. */
+static double add_film(bis_memory *m, const bis_scene_desc *d)
 {
     const bis_film f = bis_film_place(d->view.film.width, d->view.film.height, d->view.film.crop, 1);
     const double pixels = (double)f.width * f.height, all = (double)f.full_width * f.full_height;
@@ -79,6 +82,11 @@ static void add_film(bis_memory *m, const bis_scene_desc *d)
     for (int i = 0; i < BIS_N_LAYERS; i++)
         if (d->view.film.layers >> i & 1) n += bis_layer_values((bis_layer)i);
     m->film = pixels * (film_sums + pass + n * (layer_sum + layer_pass) + (learns ? all > 1 << 23 ? tiles : cells : 0));
+
+    const double pixel = (double)sizeof(float) * (4 + n); /* R, G, B, A and the layers */
+    const double threads = bis_render_threads(&(bis_render_options){0});
+    const double chunks = fmin(threads, ceil(f.height / chunk_rows));
+    return pixels * (film_sums + n * layer_sum + pixel) + chunks * chunk_copies * chunk_rows * f.width * pixel;
 }
 
 bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height, bis_mapping *mapping)
@@ -135,14 +143,14 @@ bis_status bis_memory_foresee(bis_memory *m, const bis_scene_desc *desc, bis_dia
         return bis_error(diag, BIS_NOMEM, (bis_loc){desc->path, 0, 0}, "no memory for %zu meshes", desc->n_meshes);
     const double triangles = add_meshes(m, desc, uses), beside = add_map(m, desc);
     bis_free(uses);
-    add_film(m, desc);
+    const double written = add_film(m, desc);
     add_textures(m, desc);
     const bool compact = is_compact(desc, triangles);
     const double built = triangles * (compact ? compact_built : accel_built);
     m->accel = triangles * (compact ? compact_kept : accel_kept);
     /* the film is zeros of the system, which take nothing, until the first pass */
     const double kept = program + m->meshes + m->textures + m->map;
-    const double moments[] = {kept + beside, kept + built, kept + m->accel + m->film};
+    const double moments[] = {kept + beside, kept + built, kept + m->accel + fmax(m->film, written)};
     for (size_t i = 0; i < sizeof moments / sizeof *moments; i++)
         if (moments[i] > m->peak) m->peak = moments[i];
     return BIS_OK;

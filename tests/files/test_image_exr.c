@@ -5,17 +5,20 @@
 #include "bis/thesis/rng.h"
 #include "bis/files/image_file.h"
 #include "image_help.h"
+#include "threads.h"
 
 #include <ImfCRgbaFile.h>
 #include <math.h>
 #include <openexr.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -827,6 +830,110 @@ static void a_chunk_that_zip_makes_neither_longer_nor_shorter_is_read_as_it_was(
     }
 }
 
+enum { MOST_ROWS = 100, MOST_CHANNELS = 12, ROW = 24 };
+
+/* Channel k of the picture holds other numbers than the rest, half of it noise that ZIP cannot shorten. */
+static bis_picture noisy_picture(bis_channel channels[MOST_CHANNELS], int n_channels, int height)
+{
+    static const char *const names[MOST_CHANNELS] = {"R", "G", "B", "A", "Z", "a.R", "a.G", "a.B", "b.Y", "c.R", "c.G", "c.B"};
+    static float values[MOST_CHANNELS * ROW * MOST_ROWS];
+    bis_rng rng;
+    bis_rng_init(&rng, 3, (uint64_t)height, (uint64_t)n_channels, 0);
+    for (int i = 0; i < MOST_CHANNELS * ROW * MOST_ROWS; i++) values[i] = i % 8 < 4 ? (float)bis_rng_double(&rng) : (float)(i % 12);
+    for (int k = 0; k < n_channels; k++) channels[k] = (bis_channel){names[k], values + k, n_channels};
+    return (bis_picture){.width = ROW, .height = height, .x0 = 3, .y0 = 2, .full_width = ROW + 9, .full_height = height + 7,
+                         .channels = channels, .n_channels = n_channels};
+}
+
+/* A chunk is 16 rows: less than one, one, and several with an end of one, four and nine rows. */
+static void any_number_of_threads_writes_the_same_file(void **state)
+{
+    (void)state;
+    const int heights[] = {1, 16, 33, 73, MOST_ROWS}, threads[] = {1, 2, 3, 8}, before = use_threads(1);
+    for (int n_channels = 3; n_channels <= MOST_CHANNELS; n_channels++)
+        for (size_t i = 0; i < sizeof heights / sizeof *heights; i++) {
+            bis_channel channels[MOST_CHANNELS];
+            const bis_picture picture = noisy_picture(channels, n_channels, heights[i]);
+            bytes first = {0};
+            bis_image image;
+            for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
+                use_threads(threads[t]);
+                assert_int_equal(bis_image_write(scratch("threads.exr"), &picture, NULL), BIS_OK);
+                if (t == 0) load(&first, scratch("threads.exr"));
+                assert_true(holds(scratch("threads.exr"), first.data, first.n));
+            }
+            expect_image(&image, scratch("threads.exr"), NULL);
+            for (int k = 0; k < ROW * heights[i]; k++)
+                assert_memory_equal(&image.pixels[k], channels[0].data + k * n_channels, sizeof(rgb));
+            bis_image_clear(&image);
+            bytes_clear(&first);
+        }
+    use_threads(before);
+}
+
+/* Wherever the disk is full, whoever writes: one message, which names the reason, and no file. */
+static void a_full_disk_stops_all_threads(void **state)
+{
+    (void)state;
+    const int before = use_threads(1);
+    struct rlimit none, limit;
+    bis_channel channels[MOST_CHANNELS];
+    const bis_picture picture = noisy_picture(channels, 5, MOST_ROWS);
+    char expected[256];
+    struct stat info;
+
+    assert_int_equal(bis_image_write(scratch("whole.exr"), &picture, NULL), BIS_OK);
+    assert_int_equal(stat(scratch("whole.exr"), &info), 0);
+    const int n_files = scratch_count();
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &none), 0);
+    signal(SIGXFSZ, SIG_IGN);
+    for (int threads = 1; threads <= 8; threads++)
+        for (int i = 0; i < 50; i++) {
+            bis_diag diag = {0};
+            limit = none;
+            limit.rlim_cur = (rlim_t)(info.st_size * i / 50);
+            use_threads(threads);
+            assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+            const bis_status status = bis_image_write(scratch("full.exr"), &picture, &diag);
+            assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
+            assert_int_equal(status, BIS_IO);
+            assert_int_equal(diag.n, 1);
+            snprintf(expected, sizeof expected, "%s: error: cannot write \"%s\": File too large", scratch("full.exr"), scratch("full.exr"));
+            assert_string_equal(diag.messages[0].text, expected);
+            assert_int_equal(scratch_count(), n_files);
+            bis_diag_clear(&diag);
+        }
+    signal(SIGXFSZ, SIG_DFL);
+    use_threads(before);
+}
+
+/* Which allocation is the k-th depends on the threads; that one is refused does not. Twelve channels, because Core
+ * allocates for more than five. */
+static void any_allocation_of_any_thread_may_fail(void **state)
+{
+    (void)state;
+    const int before = use_threads(1);
+    bis_channel channels[MOST_CHANNELS];
+    const bis_picture picture = noisy_picture(channels, MOST_CHANNELS, MOST_ROWS);
+    for (int threads = 1; threads <= 8; threads++) {
+        long n_refused = 0;
+        use_threads(threads);
+        for (long k = 1, count = k; count >= k; k++) {
+            bis_diag diag = {0};
+            bis_mem_fail_at(k);
+            const bis_status status = bis_image_write(scratch("memory.exr"), &picture, &diag);
+            count = bis_mem_count();
+            bis_mem_fail_at(0);
+            assert_true(status == BIS_OK || status == BIS_NOMEM);
+            assert_int_equal(diag.n_errors, status != BIS_OK);
+            n_refused += status != BIS_OK;
+            bis_diag_clear(&diag);
+        }
+        assert_true(n_refused >= 4 + 3); /* the file, and what one thread compresses with */
+    }
+    use_threads(before);
+}
+
 static void a_layer_that_we_wrote_is_what_we_read(void **state)
 {
     (void)state;
@@ -887,6 +994,9 @@ int main(void)
         cmocka_unit_test(any_allocation_may_fail_whatever_the_compression),
         cmocka_unit_test(channels_windows_and_attributes_are_all_in_the_file),
         cmocka_unit_test(a_chunk_that_zip_makes_neither_longer_nor_shorter_is_read_as_it_was),
+        cmocka_unit_test(any_number_of_threads_writes_the_same_file),
+        cmocka_unit_test(a_full_disk_stops_all_threads),
+        cmocka_unit_test(any_allocation_of_any_thread_may_fail),
         cmocka_unit_test(a_layer_that_we_wrote_is_what_we_read),
         cmocka_unit_test(an_attribute_that_openexr_reserves_is_refused),
     };

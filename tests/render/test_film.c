@@ -3,6 +3,7 @@
 #include "bis/render/film.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
+#include "threads.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -285,6 +286,45 @@ static void relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter(
     }
 }
 
+/* 5300 pixels, noise: the threads' shares meet in other orders each time. All pixels as tiles of one make the sum. */
+static void any_number_of_threads_finds_the_same_errors(void **state)
+{
+    (void)state;
+    enum { W = 100, H = 53, TIMES = 100 };
+    static double alone[W * H], together[W * H];
+    static float rgba[2][4 * W * H];
+    const int before = use_threads(1);
+    double upper[2], sum = 0;
+    bis_film f;
+    bis_rng rng;
+
+    bis_rng_init(&rng, 8, 0, 0, 0);
+    init(&f, W, H);
+    for (int pass = 0; pass < 3; pass++) {
+        for (int i = 0; i < W * H; i++) {
+            const float v = (float)bis_rng_double(&rng), w = (float)bis_rng_double(&rng);
+            bis_film_add(&f, i % W, i / W, (rgb){v, w, v * w}, (double)w, 1);
+        }
+        bis_film_end_pass(&f, 1);
+    }
+    const double rmse = bis_film_relative_rmse(&f, &upper[0]);
+    bis_film_tile_errors(&f, 1, alone);
+    bis_film_resolve(&f, rgba[0]);
+    for (int i = 0; i < W * H; i++) sum += alone[i];
+    assert_true(fabs(rmse / sqrt(sum / (W * H)) - 1) < 1e-12);
+    for (int i = 0; i < TIMES; i++) {
+        use_threads(2 + i % 7);
+        assert_true(bis_film_relative_rmse(&f, &upper[1]) == rmse);
+        assert_true(upper[1] == upper[0]);
+        bis_film_tile_errors(&f, 1, together);
+        assert_memory_equal(together, alone, sizeof alone);
+        bis_film_resolve(&f, rgba[1]);
+        assert_memory_equal(rgba[1], rgba[0], sizeof rgba[0]);
+    }
+    use_threads(before);
+    bis_film_clear(&f);
+}
+
 static void exposure_does_not_change_the_relative_rmse(void **state)
 {
     (void)state;
@@ -426,6 +466,7 @@ int main(void)
         cmocka_unit_test(relative_rmse_is_what_the_formula_gives_by_hand),
         cmocka_unit_test(a_lone_bright_sample_does_not_hide_behind_its_own_brightness),
         cmocka_unit_test(relative_rmse_is_unknown_before_two_passes_and_zero_without_scatter),
+        cmocka_unit_test(any_number_of_threads_finds_the_same_errors),
         cmocka_unit_test(exposure_does_not_change_the_relative_rmse),
         cmocka_unit_test(upper_bound_holds_in_95_renders_of_100),
         cmocka_unit_test(every_failing_allocation_is_reported_and_leaves_nothing),
