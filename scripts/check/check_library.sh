@@ -35,6 +35,7 @@ $BIS_LINK -Wall -Wextra -Werror -fsyntax-only $(pkg-config --cflags bis) "$prefi
 awk '/^<!-- example\.c -->$/ { found = 1; next } found && /^```c$/ { inside = 1; next } /^```$/ { if (inside) exit } inside { print }' \
     "${LIBRARY_PAGE:-docs/library.md}" >"$prefix/example.c"
 [ -s "$prefix/example.c" ] || say "the page has no example"
+[ "$(wc -l <"$prefix/example.c")" -le 40 ] || say "the example has more than 40 lines"
 # shellcheck disable=SC2046
 $BIS_LINK -Wall -Wextra -Werror "$prefix/example.c" -o "$prefix/shared" $(pkg-config --cflags --libs bis) -lm || say "the example does not link with the shared library"
 # shellcheck disable=SC2046

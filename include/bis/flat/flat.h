@@ -3,7 +3,7 @@
  * A language that calls C by hand-written declarations (ctypes in Python, ccall in Julia) would have to repeat the
  * layout of every struct, and a field that is out of place is read as rubbish without a message. So no struct crosses
  * this line: what must live longer is a pointer that the caller does not look into. There is nothing here that the
- * other headers do not have; a program in C needs none of it.
+ * other headers do not have; a program in C may prefer those.
  *
  * A function that returns int returns a bis_status: 0 is success, 1 a failure of the disk, 2 no memory, 3 a mistake
  * in the input. It writes its messages to say[size], one a line, cut to the size; after a success these are warnings.
