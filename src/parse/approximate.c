@@ -14,6 +14,8 @@
 #define EMPTY "there is no medium; nothing dims or scatters light"
 #define SHAPE_MISSING "left out: it is not seen and casts no shadow"
 #define NOT_USED "ignored: the methods of bis are its own"
+#define MEAN "one value all over, the mean of its parts"
+#define HALF "one value all over, 0.5"
 
 typedef struct replaced {
     const char *directive, *name, *consequence; /* name NULL: whatever name follows */
@@ -69,6 +71,15 @@ static const replaced table[] = {
     {"Shape", "nurbs", SHAPE_MISSING},
     {"Shape", "loopsubdiv", "its control mesh: coarser, and a little too large"},
     {"Shape", "bilinearmesh", "two flat triangles a patch"},
+    {"Texture", "bilerp", MEAN},
+    {"Texture", "directionmix", MEAN},
+    {"Texture", "dots", MEAN},
+    {"Texture", "fbm", HALF},
+    {"Texture", "marble", HALF},
+    {"Texture", "ptex", "one value all over, 0.5; its file is not read"},
+    {"Texture", "uv", HALF},
+    {"Texture", "windy", HALF},
+    {"Texture", "wrinkled", HALF},
 };
 
 static const replaced *find(const char *directive, const char *name)

@@ -23,10 +23,7 @@ typedef enum remap { V3, V4 } remap;
 
 static double alpha_of(double roughness, bool remaps, remap how)
 {
-    if (!remaps) return roughness;
-    if (how == V4) return sqrt(roughness);
-    const double x = log(fmax(roughness, 1e-3));
-    return 1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)));
+    return !remaps ? roughness : how == V4 ? sqrt(roughness) : bis_texture_alpha(roughness);
 }
 
 /* bis's roughness. What pbrt takes for a perfect mirror (alpha 0) and what is rougher than bis has are brought into
@@ -66,12 +63,13 @@ static double read_roughness(bis_parser *p, double usual, remap how, bis_materia
     bis_params_number(p, "roughness", &roughness, positive_or_0, &texture);
     const double alpha = alpha_of_two(p, roughness, remaps, how);
     if (texture == BIS_NO_TEXTURE) return own_roughness(p, alpha, bis_params_at(p, "roughness"));
-    if (remaps && how == V3)
-        bis_parser_error(p, bis_params_at(p, "roughness"),
-                         "pbrt-v3's remapping of a texture of roughness is not modelled: give \"bool remaproughness\" "
-                         "false and a texture of alpha");
+    if (remaps && how == V3) {
+        const bis_texture x = {.kind = BIS_TEXTURE_ALPHA, .of = {texture}, .value = {alpha, alpha, alpha},
+                               .steps = p->desc->textures.list[texture].steps + 1};
+        bis_parser_add_texture(p, &x, &texture);
+    }
     t->width = texture;
-    t->power = remaps ? 0.25 : 0.5; /* roughness = sqrt(alpha) */
+    t->power = remaps && how == V4 ? 0.25 : 0.5; /* roughness = sqrt(alpha) */
     return sqrt(fmin(fmax(alpha, 1e-4), 1));
 }
 
@@ -114,15 +112,18 @@ typedef struct metal {
     rgb head_on, eta;
 } metal;
 
-/* Under D65, from the optical constants of www.luxpop.com, which pbrt and Mitsuba ship: sums of Fresnel's equations
- * over the spectrum (tests/scene/test_pbrt_materials.c repeats two of them). Gold's red is 1.0219, outside of RGB, and
- * has no eta. */
+/* Under D65, from the optical constants of www.luxpop.com, which pbrt and Mitsuba ship, and of the oxides from those
+ * that pbrt-v4 ships (src/pbrt/util/spectrum.cpp): sums of Fresnel's equations over the spectrum
+ * (tests/scene/test_pbrt_materials.c repeats two of them). Gold's red is 1.0219, outside of RGB, and has no eta. */
 static const metal metals[] = {
     {"Ag", {0.97153f, 0.95992f, 0.91533f}, {0.1283f, 0.1270f, 0.1512f}},
     {"Al", {0.91317f, 0.92150f, 0.92445f}, {1.4358f, 0.9308f, 0.5930f}},
     {"Au", {1.00000f, 0.78260f, 0.34342f}, {0.0000f, 0.3994f, 1.5819f}},
     {"Cu", {0.95564f, 0.63756f, 0.53816f}, {0.2328f, 0.9777f, 1.2141f}},
+    {"MgO", {0.07204f, 0.07307f, 0.07489f}, {1.7337f, 1.7409f, 1.7535f}},
+    {"TiO2", {0.23216f, 0.24476f, 0.27267f}, {2.8596f, 2.9583f, 3.1856f}},
 };
+enum { ALUMINIUM = 1, GOLD, COPPER };
 
 /* "metal-Cu-eta" with end "eta"? The metal, or NULL. */
 static const metal *named_metal(bis_parser *p, const char *name, const char *end)
@@ -138,15 +139,21 @@ static const metal *named_metal(bis_parser *p, const char *name, const char *end
     return NULL;
 }
 
-/* A name of pbrt's that bis has no constants of. */
-static bool refuse_metal(bis_parser *p, const char *name)
+/* A name of a metal that bis has no constants of. --approximate: *m is gold for pbrt's brass, CuZn, else aluminium. */
+static bool replace_metal(bis_parser *p, const char *name, metal *m)
 {
+    char kind[64];
     const bis_param *param = bis_params_find(p, name);
     if (!param || param->type != BIS_TYPE_SPECTRUM || !param->is_strings || param->n != 1) return false;
     const char *text = bis_parser_text(p, p->params.strings[param->first]);
     if (strncmp(text, "metal-", 6) != 0) return false;
-    return !bis_parser_error(p, param->at, "the metal of \"%s\" is not known; bis has Ag, Al, Au and Cu: give \"rgb "
-                             "reflectance\", or eta and k as spectra", bis_parser_word(p, text));
+    const bool is_brass = strncmp(text, "metal-CuZn-", 11) == 0;
+    snprintf(kind, sizeof kind, "\"%s\"", bis_parser_word(p, text));
+    *m = metals[is_brass ? GOLD : ALUMINIUM];
+    bis_approximate_or_refuse(p, param->at, kind, is_brass ? "gold" : "aluminium",
+                              "the metal of \"%s\" is not known; bis has Ag, Al, Au, Cu, MgO and TiO2: give \"rgb "
+                              "reflectance\", or eta and k as spectra", bis_parser_word(p, text));
+    return true;
 }
 
 static const char *const eta_and_k[] = {"eta", "k"};
@@ -195,15 +202,15 @@ static bool is_of_type(bis_parser *p, const char *name, unsigned type)
 
 static metal read_eta_and_k(bis_parser *p)
 {
-    metal m = metals[3]; /* copper, as in pbrt */
+    metal m = metals[COPPER]; /* as in pbrt */
     const metal *eta = named_metal(p, "eta", "eta"), *k = named_metal(p, "k", "k");
     const bool has_eta = bis_params_has(p, "eta"), has_k = bis_params_has(p, "k");
     if (!has_eta && !has_k) return m;
-    if ((eta && eta == k) || (eta && !has_k && eta == &metals[3]) || (k && !has_eta && k == &metals[3])) {
+    if ((eta && eta == k) || (eta && !has_k && eta == &metals[COPPER]) || (k && !has_eta && k == &metals[COPPER])) {
         bis_params_skip(p, eta_and_k, 2);
         return eta ? *eta : *k;
     }
-    if (eta || k || refuse_metal(p, "eta") || refuse_metal(p, "k")) {
+    if (eta || k || replace_metal(p, "eta", &m) || replace_metal(p, "k", &m)) {
         if (eta || k)
             bis_parser_error(p, bis_params_at(p, has_k ? "k" : "eta"), "\"eta\" and \"k\" must be of one metal");
         bis_params_skip(p, eta_and_k, 2);
@@ -255,11 +262,15 @@ static void into_coat(bis_parser *p, rgb *Kd, uint32_t *texture, double inside)
 bis_material bis_parser_coated_diffuse(bis_parser *p, bis_material_textures *t)
 {
     rgb Kd = {0.5f, 0.5f, 0.5f};
-    double eta = 1.5, albedo = 0;
+    rgb albedo = {0, 0, 0};
+    double eta = 1.5;
+    uint32_t of_albedo = BIS_NO_TEXTURE;
     bis_params_colour(p, "reflectance", &Kd, unit, &t->Kd);
     bis_params_float(p, "eta", &eta, (bis_interval){1, 10, false, false});
-    if (bis_params_float(p, "albedo", &albedo, unit) && albedo > 0)
-        bis_parser_error(p, bis_params_at(p, "albedo"), "a coat that scatters is not modelled: \"albedo\" must be 0");
+    bis_params_colour(p, "albedo", &albedo, unit, &of_albedo);
+    if (!rgb_is_black(albedo) || of_albedo != BIS_NO_TEXTURE)
+        bis_approximate_or_refuse(p, bis_params_at(p, "albedo"), "\"albedo\" of Material \"coateddiffuse\"",
+                                  "the coat is clear", "a coat that scatters is not modelled: \"albedo\" must be 0");
     skip_walk(p);
     into_coat(p, &Kd, &t->Kd, internal_reflectance(eta));
     const double F = head_on(eta);

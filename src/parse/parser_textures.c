@@ -3,6 +3,7 @@
  * As in pbrt a texture is known from its directive on, and numbers and colours have names of their own. What a texture
  * is made of stands before it in the list, so that there are no cycles. A texture that is the same everywhere becomes
  * a constant here, and a material with only such textures is like any other. */
+#include "approximate.h"
 #include "bis/base/file.h"
 #include "base/grow.h"
 #include "parser.h"
@@ -301,16 +302,20 @@ static bool read_mix(bis_parser *p, bis_texture *x, bool of_floats)
 
 static bool read_checkerboard(bis_parser *p, bis_texture *x, bool of_floats)
 {
+    static const bis_texture half = {.kind = BIS_TEXTURE_CONSTANT, .value = {0.5, 0.5, 0.5}, .steps = 1};
     uint64_t dimension = 2;
-    if (bis_params_integer(p, "dimension", &dimension, 2, 3) && dimension == 3)
-        return bis_parser_error(p, bis_params_at(p, "dimension"),
-                                "a checkerboard in space is not modelled: \"dimension\" must be 2");
     static const char *const ignored[] = {"aamode"}; /* pbrt-v3: how it is filtered */
+    if (bis_params_integer(p, "dimension", &dimension, 2, 3) && dimension == 3 &&
+        !bis_approximate_or_refuse(p, bis_params_at(p, "dimension"), "\"dimension\" 3 of Texture \"checkerboard\"",
+                                   "its parts are mixed, one half each",
+                                   "a checkerboard in space is not modelled: \"dimension\" must be 2"))
+        return false;
     bis_params_skip(p, ignored, 1);
     bool ok = read_mapping(p, x);
     ok = read_part(p, "tex1", of_floats, 1, positive_or_0, &x->of[0]) && ok;
     ok = read_part(p, "tex2", of_floats, 0, positive_or_0, &x->of[1]) && ok;
-    if (ok) make_of(p, x, BIS_TEXTURE_CHECKERBOARD, 2);
+    if (ok && dimension == 3) ok = bis_parser_add_texture(p, &half, &x->of[2]);
+    if (ok) make_of(p, x, dimension == 3 ? BIS_TEXTURE_MIX : BIS_TEXTURE_CHECKERBOARD, dimension == 3 ? 3 : 2);
     return ok;
 }
 
@@ -319,6 +324,29 @@ static bool read_constant(bis_parser *p, bis_texture *x, bool of_floats)
     uint32_t index;
     const bool ok = read_part(p, "value", of_floats, 1, positive_or_0, &index);
     if (ok) x->value = value_of(p, index);
+    return ok;
+}
+
+/* --approximate: a texture of pbrt's whose parts are known is their mean by area; the initial 0.5 stays that of others.
+ * Half of the cells of "dots" hold a disc of radius 0.35. */
+static bool read_mean(bis_parser *p, bis_texture *x, const char *name, bool of_floats)
+{
+    static const struct { const char *name, *part[4]; double usual[4], share[4]; } means[] = {
+        {"bilerp", {"v00", "v01", "v10", "v11"}, {0, 1, 0, 1}, {0.25, 0.25, 0.25, 0.25}},
+        {"directionmix", {"tex1", "tex2"}, {0, 1}, {0.5, 0.5}},
+        {"dots", {"inside", "outside"}, {1, 0}, {0.19, 0.81}},
+    };
+    bool ok = true;
+    for (size_t i = 0; i < BIS_COUNT(means); i++) {
+        if (strcmp(means[i].name, name) != 0) continue;
+        x->value = (rgbd){0, 0, 0};
+        for (int k = 0; k < 4 && means[i].part[k]; k++) {
+            uint32_t part;
+            ok = read_part(p, means[i].part[k], of_floats, means[i].usual[k], positive_or_0, &part) && ok;
+            if (ok) x->value = rgbd_add(x->value, rgbd_scale(value_of(p, part), means[i].share[k]));
+        }
+    }
+    for (size_t i = 0; i < p->params.n; i++) p->params.list[i].used = true; /* of its pattern */
     return ok;
 }
 
@@ -332,9 +360,11 @@ static const bis_choice kinds[] = {
     {"windy", BIS_FOREIGN},   {"wrinkled", BIS_FOREIGN},
 };
 
-static bool read_kind(bis_parser *p, bis_texture *x, int kind, bool of_floats)
+static bool read_kind(bis_parser *p, bis_texture *x, const bis_choice *chosen, bool of_floats)
 {
-    switch (kind) {
+    switch (chosen->value) {
+    case BIS_FOREIGN:
+        return read_mean(p, x, chosen->name, of_floats);
     case IMAGEMAP:
         return read_imagemap(p, x);
     case SCALE:
@@ -397,7 +427,7 @@ void bis_directive_texture(bis_parser *p, bis_loc at)
                                                  BIS_COUNT(kinds));
     if (chosen) {
         p->own_texture = true;
-        ok = read_kind(p, &x, chosen->value, of_floats) && is_cheap(p, &x, at);
+        ok = read_kind(p, &x, chosen, of_floats) && is_cheap(p, &x, at);
         p->own_texture = false;
         bis_params_end(p, "Texture", chosen->name);
     }

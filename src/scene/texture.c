@@ -2,8 +2,9 @@
  *
  * A texture is a small tree; its leaves are constants and images. An image is interpolated bilinearly between the
  * centres of its texels, and never filtered: where texels are smaller than pixels, the camera samples average them.
- * No value is cut off: what leaves its range is refused when the images are known, with the largest value in the
- * message, because a picture that differs from what the scene says should not look as if it did not. */
+ * No value is cut off, but an alpha of pbrt-v3's: what leaves its range is refused when the images are known, with the
+ * largest value in the message, because a picture that differs from what the scene says should not look as if it did
+ * not. */
 #include "bis/scene/texture.h"
 
 #include "bis/base/mem.h"
@@ -29,7 +30,7 @@ static int n_parts(const bis_texture *x)
 {
     return x->kind == BIS_TEXTURE_MIX                                             ? 3
            : x->kind == BIS_TEXTURE_SCALE || x->kind == BIS_TEXTURE_CHECKERBOARD ? 2
-           : x->kind == BIS_TEXTURE_COAT                                          ? 1
+           : x->kind == BIS_TEXTURE_COAT || x->kind == BIS_TEXTURE_ALPHA         ? 1
                                                                                   : 0;
 }
 
@@ -143,6 +144,14 @@ static rgbd mix(rgbd a, rgbd b, rgbd w)
 
 static double coated(const bis_texture *x, double v) { return (1 - x->scale) * v / (1 - x->scale * v); }
 
+double bis_texture_alpha(double roughness)
+{
+    const double x = log(fmax(roughness, 1e-3));
+    return 1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)));
+}
+
+static double own_alpha(double roughness) { return fmin(bis_texture_alpha(roughness), 1); }
+
 /* As in pbrt-v4, "Texture coordinate generation". */
 static void map_point(double st[2], const bis_texture *x, const double uv[2], vec3 p)
 {
@@ -190,6 +199,9 @@ rgbd bis_textures_value(const bis_textures *textures, const bis_texture_image *i
     case BIS_TEXTURE_COAT:
         v[0] = bis_textures_value(textures, images, x->of[0], uv, p);
         return (rgbd){coated(x, v[0].r), coated(x, v[0].g), coated(x, v[0].b)};
+    case BIS_TEXTURE_ALPHA:
+        v[0] = bis_textures_value(textures, images, x->of[0], uv, p);
+        return (rgbd){own_alpha(v[0].r), own_alpha(v[0].g), own_alpha(v[0].b)};
     case BIS_TEXTURE_CONSTANT:
         break;
     }
@@ -247,6 +259,9 @@ static range range_of(const bis_textures *t, const bis_texture_image *images, ui
         } else if (x->kind == BIS_TEXTURE_COAT) { /* it grows with what is below, as far as 1; beyond, that shows */
             r.lo[k] = part[0].lo[k] <= 1 ? coated(x, part[0].lo[k]) : part[0].lo[k];
             r.hi[k] = part[0].hi[k] <= 1 ? coated(x, part[0].hi[k]) : part[0].hi[k];
+        } else if (x->kind == BIS_TEXTURE_ALPHA) {
+            r.lo[k] = own_alpha(part[0].lo[k]);
+            r.hi[k] = own_alpha(part[0].hi[k]);
         } else {
             combine(&r.lo[k], &r.hi[k], x, part, k);
         }

@@ -225,7 +225,7 @@ static void print_colour(const char *name, rgb c, FILE *out)
 
 static void print_texture(const char *name, const bis_textures *t, uint32_t texture, FILE *out)
 {
-    static const char *const kinds[] = {"constant", "image", "scale", "mix", "checkerboard", "coated"};
+    static const char *const kinds[] = {"constant", "image", "scale", "mix", "checkerboard", "coated", "remapped"};
     const bis_texture *x = &t->list[texture];
     const char *file = x->kind == BIS_TEXTURE_IMAGE ? t->files[x->image].filename : NULL;
     const char *slash = file ? strrchr(file, '/') : NULL;

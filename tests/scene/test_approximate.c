@@ -101,6 +101,19 @@ static const struct row {
     {"WorldBegin Material \"uber\" \"rgb Kr\" [.1 .1 .1]", "\"Kr\" of Material \"uber\"", true},
     {"WorldBegin Material \"uber\" \"rgb Kt\" [0 .1 0]", "\"Kt\" of Material \"uber\"", true},
     {"WorldBegin Material \"uber\" \"rgb opacity\" [1 1 .5]", "\"opacity\" of Material \"uber\"", true},
+    {"WorldBegin Material \"coateddiffuse\" \"rgb albedo\" [0 .1 0]", "\"albedo\" of Material \"coateddiffuse\"", true},
+    {"WorldBegin Material \"conductor\" \"spectrum eta\" \"metal-Ti-eta\" \"spectrum k\" \"metal-Ti-k\"", "\"metal-Ti-eta\"", true},
+    {"WorldBegin Material \"conductor\" \"rgb eta\" [1 1 1] \"spectrum k\" \"metal-CuZn-k\"", "\"metal-CuZn-k\"", true},
+    {"WorldBegin Texture \"t\" \"spectrum\" \"bilerp\" \"string mapping\" \"uv\" \"float uscale\" 3", "Texture \"bilerp\"", true},
+    {"WorldBegin Texture \"t\" \"float\" \"directionmix\" \"vector3 dir\" [0 0 1]", "Texture \"directionmix\"", true},
+    {"WorldBegin Texture \"t\" \"float\" \"dots\"", "Texture \"dots\"", true},
+    {"WorldBegin Texture \"t\" \"color\" \"fbm\" \"integer octaves\" 3 \"float roughness\" .3", "Texture \"fbm\"", true},
+    {"WorldBegin Texture \"t\" \"spectrum\" \"marble\" \"float scale\" 2", "Texture \"marble\"", true},
+    {"WorldBegin Texture \"t\" \"spectrum\" \"ptex\" \"string filename\" \"no.ptx\"", "Texture \"ptex\"", true},
+    {"WorldBegin Texture \"t\" \"spectrum\" \"uv\"", "Texture \"uv\"", true},
+    {"WorldBegin Texture \"t\" \"float\" \"windy\"", "Texture \"windy\"", true},
+    {"WorldBegin Texture \"t\" \"float\" \"wrinkled\"", "Texture \"wrinkled\"", true},
+    {"WorldBegin Texture \"t\" \"float\" \"checkerboard\" \"integer dimension\" 3", "\"dimension\" 3 of Texture \"checkerboard\"", true},
 };
 
 static void each_kind_is_an_error_with_its_way_out_and_is_noted_with_approximate(void **state)
@@ -204,6 +217,78 @@ static void materials_have_the_reflectances_of_the_originals(void **state)
             (cases[i].alpha > 0 && fabs(m->alpha / cases[i].alpha - 1) > 1e-6))
             fail_msg("%s: Kd %g Ks %g alpha %g", cases[i].material, (double)m->Kd.g, (double)m->Ks.g, m->alpha);
         assert_ptr_equal(m->model, cases[i].alpha > 0 ? bis_microfacet(m->Kd, m->Ks, .5).model : bis_phong(m->Kd, m->Ks, 1).model);
+        bis_scene_desc_free(d);
+    }
+}
+
+/* Textures of pbrt's are one value; a solid checkerboard mixes its parts, which may be textures. */
+static void textures_of_pbrts_have_the_mean_of_their_parts(void **state)
+{
+    (void)state;
+    static const struct { const char *texture; double r, g, b; } cases[] = {
+        {"\"fbm\" \"integer octaves\" 3", .5, .5, .5},
+        {"\"bilerp\" \"rgb v00\" [.1 .2 0] \"rgb v10\" [.3 .2 .4] \"rgb v01\" [.5 .2 0] \"rgb v11\" [.7 .2 .4]", .4, .2, .2},
+        {"\"bilerp\"", .5, .5, .5},                                     /* 0 1 0 1 */
+        {"\"bilerp\" \"rgb v00\" 1 \"rgb v10\" [1 1 1]", 1, 1, 1},
+        {"\"directionmix\" \"rgb tex1\" [.2 .4 .6]", .6, .7, .8},      /* tex2: 1 */
+        {"\"directionmix\" \"rgb tex2\" [.2 .4 .6]", .1, .2, .3},      /* tex1: 0 */
+        {"\"dots\"", .19, .19, .19},                                    /* 1 inside: half of pi 0.35^2 */
+        {"\"dots\" \"rgb inside\" [0 0 1] \"rgb outside\" [1 0 1]", .81, 0, 1},
+        {"\"dots\" \"texture inside\" \"u\" \"float outside\" 0", .057, .114, .171},
+        {"\"checkerboard\" \"integer dimension\" 3 \"texture tex1\" \"u\" \"rgb tex2\" [.5 0 .1]", .4, .3, .5},
+        {"\"checkerboard\" \"integer dimension\" 3", .5, .5, .5},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[400];
+        snprintf(text, sizeof text, "WorldBegin Texture \"u\" \"spectrum\" \"constant\" \"rgb value\" [.3 .6 .9]\n"
+                 "Texture \"t\" \"spectrum\" %s Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"", cases[i].texture);
+        bis_scene_desc *d;
+        bis_diag diag = {0};
+        if (strstr(cases[i].texture, "v00\" 1 ")) { /* a part that is wrong is an error as ever */
+            assert_int_equal(parse(&d, text, BIS_PARSE_APPROXIMATE, &diag), BIS_INPUT);
+            assert_true(diag.n_errors == 1 && strstr(diag.messages[0].text, "\"v00\" has 1 value, must have 3"));
+            bis_diag_clear(&diag);
+            continue;
+        }
+        d = approximated(text);
+        const rgb c = d->materials[d->shapes[0].material].Kd;
+        if (fabs((double)c.r - cases[i].r) > 1e-6 || fabs((double)c.g - cases[i].g) > 1e-6 || fabs((double)c.b - cases[i].b) > 1e-6)
+            fail_msg("%s: %g %g %g", cases[i].texture, (double)c.r, (double)c.g, (double)c.b);
+        assert_int_equal(d->n_approximations, 1);
+        bis_scene_desc_free(d);
+    }
+    /* of textures that vary: half of both, at any point */
+    bis_scene_desc *d = approximated("WorldBegin Texture \"u\" \"float\" \"checkerboard\" \"float tex1\" .2 \"float tex2\" .6\n"
+        "Texture \"t\" \"float\" \"checkerboard\" \"integer dimension\" 3 \"texture tex1\" \"u\" \"float tex2\" .4 Material \"diffuse\" \"texture Kd\" \"t\" "
+        "Shape \"sphere\"");
+    const uint32_t index = d->shapes[0].material;
+    for (int k = 0; k < 2; k++) {
+        const bis_material m = bis_textures_material(&d->textures, NULL, bis_textures_of(&d->textures, index), &d->materials[index],
+                                                     (double[]){.5 + k, .5}, (vec3){0, 0, 0});
+        assert_true(fabs((double)m.Kd.r - (k ? .5 : .3)) < 1e-6);
+    }
+    bis_scene_desc_free(d);
+}
+
+/* Brass is gold, titanium aluminium (published colours, see test_pbrt_materials.c); a coat that scatters is a clear one. */
+static void unknown_metals_and_coats_are_the_nearest_known(void **state)
+{
+    (void)state;
+    static const struct { const char *material; double r, g, b; } cases[] = {
+        {"\"conductor\" \"spectrum eta\" \"metal-CuZn-eta\" \"spectrum k\" \"metal-CuZn-k\"", 1, .782, .344},
+        {"\"conductor\" \"spectrum eta\" \"metal-Ti-eta\" \"spectrum k\" \"metal-Ti-k\"", .913, .922, .924},
+        {"\"metal\" \"float eta\" 1 \"spectrum k\" \"metal-Cr-k\"", .913, .922, .924},
+        {"\"coateddiffuse\" \"spectrum albedo\" [400 .2 700 .3] \"float eta\" 2", 1 / 9., 1 / 9., 1 / 9.},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[300];
+        snprintf(text, sizeof text, "WorldBegin Material %s \"float roughness\" .1 Shape \"sphere\"", cases[i].material);
+        bis_scene_desc *d = approximated(text);
+        const rgb c = d->materials[d->shapes[0].material].Ks;
+        assert_int_equal(d->n_approximations, 1);
+        assert_string_equal(d->approximations[0].consequence, i == 0 ? "gold" : i < 3 ? "aluminium" : "the coat is clear");
+        if (fabs((double)c.r - cases[i].r) > 1e-3 || fabs((double)c.g - cases[i].g) > 1e-3 || fabs((double)c.b - cases[i].b) > 1e-3)
+            fail_msg("%s: %g %g %g", cases[i].material, (double)c.r, (double)c.g, (double)c.b);
         bis_scene_desc_free(d);
     }
 }
@@ -517,6 +602,8 @@ int main(void)
         cmocka_unit_test(a_parameter_of_a_foreign_type_gets_its_default),
         cmocka_unit_test(a_scene_may_say_it_itself),
         cmocka_unit_test(materials_have_the_reflectances_of_the_originals),
+        cmocka_unit_test(textures_of_pbrts_have_the_mean_of_their_parts),
+        cmocka_unit_test(unknown_metals_and_coats_are_the_nearest_known),
         cmocka_unit_test(each_channel_and_each_default_is_the_originals),
         cmocka_unit_test(a_mix_has_the_lobe_of_the_stronger_one),
         cmocka_unit_test(what_is_approximated_is_told_with_place_number_and_consequence),

@@ -205,7 +205,7 @@ static void a_conductor_reflects_what_fresnel_says_head_on(void **state)
     snprintf(text, sizeof text, "Material \"conductor\" \"rgb reflectance\" [0.9 0.6 0.3] %s", rough);
     assert_rgb(material(text, NULL).Ks, 0.9, 0.6, 0.3, 1e-6);
     refuse("Material \"conductor\" \"rgb reflectance\" [0.9 0.6 0.3] \"rgb eta\" [1 1 1]", "give \"reflectance\", or \"eta\" and \"k\"");
-    refuse("Material \"conductor\" \"spectrum eta\" \"metal-CuZn-eta\" \"spectrum k\" \"metal-CuZn-k\"", "the metal of \"metal-CuZn-eta\" is not known; bis has Ag, Al, Au and Cu");
+    refuse("Material \"conductor\" \"spectrum eta\" \"metal-CuZn-eta\" \"spectrum k\" \"metal-CuZn-k\"", "the metal of \"metal-CuZn-eta\" is not known; bis has Ag, Al, Au, Cu, MgO and TiO2: give \"rgb reflectance\", or eta and k as spectra; with --approximate: gold");
     refuse("Material \"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" \"metal-Au-k\"", "must be of one metal");
     static const char *const alone[] = {"rgb eta\" [1 1 1]", "rgb k\" [1 1 1]", "float eta\" 1", "float k\" 1", "spectrum eta\" [400 1 500 2]", "spectrum k\" [400 1 500 2]"};
     for (size_t i = 0; i < sizeof alone / sizeof *alone; i++) {
@@ -298,7 +298,41 @@ static void textures_of_roughness_are_remapped_as_constants_are(void **state)
     assert_about(bis_textures_material(&p.desc->textures, NULL, t, base, (double[]){0.5, 0.5}, (vec3){0, 0, 0}).alpha, 0.25, 1e-9);
     assert_about(bis_textures_material(&p.desc->textures, NULL, t, base, (double[]){1.5, 0.5}, (vec3){0, 0, 0}).alpha, 0.5, 1e-9);
     clear(&p);
-    refuse("Texture \"r\" \"float\" \"checkerboard\" Material \"metal\" \"texture roughness\" \"r\"", "give \"bool remaproughness\" false and a texture of alpha");
+}
+
+/* pbrt-v3's polynomial as python computes it; what is rougher than bis has is 1. Without remapping the value is alpha. */
+static void textures_of_roughness_of_pbrt_v3_are_remapped_too(void **state)
+{
+    (void)state;
+    static const struct { const char *rest; double alpha[2]; } cases[] = {
+        {"\"float tex1\" 0.1 \"float tex2\" 0.3 Material \"metal\" \"texture roughness\" \"r\"", {0.46176003200863414, 0.8570364675174545}},
+        {"\"float tex1\" 0.01 \"float tex2\" 0.4 Material \"plastic\" \"texture roughness\" \"r\"", {0.13892440927807703, 1}},
+        {"\"float tex1\" 0 \"float tex2\" 0.75 Material \"substrate\" \"texture roughness\" \"r\"", {0.047269450828605786, 1}},
+        {"\"float tex1\" 0.1 \"float tex2\" 0.3 Material \"metal\" \"texture roughness\" \"r\" \"bool remaproughness\" false", {.1, .3}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[300];
+        snprintf(text, sizeof text, "Texture \"r\" \"float\" \"checkerboard\" %s", cases[i].rest);
+        parsed p = parse(text);
+        assert_int_equal(p.status, BIS_OK);
+        const uint32_t index = p.desc->shapes[0].material;
+        const bis_material_textures *t = bis_textures_of(&p.desc->textures, index);
+        assert_non_null(t);
+        for (int k = 0; k < 2; k++)
+            assert_about(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){0.5 + k, 0.5}, (vec3){0, 0, 0}).alpha,
+                         cases[i].alpha[k], 1e-9);
+        clear(&p);
+    }
+}
+
+/* Of oxides without absorption: ((n - 1)/(n + 1))^2 with the index at 611, 549 and 464 nm, where red, green and blue are. */
+static void oxides_reflect_as_their_indices_say(void **state)
+{
+    (void)state;
+    assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-MgO-eta\" \"spectrum k\" \"metal-MgO-k\" \"float roughness\" 0.1", NULL).Ks, .0724, .0730, .0745, 1e-3);
+    assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-MgO-eta\" \"spectrum k\" \"metal-MgO-k\" \"float roughness\" 0.1", NULL).eta, 1.7362, 1.7406, 1.7505, 4e-3);
+    assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-TiO2-eta\" \"spectrum k\" \"metal-TiO2-k\" \"float roughness\" 0.1", NULL).Ks, .236, .244, .265, 1e-2);
+    assert_rgb(material("Material \"conductor\" \"spectrum eta\" \"metal-TiO2-eta\" \"spectrum k\" \"metal-TiO2-k\" \"float roughness\" 0.1", NULL).eta, 2.889, 2.955, 3.12, .07);
 }
 
 /* ---- coats ---- */
@@ -492,8 +526,8 @@ static void each_parameter_of_a_material_has_its_limits(void **state)
         {"\"conductor\" \"rgb k\" [1 1 1]", "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\""},
         {"\"conductor\" \"spectrum eta\" [400 1 700 2]", "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\""},
         {"\"conductor\" \"spectrum k\" [400 1 700 2]", "3:10: error: give both \"eta\" and \"k\", or none (copper), or \"rgb reflectance\""},
-        {"\"conductor\" \"spectrum eta\" \"metal-Ti-eta\" \"spectrum k\" \"metal-Ti-k\"", "3:22: error: the metal of \"metal-Ti-eta\" is not known; bis has Ag, Al, Au and Cu"},
-        {"\"conductor\" \"rgb eta\" [1 1 1] \"spectrum k\" \"metal-Ti-k\"", "error: the metal of \"metal-Ti-k\" is not known; bis has Ag, Al, Au and Cu"},
+        {"\"conductor\" \"spectrum eta\" \"metal-Ti-eta\" \"spectrum k\" \"metal-Ti-k\"", "3:22: error: the metal of \"metal-Ti-eta\" is not known; bis has Ag, Al, Au, Cu, MgO and TiO2: give \"rgb reflectance\", or eta and k as spectra; with --approximate: aluminium"},
+        {"\"conductor\" \"rgb eta\" [1 1 1] \"spectrum k\" \"metal-Ti-k\"", "error: the metal of \"metal-Ti-k\" is not known; bis has Ag, Al, Au, Cu, MgO and TiO2: give \"rgb reflectance\", or eta and k as spectra; with --approximate: aluminium"},
         {"\"conductor\" \"spectrum eta\" \"metal-Ag-eta\" \"spectrum k\" \"metal-Au-k\"", "3:52: error: \"eta\" and \"k\" must be of one metal"},
         {"\"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"spectrum k\" \"metal-Au-k\"", "3:52: error: \"eta\" and \"k\" must be of one metal"},
         {"\"conductor\" \"spectrum eta\" \"metal-Cu-eta\" \"rgb k\" [1 1 1]", "3:52: error: \"eta\" and \"k\" must be of one metal"},
@@ -507,7 +541,9 @@ static void each_parameter_of_a_material_has_its_limits(void **state)
         {"\"conductor\" \"rgb eta\" [1 1 1] \"rgb k\" [1 1 -1]", "\"k\" is -1, must be "},
         {"\"coateddiffuse\" \"float eta\" 10.5", "\"eta\" is 10.5, must be in [1, 10]"},
         {"\"coateddiffuse\" \"float albedo\" 1.5", "\"albedo\" is 1.5, must be in [0, 1]"},
-        {"\"coateddiffuse\" \"float albedo\" 0.001", "a coat that scatters is not modelled: \"albedo\" must be 0"},
+        {"\"coateddiffuse\" \"float albedo\" 0.001", "3:26: error: a coat that scatters is not modelled: \"albedo\" must be 0; with --approximate: the coat is clear"},
+        {"\"coateddiffuse\" \"rgb albedo\" [0 0 0.1]", "\"albedo\" must be 0; with --approximate: the coat is clear"},
+        {"\"coateddiffuse\" \"spectrum albedo\" [400 0.5 700 0.5]", "\"albedo\" must be 0; with --approximate: the coat is clear"},
         {"\"uber\" \"float eta\" 0", "\"eta\" is 0, must be "},
         {"\"uber\" \"float index\" 0", "\"index\" is 0, must be "},
         {"\"uber\" \"rgb Kr\" [0.1 0 0]", "an \"uber\" that is a mirror or lets light through is not modelled: \"Kr\" must be 0"},
@@ -647,7 +683,7 @@ static void names_of_textures_are_those_of_their_kind(void **state)
         {"Texture \"t\" \"float\" \"scale\" \"texture tex1\" \"t\"", "3:29: error: texture \"t\" would be made of itself: name one that is defined before"},
         {"Texture \"t\" \"vector\" \"scale\"", "3:13: error: a Texture is of type \"float\" or \"spectrum\" (or \"color\", \"rgb\"), not \"vector\""},
         {"Texture \"t\" \"float\" \"imagemap\"", "3:9: error: Texture \"imagemap\" needs \"string filename\""},
-        {"Texture \"t\" \"float\" \"checkerboard\" \"integer dimension\" 3", "3:36: error: a checkerboard in space is not modelled: \"dimension\" must be 2"},
+        {"Texture \"t\" \"float\" \"checkerboard\" \"integer dimension\" 3", "3:36: error: a checkerboard in space is not modelled: \"dimension\" must be 2; with --approximate: its parts are mixed, one half each"},
         {"Texture \"t\" \"float\" \"constant\" \"float value\" 2 Material \"diffuse\" \"texture reflectance\" \"t\"", "\"reflectance\" is 2, must be in [0, 1]"},
         {"Texture \"t\" \"color\" \"constant\" \"rgb value\" [0 2 0] Material \"diffuse\" \"texture reflectance\" \"t\"", "\"reflectance\" is 2, must be in [0, 1]"},
         {"Texture \"t\" \"color\" \"constant\" \"rgb value\" [0 0 3] Material \"diffuse\" \"texture reflectance\" \"t\"", "\"reflectance\" is 3, must be in [0, 1]"},
@@ -695,6 +731,8 @@ int main(void)
         cmocka_unit_test(a_conductor_reflects_what_fresnel_says_head_on),
         cmocka_unit_test(metals_reflect_on_average_what_their_spectra_do),
         cmocka_unit_test(named_metals_have_their_published_colours),
+        cmocka_unit_test(textures_of_roughness_of_pbrt_v3_are_remapped_too),
+        cmocka_unit_test(oxides_reflect_as_their_indices_say),
         cmocka_unit_test(roughness_becomes_pbrts_alpha),
         cmocka_unit_test(textures_of_roughness_are_remapped_as_constants_are),
         cmocka_unit_test(coats_are_what_their_index_says),

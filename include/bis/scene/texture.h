@@ -15,7 +15,8 @@ typedef enum bis_texture_kind {
     BIS_TEXTURE_MIX,         /* (1 - of[2]) of[0] + of[2] of[1] */
     BIS_TEXTURE_CHECKERBOARD, /* of[0] where floor(s) + floor(t) is even, else of[1] */
     /* (1 - scale) x / (1 - scale x) of x = of[0] <= 1: what leaves a base below a coat */
-    BIS_TEXTURE_COAT
+    BIS_TEXTURE_COAT,
+    BIS_TEXTURE_ALPHA /* pbrt-v3's alpha of a roughness of[0] (bis_texture_alpha), and 1 at most, as bis has it */
 } bis_texture_kind;
 
 /* What an image is outside [0,1]: it goes on, its border goes on, or it is 0. */
@@ -31,7 +32,7 @@ typedef enum bis_texture_mapping {
 
 typedef struct bis_texture {
     bis_texture_kind kind;
-    /* SCALE, MIX, CHECKERBOARD, COAT: textures of the list, all before this one, so that there are no cycles */
+    /* SCALE, MIX, CHECKERBOARD, COAT, ALPHA: textures of the list, all before this one, so that there are no cycles */
     uint32_t of[3];
     /* CONSTANT: its value. Else: a typical value, for those who plan. It is 0 only if the texture is 0 everywhere */
     rgbd value;
@@ -79,6 +80,10 @@ typedef struct bis_texture_image {
     bis_image image;
     double lo[4], hi[4];
 } bis_texture_image;
+
+/* bis_texture_alpha returns what pbrt-v3's remapping makes of a roughness: a polynomial of its logarithm, which
+ * grows with it. */
+double bis_texture_alpha(double roughness);
 
 /* bis_textures_clear frees everything. *t is empty afterwards. */
 void bis_textures_clear(bis_textures *t);
