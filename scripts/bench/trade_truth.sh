@@ -6,7 +6,7 @@
 # sphere of glossy-row makes the error of one picture of 45 three times as large. The root mean square, the least and the
 # largest tell of it. The advice is measured by passes (--passes), so the table
 # hardly depends on how busy the machine is: the clock has a say in which setting is advised alone. RESOLUTION, TIME (of
-# the pilot), ERROR (of the final picture) and SEEDS (how many) may be set.
+# the pilot), ERROR (of the final picture), SEEDS (how many pictures) and SEED (of the measurement) may be set.
 #     make bis build/release/trade_truth data && scripts/bench/trade_truth.sh [build/release [SCENE...]]
 B=${1:-build/release}
 test $# -gt 0 && shift
@@ -49,7 +49,7 @@ for original in "$@"; do
     base=$(basename "$original" .txt)
     file=$(scene "$original")
     rm -rf "${dir:?}/$base-trade"
-    "$B"/bis trade --quiet --quick --integrator sir --passes 8 --seeds 2 --nthreads 1 --resolution $size --time $seconds --error $final --output "$dir/$base-trade" "$file" >"$dir/$base.said" || exit 1
+    "$B"/bis trade --quiet --quick --integrator sir --passes 8 --seeds 2 --nthreads 1 --resolution $size --time $seconds --error $final --seed ${SEED:-1} --output "$dir/$base-trade" "$file" >"$dir/$base.said" || exit 1
     for advice in final good preview; do
         line=$(grep "^$advice" "$dir/$base.said") || continue
         promised=$(percent "$(echo "$line" | sed 's/.*error \([0-9.]*%\).*/\1/')")
