@@ -3,6 +3,8 @@ table.
 
     python3 scripts/bench/many_machines.py [--threads T] [--link BYTES_PER_SECOND] [--svg FILE]
 
+1, 10, 100, 1000 and 10000 threads work together, at most T (32) of them in a rank: one rank for each machine.
+
 Simulated is what src/render/team_deal.c does: rank 0 deals out batches, each rank has one at work and one waiting; a
 rank gets the tiles that it had in the pass before, then those of the rank with most work left, which that rank sends
 to it between two of its own tiles; costly tiles come first from the second pass on; finished tiles come back some
@@ -23,7 +25,10 @@ TILE_MS = [1.61, 3.21, 3.26, 3.29, 3.32, 3.35, 3.38, 3.45, 3.55, 3.64, 3.78, 3.9
 FILL = 3.3e-3          # m: pool and clusters of a pass, on every rank
 TAKE = 2.1e-6          # m: rank 0 takes in a tile and sends another
 KEEP = 5e-9            # m: rank 0 adds a pixel to the film
-WRITE = 0.43e-6        # m: rank 0 writes a pixel of the EXR
+WRITE = 0.24e-6        # m: a thread of rank 0 compresses a pixel of the EXR
+DISK = 1.5e-8          # m: a pixel reaches the disk, 830 MB/s
+SWEEP = 7.2e-8         # m: a thread of rank 0 finds a pixel's mean and error at the end
+SUM = 8e-9             # m: of these, what one thread adds up in order, and frees
 START = 0.5            # m: reading the scene, the accelerator, the map, MPI_Init
 EDGE = 0.3e-6          # m: the ray that looks for an outline, a pixel; shared by the ranks
 BYTES = 16 * 256 + 16  # of a tile in a pass
@@ -211,7 +216,7 @@ def render(width, height, spp, ranks, threads, link):
         "film": (n_passes + 3) * KEEP * pixels / threads,
         "pools": (n_passes + 3) * FILL / threads,
         "start": START + EDGE * pixels / (ranks * threads),
-        "writing": WRITE * pixels,
+        "writing": ((WRITE + SWEEP) / threads + DISK + SUM) * pixels,
     }
     # each of the three first passes has all messages, and a share of the work
     parts["last tiles, waiting"] = max(0.0, (n_passes + short) * (length - max(work / (ranks * threads), busy)))
@@ -220,20 +225,20 @@ def render(width, height, spp, ranks, threads, link):
 
 
 def svg(rows, name):
-    """Speed-up against ranks, both axes logarithmic."""
+    """Speed-up against threads, both axes logarithmic."""
     colours = ["#1b6ca8", "#c0392b", "#2e8b57", "#8e44ad"]
     lines = ['<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 520 360" font-family="sans-serif" font-size="11">',
              '<rect width="520" height="360" fill="white"/>']
 
-    def place(ranks, speed):
-        return 50 + 105 * math.log10(ranks), 320 - 70 * math.log10(max(speed, 1))
+    def place(n, speed):
+        return 50 + 105 * math.log10(n), 320 - 70 * math.log10(max(speed, 1))
 
     for k in range(5):
         x, y = place(10 ** k, 10 ** k)
         lines.append(f'<path d="M{x} 40V320M50 {y}H470" stroke="#ddd"/><text x="{x}" y="336" text-anchor="middle">{10 ** k}'
                      f'</text><text x="44" y="{y + 4}" text-anchor="end">{10 ** k}</text>')
     lines.append('<path d="M50 320L470 40" stroke="#999" stroke-dasharray="4 3"/>'
-                 '<text x="260" y="354" text-anchor="middle">ranks</text><text x="50" y="24">speed-up</text>')
+                 '<text x="260" y="354" text-anchor="middle">threads</text><text x="50" y="24">speed-up</text>')
     for i, (title, points) in enumerate(rows):
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in (place(*p) for p in points))
         lines.append(f'<polyline points="{path}" fill="none" stroke="{colours[i]}" stroke-width="2"/>'
@@ -243,27 +248,30 @@ def svg(rows, name):
 
 
 def main(arguments):
-    options = {"--threads": "1", "--link": "1.25e9", "--svg": ""}
+    options = {"--threads": "32", "--link": "1.25e9", "--svg": ""}
     if len(arguments) % 2 or any(a not in options for a in arguments[::2]):
         sys.exit(__doc__)
     options.update(zip(arguments[::2], arguments[1::2]))
-    threads, link = int(options["--threads"]), float(options["--link"])
-    print("| picture | samples | ranks | seconds | speed-up | efficiency | the rest of the time | tiles that move |")
+    most, link = int(options["--threads"]), float(options["--link"])
+    print("| picture | samples | ranks x threads | seconds | speed-up | efficiency | the rest of the time | tiles that move |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     curves = []
     for width, height in ((1920, 1080), (16384, 8192)):
         for spp in (16, 1024):
             points = []
-            for ranks in (1, 10, 100, 1000, 10000):
+            for wanted in (1, 10, 100, 1000, 10000):
+                ranks = math.ceil(wanted / most)
+                threads = wanted // ranks
                 total, parts, moved = render(width, height, spp, ranks, threads, link)
-                if ranks == 1:
+                n = ranks * threads
+                if n == 1:
                     alone = total
                 speed = alone / total
-                points.append((ranks, speed))
+                points.append((n, speed))
                 rest = sorted(((v, k) for k, v in parts.items() if k != "rendering"), reverse=True)[:2]
                 names = ", ".join(f"{k} {100 * v / total:.0f} %" for v, k in rest if v > 0.02 * total)
-                print(f"| {width} x {height} | {spp} | {ranks} | {total:.3g} | {speed:.3g} | {100 * speed / ranks:.0f} % "
-                      f"| {names} | {f'{100 * moved:.1f} %' if ranks > 1 else ''} |")
+                print(f"| {width} x {height} | {spp} | {ranks} x {threads} | {total:.3g} | {speed:.3g} | {100 * speed / n:.0f} % "
+                      f"| {names} | {f'{100 * moved:.1f} %' if ranks > 1 else ''} |", flush=True)
             curves.append((f"{width} x {height}, {spp} samples", points))
     if options["--svg"]:
         svg(curves, options["--svg"])

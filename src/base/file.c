@@ -4,7 +4,8 @@
  * we read until the end and grow the buffer on the way.
  * Writing: to a file of the same folder, hence on the same disk, that gets its name when it is complete, so that at any
  * moment path is either the whole old file or the whole new one. Until then it has no name (O_TMPFILE), and a process
- * that is killed leaves nothing behind; where the file system cannot do that it has a temporary one.
+ * that is killed leaves nothing behind that the next one does not remove; where the file system cannot do that it has a
+ * temporary one.
  * Numbers: strtod and printf obey the locale's decimal point; ours obey nothing. Parsing: two doubles that are exact
  * give a product or quotient that is correctly rounded (Clinger 1990, "How to Read Floating Point Numbers Accurately"),
  * which covers nearly all numbers of a mesh or scene; the rest goes to the C library. */
@@ -14,6 +15,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <float.h>
+#include <inttypes.h>
 #include <locale.h>
 #include <math.h>
 #include <stdlib.h>
@@ -289,17 +291,31 @@ static const char *first_failure(bis_outfile *f)
     return earlier ? "a write failed (disk full?)" : NULL;
 }
 
+/* The same name for each writer of path: what stands behind .bis- is a hash of its name (FNV-1a, 64 bits). */
+static void name_beside(char *temp, const char *path)
+{
+    const int n = (int)folder_length(path);
+    uint64_t hash = 14695981039346656037u;
+    for (const char *c = path + n; *c; c++) hash = (hash ^ (unsigned char)*c) * 1099511628211u;
+    snprintf(temp, room_beside(path), "%.*s.bis-%" PRIx64, n, path, hash);
+}
+
 /* The file that fd holds gets a name: path itself where that is new. A link replaces nothing, so where there is an
- * older file it is a name beside, which is renamed at once. Returns 0, or -1 with errno. */
+ * older file it is a name beside, which is renamed at once. A process that is killed between the two leaves a whole
+ * file of that name, and the next writer of path renames it in its place; that writer may also be faster than one who
+ * lives, who then finds it done. Returns 0, or -1 with errno. */
 static int give_name(bis_outfile *f, int fd)
 {
     char unnamed[32];
     name_of_descriptor(unnamed, fd);
     if (linkat(AT_FDCWD, unnamed, AT_FDCWD, f->path, AT_SYMLINK_FOLLOW) == 0) return 0;
+    name_beside(f->temp, f->path);
     for (int i = 0; i < MOST_NAMES && errno == EEXIST; i++) {
-        choose_name_beside(f->temp, room_beside(f->path), f->path);
-        if (linkat(AT_FDCWD, unnamed, AT_FDCWD, f->temp, AT_SYMLINK_FOLLOW) == 0) return rename(f->temp, f->path);
-        f->temp[0] = '\0';
+        const bool is_ours = linkat(AT_FDCWD, unnamed, AT_FDCWD, f->temp, AT_SYMLINK_FOLLOW) == 0;
+        if (!is_ours && errno != EEXIST) return -1;
+        if (rename(f->temp, f->path) && errno != ENOENT) return -1;
+        if (is_ours) return 0;
+        errno = EEXIST;
     }
     return -1;
 }

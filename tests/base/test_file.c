@@ -17,6 +17,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -372,13 +373,18 @@ static void one_file_under_two_names_is_known(void **state)
     }
 }
 
+static bool has_unnamed_files(void)
+{
+    const int fd = open(DIR_NAME, O_TMPFILE | O_WRONLY, 0600);
+    if (fd >= 0) close(fd);
+    return fd >= 0;
+}
+
 /* A killed process has no chance to remove anything. In this folder's file system or not at all. */
 static void a_killed_process_leaves_the_old_file_and_nothing_else(void **state)
 {
     (void)state;
-    const int fd = open(DIR_NAME, O_TMPFILE | O_WRONLY, 0600);
-    if (fd < 0) skip(); /* no unnamed files here */
-    close(fd);
+    if (!has_unnamed_files()) skip();
     write_file(DIR_NAME "/survivor", "old", 3);
     const size_t n = files_in_folder();
     for (int i = 0; i < 2; i++) {
@@ -399,6 +405,172 @@ static void a_killed_process_leaves_the_old_file_and_nothing_else(void **state)
         assert_int_equal(files_in_folder(), n);
         assert_file_is(DIR_NAME "/survivor", "old");
     }
+}
+
+/* Stands in the place of the system's: a test may be killed here, or another process may do something first. */
+static void (*before_rename)(const char *from, const char *to);
+
+int rename(const char *from, const char *to)
+{
+    if (before_rename) before_rename(from, to);
+    return renameat(AT_FDCWD, from, AT_FDCWD, to);
+}
+
+static int links, failing_link; /* number failing_link of them fails; 0: none */
+
+int linkat(int from_folder, const char *from, int to_folder, const char *to, int flags)
+{
+    if (++links != failing_link) return (int)syscall(SYS_linkat, from_folder, from, to_folder, to, flags);
+    errno = ENOSPC;
+    return -1;
+}
+
+static void be_killed(const char *from, const char *to)
+{
+    (void)from, (void)to;
+    kill(getpid(), SIGKILL);
+}
+
+/* Returns the status of a child that writes `text` to path with `before` in front of its renaming. */
+static int write_in_child(const char *path, const char *text, void (*before)(const char *, const char *))
+{
+    int status;
+    fflush(NULL);
+    const pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        bis_outfile *f;
+        before_rename = before;
+        if (bis_outfile_open(&f, path, NULL)) _exit(1);
+        fputs(text, bis_outfile_stream(f));
+        _exit(bis_outfile_commit(f, NULL) ? 2 : 0);
+    }
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    return status;
+}
+
+/* Two processes are killed at the worst moment: one left-over between them, and none after the next that is not. Names
+ * as long as the file system takes, too. A neighbour whose name has the same
+ * letters is another file. */
+static void what_a_kill_while_renaming_leaves_the_next_writer_removes(void **state)
+{
+    (void)state;
+    char longest[sizeof DIR_NAME + 256];
+    snprintf(longest, sizeof longest, DIR_NAME "/%0255d", 7);
+    const char *const names[] = {DIR_NAME "/window", longest};
+    if (!has_unnamed_files()) skip();
+    for (int i = 0; i < 2; i++) {
+        write_file(names[i], "old", 3);
+        write_file(DIR_NAME "/wodniw", "old", 3);
+        const size_t n = files_in_folder();
+        assert_true(WIFSIGNALED(write_in_child(names[i], "never", be_killed)));
+        assert_true(WIFSIGNALED(write_in_child(names[i], "nor this", be_killed)));
+        assert_file_is(names[i], "old");
+        assert_int_equal(files_in_folder(), n + 1);
+        assert_int_equal(write_in_child(DIR_NAME "/wodniw", "new", NULL), 0);
+        assert_file_is(DIR_NAME "/wodniw", "new");
+        assert_int_equal(files_in_folder(), n + 1);
+        assert_int_equal(write_in_child(names[i], "new", NULL), 0);
+        assert_file_is(names[i], "new");
+        assert_int_equal(files_in_folder(), n);
+    }
+}
+
+/* As another writer of the same path that comes first. */
+static void rename_first(const char *from, const char *to) { renameat(AT_FDCWD, from, AT_FDCWD, to); }
+
+static void a_writer_whose_file_is_renamed_by_another_has_succeeded(void **state)
+{
+    (void)state;
+    if (!has_unnamed_files()) skip();
+    write_file(DIR_NAME "/both", "old", 3);
+    const size_t n = files_in_folder();
+    assert_int_equal(write_in_child(DIR_NAME "/both", "new", rename_first), 0);
+    assert_file_is(DIR_NAME "/both", "new");
+    assert_int_equal(files_in_folder(), n);
+}
+
+/* The first link would be to the file's own name, the second to the one beside. */
+static void a_link_that_fails_is_an_error_which_says_why(void **state)
+{
+    (void)state;
+    if (!has_unnamed_files()) skip();
+    write_file(DIR_NAME "/linked", "old", 3);
+    const size_t n = files_in_folder();
+    for (int i = 1; i <= 2; i++) {
+        bis_outfile *f;
+        bis_diag diag = {0};
+        assert_int_equal(bis_outfile_open(&f, DIR_NAME "/linked", NULL), BIS_OK);
+        links = 0;
+        failing_link = i;
+        assert_int_equal(bis_outfile_commit(f, &diag), BIS_IO);
+        failing_link = 0;
+        assert_int_equal(links, i);
+        assert_string_equal(diag.messages[0].text, DIR_NAME "/linked: error: cannot write \"" DIR_NAME "/linked\": No space left on device");
+        assert_file_is(DIR_NAME "/linked", "old");
+        assert_int_equal(files_in_folder(), n);
+        bis_diag_clear(&diag);
+    }
+}
+
+/* Eight processes replace one file a hundred times each, with 1000 letters of their own. */
+static void many_writers_leave_one_whole_file(void **state)
+{
+    (void)state;
+    pid_t pids[8];
+    if (!has_unnamed_files()) skip();
+    write_file(DIR_NAME "/many", "old", 3);
+    const size_t n = files_in_folder();
+    fflush(NULL);
+    for (int i = 0; i < 8; i++) {
+        pids[i] = fork();
+        if (pids[i]) continue;
+        for (int k = 0; k < 100; k++) {
+            bis_outfile *f;
+            if (bis_outfile_open(&f, DIR_NAME "/many", NULL)) _exit(1);
+            for (int j = 0; j < 1000; j++) fputc('a' + i, bis_outfile_stream(f));
+            if (bis_outfile_commit(f, NULL)) _exit(2);
+        }
+        _exit(0);
+    }
+    for (int i = 0; i < 8; i++) {
+        int status;
+        assert_int_equal(waitpid(pids[i], &status, 0), pids[i]);
+        assert_int_equal(status, 0);
+    }
+    char text[1001];
+    FILE *in = fopen(DIR_NAME "/many", "r");
+    assert_non_null(in);
+    assert_int_equal(fread(text, 1, sizeof text, in), 1000);
+    fclose(in);
+    for (int j = 0; j < 1000; j++) assert_true(text[j] == text[0] && text[0] >= 'a' && text[0] <= 'h');
+    assert_int_equal(files_in_folder(), n);
+}
+
+/* A folder has the name that the new file would have for a moment. */
+static void a_folder_in_the_place_of_the_name_beside_is_an_error(void **state)
+{
+    (void)state;
+    char left[256] = "";
+    if (!has_unnamed_files()) skip();
+    write_file(DIR_NAME "/blocked", "old", 3);
+    assert_true(WIFSIGNALED(write_in_child(DIR_NAME "/blocked", "never", be_killed)));
+    DIR *folder = opendir(DIR_NAME);
+    for (const struct dirent *e; (e = readdir(folder)) != NULL;)
+        if (strncmp(e->d_name, ".bis-", 5) == 0) snprintf(left, sizeof left, DIR_NAME "/%.200s", e->d_name);
+    closedir(folder);
+    assert_int_equal(unlink(left), 0);
+    assert_int_equal(mkdir(left, 0777), 0);
+    const size_t n = files_in_folder();
+    bis_outfile *f;
+    bis_diag diag = {0};
+    assert_int_equal(bis_outfile_open(&f, DIR_NAME "/blocked", NULL), BIS_OK);
+    assert_int_equal(bis_outfile_commit(f, &diag), BIS_IO);
+    assert_string_equal(diag.messages[0].text, DIR_NAME "/blocked: error: cannot write \"" DIR_NAME "/blocked\": Not a directory");
+    assert_file_is(DIR_NAME "/blocked", "old");
+    assert_int_equal(files_in_folder(), n);
+    bis_diag_clear(&diag);
+    rmdir(left);
 }
 
 static void opening_without_memory_says_so_and_leaves_no_file(void **state)
@@ -610,6 +782,11 @@ int main(void)
         cmocka_unit_test(an_older_file_keeps_its_mode),
         cmocka_unit_test(one_file_under_two_names_is_known),
         cmocka_unit_test(a_killed_process_leaves_the_old_file_and_nothing_else),
+        cmocka_unit_test(what_a_kill_while_renaming_leaves_the_next_writer_removes),
+        cmocka_unit_test(a_writer_whose_file_is_renamed_by_another_has_succeeded),
+        cmocka_unit_test(a_link_that_fails_is_an_error_which_says_why),
+        cmocka_unit_test(many_writers_leave_one_whole_file),
+        cmocka_unit_test(a_folder_in_the_place_of_the_name_beside_is_an_error),
         cmocka_unit_test(opening_without_memory_says_so_and_leaves_no_file),
         cmocka_unit_test(the_same_holds_where_no_file_can_be_unnamed),
         cmocka_unit_test(a_name_is_relative_to_the_file_that_uses_it),
