@@ -194,8 +194,10 @@ static void plastic_is_fresnels_glass_over_lambert(void **state)
     assert_near((double)bis_bsdf_f(&b, (vec3){0, 0, 1}).g, 0.02 / (4 * PI) + 0.5 / PI, 1e-7);
     bis_bsdf_init(&b, &m, (vec3){0, 0, 1}, aside);
     assert_near((double)bis_bsdf_f(&b, opposite).g, 0.5 * 0.08919 * 0.5 / PI + 0.5 / PI, 1e-6);
+    assert_string_equal(m.model->name, "plastic");
+    assert_true(m.model->of_half_vector && m.model->width(&m).value == 1);
     /* of an index of 1 nothing is reflected but by the base */
-    const bis_material air = bis_plastic(grey(0.5), grey(1e-15), 1 + 1e-9, 0.3);
+    const bis_material air = bis_plastic(grey(0.5), grey(0.3), 1, 0.3);
     bis_bsdf_init(&b, &air, (vec3){0, 0, 1}, aside);
     assert_near((double)bis_bsdf_f(&b, opposite).g, 0.5 / PI, 1e-7);
 }
