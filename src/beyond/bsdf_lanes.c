@@ -9,6 +9,6 @@
 const bis_bsdf_lanes *bis_bsdf_lanes_of(const bis_bsdf_model *model)
 {
     if (model == &bis_phong_model) return &bis_phong_lanes;
-    if (model == &bis_microfacet_model) return &bis_microfacet_lanes;
+    if (model == &bis_microfacet_model || model == &bis_plastic_model) return &bis_microfacet_lanes;
     return NULL;
 }

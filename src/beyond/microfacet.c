@@ -15,6 +15,9 @@
  * 31 % at roughness 1 (table in docs/scene-format.md).
  * A mirror direction may fall below the horizon: it is returned, has f = 0 and counts (docs/errata.md E34).
  *
+ * Plastic is pbrt's: Fresnel's equations of a dielectric in the place of Schlick's curve, times Ks over what they give
+ * head on, and Lambert's base, whole.
+ *
  * Precision: s is the exact sum of the two float vectors, all else double. Directions in float blur a lobe whose width
  * across, a c_o, comes near 6e-8; f c_i/q does not feel it. Cost: two square roots, three quotients for f and q. */
 #include "bis/beyond/microfacet.h"
@@ -38,17 +41,23 @@ static double fifth_power(double x)
     return x2 * x2 * x;
 }
 
-static double fresnel(double Ks, double eta, double cos_d)
+static double fresnel(bool is_plastic, double Ks, double eta, double cos_d)
 {
+    const double head_on = is_plastic ? bis_fresnel(eta, 0, 1) : 0;
+
+    if (head_on > 0) return Ks / head_on * bis_fresnel(eta, 0, cos_d);
+    if (is_plastic) return 0; /* of an index of 1 */
     if (eta > 0 && Ks > 0 && Ks < 1) return bis_fresnel(eta, bis_fresnel_k2(Ks, eta), cos_d);
     return Ks > 0 ? Ks + (1 - Ks) * fifth_power(1 - cos_d) : 0;
 }
 
-/* A(c) = 1 - (1 - x)^5 of x = c/2, multiplied out: no difference near 0. */
-static double through_coat(double c)
+/* A(c) = 1 - (1 - x)^5 of x = c/2, multiplied out: no difference near 0. In plastic the same for all c: its base is
+ * Lambert's, base_norm A A = 1. */
+static double through_coat(const bis_material *m, double c)
 {
     const double x = c / 2;
 
+    if (m->model == &bis_plastic_model) return BIS_PLASTIC_A;
     return x * (5 + x * (-10 + x * (10 + x * (-5 + x))));
 }
 
@@ -57,17 +66,19 @@ static double stretched(double a, double c)
     return sqrt(a * a + (1 - a * a) * c * c);
 }
 
-/* In each channel, F times `specular` and Kd (1 - Ks) times `diffuse`. */
+/* In each channel, F times `specular` and Kd (1 - Ks) times `diffuse`, in plastic Kd times `diffuse`. */
 static rgbd blend(const bis_material *m, double cos_d, double specular, double diffuse)
 {
     const rgb Kd = m->Kd, Ks = m->Ks;
-    const double F[3] = {fresnel((double)Ks.r, (double)m->eta.r, cos_d),
-                         fresnel((double)Ks.g, (double)m->eta.g, cos_d),
-                         fresnel((double)Ks.b, (double)m->eta.b, cos_d)};
+    const bool is_plastic = m->model == &bis_plastic_model;
+    const double F[3] = {fresnel(is_plastic, (double)Ks.r, (double)m->eta.r, cos_d),
+                         fresnel(is_plastic, (double)Ks.g, (double)m->eta.g, cos_d),
+                         fresnel(is_plastic, (double)Ks.b, (double)m->eta.b, cos_d)};
+    const double taken = is_plastic ? 0 : 1;
 
-    return (rgbd){F[0] * specular + (double)Kd.r * (1 - (double)Ks.r) * diffuse,
-                  F[1] * specular + (double)Kd.g * (1 - (double)Ks.g) * diffuse,
-                  F[2] * specular + (double)Kd.b * (1 - (double)Ks.b) * diffuse};
+    return (rgbd){F[0] * specular + (double)Kd.r * (1 - taken * (double)Ks.r) * diffuse,
+                  F[1] * specular + (double)Kd.g * (1 - taken * (double)Ks.g) * diffuse,
+                  F[2] * specular + (double)Kd.b * (1 - taken * (double)Ks.b) * diffuse};
 }
 
 /* What makes the mean of A cos over the hemisphere 1. */
@@ -99,7 +110,7 @@ static void init(bis_bsdf *b)
     const bis_material *m = b->material;
     const vec3 n = b->local.z;
     const double c_o = fmax(0, dot(n, b->wo)); /* below the horizon all is black, and this stays finite */
-    const double specular = rgbd_sum(blend(m, c_o, 1, 0)), diffuse = rgbd_sum(blend(m, c_o, 0, through_coat(c_o)));
+    const double specular = rgbd_sum(blend(m, c_o, 1, 0)), diffuse = rgbd_sum(blend(m, c_o, 0, through_coat(m, c_o)));
 
     b->r = normalize(sub(mul(n, 2 * dot(n, b->wo)), b->wo));
     b->lobe = frame_about(b->r);
@@ -110,7 +121,8 @@ static void init(bis_bsdf *b)
 /* [facet-density] */
 static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 {
-    const double a = b->material->alpha, c_i = bis_bsdf_cos(b, wi), c_o = bis_bsdf_cos(b, b->wo);
+    const bis_material *m = b->material;
+    const double a = m->alpha, c_i = bis_bsdf_cos(b, wi), c_o = bis_bsdf_cos(b, b->wo);
     double D = 0, cos_d = 0;
 
     *pdf = 0;
@@ -120,7 +132,7 @@ static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
     *pdf += (1 - b->p_specular) * bis_warp_cosine_pdf(c_i);
     if (c_i < least_cos || c_o < least_cos) return (rgb){0, 0, 0};
     const double specular = D / (2 * (c_i * S_o + c_o * stretched(a, c_i)));
-    return rgbd_round(blend(b->material, cos_d, specular, base_norm * INV_PI * through_coat(c_i) * through_coat(c_o)));
+    return rgbd_round(blend(m, cos_d, specular, base_norm * INV_PI * through_coat(m, c_i) * through_coat(m, c_o)));
 }
 /* [end] */
 
@@ -192,10 +204,11 @@ static rgbd most_fresnel(const bis_bsdf *b)
  * own maximum. */
 static double max_f_cos(const bis_bsdf *b)
 {
-    const double a = b->material->alpha, c_o = fmax(0, bis_bsdf_cos(b, b->wo));
+    const bis_material *m = b->material;
+    const double a = m->alpha, c_o = fmax(0, bis_bsdf_cos(b, b->wo));
     const double specular = INV_PI / (a * a) / (2 * (c_o + stretched(a, c_o)));
     const rgbd F = most_fresnel(b),
-               Kd = blend(b->material, 1, 0, base_norm * INV_PI * through_coat(c_o) * through_coat(1));
+               Kd = blend(m, 1, 0, base_norm * INV_PI * through_coat(m, c_o) * through_coat(m, 1));
 
     return fmax(F.r * specular + Kd.r, fmax(F.g * specular + Kd.g, F.b * specular + Kd.b)) * unit_slack;
 }
@@ -205,9 +218,9 @@ static double max_f_cos(const bis_bsdf *b)
 /* [facet-bound] */
 static double max_ratio(const bis_bsdf *b)
 {
-    const rgbd F = most_fresnel(b),
-               Kd = blend(b->material, 1, 0,
-                          base_norm * through_coat(fmax(0, bis_bsdf_cos(b, b->wo))) * through_coat(1));
+    const bis_material *m = b->material;
+    const double A = through_coat(m, fmax(0, bis_bsdf_cos(b, b->wo)));
+    const rgbd F = most_fresnel(b), Kd = blend(m, 1, 0, base_norm * A * through_coat(m, 1));
     const double specular = b->p_specular > 0 ? fmax(F.r, fmax(F.g, F.b)) / b->p_specular : 0;
     const double diffuse = b->p_specular < 1 ? fmax(Kd.r, fmax(Kd.g, Kd.b)) / (1 - b->p_specular) : 0;
 
@@ -228,6 +241,15 @@ const bis_bsdf_model bis_microfacet_model = {.name = "microfacet",
                                              .max_ratio = max_ratio,
                                              .of_half_vector = true,
                                              .width = width};
+
+const bis_bsdf_model bis_plastic_model = {.name = "plastic",
+                                          .init = init,
+                                          .sample = sample,
+                                          .f_pdf = f_pdf,
+                                          .max_f_cos = max_f_cos,
+                                          .max_ratio = max_ratio,
+                                          .of_half_vector = true,
+                                          .width = width};
 
 /* As Phong's: what reflects less than 2^-67 is black. */
 static bool is_visible(double k)
@@ -255,5 +277,14 @@ bis_material bis_microfacet_metal(rgb Ks, rgb eta, double roughness)
     bis_material m = bis_microfacet((rgb){0, 0, 0}, Ks, roughness);
 
     m.eta = eta;
+    return m;
+}
+
+bis_material bis_plastic(rgb Kd, rgb Ks, double eta, double roughness)
+{
+    bis_material m = bis_microfacet(Kd, Ks, roughness);
+
+    m.model = &bis_plastic_model;
+    m.eta = rgb_from(eta, eta, eta);
     return m;
 }

@@ -50,20 +50,21 @@ typedef struct constants {
     float Ks[3], rest[3], base[3]; /* F = Ks + rest (1 - cos theta_d)^5; the base is `base` A(c_i) */
     float real[3], half[3];       /* eta^2 - k^2 - 1 and eta^2 k^2 of a metal */
     int is_metal[3];              /* its channels, but those with Ks 0 or 1 */
+    float scale[3], flat;         /* plastic: F over Fresnel's, and its A; else not used, and 0 */
     float lobe;                   /* a^2/(2 pi): D/2 = lobe R^2 */
     float pdf_lobe, pdf_base;     /* q_f = pdf_lobe R^2 + pdf_base c_i */
     bool has_lobe, has_metal;
 } constants;
 
 /* Which terms a loop needs: they are known when it is compiled. */
-typedef enum terms { BASE, LOBE, METAL } terms;
+typedef enum terms { BASE, LOBE, METAL, PLASTIC } terms;
 
 /* A(c) = 1 - (1 - c/2)^5, multiplied out as in microfacet.c. */
-static inline BIS_INLINE float through_coat(float c)
+static inline BIS_INLINE float through_coat(const constants *k, float c, const terms has)
 {
-    const float x = c * 0.5f;
+    const float x = c * 0.5f, A = x * (5 + x * (-10 + x * (10 + x * (-5 + x))));
 
-    return x * (5 + x * (-10 + x * (10 + x * (-5 + x))));
+    return has < PLASTIC ? A : k->flat;
 }
 
 static inline BIS_INLINE float stretched(const constants *k, float c)
@@ -92,12 +93,15 @@ static void mirrored_view(const bis_bsdf *b, double m[3])
 /* eta^2 - 1 as a product, because it is small where eta is next to 1. */
 static void metal_constants(constants *c, int i, double Ks, double eta)
 {
+    const bool is_plastic = c->flat > 0;
     c->real[i] = 1; /* of a channel that is none: no root of 0, no quotient 0/0 */
-    c->is_metal[i] = eta > 0 && Ks > 0 && Ks < 1;
+    if (is_plastic && !(bis_fresnel(eta, 0, 1) > 0)) c->Ks[i] = c->rest[i] = 0; /* of an index of 1 */
+    c->is_metal[i] = eta > 0 && c->Ks[i] > 0 && Ks < 1;
     if (!c->is_metal[i]) return;
-    const double k2 = bis_fresnel_k2(Ks, eta);
+    const double k2 = is_plastic ? 0 : bis_fresnel_k2(Ks, eta);
     c->real[i] = (float)((eta - 1) * (eta + 1) - k2);
     c->half[i] = (float)(eta * eta * k2);
+    if (is_plastic) c->scale[i] = (float)(Ks / bis_fresnel(eta, 0, 1));
     c->has_metal = true;
 }
 
@@ -108,7 +112,7 @@ static constants constants_of(const bis_bsdf *b)
     const double Ks[3] = {(double)material->Ks.r, (double)material->Ks.g, (double)material->Ks.b};
     const double Kd[3] = {(double)material->Kd.r, (double)material->Kd.g, (double)material->Kd.b};
     const double eta[3] = {(double)material->eta.r, (double)material->eta.g, (double)material->eta.b};
-    const double A_o = (double)through_coat((float)c_o);
+    const bool is_plastic = material->model == &bis_plastic_model;
     const frame *f = &b->local;
     double m[3];
 
@@ -129,13 +133,15 @@ static constants constants_of(const bis_bsdf *b)
                    .lobe = (float)(a * a * INV_PI / 2),
                    .pdf_lobe = (float)(b->p_specular * a * a * INV_PI / (2 * (c_o + S_o))),
                    .pdf_base = (float)((1 - b->p_specular) * INV_PI),
+                   .flat = is_plastic ? (float)BIS_PLASTIC_A : 0,
                    .has_lobe = b->p_specular > 0};
+    const double A_o = (double)through_coat(&k, (float)c_o, is_plastic ? PLASTIC : BASE);
 
     for (int i = 0; i < 3; i++) {
         if (c_o < (double)least_cos) break; /* all stays 0 */
         k.Ks[i] = (float)Ks[i];
         k.rest[i] = Ks[i] > 0 ? (float)(1 - Ks[i]) : 0;
-        k.base[i] = (float)(28 / 23.0 * INV_PI * Kd[i] * (1 - Ks[i]) * A_o);
+        k.base[i] = (float)(28 / 23.0 * INV_PI * Kd[i] * (is_plastic ? 1 : 1 - Ks[i]) * A_o);
     }
     for (int i = 0; i < 3; i++) metal_constants(&k, i, Ks[i], eta[i]);
     k.has_metal &= k.has_lobe && c_o >= (double)least_cos;
@@ -154,7 +160,7 @@ static inline BIS_INLINE facet facet_at(const constants *k, float x, float y, fl
     const float dx = x - k->m.x, dy = y - k->m.y, dz = z - k->m.z;
     const float d_z = dx * k->z.x + dy * k->z.y + dz * k->z.z, c_i = d_z + k->m_z;
     const bool above = c_i >= least_cos;
-    facet f = {.c_i = c_i, .A = bis_lanes_choose(above, through_coat(c_i), 0)};
+    facet f = {.c_i = c_i, .A = bis_lanes_choose(above, through_coat(k, c_i, has), 0)};
 
     if (has >= LOBE) {
         const float s_x = dx * k->x.x + dy * k->x.y + dz * k->x.z + k->s_x;
@@ -191,8 +197,8 @@ static inline BIS_INLINE float fresnel(const constants *k, const facet *f, int c
     const float schlick = k->Ks[channel] + k->rest[channel] * f->x5;
 
     if (has < METAL) return schlick;
-    return bis_lanes_choose(k->is_metal[channel], conductor(k->real[channel], k->half[channel], f->c_d, f->c2_d),
-                            schlick);
+    const float F = conductor(k->real[channel], k->half[channel], f->c_d, f->c2_d);
+    return bis_lanes_choose(k->is_metal[channel], has < PLASTIC ? F : k->scale[channel] * F, schlick);
 }
 
 static inline BIS_INLINE float f_of(const constants *k, const facet *f, int channel, const terms has)
@@ -226,7 +232,10 @@ static inline BIS_INLINE void weigh_as(float *w, const constants *c, const bis_l
 BIS_LANES
 static void weigh_facets(float *w, const constants *c, const bis_lanes *y, uint32_t n, float em, float brdf)
 {
-    if (c->has_metal) {
+    if (c->flat > 0) {
+        if (brdf > 0) weigh_as(w, c, y, n, em, brdf, PLASTIC, true);
+        else weigh_as(w, c, y, n, em, brdf, PLASTIC, false);
+    } else if (c->has_metal) {
         if (brdf > 0) weigh_as(w, c, y, n, em, brdf, METAL, true);
         else weigh_as(w, c, y, n, em, brdf, METAL, false);
     } else if (c->has_lobe) {
@@ -271,7 +280,8 @@ static inline BIS_INLINE void colour_as(const constants *c, const bis_lanes *y, 
 BIS_LANES
 static void colour_facets(const constants *c, const bis_lanes *y, uint32_t n)
 {
-    if (c->has_metal) colour_as(c, y, n, METAL);
+    if (c->flat > 0) colour_as(c, y, n, PLASTIC);
+    else if (c->has_metal) colour_as(c, y, n, METAL);
     else colour_as(c, y, n, LOBE);
 }
 
@@ -322,7 +332,7 @@ static inline BIS_INLINE void reach_as(float *w, const constants *c, vec3 wo, co
         /* 2 cos^2 theta_d = 1 + wi wo */
         const float c_d = sqrtf((1 - largest_cosine(behind, x, y, z, cosine, sine[i])) * 0.5f);
         const float c_up = bis_lanes_choose(c_i > least_cos, c_i, least_cos);
-        const facet f = {.A = through_coat(c_up),
+        const facet f = {.A = through_coat(&k, c_up, has),
                          .specular = k.lobe * (R * R) / (c_up * k.S_o + k.c_o * stretched(&k, c_up)),
                          .x5 = fifth_power(1 - c_d),
                          .c_d = c_d,
@@ -337,7 +347,8 @@ static inline BIS_INLINE void reach_as(float *w, const constants *c, vec3 wo, co
 BIS_LANES
 static void reach_facets(float *w, const constants *c, vec3 wo, const bis_lanes *cone, const float *sine, uint32_t n)
 {
-    if (c->has_metal) reach_as(w, c, wo, cone, sine, n, METAL);
+    if (c->flat > 0) reach_as(w, c, wo, cone, sine, n, PLASTIC);
+    else if (c->has_metal) reach_as(w, c, wo, cone, sine, n, METAL);
     else reach_as(w, c, wo, cone, sine, n, LOBE);
 }
 

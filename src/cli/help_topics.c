@@ -74,7 +74,7 @@ static const bis_help_entry materials[] = {
     {"diffuse, matte", "reflectance, or Kd (0.5)"},
     {"conductor, metal", "pbrt's: reflectance, or eta and k (copper); roughness (0; metal 0.01), or uroughness and "
                          "vroughness; remaproughness (true)"},
-    {"coateddiffuse", "pbrt's: reflectance (0.5), eta (1.5), roughness (0)"},
+    {"coateddiffuse", "pbrt's: reflectance (0.5), eta (1.5), thickness (0.01), roughness (0)"},
     {"plastic, uber, substrate", "pbrt's: Kd, Ks (0.25; substrate 0.5), roughness (0.1); uber: eta or index (1.5), "
                                  "no Kr, Kt or opacity"},
     {NULL, "MakeNamedMaterial \"ivory\" \"string type\" \"phong\" ... gives a name, NamedMaterial \"ivory\" uses it. "

@@ -164,6 +164,7 @@ static bis_material mixed(const bis_material *a, const bis_material *b, rgb shar
     m.Kd = blend(a->Kd, b->Kd, share);
     m.Ks = blend(a->Ks, b->Ks, share);
     m.eta = black(); /* no metal has the mean of two colours; Schlick's curve does for all */
+    if (m.model == &bis_plastic_model) m.model = &bis_microfacet_model;
     return m;
 }
 

@@ -1,19 +1,19 @@
 /* parser_materials: pbrt's own materials, made of what bis has; docs/scene-format.md, "pbrt's materials", says which
  * are exact and which are near.
  *
- * All of them become a microfacet material: GGX facets with Ks = the reflectance head on. A metal's follow Fresnel's
- * equations, the others Schlick's curve over Ashikhmin and Shirley's base. alpha is what pbrt makes of a roughness;
+ * All of them become GGX facets with Ks = the reflectance head on. Those of metals, plastics and coats follow Fresnel's
+ * equations; substrate has Schlick's curve over Ashikhmin and Shirley's base. alpha is what pbrt makes of a roughness;
  * bis_microfacet's own roughness is its square root. */
 #include "approximate.h"
 #include "bis/base/fresnel.h"
 #include "bis/base/spectrum.h"
+#include "bis/beyond/coat.h"
 #include "bis/beyond/microfacet.h"
 #include "parser.h"
 
 #include <string.h>
 
 static const bis_interval unit = {0, 1, false, false};
-static const bis_interval positive = {0, HUGE_VAL, true, false};
 static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
 
 /* ---- roughness ---- */
@@ -79,12 +79,6 @@ static double head_on(double eta)
 {
     const double r = (eta - 1) / (eta + 1);
     return r * r;
-}
-
-/* Of diffuse light from inside: 1 - (1 - F of diffuse light from outside)/eta^2 (reciprocity). */
-static double internal_reflectance(double eta)
-{
-    return 1 - (1 - bis_fresnel_mean(eta, 0)) / (eta * eta);
 }
 
 /* ---- textures of products ---- */
@@ -224,7 +218,7 @@ static metal read_eta_and_k(bis_parser *p)
 /* Ignored: what only pbrt's random walk in layers needs. */
 static void skip_walk(bis_parser *p)
 {
-    static const char *const walk[] = {"thickness", "g", "maxdepth", "nsamples"};
+    static const char *const walk[] = {"g", "maxdepth", "nsamples"};
     bis_params_skip(p, walk, BIS_COUNT(walk));
 }
 
@@ -263,25 +257,31 @@ bis_material bis_parser_coated_diffuse(bis_parser *p, bis_material_textures *t)
 {
     rgb Kd = {0.5f, 0.5f, 0.5f};
     rgb albedo = {0, 0, 0};
-    double eta = 1.5;
+    double eta = 1.5, thickness = 0.01, in, back;
     uint32_t of_albedo = BIS_NO_TEXTURE;
     bis_params_colour(p, "reflectance", &Kd, unit, &t->Kd);
     bis_params_float(p, "eta", &eta, (bis_interval){1, 10, false, false});
+    bis_params_float(p, "thickness", &thickness, positive_or_0);
     bis_params_colour(p, "albedo", &albedo, unit, &of_albedo);
     if (!rgb_is_black(albedo) || of_albedo != BIS_NO_TEXTURE)
         bis_approximate_or_refuse(p, bis_params_at(p, "albedo"), "\"albedo\" of Material \"coateddiffuse\"",
                                   "the coat is clear", "a coat that scatters is not modelled: \"albedo\" must be 0");
     skip_walk(p);
-    into_coat(p, &Kd, &t->Kd, internal_reflectance(eta));
-    const double F = head_on(eta);
-    return bis_microfacet(Kd, rgb_from(F, F, F), read_roughness(p, 0, V4, t));
+    const double F = head_on(eta), roughness = read_roughness(p, 0, V4, t);
+    /* a coat of the base's own index is none, whatever its facets; of a texture of roughness nothing is known yet */
+    const bool is_rough = eta > 1 && t->width == BIS_NO_TEXTURE;
+    bis_coat_shares(&in, &back, is_rough ? roughness * roughness : 1e-4, eta, thickness);
+    into_coat(p, &Kd, &t->Kd, back);
+    scale_colour(p, &Kd, &t->Kd, in * in / (eta * eta * (1 - back)));
+    return bis_plastic(Kd, rgb_from(F, F, F), eta, roughness);
 }
 
-/* pbrt-v3's eta or index of a plastic or uber. */
+/* pbrt-v3's eta or index of an uber. */
 static double read_eta(bis_parser *p)
 {
+    static const bis_interval range = {0.01, 100, false, false};
     double eta = 1.5;
-    if (!bis_params_float(p, "eta", &eta, positive)) bis_params_float(p, "index", &eta, positive);
+    if (!bis_params_float(p, "eta", &eta, range)) bis_params_float(p, "index", &eta, range);
     return eta;
 }
 
@@ -291,7 +291,7 @@ static bis_material read_plastic(bis_parser *p, bis_material_textures *t, double
     bis_params_colour(p, "Kd", &Kd, unit, &t->Kd);
     bis_params_colour(p, "Ks", &Ks, unit, &t->Ks);
     scale_colour(p, &Ks, &t->Ks, head_on(eta));
-    return bis_microfacet(Kd, Ks, read_roughness(p, 0.1, V3, t));
+    return bis_plastic(Kd, Ks, eta, read_roughness(p, 0.1, V3, t));
 }
 
 bis_material bis_parser_plastic(bis_parser *p, bis_material_textures *t) { return read_plastic(p, t, 1.5); }

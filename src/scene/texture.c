@@ -321,7 +321,7 @@ static void warn_energy(const range *Kd, const range *Ks, bis_loc at, bis_diag *
 bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *images, const bis_material_textures *of,
                               const bis_material *base, bis_diag *diag)
 {
-    const bool facets = base->model == &bis_microfacet_model;
+    const bool facets = base->model != &bis_phong_model;
     range Kd = range_of_constant(base->Kd), Ks = range_of_constant(base->Ks), width;
     bis_status status = BIS_OK;
 
@@ -344,7 +344,7 @@ bis_material bis_textures_material(const bis_textures *t, const bis_texture_imag
 {
     const rgb Kd = of->Kd == BIS_NO_TEXTURE ? base->Kd : round_value(bis_textures_value(t, images, of->Kd, uv, p));
     const rgb Ks = of->Ks == BIS_NO_TEXTURE ? base->Ks : round_value(bis_textures_value(t, images, of->Ks, uv, p));
-    const bool facets = base->model == &bis_microfacet_model;
+    const bool facets = base->model != &bis_phong_model;
 
     if (of->width == BIS_NO_TEXTURE && !facets) return bis_phong(Kd, Ks, base->exponent);
     const bool varies = of->width != BIS_NO_TEXTURE;
@@ -353,6 +353,7 @@ bis_material bis_textures_material(const bis_textures *t, const bis_texture_imag
     if (!facets) return bis_phong(Kd, Ks, fmax(0, width));
     bis_material m = bis_microfacet(Kd, Ks, fmin(1, fmax(BIS_MICROFACET_MIN_ROUGHNESS, pow(width, of->power))));
     if (!varies) m.alpha = base->alpha;
+    m.model = base->model;
     m.eta = base->eta;
     return m;
 }

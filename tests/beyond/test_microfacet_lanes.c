@@ -25,10 +25,10 @@ enum { SEED = 2019, N = 4096 };
 static const double roughnesses[] = {BIS_MICROFACET_MIN_ROUGHNESS, 0.03, 0.1, 0.3, 0.55, 0.8, 1};
 enum { N_ROUGHNESSES = COUNT(roughnesses) };
 
-/* facets 7 x 4, mixtures 3 x 3, furnace 7 x 5 + 5, sir 24 x 4; and twins */
+/* facets 7 x 4, mixtures 3 x 3, furnace 7 x 5 + 5, sir 32 x 4; and twins */
 static double alpha(void)
 {
-    return stat_level(1e-3, 28 + 9 + 40 + 96);
+    return stat_level(1e-3, 28 + 9 + 40 + 128);
 }
 
 /* Copper; all kinds of channels: a dielectric that absorbs little, one with total reflection, a mirror without any. */
@@ -39,6 +39,23 @@ static bis_material copper(double roughness)
 static bis_material odd_metal(double roughness)
 {
     return bis_microfacet_metal((rgb){0.05f, 0.11f, 1}, (rgb){1.5f, 0.6f, 3}, roughness);
+}
+
+/* One channel has the base alone; total reflection. */
+static bis_material plastic(double roughness)
+{
+    return bis_plastic((rgb){0.2f, 0.5f, 0.3f}, (rgb){0.04f, 0.02f, 0}, 1.5, roughness);
+}
+static bis_material odd_plastic(double roughness)
+{
+    return bis_plastic((rgb){0.1f, 0, 0.7f}, (rgb){0.0625f, 0.03f, 0.01f}, 0.6, roughness);
+}
+
+/* One of the kinds whose F is Fresnel's; plastic of an index of 1, which has no lobe. */
+static bis_material fresnels(int k, double roughness)
+{
+    if (k % 5 == 4) return bis_plastic(grey(0.5), grey(0.3), 1, roughness);
+    return (bis_material(*const[])(double)){odd_metal, copper, plastic, odd_plastic}[k % 5](roughness);
 }
 
 static bis_lanes new_lanes(uint32_t n)
@@ -190,7 +207,9 @@ static errors weigh_everything(const bis_bsdf_lanes *lanes, double roughness)
                                       bis_microfacet((rgb){0.8f, 0.3f, 0.1f}, grey(0), roughness),
                                       bis_microfacet(grey(0), grey(1), roughness),
                                       bis_microfacet(grey(1e-19), (rgb){1e-20f, 0, 1e-3f}, roughness),
-                                      copper(roughness), odd_metal(roughness)};
+                                      copper(roughness), odd_metal(roughness), plastic(roughness), odd_plastic(roughness),
+                                      bis_plastic((rgb){0.8f, 0.3f, 0}, grey(0), 1.5, roughness),
+                                      bis_plastic(grey(0.5), grey(0.3), 1, roughness)};
     static const double degrees[] = {0, 40, 85, 89.9, 89.999};
     const bis_lanes l = new_lanes(N);
     errors most = {0};
@@ -211,6 +230,8 @@ static errors weigh_everything(const bis_bsdf_lanes *lanes, double roughness)
 static void weights_are_those_of_microfacets_within_the_stated_error(void **state)
 {
     (void)state;
+    assert_ptr_equal(bis_bsdf_lanes_of(&bis_microfacet_model), &bis_microfacet_lanes);
+    assert_ptr_equal(bis_bsdf_lanes_of(&bis_plastic_model), &bis_microfacet_lanes);
     for (int i = 0; i < N_ROUGHNESSES; i++) {
         const errors most = weigh_everything(&bis_microfacet_lanes, roughnesses[i]);
         print_message("roughness %g: %u weights, %.2f of the error stated; in the middle %.2g\n", roughnesses[i],
@@ -261,9 +282,11 @@ static void below_the_horizon_weights_are_0_and_nothing_is_ever_nan(void **state
     float w[16];
 
     (void)state;
-    for (int e = 0; e < N_ROUGHNESSES * 6; e++) {
-        const bis_material m = e % 2 ? copper(roughnesses[e / 6]) : bis_microfacet(grey(0), grey(1), roughnesses[e / 6]);
-        const float height = heights[e / 2 % 3];
+    for (int e = 0; e < N_ROUGHNESSES * 9; e++) {
+        const bis_material m = e % 3 == 1   ? copper(roughnesses[e / 9])
+                               : e % 3 == 2 ? plastic(roughnesses[e / 9])
+                                            : bis_microfacet(grey(0), grey(1), roughnesses[e / 9]);
+        const float height = heights[e / 3 % 3];
         bis_bsdf b;
         bis_bsdf_init(&b, &m, (vec3){0, 0, 1}, (vec3){sqrtf(1 - height * height), 0, height});
         for (uint32_t i = 0; i < 16; i++) {
@@ -334,11 +357,11 @@ static void what_reaches_a_cone_is_bounded_above_all_its_directions(void **state
     int n_below = 0, n_judged = 0;
 
     (void)state;
-    for (int k = 0; k < N_ROUGHNESSES * 8; k++) {
+    for (int k = 0; k < N_ROUGHNESSES * 12; k++) {
         const double roughness = roughnesses[k / 4 % N_ROUGHNESSES];
         const bis_material m = k < N_ROUGHNESSES * 4 ? bis_microfacet((rgb){0.3f, 0, 0.1f}, (rgb){0.04f, 0.9f, 0}, roughness)
-                               : k % 2               ? copper(roughness)
-                                                     : odd_metal(roughness);
+                               : k < N_ROUGHNESSES * 8 ? (k % 2 ? copper : odd_metal)(roughness)
+                                                       : (k % 2 ? plastic : odd_plastic)(roughness);
         bis_bsdf b;
         bis_rng r;
         seen_from(&b, &m, (const double[]){0, 40, 80, 89}[k % 4]);
@@ -409,8 +432,8 @@ static void colours_are_F_over_phat_and_sum_to_1(void **state)
     double most = 0;
 
     (void)state;
-    for (int k = 0; k < 4 * N_ROUGHNESSES; k++) {
-        const bis_material m = k >= 3 * N_ROUGHNESSES ? (k % 2 ? copper : odd_metal)(roughnesses[k % N_ROUGHNESSES])
+    for (int k = 0; k < 8 * N_ROUGHNESSES; k++) {
+        const bis_material m = k >= 3 * N_ROUGHNESSES ? fresnels(k, roughnesses[k % N_ROUGHNESSES])
                                : k % 3 ? bis_microfacet((rgb){0.2f, 0, 0.4f}, (rgb){0.1f, 0.7f, 0.3f}, roughnesses[k / 3])
                                      : bis_microfacet((rgb){0.2f, 0.9f, 0.4f}, grey(0), roughnesses[k / 3]);
         bis_bsdf b;
@@ -707,12 +730,13 @@ static void estimate(stat_moments m[4], lit *l, const bis_settings *s, uint32_t 
 static void sir_is_unbiased_for_microfacets_with_and_without_vectors(void **state)
 {
     const bis_material materials[] = {bis_microfacet(grey(0), (rgb){0.9f, 0.6f, 0.3f}, 0.4),
-                                      bis_microfacet((rgb){0.2f, 0.5f, 0.8f}, grey(0.04), 0.7), copper(0.6)};
+                                      bis_microfacet((rgb){0.2f, 0.5f, 0.8f}, grey(0.04), 0.7), copper(0.6),
+                                      bis_plastic((rgb){0.02f, 0.05f, 0}, grey(0.16955), 2.4, 0.5)};
     bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1, 0.15, false), lit_new_light(LIT_SMOOTH, 1, 0, false)};
     const vec3 n = normalize((vec3){0.2f, -0.3f, 0.8f});
 
     (void)state;
-    for (int i = 0; i < 24; i++) {
+    for (int i = 0; i < 32; i++) {
         bis_settings s = bis_settings_default(&bis_sir);
         stat_moments m[4];
         lit l;
@@ -746,10 +770,10 @@ static void weights_bounds_colours_and_draws_have_the_same_bits_on_every_process
     float *w = bis_alloc(N, sizeof *w), *v = bis_alloc(N, sizeof *v), *sine = bis_alloc(N, sizeof *sine);
 
     (void)state;
-    for (int k = 0; k < 4 * N_ROUGHNESSES; k++) {
+    for (int k = 0; k < 8 * N_ROUGHNESSES; k++) {
         const double ks = (const double[]){0, 0.04, 1}[k % 3];
         const bis_material m =
-            k >= 3 * N_ROUGHNESSES ? (k % 2 ? copper : odd_metal)(roughnesses[k % N_ROUGHNESSES])
+            k >= 3 * N_ROUGHNESSES ? fresnels(k, roughnesses[k % N_ROUGHNESSES])
             : bis_microfacet(rgb_from(1 - ks, 0.5 * (1 - ks), 0), rgb_from(ks, 0, 0.3 * ks), roughnesses[k / 3]);
         bis_bsdf at;
         seen_from(&at, &m, 70);

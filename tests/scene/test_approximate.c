@@ -551,6 +551,12 @@ static void a_mix_has_the_lobe_of_the_stronger_one(void **state)
     const bis_material *m = &d->materials[d->shapes[0].material];
     assert_true(m->eta.r == 0 && m->eta.g == 0 && m->eta.b == 0 && m->Ks.r > 0.9f);
     bis_scene_desc_free(d);
+    /* nor has a mix plastic's index: it is a microfacet of the mean colours */
+    d = approximated("WorldBegin MakeNamedMaterial \"a\" \"string type\" \"plastic\" \"float Ks\" 0.5 "
+                     "Material \"mix\" \"string materials\" [\"a\" \"a\"] Shape \"sphere\"");
+    m = &d->materials[d->shapes[0].material];
+    assert_true(m->model == &bis_microfacet_model && m->eta.r == 0 && m->Kd.g == 0.25f && fabs((double)m->Ks.b - .02) < 1e-6);
+    bis_scene_desc_free(d);
     /* the chain stands in the wrong order; three rounds */
     d = approximated("WorldBegin MakeNamedMaterial \"m1\" \"string type\" \"mix\" \"string materials\" [\"m2\" \"one\"] "
                      "MakeNamedMaterial \"m2\" \"string type\" \"mix\" \"string materials\" [\"one\" \"m3\"] "

@@ -337,23 +337,42 @@ static void oxides_reflect_as_their_indices_say(void **state)
 
 /* ---- coats ---- */
 
-/* F0 of 1.5 is 0.04, of 1.33 (0.33/2.33)^2 = 0.0200593. Of diffuse light inside glass of 1.5, 59.63 % are reflected back
- * (Judd 1942: 0.596): a base of 0.5 shows 0.4037 0.5/(1 - 0.5963 0.5) = 0.28758. */
+/* F0 of 1.5 is 0.04, of 1.33 (0.33/2.33)^2 = 0.0200593. Of light from everywhere 0.85674 pass a coat of alpha 0.5 and
+ * thickness 0.02, and 0.27240 of the base's come back (4 million random paths of Mitsuba): a base of 0.5 shows 0.85674^2/2.25 0.5/(1 -
+ * 0.2724 0.5) = 0.18883, a white one 0.44836. */
 static void coats_are_what_their_index_says(void **state)
 {
     (void)state;
     bis_material m = material("Material \"plastic\" \"rgb Kd\" [0.1 0.2 0.3] \"float Ks\" 0.5", NULL);
     assert_rgb(m.Kd, 0.1, 0.2, 0.3, 1e-6);
     assert_rgb(m.Ks, 0.02, 0.02, 0.02, 1e-6);
+    assert_ptr_equal(m.model, &bis_plastic_model);
+    assert_rgb(m.eta, 1.5, 1.5, 1.5, 0);
     m = material("Material \"uber\" \"float Kd\" 0.4 \"float Ks\" 1 \"float eta\" 1.33 \"rgb Kr\" [0 0 0]", NULL);
     assert_rgb(m.Ks, 0.0200593, 0.0200593, 0.0200593, 1e-6);
+    assert_ptr_equal(m.model, &bis_plastic_model);
+    assert_rgb(m.eta, 1.33, 1.33, 1.33, 1e-6);
+    assert_rgb(material("Material \"uber\" \"float index\" 100", NULL).eta, 100, 100, 100, 0);
+    assert_rgb(material("Material \"uber\" \"float index\" 0.01", NULL).eta, 0.01, 0.01, 0.01, 1e-9);
+    refuse("Material \"uber\" \"float index\" 100.5", "\"index\" is 100.5, must be in [0.01, 100]");
+    refuse("Material \"uber\" \"float eta\" 0.009", "\"eta\" is 0.009, must be in [0.01, 100]");
     m = material("Material \"substrate\" \"rgb Kd\" [0.1 0.2 0.3] \"rgb Ks\" [0.4 0.5 0.6] \"float uroughness\" 0.05 \"float vroughness\" 0.05", NULL);
+    assert_ptr_equal(m.model, &bis_microfacet_model);
     assert_rgb(m.Kd, 0.1, 0.2, 0.3, 1e-6);
     assert_rgb(m.Ks, 0.4, 0.5, 0.6, 1e-6);
     m = material("Material \"coateddiffuse\" \"rgb reflectance\" [0.5 1 0] \"float roughness\" 0.25 \"float thickness\" 0.02", NULL);
-    assert_rgb(m.Kd, 0.28758, 1, 0, 2e-4);
+    assert_ptr_equal(m.model, &bis_plastic_model);
+    assert_rgb(m.eta, 1.5, 1.5, 1.5, 0);
+    assert_rgb(m.Kd, 0.18883, 0.44836, 0, 3e-4);
     assert_rgb(m.Ks, 0.04, 0.04, 0.04, 1e-6);
     assert_about(m.alpha, 0.5, 1e-12);
+    /* pbrt's thickness is 0.01; of a texture of roughness a smooth coat is made: 0.89796, 0.56735 */
+    m = material("Material \"coateddiffuse\" \"rgb reflectance\" [0.5 1 0] \"float roughness\" 0.25", NULL);
+    assert_rgb(m.Kd, 0.19581, 0.47028, 0, 3e-4);
+    m = material("Texture \"r\" \"float\" \"checkerboard\" \"float tex1\" 0.1 \"float tex2\" 0.2\nMaterial \"coateddiffuse\" \"rgb reflectance\" [0.5 1 0] "
+                 "\"texture roughness\" \"r\"", NULL);
+    assert_rgb(m.Kd, 0.25014, 0.82830, 0, 3e-4);
+    refuse("Material \"coateddiffuse\" \"float thickness\" -1", "\"thickness\" is -1, must be ");
     refuse("Material \"uber\" \"rgb opacity\" [1 0.5 1]", "\"opacity\" must be 1");
     refuse("Material \"uber\" \"rgb Kt\" [1 0.5 1]", "\"Kt\" must be 0");
     refuse("Material \"coateddiffuse\" \"float albedo\" 0.5", "\"albedo\" must be 0");
@@ -367,8 +386,8 @@ static void a_textured_coat_is_the_coat_of_each_colour(void **state)
     assert_int_equal(p.status, BIS_OK);
     uint32_t index = p.desc->shapes[0].material;
     const bis_material_textures *t = bis_textures_of(&p.desc->textures, index);
-    assert_rgb(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){0.5, 0.5}, (vec3){0, 0, 0}).Kd, 0.28758, 0.28758, 0.28758, 2e-4);
-    assert_rgb(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){1.5, 0.5}, (vec3){0, 0, 0}).Kd, 1, 0, 0.28758, 2e-4);
+    assert_rgb(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){0.5, 0.5}, (vec3){0, 0, 0}).Kd, 0.19581, 0.19581, 0.19581, 3e-4);
+    assert_rgb(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){1.5, 0.5}, (vec3){0, 0, 0}).Kd, 0.47028, 0, 0.19581, 3e-4);
     assert_int_equal(bis_textures_check(&p.desc->textures, NULL, t, &p.desc->materials[index], &p.diag), BIS_OK);
     clear(&p);
     p = parse("Texture \"k\" \"spectrum\" \"checkerboard\" \"float tex1\" 0.5 \"rgb tex2\" [1 0 0.5]\nMaterial \"plastic\" \"texture Kd\" \"k\" \"texture Ks\" \"k\"");
@@ -378,6 +397,17 @@ static void a_textured_coat_is_the_coat_of_each_colour(void **state)
     const bis_material m = bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){1.5, 0.5}, (vec3){0, 0, 0});
     assert_rgb(m.Kd, 1, 0, 0.5, 1e-6);
     assert_rgb(m.Ks, 0.04, 0, 0.02, 1e-6);
+    assert_ptr_equal(m.model, &bis_plastic_model);
+    assert_rgb(m.eta, 1.5, 1.5, 1.5, 0);
+    clear(&p);
+    /* plastic, too, has a roughness in [0.01, 1], of a texture or not */
+    p = parse("Texture \"r\" \"float\" \"checkerboard\" \"float tex1\" 0.16 \"float tex2\" 1.5\nMaterial \"plastic\" \"texture roughness\" \"r\" "
+              "\"bool remaproughness\" false");
+    index = p.desc->shapes[0].material;
+    t = bis_textures_of(&p.desc->textures, index);
+    assert_about(bis_textures_material(&p.desc->textures, NULL, t, &p.desc->materials[index], (double[]){0.5, 0.5}, (vec3){0, 0, 0}).alpha, 0.16, 1e-9);
+    assert_int_equal(bis_textures_check(&p.desc->textures, NULL, t, &p.desc->materials[index], &p.diag), BIS_INPUT);
+    assert_non_null(strstr(p.diag.messages[0].text, "roughness"));
     clear(&p);
 }
 
@@ -489,7 +519,7 @@ static void each_material_has_its_defaults(void **state)
         {"\"uber\" \"float Ks\" 1 \"float eta\" 3 \"bool remaproughness\" false \"float Kr\" 0 \"float Kt\" 0 \"float opacity\" 1", {.25, .25, .25},
          {.25, .25, .25}, .1, 0},
         {"\"substrate\" \"bool remaproughness\" false", {.5, .5, .5}, {.5, .5, .5}, .1, 0},
-        {"\"coateddiffuse\" \"float eta\" 1 \"float roughness\" 0.25", {.5, .5, .5}, {0, 0, 0}, .5, 0}, /* no coat */
+        {"\"coateddiffuse\" \"float eta\" 1 \"float thickness\" 0 \"float roughness\" 0.25", {.5, .5, .5}, {0, 0, 0}, .5, 0}, /* no coat */
         {"\"coateddiffuse\" \"float eta\" 10 \"float roughness\" 0.25 \"float reflectance\" 0", {0, 0, 0}, {81 / 121.0, 81 / 121.0, 81 / 121.0}, .5, 0},
         {"\"coateddiffuse\" \"float reflectance\" 0 \"float roughness\" 0.25 \"float thickness\" 1 \"float g\" 0.5 \"integer maxdepth\" 3 "
          "\"integer nsamples\" 2 \"float albedo\" 0", {0, 0, 0}, {.04, .04, .04}, .5, 0},
@@ -632,16 +662,16 @@ static void a_textured_material_has_a_typical_value_and_counts_its_steps(void **
         assert_int_equal(p.desc->textures.list[t->Kd].steps, cases[i].steps);
         clear(&p);
     }
-    /* a coat adds one step, a factor two: 3 + 1, and 3 + 2 for Ks */
-    parsed p = parse(BOARD "Material \"coateddiffuse\" \"texture reflectance\" \"b\" \"float roughness\" 0.1");
+    /* a coat adds one step, a factor two: 3 + 1 + 2, and 3 + 2 for Ks */
+    parsed p = parse(BOARD "Material \"coateddiffuse\" \"texture reflectance\" \"b\" \"float roughness\" 0.04 \"float thickness\" 0");
     uint32_t index = p.desc->shapes[0].material;
     const bis_material_textures *t = bis_textures_of(&p.desc->textures, index);
-    assert_int_equal(p.desc->textures.list[t->Kd].steps, 4);
+    assert_int_equal(p.desc->textures.list[t->Kd].steps, 6);
     assert_true(t->Ks == BIS_NO_TEXTURE && t->power == 1);
-    /* a coat of glass keeps 0.4037 of what is black no more: of 0.75 0.4037 0.75/(1 - 0.5963 0.75) */
-    assert_rgb(p.desc->materials[index].Kd, .4037 * .75 / (1 - .5963 * .75), .4037 * .25 / (1 - .5963 * .25), .4037 * .125 / (1 - .5963 * .125), 2e-4);
-    assert_about(p.desc->textures.list[t->Kd].value.r, .4037 * .75 / (1 - .5963 * .75), 2e-4);
-    assert_about(p.desc->textures.list[t->Kd].value.b, .4037 * .125 / (1 - .5963 * .125), 2e-4);
+    /* a coat of glass, of alpha 0.2, keeps 0.91401^2/2.25 of what is black: of 0.75 0.3713 0.75/(1 - 0.495 0.75) */
+    assert_rgb(p.desc->materials[index].Kd, .3713 * .75 / (1 - .495 * .75), .3713 * .25 / (1 - .495 * .25), .3713 * .125 / (1 - .495 * .125), 5e-4);
+    assert_about(p.desc->textures.list[t->Kd].value.r, .3713 * .75 / (1 - .495 * .75), 5e-4);
+    assert_about(p.desc->textures.list[t->Kd].value.b, .3713 * .125 / (1 - .495 * .125), 5e-4);
     clear(&p);
     p = parse(BOARD "Material \"plastic\" \"texture Ks\" \"b\"");
     index = p.desc->shapes[0].material;

@@ -3,6 +3,7 @@
 
 #include "beyond/batch.h"
 #include "bis/base/mem.h"
+#include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
 
@@ -133,8 +134,10 @@ static rgbd mix(const bis_material *m, double lobe, double base, double at, bool
     double c[3];
 
     for (int i = 0; i < 3; i++) {
-        const double F = lit_fresnel(Ks[i], eta[i], at);
-        c[i] = F * lobe + (coated ? 1 - Ks[i] : 1) * Kd[i] * base;
+        const double glass = pow((eta[i] - 1) / (eta[i] + 1), 2); /* of plastic, head on */
+        const bool is_plastic = m->model == &bis_plastic_model;
+        const double F = is_plastic ? Ks[i] / glass * lit_fresnel(glass, eta[i], at) : lit_fresnel(Ks[i], eta[i], at);
+        c[i] = F * lobe + (coated && !is_plastic ? 1 - Ks[i] : 1) * Kd[i] * base;
     }
     return (rgbd){c[0], c[1], c[2]};
 }
@@ -160,7 +163,9 @@ static rgbd ggx(const bis_material *m, const node *wi, vec3 wo, vec3 n, double *
     const double x = s[0] - k * (double)n.x, y = s[1] - k * (double)n.y, z = s[2] - k * (double)n.z;
     const double c_d = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / 2, c_h = along / (2 * c_d), tan2 = (x * x + y * y + z * z) / (along * along);
     const double a = m->alpha, D = a * a / (PI * pow(c_h, 4) * pow(a * a + tan2, 2)), G1 = 1 / (1 + smith(a, c_o));
-    const double coat_o = 1 - pow(1 - c_o / 2, 5), coat_i = 1 - pow(1 - c_i / 2, 5);
+    const bool is_plastic = m->model == &bis_plastic_model; /* its base is Lambert's: 28/23 coat_i coat_o is 1 */
+    const double coat_o = is_plastic ? sqrt(23 / 28.0) : 1 - pow(1 - c_o / 2, 5);
+    const double coat_i = is_plastic ? coat_o : 1 - pow(1 - c_i / 2, 5);
     const double ks = rgbd_sum(mix(m, 1, 0, c_o, true)), kd = rgbd_sum(mix(m, 0, coat_o, 1, true));
 
     *pdf = (ks * (c_h > 0 ? G1 * D / (4 * c_o) : 0) + kd * fmax(0, c_i) / PI) / (ks + kd);

@@ -17,12 +17,12 @@
 
 #define SEED 31u
 
-/* Three channels of eight points with microfacets for each integrator that there is, and the tests of named ones. */
+/* Three channels of twelve points with microfacets for each integrator that there is, and the tests of named ones. */
 static double alpha(void)
 {
     int n = 0;
     while (bis_integrators[n]) n++;
-    return stat_level(1e-3, 3 * 8 * n + 947);
+    return stat_level(1e-3, 3 * 12 * n + 947);
 }
 
 static vec3 tilted(void)
@@ -140,13 +140,14 @@ static void compensated_mis_is_unbiased(void **state)
 static void every_integrator_is_unbiased_for_microfacets_too(void **state)
 {
     const bis_material materials[] = {bis_microfacet(grey(0), (rgb){0.9f, 0.6f, 0.3f}, 0.4),
-                                      bis_microfacet((rgb){0.2f, 0.5f, 0.8f}, grey(0.04), 0.7)};
+                                      bis_microfacet((rgb){0.2f, 0.5f, 0.8f}, grey(0.04), 0.7),
+                                      bis_plastic((rgb){0.1f, 0.3f, 0.6f}, (rgb){0.16f, 0.1f, 0}, 2.4, 0.5)};
     bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1, 0.15, false), lit_new_light(LIT_SMOOTH, 1, 0, false)};
 
     (void)state;
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 12; i++) {
         lit l;
-        lit_init(&l, lights[i % 2], materials[i / 2 % 2], tilted(), i / 4 ? 75 : 40, i / 4 ? LIT_OPEN : LIT_HALF);
+        lit_init(&l, lights[i % 2], materials[i / 2 % 3], tilted(), i / 6 ? 75 : 40, i / 6 ? LIT_OPEN : LIT_HALF);
         const rgbd truth = lit_truth(&l, true), unshadowed = lit_truth(&l, false);
         for (int k = 0; bis_integrators[k]; k++) {
             bis_settings s = bis_settings_default(bis_integrators[k]);

@@ -15,7 +15,7 @@
 /* The smallest roughness. Unit vectors in float do not resolve the lobe of a smoother surface. */
 #define BIS_MICROFACET_MIN_ROUGHNESS 0.01
 
-extern const bis_bsdf_model bis_microfacet_model;
+extern const bis_bsdf_model bis_microfacet_model, bis_plastic_model;
 
 /* bis_microfacet returns a microfacet material. Ks (reflectance at normal incidence) and Kd are in [0,1] per channel;
  * a channel with Ks = 0 has no lobe, and a value below 2^-67 = 7e-21 counts as 0. roughness is in
@@ -27,3 +27,11 @@ bis_material bis_microfacet(rgb Kd, rgb Ks, double roughness);
  * refractive index eta, finite and >= 0, and the absorption bis_fresnel_k2(Ks, eta), with which F is Ks head on. A
  * channel with eta = 0, or with Ks of 0 or 1, keeps Schlick's F. */
 bis_material bis_microfacet_metal(rgb Ks, rgb eta, double roughness);
+
+/* bis_plastic returns pbrt's plastic: the same facets over Lambert's base Kd/pi, with F = Ks times what Fresnel's
+ * equations say of glass of the refractive index eta, relative to head on. eta is finite and > 0. As in pbrt, the base
+ * loses nothing to the facets: with a large Kd and Ks a surface reflects more than it receives. */
+bis_material bis_plastic(rgb Kd, rgb Ks, double eta, double roughness);
+
+/* A of the base for plastic, sqrt(23/28): see microfacet.c. */
+#define BIS_PLASTIC_A 0.90632696717496640
