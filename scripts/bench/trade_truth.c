@@ -2,11 +2,11 @@
  *
  *     trade_truth N REFERENCE n PICTURE...
  *
- * The reference has N passes, each of the R >= 2 pictures n; their seeds differ. The error of a picture is the root of the
- * mean over pixels and channels of (x - c)^2 / (b^2 + m^2/100) as in relMSE: b is the reference, m its mean, and c the mean
- * of all N + R n passes, the picture's own among them, which hide the share n / (N + R n) of its variance; so what is left
- * is divided by 1 less that. Prints the median of the R errors, which half of the pictures have at most, their root mean
- * square, which a single bright pixel in one of them can rule, the least and the largest. */
+ * The reference has N passes, each of the R >= 2 pictures n; their seeds differ. The error of a picture is the root of
+ * the mean over pixels and channels of (x - c)^2 / (b^2 + m^2/100) as in relMSE: b is the reference, m its mean, and c
+ * the mean of all N + R n passes, the picture's own among them, which hide the share n / (N + R n) of its variance; so
+ * what is left is divided by 1 less that. Prints the median of the R errors, which half of the pictures have at most,
+ * their root mean square, which a single bright pixel in one of them can rule, the least and the largest. */
 #include "bis/base/mem.h"
 #include "bis/files/image_file.h"
 
@@ -64,8 +64,8 @@ int main(int argc, char **argv)
     }
     for (int k = 0; k < R; k++) sum += square[k];
     qsort(square, (size_t)R, sizeof *square, ascending);
-    printf("%.4f %.4f %.4f %.4f\n", (sqrt(square[(R - 1) / 2]) + sqrt(square[R / 2])) / 2, sqrt(sum / R), sqrt(square[0]),
-           sqrt(square[R - 1]));
+    const double median = (sqrt(square[(R - 1) / 2]) + sqrt(square[R / 2])) / 2;
+    printf("%.4f %.4f %.4f %.4f\n", median, sqrt(sum / R), sqrt(square[0]), sqrt(square[R - 1]));
     bis_image_clear(&reference);
     for (int k = 0; k < R; k++) bis_image_clear(&pictures[k]);
     return 0;
