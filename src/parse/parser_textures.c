@@ -10,6 +10,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
 static const bis_interval anything = {-HUGE_VAL, HUGE_VAL, false, false};
@@ -194,15 +195,19 @@ static bool read_encoding(bis_parser *p, double *gamma)
                             bis_parser_word(p, text));
 }
 
-/* The image of a file: a new one, or the one that has been named before. Takes over path. */
+/* The image of a file: a new one, or the one that has been named before, by whatever path. Takes over path. */
 static bool add_file(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *index)
 {
     bis_textures *t = &p->desc->textures;
-    const size_t room = strlen(path) + 34;
+    const size_t room = strlen(path) + 80;
     char *key = bis_alloc(room, 1), number[32];
     bool ok = key != NULL;
+    struct stat st;
 
-    if (ok) snprintf(key, room, "%s:%s", bis_format_double(number, gamma), path);
+    bis_format_double(number, gamma);
+    if (ok && stat(path, &st) == 0)
+        snprintf(key, room, "%s=%ju/%ju", number, (uintmax_t)st.st_dev, (uintmax_t)st.st_ino);
+    else if (ok) snprintf(key, room, "%s:%s", number, path);
     if (ok && bis_names_find(&p->texture_file_names, key, index)) {
         bis_free(path);
         bis_free(key);

@@ -2,6 +2,7 @@
 #include "scene_peek.h"
 
 #include "bis/base/file.h"
+#include "bis/base/image.h"
 #include "files/gzip.h"
 
 #include <stdint.h>
@@ -85,14 +86,31 @@ static bool png_size(const head *h, long *width, long *height)
     return *width > 0 && *height > 0;
 }
 
+size_t bis_scene_peek_bytes(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && st.st_size > 0 ? (size_t)st.st_size : 0;
+}
+
+/* A claim that reading would refuse: a side is at most BIS_IMAGE_MAX_SIDE, and deflate makes at most 1032 bytes of one,
+ * each of eight pixels at most. */
+static bool is_possible(const char *path, bool is_png, long width, long height)
+{
+    if (width > BIS_IMAGE_MAX_SIDE || height > BIS_IMAGE_MAX_SIDE) return false;
+    return !is_png || (double)width * (double)height <= 8 * 1032 * (double)bis_scene_peek_bytes(path);
+}
+
 bool bis_scene_peek_image(const char *path, long *width, long *height)
 {
     head h;
     if (!read_head(&h, path)) return false;
-    if (starts_with(&h, "\x76\x2f\x31\x01", 4)) return exr_size(&h, width, height);
-    if (starts_with(&h, "PF", 2) || starts_with(&h, "Pf", 2)) return pfm_size(&h, width, height);
-    if (starts_with(&h, "\x89PNG", 4)) return png_size(&h, width, height);
-    return starts_with(&h, "#?", 2) && hdr_size(&h, width, height);
+    const bool is_png = starts_with(&h, "\x89PNG", 4), is_exr = starts_with(&h, "\x76\x2f\x31\x01", 4);
+    const bool is_pfm = starts_with(&h, "PF", 2) || starts_with(&h, "Pf", 2);
+    const bool is_known = is_exr   ? exr_size(&h, width, height)
+                          : is_pfm ? pfm_size(&h, width, height)
+                          : is_png ? png_size(&h, width, height)
+                                   : starts_with(&h, "#?", 2) && hdr_size(&h, width, height);
+    return is_known && is_possible(path, is_png, *width, *height);
 }
 
 bool bis_scene_peek_ply(const char *path, long *n_vertices, long *n_faces)
@@ -157,10 +175,4 @@ const char *bis_scene_peek_stranger(const char *path, bis_stranger_kind *kind)
     if (!found) return NULL;
     *kind = found->kind;
     return found->what;
-}
-
-size_t bis_scene_peek_bytes(const char *path)
-{
-    struct stat st;
-    return stat(path, &st) == 0 && st.st_size > 0 ? (size_t)st.st_size : 0;
 }

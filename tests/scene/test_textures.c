@@ -954,6 +954,12 @@ static void the_plan_says_what_textures_cost(void **state)
     program_expect(&r, 0, DIR "/p.txt --plan");
     assert_non_null(strstr(r.output, "material     0: phong, Kd texture (p.pfm), Ks 0, exponent texture (checkerboard); 2 shapes\n"));
     assert_non_null(strstr(r.output, "build        texture " DIR "/p.pfm, 1000 x 500: 6.0 MB\n"));
+    program_write_file(DIR "/q.txt", "WorldBegin LightSource \"infinite\" Texture \"c\" \"float\" \"checkerboard\" \"float tex1\" .1 \"float tex2\" .2\n"
+                       "Material \"coateddiffuse\" \"texture reflectance\" \"c\" Shape \"sphere\" Material \"metal\" \"texture roughness\" \"c\" Shape \"disk\"");
+    program_run q;
+    program_expect(&q, 0, DIR "/q.txt --plan");
+    assert_non_null(strstr(q.output, "Kd texture (coated)"));
+    assert_non_null(strstr(q.output, "roughness texture (remapped)"));
     assert_non_null(strstr(r.output, "skip         texture " DIR "/p.pfm: no shape shows it\n"));
     assert_non_null(strstr(r.output, "build        texture coordinates: 8 bytes for each vertex of the scene\n"));
 }

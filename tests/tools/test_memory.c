@@ -246,6 +246,43 @@ static void every_texture_file_counts_once(void **state)
         "Texture \"c\" \"spectrum\" \"checkerboard\"");
     assert_bytes(m.textures, 12 * (30 * 20 + 7 * 5));
     assert_false(m.guessed);
+    /* by whatever path; another encoding makes another image */
+    const bis_memory n = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.pfm\" "
+        "Texture \"again\" \"float\" \"imagemap\" \"string filename\" \".././test_memory/t.pfm\" "
+        "Texture \"other\" \"float\" \"imagemap\" \"string filename\" \"./t.pfm\" \"string encoding\" \"gamma 3\"");
+    assert_bytes(n.textures, 2 * 12 * 30 * 20);
+}
+
+/* A PNG of n bytes in all that says it is w x h. */
+static void write_png_head(const char *path, unsigned w, unsigned h, size_t n)
+{
+    unsigned char head[4096] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR";
+    FILE *f = fopen(path, "wb");
+    for (int i = 0; i < 4; i++) {
+        head[16 + i] = (unsigned char)(w >> (24 - 8 * i));
+        head[20 + i] = (unsigned char)(h >> (24 - 8 * i));
+    }
+    assert_true(f && n <= sizeof head && fwrite(head, 1, n, f) == n && fclose(f) == 0);
+}
+
+/* 100 bytes of deflate are 100 x 1032 x 8 = 825600 pixels at most, and a side is at most 32768. */
+static void a_claim_that_no_file_can_keep_takes_nothing(void **state)
+{
+    (void)state;
+    static const struct { unsigned width, height; size_t bytes; bool possible; } cases[] = {
+        {1000000, 1000000, 100, false}, {800, 1032, 100, true}, {800, 1033, 100, false}, {32768, 25, 100, true}, {25, 32768, 100, true},
+        {32769, 25, 4000, false}, {25, 32769, 4000, false}, {32768, 1000, 4000, true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        write_png_head(DIR "/claim.png", cases[i].width, cases[i].height, cases[i].bytes);
+        const bis_memory m = foreseen(SMALL, CONSTANT_LIGHT "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"claim.png\"");
+        assert_bytes(m.textures, cases[i].possible ? 12.0 * cases[i].width * cases[i].height : 0);
+        assert_true(m.guessed == !cases[i].possible);
+    }
+    write_pfm_head(DIR "/claim.pfm", 32768, 2);
+    assert_bytes(foreseen(SMALL, "LightSource \"infinite\" \"string filename\" \"claim.pfm\"").map, 12.0 * 32768 * 2);
+    write_pfm_head(DIR "/claim.pfm", 32770, 2);
+    assert_true(foreseen(SMALL, "LightSource \"infinite\" \"string filename\" \"claim.pfm\"").map < 1000);
 }
 
 /* 52 bytes of sums, 16 1/4 of a pass, 12 for each value of a layer: eight and four. Visibility that is learned: 64. */
@@ -357,6 +394,7 @@ int main(void)
         cmocka_unit_test(meshes_take_their_arrays_for_each_shape),
         cmocka_unit_test(a_file_that_tells_nothing_is_guessed_by_its_length),
         cmocka_unit_test(every_texture_file_counts_once),
+        cmocka_unit_test(a_claim_that_no_file_can_keep_takes_nothing),
         cmocka_unit_test(a_film_takes_its_pixels_in_the_crop),
         cmocka_unit_test(a_picture_takes_a_chunk_for_each_thread_while_it_is_written),
         cmocka_unit_test(a_map_takes_what_its_integrator_needs),
