@@ -1,18 +1,18 @@
 #!/bin/sh
 # docs_figures: every picture that README and docs show, made again: docs/figures/*.svg and *.png.
-#     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, map, pixel, thesis, errata, plots,
+#     scripts/figures/docs_figures.sh BUILD_DIR [PICTURE...]       chess, microfacet, pbrt, map, pixel, thesis, errata, plots,
 #                                                          results, machines (default: all)
 #     scripts/figures/docs_figures.sh --list                       the files
 # From the root, after make bis data and, for thesis and results, make build/release/figures, for plots (of the errata
 # without a switch) make build/release/errata_plots. What is timed differs from run to run, and so does its picture.
 # Plots are SVG. Pictures of pixels are PNG, also those that stand in an SVG (pixel, results): librsvg's rsvg-convert
 # draws these. bis writes PNG of 24 bits; where ImageMagick's convert is there, 192 colours make less than half of that,
-# and none above 300 KB.
+# and none above 300 KB. pbrt needs Mitsuba 3 (docs/bench.md; BENCH_PYTHON is its python3) and half an hour.
 set -eu
 unset BIS_SHARED # our own model and maps
 plots="E1 E2 E4 E5 E8 E9 E10 E11 E12 E14 E15 E17 E18 E19 E24 E25 E26 E28 E30 E31 E32 E33 E35 E36 E37" # errata that have no switch
 if [ "${1:-}" = --list ]; then
-    for name in chess microfacet map-importance map-levels map-regions pixel-densities pixel-samples \
+    for name in chess microfacet pbrt-materials map-importance map-levels map-regions pixel-densities pixel-samples \
         results-5.2 results-5.5 results-5.8; do
         echo $name.png
     done
@@ -28,7 +28,7 @@ if [ "${1:-}" = --list ]; then
 fi
 build=${1:?BUILD_DIR, as build/release}
 shift
-[ $# -gt 0 ] || set -- chess microfacet map pixel thesis errata plots results machines
+[ $# -gt 0 ] || set -- chess microfacet pbrt map pixel thesis errata plots results machines
 out=docs/figures
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
@@ -65,6 +65,12 @@ for picture; do
     microfacet)
         "$build/bis" data/scenes/microfacet.txt --quiet --resolution 320x160 --outfile "$tmp/microfacet.png"
         keep "$tmp/microfacet.png" microfacet FloydSteinberg
+        ;;
+    pbrt)
+        if "${BENCH_PYTHON:-python3}" scripts/check/beside_materials.py "$build/bis" "$tmp"; then
+            (cd "$tmp" && convert conductor-copper.png plastic-Ks-1.png uber-eta-1.8.png substrate.png coateddiffuse.png -append pbrt.png)
+            keep "$tmp/pbrt.png" pbrt-materials FloydSteinberg
+        fi
         ;;
     map)
         "$build/bis" envmap data/maps/outdoor.hdr --out "$tmp/sky.png" >/dev/null
