@@ -152,8 +152,8 @@ static bis_status warn_of_memory(const bis_scene_desc *desc, bis_diag *diag)
     if (!status)
         bis_warn(diag, bis_cli_loc,
                  "this render takes about %.1f GB, but %.1f GB of memory are free: it will be slow, or the system will "
-                 "end it. %s%s", m.peak / 1e9, room / 1e9, *less ? "Less is taken by " : "Only a smaller map or mesh takes less",
-                 less);
+                 "end it. %s%s", m.peak / 1e9, room / 1e9,
+                 *less ? "Less is taken by " : "Only a smaller map or mesh takes less", less);
     return status;
 }
 

@@ -26,7 +26,8 @@ bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height,
 bis_status bis_memory_foresee(bis_memory *m, const bis_scene_desc *desc, bis_diag *diag);
 
 /* bis_memory_advise writes into text what makes this render, of which *m was foretold, take less than `room` bytes, or
- * less at all, each with what is then taken: "--layers none (1.2 GB), ..."; "" where nothing does. Errors: BIS_NOMEM. */
+ * less at all, each with what is then taken: "--layers none (1.2 GB), ..."; "" where nothing does. Errors:
+ * BIS_NOMEM. */
 bis_status bis_memory_advise(char text[BIS_MEMORY_ADVICE], const bis_memory *m, const bis_scene_desc *desc,
                              double room, bis_diag *diag);
 
