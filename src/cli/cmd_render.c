@@ -143,15 +143,18 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
 static bis_status warn_of_memory(const bis_scene_desc *desc, bis_diag *diag)
 {
     const double room = bis_memory_free();
+    char less[BIS_MEMORY_ADVICE];
     bis_memory m;
+    bis_status status = bis_memory_foresee(&m, desc, diag);
 
-    if (bis_memory_foresee(&m, desc, diag)) return BIS_NOMEM;
-    if (room > 0 && m.peak > room)
+    if (status || !(room > 0) || m.peak <= room) return status;
+    status = bis_memory_advise(less, &m, desc, room, diag);
+    if (!status)
         bis_warn(diag, bis_cli_loc,
                  "this render takes about %.1f GB, but %.1f GB of memory are free: it will be slow, or the system will "
-                 "end it. Crops (--cropwindow), --layers none and --learn off take less, as `bis --plan` tells",
-                 m.peak / 1e9, room / 1e9);
-    return BIS_OK;
+                 "end it. %s%s", m.peak / 1e9, room / 1e9,
+                 *less ? "Less is taken by " : "Only a smaller map or mesh takes less", less);
+    return status;
 }
 
 /* A map was resampled: by how much did its energy change? */

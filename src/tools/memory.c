@@ -4,6 +4,8 @@
  * accelerator (Embree 3.13 and the grid, 10^6 and 10^7 triangles; both take as much). */
 #include "memory.h"
 
+#include "base/text.h"
+
 #include "beyond/batch.h"
 #include "bis/base/mem.h"
 #include "bis/render/render.h"
@@ -150,10 +152,79 @@ bis_status bis_memory_foresee(bis_memory *m, const bis_scene_desc *desc, bis_dia
     m->accel = triangles * (compact ? compact_kept : accel_kept);
     /* the film is zeros of the system, which take nothing, until the first pass */
     const double kept = program + m->meshes + m->textures + m->map;
-    const double moments[] = {kept + beside, kept + built, kept + m->accel + fmax(m->film, written)};
-    for (size_t i = 0; i < sizeof moments / sizeof *moments; i++)
-        if (moments[i] > m->peak) m->peak = moments[i];
+    m->before = kept + fmax(beside, built);
+    m->peak = fmax(m->before, kept + m->accel + fmax(m->film, written));
+    m->merged = program + written;
     return BIS_OK;
+}
+
+/* Adds a way, if it takes less. */
+static void add_way(char *text, const bis_memory *m, double peak, const char *way, const char *also)
+{
+    if (peak < 0.99 * m->peak)
+        bis_append(text, BIS_MEMORY_ADVICE, "%s%s (%.1f GB%s)", *text ? ", " : "", way, peak / 1e9, also);
+}
+
+static bis_status add_change(char *text, const bis_memory *m, const bis_scene_desc *changed, const char *way,
+                             bis_diag *diag)
+{
+    bis_memory other;
+    const bis_status status = bis_memory_foresee(&other, changed, diag);
+    if (!status) add_way(text, m, other.peak, way, "");
+    return status;
+}
+
+/* The first row of 2, 4, 8, ... that fits, or of 64. */
+static bis_status add_crop(char *text, const bis_memory *m, const bis_scene_desc *desc, double room, bis_diag *diag)
+{
+    bis_scene_desc d = *desc;
+    double *c = d.view.film.crop;
+    bis_memory row = *m;
+    char way[96];
+
+    for (int n = 2; n <= 64 && row.peak > room; n *= 2) {
+        c[3] = c[2] + (desc->view.film.crop[3] - c[2]) / n;
+        const bis_status status = bis_memory_foresee(&row, &d, diag);
+        if (status) return status;
+    }
+    snprintf(way, sizeof way, "crops, as --cropwindow %g,%g,%g,%g", c[0], c[1], c[2], c[3]);
+    add_way(text, m, row.peak, way, "");
+    return BIS_OK;
+}
+
+/* The first of 16, 32, ... parts that fits, or of 1024. A part touches pages of memory that it shares with others, so
+ * it takes more than its share: measured for 4 to 256 parts of 4096 x 4096 pixels. */
+static void add_parts(char *text, const bis_memory *m, double room)
+{
+    const double others = m->peak - m->film;
+    double peak;
+    char way[64], also[64];
+    int n = 8;
+
+    do {
+        n *= 2;
+        peak = fmax(m->before, others + m->film * fmin(1, 8.0 / n + 0.06));
+    } while (n < 1024 && peak > room);
+    snprintf(way, sizeof way, "%d parts, as --part 1/%d", n, n);
+    snprintf(also, sizeof also, "; bis merge takes %.1f GB", m->merged / 1e9);
+    add_way(text, m, peak, way, also);
+}
+
+bis_status bis_memory_advise(char text[BIS_MEMORY_ADVICE], const bis_memory *m, const bis_scene_desc *desc,
+                             double room, bis_diag *diag)
+{
+    bis_scene_desc layers = *desc, learn = *desc, embree = *desc;
+
+    *text = '\0';
+    layers.view.film.layers = 0;
+    learn.view.settings.learn = false;
+    if (bis_accel_embree_version()) embree.accel.kind = BIS_ACCEL_EMBREE;
+    bis_status status = add_change(text, m, &layers, "--layers none", diag);
+    if (!status) status = add_change(text, m, &learn, "--learn off", diag);
+    if (!status) status = add_change(text, m, &embree, "--accelerator embree", diag);
+    if (!status) status = add_crop(text, m, desc, room, diag);
+    if (!status) add_parts(text, m, room);
+    return status;
 }
 
 /* "MemAvailable: 23897572 kB". */

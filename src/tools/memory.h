@@ -3,6 +3,8 @@
 
 #include "bis/scene/scene.h"
 
+enum { BIS_MEMORY_ADVICE = 320 };
+
 /* Bytes. */
 typedef struct bis_memory {
     double film;   /* sums, the pass under way, layers, learned visibility */
@@ -10,6 +12,8 @@ typedef struct bis_memory {
     double meshes, textures;
     double accel;
     double peak;   /* of all, at the worst moment */
+    double before; /* at the worst moment before the first pass */
+    double merged; /* when the parts of the picture are put together */
     bool guessed;  /* a file did not tell its size, and its length served instead */
 } bis_memory;
 
@@ -20,6 +24,12 @@ bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height,
 /* bis_memory_foresee foretells the memory of a render with these settings. It reads no more than the heads of files.
  * The peak is right within 15 % where it is above 100 MB (tests/tools/test_memory.c). Errors: BIS_NOMEM. */
 bis_status bis_memory_foresee(bis_memory *m, const bis_scene_desc *desc, bis_diag *diag);
+
+/* bis_memory_advise writes into text what makes this render, of which *m was foretold, take less than `room` bytes, or
+ * less at all, each with what is then taken: "--layers none (1.2 GB), ..."; "" where nothing does. Errors:
+ * BIS_NOMEM. */
+bis_status bis_memory_advise(char text[BIS_MEMORY_ADVICE], const bis_memory *m, const bis_scene_desc *desc,
+                             double room, bis_diag *diag);
 
 /* bis_memory_free returns the bytes that the system can give without swapping; 0: unknown. */
 double bis_memory_free(void);
