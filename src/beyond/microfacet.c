@@ -121,8 +121,7 @@ static void init(bis_bsdf *b)
 /* [facet-density] */
 static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 {
-    const bis_material *m = b->material;
-    const double a = m->alpha, c_i = bis_bsdf_cos(b, wi), c_o = bis_bsdf_cos(b, b->wo);
+    const double a = b->material->alpha, c_i = bis_bsdf_cos(b, wi), c_o = bis_bsdf_cos(b, b->wo);
     double D = 0, cos_d = 0;
 
     *pdf = 0;
@@ -132,7 +131,8 @@ static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
     *pdf += (1 - b->p_specular) * bis_warp_cosine_pdf(c_i);
     if (c_i < least_cos || c_o < least_cos) return (rgb){0, 0, 0};
     const double specular = D / (2 * (c_i * S_o + c_o * stretched(a, c_i)));
-    return rgbd_round(blend(m, cos_d, specular, base_norm * INV_PI * through_coat(m, c_i) * through_coat(m, c_o)));
+    const double base = base_norm * INV_PI * through_coat(b->material, c_i) * through_coat(b->material, c_o);
+    return rgbd_round(blend(b->material, cos_d, specular, base));
 }
 /* [end] */
 
@@ -218,9 +218,8 @@ static double max_f_cos(const bis_bsdf *b)
 /* [facet-bound] */
 static double max_ratio(const bis_bsdf *b)
 {
-    const bis_material *m = b->material;
-    const double A = through_coat(m, fmax(0, bis_bsdf_cos(b, b->wo)));
-    const rgbd F = most_fresnel(b), Kd = blend(m, 1, 0, base_norm * A * through_coat(m, 1));
+    const double A = through_coat(b->material, fmax(0, bis_bsdf_cos(b, b->wo))) * through_coat(b->material, 1);
+    const rgbd F = most_fresnel(b), Kd = blend(b->material, 1, 0, base_norm * A);
     const double specular = b->p_specular > 0 ? fmax(F.r, fmax(F.g, F.b)) / b->p_specular : 0;
     const double diffuse = b->p_specular < 1 ? fmax(Kd.r, fmax(Kd.g, Kd.b)) / (1 - b->p_specular) : 0;
 

@@ -15,7 +15,8 @@ static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
     *pdf = bis_warp_cosine_pdf(c_i);
     if (c_i < least_cos || c_o < least_cos) return (rgb){0, 0, 0};
     const double specular = D / (2 * (c_i * S_o + c_o * stretched(a, c_i)));
-    return rgbd_round(blend(b->material, cos_d, specular, base_norm * INV_PI * through_coat(c_i) * through_coat(c_o)));
+    const double base = base_norm * INV_PI * through_coat(b->material, c_i) * through_coat(b->material, c_o);
+    return rgbd_round(blend(b->material, cos_d, specular, base));
 }
 /* [end] */
 /* [facet-sample] */

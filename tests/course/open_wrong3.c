@@ -20,9 +20,8 @@ static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 /* [facet-bound] */
 static double max_ratio(const bis_bsdf *b)
 {
-    const rgbd F = most_fresnel(b),
-               Kd = blend(b->material, 1, 0,
-                          base_norm * through_coat(fmax(0, bis_bsdf_cos(b, b->wo))) * through_coat(1));
+    const double A = through_coat(b->material, fmax(0, bis_bsdf_cos(b, b->wo))) * through_coat(b->material, 1);
+    const rgbd F = most_fresnel(b), Kd = blend(b->material, 1, 0, base_norm * A);
     const double specular = b->p_specular > 0 ? fmax(F.r, fmax(F.g, F.b)) / b->p_specular : 0;
     const double diffuse = b->p_specular < 1 ? fmax(Kd.r, fmax(Kd.g, Kd.b)) / (1 - b->p_specular) : 0;
 

@@ -366,10 +366,14 @@ static bool peeked(const char *name, const void *data, size_t n, long wanted_w, 
 /* The first bytes of each format, written by hand. */
 static void a_size_is_read_where_the_format_has_it(void **state)
 {
-    /* the window of an EXR is (x0, y0) to (x1, y1), both in it: (-256, 515) to (2, 70000) here */
-    static const char exr[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x70\x11\x01";
+    /* the window of an EXR is (x0, y0) to (x1, y1), both in it: (-256, 515) to (2, 30000) here, and to (2, 70000) */
+    static const char exr[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x30\x75\0";
+    static const char tall[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\0\xff\xff\xff\x03\x02\0\0\x02\0\0\0\x70\x11\x01";
     static const char turned[] = "\x76\x2f\x31\x01\2\0\0\0dataWindow\0box2i\0\x10\0\0\0\x05\0\0\0\0\0\0\0\x04\0\0\0\x07\0\0";
-    static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\x01\x02\x03\x04\0\x01\0\x80";
+    /* 384 x 516 pixels are 8 times 1032 times the 24 bytes, the most that deflate makes of them; 385 are more */
+    static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x80\0\0\x02\x04";
+    static const char dense[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x01\x81\0\0\x02\x04";
+    static const char wide[] = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\x01\0\0\x01\0\0\0\x01";
     static const char *const hdr[] = {"-Y 512 +X 1024", "+Y 512 +X 1024", "-Y 512 -X 1024", "+Y 512 -X 1024", "+X 1024 -Y 512", "-X 1024 +Y 512"};
     long v, f;
 
@@ -384,10 +388,13 @@ static void a_size_is_read_where_the_format_has_it(void **state)
     assert_false(peeked("p.hdr", "#?RGBE\n\n-Y 1 +X -1\n", 20, -1, 1));
     assert_false(peeked("p.hdr", "#?RGBE\n\n-Y 1 +X x\n", 19, 0, 1));
     assert_false(peeked("p.hdr", "#!RGBE\n\n-Y 1 +X 1\n", 19, 1, 1));
-    assert_true(peeked("p.exr", exr, sizeof exr, 259, 69486));
+    assert_true(peeked("p.exr", exr, sizeof exr, 259, 29486));
+    assert_false(peeked("p.exr", tall, sizeof tall, 259, 69486)); /* more than any reader takes */
     assert_false(peeked("p.exr", turned, sizeof turned, 0, 8));
-    assert_true(peeked("p.png", png, 24, 0x01020304, 0x10080));
-    assert_false(peeked("p.png", png, 23, 0x01020304, 0x10080));
+    assert_true(peeked("p.png", png, 24, 384, 516));
+    assert_false(peeked("p.png", dense, 24, 385, 516));
+    assert_false(peeked("p.png", wide, 24, 0x01000001, 1));
+    assert_false(peeked("p.png", png, 23, 384, 516));
     assert_false(peeked("p.png", "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\0\0\0\0\1", 24, 0, 1));
     assert_true(peeked("p.pfm", "Pf\n30 70\n-1\n", 12, 30, 70));
     assert_true(peeked("p.pfm", "PF 30\n70 1.0\n", 13, 30, 70));

@@ -958,7 +958,7 @@ static void the_plan_says_what_textures_cost(void **state)
                        "Material \"coateddiffuse\" \"texture reflectance\" \"c\" Shape \"sphere\" Material \"metal\" \"texture roughness\" \"c\" Shape \"disk\"");
     program_run q;
     program_expect(&q, 0, DIR "/q.txt --plan");
-    assert_non_null(strstr(q.output, "Kd texture (coated)"));
+    assert_non_null(strstr(q.output, "Kd texture (scale)"));
     assert_non_null(strstr(q.output, "roughness texture (remapped)"));
     assert_non_null(strstr(r.output, "skip         texture " DIR "/p.pfm: no shape shows it\n"));
     assert_non_null(strstr(r.output, "build        texture coordinates: 8 bytes for each vertex of the scene\n"));
