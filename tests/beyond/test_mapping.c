@@ -530,8 +530,12 @@ static void a_shape_that_does_not_fit_is_an_error(void **state)
     bis_envmap em = smooth_map(16);
     bis_image image;
     double power[2];
-    assert_int_equal(bis_envmap_to_mapping(&image, &em, BIS_MAPPING_VERTICAL_CROSS, 16, power, NULL), BIS_INPUT);
-    assert_int_equal(bis_envmap_to_mapping(&image, &em, BIS_MAPPING_VERTICAL_CROSS, 32766, power, NULL), BIS_INPUT);
+    bis_diag diag = {0};
+    assert_int_equal(bis_envmap_to_mapping(&image, &em, BIS_MAPPING_VERTICAL_CROSS, 16, power, &diag), BIS_INPUT);
+    assert_int_equal(bis_envmap_to_mapping(&image, &em, BIS_MAPPING_VERTICAL_CROSS, 32766, power, &diag), BIS_INPUT);
+    assert_non_null(strstr(diag.messages[0].text, "its width, 16, must be a multiple of 3"));
+    assert_non_null(strstr(diag.messages[1].text, "would have 32766 x 43688 pixels"));
+    bis_diag_clear(&diag);
     assert_null(image.pixels);
     bis_envmap_clear(&em);
     assert_int_equal(bis_mapping_find("cubestrip"), BIS_MAPPING_CUBE_STRIP);
