@@ -139,7 +139,8 @@ static double p_by_bernstein(const comparison *c)
 static void judge_by_t(bis_verify *v, const comparison *c, double skewness)
 {
     const double n = c->runs->n, e = excess_of(c), known = c->deviation;
-    const double z = e == 0 ? 0 : e / (isnan(known) ? sqrt(c->runs->m2 / (n - 1) / n) : known / sqrt(n));
+    const double se = isnan(known) ? sqrt(c->runs->m2 / (n - 1) / n) : known / sqrt(n);
+    const double z = e == 0 ? 0 : se > 0 ? e / se : copysign((double)INFINITY, e); /* runs that are all alike */
     const double p = z == 0 ? 1 : bis_verify_t(z, isnan(known) ? n - 1 : (double)INFINITY, skewness);
     const double least = c->is_guess && z < 0 ? fmin(1, p_by_bernstein(c)) : 0;
     put(v, c, z, fmax(p, least), least > p ? "p is that of uniform directions, which may miss what is bright; " : "");
