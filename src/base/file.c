@@ -11,6 +11,7 @@
  * which covers nearly all numbers of a mesh or scene; the rest goes to the C library. */
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "text.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -291,12 +292,11 @@ static const char *first_failure(bis_outfile *f)
     return earlier ? "a write failed (disk full?)" : NULL;
 }
 
-/* The same name for each writer of path: what stands behind .bis- is a hash of its name (FNV-1a, 64 bits). */
+/* The same name for each writer of path: what stands behind .bis- is a hash of its name. */
 static void name_beside(char *temp, const char *path)
 {
     const int n = (int)folder_length(path);
-    uint64_t hash = 14695981039346656037u;
-    for (const char *c = path + n; *c; c++) hash = (hash ^ (unsigned char)*c) * 1099511628211u;
+    const uint64_t hash = bis_fnv1a(BIS_FNV1A, path + n, strlen(path + n));
     snprintf(temp, room_beside(path), "%.*s.bis-%" PRIx64, n, path, hash);
 }
 
