@@ -2,7 +2,7 @@
  * block where no mark falls. */
 #pragma once
 
-#include "bis/beyond/lanes.h"
+#include "bis/thesis/lanes.h"
 #include "bis/thesis/integrator.h"
 
 /* n weights, whole blocks; what is chosen of them: lane[k], times[k] > 0, k < n_chosen, ascending. */

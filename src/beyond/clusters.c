@@ -28,13 +28,12 @@ bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M
     c->columns = (c->width + c->side - 1) / c->side;
     const uint32_t padded = bis_lanes_round_up(c->n);
     c->y = bis_alloc((size_t)c->n * DIRECTIONS, sizeof *c->y);
-    c->memory = bis_alloc((BIS_LANES_ARRAYS + 1) * (size_t)padded, sizeof *c->memory);
+    c->memory = bis_alloc(BIS_CONES_ARRAYS * (size_t)padded, sizeof *c->memory);
     if (!c->y || !c->memory) {
         status = BIS_NOMEM;
         goto done;
     }
-    c->cone = bis_lanes_in(c->memory, padded);
-    c->sine = c->memory + BIS_LANES_ARRAYS * (size_t)padded;
+    c->cone = bis_cones_in(c->memory, padded);
 done:
     if (!status) return BIS_OK;
     bis_clusters_clear(c);
@@ -55,7 +54,7 @@ size_t bis_clusters_bytes(const bis_clusters *c)
 {
     if (!c->n) return 0;
     const size_t rows = ((size_t)c->width + 2 * c->side - 1) / (2 * c->side); /* maps are about twice as wide as high */
-    return c->n * (DIRECTIONS * sizeof *c->y + sizeof *c->t + (BIS_LANES_ARRAYS + 1) * sizeof(float)) +
+    return c->n * (DIRECTIONS * sizeof *c->y + sizeof *c->t + BIS_CONES_ARRAYS * sizeof(float)) +
            rows * c->columns * sizeof *c->of_tile;
 }
 
@@ -92,8 +91,8 @@ static void put_cone(bis_clusters *c, uint32_t k)
     c->cone.r[k] = (float)energy.r;
     c->cone.g[k] = (float)energy.g;
     c->cone.b[k] = (float)energy.b;
-    c->cone.q_L[k] = (float)least;
-    c->sine[k] = (float)sqrt(1 - least * least);
+    c->cone.cosine[k] = (float)least;
+    c->cone.sine[k] = (float)sqrt(1 - least * least);
 }
 
 void bis_clusters_fill(bis_clusters *c, const bis_light *light, uint64_t seed, uint32_t pass, int n_threads)

@@ -46,18 +46,21 @@ void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel,
     const double unit = bis_light_mean(light);
     vec3 axis[3];
 
-    assert(importance && unit > 0);
-    bis_light_axes(light, axis);
-    bis_envmap_pixels(em, axis, pixel, y, n);
+    assert(unit > 0);
+    if (em) {
+        bis_light_axes(light, axis);
+        bis_envmap_pixels(em, axis, pixel, y, n);
+    }
     for (uint32_t i = 0; i < n; i++) {
-        const rgb Le = em->pixels[pixel[i]];
+        const rgb Le = em ? em->pixels[pixel[i]] : bis_light_Le(light, (vec3){0, 0, 1});
         y->r[i] = (float)((double)Le.r / unit);
         y->g[i] = (float)((double)Le.g / unit);
         y->b[i] = (float)((double)Le.b / unit);
-        y->q_L[i] = (float)bis_importance_pdf_pixel(importance, pixel[i]);
+        /* without an importance all candidates come from the BRDF, and q_L has no part in q */
+        y->q[i] = importance ? (float)bis_importance_pdf_pixel(importance, pixel[i]) : (float)(INV_PI / 4);
     }
     for (uint32_t i = n; i < bis_lanes_round_up(n); i++) {
         y->r[i] = y->g[i] = y->b[i] = 0;
-        y->q_L[i] = 1;
+        y->q[i] = 1;
     }
 }

@@ -1,7 +1,7 @@
 /* map_lanes: what a map says of many directions at once: pixel, radiance, density. */
 #pragma once
 
-#include "bis/beyond/lanes.h"
+#include "bis/thesis/lanes.h"
 #include "bis/thesis/light.h"
 #include "bis/thesis/envmap.h"
 

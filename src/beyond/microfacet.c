@@ -22,6 +22,8 @@
  * across, a c_o, comes near 6e-8; f c_i/q does not feel it. Cost: two square roots, three quotients for f and q. */
 #include "bis/beyond/microfacet.h"
 
+#include "microfacet_lanes.h"
+
 #include "bis/base/fresnel.h"
 #include "bis/thesis/warp.h"
 
@@ -119,21 +121,7 @@ static void init(bis_bsdf *b)
 }
 
 /* [facet-density] */
-static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
-{
-    const double a = b->material->alpha, c_i = bis_bsdf_cos(b, wi), c_o = bis_bsdf_cos(b, b->wo);
-    double D = 0, cos_d = 0;
-
-    *pdf = 0;
-    if (c_o <= 0) return (rgb){0, 0, 0};
-    const double S_o = stretched(a, c_o);
-    if (b->p_specular > 0 && facet_between(b, wi, c_i + c_o, &D, &cos_d)) *pdf = b->p_specular * D / (2 * (c_o + S_o));
-    *pdf += (1 - b->p_specular) * bis_warp_cosine_pdf(c_i);
-    if (c_i < least_cos || c_o < least_cos) return (rgb){0, 0, 0};
-    const double specular = D / (2 * (c_i * S_o + c_o * stretched(a, c_i)));
-    const double base = base_norm * INV_PI * through_coat(b->material, c_i) * through_coat(b->material, c_o);
-    return rgbd_round(blend(b->material, cos_d, specular, base));
-}
+static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf) { return bis_microfacet_f_pdf_double(b, wi, pdf); }
 /* [end] */
 
 /* [facet-visible] */
@@ -239,7 +227,8 @@ const bis_bsdf_model bis_microfacet_model = {.name = "microfacet",
                                              .max_f_cos = max_f_cos,
                                              .max_ratio = max_ratio,
                                              .of_half_vector = true,
-                                             .width = width};
+                                             .width = width,
+    .f_many = bis_microfacet_f_many, .sample_many = bis_microfacet_sample_many, .reach = bis_microfacet_reach};
 
 const bis_bsdf_model bis_plastic_model = {.name = "plastic",
                                           .init = init,
@@ -248,7 +237,8 @@ const bis_bsdf_model bis_plastic_model = {.name = "plastic",
                                           .max_f_cos = max_f_cos,
                                           .max_ratio = max_ratio,
                                           .of_half_vector = true,
-                                          .width = width};
+                                          .width = width,
+    .f_many = bis_microfacet_f_many, .sample_many = bis_microfacet_sample_many, .reach = bis_microfacet_reach};
 
 /* As Phong's: what reflects less than 2^-67 is black. */
 static bool is_visible(double k)

@@ -33,51 +33,19 @@
 
 #include "bis/base/fresnel.h"
 #include "bis/beyond/microfacet.h"
-#include "cone_lanes.h"
+#include "bis/thesis/cone.h"
+#include "thesis/real.h"
 
 #include <float.h>
 #include <math.h>
 
 /* [microfacet-lanes] */
-static const float least_cos = 0x1p-24f; /* as in microfacet.c: nearer to the horizon, nothing is reflected */
-
-/* What is the same for all directions. */
-typedef struct constants {
-    vec3 x, y, z;                 /* the frame of the normal */
-    vec3 m;                       /* wo mirrored about the normal */
-    float s_x, s_y, s_z, m_z;     /* m + wo and m in that frame */
-    float c_o, S_o, a2, one_minus_a2;
-    float Ks[3], rest[3], base[3]; /* F = Ks + rest (1 - cos theta_d)^5; the base is `base` A(c_i) */
-    float real[3], half[3];       /* eta^2 - k^2 - 1 and eta^2 k^2 of a metal */
-    int is_metal[3];              /* its channels, but those with Ks 0 or 1 */
-    float scale[3], flat;         /* plastic: F over Fresnel's, and its A; else not used, and 0 */
-    float lobe;                   /* a^2/(2 pi): D/2 = lobe R^2 */
-    float pdf_lobe, pdf_base;     /* q_f = pdf_lobe R^2 + pdf_base c_i */
-    bool has_lobe, has_metal;
-} constants;
-
+#define LEAST_COS 0x1p-24 /* nearer to the horizon, nothing is reflected */
+static const float least_cos = 0x1p-24f;
+FORMULA float fabs_float(float x) { return fabsf(x); }
+FORMULA double fabs_double(double x) { return fabs(x); }
 /* Which terms a loop needs: they are known when it is compiled. */
 typedef enum terms { BASE, LOBE, METAL, PLASTIC } terms;
-
-/* A(c) = 1 - (1 - c/2)^5, multiplied out as in microfacet.c. */
-static inline BIS_INLINE float through_coat(const constants *k, float c, const terms has)
-{
-    const float x = c * 0.5f, A = x * (5 + x * (-10 + x * (10 + x * (-5 + x))));
-
-    return has < PLASTIC ? A : k->flat;
-}
-
-static inline BIS_INLINE float stretched(const constants *k, float c)
-{
-    return sqrtf(k->a2 + k->one_minus_a2 * (c * c));
-}
-
-static inline BIS_INLINE float fifth_power(float x)
-{
-    const float x2 = x * x;
-
-    return x2 * x2 * x;
-}
 
 /* wo mirrored about n, of wo's length. Above the least cosine, that of n to 2^-23. */
 static void mirrored_view(const bis_bsdf *b, double m[3])
@@ -90,206 +58,57 @@ static void mirrored_view(const bis_bsdf *b, double m[3])
     m[2] = k * (double)n.z - (double)wo.z;
 }
 
-/* eta^2 - 1 as a product, because it is small where eta is next to 1. */
-static void metal_constants(constants *c, int i, double Ks, double eta)
-{
-    const bool is_plastic = c->flat > 0;
-    c->real[i] = 1; /* of a channel that is none: no root of 0, no quotient 0/0 */
-    if (is_plastic && !(bis_fresnel(eta, 0, 1) > 0)) c->Ks[i] = c->rest[i] = 0; /* of an index of 1 */
-    c->is_metal[i] = eta > 0 && c->Ks[i] > 0 && Ks < 1;
-    if (!c->is_metal[i]) return;
-    const double k2 = is_plastic ? 0 : bis_fresnel_k2(Ks, eta);
-    c->real[i] = (float)((eta - 1) * (eta + 1) - k2);
-    c->half[i] = (float)(eta * eta * k2);
-    if (is_plastic) c->scale[i] = (float)(Ks / bis_fresnel(eta, 0, 1));
-    c->has_metal = true;
-}
+#define REAL float
+#include "microfacet_formulas.h"
+#undef REAL
+#define REAL double
+#include "microfacet_formulas.h"
+#undef REAL
+typedef constants_float constants;
+typedef facet_float facet;
+#define constants_of constants_of_float
+#define facet_at facet_at_float
+#define f_of f_of_float
+#define fresnel fresnel_float
+#define through_coat through_coat_float
+#define stretched stretched_float
+#define fifth_power fifth_power_float
 
-static constants constants_of(const bis_bsdf *b)
-{
-    const bis_material *material = b->material;
-    const double a = material->alpha, c_o = dot(b->local.z, b->wo), S_o = sqrt(a * a + (1 - a * a) * c_o * c_o);
-    const double Ks[3] = {(double)material->Ks.r, (double)material->Ks.g, (double)material->Ks.b};
-    const double Kd[3] = {(double)material->Kd.r, (double)material->Kd.g, (double)material->Kd.b};
-    const double eta[3] = {(double)material->eta.r, (double)material->eta.g, (double)material->eta.b};
-    const bool is_plastic = material->model == &bis_plastic_model;
-    const frame *f = &b->local;
-    double m[3];
+/* ---- f, cosine, density ---- */
 
-    mirrored_view(b, m);
-    const vec3 mirror = vec3_from(m[0], m[1], m[2]);
-    constants k = {.x = f->x,
-                   .y = f->y,
-                   .z = f->z,
-                   .m = mirror,
-                   .s_x = (float)(dot(mirror, f->x) + dot(b->wo, f->x)),
-                   .s_y = (float)(dot(mirror, f->y) + dot(b->wo, f->y)),
-                   .s_z = (float)(dot(mirror, f->z) + c_o),
-                   .m_z = (float)dot(mirror, f->z),
-                   .c_o = (float)c_o,
-                   .S_o = (float)S_o,
-                   .a2 = (float)(a * a),
-                   .one_minus_a2 = (float)(1 - a * a),
-                   .lobe = (float)(a * a * INV_PI / 2),
-                   .pdf_lobe = (float)(b->p_specular * a * a * INV_PI / (2 * (c_o + S_o))),
-                   .pdf_base = (float)((1 - b->p_specular) * INV_PI),
-                   .flat = is_plastic ? (float)BIS_PLASTIC_A : 0,
-                   .has_lobe = b->p_specular > 0};
-    const double A_o = (double)through_coat(&k, (float)c_o, is_plastic ? PLASTIC : BASE);
-
-    for (int i = 0; i < 3; i++) {
-        if (c_o < (double)least_cos) break; /* all stays 0 */
-        k.Ks[i] = (float)Ks[i];
-        k.rest[i] = Ks[i] > 0 ? (float)(1 - Ks[i]) : 0;
-        k.base[i] = (float)(28 / 23.0 * INV_PI * Kd[i] * (is_plastic ? 1 : 1 - Ks[i]) * A_o);
-    }
-    for (int i = 0; i < 3; i++) metal_constants(&k, i, Ks[i], eta[i]);
-    k.has_metal &= k.has_lobe && c_o >= (double)least_cos;
-    return k;
-}
-
-/* f = base A + F specular, 0 below the horizon; and what the density needs. */
-typedef struct facet {
-    float c_i, R2;                /* R^2 */
-    float A, specular, x5;        /* D/(2 (c_i S_o + c_o S_i)), (1 - cos theta_d)^5 */
-    float c_d, c2_d;              /* cos theta_d, and its square */
-} facet;
-
-static inline BIS_INLINE facet facet_at(const constants *k, float x, float y, float z, const terms has)
-{
-    const float dx = x - k->m.x, dy = y - k->m.y, dz = z - k->m.z;
-    const float d_z = dx * k->z.x + dy * k->z.y + dz * k->z.z, c_i = d_z + k->m_z;
-    const bool above = c_i >= least_cos;
-    facet f = {.c_i = c_i, .A = bis_lanes_choose(above, through_coat(k, c_i, has), 0)};
-
-    if (has >= LOBE) {
-        const float s_x = dx * k->x.x + dy * k->x.y + dz * k->x.z + k->s_x;
-        const float s_y = dx * k->y.x + dy * k->y.y + dz * k->y.z + k->s_y;
-        const float s_z = d_z + k->s_z, across = s_x * s_x + s_y * s_y, along = s_z * s_z;
-        const float s2 = across + along, squeezed = k->a2 * along + across;
-        const float R = s2 / bis_lanes_choose(above, squeezed, 1), shadow = c_i * k->S_o + k->c_o * stretched(k, c_i);
-
-        f.R2 = R * R;
-        f.specular = bis_lanes_choose(above, k->lobe * f.R2 / bis_lanes_choose(above, shadow, 1), 0);
-        f.c_d = sqrtf(s2) * 0.5f;
-        f.c2_d = s2 * 0.25f;
-        f.x5 = fifth_power(1 - f.c_d);
-    }
-    return f;
-}
-
-/* bis_fresnel. */
-static inline BIS_INLINE float conductor(float real_1, float half, float c, float c2)
-{
-    const float s2 = bis_lanes_choose(c2 < 1, 1 - c2, 0), real = real_1 + bis_lanes_choose(c2 < 1, c2, 1);
-    const float more = (sqrtf(real * real + 4 * half) + fabsf(real)) * 0.5f;
-    const float less = half / bis_lanes_choose(more > 0, more, 1);
-    const float a = sqrtf(bis_lanes_choose(real >= 0, more, less)), b2 = bis_lanes_choose(real >= 0, less, more);
-    const float minus = c - a, plus = c + a, p_minus = a * c - s2, p_plus = a * c + s2, rest = b2 * c2;
-    const float over_s = minus * minus + b2, under_s = plus * plus + b2; /* R_s, and R_p/R_s, in one quotient */
-    const float over_p = p_minus * p_minus + rest, under_p = p_plus * p_plus + rest;
-
-    return 0.5f * over_s * (under_p + over_p) / (under_s * under_p);
-}
-
-static inline BIS_INLINE float fresnel(const constants *k, const facet *f, int channel, const terms has)
-{
-    const float schlick = k->Ks[channel] + k->rest[channel] * f->x5;
-
-    if (has < METAL) return schlick;
-    const float F = conductor(k->real[channel], k->half[channel], f->c_d, f->c2_d);
-    return bis_lanes_choose(k->is_metal[channel], has < PLASTIC ? F : k->scale[channel] * F, schlick);
-}
-
-static inline BIS_INLINE float f_of(const constants *k, const facet *f, int channel, const terms has)
-{
-    const float base = k->base[channel] * f->A;
-
-    return has >= LOBE ? base + fresnel(k, f, channel, has) * f->specular : base;
-}
-
-/* ---- weights: phat/q, eq. 4.9 ---- */
-
-static inline BIS_INLINE void weigh_as(float *w, const constants *c, const bis_lanes *y, uint32_t n, float em,
-                                       float brdf, const terms has, const bool mixed)
+static inline BIS_INLINE void facet_fs(const bis_reflected *o, const constants *c, const bis_lanes *y, uint32_t n,
+                                       const terms has)
 {
     const constants k = *c;
     const bis_lanes l = *y;
+    const bis_reflected out = *o;
 
 #pragma omp simd
     for (uint32_t i = 0; i < n; i++) {
         const facet f = facet_at(&k, l.x[i], l.y[i], l.z[i], has);
-        const float phat = f.c_i * (f_of(&k, &f, 0, has) * l.r[i] + f_of(&k, &f, 1, has) * l.g[i] +
-                                    f_of(&k, &f, 2, has) * l.b[i]);
-        float q = em * l.q_L[i];
-
-        if (mixed) q += brdf * (k.pdf_lobe * f.R2 + k.pdf_base * bis_lanes_choose(f.c_i > 0, f.c_i, 0));
-        /* q = 0: a black pixel; phat is 0, too. Below the horizon 0 f may be -0 */
-        w[i] = bis_lanes_choose(phat > 0, phat / bis_lanes_choose(q > 0, q, 1), 0);
+        out.r[i] = f_of(&k, &f, 0, has);
+        out.g[i] = f_of(&k, &f, 1, has);
+        out.b[i] = f_of(&k, &f, 2, has);
+        out.cos[i] = f.c_i;
+        out.q[i] = k.pdf_lobe * f.R2 + k.pdf_base * bis_lanes_choose(f.c_i > 0, f.c_i, 0);
     }
 }
 
 BIS_LANES
-static void weigh_facets(float *w, const constants *c, const bis_lanes *y, uint32_t n, float em, float brdf)
+static void facet_f_lanes(const bis_reflected *f, const constants *c, const bis_lanes *y, uint32_t n)
 {
-    if (c->flat > 0) {
-        if (brdf > 0) weigh_as(w, c, y, n, em, brdf, PLASTIC, true);
-        else weigh_as(w, c, y, n, em, brdf, PLASTIC, false);
-    } else if (c->has_metal) {
-        if (brdf > 0) weigh_as(w, c, y, n, em, brdf, METAL, true);
-        else weigh_as(w, c, y, n, em, brdf, METAL, false);
-    } else if (c->has_lobe) {
-        if (brdf > 0) weigh_as(w, c, y, n, em, brdf, LOBE, true);
-        else weigh_as(w, c, y, n, em, brdf, LOBE, false);
-    } else {
-        if (brdf > 0) weigh_as(w, c, y, n, em, brdf, BASE, true);
-        else weigh_as(w, c, y, n, em, brdf, BASE, false);
-    }
+    if (c->flat > 0) facet_fs(f, c, y, n, PLASTIC);
+    else if (c->has_metal) facet_fs(f, c, y, n, METAL);
+    else if (c->has_lobe) facet_fs(f, c, y, n, LOBE);
+    else facet_fs(f, c, y, n, BASE);
 }
 
-static double weigh(float *w, const bis_bsdf *b, const bis_lanes *y, uint32_t n, double beta)
+double bis_microfacet_f_many(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n)
 {
     const constants c = constants_of(b);
 
-    weigh_facets(w, &c, y, bis_lanes_round_up(n), (float)beta, (float)(1 - beta));
+    facet_f_lanes(f, &c, y, bis_lanes_round_up(n));
     return 1;
-}
-
-/* ---- colours: F/phat ---- */
-
-static inline BIS_INLINE void colour_as(const constants *c, const bis_lanes *y, uint32_t n, const terms has)
-{
-    const constants k = *c;
-    const bis_lanes l = *y;
-
-#pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
-        const facet f = facet_at(&k, l.x[i], l.y[i], l.z[i], has); /* without a lobe times 0 */
-        const float r = f_of(&k, &f, 0, has) * l.r[i], g = f_of(&k, &f, 1, has) * l.g[i],
-                    b = f_of(&k, &f, 2, has) * l.b[i], sum = r + g + b;
-        /* as in phong_lanes.c: sum = 0 fills the last block, and 1/sum of a denormal would be infinite */
-        const float lift = bis_lanes_choose(sum < FLT_MIN, 0x1p64f, 1);
-        const float share = 1 / (bis_lanes_choose(sum > 0, sum, 1) * lift);
-
-        l.r[i] = r * lift * share;
-        l.g[i] = g * lift * share;
-        l.b[i] = b * lift * share;
-    }
-}
-
-BIS_LANES
-static void colour_facets(const constants *c, const bis_lanes *y, uint32_t n)
-{
-    if (c->flat > 0) colour_as(c, y, n, PLASTIC);
-    else if (c->has_metal) colour_as(c, y, n, METAL);
-    else colour_as(c, y, n, LOBE);
-}
-
-static void colour(const bis_bsdf *b, const bis_lanes *y, uint32_t n)
-{
-    const constants c = constants_of(b);
-
-    colour_facets(&c, y, bis_lanes_round_up(n));
 }
 
 /* ---- bounds over cones ---- */
@@ -310,19 +129,19 @@ static inline BIS_INLINE float most_f(const constants *k, const facet *f, int ch
  *   good in the plane of incidence.
  * - no wi of the cone is farther from its axis than the chord of the half angle: |p| is smaller by that at most, s_z
  *   larger by that at most. This bound is good across, where a lobe at grazing angles is narrow. */
-static inline BIS_INLINE void reach_as(float *w, const constants *c, vec3 wo, const bis_lanes *cone,
-                                       const float *sine, uint32_t n, const terms has)
+static inline BIS_INLINE void reach_as(float *w, const constants *c, vec3 wo, const bis_cones *cones,
+                                       uint32_t n, const terms has)
 {
     const constants k = *c;
-    const bis_lanes l = *cone;
+    const bis_cones l = *cones;
     const vec3 behind = {-wo.x, -wo.y, -wo.z};
 
 #pragma omp simd
     for (uint32_t i = 0; i < n; i++) {
-        const float x = l.x[i], y = l.y[i], z = l.z[i], cosine = l.q_L[i];
-        const float c_i = largest_cosine(k.z, x, y, z, cosine, sine[i]);
-        const float c_m = largest_cosine(k.m, x, y, z, cosine, sine[i]), t2_mirror = (1 - c_m) / (1 + c_m);
-        const float chord = sqrtf(sine[i] * sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
+        const float x = l.x[i], y = l.y[i], z = l.z[i], cosine = l.cosine[i];
+        const float c_i = bis_cone_cosine(k.z, x, y, z, cosine, l.sine[i]);
+        const float c_m = bis_cone_cosine(k.m, x, y, z, cosine, l.sine[i]), t2_mirror = (1 - c_m) / (1 + c_m);
+        const float chord = sqrtf(l.sine[i] * l.sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
         const float hx = x + wo.x, hy = y + wo.y, hz = z + wo.z;
         const float s_x = hx * k.x.x + hy * k.x.y + hz * k.x.z, s_y = hx * k.y.x + hy * k.y.y + hz * k.y.z;
         const float s_z = hx * k.z.x + hy * k.z.y + hz * k.z.z + chord, p = sqrtf(s_x * s_x + s_y * s_y) - chord;
@@ -330,7 +149,7 @@ static inline BIS_INLINE void reach_as(float *w, const constants *c, vec3 wo, co
         const float t = bis_lanes_choose(p > 0, p, 0) / bis_lanes_choose(s_z > least_cos, s_z, least_cos);
         const float t2 = bis_lanes_choose(t * t > t2_mirror, t * t, t2_mirror), R = (1 + t2) / (k.a2 + t2);
         /* 2 cos^2 theta_d = 1 + wi wo */
-        const float c_d = sqrtf((1 - largest_cosine(behind, x, y, z, cosine, sine[i])) * 0.5f);
+        const float c_d = sqrtf((1 - bis_cone_cosine(behind, x, y, z, cosine, l.sine[i])) * 0.5f);
         const float c_up = bis_lanes_choose(c_i > least_cos, c_i, least_cos);
         const facet f = {.A = through_coat(&k, c_up, has),
                          .specular = k.lobe * (R * R) / (c_up * k.S_o + k.c_o * stretched(&k, c_up)),
@@ -345,18 +164,18 @@ static inline BIS_INLINE void reach_as(float *w, const constants *c, vec3 wo, co
 }
 
 BIS_LANES
-static void reach_facets(float *w, const constants *c, vec3 wo, const bis_lanes *cone, const float *sine, uint32_t n)
+static void reach_facets(float *w, const constants *c, vec3 wo, const bis_cones *cones, uint32_t n)
 {
-    if (c->flat > 0) reach_as(w, c, wo, cone, sine, n, PLASTIC);
-    else if (c->has_metal) reach_as(w, c, wo, cone, sine, n, METAL);
-    else reach_as(w, c, wo, cone, sine, n, LOBE);
+    if (c->flat > 0) reach_as(w, c, wo, cones, n, PLASTIC);
+    else if (c->has_metal) reach_as(w, c, wo, cones, n, METAL);
+    else reach_as(w, c, wo, cones, n, LOBE);
 }
 
-static void reach(float *w, const bis_bsdf *b, const bis_lanes *cone, const float *sine, uint32_t n)
+void bis_microfacet_reach(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n)
 {
     const constants c = constants_of(b);
 
-    reach_facets(w, &c, b->wo, cone, sine, bis_lanes_round_up(n));
+    reach_facets(w, &c, b->wo, cones, bis_lanes_round_up(n));
 }
 
 /* ---- drawing: a visible facet, or the cosine ---- */
@@ -429,7 +248,7 @@ static void sample_facets(const bis_lanes *y, const draws *d, const float *u1, c
     }
 }
 
-static void sample(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n)
+void bis_microfacet_sample_many(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n)
 {
     const draws d = draws_of(b);
 
@@ -437,4 +256,16 @@ static void sample(const bis_lanes *y, const bis_bsdf *b, const float *u1, const
 }
 /* [end] */
 
-const bis_bsdf_lanes bis_microfacet_lanes = {weigh, colour, reach, sample};
+rgb bis_microfacet_f_pdf_double(const bis_bsdf *b, vec3 wi, double *pdf)
+{
+    const double c_o = bis_bsdf_cos(b, b->wo);
+
+    *pdf = 0;
+    if (c_o <= 0) return (rgb){0, 0, 0};
+    const constants_double k = constants_of_double(b);
+    const terms has = k.flat > 0 ? PLASTIC : k.has_metal ? METAL : k.has_lobe ? LOBE : BASE;
+    const facet_double f = facet_at_double(&k, (double)wi.x, (double)wi.y, (double)wi.z, has);
+    *pdf = k.pdf_lobe * f.R2 + k.pdf_base * (f.c_i > 0 ? f.c_i : 0);
+    if (f.c_i < LEAST_COS || c_o < LEAST_COS) return (rgb){0, 0, 0};
+    return rgb_from(f_of_double(&k, &f, 0, has), f_of_double(&k, &f, 1, has), f_of_double(&k, &f, 2, has));
+}

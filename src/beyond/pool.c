@@ -30,6 +30,7 @@ bis_status bis_pool_init(bis_pool *p, uint32_t M, bool lanes, bis_diag *diag)
 {
     assert(M >= 1 && M <= BIS_POOL_MAX_SET);
     const uint32_t sets = MAX_DIRECTIONS / M;
+    lanes = true; /* the one layout of a set */
     *p = (bis_pool){.sets = {choose}, .n_sets = sets < MIN_SETS ? MIN_SETS : sets > MAX_SETS ? MAX_SETS : sets, .M = M};
     p->y = bis_alloc((size_t)p->n_sets * M, sizeof *p->y);
     if (lanes) p->lanes = bis_alloc((size_t)p->n_sets * BIS_LANES_ARRAYS * bis_lanes_round_up(M), sizeof *p->lanes);
@@ -64,7 +65,7 @@ static void put_lane(const bis_lanes *l, uint32_t i, const bis_light_point *y, d
     l->r[i] = (float)((double)p.Le.r / unit);
     l->g[i] = (float)((double)p.Le.g / unit);
     l->b[i] = (float)((double)p.Le.b / unit);
-    l->q_L[i] = (float)p.pdf;
+    l->q[i] = (float)p.pdf;
 }
 
 /* Directions number i of all sets: all in the same M-th of the curve, so that the CDF and the map are read in one place

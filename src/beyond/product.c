@@ -9,7 +9,6 @@
 #include "product.h"
 
 #include "bis/base/mem.h"
-#include "bis/beyond/bsdf_lanes.h"
 
 #include <assert.h>
 
@@ -53,7 +52,7 @@ static void multiply(float *restrict w, const float *restrict factor, uint32_t n
 
 bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *h, const bis_point *pt)
 {
-    bis_bsdf_lanes_of(pt->bsdf.material->model)->reach(p->clusters.w, &pt->bsdf, &c->cone, c->sine, c->n);
+    bis_bsdf_reach(p->clusters.w, &pt->bsdf, &c->cone, c->n);
     if (h) multiply(p->clusters.w, h, bis_lanes_round_up(c->n));
     p->W = bis_blocks_sum(&p->clusters, bis_lanes_round_up(c->n));
     return p->W > 0;
@@ -67,7 +66,7 @@ static void put(const bis_lanes *to, uint32_t i, const bis_cluster_point *y, flo
     to->r[i] = y->Le.r;
     to->g[i] = y->Le.g;
     to->b[i] = y->Le.b;
-    to->q_L[i] = y->q_L * scale;
+    to->q[i] = y->q_L * scale;
 }
 
 void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, double offset, double phase, uint64_t pixel)

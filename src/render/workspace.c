@@ -1,6 +1,7 @@
 /* workspace: what the threads of a render work with. A scene pays only for what its settings use: without
  * a need for them there are no pool, no clusters and no learned visibility. */
 #include "workspace.h"
+#include "thesis/set.h"
 
 #include "bis/base/mem.h"
 #include "crew.h"
@@ -90,6 +91,11 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
             worker->fast.pool = &w->pool;
         }
         if (needs.clusters) worker->fast.clusters = &w->clusters;
+        if (worker->scratch.set) {
+            worker->scratch.set->pool = worker->fast.pool;
+            worker->scratch.set->clusters = worker->fast.clusters;
+            worker->scratch.set->foresight = &worker->fast.foresight;
+        }
         if (!needs.visibility) continue;
         worker->fast.visibility = &w->visibility;
         status = bis_foresight_init(&worker->fast.foresight, w->clusters.n, diag);

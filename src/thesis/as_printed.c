@@ -6,6 +6,7 @@
 
 #include "candidates.h"
 #include "proposal.h"
+#include "set.h"
 
 /* E23. Candidates from the map get w = f_r, without the cosine. Candidates from the BRDF get w = L, as if q_f were f
  * cos over Kd + Ks. The thesis prints no weight for a mixture, so that remains unchanged. */
@@ -63,6 +64,49 @@ void bis_as_printed_above_horizon(vec3 *wi, const bis_bsdf *bsdf, bis_stream *st
 {
     for (int i = 0; i < 100 && bis_bsdf_cos(bsdf, *wi) <= 0; i++) {
         double u[2] = {bis_stream_random(stream), bis_stream_random(stream)};
-        bis_propose_brdf(wi, bsdf, u);
+        bis_bsdf_draw(bsdf, u, wi);
     }
+}
+
+/* ---- on sets ---- */
+
+double bis_as_printed_set_weights(bis_set *x, const bis_settings *s, const bis_point *pt)
+{
+    const rgb albedo = rgb_add(pt->bsdf.material->Kd, pt->bsdf.material->Ks);
+    const bool from_map = s->proposal == BIS_PROPOSAL_EM,
+               from_brdf = s->proposal == BIS_PROPOSAL_BRDF || (!from_map && bis_light_is_constant(pt->light));
+    const bis_reflected f = bis_set_reflected(x, 0);
+
+    for (uint32_t i = 0; from_map && i < x->n_map; i++)
+        if (x->w.w[i] > 0) x->w.w[i] /= f.cos[i];
+    if (from_brdf) x->unit = 1;
+    for (uint32_t i = 0, k = x->first_brdf; from_brdf && i < x->n_brdf; i++, k++) {
+        if (x->w.w[k] <= 0) continue;
+        f.r[k] = albedo.r;
+        f.g[k] = albedo.g;
+        f.b[k] = albedo.b;
+        x->w.w[k] = albedo.r * x->brdf.r[i] + albedo.g * x->brdf.g[i] + albedo.b * x->brdf.b[i];
+    }
+    return bis_blocks_sum(&x->w, x->n_lanes);
+}
+
+void bis_as_printed_set_colours(bis_set *x)
+{
+    const rgbd mean = bis_set_mean(x);
+    const double sum = rgbd_sum(mean);
+
+    for (uint32_t j = 0; j < x->w.n_chosen; j++) {
+        x->y.r[j] = (float)(mean.r / sum);
+        x->y.g[j] = (float)(mean.g / sum);
+        x->y.b[j] = (float)(mean.b / sum);
+    }
+}
+
+double bis_as_printed_set_Zhat(const bis_settings *s, const bis_point *pt, const bis_stream *stream, bis_set *x)
+{
+    bis_stream others;
+
+    bis_stream_init(&others, stream->sampler, ~stream->pixel, stream->sample);
+    if (!bis_set_draw(x, s, s->proposal, pt, &others)) return 0;
+    return bis_set_weigh(x, pt) / s->candidates * x->unit * x->mean;
 }

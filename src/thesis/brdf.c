@@ -36,7 +36,7 @@ static rgb Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bi
     /* [brdf-sum] */
     for (uint32_t j = 0; j < N; j++) {
         vec3 wi;
-        if (!bis_propose_brdf(&wi, bsdf, scratch->u[j])) break; /* black */
+        if (!bis_bsdf_draw(bsdf, scratch->u[j], &wi)) break; /* black */
         if (s->as_printed & BIS_E34) bis_as_printed_above_horizon(&wi, bsdf, stream);
 
         double q, cos_theta = bis_bsdf_cos(bsdf, wi);

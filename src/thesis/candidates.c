@@ -138,7 +138,7 @@ static bool draw_brdf(vec3 *wi, const bis_bsdf *bsdf, bis_stream *stream, uint32
     } else {
         independent_point(u, stream, BIS_DIM_BRDF, n);
     }
-    return bis_propose_brdf(wi, bsdf, u);
+    return bis_bsdf_draw(bsdf, u, wi);
 }
 
 /* ---- the weights ---- */

@@ -20,19 +20,21 @@
 #include "bis/thesis/phong.h"
 
 #include "bis/thesis/warp.h"
+#include "bis/thesis/cone.h"
+#include "real.h"
 
-/* Computes max(0, cos alpha)^n. With x = 1 - cos alpha, cos^n = exp(n log1p(-x)). */
+#include <float.h>
+
+#define REAL float
+#include "phong_formulas.h"
+#undef REAL
+#define REAL double
+#include "phong_formulas.h"
+#undef REAL
+
 double bis_phong_power(vec3 a, vec3 b, double n)
 {
-    /* just above log(DBL_MIN) = -708.4, because denormals are slow and would add less than 1e-300 */
-    const double log_min = -708;
-    double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    double one_minus_cos = (x * x + y * y + z * z) / 2;
-
-    /* max(0, ...): this also avoids the NaN of a fractional n; at the horizon 0^0 = 0 */
-    if (one_minus_cos >= 1) return 0;
-    double log_power = n * log1p(-one_minus_cos);
-    return log_power < log_min ? 0 : exp(log_power);
+    return phong_power_double(a, n, (double)b.x, (double)b.y, (double)b.z);
 }
 
 /* Eq. 3.15. */
@@ -41,27 +43,14 @@ double bis_phong_lobe_pdf(vec3 axis, vec3 wi, double n)
     return (n + 1) * (INV_PI / 2) * bis_phong_power(axis, wi, n);
 }
 
-/* Draws by eq. 3.16: cos theta = (1 - u1)^(1/(n+1)), phi = 2 pi u2. Returns log cos theta. sqrt(1 - cos^2) would
- * cancel near the axis (in float at n = 1e5, 7 % of all samples are wrong by more than 1 %). (1 - cos)(1 + cos) with
- * 1 - cos from expm1 does not cancel. */
-/* [phong-lobe] */
-static double lobe_direction(vec3 *wi, double n, double u1, double u2)
-{
-    double log_cos = log1p(-u1) / (n + 1);
-    double one_minus_cos = -expm1(log_cos);
-    double sin_theta = sqrt(one_minus_cos * (2 - one_minus_cos));
-    double phi = 2 * PI * u2;
-
-    *wi = vec3_from(sin_theta * cos(phi), sin_theta * sin(phi), 1 - one_minus_cos);
-    return log_cos;
-}
-/* [end] */
-
 void bis_phong_lobe_sample(vec3 *wi, double *pdf, double n, double u1, double u2)
 {
-    double log_cos = lobe_direction(wi, n, u1, u2);
+    const frame pole = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const phong_double k = {.about_r = pole, .local = pole, .inverse_n1 = 1 / (n + 1)};
+    const phong_wi_double local = phong_draw_double(&k, true, u1, u2);
 
-    *pdf = (n + 1) * (INV_PI / 2) * exp(n * log_cos); /* eq. 3.15 */
+    *wi = vec3_from(local.x, local.y, local.z);
+    *pdf = (n + 1) * (INV_PI / 2) * exp(n * (log1p(-u1) / (n + 1))); /* eq. 3.15 */
 }
 
 /* Sets the lobe's axis R and the probability of the specular lobe: Ks / (Ks + Kd), means over RGB (E35). Any positive
@@ -79,41 +68,124 @@ static void init(bis_bsdf *b)
     if (b->p_specular == 1 && Kd > 0) b->p_specular = 1 - 0x1p-53;
 }
 
-/* Computes eq. 3.14 and q_mix, because both contain the lobe (n+1)/(2 pi) cos^n alpha. alpha, between wi and R,
- * equals the thesis's theta between wo and the mirrored wi. */
-/* [phong-density] */
+/* Eq. 3.14 and q_mix for one direction. */
 static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
 {
-    const bis_material *m = b->material;
-    double cos_theta = bis_bsdf_cos(b, wi);
-    double lobe = b->p_specular > 0 ? bis_phong_lobe_pdf(b->r, wi, m->exponent) : 0;
+    const phong_double k = phong_at_double(b, 1);
+    const phong_value_double f = phong_f_double(&k, (double)wi.x, (double)wi.y, (double)wi.z, k.has_lobe);
 
-    *pdf = b->p_specular * lobe + (1 - b->p_specular) * bis_warp_cosine_pdf(cos_theta);
-    if (cos_theta <= 0 || bis_bsdf_cos(b, b->wo) <= 0) return (rgb){0, 0, 0};
-    return rgb_from((double)m->Ks.r * lobe + (double)m->Kd.r * INV_PI,
-                    (double)m->Ks.g * lobe + (double)m->Kd.g * INV_PI,
-                    (double)m->Ks.b * lobe + (double)m->Kd.b * INV_PI);
+    *pdf = f.q;
+    if (f.cos <= 0 || bis_bsdf_cos(b, b->wo) <= 0) return (rgb){0, 0, 0};
+    return rgb_from(f.r, f.g, f.b);
 }
-/* [end] */
 
-/* "Deciding which term to sample from is made randomly in order to remain unbiased" (3.5). The direction about the
- * pole of eq. 3.16 is then turned into the lobe's frame. */
-/* [phong-sample] */
+/* "Deciding which term to sample from is made randomly in order to remain unbiased" (3.5). */
 static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {
-    vec3 local;
+    const phong_double k = phong_at_double(b, 1);
 
     if (rgb_is_black(b->material->Kd) && rgb_is_black(b->material->Ks)) return false;
-    if (u0 < b->p_specular) {
-        lobe_direction(&local, b->material->exponent, u1, u2);
-        *wi = to_world(&b->lobe, local);
-    } else {
-        local = bis_warp_cosine(u1, u2);
-        *wi = to_world(&b->local, local);
+    if (u0 >= k.p) {
+        *wi = to_world(&b->local, bis_warp_cosine(u1, u2));
+        return true;
     }
+    const phong_wi_double w = phong_draw_double(&k, true, u1, u2);
+    *wi = vec3_from(w.x, w.y, w.z);
     return true;
 }
-/* [end] */
+
+/* ---- many directions at once ---- */
+
+static double unit_of(const bis_material *m)
+{
+    const double peak = (m->exponent + 1) * (INV_PI / 2);
+
+    return fmax(rgb_max(m->Ks) * peak, rgb_max(m->Kd) * INV_PI);
+}
+
+FORMULA void phong_fs(const bis_reflected *f, const phong_float *c, const bis_lanes *y, uint32_t n, const bool has_lobe)
+{
+    const phong_float k = *c;
+    const bis_lanes l = *y;
+    const bis_reflected o = *f;
+
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const phong_value_float v = phong_f_float(&k, l.x[i], l.y[i], l.z[i], has_lobe);
+        o.r[i] = v.r;
+        o.g[i] = v.g;
+        o.b[i] = v.b;
+        o.cos[i] = v.cos;
+        o.q[i] = v.q;
+    }
+}
+
+BIS_LANES
+static void phong_f_lanes(const bis_reflected *f, const phong_float *c, const bis_lanes *y, uint32_t n)
+{
+    if (c->has_lobe) phong_fs(f, c, y, n, true);
+    else phong_fs(f, c, y, n, false);
+}
+
+static double f_many(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n)
+{
+    const double unit = unit_of(b->material);
+    const phong_float k = phong_at_float(b, unit);
+
+    phong_f_lanes(f, &k, y, bis_lanes_round_up(n));
+    return unit;
+}
+
+/* A bound of f cos over cones: power and cosine each at their largest. */
+BIS_LANES
+static void phong_reach_lanes(float *w, const phong_float *c, const bis_cones *cones, uint32_t n)
+{
+    const phong_float k = *c;
+    const bis_cones l = *cones;
+
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float cos_theta = bis_cone_cosine(k.n, l.x[i], l.y[i], l.z[i], l.cosine[i], l.sine[i]);
+        const float cos_alpha = bis_cone_cosine(k.r, l.x[i], l.y[i], l.z[i], l.cosine[i], l.sine[i]);
+        const float x = bis_lanes_choose(cos_alpha > 0x1p-20f, 1 - cos_alpha, 1 - 0x1p-20f);
+        const float p = bis_lanes_exp(k.exponent * bis_lanes_log1m(x));
+        const float phat = (k.base[0] + k.lobe[0] * p) * l.r[i] + (k.base[1] + k.lobe[1] * p) * l.g[i] +
+                           (k.base[2] + k.lobe[2] * p) * l.b[i];
+
+        w[i] = bis_lanes_choose(cos_theta > 0, cos_theta * phat, 0);
+    }
+}
+
+static void reach(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n)
+{
+    const phong_float k = phong_at_float(b, unit_of(b->material));
+
+    phong_reach_lanes(w, &k, cones, bis_lanes_round_up(n));
+}
+
+BIS_LANES
+static void phong_draw_lanes(const bis_lanes *y, const phong_float *c, const float *u1, const float *u2, uint32_t n)
+{
+    const phong_float k = *c;
+    const bis_lanes l = *y;
+    const float inverse_p = k.p > 0 ? 1 / k.p : 0, inverse_rest = k.p < 1 ? 1 / (1 - k.p) : 0;
+
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float u = phong_stretch_float(&k, u1[i], inverse_p, inverse_rest);
+        const phong_wi_float w = phong_draw_float(&k, u1[i] < k.p, u, u2[i]);
+        l.x[i] = w.x;
+        l.y[i] = w.y;
+        l.z[i] = w.z;
+    }
+}
+
+static void sample_many(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n)
+{
+    const phong_float k = phong_at_float(b, 1);
+
+    phong_draw_lanes(y, &k, u1, u2, bis_lanes_round_up(n));
+}
 
 /* The slack of rejection's bounds (E27). Both bounds are products of two cosines, or of a cosine and f. Float vectors
  * are unit only to 2^-23, so a cosine may reach (1 + 2^-23)^2. 2^-21 contains this and the rounding of f to float. */
@@ -147,7 +219,9 @@ static bis_bsdf_width width(const bis_material *m)
     return (bis_bsdf_width){"exponent", "exponent", m->exponent, m->exponent};
 }
 
-const bis_bsdf_model bis_phong_model = {"phong", init, sample, f_pdf, max_f_cos, max_ratio, false, width};
+const bis_bsdf_model bis_phong_model = {.name = "phong", .init = init, .sample = sample, .f_pdf = f_pdf,
+    .max_f_cos = max_f_cos, .max_ratio = max_ratio, .of_half_vector = false, .width = width,
+    .f_many = f_many, .sample_many = sample_many, .reach = reach};
 
 /* Returns k with 0 for each channel below 2^-67. A direction that was drawn has an f of at least Ks 2^-53/(2 pi) by
  * eq. 3.16. With a smaller Ks this could be a denormal float, whose rounding could exceed the bounds above. */

@@ -42,9 +42,3 @@ bis_em_samples bis_em_samples_start(uint32_t n, const bis_settings *s, bis_strea
 /* bis_em_sample draws sample j, j < n. Returns false if there is no light. */
 bool bis_em_sample(bis_light_point *y, const bis_em_samples *samples, uint32_t j, const bis_light *light,
                    bis_stream *stream);
-
-/* bis_propose_brdf draws *wi from the BRDF. u[0] selects the lobe. Rescaled to [0,1) within that lobe's interval it
- * is uniform again, so it is used once more, with u[1], to sample the lobe. A well-spread set of points then gives
- * each lobe its share almost exactly (E35: as unbiased as a coin, with less noise). Returns false if the BRDF is
- * black. */
-bool bis_propose_brdf(vec3 *wi, const bis_bsdf *bsdf, const double u[2]);

@@ -135,7 +135,7 @@ static void open_bench(bench *b, const float *w, uint32_t M, uint32_t N, bis_res
     for (uint32_t i = 0; i < M; i++) {
         const vec3 wi = vec3_from(sqrt(0.75) * cos(2 * PI * i / M), sqrt(0.75) * sin(2 * PI * i / M), 0.5);
         l.x[i] = wi.x, l.y[i] = wi.y, l.z[i] = wi.z;
-        l.r[i] = w[i], l.g[i] = l.b[i] = 0, l.q_L[i] = 0.5f;
+        l.r[i] = w[i], l.g[i] = l.b[i] = 0, l.q[i] = 0.5f;
     }
 }
 
@@ -443,7 +443,7 @@ static void halve_densities(bis_pool *p)
 {
     for (uint32_t set = 0; set < p->n_sets; set++) {
         const bis_lanes l = bis_pool_lanes(p, set);
-        for (uint32_t i = 0; i < p->M; i++) l.q_L[i] /= 2;
+        for (uint32_t i = 0; i < p->M; i++) l.q[i] /= 2;
     }
 }
 

@@ -130,7 +130,7 @@ static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
         for (int i = 0; i < BIS_CLUSTER_DIRECTIONS; i++) {
             const bis_cluster_point *y = &c.y[(size_t)k * BIS_CLUSTER_DIRECTIONS + (size_t)i];
             elsewhere += bis_cluster_of_pixel(&c, (uint32_t)bis_envmap_pixel(em, y->wi)) != k; /* the light's axes are the world's; floats next to an edge */
-            assert_true(dot(axis, y->wi) >= (double)c.cone.q_L[k] - 1e-6);
+            assert_true(dot(axis, y->wi) >= (double)c.cone.q[k] - 1e-6);
         }
     }
     assert_true(elsewhere < (int)c.n * BIS_CLUSTER_DIRECTIONS / 1000);

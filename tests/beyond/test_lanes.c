@@ -2,7 +2,7 @@
  * the direction that they were found for, and the same bits from every instruction set. Family-wise significance 1e-3
  * over all statistical tests here. */
 #include "beyond/map_lanes.h"
-#include "bis/beyond/lanes.h"
+#include "bis/thesis/lanes.h"
 
 #include "bis/thesis/curve.h"
 #include "bis/base/mem.h"
@@ -468,7 +468,7 @@ static void a_look_at_the_light_gives_each_direction_its_radiance_and_density(vo
     for (uint32_t i = 0; i < ROOM; i++) {
         const vec3 w = bis_warp_sphere(bis_rng_double(&r), bis_rng_double(&r));
         l.x[i] = w.x, l.y[i] = w.y, l.z[i] = w.z;
-        l.r[i] = l.g[i] = l.b[i] = l.q_L[i] = NAN;
+        l.r[i] = l.g[i] = l.b[i] = l.q[i] = NAN;
     }
     bis_light_look(light, &l, pixel, N);
     for (uint32_t i = 0; i < N; i++) {
@@ -477,9 +477,9 @@ static void a_look_at_the_light_gives_each_direction_its_radiance_and_density(vo
         assert_true(fabs((double)l.r[i] * unit - (double)L.r) <= 1e-6 * (double)L.r && fabs((double)l.g[i] * unit - (double)L.g) <= 1e-6 * (double)L.g &&
                     fabs((double)l.b[i] * unit - (double)L.b) <= 1e-6 * (double)L.b);
         const double pdf = bis_light_pdf(light, w);
-        assert_true(fabs((double)l.q_L[i] - pdf) <= 1e-6 * pdf);
+        assert_true(fabs((double)l.q[i] - pdf) <= 1e-6 * pdf);
     }
-    for (uint32_t i = N; i < ROOM; i++) assert_true(l.r[i] == 0 && l.g[i] == 0 && l.b[i] == 0 && l.q_L[i] == 1);
+    for (uint32_t i = N; i < ROOM; i++) assert_true(l.r[i] == 0 && l.g[i] == 0 && l.b[i] == 0 && l.q[i] == 1);
     bis_free(memory);
     bis_free(pixel);
     bis_light_free(light);

@@ -109,7 +109,7 @@ static void fill(const bis_lanes *l, uint32_t n, const bis_bsdf *b, uint64_t see
         l->r[i] = i % 7 == 3 ? 0 : (float)(level * bis_rng_double(&r));
         l->g[i] = i % 7 == 3 ? 0 : (float)(level * bis_rng_double(&r));
         l->b[i] = i % 7 == 3 || i % 7 == 5 ? 0 : (float)(level * bis_rng_double(&r));
-        l->q_L[i] =
+        l->q[i] =
             i % 7 == 3 ? 0 : (float)(level * (0.1 + bis_rng_double(&r))); /* a black pixel may have no density at all */
     }
 }
@@ -151,7 +151,7 @@ static exact weigh_one(const bis_bsdf *b, const bis_lanes *l, uint32_t i, double
             e.of_fresnel =
                 fmax(e.of_fresnel, 0x1p-21 * 5 * (1 - Ks[k]) * x4 / (Ks[k] + (1 - Ks[k]) * x4 * (1 - e.cos_d)));
     const double phat = e.F[0] + e.F[1] + e.F[2];
-    e.w = phat > 0 ? phat / (beta * (double)l->q_L[i] + (1 - beta) * q_f) : 0;
+    e.w = phat > 0 ? phat / (beta * (double)l->q[i] + (1 - beta) * q_f) : 0;
     return e;
 }
 
@@ -220,7 +220,7 @@ static errors weigh_everything(const bis_bsdf_lanes *lanes, double roughness)
         seen_from(&b, &materials[k / 4 % COUNT(materials)], degrees[k / 4 / COUNT(materials)]);
         fill(&l, N, &b, (uint64_t)k);
         for (uint32_t i = 0; beta == 1 && i < N; i++)
-            l.q_L[i] = fmaxf(l.q_L[i], FLT_MIN); /* what was drawn from the map alone has a density */
+            l.q[i] = fmaxf(l.q[i], FLT_MIN); /* what was drawn from the map alone has a density */
         check_weights(&most, lanes, &b, &l, N, beta);
     }
     free_lanes(&l);
@@ -294,7 +294,7 @@ static void below_the_horizon_weights_are_0_and_nothing_is_ever_nan(void **state
                                            neg(b.wo),  {1, 0, -1e-30f}, {-1, 0, height}, {0, 0, 1}}[i % 8];
             l.x[i] = wi.x, l.y[i] = wi.y, l.z[i] = wi.z;
             l.r[i] = l.g[i] = l.b[i] = i < 8;
-            l.q_L[i] = 0;
+            l.q[i] = 0;
         }
         assert_true(bis_microfacet_lanes.weigh(w, &b, &l, 16, 0.5) == 1);
         for (int i = 0; i < 16; i++)
@@ -337,7 +337,7 @@ static void put_cone(const bis_lanes *l, float *sine, uint32_t i, double half, b
 
     l->x[i] = axis.x, l->y[i] = axis.y, l->z[i] = axis.z;
     l->r[i] = 0.5f, l->g[i] = 0.25f, l->b[i] = 0.25f;
-    l->q_L[i] = (float)cos(half);
+    l->q[i] = (float)cos(half);
     sine[i] = (float)sin(half);
 }
 
@@ -370,7 +370,7 @@ static void what_reaches_a_cone_is_bounded_above_all_its_directions(void **state
             put_cone(&l, sine, i, i % 5 ? 1.2 * pow(bis_rng_double(&r), 3) : 0, &r, &b);
         bis_microfacet_lanes.reach(w, &b, &l, sine, N);
         for (uint32_t i = 0; i < N; i++) {
-            const double half = atan2((double)sine[i], (double)l.q_L[i]);
+            const double half = atan2((double)sine[i], (double)l.q[i]);
             const frame f = frame_about(direction(&l, i));
             double most = 0;
             for (int j = 0; j < 32; j++) {
@@ -646,7 +646,7 @@ static void furnace(const bis_material *m, double degrees, double expected, bool
     seen_from(&b, m, degrees);
     draw(&l, &b, 3);
     for (uint32_t i = 0; i < N_DRAWS; i++)
-        l.r[i] = l.b[i] = 0, l.g[i] = 1, l.q_L[i] = 1;
+        l.r[i] = l.b[i] = 0, l.g[i] = 1, l.q[i] = 1;
     const double unit = bis_microfacet_lanes.weigh(w, &b, &l, N_DRAWS, 0);
     for (uint32_t i = 0; i < N_DRAWS; i++) {
         const exact e = weigh_one(&b, &l, i, 0);
@@ -786,7 +786,7 @@ static void weights_bounds_colours_and_draws_have_the_same_bits_on_every_process
             for (uint32_t i = 0; i < N; i++) {
                 const double half = 1.2 * i / N;
                 sine[i] = (float)sin(half);
-                a.q_L[i] = b.q_L[i] = (float)cos(half);
+                a.q[i] = b.q[i] = (float)cos(half);
             }
             bis_microfacet_lanes.reach(w, &at, &a, sine, N);
             clones[c / 2]->reach(v, &at, &b, sine, N);

@@ -60,7 +60,7 @@ static void fill(const bis_lanes *l, uint32_t n, const bis_bsdf *b, uint64_t see
         l->r[i] = i % 7 == 3 ? 0 : (float)(level * bis_rng_double(&r));
         l->g[i] = i % 7 == 3 ? 0 : (float)(level * bis_rng_double(&r));
         l->b[i] = i % 7 == 3 || i % 7 == 5 ? 0 : (float)(level * bis_rng_double(&r));
-        l->q_L[i] = i % 7 == 3 ? 0 : (float)(level * (0.1 + bis_rng_double(&r))); /* a black pixel may have no density at all */
+        l->q[i] = i % 7 == 3 ? 0 : (float)(level * (0.1 + bis_rng_double(&r))); /* a black pixel may have no density at all */
     }
 }
 
@@ -81,7 +81,7 @@ static exact weigh_one(const bis_bsdf *b, const bis_lanes *l, uint32_t i, double
     const double Le[3] = {(double)l->r[i], (double)l->g[i], (double)l->b[i]};
     const double Ks[3] = {(double)m->Ks.r, (double)m->Ks.g, (double)m->Ks.b}, Kd[3] = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b};
     const double q_f = b->p_specular * lobe + (1 - b->p_specular) * fmax(0, cos_theta) * INV_PI;
-    const double q = beta * (double)l->q_L[i] + (1 - beta) * q_f;
+    const double q = beta * (double)l->q[i] + (1 - beta) * q_f;
     exact e = {.log_power = power > 0 ? log(fmax(power, 0x1p-64)) : -45, .cos_theta = cos_theta, .cos_alpha = 1 - dot(d, d) / 2};
 
     for (int c = 0; c < 3; c++) e.F[c] = (Ks[c] * (b->p_specular > 0 ? lobe : 0) + Kd[c] * INV_PI) * fmax(0, cos_theta) * Le[c];
@@ -146,7 +146,7 @@ static errors weigh_everything(const bis_bsdf_lanes *lanes, double exponent, flo
         bis_bsdf b;
         seen_from(&b, &m, degrees[k / 4 % 4]);
         fill(&l, N, &b, k);
-        for (uint32_t i = 0; k / 16 == 0 && i < N; i++) l.q_L[i] = fmaxf(l.q_L[i], FLT_MIN); /* what was drawn from the map alone has a density */
+        for (uint32_t i = 0; k / 16 == 0 && i < N; i++) l.q[i] = fmaxf(l.q[i], FLT_MIN); /* what was drawn from the map alone has a density */
         check_weights(&most, lanes, &b, &l, N, betas[k / 16]);
     }
     free_lanes(&l);
@@ -200,7 +200,7 @@ static void below_the_horizon_weights_are_0_and_nothing_is_ever_nan(void **state
             const vec3 wi = (const vec3[]){{0, 0, -1}, {1, 0, 0}, {0, -1, 0}, {0.6f, 0, -0.8f}, {0, 1, 1e-30f}, {1, 0, -1e-30f}, {0, 0, 0}, {0, 0, 1}}[i % 8];
             l.x[i] = wi.x, l.y[i] = wi.y, l.z[i] = wi.z;
             l.r[i] = l.g[i] = l.b[i] = i < 8;
-            l.q_L[i] = 0;
+            l.q[i] = 0;
         }
         bis_phong_lanes.weigh(w, &b, &l, 16, 0.5);
         for (int i = 0; i < 16; i++) assert_true(isfinite(w[i]) && w[i] >= 0 && (i == 4 || i == 7 || w[i] == 0));
@@ -237,13 +237,13 @@ static void what_reaches_a_cone_is_bounded_by_its_nearest_directions(void **stat
         const double half = i % 5 == 0 ? 0 : 1.2 * bis_rng_double(&r);
         l.x[i] = (float)(s * cos(phi)), l.y[i] = (float)(s * sin(phi)), l.z[i] = (float)z;
         l.r[i] = 0.5f, l.g[i] = 0.25f, l.b[i] = 0.25f;
-        l.q_L[i] = (float)cos(half);
+        l.q[i] = (float)cos(half);
         sine[i] = (float)sin(half);
     }
     bis_phong_lanes.reach(w, &b, &l, sine, N);
     for (uint32_t i = 0; i < N; i++) {
         const vec3 axis = direction(&l, i);
-        const double half = atan2((double)sine[i], (double)l.q_L[i]);
+        const double half = atan2((double)sine[i], (double)l.q[i]);
         const double theta = angle(b.local.z, axis) - half, alpha = angle(b.r, axis) - half;
         if (theta > PI / 2 + 1e-5) {
             assert_true(w[i] == 0);
@@ -318,7 +318,7 @@ static void a_cone_of_no_width_is_its_direction(void **state)
         const vec3 at = to_world(&b.local, vec3_from(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)));
         const double e[3] = {i % 4 == 0 || i % 4 == 3 ? 0.7 : 0, i % 4 == 1 || i % 4 == 3 ? 1.1 : 0, i % 4 > 1 ? 1.9 : 0};
         const double power = pow(fmax(0, (double)dot(b.r, at)), 10);
-        l.x[i] = at.x, l.y[i] = at.y, l.z[i] = at.z, l.q_L[i] = 1;
+        l.x[i] = at.x, l.y[i] = at.y, l.z[i] = at.z, l.q[i] = 1;
         l.r[i] = (float)e[0], l.g[i] = (float)e[1], l.b[i] = (float)e[2];
         expected[i] = 0;
         for (int c = 0; c < 3; c++) expected[i] += (Kd[c] / PI + Ks[c] * 11 / (2 * PI) * power) * e[c] * (double)dot(b.local.z, at);

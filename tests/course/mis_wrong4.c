@@ -16,7 +16,7 @@ static void add_brdf(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_
     bis_stream_points(stream, BIS_DIM_BRDF, n_brdf, u);
     for (uint32_t j = 0; j < n_brdf; j++) {
         vec3 wi;
-        if (!bis_propose_brdf(&wi, bsdf, u[j])) break;
+        if (!bis_bsdf_draw(bsdf, u[j], &wi)) break;
 
         double q_brdf, cos_theta = bis_bsdf_cos(bsdf, wi);
         if (cos_theta <= 0) continue;

@@ -92,7 +92,7 @@ static void check_samples(bool proposed, const char *what, const char *hint)
         for (int i = 0; i < DRAWS; i++) {
             vec3 w;
             const double u0 = bis_rng_double(&r), u1 = bis_rng_double(&r), u2 = bis_rng_double(&r), u[2] = {u0, u1};
-            if (!(proposed ? bis_propose_brdf(&w, &l.pt.bsdf, u) : bis_bsdf_sample(&l.pt.bsdf, u0, u1, u2, &w))) {
+            if (!(proposed ? bis_bsdf_draw(&l.pt.bsdf, u, &w) : bis_bsdf_sample(&l.pt.bsdf, u0, u1, u2, &w))) {
                 mark_wrong("nothing is drawn from a material that reflects");
             }
             const int ring = (int)((1 - (double)w.z) / 2 * RINGS), sector = (int)((atan2((double)w.y, (double)w.x) / (2 * PI) + 0.5) * SECTORS);

@@ -9,7 +9,7 @@ static double weigh(float *w, const bis_bsdf *b, const bis_lanes *y, uint32_t n,
         double q_f;
         const rgb f = bis_bsdf_f_pdf(b, wi, &q_f);
         const double phat = cos_theta * (double)(f.r * y->r[i] + f.g * y->g[i] + f.b * y->b[i]);
-        const double q = beta * (double)y->q_L[i] + (1 - beta) * q_f;
+        const double q = beta * (double)y->q[i] + (1 - beta) * q_f;
         w[i] = cos_theta > 0 && q > 0 ? (float)(phat / q) : 0;
     }
     return 1;

@@ -570,7 +570,7 @@ static void the_number_that_chose_the_lobe_is_used_again_below_1(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         vec3 wi;
         b.p_specular = cases[i].p;
-        assert_true(bis_propose_brdf(&wi, &b, (double[2]){cases[i].u, 0.375}));
+        assert_true(bis_bsdf_draw(&b, (double[2]){cases[i].u, 0.375}, &wi));
         assert_true(lobe_u[0] == cases[i].u && lobe_u[1] == 0.375 && rest_u == cases[i].rest);
         assert_true(wi.x == 0 && wi.y == 0 && wi.z == 1);
     }

@@ -11,7 +11,7 @@
  * compact, and it is known by its interval of the curve, whose length is its share of the importance. */
 #pragma once
 
-#include "bis/beyond/lanes.h"
+#include "bis/thesis/cone.h"
 #include "bis/thesis/light.h"
 
 /* A direction as in bis_lanes: Le is the radiance over the light's mean radiance. */
@@ -28,11 +28,8 @@ typedef struct bis_clusters {
     uint32_t width, side, columns;
     /* y[n][BIS_CLUSTER_DIRECTIONS]: the directions of this pass, one in each part of the cluster */
     bis_cluster_point *y;
-    /* the cones around these directions: the axis in x, y, z; the cosine of the half angle in q_L; the energy in r,
-     * g, b (radiance over the light's mean radiance, times 1/density, times share) */
-    bis_lanes cone;
-    float *sine;          /* the sine of the half angle */
-    float *memory;
+    bis_cones cone;        /* the cones around these directions */
+    float *memory;         /* what holds them */
 } bis_clusters;
 
 enum { BIS_CLUSTER_DIRECTIONS = 64, BIS_CLUSTERS = 256 /* the largest K of bis_clusters_init */ };

@@ -7,7 +7,7 @@
  * has at least 16 sets and mostly 256, so neighbours rarely share one, and the next pass has other sets. */
 #pragma once
 
-#include "bis/beyond/lanes.h"
+#include "bis/thesis/lanes.h"
 #include "bis/thesis/integrator.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/status.h"

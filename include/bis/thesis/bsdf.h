@@ -4,6 +4,7 @@
 #pragma once
 
 #include "bis/base/vec.h"
+#include "bis/thesis/cone.h"
 
 #include <stdbool.h>
 
@@ -35,6 +36,12 @@ typedef struct bis_bsdf_width {
     double value, scene_value;
 } bis_bsdf_width;
 
+/* What a material says of n directions: f over a unit in r, g, b; the cosine between wi and the normal; the density
+ * q_f of bis_bsdf_sample. Arrays hold whole blocks of lanes. */
+typedef struct bis_reflected {
+    float *r, *g, *b, *cos, *q;
+} bis_reflected;
+
 /* The functions of a model. wi and wo are unit vectors in world space that point away from the surface. One function
  * computes f and the density of `sample`, because both need the power of the lobe, which is the most expensive part
  * of each. */
@@ -50,6 +57,12 @@ struct bis_bsdf_model {
     bool of_half_vector;
     /* for --plan, `bis pixel` and `bis verify`, which describe materials */
     bis_bsdf_width (*width)(const bis_material *m);
+
+    /* The same for many directions at once, for sets of candidates (src/thesis/set.h). Each may be NULL: directions are
+     * then asked one by one, and cones are all alike. See bis_bsdf_f_many, bis_bsdf_sample_many, bis_bsdf_reach. */
+    double (*f_many)(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n);
+    void (*sample_many)(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n);
+    void (*reach)(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n);
 };
 
 /* bis_bsdf_init prepares *b for material m and direction wo. n is the shading normal. n and wo are unit vectors in
@@ -104,3 +117,22 @@ static inline double bis_bsdf_max_f_cos(const bis_bsdf *b) { return b->material-
 
 /* bis_bsdf_max_ratio returns an upper bound of f cos / pdf over all channels and all wi. */
 static inline double bis_bsdf_max_ratio(const bis_bsdf *b) { return b->material->model->max_ratio(b); }
+
+/* bis_bsdf_draw draws *wi by two numbers. u[0] selects the lobe. Rescaled to [0,1) within that lobe's interval it is
+ * uniform again, so it is used once more, with u[1], to sample the lobe. A well-spread set of points then gives each
+ * lobe its share almost exactly (E35: as unbiased as a coin, with less noise). Returns false if the material is black. */
+bool bis_bsdf_draw(const bis_bsdf *b, const double u[2], vec3 *wi);
+
+/* bis_bsdf_f_many stores f over the result, its unit, the cosine, and the density of bis_bsdf_sample for n directions
+ * in *f, to the end of the last block. Of y only x, y, z are read. With the unit, which is > 0, a material of any
+ * reflectance fits into floats. Below the horizon of wi f is not set to 0: the caller looks at the cosine. The material
+ * is not black. */
+double bis_bsdf_f_many(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n);
+
+/* bis_bsdf_sample_many stores in x, y, z of y the directions that bis_bsdf_draw draws at the points (u1, u2) in
+ * [0,1)^2, to the end of the last block. The material is not black. */
+void bis_bsdf_sample_many(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n);
+
+/* bis_bsdf_reach stores in w a bound of f cos (energy.r + energy.g + energy.b) over each of n cones, in some unit. The
+ * bound is positive wherever f cos is. The material is not black. */
+void bis_bsdf_reach(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n);

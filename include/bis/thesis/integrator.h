@@ -37,6 +37,7 @@ typedef struct bis_scratch {
     double (*u)[2];            /* [n_points] */
     uint32_t *chosen;          /* [n_chosen] */
     const bis_sets *sets;      /* borrowed; NULL: each point draws its own directions */
+    struct bis_set *set;       /* owned: the candidates side by side */
     struct bis_fast *fast;     /* borrowed; only src/beyond/batch.h looks into it; NULL: none */
 } bis_scratch;
 

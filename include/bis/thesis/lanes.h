@@ -27,10 +27,10 @@ static inline uint32_t bis_lanes_blocks(uint32_t n) { return (n + BIS_LANES_BLOC
 static inline uint32_t bis_lanes_round_up(uint32_t n) { return bis_lanes_blocks(n) * BIS_LANES_BLOCK; }
 
 /* Directions towards the light. x, y, z: the unit direction wi in world space. r, g, b: the radiance from there over
- * the light's mean radiance; this quotient fits into a float whatever the map's unit is. q_L: the light's density in
+ * the light's mean radiance; this quotient fits into a float whatever the map's unit is. q: the density in
  * 1/sr. Each array is aligned to 64 bytes. */
 typedef struct bis_lanes {
-    float *x, *y, *z, *r, *g, *b, *q_L;
+    float *x, *y, *z, *r, *g, *b, *q;
 } bis_lanes;
 
 enum { BIS_LANES_ARRAYS = 7 };

@@ -1,0 +1,36 @@
+/* cone: bounds over many directions at once, for models that say how much they can reflect from a part of the sphere. */
+#pragma once
+
+#include "bis/base/vec.h"
+#include "bis/thesis/lanes.h"
+
+/* Cones of directions with the light that comes from each: the axis, a unit vector, in x, y, z; the cosine and the sine
+ * of the half angle; the energy in r, g, b, which is the integral of Le over the cone's part of the map, over the
+ * light's mean radiance. Arrays hold whole blocks of lanes. */
+typedef struct bis_cones {
+    float *x, *y, *z, *cosine, *sine, *r, *g, *b;
+} bis_cones;
+
+enum { BIS_CONES_ARRAYS = 8 };
+
+/* bis_cones_in returns the eight arrays of n cones (a whole number of blocks) in memory[BIS_CONES_ARRAYS * n]. */
+static inline bis_cones bis_cones_in(float *memory, uint32_t n)
+{
+    const size_t m = n;
+
+    return (bis_cones){memory,         memory + m,     memory + 2 * m, memory + 3 * m,
+                       memory + 4 * m, memory + 5 * m, memory + 6 * m, memory + 7 * m};
+}
+
+/* bis_cone_cosine returns the largest cosine about a unit axis over the directions of a cone: that of the angle between
+ * the two axes less the half angle, or 1 where the axis lies within. 2^-20 is added, because rounding must not make the
+ * bound too small: each of c, s and the two products is off by less than 2^-22. */
+static inline BIS_INLINE float bis_cone_cosine(vec3 axis, float x, float y, float z, float cosine, float sine)
+{
+    const float c = axis.x * x + axis.y * y + axis.z * z, s2 = 1 - c * c;
+    const float s = sqrtf(bis_lanes_choose(s2 > 0, s2, 0));
+    const float most = c * cosine + s * sine + 0x1p-20f;
+    const float bounded = bis_lanes_choose(most < 1, most, 1);
+
+    return bis_lanes_choose(c > cosine, 1, bounded);
+}

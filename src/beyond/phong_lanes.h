@@ -1,6 +1,0 @@
-/* phong_lanes: phong.c for many directions at once; see bis/beyond/bsdf_lanes.h. */
-#pragma once
-
-#include "bis/beyond/bsdf_lanes.h"
-
-extern const bis_bsdf_lanes bis_phong_lanes;
