@@ -53,7 +53,6 @@ static const candidate CANDIDATES[] = {
     {.name = "sir em", .integrator = "sir", .proposal = BIS_PROPOSAL_EM, .stratify = true},
     {.name = "sir brdf", .integrator = "sir", .proposal = BIS_PROPOSAL_BRDF, .stratify = true},
     {.name = "sir mix", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX, .stratify = true},
-    {.name = "sir mix one by one", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX, .stratify = true, .one_by_one = true},
     {.name = "sir product", .integrator = "sir", .proposal = BIS_PROPOSAL_PRODUCT, .stratify = true},
     {.name = "sir product learned", .integrator = "sir", .proposal = BIS_PROPOSAL_PRODUCT, .stratify = true, .learn = true},
     {.name = "sir mix independent", .integrator = "sir", .proposal = BIS_PROPOSAL_MIX},
@@ -164,7 +163,6 @@ static void configure(bis_scene_desc *desc, const candidate *c)
     s.heuristic = c->heuristic;
     s.stratify = c->stratify;
     s.compensate = c->compensate;
-    s.vectorize = !c->one_by_one;
     s.learn = c->learn;
     s.samples = SAMPLES;
     s.candidates = CANDIDATES_M;

@@ -47,9 +47,9 @@ static const method methods[N_METHODS] = {
     {"mis-today", "Integrator \"mis\" \"integer samples\" %u \"bool stratify\" true \"bool compensate\" true", 0},
     {"rejection", "Integrator \"rejection\" \"integer candidates\" %u \"integer shadowrays\" %u", 1},
     {"sir-thesis", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"em\" \"string resampling\" \"multinomial\" "
-                   "\"bool stratify\" false \"bool vectorize\" false", 1},
+                   "\"bool stratify\" false", 1},
     {"sir-brdf", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"brdf\" \"string resampling\" \"multinomial\" "
-                 "\"bool stratify\" false \"bool vectorize\" false", 1},
+                 "\"bool stratify\" false", 1},
     {"sir", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u", 1},
     {"product", "Integrator \"sir\" \"integer candidates\" %u \"integer shadowrays\" %u \"string proposal\" \"product\"", 0.32},
 };

@@ -79,6 +79,15 @@ static void *new_block(size_t n, size_t size, bool zeroed)
 
 void *bis_alloc(size_t n, size_t size) { return new_block(n, size, true); }
 
+void *bis_claim(bis_claims *c, size_t n, size_t size)
+{
+    c->bytes += n * size;
+    if (c->only_count) return NULL;
+    void *p = bis_alloc(n, size);
+    c->failed |= !p;
+    return p;
+}
+
 void *bis_realloc(void *p, size_t n, size_t size)
 {
     void *grown = new_block(n, size, false);

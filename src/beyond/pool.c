@@ -20,21 +20,19 @@ uint32_t bis_pool_needs(const bis_settings *s)
     return need.n_set <= BIS_POOL_MAX_SET ? need.n_set : 0;
 }
 
-static const bis_light_point *choose(const bis_sets *sets, bis_stream *stream)
+static bis_lanes choose(const bis_sets *sets, bis_stream *stream)
 {
     const bis_pool *p = (const bis_pool *)sets; /* its first member */
     return bis_pool_set(p, bis_pool_choose(p, &stream->rng));
 }
 
-bis_status bis_pool_init(bis_pool *p, uint32_t M, bool lanes, bis_diag *diag)
+bis_status bis_pool_init(bis_pool *p, uint32_t M, bis_diag *diag)
 {
     assert(M >= 1 && M <= BIS_POOL_MAX_SET);
     const uint32_t sets = MAX_DIRECTIONS / M;
-    lanes = true; /* the one layout of a set */
     *p = (bis_pool){.sets = {choose}, .n_sets = sets < MIN_SETS ? MIN_SETS : sets > MAX_SETS ? MAX_SETS : sets, .M = M};
-    p->y = bis_alloc((size_t)p->n_sets * M, sizeof *p->y);
-    if (lanes) p->lanes = bis_alloc((size_t)p->n_sets * BIS_LANES_ARRAYS * bis_lanes_round_up(M), sizeof *p->lanes);
-    if (p->y && (p->lanes || !lanes)) return BIS_OK;
+    p->lanes = bis_alloc((size_t)p->n_sets * BIS_LANES_ARRAYS * bis_lanes_round_up(M), sizeof *p->lanes);
+    if (p->lanes) return BIS_OK;
     bis_pool_clear(p);
     return bis_error(diag, BIS_NOMEM, (bis_loc){0},
                      "no memory for %d sets of %u candidates; fewer candidates need less", MAX_SETS, (unsigned)M);
@@ -42,15 +40,13 @@ bis_status bis_pool_init(bis_pool *p, uint32_t M, bool lanes, bis_diag *diag)
 
 void bis_pool_clear(bis_pool *p)
 {
-    bis_free(p->y);
     bis_free(p->lanes);
     *p = (bis_pool){.M = 0};
 }
 
 size_t bis_pool_bytes(const bis_pool *p)
 {
-    const size_t lanes = p->lanes ? BIS_LANES_ARRAYS * bis_lanes_round_up(p->M) * sizeof *p->lanes : 0;
-    return p->n_sets * (p->M * sizeof *p->y + lanes);
+    return (size_t)p->n_sets * BIS_LANES_ARRAYS * bis_lanes_round_up(p->M) * sizeof *p->lanes;
 }
 
 /* A direction in lanes. Where there is none, in what fills the last block, Le = 0 and q = 1, so that weights are 0; so
@@ -75,21 +71,20 @@ static void draw_stratum(bis_pool *p, uint32_t i, const bis_light *light, bis_rn
     const double unit = bis_light_mean(light);
 
     for (uint32_t set = 0; set < p->n_sets; set++) {
-        bis_light_point *y = p->y + (size_t)set * p->M + i;
         const double t = bis_stratum(i, bis_rng_double(rng), p->M);
         const double u[2] = {bis_rng_double(rng), bis_rng_double(rng)};
-        const bool drawn = bis_light_sample_curve(light, t, u, y);
+        bis_light_point y;
+        const bool drawn = bis_light_sample_curve(light, t, u, &y);
         assert(drawn);
         (void)drawn;
-        if (!p->lanes) continue;
-        const bis_lanes l = bis_pool_lanes(p, set);
-        put_lane(&l, i, y, unit);
+        const bis_lanes x = bis_pool_set(p, set);
+        put_lane(&x, i, &y, unit);
     }
 }
 
 static void fill_last_block(const bis_pool *p, uint32_t set)
 {
-    const bis_lanes l = bis_pool_lanes(p, set);
+    const bis_lanes l = bis_pool_set(p, set);
 
     for (uint32_t i = p->M; i < bis_lanes_round_up(p->M); i++) put_lane(&l, i, NULL, 1);
 }
@@ -103,5 +98,5 @@ void bis_pool_fill(bis_pool *p, const bis_light *light, uint64_t seed, uint32_t 
         bis_rng_init(&rng, seed, i, pass, purpose_pool);
         draw_stratum(p, i, light, &rng);
     }
-    for (uint32_t set = 0; p->lanes && set < p->n_sets; set++) fill_last_block(p, set);
+    for (uint32_t set = 0; set < p->n_sets; set++) fill_last_block(p, set);
 }

@@ -1,47 +1,25 @@
 /* product: proposal "product", q_P(wi) = q_L(wi) s_k for wi in cluster k, s_k = (w_k/W)/share_k.
  *
  * The w_k bound the integral of f cos Le over cluster k: its energy times the largest f cos over a cone around it
- * (bis/clusters.h). n marks, equally spaced over their running sum, say how many candidates come from each cluster;
+ * (bis/beyond/clusters.h). n marks, equally spaced over their running sum, say how many candidates come from each cluster;
  * within it they are evenly spread over the directions that this pass has drawn there. The density is exact whatever
  * the bound is worth; a bound of 0 only where f cos is 0 makes it positive wherever it must be.
  * Unbiased as every proposal: each candidate, seen alone, has density q_P. Cost: a nanosecond a cluster, 10 a
  * candidate. */
 #include "product.h"
 
-#include "bis/base/mem.h"
+#include "bis/thesis/rng.h"
 
 #include <assert.h>
 
-static uint32_t most_clusters(void) { return bis_lanes_round_up(2 * BIS_CLUSTERS + 2); }
+enum { MOST_CLUSTERS = 2 * BIS_CLUSTERS + 2 };
 
-bool bis_product_init(bis_product *p, uint32_t M)
+void bis_product_claim(bis_product *p, bis_claims *claims)
 {
-    const uint32_t m = bis_lanes_round_up(M);
-
-    *p = (bis_product){.W = 0};
-    p->floats = bis_alloc(BIS_LANES_ARRAYS * (size_t)m, sizeof *p->floats);
-    p->cluster = bis_alloc(m, sizeof *p->cluster);
-    if (p->floats && p->cluster && bis_blocks_init(&p->clusters, most_clusters(), M)) {
-        p->y = bis_lanes_in(p->floats, m);
-        return true;
-    }
-    bis_product_clear(p);
-    return false;
+    bis_choice_claim(&p->clusters, bis_lanes_round_up(MOST_CLUSTERS), claims);
 }
 
-void bis_product_clear(bis_product *p)
-{
-    bis_free(p->floats);
-    bis_free(p->cluster);
-    bis_blocks_clear(&p->clusters);
-    *p = (bis_product){.W = 0};
-}
-
-size_t bis_product_bytes(uint32_t M)
-{
-    return bis_lanes_round_up(M) * (BIS_LANES_ARRAYS * sizeof(float) + sizeof(uint16_t)) +
-           bis_blocks_bytes(most_clusters(), M);
-}
+void bis_product_clear(bis_product *p) { bis_choice_clear(&p->clusters); }
 
 BIS_LANES
 static void multiply(float *restrict w, const float *restrict factor, uint32_t n)
@@ -50,11 +28,11 @@ static void multiply(float *restrict w, const float *restrict factor, uint32_t n
     for (uint32_t k = 0; k < n; k++) w[k] *= factor[k];
 }
 
-bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *h, const bis_point *pt)
+bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *h, const bis_bsdf *bsdf)
 {
-    bis_bsdf_reach(p->clusters.w, &pt->bsdf, &c->cone, c->n);
+    bis_bsdf_reach(p->clusters.w, bsdf, &c->cone, c->n);
     if (h) multiply(p->clusters.w, h, bis_lanes_round_up(c->n));
-    p->W = bis_blocks_sum(&p->clusters, bis_lanes_round_up(c->n));
+    p->W = bis_choice_sum(&p->clusters, bis_lanes_round_up(c->n));
     return p->W > 0;
 }
 
@@ -69,26 +47,27 @@ static void put(const bis_lanes *to, uint32_t i, const bis_cluster_point *y, flo
     to->q[i] = y->q_L * scale;
 }
 
-void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, double offset, double phase, uint64_t pixel)
+void bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x, uint16_t *part, uint32_t n,
+                      double offset, double phase, uint64_t pixel)
 {
     enum { D = BIS_CLUSTER_DIRECTIONS };
     const uint64_t turn = (uint64_t)(phase * (D << 16));
     const bis_cluster_point nothing = {.q_L = 1};
     uint32_t i = 0;
 
-    bis_blocks_choose_systematic(&p->clusters, n, p->W, offset);
+    bis_choose_systematic(&p->clusters, n, p->W, offset);
     for (uint32_t j = 0; j < p->clusters.n_chosen; j++) {
-        const uint32_t k = p->clusters.lane[j], times = p->clusters.times[j];
+        const uint32_t k = p->clusters.item[j], times = p->clusters.times[j];
         const bis_cluster_point *y = c->y + (size_t)k * D;
         const float scale = (float)bis_product_scale(p, c, k);
         /* evenly spread: every (D/times)-th from a random one, in 2^-16 of a direction. Each cluster begins elsewhere
          */
         const uint64_t first = bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) % ((uint64_t)D << 16) + turn;
         for (uint32_t m = 0; m < times; m++, i++) {
-            put(&p->y, i, &y[(first + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
-            p->cluster[i] = (uint16_t)k;
+            put(x, i, &y[(first + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
+            part[i] = (uint16_t)k;
         }
     }
     assert(i == n);
-    for (; i < bis_lanes_round_up(n); i++) put(&p->y, i, &nothing, 1);
+    for (; i < bis_lanes_round_up(n); i++) put(x, i, &nothing, 1);
 }

@@ -1,30 +1,33 @@
-/* product: candidates from the map where the product of light and BRDF can be large. For batch.c. */
+/* product: candidates from the map where the product of light and BRDF can be large: proposal "product". */
 #pragma once
 
 #include "bis/beyond/clusters.h"
-#include "blocks.h"
+#include "bis/thesis/bsdf.h"
+#include "thesis/choose.h"
 
-/* A thread's workspace. */
+/* A thread's workspace: the clusters, chosen by the bound of f cos Le over each, and the sum of these bounds. */
 typedef struct bis_product {
-    bis_blocks clusters; /* by the bound of f cos Le over each */
-    bis_lanes y;         /* the candidates, [M] */
-    uint16_t *cluster;   /* [M]: where they come from */
-    float *floats;
+    bis_choice clusters;
     double W;
 } bis_product;
 
-bool bis_product_init(bis_product *p, uint32_t M);
+/* bis_product_claim allocates the workspace, as claims say. */
+void bis_product_claim(bis_product *p, bis_claims *claims);
+
+/* bis_product_clear frees it. */
 void bis_product_clear(bis_product *p);
-size_t bis_product_bytes(uint32_t M);
 
-/* Weigh the clusters at pt, times h[n] unless that is NULL. False: no light can be reflected from any of them. */
-bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *h, const bis_point *pt);
+/* bis_product_weigh weighs the clusters for a material, times h[c->n] unless h is NULL. Returns false if no light can be
+ * reflected from any of them. */
+bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *h, const bis_bsdf *bsdf);
 
-/* Draw n candidates, filled up to whole blocks; their q_L is q_P = q_L s, see bis_product_scale. n <= M. offset and
- * phase are uniform in [0,1): the place of the marks over the clusters, and that of the candidates in their cluster. */
-void bis_product_draw(bis_product *p, const bis_clusters *c, uint32_t n, double offset, double phase, uint64_t pixel);
+/* bis_product_draw draws n candidates into x, filled up to whole blocks. Their density q is q_P = q_L s, with s of
+ * bis_product_scale. part[i] is the cluster from which candidate i comes. offset and phase are uniform in [0,1): the
+ * place of the marks over the clusters, and that of the candidates in their clusters. */
+void bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x, uint16_t *part, uint32_t n,
+                      double offset, double phase, uint64_t pixel);
 
-/* s of cluster k: how much more often the product draws from it than the map's importance does. */
+/* bis_product_scale returns s of cluster k: how much more often the product draws from it than the map's importance. */
 static inline double bis_product_scale(const bis_product *p, const bis_clusters *c, uint32_t k)
 {
     return (double)p->clusters.w[k] / (p->W * bis_cluster_share(c, k));

@@ -68,6 +68,7 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
         "lightpath", "randomwalk", "ambientocclusion", "function", "photonmap", "exphotonmap",    "igi",
         "irradiancecache", "simplepath", "simplevolpath",
     };
+    static const char *const older[] = {"vectorize"}; /* of bis itself, before 0.1.0 */
     bis_choice choices[BIS_COUNT(pbrt) + MAX_INTEGRATORS];
     size_t n = 0;
 
@@ -91,6 +92,7 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
         return;
     }
     p->desc->view.settings = read_settings(p, integrator);
+    if (integrator == &bis_sir) bis_params_ignore(p, older, BIS_COUNT(older));
     bis_params_end(p, "Integrator", chosen->name);
 }
 

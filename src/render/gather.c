@@ -7,6 +7,8 @@
  * V = 1 below the geometric surface, too: eq. 4.5 has no V, and unoccluded.c does the same. */
 #include "gather.h"
 
+#include "thesis/set.h"
+
 static void put_rgb(float *values, rgb c)
 {
     values[0] += c.r;
@@ -20,7 +22,7 @@ static float *place(float *values, const bis_layers *l, bis_layer layer)
     return l->first[layer] < 0 ? NULL : values + l->first[layer];
 }
 
-static rgb unoccluded(const bis_settings *settings, bis_Lo *Lo, const bis_point *pt, bis_stream *stream,
+static rgb unoccluded(const bis_settings *settings, const bis_point *pt, bis_stream *stream,
                       bis_scratch *scratch)
 {
     bis_counters ignored = {0};
@@ -31,18 +33,17 @@ static rgb unoccluded(const bis_settings *settings, bis_Lo *Lo, const bis_point 
     open.ng = open.n;
     open.counters = &ignored;
     open.later = NULL;
-    bis_seen *counted = scratch->fast->foresight.counted;
-    scratch->fast->foresight.counted = NULL; /* V = 1 is not to be learned from */
-    rgb L_ns = Lo(settings, &open, stream, scratch);
-    scratch->fast->foresight.counted = counted;
+    if (scratch->guide) scratch->guide->learns = false; /* V = 1 is not to be learned from */
+    const rgb L_ns = settings->integrator->Lo(settings, &open, stream, scratch);
+    if (scratch->guide) scratch->guide->learns = true;
     return L_ns;
 }
 
-static bool gather_light(float *L_ns, float *visibility, const bis_settings *settings, bis_Lo *Lo, const bis_point *pt,
+static bool gather_light(float *L_ns, float *visibility, const bis_settings *settings, const bis_point *pt,
                          bis_stream *stream, bis_scratch *scratch, rgb L)
 {
     if (!L_ns && !visibility) return true;
-    rgb open = unoccluded(settings, Lo, pt, stream, scratch);
+    rgb open = unoccluded(settings, pt, stream, scratch);
     if (!isfinite((float)rgb_sum(open)) || !isfinite((float)rgb_sum(L))) return false;
     if (L_ns) put_rgb(L_ns, open);
     if (visibility) {
@@ -52,7 +53,7 @@ static bool gather_light(float *L_ns, float *visibility, const bis_settings *set
     return true;
 }
 
-bool bis_gather_surface(float *values, const bis_layers *layers, const bis_settings *settings, bis_Lo *Lo,
+bool bis_gather_surface(float *values, const bis_layers *layers, const bis_settings *settings,
                         const bis_xform *to_camera, const bis_point *pt, bis_stream stream, bis_scratch *scratch, rgb L)
 {
     float *albedo = place(values, layers, BIS_LAYER_ALBEDO), *normal = place(values, layers, BIS_LAYER_NORMAL),
@@ -65,7 +66,7 @@ bool bis_gather_surface(float *values, const bis_layers *layers, const bis_setti
     }
     if (depth) *depth += bis_xform_point(to_camera, pt->p).z;
     return gather_light(place(values, layers, BIS_LAYER_UNOCCLUDED), place(values, layers, BIS_LAYER_VISIBILITY),
-                        settings, Lo, pt, &stream, scratch, L);
+                        settings, pt, &stream, scratch, L);
 }
 
 void bis_gather_counts(float *values, const bis_layers *layers, const bis_counters *before, const bis_counters *after)

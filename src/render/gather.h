@@ -1,13 +1,13 @@
 /* gather: what layers want to know of one camera sample. For the files of src/render. */
 #pragma once
 
-#include "beyond/batch.h"
 #include "bis/scene/layers.h"
 #include "bis/base/xform.h"
+#include "bis/thesis/integrator.h"
 
-/* The surface that was hit: add to values[layers->n_values], which begin as zeros. Lo, stream and scratch: as the
+/* The surface that was hit: add to values[layers->n_values], which begin as zeros. stream and scratch: as the
  * integrator had them when it made L of pt; scratch is used again. False: an L_ns that is not finite, left out. */
-bool bis_gather_surface(float *values, const bis_layers *layers, const bis_settings *settings, bis_Lo *Lo,
+bool bis_gather_surface(float *values, const bis_layers *layers, const bis_settings *settings,
                         const bis_xform *to_camera, const bis_point *pt, bis_stream stream, bis_scratch *scratch,
                         rgb L);
 

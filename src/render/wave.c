@@ -31,6 +31,7 @@ struct bis_wave {
     bis_later later; /* first: points lead to it */
     bis_wave_task task;
     bis_scratch *scratch;
+    bis_product_guide *guide;
     bis_counters *counters;
     bis_own_material *materials; /* materials[SAMPLES], or NULL: the scene has no textures */
 
@@ -96,10 +97,7 @@ static void find_points(bis_wave *w)
 /* What is known of visibility in the cell of the samples. */
 static void look_at_cell(bis_wave *w)
 {
-    bis_fast *f = w->scratch->fast;
-
-    if (f->visibility && w->n > 0)
-        bis_foresight_look(&f->foresight, f->clusters->n, f->visibility, w->cell);
+    if (w->n > 0) bis_product_guide_look(w->guide, w->cell);
 }
 
 /* Light reflected towards the eye, eq. 3.1, or what a ray sees that escapes: all but the terms of shadow rays. */
@@ -114,7 +112,7 @@ static void add_light(bis_wave *w, sample *s)
         if (w->task.desc->light.visible) L = bis_light_Le(w->task.scene->light, w->eyes[i].d);
     } else if (!bis_bsdf_is_black(&s->pt.bsdf)) {
         bis_stream stream = s->stream;
-        L = w->task.Lo(s->settings, &s->pt, &stream, w->scratch);
+        L = s->settings->integrator->Lo(s->settings, &s->pt, &stream, w->scratch);
     }
     s->L = rgbd_add(s->L, (rgbd){(double)L.r, (double)L.g, (double)L.b});
     if (s->pixel->values) bis_gather_counts(s->pixel->values, &w->task.film->layers, &before, w->counters);
@@ -131,8 +129,7 @@ static void finish(bis_wave *w, sample *s, bool hit)
         w->counters->nonfinite++;
     }
     if (hit && pixel->values &&
-        !bis_gather_surface(pixel->values, &w->task.film->layers, s->settings, w->task.Lo,
-                            w->task.to_camera, &s->pt, s->stream, w->scratch, L))
+        !bis_gather_surface(pixel->values, &w->task.film->layers, s->settings, w->task.to_camera, &s->pt, s->stream, w->scratch, L))
         w->counters->nonfinite++;
     pixel->L = rgbd_add(pixel->L, (rgbd){(double)L.r, (double)L.g, (double)L.b});
     pixel->hits += hit;
@@ -182,7 +179,8 @@ void bis_wave_add(bis_wave *w, const bis_sampler *sampler, int x, int y, uint64_
 
 /* ---- memory ---- */
 
-bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_counters *counters)
+bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_product_guide *guide,
+                       bis_counters *counters)
 {
     bis_wave *w = bis_alloc(1, sizeof *w);
 
@@ -197,6 +195,7 @@ bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_coun
     w->later.add = note_ray;
     w->task = *task;
     w->scratch = scratch;
+    w->guide = guide;
     w->counters = counters;
     return w;
 }

@@ -2,7 +2,7 @@
  * all points, all shadow rays, the sums. For pass.c and workspace.c. */
 #pragma once
 
-#include "beyond/batch.h"
+#include "beyond/guide.h"
 #include "bis/render/film.h"
 #include "bis/render/render.h"
 #include "bis/scene/scene.h"
@@ -27,14 +27,14 @@ typedef struct bis_wave_task {
     const bis_film *film;
     const bis_xform *to_camera;
     const bis_render_options *options;
-    bis_Lo *Lo;
 } bis_wave_task;
 
 /* A thread's own. */
 typedef struct bis_wave bis_wave;
 
-/* bis_wave_new allocates a thread's wave; NULL: no memory. scratch and counters are borrowed. */
-bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_counters *counters);
+/* bis_wave_new allocates a thread's wave; NULL: no memory. scratch, guide and counters are borrowed. */
+bis_wave *bis_wave_new(const bis_wave_task *task, bis_scratch *scratch, bis_product_guide *guide,
+                       bis_counters *counters);
 void bis_wave_free(bis_wave *wave);
 
 /* bis_wave_bytes returns the bytes of a wave for a scene. */

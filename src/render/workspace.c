@@ -52,14 +52,12 @@ static bis_status make_workers(bis_workspace *w, bis_diag *diag)
     w->workers = bis_alloc((size_t)w->n_threads, sizeof *w->workers);
     if (!w->workers) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %d threads", w->n_threads);
     const bis_wave_task task = {.scene = w->scene, .desc = w->desc, .view = w->view, .film = w->film,
-                                .to_camera = &w->to_camera, .options = w->options, .Lo = bis_fast_Lo(settings)};
+                                .to_camera = &w->to_camera, .options = w->options};
     for (int i = 0; i < w->n_threads && !status; i++) {
         bis_worker *worker = &w->workers[i];
         status = bis_scratch_init(&worker->scratch, settings, diag);
-        if (!status) status = bis_fast_init(&worker->fast, settings, diag);
-        worker->scratch.fast = &worker->fast;
         if (status) continue;
-        worker->wave = bis_wave_new(&task, &worker->scratch, &worker->counters);
+        worker->wave = bis_wave_new(&task, &worker->scratch, &worker->guide, &worker->counters);
         if (!worker->wave) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's camera samples");
     }
     return status;
@@ -73,32 +71,23 @@ static uint64_t pixels_of(const bis_film *f) { return (uint64_t)f->full_width * 
 static bis_status make_pool(bis_workspace *w, bis_diag *diag)
 {
     const bis_light *light = w->scene->light;
-    const bis_fast_needs needs = bis_fast_needs_of(&w->view->settings);
+    const bis_beyond_needs needs = bis_beyond_needs_of(&w->view->settings);
     bis_light_point any;
     bis_status status = BIS_OK;
 
     if ((needs.n_pool == 0 && !needs.clusters) || !w->scene->accel || bis_light_is_constant(light)) return BIS_OK;
     /* nothing to draw: the light is black, or all of it is compensated away */
     if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK;
-    if (needs.n_pool) status = bis_pool_init(&w->pool, needs.n_pool, needs.batch, diag);
+    if (needs.n_pool) status = bis_pool_init(&w->pool, needs.n_pool, diag);
     if (!status && needs.clusters) status = bis_clusters_init(&w->clusters, light, w->view->settings.candidates, diag);
     if (!status && needs.visibility)
         status = bis_visibility_init(&w->visibility, (size_t)w->n_tiles, pixels_of(w->film), diag);
     for (int i = 0; !status && i < w->n_threads; i++) {
         bis_worker *worker = &w->workers[i];
-        if (needs.n_pool) {
-            worker->scratch.sets = &w->pool.sets;
-            worker->fast.pool = &w->pool;
-        }
-        if (needs.clusters) worker->fast.clusters = &w->clusters;
-        if (worker->scratch.set) {
-            worker->scratch.set->pool = worker->fast.pool;
-            worker->scratch.set->clusters = worker->fast.clusters;
-            worker->scratch.set->foresight = &worker->fast.foresight;
-        }
-        if (!needs.visibility) continue;
-        worker->fast.visibility = &w->visibility;
-        status = bis_foresight_init(&worker->fast.foresight, w->clusters.n, diag);
+        if (needs.clusters)
+            status = bis_product_guide_init(&worker->guide, &w->clusters, needs.visibility ? &w->visibility : NULL, diag);
+        bis_scratch_share(&worker->scratch, needs.n_pool ? &w->pool.sets : NULL,
+                          needs.clusters ? &worker->guide.steps : NULL);
     }
     return status;
 }
@@ -235,7 +224,8 @@ size_t bis_workspace_bytes(const bis_workspace *w)
     const size_t n_pixels = (size_t)w->film->width * (size_t)w->film->height;
     const bis_settings *settings = &w->view->settings;
     const size_t thread =
-        sizeof *w->workers + bis_wave_bytes(w->desc) + bis_scratch_bytes(settings) + bis_fast_bytes(settings);
+        sizeof *w->workers + bis_wave_bytes(w->desc) + bis_scratch_bytes(settings) +
+        (w->clusters.n ? bis_product_guide_bytes() : 0);
 
     return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_visibility_bytes(&w->visibility) +
            bis_adapt_bytes(&w->adapt) + (size_t)w->n_threads * thread + n_pixels * pixel;
@@ -245,7 +235,7 @@ void bis_workspace_clear(bis_workspace *w)
 {
     for (int i = 0; i < w->n_threads && w->workers; i++) {
         bis_scratch_clear(&w->workers[i].scratch);
-        bis_fast_clear(&w->workers[i].fast);
+        bis_product_guide_clear(&w->workers[i].guide);
         bis_wave_free(w->workers[i].wave);
     }
     bis_pool_clear(&w->pool);

@@ -5,7 +5,7 @@
 #include "bis/render/render.h"
 
 #include "adapt.h"
-#include "beyond/batch.h"
+#include "beyond/guide.h"
 #include "edges.h"
 #include "wave.h"
 
@@ -15,7 +15,7 @@
 typedef struct bis_worker {
     alignas(64) bis_counters counters; /* of this pass */
     bis_scratch scratch;
-    bis_fast fast;
+    bis_product_guide guide; /* clusters = NULL: none */
     bis_wave *wave;
     bis_pixel_sum pixels[BIS_RENDER_TILE * BIS_RENDER_TILE]; /* of the tile at hand */
 } bis_worker;

@@ -1,6 +1,5 @@
-/* candidates: what rejection (thesis 4.3) and SIR (4.4) have in common. Draw M candidates from a proposal q and weigh
- * them against the product (eq. 4.4). Resample N of them in proportion to their weights. Trace the chosen ones. Only
- * integrators include this header. */
+/* candidates: how M candidates are divided between the map and the BRDF (thesis 4.2 to 4.4), and the bounds that
+ * rejection and this division need. Only integrators and sets include this header. */
 #pragma once
 
 #include "bis/thesis/integrator.h"
@@ -34,23 +33,3 @@ static inline uint32_t bis_one_of_set(uint32_t i, uint32_t n, uint32_t M, uint32
 {
     return (uint32_t)((((uint64_t)i << 32 | phase) * M / n) >> 32);
 }
-
-/* bis_candidates_draw draws c[M] from the proposal (em, brdf or mix), with `stratify` in the order of a space-filling
- * curve. `sets` are shared sets of M stratified directions from the map; with NULL the point draws its own. Returns
- * W, the sum of the weights, which is 0 if there is no light or no reflection. The mean of C over the candidates
- * estimates L_ns (eq. 4.5) in RGB, and W/M its intensity. */
-double bis_candidates_draw(bis_candidate *c, uint32_t M, bis_proposal proposal, bool stratify, const bis_sets *sets,
-                           const bis_point *pt, bis_stream *stream);
-
-/* bis_candidates_resample chooses N of c[M] with probabilities w/W. W > 0 is the value that bis_candidates_draw
- * returned. chosen[N] is ascending, so repeats are neighbours. A candidate of weight 0 is never chosen. */
-void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W,
-                             bis_resampling resampling, bis_stream *stream);
-
-/* bis_candidates_trace returns Z * sum_j (F/phat)(wi_j) V(wi_j) over the chosen candidates, whose weights must be >
- * 0: eq. 4.6 in RGB (docs/errata.md E6), with Z for L_ns/N. A candidate that was chosen k times in a row is traced
- * once and counts k times (E32). */
-rgbd bis_candidates_trace(const bis_point *pt, const bis_candidate *c, const uint32_t *chosen, uint32_t N, double Z);
-
-/* bis_candidates_unoccluded returns L_ns of eq. 4.5 in RGB: the mean of C. */
-rgbd bis_candidates_unoccluded(const bis_candidate *c, uint32_t M);

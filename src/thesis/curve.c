@@ -1,49 +1,21 @@
-/* curve: Hilbert's curve without a loop over its levels, and a curve of the same kind on rectangles.
- *
- * Hilbert's curve (1891) as a machine: the base-4 digits of t, from the top, select the next quadrant. Digit d = 2 a
- * + b (bits a, b) visits (x, y) = (a, a xor b): up, right, down. Within quadrant 0 the curve is mirrored at the
- * diagonal (x and y are swapped); within quadrant 3 it is mirrored at the other diagonal (swapped and both
- * complemented). Swap and complement commute. The state at a level is therefore only the parity of the swaps (d = 0
- * or 3) and the parity of the complements (d = 3) of the digits above. These are two prefix parities, and log2(32)
- * word operations compute them for all levels at once (Warren 2012, "Hacker's Delight", chapter 16). */
+/* curve: Hilbert's curve (hilbert.h) in double, and a curve of the same kind on rectangles. */
 #include "bis/thesis/curve.h"
+
+#include "hilbert.h"
 
 #include <assert.h>
 #include <stddef.h>
 
 enum { LEVELS = 26 };
 
-/* Returns every second bit of x (bits 0, 2, 4, ...), side by side. */
-static uint32_t even_bits(uint64_t x)
-{
-    x &= 0x5555555555555555u;
-    x = (x | x >> 1) & 0x3333333333333333u;
-    x = (x | x >> 2) & 0x0f0f0f0f0f0f0f0fu;
-    x = (x | x >> 4) & 0x00ff00ff00ff00ffu;
-    x = (x | x >> 8) & 0x0000ffff0000ffffu;
-    return (uint32_t)(x | x >> 16);
-}
-
-/* Bit k of the result is the parity of the bits of x above k. */
-static uint32_t parity_above(uint32_t x)
-{
-    x >>= 1;
-    x ^= x >> 1;
-    x ^= x >> 2;
-    x ^= x >> 4;
-    x ^= x >> 8;
-    return x ^ x >> 16;
-}
-
 void bis_curve_hilbert(double t, double u[2])
 {
     assert(t >= 0 && t < 1);
     const uint32_t levels = ((uint32_t)1 << LEVELS) - 1;
-    uint64_t digits = (uint64_t)(t * 0x1p52);
-    uint32_t a = even_bits(digits >> 1), b = even_bits(digits);
-    uint32_t swap = parity_above(~(a ^ b) & levels), complement = parity_above(a & b);
-    uint32_t x = a ^ (swap & b) ^ complement; /* swap ? a ^ b : a */
-    uint32_t y = x ^ b;                       /* the other one: a and a ^ b differ by b */
+    const uint64_t digits = (uint64_t)(t * 0x1p52);
+    const uint32_t high = (uint32_t)(digits >> 26), low = (uint32_t)digits & ((1u << 26) - 1); /* 13 levels each */
+    const uint32_t a = even_bits(high >> 1) << 13 | even_bits(low >> 1), b = even_bits(high) << 13 | even_bits(low);
+    const uint32_t x = hilbert_x(a, b, levels), y = hilbert_y(x, b);
     u[0] = (double)x * 0x1p-26;
     u[1] = (double)y * 0x1p-26;
 }

@@ -28,6 +28,7 @@ bis_em_samples bis_em_samples_start(uint32_t n, const bis_settings *s, bis_strea
         samples.u = scratch->u;
         bis_stream_points(stream, BIS_DIM_EM, n, samples.u);
     } else if (scratch->sets) {
+        samples.is_shared = true;
         samples.set = scratch->sets->choose(scratch->sets, stream);
     }
     return samples;
@@ -39,8 +40,11 @@ bool bis_em_sample(bis_light_point *y, const bis_em_samples *samples, uint32_t j
     double u[2];
 
     if (samples->u) return bis_propose_em(y, light, stream, samples->u[j]);
-    if (samples->set) {
-        *y = samples->set[j];
+    if (samples->is_shared) {
+        const bis_lanes *x = &samples->set;
+        *y = (bis_light_point){{x->x[j], x->y[j], x->z[j]},
+                               rgb_scale((rgb){x->r[j], x->g[j], x->b[j]}, bis_light_mean(light)),
+                               (double)x->q[j]};
         return true;
     }
     const double t = bis_stratum(j, bis_stream_random(stream), samples->n);

@@ -27,7 +27,8 @@ bool bis_propose_em(bis_light_point *y, const bis_light *light, bis_stream *stre
 typedef struct bis_em_samples {
     uint32_t n;
     double (*u)[2];             /* points; NULL: stratified */
-    const bis_light_point *set; /* a shared set, or NULL */
+    bool is_shared;
+    bis_lanes set;              /* a shared set of directions */
 } bis_em_samples;
 
 /* bis_em_samples_light_needs returns what these samples need of the light, a set of BIS_NEED_*. */

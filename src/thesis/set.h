@@ -1,78 +1,134 @@
-/* set: the M candidates of thesis 4.3 and 4.4 side by side, and the verbs that sir, rejection and unoccluded are made
- * of: draw, weigh, choose, trace.
+/* set: the M candidates of thesis 4.3 and 4.4, and the four verbs that sir, rejection and unoccluded are made of:
  *
- *     x_i ~ q,    w_i = phat(x_i)/q(x_i) h_i,    y_j = x_i with probability w_i/sum w,    sum_j Z F/(phat h) V (y_j)
+ *     draw      x_i ~ q                                            i <= M
+ *     weigh     w_i = phat(x_i)/q(x_i),  Zhat = (1/M) sum w_i      phat = F.r + F.g + F.b,  F = f cos Le
+ *     choose    y_j = x_i with probability w_i/sum w               j <= N
+ *     trace     Z sum_j F(y_j)/phat(y_j) V(y_j)
  *
- * phat = F.r + F.g + F.b, F = f cos Le. h is 1, or what earlier rays say of V (bis/beyond/visibility.h). Numbers are
- * floats in arrays, so that loops over i become vectors. Radiance is over the light's mean, f over the material's
- * `unit`; so any map and material fits a float. */
+ * The candidates lie side by side: an array for each number of a candidate. So a loop over i becomes vectors
+ * (bis/thesis/lanes.h), and 800 candidates take 1 us instead of 20. Numbers are floats, in units that keep any map and
+ * any material within a float's range: radiance is over the light's mean, f over the material's unit.
+ *
+ * A renderer may know more than the thesis: sets of directions that many points share (bis_sets), where the product can
+ * be large, and what earlier rays say of V (bis_guide). Without it all verbs are the thesis's own. */
 #pragma once
 
-#include "bis/thesis/bsdf.h"
-#include "bis/beyond/clusters.h"
-#include "bis/beyond/pool.h"
-#include "bis/beyond/visibility.h"
-#include "beyond/blocks.h"
-#include "beyond/product.h"
+#include "choose.h"
 
-typedef struct bis_set {
-    /* x_i: directions, radiance, density q_L: `map` n_map from the map, `brdf` n_brdf from the BRDF. Of a shared set of
-     * M directions, n_brdf are left out: they have weight 0 */
-    bis_lanes map, brdf, own;
-    uint32_t M, n_map, n_brdf, first_brdf, n_lanes, left_out; /* lane first_brdf + i is the BRDF's x_i; left_out: a phase */
-    double beta;             /* q = beta q_L + (1 - beta) q_f */
-    bis_blocks w;            /* the weights of all lanes; what was chosen: w.lane[j], w.times[j], j < w.n_chosen */
-    uint16_t *cluster;       /* of each lane, with proposal product */
-    double unit, mean;       /* w, C and radiance are in unit * mean */
+#include "bis/thesis/integrator.h"
 
-    bis_lanes y;             /* what was chosen: F/phat in r, g, b; h in q_L */
-    uint16_t *cluster_y;
-    double offset;           /* of systematic marks; < 0: not drawn yet */
+typedef struct bis_set bis_set;
 
-    bis_product product;
-    float *f;                /* f.r, f.g, f.b, cos, q_f of all lanes of one kind */
-    float *u1, *u2, *floats;
+/* Candidates of one kind, from the map or from the BRDF. x: directions, radiance, and the density q_L with which the
+ * map's importance would draw them. Candidate i of them is number first + i of the set. first is a multiple of a
+ * block. */
+typedef struct bis_half {
+    bis_lanes x;
+    uint32_t n, first;
+} bis_half;
+
+/* The y_j that are traced. The share of each channel, F/phat, is in r, g, b: together 1, or 0 where F is 0. */
+typedef struct bis_traced {
+    float *x, *y, *z, *r, *g, *b;
+    float *h;        /* [N]: what w was multiplied by beyond phat/q; 1 without a guide */
+    uint16_t **seen; /* [N]: what grows by 1 if light arrives, or NULL */
+} bis_traced;
+
+struct bis_set {
+    uint32_t M;
+    double beta;          /* q = beta q_L + (1 - beta) q_f for every candidate (docs/errata.md E26) */
+    bis_half map, brdf;
+    /* of a shared set of M directions, n_unused are not used. They are evenly spread from a random phase, and their
+     * weight is 0 */
+    uint32_t n_unused, phase;
+
+    bis_choice choice;    /* w_i of all candidates, and which were chosen */
+    float *F[3];          /* F over its unit and the cosine, f Le, of all candidates */
+    double unit_of_f, unit_of_Le, W; /* w is in units of both; W is the sum of the w */
+    double mark;          /* the offset of systematic marks; < 0: choose draws it */
+    bis_traced y;
+
+    /* for the steps of a guide: the pixel of the map in which a BRDF's candidate lies, and the part of the map to which
+     * each candidate belongs */
     uint32_t *pixel;
-    uint32_t capacity;
+    uint16_t *part;
 
-    /* what all points of a pass share; borrowed; NULL: none */
-    const bis_pool *pool;
-    const bis_clusters *clusters;
-    const bis_foresight *foresight;
-} bis_set;
+    bis_lanes own;        /* room for candidates from the map that this point alone draws */
+    float *u1, *u2;
+    float *floats;        /* what holds most of the arrays */
+    const bis_sets *sets; /* borrowed, as in bis_scratch */
+    struct bis_guide *guide;
+};
 
-bis_status bis_set_init(bis_set *x, const bis_settings *s, bis_diag *diag);
+/* What is known beyond the thesis. A function that is NULL leaves the thesis's own step as it is. All estimates stay
+ * unbiased, because each step says with which density, or with which factor, it was done. */
+typedef struct bis_guide bis_guide;
+struct bis_guide {
+    /* draw puts n candidates from the map into x->map, with their density in q. false: the map sends nothing that can
+     * be reflected at pt. density puts the density of such a draw into q of x->brdf */
+    bool (*draw)(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream);
+    void (*density)(bis_guide *guide, bis_set *x);
+    /* weigh multiplies each weight by h > 0; chosen stores h and seen of what was chosen */
+    void (*weigh)(bis_guide *guide, bis_set *x);
+    void (*chosen)(bis_guide *guide, bis_set *x);
+    /* has_control returns whether V's mean g is known and worth its time; expected then returns
+     * (1/M) sum_i F/q g - Z sum_j F/(phat h) g, whose mean is 0 (sir.c) */
+    bool (*has_control)(const bis_guide *guide, const bis_set *x, const bis_point *pt);
+    rgbd (*expected)(const bis_guide *guide, const bis_set *x, double Z);
+    bool learns; /* rays that are traced now are counted, so that later points know more of V */
+};
+
+/* bis_set_claim allocates what the needs of an integrator ask for, as claims say (bis/base/mem.h). */
+void bis_set_claim(bis_set *x, const bis_needs *need, bis_claims *claims);
+
+/* bis_set_clear frees the arrays. */
 void bis_set_clear(bis_set *x);
-struct bis_fast;
-void bis_set_share(bis_set *x, const struct bis_fast *f);
 
-/* Draw M candidates from s->proposal. False: there is no light, or nothing can be reflected. */
-bool bis_set_draw(bis_set *x, const bis_settings *s, bis_proposal proposal, const bis_point *pt, bis_stream *stream);
+/* bis_set_draw draws M candidates from a proposal. With `stratify` they are evenly spread, in the order of a
+ * space-filling curve (candidates.c); without, they are independent. Returns false if there is no light or nothing can
+ * be reflected; the estimate is then 0. */
+bool bis_set_draw(bis_set *x, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt,
+                  bis_stream *stream);
 
-/* Weigh them. Returns W, their sum. */
+/* bis_set_weigh weighs them: w_i = phat/q (eq. 4.8, 4.9), times h with a guide. Returns Zhat = (1/M) sum w_i. Without a
+ * guide it estimates the sum of L_ns (eq. 4.5) over its channels. */
 double bis_set_weigh(bis_set *x, const bis_point *pt);
 
-/* f, cos, q_f of the lanes from `first` on, as bis_set_weigh found them. */
-bis_reflected bis_set_reflected(const bis_set *x, uint32_t first);
+/* bis_set_weight returns w of the candidate with number i, in the unit of Zhat. It is 0 for the numbers that only fill
+ * a block. i < x->choice.n. */
+static inline double bis_set_weight(const bis_set *x, uint32_t i)
+{
+    return (double)x->choice.w[i] * x->unit_of_f * x->unit_of_Le;
+}
 
-/* Choose N by marks over the running sum of the weights, W > 0. */
-void bis_set_choose(bis_set *x, uint32_t N, double W, bis_resampling resampling, const bis_point *pt,
-                    bis_stream *stream);
-
-/* F/phat of what was chosen, for trace: bis_set_choose has done it. */
-void bis_set_gather(bis_set *x, const bis_point *pt);
-
-/* The first n of w.lane[] are chosen, each once. For rejection. */
-void bis_set_take(bis_set *x, uint32_t n);
-
-/* Is a control variate worth its while? */
-bool bis_set_has_control(const bis_set *x, const bis_point *pt);
-
-/* (1/M) sum_i F/q g - Z sum_j F/(phat h) g: what earlier rays know of V, without a ray. Its mean is 0 minus ... */
-rgbd bis_set_expected(const bis_set *x, double Z);
-
-/* (1/M) sum_i F/q: eq. 4.5. */
+/* bis_set_mean returns (1/M) sum_i F(x_i)/q(x_i): L_ns of eq. 4.5 in RGB. */
 rgbd bis_set_mean(const bis_set *x);
 
-/* L + Z sum_j F/(phat h) V over what was chosen. */
+/* bis_set_choose chooses N candidates with probabilities w_i/sum w. Zhat must be > 0. */
+void bis_set_choose(bis_set *x, uint32_t N, bis_resampling resampling, bis_stream *stream);
+
+/* bis_set_take takes the candidates that x->choice.item[n] names, once each, in the place of bis_set_choose. Their
+ * weights must be > 0. For rejection. */
+void bis_set_take(bis_set *x, uint32_t n);
+
+/* bis_set_has_control returns whether a guide knows the mean of V; bis_set_expected then returns what it is worth, see
+ * bis_guide. */
+bool bis_set_has_control(const bis_set *x, const bis_point *pt);
+rgbd bis_set_expected(const bis_set *x, double Z);
+
+/* bis_set_trace returns L + Z sum_j F(y_j)/(phat(y_j) h_j) V(y_j) over what was chosen: eq. 4.6 in RGB
+ * (docs/errata.md E6), with Z for L_ns/N. A candidate that got several marks is traced once. */
 rgbd bis_set_trace(rgbd L, const bis_set *x, const bis_point *pt, double Z);
+
+/* bis_set_half returns the half in which the candidate with number i is, and stores its place there in *at. */
+static inline const bis_half *bis_set_half(const bis_set *x, uint32_t i, uint32_t *at)
+{
+    const bis_half *half = i < x->brdf.first ? &x->map : &x->brdf;
+
+    *at = i - half->first;
+    return half;
+}
+
+/* bis_shares_sum returns the sum over i of w[i] factor[i] F(x_i)/phat(x_i) for n candidates from number `first` on.
+ * factor[i] is 1, or factor[part[i]] if factor is not NULL. first and n are whole blocks. */
+rgbd bis_shares_sum(const bis_set *x, uint32_t first, uint32_t n, const float *factor);

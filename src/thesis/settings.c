@@ -68,7 +68,6 @@ const bis_parameter bis_parameters[] = {
     {SWITCH(stratify, false), .readers = {&bis_em, &bis_mis}},
     {SWITCH(learn, false), .is_option = true, .note = "product: go where light was seen to arrive",
      .words = "with proposal product, go where earlier rays saw light arrive", .readers = {&bis_sir}},
-    {SWITCH(vectorize, true), .words = "compute many candidates at once, which is faster", .readers = {&bis_sir}},
     {.name = NULL},
 };
 /* clang-format on */

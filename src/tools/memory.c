@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 
-#include "beyond/batch.h"
+#include "beyond/guide.h"
 #include "bis/base/mem.h"
 #include "bis/render/render.h"
 #include "scene/scene_peek.h"
@@ -78,7 +78,7 @@ static double add_film(bis_memory *m, const bis_scene_desc *d)
     const double pixels = (double)f.width * f.height, all = (double)f.full_width * f.full_height;
     const bis_settings *s = &d->view.settings;
     const bool learns =
-        d->light.filename && d->n_shapes && (s->integrator == &bis_auto || bis_fast_needs_of(s).visibility);
+        d->light.filename && d->n_shapes && (s->integrator == &bis_auto || bis_beyond_needs_of(s).visibility);
     int n = 0;
 
     for (int i = 0; i < BIS_N_LAYERS; i++)

@@ -2,7 +2,7 @@
  *
  * It draws the same conclusions as scene.c from the description alone. Each line starts with what it is about, so that
  * a script finds it: "light", "geometry" and so on describe, "build" and "skip" decide. */
-#include "beyond/batch.h"
+#include "beyond/guide.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 #include "scene/scene_peek.h"
@@ -74,7 +74,7 @@ static bool learns(const bis_scene_desc *d)
 {
     if (!d->n_shapes || !d->light.filename || d->view.adaptive || d->view.settings.integrator == &bis_auto)
         return false;
-    return bis_fast_needs_of(&d->view.settings).visibility;
+    return bis_beyond_needs_of(&d->view.settings).visibility;
 }
 
 static void print_tiles(const bis_scene_desc *d, FILE *out)

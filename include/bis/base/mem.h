@@ -4,6 +4,7 @@
  * Sizes are checked for overflow before they are multiplied. Whoever allocates a block frees it with bis_free. */
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* bis_alloc returns n items of `size` bytes, zeroed and aligned to 64 bytes. Returns NULL if n*size overflows or
@@ -14,6 +15,18 @@ void *bis_alloc(size_t n, size_t size);
 /* bis_realloc grows or shrinks a block of bis_alloc to n items of `size` bytes; p may be NULL. New bytes are
  * undefined. Returns NULL on failure; the old block then still exists. */
 void *bis_realloc(void *p, size_t n, size_t size);
+
+/* The blocks that one thing holds. A function that claims them one by one serves twice: it allocates them, or with
+ * only_count it says how many bytes they would take. */
+typedef struct bis_claims {
+    size_t bytes;    /* claimed so far */
+    bool only_count; /* nothing is allocated */
+    bool failed;     /* a block could not be allocated */
+} bis_claims;
+
+/* bis_claim adds n items of `size` bytes to the claims and returns them as bis_alloc does. Returns NULL if only_count,
+ * or if memory is short; c->failed is then true. */
+void *bis_claim(bis_claims *c, size_t n, size_t size);
 
 /* bis_strdup returns a copy of the string, or NULL without memory. */
 char *bis_strdup(const char *s);

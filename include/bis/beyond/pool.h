@@ -21,10 +21,8 @@
 typedef struct bis_pool {
     bis_sets sets; /* the pool as an integrator sees it (bis_scratch) */
     uint32_t n_sets, M;
-    /* y[n_sets][M]: each set along the light's curve, one direction in each M-th part of its importance */
-    bis_light_point *y;
-    /* lanes[n_sets][BIS_LANES_ARRAYS][M, whole blocks]: the same directions for src/beyond/batch.c; NULL: not
-     * requested */
+    /* lanes[n_sets][BIS_LANES_ARRAYS][M, whole blocks]: each set along the light's curve, one direction in each M-th
+     * part of its importance; what fills the last block has no radiance */
     float *lanes;
 } bis_pool;
 
@@ -33,8 +31,8 @@ typedef struct bis_pool {
 uint32_t bis_pool_needs(const bis_settings *s);
 
 /* bis_pool_init allocates sets of M directions, 1 <= M <= BIS_POOL_MAX_SET: 256 sets, or fewer if these would hold
- * more than 2^18 directions (8 MiB). `lanes` requests the lanes, too. Errors: BIS_NOMEM. */
-bis_status bis_pool_init(bis_pool *p, uint32_t M, bool lanes, bis_diag *diag);
+ * more than 2^18 directions (7 MiB). Errors: BIS_NOMEM. */
+bis_status bis_pool_init(bis_pool *p, uint32_t M, bis_diag *diag);
 
 /* bis_pool_clear frees the pool. *p is empty afterwards. */
 void bis_pool_clear(bis_pool *p);
@@ -53,10 +51,7 @@ static inline uint32_t bis_pool_choose(const bis_pool *p, bis_rng *rng)
 }
 
 /* bis_pool_set returns the M directions of a set. */
-static inline const bis_light_point *bis_pool_set(const bis_pool *p, uint32_t set) { return p->y + (size_t)set * p->M; }
-
-/* bis_pool_lanes returns the same directions as lanes, padded with directions of zero radiance. */
-static inline bis_lanes bis_pool_lanes(const bis_pool *p, uint32_t set)
+static inline bis_lanes bis_pool_set(const bis_pool *p, uint32_t set)
 {
     const uint32_t n = bis_lanes_round_up(p->M);
     return bis_lanes_in(p->lanes + (size_t)set * BIS_LANES_ARRAYS * n, n);

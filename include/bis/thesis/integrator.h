@@ -9,36 +9,25 @@
 
 #include <stdint.h>
 
-/* A candidate direction of chapter 4. It is drawn, then weighed, and a shadow ray is traced for it if it is chosen. C
- * is its value in plain importance sampling (eq. 4.8). The sum of C's channels is w = phat/q, the weight of eq. 4.9;
- * C/w = F/phat carries the colour. Below the horizon w and C are 0. */
-typedef struct bis_candidate {
-    vec3 wi;
-    rgbd C;   /* F/q with F = f cos Le in RGB; double, because f Le alone may exceed a float */
-    double w; /* C.r + C.g + C.b */
-} bis_candidate;
-
-/* What an integrator needs of a thread's workspace: the numbers of candidates, sample points and chosen candidates.
- * n_set is the number of stratified directions from the map that one estimate takes. A renderer may offer sets of
- * this size. */
+/* What an integrator needs of a thread's workspace: the numbers of sample points, of candidates, and of candidates that
+ * are traced. n_set is the number of stratified directions from the map that one estimate takes. A renderer may offer
+ * sets of this size. */
 typedef struct bis_needs {
-    uint32_t n_candidates, n_points, n_chosen, n_set;
+    uint32_t n_points, n_candidates, n_traced, n_set;
 } bis_needs;
 
 /* Sets of n_set stratified directions from the map, which many points share. `choose` returns one of the sets. */
 typedef struct bis_sets bis_sets;
 struct bis_sets {
-    const bis_light_point *(*choose)(const bis_sets *sets, bis_stream *stream);
+    bis_lanes (*choose)(const bis_sets *sets, bis_stream *stream);
 };
 
 /* A thread's workspace. It is allocated once, before rendering. */
 typedef struct bis_scratch {
-    bis_candidate *candidates; /* [n_candidates] */
-    double (*u)[2];            /* [n_points] */
-    uint32_t *chosen;          /* [n_chosen] */
-    const bis_sets *sets;      /* borrowed; NULL: each point draws its own directions */
-    struct bis_set *set;       /* owned: the candidates side by side */
-    struct bis_fast *fast;     /* borrowed; only src/beyond/batch.h looks into it; NULL: none */
+    double (*u)[2];           /* [n_points] */
+    struct bis_set *set;      /* the candidates of chapter 4 (src/thesis/set.h); NULL: n_candidates = 0 */
+    const bis_sets *sets;     /* borrowed; NULL: each point draws its own directions */
+    struct bis_guide *guide;  /* borrowed; what is known beyond the thesis (src/thesis/set.h); NULL: nothing */
 } bis_scratch;
 
 struct bis_integrator {
@@ -56,8 +45,11 @@ struct bis_integrator {
     rgb (*Lo)(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch);
 };
 
-/* bis_scratch_init allocates what the integrator of s needs. Errors: BIS_NOMEM. */
+/* bis_scratch_init allocates what the integrator of s needs. sets and guide are NULL. Errors: BIS_NOMEM. */
 bis_status bis_scratch_init(bis_scratch *scratch, const bis_settings *s, bis_diag *diag);
+
+/* bis_scratch_share lets the workspace use what other points or threads use, too. Both are borrowed and may be NULL. */
+void bis_scratch_share(bis_scratch *scratch, const bis_sets *sets, struct bis_guide *guide);
 
 /* bis_scratch_clear frees the workspace. */
 void bis_scratch_clear(bis_scratch *scratch);

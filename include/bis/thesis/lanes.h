@@ -163,8 +163,3 @@ static inline BIS_INLINE float bis_lanes_atan2(float y, float x)
     a = bis_lanes_choose(x < 0, 3.14159265f - a, a);
     return bis_lanes_choose(y < 0, -a, a);
 }
-
-/* bis_lanes_points stores n stratified points, one in each n-th part of Hilbert's curve over the unit square, in the
- * order of the curve, as a function of key. It writes u1[n] and u2[n] to the end of their last blocks. The numbers
- * have 24 bits. */
-void bis_lanes_points(float *u1, float *u2, uint32_t n, uint64_t key);

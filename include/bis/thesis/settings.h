@@ -47,7 +47,7 @@ typedef struct bis_settings {
     bis_estimator estimator;
     bis_fallback fallback;
     double split;
-    bool compensate, stratify, learn, vectorize;
+    bool compensate, stratify, learn;
     bool only_sir;       /* auto: choose only among the settings of sir */
     unsigned as_printed; /* all: BIS_E* of bis/thesis/errata.h, the equations to follow as printed; 0: none */
 } bis_settings;

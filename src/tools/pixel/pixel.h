@@ -86,7 +86,8 @@ bis_status bis_pixel_method_run(bis_pixel_method *m, const bis_point *pt, const 
 
 /* A candidate, taken apart: q_L and q_f are the proposals' own densities, q that by which it was weighed. */
 typedef struct bis_pixel_candidate {
-    bis_candidate x;
+    vec3 wi;
+    double w;            /* the weight, phat/q */
     bool from_map;       /* else from the BRDF */
     double q_L, q_f, q;  /* 1/sr; NAN where the weight is 0: then its direction is not known */
     double product;      /* phat = f cos Le, r+g+b */

@@ -46,9 +46,9 @@ static void write_candidates(FILE *f, const bis_pixel_report *r)
     for (uint32_t i = 0; i < c->M; i++) {
         const bis_pixel_candidate *q = &c->c[i];
         fprintf(f, "%u,%s", (unsigned)i, isnan(c->share_em) ? "" : q->from_map ? "map" : "brdf");
-        if (q->x.w > 0) put_direction(f, r, q->x.wi);
+        if (q->w > 0) put_direction(f, r, q->wi);
         else fputs(",,,,,", f);
-        BIS_CSV(f, q->q_L, q->q_f, q->q, q->product, q->x.w, c->W > 0 ? q->x.w / c->W : 0);
+        BIS_CSV(f, q->q_L, q->q_f, q->q, q->product, q->w, c->W > 0 ? q->w / c->W : 0);
         fprintf(f, ",%u,%s\n", (unsigned)q->chosen, q->chosen == 0 ? "" : q->seen ? "1" : "0");
     }
 }

@@ -343,9 +343,9 @@ static void draw_candidates(FILE *page, size_t k, const bis_pixel_figure *fig)
         for (uint32_t i = 0; i < c->M; i++) {
             const bis_pixel_candidate *q = &c->c[i];
             double x, y;
-            if (q->x.w <= 0 || (q->chosen > 0) != chosen) continue;
-            const double radius = fmin(fmax(2.4 * sqrt(q->x.w / c->W * c->M), 0.9), 9);
-            place_of(&x, &y, fig, q->x.wi);
+            if (q->w <= 0 || (q->chosen > 0) != chosen) continue;
+            const double radius = fmin(fmax(2.4 * sqrt(q->w / c->W * c->M), 0.9), 9);
+            place_of(&x, &y, fig, q->wi);
             draw_dot(page, x0 + x, y0 + y, radius, q->from_map ? seen_colour() : brdf_colour(), true);
             if (chosen) bis_svg_ring(page, x0 + x, y0 + y, radius + 3, 1.5, paper());
         }

@@ -1,10 +1,8 @@
 /* pixel_rays: what a method does in one pixel: the candidates of SIR with their weights, and the shadow rays of any
  * integrator.
  *
- * The candidates are what src/thesis/sir.c leaves in its workspace after one estimate, so that what is shown is what
- * sir does, equations as printed included. Which of them came from the map is not written on a candidate, but its
- * density is: q = phat/w, and q = beta q_L + (1 - beta) q_f has one unknown, which the candidate tells best for which
- * q_L and q_f differ most. The first beta M are from the map.
+ * The candidates are what src/thesis/sir.c leaves in its set after one estimate, so that what is shown is what sir does,
+ * equations as printed included.
  *
  * Shadow rays are overheard: the point gets an accelerator that asks the real one and writes down question and answer.
  * So no integrator needs to know that it is watched, and a new one is shown without a line of code. A candidate chosen
@@ -13,10 +11,9 @@
 
 #include "base/grow.h"
 
-#include "thesis/as_printed.h"
 #include "thesis/candidates.h"
 #include "thesis/proposal.h"
-#include "thesis/sir.h"
+#include "thesis/set.h"
 
 double bis_pixel_product(const bis_point *pt, vec3 wi)
 {
@@ -30,61 +27,52 @@ double bis_pixel_product(const bis_point *pt, vec3 wi)
 static bool resolve_q(bis_pixel_candidate *c, const bis_point *pt)
 {
     c->q_L = c->q_f = c->q = (double)NAN;
-    if (c->x.w <= 0) return false;
-    c->product = bis_pixel_product(pt, c->x.wi);
-    c->q_L = bis_light_pdf(pt->light, c->x.wi);
-    c->q_f = bis_bsdf_pdf(&pt->bsdf, c->x.wi);
-    c->q = c->product / c->x.w;
+    if (c->w <= 0) return false;
+    c->product = bis_pixel_product(pt, c->wi);
+    c->q_L = bis_light_pdf(pt->light, c->wi);
+    c->q_f = bis_bsdf_pdf(&pt->bsdf, c->wi);
+    c->q = c->product / c->w;
     return true;
 }
 
-/* beta of the mixture, NAN where no candidate tells, and where q is another mixture. */
-static double share_of_map(const bis_pixel_candidates *c, bis_proposal proposal, const bis_point *pt)
+/* Copies the candidates of one half to c[n...] and returns the number of all. */
+static uint32_t copy_half(bis_pixel_candidates *c, uint32_t n, const bis_set *x, const bis_half *half)
 {
-    double best = 0, beta = (double)NAN;
-
-    if (proposal == BIS_PROPOSAL_EM) return 1;
-    if (proposal == BIS_PROPOSAL_BRDF || bis_light_is_constant(pt->light)) return 0;
-    if (c->M == 1 || (proposal != BIS_PROPOSAL_MIX && proposal != BIS_PROPOSAL_PRODUCT)) return beta;
-    for (uint32_t i = 0; i < c->M; i++) {
-        const bis_pixel_candidate *x = &c->c[i];
-        if (x->x.w <= 0) continue;
-        const double difference = fabs(x->q_L - x->q_f) / (x->q_L + x->q_f);
-        if (difference <= best) continue;
-        best = difference;
-        beta = (x->q - x->q_f) / (x->q_L - x->q_f);
+    for (uint32_t i = 0; i < half->n; i++) {
+        c->c[n++] = (bis_pixel_candidate){.wi = {half->x.x[i], half->x.y[i], half->x.z[i]},
+                                          .w = bis_set_weight(x, half->first + i),
+                                          .from_map = half == &x->map};
     }
-    return round(beta * c->M) / c->M; /* q is rounded, n_em/M is not */
+    return n;
 }
 
-static void sum_up(bis_pixel_candidates *c, bis_proposal proposal, const bis_point *pt)
+static void sum_up(bis_pixel_candidates *c, const bis_set *x, const bis_point *pt)
 {
     for (uint32_t i = 0; i < c->M; i++) {
-        const double w = c->c[i].x.w;
+        const double w = c->c[i].w;
         c->positive += resolve_q(&c->c[i], pt);
+        c->W += w;
         c->square_sum += w * w;
         c->largest = fmax(c->largest, w);
     }
-    if (c->W <= 0) {
-        c->share_em = (double)NAN;
-        return;
-    }
+    c->share_em = c->W > 0 ? x->beta : (double)NAN;
+    if (c->W <= 0) return;
     c->ess = c->W / c->square_sum * c->W;
     c->largest /= c->W;
-    c->share_em = share_of_map(c, proposal, pt);
-    for (uint32_t i = 0; i < c->M; i++) c->c[i].from_map = i < c->share_em * c->M;
 }
 
-/* Counts how often each candidate was chosen, and asks once more which of them see the light. */
-static void count_chosen(bis_pixel_candidates *c, const bis_point *pt, const bis_scratch *scratch)
+/* Counts how often each candidate was chosen, and asks once more which of them see the light. The candidates of the
+ * BRDF follow those of the map without a gap. */
+static void count_chosen(bis_pixel_candidates *c, const bis_point *pt, const bis_set *x)
 {
-    for (uint32_t j = 0; j < c->N; j++) c->c[scratch->chosen[j]].chosen++;
-    for (uint32_t i = 0; i < c->M; i++) {
-        bis_pixel_candidate *x = &c->c[i];
-        if (x->chosen == 0) continue;
-        x->seen = bis_point_sees(pt, x->x.wi);
+    for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
+        uint32_t i;
+        const bis_half *half = bis_set_half(x, x->choice.item[j], &i);
+        bis_pixel_candidate *y = &c->c[half == &x->map ? i : x->map.n + i];
+        y->chosen = x->choice.times[j];
+        y->seen = bis_point_sees(pt, y->wi);
         c->distinct++;
-        if (x->seen) c->seen += x->chosen;
+        if (y->seen) c->seen += y->chosen;
     }
 }
 
@@ -101,12 +89,14 @@ bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *p
         status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u candidates", (unsigned)c->M);
         goto done;
     }
-    c->L = bis_sir_estimate(s, pt, stream, &scratch, &c->W);
-    for (uint32_t i = 0; c->W > 0 && i < c->M; i++) c->c[i].x = scratch.candidates[i];
-    sum_up(c, s->proposal, pt);
+    const rgb L = bis_sir.Lo(s, pt, stream, &scratch);
+    const bis_set *x = scratch.set;
+    c->L = (rgbd){(double)L.r, (double)L.g, (double)L.b};
+    copy_half(c, copy_half(c, 0, x, &x->map), x, &x->brdf);
+    sum_up(c, x, pt);
     if (c->W <= 0) goto done;
-    c->L_ns = bis_candidates_unoccluded(scratch.candidates, c->M);
-    count_chosen(c, pt, &scratch);
+    c->L_ns = bis_set_mean(x);
+    count_chosen(c, pt, x);
 done:
     bis_scratch_clear(&scratch);
     return status;

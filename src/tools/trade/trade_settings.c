@@ -49,7 +49,6 @@ static const recipe recipes[] = {
     {"sir", 256, 16, "product", true},
     {"sir", 256, 16, "product learned", true},
     {"sir", 256, 16, "independent", false},
-    {"sir", 256, 16, "one by one", false},
     {"sir", 256, 16, "b=0", false},
     {"sir", 256, 16, "b=0.5", false},
 };
@@ -99,7 +98,6 @@ static bis_trade_setting setting_of(const recipe *r, double scenes_b)
     if (is_variant(r, "product") || is_variant(r, "product learned")) s.settings.proposal = BIS_PROPOSAL_PRODUCT;
     if (is_variant(r, "product learned")) s.settings.learn = true;
     if (is_variant(r, "stratified")) s.settings.stratify = true;
-    if (is_variant(r, "one by one")) s.settings.vectorize = false;
     if (is_variant(r, "independent")) {
         s.settings.stratify = false;
         s.settings.resampling = BIS_RESAMPLING_MULTINOMIAL;

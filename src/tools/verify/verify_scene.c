@@ -9,7 +9,6 @@
  * maps, none beyond 2^24 patches. */
 #include "verify.h"
 
-#include "beyond/batch.h"
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 
@@ -116,13 +115,12 @@ static bis_settings unbiased(bis_settings s)
     return s;
 }
 
-/* All integrators by their defaults, but not the scene's own unless with_own: it then keeps its numbers. */
-static size_t make_settings(bis_settings list[BIS_VERIFY_MAX_INTEGRATORS], const bis_settings *own, bool with_own)
+/* All integrators by their defaults; the scene's own keeps its numbers. */
+static size_t make_settings(bis_settings list[BIS_VERIFY_MAX_INTEGRATORS], const bis_settings *own)
 {
     size_t n = 0;
     for (int i = 0; bis_integrators[i] && n < BIS_VERIFY_MAX_INTEGRATORS; i++) {
         const bool is_own = bis_integrators[i] == own->integrator;
-        if (is_own && !with_own) continue;
         list[n] = unbiased(is_own ? *own : bis_settings_default(bis_integrators[i]));
         list[n++].as_printed = own->as_printed;
     }
@@ -181,9 +179,7 @@ static bis_status check_view(bis_verify *v, const bis_scene *scene, const bis_sc
         return BIS_OK;
     }
     bis_status status = bis_verify_picture(v, bis_render, scene, desc, &rendered, &is_rendered, diag);
-    /* the vector path does not call Lo: its points would show what is not rendered */
-    const bool with_own = !is_rendered || !bis_fast_needs_of(&rendered).batch;
-    const size_t n = make_settings(settings, own, with_own);
+    const size_t n = make_settings(settings, own);
     const double patches = (double)bis_light_patches(scene->light);
     for (int k = 0; k < MAX_TRIES && n_pixels < n_wanted && !status; k++) {
         if (visits > 0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;

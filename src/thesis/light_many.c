@@ -1,10 +1,10 @@
-/* map_lanes: bis_envmap_pixel for many directions at once: 2 ns each with AVX-512 instead of 60.
+/* light_many: bis_envmap_pixel for many directions at once: 2 ns each with AVX-512 instead of 60.
  *
  * In float: theta and phi are off by less than 1e-6, so a direction that close to a pixel's edge may be given to the
  * neighbour (a thousandth of a pixel in a map 8192 wide). Who asks takes radiance and density from the same pixel, so
  * that all that is wrong is the direction, by less than a microradian. */
 #include "bis/thesis/importance.h"
-#include "map_lanes.h"
+#include "light_many.h"
 
 #include <assert.h>
 

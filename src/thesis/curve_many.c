@@ -1,7 +1,10 @@
-/* lanes: stratified points for many directions at once. Hilbert's curve as in curve.c, 12 levels instead of 26; below
+/* curve_many: stratified points for many directions at once. Hilbert's curve as in curve.c, 12 levels instead of 26; below
  * its last cells, 2^-12 wide, the place is random. Cost: 2 ns a point with AVX-512. */
-#include "bis/thesis/lanes.h"
+#include "curve_many.h"
 
+#include "hilbert.h"
+
+#include "bis/thesis/lanes.h"
 #include "bis/thesis/rng.h"
 
 #include <stdbool.h>
@@ -14,26 +17,6 @@ static inline uint32_t mixed(uint32_t x)
     x ^= x >> 15;
     x *= 0x846ca68bu;
     return x ^ x >> 16;
-}
-
-/* Every second bit of the 24, side by side. */
-static inline uint32_t even_bits(uint32_t x)
-{
-    x &= 0x555555u;
-    x = (x | x >> 1) & 0x333333u;
-    x = (x | x >> 2) & 0x0f0f0fu;
-    x = (x | x >> 4) & 0x00ff00ffu;
-    return (x | x >> 8) & 0xfffu;
-}
-
-/* Bit k: parity of the 12 bits of x above k. */
-static inline uint32_t parity_above(uint32_t x)
-{
-    x >>= 1;
-    x ^= x >> 1;
-    x ^= x >> 2;
-    x ^= x >> 4;
-    return x ^ x >> 8;
 }
 
 static inline float unit_float(uint32_t bits24) { return (float)(int32_t)bits24 * 0x1p-24f; }
@@ -53,8 +36,7 @@ static inline BIS_INLINE void points_as(float *u1, float *u2, uint32_t n, uint32
         const float within = before + unit_float(mixed(i ^ key1) >> 8) * size;
         const uint32_t t24 = i * whole + (uint32_t)(int32_t)within, digits = t24 < last ? t24 : last;
         const uint32_t a = even_bits(digits >> 1), b = even_bits(digits);
-        const uint32_t swap = parity_above(~(a ^ b) & 0xfffu), complement = parity_above(a & b);
-        const uint32_t x = a ^ (swap & b) ^ complement, y = x ^ b;
+        const uint32_t x = hilbert_x(a, b, 0xfffu), y = hilbert_y(x, b);
         const uint32_t place = mixed(i ^ key2);
 
         u1[i] = unit_float(x << 12 | place >> 20);
@@ -69,7 +51,7 @@ static void points(float *u1, float *u2, uint32_t n, uint32_t padded, uint32_t k
     else points_as(u1, u2, n, padded, key1, key2, true);
 }
 
-void bis_lanes_points(float *u1, float *u2, uint32_t n, uint64_t key)
+void bis_curve_points(float *u1, float *u2, uint32_t n, uint64_t key)
 {
     const uint64_t keys = bis_hash(key);
 

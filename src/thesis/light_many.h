@@ -1,4 +1,4 @@
-/* map_lanes: what a map says of many directions at once: pixel, radiance, density. */
+/* light_many: what a map says of many directions at once: pixel, radiance, density. */
 #pragma once
 
 #include "bis/thesis/lanes.h"

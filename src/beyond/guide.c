@@ -1,0 +1,158 @@
+/* guide: the steps of a set where more is known than the thesis says.
+ *
+ * draw: candidates come from where the product can be large (product.c), which pays where the lobe is narrow and the
+ * light spotty.
+ *
+ * weigh, chosen: earlier rays have learned V (bis/beyond/visibility.h). The weights are multiplied by h, which sends
+ * rays where V is uncertain.
+ *
+ * expected: the mean g of V is known for the neighbourhood of the pixel, and serves as a control variate:
+ *     L = (1/M) sum_i F_i/q_i g_i + (Zhat/N) sum_j F/(phat h) (V - g),    Zhat = (1/M) sum_i phat_i h_i/q_i,
+ * where the first sum needs no rays. Whatever g and h are, the mean of the second sum is that of F (V - g), so that the
+ * estimate is unbiased. It may be below 0 where little light arrives, because g promised more. (Clarberg and
+ * Akenine-Moller 2008 use visibility as a control variate in the same way.) */
+#include "guide.h"
+
+#include "thesis/proposal.h"
+
+bis_beyond_needs bis_beyond_needs_of(const bis_settings *s)
+{
+    const bool is_sir = s->integrator == &bis_sir || s->integrator == &bis_auto;
+    const bool product = is_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->stratify && !s->as_printed;
+
+    return (bis_beyond_needs){
+        .n_pool = bis_pool_needs(s), .clusters = product, .visibility = product && s->learn};
+}
+
+/* ---- proposal "product" ---- */
+
+static bool draw(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
+{
+    bis_product_guide *g = (bis_product_guide *)guide;
+    double marks[1][2], phase[1][2]; /* over the camera samples of a pixel evenly spread */
+
+    if (!bis_product_weigh(&g->product, g->clusters, g->foresight.h, &pt->bsdf)) return false;
+    bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
+    bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
+    bis_product_draw(&g->product, g->clusters, &x->own, x->part, n, marks[0][0], phase[0][0], stream->pixel);
+    x->map = (bis_half){x->own, n, 0};
+    x->mark = marks[0][1];
+    return true;
+}
+
+static void density(bis_guide *guide, bis_set *x)
+{
+    const bis_product_guide *g = (const bis_product_guide *)guide;
+
+    for (uint32_t i = 0; i < x->brdf.n; i++) {
+        const uint32_t k = bis_cluster_of_pixel(g->clusters, x->pixel[i]);
+        x->part[x->brdf.first + i] = (uint16_t)k;
+        x->brdf.x.q[i] *= (float)bis_product_scale(&g->product, g->clusters, k);
+    }
+}
+
+/* ---- learned visibility ---- */
+
+static void weigh_half(bis_set *x, const bis_half *half, const float *h)
+{
+    const uint16_t *part = x->part + half->first;
+    float *w = x->choice.w + half->first;
+
+    for (uint32_t i = 0; i < half->n; i++) w[i] *= h[part[i]];
+}
+
+static void weigh(bis_guide *guide, bis_set *x)
+{
+    const float *h = ((const bis_product_guide *)guide)->foresight.h;
+
+    weigh_half(x, &x->map, h);
+    weigh_half(x, &x->brdf, h);
+}
+
+static void chosen(bis_guide *guide, bis_set *x)
+{
+    const bis_product_guide *g = (const bis_product_guide *)guide;
+
+    for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
+        const uint32_t k = x->part[x->choice.item[j]];
+        x->y.h[j] = g->foresight.h[k];
+        x->y.seen[j] = guide->learns ? bis_foresight_count(&g->foresight, k, g->clusters->n) : NULL;
+    }
+}
+
+/* Not under a mirror's lobe alone: it sees few clusters, which the marks divide well enough. */
+static bool has_control(const bis_guide *guide, const bis_set *x, const bis_point *pt)
+{
+    const bis_product_guide *g = (const bis_product_guide *)guide;
+
+    return g->foresight.knows && x->brdf.n == 0 && !rgb_is_black(pt->bsdf.material->Kd);
+}
+
+/* Z times the sum of F/(phat h) g over what was chosen. */
+static rgbd control_of_chosen(const bis_product_guide *g, const bis_set *x, double Z)
+{
+    rgbd sum = {0, 0, 0};
+
+    for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
+        const float control = g->foresight.control[x->part[x->choice.item[j]]];
+        const rgbd share = {(double)x->y.r[j], (double)x->y.g[j], (double)x->y.b[j]};
+        sum = rgbd_add(sum, rgbd_scale(share, Z * x->choice.times[j] * (double)control));
+    }
+    return sum;
+}
+
+/* w g/h is F/q g: the weight is phat h/q. The result is a float, because where rays are only noted (bis_point_add) it is
+ * one, and the bits must be the same. */
+static rgbd expected(const bis_guide *guide, const bis_set *x, double Z)
+{
+    const bis_product_guide *g = (const bis_product_guide *)guide;
+    const rgbd all = bis_shares_sum(x, 0, bis_lanes_round_up(x->map.n), g->foresight.control);
+    const rgbd mean = rgbd_scale(all, x->unit_of_f * x->unit_of_Le / x->M), chosen_only = control_of_chosen(g, x, Z);
+    const rgb L = rgbd_round(rgbd_add(mean, rgbd_scale(chosen_only, -1)));
+
+    return (rgbd){(double)L.r, (double)L.g, (double)L.b};
+}
+
+/* ---- a thread's guide ---- */
+
+bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clusters, bis_visibility *visibility,
+                                  bis_diag *diag)
+{
+    bis_claims claims = {0};
+    bis_status status = BIS_OK;
+
+    *g = (bis_product_guide){
+        .steps = {.draw = draw, .density = density, .learns = true}, .clusters = clusters, .visibility = visibility};
+    bis_product_claim(&g->product, &claims);
+    if (claims.failed) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's clusters");
+    if (!status && visibility) {
+        status = bis_foresight_init(&g->foresight, clusters->n, diag);
+        g->steps.weigh = weigh;
+        g->steps.chosen = chosen;
+        g->steps.has_control = has_control;
+        g->steps.expected = expected;
+    }
+    if (status) bis_product_guide_clear(g);
+    return status;
+}
+
+void bis_product_guide_clear(bis_product_guide *g)
+{
+    bis_product_clear(&g->product);
+    bis_foresight_clear(&g->foresight);
+    *g = (bis_product_guide){.clusters = NULL};
+}
+
+size_t bis_product_guide_bytes(void)
+{
+    bis_claims claims = {.only_count = true};
+    bis_product p;
+
+    bis_product_claim(&p, &claims);
+    return claims.bytes;
+}
+
+void bis_product_guide_look(bis_product_guide *g, size_t cell)
+{
+    if (g->visibility) bis_foresight_look(&g->foresight, g->clusters->n, g->visibility, cell);
+}

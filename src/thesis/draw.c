@@ -1,0 +1,125 @@
+/* draw: M candidates x_i ~ q, from the map, from the BRDF, or from both (candidates.c says how many of each).
+ *
+ * From the map they are drawn for this point alone, or taken from a set that many points share, or drawn by a guide.
+ * Stratified candidates take one direction in each equal part of the importance along the map's curve. Those of the
+ * BRDF take one in each equal part of Hilbert's curve over (u1, u2). Independent ones take plain random numbers. */
+#include "set.h"
+
+#include "candidates.h"
+#include "curve_many.h"
+#include "light_many.h"
+#include "proposal.h"
+
+#include "bis/thesis/curve.h"
+
+#include <float.h>
+
+/* Candidate i. Where there is none, Le = 0 and q = 1, so that its weight is 0. So it is with a density below FLT_MIN,
+ * which is drawn once in 10^37. */
+static void put(const bis_lanes *x, uint32_t i, const bis_light_point *y, double unit_of_Le)
+{
+    const bis_light_point p = y && y->pdf >= (double)FLT_MIN ? *y : (bis_light_point){.pdf = 1};
+
+    x->x[i] = p.wi.x;
+    x->y[i] = p.wi.y;
+    x->z[i] = p.wi.z;
+    x->r[i] = (float)((double)p.Le.r / unit_of_Le);
+    x->g[i] = (float)((double)p.Le.g / unit_of_Le);
+    x->b[i] = (float)((double)p.Le.b / unit_of_Le);
+    x->q[i] = (float)p.pdf;
+}
+
+/* One of n independent points. If n = 1, it is the set of one point that plain importance sampling uses, because M = N
+ * = 1 must give the same direction (E24). */
+static void independent_point(double u[2], bis_stream *stream, unsigned dim, uint32_t n)
+{
+    double set[1][2];
+
+    if (n == 1) bis_stream_points(stream, dim, 1, set);
+    u[0] = n == 1 ? set[0][0] : bis_stream_random(stream);
+    u[1] = n == 1 ? set[0][1] : bis_stream_random(stream);
+}
+
+static bool draw_one_of_map(bis_light_point *y, uint32_t i, uint32_t n, bool stratify, const bis_light *light,
+                            bis_stream *stream)
+{
+    double u[2];
+
+    if (!stratify) {
+        independent_point(u, stream, BIS_DIM_EM, n);
+        return bis_propose_em(y, light, stream, u);
+    }
+    const double t = bis_stratum(i, bis_stream_random(stream), n);
+    u[0] = bis_stream_random(stream);
+    u[1] = bis_stream_random(stream);
+    return bis_light_sample_curve(light, t, u, y);
+}
+
+static void draw_map(bis_set *x, uint32_t n, bool stratify, const bis_light *light, bis_stream *stream)
+{
+    bis_light_point y;
+
+    for (uint32_t i = 0; i < n; i++) {
+        const bool drawn = draw_one_of_map(&y, i, n, stratify, light, stream);
+        put(&x->own, i, drawn ? &y : NULL, x->unit_of_Le);
+    }
+    for (uint32_t i = n; i < bis_lanes_round_up(n); i++) put(&x->own, i, NULL, 1);
+    x->map = (bis_half){x->own, n, 0};
+}
+
+/* A set has M directions; the n_brdf that the BRDF gets of M are not used. */
+static void draw_shared(bis_set *x, uint32_t n_brdf, bis_stream *stream)
+{
+    x->map = (bis_half){x->sets->choose(x->sets, stream), x->M, 0};
+    x->n_unused = n_brdf;
+    x->phase = (uint32_t)(bis_rng_u64(&stream->rng) >> 32);
+}
+
+/* The largest float below 1: a double just below 1 would round to 1. */
+static float below_1(double u) { return fminf((float)u, 0x1.fffffep-1f); }
+
+static void draw_brdf(bis_set *x, uint32_t n, bool stratify, const bis_point *pt, bis_stream *stream)
+{
+    const uint32_t padded = bis_lanes_round_up(n);
+
+    if (stratify) {
+        bis_curve_points(x->u1, x->u2, n, bis_rng_u64(&stream->rng));
+    } else {
+        for (uint32_t i = 0; i < n; i++) {
+            double u[2];
+            independent_point(u, stream, BIS_DIM_BRDF, n);
+            x->u1[i] = below_1(u[0]);
+            x->u2[i] = below_1(u[1]);
+        }
+        for (uint32_t i = n; i < padded; i++) x->u1[i] = x->u2[i] = 0;
+    }
+    bis_bsdf_sample_many(&x->brdf.x, &pt->bsdf, x->u1, x->u2, n);
+    bis_light_look(pt->light, &x->brdf.x, x->pixel, n);
+    x->brdf.n = n;
+}
+
+bool bis_set_draw(bis_set *x, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt,
+                  bis_stream *stream)
+{
+    x->M = M;
+    x->map.n = x->brdf.n = x->n_unused = x->choice.n = x->choice.n_chosen = 0;
+    if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return false;
+    pt->counters->candidates += M;
+    const bis_mixture m = bis_candidates_divide(M, proposal, pt, stream);
+    const bool guided = x->guide && x->guide->draw && m.n_em > 0;
+
+    x->beta = m.beta;
+    x->unit_of_Le = bis_light_mean(pt->light);
+    x->mark = -1;
+    if (guided) {
+        if (!x->guide->draw(x->guide, x, m.n_em, pt, stream)) return false;
+    } else if (m.n_em && x->sets) {
+        draw_shared(x, m.n_brdf, stream);
+    } else if (m.n_em) {
+        draw_map(x, m.n_em, stratify, pt->light, stream);
+    }
+    x->brdf.first = bis_lanes_round_up(x->map.n);
+    if (m.n_brdf) draw_brdf(x, m.n_brdf, stratify, pt, stream);
+    if (m.n_brdf && guided) x->guide->density(x->guide, x);
+    return true;
+}
