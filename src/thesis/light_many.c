@@ -39,26 +39,41 @@ void bis_envmap_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pixel
 }
 /* [end] */
 
-void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n)
+static void look_at_map(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n)
 {
     const bis_envmap *em = bis_light_envmap(light);
     const bis_importance *importance = bis_light_importance(light);
     const double unit = bis_light_mean(light);
     vec3 axis[3];
 
-    assert(unit > 0);
-    if (em) {
-        bis_light_axes(light, axis);
-        bis_envmap_pixels(em, axis, pixel, y, n);
-    }
+    bis_light_axes(light, axis);
+    bis_envmap_pixels(em, axis, pixel, y, n);
     for (uint32_t i = 0; i < n; i++) {
-        const rgb Le = em ? em->pixels[pixel[i]] : bis_light_Le(light, (vec3){0, 0, 1});
+        const rgb Le = em->pixels[pixel[i]];
         y->r[i] = (float)((double)Le.r / unit);
         y->g[i] = (float)((double)Le.g / unit);
         y->b[i] = (float)((double)Le.b / unit);
-        /* without an importance all candidates come from the BRDF, and q_L has no part in q */
-        y->q[i] = importance ? (float)bis_importance_pdf_pixel(importance, pixel[i]) : (float)(INV_PI / 4);
     }
+    for (uint32_t i = 0; importance && i < n; i++) y->q[i] = (float)bis_importance_pdf_pixel(importance, pixel[i]);
+}
+
+static void look_at_constant(const bis_light *light, const bis_lanes *y, uint32_t n)
+{
+    const rgb Le = rgb_scale(bis_light_Le(light, (vec3){0, 0, 1}), 1 / bis_light_mean(light));
+
+    for (uint32_t i = 0; i < n; i++) {
+        y->r[i] = Le.r;
+        y->g[i] = Le.g;
+        y->b[i] = Le.b;
+    }
+}
+
+void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n)
+{
+    assert(bis_light_mean(light) > 0);
+    for (uint32_t i = 0; i < n; i++) y->q[i] = 1; /* without an importance: then q_L has no part in q */
+    if (bis_light_is_constant(light)) look_at_constant(light, y, n);
+    else look_at_map(light, y, pixel, n);
     for (uint32_t i = n; i < bis_lanes_round_up(n); i++) {
         y->r[i] = y->g[i] = y->b[i] = 0;
         y->q[i] = 1;

@@ -10,7 +10,7 @@
  * to the neighbour. width * height < 2^31. */
 void bis_envmap_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pixel, const bis_lanes *y, uint32_t n);
 
-/* bis_light_look does what bis_light_Le_pdf does, for n directions: it fills r, g, b and q_L of y from its x, y, z,
- * which may be off by a microradian. r, g, b are in units of bis_light_mean. pixel[]: workspace for n, whole blocks.
- * The light is a map with an importance, not black. */
+/* bis_light_look does what bis_light_Le_pdf does, for n directions: it fills r, g, b and q of y from its x, y, z, which
+ * may be off by a microradian. r, g, b are in units of bis_light_mean, which must be > 0. q is 1 for a light without an
+ * importance. pixel[]: out, for n, whole blocks: the pixels of a map. */
 void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n);
