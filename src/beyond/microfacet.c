@@ -19,8 +19,8 @@
  * head on, and Lambert's base, whole.
  *
  * The formulas stand in microfacet_formulas.h, once for one direction in double and for many in float. Directions in
- * float blur a lobe whose width across, a c_o, comes near 6e-8; f c_i/q does not feel it. Cost: three square roots, three
- * quotients for f and q: 0.7 ns a direction with AVX-512. */
+ * float blur a lobe whose width across, a c_o, comes near 6e-8; f c_i/q does not feel it. Cost: three square roots,
+ * three quotients for f and q: 0.7 ns a direction with AVX-512. */
 #include "bis/beyond/microfacet.h"
 
 #include "bis/base/fresnel.h"

@@ -1,5 +1,5 @@
-/* direction_formulas: what the texts of all materials share, for REAL numbers (real.h). Included once for float and once
- * for double by model.h. */
+/* direction_formulas: what the texts of all materials share, for REAL numbers (real.h). Included once for float and
+ * once for double by model.h. */
 
 /* A direction, or any vector. */
 typedef struct OF(direction) {

@@ -1,5 +1,5 @@
-/* model: the functions of a bis_bsdf_model from one text of formulas: f_pdf and sample for one direction in double, f_many
- * and sample_many for many directions in float, as vectors. A material's file says, once,
+/* model: the functions of a bis_bsdf_model from one text of formulas: f_pdf and sample for one direction in double,
+ * f_many and sample_many for many directions in float, as vectors. A material's file says, once,
  *
  *     #define MODEL phong                              the name of its loops
  *     #define FORMULAS "thesis/phong_formulas.h"       its text
@@ -48,7 +48,8 @@ static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
     return rgb_from(f.r, f.g, f.b);
 }
 
-/* sample draws one direction. "Deciding which term to sample from is made randomly in order to remain unbiased" (3.5). */
+/* sample draws one direction. "Deciding which term to sample from is made randomly in order to remain unbiased" (3.5).
+ * */
 static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {
     if (bis_bsdf_is_black(b)) return false;

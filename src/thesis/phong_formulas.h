@@ -55,8 +55,9 @@ FORMULA OF(reflection) OF(f)(const OF(constants) *k, OF(direction) wi, const int
 }
 /* [end] */
 
-/* Eq. 3.16 about +z: cos theta = (1 - u1)^(1/(n+1)), phi = 2 pi u2. sqrt(1 - cos^2) would cancel near the axis (in float
- * at n = 1e5, 7 % of all samples are wrong by more than 1 %). (1 - cos)(1 + cos), with 1 - cos from e^y - 1, does not. */
+/* Eq. 3.16 about +z: cos theta = (1 - u1)^(1/(n+1)), phi = 2 pi u2. sqrt(1 - cos^2) would cancel near the axis (in
+ * float at n = 1e5, 7 % of all samples are wrong by more than 1 %). (1 - cos)(1 + cos), with 1 - cos from e^y - 1, does
+ * not. */
 /* [phong-lobe] */
 FORMULA OF(direction) OF(lobe)(REAL inverse_n1, REAL u1, REAL u2)
 {

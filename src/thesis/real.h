@@ -1,10 +1,10 @@
-/* real: one text of a formula, compiled twice: with REAL float for loops over many directions, which become vectors, and
- * with REAL double for a single direction and for the tests. A text says
+/* real: one text of a formula, compiled twice: with REAL float for loops over many directions, which become vectors,
+ * and with REAL double for a single direction and for the tests. A text says
  *
  *     FORMULA REAL OF(half)(REAL x) { return x / 2; }
  *
- * which becomes half_float where it is included after `#define REAL float`, and half_double after `#define REAL double`.
- * thesis/model.h does so for the text of a material.
+ * which becomes half_float where it is included after `#define REAL float`, and half_double after `#define REAL
+ * double`. thesis/model.h does so for the text of a material.
  *
  * Rules for such a text, because gcc gives up a vector loop without a word (scripts/check/check_vectors.sh speaks): no
  * branch on a REAL (write OF(choose)), no local array, no result through a pointer (return a struct), no function but
