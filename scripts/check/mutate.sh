@@ -433,7 +433,7 @@ exit
 # - k->pdf_lobe * power + k->pdf_base * OF(choose)(cos_theta > 0, cos_theta, 0)};
 # + k->pdf_lobe * power};
 #
-# * model.h test_phong : a lobe is drawn where its share of the numbers ends
+# * model.h test_f_many : a lobe is drawn where its share of the numbers ends
 # - place_in_part_float(&parts, u1[i])
 # + u1[i]
 #
@@ -449,11 +449,11 @@ exit
 # - k.s_x = (REAL)(dot(mirror, k.local.x) + dot(b->wo, k.local.x));
 # + k.s_x = 0;
 #
-# * microfacet test_microfacet : draws forget what the rounding of the mirror direction left
+# * microfacet test_f_many : draws forget what the rounding of the mirror direction left
 # - if (rest) *rest = vec3_from(x - (double)m.x, y - (double)m.y, z - (double)m.z);
 # + if (rest) *rest = (vec3){0, 0, 0};
 #
-# * microfacet test_microfacet : a cone is as wide as a direction
+# * microfacet test_f_many : a cone is as wide as a direction
 # - const float chord = sqrtf(l.sine[i] * l.sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
 # + const float chord = 0x1p-20f;
 #
