@@ -293,6 +293,18 @@ exit
 # - (d > 0 ? i + 1 : i) * g->cell[a]
 # + (i + 1) * g->cell[a]
 #
+# * grid_walk test_accel : what is set aside is not looked at
+# - && test_cell(g, aside, 0, s, any)
+# + && !&aside
+#
+# * grid_block.h test_accel : the filter in float without the error of its point
+# - 10 * m * r->wrong + 8
+# + 8
+#
+# * grid_block.h test_accel : the filter in float without its own rounding
+# - 8 * m * m * (9 * 0x1p-24f)
+# + 0 * m
+#
 # * surface test_geometry : the hit's error bound without the plane's part
 # - double distance = smaller(0x1p-23 * tilt + 6 * 0x1p-24 * sums, size);
 # + double distance = smaller(0 * (tilt + sums), size);
