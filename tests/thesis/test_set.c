@@ -262,6 +262,39 @@ static void a_model_of_single_directions_is_weighed_and_drawn_like_any_other(voi
     assert_true(worst <= 1 && worst > 0.01);
 }
 
+/* F/phat of what was chosen, to the 5 roundings of two sums, a quotient and two products; also where F is so small that the
+ * inverse of its sum is no float. */
+static void shares_of_the_chosen_are_F_over_phat_down_to_denormal_floats(void **state)
+{
+    double worst = 0;
+
+    (void)state;
+    for (int k = 0; k < N_SETS * 3; k++) {
+        const float scale = (float[]){1, 0x1p-126f, 0x1p-140f}[k / N_SETS];
+        bis_stream stream = stream_of((uint64_t)k);
+        example e;
+        new_example(&e, k % N_SETS);
+        draw(&e, (uint64_t)k);
+        for (uint32_t i = 0; i < set_size(e.x); i++) {
+            uint32_t at;
+            const bis_lanes *y = &bis_set_half(e.x, set_number(e.x, i), &at)->x;
+            y->r[at] *= scale, y->g[at] *= scale, y->b[at] *= scale;
+        }
+        if (bis_set_weigh(e.x, &e.l.pt) > 0) {
+            bis_set_choose(e.x, e.s.shadowrays, BIS_RESAMPLING_SYSTEMATIC, &stream);
+            for (uint32_t j = 0; j < e.x->choice.n_chosen; j++) {
+                const uint32_t number = e.x->choice.item[j];
+                const double F[3] = {(double)e.x->F[0][number], (double)e.x->F[1][number], (double)e.x->F[2][number]};
+                const float share[3] = {e.x->y.r[j], e.x->y.g[j], e.x->y.b[j]};
+                for (int c = 0; c < 3; c++) worst = fmax(worst, fabs((double)share[c] - F[c] / (F[0] + F[1] + F[2])));
+                assert_true(e.x->y.h[j] == 1 && !e.x->y.seen[j]);
+            }
+        }
+        free_example(&e);
+    }
+    assert_true(worst <= 5 * 0x1p-24);
+}
+
 /* ---- the same bits ---- */
 
 typedef struct processor {
@@ -418,6 +451,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(weights_means_and_shares_are_those_of_single_candidates),
         cmocka_unit_test(a_model_of_single_directions_is_weighed_and_drawn_like_any_other),
+        cmocka_unit_test(shares_of_the_chosen_are_F_over_phat_down_to_denormal_floats),
         cmocka_unit_test(sets_have_the_same_bits_on_every_processor),
         cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
         cmocka_unit_test(what_reflects_nothing_draws_nothing),
