@@ -3,9 +3,8 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 #include "bis/scene/light_load.h"
-#include "thesis/candidates.h"
-
 #include "lit.h"
+#include "set_help.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -254,18 +253,21 @@ static void stopping_at_the_Nth_acceptance_is_biased_E22(void **state)
     stat_assert_mean("E22", SEED, &m[3], truth, alpha());
 
     const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+    bis_scratch scratch;
+    assert_int_equal(bis_scratch_init(&scratch, &fixed, NULL), BIS_OK);
     for (uint64_t run = 0; run < 20000; run++) {
-        double W = 0, M = 0;
-        bis_candidate c[2]; /* of two, the first: a single one would reuse its set's point */
+        double W = 0, M = 0, w;
         bis_stream stream;
         bis_stream_init(&stream, &sampler, run, 0);
-        do {
-            bis_candidates_draw(c, 2, BIS_PROPOSAL_EM, false, NULL, &l.pt, &stream);
-            W += c->w;
+        do { /* of two, the first: a single one would reuse its set's point */
+            assert_true(bis_set_draw(scratch.set, 2, BIS_PROPOSAL_EM, false, &l.pt, &stream));
+            bis_set_weigh(scratch.set, &l.pt);
+            W += w = bis_set_weight(scratch.set, 0);
             M++;
-        } while (bis_stream_random(&stream) * B >= c->w);
-        stat_add(&twin, W / M * bis_point_sees(&l.pt, c->wi));
+        } while (bis_stream_random(&stream) * B >= w);
+        stat_add(&twin, W / M * bis_point_sees(&l.pt, set_direction(scratch.set, 0)));
     }
+    bis_scratch_clear(&scratch);
     stat_assert_not_mean("E22_printed", SEED, &twin, truth, alpha());
     bis_light_free(light);
 }
