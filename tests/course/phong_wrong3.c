@@ -19,7 +19,6 @@ FORMULA OF(constants) OF(constants_of)(const bis_bsdf *b, double unit)
     return k;
 }
 
-/* Eq. 3.14, and the density of the mixture of both lobes. */
 FORMULA OF(reflection) OF(f)(const OF(constants) *k, OF(direction) wi, const int kind)
 {
     const REAL cos_theta = OF(along)(k->n, wi);

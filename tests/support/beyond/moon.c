@@ -34,5 +34,5 @@ static bis_bsdf_width width(const bis_material *m)
     return (bis_bsdf_width){"Kd", "Kd", (double)m->Kd.g, (double)m->Kd.g};
 }
 
-const bis_bsdf_model bis_moon_model = {.name = "moon", .init = init, .sample = sample, .f_pdf = f_pdf, .max_f_cos = max_f_cos,
-    .max_ratio = max_ratio, .width = width, .f_many = f_many, .sample_many = sample_many};
+const bis_bsdf_model bis_moon_model = {.name = "moon", .init = init, .sample = sample, .f_pdf = f_pdf,
+    .max_f_cos = max_f_cos, .max_ratio = max_ratio, .width = width, .f_many = f_many, .sample_many = sample_many};

@@ -1,5 +1,5 @@
-/* moon_formulas: the law of Lommel and Seeliger for REAL numbers (thesis/real.h, thesis/model.h), f = Kd/(4 pi (cos theta_i
- * + cos theta_o)): dust as on the moon, whose disc is as bright at the rim as in the middle. */
+/* moon_formulas: the law of Lommel and Seeliger for REAL numbers (thesis/real.h, thesis/model.h), f = Kd/(4 pi (cos
+ * theta_i + cos theta_o)): dust as on the moon, whose disc is as bright at the rim as in the middle. */
 
 typedef struct OF(constants) {
     vec3 n;
@@ -18,7 +18,8 @@ FORMULA OF(constants) OF(constants_of)(const bis_bsdf *b, double unit)
 
 FORMULA OF(reflection) OF(f)(const OF(constants) *k, OF(direction) wi, const int kind)
 {
-    const REAL cos_theta = OF(along)(k->n, wi), c_i = OF(choose)(cos_theta > 0, cos_theta, 0), share = 1 / (c_i + k->c_o);
+    const REAL cos_theta = OF(along)(k->n, wi), c_i = OF(choose)(cos_theta > 0, cos_theta, 0);
+    const REAL share = 1 / (c_i + k->c_o);
 
     (void)kind;
     return (OF(reflection)){k->r * share, k->g * share, k->b * share, cos_theta, c_i * (REAL)INV_PI};
