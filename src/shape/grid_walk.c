@@ -52,8 +52,8 @@ static inline BIS_INLINE bool test_block(const bis_grid *g, uint32_t block, sear
     return false;
 }
 
-/* Test what lies in the cell that the ray leaves at t. True: something is hit, and any hit will do. Quadrics are a
- * cell's last items. */
+/* Test what lies in the cell that the ray leaves at t: triangles by blocks, if there are blocks, and the rest one by one.
+ * Quadrics are a cell's last items. True: something is hit, and any hit will do. */
 static inline BIS_INLINE bool test_cell(const bis_grid *g, size_t cell, double t, search *s, const bool any)
 {
     const float d[3] = {s->r->d.x, s->r->d.y, s->r->d.z};
@@ -68,10 +68,11 @@ static inline BIS_INLINE bool test_cell(const bis_grid *g, size_t cell, double t
     }
     if (g->blocks && geometry->n_quadrics == 0) return false;
     for (uint32_t i = end; i-- > begin;) {
+        double found;
         if (g->blocks && g->items[i] < geometry->n_triangles) break;
-        if (!meets(geometry, g->items[i], s, &t)) continue;
+        if (!meets(geometry, g->items[i], s, &found)) continue;
         if (any) return true;
-        bis_grid_take(&s->best, t, g->items[i]);
+        bis_grid_take(&s->best, found, g->items[i]);
     }
     return false;
 }
