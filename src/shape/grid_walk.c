@@ -61,7 +61,7 @@ static inline BIS_INLINE bool test_cell(const bis_grid *g, size_t cell, double t
     const uint32_t begin = g->offsets[cell], end = g->offsets[cell + 1];
 
     near_move(&s->near, &s->sheared, (double)d[s->near.kz], t);
-    for (uint32_t block = begin / BIS_GRID_LANES; g->blocks && block <= (end - 1) / BIS_GRID_LANES; block++) {
+    for (uint32_t block = begin / BIS_GRID_LANES; g->blocks && BIS_GRID_LANES * block < end; block++) {
         if (block == s->tested) continue;
         s->tested = block;
         if (test_block(g, block, s, any)) return true;
