@@ -2,7 +2,7 @@
  * earlier passes measured it, and in this pass the cells of the tile that come before.
  *
  * If the product is known, all that remains of the noise is that of V (docs/errata.md E31), and neighbouring pixels
- * have similar V. What was counted is used twice (src/beyond/batch.c): rays go where V is uncertain, and the mean of V,
+ * have similar V. What was counted is used twice (src/beyond/guide.c): rays go where V is uncertain, and the mean of V,
  * which is known by then, needs no rays.
  *
  * The estimates are unbiased: whatever the counts are, the mean over a point's own random numbers is right. A point
@@ -56,6 +56,9 @@ static inline uint32_t bis_visibility_part(uint32_t k, uint32_t n)
 
 /* bis_foresight_init allocates the arrays for n clusters; all h are equal, and no g is known. Errors: BIS_NOMEM. */
 bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag);
+
+/* bis_foresight_bytes returns the bytes that the arrays for n clusters take. */
+size_t bis_foresight_bytes(uint32_t n);
 
 /* bis_foresight_clear frees the arrays. */
 void bis_foresight_clear(bis_foresight *f);

@@ -18,6 +18,7 @@
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
 
+#include "beyond/guide.h"
 #include "tools/truth.h"
 
 #include <assert.h>
@@ -45,8 +46,8 @@ bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const
     {
         bis_counters own = {0};
         bis_point mine = *pt;
-        bis_scratch scratch;
-        const bool ok = bis_scratch_init(&scratch, s, NULL) == BIS_OK;
+        bis_probe probe;
+        const bool ok = bis_probe_init(&probe, s, pt->light, NULL) == BIS_OK;
         mine.counters = &own;
         if (!ok) failed = true;
 #pragma omp for schedule(dynamic, 16)
@@ -54,12 +55,13 @@ bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const
             bis_stream stream;
             if (!ok) continue;
             bis_stream_init(&stream, &sampler, run, 0);
-            estimate[run] = s->integrator->Lo(s, &mine, &stream, &scratch);
+            bis_probe_begin_pass(&probe, pt->light, seed, run); /* the runs share nothing */
+            estimate[run] = s->integrator->Lo(s, &mine, &stream, &probe.scratch);
         }
         accepted += own.accepted;
         fallbacks += own.fallbacks;
         rays += own.shadow_rays;
-        if (ok) bis_scratch_clear(&scratch);
+        if (ok) bis_probe_clear(&probe);
     }
     counters->accepted += accepted;
     counters->fallbacks += fallbacks;
@@ -83,7 +85,8 @@ static sampling sampling_of(const bis_settings *s, bool constant)
     if (i == &bis_em) return (sampling){{.from_map = 1}, s->samples, false};
     if (i == &bis_brdf) return (sampling){{.from_bsdf = 1}, s->samples, false};
     if (i == &bis_mis) return (sampling){{.from_map = s->split, .from_bsdf = 1 - s->split}, s->samples, false};
-    if (i == &bis_rejection || i == &bis_exact) return (sampling){.n = 0};
+    const bool is_product = i == &bis_sir && s->proposal == BIS_PROPOSAL_PRODUCT; /* its density is the clusters' */
+    if (i == &bis_rejection || i == &bis_exact || is_product) return (sampling){.n = 0};
     if (i != &bis_sir && i != &bis_unoccluded)
         return (sampling){{.uniform = 1}, 1, true};
     if (s->proposal == BIS_PROPOSAL_EM) return (sampling){{.from_map = 1}, s->candidates, false};
