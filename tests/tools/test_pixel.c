@@ -295,24 +295,24 @@ static void candidates_are_those_of_sir_and_their_figures_those_of_the_definitio
         uint32_t chosen = 0, distinct = 0, seen = 0, positive = 0, from_map = 0;
         for (uint32_t i = 0; i < c.M; i++) {
             const bis_pixel_candidate *q = &c.c[i];
-            W += (long double)q->x.w;
-            squares += (long double)q->x.w * (long double)q->x.w;
+            W += (long double)q->w;
+            squares += (long double)q->w * (long double)q->w;
             chosen += q->chosen;
             distinct += q->chosen > 0;
             seen += q->seen ? q->chosen : 0;
             from_map += q->from_map;
-            if (q->x.w <= 0) {
+            if (q->w <= 0) {
                 assert_true(q->chosen == 0 && isnan(q->q));
                 continue;
             }
             positive++;
             product += (long double)(q->product / q->q);
             double q_f;
-            const double F = product_of(&l, q->x.wi, &q_f);
+            const double F = product_of(&l, q->wi, &q_f);
             assert_near(q->product / F, 1, 1e-4);
             assert_near(q->q_f / q_f, 1, 1e-4);
             assert_near(q->q / (c.share_em * q->q_L + (1 - c.share_em) * q->q_f), 1, 1e-6);
-            assert_true(q->chosen == 0 || q->seen == (q->x.wi.y <= 0));
+            assert_true(q->chosen == 0 || q->seen == (q->wi.y <= 0));
         }
         assert_near(c.W / (double)W, 1, 1e-12);
         assert_near((double)(product / W), 1, 1e-9); /* sum of phat/q */
@@ -361,7 +361,7 @@ static void the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed(voi
         double W = 0;
         uint32_t chosen = 0;
         for (uint32_t i = 0; i < c.M; i++) {
-            W += c.c[i].x.w;
+            W += c.c[i].w;
             chosen += c.c[i].chosen;
         }
         assert_near(c.W / W, 1, 1e-12);
@@ -462,7 +462,7 @@ static void the_rays_of_sir_go_to_the_chosen_candidates(void **state)
     size_t k = 0;
     for (uint32_t i = 0; i < c.M; i++) {
         if (c.c[i].chosen == 0) continue;
-        assert_memory_equal(&r.ray[k].wi, &c.c[i].x.wi, sizeof(vec3));
+        assert_memory_equal(&r.ray[k].wi, &c.c[i].wi, sizeof(vec3));
         assert_true(r.ray[k++].seen == c.c[i].seen);
     }
     bis_pixel_candidates_clear(&c);
