@@ -91,7 +91,7 @@ static void forge(forged *f)
     f->c[4] = (bis_pixel_candidate){.wi = {-0.6f, 0, 0.8f}, .w = 0.01, .q_L = 9, .q_f = 10, .q = 11,
         .product = 12};
     r->candidates = (bis_pixel_candidates){.M = 5, .N = 4, .c = f->c, .W = 5, .square_sum = 30, .ess = 2.125,
-        .largest = 0.625, .share_em = 0.4, .positive = 4,
+        .largest = 0.625, .share_em = 0.4, .n_map = 2, .positive = 4,
                                            .distinct = 2, .seen = 3, .L = {0.1, 0.2, 0.3}, .L_ns = {0.25, 0.5, 0.75}};
     f->ray[0] = (bis_pixel_ray){{0.6f, 0, 0.8f}, 1, true};
     f->ray[1] = (bis_pixel_ray){{0, 0, -1}, 0, false};

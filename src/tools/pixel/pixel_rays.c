@@ -67,7 +67,7 @@ static void count_chosen(bis_pixel_candidates *c, const bis_point *pt, const bis
     for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
         uint32_t i;
         const bis_half *half = bis_set_half(x, x->choice.item[j], &i);
-        bis_pixel_candidate *y = &c->c[half == &x->map ? i : x->map.n + i];
+        bis_pixel_candidate *y = &c->c[half == &x->map ? i : c->n_map + i];
         y->chosen = x->choice.times[j];
         y->seen = bis_point_sees(pt, y->wi);
         c->distinct++;
@@ -92,7 +92,8 @@ bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *p
     const rgb L = bis_sir.Lo(s, pt, stream, &probe.scratch);
     const bis_set *x = probe.scratch.set;
     c->L = (rgbd){(double)L.r, (double)L.g, (double)L.b};
-    copy_half(c, copy_half(c, 0, x, &x->map), x, &x->brdf);
+    c->n_map = copy_half(c, 0, x, &x->map);
+    copy_half(c, c->n_map, x, &x->brdf);
     sum_up(c, x, pt);
     if (c->W <= 0) goto done;
     c->L_ns = bis_set_mean(x);
