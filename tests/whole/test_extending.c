@@ -7,8 +7,9 @@
 #include "bis/thesis/warp.h"
 #include "bis/thesis/envmap.h"
 #include "bis/base/image.h"
-#include "thesis/candidates.h"
+#include "thesis/light_many.h"
 #include "thesis/proposal.h"
+#include "thesis/set.h"
 
 #include "lit.h"
 
@@ -42,41 +43,39 @@ extern const bis_integrator bis_uniform;
 
 /* ---- a proposal ---- */
 
-/* M candidates uniform over the hemisphere about n, q = 1/(2 pi). */
-static double candidates_from_hemisphere(bis_candidate *c, uint32_t M, const bis_point *pt, bis_stream *stream)
+/* n directions uniform over the hemisphere about n, q = 1/(2 pi). */
+static bool draw_hemisphere(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
 {
-    const double q = 1 / (2 * PI);
-    double W = 0;
-
-    for (uint32_t i = 0; i < M; i++) {
-        c[i] = (bis_candidate){.w = 0};
+    (void)guide;
+    for (uint32_t i = 0; i < n; i++) {
         vec3 wi = bis_warp_sphere(bis_stream_random(stream), bis_stream_random(stream));
         if (bis_bsdf_cos(&pt->bsdf, wi) < 0) wi = neg(wi);
-        double cos_theta = bis_bsdf_cos(&pt->bsdf, wi);
-        if (cos_theta <= 0) continue;
-        c[i].wi = wi;
-        c[i].C = bis_estimate(bis_bsdf_f(&pt->bsdf, wi), bis_light_Le(pt->light, wi), cos_theta, q);
-        c[i].w = rgbd_sum(c[i].C);
-        W += c[i].w;
+        x->own.x[i] = wi.x;
+        x->own.y[i] = wi.y;
+        x->own.z[i] = wi.z;
     }
-    return W;
+    bis_light_look(pt->light, &x->own, x->pixel, n); /* Le */
+    for (uint32_t i = 0; i < n; i++) x->own.q[i] = (float)(1 / (2 * PI));
+    x->map = (bis_half){x->own, n, 0};
+    return true;
 }
 
-static void hemisphere_scratch_needs(const bis_settings *s, bis_needs *need)
+/* What the same density is at the directions that come from the BRDF. */
+static void hemisphere_density(bis_guide *guide, bis_set *x)
 {
-    need->n_candidates = s->candidates;
-    need->n_chosen = s->shadowrays;
+    (void)guide;
+    for (uint32_t i = 0; i < x->brdf.n; i++) x->brdf.x.q[i] = (float)(1 / (2 * PI));
 }
+
+static bis_guide by_hemisphere = {.draw = draw_hemisphere, .density = hemisphere_density};
 
 static rgb hemisphere_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    const uint32_t M = s->candidates, N = s->shadowrays;
-    double W = candidates_from_hemisphere(scratch->candidates, M, pt, stream);
-
-    if (W <= 0) return (rgb){0, 0, 0};
-    bis_candidates_resample(scratch->chosen, N, scratch->candidates, M, W, s->resampling, stream);
-    return rgbd_round(bis_candidates_trace(pt, scratch->candidates, scratch->chosen, N, W / M / N));
+    bis_scratch_share(scratch, NULL, &by_hemisphere);
+    return bis_sir.Lo(s, pt, stream, scratch);
 }
+
+static void hemisphere_scratch_needs(const bis_settings *s, bis_needs *need) { bis_sir.scratch_needs(s, need); }
 
 static const bis_integrator hemisphere = {.name = "hemisphere", .claim = "unbiased for every M, N >= 1",
                                           .light_needs = uniform_light_needs, .scratch_needs = hemisphere_scratch_needs, .Lo = hemisphere_Lo};
@@ -134,6 +133,7 @@ static void examples_are_unbiased_for_both_models_in_the_open_and_half_hidden(vo
     for (int i = 0; i < 8; i++) {
         bis_settings s = bis_settings_default(&bis_sir);
         lit l;
+        s.proposal = i / 4 ? BIS_PROPOSAL_MIX : BIS_PROPOSAL_EM; /* with a part from the BRDF, or all from the hemisphere */
         s.integrator = examples[i % 2];
         s.samples = s.shadowrays = 4;
         s.candidates = 16;
