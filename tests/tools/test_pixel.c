@@ -10,14 +10,13 @@
 #include "bis/base/stats.h"
 #include "bis/files/image_file.h"
 #include "bis/scene/light_load.h"
-#include "html_check.h"
 #include "json_check.h"
 #include "lit.h"
 #include "map_help.h"
 #include "picture_help.h"
 #include "program.h"
 #include "stat.h"
-#include "tools/verify/verify.h"
+#include "verify_help.h"
 #include "world.h"
 
 #include <setjmp.h>
@@ -36,8 +35,8 @@ static size_t n_methods(void)
     return n;
 }
 
-/* Eleven times four channels against brute force, a mean of each method and of the product. */
-static double alpha(void) { return stat_level(5e-3, 11 * 4 + 1 + (int)n_methods()); }
+/* Twelve times four channels against brute force, a mean of each method and of the product. */
+static double alpha(void) { return stat_level(5e-3, 12 * 4 + 1 + (int)n_methods()); }
 
 enum { EXPONENT = 20 };
 static bis_material glossy(void) { return bis_phong((rgb){0.3f, 0.2f, 0.4f}, (rgb){0.5f, 0.6f, 0.4f}, EXPONENT); }
@@ -559,7 +558,7 @@ static void the_rays_of_sir_go_to_the_chosen_candidates(void **state)
     bis_light_free(light);
 }
 
-/* ---- plots ---- */
+/* ---- directions, and no memory ---- */
 
 /* The light's frame turned and mirrored: a direction of patch i lies at that patch's place in the plot. */
 static void plots_have_directions_where_the_map_has_them(void **state)
@@ -582,88 +581,43 @@ static void plots_have_directions_where_the_map_has_them(void **state)
     bis_light_free(light);
 }
 
-typedef struct scenery {
-    lit l;
-    bis_light *light;
-    bis_pixel_exact exact;
-    bis_pixel_method methods[BIS_PIXEL_MAX_METHODS];
-    bis_pixel_rays rays[BIS_PIXEL_MAX_METHODS];
-    bis_pixel_candidates candidates;
-    bis_pixel_figure figure;
-    bis_xform frame;
-} scenery;
-
-static bis_status scenery_init(scenery *s, lit_map map, lit_hidden hidden)
-{
-    const bis_settings own = bis_settings_default(&bis_sir);
-    const bis_sampler sampler = one_sample(3);
-    bis_stream stream;
-
-    *s = (scenery){.frame = bis_xform_identity(), .light = lit_new_light(map, 1, 0.15, false)};
-    lit_init(&s->l, s->light, glossy(), slanted(), 40, hidden);
-    const size_t n = bis_pixel_methods(s->methods, &own);
-    s->figure = (bis_pixel_figure){.title = "t", .subtitle = "s", .pt = &s->l.pt, .exact = &s->exact, .light_to_world = &s->frame,
-                                   .candidates = &s->candidates, .methods = s->methods, .rays = s->rays, .n_methods = n};
-    bis_status status = bis_pixel_exact_of(&s->exact, &s->l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL);
-    for (size_t i = 0; i < n && !status; i++) {
-        status = bis_pixel_method_run(&s->methods[i], &s->l.pt, &s->exact, BIS_SAMPLER_RANDOM, 4, 1, NULL);
-        if (!status) status = bis_pixel_rays_record(&s->rays[i], &s->l.pt, &s->methods[i].settings, &sampler, 0, 3, NULL);
-    }
-    bis_stream_init(&stream, &sampler, 0, 0);
-    return status ? status : bis_pixel_candidates_draw(&s->candidates, &s->l.pt, &own, &stream, NULL);
-}
-
-static void scenery_clear(scenery *s)
-{
-    for (size_t i = 0; i < s->figure.n_methods; i++) bis_pixel_rays_clear(&s->rays[i]);
-    bis_pixel_candidates_clear(&s->candidates);
-    bis_light_free(s->light);
-}
-
-/* The two drawings as texts, to be freed. */
-static bis_status draw(char *text[2], const bis_pixel_figure *figure)
-{
-    size_t n;
-    FILE *out[2] = {open_memstream(&text[0], &n), open_memstream(&text[1], &n)};
-    const bis_status status = bis_pixel_figures(out[0], out[1], figure, NULL);
-    for (int i = 0; i < 2; i++) fclose(out[i]);
-    return status;
-}
-
+/* The drawings': tests/cli/test_no_memory.c. */
 static void every_allocation_may_fail(void **state)
 {
     (void)state;
-    scenery s;
-    assert_int_equal(scenery_init(&s, LIT_ONE_BLOCK, LIT_OPEN), BIS_OK);
-    const bis_settings sir = bis_settings_default(&bis_sir);
+    bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0.15, false);
     const bis_sampler sampler = one_sample(3);
-    for (int what = 0; what < 5; what++) {
+    bis_pixel_method methods[BIS_PIXEL_MAX_METHODS];
+    bis_pixel_exact exact;
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_OPEN);
+    bis_settings sir = bis_settings_default(&bis_sir);
+    assert_true(bis_pixel_methods(methods, &sir) > 0);
+    assert_int_equal(bis_pixel_exact_of(&exact, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
+    for (int what = 0; what < 6; what++) {
         bis_status status = BIS_NOMEM;
-        /* The drawings' many are those of their pictures, each of which test_svg lets fail: from the 12th on, some. */
-        for (long k = 1; status; k += what < 4 || k < 12 ? 1 : k / 3) {
+        sir.proposal = what < 4 ? BIS_PROPOSAL_MIX : BIS_PROPOSAL_PRODUCT;
+        for (long k = 1; status; k++) {
             bis_stream stream;
             bis_pixel_candidates c = {0};
             bis_pixel_rays r = {0};
             bis_pixel_exact e;
-            bis_pixel_method m = s.methods[0];
-            char *text[2] = {NULL, NULL};
+            bis_pixel_method m = methods[0];
             bis_stream_init(&stream, &sampler, 0, 0);
             bis_mem_fail_at(k);
-            if (what == 0) status = bis_pixel_exact_of(&e, &s.l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL);
-            else if (what == 1) status = bis_pixel_candidates_draw(&c, &s.l.pt, &sir, &stream, NULL);
-            else if (what == 2) status = bis_pixel_rays_record(&r, &s.l.pt, &sir, &sampler, 0, 20, NULL);
-            else if (what == 3) status = bis_pixel_method_run(&m, &s.l.pt, &s.exact, BIS_SAMPLER_RANDOM, 4, 1, NULL);
-            else status = draw(text, &s.figure);
+            if (what == 0) status = bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL);
+            else if (what == 1) status = bis_pixel_method_run(&m, &l.pt, &exact, BIS_SAMPLER_RANDOM, 4, 1, NULL);
+            else if (what % 2) status = bis_pixel_candidates_draw(&c, &l.pt, &sir, &stream, NULL);
+            else status = bis_pixel_rays_record(&r, &l.pt, &sir, &sampler, 0, 20, NULL);
             const bool failed = bis_mem_count() >= k;
             bis_mem_fail_at(0);
             assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
             bis_pixel_candidates_clear(&c);
             bis_pixel_rays_clear(&r);
-            for (int i = 0; i < 2; i++) free(text[i]);
             assert_true(k < 1000);
         }
     }
-    scenery_clear(&s);
+    bis_light_free(light);
 }
 
 /* ---- the command ---- */
@@ -709,12 +663,6 @@ static double json_real(const char *text, const char *path)
     json_value(value, sizeof value, text, path);
     assert_true(*value);
     return atof(value);
-}
-
-static void assert_json_text(const char *text, const char *path, const char *expected)
-{
-    char value[256];
-    assert_string_equal(json_value(value, sizeof value, text, path), expected);
 }
 
 /* A table in memory: the field of row r (0: the header) and of the column with this name. */
@@ -879,24 +827,29 @@ static void each_column_of_the_tables_is_what_it_is_called(void **state)
     assert_non_null(strstr(r.output, line));
 }
 
-static void the_command_names_what_is_hit(void **state)
+static void a_hit_knows_its_shape_and_triangle(void **state)
 {
     (void)state;
-    static program_run r;
     start();
     write_scene(SCENE, map_light, "");
-    const struct { int x, y; const char *shape, *line, *triangle; } cases[] = {
-        {6, 3, "\"trianglemesh\"", "8", "0"}, {7, 0, "\"trianglemesh\"", "8", "1"}, {4, 1, "\"sphere\"", "10", "null"}, {1, 3, "\"trianglemesh\"", "11", "0"}};
+    verify_built built = verify_build(SCENE);
+    const struct { int x, y; bis_shape_kind kind; int line; uint32_t part; double t; } cases[] = {
+        {6, 3, BIS_SHAPE_TRIANGLES, 8, 0, 10}, {7, 0, BIS_SHAPE_TRIANGLES, 8, 1, 10}, {4, 1, BIS_SHAPE_SPHERE, 10, 0, 0},
+        {1, 3, BIS_SHAPE_TRIANGLES, 11, 0, 11}};
     for (size_t i = 0; i < 4; i++) {
-        program_expect(&r, 0, "pixel " SCENE " %d %d --json --repeats 2 --output " DIR "/p", cases[i].x, cases[i].y);
-        assert_json_text(r.output, "hit.shape", cases[i].shape);
-        assert_json_text(r.output, "hit.line", cases[i].line);
-        assert_json_text(r.output, "hit.triangle", cases[i].triangle);
-        assert_json_text(r.output, "nothing", "null");
+        bis_counters counters = {0};
+        bis_pixel_hit hit;
+        bis_point pt;
+        ray eye;
+        assert_true(bis_pixel_find(&hit, &pt, &eye, built.scene, built.desc, cases[i].x, cases[i].y, &counters));
+        assert_int_equal(built.desc->shapes[hit.shape].kind, cases[i].kind);
+        assert_int_equal(built.desc->shapes[hit.shape].loc.line, cases[i].line);
+        if (cases[i].t == 0) continue;
+        assert_int_equal(hit.part, cases[i].part);
+        assert_near(hit.t, cases[i].t, 1e-5);
+        assert_true(pt.ng.x == 0 && pt.ng.y == 0 && pt.ng.z == 1);
     }
-    program_expect(&r, 0, "pixel " SCENE " 6 3 --repeats 2 --output " DIR "/p");
-    assert_non_null(strstr(r.output, "shape       trianglemesh of line 8, triangle 0; 10 from the eye"));
-    assert_non_null(strstr(r.output, "normal      (0 0 1)"));
+    verify_clear(&built);
 }
 
 static void a_pixel_where_nothing_is_reflected_gets_a_clear_answer(void **state)
@@ -979,7 +932,7 @@ static void options_override_the_scene_for_all_methods(void **state)
 static void as_many_runs_are_shown_as_make_150_rays(void **state)
 {
     (void)state;
-    static const int rays[][2] = {{7, 4}, {149, 75}, {150, 149}, {151, 150}}; /* of em and brdf, of sir */
+    static const int rays[][2] = {{149, 4}, {150, 150}}; /* of em and brdf, of sir */
     start();
     write_scene(SCENE, map_light, "");
     for (size_t k = 0; k < sizeof rays / sizeof *rays; k++) {
@@ -1024,7 +977,7 @@ int main(void)
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(the_command_writes_tables_that_sum_to_what_it_says),
         cmocka_unit_test(each_column_of_the_tables_is_what_it_is_called),
-        cmocka_unit_test(the_command_names_what_is_hit),
+        cmocka_unit_test(a_hit_knows_its_shape_and_triangle),
         cmocka_unit_test(a_pixel_where_nothing_is_reflected_gets_a_clear_answer),
         cmocka_unit_test(wrong_places_and_options_are_refused),
         cmocka_unit_test(options_override_the_scene_for_all_methods),
