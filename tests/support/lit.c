@@ -1,7 +1,6 @@
 /* lit: see lit.h. */
 #include "lit.h"
 
-#include "beyond/batch.h"
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
@@ -232,7 +231,7 @@ rgb lit_once(lit *l, const bis_settings *s, bis_scratch *scratch, uint64_t seed,
     bis_stream stream;
 
     bis_stream_init(&stream, &sampler, run, 0);
-    return (scratch->fast ? bis_fast_Lo(s) : s->integrator->Lo)(s, &l->pt, &stream, scratch);
+    return s->integrator->Lo(s, &l->pt, &stream, scratch);
 }
 
 void lit_run(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, uint64_t seed)

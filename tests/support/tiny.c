@@ -3,7 +3,7 @@
 
 #include "bis/thesis/rng.h"
 #include "bis/scene/light_load.h"
-#include "thesis/candidates.h"
+#include "set_help.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -174,21 +174,35 @@ rgbd tiny_truth(const tiny *t, bool with_V)
     return sum;
 }
 
-/* beta of the mixture, from the weight of the first candidate that has one: F/w = beta q_L + (1 - beta) q_f. */
+/* beta of the mixture, from the weight of the first candidate that has one: F/w = q = beta q_L + (1 - beta) q_f. w is
+ * off by less than 2^-21, because seven roundings to a float make it: F's three factors, two sums, q, the quotient. */
 static double find_beta(tiny *t, bis_proposal proposal, uint32_t M)
 {
     static const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = 1, .spp = 1};
-    bis_candidate c[TINY_MAX_M] = {{.w = 0}};
+    bis_settings s = bis_settings_default(&bis_sir);
+    bis_scratch scratch;
+    double beta = -1;
 
-    for (uint64_t run = 0;; run++) {
+    s.candidates = M;
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    for (uint64_t run = 0; beta < 0; run++) {
+        const bis_set *x = scratch.set;
         bis_stream stream;
         bis_stream_init(&stream, &sampler, run, 0);
-        bis_candidates_draw(c, M, proposal, false, NULL, &t->pt, &stream);
-        if (c[0].w == 0) continue;
-        int k = tiny_pixel(c[0].wi);
-        double q = rgbd_sum(F(t, k)) / c[0].w * OCTANT, em = t->p_em[k], brdf = t->material.pick[k];
-        return (q - brdf) / (em - brdf);
+        assert_true(bis_set_draw(scratch.set, M, proposal, false, &t->pt, &stream));
+        bis_set_weigh(scratch.set, &t->pt);
+        const uint32_t number = set_number(x, 0);
+        const int k = tiny_pixel(set_direction(x, number));
+        const double em = t->p_em[k], brdf = t->material.pick[k], q = rgbd_sum(F(t, k)) / bis_set_weight(x, number) * OCTANT;
+        if (bis_set_weight(x, number) <= 0) continue;
+        beta = (q - brdf) / (em - brdf);
+        const double n_em = round(beta * M), error = 0x1p-21 * q / fabs(em - brdf);
+        if (M == 1) continue;
+        assert_true(fabs(beta - n_em / M) <= error);
+        beta = n_em / M;
     }
+    bis_scratch_clear(&scratch);
+    return beta;
 }
 
 /* P of one candidate from the map; the i-th of n strata of the curve. */
@@ -222,7 +236,7 @@ tiny_candidates tiny_enumerate(tiny *t, bis_proposal proposal, bool stratify, ui
     uint32_t n_em = (uint32_t)lround(beta * M);
 
     assert_true(!stratify || proposal == BIS_PROPOSAL_EM);
-    assert_true(beta >= 0 && beta <= 1 && (M == 1 || fabs(beta * M - n_em) < 1e-5));
+    assert_true(beta >= 0 && beta <= 1);
     for (int k = 0; k < TINY_PIXELS; k++) {
         double q = (beta * t->p_em[k] + (1 - beta) * t->material.pick[k]) / OCTANT;
         c.C[k] = q > 0 ? rgbd_scale(F(t, k), 1 / q) : (rgbd){0, 0, 0};

@@ -1,0 +1,3 @@
+/* clone_avx2_choose: see clones.h. */
+#define CLONE_AVX2
+#include "clone_choose.c"

@@ -1,0 +1,3 @@
+/* clone_avx2_curve_many: see clones.h. */
+#define CLONE_AVX2
+#include "clone_curve_many.c"

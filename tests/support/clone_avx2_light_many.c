@@ -1,0 +1,3 @@
+/* clone_avx2_light_many: see clones.h. */
+#define CLONE_AVX2
+#include "clone_light_many.c"

@@ -1,0 +1,3 @@
+/* clone_avx2_set: see clones.h. */
+#define CLONE_AVX2
+#include "clone_set.c"

@@ -1,0 +1,4 @@
+/* clone_choose: see clones.h. */
+#include "clone.h"
+#include "clone_sets.h"
+#include "thesis/choose.c"

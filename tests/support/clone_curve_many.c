@@ -1,0 +1,4 @@
+/* clone_curve_many: see clones.h. */
+#include "clone.h"
+#define bis_curve_points CLONE(curve_points)
+#include "thesis/curve_many.c"

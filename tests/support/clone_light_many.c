@@ -1,0 +1,5 @@
+/* clone_light_many: see clones.h. */
+#include "clone.h"
+#define bis_envmap_pixels CLONE(envmap_pixels)
+#define bis_light_look CLONE(light_look)
+#include "thesis/light_many.c"
