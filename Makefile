@@ -166,7 +166,7 @@ $(STAMP): $(DATA_SRC) $(wildcard data/generate/*.h) | $B/bis-data
 # Every test program, or those of the folder tests/T and those whose name holds T; from here, where they find data/ and the program itself.
 test: $(CHOSEN) $B/bis $B/bis-data $(STAMP) $(if $(HAS_MPI),$B/bis-mpi) $(if $(filter %/test_library,$(CHOSEN)),$(INSTALLED))
 	@sh scripts/check/check_layers.sh && sh scripts/check/check_circles.sh $B && \
-	 sh scripts/check/check_prefetch.sh $B
+	 sh scripts/check/check_prefetch.sh $B && sh scripts/check/check_vectors.sh
 	@BIS_PROGRAM=$B/bis sh scripts/check/run_tests.sh $(CHOSEN)
 
 # With the slow cases: maps of 16384 x 8192, tables of 1e8 items, grids of 1e8 cells. Minutes and 8 GB more.

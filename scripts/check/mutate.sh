@@ -97,49 +97,45 @@ echo "mutate: $n mutations, $((n - bad)) caught, $bad not"
 exit
 
 # MUTATIONS
-# * phong test_phong : eq. 3.16 with n+2 for n+1
-# - log1p(-u1) / (n + 1)
-# + log1p(-u1) / (n + 2)
+# * phong_formulas.h test_phong : eq. 3.16 with n+2 for n+1
+# - (REAL)(1 / (b->material->exponent + 1))}
+# + (REAL)(1 / (b->material->exponent + 2))}
 #
 # * phong test_phong : the lobe's density without its +1 (eq. 3.15)
 # - return (n + 1) * (INV_PI / 2) * bis_phong_power
 # + return n * (INV_PI / 2) * bis_phong_power
 #
-# * phong test_phong : max(0, cos) forgotten: the lobe's back shines
-# - if (one_minus_cos >= 1) return 0;
-# + if (one_minus_cos > 2) return 0;
+# * phong_formulas.h test_phong : max(0, cos) forgotten: the lobe's back shines
+# - return OF(choose)(ahead, power, 0);
+# + return power;
 #
-# * phong test_phong : the mixture's density counts the diffuse lobe whole
-# - (1 - b->p_specular) * bis_warp_cosine_pdf(cos_theta)
-# + bis_warp_cosine_pdf(cos_theta)
+# * phong_formulas.h test_phong : the mixture's density counts the diffuse lobe whole
+# - (REAL)((1 - p) * INV_PI)
+# + (REAL)INV_PI
 #
 # * phong test_phong : rejection's bound is the smaller of two
 # - return fmax(specular, diffuse) * unit_slack;
 # + return fmin(specular, diffuse) * unit_slack;
 #
-# * microfacet test_microfacet : facets drawn without the stretched view: all of them, not the visible
-# - h[0] = a * (sin_theta * cos(phi) + v[0]);
-# + h[0] = a * (sin_theta * cos(phi));
+# * microfacet_formulas.h test_microfacet : facets drawn without the stretched view: all of them, not the visible
+# - const REAL hx = k->a * (sine * c + k->v[0]),
+# + const REAL hx = k->a * (sine * c),
 #
-# * microfacet test_microfacet : separable instead of height-correlated shadowing
-# - const double specular = D / (2 * (c_i * S_o + c_o * stretched(a, c_i)));
-# + const double specular = D / ((c_o + S_o) * (c_i + stretched(a, c_i)));
+# * microfacet_formulas.h test_microfacet : separable instead of height-correlated shadowing
+# - const REAL shadow = c_i * k->S_o + k->c_o * OF(stretched)(k->a2, k->one_minus_a2, c_i);
+# + const REAL shadow = (k->c_o + k->S_o) * (c_i + OF(stretched)(k->a2, k->one_minus_a2, c_i)) / 2;
 #
-# * microfacet test_microfacet : a facet that lies face down reflects
-# - if (s_z <= 0)
-# + if (s_z <= -2)
+# * microfacet_formulas.h test_microfacet : a facet that lies face down reflects
+# - const bool face_up = s_z > 0;
+# + const bool face_up = s_z > -2;
 #
 # * microfacet test_microfacet : rejection's bound with Fresnel's term head on
-# - blend(b->material, fmax(0, least_cos_d - 0x1p-23), 1, 0)
-# + blend(b->material, 1, 1, 0)
+# - fresnel_at(b->material, fmax(0, least_cos_d - 0x1p-23))
+# + fresnel_at(b->material, 1)
 #
-# * warp test_warp : the concentric map's angle doubled
-# - PI / 2 - PI / 4 * (a / b)
-# + PI / 2 - PI / 2 * (a / b)
-#
-# * warp test_warp : a uniform disc lifted without the root
-# - sqrt(one_minus_r * (1 + fabs(r)))
-# + one_minus_r * (1 + fabs(r))
+# * direction_formulas.h test_warp : a disc that is not uniform
+# - const REAL sine = OF(sqrt)(u1);
+# + const REAL sine = u1;
 #
 # * cdf test_cdf : < for <=: an item of weight 0 can be drawn
 # - if (c->c[middle] <= u)
@@ -433,41 +429,33 @@ exit
 # - *counted = (bis_seen){{0}, {0}};
 # + ;
 #
-# * phong_lanes test_phong_lanes : the mixture's density without the cosine lobe
-# - brdf * (k.pdf_lobe * p + k.pdf_base * bis_lanes_choose(cos_theta > 0, cos_theta, 0));
-# + brdf * (k.pdf_lobe * p);
+# * phong_formulas.h test_phong : the mixture's density without the cosine lobe
+# - k->pdf_lobe * power + k->pdf_base * OF(choose)(cos_theta > 0, cos_theta, 0)};
+# + k->pdf_lobe * power};
 #
-# * phong_lanes test_phong_lanes : eq. 3.16 with n+2 for n+1, in vectors
-# - (float)(1 / (b->material->exponent + 1))};
-# + (float)(1 / (b->material->exponent + 2))};
+# * model.h test_phong : a lobe is drawn where its share of the numbers ends
+# - place_in_part_float(&parts, u1[i])
+# + u1[i]
 #
-# * cone_lanes.h test_clusters : the lobe's largest cosine over a cone is that of its axis
+# * cone.h test_clusters : the lobe's largest cosine over a cone is that of its axis
 # - const float most = c * cosine + s * sine + 0x1p-20f;
 # + const float most = c + 0x1p-20f;
 #
-# * phong_lanes test_phong_lanes : a colour's shares forget the lobe
-# - const float g = (k.base[1] + k.lobe[1] * p) * l.g[i];
-# + const float g = k.base[1] * l.g[i];
+# * microfacet_formulas.h test_microfacet : the mixture's density without the cosine lobe
+# - k->pdf_lobe * f.R2 + k->pdf_base * OF(choose)(c_i > 0, c_i, 0)};
+# + k->pdf_lobe * f.R2};
 #
-# * microfacet_lanes test_microfacet_lanes : the mixture's density without the cosine lobe, in vectors
-# - q += brdf * (k.pdf_lobe * f.R2 + k.pdf_base * bis_lanes_choose(f.c_i > 0, f.c_i, 0));
-# + q += brdf * (k.pdf_lobe * f.R2);
+# * microfacet_formulas.h test_microfacet : wi + wo without what the rounded mirror direction leaves
+# - k.s_x = (REAL)(dot(mirror, k.local.x) + dot(b->wo, k.local.x));
+# + k.s_x = 0;
 #
-# * microfacet_lanes test_microfacet_lanes : wi + wo without what the rounded mirror direction leaves
-# - .s_x = (float)(dot(mirror, f->x) + dot(b->wo, f->x)),
-# + .s_x = 0,
+# * microfacet test_microfacet : draws forget what the rounding of the mirror direction left
+# - if (rest) *rest = vec3_from(x - (double)m.x, y - (double)m.y, z - (double)m.z);
+# + if (rest) *rest = (vec3){0, 0, 0};
 #
-# * microfacet_lanes test_microfacet_lanes : draws forget what the rounding of the mirror direction left
-# - d.m_rest[i] = (float)(m[i] - (double)d.m[i]);
-# + d.m_rest[i] = 0;
-#
-# * microfacet_lanes test_microfacet_lanes : a cone is as wide as a direction
-# - const float chord = sqrtf(sine[i] * sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
+# * microfacet test_microfacet : a cone is as wide as a direction
+# - const float chord = sqrtf(l.sine[i] * l.sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
 # + const float chord = 0x1p-20f;
-#
-# * microfacet_lanes test_microfacet_lanes : visible facets without the view's part
-# - const float hx = k.a * (across + k.v[0]),
-# + const float hx = k.a * across,
 #
 # * lanes test_lanes : random numbers of the first coordinate serve the second too
 # - u2[i] = unit_float(y << 12 | (place & 0xfffu));

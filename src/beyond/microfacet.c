@@ -18,92 +18,81 @@
  * Plastic is pbrt's: Fresnel's equations of a dielectric in the place of Schlick's curve, times Ks over what they give
  * head on, and Lambert's base, whole.
  *
- * Precision: s is the exact sum of the two float vectors, all else double. Directions in float blur a lobe whose width
- * across, a c_o, comes near 6e-8; f c_i/q does not feel it. Cost: two square roots, three quotients for f and q. */
+ * The formulas stand in microfacet_formulas.h, once for one direction in double and for many in float. Directions in
+ * float blur a lobe whose width across, a c_o, comes near 6e-8; f c_i/q does not feel it. Cost: three square roots,
+ * three quotients for f and q: 0.7 ns a direction with AVX-512. */
 #include "bis/beyond/microfacet.h"
 
-#include "microfacet_lanes.h"
-
 #include "bis/base/fresnel.h"
-#include "bis/thesis/warp.h"
 
 #include <assert.h>
 
 /* Floats are good to this: a direction nearer to the horizon counts as on it, and reflects nothing. So f stays below
  * 1/(2 pi a^3 2^-24) = 3e18 and, where it is not 0, is no denormal float: rounding cannot carry it above the bounds
  * below. */
-static const double least_cos = 0x1p-24;
+#define LEAST_COS 0x1p-24
 
-/* ---- the parts ---- */
-
-static double fifth_power(double x)
-{
-    const double x2 = x * x;
-
-    return x2 * x2 * x;
-}
-
-static double fresnel(bool is_plastic, double Ks, double eta, double cos_d)
-{
-    const double head_on = is_plastic ? bis_fresnel(eta, 0, 1) : 0;
-
-    if (head_on > 0) return Ks / head_on * bis_fresnel(eta, 0, cos_d);
-    if (is_plastic) return 0; /* of an index of 1 */
-    if (eta > 0 && Ks > 0 && Ks < 1) return bis_fresnel(eta, bis_fresnel_k2(Ks, eta), cos_d);
-    return Ks > 0 ? Ks + (1 - Ks) * fifth_power(1 - cos_d) : 0;
-}
-
-/* A(c) = 1 - (1 - x)^5 of x = c/2, multiplied out: no difference near 0. In plastic the same for all c: its base is
- * Lambert's, base_norm A A = 1. */
-static double through_coat(const bis_material *m, double c)
-{
-    const double x = c / 2;
-
-    if (m->model == &bis_plastic_model) return BIS_PLASTIC_A;
-    return x * (5 + x * (-10 + x * (10 + x * (-5 + x))));
-}
-
-static double stretched(double a, double c)
-{
-    return sqrt(a * a + (1 - a * a) * c * c);
-}
-
-/* In each channel, F times `specular` and Kd (1 - Ks) times `diffuse`, in plastic Kd times `diffuse`. */
-static rgbd blend(const bis_material *m, double cos_d, double specular, double diffuse)
-{
-    const rgb Kd = m->Kd, Ks = m->Ks;
-    const bool is_plastic = m->model == &bis_plastic_model;
-    const double F[3] = {fresnel(is_plastic, (double)Ks.r, (double)m->eta.r, cos_d),
-                         fresnel(is_plastic, (double)Ks.g, (double)m->eta.g, cos_d),
-                         fresnel(is_plastic, (double)Ks.b, (double)m->eta.b, cos_d)};
-    const double taken = is_plastic ? 0 : 1;
-
-    return (rgbd){F[0] * specular + (double)Kd.r * (1 - taken * (double)Ks.r) * diffuse,
-                  F[1] * specular + (double)Kd.g * (1 - taken * (double)Ks.g) * diffuse,
-                  F[2] * specular + (double)Kd.b * (1 - taken * (double)Ks.b) * diffuse};
-}
+/* The terms of f that a loop needs: the base alone, Schlick's F, also Fresnel's in some channel; plastic. */
+enum { BASE, LOBE, FRESNEL, PLASTIC, KINDS };
 
 /* What makes the mean of A cos over the hemisphere 1. */
 static const double base_norm = 28 / 23.0;
 
-/* D of the facet that mirrors wi to wo, and the cosine between it and them. False: that facet would lie face down. */
-static bool facet_between(const bis_bsdf *b, vec3 wi, double s_z, double *D, double *cos_d)
+/* What the lobe leaves for the base, in one channel. */
+static double share_of_base(bool is_plastic, float Ks)
 {
-    const double x = (double)wi.x + (double)b->wo.x, y = (double)wi.y + (double)b->wo.y,
-                 z = (double)wi.z + (double)b->wo.z;
-    const frame *f = &b->local;
-    const double s_x = x * (double)f->x.x + y * (double)f->x.y + z * (double)f->x.z;
-    const double s_y = x * (double)f->y.x + y * (double)f->y.y + z * (double)f->y.z;
-    const double a = b->material->alpha, across = s_x * s_x + s_y * s_y, along = s_z * s_z;
-
-    if (s_z <= 0) return false;
-    const double ratio = (across + along) / (a * a * along + across);
-    *D = INV_PI * a * a * ratio * ratio;
-    *cos_d = sqrt(across + along) / 2;
-    return true;
+    return is_plastic ? 1 : 1 - (double)Ks;
 }
 
+/* wo mirrored about n, of wo's length. Above the least cosine, that of n to 2^-23. *rest may be NULL, or gets what the
+ * rounding to floats left. */
+static vec3 mirrored_view(const bis_bsdf *b, vec3 *rest)
+{
+    const vec3 n = b->local.z, wo = b->wo;
+    const double k = 2 * dot(n, wo) / dot(n, n);
+    const double x = k * (double)n.x - (double)wo.x, y = k * (double)n.y - (double)wo.y,
+                 z = k * (double)n.z - (double)wo.z;
+    const vec3 m = vec3_from(x, y, z);
+
+    if (rest) *rest = vec3_from(x - (double)m.x, y - (double)m.y, z - (double)m.z);
+    return m;
+}
+
+static double unit_of(const bis_bsdf *b)
+{
+    (void)b;
+    return 1;
+}
+
+#define MODEL facet
+#define FORMULAS "beyond/microfacet_formulas.h"
+#include "thesis/model.h"
+
 /* ---- the mixture ---- */
+
+/* F at a cosine, in each channel. */
+static rgbd fresnel_at(const bis_material *m, double c)
+{
+    const bool is_plastic = m->model == &bis_plastic_model;
+    const coat_double r = coat_of_double(is_plastic, m->Ks.r, m->eta.r),
+                      g = coat_of_double(is_plastic, m->Ks.g, m->eta.g),
+                      b = coat_of_double(is_plastic, m->Ks.b, m->eta.b);
+    const double x5 = fifth_power_double(1 - c);
+
+    return (rgbd){fresnel_double(&r, c, c * c, x5, FRESNEL), fresnel_double(&g, c, c * c, x5, FRESNEL),
+                  fresnel_double(&b, c, c * c, x5, FRESNEL)};
+}
+
+/* The base's reflectance times A(c), in each channel. */
+static rgbd base_at(const bis_material *m, double c)
+{
+    const bool is_plastic = m->model == &bis_plastic_model;
+    const double A = through_coat_double(c, is_plastic ? PLASTIC : BASE);
+
+    return (rgbd){(double)m->Kd.r * share_of_base(is_plastic, m->Ks.r) * A,
+                  (double)m->Kd.g * share_of_base(is_plastic, m->Ks.g) * A,
+                  (double)m->Kd.b * share_of_base(is_plastic, m->Ks.b) * A};
+}
 
 /* A lobe's probability is its share of what is reflected: Fresnel's at the view, the base's albedo; means over RGB.
  * Below 1 while there is a base. */
@@ -112,7 +101,7 @@ static void init(bis_bsdf *b)
     const bis_material *m = b->material;
     const vec3 n = b->local.z;
     const double c_o = fmax(0, dot(n, b->wo)); /* below the horizon all is black, and this stays finite */
-    const double specular = rgbd_sum(blend(m, c_o, 1, 0)), diffuse = rgbd_sum(blend(m, c_o, 0, through_coat(m, c_o)));
+    const double specular = rgbd_sum(fresnel_at(m, c_o)), diffuse = rgbd_sum(base_at(m, c_o));
 
     b->r = normalize(sub(mul(n, 2 * dot(n, b->wo)), b->wo));
     b->lobe = frame_about(b->r);
@@ -120,54 +109,72 @@ static void init(bis_bsdf *b)
     if (b->p_specular == 1 && !rgb_is_black(m->Kd)) b->p_specular = 1 - 0x1p-53;
 }
 
-/* [facet-density] */
-static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf) { return bis_microfacet_f_pdf_double(b, wi, pdf); }
-/* [end] */
+/* ---- bounds over cones ---- */
 
-/* [facet-visible] */
-/* A visible facet, not of unit length, in the frame of the normal. v = wo stretched; c = (sin cos phi, sin sin phi, z),
- * z uniform between -v_z and 1. With t = 1 + v_z, 1 - z = u1 t and 1 + z = 2 (1 - u1) + u1 (1 - v_z): no difference of
- * equals, h_z > 0 for every u1 < 1. */
-static void visible_facet(double h[3], double a, const double wo[3], double u1, double u2)
+/* f, with F at facet f or head on, where it is larger. */
+FORMULA float most_f(const constants_float *k, const facet_float *f, int channel, const int kind)
 {
-    const double scale = 1 / sqrt(a * a * (wo[0] * wo[0] + wo[1] * wo[1]) + wo[2] * wo[2]);
-    const double v[3] = {a * wo[0] * scale, a * wo[1] * scale, wo[2] * scale}, t = 1 + v[2];
-    const double one_minus_v = (v[0] * v[0] + v[1] * v[1]) / t;
-    const double sin_theta = sqrt(u1 * t * (2 * (1 - u1) + u1 * one_minus_v)), phi = 2 * PI * u2;
+    if (kind < FRESNEL) return f_of_float(k, f, channel, kind);
+    const coat_float *coat = &k->coat[channel];
+    const float F = fresnel_float(coat, f->c_d, f->c2_d, f->x5, kind), Ks = coat->Ks;
 
-    h[0] = a * (sin_theta * cos(phi) + v[0]);
-    h[1] = a * (sin_theta * sin(phi) + v[1]);
-    h[2] = (1 - u1) * t;
+    return k->base[channel] * f->A + bis_lanes_choose(F > Ks, F, Ks) * f->specular;
 }
 
-/* wo mirrored about h: 2 (wo h) h / |h|^2 - wo, of wo's length whatever that of h and of the frame's axes. */
-static vec3 mirrored(const frame *f, vec3 wo, const double h[3])
+/* f cos is a product. Each factor is taken at its largest over the cone: F where wi is farthest from wo (a metal's
+ * there or head on, because it has one minimum and no maximum between the ends), A(c_i) c_i and c_i/(c_i S_o + c_o S_i)
+ * where c_i is largest, R where t = tan theta_h is smallest. Two bounds of t hold, of which the larger one is taken:
+ * - wi and m are mirror images of wo about h and n: theta_h is at least half of the angle between them. This bound is
+ *   good in the plane of incidence.
+ * - no wi of the cone is farther from its axis than the chord of the half angle: |p| is smaller by that at most, s_z
+ *   larger by that at most. This bound is good across, where a lobe at grazing angles is narrow. */
+FORMULA void reach_loop(float *w, const constants_float *c, vec3 wo, const bis_cones *cones, uint32_t n,
+                        const int kind)
 {
-    const double x = h[0] * (double)f->x.x + h[1] * (double)f->y.x + h[2] * (double)f->z.x;
-    const double y = h[0] * (double)f->x.y + h[1] * (double)f->y.y + h[2] * (double)f->z.y;
-    const double z = h[0] * (double)f->x.z + h[1] * (double)f->y.z + h[2] * (double)f->z.z;
-    const double k = 2 * (x * (double)wo.x + y * (double)wo.y + z * (double)wo.z) / (x * x + y * y + z * z);
+    const constants_float k = *c;
+    const bis_cones l = *cones;
+    const vec3 behind = neg(wo);
+    const float least = (float)LEAST_COS;
 
-    return vec3_from(k * x - (double)wo.x, k * y - (double)wo.y, k * z - (double)wo.z);
-}
-/* [end] */
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        const float x = l.x[i], y = l.y[i], z = l.z[i], cosine = l.cosine[i];
+        const float c_i = bis_cone_cosine(k.local.z, x, y, z, cosine, l.sine[i]);
+        const float c_m = bis_cone_cosine(k.m, x, y, z, cosine, l.sine[i]), t2_mirror = (1 - c_m) / (1 + c_m);
+        const float chord = sqrtf(l.sine[i] * l.sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
+        const direction_float s = {x + wo.x, y + wo.y, z + wo.z};
+        const float s_x = along_float(k.local.x, s), s_y = along_float(k.local.y, s);
+        const float s_z = along_float(k.local.z, s) + chord, p = sqrtf(s_x * s_x + s_y * s_y) - chord;
+        /* no direction of the cone is above the horizon if s_z is not; least keeps the quotient finite */
+        const float t = bis_lanes_choose(p > 0, p, 0) / bis_lanes_choose(s_z > least, s_z, least);
+        const float t2 = bis_lanes_choose(t * t > t2_mirror, t * t, t2_mirror), R = (1 + t2) / (k.a2 + t2);
+        /* 2 cos^2 theta_d = 1 + wi wo */
+        const float c_d = sqrtf((1 - bis_cone_cosine(behind, x, y, z, cosine, l.sine[i])) * 0.5f);
+        const float c_up = bis_lanes_choose(c_i > least, c_i, least);
+        const float shadow = c_up * k.S_o + k.c_o * stretched_float(k.a2, k.one_minus_a2, c_up);
+        const facet_float f = {.A = through_coat_float(c_up, kind), .specular = k.lobe * (R * R) / shadow,
+                               .c_d = c_d, .c2_d = c_d * c_d, .x5 = fifth_power_float(1 - c_d)};
+        const float phat = most_f(&k, &f, 0, kind) * l.r[i] + most_f(&k, &f, 1, kind) * l.g[i] +
+                           most_f(&k, &f, 2, kind) * l.b[i];
 
-/* [facet-sample] */
-static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
-{
-    const frame *n = &b->local;
-    double h[3];
-
-    if (bis_bsdf_is_black(b)) return false;
-    if (u0 >= b->p_specular) {
-        *wi = to_world(n, bis_warp_cosine(u1, u2));
-        return true;
+        w[i] = bis_lanes_choose(c_i > 0, c_up * phat, 0);
     }
-    visible_facet(h, b->material->alpha, (double[]){dot(b->wo, n->x), dot(b->wo, n->y), dot(b->wo, n->z)}, u1, u2);
-    *wi = mirrored(n, b->wo, h);
-    return true;
 }
-/* [end] */
+
+BIS_LANES
+static void facet_reach_lanes(float *w, const constants_float *c, vec3 wo, const bis_cones *cones, uint32_t n)
+{
+    if (c->kind == PLASTIC) reach_loop(w, c, wo, cones, n, PLASTIC);
+    else if (c->kind == FRESNEL) reach_loop(w, c, wo, cones, n, FRESNEL);
+    else reach_loop(w, c, wo, cones, n, LOBE);
+}
+
+static void reach(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n)
+{
+    const constants_float c = constants_of_float(b, 1);
+
+    facet_reach_lanes(w, &c, b->wo, cones, bis_lanes_round_up(n));
+}
 
 /* ---- the bounds of rejection (docs/errata.md E27) ---- */
 
@@ -182,34 +189,44 @@ static rgbd most_fresnel(const bis_bsdf *b)
     const double c_o = bis_bsdf_cos(b, b->wo), sin_o = sqrt(fmax(0, 1 - c_o * c_o));
     const double least_cos_d = c_o / sqrt(2 * (1 + sin_o));
 
-    const rgbd F = blend(b->material, fmax(0, least_cos_d - 0x1p-23), 1, 0);
+    const rgbd F = fresnel_at(b->material, fmax(0, least_cos_d - 0x1p-23));
     const rgb Ks = b->material->Ks;
 
     return (rgbd){fmax(F.r, (double)Ks.r), fmax(F.g, (double)Ks.g), fmax(F.b, (double)Ks.b)};
 }
 
-/* S_i >= c_i, so f c_i <= F D / (2 (S_o + c_o)) with D <= 1/(pi a^2); the base: A <= A(1), cos <= 1. Each term at its
- * own maximum. */
-static double max_f_cos(const bis_bsdf *b)
+/* A(c_i) <= A(1). */
+static rgbd most_base(const bis_bsdf *b)
 {
-    const bis_material *m = b->material;
-    const double a = m->alpha, c_o = fmax(0, bis_bsdf_cos(b, b->wo));
-    const double specular = INV_PI / (a * a) / (2 * (c_o + stretched(a, c_o)));
-    const rgbd F = most_fresnel(b),
-               Kd = blend(m, 1, 0, base_norm * INV_PI * through_coat(m, c_o) * through_coat(m, 1));
+    const int kind = b->material->model == &bis_plastic_model ? PLASTIC : BASE;
 
-    return fmax(F.r * specular + Kd.r, fmax(F.g * specular + Kd.g, F.b * specular + Kd.b)) * unit_slack;
+    return rgbd_scale(base_at(b->material, fmax(0, bis_bsdf_cos(b, b->wo))), base_norm * through_coat_double(1, kind));
 }
 
+static double rgbd_max(rgbd a)
+{
+    return fmax(a.r, fmax(a.g, a.b));
+}
+
+/* S_i >= c_i, so f c_i <= F D / (2 (S_o + c_o)) with D <= 1/(pi a^2); the base: cos <= 1. Each term at its own
+ * maximum. */
+static double max_f_cos(const bis_bsdf *b)
+{
+    const double a2 = b->material->alpha * b->material->alpha, c_o = fmax(0, bis_bsdf_cos(b, b->wo));
+    const double specular = INV_PI / a2 / (2 * (c_o + stretched_double(a2, 1 - a2, c_o)));
+    const rgbd F = most_fresnel(b), base = most_base(b);
+
+    return rgbd_max(rgbd_add(rgbd_scale(F, specular), rgbd_scale(base, INV_PI))) * unit_slack;
+}
+
+/* [facet-bound] */
 /* A ratio of sums is at most the largest ratio of their terms: F G2/G1 / p_s with G2 <= G1, and the base's f cos over
  * p_d cos/pi. */
-/* [facet-bound] */
 static double max_ratio(const bis_bsdf *b)
 {
-    const double A = through_coat(b->material, fmax(0, bis_bsdf_cos(b, b->wo))) * through_coat(b->material, 1);
-    const rgbd F = most_fresnel(b), Kd = blend(b->material, 1, 0, base_norm * A);
-    const double specular = b->p_specular > 0 ? fmax(F.r, fmax(F.g, F.b)) / b->p_specular : 0;
-    const double diffuse = b->p_specular < 1 ? fmax(Kd.r, fmax(Kd.g, Kd.b)) / (1 - b->p_specular) : 0;
+    const double p = b->p_specular;
+    const double specular = p > 0 ? rgbd_max(most_fresnel(b)) / p : 0;
+    const double diffuse = p < 1 ? rgbd_max(most_base(b)) / (1 - p) : 0;
 
     return fmax(specular, diffuse) * unit_slack;
 }
@@ -228,7 +245,9 @@ const bis_bsdf_model bis_microfacet_model = {.name = "microfacet",
                                              .max_ratio = max_ratio,
                                              .of_half_vector = true,
                                              .width = width,
-    .f_many = bis_microfacet_f_many, .sample_many = bis_microfacet_sample_many, .reach = bis_microfacet_reach};
+                                             .f_many = f_many,
+                                             .sample_many = sample_many,
+                                             .reach = reach};
 
 const bis_bsdf_model bis_plastic_model = {.name = "plastic",
                                           .init = init,
@@ -238,7 +257,9 @@ const bis_bsdf_model bis_plastic_model = {.name = "plastic",
                                           .max_ratio = max_ratio,
                                           .of_half_vector = true,
                                           .width = width,
-    .f_many = bis_microfacet_f_many, .sample_many = bis_microfacet_sample_many, .reach = bis_microfacet_reach};
+                                          .f_many = f_many,
+                                          .sample_many = sample_many,
+                                          .reach = reach};
 
 /* As Phong's: what reflects less than 2^-67 is black. */
 static bool is_visible(double k)

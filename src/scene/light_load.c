@@ -120,6 +120,12 @@ bis_light_desc bis_light_desc_default(void)
                             .visible = true, .to_world = bis_xform_identity()};
 }
 
+bis_table_kind bis_light_table_kind(const bis_light_desc *desc, unsigned needs, bis_sampler_kind sampler)
+{
+    if (desc->has_table_kind) return desc->table_kind;
+    return needs & BIS_NEED_SPREAD && bis_sampler_is_low_discrepancy(sampler) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+}
+
 bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned needs, double seconds[2],
                           bis_diag *diag)
 {

@@ -185,9 +185,7 @@ static bis_status load_light(bis_scene *s, const bis_scene_desc *desc, bis_diag 
     bis_light_desc light = desc->light;
 
     if (!desc->has_light) return bis_light_constant(&s->light, (rgb){0, 0, 0}, diag);
-    /* inversion keeps the structure of low-discrepancy points, the alias method destroys it (docs/errata.md E12) */
-    if (!light.has_table_kind)
-        light.table_kind = bis_sampler_is_low_discrepancy(desc->view.sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+    light.table_kind = bis_light_table_kind(&light, needs, desc->view.sampler.kind);
     light.as_printed = desc->view.settings.as_printed;
     bis_status status = bis_light_load(&s->light, &light, needs, seconds, diag);
     s->seconds.load += seconds[0];

@@ -2,6 +2,12 @@
  * the model and stands behind the model's functions. */
 #include "bis/thesis/bsdf.h"
 
+#include "real.h"
+
+#define REAL double
+#include "direction_formulas.h"
+#undef REAL
+
 void bis_bsdf_init(bis_bsdf *b, const bis_material *m, vec3 n, vec3 wo)
 {
     *b = (bis_bsdf){.material = m, .local = frame_about(n), .wo = wo};
@@ -10,10 +16,9 @@ void bis_bsdf_init(bis_bsdf *b, const bis_material *m, vec3 n, vec3 wo)
 
 bool bis_bsdf_draw(const bis_bsdf *b, const double u[2], vec3 *wi)
 {
-    const double p = b->p_specular, rest = u[0] < p ? u[0] / p : (u[0] - p) / (1 - p);
+    const parts_double parts = parts_of_double(b->p_specular);
 
-    /* u[0] < 1, but the difference and the quotient may round up to 1 */
-    return bis_bsdf_sample(b, u[0], fmin(rest, 1 - 0x1p-53), u[1], wi);
+    return bis_bsdf_sample(b, u[0], place_in_part_double(&parts, u[0]), u[1], wi);
 }
 
 bool bis_bsdf_is_black(const bis_bsdf *b)

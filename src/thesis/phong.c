@@ -12,29 +12,33 @@
  * below the horizon. Its directions there are returned, have f = 0 and count, because the mean would otherwise be too
  * high (E34: +64 % at 85 degrees, n = 10).
  *
- * Precision for n from 0 to 1e8 (E36): everything is in double. cos alpha itself is never used, because it is next to
- * 1 where n is large. 1 - cos alpha = |R - wi|^2 / 2 has no cancellation. Unit vectors in float limit the relative
- * error of the power to about 1e-7 (1 + sqrt(n)).
+ * Precision for n from 0 to 1e8 (E36): cos alpha itself is never used, because it is next to 1 where n is large.
+ * 1 - cos alpha = |R - wi|^2 / 2 has no cancellation. Unit vectors in float limit the relative error of the power to
+ * about 1e-7 (1 + sqrt(n)).
  *
- * Cost: one log1p and one exp for f, for the density, or for both together; none if Ks = 0. */
+ * The formulas stand in phong_formulas.h, once for one direction in double and for many in float (model.h). Cost: one
+ * logarithm and one exponential for f and the density together; none if Ks = 0. */
 #include "bis/thesis/phong.h"
-
-#include "bis/thesis/warp.h"
-#include "bis/thesis/cone.h"
-#include "real.h"
 
 #include <float.h>
 
-#define REAL float
-#include "phong_formulas.h"
-#undef REAL
-#define REAL double
-#include "phong_formulas.h"
-#undef REAL
+/* The larger of the peaks of both terms. */
+static double unit_of(const bis_bsdf *b)
+{
+    const bis_material *m = b->material;
+    const double peak = (m->exponent + 1) * (INV_PI / 2);
+
+    return fmax(rgb_max(m->Ks) * peak, rgb_max(m->Kd) * INV_PI);
+}
+
+#define MODEL phong
+#define FORMULAS "thesis/phong_formulas.h"
+#define KINDS 2
+#include "thesis/model.h"
 
 double bis_phong_power(vec3 a, vec3 b, double n)
 {
-    return phong_power_double(a, n, (double)b.x, (double)b.y, (double)b.z);
+    return power_double(a, n, (direction_double){(double)b.x, (double)b.y, (double)b.z});
 }
 
 /* Eq. 3.15. */
@@ -45,12 +49,10 @@ double bis_phong_lobe_pdf(vec3 axis, vec3 wi, double n)
 
 void bis_phong_lobe_sample(vec3 *wi, double *pdf, double n, double u1, double u2)
 {
-    const frame pole = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    const phong_double k = {.about_r = pole, .local = pole, .inverse_n1 = 1 / (n + 1)};
-    const phong_wi_double local = phong_draw_double(&k, true, u1, u2);
+    const direction_double w = lobe_double(1 / (n + 1), u1, u2);
 
-    *wi = vec3_from(local.x, local.y, local.z);
-    *pdf = (n + 1) * (INV_PI / 2) * exp(n * (log1p(-u1) / (n + 1))); /* eq. 3.15 */
+    *wi = vec3_from(w.x, w.y, w.z);
+    *pdf = (n + 1) * (INV_PI / 2) * exp(n * log1p(-u1) / (n + 1)); /* eq. 3.15 */
 }
 
 /* Sets the lobe's axis R and the probability of the specular lobe: Ks / (Ks + Kd), means over RGB (E35). Any positive
@@ -68,79 +70,11 @@ static void init(bis_bsdf *b)
     if (b->p_specular == 1 && Kd > 0) b->p_specular = 1 - 0x1p-53;
 }
 
-/* Eq. 3.14 and q_mix for one direction. */
-static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
-{
-    const phong_double k = phong_at_double(b, 1);
-    const phong_value_double f = phong_f_double(&k, (double)wi.x, (double)wi.y, (double)wi.z, k.has_lobe);
-
-    *pdf = f.q;
-    if (f.cos <= 0 || bis_bsdf_cos(b, b->wo) <= 0) return (rgb){0, 0, 0};
-    return rgb_from(f.r, f.g, f.b);
-}
-
-/* "Deciding which term to sample from is made randomly in order to remain unbiased" (3.5). */
-static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
-{
-    const phong_double k = phong_at_double(b, 1);
-
-    if (rgb_is_black(b->material->Kd) && rgb_is_black(b->material->Ks)) return false;
-    if (u0 >= k.p) {
-        *wi = to_world(&b->local, bis_warp_cosine(u1, u2));
-        return true;
-    }
-    const phong_wi_double w = phong_draw_double(&k, true, u1, u2);
-    *wi = vec3_from(w.x, w.y, w.z);
-    return true;
-}
-
-/* ---- many directions at once ---- */
-
-static double unit_of(const bis_material *m)
-{
-    const double peak = (m->exponent + 1) * (INV_PI / 2);
-
-    return fmax(rgb_max(m->Ks) * peak, rgb_max(m->Kd) * INV_PI);
-}
-
-FORMULA void phong_fs(const bis_reflected *f, const phong_float *c, const bis_lanes *y, uint32_t n, const bool has_lobe)
-{
-    const phong_float k = *c;
-    const bis_lanes l = *y;
-    const bis_reflected o = *f;
-
-#pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
-        const phong_value_float v = phong_f_float(&k, l.x[i], l.y[i], l.z[i], has_lobe);
-        o.r[i] = v.r;
-        o.g[i] = v.g;
-        o.b[i] = v.b;
-        o.cos[i] = v.cos;
-        o.q[i] = v.q;
-    }
-}
-
-BIS_LANES
-static void phong_f_lanes(const bis_reflected *f, const phong_float *c, const bis_lanes *y, uint32_t n)
-{
-    if (c->has_lobe) phong_fs(f, c, y, n, true);
-    else phong_fs(f, c, y, n, false);
-}
-
-static double f_many(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n)
-{
-    const double unit = unit_of(b->material);
-    const phong_float k = phong_at_float(b, unit);
-
-    phong_f_lanes(f, &k, y, bis_lanes_round_up(n));
-    return unit;
-}
-
 /* A bound of f cos over cones: power and cosine each at their largest. */
 BIS_LANES
-static void phong_reach_lanes(float *w, const phong_float *c, const bis_cones *cones, uint32_t n)
+static void phong_reach_lanes(float *w, const constants_float *c, const bis_cones *cones, uint32_t n)
 {
-    const phong_float k = *c;
+    const constants_float k = *c;
     const bis_cones l = *cones;
 
 #pragma omp simd
@@ -158,33 +92,9 @@ static void phong_reach_lanes(float *w, const phong_float *c, const bis_cones *c
 
 static void reach(float *w, const bis_bsdf *b, const bis_cones *cones, uint32_t n)
 {
-    const phong_float k = phong_at_float(b, unit_of(b->material));
+    const constants_float k = constants_of_float(b, unit_of(b));
 
     phong_reach_lanes(w, &k, cones, bis_lanes_round_up(n));
-}
-
-BIS_LANES
-static void phong_draw_lanes(const bis_lanes *y, const phong_float *c, const float *u1, const float *u2, uint32_t n)
-{
-    const phong_float k = *c;
-    const bis_lanes l = *y;
-    const float inverse_p = k.p > 0 ? 1 / k.p : 0, inverse_rest = k.p < 1 ? 1 / (1 - k.p) : 0;
-
-#pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
-        const float u = phong_stretch_float(&k, u1[i], inverse_p, inverse_rest);
-        const phong_wi_float w = phong_draw_float(&k, u1[i] < k.p, u, u2[i]);
-        l.x[i] = w.x;
-        l.y[i] = w.y;
-        l.z[i] = w.z;
-    }
-}
-
-static void sample_many(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n)
-{
-    const phong_float k = phong_at_float(b, 1);
-
-    phong_draw_lanes(y, &k, u1, u2, bis_lanes_round_up(n));
 }
 
 /* The slack of rejection's bounds (E27). Both bounds are products of two cosines, or of a cosine and f. Float vectors

@@ -12,7 +12,10 @@ bool bis_propose_em(bis_light_point *y, const bis_light *light, bis_stream *stre
     return bis_light_sample(light, v, y);
 }
 
-unsigned bis_em_samples_light_needs(const bis_settings *s) { return s->stratify ? BIS_NEED_CURVE : BIS_NEED_TABLE; }
+unsigned bis_em_samples_light_needs(const bis_settings *s)
+{
+    return s->stratify ? BIS_NEED_CURVE : BIS_NEED_TABLE | BIS_NEED_SPREAD;
+}
 
 void bis_em_samples_scratch_needs(uint32_t n, const bis_settings *s, bis_needs *need)
 {

@@ -189,8 +189,7 @@ static void print_drawing(const bis_scene_desc *d, FILE *out)
     const bis_light_desc *light = &d->light;
     const unsigned needs = d->view.settings.integrator->light_needs(&d->view.settings);
     const char *why = why_no_drawing(d, needs);
-    const bool cdf = light->has_table_kind ? light->table_kind == BIS_TABLE_CDF
-                                           : bis_sampler_is_low_discrepancy(d->view.sampler.kind);
+    const bool cdf = bis_light_table_kind(light, needs, d->view.sampler.kind) == BIS_TABLE_CDF;
     char size[32] = "", bound[64] = "";
     bis_mapping mapping;
     long w, h;

@@ -294,6 +294,32 @@ static void the_plan_says_what_is_built_and_how_large_it_is(void **state)
                                       "\nbuild        accelerator grid, density 2.5\n", NULL});
 }
 
+/* CDFs keep the spread of a sampler's points; independent numbers have none, and go through alias tables. */
+static void the_table_follows_who_draws(void **state)
+{
+    static const struct { const char *before; const char *table; } cases[] = {
+        {"Integrator \"em\"", "CDFs"},
+        {"Integrator \"mis\"", "CDFs"},
+        {"Integrator \"mis\" Sampler \"halton\"", "CDFs"},
+        {"Integrator \"em\" Sampler \"random\"", "alias tables"},
+        {"Integrator \"mis\" Sampler \"stratified\"", "alias tables"},
+        {"Integrator \"rejection\"", "alias tables"},
+        {"Integrator \"sir\" \"bool stratify\" false", "alias tables"},
+        {"Integrator \"unoccluded\"", NULL}, /* along the curve */
+        {"Integrator \"sir\"", NULL},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char line[64];
+        if (cases[i].table) snprintf(line, sizeof line, "\nbuild        light table, %s", cases[i].table);
+        else snprintf(line, sizeof line, "\nskip         light table: this integrator, so set, draws along the curve");
+        assert_plan(cases[i].before, MAP "Shape \"sphere\"", (const char *const[]){line, NULL});
+    }
+    /* the scene's own word counts */
+    assert_plan("Integrator \"rejection\"", "LightSource \"infinite\" \"string filename\" \"map.pfm\" \"string mapping\" \"latlong\" \"string sampler\" \"cdf\" Shape \"sphere\"",
+                (const char *const[]){"\nbuild        light table, CDFs", NULL});
+}
+
 /* 1280 x 720 pixels; the 80 x 45 of the crop begin at (640, 360), in the middle of a row of tiles. */
 static void the_plan_says_what_a_crop_costs_that_learns(void **state)
 {
@@ -487,6 +513,7 @@ int main(void)
         cmocka_unit_test(when_the_kth_allocation_fails_the_build_fails_cleanly),
         cmocka_unit_test(the_plan_says_what_is_left_out_and_why),
         cmocka_unit_test(the_plan_says_what_is_built_and_how_large_it_is),
+        cmocka_unit_test(the_table_follows_who_draws),
         cmocka_unit_test(the_plan_says_what_a_crop_costs_that_learns),
         cmocka_unit_test(the_plan_agrees_with_the_build),
         cmocka_unit_test(image_sizes_are_read_from_headers),

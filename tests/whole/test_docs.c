@@ -406,6 +406,35 @@ static void a_prefetch_that_the_compiler_leaves_out_is_found(void **state)
     }
 }
 
+/* The compiler's report of a loop over lanes, and of three twins that it leaves scalar. The first also tells whether this
+ * compiler can be asked. */
+static void a_loop_over_lanes_that_stays_scalar_is_found(void **state)
+{
+    static const char *const bodies[] = {"a[i] = b[i] * b[i];", "float v[3] = {b[i], 1, 2}; a[i] = v[i % 3];",
+                                         "if (b[i] > 1) other(a, i);", "store(&a[i], b[i]);"};
+    char command[1024];
+
+    (void)state;
+    if (!getenv("BIS_COMPILE")) {
+        print_message("run by make test, which tells how to compile\n");
+        skip();
+    }
+    for (int i = 0; i < 4; i++) {
+        FILE *f = fopen("build/vectors.c", "w");
+        assert_non_null(f);
+        fprintf(f, "#include \"bis/base/clones.h\"\nvoid other(float *, unsigned);\nvoid store(float *, float);\n"
+                   "void all(float *, const float *, unsigned);\nBIS_LANES\nstatic void lanes(float *a, const float *b, unsigned n)\n{\n"
+                   "#pragma omp simd\n    for (unsigned i = 0; i < n; i++) {\n        %s\n    }\n}\n"
+                   "void all(float *a, const float *b, unsigned n) { lanes(a, b, n); }\n", bodies[i]);
+        fclose(f);
+        snprintf(command, sizeof command, "sh scripts/check/check_vectors.sh build/vectors.c > build/vectors.out");
+        const int status = shell(command);
+        if (i == 0 && shell("grep -q SKIPPED build/vectors.out") == 0) skip();
+        assert_int_equal(status, i > 0);
+        assert_int_equal(shell("grep -q 'build/vectors.c:9: this loop is scalar' build/vectors.out") == 0, i > 0);
+    }
+}
+
 /* --- errata
  * -------------------------------------------------------------------------------------------------------- */
 
@@ -559,6 +588,7 @@ int main(void)
         cmocka_unit_test(an_include_that_goes_up_or_a_stranger_is_found),
         cmocka_unit_test(files_that_need_each_other_are_found),
         cmocka_unit_test(a_prefetch_that_the_compiler_leaves_out_is_found),
+        cmocka_unit_test(a_loop_over_lanes_that_stays_scalar_is_found),
         cmocka_unit_test(every_item_of_the_errata_has_a_test_named_after_it_and_a_twin),
         cmocka_unit_test(an_item_without_its_test_or_its_twin_is_found),
         cmocka_unit_test(every_word_of_a_scene_stands_in_a_scene),

@@ -120,7 +120,8 @@ static inline double bis_bsdf_max_ratio(const bis_bsdf *b) { return b->material-
 
 /* bis_bsdf_draw draws *wi by two numbers. u[0] selects the lobe. Rescaled to [0,1) within that lobe's interval it is
  * uniform again, so it is used once more, with u[1], to sample the lobe. A well-spread set of points then gives each
- * lobe its share almost exactly (E35: as unbiased as a coin, with less noise). Returns false if the material is black. */
+ * lobe its share almost exactly (E35: as unbiased as a coin, with less noise). Returns false if the material is black.
+ * */
 bool bis_bsdf_draw(const bis_bsdf *b, const double u[2], vec3 *wi);
 
 /* bis_bsdf_f_many stores f over the result, its unit, the cosine, and the density of bis_bsdf_sample for n directions

@@ -1,4 +1,5 @@
-/* cone: bounds over many directions at once, for models that say how much they can reflect from a part of the sphere. */
+/* cone: bounds over many directions at once, for models that say how much they can reflect from a part of the sphere.
+ * */
 #pragma once
 
 #include "bis/base/vec.h"

@@ -12,7 +12,10 @@
 enum {
     BIS_NEED_TABLE = 1,     /* bis_light_sample */
     BIS_NEED_CURVE = 2,     /* bis_light_sample_curve */
-    BIS_NEED_COMPENSATED = 4 /* with BIS_NEED_TABLE: MIS compensation */
+    BIS_NEED_COMPENSATED = 4, /* with BIS_NEED_TABLE: MIS compensation */
+    /* with BIS_NEED_TABLE: the numbers that go through the table are points of a sampler, whose even spread a table of
+     * CDFs keeps and an alias table loses (docs/errata.md E12); without it they are independent */
+    BIS_NEED_SPREAD = 8
 };
 
 typedef struct bis_light bis_light;

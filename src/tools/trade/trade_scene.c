@@ -17,7 +17,7 @@ void bis_trade_tell(const bis_trade *t, const char *what, double share, double s
 
 /* ---- lights ---- */
 
-static const unsigned all_needs = BIS_NEED_TABLE | BIS_NEED_CURVE;
+static const unsigned all_needs = BIS_NEED_TABLE | BIS_NEED_CURVE | BIS_NEED_SPREAD; /* one table for all methods */
 enum { MANY_PIXELS = 1 << 24 }; /* a map of 8192 x 2048: each further importance takes 28 bytes a pixel */
 
 static bis_light *light_for(const bis_trade *t, const bis_trade_setting *s)
@@ -34,8 +34,7 @@ static bis_status add_light(bis_trade *t, const bis_trade_setting *s, bis_diag *
     const unsigned needs = all_needs | (s->settings.compensate ? BIS_NEED_COMPENSATED : 0);
     bis_light *made;
 
-    if (!light.has_table_kind)
-        light.table_kind = bis_sampler_is_low_discrepancy(t->desc->view.sampler.kind) ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
+    light.table_kind = bis_light_table_kind(&light, needs, t->desc->view.sampler.kind);
     light.area_exponent = s->area_exponent;
     bis_status status =
         bis_light_load(&made, &light, needs, NULL, NULL); /* its warnings were given with the scene's own */

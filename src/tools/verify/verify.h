@@ -209,7 +209,7 @@ void bis_verify_backends(bis_verify *v, const bis_accel *a, const bis_accel *b, 
 
 /* What the scene's description must ask of its light (bis_scene_desc.light_needs), here and for bis_pixel_find: all
  * that any integrator needs of it. */
-#define BIS_VERIFY_LIGHT_NEEDS (BIS_NEED_TABLE | BIS_NEED_CURVE)
+#define BIS_VERIFY_LIGHT_NEEDS (BIS_NEED_TABLE | BIS_NEED_CURVE | BIS_NEED_SPREAD)
 
 /* src/tools/verify/verify_scene.c. Whatever applies of the above. */
 bis_status bis_verify_scene(bis_verify *v, const bis_scene *scene, const bis_scene_desc *desc,

@@ -1,0 +1,3 @@
+/* clone_avx2_microfacet: see clones.h. */
+#define CLONE_AVX2
+#include "clone_microfacet.c"
