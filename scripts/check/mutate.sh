@@ -293,6 +293,18 @@ exit
 # - (d > 0 ? i + 1 : i) * g->cell[a]
 # + (i + 1) * g->cell[a]
 #
+# * grid_walk test_accel : what is set aside is not looked at
+# - && test_cell(g, aside, 0, s, any)
+# + && !&aside
+#
+# * grid_block.h test_accel : the filter in float without the error of its point
+# - 10 * m * r->wrong + 8
+# + 8
+#
+# * grid_block.h test_accel : the filter in float without its own rounding
+# - 8 * m * m * (9 * 0x1p-24f)
+# + 0 * m
+#
 # * surface test_geometry : the hit's error bound without the plane's part
 # - double distance = smaller(0x1p-23 * tilt + 6 * 0x1p-24 * sums, size);
 # + double distance = smaller(0 * (tilt + sums), size);
@@ -433,7 +445,7 @@ exit
 # - k->pdf_lobe * power + k->pdf_base * OF(choose)(cos_theta > 0, cos_theta, 0)};
 # + k->pdf_lobe * power};
 #
-# * model.h test_phong : a lobe is drawn where its share of the numbers ends
+# * model.h test_f_many : a lobe is drawn where its share of the numbers ends
 # - place_in_part_float(&parts, u1[i])
 # + u1[i]
 #
@@ -449,11 +461,11 @@ exit
 # - k.s_x = (REAL)(dot(mirror, k.local.x) + dot(b->wo, k.local.x));
 # + k.s_x = 0;
 #
-# * microfacet test_microfacet : draws forget what the rounding of the mirror direction left
+# * microfacet test_f_many : draws forget what the rounding of the mirror direction left
 # - if (rest) *rest = vec3_from(x - (double)m.x, y - (double)m.y, z - (double)m.z);
 # + if (rest) *rest = (vec3){0, 0, 0};
 #
-# * microfacet test_microfacet : a cone is as wide as a direction
+# * microfacet test_f_many : a cone is as wide as a direction
 # - const float chord = sqrtf(l.sine[i] * l.sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
 # + const float chord = 0x1p-20f;
 #

@@ -26,12 +26,6 @@ static bis_status no_memory(bis_diag *diag, const char *what, size_t n)
     return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %s: %zu in all", what, n);
 }
 
-static void box_include(bis_box *box, vec3 p)
-{
-    box->lo = (vec3){fminf(box->lo.x, p.x), fminf(box->lo.y, p.y), fminf(box->lo.z, p.z)};
-    box->hi = (vec3){fmaxf(box->hi.x, p.x), fmaxf(box->hi.y, p.y), fmaxf(box->hi.z, p.z)};
-}
-
 /* An empty geometry is all zeros, so that `= {0}` makes one; its box is only meaningful from the first primitive on. */
 static void start_box(bis_geometry *g)
 {
@@ -188,7 +182,7 @@ static bis_status check_finite(bis_geometry *g, const bis_mesh *m, const bis_xfo
                              "vertex %zu (%g, %g, %g) or its normal does not fit into a float after its transformation",
                              i, (double)m->p[i].x, (double)m->p[i].y, (double)m->p[i].z);
         }
-        box_include(&box, p);
+        bis_box_include(&box, p);
     }
     g->box = box;
     return BIS_OK;
@@ -229,8 +223,8 @@ bis_status bis_geometry_add_quadric(bis_geometry *g, const bis_quadric *q, bis_d
     if (!room_for_one(&quadrics, g->n_quadrics, sizeof *g->quadrics))
         return no_memory(diag, "spheres and disks", g->n_quadrics + 1);
     start_box(g);
-    box_include(&g->box, box.lo);
-    box_include(&g->box, box.hi);
+    bis_box_include(&g->box, box.lo);
+    bis_box_include(&g->box, box.hi);
     g->quadrics = quadrics;
     g->quadrics[g->n_quadrics++] = *q;
     return BIS_OK;
@@ -262,7 +256,7 @@ bis_box bis_geometry_bounds(const bis_geometry *g, uint32_t prim)
     if (prim >= g->n_triangles) return bis_quadric_bounds(&g->quadrics[prim - g->n_triangles]);
     const uint32_t *index = g->index + 3 * (size_t)prim;
     bis_box box = {g->p[index[0]], g->p[index[0]]};
-    box_include(&box, g->p[index[1]]);
-    box_include(&box, g->p[index[2]]);
+    bis_box_include(&box, g->p[index[1]]);
+    bis_box_include(&box, g->p[index[2]]);
     return box;
 }

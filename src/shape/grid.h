@@ -3,9 +3,9 @@
 
 #include "bis/shape/accel.h"
 
-/* Cells per primitive, by default. Surfaces leave most cells empty, and an empty cell costs a bit's look-up. The packed
- * walk is as fast from 1 to 8 cells on the dragon (871k triangles; scripts/bench/bench_accel.c), but space grows. The
- * plain one gains up to 8. */
+/* Cells per primitive, by default. Surfaces leave most cells empty, and an empty cell costs a bit's look-up. A packed
+ * grid is as fast from 1 to 8 cells on the dragon (871k triangles; scripts/bench/bench_accel.c), but space grows. One
+ * that is not packed gains up to 8. */
 #define BIS_GRID_DENSITY 2.0
 #define BIS_GRID_PLAIN_DENSITY 8.0
 
@@ -29,15 +29,18 @@ typedef struct bis_grid {
     /* cells along each axis; cell (i, j, k) is number (k n[1] + j) n[0] + i */
     int n[3];
     size_t n_cells;
-    /* offsets[n_cells + 1]: cell c holds items[offsets[c] ... offsets[c+1] - 1] */
+    /* offsets[n_cells + 2]: cell c holds items[offsets[c] ... offsets[c+1] - 1]. One more cell after the last, number
+     * n_cells, holds what is set aside: up to 8 primitives that reach far out of the box */
     uint32_t *offsets;
     uint32_t *items;                           /* primitives, ascending in each cell */
     uint64_t *occupied;                        /* one bit a cell: is there any item? Empty space costs an L2 access */
     /* block b: the triangles of items 8 b ... 8 b + 7; NULL: the grid is not packed */
     bis_grid_block *blocks;
     float *reach;                              /* no vertex of block b is farther from its first one, along any axis */
-    uint32_t *near[3];                         /* for the packed walk: see grid_packed.c */
 } bis_grid;
+
+/* bis_grid_items returns the number of items of all cells, with those that are set aside. */
+static inline size_t bis_grid_items(const bis_grid *g) { return g->offsets[g->n_cells + 1]; }
 
 /* The nearest hit so far; t is not rounded. Of hits at the same t the first primitive counts, so that it does not
  * matter which is found first. */
@@ -46,6 +49,7 @@ typedef struct bis_grid_best {
     uint32_t prim;
 } bis_grid_best;
 
+/* bis_grid_take makes (t, prim) the best hit if it comes before the best so far; true if it did. */
 static inline bool bis_grid_take(bis_grid_best *best, double t, uint32_t prim)
 {
     if (t > best->t || (t == best->t && prim >= best->prim)) return false;
@@ -53,17 +57,10 @@ static inline bool bis_grid_take(bis_grid_best *best, double t, uint32_t prim)
     return true;
 }
 
-/* density 0: the default. The grid is packed where mesh and grid then stay below 150 bytes a triangle: not where most
- * triangles are much larger than a cell. */
+/* bis_grid_new builds a grid with `density` cells a primitive; 0: the default. It is packed where mesh and grid then
+ * stay below 150 bytes a triangle: not where most triangles are much larger than a cell. Errors: BIS_NOMEM. */
 bis_status bis_grid_new(bis_accel **out, const bis_geometry *g, double density, int n_threads, bis_diag *diag);
 
-/* The plain walk, src/shape/grid_walk.c: for any grid. */
+/* bis_grid_intersect and bis_grid_occluded are the grid's two queries (bis/shape/accel.h): grid_walk.c. */
 bool bis_grid_intersect(const bis_accel *a, const ray *r, bis_hit *hit);
 bool bis_grid_occluded(const bis_accel *a, const ray *r);
-
-/* The fast one, src/shape/grid_packed.c: for packed grids. What packing would take and its doing: at most 2^31 - 1
- * cells. */
-bool bis_grid_packed_intersect(const bis_accel *a, const ray *r, bis_hit *hit);
-bool bis_grid_packed_occluded(const bis_accel *a, const ray *r);
-size_t bis_grid_packed_bytes(size_t n_cells, size_t n_items);
-bis_status bis_grid_pack(bis_grid *g, int n_threads, bis_diag *diag);

@@ -10,8 +10,10 @@
  *
  * Parallel: threads own slabs of layers in z and go through all primitives; no two touch the same cell, and no bit
  * depends on their number. The resolution follows the primitives' density and the box's shape; if large triangles make
- * too many items, it is coarsened until they fit. */
+ * too many items, it is coarsened until they fit. A few primitives that are much wider than all others are set aside
+ * (set_aside). */
 #include "grid.h"
+#include "grid_block.h"
 
 #include "bis/base/mem.h"
 #include "quadric.h"
@@ -19,6 +21,7 @@
 #include "triangle.h"
 
 #include <assert.h>
+#include <float.h>
 #include <string.h>
 #ifdef _OPENMP
 #include <omp.h>
@@ -42,6 +45,8 @@ typedef struct build {
     const bis_geometry *geometry;
     int n_threads;
     size_t max_items;
+    bis_box box; /* of all primitives that are not set aside */
+    uint32_t aside[BIS_GRID_LANES], n_aside; /* ascending */
 } build;
 
 /* ---- where a primitive lies, in units of cells ---- */
@@ -186,6 +191,61 @@ static bool quadric_touches(const build *b, uint32_t prim, int i, int j, int k)
     return bis_quadric_may_touch(&b->geometry->quadrics[prim - b->geometry->n_triangles], centre, half);
 }
 
+/* ---- primitives that are set aside ---- */
+
+static double width_of(const bis_box *b)
+{
+    const double x = (double)b->hi.x - (double)b->lo.x, y = (double)b->hi.y - (double)b->lo.y,
+                 z = (double)b->hi.z - (double)b->lo.z;
+
+    return larger(x, larger(y, z));
+}
+
+static bool is_empty(const bis_geometry *g, uint32_t prim)
+{
+    const uint32_t *index = g->index + 3 * (size_t)prim;
+
+    return prim < g->n_triangles && !has_area((const vec3[3]){g->p[index[0]], g->p[index[1]], g->p[index[2]]});
+}
+
+/* A floor of radius 80 under a chess board of width 10 would make a grid in which the board fills a few cells ("a
+ * teapot in a stadium"). So up to eight primitives that are wider than half of the scene are set aside, if all others
+ * lie in a box of at most half of the scene's width. Every ray is tested against them, in one block, before it walks.
+ * More than eight stay in the grid, because then each ray would be tested against a list. A triangle without area is
+ * neither set aside nor does it count, because nothing can hit it. */
+static void set_aside(build *b)
+{
+    const bis_geometry *g = b->geometry;
+    const double half = 0.5 * width_of(&g->box);
+    const uint32_t n_prims = (uint32_t)bis_geometry_primitives(g);
+    bis_box rest = {{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
+    uint32_t n = 0;
+
+    b->box = g->box;
+    b->n_aside = 0;
+    for (uint32_t prim = 0; prim < n_prims; prim++) {
+        const bis_box box = bis_geometry_bounds(g, prim);
+        if (width_of(&box) > half) {
+            if (is_empty(g, prim)) continue;
+            if (n == BIS_GRID_LANES) return;
+            b->aside[n++] = prim;
+        } else {
+            bis_box_include(&rest, box.lo);
+            bis_box_include(&rest, box.hi);
+        }
+    }
+    if (rest.lo.x > rest.hi.x || width_of(&rest) > half) return; /* lo > hi: there are no others */
+    b->box = rest;
+    b->n_aside = n;
+}
+
+static bool is_aside(const build *b, uint32_t prim)
+{
+    for (uint32_t i = 0; i < b->n_aside; i++)
+        if (b->aside[i] == prim) return true;
+    return false;
+}
+
 /* ---- the two passes ---- */
 
 /* Visit prim's cells in layers [from, to): count them, or, with items, put prim into them. Returns how many. */
@@ -195,7 +255,7 @@ static size_t visit(const build *b, uint32_t prim, int from, int to, uint32_t *i
     size_t n = 0;
     cover c;
 
-    if (!cover_primitive(b, prim, from, to, &c)) return 0;
+    if (is_aside(b, prim) || !cover_primitive(b, prim, from, to, &c)) return 0;
     int k0 = c.lo[2] > from ? c.lo[2] : from, k1 = c.hi[2] < to - 1 ? c.hi[2] : to - 1;
     for (int k = k0; k <= k1; k++) {
         for (int j = c.lo[1]; j <= c.hi[1]; j++) {
@@ -305,7 +365,7 @@ static bis_status sort_into_cells(const build *b, double target, bis_diag *diag)
     for (;; target /= 8) {
         set_resolution(g, target);
         bis_free(g->offsets);
-        g->offsets = bis_alloc(g->n_cells + 1, sizeof *g->offsets);
+        g->offsets = bis_alloc(g->n_cells + 2, sizeof *g->offsets);
         if (!g->offsets) goto no_memory;
         n_items = count_items(b);
         if (n_items <= b->max_items || g->n_cells == 1) break;
@@ -314,7 +374,7 @@ static bis_status sort_into_cells(const build *b, double target, bis_diag *diag)
     bis_free(g->occupied);
     bis_free(g->items);
     g->occupied = bis_alloc(g->n_cells / 64 + 1, sizeof *g->occupied);
-    g->items = bis_alloc(n_items, sizeof *g->items);
+    g->items = bis_alloc(n_items + b->n_aside, sizeof *g->items);
     if (!g->items || !g->occupied) goto no_memory;
     for (size_t c = 0; c < g->n_cells; c++) {
         if (g->offsets[c] > 0) g->occupied[c >> 6] |= (uint64_t)1 << (c & 63);
@@ -322,6 +382,8 @@ static bis_status sort_into_cells(const build *b, double target, bis_diag *diag)
         g->offsets[c] = end;
     }
     g->offsets[g->n_cells] = end;
+    g->offsets[g->n_cells + 1] = end + b->n_aside;
+    memcpy(g->items + end, b->aside, b->n_aside * sizeof *g->items);
     fill_items(b);
     return BIS_OK;
 no_memory:
@@ -330,13 +392,13 @@ no_memory:
                      g->n[2]);
 }
 
+
 static size_t bytes(const bis_accel *a)
 {
     const bis_grid *g = (const bis_grid *)a;
 
-    return sizeof *g + (g->n_cells + 1) * sizeof *g->offsets + g->offsets[g->n_cells] * sizeof *g->items +
-           (g->n_cells / 64 + 1) * sizeof *g->occupied +
-           (g->blocks ? bis_grid_packed_bytes(g->n_cells, g->offsets[g->n_cells]) : 0);
+    return sizeof *g + (g->n_cells + 2) * sizeof *g->offsets + bis_grid_items(g) * sizeof *g->items +
+           (g->n_cells / 64 + 1) * sizeof *g->occupied + (g->blocks ? bis_grid_packed_bytes(bis_grid_items(g)) : 0);
 }
 
 static void free_grid(bis_accel *a)
@@ -349,28 +411,20 @@ static void free_grid(bis_accel *a)
     bis_free(g->occupied);
     bis_free(g->blocks);
     bis_free(g->reach);
-    for (int m = 0; m < 3; m++) bis_free(g->near[m]);
     bis_free(g);
 }
 
-static const bis_accel_ops plain_ops = {
+static const bis_accel_ops ops = {
     .name = "grid", .intersect = bis_grid_intersect, .occluded = bis_grid_occluded, .bytes = bytes, .free = free_grid};
-static const bis_accel_ops packed_ops = {.name = "grid",
-                                         .intersect = bis_grid_packed_intersect,
-                                         .occluded = bis_grid_packed_occluded,
-                                         .bytes = bytes,
-                                         .free = free_grid};
 
 /* May the grid be packed? Where mesh and grid stay below 150 bytes a primitive, or 300 if the density was asked for; a
  * free 64k items. */
 static bool may_pack(const bis_grid *g, bool asked)
 {
-    const size_t n_items = g->offsets[g->n_cells], free_items = 65536;
-    const size_t all =
-        bis_geometry_bytes(g->base.geometry) + bytes(&g->base) + bis_grid_packed_bytes(g->n_cells, n_items);
+    const size_t free_items = 65536, all = bis_geometry_bytes(g->base.geometry) + bytes(&g->base) +
+                                           bis_grid_packed_bytes(bis_grid_items(g));
 
-    if (g->n_cells > INT32_MAX) return false;
-    return n_items <= free_items || all <= (asked ? 300 : 150) * bis_geometry_primitives(g->base.geometry);
+    return bis_grid_items(g) <= free_items || all <= (asked ? 300 : 150) * bis_geometry_primitives(g->base.geometry);
 }
 
 static int threads_of(int wanted)
@@ -399,16 +453,16 @@ bis_status bis_grid_new(bis_accel **out, const bis_geometry *geometry, double de
      * more items, too.
      * Offsets hold 32 bits. */
     const double items = 8 + 4 * larger(0, density - BIS_GRID_PLAIN_DENSITY);
-    const double most = smaller(items * n + 65536, (double)(UINT32_MAX - 1));
-    const build b = {grid, geometry, threads_of(n_threads), (size_t)most};
-    grid->base = (bis_accel){&plain_ops, geometry};
-    set_box(grid, &geometry->box);
+    const double most = smaller(items * n + 65536, (double)(UINT32_MAX - 1 - BIS_GRID_LANES));
+    build b = {.grid = grid, .geometry = geometry, .n_threads = threads_of(n_threads), .max_items = (size_t)most};
+    grid->base = (bis_accel){&ops, geometry};
+    set_aside(&b);
+    set_box(grid, &b.box);
     status = sort_into_cells(&b, fmin(density * n, 0x1p31), diag);
     if (status) goto done;
     if (may_pack(grid, asked)) {
         status = bis_grid_pack(grid, b.n_threads, diag);
         if (status) goto done;
-        grid->base.ops = &packed_ops;
     } else if (!asked) {
         status = sort_into_cells(&b, fmin(BIS_GRID_PLAIN_DENSITY * n, 0x1p31), diag);
         if (status) goto done;

@@ -1,5 +1,4 @@
-/* Assignment grid: src/shape/grid_walk.c, the plain walk, called by name: the packed one (src/shape/grid_packed.c), which the program prefers, has no part in
- * it, as what it needs is taken away. Every ray is compared with brute force over all triangles, in long double; ties within 4 ulps of an edge are
+/* Assignment grid: src/shape/grid_walk.c. Every ray is compared with brute force over all triangles, in long double; ties within 4 ulps of an edge are
  * left out. Brute force itself is found out by cells that hold what they should not. */
 #include "mark.h"
 
@@ -22,9 +21,6 @@ static void world_init(world *w, bis_mesh m, double density)
     *w = (world){.grid = NULL};
     add_mesh(&w->g, &m, &identity, 0);
     if (bis_grid_new(&w->grid, &w->g, density, 1, NULL)) mark_wrong("no memory for a grid");
-    bis_grid *g = (bis_grid *)w->grid;
-    bis_free(g->blocks);
-    g->blocks = NULL;
 }
 
 static void world_free(world *w)
@@ -299,7 +295,9 @@ static void only_the_cells_on_the_way_are_looked_at(void)
     const size_t n_words = g->n_cells / 64 + 1;
     int traps = 0;
 
-    g->offsets = bis_alloc(g->n_cells + 1, sizeof *g->offsets);
+    bis_free(g->blocks); /* what is packed would still hold the old items */
+    g->blocks = NULL;
+    g->offsets = bis_alloc(g->n_cells + 2, sizeof *g->offsets);
     g->items = bis_alloc(n_items + g->n_cells, sizeof *g->items);
     g->occupied = bis_alloc(n_words, sizeof *g->occupied);
     if (!g->offsets || !g->items || !g->occupied) mark_wrong("no memory");
@@ -328,7 +326,7 @@ static void only_the_cells_on_the_way_are_looked_at(void)
             }
             if (n > g->offsets[c]) g->occupied[c >> 6] |= (uint64_t)1 << (c & 63);
         }
-        g->offsets[g->n_cells] = n;
+        g->offsets[g->n_cells] = g->offsets[g->n_cells + 1] = n;
         bis_hit hit = {-1, BIS_NO_PRIM};
         const bool found = bis_grid_intersect(w.grid, &r, &hit), any = bis_grid_occluded(w.grid, &r);
         if ((found && hit.prim == decoy) || (any && isinf(t))) {

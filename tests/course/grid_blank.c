@@ -1,5 +1,5 @@
 /* [grid-clip] */
-static inline bool clip(double lo, double hi, double o, double d, double t[2])
+static inline BIS_INLINE bool clip(double lo, double hi, double o, double d, double t[2])
 {
     /* Yours to write. False: the ray misses the slab. */
     (void)lo, (void)hi, (void)o, (void)d, (void)t;
@@ -7,7 +7,7 @@ static inline bool clip(double lo, double hi, double o, double d, double t[2])
 }
 /* [end] */
 /* [grid-axis] */
-static inline axis start_axis(const bis_grid *g, int a, double p, double d, ptrdiff_t stride, size_t *cell)
+static inline BIS_INLINE axis start_axis(const bis_grid *g, int a, double p, double d, ptrdiff_t stride, size_t *cell)
 {
     /* Yours to write: the walk's state along axis a, at coordinate p; *cell grows by stride for each cell that p lies beyond the box's wall. */
     (void)g, (void)a, (void)p, (void)d, (void)stride, (void)cell;
@@ -15,11 +15,11 @@ static inline axis start_axis(const bis_grid *g, int a, double p, double d, ptrd
 }
 /* [end] */
 /* [grid-walk] */
-static inline __attribute__((always_inline)) bool walk(const bis_grid *g, const ray *r, bis_hit *hit, const bool any)
+static inline BIS_INLINE bool walk(const bis_grid *g, search *s, const bool any)
 {
-    /* Yours to write: clip the ray, start the three axes, go from cell to cell. The primitives of cell c are g->items[i] for i from g->offsets[c] to
-     * g->offsets[c + 1] - 1. Of use: shear_ray, meets, bis_grid_take. any: the first hit will do, *hit is not wanted (NULL). */
-    (void)g, (void)r, (void)hit, (void)any, (void)clip, (void)start_axis, (void)meets;
+    /* Yours to write: clip the ray s->r, start the three axes, go from cell to cell. test_cell tests what lies in a cell and keeps the nearest hit in
+     * s->best; it returns true if something is hit and any hit will do: then return true, too. In all other cases return false. */
+    (void)g, (void)s, (void)any, (void)clip, (void)start_axis;
     return false;
 }
 /* [end] */

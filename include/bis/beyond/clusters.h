@@ -1,7 +1,7 @@
 /* clusters: the map divided into pieces of similar direction. Each piece has a cone around it, its energy, and some
  * directions that are ready to be drawn.
  *
- * The clusters serve proposal "product" (src/beyond/batch.c). If the lobe is narrow and the light spotty, few of M
+ * The clusters serve proposal "product" (src/beyond/product.c). If the lobe is narrow and the light spotty, few of M
  * candidates that are drawn by the map's importance alone fall into the lobe. It costs a nanosecond to weigh a piece
  * of the map by a bound of f cos over its cone. The weights show where the product can be large at all, and
  * candidates are then drawn from there (Clarberg and Akenine-Moller 2008; Conty Estevez and Kulla 2018 bound lights

@@ -2,7 +2,7 @@
  * earlier passes measured it, and in this pass the cells of the tile that come before.
  *
  * If the product is known, all that remains of the noise is that of V (docs/errata.md E31), and neighbouring pixels
- * have similar V. What was counted is used twice (src/beyond/batch.c): rays go where V is uncertain, and the mean of V,
+ * have similar V. What was counted is used twice (src/beyond/guide.c): rays go where V is uncertain, and the mean of V,
  * which is known by then, needs no rays.
  *
  * The estimates are unbiased: whatever the counts are, the mean over a point's own random numbers is right. A point

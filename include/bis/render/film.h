@@ -75,7 +75,7 @@ void bis_film_add(bis_film *f, int x, int y, rgb L, double hit, double weight);
 void bis_film_end_pass(bis_film *f, double weight);
 
 /* bis_film_resolve stores in rgba[height][width][4] the mean radiance and the share of samples that hit. A mean below
- * 0, which a control variate (src/beyond/batch.c) may leave where little light arrives, becomes 0. */
+ * 0, which a control variate (src/beyond/guide.c) may leave where little light arrives, becomes 0. */
 void bis_film_resolve(const bis_film *f, float *rgba);
 
 /* bis_film_raised returns how much that adds, as a share of the sum of all values; usually 0, seldom above 1e-5. */

@@ -67,6 +67,14 @@ typedef struct bis_box {
     vec3 lo, hi; /* empty: lo > hi */
 } bis_box;
 
+/* bis_box_include makes the box large enough for p, which must be finite. No fminf, because that is a call to the C
+ * library. */
+static inline void bis_box_include(bis_box *b, vec3 p)
+{
+    b->lo = (vec3){b->lo.x < p.x ? b->lo.x : p.x, b->lo.y < p.y ? b->lo.y : p.y, b->lo.z < p.z ? b->lo.z : p.z};
+    b->hi = (vec3){b->hi.x > p.x ? b->hi.x : p.x, b->hi.y > p.y ? b->hi.y : p.y, b->hi.z > p.z ? b->hi.z : p.z};
+}
+
 typedef struct bis_geometry {
     vec3 *p;         /* p[n_vertices + 1]: one more, because Embree reads 16 bytes per vertex */
     vec3 *n;         /* vertex normals n[n_vertices], or NULL if no mesh has any; (0,0,0): use the normal of the face */
