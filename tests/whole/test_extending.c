@@ -7,8 +7,9 @@
 #include "bis/thesis/warp.h"
 #include "bis/thesis/envmap.h"
 #include "bis/base/image.h"
-#include "thesis/candidates.h"
+#include "thesis/light_many.h"
 #include "thesis/proposal.h"
+#include "thesis/set.h"
 
 #include "lit.h"
 
@@ -24,10 +25,10 @@
 
 #define SEED 61u
 
-/* 2 integrators, 4 points, 3 channels; 2 twins */
+/* 3 examples, 4 points, 3 channels */
 static double alpha(void)
 {
-    return stat_level(1e-3, 24);
+    return stat_level(1e-3, 36);
 }
 
 static vec3 tilted(void)
@@ -42,44 +43,61 @@ extern const bis_integrator bis_uniform;
 
 /* ---- a proposal ---- */
 
-/* M candidates uniform over the hemisphere about n, q = 1/(2 pi). */
-static double candidates_from_hemisphere(bis_candidate *c, uint32_t M, const bis_point *pt, bis_stream *stream)
-{
-    const double q = 1 / (2 * PI);
-    double W = 0;
+/* n candidates uniform over the hemisphere about the normal, q = 1/(2 pi). */
+static const float hemisphere_q = (float)(INV_PI / 2);
 
-    for (uint32_t i = 0; i < M; i++) {
-        c[i] = (bis_candidate){.w = 0};
+static bool draw_hemisphere(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
+{
+    const bis_lanes y = x->own;
+
+    (void)guide;
+    for (uint32_t i = 0; i < bis_lanes_round_up(n); i++) {
         vec3 wi = bis_warp_sphere(bis_stream_random(stream), bis_stream_random(stream));
         if (bis_bsdf_cos(&pt->bsdf, wi) < 0) wi = neg(wi);
-        double cos_theta = bis_bsdf_cos(&pt->bsdf, wi);
-        if (cos_theta <= 0) continue;
-        c[i].wi = wi;
-        c[i].C = bis_estimate(bis_bsdf_f(&pt->bsdf, wi), bis_light_Le(pt->light, wi), cos_theta, q);
-        c[i].w = rgbd_sum(c[i].C);
-        W += c[i].w;
+        y.x[i] = wi.x;
+        y.y[i] = wi.y;
+        y.z[i] = wi.z;
     }
-    return W;
+    bis_light_look(pt->light, &y, x->pixel, n); /* their radiance; what only fills the last block gets 0 */
+    for (uint32_t i = 0; i < n; i++) y.q[i] = hemisphere_q;
+    x->map = (bis_half){y, n, 0};
+    return true;
 }
 
-static void hemisphere_scratch_needs(const bis_settings *s, bis_needs *need)
+/* The density of such a draw, for candidates that the BRDF has drawn. Below the horizon their weight is 0, whatever it
+ * is. */
+static void density_of_hemisphere(bis_guide *guide, bis_set *x)
 {
-    need->n_candidates = s->candidates;
-    need->n_chosen = s->shadowrays;
+    (void)guide;
+    for (uint32_t i = 0; i < x->brdf.n; i++) x->brdf.x.q[i] = hemisphere_q;
+}
+
+static void forget_density(bis_guide *guide, bis_set *x) { (void)guide, (void)x; }
+
+static rgb sir_guided(bis_guide *guide, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    bis_scratch_share(scratch, NULL, guide);
+    return bis_sir.Lo(s, pt, stream, scratch);
 }
 
 static rgb hemisphere_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    const uint32_t M = s->candidates, N = s->shadowrays;
-    double W = candidates_from_hemisphere(scratch->candidates, M, pt, stream);
-
-    if (W <= 0) return (rgb){0, 0, 0};
-    bis_candidates_resample(scratch->chosen, N, scratch->candidates, M, W, s->resampling, stream);
-    return rgbd_round(bis_candidates_trace(pt, scratch->candidates, scratch->chosen, N, W / M / N));
+    bis_guide hemisphere = {.draw = draw_hemisphere, .density = density_of_hemisphere};
+    return sir_guided(&hemisphere, s, pt, stream, scratch);
 }
+
+static rgb forgetful_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+{
+    bis_guide hemisphere = {.draw = draw_hemisphere, .density = forget_density};
+    return sir_guided(&hemisphere, s, pt, stream, scratch);
+}
+
+static void hemisphere_scratch_needs(const bis_settings *s, bis_needs *need) { bis_sir.scratch_needs(s, need); }
 
 static const bis_integrator hemisphere = {.name = "hemisphere", .claim = "unbiased for every M, N >= 1",
                                           .light_needs = uniform_light_needs, .scratch_needs = hemisphere_scratch_needs, .Lo = hemisphere_Lo};
+static const bis_integrator forgetful = {.name = "density forgotten", .claim = "wrong",
+                                         .light_needs = uniform_light_needs, .scratch_needs = hemisphere_scratch_needs, .Lo = forgetful_Lo};
 
 /* ---- a mapping of the light ---- */
 
@@ -127,19 +145,24 @@ static void examples_are_unbiased_for_both_models_in_the_open_and_half_hidden(vo
 {
     const bis_material materials[] = {bis_phong(grey(0.5), (rgb){0.4f, 0.3f, 0.2f}, 5),
                                       bis_microfacet(grey(0.5), (rgb){0.9f, 0.5f, 0.1f}, 0.8)};
-    const bis_integrator *examples[] = {&bis_uniform, &hemisphere};
+    const struct { const bis_integrator *integrator; bis_proposal proposal; } examples[] = {
+        {&bis_uniform, BIS_PROPOSAL_EM}, {&hemisphere, BIS_PROPOSAL_EM}, {&hemisphere, BIS_PROPOSAL_MIX}};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
 
     (void)state;
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 12; i++) {
         bis_settings s = bis_settings_default(&bis_sir);
         lit l;
-        s.integrator = examples[i % 2];
+        s.integrator = examples[i % 3].integrator;
+        s.proposal = examples[i % 3].proposal;
         s.samples = s.shadowrays = 4;
         s.candidates = 16;
-        lit_init(&l, light, materials[i / 2 % 2], tilted(), 50, i / 4 ? LIT_OPEN : LIT_HALF);
+        lit_init(&l, light, materials[i / 3 % 2], tilted(), 50, i / 6 ? LIT_OPEN : LIT_HALF);
         judge(s.integrator->name, &l, &s, lit_truth(&l, true), true);
-        if (i / 4 == 0 && i / 2 % 2) judge("unoccluded", &l, &s, lit_truth(&l, false), false); /* twin: no shadows */
+        if (i / 3 == 1) judge("unoccluded", &l, &s, lit_truth(&l, false), false); /* twin: no shadows */
+        if (i % 3 < 2) continue;
+        s.integrator = &forgetful; /* twin */
+        judge("density", &l, &s, lit_truth(&l, true), false);
     }
     bis_light_free(light);
 }
