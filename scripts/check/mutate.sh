@@ -454,8 +454,8 @@ exit
 # + const float most = c + 0x1p-20f;
 #
 # * microfacet_formulas.h test_microfacet : the mixture's density without the cosine lobe
-# - k->pdf_lobe * f.R2 + k->pdf_base * OF(choose)(c_i > 0, c_i, 0)};
-# + k->pdf_lobe * f.R2};
+# - return k->pdf_lobe * f->R2 + k->pdf_base * OF(choose)(f->c_i > 0, f->c_i, 0);
+# + return k->pdf_lobe * f->R2;
 #
 # * microfacet_formulas.h test_microfacet : wi + wo without what the rounded mirror direction leaves
 # - k.s_x = (REAL)(dot(mirror, k.local.x) + dot(b->wo, k.local.x));
