@@ -145,6 +145,7 @@ static void add_mark(bis_choice *c, uint32_t item)
     c->times[c->n_chosen - 1]++;
 }
 
+/* [choose-multinomial] */
 void bis_choose_multinomial(bis_choice *c, uint32_t N, double W, bis_stream *stream)
 {
     double log_rest = 0, mark = next_mark(&log_rest, N, stream) * W, S = 0;
@@ -170,3 +171,4 @@ void bis_choose_multinomial(bis_choice *c, uint32_t N, double W, bis_stream *str
     for (item = c->n - 1; c->w[item] <= 0;) item--;
     for (; given < N; given++) add_mark(c, item);
 }
+/* [end] */

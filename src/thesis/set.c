@@ -142,6 +142,7 @@ static void gather(bis_set *x)
     const uint32_t n = x->choice.n_chosen;
     const bis_traced y = x->y;
 
+    assert(n <= y.room); /* of the candidates, at most N are traced */
     for (uint32_t j = 0; j < n; j++) {
         const uint32_t number = x->choice.item[j];
         uint32_t i;
@@ -199,7 +200,6 @@ rgbd bis_set_trace(rgbd L, const bis_set *x, const bis_point *pt, double Z)
 
 /* ---- memory ---- */
 
-
 void bis_set_claim(bis_set *x, const bis_needs *need, bis_claims *claims)
 {
     const size_t M = bis_lanes_round_up(need->n_candidates), all = 2 * M; /* of a shared set all M, and of the BRDF M */
@@ -210,6 +210,7 @@ void bis_set_claim(bis_set *x, const bis_needs *need, bis_claims *claims)
     x->pixel = bis_claim(claims, M, sizeof *x->pixel);
     x->part = bis_claim(claims, all, sizeof *x->part);
     x->y.seen = bis_claim(claims, N, sizeof *x->y.seen);
+    x->y.room = (uint32_t)N;
     float *p = x->floats = bis_claim(claims, n, sizeof *x->floats);
     if (!p) return;
     x->own = bis_lanes_in(p, (uint32_t)M);

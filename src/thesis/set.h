@@ -32,6 +32,7 @@ typedef struct bis_traced {
     float *x, *y, *z, *r, *g, *b;
     float *h;        /* [N]: what w was multiplied by beyond phat/q; 1 without a guide */
     uint16_t **seen; /* [N]: what grows by 1 if light arrives, or NULL */
+    uint32_t room;   /* N, rounded up to whole blocks */
 } bis_traced;
 
 struct bis_set {
@@ -90,7 +91,7 @@ void bis_set_clear(bis_set *x);
 bool bis_set_draw(bis_set *x, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt,
                   bis_stream *stream);
 
-/* bis_set_weigh weighs them: w_i = phat/q (eq. 4.8, 4.9), times h with a guide. Returns Zhat = (1/M) sum w_i. Without a
+/* bis_set_weigh weighs them: w_i = phat/q (eq. 4.8, eq. 4.9), times h with a guide. Returns Zhat = (1/M) sum w_i. Without a
  * guide it estimates the sum of L_ns (eq. 4.5) over its channels. */
 double bis_set_weigh(bis_set *x, const bis_point *pt);
 
@@ -108,7 +109,7 @@ rgbd bis_set_mean(const bis_set *x);
 void bis_set_choose(bis_set *x, uint32_t N, bis_resampling resampling, bis_stream *stream);
 
 /* bis_set_take takes the candidates that x->choice.item[n] names, once each, in the place of bis_set_choose. Their
- * weights must be > 0. For rejection. */
+ * weights must be > 0, and n at most the number of candidates that its needs say are traced. For rejection. */
 void bis_set_take(bis_set *x, uint32_t n);
 
 /* bis_set_has_control returns whether a guide knows the mean of V; bis_set_expected then returns what it is worth, see

@@ -51,7 +51,7 @@ static void check_acceptance(bis_proposal proposal, const char *what, const char
     lit_init(&l, light, shiny(), tilted(), 40, LIT_OPEN);
     const double p = rgbd_sum(lit_truth(&l, false)) / bis_candidates_bound(&l.pt, proposal);
     const stat_moments m = acceptance(&l, proposal, 8 * p, &square);
-    mark_mean(&m, 8 * p, MARK_ALPHA, what, "In the mean, a candidate is accepted with probability L_ns/B.");
+    mark_mean(&m, 8 * p, MARK_ALPHA, what, "In the mean, a candidate is accepted with probability L_ns/B. bis_set_weight has w in the unit of B.");
     mark_mean(&square, 8 * p * (1 - p), MARK_ALPHA, square_of_what, "Each candidate has a random number of its own.");
     bis_light_free(light);
 }

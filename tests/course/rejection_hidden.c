@@ -1,6 +1,8 @@
-/* The fallback "subset" is the ratio estimator, over all candidates. */
+/* Two fallbacks trace a choice of the candidates, as the ratio estimator does. */
+    /* [fall-back-resample] */
+    /* BIS_FALLBACK_RESAMPLE and BIS_FALLBACK_SUBSET are left out of this kit. */
+    (void)N, (void)Zhat, (void)stream, (void)black;
+    /* [end] */
     /* [fall-back-subset] */
-    /* BIS_FALLBACK_SUBSET is left out of this kit. */
-    (void)positive, (void)draw_without_replacement;
-    return bis_candidates_unoccluded(x, M);
+    return bis_set_mean(x);
     /* [end] */

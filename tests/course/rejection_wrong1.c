@@ -2,8 +2,9 @@
 /* loses: many_rays_are_right */
 /* loses: fewer_rays_than_accepted_are_right */
     /* [rejection-estimate] */
-    uint32_t n = A < N ? A : N;
-    draw_without_replacement(scratch->chosen, A, n, stream);
-    double Z = s->estimator == BIS_ESTIMATOR_PLAIN ? B / M : W / M;
-    return rgbd_round(bis_candidates_trace(pt, x, scratch->chosen, n, Z / n));
+    const uint32_t n = A < N ? A : N;
+    draw_without_replacement(x->choice.item, A, n, stream);
+    bis_set_take(x, n);
+    const double Z = s->estimator == BIS_ESTIMATOR_PLAIN ? B / M : Zhat;
+    return rgbd_round(bis_set_trace((rgbd){0, 0, 0}, x, pt, Z / n));
     /* [end] */

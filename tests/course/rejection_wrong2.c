@@ -1,8 +1,8 @@
-/* Accepting ends when there are enough to trace (E22), and the first N are traced; the larger bound is preferred. */
+/* Accepting ends when there are enough to trace (E22), here four, and the first N are traced; the larger bound is preferred. */
 /* loses: candidates_of_the_brdf_are_accepted_with_probability_w_over_B */
 /* loses: the_smaller_bound_is_chosen_more_often */
 /* loses: fewer_rays_than_accepted_are_right */
-/* [choose] */
+/* [choose-proposal] */
 static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_stream *stream)
 {
     if (s->proposal != BIS_PROPOSAL_CHOOSE) return s->proposal;
@@ -12,12 +12,13 @@ static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_strea
 }
 /* [end] */
 /* [accept] */
-static uint32_t accept(uint32_t *chosen, const bis_candidate *x, const bis_settings *s, double B, bis_stream *stream)
+static uint32_t accept(bis_set *x, double B, bis_stream *stream)
 {
     uint32_t A = 0;
 
-    for (uint32_t i = 0; i < s->candidates && A < s->shadowrays; i++) {
-        if (x[i].w > 0 && bis_stream_random(stream) * B < x[i].w) chosen[A++] = i;
+    for (uint32_t i = 0; i < x->choice.n && A < 4; i++) {
+        const double w = bis_set_weight(x, i);
+        if (w > 0 && bis_stream_random(stream) * B < w) x->choice.item[A++] = i;
     }
     return A;
 }

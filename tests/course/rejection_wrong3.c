@@ -3,6 +3,7 @@
 /* loses: the_ratio_estimator_is_right_to_two_percent */
 /* loses: at_most_N_of_the_accepted_are_traced */
     /* [rejection-estimate] */
-    (void)N;
-    return rgbd_round(bis_candidates_trace(pt, x, scratch->chosen, A, B / M));
+    (void)N, (void)draw_without_replacement;
+    bis_set_take(x, A);
+    return rgbd_round(bis_set_trace((rgbd){0, 0, 0}, x, pt, B / M));
     /* [end] */

@@ -1,10 +1,10 @@
-/* Assignment sir: src/thesis/candidates.c and src/thesis/sir.c, one candidate after the other ("vectorize" is off: src/beyond/batch.c, the fast double, has no part in
- * it). Weights by the textbooks' formulas, choices by hand, means against brute force, and rays counted (tests/support/lit.h): not even the
- * right mean counts where more are cast than N. Statistical tests: 23. */
+/* Assignment sir: src/thesis/set.c, src/thesis/choose.c and src/thesis/sir.c. Weights by the textbooks' formulas, choices by hand, means against brute force, and
+ * rays counted (tests/support/lit.h): not even the right mean counts where more are cast than N. Statistical tests: 23. */
 #include "mark.h"
 
 #include "bis/thesis/phong.h"
 #include "thesis/candidates.h"
+#include "thesis/set.h"
 
 static const char *const hint = "L = (Zhat/N) sum of F/phat V over the chosen, Zhat = W/M: the mean weight of these very candidates.";
 
@@ -19,7 +19,6 @@ static bis_settings sir(bis_proposal proposal, uint32_t M, uint32_t N, bool stra
     s.candidates = M;
     s.shadowrays = N;
     s.stratify = stratify;
-    s.vectorize = false;
     return s;
 }
 
@@ -34,41 +33,57 @@ static bis_stream stream_of(uint64_t run, bis_sampler *sampler)
 
 /* ---- weights ---- */
 
-/* Each candidate's C against f cos Le/q, q = beta q_L + (1 - beta) q_f. */
+/* Candidate i of a half against F = f Le and w = phat/q, q = beta q_L + (1 - beta) q_f. Le and q_L are those that it was drawn with. */
+static bool check_candidate(const lit *l, const bis_set *x, const bis_half *half, uint32_t i, double beta, const char *what)
+{
+    const bis_lanes y = half->x;
+    const uint32_t number = half->first + i;
+    const double wi[3] = {(double)y.x[i], (double)y.y[i], (double)y.z[i]}, unit = x->unit_of_f * x->unit_of_Le;
+    const double cosine = dot(l->pt.n, (vec3){y.x[i], y.y[i], y.z[i]}), w = bis_set_weight(x, number);
+    double q_f;
+    const rgbd f = lit_f(l, wi, &q_f);
+    const rgbd F = {f.r * (double)y.r[i] * x->unit_of_Le, f.g * (double)y.g[i] * x->unit_of_Le, f.b * (double)y.b[i] * x->unit_of_Le};
+    const double q = beta * (double)y.q[i] + (1 - beta) * q_f, degrees = acos(fmin(1, cosine)) * 180 / PI;
+
+    if (cosine <= 0) {
+        if (w != 0) mark_wrong("%s: candidate %u lies below the horizon, but has weight %g", what, number, w);
+        return false;
+    }
+    mark_near(w, rgbd_sum(F) * cosine / q, 0, 1e-3, "%s: the weight of candidate %u, %.0f degrees from the normal, phat/q = (f cos Le summed over RGB)/q,", what,
+              number, degrees);
+    mark_near((double)x->F[0][number] * unit, F.r, 0, 1e-3, "%s: F_r of candidate %u, f Le without the cosine,", what, number);
+    mark_near((double)x->F[1][number] * unit, F.g, 0, 1e-3, "%s: F_g of candidate %u, f Le without the cosine,", what, number);
+    mark_near((double)x->F[2][number] * unit, F.b, 0, 1e-3, "%s: F_b of candidate %u, f Le without the cosine,", what, number);
+    return w > 0;
+}
+
 static void check_weights(bis_proposal proposal, double beta, const char *what)
 {
     enum { M = 400 };
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
-    static bis_candidate c[M];
+    const bis_settings s = sir(proposal, M, 1, false);
     bis_sampler sampler;
-    int lit_ones = 0;
+    bis_scratch scratch;
+    uint32_t lit_ones = 0;
+    double sum = 0;
     lit l;
 
     lit_init(&l, light, glossy(), tilted(), 40, LIT_OPEN);
+    if (bis_scratch_init(&scratch, &s, NULL)) mark_wrong("no memory");
+    bis_set *x = scratch.set;
     bis_stream stream = stream_of(1, &sampler);
-    const double W = bis_candidates_draw(c, M, proposal, false, NULL, &l.pt, &stream);
-    double sum = 0;
-    for (int i = 0; i < M; i++) {
-        sum += c[i].w;
-        if (c[i].w == 0) continue;
-        const double wi[3] = {(double)c[i].wi.x, (double)c[i].wi.y, (double)c[i].wi.z}, cosine = dot(l.pt.n, c[i].wi);
-        double q_f;
-        const rgbd f = lit_f(&l, wi, &q_f);
-        const rgb Le = bis_light_Le(light, c[i].wi);
-        const double q = beta * bis_light_pdf(light, c[i].wi) + (1 - beta) * q_f;
-        const double w = (f.r * (double)Le.r + f.g * (double)Le.g + f.b * (double)Le.b) * cosine / q;
-        if (cosine <= 0) mark_wrong("%s: candidate %d lies below the horizon, but has weight %g", what, i, c[i].w);
-        mark_near(c[i].w, w, 0, 1e-3, "%s: the weight of candidate %d, %.0f degrees from the normal, phat/q = (f "
-                  "cos Le summed over RGB)/q,", what, i, acos(fmin(1, cosine)) * 180 / PI);
-        mark_near(rgbd_sum(c[i].C), c[i].w, 0, 1e-9, "%s: C.r + C.g + C.b of candidate %d", what, i);
-        mark_near(c[i].C.r, f.r * (double)Le.r * cosine / q, 0, 1e-3, "%s: C.r of candidate %d", what, i);
-        mark_near(c[i].C.g, f.g * (double)Le.g * cosine / q, 0, 1e-3, "%s: C.g of candidate %d", what, i);
-        lit_ones++;
+    bis_set_draw(x, M, proposal, false, &l.pt, &stream);
+    const double Zhat = bis_set_weigh(x, &l.pt);
+    const bis_half *halves[] = {&x->map, &x->brdf};
+    for (int k = 0; k < 2; k++) {
+        for (uint32_t i = 0; i < halves[k]->n; i++) {
+            lit_ones += check_candidate(&l, x, halves[k], i, beta, what);
+            sum += bis_set_weight(x, halves[k]->first + i);
+        }
     }
-    if (lit_ones < M / 8) {
-        mark_wrong("%s: only %d of %d candidates have a weight; light comes from all sides here", what, lit_ones, M);
-    }
-    mark_near(W, sum, 0, 1e-9, "%s: the sum of the weights", what);
+    if (lit_ones < M / 8) mark_wrong("%s: only %u of %d candidates have a weight; light comes from all sides here", what, lit_ones, M);
+    mark_near(Zhat, sum / M, 0, 1e-5, "%s: the mean of the weights (have you written beyond the n candidates?)", what);
+    bis_scratch_clear(&scratch);
     bis_light_free(light);
 }
 
@@ -90,83 +105,109 @@ static void weights_of_a_mixture_have_the_mixed_density(void)
 
 /* ---- choices ---- */
 
-static const double weights[] = {0, 1, 0, 3, 0.5, 0, 2.5, 1, 0, 0};
-enum { M10 = sizeof weights / sizeof *weights };
+/* Four blocks of 16. One has no weight at all, and the last weight of the third is far from its end. */
+static const double weights[] = {[1] = 1, [3] = 3, [4] = 0.5, [6] = 2.5, [7] = 1, [31] = 0.25, [48] = 1.5, [50] = 4, [52] = 0.75, [63] = 0};
+enum { ITEMS = sizeof weights / sizeof *weights };
 
-/* How often each of ten is chosen in `runs` choices of N; checks what must hold each time. */
-static void choose(double *count, uint32_t N, bis_resampling kind, uint32_t runs, stat_moments *of_3)
+static bis_choice choice_of_weights(double *W)
 {
-    bis_candidate c[M10] = {{.w = 0}};
-    bis_sampler sampler;
-    uint32_t chosen[16];
-    double W = 0;
+    bis_choice c = {.n = 0};
+    bis_claims claims = {0};
 
-    for (int i = 0; i < M10; i++) W += c[i].w = weights[i];
-    for (uint32_t run = 0; run < runs; run++) {
-        bis_stream stream = stream_of(run, &sampler);
-        double now[M10] = {0};
-        for (uint32_t j = 0; j < 16; j++) chosen[j] = UINT32_MAX;
-        bis_candidates_resample(chosen, N, c, M10, W, kind, &stream);
-        for (uint32_t j = 0; j < N; j++) {
-            if (chosen[j] >= M10) mark_wrong("choice %u of %u is %u, of 10 candidates", j, N, chosen[j]);
-            if (weights[chosen[j]] == 0) mark_wrong("candidate %u is chosen, its weight is 0", chosen[j]);
-            if (j > 0 && chosen[j] < chosen[j - 1]) {
-                mark_wrong("choices must ascend: %u follows %u (tracing counts on repeats being neighbours)",
-                           chosen[j], chosen[j - 1]);
-            }
-            now[chosen[j]]++;
+    bis_choice_claim(&c, ITEMS, &claims);
+    if (claims.failed) mark_wrong("no memory");
+    for (int i = 0; i < ITEMS; i++) c.w[i] = (float)weights[i];
+    *W = bis_choice_sum(&c, ITEMS);
+    return c;
+}
+
+static void choose(bis_choice *c, uint32_t N, double W, bis_resampling kind, uint64_t run)
+{
+    bis_sampler sampler;
+    bis_stream stream = stream_of(run, &sampler);
+
+    for (int k = 0; k <= ITEMS; k++) c->item[k] = c->times[k] = UINT32_MAX;
+    if (kind == BIS_RESAMPLING_MULTINOMIAL) bis_choose_multinomial(c, N, W, &stream);
+    else bis_choose_systematic(c, N, W, bis_stream_random(&stream));
+}
+
+/* What must hold whenever N marks are given. */
+static void check_marks(const bis_choice *c, uint32_t N, double W, bis_resampling kind)
+{
+    uint64_t marks = 0;
+
+    if (c->n_chosen > ITEMS) mark_wrong("%u items are said to be chosen, of %d", c->n_chosen, ITEMS);
+    for (uint32_t k = 0; k < c->n_chosen; k++) {
+        const uint32_t i = c->item[k], times = c->times[k];
+        if (i >= ITEMS) mark_wrong("item[%u] is %u, of %d candidates", k, i, ITEMS);
+        if (weights[i] == 0) mark_wrong("candidate %u is chosen, its weight is 0", i);
+        if (k > 0 && i <= c->item[k - 1]) {
+            mark_wrong("items must ascend, each once: %u follows %u (who has several marks is traced by one ray)", i, c->item[k - 1]);
         }
-        for (int i = 0; i < M10; i++) {
-            count[i] += now[i];
-            const double share = N * weights[i] / W;
-            if (kind == BIS_RESAMPLING_SYSTEMATIC && fabs(now[i] - share) >= 1) {
-                mark_wrong("systematic: candidate %d has weight %g of %g and is chosen %.0f times of %u; one of the "
-                           "two whole numbers next to %.3g would be right", i, weights[i], W, now[i], N, share);
-            }
+        if (times == 0 || times > N) mark_wrong("candidate %u is chosen %u times, with %u marks", i, times, N);
+        const double share = N * weights[i] / W;
+        if (kind == BIS_RESAMPLING_SYSTEMATIC && fabs(times - share) >= 1) {
+            mark_wrong("systematic: candidate %u has weight %g of %g and is chosen %u times of %u; one of the two whole numbers next to %.3g would be right", i,
+                       weights[i], W, times, N, share);
         }
-        stat_add(of_3, (now[3] - N * 3 / W) * (now[3] - N * 3 / W));
+        marks += times;
     }
+    if (marks != N) mark_wrong("%u marks of %u are given to candidates", (unsigned)marks, N);
 }
 
 /* A W that is too large, as rounding can make it by an ulp: what marks lie beyond the sum belong to the last one with a weight. */
 static void check_last_marks(bis_resampling kind)
 {
-    enum { N = 8 };
-    bis_candidate c[M10] = {{.w = 0}};
-    bis_sampler sampler;
-    uint32_t chosen[N];
-    double W = 0;
+    enum { N = 8, LAST = 52 };
+    double W;
+    bis_choice c = choice_of_weights(&W);
 
-    for (int i = 0; i < M10; i++) W += c[i].w = weights[i];
     for (uint32_t run = 0; run < 100; run++) {
-        bis_stream stream = stream_of(run, &sampler);
-        for (uint32_t j = 0; j < N; j++) chosen[j] = UINT32_MAX;
-        bis_candidates_resample(chosen, N, c, M10, 2 * W, kind, &stream);
-        for (uint32_t j = 0; j < N; j++) {
-            if (chosen[j] < M10 && weights[chosen[j]] > 0) continue;
-            mark_wrong("choice %u is %u (-1: none was made), where its mark lies beyond all weights, as rounding may put it: it must be the last "
-                       "one that has a weight, 7", j, (unsigned)chosen[j]);
+        choose(&c, N, 2 * W, kind, run);
+        uint64_t marks = 0;
+        for (uint32_t k = 0; k < c.n_chosen && k < ITEMS; k++) {
+            const uint32_t i = c.item[k];
+            marks += c.times[k];
+            if (i >= ITEMS || weights[i] == 0) {
+                mark_wrong("a mark lies beyond all weights, as rounding may put it, and chooses %u, which has no weight: it must be the last one that has one, %d",
+                           i, LAST);
+            }
+        }
+        if (marks != N) {
+            mark_wrong("%u marks of %d are given where some lie beyond all weights, as rounding may put them: they belong to the last candidate that has a weight, %d",
+                       (unsigned)marks, N, LAST);
         }
     }
+    bis_choice_clear(&c);
 }
 
 static void check_choice(bis_resampling kind, const char *what)
 {
     enum { RUNS = 20000, N = 5 };
-    double count[M10] = {0}, expected[M10], W = 0;
+    double count[ITEMS] = {0}, expected[ITEMS], W;
     stat_moments square = {0};
+    bis_choice c = choice_of_weights(&W);
 
     check_last_marks(kind);
-    choose(count, N, kind, RUNS, &square);
-    for (int i = 0; i < M10; i++) W += weights[i];
-    for (int i = 0; i < M10; i++) expected[i] = weights[i] / W * RUNS * N;
+    for (uint32_t run = 0; run < RUNS; run++) {
+        double of_3 = 0;
+        choose(&c, N, W, kind, run);
+        check_marks(&c, N, W, kind);
+        for (uint32_t k = 0; k < c.n_chosen; k++) {
+            count[c.item[k]] += c.times[k];
+            if (c.item[k] == 3) of_3 = c.times[k];
+        }
+        stat_add(&square, (of_3 - N * 3 / W) * (of_3 - N * 3 / W));
+    }
+    for (int i = 0; i < ITEMS; i++) expected[i] = weights[i] / W * RUNS * N;
     /* systematic choices vary less than independent ones, which a chi-square test takes for granted: it errs on the safe side */
-    mark_fit(count, expected, M10, MARK_ALPHA, what, "Candidate i owns the marks between the running sums before and "
+    mark_fit(count, expected, ITEMS, MARK_ALPHA, what, "Candidate i owns the marks between the running sums before and "
              "after w_i.");
     if (kind == BIS_RESAMPLING_MULTINOMIAL) {
         mark_mean(&square, N * (3 / W) * (1 - 3 / W), MARK_ALPHA, "multinomial: the square of how far the count of "
-                  "candidate 3 is from its mean", "N independent marks: bis_marks_next gives them in order.");
+                  "candidate 3 is from its mean", "N independent marks: next_mark gives them in order.");
     }
+    bis_choice_clear(&c);
 }
 
 static void candidates_are_chosen_in_proportion_to_their_weights(void) { check_choice(BIS_RESAMPLING_SYSTEMATIC, "systematic"); }

@@ -1,34 +1,45 @@
-/* [weigh-em] */
-static void weigh_em(bis_candidate *c, const bis_point *pt, const bis_light_point *y, double beta)
+/* [weigh] */
+BIS_LANES
+static void weigh(float *restrict w, float *restrict F_r, float *restrict F_g, float *restrict F_b,
+                  const bis_lanes *candidates, const bis_reflected *reflected, float beta_L, float beta_f, uint32_t n)
 {
-    /* Yours to write: c->wi, c->C = F/q, c->w = C.r + C.g + C.b. c->w is 0 as you get it, and stays so below the horizon. Of use: bis_bsdf_cos, bis_bsdf_f,
-     * bis_bsdf_f_pdf, bis_estimate. */
-    (void)c, (void)pt, (void)y, (void)beta;
+    /* Yours to write, for each i < n: F = f Le in F_r[i], F_g[i], F_b[i], and the weight in w[i]. The candidates hold Le in r, g, b and q_L in q; f, cos
+     * theta and q_f are in reflected. The cosine stands beside F and not in it. */
+    (void)candidates, (void)reflected, (void)beta_L, (void)beta_f;
+    for (uint32_t i = 0; i < n; i++) w[i] = F_r[i] = F_g[i] = F_b[i] = 0;
 }
 /* [end] */
-/* [weigh-brdf] */
-static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double beta)
+/* [choose] */
+BIS_LANES
+static uint32_t choose_systematic(uint32_t *restrict item, uint32_t *restrict times, const float *restrict w,
+                                  const float *restrict sum, uint32_t n_blocks, uint32_t N, double W, double offset)
 {
-    /* Yours to write. Of use, besides: bis_light_Le, bis_light_Le_pdf. */
-    (void)c, (void)pt, (void)wi, (void)beta;
-}
-/* [end] */
-/* [resample] */
-void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W,
-                             bis_resampling resampling, bis_stream *stream)
-{
-    /* Yours to write: chosen[N], in proportion to the weights. Of use: bis_marks_start, bis_marks_next, N marks in [0,1), ascending. Here the first candidate
-     * with a weight is chosen N times, which keeps the program alive. */
+    /* Yours to write: N marks, (j + offset)/N of W, on the running sum of the weights w[16 n_blocks]. item[k] and times[k] > 0: which candidate got marks, in
+     * ascending order, and how many. The result is the number of such items. sum[] has the sum of each block of 16 weights; a walk over all weights does
+     * not need it. Here the first candidate with a weight gets all marks, which keeps the program alive. */
     uint32_t first = 0;
 
-    (void)W, (void)resampling, (void)stream;
-    while (first + 1 < M && c[first].w <= 0) first++;
-    for (uint32_t j = 0; j < N; j++) chosen[j] = first;
+    (void)sum, (void)W, (void)offset, (void)marks_below;
+    while (first + 1 < BLOCK * n_blocks && w[first] <= 0) first++;
+    item[0] = first;
+    times[0] = N;
+    return 1;
+}
+/* [end] */
+/* [choose-multinomial] */
+void bis_choose_multinomial(bis_choice *c, uint32_t N, double W, bis_stream *stream)
+{
+    /* Yours to write: the same for N independent marks. c->w[c->n] holds the weights; c->item, c->times and c->n_chosen are the result. Of use: next_mark, which
+     * gives the marks in ascending order, and add_mark. Here, too, the first candidate with a weight gets all marks. */
+    uint32_t first = 0;
+
+    (void)W, (void)stream, (void)next_mark;
+    while (first + 1 < c->n && c->w[first] <= 0) first++;
+    c->n_chosen = 0;
+    for (uint32_t j = 0; j < N; j++) add_mark(c, first);
 }
 /* [end] */
     /* [sir-estimate] */
-    /* Yours to write: choose N of x[M], trace them, put Zhat before the sum. Of use: bis_candidates_resample, bis_candidates_trace. */
-    double Zhat = W / M;
-    rgbd L = {0, 0, 0};
+    /* Yours to write: choose N candidates, and put into L what they are worth. Of use: bis_set_choose, bis_set_trace. */
     (void)N;
     /* [end] */

@@ -1,19 +1,26 @@
-/* As printed (E23): w = f for candidates from the map, without the cosine. */
+/* As printed (E23): w = f Le/q, without the cosine. */
 /* loses: weights_from_the_map_are_phat_over_q */
+/* loses: weights_from_the_brdf_are_phat_over_q */
 /* loses: weights_of_a_mixture_have_the_mixed_density */
 /* loses: unbiased_for_one_candidate_and_one_ray */
 /* loses: unbiased_for_few_candidates */
 /* loses: unbiased_for_many_candidates */
 /* loses: rays_add_no_noise_where_nothing_is_hidden */
-/* [weigh-em] */
-static void weigh_em(bis_candidate *c, const bis_point *pt, const bis_light_point *y, double beta)
+/* [weigh] */
+BIS_LANES
+static void weigh(float *restrict w, float *restrict F_r, float *restrict F_g, float *restrict F_b,
+                  const bis_lanes *candidates, const bis_reflected *reflected, float beta_L, float beta_f, uint32_t n)
 {
-    double q = y->pdf, cos_theta = bis_bsdf_cos(&pt->bsdf, y->wi), q_f;
+    const bis_lanes x = *candidates;
+    const bis_reflected f = *reflected;
 
-    if (cos_theta <= 0) return;
-    rgb f = bis_bsdf_f_pdf(&pt->bsdf, y->wi, &q_f);
-    c->wi = y->wi;
-    c->C = bis_estimate(f, y->Le, 1, beta * q + (1 - beta) * q_f);
-    c->w = rgbd_sum(c->C);
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        F_r[i] = f.r[i] * x.r[i];
+        F_g[i] = f.g[i] * x.g[i];
+        F_b[i] = f.b[i] * x.b[i];
+        const float phat = F_r[i] + F_g[i] + F_b[i], q = beta_L * x.q[i] + beta_f * f.q[i];
+        w[i] = bis_lanes_choose(f.cos[i] > 0, phat / bis_lanes_choose(q > 0, q, 1), 0);
+    }
 }
 /* [end] */

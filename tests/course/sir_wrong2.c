@@ -1,40 +1,47 @@
-/* Each candidate by its own density, not the mixture's; marks that are random but not in proportion: every candidate with a weight has the same chance. */
+/* Every candidate by the map's density, as if all had come from there; marks that are random but not in proportion: every candidate with a weight has the same chance. */
+/* loses: weights_from_the_brdf_are_phat_over_q */
 /* loses: weights_of_a_mixture_have_the_mixed_density */
 /* loses: candidates_are_chosen_in_proportion_to_their_weights */
-/* loses: multinomial_choices_are_independent */
+/* loses: unbiased_for_one_candidate_and_one_ray */
 /* loses: unbiased_for_few_candidates */
 /* loses: unbiased_for_many_candidates */
-/* [weigh-brdf] */
-static void weigh_brdf(bis_candidate *c, const bis_point *pt, vec3 wi, double beta)
+/* [weigh] */
+BIS_LANES
+static void weigh(float *restrict w, float *restrict F_r, float *restrict F_g, float *restrict F_b,
+                  const bis_lanes *candidates, const bis_reflected *reflected, float beta_L, float beta_f, uint32_t n)
 {
-    double q, cos_theta = bis_bsdf_cos(&pt->bsdf, wi);
+    const bis_lanes x = *candidates;
+    const bis_reflected f = *reflected;
 
-    (void)beta;
-    if (cos_theta <= 0) return;
-    rgb f = bis_bsdf_f_pdf(&pt->bsdf, wi, &q);
-    if (q <= 0) return;
-    c->wi = wi;
-    c->C = bis_estimate(f, bis_light_Le(pt->light, wi), cos_theta, q);
-    c->w = rgbd_sum(c->C);
+    (void)beta_L, (void)beta_f;
+    for (uint32_t i = 0; i < n; i++) {
+        F_r[i] = f.r[i] * x.r[i];
+        F_g[i] = f.g[i] * x.g[i];
+        F_b[i] = f.b[i] * x.b[i];
+        w[i] = f.cos[i] > 0 && x.q[i] > 0 ? f.cos[i] * (F_r[i] + F_g[i] + F_b[i]) / x.q[i] : 0;
+    }
 }
 /* [end] */
-/* [resample] */
-void bis_candidates_resample(uint32_t *chosen, uint32_t N, const bis_candidate *c, uint32_t M, double W,
-                             bis_resampling resampling, bis_stream *stream)
+/* [choose] */
+BIS_LANES
+static uint32_t choose_systematic(uint32_t *restrict item, uint32_t *restrict times, const float *restrict w,
+                                  const float *restrict sum, uint32_t n_blocks, uint32_t N, double W, double offset)
 {
-    bis_marks marks = bis_marks_start(resampling, N, stream);
-    uint32_t n = 0, j = 0;
+    uint32_t n = 0, j = 0, positive = 0;
+    double seen = 0;
 
-    (void)W;
-    for (uint32_t i = 0; i < M; i++) n += c[i].w > 0;
-    double mark = bis_marks_next(&marks, stream) * n, seen = 0;
-    for (uint32_t i = 0; i < M && j < N; i++) {
-        if (c[i].w <= 0) continue;
+    (void)sum, (void)W, (void)marks_below;
+    for (uint32_t i = 0; i < BLOCK * n_blocks; i++) positive += w[i] > 0;
+    for (uint32_t i = 0; i < BLOCK * n_blocks; i++) {
+        if (w[i] <= 0) continue;
         seen++;
-        while (j < N && mark < seen) {
-            chosen[j++] = i;
-            if (j < N) mark = bis_marks_next(&marks, stream) * n;
+        const uint32_t before = j;
+        while (j < N && (j + offset) / N * positive < seen) j++;
+        if (j > before) {
+            item[n] = i;
+            times[n++] = j - before;
         }
     }
+    return n;
 }
 /* [end] */

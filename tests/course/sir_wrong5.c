@@ -1,0 +1,8 @@
+/* The sum over the rays is taken for their mean: N is forgotten. */
+/* loses: unbiased_for_few_candidates */
+/* loses: unbiased_for_many_candidates */
+/* loses: rays_add_no_noise_where_nothing_is_hidden */
+    /* [sir-estimate] */
+    bis_set_choose(x, N, s->resampling, stream);
+    L = bis_set_trace(L, x, pt, Zhat);
+    /* [end] */
