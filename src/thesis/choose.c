@@ -61,13 +61,14 @@ double bis_choice_sum(bis_choice *c, uint32_t n)
 
 /* ---- systematic ---- */
 
-/* The number of marks j + offset, j = 0, 1, ..., below x. x is in units of W/N, and at most 2^24. */
+/* The number of marks j + offset, j = 0, 1, ..., below x. x is in units of W/N, and at most 2^24. Without a branch, so
+ * that a loop of it becomes vectors. */
 static inline BIS_INLINE uint32_t marks_below(double x, double offset)
 {
     const double d = x - offset;
     const int32_t whole = (int32_t)d;
 
-    return d > 0 ? (uint32_t)(whole + (d > (double)whole)) : 0;
+    return (uint32_t)((whole + (d > (double)whole)) & -(d > 0));
 }
 
 /* Item i gets the marks below S_i that are not below S_(i-1). They are counted for the 16 of a block at once, and a
@@ -91,7 +92,8 @@ static uint32_t choose_systematic(uint32_t *restrict item, uint32_t *restrict ti
             uint32_t below[BLOCK], last = BLOCK - 1;
             double S_i[BLOCK];
             for (uint32_t i = 0; i < BLOCK; i++) S_i[i] = S += (double)w[i];
-#pragma omp simd
+            /* not for vectors of 16 bytes, which hold two doubles: gcc knows no vector of two integers */
+#pragma omp simd simdlen(16)
             for (uint32_t i = 0; i < BLOCK; i++) below[i] = marks_below(S_i[i] * marks_per_weight, offset);
             for (uint32_t i = 0; i < BLOCK; i++) {
                 const uint32_t most = below[i] > end ? end : below[i], marks = most > given ? most - given : 0;

@@ -219,6 +219,23 @@ static void an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sa
     }
 }
 
+/* A word of bis itself before 0.1.0: a scene of that time is read as if it were not there, and is told once. */
+static void a_word_that_sir_once_had_is_ignored_with_a_note(void **state)
+{
+    bis_diag diag;
+    bis_scene_desc *d;
+    (void)state;
+    assert_int_equal(parse_text(&d, &diag, "Integrator \"sir\" \"bool vectorize\" false \"integer candidates\" 33\nWorldBegin"), BIS_OK);
+    assert_int_equal(diag.n, 2); /* and "no light" */
+    assert_non_null(strstr(diag.messages[0].text, "\"vectorize\" is ignored"));
+    assert_int_equal(d->view.settings.candidates, 33);
+    bis_scene_desc_free(d);
+    bis_diag_clear(&diag);
+    assert_int_equal(parse_text(&d, &diag, "Integrator \"em\" \"bool vectorize\" false\nWorldBegin"), BIS_INPUT); /* twin */
+    bis_scene_desc_free(d);
+    bis_diag_clear(&diag);
+}
+
 /* pbrt's "path" says nothing of our integrators: the scene is one without. */
 static void an_integrator_of_pbrt_is_none(void **state)
 {
@@ -884,6 +901,7 @@ int main(void)
         cmocka_unit_test(a_sampler_alone_leaves_the_integrator_to_us),
         cmocka_unit_test(an_integrator_alone_has_the_settings_of_the_thesis_and_leaves_the_sampler_to_us),
         cmocka_unit_test(an_integrator_of_pbrt_is_none),
+        cmocka_unit_test(a_word_that_sir_once_had_is_ignored_with_a_note),
         cmocka_unit_test(a_second_sampler_begins_with_the_defaults),
         cmocka_unit_test(a_film_without_parameters_has_the_defaults_of_no_film),
         cmocka_unit_test(a_light_without_parameters_has_the_defaults_of_the_contract),

@@ -7,6 +7,7 @@
 #include "bis/thesis/warp.h"
 #include "bis/thesis/envmap.h"
 #include "bis/base/image.h"
+#include "thesis/curve_many.h"
 #include "thesis/light_many.h"
 #include "thesis/proposal.h"
 #include "thesis/set.h"
@@ -203,7 +204,7 @@ static void dust_is_the_same_in_vectors(void **state)
 
     (void)state;
     bis_bsdf_init(&b, &m, tilted(), normalize(vec3_from(0.1, 0.5, 0.8)));
-    bis_lanes_points(u1, u2, N, SEED);
+    bis_curve_points(u1, u2, N, SEED);
     bis_bsdf_sample_many(&y, &b, u1, u2, N);
     const double unit = bis_bsdf_f_many(&f, &b, &y, N);
     for (int i = 0; i < N; i++) {
