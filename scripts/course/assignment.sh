@@ -46,6 +46,6 @@ fi
 (cd "$kit" && sh scripts/check/fragments.sh >/dev/null) || exit 1 # pages quote the code as it now stands
 echo "$kit: assignment \"$name\". Read $kit/ASSIGNMENT.md; yours to write, between the marked comments:"
 for mark in $(sed -n 's|^ */\* \[\([a-z0-9-]*\)\] \*/$|\1|p' "tests/course/${name}_blank.c" | grep -vx end); do
-    (cd "$kit" && grep -n "^ */\* \[$mark\] \*/\$" src/*/*.c src/*/*/*.c) | sed 's/^\([^:]*\):\([^:]*\):.*/    \1, line \2/'
+    (cd "$kit" && grep -n "^ */\* \[$mark\] \*/\$" src/*/*.[ch] src/*/*/*.[ch]) | sed 's/^\([^:]*\):\([^:]*\):.*/    \1, line \2/'
 done
 echo "Then: cd $kit && make test"

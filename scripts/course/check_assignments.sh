@@ -24,8 +24,12 @@ mark() {
     mkdir -p "$folder/$1/src" || exit 1
     if [ "$1" != original ]; then
         files=$(sh scripts/course/splice.sh "tests/course/${name}_$1.c" "$folder/$1/src") || exit 1
-        for file in $files; do
-            $BIS_COMPILE -Werror -iquote "src/${file%/*}" -c -o "$folder/$1/src/$file.o" "$folder/$1/src/$file" || say "the $1 one does not compile without warnings"
+        # shellcheck disable=SC2086
+        for file in $(sh scripts/course/units.sh $files); do
+            source=$folder/$1/src/$file
+            echo "$files" | grep -qx "$file" || source=src/$file # of a header
+            $BIS_COMPILE -Werror -iquote "$folder/$1/src" -iquote "src/${file%/*}" -c -o "$folder/$1/src/$file.o" "$source" ||
+                say "the $1 one does not compile without warnings"
             objects="$objects $folder/$1/src/$file.o"
         done
     fi

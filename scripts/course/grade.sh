@@ -91,7 +91,7 @@ collect() {
             [ -s "$work/found" ] || run timeout 60 find "$given/" -type f -path "$pattern" -size -2049 \
                 -exec sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found" {} \; 2>/dev/null
         done
-        [ -s "$work/found" ] || run timeout 60 find "$given/" -type f -name '*.c' -size -2049 \
+        [ -s "$work/found" ] || run timeout 60 find "$given/" -type f -name "*.${file##*.}" -size -2049 \
             -exec sh scripts/course/grade_marks.sh "$file" {} "$to" "$work/found" \; 2>/dev/null
     fi
     chmod u+rw "$to" 2>/dev/null
@@ -136,7 +136,7 @@ compile() {
     mkdir -p "${object%/*}"
     # shellcheck disable=SC2086
     run "$tool" run -d "$shop/headers" -r "$shop/headers" -r "$work/src" -w "$work/objects" -- \
-        $BIS_COMPILE -iquote "src/${file%/*}" "$@" -c -o "$object" "$work/src/$file"
+        $BIS_COMPILE -iquote "$work/src" -iquote "src/${file%/*}" "$@" -c -o "$object" "$work/src/$file"
 }
 
 # An object defines what ours does, and nothing else; uses what ours does, the plain part of the C library, and
@@ -182,7 +182,7 @@ link_it() {
     prefix=$3
     shift 3
     objects=""
-    while IFS= read -r file; do objects="$objects $work/objects/$prefix$file.o"; done <"$shop/files"
+    while IFS= read -r file; do objects="$objects $work/objects/$prefix$file.o"; done <"$shop/units"
     # shellcheck disable=SC2086
     run $BIS_LINK "$@" -Wl,-z,relro,-z,now -o "$program" "$claims" $objects \
         ${BIS_OBJECTS% *} "$shop/lib.a" $BIS_LIBS >>"$work/messages" 2>&1
@@ -224,7 +224,7 @@ grade_memory() {
     while IFS= read -r file; do
         # shellcheck disable=SC2086
         compile "$file" clean/ $BIS_SANITIZE >>"$work/messages"
-    done <"$shop/files"
+    done <"$shop/units"
     # shellcheck disable=SC2086
     if ! link_it clean "$shop/clean.o" clean/ $BIS_SANITIZE; then
         line 0 10 "clean memory" "it does not compile with the sanitizers"
@@ -247,7 +247,7 @@ trade_pages() {
     [ "$name" = open ] && [ -f "$work/marks" ] && ! grep -q '^wrong' "$work/marks" || return
     for who in mine ours; do
         objects=""
-        [ $who = mine ] && while IFS= read -r file; do objects="$objects $work/objects/$file.o"; done <"$shop/files"
+        [ $who = mine ] && while IFS= read -r file; do objects="$objects $work/objects/$file.o"; done <"$shop/units"
         # shellcheck disable=SC2086
         $BIS_LINK -o "$work/bis-$who" "$BIS_BUILD/src/cli/main.o" $objects ${BIS_OBJECTS##* } $BIS_LIBS || return
         run "$tool" run -c 120 -r "$work/bis-$who" -r "$PWD/data" -w "$work/kept" -- \
@@ -290,6 +290,7 @@ grade() {
     fi
     : >"$work/messages"
     while IFS= read -r file; do
+        [ -f "$work/src/$file" ] || cp "src/$file" "$work/src/$file" || return
         if ! compile "$file" "" >>"$work/messages"; then
             first=$(sed "s|$work/src/||g" "$work/messages" | grep -m 1 'error\|stopped' | cut -c1-300)
             remark "it does not compile: $first"
@@ -298,7 +299,7 @@ grade() {
             return
         fi
         look_at_object "$file" || { nothing "refused"; return; }
-    done <"$shop/files"
+    done <"$shop/units"
     warnings=$(grep -c 'warning:' "$work/messages")
     if ! link_it mine "$shop/claims.o" ""; then
         remark "it does not link: $(grep -m 1 'undefined\|multiple' "$work/messages" | cut -c1-300)"

@@ -3,7 +3,8 @@
 # a class (scripts/course/grade.sh).
 #     scripts/course/grade_shop.sh NAME FOLDER
 # From the root, with what scripts/course/course.mk exports. In FOLDER, which is an absolute path:
-#     files        the files under study, below src/         sandbox   "bwrap" or "none"         secrets  two
+#     files        the files under study, below src/         units     what is compiled of src/ with them
+#     sandbox      "bwrap" or "none"                         secrets  two
 #     numbers, by both of which ours is right
 #     headers/     all that a hand-in may include            lib.a     the library without ours of these files
 #     claims.o clean.o   the claims, plain and sanitized     ours      their program with our own code
@@ -19,6 +20,8 @@ fail() {
 
 mkdir -p "$shop/blank" "$shop/ours-src" "$shop/refer" || exit 1
 sh scripts/course/splice.sh "tests/course/${name}_blank.c" "$shop/blank" >"$shop/files" || exit 1
+# shellcheck disable=SC2046
+sh scripts/course/units.sh $(cat "$shop/files") >"$shop/units" || exit 1
 sh scripts/course/headers.sh "$shop/headers" || exit 1
 
 sandbox=${BIS_SANDBOX:-$("$BIS_BUILD/grade" sandbox)}
@@ -27,13 +30,21 @@ compile() { # SOURCE OBJECT FLAGS...: as a hand-in is
     object=$2
     shift 2
     # shellcheck disable=SC2086
-    BIS_SANDBOX=$sandbox "$BIS_BUILD/grade" run -d "$shop/headers" -r "$shop/headers" -r "${source%/*}" \
-        -w "${object%/*}" -- $BIS_COMPILE -iquote "src/$folder" "$@" -c -o "$object" "$source"
+    BIS_SANDBOX=$sandbox "$BIS_BUILD/grade" run -d "$shop/headers" -r "$shop/headers" -r "$shop/ours-src" \
+        -w "${object%/*}" -- $BIS_COMPILE -iquote "$shop/ours-src" -iquote "src/$folder" "$@" -c -o "$object" "$source"
 }
 while IFS= read -r file; do
     folder=${file%/*}
     mkdir -p "$shop/ours-src/$folder" "$shop/refer/$folder"
     cp "src/$file" "$shop/ours-src/$file" || exit 1
+    case $file in *.h) cp "$shop/blank/$file" "$shop/headers/src/$file" || exit 1 ;; esac # ours is the answer
+    "$BIS_BUILD/grade" look "$shop/ours-src/$file" "$shop/blank/$file" "$shop/prints" >/dev/null ||
+        fail "what is blank in src/$file would be refused"
+    cat "$shop/prints" >>"$shop/blank.prints"
+done <"$shop/files"
+while IFS= read -r file; do
+    folder=${file%/*}
+    [ -f "$shop/ours-src/$file" ] || cp "src/$file" "$shop/ours-src/$file" || exit 1
     if ! compile "$shop/ours-src/$file" "$shop/refer/$file.o" >"$shop/messages"; then
         [ "$sandbox" = none ] && fail "our own src/$file does not compile: $(cat "$shop/messages")"
         sandbox=none # a compiler that the sandbox does not hold
@@ -42,10 +53,7 @@ while IFS= read -r file; do
     fi
     nm -P -g "$shop/refer/$file.o" | awk '$2 != "U" && $2 != "w" { print $1 }' | sort >"$shop/refer/$file.defined"
     nm -P -g "$shop/refer/$file.o" | awk '$2 == "U" { print $1 }' >>"$shop/allowed"
-    "$BIS_BUILD/grade" look "$shop/ours-src/$file" "$shop/blank/$file" "$shop/prints" >/dev/null ||
-        fail "what is blank in src/$file would be refused"
-    cat "$shop/prints" >>"$shop/blank.prints"
-done <"$shop/files"
+done <"$shop/units"
 echo "$sandbox" >"$shop/sandbox"
 export BIS_SANDBOX="$sandbox"
 
@@ -58,7 +66,7 @@ done >>"$shop/allowed"
 cp "${BIS_OBJECTS##* }" "$shop/lib.a" && $BIS_COMPILE -c -o "$shop/claims.o" "tests/course/$name.c" || exit 1
 # shellcheck disable=SC2086
 $BIS_LINK -o "$shop/ours" "$shop/claims.o" $BIS_OBJECTS $BIS_LIBS || exit 1
-ar d "$shop/lib.a" $(sed 's|.*/||; s|\.c$|.o|' "$shop/files") || exit 1
+ar d "$shop/lib.a" $(sed 's|.*/||; s|\.c$|.o|' "$shop/units") || exit 1
 # shellcheck disable=SC2086
 if $BIS_COMPILE $BIS_SANITIZE -c -o "$shop/clean.o" "tests/course/$name.c" 2>/dev/null; then
     $BIS_LINK $BIS_SANITIZE -o "$shop/ours-clean" "$shop/clean.o" $BIS_OBJECTS $BIS_LIBS 2>/dev/null ||

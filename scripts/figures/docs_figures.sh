@@ -80,7 +80,7 @@ for picture; do
         keep "$tmp/hall-regions.png" map-regions
         ;;
     pixel)
-        "$build/bis" pixel scene.txt 350 300 --candidates 400 --shadowrays 15 --output "$tmp/pixel" >/dev/null
+        "$build/bis" pixel scene.txt 350 300 --proposal mix --candidates 400 --shadowrays 15 --output "$tmp/pixel" >/dev/null
         keep "$tmp/pixel/densities.svg" pixel-densities
         keep "$tmp/pixel/samples.svg" pixel-samples
         ;;

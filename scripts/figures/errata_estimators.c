@@ -6,6 +6,7 @@
 
 #include "out/svg.h"
 #include "thesis/candidates.h"
+#include "thesis/set.h"
 
 static rgb grey(double v) { return rgb_from(v, v, v); }
 
@@ -330,14 +331,22 @@ static void interval(double *mean, double *half, const double *x)
 static void rays_of_one_set(double *x, const errata_spot *s, uint64_t run)
 {
     const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = ERRATA_SEED, .spp = 1, .xsamples = 1, .ysamples = 1};
-    bis_candidate c[SET];
-    uint32_t chosen[RAYS];
+    const bis_settings sir = settings(&bis_sir, SET, RAYS, BIS_PROPOSAL_MIX);
+    bis_scratch scratch;
     bis_stream stream;
+    int n = 0;
 
+    errata_check(bis_scratch_init(&scratch, &sir, NULL));
+    bis_set *set = scratch.set;
     bis_stream_init(&stream, &sampler, run, 0);
-    const double W = bis_candidates_draw(c, SET, BIS_PROPOSAL_MIX, false, NULL, &s->pt, &stream);
-    bis_candidates_resample(chosen, RAYS, c, SET, W, BIS_RESAMPLING_MULTINOMIAL, &stream);
-    for (int j = 0; j < RAYS; j++) x[j] = W / SET * bis_point_sees(&s->pt, c[chosen[j]].wi);
+    bis_set_draw(set, SET, BIS_PROPOSAL_MIX, false, &s->pt, &stream);
+    const double Zhat = bis_set_weigh(set, &s->pt);
+    bis_set_choose(set, RAYS, BIS_RESAMPLING_MULTINOMIAL, &stream);
+    for (uint32_t j = 0; j < set->choice.n_chosen; j++) {
+        const double y = Zhat * bis_point_sees(&s->pt, (vec3){set->y.x[j], set->y.y[j], set->y.z[j]});
+        for (uint32_t k = 0; k < set->choice.times[j]; k++) x[n++] = y;
+    }
+    bis_scratch_clear(&scratch);
 }
 
 /* 16 sets, a ray each. */

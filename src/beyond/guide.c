@@ -24,6 +24,16 @@ bis_beyond_needs bis_beyond_needs_of(const bis_settings *s)
         .n_pool = bis_pool_needs(s), .clusters = product, .visibility = product && s->learn};
 }
 
+bis_beyond_needs bis_beyond_needs_under(const bis_settings *s, const bis_light *light)
+{
+    const bis_beyond_needs needs = bis_beyond_needs_of(s), nothing = {.n_pool = 0};
+    bis_light_point any;
+
+    if ((needs.n_pool == 0 && !needs.clusters) || bis_light_is_constant(light)) return nothing;
+    /* false: the light is black, or all of it is compensated away */
+    return bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any) ? needs : nothing;
+}
+
 /* ---- proposal "product" ---- */
 
 static bool draw(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
@@ -143,16 +153,43 @@ void bis_product_guide_clear(bis_product_guide *g)
     *g = (bis_product_guide){.clusters = NULL};
 }
 
-size_t bis_product_guide_bytes(void)
+size_t bis_product_guide_bytes(const bis_product_guide *g)
 {
     bis_claims claims = {.only_count = true};
     bis_product p;
 
+    if (!g->clusters) return 0;
     bis_product_claim(&p, &claims);
-    return claims.bytes;
+    return claims.bytes + (g->visibility ? bis_foresight_bytes(g->clusters->n) : 0);
 }
 
 void bis_product_guide_look(bis_product_guide *g, size_t cell)
 {
     if (g->visibility) bis_foresight_look(&g->foresight, g->clusters->n, g->visibility, cell);
+}
+
+/* ---- single points ---- */
+
+bis_status bis_probe_init(bis_probe *p, const bis_settings *s, const bis_light *light, bis_diag *diag)
+{
+    *p = (bis_probe){.clusters = {.n = 0}};
+    bis_status status = bis_scratch_init(&p->scratch, s, diag);
+    if (status || !bis_beyond_needs_under(s, light).clusters) return status;
+    status = bis_clusters_init(&p->clusters, light, s->candidates, diag);
+    if (!status) status = bis_product_guide_init(&p->guide, &p->clusters, NULL, diag);
+    if (!status) bis_scratch_share(&p->scratch, NULL, &p->guide.steps);
+    else bis_probe_clear(p);
+    return status;
+}
+
+void bis_probe_clear(bis_probe *p)
+{
+    bis_scratch_clear(&p->scratch);
+    bis_product_guide_clear(&p->guide);
+    bis_clusters_clear(&p->clusters);
+}
+
+void bis_probe_begin_pass(bis_probe *p, const bis_light *light, uint64_t seed, uint32_t pass)
+{
+    if (p->clusters.n) bis_clusters_fill(&p->clusters, light, seed, pass, 1);
 }

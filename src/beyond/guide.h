@@ -18,6 +18,10 @@ typedef struct bis_beyond_needs {
 /* bis_beyond_needs_of returns what a render with these settings can make use of. */
 bis_beyond_needs bis_beyond_needs_of(const bis_settings *s);
 
+/* bis_beyond_needs_under returns the same for a light that is known: nothing under a constant light, which has no curve,
+ * and under one of which nothing can be drawn. The light must be built for these settings. */
+bis_beyond_needs bis_beyond_needs_under(const bis_settings *s, const bis_light *light);
+
 /* What one thread has. */
 typedef struct bis_product_guide {
     bis_guide steps;               /* the first member: a set knows only this */
@@ -34,9 +38,27 @@ bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clus
 /* bis_product_guide_clear frees it. */
 void bis_product_guide_clear(bis_product_guide *g);
 
-/* bis_product_guide_bytes returns the bytes that it takes. */
-size_t bis_product_guide_bytes(void);
+/* bis_product_guide_bytes returns the bytes that it takes; an empty one takes none. */
+size_t bis_product_guide_bytes(const bis_product_guide *g);
 
 /* bis_product_guide_look stores what is known of visibility in a cell of the picture (bis/beyond/visibility.h). Points
  * that are drawn afterwards must be in this cell. Without visibility it does nothing. */
 void bis_product_guide_look(bis_product_guide *g, size_t cell);
+
+/* What one thread needs to look at single points as a render looks at them, but with nothing learned: a workspace, and
+ * clusters of its own if proposal "product" makes use of them. It must not be moved. */
+typedef struct bis_probe {
+    bis_scratch scratch;
+    bis_clusters clusters; /* n = 0: none */
+    bis_product_guide guide;
+} bis_probe;
+
+/* bis_probe_init allocates all that integrator s makes use of under this light. Errors: BIS_NOMEM. */
+bis_status bis_probe_init(bis_probe *p, const bis_settings *s, const bis_light *light, bis_diag *diag);
+
+/* bis_probe_clear frees it. */
+void bis_probe_clear(bis_probe *p);
+
+/* bis_probe_begin_pass draws the directions of the clusters anew, as a render draws them for this pass. Estimates of one
+ * pass share them, and so their noise. It must be called before the first estimate. */
+void bis_probe_begin_pass(bis_probe *p, const bis_light *light, uint64_t seed, uint32_t pass);

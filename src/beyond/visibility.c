@@ -81,6 +81,8 @@ bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag)
     return BIS_OK;
 }
 
+size_t bis_foresight_bytes(uint32_t n) { return 2 * bis_lanes_round_up(n) * sizeof(float); }
+
 void bis_foresight_clear(bis_foresight *f)
 {
     bis_free(f->memory);

@@ -46,15 +46,13 @@ static bis_status override_settings(bis_settings *s, const pixel_options *o, bis
     return bis_settings_check(s, bis_cli_loc, diag);
 }
 
-/* The product's candidates come from clusters of the map that a render prepares once a pass; at one point there are
- * none. */
-static void leave_the_product(bis_settings *own, const pixel_options *o, bis_diag *diag)
+/* The proposal of this name for sir and unoccluded, which has no product. */
+static void override_proposal(bis_settings *s, const char *name)
 {
-    if (own->integrator != &bis_sir || own->proposal != BIS_PROPOSAL_PRODUCT) return;
-    own->proposal = BIS_PROPOSAL_MIX;
-    if (!o->proposal)
-        bis_warn(diag, bis_cli_loc,
-                 "proposal \"product\" is shown as \"mix\": at a single point there are no clusters to draw from");
+    if (s->integrator != &bis_sir && s->integrator != &bis_unoccluded) return;
+    for (bis_proposal p = BIS_PROPOSAL_EM; p <= BIS_PROPOSAL_PRODUCT; p++)
+        if (strcmp(name, bis_proposal_name(p)) == 0) s->proposal = p;
+    if (s->integrator == &bis_unoccluded && s->proposal == BIS_PROPOSAL_PRODUCT) s->proposal = BIS_PROPOSAL_MIX;
 }
 
 /* All methods take the command line's numbers. */
@@ -65,10 +63,7 @@ static bis_status make_methods(bis_pixel_method list[BIS_PIXEL_MAX_METHODS], siz
     *n = bis_pixel_methods(list, own);
     for (size_t i = 0; i < *n && !status; i++) {
         bis_settings *s = &list[i].settings;
-        if (o->proposal && (s->integrator == &bis_sir || s->integrator == &bis_unoccluded))
-            s->proposal = strcmp(o->proposal, "em") == 0     ? BIS_PROPOSAL_EM
-                          : strcmp(o->proposal, "brdf") == 0 ? BIS_PROPOSAL_BRDF
-                                                             : BIS_PROPOSAL_MIX;
+        if (o->proposal) override_proposal(s, o->proposal);
         status = override_settings(s, o, diag);
     }
     return status;
@@ -200,7 +195,6 @@ static int pixel(void *options, const char *const *operand, bis_diag *diag)
     if (!status) status = read_places(place, operand + 1, &desc->view.film, diag);
     if (status) goto done;
     if (o->has_seed) desc->view.sampler.seed = o->seed;
-    leave_the_product(&desc->view.settings, o, diag);
     status = make_methods(r->methods, &r->n_methods, &desc->view.settings, o, diag);
     if (status) goto done;
     snprintf(folder, sizeof folder, "pixel_%d_%d", place[0], place[1]);
@@ -218,7 +212,7 @@ done:
 
 int bis_cmd_pixel(int argc, char **argv)
 {
-    static const char *const proposals[] = {"em", "brdf", "mix", NULL};
+    static const char *const proposals[] = {"em", "brdf", "mix", "product", NULL};
     pixel_options o = {.repeats = 2000};
     /* clang-format off: the rows are broken by hand */
     const bis_option options[] = {
@@ -237,8 +231,8 @@ int bis_cmd_pixel(int argc, char **argv)
          .kind = BIS_OPTION_COUNT, .value = &o.shadowrays, .given = &o.has_shadowrays, .lo = 1, .hi = 1 << 20},
         {.name = "samples", .argument = "N", .help = "em, brdf, mis: light samples, at least 2",
          .kind = BIS_OPTION_COUNT, .value = &o.samples, .given = &o.has_samples, .lo = 2, .hi = 1 << 20},
-        {.name = "proposal", .argument = "P", .help = "sir, unoccluded: em, brdf or mix", .kind = BIS_OPTION_NAME,
-         .value = &o.proposal, .names = proposals},
+        {.name = "proposal", .argument = "P", .help = "sir, unoccluded: em, brdf or mix; sir: product",
+         .kind = BIS_OPTION_NAME, .value = &o.proposal, .names = proposals},
         {.name = "repeats", .argument = "R", .help = "estimates by each method, for its mean and its error (2000)",
          .kind = BIS_OPTION_COUNT, .value = &o.repeats, .lo = 2, .hi = 1e8},
         {.name = "seed", .argument = "N", .help = "of the random numbers (the scene's)", .kind = BIS_OPTION_COUNT,

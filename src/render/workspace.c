@@ -66,18 +66,15 @@ static bis_status make_workers(bis_workspace *w, bis_diag *diag)
 /* Of the whole picture, so that a crop learns as the whole does. */
 static uint64_t pixels_of(const bis_film *f) { return (uint64_t)f->full_width * (uint64_t)f->full_height; }
 
-/* Directions drawn once a pass, a pool or clusters, where the integrator asks for them, the light has a curve to draw
- * them along, and there is a surface to light. */
+/* Directions drawn once a pass, a pool or clusters, where they are of use and there is a surface to light. */
 static bis_status make_pool(bis_workspace *w, bis_diag *diag)
 {
     const bis_light *light = w->scene->light;
-    const bis_beyond_needs needs = bis_beyond_needs_of(&w->view->settings);
-    bis_light_point any;
     bis_status status = BIS_OK;
 
-    if ((needs.n_pool == 0 && !needs.clusters) || !w->scene->accel || bis_light_is_constant(light)) return BIS_OK;
-    /* nothing to draw: the light is black, or all of it is compensated away */
-    if (!bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any)) return BIS_OK;
+    if (!w->scene->accel) return BIS_OK;
+    const bis_beyond_needs needs = bis_beyond_needs_under(&w->view->settings, light);
+    if (needs.n_pool == 0 && !needs.clusters) return BIS_OK;
     if (needs.n_pool) status = bis_pool_init(&w->pool, needs.n_pool, diag);
     if (!status && needs.clusters) status = bis_clusters_init(&w->clusters, light, w->view->settings.candidates, diag);
     if (!status && needs.visibility)
@@ -223,9 +220,8 @@ size_t bis_workspace_bytes(const bis_workspace *w)
     const size_t pixel = sizeof *w->pass + (size_t)w->film->layers.n_values * sizeof *w->pass_layers;
     const size_t n_pixels = (size_t)w->film->width * (size_t)w->film->height;
     const bis_settings *settings = &w->view->settings;
-    const size_t thread =
-        sizeof *w->workers + bis_wave_bytes(w->desc) + bis_scratch_bytes(settings) +
-        (w->clusters.n ? bis_product_guide_bytes() : 0);
+    const size_t thread = sizeof *w->workers + bis_wave_bytes(w->desc) + bis_scratch_bytes(settings) +
+                          bis_product_guide_bytes(&w->workers[0].guide);
 
     return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_visibility_bytes(&w->visibility) +
            bis_adapt_bytes(&w->adapt) + (size_t)w->n_threads * thread + n_pixels * pixel;

@@ -52,8 +52,8 @@ static inline BIS_INLINE bool test_block(const bis_grid *g, uint32_t block, sear
     return false;
 }
 
-/* Test what lies in the cell that the ray leaves at t. True: something is hit, and any hit will do. Quadrics are a
- * cell's last items. */
+/* Test what lies in the cell that the ray leaves at t: triangles by blocks, if there are blocks, and the rest one by one.
+ * Quadrics are a cell's last items. True: something is hit, and any hit will do. */
 static inline BIS_INLINE bool test_cell(const bis_grid *g, size_t cell, double t, search *s, const bool any)
 {
     const float d[3] = {s->r->d.x, s->r->d.y, s->r->d.z};
@@ -61,17 +61,18 @@ static inline BIS_INLINE bool test_cell(const bis_grid *g, size_t cell, double t
     const uint32_t begin = g->offsets[cell], end = g->offsets[cell + 1];
 
     near_move(&s->near, &s->sheared, (double)d[s->near.kz], t);
-    for (uint32_t block = begin / BIS_GRID_LANES; g->blocks && block <= (end - 1) / BIS_GRID_LANES; block++) {
+    for (uint32_t block = begin / BIS_GRID_LANES; g->blocks && BIS_GRID_LANES * block < end; block++) {
         if (block == s->tested) continue;
         s->tested = block;
         if (test_block(g, block, s, any)) return true;
     }
     if (g->blocks && geometry->n_quadrics == 0) return false;
     for (uint32_t i = end; i-- > begin;) {
+        double found;
         if (g->blocks && g->items[i] < geometry->n_triangles) break;
-        if (!meets(geometry, g->items[i], s, &t)) continue;
+        if (!meets(geometry, g->items[i], s, &found)) continue;
         if (any) return true;
-        bis_grid_take(&s->best, t, g->items[i]);
+        bis_grid_take(&s->best, found, g->items[i]);
     }
     return false;
 }

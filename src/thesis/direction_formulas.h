@@ -11,13 +11,13 @@ typedef struct OF(reflection) {
     REAL r, g, b, cos, q;
 } OF(reflection);
 
-/* The component along an axis. */
+/* along returns the component along an axis. */
 FORMULA REAL OF(along)(vec3 axis, OF(direction) d)
 {
     return d.x * (REAL)axis.x + d.y * (REAL)axis.y + d.z * (REAL)axis.z;
 }
 
-/* The local direction l in world space. */
+/* turned returns the local direction l in world space. */
 FORMULA OF(direction) OF(turned)(const frame *f, OF(direction) l)
 {
     return (OF(direction)){l.x * (REAL)f->x.x + l.y * (REAL)f->y.x + l.z * (REAL)f->z.x,
@@ -25,13 +25,14 @@ FORMULA OF(direction) OF(turned)(const frame *f, OF(direction) l)
                            l.x * (REAL)f->x.z + l.y * (REAL)f->y.z + l.z * (REAL)f->z.z};
 }
 
-/* yes ? a : b. */
+/* either returns yes ? a : b. */
 FORMULA OF(direction) OF(either)(int yes, OF(direction) a, OF(direction) b)
 {
     return (OF(direction)){OF(choose)(yes, a.x, b.x), OF(choose)(yes, a.y, b.y), OF(choose)(yes, a.z, b.z)};
 }
 
-/* A direction about +z with the density cos theta/pi: a uniform disc, lifted to the hemisphere (Malley). */
+/* cosine returns a direction about +z with the density cos theta/pi: a uniform disc, lifted to the hemisphere (Malley).
+ * */
 FORMULA OF(direction) OF(cosine)(REAL u1, REAL u2)
 {
     const REAL sine = OF(sqrt)(u1);
@@ -46,6 +47,7 @@ typedef struct OF(parts) {
     REAL p, inverse_p, inverse_rest;
 } OF(parts);
 
+/* parts_of returns the parts at p_specular. */
 FORMULA OF(parts) OF(parts_of)(double p_specular)
 {
     const REAL p = (REAL)p_specular;
@@ -53,7 +55,8 @@ FORMULA OF(parts) OF(parts_of)(double p_specular)
     return (OF(parts)){p, p > 0 ? 1 / p : 0, p < 1 ? 1 / (1 - p) : 0};
 }
 
-/* The place of u within its part, uniform in [0,1) again (bis_bsdf_draw). The quotient may round up to 1. */
+/* place_in_part returns the place of u within its part, uniform in [0,1) again (bis_bsdf_draw). The quotient may round
+ * up to 1. */
 FORMULA REAL OF(place_in_part)(const OF(parts) *k, REAL u)
 {
     const REAL place = OF(choose)(u < k->p, u * k->inverse_p, (u - k->p) * k->inverse_rest);

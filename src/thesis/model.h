@@ -34,7 +34,7 @@ static double unit_of(const bis_bsdf *b);
 #include FORMULAS
 #undef REAL
 
-/* No two files may have a BIS_LANES function of one name (clones.h). */
+/* NAMED makes the names of loops: no two files may have a BIS_LANES function of one name (clones.h). */
 #define NAMED(name) REAL_PASTE(MODEL, name)
 
 /* f_pdf returns f and stores the density for one direction. */
@@ -48,8 +48,8 @@ static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
     return rgb_from(f.r, f.g, f.b);
 }
 
-/* sample draws one direction. "Deciding which term to sample from is made randomly in order to remain unbiased" (3.5).
- * */
+/* sample draws one direction of the lobe or of the rest: "Deciding which term to sample from is made randomly in order
+ * to remain unbiased" (3.5). */
 static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
 {
     if (bis_bsdf_is_black(b)) return false;
@@ -60,6 +60,7 @@ static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
     return true;
 }
 
+/* f_loop stores what f says of n directions, for one kind. */
 FORMULA void f_loop(const bis_reflected *f, const constants_float *c, const bis_lanes *y, uint32_t n, const int kind)
 {
     const constants_float k = *c;
@@ -77,6 +78,7 @@ FORMULA void f_loop(const bis_reflected *f, const constants_float *c, const bis_
     }
 }
 
+/* f_lanes does so for the kind at hand. */
 BIS_LANES
 static void NAMED(f_lanes)(const bis_reflected *f, const constants_float *c, const bis_lanes *y, uint32_t n)
 {
@@ -86,6 +88,7 @@ static void NAMED(f_lanes)(const bis_reflected *f, const constants_float *c, con
     else f_loop(f, c, y, n, 0);
 }
 
+/* f_many is bis_bsdf_f_many. */
 static double f_many(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n)
 {
     const double unit = unit_of(b);
@@ -95,6 +98,7 @@ static double f_many(const bis_reflected *f, const bis_bsdf *b, const bis_lanes 
     return unit;
 }
 
+/* draw_lanes draws by n points (u1, u2). */
 BIS_LANES
 static void NAMED(draw_lanes)(const bis_lanes *y, const draws_float *d, parts_float parts, const float *u1,
                               const float *u2, uint32_t n)
@@ -111,6 +115,7 @@ static void NAMED(draw_lanes)(const bis_lanes *y, const draws_float *d, parts_fl
     }
 }
 
+/* sample_many is bis_bsdf_sample_many. */
 static void sample_many(const bis_lanes *y, const bis_bsdf *b, const float *u1, const float *u2, uint32_t n)
 {
     const draws_float k = draws_of_float(b);

@@ -184,6 +184,9 @@ static void plastic_is_fresnels_glass_over_lambert(void **state)
     assert_near((double)bis_bsdf_f(&b, (vec3){0, 0, 1}).g, 0.02 / (4 * PI) + 0.5 / PI, 1e-7);
     bis_bsdf_init(&b, &m, (vec3){0, 0, 1}, aside);
     assert_near((double)bis_bsdf_f(&b, opposite).g, 0.5 * 0.08919 * 0.5 / PI + 0.5 / PI, 1e-6);
+    const bis_material most = bis_plastic(grey(0), grey(1), 1.5, 1); /* in proportion to Ks up to 1 */
+    bis_bsdf_init(&b, &most, (vec3){0, 0, 1}, aside);
+    assert_near((double)bis_bsdf_f(&b, opposite).g, 25 * 0.08919 * 0.5 / PI, 5e-5);
     assert_string_equal(m.model->name, "plastic");
     assert_true(m.model->of_half_vector && m.model->width(&m).value == 1);
     /* of an index of 1 nothing is reflected but by the base */

@@ -100,7 +100,7 @@ static int check(const world *w, const ray *r, const char *what)
             prim = k;
         }
     }
-    const bool must = prim != BIS_NO_PRIM, found = bis_grid_intersect(w->grid, r, &hit), any = bis_grid_occluded(w->grid, r);
+    const bool must = prim != BIS_NO_PRIM, found = bis_accel_intersect(w->grid, r, &hit), any = bis_accel_occluded(w->grid, r);
     const double ox = (double)r->o.x, oy = (double)r->o.y, oz = (double)r->o.z, dx = (double)r->d.x, dy = (double)r->d.y, dz = (double)r->d.z;
     if (found && !must) {
         mark_wrong("%s: ray from (%g %g %g) towards (%g %g %g) hits triangle %u at t = %g; it must hit nothing", what,
@@ -328,7 +328,7 @@ static void only_the_cells_on_the_way_are_looked_at(void)
         }
         g->offsets[g->n_cells] = g->offsets[g->n_cells + 1] = n;
         bis_hit hit = {-1, BIS_NO_PRIM};
-        const bool found = bis_grid_intersect(w.grid, &r, &hit), any = bis_grid_occluded(w.grid, &r);
+        const bool found = bis_accel_intersect(w.grid, &r, &hit), any = bis_accel_occluded(w.grid, &r);
         if ((found && hit.prim == decoy) || (any && isinf(t))) {
             mark_wrong("ray %d finds triangle %u, which lies only in cells that it does not pass, or passes after its nearest hit: a walk looks into the "
                        "cells on its way, in order, and ends with the cell of the hit", k, decoy);
@@ -352,7 +352,7 @@ static void tmax_ends_the_ray(void)
     for (int k = 0; k < 3000; k++) {
         ray r = random_ray(&seed, 0.5);
         bis_hit hit;
-        if (!bis_grid_intersect(w.grid, &r, &hit)) continue;
+        if (!bis_accel_intersect(w.grid, &r, &hit)) continue;
         r.tmax = hit.t * (k % 2 ? 0.99f : 1.01f);
         hits += check(&w, &r, "a ray that ends just before or just behind its nearest hit");
         cut += k % 2;
@@ -390,7 +390,7 @@ static void work(void)
     for (int k = 0; k < 60000; k++) {
         const ray r = random_ray(&seed, 0.5);
         bis_hit hit;
-        hits += bis_grid_intersect(w.grid, &r, &hit) + bis_grid_occluded(w.grid, &r);
+        hits += bis_accel_intersect(w.grid, &r, &hit) + bis_accel_occluded(w.grid, &r);
     }
     if (hits == 0) mark_wrong("nothing is hit");
     world_free(&w);

@@ -1,4 +1,4 @@
-/* Assignment phong: src/thesis/phong.c, the lobe's direction, f with its density, and the choice of a lobe. Closed forms, and quadrature over
+/* Assignment phong: src/thesis/phong_formulas.h, the lobe's direction, f with its density, and the choice of a lobe. Closed forms, and quadrature over
  * the sphere. Statistical tests: 10. */
 #include "mark.h"
 

@@ -4,10 +4,13 @@
 /* loses: samples_have_the_density */
 /* loses: the_albedo_comes_out_of_the_samples */
 /* [phong-lobe] */
-static double lobe_direction(vec3 *wi, double n, double u1, double u2)
+FORMULA OF(direction) OF(lobe)(REAL inverse_n1, REAL u1, REAL u2)
 {
-    double cos_theta = n > 0 ? pow(1 - u1, 1 / n) : 1 - u1, sin_theta = sqrt(1 - cos_theta * cos_theta);
-    *wi = vec3_from(sin_theta * cos(2 * PI * u2), sin_theta * sin(2 * PI * u2), cos_theta);
-    return log(cos_theta);
+    const REAL n = 1 / inverse_n1 - 1, cos_theta = OF(exp)(OF(log1m)(u1) / OF(choose)(n > 0, n, 1));
+    const REAL sine = OF(sqrt)(1 - cos_theta * cos_theta);
+    REAL s, c;
+
+    OF(sincos2pi)(u2, &s, &c);
+    return (OF(direction)){sine * c, sine * s, cos_theta};
 }
 /* [end] */

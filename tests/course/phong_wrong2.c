@@ -1,19 +1,13 @@
-/* What falls below the horizon is thrown away, although the density counts it (E34). */
+/* What falls below the horizon is turned up again, although the density counts it there (E34). */
 /* loses: samples_have_the_density */
 /* loses: the_albedo_comes_out_of_the_samples */
-/* [phong-sample] */
-static bool sample(const bis_bsdf *b, double u0, double u1, double u2, vec3 *wi)
+/* [phong-draw] */
+FORMULA OF(direction) OF(draw)(const OF(draws) *k, int specular, REAL u1, REAL u2)
 {
-    vec3 local;
+    const OF(direction) w = OF(either)(specular, OF(turned)(&k->about_r, OF(lobe)(k->inverse_n1, u1, u2)),
+                                       OF(turned)(&k->local, OF(cosine)(u1, u2)));
+    const REAL c = OF(along)(k->local.z, w), up = OF(choose)(c < 0, 2 * c, 0);
 
-    if (rgb_is_black(b->material->Kd) && rgb_is_black(b->material->Ks)) return false;
-    if (u0 < b->p_specular) {
-        lobe_direction(&local, b->material->exponent, u1, u2);
-        *wi = to_world(&b->lobe, local);
-    } else {
-        local = bis_warp_cosine(u1, u2);
-        *wi = to_world(&b->local, local);
-    }
-    return bis_bsdf_cos(b, *wi) > 0;
+    return (OF(direction)){w.x - up * (REAL)k->local.z.x, w.y - up * (REAL)k->local.z.y, w.z - up * (REAL)k->local.z.z};
 }
 /* [end] */

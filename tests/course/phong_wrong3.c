@@ -1,26 +1,46 @@
-/* f where the eye lies below the horizon, and a sine through the rounded cosine. */
+/* The base without its 1/pi, and a sine through the rounded cosine. */
 /* loses: narrow_lobes_keep_their_precision */
 /* loses: f_is_eq_3_14 */
-/* [phong-density] */
-static rgb f_pdf(const bis_bsdf *b, vec3 wi, double *pdf)
+/* loses: the_albedo_comes_out_of_the_samples */
+/* [phong-f] */
+FORMULA OF(constants) OF(constants_of)(const bis_bsdf *b, double unit)
 {
     const bis_material *m = b->material;
-    double cos_theta = bis_bsdf_cos(b, wi);
-    double lobe = b->p_specular > 0 ? bis_phong_lobe_pdf(b->r, wi, m->exponent) : 0;
+    const double peak = (m->exponent + 1) * (INV_PI / 2), p = b->p_specular;
+    const double Ks[3] = {(double)m->Ks.r, (double)m->Ks.g, (double)m->Ks.b};
+    const double Kd[3] = {(double)m->Kd.r, (double)m->Kd.g, (double)m->Kd.b};
+    OF(constants) k = {.n = b->local.z, .r = b->r, .exponent = (REAL)fmin(m->exponent, (double)FLT_MAX),
+                       .pdf_lobe = (REAL)(p * peak), .pdf_base = (REAL)((1 - p) * INV_PI), .kind = p > 0};
 
-    *pdf = b->p_specular * lobe + (1 - b->p_specular) * bis_warp_cosine_pdf(cos_theta);
-    if (cos_theta <= 0) return (rgb){0, 0, 0};
-    return rgb_from((double)m->Ks.r * lobe + (double)m->Kd.r * INV_PI, (double)m->Ks.g * lobe + (double)m->Kd.g * INV_PI,
-                    (double)m->Ks.b * lobe + (double)m->Kd.b * INV_PI);
+    for (int i = 0; i < 3; i++) {
+        k.lobe[i] = (REAL)(Ks[i] * peak / unit);
+        k.base[i] = (REAL)(Kd[i] / unit);
+    }
+    return k;
+}
+
+FORMULA OF(reflection) OF(f)(const OF(constants) *k, OF(direction) wi, const int kind)
+{
+    const REAL cos_theta = OF(along)(k->n, wi);
+    REAL r = k->base[0], g = k->base[1], b = k->base[2], power = 0;
+
+    if (kind == 1) {
+        power = OF(power)(k->r, k->exponent, wi);
+        r += k->lobe[0] * power;
+        g += k->lobe[1] * power;
+        b += k->lobe[2] * power;
+    }
+    return (OF(reflection)){r, g, b, cos_theta,
+                            k->pdf_lobe * power + k->pdf_base * OF(choose)(cos_theta > 0, cos_theta, 0)};
 }
 /* [end] */
 /* [phong-lobe] */
-static double lobe_direction(vec3 *wi, double n, double u1, double u2)
+FORMULA OF(direction) OF(lobe)(REAL inverse_n1, REAL u1, REAL u2)
 {
-    double cos_theta = pow(1 - u1, 1 / (n + 1)), sin_theta = sqrt(1 - cos_theta * cos_theta);
-    double phi = 2 * PI * u2;
+    const REAL cos_theta = OF(exp)(OF(log1m)(u1) * inverse_n1), sine = OF(sqrt)(1 - cos_theta * cos_theta);
+    REAL s, c;
 
-    *wi = vec3_from(sin_theta * cos(phi), sin_theta * sin(phi), cos_theta);
-    return log(cos_theta);
+    OF(sincos2pi)(u2, &s, &c);
+    return (OF(direction)){sine * c, sine * s, cos_theta};
 }
 /* [end] */

@@ -2,13 +2,14 @@
  * views and lights, bad materials. The other road: closed forms of a diffuse surface under a map of patches, scaling by
  * powers of two, and the theory of resampling. */
 #include "envelope.h"
+#include "forced.h"
 #include "lit.h"
 #include "map_help.h"
 
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/render/render.h"
-#include "thesis/candidates.h"
+#include "thesis/choose.h"
 
 #include <float.h>
 #include <setjmp.h>
@@ -201,22 +202,6 @@ static void means_are_right_for_any_M_and_N(void **state)
 
 /* ---- forced numbers ---- */
 
-/* x with bis_hash(x) = h: its steps backwards. */
-static uint64_t unhash(uint64_t h)
-{
-    h ^= h >> 31 ^ h >> 62;
-    h *= 0x319642b2d24d8ec3u;
-    h ^= h >> 27 ^ h >> 54;
-    h *= 0x96de1b173f119089u;
-    return h ^ h >> 30 ^ h >> 60;
-}
-
-/* The key whose k-th number is u, a multiple of 2^-53. */
-static bis_rng forced(double u, uint64_t k)
-{
-    return (bis_rng){unhash((uint64_t)(u * 0x1p53) << 11) ^ (0x9e3779b97f4a7c15u * k), 0};
-}
-
 static void forced_numbers_are_survived_at_any_exponent_and_view(void **state)
 {
     static const double numbers[] = {0, 0x1p-53, 1 - 0x1p-24, 1 - 0x1p-53}, exponents[] = {0, 2.5, 1e8},
@@ -252,51 +237,61 @@ static void forced_numbers_are_survived_at_any_exponent_and_view(void **state)
     envelope_close(&e);
 }
 
-/* Systematic resampling chooses candidate i floor(N P) or one more times, whatever the weights; marks forced to the
- * ends. */
+/* How far the systematic choices of each weight are from N w/W, beyond the 1 that equally spaced marks allow, over N. W
+ * and the weights are added in long double. */
+static void try_even(envelope *e, const bis_choice *c, uint32_t N, const char *what)
+{
+    long double W = 0;
+
+    for (uint32_t i = 0; i < c->n; i++) W += (long double)c->w[i];
+    for (uint32_t i = 0, j = 0; i < c->n; i++) {
+        const bool chosen = j < c->n_chosen && c->item[j] == i;
+        const double times = chosen ? c->times[j] : 0;
+        j += chosen;
+        envelope_try(e, (fabs(times - (double)(N * (long double)c->w[i] / W)) - 1) / N, "%s, weight %u", what, i);
+    }
+}
+
+/* The sum of a block of 16 floats is off by 2^-22: an item's two ends by 2^-21 of W together. */
 static void resampling_keeps_its_promise_for_any_weights(void **state)
 {
     static const double numbers[] = {0, 0.5, 1 - 0x1p-24, 1 - 0x1p-53};
     static const uint32_t counts[][2] = {{1, 1},     {1, 1000},      {2, 1},        {5, 7},
                                          {1000, 15}, {1000, 100000}, {1000000, 15}, {100000, 100000}};
     envelope legal = envelope_row(
-        "resampling N of M = 1 to 1e6, N < M and N > M; weights equal, 1e-300 to 1e300, one positive; forced marks",
-        "choices of weight 0, out of range or out of order", 0);
+        "resampling N of M = 1 to 1e6, N < M and N > M; weights equal, 1e-30 to 1e30, one positive; forced marks",
+        "choices of weight 0, out of range, out of order, or not N", 0);
     envelope even = envelope_row("the same, systematic",
-                                 "difference of a candidate's choices from N w/W, at most 1 by construction", 1 + 1e-6);
+                                 "difference of a weight's choices from N w/W beyond 1, over N", 0x1p-21);
 
     (void)state;
     for (int k = 0; k < COUNT(counts) * COUNT(numbers) * 3 * 2; k++) {
         const uint32_t M = counts[k % COUNT(counts)][0], N = counts[k % COUNT(counts)][1];
         const double u = numbers[k / COUNT(counts) % COUNT(numbers)];
         const int law = k / COUNT(counts) / COUNT(numbers) % 3;
-        const bis_resampling kind =
-            k / COUNT(counts) / COUNT(numbers) / 3 ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC;
-        bis_candidate *c = bis_alloc(M, sizeof *c);
-        uint32_t *chosen = bis_alloc(N, sizeof *chosen);
+        const bool multinomial = k / COUNT(counts) / COUNT(numbers) / 3;
         bis_stream stream = {.rng = forced(u, 0)};
-        double W = 0;
-        long double exact = 0;
-        assert_true(c && chosen);
+        bis_claims claims = {0};
+        bis_choice c;
+        char what[99];
+        uint64_t marks = 0;
+        snprintf(what, sizeof what, "M %u N %u law %d u %g", M, N, law, u);
+        bis_choice_claim(&c, bis_lanes_round_up(M), &claims);
+        assert_false(claims.failed);
         for (uint32_t i = 0; i < M; i++) {
             const double x = fmod(i * 0.618033988749895, 1);
-            c[i].w = law == 0 ? 0.1 : law == 1 ? pow(10, 600 * x - 300) : i == M / 2 ? 1e-30 : 0;
-            W += c[i].w;
-            exact += (long double)c[i].w;
+            c.w[i] = (float)(law == 0 ? 0.1 : law == 1 ? pow(10, 60 * x - 30) : i == M / 2 ? 1e-30 : 0);
         }
-        bis_candidates_resample(chosen, N, c, M, W, kind, &stream);
-        for (uint32_t i = 0; i < N; i++) {
-            envelope_expect(&legal, chosen[i] < M && c[chosen[i]].w > 0 && (i == 0 || chosen[i] >= chosen[i - 1]),
-                            "M %u N %u law %d u %g", M, N, law, u);
+        const double W = bis_choice_sum(&c, bis_lanes_round_up(M));
+        if (multinomial) bis_choose_multinomial(&c, N, W, &stream);
+        else bis_choose_systematic(&c, N, W, bis_stream_random(&stream));
+        for (uint32_t j = 0; j < c.n_chosen; j++) {
+            envelope_expect(&legal, c.item[j] < M && c.w[c.item[j]] > 0 && (j == 0 || c.item[j] > c.item[j - 1]), "%s", what);
+            marks += c.times[j];
         }
-        for (uint32_t i = 0, j = 0; kind == BIS_RESAMPLING_SYSTEMATIC && i < M; i++) {
-            uint32_t times = 0;
-            for (; j < N && chosen[j] == i; j++) times++;
-            envelope_try(&even, fabs(times - (double)(N * (long double)c[i].w / exact)),
-                         "M %u N %u law %d u %g, candidate %u", M, N, law, u, i);
-        }
-        bis_free(c);
-        bis_free(chosen);
+        envelope_expect(&legal, marks == N, "%s", what);
+        if (!multinomial) try_even(&even, &c, N, what);
+        bis_choice_clear(&c);
     }
     envelope_close(&legal);
     envelope_close(&even);

@@ -377,7 +377,7 @@ static void settings_are_read_back(void **state)
     bis_settings *s = &w.desc.view.settings;
     s->samples = 7, s->shadowrays = 3, s->candidates = 24, s->perpatch = 5;
     s->heuristic = BIS_HEURISTIC_POWER, s->estimator = BIS_ESTIMATOR_RATIO, s->proposal = BIS_PROPOSAL_BRDF;
-    s->resampling = BIS_RESAMPLING_MULTINOMIAL, s->stratify = false, s->compensate = true, s->learn = true, s->vectorize = false;
+    s->resampling = BIS_RESAMPLING_MULTINOMIAL, s->stratify = false, s->compensate = true, s->learn = true;
     s->as_printed = BIS_E6 | BIS_E21;
     render_kind(&f, &result, &w, &k, budget(&k, 4, 1), &c);
     c = read_state(PATH);

@@ -2,10 +2,10 @@
  * see. The integrators of the library take part in the first test, elsewhere one of our own that does exactly what the
  * test needs. */
 #include "bis/base/mem.h"
+#include "bis/beyond/pool.h"
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
 
-#include "beyond/batch.h"
 #include "stat.h"
 #include "world.h"
 
@@ -256,7 +256,7 @@ static rgb drawn_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stre
     (void)s;
     (void)pt;
     (void)stream;
-    return (rgb){bis_pool_set(scratch->fast->pool, 3)[5].wi.x + 2, 1, 1};
+    return (rgb){bis_pool_set((const bis_pool *)scratch->sets, 3).x[5] + 2, 1, 1};
 }
 
 /* What is drawn once a pass is drawn anew in every pass, as a function of its number: passes with the same directions
@@ -274,10 +274,10 @@ static void each_pass_has_a_pool_of_its_own(void **state)
     float last = 0;
     make_world(&w, &drawn);
     render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 3}});
-    assert_int_equal(bis_pool_init(&pool, 8, false, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&pool, 8, NULL), BIS_OK);
     for (uint32_t pass = 0; pass < 3; pass++) {
         bis_pool_fill(&pool, w.scene.light, w.desc.view.sampler.seed, pass, 1);
-        const float now = bis_pool_set(&pool, 3)[5].wi.x + 2;
+        const float now = bis_pool_set(&pool, 3).x[5] + 2;
         assert_true(now != last);
         sum += (double)now;
         last = now;
@@ -800,7 +800,7 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
  * ------------------------------------------------------------------------------------ */
 
 /* Every way to draw: the integrators, proposals and layouts in memory that differ. */
-static int ways_to_draw(bis_settings s[24])
+static int ways_to_draw(bis_settings s[16])
 {
     static const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX, BIS_PROPOSAL_PRODUCT};
     static const bis_integrator *const plain[] = {&bis_em, &bis_brdf, &bis_mis, &bis_mis};
@@ -815,11 +815,10 @@ static int ways_to_draw(bis_settings s[24])
         s[n] = bis_settings_default(&bis_rejection);
         s[n++].proposal = i == 2 ? BIS_PROPOSAL_CHOOSE : proposals[i];
     }
-    for (int i = 0; i < 12; i++) {
+    for (int i = 0; i < 8; i++) {
         s[n] = bis_settings_default(&bis_sir);
         s[n].proposal = proposals[i % 4];
-        s[n].vectorize = i < 8;
-        s[n].resampling = i / 4 == 1 ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC;
+        s[n].resampling = i < 4 ? BIS_RESAMPLING_SYSTEMATIC : BIS_RESAMPLING_MULTINOMIAL;
         s[n++].learn = i == 3;
     }
     for (int i = 0; i < n; i++) {
@@ -862,12 +861,12 @@ static void means_of_picture(double mean[N_DENORMAL_SEEDS], world *w, float firs
     }
 }
 
-/* Every integrator against `exact`, seed by seed: the same camera samples. 3 maps, 19 ways: family-wise 1e-3. Under a
+/* Every integrator against `exact`, seed by seed: the same camera samples. 3 maps, 15 ways: family-wise 1e-3. Under a
  * map of denormals alone the light is cast into floats of a few bits, so that only "finite" is asked there. */
 static void lit_denormals_leave_every_estimate_finite_and_the_means_right(void **state)
 {
     static const float firsts[] = {1, 1e30f, 0x1p-126f, 1e-42f};
-    bis_settings ways[24];
+    bis_settings ways[16];
     const int n_ways = ways_to_draw(ways);
     const double alpha = stat_level(1e-3, 3 * n_ways);
 

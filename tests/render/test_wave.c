@@ -35,7 +35,7 @@ static bis_settings quarter_of(const bis_settings *s)
     return q;
 }
 
-static rgb radiance(const world *w, bis_workspace *work, bis_Lo *Lo, const bis_sampler *sampler, bool edge, int x, int y, uint64_t index, bool *hit)
+static rgb radiance(const world *w, bis_workspace *work, const bis_sampler *sampler, bool edge, int x, int y, uint64_t index, bool *hit)
 {
     const bis_view *view = &w->desc.view;
     double u[2] = {0.5, 0.5};
@@ -48,14 +48,12 @@ static rgb radiance(const world *w, bis_workspace *work, bis_Lo *Lo, const bis_s
     const ray eye = bis_camera_ray(&view->camera, WIDTH, HEIGHT, x + u[0], y + u[1]);
     *hit = bis_scene_point(&pt, &m, &w->scene, &w->desc, eye, &work->workers[0].counters, NULL);
     if (!*hit) return bis_light_Le(w->scene.light, eye.d);
-    const bis_settings quarter = quarter_of(&view->settings);
-    return Lo(edge && view->edge_light > 0 ? &quarter : &view->settings, &pt, &stream, &work->workers[0].scratch);
+    const bis_settings quarter = quarter_of(&view->settings), *s = edge && view->edge_light > 0 ? &quarter : &view->settings;
+    return s->integrator->Lo(s, &pt, &stream, &work->workers[0].scratch);
 }
 
 static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work, uint32_t number, uint32_t n, uint64_t before)
 {
-    bis_Lo *Lo = bis_fast_Lo(&w->desc.view.settings);
-
     if (work->clusters.n) bis_clusters_fill(&work->clusters, w->scene.light, w->desc.view.sampler.seed, number, 1);
     if (work->pool.M) bis_pool_fill(&work->pool, w->scene.light, w->desc.view.sampler.seed, number, 1);
     for (int t = TILES - 1; t >= 0; t--) { /* the order of tiles is nobody's business, nor that of the pixels of a cell */
@@ -70,10 +68,10 @@ static void pass_one_by_one(bis_film *film, const world *w, bis_workspace *work,
             rgbd sum = {0, 0, 0};
             double hits = 0;
             if (work->visibility.n_tiles)
-                bis_foresight_look(&work->workers[0].fast.foresight, work->clusters.n, &work->visibility, cell);
+                bis_foresight_look(&work->workers[0].guide.foresight, work->clusters.n, &work->visibility, cell);
             for (uint32_t i = 0; i < n * k; i++) {
                 bool hit;
-                const rgb L = radiance(w, work, Lo, edge ? &work->edge_samplers[edge] : &w->desc.view.sampler, k > 1, x, y, before * k + i, &hit);
+                const rgb L = radiance(w, work, edge ? &work->edge_samplers[edge] : &w->desc.view.sampler, k > 1, x, y, before * k + i, &hit);
                 sum = (rgbd){sum.r + (double)L.r, sum.g + (double)L.g, sum.b + (double)L.b};
                 hits += hit;
             }
@@ -120,7 +118,7 @@ static const setting settings[] = {
     {&bis_exact, 0, 1, BIS_PROPOSAL_EM, false, false},      /* 128 rays a sample: a wave is full before its samples */
     {&bis_unoccluded, 10, 1, BIS_PROPOSAL_EM, false, false}, /* no rays */
     {&bis_sir, 40, 5, BIS_PROPOSAL_MIX, false, true},
-    {&bis_sir, 5, 3, BIS_PROPOSAL_MIX, false, false}, /* candidates one by one */
+    {&bis_sir, 5, 3, BIS_PROPOSAL_MIX, false, false}, /* less than a vector holds */
     {&bis_sir, 64, 16, BIS_PROPOSAL_PRODUCT, false, true},
     {&bis_sir, 64, 16, BIS_PROPOSAL_PRODUCT, true, true},
     {&bis_sir, 4096, 1500, BIS_PROPOSAL_PRODUCT, true, true}, /* one sample has more rays than a wave holds */

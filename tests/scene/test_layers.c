@@ -6,6 +6,7 @@
 #include "bis/base/stats.h"
 
 #include "render/gather.h"
+#include "thesis/set.h"
 #include "world.h"
 
 #include <setjmp.h>
@@ -491,11 +492,11 @@ static void every_failing_allocation_is_reported_and_leaves_nothing(void **state
 static float open_red;
 
 /* L_ns: asked of an empty scene, without a later ray, with the geometric normal turned to the shading one. */
-static rgb Lo_open(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
+static rgb open_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
     (void)s, (void)stream;
     assert_true(!pt->accel && !pt->later && pt->ng.x == 0 && pt->ng.y == 1 && pt->ng.z == 0);
-    assert_null(scratch->fast->foresight.counted);
+    assert_false(scratch->guide->learns);
     pt->counters->shadow_rays += 1000; /* of no picture */
     return (rgb){open_red, 5, 6};
 }
@@ -510,14 +511,14 @@ static void a_sample_adds_to_each_value_by_hand(void **state)
                                .first = {-1, -1, SAMPLES, RAYS, CANDIDATES, OPEN, SEEN, ALBEDO, NORMAL, DEPTH}};
     const bis_material m = bis_phong((rgb){0.125f, 0.25f, 0.5f}, (rgb){0.5f, 0.25f, 0.125f}, 20);
     const bis_xform to_camera = bis_xform_rotate(90, 1, 0, 0);
-    const bis_settings s = bis_settings_default(&bis_em);
+    const bis_integrator by_hand = {.name = "by hand", .Lo = open_Lo};
+    const bis_settings s = {.integrator = &by_hand};
     const bis_accel accel = {0};
     const bis_counters before = {.camera_rays = 10, .shadow_rays = 20, .candidates = 40},
                        after = {.camera_rays = 11, .shadow_rays = 25, .candidates = 47};
     bis_counters counters = {0};
-    bis_seen counted[1];
-    bis_fast fast = {.foresight.counted = counted};
-    bis_scratch scratch = {.fast = &fast};
+    bis_guide guide = {.learns = true};
+    bis_scratch scratch = {.guide = &guide};
     bis_stream stream = {0};
     bis_point pt = {.p = {1, 2, 5}, .n = {0, 1, 0}, .ng = {1, 0, 0}, .wo = {0, 1, 0}, .accel = &accel,
                     .counters = &counters};
@@ -527,10 +528,10 @@ static void a_sample_adds_to_each_value_by_hand(void **state)
         const float with[N] = {1, 5, 7, 4, 5, 6, 6, 15, 0.625f, 0.5f, 0.625f, 0, 0, 1, 2};
         for (int i = 0; i < N; i++) values[i] = (float)(i + 1);
         open_red = bad ? INFINITY : 4;
-        assert_int_equal(bis_gather_surface(values, &layers, &s, Lo_open, &to_camera, &pt, stream, &scratch,
+        assert_int_equal(bis_gather_surface(values, &layers, &s, &to_camera, &pt, stream, &scratch,
                                             (rgb){1, 2, 3}), !bad);
         bis_gather_counts(values, &layers, &before, &after);
-        assert_ptr_equal(fast.foresight.counted, counted);
+        assert_true(guide.learns);
         assert_int_equal(counters.shadow_rays, 0);
         for (int i = 0; i < N; i++) {
             const bool left_out = bad && i >= OPEN && i < ALBEDO;
@@ -546,11 +547,11 @@ static void a_sample_adds_to_each_value_by_hand(void **state)
     const bis_material black = bis_phong((rgb){0, 0, 0}, (rgb){0, 0, 0}, 20);
     bis_bsdf_init(&pt.bsdf, &black, pt.n, pt.wo);
     for (int i = 0; i < N; i++) values[i] = 0;
-    assert_true(bis_gather_surface(values, &layers, &s, Lo_open, &to_camera, &pt, stream, &scratch, (rgb){0, 0, 0}));
+    assert_true(bis_gather_surface(values, &layers, &s, &to_camera, &pt, stream, &scratch, (rgb){0, 0, 0}));
     for (int i = 0; i < N; i++) assert_true(values[i] == (i == NORMAL + 2 ? 1 : i == DEPTH ? values[DEPTH] : 0));
     const bis_layers few = {.n_values = 1, .first = {-1, -1, -1, -1, -1, -1, -1, -1, -1, 0}};
     values[0] = 1;
-    assert_true(bis_gather_surface(values, &few, &s, NULL, &to_camera, &pt, stream, NULL, (rgb){1, 2, 3}));
+    assert_true(bis_gather_surface(values, &few, &s, &to_camera, &pt, stream, NULL, (rgb){1, 2, 3}));
     assert_true(fabs((double)values[0] - 3) < 1e-5 && values[1] == 0);
 }
 

@@ -151,7 +151,7 @@ static void assert_has_the_usual_settings(const bis_scene_desc *d)
     assert_int_equal(s->proposal, BIS_PROPOSAL_PRODUCT);
     assert_int_equal(s->candidates, 64);
     assert_int_equal(s->shadowrays, 24);
-    assert_true(s->learn && s->stratify && s->vectorize && s->resampling == BIS_RESAMPLING_SYSTEMATIC);
+    assert_true(s->learn && s->stratify && s->resampling == BIS_RESAMPLING_SYSTEMATIC);
 }
 
 static void an_empty_world_has_the_defaults_of_the_contract_E39(void **state)

@@ -310,7 +310,7 @@ static void the_table_follows_who_draws(void **state)
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char line[64];
+        char line[96];
         if (cases[i].table) snprintf(line, sizeof line, "\nbuild        light table, %s", cases[i].table);
         else snprintf(line, sizeof line, "\nskip         light table: this integrator, so set, draws along the curve");
         assert_plan(cases[i].before, MAP "Shape \"sphere\"", (const char *const[]){line, NULL});

@@ -1,5 +1,5 @@
 /* facets: what microfacets of GGX must do, by quadrature over facets and by the papers' formulas, sharing nothing with
- * src: for the tests of microfacet.c and of microfacet_lanes.c. */
+ * src: for the tests of microfacet.c. */
 #ifndef TESTS_FACETS_H
 #define TESTS_FACETS_H
 

@@ -85,6 +85,8 @@ static void every_weight_gets_exactly_its_share_of_marks(void **state)
         }
         assert_int_equal(as_if_equal, 0);
     }
+    choose(&c, 64, W, SYSTEMATIC, forced(0, 0)); /* marks on whole numbers: one at the end of an item is the next one's */
+    for (uint32_t i = 0; i < 48; i++) assert_int_equal(times_of(&c, i), (uint32_t)c.w[i]);
     for (int k = 0; k < 64; k++) { /* of one independent mark the place is its random number: log and exp round it */
         choose(&c, 1, W, MULTINOMIAL, forced((k + 0.5) / 64, 0));
         double S = 0;
@@ -239,6 +241,24 @@ static void marks_beyond_the_end_fall_on_the_last_positive_weight(void **state)
     }
 }
 
+/* In float 1 + 1.5 2^-24 is 1 + 2^-23, the sum of a block; its weights one by one end below. A mark between the two has no
+ * weight there, and belongs to the last positive one of the block. */
+static void a_mark_that_rounding_leaves_in_a_block_falls_on_its_last_positive_weight(void **state)
+{
+    bis_choice c = new_choice(2 * BLOCK);
+
+    (void)state;
+    c.w[2] = 1, c.w[10] = 1.5f * 0x1p-24f, c.w[20] = 3;
+    const double W = bis_choice_sum(&c, 2 * BLOCK);
+    assert_true(W == 4 + 0x1p-23);
+    for (int how = 0; how < 2; how++) {
+        choose(&c, 1, W, how ? MULTINOMIAL : SYSTEMATIC, forced(floor((1 + 1.75 * 0x1p-24) / W * 0x1p53) * 0x1p-53, 0));
+        check_choice(&c, 1);
+        assert_int_equal(c.item[0], 10);
+    }
+    bis_choice_clear(&c);
+}
+
 static void one_positive_weight_gets_every_mark_wherever_it_lies_and_however_small_it_is(void **state)
 {
     static const float weights[] = {1e-44f, 1e-30f, 1, 1e30f};
@@ -262,6 +282,7 @@ int main(void)
         cmocka_unit_test(multinomial_choices_are_independent),
         cmocka_unit_test(first_and_last_numbers_fall_on_the_first_and_last_positive_weight),
         cmocka_unit_test(marks_beyond_the_end_fall_on_the_last_positive_weight),
+        cmocka_unit_test(a_mark_that_rounding_leaves_in_a_block_falls_on_its_last_positive_weight),
         cmocka_unit_test(one_positive_weight_gets_every_mark_wherever_it_lies_and_however_small_it_is),
     };
 

@@ -12,10 +12,10 @@
 #include "bis/thesis/rng.h"
 #include "bis/thesis/importance.h"
 #include "bis/base/image.h"
-#include "thesis/candidates.h"
 
 #include "lit.h"
 #include "map_help.h"
+#include "set_help.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -112,50 +112,76 @@ enum { N_WAYS = sizeof ways / sizeof *ways, M_DRAWN = 8, SETS = 40000 };
 
 typedef enum twin { RIGHT, FIRST_ONLY, REDRAWN } twin;
 
+/* A workspace for sets of M, and the stream of one of them. */
+static bis_scratch new_scratch(uint32_t M)
+{
+    bis_settings s = bis_settings_default(&bis_sir);
+    bis_scratch scratch;
+
+    s.candidates = M;
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    return scratch;
+}
+
+static bis_stream stream_of(uint64_t run)
+{
+    static const bis_sampler sampler = {.kind = BIS_SAMPLER_STRATIFIED, .seed = SEED, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
+    bis_stream stream;
+
+    bis_stream_init(&stream, &sampler, run, 0);
+    return stream;
+}
+
 /* One candidate of each set, at random, so that what is counted is independent also where the set is stratified. */
 static void count_candidates(double observed[CELLS], lit *l, const way *w, twin wrong)
 {
-    bis_candidate c[M_DRAWN];
+    bis_scratch scratch = new_scratch(M_DRAWN);
+    bis_set *x = scratch.set;
     bis_pool pool;
     bis_rng pick;
 
     memset(observed, 0, CELLS * sizeof *observed);
-    assert_int_equal(bis_pool_init(&pool, M_DRAWN, false, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&pool, M_DRAWN, NULL), BIS_OK);
+    if (w->pooled) bis_scratch_share(&scratch, &pool.sets, NULL);
     bis_rng_init(&pick, SEED, 1, 2, 3);
     for (uint32_t run = 0, counted = 0; counted < SETS; run++) {
-        const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
-        bis_stream stream;
-        bis_stream_init(&stream, &sampler, run, 0);
+        bis_stream stream = stream_of(run);
+        uint32_t number;
         if (w->pooled && run % 64 == 0) bis_pool_fill(&pool, l->light, SEED, run, 1);
-        bis_candidates_draw(c, M_DRAWN, w->proposal, w->stratify, w->pooled ? &pool.sets : NULL, &l->pt, &stream);
-        const vec3 wi = c[wrong == FIRST_ONLY ? 0 : bis_rng_below(&pick, M_DRAWN)].wi;
+        assert_true(bis_set_draw(x, M_DRAWN, w->proposal, w->stratify, &l->pt, &stream));
+        do number = set_number(x, wrong == FIRST_ONLY ? 0 : (uint32_t)bis_rng_below(&pick, set_size(x)));
+        while (wrong != FIRST_ONLY && !set_is_used(x, number));
+        const vec3 wi = set_direction(x, number);
         const bool above = dot(wi, l->pt.n) > 0;
         if (!above && wrong == REDRAWN) continue;
         observed[above ? block_of(wi) : BELOW]++;
         counted++;
     }
+    bis_scratch_clear(&scratch);
     bis_pool_clear(&pool);
 }
 
 /* Share of the candidates from the map, from the weights of a few: w = F/q, q = beta q_L + (1 - beta) q_f. */
 static double find_beta(lit *l, const way *w)
 {
-    const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
-    bis_candidate c[M_DRAWN];
+    double beta = -1;
 
     if (w->proposal != BIS_PROPOSAL_MIX) return w->proposal == BIS_PROPOSAL_EM;
-    for (uint64_t run = 0;; run++) {
-        bis_stream stream;
-        bis_stream_init(&stream, &sampler, run, 0);
-        bis_candidates_draw(c, M_DRAWN, w->proposal, w->stratify, NULL, &l->pt, &stream);
-        for (int i = 0; i < M_DRAWN; i++) {
-            if (c[i].w <= 0) continue;
-            double q = density_product(l, c[i].wi, 1) / c[i].w, q_L = bis_light_pdf(l->light, c[i].wi), q_f = density_brdf(l, c[i].wi);
-            double beta = (q - q_f) / (q_L - q_f);
-            assert_true(fabs(beta * M_DRAWN - round(beta * M_DRAWN)) < 1e-2);
-            return round(beta * M_DRAWN) / M_DRAWN;
+    bis_scratch scratch = new_scratch(M_DRAWN);
+    for (uint64_t run = 0; beta < 0; run++) {
+        bis_stream stream = stream_of(run);
+        assert_true(bis_set_draw(scratch.set, M_DRAWN, w->proposal, w->stratify, &l->pt, &stream));
+        bis_set_weigh(scratch.set, &l->pt);
+        for (uint32_t i = 0; i < M_DRAWN; i++) {
+            const uint32_t number = set_number(scratch.set, i);
+            const vec3 wi = set_direction(scratch.set, number);
+            const double weight = bis_set_weight(scratch.set, number), q_L = bis_light_pdf(l->light, wi), q_f = density_brdf(l, wi);
+            if (weight > 0) beta = (density_product(l, wi, 1) / weight - q_f) / (q_L - q_f);
         }
     }
+    bis_scratch_clear(&scratch);
+    assert_true(fabs(beta * M_DRAWN - round(beta * M_DRAWN)) < 1e-2);
+    return round(beta * M_DRAWN) / M_DRAWN;
 }
 
 static void compare(const char *name, const double observed[CELLS], const double share[CELLS], double n, bool fits)
@@ -224,21 +250,19 @@ enum { RINGS = 24, SECTORS = 16, LOBE_CELLS = RINGS * SECTORS };
 
 static void count_lobe(double observed[LOBE_CELLS], lit *l, double n, bool stratify, uint32_t M)
 {
-    bis_candidate c[M_DRAWN];
+    bis_scratch scratch = new_scratch(M);
     bis_rng pick;
 
     memset(observed, 0, LOBE_CELLS * sizeof *observed);
     bis_rng_init(&pick, SEED, 4, 5, 6);
     for (uint32_t run = 0; run < SETS; run++) {
-        const bis_sampler sampler = {.kind = BIS_SAMPLER_STRATIFIED, .seed = SEED, .spp = 1, .xsamples = 1, .ysamples = 1, .jitter = true};
-        bis_stream stream;
-        bis_stream_init(&stream, &sampler, run, 0);
-        bis_candidates_draw(c, M, BIS_PROPOSAL_BRDF, stratify, NULL, &l->pt, &stream);
-        const vec3 wi = c[bis_rng_below(&pick, M)].wi, d = sub(wi, l->pt.bsdf.r);
+        bis_stream stream = stream_of(run);
+        assert_true(bis_set_draw(scratch.set, M, BIS_PROPOSAL_BRDF, stratify, &l->pt, &stream));
+        const vec3 wi = set_direction(scratch.set, set_number(scratch.set, (uint32_t)bis_rng_below(&pick, M))), d = sub(wi, l->pt.bsdf.r);
         const double v = -expm1((n + 1) * log1p(-dot(d, d) / 2)), phi = atan2(dot(wi, l->pt.bsdf.lobe.y), dot(wi, l->pt.bsdf.lobe.x));
-        assert_true(c[0].w > 0);
         observed[(size_t)fmin(v * RINGS, RINGS - 1) * SECTORS + (size_t)fmin((phi + PI) / (2 * PI) * SECTORS, SECTORS - 1)]++;
     }
+    bis_scratch_clear(&scratch);
 }
 
 static void candidates_of_lobes_from_0_to_1e6_have_their_density(void **state)

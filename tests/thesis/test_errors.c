@@ -3,9 +3,8 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 #include "bis/base/stats.h"
-#include "thesis/candidates.h"
-
 #include "lit.h"
+#include "set_help.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -114,25 +113,33 @@ static void intervals_from_the_rays_of_one_set_do_not_cover_E32(void **state)
     enum { M = 8, N = 16, SETS = 2000 };
     const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_settings s = bis_settings_default(&bis_sir);
     uint32_t covered = 0;
+    bis_scratch scratch;
     lit l;
 
     (void)state;
+    s.candidates = M;
+    s.shadowrays = N;
     lit_init(&l, light, bis_phong(grey(0.6), grey(0.3), 5), tilted(), 40, LIT_HALF);
     const double truth = rgbd_sum(lit_truth(&l, true));
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    const bis_choice *chosen = &scratch.set->choice;
     for (uint64_t run = 0; run < SETS; run++) {
-        bis_candidate c[M];
-        uint32_t chosen[N];
         stat_moments m = {0};
         bis_stream stream;
         bis_stream_init(&stream, &sampler, run, 0);
-        double W = bis_candidates_draw(c, M, BIS_PROPOSAL_MIX, false, NULL, &l.pt, &stream);
-        assert_true(W > 0);
-        bis_candidates_resample(chosen, N, c, M, W, BIS_RESAMPLING_MULTINOMIAL, &stream);
-        for (int j = 0; j < N; j++) stat_add(&m, W / M * bis_point_sees(&l.pt, c[chosen[j]].wi));
+        assert_true(bis_set_draw(scratch.set, M, BIS_PROPOSAL_MIX, false, &l.pt, &stream));
+        const double Zhat = bis_set_weigh(scratch.set, &l.pt);
+        bis_set_choose(scratch.set, N, BIS_RESAMPLING_MULTINOMIAL, &stream);
+        for (uint32_t j = 0; j < chosen->n_chosen; j++) {
+            const bool V = bis_point_sees(&l.pt, set_direction(scratch.set, chosen->item[j]));
+            for (uint32_t k = 0; k < chosen->times[j]; k++) stat_add(&m, Zhat * V);
+        }
         const double error = sqrt(stat_variance(&m) / N);
         covered += error > 0 && bis_stats_student_p((m.mean - truth) / error, N - 1) >= 0.05;
     }
+    bis_scratch_clear(&scratch);
     print_message("rays of one set: %.1f %%\n", 100.0 * covered / SETS);
     assert_true(covered < 0.93 * SETS);
     bis_light_free(light);

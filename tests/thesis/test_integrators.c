@@ -6,6 +6,7 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 
+#include "forced.h"
 #include "lit.h"
 
 #include <setjmp.h>
@@ -487,22 +488,6 @@ static void one_lit_window_is_found_by_all_E4(void **state)
 
 /* ---- extremes ---- */
 
-/* x with bis_hash(x) = h: its steps backwards. */
-static uint64_t unhash(uint64_t h)
-{
-    h ^= h >> 31 ^ h >> 62;
-    h *= 0x319642b2d24d8ec3u;
-    h ^= h >> 27 ^ h >> 54;
-    h *= 0x96de1b173f119089u;
-    return h ^ h >> 30 ^ h >> 60;
-}
-
-/* The key whose k-th number is u = 0 or 1 - 2^-53. */
-static bis_rng forced(bool last, uint64_t k)
-{
-    return (bis_rng){unhash(last ? UINT64_MAX : 0) ^ (0x9e3779b97f4a7c15u * k), 0};
-}
-
 static void first_and_last_random_numbers_are_survived(void **state)
 {
     bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1, 0.15, false), lit_new_light(LIT_CONSTANT, 1, 0, false)};
@@ -510,7 +495,7 @@ static void first_and_last_random_numbers_are_survived(void **state)
     bis_settings s[N_ALL];
 
     (void)state;
-    bis_rng check_forced = forced(true, 5);
+    bis_rng check_forced = forced(1 - 0x1p-53, 5);
     for (int i = 0; i < 5; i++) bis_rng_u64(&check_forced);
     assert_true(bis_rng_double(&check_forced) == 1 - 0x1p-53);
 
@@ -524,7 +509,7 @@ static void first_and_last_random_numbers_are_survived(void **state)
             bis_stream stream;
             lit_init(&l, lights[k / 2 % 2], bis_phong(grey(0.3), grey(0.6), k / 4 % 2 ? 0.0 : 50), tilted(), 85, LIT_HALF);
             bis_stream_init(&stream, &sampler, 7, 0);
-            stream.rng = forced(k % 2, (uint64_t)k / 8);
+            stream.rng = forced(k % 2 ? 1 - 0x1p-53 : 0, (uint64_t)k / 8);
             rgb L = s[i].integrator->Lo(&s[i], &l.pt, &stream, &scratch);
             assert_true(rgb_is_finite(L) && L.r >= 0 && L.g >= 0 && L.b >= 0);
         }

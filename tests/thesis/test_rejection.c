@@ -1,11 +1,14 @@
 /* rejection: what is accepted is distributed as the product, how many are, and what each estimator and fallback is
  * biased by. The unbiased settings are also in test_integrators.c. Family-wise significance 1e-3. */
+#include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
+#include "bis/thesis/warp.h"
 #include "bis/scene/light_load.h"
-#include "thesis/candidates.h"
+#include "thesis/light_many.h"
 
 #include "lit.h"
+#include "set_help.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -164,6 +167,95 @@ static void choose_prefers_the_smaller_bound_by_the_acceptance_that_comes_out(vo
     bis_light_free(light);
 }
 
+/* ---- the bound ---- */
+
+enum { N_DIRECTIONS = 2048 };
+
+/* Where w may reach B: drawn from the material, about the mirror's direction at all scales, next to the horizon,
+ * everywhere. */
+static void fill_directions(const bis_lanes *y, const bis_bsdf *b, uint64_t seed)
+{
+    bis_rng r;
+
+    bis_rng_init(&r, SEED, seed, 0, 0);
+    for (uint32_t i = 0; i < N_DIRECTIONS; i++) {
+        const double u[3] = {bis_rng_double(&r), bis_rng_double(&r), bis_rng_double(&r)};
+        const double near = exp(-30 * u[0]), phi = 2 * PI * u[1];
+        const vec3 rim = vec3_from(cos(near) * cos(phi), cos(near) * sin(phi), sin(near));
+        const vec3 anywhere = bis_warp_sphere(u[1], u[2]);
+        vec3 wi = anywhere;
+        if (i % 4 == 0) bis_bsdf_draw(b, u, &wi);
+        if (i % 4 == 1) wi = normalize(add(b->r, mul(anywhere, near)));
+        if (i % 4 == 2) wi = to_world(&b->local, rim);
+        y->x[i] = wi.x, y->y[i] = wi.y, y->z[i] = wi.z;
+    }
+}
+
+/* The largest w/B - 1 over the directions, B as in candidates.h. */
+static double excess(bis_set *x, lit *l, bis_proposal proposal, uint64_t seed)
+{
+    const bool em = proposal == BIS_PROPOSAL_EM;
+    const double B = bis_candidates_bound(&l->pt, proposal);
+    const bis_lanes *y = em ? &x->own : &x->brdf.x;
+    double worst = -1;
+
+    fill_directions(y, &l->pt.bsdf, seed);
+    bis_light_look(l->light, y, x->pixel, N_DIRECTIONS);
+    for (uint32_t i = 0; em && bis_light_is_constant(l->light) && i < N_DIRECTIONS; i++) y->q[i] = (float)(INV_PI / 4);
+    x->M = N_DIRECTIONS;
+    x->beta = em;
+    x->unit_of_Le = bis_light_mean(l->light);
+    x->map = (bis_half){x->own, em ? N_DIRECTIONS : 0, 0};
+    x->brdf.n = em ? 0 : N_DIRECTIONS;
+    x->brdf.first = x->map.n;
+    bis_set_weigh(x, &l->pt);
+    for (uint32_t i = 0; i < N_DIRECTIONS; i++) worst = fmax(worst, bis_set_weight(x, i) / B - 1);
+    return worst;
+}
+
+static bis_material extreme(int k)
+{
+    static const double exponents[] = {0, 1, 50, 1e5, 1e8}, indices[] = {1.5, 0.6, 1.05, 1.001};
+    static const double roughnesses[] = {BIS_MICROFACET_MIN_ROUGHNESS, 0.1, 0.5, 1};
+    const double n = exponents[k / 12 % 5], a = roughnesses[k / 12 % 4], Ks = (double[]){1, 0.04, 1e-3, 1e-6}[k / 12 % 3];
+
+    switch (k % 12) {
+    case 0: return bis_phong(grey(0), grey(1), n);
+    case 1: return bis_phong(grey(0.5), grey(0.05), n);
+    case 2: return bis_phong(grey(1), grey(0), n);
+    case 3: return bis_microfacet(grey(0), grey(Ks), a);
+    case 4: return bis_microfacet(grey(0.5), grey(Ks), a);
+    case 5: return bis_microfacet_metal(grey(0.9), grey(0.2), a);
+    case 6: return bis_microfacet_metal(grey(0.05), grey(0.6), a);
+    case 7: return bis_microfacet_metal(grey(1e-3), grey(1.01), a);
+    default: return bis_plastic(k / 12 % 2 ? grey(0) : grey(0.5), grey(0.04), indices[k % 4], a);
+    }
+}
+
+/* What floats may add to w is derived in src/thesis/rejection.c. */
+static void no_weight_exceeds_the_bound_by_more_than_2_to_the_minus_16_E27(void **state)
+{
+    static const double degrees[] = {0, 40, 85, 89.9};
+    bis_light *lights[] = {lit_new_light(LIT_SPOTTY, 1e-35, 0, false), lit_new_light(LIT_SMOOTH, 1e30, 0.15, false),
+                           lit_new_light(LIT_CONSTANT, 1, 0, false)};
+    const bis_settings s = rejection(BIS_PROPOSAL_EM, N_DIRECTIONS, 1, BIS_ESTIMATOR_PLAIN);
+    bis_scratch scratch;
+    double worst = -1;
+
+    (void)state;
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    for (int k = 0; k < 60 * 4 * 3 * 2; k++) {
+        lit l;
+        lit_init(&l, lights[k / 240 % 3], extreme(k % 60), tilted(), degrees[k / 60 % 4], LIT_OPEN);
+        worst = fmax(worst, excess(scratch.set, &l, k / 720 ? BIS_PROPOSAL_BRDF : BIS_PROPOSAL_EM, (uint64_t)k));
+    }
+    print_message("w is at most B (1 %+.2f 2^-16)\n", worst * 0x1p16);
+    assert_true(worst <= 0x1p-16);
+    assert_true(worst > -0x1p-20); /* twin: a bound that is smaller by 2^-20 is exceeded */
+    bis_scratch_clear(&scratch);
+    for (int i = 0; i < 3; i++) bis_light_free(lights[i]);
+}
+
 /* A map that is black but for one pixel (x, y) of 128 x 64. *solid_angle: its size. */
 static bis_light *one_texel_sun(int x, int y, double *solid_angle)
 {
@@ -254,18 +346,21 @@ static void stopping_at_the_Nth_acceptance_is_biased_E22(void **state)
     stat_assert_mean("E22", SEED, &m[3], truth, alpha());
 
     const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+    bis_scratch scratch;
+    assert_int_equal(bis_scratch_init(&scratch, &fixed, NULL), BIS_OK);
     for (uint64_t run = 0; run < 20000; run++) {
-        double W = 0, M = 0;
-        bis_candidate c[2]; /* of two, the first: a single one would reuse its set's point */
+        double W = 0, M = 0, w;
         bis_stream stream;
         bis_stream_init(&stream, &sampler, run, 0);
-        do {
-            bis_candidates_draw(c, 2, BIS_PROPOSAL_EM, false, NULL, &l.pt, &stream);
-            W += c->w;
+        do { /* of two, the first: a single one would reuse its set's point */
+            assert_true(bis_set_draw(scratch.set, 2, BIS_PROPOSAL_EM, false, &l.pt, &stream));
+            bis_set_weigh(scratch.set, &l.pt);
+            W += w = bis_set_weight(scratch.set, 0);
             M++;
-        } while (bis_stream_random(&stream) * B >= c->w);
-        stat_add(&twin, W / M * bis_point_sees(&l.pt, c->wi));
+        } while (bis_stream_random(&stream) * B >= w);
+        stat_add(&twin, W / M * bis_point_sees(&l.pt, set_direction(scratch.set, 0)));
     }
+    bis_scratch_clear(&scratch);
     stat_assert_not_mean("E22_printed", SEED, &twin, truth, alpha());
     bis_light_free(light);
 }
@@ -352,6 +447,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(accepted_directions_have_the_product_density_eq_4_4),
         cmocka_unit_test(mean_acceptance_is_L_ns_over_B_E27),
+        cmocka_unit_test(no_weight_exceeds_the_bound_by_more_than_2_to_the_minus_16_E27),
         cmocka_unit_test(choose_prefers_the_smaller_bound_by_the_acceptance_that_comes_out),
         cmocka_unit_test(expected_M_on_a_one_texel_sun_is_pi_over_its_projected_solid_angle_E28),
         cmocka_unit_test(at_most_N_of_the_accepted_are_traced_each_once),

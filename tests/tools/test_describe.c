@@ -41,7 +41,7 @@ static void a_line_names_every_parameter_and_its_type(void **state)
                       .fallback = BIS_FALLBACK_SUBSET, .split = 0.25, .compensate = true, .learn = true};
     bis_settings other = {.samples = 1, .candidates = 2, .shadowrays = 3, .perpatch = 4, .proposal = BIS_PROPOSAL_PRODUCT,
                           .heuristic = BIS_HEURISTIC_BALANCE, .resampling = BIS_RESAMPLING_SYSTEMATIC, .estimator = BIS_ESTIMATOR_RATIO,
-                          .fallback = BIS_FALLBACK_RESAMPLE, .split = 0.75, .stratify = true, .vectorize = true};
+                          .fallback = BIS_FALLBACK_RESAMPLE, .split = 0.75, .stratify = true};
     const struct { const bis_integrator *integrator; int n; const char *line, *other; } cases[] = {
         {&bis_em, 2, "Integrator \"em\" \"integer samples\" 7 \"bool stratify\" false",
          "Integrator \"em\" \"integer samples\" 1 \"bool stratify\" true"},
@@ -50,14 +50,14 @@ static void a_line_names_every_parameter_and_its_type(void **state)
          "Integrator \"mis\" \"integer samples\" 1 \"string heuristic\" \"balance\" \"float split\" 0.75 \"bool compensate\" false \"bool stratify\" true"},
         {&bis_rejection, 5, "Integrator \"rejection\" \"integer candidates\" 33 \"integer shadowrays\" 5 \"string proposal\" \"brdf\" \"string estimator\" \"plain\" \"string fallback\" \"subset\"",
          "Integrator \"rejection\" \"integer candidates\" 2 \"integer shadowrays\" 3 \"string proposal\" \"product\" \"string estimator\" \"ratio\" \"string fallback\" \"resample\""},
-        {&bis_sir, 7, "Integrator \"sir\" \"integer candidates\" 33 \"integer shadowrays\" 5 \"string proposal\" \"brdf\" \"string resampling\" \"multinomial\" \"bool stratify\" false \"bool learn\" true \"bool vectorize\" false",
-         "Integrator \"sir\" \"integer candidates\" 2 \"integer shadowrays\" 3 \"string proposal\" \"product\" \"string resampling\" \"systematic\" \"bool stratify\" true \"bool learn\" false \"bool vectorize\" true"},
+        {&bis_sir, 6, "Integrator \"sir\" \"integer candidates\" 33 \"integer shadowrays\" 5 \"string proposal\" \"brdf\" \"string resampling\" \"multinomial\" \"bool stratify\" false \"bool learn\" true",
+         "Integrator \"sir\" \"integer candidates\" 2 \"integer shadowrays\" 3 \"string proposal\" \"product\" \"string resampling\" \"systematic\" \"bool stratify\" true \"bool learn\" false"},
         {&bis_exact, 1, "Integrator \"exact\" \"integer perpatch\" 9", "Integrator \"exact\" \"integer perpatch\" 4"},
         {&bis_unoccluded, 1, "Integrator \"unoccluded\" \"integer candidates\" 33", "Integrator \"unoccluded\" \"integer candidates\" 2"},
         {&bis_auto, 0, "Integrator \"auto\"", "Integrator \"auto\""},
     };
     static const char *const names[] = {"samples", "candidates", "shadowrays", "perpatch", "proposal", "heuristic", "resampling",
-                                        "estimator", "fallback", "split", "compensate", "stratify", "learn", "vectorize", "candidate", ""};
+                                        "estimator", "fallback", "split", "compensate", "stratify", "learn", "candidate", ""};
     char line[BIS_MAX_LINE];
     bis_attribute parameters[BIS_MAX_PARAMETERS];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

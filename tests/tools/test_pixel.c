@@ -4,19 +4,20 @@
 #include "tools/pixel/pixel.h"
 
 #include "bis/base/file.h"
+#include "bis/beyond/clusters.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "bis/base/stats.h"
 #include "bis/files/image_file.h"
 #include "bis/scene/light_load.h"
-#include "html_check.h"
 #include "json_check.h"
 #include "lit.h"
 #include "map_help.h"
 #include "picture_help.h"
 #include "program.h"
 #include "stat.h"
-#include "tools/verify/verify.h"
+#include "verify_help.h"
+#include "world.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -34,10 +35,11 @@ static size_t n_methods(void)
     return n;
 }
 
-/* Twelve times four channels against brute force, a chi-square test of both tails, a mean of each method. */
-static double alpha(void) { return stat_level(5e-3, 12 * 4 + 2 + (int)n_methods()); }
+/* Twelve times four channels against brute force, a mean of each method and of the product. */
+static double alpha(void) { return stat_level(5e-3, 12 * 4 + 1 + (int)n_methods()); }
 
-static bis_material glossy(void) { return bis_phong((rgb){0.3f, 0.2f, 0.4f}, (rgb){0.5f, 0.6f, 0.4f}, 20); }
+enum { EXPONENT = 20 };
+static bis_material glossy(void) { return bis_phong((rgb){0.3f, 0.2f, 0.4f}, (rgb){0.5f, 0.6f, 0.4f}, EXPONENT); }
 static vec3 slanted(void) { return normalize((vec3){0.3f, -0.4f, 0.8f}); }
 
 /* ---- the truth ---- */
@@ -115,31 +117,6 @@ static void what_the_surface_itself_hides_is_hidden_and_in_L_ns(void **state)
     bis_light_free(light);
 }
 
-/* Over many seeds the sum scatters as its standard error says: chi-square of (x - truth)^2/se^2. The twin's errors are
- * twice as large. */
-static void the_standard_error_of_exact_is_honest(void **state)
-{
-    (void)state;
-    enum { SEEDS = 100 };
-    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
-    lit l;
-    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
-    double x[SEEDS], se[SEEDS], mean = 0, sum = 0;
-    for (uint64_t seed = 0; seed < SEEDS; seed++) {
-        bis_pixel_exact e;
-        assert_int_equal(bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, seed, NULL), BIS_OK);
-        x[seed] = e.lit.mean[3];
-        se[seed] = e.lit.se[3];
-        mean += x[seed] / SEEDS;
-    }
-    for (int i = 0; i < SEEDS; i++) sum += (x[i] - mean) * (x[i] - mean) / (se[i] * se[i]);
-    const double p = bis_stats_chi_square_p(sum, SEEDS - 1), q = bis_stats_chi_square_p(sum / 4, SEEDS - 1);
-    stat_judges(2);
-    if (p <= alpha() || p >= 1 - alpha()) fail_msg("p = %g", p);
-    assert_true(q > 1 - alpha()); /* the twin: standard errors of one ray, not of the mean of four */
-    bis_light_free(light);
-}
-
 static void exact_has_the_same_bits_for_any_number_of_threads(void **state)
 {
     (void)state;
@@ -183,6 +160,14 @@ static void methods_agree_with_exact_and_a_wrong_one_does_not(void **state)
         if (bis_stats_normal_p(m->z) <= alpha()) fail_msg("%s: z = %g", m->name, m->z);
         assert_true(m->error > 0 && m->error < 3);
         assert_true(m->is_open ? m->rays == 0 : m->rays > 0);
+    }
+    for (size_t i = 0; i < n; i++) { /* and with the product */
+        bis_pixel_method *m = &list[i];
+        if (m->settings.integrator != &bis_sir) continue;
+        m->settings.proposal = BIS_PROPOSAL_PRODUCT;
+        assert_int_equal(bis_pixel_method_run(m, &l.pt, &e, BIS_SAMPLER_STRATIFIED, 300, 69, NULL), BIS_OK);
+        stat_judges(1);
+        if (bis_stats_normal_p(m->z) <= alpha()) fail_msg("product: z = %g", m->z);
     }
     own.as_printed = BIS_E23; /* the twin: weights as printed */
     own.proposal = BIS_PROPOSAL_EM;
@@ -268,62 +253,171 @@ static double product_of(const lit *l, vec3 wi, double *q_f)
     return c_i * (rgb_sum(rgb_mul(m->Ks, Le)) * lobe + rgb_sum(rgb_mul(m->Kd, Le)) / PI);
 }
 
+/* What the figures of one estimate must be, whatever q is. Returns how many candidates are from the map. */
+static uint32_t assert_figures(const lit *l, const bis_pixel_candidates *c)
+{
+    long double W = 0, squares = 0;
+    uint32_t chosen = 0, distinct = 0, seen = 0, positive = 0, from_map = 0;
+    for (uint32_t i = 0; i < c->M; i++) {
+        const bis_pixel_candidate *x = &c->c[i];
+        W += (long double)x->w;
+        squares += (long double)x->w * (long double)x->w;
+        chosen += x->chosen;
+        distinct += x->chosen > 0;
+        seen += x->seen ? x->chosen : 0;
+        from_map += x->from_map;
+        if (x->w <= 0) {
+            assert_true(x->chosen == 0 && isnan(x->q));
+            continue;
+        }
+        positive++;
+        double q_f;
+        const double F = product_of(l, x->wi, &q_f);
+        assert_near(x->product / F, 1, 1e-4);
+        assert_near(x->q_f / q_f, 1, 1e-4);
+        assert_near(x->w * x->q / x->product, 1, 1e-12);
+        assert_true(x->chosen == 0 || x->seen == (x->wi.y <= 0));
+    }
+    assert_near(c->W / (double)W, 1, 1e-12);
+    assert_near(c->ess / (double)(W * W / squares), 1, 1e-12);
+    assert_true(c->ess >= 1 && c->ess <= positive);
+    assert_true(chosen == c->N && distinct == c->distinct && seen == c->seen && positive == c->positive);
+    assert_int_equal(from_map, c->n_map);
+    assert_near(from_map, c->share_em * c->M, 1e-9);
+    return from_map;
+}
+
+/* Weights are floats: the logarithm and power of the lobe are good to 2^-20 (1 + |log f|), and a cosine to 2^-22, which
+ * an exponent of 20 multiplies by 20/cos. Where the lobe counts beside the diffuse part, cos > 0.63 and |log f| < 10. */
+static const double of_floats = 0x1p-20 * 11 + 0x1p-22 * EXPONENT / 0.63;
+
+static bis_settings sir_of(bis_proposal proposal)
+{
+    bis_settings s = bis_settings_default(&bis_sir);
+    s.candidates = 200;
+    s.shadowrays = 9;
+    s.proposal = proposal;
+    return s;
+}
+
+static void draw_candidates(bis_pixel_candidates *c, const lit *l, const bis_settings *s, uint64_t seed)
+{
+    const bis_sampler sampler = one_sample(seed);
+    bis_stream stream;
+    bis_stream_init(&stream, &sampler, 4, 0);
+    assert_int_equal(bis_pixel_candidates_draw(c, &l->pt, s, &stream, NULL), BIS_OK);
+}
+
 static void candidates_are_those_of_sir_and_their_figures_those_of_the_definitions(void **state)
 {
     (void)state;
-    const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_BRDF, BIS_PROPOSAL_MIX};
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     lit l;
     lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
-    for (int k = 0; k < 3; k++) {
-        bis_settings s = bis_settings_default(&bis_sir);
-        s.candidates = 200;
-        s.shadowrays = 9;
-        s.proposal = proposals[k];
-        const bis_sampler sampler = one_sample(11);
-        bis_stream stream;
+    for (bis_proposal proposal = BIS_PROPOSAL_EM; proposal <= BIS_PROPOSAL_MIX; proposal++) {
+        const bis_settings s = sir_of(proposal);
         bis_pixel_candidates c;
-        bis_stream_init(&stream, &sampler, 4, 0);
-        assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
+        draw_candidates(&c, &l, &s, 11);
         bis_scratch scratch;
         assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
         const rgb L = lit_once(&l, &s, &scratch, 11, 4), found = rgbd_round(c.L);
         bis_scratch_clear(&scratch);
         assert_memory_equal(&L, &found, sizeof L);
 
-        long double W = 0, squares = 0, product = 0;
-        uint32_t chosen = 0, distinct = 0, seen = 0, positive = 0, from_map = 0;
+        const uint32_t n = assert_figures(&l, &c);
+        assert_true(proposal == BIS_PROPOSAL_EM ? n == 200 : proposal == BIS_PROPOSAL_BRDF ? n == 0 : n > 0 && n < 200);
         for (uint32_t i = 0; i < c.M; i++) {
-            const bis_pixel_candidate *q = &c.c[i];
-            W += (long double)q->x.w;
-            squares += (long double)q->x.w * (long double)q->x.w;
-            chosen += q->chosen;
-            distinct += q->chosen > 0;
-            seen += q->seen ? q->chosen : 0;
-            from_map += q->from_map;
-            if (q->x.w <= 0) {
-                assert_true(q->chosen == 0 && isnan(q->q));
-                continue;
-            }
-            positive++;
-            product += (long double)(q->product / q->q);
-            double q_f;
-            const double F = product_of(&l, q->x.wi, &q_f);
-            assert_near(q->product / F, 1, 1e-4);
-            assert_near(q->q_f / q_f, 1, 1e-4);
-            assert_near(q->q / (c.share_em * q->q_L + (1 - c.share_em) * q->q_f), 1, 1e-6);
-            assert_true(q->chosen == 0 || q->seen == (q->x.wi.y <= 0));
+            const bis_pixel_candidate *x = &c.c[i];
+            if (x->w > 0) assert_near(x->q / (c.share_em * x->q_L + (1 - c.share_em) * x->q_f), 1, of_floats);
         }
-        assert_near(c.W / (double)W, 1, 1e-12);
-        assert_near((double)(product / W), 1, 1e-9); /* sum of phat/q */
-        assert_near(c.ess / (double)(W * W / squares), 1, 1e-12);
-        assert_true(c.ess >= 1 && c.ess <= positive);
-        assert_true(chosen == 9 && distinct == c.distinct && seen == c.seen && positive == c.positive);
-        assert_near(from_map, c.share_em * 200, 1e-9);
-        assert_true(k == 0 ? from_map == 200 : k == 1 ? from_map == 0 : from_map > 0 && from_map < 200);
         bis_pixel_candidates_clear(&c);
     }
     bis_light_free(light);
+}
+
+/* Within a cluster the product's density is a multiple s of q_L. By all candidates of the cluster s is the same, and by
+ * s the cluster should hold n share s of the n candidates from the map: it has those within one, because marks are
+ * equally spaced. Nothing here asks the product. */
+static void candidates_of_the_product_are_as_dense_as_their_q_says(void **state)
+{
+    (void)state;
+    const bis_settings s = sir_of(BIS_PROPOSAL_PRODUCT);
+    const bis_xform identity = bis_xform_identity();
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    static struct { double s, n; } of[2 * BIS_CLUSTERS + 2];
+    bis_pixel_candidates c;
+    bis_clusters clusters;
+    int several = 0;
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
+    draw_candidates(&c, &l, &s, 11);
+    assert_int_equal(bis_clusters_init(&clusters, light, 200, NULL), BIS_OK);
+    const uint32_t n = assert_figures(&l, &c);
+    assert_true(n > 100);
+    for (uint32_t i = 0; i < c.M; i++) {
+        const bis_pixel_candidate *x = &c.c[i];
+        if (!x->from_map) continue;
+        const bis_pixel_direction d = bis_pixel_direction_of(&identity, x->wi);
+        const uint32_t row = (uint32_t)(d.theta / 180 * 64), column = (uint32_t)(d.phi / 360 * 128);
+        const uint32_t k = bis_cluster_of_pixel(&clusters, row * 128 + column);
+        of[k].n++;
+        if (x->w <= 0) continue;
+        const double by_map = x->q - (1 - c.share_em) * x->q_f, s_k = by_map / (c.share_em * x->q_L);
+        if (of[k].s > 0) assert_near(s_k / of[k].s, 1, 2 * of_floats * x->q / by_map);
+        several += of[k].s > 0;
+        of[k].s = s_k;
+    }
+    assert_true(several > 50);
+    for (uint32_t k = 0; k < clusters.n; k++) {
+        const double expected = n * bis_cluster_share(&clusters, k) * of[k].s;
+        if (of[k].s > 0 && fabs(of[k].n - expected) >= 1.001) fail_msg("cluster %u has %g, expects %g", k, of[k].n, expected);
+    }
+    bis_clusters_clear(&clusters);
+    bis_pixel_candidates_clear(&c);
+    bis_light_free(light);
+}
+
+/* Bit for bit, the estimate that is shown is that of the first pass of a render; with another seed it is not. */
+static void the_estimate_shown_is_what_renders(void **state)
+{
+    (void)state;
+    const bis_proposal proposals[] = {BIS_PROPOSAL_BRDF, BIS_PROPOSAL_PRODUCT};
+    for (int k = 0; k < 2; k++) {
+        world w;
+        bis_film film;
+        bis_render_result result;
+        int equal = 0, hit = 0, other = 0;
+        make_world(&w, &bis_sir);
+        w.desc.view.settings.proposal = proposals[k];
+        w.desc.view.pixel_jitter = false;
+        render(&film, &result, &w, whole, &(bis_render_options){.budget = {.spp = 1}});
+        for (int i = 0; i < WIDTH * HEIGHT; i += 2) {
+            bis_counters counters = {0};
+            bis_pixel_candidates c;
+            bis_own_material m;
+            bis_point pt;
+            const ray eye = bis_camera_ray(&w.desc.view.camera, WIDTH, HEIGHT, i % WIDTH + 0.5, i / WIDTH + 0.5);
+            if (!bis_scene_point(&pt, &m, &w.scene, &w.desc, eye, &counters, NULL)) continue;
+            hit++;
+            for (int seed = 0; seed < 2; seed++) {
+                bis_sampler sampler = w.desc.view.sampler;
+                bis_stream stream;
+                sampler.seed += (uint64_t)seed;
+                bis_stream_init(&stream, &sampler, (uint64_t)i, 0);
+                assert_int_equal(bis_pixel_candidates_draw(&c, &pt, &w.desc.view.settings, &stream, NULL), BIS_OK);
+                const rgb L = rgbd_round(c.L);
+                const bool same = (double)L.r == film.sum[3 * i] && (double)L.g == film.sum[3 * i + 1] && (double)L.b == film.sum[3 * i + 2];
+                if (seed) other += same;
+                else equal += same;
+                bis_pixel_candidates_clear(&c);
+            }
+        }
+        assert_true(hit > 50);
+        assert_int_equal(equal, hit);
+        assert_true(other < hit / 10); /* black ones are equal */
+        bis_film_clear(&film);
+        clear_world(&w);
+    }
 }
 
 /* An equation of 4.4 as printed reaches the one estimate that is shown: it is bit for bit what `sir` itself makes of
@@ -338,16 +432,10 @@ static void the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed(voi
     rgb right = {0, 0, 0};
     lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
     for (size_t k = 0; k < sizeof printed / sizeof *printed; k++) {
-        bis_settings s = bis_settings_default(&bis_sir);
-        s.candidates = 200;
-        s.shadowrays = 9;
-        s.proposal = BIS_PROPOSAL_EM;
-        s.as_printed = printed[k];
-        const bis_sampler sampler = one_sample(11);
-        bis_stream stream;
+        bis_settings s = sir_of(BIS_PROPOSAL_EM);
         bis_pixel_candidates c;
-        bis_stream_init(&stream, &sampler, 4, 0);
-        assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
+        s.as_printed = printed[k];
+        draw_candidates(&c, &l, &s, 11);
         bis_scratch scratch;
         assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
         const rgb L = lit_once(&l, &s, &scratch, 11, 4), found = rgbd_round(c.L);
@@ -361,7 +449,7 @@ static void the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed(voi
         double W = 0;
         uint32_t chosen = 0;
         for (uint32_t i = 0; i < c.M; i++) {
-            W += c.c[i].x.w;
+            W += c.c[i].w;
             chosen += c.c[i].chosen;
         }
         assert_near(c.W / W, 1, 1e-12);
@@ -462,7 +550,7 @@ static void the_rays_of_sir_go_to_the_chosen_candidates(void **state)
     size_t k = 0;
     for (uint32_t i = 0; i < c.M; i++) {
         if (c.c[i].chosen == 0) continue;
-        assert_memory_equal(&r.ray[k].wi, &c.c[i].x.wi, sizeof(vec3));
+        assert_memory_equal(&r.ray[k].wi, &c.c[i].wi, sizeof(vec3));
         assert_true(r.ray[k++].seen == c.c[i].seen);
     }
     bis_pixel_candidates_clear(&c);
@@ -470,7 +558,7 @@ static void the_rays_of_sir_go_to_the_chosen_candidates(void **state)
     bis_light_free(light);
 }
 
-/* ---- plots ---- */
+/* ---- directions, and no memory ---- */
 
 /* The light's frame turned and mirrored: a direction of patch i lies at that patch's place in the plot. */
 static void plots_have_directions_where_the_map_has_them(void **state)
@@ -493,159 +581,43 @@ static void plots_have_directions_where_the_map_has_them(void **state)
     bis_light_free(light);
 }
 
-typedef struct scenery {
-    lit l;
-    bis_light *light;
-    bis_pixel_exact exact;
-    bis_pixel_method methods[BIS_PIXEL_MAX_METHODS];
-    bis_pixel_rays rays[BIS_PIXEL_MAX_METHODS];
-    bis_pixel_candidates candidates;
-    bis_pixel_figure figure;
-    bis_xform frame;
-} scenery;
-
-static bis_status scenery_init(scenery *s, lit_map map, lit_hidden hidden)
-{
-    const bis_settings own = bis_settings_default(&bis_sir);
-    const bis_sampler sampler = one_sample(3);
-    bis_stream stream;
-
-    *s = (scenery){.frame = bis_xform_identity(), .light = lit_new_light(map, 1, 0.15, false)};
-    lit_init(&s->l, s->light, glossy(), slanted(), 40, hidden);
-    const size_t n = bis_pixel_methods(s->methods, &own);
-    s->figure = (bis_pixel_figure){.title = "t", .subtitle = "s", .pt = &s->l.pt, .exact = &s->exact, .light_to_world = &s->frame,
-                                   .candidates = &s->candidates, .methods = s->methods, .rays = s->rays, .n_methods = n};
-    bis_status status = bis_pixel_exact_of(&s->exact, &s->l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL);
-    for (size_t i = 0; i < n && !status; i++) {
-        status = bis_pixel_method_run(&s->methods[i], &s->l.pt, &s->exact, BIS_SAMPLER_RANDOM, 4, 1, NULL);
-        if (!status) status = bis_pixel_rays_record(&s->rays[i], &s->l.pt, &s->methods[i].settings, &sampler, 0, 3, NULL);
-    }
-    bis_stream_init(&stream, &sampler, 0, 0);
-    return status ? status : bis_pixel_candidates_draw(&s->candidates, &s->l.pt, &own, &stream, NULL);
-}
-
-static void scenery_clear(scenery *s)
-{
-    for (size_t i = 0; i < s->figure.n_methods; i++) bis_pixel_rays_clear(&s->rays[i]);
-    bis_pixel_candidates_clear(&s->candidates);
-    bis_light_free(s->light);
-}
-
-/* The two drawings as texts, to be freed. */
-static bis_status draw(char *text[2], const bis_pixel_figure *figure)
-{
-    size_t n;
-    FILE *out[2] = {open_memstream(&text[0], &n), open_memstream(&text[1], &n)};
-    const bis_status status = bis_pixel_figures(out[0], out[1], figure, NULL);
-    for (int i = 0; i < 2; i++) fclose(out[i]);
-    return status;
-}
-
-static double luminance(rgb c) { return 0.2126 * (double)c.r + 0.7152 * (double)c.g + 0.0722 * (double)c.b; }
-
-/* The mean lightness of a panel's upper left ... lower right part. */
-static double lightness(const bis_image *panel, double x0, double x1, double y0, double y1)
-{
-    double sum = 0, n = 0;
-    for (int y = (int)(y0 * BIS_PIXEL_PLOT_HEIGHT); y < (int)(y1 * BIS_PIXEL_PLOT_HEIGHT); y++) {
-        for (int x = (int)(x0 * BIS_PIXEL_PLOT_WIDTH); x < (int)(x1 * BIS_PIXEL_PLOT_WIDTH); x++) {
-            sum += luminance(panel->pixels[y * panel->width + x]);
-            n++;
-        }
-    }
-    return sum / n;
-}
-
-static void plots_show_map_brdf_product_and_shadow(void **state)
-{
-    (void)state;
-    scenery s;
-    static const char *const names[] = {"map", "brdf", "product", "seen"};
-    char *text[2], why[200], page[64];
-    bis_image panel[4];
-    assert_int_equal(scenery_init(&s, LIT_SMOOTH, LIT_HALF), BIS_OK);
-    assert_int_equal(draw(text, &s.figure), BIS_OK);
-    for (int i = 0; i < 2; i++) {
-        char *whole = malloc(strlen(text[i]) + 16);
-        sprintf(whole, "<!DOCTYPE html>%s", text[i]); /* the checker of pages knows no XML declaration */
-        if (!html_is_well_formed(whole, why, sizeof why)) fail_msg("%s", why);
-        free(whole);
-    }
-    for (int i = 0; i < 4; i++) {
-        picture_in(&panel[i], text[0], names[i]);
-        assert_int_equal(panel[i].width, BIS_PIXEL_PLOT_WIDTH);
-        assert_int_equal(panel[i].height, BIS_PIXEL_PLOT_HEIGHT);
-        snprintf(page, sizeof page, "<use href=\"#%s\" x=\"%d\" y=\"%d\"/>", names[i], 56 + i % 2 * (BIS_PIXEL_PLOT_WIDTH + 64),
-                 110 + i / 2 * (BIS_PIXEL_PLOT_HEIGHT + 70));
-        assert_int_equal(html_count(text[0], page), 1); /* in two columns */
-    }
-    assert_int_equal(html_count(text[1], "<image "), 1); /* one ground for all panels */
-    assert_true(html_count(text[1], "<use href=\"#product\"") > 4);
-    /* the map shines from everywhere, the BRDF reflects only from above its horizon, and y > 0, the left half, is
-     * hidden */
-    assert_true(lightness(&panel[0], 0, 1, 0.9, 1) > 0.02);
-    assert_true(lightness(&panel[1], 0, 1, 0.9, 1) < 0.005);
-    assert_true(lightness(&panel[1], 0, 1, 0.1, 0.3) > 0.02);
-    assert_true(lightness(&panel[2], 0, 1, 0.9, 1) < 0.005);
-    assert_true(lightness(&panel[2], 0.05, 0.45, 0.1, 0.3) > 0.02);
-    assert_true(lightness(&panel[3], 0.05, 0.45, 0.1, 0.3) < 0.5 * lightness(&panel[2], 0.05, 0.45, 0.1, 0.3));
-    assert_near(lightness(&panel[3], 0.6, 0.7, 0.3, 0.5), lightness(&panel[2], 0.6, 0.7, 0.3, 0.5), 1e-9);
-    for (int i = 0; i < 4; i++) bis_image_clear(&panel[i]);
-    for (int i = 0; i < 2; i++) free(text[i]);
-    scenery_clear(&s);
-}
-
-static void plots_of_a_constant_light_and_of_darkness_are_drawn(void **state)
-{
-    (void)state;
-    const lit_map maps[] = {LIT_CONSTANT, LIT_BELOW};
-    for (int i = 0; i < 2; i++) {
-        scenery s;
-        char *text[2];
-        assert_int_equal(scenery_init(&s, maps[i], LIT_ALL), BIS_OK);
-        assert_int_equal(draw(text, &s.figure), BIS_OK);
-        for (int k = 0; k < 2; k++) {
-            assert_true(!strstr(text[k], "nan") && !strstr(text[k], "inf"));
-            free(text[k]);
-        }
-        scenery_clear(&s);
-    }
-}
-
+/* The drawings': tests/cli/test_no_memory.c. */
 static void every_allocation_may_fail(void **state)
 {
     (void)state;
-    scenery s;
-    assert_int_equal(scenery_init(&s, LIT_ONE_BLOCK, LIT_OPEN), BIS_OK);
-    const bis_settings sir = bis_settings_default(&bis_sir);
+    bis_light *light = lit_new_light(LIT_ONE_BLOCK, 1, 0.15, false);
     const bis_sampler sampler = one_sample(3);
-    for (int what = 0; what < 5; what++) {
+    bis_pixel_method methods[BIS_PIXEL_MAX_METHODS];
+    bis_pixel_exact exact;
+    lit l;
+    lit_init(&l, light, glossy(), slanted(), 40, LIT_OPEN);
+    bis_settings sir = bis_settings_default(&bis_sir);
+    assert_true(bis_pixel_methods(methods, &sir) > 0);
+    assert_int_equal(bis_pixel_exact_of(&exact, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL), BIS_OK);
+    for (int what = 0; what < 6; what++) {
         bis_status status = BIS_NOMEM;
-        /* The drawings' many are those of their pictures, each of which test_svg lets fail: from the 12th on, some. */
-        for (long k = 1; status; k += what < 4 || k < 12 ? 1 : k / 3) {
+        sir.proposal = what < 4 ? BIS_PROPOSAL_MIX : BIS_PROPOSAL_PRODUCT;
+        for (long k = 1; status; k++) {
             bis_stream stream;
             bis_pixel_candidates c = {0};
             bis_pixel_rays r = {0};
             bis_pixel_exact e;
-            bis_pixel_method m = s.methods[0];
-            char *text[2] = {NULL, NULL};
+            bis_pixel_method m = methods[0];
             bis_stream_init(&stream, &sampler, 0, 0);
             bis_mem_fail_at(k);
-            if (what == 0) status = bis_pixel_exact_of(&e, &s.l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL);
-            else if (what == 1) status = bis_pixel_candidates_draw(&c, &s.l.pt, &sir, &stream, NULL);
-            else if (what == 2) status = bis_pixel_rays_record(&r, &s.l.pt, &sir, &sampler, 0, 20, NULL);
-            else if (what == 3) status = bis_pixel_method_run(&m, &s.l.pt, &s.exact, BIS_SAMPLER_RANDOM, 4, 1, NULL);
-            else status = draw(text, &s.figure);
+            if (what == 0) status = bis_pixel_exact_of(&e, &l.pt, BIS_PIXEL_MAX_PATCHES, 1, NULL);
+            else if (what == 1) status = bis_pixel_method_run(&m, &l.pt, &exact, BIS_SAMPLER_RANDOM, 4, 1, NULL);
+            else if (what % 2) status = bis_pixel_candidates_draw(&c, &l.pt, &sir, &stream, NULL);
+            else status = bis_pixel_rays_record(&r, &l.pt, &sir, &sampler, 0, 20, NULL);
             const bool failed = bis_mem_count() >= k;
             bis_mem_fail_at(0);
             assert_int_equal(status, failed ? BIS_NOMEM : BIS_OK);
             bis_pixel_candidates_clear(&c);
             bis_pixel_rays_clear(&r);
-            for (int i = 0; i < 2; i++) free(text[i]);
             assert_true(k < 1000);
         }
     }
-    scenery_clear(&s);
+    bis_light_free(light);
 }
 
 /* ---- the command ---- */
@@ -691,12 +663,6 @@ static double json_real(const char *text, const char *path)
     json_value(value, sizeof value, text, path);
     assert_true(*value);
     return atof(value);
-}
-
-static void assert_json_text(const char *text, const char *path, const char *expected)
-{
-    char value[256];
-    assert_string_equal(json_value(value, sizeof value, text, path), expected);
 }
 
 /* A table in memory: the field of row r (0: the header) and of the column with this name. */
@@ -861,24 +827,29 @@ static void each_column_of_the_tables_is_what_it_is_called(void **state)
     assert_non_null(strstr(r.output, line));
 }
 
-static void the_command_names_what_is_hit(void **state)
+static void a_hit_knows_its_shape_and_triangle(void **state)
 {
     (void)state;
-    static program_run r;
     start();
     write_scene(SCENE, map_light, "");
-    const struct { int x, y; const char *shape, *line, *triangle; } cases[] = {
-        {6, 3, "\"trianglemesh\"", "8", "0"}, {7, 0, "\"trianglemesh\"", "8", "1"}, {4, 1, "\"sphere\"", "10", "null"}, {1, 3, "\"trianglemesh\"", "11", "0"}};
+    verify_built built = verify_build(SCENE);
+    const struct { int x, y; bis_shape_kind kind; int line; uint32_t part; double t; } cases[] = {
+        {6, 3, BIS_SHAPE_TRIANGLES, 8, 0, 10}, {7, 0, BIS_SHAPE_TRIANGLES, 8, 1, 10}, {4, 1, BIS_SHAPE_SPHERE, 10, 0, 0},
+        {1, 3, BIS_SHAPE_TRIANGLES, 11, 0, 11}};
     for (size_t i = 0; i < 4; i++) {
-        program_expect(&r, 0, "pixel " SCENE " %d %d --json --repeats 2 --output " DIR "/p", cases[i].x, cases[i].y);
-        assert_json_text(r.output, "hit.shape", cases[i].shape);
-        assert_json_text(r.output, "hit.line", cases[i].line);
-        assert_json_text(r.output, "hit.triangle", cases[i].triangle);
-        assert_json_text(r.output, "nothing", "null");
+        bis_counters counters = {0};
+        bis_pixel_hit hit;
+        bis_point pt;
+        ray eye;
+        assert_true(bis_pixel_find(&hit, &pt, &eye, built.scene, built.desc, cases[i].x, cases[i].y, &counters));
+        assert_int_equal(built.desc->shapes[hit.shape].kind, cases[i].kind);
+        assert_int_equal(built.desc->shapes[hit.shape].loc.line, cases[i].line);
+        if (cases[i].t == 0) continue;
+        assert_int_equal(hit.part, cases[i].part);
+        assert_near(hit.t, cases[i].t, 1e-5);
+        assert_true(pt.ng.x == 0 && pt.ng.y == 0 && pt.ng.z == 1);
     }
-    program_expect(&r, 0, "pixel " SCENE " 6 3 --repeats 2 --output " DIR "/p");
-    assert_non_null(strstr(r.output, "shape       trianglemesh of line 8, triangle 0; 10 from the eye"));
-    assert_non_null(strstr(r.output, "normal      (0 0 1)"));
+    verify_clear(&built);
 }
 
 static void a_pixel_where_nothing_is_reflected_gets_a_clear_answer(void **state)
@@ -957,26 +928,11 @@ static void options_override_the_scene_for_all_methods(void **state)
     assert_string_equal(r.output, again.output); /* a folder that is there is written into; the same seed, the same numbers */
 }
 
-/* It draws from clusters, which belong to a whole picture: that mix stands in for it is said. */
-static void the_product_is_shown_as_mix_with_a_word(void **state)
-{
-    (void)state;
-    static program_run mix, product;
-    start();
-    write_scene(SCENE, map_light, "");
-    program_expect(&mix, 0, "pixel " SCENE " 3 2 --repeats 3 --output " DIR "/o");
-    assert_string_equal(mix.messages, "");
-    assert_int_equal(system("sed -i 's/\"integer shadowrays\" 5/& \"string proposal\" \"product\"/' " SCENE), 0);
-    program_expect(&product, 0, "pixel " SCENE " 3 2 --repeats 3 --output " DIR "/o");
-    assert_non_null(strstr(product.messages, "proposal \"product\" is shown as \"mix\""));
-    assert_string_equal(mix.output, product.output);
-}
-
 /* The runs that are shown are the fewest with 150 rays or more. The first run of a method is 0. */
 static void as_many_runs_are_shown_as_make_150_rays(void **state)
 {
     (void)state;
-    static const int rays[][2] = {{7, 4}, {149, 75}, {150, 149}, {151, 150}}; /* of em and brdf, of sir */
+    static const int rays[][2] = {{149, 4}, {150, 150}}; /* of em and brdf, of sir */
     start();
     write_scene(SCENE, map_light, "");
     for (size_t k = 0; k < sizeof rays / sizeof *rays; k++) {
@@ -1005,28 +961,26 @@ int main(void)
         cmocka_unit_test(exact_is_what_brute_force_gives),
         cmocka_unit_test(a_long_mis_stands_in_for_huge_maps),
         cmocka_unit_test(what_the_surface_itself_hides_is_hidden_and_in_L_ns),
-        cmocka_unit_test(the_standard_error_of_exact_is_honest),
         cmocka_unit_test(exact_has_the_same_bits_for_any_number_of_threads),
         cmocka_unit_test(methods_agree_with_exact_and_a_wrong_one_does_not),
         cmocka_unit_test(skewness_is_known_even_of_what_was_not_hit),
         cmocka_unit_test(figures_of_a_method_are_those_of_its_estimates),
         cmocka_unit_test(candidates_are_those_of_sir_and_their_figures_those_of_the_definitions),
+        cmocka_unit_test(candidates_of_the_product_are_as_dense_as_their_q_says),
+        cmocka_unit_test(the_estimate_shown_is_what_renders),
         cmocka_unit_test(the_estimate_shown_is_that_of_sir_with_E6_E21_and_E23_as_printed),
         cmocka_unit_test(effective_sample_size_is_M_for_equal_weights_and_1_for_one),
         cmocka_unit_test(candidates_without_weight_are_told),
         cmocka_unit_test(every_ray_of_every_integrator_is_overheard),
         cmocka_unit_test(the_rays_of_sir_go_to_the_chosen_candidates),
         cmocka_unit_test(plots_have_directions_where_the_map_has_them),
-        cmocka_unit_test(plots_show_map_brdf_product_and_shadow),
-        cmocka_unit_test(plots_of_a_constant_light_and_of_darkness_are_drawn),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(the_command_writes_tables_that_sum_to_what_it_says),
         cmocka_unit_test(each_column_of_the_tables_is_what_it_is_called),
-        cmocka_unit_test(the_command_names_what_is_hit),
+        cmocka_unit_test(a_hit_knows_its_shape_and_triangle),
         cmocka_unit_test(a_pixel_where_nothing_is_reflected_gets_a_clear_answer),
         cmocka_unit_test(wrong_places_and_options_are_refused),
         cmocka_unit_test(options_override_the_scene_for_all_methods),
-        cmocka_unit_test(the_product_is_shown_as_mix_with_a_word),
         cmocka_unit_test(as_many_runs_are_shown_as_make_150_rays),
     };
     return cmocka_run_group_tests_name("pixel", tests, NULL, NULL);

@@ -82,16 +82,16 @@ static void forge(forged *f)
     r->methods[3].is_open = true;
     /* weights 0, 1, 4, 100 and 0.01 of a sum of 5: an area of 1 is a radius of 2.4, from 0.9 to 9 */
     f->c[0] = (bis_pixel_candidate){.q_L = none, .q_f = none, .q = none};
-    f->c[1] = (bis_pixel_candidate){.x = {.wi = {0, 1, 0}, .w = 1}, .from_map = true, .q_L = 0.5, .q_f = 0.25,
+    f->c[1] = (bis_pixel_candidate){.wi = {0, 1, 0}, .w = 1, .from_map = true, .q_L = 0.5, .q_f = 0.25,
         .q = 0.75, .product = 7};
-    f->c[2] = (bis_pixel_candidate){.x = {.wi = {0.6f, 0, 0.8f}, .w = 4}, .q_L = 1, .q_f = 2, .q = 3, .product = 4,
+    f->c[2] = (bis_pixel_candidate){.wi = {0.6f, 0, 0.8f}, .w = 4, .q_L = 1, .q_f = 2, .q = 3, .product = 4,
         .chosen = 3, .seen = true};
-    f->c[3] = (bis_pixel_candidate){.x = {.wi = {0, -1, 0}, .w = 100}, .from_map = true, .q_L = 5, .q_f = 6, .q = 7,
+    f->c[3] = (bis_pixel_candidate){.wi = {0, -1, 0}, .w = 100, .from_map = true, .q_L = 5, .q_f = 6, .q = 7,
         .product = 8, .chosen = 1};
-    f->c[4] = (bis_pixel_candidate){.x = {.wi = {-0.6f, 0, 0.8f}, .w = 0.01}, .q_L = 9, .q_f = 10, .q = 11,
+    f->c[4] = (bis_pixel_candidate){.wi = {-0.6f, 0, 0.8f}, .w = 0.01, .q_L = 9, .q_f = 10, .q = 11,
         .product = 12};
     r->candidates = (bis_pixel_candidates){.M = 5, .N = 4, .c = f->c, .W = 5, .square_sum = 30, .ess = 2.125,
-        .largest = 0.625, .share_em = 0.4, .positive = 4,
+        .largest = 0.625, .share_em = 0.4, .n_map = 2, .positive = 4,
                                            .distinct = 2, .seen = 3, .L = {0.1, 0.2, 0.3}, .L_ns = {0.25, 0.5, 0.75}};
     f->ray[0] = (bis_pixel_ray){{0.6f, 0, 0.8f}, 1, true};
     f->ray[1] = (bis_pixel_ray){{0, 0, -1}, 0, false};
@@ -303,32 +303,6 @@ static void each_estimator_has_a_row_of_its_own(void **state)
     }
 }
 
-/* The mix takes as many from the map in a dim light as in a bright one: weights far below 1 tell it, too. */
-static void the_share_of_the_map_is_told_in_any_light(void **state)
-{
-    (void)state;
-    static const double scales[] = {1, 1e-9, 1e-3, 1e6};
-    uint32_t n = 0;
-    for (int i = 0; i < 4; i++) {
-        const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .spp = 1, .seed = 3};
-        bis_settings s = bis_settings_default(&bis_sir);
-        bis_pixel_candidates c;
-        bis_stream stream;
-        lit l;
-        lit_init(&l, lit_new_light(LIT_SMOOTH, scales[i], 0.15, false),
-                 bis_phong((rgb){0.3f, 0.2f, 0.4f}, (rgb){0.3f, 0.3f, 0.3f}, 20), (vec3){0, 0, 1}, 40, LIT_OPEN);
-        s.candidates = 20;
-        s.shadowrays = 2;
-        bis_stream_init(&stream, &sampler, 0, 0);
-        assert_int_equal(bis_pixel_candidates_draw(&c, &l.pt, &s, &stream, NULL), BIS_OK);
-        if (i == 0) n = (uint32_t)lround(20 * c.share_em);
-        assert_true(n > 0 && n < 20 && c.share_em == n / 20.0 && c.positive > 5);
-        for (uint32_t k = 0; k < 20; k++) assert_int_equal(c.c[k].from_map, k < n);
-        bis_pixel_candidates_clear(&c);
-        bis_light_free(l.light);
-    }
-}
-
 /* ---- files ---- */
 
 static char *read_text(const char *path)
@@ -398,7 +372,7 @@ static void tables_have_each_figure_in_its_column(void **state)
     bis_free(text);
     f.r.candidates.share_em = (double)NAN; /* who drew them cannot be told; no weight */
     f.r.candidates.W = 0;
-    for (int i = 0; i < 5; i++) f.c[i].x.w = 0;
+    for (int i = 0; i < 5; i++) f.c[i].w = 0;
     f.desc.light.filename = NULL;
     assert_int_equal(bis_pixel_write_files(&f.r, NULL), BIS_OK);
     text = read_text(DIR "/candidates.csv");
@@ -780,7 +754,6 @@ int main(void)
         cmocka_unit_test(the_json_has_each_figure),
         cmocka_unit_test(nothing_is_said_with_its_radiance),
         cmocka_unit_test(each_estimator_has_a_row_of_its_own),
-        cmocka_unit_test(the_share_of_the_map_is_told_in_any_light),
         cmocka_unit_test(tables_have_each_figure_in_its_column),
         cmocka_unit_test(what_cannot_be_written_is_an_error),
         cmocka_unit_test(panels_have_the_densities_in_the_lights_frame),

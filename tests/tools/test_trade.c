@@ -518,7 +518,7 @@ static void the_line_for_a_scene_file_is_the_setting(void **state)
         else assert_true(a->samples == b->samples);
         assert_true(a->stratify == b->stratify && a->resampling == b->resampling && a->estimator == b->estimator);
         assert_true(a->heuristic == b->heuristic && a->compensate == b->compensate && a->split == b->split);
-        assert_true(a->learn == b->learn && a->vectorize == b->vectorize);
+        assert_true(a->learn == b->learn);
         bis_scene_desc_free(desc);
         seen++;
     }

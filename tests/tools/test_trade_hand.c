@@ -734,7 +734,7 @@ static void the_page_counts_one_as_one(void **state)
         "`method`: `em`,`extrapolated`: false,`time`: `2 s`,`error`: `50%`,`size`: `4 × 2`,`amounts`: `1 light sample`,"
         "`variant`: ` (stratified)`,`samples`: `1 sample`,",
         "`method`: `sir`,`extrapolated`: true,`time`: `3 s`,`error`: `20%`,`size`: `4 × 2`,"
-        "`amounts`: `64 candidates and 1 shadow ray`,`variant`: ` (one by one)`,`samples`: `2 samples`,",
+        "`amounts`: `64 candidates and 1 shadow ray`,`variant`: ` (independent)`,`samples`: `2 samples`,",
         "{`purpose`: `final picture`,`method`: ``}],",
         "`bars`: [{`method`: `rejection`,`name`: `rejection 100/8`,`notes`: [`biased`],`class`: ` biased`,`length`: `0.0`,"
         "`times`: `0.0`,`whisker`: null},{`method`: `em`,`name`: `em 16 stratified`,`notes`: [],`class`: ``,"
@@ -765,7 +765,7 @@ static void the_page_counts_one_as_one(void **state)
     add_setting(&t, "em 16 stratified", &bis_em, 1);
     add_setting(&t, "mis 16 scene's own", &bis_mis, 1);
     add_setting(&t, "rejection 100/8", &bis_rejection, 1);
-    add_setting(&t, "sir 64/1 one by one", &bis_sir, 0);
+    add_setting(&t, "sir 64/1 independent", &bis_sir, 0);
     t.plan.settings[0].settings.samples = t.plan.settings[3].settings.shadowrays = 1;
     t.plan.settings[1].is_scenes = t.plan.settings[2].is_biased = true;
     t.plan.settings[3].settings.candidates = 64;
@@ -1080,7 +1080,7 @@ static void the_table_of_settings_is_this(void **state)
             "64/1, sir 64/4, sir 256/4, sir 256/16, "
         "sir 1024/16, sir 800/15, sir 256/16 em, sir 256/16 brdf, sir 256/16 product, sir 256/16 product learned, "
             "sir 256/16 independent, "
-        "sir 256/16 one by one, sir 256/16 b=0, sir 256/16 b=0.5, sir 20/2 scene's own, ",
+        "sir 256/16 b=0, sir 256/16 b=0.5, sir 20/2 scene's own, ",
         quick[] = "em 16, em 16 stratified, brdf 16, mis 16, mis 64, mis 16 stratified, mis 16 compensated, "
             "rejection 100/8, sir 64/4, sir 256/16, sir 800/15, "
         "sir 256/16 product, sir 256/16 product learned, sir 20/2 scene's own, ",
@@ -1150,8 +1150,6 @@ static void a_settings_line_says_what_its_name_does(void **state)
          " \"string proposal\" \"product\" \"bool learn\" true"},
         {"sir 256/16 independent", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"
          " \"string resampling\" \"multinomial\" \"bool stratify\" false"},
-        {"sir 256/16 one by one", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"
-         " \"bool vectorize\" false"},
         {"sir 256/16 b=0", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"
          "; in LightSource: \"float areaexponent\" 0"},
         {"sir 256/16 b=0.5", "sir", "\"integer candidates\" 256 \"integer shadowrays\" 16"

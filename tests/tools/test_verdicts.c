@@ -574,7 +574,7 @@ static unsigned runs_that_find_no_room(const bis_point *pt, const bis_settings *
 
 /* As many runs as 2^21 candidates and eighths of rays are, 64 to 2^14; `exact`: 2^18 patches, 2 to 2^12 runs. The map has 128 x 64
  * patches, a constant light fewer. A copy that counts reads no parameter of the table, because the table knows integrators by
- * their address: it is taken for one with samples. */
+ * their address: it is taken for one with samples. The product, whose runs are dear, has 2^8, at least 64. */
 static void the_number_of_runs_follows_the_cost(void **state)
 {
     (void)state;
@@ -604,6 +604,13 @@ static void the_number_of_runs_follows_the_cost(void **state)
         if (n_estimates != cases[i].runs) fail_msg("%s, case %zu: %u runs", counted.name, i, (unsigned)n_estimates);
         bis_verify_clear(&v);
     }
+    bis_settings product = bis_settings_default(&bis_sir);
+    lit l;
+    product.proposal = BIS_PROPOSAL_PRODUCT;
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0), 1), (vec3){0, 0, 1}, 40, LIT_OPEN);
+    assert_int_equal(runs_that_find_no_room(&l.pt, &product, 0), 256);
+    assert_int_equal(runs_that_find_no_room(&l.pt, &product, 1), 128);
+    assert_int_equal(runs_that_find_no_room(&l.pt, &product, 9), 64);
     bis_light_free(light);
 }
 
@@ -1104,12 +1111,11 @@ static void materials_are_numbered_and_what_is_left_out_is_said(void **state)
 }
 
 /* The first pixel of the lattice is the middle of the film, or of its crop window; the second is 0.5 + 0.75487766625 and 0.5 +
- * 0.56984029100 of it, less 1. All integrators in their order but sir,
- * the scene's own, which is rendered. */
+ * 0.56984029100 of it, less 1. All integrators are in their order. */
 static void the_pixels_of_a_view_are_those_of_the_lattice(void **state)
 {
     (void)state;
-    static const char *const integrators[] = {"em", "brdf", "mis", "rejection", "exact", "unoccluded"};
+    static const char *const integrators[] = {"em", "brdf", "mis", "rejection", "sir", "exact", "unoccluded"};
     static const struct { const char *film, *pixels[3]; unsigned halvings; int n; } cases[] = {
         {"", {"(12, 8)"}, 9, 1},
         {"\"float cropwindow\" [0.25 1 0.125 0.875]", {"(15, 8)"}, 2, 1},
@@ -1127,12 +1133,12 @@ static void the_pixels_of_a_view_are_those_of_the_lattice(void **state)
             bool is_other = false;
             for (int k = 0; k < n_further(); k++) is_other |= strstr(v.tests[i].name, bis_integrators[OUR_INTEGRATORS + k]->name) != NULL;
             if (is_other) continue;
-            assert_true(n < 6 * cases[c].n);
-            snprintf(name, sizeof name, "pixel %s: %s", cases[c].pixels[n / 6], integrators[n % 6]);
+            assert_true(n < OUR_INTEGRATORS * cases[c].n);
+            snprintf(name, sizeof name, "pixel %s: %s", cases[c].pixels[n / OUR_INTEGRATORS], integrators[n % OUR_INTEGRATORS]);
             assert_string_equal(v.tests[i].name, name);
             n++;
         }
-        assert_int_equal(n, 6 * cases[c].n);
+        assert_int_equal(n, OUR_INTEGRATORS * cases[c].n);
         bis_verify_clear(&v);
     }
 }

@@ -59,7 +59,7 @@ static void a_pixel_is_looked_at_once(void **state)
         in_view += strcmp(v.tests[k].group, "view") == 0;
         for (size_t j = 0; j < k; j++) assert_string_not_equal(v.tests[j].name, v.tests[k].name);
     }
-    assert_int_equal(in_view, 12 + 2 * n_further()); /* of four pixels, two see a surface in the light; sir is rendered */
+    assert_int_equal(in_view, 14 + 2 * n_further()); /* of four pixels, two see a surface in the light */
     verify_assert_accepted(&v, alpha());
 }
 

@@ -63,6 +63,39 @@ static rgb Lo_not_a_number(const bis_settings *s, const bis_point *pt, bis_strea
     return stream->pixel == 5 ? (rgb){(float)NAN, 0, 0} : L;
 }
 
+/* The same for many directions, which the truth does not ask: the weights of sir alone are wrong. */
+static double f_many_without_cosine(const bis_reflected *f, const bis_bsdf *b, const bis_lanes *y, uint32_t n)
+{
+    const double unit = bis_phong_model.f_many(f, b, y, n);
+    for (uint32_t i = 0; i < n; i++) f->cos[i] = f->cos[i] > 0 ? 1 : 0;
+    return unit;
+}
+
+/* In the row that is sir's own; the right sir passes (test_verify_view.c). Not with proposal brdf: where q holds a cosine
+ * that phat forgets, grazing candidates outweigh all others, and the test is skipped. */
+static void a_sir_whose_weights_forget_the_cosine_is_rejected(void **state)
+{
+    (void)state;
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    bis_bsdf_model model = bis_phong_model;
+    lit l;
+    bool tested;
+    model.f_many = f_many_without_cosine;
+    lit_init(&l, light, verify_glossy(&model, 10), normalize(vec3_from(0.2, -0.3, 0.8)), 40, LIT_HALF);
+    const bis_proposal proposals[] = {BIS_PROPOSAL_EM, BIS_PROPOSAL_MIX, BIS_PROPOSAL_PRODUCT};
+    for (int i = 0; i < 3; i++) {
+        bis_settings s = bis_settings_default(&bis_sir);
+        s.proposal = proposals[i];
+        s.candidates = 200;
+        for (uint64_t seed = 0; seed < VERIFY_SEEDS; seed++) {
+            bis_verify v = {.seed = seed, .halvings = 1};
+            assert_int_equal(bis_verify_point(&v, &l.pt, &s, 1, BIS_SAMPLER_STRATIFIED, "wrong", &tested, NULL), BIS_OK);
+            if (verify_failures(&v) == 0) fail_msg("proposal %s was accepted", bis_proposal_name(s.proposal));
+        }
+    }
+    bis_light_free(light);
+}
+
 static void wrong_integrators_are_rejected(void **state)
 {
     (void)state;
@@ -91,6 +124,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wrong_integrators_are_rejected),
+        cmocka_unit_test(a_sir_whose_weights_forget_the_cosine_is_rejected),
     };
     return cmocka_run_group_tests_name("verify_wrong", tests, NULL, NULL);
 }

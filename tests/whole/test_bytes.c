@@ -11,7 +11,6 @@
 #include "bis/shape/accel.h"
 #include "bis/thesis/alias.h"
 #include "bis/thesis/cdf.h"
-#include "beyond/batch.h"
 #include "bis/scene/light_load.h"
 #include "lit.h"
 #include "map_help.h"
@@ -144,13 +143,11 @@ static void what_the_points_of_a_pass_share(void **state)
         expect(before, bis_visibility_bytes(&visibility));
         bis_visibility_clear(&visibility);
 
-        for (int batch = 0; batch < 2; batch++) {
-            bis_pool pool;
-            before = begin();
-            assert_int_equal(bis_pool_init(&pool, M, batch, NULL), BIS_OK);
-            expect(before, bis_pool_bytes(&pool));
-            bis_pool_clear(&pool);
-        }
+        bis_pool pool;
+        before = begin();
+        assert_int_equal(bis_pool_init(&pool, M, NULL), BIS_OK);
+        expect(before, bis_pool_bytes(&pool));
+        bis_pool_clear(&pool);
     }
     bis_light_free(light);
 }
@@ -163,19 +160,37 @@ static void what_a_thread_has(void **state)
             for (int proposal = BIS_PROPOSAL_EM; proposal <= BIS_PROPOSAL_PRODUCT; proposal++) {
                 bis_settings s = bis_settings_default(bis_integrators[i]);
                 bis_scratch scratch;
-                bis_fast fast;
                 s.candidates = M;
                 s.shadowrays = s.samples = M / 3;
                 s.proposal = (bis_proposal)proposal;
-                account before = begin();
+                const account before = begin();
                 assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
                 expect(before, bis_scratch_bytes(&s));
                 bis_scratch_clear(&scratch);
-                before = begin();
-                assert_int_equal(bis_fast_init(&fast, &s, NULL), BIS_OK);
-                expect(before, bis_fast_bytes(&s));
-                bis_fast_clear(&fast);
             }
+}
+
+/* Without visibility, and with it. */
+static void what_a_thread_knows_beyond_the_thesis(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    bis_clusters clusters;
+    bis_visibility visibility;
+
+    (void)state;
+    assert_int_equal(bis_clusters_init(&clusters, light, 260, NULL), BIS_OK);
+    assert_int_equal(bis_visibility_init(&visibility, 4, 1, NULL), BIS_OK);
+    for (int learns = 0; learns < 2; learns++) {
+        bis_product_guide guide = {.clusters = NULL};
+        const account before = begin();
+        assert_true(is_true(before, bis_product_guide_bytes(&guide)));
+        assert_int_equal(bis_product_guide_init(&guide, &clusters, learns ? &visibility : NULL, NULL), BIS_OK);
+        expect(before, bis_product_guide_bytes(&guide));
+        bis_product_guide_clear(&guide);
+    }
+    bis_visibility_clear(&visibility);
+    bis_clusters_clear(&clusters);
+    bis_light_free(light);
 }
 
 static void a_film_its_layers_and_its_tiles(void **state)
@@ -289,6 +304,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_light_with_its_map_and_tables),
         cmocka_unit_test(what_the_points_of_a_pass_share),
         cmocka_unit_test(what_a_thread_has),
+        cmocka_unit_test(what_a_thread_knows_beyond_the_thesis),
         cmocka_unit_test(a_film_its_layers_and_its_tiles),
         cmocka_unit_test(what_a_render_works_with),
         cmocka_unit_test(what_a_team_has_for_tiles_and_ranks),

@@ -25,16 +25,20 @@
 
 #define SEED 61u
 
-/* 3 examples, 4 points, 3 channels */
+/* 3 examples, 4 points, 3 channels; 4 integrators, 3 channels; twins are not counted */
 static double alpha(void)
 {
-    return stat_level(1e-3, 36);
+    return stat_level(1e-3, 36 + 12);
 }
 
 static vec3 tilted(void)
 {
     return normalize(vec3_from(0.2, -0.3, 0.8));
 }
+
+/* ---- a BRDF ---- */
+
+#include "beyond/moon.c"
 
 /* ---- an integrator ---- */
 
@@ -167,6 +171,51 @@ static void examples_are_unbiased_for_both_models_in_the_open_and_half_hidden(vo
     bis_light_free(light);
 }
 
+/* Under light of 1 from everywhere: Kd/2 (1 - c log(1 + 1/c)), c = cos theta_o. The twin is Kd, of a diffuse surface. */
+static void dust_has_the_albedo_of_lommel_and_seeliger_by_every_integrator(void **state)
+{
+    static const bis_integrator *const integrators[] = {&bis_brdf, &bis_mis, &bis_rejection, &bis_sir};
+    const bis_material m = {.model = &bis_moon_model, .Kd = {0.8f, 0.4f, 0.1f}};
+    bis_light *light = lit_new_light(LIT_CONSTANT, 1, 0, false); /* 1, 0.5, 0.25 */
+    const double c = cos(50 * PI / 180), share = 0.5 * (1 - c * log1p(1 / c));
+
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        bis_settings s = bis_settings_default(integrators[i]);
+        lit l;
+        lit_init(&l, light, m, tilted(), 50, LIT_OPEN);
+        judge(integrators[i]->name, &l, &s, (rgbd){(double)0.8f * share, (double)0.4f / 2 * share, (double)0.1f / 4 * share}, true);
+        if (i == 3) judge("diffuse", &l, &s, (rgbd){0.8, 0.2, 0.025}, false);
+    }
+    bis_light_free(light);
+}
+
+/* Float lanes against double, one by one: a dozen roundings of each. */
+static void dust_is_the_same_in_vectors(void **state)
+{
+    enum { N = 64 };
+    const bis_material m = {.model = &bis_moon_model, .Kd = {0.8f, 0.4f, 1e-39f}};
+    float memory[(BIS_LANES_ARRAYS + 7) * N], *at = memory + BIS_LANES_ARRAYS * N, *u1 = at + 5 * N, *u2 = at + 6 * N;
+    const bis_lanes y = bis_lanes_in(memory, N);
+    const bis_reflected f = {at, at + N, at + 2 * N, at + 3 * N, at + 4 * N};
+    bis_bsdf b;
+
+    (void)state;
+    bis_bsdf_init(&b, &m, tilted(), normalize(vec3_from(0.1, 0.5, 0.8)));
+    bis_lanes_points(u1, u2, N, SEED);
+    bis_bsdf_sample_many(&y, &b, u1, u2, N);
+    const double unit = bis_bsdf_f_many(&f, &b, &y, N);
+    for (int i = 0; i < N; i++) {
+        const vec3 wi = {y.x[i], y.y[i], y.z[i]};
+        vec3 same;
+        double q;
+        const rgb one = bis_bsdf_f_pdf(&b, wi, &q);
+        assert_true(bis_bsdf_draw(&b, (double[]){(double)u1[i], (double)u2[i]}, &same) && length(sub(wi, same)) < 1e-6);
+        assert_true(fabs((double)f.r[i] * unit / (double)one.r - 1) < 0x1p-20 && fabs((double)f.b[i] * unit / (double)1e-39f * (double)0.8f / (double)one.r - 1) < 0x1p-20);
+        assert_true(fabs((double)f.q[i] - q) < 0x1p-21 && fabs((double)f.cos[i] - bis_bsdf_cos(&b, wi)) < 0x1p-21);
+    }
+}
+
 static void cylinder_keeps_its_light_where_it_is(void **state)
 {
     bis_image cylinder;
@@ -203,7 +252,7 @@ static char *read_text(const char *path)
 /* Is every ```c block of the page a piece of one of these files? Returns how many there are. */
 static int blocks_found(const char *page, bool expected)
 {
-    static const char *const sources[] = {"tests/whole/test_extending.c", "tests/whole/uniform.c", "src/beyond/microfacet.c", "src/parse/parser_world.c", "src/thesis/settings.c",
+    static const char *const sources[] = {"tests/whole/test_extending.c", "tests/whole/uniform.c", "tests/support/beyond/moon.c", "tests/support/beyond/moon_formulas.h", "src/thesis/settings.c",
                                           "tests/beyond/test_microfacet.c", "include/bis/thesis/bsdf.h"};
     int n = 0;
 
@@ -257,6 +306,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(examples_are_unbiased_for_both_models_in_the_open_and_half_hidden),
+        cmocka_unit_test(dust_has_the_albedo_of_lommel_and_seeliger_by_every_integrator),
+        cmocka_unit_test(dust_is_the_same_in_vectors),
         cmocka_unit_test(cylinder_keeps_its_light_where_it_is),
         cmocka_unit_test(every_block_of_the_page_is_code_that_was_compiled),
         cmocka_unit_test(the_integrator_of_the_page_becomes_one_of_ours),

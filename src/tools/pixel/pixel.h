@@ -102,14 +102,16 @@ typedef struct bis_pixel_candidates {
     double W, square_sum;   /* sums of the weights and of their squares */
     double ess;             /* effective sample size, (sum w)^2 / sum w^2; 0 when all weights are */
     double largest;         /* the largest share of one candidate in W */
-    double share_em;        /* beta: the map's share of the mixture q; NAN where it cannot be told (M = 1, no weight) */
+    double share_em;        /* beta: the map's share of the mixture q; NAN where no candidate has a weight */
+    uint32_t n_map;         /* of the M, from the map */
     uint32_t positive, distinct,
         seen;               /* candidates with a weight; candidates chosen; of the N choices those that see the light */
     rgbd L, L_ns;           /* the estimate, and that of eq. 4.5 */
 } bis_pixel_candidates;
 
-/* Draw, weigh, choose and trace as `sir` with settings s does, by its stream; without the renderer's shared pool.
- * Errors: BIS_NOMEM. */
+/* bis_pixel_candidates_draw draws, weighs, chooses and traces as `sir` with settings s does, by its stream; without the
+ * renderer's shared pool. Proposal "product" draws from the clusters of pass 0 of the stream's seed, and nothing has been
+ * learned: so does the first pass of a render. Errors: BIS_NOMEM. */
 bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *pt, const bis_settings *s,
                                      bis_stream *stream, bis_diag *diag);
 void bis_pixel_candidates_clear(bis_pixel_candidates *c);

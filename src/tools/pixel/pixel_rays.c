@@ -2,7 +2,7 @@
  * integrator.
  *
  * The candidates are what src/thesis/sir.c leaves in its set after one estimate, so that what is shown is what sir does,
- * equations as printed included.
+ * equations as printed included. Those of proposal "product" are the ones that the first pass of a render draws there.
  *
  * Shadow rays are overheard: the point gets an accelerator that asks the real one and writes down question and answer.
  * So no integrator needs to know that it is watched, and a new one is shown without a line of code. A candidate chosen
@@ -11,9 +11,8 @@
 
 #include "base/grow.h"
 
-#include "thesis/candidates.h"
+#include "beyond/guide.h"
 #include "thesis/proposal.h"
-#include "thesis/set.h"
 
 double bis_pixel_product(const bis_point *pt, vec3 wi)
 {
@@ -68,7 +67,7 @@ static void count_chosen(bis_pixel_candidates *c, const bis_point *pt, const bis
     for (uint32_t j = 0; j < x->choice.n_chosen; j++) {
         uint32_t i;
         const bis_half *half = bis_set_half(x, x->choice.item[j], &i);
-        bis_pixel_candidate *y = &c->c[half == &x->map ? i : x->map.n + i];
+        bis_pixel_candidate *y = &c->c[half == &x->map ? i : c->n_map + i];
         y->chosen = x->choice.times[j];
         y->seen = bis_point_sees(pt, y->wi);
         c->distinct++;
@@ -79,8 +78,8 @@ static void count_chosen(bis_pixel_candidates *c, const bis_point *pt, const bis
 bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *pt, const bis_settings *s,
                                      bis_stream *stream, bis_diag *diag)
 {
-    bis_scratch scratch;
-    bis_status status = bis_scratch_init(&scratch, s, diag);
+    bis_probe probe;
+    bis_status status = bis_probe_init(&probe, s, pt->light, diag);
 
     *c = (bis_pixel_candidates){.M = s->candidates, .N = s->shadowrays};
     if (status) return status;
@@ -89,16 +88,18 @@ bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *p
         status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for %u candidates", (unsigned)c->M);
         goto done;
     }
-    const rgb L = bis_sir.Lo(s, pt, stream, &scratch);
-    const bis_set *x = scratch.set;
+    bis_probe_begin_pass(&probe, pt->light, stream->sampler->seed, 0);
+    const rgb L = bis_sir.Lo(s, pt, stream, &probe.scratch);
+    const bis_set *x = probe.scratch.set;
     c->L = (rgbd){(double)L.r, (double)L.g, (double)L.b};
-    copy_half(c, copy_half(c, 0, x, &x->map), x, &x->brdf);
+    c->n_map = copy_half(c, 0, x, &x->map);
+    copy_half(c, c->n_map, x, &x->brdf);
     sum_up(c, x, pt);
     if (c->W <= 0) goto done;
     c->L_ns = bis_set_mean(x);
     count_chosen(c, pt, x);
 done:
-    bis_scratch_clear(&scratch);
+    bis_probe_clear(&probe);
     return status;
 }
 
@@ -136,8 +137,8 @@ bis_status bis_pixel_rays_record(bis_pixel_rays *r, const bis_point *pt, const b
     bool no_memory = false;
     listener l = {.accel = {&ops, NULL}, .real = pt->accel, .rays = r, .no_memory = &no_memory};
     bis_point watched = *pt;
-    bis_scratch scratch;
-    bis_status status = bis_scratch_init(&scratch, s, diag);
+    bis_probe probe;
+    const bis_status status = bis_probe_init(&probe, s, pt->light, diag);
 
     *r = (bis_pixel_rays){.runs = runs};
     if (status) return status;
@@ -145,9 +146,10 @@ bis_status bis_pixel_rays_record(bis_pixel_rays *r, const bis_point *pt, const b
     for (l.run = 0; l.run < runs && !no_memory; l.run++) {
         bis_stream stream;
         bis_stream_init(&stream, sampler, pixel, l.run);
-        s->integrator->Lo(s, &watched, &stream, &scratch);
+        bis_probe_begin_pass(&probe, pt->light, sampler->seed, l.run);
+        s->integrator->Lo(s, &watched, &stream, &probe.scratch);
     }
-    bis_scratch_clear(&scratch);
+    bis_probe_clear(&probe);
     return no_memory ? bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for the shadow rays of %u estimates",
                                  (unsigned)runs)
                      : BIS_OK;

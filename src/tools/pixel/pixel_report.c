@@ -149,7 +149,7 @@ static void print_candidates(FILE *out, const bis_pixel_report *r)
     fprintf(out, "\none estimate by sir\n");
     fprintf(out, "candidates  %u drawn", (unsigned)c->M);
     if (isfinite(c->share_em))
-        fprintf(out, ", %.0f from the map, %.0f from the BRDF", c->share_em * c->M, (1 - c->share_em) * c->M);
+        fprintf(out, ", %u from the map, %u from the BRDF", (unsigned)c->n_map, (unsigned)(c->M - c->n_map));
     fprintf(out, "; %u weigh something\n", (unsigned)c->positive);
     if (c->W <= 0) return;
     fprintf(out, "weights     sum %.6g, mean %.6g (estimates %.6g); the largest is %.3g %% of all\n", c->W,

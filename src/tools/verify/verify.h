@@ -135,7 +135,8 @@ bis_status bis_verify_point(bis_verify *v, const bis_point *pt, const bis_settin
                             bis_sampler_kind kind, const char *name, bool *tested, bis_diag *diag);
 
 /* Estimates of reflected radiance at pt, estimate[n], on all threads: the r-th from the stream of (seed, pixel = r).
- * counters: shadow rays, accepted candidates and fallbacks are added to it. */
+ * Each is independent of the others: proposal "product" draws the directions of its clusters anew for each, and nothing
+ * is learned. counters: shadow rays, accepted candidates and fallbacks are added to it. */
 bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const bis_settings *s, bis_sampler_kind kind,
                            uint64_t seed, bis_counters *counters, bis_diag *diag);
 

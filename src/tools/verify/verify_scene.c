@@ -1,6 +1,5 @@
 /* verify_scene: what of all the checks applies to a scene: its map, its materials, its accelerator, its picture by its
- * own integrator (verify_picture.c), and a few pixels of its view by all integrators, but not by one that the renderer
- * computes in vectors.
+ * own integrator (verify_picture.c), and a few pixels of its view by all integrators.
  *
  * These pixels lie on a plane lattice (Roberts's R2, the plane's golden ratio), spread for any number of them; those
  * that see nothing, something black, or next to no light are passed over. Their camera ray runs through the pixel's

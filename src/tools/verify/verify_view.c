@@ -18,13 +18,15 @@
 #include "bis/base/mem.h"
 #include "bis/base/stats.h"
 
+#include "beyond/guide.h"
 #include "tools/truth.h"
 
 #include <assert.h>
 #include <stdatomic.h>
 #include <stdio.h>
 
-enum { LEAST_ACCEPTED = 1000, CELLS = 1 << 15 /* the reference is good to 2e-3 of what were there without shadows */ };
+enum { LEAST_ACCEPTED = 1000, RUNS_WITH_CLUSTERS = 256 };
+enum { CELLS = 1 << 15 /* the reference is good to 2e-3 of what were there without shadows */ };
 
 static const double most_skewness = 0.05; /* where Bernstein's inequality can take over */
 static const double least_seen = 0.03;  /* of the light: below, a handful of rays decides, and no test is fair */
@@ -45,8 +47,8 @@ bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const
     {
         bis_counters own = {0};
         bis_point mine = *pt;
-        bis_scratch scratch;
-        const bool ok = bis_scratch_init(&scratch, s, NULL) == BIS_OK;
+        bis_probe probe;
+        const bool ok = bis_probe_init(&probe, s, pt->light, NULL) == BIS_OK;
         mine.counters = &own;
         if (!ok) failed = true;
 #pragma omp for schedule(dynamic, 16)
@@ -54,12 +56,13 @@ bis_status bis_verify_runs(rgb *estimate, uint32_t n, const bis_point *pt, const
             bis_stream stream;
             if (!ok) continue;
             bis_stream_init(&stream, &sampler, run, 0);
-            estimate[run] = s->integrator->Lo(s, &mine, &stream, &scratch);
+            bis_probe_begin_pass(&probe, pt->light, seed, run); /* the runs share nothing */
+            estimate[run] = s->integrator->Lo(s, &mine, &stream, &probe.scratch);
         }
         accepted += own.accepted;
         fallbacks += own.fallbacks;
         rays += own.shadow_rays;
-        if (ok) bis_scratch_clear(&scratch);
+        if (ok) bis_probe_clear(&probe);
     }
     counters->accepted += accepted;
     counters->fallbacks += fallbacks;
@@ -83,7 +86,7 @@ static sampling sampling_of(const bis_settings *s, bool constant)
     if (i == &bis_em) return (sampling){{.from_map = 1}, s->samples, false};
     if (i == &bis_brdf) return (sampling){{.from_bsdf = 1}, s->samples, false};
     if (i == &bis_mis) return (sampling){{.from_map = s->split, .from_bsdf = 1 - s->split}, s->samples, false};
-    if (i == &bis_rejection || i == &bis_exact) return (sampling){.n = 0};
+    if (i == &bis_rejection || i == &bis_exact || bis_beyond_needs_of(s).clusters) return (sampling){.n = 0};
     if (i != &bis_sir && i != &bis_unoccluded)
         return (sampling){{.uniform = 1}, 1, true};
     if (s->proposal == BIS_PROPOSAL_EM) return (sampling){{.from_map = 1}, s->candidates, false};
@@ -188,9 +191,11 @@ double bis_verify_cost(const bis_settings *s, size_t patches)
     return 8.0 * s->samples;
 }
 
-/* As many runs as take about as long as those of the others. */
+/* As many runs as take about as long as those of the others. With clusters a run takes 1 to 3 ms, because it draws some
+ * 30,000 directions of its own: runs that shared them would have one error together. */
 static uint32_t runs_for(const bis_settings *s, size_t patches, unsigned halvings)
 {
+    if (bis_beyond_needs_of(s).clusters) return (uint32_t)fmax(RUNS_WITH_CLUSTERS >> halvings, 64);
     if (bis_parameter_of(s->integrator, "perpatch"))
         return (uint32_t)fmin(fmax(ceil((double)(1 << 18 >> halvings) / (double)patches), 2), 1 << 12);
     return (uint32_t)fmin(fmax(round((1 << 21 >> halvings) / bis_verify_cost(s, patches)), 64), 1 << 14);

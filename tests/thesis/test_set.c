@@ -1,0 +1,463 @@
+/* set: what the verbs of src/thesis/set.h hold by themselves, for every model, map and proposal: weights, sums and shares
+ * against doubles, one candidate after the other; the same bits on every processor and in a used workspace; memory. What
+ * the estimators make of them is held by test_enumeration.c, test_sir.c, test_rejection.c and test_integrators.c. */
+#include "bis/base/mem.h"
+#include "bis/beyond/microfacet.h"
+#include "bis/beyond/pool.h"
+#include "bis/thesis/phong.h"
+#include "clones.h"
+#include "lit.h"
+#include "set_help.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { SEED = 60221 };
+
+static vec3 tilted(void) { return normalize(vec3_from(0.2, -0.3, 0.8)); }
+
+/* ---- many sets ---- */
+
+enum { N_MATERIALS = 12, N_WAYS = 7, N_SETS = N_MATERIALS * N_WAYS * 3 };
+
+static bis_material material(int k)
+{
+    const rgb orange = {0.9f, 0.5f, 0.1f}, blue = {0.1f, 0, 0.7f};
+    const bis_material all[N_MATERIALS] = {
+        bis_phong(orange, grey(0), 1), bis_phong(blue, orange, 0), bis_phong(grey(0), orange, 50), bis_phong(blue, orange, 1e4),
+        bis_phong(grey(0), grey(1), 1e8), bis_phong(grey(1e-19), (rgb){1e-20f, 0, 1e-3f}, 10),
+        bis_microfacet(orange, grey(0.04), 1), bis_microfacet(grey(0), orange, 0.1),
+        bis_microfacet(blue, orange, BIS_MICROFACET_MIN_ROUGHNESS),
+        bis_microfacet_metal((rgb){0.952f, 0.62f, 0.511f}, (rgb){0.2f, 0.924f, 1.102f}, 0.3),
+        bis_plastic(blue, grey(0.04), 1.5, 0.2), bis_plastic(orange, grey(0), 1.5, 0.5)};
+
+    return all[k];
+}
+
+static const struct {
+    bis_proposal proposal;
+    bool stratify, shared;
+    uint32_t M;
+} ways[N_WAYS] = {{BIS_PROPOSAL_EM, false, false, 7},   {BIS_PROPOSAL_EM, true, true, 800},   {BIS_PROPOSAL_BRDF, false, false, 1},
+                  {BIS_PROPOSAL_BRDF, true, false, 300}, {BIS_PROPOSAL_MIX, false, false, 17}, {BIS_PROPOSAL_MIX, true, true, 64},
+                  {BIS_PROPOSAL_MIX, true, false, 250}};
+
+/* One of N_SETS sets: a material, a way to draw, and a light: spotty, or smooth and dim, or constant and bright. Every
+ * fourth is seen at grazing angle. */
+typedef struct example {
+    lit l;
+    bis_light *light;
+    bis_pool pool;
+    bis_settings s;
+    bis_scratch scratch;
+    bis_set *x;
+} example;
+
+static bis_light *lights[3];
+
+static int open_lights(void **state)
+{
+    static const lit_map maps[] = {LIT_SPOTTY, LIT_SMOOTH, LIT_CONSTANT};
+    static const double scales[] = {1, 1e-35, 1e33};
+
+    (void)state;
+    for (int i = 0; i < 3; i++) lights[i] = lit_new_light(maps[i], scales[i], 0.15, false);
+    return 0;
+}
+
+static int close_lights(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 3; i++) bis_light_free(lights[i]);
+    return 0;
+}
+
+static void new_example(example *e, int k)
+{
+    const int way = k / N_MATERIALS % N_WAYS;
+
+    *e = (example){.light = lights[k / N_MATERIALS / N_WAYS], .s = bis_settings_default(&bis_sir)};
+    lit_init(&e->l, e->light, material(k % N_MATERIALS), tilted(), k % 4 == 3 ? 89 : 40, LIT_HALF);
+    e->s.proposal = ways[way].proposal;
+    e->s.stratify = ways[way].stratify;
+    e->s.candidates = ways[way].M;
+    e->s.shadowrays = 9;
+    assert_int_equal(bis_scratch_init(&e->scratch, &e->s, NULL), BIS_OK);
+    e->x = e->scratch.set;
+    if (!ways[way].shared || bis_light_is_constant(e->light)) return;
+    assert_int_equal(bis_pool_init(&e->pool, ways[way].M, NULL), BIS_OK);
+    bis_pool_fill(&e->pool, e->light, SEED, (uint32_t)k, 1);
+    bis_scratch_share(&e->scratch, &e->pool.sets, NULL);
+}
+
+static void free_example(example *e)
+{
+    bis_scratch_clear(&e->scratch);
+    bis_pool_clear(&e->pool);
+}
+
+static bis_stream stream_of(uint64_t pixel)
+{
+    static const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+    bis_stream stream;
+
+    bis_stream_init(&stream, &sampler, pixel, 0);
+    return stream;
+}
+
+static void draw(example *e, uint64_t pixel)
+{
+    bis_stream stream = stream_of(pixel);
+
+    assert_true(bis_set_draw(e->x, e->s.candidates, e->s.proposal, e->s.stratify, &e->l.pt, &stream));
+}
+
+/* ---- weights ---- */
+
+/* F/q of a candidate in double, from the floats of its light and material. */
+typedef rgbd formula(const example *e, rgbd f_cos, rgbd Le, double q_L, double q_f);
+
+static rgbd F_over_q(const example *e, rgbd f_cos, rgbd Le, double q_L, double q_f)
+{
+    const double q = e->x->beta * q_L + (1 - e->x->beta) * q_f;
+
+    return (rgbd){f_cos.r * Le.r / q, f_cos.g * Le.g / q, f_cos.b * Le.b / q};
+}
+
+/* Twins: every candidate with the density of the map; one candidate too few in the mixture. */
+static rgbd with_q_L(const example *e, rgbd f_cos, rgbd Le, double q_L, double q_f)
+{
+    (void)e;
+    (void)q_f;
+    return (rgbd){f_cos.r * Le.r / q_L, f_cos.g * Le.g / q_L, f_cos.b * Le.b / q_L};
+}
+
+static rgbd with_another_beta(const example *e, rgbd f_cos, rgbd Le, double q_L, double q_f)
+{
+    const double beta = e->x->beta - 1.0 / e->x->M, q = beta * q_L + (1 - beta) * q_f;
+
+    return (rgbd){f_cos.r * Le.r / q, f_cos.g * Le.g / q, f_cos.b * Le.b / q};
+}
+
+/* F/q over the units of the candidate with this number, 0 if it is not used or below the horizon. f comes from the model
+ * for many directions, which tests/beyond/test_f_many.c compares with single ones; or one by one in double. */
+static rgbd single(const example *e, uint32_t number, const bis_reflected *f, formula *of)
+{
+    uint32_t i;
+    const bis_half *half = bis_set_half(e->x, number, &i);
+    const bis_lanes *y = &half->x;
+    const double cosine = (double)f->cos[i];
+    const rgbd f_cos = {(double)f->r[i] * cosine, (double)f->g[i] * cosine, (double)f->b[i] * cosine};
+    const rgbd Le = {(double)y->r[i], (double)y->g[i], (double)y->b[i]};
+
+    if (cosine <= 0 || rgbd_sum(Le) <= 0) return (rgbd){0, 0, 0};
+    if (half == &e->x->map && e->pool.M && !set_is_used(e->x, number)) return (rgbd){0, 0, 0};
+    return of(e, f_cos, Le, (double)y->q[i], (double)f->q[i]);
+}
+
+/* The largest error of a weight, relative to it, and of Zhat and the mean, relative to Zhat, in units of 2^-24. A product
+ * of two floats may be below the least float: 2^-126 over the density. */
+typedef struct errors {
+    double w, Zhat, mean;
+} errors;
+
+static double absolute(rgbd a) { return fmax(fabs(a.r), fmax(fabs(a.g), fabs(a.b))); }
+
+static errors errors_of(const example *e, double Zhat, const bis_reflected f[2], formula *of)
+{
+    const bis_set *x = e->x;
+    const double unit = x->unit_of_f * x->unit_of_Le;
+    rgbd sum = {0, 0, 0};
+    errors worst = {0, 0, 0};
+
+    for (uint32_t i = 0; i < set_size(x); i++) {
+        const uint32_t number = set_number(x, i);
+        const rgbd C = single(e, number, &f[number >= x->brdf.first], of);
+        const double w = rgbd_sum(C), error = fabs((double)x->choice.w[number] - w);
+        sum = rgbd_add(sum, C);
+        if (w > 0x1p-100) worst.w = fmax(worst.w, error / w * 0x1p24);
+        else assert_true(error < 0x1p-100);
+    }
+    const rgbd mean = rgbd_scale(bis_set_mean(x), 1 / unit);
+    worst.Zhat = fabs(Zhat / unit / (rgbd_sum(sum) / x->M) - 1) * 0x1p24;
+    worst.mean = absolute(rgbd_add(rgbd_scale(sum, 1.0 / x->M), rgbd_scale(mean, -1))) / (rgbd_sum(sum) / x->M) * 0x1p24;
+    return worst;
+}
+
+/* Each number is rounded to a float, 2^-24 at most. w: a product of F, two sums over RGB, the cosine; beta, two products and
+ * the sum of q; the quotient: 9. Zhat: 4 more, because the 16 of a block are added in 4 steps. A share F/phat: two sums, the
+ * inverse, two products, the product with w: 6 more than w's 9, and one for each block that is added. */
+static void weights_means_and_shares_are_those_of_single_candidates(void **state)
+{
+    const uint32_t most = 1024;
+    float *memory = bis_alloc(10 * most, sizeof *memory);
+    double worst[3] = {0}, twins[2] = {0};
+
+    (void)state;
+    for (int k = 0; k < N_SETS; k++) {
+        example e;
+        bis_reflected f[2];
+        new_example(&e, k);
+        for (int i = 0; i < 10; i++) (&f[i / 5].r)[i % 5] = memory + (uint32_t)i * most;
+        draw(&e, (uint64_t)k);
+        const double Zhat = bis_set_weigh(e.x, &e.l.pt);
+        bis_bsdf_f_many(&f[0], &e.l.pt.bsdf, &e.x->map.x, e.x->map.n);
+        bis_bsdf_f_many(&f[1], &e.l.pt.bsdf, &e.x->brdf.x, e.x->brdf.n);
+        if (Zhat > 0) {
+            const errors right = errors_of(&e, Zhat, f, F_over_q), q_L = errors_of(&e, Zhat, f, with_q_L);
+            worst[0] = fmax(worst[0], right.w / 9);
+            worst[1] = fmax(worst[1], right.Zhat / 13);
+            worst[2] = fmax(worst[2], right.mean / (15 + e.x->choice.n / BIS_LANES_BLOCK));
+            if (e.x->beta < 1) twins[0] += q_L.w < 9;
+            if (e.x->beta < 1 && e.x->beta > 0) twins[1] += errors_of(&e, Zhat, f, with_another_beta).w < 9;
+        }
+        free_example(&e);
+    }
+    print_message("of the error derived: weights %.2f, Zhat %.2f, mean %.2f\n", worst[0], worst[1], worst[2]);
+    assert_true(worst[0] <= 1 && worst[1] <= 1 && worst[2] <= 1);
+    assert_true(twins[0] == 0 && twins[1] == 0);
+    bis_free(memory);
+}
+
+/* The same candidates, weighed by a model that answers for one direction at a time: F/q in double, all of it by the single
+ * functions of light and material. f, its unit's quotient, cos and q_f are rounded once each: 4 more than 9, and Le and q_L
+ * of the lanes: 2. */
+static void a_model_of_single_directions_is_weighed_and_drawn_like_any_other(void **state)
+{
+    double worst = 0;
+
+    (void)state;
+    for (int k = 0; k < N_SETS; k++) {
+        example e;
+        new_example(&e, k);
+        bis_bsdf_model one_by_one = *e.l.material.model;
+        one_by_one.f_many = NULL;
+        one_by_one.sample_many = NULL;
+        one_by_one.reach = NULL;
+        e.l.material.model = &one_by_one;
+        draw(&e, (uint64_t)k);
+        bis_set_weigh(e.x, &e.l.pt);
+        for (uint32_t i = 0; i < set_size(e.x); i++) {
+            const uint32_t number = set_number(e.x, i);
+            const vec3 wi = set_direction(e.x, number);
+            double q_f, q_L = bis_light_pdf(e.light, wi), cosine = bis_bsdf_cos(&e.l.pt.bsdf, wi);
+            const rgb f = bis_bsdf_f_pdf(&e.l.pt.bsdf, wi, &q_f), Le = bis_light_Le(e.light, wi);
+            const double q = (e.x->beta > 0 ? e.x->beta * q_L : 0) + (1 - e.x->beta) * q_f;
+            const double phat = ((double)f.r * (double)Le.r + (double)f.g * (double)Le.g + (double)f.b * (double)Le.b) * cosine;
+            const double w = cosine > 0 && phat > 0 && (!e.pool.M || set_is_used(e.x, number)) ? phat / q : 0;
+            uint32_t at;
+            const bis_half *half = bis_set_half(e.x, number, &at);
+            /* a direction next to a pixel's edge may be looked up beside it */
+            if (fabs((double)half->x.r[at] * e.x->unit_of_Le - (double)Le.r) > 1e-6 * (double)Le.r) continue;
+            const double got = bis_set_weight(e.x, number);
+            if (w > e.x->unit_of_f * e.x->unit_of_Le * 0x1p-100) worst = fmax(worst, fabs(got / w - 1) * 0x1p24 / 15);
+        }
+        free_example(&e);
+    }
+    print_message("of the error derived: %.2f\n", worst);
+    assert_true(worst <= 1 && worst > 0.01);
+}
+
+/* F/phat of what was chosen, to the 5 roundings of two sums, a quotient and two products; also where F is so small that the
+ * inverse of its sum is no float. */
+static void shares_of_the_chosen_are_F_over_phat_down_to_denormal_floats(void **state)
+{
+    double worst = 0;
+
+    (void)state;
+    for (int k = 0; k < N_SETS * 3; k++) {
+        const float scale = (float[]){1, 0x1p-126f, 0x1p-140f}[k / N_SETS];
+        bis_stream stream = stream_of((uint64_t)k);
+        example e;
+        new_example(&e, k % N_SETS);
+        draw(&e, (uint64_t)k);
+        for (uint32_t i = 0; i < set_size(e.x); i++) {
+            uint32_t at;
+            const bis_lanes *y = &bis_set_half(e.x, set_number(e.x, i), &at)->x;
+            y->r[at] *= scale, y->g[at] *= scale, y->b[at] *= scale;
+        }
+        if (bis_set_weigh(e.x, &e.l.pt) > 0) {
+            bis_set_choose(e.x, e.s.shadowrays, BIS_RESAMPLING_SYSTEMATIC, &stream);
+            for (uint32_t j = 0; j < e.x->choice.n_chosen; j++) {
+                const uint32_t number = e.x->choice.item[j];
+                const double F[3] = {(double)e.x->F[0][number], (double)e.x->F[1][number], (double)e.x->F[2][number]};
+                const float share[3] = {e.x->y.r[j], e.x->y.g[j], e.x->y.b[j]};
+                for (int c = 0; c < 3; c++) worst = fmax(worst, fabs((double)share[c] - F[c] / (F[0] + F[1] + F[2])));
+                assert_true(e.x->y.h[j] == 1 && !e.x->y.seen[j]);
+            }
+        }
+        free_example(&e);
+    }
+    assert_true(worst <= 5 * 0x1p-24);
+}
+
+/* ---- the same bits ---- */
+
+typedef struct processor {
+    clone_weigh *weigh;
+    clone_mean *mean;
+    clone_choose *choose;
+} processor;
+
+/* All numbers that a set holds after it has been weighed and chosen from, and its mean. */
+static void run_set(example *e, const processor *p, uint64_t pixel, rgbd *mean)
+{
+    bis_stream stream = stream_of(pixel + 1000);
+
+    draw(e, pixel);
+    const double Zhat = p->weigh(e->x, &e->l.pt);
+    *mean = p->mean(e->x);
+    if (Zhat > 0) p->choose(e->x, e->s.shadowrays, pixel % 2 ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC, &stream);
+}
+
+static void assert_same(const bis_set *a, const bis_set *b)
+{
+    const size_t n = a->choice.n_chosen;
+
+    assert_true(a->choice.n == b->choice.n && n == b->choice.n_chosen && a->W == b->W);
+    assert_memory_equal(a->choice.w, b->choice.w, a->choice.n * sizeof *a->choice.w);
+    assert_memory_equal(a->choice.item, b->choice.item, n * sizeof *a->choice.item);
+    assert_memory_equal(a->choice.times, b->choice.times, n * sizeof *a->choice.times);
+    assert_memory_equal(a->y.r, b->y.r, n * sizeof *a->y.r);
+    assert_memory_equal(a->y.g, b->y.g, n * sizeof *a->y.g);
+    assert_memory_equal(a->y.b, b->y.b, n * sizeof *a->y.b);
+}
+
+static void sets_have_the_same_bits_on_every_processor(void **state)
+{
+    const bool avx2 = clone_has_avx2();
+    const processor all[] = {{bis_set_weigh, bis_set_mean, bis_set_choose}, {plain_set_weigh, plain_set_mean, plain_set_choose},
+                             {avx2 ? avx2_set_weigh : bis_set_weigh, avx2 ? avx2_set_mean : bis_set_mean, avx2 ? avx2_set_choose : bis_set_choose}};
+
+    (void)state;
+    for (int k = 0; k < N_SETS; k++) {
+        example e[3];
+        rgbd mean[3];
+        for (int p = 0; p < 3; p++) {
+            new_example(&e[p], k);
+            run_set(&e[p], &all[p], (uint64_t)k, &mean[p]);
+            assert_same(e[0].x, e[p].x);
+            assert_memory_equal(&mean[0], &mean[p], sizeof mean[0]);
+        }
+        for (int p = 0; p < 3; p++) free_example(&e[p]);
+    }
+}
+
+/* A thread's workspace serves point after point, of other materials, with other shares of M from the map, which end in
+ * other blocks: what one point has left there changes no bit of the next. */
+static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
+{
+    (void)state;
+    for (int k = 0; k < N_SETS; k += N_MATERIALS) {
+        example used, fresh;
+        new_example(&used, k);
+        for (int i = 0; i < 3 * N_MATERIALS; i++) {
+            new_example(&fresh, k);
+            used.l.material = fresh.l.material = material(7 * i % N_MATERIALS);
+            for (int j = 0; j < 2; j++) {
+                lit *l = j ? &used.l : &fresh.l;
+                bis_bsdf_init(&l->pt.bsdf, &l->material, l->pt.n, l->pt.wo);
+            }
+            const rgb a = lit_once(&used.l, &used.s, &used.scratch, SEED, (uint64_t)i), b = lit_once(&fresh.l, &fresh.s, &fresh.scratch, SEED, (uint64_t)i);
+            assert_memory_equal(&a, &b, sizeof a);
+            free_example(&fresh);
+        }
+        free_example(&used);
+    }
+}
+
+/* ---- nothing to reflect ---- */
+
+static void what_reflects_nothing_draws_nothing(void **state)
+{
+    example e;
+
+    (void)state;
+    new_example(&e, 2 * N_MATERIALS); /* from the BRDF */
+    for (int k = 0; k < 3; k++) {
+        bis_light *black = lit_new_light(LIT_BLACK, 1, 0, false);
+        bis_stream stream = stream_of(1);
+        bis_point pt = e.l.pt;
+        const bis_material m = bis_phong(grey(0), grey(0), 1);
+        if (k == 0) pt.light = black;
+        bis_bsdf_init(&pt.bsdf, k == 1 ? &m : &e.l.material, pt.n, k == 2 ? neg(pt.wo) : pt.wo);
+        e.l.counters = (bis_counters){0};
+        assert_false(bis_set_draw(e.x, 1, BIS_PROPOSAL_BRDF, false, &pt, &stream));
+        assert_true(e.x->choice.n == 0 && e.l.counters.candidates == 0);
+        bis_light_free(black);
+    }
+    free_example(&e);
+}
+
+/* ---- memory ---- */
+
+/* The bytes of a block of bis_alloc, which stand in front of it (src/base/mem.c). */
+static size_t bytes_of(const void *p) { return p ? ((const size_t *)p)[-1] : 0; }
+
+/* What the workspace takes: the blocks that it holds, one by one. */
+static void a_workspace_takes_the_bytes_that_are_foretold(void **state)
+{
+    static const bis_integrator *const integrators[] = {&bis_em, &bis_mis, &bis_exact, &bis_rejection, &bis_sir, &bis_unoccluded};
+
+    (void)state;
+    for (int k = 0; k < 6 * 4; k++) {
+        bis_settings s = bis_settings_default(integrators[k % 6]);
+        const long before = bis_mem_live();
+        bis_scratch scratch;
+        s.candidates = (uint32_t[]){1, 16, 800, 20000}[k / 6];
+        s.shadowrays = (uint32_t[]){100, 1, 15, 50000}[k / 6]; /* no more than 2 M are ever traced */
+        assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+        const bis_set *x = scratch.set;
+        size_t bytes = bytes_of(scratch.u) + bytes_of(x);
+        long blocks = (scratch.u != NULL) + (x != NULL);
+        if (x) {
+            const void *arrays[] = {x->choice.w, x->choice.sum, x->choice.item, x->choice.times, x->pixel, x->part, x->y.seen, x->floats};
+            for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) bytes += bytes_of(arrays[i]), blocks++;
+        }
+        assert_int_equal(bis_mem_live() - before, blocks);
+        assert_int_equal(bis_scratch_bytes(&s), bytes);
+        bis_scratch_clear(&scratch);
+        assert_int_equal(bis_mem_live(), before);
+    }
+}
+
+static void any_allocation_may_fail(void **state)
+{
+    const bis_settings s = bis_settings_default(&bis_sir);
+    bis_status status = BIS_NOMEM;
+    int k = 0;
+
+    (void)state;
+    while (status) {
+        bis_scratch scratch;
+        bis_diag diag = {0};
+        bis_mem_fail_at(++k);
+        status = bis_scratch_init(&scratch, &s, &diag);
+        bis_mem_fail_at(0);
+        assert_int_equal(diag.n_errors, status ? 1 : 0);
+        assert_true(!status || status == BIS_NOMEM);
+        bis_diag_clear(&diag);
+        if (!status) bis_scratch_clear(&scratch);
+    }
+    assert_true(k > 8);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(weights_means_and_shares_are_those_of_single_candidates),
+        cmocka_unit_test(a_model_of_single_directions_is_weighed_and_drawn_like_any_other),
+        cmocka_unit_test(shares_of_the_chosen_are_F_over_phat_down_to_denormal_floats),
+        cmocka_unit_test(sets_have_the_same_bits_on_every_processor),
+        cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
+        cmocka_unit_test(what_reflects_nothing_draws_nothing),
+        cmocka_unit_test(a_workspace_takes_the_bytes_that_are_foretold),
+        cmocka_unit_test(any_allocation_may_fail),
+    };
+
+    return cmocka_run_group_tests_name("set", tests, open_lights, close_lights);
+}
