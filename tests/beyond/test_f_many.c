@@ -7,6 +7,8 @@
 #include "bis/thesis/phong.h"
 #include "bis/thesis/rng.h"
 #include "bis/thesis/warp.h"
+#include "thesis/curve_many.h"
+
 #include "clones.h"
 #include "lit.h"
 
@@ -359,7 +361,7 @@ static void draws_are_those_of_single_directions(void **state)
     double most[2] = {0, 0};
 
     (void)state;
-    bis_lanes_points(l.u1, l.u2, N, SEED);
+    bis_curve_points(l.u1, l.u2, N, SEED);
     for (int i = 0; i < 64; i++) l.u1[i] = ends[i / 8], l.u2[i] = ends[i % 8];
     for (int k = 0; k < MATERIALS * (COUNT(degrees) - 1); k++) {
         const bis_material m = material(k % MATERIALS);
@@ -393,7 +395,7 @@ static void draws_are_not_shifted_by_the_rounding_of_the_mirror_direction(void *
     const lanes l = new_lanes();
 
     (void)state;
-    bis_lanes_points(l.u1, l.u2, N, SEED);
+    bis_curve_points(l.u1, l.u2, N, SEED);
     for (int k = 0; k < 4; k++) {
         double sum[3] = {0};
         bis_bsdf b;
@@ -551,7 +553,7 @@ static void all_processors_give_the_same_bits(void **state)
     const lanes a = new_lanes(), b = new_lanes();
 
     (void)state;
-    bis_lanes_points(a.u1, a.u2, N, SEED);
+    bis_curve_points(a.u1, a.u2, N, SEED);
     for (int k = 0; k < 2 * MATERIALS; k++) {
         const bool avx2 = k / MATERIALS && clone_has_avx2();
         const bis_material ours = material(k % MATERIALS);
@@ -589,7 +591,7 @@ static void a_model_without_them_is_asked_one_by_one(void **state)
     bis_rng_init(&r, SEED, 96, 0, 0);
     fill(&l.y, &b, 5);
     fill_cones(&l.cones, &b, &r, 1);
-    bis_lanes_points(l.u1, l.u2, N, SEED);
+    bis_curve_points(l.u1, l.u2, N, SEED);
     const double unit = bis_bsdf_f_many(&l.f, &b, &l.y, n);
     bis_bsdf_reach(l.w, &b, &l.cones, n);
     for (uint32_t i = 0; i < n; i++) {
