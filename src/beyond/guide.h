@@ -34,7 +34,7 @@ bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clus
 /* bis_product_guide_clear frees it. */
 void bis_product_guide_clear(bis_product_guide *g);
 
-/* bis_product_guide_bytes returns the bytes that it takes. */
+/* bis_product_guide_bytes returns the bytes that it takes without visibility; bis_foresight_bytes those beside. */
 size_t bis_product_guide_bytes(void);
 
 /* bis_product_guide_look stores what is known of visibility in a cell of the picture (bis/beyond/visibility.h). Points

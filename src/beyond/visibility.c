@@ -68,6 +68,8 @@ static void foresee(float *restrict h, float *restrict control, const bis_seen *
     }
 }
 
+size_t bis_foresight_bytes(uint32_t n) { return 2 * (size_t)bis_lanes_round_up(n) * sizeof(float); }
+
 bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag)
 {
     const size_t padded = bis_lanes_round_up(n);

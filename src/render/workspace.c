@@ -225,7 +225,8 @@ size_t bis_workspace_bytes(const bis_workspace *w)
     const bis_settings *settings = &w->view->settings;
     const size_t thread =
         sizeof *w->workers + bis_wave_bytes(w->desc) + bis_scratch_bytes(settings) +
-        (w->clusters.n ? bis_product_guide_bytes() : 0);
+        (w->clusters.n ? bis_product_guide_bytes() : 0) +
+        (w->visibility.n_tiles ? bis_foresight_bytes(w->clusters.n) : 0);
 
     return bis_pool_bytes(&w->pool) + bis_clusters_bytes(&w->clusters) + bis_visibility_bytes(&w->visibility) +
            bis_adapt_bytes(&w->adapt) + (size_t)w->n_threads * thread + n_pixels * pixel;

@@ -57,6 +57,9 @@ static inline uint32_t bis_visibility_part(uint32_t k, uint32_t n)
 /* bis_foresight_init allocates the arrays for n clusters; all h are equal, and no g is known. Errors: BIS_NOMEM. */
 bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag);
 
+/* bis_foresight_bytes returns the bytes that the arrays for n clusters take. */
+size_t bis_foresight_bytes(uint32_t n);
+
 /* bis_foresight_clear frees the arrays. */
 void bis_foresight_clear(bis_foresight *f);
 
