@@ -68,6 +68,8 @@ static void foresee(float *restrict h, float *restrict control, const bis_seen *
     }
 }
 
+size_t bis_foresight_bytes(uint32_t n) { return 2 * (size_t)bis_lanes_round_up(n) * sizeof(float); }
+
 bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag)
 {
     const size_t padded = bis_lanes_round_up(n);
@@ -80,8 +82,6 @@ bis_status bis_foresight_init(bis_foresight *f, uint32_t n, bis_diag *diag)
     for (uint32_t k = 0; k < n; k++) f->h[k] = 0.5f;
     return BIS_OK;
 }
-
-size_t bis_foresight_bytes(uint32_t n) { return 2 * bis_lanes_round_up(n) * sizeof(float); }
 
 void bis_foresight_clear(bis_foresight *f)
 {

@@ -32,4 +32,7 @@ static inline bool set_is_used(const bis_set *x, uint32_t number)
     return true;
 }
 
+/* block_bytes returns the bytes of a block of bis_alloc, which stand in front of it (src/base/mem.c); of NULL 0. */
+static inline size_t block_bytes(const void *p) { return p ? ((const size_t *)p)[-1] : 0; }
+
 #endif

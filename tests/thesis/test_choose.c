@@ -1,5 +1,5 @@
-/* choose: N of n weights. Each weight gets N w/W marks on average, exactly; every mark lies where it must; and no mark is
- * lost at the ends of the sum. Family-wise significance 1e-3. */
+/* choose: N of n weights. Each weight gets N w/W marks on average, exactly; every mark lies where it must; and no mark
+ * is lost at the ends of the sum. Family-wise significance 1e-3. */
 #include "forced.h"
 #include "stat.h"
 #include "thesis/choose.h"
@@ -61,8 +61,8 @@ static uint32_t times_of(const bis_choice *c, uint32_t item)
 
 /* ---- in proportion ---- */
 
-/* Whole weights that sum to 64, and 64 offsets: item i then owns exactly N w_i of the 64 N marks, because a mark is (64 j
- * + k + 1/2)/64 N of the sum. Among them an empty block, the last item of a block, and a last block of one item. */
+/* Whole weights that sum to 64, and 64 offsets: item i then owns exactly N w_i of the 64 N marks, because a mark is (64
+ * j + k + 1/2)/64 N of the sum. Among them an empty block, the last item of a block, and a last block of one item. */
 static void every_weight_gets_exactly_its_share_of_marks(void **state)
 {
     static const uint32_t Ns[] = {1, 4, 7, 15, 200};
@@ -85,7 +85,7 @@ static void every_weight_gets_exactly_its_share_of_marks(void **state)
         }
         assert_int_equal(as_if_equal, 0);
     }
-    choose(&c, 64, W, SYSTEMATIC, forced(0, 0)); /* marks on whole numbers: one at the end of an item is the next one's */
+    choose(&c, 64, W, SYSTEMATIC, forced(0, 0)); /* on whole numbers: a mark at the end of an item is the next one's */
     for (uint32_t i = 0; i < 48; i++) assert_int_equal(times_of(&c, i), (uint32_t)c.w[i]);
     for (int k = 0; k < 64; k++) { /* of one independent mark the place is its random number: log and exp round it */
         choose(&c, 1, W, MULTINOMIAL, forced((k + 0.5) / 64, 0));
@@ -116,8 +116,8 @@ static double farthest_mark(const bis_choice *c, uint32_t N, double offset)
     return (double)worst;
 }
 
-/* The sum of a block adds 16 floats in 4 steps, each of which rounds by 2^-24 of the block. So a place in the running sum
- * is off by 2^-22 W, and W itself by as much. */
+/* The sum of a block adds 16 floats in 4 steps, each of which rounds by 2^-24 of the block. So a place in the running
+ * sum is off by 2^-22 W, and W itself by as much. */
 static void every_mark_falls_on_the_weight_that_lies_there(void **state)
 {
     static const uint32_t ns[] = {16, 32, 160, MOST}, Ns[] = {1, 7, 64, 5000};
@@ -130,7 +130,10 @@ static void every_mark_falls_on_the_weight_that_lies_there(void **state)
         const uint32_t n = ns[k % 4], N = Ns[k / 4 % 4];
         const double spread = (double[]){0, 3, 30}[k / 16 % 3], offset = bis_rng_double(&r);
         bis_choice c = new_choice(n);
-        for (uint32_t i = 0; i < n; i++) c.w[i] = (float)(bis_rng_double(&r) < 0.3 ? 0 : pow(10, spread * (bis_rng_double(&r) - 0.5)));
+        for (uint32_t i = 0; i < n; i++) {
+            const bool none = bis_rng_double(&r) < 0.3;
+            c.w[i] = (float)(none ? 0 : pow(10, spread * (bis_rng_double(&r) - 0.5)));
+        }
         c.w[n / 2] = 1;
         bis_choose_systematic(&c, N, bis_choice_sum(&c, n), offset);
         check_choice(&c, N);
@@ -203,7 +206,7 @@ static void first_and_last_numbers_fall_on_the_first_and_last_positive_weight(vo
 
     (void)state;
     for (int k = 0; k < 5 * 5 * 2 * 2; k++) {
-        const uint32_t N = Ns[k % 5], from = (uint32_t)k / 5 % 5; /* the blocks before and behind two full ones are empty */
+        const uint32_t N = Ns[k % 5], from = (uint32_t)k / 5 % 5; /* all blocks are empty but two */
         const scheme how = k / 25 % 2 ? MULTINOMIAL : SYSTEMATIC;
         const bool at_end = k / 50;
         bis_choice c = new_choice(7 * BLOCK);
@@ -218,8 +221,8 @@ static void first_and_last_numbers_fall_on_the_first_and_last_positive_weight(vo
     }
 }
 
-/* No mark is lost where rounding takes it beyond the end: told a sum twice as large, so that half of the marks lie there,
- * N are chosen all the same, and the last positive weight has those. */
+/* No mark is lost where rounding takes it beyond the end: told a sum twice as large, so that half of the marks lie
+ * there, N are chosen all the same, and the last positive weight has those. */
 static void marks_beyond_the_end_fall_on_the_last_positive_weight(void **state)
 {
     static const uint32_t Ns[] = {1, 2, 7, 40};
@@ -241,8 +244,8 @@ static void marks_beyond_the_end_fall_on_the_last_positive_weight(void **state)
     }
 }
 
-/* In float 1 + 1.5 2^-24 is 1 + 2^-23, the sum of a block; its weights one by one end below. A mark between the two has no
- * weight there, and belongs to the last positive one of the block. */
+/* In float 1 + 1.5 2^-24 is 1 + 2^-23, the sum of a block; its weights one by one end below. A mark between the two has
+ * no weight there, and belongs to the last positive one of the block. */
 static void a_mark_that_rounding_leaves_in_a_block_falls_on_its_last_positive_weight(void **state)
 {
     bis_choice c = new_choice(2 * BLOCK);

@@ -1,6 +1,7 @@
-/* set: what the verbs of src/thesis/set.h hold by themselves, for every model, map and proposal: weights, sums and shares
- * against doubles, one candidate after the other; the same bits on every processor and in a used workspace; memory. What
- * the estimators make of them is held by test_enumeration.c, test_sir.c, test_rejection.c and test_integrators.c. */
+/* set: what the verbs of src/thesis/set.h hold by themselves, for every model, map and proposal: weights, sums and
+ * shares against doubles, one candidate after the other; the same bits on every processor and in a used workspace;
+ * memory. What the estimators make of them is held by test_enumeration.c, test_sir.c, test_rejection.c and
+ * test_integrators.c. */
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
 #include "bis/beyond/pool.h"
@@ -28,7 +29,8 @@ static bis_material material(int k)
 {
     const rgb orange = {0.9f, 0.5f, 0.1f}, blue = {0.1f, 0, 0.7f};
     const bis_material all[N_MATERIALS] = {
-        bis_phong(orange, grey(0), 1), bis_phong(blue, orange, 0), bis_phong(grey(0), orange, 50), bis_phong(blue, orange, 1e4),
+        bis_phong(orange, grey(0), 1), bis_phong(blue, orange, 0), bis_phong(grey(0), orange, 50),
+        bis_phong(blue, orange, 1e4),
         bis_phong(grey(0), grey(1), 1e8), bis_phong(grey(1e-19), (rgb){1e-20f, 0, 1e-3f}, 10),
         bis_microfacet(orange, grey(0.04), 1), bis_microfacet(grey(0), orange, 0.1),
         bis_microfacet(blue, orange, BIS_MICROFACET_MIN_ROUGHNESS),
@@ -42,8 +44,9 @@ static const struct {
     bis_proposal proposal;
     bool stratify, shared;
     uint32_t M;
-} ways[N_WAYS] = {{BIS_PROPOSAL_EM, false, false, 7},   {BIS_PROPOSAL_EM, true, true, 800},   {BIS_PROPOSAL_BRDF, false, false, 1},
-                  {BIS_PROPOSAL_BRDF, true, false, 300}, {BIS_PROPOSAL_MIX, false, false, 17}, {BIS_PROPOSAL_MIX, true, true, 64},
+} ways[N_WAYS] = {{BIS_PROPOSAL_EM, false, false, 7},   {BIS_PROPOSAL_EM, true, true, 800},
+                  {BIS_PROPOSAL_BRDF, false, false, 1}, {BIS_PROPOSAL_BRDF, true, false, 300},
+                  {BIS_PROPOSAL_MIX, false, false, 17}, {BIS_PROPOSAL_MIX, true, true, 64},
                   {BIS_PROPOSAL_MIX, true, false, 250}};
 
 /* One of N_SETS sets: a material, a way to draw, and a light: spotty, or smooth and dim, or constant and bright. Every
@@ -143,8 +146,8 @@ static rgbd with_another_beta(const example *e, rgbd f_cos, rgbd Le, double q_L,
     return (rgbd){f_cos.r * Le.r / q, f_cos.g * Le.g / q, f_cos.b * Le.b / q};
 }
 
-/* F/q over the units of the candidate with this number, 0 if it is not used or below the horizon. f comes from the model
- * for many directions, which tests/beyond/test_f_many.c compares with single ones; or one by one in double. */
+/* F/q over the units of the candidate with this number, 0 if it is not used or below the horizon. f comes from the
+ * model for many directions, which tests/beyond/test_f_many.c compares with single ones; or one by one in double. */
 static rgbd single(const example *e, uint32_t number, const bis_reflected *f, formula *of)
 {
     uint32_t i;
@@ -159,8 +162,8 @@ static rgbd single(const example *e, uint32_t number, const bis_reflected *f, fo
     return of(e, f_cos, Le, (double)y->q[i], (double)f->q[i]);
 }
 
-/* The largest error of a weight, relative to it, and of Zhat and the mean, relative to Zhat, in units of 2^-24. A product
- * of two floats may be below the least float: 2^-126 over the density. */
+/* The largest error of a weight, relative to it, and of Zhat and the mean, relative to Zhat, in units of 2^-24. A
+ * product of two floats may be below the least float: 2^-126 over the density. */
 typedef struct errors {
     double w, Zhat, mean;
 } errors;
@@ -184,13 +187,14 @@ static errors errors_of(const example *e, double Zhat, const bis_reflected f[2],
     }
     const rgbd mean = rgbd_scale(bis_set_mean(x), 1 / unit);
     worst.Zhat = fabs(Zhat / unit / (rgbd_sum(sum) / x->M) - 1) * 0x1p24;
-    worst.mean = absolute(rgbd_add(rgbd_scale(sum, 1.0 / x->M), rgbd_scale(mean, -1))) / (rgbd_sum(sum) / x->M) * 0x1p24;
+    worst.mean = absolute(rgbd_add(sum, rgbd_scale(mean, -(double)x->M))) / rgbd_sum(sum) * 0x1p24;
     return worst;
 }
 
-/* Each number is rounded to a float, 2^-24 at most. w: a product of F, two sums over RGB, the cosine; beta, two products and
- * the sum of q; the quotient: 9. Zhat: 4 more, because the 16 of a block are added in 4 steps. A share F/phat: two sums, the
- * inverse, two products, the product with w: 6 more than w's 9, and one for each block that is added. */
+/* Each number is rounded to a float, 2^-24 at most. w: a product of F, two sums over RGB, the cosine; beta, two
+ * products and the sum of q; the quotient: 9. Zhat: 4 more, because the 16 of a block are added in 4 steps. A share
+ * F/phat: two sums, the inverse, two products, the product with w: 6 more than w's 9, and one for each block that is
+ * added. */
 static void weights_means_and_shares_are_those_of_single_candidates(void **state)
 {
     const uint32_t most = 1024;
@@ -223,9 +227,9 @@ static void weights_means_and_shares_are_those_of_single_candidates(void **state
     bis_free(memory);
 }
 
-/* The same candidates, weighed by a model that answers for one direction at a time: F/q in double, all of it by the single
- * functions of light and material. f, its unit's quotient, cos and q_f are rounded once each: 4 more than 9, and Le and q_L
- * of the lanes: 2. */
+/* The same candidates, weighed by a model that answers for one direction at a time: F/q in double, all of it by the
+ * single functions of light and material. f, its unit's quotient, cos and q_f are rounded once each: 4 more than 9, and
+ * Le and q_L of the lanes: 2. */
 static void a_model_of_single_directions_is_weighed_and_drawn_like_any_other(void **state)
 {
     double worst = 0;
@@ -247,7 +251,8 @@ static void a_model_of_single_directions_is_weighed_and_drawn_like_any_other(voi
             double q_f, q_L = bis_light_pdf(e.light, wi), cosine = bis_bsdf_cos(&e.l.pt.bsdf, wi);
             const rgb f = bis_bsdf_f_pdf(&e.l.pt.bsdf, wi, &q_f), Le = bis_light_Le(e.light, wi);
             const double q = (e.x->beta > 0 ? e.x->beta * q_L : 0) + (1 - e.x->beta) * q_f;
-            const double phat = ((double)f.r * (double)Le.r + (double)f.g * (double)Le.g + (double)f.b * (double)Le.b) * cosine;
+            const double f_Le = (double)f.r * (double)Le.r + (double)f.g * (double)Le.g + (double)f.b * (double)Le.b;
+            const double phat = f_Le * cosine;
             const double w = cosine > 0 && phat > 0 && (!e.pool.M || set_is_used(e.x, number)) ? phat / q : 0;
             uint32_t at;
             const bis_half *half = bis_set_half(e.x, number, &at);
@@ -262,8 +267,8 @@ static void a_model_of_single_directions_is_weighed_and_drawn_like_any_other(voi
     assert_true(worst <= 1 && worst > 0.01);
 }
 
-/* F/phat of what was chosen, to the 5 roundings of two sums, a quotient and two products; also where F is so small that the
- * inverse of its sum is no float. */
+/* F/phat of what was chosen, to the 5 roundings of two sums, a quotient and two products; also where F is so small that
+ * the inverse of its sum is no float. */
 static void shares_of_the_chosen_are_F_over_phat_down_to_denormal_floats(void **state)
 {
     double worst = 0;
@@ -311,7 +316,7 @@ static void run_set(example *e, const processor *p, uint64_t pixel, rgbd *mean)
     draw(e, pixel);
     const double Zhat = p->weigh(e->x, &e->l.pt);
     *mean = p->mean(e->x);
-    if (Zhat > 0) p->choose(e->x, e->s.shadowrays, pixel % 2 ? BIS_RESAMPLING_MULTINOMIAL : BIS_RESAMPLING_SYSTEMATIC, &stream);
+    if (Zhat > 0) p->choose(e->x, e->s.shadowrays, (bis_resampling)(pixel % 2), &stream);
 }
 
 static void assert_same(const bis_set *a, const bis_set *b)
@@ -329,21 +334,22 @@ static void assert_same(const bis_set *a, const bis_set *b)
 
 static void sets_have_the_same_bits_on_every_processor(void **state)
 {
-    const bool avx2 = clone_has_avx2();
-    const processor all[] = {{bis_set_weigh, bis_set_mean, bis_set_choose}, {plain_set_weigh, plain_set_mean, plain_set_choose},
-                             {avx2 ? avx2_set_weigh : bis_set_weigh, avx2 ? avx2_set_mean : bis_set_mean, avx2 ? avx2_set_choose : bis_set_choose}};
+    const processor all[] = {{bis_set_weigh, bis_set_mean, bis_set_choose},
+                             {plain_set_weigh, plain_set_mean, plain_set_choose},
+                             {avx2_set_weigh, avx2_set_mean, avx2_set_choose}};
+    const int n = clone_has_avx2() ? 3 : 2;
 
     (void)state;
     for (int k = 0; k < N_SETS; k++) {
         example e[3];
         rgbd mean[3];
-        for (int p = 0; p < 3; p++) {
+        for (int p = 0; p < n; p++) {
             new_example(&e[p], k);
             run_set(&e[p], &all[p], (uint64_t)k, &mean[p]);
             assert_same(e[0].x, e[p].x);
             assert_memory_equal(&mean[0], &mean[p], sizeof mean[0]);
         }
-        for (int p = 0; p < 3; p++) free_example(&e[p]);
+        for (int p = 0; p < n; p++) free_example(&e[p]);
     }
 }
 
@@ -362,7 +368,8 @@ static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
                 lit *l = j ? &used.l : &fresh.l;
                 bis_bsdf_init(&l->pt.bsdf, &l->material, l->pt.n, l->pt.wo);
             }
-            const rgb a = lit_once(&used.l, &used.s, &used.scratch, SEED, (uint64_t)i), b = lit_once(&fresh.l, &fresh.s, &fresh.scratch, SEED, (uint64_t)i);
+            const rgb a = lit_once(&used.l, &used.s, &used.scratch, SEED, (uint64_t)i);
+            const rgb b = lit_once(&fresh.l, &fresh.s, &fresh.scratch, SEED, (uint64_t)i);
             assert_memory_equal(&a, &b, sizeof a);
             free_example(&fresh);
         }
@@ -395,13 +402,11 @@ static void what_reflects_nothing_draws_nothing(void **state)
 
 /* ---- memory ---- */
 
-/* The bytes of a block of bis_alloc, which stand in front of it (src/base/mem.c). */
-static size_t bytes_of(const void *p) { return p ? ((const size_t *)p)[-1] : 0; }
-
 /* What the workspace takes: the blocks that it holds, one by one. */
 static void a_workspace_takes_the_bytes_that_are_foretold(void **state)
 {
-    static const bis_integrator *const integrators[] = {&bis_em, &bis_mis, &bis_exact, &bis_rejection, &bis_sir, &bis_unoccluded};
+    static const bis_integrator *const integrators[] = {&bis_em,        &bis_mis, &bis_exact,
+                                                        &bis_rejection, &bis_sir, &bis_unoccluded};
 
     (void)state;
     for (int k = 0; k < 6 * 4; k++) {
@@ -412,11 +417,12 @@ static void a_workspace_takes_the_bytes_that_are_foretold(void **state)
         s.shadowrays = (uint32_t[]){100, 1, 15, 50000}[k / 6]; /* no more than 2 M are ever traced */
         assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
         const bis_set *x = scratch.set;
-        size_t bytes = bytes_of(scratch.u) + bytes_of(x);
+        size_t bytes = block_bytes(scratch.u) + block_bytes(x);
         long blocks = (scratch.u != NULL) + (x != NULL);
         if (x) {
-            const void *arrays[] = {x->choice.w, x->choice.sum, x->choice.item, x->choice.times, x->pixel, x->part, x->y.seen, x->floats};
-            for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) bytes += bytes_of(arrays[i]), blocks++;
+            const void *arrays[] = {x->choice.w, x->choice.sum, x->choice.item, x->choice.times,
+                                    x->pixel,    x->part,       x->y.seen,      x->floats};
+            for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) bytes += block_bytes(arrays[i]), blocks++;
         }
         assert_int_equal(bis_mem_live() - before, blocks);
         assert_int_equal(bis_scratch_bytes(&s), bytes);
