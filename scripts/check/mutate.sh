@@ -221,29 +221,29 @@ exit
 # - (double)K * y.pdf); /*
 # + y.pdf); /*
 #
-# * sir test_sir test_integrators : the normaliser is W/N
-# - double Zhat = W / M;
-# + double Zhat = W / N;
+# * sir test_sir test_integrators : what M weights sum to is divided by M once more, in the place of N
+# - L = bis_set_trace(L, x, pt, Zhat / N);
+# + L = bis_set_trace(L, x, pt, Zhat / M);
 #
-# * resample.h test_sir : order statistics with the wrong exponent
-# - / (double)(m->N - j);
-# + / (double)m->N;
+# * choose test_choose : order statistics with the wrong exponent
+# - / (double)left;
+# + / (double)(left + 1);
 #
-# * candidates test_sir test_integrators : the mixture's density has the map's part alone
-# - q = beta * q + (1 - beta) * q_f;
-# + q = beta * q;
+# * set test_set test_sir : the mixture's density has the map's part alone
+# - q = beta_L * x.q[i] + beta_f * f.q[i];
+# + q = beta_L * x.q[i] + 0 * beta_f;
 #
-# * candidates test_sir test_integrators : a candidate chosen k times counts once
-# - (double)k * (Z / y->w)
-# + Z / y->w
+# * set test_sir test_enumeration : a candidate chosen k times counts once
+# - Z * x->choice.times[j] / (double)y->h[j]
+# + Z / (double)y->h[j]
 #
 # * rejection test_rejection : the plain estimator forgets how many were accepted
-# - B / M * A : W / M
-# + B / M : W / M
+# - B / M * A : Zhat
+# + B / M : Zhat
 #
 # * rejection test_rejection : accepted twice as often, capped at 1
-# - bis_stream_random(stream) * B < x[i].w
-# + bis_stream_random(stream) * B / 2 < x[i].w
+# - bis_stream_random(stream) * B < w
+# + bis_stream_random(stream) * B / 2 < w
 #
 # * rng test_rng : the sample's number does not reach the key
 # - key = bis_hash(key + sample);
@@ -265,9 +265,9 @@ exit
 # - (cell / p->xsamples) + place[1])
 # + (cell / p->xsamples) + place[0])
 #
-# * curve test_curve : the curve does not turn
-# - uint32_t x = a ^ (swap & b) ^ complement;
-# + uint32_t x = a ^ complement;
+# * hilbert.h test_curve : the curve does not turn
+# - return a ^ (swap & b) ^ complement;
+# + return a ^ (swap & 0) ^ complement;
 #
 # * stats test_stats : Stirling's second coefficient
 # - 1.0 / 360
@@ -341,9 +341,9 @@ exit
 # - const float scale = (float)bis_product_scale(p, c, k);
 # + const float scale = (k % 16 ? 1 : 2) * (float)bis_product_scale(p, c, k);
 #
-# * batch test_verify_picture : learned visibility is not divided out
-# - b->traced.q_L[k] = h[b->cluster[k]];
-# + b->traced.q_L[k] = 1;
+# * guide test_verify_picture : learned visibility is not divided out
+# - x->y.h[j] = g->foresight.h[k];
+# + x->y.h[j] = 1;
 #
 # * pass test_verify_picture : edge pixels count 1.5 times
 # - rgbd_scale(sum->L, 1 / (double)sum->n)
@@ -401,31 +401,31 @@ exit
 # - pipe->compressed_bytes == pipe->packed_bytes
 # + pipe->compressed_bytes > pipe->packed_bytes
 #
-# * batch test_batch : the normaliser divides by M + 1
-# - const double Zhat = W / M * unit * mean;
-# + const double Zhat = W / (M + 1) * unit * mean;
+# * set test_set test_sir : the normaliser divides by M + 1
+# - return x->W / x->M *
+# + return x->W / (x->M + 1) *
 #
-# * batch test_batch test_clusters : what learned visibility multiplied is not divided out
-# - Z * b->weights.times[k] / (double)y->q_L[k]
-# + Z * b->weights.times[k]
+# * set test_clusters test_product : what learned visibility multiplied is not divided out
+# - x->choice.times[j] / (double)y->h[j]
+# + x->choice.times[j]
 #
-# * batch test_batch : candidates left out for the BRDF's keep their weights
-# - b->weights.w[bis_one_of_set(j, m->n_brdf, M, phase)] = 0;
-# + (void)phase;
+# * set test_pool : candidates left out for the BRDF's keep their weights
+# - x->phase)] = 0;
+# + x->phase)] *= 1;
 #
-# * batch test_batch test_clusters : the mixture's density takes the map's for the product's
-# - b->brdf.q_L[i] *= (float)bis_product_scale(&b->product, clusters, b->pixel[i]);
-# + b->brdf.q_L[i] *= 1;
+# * guide test_product test_clusters : the mixture's density takes the map's for the product's
+# - x->brdf.x.q[i] *= (float)bis_product_scale(&g->product, g->clusters, k);
+# + x->brdf.x.q[i] *= 1;
 #
-# * batch test_batch : the pool's unit is forgotten: weights and result in different ones
-# - b, pt, Zhat / N, f)
-# + b, pt, Zhat / N / (unit > 0 ? unit : 1), f)
+# * set test_set test_sir : the light's unit is forgotten: weights and result in different ones
+# - return x->W / x->M * x->unit_of_f * x->unit_of_Le;
+# + return x->W / x->M * x->unit_of_f;
 #
-# * product test_clusters test_batch : a candidate's density is the map's, whatever its cluster got
+# * product test_clusters test_product : a candidate's density is the map's, whatever its cluster got
 # - / times) >> 16 & (D - 1)], scale);
 # + / times) >> 16 & (D - 1)], 1);
 #
-# * product test_clusters test_batch : always a cluster's first directions
+# * product test_clusters test_product : always a cluster's first directions
 # - bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) % ((uint64_t)D << 16) + turn;
 # + 0;
 #
@@ -437,7 +437,7 @@ exit
 # - for (int i = 0; i < DIRECTIONS; i++) least = fmin(least, dot(axis, y[i].wi));
 # + for (int i = 0; i < DIRECTIONS / 8; i++) least = fmin(least, dot(axis, y[i].wi));
 #
-# * visibility test_clusters test_batch : what was counted counts again in every later pass
+# * visibility test_clusters : what was counted counts again in every later pass
 # - *counted = (bis_seen){{0}, {0}};
 # + ;
 #
@@ -454,8 +454,8 @@ exit
 # + const float most = c + 0x1p-20f;
 #
 # * microfacet_formulas.h test_microfacet : the mixture's density without the cosine lobe
-# - k->pdf_lobe * f.R2 + k->pdf_base * OF(choose)(c_i > 0, c_i, 0)};
-# + k->pdf_lobe * f.R2};
+# - return k->pdf_lobe * f->R2 + k->pdf_base * OF(choose)(f->c_i > 0, f->c_i, 0);
+# + return k->pdf_lobe * f->R2;
 #
 # * microfacet_formulas.h test_microfacet : wi + wo without what the rounded mirror direction leaves
 # - k.s_x = (REAL)(dot(mirror, k.local.x) + dot(b->wo, k.local.x));
@@ -469,19 +469,19 @@ exit
 # - const float chord = sqrtf(l.sine[i] * l.sine[i] + (1 - cosine) * (1 - cosine)) + 0x1p-20f;
 # + const float chord = 0x1p-20f;
 #
-# * lanes test_lanes : random numbers of the first coordinate serve the second too
+# * curve_many test_lanes : random numbers of the first coordinate serve the second too
 # - u2[i] = unit_float(y << 12 | (place & 0xfffu));
 # + u2[i] = unit_float(y << 12 | place >> 20);
 #
-# * lanes test_lanes : strata that end a cell early
+# * curve_many test_lanes : strata that end a cell early
 # - whole = cells / n, rest = cells % n;
 # + whole = cells / n, rest = 0;
 #
-# * blocks test_batch : systematic marks without their random offset
-# - choose_systematic(b, N, W, bis_stream_random(stream));
-# + choose_systematic(b, N, W, 0.5 + 0 * bis_stream_random(stream));
+# * set test_set test_enumeration : systematic marks without their random offset
+# - x->mark < 0 ? bis_stream_random(stream) : x->mark
+# + x->mark < 0 ? 0.5 + 0 * bis_stream_random(stream) : x->mark
 #
-# * blocks test_batch : a block's sum without its last four weights
+# * choose test_choose : a block's sum without its last four weights
 # - for (int i = 0; i < 4; i++) c[i] = a[i] + a[i + 4];
 # + for (int i = 0; i < 4; i++) c[i] = a[i];
 #

@@ -13,13 +13,11 @@
 
 static const uint64_t purpose_clusters = 0x636c7573; /* no pixel's stream has it */
 
-enum { DIRECTIONS = BIS_CLUSTER_DIRECTIONS };
-
 bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M, bis_diag *diag)
 {
     const bis_importance *im = bis_light_importance(light);
     /* weighing them should not cost more than the candidates do */
-    const uint32_t K = M < 32 ? 64 : M < BIS_CLUSTERS / 2 ? 2 * M : BIS_CLUSTERS;
+    const uint32_t K = M < 32 ? BIS_CLUSTERS_FEW : M < BIS_CLUSTERS / 2 ? 2 * M : BIS_CLUSTERS;
     bis_status status;
 
     *c = (bis_clusters){.width = (uint32_t)bis_light_envmap(light)->width};
@@ -27,7 +25,10 @@ bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M
     if (status) goto done;
     c->columns = (c->width + c->side - 1) / c->side;
     const uint32_t padded = bis_lanes_round_up(c->n);
-    c->y = bis_alloc((size_t)c->n * DIRECTIONS, sizeof *c->y);
+    /* all points of a pass share the directions: where clusters are few, each has more */
+    for (c->directions = BIS_CLUSTER_DIRECTIONS; c->n * c->directions < BIS_CLUSTERS_FEW * BIS_CLUSTER_DIRECTIONS;)
+        c->directions *= 2;
+    c->y = bis_alloc((size_t)c->n * c->directions, sizeof *c->y);
     c->memory = bis_alloc(BIS_CONES_ARRAYS * (size_t)padded, sizeof *c->memory);
     if (!c->y || !c->memory) {
         status = BIS_NOMEM;
@@ -54,7 +55,7 @@ size_t bis_clusters_bytes(const bis_clusters *c)
 {
     if (!c->n) return 0;
     const size_t rows = ((size_t)c->width + 2 * c->side - 1) / (2 * c->side); /* maps are about twice as wide as high */
-    return c->n * (DIRECTIONS * sizeof *c->y + sizeof *c->t + BIS_CONES_ARRAYS * sizeof(float)) +
+    return c->n * (c->directions * sizeof *c->y + sizeof *c->t + BIS_CONES_ARRAYS * sizeof(float)) +
            rows * c->columns * sizeof *c->of_tile;
 }
 
@@ -69,12 +70,12 @@ static bis_cluster_point point_of(const bis_light_point *y, double unit)
  * 0, of directions all around, gets the whole sphere as its cone. */
 static void put_cone(bis_clusters *c, uint32_t k)
 {
-    const bis_cluster_point *y = c->y + (size_t)k * DIRECTIONS;
+    const bis_cluster_point *y = c->y + (size_t)k * c->directions;
     double x[3] = {0, 0, 0}, least = 1;
     rgbd energy = {0, 0, 0};
 
-    for (int i = 0; i < DIRECTIONS; i++) {
-        const double s = bis_cluster_share(c, k) / (DIRECTIONS * (double)y[i].q_L);
+    for (uint32_t i = 0; i < c->directions; i++) {
+        const double s = bis_cluster_share(c, k) / (c->directions * (double)y[i].q_L);
         x[0] += (double)y[i].wi.x;
         x[1] += (double)y[i].wi.y;
         x[2] += (double)y[i].wi.z;
@@ -82,7 +83,7 @@ static void put_cone(bis_clusters *c, uint32_t k)
     }
     const double norm = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
     const vec3 axis = norm > 0 ? vec3_from(x[0] / norm, x[1] / norm, x[2] / norm) : (vec3){0, 0, 1};
-    for (int i = 0; i < DIRECTIONS; i++) least = fmin(least, dot(axis, y[i].wi));
+    for (uint32_t i = 0; i < c->directions; i++) least = fmin(least, dot(axis, y[i].wi));
     if (norm == 0) least = -1;
     least = fmax(least, -1); /* floats are unit to 2^-23 only */
     c->cone.x[k] = axis.x;
@@ -104,14 +105,14 @@ void bis_clusters_fill(bis_clusters *c, const bis_light *light, uint64_t seed, u
     for (uint32_t k = 0; k < c->n; k++) {
         bis_rng rng;
         bis_rng_init(&rng, seed, k, pass, purpose_clusters);
-        for (uint32_t i = 0; i < DIRECTIONS; i++) {
-            const double t = c->t[k] + bis_cluster_share(c, k) * bis_stratum(i, bis_rng_double(&rng), DIRECTIONS);
+        for (uint32_t i = 0; i < c->directions; i++) {
+            const double t = c->t[k] + bis_cluster_share(c, k) * bis_stratum(i, bis_rng_double(&rng), c->directions);
             const double u[2] = {bis_rng_double(&rng), bis_rng_double(&rng)};
             bis_light_point y;
             const bool drawn = bis_light_sample_curve(light, fmin(t, 1 - 0x1p-53), u, &y);
             assert(drawn);
             (void)drawn;
-            c->y[(size_t)k * DIRECTIONS + i] = point_of(&y, unit);
+            c->y[(size_t)k * c->directions + i] = point_of(&y, unit);
         }
         put_cone(c, k);
     }

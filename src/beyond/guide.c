@@ -132,7 +132,7 @@ bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clus
     bis_status status = BIS_OK;
 
     *g = (bis_product_guide){
-        .steps = {.draw = draw, .density = density, .learns = true}, .clusters = clusters, .visibility = visibility};
+        .steps = {.draw = draw, .density = density, .is_coarse = bis_clusters_are_wide(clusters), .learns = true}, .clusters = clusters, .visibility = visibility};
     bis_product_claim(&g->product, &claims);
     if (claims.failed) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's clusters");
     if (!status && visibility) {

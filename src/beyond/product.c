@@ -50,8 +50,7 @@ static void put(const bis_lanes *to, uint32_t i, const bis_cluster_point *y, flo
 void bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x, uint16_t *part, uint32_t n,
                       double offset, double phase, uint64_t pixel)
 {
-    enum { D = BIS_CLUSTER_DIRECTIONS };
-    const uint64_t turn = (uint64_t)(phase * (D << 16));
+    const uint64_t D = c->directions, turn = (uint64_t)(phase * (double)(D << 16));
     const bis_cluster_point nothing = {.q_L = 1};
     uint32_t i = 0;
 
@@ -62,7 +61,7 @@ void bis_product_draw(bis_product *p, const bis_clusters *c, const bis_lanes *x,
         const float scale = (float)bis_product_scale(p, c, k);
         /* evenly spread: every (D/times)-th from a random one, in 2^-16 of a direction. Each cluster begins elsewhere
          */
-        const uint64_t first = bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) % ((uint64_t)D << 16) + turn;
+        const uint64_t first = bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) % (D << 16) + turn;
         for (uint32_t m = 0; m < times; m++, i++) {
             put(x, i, &y[(first + ((uint64_t)m << 16) * D / times) >> 16 & (D - 1)], scale);
             part[i] = (uint16_t)k;

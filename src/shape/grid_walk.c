@@ -52,8 +52,8 @@ static inline BIS_INLINE bool test_block(const bis_grid *g, uint32_t block, sear
     return false;
 }
 
-/* Test what lies in the cell that the ray leaves at t: triangles by blocks, if there are blocks, and the rest one by one.
- * Quadrics are a cell's last items. True: something is hit, and any hit will do. */
+/* Test what lies in the cell that the ray leaves at t: triangles by blocks, if there are blocks, and the rest one by
+ * one. Quadrics are a cell's last items. True: something is hit, and any hit will do. */
 static inline BIS_INLINE bool test_cell(const bis_grid *g, size_t cell, double t, search *s, const bool any)
 {
     const float d[3] = {s->r->d.x, s->r->d.y, s->r->d.z};

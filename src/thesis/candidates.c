@@ -54,7 +54,8 @@ static double share_of_brdf(uint32_t M, bis_proposal proposal, const bis_point *
 /* Under a constant light q_f alone is nearly the product, so all candidates come from the BRDF. A specular lobe
  * always gets at least one candidate, except with the product: it needs none, and a single one would cost as much as
  * a whole block. A diffuse surface gets none if its share rounds to 0. M = 1 cannot be divided: its technique is
- * drawn at random, and the density is that of the mixture. */
+ * drawn at random, and the density is that of the mixture. The product's only candidate comes from the map, because
+ * the product reaches all that reflects light, and because its density is known only where it draws. */
 bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_point *pt, bis_stream *stream)
 {
     const bis_mixture em = {M, 0, 1}, brdf = {0, M, 0};
@@ -62,12 +63,12 @@ bis_mixture bis_candidates_divide(uint32_t M, bis_proposal proposal, const bis_p
     if (proposal == BIS_PROPOSAL_EM) return em;
     if (proposal == BIS_PROPOSAL_BRDF || bis_light_is_constant(pt->light)) return brdf;
 
-    double share = share_of_brdf(M, proposal, pt);
-    if (M == 1) {
+    const double share = share_of_brdf(M, proposal, pt);
+    const bool product = proposal == BIS_PROPOSAL_PRODUCT, always = pt->bsdf.p_specular > 0 && !product;
+    if (M == 1 && !product) {
         uint32_t n_brdf = bis_stream_random(stream) < share;
         return (bis_mixture){1 - n_brdf, n_brdf, 1 - share};
     }
-    const bool product = proposal == BIS_PROPOSAL_PRODUCT, always = pt->bsdf.p_specular > 0 && !product;
     const double n = product ? floor(share * M) : round(share * M);
     const uint32_t n_brdf = (uint32_t)fmax(always, fmin(n, M - 1));
     return (bis_mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};

@@ -105,7 +105,8 @@ bool bis_set_draw(bis_set *x, uint32_t M, bis_proposal proposal, bool stratify, 
     x->map.n = x->brdf.n = x->n_unused = x->choice.n = x->choice.n_chosen = 0;
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return false;
     pt->counters->candidates += M;
-    const bis_mixture m = bis_candidates_divide(M, proposal, pt, stream);
+    const bool is_coarse = x->guide && x->guide->is_coarse;
+    const bis_mixture m = bis_candidates_divide(M, is_coarse ? BIS_PROPOSAL_MIX : proposal, pt, stream);
     const bool guided = x->guide && x->guide->draw && m.n_em > 0;
 
     x->beta = m.beta;

@@ -76,6 +76,8 @@ struct bis_guide {
      * (1/M) sum_i F/q g - Z sum_j F/(phat h) g, whose mean is 0 (sir.c) */
     bool (*has_control)(const bis_guide *guide, const bis_set *x, const bis_point *pt);
     rgbd (*expected)(const bis_guide *guide, const bis_set *x, double Z);
+    /* draw does not find lobes: the BRDF's share of the candidates is that of proposal "mix" */
+    bool is_coarse;
     bool learns; /* rays that are traced now are counted, so that later points know more of V */
 };
 

@@ -1,10 +1,10 @@
 /* clusters, product, visibility: candidates from where light and BRDF can both be large, and where earlier passes saw
  * the light. Family-wise significance 1e-3 over all statistical tests here. */
-#include "beyond/batch.h"
+#include "beyond/guide.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "lit.h"
-#include "beyond/product.h"
+#include "set_help.h"
 #include "thesis/proposal.h"
 
 #include "bis/base/stats.h"
@@ -21,7 +21,7 @@
 
 enum { SEED = 71, RUNS = 200, PER_FILL = 20 };
 
-static double alpha(void) { return stat_level(1e-3, 4 * 4 * 2 * 4 + 1); }
+static double alpha(void) { return stat_level(1e-3, 4 * 4 * 2 * 4 + 1 + 3 + 17); }
 
 static vec3 tilted(void) { return normalize((vec3){0.3f, 0.1f, 1}); }
 
@@ -130,7 +130,7 @@ static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
         for (int i = 0; i < BIS_CLUSTER_DIRECTIONS; i++) {
             const bis_cluster_point *y = &c.y[(size_t)k * BIS_CLUSTER_DIRECTIONS + (size_t)i];
             elsewhere += bis_cluster_of_pixel(&c, (uint32_t)bis_envmap_pixel(em, y->wi)) != k; /* the light's axes are the world's; floats next to an edge */
-            assert_true(dot(axis, y->wi) >= (double)c.cone.q[k] - 1e-6);
+            assert_true(dot(axis, y->wi) >= (double)c.cone.cosine[k] - 1e-6);
         }
     }
     assert_true(elsewhere < (int)c.n * BIS_CLUSTER_DIRECTIONS / 1000);
@@ -139,6 +139,14 @@ static void a_cluster_s_directions_lie_in_it_and_in_its_cone(void **state)
 }
 
 /* ---- the bound ---- */
+
+static void new_product(bis_product *p)
+{
+    bis_claims claims = {0};
+
+    bis_product_claim(p, &claims);
+    assert_false(claims.failed);
+}
 
 /* w of a cluster against f cos Le of all its directions: at least the mean over the energy, and positive wherever any
  * is. */
@@ -151,12 +159,12 @@ static void reach_bounds_the_product_over_every_cluster(void **state)
 
     (void)state;
     assert_int_equal(bis_clusters_init(&c, light, 256, NULL), BIS_OK);
-    assert_true(bis_product_init(&p, 64));
+    new_product(&p);
     bis_clusters_fill(&c, light, SEED, 0, 1);
     for (int e = 0; e < 6; e++) {
         lit l;
         lit_init(&l, light, bis_phong((rgb){0.1f, 0.2f, 0}, (rgb){0.9f, 0.3f, 0.5f}, exponents[e]), tilted(), 70, LIT_OPEN);
-        bis_product_weigh(&p, &c, NULL, &l.pt);
+        bis_product_weigh(&p, &c, NULL, &l.pt.bsdf);
         double unit = 0, worst = (double)INFINITY;
         for (int pass = 0; pass < 2; pass++) { /* the unit is whatever makes the bound hold; it must be the same for all clusters */
             for (uint32_t k = 0; k < c.n; k++) {
@@ -184,40 +192,53 @@ static void reach_bounds_the_product_over_every_cluster(void **state)
 
 /* ---- the estimate ---- */
 
-static void spoil_nothing(bis_clusters *c, float *h)
+/* What one thread has, and what all share. */
+typedef struct workspace {
+    bis_clusters c;
+    bis_visibility v;
+    bis_product_guide guide;
+    bis_scratch scratch;
+} workspace;
+
+/* learned: any positive h, any control. */
+static void open_workspace(workspace *w, const bis_light *light, const bis_settings *s, bool learned)
 {
-    (void)c;
-    (void)h;
+    *w = (workspace){.v = {.n_tiles = 0}};
+    assert_true(bis_beyond_needs_of(s).clusters);
+    assert_int_equal(bis_clusters_init(&w->c, light, s->candidates, NULL), BIS_OK);
+    if (learned) assert_int_equal(bis_visibility_init(&w->v, 1, 1, NULL), BIS_OK);
+    assert_int_equal(bis_product_guide_init(&w->guide, &w->c, learned ? &w->v : NULL, NULL), BIS_OK);
+    bis_product_guide_look(&w->guide, 0);
+    w->guide.foresight.knows = learned;
+    for (uint32_t k = 0; learned && k < w->c.n; k++) {
+        w->guide.foresight.h[k] = k % 3 ? 0.15f : 1;
+        w->guide.foresight.control[k] = k % 5 ? 0.7f : 2.5f;
+    }
+    assert_int_equal(bis_scratch_init(&w->scratch, s, NULL), BIS_OK);
+    bis_scratch_share(&w->scratch, NULL, &w->guide.steps);
 }
 
-/* As test_pool's: several points share the directions of a pass; their mean is one value. */
-static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, void (*spoil)(bis_clusters *, float *))
+static void close_workspace(workspace *w)
 {
-    bis_scratch scratch;
-    bis_fast fast;
-    bis_clusters c;
-    bis_seen counted = {{0}, {0}};
+    bis_scratch_clear(&w->scratch);
+    bis_product_guide_clear(&w->guide);
+    bis_visibility_clear(&w->v);
+    bis_clusters_clear(&w->c);
+}
+
+/* As test_pool's: several points share the directions of a pass; their mean is one value. spoil: twins. */
+static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, void (*spoil)(workspace *))
+{
+    workspace w;
 
     for (int i = 0; i < 4; i++) m[i] = (stat_moments){0};
-    assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
-    assert_int_equal(bis_fast_init(&fast, s, NULL), BIS_OK);
-    assert_true(bis_fast_needs_of(s).clusters);
-    scratch.fast = &fast;
-    assert_int_equal(bis_clusters_init(&c, l->light, s->candidates, NULL), BIS_OK);
-    fast.clusters = &c;
-    if (learned) assert_int_equal(bis_foresight_init(&fast.foresight, c.n, NULL), BIS_OK);
-    fast.foresight.counted = &counted;
-    fast.foresight.knows = learned;
-    for (uint32_t k = 0; learned && k < c.n; k++) { /* any positive numbers */
-        fast.foresight.h[k] = k % 3 ? 0.15f : 1;
-        fast.foresight.control[k] = k % 5 ? 0.7f : 2.5f;
-    }
+    open_workspace(&w, l->light, s, learned);
     for (uint32_t fill = 0; fill < RUNS; fill++) {
         rgbd sum = {0, 0, 0};
-        bis_clusters_fill(&c, l->light, SEED, fill, 1);
-        spoil(&c, fast.foresight.h);
+        bis_clusters_fill(&w.c, l->light, SEED, fill, 1);
+        if (spoil) spoil(&w);
         for (uint32_t k = 0; k < PER_FILL; k++) {
-            const rgb L = lit_once(l, s, &scratch, SEED, (uint64_t)fill * PER_FILL + k);
+            const rgb L = lit_once(l, s, &w.scratch, SEED, (uint64_t)fill * PER_FILL + k);
             sum = rgbd_add(sum, (rgbd){(double)L.r / PER_FILL, (double)L.g / PER_FILL, (double)L.b / PER_FILL});
         }
         stat_add(&m[0], sum.r);
@@ -225,9 +246,7 @@ static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, 
         stat_add(&m[2], sum.b);
         stat_add(&m[3], rgbd_sum(sum));
     }
-    bis_scratch_clear(&scratch);
-    bis_fast_clear(&fast);
-    bis_clusters_clear(&c);
+    close_workspace(&w);
 }
 
 static bis_settings product(uint32_t M, uint32_t N, bool learn)
@@ -244,45 +263,89 @@ static bis_settings product(uint32_t M, uint32_t N, bool learn)
  * what one point has left there changes no bit of the next. */
 static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
 {
-    static const uint32_t Ms[] = {16, 40, 64, 250};
+    static const uint32_t Ms[] = {7, 40, 64, 250};
     static const double exponents[] = {1, 5000, 10, 300, 50, 100000, 3, 1000};
 
     (void)state;
     bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
     for (int i = 0; i < 4; i++) {
         const bis_settings s = product(Ms[i], 5, false);
-        bis_scratch used, fresh;
-        bis_fast used_fast, fresh_fast;
-        bis_clusters c;
-        assert_int_equal(bis_clusters_init(&c, light, Ms[i], NULL), BIS_OK);
-        bis_clusters_fill(&c, light, SEED, 0, 1);
-        assert_int_equal(bis_scratch_init(&used, &s, NULL), BIS_OK);
-        assert_int_equal(bis_fast_init(&used_fast, &s, NULL), BIS_OK);
-        used_fast.clusters = &c;
-        used.fast = &used_fast;
+        workspace used, fresh;
+        open_workspace(&used, light, &s, false);
+        bis_clusters_fill(&used.c, light, SEED, 0, 1);
         for (uint64_t k = 0; k < 64; k++) {
             lit l;
             lit_init(&l, light, bis_phong((rgb){0.3f, 0.2f, 0.1f}, (rgb){0.6f, 0.6f, 0.4f}, exponents[k % 8]),
                 tilted(), k % 3 ? 30 : 75, LIT_OPEN);
-            assert_int_equal(bis_scratch_init(&fresh, &s, NULL), BIS_OK);
-            assert_int_equal(bis_fast_init(&fresh_fast, &s, NULL), BIS_OK);
-            fresh_fast.clusters = &c;
-            fresh.fast = &fresh_fast;
-            const rgb a = lit_once(&l, &s, &used, SEED, k), b = lit_once(&l, &s, &fresh, SEED, k);
+            open_workspace(&fresh, light, &s, false);
+            bis_clusters_fill(&fresh.c, light, SEED, 0, 1);
+            const rgb a = lit_once(&l, &s, &used.scratch, SEED, k), b = lit_once(&l, &s, &fresh.scratch, SEED, k);
             assert_memory_equal(&a, &b, sizeof a);
-            bis_scratch_clear(&fresh);
-            bis_fast_clear(&fresh_fast);
+            close_workspace(&fresh);
         }
-        bis_scratch_clear(&used);
-        bis_fast_clear(&used_fast);
-        bis_clusters_clear(&c);
+        close_workspace(&used);
+    }
+    bis_light_free(light);
+}
+
+/* Where a candidate of the product may lie, counted by cluster: n w_k/W of each cluster, w as the product weighs it. A
+ * direction of the BRDF gets the density of the cluster that its pixel is in. */
+static void candidates_have_the_density_that_they_say(void **state)
+{
+    enum { M = 40, SETS = 2000 };
+    static const double exponents[] = {1, 50, 3000};
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_settings s = product(M, 4, true);
+
+    (void)state;
+    for (int e = 0; e < 3; e++) {
+        workspace w;
+        lit l;
+        open_workspace(&w, light, &s, true);
+        bis_clusters_fill(&w.c, light, SEED, 0, 1);
+        lit_init(&l, light, bis_phong(grey(0.3), grey(0.6), exponents[e]), tilted(), 40, LIT_OPEN);
+        double *observed = bis_alloc(w.c.n, sizeof *observed), *expected = bis_alloc(w.c.n, sizeof *expected), *even = bis_alloc(w.c.n, sizeof *even);
+        bis_set *x = w.scratch.set;
+        double W = 0;
+        for (uint64_t run_number = 0; run_number < SETS; run_number++) {
+            const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+            bis_stream stream;
+            bis_rng pick;
+            bis_stream_init(&stream, &sampler, run_number, 0);
+            bis_rng_init(&pick, SEED, run_number, 0, 9);
+            assert_true(bis_set_draw(x, M, s.proposal, true, &l.pt, &stream));
+            const float *h = w.guide.foresight.h, *bound = w.guide.product.clusters.w; /* bound: with h */
+            observed[x->part[bis_rng_below(&pick, x->map.n)]]++; /* one of a set: independent */
+            W = 0;
+            for (uint32_t k = 0; k < w.c.n; k++) W += (double)bound[k];
+            for (uint32_t i = 0; i < set_size(x); i++) {
+                const uint32_t number = set_number(x, i), k = x->part[number];
+                const vec3 wi = set_direction(x, number);
+                const double q = bis_light_pdf(light, wi) / bis_cluster_share(&w.c, k) * (double)bound[k] / W;
+                uint32_t at;
+                assert_true(h[k] > 0);
+                if (bis_cluster_of_pixel(&w.c, (uint32_t)bis_envmap_pixel(bis_light_envmap(light), wi)) != k) continue; /* floats next to an edge */
+                const double q_L = (double)bis_set_half(x, number, &at)->x.q[at];
+                if (fabs(q_L / q - 1) > 0x1p-20) fail_msg("exponent %g: density %g, not %g", exponents[e], q_L, q);
+            }
+        }
+        for (uint32_t k = 0; k < w.c.n; k++) {
+            expected[k] = SETS * (double)w.guide.product.clusters.w[k] / W;
+            even[k] = SETS * bis_cluster_share(&w.c, k);
+        }
+        stat_assert_fit("product-clusters", SEED, observed, expected, w.c.n, alpha());
+        stat_assert_no_fit("product-clusters-of-the-map", SEED, observed, even, w.c.n, alpha());
+        bis_free(observed);
+        bis_free(expected);
+        bis_free(even);
+        close_workspace(&w);
     }
     bis_light_free(light);
 }
 
 static void product_is_unbiased_with_and_without_learned_visibility(void **state)
 {
-    static const uint32_t Ms[] = {16, 17, 64, 256};
+    static const uint32_t Ms[] = {1, 3, 17, 256};
     const bis_material materials[] = {bis_phong((rgb){0.8f, 0.5f, 0.2f}, (rgb){0, 0, 0}, 1), bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 10),
                                       bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 50),
                                       bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 1000)}; /* which gets candidates from the BRDF, too */
@@ -296,27 +359,73 @@ static void product_is_unbiased_with_and_without_learned_visibility(void **state
         lit_init(&l, light, materials[i / 4 % 4], tilted(), 40, i % 2 ? LIT_HALF : LIT_OPEN);
         const rgbd truth = lit_truth(&l, true);
         const double expected[4] = {truth.r, truth.g, truth.b, rgbd_sum(truth)};
-        run(m, &l, &s, learned, spoil_nothing);
+        run(m, &l, &s, learned, NULL);
         for (int c = 0; c < 4; c++) stat_assert_mean("product", SEED, &m[c], expected[c], alpha());
         bis_light_free(light);
     }
 }
 
+/* There is no least M: one candidate, a block less one, a block, a block and one. */
+static void product_is_unbiased_for_every_M_from_1_to_17(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+
+    (void)state;
+    for (uint32_t M = 1; M <= 17; M++) {
+        const bis_settings s = product(M, 1 + M % 3, true);
+        stat_moments m[4];
+        lit l;
+        lit_init(&l, light, bis_phong(grey(0.3), grey(0.6), M % 2 ? 1000 : 20), tilted(), 40, LIT_HALF);
+        run(m, &l, &s, true, NULL);
+        stat_assert_mean("product-M", SEED, &m[3], rgbd_sum(lit_truth(&l, true)), alpha());
+    }
+    bis_light_free(light);
+}
+
 /* Twin: every second cluster draws from the first, with its own density. */
-static void draw_elsewhere(bis_clusters *c, float *h)
+static void draw_elsewhere(workspace *w)
 {
     enum { D = BIS_CLUSTER_DIRECTIONS };
-    (void)h;
-    for (uint32_t k = 1; k < c->n; k += 2) {
-        for (int i = 0; i < D; i++) c->y[(size_t)k * D + (size_t)i] = c->y[i];
+
+    for (uint32_t k = 1; k < w->c.n; k += 2) {
+        for (int i = 0; i < D; i++) w->c.y[(size_t)k * D + (size_t)i] = w->c.y[i];
     }
 }
 
 /* Twin: a bound of 0 over every second cluster, where the product is not 0. */
-static void overlook_clusters(bis_clusters *c, float *h)
+static void overlook_clusters(workspace *w)
 {
-    (void)h;
-    for (uint32_t k = 0; k < c->n; k += 2) c->cone.r[k] = c->cone.g[k] = c->cone.b[k] = 0;
+    for (uint32_t k = 0; k < w->c.n; k += 2) w->c.cone.r[k] = w->c.cone.g[k] = w->c.cone.b[k] = 0;
+}
+
+/* Twins: a guide that says 5 % more than its density; one that says another h than it weighs with. */
+static bool (*honest_draw)(bis_guide *, bis_set *, uint32_t, const bis_point *, bis_stream *);
+static void (*honest_chosen)(bis_guide *, bis_set *);
+
+static bool lie_of_density(bis_guide *g, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
+{
+    const bool drawn = honest_draw(g, x, n, pt, stream);
+
+    for (uint32_t i = 0; i < x->map.n; i++) x->map.x.q[i] *= 1.05f;
+    return drawn;
+}
+
+static void lie_of_h(bis_guide *g, bis_set *x)
+{
+    honest_chosen(g, x);
+    for (uint32_t j = 0; j < x->choice.n_chosen; j++) x->y.h[j] = 0.15f;
+}
+
+static void spoil_density(workspace *w)
+{
+    if (w->guide.steps.draw != lie_of_density) honest_draw = w->guide.steps.draw;
+    w->guide.steps.draw = lie_of_density;
+}
+
+static void spoil_h(workspace *w)
+{
+    if (w->guide.steps.chosen != lie_of_h) honest_chosen = w->guide.steps.chosen;
+    w->guide.steps.chosen = lie_of_h;
 }
 
 static void twins_with_a_wrong_density_or_a_bound_of_0_are_found(void **state)
@@ -333,6 +442,11 @@ static void twins_with_a_wrong_density_or_a_bound_of_0_are_found(void **state)
     stat_assert_not_mean("product-elsewhere", SEED, &m[3], truth, alpha());
     run(m, &l, &s, false, overlook_clusters);
     stat_assert_not_mean("product-bound", SEED, &m[3], truth, alpha());
+    run(m, &l, &s, false, spoil_density);
+    stat_assert_not_mean("product-density", SEED, &m[3], truth, alpha());
+    const bis_settings learned = product(64, 3, true);
+    run(m, &l, &learned, true, spoil_h);
+    stat_assert_not_mean("product-h", SEED, &m[3], truth, alpha());
     bis_light_free(light);
 }
 
@@ -438,35 +552,53 @@ static void control_of_1_leaves_no_noise_to_the_choice(void **state)
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     const bis_settings s[2] = {product(64, 1, true), product(64, 7, true)};
     rgb L[2][2];
-    bis_clusters c;
     lit l;
 
     (void)state;
     lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 20), tilted(), 40, LIT_OPEN);
-    assert_int_equal(bis_clusters_init(&c, light, 64, NULL), BIS_OK);
-    bis_clusters_fill(&c, light, SEED, 0, 1);
     for (int known = 0; known < 2; known++) {
         for (int i = 0; i < 2; i++) {
-            bis_scratch scratch;
-            bis_fast fast;
-            assert_int_equal(bis_scratch_init(&scratch, &s[i], NULL), BIS_OK);
-            assert_int_equal(bis_fast_init(&fast, &s[i], NULL), BIS_OK);
-            scratch.fast = &fast;
-            fast.clusters = &c;
-            assert_int_equal(bis_foresight_init(&fast.foresight, c.n, NULL), BIS_OK);
-            for (uint32_t k = 0; k < c.n; k++) {
-                fast.foresight.h[k] = 0.1f + 0.3f * (float)(k % 2);
-                fast.foresight.control[k] = 1 / fast.foresight.h[k];
+            workspace w;
+            open_workspace(&w, light, &s[i], true);
+            bis_clusters_fill(&w.c, light, SEED, 0, 1);
+            for (uint32_t k = 0; k < w.c.n; k++) {
+                w.guide.foresight.h[k] = 0.1f + 0.3f * (float)(k % 2);
+                w.guide.foresight.control[k] = 1 / w.guide.foresight.h[k];
             }
-            fast.foresight.knows = known;
-            L[known][i] = lit_once(&l, &s[i], &scratch, SEED, 3);
-            bis_scratch_clear(&scratch);
-            bis_fast_clear(&fast);
+            w.guide.foresight.knows = known;
+            L[known][i] = lit_once(&l, &s[i], &w.scratch, SEED, 3);
+            close_workspace(&w);
         }
     }
     assert_true(fabsf(L[0][0].r / L[0][1].r - 1) > 1e-3f);
     assert_true(fabsf(L[1][0].r / L[1][1].r - 1) < 1e-5f && fabsf(L[1][0].b / L[1][1].b - 1) < 1e-5f);
-    bis_clusters_clear(&c);
+    bis_light_free(light);
+}
+
+/* Rays are counted for the part of the map that their candidate comes from, and what light arrives, too; but not while
+ * learns is false, as where V = 1 is asked for (the layers of src/render/gather.c). */
+static void rays_are_counted_and_V_1_of_a_layer_is_not_learned_from(void **state)
+{
+    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0.15, false);
+    const bis_settings s = product(64, 7, true);
+    workspace w;
+    lit l;
+
+    (void)state;
+    lit_init(&l, light, bis_phong(grey(0.5), grey(0.5), 20), tilted(), 40, LIT_HALF);
+    open_workspace(&w, light, &s, true);
+    bis_clusters_fill(&w.c, light, SEED, 0, 1);
+    for (int learns = 0; learns < 2; learns++) {
+        uint32_t rays = 0, seen = 0;
+        w.guide.steps.learns = learns;
+        l.counters = (bis_counters){0};
+        for (uint64_t k = 0; k < 100; k++) lit_once(&l, &s, &w.scratch, SEED, k);
+        assert_true(l.counters.shadow_rays > 300);
+        for (int part = 0; part < BIS_VISIBILITY_PARTS; part++) rays += w.v.counted->rays[part], seen += w.v.counted->seen[part];
+        assert_int_equal(rays, learns ? l.counters.shadow_rays : 0);
+        assert_true(learns ? seen > rays / 10 && seen < rays : seen == 0);
+    }
+    close_workspace(&w);
     bis_light_free(light);
 }
 
@@ -475,39 +607,33 @@ static void without_a_cluster_in_reach_the_estimate_is_black(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
     const bis_settings s = product(64, 4, false);
-    bis_clusters c;
-    bis_scratch scratch;
-    bis_fast fast;
+    workspace w;
     lit l;
 
     (void)state;
     lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 20), tilted(), 40, LIT_OPEN);
-    assert_int_equal(bis_clusters_init(&c, light, 64, NULL), BIS_OK);
-    bis_clusters_fill(&c, light, SEED, 0, 1);
-    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
-    assert_int_equal(bis_fast_init(&fast, &s, NULL), BIS_OK);
-    scratch.fast = &fast;
-    fast.clusters = &c;
-    assert_true(rgb_sum(lit_once(&l, &s, &scratch, SEED, 3)) > 0);
-    for (uint32_t k = 0; k < c.n; k++) c.cone.r[k] = c.cone.g[k] = c.cone.b[k] = 0;
-    const rgb L = lit_once(&l, &s, &scratch, SEED, 3);
-    assert_true(L.r == 0 && L.g == 0 && L.b == 0);
-    bis_scratch_clear(&scratch);
-    bis_fast_clear(&fast);
-    bis_clusters_clear(&c);
+    open_workspace(&w, light, &s, false);
+    bis_clusters_fill(&w.c, light, SEED, 0, 1);
+    assert_true(rgb_sum(lit_once(&l, &s, &w.scratch, SEED, 3)) > 0);
+    for (uint32_t k = 0; k < w.c.n; k++) w.c.cone.r[k] = w.c.cone.g[k] = w.c.cone.b[k] = 0;
+    assert_true(rgb_is_black(lit_once(&l, &s, &w.scratch, SEED, 3)));
+    close_workspace(&w);
     bis_light_free(light);
 }
 
 static void without_memory_nothing_is_held(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0, false);
-    bis_settings s = product(64, 3, true);
+    bis_clusters whole;
+    bis_visibility seen;
 
     (void)state;
+    assert_int_equal(bis_clusters_init(&whole, light, 256, NULL), BIS_OK);
+    assert_int_equal(bis_visibility_init(&seen, 3, 1, NULL), BIS_OK);
     for (long k = 1; k < 40; k++) {
         bis_clusters c;
         bis_visibility v;
-        bis_scratch scratch;
+        bis_product_guide g;
         bis_mem_fail_at(k);
         if (bis_clusters_init(&c, light, 256, NULL) == BIS_OK) bis_clusters_clear(&c);
         bis_mem_fail_at(k);
@@ -516,9 +642,11 @@ static void without_memory_nothing_is_held(void **state)
         bis_mem_fail_at(k);
         if (bis_foresight_init(&f, 100, NULL) == BIS_OK) bis_foresight_clear(&f);
         bis_mem_fail_at(k);
-        if (bis_scratch_init(&scratch, &s, NULL) == BIS_OK) bis_scratch_clear(&scratch);
+        if (bis_product_guide_init(&g, &whole, &seen, NULL) == BIS_OK) bis_product_guide_clear(&g);
         bis_mem_fail_at(0);
     }
+    bis_clusters_clear(&whole);
+    bis_visibility_clear(&seen);
     bis_light_free(light);
 }
 
@@ -537,19 +665,22 @@ static void candidates_of_a_cluster_are_spread_evenly_over_its_directions(void *
     lit_init(&l, light, bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.3f, 0.3f, 0.3f}, 5), tilted(), 30, LIT_OPEN);
     assert_int_equal(bis_clusters_init(&c, light, 64, NULL), BIS_OK);
     bis_clusters_fill(&c, light, SEED, 0, 1);
-    assert_true(bis_product_init(&p, M));
-    assert_true(bis_product_weigh(&p, &c, NULL, &l.pt));
+    new_product(&p);
+    float *memory = bis_alloc(BIS_LANES_ARRAYS * M, sizeof *memory);
+    const bis_lanes x = bis_lanes_in(memory, M);
+    uint16_t part[M];
+    assert_true(bis_product_weigh(&p, &c, NULL, &l.pt.bsdf));
     for (uint64_t run = 0; run < 30; run++) {
         const uint32_t n = counts[run % 3];
-        bis_product_draw(&p, &c, n, (double)run / 30, (double)(7 * run % 30) / 30, run);
+        bis_product_draw(&p, &c, &x, part, n, (double)run / 30, (double)(7 * run % 30) / 30, run);
         for (uint32_t i = 0, times; i < n; i += times) {
-            const uint32_t k = p.cluster[i];
+            const uint32_t k = part[i];
             uint32_t at[M];
-            for (times = 0; i + times < n && p.cluster[i + times] == k; times++) {
+            for (times = 0; i + times < n && part[i + times] == k; times++) {
                 uint32_t d = 0;
                 for (; d < D; d++) {
                     const vec3 w = c.y[k * D + d].wi;
-                    if (w.x == p.y.x[i + times] && w.y == p.y.y[i + times] && w.z == p.y.z[i + times]) break;
+                    if (w.x == x.x[i + times] && w.y == x.y[i + times] && w.z == x.z[i + times]) break;
                 }
                 assert_true(d < D);
                 at[times] = d;
@@ -562,6 +693,7 @@ static void candidates_of_a_cluster_are_spread_evenly_over_its_directions(void *
         }
     }
     assert_true(most > 8);
+    bis_free(memory);
     bis_product_clear(&p);
     bis_clusters_clear(&c);
     bis_light_free(light);
@@ -576,11 +708,14 @@ int main(void)
         cmocka_unit_test(a_cluster_s_directions_lie_in_it_and_in_its_cone),
         cmocka_unit_test(reach_bounds_the_product_over_every_cluster),
         cmocka_unit_test(a_used_workspace_gives_the_bits_of_a_new_one),
+        cmocka_unit_test(candidates_have_the_density_that_they_say),
         cmocka_unit_test(product_is_unbiased_with_and_without_learned_visibility),
+        cmocka_unit_test(product_is_unbiased_for_every_M_from_1_to_17),
         cmocka_unit_test(twins_with_a_wrong_density_or_a_bound_of_0_are_found),
         cmocka_unit_test(foresight_follows_what_was_seen_before),
         cmocka_unit_test(counts_keep_their_mean_beyond_16_bits),
         cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
+        cmocka_unit_test(rays_are_counted_and_V_1_of_a_layer_is_not_learned_from),
         cmocka_unit_test(without_a_cluster_in_reach_the_estimate_is_black),
         cmocka_unit_test(without_memory_nothing_is_held),
         cmocka_unit_test(candidates_of_a_cluster_are_spread_evenly_over_its_directions),

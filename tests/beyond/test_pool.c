@@ -1,9 +1,9 @@
 /* pool: directions drawn once for many pixels. Family-wise significance 1e-3 over all statistical tests here. */
-#include "beyond/batch.h"
 #include "bis/base/mem.h"
+#include "bis/beyond/pool.h"
 #include "bis/thesis/phong.h"
 #include "lit.h"
-
+#include "set_help.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 
 enum { SEED = 8154, RUNS = 400, PER_POOL = 25 };
 
-static double alpha(void) { return stat_level(1e-3, 1 + 4 * 12); }
+static double alpha(void) { return stat_level(1e-3, 2 + 4 * 21); }
 
 static vec3 tilted(void) { return normalize((vec3){0.3f, 0.1f, 1}); }
 
@@ -39,15 +39,16 @@ static void directions_of_a_set_have_the_density_of_the_light(void **state)
     bis_pool pool;
 
     (void)state;
-    assert_int_equal(bis_pool_init(&pool, M, false, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&pool, M, NULL), BIS_OK);
     assert_int_equal(pool.n_sets, 256);
     for (uint32_t fill = 0; fill < FILLS; fill++) {
         bis_pool_fill(&pool, light, SEED, fill, 2);
         for (uint32_t set = 0; set < pool.n_sets; set++) {
-            const bis_light_point *y = &pool.y[(size_t)set * M + (fill * pool.n_sets + set) % M]; /* one of a set: independent */
-            observed[(y->wi.x > 0) + 2 * (y->wi.y > 0) + 4 * (y->wi.z > 0)]++;
+            const bis_lanes y = bis_pool_set(&pool, set);
+            const uint32_t i = (fill * pool.n_sets + set) % M; /* one of a set: independent */
+            observed[(y.x[i] > 0) + 2 * (y.y[i] > 0) + 4 * (y.z[i] > 0)]++;
             total++;
-            assert_true(y->pdf > 0);
+            assert_true(fabs((double)y.q[i] / bis_light_pdf(light, (vec3){y.x[i], y.y[i], y.z[i]}) - 1) < 0x1p-23);
         }
     }
     for (size_t i = 0; i < bis_light_patches(light); i++) {
@@ -67,17 +68,13 @@ static void directions_of_a_set_have_the_density_of_the_light(void **state)
 static void run_with_pools(stat_moments m[4], lit *l, const bis_settings *s, void (*spoil)(bis_pool *))
 {
     bis_scratch scratch;
-    bis_fast fast;
     bis_pool pool;
 
     for (int c = 0; c < 4; c++) m[c] = (stat_moments){0};
     assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
-    assert_int_equal(bis_fast_init(&fast, s, NULL), BIS_OK);
-    assert_int_equal(bis_fast_needs_of(s).n_pool, s->candidates);
-    assert_int_equal(bis_pool_init(&pool, bis_fast_needs_of(s).n_pool, fast.batch != NULL, NULL), BIS_OK);
-    fast.pool = &pool;
-    scratch.sets = &pool.sets;
-    scratch.fast = &fast;
+    assert_int_equal(bis_pool_needs(s), s->candidates);
+    assert_int_equal(bis_pool_init(&pool, s->candidates, NULL), BIS_OK);
+    bis_scratch_share(&scratch, &pool.sets, NULL);
     for (uint32_t run = 0; run < RUNS; run++) {
         rgbd sum = {0, 0, 0};
         bis_pool_fill(&pool, l->light, SEED, run, 1);
@@ -92,24 +89,23 @@ static void run_with_pools(stat_moments m[4], lit *l, const bis_settings *s, voi
         stat_add(&m[3], rgbd_sum(sum));
     }
     bis_scratch_clear(&scratch);
-    bis_fast_clear(&fast);
     bis_pool_clear(&pool);
 }
 
 static void sir_with_a_pool_is_unbiased(void **state)
 {
-    static const uint32_t Ms[] = {1, 2, 7, 64};
+    static const uint32_t Ms[] = {1, 2, 7, 15, 16, 17, 64};
     const bis_material materials[] = {bis_phong((rgb){0.8f, 0.5f, 0.2f}, (rgb){0, 0, 0}, 1),
                                       bis_phong((rgb){0, 0, 0}, (rgb){1, 0.8f, 0.6f}, 10),
                                       bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 50)};
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
 
     (void)state;
-    for (int i = 0; i < 4 * 3; i++) {
-        const bis_settings s = sir(i / 4 == 0 ? BIS_PROPOSAL_EM : BIS_PROPOSAL_MIX, Ms[i % 4], 3);
+    for (int i = 0; i < 7 * 3; i++) {
+        const bis_settings s = sir(i / 7 == 0 ? BIS_PROPOSAL_EM : BIS_PROPOSAL_MIX, Ms[i % 7], 3);
         stat_moments m[4];
         lit l;
-        lit_init(&l, light, materials[i / 4], tilted(), 40, LIT_HALF);
+        lit_init(&l, light, materials[i / 7], tilted(), 40, LIT_HALF);
         const rgbd truth = lit_truth(&l, true);
         const double expected[4] = {truth.r, truth.g, truth.b, rgbd_sum(truth)};
         run_with_pools(m, &l, &s, NULL);
@@ -118,18 +114,29 @@ static void sir_with_a_pool_is_unbiased(void **state)
     bis_light_free(light);
 }
 
-/* Each odd direction replaced by its neighbour: every second piece of the map is forgotten. */
-static void forget_odd_directions(bis_pool *p)
+/* Direction i of every set becomes direction from(i, M). */
+static void replace(bis_pool *p, uint32_t (*from)(uint32_t i, uint32_t M))
 {
-    for (size_t i = 0; i < (size_t)p->n_sets * p->M; i++)
-        if (i % p->M % 2) p->y[i] = p->y[i - 1];
+    const uint32_t padded = bis_lanes_round_up(p->M);
+
+    for (uint32_t k = 0; k < p->n_sets * BIS_LANES_ARRAYS; k++) {
+        for (uint32_t i = 0; i < p->M; i++) p->lanes[k * padded + i] = p->lanes[k * padded + from(i, p->M)];
+    }
 }
 
-/* The first half of each set in place of the whole: the first n of a set are no fair sample of it. */
-static void take_the_first_half(bis_pool *p)
+/* Each odd direction replaced by its neighbour: every second piece of the map is forgotten. The first half of each set in
+ * place of the whole: the first n of a set are no fair sample of it. */
+static uint32_t even_one(uint32_t i, uint32_t M) { (void)M; return i & ~1u; }
+static uint32_t of_first_half(uint32_t i, uint32_t M) { return i % (M / 2); }
+static void forget_odd_directions(bis_pool *p) { replace(p, even_one); }
+static void take_the_first_half(bis_pool *p) { replace(p, of_first_half); }
+
+/* As if beta were forgotten: weights phat/q_L in place of a mixture's q, twice as large. */
+static void halve_densities(bis_pool *p)
 {
-    for (size_t i = 0; i < (size_t)p->n_sets * p->M; i++)
-        if (i % p->M >= p->M / 2) p->y[i] = p->y[i - p->M / 2];
+    for (uint32_t set = 0; set < p->n_sets; set++) {
+        for (uint32_t i = 0; i < p->M; i++) bis_pool_set(p, set).q[i] /= 2;
+    }
 }
 
 static void twins_with_unfair_sets_are_found(void **state)
@@ -146,6 +153,51 @@ static void twins_with_unfair_sets_are_found(void **state)
     stat_assert_not_mean("sir-pool-odd", SEED, &m[3], truth, alpha());
     run_with_pools(m, &l, &s, take_the_first_half);
     stat_assert_not_mean("sir-pool-half", SEED, &m[3], truth, alpha());
+    run_with_pools(m, &l, &s, halve_densities);
+    stat_assert_not_mean("sir-pool-density", SEED, &m[3], truth, alpha());
+    bis_light_free(light);
+}
+
+/* Of a shared set the n that the BRDF gets are not used. Their phase is random, and each direction is left out equally
+ * often: n of M times. The twin leaves out the last ones. */
+static void unused_directions_are_any_of_a_set_equally_often(void **state)
+{
+    enum { M = 20, SETS = 40000 };
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    const bis_settings s = sir(BIS_PROPOSAL_MIX, M, 3);
+    double unused[M] = {0}, expected[M], last[M] = {0}, n = 0;
+    bis_scratch scratch;
+    bis_pool pool;
+    lit l;
+
+    (void)state;
+    assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&pool, M, NULL), BIS_OK);
+    bis_pool_fill(&pool, light, SEED, 0, 1);
+    bis_scratch_share(&scratch, &pool.sets, NULL);
+    lit_init(&l, light, bis_phong(grey(0.3), grey(0.6), 50), tilted(), 40, LIT_OPEN);
+    const bis_set *x = scratch.set;
+    for (uint64_t run = 0; run < SETS; run++) {
+        static const bis_sampler sampler = {.kind = BIS_SAMPLER_RANDOM, .seed = SEED, .spp = 1};
+        bis_stream stream;
+        bis_stream_init(&stream, &sampler, run, 0);
+        assert_true(bis_set_draw(scratch.set, M, s.proposal, s.stratify, &l.pt, &stream));
+        assert_true(x->map.n == M && x->brdf.n == x->n_unused && x->n_unused > 0 && x->n_unused < M);
+        const uint32_t i = (uint32_t)(run % M); /* one of a set: independent of the others */
+        unused[i] += !set_is_used(x, i);
+        n = x->n_unused;
+        uint32_t all = 0;
+        for (uint32_t k = 0; k < M; k++) all += !set_is_used(x, k);
+        assert_int_equal(all, x->n_unused);
+    }
+    double total = 0;
+    for (int i = 0; i < M; i++) total += unused[i];
+    for (int i = 0; i < M; i++) expected[i] = total / M, last[i] = i >= M - n ? total / n : 0;
+    assert_true(fabs(total - SETS * n / M) < 5 * sqrt(SETS * n / M));
+    stat_assert_fit("pool-unused", SEED, unused, expected, M, alpha());
+    stat_assert_no_fit("pool-unused-last", SEED, last, expected, M, alpha());
+    bis_scratch_clear(&scratch);
+    bis_pool_clear(&pool);
     bis_light_free(light);
 }
 
@@ -156,16 +208,16 @@ static void a_pool_is_a_function_of_seed_and_pass_alone(void **state)
     bis_pool a, b;
 
     (void)state;
-    assert_int_equal(bis_pool_init(&a, M, true, NULL), BIS_OK);
-    assert_int_equal(bis_pool_init(&b, M, true, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&a, M, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&b, M, NULL), BIS_OK);
     bis_pool_fill(&a, light, 1, 5, 1);
     bis_pool_fill(&b, light, 1, 5, 3);
-    assert_memory_equal(a.y, b.y, (size_t)a.n_sets * M * sizeof *a.y);
-    assert_memory_equal(a.lanes, b.lanes, bis_pool_bytes(&a) - (size_t)a.n_sets * M * sizeof *a.y);
+    assert_int_equal(bis_pool_bytes(&a), 256 * 7 * 112 * sizeof(float));
+    assert_memory_equal(a.lanes, b.lanes, bis_pool_bytes(&a));
     bis_pool_fill(&b, light, 1, 6, 1);
-    assert_memory_not_equal(a.y, b.y, sizeof *a.y * M);
+    assert_memory_not_equal(a.lanes, b.lanes, sizeof(float) * M);
     bis_pool_fill(&b, light, 2, 5, 1);
-    assert_memory_not_equal(a.y, b.y, sizeof *a.y * M);
+    assert_memory_not_equal(a.lanes, b.lanes, sizeof(float) * M);
     bis_pool_clear(&a);
     bis_pool_clear(&b);
     bis_light_free(light);
@@ -177,14 +229,14 @@ static void sets_become_fewer_as_they_become_larger(void **state)
     static const uint32_t M[] = {1, 800, 1024, 1600, BIS_POOL_MAX_SET}, sets[] = {256, 256, 256, 163, 16};
     for (int i = 0; i < 5; i++) {
         bis_pool p;
-        assert_int_equal(bis_pool_init(&p, M[i], false, NULL), BIS_OK);
+        assert_int_equal(bis_pool_init(&p, M[i], NULL), BIS_OK);
         assert_int_equal(p.n_sets, sets[i]);
         bis_pool_clear(&p);
     }
     bis_pool p;
     bis_diag diag = {0};
     bis_mem_fail_at(1);
-    assert_int_equal(bis_pool_init(&p, 8, true, &diag), BIS_NOMEM);
+    assert_int_equal(bis_pool_init(&p, 8, &diag), BIS_NOMEM);
     bis_mem_fail_at(0);
     assert_int_equal(diag.n_errors, 1);
     bis_diag_clear(&diag);
@@ -197,6 +249,7 @@ int main(void)
         cmocka_unit_test(directions_of_a_set_have_the_density_of_the_light),
         cmocka_unit_test(sir_with_a_pool_is_unbiased),
         cmocka_unit_test(twins_with_unfair_sets_are_found),
+        cmocka_unit_test(unused_directions_are_any_of_a_set_equally_often),
         cmocka_unit_test(a_pool_is_a_function_of_seed_and_pass_alone),
         cmocka_unit_test(sets_become_fewer_as_they_become_larger),
     };

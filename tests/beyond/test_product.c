@@ -3,8 +3,8 @@
  * coloured, three materials, four point sets. `make test` runs a set of combinations in which every pair of values of
  * two parameters occurs; BIS_LONG=1 (make test-long) runs the full product, with more runs each.
  * Biased settings: tests/thesis/test_enumeration.c. Family-wise significance 1e-3. */
-#include "beyond/batch.h"
 #include "bis/base/mem.h"
+#include "bis/beyond/pool.h"
 #include "bis/thesis/phong.h"
 #include "bis/scene/light_load.h"
 
@@ -245,17 +245,13 @@ static bis_settings settings_of(const method *m, uint32_t M, uint32_t N)
 static void run_pooled(stat_moments m[4], lit *l, const bis_settings *s, uint32_t runs, uint64_t seed)
 {
     bis_scratch scratch;
-    bis_fast fast;
     bis_pool pool;
 
     for (int i = 0; i < 4; i++) m[i] = (stat_moments){0};
     assert_int_equal(bis_scratch_init(&scratch, s, NULL), BIS_OK);
-    assert_int_equal(bis_fast_init(&fast, s, NULL), BIS_OK);
-    assert_int_equal(bis_pool_init(&pool, bis_fast_needs_of(s).n_pool, fast.batch != NULL, NULL), BIS_OK);
+    assert_int_equal(bis_pool_init(&pool, bis_pool_needs(s), NULL), BIS_OK);
     pool.n_sets = 1;
-    fast.pool = &pool;
-    scratch.sets = &pool.sets;
-    scratch.fast = &fast;
+    bis_scratch_share(&scratch, &pool.sets, NULL);
     for (uint32_t run = 0; run < runs; run++) {
         bis_pool_fill(&pool, l->light, seed, run, 1);
         const rgb L = lit_once(l, s, &scratch, seed, run);
@@ -263,7 +259,6 @@ static void run_pooled(stat_moments m[4], lit *l, const bis_settings *s, uint32_
         for (int i = 0; i < 4; i++) stat_add(&m[i], value[i]);
     }
     bis_scratch_clear(&scratch);
-    bis_fast_clear(&fast);
     bis_pool_clear(&pool);
 }
 

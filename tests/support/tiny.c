@@ -254,6 +254,7 @@ void tiny_for_all(const tiny_candidates *c, tiny_visit *visit, void *data)
 {
     int n = 1;
 
+    assert_true(c->M <= 3);
     for (uint32_t i = 0; i < c->M; i++) n *= TINY_STATES;
     for (int tuple = 0; tuple < n; tuple++) {
         int state[TINY_MAX_M] = {0}, rest = tuple;

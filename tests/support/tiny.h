@@ -11,7 +11,7 @@
 #include "bis/thesis/integrator.h"
 #include "stat.h"
 
-enum { TINY_PIXELS = 8, TINY_NOTHING = 8, TINY_STATES = 9, TINY_MAX_M = 3 };
+enum { TINY_PIXELS = 8, TINY_NOTHING = 8, TINY_STATES = 9, TINY_MAX_M = 17 };
 
 /* f cos of each octant, in RGB; the probability with which the BRDF draws it. The bis_material comes first: a bsdf
  * points to that. */
@@ -60,7 +60,7 @@ tiny_candidates tiny_enumerate(tiny *t, bis_proposal proposal, bool stratify, ui
 /* Reflected radiance: with and without V. */
 rgbd tiny_truth(const tiny *t, bool with_V);
 
-/* Sum over all tuples of M states: visit(states, probability, data). */
+/* Sum over all tuples of M <= 3 states: visit(states, probability, data). */
 typedef void tiny_visit(const int state[TINY_MAX_M], double probability, void *data);
 void tiny_for_all(const tiny_candidates *c, tiny_visit *visit, void *data);
 

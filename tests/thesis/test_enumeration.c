@@ -15,8 +15,8 @@
 
 #define SEED 71u
 
-/* 24 + 11 laws; 4 moments of 18 + 27 + 9 settings; 9 + 6 variances. */
-static double alpha(void) { return stat_level(1e-3, 24 + 11 + 4 * 54 + 15); }
+/* 24 + 11 laws; 4 moments of 18 + 27 + 9 settings; 9 + 6 variances; 4 moments of 68 settings. */
+static double alpha(void) { return stat_level(1e-3, 24 + 11 + 4 * 54 + 15 + 4 * 68); }
 
 static bis_settings settings_of(const bis_integrator *integrator, bis_proposal proposal, uint32_t M, uint32_t N)
 {
@@ -373,6 +373,57 @@ static void sir_and_plain_rejection_have_the_enumerated_mean_which_is_the_truth_
     tiny_clear(&t);
 }
 
+/* SIR's two moments for any M in closed form. The square of one set is (S^2 + S (W - S)/N)/M^2, S the sum of w V, W that of
+ * w (`resampled`). The candidates are independent, so E[S^2] and E[S W] are made of sums over single ones. */
+static outcome closed_form(const tiny *t, const tiny_candidates *c, double N)
+{
+    double S = 0, W = 0, SS = 0, SW = 0;
+    const double M = c->M;
+    outcome o = {.square = 0};
+
+    for (uint32_t i = 0; i < c->M; i++) {
+        double s = 0, w = 0, both = 0;
+        for (int k = 0; k < TINY_STATES; k++) {
+            const double w_k = rgbd_sum(c->C[k]), V = k != TINY_NOTHING && !t->accel.hidden[k];
+            w += c->P[i][k] * w_k;
+            s += c->P[i][k] * w_k * V;
+            both += c->P[i][k] * w_k * w_k * V;
+            o.L = rgbd_add(o.L, rgbd_scale(c->C[k], c->P[i][k] * V / M));
+        }
+        S += s;
+        W += w;
+        SS += both - s * s;
+        SW += both - s * w;
+    }
+    o.square = ((SS + S * S) * (1 - 1 / N) + (SW + S * W) / N) / (M * M);
+    return o;
+}
+
+/* There is no least M: one candidate, a block of lanes less one, a block, a block and one. */
+static void sir_has_the_mean_and_variance_of_the_closed_form_for_every_M_from_1_to_17_E21(void **state)
+{
+    tiny t;
+
+    (void)state;
+    tiny_init(&t);
+    for (uint32_t i = 0; i < 17 * 4; i++) {
+        bis_settings s = settings_of(&bis_sir, ways[i % 4].proposal, i / 4 + 1, i % 3 + 1);
+        stat_moments m[4];
+        s.stratify = ways[i % 4].stratify;
+        const tiny_candidates c = tiny_enumerate(&t, s.proposal, s.stratify, s.candidates);
+        const outcome expected = closed_form(&t, &c, s.shadowrays);
+        assert_true(near(expected.L, tiny_truth(&t, true)));
+        if (s.candidates <= 3) {
+            const outcome enumerated = expect(&t, &s);
+            assert_true(near(expected.L, enumerated.L) && fabs(expected.square / enumerated.square - 1) < 1e-9);
+        }
+        measure(m, &t, &s, 20000);
+        check("sir_closed_form", m, expected);
+        stat_assert_not_mean("sir_closed_form_variance_halved", SEED, &m[3], (expected.square + pow(rgbd_sum(expected.L), 2)) / 2, alpha());
+    }
+    tiny_clear(&t);
+}
+
 /* The ratio estimator and each fallback: their bias is there, and it is the one that enumeration predicts. */
 static void biased_estimators_have_the_bias_that_enumeration_predicts_E29(void **state)
 {
@@ -509,6 +560,7 @@ int main(void)
         cmocka_unit_test(resampled_directions_have_the_law_of_finite_M_and_not_p),
         cmocka_unit_test(total_variation_to_p_falls_as_1_over_M),
         cmocka_unit_test(sir_and_plain_rejection_have_the_enumerated_mean_which_is_the_truth_and_variance_E31),
+        cmocka_unit_test(sir_has_the_mean_and_variance_of_the_closed_form_for_every_M_from_1_to_17_E21),
         cmocka_unit_test(biased_estimators_have_the_bias_that_enumeration_predicts_E29),
         cmocka_unit_test(unoccluded_has_the_mean_L_ns_and_its_variance_over_M),
         cmocka_unit_test(sir_has_the_variance_of_candidates_over_M_plus_that_of_rays_over_N_E31),

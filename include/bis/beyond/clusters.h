@@ -23,16 +23,25 @@ typedef struct bis_cluster_point {
 
 typedef struct bis_clusters {
     uint32_t n;           /* the number of clusters; each has a positive share */
+    uint32_t directions;  /* of each cluster: a power of two, at least BIS_CLUSTER_DIRECTIONS */
     double *t;            /* t[n + 1]: cluster k is the interval [t[k], t[k+1]) of the curve */
     uint16_t *of_tile;    /* of_tile[rows][columns]: the cluster of each tile of side x side pixels */
     uint32_t width, side, columns;
-    /* y[n][BIS_CLUSTER_DIRECTIONS]: the directions of this pass, one in each part of the cluster */
+    /* y[n][directions]: the directions of this pass, one in each part of the cluster */
     bis_cluster_point *y;
     bis_cones cone;        /* the cones around these directions */
     float *memory;         /* what holds them */
 } bis_clusters;
 
-enum { BIS_CLUSTER_DIRECTIONS = 64, BIS_CLUSTERS = 256 /* the largest K of bis_clusters_init */ };
+enum {
+    BIS_CLUSTER_DIRECTIONS = 64,
+    BIS_CLUSTERS = 256,    /* the largest K of bis_clusters_init */
+    BIS_CLUSTERS_FEW = 64  /* the smallest K: fewer clusters has only a map of less than 64 tiles */
+};
+
+/* bis_clusters_are_wide returns whether the map has so few pixels that its clusters are wider than lobes. They then tell
+ * where the light is, but not where it meets a lobe. */
+static inline bool bis_clusters_are_wide(const bis_clusters *c) { return c->n < BIS_CLUSTERS_FEW; }
 
 /* bis_clusters_init divides the map for M candidates per point. K is 2 M, but at least 64 and at most BIS_CLUSTERS.
  * No cluster holds more than 1/K of the importance, nor more than 1/K of the sphere's solid angle, except for the

@@ -1,7 +1,8 @@
 /* lanes: functions against the C library in long double, points against Hilbert's curve by another road, pixels against
  * the direction that they were found for, and the same bits from every instruction set. Family-wise significance 1e-3
  * over all statistical tests here. */
-#include "beyond/map_lanes.h"
+#include "thesis/light_many.h"
+#include "thesis/curve_many.h"
 #include "bis/thesis/lanes.h"
 
 #include "bis/thesis/curve.h"
@@ -234,7 +235,7 @@ static void one_point_lies_in_each_nth_of_the_curve_in_its_order(void **state)
     (void)state;
     for (int k = 0; k < N_SIZES; k++) {
         for (uint64_t key = 0; key < 20; key++) {
-            bis_lanes_points(u, u + LARGEST, sizes[k], key);
+            bis_curve_points(u, u + LARGEST, sizes[k], key);
             assert_int_equal(strays(u, u + LARGEST, sizes[k], sizes[k]), 0);
             if (sizes[k] >= 16) assert_true(strays(u, u + LARGEST, sizes[k], sizes[k] + 1) > 0); /* twin */
         }
@@ -251,15 +252,15 @@ static void points_are_a_function_of_the_key_and_fill_the_last_block_and_no_more
         const uint32_t end = bis_lanes_round_up(n);
         assert_true(end % 16 == 0 && end >= n && end < n + 16);
         for (int i = 0; i < 48; i++) a[0][i] = a[1][i] = b[0][i] = b[1][i] = -1;
-        bis_lanes_points(a[0], a[1], n, 5);
-        bis_lanes_points(b[0], b[1], n, 5);
+        bis_curve_points(a[0], a[1], n, 5);
+        bis_curve_points(b[0], b[1], n, 5);
         assert_memory_equal(a, b, sizeof a);
         for (uint32_t i = 0; i < 48; i++) {
             for (int j = 0; j < 2; j++) {
                 assert_true(i < end ? a[j][i] >= 0 && a[j][i] < 1 && a[j][i] * 0x1p24f == floorf(a[j][i] * 0x1p24f) : a[j][i] == -1);
             }
         }
-        bis_lanes_points(b[0], b[1], n, 6);
+        bis_curve_points(b[0], b[1], n, 6);
         assert_memory_not_equal(a, b, sizeof *a);
     }
 }
@@ -274,7 +275,7 @@ static void count_points(double *square, double *inside, uint32_t n)
 
     bis_rng_init(&r, SEED, n, 0, 1);
     for (uint32_t k = 0; k < DRAWS; k++) {
-        bis_lanes_points(u1, u2, n, bis_rng_u64(&r));
+        bis_curve_points(u1, u2, n, bis_rng_u64(&r));
         const uint32_t i = (uint32_t)bis_rng_below(&r, n);
         const float x = u1[i] * SIDE - floorf(u1[i] * SIDE), y = u2[i] * SIDE - floorf(u2[i] * SIDE);
         square[(int)(u1[i] * BINS) * BINS + (int)(u2[i] * BINS)]++;
@@ -324,7 +325,7 @@ static double dispersion(uint32_t n, uint32_t first, uint32_t sets, bool twin, d
 
     bis_rng_init(&r, SEED, n, 0, 2);
     for (uint32_t k = 0; k < sets; k++) {
-        if (!twin) bis_lanes_points(u, u + LARGEST, n, bis_rng_u64(&r));
+        if (!twin) bis_curve_points(u, u + LARGEST, n, bis_rng_u64(&r));
         for (uint32_t i = first; i < n; i++) {
             const uint32_t cell = twin ? rounded_cell(i, n, &r) : cell_of(u[i], u[LARGEST + i]);
             if (cell >= start && cell < CELLS) times[cell - start]++;
@@ -490,7 +491,7 @@ static void a_look_at_the_light_gives_each_direction_its_radiance_and_density(vo
 static void points_and_pixels_have_the_same_bits_on_every_processor(void **state)
 {
     enum { N = 1 << 13 };
-    clone_points *const points[] = {plain_lanes_points, clone_has_avx2() ? avx2_lanes_points : plain_lanes_points};
+    clone_points *const points[] = {plain_curve_points, clone_has_avx2() ? avx2_curve_points : plain_curve_points};
     clone_pixels *const pixels[] = {plain_envmap_pixels, clone_has_avx2() ? avx2_envmap_pixels : plain_envmap_pixels};
     const bis_envmap em = {.width = 4096, .height = 2048};
     const frame f = frame_about(normalize((vec3){0.3f, -0.8f, 0.4f}));
@@ -511,7 +512,7 @@ static void points_and_pixels_have_the_same_bits_on_every_processor(void **state
         pixels[k](&em, axis, q, &l, N);
         assert_memory_equal(p, q, N * sizeof *p);
         for (uint32_t n = 1; n <= N; n = n * 3 + 1) {
-            bis_lanes_points(a, a + N, n, n);
+            bis_curve_points(a, a + N, n, n);
             points[k](b, b + N, n, n);
             assert_memory_equal(a, b, 2 * N * sizeof *a);
         }
@@ -538,7 +539,7 @@ static void a_million_points_are_as_even_as_a_hundred(void **state)
         const uint32_t n = counts[k];
         float *u1 = u, *u2 = u + bis_lanes_round_up(n);
         for (int i = 0; i < 4096; i++) in_square[i] = 0;
-        bis_lanes_points(u1, u2, n, 7);
+        bis_curve_points(u1, u2, n, 7);
         for (uint32_t i = 0; i < n; i++) in_square[64 * (int)(u2[i] * 64) + (int)(u1[i] * 64)]++;
         for (int i = 0; i < 4096; i++) {
             if (fabs(in_square[i] - n / 4096.0) > 2) fail_msg("%u points: %d in square %d", n, in_square[i], i);
