@@ -426,7 +426,7 @@ exit
 # + / times) >> 16 & (D - 1)], 1);
 #
 # * product test_clusters test_product : always a cluster's first directions
-# - bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) % ((uint64_t)D << 16) + turn;
+# - bis_hash(pixel * (2 * BIS_CLUSTERS + 2) + k) % (D << 16) + turn;
 # + 0;
 #
 # * clusters test_clusters : directions from the first half of each cluster alone
@@ -434,8 +434,8 @@ exit
 # + c->t[k] + 0.5 * bis_cluster_share(c, k) * bis_stratum(
 #
 # * clusters test_clusters : a cone half as wide as its directions lie
-# - for (int i = 0; i < DIRECTIONS; i++) least = fmin(least, dot(axis, y[i].wi));
-# + for (int i = 0; i < DIRECTIONS / 8; i++) least = fmin(least, dot(axis, y[i].wi));
+# - for (uint32_t i = 0; i < c->directions; i++) least = fmin(least, dot(axis, y[i].wi));
+# + for (uint32_t i = 0; i < c->directions / 8; i++) least = fmin(least, dot(axis, y[i].wi));
 #
 # * visibility test_clusters : what was counted counts again in every later pass
 # - *counted = (bis_seen){{0}, {0}};

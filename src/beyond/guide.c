@@ -111,8 +111,8 @@ static rgbd control_of_chosen(const bis_product_guide *g, const bis_set *x, doub
     return sum;
 }
 
-/* w g/h is F/q g: the weight is phat h/q. The result is a float, because where rays are only noted (bis_point_add) it is
- * one, and the bits must be the same. */
+/* w g/h is F/q g: the weight is phat h/q. The result is a float, because where rays are only noted (bis_point_add) it
+ * is one, and the bits must be the same. */
 static rgbd expected(const bis_guide *guide, const bis_set *x, double Z)
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
@@ -131,8 +131,9 @@ bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clus
     bis_claims claims = {0};
     bis_status status = BIS_OK;
 
-    *g = (bis_product_guide){
-        .steps = {.draw = draw, .density = density, .is_coarse = bis_clusters_are_wide(clusters), .learns = true}, .clusters = clusters, .visibility = visibility};
+    *g = (bis_product_guide){.clusters = clusters, .visibility = visibility};
+    g->steps = (bis_guide){
+        .draw = draw, .density = density, .is_coarse = bis_clusters_are_wide(clusters), .learns = true};
     bis_product_claim(&g->product, &claims);
     if (claims.failed) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's clusters");
     if (!status && visibility) {

@@ -18,8 +18,8 @@ typedef struct bis_beyond_needs {
 /* bis_beyond_needs_of returns what a render with these settings can make use of. */
 bis_beyond_needs bis_beyond_needs_of(const bis_settings *s);
 
-/* bis_beyond_needs_under returns the same for a light that is known: nothing under a constant light, which has no curve,
- * and under one of which nothing can be drawn. The light must be built for these settings. */
+/* bis_beyond_needs_under returns the same for a light that is known: nothing under a constant light, which has no
+ * curve, and under one of which nothing can be drawn. The light must be built for these settings. */
 bis_beyond_needs bis_beyond_needs_under(const bis_settings *s, const bis_light *light);
 
 /* What one thread has. */
@@ -59,6 +59,6 @@ bis_status bis_probe_init(bis_probe *p, const bis_settings *s, const bis_light *
 /* bis_probe_clear frees it. */
 void bis_probe_clear(bis_probe *p);
 
-/* bis_probe_begin_pass draws the directions of the clusters anew, as a render draws them for this pass. Estimates of one
- * pass share them, and so their noise. It must be called before the first estimate. */
+/* bis_probe_begin_pass draws the directions of the clusters anew, as a render draws them for this pass. Estimates of
+ * one pass share them, and so their noise. It must be called before the first estimate. */
 void bis_probe_begin_pass(bis_probe *p, const bis_light *light, uint64_t seed, uint32_t pass);

@@ -1,9 +1,9 @@
 /* product: proposal "product", q_P(wi) = q_L(wi) s_k for wi in cluster k, s_k = (w_k/W)/share_k.
  *
  * The w_k bound the integral of f cos Le over cluster k: its energy times the largest f cos over a cone around it
- * (bis/beyond/clusters.h). n marks, equally spaced over their running sum, say how many candidates come from each cluster;
- * within it they are evenly spread over the directions that this pass has drawn there. The density is exact whatever
- * the bound is worth; a bound of 0 only where f cos is 0 makes it positive wherever it must be.
+ * (bis/beyond/clusters.h). n marks, equally spaced over their running sum, say how many candidates come from each
+ * cluster; within it they are evenly spread over the directions that this pass has drawn there. The density is exact
+ * whatever the bound is worth; a bound of 0 only where f cos is 0 makes it positive wherever it must be.
  * Unbiased as every proposal: each candidate, seen alone, has density q_P. Cost: a nanosecond a cluster, 10 a
  * candidate. */
 #include "product.h"

@@ -17,8 +17,8 @@ void bis_product_claim(bis_product *p, bis_claims *claims);
 /* bis_product_clear frees it. */
 void bis_product_clear(bis_product *p);
 
-/* bis_product_weigh weighs the clusters for a material, times h[c->n] unless h is NULL. Returns false if no light can be
- * reflected from any of them. */
+/* bis_product_weigh weighs the clusters for a material, times h[c->n] unless h is NULL. Returns false if no light can
+ * be reflected from any of them. */
 bool bis_product_weigh(bis_product *p, const bis_clusters *c, const float *h, const bis_bsdf *bsdf);
 
 /* bis_product_draw draws n candidates into x, filled up to whole blocks. Their density q is q_P = q_L s, with s of

@@ -70,6 +70,7 @@ static uint64_t pixels_of(const bis_film *f) { return (uint64_t)f->full_width * 
 static bis_status make_pool(bis_workspace *w, bis_diag *diag)
 {
     const bis_light *light = w->scene->light;
+    bis_visibility *visibility = NULL;
     bis_status status = BIS_OK;
 
     if (!w->scene->accel) return BIS_OK;
@@ -79,10 +80,11 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
     if (!status && needs.clusters) status = bis_clusters_init(&w->clusters, light, w->view->settings.candidates, diag);
     if (!status && needs.visibility)
         status = bis_visibility_init(&w->visibility, (size_t)w->n_tiles, pixels_of(w->film), diag);
+    if (needs.visibility) visibility = &w->visibility;
     for (int i = 0; !status && i < w->n_threads; i++) {
         bis_worker *worker = &w->workers[i];
         if (needs.clusters)
-            status = bis_product_guide_init(&worker->guide, &w->clusters, needs.visibility ? &w->visibility : NULL, diag);
+            status = bis_product_guide_init(&worker->guide, &w->clusters, visibility, diag);
         bis_scratch_share(&worker->scratch, needs.n_pool ? &w->pool.sets : NULL,
                           needs.clusters ? &worker->guide.steps : NULL);
     }

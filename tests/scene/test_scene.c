@@ -316,7 +316,7 @@ static void the_table_follows_who_draws(void **state)
         assert_plan(cases[i].before, MAP "Shape \"sphere\"", (const char *const[]){line, NULL});
     }
     /* the scene's own word counts */
-    assert_plan("Integrator \"rejection\"", "LightSource \"infinite\" \"string filename\" \"map.pfm\" \"string mapping\" \"latlong\" \"string sampler\" \"cdf\" Shape \"sphere\"",
+    assert_plan("Integrator \"rejection\"", "LightSource \"infinite\" \"string filename\" \"" SCENES "map.pfm\" \"string mapping\" \"latlong\" \"string sampler\" \"cdf\" Shape \"sphere\"",
                 (const char *const[]){"\nbuild        light table, CDFs", NULL});
 }
 

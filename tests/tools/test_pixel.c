@@ -117,22 +117,6 @@ static void what_the_surface_itself_hides_is_hidden_and_in_L_ns(void **state)
     bis_light_free(light);
 }
 
-static void exact_has_the_same_bits_for_any_number_of_threads(void **state)
-{
-    (void)state;
-    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
-    lit l;
-    lit_init(&l, light, glossy(), slanted(), 40, LIT_HALF);
-    bis_pixel_exact a, b;
-    setenv("OMP_NUM_THREADS", "1", 1);
-    assert_int_equal(bis_pixel_exact_of(&a, &l.pt, BIS_PIXEL_MAX_PATCHES, 5, NULL), BIS_OK);
-    setenv("OMP_NUM_THREADS", "3", 1);
-    assert_int_equal(bis_pixel_exact_of(&b, &l.pt, BIS_PIXEL_MAX_PATCHES, 5, NULL), BIS_OK);
-    assert_memory_equal(&a.lit, &b.lit, sizeof a.lit);
-    assert_memory_equal(&a.open, &b.open, sizeof a.open);
-    bis_light_free(light);
-}
-
 /* ---- the methods ---- */
 
 static void methods_agree_with_exact_and_a_wrong_one_does_not(void **state)
@@ -561,28 +545,7 @@ static void the_rays_of_sir_go_to_the_chosen_candidates(void **state)
     bis_light_free(light);
 }
 
-/* ---- directions, and no memory ---- */
-
-/* The light's frame turned and mirrored: a direction of patch i lies at that patch's place in the plot. */
-static void plots_have_directions_where_the_map_has_them(void **state)
-{
-    (void)state;
-    enum { W = 16, H = 8 };
-    const bis_xform turn = bis_xform_rotate(70, 1, 2, 3), mirror = bis_xform_scale(-1, 1, 1), both = bis_xform_compose(&turn, &mirror);
-    const bis_light_desc desc = {.L = {1, 1, 1}, .scale = 1, .levels = 8, .to_world = both};
-    bis_envmap em = map_random(W, H, 2, 0, 3);
-    bis_light *light;
-    assert_int_equal(bis_light_from_envmap(&light, &em, &desc, 0, NULL), BIS_OK);
-    for (size_t i = 0; i < W * H; i++) {
-        const double u[2] = {0.5, 0.3};
-        bis_light_point y;
-        bis_light_patch(light, i, u, &y);
-        const bis_pixel_direction d = bis_pixel_direction_of(&both, y.wi);
-        assert_near(d.phi, 360.0 / W * ((double)(i % W) + 0.5), 1e-3);
-        assert_true(d.theta > 180.0 / H * (double)(i / W) && d.theta < 180.0 / H * (double)(i / W + 1));
-    }
-    bis_light_free(light);
-}
+/* ---- no memory ---- */
 
 /* The drawings': tests/cli/test_no_memory.c. */
 static void every_allocation_may_fail(void **state)
@@ -964,7 +927,6 @@ int main(void)
         cmocka_unit_test(exact_is_what_brute_force_gives),
         cmocka_unit_test(a_long_mis_stands_in_for_huge_maps),
         cmocka_unit_test(what_the_surface_itself_hides_is_hidden_and_in_L_ns),
-        cmocka_unit_test(exact_has_the_same_bits_for_any_number_of_threads),
         cmocka_unit_test(methods_agree_with_exact_and_a_wrong_one_does_not),
         cmocka_unit_test(skewness_is_known_even_of_what_was_not_hit),
         cmocka_unit_test(figures_of_a_method_are_those_of_its_estimates),
@@ -976,7 +938,6 @@ int main(void)
         cmocka_unit_test(candidates_without_weight_are_told),
         cmocka_unit_test(every_ray_of_every_integrator_is_overheard),
         cmocka_unit_test(the_rays_of_sir_go_to_the_chosen_candidates),
-        cmocka_unit_test(plots_have_directions_where_the_map_has_them),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(the_command_writes_tables_that_sum_to_what_it_says),
         cmocka_unit_test(each_column_of_the_tables_is_what_it_is_called),

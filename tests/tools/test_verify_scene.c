@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-static double alpha(void) { return stat_level(1e-3, 251 + 7 * n_further()); }
+static double alpha(void) { return stat_level(1e-3, 255 + 7 * n_further()); }
 
 static void the_command_verifies_maps_and_scenes(void **state)
 {

@@ -33,7 +33,8 @@ bis_light_desc bis_light_desc_default(void);
 
 /* bis_light_table_kind returns the kind of table that serves an integrator with these needs: what the scene says, else
  * CDFs for evenly spread points (BIS_NEED_SPREAD and a low-discrepancy sampler), and alias tables (thesis appendix A)
- * for all others, because independent numbers lose nothing by them and take 14 to 29 % less time (docs/errata.md E12). */
+ * for all others, because independent numbers lose nothing by them and take 14 to 29 % less time (docs/errata.md
+ * E12). */
 bis_table_kind bis_light_table_kind(const bis_light_desc *desc, unsigned needs, bis_sampler_kind sampler);
 
 /* bis_light_load reads the map's file, if there is one, and builds what `needs` (BIS_NEED_*) asks for. seconds (may

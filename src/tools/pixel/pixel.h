@@ -110,8 +110,8 @@ typedef struct bis_pixel_candidates {
 } bis_pixel_candidates;
 
 /* bis_pixel_candidates_draw draws, weighs, chooses and traces as `sir` with settings s does, by its stream; without the
- * renderer's shared pool. Proposal "product" draws from the clusters of pass 0 of the stream's seed, and nothing has been
- * learned: so does the first pass of a render. Errors: BIS_NOMEM. */
+ * renderer's shared pool. Proposal "product" draws from the clusters of pass 0 of the stream's seed, and nothing has
+ * been learned: so does the first pass of a render. Errors: BIS_NOMEM. */
 bis_status bis_pixel_candidates_draw(bis_pixel_candidates *c, const bis_point *pt, const bis_settings *s,
                                      bis_stream *stream, bis_diag *diag);
 void bis_pixel_candidates_clear(bis_pixel_candidates *c);

@@ -1,8 +1,9 @@
 /* pixel_rays: what a method does in one pixel: the candidates of SIR with their weights, and the shadow rays of any
  * integrator.
  *
- * The candidates are what src/thesis/sir.c leaves in its set after one estimate, so that what is shown is what sir does,
- * equations as printed included. Those of proposal "product" are the ones that the first pass of a render draws there.
+ * The candidates are what src/thesis/sir.c leaves in its set after one estimate, so that what is shown is what sir
+ * does, equations as printed included. Those of proposal "product" are the ones that the first pass of a render draws
+ * there.
  *
  * Shadow rays are overheard: the point gets an accelerator that asks the real one and writes down question and answer.
  * So no integrator needs to know that it is watched, and a new one is shown without a line of code. A candidate chosen
