@@ -91,8 +91,8 @@ void bis_set_clear(bis_set *x);
 bool bis_set_draw(bis_set *x, uint32_t M, bis_proposal proposal, bool stratify, const bis_point *pt,
                   bis_stream *stream);
 
-/* bis_set_weigh weighs them: w_i = phat/q (eq. 4.8, eq. 4.9), times h with a guide. Returns Zhat = (1/M) sum w_i. Without a
- * guide it estimates the sum of L_ns (eq. 4.5) over its channels. */
+/* bis_set_weigh weighs them: w_i = phat/q (eq. 4.8, eq. 4.9), times h with a guide. Returns Zhat = (1/M) sum w_i.
+ * Without a guide it estimates the sum of L_ns (eq. 4.5) over its channels. */
 double bis_set_weigh(bis_set *x, const bis_point *pt);
 
 /* bis_set_weight returns w of the candidate with number i, in the unit of Zhat. It is 0 for the numbers that only fill
