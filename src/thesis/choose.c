@@ -1,7 +1,7 @@
 /* choose: N marks on the running sum of the weights (thesis 4.4), at half a nanosecond a weight.
  *
- * The sum has two levels. Weights lie in blocks of 16, and a block without a mark is passed over by its sum. What the 16
- * weights of a block add up to one by one may differ from the block's own sum by 2^-22 of it, because the two add in
+ * The sum has two levels. Weights lie in blocks of 16, and a block without a mark is passed over by its sum. What the
+ * 16 weights of a block add up to one by one may differ from the block's own sum by 2^-22 of it, because the two add in
  * another order. The chance of the block's last positive weight is off by that much.
  *
  * Rounding may leave a mark at the end of all: 1 - 2^-54 is 1. It belongs to the last item with a positive weight, which

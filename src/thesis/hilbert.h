@@ -31,8 +31,8 @@ static inline uint32_t parity_above(uint32_t x)
     return x ^ x >> 16;
 }
 
-/* hilbert_x returns the column of the cell whose digits have the upper bits a and the lower bits b, on a curve of so many
- * levels as `levels` has bits, all of which are 1. hilbert_y returns the row, of the column and b. */
+/* hilbert_x returns the column of the cell whose digits have the upper bits a and the lower bits b, on a curve of so
+ * many levels as `levels` has bits, all of which are 1. hilbert_y returns the row, of the column and b. */
 static inline uint32_t hilbert_x(uint32_t a, uint32_t b, uint32_t levels)
 {
     const uint32_t swap = parity_above(~(a ^ b) & levels), complement = parity_above(a & b);

@@ -1,7 +1,7 @@
 /* set: weigh, choose, trace. Source: thesis 4.2 to 4.4.
  *
- * Weight. w = phat/q with phat = F.r + F.g + F.b and F = f cos Le. The printed weights w = f and w = L forget the cosine
- * and the true q_f (docs/errata.md E23).
+ * Weight. w = phat/q with phat = F.r + F.g + F.b and F = f cos Le. The printed weights w = f and w = L forget the
+ * cosine and the true q_f (docs/errata.md E23).
  *
  * Unbiased. The density of each candidate is q (if stratified, the densities of the candidates average to q), so
  * E[(1/M) sum w V] is right. Resampling gives candidate i on average N w_i/W of the marks, whatever the scheme, so
