@@ -1,8 +1,5 @@
-/* Two fallbacks trace a choice of the candidates, as the ratio estimator does. */
-    /* [fall-back-resample] */
-    /* BIS_FALLBACK_RESAMPLE and BIS_FALLBACK_SUBSET are left out of this kit. */
-    (void)N, (void)Zhat, (void)stream, (void)black;
-    /* [end] */
+/* The fallback "subset" traces a choice of the candidates, as the ratio estimator does. */
     /* [fall-back-subset] */
+    /* BIS_FALLBACK_SUBSET is left out of this kit. */
     return bis_set_mean(x);
     /* [end] */
