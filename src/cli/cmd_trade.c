@@ -202,7 +202,7 @@ int bis_cmd_trade(int argc, char **argv)
          .value = o.size, .given = &o.has_size, 
          .read = bis_cli_read_size, .rule = BIS_SIZE_RULE},
         {.name = "seed", .argument = "N", .help = "other random numbers (1)", .kind = BIS_OPTION_COUNT,
-         .value = &o.seed, .given = &o.has_seed, .hi = 0x1p53},
+         .value = &o.seed, .given = &o.has_seed, .hi = BIS_SEED_MAX},
         {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor)",
          .kind = BIS_OPTION_COUNT, .value = &o.threads, .lo = 1, .hi = 1024},
     };

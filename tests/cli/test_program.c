@@ -539,12 +539,12 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
         {SCENE " --cropwindow 0.6,0.5,0,1", "x0,x1,y0,y1"},
         {SCENE " --cropwindow 0,0.001,0,1 --resolution 1x1 --cropwindow 0.1,0.2,0,1", "holds no pixel"},
         {SCENE " --seed -1", "must be an integer"},
-        /* 2^53 + 1 is no double: compared as one it is 2^53 */
-        {SCENE " --seed 9007199254740993", "must be an integer in [0, 9007199254740992]"},
-        {"pixel " SCENE " 1 1 --seed 9007199254740993", "must be an integer in [0, 9007199254740992]"},
-        {"verify " SCENE " --seed 9007199254740993", "must be an integer in [0, 9007199254740992]"},
-        {"trade " SCENE " --seed 9007199254740993", "must be an integer in [0, 9007199254740992]"},
-        {SCENE " --seed 18446744073709551617", "must be an integer in [0, 9007199254740992]"},
+        /* 2^53 is what 2^53 + 1 becomes as a double */
+        {SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+        {"pixel " SCENE " 1 1 --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+        {"verify " SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+        {"trade " SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+        {SCENE " --seed 18446744073709551617", "must be an integer in [0, 9007199254740991]"},
         {SCENE " --exposure x", "must be a number"},
         {SCENE " --outfile " DIR "/new.jpg", "must be .exr, .pfm, .hdr or .png"},
         {SCENE " --outfile " DIR "/new", "must be .exr, .pfm, .hdr or .png"},

@@ -19,9 +19,10 @@ typedef struct bis_material {
     rgb eta;         /* and the refractive index of a metal; 0: Schlick's curve */
 } bis_material;
 
+enum { BIS_MATERIAL_NUMBERS = 11 };
+
 /* bis_material_numbers stores all numbers of a material, its fields but the model, in v. Whoever compares materials or
  * makes a hash of one asks here, so that no field is forgotten in one of these places. */
-enum { BIS_MATERIAL_NUMBERS = 11 };
 void bis_material_numbers(double v[BIS_MATERIAL_NUMBERS], const bis_material *m);
 
 /* The material at a point for one direction wo. What is the same for all wi is computed once and stored here. */
