@@ -325,7 +325,8 @@ bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *im
 
     if (!base->model->remake)
         return bis_error(diag, BIS_INPUT, of->loc,
-                         "a texture of material \"%s\", whose model has no `remake`: give constants", base->model->name);
+                         "a texture of material \"%s\", whose model has no `remake`: give constants",
+                         base->model->name);
     if (of->Kd != BIS_NO_TEXTURE) status = check_range(&Kd, t, images, of->Kd, "Kd", 0, 1, of->loc, diag);
     if (!status && of->Ks != BIS_NO_TEXTURE)
         status = check_range(&Ks, t, images, of->Ks, "Ks", 0, 1, of->loc, diag);

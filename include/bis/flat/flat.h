@@ -9,8 +9,8 @@
  * in the input. It writes its messages to say[size], one a line, cut to the size; after a success these are warnings.
  * Arrays are dense, in the order of C. Values in arrays are checked, because the caller is no C compiler: a NaN must
  * not become an index. NULL where something is due is BIS_INPUT; an array of no items may be NULL, and so may say. A
- * function without a status takes a NULL in the place of what was opened, too: its shape is 0 x 0, it has no pixels, its
- * power is NaN and its text NULL. */
+ * function without a status takes a NULL in the place of what was opened, too: its shape is 0 x 0, it has no pixels,
+ * its power is NaN and its text NULL. */
 #pragma once
 
 #include "bis/thesis/bsdf.h"
@@ -60,8 +60,9 @@ int bis_flat_light_look(const bis_light *light, size_t n, const float *w, float 
 int bis_flat_alias_build(size_t n, const double *w, double *prob, uint32_t *alias, double *total, char *say,
                          size_t size);
 
-/* bis_flat_alias_sample draws item[m] from u[m], which is uniform in [0,1). It looks at the whole tables first, in O(n +
- * m). Errors: BIS_INPUT (u outside [0,1), n is 0 or above 2^32 - 1, a prob outside [0,1], an alias that is not below n). */
+/* bis_flat_alias_sample draws item[m] from u[m], which is uniform in [0,1). It looks at the whole tables first, in
+ * O(n + m). Errors: BIS_INPUT (u outside [0,1), n is 0 or above 2^32 - 1, a prob outside [0,1], an alias not below
+ * n). */
 int bis_flat_alias_sample(size_t n, const double *prob, const uint32_t *alias, size_t m, const double *u,
                           uint32_t *item, char *say, size_t size);
 

@@ -15,8 +15,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The largest seed, on the command line, in scenes and for other languages. Scenes and JSON hold numbers as doubles; all
- * integers up to this one are doubles, and no other integer is rounded to one of them. */
+/* The largest seed, on the command line, in scenes and for other languages. Scenes and JSON hold numbers as doubles;
+ * all integers up to this one are doubles, and no other integer is rounded to one of them. */
 #define BIS_SEED_MAX ((UINT64_C(1) << 53) - 1)
 
 typedef enum bis_sampler_kind {
