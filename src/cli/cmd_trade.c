@@ -98,7 +98,7 @@ static void print_summary(const bis_trade *t)
         const bis_trade_setting *s = &t->plan.settings[a->setting];
         bis_trade_option_text(text, s, t->desc->light.area_exponent);
         if (!text[0]) bis_trade_scene_text(text, s, t->desc->light.area_exponent);
-        printf("%-14s error %-5s %s%-8s %s --spp %u\n", a->purpose, bis_trade_percent(error, a->expected_error),
+        printf("%-14s error %-5s %s%-8s %s --spp %u\n", a->purpose, bis_percent(error, a->expected_error),
                a->is_extrapolated ? "~" : " ", bis_duration(time, a->seconds), text, (unsigned)a->passes);
     }
     printf("%zu of %zu runs in %s/report.html\n", t->n_runs, bis_trade_planned_runs(&t->plan), t->o.folder);
