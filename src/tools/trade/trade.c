@@ -183,8 +183,8 @@ static bis_status nothing_measured(const bis_trade *t, bis_diag *diag)
 
     bis_duration(need, bis_clock_now() - t->start + planned_left(t) / (1 - pictures_share));
     return bis_error(diag, BIS_INPUT, (bis_loc){0},
-                     "0 of %zu runs: none fitted into %g s, so there is no advice and no page; go on with --resume --time "
-                     "for about %s, or measure into another folder with fewer integrators (--integrator)",
+                     "0 of %zu runs: none fitted into %g s, so there is no advice and no page; go on with --resume "
+                     "--time for about %s, or measure into another folder with fewer integrators (--integrator)",
                      bis_trade_planned_runs(&t->plan), t->o.seconds, need);
 }
 

@@ -3,7 +3,8 @@
  * A small picture is not a large one made small: its pixels are larger, more of them hold an edge, and each is noisier
  * (scene.txt: 12% at 98 x 74 where 800 x 600 have 8%). So what is measured is a thin film: of each k x k pixels of the
  * full picture one, at its size, with its random numbers.
- * A pilot renders each setting with 3072 pixels or so, fewer where these take too long: what a pixel of a pass costs, c, and what scatter it leaves, v.
+ * A pilot renders each setting with 3072 pixels or so, fewer where these take too long: what a pixel of a pass costs,
+ * c, and what scatter it leaves, v.
  * What is planned from it:
  *   - the setting of least c v of each integrator, and the scene's own, get budgets of up to r seconds; the others r/4:
  *   cost x variance hardly
@@ -95,8 +96,8 @@ static bis_status probe(double *seconds, bis_trade *t, const bis_trade_setting *
     return status;
 }
 
-/* The scene's own setting is always measured. If it takes more than the whole time, that is said at once. A second probe
- * confirms it, because the machine may have had other work. */
+/* The scene's own setting is always measured. If it takes more than the whole time, that is said at once. A second
+ * probe confirms it, because the machine may have had other work. */
 static bis_status check_scenes_own(bis_trade *t, bis_trade_setting *s, double *seconds, bis_diag *diag)
 {
     bis_status status = BIS_OK;
@@ -118,8 +119,8 @@ static double pilot_pixels(const bis_trade *t, const bis_trade_setting *s, doubl
     return fmin(PILOT_PIXELS, fmax(PROBE_PIXELS, fmax(2 * seconds / 3, 16 * s->fill_seconds) / of_pixel));
 }
 
-/* A probe, one pass to see what it costs, then as many as the setting's share of the time allows, 2 at least. Seconds are
- * those of a pixel until the size is known. */
+/* A probe, one pass to see what it costs, then as many as the setting's share of the time allows, 2 at least. Seconds
+ * are those of a pixel until the size is known. */
 static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double seconds, bis_diag *diag)
 {
     bis_render_result result;
@@ -152,8 +153,8 @@ static bis_status check_pilot(const bis_trade *t, int done, int n, bis_diag *dia
     if (t->o.passes || elapsed < t->o.seconds || bis_trade_interrupted(t)) return BIS_OK;
     bis_duration(need, elapsed / done * n);
     return bis_error(diag, BIS_INPUT, (bis_loc){0},
-                     "%g s are too few: the pilot alone, a look at each of %d settings, wants about %s; give --time some "
-                     "times that, or name fewer integrators by --integrator", t->o.seconds, n, need);
+                     "%g s are too few: the pilot alone, a look at each of %d settings, wants about %s; give --time "
+                     "some times that, or name fewer integrators by --integrator", t->o.seconds, n, need);
 }
 
 static bis_status run_pilot(bis_trade *t, bis_diag *diag)
