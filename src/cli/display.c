@@ -10,7 +10,7 @@
  * Two threads share the picture: the render's copies it while `busy` is false, then sets it; ours sends it and clears
  * it. Nothing is sent twice at once, and a picture that comes while another is sent is left out.
  *
- * Looking up a name (getaddrinfo) cannot be interrupted and takes a minute where name servers are silent. A thread that is
+ * Looking up a name (getaddrinfo) cannot be interrupted and takes a minute where name servers are silent. A thread
  * still at it CONNECT_MS after the render is left alone: the program ends with it, or it frees what is left. */
 #include "display.h"
 

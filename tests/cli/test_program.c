@@ -571,8 +571,7 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
     }
 }
 
-/* One line each, whatever the file holds; a scene that is none of these is still read from anywhere, a pipe
- * included. */
+/* One line each, whatever the file holds; a scene that is none of these is still read. */
 static void what_is_no_scene_gets_one_line(void **state)
 {
     (void)state;
