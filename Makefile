@@ -215,10 +215,10 @@ bench: $B/bis $B/bis-data $(TOOLS) $(STAMP)
 bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 	@sh scripts/bench/bench_scale.sh $B
 
-# scripts/bis.py over the shared library, and the notebook of docs/; no part of `make test`, because it needs numpy.
+# scripts/bis.py over the shared library, the notebook of docs/, and 100 scenes by a renderer in numpy; no part of `make test`, because it needs numpy.
 PYTHON ?= python3
 test-python: $B/bis $(SHARED_LIB) $(STAMP)
-	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) $(PYTHON) tests/python/test_bis.py; \
+	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive $(PYTHON) -m unittest discover -s tests/python; \
 	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; install it, or give PYTHON=program"; fi
 
 # The program, its man page, and what other programs need of the library: docs/library.md.

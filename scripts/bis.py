@@ -12,6 +12,7 @@ import ctypes
 import ctypes.util
 import glob
 import json
+import operator
 import os
 import threading
 import warnings
@@ -102,13 +103,32 @@ def _array(a, columns, dtype):
     return a
 
 
+def _bytes(name, text):
+    """A path or a name as bytes. NUL would end it in C, so that another file would be opened than the one given."""
+    try:
+        text = os.fsencode(text)
+    except TypeError:
+        raise Error("%s is %r: give a text" % (name, text)) from None
+    if b"\0" in text:
+        raise Error("%s holds a NUL: give a text without" % name)
+    return text
+
+
 def _numbers(n, columns, seed, u):
     """Random numbers (n, columns): those that the caller gives, or numpy's."""
-    if u is None:
-        if not 0 <= int(n) < 1 << 40:
-            raise Error("n is %s: give a count >= 0" % n)
-        return np.random.default_rng(seed).random((int(n), columns) if columns else int(n))
-    return _array(u, columns, np.float64)
+    if (n is None) == (u is None):
+        raise Error("give n (how many) or u (random numbers), one of both")
+    if n is None:
+        return _array(u, columns, np.float64)
+    try:
+        count, seed = operator.index(n), operator.index(seed)
+    except TypeError:
+        raise Error("n is %r and seed is %r: give integers" % (n, seed)) from None
+    if not 0 <= count < 1 << 40:
+        raise Error("n is %s: give a count >= 0" % n)
+    if not 0 <= seed < 1 << 53:
+        raise Error("seed is %s: give an integer in [0, 9007199254740991]" % seed)
+    return np.random.default_rng(seed).random((count, columns) if columns else count)
 
 
 def _shape(f, handle):
@@ -127,6 +147,13 @@ class _Handle:
 
     _handle = _close = None
 
+    def __copy__(self):
+        """The object itself: a second one with its handle would free it again, and nothing in it ever changes."""
+        return self
+
+    def __deepcopy__(self, memo):
+        return self
+
     def __del__(self):
         if self._handle:
             type(self)._close(self._handle)
@@ -140,7 +167,7 @@ class Envmap(_Handle):
 
     def __init__(self, path, table="alias", area_exponent=0.15):
         handle = _P()
-        _call(_light_open, ctypes.byref(handle), os.fsencode(path), table.encode(), area_exponent)
+        _call(_light_open, ctypes.byref(handle), _bytes("path", path), _bytes("table", table), area_exponent)
         self._handle = handle
         self.shape = _shape(_light_shape, handle)
 
@@ -183,6 +210,8 @@ class AliasTable:
 
     def sample(self, n=None, seed=0, u=None):
         """Items (n,). u: (n,) in [0, 1)."""
+        if np.asarray(self.alias).dtype.kind not in "iu" or np.any(np.asarray(self.alias) < 0):
+            raise Error("alias holds what is no item: give integers >= 0")
         prob, alias = _array(self.prob, 0, np.float64), _array(self.alias, 0, np.uint32)
         if len(prob) != len(alias):
             raise Error("prob has %d items and alias has %d" % (len(prob), len(alias)))
@@ -232,12 +261,13 @@ def render(scene, **settings):
 
     Settings are integrator, accelerator, spp, seed, seconds, error, threads, width, height, and the parameters of the
     integrator, as in render("scene.txt", integrator="sir", candidates=256, spp=16). Ctrl-C ends the render."""
-    texts = [("%s=%s" % (name, _text(value))).encode() for name, value in settings.items()]
+    texts = [_bytes("a setting", "%s=%s" % (name, _text(value))) for name, value in settings.items()]
+    path = _bytes("scene", scene)
     wanted = (ctypes.c_char_p * (len(texts) + 1))(*texts, None)
     handle, stop, said = _P(), ctypes.c_int(0), []
 
     # In a thread of its own, because Python hears of Ctrl-C only between calls.
-    worker = threading.Thread(target=lambda: said.append(_run(_render, ctypes.byref(handle), os.fsencode(scene), wanted, ctypes.byref(stop))))
+    worker = threading.Thread(target=lambda: said.append(_run(_render, ctypes.byref(handle), path, wanted, ctypes.byref(stop))))
     worker.start()
     try:
         while worker.is_alive():

@@ -3,6 +3,8 @@
 # file that follows "<!-- tests/whole/uniform.c -->", and the changes in its ```diff blocks. They go into a copy of the
 # sources; only what changed is compiled, and linked before the present library; then the program has one integrator more.
 #     scripts/check/check_extending.sh [TEST...]          TEST: programs of tests/ to be linked and run with it, too;
+# First a BRDF, by the page's section: Phong's file once more under the name "again", with its entries in parser_world.c. With
+# textures for all that it has it must render the bits of Material "phong". EXTENDING_EDIT: a sed script for that copy (a twin).
 # "all": all as make test runs them, but this one and those of the course, the pages and what is installed.
 # EXTENDING_PAGE: another page.
 # From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link (scripts/course/course.mk).
@@ -21,6 +23,43 @@ awk -v root="$root" '
     /^```$/ { if (inside) file = ""; inside = 0; next }
     inside && file { print >file }' "${EXTENDING_PAGE:-docs/extending.md}"
 test -s "$root/src/beyond/uniform.c" && test -s "$root/page.diff" || say "the page has no example"
+
+# ---- the BRDF ----
+sed -e 's/bis_phong/bis_again/g; s/"phong"/"again"/; s|bis/thesis/phong.h|bis/beyond/again.h|' -e "${EXTENDING_EDIT:-}" src/thesis/phong.c >"$root/src/beyond/again.c"
+sed 's/bis_phong/bis_again/g' include/bis/thesis/phong.h >"$root/include/bis/beyond/again.h"
+awk '/^static bis_material read_phong/ { inside = 1 }
+    inside { line = $0; gsub(/read_phong/, "read_again", line); gsub(/bis_phong/, "bis_again", line); copy = copy line "\n" }
+    { print }
+    inside && /^}/ { inside = 0; printf "\n%s", copy }' src/parse/parser_world.c |
+    sed -e '0,/^#include/s/^#include/#include "bis\/beyond\/again.h"\n&/' -e 's/enum { PHONG,/enum { AGAIN, PHONG,/; s/{"phong", PHONG},/{"again", AGAIN}, &/' \
+        -e 's/^ *\[PHONG\] = read_phong,/    [AGAIN] = read_again,\n&/' >"$root/src/parse/world_again.c"
+grep -q "again.*AGAIN" "$root/src/parse/world_again.c" && grep -q "AGAIN. = read_again" "$root/src/parse/world_again.c" || say "parser_world.c has no place for a material"
+for file in src/beyond/again src/parse/world_again; do
+    (cd "$root" && $BIS_COMPILE -Werror -c -o "$(basename $file).o" "$file.c") || say "$file does not compile without warnings"
+done
+# shellcheck disable=SC2086
+$BIS_LINK -o "$root/bis-again" "$BIS_BUILD/src/cli/main.o" "$root/again.o" "$root/world_again.o" "$BIS_BUILD/libbis.a" $BIS_LIBS || say "the program with a BRDF more does not link"
+for model in phong again; do
+    cat >"$root/$model-textured.txt" <<END
+Film "rgb" "integer xresolution" 24 "integer yresolution" 12 "float cropwindow" [.5 1 0 1]
+Camera "perspective" "float fov" 60
+Integrator "mis" "integer samples" 8
+WorldBegin
+LightSource "infinite" "rgb L" [1 2 3]
+Texture "c" "spectrum" "checkerboard" "rgb tex1" [.1 .2 .3] "rgb tex2" [.4 .3 .2] "float uscale" 8 "float vscale" 8
+Texture "n" "float" "checkerboard" "float tex1" 3 "float tex2" 80 "float uscale" 16 "float vscale" 4
+Material "$model" "texture Kd" "c" "rgb Ks" [.5 .2 .2] "float exponent" 5
+AttributeBegin Translate 0.6 0 4 Shape "sphere" AttributeEnd
+Material "$model" "texture Ks" "c" "texture exponent" "n"
+AttributeBegin Translate 2 0 5 Shape "sphere" AttributeEnd
+END
+    "$root/bis-again" --quiet --spp 4 --outfile "$root/$model.pfm" "$root/$model-textured.txt" 2>"$root/$model.txt" || say "render: $(tail -1 "$root/$model.txt")"
+    "$root/bis-again" pixel --repeats 50 --output "$root/pixel-$model" "$root/$model-textured.txt" 13 6 2>&1 | grep "^exact" >"$root/$model-exact.txt" || say "pixel of a textured $model has no exact row"
+done
+cmp "$root/phong.pfm" "$root/again.pfm" || say "the BRDF loses something under a texture: its picture is not that of its twin phong"
+cmp "$root/phong-exact.txt" "$root/again-exact.txt" || say "bis pixel: the exact row of the BRDF under a texture is not that of phong"
+
+# ---- the integrator ----
 patch -s -p1 -d "$root" <"$root/page.diff" >"$root/patch.txt" 2>&1 || say "the changes on the page do not fit the sources: $(head -3 "$root/patch.txt")"
 sh scripts/check/check_layers.sh "$root" || say "it is no layer of ours"
 

@@ -12,7 +12,8 @@ say() {
 }
 rm -rf "$prefix" && mkdir -p "$prefix" || exit 1
 DESTDIR='' sh scripts/install.sh "$BIS_BUILD" "$prefix" || say "it cannot be installed"
-export PKG_CONFIG_PATH="$prefix/lib/pkgconfig" LD_LIBRARY_PATH="$prefix/lib"
+export PKG_CONFIG_PATH="$prefix/lib/pkgconfig"
+unset LD_LIBRARY_PATH # the page's lines must do without
 
 version=$(pkg-config --modversion bis) || say "pkg-config does not know bis"
 [ "$("$prefix/bin/bis" --version | head -n 1)" = "bis $version" ] || say "bis.pc says version $version"
@@ -36,13 +37,15 @@ awk '/^<!-- example\.c -->$/ { found = 1; next } found && /^```c$/ { inside = 1;
     "${LIBRARY_PAGE:-docs/library.md}" >"$prefix/example.c"
 [ -s "$prefix/example.c" ] || say "the page has no example"
 [ "$(wc -l <"$prefix/example.c")" -le 40 ] || say "the example has more than 40 lines"
-# shellcheck disable=SC2046
-$BIS_LINK -Wall -Wextra -Werror "$prefix/example.c" -o "$prefix/shared" $(pkg-config --cflags --libs bis) -lm || say "the example does not link with the shared library"
-# shellcheck disable=SC2046
-$BIS_LINK "$prefix/example.c" -o "$prefix/static" $(pkg-config --cflags bis) -Wl,-Bstatic -lbis -Wl,-Bdynamic $(pkg-config --static --libs bis) ||
-    say "the example does not link with the archive"
-readelf -d "$prefix/shared" | grep -q "\[$soname\]" || say "the example does not use the shared library"
-for how in shared static; do
+# The page's own lines, in the folder of the example, with our compiler and flags, and the scratch prefix as its $HOME/bis.
+awk '/^<!-- compile -->$/ { found = 1; next } found && /^```sh$/ { inside = 1; next } /^```$/ { if (inside) exit } inside { print }' \
+    "${LIBRARY_PAGE:-docs/library.md}" >"$prefix/compile.sh"
+grep -q '^cc ' "$prefix/compile.sh" || say "the page does not say how to compile the example"
+ln -s "$prefix" "$prefix/bis"
+(cd "$prefix" && { echo 'cc() { command $BIS_LINK -Wall -Wextra -Werror "$@"; }' && cat compile.sh; } | HOME=$prefix sh -e) || say "the example does not link by the page's lines"
+readelf -d "$prefix/example" | grep -q "\[$soname\]" || say "the example does not use the shared library"
+! readelf -d "$prefix/example-static" | grep -q "\[$soname\]" || say "the example with the archive wants the shared library, too"
+for how in example example-static; do
     "$prefix/$how" data/maps/interior.hdr "$scene" >"$prefix/$how.txt" 2>&1 || say "$how: the example fails: $(cat "$prefix/$how.txt")"
     grep -q "mean $mean\$" "$prefix/$how.txt" || say "$how: no mean of $mean: $(cat "$prefix/$how.txt")"
 done

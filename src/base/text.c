@@ -49,6 +49,18 @@ const char *bis_duration(char buf[BIS_DURATION], double seconds)
     return buf;
 }
 
+const char *bis_percent(char buf[BIS_PERCENT], double share)
+{
+    const double p = 100 * share;
+    const size_t n = BIS_PERCENT;
+
+    if (p > 0 && p < 1e-4) snprintf(buf, n, "below 0.0001%%"); /* where %g begins to write 1e-05 */
+    else if (p < 9.95) snprintf(buf, n, "%.2g%%", p);
+    else if (p > 1e6) snprintf(buf, n, "over 1000000%%");
+    else snprintf(buf, n, "%.0f%%", p);
+    return buf;
+}
+
 uint64_t bis_fnv1a(uint64_t h, const void *bytes, size_t n)
 {
     const unsigned char *byte = bytes;

@@ -24,6 +24,11 @@ const char *bis_hint(char buf[BIS_HINT], const char *nearest);
 enum { BIS_DURATION = 24 };
 const char *bis_duration(char buf[BIS_DURATION], double seconds);
 
+/* bis_percent writes a share >= 0 to buf in percent as a person does, with two digits or as a whole number, and returns
+ * it: "0.034%", "3.4%", "12%", "170%"; "below 0.0001%" and "over 1000000%" beyond these. */
+enum { BIS_PERCENT = 24 };
+const char *bis_percent(char buf[BIS_PERCENT], double share);
+
 /* bis_fnv1a returns the hash h (BIS_FNV1A at first) after n more bytes. Source: FNV-1a of Fowler, Noll, Vo. */
 #define BIS_FNV1A UINT64_C(0xcbf29ce484222325)
 uint64_t bis_fnv1a(uint64_t h, const void *bytes, size_t n);

@@ -234,7 +234,18 @@ static double max_ratio(const bis_bsdf *b)
 
 static bis_bsdf_width width(const bis_material *m)
 {
-    return (bis_bsdf_width){"alpha", "roughness", m->alpha, sqrt(m->alpha)};
+    return (bis_bsdf_width){"alpha", "roughness", m->alpha, sqrt(m->alpha), BIS_MICROFACET_MIN_ROUGHNESS, 1};
+}
+
+/* The model and the index stay, so that this serves metals and plastic, too. */
+static bis_material remake(const bis_material *m, rgb Kd, rgb Ks, const double *roughness)
+{
+    bis_material other = bis_microfacet(Kd, Ks, roughness ? *roughness : 1);
+
+    if (!roughness) other.alpha = m->alpha;
+    other.model = m->model;
+    other.eta = m->eta;
+    return other;
 }
 
 const bis_bsdf_model bis_microfacet_model = {.name = "microfacet",
@@ -243,6 +254,7 @@ const bis_bsdf_model bis_microfacet_model = {.name = "microfacet",
                                              .f_pdf = f_pdf,
                                              .max_f_cos = max_f_cos,
                                              .max_ratio = max_ratio,
+                                             .remake = remake,
                                              .of_half_vector = true,
                                              .width = width,
                                              .f_many = f_many,
@@ -255,6 +267,7 @@ const bis_bsdf_model bis_plastic_model = {.name = "plastic",
                                           .f_pdf = f_pdf,
                                           .max_f_cos = max_f_cos,
                                           .max_ratio = max_ratio,
+                                          .remake = remake,
                                           .of_half_vector = true,
                                           .width = width,
                                           .f_many = f_many,

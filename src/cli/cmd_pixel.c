@@ -85,7 +85,7 @@ static bis_status ask_methods(bis_pixel_report *r, const pixel_options *o, const
     for (size_t i = 0; i < r->n_methods && !status; i++) {
         bis_pixel_method *m = &r->methods[i];
         status = bis_pixel_method_run(m, &r->pt, &r->exact, sampler->kind, (uint32_t)o->repeats,
-                                      bis_hash(sampler->seed ^ ((i + 2) << 40)), diag);
+                                      bis_hash(sampler->seed ^ (((uint64_t)i + 2) << 40)), diag);
         if (!status && !m->is_open)
             status = bis_pixel_rays_record(&r->rays[i], &r->pt, &m->settings, sampler, pixel,
                                            runs_to_show(&m->settings), diag);
@@ -236,7 +236,7 @@ int bis_cmd_pixel(int argc, char **argv)
         {.name = "repeats", .argument = "R", .help = "estimates by each method, for its mean and its error (2000)",
          .kind = BIS_OPTION_COUNT, .value = &o.repeats, .lo = 2, .hi = 1e8},
         {.name = "seed", .argument = "N", .help = "of the random numbers (the scene's)", .kind = BIS_OPTION_COUNT,
-         .value = &o.seed, .given = &o.has_seed, .hi = 0x1p53},
+         .value = &o.seed, .given = &o.has_seed, .hi = BIS_SEED_MAX},
     };
     /* clang-format on */
     const bis_command command = {

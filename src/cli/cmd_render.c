@@ -335,7 +335,7 @@ int bis_cmd_render(int argc, char **argv)
     };
     const bis_option behind[] = {
         {.name = "seed", .argument = "N", .help = "another seed, other noise", .kind = BIS_OPTION_COUNT,
-         .value = &o.over.seed, .given = &o.over.has_seed, .hi = 0x1p53},
+         .value = &o.over.seed, .given = &o.over.has_seed, .hi = BIS_SEED_MAX},
         {.name = "accelerator", .argument = "A", .help = "grid or embree", .kind = BIS_OPTION_NAME,
          .value = &o.over.accelerator, .names = accelerators},
         {.name = "resolution", .argument = "WxH", .help = "size of the full picture in pixels", .kind = BIS_OPTION_OWN,

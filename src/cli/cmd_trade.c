@@ -91,16 +91,19 @@ static void print_progress(const char *what, double share, double seconds_left, 
 static void print_summary(const bis_trade *t)
 {
     char text[256], time[24], error[24];
+    int n = 0;
 
     for (int i = 0; i < BIS_TRADE_ADVICE; i++) {
         const bis_trade_advice *a = &t->result.advice[i];
         if (a->setting < 0) continue;
+        n++;
         const bis_trade_setting *s = &t->plan.settings[a->setting];
         bis_trade_option_text(text, s, t->desc->light.area_exponent);
         if (!text[0]) bis_trade_scene_text(text, s, t->desc->light.area_exponent);
-        printf("%-14s error %-5s %s%-8s %s --spp %u\n", a->purpose, bis_trade_percent(error, a->expected_error),
+        printf("%-14s error %-5s %s%-8s %s --spp %u\n", a->purpose, bis_percent(error, a->expected_error),
                a->is_extrapolated ? "~" : " ", bis_duration(time, a->seconds), text, (unsigned)a->passes);
     }
+    if (!n) puts("no advice: no setting has enough runs; give --resume --time more");
     printf("%zu of %zu runs in %s/report.html\n", t->n_runs, bis_trade_planned_runs(&t->plan), t->o.folder);
 }
 
@@ -202,7 +205,7 @@ int bis_cmd_trade(int argc, char **argv)
          .value = o.size, .given = &o.has_size, 
          .read = bis_cli_read_size, .rule = BIS_SIZE_RULE},
         {.name = "seed", .argument = "N", .help = "other random numbers (1)", .kind = BIS_OPTION_COUNT,
-         .value = &o.seed, .given = &o.has_seed, .hi = 0x1p53},
+         .value = &o.seed, .given = &o.has_seed, .hi = BIS_SEED_MAX},
         {.name = "nthreads", .argument = "N", .help = "threads (default: one for each processor)",
          .kind = BIS_OPTION_COUNT, .value = &o.threads, .lo = 1, .hi = 1024},
     };

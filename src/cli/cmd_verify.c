@@ -180,7 +180,7 @@ int bis_cmd_verify(int argc, char **argv)
          .help = "what of pbrt bis does not model is replaced by the nearest that it does, and listed",
          .kind = BIS_OPTION_FLAG, .value = &o.approximate},
         {.name = "seed", .argument = "N", .help = "of the random numbers (1)", .kind = BIS_OPTION_COUNT,
-         .value = &o.seed, .hi = 0x1p53},
+         .value = &o.seed, .hi = BIS_SEED_MAX},
         {.help = "what to write"},
         {.name = "json", .help = "print JSON instead of a table", .kind = BIS_OPTION_FLAG, .value = &o.json},
     };

@@ -8,7 +8,10 @@
  * Source: the comments and headers of tev (README, include/tev/Ipc.h).
  *
  * Two threads share the picture: the render's copies it while `busy` is false, then sets it; ours sends it and clears
- * it. Nothing is sent twice at once, and a picture that comes while another is sent is left out. */
+ * it. Nothing is sent twice at once, and a picture that comes while another is sent is left out.
+ *
+ * Looking up a name (getaddrinfo) cannot be interrupted and takes a minute where name servers are silent. A thread
+ * still at it CONNECT_MS after the render is left alone: the program ends with it, or it frees what is left. */
 #include "display.h"
 
 #include "bis/base/clock.h"
@@ -35,13 +38,14 @@ struct bis_display {
     float *rgba;          /* of the film */
     unsigned char *message;
     pthread_t thread;
-    bool has_thread;
 
     pthread_mutex_t lock; /* of all below */
     pthread_cond_t change;
     bool busy;            /* rgba is being sent */
     bool hurry;           /* the render is over: a viewer that reads nothing has PATIENCE_MS left */
     bool over;            /* no more pictures will come */
+    bool met;             /* the viewer was reached, or cannot be */
+    bool alone;           /* the render's side has left: the thread frees all */
     bool gone;            /* the viewer: nothing is sent any more */
     char why[160];        /* it is gone; "": it is not */
     double cost;          /* processor seconds of the thread */
@@ -230,10 +234,36 @@ static void done_with_picture(bis_display *d)
     pthread_mutex_unlock(&d->lock);
 }
 
+static void free_display(bis_display *d)
+{
+    pthread_cond_destroy(&d->change);
+    pthread_mutex_destroy(&d->lock);
+    bis_free(d->rgba);
+    bis_free(d->message);
+    bis_free(d);
+}
+
+/* Tells that there is an answer from the viewer's side. False: nobody waits for it any more. */
+static bool meet(bis_display *d)
+{
+    pthread_mutex_lock(&d->lock);
+    d->met = true;
+    const bool alone = d->alone;
+    pthread_cond_broadcast(&d->change);
+    pthread_mutex_unlock(&d->lock);
+    return !alone;
+}
+
 static void *run(void *arg)
 {
     bis_display *d = arg;
     const int fd = connect_to_viewer(d);
+
+    if (!meet(d)) {
+        if (fd >= 0) close(fd);
+        free_display(d);
+        return NULL;
+    }
     bool good = fd >= 0 && send_create(d, fd);
 
     while (next_picture(d)) {
@@ -255,11 +285,24 @@ static void set_address(bis_display *d, const char *where)
     snprintf(d->port, sizeof d->port, "%s", colon + 1);
 }
 
+/* The clock of time-outs is one that nobody sets. */
+static void init_lock(bis_display *d)
+{
+    pthread_condattr_t of_change;
+
+    pthread_condattr_init(&of_change);
+    pthread_condattr_setclock(&of_change, CLOCK_MONOTONIC);
+    pthread_mutex_init(&d->lock, NULL);
+    pthread_cond_init(&d->change, &of_change);
+    pthread_condattr_destroy(&of_change);
+}
+
 bis_status bis_display_open(bis_display **out, const char *where, const char *name, const bis_film *film,
                             bis_diag *diag)
 {
     const size_t n = (size_t)film->width * (size_t)film->height;
     bis_display *d = bis_alloc(1, sizeof *d);
+    bool has_thread = false;
 
     *out = d;
     if (d) {
@@ -275,13 +318,12 @@ bis_status bis_display_open(bis_display **out, const char *where, const char *na
         d->last_cost = USUAL_SECONDS_A_PIXEL * (double)n;
         set_address(d, where);
         snprintf(d->name, sizeof d->name, "%s", name);
-        pthread_mutex_init(&d->lock, NULL);
-        pthread_cond_init(&d->change, NULL);
-        if (d->rgba && d->message) d->has_thread = pthread_create(&d->thread, NULL, run, d) == 0;
+        init_lock(d);
+        if (d->rgba && d->message) has_thread = pthread_create(&d->thread, NULL, run, d) == 0;
     }
-    if (d && d->has_thread) return BIS_OK;
+    if (has_thread) return BIS_OK;
     *out = NULL;
-    bis_display_close(d, NULL, NULL);
+    if (d) free_display(d);
     return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory or no thread for --display %s", where);
 }
 
@@ -330,18 +372,38 @@ static void end_thread(bis_display *d)
     pthread_join(d->thread, NULL);
 }
 
+static void warn(const bis_display *d, const char *why, bis_diag *diag)
+{
+    bis_warn(diag, bis_cli_loc, "--display %s:%s: %s; the render went on without", d->host, d->port, why);
+}
+
+/* Waits CONNECT_MS at most for the connection. False: there is none yet, and d is the thread's from now on. */
+static bool wait_until_met(bis_display *d, bis_diag *diag)
+{
+    struct timespec until;
+    int late = 0;
+
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += CONNECT_MS / 1000;
+    pthread_mutex_lock(&d->lock);
+    while (!d->met && !late) late = pthread_cond_timedwait(&d->change, &d->lock, &until);
+    const bool met = d->met;
+    if (!met) {
+        warn(d, "no answer from the name server or the viewer", diag);
+        pthread_detach(d->thread);
+        d->alone = true;
+    }
+    pthread_mutex_unlock(&d->lock);
+    return met;
+}
+
 void bis_display_close(bis_display *d, const bis_film *film, bis_diag *diag)
 {
-    if (!d) return;
-    if (d->has_thread) {
-        wait_until_idle(d);
-        if (film) give(d, film);
-        wait_until_idle(d);
-        end_thread(d);
-    }
-    if (*d->why)
-        bis_warn(diag, bis_cli_loc, "--display %s:%s: %s; the render went on without", d->host, d->port, d->why);
-    bis_free(d->rgba);
-    bis_free(d->message);
-    bis_free(d);
+    if (!d || !wait_until_met(d, diag)) return;
+    wait_until_idle(d);
+    if (film) give(d, film);
+    wait_until_idle(d);
+    end_thread(d);
+    if (*d->why) warn(d, d->why, diag);
+    free_display(d);
 }

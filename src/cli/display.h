@@ -24,5 +24,6 @@ bis_status bis_display_open(bis_display **out, const char *where, const char *na
 void bis_display_offer(bis_display *d, const bis_film *film);
 
 /* bis_display_close sends the film, if it is given, waits until it is sent or the viewer has read nothing for a second,
- * and frees d; NULL is allowed. A warning says what went wrong. */
+ * and frees d; NULL is allowed. If there is no connection after 3 s, because no name server answers, it leaves d to the
+ * thread. A warning says what went wrong. */
 void bis_display_close(bis_display *d, const bis_film *film, bis_diag *diag);

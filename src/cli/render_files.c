@@ -106,7 +106,7 @@ static bis_status list_channels(bis_channel *channels, int *n, float **planes, c
 void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats)
 {
     const bis_render_result *r = stats->result;
-    char seconds[32];
+    char seconds[BIS_DURATION], error[BIS_PERCENT];
 
     if (r->interrupted)
         fprintf(stderr, "bis: interrupted after %" PRIu64 " camera sample%s a pixel; wrote", r->spp,
@@ -117,7 +117,7 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
             stats->film->height, r->spp, r->spp == 1 ? "" : "s", r->passes, r->passes == 1 ? "" : "es",
             bis_duration(seconds, r->seconds));
     if (isnan(r->relative_rmse)) fputs("error unknown (one pass)\n", stderr);
-    else fprintf(stderr, "error about %.2g%%\n", 100 * r->relative_rmse);
+    else fprintf(stderr, "error about %s\n", bis_percent(error, r->relative_rmse));
 }
 
 bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_files *files, const bis_stats *stats,

@@ -7,7 +7,10 @@
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
 
+#include <fcntl.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <zlib.h>
 
 enum { GZIP_WINDOW = 15 + 16 }; /* zlib: the largest window, and a header of gzip's */
@@ -117,8 +120,15 @@ bis_status bis_gzip_read(unsigned char **data, size_t *size, const char *path, b
 
 size_t bis_gzip_head(char *head, size_t n, const char *path)
 {
-    gzFile file = gzopen(path, "rb"); /* reads what is no gzip file as it is */
-    if (!file) return 0;
+    struct stat info;
+    /* as bis_file_read: a pipe waits for its writer, and /proc/kmsg calls itself regular and waits for the kernel */
+    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    const bool is_regular = fd >= 0 && fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
+    gzFile file = is_regular ? gzdopen(fd, "rb") : NULL; /* reads what is no gzip file as it is */
+    if (!file) {
+        if (fd >= 0) close(fd);
+        return 0;
+    }
     const int got = gzread(file, head, (unsigned)n);
     gzclose(file);
     return got > 0 ? (size_t)got : 0;

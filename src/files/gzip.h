@@ -14,5 +14,6 @@
  * above). */
 bis_status bis_gzip_read(unsigned char **data, size_t *size, const char *path, bis_loc at, bis_diag *diag);
 
-/* bis_gzip_head stores at most n of the file's first bytes, expanded. Returns how many; 0: it cannot be read. */
+/* bis_gzip_head stores at most n of the file's first bytes, expanded. Returns how many; 0: it cannot be read,
+ * or is no regular file. */
 size_t bis_gzip_head(char *head, size_t n, const char *path);

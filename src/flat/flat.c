@@ -19,11 +19,25 @@ const char *bis_flat_version(void) { return BIS_VERSION; }
 
 int bis_flat_end(bis_status status, bis_diag *diag, char *say, size_t size)
 {
-    if (size > 0) *say = '\0';
-    for (size_t i = 0; i < diag->n && size > 0; i++)
+    const bool says = say && size > 0;
+
+    if (says) *say = '\0';
+    for (size_t i = 0; i < diag->n && says; i++)
         bis_append(say, size, "%s%s", i ? "\n" : "", diag->messages[i].text);
     bis_diag_clear(diag);
     return (int)status;
+}
+
+bis_status bis_flat_given(const char *names, const void *const *pointers, size_t n, bis_diag *diag)
+{
+    for (size_t i = 0; i < n; i++) {
+        const size_t length = strcspn(names, ",");
+        if (!pointers[i])
+            return bis_error(diag, BIS_INPUT, nowhere, "%.*s is NULL: give what was opened, or an array",
+                             (int)length, names);
+        names += length + strspn(names + length, ", ");
+    }
+    return BIS_OK;
 }
 
 /* The numbers of n samples, k each. */
@@ -58,17 +72,18 @@ static void store(float *to, float a, float b, float c)
 }
 
 /* The value and density of a map or a material in n directions. */
-static int look(rgb (*value_of)(const void *self, vec3 w, double *pdf), const void *self, size_t n, const float *w,
+static int look(rgb (*value_of)(const void *self, vec3 w, double *pdf), const void *handle, size_t n, const float *w,
                 float *value, double *pdf, char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = BIS_OK;
+    bis_status status = BIS_FLAT_GIVEN(&diag, handle);
 
-    for (size_t i = 0; i < n; i++) {
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, w, value, pdf);
+    for (size_t i = 0; !status && i < n; i++) {
         vec3 wi;
         status = direction(&wi, w, i, &diag);
         if (status) break;
-        const rgb v = value_of(self, wi, &pdf[i]);
+        const rgb v = value_of(handle, wi, &pdf[i]);
         store(value + 3 * i, v.r, v.g, v.b);
     }
     return bis_flat_end(status, &diag, say, size);
@@ -81,9 +96,10 @@ int bis_flat_light_open(bis_light **light, const char *path, const char *kind, d
 {
     bis_diag diag = {0};
     bis_light_desc desc = bis_light_desc_default();
-    bis_status status = BIS_OK;
+    bis_status status = BIS_FLAT_GIVEN(&diag, light, path, kind);
 
-    *light = NULL;
+    if (light) *light = NULL;
+    if (status) return bis_flat_end(status, &diag, say, size);
     desc.filename = (char *)(uintptr_t)path; /* only read */
     desc.has_table_kind = true;
     desc.table_kind = strcmp(kind, "cdf") == 0 ? BIS_TABLE_CDF : BIS_TABLE_ALIAS;
@@ -101,26 +117,29 @@ void bis_flat_light_close(bis_light *light) { bis_light_free(light); }
 
 void bis_flat_light_shape(const bis_light *light, int shape[2])
 {
-    shape[0] = bis_light_envmap(light)->width;
-    shape[1] = bis_light_envmap(light)->height;
+    shape[0] = light ? bis_light_envmap(light)->width : 0;
+    shape[1] = light ? bis_light_envmap(light)->height : 0;
 }
 
 void bis_flat_light_pixels(const bis_light *light, float *pixels)
 {
+    if (!light) return;
     const bis_envmap *em = bis_light_envmap(light);
     const size_t n = (size_t)em->width * (size_t)em->height;
 
     for (size_t i = 0; i < n; i++) store(pixels + 3 * i, em->pixels[i].r, em->pixels[i].g, em->pixels[i].b);
 }
 
-double bis_flat_light_power(const bis_light *light) { return bis_light_power(light); }
+double bis_flat_light_power(const bis_light *light) { return light ? bis_light_power(light) : (double)NAN; }
 
 int bis_flat_light_sample(const bis_light *light, size_t n, const double *u, float *w, float *L, double *pdf,
                           char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = check_numbers(n, 4, u, &diag);
+    bis_status status = BIS_FLAT_GIVEN(&diag, light);
 
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, u, w, L, pdf);
+    if (!status) status = check_numbers(n, 4, u, &diag);
     for (size_t i = 0; !status && i < n; i++) {
         bis_light_point p;
         if (!bis_light_sample(light, u + 4 * i, &p)) {
@@ -164,8 +183,9 @@ int bis_flat_alias_build(size_t n, const double *w, double *prob, uint32_t *alia
 {
     bis_diag diag = {0};
     bis_alias a = {0};
-    bis_status status = check_weights(n, w, &diag);
+    bis_status status = n > 0 ? BIS_FLAT_GIVEN(&diag, w, prob, alias, total) : BIS_OK;
 
+    if (!status) status = check_weights(n, w, &diag);
     if (!status) status = bis_alias_init(&a, w, n, &diag);
     if (!status) {
         memcpy(prob, a.prob, n * sizeof *prob);
@@ -176,13 +196,31 @@ int bis_flat_alias_build(size_t n, const double *w, double *prob, uint32_t *alia
     return bis_flat_end(status, &diag, say, size);
 }
 
+static bis_status check_tables(size_t n, const double *prob, const uint32_t *alias, bis_diag *diag)
+{
+    if (n > UINT32_MAX)
+        return bis_error(diag, BIS_INPUT, nowhere, "there are %zu bins: give 1 to %" PRIu32, n, UINT32_MAX);
+    for (size_t i = 0; i < n; i++) {
+        if (!(prob[i] >= 0 && prob[i] <= 1))
+            return bis_error(diag, BIS_INPUT, nowhere, "prob of bin %zu is %g: give numbers in [0, 1]", i, prob[i]);
+        if (alias[i] >= n)
+            return bis_error(diag, BIS_INPUT, nowhere, "alias of bin %zu is %" PRIu32 ": give items below %zu", i,
+                             alias[i], n);
+    }
+    return BIS_OK;
+}
+
 int bis_flat_alias_sample(size_t n, const double *prob, const uint32_t *alias, size_t m, const double *u,
                           uint32_t *item, char *say, size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = check_numbers(m, 1, u, &diag);
+    bis_status status = BIS_OK;
 
     if (n == 0) status = bis_error(&diag, BIS_INPUT, nowhere, "the tables are empty: there is nothing to draw");
+    if (!status) status = BIS_FLAT_GIVEN(&diag, prob, alias);
+    if (!status && m > 0) status = BIS_FLAT_GIVEN(&diag, u, item);
+    if (!status) status = check_tables(n, prob, alias, &diag);
+    if (!status) status = check_numbers(m, 1, u, &diag);
     for (size_t i = 0; !status && i < m; i++) item[i] = (uint32_t)bis_alias_pick(prob, alias, n, u[i]);
     return bis_flat_end(status, &diag, say, size);
 }
@@ -221,10 +259,11 @@ int bis_flat_bsdf_open(bis_bsdf **bsdf, const char *model, const double *Kd, con
 {
     bis_diag diag = {0};
     vec3 n = {0, 0, 1}, out = {0, 0, 1};
-    const bool is_phong = strcmp(model, "phong") == 0, is_facet = strcmp(model, "microfacet") == 0;
-    bis_status status = BIS_OK;
+    bis_status status = BIS_FLAT_GIVEN(&diag, bsdf, model, Kd, Ks, normal, wo);
 
-    *bsdf = NULL;
+    if (bsdf) *bsdf = NULL;
+    if (status) return bis_flat_end(status, &diag, say, size);
+    const bool is_phong = strcmp(model, "phong") == 0, is_facet = strcmp(model, "microfacet") == 0;
     if (!is_phong && !is_facet)
         status = bis_error(&diag, BIS_INPUT, nowhere, "there is no model \"%.40s\": give \"phong\" or \"microfacet\"",
                            model);
@@ -254,8 +293,10 @@ int bis_flat_bsdf_sample(const bis_bsdf *bsdf, size_t n, const double *u, float 
                          size_t size)
 {
     bis_diag diag = {0};
-    bis_status status = check_numbers(n, 3, u, &diag);
+    bis_status status = BIS_FLAT_GIVEN(&diag, bsdf);
 
+    if (!status && n > 0) status = BIS_FLAT_GIVEN(&diag, u, wi, lobe);
+    if (!status) status = check_numbers(n, 3, u, &diag);
     if (!status && bis_bsdf_is_black(bsdf))
         status = bis_error(&diag, BIS_INPUT, nowhere,
                            "the material is black as seen from wo: it has no directions to draw");

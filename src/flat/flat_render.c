@@ -26,16 +26,23 @@ typedef struct wishes {
 
 /* ---- settings ---- */
 
+/* Where a number must lie: in [lo, hi], or in (lo, hi]. */
+typedef struct range {
+    double lo, hi;
+    enum { REAL, REAL_ABOVE, WHOLE } kind;
+} range;
+
 /* The number behind "name=", or an error. */
-static bis_status number(double *v, const char *name, const char *text, double lo, double hi, bool whole,
-                         bis_diag *diag)
+static bis_status number(double *v, const char *name, const char *text, range r, bis_diag *diag)
 {
     const char *end;
 
     *v = bis_parse_double(text, &end);
-    if (end != text && !*end && *v >= lo && *v <= hi && (!whole || floor(*v) == *v)) return BIS_OK;
-    return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": give %s in [%.16g, %.16g]", name, text,
-                     whole ? "an integer" : "a number", lo, hi);
+    if (end != text && !*end && *v >= r.lo && *v <= r.hi && (r.kind != WHOLE || floor(*v) == *v) &&
+        (r.kind != REAL_ABOVE || *v > r.lo))
+        return BIS_OK;
+    return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": give %s in %s%.16g, %.16g]", name, text,
+                     r.kind == WHOLE ? "an integer" : "a number", r.kind == REAL_ABOVE ? "(" : "[", r.lo, r.hi);
 }
 
 static bis_status set_parameter(bis_settings *s, const char *name, const char *text, bis_diag *diag)
@@ -61,8 +68,8 @@ static bis_status set_parameter(bis_settings *s, const char *name, const char *t
             return bis_error(diag, BIS_INPUT, nowhere, "%s is \"%.40s\": give true or false", name, text);
     } else {
         /* the integrator's range is tested with the others' */
-        const bool whole = p->type == BIS_PARAMETER_COUNT;
-        const bis_status status = number(&v, name, text, 0, whole ? (double)UINT32_MAX : 1, whole, diag);
+        const range r = p->type == BIS_PARAMETER_COUNT ? (range){0, UINT32_MAX, WHOLE} : (range){0, 1, REAL};
+        const bis_status status = number(&v, name, text, r, diag);
         if (status) return status;
     }
     bis_parameter_set(p, s, v);
@@ -99,15 +106,14 @@ static bis_status set(bis_scene_desc *d, wishes *w, const char *name, const char
 {
     const struct {
         const char *name;
-        double lo, hi;
-        bool whole;
-    } rows[] = {{"spp", 1, UINT32_MAX, true},
-                {"threads", 1, 1024, true},
-                {"seconds", 0, 1e9, false},
-                {"error", 0, 1e9, false},
-                {"width", 1, BIS_IMAGE_MAX_SIDE, true},
-                {"height", 1, BIS_IMAGE_MAX_SIDE, true},
-                {"seed", 0, 0x1p53, true}}; /* as --seed: an integer that a double holds */
+        range r;
+    } rows[] = {{"spp", {1, UINT32_MAX, WHOLE}},
+                {"threads", {1, 1024, WHOLE}},
+                {"seconds", {0, 1e8, REAL_ABOVE}}, /* as --time and --error */
+                {"error", {0, 10, REAL_ABOVE}},
+                {"width", {1, BIS_IMAGE_MAX_SIDE, WHOLE}},
+                {"height", {1, BIS_IMAGE_MAX_SIDE, WHOLE}},
+                {"seed", {0, BIS_SEED_MAX, WHOLE}}};
     const size_t n_rows = sizeof rows / sizeof *rows;
     double v;
 
@@ -116,7 +122,7 @@ static bis_status set(bis_scene_desc *d, wishes *w, const char *name, const char
     size_t i = 0;
     while (i < n_rows && strcmp(rows[i].name, name) != 0) i++;
     if (i == n_rows) return set_parameter(&d->view.settings, name, text, diag);
-    const bis_status status = number(&v, name, text, rows[i].lo, rows[i].hi, rows[i].whole, diag);
+    const bis_status status = number(&v, name, text, rows[i].r, diag);
     if (status) return status;
     if (i == 0) w->spp = (uint64_t)v;
     if (i == 1) w->threads = (uint64_t)v;
@@ -173,7 +179,7 @@ static bis_status keep(bis_flat_picture **out, const bis_film *film, const bis_s
 }
 
 static bis_status render(bis_flat_picture **out, const char *path, const char *const *settings,
-                         const volatile int *stop, bis_diag *diag)
+                         const volatile sig_atomic_t *stop, bis_diag *diag)
 {
     bis_scene_desc *desc = NULL;
     bis_scene *scene = NULL;
@@ -218,16 +224,17 @@ done:
     return status;
 }
 
-/* sig_atomic_t is what the renderer reads; another language has only int. */
-_Static_assert(sizeof(sig_atomic_t) == sizeof(int), "stop is an int");
+/* Another language has only int to give. */
+_Static_assert(sizeof(sig_atomic_t) == sizeof(int), "stop is as large as an int");
 
 int bis_flat_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
-                    const volatile int *stop, char *say, size_t size)
+                    const volatile sig_atomic_t *stop, char *say, size_t size)
 {
     bis_diag diag = {0};
+    bis_status status = BIS_FLAT_GIVEN(&diag, picture, scene, settings);
 
-    *picture = NULL;
-    const bis_status status = render(picture, scene, settings, stop, &diag);
+    if (picture) *picture = NULL;
+    if (!status) status = render(picture, scene, settings, stop, &diag);
     return bis_flat_end(status, &diag, say, size);
 }
 
@@ -241,13 +248,14 @@ void bis_flat_picture_close(bis_flat_picture *picture)
 
 void bis_flat_picture_shape(const bis_flat_picture *picture, int shape[2])
 {
-    shape[0] = picture->width;
-    shape[1] = picture->height;
+    shape[0] = picture ? picture->width : 0;
+    shape[1] = picture ? picture->height : 0;
 }
 
 void bis_flat_picture_pixels(const bis_flat_picture *picture, float *rgba)
 {
+    if (!picture) return;
     memcpy(rgba, picture->rgba, (size_t)picture->width * (size_t)picture->height * 4 * sizeof *rgba);
 }
 
-const char *bis_flat_picture_stats(const bis_flat_picture *picture) { return picture->stats; }
+const char *bis_flat_picture_stats(const bis_flat_picture *picture) { return picture ? picture->stats : NULL; }

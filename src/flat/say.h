@@ -3,5 +3,13 @@
 
 #include "bis/base/status.h"
 
-/* bis_flat_end writes all messages to say[size], one a line, frees them, and returns the status. */
+/* bis_flat_end writes all messages to say[size], one a line, frees them, and returns the status. say may be NULL. */
 int bis_flat_end(bis_status status, bis_diag *diag, char *say, size_t size);
+
+/* bis_flat_given looks whether one of n pointers is NULL. names tells them apart: "a, b, c". Errors: BIS_INPUT. */
+bis_status bis_flat_given(const char *names, const void *const *pointers, size_t n, bis_diag *diag);
+
+/* The same for a list of variables, whose names the message takes: no function can see them. */
+#define BIS_FLAT_GIVEN(diag, ...)                                                                                   \
+    bis_flat_given(#__VA_ARGS__, (const void *const[]){__VA_ARGS__},                                                \
+                   sizeof(const void *const[]){__VA_ARGS__} / sizeof(void *), diag)

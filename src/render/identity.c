@@ -104,12 +104,10 @@ static void hash_materials(bis_walk *w, const bis_scene_desc *desc)
 {
     for (size_t i = 0; i < desc->n_materials; i++) {
         const bis_material *m = &desc->materials[i];
+        double v[BIS_MATERIAL_NUMBERS];
         hash_text(w, m->model->name);
-        hash_rgb(w, m->Kd);
-        hash_rgb(w, m->Ks);
-        hash_rgb(w, m->eta);
-        hash_real(w, m->exponent);
-        hash_real(w, m->alpha);
+        bis_material_numbers(v, m);
+        for (int k = 0; k < BIS_MATERIAL_NUMBERS; k++) hash_real(w, v[k]);
     }
 }
 

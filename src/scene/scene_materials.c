@@ -17,22 +17,15 @@ typedef struct entry {
 
 static int order(double a, double b) { return (a > b) - (a < b); }
 
-static int order_rgb(rgb a, rgb b)
-{
-    int c = order((double)a.r, (double)b.r);
-    if (!c) c = order((double)a.g, (double)b.g);
-    return c ? c : order((double)a.b, (double)b.b);
-}
-
 /* Some order, in which equals are neighbours. */
 static int order_materials(const bis_material *a, const bis_material *b)
 {
     int c = ((uintptr_t)a->model > (uintptr_t)b->model) - ((uintptr_t)a->model < (uintptr_t)b->model);
-    if (!c) c = order_rgb(a->Kd, b->Kd);
-    if (!c) c = order_rgb(a->Ks, b->Ks);
-    if (!c) c = order_rgb(a->eta, b->eta);
-    if (!c) c = order(a->exponent, b->exponent);
-    return c ? c : order(a->alpha, b->alpha);
+    double x[BIS_MATERIAL_NUMBERS], y[BIS_MATERIAL_NUMBERS];
+    bis_material_numbers(x, a);
+    bis_material_numbers(y, b);
+    for (int i = 0; i < BIS_MATERIAL_NUMBERS && !c; i++) c = order(x[i], y[i]);
+    return c;
 }
 
 /* Where no textures are, none differ. */

@@ -158,11 +158,9 @@ static const stranger by_ending[] = {
 
 const char *bis_scene_peek_stranger(const char *path, bis_stranger_kind *kind)
 {
-    struct stat st;
     char ending[8];
     head h;
 
-    if (stat(path, &st) != 0 || !S_ISREG(st.st_mode)) return NULL; /* a pipe can be read once only */
     if (!read_head(&h, path)) return NULL;
     bis_path_extension(ending, path);
     const stranger *found = NULL;

@@ -8,9 +8,7 @@
 #include "bis/scene/texture.h"
 
 #include "bis/base/mem.h"
-#include "bis/beyond/microfacet.h"
 #include "bis/files/image_file.h"
-#include "bis/thesis/phong.h"
 
 #include <float.h>
 #include <math.h>
@@ -321,18 +319,21 @@ static void warn_energy(const range *Kd, const range *Ks, bis_loc at, bis_diag *
 bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *images, const bis_material_textures *of,
                               const bis_material *base, bis_diag *diag)
 {
-    const bool facets = base->model != &bis_phong_model;
+    const bis_bsdf_width w = base->model->width(base);
     range Kd = range_of_constant(base->Kd), Ks = range_of_constant(base->Ks), width;
     bis_status status = BIS_OK;
 
+    if (!base->model->remake)
+        return bis_error(diag, BIS_INPUT, of->loc,
+                         "a texture of material \"%s\", whose model has no `remake`: give constants",
+                         base->model->name);
     if (of->Kd != BIS_NO_TEXTURE) status = check_range(&Kd, t, images, of->Kd, "Kd", 0, 1, of->loc, diag);
     if (!status && of->Ks != BIS_NO_TEXTURE)
         status = check_range(&Ks, t, images, of->Ks, "Ks", 0, 1, of->loc, diag);
     if (!status && of->width != BIS_NO_TEXTURE)
-        status = check_range(&width, t, images, of->width, facets ? "roughness" : "exponent",
-                             facets ? pow(BIS_MICROFACET_MIN_ROUGHNESS, 1 / of->power) : 0,
-                             facets ? 1 : (double)INFINITY, of->loc, diag);
-    if (!status && !facets) warn_energy(&Kd, &Ks, of->loc, diag);
+        status = check_range(&width, t, images, of->width, w.scene_name, pow(w.least, 1 / of->power),
+                             pow(w.most, 1 / of->power), of->loc, diag);
+    if (!status && base->model->gains_beyond_1) warn_energy(&Kd, &Ks, of->loc, diag);
     return status;
 }
 
@@ -344,16 +345,10 @@ bis_material bis_textures_material(const bis_textures *t, const bis_texture_imag
 {
     const rgb Kd = of->Kd == BIS_NO_TEXTURE ? base->Kd : round_value(bis_textures_value(t, images, of->Kd, uv, p));
     const rgb Ks = of->Ks == BIS_NO_TEXTURE ? base->Ks : round_value(bis_textures_value(t, images, of->Ks, uv, p));
-    const bool facets = base->model != &bis_phong_model;
 
-    if (of->width == BIS_NO_TEXTURE && !facets) return bis_phong(Kd, Ks, base->exponent);
-    const bool varies = of->width != BIS_NO_TEXTURE;
-    const double width = varies ? bis_textures_value(t, images, of->width, uv, p).r : 1;
+    if (of->width == BIS_NO_TEXTURE) return base->model->remake(base, Kd, Ks, NULL);
+    const bis_bsdf_width w = base->model->width(base);
     /* fmax and fmin: a sum of weights may miss the range by an ulp */
-    if (!facets) return bis_phong(Kd, Ks, fmax(0, width));
-    bis_material m = bis_microfacet(Kd, Ks, fmin(1, fmax(BIS_MICROFACET_MIN_ROUGHNESS, pow(width, of->power))));
-    if (!varies) m.alpha = base->alpha;
-    m.model = base->model;
-    m.eta = base->eta;
-    return m;
+    const double width = pow(fmax(0, bis_textures_value(t, images, of->width, uv, p).r), of->power);
+    return base->model->remake(base, Kd, Ks, &(double){fmin(w.most, fmax(w.least, width))});
 }

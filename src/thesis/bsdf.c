@@ -8,6 +8,19 @@
 #include "direction_formulas.h"
 #undef REAL
 
+void bis_material_numbers(double v[BIS_MATERIAL_NUMBERS], const bis_material *m)
+{
+    const rgb colours[] = {m->Kd, m->Ks, m->eta};
+
+    for (int i = 0; i < 3; i++) {
+        *v++ = (double)colours[i].r;
+        *v++ = (double)colours[i].g;
+        *v++ = (double)colours[i].b;
+    }
+    *v++ = m->exponent;
+    *v++ = m->alpha;
+}
+
 void bis_bsdf_init(bis_bsdf *b, const bis_material *m, vec3 n, vec3 wo)
 {
     *b = (bis_bsdf){.material = m, .local = frame_about(n), .wo = wo};

@@ -126,11 +126,17 @@ static double max_ratio(const bis_bsdf *b)
 
 static bis_bsdf_width width(const bis_material *m)
 {
-    return (bis_bsdf_width){"exponent", "exponent", m->exponent, m->exponent};
+    return (bis_bsdf_width){"exponent", "exponent", m->exponent, m->exponent, 0, (double)INFINITY};
+}
+
+static bis_material remake(const bis_material *m, rgb Kd, rgb Ks, const double *exponent)
+{
+    return bis_phong(Kd, Ks, exponent ? *exponent : m->exponent);
 }
 
 const bis_bsdf_model bis_phong_model = {.name = "phong", .init = init, .sample = sample, .f_pdf = f_pdf,
-    .max_f_cos = max_f_cos, .max_ratio = max_ratio, .of_half_vector = false, .width = width,
+    .max_f_cos = max_f_cos, .max_ratio = max_ratio, .of_half_vector = false, .remake = remake,
+    .gains_beyond_1 = true, .width = width,
     .f_many = f_many, .sample_many = sample_many, .reach = reach};
 
 /* Returns k with 0 for each channel below 2^-67. A direction that was drawn has an f of at least Ks 2^-53/(2 pi) by

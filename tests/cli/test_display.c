@@ -5,7 +5,9 @@
 #include "program.h"
 
 #include <arpa/inet.h>
+#include <dlfcn.h>
 #include <errno.h>
+#include <netdb.h>
 #include <poll.h>
 #include <pthread.h>
 #include <sched.h>
@@ -195,6 +197,22 @@ int poll(struct pollfd *of, nfds_t n, int ms)
     return ppoll(of, n, ms < 0 ? NULL : &t, NULL);
 }
 
+/* This program's own resolver, which the library calls: it answers when it is told to. */
+static struct {
+    atomic_bool hangs, is_asked, has_answered;
+} resolver;
+
+int getaddrinfo(const char *restrict host, const char *restrict port, const struct addrinfo *restrict hints, struct addrinfo **restrict all)
+{
+    static int (*real)(const char *, const char *, const struct addrinfo *, struct addrinfo **);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "getaddrinfo");
+    resolver.is_asked = true;
+    for (int k = 0; k < 60000 && resolver.hangs; k++) usleep(1000);
+    const int answer = real(host, port, hints, all);
+    resolver.has_answered = true;
+    return answer;
+}
+
 /* A film of one pass, each value another. */
 static void make_film(bis_film *f)
 {
@@ -284,6 +302,37 @@ static void nothing_is_sent_to_a_viewer_that_has_gone(void **state)
     bis_diag_clear(&diag);
     bis_film_clear(&f);
     free(v.data);
+}
+
+/* A name server that says nothing for a minute: the render's side leaves before, and the thread cleans up when it hears. */
+static void a_name_server_that_is_silent_is_not_waited_for(void **state)
+{
+    (void)state;
+    bis_film f;
+    viewer v;
+    bis_display *d;
+    bis_diag diag = {0};
+    char where[64];
+    make_film(&f);
+    for (int hangs = 0; hangs < 2; hangs++) {
+        open_viewer(&v, READS);
+        snprintf(where, sizeof where, "localhost:%d", v.port);
+        resolver.is_asked = resolver.has_answered = false;
+        resolver.hangs = hangs;
+        assert_int_equal(bis_display_open(&d, where, "slow", &f, NULL), BIS_OK);
+        bis_display_offer(d, &f);
+        bis_display_close(d, &f, &diag);
+        assert_true(resolver.has_answered == !hangs); /* the twin is answered, and shows its picture */
+        assert_int_equal(diag.n, hangs);
+        if (hangs) assert_non_null(strstr(diag.messages[0].text, "no answer from the name server or the viewer; the render went on without"));
+        resolver.hangs = false;
+        for (int k = 0; k < 20000 && !v.connections; k++) usleep(1000);
+        close_viewer(&v);
+        assert_int_equal(v.n > 0, !hangs);
+        free(v.data);
+    }
+    bis_diag_clear(&diag);
+    bis_film_clear(&f);
 }
 
 /* ---- tests ---- */
@@ -392,6 +441,7 @@ int main(void)
         cmocka_unit_test(a_viewer_that_is_missing_goes_or_never_reads_stops_nothing),
         cmocka_unit_test(a_slow_viewer_has_a_second_for_each_piece_at_the_end),
         cmocka_unit_test(nothing_is_sent_to_a_viewer_that_has_gone),
+        cmocka_unit_test(a_name_server_that_is_silent_is_not_waited_for),
         cmocka_unit_test(an_address_is_a_host_and_a_port),
     };
     return cmocka_run_group_tests(tests, make_scene, NULL);

@@ -42,7 +42,7 @@ static void render_takes_what_is_in_range(void **state)
         {"--spp 1000000000", 0, " 1000000000 camera samples"},
         {"--spp 1000000001", 2, "--spp is \"1000000001\", must be an integer in [1, 1000000000]"},
         {"--seed 0", 0, ", seed 0\n"},
-        {"--seed 9007199254740992", 0, ", seed 9007199254740992\n"},
+        {"--seed 9007199254740991", 0, ", seed 9007199254740991\n"},
         {"--candidates 0", 0, "\nintegrator   auto: if the render is long enough, a pilot will choose among sir's proposals, M and N\n"},
         {"--candidates 1", 0, "\nintegrator   sir: candidates 1, shadowrays 2, proposal mix"},
         {"--candidates 16777216", 0, "sir: candidates 16777216, "},
@@ -102,7 +102,7 @@ static void the_other_commands_take_what_is_in_range(void **state)
         {"pixel " MISSING " 1 1 --samples 1", 2, "[2, 1048576]"}, {"pixel " MISSING " 1 1 --samples 1048577", 2, "[2, 1048576]"},
         {"pixel " MISSING " 1 1 --repeats 2", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --repeats 100000000", 1, "missing.txt"},
         {"pixel " MISSING " 1 1 --repeats 1", 2, "[2, 100000000]"}, {"pixel " MISSING " 1 1 --repeats 100000001", 2, "[2, 100000000]"},
-        {"pixel " MISSING " 1 1 --seed 9007199254740992", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --proposal product", 2, "em, brdf, mix"},
+        {"pixel " MISSING " 1 1 --seed 9007199254740991", 1, "missing.txt"}, {"pixel " MISSING " 1 1 --proposal product", 2, "em, brdf, mix"},
         {"pixel " MISSING " 1", 2, "too few operands: 2 given"}, {"pixel " MISSING " 1 1 1", 2, "too many operands: 4 given"},
         {"pixel " SCENE " 24 0", 2, "bis: error: X is \"24\", must be an integer in [0, 23]: the film of the scene has 24 x 16 pixels\n"},
         {"pixel " SCENE " 0 16", 2, "bis: error: Y is \"16\", must be an integer in [0, 15]: the film of the scene has 24 x 16 pixels\n"},
@@ -118,7 +118,7 @@ static void the_other_commands_take_what_is_in_range(void **state)
         {"trade " MISSING " --resolution 1x32769", 2, "WxH"}, {"trade " MISSING " --resolution 1x0", 2, "WxH"}, {"trade " MISSING " --resolution 1.5x2", 2, "WxH"},
         {"trade " MISSING " --resolution 1x2x", 2, "WxH"}, {"trade " MISSING " --resolution 2", 2, "WxH"},
         {"trade " MISSING " --nthreads 1024", 1, "missing.txt"}, {"trade " MISSING " --nthreads 1025", 2, "[1, 1024]"},
-        {"trade " MISSING " --nthreads 0", 2, "[1, 1024]"}, {"trade " MISSING " --seed 9007199254740992", 1, "missing.txt"},
+        {"trade " MISSING " --nthreads 0", 2, "[1, 1024]"}, {"trade " MISSING " --seed 9007199254740991", 1, "missing.txt"},
         {"trade " MISSING " --integrator em --integrator sir", 1, "missing.txt"},
         {"trade " MISSING " --integrator sri", 2, " (did you mean \"sir\"?)\n"},
         {"trade " MISSING " --integrator em --integrator brdf --integrator mis --integrator rejection --integrator sir", 1, "missing.txt"},
@@ -558,7 +558,7 @@ static void the_line_at_the_end_has_each_figure(void **state)
         assert_true(strchr(r.messages, '\n') == r.messages + strlen(r.messages) - 1);
         const double error = json_number(r.output, "estimated_relative_rmse");
         assert_int_equal(isfinite(error), cases[i].has_error);
-        if (cases[i].has_error) snprintf(expected, sizeof expected, ", error about %.2g%%\n", 100 * error);
+        if (cases[i].has_error) snprintf(expected, sizeof expected, 100 * error < 9.95 ? ", error about %.2g%%\n" : ", error about %.0f%%\n", 100 * error);
         const char *const end = strstr(r.messages, ", error ");
         assert_non_null(end);
         assert_string_equal(end, expected);

@@ -539,12 +539,12 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
         {SCENE " --cropwindow 0.6,0.5,0,1", "x0,x1,y0,y1"},
         {SCENE " --cropwindow 0,0.001,0,1 --resolution 1x1 --cropwindow 0.1,0.2,0,1", "holds no pixel"},
         {SCENE " --seed -1", "must be an integer"},
-        /* 2^53 + 1 is no double: compared as one it is 2^53 */
-        {SCENE " --seed 9007199254740993", "must be an integer in [0, 9007199254740992]"},
-        {"pixel " SCENE " 1 1 --seed 9007199254740993", "must be an integer in [0, 9007199254740992]"},
-        {"verify " SCENE " --seed 9007199254740993", "must be an integer in [0, 9007199254740992]"},
-        {"trade " SCENE " --seed 9007199254740993", "must be an integer in [0, 9007199254740992]"},
-        {SCENE " --seed 18446744073709551617", "must be an integer in [0, 9007199254740992]"},
+        /* 2^53 is what 2^53 + 1 becomes as a double */
+        {SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+        {"pixel " SCENE " 1 1 --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+        {"verify " SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+        {"trade " SCENE " --seed 9007199254740992", "must be an integer in [0, 9007199254740991]"},
+        {SCENE " --seed 18446744073709551617", "must be an integer in [0, 9007199254740991]"},
         {SCENE " --exposure x", "must be a number"},
         {SCENE " --outfile " DIR "/new.jpg", "must be .exr, .pfm, .hdr or .png"},
         {SCENE " --outfile " DIR "/new", "must be .exr, .pfm, .hdr or .png"},
@@ -571,8 +571,35 @@ static void bad_usage_and_bad_scenes_exit_with_2_and_write_nothing(void **state)
     }
 }
 
-/* One line each, whatever the file holds; a scene that is none of these is still read from anywhere, a pipe
- * included. */
+/* The pixels of an equal-area map have one solid angle, so the integral of r+g+b is 4 pi times their mean, whatever they are; what
+ * the resampling changes of it is told in percent. */
+static void the_note_on_a_resampled_map_tells_its_energy(void **state)
+{
+    (void)state;
+    enum { SIDE = 8 };
+    float pixels[SIDE * SIDE][3];
+    double sum = 0, before, after, change;
+    program_run r;
+    for (int i = 0; i < SIDE * SIDE; i++)
+        for (int k = 0; k < 3; k++) sum += (double)(pixels[i][k] = (float)((i * 7 + k * 5) % 23) / 4);
+    FILE *f = fopen(DIR "/square.pfm", "wb");
+    assert_non_null(f);
+    fprintf(f, "PF\n%d %d\n-1.0\n", SIDE, SIDE);
+    assert_int_equal(fwrite(pixels, sizeof pixels, 1, f), 1);
+    fclose(f);
+    program_write_file(DIR "/square.txt", "Film \"rgb\" \"integer xresolution\" 2 \"integer yresolution\" 2 WorldBegin\n"
+                                          "LightSource \"infinite\" \"string filename\" \"square.pfm\" \"string mapping\" \"equalarea\"\n");
+    program_expect(&r, 0, DIR "/square.txt --spp 1 --outfile " DIR "/square.exr");
+    const char *note = strstr(r.messages, "integral of r+g+b ");
+    assert_non_null(note);
+    assert_int_equal(sscanf(note, "integral of r+g+b %lf before, %lf after (%lf%%)", &before, &after, &change), 3);
+    assert_true(fabs(before / (4 * PI * sum / (SIDE * SIDE)) - 1) < 1e-5); /* six digits */
+    assert_true(fabs(after / before - 1) < 1e-2);
+    assert_true(fabs(change - 100 * (after - before) / before) < 1e-3 + 100 * 1e-5); /* its own digits, and those of both */
+    assert_int_equal(system("rm " DIR "/square.*"), 0);
+}
+
+/* One line each, whatever the file holds; a scene that is none of these is still read. */
 static void what_is_no_scene_gets_one_line(void **state)
 {
     (void)state;
@@ -961,7 +988,7 @@ static void a_render_ends_with_one_line_about_what_was_written(void **state)
         snprintf(expected, sizeof expected, "bis: wrote " DIR "/l.exr, " DIR "/l.png: %s x %s pixels, %s", width, height, cases[i].passes);
         assert_int_equal(strncmp(r.messages, expected, strlen(expected)), 0);
         if (strcmp(json_value(value, sizeof value, r.output, "estimated_relative_rmse"), "null") == 0) snprintf(error, sizeof error, "s, error unknown (one pass)\n");
-        else snprintf(error, sizeof error, "s, error about %.2g%%\n", 100 * strtod(value, NULL));
+        else snprintf(error, sizeof error, 100 * strtod(value, NULL) < 9.95 ? "s, error about %.2g%%\n" : "s, error about %.0f%%\n", 100 * strtod(value, NULL));
         assert_non_null(strstr(r.messages, error));
         program_expect(&r, 0, SCENE " --quiet %s --outfile " DIR "/l.exr", cases[i].options);
         assert_string_equal(r.messages, "");
@@ -1170,6 +1197,7 @@ int main(void)
         cmocka_unit_test(an_option_without_effect_is_a_warning),
         cmocka_unit_test(plan_renders_and_writes_nothing),
         cmocka_unit_test(bad_usage_and_bad_scenes_exit_with_2_and_write_nothing),
+        cmocka_unit_test(the_note_on_a_resampled_map_tells_its_energy),
         cmocka_unit_test(what_is_no_scene_gets_one_line),
         cmocka_unit_test(what_a_scene_leaves_out_is_what_it_could_have_written),
         cmocka_unit_test(learn_is_an_option),

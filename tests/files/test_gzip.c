@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
 #include <cmocka.h>
@@ -216,6 +217,12 @@ static void a_head_is_as_long_as_it_can_be(void **state)
     remove("build/test_gzip.head");
     char head[4];
     assert_int_equal(bis_gzip_head(head, 3, "build/test_gzip.head"), 0);
+    /* no regular file, which would let us wait for its writer; and one that only says so, where we may read it */
+    assert_int_equal(mkfifo("build/test_gzip.head", 0600), 0);
+    assert_int_equal(bis_gzip_head(head, 3, "build/test_gzip.head"), 0);
+    assert_int_equal(remove("build/test_gzip.head"), 0);
+    assert_int_equal(bis_gzip_head(head, 3, "/proc/kmsg"), 0);
+    assert_int_equal(bis_gzip_head(head, 3, "/dev/zero"), 0);
 }
 
 int main(void)

@@ -253,6 +253,29 @@ static void damaged_pictures_are_survived(void **state)
     }
 }
 
+/* libpng's own words reach the user: a byte of the pixels is another, so the checksum behind them does not fit. */
+static void what_libpng_says_of_damage_is_told(void **state)
+{
+    (void)state;
+    rgb pixels[W * H];
+    unsigned char data[4096];
+    bis_image image;
+    bis_diag diag = {0};
+    fill(pixels, (rgb){0.3f, 0.7f, 0.1f});
+    free(through_png(pixels, true, 0));
+    FILE *f = fopen(scratch("a.png"), "rb");
+    const size_t n = fread(data, 1, sizeof data, f);
+    fclose(f);
+    unsigned char *chunk = memmem(data, n, "IDAT", 4);
+    assert_non_null(chunk);
+    const size_t length = (size_t)chunk[-4] << 24 | (size_t)chunk[-3] << 16 | (size_t)chunk[-2] << 8 | chunk[-1];
+    chunk[4 + length] ^= 1;
+    store(scratch("b.png"), data, n);
+    assert_int_equal(bis_image_read_colours(&image, scratch("b.png"), 1, (bis_loc){0}, &diag), BIS_INPUT);
+    if (!strstr(diag.messages[0].text, "the PNG is damaged: IDAT: CRC error")) fail_msg("%s", diag.messages[0].text);
+    bis_diag_clear(&diag);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -267,6 +290,7 @@ int main(void)
         cmocka_unit_test(a_png_is_no_source_of_light),
         cmocka_unit_test(what_was_written_is_read_back_as_colours),
         cmocka_unit_test(damaged_pictures_are_survived),
+        cmocka_unit_test(what_libpng_says_of_damage_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, scratch_remove);
 }

@@ -121,6 +121,91 @@ static void alias_tables_are_those_of_the_thesis(void **state)
     refuses(bis_flat_alias_sample(4, prob, alias, 1, (double[]){-0.1}, item, SAY), "u of sample 0");
 }
 
+/* Tables come from callers, too: what they hold must not lead out of them. */
+static void alias_tables_of_the_caller_are_checked(void **state)
+{
+    const double prob[3] = {0.5, 1, 0}, bad[][3] = {{0.5, (double)NAN, 1}, {0.5, 1.01, 1}, {0.5, -0.01, 1}, {0.5, HUGE_VAL, 1}};
+    const uint32_t alias[3] = {2, 0, 1}, outside[3] = {2, 0, 3}, far[3] = {UINT32_MAX, 0, 1};
+    uint32_t item[4] = {9, 9, 9, 9};
+
+    (void)state;
+    assert_int_equal(bis_flat_alias_sample(3, prob, alias, 4, (double[]){0.1, 0.3, 0.5, 0.9}, item, SAY), 0);
+    assert_true(item[0] == 0 && item[1] == 2 && item[2] == 1 && item[3] == 1);
+    for (int i = 0; i < 4; i++)
+        refuses(bis_flat_alias_sample(3, bad[i], alias, 1, (double[]){0.1}, item, SAY), "prob of bin 1 is");
+    refuses(bis_flat_alias_sample(3, prob, outside, 1, (double[]){0.1}, item, SAY), "alias of bin 2 is 3: give items below 3");
+    refuses(bis_flat_alias_sample(3, prob, far, 1, (double[]){0.1}, item, SAY), "alias of bin 0 is 4294967295");
+    refuses(bis_flat_alias_sample((size_t)1 << 33, prob, alias, 1, (double[]){0.1}, item, SAY), "give 1 to 4294967295");
+}
+
+/* In turn each pointer of each function. Without a status: what the header says. */
+static void null_is_an_error_wherever_something_is_due(void **state)
+{
+    const double half[3] = {0.5, 0.5, 0.5}, up[3] = {0, 0, 1}, u[4] = {0.5, 0.5, 0.5, 0.5};
+    const char *const none[] = {NULL};
+    bis_light *light;
+    bis_bsdf *b;
+    bis_flat_picture *p;
+    float w[3] = {0, 0, 1}, v[3];
+    double pdf, prob[1] = {1}, total;
+    uint32_t alias[1] = {0}, item;
+    uint8_t lobe;
+    int shape[2] = {7, 7};
+
+    (void)state;
+    assert_int_equal(bis_flat_light_open(&light, DIR "/map.pfm", "alias", 0, NULL, 99), 0); /* say may be NULL */
+    assert_int_equal(bis_flat_bsdf_open(&b, "phong", half, half, 9, up, up, SAY), 0);
+    refuses(bis_flat_light_open(NULL, "m.hdr", "cdf", 0, SAY), "light is NULL");
+    refuses(bis_flat_light_open(&(bis_light *){NULL}, NULL, "cdf", 0, SAY), "path is NULL");
+    refuses(bis_flat_light_open(&(bis_light *){NULL}, "m.hdr", NULL, 0, SAY), "kind is NULL");
+    refuses(bis_flat_light_sample(NULL, 1, u, w, v, &pdf, SAY), "light is NULL");
+    refuses(bis_flat_light_sample(NULL, 0, NULL, NULL, NULL, NULL, SAY), "light is NULL");
+    refuses(bis_flat_light_sample(light, 1, NULL, w, v, &pdf, SAY), "u is NULL");
+    refuses(bis_flat_light_sample(light, 1, u, NULL, v, &pdf, SAY), "w is NULL");
+    refuses(bis_flat_light_sample(light, 1, u, w, NULL, &pdf, SAY), "L is NULL");
+    refuses(bis_flat_light_sample(light, 1, u, w, v, NULL, SAY), "pdf is NULL");
+    refuses(bis_flat_light_look(NULL, 1, w, v, &pdf, SAY), "handle is NULL");
+    refuses(bis_flat_light_look(light, 1, NULL, v, &pdf, SAY), "w is NULL");
+    refuses(bis_flat_light_look(light, 1, w, NULL, &pdf, SAY), "value is NULL");
+    refuses(bis_flat_light_look(light, 1, w, v, NULL, SAY), "pdf is NULL");
+    refuses(bis_flat_alias_build(1, NULL, prob, alias, &total, SAY), "w is NULL");
+    refuses(bis_flat_alias_build(1, up + 2, NULL, alias, &total, SAY), "prob is NULL");
+    refuses(bis_flat_alias_build(1, up + 2, prob, NULL, &total, SAY), "alias is NULL");
+    refuses(bis_flat_alias_build(1, up + 2, prob, alias, NULL, SAY), "total is NULL");
+    refuses(bis_flat_alias_sample(1, NULL, alias, 1, u, &item, SAY), "prob is NULL");
+    refuses(bis_flat_alias_sample(1, prob, NULL, 1, u, &item, SAY), "alias is NULL");
+    refuses(bis_flat_alias_sample(1, prob, alias, 1, NULL, &item, SAY), "u is NULL");
+    refuses(bis_flat_alias_sample(1, prob, alias, 1, u, NULL, SAY), "item is NULL");
+    assert_int_equal(bis_flat_alias_sample(1, prob, alias, 0, NULL, NULL, SAY), 0);
+    refuses(bis_flat_bsdf_open(NULL, "phong", half, half, 9, up, up, SAY), "bsdf is NULL");
+    refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, NULL, half, half, 9, up, up, SAY), "model is NULL");
+    refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", NULL, half, 9, up, up, SAY), "Kd is NULL");
+    refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", half, NULL, 9, up, up, SAY), "Ks is NULL");
+    refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", half, half, 9, NULL, up, SAY), "normal is NULL");
+    refuses(bis_flat_bsdf_open(&(bis_bsdf *){NULL}, "phong", half, half, 9, up, NULL, SAY), "wo is NULL");
+    refuses(bis_flat_bsdf_sample(NULL, 1, u, w, &lobe, SAY), "bsdf is NULL");
+    refuses(bis_flat_bsdf_sample(b, 1, NULL, w, &lobe, SAY), "u is NULL");
+    refuses(bis_flat_bsdf_sample(b, 1, u, NULL, &lobe, SAY), "wi is NULL");
+    refuses(bis_flat_bsdf_sample(b, 1, u, w, NULL, SAY), "lobe is NULL");
+    refuses(bis_flat_bsdf_look(NULL, 1, w, v, &pdf, SAY), "handle is NULL");
+    refuses(bis_flat_render(NULL, SCENE, none, NULL, SAY), "picture is NULL");
+    refuses(bis_flat_render(&p, NULL, none, NULL, SAY), "scene is NULL");
+    refuses(bis_flat_render(&p, SCENE, NULL, NULL, SAY), "settings is NULL");
+    assert_null(p);
+    bis_flat_light_shape(NULL, shape);
+    assert_true(shape[0] == 0 && shape[1] == 0);
+    shape[0] = shape[1] = 7;
+    bis_flat_picture_shape(NULL, shape);
+    assert_true(shape[0] == 0 && shape[1] == 0);
+    bis_flat_light_pixels(NULL, v);
+    bis_flat_picture_pixels(NULL, v);
+    assert_true(isnan(bis_flat_light_power(NULL)));
+    assert_null(bis_flat_picture_stats(NULL));
+    bis_flat_picture_close(NULL);
+    bis_flat_light_close(light);
+    bis_flat_bsdf_close(b);
+}
+
 static void a_material_gives_f_and_density(void **state)
 {
     const double up[3] = {0, 0, 2}, half[3] = {0.5, 0.5, 0.5}, black[3] = {0, 0, 0};
@@ -228,7 +313,7 @@ static void wrong_settings_are_refused(void **state)
         refuses(bis_flat_render(&p, SCENE, (const char *const[]){cases[k].setting, NULL}, NULL, SAY), cases[k].text);
         assert_null(p);
     }
-    refuses(bis_flat_render(&p, SCENE, (const char *const[]){NULL}, &(int){1}, SAY), "stopped before its first pass");
+    refuses(bis_flat_render(&p, SCENE, (const char *const[]){NULL}, &(sig_atomic_t){1}, SAY), "stopped before its first pass");
     /* a buffer that is too small is filled and ended, one of no bytes is left alone */
     char small[8];
     assert_int_equal(bis_flat_render(&p, DIR "/none.txt", (const char *const[]){NULL}, NULL, small, sizeof small), BIS_IO);
@@ -492,8 +577,8 @@ static void alpha_is_the_share_that_hits_a_surface(void **state)
 /* A render that is to stop at once accepts its settings first. What an option takes at its limits, and what not. */
 static void settings_have_their_limits(void **state)
 {
-    static const char *const good[] = {"spp=1", "spp=4294967295", "threads=1", "threads=3", "seconds=0", "seconds=1e9", "error=0", "error=1e9",
-                                       "width=1", "width=32768", "height=1", "height=32768", "seed=0", "seed=9007199254740992", "integrator=em",
+    static const char *const good[] = {"spp=1", "spp=4294967295", "threads=1", "threads=3", "seconds=1e-9", "seconds=1e8", "error=1e-9", "error=10",
+                                       "width=1", "width=32768", "height=1", "height=32768", "seed=0", "seed=9007199254740991", "integrator=em",
                                        "candidates=1", "accelerator=grid"};
     static const struct {
         const char *setting, *text;
@@ -501,17 +586,20 @@ static void settings_have_their_limits(void **state)
                {"threads=0", "threads is \"0\": give an integer in [1, 1024]"},
                {"threads=1025", "threads is \"1025\": give an integer in [1, 1024]"},
                {"threads=2.5", "threads is \"2.5\": give an integer in [1, 1024]"},
-               {"seconds=-1", "seconds is \"-1\": give a number in [0, 1000000000]"},
-               {"seconds=1.1e9", "seconds is \"1.1e9\": give a number in [0, 1000000000]"},
-               {"error=-0.1", "error is \"-0.1\": give a number in [0, 1000000000]"},
-               {"error=2e9", "error is \"2e9\": give a number in [0, 1000000000]"},
+               {"seconds=-1", "seconds is \"-1\": give a number in (0, 100000000]"},
+               {"seconds=0", "seconds is \"0\": give a number in (0, 100000000]"},
+               {"seconds=1.1e9", "seconds is \"1.1e9\": give a number in (0, 100000000]"},
+               {"error=-0.1", "error is \"-0.1\": give a number in (0, 10]"},
+               {"error=0", "error is \"0\": give a number in (0, 10]"},
+               {"error=11", "error is \"11\": give a number in (0, 10]"},
                {"width=0", "width is \"0\": give an integer in [1, 32768]"},
                {"width=32769", "width is \"32769\": give an integer in [1, 32768]"},
                {"height=0", "height is \"0\": give an integer in [1, 32768]"},
                {"height=32769", "height is \"32769\": give an integer in [1, 32768]"},
                {"height=1.5", "height is \"1.5\": give an integer in [1, 32768]"},
-               {"seed=9007199254740994", "seed is \"9007199254740994\": give an integer in [0, 9007199254740992]"},
-               {"seed=1.5", "seed is \"1.5\": give an integer in [0, 9007199254740992]"},
+               {"seed=9007199254740992", "seed is \"9007199254740992\": give an integer in [0, 9007199254740991]"},
+               {"seed=9007199254740993", "give an integer in [0, 9007199254740991]"}, /* no double: read as 2^53 */
+               {"seed=1.5", "seed is \"1.5\": give an integer in [0, 9007199254740991]"},
                {"seed=", "seed is \"\": give an integer"},
                {"seed=7x", "seed is \"7x\": give an integer"},
                {"candidates=1.5", "candidates is \"1.5\": give an integer in [0, 4294967295]"},
@@ -523,13 +611,13 @@ static void settings_have_their_limits(void **state)
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         /* small, unless it is the size that is asked for */
         const char *settings[] = {"width=2", "height=1", good[i], NULL};
-        refuses(bis_flat_render(&p, SCENE, settings, &(int){1}, SAY), "the render was stopped before its first pass was complete");
+        refuses(bis_flat_render(&p, SCENE, settings, &(sig_atomic_t){1}, SAY), "the render was stopped before its first pass was complete");
     }
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        refuses(bis_flat_render(&p, SCENE, (const char *const[]){bad[i].setting, NULL}, &(int){1}, SAY), bad[i].text);
+        refuses(bis_flat_render(&p, SCENE, (const char *const[]){bad[i].setting, NULL}, &(sig_atomic_t){1}, SAY), bad[i].text);
     static const char *const split[] = {"split=1.5", "split=-0.5", "split=0.5x"};
     for (size_t i = 0; i < 3; i++) {
-        refuses(bis_flat_render(&p, SCENE, (const char *const[]){split[i], "integrator=mis", NULL}, &(int){1}, SAY), split[i] + 6);
+        refuses(bis_flat_render(&p, SCENE, (const char *const[]){split[i], "integrator=mis", NULL}, &(sig_atomic_t){1}, SAY), split[i] + 6);
         assert_non_null(strstr(say, "give a number in [0, 1]"));
     }
     assert_null(p);
@@ -605,6 +693,8 @@ int main(void)
         cmocka_unit_test(a_map_gives_directions_and_their_densities),
         cmocka_unit_test(a_black_map_has_no_directions),
         cmocka_unit_test(alias_tables_are_those_of_the_thesis),
+        cmocka_unit_test(alias_tables_of_the_caller_are_checked),
+        cmocka_unit_test(null_is_an_error_wherever_something_is_due),
         cmocka_unit_test(a_material_gives_f_and_density),
         cmocka_unit_test(a_picture_has_the_bits_of_the_program),
         cmocka_unit_test(wrong_settings_are_refused),

@@ -1,8 +1,11 @@
 """What scripts/bis.py promises (make test-python). Expected values are closed forms, sums over pixels, or pictures of the program.
 
 Statistical tests compare a mean with its expectation within 5 standard errors (two-sided 6e-7 each, ten tests); each has a twin."""
+import copy
+import gc
 import json
 import os
+import pickle
 import subprocess
 import sys
 import tempfile
@@ -124,6 +127,30 @@ class Pictures(unittest.TestCase):
         self.assertEqual(picture.shape, (8, 12, 3))
 
 
+def table(**changes):
+    t = bis.AliasTable([1, 1])
+    for name, value in changes.items():
+        setattr(t, name, np.array(value))
+    return t
+
+
+class Copies(unittest.TestCase):
+    def test_a_copy_outlives_its_original(self):
+        """Two objects with one handle would free it twice, and this process would end here."""
+        for make in (lambda: bis.Envmap(MAP), lambda: bis.Material(0.5, 0.5, exponent=5)):
+            for copied in (copy.copy, copy.deepcopy):
+                first = make()
+                expected = first.sample(5, seed=1)[0]
+                second = copied(first)
+                del first
+                gc.collect()
+                others = [make() for _ in range(3)]  # what was freed would be taken by these
+                self.assertTrue((second.sample(5, seed=1)[0] == expected).all())
+                del second, others
+        with self.assertRaises(ValueError):  # ctypes: pointers
+            pickle.dumps(bis.Envmap(MAP))
+
+
 class Mistakes(unittest.TestCase):
     def test_each_is_an_exception_with_its_message(self):
         em = bis.Envmap(MAP)
@@ -139,6 +166,24 @@ class Mistakes(unittest.TestCase):
                 (lambda: em.sample(u=[[0, 0, 0, 1]]), "u of sample 0 is 1"),
                 (lambda: em.sample(u=[[0, 0, 0]]), "give (n, 4)"),
                 (lambda: em.sample(-1), "n is -1"),
+                (lambda: em.sample(2.7), "n is 2.7"),
+                (lambda: em.sample(), "give n (how many) or u"),
+                (lambda: em.sample(1, u=[[0, 0, 0, 0]]), "one of both"),
+                (lambda: em.sample(1, seed=0.5), "seed is 0.5"),
+                (lambda: em.sample(1, seed=None), "seed is None"),
+                (lambda: em.sample(1, seed=2**53), "seed is 9007199254740992"),
+                (lambda: bis.Envmap(MAP + "\0.txt"), "path holds a NUL"),
+                (lambda: bis.Envmap(MAP, table="cdf\0x"), "table holds a NUL"),
+                (lambda: bis.Envmap(None), "path is None"),
+                (lambda: bis.render(None), "scene is None"),
+                (lambda: bis.render(scene + "\0"), "scene holds a NUL"),
+                (lambda: bis.render(scene, integrator="em\0x"), "a setting holds a NUL"),
+                (lambda: bis.render(scene, error=0), 'error is "0"'),
+                (lambda: bis.render(scene, seconds=0), 'seconds is "0"'),
+                (lambda: table(prob=[1, nan]).sample(1), "prob of bin 1 is nan"),
+                (lambda: table(alias=[0, 2]).sample(1), "alias of bin 1 is 2"),
+                (lambda: table(alias=[0, -1]).sample(1), "no item"),
+                (lambda: table(alias=[0, 0.5]).sample(1), "no item"),
                 (lambda: em.look([[0, 0, 0]]), "direction 0 is (0, 0, 0)"),
                 (lambda: em.look([[0, 0, 1], [0, nan, 0]]), "direction 1 is (0, nan, 0)"),
                 (lambda: bis.AliasTable([1, -1]), "weight 1 is -1"),
@@ -153,7 +198,8 @@ class Mistakes(unittest.TestCase):
                 (lambda: bis.render(scene, samples=3), 'integrator "sir" has no parameter "samples"'),
                 (lambda: bis.render(scene, spp=0), 'spp is "0"'),
                 (lambda: bis.render(scene, seed=-1), 'seed is "-1"'),
-                (lambda: bis.render(scene, seed=2**54), "seed is"),
+                (lambda: bis.render(scene, seed=2**53), "seed is"),
+                (lambda: bis.render(scene, seed=2**53 + 1), "seed is"),
                 (lambda: bis.render(scene, integrator="mis", samples=1), "needs at least 2"),
             ]:
                 with self.subTest(text), warnings.catch_warnings(), self.assertRaises(bis.Error) as e:

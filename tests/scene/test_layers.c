@@ -216,6 +216,44 @@ static void normals_and_depths_turn_with_the_camera(void **state)
     clear_world(&w);
 }
 
+/* A camera whose transformation scales by 3, 1 and 2: there the ball is an ellipsoid, |q'| = 1 with q' = S^-1 (q - c), and its
+ * normal the gradient S^-1 q'. The twin, S q', is what a normal that is taken for a vector would be. */
+static void normals_stand_on_what_a_scaled_camera_sees(void **state)
+{
+    (void)state;
+    static const double S[3] = {3, 1, 2};
+    world w;
+    bis_film f;
+    bis_render_result result;
+    bis_xform look;
+    make_world(&w, &noise);
+    w.desc.view.pixel_jitter = false;
+    assert_true(bis_xform_look_at(&look, (double[3]){2, 1.5, -1}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}));
+    const bis_xform scale = bis_xform_scale(S[0], S[1], S[2]), to_camera = bis_xform_compose(&scale, &look);
+    w.desc.view.camera.to_world = bis_xform_inverse(&to_camera);
+    render_layers(&f, &result, &w, whole, BIS_LAYERS_ALL, &(bis_render_options){.budget = {.spp = 1}});
+    float *planes = new_planes(&f);
+    const float *Z = plane_of(&f, "Z", planes), *N[3] = {plane_of(&f, "Ns.X", planes), plane_of(&f, "Ns.Y", planes), plane_of(&f, "Ns.Z", planes)};
+    const vec3 c = bis_xform_point(&to_camera, (vec3){0, 0, 0});
+    const double centre[3] = {(double)c.x, (double)c.y, (double)c.z}, half = tan(PI / 6) / (WIDTH < HEIGHT ? WIDTH : HEIGHT);
+    int n_hits = 0, n_twin = 0;
+    for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
+        const double z = (double)Z[i], q[3] = {z * half * (2 * (double)(i % WIDTH) + 1 - WIDTH), z * half * (HEIGHT - 2 * (double)(i / WIDTH) - 1), z};
+        double own[3], to_surface = 0, gradient = 0, cos_right = 0, cos_twin = 0, twin = 0;
+        for (int k = 0; k < 3; k++) own[k] = (q[k] - centre[k]) / S[k], to_surface += own[k] * own[k];
+        if (!(fabs(to_surface - 1) < 1e-4)) continue; /* the floor, or the sky */
+        for (int k = 0; k < 3; k++) gradient += pow(own[k] / S[k], 2), twin += pow(own[k] * S[k], 2);
+        for (int k = 0; k < 3; k++) cos_right += (double)N[k][i] * own[k] / S[k] / sqrt(gradient), cos_twin += (double)N[k][i] * own[k] * S[k] / sqrt(twin);
+        n_hits++;
+        n_twin += cos_twin < 0.99;
+        if (!(fabs(cos_right - 1) < 1e-5)) fail_msg("pixel %zu: the cosine between the normal and the ellipsoid's is %.7f", i, cos_right);
+    }
+    if (n_hits < 40 || n_twin <= n_hits / 2) fail_msg("%d pixels, the twin fails in %d", n_hits, n_twin);
+    bis_free(planes);
+    bis_film_clear(&f);
+    clear_world(&w);
+}
+
 /* L_ns by the integrator's own road, against integrator `unoccluded`, in the mean over the picture (its standard error
  * is 0.3%), and V = L/L_ns. */
 static void unoccluded_is_L_ns_and_visibility_is_L_over_L_ns(void **state)
@@ -566,6 +604,7 @@ int main(void)
         cmocka_unit_test(counts_of_pixels_add_up_to_the_counts_of_the_render),
         cmocka_unit_test(depth_normal_and_albedo_are_those_of_the_floor),
         cmocka_unit_test(normals_and_depths_turn_with_the_camera),
+        cmocka_unit_test(normals_stand_on_what_a_scaled_camera_sees),
         cmocka_unit_test(unoccluded_is_L_ns_and_visibility_is_L_over_L_ns),
         cmocka_unit_test(in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples),
         cmocka_unit_test(unoccluded_has_no_surface_below_which_it_is_dark),

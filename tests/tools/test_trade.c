@@ -742,6 +742,35 @@ static void a_reference_of_another_size_is_named(void **state)
     program_expect(&r, 0, "trade " SCENE " --resume --nthreads 1 --output " DIR "/sized");
 }
 
+/* The time is over before the first run: there is nothing to advise from, which must not look like a measurement. */
+static void no_run_at_all_is_an_error(void **state)
+{
+    (void)state;
+    program_run r;
+    assert_int_equal(system("cp -r " DIR "/own " DIR "/none && sed -i '2,$d' " DIR "/none/runs.csv && rm " DIR "/none/report.html"), 0);
+    program_expect(&r, 2, "trade " SCENE " --resume --time 0.001 --nthreads 1 --output " DIR "/none");
+    assert_non_null(strstr(r.messages, "bis: error: 0 of "));
+    assert_non_null(strstr(r.messages, "none fitted into 0.001 s, so there is no advice and no page; go on with --resume --time for about "));
+    assert_string_equal(r.output, "");
+    assert_false(program_exists(DIR "/none/report.html"));
+    program_expect(&r, 0, "trade " SCENE " --resume --time 100 --nthreads 1 --output " DIR "/none"); /* the twin, and the way out */
+    assert_same_runs(DIR "/own/runs.csv", DIR "/none/runs.csv");
+}
+
+/* By the probe, and not after a pilot of minutes: 384 pixels of this setting take some 4 s each pass, of 4 s for everything. */
+static void a_scene_that_is_too_slow_is_refused_before_its_pilot(void **state)
+{
+    (void)state;
+    program_run r;
+    assert_int_equal(system("sed 's/^Integrator.*/Integrator \"sir\" \"integer candidates\" 65536 \"integer shadowrays\" 4096/' " SCENE " >" DIR "/slow.txt && "
+                            "grep -q 65536 " DIR "/slow.txt"), 0);
+    program_expect(&r, 2, "trade " DIR "/slow.txt --time 4 --nthreads 1 --seeds 2 --integrator sir --output " DIR "/slow");
+    /* the second: the machine has so much other work that the rest of the pilot took the 4 s */
+    assert_true(strstr(r.messages, "bis: error: 4 s are too few: a single pass of the scene's own setting, ") ||
+                strstr(r.messages, "bis: error: 4 s are too few: the pilot alone, "));
+    assert_false(program_exists(DIR "/slow"));
+}
+
 static void a_finished_measurement_resumes_to_itself(void **state)
 {
     (void)state;
@@ -1182,6 +1211,8 @@ int main(void)
         cmocka_unit_test(what_is_promised_comes_out),
         cmocka_unit_test(lost_runs_are_measured_again_and_are_the_same),
         cmocka_unit_test(a_reference_of_another_size_is_named),
+        cmocka_unit_test(no_run_at_all_is_an_error),
+        cmocka_unit_test(a_scene_that_is_too_slow_is_refused_before_its_pilot),
         cmocka_unit_test(a_finished_measurement_resumes_to_itself),
         cmocka_unit_test(a_signal_keeps_what_was_measured_and_resume_goes_on),
         cmocka_unit_test(a_signal_right_after_resume_leaves_everything_as_it_was),

@@ -384,7 +384,7 @@ static void durations_and_percents_change_their_unit_in_time(void **state)
     char text[24];
     for (size_t i = 0; i < sizeof times / sizeof *times; i++) assert_string_equal(bis_duration(text,
         times[i].v), times[i].text);
-    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) assert_string_equal(bis_trade_percent(text,
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) assert_string_equal(bis_percent(text,
         shares[i].v), shares[i].text);
 }
 
@@ -1374,7 +1374,7 @@ static void plan_and_runs_are_written_and_read_back(void **state)
     const int em = bis_trade_find_setting(&t.plan, "em 16"), sir = bis_trade_find_setting(&t.plan, "sir 64/4");
     const bis_trade_run runs[] = {{sir, 0, 0, 9, 4.5, 1, 2, 3, 0.5, 0.25, -0.125, 0.75}, {em, 1, 0, 8, 2, 10, 20, 30,
         1, 2, 3, 4},
-                                  {em, 0, 0, (uint64_t)1 << 53, 1, 11, 21, 31, 5, 6, 7, 8}};
+                                  {em, 0, 0, BIS_SEED_MAX, 1, 11, 21, 31, 5, 6, 7, 8}};
     for (int i = 0; i < 3; i++) assert_int_equal(bis_trade_add_run(&t, &runs[i], NULL), BIS_OK);
     assert_int_equal(bis_trade_write_runs(&t, NULL), BIS_OK);
     text = read_text(DIR "/folder/plan.txt");
@@ -1384,7 +1384,7 @@ static void plan_and_runs_are_written_and_read_back(void **state)
     bis_free(text);
     assert_true(print == fingerprint_of(&t.plan));
     text = read_text(DIR "/folder/runs.csv");
-    assert_string_equal(text, RUNS "em 16,1,1,9007199254740992,1,11,21,31,5,6,7,8\nem 16,2,1,8,2,10,20,30,1,2,3,4\n"
+    assert_string_equal(text, RUNS "em 16,1,1,9007199254740991,1,11,21,31,5,6,7,8\nem 16,2,1,8,2,10,20,30,1,2,3,4\n"
                         "sir 64/4,1,1,9,4.5,1,2,3,0.5,0.25,-0.125,0.75\n");
                             /* in the order of settings, passes, seeds */
     bis_free(text);
@@ -1497,7 +1497,7 @@ static void each_damage_has_its_place_and_its_words(void **state)
             "which stand before%"},
         {"plan.txt", 5, "seeds 17", ":5:1", "\"seeds 17\": behind \"seeds\" must stand a number from 1 to 16%"},
         {"plan.txt", 6, "seed 9007199254740994", ":6:1", "\"seed 9007199254740994\": behind \"seed\" must stand a "
-            "whole number from 0 to 2^53%"},
+            "whole number from 0 to 2^53 - 1%"},
         {"plan.txt", 7, "run_seconds 1.1e9", ":7:1", "\"run_seconds 1.1e9\": behind \"run_seconds\" must stand a "
             "number above 0, at most 1e9%"},
         {"plan.txt", 8, "given 2", ":8:1", "\"given 2\": behind \"given\" must stand 0 or 1%"},
@@ -2155,7 +2155,7 @@ static unsigned long long fingerprint_of_two(void)
 static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
 {
     (void)state;
-    static const char good[] = "em 16,1048576,16,9007199254740992,1e12,9223372036854775808,9223372036854775808,"
+    static const char good[] = "em 16,1048576,16,9007199254740991,1e12,9223372036854775808,9223372036854775808,"
                                "9223372036854775808,1.7e308,1.6e308,-1.5e308,1.4e308";
     static const struct {
         int column;
@@ -2173,7 +2173,7 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
     bis_trade t;
 
     const unsigned long long print = fingerprint_of_two();
-    snprintf(text, sizeof text, "fingerprint %016llx\nfull 32768 32768\nstep 32768\nsize 1 1\nseeds 16\nseed 9007199254740992\n"
+    snprintf(text, sizeof text, "fingerprint %016llx\nfull 32768 32768\nstep 32768\nsize 1 1\nseeds 16\nseed 9007199254740991\n"
              "run_seconds 1e9\ngiven 1\nreference 0 1 mis 16\nreference 1 4194304 sir 64/4\nsetting 21 1e9 1e9 0 em 16\n"
              "setting 0 1e-300 0 nan sir 64/4\n", print);
     program_write_file(DIR "/folder/plan.txt", text);
@@ -2184,7 +2184,7 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
     assert_int_equal(bis_trade_read_plan(&t, NULL), BIS_OK);
     assert_int_equal(bis_trade_read_runs(&t, NULL), BIS_OK);
     assert_true(p->full_width == 32768 && p->full_height == 32768 && p->step == 32768 && p->width == 1 && p->height == 1);
-    assert_true(p->n_seeds == 16 && p->seed == (uint64_t)1 << 53 && p->run_seconds == 1e9 && p->is_given);
+    assert_true(p->n_seeds == 16 && p->seed == BIS_SEED_MAX && p->run_seconds == 1e9 && p->is_given);
     assert_true(p->reference_passes[0] == 1 && p->reference_passes[1] == 4194304);
     const int em = bis_trade_find_setting(p, "em 16"), sir = bis_trade_find_setting(p, "sir 64/4");
     const bis_trade_setting *a = &p->settings[em], *b = &p->settings[sir];
@@ -2192,7 +2192,7 @@ static void each_field_of_a_folder_is_taken_up_to_its_limits(void **state)
     assert_true(b->is_swept && b->levels == 0 && b->pass_seconds == 1e-300 && b->fill_seconds == 0 && isnan(b->pass_relmse));
     assert_int_equal(t.n_runs, 2);
     const bis_trade_run *most = &t.runs[0], *least = &t.runs[1];
-    assert_true(most->setting == em && most->level == 20 && most->replicate == 15 && most->seed == (uint64_t)1 << 53);
+    assert_true(most->setting == em && most->level == 20 && most->replicate == 15 && most->seed == BIS_SEED_MAX);
     assert_true(most->seconds == 1e12 && most->camera_rays == (uint64_t)1 << 63 && most->shadow_rays == (uint64_t)1 << 63);
     assert_true(most->candidates == (uint64_t)1 << 63 && most->rmse == 1.7e308 && most->relmse == 1.6e308);
     assert_true(most->bias == -1.5e308 && most->relmse_both == 1.4e308);

@@ -71,6 +71,32 @@ static void a_test_does_not_depend_on_those_before_it(void **state)
     bis_light_free(light);
 }
 
+/* "+- 0.002 %" is a share: a light that is 64 times as bright leaves it as it is, to the bit. */
+static void the_error_of_the_reference_is_told_as_a_share(void **state)
+{
+    (void)state;
+    const bis_settings *s = all_settings();
+    char note[2][sizeof((bis_verify_test *)0)->note + 128];
+    for (int k = 0; k < 2; k++) {
+        bis_light *light = lit_new_light(LIT_SMOOTH, k ? 64 : 1, 0.15, false);
+        lit l;
+        bool tested;
+        bis_verify v = {.seed = 1, .halvings = 1};
+        lit_init(&l, light, verify_glossy(&bis_phong_model, 50), normalize(vec3_from(0.2, -0.3, 0.8)), 40, LIT_HALF);
+        assert_int_equal(bis_verify_point(&v, &l.pt, s, 1, BIS_SAMPLER_RANDOM, "share", &tested, NULL), BIS_OK);
+        const char *found = strstr(v.tests[0].note, "sum over patches +- ");
+        assert_non_null(found);
+        snprintf(note[k], sizeof note[k], "%s", found);
+        bis_verify_clear(&v);
+        bis_light_free(light);
+    }
+    double share = 0;
+    char unit = 0;
+    assert_int_equal(sscanf(note[0], "sum over patches +- %lf %c", &share, &unit), 2);
+    assert_true(unit == '%' && share > 0 && share < 1); /* of a percent: it is a reference */
+    assert_string_equal(note[0], note[1]);
+}
+
 static void a_point_in_the_dark_is_not_tested(void **state)
 {
     (void)state;
@@ -297,6 +323,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(right_integrators_pass),
         cmocka_unit_test(a_test_does_not_depend_on_those_before_it),
+        cmocka_unit_test(the_error_of_the_reference_is_told_as_a_share),
         cmocka_unit_test(a_point_in_the_dark_is_not_tested),
         cmocka_unit_test(what_is_rare_and_bright_is_judged_too),
         cmocka_unit_test(a_stranger_is_held_to_what_uniform_directions_do),

@@ -3,6 +3,7 @@
  * Family-wise significance 1e-3. */
 #include "bis/base/mem.h"
 #include "bis/beyond/microfacet.h"
+#include "bis/scene/texture.h"
 #include "bis/thesis/phong.h"
 #include "bis/thesis/warp.h"
 #include "bis/thesis/envmap.h"
@@ -306,6 +307,49 @@ static void the_integrator_of_the_page_becomes_one_of_ours(void **state)
                             "! EXTENDING_PAGE=\"$BIS_BUILD/extending.md\" sh scripts/check/check_extending.sh >/dev/null 2>&1"), 0);
 }
 
+/* The page's BRDF is part of that check; its twin: a `remake` that forgets the exponent. */
+static void a_brdf_whose_remake_forgets_a_number_is_found(void **state)
+{
+    (void)state;
+    if (!getenv("BIS_COMPILE")) skip();
+    assert_int_equal(system("! EXTENDING_EDIT='s,exponent ? \\*exponent : m->exponent,&/2,' sh scripts/check/check_extending.sh "
+                            ">\"$BIS_BUILD/extending.txt\" 2>&1 && grep -q 'loses something' \"$BIS_BUILD/extending.txt\""), 0);
+}
+
+/* A number of bis_material that bis_material_numbers does not list would be lost to checkpoints, --plan and bis verify. */
+static void every_number_of_a_material_is_listed(void **state)
+{
+    (void)state;
+    const size_t word = sizeof(float), end = offsetof(bis_material, eta) + sizeof(rgb);
+    assert_true(offsetof(bis_material, model) == 0 && (sizeof(bis_material) - end) < _Alignof(bis_material)); /* eta is the last field */
+    for (size_t at = sizeof(bis_bsdf_model *); at < end; at += word) {
+        bis_material m = bis_phong(grey(0.5), grey(0.25), 8);
+        double before[BIS_MATERIAL_NUMBERS], after[BIS_MATERIAL_NUMBERS];
+        bis_material_numbers(before, &m);
+        ((unsigned char *)&m)[at + word - 2] ^= 0x40; /* of a float or the upper half of a double; of a lower half a digit */
+        bis_material_numbers(after, &m);
+        if (memcmp(before, after, sizeof before) == 0) fail_msg("byte %zu of bis_material is no number of bis_material_numbers", at);
+    }
+}
+
+/* What has no `remake` must be told, because a picture without the texture would look like one with it. */
+static void a_texture_of_a_model_without_remake_is_an_error(void **state)
+{
+    (void)state;
+    bis_bsdf_model model = bis_phong_model;
+    bis_texture white = {.kind = BIS_TEXTURE_CONSTANT, .value = {0.5, 0.5, 0.5}};
+    const bis_textures t = {.list = &white, .n = 1};
+    const bis_material_textures of = {0, BIS_NO_TEXTURE, BIS_NO_TEXTURE, 1, {"s.txt", 1, 1}};
+    bis_material m = bis_phong(grey(0.5), grey(0.25), 8);
+    bis_diag diag = {0};
+    m.model = &model;
+    assert_int_equal(bis_textures_check(&t, NULL, &of, &m, &diag), BIS_OK); /* the twin */
+    model.remake = NULL;
+    assert_int_equal(bis_textures_check(&t, NULL, &of, &m, &diag), BIS_INPUT);
+    assert_non_null(strstr(diag.messages[0].text, "has no `remake`"));
+    bis_diag_clear(&diag);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -315,6 +359,9 @@ int main(void)
         cmocka_unit_test(cylinder_keeps_its_light_where_it_is),
         cmocka_unit_test(every_block_of_the_page_is_code_that_was_compiled),
         cmocka_unit_test(the_integrator_of_the_page_becomes_one_of_ours),
+        cmocka_unit_test(a_brdf_whose_remake_forgets_a_number_is_found),
+        cmocka_unit_test(every_number_of_a_material_is_listed),
+        cmocka_unit_test(a_texture_of_a_model_without_remake_is_an_error),
     };
 
     return cmocka_run_group_tests_name("extending", tests, NULL, NULL);

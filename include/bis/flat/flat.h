@@ -8,12 +8,15 @@
  * A function that returns int returns a bis_status: 0 is success, 1 a failure of the disk, 2 no memory, 3 a mistake
  * in the input. It writes its messages to say[size], one a line, cut to the size; after a success these are warnings.
  * Arrays are dense, in the order of C. Values in arrays are checked, because the caller is no C compiler: a NaN must
- * not become an index. */
+ * not become an index. NULL where something is due is BIS_INPUT; an array of no items may be NULL, and so may say. A
+ * function without a status takes a NULL in the place of what was opened, too: its shape is 0 x 0, it has no pixels,
+ * its power is NaN and its text NULL. */
 #pragma once
 
 #include "bis/thesis/bsdf.h"
 #include "bis/thesis/light.h"
 
+#include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -57,8 +60,9 @@ int bis_flat_light_look(const bis_light *light, size_t n, const float *w, float 
 int bis_flat_alias_build(size_t n, const double *w, double *prob, uint32_t *alias, double *total, char *say,
                          size_t size);
 
-/* bis_flat_alias_sample draws item[m] from u[m], which is uniform in [0,1). Errors: BIS_INPUT (u outside [0,1), n is
- * 0). */
+/* bis_flat_alias_sample draws item[m] from u[m], which is uniform in [0,1). It looks at the whole tables first, in
+ * O(n + m). Errors: BIS_INPUT (u outside [0,1), n is 0 or above 2^32 - 1, a prob outside [0,1], an alias not below
+ * n). */
 int bis_flat_alias_sample(size_t n, const double *prob, const uint32_t *alias, size_t m, const double *u,
                           uint32_t *item, char *say, size_t size);
 
@@ -89,11 +93,11 @@ typedef struct bis_flat_picture bis_flat_picture;
 
 /* bis_flat_render renders a scene into memory. settings is a list of "name=value" that ends with NULL; what it does not
  * name is as the scene says. The names are integrator, accelerator (grid, embree), spp, seed, seconds, error, threads,
- * width, height, and the parameters of the integrator (`bis help integrators`). *stop (may be NULL) is set from
- * another thread to end the render soon; the picture then has the passes that were complete. Errors: those of
+ * width, height, and the parameters of the integrator (`bis help integrators`). *stop (may be NULL), an int, is set
+ * from another thread to end the render soon; the picture then has the passes that were complete. Errors: those of
  * bis_scene_parse, bis_scene_build and bis_render, BIS_INPUT (a name or value of the settings). */
 int bis_flat_render(bis_flat_picture **picture, const char *scene, const char *const *settings,
-                    const volatile int *stop, char *say, size_t size);
+                    const volatile sig_atomic_t *stop, char *say, size_t size);
 
 /* bis_flat_picture_close frees the picture; NULL is allowed. */
 void bis_flat_picture_close(bis_flat_picture *picture);

@@ -60,8 +60,8 @@ typedef struct bis_texture_file {
 /* The textures of a material, each BIS_NO_TEXTURE where the material has a value of its own. */
 typedef struct bis_material_textures {
     uint32_t Kd, Ks;
-    uint32_t width; /* phong: of the exponent. microfacet: of the roughness, */
-    double power;   /* which is the texture's value to this power */
+    uint32_t width; /* of what the model calls scene_name (bis_bsdf_width): an exponent, a roughness; */
+    double power;   /* it is the texture's value to this power */
     bis_loc loc;
 } bis_material_textures;
 
@@ -117,8 +117,8 @@ rgbd bis_textures_value(const bis_textures *t, const bis_texture_image *images, 
 void bis_textures_range(rgbd *lo, rgbd *hi, const bis_textures *t, const bis_texture_image *images, uint32_t texture);
 
 /* bis_textures_check looks whether the textures of material *base stay in the ranges that constants have: Kd and Ks in
- * [0,1], a microfacet's roughness in [BIS_MICROFACET_MIN_ROUGHNESS, 1], an exponent >= 0. It warns if Phong's Kd + Ks
- * can exceed 1. Errors: BIS_INPUT, at the material. */
+ * [0,1], the width in the range that the model states (bis_bsdf_width). It warns if Kd + Ks can exceed 1 and the model
+ * then reflects more than it receives. Errors: BIS_INPUT, at the material (a range; a model without `remake`). */
 bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *images, const bis_material_textures *of,
                               const bis_material *base, bis_diag *diag);
 

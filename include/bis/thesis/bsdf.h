@@ -10,7 +10,8 @@
 
 typedef struct bis_bsdf_model bis_bsdf_model;
 
-/* A material, constant over a surface. Ks and Kd are in [0,1] per channel. A field that the model does not use is 0. */
+/* A material, constant over a surface. Ks and Kd are in [0,1] per channel. A field that the model does not use is 0. A
+ * model that needs another number adds a field here and a line in bis_material_numbers. */
 typedef struct bis_material {
     const bis_bsdf_model *model;
     rgb Kd, Ks;
@@ -18,6 +19,12 @@ typedef struct bis_material {
     double alpha;    /* microfacet: in [1e-4, 1], */
     rgb eta;         /* and the refractive index of a metal; 0: Schlick's curve */
 } bis_material;
+
+enum { BIS_MATERIAL_NUMBERS = 11 };
+
+/* bis_material_numbers stores all numbers of a material, its fields but the model, in v. Whoever compares materials or
+ * makes a hash of one asks here, so that no field is forgotten in one of these places. */
+void bis_material_numbers(double v[BIS_MATERIAL_NUMBERS], const bis_material *m);
 
 /* The material at a point for one direction wo. What is the same for all wi is computed once and stored here. */
 typedef struct bis_bsdf {
@@ -30,10 +37,11 @@ typedef struct bis_bsdf {
     double p_specular;
 } bis_bsdf;
 
-/* What the width of a material's lobe depends on: the name and value in formulas, and those in scenes. */
+/* What the width of a material's lobe depends on: the name and value in formulas; those in scenes, where a texture may
+ * take the value's place, and the range of the latter. */
 typedef struct bis_bsdf_width {
     const char *name, *scene_name;
-    double value, scene_value;
+    double value, scene_value, least, most; /* the last three are in the scene's unit */
 } bis_bsdf_width;
 
 /* What a material says of n directions: f over a unit in r, g, b; the cosine between wi and the normal; the density
@@ -52,6 +60,11 @@ struct bis_bsdf_model {
     rgb (*f_pdf)(const bis_bsdf *b, vec3 wi, double *pdf);
     double (*max_f_cos)(const bis_bsdf *b);
     double (*max_ratio)(const bis_bsdf *b);
+    /* Returns material *m with other values, those that textures have at a point: Kd, Ks, and the width in the scene's
+     * unit and range. width = NULL keeps that of *m, to the bit. May be NULL: a texture is then an error. */
+    bis_material (*remake)(const bis_material *m, rgb Kd, rgb Ks, const double *width);
+    /* true if the surface reflects more than it receives where Kd + Ks > 1: textures that can reach it get a warning */
+    bool gains_beyond_1;
     /* true if the lobe is a bump over the half vector, about the normal; false if it is a bump over wi, about r. Only
      * quadrature asks (src/tools/verify/verify_bsdf.c) */
     bool of_half_vector;

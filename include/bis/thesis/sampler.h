@@ -15,6 +15,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* The largest seed, on the command line, in scenes and for other languages. Scenes and JSON hold numbers as doubles;
+ * all integers up to this one are doubles, and no other integer is rounded to one of them. */
+#define BIS_SEED_MAX ((UINT64_C(1) << 53) - 1)
+
 typedef enum bis_sampler_kind {
     BIS_SAMPLER_RANDOM,     /* independent */
     /* camera: xsamples x ysamples jittered cells; sets: one point in each of n cells along Hilbert's curve */

@@ -4,6 +4,7 @@
  * budget. What else the machine does meanwhile then hits all settings alike, and a sweep that ends early, by Ctrl-C or
  * because the time is used up, has measured all of them equally far. Each run has a seed of its own, written beside it:
  * no two settings share noise. */
+#include "base/text.h"
 #include "trade.h"
 
 #include "bis/tools/compare.h"
@@ -175,6 +176,18 @@ static bool has_page(const bis_trade *t)
     return access(bis_trade_path(path, t, "report.html"), F_OK) == 0;
 }
 
+/* A page without a run would be a page without an answer. The plan and its references stay for --resume. */
+static bis_status nothing_measured(const bis_trade *t, bis_diag *diag)
+{
+    char need[BIS_DURATION];
+
+    bis_duration(need, bis_clock_now() - t->start + planned_left(t) / (1 - pictures_share));
+    return bis_error(diag, BIS_INPUT, (bis_loc){0},
+                     "0 of %zu runs: none fitted into %g s, so there is no advice and no page; go on with --resume "
+                     "--time for about %s, or measure into another folder with fewer integrators (--integrator)",
+                     bis_trade_planned_runs(&t->plan), t->o.seconds, need);
+}
+
 static bis_status measure(bis_trade *t, bis_diag *diag)
 {
     bis_status status = bis_trade_load(t, diag);
@@ -187,6 +200,7 @@ static bis_status measure(bis_trade *t, bis_diag *diag)
     if (status || !references_are_ready(t)) return status; /* interrupted: a plan without them is none */
     status = run_sweep(t, diag);
     if (status) return status;
+    if (!t->n_runs && !bis_trade_interrupted(t)) return nothing_measured(t, diag);
     status = bis_trade_summarise(t, diag);
     if (!status) status = bis_trade_check_advice(t, diag);
     if (!status) status = bis_trade_time_advice(t, diag);

@@ -332,9 +332,6 @@ bis_status bis_trade_write_report(const bis_trade *t, bis_diag *diag);
 
 /* --- trade_words.c --- */
 
-/* bis_trade_percent writes a share to buf as "12%" or "3.4%" and returns it. */
-const char *bis_trade_percent(char buf[24], double v);
-
 /* bis_trade_next_on_front returns the point of the Pareto front that is next in time after last (NULL: the first), or
  * NULL. Of equal ones both come. */
 const bis_trade_point *bis_trade_next_on_front(const bis_trade_result *r, const bis_trade_point *last);

@@ -244,7 +244,7 @@ static const struct {
     [STEP] = {"step", "a number from 1 to 32768"},
     [SIZE] = {"size", "width and height in pixels, those of \"full\" divided by \"step\", which stand before"},
     [SEEDS] = {"seeds", "a number from 1 to 16"},
-    [SEED] = {"seed", "a whole number from 0 to 2^53"},
+    [SEED] = {"seed", "a whole number from 0 to 2^53 - 1"},
     [RUN_SECONDS] = {"run_seconds", "a number above 0, at most 1e9"},
     [GIVEN] = {"given", "0 or 1"},
     [REFERENCE] = {"reference", "0 (by a mis) or 1 (by a sir), each once, passes from 1 to 4194304, and the name of a "
@@ -267,7 +267,7 @@ static bool read_fields(const char **s, int word, bis_trade_plan *p, uint64_t *h
     case STEP: return read_count(s, 1, BIS_IMAGE_MAX_SIDE, &p->step);
     case SIZE: return read_size(s, &p->width, &p->height) && is_size_of(p);
     case SEEDS: return read_count(s, 1, BIS_TRADE_SEEDS, &p->n_seeds);
-    case SEED: return read_whole(s, 0x1p53, &p->seed);
+    case SEED: return read_whole(s, BIS_SEED_MAX, &p->seed);
     case RUN_SECONDS: return (p->run_seconds = read_number(s, 0, 1e9)) > 0;
     case REFERENCE: return read_reference_line(s, p);
     case SETTING: return read_setting_line(s, p);
@@ -429,7 +429,7 @@ static const char *read_run(bis_trade_run *r, const bis_trade_plan *p, char *lin
     if (r->level >= p->settings[r->setting].levels) return "passes";
     if (!read_count(&s, 1, p->n_seeds, &r->replicate)) return "replicate";
     r->replicate--;
-    if (!read_whole(&s, 0x1p53, &r->seed)) return "seed";
+    if (!read_whole(&s, BIS_SEED_MAX, &r->seed)) return "seed";
     if (isnan(r->seconds = read_number(&s, 0, 1e12))) return "seconds";
     if (!read_whole(&s, most, &r->camera_rays)) return "camera_rays";
     if (!read_whole(&s, most, &r->shadow_rays)) return "shadow_rays";

@@ -59,7 +59,7 @@ static void put_advice(bis_json *j, const bis_trade *t, const bis_trade_advice *
         if (by_candidates) snprintf(candidates, sizeof candidates, "%u candidates and ", (unsigned)v->candidates);
         bis_json_bool(j, "extrapolated", a->is_extrapolated);
         bis_trade_say(j, "time=%s; error=%s; size=%d × %d", bis_duration(time, a->seconds),
-                      bis_trade_percent(error, a->expected_error), t->plan.full_width, t->plan.full_height);
+                      bis_percent(error, a->expected_error), t->plan.full_width, t->plan.full_height);
         bis_trade_say(j, "amounts=%s%u %s%s", candidates, rays, by_candidates ? "shadow ray" : "light sample",
                       rays == 1 ? "" : "s");
         bis_trade_say(j, "variant=%s%s%s", variant ? " (" : "", variant ? variant + 1 : "", variant ? ")" : "");
@@ -199,8 +199,8 @@ static void put_table(bis_json *j, const table *b)
 
 static void put_tables(bis_json *j, const bis_trade *t)
 {
-    table times = {t, true, "error after", {0}, 0, bis_trade_error_at, bis_duration, bis_trade_percent};
-    table errors = {t, false, "time to an error of", {0}, 0, bis_trade_seconds_to, bis_trade_percent,
+    table times = {t, true, "error after", {0}, 0, bis_trade_error_at, bis_duration, bis_percent};
+    table errors = {t, false, "time to an error of", {0}, 0, bis_trade_seconds_to, bis_percent,
                     bis_duration};
     double ascending[BIS_TRADE_COLUMNS];
 
@@ -226,9 +226,9 @@ static void put_front(bis_json *j, const bis_trade *t)
         bis_json_open(j, NULL, '{');
         bis_trade_put_name(j, s);
         bis_trade_say(j, "passes=%u; time=%s; error=%s", (unsigned)p->passes, bis_duration(time, p->seconds),
-                      p->noise > 0 ? bis_trade_percent(error, sqrt(p->noise)) : "below the reference's");
-        bis_trade_say(j, "bias=%s%s%s%s", p->bias < 0 ? "−" : "+", bis_trade_percent(bias, fabs(p->bias) / mean),
-                      p->bias_se > 0 ? " ± " : "", p->bias_se > 0 ? bis_trade_percent(se, p->bias_se / mean) : "");
+                      p->noise > 0 ? bis_percent(error, sqrt(p->noise)) : "below the reference's");
+        bis_trade_say(j, "bias=%s%s%s%s", p->bias < 0 ? "−" : "+", bis_percent(bias, fabs(p->bias) / mean),
+                      p->bias_se > 0 ? " ± " : "", p->bias_se > 0 ? bis_percent(se, p->bias_se / mean) : "");
         bis_json_close(j);
     }
     bis_json_close(j);
@@ -245,8 +245,8 @@ static void put_reference(bis_json *j, const bis_trade *t, int k, const char *ju
     bis_trade_say_all(j, NULL, "judged=%s; name=%s; renders=%d; passes=%u; mean=%.5g; se=%s; noise=%s", judged,
                       t->plan.settings[t->plan.reference[k]].name, (int)BIS_TRADE_REPLICATES,
                       (unsigned)t->plan.reference_passes[k], ref->mean,
-                      bis_trade_percent(se, ref->mean > 0 ? ref->se / ref->mean : 0),
-                      bis_trade_percent(noise, sqrt(ref->relmse)));
+                      bis_percent(se, ref->mean > 0 ? ref->se / ref->mean : 0),
+                      bis_percent(noise, sqrt(ref->relmse)));
 }
 
 static void put_references(bis_json *j, const bis_trade *t)
@@ -260,10 +260,10 @@ static void put_references(bis_json *j, const bis_trade *t)
     put_reference(j, t, 1, "em, brdf and mis");
     bis_json_close(j);
     bis_json_bool(j, "given", t->plan.is_given);
-    bis_trade_say(j, "noise=%s", bis_trade_percent(difference, sqrt(t->both.relmse)));
+    bis_trade_say(j, "noise=%s", bis_percent(difference, sqrt(t->both.relmse)));
     if (!agree) bis_json_null(j, "agreement");
-    else bis_trade_say(j, "agreement=%s ± %s", bis_trade_percent(difference, fabs(a->mean - b->mean) / a->mean),
-                       bis_trade_percent(se, hypot(a->se, b->se) / a->mean));
+    else bis_trade_say(j, "agreement=%s ± %s", bis_percent(difference, fabs(a->mean - b->mean) / a->mean),
+                       bis_percent(se, hypot(a->se, b->se) / a->mean));
 }
 
 static void put_left_out(bis_json *j, const bis_trade *t)

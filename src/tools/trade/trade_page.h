@@ -13,7 +13,7 @@ extern const char bis_trade_page[];
 /* bis_trade_put_values writes all values of the page, an object. Errors: BIS_NOMEM. */
 bis_status bis_trade_put_values(FILE *out, const bis_trade *t, bis_diag *diag);
 
-/* --- trade_words.c, with bis_trade_percent of trade.h --- */
+/* --- trade_words.c --- */
 
 /* bis_trade_say writes members as texts: "x=%.1f; y=%s" becomes "x": "1.0", "y": "...". format is printf's; all of it
  * has at most 767 bytes, and no value holds "; ". bis_trade_say_all writes an object of such members. */

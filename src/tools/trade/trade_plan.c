@@ -3,7 +3,8 @@
  * A small picture is not a large one made small: its pixels are larger, more of them hold an edge, and each is noisier
  * (scene.txt: 12% at 98 x 74 where 800 x 600 have 8%). So what is measured is a thin film: of each k x k pixels of the
  * full picture one, at its size, with its random numbers.
- * A pilot renders each setting with 3072 pixels or so: what a pixel of a pass costs, c, and what scatter it leaves, v.
+ * A pilot renders each setting with 3072 pixels or so, fewer where these take too long: what a pixel of a pass costs,
+ * c, and what scatter it leaves, v.
  * What is planned from it:
  *   - the setting of least c v of each integrator, and the scene's own, get budgets of up to r seconds; the others r/4:
  *   cost x variance hardly
@@ -19,7 +20,7 @@
 
 #include <string.h>
 
-enum { PILOT_PIXELS = 3072, LEAST_PIXELS = 4800, MIDDLE_PASSES = 8, MOST_PILOT_PASSES = 256 };
+enum { PROBE_PIXELS = 48, PILOT_PIXELS = 3072, LEAST_PIXELS = 4800, MIDDLE_PASSES = 8, MOST_PILOT_PASSES = 256 };
 
 static const double pilot_share = 0.08, sweep_share = 0.5, reference_share = 0.22;
 static const double short_curve = 0.25;     /* of r, for settings that are not the best of their integrator */
@@ -27,6 +28,36 @@ static const double too_slow = 4;           /* a setting whose single pass takes
 
 static const char *const reference_settings[2][3] = {
     {"mis 16", "mis 64", ""}, {"sir 64/4", "sir 256/16", "sir 256/16 product"}};
+
+/* ---- the size, and what it takes ---- */
+
+/* The thin film with about `pixels` in its crop; never more than that has, and one of each row and column at least. */
+static int step_for(const bis_trade *t, double pixels)
+{
+    const bis_film all = bis_trade_film(t, 1);
+    const double step = round(sqrt(bis_trade_pixels(t, 1) / pixels));
+    return (int)fmax(1, fmin(step, fmin(all.width, all.height)));
+}
+
+static void set_size(bis_trade *t, double pixels)
+{
+    t->plan.step = step_for(t, pixels);
+    const bis_film film = bis_trade_film(t, t->plan.step);
+    t->plan.width = film.full_width;
+    t->plan.height = film.full_height;
+}
+
+/* `least` are the seconds of a single pass of what is named, with all seeds. */
+static bis_status too_few_seconds(const bis_trade *t, const char *what, double least, bis_diag *diag)
+{
+    char need[BIS_DURATION];
+
+    bis_duration(need, 1.2 * (least / sweep_share + bis_clock_now() - t->start));
+    return bis_error(diag, BIS_INPUT, (bis_loc){0},
+                     "%g s are too few: a single pass of %s, %d x %d pixels and %d seeds, wants about %s in all; give "
+                     "--time more than that, or name fewer integrators by --integrator",
+                     t->o.seconds, what, t->plan.width, t->plan.height, t->plan.n_seeds, need);
+}
 
 /* ---- the pilot ---- */
 
@@ -42,14 +73,6 @@ static bool is_piloted(const bis_trade_setting *s)
     return s->is_swept || bis_trade_may_be_reference(s, 0) || bis_trade_may_be_reference(s, 1);
 }
 
-/* The thin film with about `pixels` in its crop; never more than that has, and one of each row and column at least. */
-static int step_for(const bis_trade *t, double pixels)
-{
-    const bis_film all = bis_trade_film(t, 1);
-    const double step = round(sqrt(bis_trade_pixels(t, 1) / pixels));
-    return (int)fmax(1, fmin(step, fmin(all.width, all.height)));
-}
-
 /* What a pass costs whatever its size: that of a single pixel. */
 static bis_status pilot_fill(bis_trade *t, bis_trade_setting *s, bis_diag *diag)
 {
@@ -61,15 +84,55 @@ static bis_status pilot_fill(bis_trade *t, bis_trade_setting *s, bis_diag *diag)
     return status;
 }
 
-/* One pass to see what it costs, then as many as the setting's share of the time allows. Seconds are those of a pixel
- * until the size is known. */
+/* What a pixel of a pass costs, by a film of so few pixels that the slowest setting is no long wait. What a pass costs
+ * whatever its size does not count. 0: below what the clock tells. */
+static bis_status probe(double *seconds, bis_trade *t, const bis_trade_setting *s, double pixels, bis_diag *diag)
+{
+    bis_render_result result;
+    const int step = step_for(t, pixels);
+
+    const bis_status status = bis_trade_render(t, s, step, 1, t->o.seed, NULL, &result, diag);
+    *seconds = fmax(0, result.seconds - s->fill_seconds) / bis_trade_pixels(t, step);
+    return status;
+}
+
+/* The scene's own setting is always measured. If it takes more than the whole time, that is said at once. A second
+ * probe confirms it, because the machine may have had other work. */
+static bis_status check_scenes_own(bis_trade *t, bis_trade_setting *s, double *seconds, bis_diag *diag)
+{
+    bis_status status = BIS_OK;
+
+    if (!s->is_scenes || !s->is_swept || t->o.passes) return BIS_OK;
+    set_size(t, LEAST_PIXELS);
+    const double most = sweep_share * t->o.seconds, passes = t->plan.n_seeds * bis_trade_pixels(t, t->plan.step);
+    if (passes * *seconds <= most) return BIS_OK;
+    status = probe(seconds, t, s, 4 * PROBE_PIXELS, diag);
+    if (status || bis_trade_interrupted(t) || passes * *seconds <= most) return status;
+    return too_few_seconds(t, "the scene's own setting", passes * *seconds, diag);
+}
+
+/* So many pixels that three passes fit into twice the setting's share of the time, but so many that what a pass costs
+ * whatever its size is 1/16 of it, less than the pilot's scatter: it would count as the pixels' else. */
+static double pilot_pixels(const bis_trade *t, const bis_trade_setting *s, double of_pixel, double seconds)
+{
+    if (t->o.passes || !(of_pixel > 0)) return PILOT_PIXELS;
+    return fmin(PILOT_PIXELS, fmax(PROBE_PIXELS, fmax(2 * seconds / 3, 16 * s->fill_seconds) / of_pixel));
+}
+
+/* A probe, one pass to see what it costs, then as many as the setting's share of the time allows, 2 at least. Seconds
+ * are those of a pixel until the size is known. */
 static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double seconds, bis_diag *diag)
 {
     bis_render_result result;
-    const int step = step_for(t, PILOT_PIXELS);
-    const double pixels = bis_trade_pixels(t, step);
+    double of_pixel;
 
-    bis_status status = bis_trade_render(t, s, step, 1, t->o.seed, NULL, &result, diag);
+    bis_status status = pilot_fill(t, s, diag);
+    if (!status) status = probe(&of_pixel, t, s, PROBE_PIXELS, diag);
+    if (!status) status = check_scenes_own(t, s, &of_pixel, diag);
+    if (status || bis_trade_interrupted(t)) return status;
+    const int step = step_for(t, pilot_pixels(t, s, of_pixel, seconds));
+    const double pixels = bis_trade_pixels(t, step);
+    status = bis_trade_render(t, s, step, 1, t->o.seed, NULL, &result, diag);
     if (status || result.interrupted) return status;
     s->pass_seconds = result.seconds / pixels;
     s->pass_relmse = (double)NAN;
@@ -78,7 +141,20 @@ static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double secon
     if (status || result.interrupted) return status;
     s->pass_seconds = result.seconds / pixels / passes;
     s->pass_relmse = result.relative_rmse * result.relative_rmse * passes;
-    return pilot_fill(t, s, diag);
+    return BIS_OK;
+}
+
+/* A pilot that takes more than the time for everything is not waited for. */
+static bis_status check_pilot(const bis_trade *t, int done, int n, bis_diag *diag)
+{
+    char need[BIS_DURATION];
+    const double elapsed = bis_clock_now() - t->start;
+
+    if (t->o.passes || elapsed < t->o.seconds || bis_trade_interrupted(t)) return BIS_OK;
+    bis_duration(need, elapsed / done * n);
+    return bis_error(diag, BIS_INPUT, (bis_loc){0},
+                     "%g s are too few: the pilot alone, a look at each of %d settings, wants about %s; give --time "
+                     "some times that, or name fewer integrators by --integrator", t->o.seconds, n, need);
 }
 
 static bis_status run_pilot(bis_trade *t, bis_diag *diag)
@@ -93,6 +169,7 @@ static bis_status run_pilot(bis_trade *t, bis_diag *diag)
         bis_trade_tell(t, "pilot", (double)done / n, (double)NAN);
         status = pilot_setting(t, &plan->settings[i], pilot_share * t->o.seconds / n, diag);
         done++;
+        if (!status && done < n) status = check_pilot(t, done, n, diag);
     }
     return status;
 }
@@ -169,8 +246,6 @@ static double middle_cost(const bis_trade_plan *plan)
     return cost[(n - 1) / 2];
 }
 
-/* ---- the size ---- */
-
 static void choose_size(bis_trade *t, double seconds)
 {
     bis_trade_plan *plan = &t->plan;
@@ -178,10 +253,7 @@ static void choose_size(bis_trade *t, double seconds)
         sweep_seconds(t, MIDDLE_PASSES * middle_cost(plan)); /* seconds that each pixel adds to the sweep */
     const double pixels = fmin(fmax(seconds / a_pixel, LEAST_PIXELS), BIS_TRADE_MOST_PIXELS);
 
-    plan->step = step_for(t, pixels);
-    const bis_film film = bis_trade_film(t, plan->step);
-    plan->width = film.full_width;
-    plan->height = film.full_height;
+    set_size(t, pixels);
     for (int i = 0; i < plan->n_settings; i++) plan->settings[i].pass_seconds *= bis_trade_pixels(t, plan->step);
 }
 
@@ -214,19 +286,13 @@ static void choose_references(bis_trade *t, double seconds)
 /* One pass of each integrator's best for each seed is the least that says anything. */
 static bis_status check_time(const bis_trade *t, double seconds, bis_diag *diag)
 {
-    char need[24];
     double least = 0;
 
     for (int i = 0; i < t->plan.n_settings; i++)
         if (t->plan.settings[i].is_swept && gets_long_curve(&t->plan, i))
             least += t->plan.n_seeds * t->plan.settings[i].pass_seconds;
     if (least <= seconds || t->o.passes) return BIS_OK;
-    bis_duration(need, 1.2 * (least / sweep_share + bis_clock_now() - t->start));
-    return bis_error(
-        diag, BIS_INPUT, (bis_loc){0},
-        "%g s are too few: a single pass of the best setting of each integrator, %d x %d pixels and %d seeds, "
-        "wants about %s in all; give --time more than that, or name fewer integrators by --integrator",
-        t->o.seconds, t->plan.width, t->plan.height, t->plan.n_seeds, need);
+    return too_few_seconds(t, "the best setting of each integrator", least, diag);
 }
 
 /* The best of the pilot in one run of the sweep. */

@@ -59,7 +59,7 @@ static void find_axes(plot *p)
 
 static const char *tick_text(char text[24], const plot *p, bool is_y, double v)
 {
-    if (is_y) return bis_trade_percent(text, v);
+    if (is_y) return bis_percent(text, v);
     if (!p->by_rays) return bis_duration(text, v);
     snprintf(text, 24, v >= 1e3 ? "%gk" : "%g", v >= 1e3 ? v / 1e3 : v);
     return text;
@@ -124,7 +124,7 @@ static void put_mark(const plot *p, const bis_trade_setting *s, const bis_trade_
     bis_json_open(p->j, NULL, '{');
     put_bar(p, q);
     bis_trade_say(p->j, "title=%s, %u pass%s: %s in %s; x=%.1f; y=%.1f; shape=%s", s->name, (unsigned)q->passes,
-                  q->passes == 1 ? "" : "es", bis_trade_percent(error, y_of(q)), bis_duration(time, q->seconds),
+                  q->passes == 1 ? "" : "es", bis_percent(error, y_of(q)), bis_duration(time, q->seconds),
                   place(&p->x, x_of(p, q)), place(&p->y, y_of(q)), shape_of(s->settings.integrator->name));
     bis_json_close(p->j);
 }

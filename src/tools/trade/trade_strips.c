@@ -180,7 +180,7 @@ static void put_shot(bis_json *j, const bis_trade *t, int i, const window crops[
     bis_trade_put_name(j, s);
     bis_trade_say(j, "made=%u pass%s, %s%s", (unsigned)p->passes, p->passes == 1 ? "" : "es",
                   bis_duration(time, p->seconds), s->is_biased ? ", biased" : "");
-    bis_trade_say(j, "picture=%s; errors=e%d; error=%s", name, i, bis_trade_percent(error, sqrt(p->relmse)));
+    bis_trade_say(j, "picture=%s; errors=e%d; error=%s", name, i, bis_percent(error, sqrt(p->relmse)));
     put_crops(j, name, &p->image, crops);
     bis_json_close(j);
 }

@@ -4,14 +4,6 @@
 #include <stdarg.h>
 #include <string.h>
 
-const char *bis_trade_percent(char buf[24], double v)
-{
-    const double p = 100 * v;
-    if (p < 9.95) snprintf(buf, 24, "%.2g%%", p);
-    else snprintf(buf, 24, "%.0f%%", p);
-    return buf;
-}
-
 /* "a=1; b=x" as members. */
 BIS_PRINTF(2, 0)
 static void put_members(bis_json *j, const char *format, va_list args)

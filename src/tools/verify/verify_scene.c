@@ -38,9 +38,11 @@ static bis_material material_of(const bis_scene *scene, const bis_scene_desc *de
 
 static bool equal_materials(const bis_material *a, const bis_material *b)
 {
-    return a->model == b->model && memcmp(&a->Kd, &b->Kd, sizeof a->Kd) == 0 &&
-           memcmp(&a->Ks, &b->Ks, sizeof a->Ks) == 0 && memcmp(&a->eta, &b->eta, sizeof a->eta) == 0 &&
-           a->exponent == b->exponent && a->alpha == b->alpha;
+    double x[BIS_MATERIAL_NUMBERS], y[BIS_MATERIAL_NUMBERS];
+
+    bis_material_numbers(x, a);
+    bis_material_numbers(y, b);
+    return a->model == b->model && memcmp(x, y, sizeof x) == 0;
 }
 
 /* Those that shapes have, each once, in the order of the scene. Returns their number, beyond MAX_MATERIALS too. */

@@ -1,0 +1,17 @@
+#!/bin/sh
+# check_32_bits: would the sources compile without warnings where size_t has 32 bits? A shift of a size_t by 40 is undefined there,
+# and no test on this machine sees it. Nothing is linked: 32-bit libraries are not needed, nor the header that lists them.
+#     scripts/check/check_32_bits.sh [FILE...]          default: all of src/ but what needs MPI
+# Conversions are not looked at: a few 64-bit counts become sizes of memory. make gives BIS_COMPILE. Exit status 1 and the warnings, or 0 and a word where the compiler has no -m32.
+stubs=$(mktemp -d) || exit 1
+trap 'rm -rf "$stubs"' EXIT
+mkdir "$stubs/gnu" && : >"$stubs/gnu/stubs-32.h"
+compile="${BIS_COMPILE:-cc -std=c11} -m32 -fsyntax-only -Werror -Wno-conversion -Wno-psabi -I$stubs -isystem /usr/include/$(uname -m)-linux-gnu"
+printf '#include <stdio.h>\n_Static_assert(sizeof(void *) == 4, "");\n' >"$stubs/probe.c"
+$compile "$stubs/probe.c" 2>/dev/null || { echo "32 bits: not checked: the compiler has no -m32"; exit 0; }
+[ $# -gt 0 ] || set -- $(find src -name "*.c" ! -name "crew_mpi.c")
+bad=0
+for file; do
+    $compile "$file" || bad=1
+done
+exit $bad
