@@ -142,6 +142,12 @@ static const struct foreign {
     {"SearchPath", "paths are relative to the file that names them"},
 };
 
+/* What follows ActiveTransform looks like a directive: StartTime, EndTime, All. */
+static bool is_active_transform(const bis_parser *p, const char *name)
+{
+    return strcmp(name, "ActiveTransform") == 0 && p->token.kind == BIS_TOKEN_WORD;
+}
+
 /* --approximate: a directive that is left out with all that follows it, up to the next. Two are not. */
 static void approximate_directive(bis_parser *p, const char *name, bis_loc at)
 {
@@ -150,20 +156,22 @@ static void approximate_directive(bis_parser *p, const char *name, bis_loc at)
         return;
     }
     p->lost = true;
-    if (strcmp(name, "ActiveTransform") != 0 || p->token.kind != BIS_TOKEN_WORD) return;
-    p->now.at_end = p->token.length == strlen("EndTime") && memcmp(p->token.text, "EndTime", p->token.length) == 0;
-    bis_parser_advance(p); /* StartTime and EndTime look like directives */
+    if (is_active_transform(p, name))
+        p->now.at_end = p->token.length == strlen("EndTime") && memcmp(p->token.text, "EndTime", p->token.length) == 0;
 }
 
 static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
 {
     const char *names[BIS_COUNT(directives)];
+    const bool takes_word = is_active_transform(p, name);
 
     if (bis_approximate(p, name, NULL, at)) {
         approximate_directive(p, name, at);
+        if (takes_word) bis_parser_advance(p);
         return;
     }
     p->lost = true;
+    if (takes_word) bis_parser_advance(p);
 
     for (size_t i = 0; i < BIS_COUNT(foreign); i++) {
         if (strcmp(name, foreign[i].name) != 0) continue;
@@ -280,10 +288,11 @@ bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned h
     if (status) goto done;
     bis_parser_advance(p);
     while (!p->stop) next_directive(p);
-    if (p->n_errors < BIS_MAX_ERRORS && p->status != BIS_NOMEM) {
+    if (p->n_listed < BIS_MAX_ERRORS && p->status != BIS_NOMEM) {
         p->stop = false;
         check_whole(p);
     }
+    bis_parser_count_causes(p);
     status = p->status;
     if (status) goto done;
     *out = desc;

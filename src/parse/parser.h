@@ -113,13 +113,24 @@ typedef enum bis_single {
     BIS_N_SINGLES
 } bis_single;
 
+/* Errors of one cause: the first is listed, the others are counted. */
+enum { BIS_CAUSE = 160, BIS_OTHERS = 1024 };
+typedef struct bis_cause {
+    char name[BIS_CAUSE];
+    size_t message; /* in the list of messages */
+    size_t n;       /* of the others */
+    bis_loc others[4];
+} bis_cause;
+
 typedef struct bis_parser {
     bis_lexer lexer;
     bis_token token; /* the next one, not yet taken */
     bis_scene_desc *desc;
     bis_diag *diag;
     bis_status status; /* of the first error */
-    unsigned n_errors, n_includes;
+    unsigned n_errors, n_listed, n_includes; /* n_listed: without those that are counted with another */
+    bis_cause causes[BIS_MAX_ERRORS];
+    size_t n_causes;
     bool lost; /* the syntax is broken here: skip to the next directive */
     bool stop; /* no memory, or too many errors */
 
@@ -167,6 +178,9 @@ typedef struct bis_parser {
 bool bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
 bool bis_parser_lose(bis_parser *p, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
 
+/* bis_parser_count_causes writes behind the message of each cause how many errors it stands for. */
+void bis_parser_count_causes(bis_parser *p);
+
 /* Count an error that another module has complained of; BIS_OK is fine. */
 void bis_parser_note(bis_parser *p, bis_status status);
 bool bis_parser_nomem(bis_parser *p, bis_loc at); /* false */
@@ -179,9 +193,14 @@ bool bis_parser_once(bis_parser *p, const char *name);
 const char *bis_parser_hint(bis_parser *p, const char *nearest);
 const char *bis_parser_word(bis_parser *p, const char *text);
 
-/* The resolved path of a file that a scene names at `at`, or NULL after a complaint: it must exist. Owned by the
- * caller. */
+/* bis_parser_path returns the resolved path of a file that a scene names at `at`: beside the main scene, in the working
+ * directory, or beside the file that names it. It returns NULL after a complaint: the file must exist. The caller owns
+ * it. bis_parser_path_beside looks only beside the file that names it, as for the libraries of a mesh. */
 char *bis_parser_path(bis_parser *p, bis_loc at, const char *name);
+char *bis_parser_path_beside(bis_parser *p, bis_loc at, const char *name);
+
+/* bis_parser_is_missing returns whether a path that was returned names a file that is not there (lists_missing). */
+bool bis_parser_is_missing(const bis_parser *p, const char *path);
 
 /* ---- parser_params.c ---- */
 
@@ -316,9 +335,9 @@ void bis_parser_check_materials(bis_parser *p);
 bis_material_reader bis_parser_conductor, bis_parser_metal, bis_parser_coated_diffuse, bis_parser_plastic,
     bis_parser_uber, bis_parser_substrate;
 
-/* parser_textures.c. An image is a file that is named at `at`; false: complained */
+/* parser_textures.c. An image is a file that is named at `at`; it takes over its path, NULL: complained */
 bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index);
-bool bis_parser_add_image(bis_parser *p, const char *name, double gamma, bis_loc at, uint32_t *image);
+bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image);
 bis_directive bis_directive_texture;
 
 /* parser_shapes.c */

@@ -85,7 +85,7 @@ bool bis_params_spectrum(bis_parser *p, const char *name, bis_parser_spectrum *s
     if (!param) return false;
     if (!param->is_strings) return keep_pairs(p, s, p->params.numbers + param->first, param->n, param->at, name);
     char *path = bis_parser_path(p, param->at, bis_parser_text(p, p->params.strings[param->first]));
-    const bool ok = path && read_spd(p, s, path, param->at, name);
+    const bool ok = path && !bis_parser_is_missing(p, path) && read_spd(p, s, path, param->at, name);
     bis_free(path);
     return ok;
 }

@@ -106,7 +106,8 @@ static void read_map(bis_parser *p, const line *l, uint32_t *texture)
     if (!read_options(p, l, &name, &x)) return;
     for (char *s = name; *s; s++)
         if (*s == '\\') *s = '/'; /* written on another system */
-    if (bis_parser_add_image(p, name, BIS_GAMMA_SRGB, l->at, &x.image)) bis_parser_add_texture(p, &x, texture);
+    char *path = bis_parser_path_beside(p, l->at, name);
+    if (bis_parser_add_image(p, path, BIS_GAMMA_SRGB, l->at, &x.image)) bis_parser_add_texture(p, &x, texture);
 }
 
 /* ---- a library ---- */
@@ -198,7 +199,7 @@ static void read_libraries(bis_parser *p, const char *obj_path, const bis_obj_ma
         const bis_loc at = {obj_path, obj->libraries[i].line, 0};
         unsigned char *data;
         size_t size;
-        char *path = bis_parser_path(p, at, obj->libraries[i].name);
+        char *path = bis_parser_path_beside(p, at, obj->libraries[i].name);
         const char *name = path ? bis_scene_desc_add_file(p->desc, path) : NULL;
         if (path && !name) bis_parser_nomem(p, at);
         if (!name) return;
@@ -262,6 +263,9 @@ void bis_parser_add_parts(bis_parser *p, const bis_shape_desc *shape)
     if (status) return;
     const unsigned errors = p->n_errors;
     mesh->n_parts = obj.parts.n;
+    size_t n_faces = 0; /* parts that have some */
+    for (size_t k = 0; k < obj.n_shown; k++) n_faces += obj.is_shown[k];
+    if (!n_faces) bis_parser_error(p, mesh->loc, "\"%s\" has no faces: it is no OBJ, or an empty one", mesh->filename);
     if (obj.n_libraries > MAX_LIBRARIES)
         bis_parser_error(p, mesh->loc, "%s names %zu libraries of materials, must be at most %d", mesh->filename,
                          obj.n_libraries, MAX_LIBRARIES);

@@ -225,9 +225,8 @@ static bool add_file(bis_parser *p, char *path, double gamma, bis_loc at, uint32
     return true;
 }
 
-bool bis_parser_add_image(bis_parser *p, const char *name, double gamma, bis_loc at, uint32_t *image)
+bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image)
 {
-    char *path = bis_parser_path(p, at, name);
     return path && add_file(p, path, gamma, at, image);
 }
 
@@ -261,7 +260,8 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
     x->value = typical_of(x);
     if (!bis_params_string(p, "filename", &name))
         return given ? false : bis_parser_error(p, p->name_at, "Texture \"imagemap\" needs \"string filename\"");
-    return bis_parser_add_image(p, name, gamma, bis_params_at(p, "filename"), &x->image) && ok;
+    const bis_loc at = bis_params_at(p, "filename");
+    return bis_parser_add_image(p, bis_parser_path(p, at, name), gamma, at, &x->image) && ok;
 }
 
 static rgbd value_of(const bis_parser *p, uint32_t texture) { return p->desc->textures.list[texture].value; }

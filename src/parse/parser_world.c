@@ -299,7 +299,7 @@ void bis_parser_check_materials(bis_parser *p)
     for (size_t i = 0; i < p->n_named; i++)
         if (p->named[i].made.line && !bis_names_set(&made, p->material_names.names[i], 0))
             bis_parser_nomem(p, p->named[i].made);
-    for (size_t i = 0; i < p->n_named && p->n_errors < BIS_MAX_ERRORS; i++) {
+    for (size_t i = 0; i < p->n_named && p->n_listed < BIS_MAX_ERRORS; i++) {
         const char *name = p->material_names.names[i];
         if (p->named[i].made.line) continue;
         bis_parser_error(p, p->named[i].used, "material \"%s\" is not made anywhere%s", bis_parser_word(p, name),
