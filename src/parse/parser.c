@@ -71,6 +71,7 @@ static void directive_world_begin(bis_parser *p, bis_loc at)
         return;
     }
     p->in_world = true;
+    p->is_v2 = p->v2_word && !p->seen[BIS_SINGLE_INTEGRATOR].line; /* Integrator came with v3 */
     p->now.ctm = bis_xform_identity();
     bis_parser_name_system(p, "world", &p->now.ctm, at);
 }
@@ -128,18 +129,19 @@ static const struct directive {
 /* pbrt's directives (v1 to v4) that have no meaning here, and the way out. */
 static const struct foreign {
     const char *name, *instead;
+    bool is_v2; /* of no later version */
 } foreign[] = {
-    {"AreaLightSource", "light comes from LightSource \"infinite\" alone"},
-    {"MakeNamedMedium", "there is no medium but the vacuum"},
-    {"ActiveTransform", "nothing moves"},
-    {"TransformTimes", "nothing moves"},
-    {"Attribute", "give the parameters to each directive"},
-    {"Import", "use Include"},
-    {"SurfaceIntegrator", "use Integrator"},
-    {"VolumeIntegrator", "use Integrator"},
-    {"Renderer", "use Integrator"},
-    {"Volume", "there is no medium but the vacuum"},
-    {"SearchPath", "paths are relative to the file that names them"},
+    {"AreaLightSource", "light comes from LightSource \"infinite\" alone", false},
+    {"MakeNamedMedium", "there is no medium but the vacuum", false},
+    {"ActiveTransform", "nothing moves", false},
+    {"TransformTimes", "nothing moves", false},
+    {"Attribute", "give the parameters to each directive", false},
+    {"Import", "use Include", false},
+    {"SurfaceIntegrator", "use Integrator", true},
+    {"VolumeIntegrator", "use Integrator", true},
+    {"Renderer", "use Integrator", true},
+    {"Volume", "there is no medium but the vacuum", false},
+    {"SearchPath", "files are looked for beside the scene", false},
 };
 
 /* What follows ActiveTransform looks like a directive: StartTime, EndTime, All. */
@@ -160,11 +162,27 @@ static void approximate_directive(bis_parser *p, const char *name, bis_loc at)
         p->now.at_end = p->token.length == strlen("EndTime") && memcmp(p->token.text, "EndTime", p->token.length) == 0;
 }
 
+/* pbrt-v1's and v2's directives. Volumes are another matter. */
+static bool is_integrator(const char *name) { return strcmp(name, "SurfaceIntegrator") == 0; }
+
+static void note_integrator(bis_parser *p, const char *directive, bis_loc at)
+{
+    if (!bis_parser_name(p, directive)) return;
+    p->lost = true; /* its parameters are passed over */
+    bis_approximate_integrator(p, at, directive, bis_parser_text(p, p->name));
+}
+
 static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
 {
     const char *names[BIS_COUNT(directives)];
     const bool takes_word = is_active_transform(p, name);
 
+    for (size_t i = 0; i < BIS_COUNT(foreign); i++)
+        if (foreign[i].is_v2 && strcmp(name, foreign[i].name) == 0) bis_parser_is_v2(p, foreign[i].name, at);
+    if (p->approximate && is_integrator(name) && p->token.kind == BIS_TOKEN_STRING) {
+        note_integrator(p, name, at);
+        return;
+    }
     if (bis_approximate(p, name, NULL, at)) {
         approximate_directive(p, name, at);
         if (takes_word) bis_parser_advance(p);
@@ -190,6 +208,7 @@ static void run_directive(bis_parser *p, const char *name, bis_loc at)
     while (d < end && strcmp(d->name, name) != 0) d++;
 
     bis_parser_advance(p);
+    p->directive = bis_approximate_begin(p, name);
     if (d == end) {
         unknown_directive(p, name, at);
     } else if (p->ended) {
@@ -232,11 +251,14 @@ static void next_directive(bis_parser *p)
 static void check_whole(bis_parser *p)
 {
     bis_parser_check_blocks(p);
+    p->directive = "";
     bis_parser_check_materials(p);
+    bis_approximate_finish_materials(p);
     bis_approximate_finish(p);
     if (!p->in_world) bis_parser_error(p, p->token.at, "the scene has no WorldBegin");
     if (p->status) return;
     bis_parser_drop_uv(p);
+    p->desc->textures.cuts_off = p->approximate;
     bis_parser_note(p, bis_settings_check(&p->desc->view.settings, p->desc->integrator_loc, p->diag));
     if (!p->desc->has_light)
         bis_warn(p->diag, (bis_loc){p->desc->files[0], 0, 0},
@@ -279,6 +301,8 @@ bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned h
         goto done;
     }
     p->desc = desc;
+    p->directive = "";
+    p->convert = bis_parser_convert;
     p->diag = p->lexer.diag = diag;
     p->approximate = how & BIS_PARSE_APPROXIMATE;
     p->lists_missing = how & BIS_PARSE_LIST_MISSING;

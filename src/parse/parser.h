@@ -37,7 +37,8 @@ enum {
     BIS_TYPE_TEXTURE = 1 << 10,
     BIS_TYPE_SPECTRUM = 1 << 11,
     BIS_TYPE_XYZ = 1 << 12,
-    BIS_TYPE_BLACKBODY = 1 << 13
+    BIS_TYPE_BLACKBODY = 1 << 13,
+    BIS_TYPES_OF_COLOUR = BIS_TYPE_SPECTRUM | BIS_TYPE_XYZ | BIS_TYPE_BLACKBODY
 };
 
 typedef struct bis_param {
@@ -71,6 +72,7 @@ typedef enum bis_block_kind { BIS_BLOCK_ATTRIBUTE, BIS_BLOCK_TRANSFORM, BIS_BLOC
 /* What blocks save and restore. */
 typedef struct bis_attributes {
     bis_xform ctm; /* the current transformation matrix: object to world */
+    bool is_flat;  /* --approximate: it is singular in truth, and what stands under it is left out */
     uint32_t material;
     bool at_end; /* ActiveTransform EndTime, with --approximate: what is not shown moves */
 } bis_attributes;
@@ -135,12 +137,14 @@ typedef struct bis_parser {
     bool stop; /* no memory, or too many errors */
 
     bool in_world, ended;
+    bool is_v2;          /* the scene is of pbrt-v2 or v1, because it says v2_word at v2_at */
+    const char *v2_word; /* a constant; NULL: nothing says so */
+    bis_loc v2_at;
     bis_loc seen[BIS_N_SINGLES];
     bis_attributes now;
     bis_block *blocks;
     size_t n_blocks, capacity_blocks;
     bool in_object;
-    size_t object_block; /* where the object's block stands in blocks */
 
     bis_params params;
     size_t name; /* the string that follows a directive ("perspective"), in params.text */
@@ -160,6 +164,11 @@ typedef struct bis_parser {
     size_t n_systems, capacity_systems;
 
     bool approximate;   /* --approximate, see approximate.h */
+    const char *directive; /* that is read now: a constant, or "" */
+    void (*convert)(struct bis_parser *p, bis_param *param, unsigned wanted); /* bis_parser_convert */
+    size_t n_of[BIS_N_EFFECTS]; /* lights, shapes, materials, textures of the scene so far */
+    bis_approximation *notes;   /* what pbrt-v1 to v3 let pass without a word, without --approximate */
+    size_t n_notes, capacity_notes;
     bool lists_missing; /* a file that is not there is listed in desc->missing, and no error */
     bis_names missing;
     bis_mix *mixes;
@@ -230,8 +239,9 @@ typedef struct bis_interval {
     bool lo_open, hi_open;
 } bis_interval;
 
-/* Does it lie in range? Else complain and say so. */
-bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double value, bis_interval range);
+/* Does *value lie in range? Else complain and say so. With --approximate it is brought to the range's end, if that is
+ * part of it. */
+bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double *value, bis_interval range);
 
 /* Each asks for one parameter: true and *value where it is there and right; false where it is absent, or after a
  * complaint. *value is then untouched. */
@@ -271,11 +281,21 @@ typedef struct bis_parser_spectrum {
 bool bis_params_spectrum(bis_parser *p, const char *name, bis_parser_spectrum *s);
 void bis_parser_spectrum_clear(bis_parser_spectrum *s);
 
-/* parser_colours.c. A reflectance as a spectrum or xyz; radiance as xyz or blackbody. bis_parser_into_unit cuts a
+/* parser_colours.c. A colour in other words than rgb: of a surface as a spectrum, xyz or blackbody; of a light the
+ * same. bis_parser_into_unit cuts a
  * colour off to [0,1] with a warning. */
 bool bis_params_reflectance(bis_parser *p, const char *name, rgb *value);
 bool bis_params_emission(bis_parser *p, const char *name, rgb *value);
 rgb bis_parser_into_unit(bis_parser *p, rgbd c, const char *name, bis_loc at);
+
+/* ---- parser_convert.c ---- */
+
+/* bis_params_mean stores the mean of the texture that a parameter names, where a colour or a number is asked for. It
+ * returns false without --approximate, and where the parameter is no texture. */
+bool bis_params_mean(bis_parser *p, const char *name, rgbd *value);
+
+/* bis_parser_convert makes of *param one of the types `wanted`, where it can; else it leaves it as it is. */
+void bis_parser_convert(bis_parser *p, bis_param *param, unsigned wanted);
 
 /* What a directive's name stands for. */
 enum { BIS_REPLACED = -1, BIS_FOREIGN = -2 };
@@ -305,6 +325,9 @@ bis_directive bis_directive_identity, bis_directive_translate, bis_directive_sca
 /* Are the matrix and its inverse finite? */
 bool bis_parser_is_usable(const bis_xform *t);
 void bis_parser_name_system(bis_parser *p, const char *name, const bis_xform *t, bis_loc at);
+
+/* parser_state.c. What only scenes of pbrt-v2 and v1 say. word: a constant. */
+void bis_parser_is_v2(bis_parser *p, const char *word, bis_loc at);
 
 /* parser_options.c: what stands before WorldBegin */
 bis_directive bis_directive_camera, bis_directive_film, bis_directive_filter, bis_directive_accelerator,
@@ -336,6 +359,9 @@ bis_material_reader bis_parser_conductor, bis_parser_metal, bis_parser_coated_di
     bis_parser_uber, bis_parser_substrate;
 
 /* parser_textures.c. An image is a file that is named at `at`; it takes over its path, NULL: complained */
+/* bis_parser_find_texture stores the index of the texture that a parameter names. A colour may be given by a texture of
+ * numbers, and is then grey. False: complained. */
+bool bis_parser_find_texture(bis_parser *p, const bis_param *param, bool of_floats, uint32_t *index);
 bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index);
 bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image);
 bis_directive bis_directive_texture;

@@ -58,7 +58,7 @@ static void read_colour(bis_parser *p, const line *l, const char *what, rgb *c)
     double v[3];
     if (!read_numbers(p, l, what, v, 3)) return;
     for (int i = 0; i < 3; i++)
-        if (!bis_parser_in_range(p, l->at, what, v[i], unit)) return;
+        if (!bis_parser_in_range(p, l->at, what, &v[i], unit)) return;
     *c = rgb_from(v[0], v[1], v[2]);
 }
 
@@ -66,7 +66,7 @@ static void read_Ns(bis_parser *p, const line *l, double *Ns)
 {
     static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
     double v;
-    if (read_numbers(p, l, "Ns", &v, 1) && bis_parser_in_range(p, l->at, "Ns", v, positive_or_0)) *Ns = v;
+    if (read_numbers(p, l, "Ns", &v, 1) && bis_parser_in_range(p, l->at, "Ns", &v, positive_or_0)) *Ns = v;
 }
 
 /* The options before a map's name. Those that change what is seen are refused, but -clamp on, -o and -s. */

@@ -151,6 +151,13 @@ const char *bis_parser_hint(bis_parser *p, const char *nearest)
 
 const char *bis_parser_word(bis_parser *p, const char *text) { return bis_printable(p->word, text, strlen(text)); }
 
+void bis_parser_is_v2(bis_parser *p, const char *word, bis_loc at)
+{
+    if (p->v2_word) return;
+    p->v2_word = word;
+    p->v2_at = at;
+}
+
 /* ---- tokens and files ---- */
 
 void bis_parser_advance(bis_parser *p)

@@ -41,7 +41,7 @@ static void light_radiance(bis_parser *p, bis_light_desc *light)
 {
     rgb scale;
     const bis_param *L = bis_params_find(p, "L");
-    if (L && L->type & (BIS_TYPE_XYZ | BIS_TYPE_BLACKBODY)) bis_params_emission(p, "L", &light->L);
+    if (L && L->type & BIS_TYPES_OF_COLOUR) bis_params_emission(p, "L", &light->L);
     else bis_params_rgb(p, "L", &light->L, positive_or_0, false);
     if (!bis_params_rgb(p, "scale", &scale, positive_or_0, true)) return;
     if (scale.r == scale.g && scale.g == scale.b) {
@@ -211,6 +211,8 @@ static void read_material(bis_parser *p, const char *directive, const char *type
 {
     const bis_choice *chosen = bis_parser_choose(p, directive, type, at, materials, BIS_COUNT(materials));
     if (!chosen) return;
+    if (strcmp(chosen->name, type) != 0) /* pbrt's matte, of what it does not know, takes what it can use */
+        for (size_t i = 0; i < p->params.n; i++) p->params.list[i].used = true;
     if (chosen->value == BIS_FOREIGN) {
         const bis_material nearest = bis_approximate_material(p, chosen->name, index);
         p->desc->materials[index] = nearest;
@@ -269,9 +271,12 @@ void bis_directive_make_named_material(bis_parser *p, bis_loc at)
     bis_named_material *named = named_material(p, name, &index);
     if (!named) return;
     if (named->made.line) {
-        bis_parser_error(p, p->name_at, "material \"%s\" is made already, in %s:%d", bis_parser_word(p, name),
-                         named->made.file, named->made.line);
-        return;
+        if (!bis_approximate_or_refuse(p, p->name_at, "a material made again", "the last one counts from there on",
+                                       "material \"%s\" is made already, in %s:%d", bis_parser_word(p, name),
+                                       named->made.file, named->made.line) ||
+            !bis_parser_add_material(p, &index))
+            return;
+        named->index = index;
     }
     named->made = at;
     const bool has_type = bis_params_has(p, "type");
@@ -296,14 +301,17 @@ void bis_directive_named_material(bis_parser *p, bis_loc at)
 void bis_parser_check_materials(bis_parser *p)
 {
     bis_names made = {0};
+    p->directive = "NamedMaterial";
     for (size_t i = 0; i < p->n_named; i++)
         if (p->named[i].made.line && !bis_names_set(&made, p->material_names.names[i], 0))
             bis_parser_nomem(p, p->named[i].made);
     for (size_t i = 0; i < p->n_named && p->n_listed < BIS_MAX_ERRORS; i++) {
         const char *name = p->material_names.names[i];
         if (p->named[i].made.line) continue;
-        bis_parser_error(p, p->named[i].used, "material \"%s\" is not made anywhere%s", bis_parser_word(p, name),
-                         bis_parser_hint(p, bis_names_nearest(&made, name)));
+        char kind[BIS_APPROXIMATION_KIND];
+        snprintf(kind, sizeof kind, "NamedMaterial \"%s\", which is not made anywhere", bis_parser_word(p, name));
+        bis_approximate_or_refuse(p, p->named[i].used, kind, "diffuse grey", "material \"%s\" is not made anywhere%s",
+                                  bis_parser_word(p, name), bis_parser_hint(p, bis_names_nearest(&made, name)));
     }
     bis_names_clear(&made);
 }

@@ -73,6 +73,16 @@ void bis_scene_desc_free(bis_scene_desc *d)
     bis_free(d);
 }
 
+const char *bis_approximation_text(char text[BIS_APPROXIMATION_TEXT], const bis_approximation *a)
+{
+    char number[32] = "", share[64] = "";
+
+    if (a->effect > BIS_EFFECT_INDIRECT) snprintf(number, sizeof number, "%zu x ", a->n);
+    if (a->of) snprintf(share, sizeof share, " (of %zu %s)", a->of, a->among);
+    snprintf(text, BIS_APPROXIMATION_TEXT, "%s%s%s: %s", number, a->kind, share, a->consequence);
+    return text;
+}
+
 const char *bis_scene_desc_add_file(bis_scene_desc *d, char *name)
 {
     char **files = bis_grow(d->files, &d->capacity_files, d->n_files + 1, sizeof *files);

@@ -326,8 +326,8 @@ static void print_accel(const bis_scene_desc *d, FILE *out)
 static void print_approximations(const bis_scene_desc *d, FILE *out)
 {
     for (size_t i = 0; i < d->n_approximations; i++) {
-        const bis_approximation *a = &d->approximations[i];
-        fprintf(out, "approximated %zu x %s: %s\n", a->n, a->kind, a->consequence);
+        char text[BIS_APPROXIMATION_TEXT];
+        fprintf(out, "approximated %s\n", bis_approximation_text(text, &d->approximations[i]));
     }
     for (size_t i = 0; i < d->n_missing; i++) fprintf(out, "missing      %s\n", d->missing[i]);
 }

@@ -690,9 +690,8 @@ static void a_bad_part_of_a_texture_is_one_complaint(void **state)
 {
     (void)state;
     static const char *const textures[] = {
-        "\"checkerboard\" \"float tex1\" -1", "\"checkerboard\" \"float tex2\" -1", "\"checkerboard\" \"string mapping\" \"conical\"",
-        "\"scale\" \"float tex1\" -1", "\"scale\" \"float tex2\" -1", "\"scale\" \"float tex\" -1", "\"scale\" \"float scale\" -1",
-        "\"mix\" \"float tex1\" -1", "\"mix\" \"float tex2\" -1", "\"mix\" \"float amount\" 2"};
+        "\"checkerboard\" \"string mapping\" \"conical\"", "\"mix\" \"float amount\" 2", "\"imagemap\" \"float scale\" -1 \"string filename\" \"tests/scene/test_textures.c\"",
+        "\"scale\" \"rgb tex1\" [1 1 1]"};
     for (size_t i = 0; i < sizeof textures / sizeof *textures; i++) {
         char text[512];
         built b;

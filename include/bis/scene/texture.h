@@ -73,6 +73,7 @@ typedef struct bis_textures {
     size_t n_files, capacity_files;
     bis_material_textures *of_material; /* by the material's index; a material beyond the end has none */
     size_t n_of_material, capacity_of_material;
+    bool cuts_off; /* --approximate: values outside of their range are cut off with a warning, and no error */
 } bis_textures;
 
 /* An image in memory, and the least and the largest value of each channel and of the channels' mean. */
@@ -118,7 +119,7 @@ void bis_textures_range(rgbd *lo, rgbd *hi, const bis_textures *t, const bis_tex
 
 /* bis_textures_check looks whether the textures of material *base stay in the ranges that constants have: Kd and Ks in
  * [0,1], a microfacet's roughness in [BIS_MICROFACET_MIN_ROUGHNESS, 1], an exponent >= 0. It warns if Phong's Kd + Ks
- * can exceed 1. Errors: BIS_INPUT, at the material. */
+ * can exceed 1. Errors: BIS_INPUT, at the material, unless t->cuts_off. */
 bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *images, const bis_material_textures *of,
                               const bis_material *base, bis_diag *diag);
 
