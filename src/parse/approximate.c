@@ -27,7 +27,7 @@ static const replaced table[] = {
     {"AreaLightSource", NULL, LIGHT_MISSING},
     {"LightSource", "point", LIGHT_MISSING},
     {"LightSource", "spot", LIGHT_MISSING},
-    {"LightSource", "distant", LIGHT_MISSING},
+    {"LightSource", "distant", "a disc in the map, half a degree wide, of the same irradiance"},
     {"LightSource", "goniometric", LIGHT_MISSING},
     {"LightSource", "projection", LIGHT_MISSING},
     {"LightSource", "diffuse", LIGHT_MISSING},
@@ -142,6 +142,8 @@ static void note(bis_parser *p, bis_loc at, bis_effect effect, const char *conse
 {
     bis_scene_desc *d = p->desc;
     const struct effect_row *row = find_effect(p->directive);
+    /* a light or shape that lacks a parameter is there */
+    if (effect < BIS_EFFECT_MATERIAL && strncmp(kind, "parameter ", 10) == 0) effect = BIS_EFFECT_SETTING;
     bis_approximation one = {.n = 1, .consequence = consequence, .loc = at, .effect = effect};
 
     one.among = row->effect == effect ? row->among : NULL;
@@ -253,6 +255,12 @@ bool bis_approximate_or_refuse(bis_parser *p, bis_loc at, const char *kind, cons
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
     return bis_parser_error(p, at, "%s; with --approximate: %s", text, consequence);
+}
+
+void bis_approximate_sky(bis_parser *p)
+{
+    note(p, (bis_loc){p->desc->files[0], 0, 0}, BIS_EFFECT_SKY,
+         "a white sky of radiance 1 is used; --light MAP takes another", "no light from infinity");
 }
 
 /* ---- the end ---- */

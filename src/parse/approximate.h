@@ -30,6 +30,9 @@ void bis_approximate_note(bis_parser *p, bis_loc at, const char *consequence, co
 /* bis_approximate_integrator notes what the picture lacks because pbrt's integrator `name` is not there. */
 void bis_approximate_integrator(bis_parser *p, bis_loc at, const char *directive, const char *name);
 
+/* bis_approximate_sky notes that the scene got a sky that it does not have. */
+void bis_approximate_sky(bis_parser *p);
+
 /* bis_approximate_pass counts what pbrt-v1 to v3 let pass without a word, and bis, too: with --approximate in the list
  * of replacements, else with one warning for each kind. consequence: a string constant. */
 void bis_approximate_pass(bis_parser *p, bis_loc at, const char *consequence, const char *fmt, ...) BIS_PRINTF(4, 5);

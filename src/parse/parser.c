@@ -179,6 +179,10 @@ static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
 
     for (size_t i = 0; i < BIS_COUNT(foreign); i++)
         if (foreign[i].is_v2 && strcmp(name, foreign[i].name) == 0) bis_parser_is_v2(p, foreign[i].name, at);
+    if (p->other_light && strcmp(name, "AreaLightSource") == 0) {
+        p->lost = true; /* passed over with what follows it */
+        return;
+    }
     if (p->approximate && is_integrator(name) && p->token.kind == BIS_TOKEN_STRING) {
         note_integrator(p, name, at);
         return;
@@ -254,15 +258,15 @@ static void check_whole(bis_parser *p)
     p->directive = "";
     bis_parser_check_materials(p);
     bis_approximate_finish_materials(p);
+    const bool is_lit = p->desc->has_light || p->n_distants || p->other_light;
+    if (is_lit || p->approximate) bis_parser_finish_light(p);
     bis_approximate_finish(p);
     if (!p->in_world) bis_parser_error(p, p->token.at, "the scene has no WorldBegin");
     if (p->status) return;
     bis_parser_drop_uv(p);
     p->desc->textures.cuts_off = p->approximate;
     bis_parser_note(p, bis_settings_check(&p->desc->view.settings, p->desc->integrator_loc, p->diag));
-    if (!p->desc->has_light)
-        bis_warn(p->diag, (bis_loc){p->desc->files[0], 0, 0},
-                 "no light: the scene has no LightSource and will be black");
+    if (!p->desc->has_light) bis_parser_finish_light(p); /* the last word */
 }
 
 static void parser_clear(bis_parser *p)
@@ -281,6 +285,7 @@ static void parser_clear(bis_parser *p)
     bis_free(p->objects);
     bis_free(p->object_shapes);
     bis_free(p->systems);
+    bis_free(p->distants);
     bis_approximate_clear(p);
 }
 
@@ -303,6 +308,8 @@ bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned h
     p->desc = desc;
     p->directive = "";
     p->convert = bis_parser_convert;
+    p->film_scale = 1;
+    p->other_light = how & BIS_PARSE_OTHER_LIGHT;
     p->diag = p->lexer.diag = diag;
     p->approximate = how & BIS_PARSE_APPROXIMATE;
     p->lists_missing = how & BIS_PARSE_LIST_MISSING;

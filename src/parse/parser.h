@@ -169,6 +169,11 @@ typedef struct bis_parser {
     size_t n_of[BIS_N_EFFECTS]; /* lights, shapes, materials, textures of the scene so far */
     bis_approximation *notes;   /* what pbrt-v1 to v3 let pass without a word, without --approximate */
     size_t n_notes, capacity_notes;
+    bool other_light;   /* BIS_PARSE_OTHER_LIGHT */
+    double up[3];       /* of the last LookAt before WorldBegin; 0: there was none */
+    double film_scale;  /* multiplies the picture; 1 */
+    bis_distant *distants; /* in the world; they belong to the light at the end */
+    size_t n_distants, capacity_distants;
     bool lists_missing; /* a file that is not there is listed in desc->missing, and no error */
     bis_names missing;
     bis_mix *mixes;
@@ -345,12 +350,16 @@ void bis_parser_check_blocks(bis_parser *p);
 /* To the scene, or to the object that is open. */
 void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape);
 
+/* parser_light.c. bis_parser_finish_light puts the parts of the light together; without one it warns, or makes a sky. */
+bis_directive bis_directive_light;
+void bis_parser_finish_light(bis_parser *p);
+
 /* parser_world.c. bis_parser_add_material makes room for one more, which starts as the default;
  * bis_parser_warn_energy warns if Phong's Kd + Ks exceeds 1. */
 typedef bis_material bis_material_reader(bis_parser *p, bis_material_textures *t);
 bool bis_parser_add_material(bis_parser *p, uint32_t *index);
 void bis_parser_warn_energy(bis_parser *p, bis_loc at, rgb Kd, rgb Ks);
-bis_directive bis_directive_light, bis_directive_material, bis_directive_make_named_material,
+bis_directive bis_directive_material, bis_directive_make_named_material,
     bis_directive_named_material;
 void bis_parser_check_materials(bis_parser *p);
 

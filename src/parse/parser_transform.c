@@ -112,6 +112,7 @@ void bis_directive_look_at(bis_parser *p, bis_loc at)
                          "LookAt wants an eye other than the point looked at, and an up vector not along the view");
         return;
     }
+    if (!p->in_world) memcpy(p->up, v + 6, sizeof p->up);
     concat(p, "LookAt", at, &t);
 }
 

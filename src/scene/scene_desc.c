@@ -68,6 +68,7 @@ void bis_scene_desc_free(bis_scene_desc *d)
     bis_free(d->approximations);
     bis_textures_clear(&d->textures);
     bis_free(d->light.filename);
+    bis_free(d->light.distants);
     bis_free(d->outfile);
     bis_free(d->path);
     bis_free(d);

@@ -291,6 +291,10 @@ static bis_status check_range(range *found, const bis_textures *t, const bis_tex
     const range r = range_of(t, images, texture);
 
     *found = r;
+    for (int k = 0; k < 3 && t->cuts_off; k++) {
+        found->lo[k] = fmin(fmax(r.lo[k], lo), hi);
+        found->hi[k] = fmin(fmax(r.hi[k], lo), hi);
+    }
     for (int k = 0; k < 3; k++) {
         /* floats, because that is what materials keep: 0.01 as a float is no less than 0.01 */
         const bool is_low = (float)r.lo[k] < (float)lo, is_high = (float)r.hi[k] > (float)hi;

@@ -8,6 +8,13 @@
 #include "bis/thesis/importance.h"
 #include "bis/base/xform.h"
 
+/* pbrt's light from one direction. In a map it is a disc of half a degree, as wide as the sun. */
+#define BIS_DISTANT_HALF_ANGLE (0.25 * PI / 180)
+typedef struct bis_distant {
+    double towards[3]; /* unit vector to the light, in the frame of the map */
+    rgb irradiance;    /* of a surface that faces it */
+} bis_distant;
+
 /* A light as LightSource "infinite" describes it (docs/scene-format.md). */
 typedef struct bis_light_desc {
     char *filename;      /* NULL: constant; resolved path, owned */
@@ -23,12 +30,17 @@ typedef struct bis_light_desc {
     bis_table_kind table_kind;
     unsigned as_printed; /* BIS_E* of the importance; the scene copies them from its settings */
     bool visible;        /* camera rays see the light */
+    bis_distant *distants; /* --approximate: discs in the map, which a constant light then becomes; owned */
+    size_t n_distants, capacity_distants;
     bis_xform to_world;  /* a rotation or reflection */
     bis_loc loc;         /* the place of the directive */
 } bis_light_desc;
 
 /* bis_light_desc_default returns what a LightSource without parameters describes: a constant of radiance 1. */
 bis_light_desc bis_light_desc_default(void);
+
+/* bis_light_desc_has_map returns whether the light is more than a constant. */
+static inline bool bis_light_desc_has_map(const bis_light_desc *d) { return d->filename || d->n_distants; }
 
 /* bis_light_load reads the map's file, if there is one, and builds what `needs` (BIS_NEED_*) asks for. seconds (may
  * be NULL) receives the time for reading in [0] and for building in [1]. Warnings: bad values with their share of

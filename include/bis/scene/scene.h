@@ -134,6 +134,9 @@ bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *dia
 enum {
     BIS_PARSE_APPROXIMATE = 1,  /* as if it began with Option "bool approximate" true */
     BIS_PARSE_LIST_MISSING = 2, /* meshes and maps may be missing: they are listed, for a plan */
+    /* the scene's lights are passed over, because another takes their place: the light is a constant 1 whose frame
+     * stands upright in the scene */
+    BIS_PARSE_OTHER_LIGHT = 4,
 };
 
 /* bis_scene_parse_as does what bis_scene_parse does, in the way that `how` says. */
