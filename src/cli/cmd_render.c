@@ -265,6 +265,7 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
     if (o->plan) {
         bis_scene_plan(desc, stdout);
         status = warn_of_memory(desc, diag);
+        if (!status) status = bis_scene_check_files(desc, diag);
         goto done;
     }
     if (o->files.pictures.n == 0 && !o->files.part && leads) {

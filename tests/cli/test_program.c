@@ -1165,7 +1165,7 @@ static void another_light_may_be_put_over_any_scene(void **state)
     assert_same_file(DIR "/other.pfm", DIR "/named.pfm");
     program_expect(&r, 0, DIR "/other.txt --plan --light data/maps/outdoor.hdr");
     assert_non_null(strstr(r.output, "light        map data/maps/outdoor.hdr, latlong, "));
-    program_expect(&r, 2, DIR "/other.txt --plan --light-scale 2");
+    program_expect(&r, 2, DIR "/named.txt --plan --light-scale 2");
     assert_non_null(strstr(r.messages, "--light-rotate and --light-scale are of the map of --light: give it"));
     program_expect(&r, 0, "--approximate " DIR "/other.txt --spp 1 --light data/maps/outdoor.hdr --outfile " DIR "/other.pfm");
     assert_null(strstr(r.messages, "approximated"));

@@ -374,6 +374,48 @@ static void the_films_scale_multiplies_the_light(void **state)
     bis_scene_desc_free(d);
 }
 
+/* ---- what a plan can know ---- */
+
+/* By a file's head, with the message that the render would give; what no shape shows does not count. */
+static void a_plan_knows_what_the_heads_of_files_tell(void **state)
+{
+#define MATTE "Material \"matte\" \"texture Kd\" \"t\" "
+#define IMAGE(name) "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"" name "\" "
+    static const struct { const char *scene, *message; } cases[] = {
+        {LIT IMAGE("two.bmp") MATTE "Shape \"sphere\"", "its format is unknown"},
+        {LIT IMAGE("two.bmp") "Shape \"sphere\" " MATTE, NULL},
+        {"WorldBegin LightSource \"infinite\" \"string mapname\" \"square.pfm\"", "is square, 2 x 2: give its mapping"},
+        {"WorldBegin LightSource \"infinite\" \"string filename\" \"two.bmp\"", "it begins with the bytes 42 4d"},
+        {LIT "Shape \"plymesh\" \"string filename\" \"two.bmp\"", "not a PLY file"},
+        {LIT "ObjectBegin \"o\" Shape \"plymesh\" \"string filename\" \"two.bmp\" ObjectEnd", NULL},
+        {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE "Shape \"sphere\"", "has values up to 2, must be in [0, 1]"},
+        {LIT "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 2 " MATTE, NULL},
+    };
+    (void)state;
+    write_file("two.bmp", "BM, a picture of Windows");
+    static const char square[] = "PF\n2 2\n-1.0\n012345678901234567890123456789012345678901234567";
+    write_file("square.pfm", square);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char said[8192];
+        bis_diag diag = {0};
+        bis_scene_desc *d = good(cases[i].scene, 0, said);
+        const bis_status status = bis_scene_check_files(d, &diag);
+        if (status != (cases[i].message ? BIS_INPUT : BIS_OK)) fail_msg("%s: %d", cases[i].scene, status);
+        if (cases[i].message) assert_says(diag.messages[0].text, cases[i].message);
+        bis_diag build = {0};
+        bis_scene *s = NULL;
+        const bis_status built = bis_scene_build(&s, d, &build); /* and the render agrees */
+        assert_int_equal(built, status);
+        if (cases[i].message) assert_says(build.messages[0].text, cases[i].message);
+        bis_scene_free(s);
+        bis_diag_clear(&build);
+        bis_diag_clear(&diag);
+        bis_scene_desc_free(d);
+    }
+#undef MATTE
+#undef IMAGE
+}
+
 /* ---- light ---- */
 
 static void a_scene_without_light_from_infinity_gets_a_white_sky(void **state)
@@ -489,6 +531,7 @@ int main(void)
         cmocka_unit_test(a_bad_part_of_a_texture_counts_where_it_is_shown),
         cmocka_unit_test(the_images_of_pbrt_v2_stand_on_their_head),
         cmocka_unit_test(the_films_scale_multiplies_the_light),
+        cmocka_unit_test(a_plan_knows_what_the_heads_of_files_tell),
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),
         cmocka_unit_test(another_light_takes_the_place_of_all),

@@ -42,6 +42,11 @@ bis_light_desc bis_light_desc_default(void);
 /* bis_light_desc_has_map returns whether the light is more than a constant. */
 static inline bool bis_light_desc_has_map(const bis_light_desc *d) { return d->filename || d->n_distants; }
 
+/* bis_light_check_size tells whether a map of width x height pixels fits the description, and with which mapping. It warns
+ * of a square map that is taken for pbrt-v4's. Errors: BIS_INPUT. */
+bis_status bis_light_check_size(bis_mapping *mapping, const bis_light_desc *desc, int width, int height,
+                                bis_diag *diag);
+
 /* bis_light_load reads the map's file, if there is one, and builds what `needs` (BIS_NEED_*) asks for. seconds (may
  * be NULL) receives the time for reading in [0] and for building in [1]. Warnings: bad values with their share of
  * solid angle; no light. Errors: those of bis_image_read and bis_light_from_image. */

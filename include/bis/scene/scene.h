@@ -142,6 +142,11 @@ enum {
 /* bis_scene_parse_as does what bis_scene_parse does, in the way that `how` says. */
 bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned how, bis_diag *diag);
 
+/* bis_scene_check_files looks at the head of each map, mesh and image that a render of the scene would read, and at the
+ * textures that need no image. diag receives all that would stop the render, as far as it can be known without reading
+ * the files whole. Files that are not there are left to the parser. It returns the status of the first error. */
+bis_status bis_scene_check_files(const bis_scene_desc *desc, bis_diag *diag);
+
 /* bis_scene_desc_free frees a description; NULL is allowed. */
 void bis_scene_desc_free(bis_scene_desc *d);
 
