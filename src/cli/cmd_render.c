@@ -333,11 +333,12 @@ int bis_cmd_render(int argc, char **argv)
 
         {.help = "what to render (these override the scene file)"},
         {.name = "light", .argument = "MAP",
-         .help = "the environment map MAP in place of all lights of the scene, upright: its top is where the scene's own "
-                 "map has it, else the axis nearest to the camera's \"up\"",
+         .help = "the environment map MAP in place of all lights of the scene, upright: its top is where the scene's "
+                 "own map has it, else the axis nearest to the camera's \"up\"",
          .kind = BIS_OPTION_TEXT, .value = &o.over.light},
         {.name = "light-rotate", .argument = "DEGREES", .help = "turn that map about its vertical axis",
-         .kind = BIS_OPTION_REAL, .value = &o.over.light_rotate, .given = &o.over.has_light_rotate, .lo = -360, .hi = 360},
+         .kind = BIS_OPTION_REAL, .value = &o.over.light_rotate, .given = &o.over.has_light_rotate, .lo = -360,
+         .hi = 360},
         {.name = "light-scale", .argument = "S", .help = "multiply that map by S", .kind = BIS_OPTION_REAL,
          .value = &o.over.light_scale, .given = &o.over.has_light_scale, .above = true, .hi = 1e30},
         {.name = "integrator", .argument = "NAME",

@@ -123,7 +123,8 @@ bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, b
     const size_t n = bis_gzip_head((char *)head, sizeof head, path);
 
     if (find_reader(head, n) || (of_colours && find_screen(head, n))) return BIS_OK;
-    const bis_status status = read_image(&image, NULL, path, of_colours ? &gamma : NULL, at, diag); /* it says why not */
+    /* it says why not */
+    const bis_status status = read_image(&image, NULL, path, of_colours ? &gamma : NULL, at, diag);
     bis_image_clear(&image);
     return status;
 }

@@ -127,7 +127,8 @@ const char *bis_approximate_begin(bis_parser *p, const char *directive)
 }
 
 /* One more of its kind. */
-static void count_one(bis_parser *p, bis_approximation **list, size_t *n, size_t *capacity, const bis_approximation *one)
+static void count_one(bis_parser *p, bis_approximation **list, size_t *n, size_t *capacity,
+                      const bis_approximation *one)
 {
     for (size_t i = 0; i < *n; i++) {
         if (strcmp((*list)[i].kind, one->kind) != 0) continue;

@@ -350,7 +350,8 @@ void bis_parser_check_blocks(bis_parser *p);
 /* To the scene, or to the object that is open. */
 void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape);
 
-/* parser_light.c. bis_parser_finish_light puts the parts of the light together; without one it warns, or makes a sky. */
+/* parser_light.c. bis_parser_finish_light puts the parts of the light together. Without one it warns, or makes a sky.
+ */
 bis_directive bis_directive_light;
 void bis_parser_finish_light(bis_parser *p);
 

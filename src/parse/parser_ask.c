@@ -89,7 +89,8 @@ bool bis_params_integer(bis_parser *p, const char *name, uint64_t *value, uint64
     char buf[32];
     if (v != floor(v))
         return bis_parser_error(p, param->at, "\"%s\" is %s, must be a whole number", name, bis_format_double(buf, v));
-    if (!bis_parser_in_range(p, param->at, name, &v, (bis_interval){(double)lo, (double)hi, false, false})) return false;
+    const bis_interval range = {(double)lo, (double)hi, false, false};
+    if (!bis_parser_in_range(p, param->at, name, &v, range)) return false;
     *value = (uint64_t)v;
     return true;
 }

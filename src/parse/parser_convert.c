@@ -25,7 +25,8 @@ bool bis_params_mean(bis_parser *p, const char *name, rgbd *value)
     const bis_param *param = bis_params_find(p, name);
     uint32_t index;
     if (!p->approximate || !param || param->type != BIS_TYPE_TEXTURE) return false;
-    if (!bis_params_take(p, name, BIS_TYPE_TEXTURE, 1) || !bis_parser_find_texture(p, param, false, &index)) return false;
+    if (!bis_params_take(p, name, BIS_TYPE_TEXTURE, 1)) return false;
+    if (!bis_parser_find_texture(p, param, false, &index)) return false;
     const bis_texture *x = &p->desc->textures.list[index];
     *value = x->kind == BIS_TEXTURE_IMAGE ? mean_of_image(p, x) : x->value;
     if (x->kind != BIS_TEXTURE_CONSTANT)

@@ -252,8 +252,8 @@ static rgbd typical_of(const bis_texture *x)
     return (rgbd){v, v, v};
 }
 
-/* pbrt-v1 and v2 have row 0 of an image at t = 0, later versions at t = 1: from t to 1 - t. The angle of "spherical" turns
- * back where y does. */
+/* pbrt-v1 and v2 have row 0 of an image at t = 0, later versions at t = 1: from t to 1 - t. The angle of "spherical"
+ * turns back where y does. */
 static void turn_over(bis_texture *x)
 {
     const int row = x->mapping == BIS_TEXTURE_CYLINDRICAL ? 2 : 1;

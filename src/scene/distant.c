@@ -1,8 +1,8 @@
 /* distant: a light from one direction, which a map cannot hold, becomes a disc as wide as the sun's.
  *
- * pbrt's light gives the irradiance E to a surface that faces it. The disc has the radiance E / S, where S is the sum of
- * (covered share) x (solid angle) x (cosine to the axis) over the map's pixels. So the irradiance is E however coarse the
- * pixels are. A pixel's covered share is counted with GRID x GRID directions. */
+ * pbrt's light gives the irradiance E to a surface that faces it. The disc has the radiance E / S, where S is the sum
+ * of (covered share) x (solid angle) x (cosine to the axis) over the map's pixels. So the irradiance is E however
+ * coarse the pixels are. A pixel's covered share is counted with GRID x GRID directions. */
 #include "distant.h"
 
 enum { GRID = 8 };

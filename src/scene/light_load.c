@@ -59,14 +59,18 @@ static bis_status make_envmap(bis_envmap *em, bis_image *image, const bis_light_
 }
 
 /* What a message calls the map. */
-static const char *name_of(const bis_light_desc *desc) { return desc->filename ? desc->filename : "the distant lights"; }
+static const char *name_of(const bis_light_desc *desc)
+{
+    return desc->filename ? desc->filename : "the distant lights";
+}
 
 static bis_status add_distants(bis_envmap *em, const bis_light_desc *desc, bis_diag *diag)
 {
     for (size_t i = 0; i < desc->n_distants; i++)
         if (!bis_distant_add(em, &desc->distants[i]))
             return bis_error(diag, BIS_INPUT, desc->loc,
-                             "a distant light exceeds the largest float as a disc of half a degree: give it a smaller \"L\"");
+                             "a distant light exceeds the largest float as a disc of half a degree: give it a "
+                             "smaller \"L\"");
     return BIS_OK;
 }
 

@@ -1,5 +1,5 @@
-/* scene_check: what can be known of a scene's files by their heads, for a plan that must not say yes where the render says
- * no. What it finds wrong is read by the loader, so that there is one message for one fault. */
+/* scene_check: what can be known of a scene's files by their heads, for a plan that must not say yes where the render
+ * says no. What it finds wrong is read by the loader, so that there is one message for one fault. */
 #include "bis/scene/scene.h"
 
 #include "bis/base/mem.h"
@@ -72,7 +72,8 @@ static bis_status check_textures(const bis_scene_desc *d, const bool *is_shown, 
 
     for (uint32_t i = 0; i < t->n_of_material; i++) {
         const bis_material_textures *m = is_shown[i] ? bis_textures_of(t, i) : NULL;
-        if (m && !mark_images(own, all, t, m)) keep_first(&status, bis_textures_check(t, NULL, m, &d->materials[i], diag));
+        if (m && !mark_images(own, all, t, m))
+            keep_first(&status, bis_textures_check(t, NULL, m, &d->materials[i], diag));
     }
     for (size_t k = 0; k < t->n_files; k++)
         if (all[k] && is_there(t->files[k].filename))

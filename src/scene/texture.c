@@ -303,8 +303,8 @@ static bis_status check_range(range *found, const bis_textures *t, const bis_tex
         if (isinf(hi)) snprintf(rule, sizeof rule, ">= %g", lo);
         else snprintf(rule, sizeof rule, "in [%g, %g]", lo, hi);
         if (t->cuts_off) {
-            bis_warn(diag, at, "the texture of \"%s\" has values %s %.7g, must be %s: what lies outside is cut off", what,
-                     is_low ? "down to" : "up to", is_low ? r.lo[k] : r.hi[k], rule);
+            bis_warn(diag, at, "the texture of \"%s\" has values %s %.7g, must be %s: what lies outside is cut off",
+                     what, is_low ? "down to" : "up to", is_low ? r.lo[k] : r.hi[k], rule);
             return BIS_OK;
         }
         return bis_error(diag, BIS_INPUT, at,

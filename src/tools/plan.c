@@ -73,8 +73,8 @@ static void print_view(const bis_scene_desc *d, FILE *out)
 /* Does some surface learn from its neighbours in the picture? As src/render/workspace.c decides. */
 static bool learns(const bis_scene_desc *d)
 {
-    if (!d->n_shapes || !bis_light_desc_has_map(&d->light) || d->view.adaptive || d->view.settings.integrator == &bis_auto)
-        return false;
+    if (!d->n_shapes || !bis_light_desc_has_map(&d->light)) return false;
+    if (d->view.adaptive || d->view.settings.integrator == &bis_auto) return false;
     return bis_fast_needs_of(&d->view.settings).visibility;
 }
 

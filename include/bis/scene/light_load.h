@@ -42,8 +42,8 @@ bis_light_desc bis_light_desc_default(void);
 /* bis_light_desc_has_map returns whether the light is more than a constant. */
 static inline bool bis_light_desc_has_map(const bis_light_desc *d) { return d->filename || d->n_distants; }
 
-/* bis_light_check_size tells whether a map of width x height pixels fits the description, and with which mapping. It warns
- * of a square map that is taken for pbrt-v4's. Errors: BIS_INPUT. */
+/* bis_light_check_size tells whether a map of width x height pixels fits the description, and with which mapping. It
+ * warns of a square map that is taken for pbrt-v4's. Errors: BIS_INPUT. */
 bis_status bis_light_check_size(bis_mapping *mapping, const bis_light_desc *desc, int width, int height,
                                 bis_diag *diag);
 
