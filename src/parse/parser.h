@@ -213,6 +213,10 @@ const char *bis_parser_word(bis_parser *p, const char *text);
 char *bis_parser_path(bis_parser *p, bis_loc at, const char *name);
 char *bis_parser_path_beside(bis_parser *p, bis_loc at, const char *name);
 
+/* bis_parser_lacks returns whether, with --approximate, the file is at none of these places, so that something else
+ * takes its place. It complains of nothing, but a plan lists the file. */
+bool bis_parser_lacks(bis_parser *p, bis_loc at, const char *name, bool is_beside);
+
 /* bis_parser_is_missing returns whether a path that was returned names a file that is not there (lists_missing). */
 bool bis_parser_is_missing(const bis_parser *p, const char *path);
 

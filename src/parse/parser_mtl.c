@@ -8,6 +8,7 @@
 #include "bis/base/file.h"
 #include "bis/thesis/phong.h"
 #include "base/grow.h"
+#include "approximate.h"
 #include "parser.h"
 #include "scene/scene_peek.h"
 
@@ -90,8 +91,11 @@ static bool read_options(bis_parser *p, const line *l, char **name, bis_texture 
             }
             for (int i = 0; i < 2 && i < n; i++) (word[1] == 's' ? x->factor : x->offset)[i] = v[i];
         } else {
-            return bis_parser_error(p, l->at, "the option %s of a map is not modelled: remove it",
-                                    bis_parser_word(p, word));
+            if (!bis_approximate_or_refuse(p, l->at, "an option of a map that is not modelled", "ignored",
+                                           "the option %s of a map is not modelled: remove it",
+                                           bis_parser_word(p, word)))
+                return false;
+            s += strcspn(s, blanks); /* its value */
         }
         s += strspn(s, blanks);
     }
@@ -106,6 +110,10 @@ static void read_map(bis_parser *p, const line *l, uint32_t *texture)
     if (!read_options(p, l, &name, &x)) return;
     for (char *s = name; *s; s++)
         if (*s == '\\') *s = '/'; /* written on another system */
+    if (bis_parser_lacks(p, l->at, name, true)) {
+        bis_approximate_note(p, l->at, "Kd alone", "an image of a library that is not there");
+        return;
+    }
     char *path = bis_parser_path_beside(p, l->at, name);
     if (bis_parser_add_image(p, path, BIS_GAMMA_SRGB, l->at, &x.image)) bis_parser_add_texture(p, &x, texture);
 }
@@ -199,6 +207,10 @@ static void read_libraries(bis_parser *p, const char *obj_path, const bis_obj_ma
         const bis_loc at = {obj_path, obj->libraries[i].line, 0};
         unsigned char *data;
         size_t size;
+        if (bis_parser_lacks(p, at, obj->libraries[i].name, true)) {
+            bis_approximate_note(p, at, "its materials are diffuse grey", "a library of materials that is not there");
+            continue;
+        }
         char *path = bis_parser_path_beside(p, at, obj->libraries[i].name);
         const char *name = path ? bis_scene_desc_add_file(p->desc, path) : NULL;
         if (path && !name) bis_parser_nomem(p, at);
@@ -245,11 +257,14 @@ static void add_part(bis_parser *p, const bis_shape_desc *shape, const bis_obj_m
 {
     bis_shape_desc own = *shape;
     own.part = part;
+    const mtl grey = {.Kd = {0.5f, 0.5f, 0.5f}, .Ns = 50, .map = BIS_NO_TEXTURE, .at = shape->loc};
     if (part > 0 && !m->exists) {
-        bis_parser_error(p, shape->loc, "material \"%s\" of %s is in none of its libraries (mtllib): add it, or leave "
-                         "out \"bool materials\"", bis_parser_word(p, obj->parts.names[part - 1]),
-                         p->desc->meshes[shape->mesh].filename);
-        return;
+        if (!bis_approximate_or_refuse(p, shape->loc, "a material that is in no library of its mesh", "diffuse grey",
+                                       "material \"%s\" of %s is in none of its libraries (mtllib): add it, or leave "
+                                       "out \"bool materials\"", bis_parser_word(p, obj->parts.names[part - 1]),
+                                       p->desc->meshes[shape->mesh].filename))
+            return;
+        m = &grey;
     }
     if (part == 0 || make_material(p, m, &own.material)) bis_parser_add_shape(p, &own);
 }

@@ -245,3 +245,13 @@ char *bis_parser_path_beside(bis_parser *p, bis_loc at, const char *name)
 {
     return check_path(p, at, name, bis_path_relative_to(at.file, name));
 }
+
+bool bis_parser_lacks(bis_parser *p, bis_loc at, const char *name, bool is_beside)
+{
+    if (!p->approximate || !name[0]) return false;
+    char *path = is_beside ? bis_path_relative_to(at.file, name) : find_file(p, at, name);
+    const bool lacks = path && access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR);
+    if (lacks && p->lists_missing) path = check_path(p, at, name, path);
+    bis_free(path);
+    return lacks;
+}

@@ -416,6 +416,36 @@ static void a_plan_knows_what_the_heads_of_files_tell(void **state)
 #undef IMAGE
 }
 
+/* A mesh from elsewhere: its library, a material, an image, an option are not there or not known. */
+static void what_is_missing_around_a_mesh_is_grey(void **state)
+{
+    static const char scene[] = LIT "Shape \"objmesh\" \"string filename\" \"m.obj\" \"bool materials\" true\n"
+                                "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"none.png\" Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"";
+    char said[8192];
+    bis_scene_desc *d;
+    (void)state;
+    write_file("m.obj", "mtllib none.mtl\nmtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl lost\nf 1 3 2\n");
+    write_file("some.mtl", "newmtl red\nKd 0.8 0 0\nmap_Kd -texres 512 none.jpg\n");
+    assert_int_equal(parse(&d, scene, 0, said), BIS_INPUT);
+    assert_says(said, "cannot read \"");
+    d = good(scene, BIS_PARSE_APPROXIMATE, said);
+    assert_int_equal(d->n_shapes, 3);
+    const float Kd[3] = {.8f, .5f, .5f};
+    for (int i = 0; i < 3; i++) {
+        assert_true(d->materials[d->shapes[i].material].Kd.r == Kd[i]);
+        assert_null(bis_textures_of(&d->textures, d->shapes[i].material));
+    }
+    assert_says(said, "1 x a library of materials that is not there");
+    assert_says(said, "1 x a material that is in no library of its mesh");
+    assert_says(said, "1 x an image of a library that is not there");
+    assert_says(said, "1 x an image that is not there");
+    assert_says(said, "1 x an option of a map that is not modelled");
+    bis_scene_desc_free(d);
+    d = good(scene, BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, said); /* and a plan lists them */
+    assert_int_equal(d->n_missing, 3);
+    bis_scene_desc_free(d);
+}
+
 /* ---- light ---- */
 
 static void a_scene_without_light_from_infinity_gets_a_white_sky(void **state)
@@ -532,6 +562,7 @@ int main(void)
         cmocka_unit_test(the_images_of_pbrt_v2_stand_on_their_head),
         cmocka_unit_test(the_films_scale_multiplies_the_light),
         cmocka_unit_test(a_plan_knows_what_the_heads_of_files_tell),
+        cmocka_unit_test(what_is_missing_around_a_mesh_is_grey),
         cmocka_unit_test(a_scene_without_light_from_infinity_gets_a_white_sky),
         cmocka_unit_test(a_distant_light_is_a_disc_of_its_irradiance),
         cmocka_unit_test(another_light_takes_the_place_of_all),
