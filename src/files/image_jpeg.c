@@ -1,10 +1,10 @@
 /* image_jpeg: the colours of a JPEG, for textures. Read by libjpeg, if bis is built with it (BIS_JPEG). Maps are never
  * read from it, because 8 bits of a screen are no radiance.
  *
- * libjpeg takes its memory by malloc, because it offers no other way. It leaves by longjmp on errors. What it only warns
- * of as damage (data that ends too early, codes that do not exist) is an error here, because it would fill the rest with
- * grey. What a header claims is held against the file: the coding spends at least one bit on a block of 8 x 8. A
- * progressive file may visit all its blocks again and again: more than MOST_SCANS scans are refused. */
+ * libjpeg takes its memory by malloc, because it offers no other way. It leaves by longjmp on errors. What it only
+ * warns of as damage (data that ends too early, codes that do not exist) is an error here, because it would fill the
+ * rest with grey. What a header claims is held against the file: the coding spends at least one bit on a block of 8 x 8.
+ * A progressive file may visit all its blocks again and again: more than MOST_SCANS scans are refused. */
 #include "image_io.h"
 
 #include <string.h>
