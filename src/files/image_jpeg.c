@@ -3,7 +3,7 @@
  *
  * libjpeg takes its memory by malloc, because it offers no other way. It leaves by longjmp on errors. What it only
  * warns of as damage (data that ends too early, codes that do not exist) is an error here, because it would fill the
- * rest with grey. What a header claims is held against the file: the coding spends at least one bit on a block of 8 x 8.
+ * rest with grey. What a header claims is held against the file: the coding spends at least one bit on 8 x 8 pixels.
  * A progressive file may visit all its blocks again and again: more than MOST_SCANS scans are refused. */
 #include "image_io.h"
 

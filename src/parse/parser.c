@@ -49,6 +49,11 @@ static void directive_include(bis_parser *p, bis_loc at)
         return;
     }
     char *path = bis_parser_path(p, p->name_at, bis_parser_text(p, p->name));
+    if (path && bis_parser_is_missing(p, path)) { /* a plan lists it, and goes on without */
+        bis_free(path);
+        bis_parser_advance(p);
+        return;
+    }
     if (path && is_stranger(p, path, p->name_at)) {
         bis_free(path);
         bis_parser_advance(p);
@@ -215,6 +220,9 @@ static void run_directive(bis_parser *p, const char *name, bis_loc at)
     p->directive = bis_approximate_begin(p, name);
     if (d == end) {
         unknown_directive(p, name, at);
+    } else if (p->ended && p->approximate) {
+        bis_approximate_note(p, at, "left out: it is of another picture", "what follows WorldEnd");
+        p->stop = true;
     } else if (p->ended) {
         p->stop = !bis_parser_lose(p, at, "%s after WorldEnd: a scene has one world", name);
     } else if (d->where & (p->in_world ? WORLD : OPTIONS)) {

@@ -147,6 +147,9 @@ static void a_missing_spectrum_is_one_of_the_missing_files(void **state)
     assert_true(ends(d->missing[0], "spds/Au.eta.spd") && ends(d->missing[2], "spds/red.spd"));
     bis_scene_desc_free(d);
     assert_int_equal(parse(&d, LIT "Material \"matte\" \"spectrum Kd\" \"spds/red.spd\"", BIS_PARSE_APPROXIMATE, said), BIS_INPUT);
+    d = good(LIT "Include \"gone.pbrt\" Shape \"sphere\"", BIS_PARSE_APPROXIMATE | BIS_PARSE_LIST_MISSING, said); /* so is a part of the scene */
+    assert_true(d->n_missing == 1 && ends(d->missing[0], "gone.pbrt") && d->n_shapes == 1);
+    bis_scene_desc_free(d);
 }
 
 /* ---- messages ---- */
@@ -217,6 +220,7 @@ static const struct pass {
      "\"float gamma\" of a texture", NULL},
     {LIT "Texture \"t\" \"float\" \"mix\" \"float tex1\" 0 \"float tex2\" -0.25 Shape \"sphere\"", NULL, NULL},
     {LIT "Material \"mirror\" \"spectrum Kr\" [400 .9 700 .9] Shape \"sphere\"", "Material \"mirror\"", "with --approximate"},
+    {LIT "Shape \"sphere\" WorldEnd Film \"image\" WorldBegin Shape \"disk\" WorldEnd", "what follows WorldEnd", "Film after WorldEnd"},
     {LIT "Material \"uber\" \"blackbody Kr\" [3000 .1] Shape \"sphere\"", "a second value of \"blackbody Kr\"", "has 2 values"},
 };
 
