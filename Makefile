@@ -10,6 +10,7 @@ B       := build/$(VARIANT)
 # What is optional is probed by compiling three lines. OpenMP: threads. Embree ships no .pc file on Debian: 4 first, then 3.
 probe = $(shell t=$$(mktemp) && printf '%b' '$(1)\nint main(void) { $(2); return 0; }\n' | $(CC) -x c - -o $$t $(3) 2>/dev/null && echo yes; rm -f $$t)
 embree = $(call probe,\043include <embree$(1)/rtcore.h>,rtcReleaseDevice(rtcNewDevice(0)),-lembree$(1))
+JPEG := $(call probe,\043include <stdio.h>\n\043include <jpeglib.h>,struct jpeg_error_mgr e; jpeg_std_error(&e),-ljpeg)
 OPENMP := $(if $(call probe,,,-fopenmp),-fopenmp)
 ifneq ($(EMBREE),0)
 EMBREE_VERSION := $(or $(if $(call embree,4),4),$(if $(call embree,3),3))
@@ -19,6 +20,7 @@ B := $(B)-noembree
 endif
 ifeq ($(MAKELEVEL),0)
 $(if $(EMBREE_VERSION),,$(info bis: building without Embree; the voxel grid is the only accelerator))
+$(if $(JPEG),,$(info bis: building without libjpeg; textures cannot be JPEGs))
 $(if $(OPENMP),,$(info bis: $(CC) has no OpenMP; one thread))
 endif
 
@@ -27,8 +29,8 @@ endif
 DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
 WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
-OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION))
-LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) -lpthread -lm
+OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION)) $(if $(JPEG),-DBIS_JPEG)
+LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
 
 SRC     := $(filter-out src/cli/main.c src/cli/crew_mpi.c,$(wildcard src/*/*.c src/*/*/*.c))
 OBJ     := $(SRC:%.c=$B/%.o) $B/src/tools/trade/page.o
@@ -57,7 +59,7 @@ STAMP    := data/models/.made
 
 SANITIZE := address,undefined,float-divide-by-zero,float-cast-overflow
 FUZZERS  := $(patsubst tests/fuzz/%.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
-SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr image_png ply obj gzip part convert)
+SEEDERS  := $(patsubst %,$B/tests/test_%,image image_hdr image_pfm image_exr image_png image_screen ply obj gzip part convert)
 
 # What was asked for is built, whatever was built before: objects depend on the compiler and the flags as they were
 # given ($B/.flags changes only when they do), and ./bis is the program that was made last.

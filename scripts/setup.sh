@@ -4,13 +4,13 @@
 set -eu
 
 # gcc, make and pkg-config; OpenEXR, libpng and zlib for images; cmocka for the tests. Optional: Embree (rays), which exists for some processors
-# only, and Open MPI (bis-mpi, docs/many-machines.md), without which its tests are skipped.
+# only, libjpeg (textures), and Open MPI (bis-mpi, docs/many-machines.md), without which its tests are skipped.
 needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev"
-optional="libembree-dev openmpi-bin libopenmpi-dev"
+optional="libembree-dev libjpeg-dev openmpi-bin libopenmpi-dev"
 
 if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
     echo "setup: this is no Debian or Ubuntu; please install: a C11 compiler, make, pkg-config," >&2
-    echo "       OpenEXR >= 3.1, libpng, zlib, cmocka, and (optional) Embree 3 or 4" >&2
+    echo "       OpenEXR >= 3.1, libpng, zlib, cmocka, and (optional) Embree 3 or 4, libjpeg" >&2
     exit 1
 fi
 

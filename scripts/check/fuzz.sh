@@ -10,7 +10,7 @@ shift 2
 work=build/fuzz
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
 mkdir -p $work/made $work/found
-for test in image image_hdr image_pfm image_exr image_png ply obj gzip part convert; do
+for test in image image_hdr image_pfm image_exr image_png image_screen ply obj gzip part convert; do
     [ -e $work/made/.$test ] || BIS_PROGRAM="$build/bis" BIS_SEEDS=$work/made "$build/tests/test_$test" >$work/seeds.log 2>&1 || { cat $work/seeds.log; exit 1; }
     touch $work/made/.$test
 done
@@ -27,6 +27,7 @@ for name in "$@"; do
             "$build/bis" tests/fuzz/checkpoint.txt --spp $spp --checkpoint $seeds/$spp.checkpoint --outfile $work/made/checkpoint.exr --quiet || exit 1
         done ;;
     spd) printf '# a spectrum\n400 0.1, 500 0.2\n\n700\t0.3 # red\n' >$seeds/a.spd ;;
+    png) cp $work/made/*.png $work/made/*.jpg $work/made/*.tga $seeds 2>/dev/null ;;
     *) cp $work/made/*."$name" $seeds 2>/dev/null ;;
     esac
     cp tests/data/regression/*."$name" $seeds 2>/dev/null

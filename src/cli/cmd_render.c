@@ -252,7 +252,8 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
 
     if (!o->files.checkpoint) o->files.checkpoint = o->files.resume;
     const bool leads = bis_crew_leads(bis_cli_crew);
-    const unsigned how = o->approximate ? BIS_PARSE_APPROXIMATE | (o->plan ? BIS_PARSE_LIST_MISSING : 0) : 0;
+    const unsigned approximate = o->approximate ? BIS_PARSE_APPROXIMATE | (o->plan ? BIS_PARSE_LIST_MISSING : 0) : 0;
+    const unsigned how = approximate | (o->over.light ? BIS_PARSE_OTHER_LIGHT : 0);
     bis_status status = o->plan ? BIS_OK : bis_render_part_name(o->part.share, &o->files, diag);
     if (!status && leads) status = bis_render_files_check(&o->files, diag);
     if (!status) status = bis_scene_parse_as(&desc, operands[0], how, diag);
@@ -264,6 +265,7 @@ static int render_scene(void *options, const char *const *operands, bis_diag *di
     if (o->plan) {
         bis_scene_plan(desc, stdout);
         status = warn_of_memory(desc, diag);
+        if (!status) status = bis_scene_check_files(desc, diag);
         goto done;
     }
     if (o->files.pictures.n == 0 && !o->files.part && leads) {
@@ -281,7 +283,7 @@ done:
 
 int bis_cmd_render(int argc, char **argv)
 {
-    enum { MAX_INTEGRATORS = 16, MAX_OPTIONS = 52 };
+    enum { MAX_INTEGRATORS = 16, MAX_OPTIONS = 56 };
     static const char *const accelerators[] = {"grid", "embree", NULL};
     render_options o = {.every = 60, .start = bis_clock_now()};
     const char *integrators[MAX_INTEGRATORS + 1] = {0};
@@ -330,6 +332,15 @@ int bis_cmd_render(int argc, char **argv)
                  "meshes and maps may be missing, and are listed", .kind = BIS_OPTION_FLAG, .value = &o.approximate},
 
         {.help = "what to render (these override the scene file)"},
+        {.name = "light", .argument = "MAP",
+         .help = "the environment map MAP in place of all lights of the scene, upright: its top is where the scene's "
+                 "own map has it, else the axis nearest to the camera's \"up\"",
+         .kind = BIS_OPTION_TEXT, .value = &o.over.light},
+        {.name = "light-rotate", .argument = "DEGREES", .help = "turn that map about its vertical axis",
+         .kind = BIS_OPTION_REAL, .value = &o.over.light_rotate, .given = &o.over.has_light_rotate, .lo = -360,
+         .hi = 360},
+        {.name = "light-scale", .argument = "S", .help = "multiply that map by S", .kind = BIS_OPTION_REAL,
+         .value = &o.over.light_scale, .given = &o.over.has_light_scale, .above = true, .hi = 1e30},
         {.name = "integrator", .argument = "NAME",
          .help = integrator_help, .kind = BIS_OPTION_NAME, .value = &o.over.integrator, .names = integrators},
     };

@@ -28,7 +28,8 @@ static const bis_help_entry scene[] = {
     {NULL, "Before WorldBegin:"},
     {"Camera", "\"perspective\" or \"orthographic\": fov (90), screenwindow, frameaspectratio; lensradius must be 0"},
     {"Film",
-     "\"rgb\": xresolution (1280), yresolution (720), filename (bis.exr), cropwindow (0 1 0 1), layers (see output)"},
+     "\"rgb\": xresolution (1280), yresolution (720), filename (bis.exr), cropwindow (0 1 0 1), scale (1), "
+     "layers (see output)"},
     {"Sampler", "\"stratified\", \"sobol\", \"halton\", \"random\" or \"independent\": pixelsamples "
                 "(16), seed (0), adaptive (false), "
                 "edgesamples (1; more on outlines), edgelight (1; their share of the light samples); stratified: "

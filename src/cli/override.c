@@ -4,6 +4,7 @@
 
 #include "base/text.h"
 #include "bis/base/file.h"
+#include "bis/base/mem.h"
 
 #include <string.h>
 
@@ -82,9 +83,29 @@ static bis_status read_layers(unsigned *set, const char *list, bis_diag *diag)
     return BIS_OK;
 }
 
+/* --light MAP: the description has a constant in its place, whose frame stands upright (BIS_PARSE_OTHER_LIGHT). */
+static bis_status override_light(bis_light_desc *light, const bis_override *o, bis_diag *diag)
+{
+    const bis_xform turn = bis_xform_rotate(o->light_rotate, 0, 0, 1);
+
+    if (!o->light) {
+        if (!o->has_light_rotate && !o->has_light_scale) return BIS_OK;
+        return bis_error(diag, BIS_INPUT, bis_cli_loc,
+                         "--light-rotate and --light-scale are of the map of --light: give it");
+    }
+    light->filename = bis_strdup(o->light);
+    if (!light->filename) return bis_error(diag, BIS_NOMEM, bis_cli_loc, "no memory");
+    light->is_v4 = true; /* a square map is pbrt-v4's, with a warning */
+    light->scale = o->has_light_scale ? o->light_scale : 1;
+    light->to_world = bis_xform_compose(&light->to_world, &turn);
+    light->loc = bis_cli_loc;
+    return BIS_OK;
+}
+
 bis_status bis_override_scene(bis_scene_desc *d, const bis_override *o, bis_diag *diag)
 {
     bis_status status = override_settings(d, o, diag);
+    if (!status) status = override_light(&d->light, o, diag);
     if (!status && o->layers) status = read_layers(&d->view.film.layers, o->layers, diag);
     if (status) return status;
 

@@ -8,6 +8,9 @@
 typedef struct bis_override {
     const char *integrator, *accelerator, *layers;
     bis_texts as_printed;
+    const char *light;
+    double light_rotate, light_scale;
+    bool has_light_rotate, has_light_scale;
     bis_parameter_option parameters[BIS_PARAMETER_OPTIONS];
     bool no_jitter, adaptive;
     bool has_spp, has_seed, has_resolution, has_crop;

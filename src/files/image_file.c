@@ -32,6 +32,18 @@ static const image_reader readers[] = {
     {bis_pfm_is_mine, bis_pfm_read},
 };
 
+/* Of colours as a screen shows them. */
+typedef struct screen_reader {
+    bool (*is_mine)(const unsigned char *data, size_t size);
+    bis_status (*read)(bis_image *image, const image_input *in, double gamma);
+} screen_reader;
+
+static const screen_reader screens[] = {
+    {bis_png_is_mine, bis_png_read},
+    {bis_jpeg_is_mine, bis_jpeg_read},
+    {bis_tga_is_mine, bis_tga_read}, /* the last, because its mark is weak */
+};
+
 static const image_writer writers[] = {
     {".exr", NULL, bis_exr_write},
     {".pfm", NULL, bis_pfm_write},
@@ -48,8 +60,8 @@ static bis_status refuse_unknown(const image_input *in, bool of_colours)
     if (in->size < 4) return bis_image_refuse(in, BIS_INPUT, "its %zu bytes are too few for an image", in->size);
     const bool is_png = memcmp(d, "\x89PNG", 4) == 0, is_jpeg = memcmp(d, "\xff\xd8\xff", 3) == 0;
     if (of_colours)
-        return bis_image_refuse(in, BIS_INPUT, "%s: a texture must be .png, .exr, .hdr or .pfm",
-                                is_jpeg ? "it is a JPEG" : "its format is unknown");
+        return bis_image_refuse(in, BIS_INPUT,
+                                "its format is unknown: a texture must be .png, .jpg, .tga, .exr, .hdr or .pfm");
     if (is_png || is_jpeg)
         return bis_image_refuse(in, BIS_INPUT, "it is a %s: 8 bits for a screen, no radiance; take an .exr, .pfm or "
                                 ".hdr (`bis SCENE --outfile NAME.exr` writes one)", is_png ? "PNG" : "JPEG");
@@ -57,6 +69,20 @@ static bis_status refuse_unknown(const image_input *in, bool of_colours)
                             "it begins with the bytes %02x %02x %02x %02x, must be a Radiance .hdr (#?), "
                             "OpenEXR (76 2f 31 01) or PFM (PF, Pf)",
                             d[0], d[1], d[2], d[3]);
+}
+
+static const image_reader *find_reader(const unsigned char *data, size_t size)
+{
+    for (size_t i = 0; i < LENGTH(readers); i++)
+        if (readers[i].is_mine(data, size)) return &readers[i];
+    return NULL;
+}
+
+static const screen_reader *find_screen(const unsigned char *data, size_t size)
+{
+    for (size_t i = 0; i < LENGTH(screens); i++)
+        if (screens[i].is_mine(data, size)) return &screens[i];
+    return NULL;
 }
 
 /* gamma: NULL: of radiance. is_screen: becomes whether it is a PNG; NULL: nobody asks. */
@@ -70,13 +96,12 @@ static bis_status read_image(bis_image *image, bool *is_screen, const char *path
     bis_status status = bis_gzip_read(&data, &in.size, path, at, diag);
     if (status) return status;
     in.data = data;
-    const image_reader *reader = NULL;
-    for (size_t i = 0; i < LENGTH(readers) && !reader; i++)
-        if (readers[i].is_mine(data, in.size)) reader = &readers[i];
+    const image_reader *reader = find_reader(data, in.size);
+    const screen_reader *screen = gamma && !reader ? find_screen(data, in.size) : NULL;
     if (reader) status = reader->read(image, &in);
-    else if (gamma && bis_png_is_mine(data, in.size)) status = bis_png_read(image, &in, *gamma);
+    else if (screen) status = screen->read(image, &in, *gamma);
     else status = refuse_unknown(&in, gamma && !is_screen);
-    if (is_screen) *is_screen = bis_png_is_mine(data, in.size);
+    if (is_screen) *is_screen = screen != NULL;
     bis_free(data);
     assert(!status == !!image->pixels); /* all of the image or none */
     return status;
@@ -90,6 +115,20 @@ bis_status bis_image_read(bis_image *image, const char *path, bis_loc at, bis_di
 bis_status bis_image_read_colours(bis_image *image, const char *path, double gamma, bis_loc at, bis_diag *diag)
 {
     return read_image(image, NULL, path, &gamma, at, diag);
+}
+
+bis_status bis_image_check_head(const char *path, bool of_colours, bis_loc at, bis_diag *diag)
+{
+    const double gamma = BIS_GAMMA_SRGB;
+    unsigned char head[64] = {0};
+    bis_image image;
+    const size_t n = bis_gzip_head((char *)head, sizeof head, path);
+
+    if (find_reader(head, n) || (of_colours && find_screen(head, n))) return BIS_OK;
+    /* it says why not */
+    const bis_status status = read_image(&image, NULL, path, of_colours ? &gamma : NULL, at, diag);
+    bis_image_clear(&image);
+    return status;
 }
 
 bis_status bis_image_read_any(bis_image *image, bool *is_screen, const char *path, bis_loc at, bis_diag *diag)

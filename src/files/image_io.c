@@ -1,7 +1,10 @@
-/* image_io: what the readers of .hdr, .exr and .pfm share: messages that name the file, and the one allocation whose
- * size comes from a file. */
+/* image_io: what the readers of .hdr, .exr and .pfm share: messages that name the file, the one allocation whose
+ * size comes from a file, and the curve of a screen. */
 #include "image_io.h"
 
+#include "bis/base/mem.h"
+
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 
@@ -45,5 +48,22 @@ bis_status bis_image_make(bis_image *image, const image_input *in, long long wid
                                 BIS_IMAGE_MAX_SIDE);
     if (bis_image_init(image, (int)width, (int)height, NULL))
         return bis_image_refuse(in, BIS_NOMEM, "no memory for %lld x %lld pixels", width, height);
+    return BIS_OK;
+}
+
+/* IEC 61966-2-1, or a power. */
+static double to_linear(double v, double gamma)
+{
+    if (gamma != BIS_GAMMA_SRGB) return pow(v, gamma);
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+bis_status bis_image_table(float **table, int depth, double gamma, const image_input *in)
+{
+    const size_t n = (size_t)1 << depth;
+
+    *table = bis_alloc(n, sizeof **table);
+    if (!*table) return bis_image_refuse(in, BIS_NOMEM, "no memory for a table of %zu colours", n);
+    for (size_t i = 0; i < n; i++) (*table)[i] = (float)to_linear((double)i / (double)(n - 1), gamma);
     return BIS_OK;
 }

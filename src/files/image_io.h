@@ -25,6 +25,10 @@ void bis_image_remark(const image_input *in, const char *fmt, ...) BIS_PRINTF(2,
  * Errors: BIS_INPUT, BIS_NOMEM. */
 bis_status bis_image_make(bis_image *image, const image_input *in, long long width, long long height);
 
+/* (*table)[2^depth] becomes what numbers of this many bits stand for, in [0,1]: v^gamma, or sRGB's curve
+ * (BIS_GAMMA_SRGB). It comes from bis_alloc. Errors: BIS_NOMEM. */
+bis_status bis_image_table(float **table, int depth, double gamma, const image_input *in);
+
 /* ---- the formats; of the writers: the stream keeps the errors of the disk ---- */
 
 /* Is a file of this format? Read it. Errors: BIS_INPUT, BIS_NOMEM. */
@@ -34,6 +38,13 @@ bool bis_pfm_is_mine(const unsigned char *data, size_t size);
 bis_status bis_hdr_read(bis_image *image, const image_input *in);
 bis_status bis_exr_read(bis_image *image, const image_input *in);
 bis_status bis_pfm_read(bis_image *image, const image_input *in);
+
+/* The same for colours of a screen, as bis_image_read_colours says. A TGA has no mark of its own: what is asked last is
+ * whether its header makes sense. */
+bool bis_jpeg_is_mine(const unsigned char *data, size_t size);
+bool bis_tga_is_mine(const unsigned char *data, size_t size);
+bis_status bis_jpeg_read(bis_image *image, const image_input *in, double gamma);
+bis_status bis_tga_read(bis_image *image, const image_input *in, double gamma);
 
 /* OpenEXR's older reader: the first part's R, G, B, or Y, RY, BY, with half precision. (x0, y0): the corner of the data
  * window, which the image, already made, fills; OpenEXRCore has read it from the same header. */

@@ -75,23 +75,6 @@ static bool read_rows(png_job *job)
     return true;
 }
 
-/* IEC 61966-2-1, or a power. */
-static double to_linear(double v, double gamma)
-{
-    if (gamma != BIS_GAMMA_SRGB) return pow(v, gamma);
-    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-}
-
-static bis_status fill_table(float **table, int depth, double gamma, const image_input *in)
-{
-    const size_t n = (size_t)1 << depth;
-
-    *table = bis_alloc(n, sizeof **table);
-    if (!*table) return bis_image_refuse(in, BIS_NOMEM, "no memory for a table of %zu colours", n);
-    for (size_t i = 0; i < n; i++) (*table)[i] = (float)to_linear((double)i / (double)(n - 1), gamma);
-    return BIS_OK;
-}
-
 static void convert(bis_image *image, const png_job *job, const float *table)
 {
     const bool wide = job->depth == 16;
@@ -165,7 +148,7 @@ bis_status bis_png_read(bis_image *image, const image_input *in, double gamma)
         goto done;
     }
     status = make_rows(image, &job);
-    if (!status) status = fill_table(&table, job.depth, gamma == BIS_GAMMA_FILE ? job.gamma : gamma, in);
+    if (!status) status = bis_image_table(&table, job.depth, gamma == BIS_GAMMA_FILE ? job.gamma : gamma, in);
     if (status) goto done;
     if (read_rows(&job)) convert(image, &job, table);
     else status = refuse(&job);

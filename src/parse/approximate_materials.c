@@ -1,4 +1,4 @@
-/* approximate_materials: the nearest that bis has to pbrt's materials, and what --approximate does at the end.
+/* approximate_materials: the nearest that bis has to pbrt's materials, and what is made of them at the end.
  *
  * Reflectances are those of pbrt's defaults where the scene does not say. Of what lets light through only the
  * reflection is left: it is the smooth or rough mirror of GGX facets with the reflectance of glass at normal incidence,
@@ -14,11 +14,18 @@
 
 #define SMOOTH 0.1
 
-/* A colour or number of the scene, clamped to [0, 1]; what has no constant value (a texture, a spectrum) is the
- * default, and so is what is missing. */
+/* A colour or number of the scene, clamped to [0, 1], of a texture its mean; what is missing is the default. */
 static rgb colour(bis_parser *p, const char *name, double usual)
 {
     const bis_param *param = bis_params_find(p, name);
+    rgbd mean;
+    rgb value = {(float)usual, (float)usual, (float)usual};
+    if (param && param->type & BIS_TYPES_OF_COLOUR) {
+        bis_params_reflectance(p, name, &value);
+        return value;
+    }
+    if (bis_params_mean(p, name, &mean))
+        return rgb_from(fmin(fmax(mean.r, 0), 1), fmin(fmax(mean.g, 0), 1), fmin(fmax(mean.b, 0), 1));
     const bool is_rgb = param && param->type == BIS_TYPE_RGB && param->n == 3;
     const bool is_grey = param && param->type == BIS_TYPE_FLOAT && param->n == 1;
     double v[3] = {usual, usual, usual};
@@ -31,6 +38,8 @@ static rgb colour(bis_parser *p, const char *name, double usual)
 static double number(bis_parser *p, const char *name, double usual)
 {
     const bis_param *param = bis_params_find(p, name);
+    rgbd mean;
+    if (bis_params_mean(p, name, &mean)) return rgbd_sum(mean) / 3;
     return param && param->type == BIS_TYPE_FLOAT && param->n == 1 ? p->params.numbers[param->first] : usual;
 }
 
@@ -226,21 +235,16 @@ static void leave_out_interfaces(bis_parser *p)
         if (!d->materials[i].model) d->materials[i] = d->materials[0];
 }
 
-void bis_approximate_finish(bis_parser *p)
+void bis_approximate_finish_materials(bis_parser *p)
 {
-    const bis_scene_desc *d = p->desc;
-
-    if (!d->n_approximations) return;
+    if (!p->approximate) return;
     mix_materials(p);
     leave_out_interfaces(p);
-    for (size_t i = 0; i < d->n_approximations; i++) {
-        const bis_approximation *a = &d->approximations[i];
-        bis_warn(p->diag, a->loc, "approximated: %zu x %s: %s", a->n, a->kind, a->consequence);
-    }
 }
 
 void bis_approximate_clear(bis_parser *p)
 {
+    bis_free(p->notes);
     for (size_t i = 0; i < p->n_mixes; i++) {
         bis_free(p->mixes[i].name[0]);
         bis_free(p->mixes[i].name[1]);

@@ -9,6 +9,7 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "scene/scene_peek.h"
 
 #include <math.h>
 #include <string.h>
@@ -230,14 +231,14 @@ static bis_status check_cycle(const bis_lexer *l, const struct stat *st, const c
 bis_status bis_lexer_push(bis_lexer *l, const char *name, bis_loc at)
 {
     struct stat st = {0};
-    bool known = stat(name, &st) == 0; /* else bis_file_read says why */
+    bool known = stat(name, &st) == 0; /* else the reader says why */
     bis_status status = known ? check_cycle(l, &st, name, at) : BIS_OK;
     if (status) return status;
 
     bis_source *s = &l->sources[l->n_sources];
     size_t size;
     unsigned char *data;
-    status = bis_file_read(&data, &size, name, at, l->diag);
+    status = bis_scene_peek_text(&data, &size, name, at, l->diag);
     if (status) return status;
     *s = (bis_source){.name = name, .data = data, .line = 1, .device = st.st_dev, .inode = st.st_ino};
     s->next = (const char *)data;

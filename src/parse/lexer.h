@@ -44,8 +44,8 @@ typedef struct bis_lexer {
     bis_diag *diag; /* may be NULL */
 } bis_lexer;
 
-/* Go on with the file of this name, which must outlive all locs; at: the place that names it. Errors: those of
- * bis_file_read; BIS_INPUT: a cycle, too deep. */
+/* Go on with the file of this name, which must outlive all locs; at: the place that names it. A .gz is expanded.
+ * Errors: those of bis_scene_peek_text; BIS_INPUT: a cycle, too deep. */
 bis_status bis_lexer_push(bis_lexer *l, const char *name, bis_loc at);
 
 /* Back to the including file. False: there is none. */

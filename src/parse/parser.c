@@ -49,6 +49,11 @@ static void directive_include(bis_parser *p, bis_loc at)
         return;
     }
     char *path = bis_parser_path(p, p->name_at, bis_parser_text(p, p->name));
+    if (path && bis_parser_is_missing(p, path)) { /* a plan lists it, and goes on without */
+        bis_free(path);
+        bis_parser_advance(p);
+        return;
+    }
     if (path && is_stranger(p, path, p->name_at)) {
         bis_free(path);
         bis_parser_advance(p);
@@ -71,6 +76,7 @@ static void directive_world_begin(bis_parser *p, bis_loc at)
         return;
     }
     p->in_world = true;
+    p->is_v2 = p->v2_word && !p->seen[BIS_SINGLE_INTEGRATOR].line; /* Integrator came with v3 */
     p->now.ctm = bis_xform_identity();
     bis_parser_name_system(p, "world", &p->now.ctm, at);
 }
@@ -128,19 +134,26 @@ static const struct directive {
 /* pbrt's directives (v1 to v4) that have no meaning here, and the way out. */
 static const struct foreign {
     const char *name, *instead;
+    bool is_v2; /* of no later version */
 } foreign[] = {
-    {"AreaLightSource", "light comes from LightSource \"infinite\" alone"},
-    {"MakeNamedMedium", "there is no medium but the vacuum"},
-    {"ActiveTransform", "nothing moves"},
-    {"TransformTimes", "nothing moves"},
-    {"Attribute", "give the parameters to each directive"},
-    {"Import", "use Include"},
-    {"SurfaceIntegrator", "use Integrator"},
-    {"VolumeIntegrator", "use Integrator"},
-    {"Renderer", "use Integrator"},
-    {"Volume", "there is no medium but the vacuum"},
-    {"SearchPath", "paths are relative to the file that names them"},
+    {"AreaLightSource", "light comes from LightSource \"infinite\" alone", false},
+    {"MakeNamedMedium", "there is no medium but the vacuum", false},
+    {"ActiveTransform", "nothing moves", false},
+    {"TransformTimes", "nothing moves", false},
+    {"Attribute", "give the parameters to each directive", false},
+    {"Import", "use Include", false},
+    {"SurfaceIntegrator", "use Integrator", true},
+    {"VolumeIntegrator", "use Integrator", true},
+    {"Renderer", "use Integrator", true},
+    {"Volume", "there is no medium but the vacuum", false},
+    {"SearchPath", "files are looked for beside the scene", false},
 };
+
+/* What follows ActiveTransform looks like a directive: StartTime, EndTime, All. */
+static bool is_active_transform(const bis_parser *p, const char *name)
+{
+    return strcmp(name, "ActiveTransform") == 0 && p->token.kind == BIS_TOKEN_WORD;
+}
 
 /* --approximate: a directive that is left out with all that follows it, up to the next. Two are not. */
 static void approximate_directive(bis_parser *p, const char *name, bis_loc at)
@@ -150,20 +163,42 @@ static void approximate_directive(bis_parser *p, const char *name, bis_loc at)
         return;
     }
     p->lost = true;
-    if (strcmp(name, "ActiveTransform") != 0 || p->token.kind != BIS_TOKEN_WORD) return;
-    p->now.at_end = p->token.length == strlen("EndTime") && memcmp(p->token.text, "EndTime", p->token.length) == 0;
-    bis_parser_advance(p); /* StartTime and EndTime look like directives */
+    if (is_active_transform(p, name))
+        p->now.at_end = p->token.length == strlen("EndTime") && memcmp(p->token.text, "EndTime", p->token.length) == 0;
+}
+
+/* pbrt-v1's and v2's directives. Volumes are another matter. */
+static bool is_integrator(const char *name) { return strcmp(name, "SurfaceIntegrator") == 0; }
+
+static void note_integrator(bis_parser *p, const char *directive, bis_loc at)
+{
+    if (!bis_parser_name(p, directive)) return;
+    p->lost = true; /* its parameters are passed over */
+    bis_approximate_integrator(p, at, directive, bis_parser_text(p, p->name));
 }
 
 static void unknown_directive(bis_parser *p, const char *name, bis_loc at)
 {
     const char *names[BIS_COUNT(directives)];
+    const bool takes_word = is_active_transform(p, name);
 
+    for (size_t i = 0; i < BIS_COUNT(foreign); i++)
+        if (foreign[i].is_v2 && strcmp(name, foreign[i].name) == 0) bis_parser_is_v2(p, foreign[i].name, at);
+    if (p->other_light && strcmp(name, "AreaLightSource") == 0) {
+        p->lost = true; /* passed over with what follows it */
+        return;
+    }
+    if (p->approximate && is_integrator(name) && p->token.kind == BIS_TOKEN_STRING) {
+        note_integrator(p, name, at);
+        return;
+    }
     if (bis_approximate(p, name, NULL, at)) {
         approximate_directive(p, name, at);
+        if (takes_word) bis_parser_advance(p);
         return;
     }
     p->lost = true;
+    if (takes_word) bis_parser_advance(p);
 
     for (size_t i = 0; i < BIS_COUNT(foreign); i++) {
         if (strcmp(name, foreign[i].name) != 0) continue;
@@ -182,8 +217,12 @@ static void run_directive(bis_parser *p, const char *name, bis_loc at)
     while (d < end && strcmp(d->name, name) != 0) d++;
 
     bis_parser_advance(p);
+    p->directive = bis_approximate_begin(p, name);
     if (d == end) {
         unknown_directive(p, name, at);
+    } else if (p->ended && p->approximate) {
+        bis_approximate_note(p, at, "left out: it is of another picture", "what follows WorldEnd");
+        p->stop = true;
     } else if (p->ended) {
         p->stop = !bis_parser_lose(p, at, "%s after WorldEnd: a scene has one world", name);
     } else if (d->where & (p->in_world ? WORLD : OPTIONS)) {
@@ -224,15 +263,18 @@ static void next_directive(bis_parser *p)
 static void check_whole(bis_parser *p)
 {
     bis_parser_check_blocks(p);
+    p->directive = "";
     bis_parser_check_materials(p);
+    bis_approximate_finish_materials(p);
+    const bool is_lit = p->desc->has_light || p->n_distants || p->other_light;
+    if (is_lit || p->approximate) bis_parser_finish_light(p);
     bis_approximate_finish(p);
     if (!p->in_world) bis_parser_error(p, p->token.at, "the scene has no WorldBegin");
     if (p->status) return;
     bis_parser_drop_uv(p);
+    p->desc->textures.cuts_off = p->approximate;
     bis_parser_note(p, bis_settings_check(&p->desc->view.settings, p->desc->integrator_loc, p->diag));
-    if (!p->desc->has_light)
-        bis_warn(p->diag, (bis_loc){p->desc->files[0], 0, 0},
-                 "no light: the scene has no LightSource and will be black");
+    if (!p->desc->has_light) bis_parser_finish_light(p); /* the last word */
 }
 
 static void parser_clear(bis_parser *p)
@@ -251,6 +293,7 @@ static void parser_clear(bis_parser *p)
     bis_free(p->objects);
     bis_free(p->object_shapes);
     bis_free(p->systems);
+    bis_free(p->distants);
     bis_approximate_clear(p);
 }
 
@@ -271,6 +314,10 @@ bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned h
         goto done;
     }
     p->desc = desc;
+    p->directive = "";
+    p->convert = bis_parser_convert;
+    p->film_scale = 1;
+    p->other_light = how & BIS_PARSE_OTHER_LIGHT;
     p->diag = p->lexer.diag = diag;
     p->approximate = how & BIS_PARSE_APPROXIMATE;
     p->lists_missing = how & BIS_PARSE_LIST_MISSING;
@@ -280,10 +327,11 @@ bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned h
     if (status) goto done;
     bis_parser_advance(p);
     while (!p->stop) next_directive(p);
-    if (p->n_errors < BIS_MAX_ERRORS && p->status != BIS_NOMEM) {
+    if (p->n_listed < BIS_MAX_ERRORS && p->status != BIS_NOMEM) {
         p->stop = false;
         check_whole(p);
     }
+    bis_parser_count_causes(p);
     status = p->status;
     if (status) goto done;
     *out = desc;

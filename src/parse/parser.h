@@ -37,7 +37,8 @@ enum {
     BIS_TYPE_TEXTURE = 1 << 10,
     BIS_TYPE_SPECTRUM = 1 << 11,
     BIS_TYPE_XYZ = 1 << 12,
-    BIS_TYPE_BLACKBODY = 1 << 13
+    BIS_TYPE_BLACKBODY = 1 << 13,
+    BIS_TYPES_OF_COLOUR = BIS_TYPE_SPECTRUM | BIS_TYPE_XYZ | BIS_TYPE_BLACKBODY
 };
 
 typedef struct bis_param {
@@ -71,6 +72,7 @@ typedef enum bis_block_kind { BIS_BLOCK_ATTRIBUTE, BIS_BLOCK_TRANSFORM, BIS_BLOC
 /* What blocks save and restore. */
 typedef struct bis_attributes {
     bis_xform ctm; /* the current transformation matrix: object to world */
+    bool is_flat;  /* --approximate: it is singular in truth, and what stands under it is left out */
     uint32_t material;
     bool at_end; /* ActiveTransform EndTime, with --approximate: what is not shown moves */
 } bis_attributes;
@@ -113,23 +115,36 @@ typedef enum bis_single {
     BIS_N_SINGLES
 } bis_single;
 
+/* Errors of one cause: the first is listed, the others are counted. */
+enum { BIS_CAUSE = 160, BIS_OTHERS = 1024 };
+typedef struct bis_cause {
+    char name[BIS_CAUSE];
+    size_t message; /* in the list of messages */
+    size_t n;       /* of the others */
+    bis_loc others[4];
+} bis_cause;
+
 typedef struct bis_parser {
     bis_lexer lexer;
     bis_token token; /* the next one, not yet taken */
     bis_scene_desc *desc;
     bis_diag *diag;
     bis_status status; /* of the first error */
-    unsigned n_errors, n_includes;
+    unsigned n_errors, n_listed, n_includes; /* n_listed: without those that are counted with another */
+    bis_cause causes[BIS_MAX_ERRORS];
+    size_t n_causes;
     bool lost; /* the syntax is broken here: skip to the next directive */
     bool stop; /* no memory, or too many errors */
 
     bool in_world, ended;
+    bool is_v2;          /* the scene is of pbrt-v2 or v1, because it says v2_word at v2_at */
+    const char *v2_word; /* a constant; NULL: nothing says so */
+    bis_loc v2_at;
     bis_loc seen[BIS_N_SINGLES];
     bis_attributes now;
     bis_block *blocks;
     size_t n_blocks, capacity_blocks;
     bool in_object;
-    size_t object_block; /* where the object's block stands in blocks */
 
     bis_params params;
     size_t name; /* the string that follows a directive ("perspective"), in params.text */
@@ -149,6 +164,16 @@ typedef struct bis_parser {
     size_t n_systems, capacity_systems;
 
     bool approximate;   /* --approximate, see approximate.h */
+    const char *directive; /* that is read now: a constant, or "" */
+    void (*convert)(struct bis_parser *p, bis_param *param, unsigned wanted); /* bis_parser_convert */
+    size_t n_of[BIS_N_EFFECTS]; /* lights, shapes, materials, textures of the scene so far */
+    bis_approximation *notes;   /* what pbrt-v1 to v3 let pass without a word, without --approximate */
+    size_t n_notes, capacity_notes;
+    bool other_light;   /* BIS_PARSE_OTHER_LIGHT */
+    double up[3];       /* of the last LookAt before WorldBegin; 0: there was none */
+    double film_scale;  /* multiplies the picture; 1 */
+    bis_distant *distants; /* in the world; they belong to the light at the end */
+    size_t n_distants, capacity_distants;
     bool lists_missing; /* a file that is not there is listed in desc->missing, and no error */
     bis_names missing;
     bis_mix *mixes;
@@ -167,6 +192,9 @@ typedef struct bis_parser {
 bool bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
 bool bis_parser_lose(bis_parser *p, bis_loc at, const char *fmt, ...) BIS_PRINTF(3, 4);
 
+/* bis_parser_count_causes writes behind the message of each cause how many errors it stands for. */
+void bis_parser_count_causes(bis_parser *p);
+
 /* Count an error that another module has complained of; BIS_OK is fine. */
 void bis_parser_note(bis_parser *p, bis_status status);
 bool bis_parser_nomem(bis_parser *p, bis_loc at); /* false */
@@ -179,9 +207,18 @@ bool bis_parser_once(bis_parser *p, const char *name);
 const char *bis_parser_hint(bis_parser *p, const char *nearest);
 const char *bis_parser_word(bis_parser *p, const char *text);
 
-/* The resolved path of a file that a scene names at `at`, or NULL after a complaint: it must exist. Owned by the
- * caller. */
+/* bis_parser_path returns the resolved path of a file that a scene names at `at`: beside the main scene, in the working
+ * directory, or beside the file that names it. It returns NULL after a complaint: the file must exist. The caller owns
+ * it. bis_parser_path_beside looks only beside the file that names it, as for the libraries of a mesh. */
 char *bis_parser_path(bis_parser *p, bis_loc at, const char *name);
+char *bis_parser_path_beside(bis_parser *p, bis_loc at, const char *name);
+
+/* bis_parser_lacks returns whether, with --approximate, the file is at none of these places, so that something else
+ * takes its place. It complains of nothing, but a plan lists the file. */
+bool bis_parser_lacks(bis_parser *p, bis_loc at, const char *name, bool is_beside);
+
+/* bis_parser_is_missing returns whether a path that was returned names a file that is not there (lists_missing). */
+bool bis_parser_is_missing(const bis_parser *p, const char *path);
 
 /* ---- parser_params.c ---- */
 
@@ -211,8 +248,9 @@ typedef struct bis_interval {
     bool lo_open, hi_open;
 } bis_interval;
 
-/* Does it lie in range? Else complain and say so. */
-bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double value, bis_interval range);
+/* Does *value lie in range? Else complain and say so. With --approximate it is brought to the range's end, if that is
+ * part of it. */
+bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double *value, bis_interval range);
 
 /* Each asks for one parameter: true and *value where it is there and right; false where it is absent, or after a
  * complaint. *value is then untouched. */
@@ -252,11 +290,21 @@ typedef struct bis_parser_spectrum {
 bool bis_params_spectrum(bis_parser *p, const char *name, bis_parser_spectrum *s);
 void bis_parser_spectrum_clear(bis_parser_spectrum *s);
 
-/* parser_colours.c. A reflectance as a spectrum or xyz; radiance as xyz or blackbody. bis_parser_into_unit cuts a
+/* parser_colours.c. A colour in other words than rgb: of a surface as a spectrum, xyz or blackbody; of a light the
+ * same. bis_parser_into_unit cuts a
  * colour off to [0,1] with a warning. */
 bool bis_params_reflectance(bis_parser *p, const char *name, rgb *value);
 bool bis_params_emission(bis_parser *p, const char *name, rgb *value);
 rgb bis_parser_into_unit(bis_parser *p, rgbd c, const char *name, bis_loc at);
+
+/* ---- parser_convert.c ---- */
+
+/* bis_params_mean stores the mean of the texture that a parameter names, where a colour or a number is asked for. It
+ * returns false without --approximate, and where the parameter is no texture. */
+bool bis_params_mean(bis_parser *p, const char *name, rgbd *value);
+
+/* bis_parser_convert makes of *param one of the types `wanted`, where it can; else it leaves it as it is. */
+void bis_parser_convert(bis_parser *p, bis_param *param, unsigned wanted);
 
 /* What a directive's name stands for. */
 enum { BIS_REPLACED = -1, BIS_FOREIGN = -2 };
@@ -287,6 +335,9 @@ bis_directive bis_directive_identity, bis_directive_translate, bis_directive_sca
 bool bis_parser_is_usable(const bis_xform *t);
 void bis_parser_name_system(bis_parser *p, const char *name, const bis_xform *t, bis_loc at);
 
+/* parser_state.c. What only scenes of pbrt-v2 and v1 say. word: a constant. */
+void bis_parser_is_v2(bis_parser *p, const char *word, bis_loc at);
+
 /* parser_options.c: what stands before WorldBegin */
 bis_directive bis_directive_camera, bis_directive_film, bis_directive_filter, bis_directive_accelerator,
     bis_directive_option, bis_directive_color_space, bis_directive_medium_interface;
@@ -303,12 +354,17 @@ void bis_parser_check_blocks(bis_parser *p);
 /* To the scene, or to the object that is open. */
 void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape);
 
+/* parser_light.c. bis_parser_finish_light puts the parts of the light together. Without one it warns, or makes a sky.
+ */
+bis_directive bis_directive_light;
+void bis_parser_finish_light(bis_parser *p);
+
 /* parser_world.c. bis_parser_add_material makes room for one more, which starts as the default;
  * bis_parser_warn_energy warns if Phong's Kd + Ks exceeds 1. */
 typedef bis_material bis_material_reader(bis_parser *p, bis_material_textures *t);
 bool bis_parser_add_material(bis_parser *p, uint32_t *index);
 void bis_parser_warn_energy(bis_parser *p, bis_loc at, rgb Kd, rgb Ks);
-bis_directive bis_directive_light, bis_directive_material, bis_directive_make_named_material,
+bis_directive bis_directive_material, bis_directive_make_named_material,
     bis_directive_named_material;
 void bis_parser_check_materials(bis_parser *p);
 
@@ -316,9 +372,12 @@ void bis_parser_check_materials(bis_parser *p);
 bis_material_reader bis_parser_conductor, bis_parser_metal, bis_parser_coated_diffuse, bis_parser_plastic,
     bis_parser_uber, bis_parser_substrate;
 
-/* parser_textures.c. An image is a file that is named at `at`; false: complained */
+/* parser_textures.c. An image is a file that is named at `at`; it takes over its path, NULL: complained */
+/* bis_parser_find_texture stores the index of the texture that a parameter names. A colour may be given by a texture of
+ * numbers, and is then grey. False: complained. */
+bool bis_parser_find_texture(bis_parser *p, const bis_param *param, bool of_floats, uint32_t *index);
 bool bis_parser_add_texture(bis_parser *p, const bis_texture *x, uint32_t *index);
-bool bis_parser_add_image(bis_parser *p, const char *name, double gamma, bis_loc at, uint32_t *image);
+bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image);
 bis_directive bis_directive_texture;
 
 /* parser_shapes.c */

@@ -26,9 +26,9 @@ const bis_param *bis_params_take(bis_parser *p, const char *name, unsigned wante
     bis_param *param = bis_params_find(p, name);
     if (!param) return NULL;
     param->used = true;
+    if (!(param->type & wanted) && p->convert) p->convert(p, param, wanted);
     if (!param->type) return NULL; /* complained of already */
-    if (!(param->type & wanted) && p->approximate && param->type == BIS_TYPE_OTHER &&
-        strcmp(param->type_name, "texture") != 0) {
+    if (!(param->type & wanted) && p->approximate) { /* pbrt does not find it, and goes on */
         bis_approximate_note(p, param->at, "the default is taken", "\"%s %s\"", param->type_name, name);
         return NULL;
     }
@@ -47,11 +47,17 @@ const bis_param *bis_params_take(bis_parser *p, const char *name, unsigned wante
     return NULL;
 }
 
-bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double value, bis_interval r)
+bool bis_parser_in_range(bis_parser *p, bis_loc at, const char *name, double *v_io, bis_interval r)
 {
     char v[32], lo[32], hi[32], rule[80];
-    bool ok = (r.lo_open ? value > r.lo : value >= r.lo) && (r.hi_open ? value < r.hi : value <= r.hi);
-    if (ok) return true;
+    const double value = *v_io;
+    const bool high = r.hi_open ? value >= r.hi : value > r.hi, low = r.lo_open ? value <= r.lo : value < r.lo;
+    if (!high && !low) return true;
+    if (p->approximate && (high ? !r.hi_open : !r.lo_open)) {
+        bis_approximate_note(p, at, "the nearest value that it may have", "\"%s\" out of its range", name);
+        *v_io = high ? r.hi : r.lo;
+        return true;
+    }
     bis_format_double(lo, r.lo);
     bis_format_double(hi, r.hi);
     if (isinf(r.hi)) snprintf(rule, sizeof rule, "%s %s", r.lo_open ? ">" : ">=", lo);
@@ -63,9 +69,9 @@ bool bis_params_floats(bis_parser *p, const char *name, double *values, size_t n
 {
     const bis_param *param = bis_params_take(p, name, BIS_TYPE_FLOAT, n);
     if (!param) return false;
-    const double *numbers = p->params.numbers + param->first;
+    double *numbers = p->params.numbers + param->first;
     for (size_t i = 0; i < n; i++)
-        if (!bis_parser_in_range(p, param->at, name, numbers[i], range)) return false;
+        if (!bis_parser_in_range(p, param->at, name, &numbers[i], range)) return false;
     memcpy(values, numbers, n * sizeof *values);
     return true;
 }
@@ -79,11 +85,12 @@ bool bis_params_integer(bis_parser *p, const char *name, uint64_t *value, uint64
 {
     const bis_param *param = bis_params_take(p, name, BIS_TYPE_INTEGER, 1);
     if (!param) return false;
-    const double v = p->params.numbers[param->first];
+    double v = p->params.numbers[param->first];
     char buf[32];
     if (v != floor(v))
         return bis_parser_error(p, param->at, "\"%s\" is %s, must be a whole number", name, bis_format_double(buf, v));
-    if (!bis_parser_in_range(p, param->at, name, v, (bis_interval){(double)lo, (double)hi, false, false})) return false;
+    const bis_interval range = {(double)lo, (double)hi, false, false};
+    if (!bis_parser_in_range(p, param->at, name, &v, range)) return false;
     *value = (uint64_t)v;
     return true;
 }
@@ -115,10 +122,10 @@ bool bis_params_rgb(bis_parser *p, const char *name, rgb *value, bis_interval ra
     const bis_param *param = or_float ? bis_params_take(p, name, BIS_TYPE_RGB | BIS_TYPE_FLOAT, 1)
                                       : bis_params_take(p, name, BIS_TYPE_RGB, 3);
     if (!param) return false;
-    const double *v = p->params.numbers + param->first;
+    double *v = p->params.numbers + param->first;
     const bool grey = param->type == BIS_TYPE_FLOAT;
     for (size_t i = 0; i < (grey ? 1 : 3); i++)
-        if (!bis_parser_in_range(p, param->at, name, v[i], range)) return false;
+        if (!bis_parser_in_range(p, param->at, name, &v[i], range)) return false;
     *value = grey ? rgb_from(v[0], v[0], v[0]) : rgb_from(v[0], v[1], v[2]);
     return true;
 }
@@ -200,6 +207,9 @@ const bis_choice *bis_parser_choose(bis_parser *p, const char *directive, const 
         }
         if (choices[i].value != BIS_FOREIGN && n_names < BIS_MAX_PARAMS) names[n_names++] = choices[i].name;
     }
+    const char *instead = bis_approximate_unknown(p, directive, name, at);
+    for (size_t i = 0; i < n && instead; i++)
+        if (strcmp(instead, choices[i].name) == 0) return &choices[i];
     bis_parser_error(p, at, "unknown %s \"%s\"%s", directive, bis_parser_word(p, name),
                      bis_parser_hint(p, bis_nearest_name(name, names, n_names)));
     return NULL;

@@ -3,6 +3,7 @@
  * The shapes between ObjectBegin and ObjectEnd are kept aside with their transformation to the world as it was there;
  * an instance adds each of them again under CTM * theirs (pbrt's rule). Meshes are shared, see bis_mesh_desc. */
 #include "base/grow.h"
+#include "approximate.h"
 #include "parser.h"
 
 #include <string.h>
@@ -21,25 +22,42 @@ static bool open_block(bis_parser *p, bis_block_kind kind, bis_loc at)
     return true;
 }
 
+/* To pbrt an object is a block of attributes, and it does not look which End closes which; a block of transformations
+ * has a stack of its own. */
+static void check_kind(bis_parser *p, const bis_block *top, bis_block_kind kind, bis_loc at)
+{
+    if (top->kind == kind) return;
+    if (top->kind != BIS_BLOCK_TRANSFORM && kind != BIS_BLOCK_TRANSFORM)
+        bis_approximate_pass(p, at, "it closes the last block that was opened, as in pbrt-v3", "%s where %s is due",
+                             end_names[kind], end_names[top->kind]);
+    else if (p->approximate)
+        bis_approximate_note(p, at, "it closes the last block that was opened", "%s where %s is due", end_names[kind],
+                             end_names[top->kind]);
+    else
+        bis_parser_error(p, at, "%s where %s is due: it would close the %s of %s:%d", end_names[kind],
+                         end_names[top->kind], begin_names[top->kind], top->at.file, top->at.line);
+}
+
 /* Close the block on top, whatever it is: after a wrong End the rest of the file makes most sense that way. */
 static void close_block(bis_parser *p, bis_block_kind kind, bis_loc at)
 {
-    if (!p->n_blocks) {
-        bis_parser_error(p, at, "%s without %s", end_names[kind], begin_names[kind]);
-        return;
+    const bool ends_object = kind == BIS_BLOCK_OBJECT && p->in_object;
+
+    if (p->n_blocks) {
+        const bis_block *top = &p->blocks[--p->n_blocks];
+        check_kind(p, top, kind, at);
+        const uint32_t material = top->kind == BIS_BLOCK_TRANSFORM ? p->now.material : top->saved.material;
+        p->now = top->saved;
+        p->now.material = material;
+    } else if (!ends_object) {
+        char kind_text[64];
+        snprintf(kind_text, sizeof kind_text, "%s without %s", end_names[kind], begin_names[kind]);
+        bis_approximate_or_refuse(p, at, kind_text, "ignored, as in pbrt", "%s", kind_text);
     }
-    const bis_block *top = &p->blocks[--p->n_blocks];
-    if (top->kind != kind)
-        bis_parser_error(p, at, "%s where %s is due: it would close the %s of %s:%d", end_names[kind],
-                         end_names[top->kind], begin_names[top->kind], top->at.file, top->at.line);
-    const uint32_t material = top->kind == BIS_BLOCK_TRANSFORM ? p->now.material : top->saved.material;
-    p->now = top->saved;
-    p->now.material = material;
-    if (p->in_object && p->n_blocks == p->object_block) {
-        bis_object *object = &p->objects[p->n_objects - 1];
-        object->n = p->n_object_shapes - object->first;
-        p->in_object = false;
-    }
+    if (!ends_object) return;
+    bis_object *object = &p->objects[p->n_objects - 1];
+    object->n = p->n_object_shapes - object->first;
+    p->in_object = false;
 }
 
 void bis_directive_attribute_begin(bis_parser *p, bis_loc at) { open_block(p, BIS_BLOCK_ATTRIBUTE, at); }
@@ -56,7 +74,6 @@ void bis_directive_reverse_orientation(bis_parser *p, bis_loc at)
 
 void bis_directive_object_begin(bis_parser *p, bis_loc at)
 {
-    uint32_t before;
     if (!bis_parser_name(p, "ObjectBegin")) return;
     if (p->in_object) {
         bis_parser_error(p, at, "ObjectBegin inside ObjectBegin: objects do not nest");
@@ -64,17 +81,15 @@ void bis_directive_object_begin(bis_parser *p, bis_loc at)
         return;
     }
     const char *name = bis_parser_text(p, p->name);
-    const bool known = bis_names_find(&p->object_names, name, &before);
+    const bool known = bis_names_find(&p->object_names, name, NULL);
     if (known)
-        bis_parser_error(p, p->name_at, "object \"%s\" is defined already, in %s:%d", bis_parser_word(p, name),
-                         p->objects[before].at.file, p->objects[before].at.line);
+        bis_approximate_pass(p, p->name_at, "the last one counts from there on", "an object defined again");
     if (!BIS_ROOM(p->objects, p->capacity_objects, p->n_objects) ||
-        (!known && !bis_names_set(&p->object_names, name, (uint32_t)p->n_objects))) {
+        !bis_names_set(&p->object_names, name, (uint32_t)p->n_objects)) {
         bis_parser_nomem(p, at);
         return;
     }
     p->objects[p->n_objects++] = (bis_object){p->name_at, p->n_object_shapes, 0};
-    p->object_block = p->n_blocks;
     p->in_object = open_block(p, BIS_BLOCK_OBJECT, at);
 }
 
@@ -82,7 +97,10 @@ void bis_directive_object_end(bis_parser *p, bis_loc at) { close_block(p, BIS_BL
 
 void bis_parser_add_shape(bis_parser *p, const bis_shape_desc *shape)
 {
-    if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
+    if (p->now.is_flat) {
+        bis_approximate_note(p, shape->loc, "left out: it has no extent in one direction",
+                             "a shape under a singular transformation");
+    } else if (p->desc->n_shapes + p->n_object_shapes >= BIS_MAX_SHAPES) {
         p->stop = !bis_parser_error(p, shape->loc, "more than %u shapes", BIS_MAX_SHAPES);
     } else if (!p->in_object) {
         if (!bis_scene_desc_add_shape(p->desc, shape)) bis_parser_nomem(p, shape->loc);
@@ -99,7 +117,10 @@ static void add_instance(bis_parser *p, const bis_object *object, bis_loc at)
         p->stop = !bis_parser_error(p, at, "more than %u shapes, instances included", BIS_MAX_SHAPES);
         return;
     }
-    for (size_t i = 0; i < object->n; i++) {
+    for (size_t i = 0; i < object->n && p->now.is_flat; i++)
+        bis_approximate_note(p, at, "left out: it has no extent in one direction",
+                             "a shape under a singular transformation");
+    for (size_t i = 0; i < object->n && !p->now.is_flat; i++) {
         bis_shape_desc shape = p->object_shapes[object->first + i];
         shape.to_world = bis_xform_compose(&p->now.ctm, &shape.to_world);
         if (!bis_parser_is_usable(&shape.to_world)) {
@@ -126,15 +147,18 @@ void bis_directive_object_instance(bis_parser *p, bis_loc at)
         add_instance(p, &p->objects[i], at);
         return;
     }
-    bis_parser_error(p, p->name_at, "object \"%s\" is not defined%s", bis_parser_word(p, name),
-                     bis_parser_hint(p, bis_names_nearest(&p->object_names, name)));
+    bis_approximate_or_refuse(p, p->name_at, "ObjectInstance of an object that is not defined", "left out",
+                              "object \"%s\" is not defined%s", bis_parser_word(p, name),
+                              bis_parser_hint(p, bis_names_nearest(&p->object_names, name)));
 }
 
 void bis_parser_check_blocks(bis_parser *p)
 {
     for (size_t i = p->n_blocks; i-- > 0;) {
         const bis_block *b = &p->blocks[i];
-        bis_parser_error(p, b->at, "%s has no %s", begin_names[b->kind], end_names[b->kind]);
+        char kind[64];
+        snprintf(kind, sizeof kind, "%s has no %s", begin_names[b->kind], end_names[b->kind]);
+        bis_approximate_or_refuse(p, b->at, kind, "it ends with the scene", "%s", kind);
         if (p->stop) return;
     }
 }

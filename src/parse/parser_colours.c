@@ -5,6 +5,7 @@
  * outside of RGB's colours is cut off with a warning. */
 #include "bis/base/file.h"
 #include "bis/base/spectrum.h"
+#include "approximate.h"
 #include "base/grow.h"
 #include "parser.h"
 
@@ -84,8 +85,14 @@ bool bis_params_spectrum(bis_parser *p, const char *name, bis_parser_spectrum *s
     *s = (bis_parser_spectrum){{NULL, 0}, NULL};
     if (!param) return false;
     if (!param->is_strings) return keep_pairs(p, s, p->params.numbers + param->first, param->n, param->at, name);
-    char *path = bis_parser_path(p, param->at, bis_parser_text(p, p->params.strings[param->first]));
-    const bool ok = path && read_spd(p, s, path, param->at, name);
+    const char *file = bis_parser_text(p, p->params.strings[param->first]);
+    if (p->approximate && (strncmp(file, "stdillum-", 9) == 0 || strncmp(file, "illum-", 6) == 0)) {
+        static const double white = 1;
+        bis_approximate_note(p, param->at, "white", "the illuminant \"%s\"", bis_parser_word(p, file));
+        return keep_pairs(p, s, &white, 1, param->at, name);
+    }
+    char *path = bis_parser_path(p, param->at, file);
+    const bool ok = path && !bis_parser_is_missing(p, path) && read_spd(p, s, path, param->at, name);
     bis_free(path);
     return ok;
 }
@@ -105,6 +112,42 @@ rgb bis_parser_into_unit(bis_parser *p, rgbd c, const char *name, bis_loc at)
     return rgbd_round(cut);
 }
 
+/* One number, the temperature; pbrt-v3's second one, with --approximate, multiplies. */
+static bool take_blackbody(bis_parser *p, const char *name, rgbd *c)
+{
+    static const bis_interval kelvins = {500, 1e6, false, false};
+    const bis_param *param = bis_params_take(p, name, BIS_TYPE_BLACKBODY, 0);
+    if (!param) return false;
+    double *v = p->params.numbers + param->first;
+    if (param->n > 2 || (param->n == 2 && !p->approximate))
+        return bis_parser_error(p, param->at, "\"blackbody %s\" has %zu values, must have one, the temperature in "
+                                "kelvin; pbrt-v3's second one is what \"scale\" says", name, param->n);
+    if (!bis_parser_in_range(p, param->at, name, &v[0], kelvins)) return false;
+    *c = bis_spectrum_blackbody(v[0]);
+    if (param->n == 1) return true;
+    bis_approximate_note(p, param->at, "it multiplies the colour of luminance 1", "a second value of \"blackbody %s\"",
+                         name);
+    *c = rgbd_scale(*c, v[1]);
+    return true;
+}
+
+/* A light's spectrum becomes what a surface of that reflectance shows in white light. */
+static bool take_emitted(bis_parser *p, const char *name, rgbd *c)
+{
+    char kind[64];
+    bis_parser_spectrum s;
+    snprintf(kind, sizeof kind, "\"spectrum %s\"", name);
+    if (!bis_approximate_or_refuse(p, bis_params_at(p, name), kind, "its colour is relative to D65, white",
+                                   "\"%s\" is of type spectrum, must be rgb", name)) {
+        bis_params_skip(p, &name, 1);
+        return false;
+    }
+    const bool ok = bis_params_spectrum(p, name, &s);
+    if (ok) *c = bis_spectrum_reflected(&s.is);
+    bis_parser_spectrum_clear(&s);
+    return ok;
+}
+
 /* A reflectance. */
 bool bis_params_reflectance(bis_parser *p, const char *name, rgb *value)
 {
@@ -116,6 +159,12 @@ bool bis_params_reflectance(bis_parser *p, const char *name, rgb *value)
         bis_parser_spectrum_clear(&s);
         return ok;
     }
+    if (param && param->type == BIS_TYPE_BLACKBODY) {
+        rgbd c;
+        if (!take_blackbody(p, name, &c)) return false;
+        *value = bis_parser_into_unit(p, c, name, param->at);
+        return true;
+    }
     const bis_param *xyz = bis_params_take(p, name, BIS_TYPE_XYZ, 3);
     if (!xyz) return false;
     const double *v = p->params.numbers + xyz->first;
@@ -125,21 +174,20 @@ bool bis_params_reflectance(bis_parser *p, const char *name, rgb *value)
 
 bool bis_params_emission(bis_parser *p, const char *name, rgb *value)
 {
-    static const bis_interval kelvins = {500, 1e6, false, false};
-    const bis_param *param = bis_params_take(p, name, BIS_TYPE_XYZ | BIS_TYPE_BLACKBODY, 0);
-    if (!param) return false;
-    const double *v = p->params.numbers + param->first;
+    const bis_param *param = bis_params_find(p, name);
     rgbd c;
+    if (!param) return false;
     if (param->type == BIS_TYPE_XYZ) {
-        if (param->n != 3)
-            return bis_parser_error(p, param->at, "\"%s\" has %zu values, must have 3", name, param->n);
+        const bis_param *xyz = bis_params_take(p, name, BIS_TYPE_XYZ, 0);
+        if (!xyz) return false;
+        if (xyz->n != 3)
+            return bis_parser_error(p, xyz->at, "\"%s\" has %zu values, must have 3", name, xyz->n);
+        const double *v = p->params.numbers + xyz->first;
         c = bis_xyz_to_rgb(v[0], v[1], v[2]);
-    } else {
-        if (param->n != 1)
-            return bis_parser_error(p, param->at, "\"blackbody %s\" has %zu values, must have one, the temperature in "
-                                    "kelvin; pbrt-v3's second one is what \"scale\" says", name, param->n);
-        if (!bis_parser_in_range(p, param->at, name, v[0], kelvins)) return false;
-        c = bis_spectrum_blackbody(v[0]);
+    } else if (param->type == BIS_TYPE_SPECTRUM) {
+        if (!take_emitted(p, name, &c)) return false;
+    } else if (!take_blackbody(p, name, &c)) {
+        return false;
     }
     if (c.r < 0 || c.g < 0 || c.b < 0)
         bis_warn(p->diag, param->at, "\"%s\" is the colour (%.4g, %.4g, %.4g) of RGB; what is negative becomes 0", name,

@@ -4,9 +4,11 @@
  * `candidates` to "em" does not mean what it says. pbrt's integrators and samplers are replaced, with a warning, by
  * what comes nearest. */
 #include "bis/base/file.h"
+#include "approximate.h"
 #include "parser.h"
 
 #include <assert.h>
+#include <string.h>
 
 #define MAX_SPP 1000000000u
 
@@ -83,7 +85,9 @@ void bis_directive_integrator(bis_parser *p, bis_loc at)
     p->desc->integrator_loc = p->name_at;
     p->desc->names_integrator = integrator != NULL;
     if (!integrator) {
-        bis_warn(p->diag, p->name_at,
+        if (p->approximate)
+            bis_approximate_integrator(p, p->name_at, "Integrator", bis_parser_text(p, p->name));
+        else bis_warn(p->diag, p->name_at,
                  "Integrator \"%s\" is pbrt's and replaced by the default, \"%s\"; its parameters are ignored",
                  chosen->name, bis_sir.name);
         const unsigned as_printed = p->desc->view.settings.as_printed;
@@ -133,6 +137,7 @@ void bis_directive_sampler(bis_parser *p, bis_loc at)
     if (!chosen) return;
     bis_parser_single(p, BIS_SINGLE_SAMPLER, "Sampler", at);
     const bool replaced = chosen->value == BIS_REPLACED;
+    if (strcmp(chosen->name, "bestcandidate") == 0) bis_parser_is_v2(p, "Sampler \"bestcandidate\"", at);
     if (replaced) bis_warn(p->diag, p->name_at, "Sampler \"%s\" is replaced by \"sobol\"", chosen->name);
 
     const bool has_spp = bis_params_uint32(p, "pixelsamples", &spp, 1, MAX_SPP);

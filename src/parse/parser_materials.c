@@ -38,31 +38,49 @@ static double own_roughness(bis_parser *p, double alpha, bis_loc at)
     return sqrt(fmin(fmax(alpha, least), 1));
 }
 
-/* uroughness and vroughness, by default `roughness`, where either is given. They must agree, because one width of the
- * lobe would not look like two; --approximate takes the circle of the ellipse's area. */
-static double alpha_of_two(bis_parser *p, double roughness, bool remaps, remap how)
+/* A roughness of the scene: a number, or the mean of a texture's. */
+typedef struct rough {
+    double value;
+    uint32_t texture;
+} rough;
+
+static bool read_rough(bis_parser *p, const char *name, rough *r)
 {
-    double u = roughness, v = roughness;
-    bis_params_float(p, "uroughness", &u, positive_or_0);
-    bis_params_float(p, "vroughness", &v, positive_or_0);
-    if (u == v) return alpha_of(u, remaps, how);
+    if (!bis_params_has(p, name)) return false;
+    r->texture = BIS_NO_TEXTURE;
+    return bis_params_number(p, name, &r->value, positive_or_0, &r->texture);
+}
+
+/* uroughness and vroughness, by default `roughness`, where either is given. They must agree, because one width of the
+ * lobe would not look like two; --approximate takes the circle of the ellipse's area, or the one that is a texture. */
+static double alpha_of_two(bis_parser *p, rough *r, bool remaps, remap how)
+{
+    rough u = *r, v = *r;
+    read_rough(p, "uroughness", &u);
+    read_rough(p, "vroughness", &v);
+    *r = u.texture != BIS_NO_TEXTURE ? u : v;
+    if (u.texture == v.texture && (u.texture != BIS_NO_TEXTURE || u.value == v.value))
+        return alpha_of(u.value, remaps, how);
+    const bool varies = r->texture != BIS_NO_TEXTURE;
     const bis_loc at = bis_params_at(p, bis_params_has(p, "vroughness") ? "vroughness" : "uroughness");
     bis_approximate_or_refuse(p, at, "\"uroughness\" and \"vroughness\" that differ",
-                              "a round lobe, its alpha the root of the product of both",
+                              varies ? "a round lobe, as wide as the texture says"
+                                     : "a round lobe, its alpha the root of the product of both",
                               "\"uroughness\" and \"vroughness\" differ: anisotropic surfaces are not modelled, give "
                               "both the same value");
-    return sqrt(fmax(0, alpha_of(u, remaps, how) * alpha_of(v, remaps, how)));
+    if (varies) return alpha_of(r->value, remaps, how);
+    return sqrt(fmax(0, alpha_of(u.value, remaps, how) * alpha_of(v.value, remaps, how)));
 }
 
 static double read_roughness(bis_parser *p, double usual, remap how, bis_material_textures *t)
 {
     bool remaps = true;
-    double roughness = usual;
-    uint32_t texture = BIS_NO_TEXTURE;
+    rough r = {usual, BIS_NO_TEXTURE};
     bis_params_bool(p, "remaproughness", &remaps);
-    bis_params_number(p, "roughness", &roughness, positive_or_0, &texture);
-    const double alpha = alpha_of_two(p, roughness, remaps, how);
-    if (texture == BIS_NO_TEXTURE) return own_roughness(p, alpha, bis_params_at(p, "roughness"));
+    read_rough(p, "roughness", &r);
+    const double alpha = alpha_of_two(p, &r, remaps, how);
+    if (r.texture == BIS_NO_TEXTURE) return own_roughness(p, alpha, bis_params_at(p, "roughness"));
+    uint32_t texture = r.texture;
     if (remaps && how == V3) {
         const bis_texture x = {.kind = BIS_TEXTURE_ALPHA, .of = {texture}, .value = {alpha, alpha, alpha},
                                .steps = p->desc->textures.list[texture].steps + 1};

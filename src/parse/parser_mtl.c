@@ -8,6 +8,7 @@
 #include "bis/base/file.h"
 #include "bis/thesis/phong.h"
 #include "base/grow.h"
+#include "approximate.h"
 #include "parser.h"
 #include "scene/scene_peek.h"
 
@@ -58,7 +59,7 @@ static void read_colour(bis_parser *p, const line *l, const char *what, rgb *c)
     double v[3];
     if (!read_numbers(p, l, what, v, 3)) return;
     for (int i = 0; i < 3; i++)
-        if (!bis_parser_in_range(p, l->at, what, v[i], unit)) return;
+        if (!bis_parser_in_range(p, l->at, what, &v[i], unit)) return;
     *c = rgb_from(v[0], v[1], v[2]);
 }
 
@@ -66,7 +67,7 @@ static void read_Ns(bis_parser *p, const line *l, double *Ns)
 {
     static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
     double v;
-    if (read_numbers(p, l, "Ns", &v, 1) && bis_parser_in_range(p, l->at, "Ns", v, positive_or_0)) *Ns = v;
+    if (read_numbers(p, l, "Ns", &v, 1) && bis_parser_in_range(p, l->at, "Ns", &v, positive_or_0)) *Ns = v;
 }
 
 /* The options before a map's name. Those that change what is seen are refused, but -clamp on, -o and -s. */
@@ -90,8 +91,11 @@ static bool read_options(bis_parser *p, const line *l, char **name, bis_texture 
             }
             for (int i = 0; i < 2 && i < n; i++) (word[1] == 's' ? x->factor : x->offset)[i] = v[i];
         } else {
-            return bis_parser_error(p, l->at, "the option %s of a map is not modelled: remove it",
-                                    bis_parser_word(p, word));
+            if (!bis_approximate_or_refuse(p, l->at, "an option of a map that is not modelled", "ignored",
+                                           "the option %s of a map is not modelled: remove it",
+                                           bis_parser_word(p, word)))
+                return false;
+            s += strcspn(s, blanks); /* its value */
         }
         s += strspn(s, blanks);
     }
@@ -106,7 +110,12 @@ static void read_map(bis_parser *p, const line *l, uint32_t *texture)
     if (!read_options(p, l, &name, &x)) return;
     for (char *s = name; *s; s++)
         if (*s == '\\') *s = '/'; /* written on another system */
-    if (bis_parser_add_image(p, name, BIS_GAMMA_SRGB, l->at, &x.image)) bis_parser_add_texture(p, &x, texture);
+    if (bis_parser_lacks(p, l->at, name, true)) {
+        bis_approximate_note(p, l->at, "Kd alone", "an image of a library that is not there");
+        return;
+    }
+    char *path = bis_parser_path_beside(p, l->at, name);
+    if (bis_parser_add_image(p, path, BIS_GAMMA_SRGB, l->at, &x.image)) bis_parser_add_texture(p, &x, texture);
 }
 
 /* ---- a library ---- */
@@ -198,7 +207,11 @@ static void read_libraries(bis_parser *p, const char *obj_path, const bis_obj_ma
         const bis_loc at = {obj_path, obj->libraries[i].line, 0};
         unsigned char *data;
         size_t size;
-        char *path = bis_parser_path(p, at, obj->libraries[i].name);
+        if (bis_parser_lacks(p, at, obj->libraries[i].name, true)) {
+            bis_approximate_note(p, at, "its materials are diffuse grey", "a library of materials that is not there");
+            continue;
+        }
+        char *path = bis_parser_path_beside(p, at, obj->libraries[i].name);
         const char *name = path ? bis_scene_desc_add_file(p->desc, path) : NULL;
         if (path && !name) bis_parser_nomem(p, at);
         if (!name) return;
@@ -244,11 +257,14 @@ static void add_part(bis_parser *p, const bis_shape_desc *shape, const bis_obj_m
 {
     bis_shape_desc own = *shape;
     own.part = part;
+    const mtl grey = {.Kd = {0.5f, 0.5f, 0.5f}, .Ns = 50, .map = BIS_NO_TEXTURE, .at = shape->loc};
     if (part > 0 && !m->exists) {
-        bis_parser_error(p, shape->loc, "material \"%s\" of %s is in none of its libraries (mtllib): add it, or leave "
-                         "out \"bool materials\"", bis_parser_word(p, obj->parts.names[part - 1]),
-                         p->desc->meshes[shape->mesh].filename);
-        return;
+        if (!bis_approximate_or_refuse(p, shape->loc, "a material that is in no library of its mesh", "diffuse grey",
+                                       "material \"%s\" of %s is in none of its libraries (mtllib): add it, or leave "
+                                       "out \"bool materials\"", bis_parser_word(p, obj->parts.names[part - 1]),
+                                       p->desc->meshes[shape->mesh].filename))
+            return;
+        m = &grey;
     }
     if (part == 0 || make_material(p, m, &own.material)) bis_parser_add_shape(p, &own);
 }
@@ -262,6 +278,9 @@ void bis_parser_add_parts(bis_parser *p, const bis_shape_desc *shape)
     if (status) return;
     const unsigned errors = p->n_errors;
     mesh->n_parts = obj.parts.n;
+    size_t n_faces = 0; /* parts that have some */
+    for (size_t k = 0; k < obj.n_shown; k++) n_faces += obj.is_shown[k];
+    if (!n_faces) bis_parser_error(p, mesh->loc, "\"%s\" has no faces: it is no OBJ, or an empty one", mesh->filename);
     if (obj.n_libraries > MAX_LIBRARIES)
         bis_parser_error(p, mesh->loc, "%s names %zu libraries of materials, must be at most %d", mesh->filename,
                          obj.n_libraries, MAX_LIBRARIES);

@@ -94,7 +94,7 @@ void bis_directive_film(bis_parser *p, bis_loc at)
     static const bis_choice films[] = {{"rgb", 0}, {"image", 0}, {"gbuffer", BIS_FOREIGN}, {"spectral", BIS_FOREIGN}};
     static const char *const ignored[] = {
         "diagonal",     "savefp16",     "sensor",      "iso",   "whitebalance",      "maxcomponentvalue",
-        "exposuretime", "imagingratio", "pixelbounds", "scale", "maxsampleluminance", "display",
+        "exposuretime", "imagingratio", "pixelbounds", "maxsampleluminance", "display",
     };
     const bis_choice *type = bis_parser_begin(p, "Film", films, BIS_COUNT(films));
     if (!type) return;
@@ -109,6 +109,8 @@ void bis_directive_film(bis_parser *p, bis_loc at)
         bis_parser_error(p, bis_params_at(p, "filename"), "\"filename\" is empty");
     film.width = (int)width;
     film.height = (int)height;
+    p->film_scale = 1;
+    bis_params_float(p, "scale", &p->film_scale, (bis_interval){0, HUGE_VAL, false, false});
     film_crop(p, &film);
     film_layers(p, &film);
     bis_params_ignore(p, ignored, BIS_COUNT(ignored));

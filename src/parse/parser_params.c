@@ -1,9 +1,11 @@
 /* parser_params: "type name" value or [values], all of a directive's, read before any is looked at (parser_ask.c).
  *
  * What is checked here is what can be told without knowing the directive: the type is one of pbrt's, the values are of
- * its class (numbers, strings, true or false), numbers are finite as floats, no name comes twice. Values go into arrays
- * that the next directive uses again. Invariant: strings and names are offsets, since the text moves when it grows. */
+ * its class (numbers, strings, true or false), numbers are finite as floats. Of two parameters of one name the last
+ * counts, as in pbrt. Values go into arrays that the next directive uses again. Invariant: strings and names are
+ * offsets, since the text moves when it grows. */
 #include "base/grow.h"
+#include "approximate.h"
 #include "parser.h"
 
 #include <float.h>
@@ -274,14 +276,15 @@ static bool read_param(bis_parser *p)
     param.type = type->type;
     param.type_name = type->shown;
     const char *name = bis_parser_text(p, param.name);
-    const bis_param *before = bis_params_find(p, name);
-    if (before) bis_parser_error(p, param.at, "\"%s\" is given twice, first in line %d", name, before->at.line);
+    bis_param *before = bis_params_find(p, name);
+    if (before) bis_approximate_pass(p, param.at, "the last one counts", "\"%s\" given twice", name);
     bis_parser_advance(p);
     if (p->token.kind != BIS_TOKEN_OPEN && !is_value(&p->token) && p->token.kind != BIS_TOKEN_BAD &&
         !is_nonfinite_word(&p->token))
         return bis_parser_lose(p, param.at, "\"%s\" has no value", name);
     if (!read_values(p, &param, type->values)) return false;
-    if (!before) p->params.list[p->params.n++] = param;
+    if (!before) before = &p->params.list[p->params.n++];
+    *before = param;
     return true;
 }
 

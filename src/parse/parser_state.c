@@ -12,30 +12,108 @@
 
 /* ---- complaints ---- */
 
+static void stop_at_many(bis_parser *p)
+{
+    if (++p->n_listed != BIS_MAX_ERRORS || p->stop) return;
+    bis_error(p->diag, BIS_INPUT, p->token.at, "stopped after %d errors", BIS_MAX_ERRORS);
+    p->stop = true;
+}
+
 void bis_parser_note(bis_parser *p, bis_status status)
 {
     if (!status) return;
     if (!p->status) p->status = status;
-    if (++p->n_errors == BIS_MAX_ERRORS && !p->stop) {
-        bis_error(p->diag, BIS_INPUT, p->token.at, "stopped after %d errors", BIS_MAX_ERRORS);
-        p->stop = true;
-    }
+    p->n_errors++;
+    stop_at_many(p);
 }
 
-static void complain(bis_parser *p, bis_loc at, const char *fmt, va_list args) BIS_PRINTF(3, 0);
+/* What the message is about: without the numbers that stand outside of quotes, errors of one cause read alike. */
+static void name_cause(char cause[BIS_CAUSE], const char *text)
+{
+    size_t n = 0;
+    bool is_quoted = false;
+    for (; *text && n + 1 < BIS_CAUSE; text++) {
+        is_quoted ^= *text == '"';
+        if (is_quoted || !strchr("0123456789.+-", *text)) cause[n++] = *text;
+    }
+    cause[n] = '\0';
+}
 
-static void complain(bis_parser *p, bis_loc at, const char *fmt, va_list args)
+/* Is it one of a cause that is listed? Then it is counted there. */
+static bool is_listed(bis_parser *p, const char *name, bis_loc at)
+{
+    for (size_t i = 0; i < p->n_causes; i++) {
+        bis_cause *c = &p->causes[i];
+        if (strcmp(c->name, name) != 0) continue;
+        if (c->n < BIS_COUNT(c->others)) c->others[c->n] = at;
+        c->n++;
+        return true;
+    }
+    return false;
+}
+
+static bis_status complain(bis_parser *p, bis_status status, bis_loc at, const char *text)
+{
+    char name[BIS_CAUSE];
+
+    if (!p->status) p->status = status;
+    p->n_errors++;
+    name_cause(name, text);
+    if (is_listed(p, name, at)) return status;
+    bis_error(p->diag, status, at, "%s", text);
+    if (p->n_causes < BIS_COUNT(p->causes)) {
+        bis_cause *c = &p->causes[p->n_causes++];
+        *c = (bis_cause){.message = p->diag ? p->diag->n - 1 : 0};
+        memcpy(c->name, name, sizeof name);
+    }
+    stop_at_many(p);
+    return status;
+}
+
+static void vcomplain(bis_parser *p, bis_loc at, const char *fmt, va_list args) BIS_PRINTF(3, 0);
+
+static void vcomplain(bis_parser *p, bis_loc at, const char *fmt, va_list args)
 {
     char text[1024];
     vsnprintf(text, sizeof text, fmt, args);
-    bis_parser_note(p, bis_error(p->diag, BIS_INPUT, at, "%s", text));
+    complain(p, BIS_INPUT, at, text);
+}
+
+/* ` (3 like it; the others are in lines 15, 20)`: the places, as far as they are known. */
+static void describe_others(char text[BIS_OTHERS], const bis_cause *c, const char *file)
+{
+    const size_t shown = c->n < BIS_COUNT(c->others) ? c->n : BIS_COUNT(c->others);
+
+    snprintf(text, BIS_OTHERS, " (%zu like it: also in", c->n + 1);
+    for (size_t i = 0; i < shown; i++) {
+        const bis_loc at = c->others[i];
+        const bool same = at.file && file && strcmp(at.file, file) == 0;
+        bis_append(text, BIS_OTHERS, "%s %s%.*s%s%d", i ? "," : "", same ? "line " : "", same ? 0 : 200,
+                   at.file ? at.file : "", same ? "" : ":", at.line);
+    }
+    bis_append(text, BIS_OTHERS, "%s)", c->n > shown ? ", ..." : "");
+}
+
+void bis_parser_count_causes(bis_parser *p)
+{
+    for (size_t i = 0; i < p->n_causes && p->diag; i++) {
+        const bis_cause *c = &p->causes[i];
+        if (!c->n || c->message >= p->diag->n) continue;
+        char **text = &p->diag->messages[c->message].text, others[BIS_OTHERS];
+        describe_others(others, c, p->desc->files[0]);
+        const size_t n = strlen(*text);
+        char *longer = bis_realloc(*text, n + strlen(others) + 1, 1);
+        if (!longer) return; /* the number is lost, the message is not */
+        strcpy(longer + n, others);
+        *text = longer;
+    }
 }
 
 bool bis_parser_error(bis_parser *p, bis_loc at, const char *fmt, ...)
 {
     va_list args;
     va_start(args, fmt);
-    complain(p, at, fmt, args);
+    vcomplain(p, at, fmt, args);
     va_end(args);
     return false;
 }
@@ -44,7 +122,7 @@ bool bis_parser_lose(bis_parser *p, bis_loc at, const char *fmt, ...)
 {
     va_list args;
     va_start(args, fmt);
-    complain(p, at, fmt, args);
+    vcomplain(p, at, fmt, args);
     va_end(args);
     p->lost = true;
     return false;
@@ -73,6 +151,13 @@ const char *bis_parser_hint(bis_parser *p, const char *nearest)
 
 const char *bis_parser_word(bis_parser *p, const char *text) { return bis_printable(p->word, text, strlen(text)); }
 
+void bis_parser_is_v2(bis_parser *p, const char *word, bis_loc at)
+{
+    if (p->v2_word) return;
+    p->v2_word = word;
+    p->v2_at = at;
+}
+
 /* ---- tokens and files ---- */
 
 void bis_parser_advance(bis_parser *p)
@@ -97,11 +182,38 @@ static const char *why_unreadable(const char *path, bis_status *status)
     return strerror(errno);
 }
 
-char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
+/* One of the places where a file may lie. False: it is not there, or there is no memory (*path is then NULL). */
+static bool lies_at(char **path, const char *beside, const char *name)
+{
+    struct stat st;
+    *path = bis_path_relative_to(beside, name);
+    return *path && stat(*path, &st) == 0;
+}
+
+/* The first of pbrt's places (of v2 to v4 the main scene's folder, of v4 then the working directory) and of ours (the
+ * folder of the file that names it) where there is such a file; where there is none, the first place. NULL: no memory.
+ */
+static char *find_file(bis_parser *p, bis_loc at, const char *name)
+{
+    const char *const beside[] = {p->desc->files[0], "", at.file};
+    char *first, *path;
+
+    if (lies_at(&first, beside[0], name) || !first) return first;
+    for (size_t i = 1; i < BIS_COUNT(beside); i++) {
+        const bool found = lies_at(&path, beside[i], name);
+        if (found) bis_free(first);
+        if (found) return path;
+        bis_free(path);
+    }
+    return first;
+}
+
+/* Takes over path, which is NULL where there was no memory for it. */
+static char *check_path(bis_parser *p, bis_loc at, const char *name, char *path)
 {
     bis_status status = BIS_INPUT;
     const char *why = "the name is empty";
-    char *path = bis_path_relative_to(at.file, name);
+    char text[1024];
 
     if (!path) {
         bis_parser_nomem(p, at);
@@ -110,13 +222,36 @@ char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
     if (name[0]) why = why_unreadable(path, &status);
     if (!why) return path;
     if (p->lists_missing && name[0] && status == BIS_INPUT) {
-        char *copy = bis_names_find(&p->missing, path, NULL) ? NULL : bis_strdup(path);
+        char *copy = bis_parser_is_missing(p, path) ? NULL : bis_strdup(path);
         if (!copy) return path;
         if (bis_names_set(&p->missing, path, 0) && bis_scene_desc_add_missing(p->desc, copy)) return path;
         bis_parser_nomem(p, at);
         return path;
     }
-    bis_parser_note(p, bis_error(p->diag, status, at, "cannot read \"%s\": %s", bis_parser_word(p, path), why));
+    snprintf(text, sizeof text, "cannot read \"%s\": %s", bis_parser_word(p, path), why);
+    complain(p, status, at, text);
     bis_free(path);
     return NULL;
+}
+
+bool bis_parser_is_missing(const bis_parser *p, const char *path) { return bis_names_find(&p->missing, path, NULL); }
+
+char *bis_parser_path(bis_parser *p, bis_loc at, const char *name)
+{
+    return check_path(p, at, name, find_file(p, at, name));
+}
+
+char *bis_parser_path_beside(bis_parser *p, bis_loc at, const char *name)
+{
+    return check_path(p, at, name, bis_path_relative_to(at.file, name));
+}
+
+bool bis_parser_lacks(bis_parser *p, bis_loc at, const char *name, bool is_beside)
+{
+    if (!p->approximate || !name[0]) return false;
+    char *path = is_beside ? bis_path_relative_to(at.file, name) : find_file(p, at, name);
+    const bool lacks = path && access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR);
+    if (lacks && p->lists_missing) path = check_path(p, at, name, path);
+    bis_free(path);
+    return lacks;
 }

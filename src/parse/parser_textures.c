@@ -32,24 +32,30 @@ static bis_texture constant(rgbd value)
     return (bis_texture){.kind = BIS_TEXTURE_CONSTANT, .value = value, .steps = 1};
 }
 
-/* Where a parameter names a texture: which. A colour may be given by a texture of numbers, and is then grey. */
-static bool find_texture(bis_parser *p, const bis_param *param, bool of_floats, uint32_t *index)
+bool bis_parser_find_texture(bis_parser *p, const bis_param *param, bool of_floats, uint32_t *index)
 {
     const char *name = bis_parser_text(p, p->params.strings[param->first]);
     const bis_names *colours = &p->texture_names[0], *floats = &p->texture_names[1];
 
     if (!of_floats && bis_names_find(colours, name, index)) return true;
     if (bis_names_find(floats, name, index)) return true;
-    if (of_floats && bis_names_find(colours, name, index))
-        return bis_parser_error(p, param->at, "texture \"%s\" is one of colours; \"%s\" needs one of numbers, "
-                                "Texture \"%s\" \"float\"", bis_parser_word(p, name),
-                                bis_parser_text(p, param->name), bis_parser_word(p, name));
+    if (of_floats && bis_names_find(colours, name, index)) {
+        bis_approximate_or_refuse(p, param->at, "a texture of colours in place of numbers",
+                                  "the parameter's default is taken",
+                                  "texture \"%s\" is one of colours; \"%s\" needs one of numbers, "
+                                  "Texture \"%s\" \"float\"", bis_parser_word(p, name),
+                                  bis_parser_text(p, param->name), bis_parser_word(p, name));
+        return false;
+    }
     if (p->own_texture && strcmp(name, bis_parser_text(p, p->name)) == 0)
         return bis_parser_error(p, param->at, "texture \"%s\" would be made of itself: name one that is defined before",
                                 bis_parser_word(p, name));
     const char *nearest = bis_names_nearest(of_floats ? floats : colours, name);
-    return bis_parser_error(p, param->at, "texture \"%s\" is not defined%s; as in pbrt, Texture must stand before its "
-                            "first use", bis_parser_word(p, name), bis_parser_hint(p, nearest));
+    char word[128];
+    bis_approximate_or_refuse(p, param->at, "a texture that is not defined", "the parameter's default is taken",
+                              "texture \"%s\" is not defined%s; as in pbrt, Texture must stand before its "
+                              "first use", bis_printable(word, name, strlen(name)), bis_parser_hint(p, nearest));
+    return false;
 }
 
 /* ---- parameters that may be textures ---- */
@@ -68,13 +74,13 @@ static bool take_texture(bis_parser *p, const char *name, bool of_floats, rgbd *
 {
     const bis_param *param = bis_params_take(p, name, BIS_TYPE_TEXTURE, 1);
     uint32_t index;
-    if (!param || !find_texture(p, param, of_floats, &index)) return false;
+    if (!param || !bis_parser_find_texture(p, param, of_floats, &index)) return false;
     const bis_texture *x = &p->desc->textures.list[index];
     if (x->kind == BIS_TEXTURE_CONSTANT) {
         *value = x->value;
-        return bis_parser_in_range(p, param->at, name, value->r, range) &&
-               bis_parser_in_range(p, param->at, name, value->g, range) &&
-               bis_parser_in_range(p, param->at, name, value->b, range);
+        return bis_parser_in_range(p, param->at, name, &value->r, range) &&
+               bis_parser_in_range(p, param->at, name, &value->g, range) &&
+               bis_parser_in_range(p, param->at, name, &value->b, range);
     }
     *texture = index;
     *value = (rgbd){within(x->value.r, range), within(x->value.g, range), within(x->value.b, range)};
@@ -85,7 +91,7 @@ bool bis_params_colour(bis_parser *p, const char *name, rgb *value, bis_interval
 {
     rgbd v;
     const bis_param *param = bis_params_find(p, name);
-    if (param && param->type & (BIS_TYPE_SPECTRUM | BIS_TYPE_XYZ)) return bis_params_reflectance(p, name, value);
+    if (param && param->type & BIS_TYPES_OF_COLOUR) return bis_params_reflectance(p, name, value);
     if (!is_texture(p, name)) return bis_params_rgb(p, name, value, range, true);
     if (!take_texture(p, name, false, &v, range, texture)) return false;
     *value = rgbd_round(v);
@@ -103,14 +109,15 @@ bool bis_params_number(bis_parser *p, const char *name, double *value, bis_inter
 
 /* ---- what a texture is made of ---- */
 
-/* A part of a texture: one of the list. False: complained. */
+/* A part of a texture: one of the list. False: complained. Its values may be any, because the texture may serve nothing
+ * that bis shows; where it does, its range is looked at. */
 static bool read_part(bis_parser *p, const char *name, bool of_floats, double usual, bis_interval range,
                       uint32_t *index)
 {
     rgbd value = {usual, usual, usual};
     if (is_texture(p, name)) {
         const bis_param *param = bis_params_take(p, name, BIS_TYPE_TEXTURE, 1);
-        return param && find_texture(p, param, of_floats, index);
+        return param && bis_parser_find_texture(p, param, of_floats, index);
     }
     const bool given = bis_params_has(p, name);
     bool ok = true;
@@ -172,14 +179,22 @@ static bool read_mapping(bis_parser *p, bis_texture *x)
     return ok;
 }
 
-/* "sRGB", "linear", "gamma 2.2"; pbrt-v3's bool gamma: false is linear. */
+/* "sRGB", "linear", "gamma 2.2"; pbrt-v3's bool gamma: false is linear; pbrt-v2's float gamma: an exponent. */
 static bool read_encoding(bis_parser *p, double *gamma)
 {
     const char *text, *end;
     bool by_curve = true;
 
-    *gamma = BIS_GAMMA_SRGB;
-    if (bis_params_bool(p, "gamma", &by_curve) && !by_curve) *gamma = 1;
+    *gamma = p->is_v2 ? 1 : BIS_GAMMA_SRGB;
+    const bis_param *given = bis_params_find(p, "gamma");
+    if (given && given->type == BIS_TYPE_FLOAT && p->is_v2) {
+        bis_params_float(p, "gamma", gamma, (bis_interval){0, 100, true, false});
+    } else if (given && given->type == BIS_TYPE_FLOAT) {
+        bis_approximate_pass(p, given->at, "ignored, as in pbrt-v3", "\"float gamma\" of a texture");
+        bis_params_skip(p, &(const char *){"gamma"}, 1);
+    } else if (bis_params_bool(p, "gamma", &by_curve)) {
+        *gamma = by_curve ? BIS_GAMMA_SRGB : 1;
+    }
     if (!bis_params_string(p, "encoding", &text) || strcmp(text, "sRGB") == 0) return true;
     if (strcmp(text, "linear") == 0) {
         *gamma = 1;
@@ -225,9 +240,8 @@ static bool add_file(bis_parser *p, char *path, double gamma, bis_loc at, uint32
     return true;
 }
 
-bool bis_parser_add_image(bis_parser *p, const char *name, double gamma, bis_loc at, uint32_t *image)
+bool bis_parser_add_image(bis_parser *p, char *path, double gamma, bis_loc at, uint32_t *image)
 {
-    char *path = bis_parser_path(p, at, name);
     return path && add_file(p, path, gamma, at, image);
 }
 
@@ -236,6 +250,28 @@ static rgbd typical_of(const bis_texture *x)
 {
     const double v = x->invert ? 0.5 : 0.5 * x->scale;
     return (rgbd){v, v, v};
+}
+
+/* pbrt-v1 and v2 have row 0 of an image at t = 0, later versions at t = 1: from t to 1 - t. The angle of "spherical"
+ * turns back where y does. */
+static void turn_over(bis_texture *x)
+{
+    const int row = x->mapping == BIS_TEXTURE_CYLINDRICAL ? 2 : 1;
+    if (x->mapping == BIS_TEXTURE_UV) {
+        x->factor[1] = -x->factor[1];
+        x->offset[1] = 1 - x->offset[1];
+        return;
+    }
+    for (int k = 0; k < 4; k++) x->from_world[row][k] = -x->from_world[row][k];
+    if (x->mapping != BIS_TEXTURE_SPHERICAL) x->from_world[row][3] += 1;
+}
+
+/* What is taken for which version, and why. */
+static void say_version(bis_parser *p)
+{
+    if (!p->is_v2 || !bis_parser_once(p, "version")) return;
+    bis_warn(p->diag, p->v2_at, "taken for pbrt-v2 or v1, because %s is in no later version: row 0 of an image texture "
+             "is at t = 0, and its values are linear unless \"float gamma\" says otherwise", p->v2_word);
 }
 
 static bool read_imagemap(bis_parser *p, bis_texture *x)
@@ -256,12 +292,20 @@ static bool read_imagemap(bis_parser *p, bis_texture *x)
         bis_params_skip(p, ignored, 1);
     else bis_params_ignore(p, ignored, 1);
     bis_params_skip(p, ignored + 1, BIS_COUNT(ignored) - 1); /* of filters that bis does not have */
+    if (p->is_v2) turn_over(x);
+    say_version(p);
     x->kind = BIS_TEXTURE_IMAGE;
     x->wrap = (bis_wrap)wrap;
     x->value = typical_of(x);
     if (!bis_params_string(p, "filename", &name))
         return given ? false : bis_parser_error(p, p->name_at, "Texture \"imagemap\" needs \"string filename\"");
-    return bis_parser_add_image(p, name, gamma, bis_params_at(p, "filename"), &x->image) && ok;
+    const bis_loc at = bis_params_at(p, "filename");
+    if (bis_parser_lacks(p, at, name, false)) {
+        bis_approximate_note(p, at, "grey", "an image that is not there");
+        *x = constant((rgbd){0.5, 0.5, 0.5});
+        return ok;
+    }
+    return bis_parser_add_image(p, bis_parser_path(p, at, name), gamma, at, &x->image) && ok;
 }
 
 static rgbd value_of(const bis_parser *p, uint32_t texture) { return p->desc->textures.list[texture].value; }
@@ -271,13 +315,17 @@ static rgbd mixed(rgbd a, rgbd b, double w) { return rgbd_add(rgbd_scale(a, 1 - 
 /* One that is made of constants is itself one. */
 static void make_of(bis_parser *p, bis_texture *x, bis_texture_kind kind, int n)
 {
-    const rgbd a = value_of(p, x->of[0]), b = value_of(p, x->of[1]);
+    rgbd a = value_of(p, x->of[0]), b = value_of(p, x->of[1]);
     bool is_constant = kind != BIS_TEXTURE_CHECKERBOARD;
 
     for (int i = 0; i < n; i++) {
         const bis_texture *part = &p->desc->textures.list[x->of[i]];
         is_constant &= part->kind == BIS_TEXTURE_CONSTANT;
         x->steps += part->steps; /* each at most the limit */
+    }
+    if (!is_constant) { /* so that parts of both signs do not cancel to 0, which would mean that it is 0 everywhere */
+        a = (rgbd){fabs(a.r), fabs(a.g), fabs(a.b)};
+        b = (rgbd){fabs(b.r), fabs(b.g), fabs(b.b)};
     }
     x->value = kind == BIS_TEXTURE_SCALE ? (rgbd){a.r * b.r, a.g * b.g, a.b * b.b}
                : kind == BIS_TEXTURE_MIX ? mixed(a, b, within(value_of(p, x->of[2]).r, unit))
@@ -290,16 +338,16 @@ static void make_of(bis_parser *p, bis_texture *x, bis_texture_kind kind, int n)
 static bool read_scale(bis_parser *p, bis_texture *x, bool of_floats)
 {
     const bool v4 = bis_params_has(p, "tex") || bis_params_has(p, "scale");
-    bool ok = read_part(p, v4 ? "tex" : "tex1", of_floats, 1, positive_or_0, &x->of[0]);
-    ok = read_part(p, v4 ? "scale" : "tex2", of_floats, 1, positive_or_0, &x->of[1]) && ok;
+    bool ok = read_part(p, v4 ? "tex" : "tex1", of_floats, 1, anything, &x->of[0]);
+    ok = read_part(p, v4 ? "scale" : "tex2", of_floats, 1, anything, &x->of[1]) && ok;
     if (ok) make_of(p, x, BIS_TEXTURE_SCALE, 2);
     return ok;
 }
 
 static bool read_mix(bis_parser *p, bis_texture *x, bool of_floats)
 {
-    bool ok = read_part(p, "tex1", of_floats, 0, positive_or_0, &x->of[0]);
-    ok = read_part(p, "tex2", of_floats, 1, positive_or_0, &x->of[1]) && ok;
+    bool ok = read_part(p, "tex1", of_floats, 0, anything, &x->of[0]);
+    ok = read_part(p, "tex2", of_floats, 1, anything, &x->of[1]) && ok;
     ok = read_part(p, "amount", true, 0.5, unit, &x->of[2]) && ok;
     if (ok) make_of(p, x, BIS_TEXTURE_MIX, 3);
     return ok;
@@ -317,8 +365,8 @@ static bool read_checkerboard(bis_parser *p, bis_texture *x, bool of_floats)
         return false;
     bis_params_skip(p, ignored, 1);
     bool ok = read_mapping(p, x);
-    ok = read_part(p, "tex1", of_floats, 1, positive_or_0, &x->of[0]) && ok;
-    ok = read_part(p, "tex2", of_floats, 0, positive_or_0, &x->of[1]) && ok;
+    ok = read_part(p, "tex1", of_floats, 1, anything, &x->of[0]) && ok;
+    ok = read_part(p, "tex2", of_floats, 0, anything, &x->of[1]) && ok;
     if (ok && dimension == 3) ok = bis_parser_add_texture(p, &half, &x->of[2]);
     if (ok) make_of(p, x, dimension == 3 ? BIS_TEXTURE_MIX : BIS_TEXTURE_CHECKERBOARD, dimension == 3 ? 3 : 2);
     return ok;
@@ -327,7 +375,7 @@ static bool read_checkerboard(bis_parser *p, bis_texture *x, bool of_floats)
 static bool read_constant(bis_parser *p, bis_texture *x, bool of_floats)
 {
     uint32_t index;
-    const bool ok = read_part(p, "value", of_floats, 1, positive_or_0, &index);
+    const bool ok = read_part(p, "value", of_floats, 1, anything, &index);
     if (ok) x->value = value_of(p, index);
     return ok;
 }
@@ -347,7 +395,7 @@ static bool read_mean(bis_parser *p, bis_texture *x, const char *name, bool of_f
         x->value = (rgbd){0, 0, 0};
         for (int k = 0; k < 4 && means[i].part[k]; k++) {
             uint32_t part;
-            ok = read_part(p, means[i].part[k], of_floats, means[i].usual[k], positive_or_0, &part) && ok;
+            ok = read_part(p, means[i].part[k], of_floats, means[i].usual[k], anything, &part) && ok;
             if (ok) x->value = rgbd_add(x->value, rgbd_scale(value_of(p, part), means[i].share[k]));
         }
     }

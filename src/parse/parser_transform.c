@@ -41,11 +41,18 @@ bool bis_parser_is_usable(const bis_xform *t)
     return sum == 0; /* NaN where any element is infinite or NaN */
 }
 
+/* --approximate: what is flat stays flat, whatever it is multiplied by: the shapes under it are left out. */
+static bool flatten(bis_parser *p)
+{
+    p->now.is_flat |= p->approximate && !p->now.at_end;
+    return p->approximate;
+}
+
 static void set(bis_parser *p, const char *directive, bis_loc at, const bis_xform *t)
 {
     if (p->now.at_end) return; /* of a motion the start is shown */
     if (bis_parser_is_usable(t)) p->now.ctm = *t;
-    else bis_parser_error(p, at, "%s makes the transformation singular or infinite", directive);
+    else if (!flatten(p)) bis_parser_error(p, at, "%s makes the transformation singular or infinite", directive);
 }
 
 static void concat(bis_parser *p, const char *directive, bis_loc at, const bis_xform *t)
@@ -57,7 +64,9 @@ static void concat(bis_parser *p, const char *directive, bis_loc at, const bis_x
 void bis_directive_identity(bis_parser *p, bis_loc at)
 {
     (void)at;
-    if (!p->now.at_end) p->now.ctm = bis_xform_identity();
+    if (p->now.at_end) return;
+    p->now.ctm = bis_xform_identity();
+    p->now.is_flat = false;
 }
 
 void bis_directive_translate(bis_parser *p, bis_loc at)
@@ -73,6 +82,7 @@ void bis_directive_scale(bis_parser *p, bis_loc at)
     double v[3];
     if (!take_numbers(p, "Scale", v, 3, false)) return;
     if (v[0] == 0 || v[1] == 0 || v[2] == 0) {
+        if (flatten(p)) return;
         bis_parser_error(p, at, "Scale by 0 is singular: no factor may be 0");
         return;
     }
@@ -102,6 +112,7 @@ void bis_directive_look_at(bis_parser *p, bis_loc at)
                          "LookAt wants an eye other than the point looked at, and an up vector not along the view");
         return;
     }
+    if (!p->in_world) memcpy(p->up, v + 6, sizeof p->up);
     concat(p, "LookAt", at, &t);
 }
 
@@ -110,13 +121,16 @@ static bool take_matrix(bis_parser *p, const char *directive, bis_loc at, bis_xf
     double v[16];
     if (!take_numbers(p, directive, v, 16, true)) return false;
     if (bis_xform_from_columns(t, v)) return true;
+    if (flatten(p)) return false;
     return bis_parser_error(p, at, "the matrix of %s is singular", directive);
 }
 
 void bis_directive_transform(bis_parser *p, bis_loc at)
 {
     bis_xform t;
-    if (take_matrix(p, "Transform", at, &t)) set(p, "Transform", at, &t);
+    if (!take_matrix(p, "Transform", at, &t)) return;
+    if (!p->now.at_end) p->now.is_flat = false;
+    set(p, "Transform", at, &t);
 }
 
 void bis_directive_concat_transform(bis_parser *p, bis_loc at)
@@ -146,7 +160,9 @@ void bis_directive_coord_sys_transform(bis_parser *p, bis_loc at)
     if (!bis_parser_name(p, "CoordSysTransform")) return;
     const char *name = bis_parser_text(p, p->name);
     if (bis_names_find(&p->system_names, name, &i)) {
-        if (!p->now.at_end) p->now.ctm = p->systems[i];
+        if (p->now.at_end) return;
+        p->now.ctm = p->systems[i];
+        p->now.is_flat = false;
         return;
     }
     bis_parser_error(p, p->name_at, "coordinate system \"%s\" is not defined%s", bis_parser_word(p, name),

@@ -1,8 +1,4 @@
-/* parser_world: LightSource and the materials.
- *
- * A LightSource's frame is object space at its place, so the CTM must be a rotation, perhaps with a reflection.
- * Exporters write matrices with few digits, so an error up to BIS_XFORM_FRAME_TOLERANCE is allowed, and the matrix is
- * made exactly orthonormal. */
+/* parser_world: the materials. */
 #include "bis/beyond/microfacet.h"
 #include "bis/thesis/phong.h"
 #include "base/grow.h"
@@ -13,124 +9,7 @@
 #include <string.h>
 
 static const bis_interval unit = {0, 1, false, false};
-static const bis_interval anything = {-HUGE_VAL, HUGE_VAL, false, false};
 static const bis_interval positive_or_0 = {0, HUGE_VAL, false, false};
-
-/* ---- LightSource ---- */
-
-static void light_filename(bis_parser *p, bis_light_desc *light)
-{
-    const char *name;
-    bis_loc at = bis_params_at(p, "filename");
-    bool given = light->is_v4 = bis_params_string(p, "filename", &name);
-    const bool both = given && bis_params_has(p, "mapname");
-    if (both) {
-        bis_parser_error(p, bis_params_at(p, "mapname"), "\"mapname\" and \"filename\" are the same: give one");
-        bis_params_skip(p, &(const char *){"mapname"}, 1);
-        return;
-    }
-    if (!given) {
-        at = bis_params_at(p, "mapname");
-        given = bis_params_string(p, "mapname", &name); /* pbrt-v3 */
-    }
-    if (given) light->filename = bis_parser_path(p, at, name);
-}
-
-/* A number, or pbrt-v3's rgb, which goes into L. */
-static void light_radiance(bis_parser *p, bis_light_desc *light)
-{
-    rgb scale;
-    const bis_param *L = bis_params_find(p, "L");
-    if (L && L->type & (BIS_TYPE_XYZ | BIS_TYPE_BLACKBODY)) bis_params_emission(p, "L", &light->L);
-    else bis_params_rgb(p, "L", &light->L, positive_or_0, false);
-    if (!bis_params_rgb(p, "scale", &scale, positive_or_0, true)) return;
-    if (scale.r == scale.g && scale.g == scale.b) {
-        light->scale = (double)scale.r;
-        return;
-    }
-    light->L = rgb_mul(light->L, scale);
-    if (!rgb_is_finite(light->L)) {
-        bis_parser_error(p, bis_params_at(p, "scale"), "\"L\" times \"scale\" is not finite");
-        light->L = (rgb){1, 1, 1};
-    }
-}
-
-/* pbrt-v4's "illuminance", of a surface that faces up, is in lux; without units of photometry it can only mislead.
- * What is not above 0 means "not given", there as here. */
-static void light_illuminance(bis_parser *p)
-{
-    double lux = -1;
-
-    if (!bis_params_float(p, "illuminance", &lux, anything) || lux <= 0) return;
-    if (p->approximate) {
-        bis_approximate_note(p, bis_params_at(p, "illuminance"), "ignored: the brightness is the light's own",
-                             "\"illuminance\"");
-        return;
-    }
-    bis_parser_error(p, bis_params_at(p, "illuminance"),
-                     "pbrt-v4's \"illuminance\" (of a surface that faces up, in lux) is not modelled, because bis has "
-                     "no units of photometry: remove it, and give what the radiance is multiplied by as "
-                     "\"float scale\" (of a constant light of 1: illuminance / pi); with --approximate: ignored");
-}
-
-static void light_map(bis_parser *p, bis_light_desc *light)
-{
-    static const char *const tables[] = {"alias", "cdf"};
-    static const bis_table_kind table[] = {BIS_TABLE_ALIAS, BIS_TABLE_CDF};
-    uint32_t width = 0, levels = BIS_LEVELS;
-    int i;
-    light->has_mapping = bis_params_choice(p, "mapping", &i, bis_mapping_names, BIS_N_MAPPINGS);
-    if (light->has_mapping) light->mapping = (bis_mapping)i;
-    bis_params_uint32(p, "width", &width, 2, BIS_IMAGE_MAX_SIDE);
-    light->width = (int)width;
-    bis_params_float(p, "areaexponent", &light->area_exponent, (bis_interval){0, BIS_AREA_EXPONENT_MAX, false, false});
-    bis_params_uint32(p, "levels", &levels, 1, BIS_LEVELS_MAX);
-    light->levels = (int)levels;
-    light->has_table_kind = bis_params_choice(p, "sampler", &i, tables, BIS_COUNT(tables));
-    if (light->has_table_kind) light->table_kind = table[i];
-}
-
-static bool light_may_stand(bis_parser *p, bis_loc at)
-{
-    const bis_scene_desc *d = p->desc;
-    if (d->has_light && bis_approximate(p, "LightSource", "a second", at)) return false;
-    if (d->has_light)
-        return bis_parser_error(p, at, "a second LightSource: a scene has at most one, and its first is that of "
-                                "%s:%d%s", d->light.loc.file, d->light.loc.line,
-                                bis_approximate_hint(p, "LightSource", "a second"));
-    if (p->in_object)
-        return bis_parser_error(p, at, "LightSource inside ObjectBegin: objects hold geometry only");
-    if (bis_xform_is_orthonormal(&p->now.ctm, BIS_XFORM_FRAME_TOLERANCE)) return true;
-    return bis_parser_error(p, at, "LightSource under a transformation that scales or shears: only rotations and "
-                                   "reflections are allowed");
-}
-
-void bis_directive_light(bis_parser *p, bis_loc at)
-{
-    static const bis_choice lights[] = {
-        {"infinite", 0},          {"point", BIS_FOREIGN},       {"spot", BIS_FOREIGN},
-        {"distant", BIS_FOREIGN}, {"goniometric", BIS_FOREIGN}, {"projection", BIS_FOREIGN},
-        {"diffuse", BIS_FOREIGN},
-    };
-    static const char *const ignored[] = {"samples", "nsamples"};
-
-    const bis_choice *chosen = bis_parser_begin(p, "LightSource", lights, BIS_COUNT(lights));
-    if (!chosen || chosen->value == BIS_FOREIGN || !light_may_stand(p, at)) return;
-    bis_light_desc light = bis_light_desc_default();
-    light.loc = at;
-    light.to_world = bis_xform_rotation(&p->now.ctm);
-    light_filename(p, &light);
-    light_radiance(p, &light);
-    light_map(p, &light);
-    light_illuminance(p);
-    bis_params_bool(p, "visible", &light.visible);
-    bis_params_ignore(p, ignored, BIS_COUNT(ignored));
-    bis_params_end(p, "LightSource", "infinite");
-    p->desc->light = light;
-    p->desc->has_light = true;
-}
-
-/* ---- materials ---- */
 
 enum { PHONG, MICROFACET, DIFFUSE, CONDUCTOR, METAL, COATED_DIFFUSE, PLASTIC, UBER, SUBSTRATE };
 static const bis_choice materials[] = {
@@ -211,6 +90,8 @@ static void read_material(bis_parser *p, const char *directive, const char *type
 {
     const bis_choice *chosen = bis_parser_choose(p, directive, type, at, materials, BIS_COUNT(materials));
     if (!chosen) return;
+    if (strcmp(chosen->name, type) != 0) /* pbrt's matte, of what it does not know, takes what it can use */
+        for (size_t i = 0; i < p->params.n; i++) p->params.list[i].used = true;
     if (chosen->value == BIS_FOREIGN) {
         const bis_material nearest = bis_approximate_material(p, chosen->name, index);
         p->desc->materials[index] = nearest;
@@ -269,9 +150,12 @@ void bis_directive_make_named_material(bis_parser *p, bis_loc at)
     bis_named_material *named = named_material(p, name, &index);
     if (!named) return;
     if (named->made.line) {
-        bis_parser_error(p, p->name_at, "material \"%s\" is made already, in %s:%d", bis_parser_word(p, name),
-                         named->made.file, named->made.line);
-        return;
+        if (!bis_approximate_or_refuse(p, p->name_at, "a material made again", "the last one counts from there on",
+                                       "material \"%s\" is made already, in %s:%d", bis_parser_word(p, name),
+                                       named->made.file, named->made.line) ||
+            !bis_parser_add_material(p, &index))
+            return;
+        named->index = index;
     }
     named->made = at;
     const bool has_type = bis_params_has(p, "type");
@@ -296,14 +180,17 @@ void bis_directive_named_material(bis_parser *p, bis_loc at)
 void bis_parser_check_materials(bis_parser *p)
 {
     bis_names made = {0};
+    p->directive = "NamedMaterial";
     for (size_t i = 0; i < p->n_named; i++)
         if (p->named[i].made.line && !bis_names_set(&made, p->material_names.names[i], 0))
             bis_parser_nomem(p, p->named[i].made);
-    for (size_t i = 0; i < p->n_named && p->n_errors < BIS_MAX_ERRORS; i++) {
+    for (size_t i = 0; i < p->n_named && p->n_listed < BIS_MAX_ERRORS; i++) {
         const char *name = p->material_names.names[i];
         if (p->named[i].made.line) continue;
-        bis_parser_error(p, p->named[i].used, "material \"%s\" is not made anywhere%s", bis_parser_word(p, name),
-                         bis_parser_hint(p, bis_names_nearest(&made, name)));
+        char kind[BIS_APPROXIMATION_KIND];
+        snprintf(kind, sizeof kind, "NamedMaterial \"%s\", which is not made anywhere", bis_parser_word(p, name));
+        bis_approximate_or_refuse(p, p->named[i].used, kind, "diffuse grey", "material \"%s\" is not made anywhere%s",
+                                  bis_parser_word(p, name), bis_parser_hint(p, bis_names_nearest(&made, name)));
     }
     bis_names_clear(&made);
 }

@@ -4,6 +4,7 @@
 
 #include "bis/base/clock.h"
 #include "bis/files/image_file.h"
+#include "distant.h"
 
 #include <stdio.h>
 
@@ -25,29 +26,61 @@ static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_
         filename, list, d->first_channel, d->first_x, d->first_y, 100 * d->solid_angle / (4 * PI));
 }
 
-static bis_status make_envmap(bis_envmap *em, bis_image *image, const bis_light_desc *desc, bis_diag *diag)
+bis_status bis_light_check_size(bis_mapping *mapping, const bis_light_desc *desc, int width, int height,
+                                bis_diag *diag)
 {
-    bis_mapping mapping = desc->mapping;
-    if (!bis_mapping_fits(mapping, image->width, image->height)) {
+    *mapping = desc->mapping;
+    if (!bis_mapping_fits(*mapping, width, height)) {
         return bis_error(diag, BIS_INPUT, desc->loc,
                          "\"%s\" is %d x %d; a map of mapping \"%s\" must be %s (\"latlong\" maps are 2:1)",
-                         desc->filename, image->width, image->height, bis_mapping_names[mapping],
-                         bis_mapping_shape(mapping));
+                         desc->filename, width, height, bis_mapping_names[*mapping], bis_mapping_shape(*mapping));
     }
-    if (image->width == image->height && !desc->has_mapping) {
+    if (width == height && !desc->has_mapping) {
         if (!desc->is_v4) {
             return bis_error(diag, BIS_INPUT, desc->loc,
                              "\"%s\" is square, %d x %d: give its mapping, \"angular\" for a light probe, "
                              "\"equalarea\" for a map of pbrt-v4, \"mirrorball\", or \"latlong\" if that is meant",
-                             desc->filename, image->width, image->height);
+                             desc->filename, width, height);
         }
         bis_warn(diag, desc->loc,
                  "\"%s\" is square, %d x %d, and named by \"filename\": it is taken for an equal-area map, as in "
                  "pbrt-v4; \"string mapping\" says otherwise (\"angular\" for a light probe)",
-                 desc->filename, image->width, image->height);
-        mapping = BIS_MAPPING_EQUALAREA;
+                 desc->filename, width, height);
+        *mapping = BIS_MAPPING_EQUALAREA;
     }
-    return bis_envmap_from_mapping(em, image, mapping, desc->width, diag);
+    return BIS_OK;
+}
+
+static bis_status make_envmap(bis_envmap *em, bis_image *image, const bis_light_desc *desc, bis_diag *diag)
+{
+    bis_mapping mapping;
+    const bis_status status = bis_light_check_size(&mapping, desc, image->width, image->height, diag);
+    return status ? status : bis_envmap_from_mapping(em, image, mapping, desc->width, diag);
+}
+
+/* What a message calls the map. */
+static const char *name_of(const bis_light_desc *desc)
+{
+    return desc->filename ? desc->filename : "the distant lights";
+}
+
+static bis_status add_distants(bis_envmap *em, const bis_light_desc *desc, bis_diag *diag)
+{
+    for (size_t i = 0; i < desc->n_distants; i++)
+        if (!bis_distant_add(em, &desc->distants[i]))
+            return bis_error(diag, BIS_INPUT, desc->loc,
+                             "a distant light exceeds the largest float as a disc of half a degree: give it a "
+                             "smaller \"L\"");
+    return BIS_OK;
+}
+
+/* A map of radiance 1, for distant lights without one. */
+static bis_status make_white(bis_image *image, bis_diag *diag)
+{
+    const bis_status status = bis_image_init(image, BIS_DISTANT_WIDTH, BIS_DISTANT_WIDTH / 2, diag);
+    for (size_t i = 0; !status && i < (size_t)image->width * (size_t)image->height; i++)
+        image->pixels[i] = (rgb){1, 1, 1};
+    return status;
 }
 
 static bis_status scale_envmap(bis_envmap *em, const bis_light_desc *desc, bis_diag *diag)
@@ -56,7 +89,7 @@ static bis_status scale_envmap(bis_envmap *em, const bis_light_desc *desc, bis_d
     if (rgb_is_finite(scale) && !bis_envmap_scale(em, scale, NULL)) return BIS_OK;
     return bis_error(diag, BIS_INPUT, desc->loc,
                      "\"%s\" times \"L\" (%g %g %g) and \"scale\" %g exceeds the largest float; choose a smaller scale",
-                     desc->filename, (double)desc->L.r, (double)desc->L.g, (double)desc->L.b, desc->scale);
+                     name_of(desc), (double)desc->L.r, (double)desc->L.g, (double)desc->L.b, desc->scale);
 }
 
 static bis_status new_constant(bis_light **out, const bis_light_desc *desc, bis_diag *diag)
@@ -106,11 +139,12 @@ bis_status bis_light_from_image(bis_light **out, bis_image *image, const bis_lig
     if (status) return status;
     warn_defects(&em.defects, desc->filename, at, diag);
     status = scale_envmap(&em, desc, diag);
+    if (!status) status = add_distants(&em, desc, diag);
     if (!status) status = bis_light_from_envmap(out, &em, desc, needs, diag);
     bis_envmap_clear(&em);
     if (status) return status;
     if (bis_light_is_black(*out))
-        bis_warn(diag, at, "\"%s\" gives no light: none of its pixels is positive", desc->filename);
+        bis_warn(diag, at, "\"%s\" gives no light: none of its pixels is positive", name_of(desc));
     return BIS_OK;
 }
 
@@ -133,10 +167,13 @@ bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned 
     bis_image image = {0};
 
     *out = NULL;
-    bis_status status = desc->filename ? bis_image_read(&image, desc->filename, desc->loc, diag) : BIS_OK;
+    bis_status status = desc->filename     ? bis_image_read(&image, desc->filename, desc->loc, diag)
+                        : desc->n_distants ? make_white(&image, diag)
+                                           : BIS_OK;
     const double read = bis_clock_now();
     if (!status) {
-        status = desc->filename ? bis_light_from_image(out, &image, desc, needs, diag) : new_constant(out, desc, diag);
+        status = bis_light_desc_has_map(desc) ? bis_light_from_image(out, &image, desc, needs, diag)
+                                              : new_constant(out, desc, diag);
     }
     if (seconds) {
         seconds[0] = read - start;

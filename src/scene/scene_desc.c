@@ -68,9 +68,20 @@ void bis_scene_desc_free(bis_scene_desc *d)
     bis_free(d->approximations);
     bis_textures_clear(&d->textures);
     bis_free(d->light.filename);
+    bis_free(d->light.distants);
     bis_free(d->outfile);
     bis_free(d->path);
     bis_free(d);
+}
+
+const char *bis_approximation_text(char text[BIS_APPROXIMATION_TEXT], const bis_approximation *a)
+{
+    char number[32] = "", share[64] = "";
+
+    if (a->effect > BIS_EFFECT_INDIRECT) snprintf(number, sizeof number, "%zu x ", a->n);
+    if (a->of) snprintf(share, sizeof share, " (of %zu %s)", a->of, a->among);
+    snprintf(text, BIS_APPROXIMATION_TEXT, "%s%s%s: %s", number, a->kind, share, a->consequence);
+    return text;
 }
 
 const char *bis_scene_desc_add_file(bis_scene_desc *d, char *name)

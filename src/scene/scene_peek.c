@@ -125,6 +125,11 @@ bis_status bis_scene_peek_obj(bis_obj_materials *out, const char *path, bis_loc 
     return bis_obj_read_materials(out, path, at, diag);
 }
 
+bis_status bis_scene_peek_text(unsigned char **data, size_t *size, const char *path, bis_loc at, bis_diag *diag)
+{
+    return bis_gzip_read(data, size, path, at, diag);
+}
+
 typedef struct stranger {
     const char *mark, *what;
     bis_stranger_kind kind;

@@ -140,7 +140,12 @@ static rgbd mix(rgbd a, rgbd b, rgbd w)
     return (rgbd){(1 - w.r) * a.r + w.r * b.r, (1 - w.g) * a.g + w.g * b.g, (1 - w.b) * a.b + w.b * b.b};
 }
 
-static double coated(const bis_texture *x, double v) { return (1 - x->scale) * v / (1 - x->scale * v); }
+/* Values above 1 pass only where they are cut off (cuts_off). */
+static double coated(const bis_texture *x, double v)
+{
+    v = fmin(v, 1);
+    return (1 - x->scale) * v / (1 - x->scale * v);
+}
 
 double bis_texture_alpha(double roughness)
 {
@@ -284,6 +289,10 @@ static bis_status check_range(range *found, const bis_textures *t, const bis_tex
     const range r = range_of(t, images, texture);
 
     *found = r;
+    for (int k = 0; k < 3 && t->cuts_off; k++) {
+        found->lo[k] = fmin(fmax(r.lo[k], lo), hi);
+        found->hi[k] = fmin(fmax(r.hi[k], lo), hi);
+    }
     for (int k = 0; k < 3; k++) {
         /* floats, because that is what materials keep: 0.01 as a float is no less than 0.01 */
         const bool is_low = (float)r.lo[k] < (float)lo, is_high = (float)r.hi[k] > (float)hi;
@@ -291,6 +300,11 @@ static bis_status check_range(range *found, const bis_textures *t, const bis_tex
         char rule[64] = "";
         if (isinf(hi)) snprintf(rule, sizeof rule, ">= %g", lo);
         else snprintf(rule, sizeof rule, "in [%g, %g]", lo, hi);
+        if (t->cuts_off) {
+            bis_warn(diag, at, "the texture of \"%s\" has values %s %.7g, must be %s: what lies outside is cut off",
+                     what, is_low ? "down to" : "up to", is_low ? r.lo[k] : r.hi[k], rule);
+            return BIS_OK;
+        }
         return bis_error(diag, BIS_INPUT, at,
                          "the texture of \"%s\" has values %s %.7g, must be %s: change it by its \"float scale\", or "
                          "by a Texture \"scale\" or \"mix\"",
@@ -337,7 +351,11 @@ bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *im
     return status;
 }
 
-static rgb round_value(rgbd v) { return rgb_from(v.r, v.g, v.b); }
+/* In [0,1] but for rounding, unless it is cut off. */
+static rgb round_value(rgbd v)
+{
+    return rgb_from(fmin(fmax(v.r, 0), 1), fmin(fmax(v.g, 0), 1), fmin(fmax(v.b, 0), 1));
+}
 
 bis_material bis_textures_material(const bis_textures *t, const bis_texture_image *images,
                                    const bis_material_textures *of, const bis_material *base, const double uv[2],

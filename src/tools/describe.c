@@ -107,8 +107,9 @@ const char *bis_describe_approximations(char text[BIS_APPROXIMATED_TEXT], const 
 {
     *text = '\0';
     for (size_t i = 0; i < desc->n_approximations; i++) {
-        const bis_approximation *a = &desc->approximations[i];
-        bis_append(text, BIS_APPROXIMATED_TEXT, "%s%zu x %s: %s", i ? "; " : "", a->n, a->kind, a->consequence);
+        char one[BIS_APPROXIMATION_TEXT];
+        bis_append(text, BIS_APPROXIMATED_TEXT, "%s%s", i ? "; " : "",
+                   bis_approximation_text(one, &desc->approximations[i]));
     }
     return text;
 }

@@ -9,6 +9,7 @@
 #include "beyond/guide.h"
 #include "bis/base/mem.h"
 #include "bis/render/render.h"
+#include "scene/distant.h"
 #include "scene/scene_peek.h"
 
 #include <math.h>
@@ -77,8 +78,8 @@ static double add_film(bis_memory *m, const bis_scene_desc *d)
     const bis_film f = bis_film_place(d->view.film.width, d->view.film.height, d->view.film.crop, 1);
     const double pixels = (double)f.width * f.height, all = (double)f.full_width * f.full_height;
     const bis_settings *s = &d->view.settings;
-    const bool learns =
-        d->light.filename && d->n_shapes && (s->integrator == &bis_auto || bis_beyond_needs_of(s).visibility);
+    const bool learns = bis_light_desc_has_map(&d->light) && d->n_shapes &&
+                        (s->integrator == &bis_auto || bis_beyond_needs_of(s).visibility);
     int n = 0;
 
     for (int i = 0; i < BIS_N_LAYERS; i++)
@@ -94,6 +95,11 @@ static double add_film(bis_memory *m, const bis_scene_desc *d)
 bool bis_memory_map_size(const bis_light_desc *light, long *width, long *height, bis_mapping *mapping)
 {
     *mapping = light->mapping;
+    if (!light->filename && light->n_distants) {
+        *width = BIS_DISTANT_WIDTH;
+        *height = BIS_DISTANT_WIDTH / 2;
+        return true;
+    }
     if (!light->filename || !bis_scene_peek_image(light->filename, width, height)) return false;
     if (*width == *height && !light->has_mapping && light->is_v4) *mapping = BIS_MAPPING_EQUALAREA;
     if (*mapping == BIS_MAPPING_LATLONG) return true;
@@ -114,7 +120,7 @@ static double add_map(bis_memory *m, const bis_scene_desc *d)
     bis_mapping mapping;
     long w, h;
 
-    if (!d->light.filename) return 0;
+    if (!bis_light_desc_has_map(&d->light)) return 0;
     if (!bis_memory_map_size(&d->light, &w, &h, &mapping)) {
         m->guessed = true;
         w = (long)(bis_scene_peek_bytes(d->light.filename) / 4);
@@ -124,7 +130,8 @@ static double add_map(bis_memory *m, const bis_scene_desc *d)
     const bool has_table = needs & BIS_NEED_TABLE, has_curve = needs & BIS_NEED_CURVE;
     const bool has_area = (has_table || has_curve) && d->light.area_exponent > 0;
     m->map = texels * (texel + (has_table ? table : 0) + (has_curve ? curve : 0) + (has_area ? area : 0));
-    const double while_read = texels * texel + (double)bis_scene_peek_bytes(d->light.filename) - m->map;
+    const double file = d->light.filename ? (double)bis_scene_peek_bytes(d->light.filename) : 0;
+    const double while_read = texels * texel + file - m->map;
     const double with_regions = texels * (texel + area + regions_beside) - m->map;
     return fmax(has_area ? with_regions : 0, while_read);
 }

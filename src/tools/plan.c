@@ -5,6 +5,7 @@
 #include "beyond/guide.h"
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "scene/distant.h"
 #include "scene/scene_peek.h"
 
 #include "tools/describe.h"
@@ -72,8 +73,8 @@ static void print_view(const bis_scene_desc *d, FILE *out)
 /* Does some surface learn from its neighbours in the picture? As src/render/workspace.c decides. */
 static bool learns(const bis_scene_desc *d)
 {
-    if (!d->n_shapes || !d->light.filename || d->view.adaptive || d->view.settings.integrator == &bis_auto)
-        return false;
+    if (!d->n_shapes || !bis_light_desc_has_map(&d->light)) return false;
+    if (d->view.adaptive || d->view.settings.integrator == &bis_auto) return false;
     return bis_beyond_needs_of(&d->view.settings).visibility;
 }
 
@@ -125,6 +126,9 @@ static void print_light(const bis_scene_desc *d, FILE *out)
         fprintf(out, "light        none: the picture will be black\n");
     } else if (!light->filename) {
         fprintf(out, "light        constant\n");
+        if (light->n_distants)
+            fprintf(out, "light        and %zu distant, as discs in a map of %d x %d\n", light->n_distants,
+                    BIS_DISTANT_WIDTH, BIS_DISTANT_WIDTH / 2);
     } else if (bis_memory_map_size(light, &w, &h, &mapping)) {
         fprintf(out, "light        map %s, %s%s, %ld x %ld: %s of pixels\n", light->filename,
                 bis_mapping_names[mapping], mapping == BIS_MAPPING_LATLONG ? "" : ", resampled to latlong", w, h,
@@ -179,7 +183,7 @@ static const char *why_no_drawing(const bis_scene_desc *d, unsigned needs)
 {
     if (!d->n_shapes) return "there is no geometry to light";
     if (!d->has_light) return "there is no light";
-    if (!d->light.filename) return "a constant light is drawn from without tables";
+    if (!bis_light_desc_has_map(&d->light)) return "a constant light is drawn from without tables";
     if (!(needs & (BIS_NEED_TABLE | BIS_NEED_CURVE))) return "this integrator, so set, draws nothing from the map";
     return NULL;
 }
@@ -325,8 +329,8 @@ static void print_accel(const bis_scene_desc *d, FILE *out)
 static void print_approximations(const bis_scene_desc *d, FILE *out)
 {
     for (size_t i = 0; i < d->n_approximations; i++) {
-        const bis_approximation *a = &d->approximations[i];
-        fprintf(out, "approximated %zu x %s: %s\n", a->n, a->kind, a->consequence);
+        char text[BIS_APPROXIMATION_TEXT];
+        fprintf(out, "approximated %s\n", bis_approximation_text(text, &d->approximations[i]));
     }
     for (size_t i = 0; i < d->n_missing; i++) fprintf(out, "missing      %s\n", d->missing[i]);
 }

@@ -1120,8 +1120,8 @@ static void what_is_approximated_is_said_everywhere(void **state)
 {
     (void)state;
     static const char *const names[] = {"v2", "v3", "v4"};
-    static const char *const said[] = {"1 x AreaLightSource: its light is missing", "2 x ActiveTransform: nothing moves",
-                                       "1 x Material \"mix\": one material"};
+    static const char *const said[] = {"1 x AreaLightSource (of 3 lights): its light is missing", "2 x ActiveTransform: nothing moves",
+                                       "1 x Material \"mix\" (of 8 materials): one material"};
     program_run r;
     for (int i = 0; i < 3; i++) {
         char word[100];
@@ -1172,11 +1172,38 @@ static void every_command_that_reads_a_scene_approximates(void **state)
     }
 }
 
+/* --light on a scene with lights of its own gives the picture of a scene that names the map, turned and scaled. */
+static void another_light_may_be_put_over_any_scene(void **state)
+{
+    (void)state;
+    static const char head[] = "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 12 LookAt 0 -5 2 0 0 0 0 0 1 Camera \"perspective\" \"float fov\" 40\n"
+                               "WorldBegin\n", shapes[] = "Shape \"sphere\" Shape \"disk\" \"float radius\" 4 \"float height\" -1\n";
+    static const char *const lights[] = {
+        "LightSource \"point\" LightSource \"infinite\" \"string filename\" \"gone.exr\" AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n",
+        "AttributeBegin Rotate 30 0 0 1 LightSource \"infinite\" \"string filename\" \"data/maps/outdoor.hdr\" \"float scale\" 2 AttributeEnd\n"};
+    program_run r;
+    for (int i = 0; i < 2; i++) {
+        FILE *f = fopen(i ? DIR "/named.txt" : DIR "/other.txt", "w");
+        fprintf(f, "%s%s%s", head, lights[i], shapes);
+        assert_int_equal(fclose(f), 0);
+    }
+    program_expect(&r, 0, DIR "/other.txt --light data/maps/outdoor.hdr --light-rotate 30 --light-scale 2 --spp 2 --outfile " DIR "/other.pfm");
+    program_expect(&r, 0, DIR "/named.txt --spp 2 --outfile " DIR "/named.pfm");
+    assert_same_file(DIR "/other.pfm", DIR "/named.pfm");
+    program_expect(&r, 0, DIR "/other.txt --plan --light data/maps/outdoor.hdr");
+    assert_non_null(strstr(r.output, "light        map data/maps/outdoor.hdr, latlong, "));
+    program_expect(&r, 2, DIR "/named.txt --plan --light-scale 2");
+    assert_non_null(strstr(r.messages, "--light-rotate and --light-scale are of the map of --light: give it"));
+    program_expect(&r, 0, "--approximate " DIR "/other.txt --spp 1 --light data/maps/outdoor.hdr --outfile " DIR "/other.pfm");
+    assert_null(strstr(r.messages, "approximated"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_command_that_reads_a_scene_approximates),
         cmocka_unit_test(what_is_approximated_is_said_everywhere),
+        cmocka_unit_test(another_light_may_be_put_over_any_scene),
         cmocka_unit_test(a_scene_renders_to_the_file_it_names),
         cmocka_unit_test(the_word_render_may_be_left_out_and_the_seed_decides),
         cmocka_unit_test(every_format_holds_the_same_picture),

@@ -1,4 +1,5 @@
-/* fuzz_png: the colours of textures. The reader goes by the first bytes, so maps' formats are within reach, too. */
+/* fuzz_png: the colours of textures: PNG, JPEG, TGA. The reader goes by the first bytes, so maps' formats are within
+ * reach, too. */
 #include "bis/files/image_file.h"
 #include "input.h"
 

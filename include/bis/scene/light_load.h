@@ -9,6 +9,13 @@
 #include "bis/thesis/importance.h"
 #include "bis/base/xform.h"
 
+/* pbrt's light from one direction. In a map it is a disc of half a degree, as wide as the sun. */
+#define BIS_DISTANT_HALF_ANGLE (0.25 * PI / 180)
+typedef struct bis_distant {
+    double towards[3]; /* unit vector to the light, in the frame of the map */
+    rgb irradiance;    /* of a surface that faces it */
+} bis_distant;
+
 /* A light as LightSource "infinite" describes it (docs/scene-format.md). */
 typedef struct bis_light_desc {
     char *filename;      /* NULL: constant; resolved path, owned */
@@ -24,6 +31,8 @@ typedef struct bis_light_desc {
     bis_table_kind table_kind;
     unsigned as_printed; /* BIS_E* of the importance; the scene copies them from its settings */
     bool visible;        /* camera rays see the light */
+    bis_distant *distants; /* --approximate: discs in the map, which a constant light then becomes; owned */
+    size_t n_distants, capacity_distants;
     bis_xform to_world;  /* a rotation or reflection */
     bis_loc loc;         /* the place of the directive */
 } bis_light_desc;
@@ -36,6 +45,14 @@ bis_light_desc bis_light_desc_default(void);
  * for all others, because independent numbers lose nothing by them and take 14 to 29 % less time (docs/errata.md
  * E12). */
 bis_table_kind bis_light_table_kind(const bis_light_desc *desc, unsigned needs, bis_sampler_kind sampler);
+
+/* bis_light_desc_has_map returns whether the light is more than a constant. */
+static inline bool bis_light_desc_has_map(const bis_light_desc *d) { return d->filename || d->n_distants; }
+
+/* bis_light_check_size tells whether a map of width x height pixels fits the description, and with which mapping. It
+ * warns of a square map that is taken for pbrt-v4's. Errors: BIS_INPUT. */
+bis_status bis_light_check_size(bis_mapping *mapping, const bis_light_desc *desc, int width, int height,
+                                bis_diag *diag);
 
 /* bis_light_load reads the map's file, if there is one, and builds what `needs` (BIS_NEED_*) asks for. seconds (may
  * be NULL) receives the time for reading in [0] and for building in [1]. Warnings: bad values with their share of

@@ -69,15 +69,34 @@ typedef struct bis_view {
     bis_settings settings;
 } bis_view;
 
+/* What a replacement does to the picture, the largest effect first. */
+typedef enum bis_effect {
+    BIS_EFFECT_SKY,      /* a light that the scene does not have */
+    BIS_EFFECT_INDIRECT, /* light from surface to surface is missing */
+    BIS_EFFECT_LIGHT,    /* a light is missing, or is another one */
+    BIS_EFFECT_SHAPE,
+    BIS_EFFECT_MATERIAL,
+    BIS_EFFECT_TEXTURE,
+    BIS_EFFECT_SETTING,
+    BIS_N_EFFECTS
+} bis_effect;
+
 /* What --approximate has replaced (src/parse/approximate.c): n things of one kind, as `Material "glass"`, and what the
  * picture lacks by it. */
-enum { BIS_APPROXIMATION_KIND = 160 };
+enum { BIS_APPROXIMATION_KIND = 160, BIS_APPROXIMATION_TEXT = 512 };
 typedef struct bis_approximation {
     char kind[BIS_APPROXIMATION_KIND];
     const char *consequence;
+    bis_effect effect;
     size_t n;
+    size_t of; /* so many the scene has of `among` ("shapes"); 0: that says nothing */
+    const char *among;
     bis_loc loc; /* of the first */
 } bis_approximation;
+
+/* bis_approximation_text writes `3 x Shape "cone" (of 12 shapes): CONSEQUENCE` and returns text. What a scene has once,
+ * its sky and its integrator, has no number. */
+const char *bis_approximation_text(char text[BIS_APPROXIMATION_TEXT], const bis_approximation *a);
 
 /* A scene as its file describes it. It owns what its pointers point to: never copy it by =. */
 typedef struct bis_scene_desc {
@@ -101,7 +120,7 @@ typedef struct bis_scene_desc {
     size_t n_shapes, capacity_shapes;
     char **files; /* the names that bis_locs point to; owned */
     size_t n_files, capacity_files;
-    bis_approximation *approximations;
+    bis_approximation *approximations; /* by their effect, then in the order of the scene */
     size_t n_approximations, capacity_approximations;
     char **missing; /* meshes and maps that are not there (BIS_PARSE_LIST_MISSING); owned */
     size_t n_missing, capacity_missing;
@@ -115,10 +134,18 @@ bis_status bis_scene_parse(bis_scene_desc **out, const char *path, bis_diag *dia
 enum {
     BIS_PARSE_APPROXIMATE = 1,  /* as if it began with Option "bool approximate" true */
     BIS_PARSE_LIST_MISSING = 2, /* meshes and maps may be missing: they are listed, for a plan */
+    /* the scene's lights are passed over, because another takes their place: the light is a constant 1 whose frame
+     * stands upright in the scene */
+    BIS_PARSE_OTHER_LIGHT = 4,
 };
 
 /* bis_scene_parse_as does what bis_scene_parse does, in the way that `how` says. */
 bis_status bis_scene_parse_as(bis_scene_desc **out, const char *path, unsigned how, bis_diag *diag);
+
+/* bis_scene_check_files looks at the head of each map, mesh and image that a render of the scene would read, and at the
+ * textures that need no image. diag receives all that would stop the render, as far as it can be known without reading
+ * the files whole. Files that are not there are left to the parser. It returns the status of the first error. */
+bis_status bis_scene_check_files(const bis_scene_desc *desc, bis_diag *diag);
 
 /* bis_scene_desc_free frees a description; NULL is allowed. */
 void bis_scene_desc_free(bis_scene_desc *d);

@@ -73,6 +73,7 @@ typedef struct bis_textures {
     size_t n_files, capacity_files;
     bis_material_textures *of_material; /* by the material's index; a material beyond the end has none */
     size_t n_of_material, capacity_of_material;
+    bool cuts_off; /* --approximate: values outside of their range are cut off with a warning, and no error */
 } bis_textures;
 
 /* An image in memory, and the least and the largest value of each channel and of the channels' mean. */
@@ -118,7 +119,8 @@ void bis_textures_range(rgbd *lo, rgbd *hi, const bis_textures *t, const bis_tex
 
 /* bis_textures_check looks whether the textures of material *base stay in the ranges that constants have: Kd and Ks in
  * [0,1], the width in the range that the model states (bis_bsdf_width). It warns if Kd + Ks can exceed 1 and the model
- * then reflects more than it receives. Errors: BIS_INPUT, at the material (a range; a model without `remake`). */
+ * then reflects more than it receives. Errors: BIS_INPUT, at the material (a range, unless t->cuts_off;
+ * a model without `remake`). */
 bis_status bis_textures_check(const bis_textures *t, const bis_texture_image *images, const bis_material_textures *of,
                               const bis_material *base, bis_diag *diag);
 

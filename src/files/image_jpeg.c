@@ -1,0 +1,141 @@
+/* image_jpeg: the colours of a JPEG, for textures. Read by libjpeg, if bis is built with it (BIS_JPEG). Maps are never
+ * read from it, because 8 bits of a screen are no radiance.
+ *
+ * libjpeg takes its memory by malloc, because it offers no other way. It leaves by longjmp on errors. What it only
+ * warns of as damage (data that ends too early, codes that do not exist) is an error here, because it would fill the
+ * rest with grey. What a header claims is held against the file: the coding spends at least one bit on 8 x 8 pixels.
+ * A progressive file may visit all its blocks again and again: more than MOST_SCANS scans are refused. */
+#include "image_io.h"
+
+#include <string.h>
+
+bool bis_jpeg_is_mine(const unsigned char *data, size_t size)
+{
+    return size >= 3 && memcmp(data, "\xff\xd8\xff", 3) == 0;
+}
+
+#ifdef BIS_JPEG
+
+#include "bis/base/mem.h"
+
+#include <setjmp.h>
+#include <stdio.h> /* before jpeglib.h, which uses FILE */
+
+#include <jpeglib.h>
+#include <jerror.h>
+
+enum { MOST_SCANS = 200, PIXELS_OF_A_BYTE = 8 * 8 * 8 };
+
+typedef struct jpeg_job {
+    struct jpeg_decompress_struct jpeg;
+    struct jpeg_error_mgr errors;
+    struct jpeg_progress_mgr progress;
+    jmp_buf leave;
+    char reason[JMSG_LENGTH_MAX];
+    bool out_of_memory;
+    unsigned char *row;
+} jpeg_job;
+
+static void give_up(j_common_ptr jpeg)
+{
+    jpeg_job *job = jpeg->client_data;
+    job->out_of_memory = jpeg->err->msg_code == JERR_OUT_OF_MEMORY;
+    jpeg->err->format_message(jpeg, job->reason);
+    longjmp(job->leave, 1);
+}
+
+/* Level -1 is a warning. Some only say that the writer was careless. */
+static void on_message(j_common_ptr jpeg, int level)
+{
+    const int code = jpeg->err->msg_code;
+    if (level >= 0 || code == JWRN_EXTRANEOUS_DATA || code == JWRN_JFIF_MAJOR || code == JWRN_ADOBE_XFORM) return;
+    give_up(jpeg);
+}
+
+static void on_progress(j_common_ptr jpeg)
+{
+    jpeg_job *job = jpeg->client_data;
+    if (job->jpeg.input_scan_number <= MOST_SCANS) return;
+    snprintf(job->reason, sizeof job->reason, "it has more than %d scans", MOST_SCANS);
+    longjmp(job->leave, 1);
+}
+
+static bis_status refuse(const jpeg_job *job, const image_input *in)
+{
+    if (job->out_of_memory) return bis_image_refuse(in, BIS_NOMEM, "no memory for the picture");
+    return bis_image_refuse(in, BIS_INPUT, "the JPEG is damaged, or of a kind that is not read: %s", job->reason);
+}
+
+/* False: libjpeg has left. */
+static bool read_header(jpeg_job *job, const image_input *in)
+{
+    if (setjmp(job->leave)) return false;
+    jpeg_mem_src(&job->jpeg, in->data, (unsigned long)in->size);
+    jpeg_read_header(&job->jpeg, TRUE);
+    job->jpeg.out_color_space = JCS_RGB;
+    job->jpeg.dct_method = JDCT_ISLOW;
+    return true;
+}
+
+static bool read_rows(jpeg_job *job, bis_image *image, const float *table)
+{
+    if (setjmp(job->leave)) return false;
+    jpeg_start_decompress(&job->jpeg);
+    while (job->jpeg.output_scanline < job->jpeg.output_height) {
+        rgb *to = image->pixels + (size_t)job->jpeg.output_scanline * (size_t)image->width;
+        jpeg_read_scanlines(&job->jpeg, &job->row, 1);
+        for (int x = 0; x < image->width; x++) {
+            const unsigned char *c = job->row + 3 * (size_t)x;
+            to[x] = (rgb){table[c[0]], table[c[1]], table[c[2]]};
+        }
+    }
+    jpeg_finish_decompress(&job->jpeg);
+    return true;
+}
+
+static bis_status make_image(bis_image *image, jpeg_job *job, const image_input *in)
+{
+    const unsigned width = job->jpeg.image_width, height = job->jpeg.image_height;
+    if ((double)width * height > (double)PIXELS_OF_A_BYTE * (double)in->size)
+        return bis_image_refuse(in, BIS_INPUT, "%zu bytes cannot hold %u x %u pixels", in->size, width, height);
+    const bis_status status = bis_image_make(image, in, width, height);
+    if (status) return status;
+    job->row = bis_alloc(width, 3);
+    return job->row ? BIS_OK : bis_image_refuse(in, BIS_NOMEM, "no memory for its rows");
+}
+
+bis_status bis_jpeg_read(bis_image *image, const image_input *in, double gamma)
+{
+    jpeg_job job = {.row = NULL};
+    float *table = NULL;
+    bis_status status;
+
+    job.jpeg.err = jpeg_std_error(&job.errors);
+    job.errors.error_exit = give_up;
+    job.errors.emit_message = on_message;
+    job.jpeg.client_data = &job;
+    if (setjmp(job.leave)) return refuse(&job, in); /* nothing is made yet */
+    jpeg_create_decompress(&job.jpeg);
+    job.progress.progress_monitor = on_progress;
+    job.jpeg.progress = &job.progress;
+    status = read_header(&job, in) ? make_image(image, &job, in) : refuse(&job, in);
+    if (!status) status = bis_image_table(&table, 8, gamma == BIS_GAMMA_FILE ? BIS_GAMMA_SRGB : gamma, in);
+    if (!status && !read_rows(&job, image, table)) status = refuse(&job, in);
+    jpeg_destroy_decompress(&job.jpeg);
+    if (status) bis_image_clear(image);
+    bis_free(job.row);
+    bis_free(table);
+    return status;
+}
+
+#else
+
+bis_status bis_jpeg_read(bis_image *image, const image_input *in, double gamma)
+{
+    (void)image;
+    (void)gamma;
+    return bis_image_refuse(in, BIS_INPUT, "it is a JPEG, and this bis is built without libjpeg: install libjpeg-dev "
+                            "and build again, or save the picture as .png");
+}
+
+#endif

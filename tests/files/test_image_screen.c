@@ -1,0 +1,235 @@
+/* image_screen: pictures of a screen as textures: JPEGs, which libjpeg writes here, and TGAs, which are written by hand. */
+#include "bis/files/image_file.h"
+#include "bis/base/mem.h"
+#include "image_help.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* IEC 61966-2-1 */
+static double linear(double v) { return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4); }
+
+static bis_status read_bytes_as(bis_image *image, const char *name, const void *data, size_t n, char said[512])
+{
+    bis_diag diag = {0};
+    store(scratch(name), data, n);
+    keep_as_seed(scratch(name));
+    const bis_status status = bis_image_read_colours(image, scratch(name), BIS_GAMMA_SRGB, (bis_loc){0}, &diag);
+    snprintf(said, 512, "%s", diag.n ? diag.messages[0].text : "");
+    assert_true((status == BIS_OK) == (image->pixels != NULL));
+    bis_diag_clear(&diag);
+    return status;
+}
+
+static void refuse(const char *name, const void *data, size_t n, const char *message)
+{
+    char said[512];
+    bis_image image;
+    assert_int_equal(read_bytes_as(&image, name, data, n, said), BIS_INPUT);
+    if (!strstr(said, message)) fail_msg("%s, not %s", said, message);
+}
+
+/* ---- TGA ---- */
+
+/* Each makes the picture red, green / blue, grey 51 in reading order, in its own way. */
+static const struct {
+    const char *what;
+    size_t n;
+    unsigned char bytes[80];
+    double tolerance; /* in codes of 255 */
+} tgas[] = {
+    {"24 bits, upwards", 30, {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0, 255, 0, 0, 51, 51, 51, 0, 0, 255, 0, 255, 0}, 0},
+    {"32 bits, from the top, with a text", 37,
+     {3, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 32, 0x28, 'b', 'i', 's', 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 9, 51, 51, 51, 9}, 0},
+    {"from the right", 30, {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0x30, 0, 255, 0, 0, 0, 255, 51, 51, 51, 255, 0, 0}, 0},
+    {"coded", 32, {0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0x20, 0x80, 0, 0, 255, 2, 0, 255, 0, 255, 0, 0, 51, 51, 51}, 0},
+    {"a palette that begins at 5", 34,
+     {0, 1, 1, 5, 0, 4, 0, 24, 0, 0, 0, 0, 2, 0, 2, 0, 8, 0x20, 0, 0, 255, 0, 255, 0, 255, 0, 0, 51, 51, 51, 5, 6, 7, 8}, 0},
+    {"15 bits", 26, {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 15, 0x20, 0, 0x7c, 0xe0, 3, 0x1f, 0, 0xc6, 0x18}, 2},
+};
+
+static void each_kind_of_tga_has_its_colours(void **state)
+{
+    static const int expected[4][3] = {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {51, 51, 51}};
+    char said[512];
+    (void)state;
+    for (size_t i = 0; i < sizeof tgas / sizeof *tgas; i++) {
+        bis_image image;
+        if (read_bytes_as(&image, "a.tga", tgas[i].bytes, tgas[i].n, said)) fail_msg("%s: %s", tgas[i].what, said);
+        assert_true(image.width == 2 && image.height == 2);
+        for (int k = 0; k < 12; k++) {
+            const double v = (double)(&image.pixels->r)[k], e = expected[k / 3][k % 3];
+            const double least = linear(fmax(0, e - tgas[i].tolerance) / 255), most = linear(fmin(255, e + tgas[i].tolerance) / 255);
+            if (v < least - 1e-6 || v > most + 1e-6) fail_msg("%s: value %d is %g, not %g", tgas[i].what, k, v, least);
+        }
+        bis_image_clear(&image);
+    }
+    /* grey, and a run of two */
+    static const unsigned char grey[] = {0, 0, 11, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 1, 0, 8, 0, 0x81, 51, 0, 255};
+    bis_image image;
+    assert_int_equal(read_bytes_as(&image, "a.tga", grey, sizeof grey, said), BIS_OK);
+    for (int x = 0; x < 3; x++) assert_true(fabs((double)image.pixels[x].g - linear((x < 2 ? 51 : 255) / 255.)) < 1e-6);
+    bis_image_clear(&image);
+}
+
+static void a_damaged_tga_is_refused(void **state)
+{
+    unsigned char d[80];
+    char said[512];
+    (void)state;
+    for (size_t i = 0; i < sizeof tgas / sizeof *tgas; i++)
+        for (size_t n = 18; n < tgas[i].n; n++) { /* cut off anywhere */
+            bis_image image;
+            assert_int_equal(read_bytes_as(&image, "cut.tga", tgas[i].bytes, n, said), BIS_INPUT);
+        }
+    memcpy(d, tgas[0].bytes, sizeof d);
+    d[12] = d[13] = d[14] = d[15] = 255; /* 65535 x 65535 */
+    refuse("huge.tga", d, 30, "30 bytes cannot hold 65535 x 65535 pixels");
+    memcpy(d, tgas[4].bytes, sizeof d);
+    d[30] = 9;
+    refuse("palette.tga", d, 34, "a pixel has a colour that is not in the palette");
+    d[30] = 4;
+    refuse("palette.tga", d, 34, "a pixel has a colour that is not in the palette");
+    memcpy(d, tgas[3].bytes, sizeof d);
+    d[22] = 3;
+    refuse("run.tga", d, 32, "a run goes beyond the last pixel");
+    memcpy(d, tgas[0].bytes, sizeof d);
+    d[16] = 23; /* no size of a colour: no TGA */
+    refuse("strange.tga", d, 30, "its format is unknown: a texture must be .png, .jpg, .tga, .exr, .hdr or .pfm");
+}
+
+/* ---- JPEG ---- */
+#ifdef BIS_JPEG
+#include <jpeglib.h>
+
+enum { W = 24, H = 16 };
+
+/* Left half one colour, right half another, each whole blocks. The caller frees. */
+static unsigned char *make_jpeg(unsigned long *n, int components, bool progressive, const unsigned char left[3], const unsigned char right[3])
+{
+    struct jpeg_compress_struct jpeg;
+    struct jpeg_error_mgr errors;
+    unsigned char *out = NULL, row[W * 3], *rows = row;
+    *n = 0;
+    jpeg.err = jpeg_std_error(&errors);
+    jpeg_create_compress(&jpeg);
+    jpeg_mem_dest(&jpeg, &out, n);
+    jpeg.image_width = W;
+    jpeg.image_height = H;
+    jpeg.input_components = components;
+    jpeg.in_color_space = components == 1 ? JCS_GRAYSCALE : components == 3 ? JCS_RGB : JCS_CMYK;
+    jpeg_set_defaults(&jpeg);
+    jpeg_set_quality(&jpeg, 100, TRUE);
+    for (int k = 0; k < components; k++) jpeg.comp_info[k].h_samp_factor = jpeg.comp_info[k].v_samp_factor = 1;
+    if (progressive) jpeg_simple_progression(&jpeg);
+    jpeg_start_compress(&jpeg, TRUE);
+    for (int x = 0; x < W; x++)
+        for (int k = 0; k < components; k++) row[x * components + k] = (x < 8 ? left : right)[k % 3];
+    for (int y = 0; y < H; y++) jpeg_write_scanlines(&jpeg, &rows, 1);
+    jpeg_finish_compress(&jpeg);
+    jpeg_destroy_compress(&jpeg);
+    return out;
+}
+
+static const unsigned char left[3] = {200, 40, 90}, right[3] = {10, 250, 130};
+
+/* Flat blocks at quality 100: the colour is off by the rounding of YCbCr alone, two codes at most. */
+static void each_kind_of_jpeg_has_its_colours(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 3; kind++) {
+        char said[512];
+        unsigned long n;
+        bis_image image;
+        unsigned char *data = make_jpeg(&n, kind == 2 ? 1 : 3, kind == 1, left, right);
+        if (read_bytes_as(&image, kind == 1 ? "progressive.jpg" : "a.jpg", data, n, said)) fail_msg("%d: %s", kind, said);
+        assert_true(image.width == W && image.height == H);
+        for (int i = 0; i < W * H; i++)
+            for (int k = 0; k < 3; k++) {
+                const double v = (double)(&image.pixels[i].r)[k];
+                const int code = (i % W < 8 ? left : right)[kind == 2 ? 0 : k];
+                assert_true(v >= linear(fmax(0, code - 2) / 255) - 1e-6 && v <= linear(fmin(255, code + 2) / 255) + 1e-6);
+            }
+        bis_image_clear(&image);
+        free(data);
+    }
+}
+
+/* Cut off, with holes, far too large for its bytes, of another kind, with endless scans: an error, and never grey. */
+static void a_damaged_jpeg_is_refused(void **state)
+{
+    (void)state;
+    char said[512];
+    unsigned long n;
+    for (int progressive = 0; progressive < 2; progressive++) {
+        unsigned char *data = make_jpeg(&n, 3, progressive, left, right);
+        for (unsigned long cut = 3; cut + 2 < n; cut++) { /* without the last mark nothing is missing */
+            bis_image image;
+            if (read_bytes_as(&image, "cut.jpg", data, cut, said) != BIS_INPUT) fail_msg("%lu of %lu bytes", cut, n);
+        }
+        unsigned char *sof = memmem(data, n, progressive ? "\xff\xc2" : "\xff\xc0", 2);
+        assert_non_null(sof);
+        memset(sof + 5, 0x70, 4); /* height and width: 28784 */
+        refuse("huge.jpg", data, n, "bytes cannot hold 28784 x 28784 pixels");
+        free(data);
+    }
+    unsigned char *data = make_jpeg(&n, 4, false, left, right);
+    refuse("cmyk.jpg", data, n, "the JPEG is damaged, or of a kind that is not read: ");
+    free(data);
+    /* the last scan again and again */
+    data = make_jpeg(&n, 3, true, left, right);
+    unsigned char *scan = data, *next;
+    while ((next = memmem(scan + 1, n - (size_t)(scan + 1 - data), "\xff\xda", 2)) != NULL) scan = next;
+    const size_t length = n - 2 - (size_t)(scan - data);
+    unsigned char *many = malloc(n + 300 * length);
+    memcpy(many, data, n - 2);
+    for (size_t k = 0; k < 300; k++) memcpy(many + n - 2 + k * length, scan, length);
+    memcpy(many + n - 2 + 300 * length, "\xff\xd9", 2);
+    bis_image image;
+    assert_int_equal(read_bytes_as(&image, "scans.jpg", many, n + 300 * length, said), BIS_INPUT);
+    free(many);
+    free(data);
+}
+
+static void without_memory_there_is_no_picture(void **state)
+{
+    (void)state;
+    unsigned long n;
+    unsigned char *data = make_jpeg(&n, 3, false, left, right);
+    const struct { const char *name; const void *data; size_t n; } files[] = {{"a.jpg", data, n}, {"a.tga", tgas[3].bytes, tgas[3].n}};
+    for (int i = 0; i < 2; i++) {
+        bis_status status = BIS_NOMEM;
+        store(scratch(files[i].name), files[i].data, files[i].n);
+        for (long k = 1; status; k++) {
+            bis_image image;
+            bis_mem_fail_at(k);
+            status = bis_image_read_colours(&image, scratch(files[i].name), 2.2, (bis_loc){0}, NULL);
+            bis_mem_fail_at(0);
+            assert_true((status == BIS_OK || status == BIS_NOMEM) && k < 50);
+            bis_image_clear(&image);
+        }
+    }
+    free(data);
+    assert_int_equal(bis_mem_live(), 0);
+}
+#endif
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_kind_of_tga_has_its_colours),
+        cmocka_unit_test(a_damaged_tga_is_refused),
+#ifdef BIS_JPEG
+        cmocka_unit_test(each_kind_of_jpeg_has_its_colours),
+        cmocka_unit_test(a_damaged_jpeg_is_refused),
+        cmocka_unit_test(without_memory_there_is_no_picture),
+#endif
+    };
+    return cmocka_run_group_tests(tests, NULL, scratch_remove);
+}
