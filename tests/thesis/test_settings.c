@@ -84,7 +84,7 @@ static void every_parameter_is_told_and_read_back(void **state)
             }
         }
     }
-    assert_int_equal(n, 22); /* the pairs of integrator and parameter in docs/scene-format.md */
+    assert_int_equal(n, 21); /* the pairs of integrator and parameter in docs/scene-format.md */
 }
 
 /* The page: `integer NAME` (DEFAULT), `bool NAME` (DEFAULT), `string NAME` `"DEFAULT"`, in the integrator's row. */

@@ -428,7 +428,7 @@ static void the_plan_of_a_large_picture_is_that_by_hand(void **state)
              "integrator   rejection: candidates 50, shadowrays 2, proposal em, estimator plain, fallback subset\n"
              "claim        %s\n"
              "light        map " DIR "/probe.hdr, angular, resampled to latlong, 4002 x 2001: 96.1 MB of pixels\n"
-             "build        light table, CDFs: at most 128.1 MB\n"
+             "build        light table, alias tables: at most 128.1 MB\n"
              "skip         light curve: this integrator, so set, draws from the table\n"
              "skip         light components: areaexponent is 0\n"
              "geometry     1 shapes with instances: 0 of meshes, 1 spheres and disks\n"
