@@ -115,7 +115,7 @@ static unsigned char *make_jpeg(unsigned long *n, int components, bool progressi
 {
     struct jpeg_compress_struct jpeg;
     struct jpeg_error_mgr errors;
-    unsigned char *out = NULL, row[W * 3], *rows = row;
+    unsigned char *out = NULL, row[W * 4], *rows = row;
     *n = 0;
     jpeg.err = jpeg_std_error(&errors);
     jpeg_create_compress(&jpeg);
