@@ -631,9 +631,9 @@ static void a_guide_takes_the_bytes_that_are_foretold(void **state)
         workspace w;
         open_workspace(&w, light, &s, learned);
         const bis_choice *c = &w.guide.product.clusters;
-        assert_int_equal(bis_product_guide_bytes(), block_bytes(c->w) + block_bytes(c->sum) + block_bytes(c->item) + block_bytes(c->times));
-        if (learned) assert_int_equal(bis_foresight_bytes(w.c.n), block_bytes(w.guide.foresight.memory));
-        else assert_null(w.guide.foresight.memory);
+        const size_t chosen = block_bytes(c->w) + block_bytes(c->sum) + block_bytes(c->item) + block_bytes(c->times);
+        assert_int_equal(bis_product_guide_bytes(&w.guide), chosen + (learned ? block_bytes(w.guide.foresight.memory) : 0));
+        assert_true(learned == (w.guide.foresight.memory != NULL));
         close_workspace(&w);
     }
     bis_light_free(light);

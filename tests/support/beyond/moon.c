@@ -31,7 +31,7 @@ static void init(bis_bsdf *b)
 
 static bis_bsdf_width width(const bis_material *m)
 {
-    return (bis_bsdf_width){"Kd", "Kd", (double)m->Kd.g, (double)m->Kd.g};
+    return (bis_bsdf_width){"Kd", "Kd", (double)m->Kd.g, (double)m->Kd.g, 0, 1};
 }
 
 const bis_bsdf_model bis_moon_model = {.name = "moon", .init = init, .sample = sample, .f_pdf = f_pdf,
