@@ -25,7 +25,7 @@ awk -v root="$root" '
 test -s "$root/src/beyond/uniform.c" && test -s "$root/page.diff" || say "the page has no example"
 
 # ---- the BRDF ----
-sed -e 's/bis_phong/bis_again/g; s/"phong"/"again"/; s|bis/thesis/phong.h|bis/beyond/again.h|' -e "${EXTENDING_EDIT:-}" src/thesis/phong.c >"$root/src/beyond/again.c"
+sed -e 's/bis_phong/bis_again/g; s/phong_reach_lanes/again_reach_lanes/g; s/define MODEL phong/define MODEL again/; s/"phong"/"again"/; s|bis/thesis/phong.h|bis/beyond/again.h|' -e "${EXTENDING_EDIT:-}" src/thesis/phong.c >"$root/src/beyond/again.c"
 sed 's/bis_phong/bis_again/g' include/bis/thesis/phong.h >"$root/include/bis/beyond/again.h"
 awk '/^static bis_material read_phong/ { inside = 1 }
     inside { line = $0; gsub(/read_phong/, "read_again", line); gsub(/bis_phong/, "bis_again", line); copy = copy line "\n" }

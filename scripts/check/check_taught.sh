@@ -62,7 +62,7 @@ check brdf "--integrator brdf" "thesis/brdf.c thesis/bsdf.c thesis/phong.c thesi
 check mis "--integrator mis" "$common thesis/mis.c thesis/proposal.c thesis/importance_table.c thesis/cdf.c"
 check rejection "--integrator rejection" "$common $sets thesis/rejection.c thesis/importance_table.c thesis/alias.c"
 check unoccluded "--integrator unoccluded" "$common $sets thesis/unoccluded.c thesis/importance_curve.c"
-check sir "--integrator sir" "$common $sets thesis/choose.c thesis/sir.c thesis/importance_curve.c"
+check sir "--integrator sir --proposal mix --learn off" "$common $sets thesis/choose.c thesis/sir.c thesis/importance_curve.c"
 check grid "--accelerator grid" "shape/grid_build.c shape/grid_walk.c"
 check "the default picture" "" "$common $sets thesis/choose.c thesis/sir.c thesis/importance_curve.c"
 awk '$1 ~ /thesis/ { run += $2 * $3 / 100; lines += $3 }

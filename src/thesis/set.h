@@ -104,7 +104,7 @@ static inline double bis_set_weight(const bis_set *x, uint32_t i)
     return (double)x->choice.w[i] * x->unit_of_f * x->unit_of_Le;
 }
 
-/* bis_set_mean returns (1/M) sum_i F(x_i)/q(x_i): L_ns of eq. 4.5 in RGB. */
+/* bis_set_mean returns (1/M) sum_i F(x_i)/q(x_i): L_ns of eq. 4.5 in RGB. With a guide each term is times h. */
 rgbd bis_set_mean(const bis_set *x);
 
 /* bis_set_choose chooses N candidates with probabilities w_i/sum w. Zhat must be > 0. */

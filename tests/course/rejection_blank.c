@@ -1,5 +1,5 @@
 /* [choose-proposal] */
-static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_stream *stream)
+static bis_proposal choose_proposal(const bis_settings *s, const bis_point *pt, bis_stream *stream)
 {
     /* Yours to write: for proposal "choose", one of BIS_PROPOSAL_EM and BIS_PROPOSAL_BRDF, by their bounds. Of use: bis_candidates_bound,
      * bis_stream_random. */

@@ -3,7 +3,7 @@
 /* loses: the_smaller_bound_is_chosen_more_often */
 /* loses: fewer_rays_than_accepted_are_right */
 /* [choose-proposal] */
-static bis_proposal choose(const bis_settings *s, const bis_point *pt, bis_stream *stream)
+static bis_proposal choose_proposal(const bis_settings *s, const bis_point *pt, bis_stream *stream)
 {
     if (s->proposal != BIS_PROPOSAL_CHOOSE) return s->proposal;
 

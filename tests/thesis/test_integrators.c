@@ -642,12 +642,12 @@ static void only_what_proposes_from_the_map_needs_tables(void **state)
     s.proposal = BIS_PROPOSAL_BRDF;
     assert_int_equal(s.integrator->light_needs(&s), 0);
     s = bis_settings_default(&bis_mis);
-    assert_int_equal(s.integrator->light_needs(&s), BIS_NEED_TABLE);
+    assert_int_equal(s.integrator->light_needs(&s), BIS_NEED_TABLE | BIS_NEED_SPREAD);
     s.compensate = true;
-    assert_int_equal(s.integrator->light_needs(&s), BIS_NEED_TABLE | BIS_NEED_COMPENSATED);
+    assert_int_equal(s.integrator->light_needs(&s), BIS_NEED_TABLE | BIS_NEED_SPREAD | BIS_NEED_COMPENSATED);
     assert_int_equal(bis_brdf.light_needs(&s), 0);
     assert_int_equal(bis_exact.light_needs(&s), 0);
-    assert_int_equal(bis_em.light_needs(&s), BIS_NEED_TABLE);
+    assert_int_equal(bis_em.light_needs(&s), BIS_NEED_TABLE | BIS_NEED_SPREAD);
 }
 
 static void scratch_without_memory_is_an_error(void **state)

@@ -1238,8 +1238,8 @@ static void options_end_where_they_say(void **state)
 {
     (void)state;
     static const struct { const char *arguments; int exit_status; const char *message; } cases[] = {
-        {"--seed 0 " DIR "/no.hdr", 1, "no.hdr"}, {"--seed 9007199254740992 " DIR "/no.exr", 1, "no.exr"},
-        {"--seed 9007199254740993 " DIR "/no.pfm", 2, "[0, 9007199254740992]"}, {"--mapping cube " DIR "/no.hdr", 2, "latlong, angular"},
+        {"--seed 0 " DIR "/no.hdr", 1, "no.hdr"}, {"--seed 9007199254740991 " DIR "/no.exr", 1, "no.exr"},
+        {"--seed 9007199254740992 " DIR "/no.pfm", 2, "[0, 9007199254740991]"}, {"--mapping cube " DIR "/no.hdr", 2, "latlong, angular"},
         {"--mapping angular " DIR "/no.hdr", 1, "no.hdr"}, {DIR "/no.txt", 1, "no.txt"}, {"a.hdr b.hdr", 2, "too many operands: 2"},
         {DIR "/.hdr", 1, ".hdr"}};
     program_run r;

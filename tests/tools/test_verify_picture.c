@@ -234,23 +234,32 @@ static void the_sums_of_a_picture_are_those_by_hand(void **state)
         program_folder(VERIFY_DIR);
         program_write_file(VERIFY_DIR "/floors.txt", text);
         verify_built b = verify_build(VERIFY_DIR "/floors.txt");
-        bis_verify v = {.seed = 1, .halvings = 3};
-        bool tested;
         for (int k = 0; k < 2; k++) factor[k] = cases[i].factor[k];
-        assert_int_equal(bis_verify_picture(&v, render_factors, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
-        assert_true(tested);
-        assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
-        assert_int_equal(v.n, cases[i].floors == 2 ? 5 : 3);
-        for (size_t k = 0; k < v.n; k++) {
-            const char *found = cases[i].found[k];
-            const char *const name = cases[i].floors == 2 ? of_two[k] : cases[i].first == 9 ? of_material[k] : of_one[k];
-            assert_string_equal(v.tests[k].name, name);
-            assert_string_equal(v.tests[k].group, "picture");
-            if (found && !*found) continue;
-            assert_int_equal(v.tests[k].verdict, found ? BIS_VERDICT_FAILED : BIS_VERDICT_PASSED);
-            if (found) assert_non_null(strstr(v.tests[k].note, found));
+        /* Where a few renders outweigh all others there is no verdict: of seeds 1 to 20 a third have none. Each row must get
+         * the right one from one of four seeds, and the wrong one from none. */
+        bool judged[5] = {false}, all_judged = false;
+        for (uint64_t seed = 1; !all_judged && seed <= 4; seed++) {
+            bis_verify v = {.seed = seed, .halvings = 3};
+            bool tested;
+            assert_int_equal(bis_verify_picture(&v, render_factors, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
+            assert_true(tested);
+            assert_int_equal(bis_verify_judge(&v, NULL), BIS_OK);
+            assert_int_equal(v.n, cases[i].floors == 2 ? 5 : 3);
+            all_judged = true;
+            for (size_t k = 0; k < v.n; k++) {
+                const char *found = cases[i].found[k];
+                const char *const name = cases[i].floors == 2 ? of_two[k] : cases[i].first == 9 ? of_material[k] : of_one[k];
+                assert_string_equal(v.tests[k].name, name);
+                assert_string_equal(v.tests[k].group, "picture");
+                if (found && !*found) continue;
+                judged[k] |= v.tests[k].verdict == (found ? BIS_VERDICT_FAILED : BIS_VERDICT_PASSED);
+                all_judged &= judged[k];
+                if (!found) assert_int_not_equal(v.tests[k].verdict, BIS_VERDICT_FAILED);
+                if (found && v.tests[k].verdict == BIS_VERDICT_FAILED) assert_non_null(strstr(v.tests[k].note, found));
+            }
+            bis_verify_clear(&v);
         }
-        bis_verify_clear(&v);
+        if (!all_judged) fail_msg("case %zu: four seeds do not judge it", i);
         verify_clear(&b);
     }
 }
