@@ -6,6 +6,7 @@
 # BIS_LINK and BIS_LIBS say how (scripts/course/course.mk). Prints the share of lines that the default picture runs. Exits with 1 where
 # a method does not reach a file, and with 77 where there is no gcov.
 build=$1
+[ -n "$build" ] && [ -n "$BIS_COMPILE" ] || { echo "check_taught: run by make test T=taught, which tells how to compile"; exit 2; }
 gcov=${GCOV:-gcov}
 skip() { echo "check_taught: SKIPPED: $*"; exit 77; }
 command -v "$gcov" >/dev/null || skip "there is no $gcov"

@@ -261,7 +261,7 @@ bool bis_approximate_or_refuse(bis_parser *p, bis_loc at, const char *kind, cons
 void bis_approximate_sky(bis_parser *p)
 {
     note(p, (bis_loc){p->desc->files[0], 0, 0}, BIS_EFFECT_SKY,
-         "a white sky of radiance 1 is used; --light MAP takes another", "no light from infinity");
+         "a white sky of radiance 1 is used; bis render --light MAP takes another", "no light from infinity");
 }
 
 /* ---- the end ---- */

@@ -44,7 +44,8 @@ bis_status bis_light_check_size(bis_mapping *mapping, const bis_light_desc *desc
         }
         bis_warn(diag, desc->loc,
                  "\"%s\" is square, %d x %d, and named by \"filename\": it is taken for an equal-area map, as in "
-                 "pbrt-v4; \"string mapping\" says otherwise (\"angular\" for a light probe)",
+                 "pbrt-v4; \"string mapping\" says otherwise (\"angular\" for a light probe), or bis envmap "
+                 "--mapping angular --to latlong makes a map that needs no word",
                  desc->filename, width, height);
         *mapping = BIS_MAPPING_EQUALAREA;
     }

@@ -460,7 +460,7 @@ static void a_scene_without_light_from_infinity_gets_a_white_sky(void **state)
     assert_true(d->has_light && !d->light.filename && d->light.scale == 1 && d->light.L.r == 1 && d->light.L.b == 1);
     assert_int_equal(d->approximations[0].effect, BIS_EFFECT_SKY);
     assert_int_equal(d->approximations[1].effect, BIS_EFFECT_INDIRECT);
-    assert_non_null(strstr(said, "main.txt: warning: approximated: no light from infinity: a white sky of radiance 1 is used; --light MAP takes another\n"));
+    assert_non_null(strstr(said, "main.txt: warning: approximated: no light from infinity: a white sky of radiance 1 is used; bis render --light MAP takes another\n"));
     assert_null(strstr(said, "no LightSource"));
     bis_scene_desc_free(d);
     d = good("WorldBegin Shape \"sphere\"", 0, said); /* plain bis renders it black, as ever */

@@ -350,7 +350,8 @@ static void a_square_map_must_say_its_mapping(void **state)
     desc.is_v4 = true; /* named by "filename": what pbrt-v4 takes it for */
     light = load(grey(8, 8, 1), desc, BIS_OK,
                  "s.txt:7:3: warning: \"%s\" is square, 8 x 8, and named by \"filename\": it is taken for an equal-area map, "
-                 "as in pbrt-v4; \"string mapping\" says otherwise (\"angular\" for a light probe)");
+                 "as in pbrt-v4; \"string mapping\" says otherwise (\"angular\" for a light probe), or bis envmap "
+                 "--mapping angular --to latlong makes a map that needs no word");
     assert_int_equal(bis_light_envmap(light)->width, 16);
     assert_string_equal(bis_light_envmap(light)->resampled_from, "equalarea");
     bis_light_free(light);

@@ -36,10 +36,10 @@ typedef struct bis_clusters {
 enum {
     BIS_CLUSTER_DIRECTIONS = 64,
     BIS_CLUSTERS = 256,    /* the largest K of bis_clusters_init */
-    BIS_CLUSTERS_FEW = 64  /* the smallest K: fewer clusters has only a map of less than 64 tiles */
+    BIS_CLUSTERS_FEW = 64  /* the smallest K: only a map of few lit pixels has fewer clusters */
 };
 
-/* bis_clusters_are_wide returns whether the map has so few pixels that its clusters are wider than lobes. They then
+/* bis_clusters_are_wide returns whether the map has so few lit pixels that its clusters may be wider than lobes. They then
  * tell where the light is, but not where it meets a lobe. */
 static inline bool bis_clusters_are_wide(const bis_clusters *c) { return c->n < BIS_CLUSTERS_FEW; }
 
