@@ -1,6 +1,6 @@
 /* as_printed: those equations of chapters 3 and 4 that give another picture if the code follows them as printed.
- * docs/errata.md explains what is wrong with each. E3, E13 and E20 concern the map's importance and stand in its files, E22
- * and E29 in rejection.c. */
+ * docs/errata.md explains what is wrong with each. E3, E13 and E20 concern the map's importance and stand in its files,
+ * E22 and E29 in rejection.c. */
 #include "bis/thesis/errata.h"
 #include "as_printed.h"
 

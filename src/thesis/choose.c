@@ -70,8 +70,8 @@ static inline BIS_INLINE uint32_t marks_below(double x, double offset)
     return (uint32_t)((whole + (d > (double)whole)) & -(d > 0));
 }
 
-/* Item i gets the marks below S_i that are not below S_(i-1). A number is stored whether it is 0 or not, and kept if it is
- * not: a branch for each item would be guessed wrong N times, which costs more than the rest of the loop. */
+/* Item i gets the marks below S_i that are not below S_(i-1). A number is stored whether it is 0 or not, and kept if it
+ * is not: a branch for each item would be guessed wrong N times, which costs more than the rest of the loop. */
 /* [choose] */
 BIS_LANES
 static uint32_t choose_systematic(uint32_t *restrict item, uint32_t *restrict times, const float *restrict w,

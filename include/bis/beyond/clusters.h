@@ -39,8 +39,8 @@ enum {
     BIS_CLUSTERS_FEW = 64  /* the smallest K: only a map of few lit pixels has fewer clusters */
 };
 
-/* bis_clusters_are_wide returns whether the map has so few lit pixels that its clusters may be wider than lobes. They then
- * tell where the light is, but not where it meets a lobe. */
+/* bis_clusters_are_wide returns whether the map has so few lit pixels that its clusters may be wider than lobes.
+ * They then tell where the light is, but not where it meets a lobe. */
 static inline bool bis_clusters_are_wide(const bis_clusters *c) { return c->n < BIS_CLUSTERS_FEW; }
 
 /* bis_clusters_init divides the map for M candidates per point. K is 2 M, but at least 64 and at most BIS_CLUSTERS.
