@@ -99,7 +99,8 @@ static void draw_brdf(bis_set *x, uint32_t n, bool stratify, const bis_point *pt
 }
 
 /* How the candidates are divided. Only a guide finds lobes by itself; without one, or with a coarse one, "product"
- * needs as many candidates from the BRDF as "mix". A single candidate of a guide's is the map's (bis_candidates_divide). */
+ * needs as many candidates from the BRDF as "mix". A single candidate of a guide is the map's
+ * (bis_candidates_divide). */
 static bis_proposal divided_as(bis_proposal proposal, const bis_guide *guide, uint32_t M)
 {
     if (proposal != BIS_PROPOSAL_PRODUCT) return proposal;
