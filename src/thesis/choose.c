@@ -61,7 +61,8 @@ double bis_choice_sum(bis_choice *c, uint32_t n)
 
 /* ---- systematic ---- */
 
-/* The number of marks j + offset, j = 0, 1, ..., below x. x is in units of W/N, and at most 2^24. */
+/* The number of marks j + offset, j = 0, 1, ..., below x. x is in units of W/N, and at most 2^24. Without a branch, so
+ * that a loop of it becomes vectors. */
 static inline BIS_INLINE uint32_t marks_below(double x, double offset)
 {
     const double d = x - offset;
@@ -70,8 +71,9 @@ static inline BIS_INLINE uint32_t marks_below(double x, double offset)
     return (uint32_t)((whole + (d > (double)whole)) & -(d > 0));
 }
 
-/* Item i gets the marks below S_i that are not below S_(i-1). A number is stored whether it is 0 or not, and kept if it
- * is not: a branch for each item would be guessed wrong N times, which costs more than the rest of the loop. */
+/* Item i gets the marks below S_i that are not below S_(i-1). They are counted for the 16 of a block at once, and a
+ * number is stored whether it is 0 or not and kept if it is not: a branch for each item would be guessed wrong N times,
+ * which costs more than the rest of the loop. */
 /* [choose] */
 BIS_LANES
 static uint32_t choose_systematic(uint32_t *restrict item, uint32_t *restrict times, const float *restrict w,
@@ -87,14 +89,18 @@ static uint32_t choose_systematic(uint32_t *restrict item, uint32_t *restrict ti
         const uint32_t end = k == n_blocks - 1 || below_end > N ? N : below_end;
 
         if (end > given) {
-            uint32_t last = BLOCK - 1;
+            uint32_t below[BLOCK], last = BLOCK - 1;
+            double S_i[BLOCK];
+            for (uint32_t i = 0; i < BLOCK; i++) S_i[i] = S += (double)w[i];
+            /* not for vectors of 16 bytes, which hold two doubles: gcc knows no vector of two integers */
+#pragma omp simd simdlen(16)
+            for (uint32_t i = 0; i < BLOCK; i++) below[i] = marks_below(S_i[i] * marks_per_weight, offset);
             for (uint32_t i = 0; i < BLOCK; i++) {
-                S += (double)w[i]; /* S_i */
-                const uint32_t below = marks_below(S * marks_per_weight, offset), most = below > end ? end : below;
+                const uint32_t most = below[i] > end ? end : below[i], marks = most > given ? most - given : 0;
                 item[n] = BLOCK * k + i;
-                times[n] = most > given ? most - given : 0;
-                given += times[n];
-                n += times[n] > 0;
+                times[n] = marks;
+                n += marks > 0;
+                given += marks;
             }
             if (given < end) { /* what rounding leaves at the end of the block */
                 while (w[last] <= 0) last--;
