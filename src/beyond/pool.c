@@ -2,11 +2,12 @@
  * pass, purpose "pool"). */
 #include "bis/beyond/pool.h"
 
+#include "thesis/light_many.h"
+
 #include "bis/thesis/curve.h"
 #include "bis/base/mem.h"
 
 #include <assert.h>
-#include <float.h>
 
 static const uint64_t purpose_pool = 0x706f6f6c; /* no pixel's stream has it */
 
@@ -49,21 +50,6 @@ size_t bis_pool_bytes(const bis_pool *p)
     return (size_t)p->n_sets * BIS_LANES_ARRAYS * bis_lanes_round_up(p->M) * sizeof *p->lanes;
 }
 
-/* A direction in lanes. Where there is none, in what fills the last block, Le = 0 and q = 1, so that weights are 0; so
- * it is with a density below FLT_MIN, which is drawn once in 10^37. */
-static void put_lane(const bis_lanes *l, uint32_t i, const bis_light_point *y, double unit)
-{
-    const bis_light_point p = y && y->pdf >= (double)FLT_MIN ? *y : (bis_light_point){.pdf = 1};
-
-    l->x[i] = p.wi.x;
-    l->y[i] = p.wi.y;
-    l->z[i] = p.wi.z;
-    l->r[i] = (float)((double)p.Le.r / unit);
-    l->g[i] = (float)((double)p.Le.g / unit);
-    l->b[i] = (float)((double)p.Le.b / unit);
-    l->q[i] = (float)p.pdf;
-}
-
 /* Directions number i of all sets: all in the same M-th of the curve, so that the CDF and the map are read in one place
  * (80 ns a direction; set by set, 250). */
 static void draw_stratum(bis_pool *p, uint32_t i, const bis_light *light, bis_rng *rng)
@@ -78,7 +64,7 @@ static void draw_stratum(bis_pool *p, uint32_t i, const bis_light *light, bis_rn
         assert(drawn);
         (void)drawn;
         const bis_lanes x = bis_pool_set(p, set);
-        put_lane(&x, i, &y, unit);
+        bis_lanes_put(&x, i, &y, unit);
     }
 }
 
@@ -86,7 +72,7 @@ static void fill_last_block(const bis_pool *p, uint32_t set)
 {
     const bis_lanes l = bis_pool_set(p, set);
 
-    for (uint32_t i = p->M; i < bis_lanes_round_up(p->M); i++) put_lane(&l, i, NULL, 1);
+    for (uint32_t i = p->M; i < bis_lanes_round_up(p->M); i++) bis_lanes_put(&l, i, NULL, 1);
 }
 
 void bis_pool_fill(bis_pool *p, const bis_light *light, uint64_t seed, uint32_t pass, int n_threads)

@@ -10,24 +10,6 @@
 #include "light_many.h"
 #include "proposal.h"
 
-#include "bis/thesis/curve.h"
-
-#include <float.h>
-
-/* Candidate i. Where there is none, Le = 0 and q = 1, so that its weight is 0. So it is with a density below FLT_MIN,
- * which is drawn once in 10^37. */
-static void put(const bis_lanes *x, uint32_t i, const bis_light_point *y, double unit_of_Le)
-{
-    const bis_light_point p = y && y->pdf >= (double)FLT_MIN ? *y : (bis_light_point){.pdf = 1};
-
-    x->x[i] = p.wi.x;
-    x->y[i] = p.wi.y;
-    x->z[i] = p.wi.z;
-    x->r[i] = (float)((double)p.Le.r / unit_of_Le);
-    x->g[i] = (float)((double)p.Le.g / unit_of_Le);
-    x->b[i] = (float)((double)p.Le.b / unit_of_Le);
-    x->q[i] = (float)p.pdf;
-}
 
 /* One of n independent points. If n = 1, it is the set of one point that plain importance sampling uses, because M = N
  * = 1 must give the same direction (E24). */
@@ -45,14 +27,9 @@ static bool draw_one_of_map(bis_light_point *y, uint32_t i, uint32_t n, bool str
 {
     double u[2];
 
-    if (!stratify) {
-        independent_point(u, stream, BIS_DIM_EM, n);
-        return bis_propose_em(y, light, stream, u);
-    }
-    const double t = bis_stratum(i, bis_stream_random(stream), n);
-    u[0] = bis_stream_random(stream);
-    u[1] = bis_stream_random(stream);
-    return bis_light_sample_curve(light, t, u, y);
+    if (stratify) return bis_propose_stratum(y, light, stream, i, n);
+    independent_point(u, stream, BIS_DIM_EM, n);
+    return bis_propose_em(y, light, stream, u);
 }
 
 static void draw_map(bis_set *x, uint32_t n, bool stratify, const bis_light *light, bis_stream *stream)
@@ -61,9 +38,9 @@ static void draw_map(bis_set *x, uint32_t n, bool stratify, const bis_light *lig
 
     for (uint32_t i = 0; i < n; i++) {
         const bool drawn = draw_one_of_map(&y, i, n, stratify, light, stream);
-        put(&x->own, i, drawn ? &y : NULL, x->unit_of_Le);
+        bis_lanes_put(&x->own, i, drawn ? &y : NULL, x->unit_of_Le);
     }
-    for (uint32_t i = n; i < bis_lanes_round_up(n); i++) put(&x->own, i, NULL, 1);
+    for (uint32_t i = n; i < bis_lanes_round_up(n); i++) bis_lanes_put(&x->own, i, NULL, 1);
     x->map = (bis_half){x->own, n, 0};
 }
 

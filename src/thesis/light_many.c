@@ -7,6 +7,7 @@
 #include "light_many.h"
 
 #include <assert.h>
+#include <float.h>
 
 /* [pixels-of-lanes] */
 BIS_LANES
@@ -78,4 +79,17 @@ void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel,
         y->r[i] = y->g[i] = y->b[i] = 0;
         y->q[i] = 1;
     }
+}
+
+void bis_lanes_put(const bis_lanes *x, uint32_t i, const bis_light_point *y, double unit)
+{
+    const bis_light_point p = y && y->pdf >= (double)FLT_MIN ? *y : (bis_light_point){.pdf = 1};
+
+    x->x[i] = p.wi.x;
+    x->y[i] = p.wi.y;
+    x->z[i] = p.wi.z;
+    x->r[i] = (float)((double)p.Le.r / unit);
+    x->g[i] = (float)((double)p.Le.g / unit);
+    x->b[i] = (float)((double)p.Le.b / unit);
+    x->q[i] = (float)p.pdf;
 }

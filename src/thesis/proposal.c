@@ -12,6 +12,16 @@ bool bis_propose_em(bis_light_point *y, const bis_light *light, bis_stream *stre
     return bis_light_sample(light, v, y);
 }
 
+bool bis_propose_stratum(bis_light_point *y, const bis_light *light, bis_stream *stream, uint32_t i, uint32_t n)
+{
+    const double t = bis_stratum(i, bis_stream_random(stream), n);
+    double u[2];
+
+    u[0] = bis_stream_random(stream);
+    u[1] = bis_stream_random(stream);
+    return bis_light_sample_curve(light, t, u, y);
+}
+
 unsigned bis_em_samples_light_needs(const bis_settings *s)
 {
     return s->stratify ? BIS_NEED_CURVE : BIS_NEED_TABLE | BIS_NEED_SPREAD;
@@ -40,8 +50,6 @@ bis_em_samples bis_em_samples_start(uint32_t n, const bis_settings *s, bis_strea
 bool bis_em_sample(bis_light_point *y, const bis_em_samples *samples, uint32_t j, const bis_light *light,
                    bis_stream *stream)
 {
-    double u[2];
-
     if (samples->u) return bis_propose_em(y, light, stream, samples->u[j]);
     if (samples->is_shared) {
         const bis_lanes *x = &samples->set;
@@ -50,8 +58,5 @@ bool bis_em_sample(bis_light_point *y, const bis_em_samples *samples, uint32_t j
                                (double)x->q[j]};
         return true;
     }
-    const double t = bis_stratum(j, bis_stream_random(stream), samples->n);
-    u[0] = bis_stream_random(stream);
-    u[1] = bis_stream_random(stream);
-    return bis_light_sample_curve(light, t, u, y);
+    return bis_propose_stratum(y, light, stream, j, samples->n);
 }

@@ -2,4 +2,5 @@
 #include "clone.h"
 #define bis_envmap_pixels CLONE(envmap_pixels)
 #define bis_light_look CLONE(light_look)
+#define bis_lanes_put CLONE(lanes_put)
 #include "thesis/light_many.c"
