@@ -16,6 +16,6 @@ void bis_envmap_pixels(const bis_envmap *em, const vec3 axis[3], uint32_t *pixel
 void bis_light_look(const bis_light *light, const bis_lanes *y, uint32_t *pixel, uint32_t n);
 
 /* bis_lanes_put stores a direction that was drawn from a light as lane i of x. unit is bis_light_mean. If y is NULL,
- * there is none: Le = 0 and q = 1, so that the weight is 0. A density below FLT_MIN, which is drawn once in 10^37, counts
- * as none. */
+ * there is none: Le = 0 and q = 1, so that the weight is 0. A density below FLT_MIN, which is drawn once in 10^37,
+ * counts as none. */
 void bis_lanes_put(const bis_lanes *x, uint32_t i, const bis_light_point *y, double unit);

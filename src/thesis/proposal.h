@@ -22,8 +22,8 @@ static inline rgbd bis_estimate(rgb f, rgb Le, double cos_theta, double q)
  * select the place in it. Returns false if there is no light. */
 bool bis_propose_em(bis_light_point *y, const bis_light *light, bis_stream *stream, const double u[2]);
 
-/* bis_propose_stratum draws *y from the i-th of n equal parts of the map's curve, by plain random numbers. Returns false
- * if there is no light. */
+/* bis_propose_stratum draws *y from the i-th of n equal parts of the map's curve, by plain random numbers. Returns
+ * false if there is no light. */
 bool bis_propose_stratum(bis_light_point *y, const bis_light *light, bis_stream *stream, uint32_t i, uint32_t n);
 
 /* The n samples of the map in one estimate. They are points of the sampler that go through the table. With
