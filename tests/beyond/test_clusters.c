@@ -621,24 +621,6 @@ static void without_a_cluster_in_reach_the_estimate_is_black(void **state)
     bis_light_free(light);
 }
 
-static void a_guide_takes_the_bytes_that_are_foretold(void **state)
-{
-    bis_light *light = lit_new_light(LIT_SMOOTH, 1, 0, false);
-    const bis_settings s = product(64, 3, true);
-
-    (void)state;
-    for (int learned = 0; learned < 2; learned++) {
-        workspace w;
-        open_workspace(&w, light, &s, learned);
-        const bis_choice *c = &w.guide.product.clusters;
-        const size_t chosen = block_bytes(c->w) + block_bytes(c->sum) + block_bytes(c->item) + block_bytes(c->times);
-        assert_int_equal(bis_product_guide_bytes(&w.guide), chosen + (learned ? block_bytes(w.guide.foresight.memory) : 0));
-        assert_true(learned == (w.guide.foresight.memory != NULL));
-        close_workspace(&w);
-    }
-    bis_light_free(light);
-}
-
 static void without_memory_nothing_is_held(void **state)
 {
     bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0, false);
@@ -735,7 +717,6 @@ int main(void)
         cmocka_unit_test(control_of_1_leaves_no_noise_to_the_choice),
         cmocka_unit_test(rays_are_counted_and_V_1_of_a_layer_is_not_learned_from),
         cmocka_unit_test(without_a_cluster_in_reach_the_estimate_is_black),
-        cmocka_unit_test(a_guide_takes_the_bytes_that_are_foretold),
         cmocka_unit_test(without_memory_nothing_is_held),
         cmocka_unit_test(candidates_of_a_cluster_are_spread_evenly_over_its_directions),
     };

@@ -186,6 +186,7 @@ static void what_a_thread_knows_beyond_the_thesis(void **state)
         assert_true(is_true(before, bis_product_guide_bytes(&guide)));
         assert_int_equal(bis_product_guide_init(&guide, &clusters, learns ? &visibility : NULL, NULL), BIS_OK);
         expect(before, bis_product_guide_bytes(&guide));
+        assert_true(learns == (guide.foresight.memory != NULL)); /* what is not learned takes nothing */
         bis_product_guide_clear(&guide);
     }
     bis_visibility_clear(&visibility);
