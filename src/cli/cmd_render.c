@@ -127,13 +127,14 @@ static bis_status render(bis_render_result *result, bis_film *film, bis_auto_rep
     if (!status) status = bis_render(result, film, scene, desc, &desc->view, &options, diag);
     bis_display_close(o->display, !status && result->passes ? film : NULL, diag);
     if (show) fputs("\r\033[K", stderr);
-    if (!status && leads && o->error > 0 && !(result->error_bound <= o->error)) {
-        if (isnan(result->error_bound))
-            bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown, %u pass is too few",
-                     o->error, result->passes);
+    if (!status && leads && o->error > 0 && !(result->error.is_known && result->error.upper <= o->error)) {
+        if (!result->error.is_known)
+            bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is unknown after %u pass%s, because %s",
+                     o->error, result->passes, result->passes == 1 ? "" : "es",
+                     bis_render_files_why_unknown(&result->error));
         else
             bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is at most %.3g after %u passes",
-                     o->error, result->error_bound, result->passes);
+                     o->error, result->error.upper, result->passes);
     }
     if (!status) bis_render_files_warn_of_nonfinite(&result->counters, diag);
     return status;

@@ -103,6 +103,11 @@ static bis_status list_channels(bis_channel *channels, int *n, float **planes, c
     return BIS_OK;
 }
 
+const char *bis_render_files_why_unknown(const bis_film_error *error)
+{
+    return isnan(error->relative_rmse) ? "one pass is too few" : "a few pixels carry most of it";
+}
+
 void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats)
 {
     const bis_render_result *r = stats->result;
@@ -116,8 +121,8 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
     fprintf(stderr, ": %d x %d pixels, %" PRIu64 " camera sample%s a pixel in %u pass%s, %s, ", stats->film->width,
             stats->film->height, r->spp, r->spp == 1 ? "" : "s", r->passes, r->passes == 1 ? "" : "es",
             bis_duration(seconds, r->seconds));
-    if (isnan(r->relative_rmse)) fputs("error unknown (one pass)\n", stderr);
-    else fprintf(stderr, "error about %s\n", bis_percent(error, r->relative_rmse));
+    if (r->error.is_known) fprintf(stderr, "error about %s\n", bis_percent(error, r->error.relative_rmse));
+    else fprintf(stderr, "error unknown: %s\n", bis_render_files_why_unknown(&r->error));
 }
 
 bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_files *files, const bis_stats *stats,

@@ -29,6 +29,9 @@ bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_
 /* bis_render_files_write_stats writes the JSON of --stats, if it is asked for. Errors: BIS_IO. */
 bis_status bis_render_files_write_stats(const bis_render_files *files, const bis_stats *stats, bis_diag *diag);
 
+/* bis_render_files_why_unknown returns the reason, as words, why an error is not known. */
+const char *bis_render_files_why_unknown(const bis_film_error *error);
+
 /* bis_render_files_print_result prints one line to standard error: what was written, camera samples, passes, time and
  * error. */
 void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats);

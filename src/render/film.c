@@ -1,9 +1,11 @@
-/* film: sums, sums of squares, and what they say about the error.
+/* film: sums and deviations. film_error.c says what they tell about the error, film_layers.c makes channels.
  *
  * A picture is the mean over passes; a pass adds one value to every pixel, so one weight serves all pixels: the pass's
  * number of camera samples, settled before it is rendered. Sums of light are
- * double: a million passes of float radiance add up without loss that matters (2^-53 a step), and squares of FLT_MAX do
- * not overflow.
+ * double: a million passes of float radiance add up without loss that matters (2^-53 a step).
+ *
+ * The scatter of the passes is kept as its root mean square, which is updated pass by pass (Welford 1962): no difference
+ * of large sums cancels, and float is enough, because a step rounds by 2^-25 and the value itself settles.
  *
  * The sum of hits is float, because it is a count. weight x share is the number of hits of a pass, or on outlines that
  * number divided by edgesamples. With 8 of them these are multiples of 1/8, and 2^24 such steps have no rounding: the
@@ -13,8 +15,9 @@
  * most 2^-24 a n(n+1)/2, so that alpha, the sum over n, errs by at most 2^-25 a (n+1). This is 0.001 for 10^5 passes
  * of a = 1/3, half a step of an 8-bit picture.
  *
- * 52 bytes a pixel. Source of the error estimate: docs/errata.md E32 (errors come from whole, independent replicates:
- * the passes), the measure itself is relMSE of docs/budgets.md, "Error". */
+ * A film also keeps its mean as it was when it had half as many camera samples, because the difference between the two
+ * halves tells how fast the error falls (film_error.c). It is float: a difference below 2^-24 of the mean does not
+ * matter to an error. 52 bytes a pixel. */
 #include "bis/render/film.h"
 
 #include "bis/base/mem.h"
@@ -53,9 +56,10 @@ bis_status bis_film_init_like(bis_film *f, const bis_film *sizes, bis_loc at, bi
 
     *f = (bis_film){0};
     film.sum = bis_alloc(n, 3 * sizeof *film.sum);
-    film.sum_squares = bis_alloc(n, 3 * sizeof *film.sum_squares);
+    film.deviation = bis_alloc(n, 3 * sizeof *film.deviation);
+    film.half = bis_alloc(n, 3 * sizeof *film.half);
     film.hits = bis_alloc(n, sizeof *film.hits);
-    if (!film.sum || !film.sum_squares || !film.hits) {
+    if (!film.sum || !film.deviation || !film.half || !film.hits) {
         const bis_status status =
             bis_error(diag, BIS_NOMEM, at, "no memory for a picture of %d x %d pixels", film.width, film.height);
         bis_film_clear(&film);
@@ -97,7 +101,8 @@ void bis_film_clear(bis_film *f)
 {
     if (!f) return;
     bis_free(f->sum);
-    bis_free(f->sum_squares);
+    bis_free(f->deviation);
+    bis_free(f->half);
     bis_free(f->hits);
     bis_layers_clear(&f->layers);
     *f = (bis_film){0};
@@ -132,11 +137,14 @@ bis_rect bis_film_tile_of_crop(const bis_film *f, int side, int t)
 
 /* ---- passes ---- */
 
+/* Before a pass: have the camera samples doubled since the mean was last kept? */
+static bool has_doubled(const bis_film *f) { return f->passes && f->weight >= 2 * f->half_weight; }
+
 void bis_film_end_pass(bis_film *f, double weight)
 {
+    if (has_doubled(f)) f->half_weight = f->weight;
     f->passes++;
     f->weight += weight;
-    f->weight_squares += weight * weight;
 }
 
 void bis_film_add(bis_film *f, int x, int y, rgb L, double hit, double weight)
@@ -146,9 +154,13 @@ void bis_film_add(bis_film *f, int x, int y, rgb L, double hit, double weight)
     size_t i = (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0);
     const double c[3] = {(double)L.r, (double)L.g, (double)L.b};
 
-    for (int k = 0; k < 3; k++) {
-        f->sum[3 * i + (size_t)k] += weight * c[k];
-        f->sum_squares[3 * i + (size_t)k] += weight * c[k] * c[k];
+    for (size_t k = 3 * i; k < 3 * i + 3; k++) {
+        const double mean = f->passes ? f->sum[k] / f->weight : 0, d = c[k - 3 * i] - mean;
+        const double old = (double)f->deviation[k], share = weight / (f->weight + weight);
+        /* the mean of the squares of two groups, and what their means are apart */
+        f->deviation[k] = f->passes ? (float)sqrt((1 - share) * (old * old + share * d * d)) : 0;
+        if (has_doubled(f)) f->half[k] = (float)mean;
+        f->sum[k] += weight * c[k - 3 * i];
     }
     f->hits[i] = (float)((double)f->hits[i] + weight * hit);
 }
@@ -175,106 +187,6 @@ double bis_film_raised(const bis_film *f)
         if (f->sum[i] < 0) raised -= f->sum[i];
     }
     return all > 0 ? raised / all : 0;
-}
-
-/* The variance of the mean of channel i, n > 1 passes (eq. 3.9). A pass of weight w is the mean of w camera samples:
- * its variance is v/w, sum w (L - mean)^2 over n - 1 estimates v, and the mean over a weight W has the variance v/W.
- * Where all passes agree the sum is 0 but for rounding, a few ulps of sum_squares, which may fall below it. */
-double bis_film_variance(const bis_film *f, size_t i)
-{
-    return fmax(0, f->sum_squares[i] - f->sum[i] * (f->sum[i] / f->weight)) / (f->passes - 1.0) / f->weight;
-}
-
-/* The expected (a-b)^2 / (b^2 + m^2/100) of one pixel, mean over its channels: the variance of each channel's mean in
- * place of (a-b)^2. In place of b^2 there are two: mean^2, which holds that
- * variance as well, so that a lone bright sample hides behind its own brightness (scene.txt at 4 passes: estimate 0.35,
- * truth 0.70); and mean^2 less the variance, right in expectation, but 0 just there, as if the pixel were black. Their
- * geometric mean serves both: noise that is small beside the mean does not see it. */
-static double pixel_error(const bis_film *f, size_t i, double floor)
-{
-    double total = 0;
-
-    for (size_t k = 3 * i; k < 3 * i + 3; k++) {
-        const double mean = f->sum[k] / f->weight, variance = bis_film_variance(f, k);
-        /* Where estimates are not negative, sum_squares <= sum^2 and variance <= mean^2. A control variate may leave
-         * some that are. */
-        double square = mean * mean, less = fmax(0, square - variance);
-        total += variance / (sqrt(square + floor) * sqrt(less + floor)); /* their product may underflow */
-    }
-    return total / 3;
-}
-
-/* m^2/100 of relMSE, m the mean of the picture; 0 where it is black. */
-static double floor_of(const bis_film *f)
-{
-    const size_t n = (size_t)f->width * (size_t)f->height;
-    double mean = 0;
-
-    for (size_t i = 0; i < 3 * n; i++) mean += f->sum[i];
-    mean /= 3 * (double)n * f->weight;
-    return mean * mean / 100;
-}
-
-void bis_film_tile_errors(const bis_film *f, int tile, double *errors)
-{
-    int across;
-    const int n = bis_film_tiles(f, tile, &across);
-    const double floor = floor_of(f);
-
-    assert(f->passes > 1);
-#pragma omp parallel for schedule(dynamic)
-    for (int t = 0; t < n; t++) {
-        const bis_rect r = bis_film_tile_of_crop(f, tile, t);
-        errors[t] = 0;
-        for (int y = r.y0; floor > 0 && y < r.y1; y++) {
-            for (int x = r.x0; x < r.x1; x++)
-                errors[t] += pixel_error(f, (size_t)(y - f->y0) * (size_t)f->width + (size_t)(x - f->x0), floor);
-        }
-    }
-}
-
-/* Let X_i be pixel_error, R the mean of X over the P pixels: the estimate of relMSE. Pixels have independent random
- * numbers, so two things part R from the error that this very picture has:
- * - R is itself an estimate: var(R) <= sum (X_i - R)^2 / P^2, since the scatter over pixels holds that of their true
- * variances, too;
- * - the error is one draw: a pixel's squared error of expectation X_i has variance 2 X_i^2 (normal, its channels
- * alike),
- *   that of their mean 2 sum X_i^2 / P^2.
- * The bound is R plus 1.645 (the 95% point of a normal) times the root of the sum. But with few passes R is too low
- * where noise is skewed: pixels whose mean came out low show little scatter, and are weighed most. The loss falls with
- * 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every third pixel: true errors above the bound
- * in 2.6, 3.3, 2.8% of 2000 renders at 4, 16, 64 passes, without it in 16% at 4 (tests/render/test_film.c). Of passes
- * that differ in weight, n counts as many as would have the same mean of squared weights. The bound knows nothing of
- * lights that no pass has found yet. */
-double bis_film_relative_rmse(const bis_film *f, double *upper)
-{
-    enum { BLOCK = 1024 };
-    size_t n = (size_t)f->width * (size_t)f->height;
-    double sum = 0, squares = 0;
-
-    if (upper) *upper = (double)NAN;
-    if (f->passes < 2) return (double)NAN;
-    const double floor = floor_of(f);
-    if (floor == 0) { /* black, hence without scatter */
-        if (upper) *upper = 0;
-        return 0;
-    }
-    /* threads find the terms, which are added in the order of the pixels: any number of threads gives the same bits */
-#pragma omp parallel for ordered schedule(dynamic)
-    for (size_t first = 0; first < n; first += BLOCK) {
-        const size_t end = first + BLOCK < n ? first + BLOCK : n;
-        double x[BLOCK];
-        for (size_t i = first; i < end; i++) x[i - first] = pixel_error(f, i, floor);
-#pragma omp ordered
-        for (size_t i = 0; i < end - first; i++) {
-            sum += x[i];
-            squares += x[i] * x[i];
-        }
-    }
-    double R = sum / (double)n, scatter = fmax(0, squares - sum * R); /* fmax: as in pixel_error */
-    const double few = 1.5 * f->weight_squares / (f->weight * f->weight);
-    if (upper) *upper = sqrt(R * (1 + few) + 1.645 * sqrt(scatter + 2 * squares) / (double)n);
-    return sqrt(R);
 }
 
 size_t bis_film_bytes(const bis_film *f)

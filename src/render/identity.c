@@ -16,7 +16,6 @@ static const char *const part_names[BIS_IDENTITY_PARTS] = {
     "the sampler, or its seed",
     "the camera samples for which samplers \"stratified\" and \"halton\" divide a pixel (--spp)",
     "pixel jitter, adaptive sampling, or camera samples on edges",
-    "that an --error is asked for, or that none is",
     "the integrator, or its parameters",
     "the shapes",
     "the materials, or their textures",
@@ -164,7 +163,7 @@ void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of)
 {
     const bis_view *view = of->view;
     const bis_sampler *s = &view->sampler;
-    const bool divides = !of->independent && (s->kind == BIS_SAMPLER_STRATIFIED || s->kind == BIS_SAMPLER_HALTON);
+    const bool divides = !view->adaptive && (s->kind == BIS_SAMPLER_STRATIFIED || s->kind == BIS_SAMPLER_HALTON);
     bis_walk own = {.hash = BIS_FNV1A}, *w = &own;
     int n = 0;
 
@@ -186,8 +185,6 @@ void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of)
     hash_count(w, of->edge ? view->edge_samples : 1);
     hash_real(w, of->edge ? view->edge_light : 1);
     hash_count(w, of->options->pass_size);
-    parts[n++] = bis_walk_take_hash(w);
-    hash_count(w, of->options->budget.error > 0);
     parts[n++] = bis_walk_take_hash(w);
     hash_settings(w, &view->settings);
     parts[n++] = bis_walk_take_hash(w);

@@ -5,7 +5,7 @@
 #include "workspace.h"
 
 /* src/render/identity.c names the parts. */
-enum { BIS_IDENTITY_PARTS = 13 };
+enum { BIS_IDENTITY_PARTS = 12 };
 
 /* bis_identify hashes the parts of a render, whose edges must be known. */
 void bis_identify(uint64_t parts[BIS_IDENTITY_PARTS], const bis_workspace *of);

@@ -36,7 +36,7 @@ static int this_thread(void)
 #endif
 }
 
-/* A sampler that is independent of all others: n camera samples with a seed of their own. */
+/* The sampler of a pass of adaptive sampling: n camera samples with a seed of their own, independent of all others. */
 static bis_sampler sampler_number(const bis_workspace *w, uint64_t number, uint32_t n)
 {
     bis_sampler s = w->view->sampler;
@@ -67,9 +67,8 @@ static void place_in_tile(int i, int *x, int *y)
 static bool is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
 
 /* What a pass takes of pixel (x, y): n camera samples, or in an edge pixel as many times edgesamples (64 x 1024 at
- * most), each of which then has a share of the light samples. Where errors are estimated each of the n has a seed of
- * its own, so that a pass of n samples has an n-th of the variance of one sample; with adaptive sampling the n of a
- * pass share a seed, because all passes weigh the same. */
+ * most), each of which then has a share of the light samples. With adaptive sampling the n of a pass have a seed of their
+ * own, because passes of different sizes have no place in one sequence. */
 static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, uint32_t n, const bis_pass *pass,
                         bis_pixel_sum *sum)
 {
@@ -83,11 +82,7 @@ static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, ui
         sampler = sampler_number(w, pass->number, n * each);
         first = 0;
     }
-    for (uint32_t k = 0; k < n * each; k++) {
-        const bool fresh = w->independent && !w->adapt.n_tiles;
-        if (fresh && k % each == 0) sampler = sampler_number(w, pass->first + k / each, each);
-        bis_wave_add(wave, &sampler, x, y, fresh ? k % each : first + k, sum);
-    }
+    for (uint32_t k = 0; k < n * each; k++) bis_wave_add(wave, &sampler, x, y, first + k, sum);
 }
 
 /* Tile number t. An interrupted one is left as it is, because the pass is dropped. */

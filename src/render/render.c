@@ -7,14 +7,9 @@
  *
  * Budgets are looked at between passes. For time: another pass is begun if one of mean speed still fits, with fewer
  * camera samples if it must be; that is then the last one. So a budget of as many camera samples makes the same
- * picture. For error: the estimate costs a sweep over the film, so it is made at passes 4, 5, 6, ... and, from 20 on,
- * each time their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of passes that no
- * clock can change.
- *
- * An error is estimated from the scatter of the passes, which tells the truth only where they are independent
- * replicates (docs/errata.md E32). The camera samples of one pixel are not: a stratified or low-discrepancy sampler
- * spreads them over the pixel, and the scatter overestimates the error, at edges twofold and more. So where an error is
- * asked for, each camera sample has a seed of its own (with adaptive sampling, each pass).
+ * picture. For error: the estimate (film_error.c) costs a sweep over the film, so it is made at passes 3, 4, 5, ...
+ * and, from 20 on, each time their number has grown by a twentieth: an unneeded 5% of passes at most, and a number of
+ * passes that no clock can change. The passes are the same for every budget.
  *
  * Adaptive sampling weighs each tile against the whole picture, of which a crop knows nothing: a pixel of a crop then
  * does not get what it gets in the full picture.
@@ -31,7 +26,7 @@
 #include <assert.h>
 #include <math.h>
 
-enum { MIN_ERROR_PASSES = 4, MOST_SAMPLES = 4 };
+enum { MIN_ERROR_PASSES = 3, MOST_SAMPLES = 4 };
 
 static const double seconds_between_reports = 0.2;
 
@@ -50,13 +45,11 @@ typedef struct render {
     uint32_t passes_total; /* that make `most`; 0: unknown */
 } render;
 
-/* Camera samples of the pass that follows `spp` of them: 1, 1, 2, 4, 4, ... With an error to reach 1, 1, 1, 1, 4, 4,
- * ..., because its first estimate needs four passes. */
+/* Camera samples of the pass that follows `spp` of them: 1, 1, 2, 4, 4, ... */
 static uint32_t whole_size(const render *r, uint64_t spp)
 {
     uint32_t n = spp < 2 ? 1 : spp < MOST_SAMPLES ? (uint32_t)spp : MOST_SAMPLES;
 
-    if (r->budget.error > 0 && spp < MIN_ERROR_PASSES) n = 1;
     if (r->work.options->pass_size) n = r->work.options->pass_size;
     if (r->work.view->adaptive) n = BIS_ADAPT_SAMPLES;
     return n;
@@ -148,10 +141,11 @@ static bool budget_left(render *r)
         if (r->is_last) r->size = (uint32_t)fits;
     }
     if (b->error > 0 && passes >= done->next_check) {
-        bool first = done->next_check == MIN_ERROR_PASSES;
-        bis_film_relative_rmse(r->work.film, &done->rmse_upper);
+        const bool was_unknown = !isfinite(done->rmse_upper);
+        const bis_film_error error = bis_film_estimate_error(r->work.film);
+        done->rmse_upper = error.is_known ? error.upper : HUGE_VAL;
         done->next_check = passes + 1 + passes / 20;
-        if (first && done->rmse_upper > b->error) forecast(r);
+        if (was_unknown && error.is_known && error.upper > b->error) forecast(r);
     }
     return !(b->error > 0 && done->rmse_upper <= b->error); /* also where a checkpoint says so */
 }
@@ -269,7 +263,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     render r = {.budget = options->budget,
                 .done = {.next_check = MIN_ERROR_PASSES, .rmse_upper = (double)NAN}};
 
-    *result = (bis_render_result){.relative_rmse = (double)NAN, .error_bound = (double)NAN};
+    *result = (bis_render_result){.error = {.relative_rmse = (double)NAN, .upper = (double)NAN}};
     assert(film->passes == 0);
     assert(!options->part.n || !(view->adaptive || options->budget.error > 0)); /* these weigh the whole picture */
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
@@ -280,7 +274,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
     if (!status) status = leads ? lead(&r, result, diag) : follow(&r);
     if (!status && leads) {
         result->counters = r.done.counters;
-        if (!options->part.n) result->relative_rmse = bis_film_relative_rmse(film, &result->error_bound);
+        if (!options->part.n) result->error = bis_film_estimate_error(film);
         result->passes = film->passes;
         result->spp = r.done.spp;
         result->bytes = bis_workspace_bytes(&r.work) + (r.work.team ? bis_team_bytes(r.work.team) : 0);

@@ -12,7 +12,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { FORMAT = 5, MAGIC = 8 };
+enum { FORMAT = 6, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];
@@ -130,7 +130,7 @@ void bis_state_walk_done(bis_walk *w, bis_done *d, bis_film *f)
     walk_counters(w, &d->counters);
     bis_walk_u32(w, &f->passes);
     bis_walk_f64(w, &f->weight);
-    bis_walk_f64(w, &f->weight_squares);
+    bis_walk_f64(w, &f->half_weight);
 }
 
 static void walk_adapt(bis_walk *w, bis_adapt *a)
@@ -202,7 +202,7 @@ uint64_t bis_state_sums_bytes(const bis_workspace *of)
 {
     const uint64_t n_learn = of->visibility.n_tiles ? (uint64_t)of->n_own : 0;
 
-    return pixels_of(of) * (6 * 8 + 4 + 8 * (uint64_t)of->film->layers.n_values) + (uint64_t)of->adapt.n_tiles * 20 +
+    return pixels_of(of) * (3 * 8 + 7 * 4 + 8 * (uint64_t)of->film->layers.n_values) + (uint64_t)of->adapt.n_tiles * 20 +
            n_learn * of->visibility.cells * sizeof(bis_seen);
 }
 
@@ -211,7 +211,8 @@ void bis_state_walk_sums(bis_walk *w, bis_workspace *of)
     bis_film *f = of->film;
 
     walk_pixels(w, of, (values){.doubles = f->sum, .each = 3});
-    walk_pixels(w, of, (values){.doubles = f->sum_squares, .each = 3});
+    walk_pixels(w, of, (values){.floats = f->deviation, .each = 3});
+    walk_pixels(w, of, (values){.floats = f->half, .each = 3});
     walk_pixels(w, of, (values){.floats = f->hits, .each = 1});
     walk_pixels(w, of, (values){.doubles = f->layers.sum, .each = (size_t)f->layers.n_values});
     walk_adapt(w, &of->adapt);

@@ -137,7 +137,6 @@ bis_status bis_workspace_init(bis_workspace *w, bis_film *film, const bis_scene 
         .options = options,
         .film = film,
         .to_camera = bis_xform_inverse(&view->camera.to_world),
-        .independent = options->budget.error > 0 || view->adaptive,
         .n_threads = bis_render_threads(options),
         .n_tiles = bis_film_tiles(film, BIS_RENDER_TILE, &across),
     };

@@ -33,7 +33,6 @@ typedef struct bis_workspace {
     const bis_render_options *options;
     bis_film *film;
     bis_xform to_camera;
-    bool independent; /* passes have seeds of their own (pass.c) */
     bis_adapt adapt;  /* n_tiles = 0: a pass takes as many camera samples of every pixel */
 
     int n_threads;

@@ -42,51 +42,45 @@ enum { CAMERA_DIM = 0x7fffffff };
 /* The k-th number of a sequence without repeats (k < 2^64), of its own for each key. */
 static uint64_t number_of(uint64_t key, uint64_t k) { return bis_hash(key + k * 0x9e3779b97f4a7c15u); }
 
-/* Returns the rank of the i-th of n different random numbers: any order is as likely as any other. It costs 1 ns for
- * each of the n. */
-static uint64_t ranked(uint64_t i, uint64_t n, uint64_t key)
+/* Returns how many of 0, ..., n - 1 leave the rest `rest` when they are divided by `step`. */
+static uint64_t how_many(uint64_t n, uint64_t rest, uint64_t step) { return rest < n ? (n - 1 - rest) / step + 1 : 0; }
+
+/* Returns the place of the i-th of n in an order in which successive numbers lie far apart: the n numbers are sorted by
+ * their digits in base 2, the lowest first, each flipped at random by the digits below it. This is van der Corput's
+ * sequence with Owen's scrambling, whose values are replaced by their ranks, because n need not be a power of two. If
+ * it is one, each aligned block of 2^k numbers has one place in each 2^k-th of the whole. So the two halves of the n
+ * interleave, and the difference between their means tells what is left of the error (src/render/film_error.c). If it
+ * is none, not all ranks are equally likely, and they are turned by a random number. */
+static uint64_t place_of(uint64_t i, uint64_t n, uint64_t key)
 {
-    const uint64_t mine = number_of(key, i);
-    uint64_t rank = 0;
-    for (uint64_t k = 0; k < n; k++)
-        rank += number_of(key, k) < mine;
-    return rank;
+    const bool is_power = (n & (n - 1)) == 0;
+    uint64_t place = is_power ? 0 : number_of(key, 0) % n;
+
+    for (uint64_t bit = 1; bit < n; bit *= 2) {
+        const uint64_t below = i & (bit - 1), digit = i & bit, flip = number_of(key, bit | below) & 1;
+        if ((digit != 0) != flip) place += how_many(n, below | (digit ^ bit), 2 * bit);
+    }
+    return place % n;
 }
 
-/* A random function of x. The middle bits of a square: the bits of x a + b alone would be a straight line's. */
-static uint64_t round_of(uint64_t x, uint64_t number)
+/* Stores the cell at a place of a curve through width x height cells. The curve halves the longer side and passes first
+ * one half, then the other: neighbours on it are neighbours in the plane or nearly so. */
+static void cell_at(uint64_t place, uint64_t width, uint64_t height, uint64_t cell[2])
 {
-    const uint64_t y = x * (number | 1) + (number >> 32 | number << 32);
-    return y * y >> 32;
-}
+    uint64_t side[2] = {width, height};
 
-/* Returns the image of i under a pseudo-random permutation of 0, ..., n - 1.
- *
- * Large n: a Feistel network on the least number of bits that hold n - 1, repeated until the result is below n (fewer
- * than two times on average). The smallest networks are the worst: of 9 cells, orders of pairs are off by 2 % after 4
- * rounds. From 33 cells on they are off by less than 1 % (8 million orders), and only those of samples whose lower
- * halves are equal. Small n have so few cells that one of all orders is drawn for the same price. */
-static uint64_t permuted(uint64_t i, uint64_t n, uint64_t key)
-{
-    enum { SMALL = 32, ROUNDS = 4 };
-    unsigned bits = 0;
-    uint64_t number[2 * ROUNDS];
-
-    if (n <= SMALL) return ranked(i, n, key);
-    while (bits < 64 && (n - 1) >> bits > 0)
-        bits++;
-    const unsigned low_bits = bits / 2;
-    const uint64_t low_mask = ((uint64_t)1 << low_bits) - 1, high_mask = ((uint64_t)1 << (bits - low_bits)) - 1;
-    uint64_t low = i & low_mask, high = i >> low_bits;
-    for (uint64_t k = 0; k < 2 * ROUNDS; k++)
-        number[k] = number_of(key, k);
-    do {
-        for (int k = 0; k < 2 * ROUNDS; k += 2) {
-            high ^= round_of(low, number[k]) & high_mask;
-            low ^= round_of(high, number[k + 1]) & low_mask;
+    cell[0] = cell[1] = 0;
+    while (side[0] * side[1] > 1) {
+        const int k = side[0] < side[1];
+        const uint64_t half = side[k] / 2, first = half * side[!k];
+        if (place < first) {
+            side[k] = half;
+        } else {
+            place -= first;
+            cell[k] += half;
+            side[k] -= half;
         }
-    } while ((high << low_bits | low) >= n);
-    return high << low_bits | low;
+    }
 }
 
 /* ---- base 2 ---- */
@@ -254,14 +248,14 @@ static bis_rng sequence_of(const bis_stream *s, unsigned dim, uint64_t round)
 }
 
 /* Returns this sample's place in the halton sequence of dim. Bases 2 and 3 have no common order of digits that could
- * be scrambled. Instead, the spp samples of a round take their places in a random order. */
+ * be scrambled. Instead, the spp samples of a round take their places in an order of their own. */
 static uint64_t halton_turn(const bis_stream *s, unsigned dim)
 {
     uint64_t spp = s->sampler->spp, round = s->sample / spp, turn = s->sample % spp;
     if (dim == CAMERA_DIM) return s->sample;
     bis_rng order = sequence_of(s, dim, round);
     order.counter = 2; /* 0 and 1 belong to the scramblings */
-    return round * spp + permuted(turn, spp, bis_rng_u64(&order));
+    return round * spp + place_of(turn, spp, bis_rng_u64(&order));
 }
 
 void bis_stream_points(bis_stream *s, unsigned dim, uint32_t n, double (*u)[2])
@@ -280,20 +274,21 @@ void bis_stream_points(bis_stream *s, unsigned dim, uint32_t n, double (*u)[2])
     }
 }
 
-/* Stores a jittered point in one of xsamples x ysamples cells. The cells are visited in a random order, which is new
- * in each round. */
+/* Stores a jittered point in one of xsamples x ysamples cells. Successive samples visit cells far apart, in an order
+ * that is new in each round. */
 static void stratified_camera(const bis_stream *s, double u[2])
 {
     const bis_sampler *p = s->sampler;
     assert(p->xsamples * p->ysamples == p->spp);
     bis_rng order = sequence_of(s, CAMERA_DIM, s->sample / p->spp), random;
-    uint64_t cell = permuted(s->sample % p->spp, p->spp, bis_rng_u64(&order));
     double place[2] = {0.5, 0.5};
+    uint64_t cell[2];
 
+    cell_at(place_of(s->sample % p->spp, p->spp, bis_rng_u64(&order)), p->xsamples, p->ysamples, cell);
     bis_rng_init(&random, p->seed, s->pixel, s->sample, PURPOSE_CAMERA);
     if (p->jitter) random_points(&random, 1, &place);
-    u[0] = ((double)(cell % p->xsamples) + place[0]) / (double)p->xsamples;
-    u[1] = ((double)(cell / p->xsamples) + place[1]) / (double)p->ysamples;
+    u[0] = ((double)cell[0] + place[0]) / (double)p->xsamples;
+    u[1] = ((double)cell[1] + place[1]) / (double)p->ysamples;
     for (int i = 0; i < 2; i++)
         if (u[i] >= 1) u[i] = 1 - DBL_EPSILON / 2; /* cell + place may round up to the next cell */
 }

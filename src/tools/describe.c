@@ -145,7 +145,8 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     attributes[n++] = (bis_attribute){"spp", NULL, (double)r->spp};
     attributes[n++] = (bis_attribute){"seed", NULL, (double)s->desc->view.sampler.seed};
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
-    if (!isnan(r->relative_rmse)) attributes[n++] = (bis_attribute){"estimated_relative_rmse", NULL, r->relative_rmse};
+    if (r->error.is_known)
+        attributes[n++] = (bis_attribute){"estimated_relative_rmse", NULL, r->error.relative_rmse};
     const double raised = bis_film_raised(s->film);
     if (raised > 0) attributes[n++] = (bis_attribute){"bis:raised", NULL, raised};
     attributes[n++] = (bis_attribute){"bis:version", BIS_VERSION, 0};
@@ -260,7 +261,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     print_choice(&j, s);
     print_approximations(&j, s->desc, s->approximated);
     print_memory(&j, s);
-    bis_json_number(&j, "estimated_relative_rmse", r->relative_rmse);
+    bis_json_number(&j, "estimated_relative_rmse", r->error.is_known ? r->error.relative_rmse : (double)NAN);
     bis_json_bool(&j, "interrupted", r->interrupted);
     bis_json_close(&j);
 }

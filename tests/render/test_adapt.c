@@ -185,7 +185,7 @@ static void scatter_of_unequal_passes_estimates_the_variance_of_their_mean(void 
             flat_pass(&f, &a, &rng, noise_of);
             bis_adapt_next(&a, &f);
         }
-        double mean = f.sum[6] / 6, variance = (f.sum_squares[6] - 6 * mean * mean) / 30;
+        double mean = f.sum[6] / 6, variance = bis_film_variance(&f, 6);
         stat_add(&error, (mean - 1) * (mean - 1) - variance);
         stat_add(&estimate, variance);
         bis_adapt_clear(&a);

@@ -1,5 +1,5 @@
-/* budgets: --error keeps its word, estimates come from independent passes, and what cannot be reached is said early.
- * The full experiment is scripts/bench/budget_truth.sh, its table in docs/budgets.md; this is a short one. */
+/* budgets: --error keeps its word, the estimate sees what strata gain, and what cannot be reached is said early. The full
+ * experiment is scripts/bench/error_truth.py, its table in docs/budgets.md; this is a short one. */
 #include "bis/base/mem.h"
 
 #include "world.h"
@@ -61,12 +61,12 @@ static void run(tally *t, const world *w, const bis_film *reference, double E)
     bis_render_result result;
     render(&f, &result, w, part, &(bis_render_options){.budget = {.error = E}, .n_threads = 1});
     double error = true_error(&f, reference);
-    bool more = result.passes > 4;
+    bool more = result.passes > 3;
     t->runs++;
     t->kept += error <= E;
     t->more += more;
     t->wasted += more && error < E / 2;
-    t->twin_kept += error <= 0.9 * result.relative_rmse;
+    t->twin_kept += error <= 0.9 * result.error.relative_rmse;
     t->spp += (double)result.spp;
     bis_film_clear(&f);
 }
@@ -103,32 +103,47 @@ static void the_true_error_is_within_the_budget_and_not_far_below(void **state)
     }
 }
 
-/* `place` has no noise, so that all error is at edges and slopes within a pixel. There the stratified camera samples of
- * one set are far from independent. */
-static void only_independent_passes_tell_their_error(void **state)
+/* The estimate beside the truth, root mean squares over renders of `spp` samples: *figure is the estimate, *twin the one
+ * that takes passes for independent and forgets what strata gain. Both over the truth. */
+static void judge(double *figure, double *twin, world *w, const bis_film *reference, uint32_t spp)
 {
-    (void)state;
-    world w;
-    bis_film reference, f;
-    bis_render_result result;
-    double dependent[2] = {0}, independent[2] = {0}; /* squares of estimates, of true errors */
     enum { RUNS = 40 };
-    make_world(&w, &place);
-    reference_of(&reference, &w, 4096);
-    bis_sampler_set_spp(&w.desc.view.sampler, 64);
+    double squares[3] = {0};
+    bis_sampler_set_spp(&w->desc.view.sampler, spp);
     for (uint64_t seed = 1; seed <= RUNS; seed++) {
-        w.desc.view.sampler.seed = seed;
-        render(&f, &result, &w, part, &(bis_render_options){.budget = {.spp = 64}, .n_threads = 1});
-        dependent[0] += pow(result.relative_rmse, 2);
-        dependent[1] += pow(true_error(&f, &reference), 2);
-        bis_film_clear(&f);
-        render(&f, &result, &w, part, &(bis_render_options){.budget = {.spp = 64, .error = 1e-9}, .n_threads = 1});
-        independent[0] += pow(result.relative_rmse, 2);
-        independent[1] += pow(true_error(&f, &reference), 2);
+        bis_film f;
+        bis_render_result result;
+        w->desc.view.sampler.seed = seed;
+        render(&f, &result, w, part, &(bis_render_options){.budget = {.spp = spp}, .n_threads = 1});
+        squares[0] += pow(true_error(&f, reference), 2);
+        squares[1] += pow(result.error.relative_rmse, 2);
+        squares[2] += pow(result.error.relative_rmse, 2) / result.error.gain;
         bis_film_clear(&f);
     }
-    const double right = sqrt(independent[0] / independent[1]), wrong = sqrt(dependent[0] / dependent[1]);
-    if (!(fabs(right - 1) < 0.1 && wrong > 1.5)) fail_msg("estimate over truth: %g where passes are independent, %g where not", right, wrong);
+    *figure = sqrt(squares[1] / squares[0]);
+    *twin = sqrt(squares[2] / squares[0]);
+}
+
+/* `place` has no noise, so that all error is at edges and slopes within a pixel: strata gain most, p is 3/2, and the
+ * figure may be 17 % too low (film_error.c); of stratified samples, whose two halves are pairs of neighbouring cells,
+ * E (A - B)^2 / 4 is up to (2 sqrt 2 - 1) V, which makes it 1.23 times too large. With independent samples it is right,
+ * and so is its twin. 99 pixels and 40 renders: the standard error of the ratio is 3 %, of which three are added. */
+static void the_figure_sees_what_strata_gain(void **state)
+{
+    (void)state;
+    const bis_sampler_kind kinds[] = {BIS_SAMPLER_SOBOL, BIS_SAMPLER_STRATIFIED, BIS_SAMPLER_RANDOM};
+    world w;
+    bis_film reference;
+    make_world(&w, &place);
+    reference_of(&reference, &w, 4096);
+    for (int k = 0; k < 3; k++) {
+        double figure, twin;
+        w.desc.view.sampler.kind = kinds[k];
+        judge(&figure, &twin, &w, &reference, 64);
+        const bool is_right = kinds[k] == BIS_SAMPLER_RANDOM ? fabs(twin - 1) < 0.1 : twin > 1.5;
+        if (!(figure > 0.74 && figure < 1.33 && is_right))
+            fail_msg("%s: estimate over truth %g, the twin's %g", bis_sampler_name(kinds[k]), figure, twin);
+    }
     bis_film_clear(&reference);
     clear_world(&w);
 }
@@ -161,7 +176,7 @@ static void the_pilot_forecasts_what_an_error_will_take(void **state)
         bis_render_options options = {.budget = {.error = 0.05}, .forecast = keep_forecast, .user = &k};
         render(&f, &result, &w, part, &options);
         assert_int_equal(k.n, 1);
-        /* From 4 passes, with their own correction for being few: within a factor of 3. */
+        /* From 3 passes, with their own correction for being few: within a factor of 3. */
         assert_true(k.last.spp > (double)result.spp / 3 && k.last.spp < 3 * (double)result.spp);
         assert_true(k.last.error > 0.05 && k.last.seconds > 0);
         bis_film_clear(&f);
@@ -172,20 +187,20 @@ static void the_pilot_forecasts_what_an_error_will_take(void **state)
         assert_int_equal(k.n, 1);
         assert_true(k.last.spp > 1e9);
         assert_int_equal(result.spp, 20);
-        assert_true(result.error_bound > 1e-9);
+        assert_true(result.error.upper > 1e-9);
         bis_film_clear(&f);
 
         options.budget = (bis_budget){.error = 10}; /* the pilot is enough: nothing to say */
         k.n = 0;
         render(&f, &result, &w, part, &options);
         assert_int_equal(k.n, 0);
-        assert_int_equal(result.passes, 4);
+        assert_int_equal(result.passes, 3);
         bis_film_clear(&f);
         clear_world(&w);
     }
 }
 
-/* A render that ends by its error is the same as one of so many samples, with an error out of reach. */
+/* A render that ends by its error is the same as one of so many samples. */
 static void a_render_by_error_can_be_repeated_by_its_number_of_samples(void **state)
 {
     (void)state;
@@ -194,9 +209,9 @@ static void a_render_by_error_can_be_repeated_by_its_number_of_samples(void **st
     bis_render_result a, b;
     make_world(&w, &bis_mis);
     render(&by_error, &a, &w, part, &(bis_render_options){.budget = {.error = 0.1}});
-    render(&by_spp, &b, &w, part, &(bis_render_options){.budget = {.error = 1e-9, .spp = (uint32_t)a.spp}, .n_threads = 3});
+    render(&by_spp, &b, &w, part, &(bis_render_options){.budget = {.spp = (uint32_t)a.spp}, .n_threads = 3});
     assert_same_bits(&by_error, &by_spp);
-    assert_true(a.error_bound <= 0.1 && a.error_bound > a.relative_rmse);
+    assert_true(a.error.upper <= 0.1 && a.error.upper > a.error.relative_rmse);
     bis_film_clear(&by_error);
     bis_film_clear(&by_spp);
     clear_world(&w);
@@ -206,7 +221,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_true_error_is_within_the_budget_and_not_far_below),
-        cmocka_unit_test(only_independent_passes_tell_their_error),
+        cmocka_unit_test(the_figure_sees_what_strata_gain),
         cmocka_unit_test(the_pilot_forecasts_what_an_error_will_take),
         cmocka_unit_test(a_render_by_error_can_be_repeated_by_its_number_of_samples),
     };

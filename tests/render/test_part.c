@@ -79,7 +79,7 @@ static uint64_t write_part(const world *w, const kind *k, int part, int n, uint3
     options.part = (bis_part){(uint32_t)part, (uint32_t)n};
     part_path(path, part, n);
     if (try_render(&f, &result, w, k, options, &c, &diag)) fail_msg("%s: %s", k->name, diag.messages[0].text);
-    assert_true(isnan(result.relative_rmse));
+    assert_true(isnan(result.error.relative_rmse));
     assert_int_equal(bis_part_write(path, &c.head, &about_all, &f, &result, NULL), BIS_OK);
     bis_film_clear(&f);
     return result.counters.camera_rays;
@@ -356,7 +356,6 @@ static void every_field_of_the_format_counts(void **state)
         {"sampler", 8, 0, 1, "differ: the sampler, or its seed. "},
         {"division", 8, 0, 1, "differ: the camera samples for which samplers"},
         {"jitter", 8, 0, 1, "differ: pixel jitter, adaptive sampling, or camera samples on edges. "},
-        {"error", 8, 0, 1, "differ: that an --error is asked for"},
         {"settings", 8, 0, 1, "differ: the integrator, or its parameters. "},
         {"shapes", 8, 0, 1, "differ: the shapes. "},
         {"materials", 8, 0, 1, "differ: the materials, or their textures. "},
@@ -402,9 +401,10 @@ static void every_field_of_the_format_counts(void **state)
         {"not finite", 8, 0, 1, NULL},
         {"passes", 4, 0, 1, "damaged"},
         {"weight", 8, 5, 1, "damaged"},
-        {"squares of weights", 8, 5, 1, "damaged"},
+        {"weight of the half", 8, 5, 1, "damaged"},
         {"sum", PIXELS * 24, 6, 1, NULL},
-        {"sum of squares", PIXELS * 24, 6, 1, NULL},
+        {"deviation", PIXELS * 12, 2, 1, NULL},
+        {"half", PIXELS * 12, 2, 1, NULL},
         {"hits", PIXELS * 4, PIXELS * 4 - 2, 1, NULL},
         {"depth", PIXELS * 8, PIXELS * 8 - 2, 1, NULL},
         {"checksum", 8, 0, 1, "its checksum is wrong"},
@@ -445,7 +445,8 @@ static void every_field_of_the_format_counts(void **state)
                           memcmp(&m->result.counters, &right->result.counters, sizeof m->result.counters) == 0 &&
                           m->result.n_threads == right->result.n_threads && m->result.bytes == right->result.bytes &&
                           memcmp(m->film.sum, right->film.sum, 24 * n) == 0 &&
-                          memcmp(m->film.sum_squares, right->film.sum_squares, 24 * n) == 0 &&
+                          memcmp(m->film.deviation, right->film.deviation, 12 * n) == 0 &&
+                          memcmp(m->film.half, right->film.half, 12 * n) == 0 &&
                           memcmp(m->film.hits, right->film.hits, 4 * n) == 0 &&
                           memcmp(m->film.layers.sum, right->film.layers.sum, 8 * n) == 0;
         if (same != is_idle) fail_msg("%s: %s", f->name, same ? "nothing changes" : "something changes");
@@ -656,7 +657,8 @@ static uint64_t bits_of(double v)
 static void numbers_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
-    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 96, SQUARES = SUMS + 24 * PIXELS, HITS = SQUARES + 24 * PIXELS,
+    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 96, DEVIATIONS = SUMS + 24 * PIXELS, HALF = DEVIATIONS + 12 * PIXELS,
+           HITS = HALF + 12 * PIXELS,
            DEPTHS = HITS + 4 * PIXELS, END = DEPTHS + 8 * PIXELS };
     const double inf = (double)INFINITY, nan = (double)NAN;
     static const char bad[] = BAD ": error: this part is damaged\n",
@@ -675,13 +677,13 @@ static void numbers_that_make_no_sense_are_refused(void **state)
         {DONE + 8, bits_of(0), 8, ""}, {DONE + 8, bits_of(-1e-300), 8, bad}, {DONE + 8, bits_of(inf), 8, bad},
         {DONE + 8, bits_of(nan), 8, bad}, {DONE + 76, 0, 4, bad}, {DONE + 76, 1, 4, ""},
         {DONE + 80, bits_of(0), 8, bad}, {DONE + 80, bits_of(inf), 8, bad}, {DONE + 80, bits_of(nan), 8, bad},
-        {DONE + 88, bits_of(0), 8, bad}, {DONE + 88, bits_of(inf), 8, bad}, {DONE + 88, bits_of(nan), 8, bad},
+        {DONE + 88, bits_of(-1), 8, bad}, {DONE + 88, bits_of(inf), 8, bad}, {DONE + 88, bits_of(nan), 8, bad},
         {-80, bits_of(0), 8, ""}, {-80, bits_of(inf), 8, bad}, {-72, bits_of(nan), 8, bad}, {-64, bits_of(inf), 8, bad},
         {-56, bits_of(-1), 8, bad}, {-92, INT32_MAX, 4, ""}, {-92, (uint64_t)INT32_MAX + 1, 4, bad},
         {-100, bits_of(0), 8, ""}, {-100, bits_of(1), 8, ""}, {-100, bits_of(1 + 0x1p-52), 8, bad},
         {-100, bits_of(nan), 8, bad},
-        {SUMS, bits_of(nan), 8, sum}, {SQUARES - 8, bits_of(inf), 8, sum}, {SQUARES, bits_of(inf), 8, sum},
-        {HITS - 8, bits_of(nan), 8, sum}, {HITS, 0x7f800000, 4, sum}, {DEPTHS - 4, 0x7fc00000, 4, sum},
+        {SUMS, bits_of(nan), 8, sum}, {DEVIATIONS - 8, bits_of(inf), 8, sum}, {DEVIATIONS, 0x7f800000, 4, sum},
+        {HALF - 4, 0x7fc00000, 4, sum}, {HALF, 0x7f800000, 4, sum}, {HITS - 4, 0x7fc00000, 4, sum}, {HITS, 0x7f800000, 4, sum}, {DEPTHS - 4, 0x7fc00000, 4, sum},
         {DEPTHS, bits_of(nan), 8, sum}, {END - 8, bits_of(inf), 8, sum},
     };
     static const char *const path[] = {BAD};
@@ -719,7 +721,7 @@ static void a_head_is_read_up_to_its_limits(void **state)
                       cut[] = BAD ": error: this is no part of bis, or it is cut short; `bis SCENE --part K/N "
                               "--outfile F` makes parts\n",
                       version[] = BAD ": error: bis " BIS_VERSION " wrote this part in format 4, but this is bis "
-                                  BIS_VERSION ", format 5, whose pictures may have other bits: go on with the same "
+                                  BIS_VERSION ", format 6, whose pictures may have other bits: go on with the same "
                                   "version\n";
     static const char *const path[] = {BAD};
     world w;
@@ -795,7 +797,7 @@ static void write_empty(const char *path, uint32_t k, uint32_t n)
 
     assert_int_equal(bis_film_init(&f, 16 * (int)n, 16, whole, (bis_loc){0}, NULL), BIS_OK);
     f.passes = 1;
-    f.weight = f.weight_squares = 1;
+    f.weight = 1;
     assert_int_equal(bis_part_write(path, &head, &about_all, &f, &result, NULL), BIS_OK);
     bis_film_clear(&f);
 }

@@ -38,7 +38,7 @@ void assert_same_film(const bis_film *a, const bis_film *b)
     assert_same_bits(a, b);
     assert_int_equal(a->layers.asked, b->layers.asked);
     assert_memory_equal(a->layers.sum, b->layers.sum, n * sizeof *a->layers.sum);
-    assert_true(a->weight == b->weight && a->weight_squares == b->weight_squares && a->passes == b->passes);
+    assert_true(a->weight == b->weight && a->half_weight == b->half_weight && a->passes == b->passes);
     assert_true(a->full_width == b->full_width && a->full_height == b->full_height && a->x0 == b->x0 && a->y0 == b->y0);
 }
 
@@ -47,8 +47,8 @@ void assert_same_result(const bis_render_result *a, const bis_render_result *b)
     assert_memory_equal(&a->counters, &b->counters, sizeof a->counters);
     assert_int_equal(a->spp, b->spp);
     assert_int_equal(a->passes, b->passes);
-    assert_memory_equal(&a->relative_rmse, &b->relative_rmse, sizeof a->relative_rmse);
-    assert_memory_equal(&a->error_bound, &b->error_bound, sizeof a->error_bound);
+    assert_memory_equal(&a->error.relative_rmse, &b->error.relative_rmse, sizeof a->error.relative_rmse);
+    assert_memory_equal(&a->error.upper, &b->error.upper, sizeof a->error.upper);
 }
 
 void seal(unsigned char *data, size_t size)

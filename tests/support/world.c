@@ -127,7 +127,8 @@ void assert_same_bits(const bis_film *a, const bis_film *b)
     size_t n = (size_t)a->width * (size_t)a->height;
     assert_int_equal(a->passes, b->passes);
     assert_memory_equal(a->sum, b->sum, 3 * n * sizeof *a->sum);
-    assert_memory_equal(a->sum_squares, b->sum_squares, 3 * n * sizeof *a->sum_squares);
+    assert_memory_equal(a->deviation, b->deviation, 3 * n * sizeof *a->deviation);
+    assert_memory_equal(a->half, b->half, 3 * n * sizeof *a->half);
     assert_memory_equal(a->hits, b->hits, n * sizeof *a->hits);
 }
 

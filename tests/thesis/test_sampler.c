@@ -15,7 +15,7 @@
 
 enum { KINDS = 4, GRID = 16, CELLS = GRID * GRID, MAX_POINTS = 4096 };
 
-static double alpha(void) { return stat_level(0.01, 34 - 6 + 14 + 12 + 8); }
+static double alpha(void) { return stat_level(0.01, 73); }
 
 static bis_sampler sampler_of(bis_sampler_kind kind, uint32_t xsamples, uint32_t ysamples)
 {
@@ -326,62 +326,72 @@ static void no_cell_is_visited_twice_whatever_their_number(void **state)
     }
 }
 
-/* What makes any prefix of the passes spread: the cells of three samples are every ordered triple equally often (where
- * three would be too many cells to count, two). Rotated: for the twin, an order that starts anywhere and goes on in
- * steps of one. */
+/* Each of the n cells is as likely as any other for one sample. For the twin one cell in seven passes its samples on. */
 enum { ORDER_PIXELS = 100000 };
 
-static void check_order(uint64_t n, const uint64_t *sample, int parts, bool rotated)
+static void check_cells(uint64_t n, uint64_t sample, bool shifted)
 {
-    uint64_t cells = 1, orders = 1;
-    double *observed, *expected;
+    double *observed = calloc(n, sizeof *observed), *expected = calloc(n, sizeof *expected);
     bis_sampler p = {.kind = BIS_SAMPLER_STRATIFIED, .seed = 42, .jitter = true};
     bis_sampler_set_spp(&p, n);
-    for (int k = 0; k < parts; k++)
-        cells *= n, orders *= n - (uint64_t)k;
-    observed = calloc(cells, sizeof *observed);
-    expected = calloc(cells, sizeof *expected);
     for (uint64_t pixel = 0; pixel < ORDER_PIXELS; pixel++) {
-        uint64_t code = 0;
-        for (int k = 0; k < parts; k++)
-            code = n * code + (rotated ? (cell_of(&p, pixel, 0) + sample[k]) % n : cell_of(&p, pixel, sample[k]));
-        observed[code]++;
+        const uint64_t cell = cell_of(&p, pixel, sample);
+        observed[shifted && cell % 7 == 3 ? (cell + 1) % n : cell]++;
     }
-    for (uint64_t i = 0; i < cells; i++) {
-        const uint64_t a = i % n, b = i / n % n, c = i / n / n;
-        const bool twice = parts > 1 && (a == b || (parts > 2 && (a == c || b == c)));
-        expected[i] = twice ? 0 : (double)ORDER_PIXELS / (double)orders;
-    }
-    if (rotated) {
-        stat_assert_no_fit("sampler_order_twin", 42, observed, expected, cells, alpha());
-    } else {
-        stat_assert_fit("sampler_order", 42, observed, expected, cells, alpha());
-    }
+    for (uint64_t i = 0; i < n; i++) expected[i] = (double)ORDER_PIXELS / (double)n;
+    if (shifted) stat_assert_no_fit("sampler_cells_twin", 42, observed, expected, n, alpha());
+    else stat_assert_fit("sampler_cells", 42, observed, expected, n, alpha());
     free(observed);
     free(expected);
 }
 
-static void the_order_of_camera_cells_is_any_order_equally_often(void **state)
+static void every_cell_is_equally_likely_for_every_sample(void **state)
 {
     (void)state;
-    const uint64_t few[] = {2, 3, 4, 5, 6, 9, 16}, many[] = {32, 33, 36, 64}, most[] = {33, 64, 1000, 4096};
-    for (int k = 0; k < 7; k++) {
-        const uint64_t n = few[k];
-        check_order(n, (uint64_t[]){0, 1, 2}, n > 2 ? 3 : 2, false);
-        check_order(n, (uint64_t[]){0, n / 2, n - 1}, n > 3 ? 3 : 2, false);
+    const uint64_t n[] = {2, 3, 4, 5, 6, 7, 9, 13, 16, 21, 33, 36, 64, 100, 1000};
+    for (int k = 0; k < 15; k++) {
+        check_cells(n[k], 0, false);
+        check_cells(n[k], 1, false);
+        check_cells(n[k], n[k] - 1, false);
     }
-    for (int k = 0; k < 4; k++) {
-        const uint64_t n = many[k];
-        check_order(n, (uint64_t[]){0, 1}, 2, false);
-        check_order(n, (uint64_t[]){3, 3 + n / 2}, 2, false);
-        check_order(n, (uint64_t[]){8, 16}, 2, false);
+    check_cells(36, 0, true);
+}
+
+/* The cells of `count` samples from `first` on lie in as many different boxes of 8 x 8 cells cut into across x down. */
+static bool is_spread(const uint64_t cell[64], uint64_t first, uint64_t count, uint64_t across, uint64_t down)
+{
+    uint64_t seen = 0;
+    for (uint64_t i = first; i < first + count; i++) {
+        const uint64_t x = cell[i] % 8 * across / 8, y = cell[i] / 8 * down / 8;
+        seen |= (uint64_t)1 << (y * across + x);
     }
-    for (int k = 0; k < 4; k++) {
-        check_order(most[k], (uint64_t[]){0}, 1, false);
-        check_order(most[k], (uint64_t[]){most[k] / 2 + 1}, 1, false);
+    return seen == (count == 64 ? ~(uint64_t)0 : ((uint64_t)1 << count) - 1);
+}
+
+/* Halves of the samples interleave (film_error.c): each aligned block of 2, 4, 8, 16, 32 of 64 samples has one in each
+ * half, quarter, ... of the pixel. An order at random is spread so with probability 4! / 4^4 already for four samples:
+ * never in 16 blocks. */
+static void the_halves_of_the_camera_samples_interleave(void **state)
+{
+    (void)state;
+    enum { PIXELS = 400 };
+    int spread = 0, twin = 0;
+    bis_sampler p = sampler_of(BIS_SAMPLER_STRATIFIED, 8, 8);
+    for (uint64_t pixel = 0; pixel < PIXELS; pixel++) {
+        uint64_t cell[64], mixed[64];
+        bool good = true, twin_good = true;
+        for (uint64_t i = 0; i < 64; i++) cell[i] = cell_of(&p, pixel, i);
+        for (uint64_t i = 0; i < 64; i++) mixed[i] = cell[i * 19 % 64 / 2 + i % 2 * 32]; /* another order of the same cells */
+        for (uint64_t k = 1; k <= 5; k++)
+            for (uint64_t first = 0; first < 64; first += (uint64_t)1 << k) {
+                const uint64_t across = (uint64_t)1 << (k + 1) / 2, down = (uint64_t)1 << k / 2;
+                good = good && is_spread(cell, first, (uint64_t)1 << k, across, down);
+                twin_good = twin_good && is_spread(mixed, first, (uint64_t)1 << k, across, down);
+            }
+        spread += good;
+        twin += twin_good;
     }
-    check_order(9, (uint64_t[]){0, 1, 2}, 3, true);
-    check_order(36, (uint64_t[]){0, 1}, 2, true);
+    if (!(spread == PIXELS && twin == 0)) fail_msg("spread %d, twin %d of %d", spread, twin, PIXELS);
 }
 
 /* ---- independent, set by set ---- */
@@ -594,7 +604,8 @@ int main(void)
         cmocka_unit_test(stratified_camera_samples_visit_each_cell_once_in_each_round),
         cmocka_unit_test(without_jitter_camera_samples_lie_in_the_middle),
         cmocka_unit_test(no_cell_is_visited_twice_whatever_their_number),
-        cmocka_unit_test(the_order_of_camera_cells_is_any_order_equally_often),
+        cmocka_unit_test(every_cell_is_equally_likely_for_every_sample),
+        cmocka_unit_test(the_halves_of_the_camera_samples_interleave),
         cmocka_unit_test(the_same_point_of_neighbouring_pixels_and_dims_is_independent),
         cmocka_unit_test(two_dims_of_one_pixel_fill_the_square_together),
         cmocka_unit_test(the_error_falls_with_the_exponent_of_its_kind),

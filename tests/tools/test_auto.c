@@ -355,7 +355,7 @@ static double variance_of_a_pass(world *w, const bis_settings *settings, uint32_
     for (size_t k = 0; k < 3 * WIDTH * HEIGHT; k++) {
         if (film.hits[k / 3] == 0) continue;
         const double m = film.sum[k] / spp;
-        sum += (film.sum_squares[k] / spp - m * m) * spp / (spp - 1.0) / (m * m + mean * mean / 100);
+        sum += bis_film_variance(&film, k) * spp / (m * m + mean * mean / 100);
     }
     bis_film_clear(&film);
     return sum / (double)n;

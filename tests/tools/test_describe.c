@@ -177,14 +177,14 @@ static void the_stats_are_those_by_hand(void **state)
     static const char of_auto[] =
         "  \"auto\": {\n    \"chosen\": \"the line\",\n    \"seconds\": 0.5,\n    \"width\": 30,\n    \"height\": 20,\n    \"passes\": 2,\n"
         "    \"tried\": [\n";
-    /* 7 x 3 pixels of 3 sums, 3 sums of squares and hits, doubles all; and the workspace of 1000 */
+    /* 7 x 3 pixels of 3 sums, doubles, 3 deviations, 3 means and hits, floats; and the workspace of 1000 */
     static const char after[] = "  \"memory\": {\n    \"mesh\": 0,\n    \"accel\": null,\n    \"envmap\": null,\n    \"film\": 2092\n  },\n"
                                 "  \"estimated_relative_rmse\": 0.125,\n  \"interrupted\": true\n}\n";
     bis_auto_report r;
     bis_scene_desc desc = small_scene();
     bis_scene scene = {.accel = NULL};
     bis_film film;
-    const bis_render_result result = {.counters = {101, 102, 103, 104, 105, 0}, .seconds = 5, .relative_rmse = 0.125, .error_bound = 0.25,
+    const bis_render_result result = {.counters = {101, 102, 103, 104, 105, 0}, .seconds = 5, .error = {.relative_rmse = 0.125, .upper = 0.25, .is_known = true},
                                       .interrupted = true, .spp = 12, .passes = 3, .n_threads = 5, .bytes = 1000};
     make_report(&r);
     desc.view.settings = settings(&bis_rejection, 31, 6);
@@ -272,7 +272,7 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     char text[1024];
     bis_scene_desc desc = small_scene();
     bis_auto_report r = {0};
-    bis_render_result result = {.seconds = 5.5, .relative_rmse = (double)NAN, .spp = 12};
+    bis_render_result result = {.seconds = 5.5, .error = {.relative_rmse = (double)NAN}, .spp = 12};
     desc.view.sampler.seed = 34;
     desc.view.edge_samples = 1;
     bis_film film;
@@ -293,7 +293,8 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
         snprintf(told, sizeof told, " stratify=false %sspp=12 ", edges[i].told);
         assert_non_null(strstr(join(text, sizeof text, attributes, n), told));
     }
-    result.relative_rmse = 0.25;
+    result.error.relative_rmse = 0.25;
+    result.error.is_known = true;
     desc.view.edge_samples = 2;
     desc.view.edge_light = 0.25;
     desc.view.adaptive = true;

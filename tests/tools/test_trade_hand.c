@@ -1221,7 +1221,7 @@ static void the_pilot_has_as_many_passes_as_its_time_allows(void **state)
             bis_render_result result;
             if (!(s->pass_seconds > 0)) continue;
             assert_int_equal(bis_trade_render(&t, s, 1, passes, 10, NULL, &result, NULL), BIS_OK);
-            assert_near(s->pass_relmse, result.relative_rmse * result.relative_rmse * passes);
+            assert_near(s->pass_relmse, result.error.relative_rmse * result.error.relative_rmse * passes);
             if (s->is_swept) longest = fmax(longest, s->pass_seconds);
             n++;
         }

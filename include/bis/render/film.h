@@ -7,6 +7,7 @@
 #include "bis/base/status.h"
 #include "bis/base/vec.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* A film covers the pixels [x0, x0 + width) x [y0, y0 + height) of the full image. A thin film holds one pixel of
@@ -19,12 +20,14 @@ typedef struct bis_film {
     int picture_width, picture_height; /* the size of what the camera sees; with step 1 the full image */
     int x0, y0, width, height; /* the crop */
     double *sum;               /* sum[height][width][3] of weight x radiance over passes */
-    double *sum_squares;       /* the same sum of weight x square, for the error estimate */
+    float *deviation;          /* the same shape: root of the weighted mean of (radiance of a pass - mean)^2 */
+    float *half;               /* half[height][width][3]: the mean of the first passes, those of weight half_weight */
     /* hits[height][width]: sum over passes of weight x the share of the pass's camera samples that hit geometry. How
      * exact it is: src/render/film.c. */
     float *hits;
     uint32_t passes;           /* complete passes */
-    double weight, weight_squares; /* sums over passes of their weight, the same in every pixel, and of its square */
+    double weight;             /* the sum of the weights of the passes, the same in every pixel */
+    double half_weight;        /* the same up to the last doubling: weight/2 to weight; 0 before the second pass */
     bis_layers layers;         /* none, unless bis_film_want asks for some */
 } bis_film;
 
@@ -81,18 +84,27 @@ void bis_film_resolve(const bis_film *f, float *rgba);
 /* bis_film_raised returns how much that adds, as a share of the sum of all values; usually 0, seldom above 1e-5. */
 double bis_film_raised(const bis_film *f);
 
+/* ---- the error: src/render/film_error.c ---- */
+
+/* What a film says about its own error. */
+typedef struct bis_film_error {
+    double relative_rmse; /* sqrt(relMSE), estimated without a reference; NAN: fewer than two passes */
+    double upper;         /* a bound that the error of this picture exceeds in one of 20 renders; NAN as above */
+    double gain;          /* in (0,1]: the variance of the mean over what the scatter of the passes says of it */
+    bool is_known;        /* false: too few pixels carry the error, so that the figure may be wrong by a quarter and more */
+} bis_film_error;
+
+/* bis_film_estimate_error estimates the relative RMSE of the picture without a reference: sqrt(relMSE) of
+ * docs/budgets.md, "Error", which defines it. The means of the pixels stand in for the reference values. Passes may be
+ * independent, stratified or of a low-discrepancy sequence, because the estimate sees what strata gain. */
+bis_film_error bis_film_estimate_error(const bis_film *f);
+
 /* bis_film_variance estimates the variance of value i of the picture [height][width][3] from the scatter of the passes,
- * at least 2. For stratified and low-discrepancy passes the estimate is too large. */
+ * at least 2, as if they were independent. Where strata gain something, it is too large. */
 double bis_film_variance(const bis_film *f, size_t i);
 
-/* bis_film_relative_rmse estimates the relative RMSE of the picture without a reference, sqrt(relMSE) of
- * docs/budgets.md, "Error". The variance comes from the differences between passes, and the means of the pixels stand
- * in for the reference values (docs/errata.md E32). *upper (may be NULL) receives an upper 95% bound. Both are NAN
- * with fewer than 2 passes. For stratified and low-discrepancy passes the estimate is too large. */
-double bis_film_relative_rmse(const bis_film *f, double *upper);
-
 /* bis_film_tile_errors stores for each tile of bis_film_tiles the sum of the expected relative squared error over its
- * pixels in errors[n_tiles]. Needs 2 passes or more. */
+ * pixels in errors[n_tiles], by bis_film_variance. Needs 2 passes or more. */
 void bis_film_tile_errors(const bis_film *f, int tile, double *errors);
 
 /* ---- layers: src/render/film_layers.c ---- */
@@ -110,7 +122,7 @@ enum { BIS_FILM_MAX_CHANNELS = 24 };
 int bis_film_layers(const bis_film *f, bis_channel channels[BIS_FILM_MAX_CHANNELS], float *planes);
 
 /* The bytes of a pixel's sums, without layers. */
-enum { BIS_FILM_BYTES = 6 * sizeof(double) + sizeof(float) };
+enum { BIS_FILM_BYTES = 3 * sizeof(double) + 7 * sizeof(float) };
 
 /* bis_film_bytes returns the bytes that the sums take. */
 size_t bis_film_bytes(const bis_film *f);

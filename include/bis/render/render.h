@@ -15,8 +15,8 @@ enum { BIS_RENDER_TILE = 16 };
 typedef struct bis_budget {
     uint32_t spp;     /* camera samples per pixel; 0: no limit */
     double seconds;   /* seconds of the render phase; 0: no limit */
-    /* upper 95% bound of the relative RMSE; 0: no limit. At least 4 passes are then rendered, and they are
-     * independent: they have other random numbers */
+    /* upper 95% bound of the relative RMSE, as bis_film_estimate_error knows it; 0: no limit. At least 3 passes are
+     * then rendered */
     double error;
 } bis_budget;
 
@@ -26,7 +26,7 @@ typedef struct bis_progress {
     double seconds, seconds_left;       /* seconds_left is NAN while unknown */
 } bis_progress;
 
-/* What an error budget will take in total. The pilot (the first 4 passes) predicts it. */
+/* What an error budget will take in total. The first passes after which the error is known predict it. */
 typedef struct bis_forecast {
     double error;           /* the upper bound now */
     double spp, seconds;
@@ -49,7 +49,7 @@ typedef struct bis_render_options {
     uint32_t pass_size; /* camera samples of a pixel in every pass; 0: 1, 1, 2, then 4 */
     const volatile sig_atomic_t *interrupted;  /* set by a signal handler: the render stops soon; NULL: never */
     void (*progress)(const bis_progress *p, void *user); /* called by one thread, a few times a second; may be NULL */
-    /* called once, unless the pilot is enough or there is no error budget; may be NULL */
+    /* called once, unless the first passes are enough or there is no error budget; may be NULL */
     void (*forecast)(const bis_forecast *f, void *user);
     void *user;
     bis_part part;              /* only these tiles are rendered, the rest of the film stays 0 */
@@ -60,8 +60,7 @@ typedef struct bis_render_options {
 typedef struct bis_render_result {
     bis_counters counters; /* this and all below include what a checkpoint brought */
     double seconds;
-    double relative_rmse; /* NAN: unknown, as of a part */
-    double error_bound;   /* upper 95% bound of relative_rmse; NAN: unknown */
+    bis_film_error error; /* not known of a part */
     bool interrupted;     /* the picture then has the passes that were complete; it is black if there were none */
     /* camera samples per pixel, with adaptive sampling (nearly) their mean: the budget that makes this picture again */
     uint64_t spp;

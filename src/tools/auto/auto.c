@@ -341,8 +341,8 @@ static bis_status make_film(bis_film *film, bis_auto_pilot *p, const bis_scene_d
 static bis_status make_pilot(bis_auto_pilot *p, const bis_scene_desc *desc, const bis_render_options *options,
                              bis_diag *diag)
 {
-    /* where passes are independent, one camera sample knows nothing of the next */
-    const bool independent = desc->view.adaptive || options->budget.error > 0;
+    /* with adaptive sampling, a camera sample knows nothing of those of other passes */
+    const bool independent = desc->view.adaptive;
     const uint64_t spp = options->budget.spp ? options->budget.spp : desc->view.sampler.spp;
     bis_auto_report *r = p->report;
     bis_film film;

@@ -140,7 +140,7 @@ static bis_status pilot_setting(bis_trade *t, bis_trade_setting *s, double secon
     status = bis_trade_render(t, s, step, passes, t->o.seed + 1, NULL, &result, diag);
     if (status || result.interrupted) return status;
     s->pass_seconds = result.seconds / pixels / passes;
-    s->pass_relmse = result.relative_rmse * result.relative_rmse * passes;
+    s->pass_relmse = result.error.relative_rmse * result.error.relative_rmse * passes;
     return BIS_OK;
 }
 

@@ -1,0 +1,112 @@
+"""error_truth: is the error that `bis` prints the true one, and does --error keep its word? Prints the tables of docs/budgets.md, "Error".
+
+    error_truth.py BIS [--seeds 8] [--size 96x72] [--only NAME,...] [--out FOLDER] SCENE...
+
+Needs numpy. Each scene is rendered twice over: as it stands, and by default, without its Sampler and Integrator lines. The truth is the mean of two long renders with seeds of
+their own; half their difference tells its noise, which is taken off. true(n) is the root of the mean over seeds of relMSE with n camera samples.
+Columns: true(8); for n = 4, 8, 16 and 64 how many seeds print a figure within 35 % (n = 4) or 20 % of the true error of their own picture, how many say "unknown", and the
+median of printed / true; with E = true(20): how many renders by --error E have a true error of at most E, and how many camera samples they take, over 20. References are kept in FOLDER.
+"""
+import argparse, concurrent.futures as cf, json, os, re, subprocess, sys, tempfile
+import numpy as np
+
+ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+ap.add_argument('bis')
+ap.add_argument('scenes', nargs='+')
+ap.add_argument('--seeds', type=int, default=8)
+ap.add_argument('--size', default='96x72')
+ap.add_argument('--only', default='default,named')
+ap.add_argument('--out', default=os.path.join(tempfile.gettempdir(), 'error-truth'))
+ap.add_argument('--reference', type=int, default=512, help='camera samples of each of the two references')
+ap.add_argument('--jobs', type=int, default=2)
+a = ap.parse_args()
+os.makedirs(a.out, exist_ok=True)
+SPP = (4, 8, 16, 64)
+
+
+def pixels(path):
+    with open(path, 'rb') as f:
+        f.readline()
+        width, height = map(int, f.readline().split())
+        scale = float(f.readline())
+        return np.frombuffer(f.read(), '<f4' if scale < 0 else '>f4').reshape(height, width, 3).astype(float)
+
+
+def render(scene, seed, *options):
+    """Returns the picture and the statistics, or None if the scene is refused."""
+    out = os.path.join(a.out, 'p%d-%s' % (os.getpid(), abs(hash((scene, seed, options)))))
+    command = ['nice', a.bis, scene, '--quiet', '--nthreads', '1', '--resolution', a.size, '--seed', str(seed), '--outfile', out + '.pfm', '--stats', out + '.json', *options]
+    r = subprocess.run(command, capture_output=True, text=True)
+    if r.returncode:
+        print('%s: %s' % (scene, r.stderr.strip()[-200:]), file=sys.stderr)
+        return None
+    picture, stats = pixels(out + '.pfm'), json.load(open(out + '.json'))
+    os.remove(out + '.pfm')
+    os.remove(out + '.json')
+    return picture, stats
+
+
+def variant(scene, name):
+    """Returns the path of the scene, or of a copy of it beside it in which nothing names a sampler or an integrator."""
+    if name == 'named':
+        return scene
+    text = ''.join(line for line in open(scene) if not re.match(r'\s*(Sampler|Integrator)\b', line))
+    folder, base = os.path.split(os.path.abspath(scene))
+    copy = os.path.join(a.out, 'default-' + base)
+    text = re.sub(r'"((?:\.\./|\./)?[\w./-]+\.(?:hdr|exr|pfm|ply|obj|inc|png|pbrt))"', lambda m: '"%s"' % os.path.normpath(os.path.join(folder, m.group(1))), text)
+    open(copy, 'w').write(text)
+    return copy
+
+
+def reference(scene, name):
+    path = os.path.join(a.out, '%s-%s-%d.npy' % (os.path.basename(scene), a.size, a.reference))
+    if not os.path.exists(path):
+        two = [render(scene, seed, '--spp', str(a.reference)) for seed in (100001, 100002)]
+        if None in two:
+            return None
+        np.save(path, np.stack([p for p, _ in two]))
+    r = np.load(path)
+    mean = r.mean(0)
+    scale = mean ** 2 + mean.mean() ** 2 / 100
+    return mean, scale, ((r[0] - r[1]) ** 2 / 4 / scale).mean()
+
+
+def row(scene, name):
+    path = variant(scene, name)
+    truth = reference(path, name)
+    if truth is None:
+        return None
+    mean, scale, noise = truth
+    error = lambda p: np.sqrt(max(0, ((p - mean) ** 2 / scale).mean() - noise))
+    cells, curve, good = [], {}, {}
+    for n in SPP:
+        runs = [render(path, seed, '--spp', str(n)) for seed in range(1, a.seeds + 1)]
+        true = np.array([error(p) for p, _ in runs])
+        curve[n] = np.sqrt((true ** 2).mean())
+        printed = np.array([np.nan if s['estimated_relative_rmse'] is None else s['estimated_relative_rmse'] for _, s in runs])
+        known = ~np.isnan(printed)
+        ratio = printed[known] / np.maximum(true[known], 1e-12)
+        within = int((np.abs(ratio - 1) <= (.35 if n == 4 else .2)).sum())
+        good[n] = (within, int(known.sum()), a.seeds, list(np.round(ratio, 2)))
+        cells.append('%d of %d%s, %s' % (within, known.sum(), ', %d unknown' % (~known).sum() if not known.all() else '', '%.2f' % np.median(ratio) if known.any() else '-'))
+    slope = np.log(curve[16] / curve[64]) / np.log(4)
+    E = curve[16] * (16 / 20) ** slope
+    kept, samples = 0, []
+    for seed in range(1, a.seeds + 1):
+        p, s = render(path, seed, '--error', '%.6g' % E)
+        kept += error(p) <= E
+        samples.append(s['spp'])
+    title = os.path.basename(scene).rsplit('.', 1)[0] + (', default' if name == 'default' else '')
+    print('| %s | %.1f %% | %s | %d of %d | %.2f |' % (title, 100 * curve[8], ' | '.join(cells), kept, a.seeds, np.mean(samples) / 20), flush=True)
+    if os.environ.get('VERBOSE'):
+        print(good, samples, flush=True)
+    return good, kept, np.mean(samples) / 20
+
+
+print('| scene | true(8) | 4 | 8 | 16 | 64 | E kept | samples / 20 |\n| --- | --- | --- | --- | --- | --- | --- | --- |')
+with cf.ThreadPoolExecutor(a.jobs) as pool:
+    rows = [r for r in pool.map(lambda t: row(*t), [(s, v) for s in a.scenes for v in a.only.split(',')]) if r]
+for n in SPP:
+    within, known, runs = (sum(r[0][n][i] for r in rows) for i in range(3))
+    print('%d samples: %d of %d figures within %d %% (%.1f %%), %d of %d unknown' % (n, within, known, 35 if n == 4 else 20, 100 * within / max(known, 1), runs - known, runs))
+print('--error: kept in %d of %d; samples over 20: median %.2f, largest %.2f' % (sum(r[1] for r in rows), a.seeds * len(rows), np.median([r[2] for r in rows]), max(r[2] for r in rows)))
