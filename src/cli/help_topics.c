@@ -143,8 +143,8 @@ static const bis_help_entry budgets[] = {
            "that is used up first ends the render. Without any, the scene's pixelsamples count."},
     {"--spp N", "N camera samples of every pixel"},
     {"--time SECONDS", "of rendering alone, as in 10, 10s, 2min, 1.5h; ends within a pass of it"},
-    {"--error E", "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%; says after four "
-                  "passes what it will cost"},
+    {"--error E", "until an upper 95% bound of the relative RMSE is at most E, as in 0.05 or 5%; says what it "
+                  "will cost as soon as the error is known"},
     {"--adaptive",
      "camera samples go where the error is, by tiles of 16 x 16 pixels; every pass is then four of them in the mean"},
     {NULL, "Ctrl-C ends a render soon: the passes that are complete are written, and the exit status is 130. The "

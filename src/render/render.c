@@ -265,6 +265,7 @@ bis_status bis_render(bis_render_result *result, bis_film *film, const bis_scene
 
     *result = (bis_render_result){.error = {.relative_rmse = (double)NAN, .upper = (double)NAN}};
     assert(film->passes == 0);
+    film->independent = view->adaptive || view->sampler.kind == BIS_SAMPLER_RANDOM;
     assert(!options->part.n || !(view->adaptive || options->budget.error > 0)); /* these weigh the whole picture */
     if (!r.budget.spp && !(r.budget.seconds > 0) && !(r.budget.error > 0)) r.budget.spp = (uint32_t)view->sampler.spp;
     r.most = r.budget.spp;

@@ -130,7 +130,11 @@ void bis_state_walk_done(bis_walk *w, bis_done *d, bis_film *f)
     walk_counters(w, &d->counters);
     bis_walk_u32(w, &f->passes);
     bis_walk_f64(w, &f->weight);
+    uint32_t independent = f->independent;
     bis_walk_f64(w, &f->half_weight);
+    bis_walk_u32(w, &independent);
+    f->independent = independent == 1;
+    w->bad |= independent > 1;
 }
 
 static void walk_adapt(bis_walk *w, bis_adapt *a)

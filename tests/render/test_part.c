@@ -402,6 +402,7 @@ static void every_field_of_the_format_counts(void **state)
         {"passes", 4, 0, 1, "damaged"},
         {"weight", 8, 5, 1, "damaged"},
         {"weight of the half", 8, 5, 1, "damaged"},
+        {"independent", 4, 0, 2, "damaged"}, /* 0 or 1 */
         {"sum", PIXELS * 24, 6, 1, NULL},
         {"deviation", PIXELS * 12, 2, 1, NULL},
         {"half", PIXELS * 12, 2, 1, NULL},
@@ -653,11 +654,11 @@ static uint64_t bits_of(double v)
 
 /* One part that is the whole picture, so that nothing else contradicts it: 20 x 15 pixels at (12, 0) of 37 x 21. The
  * last number that is right, and the first that is not. Places are told from where the sizes stand: before them
- * seconds, figures and settings, behind them what was done and, 96 bytes later, the sums. */
+ * seconds, figures and settings, behind them what was done and, 100 bytes later, the sums. */
 static void numbers_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
-    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 96, DEVIATIONS = SUMS + 24 * PIXELS, HALF = DEVIATIONS + 12 * PIXELS,
+    enum { PIXELS = 20 * 15, DONE = 28, SUMS = DONE + 100, DEVIATIONS = SUMS + 24 * PIXELS, HALF = DEVIATIONS + 12 * PIXELS,
            HITS = HALF + 12 * PIXELS,
            DEPTHS = HITS + 4 * PIXELS, END = DEPTHS + 8 * PIXELS };
     const double inf = (double)INFINITY, nan = (double)NAN;

@@ -67,8 +67,8 @@ static void the_pilots_size_follows_what_is_to_come(void **state)
         /* whichever is less: 1.5e6 are 18750, 3125 pixels, k = sqrt 160 */
         {1000, 500, 4, whole, {.spp = 3, .seconds = 80}, false, 79, 40, 1, 1, 1, false},
         {1000, 500, 4, whole, {.spp = 100, .seconds = 80}, false, 75, 37, 2, 1, 1, false},
-        /* independent passes: one, of 5556 pixels, k = sqrt 90 */
-        {1000, 500, 4, whole, {.seconds = 80, .error = 0.1}, false, 105, 53, 1, 1, 1, false},
+        /* an error that is asked for changes nothing; passes of adaptive sampling: one, of 5556 pixels, k = sqrt 90 */
+        {1000, 500, 4, whole, {.seconds = 80, .error = 0.1}, false, 75, 37, 2, 1, 1, false},
         {1000, 500, 4, whole, {.seconds = 80}, true, 105, 53, 1, 1, 1, false},
         /* one sample a pixel: one pass, 3.2e7 are 4e5 in 36, 11111 pixels, k = sqrt 2880 */
         {8000, 4000, 1, whole, {0}, false, 149, 75, 1, 1, 1, false},

@@ -28,6 +28,7 @@ typedef struct bis_film {
     uint32_t passes;           /* complete passes */
     double weight;             /* the sum of the weights of the passes, the same in every pixel */
     double half_weight;        /* the same up to the last doubling: weight/2 to weight; 0 before the second pass */
+    bool independent;          /* no sequence spreads the camera samples of a pixel; set before the first pass */
     bis_layers layers;         /* none, unless bis_film_want asks for some */
 } bis_film;
 
@@ -90,13 +91,12 @@ double bis_film_raised(const bis_film *f);
 typedef struct bis_film_error {
     double relative_rmse; /* sqrt(relMSE), estimated without a reference; NAN: fewer than two passes */
     double upper;         /* a bound that the error of this picture exceeds in one of 20 renders; NAN as above */
-    double gain;          /* in (0,1]: the variance of the mean over what the scatter of the passes says of it */
     bool is_known;        /* false: too few pixels carry the error, so that the figure may be wrong by a quarter and more */
 } bis_film_error;
 
 /* bis_film_estimate_error estimates the relative RMSE of the picture without a reference: sqrt(relMSE) of
- * docs/budgets.md, "Error", which defines it. The means of the pixels stand in for the reference values. Passes may be
- * independent, stratified or of a low-discrepancy sequence, because the estimate sees what strata gain. */
+ * docs/budgets.md, "Error", which defines it. The means of the pixels stand in for the reference values. What strata
+ * gain is estimated, too, unless the film is told that its passes are independent. */
 bis_film_error bis_film_estimate_error(const bis_film *f);
 
 /* bis_film_variance estimates the variance of value i of the picture [height][width][3] from the scatter of the passes,
