@@ -253,17 +253,17 @@ exit
 # - x ^= x >> 2 & 0x33333333u;
 # + x ^= x >> 2 & 0x33333331u;
 #
-# * sampler test_sampler : one round of the order for four
-# - enum { SMALL = 32, ROUNDS = 4 };
-# + enum { SMALL = 32, ROUNDS = 1 };
+# * sampler test_sampler : an order that is not turned where some ranks are likelier
+# - is_power ? 0 : number_of(key, 0) % n;
+# + 0;
 #
-# * sampler test_sampler : the order of few cells from numbers without a key
-# - if (n <= SMALL) return ranked(i, n, key);
-# + if (n <= SMALL) return ranked(i, n, 0);
+# * sampler test_sampler : cells along rows, so that halves are halves of rows
+# - const int k = side[0] < side[1];
+# + const int k = side[0] <= 1;
 #
 # * sampler test_sampler : both jitters of a camera sample are one
-# - (cell / p->xsamples) + place[1])
-# + (cell / p->xsamples) + place[0])
+# - (double)cell[1] + place[1])
+# + (double)cell[1] + place[0])
 #
 # * hilbert.h test_curve : the curve does not turn
 # - return a ^ (swap & b) ^ complement;
@@ -566,8 +566,8 @@ exit
 # + ;
 #
 # * pass test_wave : all camera samples of a pass are the first
-# - k % each : first + k, sum);
-# + k % each : first, sum);
+# - x, y, first + k, sum);
+# + x, y, first, sum);
 #
 # * pass test_wave : an edge's samples are those of other pixels
 # - uint64_t first = pass->first * each;
@@ -577,13 +577,21 @@ exit
 # - (double)w->pass[i].hit, weight);
 # + (double)w->pass[i].hit, 1);
 #
-# * film test_render : weights are not squared
-# - weight * weight;
-# + weight;
+# * film test_render : a deviation without what the means are apart
+# - old * old + share * d * d
+# + old * old + share * d
 #
-# * film test_film test_layers : the variance of one camera sample, not of the picture
-# - (f->passes - 1.0) / f->weight;
-# + (f->passes - 1.0);
+# * film test_render : the half is kept in each pass
+# - if (has_doubled(f)) f->half_weight
+# + f->half_weight
+#
+# * film_error test_film test_layers : the variance of a pass, not of their mean
+# - deviation * deviation / (f->passes - 1.0);
+# + deviation * deviation;
+#
+# * film_error test_budgets : strata gain nothing
+# - return whole / halves;
+# + return 1;
 #
 # * render test_render : passes grow too fast
 # - if (r->work.view->adaptive) n =

@@ -7,19 +7,19 @@
  * The variance. If the camera samples of a pixel are independent, the scatter of the passes tells it (eq. 3.9;
  * docs/errata.md E32). Otherwise a sequence spreads them over the pixel: each pass fills gaps that earlier ones left,
  * and the scatter is too large, at edges twofold and more. Let A and B be the means of the two halves of a pixel's
- * samples. Both have the variance V(n/2), because a scrambled sequence treats its two halves alike, and their mean has
- * V(n) = (V(n/2) + cov(A, B))/2. Therefore
+ * samples. Both have the variance V(n/2), because a scrambled sequence treats its two halves alike, and their mean
+ * has V(n) = (V(n/2) + cov(A, B))/2. Therefore
  *     E (A - B)^2 / 4 = (V(n/2) - cov(A, B))/2 = V(n/2) - V(n).
- * (The same holds for one sample in each of n cells whose halves interleave as sampler.c has it: V(n/2) is then that of
- * one sample in each pair of cells.) If V(n) falls as n^-p, this is (2^p - 1) V(n). p is 1 where all is noise, and 3/2
- * for an edge through the pixel (Owen 1997); a picture has both, and its p hardly shows in few samples. With p = 5/4 the
- * figure is right within 16 % for all p between: sqrt((2^1 - 1)/(2^1.25 - 1)) = 0.85, sqrt((2^1.5 - 1)/(2^1.25 - 1)) =
- * 1.15. (Over 12 scenes the last doubling of 4 to 32 samples had p between 1.08 and 1.53.) n need not be a power of two:
- * the first "half" is then the part up to the last doubling (see left_of_halves).
+ * (The same holds for one sample in each of n cells whose halves interleave as sampler.c has it: V(n/2) is then that
+ * of one sample in each pair of cells.) If V(n) falls as n^-p, this is (2^p - 1) V(n). p is 1 where all is noise, and
+ * 3/2 for an edge through the pixel (Owen 1997); a picture has both, and its p hardly shows in few samples. With p =
+ * 5/4 the figure is right within 16 % for all p between: sqrt((2^1 - 1)/(2^1.25 - 1)) = 0.85, sqrt((2^1.5 -
+ * 1)/(2^1.25 - 1)) = 1.15. (Over 12 scenes the last doubling of 4 to 32 samples had p between 1.08 and 1.53.) n need
+ * not be a power of two: the first "half" is then the part up to the last doubling (see left_of_halves).
  *
  * The truth. In place of b^2 stand two: mean^2, which holds the variance as well, so that a lone bright sample hides
- * behind its own brightness (scene.txt at 4 passes: estimate 0.35, truth 0.70); and mean^2 less the variance, right in
- * expectation, but 0 just there, as if the pixel were black. Their geometric mean serves both: noise that is small
+ * behind its own brightness (scene.txt at 4 passes: estimate 0.35, truth 0.70); and mean^2 less the variance, right
+ * in expectation, but 0 just there, as if the pixel were black. Their geometric mean serves both: noise that is small
  * beside the mean does not see it.
  *
  * No estimate knows of lights that no pass has found yet. */
@@ -28,9 +28,9 @@
 #include <assert.h>
 #include <math.h>
 
-/* The variance of the mean of value i if the n > 1 passes are independent (eq. 3.9). A pass of weight w is the mean of w
- * camera samples: its variance is v/w, sum w (L - mean)^2 over n - 1 estimates v, and the mean over a weight W has the
- * variance v/W. */
+/* The variance of the mean of value i if the n > 1 passes are independent (eq. 3.9). A pass of weight w is the mean
+ * of w camera samples: its variance is v/w, sum w (L - mean)^2 over n - 1 estimates v, and the mean over a weight W
+ * has the variance v/W. */
 double bis_film_variance(const bis_film *f, size_t i)
 {
     const double deviation = (double)f->deviation[i];
@@ -45,13 +45,15 @@ static double half_variance(const bis_film *f, size_t i)
     return d * d * (P / (f->weight - P));
 }
 
-/* How much of the variance by the halves is left in the mean of all, if the mean over a block of n camera samples has the
- * variance n^-p. W samples are a block of P and one of m = W - P <= P, which lies in the block that follows the first.
- * Their covariance is that of the two halves of 2P samples, (2^(1-p) - 1) P^-p, because a scrambled sequence treats all
- * parts of a half alike. All is in units of P^-p. Independent samples, p = 1, leave all; m = P leaves 1/(2^p - 1). */
+/* How much of the variance by the halves is left in the mean of all, if the mean over a block of n camera samples has
+ * the variance n^-p. W samples are a block of P and one of m = W - P <= P, which lies in the block that follows the
+ * first. Their covariance is that of the two halves of 2P samples, (2^(1-p) - 1) P^-p, because a scrambled sequence
+ * treats all parts of a half alike. All is in units of P^-p. Independent samples, p = 1, leave all; m = P leaves
+ * 1/(2^p - 1). */
 static double left_of_halves(const bis_film *f)
 {
-    const double p = 1.25, P = f->half_weight, W = f->weight, m = W - P, of_rest = pow(m / P, -p), cov = exp2(1 - p) - 1;
+    const double p = 1.25, P = f->half_weight, W = f->weight, m = W - P;
+    const double of_rest = pow(m / P, -p), cov = exp2(1 - p) - 1;
     const double whole = P * P + 2 * P * m * cov + m * m * of_rest, halves = (1 + of_rest - 2 * cov) * P * m;
 
     return whole / halves;
@@ -139,18 +141,18 @@ static sums sums_over(const bis_film *f, double floor, double left)
 /* Let X_i be the error of pixel i, R the mean of X over the P pixels: the estimate of relMSE. Pixels have independent
  * random numbers, so two things part R from the error that this very picture has:
  * - R is itself an estimate: var(R) <= sum (X_i - R)^2 / P^2, since the scatter over pixels holds that of their true
- *   variances, too;
+ * variances, too;
  * - the error is one draw: a pixel's squared error of expectation Y_i has variance 2 Y_i^2 (normal, its channels
- *   alike), that of their mean 2 sum Y_i^2 / P^2. Y is the error by the passes, scaled to the mean R: it has more
- *   degrees of freedom than the difference of two halves.
- * The bound is R, as it is if all is noise and strata gain nothing, plus 1.645 (the 95% point of a normal) times the
- * root of the sum. But with few samples R is too low
- * where noise is skewed: pixels whose mean came out low show little scatter, and are weighed most. The loss falls with
- * 1/n; R (1 + 1.5/n) made good for it with exponential noise of 40% on every third pixel: true errors above the bound
- * in 2.6, 3.3, 2.8% of 2000 renders at 4, 16, 64 passes, without it in 16% at 4 (tests/render/test_film.c).
+ * alike), that of their mean 2 sum Y_i^2 / P^2. Y is the error by the passes, scaled to the mean R: it has more
+ * degrees of freedom than the difference of two halves. The bound is R, as it is if all is noise and strata gain
+ * nothing, plus 1.645 (the 95% point of a normal) times the root of the sum. But with few samples R is too low where
+ * noise is skewed: pixels whose mean came out low show little scatter, and are weighed most. The loss falls with 1/n;
+ * R (1 + 1.5/n) made good for it with exponential noise of 40% on every third pixel: true errors above the bound in
+ * 2.6, 3.3, 2.8% of 2000 renders at 4, 16, 64 passes, without it in 16% at 4 (tests/render/test_film.c).
  *
- * If the root is more than R/2, the error of this picture is within a quarter of the figure in two of three renders at
- * best. Few pixels then carry most of R, and in pictures of this kind R itself is often wrong: the figure is unknown. */
+ * If the root is more than R/2, the error of this picture is within a quarter of the figure in two of three renders
+ * at best. Few pixels then carry most of R, and in pictures of this kind R itself is often wrong: the figure is
+ * unknown. */
 bis_film_error bis_film_estimate_error(const bis_film *f)
 {
     const double n = (double)f->width * f->height, nan = (double)NAN, normal_95 = 1.645, skew = 1.5, most_doubt = 0.5;

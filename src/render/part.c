@@ -190,7 +190,8 @@ static bis_status compare(const part *a, const part *b, bis_diag *diag)
     if (a->done.spp != b->done.spp)
         return bis_error(diag, BIS_INPUT, at, "this part has %" PRIu64 " camera samples a pixel, but \"%s\" has %"
                          PRIu64 ": give all parts the same --spp", b->done.spp, a->path, a->done.spp);
-    if (f->passes != g->passes || f->weight != g->weight || f->half_weight != g->half_weight || f->independent != g->independent ||
+    if (f->passes != g->passes || f->weight != g->weight || f->half_weight != g->half_weight ||
+        f->independent != g->independent ||
         f->layers.asked != g->layers.asked || f->full_width != g->full_width || f->full_height != g->full_height ||
         f->x0 != g->x0 || f->y0 != g->y0 || f->width != g->width || f->height != g->height)
         return damaged(b->path, diag); /* the hashes say that they are alike */

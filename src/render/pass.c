@@ -67,8 +67,8 @@ static void place_in_tile(int i, int *x, int *y)
 static bool is_in(bis_rect r, int x, int y) { return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1; }
 
 /* What a pass takes of pixel (x, y): n camera samples, or in an edge pixel as many times edgesamples (64 x 1024 at
- * most), each of which then has a share of the light samples. With adaptive sampling the n of a pass have a seed of their
- * own, because passes of different sizes have no place in one sequence. */
+ * most), each of which then has a share of the light samples. With adaptive sampling the n of a pass have a seed of
+ * their own, because passes of different sizes have no place in one sequence. */
 static void add_samples(const bis_workspace *w, bis_wave *wave, int x, int y, uint32_t n, const bis_pass *pass,
                         bis_pixel_sum *sum)
 {

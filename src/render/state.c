@@ -206,8 +206,8 @@ uint64_t bis_state_sums_bytes(const bis_workspace *of)
 {
     const uint64_t n_learn = of->visibility.n_tiles ? (uint64_t)of->n_own : 0;
 
-    return pixels_of(of) * (3 * 8 + 7 * 4 + 8 * (uint64_t)of->film->layers.n_values) + (uint64_t)of->adapt.n_tiles * 20 +
-           n_learn * of->visibility.cells * sizeof(bis_seen);
+    return pixels_of(of) * (3 * 8 + 7 * 4 + 8 * (uint64_t)of->film->layers.n_values) +
+           (uint64_t)of->adapt.n_tiles * 20 + n_learn * of->visibility.cells * sizeof(bis_seen);
 }
 
 void bis_state_walk_sums(bis_walk *w, bis_workspace *of)
