@@ -2,7 +2,7 @@
  *
  * A picture is the mean over passes; a pass adds one value to every pixel, so one weight serves all pixels: the pass's
  * number of camera samples, settled before it is rendered. Sums of light are
- * double: a million passes of float radiance add up without loss that matters (2^-53 a step).
+ * double: a million passes of float radiance add up without loss (2^-53 a step).
  *
  * The scatter of the passes is kept as its root mean square, which is updated pass by pass (Welford 1962): no difference
  * of large sums cancels, and float is enough, because a step rounds by 2^-25 and the value itself settles.

@@ -91,7 +91,7 @@ double bis_film_raised(const bis_film *f);
 typedef struct bis_film_error {
     double relative_rmse; /* sqrt(relMSE), estimated without a reference; NAN: fewer than two passes */
     double upper;         /* a bound that the error of this picture exceeds in one of 20 renders; NAN as above */
-    bool is_known;        /* false: too few pixels carry the error, so that the figure may be wrong by a quarter and more */
+    bool is_known;        /* false: few pixels carry the error, and the figure may be wrong by a quarter or more */
 } bis_film_error;
 
 /* bis_film_estimate_error estimates the relative RMSE of the picture without a reference: sqrt(relMSE) of
