@@ -2,6 +2,10 @@
 #   make MPI=1           bis-mpi, too, for several machines (docs/many-machines.md)
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
+# All processors compile, unless make was told otherwise (make -j1) or has several goals, which stay in their order.
+ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS))$(word 2,$(MAKECMDGOALS)),0)
+MAKEFLAGS += -j$(shell nproc)
+endif
 CFLAGS  ?= -O2 -g
 VARIANT ?= release
 PREFIX  ?= /usr/local
@@ -221,7 +225,7 @@ bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 PYTHON ?= python3
 test-python: $B/bis $(SHARED_LIB) $(STAMP)
 	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive $(PYTHON) -m unittest discover -s tests/python; \
-	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; install it, or give PYTHON=program"; fi
+	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; scripts/setup.sh --python installs it, PYTHON=program names another"; fi
 
 # The program, its man page, and what other programs need of the library: docs/library.md.
 install: $(INSTALLED) $(if $(filter 1,$(MPI)),$B/bis-mpi)

@@ -6,7 +6,7 @@
 # time.
 out=$1
 if ! command -v pandoc >/dev/null; then
-    echo "make docs: no pandoc here, and it is what typesets the pages: apt-get install pandoc (as root), or" >&2
+    echo "make docs: no pandoc here, and it is what typesets the pages: scripts/setup.sh --web, or" >&2
     echo "           https://pandoc.org; the .md files read well without" >&2
     exit 1
 fi

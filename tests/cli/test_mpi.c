@@ -44,7 +44,7 @@ static bool is_there(void)
 static void skip_without_mpi(void)
 {
     if (is_there()) return;
-    print_message("no bis-mpi, or no mpirun: `apt-get install openmpi-bin libopenmpi-dev` and `make MPI=1`\n");
+    print_message("no bis-mpi, or no mpirun: `scripts/setup.sh --mpi` and `make MPI=1`\n");
     skip();
 }
 
