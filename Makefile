@@ -31,7 +31,8 @@ endif
 # Dialect. The first two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. The third: gcc 12
 # leaves out the rounding of (double)(float)x where it makes vectors of straight code. Never -ffast-math.
 DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
-WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes
+# clang 19 warns where an enum's constant meets a double, but in C the constant is an int.
+WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wno-enum-float-conversion
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
 OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION)) $(if $(JPEG),-DBIS_JPEG)
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
