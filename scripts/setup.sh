@@ -6,21 +6,21 @@
 # UNTRIED: Fedora and Arch, whose names of packages come from documentation.
 set -eu
 
-# needed: compiler and build; OpenEXR, libpng and zlib for images; cmocka for the tests. light: Embree (rays), which exists for some processors
+# needed: compiler and build; OpenEXR, libpng and zlib for images; cmocka and patch for the tests. light: Embree (rays), which exists for some processors
 # only, and libjpeg (textures); bis does without. mpi, web, python: by option.
 if command -v dpkg-query > /dev/null && command -v apt-get > /dev/null; then
     system=debian
-    needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev"
+    needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev patch"
     light="libembree-dev libjpeg-dev"
     mpi="openmpi-bin libopenmpi-dev" web="pandoc chromium" python="python3-numpy"
 elif command -v dnf > /dev/null; then
     system=fedora
-    needed="gcc make pkgconf-pkg-config glibc-devel openexr-devel libpng-devel zlib-devel libcmocka-devel"
+    needed="gcc make pkgconf-pkg-config glibc-devel openexr-devel libpng-devel zlib-devel libcmocka-devel patch"
     light="embree-devel libjpeg-turbo-devel"
     mpi="openmpi-devel" web="pandoc chromium" python="python3-numpy"
 elif command -v pacman > /dev/null; then
     system=arch
-    needed="gcc make pkgconf openexr libpng zlib cmocka"
+    needed="gcc make pkgconf openexr libpng zlib cmocka patch"
     light="embree libjpeg-turbo"
     mpi="openmpi" web="pandoc chromium" python="python-numpy"
 else
@@ -62,7 +62,7 @@ missing=""
 for package in $needed; do
     # pkg-config is also provided by pkgconf, a compiler by build-essential: ask for the program where it is one.
     case $package in
-    gcc | make | pkg-config) command -v "$package" > /dev/null || missing="$missing $package" ;;
+    gcc | make | pkg-config | patch) command -v "$package" > /dev/null || missing="$missing $package" ;;
     *) installed "$package" || missing="$missing $package" ;;
     esac
 done
