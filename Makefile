@@ -2,6 +2,10 @@
 #   make MPI=1           bis-mpi, too, for several machines (docs/many-machines.md)
 #   make EMBREE=0        build without Embree        make VARIANT=name   build in build/name        make V=1   show every command
 #   make compile_commands.json   how each file is compiled, for editors and clang tools
+# All processors compile, unless make was told otherwise (make -j1) or has several goals, which stay in their order.
+ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS))$(word 2,$(MAKECMDGOALS)),0)
+MAKEFLAGS += -j$(shell nproc)
+endif
 CFLAGS  ?= -O2 -g
 VARIANT ?= release
 PREFIX  ?= /usr/local
@@ -27,7 +31,8 @@ endif
 # Dialect. The first two -fno- flags change no value, NaN or Inf; they let loops with floor and pow become vectors. The third: gcc 12
 # leaves out the rounding of (double)(float)x where it makes vectors of straight code. Never -ffast-math.
 DIALECT := -std=c11 -D_GNU_SOURCE -Iinclude -Isrc $(OPENMP) -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize -ffp-contract=off
-WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes
+# clang 19 warns where an enum's constant meets a double, but in C the constant is an int.
+WARN    := -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes -Wno-enum-float-conversion
 # OpenEXR's .pc file names the C library, OpenEXRCore, among its own.
 OURS    := $(DIALECT) $(WARN) $(shell pkg-config --cflags OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-DBIS_EMBREE=$(EMBREE_VERSION)) $(if $(JPEG),-DBIS_JPEG)
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs OpenEXR libpng zlib) $(if $(EMBREE_VERSION),-lembree$(EMBREE_VERSION)) $(if $(JPEG),-ljpeg) -lpthread -lm
@@ -221,7 +226,7 @@ bench-scale: $B/bis $B/bis-data $B/bench_scale $(STAMP)
 PYTHON ?= python3
 test-python: $B/bis $(SHARED_LIB) $(STAMP)
 	@if $(PYTHON) -c 'import numpy' 2>/dev/null; then BIS_LIBRARY=$(abspath $(SHARED_LIB)) BIS_PROGRAM=$(abspath $B/bis) OMP_WAIT_POLICY=passive $(PYTHON) -m unittest discover -s tests/python; \
-	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; install it, or give PYTHON=program"; fi
+	else echo "make test-python: SKIPPED: $(PYTHON) has no numpy; scripts/setup.sh --python installs it, PYTHON=program names another"; fi
 
 # The program, its man page, and what other programs need of the library: docs/library.md.
 install: $(INSTALLED) $(if $(filter 1,$(MPI)),$B/bis-mpi)

@@ -1,37 +1,77 @@
 #!/bin/sh
-# setup: installs what bis needs to build and to test itself, and nothing when all of it is there.
-# For Debian 12, and for Debian 13 and Ubuntu 24.04 (there libembree-dev is Embree 4; the source takes both). As root, or by sudo.
+# setup: installs what bis needs to build, to render and to test itself, and nothing when all of it is there.
+#     scripts/setup.sh [--mpi] [--web] [--python] [--all]
+# Each option adds what one more part needs: --mpi `make MPI=1` and its tests, --web `make docs` and `make test-browser`, --python `make test-python`;
+# --all is all three. As root, or by sudo. For Debian 12, and for Debian 13 and Ubuntu 24.04 (there libembree-dev is Embree 4; the source takes both).
+# UNTRIED: Fedora and Arch, whose names of packages come from documentation.
 set -eu
 
-# gcc, make and pkg-config; OpenEXR, libpng and zlib for images; cmocka for the tests. Optional: Embree (rays), which exists for some processors
-# only, libjpeg (textures), and Open MPI (bis-mpi, docs/many-machines.md), without which its tests are skipped.
-needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev"
-optional="libembree-dev libjpeg-dev openmpi-bin libopenmpi-dev"
-
-if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
-    echo "setup: this is no Debian or Ubuntu; please install: a C11 compiler, make, pkg-config," >&2
+# needed: compiler and build; OpenEXR, libpng and zlib for images; cmocka and patch for the tests. light: Embree (rays), which exists for some processors
+# only, and libjpeg (textures); bis does without. mpi, web, python: by option.
+if command -v dpkg-query > /dev/null && command -v apt-get > /dev/null; then
+    system=debian
+    needed="gcc make pkg-config libc6-dev libopenexr-dev libpng-dev zlib1g-dev libcmocka-dev patch"
+    light="libembree-dev libjpeg-dev"
+    mpi="openmpi-bin libopenmpi-dev" web="pandoc chromium" python="python3-numpy"
+elif command -v dnf > /dev/null; then
+    system=fedora
+    needed="gcc make pkgconf-pkg-config glibc-devel openexr-devel libpng-devel zlib-devel libcmocka-devel patch"
+    light="embree-devel libjpeg-turbo-devel"
+    mpi="openmpi-devel" web="pandoc chromium" python="python3-numpy"
+elif command -v pacman > /dev/null; then
+    system=arch
+    needed="gcc make pkgconf openexr libpng zlib cmocka patch"
+    light="embree libjpeg-turbo"
+    mpi="openmpi" web="pandoc chromium" python="python-numpy"
+else
+    echo "setup: this system has none of apt-get, dnf and pacman; please install: a C11 compiler, make, pkg-config," >&2
     echo "       OpenEXR >= 3.1, libpng, zlib, cmocka, and (optional) Embree 3 or 4, libjpeg" >&2
     exit 1
 fi
 
+for option; do
+    case $option in
+    --mpi) needed="$needed $mpi" ;;
+    --web) needed="$needed $web" ;;
+    --python) needed="$needed $python" ;;
+    --all) needed="$needed $mpi $web $python" ;;
+    *)
+        echo "setup: there is no option \"$option\"; there are --mpi, --web, --python and --all" >&2
+        exit 2
+        ;;
+    esac
+done
+
+as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi; }
+# shellcheck disable=SC2086 # lists of words
+case $system in
+fedora)
+    as_root dnf install -y $needed $light
+    exit
+    ;;
+arch)
+    as_root pacman -S --needed --noconfirm $needed $light
+    exit
+    ;;
+esac
+
 installed() { dpkg-query -W -f '${Status}' "$1" 2> /dev/null | grep -q 'ok installed'; }
 known() { apt-cache show "$1" > /dev/null 2>&1; }
-as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi; }
 
 missing=""
 for package in $needed; do
     # pkg-config is also provided by pkgconf, a compiler by build-essential: ask for the program where it is one.
     case $package in
-    gcc | make | pkg-config) command -v "$package" > /dev/null || missing="$missing $package" ;;
+    gcc | make | pkg-config | patch) command -v "$package" > /dev/null || missing="$missing $package" ;;
     *) installed "$package" || missing="$missing $package" ;;
     esac
 done
 wanted=""
-for package in $optional; do installed "$package" || wanted="$wanted $package"; done
+for package in $light; do installed "$package" || wanted="$wanted $package"; done
 [ -n "$missing$wanted" ] || exit 0
 
 if [ "$(id -u)" -ne 0 ] && ! command -v sudo > /dev/null; then
-    [ -n "$missing" ] || exit 0 # what is optional is not worth a failure
+    [ -n "$missing" ] || exit 0 # bis does without
     echo "setup: please run as root: apt-get install$missing$wanted" >&2
     exit 1
 fi

@@ -6,7 +6,7 @@
 # time.
 out=$1
 if ! command -v pandoc >/dev/null; then
-    echo "make docs: no pandoc here, and it is what typesets the pages: apt-get install pandoc (as root), or" >&2
+    echo "make docs: no pandoc here, and it is what typesets the pages: scripts/setup.sh --web, or" >&2
     echo "           https://pandoc.org; the .md files read well without" >&2
     exit 1
 fi
@@ -43,7 +43,7 @@ for md in $(find README.md CONTRIBUTING.md CHANGELOG.md docs src -name '*.md' 2>
 for picture in bis.png $(find docs -name '*.png' -o -name '*.svg'); do
     [ -f "$picture" ] && mkdir -p "$out/$(dirname "$picture")" && cp "$picture" "$out/$picture"
 done
-sources=$(find src include tests scripts data/scenes data/generate -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.txt')
+sources=$(find src include tests scripts docs data/scenes data/generate -name '*.[ch]' -o -name '*.sh' -o -name '*.awk' -o -name '*.txt' -o -name '*.py' -o -name '*.ipynb')
 for file in LICENSE CITATION.cff Makefile scene.txt $sources; do
     [ -f "$file" ] && source "$file"
 done

@@ -144,7 +144,7 @@ void bis_wave_end(bis_wave *w)
     find_points(w);
     look_at_cell(w);
     for (w->at = 0; w->at < w->n; w->at++) {
-        if (interrupted && *interrupted) break;
+        if (interrupted && __atomic_load_n(interrupted, __ATOMIC_RELAXED)) break;
         add_light(w, &w->samples[w->at]);
     }
     trace(w);

@@ -21,10 +21,11 @@ static void assert_near(double a, double b, double tolerance)
     if (!(fabs(a - b) <= tolerance)) fail_msg("%.12g is not %.12g within %g", a, b, tolerance);
 }
 
-static double by_complex_numbers(double eta, double k2, double c)
+static double by_complex_numbers(double eta, double k2, double cos_theta)
 {
-    const long double complex m = (long double)eta + sqrtl((long double)k2) * I,
-                              q = csqrtl(m * m - (1 - (long double)c * (long double)c));
+    const long double c = (long double)cos_theta;
+    const long double complex m = (long double)eta + sqrtl((long double)k2) * (long double complex)I,
+                              q = csqrtl(m * m - (1 - c * c));
     const long double s = cabsl((c - q) / (c + q)), p = cabsl((m * m * c - q) / (m * m * c + q));
 
     return (double)((s * s + p * p) / 2);

@@ -168,7 +168,7 @@ static void a_part_that_cannot_be_finished_is_not_written(void **state)
     program_expect(&r, 0, SCENE " --spp 4 --part 1/2 --outfile " DIR "/q1.bispart");
     program_expect(&r, 0, SCENE " --spp 4 --part 1/2 --outfile " DIR "/before.bispart");
     const int n_files = program_count_files(DIR);
-    program_run_limited(&r, 1000, SCENE " --spp 8 --part 1/2 --outfile " DIR "/q1.bispart");
+    program_run_limited(&r, 1024, SCENE " --spp 8 --part 1/2 --outfile " DIR "/q1.bispart");
     assert_int_equal(r.exit_status, 1);
     assert_int_equal(program_count_files(DIR), n_files);
     program_expect(&r, 0, SCENE " --spp 4 --part 2/2 --outfile " DIR "/q2.bispart");

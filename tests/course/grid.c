@@ -149,8 +149,7 @@ static void one_triangle_is_hit_and_missed(void)
 /* From inside and outside the unit cube towards a point in it. */
 static ray random_ray(uint64_t *seed, double away)
 {
-    const vec3 o = vec3_from(random_between(seed, -away, 1 + away), random_between(seed, -away, 1 + away), random_between(seed, -away, 1 + away));
-    const vec3 to = vec3_from(random_double(seed), random_double(seed), random_double(seed));
+    const vec3 o = random_point(seed, -away, 1 + away), to = random_point(seed, 0, 1);
 
     return (ray){o, normalize(sub(to, o)), INFINITY};
 }
@@ -225,7 +224,8 @@ static void the_last_cell_is_visited(void)
 
     for (int k = 0; k < 2000; k++) {
         const double x = random_between(&seed, 0.05, 0.95), y = random_between(&seed, 0.05, 0.95);
-        const ray inside = {vec3_from(x, y, 0.5), normalize(vec3_from(random_between(&seed, -0.1, 0.1), random_between(&seed, -0.1, 0.1), k % 2 ? 1 : -1)), INFINITY};
+        const double dx = random_between(&seed, -0.1, 0.1), dy = random_between(&seed, -0.1, 0.1);
+        const ray inside = {vec3_from(x, y, 0.5), normalize(vec3_from(dx, dy, k % 2 ? 1 : -1)), INFINITY};
         hits += check(&w, &inside, "a box open at the sides: from its middle to floor or ceiling, in the first and last layer of cells");
     }
     expect_hits(hits, 1500, "floor and ceiling");
@@ -370,7 +370,7 @@ static void far_origins_are_met(void)
     int hits = 0;
 
     for (int k = 0; k < 1000; k++) {
-        const vec3 to = vec3_from(random_double(&seed), random_double(&seed), random_double(&seed));
+        const vec3 to = random_point(&seed, 0, 1);
         const vec3 o = add(to, mul(random_direction(&seed), 500));
         const ray r = {o, normalize(sub(to, o)), INFINITY}, away = {o, neg(r.d), INFINITY};
         hits += check(&w, &r, "an origin 500 boxes away");

@@ -49,7 +49,8 @@ static void the_azimuth_of_the_lobe_is_uniform(void)
     for (int k = 0; k < DRAWS; k++) {
         vec3 wi;
         double pdf;
-        bis_phong_lobe_sample(&wi, &pdf, 5, bis_rng_double(&r), bis_rng_double(&r));
+        const double u1 = bis_rng_double(&r), u2 = bis_rng_double(&r);
+        bis_phong_lobe_sample(&wi, &pdf, 5, u1, u2);
         const int i = (int)((atan2((double)wi.y, (double)wi.x) / (2 * PI) + 0.5) * CELLS);
         observed[i < CELLS ? i : CELLS - 1]++;
     }

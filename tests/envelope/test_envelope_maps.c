@@ -449,7 +449,7 @@ static void check_large_map(const bis_envmap *em, envelope *integral, envelope *
     assert_int_equal(bis_importance_implied_pmf(im, pmf, NULL), BIS_OK);
     for (size_t i = 0; i < map_n(em); i++) {
         const double P = bis_importance_pdf_pixel(im, i) * map_solid_angle(em, i);
-        sum += P;
+        sum += (long double)P;
         if (i % 1009 == 0 && P > 0) envelope_try(implied, relative_error(pmf[i], P), "pixel %zu", i);
     }
     envelope_try(integral, (double)fabsl(sum - 1), "16384 x 8192");

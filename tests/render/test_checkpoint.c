@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include <stdatomic.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -106,11 +107,11 @@ static void a_render_that_goes_on_has_the_bits_of_one_render(void **state)
 
 /* As noise, and the interrupting call number `fuse`. */
 static volatile sig_atomic_t flag;
-static long fuse;
+static atomic_long fuse;
 
 static rgb burning_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    if (--fuse == 0) flag = 1;
+    if (atomic_fetch_sub(&fuse, 1) == 1) __atomic_store_n(&flag, 1, __ATOMIC_RELAXED);
     return noise_Lo(s, pt, stream, scratch);
 }
 

@@ -31,7 +31,7 @@ static volatile sig_atomic_t flag;
 
 static rgb fuse_Lo(const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch)
 {
-    if (atomic_fetch_add(&calls, 1) + 1 == fuse) flag = 1;
+    if (atomic_fetch_add(&calls, 1) + 1 == fuse) __atomic_store_n(&flag, 1, __ATOMIC_RELAXED);
     return noise_Lo(s, pt, stream, scratch);
 }
 

@@ -113,7 +113,7 @@ static void send_letter(bis_crew *crew, int to, const void *data, size_t n)
     memcpy(l->data, data, n);
     pthread_mutex_lock(&p->lock);
     *(crew->rank == 0 ? &p->from_0 : to == 0 ? &p->to_0 : &p->between_others) += n;
-    if (to == 0 && broadcasts_left == 0) interrupted = 1;
+    if (to == 0 && broadcasts_left == 0) __atomic_store_n(&interrupted, 1, __ATOMIC_RELAXED);
     if (crew->rank == 0) count_held(p, to, data);
     *p->members[to].last = l;
     p->members[to].last = &l->next;

@@ -311,7 +311,7 @@ static void in_pixels_half_sky_depth_is_of_the_hits_and_the_rest_of_all_samples(
     const float *z = plane_of(&f, "Z", planes), *up = plane_of(&f, "Ns.Y", planes), *green = plane_of(&f, "Albedo.G",
         planes);
     for (size_t i = 0; i < WIDTH * HEIGHT; i++) {
-        const double hits = f.hits[i], share = hits / 16;
+        const double hits = (double)f.hits[i], share = hits / 16;
         if (hits == 0) continue;
         assert_true(fabs((double)z[i] - (f.sum[3 * i + 2] / hits - 10 + 3)) < 1e-5); /* the camera stands at z = -3 */
         if (i % WIDTH >= 4) continue;

@@ -500,7 +500,7 @@ static void the_error_of_a_balls_point_knows_no_axis(void **state)
     static const struct { double c, radius; } cases[] = {{1 << 20, 1}, {1 << 20, 8}, {1 << 16, 0.01}, {3, 1}};
     for (int i = 0; i < 4; i++) {
         const double c = cases[i].c, R = cases[i].radius, e = 0x1p-24 * (c + R / sqrt(3));
-        bis_quadric q = {.kind = BIS_SPHERE, .radius = (float)R, .to_world = bis_xform_translate(c, c, c)};
+        bis_quadric q = {.kind = BIS_SPHERE, .radius = (double)(float)R, .to_world = bis_xform_translate(c, c, c)};
         bis_geometry g = {0};
         bis_surface s;
         const ray r = {vec3_from(c + 16, c + 16, c + 16), {-1, -1, -1}, INFINITY};

@@ -43,12 +43,8 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void limit(int resource, double value)
-{
-    const struct rlimit both = {(rlim_t)value, (rlim_t)value};
-
-    setrlimit(resource, &both);
-}
+/* A macro, because the type of RLIMIT_* has no name that every libc knows. */
+#define LIMIT(resource, value) setrlimit(resource, &(struct rlimit){(rlim_t)(value), (rlim_t)(value)})
 
 static _Noreturn void become(const box_limits *l, char *const words[], int output, int channel)
 {
@@ -72,10 +68,10 @@ static _Noreturn void become(const box_limits *l, char *const words[], int outpu
     for (int fd = BOX_CHANNEL + 1; fd < 256; fd++)
         close(fd);
     setrlimit(RLIMIT_CPU, &cpu);
-    limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_FSIZE, (double)l->file);
-    limit(RLIMIT_NOFILE, 256);
-    if (l->memory) limit(RLIMIT_AS, (double)l->memory);
+    LIMIT(RLIMIT_CORE, 0);
+    LIMIT(RLIMIT_FSIZE, l->file);
+    LIMIT(RLIMIT_NOFILE, 256);
+    if (l->memory) LIMIT(RLIMIT_AS, l->memory);
     execvp(words[0], words);
     fprintf(stderr, "cannot run %s: %s\n", words[0], strerror(errno));
     _exit(127);

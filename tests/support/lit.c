@@ -119,8 +119,10 @@ static double dot_node(const node *w, vec3 v)
 double lit_fresnel(double Ks, double eta, double c)
 {
     if (!(eta > 0 && Ks > 0 && Ks < 1)) return Ks > 0 ? Ks + (1 - Ks) * pow(1 - c, 5) : 0;
-    const long double n = eta, k2 = (Ks * (n + 1) * (n + 1) - (n - 1) * (n - 1)) / (1 - Ks), c_o = c;
-    const long double complex index = n + (k2 > 0 ? sqrtl(k2) : 0) * I, q = csqrtl(index * index - (1 - c_o * c_o));
+    const long double n = (long double)eta, c_o = (long double)c, r = (long double)Ks;
+    const long double k2 = (r * (n + 1) * (n + 1) - (n - 1) * (n - 1)) / (1 - r);
+    const long double complex index = n + (k2 > 0 ? sqrtl(k2) : 0) * (long double complex)I;
+    const long double complex q = csqrtl(index * index - (1 - c_o * c_o));
     const long double s = cabsl((c_o - q) / (c_o + q)), p = cabsl((index * index * c_o - q) / (index * index * c_o + q));
     return (double)((s * s + p * p) / 2);
 }

@@ -15,6 +15,9 @@
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 #include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -199,6 +202,9 @@ static void give_up_rights(void)
     };
     const struct sock_fprog program = {sizeof rules / sizeof *rules, rules};
 
+#ifdef _OPENMP
+    omp_get_max_threads(); /* LLVM's OpenMP opens a file when it starts, which later is forbidden */
+#endif
     if (&__asan_init || prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return;
     prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program);
 #endif

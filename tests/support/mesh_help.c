@@ -161,6 +161,13 @@ double random_double(uint64_t *state)
 
 double random_between(uint64_t *state, double lo, double hi) { return lo + (hi - lo) * random_double(state); }
 
+vec3 random_point(uint64_t *state, double lo, double hi)
+{
+    const double x = random_between(state, lo, hi), y = random_between(state, lo, hi), z = random_between(state, lo, hi);
+
+    return vec3_from(x, y, z);
+}
+
 vec3 random_direction(uint64_t *state)
 {
     double z = random_between(state, -1, 1), phi = random_between(state, 0, 2 * PI), s = sqrt(1 - z * z);
@@ -221,11 +228,8 @@ bis_mesh soup_mesh(size_t n, double size, uint64_t seed)
     bis_mesh m = new_mesh(3 * n, n);
 
     for (size_t i = 0; i < n; i++) {
-        const double at[3] = {random_double(&seed), random_double(&seed), random_double(&seed)};
-        for (size_t k = 0; k < 3; k++) {
-            m.p[3 * i + k] = vec3_from(at[0] + random_between(&seed, -size, size), at[1] + random_between(&seed, -size, size),
-                                       at[2] + random_between(&seed, -size, size));
-        }
+        const vec3 at = random_point(&seed, 0, 1);
+        for (size_t k = 0; k < 3; k++) m.p[3 * i + k] = add(at, random_point(&seed, -size, size));
         set_triangle(&m, i, 3 * i, 3 * i + 1, 3 * i + 2);
     }
     return m;

@@ -61,7 +61,7 @@ static void thresholds_are_sidaks_and_p_is_never_from_the_wrong_side(void **stat
 static void a_larger_distance_is_never_more_likely(void **state)
 {
     (void)state;
-    static const double skewness[] = {0, 0.01, 0.05, -0.05, 0.15}, dof[] = {63, 16383, INFINITY};
+    static const double skewness[] = {0, 0.01, 0.05, -0.05, 0.15}, dof[] = {63, 16383, HUGE_VAL};
     const double of_100_tests = bis_stats_sidak(BIS_VERIFY_ALPHA, 100);
     for (int i = 0; i < 5; i++) {
         for (int k = 0; k < 3; k++) {
@@ -75,7 +75,7 @@ static void a_larger_distance_is_never_more_likely(void **state)
         }
     }
     /* by hand: the normal distribution's 6.3342e-5 at 4, times exp(0.05 * 64 / 3) */
-    assert_near(bis_verify_t(4, INFINITY, 0.05) / (6.3342484e-5 * exp(3.2 / 3)), 1, 1e-6);
+    assert_near(bis_verify_t(4, HUGE_VAL, 0.05) / (6.3342484e-5 * exp(3.2 / 3)), 1, 1e-6);
 }
 
 /* Means of 400 exponential variables, of skewness 0.1: p is below 0.001 in at most 0.1 % of 40000 experiments, but for 4

@@ -237,7 +237,7 @@ static void assert_same_everywhere(double expected[3], bool has_box, double fart
         write_floor(path, h, scale, j % 3, has_box);
         for (int i = 0; i < n_accelerators(); i++) {
             const double mean = mean_by(i, path);
-            if (!expected[j % 3]) expected[j % 3] = mean;
+            if (expected[j % 3] == 0) expected[j % 3] = mean;
             if (!(fabs(mean - expected[j % 3]) < 1e-6))
                 fail_msg("%s, at %g, size %g, turned %d: %.9g, not %.9g", names[i], h, scale, j % 3, mean,
                          expected[j % 3]);
