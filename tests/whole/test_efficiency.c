@@ -35,7 +35,7 @@
 /* ---- a feature, and the same without it ---- */
 
 /* What is left out of the guide of learned visibility. */
-typedef enum missing { NOTHING, STEERED_CLUSTERS, STEERED_RAYS, CONTROL } missing;
+typedef enum missing { NOTHING, STEERED_CLUSTERS, STEERING, CONTROL } missing;
 
 typedef struct version {
     const char *options, *world; /* of pictures */
@@ -209,7 +209,7 @@ static void take_away(bis_product_guide *g, missing lack)
     for (size_t k = 0; k < sizeof even / sizeof *even; k++) even[k] = 1;
     if (lack == STEERED_CLUSTERS) g->steps.draw = draw_unsteered;
     if (lack == CONTROL) g->steps.has_control = has_none;
-    for (uint32_t k = 0; lack == STEERED_RAYS && k < g->clusters->n; k++) {
+    for (uint32_t k = 0; lack == STEERING && k < g->clusters->n; k++) {
         g->foresight.control[k] *= g->foresight.h[k];
         g->foresight.h[k] = 1;
     }
@@ -355,7 +355,7 @@ static const claim claims[] = {
     {"learned visibility", 0.47, 12, pictures_of, PICTURE(EIGHT LEARN, HALL(DULL)),
      PICTURE(EIGHT PRODUCT("64", "24"), HALL(DULL))},
     {"learned visibility: clusters", 0.21, 400, points_of, {.lack = NOTHING}, {.lack = STEERED_CLUSTERS}},
-    {"learned visibility: rays", 0.15, 400, points_of, {.lack = NOTHING}, {.lack = STEERED_RAYS}},
+    {"learned visibility: clusters and rays", 0.15, 400, points_of, {.lack = NOTHING}, {.lack = STEERING}},
     {"learned visibility: control variate", 0.45, 400, points_of, {.lack = NOTHING}, {.lack = CONTROL}},
     {"camera samples on outlines", 0.7, 24, pictures_of, PICTURE(TWO OUTLINES LEARN, HALL(DULL)),
      PICTURE(TWO LEARN, HALL(DULL))},
