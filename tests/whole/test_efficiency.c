@@ -1,4 +1,4 @@
-/* efficiency: what makes an estimate less noisy leaves as much of the squared error as the pages say.
+/* efficiency: what makes an estimate less noisy leaves as much of the squared error as docs/proof.md says.
  *
  * A mistake that leaves every mean right is seen by no test of means. So each row of the table renders the same small
  * picture with a feature and without it, by pairs of renders. The variance of each value over the seeds, divided
@@ -325,77 +325,109 @@ static series bands_of(const version *v, size_t n_seeds, uint64_t first)
 #define PICTURE(o, w) {.options = o, .world = w}
 
 typedef struct claim {
-    const char *name;
-    double left; /* of the squared error */
+    const char *name; /* the feature, as docs/proof.md has it */
     size_t pairs;
     series (*make)(const version *v, size_t n_seeds, uint64_t first); /* value: the caller frees it by bis_free */
     version with, without;
 } claim;
 
 static const claim claims[] = {
-    {"strata and even marks", 0.71, 16, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
+    {"`sir` 15/800, dull: strata and equally spaced marks", 16, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
      PICTURE(ONE SIR("800", "15") LOOSE MULTINOMIAL, HALL(DULL))},
-    {"strata, of even marks", 0.72, 24, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
+    {"`sir` 15/800, dull: strata", 24, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
      PICTURE(ONE SIR("800", "15") LOOSE, HALL(DULL))},
-    {"even marks, of strata", 0.75, 16, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
+    {"`sir` 15/800, dull: equally spaced marks", 16, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
      PICTURE(ONE SIR("800", "15") MULTINOMIAL, HALL(DULL))},
-    {"strata of em", 0.64, 24, pictures_of, PICTURE(ONE EM "\"bool stratify\" true", HALL(DULL)),
+    {"`em`, dull: strata along the curve", 24, pictures_of, PICTURE(ONE EM "\"bool stratify\" true", HALL(DULL)),
      PICTURE(ONE EM, HALL(DULL))},
-    {"even points", 0.44, 24, pictures_of, PICTURE(SOBOL EM, HALL(DULL)), PICTURE(RANDOM EM, HALL(DULL))},
-    {"even points by CDFs", 0.83, 64, pictures_of,
+    {"`em`, dull: Sobol's points", 24, pictures_of, PICTURE(SOBOL EM, HALL(DULL)), PICTURE(RANDOM EM, HALL(DULL))},
+    {"`em` with Sobol's points, dull: CDFs", 64, pictures_of,
      PICTURE(SOBOL EM, MAP("interior") "\"string sampler\" \"cdf\" " DULL CHESS),
      PICTURE(SOBOL EM, MAP("interior") "\"string sampler\" \"alias\" " DULL CHESS)},
-    {"strata and compensation of mis, n = 50", 0.4, 24, pictures_of,
+    {"`mis`, half dull, n = 50: strata and compensation", 24, pictures_of,
      PICTURE(ONE MIS "\"bool stratify\" true \"bool compensate\" true", HALL(HALF_SHINY("50"))),
      PICTURE(ONE MIS, HALL(HALF_SHINY("50")))},
-    {"candidates from the product, n = 50", 0.18, 16, pictures_of, PICTURE(ONE PRODUCT("64", "15"), HALL(SHINY("50"))),
-     PICTURE(ONE SIR("64", "15"), HALL(SHINY("50")))},
-    {"128 candidates for 64, n = 2000", 0.68, 64, pictures_of, PICTURE(ONE PRODUCT("128", "24"), HALL(SHINY("2000"))),
-     PICTURE(ONE PRODUCT("64", "24"), HALL(SHINY("2000")))},
-    {"learned visibility", 0.47, 12, pictures_of, PICTURE(EIGHT LEARN, HALL(DULL)),
+    {"`sir` 15/64, n = 50: candidates from the product", 16, pictures_of,
+     PICTURE(ONE PRODUCT("64", "15"), HALL(SHINY("50"))), PICTURE(ONE SIR("64", "15"), HALL(SHINY("50")))},
+    {"`sir` with the product, n = 2000: 24/128", 64, pictures_of,
+     PICTURE(ONE PRODUCT("128", "24"), HALL(SHINY("2000"))), PICTURE(ONE PRODUCT("64", "24"), HALL(SHINY("2000")))},
+    {"`sir` 24/64 with the product, dull, 8 passes: `learn`", 12, pictures_of, PICTURE(EIGHT LEARN, HALL(DULL)),
      PICTURE(EIGHT PRODUCT("64", "24"), HALL(DULL))},
-    {"learned visibility: clusters", 0.21, 400, points_of, {.lack = NOTHING}, {.lack = STEERED_CLUSTERS}},
-    {"learned visibility: clusters and rays", 0.15, 400, points_of, {.lack = NOTHING}, {.lack = STEERING}},
-    {"learned visibility: control variate", 0.45, 400, points_of, {.lack = NOTHING}, {.lack = CONTROL}},
-    {"camera samples on outlines", 0.7, 24, pictures_of, PICTURE(TWO OUTLINES LEARN, HALL(DULL)),
+    {"points, half of the light hidden, 4/8: h in the choice of clusters", 400, points_of,
+     {.lack = NOTHING}, {.lack = STEERED_CLUSTERS}},
+    {"points, half of the light hidden, 4/8: h", 400, points_of, {.lack = NOTHING}, {.lack = STEERING}},
+    {"points, half of the light hidden, 4/8: control variate", 400, points_of, {.lack = NOTHING}, {.lack = CONTROL}},
+    {"2 passes, dull: 8 samples of a quarter on outlines", 24, pictures_of, PICTURE(TWO OUTLINES LEARN, HALL(DULL)),
      PICTURE(TWO LEARN, HALL(DULL))},
-    {"camera samples where lobes turn, n = 50", 0.19, 24, pictures_of, PICTURE(TWO OUTLINES LEARN, HALL(SHINY("50"))),
-     PICTURE(TWO LEARN, HALL(SHINY("50")))},
-    {"mirrored camera samples", 0.84, 100, pixels_of, {.even = true}, {.even = false}},
-    {"a key of scrambling for each dimension", 0.57, 100, bands_of, {.even = true}, {.even = false}},
+    {"2 passes, n = 50: 8 samples on outlines, 4 where the lobe turns", 24, pictures_of,
+     PICTURE(TWO OUTLINES LEARN, HALL(SHINY("50"))), PICTURE(TWO LEARN, HALL(SHINY("50")))},
+    {"a pixel with an edge and a slope: 2 mirrored camera samples", 100, pixels_of, {.even = true}, {.even = false}},
+    {"a band along the diagonal: 16 points of Sobol", 100, bands_of, {.even = true}, {.even = false}},
 };
 enum { N_CLAIMS = sizeof claims / sizeof *claims };
 
 static double alpha(void) { return stat_level(1e-3, N_CLAIMS); }
 
-static bool holds(const claim *c, double left) { return fabs(left - c->left) <= (1 - c->left) / 3; }
+/* The table of docs/proof.md; its rows are counted into *n. */
+static const char *read_page(int *n)
+{
+    static char text[1 << 17];
+    FILE *f = fopen("docs/proof.md", "r");
+
+    assert_non_null(f);
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    char *table = strstr(text, "<!-- efficiency -->"), *end = strstr(text, "<!-- end efficiency -->");
+    assert_true(table && end);
+    *end = '\0';
+    *n = -2; /* the head and the line below it */
+    for (const char *line = table; (line = strstr(line, "\n| ")); line++) ++*n;
+    return table;
+}
+
+/* What the feature leaves of the squared error, as the page says: the last number of its row. */
+static double said_of(const char *feature, const char *page)
+{
+    char begin[128];
+
+    snprintf(begin, sizeof begin, "\n| %s | ", feature);
+    const char *row = strstr(page, begin);
+    if (!row) fail_msg("docs/proof.md has no row \"%s\"", feature);
+    return atof(strstr(row + strlen(begin), " | ") + 3);
+}
+
+static bool holds(double said, double left) { return fabs(left - said) <= (1 - said) / 3; }
 
 /* Rejects also what is known too badly: chance would leave the range, by Student's t. */
-static void judge(const claim *c, size_t pairs)
+static void judge(const claim *c, size_t pairs, double said)
 {
     const series with = c->make(&c->with, pairs, 1), without = c->make(&c->without, pairs, 1);
     const ratio r = ratio_of(&with, &without);
     const size_t half = pairs / 2;
     const series first = {without.value, half, without.n}, second = {without.value + half * without.n, half, without.n};
     const double twin = ratio_of(&first, &second).value;
-    const double p = bis_stats_student_p((1 - c->left) / 3 / r.se, (double)(pairs - 1));
+    const double p = bis_stats_student_p((1 - said) / 3 / r.se, (double)(pairs - 1));
 
     bis_free(with.value);
     bis_free(without.value);
     stat_judges(1);
-    print_message("  %-40s %.3f +- %.3f, claimed %.3f; twin %.2f\n", c->name, r.value, r.se, c->left, twin);
+    print_message("  %-70s %.3f +- %.3f, said %.2f; twin %.2f\n", c->name, r.value, r.se, said, twin);
     if (!(p < alpha())) fail_msg("%s: %zu pairs are too few, p %g", c->name, pairs, p);
-    if (!holds(c, r.value)) fail_msg("%s leaves %g of the squared error, not %g", c->name, r.value, c->left);
-    if (holds(c, twin)) fail_msg("%s: the render without it passes with %g, too", c->name, twin);
+    if (!holds(said, r.value)) fail_msg("%s leaves %g of the squared error, not %g", c->name, r.value, said);
+    if (holds(said, twin)) fail_msg("%s: the render without it passes with %g, too", c->name, twin);
 }
 
 static void each_feature_leaves_as_much_of_the_squared_error_as_is_said(void **state)
 {
     const char *more = getenv("EFFICIENCY_PAIRS");
+    int n;
+    const char *page = read_page(&n);
 
     (void)state;
+    assert_int_equal(n, N_CLAIMS);
     program_folder(FOLDER);
-    for (size_t k = 0; k < N_CLAIMS; k++) judge(&claims[k], claims[k].pairs * (size_t)(more ? atoi(more) : 1));
+    for (size_t k = 0; k < N_CLAIMS; k++)
+        judge(&claims[k], claims[k].pairs * (size_t)(more ? atoi(more) : 1), said_of(claims[k].name, page));
 }
 
 int main(void)
