@@ -628,3 +628,15 @@ exit
 # * part test_part : parts of another number of samples are taken
 # - if (a->done.spp != b->done.spp)
 # + if (a->done.spp == 0)
+#
+# * product test_efficiency : learned visibility steers no clusters; all means stay right
+# - if (h) multiply(p->clusters.w, h, bis_lanes_round_up(c->n));
+# + if (h) multiply(p->clusters.w, h, 0);
+#
+# * sampler test_efficiency : one key scrambles both of Sobol's dimensions; all means stay right
+# - scramble(sobol2(index), (uint32_t)(k >> 32))
+# + scramble(sobol2(index), (uint32_t)k)
+#
+# * verify_scene test_verify_scene : as many pixels under a large map as under a small one
+# - if (visits > 0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;
+# + if (0 && visits + VISITS_OF_A_PIXEL * patches > PATCH_VISITS) break;

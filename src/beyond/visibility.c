@@ -50,9 +50,9 @@ static void add_cell(tile_sums *restrict sum, const bis_seen *restrict cell)
  * there the control leaves no noise.
  *
  * With the control, what is left of V has variance v (1 - v), and the best h is its root. Without it the best h is the
- * root of the second moment, v. Points of both kinds share one h between the two: h^2 = v (1 - 0.8 v) + 0.01. With 0.5
- * in the place of 0.8 a diffuse dragon had 9 % more squared error, and one with a narrow lobe 1 % less. h is never 0,
- * because a part that no ray has seen may still be visible. */
+ * root of the second moment, v. Points of both kinds share one h between the two: h^2 = v (1 - 0.8 v) + 0.01. 0.8
+ * lies nearer to 1, because diffuse points lose more by a smaller number than narrow lobes gain. h is never 0, because
+ * a part that no ray has seen may still be visible. */
 BIS_LANES
 static void foresee(float *restrict h, float *restrict control, const bis_seen *restrict cell,
                     const tile_sums *restrict tile)

@@ -4,8 +4,8 @@
  * number of camera samples, settled before it is rendered. Sums of light are
  * double: a million passes of float radiance add up without loss (2^-53 a step).
  *
- * The scatter of the passes is kept as its root mean square, which is updated pass by pass (Welford 1962): no difference
- * of large sums cancels, and float is enough, because a step rounds by 2^-25 and the value itself settles.
+ * The scatter of the passes is kept as its root mean square, which is updated pass by pass (Welford 1962): no
+ * difference of large sums cancels, and float is enough: a step rounds by 2^-25, and the value settles.
  *
  * The sum of hits is float, because it is a count. weight x share is the number of hits of a pass, or on outlines that
  * number divided by edgesamples. With 8 of them these are multiples of 1/8, and 2^24 such steps have no rounding: the

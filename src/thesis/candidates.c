@@ -8,8 +8,8 @@
  * Order. Stratified candidates from the map take one direction in each equal part of the importance along a
  * space-filling curve. Those from the BRDF take one in each equal part of a Hilbert curve over (u1, u2). Neighbours in
  * the set are then neighbours in direction, and N equally spaced marks over the running sum of weights reach all parts
- * of the product evenly. Only stratified candidates and equally spaced marks together pay: the squared error at N = 15
- * is 1.2 to 4 times smaller.
+ * of the product evenly. Only stratified candidates and equally spaced marks together pay
+ * (docs/proof.md, "Efficiency").
  *
  * Sets. The stratified directions from the map may come from sets that all pixels of a pass share. This is 10 times
  * cheaper than drawing them. The estimate has the same distribution, but pixels with the same set share their luck. */
@@ -36,9 +36,8 @@ double bis_candidates_bound(const bis_point *pt, bis_proposal proposal)
  * spread evenly over the sphere, k = M/(4 pi q_f(R)) would fall into the lobe about R. If k is small, the BRDF
  * therefore gets up to half.
  *
- * Every share is unbiased. With this one, the error of independent candidates stays within 1.4 times that of the
- * better proposal alone (tests/thesis/test_sir.c, E26). At n = 50 under a church, 6 % of M = 800 are as good as half of
- * them, at half the time.
+ * Every share is unbiased. With this one, the error of independent candidates stays within 1.5 times that of the
+ * better proposal alone (tests/thesis/test_sir.c, E26).
  *
  * The candidates of the product find the lobe by themselves, down to the size of a cluster. The BRDF's share is then
  * as if there were 64 times as many candidates. */

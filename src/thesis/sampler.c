@@ -20,7 +20,7 @@
  *
  * The camera samples of sobol are mirrored, too: samples 2k and 2k + 1 are mirror images through the pixel's centre, so
  * that a change of the radiance in proportion to the place cancels in each pair (antithetic points; on nets: Owen
- * 2008). With more than two mirrored digits 16 samples had 2 to 3 % more squared error. Light does not change in
+ * 2008). Two digits are mirrored, because 16 samples had more squared error with more. Light does not change in
  * proportion to the numbers that its directions are drawn with, so its sets are not mirrored. */
 #include "bis/thesis/sampler.h"
 #include "bis/thesis/curve.h"

@@ -13,8 +13,12 @@ enum { VERIFY_SEEDS = 3 };
 /* verify_failures judges a run, shows its failed tests, counts them and clears the run. */
 size_t verify_failures(bis_verify *v);
 
-/* verify_assert_accepted judges a run and clears it: no p-value may be below alpha, no other test may fail. The p-values
- * are counted (stat_judges). */
+/* verify_judged returns how many p-values a run has, and would have if none of its tests were skipped because too few
+ * draws tell too little. The scene alone decides this number, because only these tests are skipped by chance. */
+size_t verify_judged(const bis_verify *v);
+
+/* verify_assert_accepted judges a run and clears it: no p-value may be below alpha, no other test may fail. What
+ * verify_judged says is counted (stat_judges). */
 void verify_assert_accepted(bis_verify *v, double alpha);
 
 /* verify_glossy returns a coloured Phong material of this model. */

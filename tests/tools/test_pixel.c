@@ -894,6 +894,49 @@ static void options_override_the_scene_for_all_methods(void **state)
     assert_string_equal(r.output, again.output); /* a folder that is there is written into; the same seed, the same numbers */
 }
 
+/* What a method's row of methods.csv says in `column`. */
+static void method_says(char text[128], const table *t, const char *method, const char *column)
+{
+    char name[128];
+    int row = 1;
+    while (strcmp(field(name, t, row, "method"), method) != 0) assert_true(++row < t->n_rows);
+    field(text, t, row, column);
+}
+
+/* With --proposal P the row of sir is that of a scene which names P, and unlike that of any other P. That of unoccluded,
+ * which has no "product", is that of "mix" there. */
+static void each_proposal_is_measured_by_its_name(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"em", "brdf", "mix", "product"};
+    static program_run r;
+    static table t;
+    char sir[4][128], open[4][128], named[128];
+    start();
+    write_scene(SCENE, map_light, "");
+    for (int k = 0; k < 4; k++) {
+        program_expect(&r, 0, "pixel " SCENE " 3 2 --repeats 3 --seed 5 --json --proposal %s --output " DIR "/p", names[k]);
+        read_table(&t, DIR "/p/methods.csv");
+        method_says(sir[k], &t, "sir", "r");
+        method_says(open[k], &t, "unoccluded", "r");
+        const double of_map = json_real(r.output, "candidates.share_of_map");
+        if (k < 2) assert_near(of_map, k == 0, 0);
+        else assert_true(of_map > 0);
+        char command[256];
+        snprintf(command, sizeof command, "sed 's/\"sir\"/& \"string proposal\" \"%s\"/' " SCENE " >" DIR "/named.txt", names[k]);
+        assert_int_equal(system(command), 0);
+        program_expect(&r, 0, "pixel " DIR "/named.txt 3 2 --repeats 3 --seed 5 --json --output " DIR "/p");
+        read_table(&t, DIR "/p/methods.csv");
+        method_says(named, &t, "sir", "r");
+        assert_string_equal(sir[k], named);
+        for (int j = 0; j < k; j++) {
+            assert_string_not_equal(sir[j], sir[k]);
+            if (k < 3) assert_string_not_equal(open[j], open[k]);
+        }
+    }
+    assert_string_equal(open[3], open[2]);
+}
+
 /* The runs that are shown are the fewest with 150 rays or more. The first run of a method is 0. */
 static void as_many_runs_are_shown_as_make_150_rays(void **state)
 {
@@ -945,6 +988,7 @@ int main(void)
         cmocka_unit_test(a_pixel_where_nothing_is_reflected_gets_a_clear_answer),
         cmocka_unit_test(wrong_places_and_options_are_refused),
         cmocka_unit_test(options_override_the_scene_for_all_methods),
+        cmocka_unit_test(each_proposal_is_measured_by_its_name),
         cmocka_unit_test(as_many_runs_are_shown_as_make_150_rays),
     };
     return cmocka_run_group_tests_name("pixel", tests, NULL, NULL);

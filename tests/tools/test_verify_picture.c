@@ -13,7 +13,10 @@
 
 #include <cmocka.h>
 
-static double alpha(void) { return stat_level(1e-3, 8); }
+/* Two renders, of five sums each: all pixels, three of outlines, the material. */
+enum { SEEDS = 2, SUMS = 5 };
+
+static double alpha(void) { return stat_level(1e-3, SEEDS * SUMS); }
 
 /* What the renderer does at most: product, learned visibility, edge samples. */
 static const char full[] = "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 24\n"
@@ -51,15 +54,31 @@ static void a_right_picture_passes(void **state)
 {
     (void)state;
     verify_built b = build_full();
-    for (uint64_t seed = 0; seed < 2; seed++) {
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
         bis_verify v = {.seed = seed, .halvings = 2};
         bool tested;
         assert_int_equal(bis_verify_picture(&v, bis_render, b.scene, b.desc, &b.desc->view.settings, &tested, NULL), BIS_OK);
         assert_true(tested);
-        assert_int_equal(v.n, 6); /* all, three of outlines, the material, no number that is none */
+        assert_int_equal(v.n, SUMS + 1); /* and no number that is none */
+        assert_int_equal(verify_judged(&v), SUMS);
         verify_assert_accepted(&v, alpha());
     }
     verify_clear(&b);
+}
+
+/* Whether a few renders outweigh all others is a matter of chance. Whether there is any light, the scene decides. */
+static void what_is_skipped_by_chance_counts_among_the_p_values(void **state)
+{
+    (void)state;
+    bis_verify v = {.seed = 1};
+    bis_verify_p(&v, "picture", 1, 0.3, "z", "one");
+    bis_verify_bound(&v, "picture", 0, 0, "estimates that are no numbers", "two");
+    assert_int_equal(verify_judged(&v), 1);
+    bis_verify_skip(&v, "picture", "a few renders outweigh all others here: too few to judge", "three");
+    assert_int_equal(verify_judged(&v), 2);
+    bis_verify_skip(&v, "picture", "next to no light reaches the eye", "four");
+    assert_int_equal(verify_judged(&v), 2);
+    bis_verify_clear(&v);
 }
 
 /* Renders that are wrong. */
@@ -486,6 +505,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_right_picture_passes),
+        cmocka_unit_test(what_is_skipped_by_chance_counts_among_the_p_values),
         cmocka_unit_test(wrong_pictures_are_rejected),
         cmocka_unit_test(the_sums_of_a_picture_are_those_by_hand),
         cmocka_unit_test(renders_pixels_and_passes_are_those_worked_out),

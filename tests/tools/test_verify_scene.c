@@ -15,7 +15,12 @@
 
 #include <cmocka.h>
 
-static double alpha(void) { return stat_level(1e-3, 255 + 7 * n_further()); }
+/* The scenes of a_pixel_is_looked_at_once, what_a_scene_lacks, every_material, pixels_of_the_lattice and our_own_files, in
+ * this order. In all they have seven points of view, at which each further integrator is tested. */
+static double alpha(void)
+{
+    return stat_level(1e-3, 36 + (6 + 12 + 13) + (55 + 7 + 7) + 41 + (27 + 55) + 7 * n_further());
+}
 
 static void the_command_verifies_maps_and_scenes(void **state)
 {
@@ -293,6 +298,31 @@ static void pixels_of_the_lattice_lie_in_the_crop(void **state)
     verify_assert_accepted(&v, alpha());
 }
 
+/* A pixel visits each patch 6 times, and 2^25 visits are made: of a map of 2^21 patches, 12.6 million for each of two pixels.
+ * A third, which the same scene has under a small map, would make 37.7 million. The map is black but for some rows. */
+static void a_large_map_has_fewer_pixels_looked_at(void **state)
+{
+    (void)state;
+    enum { W = 2048, H = 1024, DARK = 800, LIT = 8 };
+    bis_image map;
+    verify_write_map();
+    assert_int_equal(bis_image_init(&map, W, H, NULL), BIS_OK);
+    for (size_t i = 0; i < (size_t)LIT * W; i++) map.pixels[(size_t)DARK * W + i] = (rgb){1, 1, 1};
+    assert_int_equal(bis_image_save(&map, VERIFY_DIR "/large.hdr", NULL), BIS_OK);
+    bis_image_clear(&map);
+    for (int large = 0; large < 2; large++) {
+        bis_verify v = {.seed = 3, .halvings = 1}; /* three pixels are wanted */
+        char light[256];
+        snprintf(light, sizeof light, "LightSource \"infinite\" \"string filename\" \"%s\" Material \"diffuse\" "
+                 "Translate 0 0 3 Shape \"disk\" \"float radius\" 1000", large ? "large.hdr" : "map.pfm");
+        run_text(&v, "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 20 Integrator \"brdf\"", light);
+        const size_t each = count(&v, "view", "pixel (20, 10): ");
+        assert_true(each >= 3);
+        assert_int_equal(count(&v, "view", "pixel "), (large ? 2 : 3) * each);
+        bis_verify_clear(&v);
+    }
+}
+
 static void our_own_files_pass(void **state)
 {
     (void)state;
@@ -315,6 +345,7 @@ int main(void)
         cmocka_unit_test(metals_that_differ_in_one_number_are_others),
         cmocka_unit_test(a_failure_is_told_in_table_and_json),
         cmocka_unit_test(pixels_of_the_lattice_lie_in_the_crop),
+        cmocka_unit_test(a_large_map_has_fewer_pixels_looked_at),
         cmocka_unit_test(our_own_files_pass),
     };
     return cmocka_run_group_tests_name("verify_scene", tests, NULL, NULL);

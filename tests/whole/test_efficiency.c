@@ -1,0 +1,439 @@
+/* efficiency: what makes an estimate less noisy leaves as much of the squared error as docs/proof.md says.
+ *
+ * A mistake that leaves every mean right is seen by no test of means. So each row of the table renders the same small
+ * picture with a feature and without it, by pairs of renders. The variance of each value over the seeds, divided
+ * by its mean squared, is summed over all values: that is the squared error, and no reference is needed. The claim is
+ * the ratio of the two sums. Both renders of a pair have one seed, because shared chance then leaves the ratio.
+ *
+ * The jackknife over pairs tells the ratio's standard error. A row demands that the ratio lies within a third of the
+ * effect (of 1 - claim) of the claim, and that the standard error is so small that chance alone leaves this range with
+ * the probability of stat_level at most. The twin of each row is a half of the renders without the feature, beside the
+ * other half: its ratio is near 1, and must be rejected.
+ *
+ * The claims were measured here with EFFICIENCY_PAIRS=4 in the environment, which takes four times as many pairs. */
+#include "beyond/guide.h"
+#include "bis/base/mem.h"
+#include "bis/base/stats.h"
+#include "bis/render/render.h"
+#include "bis/thesis/phong.h"
+#include "lit.h"
+#include "program.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define FOLDER "build/test_efficiency"
+
+/* ---- a feature, and the same without it ---- */
+
+/* What is left out of the guide of learned visibility. */
+typedef enum missing { NOTHING, STEERED_CLUSTERS, STEERING, CONTROL } missing;
+
+typedef struct version {
+    const char *options, *world; /* of pictures */
+    missing lack;                /* of points */
+    bool even;                   /* of places in the unit square */
+} version;
+
+/* ---- the measure ---- */
+
+/* value[n_seeds][n]: pictures, or what else has values. */
+typedef struct series {
+    double *value;
+    size_t n_seeds, n;
+} series;
+
+typedef struct ratio {
+    double value, se; /* of the squared errors; by the jackknife */
+} ratio;
+
+/* The sum over all values of their variance over the seeds, `left_out` left out (n_seeds: none), each divided by
+ * scale. */
+static double squared_error(const series *s, size_t left_out, const double *scale)
+{
+    const double k = (double)(s->n_seeds - (left_out < s->n_seeds));
+    double total = 0;
+
+    for (size_t i = 0; i < s->n; i++) {
+        double sum = 0, squares = 0;
+        for (size_t seed = 0; seed < s->n_seeds; seed++) {
+            const double x = s->value[seed * s->n + i] - s->value[i]; /* a shift, so that squares do not cancel */
+            if (seed != left_out) sum += x, squares += x * x;
+        }
+        total += (squares - sum * sum / k) / (k - 1) / scale[i];
+    }
+    return total;
+}
+
+/* As relMSE (docs/budgets.md): m^2 + (mean of all m)^2/100, m the mean of both series. */
+static double *scale_of(const series *a, const series *b)
+{
+    double *scale = bis_alloc(a->n, sizeof *scale), all = 0;
+
+    for (size_t i = 0; i < a->n; i++) {
+        for (size_t seed = 0; seed < a->n_seeds; seed++)
+            scale[i] += (a->value[seed * a->n + i] + b->value[seed * a->n + i]) / 2 / (double)a->n_seeds;
+        all += scale[i] / (double)a->n;
+    }
+    for (size_t i = 0; i < a->n; i++) scale[i] = scale[i] * scale[i] + all * all / 100;
+    return scale;
+}
+
+static ratio ratio_of(const series *with, const series *without)
+{
+    const size_t k = with->n_seeds;
+    double *scale = scale_of(with, without), mean = 0, square = 0;
+    ratio r = {.value = squared_error(with, k, scale) / squared_error(without, k, scale)};
+
+    for (size_t seed = 0; seed < k; seed++) {
+        const double x = squared_error(with, seed, scale) / squared_error(without, seed, scale);
+        mean += x / (double)k;
+        square += x * x / (double)k;
+    }
+    r.se = sqrt((double)(k - 1) * fmax(0, square - mean * mean));
+    bis_free(scale);
+    return r;
+}
+
+/* ---- pictures ---- */
+
+/* Two chessmen on a floor before the hall's map, or under the sun; `world` begins with the material. */
+#define CAMERA "Scale -1 1 1 LookAt 0 -7.5 3.4  0 0 0.45  0 0 1 Camera \"perspective\" \"float fov\" 17\n"
+#define MAP(name) "LightSource \"infinite\" \"string filename\" \"../../data/maps/" name ".hdr\" "
+#define PIECE(name, x, y) \
+    "AttributeBegin Translate " x " " y " 0 Shape \"plymesh\" \"string filename\" \"../../data/models/" name \
+    ".ply\" AttributeEnd\n"
+#define CHESS "Shape \"disk\" \"float radius\" 30\n" PIECE("pawn", "-0.55", "0") PIECE("rook", "0.55", "0.3")
+#define DULL "Material \"diffuse\" \"rgb reflectance\" [0.7 0.7 0.7]\n"
+#define PHONG(Kd, Ks, n) "Material \"phong\" \"float Kd\" " Kd " \"float Ks\" " Ks " \"float exponent\" " n "\n"
+#define SIR(M, N) "Integrator \"sir\" \"integer candidates\" " M " \"integer shadowrays\" " N " "
+#define ONE "Sampler \"stratified\" \"integer pixelsamples\" 1 \"bool jitter\" false\n"
+
+typedef struct picture {
+    bis_scene_desc *desc;
+    bis_scene *scene;
+} picture;
+
+static picture open_picture(const char *options, const char *world)
+{
+    static char text[8192];
+    picture p;
+    bis_diag diag = {0};
+
+    snprintf(text, sizeof text,
+             "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 30\n%s\n" CAMERA "WorldBegin %s", options,
+             world);
+    program_write_file(FOLDER "/scene.txt", text);
+    if (bis_scene_parse(&p.desc, FOLDER "/scene.txt", &diag)) fail_msg("%s", text);
+    assert_int_equal(bis_scene_build(&p.scene, p.desc, &diag), BIS_OK);
+    bis_diag_clear(&diag);
+    return p;
+}
+
+static void close_picture(picture *p)
+{
+    bis_scene_free(p->scene);
+    bis_scene_desc_free(p->desc);
+}
+
+static series pictures_of(const version *v, size_t n_seeds, uint64_t first)
+{
+    static const double whole[4] = {0, 1, 0, 1};
+    picture p = open_picture(v->options, v->world);
+    series s = {.n_seeds = n_seeds};
+
+    for (uint64_t seed = 0; seed < n_seeds; seed++) {
+        bis_film film;
+        bis_render_result result;
+        bis_view view = p.desc->view;
+        assert_int_equal(bis_film_init(&film, view.film.width, view.film.height, whole, (bis_loc){0}, NULL), BIS_OK);
+        view.sampler.seed = first + seed;
+        assert_int_equal(bis_render(&result, &film, p.scene, p.desc, &view, &(bis_render_options){0}, NULL), BIS_OK);
+        s.n = 3 * (size_t)film.width * (size_t)film.height;
+        if (!s.value) s.value = bis_alloc(n_seeds * s.n, sizeof *s.value);
+        for (size_t i = 0; i < s.n; i++) s.value[seed * s.n + i] = film.sum[i] / film.weight;
+        bis_film_clear(&film);
+    }
+    close_picture(&p);
+    return s;
+}
+
+/* ---- points whose light is hidden by chance ---- */
+
+/* Half of the light is hidden, x < 0. Near the border V of a direction is a coin of its own, as in a cell of a picture
+ * that a shadow's edge crosses. */
+static bool hidden_by_chance(const bis_accel *a, const ray *r)
+{
+    uint32_t x, y;
+
+    (void)a;
+    memcpy(&x, &r->d.x, sizeof x);
+    memcpy(&y, &r->d.y, sizeof y);
+    const double coin = (double)(bis_hash((uint64_t)x << 32 | y) >> 11) * 0x1p-53;
+    return coin > 40 * (double)r->d.x + 0.5;
+}
+
+static const bis_accel_ops coins = {.name = "coins", .occluded = hidden_by_chance};
+
+static float even[2 * BIS_CLUSTERS + 64];
+static bool (*honest_draw)(bis_guide *, bis_set *, uint32_t, const bis_point *, bis_stream *);
+
+static bool draw_unsteered(bis_guide *guide, bis_set *x, uint32_t n, const bis_point *pt, bis_stream *stream)
+{
+    bis_product_guide *g = (bis_product_guide *)guide;
+    float *const h = g->foresight.h;
+
+    g->foresight.h = even;
+    const bool drawn = honest_draw(guide, x, n, pt, stream);
+    g->foresight.h = h;
+    return drawn;
+}
+
+static bool has_none(const bis_guide *guide, const bis_set *x, const bis_point *pt)
+{
+    (void)guide, (void)x, (void)pt;
+    return false;
+}
+
+static void take_away(bis_product_guide *g, missing lack)
+{
+    honest_draw = g->steps.draw;
+    for (size_t k = 0; k < sizeof even / sizeof *even; k++) even[k] = 1;
+    if (lack == STEERED_CLUSTERS) g->steps.draw = draw_unsteered;
+    if (lack == CONTROL) g->steps.has_control = has_none;
+    for (uint32_t k = 0; lack == STEERING && k < g->clusters->n; k++) {
+        g->foresight.control[k] *= g->foresight.h[k];
+        g->foresight.h[k] = 1;
+    }
+}
+
+enum { POINTS = 40, LESSONS = 200, OF_A_FILL = 16 };
+
+/* One estimate of each of several points, after LESSONS others have taught what is seen. */
+static series points_of(const version *v, size_t n_seeds, uint64_t first)
+{
+    bis_settings s = bis_settings_default(&bis_sir);
+    bis_light *light = lit_new_light(LIT_SPOTTY, 1, 0.15, false);
+    series all = {.value = bis_alloc(n_seeds * POINTS, sizeof *all.value), .n_seeds = n_seeds, .n = POINTS};
+    bis_clusters c;
+    bis_visibility seen;
+    bis_product_guide guide;
+    bis_scratch scratch;
+
+    s.proposal = BIS_PROPOSAL_PRODUCT;
+    s.candidates = 8;
+    s.shadowrays = 4;
+    s.learn = true;
+    assert_int_equal(bis_clusters_init(&c, light, s.candidates, NULL), BIS_OK);
+    for (size_t i = 0; i < POINTS; i++) {
+        const vec3 n = normalize(vec3_from(cos(2.4 * (double)i), sin(2.4 * (double)i), 1));
+        lit l;
+        lit_init(&l, light, bis_phong(grey(0.8), grey(0), 1), n, 40, LIT_OPEN);
+        l.accel.accel.ops = &coins;
+        assert_int_equal(bis_visibility_init(&seen, 1, 1, NULL), BIS_OK);
+        assert_int_equal(bis_product_guide_init(&guide, &c, &seen, NULL), BIS_OK);
+        assert_int_equal(bis_scratch_init(&scratch, &s, NULL), BIS_OK);
+        bis_scratch_share(&scratch, NULL, &guide.steps);
+        bis_clusters_fill(&c, light, first, 0, 1);
+        bis_product_guide_look(&guide, 0);
+        for (uint64_t k = 0; k < LESSONS; k++) lit_once(&l, &s, &scratch, 1, first + k);
+        bis_visibility_learn(&seen, NULL, 1, 1);
+        bis_product_guide_look(&guide, 0);
+        guide.steps.learns = false;
+        take_away(&guide, v->lack);
+        for (uint64_t seed = 0; seed < n_seeds; seed++) {
+            if (seed % OF_A_FILL == 0) bis_clusters_fill(&c, light, first, 1 + (uint32_t)seed, 1);
+            all.value[seed * POINTS + i] = rgb_sum(lit_once(&l, &s, &scratch, 2, first + seed));
+        }
+        bis_scratch_clear(&scratch);
+        bis_product_guide_clear(&guide);
+        bis_visibility_clear(&seen);
+    }
+    bis_clusters_clear(&c);
+    bis_light_free(light);
+    return all;
+}
+
+/* ---- places in the unit square ---- */
+
+/* A pixel that an edge crosses, beside which the radiance rises in proportion to the place, by two camera samples.
+ * These mirror each other. Other dimensions of the same sampler are scrambled without mirroring. */
+static series pixels_of(const version *v, size_t n_seeds, uint64_t first)
+{
+    enum { PIXELS = 400, SAMPLES = 2 };
+    series s = {.value = bis_alloc(n_seeds * PIXELS, sizeof *s.value), .n_seeds = n_seeds, .n = PIXELS};
+
+    for (uint64_t k = 0; k < n_seeds * PIXELS * SAMPLES; k++) {
+        const uint64_t i = k / SAMPLES, pixel = i % PIXELS;
+        const double angle = 2.4 * (double)pixel, offset = 0.6 * ((double)pixel / PIXELS - 0.5);
+        bis_sampler sampler = {.kind = BIS_SAMPLER_SOBOL, .seed = first + i / PIXELS, .jitter = true};
+        bis_stream stream;
+        double u[1][2];
+        bis_sampler_set_spp(&sampler, SAMPLES);
+        bis_stream_init(&stream, &sampler, pixel, k % SAMPLES);
+        if (v->even) bis_stream_camera(&stream, u[0]);
+        else bis_stream_points(&stream, 5, 1, u);
+        const double along = (u[0][0] - 0.5) * cos(angle) + (u[0][1] - 0.5) * sin(angle);
+        s.value[i] += (along > offset ? 1 + along : 0.2) / SAMPLES;
+    }
+    return s;
+}
+
+/* The share of 16 points in a band along the diagonal, where Sobol's two dimensions must not be scrambled alike: with
+ * one key for both the squared error is that of random points. */
+static series bands_of(const version *v, size_t n_seeds, uint64_t first)
+{
+    enum { BANDS = 400, SET = 16 };
+    series s = {.value = bis_alloc(n_seeds * BANDS, sizeof *s.value), .n_seeds = n_seeds, .n = BANDS};
+
+    for (uint64_t i = 0; i < n_seeds * BANDS; i++) {
+        bis_sampler sampler = {.kind = v->even ? BIS_SAMPLER_SOBOL : BIS_SAMPLER_RANDOM, .seed = first + i / BANDS};
+        bis_stream stream;
+        double u[SET][2];
+        bis_sampler_set_spp(&sampler, 1);
+        bis_stream_init(&stream, &sampler, i % BANDS, 0);
+        bis_stream_points(&stream, 0, SET, u);
+        for (int k = 0; k < SET; k++) s.value[i] += (fabs(u[k][0] - u[k][1]) < 0.1) / (double)SET;
+    }
+    return s;
+}
+
+/* ---- the claims ---- */
+
+#define HALL(material) MAP("interior") material CHESS
+#define SOBOL "Sampler \"sobol\" \"integer pixelsamples\" 1\n"
+#define RANDOM "Sampler \"random\" \"integer pixelsamples\" 1\n"
+#define EIGHT "Sampler \"stratified\" \"integer pixelsamples\" 8 \"bool jitter\" false\n"
+#define TWO "Sampler \"stratified\" \"integer pixelsamples\" 2 "
+#define OUTLINES "\"integer edgesamples\" 8 \"float edgelight\" 0.25 "
+#define EM "Integrator \"em\" "
+#define MIS "Integrator \"mis\" "
+#define PRODUCT(M, N) SIR(M, N) "\"string proposal\" \"product\" "
+#define LEARN PRODUCT("64", "24") "\"bool learn\" true "
+#define MULTINOMIAL "\"string resampling\" \"multinomial\" "
+#define LOOSE "\"bool stratify\" false "
+#define SHINY(n) PHONG("0", "0.9", n)
+#define HALF_SHINY(n) PHONG("0.5", "0.5", n)
+#define PICTURE(o, w) {.options = o, .world = w}
+
+typedef struct claim {
+    const char *name; /* the feature, as docs/proof.md has it */
+    size_t pairs;
+    series (*make)(const version *v, size_t n_seeds, uint64_t first); /* value: the caller frees it by bis_free */
+    version with, without;
+} claim;
+
+static const claim claims[] = {
+    {"`sir` 15/800, dull: strata and equally spaced marks", 16, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
+     PICTURE(ONE SIR("800", "15") LOOSE MULTINOMIAL, HALL(DULL))},
+    {"`sir` 15/800, dull: strata", 24, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
+     PICTURE(ONE SIR("800", "15") LOOSE, HALL(DULL))},
+    {"`sir` 15/800, dull: equally spaced marks", 16, pictures_of, PICTURE(ONE SIR("800", "15"), HALL(DULL)),
+     PICTURE(ONE SIR("800", "15") MULTINOMIAL, HALL(DULL))},
+    {"`em`, dull: strata along the curve", 24, pictures_of, PICTURE(ONE EM "\"bool stratify\" true", HALL(DULL)),
+     PICTURE(ONE EM, HALL(DULL))},
+    {"`em`, dull: Sobol's points", 24, pictures_of, PICTURE(SOBOL EM, HALL(DULL)), PICTURE(RANDOM EM, HALL(DULL))},
+    {"`em` with Sobol's points, dull: CDFs", 64, pictures_of,
+     PICTURE(SOBOL EM, MAP("interior") "\"string sampler\" \"cdf\" " DULL CHESS),
+     PICTURE(SOBOL EM, MAP("interior") "\"string sampler\" \"alias\" " DULL CHESS)},
+    {"`mis`, half dull, n = 50: strata and compensation", 24, pictures_of,
+     PICTURE(ONE MIS "\"bool stratify\" true \"bool compensate\" true", HALL(HALF_SHINY("50"))),
+     PICTURE(ONE MIS, HALL(HALF_SHINY("50")))},
+    {"`sir` 15/64, n = 50: candidates from the product", 16, pictures_of,
+     PICTURE(ONE PRODUCT("64", "15"), HALL(SHINY("50"))), PICTURE(ONE SIR("64", "15"), HALL(SHINY("50")))},
+    {"`sir` with the product, n = 2000: 24/128", 64, pictures_of,
+     PICTURE(ONE PRODUCT("128", "24"), HALL(SHINY("2000"))), PICTURE(ONE PRODUCT("64", "24"), HALL(SHINY("2000")))},
+    {"`sir` 24/64 with the product, dull, 8 passes: `learn`", 12, pictures_of, PICTURE(EIGHT LEARN, HALL(DULL)),
+     PICTURE(EIGHT PRODUCT("64", "24"), HALL(DULL))},
+    {"points, half of the light hidden, 4/8: h in the choice of clusters", 400, points_of,
+     {.lack = NOTHING}, {.lack = STEERED_CLUSTERS}},
+    {"points, half of the light hidden, 4/8: h", 400, points_of, {.lack = NOTHING}, {.lack = STEERING}},
+    {"points, half of the light hidden, 4/8: control variate", 400, points_of, {.lack = NOTHING}, {.lack = CONTROL}},
+    {"2 passes, dull: 8 samples of a quarter on outlines", 24, pictures_of, PICTURE(TWO OUTLINES LEARN, HALL(DULL)),
+     PICTURE(TWO LEARN, HALL(DULL))},
+    {"2 passes, n = 50: 8 samples on outlines, 4 where the lobe turns", 24, pictures_of,
+     PICTURE(TWO OUTLINES LEARN, HALL(SHINY("50"))), PICTURE(TWO LEARN, HALL(SHINY("50")))},
+    {"a pixel with an edge and a slope: 2 mirrored camera samples", 100, pixels_of, {.even = true}, {.even = false}},
+    {"a band along the diagonal: 16 points of Sobol", 100, bands_of, {.even = true}, {.even = false}},
+};
+enum { N_CLAIMS = sizeof claims / sizeof *claims };
+
+static double alpha(void) { return stat_level(1e-3, N_CLAIMS); }
+
+/* The table of docs/proof.md; its rows are counted into *n. */
+static const char *read_page(int *n)
+{
+    static char text[1 << 17];
+    FILE *f = fopen("docs/proof.md", "r");
+
+    assert_non_null(f);
+    text[fread(text, 1, sizeof text - 1, f)] = '\0';
+    fclose(f);
+    char *table = strstr(text, "<!-- efficiency -->"), *end = strstr(text, "<!-- end efficiency -->");
+    assert_true(table && end);
+    *end = '\0';
+    *n = -2; /* the head and the line below it */
+    for (const char *line = table; (line = strstr(line, "\n| ")); line++) ++*n;
+    return table;
+}
+
+/* What the feature leaves of the squared error, as the page says: the last number of its row. */
+static double said_of(const char *feature, const char *page)
+{
+    char begin[128];
+
+    snprintf(begin, sizeof begin, "\n| %s | ", feature);
+    const char *row = strstr(page, begin);
+    if (!row) fail_msg("docs/proof.md has no row \"%s\"", feature);
+    return atof(strstr(row + strlen(begin), " | ") + 3);
+}
+
+static bool holds(double said, double left) { return fabs(left - said) <= (1 - said) / 3; }
+
+/* Rejects also what is known too badly: chance would leave the range, by Student's t. */
+static void judge(const claim *c, size_t pairs, double said)
+{
+    const series with = c->make(&c->with, pairs, 1), without = c->make(&c->without, pairs, 1);
+    const ratio r = ratio_of(&with, &without);
+    const size_t half = pairs / 2;
+    const series first = {without.value, half, without.n}, second = {without.value + half * without.n, half, without.n};
+    const double twin = ratio_of(&first, &second).value;
+    const double p = bis_stats_student_p((1 - said) / 3 / r.se, (double)(pairs - 1));
+
+    bis_free(with.value);
+    bis_free(without.value);
+    stat_judges(1);
+    print_message("  %-70s %.3f +- %.3f, said %.2f; twin %.2f\n", c->name, r.value, r.se, said, twin);
+    if (!(p < alpha())) fail_msg("%s: %zu pairs are too few, p %g", c->name, pairs, p);
+    if (!holds(said, r.value)) fail_msg("%s leaves %g of the squared error, not %g", c->name, r.value, said);
+    if (holds(said, twin)) fail_msg("%s: the render without it passes with %g, too", c->name, twin);
+}
+
+static void each_feature_leaves_as_much_of_the_squared_error_as_is_said(void **state)
+{
+    const char *more = getenv("EFFICIENCY_PAIRS");
+    int n;
+    const char *page = read_page(&n);
+
+    (void)state;
+    assert_int_equal(n, N_CLAIMS);
+    program_folder(FOLDER);
+    for (size_t k = 0; k < N_CLAIMS; k++)
+        judge(&claims[k], claims[k].pairs * (size_t)(more ? atoi(more) : 1), said_of(claims[k].name, page));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_feature_leaves_as_much_of_the_squared_error_as_is_said),
+    };
+    return cmocka_run_group_tests_name("efficiency", tests, NULL, NULL);
+}
