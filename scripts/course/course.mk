@@ -10,21 +10,25 @@ test grade grade-class: export BIS_BUILD = $B
 test grade grade-class: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) -Itests/support
 test grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
 test grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
+test grade grade-class: export BIS_SERVER = $(SERVER)
 test grade grade-class: export BIS_LIBS = $(LIBS) -lcmocka
 test grade grade-class: export BIS_SANITIZE = -O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)
 
 assignment:
 	@sh scripts/course/assignment.sh "$(A)" "$(DEST)"
 
+# What answers the claims' questions with a student's functions, in a process of its own.
+SERVER := $B/scripts/course/server.o $B/tests/support/answers.o $B/tests/support/lit.o
+$B/scripts/course/server.o: OURS += -Itests/support
 GRADER := $B/scripts/course/grade.o $B/scripts/course/tokens.o $B/tests/support/box.o $B/tests/support/mark_run.o
 $B/scripts/course/grade.o: OURS += -Itests/support
 $B/grade: $(GRADER)
 	$(LINK) -lm
-$(if $(wildcard tests/course),test: $B/grade)
+$(if $(wildcard tests/course),test: $B/grade $(SERVER))
 
-grade: $(SUPPORT) $(LIB) $B/grade $B/src/cli/main.o
+grade: $(SUPPORT) $(LIB) $B/grade $(SERVER) $B/src/cli/main.o
 	@sh scripts/course/grade.sh "$(A)" "$(DEST)"
 
 JOBS ?= 2
-grade-class: $(SUPPORT) $(LIB) $B/grade
+grade-class: $(SUPPORT) $(LIB) $B/grade $(SERVER)
 	@sh scripts/course/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)"
