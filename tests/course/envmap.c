@@ -161,7 +161,8 @@ static void a_direction_finds_its_pixel(void)
 typedef struct drawing {
     bis_envmap em;
     ask_map map;
-    size_t n, n_draws;
+    size_t n;
+    double *angle; /* [height]: the student's, of a pixel: a wrong one costs the claims about it, and no others */
     double *pdf_pixel, *pdf;
     ask_drawn *drawn;
 } drawing;
@@ -169,8 +170,12 @@ typedef struct drawing {
 /* The map is taken over. u[4 n_draws] are borrowed. */
 static drawing draw_from(bis_envmap em, const bis_importance_options *options, const double *u, size_t n_draws, bool with_pdf)
 {
-    drawing d = {.em = em, .map = {.width = em.width, .height = em.height, .options = *options}, .n = map_n(&em), .n_draws = n_draws};
+    drawing d = {.em = em, .map = {.width = em.width, .height = em.height, .options = *options}, .n = map_n(&em)};
+    double *cosine = mark_alloc((size_t)em.height + 1, sizeof *cosine);
 
+    d.angle = mark_alloc((size_t)em.height, sizeof *d.angle);
+    tables_of(em.width, em.height, d.angle, cosine);
+    bis_free(cosine);
     d.pdf_pixel = mark_alloc(d.n, sizeof *d.pdf_pixel);
     d.drawn = mark_alloc(n_draws, sizeof *d.drawn);
     if (with_pdf) d.pdf = mark_alloc(n_draws, sizeof *d.pdf);
@@ -181,17 +186,15 @@ static drawing draw_from(bis_envmap em, const bis_importance_options *options, c
 
 static void drawing_clear(drawing *d)
 {
+    bis_free(d->angle);
     bis_free(d->pdf_pixel);
     bis_free(d->pdf);
     bis_free(d->drawn);
     bis_envmap_clear(&d->em);
 }
 
-/* Intensity times solid angle, which is not the student's. */
-static double power_of(const bis_envmap *em, size_t i)
-{
-    return map_intensity(em, i) * solid_angle(em->width, em->height, (int)(i / (size_t)em->width));
-}
+static double angle_of(const drawing *d, size_t pixel) { return d->angle[pixel / (size_t)d->em.width]; }
+static double power_of(const drawing *d, size_t pixel) { return map_intensity(&d->em, pixel) * angle_of(d, pixel); }
 
 static const bis_importance_options by_alias = {.table = true, .table_kind = BIS_TABLE_ALIAS, .levels = 8};
 static const bis_importance_options by_cdf = {.table = true, .table_kind = BIS_TABLE_CDF, .levels = 8};
@@ -209,13 +212,13 @@ static void check_weighted_density(void)
     if (bis_regions_init(&regions, &d.em, 8, NULL)) mark_wrong("no memory");
     for (uint32_t k = 0; k < regions.n; k++) regions.solid_angle[k] = 0;
     for (size_t i = 0; i < d.n; i++) {
-        if (regions.label[i] != BIS_REGION_NONE) regions.solid_angle[regions.label[i]] += solid_angle(128, 64, (int)(i / 128));
+        if (regions.label[i] != BIS_REGION_NONE) regions.solid_angle[regions.label[i]] += angle_of(&d, i);
     }
     for (int pass = 0; pass < 2; pass++) {
         for (size_t i = 0; i < d.n; i++) {
             const double intensity = map_intensity(&d.em, i);
             const double w = intensity > 0 ? intensity * bis_area_factor(regions.solid_angle[regions.label[i]], 0.5) : 0;
-            if (pass == 0) total += w * solid_angle(128, 64, (int)(i / 128));
+            if (pass == 0) total += w * angle_of(&d, i);
             else mark_near(d.pdf_pixel[i], w / total, 0, 1e-5, "with area weighting: the density of pixel (%zu, %zu)", i % 128, i / 128);
         }
     }
@@ -228,11 +231,11 @@ static void the_density_is_the_intensity_over_the_power(void)
     drawing d = draw_from(map_random(16, 8, 3, 0.2, mark_seed(5)), &by_alias, NULL, 0, false);
     double power = 0, sum = 0;
 
-    for (size_t i = 0; i < d.n; i++) power += power_of(&d.em, i);
+    for (size_t i = 0; i < d.n; i++) power += power_of(&d, i);
     for (size_t i = 0; i < d.n; i++) {
         mark_near(d.pdf_pixel[i], map_intensity(&d.em, i) / power, 0, 1e-6, "the density per steradian of pixel (%zu, %zu), "
                   "whose intensity is %.4g,", i % 16, i / 16, map_intensity(&d.em, i));
-        sum += d.pdf_pixel[i] * solid_angle(16, 8, (int)(i / 16));
+        sum += d.pdf_pixel[i] * angle_of(&d, i);
     }
     mark_near(sum, 1, 1e-6, 0, "the integral of the density over the sphere");
     drawing_clear(&d);
@@ -262,8 +265,8 @@ static void draw(const bis_importance_options *options, const char *what)
         }
         observed[4 * s.pixel + (down > 0.5 ? 2u : 0u) + (x - floor(x) > 0.5 ? 1u : 0u)]++;
     }
-    for (size_t i = 0; i < W * H; i++) power += power_of(&d.em, i);
-    for (size_t i = 0; i < CELLS; i++) expected[i] = DRAWS * power_of(&d.em, i / 4) / power / 4;
+    for (size_t i = 0; i < W * H; i++) power += power_of(&d, i);
+    for (size_t i = 0; i < CELLS; i++) expected[i] = DRAWS * power_of(&d, i / 4) / power / 4;
     mark_fit(observed, expected, CELLS, MARK_ALPHA, what, "Cell c is a quarter of pixel c/4. Rows by their sum, then a "
              "pixel of the row, then a place in it.");
     bis_free(u);
