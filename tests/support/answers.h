@@ -45,7 +45,7 @@ typedef enum ask_question {
     ASK_BOUND,
     /* ask_scene[1]; taken: ask_estimate[m], of pixels 0, 1 ... */
     ASK_ESTIMATES,
-    /* ask_scene[1]; taken: Zhat[1], w[n], F_r[n], F_g[n], F_b[n], with n as bis_set_draw has it */
+    /* ask_scene[1]; taken: Zhat[1], w[n], F_r[n], F_g[n], F_b[n], as they lie in the set */
     ASK_WEIGHTS,
     /* ask_marks[1], w[n]; taken: n_chosen[m], item[m][n + 1], times[m][n + 1] */
     ASK_CHOICES,
@@ -67,7 +67,7 @@ typedef struct ask_place {
 
 typedef struct ask_drawn {
     bis_map_sample s;
-    bool drawn;
+    uint8_t drawn;
 } ask_drawn;
 
 /* The material's model is a pointer and means nothing in another process: microfacet where alpha > 0, else phong. */
@@ -105,7 +105,7 @@ typedef struct ask_marks {
 
 typedef struct ask_hit {
     bis_hit hit;
-    bool found, any;
+    uint8_t found, any;
 } ask_hit;
 
 /* What goes before a question's bytes. */
