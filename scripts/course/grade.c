@@ -13,7 +13,8 @@
  *     grade look TEMPLATE FILE [PRINTS]
  *         status 3: something of ours is changed; 4: something is refused. Hashes for `alike` go to PRINTS
  *     grade alike SHARE BLANK FILE...
- *         lines "I J PERCENT" for pairs of PRINTS (counted from 1) that share so much of what BLANK has not
+ *         a line "LEAST MOST I J ..." for each group of PRINTS (counted from 1), in which each shares so much of what BLANK
+ *         has not with another one: the least and the most percent that two of them share
  * BIS_SANDBOX says which sandbox (bwrap, none); BIS_CLAIM_SECONDS is kept. All that runs has an empty environment, no
  * terminal, and limits of time, memory and files. */
 #include "mark_run.h"
@@ -332,29 +333,64 @@ static print_set read_prints(const char *path, const print_set *template)
     return s;
 }
 
-/* How much of all that either has, both have (Jaccard). */
+/* How much of all that either has, both have (Jaccard). Of too little, nobody can tell: 0. */
+static double jaccard(const print_set *a, const print_set *b)
+{
+    enum { FEWEST = 12 };
+    size_t both = 0;
+
+    if (a->n < FEWEST || b->n < FEWEST) return 0;
+    for (size_t j = 0; j < a->n; j++)
+        both += holds(b, a->p[j]);
+    return (double)both / (double)(a->n + b->n - both);
+}
+
+/* Groups in which each is like another one: group[i] is the first of those that i is with. */
+static void join(int *group, int n, int a, int b)
+{
+    const int first = group[a] < group[b] ? group[a] : group[b], other = group[a] + group[b] - first;
+
+    for (int i = 0; i < n; i++)
+        if (group[i] == other) group[i] = first;
+}
+
 static int alike(double share, const char *blank, char **paths, int n)
 {
-    enum { FEWEST = 12 }; /* of so little, nobody can tell */
     const print_set template = read_prints(blank, NULL);
     print_set *sets = calloc((size_t)n + 1, sizeof *sets);
+    int *group = calloc((size_t)n + 1, sizeof *group);
+    double *least = calloc((size_t)n + 1, sizeof *least), *most = calloc((size_t)n + 1, sizeof *most);
 
-    if (!sets) return 1;
-    for (int i = 0; i < n; i++)
-        sets[i] = read_prints(paths[i], &template);
+    if (!sets || !group || !least || !most) return 1;
     for (int i = 0; i < n; i++) {
-        for (int k = i + 1; k < n && sets[i].n >= FEWEST; k++) {
-            size_t both = 0;
-            if (sets[k].n < FEWEST) continue;
-            for (size_t j = 0; j < sets[i].n; j++)
-                both += holds(&sets[k], sets[i].p[j]);
-            const double jaccard = (double)both / (double)(sets[i].n + sets[k].n - both);
-            if (jaccard >= share) printf("%d %d %.0f\n", i + 1, k + 1, 100 * jaccard);
+        sets[i] = read_prints(paths[i], &template);
+        group[i] = i;
+    }
+    for (int pass = 0; pass < 2; pass++) { /* who is with whom; then how much they share */
+        for (int i = 0; i < n; i++) {
+            for (int k = i + 1; k < n; k++) {
+                const int g = group[i];
+                if (pass == 1 && group[k] != g) continue;
+                const double in_common = jaccard(&sets[i], &sets[k]);
+                if (pass == 0 && in_common >= share) join(group, n, i, k);
+                if (pass == 1 && (most[g] == 0 || in_common < least[g])) least[g] = in_common;
+                if (pass == 1) most[g] = fmax(most[g], in_common);
+            }
         }
+    }
+    for (int g = 0; g < n; g++) {
+        if (most[g] == 0) continue;
+        printf("%.0f %.0f", 100 * least[g], 100 * most[g]);
+        for (int i = 0; i < n; i++)
+            if (group[i] == g) printf(" %d", i + 1);
+        puts("");
     }
     for (int i = 0; i < n; i++)
         free(sets[i].p);
     free(sets);
+    free(group);
+    free(least);
+    free(most);
     free(template.p);
     return 0;
 }
