@@ -61,7 +61,7 @@ END {
         print n_groups ? "<table><tr><th>group</th><th>students</th><th>in common</th></tr>" : "<p>None.</p>"
         for (g = 1; g <= n_groups; g++) {
             printf "<tr><td class=\"n\">%d</td><td>", g
-            for (k = 4; k <= size[g]; k++) printf "%s%s", k > 4 ? "<br>" : "", html(members[g, k])
+            for (k = 4; k <= size[g]; k++) printf "%s%s", (k > 4 ? "<br>" : ""), html(members[g, k])
             printf "</td><td class=\"n\">%s</td></tr>\n", share[g]
         }
         if (n_groups) print "</table>"
@@ -69,7 +69,7 @@ END {
     } else {
         for (g = 1; g <= n_groups; g++) {
             printf "alike, %s:", share[g]
-            for (k = 4; k <= size[g]; k++) printf "%s %s", k > 4 ? "," : "", members[g, k]
+            for (k = 4; k <= size[g]; k++) printf "%s %s", (k > 4 ? "," : ""), members[g, k]
             print ""
         }
     }

@@ -1,5 +1,5 @@
 /* Assignment mis: src/thesis/mis.c. Means against brute force (tests/support/lit.h), variances against those that the definition of the weights gives, by
- * quadrature; rays are counted, since either technique alone has the right mean, too. Statistical tests: 35. */
+ * quadrature; rays are counted, since either technique alone has the right mean, too. Statistical tests: 34. */
 #include "mark.h"
 
 #include "bis/base/mem.h"
@@ -135,11 +135,11 @@ static double variance(const lit *l, const double n[2], double power)
     return (square[0] - mean[0] * mean[0]) / n[0] + (square[1] - mean[1] * mean[1]) / n[1];
 }
 
-static void check_variance(bis_heuristic heuristic, uint32_t samples, double split, const char *what)
+static void check_variance(bis_material material, bis_heuristic heuristic, uint32_t samples, double split, const char *what)
 {
     enum { RUNS = 30000 };
     const bis_settings s = mis(samples, split, heuristic);
-    ask_scene scene = scene_of(glossy(), LIT_SMOOTH, LIT_OPEN, &s);
+    ask_scene scene = scene_of(material, LIT_SMOOTH, LIT_OPEN, &s);
     double n[2];
     stat_moments m[4];
     lit l;
@@ -150,25 +150,29 @@ static void check_variance(bis_heuristic heuristic, uint32_t samples, double spl
     mark_lit(&l, &scene);
     mark_moments(m, e, RUNS);
     const double expected = variance(&l, n, heuristic == BIS_HEURISTIC_POWER ? 2 : 1);
-    /* The kurtosis of an estimate is 2.9 to 3.3 here, so that the variance of 30000 values has a standard error of at most
-     * sqrt(2.3/30000) = 0.88 %; MARK_ALPHA is 5.2 of them, 4.6 %. The rest of 8 % is room for the quadrature. */
-    mark_near(stat_variance(&m[3]), expected, 0, 0.08, "%s: the variance of an estimate (the noise, not the mean) differs from what these weights "
-              "give. Does the weight contain the counts n_i?\nIt", what);
+    /* The kurtosis of an estimate is 2.9 to 3.1 here, so that the variance of 30000 values has a standard error of at most
+     * sqrt(2.1/30000) = 0.84 %; MARK_ALPHA is 5.2 of them, 4.4 %. The rest of 8 % is room for the quadrature. */
+    const double times = stat_variance(&m[3]) / expected;
+    if (!(fabs(times - 1) <= 0.08)) {
+        mark_wrong("%s: the estimates have %.2f times the variance (the noise, not the mean) that the weights of this heuristic give. Does the "
+                   "weight contain the counts n_i?", what, times);
+    }
     bis_light_free(l.light);
     bis_free(e);
 }
 
+/* Cases in which a mistake has more noise, and not less, as it would have with 18 samples of the map and 2 of the BRDF. Weights without the
+ * counts: 8 times and, below, 2.6 times. The balance heuristic for the power heuristic, on the diffuse surface: 1.3 times. */
 static void the_noise_is_that_of_the_balance_heuristic(void)
 {
-    check_variance(BIS_HEURISTIC_BALANCE, 8, 0.5, "balance, 4 and 4");
-    check_variance(BIS_HEURISTIC_BALANCE, 20, 0.9, "balance, 18 and 2");
-    check_variance(BIS_HEURISTIC_BALANCE, 20, 0.1, "balance, 2 and 18");
+    check_variance(glossy(), BIS_HEURISTIC_BALANCE, 8, 0.5, "balance, 4 and 4");
+    check_variance(glossy(), BIS_HEURISTIC_BALANCE, 20, 0.1, "balance, 2 samples of the map and 18 of the BRDF");
 }
 
 static void the_noise_is_that_of_the_power_heuristic(void)
 {
-    check_variance(BIS_HEURISTIC_POWER, 8, 0.5, "power, 4 and 4");
-    check_variance(BIS_HEURISTIC_POWER, 20, 0.9, "power, 18 and 2");
+    check_variance(glossy(), BIS_HEURISTIC_POWER, 8, 0.5, "power, 4 and 4");
+    check_variance(diffuse(), BIS_HEURISTIC_POWER, 20, 0.2, "power, a diffuse surface, 4 samples of the map and 16 of the BRDF");
 }
 
 /* A window that few samples of the BRDF see: the others have no light to bring. The spread of a sum of so many is below 1 %. */

@@ -244,7 +244,7 @@ void answers_lit(lit *l, const ask_scene *scene)
     bis_material m = scene->material;
 
     answers_model(&m);
-    lit_init(l, lit_new_light(scene->map, 1, 0, false), m, scene->n, scene->degrees, scene->hidden);
+    lit_init(l, lit_new_light(scene->map, 1, 0, scene->settings.compensate), m, scene->n, scene->degrees, scene->hidden);
     l->kind = scene->kind;
 }
 
