@@ -2,7 +2,8 @@
 #   make assignment A=alias DEST=dir                      a starter kit
 #   make grade A=alias DEST=dir                           the points of what was made of it
 #   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class
-.PHONY: assignment grade grade-class
+#   make check                                            in a kit: points, speed and memory, before it is handed in
+.PHONY: assignment grade grade-class check check-clean
 
 # How to compile a file more and link it before the library: for scripts/course/grade.sh and
 # scripts/course/check_assignments.sh.
@@ -32,3 +33,14 @@ grade: $(SUPPORT) $(LIB) $B/grade $(SERVER) $B/src/cli/main.o
 JOBS ?= 2
 grade-class: $(SUPPORT) $(LIB) $B/grade $(SERVER)
 	@sh scripts/course/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)"
+
+# The program is built twice, because the sanitizers see memory and change all times. `build/check.log` says why the second
+# one is not built, if it is not.
+CHECKED := $(if $(wildcard tests/test_assignment.c),$B/tests/test_assignment)
+check: $(CHECKED)
+	@$(if $(CHECKED),,echo "make check: this is the project; a starter kit has a hand-in to check"; exit 1)
+	@$(CHECKED) --check
+	@$(MAKE) VARIANT=asan CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)" check-clean >build/check.log 2>&1; \
+	 sed -n '/of 10  clean memory/,$$p' build/check.log | sed '/^make/d' | grep . || echo "        clean memory: not looked at: build/check.log"
+check-clean: $(CHECKED)
+	@$(CHECKED) --clean

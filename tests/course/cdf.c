@@ -236,5 +236,5 @@ int main(int argc, char **argv)
         {"many_small_items_after_a_large_one_do_not_vanish", 5, many_small_items_after_a_large_one_do_not_vanish},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 2.3);
 }

@@ -363,5 +363,5 @@ int main(int argc, char **argv)
         {"irradiance_of_a_constant_map_is_pi_on_every_side", 10, irradiance_of_a_constant_map_is_pi_on_every_side},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 7.7);
 }

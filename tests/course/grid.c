@@ -455,5 +455,5 @@ int main(int argc, char **argv)
         {"far_origins_are_met", 5, far_origins_are_met},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 8.0);
 }

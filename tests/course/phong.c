@@ -368,5 +368,5 @@ int main(int argc, char **argv)
         {"the_albedo_comes_out_of_the_samples", 10, the_albedo_comes_out_of_the_samples},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 5.4);
 }

@@ -317,13 +317,12 @@ static void a_large_map_needs_no_deep_recursion(void)
 
 static void work(void)
 {
-    bis_envmap em = map_random(1024, 512, 3, 0.2, mark_seed(7));
-
-    for (int k = 0; k < 4; k++) {
+    for (uint64_t k = 0; k < 4; k++) { /* other maps each time: what is kept of the last one is of no use */
+        bis_envmap em = map_random(1024, 512, 3, 0.2, mark_seed(70 + k));
         bis_regions r = regions_of(&em, 8);
         bis_regions_clear(&r);
+        bis_envmap_clear(&em);
     }
-    bis_envmap_clear(&em);
 }
 
 int main(int argc, char **argv)
@@ -339,5 +338,5 @@ int main(int argc, char **argv)
         {"a_large_map_needs_no_deep_recursion", 10, a_large_map_needs_no_deep_recursion},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 11.6);
 }

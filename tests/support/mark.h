@@ -4,7 +4,7 @@
  * (tests/support/answers.h), one for each claim: what a claim wants of it, it asks by mark_ask, and it trusts nothing
  * but the bytes that come back. A claim holds when its function returns.
  *     PROGRAM                      as cmocka tests, with the kit's seeds and sizes
- *     PROGRAM --check              their points, speed and memory, as `make check` in a kit shows them
+ *     PROGRAM --check, --clean     points and speed; memory, if the program is sanitized: `make check` in a kit
  *     PROGRAM --list               a line a claim: points, a tab, name
  *     PROGRAM --claim ..., --work  started by mark_judge alone (tests/support/mark_run.h)
  *     PROGRAM --serve              the student's process, in a kit */
@@ -24,9 +24,10 @@ typedef struct mark_claim {
 } mark_claim;
 
 /* mark_main runs as the arguments say, see above. The points of all claims sum to 80: the other 20 are for speed and for
- * clean memory (scripts/course/grade.sh). `work` asks for the load whose processor time is compared. Returns the
- * program's exit status. */
-int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void));
+ * clean memory (scripts/course/grade.sh). `work` asks for the load whose processor time is compared; `ours` is what
+ * our own code takes for it, in units of a load that every kit has (--check; how to measure it: docs/assignments/README.md).
+ * Returns the program's exit status. */
+int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void), double ours);
 
 /* A part of a question, from or to an array of n elements. */
 typedef struct mark_part {
