@@ -148,6 +148,9 @@ static _Noreturn void conclude_end(void)
     if (student.box.end.printed >= 1 << 20) mark_conclude(MARK_DIED, "it printed a million bytes");
     if (number == SIGXCPU || number == SIGKILL) mark_conclude(MARK_SLOW, why_it_ended(number));
     if (number) mark_conclude(MARK_DIED, why_it_ended(number));
+    if (strstr(student.box.end.output, "Sanitizer") || strstr(student.box.end.output, "runtime error")) {
+        mark_conclude(MARK_DIED, "a sanitizer has stopped it.");
+    }
     if (!student.box.end.n) mark_conclude(MARK_DIED, "it ended before the test did: a call of exit?");
     mark_conclude(MARK_DIED, "it ended before the test did.");
 }
