@@ -13,7 +13,7 @@ test grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
 test grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
 test grade grade-class: export BIS_SERVER = $(SERVER)
 test grade grade-class: export BIS_LIBS = $(LIBS) -lcmocka
-test grade grade-class: export BIS_SANITIZE = -O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)
+test grade grade-class: export BIS_SANITIZE = $(ASAN)
 
 assignment:
 	@sh scripts/course/assignment.sh "$(A)" "$(DEST)"
@@ -34,13 +34,14 @@ JOBS ?= 2
 grade-class: $(SUPPORT) $(LIB) $B/grade $(SERVER)
 	@sh scripts/course/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)"
 
-# The program is built twice, because the sanitizers see memory and change all times. `build/check.log` says why the second
-# one is not built, if it is not.
+# The program is built twice, because the sanitizers see memory and change all times. `build/check.log` says why the
+# second one is not built, if it is not.
 CHECKED := $(if $(wildcard tests/test_assignment.c),$B/tests/test_assignment)
 check: $(CHECKED)
 	@$(if $(CHECKED),,echo "make check: this is the project; a starter kit has a hand-in to check"; exit 1)
 	@$(CHECKED) --check
-	@$(MAKE) VARIANT=asan CFLAGS="-O1 -g -fno-sanitize-recover=all -fsanitize=$(SANITIZE)" check-clean >build/check.log 2>&1; \
-	 sed -n '/of 10  clean memory/,$$p' build/check.log | sed '/^make/d' | grep . || echo "        clean memory: not looked at: build/check.log"
+	@$(MAKE) VARIANT=asan CFLAGS="$(ASAN)" check-clean >build/check.log 2>&1; \
+	 sed -n '/of 10  clean memory/,$$p' build/check.log | sed '/^make/d' | grep . || \
+	 echo "        clean memory: not looked at: build/check.log"
 check-clean: $(CHECKED)
 	@$(CHECKED) --clean

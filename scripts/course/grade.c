@@ -13,8 +13,8 @@
  *     grade look TEMPLATE FILE [PRINTS]
  *         status 3: something of ours is changed; 4: something is refused. Hashes for `alike` go to PRINTS
  *     grade alike SHARE BLANK FILE...
- *         a line "LEAST MOST I J ..." for each group of PRINTS (counted from 1), in which each shares so much of what BLANK
- *         has not with another one: the least and the most percent that two of them share
+ *         a line "LEAST MOST I J ..." for each group of PRINTS (counted from 1), in which each shares so much of what
+ *         BLANK has not with another one: the least and the most percent that two of them share
  * BIS_SANDBOX says which sandbox (bwrap, none); BIS_CLAIM_SECONDS is kept. All that runs has an empty environment, no
  * terminal, and limits of time, memory and files. */
 #include "mark_run.h"

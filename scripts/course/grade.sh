@@ -85,8 +85,8 @@ MOST_FILES=2000
 list_files() {
     : >"$work/list"
     [ -d "$given" ] && [ ! -L "$given" ] || return
-    (ulimit -t 10 && find "$given/" -maxdepth 12 -type f \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' -o -iname '*.tar' \
-        -o -iname '*.tgz' -o -iname '*.[gx]z' -o -iname '*.7z' -o -iname '*.rar' \) -print0 2>/dev/null) |
+    (ulimit -t 10 && find "$given/" -maxdepth 12 -type f \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' \
+        -o -iname '*.tar' -o -iname '*.tgz' -o -iname '*.[gx]z' -o -iname '*.7z' -o -iname '*.rar' \) -print0) 2>/dev/null |
         head -z -n $((MOST_FILES + 1)) >"$work/list"
     [ "$(tr -dc '\0' <"$work/list" | wc -c)" -le $MOST_FILES ] ||
         remark "there are more than $MOST_FILES files; only so many are looked at"
@@ -116,7 +116,8 @@ collect() {
         cp "$given/src/$file" "$to" && echo x >"$work/found"
     else
         for end in "/src/$file" "/$base"; do
-            [ -s "$work/found" ] || ending "$end" | xargs -0 -r -n 1 sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found"
+            [ -s "$work/found" ] || ending "$end" |
+                xargs -0 -r -n 1 sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found"
         done
         [ -s "$work/found" ] || ending ".${file##*.}" | xargs -0 -r -n 1 sh -c \
             'sh scripts/course/grade_marks.sh "$0" "$3" "$1" "$2" || true' "$file" "$to" "$work/found"
@@ -132,7 +133,9 @@ collect() {
 # What is packed is not unpacked here, because it may be of any size then. It is named.
 name_archives() {
     [ ! -f "$given" ] || [ -L "$given" ] || case $(head -c 6 "$given" | od -A n -t x1 | tr -d ' \n') in
-    504b0304* | 1f8b* | fd377a585a00 | 377abcaf271c | 526172211a07) remark "it is an archive: unpack it, and mark the folder" ;;
+    504b0304* | 1f8b* | fd377a585a00 | 377abcaf271c | 526172211a07)
+        remark "it is an archive: unpack it, and mark the folder"
+        ;;
     esac
     packed=$(tr '\0\n' '\n?' <"$work/list" | grep -v '\.[ch]$' | head -n 1)
     [ -z "$packed" ] || remark "${packed##*/} is an archive: unpack it, and mark the folder"
@@ -219,7 +222,8 @@ link_it() {
     objects=""
     while IFS= read -r file; do objects="$objects $work/objects/$prefix$file.o"; done <"$shop/units"
     # shellcheck disable=SC2086
-    run $BIS_LINK "$@" -Wl,-z,relro,-z,now -o "$program" $BIS_SERVER $objects "$shop/lib.a" $BIS_LIBS >>"$work/messages" 2>&1
+    run $BIS_LINK "$@" -Wl,-z,relro,-z,now -o "$program" $BIS_SERVER $objects "$shop/lib.a" \
+        $BIS_LIBS >>"$work/messages" 2>&1
 }
 
 grade_tests() {

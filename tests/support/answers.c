@@ -244,7 +244,8 @@ void answers_lit(lit *l, const ask_scene *scene)
     bis_material m = scene->material;
 
     answers_model(&m);
-    lit_init(l, lit_new_light(scene->map, 1, 0, scene->settings.compensate), m, scene->n, scene->degrees, scene->hidden);
+    bis_light *light = lit_new_light(scene->map, 1, 0, scene->settings.compensate);
+    lit_init(l, light, m, scene->n, scene->degrees, scene->hidden);
     l->kind = scene->kind;
 }
 

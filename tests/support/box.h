@@ -44,8 +44,8 @@ bool box_start(box *b, const box_limits *limits, char *const words[], int channe
  * of the clock ends it. */
 bool box_wait(box *b, int fd, short events);
 
-/* box_finish ends the program, if it has not ended, and all that it started. b->end is then complete. A second call does
- * nothing. */
+/* box_finish ends the program, if it has not ended, and all that it started. b->end is then complete. A second call
+ * does nothing. */
 void box_finish(box *b);
 
 /* box_run starts a program, waits for its end and finishes. Returns false where nothing could be started. */

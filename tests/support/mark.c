@@ -134,7 +134,8 @@ ask_estimate *mark_run(const ask_scene *scene, uint32_t runs, uint64_t seed)
     for (uint32_t i = 0; i < runs; i++) {
         const rgb L = e[i].L;
         if (!rgb_is_finite(L))
-            mark_wrong("estimate %u is (%g %g %g): not finite. A division by 0?", i, (double)L.r, (double)L.g, (double)L.b);
+            mark_wrong("estimate %u is (%g %g %g): not finite. A division by 0?", i, (double)L.r, (double)L.g,
+                       (double)L.b);
     }
     return e;
 }
@@ -228,8 +229,8 @@ static double processor_time(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* The time of a load that is the same in every kit: look-ups, whole numbers, roots. A kit has no code of ours to compare
- * with; it has the time of ours in this unit. */
+/* The time of a load that is the same in every kit: look-ups, whole numbers, roots. A kit has no code of ours to
+ * compare with; it has the time of ours in this unit. */
 static double yardstick(void)
 {
     enum { ROOM = 1 << 15 };
@@ -269,20 +270,21 @@ static void show_speed(mark_order *order, double ours)
 static int show_points(const char *program, const mark_claim *claims, size_t n, double ours, bool sanitized)
 {
     const char *const student[] = {program, "--serve", NULL};
-    mark_order order = {.judge = program, .student = student, .cpu = mark_seconds() * (sanitized ? 3 : 1), .sanitized = sanitized};
+    const double cpu = mark_seconds() * (sanitized ? 3 : 1);
+    mark_order order = {.judge = program, .student = student, .cpu = cpu, .sanitized = sanitized};
     int points = 0;
 
     for (size_t i = 0; i < n; i++) {
         mark_outcome o;
         order.claim = i;
         mark_judge(&o, &order);
-        const bool holds = o.verdict == MARK_HOLDS;
-        points += holds ? claims[i].points : 0;
+        const int got = o.verdict == MARK_HOLDS ? claims[i].points : 0;
+        points += got;
         if (sanitized && (o.verdict == MARK_DIED || o.verdict == MARK_SLOW)) {
             printf(" 0 of 10  clean memory: %s: %s\n", claims[i].name, o.text);
             return 0;
         }
-        if (!sanitized) printf("%2d of %d  %s%s%s\n", holds ? claims[i].points : 0, claims[i].points, claims[i].name, holds ? "" : ": ", o.text);
+        if (!sanitized) printf("%2d of %d  %s%s%s\n", got, claims[i].points, claims[i].name, got ? "" : ": ", o.text);
     }
     if (sanitized) printf("%2d of 10  clean memory, in the share of the tests that pass\n", points / 8);
     else if (points == 80) show_speed(&order, ours);

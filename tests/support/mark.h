@@ -13,8 +13,9 @@
 
 #include "answers.h"
 
-/* Significance of each statistical test in a claim. No assignment has more than 50 of them, so the probability that one of
- * 100 right solutions loses a point by chance is below 100 * 50 * 2e-7 = 1e-3 (union bound; the tests need not be independent). */
+/* Significance of each statistical test in a claim. No assignment has more than 50 of them, so the probability that
+ * one of 100 right solutions loses a point by chance is below 100 * 50 * 2e-7 = 1e-3 (union bound; the tests need not
+ * be independent). */
 #define MARK_ALPHA 2e-7
 
 typedef struct mark_claim {
@@ -23,10 +24,10 @@ typedef struct mark_claim {
     void (*check)(void);
 } mark_claim;
 
-/* mark_main runs as the arguments say, see above. The points of all claims sum to 80: the other 20 are for speed and for
- * clean memory (scripts/course/grade.sh). `work` asks for the load whose processor time is compared; `ours` is what
- * our own code takes for it, in units of a load that every kit has (--check; how to measure it: docs/assignments/README.md).
- * Returns the program's exit status. */
+/* mark_main runs as the arguments say, see above. The points of all claims sum to 80: the other 20 are for speed and
+ * for clean memory (scripts/course/grade.sh). `work` asks for the load whose processor time is compared; `ours` is what
+ * our own code takes for it, in units of a load that every kit has (--check; docs/assignments/README.md says how to
+ * measure it). Returns the program's exit status. */
 int mark_main(int argc, char **argv, const mark_claim *claims, size_t n, void (*work)(void), double ours);
 
 /* A part of a question, from or to an array of n elements. */
@@ -44,8 +45,9 @@ void mark_ask(ask_question question, size_t n, const mark_part parts[]);
 #define ASK(question, ...)                                                                                             \
     mark_ask(question, sizeof((mark_part[]){__VA_ARGS__}) / sizeof(mark_part), (mark_part[]){__VA_ARGS__})
 
-/* mark_seed returns what a claim draws with, where the kit has the seed `kit`. In the kit and in `make test` it is `kit`.
- * When a hand-in is graded it is made from a secret of the run, below 2^53, so that no answer can be prepared. */
+/* mark_seed returns what a claim draws with, where the kit has the seed `kit`. In the kit and in `make test` it is
+ * `kit`. When a hand-in is graded it is made from a secret of the run, below 2^53, so that no answer can be
+ * prepared. */
 uint64_t mark_seed(uint64_t kit);
 
 /* mark_size returns how large a table or a map is, or a count, where the kit has `kit`: the same in the kit and in

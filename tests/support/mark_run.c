@@ -143,7 +143,8 @@ static _Noreturn void conclude_end(void)
 {
     box_finish(&student.box);
     const int status = student.box.end.status;
-    const int number = WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status) > 128 ? WEXITSTATUS(status) - 128 : 0;
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
+    const int number = WIFSIGNALED(status) ? WTERMSIG(status) : code > 128 ? code - 128 : 0;
 
     if (student.box.end.printed >= 1 << 20) mark_conclude(MARK_DIED, "it printed a million bytes");
     if (number == SIGXCPU || number == SIGKILL) mark_conclude(MARK_SLOW, why_it_ended(number));
@@ -174,14 +175,15 @@ static bool wait_for(short events, asked since)
 
     if (!box_wait(&student.box, student.fd, events)) {
         if (!student.box.end.late) return false;
-        snprintf(text, sizeof text, "no answer in %.0f s, of which it had the processor for %.3g s: the machine was busy; "
-                 "mark it again", patience, student.said_hello ? used() : 0);
+        snprintf(text, sizeof text,
+                 "no answer in %.0f s, of which it had the processor for %.3g s: the machine was busy; mark it again",
+                 patience, student.said_hello ? used() : 0);
         mark_conclude(MARK_SLOW, text);
     }
     if (!student.said_hello) return true;
-    const asked now = ask_now();
-    if (now.used > student.cpu) mark_conclude(MARK_SLOW, why_it_ended(SIGXCPU));
-    if (now.at - since.at - (now.used - since.used) - (now.kept - since.kept) > asleep) {
+    const double now = used(), idle = box_now() - since.at - (now - since.used);
+    if (now > student.cpu) mark_conclude(MARK_SLOW, why_it_ended(SIGXCPU));
+    if (idle > asleep && idle - (kept_waiting() - since.kept) > asleep) {
         mark_conclude(MARK_SLOW, "no answer, and no work either: does it wait for something?");
     }
     return true;
