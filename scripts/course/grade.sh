@@ -108,7 +108,9 @@ collect() {
         remark "a link is not followed"
     elif [ -f "$given" ]; then
         if ! small "$given"; then
-            remark "it has more than a million bytes"
+            remark "it has more than a million bytes$(is_archive "$given" && echo ", and is an archive: unpack it")"
+        elif is_archive "$given"; then
+            remark "it is an archive: unpack it, and mark the folder"
         elif of_marks "$given" "$file" || [ "$(wc -l <"$shop/files")" -eq 1 ]; then
             cp "$given" "$to" && echo x >"$work/found"
         fi
@@ -130,13 +132,14 @@ collect() {
     name_archives
     cp "$shop/blank/$file" "$to"
 }
-# What is packed is not unpacked here, because it may be of any size then. It is named.
-name_archives() {
-    [ ! -f "$given" ] || [ -L "$given" ] || case $(head -c 6 "$given" | od -A n -t x1 | tr -d ' \n') in
-    504b0304* | 1f8b* | fd377a585a00 | 377abcaf271c | 526172211a07)
-        remark "it is an archive: unpack it, and mark the folder"
-        ;;
+# What is packed (zip, gzip, xz, 7z, rar) is not unpacked here, because it may be of any size then. It is named.
+is_archive() {
+    case $(head -c 6 "$1" | od -A n -t x1 | tr -d ' \n') in
+    504b0304* | 1f8b* | fd377a585a00 | 377abcaf271c | 526172211a07) return 0 ;;
     esac
+    return 1
+}
+name_archives() {
     packed=$(tr '\0\n' '\n?' <"$work/list" | grep -v '\.[ch]$' | head -n 1)
     [ -z "$packed" ] || remark "${packed##*/} is an archive: unpack it, and mark the folder"
 }
