@@ -258,10 +258,13 @@ static void see_it_end(void)
     if (student.box.end.status != 0) conclude_end();
 }
 
+extern void __asan_init(void) __attribute__((weak));
+
+/* The student's program may be sanitized, and is if this one is, because they are built alike. */
 _Noreturn void mark_claim_main(char *const words[], void (*check)(void))
 {
     int channel[2];
-    const bool sanitized = strcmp(words[3], "sanitized") == 0;
+    const bool sanitized = &__asan_init || strcmp(words[3], "sanitized") == 0;
     char seconds[32];
 
     box_end_with_us();
