@@ -1,5 +1,5 @@
-/* Assignment alias: src/thesis/alias.c, the loop of appendix A and the draw. The implied pmf of a table is compared with the weights.
- * One statistical test. */
+/* Assignment alias: src/thesis/alias.c, the loop of appendix A and the draw. The implied pmf of a table is compared
+ * with the weights. One statistical test. */
 #include "mark.h"
 
 #include "bis/thesis/alias.h"
@@ -81,14 +81,15 @@ static void check_pmf(const double *w, size_t n)
 
     if (i < n && w[i] == 0) mark_wrong("item %zu of %zu has weight 0, but the table gives it %.3g", i, n, pmf[i]);
     if (i < n) {
-        mark_wrong("item %zu of %zu: the table gives it a probability of %.9g, must be %.9g (what is its own in its bin, and what other bins "
+        mark_wrong("item %zu of %zu: the table gives it a probability of %.9g, must be %.9g (what is its own in its "
+                   "bin, and what other bins "
                    "give it as their alias)", i, n, pmf[i], w[i] / sum);
     }
     bis_free(pmf);
 }
 
-/* What holds of any right table, and of most that are not: the bin of an item that lacks something holds the item itself, with what it has,
- * and one that has something to give. */
+/* What holds of any right table, and of most that are not: the bin of an item that lacks something holds the item
+ * itself, with what it has, and one that has something to give. */
 static void check_small_bins(const double *w, size_t n)
 {
     bis_alias a = alias_of(w, n);
@@ -98,9 +99,11 @@ static void check_small_bins(const double *w, size_t n)
     for (size_t i = 0; i < n; i++) {
         const double own = (double)n * w[i] / sum, other = (double)n * w[a.alias[i]] / sum;
         if (own > 1 - 1e-9) continue;
-        mark_near(a.prob[i], own, 1e-12, 0, "%zu items: prob of bin %zu, which is %zu times the probability %.9g,", n, i, n, w[i] / sum);
+        mark_near(a.prob[i], own, 1e-12, 0, "%zu items: prob of bin %zu, which is %zu times the probability %.9g,", n,
+                  i, n, w[i] / sum);
         if (other < 1 - 1e-9) {
-            mark_wrong("%zu items: bin %zu lacks something, and is filled by item %u, which has nothing to give away (is it a number of 16 bits?)",
+            mark_wrong("%zu items: bin %zu lacks something, and is filled by item %u, which has nothing to give away "
+                       "(is it a number of 16 bits?)",
                        n, i, a.alias[i]);
         }
     }
@@ -171,7 +174,8 @@ static void check_pick_of_many(void)
     for (size_t k = 0; k < n_u; k++) {
         const size_t j = k / 2 * STEP, must = k % 2 ? a.alias[j] : j;
         if (item[k] != must) {
-            mark_wrong("%zu bins, prob 0.5 each, u = %.9g (bin %zu, coin %g): item %zu, must be %zu. Is the bin a number of 16 bits, or "
+            mark_wrong("%zu bins, prob 0.5 each, u = %.9g (bin %zu, coin %g): item %zu, must be %zu. Is the bin a "
+                       "number of 16 bits, or "
                        "the coin a float?", n, u[k], j, k % 2 ? 0.51 : 0.49, item[k], must);
         }
     }
@@ -193,14 +197,16 @@ static void the_bin_and_the_coin_come_from_one_u(void)
     pick(item, &a, u, N);
     for (size_t k = 0; k < N; k++) {
         if (item[k] != must[k]) {
-            mark_wrong("4 bins, prob 0.25 1 0.5 0.75, alias 1 1 3 0, u = %g (bin %d, coin %.2f): item %zu, must be %zu", u[k], (int)(4 * u[k]),
+            mark_wrong("4 bins, prob 0.25 1 0.5 0.75, alias 1 1 3 0, u = %g (bin %d, coin %.2f): item %zu, must be "
+                       "%zu", u[k], (int)(4 * u[k]),
                        4 * u[k] - (int)(4 * u[k]), item[k], must[k]);
         }
     }
     check_pick_of_many();
 }
 
-/* Where the weights of 0 are, and how many, is known to nobody before; u goes by steps that hit the coin's 0 in every bin. */
+/* Where the weights of 0 are, and how many, is known to nobody before; u goes by steps that hit the coin's 0 in
+ * every bin. */
 static void an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0(void)
 {
     enum { STEPS = 4096 };
@@ -223,13 +229,16 @@ static void an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0(void)
         for (int j = 0; j < STEPS; j++) {
             const size_t i = item[j];
             if (i >= n || w[i] == 0) {
-                mark_wrong("weights %g %g %g %g %g %g %g %g, u = %g: item %zu, which has weight 0. What does your comparison say where "
+                mark_wrong("weights %g %g %g %g %g %g %g %g, u = %g: item %zu, which has weight 0. What does your "
+                           "comparison say where "
                            "the coin is exactly 0?", w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], u[j], i);
             }
             drawn[i] = true;
         }
         for (size_t i = 0; i < n; i++) {
-            if (w[i] > 0 && !drawn[i]) mark_wrong("item %zu of %zu is never drawn, though its weight is %g", i, n, w[i]);
+            if (w[i] > 0 && !drawn[i]) {
+                mark_wrong("item %zu of %zu is never drawn, though its weight is %g", i, n, w[i]);
+            }
         }
         bis_alias_clear(&a);
     }
@@ -251,7 +260,8 @@ static void items_are_drawn_with_their_probabilities(void)
     }
     for (int i = 0; i < N; i++) sum += w[i];
     for (int i = 0; i < N; i++) expected[i] = DRAWS * w[i] / sum;
-    mark_fit(observed, expected, N, MARK_ALPHA, "50 items of random weights, from right tables", "Which of the two outcomes of a bin comes "
+    mark_fit(observed, expected, N, MARK_ALPHA, "50 items of random weights, from right tables",
+             "Which of the two outcomes of a bin comes "
              "first?");
     bis_alias_clear(&a);
     bis_free(u);
@@ -280,9 +290,11 @@ int main(int argc, char **argv)
     static const mark_claim claims[] = {
         {"figure_3_4_comes_out", 15, figure_3_4_comes_out},
         {"every_table_gives_the_weights", 20, every_table_gives_the_weights},
-        {"tables_hold_for_a_contrast_of_1e12_and_a_million_items", 10, tables_hold_for_a_contrast_of_1e12_and_a_million_items},
+        {"tables_hold_for_a_contrast_of_1e12_and_a_million_items", 10,
+         tables_hold_for_a_contrast_of_1e12_and_a_million_items},
         {"the_bin_and_the_coin_come_from_one_u", 15, the_bin_and_the_coin_come_from_one_u},
-        {"an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0", 10, an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0},
+        {"an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0", 10,
+         an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0},
         {"items_are_drawn_with_their_probabilities", 10, items_are_drawn_with_their_probabilities},
     };
 

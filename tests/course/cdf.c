@@ -12,7 +12,8 @@ static double draw(double *c, size_t *item, double *remainder, const double *w, 
 {
     double total;
 
-    ASK(ASK_CDF, GIVE(w, n), GIVE(u, n_u), TAKE(c, n + 1), TAKE(&total, 1), TAKE(item, n_u), TAKE(remainder, remainder ? n_u : 0));
+    ASK(ASK_CDF, GIVE(w, n), GIVE(u, n_u), TAKE(c, n + 1), TAKE(&total, 1), TAKE(item, n_u),
+        TAKE(remainder, remainder ? n_u : 0));
     return total;
 }
 
@@ -38,15 +39,19 @@ static void check_ends(size_t n)
     fill_contrasty(w, n, 6);
     sum_of(c, w, n);
     if (c[0] != 0 || c[n] != 1) {
-        mark_wrong("%zu random weights: C runs from %.17g to %.17g, must run from 0 to 1 exactly. Is the sum that is returned c[n]?", n, c[0],
+        mark_wrong("%zu random weights: C runs from %.17g to %.17g, must run from 0 to 1 exactly. Is the sum that is "
+                   "returned c[n]?", n, c[0],
                    c[n]);
     }
     long double sum = 0, all = 0;
     for (size_t i = 0; i < n; i++) all += (long double)w[i];
     for (size_t i = 0; i < n; i++) {
         sum += (long double)w[i];
-        if (!(c[i + 1] >= c[i])) mark_wrong("%zu random weights: C[%zu] is less than C[%zu]; C never falls", n, i + 1, i);
-        mark_near(c[i + 1], (double)(sum / all), 1e-12, 0, "%zu random weights: C[%zu]", n, i + 1); /* a plain sum in double is 10 times nearer */
+        if (!(c[i + 1] >= c[i])) {
+            mark_wrong("%zu random weights: C[%zu] is less than C[%zu]; C never falls", n, i + 1, i);
+        }
+        /* a plain sum in double is 10 times nearer */
+        mark_near(c[i + 1], (double)(sum / all), 1e-12, 0, "%zu random weights: C[%zu]", n, i + 1);
     }
     bis_free(c);
     bis_free(w);
@@ -75,7 +80,8 @@ static void each_u_gives_the_item_whose_interval_holds_it(void)
     draw(c, item, NULL, w, 4, u, N);
     for (size_t k = 0; k < N; k++) {
         if (item[k] != must[k]) {
-            mark_wrong("weights 1 2 4 3, u = %g: item %zu, must be %zu, since C is 0 0.1 0.3 0.7 1", u[k], item[k], must[k]);
+            mark_wrong("weights 1 2 4 3, u = %g: item %zu, must be %zu, since C is 0 0.1 0.3 0.7 1", u[k], item[k],
+                       must[k]);
         }
     }
 }
@@ -88,7 +94,8 @@ static void items_of_weight_0_are_never_drawn(void)
     size_t item[N];
 
     sum_of(c, w, 8);
-    for (int k = 0; k < N; k++) u[k] = k < 8 ? fmax(0, fmin(c[k], last)) : fmin((k - 8) / 3990.0, last); /* on the steps of C and between */
+    /* on the steps of C and between */
+    for (int k = 0; k < N; k++) u[k] = k < 8 ? fmax(0, fmin(c[k], last)) : fmin((k - 8) / 3990.0, last);
     draw(c, item, NULL, w, 8, u, N);
     for (int k = 0; k < N; k++) {
         if (item[k] >= 8 || w[item[k]] == 0) {
@@ -118,7 +125,8 @@ static void a_large_table_is_searched_as_by_hand(void)
         const size_t i = item[k];
         if (i >= n) mark_wrong("%zu items, u = %.17g: item %zu", n, u[k], i);
         if (!(c[i] <= u[k] && u[k] < c[i + 1])) {
-            mark_wrong("%zu items, u = %.17g: item %zu, whose interval is from C = %.17g to %.17g. Is the guide only where the search "
+            mark_wrong("%zu items, u = %.17g: item %zu, whose interval is from C = %.17g to %.17g. Is the guide only "
+                       "where the search "
                        "starts?", n, u[k], i, c[i], c[i + 1]);
         }
     }
@@ -141,14 +149,15 @@ static void items_are_drawn_with_their_probabilities(void)
         observed[item[k]]++;
     }
     for (int i = 0; i < N; i++) expected[i] = DRAWS * w[i] / sum;
-    mark_fit(observed, expected, N, MARK_ALPHA, "64 items of weights 0.1, 1, 0.1, 1 ...", "A small item must be found as "
+    mark_fit(observed, expected, N, MARK_ALPHA, "64 items of weights 0.1, 1, 0.1, 1 ...",
+             "A small item must be found as "
              "surely as a large one.");
     bis_free(u);
     bis_free(item);
 }
 
-/* Of two items the second one's interval ends at 1. In a quarter of all cases the differences from C[1] to 1 and to the number before
- * it are both ties of rounding, and go to the same even number: their quotient is 1. */
+/* Of two items the second one's interval ends at 1. In a quarter of all cases the differences from C[1] to 1 and to
+ * the number before it are both ties of rounding, and go to the same even number: their quotient is 1. */
 static void check_last_remainders(void)
 {
     bis_rng r;
@@ -163,9 +172,12 @@ static void check_last_remainders(void)
         if (!(u[1] >= 0 && u[1] < 1)) mark_wrong("weights 1 and %.17g: C[1] is %.17g", w[1], c[1]);
         draw(c, item, remainder, w, 2, u, 2);
         if (!(remainder[0] >= 0.5 && remainder[0] < 1)) {
-            mark_wrong("weights 1 and %.17g, the last u below 1: the remainder is %.17g, must be near 1 and below it", w[1], remainder[0]);
+            mark_wrong("weights 1 and %.17g, the last u below 1: the remainder is %.17g, must be near 1 and below it",
+                       w[1], remainder[0]);
         }
-        if (remainder[1] != 0) mark_wrong("weights 1 and %.17g, u = C[1]: the remainder is %.17g, must be 0", w[1], remainder[1]);
+        if (remainder[1] != 0) {
+            mark_wrong("weights 1 and %.17g, u = C[1]: the remainder is %.17g, must be 0", w[1], remainder[1]);
+        }
     }
 }
 
@@ -183,7 +195,8 @@ static void the_remainder_tells_where_u_lies_in_the_interval(void)
     for (int k = 0; k < 99; k++) {
         const size_t i = item[k];
         if (i >= 4) mark_wrong("item %zu of 4", i);
-        mark_near(remainder[k], (u[k] - C[i]) / (C[i + 1] - C[i]), 1e-9, 0, "weights 1 2 4 3, u = %g: the remainder", u[k]);
+        mark_near(remainder[k], (u[k] - C[i]) / (C[i + 1] - C[i]), 1e-9, 0, "weights 1 2 4 3, u = %g: the remainder",
+                  u[k]);
     }
     for (int k = 99; k < N; k++) {
         if (!(remainder[k] >= 0 && remainder[k] < 1)) {
@@ -204,7 +217,8 @@ static void many_small_items_after_a_large_one_do_not_vanish(void)
     w[0] = 1;
     for (size_t i = 1; i < n; i++) w[i] = 1e-16;
     sum_of(c, w, n);
-    mark_near(c[n] - c[1], 1e-16 * (double)(n - 1), 1e-15, 0, "the probability of %zu items of 1e-16 after one of 1 (a plain "
+    mark_near(c[n] - c[1], 1e-16 * (double)(n - 1), 1e-15, 0,
+              "the probability of %zu items of 1e-16 after one of 1 (a plain "
               "sum in double loses each of them: see Neumaier 1974)", n - 1);
     bis_free(w);
     bis_free(c);

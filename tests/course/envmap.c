@@ -1,5 +1,6 @@
-/* Assignment envmap: src/thesis/envmap.c, src/thesis/importance.c, src/thesis/importance_table.c: solid angles, directions, pixels, and a draw in two
- * passes. Expected values by closed forms and by lat-long geometry in long double. Statistical tests: 6. */
+/* Assignment envmap: src/thesis/envmap.c, src/thesis/importance.c, src/thesis/importance_table.c: solid angles,
+ * directions, pixels, and a draw in two passes. Expected values by closed forms and by lat-long geometry in long
+ * double. Statistical tests: 6. */
 #include "mark.h"
 
 #include "bis/thesis/regions.h"
@@ -27,16 +28,19 @@ static void tables_of(int width, int height, double *angle, double *cosine)
 
 static void a_pixel_of_each_row_has_its_solid_angle(void)
 {
-    const int sizes[][2] = {{8, 4}, {1, 1}, {7, 5}, {(int)mark_size(64), (int)mark_size(32)}, {16, (int)mark_size(4000)}};
+    const int sizes[][2] = {{8, 4}, {1, 1}, {7, 5}, {(int)mark_size(64), (int)mark_size(32)},
+                            {16, (int)mark_size(4000)}};
 
     for (int k = 0; k < 5; k++) {
         const int width = sizes[k][0], height = sizes[k][1];
-        double *angle = mark_alloc((size_t)height, sizeof *angle), *cosine = mark_alloc((size_t)height + 1, sizeof *cosine);
+        double *angle = mark_alloc((size_t)height, sizeof *angle),
+            *cosine = mark_alloc((size_t)height + 1, sizeof *cosine);
         tables_of(width, height, angle, cosine);
         for (int y = 0; y < height; y++) {
             mark_near(angle[y], solid_angle(width, height, y), 0, 1e-6, "the solid angle of a pixel in row %d of a "
                       "%d x %d map", y, width, height);
-            mark_near(cosine[y], (double)cosl(pi * y / height), 1e-12, 0, "cos_edge[%d] of a %d x %d map", y, width, height);
+            mark_near(cosine[y], (double)cosl(pi * y / height), 1e-12, 0, "cos_edge[%d] of a %d x %d map", y, width,
+                      height);
         }
         mark_near(cosine[height], -1, 1e-12, 0, "cos_edge[%d] of a %d x %d map", height, width, height);
         bis_free(angle);
@@ -64,7 +68,9 @@ static void directions_of_a_pixel_lie_in_it(void)
     static ask_place p[N];
     static vec3 at[N];
 
-    for (int k = 0; k < N; k++) p[k] = (ask_place){k / EACH % W, k / EACH / W, (k % 8 + 0.5) / 8, (k / 8 % 8 + 0.5) / 8};
+    for (int k = 0; k < N; k++) {
+        p[k] = (ask_place){k / EACH % W, k / EACH / W, (k % 8 + 0.5) / 8, (k / 8 % 8 + 0.5) / 8};
+    }
     ASK(ASK_DIRECTIONS, GIVE(&m, 1), GIVE(p, N), TAKE(at, N));
     for (int k = 0; k < N; k++) {
         const int x = p[k].x, y = p[k].y;
@@ -72,17 +78,21 @@ static void directions_of_a_pixel_lie_in_it(void)
         if (!(fabs(length(w) - 1) < 1e-6)) {
             mark_wrong("the direction of pixel (%d, %d) has length %g, must be 1", x, y, length(w));
         }
-        const double theta = acos(fmax(-1, fmin(1, (double)w.z))), phi = atan2((double)w.y, (double)w.x), turn = phi < 0 ? phi + 2 * PI : phi;
+        const double theta = acos(fmax(-1, fmin(1, (double)w.z))), phi = atan2((double)w.y, (double)w.x),
+            turn = phi < 0 ? phi + 2 * PI : phi;
         if ((int)(theta / PI * H) != y) {
-            mark_wrong("a direction of pixel (%d, %d) has theta = %.4f, in row %d. Row 0 is at +z", x, y, theta, (int)(theta / PI * H));
+            mark_wrong("a direction of pixel (%d, %d) has theta = %.4f, in row %d. Row 0 is at +z", x, y, theta,
+                       (int)(theta / PI * H));
         }
         if ((int)(turn / (2 * PI) * W) != x) {
-            mark_wrong("a direction of pixel (%d, %d) has phi = %.4f, in column %d", x, y, turn, (int)(turn / (2 * PI) * W));
+            mark_wrong("a direction of pixel (%d, %d) has phi = %.4f, in column %d", x, y, turn,
+                       (int)(turn / (2 * PI) * W));
         }
     }
 }
 
-/* cos theta of a direction uniform in solid angle is uniform between the edges of the row: at u2 = 1/2, in the middle. */
+/* cos theta of a direction uniform in solid angle is uniform between the edges of the row: at u2 = 1/2, in the
+ * middle. */
 static void directions_are_uniform_in_solid_angle(void)
 {
     enum { W = 8, H = 4, N = W * H * 4 };
@@ -96,7 +106,8 @@ static void directions_are_uniform_in_solid_angle(void)
         const int x = p[k].x, y = p[k].y;
         const double c0 = cos(PI * y / H), c1 = cos(PI * (y + 1) / H), phi = 2 * PI * (x + p[k].u1) / W;
         mark_near((double)at[k].z, c0 + p[k].u2 * (c1 - c0), 1e-6, 0, "row %d of 4, u2 = %g: cos theta", y, p[k].u2);
-        mark_near((double)at[k].x * cos(phi) + (double)at[k].y * sin(phi), hypot((double)at[k].x, (double)at[k].y), 1e-6, 0, "pixel (%d, %d), u1 = %g: how "
+        mark_near((double)at[k].x * cos(phi) + (double)at[k].y * sin(phi), hypot((double)at[k].x, (double)at[k].y),
+                  1e-6, 0, "pixel (%d, %d), u1 = %g: how "
                   "far the direction lies along the phi of 2 pi (x + u1)/W, which", x, y, p[k].u1);
     }
 }
@@ -105,9 +116,11 @@ static void check_known_pixels(const ask_map *m)
 {
     enum { N = 8, ENDS = 7 };
     static const struct { vec3 w; int x, y; } known[N] = { /* x: -1 where any will do */
-        {{0, 0, 1}, -1, 0}, {{0, 0, -1}, -1, 6}, {{1, 1e-3f, 0}, 0, 3}, {{1, -1e-3f, 0}, 9, 3}, {{-1, 1e-3f, 0}, 4, 3}, {{-1, -1e-3f, 0}, 5, 3},
+        {{0, 0, 1}, -1, 0}, {{0, 0, -1}, -1, 6}, {{1, 1e-3f, 0}, 0, 3}, {{1, -1e-3f, 0}, 9, 3},
+            {{-1, 1e-3f, 0}, 4, 3}, {{-1, -1e-3f, 0}, 5, 3},
         {{1e-3f, 1e-5f, 1}, 0, 0}, {{1e-3f, -1e-5f, -1}, 9, 6}};
-    vec3 w[N + ENDS] = {[N] = {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {1, -0.0f, 0}, {1, -1e-20f, 0}, {-1, 0, 0}, {-1, -1e-20f, 0}};
+    vec3 w[N + ENDS] = {[N] = {0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {1, -0.0f, 0}, {1, -1e-20f, 0}, {-1, 0, 0},
+                        {-1, -1e-20f, 0}};
     size_t pixel[N + ENDS];
 
     for (size_t k = 0; k < N; k++) w[k] = normalize(known[k].w);
@@ -115,7 +128,8 @@ static void check_known_pixels(const ask_map *m)
     for (size_t k = 0; k < N; k++) {
         const size_t x = pixel[k] % 10, y = pixel[k] / 10;
         if (y != (size_t)known[k].y || (known[k].x >= 0 && x != (size_t)known[k].x)) {
-            mark_wrong("direction (%g %g %g) of a 10 x 7 map: pixel (%zu, %zu), must be (%d, %d) (-1: any)", (double)w[k].x, (double)w[k].y,
+            mark_wrong("direction (%g %g %g) of a 10 x 7 map: pixel (%zu, %zu), must be (%d, %d) (-1: any)",
+                       (double)w[k].x, (double)w[k].y,
                        (double)w[k].z, x, y, known[k].x, known[k].y);
         }
     }
@@ -145,7 +159,8 @@ static void a_direction_finds_its_pixel(void)
         const double from_edge = fmin(fabs(remainder(down, 1)), fabs(remainder(along, 1)));
         if (from_edge < 1e-4 || sin(PI * u[2 * k]) < 1e-3) continue; /* rounding to float may carry it over */
         if (pixel[k] != (size_t)((int)down * 10 + (int)along)) {
-            mark_wrong("theta = %.4f, phi = %.4f of a 10 x 7 map: pixel (%zu, %zu), must be (%d, %d)", PI * u[2 * k], 2 * PI * u[2 * k + 1],
+            mark_wrong("theta = %.4f, phi = %.4f of a 10 x 7 map: pixel (%zu, %zu), must be (%d, %d)", PI * u[2 * k],
+                       2 * PI * u[2 * k + 1],
                        pixel[k] % 10, pixel[k] / 10, (int)along, (int)down);
         }
     }
@@ -168,7 +183,8 @@ typedef struct drawing {
 } drawing;
 
 /* The map is taken over. u[4 n_draws] are borrowed. */
-static drawing draw_from(bis_envmap em, const bis_importance_options *options, const double *u, size_t n_draws, bool with_pdf)
+static drawing draw_from(bis_envmap em, const bis_importance_options *options, const double *u, size_t n_draws,
+                         bool with_pdf)
 {
     drawing d = {.em = em, .map = {.width = em.width, .height = em.height, .options = *options}, .n = map_n(&em)};
     double *cosine = mark_alloc((size_t)em.height + 1, sizeof *cosine);
@@ -179,7 +195,8 @@ static drawing draw_from(bis_envmap em, const bis_importance_options *options, c
     d.pdf_pixel = mark_alloc(d.n, sizeof *d.pdf_pixel);
     d.drawn = mark_alloc(n_draws, sizeof *d.drawn);
     if (with_pdf) d.pdf = mark_alloc(n_draws, sizeof *d.pdf);
-    ASK(ASK_IMPORTANCE, GIVE(&d.map, 1), GIVE(em.pixels, d.n), GIVE(u, 4 * n_draws), TAKE(d.pdf_pixel, d.n), TAKE(d.drawn, n_draws),
+    ASK(ASK_IMPORTANCE, GIVE(&d.map, 1), GIVE(em.pixels, d.n), GIVE(u, 4 * n_draws), TAKE(d.pdf_pixel, d.n),
+        TAKE(d.drawn, n_draws),
         TAKE(d.pdf, with_pdf ? n_draws : 0));
     return d;
 }
@@ -217,9 +234,11 @@ static void check_weighted_density(void)
     for (int pass = 0; pass < 2; pass++) {
         for (size_t i = 0; i < d.n; i++) {
             const double intensity = map_intensity(&d.em, i);
-            const double w = intensity > 0 ? intensity * bis_area_factor(regions.solid_angle[regions.label[i]], 0.5) : 0;
+            const double w = intensity > 0 ? intensity * bis_area_factor(regions.solid_angle[regions.label[i]],
+                    0.5) : 0;
             if (pass == 0) total += w * angle_of(&d, i);
-            else mark_near(d.pdf_pixel[i], w / total, 0, 1e-5, "with area weighting: the density of pixel (%zu, %zu)", i % 128, i / 128);
+            else mark_near(d.pdf_pixel[i], w / total, 0, 1e-5, "with area weighting: the density of pixel (%zu, %zu)",
+                           i % 128, i / 128);
         }
     }
     bis_regions_clear(&regions);
@@ -233,7 +252,8 @@ static void the_density_is_the_intensity_over_the_power(void)
 
     for (size_t i = 0; i < d.n; i++) power += power_of(&d, i);
     for (size_t i = 0; i < d.n; i++) {
-        mark_near(d.pdf_pixel[i], map_intensity(&d.em, i) / power, 0, 1e-6, "the density per steradian of pixel (%zu, %zu), "
+        mark_near(d.pdf_pixel[i], map_intensity(&d.em, i) / power, 0, 1e-6,
+                  "the density per steradian of pixel (%zu, %zu), "
                   "whose intensity is %.4g,", i % 16, i / 16, map_intensity(&d.em, i));
         sum += d.pdf_pixel[i] * angle_of(&d, i);
     }
@@ -253,10 +273,13 @@ static void draw(const bis_importance_options *options, const char *what)
         const bis_map_sample s = d.drawn[k].s;
         if (!d.drawn[k].drawn) mark_wrong("%s: nothing is drawn from a map that has light", what);
         if (s.pixel >= W * H) mark_wrong("%s: pixel %zu of %d", what, s.pixel, W * H);
-        const double phi = atan2((double)s.w_local.y, (double)s.w_local.x), x = (phi < 0 ? phi / (2 * PI) + 1 : phi / (2 * PI)) * W;
+        const double phi = atan2((double)s.w_local.y, (double)s.w_local.x),
+            x = (phi < 0 ? phi / (2 * PI) + 1 : phi / (2 * PI)) * W;
         const size_t row = s.pixel / W;
-        const double c0 = cos(PI * (double)row / H), c1 = cos(PI * (double)(row + 1) / H), down = (c0 - (double)s.w_local.z) / (c0 - c1);
-        const bool inside = down > -1e-5 && down < 1 + 1e-5 && x > (double)(s.pixel % W) - 1e-5 && x < (double)(s.pixel % W) + 1 + 1e-5;
+        const double c0 = cos(PI * (double)row / H), c1 = cos(PI * (double)(row + 1) / H),
+            down = (c0 - (double)s.w_local.z) / (c0 - c1);
+        const bool inside = down > -1e-5 && down < 1 + 1e-5 && x > (double)(s.pixel % W) - 1e-5 &&
+            x < (double)(s.pixel % W) + 1 + 1e-5;
         if (!inside && s.pixel % W != W - 1 && s.pixel % W != 0) {
             mark_wrong("%s: the direction drawn does not lie in the pixel that is told, %zu", what, s.pixel);
         }
@@ -273,14 +296,16 @@ static void draw(const bis_importance_options *options, const char *what)
     drawing_clear(&d);
 }
 
-/* Which of the four numbers may matter: the place has u[2] and u[3] with alias tables; u[0] and u[1] alone do it all with CDFs. */
+/* Which of the four numbers may matter: the place has u[2] and u[3] with alias tables; u[0] and u[1] alone do it all
+ * with CDFs. */
 static void check_numbers(const bis_importance_options *options, const char *what)
 {
     enum { N = 1000, DRAWS = 3 * N };
     double *random = mark_uniforms(3 * N, mark_seed(5), 0), *u = mark_alloc(4 * DRAWS, sizeof *u);
 
     for (size_t k = 0; k < N; k++) {
-        const double u0 = random[3 * k], u1 = random[3 * k + 1], three[12] = {u0, u1, 0.1, 0.2, u0, u1, 0.8, 0.9, u0, random[3 * k + 2], 0, 0};
+        const double u0 = random[3 * k], u1 = random[3 * k + 1],
+            three[12] = {u0, u1, 0.1, 0.2, u0, u1, 0.8, 0.9, u0, random[3 * k + 2], 0, 0};
         memcpy(u + 12 * k, three, sizeof three);
     }
     drawing d = draw_from(map_random(8, 4, 2, 0.2, mark_seed(9)), options, u, DRAWS, false);
@@ -288,13 +313,19 @@ static void check_numbers(const bis_importance_options *options, const char *wha
         const ask_drawn *three = d.drawn + 3 * k;
         const vec3 a = three[0].s.w_local, b = three[1].s.w_local;
         const double turn = fabs((double)a.x - (double)b.x) + fabs((double)a.y - (double)b.y);
-        if (!three[0].drawn || !three[1].drawn || !three[2].drawn) mark_wrong("%s: nothing is drawn from a map that has light", what);
-        if (three[0].s.pixel != three[1].s.pixel) mark_wrong("%s: u[2] and u[3] change the pixel; it is u[0]'s row and u[1]'s pixel of it", what);
+        if (!three[0].drawn || !three[1].drawn || !three[2].drawn) {
+            mark_wrong("%s: nothing is drawn from a map that has light", what);
+        }
+        if (three[0].s.pixel != three[1].s.pixel) {
+            mark_wrong("%s: u[2] and u[3] change the pixel; it is u[0]'s row and u[1]'s pixel of it", what);
+        }
         if (options->table_kind == BIS_TABLE_CDF && (turn != 0 || a.z != b.z)) {
-            mark_wrong("%s: u[2] and u[3] change the direction; its place in the pixel is told by the two remainders", what);
+            mark_wrong("%s: u[2] and u[3] change the direction; its place in the pixel is told by the two remainders",
+                       what);
         }
         if (options->table_kind == BIS_TABLE_CDF && a.z != three[2].s.w_local.z) {
-            mark_wrong("%s: u[1] changes theta; the row and the place in it, vertically, are u[0]'s and its remainder's", what);
+            mark_wrong("%s: u[1] changes theta; the row and the place in it, vertically, are u[0]'s and its "
+                       "remainder's", what);
         }
         if (options->table_kind == BIS_TABLE_ALIAS && (turn == 0 || a.z == b.z)) {
             mark_wrong("%s: u[2] and u[3] do not move the place in the pixel", what);

@@ -1,5 +1,6 @@
-/* Assignment grid: src/shape/grid_walk.c. Every ray is compared with brute force over all triangles, in long double; ties within 4 ulps of an edge are
- * left out. Brute force itself is found out by cells that hold what they should not. */
+/* Assignment grid: src/shape/grid_walk.c. Every ray is compared with brute force over all triangles, in long double;
+ * ties within 4 ulps of an edge are left out. Brute force itself is found out by cells that hold what they should
+ * not. */
 #include "mark.h"
 
 #include "bis/base/mem.h"
@@ -32,7 +33,8 @@ static ask_hit *trace(const world *w, const ray *r, size_t n)
 {
     ask_hit *h = mark_alloc(n, sizeof *h);
 
-    ASK(ASK_RAYS, GIVE(w->g.p, w->g.n_vertices), GIVE(w->g.index, 3 * w->g.n_triangles), GIVE(&w->density, 1), GIVE(r, n), TAKE(h, n),
+    ASK(ASK_RAYS, GIVE(w->g.p, w->g.n_vertices), GIVE(w->g.index, 3 * w->g.n_triangles), GIVE(&w->density, 1),
+        GIVE(r, n), TAKE(h, n),
         GIVE(w->g.p, 0), GIVE(w->g.p, 0), GIVE(w->g.p, 0), GIVE(w->g.p, 0));
     return h;
 }
@@ -70,13 +72,15 @@ static bool brute_triangle(const bis_geometry *g, uint32_t prim, const ray *r, l
     return b1 >= 0 && b2 >= 0 && b1 + b2 <= 1 && *t > 0 && *t < (long double)r->tmax;
 }
 
-/* Is the ray's line so far from the triangle that it neither meets it nor nearly does? The triangle lies within r of its centroid; a
- * thousandth of r and of the way there is much more than the 4 ulps of is_tie. It saves brute force most of its work. */
+/* Is the ray's line so far from the triangle that it neither meets it nor nearly does? The triangle lies within r of
+ * its centroid; a thousandth of r and of the way there is much more than the 4 ulps of is_tie. It saves brute force
+ * most of its work. */
 static bool is_far(const bis_geometry *g, uint32_t prim, const ray *r)
 {
     const vec3 *p[3];
     double c[3], to[3], radius2 = 0;
-    const double o[3] = {(double)r->o.x, (double)r->o.y, (double)r->o.z}, d[3] = {(double)r->d.x, (double)r->d.y, (double)r->d.z};
+    const double o[3] = {(double)r->o.x, (double)r->o.y, (double)r->o.z},
+        d[3] = {(double)r->d.x, (double)r->d.y, (double)r->d.z};
 
     for (int i = 0; i < 3; i++) p[i] = &g->p[g->index[3 * (size_t)prim + (size_t)i]];
     c[0] = ((double)p[0]->x + (double)p[1]->x + (double)p[2]->x) / 3;
@@ -109,7 +113,8 @@ static int check(const world *w, const ray *r, const ask_hit *h, const char *wha
     }
     const bool must = prim != BIS_NO_PRIM;
     const bis_hit hit = h->hit;
-    const double ox = (double)r->o.x, oy = (double)r->o.y, oz = (double)r->o.z, dx = (double)r->d.x, dy = (double)r->d.y, dz = (double)r->d.z;
+    const double ox = (double)r->o.x, oy = (double)r->o.y, oz = (double)r->o.z, dx = (double)r->d.x,
+        dy = (double)r->d.y, dz = (double)r->d.z;
     if (h->found && !must) {
         mark_wrong("%s: ray from (%g %g %g) towards (%g %g %g) hits triangle %u at t = %g; it must hit nothing", what,
                    ox, oy, oz, dx, dy, dz, hit.prim, (double)hit.t);
@@ -161,14 +166,16 @@ static void one_triangle_is_hit_and_missed(void)
         down[k] = (ray){{x, y, 3}, {0.01f, 0.02f, -1}, INFINITY};
         up[k] = (ray){{x, y, -3}, {0.01f, -0.02f, 1}, INFINITY};
     }
-    expect_hits(check_all(&w, down, 400, "one triangle from above") + check_all(&w, up, 400, "one triangle from below"), 300, "one triangle");
+    expect_hits(check_all(&w, down, 400, "one triangle from above") + check_all(&w, up, 400,
+            "one triangle from below"), 300, "one triangle");
     world_free(&w);
 }
 
 /* From inside and outside the unit cube towards a point in it. */
 static ray random_ray(uint64_t *seed, double away)
 {
-    const vec3 o = vec3_from(random_between(seed, -away, 1 + away), random_between(seed, -away, 1 + away), random_between(seed, -away, 1 + away));
+    const vec3 o = vec3_from(random_between(seed, -away, 1 + away), random_between(seed, -away, 1 + away),
+                             random_between(seed, -away, 1 + away));
     const vec3 to = vec3_from(random_double(seed), random_double(seed), random_double(seed));
 
     return (ray){o, normalize(sub(to, o)), INFINITY};
@@ -203,8 +210,14 @@ static void check_soup(size_t n, double size, double density, double away, int l
     world_free(&w);
 }
 
-static void small_triangles_from_outside_are_met(void) { check_soup(500, 0.1, 0, 0.8, 300, "500 small triangles, from outside"); }
-static void small_triangles_from_inside_are_met(void) { check_soup(500, 0.1, 0, 0, 200, "500 small triangles, from inside"); }
+static void small_triangles_from_outside_are_met(void)
+{
+    check_soup(500, 0.1, 0, 0.8, 300, "500 small triangles, from outside");
+}
+static void small_triangles_from_inside_are_met(void)
+{
+    check_soup(500, 0.1, 0, 0, 200, "500 small triangles, from inside");
+}
 
 /* They reach through many cells: a hit is found before its cell is reached. */
 static void the_nearest_of_large_triangles_is_found(void)
@@ -250,9 +263,12 @@ static void the_last_cell_is_visited(void)
 
     for (int k = 0; k < 2000; k++) {
         const double x = random_between(&seed, 0.05, 0.95), y = random_between(&seed, 0.05, 0.95);
-        inside[k] = (ray){vec3_from(x, y, 0.5), normalize(vec3_from(random_between(&seed, -0.1, 0.1), random_between(&seed, -0.1, 0.1), k % 2 ? 1 : -1)), INFINITY};
+        inside[k] = (ray){vec3_from(x, y, 0.5), normalize(vec3_from(random_between(&seed, -0.1, 0.1),
+                                                                    random_between(&seed, -0.1, 0.1), k % 2
+            ? 1 : -1)), INFINITY};
     }
-    expect_hits(check_all(&w, inside, 2000, "a box open at the sides: from its middle to floor or ceiling, in the first and last layer of cells"), 1500,
+    expect_hits(check_all(&w, inside, 2000, "a box open at the sides: from its middle to floor or ceiling, in the "
+                          "first and last layer of cells"), 1500,
                 "floor and ceiling");
     world_free(&w);
 }
@@ -260,7 +276,8 @@ static void the_last_cell_is_visited(void)
 /* Where the ray is inside of cell c enlarged by `slack` of its size on each side: t from in to out. False: nowhere. */
 static bool passes(const bis_grid *g, size_t c, const ray *r, long double slack, long double *in, long double *out)
 {
-    const size_t i[3] = {c % (size_t)g->n[0], c / (size_t)g->n[0] % (size_t)g->n[1], c / ((size_t)g->n[0] * (size_t)g->n[1])};
+    const size_t i[3] = {c % (size_t)g->n[0], c / (size_t)g->n[0] % (size_t)g->n[1],
+                         c / ((size_t)g->n[0] * (size_t)g->n[1])};
     long double o[3], d[3];
 
     flat(o, r->o);
@@ -281,8 +298,9 @@ static bool passes(const bis_grid *g, size_t c, const ray *r, long double slack,
     return *in <= *out;
 }
 
-/* A sheet across the ray, before all else: in the geometry's list, but only in those cells' that the ray does not need: off its way, or behind
- * the end of the nearest hit's cell. Who finds it looks where there is nothing to look for. */
+/* A sheet across the ray, before all else: in the geometry's list, but only in those cells' that the ray does not
+ * need: off its way, or behind the end of the nearest hit's cell. Who finds it looks where there is nothing to look
+ * for. */
 static void set_decoy(world *w, uint32_t decoy, const ray *r)
 {
     const frame f = frame_about(r->d);
@@ -314,8 +332,8 @@ typedef struct cells {
     size_t n_words;
 } cells;
 
-/* Each cell that the ray needs to look into, up to the nearest hit at t, holds what it held, but for the decoy; every other cell holds the
- * decoy alone. Returns how many do. */
+/* Each cell that the ray needs to look into, up to the nearest hit at t, holds what it held, but for the decoy;
+ * every other cell holds the decoy alone. Returns how many do. */
 static int lay_traps(cells *c, const bis_grid *g, uint32_t decoy, const ray *r, long double t)
 {
     const long double last = fminl(t, (long double)r->tmax);
@@ -357,7 +375,8 @@ static void only_the_cells_on_the_way_are_looked_at(void)
     const bis_grid *g = (const bis_grid *)grid;
     const size_t n_p = w.g.n_vertices, n_items = g->offsets[g->n_cells] + g->n_cells;
     vec3 *p = mark_alloc(n_p, sizeof *p); /* as the grid was built */
-    cells c = {mark_alloc(g->n_cells + 2, sizeof *c.offsets), mark_alloc(n_items, sizeof *c.items), NULL, g->n_cells / 64 + 1};
+    cells c = {mark_alloc(g->n_cells + 2, sizeof *c.offsets), mark_alloc(n_items, sizeof *c.items), NULL,
+               g->n_cells / 64 + 1};
     c.occupied = mark_alloc(c.n_words, sizeof *c.occupied);
     memcpy(p, w.g.p, n_p * sizeof *p);
     for (int k = 0; k < 400; k++) {
@@ -368,14 +387,17 @@ static void only_the_cells_on_the_way_are_looked_at(void)
         if (t < 0) continue;
         traps += lay_traps(&c, g, decoy, &r, t);
         ask_hit h;
-        ASK(ASK_RAYS, GIVE(p, n_p), GIVE(w.g.index, 3 * w.g.n_triangles), GIVE(&w.density, 1), GIVE(&r, 1), TAKE(&h, 1), GIVE(w.g.p, n_p),
+        ASK(ASK_RAYS, GIVE(p, n_p), GIVE(w.g.index, 3 * w.g.n_triangles), GIVE(&w.density, 1), GIVE(&r, 1),
+            TAKE(&h, 1), GIVE(w.g.p, n_p),
             GIVE(c.offsets, g->n_cells + 2), GIVE(c.items, n_items), GIVE(c.occupied, c.n_words));
         if ((h.found && h.hit.prim == decoy) || (h.any && isinf(t))) {
-            mark_wrong("ray %d finds triangle %u, which lies only in cells that it does not pass, or passes after its nearest hit: a walk looks into the "
+            mark_wrong("ray %d finds triangle %u, which lies only in cells that it does not pass, or passes after its "
+                       "nearest hit: a walk looks into the "
                        "cells on its way, in order, and ends with the cell of the hit", k, decoy);
         }
         if (h.found != !isinf(t) || h.any != !isinf(t)) {
-            mark_wrong("ray %d: nearest hit %d, any hit %d, must be %d: are all cells on the way looked at?", k, h.found, h.any, !isinf(t));
+            mark_wrong("ray %d: nearest hit %d, any hit %d, must be %d: are all cells on the way looked at?", k,
+                       h.found, h.any, !isinf(t));
         }
     }
     if (traps == 0) mark_wrong("not a single cell was off the way");
@@ -402,7 +424,8 @@ static void tmax_ends_the_ray(void)
         r[n++].tmax = h[k].hit.t * (k % 2 ? 0.99f : 1.01f);
         cut += k % 2;
     }
-    expect_hits(check_all(&w, r, (size_t)n, "a ray that ends just before or just behind its nearest hit"), 200, "rays that end behind a hit");
+    expect_hits(check_all(&w, r, (size_t)n, "a ray that ends just before or just behind its nearest hit"), 200,
+                "rays that end behind a hit");
     expect_hits(cut, 200, "rays that end before a hit");
     bis_free(r);
     bis_free(h);

@@ -1,5 +1,6 @@
-/* Assignment open: a density of one's own for src/beyond/microfacet.c. Any density may come: it must be a density, be the one that is drawn, leave f
- * alone; then it is judged by its noise, against the cosine's and against ours. Statistical tests: 18. */
+/* Assignment open: a density of one's own for src/beyond/microfacet.c. Any density may come: it must be a density,
+ * be the one that is drawn, leave f alone; then it is judged by its noise, against the cosine's and against ours.
+ * Statistical tests: 18. */
 #include "mark.h"
 
 #include "bis/base/mem.h"
@@ -7,8 +8,14 @@
 
 static const double roughnesses[] = {0.3, 0.6, 1};
 
-static bis_material metal(double roughness) { return bis_microfacet((rgb){0, 0, 0}, (rgb){0.9f, 0.8f, 0.7f}, roughness); }
-static bis_material plastic(double roughness) { return bis_microfacet((rgb){0.5f, 0.4f, 0.3f}, (rgb){0.1f, 0.1f, 0.1f}, roughness); }
+static bis_material metal(double roughness)
+{
+    return bis_microfacet((rgb){0, 0, 0}, (rgb){0.9f, 0.8f, 0.7f}, roughness);
+}
+static bis_material plastic(double roughness)
+{
+    return bis_microfacet((rgb){0.5f, 0.4f, 0.3f}, (rgb){0.1f, 0.1f, 0.1f}, roughness);
+}
 
 /* In the frame of the normal, which is z. What brute force needs stays with us, the surface goes to the student. */
 static ask_surface seen(lit *l, bis_light *light, bis_material m, double degrees)
@@ -75,7 +82,8 @@ static void check_f(void)
             const rgbd f = lit_f(&l, wi, &q);
             const double got[] = {(double)mine[i].r, (double)mine[i].g, (double)mine[i].b}, must[] = {f.r, f.g, f.b};
             for (int c = 0; c < 3; c++) {
-                mark_near(got[c], must[c], 1e-6, 1e-4, "roughness %g, wo at %d, wi at %.0f degrees: channel %d of f", roughnesses[k / 2], 15 * k,
+                mark_near(got[c], must[c], 1e-6, 1e-4, "roughness %g, wo at %d, wi at %.0f degrees: channel %d of f",
+                          roughnesses[k / 2], 15 * k,
                           acos(wi[2]) * 180 / PI, c);
             }
         }
@@ -119,7 +127,8 @@ static void draw(const ask_surface *s, bool proposed, const double *u, size_t n,
     bis_free(drawn);
 }
 
-/* Draws by three numbers, or as proposals do, by two: there what u0 leaves within its lobe's share of [0, 1) is the place in the lobe. */
+/* Draws by three numbers, or as proposals do, by two: there what u0 leaves within its lobe's share of [0, 1) is the
+ * place in the lobe. */
 static void check_samples(bool proposed, const char *what, const char *hint)
 {
     enum { RINGS = 10, SECTORS = 8, CELLS = RINGS * SECTORS, FINE = 60, EACH = FINE * FINE, DRAWS = 60000 };
@@ -138,11 +147,14 @@ static void check_samples(bool proposed, const char *what, const char *hint)
         double observed[CELLS] = {0}, expected[CELLS] = {0}, sum = 0;
         double *u = mark_uniforms(3 * DRAWS, mark_seed(proposed ? 5 : 1), (uint64_t)k);
         lit l; /* a proposal's with two lobes */
-        const ask_surface s = seen(&l, light, k % 3 && !proposed ? metal(roughnesses[k / 2]) : plastic(roughnesses[k / 2]), degrees);
+        const ask_surface s = seen(&l, light, k % 3 && !proposed
+                                   ? metal(roughnesses[k / 2]) : plastic(roughnesses[k / 2]), degrees);
         draw(&s, proposed, u, DRAWS, w);
         for (int i = 0; i < DRAWS; i++) {
-            const int ring = (int)((1 - (double)w[i].z) / 2 * RINGS), sector = (int)((atan2((double)w[i].y, (double)w[i].x) / (2 * PI) + 0.5) * SECTORS);
-            observed[(ring < 0 ? 0 : ring < RINGS ? ring : RINGS - 1) * SECTORS + (sector < SECTORS ? sector : SECTORS - 1)]++;
+            const int ring = (int)((1 - (double)w[i].z) / 2 * RINGS),
+                sector = (int)((atan2((double)w[i].y, (double)w[i].x) / (2 * PI) + 0.5) * SECTORS);
+            observed[(ring < 0 ? 0 : ring < RINGS ? ring : RINGS - 1) * SECTORS + (sector < SECTORS
+                    ? sector : SECTORS - 1)]++;
         }
         ASK(ASK_F, GIVE(&s, 1), GIVE(at, CELLS * EACH), TAKE(at, 0), TAKE(pdf, 0), TAKE(pdf, CELLS * EACH));
         for (int i = 0; i < CELLS * EACH; i++) {
@@ -161,9 +173,11 @@ static void check_samples(bool proposed, const char *what, const char *hint)
 
 static void samples_have_the_density(void)
 {
-    check_samples(false, "rings and sectors about the normal", "pdf must be the density of what sample returns: of the mixture, in solid angle of "
+    check_samples(false, "rings and sectors about the normal",
+                  "pdf must be the density of what sample returns: of the mixture, in solid angle of "
                   "wi (a density of half vectors is divided by 4 wo h).");
-    check_samples(true, "rings and sectors, drawn by a proposal", "Proposals count on the lobe where u0 < p_specular, and nowhere else.");
+    check_samples(true, "rings and sectors, drawn by a proposal",
+                  "Proposals count on the lobe where u0 < p_specular, and nowhere else.");
 }
 
 static void the_albedo_comes_out_of_the_samples(void)
@@ -211,7 +225,8 @@ static void the_bound_of_rejection_holds(void)
 
     for (int k = 0; k < 60; k++) {
         lit l;
-        const ask_surface s = seen(&l, light, k % 3 ? metal(roughnesses[k / 20]) : plastic(roughnesses[k / 20]), 1.45 * k);
+        const ask_surface s = seen(&l, light, k % 3 ? metal(roughnesses[k / 20]) : plastic(roughnesses[k / 20]),
+                                   1.45 * k);
         double most = 0;
         ASK(ASK_BOUND, GIVE(&s, 1), TAKE(&bound, 1));
         if (!isfinite(bound)) {
@@ -232,7 +247,8 @@ static void the_bound_of_rejection_holds(void)
             if (worst > 0) most = fmax(most, worst / pdf[i]);
         }
         if (1.45 * k < 45 && bound > 100 * most) {
-            mark_wrong("roughness %g, wo at %g degrees: max_ratio is %g, and %g is the most among 2000 directions: a bound 100 times too large lets "
+            mark_wrong("roughness %g, wo at %g degrees: max_ratio is %g, and %g is the most among 2000 directions: a "
+                       "bound 100 times too large lets "
                        "rejection accept nothing", roughnesses[k / 20], 1.45 * k, bound, most);
         }
     }
@@ -243,7 +259,8 @@ static void the_bound_of_rejection_holds(void)
 /* ---- noise ---- */
 
 typedef struct noise {
-    double mean, mine, cosine, ours; /* of one sample f cos/q, red: the mean; the mean square by the student's, the cosine's, our density */
+    /* of one sample f cos/q, red: the mean; the mean square by the student's, the cosine's, our density */
+    double mean, mine, cosine, ours;
 } noise;
 
 static noise noise_of(double roughness, double degrees)
@@ -261,7 +278,8 @@ static noise noise_of(double roughness, double degrees)
     for (int i = 0; i < N * N; i++) {
         double wi[3], d, q;
         midpoint(i, N, 0, wi, &d);
-        const double F = lit_f(&l, wi, &q).r * wi[2], mine = upper.pdf[i] / all; /* a density that is none gains nothing by it */
+        /* a density that is none gains nothing by it */
+        const double F = lit_f(&l, wi, &q).r * wi[2], mine = upper.pdf[i] / all;
         n.mean += F * d;
         n.cosine += F * F / (wi[2] / PI) * d;
         n.ours += F * F / q * d;
@@ -278,7 +296,8 @@ static void expect_noise(int n_cases, double share_of_cosine, double times_ours,
     for (int k = 0; k < n_cases; k++) {
         const double degrees = k % 2 ? 65 : 10;
         const noise n = noise_of(roughnesses[k / 2], degrees);
-        const double mine = n.mine - n.mean * n.mean, limit = share_of_cosine * (n.cosine - n.mean * n.mean) + times_ours * (n.ours - n.mean * n.mean);
+        const double mine = n.mine - n.mean * n.mean,
+            limit = share_of_cosine * (n.cosine - n.mean * n.mean) + times_ours * (n.ours - n.mean * n.mean);
         if (!(mine <= limit)) {
             mark_wrong("roughness %g, seen at %g degrees: the variance of f cos/q is %.3g, %s %.3g at most. Where "
                        "is f cos large and q small?", roughnesses[k / 2], degrees, mine, than, limit);
@@ -288,7 +307,10 @@ static void expect_noise(int n_cases, double share_of_cosine, double times_ours,
 
 /* Of roughness 0.3 and 0.6: what is rougher reflects nearly as the cosine has it. */
 static void it_is_less_noisy_than_the_cosine(void) { expect_noise(4, 0.6, 0, "six tenths of the cosine's are"); }
-static void it_is_nearly_as_good_as_visible_normals(void) { expect_noise(6, 0, 1.5, "one and a half times that of visible normals is"); }
+static void it_is_nearly_as_good_as_visible_normals(void)
+{
+    expect_noise(6, 0, 1.5, "one and a half times that of visible normals is");
+}
 
 static void work(void)
 {
@@ -312,7 +334,8 @@ static void work(void)
 int main(int argc, char **argv)
 {
     static const mark_claim claims[] = {
-        {"f_is_left_as_it_was_and_the_density_integrates_to_1", 15, f_is_left_as_it_was_and_the_density_integrates_to_1},
+        {"f_is_left_as_it_was_and_the_density_integrates_to_1", 15,
+         f_is_left_as_it_was_and_the_density_integrates_to_1},
         {"samples_have_the_density", 20, samples_have_the_density},
         {"the_albedo_comes_out_of_the_samples", 10, the_albedo_comes_out_of_the_samples},
         {"the_bound_of_rejection_holds", 10, the_bound_of_rejection_holds},

@@ -1,5 +1,5 @@
-/* Assignment phong: src/thesis/phong_formulas.h, the lobe's direction, f with its density, and the choice of a lobe. Closed forms, and quadrature over
- * the sphere. Statistical tests: 10. */
+/* Assignment phong: src/thesis/phong_formulas.h, the lobe's direction, f with its density, and the choice of a lobe.
+ * Closed forms, and quadrature over the sphere. Statistical tests: 10. */
 #include "mark.h"
 
 #include "bis/base/mem.h"
@@ -10,7 +10,8 @@
 
 static const char *const in_lobe = "Eq. 3.16 draws cos theta = (1 - u1)^(1/(n+1)).";
 
-/* A surface about a tilted normal, seen at so many degrees from it; b: our own view of it, for its frames. m must stay where it is. */
+/* A surface about a tilted normal, seen at so many degrees from it; b: our own view of it, for its frames. m must
+ * stay where it is. */
 static ask_surface seen(bis_bsdf *b, const bis_material *m, double degrees)
 {
     const frame about_n = frame_about(normalize(vec3_from(0.3, -0.5, 0.7)));
@@ -30,7 +31,8 @@ static void sample(const ask_surface *s, const double *u, size_t n, vec3 *wi)
     ASK(ASK_SAMPLE, GIVE(s, 1), GIVE(u, 3 * n), TAKE(wi, n), TAKE(drawn, n));
     for (size_t k = 0; k < n; k++) {
         if (!drawn[k]) {
-            mark_wrong("nothing is drawn from a material that reflects (a direction below the horizon is returned, not refused: errata E34)");
+            mark_wrong("nothing is drawn from a material that reflects (a direction below the horizon is returned, "
+                       "not refused: errata E34)");
         }
     }
     bis_free(drawn);
@@ -61,7 +63,8 @@ static void the_lobe_is_drawn_by_eq_3_16(void)
 static void the_azimuth_of_the_lobe_is_uniform(void)
 {
     enum { CELLS = 16, DRAWS = 40000 };
-    double observed[CELLS] = {0}, expected[CELLS], *u = mark_uniforms(2 * DRAWS, mark_seed(1), 0), *pdf = mark_alloc(DRAWS, sizeof *pdf);
+    double observed[CELLS] = {0}, expected[CELLS], *u = mark_uniforms(2 * DRAWS, mark_seed(1), 0),
+        *pdf = mark_alloc(DRAWS, sizeof *pdf);
     double(*in)[3] = mark_alloc(DRAWS, sizeof *in);
     vec3 *wi = mark_alloc(DRAWS, sizeof *wi);
 
@@ -100,7 +103,8 @@ static void narrow_lobes_keep_their_precision(void)
     for (int k = 0; k < N; k++) {
         const long double versine = -expm1l(log1pl(-(long double)in[k][1]) / (1e6L + 1));
         const double sine = (double)sqrtl(versine * (2 - versine));
-        mark_near(hypot((double)wi[k].x, (double)wi[k].y), sine, 0, 1e-6, "n = 1e6, u1 = %g, where 1 - cos theta is %.2Lg (what do pow and "
+        mark_near(hypot((double)wi[k].x, (double)wi[k].y), sine, 0, 1e-6,
+                  "n = 1e6, u1 = %g, where 1 - cos theta is %.2Lg (what do pow and "
                   "sqrt(1 - cos^2) leave of it? expm1 and log1p do better): sin theta", in[k][1], versine);
     }
     bis_free(u);
@@ -135,7 +139,8 @@ static bis_material material(int k)
     return bis_phong(k % 7 == 5 ? none : Kd, k % 7 == 6 ? none : Ks, exponents[k / 4 % 4]);
 }
 
-/* Three unit vectors of floats: the lobe's cosine is good to 4e-7, its 80th power to 4e-5. From the normal: above the horizon, and below it, where smooth normals may bring the eye. */
+/* Three unit vectors of floats: the lobe's cosine is good to 4e-7, its 80th power to 4e-5. From the normal: above
+ * the horizon, and below it, where smooth normals may bring the eye. */
 static int angle_of_eye(int k) { return k % 4 == 3 ? 92 + k % 80 : k % 89; }
 
 static const char *place_of_eye(int degrees) { return degrees > 90 ? " (the eye lies below the horizon)" : ""; }
@@ -179,10 +184,13 @@ static void f_is_eq_3_14(void)
         if (l->out[k]) continue;
         double q;
         const rgb must = f_by_hand(b, l->wi[k], &q);
-        const double got[] = {(double)l->f[k].r, (double)l->f[k].g, (double)l->f[k].b}, hand[] = {(double)must.r, (double)must.g, (double)must.b};
+        const double got[] = {(double)l->f[k].r, (double)l->f[k].g, (double)l->f[k].b},
+            hand[] = {(double)must.r, (double)must.g, (double)must.b};
         for (int i = 0; i < 3; i++) {
-            mark_near(got[i], hand[i], 1e-6, 5e-5, "n = %g, seen at %d degrees from the normal%s, light at %.0f degrees: channel %d of f",
-                      l->m[k].exponent, degrees, place_of_eye(degrees), acos(fmax(-1, fmin(1, bis_bsdf_cos(b, l->wi[k])))) * 180 / PI, i);
+            mark_near(got[i], hand[i], 1e-6, 5e-5, "n = %g, seen at %d degrees from the normal%s, light at %.0f "
+                      "degrees: channel %d of f",
+                      l->m[k].exponent, degrees, place_of_eye(degrees),
+                          acos(fmax(-1, fmin(1, bis_bsdf_cos(b, l->wi[k])))) * 180 / PI, i);
         }
     }
     bis_free(l);
@@ -217,9 +225,11 @@ static void check_density(void)
         f_by_hand(&l->b[k], l->wi[k], &must);
         const double both[] = {l->alone[k], l->pdf[k]};
         for (int i = 0; i < 2; i++) {
-            mark_near(both[i], must, 1e-6, 5e-5, "n = %g, p_s = %g, seen at %d degrees from the normal%s, light at %.0f degrees: the "
+            mark_near(both[i], must, 1e-6, 5e-5, "n = %g, p_s = %g, seen at %d degrees from the normal%s, light at "
+                      "%.0f degrees: the "
                       "density q%s", l->m[k].exponent, l->b[k].p_specular, degrees, place_of_eye(degrees),
-                      acos(fmax(-1, fmin(1, bis_bsdf_cos(&l->b[k], l->wi[k])))) * 180 / PI, i ? " that comes with f" : "");
+                      acos(fmax(-1, fmin(1, bis_bsdf_cos(&l->b[k], l->wi[k])))) * 180 / PI, i
+                          ? " that comes with f" : "");
         }
     }
     bis_free(l);
@@ -230,7 +240,8 @@ static void the_density_is_q_and_integrates_to_1(void)
     const double mixes[][2] = {{1, 0}, {0, 1}, {0.3, 0.7}, {0.5, 0.2}};
 
     for (int k = 0; k < 4; k++) {
-        const bis_material m = bis_phong(rgb_from(mixes[k][0], mixes[k][0], mixes[k][0]), rgb_from(mixes[k][1], mixes[k][1], mixes[k][1]), 8);
+        const bis_material m = bis_phong(rgb_from(mixes[k][0], mixes[k][0], mixes[k][0]),
+                                         rgb_from(mixes[k][1], mixes[k][1], mixes[k][1]), 8);
         for (int degrees = 0; degrees <= 80; degrees += 40) {
             bis_bsdf b;
             const ask_surface s = seen(&b, &m, degrees);
@@ -259,7 +270,8 @@ static void check_choice_of_a_lobe(void)
         const double u0 = u[3 * k], u1 = u[3 * k + 1], u2 = u[3 * k + 2];
         const bool lobe = u0 < b.p_specular;
         const double cosine = lobe ? pow(1 - u1, 1 / (m.exponent + 1)) : (double)bis_warp_cosine(u1, u2).z;
-        mark_near(dot(wi[k], lobe ? b.r : b.local.z), cosine, 1e-5, 0, "u0 = %.3f, p_s = %.3f, u1 = %.3f: the cosine about the %s", u0,
+        mark_near(dot(wi[k], lobe ? b.r : b.local.z), cosine, 1e-5, 0,
+                  "u0 = %.3f, p_s = %.3f, u1 = %.3f: the cosine about the %s", u0,
                   b.p_specular, u1, lobe ? "lobe's axis" : "normal");
     }
     sample(&only_lobe, half, 1, wi);
@@ -285,7 +297,8 @@ static void samples_have_the_density(void)
         for (int k = 0; k < DRAWS; k++) {
             const vec3 w = to_local(&b.local, wi[k]);
             if (!(fabs(length(w) - 1) < 1e-5)) mark_wrong("a direction has length %g, must be 1", length(w));
-            const int ring = (int)((1 - (double)w.z) / 2 * RINGS), sector = (int)((atan2((double)w.y, (double)w.x) / (2 * PI) + 0.5) * SECTORS);
+            const int ring = (int)((1 - (double)w.z) / 2 * RINGS),
+                sector = (int)((atan2((double)w.y, (double)w.x) / (2 * PI) + 0.5) * SECTORS);
             observed[(ring < RINGS ? ring : RINGS - 1) * SECTORS + (sector < SECTORS ? sector : SECTORS - 1)]++;
         }
         for (int i = 0; i < CELLS; i++) {
@@ -297,7 +310,8 @@ static void samples_have_the_density(void)
                 expected[i] += q * 4 * PI / CELLS / (FINE * FINE) * DRAWS;
             }
         }
-        mark_fit(observed, expected, CELLS, MARK_ALPHA, "rings and sectors about the normal", "The cosine and the lobe, "
+        mark_fit(observed, expected, CELLS, MARK_ALPHA, "rings and sectors about the normal",
+                 "The cosine and the lobe, "
                  "which reaches below the horizon, each with its share (errata E34, E35).");
         bis_free(u);
     }
@@ -320,7 +334,8 @@ static void the_albedo_comes_out_of_the_samples(void)
         for (int i = 0; i < K * K; i++) {
             const double z = (i / K + 0.5) / K, t = sqrt(1 - z * z), phi = 2 * PI * (i % K + 0.5) / K;
             double q;
-            truth += (double)f_by_hand(&b, to_world(&b.local, vec3_from(t * cos(phi), t * sin(phi), z)), &q).r * z * 2 * PI / K / K;
+            truth += (double)f_by_hand(&b, to_world(&b.local, vec3_from(t * cos(phi), t * sin(phi), z)),
+                                       &q).r * z * 2 * PI / K / K;
         }
         sample(&s, u, DRAWS, wi);
         ASK(ASK_F, GIVE(&s, 1), GIVE(wi, DRAWS), TAKE(f, DRAWS), TAKE(pdf, DRAWS), TAKE(pdf, 0));

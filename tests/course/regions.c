@@ -64,7 +64,8 @@ static void check_random_levels(void)
 {
     enum { N = 2000 };
     bis_levels *l = mark_alloc(2 * N, sizeof *l);
-    double *intensity = mark_alloc(2 * N, sizeof *intensity), *most = mark_alloc(N, sizeof *most), *exact = mark_alloc(N, sizeof *exact);
+    double *intensity = mark_alloc(2 * N, sizeof *intensity), *most = mark_alloc(N, sizeof *most),
+        *exact = mark_alloc(N, sizeof *exact);
     uint8_t *level = mark_alloc(2 * N, sizeof *level);
     bis_rng r;
 
@@ -87,11 +88,13 @@ static void check_random_levels(void)
     for (int k = 0; k < N; k++) {
         const int n = l[2 * k].n;
         if (fabs(exact[k] - round(exact[k])) > 1e-6 && level[2 * k] != (int)exact[k]) {
-            mark_wrong("%d levels from %g to %g: intensity %g has level %d, must be %d", n, intensity[2 * k + 1], most[k], intensity[2 * k],
+            mark_wrong("%d levels from %g to %g: intensity %g has level %d, must be %d", n, intensity[2 * k + 1],
+                       most[k], intensity[2 * k],
                        level[2 * k], (int)exact[k]);
         }
         if (level[2 * k + 1] != 0) {
-            mark_wrong("%d levels from %g to %g: the least intensity has level %d, must be 0", n, intensity[2 * k + 1], most[k], level[2 * k + 1]);
+            mark_wrong("%d levels from %g to %g: the least intensity has level %d, must be 0", n,
+                       intensity[2 * k + 1], most[k], level[2 * k + 1]);
         }
     }
     bis_free(l);
@@ -127,7 +130,8 @@ static void levels_are_equal_steps_of_the_logarithm(void)
     levels_of(level, l, at, N);
     for (int k = 0; k < N; k++) {
         if (level[k] != k / 3) {
-            mark_wrong("8 levels from 1 to 65536, a factor of 4 each: intensity %g has level %d, must be %d", at[k], level[k], k / 3);
+            mark_wrong("8 levels from 1 to 65536, a factor of 4 each: intensity %g has level %d, must be %d", at[k],
+                       level[k], k / 3);
         }
     }
     check_random_levels();
@@ -141,7 +145,8 @@ static void darkest_brightest_black_and_constant_have_their_levels(void)
 
     levels_of(level, l, at, 3);
     if (level[0] != 7) {
-        mark_wrong("the brightest pixel of 8 levels has level %d, must be 7: it stands on the last bin's upper edge", level[0]);
+        mark_wrong("the brightest pixel of 8 levels has level %d, must be 7: it stands on the last bin's upper edge",
+                   level[0]);
     }
     if (level[1] != BIS_LEVEL_NONE) {
         mark_wrong("intensity 0 has level %d, must be BIS_LEVEL_NONE: it has no logarithm", level[1]);
@@ -149,8 +154,9 @@ static void darkest_brightest_black_and_constant_have_their_levels(void)
     if (level[2] != 0) mark_wrong("a map of one intensity: level %d, must be 0", level[2]);
 }
 
-/* Random pixels of three levels between black edges, so that neither poles nor seam matter, against a slow search: each pixel takes the
- * least number among its own and its neighbours', until nothing changes. Regions are numbered in the order of their first pixels. */
+/* Random pixels of three levels between black edges, so that neither poles nor seam matter, against a slow search:
+ * each pixel takes the least number among its own and its neighbours', until nothing changes. Regions are numbered
+ * in the order of their first pixels. */
 static void check_random_map(size_t width, size_t height, uint64_t seed)
 {
     const size_t n = width * height;
@@ -176,7 +182,9 @@ static void check_random_map(size_t width, size_t height, uint64_t seed)
         }
     }
     char next = 0;
-    for (size_t i = 0; i < n; i++) labels[i] = rows[i] == '.' ? '.' : least[i] == i ? (char)('a' + next++) : labels[least[i]];
+    for (size_t i = 0; i < n; i++) {
+        labels[i] = rows[i] == '.' ? '.' : least[i] == i ? (char)('a' + next++) : labels[least[i]];
+    }
     expect((int)width, (int)height, rows, labels, "random pixels of two levels");
     bis_free(rows);
     bis_free(labels);
@@ -304,7 +312,8 @@ static void a_large_map_needs_no_deep_recursion(void)
     bis_regions_clear(&r);
     bis_envmap_clear(&em);
 
-    /* Were a pole's row walked anew for each of its pixels, these were 60 * 2 * 2^30 steps, far beyond the time of a claim. */
+    /* Were a pole's row walked anew for each of its pixels, these were 60 * 2 * 2^30 steps, far beyond the time of a
+     * claim. */
     em = map_new(32768, 3);
     for (size_t i = 0; i < map_n(&em); i++) em.pixels[i].r = 1;
     for (int k = 0; k < 60; k++) {
@@ -329,7 +338,8 @@ int main(int argc, char **argv)
 {
     static const mark_claim claims[] = {
         {"levels_are_equal_steps_of_the_logarithm", 10, levels_are_equal_steps_of_the_logarithm},
-        {"darkest_brightest_black_and_constant_have_their_levels", 10, darkest_brightest_black_and_constant_have_their_levels},
+        {"darkest_brightest_black_and_constant_have_their_levels", 10,
+         darkest_brightest_black_and_constant_have_their_levels},
         {"neighbours_of_a_level_are_one_region", 15, neighbours_of_a_level_are_one_region},
         {"corners_do_not_touch", 10, corners_do_not_touch},
         {"left_and_right_edges_touch", 10, left_and_right_edges_touch},

@@ -1,11 +1,12 @@
-/* Assignment rejection: src/thesis/rejection.c: which bound, who is accepted, what the accepted are worth. Means against brute force
- * and rays counted (tests/support/lit.h). Statistical tests: 21. */
+/* Assignment rejection: src/thesis/rejection.c: which bound, who is accepted, what the accepted are worth. Means
+ * against brute force and rays counted (tests/support/lit.h). Statistical tests: 21. */
 #include "mark.h"
 
 #include "bis/base/mem.h"
 #include "thesis/candidates.h"
 
-static const char *const hint = "Accept with probability w/B; each traced candidate stands for A/n accepted ones; divide by M, accepted or not.";
+static const char *const hint = "Accept with probability w/B; each traced candidate stands for A/n accepted ones; "
+    "divide by M, accepted or not.";
 
 static bis_material shiny(void) { return bis_phong((rgb){0.5f, 0.5f, 0.5f}, (rgb){0.5f, 0.5f, 0.5f}, 5); }
 
@@ -62,19 +63,22 @@ static void check_acceptance(bis_proposal proposal, const char *what, const char
     in_the_open(&l, shiny());
     const double p = rgbd_sum(lit_truth(&l, false)) / bis_candidates_bound(&l.pt, proposal);
     const stat_moments m = acceptance(proposal, 8 * p, &square);
-    mark_mean(&m, 8 * p, MARK_ALPHA, what, "In the mean, a candidate is accepted with probability L_ns/B. bis_set_weight has w in the unit of B.");
+    mark_mean(&m, 8 * p, MARK_ALPHA, what, "In the mean, a candidate is accepted with probability L_ns/B. "
+              "bis_set_weight has w in the unit of B.");
     mark_mean(&square, 8 * p * (1 - p), MARK_ALPHA, square_of_what, "Each candidate has a random number of its own.");
     bis_light_free(l.light);
 }
 
 static void candidates_of_the_map_are_accepted_with_probability_w_over_B(void)
 {
-    check_acceptance(BIS_PROPOSAL_EM, "how many of 8 from the map are accepted", "how many of 8 from the map are accepted, less the mean, squared");
+    check_acceptance(BIS_PROPOSAL_EM, "how many of 8 from the map are accepted",
+                     "how many of 8 from the map are accepted, less the mean, squared");
 }
 
 static void candidates_of_the_brdf_are_accepted_with_probability_w_over_B(void)
 {
-    check_acceptance(BIS_PROPOSAL_BRDF, "how many of 8 from the BRDF are accepted", "how many of 8 from the BRDF are accepted, less the mean, squared");
+    check_acceptance(BIS_PROPOSAL_BRDF, "how many of 8 from the BRDF are accepted",
+                     "how many of 8 from the BRDF are accepted, less the mean, squared");
 }
 
 static void the_smaller_bound_is_chosen_more_often(void)
@@ -82,7 +86,8 @@ static void the_smaller_bound_is_chosen_more_often(void)
     lit l;
 
     in_the_open(&l, shiny());
-    const double c_em = bis_candidates_bound(&l.pt, BIS_PROPOSAL_EM), c_brdf = bis_candidates_bound(&l.pt, BIS_PROPOSAL_BRDF);
+    const double c_em = bis_candidates_bound(&l.pt, BIS_PROPOSAL_EM),
+        c_brdf = bis_candidates_bound(&l.pt, BIS_PROPOSAL_BRDF);
     const double p_em = c_brdf / (c_em + c_brdf), L = rgbd_sum(lit_truth(&l, false));
     stat_moments square;
     const stat_moments m = acceptance(BIS_PROPOSAL_CHOOSE, 0, &square);
@@ -108,7 +113,10 @@ static void check(bis_proposal proposal, uint32_t M, uint32_t N, lit_hidden hidd
 }
 
 static void one_candidate_and_one_ray_are_right(void) { check(BIS_PROPOSAL_EM, 1, 1, LIT_HALF, "M = 1, N = 1"); }
-static void many_rays_are_right(void) { check(BIS_PROPOSAL_EM, 8, 8, LIT_HALF, "M = 8, N = 8, so that all accepted are traced"); }
+static void many_rays_are_right(void)
+{
+    check(BIS_PROPOSAL_EM, 8, 8, LIT_HALF, "M = 8, N = 8, so that all accepted are traced");
+}
 
 static void fewer_rays_than_accepted_are_right(void)
 {
@@ -117,7 +125,8 @@ static void fewer_rays_than_accepted_are_right(void)
     check(BIS_PROPOSAL_CHOOSE, 16, 2, LIT_OPEN, "M = 16, N = 2, \"choose\"");
 }
 
-/* In the open and without colour all F/phat are equal, so that L = W/M: its noise is that of M samples, whatever was accepted. */
+/* In the open and without colour all F/phat are equal, so that L = W/M: its noise is that of M samples, whatever was
+ * accepted. */
 static void check_noise_of_ratio(void)
 {
     enum { RUNS = 20000 };
@@ -133,7 +142,8 @@ static void check_noise_of_ratio(void)
         const double d = rgb_sum(e[run].L) - truth;
         stat_add(&square, d * d);
     }
-    mark_mean(&square, variance / 16, MARK_ALPHA, "the ratio estimator, M = 16, N = 2, in the open: the squared error", "It must be that of 16 samples: "
+    mark_mean(&square, variance / 16, MARK_ALPHA, "the ratio estimator, M = 16, N = 2, in the open: the squared "
+              "error", "It must be that of 16 samples: "
               "W/M has all candidates in it. Is this the plain estimator?");
     bis_light_free(l.light);
     bis_free(e);
@@ -153,11 +163,14 @@ static void the_ratio_estimator_is_right_to_two_percent(void)
 
     for (int run = 0; run < RUNS; run++) accepted += e[run].accepted;
     if (accepted == 0) mark_wrong("no candidate is accepted at all");
-    if (rays > 24) mark_wrong("the ratio estimator: an estimate casts %u shadow rays, must be N = 24 at most", (unsigned)rays);
+    if (rays > 24) {
+        mark_wrong("the ratio estimator: an estimate casts %u shadow rays, must be N = 24 at most", (unsigned)rays);
+    }
     mark_lit(&l, &scene);
     mark_moments(m, e, RUNS);
     const double truth = rgbd_sum(lit_truth(&l, true)), allowed = fmin(fmax(m[3].mean, 0.98 * truth), 1.02 * truth);
-    mark_mean(&m[3], allowed, MARK_ALPHA, "the ratio estimator, M = 200, N = 24", "It may be wrong by 2 %, and no more than chance beyond that.");
+    mark_mean(&m[3], allowed, MARK_ALPHA, "the ratio estimator, M = 200, N = 24",
+              "It may be wrong by 2 %, and no more than chance beyond that.");
     bis_light_free(l.light);
     bis_free(e);
     check_noise_of_ratio();
@@ -195,8 +208,10 @@ static void work(void)
 int main(int argc, char **argv)
 {
     static const mark_claim claims[] = {
-        {"candidates_of_the_map_are_accepted_with_probability_w_over_B", 10, candidates_of_the_map_are_accepted_with_probability_w_over_B},
-        {"candidates_of_the_brdf_are_accepted_with_probability_w_over_B", 5, candidates_of_the_brdf_are_accepted_with_probability_w_over_B},
+        {"candidates_of_the_map_are_accepted_with_probability_w_over_B", 10,
+         candidates_of_the_map_are_accepted_with_probability_w_over_B},
+        {"candidates_of_the_brdf_are_accepted_with_probability_w_over_B", 5,
+         candidates_of_the_brdf_are_accepted_with_probability_w_over_B},
         {"the_smaller_bound_is_chosen_more_often", 10, the_smaller_bound_is_chosen_more_often},
         {"one_candidate_and_one_ray_are_right", 10, one_candidate_and_one_ray_are_right},
         {"many_rays_are_right", 10, many_rays_are_right},
